@@ -1,0 +1,142 @@
+// A case: one TOML file, read with line numbers, written back with every default filled in.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "apps/report/options.hpp"
+#include "compare/compare.hpp"
+#include "mpm/options.hpp"
+#include "pivnp/core/options.hpp"
+#include "pivnp/image/camera.hpp"
+#include "pivnp/image/frames.hpp"
+#include "pivnp/image/mask.hpp"
+#include "pivnp/image/synthetic.hpp"
+#include "pivnp/np/tracker.hpp"
+#include "pivnp/piv/piv.hpp"
+
+namespace pivnp::app {
+
+struct GridOptions {
+  std::optional<double> spacing_px;
+  std::optional<double> spacing_m;
+  std::optional<double> margin_px;
+  Points area_px;
+  Points area_m;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit("spacing_px", self.spacing_px, OptionInfo{.unit = "px", .text = "distance of the nodes (left out, and spacing_m: half the window)", .min = 1});
+    visit("spacing_m", self.spacing_m, OptionInfo{.unit = "m", .text = "distance of the nodes in the world", .min = 0, .above_min = true});
+    visit("margin_px", self.margin_px, OptionInfo{.unit = "px", .text = "distance of the outermost nodes from the image's edge (left out: half the window)", .min = 0});
+    visit("area_px", self.area_px, OptionInfo{.unit = "px", .text = "two opposite corners (column, row) of the grid (left out: the whole image)"});
+    visit("area_m", self.area_m, OptionInfo{.unit = "m", .text = "two opposite corners of the grid in the world"});
+  }
+};
+
+struct RegionOptions {
+  Points polygon_m;
+  Points polygon_px;
+  std::string material;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit("polygon_m", self.polygon_m, OptionInfo{.unit = "m", .text = "outline of the material at the first frame"});
+    visit("polygon_px", self.polygon_px, OptionInfo{.unit = "px", .text = "the same in pixels (column, row)"});
+    visit("material", self.material, OptionInfo{.text = "name of its material (left out: the region's own name)"});
+  }
+};
+
+struct OutputOptions {
+  std::vector<std::string> fields_stored;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit("fields", self.fields_stored, OptionInfo{.text = "computed fields to store as well (strain_dev, velocity_x ...; docs/format.md)"});
+  }
+};
+
+/// Frames with truth: what `pivnp synth` draws, and `pivnp run` when no frames are given.
+struct SynthOptions {
+  int width_px = 512;
+  int height_px = 512;
+  int frames = 10;
+  std::string motion = "none";
+  std::vector<double> gradient_per_frame;
+  Pair shift_px_per_frame = {0.0, 0.0};
+  double rotation_deg_per_frame = 0;
+  Pair centre_px = {0.0, 0.0};
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit("width_px", self.width_px, OptionInfo{.unit = "px", .text = "width of the frames", .min = 16, .max = 20000});
+    visit("height_px", self.height_px, OptionInfo{.unit = "px", .text = "height of the frames", .min = 16, .max = 20000});
+    visit("frames", self.frames, OptionInfo{.text = "number of frames", .min = 2, .max = 100000});
+    visit("motion", self.motion, OptionInfo{.text = "none; affine: the same increment every frame; mpm: simulated by [synth.mpm] with [synth.material.*]", .choices = {"none", "affine", "mpm"}});
+    visit("gradient_per_frame", self.gradient_per_frame, OptionInfo{.text = "affine: xx xy yx yy of the displacement gradient of one frame, world axes"});
+    visit("shift_px_per_frame", self.shift_px_per_frame, OptionInfo{.unit = "px", .text = "affine: shift of one frame (x, y up)"});
+    visit("rotation_deg_per_frame", self.rotation_deg_per_frame, OptionInfo{.unit = "deg", .text = "affine: turn of one frame, counter-clockwise, after the gradient"});
+    visit("centre_px", self.centre_px, OptionInfo{.unit = "px", .text = "affine: the fixed point (column, row)"});
+  }
+};
+
+/// What `pivnp verify` demands of a case with known truth.
+struct VerifyOptions {
+  std::optional<double> displacement_rms_px;
+  std::optional<double> strain_error;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit("displacement_rms_px", self.displacement_rms_px, OptionInfo{.unit = "px", .text = "greatest RMS error of the particles' final displacement", .min = 0});
+    visit("strain_error", self.strain_error, OptionInfo{.text = "greatest error of the mean final log strain, any component", .min = 0});
+  }
+};
+
+template <class T>
+using Named = std::vector<std::pair<std::string, T>>;  // in the file's order
+
+struct Case {
+  std::string name;
+  std::filesystem::path file;    // empty for the embedded case
+  std::filesystem::path folder;  // what relative paths are relative to
+
+  std::optional<image::FrameOptions> frames;  // [frames]
+  image::CameraOptions camera;                // [camera]
+  Named<image::MaskOptions> masks;            // [mask.NAME]
+  GridOptions grid;                           // [grid]
+  Named<RegionOptions> regions;               // [region.NAME]
+  std::optional<piv::PivOptions> piv;         // [piv]; present by default when there are frames
+  std::optional<np::NpOptions> np;            // [np]; likewise
+  Named<mpm::MaterialOptions> materials;      // [material.NAME]
+  std::optional<mpm::MpmOptions> mpm;         // [mpm]
+  Named<mpm::BoundaryOptions> boundaries;     // [boundary.NAME]
+  Named<mpm::RigidOptions> bodies;            // [body.NAME]
+  compare::CompareOptions compare;            // [compare]
+  compare::LimitOptions limits;               // [compare.limits]
+  report::ReportOptions report;               // [report]
+  OutputOptions output;                       // [output]
+  std::optional<SynthOptions> synth;          // [synth]
+  image::TextureOptions texture;              // [synth.texture]
+  Named<mpm::MaterialOptions> synth_materials;  // [synth.material.NAME]
+  std::optional<mpm::MpmOptions> synth_mpm;     // [synth.mpm]
+  VerifyOptions verify;                       // [verify]
+};
+
+/// Reads a case. `path` is a TOML file or a folder with case.toml. Throws InputError of one line:
+/// "FILE:LINE: unknown key 'piv.window'; did you mean 'window_px'?", wrong type, out of range, unknown choice,
+/// duplicate key, syntax error, and what only the whole case shows (a region without a material, np without piv ...).
+Case read_case(const std::filesystem::path& path);
+
+/// The same from text; `name` stands in messages.
+Case parse_case(const std::string& text, const std::string& name, const std::filesystem::path& folder);
+
+/// The case as run: every default filled in, as TOML that reads back to the same case.
+std::string write_case(const Case& c);
+
+/// The reference of all keys (docs/case.md), made from the option lists.
+std::string case_reference();
+
+}  // namespace pivnp::app

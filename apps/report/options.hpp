@@ -1,0 +1,24 @@
+// What a report can be told. Kept apart from the drawing, so that a case knows no Qt.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pivnp/core/options.hpp"
+
+namespace pivnp::report {
+
+struct ReportOptions {
+  std::string title;
+  std::vector<double> times_s;
+  Points points_m;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit("title", self.title, OptionInfo{.text = "title of the report (left out: the case's name)"});
+    visit("times_s", self.times_s, OptionInfo{.unit = "s", .text = "times at which fields are drawn (left out: three, evenly)"});
+    visit("points_m", self.points_m, OptionInfo{.unit = "m", .text = "material points whose histories are drawn (left out: three)"});
+  }
+};
+
+}  // namespace pivnp::report

@@ -1,0 +1,33 @@
+// The report: one self-contained HTML, one PDF, and its figures as PNG and SVG, drawn offscreen.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/report/options.hpp"
+#include "compare/compare.hpp"
+#include "pivnp/core/image_view.hpp"
+#include "pivnp/io/record.hpp"
+
+namespace pivnp::report {
+
+/// A frame to draw under vectors.
+struct Picture {
+  int frame = 0;
+  Image image;
+};
+
+struct ReportInput {
+  std::string name;
+  const io::RecordReader* record = nullptr;
+  std::optional<compare::Comparison> comparison;
+  std::vector<Picture> pictures;         // frames to draw vectors on, one at least if there is PIV
+  std::vector<std::string> remarks;      // what was flagged and why, one sentence each
+};
+
+/// Writes report.html, report.pdf and figures/*.png, *.svg into `directory`. Throws RunError if it cannot.
+void write_report(const ReportOptions& options, const ReportInput& input, const std::filesystem::path& directory);
+
+}  // namespace pivnp::report

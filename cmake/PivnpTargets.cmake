@@ -1,0 +1,37 @@
+# How every target of the project is made: one library a folder, one test program a tested folder.
+
+option(PIVNP_WERROR "Warnings are errors" OFF)
+option(PIVNP_SANITIZE "Build with the address and undefined-behaviour sanitizers" OFF)
+
+add_library(pivnp_flags INTERFACE)
+target_include_directories(pivnp_flags INTERFACE ${CMAKE_SOURCE_DIR})
+# No contraction: results must not depend on whether the compiler found a fused multiply-add.
+target_compile_options(pivnp_flags INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -ffp-contract=off)
+if(PIVNP_WERROR)
+  target_compile_options(pivnp_flags INTERFACE -Werror)
+endif()
+if(PIVNP_SANITIZE)
+  target_compile_options(pivnp_flags INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=undefined
+                                               -fno-omit-frame-pointer)
+  target_link_options(pivnp_flags INTERFACE -fsanitize=address,undefined)
+endif()
+
+# pivnp_library(NAME SOURCES a.cpp ... [PUBLIC lib ...] [PRIVATE lib ...])
+function(pivnp_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  add_library(${name} STATIC ${ARG_SOURCES})
+  target_link_libraries(${name} PUBLIC pivnp_flags ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
+endfunction()
+
+# pivnp_test(NAME LABEL quick|full SOURCES a.cpp ... LINK lib ... [TIMEOUT seconds])
+function(pivnp_test name)
+  cmake_parse_arguments(ARG "" "LABEL;TIMEOUT" "SOURCES;LINK" ${ARGN})
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 300)
+  endif()
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE pivnp_flags ${ARG_LINK} GTest::gtest_main GTest::gmock)
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  gtest_discover_tests(${name} TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60
+                       PROPERTIES LABELS ${ARG_LABEL} TIMEOUT ${ARG_TIMEOUT})
+endfunction()

@@ -1,0 +1,208 @@
+#include "pivnp/core/particles/derived.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "pivnp/core/error.hpp"
+#include "pivnp/core/particles/strain.hpp"
+#include "pivnp/core/text.hpp"
+
+namespace pivnp {
+
+namespace {
+
+constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
+
+bool alive(ParticleStatus s) { return s == ParticleStatus::active || s == ParticleStatus::doubtful; }
+
+// Derivative at t of the parabola through three points (Lagrange); any spacing, second order.
+double parabola_slope(const std::array<double, 3>& t, const std::array<double, 3>& f, double at) {
+  const double a = (2 * at - t[1] - t[2]) / ((t[0] - t[1]) * (t[0] - t[2]));
+  const double b = (2 * at - t[0] - t[2]) / ((t[1] - t[0]) * (t[1] - t[2]));
+  const double c = (2 * at - t[0] - t[1]) / ((t[2] - t[0]) * (t[2] - t[1]));
+  return a * f[0] + b * f[1] + c * f[2];
+}
+
+}  // namespace
+
+const std::vector<DerivedField>& derived_fields() {
+  static const std::vector<DerivedField> fields = {
+      {"displacement_x", "L", "u_x since the first frame"},
+      {"displacement_y", "L", "u_y since the first frame"},
+      {"displacement_magnitude", "L", "|u|"},
+      {"velocity_x", "L/T", "du_x/dt, second-order differences over the frames, or the source's own"},
+      {"velocity_y", "L/T", "du_y/dt, likewise"},
+      {"velocity_magnitude", "L/T", "|v|"},
+      {"acceleration_x", "L/T^2", "dv_x/dt, second-order differences over the frames"},
+      {"acceleration_y", "L/T^2", "dv_y/dt, likewise"},
+      {"acceleration_magnitude", "L/T^2", "|a|"},
+      {"strain_xx", "1", "xx of the logarithmic strain 1/2 ln(F F^T)"},
+      {"strain_yy", "1", "yy of the logarithmic strain"},
+      {"strain_xy", "1", "xy of the logarithmic strain (tensor component)"},
+      {"strain_vol", "1", "volumetric strain ln J"},
+      {"strain_dev", "1", "sqrt(2/3 e:e) of the deviator of the logarithmic strain, plane strain"},
+      {"strain_1", "1", "greater principal logarithmic strain"},
+      {"strain_2", "1", "smaller principal logarithmic strain"},
+      {"strain_angle", "rad", "direction of strain_1 from the x axis"},
+      {"J", "1", "det F"},
+      {"strain_dev_path", "1", "sum over frames of sqrt(2/3 de:de), de the deviator of the strain increment"},
+      {"strain_sum_xx", "1", "sum of small-strain increments (the thesis' measure; not objective)"},
+      {"strain_sum_yy", "1", "sum of small-strain increments"},
+      {"strain_sum_xy", "1", "sum of small-strain increments"},
+      {"strain_sum_dev", "1", "sqrt(2/3 e:e) of the deviator of the summed strain"},
+      {"plastic_dev", "1", "accumulated plastic deviatoric strain, where the source has it"},
+      {"stress_xx", "Pa", "stress, tension positive"},
+      {"stress_yy", "Pa", "stress, tension positive"},
+      {"stress_zz", "Pa", "stress, tension positive"},
+      {"stress_xy", "Pa", "stress"},
+      {"mean_stress", "Pa", "(s_xx + s_yy + s_zz)/3, tension positive"},
+  };
+  return fields;
+}
+
+const DerivedField& derived_field(std::string_view name) {
+  const auto& all = derived_fields();
+  const auto it = std::find_if(all.begin(), all.end(), [&](const DerivedField& f) { return f.name == name; });
+  if (it != all.end()) return *it;
+  std::vector<std::string> names;
+  for (const DerivedField& f : all) names.emplace_back(f.name);
+  throw InputError("unknown field '" + std::string(name) + "'" + did_you_mean(std::string(name), names));
+}
+
+struct DerivedReader::State {
+  const MotionSource& motion;
+  bool central;
+
+  // A few frames around the last one asked for.
+  std::vector<std::pair<std::size_t, MotionFrame>> cache;
+
+  // Path sums up to and including frame `summed`.
+  std::optional<std::size_t> summed;
+  std::vector<Mat2> F_before;
+  std::vector<double> path;
+  std::vector<Strain> sum;
+
+  State(const MotionSource& m, bool c) : motion(m), central(c) {}
+
+  const MotionFrame& frame(std::size_t k) {
+    for (const auto& [index, held] : cache)
+      if (index == k) return held;
+    if (cache.size() >= 8) cache.erase(cache.begin());
+    cache.emplace_back(k, motion.frame(k));
+    return cache.back().second;
+  }
+
+  // Up to three consecutive frames of the particle's life around k, nearest first choice: centred.
+  double difference(std::size_t p, std::size_t k, const auto& value_at) {
+    const std::vector<double>& t = motion.times();
+    auto lives = [&](std::size_t q) { return q < t.size() && alive(frame(q).status[p]); };
+    std::size_t from = k, to = k;
+    while (to - from < 2) {
+      if (from > 0 && k - from <= to - k && lives(from - 1)) --from;
+      else if (lives(to + 1)) ++to;
+      else if (from > 0 && lives(from - 1)) --from;
+      else break;
+    }
+    if (to == from) return nan_value;
+    if (to - from == 1) return (value_at(to) - value_at(from)) / (t[to] - t[from]);
+    return parabola_slope({t[from], t[from + 1], t[to]}, {value_at(from), value_at(from + 1), value_at(to)}, t[k]);
+  }
+
+  double velocity(std::size_t p, std::size_t k, int axis) {
+    if (!frame(k).v.empty()) return double(frame(k).v[p][std::size_t(axis)]);
+    return difference(p, k, [&](std::size_t q) { return double(frame(q).u[p][std::size_t(axis)]); });
+  }
+
+  double acceleration(std::size_t p, std::size_t k, int axis) {
+    return difference(p, k, [&](std::size_t q) { return velocity(p, q, axis); });
+  }
+
+  void sum_to(std::size_t k) {
+    const std::size_t count = motion.particles().size();
+    if (!summed || *summed > k) {
+      summed.reset();
+      F_before.assign(count, Mat2::Identity());
+      path.assign(count, 0.0);
+      sum.assign(count, Strain{});
+    }
+    for (std::size_t q = summed ? *summed + 1 : 0; q <= k; ++q) {
+      const MotionFrame now = motion.frame(q);
+      for (std::size_t p = 0; p < count; ++p) {
+        if (!alive(now.status[p])) continue;
+        const Mat2 F = matrix(now.F[p]);
+        const Strain de = central ? increment_central(F_before[p], F) : increment_forward(F_before[p], F);
+        sum[p].xx += de.xx;
+        sum[p].yy += de.yy;
+        sum[p].xy += de.xy;
+        path[p] += deviatoric(de);
+        F_before[p] = F;
+      }
+      summed = q;
+    }
+  }
+};
+
+DerivedReader::DerivedReader(const MotionSource& motion, bool central)
+    : state_(std::make_unique<State>(motion, central)) {}
+DerivedReader::~DerivedReader() = default;
+
+std::vector<double> DerivedReader::values(std::string_view name, std::size_t k) {
+  derived_field(name);  // throws for an unknown one
+  State& s = *state_;
+  const std::size_t count = s.motion.particles().size();
+  std::vector<double> out(count, nan_value);
+  const MotionFrame now = s.frame(k);
+
+  auto each = [&](const auto& value) {
+    for (std::size_t p = 0; p < count; ++p)
+      if (alive(now.status[p])) out[p] = value(p);
+  };
+  const int axis = name.ends_with("_y") ? 1 : 0;
+  const bool magnitude = name.ends_with("_magnitude");
+
+  if (name.starts_with("displacement_"))
+    each([&](std::size_t p) { return magnitude ? std::hypot(now.u[p][0], now.u[p][1]) : double(now.u[p][std::size_t(axis)]); });
+  else if (name.starts_with("velocity_"))
+    each([&](std::size_t p) { return magnitude ? std::hypot(s.velocity(p, k, 0), s.velocity(p, k, 1)) : s.velocity(p, k, axis); });
+  else if (name.starts_with("acceleration_"))
+    each([&](std::size_t p) { return magnitude ? std::hypot(s.acceleration(p, k, 0), s.acceleration(p, k, 1)) : s.acceleration(p, k, axis); });
+  else if (name == "strain_dev_path" || name.starts_with("strain_sum_")) {
+    s.sum_to(k);
+    each([&](std::size_t p) {
+      if (name == "strain_dev_path") return s.path[p];
+      if (name == "strain_sum_xx") return s.sum[p].xx;
+      if (name == "strain_sum_yy") return s.sum[p].yy;
+      if (name == "strain_sum_xy") return s.sum[p].xy;
+      return deviatoric(s.sum[p]);
+    });
+  } else if (name == "J")
+    each([&](std::size_t p) { return matrix(now.F[p]).determinant(); });
+  else if (name.starts_with("strain_"))
+    each([&](std::size_t p) {
+      const Strain e = log_strain(matrix(now.F[p]));
+      if (name == "strain_xx") return e.xx;
+      if (name == "strain_yy") return e.yy;
+      if (name == "strain_xy") return e.xy;
+      if (name == "strain_vol") return volumetric(e);
+      if (name == "strain_dev") return deviatoric(e);
+      const Principal q = principal(e);
+      return name == "strain_1" ? q.first : name == "strain_2" ? q.second : q.angle;
+    });
+  else if (name == "plastic_dev" && !now.plastic_dev.empty())
+    each([&](std::size_t p) { return double(now.plastic_dev[p]); });
+  else if (!now.stress.empty())
+    each([&](std::size_t p) {
+      const auto& t = now.stress[p];
+      if (name == "stress_xx") return double(t[0]);
+      if (name == "stress_yy") return double(t[1]);
+      if (name == "stress_zz") return double(t[2]);
+      if (name == "stress_xy") return double(t[3]);
+      return (double(t[0]) + double(t[1]) + double(t[2])) / 3;
+    });
+  return out;
+}
+
+}  // namespace pivnp

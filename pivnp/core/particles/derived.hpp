@@ -1,0 +1,46 @@
+// Fields computed from a motion on reading: strains, invariants, velocity, acceleration.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pivnp/core/particles/motion.hpp"
+
+namespace pivnp {
+
+/// One field the reader can compute: name, unit (in terms of length L and time T), one line of definition.
+struct DerivedField {
+  std::string_view name;
+  std::string_view unit;  // "1", "L", "L/T", "L/T^2", "Pa", "rad"
+  std::string_view definition;
+};
+
+/// displacement_x _y _magnitude; velocity_x _y _magnitude; acceleration_x _y _magnitude;
+/// strain_xx _yy _xy (log strain, world axes); strain_vol; strain_dev; strain_1 _2 _angle; J;
+/// strain_dev_path (sum over frames of sqrt(2/3 de:de)); strain_sum_xx _yy _xy _dev (the thesis' summed increments);
+/// plastic_dev; stress_xx _yy _zz _xy; mean_stress.
+const std::vector<DerivedField>& derived_fields();
+
+/// Throws InputError listing the nearest known name if `name` is not one.
+const DerivedField& derived_field(std::string_view name);
+
+/// The named fields of one motion, frame after frame. Path fields (strain_dev_path, strain_sum_*) need the frames in
+/// order: reading frame k after frame j < k reads those between; going back starts again at the first.
+/// Velocity: MotionFrame::v where the source has it, else the central difference of u over the neighbouring frames
+/// (exact for uneven times to second order), one-sided second order at the ends of a particle's life. Acceleration:
+/// difference of the same. A particle unborn or ended at the frame gives NaN.
+class DerivedReader {
+ public:
+  /// `central`: the increments' anchor is central (see strain.hpp); it decides the summed strain only.
+  DerivedReader(const MotionSource& motion, bool central);
+  ~DerivedReader();
+  /// One value a particle, NaN where it is not alive or the source lacks the quantity.
+  std::vector<double> values(std::string_view name, std::size_t frame);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace pivnp

@@ -1,0 +1,88 @@
+// The motion of particles through time, whoever made it: numerical particles, material points, an import.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pivnp/core/math.hpp"
+
+namespace pivnp {
+
+enum class ParticleStatus : std::uint8_t {
+  unborn = 0,
+  active = 1,
+  doubtful = 2,  // followed, but this step rests on replaced vectors or on a local fit
+  ended = 3,     // values are those of the last good time
+};
+
+enum class EndReason : std::uint8_t {
+  none = 0,
+  left_grid = 1,     // left the measured or simulated domain
+  no_vectors = 2,    // too few valid vectors around it
+  bad_state = 3,     // F not positive or not finite
+  left_image = 4,    // outside the image or under the mask
+};
+
+/// What stays the same for every particle; index = position in every per-particle array.
+struct ParticleSet {
+  std::vector<std::int64_t> id;   // stable; equal ids of two motions seeded alike mean the same material
+  std::vector<std::int32_t> label;  // index into label_names: region, layer or body
+  std::vector<Vec2> x0;           // material position (at the first frame), length unit
+  std::vector<float> area;        // represented area at birth, length^2
+  std::vector<double> born;       // time of birth
+  std::vector<double> end;        // time of the last good state; NaN while the particle is followed to the last frame
+  std::vector<EndReason> end_reason;
+  std::vector<std::string> label_names;
+
+  std::size_t size() const { return id.size(); }
+};
+
+/// One instant. Per-particle arrays; those a source does not know are empty.
+struct MotionFrame {
+  double time = 0;
+  std::vector<std::array<float, 2>> u;       // displacement since x0; position is x0 + u
+  std::vector<std::array<float, 4>> F;       // deformation gradient, row-major xx xy yx yy
+  std::vector<ParticleStatus> status;
+  std::vector<std::array<float, 3>> cov_u;   // uu, vv, uv: covariance of u (measurement)
+  std::vector<std::array<float, 2>> v;       // velocity, where the source knows it better than differences of u
+  std::vector<std::array<float, 4>> stress;  // xx yy zz xy, Pa, tension positive
+  std::vector<float> plastic_dev;            // accumulated plastic deviatoric strain
+};
+
+/// A motion to read frame by frame; memory is the caller's choice. Implementations: MotionMemory, the record reader.
+class MotionSource {
+ public:
+  virtual ~MotionSource() = default;
+  virtual const std::string& name() const = 0;
+  virtual const std::string& length_unit() const = 0;
+  virtual const std::string& time_unit() const = 0;
+  virtual const ParticleSet& particles() const = 0;
+  virtual const std::vector<double>& times() const = 0;
+  virtual MotionFrame frame(std::size_t index) const = 0;
+};
+
+/// A motion held in memory.
+class MotionMemory final : public MotionSource {
+ public:
+  MotionMemory(std::string name, std::string length_unit, std::string time_unit, ParticleSet particles);
+  void add(MotionFrame frame);
+  ParticleSet& edit_particles() { return particles_; }
+
+  const std::string& name() const override { return name_; }
+  const std::string& length_unit() const override { return length_unit_; }
+  const std::string& time_unit() const override { return time_unit_; }
+  const ParticleSet& particles() const override { return particles_; }
+  const std::vector<double>& times() const override { return times_; }
+  MotionFrame frame(std::size_t index) const override { return frames_.at(index); }
+
+ private:
+  std::string name_, length_unit_, time_unit_;
+  ParticleSet particles_;
+  std::vector<double> times_;
+  std::vector<MotionFrame> frames_;
+};
+
+}  // namespace pivnp

@@ -1,0 +1,19 @@
+// The energy balance of a simulation, one row an output time.
+#pragma once
+
+namespace pivnp {
+
+/// Joules per metre of thickness. residual = (kinetic + elastic + plastic + damping + contact) - external - (their sum
+/// at the start): what the scheme gained (+) or lost (-).
+struct EnergyRow {
+  double time = 0;
+  double kinetic = 0;
+  double elastic = 0;
+  double plastic = 0;   // dissipated by plastic flow
+  double damping = 0;   // dissipated by damping, and by the transfer where it dissipates
+  double contact = 0;   // dissipated by friction at walls and bodies
+  double external = 0;  // work of gravity and of moving bodies
+  double residual = 0;
+};
+
+}  // namespace pivnp

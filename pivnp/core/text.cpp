@@ -1,0 +1,43 @@
+#include "pivnp/core/text.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace pivnp {
+
+namespace {
+
+// Levenshtein distance.
+std::size_t edit_distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t substituted = diagonal + (a[i - 1] != b[j - 1]);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substituted});
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+std::string did_you_mean(const std::string& found, const std::vector<std::string>& known) {
+  if (known.empty()) return "";
+  // A name whose beginning was typed counts as near: window -> window_px.
+  auto cost = [&](const std::string& k) {
+    const std::size_t d = edit_distance(found, k);
+    return found.size() >= 3 && k.starts_with(found) ? std::min<std::size_t>(d, 1) : d;
+  };
+  const auto best = std::min_element(known.begin(), known.end(),
+                                     [&](const std::string& a, const std::string& b) { return cost(a) < cost(b); });
+  if (cost(*best) <= std::max<std::size_t>(2, found.size() / 3)) return "; did you mean '" + *best + "'?";
+  std::string list = "; known: ";
+  for (std::size_t k = 0; k < known.size(); ++k) list += (k ? ", " : "") + known[k];
+  return list;
+}
+
+}  // namespace pivnp

@@ -1,0 +1,13 @@
+// Words for messages.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace pivnp {
+
+/// "; did you mean 'window_px'?" with the known name nearest to `found` by edit distance, or "; known: a, b, c" if none
+/// is near.
+std::string did_you_mean(const std::string& found, const std::vector<std::string>& known);
+
+}  // namespace pivnp

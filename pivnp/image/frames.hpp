@@ -1,0 +1,57 @@
+// Frames in: image sequences and video files, one grey channel each.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pivnp/core/image_view.hpp"
+#include "pivnp/core/options.hpp"
+#include "pivnp/core/record/frames.hpp"
+
+namespace pivnp::image {
+
+struct FrameOptions {
+  std::string path;
+  std::optional<double> rate_hz;
+  int first = 0;
+  std::optional<int> last;
+  int stride = 1;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit("path", self.path,
+          OptionInfo{.text = "glob (frames/*.png), printf pattern (img_%04d.tif) or video file, relative to the case file"});
+    visit("rate_hz", self.rate_hz,
+          OptionInfo{.unit = "Hz", .text = "frames per second of the recording; wins over what a container claims",
+                     .min = 0, .above_min = true});
+    visit("first", self.first, OptionInfo{.text = "first frame used, counted from 0", .min = 0});
+    visit("last", self.last, OptionInfo{.text = "last frame used (left out: all)", .min = 0});
+    visit("stride", self.stride, OptionInfo{.text = "use every n-th frame", .min = 1});
+  }
+};
+
+/// A sequence of frames of one size. Reading goes forward fastest; a video read backwards seeks.
+/// Not thread-safe: one thread reads.
+class FrameSource {
+ public:
+  virtual ~FrameSource() = default;
+  /// Frames after first, last and stride. `flag` is not filled in. Time starts at 0 at the first frame used, in s where
+  /// a rate is known (rate_hz, else the container's), else in frames of the original sequence.
+  virtual const std::vector<Frame>& frames() const = 0;
+  virtual bool has_rate() const = 0;
+  virtual int width() const = 0;
+  virtual int height() const = 0;
+  /// Grey image of frame `index` (colour: ITU-R BT.601 luma). 16-bit files stay u16. Throws InputError naming the file
+  /// if it is missing, truncated, unreadable, or differs in size or depth from the first.
+  virtual Image read(int index) = 0;
+};
+
+/// Opens what `options.path` names, relative to `base`. Natural order (img_2 before img_10); names may hold spaces.
+/// Throws InputError: nothing matches, fewer than one frame after first/last/stride, unreadable first frame, a gap in
+/// a printf sequence.
+std::unique_ptr<FrameSource> open_frames(const FrameOptions& options, const std::filesystem::path& base);
+
+}  // namespace pivnp::image

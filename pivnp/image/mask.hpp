@@ -1,0 +1,51 @@
+// Pixels that must not be measured: polygons, circles, a mask image.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pivnp/core/image_view.hpp"
+#include "pivnp/core/options.hpp"
+#include "pivnp/image/camera.hpp"
+
+namespace pivnp::image {
+
+struct MaskOptions {
+  Points polygon_px;
+  Points polygon_m;
+  std::vector<double> circle_px;
+  std::string image;
+  bool invert = false;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit("polygon_px", self.polygon_px, OptionInfo{.unit = "px", .text = "polygon (column, row) to leave out"});
+    visit("polygon_m", self.polygon_m, OptionInfo{.unit = "m", .text = "polygon in the world to leave out"});
+    visit("circle_px", self.circle_px, OptionInfo{.unit = "px", .text = "circle to leave out: centre column, row, radius"});
+    visit("image", self.image, OptionInfo{.text = "image of the frames' size: pixels that are 0 are left out"});
+    visit("invert", self.invert, OptionInfo{.text = "leave out everything else instead"});
+  }
+};
+
+/// Owns a mask: 1 = usable. Empty if nothing is masked.
+class Mask {
+ public:
+  Mask() = default;
+  Mask(int width, int height) : width_(width), height_(height), bytes_(std::size_t(width) * std::size_t(height), 1) {}
+  bool empty() const { return bytes_.empty(); }
+  std::uint8_t* row(int r) { return bytes_.data() + std::size_t(r) * std::size_t(width_); }
+  MaskView view() const { return {empty() ? nullptr : bytes_.data(), width_, height_, width_}; }
+
+ private:
+  int width_ = 0, height_ = 0;
+  std::vector<std::uint8_t> bytes_;
+};
+
+/// All masks together (a pixel left out by any is left out). `named` pairs a mask's name (for messages) with its
+/// options. Throws InputError: crossing polygon, mask image of another size, nothing left, no shape or several in one.
+Mask make_mask(const std::vector<std::pair<std::string, MaskOptions>>& named, const Camera& camera, int width,
+               int height, const std::filesystem::path& base);
+
+}  // namespace pivnp::image

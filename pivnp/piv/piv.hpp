@@ -1,0 +1,82 @@
+// Eulerian cross-correlation: displacement of the image at fixed nodes, from one pair of frames.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pivnp/core/image_view.hpp"
+#include "pivnp/core/options.hpp"
+#include "pivnp/core/record/vectors.hpp"
+
+namespace pivnp::piv {
+
+struct PivOptions {
+  std::string method = "fft";
+  int window_px = 32;
+  int first_window_px = 0;
+  int passes = 0;
+  std::string anchor = "central";
+  double median_threshold = 2.0;
+  double median_floor_px = 0.1;
+  double min_score = 0.2;
+  double min_usable = 0.4;
+  bool replace = true;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit("method", self.method,
+          OptionInfo{.text = "correlation method", .choices = {"fft"}});
+    visit("window_px", self.window_px,
+          OptionInfo{.unit = "px", .text = "side of the last interrogation window", .min = 8, .max = 256});
+    visit("first_window_px", self.first_window_px,
+          OptionInfo{.unit = "px", .text = "side of the first window; it finds up to a quarter of it (0: chosen from the image)", .min = 0, .max = 512});
+    visit("passes", self.passes,
+          OptionInfo{.text = "passes with the last window (0: chosen)", .min = 0, .max = 20});
+    visit("anchor", self.anchor,
+          OptionInfo{.text = "instant that a vector's place belongs to: middle of the pair, or its first frame", .choices = {"central", "forward"}});
+    visit("median_threshold", self.median_threshold,
+          OptionInfo{.text = "normalised median test: residual over neighbours' scatter", .min = 0, .above_min = true});
+    visit("median_floor_px", self.median_floor_px,
+          OptionInfo{.unit = "px", .text = "scatter that the median test grants everywhere", .min = 0});
+    visit("min_score", self.min_score,
+          OptionInfo{.text = "correlation coefficient below which a vector is rejected", .min = -1, .max = 1});
+    visit("min_usable", self.min_usable,
+          OptionInfo{.text = "share of a window that masks and the image's edge must leave", .min = 0, .max = 1});
+    visit("replace", self.replace,
+          OptionInfo{.text = "rebuild rejected vectors from valid neighbours (marked as replaced)"});
+  }
+};
+
+/// Where the nodes are in the image: (column, row) of node (i, j), [ny][nx], j upward in the world. Columns and rows
+/// vary smoothly with i and j (square-on: evenly). A node may be switched off (`on` = 0: no material there).
+struct NodeLattice {
+  int nx = 0, ny = 0;
+  std::vector<std::array<float, 2>> pixel;
+  std::vector<std::uint8_t> on;  // empty: all on
+};
+
+/// Result of one pair, in pixels (column, row: row downward) at the lattice's nodes. Same arrays as VectorField.
+struct PixelVectors {
+  Anchor anchor = Anchor::central;
+  std::vector<std::array<float, 2>> displacement;
+  std::vector<VectorStatus> status;
+  std::vector<std::array<float, 3>> cov;
+  std::vector<float> score;
+};
+
+/// Correlates pairs of frames of one size on one lattice. Keeps plans and buffers; `correlate` uses `threads` threads
+/// and gives the same bits for any number of them.
+class PairCorrelator {
+ public:
+  PairCorrelator(const PivOptions& options, NodeLattice lattice, int width, int height, int threads);
+  ~PairCorrelator();
+  PixelVectors correlate(const ImageView& first, const ImageView& second, const MaskView& mask);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace pivnp::piv
