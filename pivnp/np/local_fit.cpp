@@ -68,7 +68,7 @@ bool LocalFit::reaches(double xi, double eta) const {
   for (int k = 0; k < 16; ++k) {
     if ((nodes >> k & 1) == 0) continue;
     const Vec2 r = place(k) - x;
-    if (r.norm() <= 1 + round_off) return true;
+    if (r.norm() <= reach + round_off) return true;
     angle[count++] = std::atan2(r.y(), r.x());
   }
   // Outside the hull a half-plane through x holds no node: the directions to the nodes leave a gap above pi.

@@ -23,8 +23,12 @@ struct LocalFit {
   /// given or if they lie on one line.
   static std::optional<LocalFit> of(std::uint16_t nodes, const std::array<std::array<double, 2>, 16>& values);
 
-  /// True if (xi, eta) lies in the convex hull of the fitted nodes or within one spacing of one of them; further out
-  /// would be free extrapolation.
+  /// How far, in spacings, a particle outside the hull of the fitted nodes may be from the nearest of them: the diagonal
+  /// of an element, so that one node left in the particle's own element is enough.
+  static constexpr double reach = 1.4142135623730951;
+
+  /// True if (xi, eta) lies in the convex hull of the fitted nodes or within `reach` of one of them; further out would
+  /// be free extrapolation.
   bool reaches(double xi, double eta) const;
 
   /// How much node `k` counts at (xi, eta): the fitted value there is sum influence_k value_k; they sum to 1.

@@ -8,6 +8,9 @@ namespace pivnp::np {
 
 namespace {
 
+// Not worth waking threads for.
+constexpr std::size_t few_nodes = 20000, few_fits = 500;
+
 // The usable ones of the 4 x 4 nodes of an element and its ring, as LocalFit wants them.
 struct Neighbourhood {
   std::uint16_t nodes = 0;
@@ -36,7 +39,7 @@ template <class Real>
 void SupportMap::build(const Nodes<Real>& nodes) {
   const Grid& grid = nodes.grid;
   node_class_.resize(grid.node_count());
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (grid.node_count() > few_nodes)
   for (std::ptrdiff_t n = 0; n < std::ptrdiff_t(grid.node_count()); ++n) {
     const auto& d = nodes.displacement[n];
     const VectorStatus s = nodes.status[n];
@@ -57,7 +60,7 @@ void SupportMap::build(const Nodes<Real>& nodes) {
     }
 
   fits_.resize(fitted_elements_.size());
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (fits_.size() > few_fits)
   for (std::ptrdiff_t n = 0; n < std::ptrdiff_t(fits_.size()); ++n) {
     const std::size_t at = fitted_elements_[std::size_t(n)];
     const Neighbourhood around = usable_around(nodes, node_class_, at);

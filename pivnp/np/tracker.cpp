@@ -11,6 +11,8 @@ namespace pivnp::np {
 
 namespace {
 
+constexpr std::size_t few = 4096;  // particles not worth waking threads for
+
 void check_options(const NpOptions& options) {
   if (options.gradient != "particle" && options.gradient != "element")
     throw InputError("np.gradient: found '" + options.gradient + "', expected particle or element");
@@ -126,7 +128,7 @@ void Tracker::advance(const Nodes<Real>& nodes, double time) {
   const Gather<Real> gather(nodes, support_, options_.gradient == "element", options_.error_correlation);
   const bool central = nodes.anchor == Anchor::central, with_cov = nodes.cov != nullptr;
 
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (x_.size() > few)
   for (std::ptrdiff_t n = 0; n < std::ptrdiff_t(x_.size()); ++n) {
     const std::size_t p = std::size_t(n);
     if (status_[p] == ParticleStatus::ended) continue;

@@ -72,8 +72,8 @@ int main(int argc, char** argv) {
   std::printf("machine: %s\nthreads: %d of %d processors; particles %zu, nodes %zu, 4 particles an element\n",
               machine().c_str(), omp_get_max_threads(), omp_get_num_procs(), particles.size(), grid.node_count());
   std::printf("%-9s %-9s %-4s %22s %22s\n", "anchor", "gradient", "cov", "best, M part.steps/s", "median");
-  // Half a spacing across the grid, as PIV measures; the way back keeps the particles in place for ever.
-  const np::ReversingVortex motion({lo + side / 2.0, lo + side / 2.0}, side / 3.0, 1.5 / side, 2);
+  // Up to half a spacing a step, as PIV measures; the way back keeps the particles in place for ever.
+  const np::ReversingVortex motion({lo + side / 2.0, lo + side / 2.0}, side / 3.0, 3.5 / side, 2);
   for (const Anchor anchor : {Anchor::forward, Anchor::central})
     for (const char* gradient : {"particle", "element"})
       for (const bool with_cov : {false, true}) {
