@@ -9,7 +9,8 @@ namespace {
 
 std::string label_name(const ParticleSet& set, std::size_t p) {
   const std::int32_t label = p < set.label.size() ? set.label[p] : -1;
-  return label >= 0 && std::size_t(label) < set.label_names.size() ? set.label_names[std::size_t(label)] : std::string();
+  const bool named = label >= 0 && std::size_t(label) < set.label_names.size();
+  return named ? set.label_names[std::size_t(label)] : std::string();
 }
 
 // Group of each label name that particles of both sides carry; every other name shares group 0.
@@ -33,8 +34,9 @@ std::vector<int> groups_of(const ParticleSet& set, const std::unordered_map<std:
 }
 
 // Places every wanted particle of `side` among the followed particles of `other`, group by group.
-std::vector<Partner> interpolate(const Side& side, const std::vector<int>& group, const std::vector<std::uint8_t>& wanted,
-                                 const Side& other, const std::vector<int>& other_group,
+std::vector<Partner> interpolate(const Side& side, const std::vector<int>& group,
+                                 const std::vector<std::uint8_t>& wanted, const Side& other,
+                                 const std::vector<int>& other_group,
                                  const std::vector<std::uint8_t>& other_followed, int groups) {
   std::vector<Partner> partners(side.size());
   for (int g = 0; g < groups; ++g) {
@@ -91,8 +93,7 @@ Alignment::Alignment(const Side& first, const Side& second)
   groups_ = int(shared.size()) + 1;
   decide();
   const std::vector<std::uint8_t>& wanted = first.state().followed;
-  partners_ = by_identity_ ? pair_by_identity(wanted, second_followed_)
-                           : interpolate(first_, group_first_, wanted, second_, group_second_, second_followed_, groups_);
+  partners_ = find_partners(wanted);
   measure_coverage();
 }
 
@@ -112,12 +113,13 @@ void Alignment::decide() {
   by_identity_ = differ == 0 && 2 * agree >= std::min(a.size(), b.size());
 }
 
-std::vector<Partner> Alignment::pair_by_identity(const std::vector<std::uint8_t>& wanted,
-                                                 const std::vector<std::uint8_t>& second_followed) const {
+std::vector<Partner> Alignment::find_partners(const std::vector<std::uint8_t>& wanted) const {
+  if (!by_identity_)
+    return interpolate(first_, group_first_, wanted, second_, group_second_, second_followed_, groups_);
   std::vector<Partner> partners(first_.size());
   for (std::size_t p = 0; p < first_.size(); ++p) {
     const int q = same_id_[p];
-    if (wanted[p] && q >= 0 && second_followed[std::size_t(q)] && group_first_[p] == group_second_[std::size_t(q)])
+    if (wanted[p] && q >= 0 && second_followed_[std::size_t(q)] && group_first_[p] == group_second_[std::size_t(q)])
       partners[p] = Partner{{q, -1, -1}, {1, 0, 0}, Vec2::Zero()};
   }
   return partners;
@@ -139,8 +141,7 @@ void Alignment::update(const std::vector<std::uint8_t>& second_followed) {
   second_followed_ = second_followed;
   std::vector<std::uint8_t> wanted(first_.size());
   for (std::size_t p = 0; p < first_.size(); ++p) wanted[p] = has_partner(partners_[p]);
-  partners_ = by_identity_ ? pair_by_identity(wanted, second_followed)
-                           : interpolate(first_, group_first_, wanted, second_, group_second_, second_followed, groups_);
+  partners_ = find_partners(wanted);
 }
 
 }  // namespace pivnp::compare

@@ -46,8 +46,7 @@ class Alignment {
  private:
   void decide();
   /// Partners of the wanted particles of the first among those of the second that are followed.
-  std::vector<Partner> pair_by_identity(const std::vector<std::uint8_t>& wanted,
-                                        const std::vector<std::uint8_t>& second_followed) const;
+  std::vector<Partner> find_partners(const std::vector<std::uint8_t>& wanted) const;
   void measure_coverage();
 
   const Side& first_;

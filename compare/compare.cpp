@@ -63,16 +63,17 @@ void remark_alignment(const Alignment& alignment, const Side& first, const Side&
   remarks.push_back(alignment.by_identity()
                         ? names + ": particles paired by identity (same ids at the same material positions)."
                         : names + ": particles paired by material position, the second interpolated linearly on the "
-                                  "Delaunay triangulation of its material positions (triangles of a circumradius above " +
+                                  "Delaunay triangulation of its material positions (no triangle of a circumradius "
+                                  "above " +
                               number(MaterialMesh::alpha_ratio) +
-                              " spacings left out; up to half a spacing beyond its edge from the nearest point of the "
-                              "edge), and linearly in time.");
+                              " spacings; up to half a spacing beyond its edge from the nearest point of the edge), "
+                              "and linearly in time.");
   remarks.push_back("Coverage: " + percent(alignment.coverage_first()) + " of the first's and " +
                     percent(alignment.coverage_second()) + " of the second's particles found a partner.");
   for (const Side* side : {&first, &second}) {
     if (side->counted_anew())
-      remarks.push_back("Motion " + quoted(side->motion()) + " begins before the other: its displacement and strain are "
-                        "counted from " + number(common.start) + " " + side->motion().time_unit() + ".");
+      remarks.push_back("Motion " + quoted(side->motion()) + " begins before the other: its displacement and strain "
+                        "are counted from " + number(common.start) + " " + side->motion().time_unit() + ".");
     if (side->born_later() > 0)
       remarks.push_back(std::to_string(side->born_later()) + " particles of motion " + quoted(side->motion()) +
                         " are not there at the common start and are not compared.");
@@ -146,7 +147,7 @@ void add_outlines(const Side& first, const Side& second, const Differences& diff
   const SlopeShape shape_first = slope_shape(cover_first, *options.slope_base_m, spacing[0]);
   const SlopeShape shape_second = slope_shape(cover_second, *options.slope_base_m, spacing[1]);
   if (shape_first.faces == 0 || shape_second.faces == 0) {
-    out.remarks.push_back("No material above compare.slope_base_m at the last common time on one side: no slope angle.");
+    out.remarks.push_back("One side has no material above compare.slope_base_m at the end: no slope angle.");
     return;
   }
   std::array<double, 2> sigma{0, 0};
@@ -203,8 +204,8 @@ Comparison compare(const MotionSource& first_motion, const MotionSource& second_
     alignment.update(b.followed);
     const auto shift = reference.shift(a, b);
     if (!shift || !differences.add(a, b, alignment.partners(), *shift)) {
-      out.remarks.push_back(std::string(shift ? "No particle has a partner any more" : "No reference particle is left") +
-                            " at " + number(time) + " " + first_motion.time_unit() +
+      const char* what = shift ? "No particle has a partner any more at " : "No reference particle is left at ";
+      out.remarks.push_back(what + number(time) + " " + first_motion.time_unit() +
                             ": the comparison ends at the time before.");
       break;
     }
@@ -216,7 +217,8 @@ Comparison compare(const MotionSource& first_motion, const MotionSource& second_
                      " has a partner at any common time, expected one at least");
 
   const std::string& unit = first_motion.length_unit();
-  const std::string at_end = "at the last common time (" + number(out.time.back()) + " " + first_motion.time_unit() + ")";
+  const std::string at_end =
+      "at the last common time (" + number(out.time.back()) + " " + first_motion.time_unit() + ")";
   const std::string covariance = covariance_source(differences, first, second);
   out.coverage_first = alignment.coverage_first();
   out.coverage_second = alignment.coverage_second();

@@ -21,10 +21,10 @@ struct CompareOptions {
   static void fields(Self& self, Visitor&& visit) {
     visit("reference_m", self.reference_m,
           OptionInfo{.unit = "m",
-                     .text = "polygon of material whose mean motion is subtracted from both sides (the frame of the far soil)"});
+                     .text = "polygon of material whose mean motion is subtracted from both sides (the far soil)"});
     visit("slope_base_m", self.slope_base_m,
           OptionInfo{.unit = "m",
-                     .text = "height of the base on which a slope rests: run-out, crest and slope angle are reported above it"});
+                     .text = "height of the base a slope rests on: run-out, crest and slope angle are taken above it"});
   }
 };
 

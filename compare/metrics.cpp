@@ -26,10 +26,10 @@ std::vector<Displacement> displacement_values(const DisplacementStatistics& d) {
            "root mean variance of u_y, " + same_error},
           {"rms", d.rms(), d.rms_uncertainty(), "root mean square of |u_second - u_first|",
            "root mean trace of the covariance of u"},
-          {"p95", d.p95(), d.rms_uncertainty(), "95th percentile of |u_second - u_first| (nearest rank)",
-           "root mean trace of the covariance of u"},
+          {"p95", d.p95(), d.p95_uncertainty(), "95th percentile of |u_second - u_first| (nearest rank)",
+           "95th percentile of the root trace of the covariance of u"},
           {"max", d.max(), d.max_uncertainty(), "greatest |u_second - u_first|",
-           "root trace of the covariance of u where it occurs; the greatest of many errors alone reaches several times that"}};
+           "root trace of the covariance of u where it occurs (the greatest of many errors is several times that)"}};
 }
 
 }  // namespace
@@ -67,7 +67,8 @@ void add_strain_metrics(const Tally& tally, const Wording& w, std::vector<Metric
   const std::string vol = "volumetric log strain ln J of the second minus that of the first";
   add("strain_dev_bias", tally.strain_dev.bias(), tally.floor_dev, "mean of " + dev);
   add("strain_dev_rms", tally.strain_dev.rms(), tally.floor_dev, "root mean square of " + dev);
-  add("strain_dev_p95", tally.strain_dev.p95(), tally.floor_dev, "95th percentile (nearest rank) of the size of " + dev);
+  add("strain_dev_p95", tally.strain_dev.p95(), tally.floor_dev,
+      "95th percentile (nearest rank) of the size of " + dev);
   add("strain_dev_max", tally.strain_dev.max(), tally.floor_dev, "greatest size of " + dev);
   add("strain_vol_bias", tally.strain_vol.bias(), tally.floor_vol, "mean of " + vol);
   add("strain_vol_rms", tally.strain_vol.rms(), tally.floor_vol, "root mean square of " + vol);
@@ -87,7 +88,7 @@ void add_slope_metrics(const SlopeShape& first, const SlopeShape& second, const 
   std::array<double, 2> place;
   for (std::size_t s = 0; s < 2; ++s) place[s] = std::hypot(spacing[s] / std::sqrt(12.0), sigma[s]);
   const std::string place_text = "; uncertainty: half a particle spacing (rectangular) and the error of u, where known";
-  const std::string angle_text = "; uncertainty: scatter about the fitted line, one independent point a particle spacing";
+  const std::string angle_text = "; uncertainty: scatter about the line, one independent point a particle spacing";
 
   auto both = [&](const std::string& name, double a, double b, const std::string& in, double ua, double ub,
                   const std::string& definition, const std::string& how, bool comparable) {

@@ -1,6 +1,7 @@
 // Numbers into metrics: name, unit, uncertainty, definition, verdict.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -18,8 +19,8 @@ inline constexpr const char* not_distinguishable = "not distinguishable at this 
 /// A difference between the sides, judged against its uncertainty: less than twice that is not distinguishable.
 Metric difference_metric(std::string name, double value, std::string unit, double uncertainty, std::string definition);
 
-/// Displacement and strain over space and time (`suffix` empty) or at one time. `when` ends the definitions; `covariance`
-/// says whose covariance the uncertainties rest on, and is empty if nobody's is known.
+/// Displacement and strain over space and time (`suffix` empty) or at one time. `when` ends the definitions;
+/// `covariance` says whose covariance the uncertainties rest on, and is empty if nobody's is known.
 struct Wording {
   std::string suffix, when, covariance, length_unit;
 };
@@ -31,7 +32,8 @@ void add_peak_metrics(const Tally& total, const Wording& wording, std::vector<Me
 /// Run-out, crest height and slope angle of both sides and their differences. `sigma`: of the displacement at the end,
 /// first and second (0 if not known); `spacing` likewise.
 void add_slope_metrics(const SlopeShape& first, const SlopeShape& second, const std::array<double, 2>& spacing,
-                       const std::array<double, 2>& sigma, const std::string& length_unit, std::vector<Metric>& metrics);
+                       const std::array<double, 2>& sigma, const std::string& length_unit,
+                       std::vector<Metric>& metrics);
 
 /// Judges the metrics that have a limit; true if one is exceeded.
 bool apply_limits(const LimitOptions& limits, std::vector<Metric>& metrics);

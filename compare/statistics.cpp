@@ -56,9 +56,14 @@ void DisplacementStatistics::add(const Vec2& difference, double cov_uu, double c
   sum_square_ += difference.squaredNorm();
   const double magnitude = difference.norm();
   magnitude_.add(magnitude);
+  const double sigma = std::sqrt(cov_uu + cov_vv);
+  if (std::isfinite(sigma))
+    sigma_.add(sigma);
+  else
+    sigma_known_ = false;
   if (magnitude > max_ || count_ == 1) {
     max_ = magnitude;
-    max_sigma_ = std::sqrt(cov_uu + cov_vv);
+    max_sigma_ = sigma;
   }
 }
 
@@ -66,6 +71,7 @@ double DisplacementStatistics::rms() const { return root_mean(sum_square_, count
 Vec2 DisplacementStatistics::bias_uncertainty() const {
   return {root_mean(sum_cov_.x(), count_), root_mean(sum_cov_.y(), count_)};
 }
+double DisplacementStatistics::p95_uncertainty() const { return sigma_known_ ? sigma_.at(0.95) : not_known; }
 double DisplacementStatistics::rms_uncertainty() const { return root_mean(sum_cov_.sum(), count_); }
 
 void ScalarStatistics::add(double difference) {

@@ -44,13 +44,15 @@ class DisplacementStatistics {
   // Standard uncertainties, errors of all particles taken as one and the same.
   Vec2 bias_uncertainty() const;
   double rms_uncertainty() const;
+  double p95_uncertainty() const;  // 95th percentile of the particles' own, NaN if one is not known
   double max_uncertainty() const { return max_sigma_; }  // of the particle where the greatest difference is
 
  private:
   std::size_t count_ = 0;
   Vec2 sum_ = Vec2::Zero(), sum_cov_ = Vec2::Zero();
   double sum_square_ = 0, max_ = 0, max_sigma_ = not_known;
-  Quantile magnitude_;
+  Quantile magnitude_, sigma_;
+  bool sigma_known_ = true;
 };
 
 /// Differences of one scalar.
