@@ -1,0 +1,46 @@
+// Writing a case with every default filled in.
+#include "apps/case/fields.hpp"
+#include "apps/case/sections.hpp"
+
+namespace pivnp::app {
+
+namespace {
+
+struct WriteSections {
+  std::string& text;
+  std::string absent = {};  // a section that is not there: those under it cannot be written
+
+  bool under_absent(const std::string& path) const { return !absent.empty() && path.starts_with(absent + "."); }
+
+  template <class T>
+  void write(const std::string& path, const T& options) {
+    text += "\n[" + path + "]\n" + write_fields(options);
+  }
+  template <class T>
+  void always(const std::string& path, const T& options, const char*) {
+    if (!under_absent(path)) write(path, options);
+  }
+  template <class T>
+  void optional(const std::string& path, const std::optional<T>& options, const char*) {
+    if (under_absent(path)) return;
+    if (options)
+      write(path, *options);
+    else
+      absent = path;
+  }
+  template <class T>
+  void named(const std::string& path, const Named<T>& list, const char*) {
+    if (under_absent(path)) return;
+    for (const auto& [name, options] : list) write(path + "." + toml_key(name), options);
+  }
+};
+
+}  // namespace
+
+std::string write_case(const Case& c) {
+  std::string text = "name = " + toml_text(c.name) + "\n";
+  for_each_section(c, WriteSections{text});
+  return text;
+}
+
+}  // namespace pivnp::app
