@@ -140,6 +140,12 @@ Case parse_case(const std::string& text, const std::string& name, const std::fil
 /// The case as run: every default filled in, as TOML that reads back to the same case.
 std::string write_case(const Case& c);
 
+/// What a case's output folder is called: its folder's name (case.toml), else the file's; gate_slope if embedded.
+std::string short_name(const Case& c);
+
+/// The text of the embedded default case, datasets/gate_slope/case.toml as it was when the program was built.
+std::string embedded_case_text();
+
 /// The reference of all keys (docs/case.md), made from the option lists.
 std::string case_reference();
 

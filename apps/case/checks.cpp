@@ -1,0 +1,261 @@
+#include "apps/case/checks.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/case/values.hpp"
+#include "pivnp/core/error.hpp"
+#include "pivnp/core/particles/derived.hpp"
+#include "pivnp/core/particles/region.hpp"
+#include "pivnp/core/text.hpp"
+
+namespace pivnp::app {
+
+namespace {
+
+class Checker {
+ public:
+  Checker(const Case& c, const Source& source) : c_(c), source_(source) {}
+
+  void all() const {
+    stages();
+    camera();
+    grid();
+    shapes();
+    materials();
+    simulation();
+    synthetic();
+    judgement();
+    for (const std::string& field : c_.output.fields_stored) known_field(field);
+  }
+
+ private:
+  [[noreturn]] void refuse(const std::string& key, const std::string& what) const {
+    throw InputError(source_.at(key) + ": " + what);
+  }
+  [[noreturn]] void refuse_section(const std::string& path, const std::string& what) const {
+    throw InputError(source_.place(path) + ": [" + path + "]: " + what);
+  }
+
+  bool has_images() const { return c_.frames || c_.synth; }
+
+  void stages() const {
+    for (const char* stage : {"piv", "np"})
+      if (source_.given(stage) && !has_images())
+        refuse_section(stage, "there are no frames to measure; expected [frames] or [synth]");
+    if (c_.frames && c_.frames->last && *c_.frames->last < c_.frames->first)
+      refuse("frames.last", "found " + std::to_string(*c_.frames->last) + ", expected at least frames.first, " +
+                                std::to_string(c_.frames->first));
+    if (c_.piv && c_.piv->first_window_px != 0 && c_.piv->first_window_px < c_.piv->window_px)
+      refuse("piv.first_window_px", "found " + std::to_string(c_.piv->first_window_px) +
+                                        ", expected 0 or at least piv.window_px, " + std::to_string(c_.piv->window_px) +
+                                        " (px)");
+    if (c_.np) square("np.per_element", c_.np->per_element);
+    if (c_.mpm) square("mpm.per_element", c_.mpm->per_element);
+    if (c_.synth_mpm) square("synth.mpm.per_element", c_.synth_mpm->per_element);
+  }
+
+  void square(const std::string& key, int count) const {
+    const int side = int(std::lround(std::sqrt(double(count))));
+    if (side * side != count)
+      refuse(key, "found " + std::to_string(count) + ", expected a square: 1, 4, 9, 16 ...");
+  }
+
+  void camera() const {
+    const auto& camera = c_.camera;
+    if (camera.points_px.empty() && camera.points_m.empty()) return;
+    if (camera.metres_per_pixel)
+      refuse("camera.metres_per_pixel", "given together with targets (points_px, points_m); expected one of them");
+    if (camera.points_px.size() != camera.points_m.size())
+      refuse("camera.points_m", "found " + std::to_string(camera.points_m.size()) + " targets, expected as many as "
+             "camera.points_px, " + std::to_string(camera.points_px.size()));
+    if (camera.points_px.size() < 4)
+      refuse("camera.points_px", "found " + std::to_string(camera.points_px.size()) + " targets, expected at least 4");
+  }
+
+  void grid() const {
+    const GridOptions& grid = c_.grid;
+    if (grid.spacing_px && grid.spacing_m)
+      refuse("grid.spacing_m", "given together with grid.spacing_px; expected one of them");
+    if (!grid.area_px.empty() && !grid.area_m.empty())
+      refuse("grid.area_m", "given together with grid.area_px; expected one of them");
+    corners("grid.area_px", grid.area_px);
+    corners("grid.area_m", grid.area_m);
+    if (c_.mpm) corners("mpm.domain_m", c_.mpm->domain_m);
+    if (c_.synth_mpm) corners("synth.mpm.domain_m", c_.synth_mpm->domain_m);
+  }
+
+  void corners(const std::string& key, const Points& points) const {
+    if (points.empty()) return;
+    if (points.size() != 2)
+      refuse(key, "found " + std::to_string(points.size()) + " points, expected two opposite corners");
+    if (points[0][0] == points[1][0] || points[0][1] == points[1][1]) refuse(key, "the two corners span no area");
+  }
+
+  // Outlines are held to be polygons here, where the line is known.
+  void polygon(const std::string& key, const Points& points) const {
+    std::vector<Vec2> vertices;
+    for (const Pair& p : points) vertices.emplace_back(p[0], p[1]);
+    Polygon(vertices, source_.at(key));
+  }
+
+  void circle(const std::string& key, const std::vector<double>& values) const {
+    if (values.size() != 3)
+      refuse(key, "found " + std::to_string(values.size()) + " numbers, expected 3: centre and radius");
+    if (!(values[2] > 0)) refuse(key, "found radius " + toml_text(values[2]) + ", expected more than 0");
+  }
+
+  struct Shape {
+    const char* key;
+    bool given;
+  };
+
+  // Exactly one of several ways to give a shape.
+  void one_of(const std::string& path, const std::vector<Shape>& shapes) const {
+    std::string names;
+    const Shape* first = nullptr;
+    for (const Shape& shape : shapes) {
+      names += (names.empty() ? "" : ", ") + std::string(shape.key);
+      if (!shape.given) continue;
+      if (first) refuse(path + "." + shape.key, std::string("given together with ") + first->key + "; expected one of them");
+      first = &shape;
+    }
+    if (!first) refuse_section(path, "no shape is given; expected one of " + names);
+  }
+
+  void shapes() const {
+    for (const auto& [name, region] : c_.regions) {
+      const std::string path = "region." + name;
+      one_of(path, {{"polygon_m", !region.polygon_m.empty()}, {"polygon_px", !region.polygon_px.empty()}});
+      if (!region.polygon_m.empty()) polygon(path + ".polygon_m", region.polygon_m);
+      if (!region.polygon_px.empty()) polygon(path + ".polygon_px", region.polygon_px);
+    }
+    for (const auto& [name, mask] : c_.masks) {
+      const std::string path = "mask." + name;
+      one_of(path, {{"polygon_px", !mask.polygon_px.empty()}, {"polygon_m", !mask.polygon_m.empty()},
+                    {"circle_px", !mask.circle_px.empty()}, {"image", !mask.image.empty()}});
+      if (!mask.polygon_px.empty()) polygon(path + ".polygon_px", mask.polygon_px);
+      if (!mask.polygon_m.empty()) polygon(path + ".polygon_m", mask.polygon_m);
+      if (!mask.circle_px.empty()) circle(path + ".circle_px", mask.circle_px);
+    }
+    for (const auto& [name, boundary] : c_.boundaries) boundary_shape("boundary." + name, boundary);
+    for (const auto& [name, body] : c_.bodies) {
+      const std::string path = "body." + name;
+      one_of(path, {{"circle_m", !body.circle_m.empty()}, {"polygon_m", !body.polygon_m.empty()}});
+      if (!body.circle_m.empty()) circle(path + ".circle_m", body.circle_m);
+      if (!body.polygon_m.empty()) polygon(path + ".polygon_m", body.polygon_m);
+      if (body.until_s && *body.until_s <= body.from_s)
+        refuse(path + ".until_s", "found " + toml_text(*body.until_s) + ", expected more than from_s, " +
+                                      toml_text(body.from_s) + " (s)");
+    }
+    if (!c_.compare.reference_m.empty()) polygon("compare.reference_m", c_.compare.reference_m);
+  }
+
+  void boundary_shape(const std::string& path, const mpm::BoundaryOptions& boundary) const {
+    one_of(path, {{"line_m", !boundary.line_m.empty()}, {"polygon_m", !boundary.polygon_m.empty()}});
+    if (!boundary.polygon_m.empty()) polygon(path + ".polygon_m", boundary.polygon_m);
+    if (!boundary.line_m.empty() && boundary.line_m.size() != 2)
+      refuse(path + ".line_m",
+             "found " + std::to_string(boundary.line_m.size()) + " points, expected the line's two ends");
+    if (boundary.line_m.size() == 2 && boundary.line_m[0] == boundary.line_m[1])
+      refuse(path + ".line_m", "the line's two ends are the same point");
+    if (boundary.normal && *boundary.normal == Pair{0.0, 0.0})
+      refuse(path + ".normal", "found [0.0, 0.0], expected a direction");
+    if (boundary.friction > 0 && boundary.type != "frictional")
+      refuse(path + ".friction", "given, but the type is \"" + boundary.type + "\"; expected type = \"frictional\"");
+  }
+
+  void materials() const {
+    if (c_.mpm) each_material("material.", c_.materials);
+    if (c_.synth_mpm) each_material("synth.material.", c_.synth_materials);
+  }
+
+  void each_material(const std::string& prefix, const Named<mpm::MaterialOptions>& materials) const {
+    for (const auto& [name, m] : materials) {
+      const std::string path = prefix + name;
+      if (!(m.density_kg_m3 > 0)) refuse(path + ".density_kg_m3", "missing; expected more than 0 (kg/m^3)");
+      if (!(m.young_pa > 0)) refuse(path + ".young_pa", "missing; expected more than 0 (Pa)");
+      if (m.model == "von_mises" && !(m.shear_strength_pa > 0))
+        refuse(path + ".shear_strength_pa", "missing; von_mises needs a strength of more than 0 (Pa)");
+      if (m.model == "mohr_coulomb" && !(m.friction_deg > 0) && !(m.cohesion_pa > 0))
+        refuse_section(path, "mohr_coulomb has no strength; expected friction_deg or cohesion_pa of more than 0");
+      if (m.model == "mohr_coulomb" && m.dilatancy_deg > m.friction_deg)
+        refuse(path + ".dilatancy_deg", "found " + toml_text(m.dilatancy_deg) + ", expected at most friction_deg, " +
+                                            toml_text(m.friction_deg) + " (deg)");
+    }
+  }
+
+  // Every region has a material among `materials`, by the name it gives or its own.
+  void materials_of_regions(const std::string& stage, const std::string& prefix,
+                            const Named<mpm::MaterialOptions>& materials) const {
+    if (c_.regions.empty()) refuse_section(stage, "there is nothing to simulate; expected a [region.NAME]");
+    std::vector<std::string> known;
+    for (const auto& item : materials) known.push_back(item.first);
+    if (known.empty()) refuse_section(stage, "no material is given; expected a [" + prefix + ".NAME]");
+    for (const auto& [name, region] : c_.regions) {
+      const std::string wanted = region.material.empty() ? name : region.material;
+      if (std::find(known.begin(), known.end(), wanted) != known.end()) continue;
+      const std::string key = "region." + name + (region.material.empty() ? "" : ".material");
+      throw InputError(source_.at(key) + ": there is no [" + prefix + "." + wanted + "]" + did_you_mean(wanted, known));
+    }
+  }
+
+  void simulation() const {
+    if (!c_.mpm) return;
+    materials_of_regions("mpm", "material", c_.materials);
+    if (has_images()) return;
+    if (!c_.mpm->end_s) refuse("mpm.end_s", "missing; without frames the end of the simulation must be given (s)");
+    if (!c_.grid.spacing_m && !c_.grid.spacing_px)
+      refuse_section("mpm", "without frames the grid must be given; expected grid.spacing_m");
+  }
+
+  void synthetic() const {
+    if (!c_.synth) return;
+    const SynthOptions& synth = *c_.synth;
+    const bool moved = !synth.gradient_per_frame.empty() || synth.rotation_deg_per_frame != 0 ||
+                       synth.shift_px_per_frame != Pair{0.0, 0.0};
+    if (!synth.gradient_per_frame.empty() && synth.gradient_per_frame.size() != 4)
+      refuse("synth.gradient_per_frame",
+             "found " + std::to_string(synth.gradient_per_frame.size()) + " numbers, expected 4: xx xy yx yy");
+    if (moved && synth.motion != "affine")
+      refuse_section("synth", "an affine motion is described, but motion is \"" + synth.motion +
+                                  "\"; expected motion = \"affine\"");
+    if (synth.motion == "mpm" && !c_.synth_mpm)
+      refuse("synth.motion", "\"mpm\" needs the simulation that carries the texture; expected [synth.mpm]");
+    if (c_.synth_mpm && synth.motion != "mpm")
+      refuse_section("synth.mpm", "given, but synth.motion is \"" + synth.motion + "\"; expected motion = \"mpm\"");
+    if (c_.synth_mpm) materials_of_regions("synth.mpm", "synth.material", c_.synth_materials);
+    if (c_.texture.peak_max < c_.texture.peak_min)
+      refuse("synth.texture.peak_max", "found " + toml_text(c_.texture.peak_max) + ", expected at least peak_min, " +
+                                           toml_text(c_.texture.peak_min));
+    if (c_.texture.bits != 8 && c_.texture.bits != 12 && c_.texture.bits != 16)
+      refuse("synth.texture.bits", "found " + std::to_string(c_.texture.bits) + ", expected 8, 12 or 16");
+  }
+
+  void judgement() const {
+    if ((c_.limits.displacement_rms_m || c_.limits.strain_rms) && !c_.mpm)
+      refuse_section("compare.limits", "given, but nothing is compared; expected [mpm]");
+    if (!source_.given("verify")) return;
+    if (!c_.verify.displacement_rms_px && !c_.verify.strain_error)
+      refuse_section("verify", "no threshold is given; expected displacement_rms_px or strain_error");
+    if (!c_.synth) refuse_section("verify", "the truth is not known without synthetic frames; expected [synth]");
+    if (c_.frames && !c_.frames->path.empty())
+      refuse_section("verify", "the truth of the frames in frames.path is not known; expected [synth] alone");
+  }
+
+  void known_field(const std::string& name) const {
+    std::vector<std::string> known;
+    for (const DerivedField& field : derived_fields()) known.emplace_back(field.name);
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      refuse("output.fields", "unknown field \"" + name + "\"" + did_you_mean(name, known));
+  }
+
+  const Case& c_;
+  const Source& source_;
+};
+
+}  // namespace
+
+void check_given(const Case& c, const Source& source) { Checker(c, source).all(); }
+
+}  // namespace pivnp::app

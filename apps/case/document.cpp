@@ -1,0 +1,131 @@
+#include "apps/case/document.hpp"
+
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <sstream>
+#include <utility>
+
+#include "apps/case/values.hpp"
+#include "pivnp/core/error.hpp"
+
+namespace pivnp::app {
+
+namespace {
+
+int line_of(const toml::source_region& region) { return int(region.begin.line); }
+
+Node converted(const toml::node& from);
+
+void convert_table(const toml::table& from, Node& to) {
+  std::vector<std::pair<toml::source_position, Entry>> sorted;  // the library sorts by name
+  for (const auto& [key, value] : from) {
+    Entry entry{std::string(key.str()), line_of(key.source()), converted(value)};
+    sorted.emplace_back(key.source().begin, std::move(entry));
+  }
+  std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (auto& item : sorted) to.entries.push_back(std::move(item.second));
+}
+
+Node converted(const toml::node& from) {
+  Node to;
+  to.line = line_of(from.source());
+  if (const auto* boolean = from.as_boolean()) {
+    to.kind = Node::Kind::boolean;
+    to.boolean = boolean->get();
+  } else if (const auto* integer = from.as_integer()) {
+    to.kind = Node::Kind::integer;
+    to.integer = integer->get();
+  } else if (const auto* number = from.as_floating_point()) {
+    to.kind = Node::Kind::number;
+    to.number = number->get();
+  } else if (const auto* text = from.as_string()) {
+    to.kind = Node::Kind::string;
+    to.text = text->get();
+  } else if (const auto* list = from.as_array()) {
+    to.kind = Node::Kind::list;
+    for (const toml::node& item : *list) to.list.push_back(converted(item));
+  } else if (const auto* table = from.as_table()) {
+    to.kind = Node::Kind::table;
+    convert_table(*table, to);
+  } else {
+    to.kind = Node::Kind::date;
+  }
+  return to;
+}
+
+std::string one_line(std::string text) {
+  for (char& c : text)
+    if (c == '\n' || c == '\r' || c == '\t') c = ' ';
+  return text;
+}
+
+// At most 60 bytes, cut between characters.
+std::string shortened(const std::string& text) {
+  std::size_t end = 60;
+  if (text.size() <= end) return text;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;  // UTF-8 continuation bytes
+  return text.substr(0, end) + "...";
+}
+
+}  // namespace
+
+const Entry* Node::find(std::string_view key) const {
+  for (const Entry& entry : entries)
+    if (entry.key == key) return &entry;
+  return nullptr;
+}
+
+Source::Source(std::string file, const Node& root) : file_(std::move(file)) { collect(root, ""); }
+
+void Source::collect(const Node& table, const std::string& prefix) {
+  for (const Entry& entry : table.entries) {
+    const std::string key = joined_key(prefix, entry.key);
+    lines_.emplace(key, entry.line);
+    if (entry.value.kind == Node::Kind::table) collect(entry.value, key);
+  }
+}
+
+std::string Source::place(const std::string& key) const {
+  for (std::string k = key; !k.empty();) {
+    if (const auto found = lines_.find(k); found != lines_.end()) return file_ + ":" + std::to_string(found->second);
+    const std::size_t dot = k.rfind('.');
+    k = dot == std::string::npos ? "" : k.substr(0, dot);
+  }
+  return file_;
+}
+
+Node parse_document(const std::string& text, const std::string& name) {
+  try {
+    return converted(toml::parse(text));
+  } catch (const toml::parse_error& error) {
+    throw InputError(name + ":" + std::to_string(line_of(error.source())) + ": " +
+                     one_line(std::string(error.description())));
+  }
+}
+
+std::string describe(const Node& value) {
+  switch (value.kind) {
+    case Node::Kind::boolean:
+      return value.boolean ? "true" : "false";
+    case Node::Kind::integer:
+      return std::to_string(value.integer);
+    case Node::Kind::number:
+      return toml_text(value.number);
+    case Node::Kind::string:
+      return "a string " + toml_text(shortened(value.text));
+    case Node::Kind::date:
+      return "a date or time";
+    case Node::Kind::list:
+      return value.list.empty() ? "an empty list" : "a list of " + std::to_string(value.list.size());
+    case Node::Kind::table:
+      break;
+  }
+  return "a section";
+}
+
+std::string joined_key(const std::string& prefix, std::string_view key) {
+  return prefix.empty() ? std::string(key) : prefix + "." + std::string(key);
+}
+
+}  // namespace pivnp::app

@@ -1,0 +1,53 @@
+// The visitors that read one section's options from a table and write them back.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "apps/case/document.hpp"
+#include "apps/case/values.hpp"
+
+namespace pivnp::app {
+
+/// Refuses keys of `table` that are neither in `known` nor in `children` (sections under this one).
+void refuse_unknown_keys(const std::string& file, const std::string& path, const Node& table,
+                         std::vector<std::string> known, const std::vector<std::string>& children);
+
+/// Reads the options of section `path` from `table`. Keys that are not there keep their value. Throws InputError.
+template <class T>
+void read_fields(const std::string& file, const std::string& path, const Node& table,
+                 const std::vector<std::string>& children, T& options) {
+  std::vector<std::string> known;
+  T::fields(options, [&](std::string_view name, auto&, const OptionInfo&) { known.emplace_back(name); });
+  refuse_unknown_keys(file, path, table, known, children);
+  T::fields(options, [&](std::string_view name, auto& value, const OptionInfo& info) {
+    if (const Entry* entry = table.find(name))
+      read_value(Place{file, joined_key(path, name), entry->line}, entry->value, info, value);
+  });
+}
+
+/// The options as lines "key = value". What is not given (an optional without value, an empty list or text that is
+/// empty by default, a number outside its own range) stands as a comment that says what it would be.
+template <class T>
+std::string write_fields(const T& options) {
+  std::vector<std::string> defaults;
+  const T fallback{};
+  T::fields(fallback, [&](std::string_view, const auto& value, const OptionInfo&) { defaults.push_back(toml_text(value)); });
+  std::string lines;
+  std::size_t k = 0;
+  T::fields(options, [&](std::string_view name, const auto& value, const OptionInfo& info) {
+    const std::string text = writable(info, value) ? toml_text(value) : "";
+    const bool empty_by_default = (text == "[]" || text == "\"\"") && text == defaults[k];
+    ++k;
+    if (!text.empty() && !empty_by_default) {
+      lines += std::string(name) + " = " + text + "\n";
+    } else {
+      const std::string unit = info.unit.empty() ? "" : " (" + std::string(info.unit) + ")";
+      lines += "# " + std::string(name) + " is not given" + unit + ": " + std::string(info.text) + "\n";
+    }
+  });
+  return lines;
+}
+
+}  // namespace pivnp::app

@@ -1,0 +1,137 @@
+// Reading a case: sections and keys here, what only the whole case shows in checks.cpp.
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "apps/case/checks.hpp"
+#include "apps/case/fields.hpp"
+#include "apps/case/listing.hpp"
+#include "apps/case/sections.hpp"
+#include "pivnp/core/error.hpp"
+#include "pivnp/core/text.hpp"
+
+namespace pivnp::app {
+
+void refuse_unknown_keys(const std::string& file, const std::string& path, const Node& table,
+                         std::vector<std::string> known, const std::vector<std::string>& children) {
+  known.insert(known.end(), children.begin(), children.end());
+  for (const Entry& entry : table.entries) {
+    if (std::find(known.begin(), known.end(), entry.key) != known.end()) continue;
+    const std::string key = joined_key(path, entry.key);
+    const std::string at = file + ":" + std::to_string(entry.line) + ": unknown ";
+    std::string hint = did_you_mean(entry.key, known);
+    if (entry.value.kind == Node::Kind::table) throw InputError(at + "section [" + key + "]" + hint);
+    if (const auto homes = sections_with_key(entry.key); !homes.empty() && !hint.starts_with("; did")) {
+      hint = "; it belongs to ";
+      for (std::size_t k = 0; k < homes.size(); ++k) hint += (k ? " or " : "") + homes[k];
+    }
+    throw InputError(at + "key '" + key + "'" + hint);
+  }
+}
+
+namespace {
+
+struct ReadSections {
+  const std::string& file;
+  const Node& root;
+
+  // The table of a section; nullptr if the file has none.
+  const Node* table(const std::string& path, const std::string& shown) const {
+    const Node* node = &root;
+    for (std::size_t begin = 0; begin <= path.size();) {
+      const std::size_t end = std::min(path.find('.', begin), path.size());
+      const Entry* entry = node->find(path.substr(begin, end - begin));
+      if (!entry) return nullptr;
+      demand_table(*entry, path.substr(0, end), shown);
+      node = &entry->value;
+      begin = end + 1;
+    }
+    return node;
+  }
+
+  void demand_table(const Entry& entry, const std::string& path, const std::string& shown) const {
+    if (entry.value.kind != Node::Kind::table)
+      throw InputError(file + ":" + std::to_string(entry.line) + ": " + path + ": found " + describe(entry.value) +
+                       ", expected a section " + shown);
+  }
+
+  template <class T>
+  void always(const std::string& path, T& options, const char*) const {
+    if (const Node* node = table(path, "[" + path + "]"))
+      read_fields(file, path, *node, child_sections(path), options);
+  }
+  template <class T>
+  void optional(const std::string& path, std::optional<T>& options, const char*) const {
+    if (const Node* node = table(path, "[" + path + "]"))
+      read_fields(file, path, *node, child_sections(path), options.emplace());
+  }
+  template <class T>
+  void named(const std::string& path, Named<T>& list, const char*) const {
+    const std::string shown = "[" + path + ".NAME] with a name of your choice";
+    const Node* node = table(path, shown);
+    if (!node) return;
+    for (const Entry& entry : node->entries) {
+      const std::string key = joined_key(path, entry.key);
+      demand_table(entry, key, shown);
+      if (entry.key.empty())
+        throw InputError(file + ":" + std::to_string(entry.line) + ": [" + path + ".\"\"]: the name is empty");
+      list.emplace_back(entry.key, T{});
+      read_fields(file, key, entry.value, {}, list.back().second);
+    }
+  }
+};
+
+std::string read_text(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream text;
+  if (stream.peek() != std::ifstream::traits_type::eof()) text << stream.rdbuf();
+  if (!stream || !text) throw InputError(file.string() + ": cannot be read");
+  return text.str();
+}
+
+}  // namespace
+
+Case parse_case(const std::string& text, const std::string& name, const std::filesystem::path& folder) {
+  const Node root = parse_document(text, name);
+  const Source source(name, root);
+  std::vector<std::string> top = child_sections("");
+  top.insert(top.begin(), "name");
+  refuse_unknown_keys(name, "", root, top, {});
+
+  Case c;
+  c.folder = folder;
+  if (const Entry* entry = root.find("name")) read_value(Place{name, "name", entry->line}, entry->value, {}, c.name);
+  for_each_section(c, ReadSections{name, root});
+  check_given(c, source);
+  if (c.frames || c.synth) {
+    if (!c.piv) c.piv.emplace();
+    if (!c.np) c.np.emplace();
+  }
+  return c;
+}
+
+Case read_case(const std::filesystem::path& path) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  fs::path file = path;
+  if (fs::is_directory(file, ignored)) {
+    file /= "case.toml";
+    if (!fs::exists(file, ignored)) throw InputError(path.string() + ": the folder has no case.toml");
+  }
+  if (!fs::exists(file, ignored)) throw InputError(file.string() + ": no such file");
+  if (!fs::is_regular_file(file, ignored)) throw InputError(file.string() + ": not a file");
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  Case c = parse_case(read_text(file), file.string(), folder);
+  c.file = file;
+  if (c.name.empty()) c.name = short_name(c);
+  return c;
+}
+
+std::string short_name(const Case& c) {
+  if (c.file.empty()) return "gate_slope";  // the embedded case
+  const auto file = std::filesystem::absolute(c.file).lexically_normal();
+  return (file.filename() == "case.toml" ? file.parent_path().filename() : file.stem()).string();
+}
+
+}  // namespace pivnp::app

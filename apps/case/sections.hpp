@@ -1,0 +1,41 @@
+// The sections of a case, listed once: reading, writing and the reference walk this list.
+#pragma once
+
+#include "apps/case/case.hpp"
+
+namespace pivnp::app {
+
+/// Calls, in the order in which a case is written,
+///   visit.always(path, options, text)    a section that is there whether or not the file has it,
+///   visit.optional(path, options, text)  a std::optional of options: there if the file has it,
+///   visit.named(path, list, text)        sections [path.NAME] with names of the user's choice.
+/// A section under another ("synth.mpm" under "synth") follows it.
+template <class C, class Visitor>
+void for_each_section(C& c, Visitor&& visit) {
+  visit.optional("frames", c.frames, "Images or a video of the experiment.");
+  visit.always("camera", c.camera, "Between pixels and the world. Without a scale or targets, lengths are in pixels.");
+  visit.always("grid", c.grid, "The one grid of PIV, numerical particles and simulation.");
+  visit.named("region", c.regions,
+              "Where material is at the first frame; one section a piece, one outline each. Without any region the "
+              "whole grid is measured.");
+  visit.named("mask", c.masks, "What must not be measured; one section a mask, one shape each.");
+  visit.optional("piv", c.piv, "Image correlation. There by default when there are frames.");
+  visit.optional("np", c.np, "Numerical particles. There by default when there are frames.");
+  visit.named("material", c.materials, "What the regions are made of, for the simulation.");
+  visit.optional("mpm", c.mpm, "The simulation; left out, the case only measures.");
+  visit.named("boundary", c.boundaries, "Restraints on the simulation's nodes; a line or a polygon each.");
+  visit.named("body", c.bodies, "Rigid bodies with prescribed motion; a circle or a polygon each.");
+  visit.always("compare", c.compare, "How measurement and simulation are compared.");
+  visit.always("compare.limits", c.limits, "Thresholds; one that is missed ends the program with exit code 3.");
+  visit.always("report", c.report, "What the report shows.");
+  visit.always("output", c.output, "What the record stores.");
+  visit.optional("synth", c.synth, "Synthetic frames with known truth: drawn by `pivnp synth`, and by `pivnp run` when "
+                                   "no frames are given.");
+  visit.always("synth.texture", c.texture, "The look of synthetic frames.");
+  visit.named("synth.material", c.synth_materials, "Materials of the simulation that carries the texture.");
+  visit.optional("synth.mpm", c.synth_mpm, "The simulation that carries the texture (motion = \"mpm\"); it uses the "
+                                           "regions, boundaries and bodies of the case.");
+  visit.always("verify", c.verify, "What `pivnp verify` demands of a case with known truth.");
+}
+
+}  // namespace pivnp::app

@@ -1,0 +1,132 @@
+// Bad input: each message is one line that names file, line and key, what was found and what was expected. The words
+// are the contract here, so they are held to the letter.
+#include <filesystem>
+#include <fstream>
+
+#include "tests/unit/case/case_text.hpp"
+
+namespace pivnp::app {
+namespace {
+
+TEST(BadInput, UnknownKeyNamesTheNearest) {
+  EXPECT_EQ(refusal("[frames]\npath = 'a'\n\n[piv]\nwindow = 32\n"),
+            "c.toml:5: unknown key 'piv.window'; did you mean 'window_px'?");
+  EXPECT_EQ(refusal("[compare.limits]\ndisplacment_rms_m = 1\n"),
+            "c.toml:2: unknown key 'compare.limits.displacment_rms_m'; did you mean 'displacement_rms_m'?");
+  EXPECT_EQ(refusal("nmae = 'x'\n"), "c.toml:1: unknown key 'nmae'; did you mean 'name'?");
+  EXPECT_EQ(refusal("[region.sand]\npolygon = [[0,0],[1,0],[1,1]]\n"),
+            "c.toml:2: unknown key 'region.sand.polygon'; did you mean 'polygon_m'?");
+}
+
+TEST(BadInput, UnknownKeyFarFromAllListsTheKnownOnes) {
+  EXPECT_EQ(refusal("[output]\ncompression_level = 3\n"), "c.toml:2: unknown key 'output.compression_level'; known: fields");
+}
+
+TEST(BadInput, KeyInTheWrongSectionIsSentToItsOwn) {
+  EXPECT_EQ(refusal("young_pa = 3e6\n"),
+            "c.toml:1: unknown key 'young_pa'; it belongs to [material.NAME] or [synth.material.NAME]");
+  EXPECT_EQ(refusal("[mpm]\nwindow_px = 32\n"), "c.toml:2: unknown key 'mpm.window_px'; it belongs to [piv]");
+}
+
+TEST(BadInput, UnknownSections) {
+  EXPECT_EQ(refusal("[pivv]\nwindow_px = 32\n"), "c.toml:1: unknown section [pivv]; did you mean 'piv'?");
+  EXPECT_EQ(refusal("[synth.textures]\nbits = 8\n"), "c.toml:1: unknown section [synth.textures]; did you mean 'texture'?");
+  EXPECT_EQ(refusal("[np.fine]\nx = 1\n").rfind("c.toml:1: unknown section [np.fine]; known: ", 0), 0u);
+}
+
+TEST(BadInput, SectionsThatAreNone) {
+  EXPECT_EQ(refusal("piv = 3\n"), "c.toml:1: piv: found 3, expected a section [piv]");
+  EXPECT_EQ(refusal("[region]\npolygon_m = [[0,0],[1,0],[1,1]]\n"),
+            "c.toml:2: region.polygon_m: found a list of 3, expected a section [region.NAME] with a name of your choice");
+  EXPECT_EQ(refusal("[[mask]]\nimage = 'x'\n"),
+            "c.toml:1: mask: found a list of 1, expected a section [mask.NAME] with a name of your choice");
+  EXPECT_EQ(refusal("[region.\"\"]\nmaterial = 'x'\n"), "c.toml:1: [region.\"\"]: the name is empty");
+}
+
+TEST(BadInput, WrongTypesSayFoundAndExpected) {
+  EXPECT_EQ(refusal("[piv]\nwindow_px = \"32\"\n"),
+            "c.toml:2: piv.window_px: found a string \"32\", expected a whole number (px)");
+  EXPECT_EQ(refusal("[piv]\nwindow_px = 32.0\n"), "c.toml:2: piv.window_px: found 32.0, expected a whole number (px)");
+  EXPECT_EQ(refusal("[piv]\nreplace = 1\n"), "c.toml:2: piv.replace: found 1, expected true or false");
+  EXPECT_EQ(refusal("[frames]\npath = 3\n"), "c.toml:2: frames.path: found 3, expected a string");
+  EXPECT_EQ(refusal("[frames]\npath = ['a']\n"), "c.toml:2: frames.path: found a list of 1, expected a string");
+  EXPECT_EQ(refusal("[frames]\nrate_hz = true\n"), "c.toml:2: frames.rate_hz: found true, expected a number (Hz)");
+  EXPECT_EQ(refusal("[frames]\nrate_hz = 07:32:00\n"),
+            "c.toml:2: frames.rate_hz: found a date or time, expected a number (Hz)");
+  EXPECT_EQ(refusal("[frames.rate_hz]\n"), "c.toml:1: frames.rate_hz: found a section, expected a number (Hz)");
+  EXPECT_EQ(refusal("[camera]\norigin_px = [1, 2, 3]\n"),
+            "c.toml:2: camera.origin_px: found a list of 3, expected two numbers [x, y] (px)");
+  EXPECT_EQ(refusal("[camera]\norigin_px = 1\n"),
+            "c.toml:2: camera.origin_px: found 1, expected two numbers [x, y] (px)");
+  EXPECT_EQ(refusal("[region.a]\npolygon_m = [1, 2]\n"),
+            "c.toml:2: region.a.polygon_m: found 1, expected a list of points [[x, y], ...] (m)");
+  EXPECT_EQ(refusal("[report]\ntimes_s = [0.1, 'end']\n"),
+            "c.toml:2: report.times_s: found a string \"end\", expected a list of numbers (s)");
+  EXPECT_EQ(refusal("[output]\nfields = ['strain_dev', 3]\n"),
+            "c.toml:2: output.fields: found 3, expected a list of strings");
+}
+
+TEST(BadInput, InsideALongListTheLineIsTheItems) {
+  EXPECT_EQ(refusal("[region.a]\npolygon_m = [\n  [0, 0],\n  [1, 0],\n  [1, \"1\"],\n]\n"),
+            "c.toml:5: region.a.polygon_m: found a string \"1\", expected a list of points [[x, y], ...] (m)");
+}
+
+TEST(BadInput, OutOfRange) {
+  EXPECT_EQ(refusal("[piv]\nwindow_px = 4\n"), "c.toml:2: piv.window_px: found 4, expected 8 to 256 (px)");
+  EXPECT_EQ(refusal("[piv]\nwindow_px = 99999999999\n"),
+            "c.toml:2: piv.window_px: found 99999999999, expected 8 to 256 (px)");
+  EXPECT_EQ(refusal("[frames]\nfirst = -1\n"), "c.toml:2: frames.first: found -1, expected at least 0");
+  EXPECT_EQ(refusal("[frames]\nfirst = 4000000000\n"),
+            "c.toml:2: frames.first: found 4000000000, expected at most 2147483647");
+  EXPECT_EQ(refusal("[frames]\nrate_hz = 0\n"), "c.toml:2: frames.rate_hz: found 0, expected more than 0 (Hz)");
+  EXPECT_EQ(refusal("[mpm]\ncourant = 1.5\n"), "c.toml:2: mpm.courant: found 1.5, expected more than 0 and at most 1");
+}
+
+TEST(BadInput, NegativeConstants) {
+  EXPECT_EQ(refusal("[material.a]\ndensity_kg_m3 = -1500.0\n"),
+            "c.toml:2: material.a.density_kg_m3: found -1500.0, expected more than 0 (kg/m^3)");
+  EXPECT_EQ(refusal("[material.a]\nyoung_pa = -1\n"), "c.toml:2: material.a.young_pa: found -1, expected more than 0 (Pa)");
+  EXPECT_EQ(refusal("[material.a]\ncohesion_pa = -1\n"), "c.toml:2: material.a.cohesion_pa: found -1, expected at least 0 (Pa)");
+}
+
+TEST(BadInput, NanAndInfinityAreRefused) {
+  EXPECT_EQ(refusal("[frames]\nrate_hz = nan\n"), "c.toml:2: frames.rate_hz: found nan, expected a finite number (Hz)");
+  EXPECT_EQ(refusal("[frames]\nrate_hz = inf\n"), "c.toml:2: frames.rate_hz: found inf, expected a finite number (Hz)");
+  EXPECT_EQ(refusal("[camera]\norigin_px = [0, -inf]\n"),
+            "c.toml:2: camera.origin_px: found -inf, expected a finite number (px)");
+}
+
+TEST(BadInput, UnknownChoiceNamesTheNearest) {
+  EXPECT_EQ(refusal("[np]\nseeding = 'evem'\n"),
+            "c.toml:2: np.seeding: found \"evem\", expected one of even, gauss; did you mean 'even'?");
+  EXPECT_EQ(refusal("[material.a]\nmodel = 'hypoplastic'\n"),
+            "c.toml:2: material.a.model: found \"hypoplastic\", expected one of linear_elastic, von_mises, mohr_coulomb");
+}
+
+TEST(BadInput, SyntaxErrorsAndDuplicatesNameTheLine) {
+  EXPECT_EQ(refusal("name = 'x'\n[piv]\nwindow_px = \n").rfind("c.toml:3: ", 0), 0u);
+  EXPECT_EQ(refusal("[piv]\nwindow_px = 32\nwindow_px = 64\n").rfind("c.toml:3: ", 0), 0u);
+  EXPECT_EQ(refusal("[piv]\nwindow_px = 32\n[np]\n[piv]\n").rfind("c.toml:4: ", 0), 0u);
+  EXPECT_EQ(refusal("name = \"a\xff\"\n").rfind("c.toml:1: ", 0), 0u);
+  EXPECT_EQ(refusal("name = \"unclosed\n[piv]\n").rfind("c.toml:1: ", 0), 0u);
+}
+
+TEST(BadInput, FilesThatAreNone) {
+  const std::filesystem::path folder = std::filesystem::temp_directory_path() / "pivnp case test";
+  std::filesystem::create_directories(folder / "empty");
+  auto message = [](const std::filesystem::path& path) -> std::string {
+    try {
+      read_case(path);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(message(folder / "nowhere.toml"), (folder / "nowhere.toml").string() + ": no such file");
+  EXPECT_EQ(message(folder / "empty"), (folder / "empty").string() + ": the folder has no case.toml");
+  EXPECT_EQ(message("/dev/null"), "/dev/null: not a file");
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace pivnp::app

@@ -1,0 +1,132 @@
+// What a sound case reads as.
+#include <filesystem>
+#include <fstream>
+
+#include "apps/case/init.hpp"
+#include "tests/unit/case/case_text.hpp"
+
+namespace pivnp::app {
+namespace {
+
+Case parsed(const std::string& text) { return parse_case(text, "c.toml", "/data"); }
+
+TEST(Reading, ValuesArriveAndTheRestKeepsItsDefaults) {
+  const Case c = parsed(whole_case);
+  EXPECT_EQ(c.name, "slope");
+  EXPECT_EQ(c.folder, "/data");
+  ASSERT_TRUE(c.frames && c.piv && c.np && c.mpm);
+  EXPECT_EQ(c.frames->path, "frames/*.png");
+  EXPECT_FALSE(c.frames->rate_hz);
+  EXPECT_EQ(c.camera.metres_per_pixel, 2e-4);
+  ASSERT_EQ(c.regions.size(), 1u);
+  EXPECT_EQ(c.regions[0].second.polygon_m[2], (Pair{0.2, 0.2}));
+  EXPECT_EQ(c.materials[0].second.density_kg_m3, 1545.0);  // a whole number where a number is wanted
+  EXPECT_EQ(c.piv->window_px, piv::PivOptions{}.window_px);
+  EXPECT_FALSE(c.synth);
+}
+
+TEST(Reading, NamedSectionsKeepTheFilesOrder) {
+  const Case c = parsed("[region.zeta]\npolygon_m = [[0,0],[1,0],[1,1]]\n[region.alpha]\npolygon_m = [[0,0],[1,0],[1,1]]\n"
+                        "[mask.b]\nimage = 'b.png'\n[region.\"the middle\"]\npolygon_px = [[0,0],[1,0],[1,1]]\n");
+  ASSERT_EQ(c.regions.size(), 3u);
+  EXPECT_EQ(c.regions[0].first, "zeta");
+  EXPECT_EQ(c.regions[1].first, "alpha");
+  EXPECT_EQ(c.regions[2].first, "the middle");
+}
+
+TEST(Reading, MeasuringStagesComeWithFrames) {
+  EXPECT_TRUE(parsed("[frames]\npath = 'a'\n").piv);
+  EXPECT_TRUE(parsed("[synth]\nmotion = 'none'\n").np);
+  EXPECT_TRUE(parsed("[synth.texture]\nbits = 16\n").synth);
+  EXPECT_FALSE(parsed("name = 'x'\n").piv);
+}
+
+TEST(Reading, FoldersWindowsLineEndsAndAByteOrderMark) {
+  const std::filesystem::path folder = std::filesystem::temp_directory_path() / "pivnp reading test" / "sand slope";
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "case.toml", std::ios::binary) << "\xEF\xBB\xBF[frames]\r\npath = 'a b/*.png'\r\n";
+  const Case c = read_case(folder);
+  EXPECT_EQ(c.frames->path, "a b/*.png");
+  EXPECT_EQ(c.folder, folder);
+  EXPECT_EQ(c.file, folder / "case.toml");
+  EXPECT_EQ(c.name, "sand slope");
+  EXPECT_EQ(short_name(c), "sand slope");
+  std::ofstream(folder / "other.toml") << "name = 'x'\n";
+  EXPECT_EQ(short_name(read_case(folder / "other.toml")), "other");
+  std::filesystem::remove_all(folder.parent_path());
+}
+
+TEST(Reading, TheEmbeddedCaseIsTheDataSets) {
+  std::ifstream file(PIVNP_SOURCE_DIR "/datasets/gate_slope/case.toml", std::ios::binary);
+  const std::string text((std::istreambuf_iterator<char>(file)), {});
+  ASSERT_FALSE(text.empty());
+  EXPECT_EQ(embedded_case_text(), text);
+  const Case c = parse_case(embedded_case_text(), "gate_slope", ".");
+  EXPECT_TRUE(c.synth) << "the default case must not need frames";
+  EXPECT_EQ(short_name(c), "gate_slope");
+}
+
+std::string uncommented(const std::string& text) {  // "# key = value" and "# [section]" become live
+  std::string out;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = text.find('\n', begin);
+    std::string line = text.substr(begin, end - begin);
+    const bool example = line.find("= ...") != std::string::npos || line.find("points_") != std::string::npos;
+    if (!example && line.starts_with("# ") && (line[2] == '[' || line.find(" = ") < 30)) line = line.substr(2);
+    out += line + "\n";
+    begin = end + 1;
+  }
+  return out;
+}
+
+TEST(Init, TheFirstCaseReadsAsItIs) {
+  for (const FrameFacts& facts : {FrameFacts{1920, 1080, 100, {}}, FrameFacts{40, 30, 2, 25.0}}) {
+    const std::string text = initial_case({.frames = "a \"b\"/*.png", .folder = ".", .metres_per_pixel = {}, .rate_hz = {}}, facts);
+    EXPECT_EQ(refusal(text), "") << text;
+    const Case c = parsed(text);
+    EXPECT_EQ(c.frames->path, "a \"b\"/*.png");
+    EXPECT_FALSE(c.frames->rate_hz) << "a container's claim is shown, not taken for granted";
+    EXPECT_FALSE(c.camera.metres_per_pixel);
+    ASSERT_EQ(c.regions.size(), 1u);
+    EXPECT_LE(c.piv->window_px, std::max(8, facts.height / 8));
+  }
+}
+
+TEST(Init, EveryCommentedLineIsSoundWhenItsMarkIsTakenAway) {
+  const std::string text = initial_case({.frames = "*.png", .folder = ".", .metres_per_pixel = {}, .rate_hz = {}},
+                                        {1920, 1080, 10, {}});
+  const std::string live = uncommented(text);
+  EXPECT_EQ(refusal(live), "") << live;
+  const Case c = parsed(live);
+  EXPECT_TRUE(c.mpm && c.frames->rate_hz && c.camera.metres_per_pixel && c.limits.displacement_rms_m);
+  EXPECT_EQ(c.masks.size(), 1u);
+  EXPECT_EQ(c.boundaries.size(), 1u);
+}
+
+TEST(Init, WhatIsKnownIsWritten) {
+  const std::string text = initial_case({.frames = "/data/v.mp4", .folder = "/tmp/study", .metres_per_pixel = 1e-3, .rate_hz = 240.0},
+                                        {640, 480, 10, 30.0});
+  const Case c = parsed(text);
+  EXPECT_EQ(c.camera.metres_per_pixel, 1e-3);
+  EXPECT_EQ(c.frames->rate_hz, 240.0);
+  EXPECT_EQ(c.frames->path, "/data/v.mp4");
+  EXPECT_EQ(c.name, "study");
+}
+
+TEST(Init, RelativeFramesBecomeRelativeToTheCase) {
+  const std::string text = initial_case({.frames = "frames/*.png", .folder = "study", .metres_per_pixel = {}, .rate_hz = {}},
+                                        {640, 480, 10, {}});
+  EXPECT_EQ(parsed(text).frames->path, "../frames/*.png");
+}
+
+TEST(Init, AFolderInPlaceOfFramesIsNamed) {
+  try {
+    init_case({.frames = "/tmp", .folder = ".", .metres_per_pixel = {}, .rate_hz = {}});
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_EQ(std::string(error.what()), "/tmp: found a folder, expected a pattern such as '/tmp/*.png' (quoted), or a video file");
+  }
+}
+
+}  // namespace
+}  // namespace pivnp::app
