@@ -10,10 +10,10 @@
 namespace pivnp::image {
 
 struct CameraOptions {
-  std::optional<double> metres_per_pixel;
-  std::optional<Pair> origin_px;
-  Points points_px;
-  Points points_m;
+  std::optional<double> metres_per_pixel = {};
+  std::optional<Pair> origin_px = {};
+  Points points_px = {};
+  Points points_m = {};
   std::string length_unit = "m";
 
   template <class Self, class Visitor>

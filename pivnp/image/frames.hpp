@@ -14,10 +14,10 @@
 namespace pivnp::image {
 
 struct FrameOptions {
-  std::string path;
-  std::optional<double> rate_hz;
+  std::string path = {};
+  std::optional<double> rate_hz = {};
   int first = 0;
-  std::optional<int> last;
+  std::optional<int> last = {};
   int stride = 1;
 
   template <class Self, class Visitor>

@@ -134,12 +134,25 @@ PnmHeader pnm_header(Bytes file) {
   return {number[0], number[1], number[2], at + 1};
 }
 
+std::uint64_t count_words(Bytes text) {
+  std::uint64_t words = 0;
+  bool in_word = false;
+  for (const unsigned char c : text) {
+    words += !std::isspace(c) && !in_word;
+    in_word = !std::isspace(c);
+  }
+  return words;
+}
+
 std::optional<std::string> pnm_defect(Bytes file) {
   const PnmHeader header = pnm_header(file);
   if (header.raster == 0) return "truncated: the PNM ends within its header";
   const std::uint64_t width = std::uint64_t(header.width), height = std::uint64_t(header.height);
   const std::uint64_t sample = header.maxval > 255 ? 2 : 1;
-  std::uint64_t raster = 0;  // the ASCII kinds are left to the decoder
+  const std::uint64_t numbers = width * height * (file[1] == '2' ? 1 : file[1] == '3' ? 3 : 0);
+  if (numbers > 0 && count_words(file.subspan(header.raster)) < numbers)
+    return "truncated: the PNM holds fewer than the " + std::to_string(numbers) + " numbers its header asks for";
+  std::uint64_t raster = 0;  // the bitmap in ASCII, P1, is left to the decoder
   if (file[1] == '4') raster = (width + 7) / 8 * height;
   if (file[1] == '5') raster = width * height * sample;
   if (file[1] == '6') raster = 3 * width * height * sample;
@@ -165,6 +178,7 @@ ImageFormat image_format(Bytes file) {
 
 std::optional<std::string> image_defect(Bytes file) {
   if (file.empty()) return "empty: the file has 0 bytes";
+  if (file.size() < 8) return "truncated: no image has as few as " + std::to_string(file.size()) + " bytes";
   switch (image_format(file)) {
     case ImageFormat::png: return png_defect(file);
     case ImageFormat::jpeg: return jpeg_defect(file);

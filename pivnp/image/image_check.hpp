@@ -20,7 +20,7 @@ ImageFormat image_format(Bytes file);
 ///  jpeg  marker segments and scans up to EOI (ITU-T T.81 annex B); a damaged scan with all its markers passes
 ///  bmp   the pixel array lies inside the file
 ///  tiff  strips or tiles of the first page lie inside the file (TIFF 6.0, BigTIFF); further full-size pages are refused
-///  pnm   the raster of P4, P5, P6 lies inside the file
+///  pnm   the raster of P2 to P6 lies inside the file
 std::optional<std::string> image_defect(Bytes file);
 
 /// The part of image_defect() for TIFF.

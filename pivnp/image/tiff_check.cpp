@@ -23,14 +23,18 @@ struct Page {
   std::uint64_t next = 0;  // position of the next directory, 0: none
 };
 
+// Bytes of one value; 0 for a type this file does not know.
 std::size_t type_size(int type) {
   switch (type) {
-    case 3: return 2;              // SHORT
-    case 4: case 13: return 4;     // LONG, IFD
-    case 16: case 18: return 8;    // LONG8, IFD8
-    default: return 0;             // not an integer used here
+    case 1: case 2: case 6: case 7: return 1;                       // BYTE, ASCII, SBYTE, UNDEFINED
+    case 3: case 8: return 2;                                       // SHORT, SSHORT
+    case 4: case 9: case 11: case 13: return 4;                     // LONG, SLONG, FLOAT, IFD
+    case 5: case 10: case 12: case 16: case 17: case 18: return 8;  // (S)RATIONAL, DOUBLE, LONG8, SLONG8, IFD8
+    default: return 0;
   }
 }
+
+bool is_unsigned_integer(int type) { return type == 3 || type == 4 || type == 13 || type == 16 || type == 18; }
 
 class Reader {
  public:
@@ -68,16 +72,18 @@ class Reader {
     return page;
   }
 
-  std::vector<std::uint64_t> values(const Page& page, int tag, bool& whole) const {
+  bool inside(const Entry& e) const {
+    const std::size_t size = type_size(e.type);
+    return size == 0 || (e.value_at <= file_.size() && e.count <= (file_.size() - e.value_at) / size);
+  }
+
+  /// The values of a tag of whole numbers; none if it is missing or lies beyond the end.
+  std::vector<std::uint64_t> values(const Page& page, int tag) const {
     std::vector<std::uint64_t> out;
     for (const Entry& e : page.entries) {
-      const std::size_t size = type_size(e.type);
-      if (e.tag != tag || size == 0) continue;
-      if (e.value_at > file_.size() || e.count > (file_.size() - e.value_at) / size) {
-        whole = false;
-        return out;
-      }
-      for (std::uint64_t k = 0; k < e.count; ++k) out.push_back(number(e.value_at + k * size, size));
+      if (e.tag != tag || !is_unsigned_integer(e.type) || !inside(e)) continue;
+      for (std::uint64_t k = 0; k < e.count; ++k)
+        out.push_back(number(e.value_at + k * type_size(e.type), type_size(e.type)));
     }
     return out;
   }
@@ -89,10 +95,8 @@ class Reader {
 
 // True if every strip (or tile) lies inside the file.
 bool data_inside(const Reader& reader, const Page& page, std::size_t file_size, int offsets_tag, int bytes_tag) {
-  bool whole = true;
-  const std::vector<std::uint64_t> offsets = reader.values(page, offsets_tag, whole);
-  const std::vector<std::uint64_t> bytes = reader.values(page, bytes_tag, whole);
-  if (!whole) return false;
+  const std::vector<std::uint64_t> offsets = reader.values(page, offsets_tag);
+  const std::vector<std::uint64_t> bytes = reader.values(page, bytes_tag);
   for (std::size_t k = 0; k < offsets.size(); ++k) {
     const std::uint64_t length = k < bytes.size() ? bytes[k] : 0;
     if (offsets[k] > file_size || length > file_size - offsets[k]) return false;
@@ -107,6 +111,8 @@ std::optional<std::string> tiff_defect(Bytes file) {
   const Reader reader(file);
   const Page first = reader.page(reader.first_page());
   if (!first.whole) return "truncated: the TIFF's directory lies beyond its end";
+  for (const Entry& e : first.entries)
+    if (!reader.inside(e)) return "truncated: the TIFF's tag " + std::to_string(e.tag) + " lies beyond its end";
   if (!data_inside(reader, first, file.size(), tag_strip_offsets, tag_strip_bytes) ||
       !data_inside(reader, first, file.size(), tag_tile_offsets, tag_tile_bytes))
     return "truncated: the TIFF's pixels lie beyond its end";
@@ -116,8 +122,7 @@ std::optional<std::string> tiff_defect(Bytes file) {
   for (int pages = 0; at != 0 && pages < 1000; ++pages) {
     const Page page = reader.page(at);
     if (!page.whole) return "truncated: a TIFF directory lies beyond the file's end";
-    bool whole = true;
-    const std::vector<std::uint64_t> kind = reader.values(page, tag_subfile_type, whole);
+    const std::vector<std::uint64_t> kind = reader.values(page, tag_subfile_type);
     if (kind.empty() || (kind[0] & 5) == 0)  // neither a reduced image nor a transparency mask
       return "a TIFF of several pages; write one frame a file";
     at = page.next;
