@@ -43,7 +43,8 @@ struct MpmOptions {
   bool settle = true;
   double settle_damping = 0.7;
   double settle_tolerance = 1e-3;
-  double damping = 0.0;
+  std::optional<double> damping;
+  std::optional<double> pic_share;
   double courant = 0.4;
   int refine = 1;
   std::optional<double> end_s;
@@ -58,7 +59,8 @@ struct MpmOptions {
     visit("settle", self.settle, OptionInfo{.text = "bring the weight on quasi-statically, damped, before time 0 (strains and displacements then start at zero)"});
     visit("settle_damping", self.settle_damping, OptionInfo{.text = "local damping while settling", .min = 0, .max = 1});
     visit("settle_tolerance", self.settle_tolerance, OptionInfo{.text = "settled when unbalanced over applied force falls below this", .min = 0, .above_min = true});
-    visit("damping", self.damping, OptionInfo{.text = "Cundall's local damping during the run", .min = 0, .max = 1});
+    visit("damping", self.damping, OptionInfo{.text = "Cundall's local damping during the run (left out: 0; geopart: 0.05)", .min = 0, .max = 1});
+    visit("pic_share", self.pic_share, OptionInfo{.text = "share of PIC in the velocity transfer, while a wave crosses one cell (left out: by the scheme)", .min = 0, .max = 1});
     visit("courant", self.courant, OptionInfo{.text = "time step over the critical one", .min = 0, .max = 1, .above_min = true});
     visit("refine", self.refine, OptionInfo{.text = "cells per measured element and side", .min = 1, .max = 16});
     visit("end_s", self.end_s, OptionInfo{.unit = "s", .text = "end of the simulation (left out: the last frame)", .min = 0, .above_min = true});

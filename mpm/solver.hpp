@@ -1,7 +1,9 @@
 // The material point method, explicit, plane strain: appendix A of the thesis, as corrected by our errata.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -9,6 +11,7 @@
 #include <vector>
 
 #include "mpm/options.hpp"
+#include "pivnp/core/grid/grid.hpp"
 #include "pivnp/core/particles/motion.hpp"
 #include "pivnp/core/progress.hpp"
 #include "pivnp/core/record/energy.hpp"
@@ -22,20 +25,30 @@ struct Scene {
   std::vector<MaterialOptions> materials;
   std::vector<std::pair<std::string, BoundaryOptions>> boundaries;
   std::vector<std::pair<std::string, RigidOptions>> bodies;
+  std::vector<Vec2> v0;                        // velocity at time 0, one a particle; empty: at rest
+  std::vector<std::array<double, 4>> stress0;  // Cauchy stress at time 0, xx yy zz xy; empty: none
 };
 
-/// Throws InputError naming the key: missing stiffness or density, polygon and line both given, no node restrained.
+/// Plane strain, unit thickness; explicit, bilinear MUSL (transfer.hpp), laws in material/. The bits of a run do not
+/// depend on `threads`. A particle that leaves the grid is ended (EndReason::left_grid) with the values of its last
+/// good time; it is never fatal. Nodes on the grid's edge are free unless restrained.
 class Solver {
  public:
+  /// Throws InputError naming the key: missing stiffness or density, polygon and line both given or neither, no node
+  /// restrained, a particle inside a rigid body (cut the region there), a particle outside the grid.
   Solver(const MpmOptions& options, Scene scene, int threads);
   ~Solver();
 
-  /// The damped quasi-static start (MpmOptions::settle). Afterwards velocities, displacements, F and energies are
-  /// zeroed, stresses kept. Throws RunError if it does not settle.
+  /// The damped quasi-static start (settle.hpp); call it before the first step, if MpmOptions::settle says so. The
+  /// particles stay where they are: equilibrium is sought in the reference configuration, so that x0 is the place of
+  /// the loaded material. Afterwards velocities, displacements, F, plastic strain and the accumulated energies are
+  /// zero and the stresses stay. Restraints with until_s > 0 count as in place. Throws RunError, naming the ratio
+  /// reached, if it does not settle.
   void settle(Progress& progress);
 
-  /// Steps to `time` exactly (the last step is trimmed). Throws RunError, with time and cause, on NaN or blow-up; the
-  /// last good state stays readable.
+  /// Steps to `time` exactly (the last steps are trimmed). Throws RunError, with time and cause, on NaN or blow-up (a
+  /// point that moves a cell in a step, or an energy residual beyond a quarter of what was turned over); the last good
+  /// state, at most 100 steps old, stays readable.
   void advance_to(double time, Progress& progress);
 
   double time() const;
@@ -46,10 +59,12 @@ class Solver {
   EnergyRow energy() const;
 
   /// Called after every step with the step's length and a function that gives the grid's velocity at a point (bilinear,
-  /// zero outside material): what carries synthetic texture. Not called while settling.
+  /// of the step just made and the cells at its start, zero outside material): what carries synthetic texture. Not called while settling.
   using VelocityAt = std::function<Vec2(const Vec2&)>;
   void on_step(std::function<void(double dt, const VelocityAt&)> observer);
 
+  /// The whole state, to go on with identical bits in a Solver made from the same options and scene. load() throws
+  /// InputError if the bytes are of another scene or damaged.
   std::vector<std::byte> save() const;
   void load(const std::vector<std::byte>& checkpoint);
 

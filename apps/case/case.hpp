@@ -87,11 +87,15 @@ struct SynthOptions {
 struct VerifyOptions {
   std::optional<double> displacement_rms_px;
   std::optional<double> strain_error;
+  std::optional<double> nodal_error;
+  double lost_share = 0.0;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
     visit("displacement_rms_px", self.displacement_rms_px, OptionInfo{.unit = "px", .text = "greatest RMS error of the particles' final displacement", .min = 0});
     visit("strain_error", self.strain_error, OptionInfo{.text = "greatest error of the mean final log strain, any component", .min = 0});
+    visit("nodal_error", self.nodal_error, OptionInfo{.text = "affine: greatest error of log strain, and of displacement over the spacing, through exact nodal increments", .min = 0});
+    visit("lost_share", self.lost_share, OptionInfo{.text = "greatest share of particles not followed to the end", .min = 0, .max = 1});
   }
 };
 

@@ -1,6 +1,7 @@
 #include "pivnp/core/text.hpp"
 
 #include <algorithm>
+#include <cstdio>
 #include <numeric>
 
 namespace pivnp {
@@ -38,6 +39,12 @@ std::string did_you_mean(const std::string& found, const std::vector<std::string
   std::string list = "; known: ";
   for (std::size_t k = 0; k < known.size(); ++k) list += (k ? ", " : "") + known[k];
   return list;
+}
+
+std::string number(double value, int digits) {
+  char buffer[40];
+  std::snprintf(buffer, sizeof buffer, "%.*g", digits, value);
+  return buffer;
 }
 
 }  // namespace pivnp

@@ -10,4 +10,7 @@ namespace pivnp {
 /// is near.
 std::string did_you_mean(const std::string& found, const std::vector<std::string>& known);
 
+/// A number as a person writes it: `digits` significant ones, no trailing zeros.
+std::string number(double value, int digits = 6);
+
 }  // namespace pivnp

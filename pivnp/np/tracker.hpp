@@ -1,6 +1,7 @@
-// PIV-NP (Pinyol & Alvarado 2017): numerical particles ride through the measured increments.
+// PIV-NP (Pinyol & Alvarado 2017; Alvarado 2018, chapter 2): numerical particles ride through the measured increments.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -8,6 +9,8 @@
 #include "pivnp/core/options.hpp"
 #include "pivnp/core/particles/motion.hpp"
 #include "pivnp/core/record/vectors.hpp"
+#include "pivnp/np/increments.hpp"
+#include "pivnp/np/support.hpp"
 
 namespace pivnp::np {
 
@@ -15,6 +18,7 @@ struct NpOptions {
   int per_element = 4;
   std::string seeding = "even";
   std::string gradient = "particle";
+  double error_correlation = 1.0;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
@@ -23,43 +27,90 @@ struct NpOptions {
     visit("seeding", self.seeding,
           OptionInfo{.text = "pattern of the particles in an element", .choices = {"even", "gauss"}});
     visit("gradient", self.gradient,
-          OptionInfo{.text = "where the gradient is taken: at the particle, or at the element's centre (the thesis)", .choices = {"particle", "element"}});
+          OptionInfo{.text = "where the gradient is taken: at the particle, or at the element's centre (the thesis)",
+                     .choices = {"particle", "element"}});
+    visit("error_correlation", self.error_correlation,
+          OptionInfo{.text = "correlation of the errors of neighbouring vectors: 1 a bound, 0 independent windows",
+                     .min = 0,
+                     .max = 1});
   }
 };
 
-/// Follows particles through pairs of consecutive frames. State is double precision.
+/// Follows particles through pairs of consecutive frames. State is double precision. Bilinear shape functions (thesis,
+/// equations 2.1-2.4, 2.3 as corrected in core/grid/shape.hpp). Same bits for any number of threads.
 class Tracker {
  public:
-  /// `particles` are placed at x0 at `start_time` with F = I.
+  /// `particles` are placed at x0 at `start_time` with F = I; those born later wait, unborn, until the first step that
+  /// reaches their time of birth. Throws InputError for an unknown option value, arrays of unequal length or a position
+  /// that is not finite.
   Tracker(const NpOptions& options, ParticleSet particles, double start_time);
 
   /// One pair: moves every living particle by the rule of the field's anchor,
-  ///   forward: x1 = x0 + d(x0),              F1 = (I + G) F0
-  ///   central: x1 = x0 + d((x0 + x1)/2),     F1 = (I - G/2)^-1 (I + G/2) F0
-  /// (errata to the thesis' 2.9 and 2.14). A particle outside the grid, or with too few usable nodes around it, ends
-  /// with time and reason and keeps its last good state; where an element has lost nodes a local affine fit of the
-  /// usable ones stands in and the step is marked doubtful. cov_u grows by the gathered covariance of the increments.
+  ///   forward: x1 = x0 + d(x0),   G at x0,                F1 = (I + G) F0
+  ///   central: x1 = x0 + d(xm),   G at xm = (x0 + x1)/2,  F1 = (I - G/2)^-1 (I + G/2) F0
+  /// The thesis moves by the first rule whatever the windows (2.9, 2.14) and sums small strains (2.7); why that is not
+  /// enough: docs/parts/np.md. xm is solved to 1e-14 spacings (and to the round-off of the position); if 50 iterations
+  /// do not get there, the step is taken and marked doubtful.
+  ///
+  /// Status of the step: doubtful if it rests on a replaced vector, on a local affine fit (LocalFit) where the element
+  /// has lost nodes, or on an unsettled mid-point; else active. A particle ends, with the time of its last good state,
+  /// and keeps x, F and cov of that time: left_grid if its place (x0, or xm) is outside the grid, no_vectors if too few
+  /// usable nodes are near it, bad_state if J <= 0 or a number is not finite. A last step may carry a particle out of
+  /// the grid: that position is measured, and it ends at the next pair.
+  ///
+  /// cov_u, to first order in the errors: C1 = f C0 f^T + K E K^T with f = F1 F0^-1, K = I (forward) or (I - G/2)^-1
+  /// (central), and E the covariance of the interpolated increment (docs/parts/np.md). A pair without cov makes cov_u
+  /// unknown from then on.
+  ///
+  /// Throws InputError if `time` is not after the present one, or if the field's arrays do not fit its grid.
   void step(const VectorField& field, double time);
+  void step(const Increments& field, double time);
 
   const ParticleSet& particles() const { return particles_; }
-  MotionFrame frame() const;  // the present state
+  double time() const { return time_; }
+  MotionFrame frame() const;  // the present state; cov_u empty if unknown
 
   // The state in full precision, for tests and for going on after a break.
   struct Particle {
     Vec2 x;
     Mat2 F;
-    std::array<double, 3> cov{0, 0, 0};
+    std::array<double, 3> cov{0, 0, 0};  // uu, vv, uv
     ParticleStatus status = ParticleStatus::active;
   };
-  const std::vector<Particle>& state() const { return state_; }
+  /// Reads like an array of Particle; held as separate arrays.
+  class StateView {
+   public:
+    explicit StateView(const Tracker& tracker) : tracker_(tracker) {}
+    std::size_t size() const { return tracker_.x_.size(); }
+    Particle operator[](std::size_t p) const {
+      return {tracker_.x_[p], tracker_.F_[p], tracker_.cov_[p], tracker_.status_[p]};
+    }
+
+   private:
+    const Tracker& tracker_;
+  };
+  StateView state() const { return StateView(*this); }
+
+  /// Everything needed to go on bit for bit, in this machine's byte order, with version, sizes and checksums.
   std::vector<std::byte> save() const;
+  /// Into a tracker made with the same options and particles as the saved one. Throws InputError, leaving this tracker
+  /// as it was, if the bytes are no such state, are damaged, or belong to other options or particles.
   void load(const std::vector<std::byte>& bytes);
 
  private:
+  template <class Real>
+  void advance(const Nodes<Real>& nodes, double time);
+  void end(std::size_t p, EndReason reason);
+
   NpOptions options_;
   ParticleSet particles_;
   double time_;
-  std::vector<Particle> state_;
+  bool cov_known_ = true;
+  std::vector<Vec2> x_;
+  std::vector<Mat2> F_;
+  std::vector<std::array<double, 3>> cov_;
+  std::vector<ParticleStatus> status_;
+  SupportMap support_;
 };
 
 }  // namespace pivnp::np

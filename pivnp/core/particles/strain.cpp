@@ -3,18 +3,19 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace pivnp {
 
 namespace {
 
-// 1/2 ln of a symmetric positive definite matrix, by its eigenvalues (mean +- radius).
-Strain half_log(const Mat2& S) {
+// 1/2 ln of S = F F^T by its eigenvalues (mean +- radius), J = det F > 0.
+Strain half_log(const Mat2& S, double J) {
   const double mean = (S(0, 0) + S(1, 1)) / 2, half_difference = (S(0, 0) - S(1, 1)) / 2, shear = S(0, 1);
   const double radius = std::hypot(half_difference, shear);
-  // The small eigenvalue from the determinant: mean - radius would cancel at large stretch.
+  // The small eigenvalue from det S = J^2: mean - radius, and det S from S itself, would cancel at large stretch.
   const double large = mean + radius;
-  const double small = (S(0, 0) * S(1, 1) - shear * shear) / large;
+  const double small = J / large * J;
   if (!(small > 0) || !std::isfinite(large)) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     return {nan, nan, nan};
@@ -31,8 +32,8 @@ Strain symmetric(const Mat2& G) { return {G(0, 0), G(1, 1), (G(0, 1) + G(1, 0)) 
 }  // namespace
 
 Strain log_strain(const Mat2& F) {
-  if (!(F.determinant() > 0)) return half_log(Mat2::Constant(std::numeric_limits<double>::quiet_NaN()));
-  return half_log(F * F.transpose());
+  const double J = F.determinant();
+  return half_log(F * F.transpose(), J > 0 ? J : std::numeric_limits<double>::quiet_NaN());
 }
 
 Strain log_strain_material(const Mat2& F) { return log_strain(F.transpose()); }
@@ -45,7 +46,9 @@ double deviatoric(const Strain& e) {
 
 Principal principal(const Strain& e) {
   const double mean = (e.xx + e.yy) / 2, radius = std::hypot((e.xx - e.yy) / 2, e.xy);
-  return {mean + radius, mean - radius, std::atan2(2 * e.xy, e.xx - e.yy) / 2};
+  double angle = std::atan2(2 * e.xy, e.xx - e.yy) / 2;
+  if (angle <= -std::numbers::pi / 2) angle = std::numbers::pi / 2;  // along y, reached with a shear of -0
+  return {mean + radius, mean - radius, angle};
 }
 
 Strain increment_forward(const Mat2& F0, const Mat2& F1) { return symmetric(F1 * F0.inverse() - Mat2::Identity()); }

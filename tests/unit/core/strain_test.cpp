@@ -48,6 +48,25 @@ TEST(LogStrain, SimpleShear) {
   }
 }
 
+TEST(LogStrain, KeepsItsDigitsAtExtremeShear) {
+  // Shear of 1234.567, turned: det(F F^T) taken from F F^T would have lost 6 digits more than det F.
+  Mat2 F = Mat2::Identity();
+  F(0, 1) = 1234.567;
+  for (double a = -3; a < 3; a += 0.37) {
+    const Strain e = log_strain(rotation(a) * F);
+    EXPECT_NEAR(volumetric(e), 0, 2e-12);
+    EXPECT_NEAR(principal(e).first, std::asinh(1234.567 / 2), 2e-12);
+  }
+}
+
+TEST(Principal, DirectionLiesInItsHalfOpenInterval) {
+  EXPECT_DOUBLE_EQ(principal({-0.1, 0.2, 0.0}).angle, std::numbers::pi / 2);
+  EXPECT_DOUBLE_EQ(principal({-0.1, 0.2, -0.0}).angle, std::numbers::pi / 2);
+  EXPECT_DOUBLE_EQ(principal({-0.1, 0.2, -1e-300}).angle, std::numbers::pi / 2);
+  EXPECT_EQ(principal({0.2, -0.1, -0.0}).angle, 0);
+  EXPECT_NEAR(principal({0, 0, -0.1}).angle, -std::numbers::pi / 4, 1e-15);
+}
+
 TEST(LogStrain, NotAMotionIsNaN) {
   EXPECT_TRUE(std::isnan(log_strain(Vec2(-1, 1).asDiagonal()).xx));
   EXPECT_TRUE(std::isnan(log_strain(Mat2::Zero()).xx));

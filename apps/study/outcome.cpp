@@ -1,0 +1,65 @@
+#include "apps/study/outcome.hpp"
+
+#include <map>
+
+#include "apps/study/measure.hpp"
+#include "pivnp/core/text.hpp"
+
+namespace pivnp::app {
+
+namespace {
+
+void remark_on_steps(const io::RecordReader& record, std::vector<std::string>& remarks) {
+  const std::vector<Frame>& frames = record.frames();
+  for (std::size_t k = 0; k < record.pair_count(); ++k) {
+    const VectorField field = record.pair(k);
+    const Frame& before = frames.at(std::size_t(field.pair[0]));
+    const Frame& after = frames.at(std::size_t(field.pair[1]));
+    if (after.flag == frame_ok) continue;
+    const PairQuality q = quality_of(field);
+    const std::string step = "The step " + before.name + " -> " + after.name;
+    if (after.flag & frame_decorrelated)
+      remarks.push_back(step + " lost its correlation: " + number(100 * q.valid, 3) +
+                        " % of its vectors are valid, median score " + number(q.median_score, 2) + ".");
+    if (after.flag & frame_repeated)
+      remarks.push_back(step + " shows hardly any motion (median " + number(q.median_shift, 2) +
+                        " spacings) where its fellows move: a repeated exposure?");
+  }
+}
+
+void remark_on_ends(const MotionSource& motion, std::vector<std::string>& remarks) {
+  static const std::map<EndReason, const char*> words = {
+      {EndReason::left_grid, "left the grid"},
+      {EndReason::no_vectors, "lost the valid vectors around them"},
+      {EndReason::bad_state, "reached a state that is no motion (J <= 0)"},
+      {EndReason::left_image, "left the image or went under a mask"}};
+  const ParticleSet& set = motion.particles();
+  std::map<EndReason, std::size_t> ends;
+  for (const EndReason reason : set.end_reason)
+    if (reason != EndReason::none) ++ends[reason];
+  for (const auto& [reason, count] : ends)
+    remarks.push_back("Motion " + motion.name() + ": " + std::to_string(count) + " of " + std::to_string(set.size()) +
+                      " particles " + words.at(reason) + " and were ended; their histories are kept.");
+}
+
+}  // namespace
+
+std::vector<std::string> remarks_of(const io::RecordReader& record) {
+  std::vector<std::string> remarks;
+  remark_on_steps(record, remarks);
+  for (const std::string& name : record.motion_names()) remark_on_ends(*record.motion(name), remarks);
+  return remarks;
+}
+
+io::ComparisonData comparison_data(const compare::Comparison& comparison, const std::string& first,
+                                   const std::string& second) {
+  io::ComparisonData data;
+  data.measured = first;
+  data.simulated = second;
+  data.metrics = comparison.metrics;
+  for (const compare::DifferenceField& field : comparison.fields)
+    data.fields.push_back({field.name, field.unit, field.definition, comparison.time, comparison.id, field.values});
+  return data;
+}
+
+}  // namespace pivnp::app

@@ -1,0 +1,117 @@
+// `pivnp run` and its parts: the chain from frames to report.
+#include <algorithm>
+#include <cmath>
+
+#include "apps/study/measure.hpp"
+#include "apps/study/outcome.hpp"
+#include "apps/study/report_input.hpp"
+#include "apps/study/stages.hpp"
+#include "apps/study/study.hpp"
+#include "pivnp/core/error.hpp"
+
+namespace pivnp::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+bool drawn_by_itself(const Case& c) { return c.synth && (!c.frames || c.frames->path.empty()); }
+
+// The frames of the case; those of a [synth] case are drawn first, unless a resumed run has them all.
+std::unique_ptr<image::FrameSource> frames_of(Case& c, const RunSettings& settings, Progress& progress) {
+  if (!c.frames) c.frames = image::FrameOptions{};
+  if (settings.frames) {
+    c.frames->path = fs::absolute(*settings.frames).string();
+  } else if (drawn_by_itself(c)) {
+    if (!(settings.resume && fs::exists(settings.out / "truth" / "record.h5"))) synthesize(c, settings, progress);
+    c.frames->path = fs::absolute(settings.out / "frames" / "frame_*.png").string();
+    if (!c.frames->rate_hz) c.frames->rate_hz = 1.0;
+  } else {
+    c.frames->path = fs::absolute(c.folder / c.frames->path).string();
+  }
+  return image::prefetched(image::open_frames(*c.frames, c.folder));
+}
+
+io::RecordHead head_of(const Case& c, const RunSettings& settings, const Setting& setting, bool seconds) {
+  io::RecordHead head;
+  head.command = settings.command;
+  head.case_text = write_case(c);
+  head.length_unit = setting.camera.length_unit();
+  head.time_unit = seconds ? "s" : "frame";
+  head.grid = setting.grid;
+  head.world_from_pixel = setting.camera.world_from_pixel();
+  head.camera_residual = setting.camera.residual();
+  if (c.camera.metres_per_pixel) head.metres_per_pixel = c.camera.metres_per_pixel;
+  return head;
+}
+
+std::vector<double> output_times(const Case& c, const std::vector<Frame>& frames) {
+  std::vector<double> times;
+  const double end = c.mpm->end_s.value_or(frames.empty() ? 0.0 : frames.back().time);
+  if (c.mpm->output_rate_hz) {
+    const auto count = std::int64_t(std::floor(end * *c.mpm->output_rate_hz + 1e-9));
+    for (std::int64_t k = 0; k <= count; ++k) times.push_back(double(k) / *c.mpm->output_rate_hz);
+  } else {
+    for (const Frame& frame : frames)
+      if (frame.time <= end * (1 + 1e-12)) times.push_back(frame.time);
+  }
+  if (times.size() < 2)
+    throw InputError((c.file.empty() ? c.name : c.file.string()) +
+                     ": mpm: nothing to simulate; give end_s and output_rate_hz, or frames");
+  return times;
+}
+
+}  // namespace
+
+RunOutcome run_case(const Case& given, const RunSettings& settings, Stages stages, Progress& progress) {
+  Case c = given;
+  const bool measures = stages != Stages::simulate && (c.frames || c.synth || settings.frames);
+  const bool tracks = measures && stages != Stages::piv;
+  const bool simulates = c.mpm && (stages == Stages::all || stages == Stages::simulate);
+  if (!measures && !simulates)
+    throw InputError((c.file.empty() ? c.name : c.file.string()) + ": nothing to do: neither frames nor [mpm]");
+
+  std::error_code failed;
+  fs::create_directories(settings.out, failed);
+  if (failed) throw RunError(settings.out.string() + ": " + failed.message());
+
+  std::unique_ptr<image::FrameSource> source;
+  std::vector<Frame> frames;
+  if (measures || c.frames) {
+    source = frames_of(c, settings, progress);
+    frames = source->frames();
+    if (measures && frames.size() < 2)
+      throw InputError(c.frames->path + ": found 1 frame, expected at least 2 to measure motion");
+  }
+  const Setting setting = make_setting(c, source ? source->width() : 0, source ? source->height() : 0);
+  io::RecordWriter writer(settings.out, head_of(c, settings, setting, !source || source->has_rate()),
+                          settings.resume);
+
+  RunOutcome outcome;
+  if (measures) {
+    measure(c, setting, *source, writer, settings.threads, progress);
+    frames = flagged_frames(std::move(frames), writer);
+    writer.set_frames(frames);
+    if (tracks) track(c, setting, frames, writer, progress);
+  }
+  if (simulates) simulate(c, setting, output_times(c, frames), writer, settings.threads, progress);
+  writer.set_output_fields(c.output.fields_stored);
+
+  std::optional<compare::Comparison> comparison;
+  {
+    const io::RecordReader packed(writer.pack());
+    outcome.remarks = remarks_of(packed);
+    if (tracks && simulates) {
+      comparison = compare::compare(*packed.motion("np"), *packed.motion("mpm"), c.compare, c.limits, progress);
+      writer.set_comparison(comparison_data(*comparison, "np", "mpm"));
+      outcome.over_limit = comparison->over_limit;
+    }
+  }
+  writer.finish();
+
+  outcome.record = settings.out / "record.h5";
+  write_report_of(c, outcome, std::move(comparison), source.get(), settings.out);
+  return outcome;
+}
+
+}  // namespace pivnp::app

@@ -1,0 +1,51 @@
+// Motions that are known: what carries synthetic texture, and the truth that measurements are judged by.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "apps/study/scene.hpp"
+#include "pivnp/core/progress.hpp"
+
+namespace pivnp::app {
+
+/// The same affine increment every frame: x -> centre + A (x - centre) + shift, world.
+struct AffineMotion {
+  Mat2 A = Mat2::Identity();
+  Vec2 centre = Vec2::Zero(), shift = Vec2::Zero();
+
+  Vec2 next(const Vec2& x) const { return centre + A * (x - centre) + shift; }
+  Vec2 at(Vec2 x, int frame) const {
+    for (int k = 0; k < frame; ++k) x = next(x);
+    return x;
+  }
+  Mat2 F(int frame) const {
+    Mat2 f = Mat2::Identity();
+    for (int k = 0; k < frame; ++k) f = A * f;
+    return f;
+  }
+};
+AffineMotion affine_motion(const SynthOptions& synth, const Setting& setting);
+
+/// Points carried by a simulated velocity field: x += v(x) dt and F = (I + dt grad v) F over short, fixed pieces of
+/// time. Their own integration; no particle gather of the trackers is used.
+struct Tracers {
+  std::vector<Vec2> x;
+  std::vector<Mat2> F;  // may be left empty: gradients are then not carried
+};
+
+/// Called at every frame with the present places; the texture may be changed (blobs lost and put elsewhere).
+using AtFrame = std::function<void(int frame, Tracers& texture, const Tracers& seeds)>;
+
+/// Runs the [synth.mpm] simulation of the case and carries both sets through it to each of `times`.
+void carry_by_simulation(const Case& c, const Setting& setting, const std::vector<double>& times, Tracers texture,
+                         Tracers seeds, int threads, Progress& progress, const AtFrame& at_frame);
+
+/// Counter-based random numbers in [0, 1): the same on every platform. Splitmix64 (Steele, Lea & Flood 2014).
+double uniform(std::uint64_t seed, std::uint64_t index);
+
+/// Points scattered evenly over a polygon's box and kept inside it; `per_area` a unit area.
+std::vector<Vec2> scatter(const std::vector<Region>& regions, double per_area, std::uint64_t seed);
+
+}  // namespace pivnp::app

@@ -1,0 +1,98 @@
+#include "compare/statistics.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace pivnp::compare {
+
+namespace {
+
+// A non-negative float's bits rise with its value: exponent and the first 12 bits of the mantissa number a bin.
+constexpr int dropped_bits = 11;
+constexpr std::size_t bin_count = std::size_t(1) << (31 - dropped_bits);
+
+std::size_t bin_of(double value) { return std::bit_cast<std::uint32_t>(float(value)) >> dropped_bits; }
+
+double middle_of(std::size_t bin) {
+  const std::uint32_t low = std::uint32_t(bin) << dropped_bits;
+  return low == 0 ? 0 : double(std::bit_cast<float>(low | (1U << (dropped_bits - 1))));
+}
+
+double root_mean(double sum, std::size_t count) { return count > 0 ? std::sqrt(sum / double(count)) : not_known; }
+
+}  // namespace
+
+void Quantile::count(double value) { ++bins_[bin_of(value)]; }
+
+void Quantile::add(double value) {
+  ++size_;
+  if (!bins_.empty()) return count(value);
+  values_.push_back(value);
+  if (values_.size() <= exact_limit) return;
+  bins_.assign(bin_count, 0);
+  for (double v : values_) count(v);
+  values_ = {};
+}
+
+double Quantile::at(double q) const {
+  if (size_ == 0) return not_known;
+  const std::size_t rank = std::max<std::size_t>(1, std::size_t(std::ceil(q * double(size_) - 1e-9)));
+  if (bins_.empty()) {
+    std::vector<double> sorted = values_;
+    const auto place = sorted.begin() + std::ptrdiff_t(rank - 1);
+    std::nth_element(sorted.begin(), place, sorted.end());
+    return *place;
+  }
+  std::size_t seen = 0, bin = 0;
+  while (bin + 1 < bin_count && (seen += bins_[bin]) < rank) ++bin;
+  return middle_of(bin);
+}
+
+void DisplacementStatistics::add(const Vec2& difference, double cov_uu, double cov_vv) {
+  ++count_;
+  sum_ += difference;
+  sum_cov_ += Vec2(cov_uu, cov_vv);
+  sum_square_ += difference.squaredNorm();
+  const double magnitude = difference.norm();
+  magnitude_.add(magnitude);
+  const double sigma = std::sqrt(cov_uu + cov_vv);
+  if (std::isfinite(sigma))
+    sigma_.add(sigma);
+  else
+    sigma_known_ = false;
+  if (magnitude > max_ || count_ == 1) {
+    max_ = magnitude;
+    max_sigma_ = sigma;
+  }
+}
+
+double DisplacementStatistics::rms() const { return root_mean(sum_square_, count_); }
+Vec2 DisplacementStatistics::bias_uncertainty() const {
+  return {root_mean(sum_cov_.x(), count_), root_mean(sum_cov_.y(), count_)};
+}
+double DisplacementStatistics::p95_uncertainty() const { return sigma_known_ ? sigma_.at(0.95) : not_known; }
+double DisplacementStatistics::rms_uncertainty() const { return root_mean(sum_cov_.sum(), count_); }
+
+void ScalarStatistics::add(double difference) {
+  ++count_;
+  sum_ += difference;
+  sum_square_ += difference * difference;
+  max_ = std::max(max_, std::abs(difference));
+  magnitude_.add(std::abs(difference));
+}
+
+double ScalarStatistics::rms() const { return root_mean(sum_square_, count_); }
+
+void StillZone::add(const Vec2& u, double cov_trace, double strain_dev, double strain_vol) {
+  // Without an error of its own a particle does not show that it is still.
+  if (!(cov_trace > 0) || !(u.squaredNorm() < 4 * cov_trace) || !std::isfinite(strain_dev)) return;
+  ++count_;
+  dev_square_ += strain_dev * strain_dev;
+  vol_square_ += strain_vol * strain_vol;
+}
+
+double StillZone::dev() const { return count_ >= least ? root_mean(dev_square_, count_) : not_known; }
+double StillZone::vol() const { return count_ >= least ? root_mean(vol_square_, count_) : not_known; }
+
+}  // namespace pivnp::compare

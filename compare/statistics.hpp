@@ -1,0 +1,91 @@
+// Sums taken while the frames stream by; memory does not grow with their number.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "pivnp/core/math.hpp"
+
+namespace pivnp::compare {
+
+inline constexpr double not_known = std::numeric_limits<double>::quiet_NaN();
+
+/// Quantiles of non-negative values: exact (nearest rank) up to `exact_limit` values; beyond it by counts in bins of a
+/// relative width of 2^-12, answered by the bin's middle.
+class Quantile {
+ public:
+  static constexpr std::size_t exact_limit = std::size_t(1) << 20;
+
+  void add(double value);
+  /// Smallest value that at least the share q in (0, 1] of all values do not exceed; NaN without values.
+  double at(double q) const;
+
+ private:
+  void count(double value);
+
+  std::vector<double> values_;
+  std::vector<std::uint64_t> bins_;  // empty while exact
+  std::size_t size_ = 0;
+};
+
+/// Differences of displacement of many particle-times, every one counted alike.
+class DisplacementStatistics {
+ public:
+  /// `cov`: uu, vv of the difference (NaN if not known).
+  void add(const Vec2& difference, double cov_uu, double cov_vv);
+
+  std::size_t count() const { return count_; }
+  Vec2 bias() const { return sum_ / double(count_); }
+  double rms() const;
+  double p95() const { return magnitude_.at(0.95); }
+  double max() const { return max_; }
+  // Standard uncertainties, errors of all particles taken as one and the same.
+  Vec2 bias_uncertainty() const;
+  double rms_uncertainty() const;
+  double p95_uncertainty() const;  // 95th percentile of the particles' own, NaN if one is not known
+  double max_uncertainty() const { return max_sigma_; }  // of the particle where the greatest difference is
+
+ private:
+  std::size_t count_ = 0;
+  Vec2 sum_ = Vec2::Zero(), sum_cov_ = Vec2::Zero();
+  double sum_square_ = 0, max_ = 0, max_sigma_ = not_known;
+  Quantile magnitude_, sigma_;
+  bool sigma_known_ = true;
+};
+
+/// Differences of one scalar.
+class ScalarStatistics {
+ public:
+  void add(double difference);
+
+  std::size_t count() const { return count_; }
+  double bias() const { return sum_ / double(count_); }
+  double rms() const;
+  double p95() const { return magnitude_.at(0.95); }
+  double max() const { return max_; }
+
+ private:
+  std::size_t count_ = 0;
+  double sum_ = 0, sum_square_ = 0, max_ = 0;
+  Quantile magnitude_;
+};
+
+/// What strain a side shows where it cannot be told to have moved: |u| < 2 sigma, sigma^2 = trace of its covariance.
+/// All of it is taken as error, so real strain there makes the floor too high, never too low.
+class StillZone {
+ public:
+  static constexpr std::size_t least = 20;  // particles that make a zone
+
+  void add(const Vec2& u, double cov_trace, double strain_dev, double strain_vol);
+  /// Root mean square; NaN with fewer than `least` particles.
+  double dev() const;
+  double vol() const;
+
+ private:
+  std::size_t count_ = 0;
+  double dev_square_ = 0, vol_square_ = 0;
+};
+
+}  // namespace pivnp::compare

@@ -1,0 +1,153 @@
+#include "compare/triangulation.hpp"
+
+#include <CGAL/Delaunay_triangulation_2.h>
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Triangulation_face_base_with_info_2.h>
+#include <CGAL/Triangulation_vertex_base_with_info_2.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "compare/nearest_edge.hpp"
+
+namespace pivnp::compare {
+
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<int, Kernel>;
+using FaceBase = CGAL::Triangulation_face_base_with_info_2<int, Kernel>;  // index of the triangle kept, -1 if not
+using Delaunay = CGAL::Delaunay_triangulation_2<Kernel, CGAL::Triangulation_data_structure_2<VertexBase, FaceBase>>;
+using Point = Kernel::Point_2;
+
+Delaunay triangulate(const std::vector<Vec2>& points) {
+  std::vector<std::pair<Point, int>> numbered;
+  numbered.reserve(points.size());
+  for (std::size_t p = 0; p < points.size(); ++p) numbered.emplace_back(Point(points[p].x(), points[p].y()), int(p));
+  Delaunay mesh;
+  mesh.insert(numbered.begin(), numbered.end());
+  return mesh;
+}
+
+double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+double circumradius(const Vec2& a, const Vec2& b, const Vec2& c) {
+  const double twice_area = std::abs(cross(b - a, c - a));
+  return twice_area > 0 ? (b - a).norm() * (c - b).norm() * (a - c).norm() / (2 * twice_area)
+                        : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
+struct MaterialMesh::Impl {
+  std::vector<Vec2> points;
+  std::vector<double> spacing;
+  Delaunay mesh;
+  std::vector<std::array<int, 3>> triangles;
+  std::vector<std::array<int, 2>> boundary;
+  NearestEdge nearest;
+  Delaunay::Face_handle hint;
+
+  void keep_triangles() {
+    for (auto face = mesh.all_faces_begin(); face != mesh.all_faces_end(); ++face) face->info() = -1;
+    for (auto face = mesh.finite_faces_begin(); face != mesh.finite_faces_end(); ++face) {
+      std::array<int, 3> corner;
+      double mean_spacing = 0;
+      for (int k = 0; k < 3; ++k) {
+        corner[std::size_t(k)] = face->vertex(k)->info();
+        mean_spacing += spacing[std::size_t(corner[std::size_t(k)])] / 3;
+      }
+      const double radius = circumradius(points[std::size_t(corner[0])], points[std::size_t(corner[1])],
+                                         points[std::size_t(corner[2])]);
+      if (!(radius <= alpha_ratio * mean_spacing)) continue;
+      face->info() = int(triangles.size());
+      triangles.push_back(corner);
+    }
+  }
+
+  void find_boundary() {
+    std::vector<char> has_triangle(points.size(), 0);
+    for (const auto& corner : triangles)
+      for (int v : corner) has_triangle[std::size_t(v)] = 1;
+    if (mesh.dimension() == 2)
+      for (auto edge = mesh.finite_edges_begin(); edge != mesh.finite_edges_end(); ++edge) {
+        const auto [face, k] = *edge;
+        if ((face->info() >= 0) == (face->neighbor(k)->info() >= 0)) continue;
+        boundary.push_back({face->vertex(mesh.ccw(k))->info(), face->vertex(mesh.cw(k))->info()});
+      }
+    for (auto v = mesh.finite_vertices_begin(); v != mesh.finite_vertices_end(); ++v)
+      if (!has_triangle[std::size_t(v->info())]) boundary.push_back({v->info(), v->info()});
+  }
+
+  void index_boundary() {
+    std::vector<double> reach;
+    for (const auto& [a, b] : boundary) reach.push_back((spacing[std::size_t(a)] + spacing[std::size_t(b)]) / 4);
+    nearest.build(boundary, points, std::move(reach));
+  }
+
+  // Linear weights; rounding on a side may leave -1e-17, which is set to zero.
+  Location inside(const std::array<int, 3>& corner, const Vec2& x) const {
+    const Vec2 &a = points[std::size_t(corner[0])], &b = points[std::size_t(corner[1])],
+               &c = points[std::size_t(corner[2])];
+    const double whole = cross(b - a, c - a);
+    const double wb = std::clamp(cross(x - a, c - a) / whole, 0.0, 1.0);
+    const double wc = std::clamp(cross(b - a, x - a) / whole, 0.0, 1.0 - wb);
+    return {corner, {1 - wb - wc, wb, wc}, Vec2::Zero()};
+  }
+};
+
+MaterialMesh::MaterialMesh(std::vector<Vec2> points, std::vector<double> spacing) : impl_(std::make_unique<Impl>()) {
+  assert(points.size() == spacing.size());
+  impl_->points = std::move(points);
+  impl_->spacing = std::move(spacing);
+  impl_->mesh = triangulate(impl_->points);
+  if (impl_->mesh.dimension() == 2) impl_->keep_triangles();
+  impl_->find_boundary();
+  impl_->index_boundary();
+}
+MaterialMesh::~MaterialMesh() = default;
+MaterialMesh::MaterialMesh(MaterialMesh&&) noexcept = default;
+MaterialMesh& MaterialMesh::operator=(MaterialMesh&&) noexcept = default;
+
+const std::vector<Vec2>& MaterialMesh::points() const { return impl_->points; }
+const std::vector<std::array<int, 3>>& MaterialMesh::triangles() const { return impl_->triangles; }
+const std::vector<std::array<int, 2>>& MaterialMesh::boundary() const { return impl_->boundary; }
+
+std::optional<Location> MaterialMesh::find(const Vec2& x) const {
+  if (impl_->mesh.dimension() == 2) {
+    const auto face = impl_->mesh.locate(Point(x.x(), x.y()), impl_->hint);
+    impl_->hint = face;
+    if (face->info() >= 0) return impl_->inside(impl_->triangles[std::size_t(face->info())], x);
+  }
+  // Also points that lie on a side, or a point, shared by a triangle kept and one that is not: at distance zero.
+  const NearestEdge::Hit hit = impl_->nearest.find(x);
+  if (hit.edge < 0) return std::nullopt;
+  const auto [a, b] = impl_->boundary[std::size_t(hit.edge)];
+  const Vec2 foot = impl_->points[std::size_t(a)] +
+                    hit.parameter * (impl_->points[std::size_t(b)] - impl_->points[std::size_t(a)]);
+  return Location{{a, b, -1}, {1 - hit.parameter, hit.parameter, 0}, x - foot};
+}
+
+double median_neighbour_distance(const std::vector<Vec2>& points) {
+  const Delaunay mesh = triangulate(points);
+  std::vector<double> nearest(points.size(), std::numeric_limits<double>::infinity());
+  // The nearest neighbour of a point is joined to it by a Delaunay edge.
+  for (auto edge = mesh.finite_edges_begin(); edge != mesh.finite_edges_end(); ++edge) {
+    const auto [face, k] = *edge;
+    const int a = face->vertex(mesh.dimension() == 2 ? mesh.ccw(k) : 0)->info();
+    const int b = face->vertex(mesh.dimension() == 2 ? mesh.cw(k) : 1)->info();
+    const double length = (points[std::size_t(a)] - points[std::size_t(b)]).norm();
+    nearest[std::size_t(a)] = std::min(nearest[std::size_t(a)], length);
+    nearest[std::size_t(b)] = std::min(nearest[std::size_t(b)], length);
+  }
+  std::erase_if(nearest, [](double d) { return !std::isfinite(d); });
+  if (nearest.empty()) return 0;
+  const auto middle = nearest.begin() + std::ptrdiff_t(nearest.size() / 2);
+  std::nth_element(nearest.begin(), middle, nearest.end());
+  return *middle;
+}
+
+}  // namespace pivnp::compare

@@ -1,0 +1,51 @@
+// Scattered particles as a piece of material: the Delaunay triangles that do not bridge gaps.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "pivnp/core/math.hpp"
+
+namespace pivnp::compare {
+
+/// A point of the material, written by the particles around it.
+struct Location {
+  std::array<int, 3> vertex{-1, -1, -1};  // indices into the points; -1 where the weight is zero
+  std::array<double, 3> weight{0, 0, 0};  // not negative, sum 1
+  Vec2 beyond = Vec2::Zero();             // from the point so written to the one asked for; zero inside the material
+};
+
+/// The alpha complex of a set of points (Edelsbrunner, Kirkpatrick & Seidel 1983): the Delaunay triangles (CGAL) whose
+/// circumradius is at most `alpha_ratio` times the mean spacing of their three points. On a square lattice this spans a
+/// hole of one lost particle, or of two neighbours, and no larger one. Coinciding points count once.
+class MaterialMesh {
+ public:
+  static constexpr double alpha_ratio = 1.2;
+
+  /// `spacing`: one positive length a point, its distance to its neighbours.
+  MaterialMesh(std::vector<Vec2> points, std::vector<double> spacing);
+  ~MaterialMesh();
+  MaterialMesh(MaterialMesh&&) noexcept;
+  MaterialMesh& operator=(MaterialMesh&&) noexcept;
+
+  /// Linear weights in the triangle that holds `x`; else those of the nearest point of the material's edge, if that is
+  /// nearer than half the local spacing; else nothing. Quick if consecutive points are near each other.
+  std::optional<Location> find(const Vec2& x) const;
+
+  const std::vector<Vec2>& points() const;
+  /// Triangles kept, counter-clockwise.
+  const std::vector<std::array<int, 3>>& triangles() const;
+  /// Sides that belong to one triangle only. A point without any triangle appears as (a, a).
+  const std::vector<std::array<int, 2>>& boundary() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Median distance of a point to its nearest neighbour; 0 for fewer than two points.
+double median_neighbour_distance(const std::vector<Vec2>& points);
+
+}  // namespace pivnp::compare

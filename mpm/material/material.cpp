@@ -1,0 +1,51 @@
+#include "mpm/material/material.hpp"
+
+#include <cmath>
+#include <sstream>
+
+#include "mpm/material/linear_elastic.hpp"
+#include "mpm/material/mohr_coulomb.hpp"
+#include "mpm/material/von_mises.hpp"
+#include "pivnp/core/error.hpp"
+#include "pivnp/core/text.hpp"
+
+namespace pivnp::mpm {
+
+namespace {
+
+void require(bool good, const std::string& key, const char* name, double found, const char* expected) {
+  if (good) return;
+  std::ostringstream text;
+  text << key << '.' << name << ": found " << found << ", expected " << expected;
+  throw InputError(text.str());
+}
+
+}  // namespace
+
+std::unique_ptr<Material> make_material(const MaterialOptions& o, const std::string& key) {
+  const auto positive = [](double v) { return std::isfinite(v) && v > 0; };
+  const auto not_negative = [](double v) { return std::isfinite(v) && v >= 0; };
+  require(positive(o.density_kg_m3), key, "density_kg_m3", o.density_kg_m3, "a density above 0 kg/m^3");
+  require(positive(o.young_pa), key, "young_pa", o.young_pa, "a stiffness above 0 Pa");
+  require(not_negative(o.poisson) && o.poisson <= 0.499, key, "poisson", o.poisson, "0 to 0.499");
+  const Elastic elastic(o.young_pa, o.poisson);
+  if (o.model == "linear_elastic") return std::make_unique<LinearElastic>(elastic);
+  if (o.model == "von_mises") {
+    require(positive(o.shear_strength_pa), key, "shear_strength_pa", o.shear_strength_pa, "a strength above 0 Pa");
+    return std::make_unique<VonMises>(elastic, o.shear_strength_pa);
+  }
+  if (o.model == "mohr_coulomb") {
+    require(not_negative(o.friction_deg) && o.friction_deg <= 89, key, "friction_deg", o.friction_deg, "0 to 89");
+    require(not_negative(o.dilatancy_deg) && o.dilatancy_deg <= o.friction_deg, key, "dilatancy_deg", o.dilatancy_deg,
+            "0 to friction_deg");
+    require(not_negative(o.cohesion_pa), key, "cohesion_pa", o.cohesion_pa, "0 Pa or more");
+    require(not_negative(o.tension_pa), key, "tension_pa", o.tension_pa, "0 Pa or more");
+    require(o.friction_deg > 0 || o.cohesion_pa > 0, key, "friction_deg", o.friction_deg,
+            "an angle above 0 where cohesion_pa is 0");
+    return std::make_unique<MohrCoulomb>(elastic, o.friction_deg, o.dilatancy_deg, o.cohesion_pa, o.tension_pa);
+  }
+  throw InputError(key + ".model: found '" + o.model + "', expected linear_elastic, von_mises or mohr_coulomb" +
+                   did_you_mean(o.model, {"linear_elastic", "von_mises", "mohr_coulomb"}));
+}
+
+}  // namespace pivnp::mpm

@@ -1,0 +1,95 @@
+// Constitutive laws: each updates a batch of material points in one call.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "mpm/options.hpp"
+
+namespace pivnp::mpm {
+
+/// One step of a run of consecutive points. Tensor components, tension positive; plane strain, but de_zz may differ
+/// from zero by the element averaging (transfer.hpp). The stress is Kirchhoff's, tau = J sigma, Pa: its work per
+/// initial volume is tau : de, which lets the elastic energy close exactly. Strengths bound the Cauchy stress, so they
+/// enter multiplied by J.
+struct StressBatch {
+  std::size_t size = 0;
+  const double *de_xx, *de_yy, *de_zz, *de_xy;  // strain increment of the step
+  const double* spin;                           // rotation increment (dv_y/dx - dv_x/dy) / 2 * dt, rad
+  const double* J;                              // volume over initial volume, after the step
+  double *xx, *yy, *zz, *xy;                    // stress in and out
+  double* plastic_dev;                          // sum of sqrt(2/3 dep:dep), dep the deviator of plastic strain
+  double* gap;                                  // volumetric strain by which the material stands open, >= 0
+  std::uint8_t* opened;                         // 1 once it has opened: no tension any more
+  double* dissipated;                           // plastic work per initial volume, J/m^3
+};
+
+/// Isotropic elastic constants.
+struct Elastic {
+  double lambda = 0, shear = 0;  // Lame's constants, Pa
+  double young = 0, poisson = 0;
+
+  Elastic() = default;
+  Elastic(double young_pa, double poisson_ratio)
+      : lambda(young_pa * poisson_ratio / ((1 + poisson_ratio) * (1 - 2 * poisson_ratio))),
+        shear(young_pa / (2 * (1 + poisson_ratio))),
+        young(young_pa),
+        poisson(poisson_ratio) {}
+  double p_wave_modulus() const { return lambda + 2 * shear; }
+  /// 1/2 tau : C^-1 : tau, J per initial m^3.
+  double energy(double xx, double yy, double zz, double xy) const {
+    const double trace = xx + yy + zz;
+    return 0.5 / young *
+           ((1 + poisson) * (xx * xx + yy * yy + zz * zz + 2 * xy * xy) - poisson * trace * trace);
+  }
+};
+
+class Material {
+ public:
+  explicit Material(const Elastic& elastic) : elastic_(elastic) {}
+  virtual ~Material() = default;
+  virtual void update(const StressBatch& batch) const = 0;
+  const Elastic& elastic() const { return elastic_; }
+
+ protected:
+  Elastic elastic_;
+};
+
+/// Throws InputError naming `key`.<constant> if a constant that the model needs is missing or out of range.
+std::unique_ptr<Material> make_material(const MaterialOptions& options, const std::string& key);
+
+/// Stress of point `k`, turned by the step's rotation (Hughes & Winget 1980: tan(theta/2) = spin/2, so that the turn is
+/// a true rotation for any step) and advanced elastically by the step's strain: the trial state of every law.
+struct Stress {
+  double xx, yy, zz, xy;
+};
+inline Stress rotated(const StressBatch& b, std::size_t k) {
+  const double t = 0.5 * b.spin[k], scale = 1 / (1 + t * t);
+  const double c = (1 - t * t) * scale, s = 2 * t * scale;  // cosine and sine of the turn
+  const double mean = 0.5 * (b.xx[k] + b.yy[k]), half = 0.5 * (b.xx[k] - b.yy[k]), xy = b.xy[k];
+  const double c2 = c * c - s * s, s2 = 2 * c * s;
+  const double half_turned = c2 * half - s2 * xy;
+  return {mean + half_turned, mean - half_turned, b.zz[k], s2 * half + c2 * xy};
+}
+inline void add_elastic(const Elastic& e, double de_xx, double de_yy, double de_zz, double de_xy, Stress& s) {
+  const double volumetric = e.lambda * (de_xx + de_yy + de_zz), two_shear = 2 * e.shear;
+  s.xx += volumetric + two_shear * de_xx;
+  s.yy += volumetric + two_shear * de_yy;
+  s.zz += volumetric + two_shear * de_zz;
+  s.xy += two_shear * de_xy;
+}
+inline Stress elastic_trial(const Elastic& e, const StressBatch& b, std::size_t k) {
+  Stress s = rotated(b, k);
+  add_elastic(e, b.de_xx[k], b.de_yy[k], b.de_zz[k], b.de_xy[k], s);
+  return s;
+}
+inline void store(const StressBatch& b, std::size_t k, const Stress& s) {
+  b.xx[k] = s.xx;
+  b.yy[k] = s.yy;
+  b.zz[k] = s.zz;
+  b.xy[k] = s.xy;
+}
+
+}  // namespace pivnp::mpm

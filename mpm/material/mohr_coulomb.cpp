@@ -1,0 +1,216 @@
+#include "mpm/material/mohr_coulomb.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace pivnp::mpm {
+
+namespace {
+
+using Principal3 = std::array<double, 3>;
+
+double dot(const Principal3& a, const Principal3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+// Solves the n x n system (n <= 3) by elimination with pivoting; false if it is singular.
+bool solve(int n, double a[3][3], double* b) {
+  for (int c = 0; c < n; ++c) {
+    int pivot = c;
+    for (int r = c + 1; r < n; ++r)
+      if (std::abs(a[r][c]) > std::abs(a[pivot][c])) pivot = r;
+    if (!(std::abs(a[pivot][c]) > 1e-12 * std::abs(a[0][0]))) return false;
+    std::swap(b[c], b[pivot]);
+    for (int q = 0; q < n; ++q) std::swap(a[c][q], a[pivot][q]);
+    for (int r = c + 1; r < n; ++r) {
+      const double factor = a[r][c] / a[c][c];
+      for (int q = c; q < n; ++q) a[r][q] -= factor * a[c][q];
+      b[r] -= factor * b[c];
+    }
+  }
+  for (int c = n - 1; c >= 0; --c) {
+    for (int q = c + 1; q < n; ++q) b[c] -= a[c][q] * b[q];
+    b[c] /= a[c][c];
+  }
+  return true;
+}
+
+double radians(double degrees) { return degrees * std::numbers::pi / 180; }
+
+}  // namespace
+
+MohrCoulomb::MohrCoulomb(const Elastic& elastic, double friction_deg, double dilatancy_deg, double cohesion_pa,
+                         double tension_pa)
+    : Material(elastic),
+      sin_friction_(std::sin(radians(friction_deg))),
+      cos_friction_(std::cos(radians(friction_deg))),
+      sin_dilatancy_(std::sin(radians(dilatancy_deg))),
+      cohesion_(cohesion_pa),
+      tension_(tension_pa) {}
+
+double MohrCoulomb::yield(double xx, double yy, double zz, double xy) const {
+  const double mean = 0.5 * (xx + yy), radius = std::hypot(0.5 * (xx - yy), xy);
+  const double high = std::max(mean + radius, zz), low = std::min(mean - radius, zz);
+  const double shear = (1 + sin_friction_) * high - (1 - sin_friction_) * low - 2 * cohesion_ * cos_friction_;
+  const bool cut_off = tension_ * sin_friction_ < cohesion_ * cos_friction_;
+  return cut_off ? std::max(shear, high - tension_) : shear;
+}
+
+MohrCoulomb::Plane MohrCoulomb::shear_plane(int i, int j, double cohesion_term) const {
+  Plane plane{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, cohesion_term};
+  plane.normal[i] = 1 + sin_friction_;
+  plane.normal[j] = -(1 - sin_friction_);
+  plane.flow[i] = 1 + sin_dilatancy_;
+  plane.flow[j] = -(1 - sin_dilatancy_);
+  for (int q = 0; q < 3; ++q)
+    plane.d_flow[q] = elastic_.lambda * 2 * sin_dilatancy_ + 2 * elastic_.shear * plane.flow[q];
+  return plane;
+}
+
+MohrCoulomb::Plane MohrCoulomb::tension_plane(int i, double tension) const {
+  Plane plane{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, tension};
+  plane.normal[i] = plane.flow[i] = 1;
+  for (int q = 0; q < 3; ++q) plane.d_flow[q] = elastic_.lambda + 2 * elastic_.shear * plane.flow[q];
+  return plane;
+}
+
+MohrCoulomb::Return MohrCoulomb::return_to_cone(const Principal& trial, double cohesion_term, double apex) const {
+  const double round_off = 1e-12 * (std::abs(trial[0]) + std::abs(trial[2]) + cohesion_term);
+  const Plane main = shear_plane(0, 2, cohesion_term);
+  const double excess = dot(main.normal, trial) - main.limit;
+  const double hardness = dot(main.normal, main.d_flow);
+  const double amount = excess / hardness;
+  Principal s;
+  for (int q = 0; q < 3; ++q) s[q] = trial[q] - amount * main.d_flow[q];
+  if (s[0] >= s[1] - round_off && s[1] >= s[2] - round_off && s[0] <= apex + round_off) return {s};
+
+  // Two planes: the middle stress has caught up with the smallest (f_13, f_12) or with the largest (f_13, f_23).
+  for (const bool low_edge : {s[1] < s[2], !(s[1] < s[2])}) {
+    const Plane second = low_edge ? shear_plane(0, 1, cohesion_term) : shear_plane(1, 2, cohesion_term);
+    double a[3][3] = {{hardness, dot(main.normal, second.d_flow), 0},
+                      {dot(second.normal, main.d_flow), dot(second.normal, second.d_flow), 0},
+                      {0, 0, 0}};
+    double amounts[3] = {excess, dot(second.normal, trial) - second.limit, 0};
+    if (!solve(2, a, amounts) || amounts[0] < 0 || amounts[1] < 0) continue;
+    Principal e;
+    for (int q = 0; q < 3; ++q) e[q] = trial[q] - amounts[0] * main.d_flow[q] - amounts[1] * second.d_flow[q];
+    if (e[0] <= apex + round_off && e[0] >= std::max(e[1], e[2]) - round_off &&
+        e[2] <= std::min(e[0], e[1]) + round_off)
+      return {e};
+  }
+  return {{apex, apex, apex}, true};
+}
+
+MohrCoulomb::Return MohrCoulomb::return_with_cut_off(const Principal& trial, double cohesion_term,
+                                                     double tension) const {
+  const std::array<Plane, 6> planes{tension_plane(0, tension),         tension_plane(1, tension),
+                                    tension_plane(2, tension),         shear_plane(0, 2, cohesion_term),
+                                    shear_plane(0, 1, cohesion_term), shear_plane(1, 2, cohesion_term)};
+  // Active sets with at least one cut-off plane, as bits of `planes`, the likely ones first.
+  static constexpr int sets[] = {1, 3, 7, 9, 25, 11, 41, 17, 33, 19, 35, 13, 49};
+  const double scale = std::abs(trial[0]) + std::abs(trial[2]) + cohesion_term + tension;
+  double best = std::numeric_limits<double>::infinity();
+  Return found{{tension, tension, tension}, true};
+  for (const int set : sets) {
+    int active[3], n = 0;
+    for (int q = 0; q < 6 && n < 3; ++q)
+      if (set >> q & 1) active[n++] = q;
+    double a[3][3] = {}, amounts[3] = {};
+    for (int r = 0; r < n; ++r) {
+      amounts[r] = dot(planes[active[r]].normal, trial) - planes[active[r]].limit;
+      for (int c = 0; c < n; ++c) a[r][c] = dot(planes[active[r]].normal, planes[active[c]].d_flow);
+    }
+    if (!solve(n, a, amounts)) continue;
+    Principal s = trial;
+    double violation = 0;
+    for (int r = 0; r < n; ++r) {
+      violation = std::max(violation, -amounts[r] * elastic_.shear);
+      for (int q = 0; q < 3; ++q) s[q] -= amounts[r] * planes[active[r]].d_flow[q];
+    }
+    for (const Plane& plane : planes) violation = std::max(violation, dot(plane.normal, s) - plane.limit);
+    if (violation < best) {
+      best = violation;
+      found = {s, set == 7};
+    }
+    if (best <= 1e-12 * scale) return found;
+  }
+  // No set is admissible (possible without normality only): the vertex is.
+  if (best > 1e-9 * scale) return {{tension, tension, tension}, true};
+  return found;
+}
+
+MohrCoulomb::Return MohrCoulomb::return_to_surface(const Principal& trial, double J, double tension) const {
+  const double cohesion_term = 2 * cohesion_ * cos_friction_ * J;
+  const double apex = sin_friction_ > 0 ? cohesion_ * J * cos_friction_ / sin_friction_
+                                        : std::numeric_limits<double>::infinity();
+  const double shear = (1 + sin_friction_) * trial[0] - (1 - sin_friction_) * trial[2] - cohesion_term;
+  if (tension * J >= apex) return return_to_cone(trial, cohesion_term, apex);
+  if (shear > 0) {
+    const Return cone = return_to_cone(trial, cohesion_term, apex);
+    if (!cone.vertex && cone.stress[0] <= tension * J && cone.stress[1] <= tension * J) return cone;
+  }
+  return return_with_cut_off(trial, cohesion_term, tension * J);
+}
+
+void MohrCoulomb::return_point(const StressBatch& batch, std::size_t k, Stress trial) const {
+  const double mean = 0.5 * (trial.xx + trial.yy), half = 0.5 * (trial.xx - trial.yy);
+  const double radius = std::sqrt(half * half + trial.xy * trial.xy);
+  const double tension = batch.opened[k] ? 0.0 : tension_;
+  const double high = std::max(mean + radius, trial.zz), low = std::min(mean - radius, trial.zz);
+  const double shear = (1 + sin_friction_) * high - (1 - sin_friction_) * low -
+                       2 * cohesion_ * cos_friction_ * batch.J[k];
+  const bool cut_off = tension * sin_friction_ < cohesion_ * cos_friction_;
+  if (shear <= 0 && !(cut_off && high > tension * batch.J[k])) return store(batch, k, trial);
+
+  // Sorted principal stresses; `place` remembers which is which (0, 1 in the plane, 2 out of it).
+  const Principal values{mean + radius, mean - radius, trial.zz};
+  std::array<int, 3> place{0, 1, 2};
+  if (values[2] > values[1]) std::swap(place[1], place[2]);
+  if (values[2] > values[0]) std::swap(place[0], place[1]);
+  const Principal sorted{values[place[0]], values[place[1]], values[place[2]]};
+  const Return back = return_to_surface(sorted, batch.J[k], tension);
+
+  Principal stress, plastic;
+  for (int q = 0; q < 3; ++q) stress[place[q]] = back.stress[q];
+  const Elastic& e = elastic_;
+  const Principal drop{values[0] - stress[0], values[1] - stress[1], values[2] - stress[2]};
+  const double trace = drop[0] + drop[1] + drop[2];
+  for (int q = 0; q < 3; ++q) plastic[q] = ((1 + e.poisson) * drop[q] - e.poisson * trace) / e.young;
+  const double volumetric = plastic[0] + plastic[1] + plastic[2];
+  batch.dissipated[k] += dot(stress, plastic);
+  for (double& p : plastic) p -= volumetric / 3;
+  batch.plastic_dev[k] += std::sqrt(2.0 / 3.0 * dot(plastic, plastic));
+  if (back.vertex) {
+    batch.gap[k] = std::max(0.0, volumetric);
+    if (volumetric > 0) batch.opened[k] = 1;
+  }
+  const double new_mean = 0.5 * (stress[0] + stress[1]), new_radius = 0.5 * (stress[0] - stress[1]);
+  const double c2 = radius > 0 ? half / radius : 1, s2 = radius > 0 ? trial.xy / radius : 0;
+  store(batch, k, {new_mean + new_radius * c2, new_mean - new_radius * c2, stress[2], new_radius * s2});
+}
+
+void MohrCoulomb::update(const StressBatch& batch) const {
+  for (std::size_t k = 0; k < batch.size; ++k) {
+    if (batch.gap[k] == 0) {
+      return_point(batch, k, elastic_trial(elastic_, batch, k));
+      continue;
+    }
+    const double volumetric = batch.de_xx[k] + batch.de_yy[k] + batch.de_zz[k];
+    const double left = batch.gap[k] + volumetric;
+    // Open: free of stress. (A limit above zero that was reached on opening is let go here.)
+    Stress trial{0, 0, 0, 0};
+    batch.dissipated[k] += elastic_.energy(batch.xx[k], batch.yy[k], batch.zz[k], batch.xy[k]);
+    batch.gap[k] = std::max(0.0, left);
+    if (left <= 0) {
+      // The part of the compression that is left over, and the distortion of that part of the step.
+      const double share = volumetric < 0 ? left / volumetric : 0;
+      add_elastic(elastic_, share * batch.de_xx[k], share * batch.de_yy[k], share * batch.de_zz[k],
+                  share * batch.de_xy[k], trial);
+      return_point(batch, k, trial);
+    } else {
+      store(batch, k, trial);
+    }
+  }
+}
+
+}  // namespace pivnp::mpm

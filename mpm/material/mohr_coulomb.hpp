@@ -1,0 +1,52 @@
+// Mohr-Coulomb, perfectly plastic, closed-form return in principal stresses.
+//
+// Sources: Clausen, Damkilde & Andersen 2006 (Int. J. Numer. Meth. Engng 66:1795) and de Souza Neto, Peric & Owen 2008,
+// chapter 8: the surface is six planes, so a return to a plane, an edge (two planes) or the apex is one small linear
+// system. Planes, principal stresses s1 >= s2 >= s3, tension positive:
+//   f_ij = (1 + sin phi) s_i - (1 - sin phi) s_j - 2 c cos phi,   flow by the same form with the dilatancy psi;
+//   t_i  = s_i - tension   (Rankine's cut-off, associated), used where the tension limit lies below the apex.
+// A state that satisfies the planes with non-negative multipliers is the one wanted (Koiter); the sets of active planes
+// are tried from the likely to the rare.
+//
+// Opening: material returned to the vertex (all principal stresses at the limit) under expansion has separated. Its
+// stress is zero, and the expansion is kept as `gap`; compression first closes the gap, and only what is left over
+// loads the material again. So it flies free and lands with the volume it left with. Once opened, tension stays zero.
+#pragma once
+
+#include <array>
+
+#include "mpm/material/material.hpp"
+
+namespace pivnp::mpm {
+
+class MohrCoulomb final : public Material {
+ public:
+  /// Angles in degrees, 0 <= dilatancy <= friction < 90; cohesion and tension in Pa.
+  MohrCoulomb(const Elastic& elastic, double friction_deg, double dilatancy_deg, double cohesion_pa,
+              double tension_pa);
+  void update(const StressBatch& batch) const override;
+
+  /// Largest of the yield functions f_13 and t_1 (Pa) at a stress; negative inside.
+  double yield(double xx, double yy, double zz, double xy) const;
+
+ private:
+  using Principal = std::array<double, 3>;
+  struct Plane {
+    Principal normal, flow, d_flow;  // gradient of f, plastic flow, elastic stiffness times flow
+    double limit;                    // f = normal . s - limit
+  };
+  struct Return {
+    Principal stress;
+    bool vertex = false;
+  };
+  Plane shear_plane(int i, int j, double cohesion_term) const;
+  Plane tension_plane(int i, double tension) const;
+  Return return_to_surface(const Principal& trial, double J, double tension) const;
+  Return return_to_cone(const Principal& trial, double cohesion_term, double apex) const;
+  Return return_with_cut_off(const Principal& trial, double cohesion_term, double tension) const;
+  void return_point(const StressBatch& batch, std::size_t k, Stress trial) const;
+
+  double sin_friction_, cos_friction_, sin_dilatancy_, cohesion_, tension_;
+};
+
+}  // namespace pivnp::mpm

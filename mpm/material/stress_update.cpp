@@ -1,0 +1,45 @@
+#include "mpm/material/stress_update.hpp"
+
+#include <algorithm>
+
+namespace pivnp::mpm {
+
+namespace {
+
+constexpr std::size_t run = 1024;
+
+StressBatch batch_of(Particles& p, std::size_t begin, std::size_t size) {
+  StressBatch b;
+  b.size = size;
+  b.de_xx = p.de_xx.data() + begin;
+  b.de_yy = p.de_yy.data() + begin;
+  b.de_zz = p.de_zz.data() + begin;
+  b.de_xy = p.de_xy.data() + begin;
+  b.spin = p.spin.data() + begin;
+  b.J = p.J.data() + begin;
+  b.xx = p.tau_xx.data() + begin;
+  b.yy = p.tau_yy.data() + begin;
+  b.zz = p.tau_zz.data() + begin;
+  b.xy = p.tau_xy.data() + begin;
+  b.plastic_dev = p.plastic_dev.data() + begin;
+  b.gap = p.gap.data() + begin;
+  b.opened = p.opened.data() + begin;
+  b.dissipated = p.dissipated.data() + begin;
+  return b;
+}
+
+}  // namespace
+
+void update_stress(const Materials& materials, Particles& p, int threads) {
+  for (const Particles::Body& body : p.bodies) {
+    const Material& material = *materials[std::size_t(body.material)];
+    const auto runs = std::ptrdiff_t((body.end - body.begin + run - 1) / run);
+#pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1 && runs > 1)
+    for (std::ptrdiff_t r = 0; r < runs; ++r) {
+      const std::size_t begin = body.begin + std::size_t(r) * run;
+      material.update(batch_of(p, begin, std::min(run, body.end - begin)));
+    }
+  }
+}
+
+}  // namespace pivnp::mpm

@@ -1,0 +1,17 @@
+// The laws of all bodies, called on runs of their points.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "mpm/material/material.hpp"
+#include "mpm/particles.hpp"
+
+namespace pivnp::mpm {
+
+using Materials = std::vector<std::unique_ptr<Material>>;
+
+/// A.20-A.24: stress of every point from its increments. Each law gets runs of at most 1024 points of its body.
+void update_stress(const Materials& materials, Particles& p, int threads);
+
+}  // namespace pivnp::mpm

@@ -1,0 +1,180 @@
+#include "mpm/settle.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "mpm/energy.hpp"
+#include "mpm/transfer.hpp"
+#include "pivnp/core/error.hpp"
+
+namespace pivnp::mpm {
+
+namespace {
+
+constexpr int most_iterations = 100000;
+
+// Vertical stress from the mass above each point in its column of cells; sums run down a column in storage order.
+void start_from_columns(Particles& p, const Materials& materials, const GridState& g, double gravity_y) {
+  const auto across = std::int32_t(g.grid.nx - 1);
+  std::vector<std::vector<std::uint32_t>> columns(std::size_t(across), std::vector<std::uint32_t>{});
+  for (const std::uint32_t k : g.order) columns[std::size_t(p.cell[k] % across)].push_back(k);
+  std::vector<double> poisson(p.size());
+  for (const Particles::Body& body : p.bodies)
+    std::fill(poisson.begin() + std::ptrdiff_t(body.begin), poisson.begin() + std::ptrdiff_t(body.end),
+              materials[std::size_t(body.material)]->elastic().poisson);
+  for (auto& column : columns) {
+    std::stable_sort(column.begin(), column.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return gravity_y < 0 ? p.y[a] > p.y[b] : p.y[a] < p.y[b];
+    });
+    double above = 0;
+    for (std::size_t a = 0; a < column.size();) {
+      std::size_t b = a;
+      double here = 0;
+      while (b < column.size() && p.y[column[b]] == p.y[column[a]]) here += p.mass[column[b++]];
+      const double vertical = -std::abs(gravity_y) * (above + 0.5 * here) * g.per_hx;
+      for (; a < b; ++a) {
+        const std::uint32_t k = column[a];
+        p.tau_yy[k] = vertical;
+        p.tau_xx[k] = p.tau_zz[k] = poisson[k] / (1 - poisson[k]) * vertical;
+      }
+      above += here;
+    }
+  }
+}
+
+// Gershgorin: the sum over a row of sum_p V0 M |grad N_i| |grad N_j| bounds the largest eigenvalue times the mass.
+std::vector<double> fictitious_masses(const Particles& p, const Materials& materials, const GridState& g) {
+  std::vector<double> mass(g.grid.node_count(), 0.0);
+  std::vector<double> modulus(p.size());
+  for (const Particles::Body& body : p.bodies)
+    std::fill(modulus.begin() + std::ptrdiff_t(body.begin), modulus.begin() + std::ptrdiff_t(body.end),
+              materials[std::size_t(body.material)]->elastic().p_wave_modulus());
+  for (std::size_t s = 0; s < g.slots(); ++s) {
+    const std::size_t n = g.corner(s), nx = std::size_t(g.grid.nx);
+    const std::size_t at[4] = {n, n + 1, n + nx, n + nx + 1};
+    for (std::uint32_t q = g.slot_begin[s]; q < g.slot_begin[s + 1]; ++q) {
+      const std::size_t k = g.order[q];
+      const double xi = p.xi[k], eta = p.eta[k];
+      // The centre's gradient, which carries the mean stress, counts beside the point's own.
+      const double lx[4] = {1 - eta, 1 - eta, eta, eta}, ly[4] = {1 - xi, xi, 1 - xi, xi};
+      double size[4], total = 0;
+      for (int c = 0; c < 4; ++c) {
+        const double gx = std::max(0.5, lx[c]) * g.per_hx, gy = std::max(0.5, ly[c]) * g.per_hy;
+        size[c] = std::sqrt(gx * gx + gy * gy);
+        total += size[c];
+      }
+      // omega^2 <= row / mass must stay below 4 for the pseudo-step 1; the factor leaves a margin of two.
+      for (int c = 0; c < 4; ++c) mass[at[c]] += 0.5 * p.volume0[k] * modulus[k] * size[c] * total;
+    }
+  }
+  return mass;
+}
+
+double sign(double v) { return v > 0 ? 1.0 : v < 0 ? -1.0 : 0.0; }
+
+class Relaxation {
+ public:
+  Relaxation(const SettleOptions& options, const Materials& materials, Restraints& restraints,
+             const RigidBodies& bodies, Particles& particles, GridState& grid)
+      : o_(options), materials_(materials), restraints_(restraints), bodies_(bodies), p_(particles), g_(grid),
+        mass_(fictitious_masses(particles, materials, grid)),
+        velocity_(grid.nodes.size(), Vec2::Zero()) {}
+
+  /// One pseudo-step; the ratio of unbalanced to applied force before it.
+  double iterate() {
+    particles_to_grid(p_, g_, o_.threads);
+    const double applied = propose();
+    reactions_.clear();
+    restraints_.apply(0, g_, reactions_);
+    bodies_.apply(-1, g_, reactions_);  // at rest
+    const double unbalanced = accelerate();
+    strain_increments(p_, g_, 1.0, o_.threads);
+    std::fill(p_.spin.begin(), p_.spin.end(), 0.0);  // displacements are small against the rotations that would matter
+    update_stress(materials_, p_, o_.threads);
+    return applied > 0 ? unbalanced / applied : 0;
+  }
+
+  double kinetic() const { return kinetic_; }
+
+ private:
+  // Undamped velocities, to be restrained; returns the applied force.
+  double propose() {
+    double applied = 0;
+    for (std::size_t a = 0; a < g_.nodes.size(); ++a) {
+      Node& node = g_.node[g_.nodes[a]];
+      const Vec2 weight = node.mass * o_.gravity;
+      applied += weight.norm();
+      const double per_mass = 1 / mass_[g_.nodes[a]];
+      node.mass = mass_[g_.nodes[a]];
+      node.nx = velocity_[a].x() + per_mass * (node.fx + weight.x());
+      node.ny = velocity_[a].y() + per_mass * (node.fy + weight.y());
+    }
+    return applied;
+  }
+
+  // What the restraints left of the acceleration is the unbalanced force; it is damped and applied.
+  double accelerate() {
+    double unbalanced = 0;
+    kinetic_ = 0;
+    for (std::size_t a = 0; a < g_.nodes.size(); ++a) {
+      Node& node = g_.node[g_.nodes[a]];
+      Vec2& v = velocity_[a];
+      const Vec2 change(node.nx - v.x(), node.ny - v.y());
+      unbalanced += node.mass * change.norm();
+      node.ux = node.nx - o_.damping * std::abs(change.x()) * sign(v.x());
+      node.uy = node.ny - o_.damping * std::abs(change.y()) * sign(v.y());
+    }
+    restraints_.apply_to_remapped(0, g_);
+    bodies_.apply_to_remapped(-1, g_);
+    for (std::size_t a = 0; a < g_.nodes.size(); ++a) {
+      const Node& node = g_.node[g_.nodes[a]];
+      velocity_[a] = {node.ux, node.uy};
+      kinetic_ += 0.5 * node.mass * velocity_[a].squaredNorm();
+    }
+    return unbalanced;
+  }
+
+  const SettleOptions& o_;
+  const Materials& materials_;
+  Restraints& restraints_;
+  const RigidBodies& bodies_;
+  Particles& p_;
+  GridState& g_;
+  std::vector<double> mass_;
+  std::vector<Vec2> velocity_;  // of the active nodes
+  std::vector<Reaction> reactions_;
+  double kinetic_ = 0;
+};
+
+}  // namespace
+
+int settle_particles(const SettleOptions& options, const Materials& materials, Restraints& restraints,
+                     const RigidBodies& bodies, Particles& p, GridState& g, Progress& progress) {
+  if (std::abs(options.gravity.x()) <= 1e-3 * std::abs(options.gravity.y()))
+    start_from_columns(p, materials, g, options.gravity.y());
+  for (auto* increment : {&p.de_xx, &p.de_yy, &p.de_zz, &p.de_xy, &p.spin})
+    std::fill(increment->begin(), increment->end(), 0.0);
+  update_stress(materials, p, options.threads);  // brings the first guess inside the yield surface
+
+  Relaxation relaxation(options, materials, restraints, bodies, p, g);
+  double ratio = 0;
+  for (int n = 1; n <= most_iterations; ++n) {
+    ratio = relaxation.iterate();
+    if (!std::isfinite(ratio)) break;
+    if (ratio < options.tolerance && n > 10 &&
+        relaxation.kinetic() <= options.tolerance * stored_energy(p, materials).elastic)
+      return n;
+    if (n % 200 == 0) {
+      progress.update("settle", n, most_iterations);
+      if (progress.stop_requested()) throw Interrupted();
+    }
+  }
+  std::ostringstream text;
+  text << "settle: unbalanced over applied force is still " << ratio << " after " << most_iterations
+       << " iterations, expected below " << options.tolerance
+       << " (is the material held, and strong enough to carry its weight?)";
+  throw RunError(text.str());
+}
+
+}  // namespace pivnp::mpm

@@ -1,0 +1,27 @@
+// The quasi-static start: stresses that carry the weight, before time 0.
+#pragma once
+
+#include "mpm/boundary.hpp"
+#include "mpm/material/stress_update.hpp"
+#include "mpm/rigid_body.hpp"
+#include "pivnp/core/progress.hpp"
+
+namespace pivnp::mpm {
+
+struct SettleOptions {
+  Vec2 gravity;
+  double damping;    // Cundall's, of the pseudo-time
+  double tolerance;  // sum |unbalanced| / sum |weight|, and kinetic over elastic energy
+  int threads;
+};
+
+/// Adaptive dynamic relaxation (Underwood 1983; Cundall's local damping) in the reference configuration: the points do
+/// not move, so their shape functions, the nodal masses and the equilibrium found are those of x0. Nodal masses are
+/// fictitious, from Gershgorin's bound of the stiffness, so that the pseudo-step 1 is stable in every cell. The force
+/// and strain transfers and the laws are those of the run: nothing is out of balance when the run starts, but for the
+/// tolerance. Starts from K0 stresses (weight of the column above; horizontal nu/(1 - nu) of it) where gravity is
+/// vertical. Returns the number of iterations; throws RunError if `tolerance` is not met in a bounded number.
+int settle_particles(const SettleOptions& options, const Materials& materials, Restraints& restraints,
+                     const RigidBodies& bodies, Particles& particles, GridState& grid, Progress& progress);
+
+}  // namespace pivnp::mpm

@@ -1,0 +1,29 @@
+// All that changes during a run, in one value: what is saved, restored and kept as the last good state.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "mpm/energy.hpp"
+#include "mpm/particles.hpp"
+#include "pivnp/core/particles/motion.hpp"
+
+namespace pivnp::mpm {
+
+struct SolverState {
+  Particles particles;
+  EnergyBook book;
+  std::vector<double> end;  // as in ParticleSet
+  std::vector<EndReason> end_reason;
+  double time = 0;
+  double fastest = 0;  // speed of the fastest point, m/s
+  std::int64_t steps = 0;
+  std::int64_t since_sort = 0;  // changes of cells since the storage was last sorted
+};
+
+std::vector<std::byte> to_bytes(const SolverState& state);
+/// Overwrites `state`, which must be of the same scene. Throws InputError otherwise, `state` untouched.
+void from_bytes(const std::vector<std::byte>& bytes, SolverState& state);
+
+}  // namespace pivnp::mpm

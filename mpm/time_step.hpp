@@ -1,0 +1,22 @@
+// The length of a step.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+namespace pivnp::mpm {
+
+/// courant * h / (c_p + |v|): h the smaller cell side, c_p the fastest compression wave sqrt((K + 4G/3)/rho), |v| the
+/// fastest point or body. MUSL forms strain from velocities averaged by mass, so that a point close to a cell's edge
+/// (small nodal mass) does not shorten it.
+inline double stable_step(double courant, double h, double wave_speed, double fastest) {
+  return courant * h / (wave_speed + fastest);
+}
+
+/// The step in use: what is left is cut into equal steps no longer than `longest`, so that none is tiny.
+inline double trimmed_step(double time, double target, double longest) {
+  const double left = target - time;
+  return left / std::max(1.0, std::ceil(left / longest * (1 - 1e-12)));
+}
+
+}  // namespace pivnp::mpm

@@ -1,0 +1,54 @@
+// What one pair of frames offers the particles: per element, whether its nodes can be interpolated, or a fit must
+// stand in, or nothing can be said.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "pivnp/core/grid/grid.hpp"
+#include "pivnp/core/record/vectors.hpp"
+#include "pivnp/np/local_fit.hpp"
+
+namespace pivnp::np {
+
+/// Nodal values of a pair, not owned; Real is float (measured) or double (Increments).
+template <class Real>
+struct Nodes {
+  Grid grid;
+  Anchor anchor;
+  const std::array<Real, 2>* displacement;  // [ny][nx]
+  const VectorStatus* status;               // [ny][nx]
+  const std::array<float, 3>* cov;          // [ny][nx], or null: not known
+};
+
+enum class Support : std::uint8_t {
+  measured,  // four valid nodes
+  replaced,  // four usable nodes, at least one of them replaced
+  fitted,    // a node is missing: LocalFit over those around
+  none,      // too few usable nodes around
+};
+
+/// Buffers are kept from pair to pair.
+class SupportMap {
+ public:
+  /// Sorts the elements of `nodes`. A node counts as usable if its status says so and its value is finite.
+  template <class Real>
+  void build(const Nodes<Real>& nodes);
+
+  Support at(std::size_t element) const { return support_[element]; }
+  /// The fit of an element whose support is `fitted`.
+  const LocalFit& fit(std::size_t element) const;
+
+ private:
+  std::vector<std::uint8_t> node_class_;      // 0 valid, 1 replaced, 2 not usable
+  std::vector<Support> support_;              // per element
+  std::vector<std::size_t> fitted_elements_;  // ascending
+  std::vector<LocalFit> fits_;                // in the order of fitted_elements_
+};
+
+extern template void SupportMap::build(const Nodes<float>&);
+extern template void SupportMap::build(const Nodes<double>&);
+
+}  // namespace pivnp::np

@@ -1,0 +1,122 @@
+// Which folder may include which. An arrow that is not in this list is a fault, and so is a circle.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+using Folders = std::set<std::string>;
+
+const Folders engines = {"compare", "mpm", "pivnp/np", "pivnp/piv", "pivnp/image", "pivnp/io", "pivnp/core"};
+
+Folders with(Folders base, const Folders& more) {
+  base.insert(more.begin(), more.end());
+  return base;
+}
+
+const std::map<std::string, Folders> allowed = {
+    {"pivnp/core", {}},
+    {"pivnp/image", {"pivnp/core"}},
+    {"pivnp/piv", {"pivnp/core"}},
+    {"pivnp/np", {"pivnp/core"}},
+    {"pivnp/io", {"pivnp/core"}},
+    {"mpm", {"pivnp/core"}},
+    {"compare", {"pivnp/core"}},
+    {"apps/report", {"compare", "pivnp/io", "pivnp/core"}},
+    {"apps/case", with(engines, {"apps/report"})},  // the report's options: a header of values
+    {"apps/study", with(engines, {"apps/case", "apps/report"})},
+    {"apps/cli", with(engines, {"apps/case", "apps/study", "apps/report"})},
+};
+
+// Vendor headers, and the folders that may see them.
+const std::map<std::string, Folders> vendors = {
+    {"opencv2/", {"pivnp/image"}}, {"CGAL/", {"pivnp/core", "compare"}}, {"hdf5", {"pivnp/io"}},
+    {"H5", {"pivnp/io"}},          {"Q", {"apps/report"}},               {"qcustomplot", {"apps/report"}},
+    {"CLI/", {"apps/cli"}},        {"toml++", {"apps/case"}},            {"fftw3", {"pivnp/piv"}},
+};
+
+std::string folder_of(const std::string& path) {
+  for (const auto& [folder, targets] : allowed)
+    if (path.starts_with(folder + "/")) return folder;
+  return "";
+}
+
+struct Include {
+  std::string file, folder, target;
+  bool quoted;
+};
+
+std::vector<Include> includes() {
+  std::vector<Include> found;
+  const fs::path root = PIVNP_SOURCE_DIR;
+  const std::regex line(R"re(^\s*#\s*include\s*([<"])([^>"]+)[>"])re");
+  for (const char* top : {"pivnp", "mpm", "compare", "apps"})
+    for (const auto& entry : fs::recursive_directory_iterator(root / top)) {
+      const std::string suffix = entry.path().extension().string();
+      if (suffix != ".cpp" && suffix != ".hpp") continue;
+      const std::string file = fs::relative(entry.path(), root).string();
+      std::ifstream in(entry.path());
+      std::string text;
+      while (std::getline(in, text)) {
+        std::smatch match;
+        if (std::regex_search(text, match, line)) found.push_back({file, folder_of(file), match[2], match[1] == "\""});
+      }
+    }
+  return found;
+}
+
+TEST(Architecture, IncludesFollowTheArrows) {
+  int arrows = 0;
+  for (const Include& i : includes()) {
+    EXPECT_NE(i.folder, "") << i.file << " lies outside the known folders";
+    if (!i.quoted || i.folder.empty()) continue;
+    const std::string target = folder_of(i.target);
+    EXPECT_NE(target, "") << i.file << " includes \"" << i.target << "\": write paths from the project's top";
+    if (target.empty() || target == i.folder) continue;
+    ++arrows;
+    EXPECT_TRUE(allowed.at(i.folder).contains(target)) << i.file << " includes " << i.target;
+  }
+  EXPECT_GT(arrows, 50);  // the scan found something
+}
+
+TEST(Architecture, NoCircle) {
+  for (const auto& [start, first] : allowed) {
+    Folders seen;
+    std::vector<std::string> todo(first.begin(), first.end());
+    while (!todo.empty()) {
+      const std::string here = todo.back();
+      todo.pop_back();
+      EXPECT_NE(here, start) << "circle through " << start;
+      if (seen.insert(here).second) todo.insert(todo.end(), allowed.at(here).begin(), allowed.at(here).end());
+    }
+  }
+}
+
+TEST(Architecture, VendorsStayInTheirFolders) {
+  for (const Include& i : includes()) {
+    if (i.quoted) continue;
+    for (const auto& [prefix, folders] : vendors)
+      if (i.target.starts_with(prefix)) {
+        EXPECT_TRUE(folders.contains(i.folder)) << i.file << " includes <" << i.target << ">";
+      }
+  }
+}
+
+TEST(Architecture, VendorsStayOutOfHeadersThatOthersInclude) {
+  Folders shown;
+  for (const Include& i : includes())
+    if (i.quoted && folder_of(i.target) != i.folder) shown.insert(i.target);
+  for (const Include& i : includes()) {
+    if (i.quoted || !shown.contains(i.file)) continue;
+    for (const auto& [prefix, folders] : vendors)
+      EXPECT_FALSE(i.target.starts_with(prefix)) << i.file << " shows <" << i.target << ">";
+  }
+}
+
+}  // namespace

@@ -1,0 +1,86 @@
+// Outlines as closed rings around simple bodies; overlap of two.
+#include "compare/outline.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/unit/compare/motions.hpp"
+
+namespace pivnp::compare {
+namespace {
+
+MaterialMesh mesh_of(const std::vector<Vec2>& points, double spacing) {
+  return MaterialMesh(points, std::vector<double>(points.size(), spacing));
+}
+
+double signed_area(const std::vector<Vec2>& ring) {
+  double twice = 0;
+  for (std::size_t k = 0; k + 1 < ring.size(); ++k)
+    twice += ring[k].x() * ring[k + 1].y() - ring[k].y() * ring[k + 1].x();
+  return twice / 2;
+}
+
+Cover cover_of(const MaterialMesh& mesh, double spacing) {
+  return cover(mesh, spacing / 2, lattice_around(mesh, mesh, spacing / 4, spacing / 2, std::nullopt));
+}
+
+TEST(Outline, OfASquare) {
+  const double h = 0.1;
+  const MaterialMesh mesh = mesh_of(square_lattice(20, 10, h, Vec2(1, 2)), h);
+  const auto rings = outline(cover_of(mesh, h));
+  ASSERT_EQ(rings.size(), 1U);
+  EXPECT_EQ(rings[0].front(), rings[0].back());
+  Vec2 lower = rings[0][0], upper = lower;
+  for (const Vec2& x : rings[0]) {
+    lower = lower.cwiseMin(x);
+    upper = upper.cwiseMax(x);
+  }
+  EXPECT_NEAR((lower - Vec2(1, 2)).norm(), 0, 1e-6);
+  EXPECT_NEAR((upper - Vec2(3, 3)).norm(), 0, 1e-6);
+  // Corners are rounded by half a spacing: each lacks (1 - pi/4) (h/2)^2, and a little more by the chords of the ring.
+  EXPECT_NEAR(signed_area(rings[0]), 2 - 4 * (1 - M_PI / 4) * h * h / 4, 6e-4);
+}
+
+TEST(Outline, HolesRunTheOtherWayAndTwoBodiesAreTwoRings) {
+  std::vector<Vec2> points;
+  for (const Vec2& x : square_lattice(40, 20, 1)) {
+    const bool hole = (x - Vec2(10, 10)).norm() < 4;
+    const bool gap = x.x() > 22 && x.x() < 28;
+    if (!hole && !gap) points.push_back(x);
+  }
+  auto rings = outline(cover_of(mesh_of(points, 1), 1));
+  ASSERT_EQ(rings.size(), 3U);
+  std::sort(rings.begin(), rings.end(), [](const auto& a, const auto& b) { return signed_area(a) < signed_area(b); });
+  EXPECT_NEAR(signed_area(rings[0]), -M_PI * 16, 0.15 * M_PI * 16);
+  EXPECT_NEAR(signed_area(rings[1]), 12 * 20, 1);
+  EXPECT_NEAR(signed_area(rings[2]), 22 * 20, 1);
+}
+
+TEST(Outline, LoneParticlesCoverNothing) {
+  std::vector<Vec2> points = square_lattice(5, 5, 1);
+  points.emplace_back(20, 20);
+  EXPECT_EQ(outline(cover_of(mesh_of(points, 1), 1)).size(), 1U);
+}
+
+TEST(Outline, ManyCellsAreMadeFewer) {
+  std::vector<Vec2> points = square_lattice(5, 5, 1e-3);
+  for (const Vec2& x : square_lattice(5, 5, 1e-3, Vec2(100, 100))) points.push_back(x);
+  const MaterialMesh mesh = mesh_of(points, 1e-3);
+  const Lattice lattice = lattice_around(mesh, mesh, 2.5e-4, 5e-4, std::nullopt);
+  EXPECT_LE(double(lattice.nx) * lattice.ny, double(1 << 22));
+}
+
+TEST(Outline, IntersectionOverUnionOfShiftedSquares) {
+  const double h = 0.1;
+  const MaterialMesh a = mesh_of(square_lattice(20, 20, h), h);
+  const MaterialMesh b = mesh_of(square_lattice(20, 20, h, Vec2(0.53, 0)), h);
+  const Lattice lattice = lattice_around(a, b, h / 4, h / 2, std::nullopt);
+  const Cover first = cover(a, h / 2, lattice), second = cover(b, h / 2, lattice);
+  EXPECT_NEAR(intersection_over_union(first, second), (2 - 0.53) / (2 + 0.53), 2e-3);
+  EXPECT_EQ(intersection_over_union(first, first), 1);
+}
+
+}  // namespace
+}  // namespace pivnp::compare

@@ -1,0 +1,81 @@
+// Sums and quantiles against values worked by hand.
+#include "compare/statistics.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "compare/metrics.hpp"
+
+namespace pivnp::compare {
+namespace {
+
+TEST(Quantile, NearestRank) {
+  Quantile q;
+  EXPECT_TRUE(std::isnan(q.at(0.95)));
+  for (int k = 20; k >= 1; --k) q.add(k);
+  EXPECT_EQ(q.at(0.95), 19);  // 19 of 20 values are at most 19
+  EXPECT_EQ(q.at(0.951), 20);
+  EXPECT_EQ(q.at(0.5), 10);
+  EXPECT_EQ(q.at(1), 20);
+}
+
+TEST(Quantile, BinsAgreeWithExactValuesToTheirWidth) {
+  Quantile q;
+  const std::size_t count = Quantile::exact_limit + 100000;
+  for (std::size_t k = 0; k < count; ++k) q.add(1e-5 * double((k * 2654435761ULL) % count));  // each of 0..count-1 once
+  for (double share : {0.05, 0.5, 0.95, 0.999}) {
+    const double exact = 1e-5 * (std::ceil(share * double(count)) - 1);
+    EXPECT_NEAR(q.at(share) / exact, 1, 1.0 / 4096) << share;
+  }
+}
+
+TEST(DisplacementStatistics, WorkedByHand) {
+  DisplacementStatistics d;
+  d.add(Vec2(3, 4), 0.09, 0.16);   // |d| = 5, sigma 0.5
+  d.add(Vec2(-3, 0), 0.01, 0.04);  // |d| = 3
+  d.add(Vec2(0, -1), 0.02, 0.01);
+  EXPECT_NEAR(d.bias().x(), 0, 1e-15);
+  EXPECT_NEAR(d.bias().y(), 1, 1e-15);
+  EXPECT_NEAR(d.rms(), std::sqrt(35.0 / 3), 1e-14);
+  EXPECT_EQ(d.p95(), 5);
+  EXPECT_EQ(d.max(), 5);
+  EXPECT_NEAR(d.bias_uncertainty().x(), std::sqrt(0.12 / 3), 1e-15);
+  EXPECT_NEAR(d.bias_uncertainty().y(), std::sqrt(0.21 / 3), 1e-15);
+  EXPECT_NEAR(d.rms_uncertainty(), std::sqrt(0.33 / 3), 1e-15);
+  EXPECT_NEAR(d.max_uncertainty(), 0.5, 1e-15);
+  EXPECT_NEAR(d.p95_uncertainty(), 0.5, 1e-15);
+  d.add(Vec2(0, 0), not_known, not_known);
+  EXPECT_TRUE(std::isnan(d.rms_uncertainty()));
+  EXPECT_TRUE(std::isnan(d.p95_uncertainty()));
+}
+
+TEST(ScalarStatistics, SignedBiasUnsignedRest) {
+  ScalarStatistics s;
+  for (double v : {-2.0, 1.0, -2.0}) s.add(v);
+  EXPECT_EQ(s.bias(), -1);
+  EXPECT_NEAR(s.rms(), std::sqrt(3.0), 1e-15);
+  EXPECT_EQ(s.p95(), 2);
+  EXPECT_EQ(s.max(), 2);
+}
+
+TEST(StillZone, TakesOnlyWhatCannotBeToldToMove) {
+  StillZone zone;
+  for (std::size_t k = 0; k < StillZone::least - 1; ++k) zone.add(Vec2(0.01, 0), 1e-4, 0.003, -0.002);
+  zone.add(Vec2(0.03, 0), 1e-4, 1, 1);  // 3 sigma: moves
+  zone.add(Vec2(0, 0), 0, 1, 1);        // no error known
+  EXPECT_TRUE(std::isnan(zone.dev()));
+  zone.add(Vec2(0, 0.019), 1e-4, 0.003, -0.002);
+  EXPECT_NEAR(zone.dev(), 0.003, 1e-15);
+  EXPECT_NEAR(zone.vol(), 0.002, 1e-15);
+}
+
+TEST(Verdict, Words) {
+  EXPECT_EQ(difference_metric("a", 1.9, "m", 1, "").verdict, not_distinguishable);
+  EXPECT_EQ(difference_metric("a", -1.9, "m", 1, "").verdict, not_distinguishable);
+  EXPECT_EQ(difference_metric("a", 2.1, "m", 1, "").verdict, "");
+  EXPECT_EQ(difference_metric("a", 0, "m", not_known, "").verdict, "");
+}
+
+}  // namespace
+}  // namespace pivnp::compare

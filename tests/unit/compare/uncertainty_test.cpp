@@ -1,0 +1,118 @@
+// Uncertainties and verdicts of whole comparisons.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "compare/metrics.hpp"
+#include "tests/unit/compare/motions.hpp"
+
+namespace pivnp::compare {
+namespace {
+
+// A block that stands still but for a strip, measured with noise of known covariance.
+MotionMemory measured(unsigned seed, double sigma, double bias, const std::string& name) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> noise(0, sigma);
+  const ParticleSet set = particles_at(square_lattice(30, 30, 1), 1);
+  MotionMemory motion(name, "m", "s", set);
+  for (double t : {0.0, 1.0, 2.0}) {
+    MotionFrame f = frame_of(
+        set, t,
+        [&](const Vec2& x, double time) -> Vec2 {
+          const double moved = x.x() > 20 ? time : 0;
+          return time == 0 ? Vec2(0, 0) : Vec2(moved + bias + noise(random), noise(random));
+        },
+        rigid);
+    const float variance = t == 0 ? 0.0f : float(sigma * sigma);
+    f.cov_u.assign(set.size(), {variance, variance, 0});
+    motion.add(f);
+  }
+  return motion;
+}
+
+TEST(Uncertainty, IndependentNoiseIsNotDistinguishedAndAGrossBiasIs) {
+  const double sigma = 0.01;
+  for (unsigned seed : {1U, 2U, 3U}) {
+    SCOPED_TRACE(seed);
+    const MotionMemory a = measured(seed, sigma, 0, "a"), b = measured(seed + 100, sigma, 0, "b");
+    const Comparison same = compared(a, b);
+    // Two sides, two components: each difference has a trace of 4 sigma^2, at two of three times.
+    EXPECT_NEAR(metric(same, "displacement_rms_final").uncertainty, 2 * sigma, 1e-7);
+    EXPECT_NEAR(metric(same, "displacement_rms").uncertainty, 2 * sigma * std::sqrt(2.0 / 3), 1e-7);
+    EXPECT_NEAR(metric(same, "displacement_bias_x_final").uncertainty, std::sqrt(2.0) * sigma, 1e-7);
+    EXPECT_NEAR(metric(same, "displacement_rms_final").value, 2 * sigma, 0.1 * sigma);
+    for (const char* name : {"displacement_bias_x", "displacement_bias_y", "displacement_rms", "displacement_p95"})
+      EXPECT_EQ(metric(same, name).verdict, not_distinguishable) << name;
+    EXPECT_NEAR(series(same, "displacement_uncertainty")[2], 2 * sigma, 1e-7);
+
+    const Comparison biased = compared(a, measured(seed + 100, sigma, 8 * sigma, "b"));
+    EXPECT_EQ(metric(biased, "displacement_bias_x").verdict, "");
+    EXPECT_EQ(metric(biased, "displacement_rms").verdict, "");
+    EXPECT_EQ(metric(biased, "displacement_bias_y").verdict, not_distinguishable);
+  }
+}
+
+TEST(Uncertainty, UnknownWithoutACovariance) {
+  const ParticleSet set = particles_at(square_lattice(6, 6, 1), 1);
+  const DisplacementLaw u = [](const Vec2&, double t) { return Vec2(t, 0); };
+  const Comparison c = compared(motion_of("a", set, {0, 1}, u), motion_of("b", set, {0, 1}, u));
+  EXPECT_TRUE(std::isnan(metric(c, "displacement_rms").uncertainty));
+  EXPECT_TRUE(std::isnan(metric(c, "strain_dev_rms").uncertainty));
+  EXPECT_EQ(metric(c, "displacement_rms").verdict, "");
+  EXPECT_NE(metric(c, "displacement_rms").definition.find("not known"), std::string::npos);
+  EXPECT_NE(metric(c, "strain_dev_rms").definition.find("noise floor not measured"), std::string::npos);
+}
+
+TEST(Uncertainty, OneSideMayKnowItsError) {
+  const MotionMemory a = measured(7, 0.01, 0, "np");
+  const MotionMemory b = motion_of("mpm", a.particles(), {0, 1, 2}, [](const Vec2& x, double t) {
+    return Vec2(x.x() > 20 ? t : 0, 0);
+  });
+  for (const Comparison& c : {compared(a, b), compared(b, a)}) {
+    EXPECT_NEAR(metric(c, "displacement_rms_final").uncertainty, std::sqrt(2.0) * 0.01, 1e-7);
+    EXPECT_NE(metric(c, "displacement_rms").definition.find("(np)"), std::string::npos);
+  }
+}
+
+TEST(Uncertainty, StrainFloorIsWhatTheStillZoneShows) {
+  MotionMemory a = measured(5, 0.01, 0, "np");
+  const ParticleSet set = a.particles();
+  MotionMemory strained("np", "m", "s", set);
+  for (std::size_t k = 0; k < 3; ++k) {
+    MotionFrame f = a.frame(k);
+    // Alternating false shear of one size at every later time.
+    for (std::size_t p = 0; p < set.size() && k > 0; ++p) f.F[p][1] = p % 2 == 0 ? 0.002f : -0.002f;
+    strained.add(f);
+  }
+  const MotionMemory b = motion_of("mpm", set, {0, 1, 2}, [](const Vec2& x, double t) {
+    return Vec2(x.x() > 20 ? t : 0, 0);
+  });
+  const Comparison c = compared(strained, b);
+  const double floor = 0.002 / std::sqrt(3.0);  // e_xy = 0.001: sqrt(2/3 2 e_xy^2)
+  EXPECT_NEAR(metric(c, "strain_dev_rms").uncertainty, floor, 1e-6);
+  EXPECT_EQ(metric(c, "strain_dev_rms").verdict, not_distinguishable);
+  EXPECT_EQ(series(c, "strain_dev_uncertainty").size(), 3U);
+  EXPECT_NEAR(series(c, "strain_dev_uncertainty")[2], floor, 1e-6);
+}
+
+TEST(Limits, WithinAndOver) {
+  const ParticleSet set = particles_at(square_lattice(6, 6, 1), 1);
+  const MotionMemory a = motion_of("a", set, {0, 1}, [](const Vec2&, double) { return Vec2(0, 0); });
+  const MotionMemory b = motion_of("b", set, {0, 1}, [](const Vec2&, double) { return Vec2(0, 0.25); });
+  LimitOptions limits;
+  limits.displacement_rms_m = 0.25;  // the limit itself is allowed
+  limits.strain_rms = 0.01;
+  Comparison c = compared(a, b, {}, limits);
+  EXPECT_EQ(metric(c, "displacement_rms").verdict, within_limit);
+  EXPECT_EQ(metric(c, "strain_dev_rms").verdict, within_limit);
+  EXPECT_FALSE(c.over_limit);
+  limits.displacement_rms_m = 0.2;
+  c = compared(a, b, {}, limits);
+  EXPECT_EQ(metric(c, "displacement_rms").verdict, over_limit);
+  EXPECT_EQ(metric(c, "strain_dev_rms").verdict, within_limit);
+  EXPECT_TRUE(c.over_limit);
+}
+
+}  // namespace
+}  // namespace pivnp::compare

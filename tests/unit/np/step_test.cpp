@@ -1,0 +1,201 @@
+// One step: which point is read, how F follows, births, threads, refusals. Held against core's plain shape functions.
+#include <gtest/gtest.h>
+#include <omp.h>
+
+#include <Eigen/LU>
+#include <cstring>
+#include <random>
+
+#include "pivnp/core/error.hpp"
+#include "pivnp/core/grid/shape.hpp"
+#include "tests/verification/np_testing.hpp"
+
+namespace pivnp::np {
+namespace {
+
+using namespace testing;
+
+const Grid grid{{-1, 2}, {0.5, 0.25}, 21, 17};
+const Vec2 middle = (grid.origin + grid.upper()) / 2;
+
+// Strong and rough: random nodal values up to a third of a spacing.
+Increments rough(Anchor anchor, unsigned seed, const Grid& on = grid) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> value(-1.0 / 3, 1.0 / 3);
+  Increments d;
+  d.anchor = anchor;
+  d.grid = on;
+  for (std::size_t n = 0; n < on.node_count(); ++n)
+    d.displacement.push_back({value(random) * on.spacing.x(), value(random) * on.spacing.y()});
+  d.status.assign(on.node_count(), VectorStatus::valid);
+  return d;
+}
+
+struct Plain {
+  Vec2 d = Vec2::Zero();
+  Mat2 G = Mat2::Zero();
+};
+
+// The plain reference: core's locate and bilinear weights.
+Plain read_at(const Increments& field, const Vec2& x, bool centre = false) {
+  ElementPoint point;
+  EXPECT_TRUE(locate(field.grid, x, point));
+  const auto nodes = bilinear_nodes(field.grid, point);
+  const BilinearWeights w = bilinear(field.grid, point);
+  if (centre) point.xi = point.eta = 0.5;
+  const BilinearWeights g = bilinear(field.grid, point);
+  Plain out;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Vec2 v(field.displacement[nodes[k]][0], field.displacement[nodes[k]][1]);
+    out.d += w.value[k] * v;
+    out.G.col(0) += g.dx[k] * v;
+    out.G.col(1) += g.dy[k] * v;
+  }
+  return out;
+}
+
+TEST(Step, ForwardReadsWhereTheParticleIs) {
+  const Increments d = rough(Anchor::forward, 1);
+  for (const bool centre : {false, true}) {
+    NpOptions options;
+    options.gradient = centre ? "element" : "particle";
+    Tracker tracker(options, block(grid, grid.origin, grid.upper(), 9), 0);
+    tracker.step(d, 1);
+    for (std::size_t p = 0; p < tracker.state().size(); ++p) {
+      const Vec2& X = tracker.particles().x0[p];
+      const Plain plain = read_at(d, X, centre);
+      const Mat2 F = Mat2::Identity() + plain.G;
+      const auto now = tracker.state()[p];
+      if (F.determinant() <= 0) {
+        EXPECT_EQ(now.status, ParticleStatus::ended);
+        EXPECT_EQ(tracker.particles().end_reason[p], EndReason::bad_state);
+        continue;
+      }
+      ASSERT_EQ(now.status, ParticleStatus::active);
+      EXPECT_LT((now.x - X - plain.d).norm(), 1e-14);
+      EXPECT_LT((now.F - F).norm(), 1e-13);
+    }
+  }
+}
+
+TEST(Step, CentralSolvesForTheMidPointAcrossElements) {
+  // Gradients up to 4/3 and kinks at every element's border: the hardest the rule is made for.
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    SCOPED_TRACE(seed);
+    Increments d = rough(Anchor::central, seed);
+    for (auto& v : d.displacement) v = {v[0] + 0.7 * grid.spacing.x(), v[1] - 0.9 * grid.spacing.y()};
+    const Vec2 inset = 2 * grid.spacing;
+    Tracker tracker({}, block(grid, grid.origin + inset, grid.upper() - inset, 9), 0);
+    tracker.step(d, 1);
+    std::size_t followed = 0, crossed = 0;
+    for (std::size_t p = 0; p < tracker.state().size(); ++p) {
+      const auto now = tracker.state()[p];
+      if (now.status == ParticleStatus::ended) continue;
+      ASSERT_EQ(now.status, ParticleStatus::active);
+      const Vec2& X = tracker.particles().x0[p];
+      const Vec2 xm = (X + now.x) / 2;
+      const Plain plain = read_at(d, xm);
+      EXPECT_LT(((now.x - X - plain.d).array() / grid.spacing.array()).abs().maxCoeff(), 1e-13);
+      const Mat2 A = Mat2::Identity() - plain.G / 2, B = Mat2::Identity() + plain.G / 2;
+      EXPECT_LT((A * now.F - B).norm(), 1e-11);
+      ElementPoint from, at;
+      ASSERT_TRUE(locate(grid, X, from) && locate(grid, xm, at));
+      crossed += from.i != at.i || from.j != at.j;
+      ++followed;
+    }
+    EXPECT_GT(followed, tracker.state().size() * 9 / 10);
+    EXPECT_GT(crossed, 50u);
+  }
+}
+
+TEST(Step, CentralStepsUndoThemselves) {
+  const Increments there = rough(Anchor::central, 11);
+  Increments back = there;
+  for (auto& d : back.displacement) d = {-d[0], -d[1]};
+  const Vec2 inset = 2 * grid.spacing;
+  Tracker tracker({}, block(grid, grid.origin + inset, grid.upper() - inset, 4), 0);
+  tracker.step(there, 1);
+  tracker.step(back, 2);
+  for (std::size_t p = 0; p < tracker.state().size(); ++p) {
+    const auto now = tracker.state()[p];
+    if (now.status == ParticleStatus::ended) continue;
+    EXPECT_LT((now.x - tracker.particles().x0[p]).norm(), 1e-12);
+    EXPECT_LT((now.F - Mat2::Identity()).norm(), 1e-10);
+  }
+}
+
+TEST(Step, UnevenTimesAndBirths) {
+  const AffineMotion motion = AffineMotion::rotation(0, Vec2::Zero(), {0.1, 0});
+  ParticleSet set = particles_at({middle, middle, middle});
+  set.born = {0, 1, 1.5};
+  Tracker tracker({}, set, 0);
+  EXPECT_EQ(tracker.state()[1].status, ParticleStatus::unborn);
+  tracker.step(sample_increments(motion, grid, Anchor::central, 0, 1), 1);
+  EXPECT_EQ(tracker.state()[1].status, ParticleStatus::active);
+  EXPECT_EQ(tracker.state()[2].status, ParticleStatus::unborn);
+  EXPECT_EQ(tracker.state()[1].x, middle);  // born at the end of this pair: not moved by it
+  tracker.step(sample_increments(motion, grid, Anchor::central, 1, 3.5), 3.5);
+  EXPECT_EQ(tracker.frame().time, 3.5);
+  EXPECT_NEAR(tracker.frame().u[0][0], 0.35, 1e-7);
+  EXPECT_NEAR(tracker.frame().u[1][0], 0.25, 1e-7);
+  EXPECT_EQ(tracker.frame().u[2][0], 0.0f);
+  EXPECT_EQ(tracker.state()[2].status, ParticleStatus::active);
+}
+
+TEST(Step, SameBitsForAnyNumberOfThreads) {
+  // Large enough that every loop is shared out.
+  const Grid large{{0, 0}, {1, 1}, 161, 151};
+  const int before = omp_get_max_threads();
+  std::vector<std::vector<std::byte>> results;
+  for (const int threads : {1, 2, 5}) {
+    omp_set_num_threads(threads);
+    Tracker tracker({}, block(large, large.origin, large.upper(), 1), 0);
+    for (unsigned k = 0; k < 4; ++k) {
+      Increments d = rough(k % 2 == 0 ? Anchor::central : Anchor::forward, 100 + k, large);
+      for (auto& v : d.displacement) v = {v[0] / 4, v[1] / 4};
+      d.cov.assign(large.node_count(), {1e-6f, 2e-6f, 5e-7f});
+      for (std::size_t n = k; n < d.status.size(); n += 17) d.status[n] = VectorStatus::failed;
+      for (std::size_t n = k; n < d.status.size(); n += 13) d.status[n] = VectorStatus::replaced;
+      tracker.step(vector_field(d, {0, 1}), k + 1);
+    }
+    results.push_back(tracker.save());
+  }
+  omp_set_num_threads(before);
+  EXPECT_EQ(results[0], results[1]);
+  EXPECT_EQ(results[0], results[2]);
+}
+
+TEST(Step, RefusesWhatIsNoPair) {
+  const Increments d = rough(Anchor::central, 1);
+  Tracker tracker({}, particles_at({middle}), 2);
+  EXPECT_THROW(tracker.step(d, 2), InputError);
+  EXPECT_THROW(tracker.step(d, std::nan("")), InputError);
+  Increments shorter = d;
+  shorter.status.pop_back();
+  EXPECT_THROW(tracker.step(shorter, 3), InputError);
+  Increments odd_cov = d;
+  odd_cov.cov.resize(3);
+  EXPECT_THROW(tracker.step(odd_cov, 3), InputError);
+  Increments line = d;
+  line.grid.nx = 1;
+  EXPECT_THROW(tracker.step(line, 3), InputError);
+  EXPECT_EQ(tracker.time(), 2);
+  tracker.step(d, 3);
+  EXPECT_EQ(tracker.time(), 3);
+}
+
+TEST(Step, RefusesBadOptionsAndParticles) {
+  NpOptions options;
+  options.gradient = "node";
+  EXPECT_THROW(Tracker(options, particles_at({middle}), 0), InputError);
+  options = {};
+  options.error_correlation = 1.5;
+  EXPECT_THROW(Tracker(options, particles_at({middle}), 0), InputError);
+  ParticleSet set = particles_at({middle});
+  set.end.clear();
+  EXPECT_THROW(Tracker({}, set, 0), InputError);
+  EXPECT_THROW(Tracker({}, particles_at({{std::nan(""), 0}}), 0), InputError);
+}
+
+}  // namespace
+}  // namespace pivnp::np
