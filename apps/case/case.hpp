@@ -99,6 +99,9 @@ struct VerifyOptions {
   }
 };
 
+/// True if a threshold is given: the case is one for `pivnp verify`.
+inline bool demands_anything(const VerifyOptions& v) { return v.displacement_rms_px || v.strain_error || v.nodal_error; }
+
 template <class T>
 using Named = std::vector<std::pair<std::string, T>>;  // in the file's order
 

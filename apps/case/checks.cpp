@@ -205,6 +205,8 @@ class Checker {
     materials_of_regions("mpm", "material", c_.materials);
     if (has_images()) return;
     if (!c_.mpm->end_s) refuse("mpm.end_s", "missing; without frames the end of the simulation must be given (s)");
+    if (!c_.mpm->output_rate_hz)
+      refuse("mpm.output_rate_hz", "missing; without frames the rate of the states written must be given (Hz)");
     if (!c_.grid.spacing_m && !c_.grid.spacing_px)
       refuse_section("mpm", "without frames the grid must be given; expected grid.spacing_m");
   }
@@ -233,14 +235,10 @@ class Checker {
   }
 
   void judgement() const {
-    if ((c_.limits.displacement_rms_m || c_.limits.strain_rms) && !c_.mpm)
-      refuse_section("compare.limits", "given, but nothing is compared; expected [mpm]");
     if (!source_.given("verify")) return;
-    if (!c_.verify.displacement_rms_px && !c_.verify.strain_error)
-      refuse_section("verify", "no threshold is given; expected displacement_rms_px or strain_error");
+    if (!demands_anything(c_.verify))
+      refuse_section("verify", "no threshold is given; expected displacement_rms_px, strain_error or nodal_error");
     if (!c_.synth) refuse_section("verify", "the truth is not known without synthetic frames; expected [synth]");
-    if (c_.frames && !c_.frames->path.empty())
-      refuse_section("verify", "the truth of the frames in frames.path is not known; expected [synth] alone");
   }
 
   void known_field(const std::string& name) const {

@@ -6,12 +6,6 @@ namespace pivnp::app {
 
 namespace {
 
-bool only_comments(const std::string& lines) {
-  for (std::size_t begin = 0; begin < lines.size(); begin = lines.find('\n', begin) + 1)
-    if (lines[begin] != '#') return false;
-  return true;
-}
-
 struct WriteSections {
   std::string& text;
   std::string absent = {};  // a section that is not there: those under it cannot be written
@@ -25,9 +19,11 @@ struct WriteSections {
   template <class T>
   void always(const std::string& path, const T& options, const char*) {
     if (under_absent(path)) return;
-    const std::string lines = write_fields(options);
-    // A section of which nothing is given is a comment as a whole: an empty [verify] would ask for a threshold.
-    text += (only_comments(lines) ? "\n# [" : "\n[") + path + "]\n" + lines;
+    write(path, options);
+  }
+  // An empty [verify] would ask for a threshold.
+  void always(const std::string& path, const VerifyOptions& options, const char*) {
+    if (demands_anything(options)) write(path, options);
   }
   template <class T>
   void optional(const std::string& path, const std::optional<T>& options, const char*) {

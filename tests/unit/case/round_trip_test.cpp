@@ -1,6 +1,7 @@
 // A case that is written reads back to the same options, to the bit.
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <random>
 
 #include "apps/case/fields.hpp"
@@ -155,12 +156,36 @@ fields = ["strain_dev", "velocity_x"]
 )");
 }
 
+// What a run writes into its record must read back, although frames were found for a [synth] case meanwhile; so must
+// what a comparison of two records writes, which simulates nothing.
+TEST(RoundTrip, CasesThatRunsWrite) {
+  Case drawn = parse_case("[synth]\nmotion = 'none'\n[verify]\nstrain_error = 0.1\n", "c.toml", ".");
+  drawn.frames.emplace().path = "/out/frames/frame_*.png";
+  expect_fixed_point(write_case(drawn));
+  Case compared;
+  compared.name = "a against b";
+  compared.limits.displacement_rms_m = 0.1;
+  expect_fixed_point(write_case(compared));
+}
+
+TEST(RoundTrip, EveryDataSet) {
+  int cases = 0;
+  for (const auto& folder : std::filesystem::directory_iterator(PIVNP_SOURCE_DIR "/datasets")) {
+    SCOPED_TRACE(folder.path().string());
+    const Case c = read_case(folder.path());
+    expect_fixed_point(write_case(c));
+    ++cases;
+  }
+  EXPECT_GE(cases, 4);
+}
+
 TEST(RoundTrip, EveryDefaultIsFilledIn) {
   const std::string written = write_case(parse_case(whole_case, "c.toml", "."));
   for (const char* line : {"\n[piv]\n", "\nwindow_px = 32\n", "\n[np]\n", "\nstride = 1\n", "\ndensity_kg_m3 = 1545.0\n",
-                           "\n# rate_hz is not given (Hz): ", "\n# [compare.limits]\n", "\n# [verify]\n", "\ngravity_m_s2 = [0.0, -9.81]\n"})
+                           "\n# rate_hz is not given (Hz): ", "\n[compare.limits]\n", "\ngravity_m_s2 = [0.0, -9.81]\n"})
     EXPECT_NE(written.find(line), std::string::npos) << line << written;
   EXPECT_EQ(written.find("[synth"), std::string::npos);
+  EXPECT_EQ(written.find("[verify"), std::string::npos);
 }
 
 }  // namespace

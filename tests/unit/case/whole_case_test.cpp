@@ -80,7 +80,7 @@ TEST(WholeCase, StagesWithoutFrames) {
   EXPECT_EQ(refusal("[piv]\n"), "c.toml:1: [piv]: there are no frames to measure; expected [frames] or [synth]");
   EXPECT_EQ(refusal(changed("[frames]\npath = \"frames/*.png\"\n", "")),
             "c.toml:10: mpm.end_s: missing; without frames the end of the simulation must be given (s)");
-  const std::string with_end = changed("[frames]\npath = \"frames/*.png\"\n", "") + "end_s = 1.0\n";
+  const std::string with_end = changed("[frames]\npath = \"frames/*.png\"\n", "") + "end_s = 1.0\noutput_rate_hz = 10\n";
   EXPECT_EQ(refusal(with_end), "c.toml:10: [mpm]: without frames the grid must be given; expected grid.spacing_m");
   EXPECT_EQ(refusal(with_end + "[grid]\nspacing_m = 0.01\n"), "");
 }
@@ -113,14 +113,11 @@ TEST(WholeCase, SyntheticFrames) {
   EXPECT_EQ(refusal("[synth.texture]\nbits = 10\n"), "c.toml:2: synth.texture.bits: found 10, expected 8, 12 or 16");
 }
 
-TEST(WholeCase, ThresholdsThatNothingWouldBeHeldTo) {
-  EXPECT_EQ(refusal("[frames]\n[compare.limits]\nstrain_rms = 0.1\n"),
-            "c.toml:2: [compare.limits]: given, but nothing is compared; expected [mpm]");
-  EXPECT_EQ(refusal("[synth]\n[verify]\n"), "c.toml:2: [verify]: no threshold is given; expected displacement_rms_px or strain_error");
+TEST(WholeCase, VerifyNeedsThresholdsAndTruth) {
+  EXPECT_EQ(refusal("[synth]\n[verify]\nlost_share = 0.1\n"),
+            "c.toml:2: [verify]: no threshold is given; expected displacement_rms_px, strain_error or nodal_error");
   EXPECT_EQ(refusal("[verify]\nstrain_error = 0.1\n"),
             "c.toml:1: [verify]: the truth is not known without synthetic frames; expected [synth]");
-  EXPECT_EQ(refusal("[frames]\npath = 'a'\n[synth]\n[verify]\nstrain_error = 0.1\n"),
-            "c.toml:4: [verify]: the truth of the frames in frames.path is not known; expected [synth] alone");
 }
 
 }  // namespace
