@@ -81,12 +81,11 @@ void check_complete(const Survey& survey, const fs::path& file, std::int64_t lim
       Header(file).counts_frames() ? 0 : std::max(2.0, 0.1 * survey.rate_hz);  // where the promise is a guess
   const std::int64_t missing = survey.promised - survey.readable;
   if (double(missing) <= slack) return;
-  throw InputError(what + ": '" + file.string() + "' is truncated: its container promises " +
+  const std::string remedy =
+      survey.readable > 1 ? "; frames.last = " + std::to_string(survey.readable - 2) + " leaves out the doubtful end" : "";
+  throw InputError(what + ": '" + file.string() + "' ends too early: its container promises " +
                    std::to_string(survey.promised) + " frames, only " + std::to_string(survey.readable) +
-                   " can be read" +
-                   (survey.readable > 1 ? "; frames.last = " + std::to_string(survey.readable - 2) +
-                                              " leaves out the damaged end"
-                                        : ""));
+                   " can be read (truncated, or trimmed without re-encoding)" + remedy);
 }
 
 // Throws if the container's own time stamps are not those of its rate: frames were dropped, or the rate varies.
