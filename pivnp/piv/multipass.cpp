@@ -78,6 +78,7 @@ class MultipassFft final : public Method {
   PivOptions options_;
   NodeLattice nodes_;
   int width_, height_, threads_;
+  int passes_;  // with the last window
   Anchor anchor_;
   std::vector<Stage> stages_;
   std::vector<Level> levels_;
@@ -88,7 +89,7 @@ class MultipassFft final : public Method {
 
 MultipassFft::MultipassFft(const PivOptions& options, const NodeLattice& nodes, int width, int height, int threads)
     : options_(options), nodes_(nodes), width_(width), height_(height), threads_(std::max(1, threads)),
-      anchor_(options.anchor == "central" ? Anchor::central : Anchor::forward) {
+      passes_(options.passes > 0 ? options.passes : automatic_passes), anchor_(options.anchor == "central" ? Anchor::central : Anchor::forward) {
   const std::vector<int> sides = window_sides(options, width, height);
   const Box whole = bounding_box(nodes_, static_cast<float>(sides.front()) / 2, width, height);
   if (whole.empty()) return;  // no node lies in the image
@@ -112,9 +113,8 @@ MultipassFft::MultipassFft(const PivOptions& options, const NodeLattice& nodes, 
   // one pass at the nodes themselves.
   const int support = support_of_window(sides.back());
   const auto window = static_cast<float>(sides.back());
-  const int passes = options.passes > 0 ? options.passes : automatic_passes;
-  add(support, 1, window / 2, passes > 1 ? 1 : 0, true);
-  if (passes > 2) add(support, 1, std::clamp(node_step, window / 4, window / 3), passes - 2, false);
+  add(support, 1, window / 2, passes_ > 1 ? 1 : 0, true);
+  if (passes_ > 2) add(support, 1, std::clamp(node_step, window / 4, window / 3), passes_ - 2, false);
 }
 
 Level& MultipassFft::level(int decimation) {
@@ -227,15 +227,17 @@ void MultipassFft::measure_node(Tools& tools, const Level& images, std::size_t k
     return;
   }
   if (!textured(window)) return;
-  const bool single_pass = options_.passes == 1;  // then nothing has searched with this window yet
+  const bool single_pass = passes_ == 1;  // then nothing has searched with this window yet
   const Peak peak = tools.find(single_pass ? Search::far : Search::near);
   const auto predicted = predictor_.at(x, y);
   vectors.displacement[k] = {predicted[0] + peak.dx, predicted[1] + peak.dy};
   vectors.score[k] = peak.score;
   const Peak matched = single_pass ? tools.near.find(window) : peak;
   vectors.cov[k] = tools.uncertainty.covariance(window, matched, rounding_variance_);
+  for (float& entry : vectors.cov[k]) entry *= iteration_variance(passes_);
+  const auto most_variance = static_cast<float>(options_.max_sigma_px * options_.max_sigma_px);
   const bool accepted = peak.interior && peak.score >= static_cast<float>(options_.min_score) &&
-                        std::isfinite(vectors.cov[k][0]) && std::isfinite(vectors.cov[k][1]);
+                        vectors.cov[k][0] <= most_variance && vectors.cov[k][1] <= most_variance;  // false for NaN
   vectors.status[k] = accepted ? VectorStatus::valid : VectorStatus::rejected;
 }
 
