@@ -1,5 +1,6 @@
 #include "compare/compare.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -13,6 +14,7 @@
 #include "compare/side.hpp"
 #include "compare/slope.hpp"
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/particles/strain.hpp"
 
 namespace pivnp::compare {
 
@@ -114,6 +116,12 @@ void add_reference(const Reference& reference, const Tally& last, const std::str
     }
 }
 
+// Neighbours drift apart as the material stretches: by the greater principal stretch of F, followed up to four.
+double present_spacing(double spacing, const Mat2& F) {
+  const double stretch = std::exp(principal(log_strain(F)).first);
+  return spacing * (std::isfinite(stretch) ? std::clamp(stretch, 1.0, 4.0) : 1.0);
+}
+
 // Where a side's particles are now, in the frame of the comparison.
 MaterialMesh present_mesh(const Side& side, const Vec2& shift) {
   std::vector<Vec2> x;
@@ -121,7 +129,7 @@ MaterialMesh present_mesh(const Side& side, const Vec2& shift) {
   for (std::size_t p = 0; p < side.size(); ++p) {
     if (!side.state().followed[p]) continue;
     x.push_back(side.material_position()[p] + side.state().u[p] - shift);
-    spacing.push_back(side.spacing()[p]);
+    spacing.push_back(present_spacing(side.spacing()[p], side.state().F[p]));
   }
   return MaterialMesh(std::move(x), std::move(spacing));
 }
@@ -139,6 +147,10 @@ void add_outlines(const Side& first, const Side& second, const Differences& diff
   out.outline_first = outline(cover_first);
   out.outline_second = outline(cover_second);
 
+  if (out.outline_first.empty() || out.outline_second.empty()) {
+    out.remarks.push_back("The particles of one side lie too far apart at the end to have an outline.");
+    return;
+  }
   const std::string& unit = first.motion().length_unit();
   out.metrics.push_back({"outline_iou", intersection_over_union(cover_first, cover_second), "1", not_known,
                          "area common to both outlines over the area of either, at the last common time, on cells of " +
@@ -181,6 +193,29 @@ void remark_units(const CompareOptions& options, const LimitOptions& limits, con
   remarks.push_back("Lengths given under compare are read in the motions' own unit, " + unit + ".");
 }
 
+// Adds every common time, in order, until one side has nothing left to compare.
+void walk_times(const CommonTimes& common, Side& first, Side& second, Alignment& alignment, const Reference& reference,
+                Differences& differences, Comparison& out, Progress& progress) {
+  for (double time : common.times) {
+    if (progress.stop_requested()) throw Interrupted();
+    const SideState& a = first.at(time);
+    const SideState& b = second.at(time);
+    alignment.update(b.followed);
+    const auto shift = reference.shift(a, b);
+    if (!shift || !differences.add(a, b, alignment.partners(), *shift)) {
+      const char* what = shift ? "No particle has a partner any more at " : "No reference particle is left at ";
+      out.remarks.push_back(what + number(time) + " " + first.motion().time_unit() +
+                            ": the comparison ends at the time before.");
+      break;
+    }
+    out.time.push_back(time);
+    progress.update("compare", std::int64_t(out.time.size()), std::int64_t(common.times.size()));
+  }
+  if (out.time.empty())
+    throw InputError("compare: no particle of motion " + quoted(first.motion()) + " has a partner in motion " +
+                     quoted(second.motion()) + " at any common time, expected one at least");
+}
+
 }  // namespace
 
 Comparison compare(const MotionSource& first_motion, const MotionSource& second_motion, const CompareOptions& options,
@@ -197,24 +232,7 @@ Comparison compare(const MotionSource& first_motion, const MotionSource& second_
   for (std::size_t p : paired) out.id.push_back(first_motion.particles().id[p]);
   Differences differences(paired, first_motion.length_unit());
 
-  for (double time : common.times) {
-    if (progress.stop_requested()) throw Interrupted();
-    const SideState& a = first.at(time);
-    const SideState& b = second.at(time);
-    alignment.update(b.followed);
-    const auto shift = reference.shift(a, b);
-    if (!shift || !differences.add(a, b, alignment.partners(), *shift)) {
-      const char* what = shift ? "No particle has a partner any more at " : "No reference particle is left at ";
-      out.remarks.push_back(what + number(time) + " " + first_motion.time_unit() +
-                            ": the comparison ends at the time before.");
-      break;
-    }
-    out.time.push_back(time);
-    progress.update("compare", std::int64_t(out.time.size()), std::int64_t(common.times.size()));
-  }
-  if (out.time.empty())
-    throw InputError("compare: no particle of motion " + quoted(first_motion) +
-                     " has a partner at any common time, expected one at least");
+  walk_times(common, first, second, alignment, reference, differences, out, progress);
 
   const std::string& unit = first_motion.length_unit();
   const std::string at_end =

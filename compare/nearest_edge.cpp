@@ -11,7 +11,10 @@ double nearest_parameter(const Vec2& a, const Vec2& b, const Vec2& x) {
   return length2 > 0 ? std::clamp((x - a).dot(side) / length2, 0.0, 1.0) : 0.0;
 }
 
-std::int64_t NearestEdge::column(double x) const { return std::int64_t(std::floor(x / cell_)); }
+std::int64_t NearestEdge::column(double x) const {
+  constexpr double farthest = 1e9;  // fits the key; beyond it all share one column
+  return std::int64_t(std::floor(std::clamp(x / cell_, -farthest, farthest)));
+}
 
 std::uint64_t NearestEdge::key(std::int64_t i, std::int64_t j) {
   return (std::uint64_t(i) << 32) ^ (std::uint64_t(j) & 0xffffffffULL);

@@ -56,6 +56,9 @@ CommonTimes common_times(const MotionSource& first, const MotionSource& second) 
 
 Side::Side(const MotionSource& motion, const CommonTimes& common)
     : motion_(&motion), tolerance_(common.tolerance), X_(motion.particles().x0) {
+  for (const Vec2& x : X_)
+    if (!x.allFinite())
+      throw InputError("compare: a material position of motion '" + motion.name() + "' is not a finite number");
   state_.followed.assign(X_.size(), 1);
   state_.u.assign(X_.size(), Vec2::Zero());
   state_.F.assign(X_.size(), Mat2::Identity());

@@ -1,7 +1,5 @@
 #include "mpm/energy.hpp"
 
-#include <cmath>
-
 namespace pivnp::mpm {
 
 namespace {
@@ -49,7 +47,7 @@ EnergyRow energy_row(double time, const StoredEnergy& stored, const EnergyBook& 
 }
 
 double turnover(const EnergyRow& row, const EnergyBook& book) {
-  return row.plastic + row.damping + row.contact + std::abs(row.external) + book.start;
+  return row.plastic + row.damping + row.contact + std::abs(row.external) + book.start + book.moved;
 }
 
 }  // namespace pivnp::mpm

@@ -1,6 +1,8 @@
 // The energy balance.
 #pragma once
 
+#include <cmath>
+
 #include "mpm/material/stress_update.hpp"
 #include "mpm/momentum.hpp"
 #include "mpm/particles.hpp"
@@ -16,11 +18,13 @@ struct EnergyBook {
   double gravity = 0;   // work of gravity
   double carried = 0;   // kinetic and elastic energy that left the grid with ended points
   double start = 0;     // kinetic + elastic at the start
+  double moved = 0;     // sum of |work of moving bodies| over the steps
 
   void add(const NodalWork& work, double transfer_loss) {
     damping += work.damping + transfer_loss;
     contact += work.contact;
     bodies += work.bodies;
+    moved += std::abs(work.bodies);
   }
 };
 

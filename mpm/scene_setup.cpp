@@ -11,8 +11,8 @@
 namespace pivnp::mpm {
 
 Scheme scheme_of(const MpmOptions& options) {
-  Scheme scheme;
-  if (options.scheme == "geopart") scheme.damping = 0.05;
+  Scheme scheme{.damping = 0, .pic_share = 0.001};
+  if (options.scheme == "geopart") scheme = {.damping = 0.05, .pic_share = 0};
   else if (options.scheme != "default")
     throw InputError("mpm.scheme: found '" + options.scheme + "', expected default or geopart" +
                      did_you_mean(options.scheme, {"default", "geopart"}));

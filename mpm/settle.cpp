@@ -12,7 +12,8 @@ namespace pivnp::mpm {
 
 namespace {
 
-constexpr int most_iterations = 100000;
+// A wave needs a few steps a cell, and some tens of crossings die out: ten times what was seen to suffice.
+int most_iterations(const Grid& grid) { return std::max(20000, 200 * std::max(grid.nx, grid.ny)); }
 
 // Vertical stress from the mass above each point in its column of cells; sums run down a column in storage order.
 void start_from_columns(Particles& p, const Materials& materials, const GridState& g, double gravity_y) {
@@ -151,6 +152,7 @@ class Relaxation {
 
 int settle_particles(const SettleOptions& options, const Materials& materials, Restraints& restraints,
                      const RigidBodies& bodies, Particles& p, GridState& g, Progress& progress) {
+  locate_all(p, g);
   if (std::abs(options.gravity.x()) <= 1e-3 * std::abs(options.gravity.y()))
     start_from_columns(p, materials, g, options.gravity.y());
   for (auto* increment : {&p.de_xx, &p.de_yy, &p.de_zz, &p.de_xy, &p.spin})
@@ -158,20 +160,21 @@ int settle_particles(const SettleOptions& options, const Materials& materials, R
   update_stress(materials, p, options.threads);  // brings the first guess inside the yield surface
 
   Relaxation relaxation(options, materials, restraints, bodies, p, g);
+  const int most = most_iterations(g.grid);
   double ratio = 0;
-  for (int n = 1; n <= most_iterations; ++n) {
+  for (int n = 1; n <= most; ++n) {
     ratio = relaxation.iterate();
     if (!std::isfinite(ratio)) break;
     if (ratio < options.tolerance && n > 10 &&
         relaxation.kinetic() <= options.tolerance * stored_energy(p, materials).elastic)
       return n;
     if (n % 200 == 0) {
-      progress.update("settle", n, most_iterations);
+      progress.update("settle", n, most);
       if (progress.stop_requested()) throw Interrupted();
     }
   }
   std::ostringstream text;
-  text << "settle: unbalanced over applied force is still " << ratio << " after " << most_iterations
+  text << "settle: unbalanced over applied force is still " << ratio << " after " << most
        << " iterations, expected below " << options.tolerance
        << " (is the material held, and strong enough to carry its weight?)";
   throw RunError(text.str());

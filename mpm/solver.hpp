@@ -47,8 +47,8 @@ class Solver {
   void settle(Progress& progress);
 
   /// Steps to `time` exactly (the last steps are trimmed). Throws RunError, with time and cause, on NaN or blow-up (a
-  /// point that moves a cell in a step, or an energy residual beyond a quarter of what was turned over); the last good
-  /// state, at most 100 steps old, stays readable.
+  /// point that moves a cell in a step, or an energy residual above a quarter of what was turned over: a gain; losses are
+  /// only written); the last good state, at most 100 steps old, stays readable.
   void advance_to(double time, Progress& progress);
 
   double time() const;
@@ -56,7 +56,10 @@ class Solver {
   double stable_step() const;  // the step in use, s
   MotionFrame frame() const;   // u, F, status, v, stress, plastic_dev
   const ParticleSet& particles() const;
+  /// Elastic energy is that stored now; all else counts from the start of the run. `damping` holds what local damping
+  /// and the PIC share of the transfer took; what MUSL and the step's finite length lose or gain is the residual.
   EnergyRow energy() const;
+  Vec2 momentum() const;       // of the particles still simulated, kg m/s per metre of thickness
 
   /// Called after every step with the step's length and a function that gives the grid's velocity at a point (bilinear,
   /// of the step just made and the cells at its start, zero outside material): what carries synthetic texture. Not called while settling.

@@ -24,7 +24,8 @@ struct GatherSums {
   bool good = true;         // every point finite, none moved more than one cell
 };
 
-/// Cell and natural coordinates of every point that is simulated, at the start and after loading; GridState rebuilt.
+/// Cell and natural coordinates of every point that is simulated, and the grid's lists (for settling; a step calls
+/// locate_points()).
 void locate_all(Particles& p, GridState& g);
 
 /// A.1: cell and natural coordinates of every point. True if any point changed its cell; those that left the grid are

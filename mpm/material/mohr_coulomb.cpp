@@ -82,7 +82,7 @@ MohrCoulomb::Return MohrCoulomb::return_to_cone(const Principal& trial, double c
   const double amount = excess / hardness;
   Principal s;
   for (int q = 0; q < 3; ++q) s[q] = trial[q] - amount * main.d_flow[q];
-  if (s[0] >= s[1] - round_off && s[1] >= s[2] - round_off && s[0] <= apex + round_off) return {s};
+  if (s[0] >= s[1] - round_off && s[1] >= s[2] - round_off && s[0] <= apex + round_off) return {s, apex};
 
   // Two planes: the middle stress has caught up with the smallest (f_13, f_12) or with the largest (f_13, f_23).
   for (const bool low_edge : {s[1] < s[2], !(s[1] < s[2])}) {
@@ -96,9 +96,9 @@ MohrCoulomb::Return MohrCoulomb::return_to_cone(const Principal& trial, double c
     for (int q = 0; q < 3; ++q) e[q] = trial[q] - amounts[0] * main.d_flow[q] - amounts[1] * second.d_flow[q];
     if (e[0] <= apex + round_off && e[0] >= std::max(e[1], e[2]) - round_off &&
         e[2] <= std::min(e[0], e[1]) + round_off)
-      return {e};
+      return {e, apex};
   }
-  return {{apex, apex, apex}, true};
+  return {{apex, apex, apex}, apex};
 }
 
 MohrCoulomb::Return MohrCoulomb::return_with_cut_off(const Principal& trial, double cohesion_term,
@@ -110,7 +110,8 @@ MohrCoulomb::Return MohrCoulomb::return_with_cut_off(const Principal& trial, dou
   static constexpr int sets[] = {1, 3, 7, 9, 25, 11, 41, 17, 33, 19, 35, 13, 49};
   const double scale = std::abs(trial[0]) + std::abs(trial[2]) + cohesion_term + tension;
   double best = std::numeric_limits<double>::infinity();
-  Return found{{tension, tension, tension}, true};
+  const Return vertex{{tension, tension, tension}, tension};
+  Return found = vertex;
   for (const int set : sets) {
     int active[3], n = 0;
     for (int q = 0; q < 6 && n < 3; ++q)
@@ -130,13 +131,12 @@ MohrCoulomb::Return MohrCoulomb::return_with_cut_off(const Principal& trial, dou
     for (const Plane& plane : planes) violation = std::max(violation, dot(plane.normal, s) - plane.limit);
     if (violation < best) {
       best = violation;
-      found = {s, set == 7};
+      found = {s, tension};
     }
     if (best <= 1e-12 * scale) return found;
   }
   // No set is admissible (possible without normality only): the vertex is.
-  if (best > 1e-9 * scale) return {{tension, tension, tension}, true};
-  return found;
+  return best > 1e-9 * scale ? vertex : found;
 }
 
 MohrCoulomb::Return MohrCoulomb::return_to_surface(const Principal& trial, double J, double tension) const {
@@ -147,7 +147,7 @@ MohrCoulomb::Return MohrCoulomb::return_to_surface(const Principal& trial, doubl
   if (tension * J >= apex) return return_to_cone(trial, cohesion_term, apex);
   if (shear > 0) {
     const Return cone = return_to_cone(trial, cohesion_term, apex);
-    if (!cone.vertex && cone.stress[0] <= tension * J && cone.stress[1] <= tension * J) return cone;
+    if (std::max(cone.stress[0], cone.stress[1]) <= tension * J) return cone;
   }
   return return_with_cut_off(trial, cohesion_term, tension * J);
 }
@@ -180,9 +180,11 @@ void MohrCoulomb::return_point(const StressBatch& batch, std::size_t k, Stress t
   batch.dissipated[k] += dot(stress, plastic);
   for (double& p : plastic) p -= volumetric / 3;
   batch.plastic_dev[k] += std::sqrt(2.0 / 3.0 * dot(plastic, plastic));
-  if (back.vertex) {
-    batch.gap[k] = std::max(0.0, volumetric);
-    if (volumetric > 0) batch.opened[k] = 1;
+  // Both stresses in the plane at the limit (the one across it may lag): the point has come apart.
+  const double limit = back.limit - 1e-9 * (std::abs(sorted[0]) + std::abs(sorted[2]));
+  if (volumetric > 0 && stress[0] >= limit && stress[1] >= limit) {
+    batch.gap[k] = volumetric;
+    batch.opened[k] = 1;
   }
   const double new_mean = 0.5 * (stress[0] + stress[1]), new_radius = 0.5 * (stress[0] - stress[1]);
   const double c2 = radius > 0 ? half / radius : 1, s2 = radius > 0 ? trial.xy / radius : 0;

@@ -8,7 +8,7 @@
 // A state that satisfies the planes with non-negative multipliers is the one wanted (Koiter); the sets of active planes
 // are tried from the likely to the rare.
 //
-// Opening: material returned to the vertex (all principal stresses at the limit) under expansion has separated. Its
+// Opening: material whose two stresses in the plane are returned to the limit under expansion has separated. Its
 // stress is zero, and the expansion is kept as `gap`; compression first closes the gap, and only what is left over
 // loads the material again. So it flies free and lands with the volume it left with. Once opened, tension stays zero.
 #pragma once
@@ -37,7 +37,7 @@ class MohrCoulomb final : public Material {
   };
   struct Return {
     Principal stress;
-    bool vertex = false;
+    double limit;  // greatest tension: the cut-off's or the apex'
   };
   Plane shear_plane(int i, int j, double cohesion_term) const;
   Plane tension_plane(int i, double tension) const;

@@ -10,10 +10,10 @@
 namespace pivnp::image {
 
 struct CameraOptions {
-  std::optional<double> metres_per_pixel;
-  std::optional<Pair> origin_px;
-  Points points_px;
-  Points points_m;
+  std::optional<double> metres_per_pixel = {};
+  std::optional<Pair> origin_px = {};
+  Points points_px = {};
+  Points points_m = {};
   std::string length_unit = "m";
 
   template <class Self, class Visitor>
@@ -31,10 +31,12 @@ struct CameraOptions {
   }
 };
 
-/// Plane-to-plane camera: world = dehomogenised(world_from_pixel * (column, row, 1)). World y is up.
+/// Plane-to-plane camera: world = dehomogenised(world_from_pixel * (column, row, 1)). World y is up, pixel centres lie
+/// on whole numbers. The third coordinate is positive on the visible side; a point at or beyond the horizon maps to NaN.
 class Camera {
  public:
   Camera();  // pixels: world = (column, -row)
+  /// Throws InputError if the matrix cannot be inverted.
   Camera(const Mat3& world_from_pixel, double residual, std::string length_unit);
 
   Vec2 to_world(const Vec2& pixel) const;
@@ -52,7 +54,11 @@ class Camera {
   std::string length_unit_ = "px";
 };
 
-/// Throws InputError: lists of different length, fewer than four points, points on a line, both ways given at once.
+/// Scale and origin, or a homography from targets (see homography.hpp), or pixels: world = (column - origin column,
+/// origin row - row), unit "px" whatever length_unit says. Without an origin the world's (0, 0) is the centre of the
+/// lower left pixel, (0, height - 1). A homography's residual is the RMS distance of the targets in the world.
+/// Throws InputError: lists of different length, fewer than four points, points on a line, a target given twice, the
+/// lists in different order, both ways given at once.
 Camera make_camera(const CameraOptions& options, int width, int height);
 
 }  // namespace pivnp::image

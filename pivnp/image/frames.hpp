@@ -14,16 +14,17 @@
 namespace pivnp::image {
 
 struct FrameOptions {
-  std::string path;
-  std::optional<double> rate_hz;
+  std::string path = {};
+  std::optional<double> rate_hz = {};
   int first = 0;
-  std::optional<int> last;
+  std::optional<int> last = {};
   int stride = 1;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
     visit("path", self.path,
-          OptionInfo{.text = "glob (frames/*.png), printf pattern (img_%04d.tif) or video file, relative to the case file"});
+          OptionInfo{.text = "glob (frames/*.png), printf pattern (img_%04d.tif), folder or video file, relative to the "
+                             "case file"});
     visit("rate_hz", self.rate_hz,
           OptionInfo{.unit = "Hz", .text = "frames per second of the recording; wins over what a container claims",
                      .min = 0, .above_min = true});
@@ -49,9 +50,22 @@ class FrameSource {
   virtual Image read(int index) = 0;
 };
 
-/// Opens what `options.path` names, relative to `base`. Natural order (img_2 before img_10); names may hold spaces.
-/// Throws InputError: nothing matches, fewer than one frame after first/last/stride, unreadable first frame, a gap in
-/// a printf sequence.
+/// Opens what `options.path` names, relative to `base`: a folder (all its images), a video file, one image, a printf
+/// pattern with one %d or %0Nd in the file name, or a glob (* ? [..]). What exists under that very name wins over a
+/// pattern's meaning, and brackets that match nothing as a glob are tried as they stand. Natural order (img_2 before
+/// img_10); names may hold spaces. A printf sequence starts at the least number found.
+/// `first`, `last` and `stride` count original frames from 0. Only the first frame used is decoded here; a video is
+/// run through once to count what can truly be read.
+/// Images: 8 or 16 bit, grey or colour (alpha ignored), or floating point within 0..1. Pixels as stored: orientation
+/// tags are not obeyed. A 16-bit image has white = 65535 whatever the camera's depth, but for PGM, which names its own.
+/// Throws InputError: nothing matches, fewer than one frame after first/last/stride, `last` beyond the end, unreadable
+/// first frame, a used frame missing from a printf sequence, a video that ends before its container's count, a video
+/// of variable rate without rate_hz.
 std::unique_ptr<FrameSource> open_frames(const FrameOptions& options, const std::filesystem::path& base);
+
+/// Reads the next frame in the background while the one before is worked on, as long as reading goes forward. Holds at
+/// most one frame beside those handed out. What a background read throws is thrown by the read() that asks for the
+/// frame.
+std::unique_ptr<FrameSource> prefetched(std::unique_ptr<FrameSource> source);
 
 }  // namespace pivnp::image

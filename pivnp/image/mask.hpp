@@ -13,10 +13,10 @@
 namespace pivnp::image {
 
 struct MaskOptions {
-  Points polygon_px;
-  Points polygon_m;
-  std::vector<double> circle_px;
-  std::string image;
+  Points polygon_px = {};
+  Points polygon_m = {};
+  std::vector<double> circle_px = {};
+  std::string image = {};
   bool invert = false;
 
   template <class Self, class Visitor>

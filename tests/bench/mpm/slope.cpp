@@ -15,7 +15,8 @@ using namespace pivnp;
 
 namespace {
 
-// Trapezoid (vertical left wall, flat base) of equal area and centroid height: its face's angle, degrees.
+// fit: angle of a regression of the mass-height profile between 10 and 90 % of the height, degrees; front: x that holds
+// 99.5 % of the mass, m; height of the highest column of cells by mass, m.
 struct Shape {
   double fit, front99, height;
 };
@@ -38,7 +39,6 @@ Shape measure(const ParticleSet& set, const MotionFrame& frame, double h) {
     if (sum <= 0.995 * area) front = x;
   }
   for (const auto& [i, height] : column) highest = std::max(highest, height);
-  // Regression of the profile between 10 and 90 % of the height, right of the highest column.
   double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
   for (const auto& [i, height] : column) {
     if (height < 0.1 * highest || height > 0.9 * highest) continue;
@@ -51,7 +51,7 @@ Shape measure(const ParticleSet& set, const MotionFrame& frame, double h) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
   std::map<std::string, std::string> arg{{"phi", "43"}, {"E", "30e6"}, {"c", "0"}, {"scheme", "default"}, {"damping", ""},
                                          {"pic", ""}, {"courant", "0.4"}, {"base", "fixed"}, {"threads", "2"},
                                          {"end", "0.5"}, {"gate", "0.02"}, {"per", "4"}, {"psi", "0"}, {"settle", "1"}};
@@ -113,4 +113,12 @@ int main(int argc, char** argv) {
   std::printf("slope(fit) %.1f deg  x(99.5 %%) %.3f m  height %.3f  ended %zu  steps %lld  wall %.2f s  %.1f M particle-steps/s\n",
               s.fit, s.front99, s.height, ended, static_cast<long long>(solver.steps()), wall_s,
               double(solver.steps()) * double(scene.particles.size()) / wall_s / 1e6);
+  return 0;
+}
+
+int main(int argc, char** argv) try {
+  return run(argc, argv);
+} catch (const std::exception& e) {
+  std::fprintf(stderr, "%s\n", e.what());
+  return 1;
 }

@@ -173,6 +173,26 @@ TEST(Compare, EndedParticlesHaveNoPartnerFromThenOn) {
   EXPECT_TRUE(std::isnan(c.fields[3].values[3 * 29 + 9]));
 }
 
+TEST(Compare, EndsWhenNobodyIsLeft) {
+  const ParticleSet set = block();
+  MotionMemory b("b", "m", "s", set);
+  for (double t : {0.0, 1.0, 2.0}) {
+    MotionFrame f = frame_of(set, t, shear, shear_F);
+    if (t > 1.5) f.status.assign(set.size(), ParticleStatus::ended);
+    b.add(f);
+  }
+  const MotionMemory a = motion_of("a", set, {0, 1, 2}, shear, shear_F);
+  const Comparison c = compared(a, b), self = compared(a, a);
+  EXPECT_EQ(c.time, (std::vector<double>{0, 1}));
+  EXPECT_EQ(c.fields[0].values.size(), 60U);
+  EXPECT_EQ(metric(c, "coverage_first_final").value, 1);
+  EXPECT_EQ(metric(c, "displacement_rms_final").value, 0);
+  EXPECT_FALSE(c.outline_second.empty());  // as it was at t = 1
+  EXPECT_NE(c.outline_first, self.outline_first);
+  EXPECT_TRUE(std::any_of(c.remarks.begin(), c.remarks.end(),
+                          [](const std::string& r) { return r.find("ends at the time before") != std::string::npos; }));
+}
+
 TEST(Compare, BetweenAGoodFrameAndAnEndedOneThereIsNoPartner) {
   const ParticleSet set = block();
   MotionMemory b("b", "m", "s", set);
@@ -237,6 +257,25 @@ TEST(Compare, ReferencePolygonTakesTheFrameOff) {
   EXPECT_THROW(compared(camera, soil, options), InputError);
 }
 
+TEST(Compare, AStretchedBodyKeepsItsOutline) {
+  const ParticleSet set = particles_at(square_lattice(20, 20, 1), 1);
+  const DisplacementLaw u = [](const Vec2& x, double t) -> Vec2 { return t * Vec2(2 * x.x(), -2.0 / 3 * x.y()); };
+  const GradientLaw F = [](const Vec2&, double t) -> Mat2 {
+    return Vec2(1 + 2 * t, 1 - 2.0 / 3 * t).asDiagonal().toDenseMatrix();
+  };
+  const MotionMemory a = motion_of("a", set, {0, 1}, u, F);
+  const Comparison c = compared(a, a);
+  EXPECT_EQ(c.outline_first.size(), 1U);
+  EXPECT_EQ(metric(c, "outline_iou").value, 1);
+
+  // Scattered without any strain that would say so, the particles have no outline, and no number pretends to be one.
+  const MotionMemory gas = motion_of("gas", set, {0, 1}, [](const Vec2& x, double t) -> Vec2 { return 9 * t * x; });
+  const Comparison none = compared(gas, gas);
+  EXPECT_TRUE(none.outline_first.empty());
+  EXPECT_FALSE(has_metric(none, "outline_iou"));
+  EXPECT_NE(none.remarks.back().find("outline"), std::string::npos);
+}
+
 TEST(Compare, ErrorsNameBothSides) {
   const ParticleSet set = block();
   const MotionMemory a = motion_of("lab", set, {0, 1}, shear);
@@ -251,6 +290,9 @@ TEST(Compare, ErrorsNameBothSides) {
       EXPECT_NE(std::string(e.what()).find(m->name()), std::string::npos) << e.what();
     }
   }
+  ParticleSet broken = set;
+  broken.x0[3].y() = std::nan("");
+  EXPECT_THROW(compared(a, motion_of("broken", broken, {0, 1}, shear)), InputError);
   EXPECT_THROW(compared(a, none), InputError);
   EXPECT_THROW(compared(MotionMemory("empty", "m", "s", ParticleSet{}), a), InputError);
 }

@@ -59,7 +59,7 @@ TEST(Derived, EndedParticlesAreNaNAndDoNotLeakIntoDifferences) {
 }
 
 TEST(Derived, SummedStrainKeepsTheOldStretchAfterATurn) {
-  // errata 2.7: 24 % stretch, then 90 degrees: the sum stays at the stretch, the true xx strain is zero.
+  // Why sums are not objective: 24 % stretch, then 90 degrees: the sum stays at the stretch, the true xx strain is zero.
   MotionMemory motion("np", "m", "s", particles(1));
   motion.add(frame(0, {0, 0}, {1, 0, 0, 1}));
   double stretch = 1;

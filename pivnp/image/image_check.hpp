@@ -1,0 +1,34 @@
+// Is an image file whole? Decoders tend to warn and to hand out a partly grey picture; the file's own structure tells.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+
+namespace pivnp::image {
+
+using Bytes = std::span<const unsigned char>;
+
+enum class ImageFormat { unknown, png, jpeg, bmp, tiff, pnm };
+
+/// By the first bytes, never by the name.
+ImageFormat image_format(Bytes file);
+
+/// What is wrong with the file ("truncated: ..."), or nothing. Formats without a check here pass.
+///  png   every chunk inside the file with its CRC, up to IEND (ISO/IEC 15948)
+///  jpeg  marker segments and scans up to EOI (ITU-T T.81 annex B); a damaged scan with all its markers passes
+///  bmp   the pixel array lies inside the file
+///  tiff  strips or tiles of the first page lie inside the file (TIFF 6.0, BigTIFF); further full-size pages are refused
+///  pnm   the raster of P2 to P6 lies inside the file
+std::optional<std::string> image_defect(Bytes file);
+
+/// The part of image_defect() for TIFF.
+std::optional<std::string> tiff_defect(Bytes file);
+/// Sets the orientation tag of the first page to "as stored", so that no decoder turns the picture.
+void tiff_clear_orientation(std::span<unsigned char> file);
+
+/// Full scale of a PGM or PPM file (its "maxval"), 0 if it has none.
+int pnm_maxval(Bytes file);
+
+}  // namespace pivnp::image

@@ -1,0 +1,22 @@
+// The kinds of frame source behind open_frames().
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "pivnp/image/frame_files.hpp"
+#include "pivnp/image/frames.hpp"
+
+namespace pivnp::image {
+
+/// Original frame numbers chosen by first, last and stride out of `count`. Throws InputError if none is left.
+std::vector<int> chosen_frames(const FrameOptions& options, std::int64_t count, const std::string& path);
+
+/// `base` is what names are relative to when the files lie in several folders.
+std::unique_ptr<FrameSource> image_sequence(const FrameOptions& options, const FrameFiles& files,
+                                            const std::filesystem::path& base);
+std::unique_ptr<FrameSource> video_source(const FrameOptions& options, const std::filesystem::path& file);
+
+}  // namespace pivnp::image

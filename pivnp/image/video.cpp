@@ -1,0 +1,187 @@
+// Frames out of a video file.
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <limits>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
+
+#include "pivnp/core/error.hpp"
+#include "pivnp/image/image_file.hpp"
+#include "pivnp/image/sources.hpp"
+
+namespace pivnp::image {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+const std::string what = "frames";
+
+struct Header {
+  char bytes[4096] = {};
+  std::size_t size = 0;
+
+  explicit Header(const fs::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    in.read(bytes, sizeof bytes);
+    size = std::size_t(in.gcount());
+  }
+  // FFmpeg draws text files as a terminal would; no video's beginning is without a zero byte.
+  bool is_text() const { return std::memchr(bytes, 0, size) == nullptr; }
+  // MP4, MOV and AVI list their frames; elsewhere the number is guessed from duration and rate.
+  bool counts_frames() const {
+    return size > 12 && (std::memcmp(bytes + 4, "ftyp", 4) == 0 || std::memcmp(bytes, "RIFF", 4) == 0);
+  }
+};
+
+cv::VideoCapture opened(const fs::path& file) {
+  silence_vendor_messages();
+  cv::VideoCapture capture;
+  try {
+    if (!Header(file).is_text()) capture.open(fs::absolute(file).string(), cv::CAP_FFMPEG);
+  } catch (const cv::Exception&) {
+    capture.release();
+  }
+  if (!capture.isOpened())
+    throw InputError(what + ": '" + file.string() + "' cannot be opened as a video or an image (another kind of file, "
+                     "or truncated)");
+  capture.set(cv::CAP_PROP_ORIENTATION_AUTO, 0);  // pixels as stored
+  return capture;
+}
+
+// What one pass through the file finds.
+struct Survey {
+  std::int64_t promised = 0;  // the container's claim, 0: none
+  std::int64_t readable = 0;  // frames that came out, up to the limit asked for
+  double rate_hz = 0;         // the container's claim, 0: none
+  std::vector<double> stamps_s;
+};
+
+Survey surveyed(const fs::path& file, std::int64_t limit) {
+  cv::VideoCapture capture = opened(file);
+  Survey survey;
+  const double promised = capture.get(cv::CAP_PROP_FRAME_COUNT), rate = capture.get(cv::CAP_PROP_FPS);
+  if (promised > 0 && promised < 1e15) survey.promised = std::int64_t(promised);
+  if (rate > 0 && std::isfinite(rate)) survey.rate_hz = rate;
+  while (survey.readable < limit && capture.grab()) {
+    survey.stamps_s.push_back(capture.get(cv::CAP_PROP_POS_MSEC) / 1000);
+    ++survey.readable;
+  }
+  return survey;
+}
+
+// Throws if the file ends before its container says so; the last frame that came out may then be damaged too.
+void check_complete(const Survey& survey, const fs::path& file, std::int64_t limit) {
+  if (survey.readable == 0) throw InputError(what + ": '" + file.string() + "' is a video without a readable frame");
+  if (survey.readable == limit || survey.promised == 0) return;
+  const double slack =
+      Header(file).counts_frames() ? 0 : std::max(2.0, 0.1 * survey.rate_hz);  // where the promise is a guess
+  const std::int64_t missing = survey.promised - survey.readable;
+  if (double(missing) <= slack) return;
+  throw InputError(what + ": '" + file.string() + "' is truncated: its container promises " +
+                   std::to_string(survey.promised) + " frames, only " + std::to_string(survey.readable) +
+                   " can be read" +
+                   (survey.readable > 1 ? "; frames.last = " + std::to_string(survey.readable - 2) +
+                                              " leaves out the damaged end"
+                                        : ""));
+}
+
+// Throws if the container's own time stamps are not those of its rate: frames were dropped, or the rate varies.
+void check_rate(const Survey& survey, const fs::path& file) {
+  const std::vector<double>& t = survey.stamps_s;
+  std::size_t end = t.size();
+  while (end > 1 && t[end - 1] == 0) --end;  // stamps that the decoder did not hand out
+  if (survey.rate_hz == 0 || end < 3 || !std::is_sorted(t.begin(), t.begin() + std::ptrdiff_t(end))) return;
+  const double step = (t[end - 1] - t[0]) / double(end - 1);
+  if (!(step > 0)) return;
+  const std::string remedy = "; frames.rate_hz overrides it if the frames are evenly spaced all the same";
+  if (std::abs(step * survey.rate_hz - 1) > 0.01 + 0.5 / double(end))
+    throw InputError(what + ": '" + file.string() + "' claims " + std::to_string(survey.rate_hz) +
+                     " frames per second, its time stamps say " + std::to_string(1 / step) + remedy);
+  for (std::size_t k = 0; k < end; ++k)
+    if (std::abs(t[k] - t[0] - double(k) * step) > 0.5 * step + 0.0015)  // stamps may be rounded to 1 ms
+      throw InputError(what + ": '" + file.string() + "' has no constant frame rate: frame " + std::to_string(k) +
+                       " is stamped " + std::to_string(t[k] - t[0]) + " s, expected " +
+                       std::to_string(double(k) * step) + " s" + remedy);
+}
+
+// Goes through the file in order only: seeking by frame number is not exact in files that store differences between
+// frames. Going back starts the file again.
+class VideoSource final : public FrameSource {
+ public:
+  VideoSource(fs::path file, std::vector<int> numbers, std::vector<Frame> frames, bool has_rate)
+      : file_(std::move(file)), numbers_(std::move(numbers)), frames_(std::move(frames)), has_rate_(has_rate) {
+    const Image first = read(0);
+    width_ = first.width();
+    height_ = first.height();
+  }
+
+  const std::vector<Frame>& frames() const override { return frames_; }
+  bool has_rate() const override { return has_rate_; }
+  int width() const override { return width_; }
+  int height() const override { return height_; }
+
+  Image read(int index) override {
+    go_to(numbers_.at(std::size_t(index)), index);
+    const std::string place = what + ": '" + file_.parent_path().string() + "/" + frames_[std::size_t(index)].name + "'";
+    cv::Mat colour;
+    if (!capture_.retrieve(colour) || colour.empty()) throw InputError(place + " cannot be decoded");
+    if (colour.depth() != CV_8U) throw InputError(place + " is not an 8-bit frame");
+    if (width_ > 0 && (colour.cols != width_ || colour.rows != height_))
+      throw InputError(place + " is " + describe(colour.cols, colour.rows, PixelDepth::u8) + ", but the first frame '" +
+                       frames_.front().name + "' is " + describe(width_, height_, PixelDepth::u8));
+    Image out(colour.cols, colour.rows, PixelDepth::u8, 255.0f);
+    cv::Mat grey(colour.rows, colour.cols, CV_8U, out.row<unsigned char>(0));
+    if (colour.channels() == 1) colour.copyTo(grey);
+    else cv::cvtColor(colour, grey, cv::COLOR_BGR2GRAY);
+    return out;
+  }
+
+ private:
+  // Leaves the decoder with original frame `number` in its hands.
+  void go_to(int number, int index) {
+    if (at_ < 0 || number < at_) {
+      capture_ = opened(file_);
+      at_ = -1;
+    }
+    for (; at_ < number; ++at_)
+      if (!capture_.grab()) {
+        const int failed = at_ + 1;
+        at_ = -1;
+        throw InputError(what + ": '" + file_.string() + "' ends at frame " + std::to_string(failed) + " before '" +
+                         frames_[std::size_t(index)].name + "'; was it changed while it was read?");
+      }
+  }
+
+  fs::path file_;
+  std::vector<int> numbers_;  // original frames
+  std::vector<Frame> frames_;
+  bool has_rate_;
+  int width_ = 0, height_ = 0;
+  cv::VideoCapture capture_;
+  int at_ = -1;  // original frame that was grabbed last
+};
+
+}  // namespace
+
+std::unique_ptr<FrameSource> video_source(const FrameOptions& options, const fs::path& file) {
+  // One more than needed, so that the frame used last is known not to be the torn end of the file.
+  const std::int64_t limit =
+      options.last ? std::int64_t(*options.last) + 2 : std::numeric_limits<std::int64_t>::max();
+  const Survey survey = surveyed(file, limit);
+  check_complete(survey, file, limit);
+  const std::vector<int> numbers = chosen_frames(options, survey.readable, file.string());
+  if (!options.rate_hz) check_rate(survey, file);
+  const double rate = options.rate_hz.value_or(survey.rate_hz);
+  std::vector<Frame> frames;
+  for (const int number : numbers) {
+    const double steps = number - options.first;
+    frames.push_back({file.filename().string() + "#" + std::to_string(number), rate > 0 ? steps / rate : steps, frame_ok});
+  }
+  return std::make_unique<VideoSource>(file, numbers, std::move(frames), rate > 0);
+}
+
+}  // namespace pivnp::image

@@ -1,0 +1,45 @@
+// Cross-correlation of two windows, over all lags by FFT or over the nearest lags directly, and its peak.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "pivnp/piv/window.hpp"
+
+namespace pivnp::piv {
+
+/// Peak of the normalised cross-correlation c(s) = sum a(x) b(x + s) / (|a| |b| R(s)), R the taper's own correlation.
+struct Peak {
+  float dx = 0, dy = 0;   // lag with fraction, pixels of the level: the second window's content lies there
+  float score = 0;        // c at the peak's whole lag, -1 .. 1
+  bool interior = false;  // the peak lies inside the lags searched, not at their end
+  float around[3][3] = {};  // c at lags -1 ... 1 about zero, [y][x] (near search only)
+};
+
+/// Lags -2 ... 2 in each direction, summed directly: the finish, once a predictor has brought the windows together.
+class NearCorrelator {
+ public:
+  explicit NearCorrelator(int side);
+  Peak find(const Window& window) const;
+
+ private:
+  std::vector<float> taper_share_;
+};
+
+/// All lags up to a third of the side, by real FFT of the window's side (Willert & Gharib 1991). The taper keeps what
+/// wraps around small. One object a thread; making one takes a lock (FFTW plans), using one does not.
+class FftCorrelator {
+ public:
+  explicit FftCorrelator(int side);
+  ~FftCorrelator();
+  FftCorrelator(FftCorrelator&&) noexcept;
+  Peak find(const Window& window);
+
+ private:
+  struct Plan;
+  int side_;
+  std::vector<float> taper_share_;
+  std::unique_ptr<Plan> plan_;
+};
+
+}  // namespace pivnp::piv

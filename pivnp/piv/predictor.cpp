@@ -1,0 +1,211 @@
+#include "pivnp/piv/predictor.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+namespace pivnp::piv {
+
+namespace {
+
+using Vec2f = std::array<float, 2>;
+
+constexpr int reach = 2;  // 5 x 5 points
+constexpr int most_terms = 6;
+using Moments = Eigen::Matrix<double, most_terms, most_terms>;
+using Sums = Eigen::Matrix<double, most_terms, 2>;
+
+// Normal equations of the weighted polynomial 1, x, y, xx, xy, yy about one control point, in lattice steps.
+struct LocalFit {
+  Moments normal = Moments::Zero();
+  Sums sums = Sums::Zero();
+  int points = 0, columns = 0, rows = 0;  // points used, and in how many different columns and rows they lie
+
+  bool solve(int terms, Vec2f& at_centre) const {
+    Eigen::LDLT<Eigen::MatrixXd> factor(normal.topLeftCorner(terms, terms));
+    if (factor.info() != Eigen::Success || factor.vectorD().minCoeff() < 1e-6 * normal(0, 0)) return false;
+    const Eigen::MatrixXd solution = factor.solve(sums.topRows(terms));
+    at_centre = {static_cast<float>(solution(0, 0)), static_cast<float>(solution(0, 1))};
+    return true;
+  }
+};
+
+std::array<double, 2 * reach + 1> axis_weights(float sigma) {
+  std::array<double, 2 * reach + 1> w{};
+  for (int k = -reach; k <= reach; ++k) w[std::size_t(k + reach)] = std::exp(-0.5 * k * k / (double(sigma) * sigma));
+  return w;
+}
+
+}  // namespace
+
+void PredictorField::fit(const EvenLattice& lattice, const std::vector<Vec2f>& displacement,
+                         const std::vector<std::uint8_t>& good, float sigma, int threads) {
+  lattice_ = lattice;
+  values_.assign(std::size_t(lattice.nx + 2) * std::size_t(lattice.ny + 2), {0, 0});
+  std::vector<std::uint8_t> known(displacement.size(), 0);
+  const auto weight = axis_weights(sigma);
+
+  // A neighbourhood without gaps: the fit is the same linear combination everywhere.
+  constexpr int side = 2 * reach + 1;
+  std::array<double, side * side> full{};
+  {
+    LocalFit fit;
+    for (int b = -reach; b <= reach; ++b)
+      for (int a = -reach; a <= reach; ++a) {
+        const Eigen::Matrix<double, most_terms, 1> p{1.0, double(a), double(b), double(a * a), double(a * b), double(b * b)};
+        fit.normal += weight[std::size_t(a + reach)] * weight[std::size_t(b + reach)] * p * p.transpose();
+      }
+    const Eigen::Matrix<double, most_terms, 1> first = fit.normal.inverse().row(0).transpose();
+    for (int b = -reach; b <= reach; ++b)
+      for (int a = -reach; a <= reach; ++a) {
+        const Eigen::Matrix<double, most_terms, 1> p{1.0, double(a), double(b), double(a * a), double(a * b), double(b * b)};
+        full[std::size_t((b + reach) * side + a + reach)] =
+            weight[std::size_t(a + reach)] * weight[std::size_t(b + reach)] * first.dot(p);
+      }
+  }
+
+#pragma omp parallel for num_threads(threads) schedule(static)
+  for (int j = 0; j < lattice.ny; ++j) {
+    for (int i = 0; i < lattice.nx; ++i) {
+      const auto index = [&](int a, int b) { return std::size_t(j + b) * std::size_t(lattice.nx) + std::size_t(i + a); };
+      bool whole = i >= reach && j >= reach && i + reach < lattice.nx && j + reach < lattice.ny;
+      for (int b = -reach; whole && b <= reach; ++b)
+        for (int a = -reach; a <= reach; ++a) whole = whole && good[index(a, b)] != 0;
+      if (whole) {
+        double u = 0, v = 0;
+        for (int b = -reach; b <= reach; ++b)
+          for (int a = -reach; a <= reach; ++a) {
+            const double w = full[std::size_t((b + reach) * side + a + reach)];
+            u += w * displacement[index(a, b)][0], v += w * displacement[index(a, b)][1];
+          }
+        value(i, j) = {static_cast<float>(u), static_cast<float>(v)};
+        known[index(0, 0)] = 1;
+        continue;
+      }
+      LocalFit fit;
+      unsigned columns = 0, rows = 0;
+      for (int b = std::max(-reach, -j); b <= std::min(reach, lattice.ny - 1 - j); ++b)
+        for (int a = std::max(-reach, -i); a <= std::min(reach, lattice.nx - 1 - i); ++a) {
+          if (!good[index(a, b)]) continue;
+          const double w = weight[std::size_t(a + reach)] * weight[std::size_t(b + reach)];
+          const Eigen::Matrix<double, most_terms, 1> p{1.0, double(a), double(b), double(a * a), double(a * b), double(b * b)};
+          fit.normal += w * p * p.transpose();
+          fit.sums.col(0) += w * displacement[index(a, b)][0] * p;
+          fit.sums.col(1) += w * displacement[index(a, b)][1] * p;
+          ++fit.points;
+          columns |= 1u << (a + reach), rows |= 1u << (b + reach);
+        }
+      fit.columns = __builtin_popcount(columns), fit.rows = __builtin_popcount(rows);
+      Vec2f& out = value(i, j);
+      const bool curved = fit.points >= 12 && fit.columns >= 3 && fit.rows >= 3 && good[index(0, 0)];
+      const bool sloped = fit.points >= 4 && fit.columns >= 2 && fit.rows >= 2;
+      if ((curved && fit.solve(6, out)) || (sloped && fit.solve(3, out)) || (fit.points > 0 && fit.solve(1, out)))
+        known[index(0, 0)] = 1;
+    }
+  }
+  fill_far_points(known);
+  set_ghosts();
+}
+
+void PredictorField::fill_far_points(std::vector<std::uint8_t>& known) {
+  const auto index = [&](int i, int j) { return std::size_t(j) * std::size_t(lattice_.nx) + std::size_t(i); };
+  for (bool grown = true; grown;) {
+    grown = false;
+    const std::vector<std::uint8_t> before = known;
+    for (int j = 0; j < lattice_.ny; ++j)
+      for (int i = 0; i < lattice_.nx; ++i) {
+        if (before[index(i, j)]) continue;
+        float u = 0, v = 0;
+        int count = 0;
+        for (int b = std::max(0, j - 1); b <= std::min(lattice_.ny - 1, j + 1); ++b)
+          for (int a = std::max(0, i - 1); a <= std::min(lattice_.nx - 1, i + 1); ++a)
+            if (before[index(a, b)]) u += value(a, b)[0], v += value(a, b)[1], ++count;
+        if (count == 0) continue;
+        value(i, j) = {u / static_cast<float>(count), v / static_cast<float>(count)};
+        known[index(i, j)] = 1;
+        grown = true;
+      }
+  }
+}
+
+void PredictorField::set_ghosts() {
+  const auto beyond = [](const Vec2f& edge, const Vec2f& inner) {
+    return Vec2f{2 * edge[0] - inner[0], 2 * edge[1] - inner[1]};
+  };
+  const int nx = lattice_.nx, ny = lattice_.ny;
+  for (int j = 0; j < ny; ++j) {
+    value(-1, j) = beyond(value(0, j), value(std::min(1, nx - 1), j));
+    value(nx, j) = beyond(value(nx - 1, j), value(std::max(nx - 2, 0), j));
+  }
+  for (int i = -1; i <= nx; ++i) {
+    value(i, -1) = beyond(value(i, 0), value(i, std::min(1, ny - 1)));
+    value(i, ny) = beyond(value(i, ny - 1), value(i, std::max(ny - 2, 0)));
+  }
+}
+
+// Four control points, the first of them `cell` counted with the ghost column, and their weights.
+PredictorField::Axis PredictorField::axis(float position, float origin, float spacing, int points) {
+  const float s = (position - origin) / spacing;
+  const int cell = std::clamp(static_cast<int>(std::floor(s)), 0, std::max(points - 2, 0));
+  const float t = s - static_cast<float>(cell);
+  if (points == 1) return {0, {0, 1, 0, 0}};
+  if (t < 0 || t > 1) return {cell, {0, 1 - t, t, 0}};
+  const float t2 = t * t, t3 = t2 * t;
+  return {cell, {0.5f * (-t + 2 * t2 - t3), 0.5f * (2 - 5 * t2 + 3 * t3), 0.5f * (t + 4 * t2 - 3 * t3), 0.5f * (t3 - t2)}};
+}
+
+Vec2f PredictorField::at(float column, float row) const {
+  if (values_.empty()) return {0, 0};
+  const Axis x = axis(column, lattice_.x0, lattice_.dx, lattice_.nx);
+  const Axis y = axis(row, lattice_.y0, lattice_.dy, lattice_.ny);
+  float u = 0, v = 0;
+  for (int a = 0; a < 4; ++a) {
+    if (x.weight[std::size_t(a)] == 0) continue;  // also: a lattice of one column has three only
+    float cu = 0, cv = 0;
+    for (int b = 0; b < 4; ++b) {
+      if (y.weight[std::size_t(b)] == 0) continue;
+      const Vec2f& p = value(x.cell - 1 + a, y.cell - 1 + b);
+      cu += y.weight[std::size_t(b)] * p[0], cv += y.weight[std::size_t(b)] * p[1];
+    }
+    u += x.weight[std::size_t(a)] * cu, v += x.weight[std::size_t(a)] * cv;
+  }
+  return {u, v};
+}
+
+PredictorField::RowPlan PredictorField::plan_row(float first, float step, int count) const {
+  RowPlan plan;
+  if (values_.empty()) return plan;
+  plan.cell.resize(std::size_t(count));
+  plan.weight.resize(std::size_t(count));
+  for (int k = 0; k < count; ++k) {
+    const Axis a = axis(first + static_cast<float>(k) * step, lattice_.x0, lattice_.dx, lattice_.nx);
+    plan.cell[std::size_t(k)] = a.cell;
+    plan.weight[std::size_t(k)] = a.weight;
+  }
+  return plan;
+}
+
+void PredictorField::row(const RowPlan& plan, float row, std::vector<float>& scratch, float* du, float* dv) const {
+  const std::size_t columns = std::size_t(lattice_.nx) + 2;
+  const Axis y = axis(row, lattice_.y0, lattice_.dy, lattice_.ny);
+  scratch.assign(2 * (columns + 1), 0.0f);  // one more: a lattice of one column reads a fourth with weight 0
+  float* u = scratch.data();
+  float* v = u + columns + 1;
+  for (int b = 0; b < 4; ++b) {
+    const float w = y.weight[std::size_t(b)];
+    if (w == 0) continue;
+    const Vec2f* in = values_.data() + std::size_t(y.cell + b) * columns;
+    for (std::size_t i = 0; i < columns; ++i) u[i] += w * in[i][0], v[i] += w * in[i][1];
+  }
+  for (std::size_t k = 0; k < plan.cell.size(); ++k) {
+    const auto& w = plan.weight[k];
+    const float* cu = u + plan.cell[k];
+    const float* cv = v + plan.cell[k];
+    du[k] = w[0] * cu[0] + w[1] * cu[1] + w[2] * cu[2] + w[3] * cu[3];
+    dv[k] = w[0] * cv[0] + w[1] * cv[1] + w[2] * cv[2] + w[3] * cv[3];
+  }
+}
+
+}  // namespace pivnp::piv

@@ -1,0 +1,45 @@
+// Both frames of a pair, brought onto each other by the predictor.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pivnp/core/record/vectors.hpp"
+#include "pivnp/piv/lattice.hpp"
+#include "pivnp/piv/predictor.hpp"
+#include "pivnp/piv/spline_image.hpp"
+
+namespace pivnp::piv {
+
+/// One resolution of a pair: pixel X of it is the mean of the full image's pixels D X ... D X + D - 1 (in each axis).
+struct Level {
+  int decimation = 1;
+  SplineImage first, second;
+  std::vector<std::uint8_t> mask;  // [height][width], 1 usable; empty: all are
+
+  float from_full(float x) const {
+    return (x - 0.5f * static_cast<float>(decimation - 1)) / static_cast<float>(decimation);
+  }
+  float to_full(float x) const {
+    return x * static_cast<float>(decimation) + 0.5f * static_cast<float>(decimation - 1);
+  }
+};
+
+enum class PixelUse : std::uint8_t { outside = 0, usable = 1, masked = 2 };
+
+/// Warped frames over a box of a level's pixels: f(x) and g(x) show the same material where the predictor is right.
+struct WarpedPair {
+  Box box;
+  std::vector<float> f, g;      // [height][width] of the box
+  std::vector<PixelUse> use;    // outside: the place in either frame is beyond the image's edge
+  std::size_t index(int column, int row) const {
+    return std::size_t(row - box.y0) * std::size_t(box.width()) + std::size_t(column - box.x0);
+  }
+};
+
+/// f(x) = first(x - d/2), g(x) = second(x + d/2) for the central anchor; f(x) = first(x), g(x) = second(x + d) for the
+/// forward one; d is the predictor at x. A pixel is masked if any of the four pixels about its place in either frame is.
+void warp_pair(const Level& level, const PredictorField& predictor, Anchor anchor, const Box& box, int threads,
+               WarpedPair& warped);
+
+}  // namespace pivnp::piv

@@ -1,0 +1,84 @@
+// Small scenes for the solver's tests.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "mpm/solver.hpp"
+#include "pivnp/core/particles/seeding.hpp"
+
+namespace pivnp::mpm::test {
+
+inline MaterialOptions elastic(double young, double poisson, double density) {
+  MaterialOptions m;
+  m.model = "linear_elastic";
+  m.young_pa = young;
+  m.poisson = poisson;
+  m.density_kg_m3 = density;
+  return m;
+}
+
+inline MaterialOptions sand(double friction_deg, double young = 5e6) {
+  MaterialOptions m = elastic(young, 0.3, 1600);
+  m.model = "mohr_coulomb";
+  m.friction_deg = friction_deg;
+  return m;
+}
+
+inline Region rectangle(const std::string& name, double x0, double y0, double x1, double y1) {
+  return {name, Polygon({{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}, name)};
+}
+
+inline Region disc(const std::string& name, Vec2 centre, double radius) {
+  std::vector<Vec2> ring;
+  for (int k = 0; k < 360; ++k) {
+    const double a = 2 * M_PI * k / 360;
+    ring.push_back(centre + radius * Vec2(std::cos(a), std::sin(a)));
+  }
+  return {name, Polygon(ring, name)};
+}
+
+inline Scene scene(const Grid& grid, const std::vector<Region>& regions, const std::vector<MaterialOptions>& materials,
+                   int per_element = 4) {
+  Scene s;
+  s.grid = grid;
+  s.particles = seed(grid, regions, per_element, SeedPattern::even, 0, "per_element");
+  s.materials = materials;
+  return s;
+}
+
+inline BoundaryOptions line(Pair a, Pair b, const std::string& type, double friction = 0) {
+  BoundaryOptions o;
+  o.line_m = {a, b};
+  o.type = type;
+  o.friction = friction;
+  return o;
+}
+
+inline MpmOptions options(Pair gravity = {0, 0}) {
+  MpmOptions o;
+  o.gravity_m_s2 = gravity;
+  return o;
+}
+
+/// Pure FLIP without damping.
+inline MpmOptions conservative(Pair gravity = {0, 0}) {
+  MpmOptions o = options(gravity);
+  o.pic_share = 0;
+  return o;
+}
+
+/// A column 0.1 wide and `height` high on a fixed base between rollers, 10 mm cells.
+inline Scene column(double height, const MaterialOptions& material) {
+  const int up = int(std::lround(height / 0.01));
+  Scene s = scene(Grid{{0, 0}, {0.01, 0.01}, 11, up + 5}, {rectangle("soil", 0, 0, 0.1, height)}, {material});
+  s.boundaries = {{"base", line({0, 0}, {0.1, 0}, "fixed")},
+                  {"left", line({0, 0}, {0, height + 0.04}, "roller")},
+                  {"right", line({0.1, 0}, {0.1, height + 0.04}, "roller")}};
+  return s;
+}
+
+}  // namespace pivnp::mpm::test

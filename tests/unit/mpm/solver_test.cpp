@@ -1,0 +1,293 @@
+// The solver: conservation, free fall, bits, guards, restraints, bodies.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "pivnp/core/error.hpp"
+#include "tests/unit/mpm/scenes.hpp"
+
+namespace pivnp::mpm {
+namespace {
+
+using namespace test;
+
+SilentProgress silent;
+const Grid box{{-0.03, 0.02}, {0.01, 0.01}, 61, 51};
+
+// A stressed, deforming elastic disc that flies: internal forces only.
+Scene flying_disc() {
+  Scene s = scene(box, {disc("disc", {0.12, 0.2}, 0.07)}, {elastic(1e5, 0.3, 1000)});
+  for (const Vec2& x : s.particles.x0) s.v0.push_back(Vec2(0.7, 0.3) + 4 * Vec2(x.y() - 0.2, 2 * (x.x() - 0.12)));
+  return s;
+}
+
+TEST(Solver, AFreeBodyKeepsItsMomentum) {
+  for (const char* scheme : {"default", "geopart"}) {
+    MpmOptions o = options();
+    o.scheme = scheme;
+    o.damping = 0;
+    Solver solver(o, flying_disc(), 1);
+    const Vec2 before = solver.momentum();
+    solver.advance_to(0.05, silent);
+    EXPECT_GT(solver.steps(), 100);
+    EXPECT_LT((solver.momentum() - before).norm(), 1e-12 * before.norm());
+    EXPECT_GT(solver.energy().elastic, 0);
+  }
+}
+
+TEST(Solver, FallsFreely) {
+  Solver solver(conservative({0.5, -9.81}), scene(box, {disc("disc", {0.1, 0.4}, 0.05)}, {elastic(1e5, 0.3, 1000)}), 1);
+  solver.advance_to(0.1, silent);
+  const MotionFrame frame = solver.frame();
+  const double n = double(solver.steps());
+  for (std::size_t k = 0; k < frame.v.size(); ++k) {
+    ASSERT_NEAR(frame.v[k][0], 0.05, 1e-7);
+    ASSERT_NEAR(frame.v[k][1], -0.981, 1e-6);
+    // Euler's sum for a constant step, g t^2/2 (1 + 1/n); the step shortens a little as the speed grows.
+    ASSERT_NEAR(frame.u[k][1], -0.5 * 9.81 * 0.01, 0.5 * 9.81 * 0.01 * 1.5 / n);
+    ASSERT_NEAR(frame.stress[k][1], 0, 1e-6);
+  }
+}
+
+TEST(Solver, ABodyInRigidRotationKeepsItsStressAndShape) {
+  Scene s = scene(box, {disc("disc", {0.25, 0.25}, 0.1)}, {elastic(1e6, 0.3, 1000)});
+  // Slow against the wave speed, so that centrifugal strain is of order 1e-4.
+  const double omega = 3;
+  for (const Vec2& x : s.particles.x0) s.v0.push_back(omega * Vec2(-(x.y() - 0.25), x.x() - 0.25));
+  Solver solver(conservative(), s, 1);
+  const double angle = 1.0;
+  solver.advance_to(angle / omega, silent);
+  const MotionFrame frame = solver.frame();
+  double worst = 0;
+  for (std::size_t k = 0; k < frame.F.size(); ++k) {
+    const Vec2 r = s.particles.x0[k] - Vec2(0.25, 0.25);
+    if (r.norm() > 0.06) continue;
+    worst = std::max({worst, std::abs(double(frame.F[k][0]) - std::cos(angle)), std::abs(double(frame.F[k][1]) + std::sin(angle))});
+  }
+  RecordProperty("worst_F", std::to_string(worst));
+  EXPECT_LT(worst, 0.02);
+}
+
+TEST(Solver, BitsDoNotDependOnThreads) {
+  Scene s = column(0.2, sand(30));
+  BoundaryOptions gate = line({0.1, 0}, {0.1, 0.24}, "roller");
+  s.grid.nx = 31;
+  s.boundaries = {{"base", line({0, 0}, {0.3, 0}, "frictional", 0.5)}, {"left", line({0, 0}, {0, 0.24}, "roller")}};
+  Solver one(options({0, -9.81}), s, 1), three(options({0, -9.81}), s, 3);
+  one.advance_to(0.08, silent);
+  three.advance_to(0.08, silent);
+  EXPECT_GT(one.energy().plastic, 0);
+  EXPECT_TRUE(one.save() == three.save());
+}
+
+TEST(Solver, ARestartGoesOnWithTheSameBits) {
+  Scene s = column(0.2, sand(30));
+  s.grid.nx = 31;
+  s.boundaries = {{"base", line({0, 0}, {0.3, 0}, "fixed")}, {"left", line({0, 0}, {0, 0.24}, "roller")}};
+  Solver whole(options({0, -9.81}), s, 2), first(options({0, -9.81}), s, 2), second(options({0, -9.81}), s, 1);
+  for (const double t : {0.03, 0.06, 0.12}) whole.advance_to(t, silent);
+  first.advance_to(0.03, silent);
+  first.advance_to(0.06, silent);
+  second.load(first.save());
+  EXPECT_EQ(second.time(), 0.06);
+  second.advance_to(0.12, silent);
+  EXPECT_TRUE(whole.save() == second.save());
+  std::vector<std::byte> damaged = first.save();
+  damaged.resize(damaged.size() / 2);
+  EXPECT_THROW(second.load(damaged), InputError);
+  EXPECT_THROW(second.load({}), InputError);
+}
+
+TEST(Solver, ParticlesThatLeaveAreEndedNotFatal) {
+  Scene s = scene(box, {rectangle("block", 0.4, 0.2, 0.5, 0.3)}, {elastic(1e5, 0.3, 1000)});
+  s.v0.assign(s.particles.size(), Vec2(1.0, 0));
+  Solver solver(conservative(), s, 2);
+  solver.advance_to(0.1, silent);  // 100 mm: the front 30 mm have left at x = 0.57
+  std::size_t ended = 0;
+  const MotionFrame frame = solver.frame();
+  for (std::size_t k = 0; k < frame.status.size(); ++k) {
+    const bool gone = frame.status[k] == ParticleStatus::ended;
+    EXPECT_EQ(gone, s.particles.x0[k].x() + 0.1 > 0.57 + 1e-6) << s.particles.x0[k].x();
+    EXPECT_EQ(gone, solver.particles().end_reason[k] == EndReason::left_grid);
+    if (!gone) continue;
+    ++ended;
+    EXPECT_NEAR(solver.particles().end[k], 0.57 - s.particles.x0[k].x(), 0.002);
+    EXPECT_NEAR(s.particles.x0[k].x() + double(frame.u[k][0]), 0.57, 0.002);
+  }
+  EXPECT_EQ(ended, 120u);
+  EXPECT_NEAR(solver.energy().residual, 0, 1e-9 * solver.energy().kinetic);
+  solver.advance_to(0.3, silent);  // the last ones leave; nothing is left to step
+  for (const ParticleStatus status : solver.frame().status) EXPECT_EQ(status, ParticleStatus::ended);
+}
+
+TEST(Solver, AParticleOnTheBorderWithinRoundOffIsInside) {
+  Scene s = scene(box, {rectangle("block", -0.03, 0.02, 0.07, 0.12)}, {elastic(1e5, 0.3, 1000)});
+  s.particles.x0[0] = box.origin - Vec2(1e-18, 1e-12);
+  Solver solver(conservative(), s, 1);
+  solver.advance_to(0.001, silent);
+  EXPECT_EQ(solver.frame().status[0], ParticleStatus::active);
+}
+
+TEST(Solver, BlowUpStopsWithOneLineAndKeepsTheLastGoodState) {
+  Scene s = scene(box, {rectangle("block", 0.1, 0.1, 0.2, 0.2)}, {elastic(1e5, 0.3, 1000)});
+  s.v0.assign(s.particles.size(), Vec2(0, 0));
+  s.v0[17] = Vec2(std::nan(""), 0);
+  Solver solver(options(), s, 1);
+  try {
+    solver.advance_to(0.01, silent);
+    FAIL() << "expected a RunError";
+  } catch (const RunError& e) {
+    EXPECT_NE(std::string(e.what()).find("t = 0 s"), std::string::npos) << e.what();
+    EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos);
+  }
+  EXPECT_EQ(solver.time(), 0.0);
+  EXPECT_EQ(solver.frame().u[0][0], 0.0f);
+}
+
+TEST(Solver, AStiffnessThatIsLiedAboutIsCaughtAsABlowUp) {
+  // Courant number 1 with MUSL is beyond the stable step for a body under load.
+  MpmOptions o = conservative({0, -9.81});
+  o.courant = 1.0;
+  Scene s = column(0.2, elastic(1e6, 0.3, 2000));
+  for (const Vec2& x : s.particles.x0) s.v0.push_back(Vec2(0.5 * std::sin(900 * x.y()), -1 - 0.5 * std::cos(700 * x.x())));
+  Solver solver(o, s, 1);
+  try {
+    solver.advance_to(1.0, silent);
+    // Stable after all: then the balance must say so.
+    EXPECT_LT(std::abs(solver.energy().residual), 0.25 * (solver.energy().kinetic + 100));
+  } catch (const RunError&) {
+    EXPECT_TRUE(std::isfinite(solver.energy().residual));
+  }
+}
+
+TEST(Solver, HitsTimesExactlyAndTellsTheObserver) {
+  Scene s = scene(box, {rectangle("block", 0.1, 0.1, 0.2, 0.2)}, {elastic(1e5, 0.3, 1000)});
+  s.v0.assign(s.particles.size(), Vec2(0.5, -0.25));
+  Solver solver(conservative(), s, 1);
+  double sum = 0;
+  solver.on_step([&](double dt, const Solver::VelocityAt& v) {
+    sum += dt;
+    const Vec2 inside = v(Vec2(0.15, 0.15) + sum * Vec2(0.5, -0.25));
+    EXPECT_NEAR(inside.x(), 0.5, 1e-12);
+    EXPECT_NEAR(inside.y(), -0.25, 1e-12);
+    EXPECT_EQ(v({0.4, 0.4}), Vec2(0, 0));
+    EXPECT_EQ(v({9, 9}), Vec2(0, 0));
+  });
+  for (const double t : {0.01, 0.0123, 0.02}) {
+    solver.advance_to(t, silent);
+    EXPECT_EQ(solver.time(), t);
+    EXPECT_NEAR(sum, t, 1e-14);
+  }
+}
+
+TEST(Solver, ASettledColumnCarriesItsWeightAndStaysPut) {
+  const double height = 0.4, rho = 2000, g = 9.81;
+  Scene s = column(height, elastic(1e6, 0.3, rho));
+  Solver solver(conservative({0, -g}), s, 2);
+  solver.settle(silent);
+  const MotionFrame settled = solver.frame();
+  for (std::size_t k = 0; k < settled.u.size(); ++k) {
+    EXPECT_EQ(settled.u[k][1], 0.0f);
+    // The mean stress counts as the element's average, so a point's own stress is held to half a cell's weight.
+    EXPECT_NEAR(settled.stress[k][1], -rho * g * (height - s.particles.x0[k].y()), 0.3 * rho * g * 0.01 + 1e-2 * rho * g * height);
+  }
+  EXPECT_EQ(solver.energy().kinetic, 0);
+  EXPECT_EQ(solver.energy().residual, 0);
+  solver.advance_to(0.05, silent);
+  // One way down the column takes 15 ms; the weight's compression would be rho g H^2/(2 M) = 1.2 mm.
+  for (const auto& u : solver.frame().u) EXPECT_LT(std::hypot(u[0], u[1]), 5e-6);
+}
+
+TEST(Solver, SandSettlesBehindAGateAndRunsWhenItGoes) {
+  Scene s = column(0.2, sand(30));
+  s.grid.nx = 41;
+  BoundaryOptions gate;
+  gate.polygon_m = {{0.1, 0}, {0.12, 0}, {0.12, 0.24}, {0.1, 0.24}};
+  gate.type = "roller";
+  gate.normal = Pair{1, 0};
+  gate.until_s = 0.02;
+  s.boundaries = {{"base", line({0, 0}, {0.4, 0}, "fixed")}, {"left", line({0, 0}, {0, 0.24}, "roller")}, {"gate", gate}};
+  Solver solver(options({0, -9.81}), s, 2);
+  solver.settle(silent);
+  solver.advance_to(0.02, silent);
+  for (const auto& u : solver.frame().u) EXPECT_LT(std::hypot(u[0], u[1]), 2e-5);
+  solver.advance_to(0.1, silent);
+  double front = 0;
+  const MotionFrame frame = solver.frame();
+  for (std::size_t k = 0; k < frame.u.size(); ++k) front = std::max(front, s.particles.x0[k].x() + double(frame.u[k][0]));
+  EXPECT_GT(front, 0.115);
+}
+
+TEST(Solver, WhatCannotStandDoesNotSettle) {
+  Scene s = column(0.2, sand(30));
+  s.grid.nx = 31;
+  s.boundaries = {{"base", line({0, 0}, {0.3, 0}, "fixed")}};
+  Solver solver(options({0, -9.81}), s, 2);
+  try {
+    solver.settle(silent);
+    FAIL() << "expected a RunError";
+  } catch (const RunError& e) {
+    EXPECT_NE(std::string(e.what()).find("unbalanced"), std::string::npos);
+  }
+}
+
+TEST(Solver, ARigidBodyPushesSoilAndItsWorkIsBooked) {
+  Scene s = scene(box, {rectangle("clay", 0.1, 0.1, 0.3, 0.2)}, {elastic(1e6, 0.3, 1500)});
+  RigidOptions body;
+  body.polygon_m = {{0.0, 0.05}, {0.095, 0.05}, {0.095, 0.25}, {0.0, 0.25}};
+  body.velocity_m_s = {0.5, 0};
+  body.from_s = 0.002;
+  body.until_s = 0.062;
+  s.bodies = {{"piston", body}};
+  Solver solver(conservative(), s, 1);
+  solver.advance_to(0.002, silent);
+  EXPECT_EQ(solver.energy().kinetic, 0);
+  solver.advance_to(0.08, silent);
+  double least = 1;
+  const MotionFrame frame = solver.frame();
+  for (std::size_t k = 0; k < frame.u.size(); ++k) least = std::min(least, s.particles.x0[k].x() + double(frame.u[k][0]));
+  EXPECT_GT(least, 0.095 + 0.03 - 0.01);  // nothing of the clay is more than a cell behind the piston's face
+  const EnergyRow e = solver.energy();
+  EXPECT_GT(e.external, 0);
+  // The face advances cell by cell, so it strikes: what it loses is bounded, and it gains nothing.
+  EXPECT_LT(e.residual, 0.02 * e.external);
+  EXPECT_GT(e.residual, -0.3 * e.external);
+}
+
+TEST(Solver, BadScenesNameTheirKey) {
+  const auto message = [](Scene s, MpmOptions o = options()) -> std::string {
+    try {
+      Solver solver(o, std::move(s), 1);
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  const Scene good = scene(box, {rectangle("clay", 0.1, 0.1, 0.3, 0.2)}, {elastic(1e6, 0.3, 1500)});
+  EXPECT_EQ(message(good), "");
+  Scene s = good;
+  s.boundaries = {{"base", line({5, 5}, {6, 5}, "fixed")}};
+  EXPECT_NE(message(s).find("boundary.base"), std::string::npos);
+  s.boundaries[0].second.polygon_m = {{0, 0}, {1, 0}, {0, 1}};
+  EXPECT_NE(message(s).find("either line_m or polygon_m"), std::string::npos);
+  s.boundaries[0].second = line({0, 0.1}, {0.4, 0.1}, "rolle");
+  EXPECT_NE(message(s).find("did you mean 'roller'"), std::string::npos);
+  s = good;
+  RigidOptions body;
+  body.circle_m = {0.2, 0.15, 0.03};
+  s.bodies = {{"tbar", body}};
+  EXPECT_NE(message(s).find("body.tbar"), std::string::npos);
+  s = good;
+  s.materials[0].young_pa = 0;
+  EXPECT_NE(message(s).find("material.clay.young_pa"), std::string::npos);
+  MpmOptions o = options();
+  o.scheme = "defualt";
+  EXPECT_NE(message(good, o).find("mpm.scheme"), std::string::npos);
+  s = good;
+  s.grid.nx = 20;
+  EXPECT_NE(message(s).find("outside"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace pivnp::mpm
