@@ -60,6 +60,11 @@ std::string one_line(std::string text) {
   return text;
 }
 
+void forget_lines(Node& node) {
+  node.line = 0;
+  for (Node& item : node.list) forget_lines(item);
+}
+
 // At most 60 bytes, cut between characters.
 std::string shortened(const std::string& text) {
   std::size_t end = 60;
@@ -101,6 +106,20 @@ Node parse_document(const std::string& text, const std::string& name) {
   } catch (const toml::parse_error& error) {
     throw InputError(name + ":" + std::to_string(line_of(error.source())) + ": " +
                      one_line(std::string(error.description())));
+  }
+}
+
+Node parse_value(const std::string& text) {
+  Node plain;
+  plain.kind = Node::Kind::string;
+  plain.text = text;
+  if (text.find_first_of("\n#") != std::string::npos) return plain;  // would end the value and begin something else
+  try {
+    Node value = parse_document("x = " + text, "").entries.front().value;
+    forget_lines(value);
+    return value;
+  } catch (const InputError&) {
+    return plain;
   }
 }
 

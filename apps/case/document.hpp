@@ -52,6 +52,9 @@ class Source {
 /// Throws InputError "NAME:LINE: ..." on a syntax error or a key given twice.
 Node parse_document(const std::string& text, const std::string& name);
 
+/// One value as a command line gives it, without lines: TOML where it is TOML, else the text itself as a string.
+Node parse_value(const std::string& text);
+
 /// What was found, in words: `a string "32"`, `2.5`, `true`, `a list`, `a section`.
 std::string describe(const Node& value);
 

@@ -12,8 +12,9 @@ namespace pivnp::app {
 namespace {
 
 [[noreturn]] void refuse(const Place& place, int line, const std::string& found, const std::string& expected) {
-  throw InputError(place.file + (line > 0 ? ":" + std::to_string(line) : "") + ": " + place.key + ": found " + found +
-                   ", expected " + expected);
+  std::string at = place.file;
+  if (line > 0) at.append(":").append(std::to_string(line));
+  throw InputError(at + ": " + place.key + ": found " + found + ", expected " + expected);
 }
 
 std::string with_unit(const std::string& words, const OptionInfo& info) {
@@ -44,8 +45,8 @@ Pair pair_in(const Place& place, const Node& node, const OptionInfo& info, const
 template <class List>
 std::string joined(const List& list) {
   std::string text = "[";
-  for (const auto& item : list) text += (text.size() > 1 ? ", " : "") + toml_text(item);
-  return text + "]";
+  for (const auto& item : list) text.append(text.size() > 1 ? ", " : "").append(toml_text(item));
+  return text.append("]");
 }
 
 }  // namespace
@@ -143,7 +144,7 @@ std::string toml_text(const std::string& value) {
   return text + "\"";
 }
 
-std::string toml_text(const Pair& value) { return "[" + toml_text(value[0]) + ", " + toml_text(value[1]) + "]"; }
+std::string toml_text(const Pair& value) { return joined(value); }
 std::string toml_text(const Points& value) { return joined(value); }
 std::string toml_text(const std::vector<double>& value) { return joined(value); }
 std::string toml_text(const std::vector<std::string>& value) { return joined(value); }

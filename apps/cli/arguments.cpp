@@ -1,0 +1,90 @@
+#include "apps/cli/arguments.hpp"
+
+#include <CLI/CLI.hpp>
+#include <ostream>
+
+#include "apps/cli/signals.hpp"
+#include "pivnp/core/error.hpp"
+
+namespace pivnp::app {
+
+namespace fs = std::filesystem;
+
+TerminalProgress progress_for(const Session& session) {
+  const ProgressStyle style = session.quiet             ? ProgressStyle::silent
+                              : session.err_is_terminal ? ProgressStyle::bar
+                                                        : ProgressStyle::lines;
+  return TerminalProgress(session.err, style, stop_signalled);
+}
+
+void add_case(CLI::App& app, Arguments& arguments) {
+  app.add_option("CASE", arguments.case_path,
+                 "case file, or a folder with a case.toml (left out: the built-in slope behind a gate)");
+}
+
+void add_out(CLI::App& app, Arguments& arguments, const std::string& fallback) {
+  app.add_option("--out", arguments.out, "folder for the results (left out: " + fallback + ")")->type_name("DIR");
+}
+
+void add_frames(CLI::App& app, Arguments& arguments) {
+  app.add_option("--frames", arguments.frames,
+                 "frames in place of the case's: glob (quoted), printf pattern, video file, or the folder that holds "
+                 "the case's pattern")
+      ->type_name("PATH");
+}
+
+void add_resume(CLI::App& app, Arguments& arguments) {
+  app.add_flag("--resume", arguments.resume, "go on from what a stopped run left in the output folder");
+}
+
+void add_session(CLI::App& app, Session& session) {
+  app.add_option("--threads", session.threads, "threads (left out: all cores); results do not depend on it")
+      ->type_name("N")
+      ->check(CLI::Range(1, 4096));
+  app.add_flag("--quiet", session.quiet, "no progress, no notes");
+}
+
+Case load_case(const Arguments& arguments) {
+  Case c = arguments.case_path.empty() ? parse_case(embedded_case_text(), "built-in case", fs::current_path())
+                                       : read_case(arguments.case_path);
+  if (!arguments.frames.empty()) {
+    if (!c.piv) c.piv.emplace();
+    if (!c.np) c.np.emplace();
+  }
+  return c;
+}
+
+std::string title_of(const Case& c) { return c.file.empty() ? "built-in case" : c.file.string(); }
+
+RunSettings settings_for(const Arguments& arguments, const Session& session, const Case& c, const fs::path& fallback) {
+  RunSettings settings;
+  settings.out = arguments.out.empty() ? fallback : fs::path(arguments.out);
+  settings.resume = arguments.resume;
+  settings.threads = session.threads;
+  settings.command = session.typed;
+  if (arguments.frames.empty()) return settings;
+  fs::path frames = arguments.frames;
+  std::error_code ignored;
+  if (fs::is_directory(frames, ignored)) {
+    const std::string pattern = c.frames ? fs::path(c.frames->path).filename().string() : "";
+    if (pattern.empty())
+      throw InputError("--frames: found the folder " + frames.string() +
+                       ", expected a pattern such as '" + (frames / "*.png").string() + "', since the case names none");
+    frames /= pattern;
+  }
+  settings.frames = frames.string();
+  return settings;
+}
+
+fs::path default_out(const Case& c) { return fs::path("out") / short_name(c); }
+
+int print_outcome(const RunOutcome& outcome, const Session& session) {
+  for (const fs::path& file : {outcome.record, outcome.report_html, outcome.report_pdf})
+    if (!file.empty()) session.out << file.string() << "\n";
+  if (!session.quiet)
+    for (const std::string& remark : outcome.remarks) session.out << "note: " << remark << "\n";
+  if (outcome.over_limit) session.out << "a limit of [compare.limits] was passed\n";
+  return outcome.over_limit ? 3 : 0;
+}
+
+}  // namespace pivnp::app

@@ -1,0 +1,48 @@
+// Options that several commands have in common, and what they come to.
+#pragma once
+
+#include <string>
+
+#include "apps/case/case.hpp"
+#include "apps/cli/session.hpp"
+#include "apps/study/study.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace pivnp::app {
+
+struct Arguments {
+  std::string case_path;  // empty: the embedded case
+  std::string out;        // empty: the command's default
+  std::string frames;     // empty: the case's
+  bool resume = false;
+};
+
+void add_case(CLI::App& app, Arguments& arguments);
+void add_out(CLI::App& app, Arguments& arguments, const std::string& fallback);
+void add_frames(CLI::App& app, Arguments& arguments);
+void add_resume(CLI::App& app, Arguments& arguments);
+
+/// --threads and --quiet, which every command takes.
+void add_session(CLI::App& app, Session& session);
+
+/// The case named, or the embedded one. Given frames bring the measuring stages with them.
+Case load_case(const Arguments& arguments);
+
+/// What messages call a case: its file, or what it is.
+std::string title_of(const Case& c);
+
+/// Settings of a run; `fallback` is the output folder where none is given. A folder given as --frames stands for the
+/// case's own pattern in that folder. Throws InputError if the case names none.
+RunSettings settings_for(const Arguments& arguments, const Session& session, const Case& c,
+                         const std::filesystem::path& fallback);
+
+/// "out/<name>".
+std::filesystem::path default_out(const Case& c);
+
+/// Prints where the results are and what was flagged. Gives the exit code: 0, or 3 if a limit was passed.
+int print_outcome(const RunOutcome& outcome, const Session& session);
+
+}  // namespace pivnp::app

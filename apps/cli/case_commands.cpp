@@ -1,0 +1,154 @@
+// Commands on a case: run and its parts, init, check, synth.
+#include <CLI/CLI.hpp>
+#include <fstream>
+#include <memory>
+#include <ostream>
+
+#include "apps/case/init.hpp"
+#include "apps/cli/arguments.hpp"
+#include "apps/cli/commands.hpp"
+#include "pivnp/core/error.hpp"
+
+namespace pivnp::app {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+bool has_limits(const Case& c) {
+  bool given = false;
+  compare::LimitOptions::fields(c.limits, [&](std::string_view, const std::optional<double>& limit, const OptionInfo&) {
+    given = given || limit.has_value();
+  });
+  return given;
+}
+
+// What a stage needs and the case, together with the command line, does not give.
+void demand(const Case& c, const Arguments& arguments, Stages stages) {
+  const bool named = c.frames && !c.frames->path.empty();
+  const bool images = named || c.synth || !arguments.frames.empty();
+  if (c.frames && !images && stages != Stages::simulate)
+    throw InputError(title_of(c) + ": frames.path: missing; expected it in the case, or --frames PATH");
+  if ((stages == Stages::piv || stages == Stages::track) && !images)
+    throw InputError(title_of(c) + ": there are no frames to measure; expected [frames], [synth] or --frames PATH");
+  if (stages == Stages::simulate && !c.mpm)
+    throw InputError(title_of(c) + ": there is nothing to simulate; expected [mpm]");
+  if (stages != Stages::all) return;
+  if (!images && !c.mpm)
+    throw InputError(title_of(c) + ": there is nothing to do; expected [frames], [synth], [mpm] or --frames PATH");
+  if (has_limits(c) && !(images && c.mpm))
+    throw InputError(title_of(c) + ": [compare.limits]: given, but nothing is compared; expected frames and [mpm]");
+}
+
+Action declare_stages(CLI::App& app, Session& session, Stages stages) {
+  const auto arguments = std::make_shared<Arguments>();
+  add_case(app, *arguments);
+  add_out(app, *arguments, "out/<name of the case's folder>");
+  add_frames(app, *arguments);
+  add_resume(app, *arguments);
+  add_session(app, session);
+  return [arguments, stages, &session] {
+    const Case c = load_case(*arguments);
+    demand(c, *arguments, stages);
+    RunOutcome outcome;
+    {
+      TerminalProgress progress = progress_for(session);
+      outcome = run_case(c, settings_for(*arguments, session, c, default_out(c)), stages, progress);
+    }
+    return print_outcome(outcome, session);
+  };
+}
+
+// Writes a file that does not exist yet, unless `force`.
+void write_new(const fs::path& file, const std::string& text, bool force) {
+  if (!force && fs::exists(file)) throw InputError(file.string() + ": is there already; --force replaces it");
+  fs::create_directories(file.parent_path());
+  std::ofstream stream(file, std::ios::binary);
+  stream << text << std::flush;
+  if (!stream) throw RunError(file.string() + ": cannot be written");
+}
+
+}  // namespace
+
+Action declare_run(CLI::App& app, Session& session) { return declare_stages(app, session, Stages::all); }
+Action declare_piv(CLI::App& app, Session& session) { return declare_stages(app, session, Stages::piv); }
+Action declare_track(CLI::App& app, Session& session) { return declare_stages(app, session, Stages::track); }
+Action declare_simulate(CLI::App& app, Session& session) { return declare_stages(app, session, Stages::simulate); }
+
+Action declare_init(CLI::App& app, Session& session) {
+  struct Init {
+    std::vector<std::string> frames;
+    std::string out;
+    InitOptions options;
+    bool force = false;
+  };
+  const auto init = std::make_shared<Init>();
+  app.add_option("FRAMES", init->frames, "glob (quoted), printf pattern or video file")->required();
+  app.add_option("--metres-per-pixel", init->options.metres_per_pixel, "scale, if it is known")->check(CLI::PositiveNumber);
+  app.add_option("--rate-hz", init->options.rate_hz, "frames per second of the recording")->check(CLI::PositiveNumber);
+  app.add_option("--out", init->out, "writes DIR/case.toml (left out: the case is printed, with the frames' full path)")
+      ->type_name("DIR");
+  app.add_flag("--force", init->force, "replace a case.toml that is there");
+  add_session(app, session);
+  return [init, &session] {
+    if (init->frames.size() > 1)
+      throw InputError("FRAMES: found " + std::to_string(init->frames.size()) +
+                       " files, expected one pattern; quote it, as in '" +
+                       (fs::path(init->frames[0]).parent_path() / "*").string() +
+                       fs::path(init->frames[0]).extension().string() + "'");
+    InitOptions options = init->options;
+    const fs::path file = fs::path(init->out) / "case.toml";
+    // Printed, the case may come to lie anywhere: only a full path holds then.
+    options.frames = init->out.empty() ? fs::absolute(init->frames[0]).lexically_normal().string() : init->frames[0];
+    options.folder = init->out.empty() ? fs::current_path() : fs::path(init->out);
+    const std::string text = init_case(options);
+    if (init->out.empty()) {
+      session.out << text;
+    } else {
+      write_new(file, text, init->force);
+      session.out << file.string() << "\n";
+      if (!session.quiet) session.out << "note: edit its region, then: pivnp check " << file.string() << "\n";
+    }
+    return 0;
+  };
+}
+
+Action declare_check(CLI::App& app, Session& session) {
+  const auto arguments = std::make_shared<Arguments>();
+  add_case(app, *arguments);
+  add_out(app, *arguments, "out/<name of the case's folder>");
+  add_frames(app, *arguments);
+  add_session(app, session);
+  return [arguments, &session] {
+    const Case c = load_case(*arguments);
+    demand(c, *arguments, Stages::all);
+    fs::path picture;
+    if (c.frames || c.synth || !arguments->frames.empty()) {
+      TerminalProgress progress = progress_for(session);
+      picture = check_case(c, settings_for(*arguments, session, c, default_out(c)), progress);
+    }
+    session.out << title_of(c) << ": valid\n";
+    if (!picture.empty()) session.out << picture.string() << "\n";
+    return 0;
+  };
+}
+
+Action declare_synth(CLI::App& app, Session& session) {
+  const auto arguments = std::make_shared<Arguments>();
+  add_case(app, *arguments);
+  add_out(app, *arguments, "out/<name of the case's folder>");
+  add_session(app, session);
+  return [arguments, &session] {
+    const Case c = load_case(*arguments);
+    if (!c.synth) throw InputError(title_of(c) + ": there is nothing to draw; expected [synth]");
+    const RunSettings settings = settings_for(*arguments, session, c, default_out(c));
+    {
+      TerminalProgress progress = progress_for(session);
+      synthesize(c, settings, progress);
+    }
+    session.out << (settings.out / "frames").string() << "\n" << (settings.out / "truth" / "record.h5").string() << "\n";
+    return 0;
+  };
+}
+
+}  // namespace pivnp::app

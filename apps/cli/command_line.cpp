@@ -1,0 +1,166 @@
+#include "apps/cli/command_line.hpp"
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <new>
+#include <ostream>
+
+#include "apps/cli/arguments.hpp"
+#include "apps/cli/commands.hpp"
+#include "apps/cli/session.hpp"
+#include "pivnp/core/error.hpp"
+#include "pivnp/core/text.hpp"
+
+namespace pivnp::app {
+
+namespace {
+
+constexpr int done = 0, failed = 1, bad_input = 2, interrupted = 130;
+
+// The command line as a shell would take it again.
+std::string quoted(int argc, const char* const* argv) {
+  std::string typed;
+  for (int k = 0; k < argc; ++k) {
+    const std::string word = k == 0 ? std::filesystem::path(argv[0]).filename().string() : std::string(argv[k]);
+    const bool plain = !word.empty() && word.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                                               "0123456789_-+=./:,@%") == std::string::npos;
+    std::string shown = word;
+    if (!plain) {
+      shown = "'";
+      for (const char c : word) shown += c == '\'' ? std::string("'\\''") : std::string(1, c);
+      shown += "'";
+    }
+    typed += (k ? " " : "") + shown;
+  }
+  return typed;
+}
+
+std::string one_line(std::string text) {
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  for (char& c : text)
+    if (c == '\n' || c == '\r') c = ' ';
+  return text;
+}
+
+void print_error(std::ostream& err, const std::string& what) { err << "pivnp: error: " << one_line(what) << std::endl; }
+
+std::string indented(std::string_view lines) {
+  std::string text = "  ";
+  for (const char c : lines) text += c == '\n' ? std::string("\n  ") : std::string(1, c);
+  return text;
+}
+
+// The word that should be a command: the first that is no option, nor the value of one of the program's own.
+std::string command_word(int argc, const char* const* argv) {
+  for (int k = 1; k < argc; ++k) {
+    const std::string word = argv[k];
+    if (word == "--threads") {
+      ++k;
+    } else if (!word.starts_with("-")) {
+      return word;
+    }
+  }
+  return "";
+}
+
+std::vector<std::string> command_names() {
+  std::vector<std::string> names;
+  for (const Command& command : commands()) names.emplace_back(command.name);
+  return names;
+}
+
+// What is wrong with a command line that did not parse, in one line.
+std::string usage_error(const CLI::App& app, const CLI::App* command, const CLI::ParseError& error) {
+  const std::string name = command ? "pivnp " + command->get_name() : "pivnp";
+  const std::string hint = " (see '" + name + " --help')";
+  for (const std::string& word : app.remaining(true)) {
+    if (!word.starts_with("-")) continue;
+    std::vector<std::string> known;
+    for (const CLI::Option* option : (command ? *command : app).get_options())
+      for (const std::string& long_name : option->get_lnames()) known.push_back("--" + long_name);
+    const std::string given = word.substr(0, word.find('='));
+    return "unknown option '" + given + "'" + did_you_mean(given, known) + hint;
+  }
+  return one_line(error.what()) + hint;
+}
+
+void describe(CLI::App& app) {
+  app.set_help_flag("-h,--help", "this text");
+  app.get_formatter()->column_width(34);
+}
+
+int parse_and_run(int argc, const char* const* argv, Session& session) {
+  CLI::App app{"From lab video to verdict: PIV, numerical particles (PIV-NP), MPM on the same grid, and their comparison.",
+               "pivnp"};
+  describe(app);
+  app.set_version_flag("--version", "pivnp " PIVNP_VERSION, "the program's version");
+  app.require_subcommand(1);
+  add_session(app, session);
+  std::string examples = "Examples:\n";
+  std::vector<std::pair<CLI::App*, Action>> actions;
+  for (const Command& command : commands()) {
+    CLI::App* sub = app.add_subcommand(std::string(command.name), std::string(command.text));
+    describe(*sub);
+    sub->footer("Examples:\n" + indented(command.example));
+    examples += indented(command.example.substr(0, command.example.find('\n'))) + "\n";
+    actions.emplace_back(sub, command.declare(*sub, session));
+  }
+  app.footer(examples + "\n'pivnp COMMAND --help' tells more. Exit codes: 0 done, 1 failed while running, 2 bad usage or "
+                        "input,\n3 done but a stated threshold was missed, 130 interrupted.");
+
+  const std::string word = command_word(argc, argv);
+  const std::vector<std::string> names = command_names();
+  if (!word.empty() && std::find(names.begin(), names.end(), word) == names.end()) {
+    print_error(session.err, "unknown command '" + word + "'" + did_you_mean(word, names) + " (see 'pivnp --help')");
+    return bad_input;
+  }
+  const auto chosen = [&] { return std::find_if(actions.begin(), actions.end(), [](const auto& a) { return a.first->parsed(); }); };
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error, session.out, session.err);  // --help, --version
+    const auto at = chosen();
+    const bool nothing = word.empty() && app.remaining(true).empty() && dynamic_cast<const CLI::RequiredError*>(&error);
+    print_error(session.err, nothing ? "no command is given ('pivnp --help' lists them)"
+                                     : usage_error(app, at == actions.end() ? nullptr : at->first, error));
+    return bad_input;
+  }
+  const auto at = chosen();
+  try {
+    return at->second();
+  } catch (const Interrupted&) {
+    const bool resumable = at->first->get_option_no_throw("--resume") != nullptr;
+    session.err << "pivnp: interrupted" << (resumable ? "; what was finished is kept, --resume goes on from there" : "")
+                << std::endl;
+    return interrupted;
+  }
+}
+
+int guarded(int argc, const char* const* argv, Session& session) {
+  try {
+    return parse_and_run(argc, argv, session);
+  } catch (const InputError& error) {
+    print_error(session.err, error.what());
+    return bad_input;
+  } catch (const std::bad_alloc&) {
+    print_error(session.err, "out of memory");
+  } catch (const std::exception& error) {  // RunError, the file system's and what libraries throw
+    print_error(session.err, error.what());
+  } catch (...) {
+    print_error(session.err, "an unknown failure");
+  }
+  return failed;
+}
+
+}  // namespace
+
+int run_command_line(int argc, const char* const* argv, std::ostream& out, std::ostream& err, bool err_is_terminal) {
+  Session session{out, err, err_is_terminal, 0, false, quoted(argc, argv)};
+  const int code = guarded(argc, argv, session);
+  out.flush();
+  if (out) return code;
+  print_error(err, "standard output cannot be written");
+  return code == done ? failed : code;
+}
+
+}  // namespace pivnp::app

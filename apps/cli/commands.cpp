@@ -1,0 +1,36 @@
+#include "apps/cli/commands.hpp"
+
+namespace pivnp::app {
+
+const std::vector<Command>& commands() {
+  static const std::vector<Command> table = {
+      {"run", "the whole chain of a case: frames, PIV, particles, simulation, comparison, report",
+       "pivnp run\n"
+       "pivnp run lab/case.toml --out out/lab\n"
+       "pivnp run datasets/tbar --frames \"/data/tbar/IMG_*.jpg\" --threads 2",
+       declare_run},
+      {"init", "write a commented case for given frames",
+       "pivnp init \"lab/frames/*.png\" --metres-per-pixel 2e-4 --out lab\n"
+       "pivnp init lab/video.mp4 --rate-hz 240 > video_case.toml",
+       declare_init},
+      {"check", "validate a case and draw its first frame with grid, masks, regions and scale bar",
+       "pivnp check lab/case.toml", declare_check},
+      {"piv", "measure a case's frames by image correlation, and stop there", "pivnp piv lab/case.toml", declare_piv},
+      {"track", "measure, and follow numerical particles through the measurement", "pivnp track lab/case.toml --resume",
+       declare_track},
+      {"simulate", "the simulation of a case alone", "pivnp simulate lab/case.toml --threads 4", declare_simulate},
+      {"compare", "compare two motions, of one record or of two",
+       "pivnp compare out/lab/record.h5:np out/lab/record.h5:mpm --slope-base-m 0.0\n"
+       "pivnp compare out/a/record.h5:np out/b/record.h5:np --displacement-rms-m 1e-3 --out out/a_against_b",
+       declare_compare},
+      {"report", "write the report of a finished record again", "pivnp report out/lab/record.h5 --out out/again",
+       declare_report},
+      {"synth", "draw the synthetic frames of a case, with their truth", "pivnp synth datasets/affine_shear --out out/shear",
+       declare_synth},
+      {"verify", "run synthetic cases against their known truth and thresholds; writes JUnit XML",
+       "pivnp verify datasets/ --junit verify.xml", declare_verify},
+  };
+  return table;
+}
+
+}  // namespace pivnp::app

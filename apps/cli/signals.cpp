@@ -1,0 +1,38 @@
+#include "apps/cli/signals.hpp"
+
+#include <signal.h>
+#include <unistd.h>
+
+#include <atomic>
+
+namespace pivnp::app {
+
+namespace {
+
+std::atomic<bool> stop{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may only touch lock-free atomics");
+
+extern "C" void on_stop_signal(int) {
+  if (stop.exchange(true)) _exit(130);
+  constexpr char note[] = "\npivnp: stopping; once more ends at once\n";
+  [[maybe_unused]] const auto written = write(STDERR_FILENO, note, sizeof note - 1);
+}
+
+}  // namespace
+
+void install_signal_handlers() {
+  struct sigaction action{};
+  action.sa_handler = on_stop_signal;
+  sigemptyset(&action.sa_mask);
+  action.sa_flags = SA_RESTART;  // a frame that is being read is read to its end
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  action.sa_handler = SIG_IGN;
+  sigaction(SIGPIPE, &action, nullptr);
+}
+
+bool stop_signalled() { return stop.load(); }
+
+void clear_stop_signal() { stop.store(false); }
+
+}  // namespace pivnp::app

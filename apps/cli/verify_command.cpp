@@ -1,0 +1,100 @@
+// `pivnp verify`: every case with thresholds under the paths given, run and judged.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <fstream>
+#include <memory>
+#include <ostream>
+
+#include "apps/cli/arguments.hpp"
+#include "apps/cli/commands.hpp"
+#include "apps/cli/junit.hpp"
+#include "pivnp/core/error.hpp"
+
+namespace pivnp::app {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Found {
+  Case c;
+  fs::path folder;  // under the output folder: unique among the cases found
+};
+
+std::vector<fs::path> case_files(const fs::path& path) {
+  if (!fs::exists(path)) throw InputError(path.string() + ": no such file or folder");
+  if (!fs::is_directory(path)) return {path};
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::recursive_directory_iterator(path))
+    if (entry.path().filename() == "case.toml") files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+// All are read before the first is run: a mistake in the last shows at once.
+std::vector<Found> cases_with_thresholds(const std::vector<std::string>& paths) {
+  std::vector<Found> cases;
+  for (const std::string& path : paths)
+    for (const fs::path& file : case_files(path)) {
+      Case c = read_case(file);
+      if (!demands_anything(c.verify)) continue;
+      const std::string name = short_name(c);
+      const auto same = std::count_if(cases.begin(), cases.end(), [&](const Found& f) { return short_name(f.c) == name; });
+      cases.push_back({std::move(c), same == 0 ? name : name + "_" + std::to_string(same + 1)});
+    }
+  if (cases.empty()) throw InputError("nothing to verify: no case with a threshold in [verify] under " + CLI::detail::join(paths, ", "));
+  return cases;
+}
+
+void write_file(const fs::path& file, const std::string& text) {
+  if (file.has_parent_path()) fs::create_directories(file.parent_path());
+  std::ofstream stream(file, std::ios::binary);
+  stream << text << std::flush;
+  if (!stream) throw RunError(file.string() + ": cannot be written");
+}
+
+int verdict(const std::vector<VerifyResult>& results) {
+  int code = 0;
+  for (const VerifyResult& result : results) {
+    if (!result.failure.empty()) return 1;
+    if (!result.passed) code = 3;
+  }
+  return code;
+}
+
+}  // namespace
+
+Action declare_verify(CLI::App& app, Session& session) {
+  struct Verify {
+    Arguments arguments;
+    std::vector<std::string> paths;
+    std::string junit;
+  };
+  const auto v = std::make_shared<Verify>();
+  app.add_option("PATH", v->paths, "cases, or folders that hold them")->required();
+  add_out(app, v->arguments, "out/verify");
+  app.add_option("--junit", v->junit, "the results as JUnit XML (left out: verify.xml in the output folder)")->type_name("FILE");
+  add_session(app, session);
+  return [v, &session] {
+    const std::vector<Found> cases = cases_with_thresholds(v->paths);
+    std::vector<VerifyResult> results;
+    RunSettings settings = settings_for(v->arguments, session, {}, "out/verify");
+    const fs::path out = settings.out;
+    for (const Found& found : cases) {
+      settings.out = out / found.folder;
+      VerifyResult result;
+      {
+        TerminalProgress progress = progress_for(session);
+        result = verify_case(found.c, settings, progress);
+      }
+      session.out << verify_table({result}) << std::flush;
+      results.push_back(std::move(result));
+    }
+    write_file(v->junit.empty() ? out / "verify.xml" : fs::path(v->junit), junit_xml(results));
+    const auto passed = std::count_if(results.begin(), results.end(), [](const VerifyResult& r) { return r.passed; });
+    session.out << passed << " of " << results.size() << " cases passed\n";
+    return verdict(results);
+  };
+}
+
+}  // namespace pivnp::app
