@@ -35,6 +35,9 @@ void colour_bar(Sheet& sheet, double x_mm, double y_mm, double width_mm, const S
 QCPAxisRect* world_panel(Sheet& sheet, double x_mm, double y_mm, double width_mm, double height_mm, const Box& box,
                          const std::string& unit, bool label_x, bool label_y);
 
+/// A scale bar with its length, lower right.
+void draw_scale_bar(Sheet& sheet, QCPAxisRect* panel, const Box& box, const std::string& unit);
+
 /// Draws a raster over the whole panel.
 void raster_in(Sheet& sheet, QCPAxisRect* panel, const QImage& image);
 

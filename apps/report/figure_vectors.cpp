@@ -98,33 +98,6 @@ void draw_vectors(Sheet& sheet, QCPAxisRect* panel, const VectorField& field, co
   });
 }
 
-void draw_scale_bar(Sheet& sheet, QCPAxisRect* panel, const Box& box, const std::string& unit) {
-  double length = nice_step(0.22 * box.width(), 1);
-  if (length > 0.3 * box.width()) length /= 2;
-  const DisplayUnit shown = display_unit(unit, length);
-  const QString words = qt(number(length * shown.factor, 3).substr(0, 40));
-  QString label = words;
-  if (label.contains('.')) {
-    while (label.endsWith('0')) label.chop(1);
-    if (label.endsWith('.')) label.chop(1);
-  }
-  label += qt(unit_suffix(shown.name));
-  sheet.paint(panel, [=](QCPPainter& p) {
-    const double w = x_of(panel, box.lower.x() + length) - x_of(panel, box.lower.x());
-    const QRectF r(panel->rect());
-    const double text = text_width(label, small_text) * units_per_mm, wide = std::max(w, text) + 40;
-    const QRectF plate(r.right() - wide - 20, r.bottom() - 82, wide, 62);
-    p.setPen(Qt::NoPen);
-    p.setBrush(QColor(255, 255, 255, 225));
-    p.drawRect(plate);
-    p.setBrush(colour(ink));
-    p.drawRect(QRectF(plate.center().x() - w / 2, plate.bottom() - 19, w, 7));
-    p.setPen(colour(ink));
-    p.setFont(font(small_text));
-    p.drawText(QRectF(plate.left(), plate.top() + 3, plate.width(), 36), Qt::AlignCenter, label);
-  });
-}
-
 void draw_legend(Sheet& sheet, double x, double right, const PairQuality& q, const Plan& plan,
                  const std::string& unit) {
   struct Entry {

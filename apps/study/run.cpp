@@ -15,23 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool drawn_by_itself(const Case& c) { return c.synth && (!c.frames || c.frames->path.empty()); }
-
-// The frames of the case; those of a [synth] case are drawn first, unless a resumed run has them all.
-std::unique_ptr<image::FrameSource> frames_of(Case& c, const RunSettings& settings, Progress& progress) {
-  if (!c.frames) c.frames = image::FrameOptions{};
-  if (settings.frames) {
-    c.frames->path = fs::absolute(*settings.frames).string();
-  } else if (drawn_by_itself(c)) {
-    if (!(settings.resume && fs::exists(settings.out / "truth" / "record.h5"))) synthesize(c, settings, progress);
-    c.frames->path = fs::absolute(settings.out / "frames" / "frame_*.png").string();
-    if (!c.frames->rate_hz) c.frames->rate_hz = 1.0;
-  } else {
-    c.frames->path = fs::absolute(c.folder / c.frames->path).string();
-  }
-  return image::prefetched(image::open_frames(*c.frames, c.folder));
-}
-
 io::RecordHead head_of(const Case& c, const RunSettings& settings, const Setting& setting, bool seconds) {
   io::RecordHead head;
   head.command = settings.command;
@@ -63,6 +46,23 @@ std::vector<double> output_times(const Case& c, const std::vector<Frame>& frames
 
 }  // namespace
 
+std::unique_ptr<image::FrameSource> case_frames(Case& c, const RunSettings& settings, Progress& progress) {
+  const bool drawn = c.synth && !settings.frames && (!c.frames || c.frames->path.empty());
+  if (!c.frames && !drawn && !settings.frames) return nullptr;
+  if (!c.frames) c.frames = image::FrameOptions{};
+  if (drawn) {
+    if (!(settings.resume && fs::exists(settings.out / "truth" / "record.h5"))) synthesize(c, settings, progress);
+    c.frames->path = fs::absolute(settings.out / "frames" / "frame_*.png").string();
+    if (!c.frames->rate_hz) c.frames->rate_hz = 1.0;
+  } else if (settings.frames && fs::is_directory(*settings.frames) && !c.frames->path.empty()) {
+    // A folder: the case's own pattern is looked for in it.
+    c.frames->path = (fs::absolute(*settings.frames) / fs::path(c.frames->path).filename()).string();
+  } else {
+    c.frames->path = fs::absolute(settings.frames ? fs::path(*settings.frames) : c.folder / c.frames->path).string();
+  }
+  return image::open_frames(*c.frames, c.folder);
+}
+
 RunOutcome run_case(const Case& given, const RunSettings& settings, Stages stages, Progress& progress) {
   Case c = given;
   const bool measures = stages != Stages::simulate && (c.frames || c.synth || settings.frames);
@@ -78,7 +78,7 @@ RunOutcome run_case(const Case& given, const RunSettings& settings, Stages stage
   std::unique_ptr<image::FrameSource> source;
   std::vector<Frame> frames;
   if (measures || c.frames) {
-    source = frames_of(c, settings, progress);
+    source = image::prefetched(case_frames(c, settings, progress));
     frames = source->frames();
     if (measures && frames.size() < 2)
       throw InputError(c.frames->path + ": found 1 frame, expected at least 2 to measure motion");
@@ -98,18 +98,16 @@ RunOutcome run_case(const Case& given, const RunSettings& settings, Stages stage
   writer.set_output_fields(c.output.fields_stored);
 
   std::optional<compare::Comparison> comparison;
-  {
-    const io::RecordReader packed(writer.pack());
-    outcome.remarks = remarks_of(packed);
-    if (tracks && simulates) {
-      comparison = compare::compare(*packed.motion("np"), *packed.motion("mpm"), c.compare, c.limits, progress);
-      writer.set_comparison(comparison_data(*comparison, "np", "mpm"));
-      outcome.over_limit = comparison->over_limit;
-    }
+  writer.pack();
+  if (tracks && simulates) {
+    comparison = compare::compare(*writer.motion("np"), *writer.motion("mpm"), c.compare, c.limits, progress);
+    writer.set_comparison(comparison_data(*comparison, "np", "mpm"));
+    outcome.over_limit = comparison->over_limit;
   }
   writer.finish();
 
   outcome.record = settings.out / "record.h5";
+  outcome.remarks = remarks_of(io::RecordReader(outcome.record));
   write_report_of(c, outcome, std::move(comparison), source.get(), settings.out);
   return outcome;
 }

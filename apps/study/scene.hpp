@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "apps/case/case.hpp"
+#include "apps/study/study.hpp"
 #include "mpm/solver.hpp"
 #include "pivnp/core/particles/motion.hpp"
 #include "pivnp/core/particles/region.hpp"
@@ -15,6 +16,10 @@
 #include "pivnp/piv/piv.hpp"
 
 namespace pivnp::app {
+
+/// Opens the frames of a case; those of a [synth] case are drawn first (a resumed run keeps what it has). Fills in
+/// c.frames with the full path. nullptr if the case has no frames. Throws as image::open_frames and synthesize.
+std::unique_ptr<image::FrameSource> case_frames(Case& c, const RunSettings& settings, Progress& progress);
 
 struct Setting {
   int width = 0, height = 0;  // of the frames, px; 0 without frames

@@ -79,7 +79,13 @@ class RecordWriter {
   /// Extra fields to store per motion beside the fixed ones (output.fields), computed on reading.
   void set_output_fields(const std::vector<std::string>& names);
 
-  /// Packs everything into record.h5 (write, fsync, rename), writes record.xdmf, removes parts/.
+  /// Packs all stages (each ended) into the file that will be the record, so that motion() can read them.
+  void pack();
+  /// A motion of this run, after pack() and before finish(); the writer must outlive it.
+  std::unique_ptr<MotionSource> motion(const std::string& name) const;
+
+  /// Packs (if that is not done), adds the comparison, puts record.h5 in place (write, fsync, rename), writes
+  /// record.xdmf, removes parts/.
   void finish();
 
  private:

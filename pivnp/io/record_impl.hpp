@@ -1,6 +1,7 @@
 // The writer's insides. Private to this folder's sources.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -31,8 +32,12 @@ struct RecordWriter::Impl {
   Stage& writable(const std::string& name);
   void add(const std::string& name, const std::vector<ItemArray>& arrays);
   void close(Stage& stage, const std::vector<std::byte>* checkpoint);
+  VectorField read_back(const Stage& piv, std::size_t index) const;
   std::vector<const Stage*> motions() const;  // in the order of their beginning
-  void pack();
+  void pack();           // everything that the stages left, into `packed`
+  void commit_packed();  // comparison and views added, closed, put in place
+  void pack_into(h5::OutputFile& out) const;
+  void guarded(h5::OutputFile& out, const std::function<void()>& work) const;
   void remove_parts();
 
   std::filesystem::path directory, parts;
@@ -41,11 +46,13 @@ struct RecordWriter::Impl {
   Units units;
   DirectoryLock lock;
   std::map<std::string, Stage> stages;
+  std::string energy_motion;                   // the one whose energies are kept
   std::map<std::string, StageFiles> former;    // as found on disk
   std::unique_ptr<RecordReader> finished;      // resumed, but there is nothing left to do
   std::vector<Frame> frames;
   std::optional<ComparisonData> comparison;
   std::vector<std::string> output_fields;
+  std::unique_ptr<h5::OutputFile> packed;      // between pack() and finish()
   mutable std::optional<std::pair<std::filesystem::path, h5::Source>> last_read;
 
  private:

@@ -1,5 +1,7 @@
 // From segments to DIR/record.h5.
 #include <algorithm>
+#include <functional>
+#include <stdexcept>
 
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/derived.hpp"
@@ -68,6 +70,7 @@ void pack_energy(h5::OutputFile& out, const std::vector<const StageFiles*>& moti
     for (const SegmentInfo& s : files->segments) append(s.path);
     append(files->end);
     if (rows.empty()) continue;
+    if (out.source().has("/energy")) throw std::logic_error("record: energies of two motions");
     out.group("/energy");
     out.attribute("/energy", "motion", files->stage.substr(7));
     for (const EnergyColumn& column : energy_table()) {
@@ -75,7 +78,6 @@ void pack_energy(h5::OutputFile& out, const std::vector<const StageFiles*>& moti
       for (const EnergyRow& row : rows) values.push_back(row.*column.member);
       out.write(std::string("/energy/") + column.name, values, column.member == &EnergyRow::time ? units.time : units.energy());
     }
-    return;
   }
 }
 
@@ -142,8 +144,33 @@ bool central_anchor(const h5::Source& record) {
 
 }  // namespace
 
+// Reading back what we wrote ourselves is no matter of input.
+void RecordWriter::Impl::guarded(h5::OutputFile& out, const std::function<void()>& work) const {
+  try {
+    work();
+  } catch (const InputError& error) {
+    out.verify();
+    throw RunError(error.what());
+  }
+}
+
 void RecordWriter::Impl::pack() {
-  h5::OutputFile out(directory / "record.h5");
+  if (packed) return;
+  auto out = std::make_unique<h5::OutputFile>(directory / "record.h5");
+  guarded(*out, [&] { pack_into(*out); });
+  packed = std::move(out);
+}
+
+void RecordWriter::Impl::commit_packed() {
+  guarded(*packed, [&] {
+    if (comparison) pack_comparison(*packed, *comparison, units);
+    pack_views(*packed, head.grid, units);
+  });
+  packed->commit();
+  packed.reset();
+}
+
+void RecordWriter::Impl::pack_into(h5::OutputFile& out) const {
   write_head(out, head, created);
   if (!frames.empty()) pack_frames(out, frames, units);
   if (const auto piv = stages.find("piv"); piv != stages.end()) {
@@ -164,9 +191,6 @@ void RecordWriter::Impl::pack() {
   std::vector<const StageFiles*> files;
   for (const Stage* stage : sides) files.push_back(&stage->files);
   pack_energy(out, files, units);
-  if (comparison) pack_comparison(out, *comparison, units);
-  pack_views(out, head.grid, units);
-  out.commit();
 }
 
 }  // namespace pivnp::io
