@@ -29,7 +29,7 @@ struct CameraOptions {
     visit("points_m", self.points_m,
           OptionInfo{.unit = "m", .text = "the same targets in the world, in the same order"});
     visit("length_unit", self.length_unit,
-          OptionInfo{.text = "name of the unit that metres_per_pixel and points_m are in (m, or a length of the scene)"});
+          OptionInfo{.text = "name of the unit of metres_per_pixel and points_m (m, or a length of the scene)"});
   }
 };
 

@@ -53,6 +53,7 @@ class Scratch : public ::testing::Test {
     return {std::istreambuf_iterator<char>(in), {}};
   }
   static void put(const fs::path& file, const std::string& bytes) {
+    fs::remove(file);  // a file that is overwritten in place may be flushed to the disk at once
     std::ofstream(file, std::ios::binary).write(bytes.data(), std::streamsize(bytes.size()));
   }
   void truncate(const std::string& name, double share) const {
