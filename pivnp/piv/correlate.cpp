@@ -35,45 +35,80 @@ float inverse_norm(const Window& window) {
 
 NearCorrelator::NearCorrelator(int side) : taper_share_(taper_correlation(side, near_lags + 1)) {}
 
-Peak NearCorrelator::find(const Window& window) const {
-  constexpr int lags = 2 * near_lags + 1;
-  float c[lags][lags];
-  const float scale = inverse_norm(window);
+namespace {
+
+// Sums of a(x) b(x + s) over the lags -reach ... reach in each direction, into c[y][x] about its middle.
+template <int reach>
+void sum_lags(const Window& window, float (&c)[2 * near_lags + 1][2 * near_lags + 1]) {
   // The border of zeros lets both windows be read as one line: what a lag carries across a row's end meets a zero.
-  const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(window.index(0, 0));
+  const auto first = static_cast<std::ptrdiff_t>(window.index(0, 0));
   const std::ptrdiff_t count = std::ptrdiff_t(window.side - 1) * window.stride + window.side;
   const float* a = window.a.data() + first;
-  for (int sy = -near_lags; sy <= near_lags; ++sy) {
+  for (int sy = -reach; sy <= reach; ++sy) {
     const std::ptrdiff_t from = std::max<std::ptrdiff_t>(0, -sy) * window.stride;
     const std::ptrdiff_t to = count - std::max<std::ptrdiff_t>(0, sy) * window.stride;
     const float* b = window.b.data() + first + sy * window.stride;
+    float* sums = c[sy + near_lags];
     float s0 = 0, s1 = 0, s2 = 0, s3 = 0, s4 = 0;
+    if constexpr (reach == 1) {
+#pragma omp simd reduction(+ : s1, s2, s3)
+      for (std::ptrdiff_t k = from; k < to; ++k) {
+        s1 += a[k] * b[k - 1];
+        s2 += a[k] * b[k];
+        s3 += a[k] * b[k + 1];
+      }
+    } else {
 #pragma omp simd reduction(+ : s0, s1, s2, s3, s4)
-    for (std::ptrdiff_t k = from; k < to; ++k) {
-      s0 += a[k] * b[k - 2];
-      s1 += a[k] * b[k - 1];
-      s2 += a[k] * b[k];
-      s3 += a[k] * b[k + 1];
-      s4 += a[k] * b[k + 2];
+      for (std::ptrdiff_t k = from; k < to; ++k) {
+        s0 += a[k] * b[k - 2];
+        s1 += a[k] * b[k - 1];
+        s2 += a[k] * b[k];
+        s3 += a[k] * b[k + 1];
+        s4 += a[k] * b[k + 2];
+      }
+      sums[0] = s0, sums[4] = s4;
     }
-    const float sums[lags] = {s0, s1, s2, s3, s4};
-    for (int sx = 0; sx < lags; ++sx)
-      c[sy + near_lags][sx] = sums[sx] * scale /
-                              (taper_share_[std::size_t(std::abs(sx - near_lags))] * taper_share_[std::size_t(std::abs(sy))]);
+    sums[1] = s1, sums[2] = s2, sums[3] = s3;
   }
-  Peak peak;
+}
+
+}  // namespace
+
+Peak NearCorrelator::find(const Window& window) const {
+  constexpr int lags = 2 * near_lags + 1;
+  float c[lags][lags] = {};
+  const float scale = inverse_norm(window);
+  const auto normalise = [&](int reach) {
+    for (int y = -reach; y <= reach; ++y)
+      for (int x = -reach; x <= reach; ++x)
+        c[y + near_lags][x + near_lags] *=
+            scale / (taper_share_[std::size_t(std::abs(x))] * taper_share_[std::size_t(std::abs(y))]);
+  };
   int bx = 0, by = 0;
-  for (int y = 0; y < lags; ++y)
-    for (int x = 0; x < lags; ++x)
-      if (c[y][x] > c[by][bx]) bx = x, by = y;
+  const auto find_largest = [&](int reach) {
+    for (int y = -reach; y <= reach; ++y)
+      for (int x = -reach; x <= reach; ++x)
+        if (c[y + near_lags][x + near_lags] > c[by + near_lags][bx + near_lags]) bx = x, by = y;
+  };
+  const auto at = [&](int x, int y) { return c[y + near_lags][x + near_lags]; };
+
+  sum_lags<1>(window, c);
+  normalise(1);
+  find_largest(1);
+  Peak peak;
   for (int y = 0; y < 3; ++y)
-    for (int x = 0; x < 3; ++x) peak.around[y][x] = c[y + near_lags - 1][x + near_lags - 1];
-  if (bx == 0 || by == 0 || bx == lags - 1 || by == lags - 1) {
-    peak.dx = static_cast<float>(bx - near_lags), peak.dy = static_cast<float>(by - near_lags);
-    peak.score = std::clamp(c[by][bx], -1.0f, 1.0f);
+    for (int x = 0; x < 3; ++x) peak.around[y][x] = at(x - 1, y - 1);
+  if (bx != 0 || by != 0) {  // not where the predictor says: look one farther
+    sum_lags<near_lags>(window, c);
+    normalise(near_lags);
+    find_largest(near_lags);
+  }
+  if (std::max(std::abs(bx), std::abs(by)) == near_lags) {
+    peak.dx = static_cast<float>(bx), peak.dy = static_cast<float>(by);
+    peak.score = std::clamp(at(bx, by), -1.0f, 1.0f);
     return peak;
   }
-  refine([&](int x, int y) { return c[y + near_lags][x + near_lags]; }, bx - near_lags, by - near_lags, peak);
+  refine(at, bx, by, peak);
   return peak;
 }
 
@@ -102,17 +137,35 @@ struct FftCorrelator::Plan {
   fftwf_plan forward_a{}, forward_b{}, backward{};
 };
 
+namespace {
+
+// Least even size from `least` up that has the factors 2, 3 and 5 only.
+int quick_size(int least) {
+  for (int n = least + least % 2;; n += 2) {
+    int rest = n;
+    for (const int factor : {2, 3, 5})
+      while (rest % factor == 0) rest /= factor;
+    if (rest == 1) return n;
+  }
+}
+
+}  // namespace
+
 FftCorrelator::FftCorrelator(int side)
-    : side_(side), taper_share_(taper_correlation(side, side / 3 + 2)), plan_(std::make_unique<Plan>(side)) {}
+    : side_(side), size_(quick_size(side)), taper_share_(taper_correlation(side, side / 3 + 2)),
+      plan_(std::make_unique<Plan>(size_)) {}
 FftCorrelator::~FftCorrelator() = default;
 FftCorrelator::FftCorrelator(FftCorrelator&&) noexcept = default;
 
 Peak FftCorrelator::find(const Window& window) {
-  const int n = side_, farthest = n / 3;
-  for (int r = 0; r < n; ++r) {
-    const std::size_t at = window.index(0, r);
-    std::copy_n(window.a.data() + at, n, plan_->a + std::ptrdiff_t(r) * n);
-    std::copy_n(window.b.data() + at, n, plan_->b + std::ptrdiff_t(r) * n);
+  const int n = size_, farthest = side_ / 3;
+  for (const auto& [from, to] : {std::pair{&window.a, plan_->a}, {&window.b, plan_->b}}) {
+    for (int r = 0; r < side_; ++r) {
+      float* line = to + std::ptrdiff_t(r) * n;
+      std::copy_n(from->data() + window.index(0, r), side_, line);
+      std::fill(line + side_, line + n, 0.0f);
+    }
+    std::fill(to + std::ptrdiff_t(side_) * n, to + std::ptrdiff_t(n) * n, 0.0f);
   }
   fftwf_execute(plan_->forward_a);
   fftwf_execute(plan_->forward_b);

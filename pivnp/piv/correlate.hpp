@@ -16,7 +16,8 @@ struct Peak {
   float around[3][3] = {};  // c at lags -1 ... 1 about zero, [y][x] (near search only)
 };
 
-/// Lags -2 ... 2 in each direction, summed directly: the finish, once a predictor has brought the windows together.
+/// The nearest lags, summed directly: the finish, once a predictor has brought the windows together. A peak at lag zero
+/// among -1 ... 1 is taken as it is; else -2 ... 2 are searched.
 class NearCorrelator {
  public:
   explicit NearCorrelator(int side);
@@ -26,8 +27,8 @@ class NearCorrelator {
   std::vector<float> taper_share_;
 };
 
-/// All lags up to a third of the side, by real FFT of the window's side (Willert & Gharib 1991). The taper keeps what
-/// wraps around small. One object a thread; making one takes a lock (FFTW plans), using one does not.
+/// All lags up to a third of the side, by real FFT of the next size that is a product of 2, 3 and 5 (Willert & Gharib
+/// 1991). The taper keeps what wraps around small. One object a thread; making one takes a lock (FFTW plans), using one does not.
 class FftCorrelator {
  public:
   explicit FftCorrelator(int side);
@@ -37,7 +38,7 @@ class FftCorrelator {
 
  private:
   struct Plan;
-  int side_;
+  int side_, size_;  // of the window, of the transform
   std::vector<float> taper_share_;
   std::unique_ptr<Plan> plan_;
 };
