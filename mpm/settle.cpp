@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "mpm/energy.hpp"
+#include "mpm/thread_choice.hpp"
 #include "mpm/transfer.hpp"
 #include "pivnp/core/error.hpp"
 
@@ -84,15 +85,18 @@ class Relaxation {
 
   /// One pseudo-step; the ratio of unbalanced to applied force before it.
   double iterate() {
-    particles_to_grid(p_, g_, o_.threads);
+    choice_.begin_step();
+    const int threads = choice_.threads();
+    particles_to_grid(p_, g_, threads);
     const double applied = propose();
     reactions_.clear();
     restraints_.apply(0, g_, reactions_);
     bodies_.apply(-1, g_, reactions_);  // at rest
     const double unbalanced = accelerate();
-    strain_increments(p_, g_, 1.0, o_.threads);
+    strain_increments(p_, g_, 1.0, threads);
     std::fill(p_.spin.begin(), p_.spin.end(), 0.0);  // displacements are small against the rotations that would matter
-    update_stress(materials_, p_, o_.threads);
+    update_stress(materials_, p_, threads);
+    choice_.end_step();
     return applied > 0 ? unbalanced / applied : 0;
   }
 
@@ -142,6 +146,7 @@ class Relaxation {
   const RigidBodies& bodies_;
   Particles& p_;
   GridState& g_;
+  ThreadChoice choice_{o_.threads};
   std::vector<double> mass_;
   std::vector<Vec2> velocity_;  // of the active nodes
   std::vector<Reaction> reactions_;

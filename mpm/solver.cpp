@@ -11,6 +11,7 @@
 #include "mpm/scene_setup.hpp"
 #include "mpm/settle.hpp"
 #include "mpm/solver_state.hpp"
+#include "mpm/thread_choice.hpp"
 #include "mpm/time_step.hpp"
 #include "mpm/transfer.hpp"
 #include "pivnp/core/error.hpp"
@@ -29,7 +30,8 @@ struct Solver::Impl {
   Impl(const MpmOptions& o, Scene s, int n_threads)
       : options(o),
         scheme(scheme_of(o)),
-        threads(std::max(1, n_threads)),
+        most_threads(std::max(1, n_threads)),
+        choice(n_threads),
         scene(std::move(s)),
         materials(materials_of(scene)),
         restraints(scene.boundaries, scene.grid, centroid(scene.particles)),
@@ -45,7 +47,7 @@ struct Solver::Impl {
   }
 
   void step(double dt);
-  void find_cells();
+  void find_cells(int threads);
   void restrain_momentum();
   void restrain_velocity();
   void book_work(double dt);
@@ -59,7 +61,8 @@ struct Solver::Impl {
 
   MpmOptions options;
   Scheme scheme;
-  int threads;
+  int most_threads;
+  ThreadChoice choice;
   Scene scene;
   Materials materials;
   Restraints restraints;
@@ -78,8 +81,10 @@ struct Solver::Impl {
 // The cycle of appendix A; equation numbers are the thesis'.
 void Solver::Impl::step(double dt) {
   const double pic = 1 - std::exp(-scheme.pic_share * dt * wave_speed / g.grid.spacing.minCoeff());
+  const int threads = choice.threads();
+  choice.begin_step();
 
-  find_cells();                                                  // A.1, A.2
+  find_cells(threads);                                           // A.1, A.2
   particles_to_grid(p, g, threads);                              // A.3, A.4
   update_momentum(g, gravity, scheme.damping, dt, threads);      // A.5-A.7
   restrain_momentum();
@@ -93,9 +98,10 @@ void Solver::Impl::step(double dt) {
   if (!gather.good) fail("a particle is not finite or moved more than a cell in one step");
   state.fastest = std::sqrt(gather.fastest2);
   ++state.steps;
+  choice.end_step();
 }
 
-void Solver::Impl::find_cells() {
+void Solver::Impl::find_cells(int threads) {
   std::vector<std::uint32_t> left;
   if (!locate_points(p, g, left, threads)) return;
   end_particles(left);
@@ -185,7 +191,7 @@ Solver::~Solver() = default;
 void Solver::settle(Progress& progress) {
   Impl& s = *impl_;
   if (s.state.steps > 0) throw RunError("mpm: settle() was called after the first step");
-  settle_particles({s.gravity, s.options.settle_damping, s.options.settle_tolerance, s.threads}, s.materials,
+  settle_particles({s.gravity, s.options.settle_damping, s.options.settle_tolerance, s.most_threads}, s.materials,
                    s.restraints, s.bodies, s.p, s.g, progress);
   for (auto* history : {&s.p.plastic_dev, &s.p.gap, &s.p.dissipated}) std::fill(history->begin(), history->end(), 0.0);
   std::fill(s.p.opened.begin(), s.p.opened.end(), std::uint8_t{0});
