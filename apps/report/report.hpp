@@ -6,23 +6,17 @@
 #include <string>
 #include <vector>
 
+#include "apps/report/content.hpp"
 #include "apps/report/options.hpp"
 #include "compare/compare.hpp"
-#include "pivnp/core/image_view.hpp"
 #include "pivnp/io/record.hpp"
 
 namespace pivnp::report {
 
-/// A frame to draw under vectors.
-struct Picture {
-  int frame = 0;
-  Image image;
-};
-
 struct ReportInput {
   std::string name;
   const io::RecordReader* record = nullptr;
-  std::optional<compare::Comparison> comparison;
+  std::optional<compare::Comparison> comparison;  // left out: the metrics and fields that the record holds
   std::vector<Picture> pictures;         // frames to draw vectors on, one at least if there is PIV
   std::vector<std::string> remarks;      // what was flagged and why, one sentence each
 };

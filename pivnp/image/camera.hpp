@@ -22,17 +22,19 @@ struct CameraOptions {
           OptionInfo{.unit = "m/px", .text = "scale of a square-on camera (left out, and no points: lengths are in px)",
                      .min = 0, .above_min = true});
     visit("origin_px", self.origin_px,
-          OptionInfo{.unit = "px", .text = "pixel (column, row) of the world's (0, 0) (left out: the lower left pixel)"});
+          OptionInfo{.unit = "px",
+                     .text = "pixel (column, row) of the world's (0, 0) (left out: the lower left pixel)"});
     visit("points_px", self.points_px,
           OptionInfo{.unit = "px", .text = "four or more targets in the image, for a homography"});
-    visit("points_m", self.points_m, OptionInfo{.unit = "m", .text = "the same targets in the world, in the same order"});
+    visit("points_m", self.points_m,
+          OptionInfo{.unit = "m", .text = "the same targets in the world, in the same order"});
     visit("length_unit", self.length_unit,
-          OptionInfo{.text = "the name of the unit that metres_per_pixel and points_m are in (m, or a length of the scene)"});
+          OptionInfo{.text = "name of the unit that metres_per_pixel and points_m are in (m, or a length of the scene)"});
   }
 };
 
 /// Plane-to-plane camera: world = dehomogenised(world_from_pixel * (column, row, 1)). World y is up, pixel centres lie
-/// on whole numbers. The third coordinate is positive on the visible side; a point at or beyond the horizon maps to NaN.
+/// on whole numbers. The third coordinate is positive on the visible side; a point at or beyond the horizon is NaN.
 class Camera {
  public:
   Camera();  // pixels: world = (column, -row)

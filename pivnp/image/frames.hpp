@@ -23,8 +23,8 @@ struct FrameOptions {
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
     visit("path", self.path,
-          OptionInfo{.text = "glob (frames/*.png), printf pattern (img_%04d.tif), folder or video file, relative to the "
-                             "case file"});
+          OptionInfo{.text = "glob (frames/*.png), printf pattern (img_%04d.tif), folder or video file, relative to "
+                             "the case file"});
     visit("rate_hz", self.rate_hz,
           OptionInfo{.unit = "Hz", .text = "frames per second of the recording; wins over what a container claims",
                      .min = 0, .above_min = true});

@@ -171,8 +171,8 @@ ImageFormat image_format(Bytes file) {
   if (starts_with(file, "II*\0"sv) || starts_with(file, "MM\0*"sv)) return ImageFormat::tiff;
   if (starts_with(file, "II+\0"sv) || starts_with(file, "MM\0+"sv)) return ImageFormat::tiff;
   if (starts_with(file, "BM"sv)) return ImageFormat::bmp;
-  if (file.size() > 2 && file[0] == 'P' && file[1] >= '1' && file[1] <= '6' && (std::isspace(file[2]) || file[2] == '#'))
-    return ImageFormat::pnm;
+  const bool is_pnm = file.size() > 2 && file[0] == 'P' && file[1] >= '1' && file[1] <= '6';
+  if (is_pnm && (std::isspace(file[2]) || file[2] == '#')) return ImageFormat::pnm;
   return ImageFormat::unknown;
 }
 

@@ -19,7 +19,7 @@ ImageFormat image_format(Bytes file);
 ///  png   every chunk inside the file with its CRC, up to IEND (ISO/IEC 15948)
 ///  jpeg  marker segments and scans up to EOI (ITU-T T.81 annex B); a damaged scan with all its markers passes
 ///  bmp   the pixel array lies inside the file
-///  tiff  strips or tiles of the first page lie inside the file (TIFF 6.0, BigTIFF); further full-size pages are refused
+///  tiff  tags and pixels of the first page lie inside the file (TIFF 6.0, BigTIFF); more full-size pages are refused
 ///  pnm   the raster of P2 to P6 lies inside the file
 std::optional<std::string> image_defect(Bytes file);
 

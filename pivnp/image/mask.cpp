@@ -61,7 +61,8 @@ RowCover circle_cover(const std::vector<double>& circle, int width, const std::s
                      " numbers, expected three: centre column, centre row, radius");
   const bool finite = std::all_of(circle.begin(), circle.end(), [](double v) { return std::isfinite(v); });
   if (!finite || !(circle[2] > 0))
-    throw InputError(what + ": expected finite numbers and a radius above 0, found radius " + std::to_string(circle[2]));
+    throw InputError(what + ": found radius " + std::to_string(circle[2]) + ", expected finite numbers and a radius "
+                     "above 0");
   return [centre = Vec2(circle[0], circle[1]), radius = circle[2], width, runs = std::vector<Run>()](
              int row, std::uint8_t* covered) mutable {
     circle_runs(centre, radius, row, width, runs);

@@ -23,7 +23,8 @@ struct MaskOptions {
   static void fields(Self& self, Visitor&& visit) {
     visit("polygon_px", self.polygon_px, OptionInfo{.unit = "px", .text = "polygon (column, row) to leave out"});
     visit("polygon_m", self.polygon_m, OptionInfo{.unit = "m", .text = "polygon in the world to leave out"});
-    visit("circle_px", self.circle_px, OptionInfo{.unit = "px", .text = "circle to leave out: centre column, row, radius"});
+    visit("circle_px", self.circle_px,
+          OptionInfo{.unit = "px", .text = "circle to leave out: centre column, row, radius"});
     visit("image", self.image, OptionInfo{.text = "image of the frames' size: pixels that are 0 are left out"});
     visit("invert", self.invert, OptionInfo{.text = "leave out everything else instead"});
   }

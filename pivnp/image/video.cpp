@@ -81,12 +81,12 @@ void check_complete(const Survey& survey, const fs::path& file, std::int64_t lim
       Header(file).counts_frames() ? 0 : std::max(2.0, 0.1 * survey.rate_hz);  // where the promise is a guess
   const std::int64_t missing = survey.promised - survey.readable;
   if (double(missing) <= slack) return;
-  throw InputError(what + ": '" + file.string() + "' is truncated: its container promises " +
+  std::string remedy;
+  if (survey.readable > 1)
+    remedy = "; frames.last = " + std::to_string(survey.readable - 2) + " leaves out the doubtful end";
+  throw InputError(what + ": '" + file.string() + "' ends too early: its container promises " +
                    std::to_string(survey.promised) + " frames, only " + std::to_string(survey.readable) +
-                   " can be read" +
-                   (survey.readable > 1 ? "; frames.last = " + std::to_string(survey.readable - 2) +
-                                              " leaves out the damaged end"
-                                        : ""));
+                   " can be read (truncated, or trimmed without re-encoding)" + remedy);
 }
 
 // Throws if the container's own time stamps are not those of its rate: frames were dropped, or the rate varies.
@@ -126,7 +126,8 @@ class VideoSource final : public FrameSource {
 
   Image read(int index) override {
     go_to(numbers_.at(std::size_t(index)), index);
-    const std::string place = what + ": '" + file_.parent_path().string() + "/" + frames_[std::size_t(index)].name + "'";
+    const std::string& name = frames_[std::size_t(index)].name;
+    const std::string place = what + ": '" + (file_.parent_path() / name).string() + "'";
     cv::Mat colour;
     if (!capture_.retrieve(colour) || colour.empty()) throw InputError(place + " cannot be decoded");
     if (colour.depth() != CV_8U) throw InputError(place + " is not an 8-bit frame");
@@ -179,7 +180,8 @@ std::unique_ptr<FrameSource> video_source(const FrameOptions& options, const fs:
   std::vector<Frame> frames;
   for (const int number : numbers) {
     const double steps = number - options.first;
-    frames.push_back({file.filename().string() + "#" + std::to_string(number), rate > 0 ? steps / rate : steps, frame_ok});
+    const std::string name = file.filename().string() + "#" + std::to_string(number);
+    frames.push_back({name, rate > 0 ? steps / rate : steps, frame_ok});
   }
   return std::make_unique<VideoSource>(file, numbers, std::move(frames), rate > 0);
 }

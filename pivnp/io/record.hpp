@@ -28,6 +28,7 @@ struct RecordHead {
   Mat3 world_from_pixel = Mat3::Identity();
   double camera_residual = 0;
   std::optional<double> metres_per_pixel;  // only if plain
+  std::vector<double> distortion;          // coefficients of a lens model; empty: none
 };
 
 /// One comparison: metrics, and fields on particles to look at.

@@ -172,21 +172,21 @@ class Gather {
     if (el.support == Support::fitted) {
       read_fitted(r);
     } else if (nodes_.cov != nullptr) {
-      add_cov(r, r.i, r.j, (1 - r.xi) * (1 - r.eta), 1);
-      add_cov(r, r.i + 1, r.j, r.xi * (1 - r.eta), 1);
-      add_cov(r, r.i, r.j + 1, (1 - r.xi) * r.eta, 1);
-      add_cov(r, r.i + 1, r.j + 1, r.xi * r.eta, 1);
+      const double x0 = 1 - r.xi, y0 = 1 - r.eta;
+      const std::array<float, 3>* below = nodes_.cov + (std::size_t(r.j) * std::size_t(nx_) + std::size_t(r.i));
+      const std::array<float, 3>* above = below + nx_;
+      const double w0 = share(x0 * y0, 1), w1 = share(r.xi * y0, 1);
+      const double w2 = share(x0 * r.eta, 1), w3 = share(r.xi * r.eta, 1);
+      for (std::size_t k = 0; k < 3; ++k)
+        r.cov[k] = (w0 * double(below[0][k]) + w1 * double(below[1][k])) +
+                   (w2 * double(above[0][k]) + w3 * double(above[1][k]));
     }
   }
 
   // E = rho (sum |w|) sum |w_i| C_i + (1 - rho) sum w_i^2 C_i. With rho = 1 no correlation of the nodes' errors can
   // make the variance of sum w_i e_i larger (Cauchy-Schwarz).
-  void add_cov(Reading& r, int i, int j, double w, double weight_sum) const {
-    const std::array<float, 3>& c = nodes_.cov[std::size_t(j) * std::size_t(nx_) + std::size_t(i)];
-    const double share = correlation_ * weight_sum * std::abs(w) + (1 - correlation_) * w * w;
-    r.cov[0] += share * double(c[0]);
-    r.cov[1] += share * double(c[1]);
-    r.cov[2] += share * double(c[2]);
+  double share(double w, double weight_sum) const {
+    return correlation_ * weight_sum * std::abs(w) + (1 - correlation_) * w * w;
   }
 
   // The rare rest for a fit: may the particle use it, and how well is it known (misfit and nodal errors).
@@ -200,9 +200,12 @@ class Gather {
     double weight_sum = 0;
     for (int k = 0; k < 16; ++k) weight_sum += std::abs(fit.influence(k, r.xi, r.eta));
     r.cov = fit.misfit;
-    for (int k = 0; k < 16; ++k)
-      if ((fit.nodes >> k & 1) != 0)
-        add_cov(r, r.i - 1 + k % 4, r.j - 1 + k / 4, fit.influence(k, r.xi, r.eta), weight_sum);
+    for (int k = 0; k < 16; ++k) {
+      if ((fit.nodes >> k & 1) == 0) continue;
+      const auto& c = nodes_.cov[nodes_.grid.node(r.i - 1 + k % 4, r.j - 1 + k / 4)];
+      const double w = share(fit.influence(k, r.xi, r.eta), weight_sum);
+      for (std::size_t n = 0; n < 3; ++n) r.cov[n] += w * double(c[n]);
+    }
   }
 
   Nodes<Real> nodes_;

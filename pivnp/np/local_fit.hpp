@@ -23,8 +23,8 @@ struct LocalFit {
   /// given or if they lie on one line.
   static std::optional<LocalFit> of(std::uint16_t nodes, const std::array<std::array<double, 2>, 16>& values);
 
-  /// How far, in spacings, a particle outside the hull of the fitted nodes may be from the nearest of them: the diagonal
-  /// of an element, so that one node left in the particle's own element is enough.
+  /// How far, in spacings, a particle outside the hull of the fitted nodes may be from the nearest of them: the
+  /// diagonal of an element, so that one node left in the particle's own element is enough.
   static constexpr double reach = 1.4142135623730951;
 
   /// True if (xi, eta) lies in the convex hull of the fitted nodes or within `reach` of one of them; further out would

@@ -44,32 +44,39 @@ void check_field(const Field& field) {
                      " covariances, expected " + std::to_string(count) + " of each");
 }
 
+// The inner loop works on plain numbers: a matrix written number by number and read back as a packet stalls.
+struct Tensor {
+  double xx, xy, yx, yy;
+};
+
+inline Tensor tensor(const Mat2& m) { return {m(0, 0), m(0, 1), m(1, 0), m(1, 1)}; }
+
+inline Tensor operator*(const Tensor& a, const Tensor& b) {
+  return {a.xx * b.xx + a.xy * b.yx, a.xx * b.xy + a.xy * b.yy, a.yx * b.xx + a.yy * b.yx, a.yx * b.xy + a.yy * b.yy};
+}
+
 // f = F1 F0^-1 of one step. Central: (I - G/2)^-1 (I + G/2); in the plane, with A = G/2, that is
 // ((1 - tr A - det A) I + 2 A) / (1 - tr A + det A). NaN if a half step turns the material inside out.
-Mat2 step_gradient(const Reading& r, Anchor anchor) {
-  Mat2 f;
-  if (anchor == Anchor::forward) {
-    f << 1 + r.gxx, r.gxy, r.gyx, 1 + r.gyy;
-    return f;
-  }
+inline Tensor step_gradient(const Reading& r, bool central) {
+  if (!central) return {1 + r.gxx, r.gxy, r.gyx, 1 + r.gyy};
   const double trace = 0.5 * (r.gxx + r.gyy), det = 0.25 * (r.gxx * r.gyy - r.gxy * r.gyx);
   const double below = 1 - trace + det;
   const double s = below > 0 ? 1 / below : std::numeric_limits<double>::quiet_NaN();
   const double diagonal = 1 - trace - det;
-  f << (diagonal + r.gxx) * s, r.gxy * s, r.gyx * s, (diagonal + r.gyy) * s;
-  return f;
+  return {(diagonal + r.gxx) * s, r.gxy * s, r.gyx * s, (diagonal + r.gyy) * s};
 }
 
 // A C A^T of a symmetric C = (uu, vv, uv).
-std::array<double, 3> carried(const Mat2& A, const std::array<double, 3>& C) {
-  const double a = A(0, 0), b = A(0, 1), c = A(1, 0), d = A(1, 1);
-  return {a * a * C[0] + 2 * a * b * C[2] + b * b * C[1], c * c * C[0] + 2 * c * d * C[2] + d * d * C[1],
-          a * c * C[0] + (a * d + b * c) * C[2] + b * d * C[1]};
+inline std::array<double, 3> carried(const Tensor& A, const std::array<double, 3>& C) {
+  const double u0 = A.xx * C[0] + A.xy * C[2], u1 = A.xx * C[2] + A.xy * C[1];
+  const double v0 = A.yx * C[0] + A.yy * C[2], v1 = A.yx * C[2] + A.yy * C[1];
+  return {u0 * A.xx + u1 * A.xy, v0 * A.yx + v1 * A.yy, u0 * A.yx + u1 * A.yy};
 }
 
-bool good_state(const Vec2& x, const Mat2& F) {
-  const double J = F(0, 0) * F(1, 1) - F(0, 1) * F(1, 0);
-  return J > 0 && J < std::numeric_limits<double>::infinity() && x.allFinite() && F.allFinite();
+inline bool good_state(double x, double y, const Tensor& F) {
+  const double J = F.xx * F.yy - F.xy * F.yx;
+  // One test for all: a number that is not finite makes the sum so.
+  return J > 0 && std::isfinite(J + (x + y) + (F.xx + F.xy) + (F.yx + F.yy));
 }
 
 EndReason reason_of(Outcome outcome) {
@@ -141,19 +148,23 @@ void Tracker::advance(const Nodes<Real>& nodes, double time) {
       end(p, reason);
       continue;
     }
-    const Vec2 x = x_[p] + Vec2(r.dx, r.dy);
-    const Mat2 f = step_gradient(r, nodes.anchor), F = f * F_[p];
-    if (!good_state(x, F)) {
+    const double x = x_[p].x() + r.dx, y = x_[p].y() + r.dy;
+    const Tensor f = step_gradient(r, central), F = f * tensor(F_[p]);
+    if (!good_state(x, y, F)) {
       end(p, EndReason::bad_state);
       continue;
     }
     if (with_cov) {
-      const Mat2 K = central ? Mat2((Mat2::Identity() + f) / 2) : Mat2(Mat2::Identity());
-      const auto before = carried(f, cov_[p]), added = carried(K, r.cov);
+      const auto before = carried(f, cov_[p]);
+      // K = (I - G/2)^-1 = (I + f)/2 for central vectors
+      const auto added = central ? carried({0.5 + 0.5 * f.xx, 0.5 * f.xy, 0.5 * f.yx, 0.5 + 0.5 * f.yy}, r.cov) : r.cov;
       for (std::size_t k = 0; k < 3; ++k) cov_[p][k] = before[k] + added[k];
     }
-    x_[p] = x;
-    F_[p] = F;
+    x_[p] = {x, y};
+    F_[p](0, 0) = F.xx;
+    F_[p](0, 1) = F.xy;
+    F_[p](1, 0) = F.yx;
+    F_[p](1, 1) = F.yy;
     status_[p] = r.support == Support::measured && r.outcome == Outcome::good ? ParticleStatus::active
                                                                              : ParticleStatus::doubtful;
   }

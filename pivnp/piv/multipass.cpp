@@ -18,7 +18,7 @@ namespace {
 constexpr int search_side = 32;       // pixels of a decimated image that a search window keeps at least
 constexpr int automatic_passes = 4;   // with the last window: one search, two to converge, one at the nodes
 constexpr float converged_px = 0.01f; // root mean square change of the predictor's vectors
-constexpr float smoothing_px = 0.25f; // standard deviation of the predictor's weights over the window's side
+constexpr float smoothing = 0.3f;     // standard deviation of the predictor's weights over the window's side
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
 enum class Search { far, near };
@@ -42,7 +42,8 @@ struct Stage {
   int decimation = 1;
   EvenLattice lattice;
   NodeLattice points;
-  int passes = 0;      // on the even lattice: the first searches far, the others near
+  int passes = 0;      // on the even lattice
+  bool searches = false;  // the first of them searches far; the others refine
   std::vector<Tools> tools;  // one a thread
 
   int level_side() const { return side / decimation; }
@@ -77,6 +78,7 @@ class MultipassFft final : public Method {
   PivOptions options_;
   NodeLattice nodes_;
   int width_, height_, threads_;
+  int passes_;  // with the last window
   Anchor anchor_;
   std::vector<Stage> stages_;
   std::vector<Level> levels_;
@@ -87,27 +89,32 @@ class MultipassFft final : public Method {
 
 MultipassFft::MultipassFft(const PivOptions& options, const NodeLattice& nodes, int width, int height, int threads)
     : options_(options), nodes_(nodes), width_(width), height_(height), threads_(std::max(1, threads)),
-      anchor_(options.anchor == "central" ? Anchor::central : Anchor::forward) {
+      passes_(options.passes > 0 ? options.passes : automatic_passes), anchor_(options.anchor == "central" ? Anchor::central : Anchor::forward) {
   const std::vector<int> sides = window_sides(options, width, height);
   const Box whole = bounding_box(nodes_, static_cast<float>(sides.front()) / 2, width, height);
   if (whole.empty()) return;  // no node lies in the image
   const float node_step = node_spacing(nodes_);
-  for (const int side : sides) {
-    const bool last = side == sides.back();
+  const auto add = [&](int side, int decimation, float step, int passes, bool searches) {
     Stage stage;
-    stage.decimation = decimation_of(side, sides.back());
-    stage.side = side / stage.decimation * stage.decimation;
-    const auto length = static_cast<float>(side);
-    const float step = last ? std::clamp(node_step, length / 4, length / 2) : length / 2;
-    stage.lattice = even_lattice(bounding_box(nodes_, length / 2, width, height), step);
+    stage.decimation = decimation;
+    stage.side = side / decimation * decimation;
+    stage.lattice = even_lattice(bounding_box(nodes_, static_cast<float>(side) / 2, width, height), step);
     stage.points = nodes_near(stage.lattice, nodes_, 1.5f * std::max(node_step, step));
-    const int passes = options.passes > 0 ? options.passes : automatic_passes;
-    stage.passes = last ? passes - 1 : 2;
-    for (int t = 0; t < threads_; ++t) stage.tools.emplace_back(stage.level_side(), true);
-    if (std::none_of(levels_.begin(), levels_.end(), [&](const Level& l) { return l.decimation == stage.decimation; }))
-      levels_.emplace_back().decimation = stage.decimation;
+    stage.passes = passes;
+    stage.searches = searches;
+    for (int t = 0; t < threads_; ++t) stage.tools.emplace_back(stage.side / decimation, searches);
+    if (std::none_of(levels_.begin(), levels_.end(), [&](const Level& l) { return l.decimation == decimation; }))
+      levels_.emplace_back().decimation = decimation;
     stages_.push_back(std::move(stage));
-  }
+  };
+  for (const int side : sides)
+    if (side != sides.back()) add(side, decimation_of(side, sides.back()), static_cast<float>(side) / 2, 2, true);
+  // With the last window: a search on a coarse lattice, refinement on one about as fine as the window can resolve, and
+  // one pass at the nodes themselves.
+  const int support = support_of_window(sides.back());
+  const auto window = static_cast<float>(sides.back());
+  add(support, 1, window / 2, passes_ > 1 ? 1 : 0, true);
+  if (passes_ > 2) add(support, 1, std::clamp(node_step, window / 4, window / 3), passes_ - 2, false);
 }
 
 Level& MultipassFft::level(int decimation) {
@@ -163,12 +170,12 @@ void MultipassFft::correlate(const ImageView& first, const ImageView& second, co
 void MultipassFft::improve_predictor(Stage& stage) {
   VectorGrid found{stage.lattice.nx, stage.lattice.ny, {}, {}};
   for (int pass = 0; pass < stage.passes; ++pass) {
-    const float change = measure(stage, pass == 0 ? Search::far : Search::near, found);
+    const float change = measure(stage, stage.searches && pass == 0 ? Search::far : Search::near, found);
     median_test(found, options_.median_threshold, options_.median_floor_px * stage.decimation, threads_);
     const float step = std::min(stage.lattice.dx, stage.lattice.dy);
     predictor_.fit(stage.lattice, found.displacement, found.good,
-                   std::max(0.5f, smoothing_px * static_cast<float>(stage.side) / step), threads_);
-    if (options_.passes == 0 && pass > 0 && change < converged_px) break;
+                   std::max(0.5f, smoothing * static_cast<float>(stage.side) / step), threads_);
+    if (options_.passes == 0 && !stage.searches && change < converged_px) break;
   }
 }
 
@@ -220,20 +227,28 @@ void MultipassFft::measure_node(Tools& tools, const Level& images, std::size_t k
     return;
   }
   if (!textured(window)) return;
-  const bool single_pass = options_.passes == 1;  // then nothing has searched with this window yet
+  const bool single_pass = passes_ == 1;  // then nothing has searched with this window yet
   const Peak peak = tools.find(single_pass ? Search::far : Search::near);
   const auto predicted = predictor_.at(x, y);
   vectors.displacement[k] = {predicted[0] + peak.dx, predicted[1] + peak.dy};
   vectors.score[k] = peak.score;
   const Peak matched = single_pass ? tools.near.find(window) : peak;
   vectors.cov[k] = tools.uncertainty.covariance(window, matched, rounding_variance_);
+  for (float& entry : vectors.cov[k]) entry *= iteration_variance(passes_);
+  const auto most_variance = static_cast<float>(options_.max_sigma_px * options_.max_sigma_px);
   const bool accepted = peak.interior && peak.score >= static_cast<float>(options_.min_score) &&
-                        std::isfinite(vectors.cov[k][0]) && std::isfinite(vectors.cov[k][1]);
+                        vectors.cov[k][0] <= most_variance && vectors.cov[k][1] <= most_variance;  // false for NaN
   vectors.status[k] = accepted ? VectorStatus::valid : VectorStatus::rejected;
 }
 
+// The nodes may be far apart for the field's curvature; the predictor, validated on a finer lattice, knows it. So they are
+// judged by what they deviate from it.
 void MultipassFft::validate_nodes(PixelVectors& vectors) {
   VectorGrid grid{nodes_.nx, nodes_.ny, vectors.displacement, {}};
+  for (std::size_t k = 0; k < grid.displacement.size(); ++k) {
+    const auto predicted = predictor_.at(nodes_.pixel[k][0], nodes_.pixel[k][1]);
+    grid.displacement[k][0] -= predicted[0], grid.displacement[k][1] -= predicted[1];
+  }
   grid.good.resize(nodes_.pixel.size());
   for (std::size_t k = 0; k < grid.good.size(); ++k) grid.good[k] = vectors.status[k] == VectorStatus::valid;
   median_test(grid, options_.median_threshold, options_.median_floor_px, threads_);
@@ -245,6 +260,8 @@ void MultipassFft::validate_nodes(PixelVectors& vectors) {
 }
 
 }  // namespace
+
+int support_of_window(int window_px) { return 2 * static_cast<int>(std::lround(0.6 * window_px)); }
 
 std::vector<int> window_sides(const PivOptions& options, int width, int height) {
   const int last = options.window_px;

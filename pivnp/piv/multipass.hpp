@@ -2,10 +2,15 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "pivnp/piv/method.hpp"
 
 namespace pivnp::piv {
+
+/// Side of the tapered window whose noise equals that of an even one of `window_px`: 1.2 times it. (The weight
+/// W = 1 - (2x/L)^2 averages noise like an even window of (sum W)^2 / sum W^2 = 0.833 L an axis.)
+int support_of_window(int window_px);
 
 /// Sides of the windows in pixels of the full image, first to last. `first_window_px` = 0: four times the last window,
 /// at least 128 px, at most half the image's shorter side.

@@ -21,6 +21,7 @@ struct PivOptions {
   double median_threshold = 2.0;
   double median_floor_px = 0.1;
   double min_score = 0.2;
+  double max_sigma_px = 0.5;
   double min_usable = 0.4;
   bool replace = true;
 
@@ -29,7 +30,7 @@ struct PivOptions {
     visit("method", self.method,
           OptionInfo{.text = "correlation method", .choices = {"fft"}});
     visit("window_px", self.window_px,
-          OptionInfo{.unit = "px", .text = "side of the last interrogation window", .min = 8, .max = 256});
+          OptionInfo{.unit = "px", .text = "side of the last interrogation window (of the even window with the same noise)", .min = 8, .max = 256});
     visit("first_window_px", self.first_window_px,
           OptionInfo{.unit = "px", .text = "side of the first window; it finds up to a quarter of it (0: chosen from the image)", .min = 0, .max = 512});
     visit("passes", self.passes,
@@ -42,6 +43,8 @@ struct PivOptions {
           OptionInfo{.unit = "px", .text = "scatter that the median test grants everywhere", .min = 0});
     visit("min_score", self.min_score,
           OptionInfo{.text = "correlation coefficient below which a vector is rejected", .min = -1, .max = 1});
+    visit("max_sigma_px", self.max_sigma_px,
+          OptionInfo{.unit = "px", .text = "stated standard deviation above which a vector is rejected", .min = 0, .above_min = true});
     visit("min_usable", self.min_usable,
           OptionInfo{.text = "share of a window that masks and the image's edge must leave", .min = 0, .max = 1});
     visit("replace", self.replace,
@@ -68,6 +71,14 @@ struct PixelVectors {
 
 /// Correlates pairs of frames of one size on one lattice. Keeps plans and buffers; `correlate` uses `threads` threads
 /// and gives the same bits for any number of them.
+///
+/// Anchors: central, the material that is at the node x midway was at x - d/2 in the first frame and is at x + d/2 in
+/// the second; forward, what is at x in the first frame is at x + d in the second.
+/// Status: masked, the node is off or masks leave too little of its window (NaN); failed, outside the image, too near
+/// its edge, or no texture above rounding (NaN); rejected, measured but untrusted: score or stated error beyond its
+/// limit, no peak, or out of line with its neighbours (value kept); replaced, rebuilt from neighbours, score as
+/// measured. Covariance: random error only (docs: correlation statistics); systematic error comes on top.
+/// Throws InputError: unknown method or anchor, windows that do not fit, arrays or frames of another size.
 class PairCorrelator {
  public:
   PairCorrelator(const PivOptions& options, NodeLattice lattice, int width, int height, int threads);

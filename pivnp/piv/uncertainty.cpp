@@ -11,6 +11,8 @@ UncertaintyEstimator::UncertaintyEstimator(int side)
     : side_(side), stride_(side + 2 * span), dx_(std::size_t(stride_) * std::size_t(stride_)), dy_(dx_.size()),
       line_(std::size_t(stride_)) {}
 
+float iteration_variance(int passes) { return passes <= 1 ? 1.0f : passes == 2 ? 1.6f : 2.0f; }
+
 // Replaces d by its sums over span x span pixels ending at each place.
 void UncertaintyEstimator::box_sums(std::vector<float>& d) {
   const int n = side_ + span;  // sums are zero beyond

@@ -9,6 +9,10 @@
 
 namespace pivnp::piv {
 
+/// The estimate below is the error of one pass. Repeated passes widen the band of wavelengths that is followed, and with
+/// it the noise: this is the factor on the variance, measured on uniformly moved frames with 5 and 10 % noise.
+float iteration_variance(int passes);
+
 /// Correlation statistics (Wieneke 2015): the peak's offset follows the difference of its flanks,
 ///   c(+1) - c(-1) = sum over pixels of D(x),  D(x) = a(x) b(x + 1) - a(x + 1) b(x)  (over |a| |b|),
 /// which vanishes pixel by pixel where the windows agree. What noise, lost particles and unresolved gradients leave in

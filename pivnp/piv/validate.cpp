@@ -17,6 +17,12 @@ struct Sample {
   std::array<float, 2 * most> value;
   int count = 0;
   void add(float v) { value[std::size_t(count++)] = v; }
+  float lower_quartile() {
+    if (count == 0) return 0;
+    const auto quarter = value.begin() + count / 4;
+    std::nth_element(value.begin(), quarter, value.begin() + count);
+    return *quarter;
+  }
   float median() {
     if (count == 0) return 0;
     const auto middle = value.begin() + count / 2;
@@ -53,6 +59,17 @@ struct Neighbours {
     return differences.count >= 4 ? differences.median() : 0.0f;
   }
 
+  // Lower quartile of the second differences along i or along j: what a cluster of outliers does not reach.
+  float curvature(std::size_t component, int da, int db) const {
+    Sample differences;
+    for (int b = -reach; b + 2 * db <= reach; ++b)
+      for (int a = -reach; a + 2 * da <= reach; ++a)
+        if (good[at(a, b)] && good[at(a + da, b + db)] && good[at(a + 2 * da, b + 2 * db)])
+          differences.add(std::abs(displacement[at(a, b)][component] - 2 * displacement[at(a + da, b + db)][component] +
+                                   displacement[at(a + 2 * da, b + 2 * db)][component]));
+    return differences.count >= 4 ? differences.lower_quartile() : 0.0f;
+  }
+
   // Residual of `d` over the neighbours' scatter, both about the neighbours' median on the local plane.
   double residual(float d, std::size_t component, double floor_px) const {
     const float along_i = gradient(component, 1, 0), along_j = gradient(component, 0, 1);
@@ -63,7 +80,8 @@ struct Neighbours {
           level.add(displacement[at(a, b)][component] - along_i * static_cast<float>(a) - along_j * static_cast<float>(b));
     const float median = level.median();
     for (int k = 0; k < level.count; ++k) level.value[std::size_t(k)] = std::abs(level.value[std::size_t(k)] - median);
-    return std::abs(d - median) / (level.median() + floor_px);
+    const float bend = std::max(curvature(component, 1, 0), curvature(component, 0, 1));
+    return std::abs(d - median) / (level.median() + bend + floor_px);
   }
 };
 

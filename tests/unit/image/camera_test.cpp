@@ -101,7 +101,7 @@ TEST(Camera, ASquareOnHomographyIsTheScale) {
   EXPECT_LT((fitted.world_from_pixel() - plain.world_from_pixel()).norm(), 1e-11);
 }
 
-// Least squares: the residual is the noise less the eight fitted numbers, and no small change of the camera does better.
+// Least squares: the residual is the noise less the eight fitted numbers; no small change of the camera does better.
 TEST(Camera, NoisyTargetsAreFittedByLeastSquaresInTheWorld) {
   const double noise_m = 1e-4;
   const Mat2 unit = Mat2::Identity();

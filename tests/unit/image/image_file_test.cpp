@@ -150,14 +150,19 @@ TEST_F(ImageFile, FlippedByteInPngIsNamed) {
   EXPECT_THAT(error_of([&] { read_image_file(at("f.png"), "frames"); }), HasSubstr("damaged"));
 }
 
+// The JPEG with one more segment, of the kind that holds a camera's notes and its thumbnail.
+std::string with_app1(const std::string& jpeg, const std::string& payload) {
+  const std::size_t length = payload.size() + 2;
+  EXPECT_LT(length, 65536u);
+  return jpeg.substr(0, 2) + "\xFF\xE1" + char(length >> 8) + char(length & 255) + payload + jpeg.substr(2);
+}
+
 // The thumbnail inside a camera's file has an end-of-image marker of its own.
 TEST_F(ImageFile, ThumbnailDoesNotHideATruncation) {
   write("whole.jpg", picture(4, 61, 47));
   write("thumb.jpg", picture(4, 8, 8));
   const std::string whole = bytes(at("whole.jpg")), thumb = bytes(at("thumb.jpg"));
-  const std::size_t length = thumb.size() + 2;
-  ASSERT_LT(length, 65536u);
-  const std::string with = whole.substr(0, 2) + "\xFF\xE1" + char(length >> 8) + char(length & 255) + thumb + whole.substr(2);
+  const std::string with = with_app1(whole, thumb);
   put(at("with.jpg"), with);
   EXPECT_NO_THROW(read_image_file(at("with.jpg"), "t"));
   put(at("with.jpg"), with.substr(0, with.size() - 40));
@@ -172,8 +177,7 @@ TEST_F(ImageFile, OrientationTagsAreNotObeyed) {
   // Exif with one entry: orientation (0x0112) = 6, a quarter turn.
   const std::string tiff("MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0", 26);
   const std::string exif = std::string("Exif\0\0", 6) + tiff;
-  const std::size_t length = exif.size() + 2;
-  put(at("turned.jpg"), whole.substr(0, 2) + "\xFF\xE1" + char(length >> 8) + char(length & 255) + exif + whole.substr(2));
+  put(at("turned.jpg"), with_app1(whole, exif));
   const cv::Mat obeyed = cv::imread(at("turned.jpg").string(), cv::IMREAD_GRAYSCALE);
   ASSERT_EQ(obeyed.cols, 47) << "the test's file has no orientation tag that OpenCV sees";
   const Image plain = read_image_file(at("plain.jpg"), "t"), turned = read_image_file(at("turned.jpg"), "t");

@@ -20,7 +20,8 @@ class Masks : public Scratch {
   static constexpr int width = 90, height = 60;
   Mask make(const std::vector<MaskOptions>& masks, const Camera& camera = make_camera({}, width, height)) const {
     std::vector<std::pair<std::string, MaskOptions>> named;
-    for (std::size_t k = 0; k < masks.size(); ++k) named.emplace_back(std::string("m").append(std::to_string(k)), masks[k]);
+    for (std::size_t k = 0; k < masks.size(); ++k)
+      named.emplace_back(std::string("m").append(std::to_string(k)), masks[k]);
     return make_mask(named, camera, width, height, folder_);
   }
   std::string failing(const MaskOptions& mask) const {

@@ -41,6 +41,15 @@ class Video : public Scratch {
     for (int k = 0; k < frames; ++k) writer.write(numbered(k));
     return true;
   }
+  static std::uint32_t word(const std::string& file, std::size_t at) {
+    std::uint32_t v = 0;
+    for (std::size_t k = 0; k < 4; ++k) v = v << 8 | static_cast<unsigned char>(file.at(at + k));
+    return v;
+  }
+  static std::string word(std::uint32_t v) { return {char(v >> 24), char(v >> 16), char(v >> 8), char(v)}; }
+  // Where the box of this name begins: its length, then its name. The index ("moov") comes last in these files.
+  static std::size_t box(const std::string& file, const std::string& name) { return file.rfind(name) - 4; }
+
   std::unique_ptr<FrameSource> open(const FrameOptions& options) const { return open_frames(options, folder_); }
 };
 
@@ -99,7 +108,7 @@ TEST_F(Video, TruncationIsNamedAndTheRestUsableOnDemand) {
   ::testing::internal::CaptureStderr();
   const std::string message = error_of([&] { open({.path = "v.avi"}); });
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
-  EXPECT_THAT(message, AllOf(HasSubstr("v.avi' is truncated"), HasSubstr("promises 40 frames")));
+  EXPECT_THAT(message, AllOf(HasSubstr("v.avi' ends too early"), HasSubstr("promises 40 frames")));
   const auto source = open({.path = "v.avi", .last = 10});
   EXPECT_EQ(source->frames().size(), 11u);
   EXPECT_EQ(number_in(source->read(10)), 10);
@@ -117,6 +126,55 @@ TEST_F(Video, UnreadableFilesAreNamedInOneLine) {
   EXPECT_THAT(error_of([&] { open({.path = "empty.avi"}); }), HasSubstr("is empty"));
   EXPECT_THAT(error_of([&] { open({.path = "gone.avi"}); }), HasSubstr("gone.avi"));
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+}
+
+// An MP4 made for the web has its index in front, so that a download that stopped still opens and still counts.
+TEST_F(Video, AnIndexInFrontDoesNotHideATruncation) {
+  ASSERT_TRUE(write_video("v.mp4", 40, 25, "mp4v"));
+  std::string file = bytes(at("v.mp4"));
+  const std::size_t index_at = box(file, "moov"), data_at = box(file, "mdat");
+  ASSERT_LT(data_at, index_at);
+  std::string index = file.substr(index_at);
+  const std::size_t offsets = box(index, "stco");
+  for (std::uint32_t k = 0; k < word(index, offsets + 12); ++k) {
+    const std::size_t entry = offsets + 16 + 4 * k;
+    index.replace(entry, 4, word(word(index, entry) + std::uint32_t(index.size())));
+  }
+  file = file.substr(0, data_at) + index + file.substr(data_at, index_at - data_at);
+  put(at("front.mp4"), file);
+  ASSERT_EQ(number_in(open({.path = "front.mp4"})->read(39)), 39);
+
+  put(at("front.mp4"), file.substr(0, data_at + index.size() + (index_at - data_at) / 2));
+  const std::string message = error_of([&] { open({.path = "front.mp4"}); });
+  EXPECT_THAT(message, AllOf(HasSubstr("ends too early"), HasSubstr("promises 40 frames")));
+  const std::string key = "frames.last = ";  // what the message proposes must work
+  ASSERT_NE(message.find(key), std::string::npos) << message;
+  const int last = std::stoi(message.substr(message.find(key) + key.size()));
+  EXPECT_GT(last, 5);
+  EXPECT_EQ(number_in(open({.path = "front.mp4", .last = last})->read(last)), last);
+  EXPECT_THAT(error_of([&] { open({.path = "front.mp4", .last = last + 1}); }), HasSubstr("ends too early"));
+}
+
+TEST_F(Video, AVaryingRateAsksForOne) {
+  ASSERT_TRUE(write_video("v.mp4", 40, 25, "mp4v"));
+  std::string file = bytes(at("v.mp4"));
+  // The table of durations says "40 frames of d each"; make it 20 of d and 20 of 3 d, eight bytes longer.
+  const std::size_t table = box(file, "stts");
+  ASSERT_EQ(word(file, table + 12), 1u);
+  const std::uint32_t d = word(file, table + 20);
+  file.replace(table + 12, 12, word(2) + word(20) + word(d) + word(20) + word(3 * d));
+  for (const char* name : {"moov", "trak", "mdia", "minf", "stbl", "stts"}) {
+    const std::size_t at = box(file, name);
+    file.replace(at, 4, word(word(file, at) + 8));
+  }
+  file.replace(box(file, "edts") + 4, 4, "free");  // the edit list would cut the film at its old length
+  put(at("varying.mp4"), file);
+  EXPECT_THAT(error_of([&] { open({.path = "varying.mp4"}); }),
+              AllOf(HasSubstr("varying.mp4"), HasSubstr("frames.rate_hz")));
+  const auto source = open({.path = "varying.mp4", .rate_hz = 10.0});
+  ASSERT_EQ(source->frames().size(), 40u);
+  EXPECT_DOUBLE_EQ(source->frames()[39].time, 3.9);
+  EXPECT_EQ(number_in(source->read(39)), 39);
 }
 
 }  // namespace

@@ -1,0 +1,164 @@
+#include "apps/report/sections.hpp"
+
+#include <algorithm>
+#include <ctime>
+#include <utility>
+
+#include "apps/report/analysis.hpp"
+#include "apps/report/figures.hpp"
+#include "apps/report/summary.hpp"
+#include "apps/report/versions.hpp"
+#include "apps/report/words.hpp"
+
+namespace pivnp::report {
+
+namespace {
+
+class Builder {
+ public:
+  Document document;
+  void heading(int level, std::string text) { document.blocks.push_back(Heading{level, std::move(text)}); }
+  void paragraph(std::string text, bool lead = false) { document.blocks.push_back(Paragraph{std::move(text), lead}); }
+  bool figure(std::optional<Figure> figure) {
+    if (figure) document.blocks.push_back(std::move(*figure));
+    return figure.has_value();
+  }
+  void add(Block block) { document.blocks.push_back(std::move(block)); }
+};
+
+Table metrics_table(const std::vector<Metric>& metrics) {
+  Table t;
+  t.caption = "Metrics of the comparison. \u00b1: standard uncertainty that the measurement gives the value.";
+  t.head = {"Metric", "Value", "Unit", "Verdict", "Definition"};
+  t.width = {0.21, 0.19, 0.06, 0.16, 0.38};
+  t.align = {'l', 'r', 'l', 'l', 'l'};
+  for (const Metric& m : metrics)
+    t.rows.push_back({metric_words(m.name), value_with_uncertainty(m.value, m.uncertainty), m.unit == "1" ? "" : m.unit, m.verdict,
+                      m.definition});
+  return t;
+}
+
+std::optional<Table> ends_table(const Content& content) {
+  Table t;
+  t.caption = "Particles that ended before the last frame, by reason.";
+  t.head = {"Side", "Reason", "Particles", "Share", "First", "Median", "Last (" + content.time_unit + ")"};
+  t.width = {0.12, 0.38, 0.12, 0.1, 0.09, 0.09, 0.1};
+  t.align = {'l', 'l', 'r', 'r', 'r', 'r', 'r'};
+  for (const auto& [motion, side] : {std::pair{content.measured.get(), "measured"}, {content.simulated.get(), "simulated"}}) {
+    if (motion == nullptr) continue;
+    for (const Ends& e : ends_by_reason(motion->particles()))
+      t.rows.push_back({side, words(e.reason), std::to_string(e.particles),
+                        percent(double(e.particles) / double(motion->particles().size())), number(e.first), number(e.median),
+                        number(e.last)});
+  }
+  if (t.rows.empty()) return std::nullopt;
+  return t;
+}
+
+std::string measurement_text(const Content& content, const std::vector<PairQuality>& pairs) {
+  std::size_t nodes = 0, valid = 0, replaced = 0, rejected = 0, failed = 0;
+  std::vector<double> sigma;
+  for (const PairQuality& q : pairs) {
+    nodes += q.nodes;
+    valid += q.valid;
+    replaced += q.replaced;
+    rejected += q.rejected;
+    failed += q.failed;
+    sigma.push_back(q.sigma);
+  }
+  if (nodes == 0) return "No node was measured: all are masked.";
+  auto share = [&](std::size_t n) { return percent(double(n) / double(nodes)); };
+  std::string text = count(pairs.size(), "pair of frames was", "pairs of frames were") + " correlated, " + count(nodes, "vector") +
+                     " in all: " + share(valid) + " valid, " + share(replaced) + " rejected and replaced from valid neighbours, " +
+                     share(rejected) + " rejected, " + share(failed) + " failed.";
+  const double typical = quantile(sigma, 0.5);
+  if (typical > 0)
+    text += " Standard uncertainty of a valid vector, one component: " + number(typical, 2) + unit_suffix(content.length_unit) +
+            " (random error; median over the pairs).";
+  if (content.camera_residual > 0)
+    text += " The camera\u2019s targets are met with a residual of " + number(content.camera_residual, 2) +
+            unit_suffix(content.length_unit) + " (RMS).";
+  return text;
+}
+
+void comparison_section(Builder& b, const ReportOptions& options, const Content& content, bool central,
+                        const DifferenceHistory& differences) {
+  if (!content.measured && !content.simulated) return;
+  b.heading(1, content.comparison ? "Comparison" : "Motion");
+  if (content.comparison && !content.comparison->metrics.empty()) b.add(metrics_table(content.comparison->metrics));
+  const std::vector<double> times = chosen_times(options, content);
+  for (const std::string& field : options.fields_drawn) b.figure(field_figure(content, field, times, central));
+  b.figure(history_figure(content, chosen_points(options, content)));
+  b.figure(difference_figure(content, differences));
+  b.figure(outline_figure(content));
+}
+
+void flags_section(Builder& b, const Content& content, const std::vector<PairQuality>& pairs) {
+  b.heading(1, "What was flagged");
+  const std::vector<std::string> list = flags(content, pairs);
+  if (list.empty()) b.paragraph("Nothing was flagged: no step, no shortage of valid vectors, no particle that ended early.");
+  else b.add(List{list});
+  if (auto table = ends_table(content)) b.add(std::move(*table));
+}
+
+std::string utc_now() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  ::gmtime_r(&now, &parts);
+  char text[64];
+  std::strftime(text, sizeof text, "%Y-%m-%d %H:%M UTC", &parts);
+  return text;
+}
+
+void appendix(Builder& b, const Content& content) {
+  b.heading(1, "How this was made");
+  if (!content.command.empty()) {
+    b.paragraph("Command:");
+    b.add(Code{content.command});
+  }
+  b.paragraph(versions() + " Written " + utc_now() + ".");
+  b.heading(2, "How to cite");
+  b.add(List{{"pivnp " + program_version() + ": from lab video to verdict by PIV, numerical particles, MPM and comparison. Free software, "
+              "GPL-3.0-or-later.",
+              "N. M. Pinyol and M. Alvarado (2017). Novel analysis for large strains based on particle image velocimetry. Canadian "
+              "Geotechnical Journal 54(7), 933\u2013944.",
+              "M. Alvarado (2018). Landslide motion assessment including thermal interaction: an MPM approach. PhD thesis, Universitat "
+              "Polit\u00e8cnica de Catalunya."}});
+  if (content.case_text.empty()) return;
+  b.heading(1, "Settings");
+  b.paragraph("The case as run, with every default filled in.");
+  b.add(Code{content.case_text});
+}
+
+}  // namespace
+
+Document make_document(const ReportOptions& options, const Content& content) {
+  const std::vector<PairQuality> pairs = pair_quality(content);
+  const DifferenceHistory differences = difference_history(content);
+  const bool central = content.pair_count == 0 || content.pair(0).anchor == Anchor::central;
+
+  Builder b;
+  b.document.title = options.title.empty() ? content.name : options.title;
+  if (b.document.title.empty()) b.document.title = "Report";
+  b.document.subtitle = content.comparison                        ? "Measurement and simulation compared"
+                        : content.measured && content.simulated ? "Measurement and simulation"
+                        : content.simulated                     ? "Simulation"
+                                                                : "Measurement";
+  b.paragraph(verdict(content, pairs, differences), true);
+  comparison_section(b, options, content, central, differences);
+  if (!pairs.empty()) {
+    b.heading(1, "Measurement");
+    b.paragraph(measurement_text(content, pairs));
+    for (Figure& figure : vector_figures(content, pairs)) b.add(std::move(figure));
+    b.figure(quality_figure(content, pairs));
+  }
+  if (content.energy.size() >= 2) {
+    b.heading(1, "Simulation");
+    b.figure(energy_figure(content));
+  }
+  flags_section(b, content, pairs);
+  appendix(b, content);
+  return std::move(b.document);
+}
+
+}  // namespace pivnp::report

@@ -1,0 +1,171 @@
+#include "apps/report/words.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <vector>
+
+namespace pivnp::report {
+
+namespace {
+
+// Decimals without a locale, with a true minus sign.
+std::string fixed(double value, int decimals) {
+  std::array<char, 400> text{};
+  const auto end = std::to_chars(text.begin(), text.end(), value, std::chars_format::fixed, std::max(decimals, 0)).ptr;
+  std::string s(text.begin(), end);
+  const bool zero = s.find_first_of("123456789") == std::string::npos;
+  if (s[0] == '-') s = zero ? s.substr(1) : "\u2212" + s.substr(1);
+  return s;
+}
+
+std::string superscript(int n) {
+  static const std::array<const char*, 10> digit = {"\u2070", "\u00b9", "\u00b2", "\u00b3", "\u2074",
+                                                    "\u2075", "\u2076", "\u2077", "\u2078", "\u2079"};
+  std::string s;
+  for (char c : std::to_string(n)) s += c == '-' ? "\u207b" : digit[std::size_t(c - '0')];
+  return s;
+}
+
+// Power of ten of the first significant digit after rounding to `digits` of them.
+int exponent(double value, int digits) {
+  if (value == 0) return 0;
+  int e = int(std::floor(std::log10(std::abs(value))));
+  if (std::abs(value) / std::pow(10.0, e - digits + 1) >= std::pow(10.0, digits) - 0.5) ++e;
+  return e;
+}
+
+bool plain_range(int e) { return e >= -4 && e <= 5; }
+
+std::string capitalised(std::string s) {
+  if (!s.empty() && s[0] >= 'a' && s[0] <= 'z') s[0] = char(s[0] - 'a' + 'A');
+  return s;
+}
+
+}  // namespace
+
+std::string number(double value, int digits) {
+  if (!std::isfinite(value)) return "n/a";
+  const int e = exponent(value, digits);
+  if (plain_range(e)) return fixed(value, digits - 1 - e);
+  return fixed(value / std::pow(10.0, e), digits - 1) + " \u00d7 10" + superscript(e);
+}
+
+std::string value_with_uncertainty(double value, double uncertainty) {
+  if (!std::isfinite(value)) return "n/a";
+  if (!std::isfinite(uncertainty) || uncertainty <= 0) return number(value);
+  const int e_u = exponent(uncertainty, 2);
+  const int e = std::max(exponent(value, 3), e_u);  // of the larger of the two
+  if (plain_range(e) && e_u >= -6)
+    return fixed(value, 1 - e_u) + " \u00b1 " + fixed(uncertainty, 1 - e_u);
+  const double scale = std::pow(10.0, e);
+  return "(" + fixed(value / scale, 1 - e_u + e) + " \u00b1 " + fixed(uncertainty / scale, 1 - e_u + e) +
+         ") \u00d7 10" + superscript(e);
+}
+
+std::string percent(double share) {
+  if (!std::isfinite(share)) return "n/a";
+  if (share > 0 && share < 0.0005) return "< 0.1 %";
+  if (share < 1 && share > 0.9995) return "> 99.9 %";
+  return fixed(100 * share, share == 0 || share == 1 ? 0 : 1) + " %";
+}
+
+std::string count(std::size_t n, std::string_view singular, std::string_view plural) {
+  std::string digits = std::to_string(n), grouped;
+  for (std::size_t k = 0; k < digits.size(); ++k) {
+    if (k > 0 && digits.size() > 4 && (digits.size() - k) % 3 == 0) grouped += "\u202f";
+    grouped += digits[k];
+  }
+  const std::string noun = n == 1 ? std::string(singular) : plural.empty() ? std::string(singular) + "s" : std::string(plural);
+  return grouped + " " + noun;
+}
+
+std::string field_words(std::string_view name) {
+  static const std::map<std::string, std::string, std::less<>> known = {
+      {"displacement_magnitude", "displacement"}, {"displacement_x", "displacement x"}, {"displacement_y", "displacement y"},
+      {"velocity_magnitude", "velocity"}, {"acceleration_magnitude", "acceleration"},
+      {"strain_dev", "deviatoric strain"}, {"strain_vol", "volumetric strain"}, {"strain_1", "major principal strain"},
+      {"strain_2", "minor principal strain"}, {"strain_angle", "direction of the major principal strain"},
+      {"strain_dev_path", "deviatoric strain along the path"}, {"strain_sum_dev", "summed deviatoric strain"},
+      {"plastic_dev", "plastic deviatoric strain"}, {"mean_stress", "mean stress"}, {"J", "volume ratio J"}};
+  if (const auto it = known.find(name); it != known.end()) return it->second;
+  std::string s(name);
+  std::replace(s.begin(), s.end(), '_', ' ');
+  return s;
+}
+
+std::string metric_words(const std::string& name) {
+  std::vector<std::string> words, statistic;
+  static const std::map<std::string, std::string> statistics = {
+      {"rms", "RMS"}, {"p95", "95th percentile"}, {"max", "maximum"}, {"min", "minimum"}, {"mean", "mean"},
+      {"median", "median"}, {"bias", "mean difference"}, {"first", "measured"}, {"second", "simulated"},
+      {"final", "at the end"}, {"relative", "relative"}, {"difference", "simulated \u2212 measured"}};
+  static const std::map<std::string, std::string> abbreviations = {{"dev", "deviatoric"}, {"vol", "volumetric"},
+                                                                   {"deg", ""}, {"out", "out"}};
+  for (std::size_t from = 0; from <= name.size();) {
+    const std::size_t to = std::min(name.find('_', from), name.size());
+    const std::string w = name.substr(from, to - from);
+    from = to + 1;
+    if (w.empty()) continue;
+    if (const auto it = statistics.find(w); it != statistics.end()) statistic.push_back(it->second);
+    else if (const auto ab = abbreviations.find(w); ab != abbreviations.end()) {
+      if (!ab->second.empty()) words.push_back(ab->second);
+    } else words.push_back(w);
+  }
+  // strain_dev reads "deviatoric strain".
+  if (words.size() >= 2 && words[0] == "strain" && (words[1] == "deviatoric" || words[1] == "volumetric"))
+    std::swap(words[0], words[1]);
+  std::string text;
+  for (const std::string& w : words) text += (text.empty() ? "" : " ") + w;
+  for (const std::string& s : statistic) text += (text.empty() ? "" : ", ") + s;
+  return capitalised(text);
+}
+
+std::string unit_suffix(const std::string& unit) { return unit.empty() || unit == "1" ? "" : " " + unit; }
+
+DisplayUnit display_unit(const std::string& unit, double largest) {
+  if (unit == "m" && largest > 0 && largest < 2e-4) return {1e6, "\u00b5m"};
+  if (unit == "m" && largest > 0 && largest < 0.5) return {1e3, "mm"};
+  return {1, unit};
+}
+
+std::string clean_utf8(std::string_view text) {
+  std::string out;
+  for (std::size_t k = 0; k < text.size();) {
+    const auto c = static_cast<unsigned char>(text[k]);
+    const std::size_t length = c < 0x80 ? 1 : c >= 0xc2 && c < 0xe0 ? 2 : c >= 0xe0 && c < 0xf0 ? 3 : c >= 0xf0 && c < 0xf5 ? 4 : 0;
+    bool good = length > 0 && k + length <= text.size();
+    for (std::size_t j = 1; good && j < length; ++j) good = (static_cast<unsigned char>(text[k + j]) & 0xc0) == 0x80;
+    if (good && length >= 3) {  // overlong forms, surrogates, beyond U+10FFFF
+      const auto d = static_cast<unsigned char>(text[k + 1]);
+      good = !((c == 0xe0 && d < 0xa0) || (c == 0xed && d >= 0xa0) || (c == 0xf0 && d < 0x90) || (c == 0xf4 && d >= 0x90));
+    }
+    if (!good) {
+      out += "\ufffd";
+      ++k;
+      continue;
+    }
+    if (length > 1 || c == '\n' || c == '\t' || (c >= 0x20 && c != 0x7f)) out.append(text.substr(k, length));
+    k += length;
+  }
+  return out;
+}
+
+std::string escape_html(std::string_view text) {
+  std::string out;
+  for (char c : clean_utf8(text)) {
+    switch (c) {
+      case '&': out += "&amp;"; break;
+      case '<': out += "&lt;"; break;
+      case '>': out += "&gt;"; break;
+      case '"': out += "&quot;"; break;
+      case '\'': out += "&#39;"; break;
+      default: out += c;
+    }
+  }
+  return out;
+}
+
+}  // namespace pivnp::report

@@ -1,0 +1,57 @@
+// The report's files.
+#include <algorithm>
+#include <map>
+#include <regex>
+#include <system_error>
+
+#include "apps/report/content.hpp"
+#include "apps/report/files.hpp"
+#include "apps/report/html.hpp"
+#include "apps/report/pdf.hpp"
+#include "apps/report/sections.hpp"
+#include "apps/report/sheet.hpp"
+
+namespace pivnp::report {
+
+namespace {
+
+constexpr double print_dpi = 300;
+
+// Figures of an earlier report that this one does not have would be taken for its own.
+void remove_stale(const std::filesystem::path& folder, const std::map<std::string, std::string>& kept) {
+  static const std::regex ours("(vectors_\\d+|displacement|deviatoric_strain|histories|difference|outline|quality|energy)\\.(png|svg)");
+  std::error_code error;
+  std::vector<std::filesystem::path> stale;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    if (std::regex_match(name, ours) && kept.count(entry.path().stem().string()) == 0) stale.push_back(entry.path());
+  }
+  for (const auto& file : stale) std::filesystem::remove(file, error);
+}
+
+std::string bytes_of(const QByteArray& bytes) { return std::string(bytes.constData(), std::size_t(bytes.size())); }
+
+}  // namespace
+
+void write_content(const ReportOptions& options, const Content& content, const std::filesystem::path& directory) {
+  start_qt();
+  const std::filesystem::path figures = directory / "figures";
+  make_folder(figures);
+  const Document document = make_document(options, content);
+
+  std::map<std::string, std::string> png;
+  for (const Block& block : document.blocks)
+    if (const auto* figure = std::get_if<Figure>(&block)) {
+      std::string& bytes = png[figure->name];
+      bytes = bytes_of(figure->sheet->png(print_dpi));
+      write_file(figures / (figure->name + ".png"), bytes);
+      write_file(figures / (figure->name + ".svg"), bytes_of(figure->sheet->svg()));
+      // A photograph at print resolution would make the page heavy.
+      if (bytes.size() > 1'200'000) bytes = bytes_of(figure->sheet->png(190));
+    }
+  remove_stale(figures, png);
+  write_file(directory / "report.pdf", pdf(document));
+  write_file(directory / "report.html", html(document, [&](const Figure& f) { return png.at(f.name); }));
+}
+
+}  // namespace pivnp::report

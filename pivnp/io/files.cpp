@@ -1,0 +1,77 @@
+#include "pivnp/io/files.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "pivnp/core/error.hpp"
+
+namespace pivnp::io {
+
+namespace {
+
+// Closes on leaving.
+struct Descriptor {
+  int value;
+  ~Descriptor() {
+    if (value >= 0) ::close(value);
+  }
+};
+
+void write_all(int descriptor, const std::string& text, const std::filesystem::path& path) {
+  for (std::size_t done = 0; done < text.size();) {
+    const ssize_t written = ::write(descriptor, text.data() + done, text.size() - done);
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) throw RunError(write_failure(path, errno));
+    done += static_cast<std::size_t>(written);
+  }
+  if (::fsync(descriptor) != 0) throw RunError(write_failure(path, errno));
+}
+
+}  // namespace
+
+std::string write_failure(const std::filesystem::path& path, int error) {
+  return path.string() + ": cannot be written: " + std::strerror(error);
+}
+
+void sync_directory(const std::filesystem::path& directory) {
+  const Descriptor d{::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
+  // Some file systems know no fsync of a directory (EINVAL): nothing more can be done there.
+  if (d.value < 0 || (::fsync(d.value) != 0 && errno != EINVAL)) throw RunError(write_failure(directory, errno));
+}
+
+void rename_file(const std::filesystem::path& from, const std::filesystem::path& to) {
+  if (::rename(from.c_str(), to.c_str()) != 0) throw RunError(write_failure(to, errno));
+  sync_directory(to.has_parent_path() ? to.parent_path() : ".");
+}
+
+void write_text_file(const std::filesystem::path& path, const std::string& text) {
+  const std::filesystem::path temporary = path.string() + ".tmp";
+  try {
+    const Descriptor d{::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)};
+    if (d.value < 0) throw RunError(write_failure(temporary, errno));
+    write_all(d.value, text, temporary);
+  } catch (...) {
+    ::unlink(temporary.c_str());
+    throw;
+  }
+  rename_file(temporary, path);
+}
+
+DirectoryLock::DirectoryLock(const std::filesystem::path& directory) {
+  const std::filesystem::path file = directory / ".lock";
+  descriptor_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  if (descriptor_ < 0) throw RunError(write_failure(file, errno));
+  if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
+  const int error = errno;
+  ::close(descriptor_);
+  if (error == EWOULDBLOCK) throw InputError(directory.string() + ": another run is writing here (it holds .lock); expected a free directory");
+  throw RunError(file.string() + ": cannot be locked: " + std::strerror(error));
+}
+
+DirectoryLock::~DirectoryLock() { ::close(descriptor_); }
+
+}  // namespace pivnp::io

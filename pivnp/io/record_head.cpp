@@ -1,0 +1,87 @@
+#include <sstream>
+
+#include "pivnp/core/error.hpp"
+#include "pivnp/io/record_impl.hpp"
+
+namespace pivnp::io {
+
+namespace {
+
+// "line 12: 'window_px = 24' there, 'window_px = 32' now", or empty if the texts are equal.
+std::string first_difference(const std::string& there, const std::string& now) {
+  if (there == now) return "";
+  std::istringstream a(there), b(now);
+  std::string line_a, line_b;
+  for (int number = 1;; ++number) {
+    const bool has_a = bool(std::getline(a, line_a)), has_b = bool(std::getline(b, line_b));
+    if (!has_a && !has_b) return "in the line ends";
+    if (has_a && has_b && line_a == line_b) continue;
+    const auto quoted = [](bool has, const std::string& line) { return has ? "'" + line + "'" : std::string("nothing"); };
+    return "first in line " + std::to_string(number) + ": " + quoted(has_a, line_a) + " there, " + quoted(has_b, line_b) +
+           " now";
+  }
+}
+
+}  // namespace
+
+void write_head(h5::OutputFile& file, const RecordHead& head, const std::string& created) {
+  file.attribute("/", "schema", schema_name);
+  file.attribute("/", "schema_version", schema_version);
+  file.attribute("/", "command", head.command);
+  file.attribute("/", "created", created);
+  file.attribute("/", "length_unit", head.length_unit);
+  file.attribute("/", "time_unit", head.time_unit);
+  file.write_text("/case", head.case_text);
+  file.group("/grid");
+  file.attribute("/grid", "origin", head.grid.origin.data(), {2});
+  file.attribute("/grid", "spacing", head.grid.spacing.data(), {2});
+  file.attribute("/grid", "nodes", std::vector<std::int64_t>{head.grid.nx, head.grid.ny});
+  file.attribute("/grid", "unit", head.length_unit);
+  file.group("/camera");
+  if (head.metres_per_pixel) file.attribute("/camera", "metres_per_pixel", *head.metres_per_pixel);
+  const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> rows = head.world_from_pixel;
+  file.attribute("/camera", "world_from_pixel", rows.data(), {3, 3});
+  if (!head.distortion.empty()) file.attribute("/camera", "distortion", head.distortion.data(), {head.distortion.size()});
+  file.attribute("/camera", "residual", head.camera_residual);
+  file.attribute("/camera", "unit", head.length_unit);
+}
+
+RecordHead read_head(const h5::Source& source) {
+  RecordHead head;
+  head.command = source.attribute_text("/", "command");
+  head.length_unit = source.attribute_text("/", "length_unit");
+  head.time_unit = source.attribute_text("/", "time_unit");
+  const std::vector<std::string> text = source.texts("/case");
+  head.case_text = text.empty() ? "" : text[0];
+  const auto numbers = [&](const char* object, const char* name, std::size_t count) {
+    std::vector<double> values = source.attribute_numbers(object, name);
+    if (values.size() != count)
+      throw InputError(source.name() + ": " + object + ": attribute '" + name + "' has " + std::to_string(values.size()) +
+                       " numbers, expected " + std::to_string(count));
+    return values;
+  };
+  head.grid.origin = Vec2(numbers("/grid", "origin", 2).data());
+  head.grid.spacing = Vec2(numbers("/grid", "spacing", 2).data());
+  const std::vector<double> nodes = numbers("/grid", "nodes", 2);
+  head.grid.nx = static_cast<int>(nodes[0]);
+  head.grid.ny = static_cast<int>(nodes[1]);
+  if (source.has_attribute("/camera", "metres_per_pixel"))
+    head.metres_per_pixel = source.attribute_number("/camera", "metres_per_pixel");
+  head.world_from_pixel = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>(numbers("/camera", "world_from_pixel", 9).data());
+  if (source.has_attribute("/camera", "distortion")) head.distortion = source.attribute_numbers("/camera", "distortion");
+  head.camera_residual = source.attribute_number("/camera", "residual");
+  return head;
+}
+
+void check_same_run(const RecordHead& there, const RecordHead& now, const std::string& where) {
+  const std::string advice = "; run without --resume to start again";
+  const std::string difference = first_difference(there.case_text, now.case_text);
+  if (!difference.empty())
+    throw InputError(where + ": the case differs from that of the run to resume, " + difference + advice);
+  if (!(there.grid == now.grid))
+    throw InputError(where + ": the grid differs from that of the run to resume, though the case is the same (other frames?)" + advice);
+  if (there.world_from_pixel != now.world_from_pixel || there.length_unit != now.length_unit || there.time_unit != now.time_unit)
+    throw InputError(where + ": the camera or the units differ from those of the run to resume, though the case is the same" + advice);
+}
+
+}  // namespace pivnp::io

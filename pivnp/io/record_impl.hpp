@@ -1,0 +1,63 @@
+// The writer's insides. Private to this folder's sources.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pivnp/io/files.hpp"
+#include "pivnp/io/record.hpp"
+#include "pivnp/io/segment.hpp"
+
+namespace pivnp::io {
+
+struct RecordWriter::Impl {
+  struct Stage {
+    StageFiles files;
+    std::unique_ptr<OpenSegment> open;
+    std::vector<EnergyRow> energy;  // of items that are not yet in a closed segment
+    bool complete = false;
+    bool failed = false;            // a write failed: nothing more is taken
+    std::size_t particles = 0;
+    std::int64_t order = 0;         // of motions
+
+    std::size_t items() const { return open ? open->first() + open->count() : files.items(); }
+  };
+
+  Impl(const std::filesystem::path& dir, const RecordHead& h, bool resume);
+
+  Stage& writable(const std::string& name);
+  void add(const std::string& name, const std::vector<ItemArray>& arrays);
+  void close(Stage& stage, const std::vector<std::byte>* checkpoint);
+  std::vector<const Stage*> motions() const;  // in the order of their beginning
+  void pack();
+  void remove_parts();
+
+  std::filesystem::path directory, parts;
+  RecordHead head;
+  std::string created;
+  Units units;
+  DirectoryLock lock;
+  std::map<std::string, Stage> stages;
+  std::map<std::string, StageFiles> former;    // as found on disk
+  std::unique_ptr<RecordReader> finished;      // resumed, but there is nothing left to do
+  std::vector<Frame> frames;
+  std::optional<ComparisonData> comparison;
+  std::vector<std::string> output_fields;
+  mutable std::optional<std::pair<std::filesystem::path, h5::Source>> last_read;
+
+ private:
+  void start_afresh();
+  void take_up();
+};
+
+/// /, /case, /grid and /camera.
+void write_head(h5::OutputFile& file, const RecordHead& head, const std::string& created);
+RecordHead read_head(const h5::Source& source);
+
+/// Throws InputError with a line that starts with `where` if a run of `there` cannot go on as `now`.
+void check_same_run(const RecordHead& there, const RecordHead& now, const std::string& where);
+
+}  // namespace pivnp::io

@@ -1,0 +1,172 @@
+// From segments to DIR/record.h5.
+#include <algorithm>
+
+#include "pivnp/core/error.hpp"
+#include "pivnp/core/particles/derived.hpp"
+#include "pivnp/io/motion_file.hpp"
+#include "pivnp/io/record_impl.hpp"
+#include "pivnp/io/xdmf.hpp"
+
+namespace pivnp::io {
+
+namespace {
+
+using h5::Packing;
+using h5::Shape;
+using h5::Type;
+
+constexpr std::size_t copy_bytes = std::size_t{32} << 20;  // held in memory while copying
+
+// Copies one array of all segments to GROUP/NAME, a block of items at a time. Arrays that no segment has are left out;
+// items that lack an array others have are NaN.
+void pack_array(h5::OutputFile& out, const std::string& group, const ItemArray& a, const StageFiles& files) {
+  const std::size_t total = files.items();
+  const bool present = std::any_of(files.segments.begin(), files.segments.end(),
+                                   [&](const SegmentInfo& s) { return h5::Source(s.path).has("/" + a.name); });
+  if (!present && total > 0) return;
+  h5::Dataset to = out.series(group + "/" + a.name, a.type, a.item, total, false, a.unit, Packing::deflated);
+  const std::size_t block = std::clamp<std::size_t>(copy_bytes / std::max<std::size_t>(1, a.bytes()), 1, segment_items);
+  std::vector<std::byte> buffer;
+  for (const SegmentInfo& s : files.segments) {
+    const h5::Source source(s.path);
+    if (!source.has("/" + a.name)) continue;
+    const h5::Dataset from = source.dataset("/" + a.name);
+    Shape expected{s.count};
+    expected.insert(expected.end(), a.item.begin(), a.item.end());
+    from.expect(expected);
+    for (std::size_t k = 0; k < s.count; k += block) {
+      const std::size_t count = std::min(block, s.count - k);
+      buffer.resize(count * a.bytes());
+      from.read(a.type, k, count, buffer.data());
+      out.write_items(to, a.type, s.first + k, count, buffer.data());
+    }
+  }
+}
+
+void pack_frames(h5::OutputFile& out, const std::vector<Frame>& frames, const Units& units) {
+  std::vector<std::string> names;
+  std::vector<double> times;
+  std::vector<std::uint8_t> flags;
+  for (const Frame& f : frames) {
+    names.push_back(f.name);
+    times.push_back(f.time);
+    flags.push_back(f.flag);
+  }
+  out.group("/frames");
+  out.write_texts("/frames/name", names);
+  out.write("/frames/time", times, units.time);
+  out.write("/frames/flag", flags, "");
+}
+
+void pack_energy(h5::OutputFile& out, const std::vector<const StageFiles*>& motions, const Units& units) {
+  for (const StageFiles* files : motions) {
+    std::vector<EnergyRow> rows;
+    const auto append = [&](const std::filesystem::path& path) {
+      const std::vector<EnergyRow> more = read_energy(h5::Source(path));
+      rows.insert(rows.end(), more.begin(), more.end());
+    };
+    for (const SegmentInfo& s : files->segments) append(s.path);
+    append(files->end);
+    if (rows.empty()) continue;
+    out.group("/energy");
+    out.attribute("/energy", "motion", files->stage.substr(7));
+    for (const EnergyColumn& column : energy_table()) {
+      std::vector<double> values;
+      for (const EnergyRow& row : rows) values.push_back(row.*column.member);
+      out.write(std::string("/energy/") + column.name, values, column.member == &EnergyRow::time ? units.time : units.energy());
+    }
+    return;
+  }
+}
+
+void pack_comparison(h5::OutputFile& out, const ComparisonData& c, const Units& units) {
+  out.group("/compare");
+  out.attribute("/compare", "measured", c.measured);
+  out.attribute("/compare", "simulated", c.simulated);
+  for (const Metric& m : c.metrics) {
+    const std::string group = "/compare/" + m.name;
+    out.group(group);
+    out.attribute(group, "value", m.value);
+    out.attribute(group, "unit", m.unit);
+    out.attribute(group, "uncertainty", m.uncertainty);
+    out.attribute(group, "definition", m.definition);
+    out.attribute(group, "verdict", m.verdict);
+  }
+  if (c.fields.empty()) return;
+  out.group("/compare/fields");
+  for (const ComparisonData::Field& f : c.fields) {
+    const std::string group = "/compare/fields/" + f.name;
+    out.group(group);
+    out.attribute(group, "definition", f.definition);
+    out.write(group + "/time", f.time, units.time);
+    out.write(group + "/id", f.id, "");
+    out.write(group + "/value", Type::f32, {f.time.size(), f.id.size()}, f.values.data(), f.unit, Packing::deflated);
+  }
+}
+
+// Fields of output.fields, frame by frame. A field whose source this motion lacks is left out.
+void pack_fields(h5::OutputFile& out, const MotionSource& motion, const std::vector<std::string>& names, bool central,
+                 const Units& units) {
+  const std::size_t frames = motion.times().size(), particles = motion.particles().size();
+  if (frames == 0) return;
+  const MotionFrame first = motion.frame(0);
+  const std::string group = "/motion/" + motion.name() + "/fields";
+  std::vector<std::pair<std::string, h5::Dataset>> fields;
+  for (const std::string& name : names) {
+    const bool stress = name.starts_with("stress_") || name == "mean_stress";
+    if ((name == "plastic_dev" && first.plastic_dev.empty()) || (stress && first.stress.empty())) continue;
+    if (fields.empty()) out.group(group);
+    const std::string path = group + "/" + name;
+    if (out.source().has(path)) continue;  // named twice
+    const DerivedField& field = derived_field(name);
+    fields.emplace_back(name, out.series(path, Type::f32, {particles}, frames, false, units.of(field.unit), Packing::deflated));
+    out.attribute(path, "definition", std::string(field.definition));
+  }
+  if (fields.empty()) return;
+  DerivedReader reader(motion, central);
+  std::vector<float> values(particles);
+  for (std::size_t k = 0; k < frames; ++k)
+    for (auto& [name, dataset] : fields) {
+      const std::vector<double> exact = reader.values(name, k);
+      std::transform(exact.begin(), exact.end(), values.begin(), [](double v) { return static_cast<float>(v); });
+      out.write_items(dataset, Type::f32, k, 1, values.data());
+    }
+}
+
+// The anchor of the measurement decides how increments are summed; without one, central.
+bool central_anchor(const h5::Source& record) {
+  if (!record.has("/piv/anchor")) return true;
+  const auto anchors = record.dataset("/piv/anchor").all<std::uint8_t>();
+  return anchors.empty() || static_cast<Anchor>(anchors[0]) == Anchor::central;
+}
+
+}  // namespace
+
+void RecordWriter::Impl::pack() {
+  h5::OutputFile out(directory / "record.h5");
+  write_head(out, head, created);
+  if (!frames.empty()) pack_frames(out, frames, units);
+  if (const auto piv = stages.find("piv"); piv != stages.end()) {
+    out.group("/piv");
+    for (const ItemArray& a : pair_arrays(head.grid, units, nullptr)) pack_array(out, "/piv", a, piv->second.files);
+  }
+  const std::vector<const Stage*> sides = motions();
+  if (!sides.empty()) out.group("/motion");
+  const bool central = central_anchor(out.source());
+  for (const Stage* stage : sides) {
+    const std::string group = "/" + stage->files.stage, name = stage->files.stage.substr(7);
+    out.group(group);
+    write_particles(out, group, read_particles(h5::Source(stage->files.end), ""), units);
+    for (const ItemArray& a : frame_arrays(stage->particles, units, nullptr)) pack_array(out, group, a, stage->files);
+    if (!output_fields.empty() && stage->items() > 0)
+      pack_fields(out, *open_motion(out.source(), name, units, nullptr), output_fields, central, units);
+  }
+  std::vector<const StageFiles*> files;
+  for (const Stage* stage : sides) files.push_back(&stage->files);
+  pack_energy(out, files, units);
+  if (comparison) pack_comparison(out, *comparison, units);
+  pack_views(out, head.grid, units);
+  out.commit();
+}
+
+}  // namespace pivnp::io

@@ -1,0 +1,121 @@
+#include <charconv>
+
+#include "pivnp/core/error.hpp"
+#include "pivnp/core/text.hpp"
+#include "pivnp/io/motion_file.hpp"
+#include "pivnp/io/record_impl.hpp"
+
+namespace pivnp::io {
+
+namespace {
+
+void check_version(const h5::Source& source) {
+  const std::string& file = source.name();
+  if (!source.has_attribute("/", "schema"))
+    throw InputError(file + ": an HDF5 file without the attribute 'schema', expected a record of pivnp");
+  const std::string schema = source.attribute_text("/", "schema");
+  if (schema != schema_name) throw InputError(file + ": schema '" + schema + "', expected '" + schema_name + "'");
+  const std::string version = source.attribute_text("/", "schema_version");
+  int major = 0;
+  const auto [end, error] = std::from_chars(version.data(), version.data() + version.size(), major);
+  const bool whole = error == std::errc() && (end == version.data() + version.size() || *end == '.');
+  if (!whole || major < 1 || major > schema_major)
+    throw InputError(file + ": schema version '" + version + "', expected " + std::to_string(schema_major) +
+                     ".x (a newer program wrote it)");
+  if (source.has_attribute("/", "stage"))
+    throw InputError(file + ": a segment of a run at work, expected a finished record (record.h5)");
+}
+
+std::vector<Frame> read_frames(const h5::Source& source) {
+  std::vector<Frame> frames;
+  if (!source.has("/frames")) return frames;
+  const std::vector<std::string> names = source.texts("/frames/name");
+  const h5::Dataset time = source.dataset("/frames/time"), flag = source.dataset("/frames/flag");
+  time.expect({names.size()});
+  flag.expect({names.size()});
+  const std::vector<double> times = time.all<double>();
+  const std::vector<std::uint8_t> flags = flag.all<std::uint8_t>();
+  for (std::size_t k = 0; k < names.size(); ++k) frames.push_back({names[k], times[k], flags[k]});
+  return frames;
+}
+
+}  // namespace
+
+struct RecordReader::Impl {
+  explicit Impl(const std::filesystem::path& file) : source(file) {
+    check_version(source);
+    head = read_head(source);
+    units = {head.length_unit, head.time_unit};
+    frames = read_frames(source);
+    motions = source.children("/motion");
+    if (source.has("/piv")) pairs = source.dataset("/piv/pair").shape().at(0);
+  }
+
+  h5::Source source;
+  RecordHead head;
+  Units units;
+  std::vector<Frame> frames;
+  std::vector<std::string> motions;
+  std::size_t pairs = 0;
+};
+
+RecordReader::RecordReader(const std::filesystem::path& file) : impl_(std::make_shared<Impl>(file)) {}
+RecordReader::~RecordReader() = default;
+
+const RecordHead& RecordReader::head() const { return impl_->head; }
+const std::vector<Frame>& RecordReader::frames() const { return impl_->frames; }
+std::size_t RecordReader::pair_count() const { return impl_->pairs; }
+std::vector<std::string> RecordReader::motion_names() const { return impl_->motions; }
+
+VectorField RecordReader::pair(std::size_t index) const {
+  return read_pair(impl_->source, "/piv", impl_->head.grid, index);
+}
+
+std::unique_ptr<MotionSource> RecordReader::motion(const std::string& name) const {
+  bool known = false;
+  for (const std::string& m : impl_->motions) known = known || m == name;
+  if (!known)
+    throw InputError(impl_->source.name() + ": no motion '" + name + "'" +
+                     (impl_->motions.empty() ? "; it holds none" : did_you_mean(name, impl_->motions)));
+  return open_motion(impl_->source, name, impl_->units, impl_);
+}
+
+std::vector<EnergyRow> RecordReader::energy() const {
+  std::vector<EnergyRow> rows;
+  if (!impl_->source.has("/energy")) return rows;
+  rows.resize(impl_->source.dataset("/energy/time").shape().at(0));
+  for (const EnergyColumn& column : energy_table()) {
+    const h5::Dataset d = impl_->source.dataset(std::string("/energy/") + column.name);
+    d.expect({rows.size()});
+    const std::vector<double> values = d.all<double>();
+    for (std::size_t r = 0; r < rows.size(); ++r) rows[r].*column.member = values[r];
+  }
+  return rows;
+}
+
+std::optional<ComparisonData> RecordReader::comparison() const {
+  const h5::Source& source = impl_->source;
+  if (!source.has("/compare")) return std::nullopt;
+  ComparisonData c;
+  c.measured = source.attribute_text("/compare", "measured");
+  c.simulated = source.attribute_text("/compare", "simulated");
+  for (const std::string& name : source.children("/compare")) {
+    if (name == "fields") continue;
+    const std::string group = "/compare/" + name;
+    c.metrics.push_back({name, source.attribute_number(group, "value"), source.attribute_text(group, "unit"),
+                         source.attribute_number(group, "uncertainty"), source.attribute_text(group, "definition"),
+                         source.attribute_text(group, "verdict")});
+  }
+  for (const std::string& name : source.children("/compare/fields")) {
+    const std::string group = "/compare/fields/" + name;
+    ComparisonData::Field f{name, source.attribute_text(group + "/value", "unit"), source.attribute_text(group, "definition"),
+                            source.dataset(group + "/time").all<double>(), source.dataset(group + "/id").all<std::int64_t>(), {}};
+    const h5::Dataset values = source.dataset(group + "/value");
+    values.expect({f.time.size(), f.id.size()});
+    f.values = values.all<float>();
+    c.fields.push_back(std::move(f));
+  }
+  return c;
+}
+
+}  // namespace pivnp::io

@@ -1,0 +1,66 @@
+#include "pivnp/io/schema.hpp"
+
+#include <algorithm>
+#include <cctype>
+
+#include "pivnp/core/error.hpp"
+
+namespace pivnp::io {
+
+std::string Units::of(std::string_view pattern) const {
+  std::string out;
+  for (const char c : pattern) {
+    if (c == 'L') out += length;
+    else if (c == 'T') out += time;
+    else out += c;
+  }
+  return out;
+}
+
+std::vector<ItemArray> pair_arrays(const Grid& grid, const Units& units, const VectorField* f) {
+  using h5::Type;
+  const auto nx = static_cast<hsize_t>(grid.nx), ny = static_cast<hsize_t>(grid.ny);
+  static_assert(sizeof(int) == 4 && sizeof(Anchor) == 1 && sizeof(VectorStatus) == 1);
+  return {
+      {"pair", Type::i32, {2}, "", f ? f->pair.data() : nullptr},
+      {"anchor", Type::u8, {}, "", f ? &f->anchor : nullptr},
+      {"displacement", Type::f32, {ny, nx, 2}, units.length, f ? f->displacement.data() : nullptr},
+      {"status", Type::u8, {ny, nx}, "", f ? f->status.data() : nullptr},
+      {"cov", Type::f32, {ny, nx, 3}, units.length2(), f ? f->cov.data() : nullptr},
+      {"score", Type::f32, {ny, nx}, "1", f ? f->score.data() : nullptr},
+  };
+}
+
+std::vector<ItemArray> frame_arrays(std::size_t particles, const Units& units, const MotionFrame* f) {
+  using h5::Type;
+  const hsize_t p = particles;
+  static_assert(sizeof(ParticleStatus) == 1 && sizeof(EndReason) == 1);
+  auto data = [](const auto* values) -> const void* { return values && !values->empty() ? values->data() : nullptr; };
+  return {
+      {"time", Type::f64, {}, units.time, f ? &f->time : nullptr},
+      {"u", Type::f32, {p, 2}, units.length, data(f ? &f->u : nullptr)},
+      {"F", Type::f32, {p, 2, 2}, "1", data(f ? &f->F : nullptr)},
+      {"status", Type::u8, {p}, "", data(f ? &f->status : nullptr)},
+      {"cov_u", Type::f32, {p, 3}, units.length2(), data(f ? &f->cov_u : nullptr)},
+      {"v", Type::f32, {p, 2}, units.velocity(), data(f ? &f->v : nullptr)},
+      {"stress", Type::f32, {p, 4}, "Pa", data(f ? &f->stress : nullptr)},
+      {"plastic_dev", Type::f32, {p}, "1", data(f ? &f->plastic_dev : nullptr)},
+  };
+}
+
+const std::vector<EnergyColumn>& energy_table() {
+  static const std::vector<EnergyColumn> table = {
+      {"time", &EnergyRow::time},       {"kinetic", &EnergyRow::kinetic}, {"elastic", &EnergyRow::elastic},
+      {"plastic", &EnergyRow::plastic}, {"damping", &EnergyRow::damping}, {"contact", &EnergyRow::contact},
+      {"external", &EnergyRow::external}, {"residual", &EnergyRow::residual}};
+  return table;
+}
+
+void check_name(const std::string& name, const std::string& what) {
+  const bool good = !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
+    return std::isalnum(c) || c == '_' || c == '-';
+  });
+  if (!good) throw InputError(what + ": name '" + name + "', expected letters, digits, '_' and '-'");
+}
+
+}  // namespace pivnp::io
