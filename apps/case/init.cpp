@@ -6,7 +6,6 @@
 #include "apps/case/case.hpp"
 #include "apps/case/listing.hpp"
 #include "apps/case/values.hpp"
-#include "pivnp/core/error.hpp"
 
 namespace pivnp::app {
 
@@ -122,10 +121,6 @@ std::string initial_case(const InitOptions& options, const FrameFacts& facts) {
 }
 
 std::string init_case(const InitOptions& options) {
-  std::error_code ignored;
-  if (fs::is_directory(options.frames, ignored))
-    throw InputError(options.frames + ": found a folder, expected a pattern such as '" +
-                     (fs::path(options.frames) / "*.png").string() + "' (quoted), or a video file");
   image::FrameOptions wanted;
   wanted.path = options.frames;
   const auto source = image::open_frames(wanted, fs::current_path());

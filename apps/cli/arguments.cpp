@@ -10,6 +10,19 @@ namespace pivnp::app {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+// A folder stands for what the case names in it, if that is a pattern or is there; else for all its images.
+std::string frames_path(const std::string& given, const Case& c) {
+  std::error_code ignored;
+  if (!fs::is_directory(given, ignored) || !c.frames) return given;
+  const fs::path name = fs::path(c.frames->path).filename();
+  const bool pattern = name.string().find_first_of("*?[%") != std::string::npos;
+  return !name.empty() && (pattern || fs::exists(given / name, ignored)) ? (given / name).string() : given;
+}
+
+}  // namespace
+
 TerminalProgress progress_for(const Session& session) {
   const ProgressStyle style = session.quiet             ? ProgressStyle::silent
                               : session.err_is_terminal ? ProgressStyle::bar
@@ -62,17 +75,7 @@ RunSettings settings_for(const Arguments& arguments, const Session& session, con
   settings.resume = arguments.resume;
   settings.threads = session.threads;
   settings.command = session.typed;
-  if (arguments.frames.empty()) return settings;
-  fs::path frames = arguments.frames;
-  std::error_code ignored;
-  if (fs::is_directory(frames, ignored)) {
-    const std::string pattern = c.frames ? fs::path(c.frames->path).filename().string() : "";
-    if (pattern.empty())
-      throw InputError("--frames: found the folder " + frames.string() +
-                       ", expected a pattern such as '" + (frames / "*.png").string() + "', since the case names none");
-    frames /= pattern;
-  }
-  settings.frames = frames.string();
+  if (!arguments.frames.empty()) settings.frames = frames_path(arguments.frames, c);
   return settings;
 }
 

@@ -35,7 +35,7 @@ Case load_case(const Arguments& arguments);
 std::string title_of(const Case& c);
 
 /// Settings of a run; `fallback` is the output folder where none is given. A folder given as --frames stands for the
-/// case's own pattern in that folder. Throws InputError if the case names none.
+/// case's own pattern in that folder, if the case has one.
 RunSettings settings_for(const Arguments& arguments, const Session& session, const Case& c,
                          const std::filesystem::path& fallback);
 

@@ -83,7 +83,7 @@ Action declare_init(CLI::App& app, Session& session) {
     bool force = false;
   };
   const auto init = std::make_shared<Init>();
-  app.add_option("FRAMES", init->frames, "glob (quoted), printf pattern or video file")->required();
+  app.add_option("FRAMES", init->frames, "glob (quoted), printf pattern, folder or video file")->required();
   app.add_option("--metres-per-pixel", init->options.metres_per_pixel, "scale, if it is known")->check(CLI::PositiveNumber);
   app.add_option("--rate-hz", init->options.rate_hz, "frames per second of the recording")->check(CLI::PositiveNumber);
   app.add_option("--out", init->out, "writes DIR/case.toml (left out: the case is printed, with the frames' full path)")

@@ -23,7 +23,9 @@ double steady_seconds() {
 
 std::string bar(std::int64_t done, std::int64_t total) {
   const int full = int(std::clamp<std::int64_t>(done * bar_cells / total, 0, bar_cells));
-  return "[" + std::string(std::size_t(full), '#') + std::string(std::size_t(bar_cells - full), '.') + "] ";
+  std::string text = "[";
+  text.append(std::size_t(full), '#').append(std::size_t(bar_cells - full), '.');
+  return text.append("] ");
 }
 
 std::size_t terminal_columns() {
@@ -94,7 +96,7 @@ void TerminalProgress::end_line() {
 std::string duration_text(double seconds) {
   if (seconds < 10) return number(std::round(std::max(0.0, seconds) * 10) / 10, 3) + " s";
   const auto whole = std::int64_t(std::lround(std::min(seconds, 1e9)));
-  auto two = [](std::int64_t n) { return (n < 10 ? "0" : "") + std::to_string(n); };
+  auto two = [](std::int64_t n) { return std::string(n < 10 ? "0" : "").append(std::to_string(n)); };
   if (whole < 60) return std::to_string(whole) + " s";
   if (whole < 3600) return std::to_string(whole / 60) + " min " + two(whole % 60) + " s";
   return std::to_string(whole / 3600) + " h " + two(whole / 60 % 60) + " min";

@@ -42,8 +42,10 @@ std::vector<Found> cases_with_thresholds(const std::vector<std::string>& paths) 
       const auto same = std::count_if(cases.begin(), cases.end(), [&](const Found& f) { return short_name(f.c) == name; });
       cases.push_back({std::move(c), same == 0 ? name : name + "_" + std::to_string(same + 1)});
     }
-  if (cases.empty()) throw InputError("nothing to verify: no case with a threshold in [verify] under " + CLI::detail::join(paths, ", "));
-  return cases;
+  if (!cases.empty()) return cases;
+  std::string where;
+  for (const std::string& path : paths) where.append(where.empty() ? "" : ", ").append(path);
+  throw InputError("nothing to verify: no case with a threshold in [verify] under " + where);
 }
 
 void write_file(const fs::path& file, const std::string& text) {

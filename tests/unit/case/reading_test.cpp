@@ -119,13 +119,16 @@ TEST(Init, RelativeFramesBecomeRelativeToTheCase) {
   EXPECT_EQ(parsed(text).frames->path, "../frames/*.png");
 }
 
-TEST(Init, AFolderInPlaceOfFramesIsNamed) {
-  try {
-    init_case({.frames = "/tmp", .folder = ".", .metres_per_pixel = {}, .rate_hz = {}});
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_EQ(std::string(error.what()), "/tmp: found a folder, expected a pattern such as '/tmp/*.png' (quoted), or a video file");
-  }
+TEST(Init, OpensTheFramesToLearnTheirSize) {
+  const std::filesystem::path folder = std::filesystem::temp_directory_path() / "pivnp init test";
+  std::filesystem::create_directories(folder);
+  for (const char* name : {"a 1.pgm", "a 2.pgm", "a 10.pgm"})
+    std::ofstream(folder / name, std::ios::binary) << "P5\n96 64\n255\n" << std::string(96 * 64, '\x40');
+  const std::string text = init_case({.frames = (folder / "a *.pgm").string(), .folder = folder, .metres_per_pixel = {}, .rate_hz = {}});
+  EXPECT_NE(text.find("# 3 frames of 96 x 64 px"), std::string::npos) << text;
+  EXPECT_EQ(parsed(text).piv->window_px, 8);
+  EXPECT_THROW(init_case({.frames = (folder / "b*.pgm").string(), .folder = folder, .metres_per_pixel = {}, .rate_hz = {}}), InputError);
+  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

@@ -1,0 +1,237 @@
+// The command line: what reaches the library, exit codes, one line an error.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <fstream>
+#include <new>
+#include <sstream>
+
+#include "apps/cli/command_line.hpp"
+#include "apps/cli/commands.hpp"
+#include "apps/cli/signals.hpp"
+#include "pivnp/core/error.hpp"
+#include "tests/unit/cli/fake_study.hpp"
+
+namespace pivnp::app {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+class CommandLine : public testing::Test {
+ protected:
+  void SetUp() override {
+    fake_study() = {};
+    clear_stop_signal();
+  }
+  Folder folder;
+  const std::string measured = folder.write("slope/case.toml", "[frames]\npath = 'img_*.png'\n").string();
+};
+
+// One line that begins as all errors do; the text may be followed by a hint.
+void expect_error(const Ran& ran, int code, const std::string& text) {
+  EXPECT_EQ(ran.code, code);
+  EXPECT_THAT(ran.err, StartsWith("pivnp: error: " + text));
+  EXPECT_EQ(std::count(ran.err.begin(), ran.err.end(), '\n'), 1) << ran.err;
+  EXPECT_EQ(ran.out, "");
+}
+
+TEST_F(CommandLine, RunHandsCaseAndSettingsToTheStudy) {
+  const Ran ran = run_program({"run", measured, "--out", "o ut", "--threads", "3", "--resume", "--frames", "it's/*.png"});
+  EXPECT_EQ(ran.code, 0) << ran.err;
+  const FakeStudy& study = fake_study();
+  ASSERT_EQ(study.calls, std::vector<std::string>{"run_case"});
+  EXPECT_EQ(study.stages, Stages::all);
+  EXPECT_EQ(study.c.frames->path, "img_*.png");
+  EXPECT_EQ(study.settings.out, "o ut");
+  EXPECT_EQ(study.settings.threads, 3);
+  EXPECT_TRUE(study.settings.resume);
+  EXPECT_EQ(study.settings.frames, "it's/*.png");
+  EXPECT_THAT(study.settings.command, StartsWith("pivnp run "));
+  EXPECT_THAT(study.settings.command, HasSubstr("--out 'o ut' --threads 3 --resume --frames 'it'\\''s/*.png'"));
+}
+
+TEST_F(CommandLine, WhatIsLeftOutIsChosen) {
+  EXPECT_EQ(run_program({"run"}).code, 0);
+  EXPECT_EQ(fake_study().settings.out, "out/gate_slope");
+  EXPECT_TRUE(fake_study().c.synth);
+  EXPECT_EQ(run_program({"run", (folder.path / "slope").string()}).code, 0);
+  EXPECT_EQ(fake_study().settings.out, "out/slope");
+  EXPECT_EQ(fake_study().settings.threads, 0);
+  EXPECT_FALSE(fake_study().settings.resume);
+  EXPECT_FALSE(fake_study().settings.frames);
+}
+
+TEST_F(CommandLine, EachCommandCallsItsFunction) {
+  const std::string synth = folder.write("s.toml", "[synth]\n[region.a]\npolygon_m = [[0,0],[1,0],[1,1]]\n"
+                                                   "[material.a]\ndensity_kg_m3 = 1\nyoung_pa = 1\ncohesion_pa = 1\n[mpm]\n").string();
+  for (const auto& [command, call, stages] : std::vector<std::tuple<std::string, std::string, Stages>>{
+           {"piv", "run_case", Stages::piv}, {"track", "run_case", Stages::track}, {"simulate", "run_case", Stages::simulate},
+           {"check", "check_case", Stages::all}, {"synth", "synthesize", Stages::all}}) {
+    fake_study() = {};
+    const Ran ran = run_program({command, synth});
+    EXPECT_EQ(ran.code, 0) << command << ran.err;
+    EXPECT_EQ(fake_study().calls, std::vector<std::string>{call}) << command;
+    EXPECT_EQ(fake_study().stages, stages) << command;
+  }
+  EXPECT_EQ(run_program({"report", "r.h5"}).code, 0);
+  EXPECT_EQ(fake_study().first, "r.h5");
+  EXPECT_EQ(fake_study().settings.out, "");
+}
+
+TEST_F(CommandLine, AFolderOfFramesStandsForTheCasesPattern) {
+  EXPECT_EQ(run_program({"run", measured, "--frames", folder.path.string()}).code, 0);
+  EXPECT_EQ(fake_study().settings.frames, (folder.path / "img_*.png").string());
+  const std::string video = folder.write("v.toml", "[frames]\npath = 'videos/v.mp4'\n").string();
+  EXPECT_EQ(run_program({"run", video, "--frames", folder.path.string()}).code, 0);
+  EXPECT_EQ(fake_study().settings.frames, folder.path.string()) << "no v.mp4 in there: all images of the folder";
+  folder.write("v.mp4", "x");
+  EXPECT_EQ(run_program({"run", video, "--frames", folder.path.string()}).code, 0);
+  EXPECT_EQ(fake_study().settings.frames, (folder.path / "v.mp4").string());
+}
+
+TEST_F(CommandLine, ResultsArePrinted) {
+  fake_study().outcome = {false, "o/record.h5", "o/report.html", "o/report.pdf", {"Frame 3 is bad."}};
+  const Ran ran = run_program({"run", measured});
+  EXPECT_EQ(ran.code, 0);
+  EXPECT_EQ(ran.out, "o/record.h5\no/report.html\no/report.pdf\nnote: Frame 3 is bad.\n");
+  EXPECT_EQ(run_program({"run", measured, "--quiet"}).out, "o/record.h5\no/report.html\no/report.pdf\n");
+  fake_study().outcome.over_limit = true;
+  const Ran over = run_program({"run", measured});
+  EXPECT_EQ(over.code, 3);
+  EXPECT_THAT(over.out, HasSubstr("a limit of [compare.limits] was passed\n"));
+}
+
+TEST_F(CommandLine, FailuresBecomeExitCodes) {
+  auto run_with = [&](std::function<void(Progress&)> work) {
+    fake_study().work = std::move(work);
+    return run_program({"run", measured});
+  };
+  expect_error(run_with([](Progress&) { throw InputError("c.toml:3: no"); }), 2, "c.toml:3: no\n");
+  expect_error(run_with([](Progress&) { throw RunError("disk\nfull"); }), 1, "disk full\n");
+  expect_error(run_with([](Progress&) { throw std::bad_alloc(); }), 1, "out of memory\n");
+  expect_error(run_with([](Progress&) { std::filesystem::create_directory("/proc/none/none"); }), 1, "filesystem error: ");
+  expect_error(run_with([](Progress&) { throw 3; }), 1, "an unknown failure\n");
+  const Ran stopped = run_with([](Progress&) { throw Interrupted(); });
+  EXPECT_EQ(stopped.code, 130);
+  EXPECT_EQ(stopped.err, "pivnp: interrupted; what was finished is kept, --resume goes on from there\n");
+}
+
+TEST_F(CommandLine, CtrlCAsksTheWorkToStop) {
+  install_signal_handlers();
+  fake_study().work = [](Progress& progress) {
+    EXPECT_FALSE(progress.stop_requested());
+    std::raise(SIGINT);
+    if (progress.stop_requested()) throw Interrupted();
+  };
+  EXPECT_EQ(run_program({"run", measured}).code, 130);
+  clear_stop_signal();
+  EXPECT_EXIT((std::raise(SIGTERM), std::raise(SIGINT)), testing::ExitedWithCode(130), "once more ends at once")
+      << "the second ends the program";
+}
+
+TEST_F(CommandLine, AClosedOutputIsAnError) {
+  std::ostringstream out, err;
+  out.setstate(std::ios::badbit);
+  const std::vector<const char*> argv{"pivnp", "run", measured.c_str()};
+  EXPECT_EQ(run_command_line(int(argv.size()), argv.data(), out, err, false), 1);
+  EXPECT_EQ(err.str(), "pivnp: error: standard output cannot be written\n");
+}
+
+TEST_F(CommandLine, BadUsageIsOneLineWithTheNearestName) {
+  expect_error(run_program({"rum"}), 2, "unknown command 'rum'; did you mean 'run'? (see 'pivnp --help')\n");
+  expect_error(run_program({"--threads", "2", "smulate"}), 2, "unknown command 'smulate'; did you mean 'simulate'?");
+  expect_error(run_program({}), 2, "no command is given ('pivnp --help' lists them)\n");
+  expect_error(run_program({"run", measured, "--thread", "2"}), 2,
+               "unknown option '--thread'; did you mean '--threads'? (see 'pivnp run --help')\n");
+  expect_error(run_program({"run", measured, "--otu=x"}), 2, "unknown option '--otu'; did you mean '--out'?");
+  expect_error(run_program({"--quite", "run"}), 2, "unknown option '--quite'; did you mean '--quiet'?");
+  expect_error(run_program({"report"}), 2, "RECORD is required (see 'pivnp report --help')\n");
+  expect_error(run_program({"run", measured, "--threads", "0"}), 2, "--threads: ");
+  expect_error(run_program({"run", measured, "--threads", "two"}), 2, "");
+  expect_error(run_program({"run", measured, "other.toml"}), 2, "");
+  expect_error(run_program({"synth", measured, "--resume"}), 2, "unknown option '--resume'");
+  EXPECT_TRUE(fake_study().calls.empty());
+}
+
+TEST_F(CommandLine, BadCasesEndWithTwo) {
+  expect_error(run_program({"run", "nowhere.toml"}), 2, "nowhere.toml: no such file\n");
+  const std::string bad = folder.write("bad.toml", "[piv]\nwindow = 3\n").string();
+  expect_error(run_program({"check", bad}), 2, bad + ":2: unknown key 'piv.window'; did you mean 'window_px'?\n");
+}
+
+TEST_F(CommandLine, ACaseThatLacksWhatTheCommandNeeds) {
+  const auto file = [&](const std::string& text) { return folder.write("x.toml", text).string(); };
+  expect_error(run_program({"simulate", measured}), 2, measured + ": there is nothing to simulate; expected [mpm]\n");
+  expect_error(run_program({"synth", measured}), 2, measured + ": there is nothing to draw; expected [synth]\n");
+  std::string x = file("name = 'empty'\n");
+  expect_error(run_program({"run", x}), 2, x + ": there is nothing to do; ");
+  expect_error(run_program({"piv", x}), 2, x + ": there are no frames to measure; ");
+  EXPECT_EQ(run_program({"piv", x, "--frames", "a.mp4"}).code, 0);
+  EXPECT_TRUE(fake_study().c.piv && fake_study().c.np);
+  x = file("[frames]\nrate_hz = 3\n");
+  expect_error(run_program({"run", x}), 2, x + ": frames.path: missing; expected it in the case, or --frames PATH\n");
+  EXPECT_EQ(run_program({"run", x, "--frames", "a.mp4"}).code, 0);
+  x = file("[frames]\npath = 'a'\n[compare.limits]\nstrain_rms = 0.1\n");
+  expect_error(run_program({"run", x}), 2, x + ": [compare.limits]: given, but nothing is compared; ");
+  EXPECT_EQ(run_program({"track", x}).code, 0) << "no comparison is asked for";
+}
+
+TEST_F(CommandLine, CompareTakesItsOptionsFromFlagsAndCases) {
+  const std::string c = folder.write("c.toml", "[compare]\nslope_base_m = 0.1\n[compare.limits]\nstrain_rms = 0.2\n").string();
+  const Ran ran = run_program({"compare", "a.h5:np", "b.h5:mpm", "--case", c, "--slope-base-m", "-0.5", "--displacement-rms-m", "1e-3",
+                               "--reference-m", "[[0, 0], [1, 0], [1, 1]]"});
+  EXPECT_EQ(ran.code, 0) << ran.err;
+  const FakeStudy& study = fake_study();
+  EXPECT_EQ(study.first, "a.h5:np");
+  EXPECT_EQ(study.second, "b.h5:mpm");
+  EXPECT_EQ(study.options.slope_base_m, -0.5);
+  EXPECT_EQ(study.options.reference_m.size(), 3u);
+  EXPECT_EQ(study.limits.strain_rms, 0.2);
+  EXPECT_EQ(study.limits.displacement_rms_m, 1e-3);
+  EXPECT_EQ(study.settings.out, "out/compare");
+  expect_error(run_program({"compare", "a", "b", "--slope-base-m", "low"}), 2,
+               "command line: --slope-base-m: found a string \"low\", expected a number (m)\n");
+  expect_error(run_program({"compare", "a", "b", "--strain-rms", "-1"}), 2,
+               "command line: --strain-rms: found -1, expected at least 0\n");
+  expect_error(run_program({"compare", "a", "b", "--slope-base-m", "1\n[x]"}), 2, "command line: --slope-base-m: ");
+  expect_error(run_program({"compare", "a"}), 2, "SECOND is required");
+}
+
+TEST_F(CommandLine, InitWritesACaseThatReads) {
+  folder.write("lab/frames/a 1.pgm", "P5\n64 48\n255\n" + std::string(64 * 48, '\x40'));
+  folder.write("lab/frames/a 2.pgm", "P5\n64 48\n255\n" + std::string(64 * 48, '\x40'));
+  const std::string frames = (folder.path / "lab/frames/*.pgm").string(), lab = (folder.path / "lab").string();
+  const Ran ran = run_program({"init", frames, "--out", lab, "--rate-hz", "50", "--metres-per-pixel", "2e-4"});
+  EXPECT_EQ(ran.code, 0) << ran.err;
+  const Case c = read_case(lab);
+  EXPECT_EQ(c.frames->rate_hz, 50.0);
+  EXPECT_EQ(c.camera.metres_per_pixel, 2e-4);
+  expect_error(run_program({"init", frames, "--out", lab}), 2, lab + "/case.toml: is there already; --force replaces it\n");
+  EXPECT_EQ(run_program({"init", frames, "--out", lab, "--force"}).code, 0);
+  const Ran printed = run_program({"init", frames});
+  EXPECT_EQ(parse_case(printed.out, "printed", ".").frames->path, frames);
+  expect_error(run_program({"init", "lab/a.png", "lab/b.png"}), 2,
+               "FRAMES: found 2 files, expected one pattern; quote it, as in 'lab/*.png'\n");
+  expect_error(run_program({"init", (folder.path / "none*.png").string()}), 2, "");
+  expect_error(run_program({"init", frames, "--rate-hz", "-1"}), 2, "--rate-hz: ");
+}
+
+TEST_F(CommandLine, HelpShowsAnExampleForEveryCommand) {
+  const Ran all = run_program({"--help"});
+  EXPECT_EQ(all.code, 0);
+  EXPECT_EQ(all.err, "");
+  for (const Command& command : commands()) {
+    EXPECT_THAT(all.out, HasSubstr("\n  " + std::string(command.name) + " "));
+    const Ran one = run_program({std::string(command.name), "--help"});
+    EXPECT_EQ(one.code, 0);
+    EXPECT_THAT(one.out, HasSubstr("Examples:\n  pivnp " + std::string(command.name)));
+    EXPECT_THAT(one.out, HasSubstr("--threads"));
+  }
+  EXPECT_EQ(run_program({"--version"}).out.rfind("pivnp ", 0), 0u);
+  EXPECT_TRUE(fake_study().calls.empty());
+}
+
+}  // namespace
+}  // namespace pivnp::app

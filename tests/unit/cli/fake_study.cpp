@@ -1,0 +1,95 @@
+#include "tests/unit/cli/fake_study.hpp"
+
+#include <unistd.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "apps/cli/command_line.hpp"
+
+namespace pivnp::app {
+
+FakeStudy& fake_study() {
+  static FakeStudy study;
+  return study;
+}
+
+namespace {
+
+void called(const std::string& name, const RunSettings& settings, Progress& progress) {
+  fake_study().calls.push_back(name);
+  fake_study().settings = settings;
+  if (fake_study().work) fake_study().work(progress);
+}
+
+}  // namespace
+
+RunOutcome run_case(const Case& c, const RunSettings& settings, Stages stages, Progress& progress) {
+  fake_study().c = c;
+  fake_study().stages = stages;
+  called("run_case", settings, progress);
+  return fake_study().outcome;
+}
+
+RunOutcome compare_records(const std::string& first, const std::string& second, const compare::CompareOptions& options,
+                           const compare::LimitOptions& limits, const RunSettings& settings, Progress& progress) {
+  fake_study().first = first;
+  fake_study().second = second;
+  fake_study().options = options;
+  fake_study().limits = limits;
+  called("compare_records", settings, progress);
+  return fake_study().outcome;
+}
+
+void synthesize(const Case& c, const RunSettings& settings, Progress& progress) {
+  fake_study().c = c;
+  called("synthesize", settings, progress);
+}
+
+RunOutcome report_record(const std::filesystem::path& record, const RunSettings& settings, Progress& progress) {
+  fake_study().first = record.string();
+  called("report_record", settings, progress);
+  return fake_study().outcome;
+}
+
+std::filesystem::path check_case(const Case& c, const RunSettings& settings, Progress& progress) {
+  fake_study().c = c;
+  called("check_case", settings, progress);
+  return settings.out / "check.png";
+}
+
+VerifyResult verify_case(const Case& c, const RunSettings& settings, Progress& progress) {
+  FakeStudy& study = fake_study();
+  study.c = c;
+  called("verify_case", settings, progress);
+  VerifyResult result = study.verdicts.at(0);
+  study.verdicts.erase(study.verdicts.begin());
+  return result;
+}
+
+Ran run_program(const std::vector<std::string>& words) {
+  std::vector<const char*> argv{"/usr/bin/pivnp"};
+  for (const std::string& word : words) argv.push_back(word.c_str());
+  std::ostringstream out, err;
+  const int code = run_command_line(int(argv.size()), argv.data(), out, err, false);
+  return {code, out.str(), err.str()};
+}
+
+Folder::Folder() {
+  std::string name = (std::filesystem::temp_directory_path() / "pivnp cli XXXXXX").string();
+  path = mkdtemp(name.data());
+}
+
+Folder::~Folder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path, ignored);
+}
+
+std::filesystem::path Folder::write(const std::string& name, const std::string& text) const {
+  const std::filesystem::path file = path / name;
+  std::filesystem::create_directories(file.parent_path());
+  std::ofstream(file, std::ios::binary) << text;
+  return file;
+}
+
+}  // namespace pivnp::app
