@@ -99,11 +99,9 @@ void draw_vectors(Sheet& sheet, QCPAxisRect* panel, const VectorField& field, co
 }
 
 void draw_scale_bar(Sheet& sheet, QCPAxisRect* panel, const Box& box, const std::string& unit) {
-  double length = nice_step(0.22 * box.width(), 1);
-  if (length > 0.3 * box.width()) length /= 2;
+  const double length = nice_length(0.25 * box.width());
   const DisplayUnit shown = display_unit(unit, length);
-  const QString words = qt(number(length * shown.factor, 3).substr(0, 40));
-  QString label = words;
+  QString label = qt(number(length * shown.factor));
   if (label.contains('.')) {
     while (label.endsWith('0')) label.chop(1);
     if (label.endsWith('.')) label.chop(1);
@@ -151,8 +149,7 @@ void draw_legend(Sheet& sheet, double x, double right, const PairQuality& q, con
     sheet.text(right, 3.2, "no motion", Qt::AlignRight | Qt::AlignVCenter, small_text);
     return;
   }
-  double reference = nice_step(plan.typical, 1);
-  if (reference > plan.typical * 1.001) reference = nice_step(plan.typical / 2.5, 1);
+  const double reference = nice_length(plan.typical);
   const DisplayUnit shown = display_unit(unit, reference);
   const QString words = qt(number(reference * shown.factor, 1) + unit_suffix(shown.name));
   sheet.text(right, 3.2, words, Qt::AlignRight | Qt::AlignVCenter, small_text);
@@ -178,12 +175,12 @@ std::vector<Figure> vector_figures(const Content& content, const std::vector<Pai
 
     const Box box = image_box(picture.image.width(), picture.image.height(), content.world_from_pixel);
     const double left = 15, right = 3, head = 7, foot = 11, aspect = box.height() / box.width();
-    const double w = std::min(figure_width_mm - left - right, (figure_height_mm - head - foot) / aspect), h = w * aspect;
+    const double w = std::min(figure_width_mm - left - right, (124 - head - foot) / aspect), h = w * aspect;
     const double x = left + (figure_width_mm - left - right - w) / 2;
     auto sheet = std::make_shared<Sheet>(figure_width_mm, head + h + foot);
     QCPAxisRect* panel = world_panel(*sheet, x, head, w, h, box, content.length_unit, true, true);
     const int pixels = std::clamp(int(w / 25.4 * 220), 64, 1400);
-    raster_in(*sheet, panel, to_image(draw_image(picture.image.view(), content.world_from_pixel, box, pixels, 95, 250)));
+    raster_in(*sheet, panel, to_image(draw_image(picture.image.view(), content.world_from_pixel, box, pixels, 120, 252)));
     const Plan plan = plan_arrows(field, w * units_per_mm / box.width());
     draw_vectors(*sheet, panel, field, plan);
     draw_scale_bar(*sheet, panel, box, content.length_unit);

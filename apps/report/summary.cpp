@@ -1,8 +1,9 @@
 #include "apps/report/summary.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
-#include <limits>
+#include <utility>
 
 #include "apps/report/words.hpp"
 #include "pivnp/core/particles/derived.hpp"
@@ -31,7 +32,11 @@ std::string limits_sentence(const std::vector<Metric>& metrics) {
   std::string met, missed;
   for (const Metric& m : metrics) {
     std::string& list = m.verdict == "over limit" ? missed : met;
-    if (m.verdict == "over limit" || m.verdict == "within limit") list += (list.empty() ? "" : "; ") + metric_words(m.name);
+    if (m.verdict == "over limit" || m.verdict == "within limit") {
+      std::string words = metric_words(m.name);
+      words[0] = char(std::tolower(static_cast<unsigned char>(words[0])));
+      list += (list.empty() ? "" : "; ") + words;
+    }
   }
   std::string text;
   if (!missed.empty()) text += " Over the stated limit: " + missed + ".";
@@ -118,8 +123,11 @@ std::string verdict(const Content& content, const std::vector<PairQuality>& pair
     text += limits_sentence(metrics);
     return text;
   }
-  if (content.measured) text += side_sentence(*content.measured, "followed through the measured increments");
-  if (content.simulated) text += (text.empty() ? "" : " Simulated: ") + side_sentence(*content.simulated, "simulated");
+  if (content.measured) text = side_sentence(*content.measured, "followed through the measured increments");
+  if (content.simulated) {
+    if (!text.empty()) text += " Simulated: ";
+    text += side_sentence(*content.simulated, "simulated");
+  }
   std::size_t nodes = 0, valid = 0;
   for (const PairQuality& q : pairs) nodes += q.nodes, valid += q.valid;
   if (nodes > 0)

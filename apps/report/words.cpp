@@ -48,6 +48,7 @@ std::string capitalised(std::string s) {
 
 std::string number(double value, int digits) {
   if (!std::isfinite(value)) return "n/a";
+  if (value == 0) return "0";
   const int e = exponent(value, digits);
   if (plain_range(e)) return fixed(value, digits - 1 - e);
   return fixed(value / std::pow(10.0, e), digits - 1) + " \u00d7 10" + superscript(e);
