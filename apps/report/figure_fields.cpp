@@ -109,7 +109,7 @@ std::string caption(const Fields& f, const std::string& field, std::size_t colum
   if (f.doubtful > 0) text += " Doubtful particles are shown like all others.";
   if (f.scale.above || f.scale.below || (columns == 3 && (f.difference_scale.above || f.difference_scale.below)))
     text += " A pointed colour bar: the outermost 0.5 % of the values lie beyond its end.";
-  if (f.outside > 0) text += " " + count(f.outside, "place of a particle", "places of particles") + " outside the panels.";
+  if (f.outside > 0) text += " Outside the panels: " + count(f.outside, "place of a particle", "places of particles") + ".";
   return text;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <clocale>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
@@ -79,7 +80,12 @@ void start_qt() {
   static char name[] = "pivnp", option[] = "-platform", platform[] = "offscreen";
   static char* argv[] = {name, option, platform, nullptr};
   static int argc = 3;
+  // Remarks on the desktop's folders mean nothing here.
+  const QtMessageHandler handler = qInstallMessageHandler([](QtMsgType type, const QMessageLogContext&, const QString& text) {
+    if (type == QtCriticalMsg || type == QtFatalMsg) std::fprintf(stderr, "Qt: %s\n", qPrintable(text));
+  });
   new QApplication(argc, argv);  // lives as long as the process: Qt does not outlive static destruction well
+  qInstallMessageHandler(handler);
   std::setlocale(LC_ALL, locale.c_str());
   QLocale::setDefault(QLocale::c());
 }

@@ -53,7 +53,7 @@ std::string displacement_sentence(const Metric& rms) {
     return text + "Simulation and measurement are not distinguishable at this uncertainty: a difference of less than " +
            number(2 * rms.uncertainty, 2) + unit_suffix(rms.unit) + " would not be seen.";
   return text + "This is " + number(ratio, 2) +
-         " times the measurement\u2019s own standard uncertainty: the two motions are distinguishable, and the measurement is not what "
+         " times the measurement\u2019s own standard uncertainty (random error): the two motions are distinguishable, and the measurement is not what "
          "limits the comparison.";
 }
 
@@ -130,9 +130,10 @@ std::string verdict(const Content& content, const std::vector<PairQuality>& pair
   }
   std::size_t nodes = 0, valid = 0;
   for (const PairQuality& q : pairs) nodes += q.nodes, valid += q.valid;
-  if (nodes > 0)
-    text += (text.empty() ? "" : " ") + count(pairs.size(), "pair of frames was", "pairs of frames were") + " measured; " +
-            percent(double(valid) / double(nodes)) + " of the vectors are valid.";
+  if (nodes > 0) {
+    if (!text.empty()) text += " ";
+    text += count(pairs.size(), "pair of frames was", "pairs of frames were") + " measured; " + percent(double(valid) / double(nodes)) + " of the vectors are valid.";
+  }
   if (text.empty()) return "The record holds neither vectors nor a motion.";
   if (content.measured && content.simulated) text += " The two were not compared.";
   else if (content.measured) text += " No simulation was compared with the measurement.";

@@ -62,8 +62,9 @@ std::string value_with_uncertainty(double value, double uncertainty) {
   if (plain_range(e) && e_u >= -6)
     return fixed(value, 1 - e_u) + " \u00b1 " + fixed(uncertainty, 1 - e_u);
   const double scale = std::pow(10.0, e);
-  return "(" + fixed(value / scale, 1 - e_u + e) + " \u00b1 " + fixed(uncertainty / scale, 1 - e_u + e) +
-         ") \u00d7 10" + superscript(e);
+  std::string text = "(";
+  text += fixed(value / scale, 1 - e_u + e) + " \u00b1 " + fixed(uncertainty / scale, 1 - e_u + e);
+  return text + ") \u00d7 10" + superscript(e);
 }
 
 std::string percent(double share) {
