@@ -11,7 +11,34 @@ namespace pivnp::report {
 
 namespace {
 constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
+
+// True for particles with neighbours all round at the first frame: those within two spacings of an edge are measured
+// worse, and make poor examples. All true where there are too few particles, or areas are not known.
+std::vector<char> surrounded(const ParticleSet& particles) {
+  std::vector<char> inside(particles.size(), 1);
+  if (particles.area.size() != particles.size() || particles.size() < 50) return inside;
+  const double h = std::sqrt(quantile({particles.area.begin(), particles.area.end()}, 0.5)), radius = 2.6 * h;
+  if (!(h > 0)) return inside;
+  auto cell = [&](double x) { return std::int64_t(std::floor(x / radius)); };
+  std::map<std::pair<std::int64_t, std::int64_t>, std::vector<std::size_t>> cells;
+  for (std::size_t p = 0; p < particles.size(); ++p)
+    cells[{cell(particles.x0[p].x()), cell(particles.x0[p].y())}].push_back(p);
+  std::size_t found = 0;
+  for (std::size_t p = 0; p < particles.size(); ++p) {
+    const Vec2& x = particles.x0[p];
+    double area = 0;
+    for (std::int64_t j = -1; j <= 1; ++j)
+      for (std::int64_t i = -1; i <= 1; ++i)
+        if (const auto it = cells.find({cell(x.x()) + i, cell(x.y()) + j}); it != cells.end())
+          for (const std::size_t q : it->second)
+            if ((particles.x0[q] - x).norm() <= radius) area += double(particles.area[q]);
+    inside[p] = char(area > 0.9 * std::acos(-1.0) * radius * radius);
+    found += std::size_t(inside[p]);
+  }
+  if (found < 10) inside.assign(particles.size(), 1);
+  return inside;
 }
+}  // namespace
 
 double quantile(std::vector<double> values, double q) {
   std::erase_if(values, [](double v) { return !std::isfinite(v); });
@@ -96,7 +123,9 @@ std::vector<Vec2> chosen_points(const ReportOptions& options, const Content& con
     Vec2 x0;
   };
   std::vector<Candidate> followed;
+  const std::vector<char> inside = surrounded(particles);
   for (std::size_t p = 0; p < particles.size(); ++p) {
+    if (!inside[p]) continue;
     const double d = std::hypot(double(last.u[p][0]), double(last.u[p][1]));
     const bool alive = last.status[p] == ParticleStatus::active || last.status[p] == ParticleStatus::doubtful;
     if (alive && std::isfinite(d) && !(p < particles.born.size() && particles.born[p] > start))
@@ -113,7 +142,7 @@ std::vector<Vec2> chosen_points(const ReportOptions& options, const Content& con
                    [](const Candidate& a, const Candidate& b) { return a.displacement < b.displacement; });
 
   // Among those near the quartile, the one furthest from the points taken before: they should not crowd.
-  const std::size_t n = moving.size(), slack = n / 40;
+  const std::size_t n = moving.size(), slack = n / 25;
   for (const double q : {0.75, 0.25, 0.5}) {
     const std::size_t rank = std::size_t(std::lround(q * double(n - 1)));
     std::size_t best = rank;
@@ -209,8 +238,13 @@ Box box_around(const std::vector<const std::vector<Vec2>*>& positions, double sh
   Box box{Vec2::Zero(), Vec2::Ones()};
   if (coordinate[0].empty()) return box;
   for (int a = 0; a < 2; ++a) {
-    box.lower[a] = quantile(coordinate[std::size_t(a)], share);
-    box.upper[a] = quantile(coordinate[std::size_t(a)], 1 - share);
+    const std::vector<double>& c = coordinate[std::size_t(a)];
+    box.lower[a] = quantile(c, share);
+    box.upper[a] = quantile(c, 1 - share);
+    // Only places far off are left out.
+    const double near = 0.25 * (box.upper[a] - box.lower[a]), least = quantile(c, 0), most = quantile(c, 1);
+    if (least >= box.lower[a] - near) box.lower[a] = least;
+    if (most <= box.upper[a] + near) box.upper[a] = most;
   }
   double size = std::max(box.width(), box.height());
   if (size <= 0) size = std::max(1e-6, box.lower.cwiseAbs().maxCoeff() * 1e-3);

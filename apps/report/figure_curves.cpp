@@ -74,7 +74,7 @@ void draw_key_map(Sheet& sheet, const Content& content, const std::vector<Vec2>&
       p.drawText(QRectF(at.x() - 60, at.y() - 46, 120, 36), Qt::AlignHCenter | Qt::AlignBottom, QString(QChar('A' + int(k % 26))));
     }
   });
-  sheet.text(x + w / 2, y + height + 2, "material points at the first frame", Qt::AlignHCenter | Qt::AlignTop, small_text,
+  sheet.text(x + w / 2, y + height + 2, "at the first frame", Qt::AlignHCenter | Qt::AlignTop, small_text,
              false, faint);
 }
 
@@ -98,12 +98,12 @@ std::optional<Figure> history_figure(const Content& content, const std::vector<V
       }
     }
   const DisplayUnit unit = display_unit(content.length_unit, top);
-  auto sheet = std::make_shared<Sheet>(figure_width_mm, 82);
-  const double x = 15, y = 7, w = 103, h = 64;
+  auto sheet = std::make_shared<Sheet>(figure_width_mm, 74);
+  const double x = 15, y = 7, w = 103, h = 56;
   QCPAxisRect* panel = sheet->panel(x, y, w, h);
   pale_grid(panel);
-  set_axis(panel->axis(QCPAxis::atBottom), t0, t1 > t0 ? t1 + 0.04 * (t1 - t0) : t1, axis_label("time", content.time_unit), 6);
-  set_axis(panel->axis(QCPAxis::atLeft), 0, top > 0 ? 1.05 * top * unit.factor : 1, axis_label("displacement", unit.name), 6);
+  set_axis(panel->axis(QCPAxis::atBottom), t0 - 0.015 * (t1 - t0), t1 > t0 ? t1 + 0.03 * (t1 - t0) : t1, axis_label("time", content.time_unit), 6);
+  set_axis(panel->axis(QCPAxis::atLeft), -0.025 * top * unit.factor, top > 0 ? 1.05 * top * unit.factor : 1, axis_label("displacement", unit.name), 6);
 
   std::string list;
   for (std::size_t q = 0; q < points.size(); ++q) {
@@ -146,7 +146,7 @@ std::optional<Figure> history_figure(const Content& content, const std::vector<V
     if (greatest_sigma > 0) next = draw_key(*sheet, next, 3, Key::band, ink, QString::fromUtf8("\u00b12\u03c3 of the measurement"));
   }
   if (!simulated.empty()) draw_key(*sheet, next, 3, Key::line, ink, "simulated");
-  draw_key_map(*sheet, content, points, 131, y, 38, 56);
+  draw_key_map(*sheet, content, points, 132, y, 36, 48);
 
   std::string caption = "Displacement of the material points " + list + unit_suffix(content.length_unit) + " against time";
   caption += !measured.empty() && !simulated.empty() ? ", measured (markers) and simulated (lines)." : measured.empty() ? ", simulated." : ", measured.";
@@ -178,7 +178,8 @@ std::optional<Figure> difference_figure(const Content& content, const Difference
   const double x = 17, y = 7, w = 150, h = 52;
   QCPAxisRect* panel = sheet->panel(x, y, w, h);
   pale_grid(panel);
-  set_axis(panel->axis(QCPAxis::atBottom), d.time.front(), d.time.back(), axis_label("time", content.time_unit), 8);
+  const double pad = 0.012 * (d.time.back() - d.time.front());
+  set_axis(panel->axis(QCPAxis::atBottom), d.time.front() - pad, d.time.back() + pad, axis_label("time", content.time_unit), 8);
   QCPAxis* axis = panel->axis(QCPAxis::atLeft);
   set_axis(axis, 0, top > 0 ? 1.08 * top * unit.factor : 1, axis_label("displacement difference", unit.name), 5);
   if (log) {
@@ -187,7 +188,7 @@ std::optional<Figure> difference_figure(const Content& content, const Difference
     axis->setScaleType(QCPAxis::stLogarithmic);
     const auto ticker = QSharedPointer<QCPAxisTickerLog>::create();
     axis->setTicker(ticker);
-    axis->setRange(std::pow(10, std::floor(std::log10(least))), std::pow(10, std::ceil(std::log10(top * unit.factor))));
+    axis->setRange(0.6 * least, 1.7 * top * unit.factor);
     axis->setNumberFormat("gb");
     axis->setNumberPrecision(1);
   }
@@ -220,7 +221,7 @@ std::optional<Figure> outline_figure(const Content& content) {
     for (const auto& loop : *side) all.push_back(&loop);
   const Box box = box_around(all, 0);
   const double aspect = box.height() / box.width(), left = 15, head = 7, foot = 11;
-  const double w = std::min(140.0, 95 / aspect), h = w * aspect, x = left + (figure_width_mm - left - 5 - w) / 2;
+  const double w = std::min(120.0, 80 / aspect), h = w * aspect, x = left + (figure_width_mm - left - 5 - w) / 2;
   auto sheet = std::make_shared<Sheet>(figure_width_mm, head + h + foot);
   QCPAxisRect* panel = world_panel(*sheet, x, head, w, h, box, content.length_unit, true, true);
   auto path = [panel](const std::vector<std::vector<Vec2>>& loops) {
@@ -273,10 +274,10 @@ std::optional<Figure> energy_figure(const Content& content) {
       }
   }
   const double size = std::max(high, -low), share = size > 0 ? 100 / size : 0;
-  auto sheet = std::make_shared<Sheet>(figure_width_mm, 96);
+  auto sheet = std::make_shared<Sheet>(figure_width_mm, 84);
   const double x = 17, w = 108, margin = high > low ? 0.04 * (high - low) : 1;
-  QCPAxisRect* upper = sheet->panel(x, 5, w, 48);
-  QCPAxisRect* lower = sheet->panel(x, 61, w, 24);
+  QCPAxisRect* upper = sheet->panel(x, 5, w, 42);
+  QCPAxisRect* lower = sheet->panel(x, 53, w, 20);
   for (QCPAxisRect* panel : {upper, lower}) {
     pale_grid(panel);
     set_axis(panel->axis(QCPAxis::atBottom), time.front(), time.back(), panel == lower ? axis_label("time", content.time_unit) : QString(), 6);
@@ -300,8 +301,8 @@ std::optional<Figure> energy_figure(const Content& content) {
     key_y += 5;
   }
   curve(*sheet, lower, time, residual, pen(ink, 1.1));
-  sheet->text(x + 1.5, 6, "(a)", Qt::AlignLeft | Qt::AlignTop, normal_text, true);
-  sheet->text(x + 1.5, 62, "(b)", Qt::AlignLeft | Qt::AlignTop, normal_text, true);
+  sheet->text(x - 15, 2, "(a)", Qt::AlignLeft | Qt::AlignTop, normal_text, true);
+  sheet->text(x - 15, 50, "(b)", Qt::AlignLeft | Qt::AlignTop, normal_text, true);
   const double final_share = residual.back();
   return Figure{"energy",
                 "Energy of the simulation, per metre of thickness: (a) its terms (those that stay zero are left out); (b) the residual, "

@@ -1,5 +1,6 @@
 // Fields on particles, side by side at chosen times.
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "apps/report/figure_parts.hpp"
@@ -31,13 +32,15 @@ struct Fields {
 
 QImage draw_cell(const Cell& cell, const Scale& scale, const Box& box, double width_mm) {
   const Snapshot& s = *cell.snapshot;
+  // Where a difference is shown, an ended particle is one of those without a partner.
+  const Rgb ended_rgb = cell.column == Column::difference ? no_value : ended_colour;
   std::vector<Tile> tiles;
   tiles.reserve(s.position.size());
   for (const bool ended : {true, false})  // those no longer followed lie below
     for (std::size_t p = 0; p < s.position.size(); ++p) {
       if (s.status[p] == ParticleStatus::unborn || (s.status[p] == ParticleStatus::ended) != ended) continue;
       const double v = p < cell.value->size() ? (*cell.value)[p] : std::nan("");
-      tiles.push_back({s.position[p], s.half_x[p], s.half_y[p], ended ? ended_colour : scale.at(v)});
+      tiles.push_back({s.position[p], s.half_x[p], s.half_y[p], ended ? ended_rgb : scale.at(v)});
     }
   return to_image(draw_tiles(tiles, box, int(width_mm / 25.4 * 400)));
 }
@@ -102,11 +105,11 @@ std::string caption(const Fields& f, const std::string& field, std::size_t colum
                            "red: more)." : ".");
   text += " Particles are drawn where they are at each time, as their deformed squares.";
   if (f.ended > 0) text += " Pale grey: particles no longer followed, at their last place.";
-  if (columns == 3) text += " Darker grey: no partner to compare with.";
+  if (columns == 3) text += " Darker grey in the right column: no partner to compare with.";
   if (f.doubtful > 0) text += " Doubtful particles are shown like all others.";
   if (f.scale.above || f.scale.below || (columns == 3 && (f.difference_scale.above || f.difference_scale.below)))
     text += " A pointed colour bar: the outermost 0.5 % of the values lie beyond its end.";
-  if (f.outside > 0) text += " " + count(f.outside, "place of a particle", "places of particles") + " outside the panels.";
+  if (f.outside > 0) text += " Outside the panels: " + count(f.outside, "place of a particle", "places of particles") + ".";
   return text;
 }
 
@@ -133,7 +136,7 @@ std::optional<Figure> field_figure(const Content& content, const std::string& fi
     }
   const std::size_t rows = (cells.size() + per_row - 1) / per_row;
 
-  const double left = 14, right = 3, gap = 5, head = along ? 5 : 10, row_gap = 6, foot = 27;
+  const double left = 14, right = 3, gap = 5, head = along ? 5 : 10, row_gap = 5.5, foot = 24;
   const double aspect = f.box.height() / f.box.width();
   double w = (figure_width_mm - left - right - gap * double(per_row - 1)) / double(per_row);
   w = std::min(w, 80.0);
@@ -167,7 +170,7 @@ std::optional<Figure> field_figure(const Content& content, const std::string& fi
 
   const std::string unit = unit_of(field, content);
   const DisplayUnit shown = display_unit(unit, std::max(std::abs(f.scale.lower), std::abs(f.scale.upper)));
-  const double y_bar = height - foot + 13.5;
+  const double y_bar = height - foot + 12;
   const std::size_t shared = along ? per_row : std::min<std::size_t>(2, columns.size());
   const double span = double(shared) * w + double(shared - 1) * gap, bar = std::min(span * 0.6, 80.0);
   colour_bar(*sheet, x0 + (span - bar) / 2, y_bar, bar, f.scale, shown.factor, axis_label(qt(field_words(field)), shown.name));

@@ -79,10 +79,10 @@ QCPAxisRect* world_panel(Sheet& sheet, double x_mm, double y_mm, double width_mm
   QCPAxisRect* panel = sheet.panel(x_mm, y_mm, width_mm, height_mm);
   QCPAxis *x = panel->axis(QCPAxis::atBottom), *y = panel->axis(QCPAxis::atLeft);
   // One tick distance for both axes, so that the eye can compare lengths.
-  const double step = nice_step(std::max(box.width() / width_mm, box.height() / height_mm) * 16, 1);
-  const int nx = std::max(1, int(box.width() / step)), ny = std::max(1, int(box.height() / step));
-  set_axis(x, box.lower.x(), box.upper.x(), label_x ? axis_label("x", unit) : QString(), nx);
-  set_axis(y, box.lower.y(), box.upper.y(), label_y ? axis_label("y", unit) : QString(), ny);
+  const double step = nice_step(std::max(box.width() / width_mm, box.height() / height_mm) * std::clamp(width_mm / 4, 12.0, 24.0), 1);
+  set_axis(x, box.lower.x(), box.upper.x(), label_x ? axis_label("x", unit) : QString());
+  set_axis(y, box.lower.y(), box.upper.y(), label_y ? axis_label("y", unit) : QString());
+  for (QCPAxis* axis : {x, y}) set_step(axis, step);
   x->setTickLabels(label_x);
   y->setTickLabels(label_y);
   return panel;
@@ -128,11 +128,9 @@ void pale_grid(QCPAxisRect* panel) {
 }
 
 void draw_scale_bar(Sheet& sheet, QCPAxisRect* panel, const Box& box, const std::string& unit) {
-  double length = nice_step(0.22 * box.width(), 1);
-  if (length > 0.3 * box.width()) length /= 2;
+  const double length = nice_length(0.25 * box.width());
   const DisplayUnit shown = display_unit(unit, length);
-  const QString words = qt(number(length * shown.factor, 3).substr(0, 40));
-  QString label = words;
+  QString label = qt(number(length * shown.factor));
   if (label.contains('.')) {
     while (label.endsWith('0')) label.chop(1);
     if (label.endsWith('.')) label.chop(1);

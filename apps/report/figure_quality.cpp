@@ -18,7 +18,7 @@ std::optional<Figure> quality_figure(const Content&, const std::vector<PairQuali
   for (QCPAxisRect* panel : {shares, scores}) {
     QCPAxis* axis = panel->axis(QCPAxis::atBottom);
     set_axis(axis, first, last, panel == scores ? "first frame of the pair" : "", 10);
-    static_cast<QCPAxisTickerFixed*>(axis->ticker().data())->setTickStep(std::max(1.0, nice_step(last - first, 12)));
+    set_step(axis, std::max(1.0, nice_step(last - first, 12)));
     axis->setTickLabels(panel == scores);
   }
   set_axis(shares->axis(QCPAxis::atLeft), 0, 100, "share of nodes (%)", 5);

@@ -124,8 +124,7 @@ void draw_legend(Sheet& sheet, double x, double right, const PairQuality& q, con
     sheet.text(right, 3.2, "no motion", Qt::AlignRight | Qt::AlignVCenter, small_text);
     return;
   }
-  double reference = nice_step(plan.typical, 1);
-  if (reference > plan.typical * 1.001) reference = nice_step(plan.typical / 2.5, 1);
+  const double reference = nice_length(plan.typical);
   const DisplayUnit shown = display_unit(unit, reference);
   const QString words = qt(number(reference * shown.factor, 1) + unit_suffix(shown.name));
   sheet.text(right, 3.2, words, Qt::AlignRight | Qt::AlignVCenter, small_text);
@@ -151,12 +150,12 @@ std::vector<Figure> vector_figures(const Content& content, const std::vector<Pai
 
     const Box box = image_box(picture.image.width(), picture.image.height(), content.world_from_pixel);
     const double left = 15, right = 3, head = 7, foot = 11, aspect = box.height() / box.width();
-    const double w = std::min(figure_width_mm - left - right, (figure_height_mm - head - foot) / aspect), h = w * aspect;
+    const double w = std::min(figure_width_mm - left - right, (124 - head - foot) / aspect), h = w * aspect;
     const double x = left + (figure_width_mm - left - right - w) / 2;
     auto sheet = std::make_shared<Sheet>(figure_width_mm, head + h + foot);
     QCPAxisRect* panel = world_panel(*sheet, x, head, w, h, box, content.length_unit, true, true);
     const int pixels = std::clamp(int(w / 25.4 * 220), 64, 1400);
-    raster_in(*sheet, panel, to_image(draw_image(picture.image.view(), content.world_from_pixel, box, pixels, 95, 250)));
+    raster_in(*sheet, panel, to_image(draw_image(picture.image.view(), content.world_from_pixel, box, pixels, 120, 252)));
     const Plan plan = plan_arrows(field, w * units_per_mm / box.width());
     draw_vectors(*sheet, panel, field, plan);
     draw_scale_bar(*sheet, panel, box, content.length_unit);

@@ -102,7 +102,7 @@ class Writer {
   void add(const Figure& f) {
     const std::string png = png_of_(f);
     const QByteArray base64 = QByteArray::fromRawData(png.data(), qsizetype(png.size())).toBase64();
-    const std::string label = "Figure " + std::to_string(++figure_) + ".";
+    const std::string label = std::string("Figure ") + std::to_string(++figure_) + ".";
     out_ += "<figure id=\"" + escape_html(f.name) + "\"><img alt=\"" + escape_html(label + " " + f.caption) + "\" width=\"" +
             std::to_string(std::lround(f.sheet->width_mm() / 25.4 * 96)) + "\" height=\"" +
             std::to_string(std::lround(f.sheet->height_mm() / 25.4 * 96)) + "\" src=\"data:image/png;base64,";

@@ -11,11 +11,11 @@ enum class Colours { sequential, diverging };
 
 /// Colour at `t` in [0, 1], clamped; NaN gives `no_value`.
 /// Sequential: viridis (S. van der Walt and N. Smith, CC0). Diverging: the cool-warm map of K. Moreland, "Diverging
-/// color maps for scientific visualization", ISVC 2009.
+/// color maps for scientific visualization", ISVC 2009, with a lighter middle (M = 95) that greys stand out from.
 Rgb colour_at(Colours map, double t);
 
-constexpr Rgb no_value = 0xb8b8b8;
-constexpr Rgb ended_colour = 0xdedede;  // pale grey: particles that are no longer followed
+constexpr Rgb no_value = 0xb0b0b0;
+constexpr Rgb ended_colour = 0xd6d6d6;  // pale grey: particles that are no longer followed
 
 // Distinct for the colour blind and in grey print (after M. Okabe and K. Ito).
 constexpr Rgb ink = 0x1a1a1a;

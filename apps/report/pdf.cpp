@@ -33,6 +33,7 @@ class Paginator {
       std::size_t to = from;
       while (to + 1 < pieces.size() && pieces[to].keep_next) ++to;
       const std::span<const Piece> chain(&pieces[from], to - from + 1);
+      while (chain[0].barrier && !waiting_.empty()) new_page();
       if (chain.size() == 1 && chain[0].floats && (!waiting_.empty() || !fits(chain))) waiting_.push_back(&chain[0]);
       else place(chain);
       from = to + 1;

@@ -71,7 +71,8 @@ class Cutter {
 
   void operator()(const Heading& h) {
     const double points = h.level == 1 ? 11.5 : 9;
-    flow(break_lines(qt_text(h.text), font(points, true), width_, leading(points)), 0, h.level == 1 ? 75 : 45, true);
+    flow(break_lines(qt_text(h.text), font(points, true), width_, leading(points)), 0, h.level == 1 ? 75 : 45, true,
+         h.level == 1);
     after_heading_ = true;
   }
 
@@ -79,7 +80,7 @@ class Cutter {
     if (!p.lead) return flow(break_lines(qt_text(p.text), font(body_points), width_, leading(body_points)), 0, gap(32));
     const Lines lines = break_lines(qt_text(p.text), font(body_points + 0.5), width_ - 80, leading(body_points + 0.5));
     const double height = lines.height() + 60, width = width_;
-    pieces_.push_back({45, height, false, false, [=](QCPPainter& q, double x, double y) {
+    pieces_.push_back({45, height, false, false, false, [=](QCPPainter& q, double x, double y) {
                          q.fillRect(QRectF(x, y, width, height), QColor(0xf4, 0xf6, 0xf8));
                          q.fillRect(QRectF(x, y, 8, height), colour(0x0b3d91));
                          lines.draw_all(q, x + 45, y + 30);
@@ -110,7 +111,7 @@ class Cutter {
     for (const QString& row : qt_text(code.text).split('\n')) {
       const Lines lines = break_lines(row.isEmpty() ? QStringLiteral(" ") : row, f, width_ - 60, line_height);
       for (int k = 0; k < lines.count(); ++k) {
-        pieces_.push_back({before, line_height, false, false, [=](QCPPainter& p, double x, double y) {
+        pieces_.push_back({before, line_height, false, false, false, [=](QCPPainter& p, double x, double y) {
                              p.fillRect(QRectF(x, y, width, line_height + 0.5), QColor(0xf4, 0xf6, 0xf8));
                              lines.draw(p, x + 30, y, k);
                            },
@@ -127,7 +128,7 @@ class Cutter {
                                       int(label.size()));
     const auto sheet = f.sheet;
     const double drawn = sheet->height_mm() * units_per_mm;
-    pieces_.push_back({gap(60), drawn + 25 + caption.height() + 30, false, true, [=](QCPPainter& p, double x, double y) {
+    pieces_.push_back({gap(60), drawn + 25 + caption.height() + 30, false, true, false, [=](QCPPainter& p, double x, double y) {
                          p.save();
                          p.translate(x, y);
                          sheet->draw(p);
@@ -160,11 +161,12 @@ class Cutter {
   double gap(double usual) { return std::exchange(after_heading_, false) ? std::min(usual, 22.0) : usual; }
 
   // Lines as pieces: neither the first nor the last stands alone on a page.
-  void flow(const Lines& lines, double indent, double before, bool keep_all = false) {
+  void flow(const Lines& lines, double indent, double before, bool keep_all = false,
+            bool barrier = false) {
     const int n = lines.count();
     for (int k = 0; k < n; ++k)
       pieces_.push_back({k == 0 ? before : 0, lines.leading, keep_all || (k + 1 < n && (k == 0 || k + 2 == n)), false,
-                         [=](QCPPainter& p, double x, double y) { lines.draw(p, x + indent, y, k); }, nullptr});
+                         barrier && k == 0, [=](QCPPainter& p, double x, double y) { lines.draw(p, x + indent, y, k); }, nullptr});
   }
 
   Piece row(const Table& t, const std::vector<std::string>& cells, bool head, bool last) const {
@@ -182,7 +184,7 @@ class Cutter {
       height = std::max(height, texts.back().height());
     }
     height += 2 * pad;
-    return {0, height, false, false, [=](QCPPainter& p, double left, double y) {
+    return {0, height, false, false, false, [=](QCPPainter& p, double left, double y) {
               for (std::size_t k = 0; k < texts.size(); ++k) texts[k].draw_all(p, left + at[k], y + pad);
               auto rule = [&](double at_y, const QPen& line) {
                 p.setPen(line);

@@ -20,6 +20,7 @@ struct Piece {
   double height = 0;
   bool keep_next = false;  // must not end a page
   bool floats = false;     // may wait for the next page while text goes on
+  bool barrier = false;    // a section starts: figures that wait come first
   std::function<void(QCPPainter&, double x, double y)> draw;
   std::shared_ptr<const Pieces> repeat;  // a table's head, drawn again where a page starts with this piece
 };

@@ -66,11 +66,11 @@ double sigma_of_magnitude(const Vec2& u, const std::array<float, 3>& cov) {
   return std::sqrt(std::max(0.0, e.x() * e.x() * uu + e.y() * e.y() * vv + 2 * e.x() * e.y() * uv));
 }
 
-// A stretched square is drawn at most three spacings long: F of a torn particle says nothing about its extent.
+// A stretched square is drawn at most six spacings long: F of a torn particle says nothing about its extent.
 Vec2 limited(Vec2 edge, double h) {
   const double n = edge.norm();
   if (!edge.allFinite()) return Vec2::Zero();
-  return n > 1.5 * h ? Vec2(edge * (1.5 * h / n)) : edge;
+  return n > 6 * h ? Vec2(edge * (6 * h / n)) : edge;
 }
 
 }  // namespace
@@ -127,10 +127,10 @@ std::vector<Snapshot> snapshots(const MotionSource& motion, const std::string& f
       const double h = fallback > 0 ? fallback : spacing(particles, p);
       const Mat2 F = matrix(frame.F[p]);
       s.position.push_back(particles.x0[p] + Vec2(double(frame.u[p][0]), double(frame.u[p][1])));
-      // 8 % larger than the particle, so that rounding leaves no gaps between neighbours.
+      // A little larger than the particle, so that the scatter of a measurement leaves no gaps between neighbours.
       const bool finite = F.allFinite();
-      s.half_x.push_back(0.54 * (finite ? limited(h * F.col(0), h) : Vec2(h, 0)));
-      s.half_y.push_back(0.54 * (finite ? limited(h * F.col(1), h) : Vec2(0, h)));
+      s.half_x.push_back(0.57 * (finite ? limited(h * F.col(0), h) : Vec2(h, 0)));
+      s.half_y.push_back(0.57 * (finite ? limited(h * F.col(1), h) : Vec2(0, h)));
     }
     out.push_back(std::move(s));
   }

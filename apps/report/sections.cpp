@@ -28,7 +28,7 @@ class Builder {
 
 Table metrics_table(const std::vector<Metric>& metrics) {
   Table t;
-  t.caption = "Metrics of the comparison. \u00b1: standard uncertainty that the measurement gives the value.";
+  t.caption = "Metrics of the comparison; first: measured, second: simulated. \u00b1: standard uncertainty of the value.";
   t.head = {"Metric", "Value", "Unit", "Verdict", "Definition"};
   t.width = {0.21, 0.19, 0.06, 0.16, 0.38};
   t.align = {'l', 'r', 'l', 'l', 'l'};
@@ -87,9 +87,12 @@ void comparison_section(Builder& b, const ReportOptions& options, const Content&
   b.heading(1, content.comparison ? "Comparison" : "Motion");
   if (content.comparison && !content.comparison->metrics.empty()) b.add(metrics_table(content.comparison->metrics));
   const std::vector<double> times = chosen_times(options, content);
-  for (const std::string& field : options.fields_drawn) b.figure(field_figure(content, field, times, central));
-  b.figure(history_figure(content, chosen_points(options, content)));
-  b.figure(difference_figure(content, differences));
+  // In this order tall and low figures share pages.
+  for (std::size_t k = 0; k < std::max<std::size_t>(2, options.fields_drawn.size()); ++k) {
+    if (k < options.fields_drawn.size()) b.figure(field_figure(content, options.fields_drawn[k], times, central));
+    if (k == 0) b.figure(history_figure(content, chosen_points(options, content)));
+    if (k == 1) b.figure(difference_figure(content, differences));
+  }
   b.figure(outline_figure(content));
 }
 
@@ -149,8 +152,8 @@ Document make_document(const ReportOptions& options, const Content& content) {
   if (!pairs.empty()) {
     b.heading(1, "Measurement");
     b.paragraph(measurement_text(content, pairs));
-    for (Figure& figure : vector_figures(content, pairs)) b.add(std::move(figure));
     b.figure(quality_figure(content, pairs));
+    for (Figure& figure : vector_figures(content, pairs)) b.add(std::move(figure));
   }
   if (content.energy.size() >= 2) {
     b.heading(1, "Simulation");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <clocale>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
@@ -58,6 +59,8 @@ void style(QCPAxis* axis) {
   axis->setLabelPadding(int(0.9 * units_per_mm));
   axis->setNumberFormat("gb");
   axis->setNumberPrecision(5);
+  axis->setLayer("axes");
+  axis->grid()->setLayer("grid");
   axis->grid()->setVisible(false);
 }
 
@@ -77,7 +80,12 @@ void start_qt() {
   static char name[] = "pivnp", option[] = "-platform", platform[] = "offscreen";
   static char* argv[] = {name, option, platform, nullptr};
   static int argc = 3;
+  // Remarks on the desktop's folders mean nothing here.
+  const QtMessageHandler handler = qInstallMessageHandler([](QtMsgType type, const QMessageLogContext&, const QString& text) {
+    if (type == QtCriticalMsg || type == QtFatalMsg) std::fprintf(stderr, "Qt: %s\n", qPrintable(text));
+  });
   new QApplication(argc, argv);  // lives as long as the process: Qt does not outlive static destruction well
+  qInstallMessageHandler(handler);
   std::setlocale(LC_ALL, locale.c_str());
   QLocale::setDefault(QLocale::c());
 }
@@ -214,9 +222,20 @@ QByteArray Sheet::svg() const {
 double nice_step(double range, int count) {
   if (!(range > 0) || !std::isfinite(range)) return 1;
   const double raw = range / std::max(count, 1), power = std::pow(10.0, std::floor(std::log10(raw)));
-  for (const double m : {1.0, 2.0, 5.0, 10.0})
-    if (raw <= m * power * 1.0001) return m * power;
-  return 10 * power;
+  const double m = raw / power;
+  return (m < 1.5 ? 1 : m < 3.2 ? 2 : m < 7.1 ? 5 : 10) * power;
+}
+
+double nice_length(double length) {
+  if (!(length > 0) || !std::isfinite(length)) return 1;
+  const double power = std::pow(10.0, std::floor(std::log10(length) + 1e-12)), m = length / power * (1 + 1e-12);
+  return (m >= 5 ? 5 : m >= 2 ? 2 : 1) * power;
+}
+
+void set_step(QCPAxis* axis, double step) {
+  const auto ticker = QSharedPointer<StepTicker>::create();
+  ticker->setTickStep(step);
+  axis->setTicker(ticker);
 }
 
 void set_axis(QCPAxis* axis, double lower, double upper, const QString& label, int ticks) {
@@ -227,9 +246,7 @@ void set_axis(QCPAxis* axis, double lower, double upper, const QString& label, i
     if (lower != 0) lower -= about;
   }
   axis->setRange(lower, upper);
-  const auto ticker = QSharedPointer<StepTicker>::create();
-  ticker->setTickStep(nice_step(upper - lower, ticks));
-  axis->setTicker(ticker);
+  set_step(axis, nice_step(upper - lower, ticks));
   axis->setLabel(label);
 }
 

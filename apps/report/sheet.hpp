@@ -70,8 +70,12 @@ inline double y_of(const QCPAxisRect* panel, double y) { return panel->axis(QCPA
 
 /// Range, label ("x (m)") and number of ticks wanted.
 void set_axis(QCPAxis* axis, double lower, double upper, const QString& label, int ticks = 5);
-/// A tick distance of 1, 2 or 5 times a power of ten, about `count` to the range.
+/// 1, 2 or 5 times a power of ten: nearest to range / count, so about `count` to the range.
 double nice_step(double range, int count);
+/// The greatest such number that is not above `length`.
+double nice_length(double length);
+/// Puts the ticks of an axis at multiples of `step`.
+void set_step(QCPAxis* axis, double step);
 
 /// A legend entry drawn by hand at (x, y), its text to the right; returns the x where the next may start, in mm.
 enum class Key { line, dashed, dotted, dash_dot, band, disc, circle, square, triangle, cross, tile };

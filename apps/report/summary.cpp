@@ -1,8 +1,9 @@
 #include "apps/report/summary.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
-#include <limits>
+#include <utility>
 
 #include "apps/report/words.hpp"
 #include "pivnp/core/particles/derived.hpp"
@@ -31,7 +32,11 @@ std::string limits_sentence(const std::vector<Metric>& metrics) {
   std::string met, missed;
   for (const Metric& m : metrics) {
     std::string& list = m.verdict == "over limit" ? missed : met;
-    if (m.verdict == "over limit" || m.verdict == "within limit") list += (list.empty() ? "" : "; ") + metric_words(m.name);
+    if (m.verdict == "over limit" || m.verdict == "within limit") {
+      std::string words = metric_words(m.name);
+      words[0] = char(std::tolower(static_cast<unsigned char>(words[0])));
+      list += (list.empty() ? "" : "; ") + words;
+    }
   }
   std::string text;
   if (!missed.empty()) text += " Over the stated limit: " + missed + ".";
@@ -48,7 +53,7 @@ std::string displacement_sentence(const Metric& rms) {
     return text + "Simulation and measurement are not distinguishable at this uncertainty: a difference of less than " +
            number(2 * rms.uncertainty, 2) + unit_suffix(rms.unit) + " would not be seen.";
   return text + "This is " + number(ratio, 2) +
-         " times the measurement\u2019s own standard uncertainty: the two motions are distinguishable, and the measurement is not what "
+         " times the measurement\u2019s own standard uncertainty (random error): the two motions are distinguishable, and the measurement is not what "
          "limits the comparison.";
 }
 
@@ -118,13 +123,17 @@ std::string verdict(const Content& content, const std::vector<PairQuality>& pair
     text += limits_sentence(metrics);
     return text;
   }
-  if (content.measured) text += side_sentence(*content.measured, "followed through the measured increments");
-  if (content.simulated) text += (text.empty() ? "" : " Simulated: ") + side_sentence(*content.simulated, "simulated");
+  if (content.measured) text = side_sentence(*content.measured, "followed through the measured increments");
+  if (content.simulated) {
+    if (!text.empty()) text += " Simulated: ";
+    text += side_sentence(*content.simulated, "simulated");
+  }
   std::size_t nodes = 0, valid = 0;
   for (const PairQuality& q : pairs) nodes += q.nodes, valid += q.valid;
-  if (nodes > 0)
-    text += (text.empty() ? "" : " ") + count(pairs.size(), "pair of frames was", "pairs of frames were") + " measured; " +
-            percent(double(valid) / double(nodes)) + " of the vectors are valid.";
+  if (nodes > 0) {
+    if (!text.empty()) text += " ";
+    text += count(pairs.size(), "pair of frames was", "pairs of frames were") + " measured; " + percent(double(valid) / double(nodes)) + " of the vectors are valid.";
+  }
   if (text.empty()) return "The record holds neither vectors nor a motion.";
   if (content.measured && content.simulated) text += " The two were not compared.";
   else if (content.measured) text += " No simulation was compared with the measurement.";

@@ -48,6 +48,7 @@ std::string capitalised(std::string s) {
 
 std::string number(double value, int digits) {
   if (!std::isfinite(value)) return "n/a";
+  if (value == 0) return "0";
   const int e = exponent(value, digits);
   if (plain_range(e)) return fixed(value, digits - 1 - e);
   return fixed(value / std::pow(10.0, e), digits - 1) + " \u00d7 10" + superscript(e);
@@ -61,8 +62,9 @@ std::string value_with_uncertainty(double value, double uncertainty) {
   if (plain_range(e) && e_u >= -6)
     return fixed(value, 1 - e_u) + " \u00b1 " + fixed(uncertainty, 1 - e_u);
   const double scale = std::pow(10.0, e);
-  return "(" + fixed(value / scale, 1 - e_u + e) + " \u00b1 " + fixed(uncertainty / scale, 1 - e_u + e) +
-         ") \u00d7 10" + superscript(e);
+  std::string text = "(";
+  text += fixed(value / scale, 1 - e_u + e) + " \u00b1 " + fixed(uncertainty / scale, 1 - e_u + e);
+  return text + ") \u00d7 10" + superscript(e);
 }
 
 std::string percent(double share) {

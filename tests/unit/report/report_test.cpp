@@ -1,13 +1,22 @@
 // Reports of every kind of content: what must be in the files, and what must not.
 #include <gtest/gtest.h>
 
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <clocale>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <regex>
+#include <set>
 #include <string>
-#include <unistd.h>
+
+#include <QImage>
 
 #include "pivnp/core/error.hpp"
 #include "tests/unit/report/synthetic.hpp"
@@ -30,8 +39,10 @@ std::size_t occurrences(const std::string& text, const std::string& part) {
 class Report : public testing::Test {
  protected:
   void SetUp() override {
+    // As on a server: nothing to show a window on, and a platform that cannot be reached.
     ::unsetenv("DISPLAY");
     ::unsetenv("WAYLAND_DISPLAY");
+    ::setenv("QT_QPA_PLATFORM", "xcb", 1);
     const char* keep = std::getenv("PIVNP_REPORT_OUT");
     const std::string name = testing::UnitTest::GetInstance()->current_test_info()->name();
     kept_ = keep != nullptr;
@@ -47,33 +58,243 @@ class Report : public testing::Test {
     html_ = read(folder_ / "report.html");
     pdf_ = read(folder_ / "report.pdf");
     EXPECT_EQ(pdf_.substr(0, 5), "%PDF-");
-    EXPECT_TRUE(std::regex_search(pdf_, std::regex("/Type\\s*/Page\\b")));
+    EXPECT_NE(pdf_.rfind("%%EOF"), std::string::npos);
+    const std::regex page("/Type /Page\\b");
+    pages_ = std::size_t(std::distance(std::sregex_iterator(pdf_.begin(), pdf_.end(), page), std::sregex_iterator()));
+    EXPECT_GE(pages_, 1u);
     // Self-contained: whatever a browser would fetch is embedded.
-    EXPECT_FALSE(std::regex_search(html_, std::regex("(src|href)=\"(?!data:|#)")));
-    EXPECT_EQ(html_.find("url("), std::string::npos);
-    EXPECT_EQ(html_.find("<script"), std::string::npos);
-    EXPECT_EQ(html_.find("@import"), std::string::npos);
+    for (const char* attribute : {"src=\"", "href=\""})
+      for (std::size_t at = html_.find(attribute); at != std::string::npos; at = html_.find(attribute, at + 1)) {
+        const std::string target = html_.substr(at + std::string(attribute).size(), 5);
+        EXPECT_TRUE(target == "data:" || target[0] == '#') << target;
+      }
+    for (const char* foreign : {"url(", "<script", "@import", "http:", "https:", "<link"})
+      EXPECT_EQ(html_.find(foreign), std::string::npos) << foreign;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_))
-      EXPECT_EQ(entry.path().string().find(".tmp"), std::string::npos) << entry.path();
+      EXPECT_EQ(entry.path().filename().string().find(".tmp"), std::string::npos) << entry.path();
   }
   bool has_figure(const std::string& name) const {
     return std::filesystem::exists(folder_ / "figures" / (name + ".png")) &&
            std::filesystem::exists(folder_ / "figures" / (name + ".svg")) &&
            html_.find("<figure id=\"" + name + "\">") != std::string::npos;
   }
+  std::size_t colours_of(const std::string& figure) const {
+    const QImage image(QString::fromStdString((folder_ / "figures" / (figure + ".png")).string()));
+    std::set<QRgb> found;
+    for (int r = 0; r < image.height(); r += 2)
+      for (int c = 0; c < image.width(); c += 2) found.insert(image.pixel(c, r));
+    return found.size();
+  }
+
   std::filesystem::path folder_;
   std::string html_, pdf_;
+  std::size_t pages_ = 0;
   bool kept_ = false;
 };
 
 TEST_F(Report, Full) {
+  const std::string locale = std::setlocale(LC_ALL, nullptr);
   write(make_synthetic({}));
-  for (const char* name : {"vectors_1", "displacement", "deviatoric_strain", "histories", "difference", "outline", "energy", "quality"})
+  EXPECT_EQ(std::setlocale(LC_ALL, nullptr), locale);  // Qt would set the user's
+  for (const char* name : {"vectors_1", "displacement", "deviatoric_strain", "histories", "difference", "outline", "energy", "quality"}) {
     EXPECT_TRUE(has_figure(name)) << name;
+    EXPECT_GT(colours_of(name), 20u) << name;  // black and white alone have 256 with their smoothing; blank has 1
+    const QImage image(QString::fromStdString((folder_ / "figures" / (std::string(name) + ".png")).string()));
+    EXPECT_NEAR(image.width(), 170 / 25.4 * 300, 2) << name;
+    EXPECT_NE(read(folder_ / "figures" / (std::string(name) + ".svg")).find("<svg"), std::string::npos) << name;
+  }
+  EXPECT_GT(colours_of("displacement"), 300u);  // a whole colour map
   for (const char* section : {"Comparison", "Measurement", "Simulation", "What was flagged", "How this was made", "Settings"})
     EXPECT_NE(html_.find(std::string(">") + section + "</h2>"), std::string::npos) << section;
   EXPECT_EQ(occurrences(html_, "data:image/png;base64,"), 8u);
   EXPECT_LT(html_.size(), 10'000'000u);
+  EXPECT_GE(pages_, 5u);
+  EXPECT_NE(html_.find("Displacement, RMS"), std::string::npos);
+  EXPECT_NE(html_.find("over limit"), std::string::npos);
+  EXPECT_NE(html_.find("IMG_0015.png to IMG_0016.png: the pair lost its correlation"), std::string::npos);
+  EXPECT_NE(html_.find("left the image or went under the mask"), std::string::npos);
+  EXPECT_NE(html_.find("mohr_coulomb"), std::string::npos);
+  EXPECT_NE(html_.find("pivnp run datasets/gate_slope"), std::string::npos);
+}
+
+TEST_F(Report, MeasurementOnly) {
+  SyntheticOptions o;
+  o.simulated = o.energy = false;
+  o.spacing_m = 0.01;
+  write(make_synthetic(o));
+  EXPECT_TRUE(has_figure("displacement") && has_figure("histories") && has_figure("quality") && has_figure("vectors_1"));
+  EXPECT_FALSE(has_figure("difference") || has_figure("energy") || has_figure("outline"));
+  EXPECT_NE(html_.find("No simulation was compared"), std::string::npos);
+}
+
+TEST_F(Report, SimulationOnly) {
+  SyntheticOptions o;
+  o.measured = o.pairs = o.pictures = false;
+  o.spacing_m = 0.01;
+  write(make_synthetic(o));
+  EXPECT_TRUE(has_figure("displacement") && has_figure("energy"));
+  EXPECT_FALSE(has_figure("quality") || has_figure("vectors_1"));
+  EXPECT_EQ(html_.find(">Measurement</h2>"), std::string::npos);
+  EXPECT_NE(html_.find("Nothing was flagged"), std::string::npos);
+}
+
+TEST_F(Report, BothSidesNotCompared) {
+  SyntheticOptions o;
+  o.comparison = false;
+  o.spacing_m = 0.01;
+  write(make_synthetic(o));
+  EXPECT_TRUE(has_figure("displacement"));
+  EXPECT_NE(html_.find("The two were not compared"), std::string::npos);
+}
+
+TEST_F(Report, OnePair) {
+  SyntheticOptions o;
+  o.frames = 2;
+  o.spacing_m = 0.01;
+  write(make_synthetic(o));
+  EXPECT_TRUE(has_figure("displacement") && has_figure("quality") && has_figure("difference"));
+}
+
+TEST_F(Report, VectorsAlone) {
+  SyntheticOptions o;
+  o.measured = o.simulated = false;
+  o.frames = 3;
+  write(make_synthetic(o));
+  EXPECT_TRUE(has_figure("quality") && has_figure("vectors_1"));
+  EXPECT_FALSE(has_figure("displacement"));
+}
+
+TEST_F(Report, Nothing) {
+  write(Synthetic{});
+  EXPECT_NE(html_.find("neither vectors nor a motion"), std::string::npos);
+}
+
+TEST_F(Report, NothingMoves) {
+  SyntheticOptions o;
+  o.amplitude = 0;
+  o.frames = 4;
+  o.spacing_m = 0.01;
+  Synthetic s = make_synthetic(o);
+  s.content.measured.reset();
+  s.content.comparison.reset();  // the simulation alone is exactly still
+  write(s);
+  EXPECT_TRUE(has_figure("displacement") && has_figure("deviatoric_strain"));
+}
+
+// Everything that a bad run can hold: NaN in every field, all particles ended, all vectors masked or failed.
+TEST_F(Report, NotANumber) {
+  SyntheticOptions o;
+  o.frames = 3;
+  o.spacing_m = 0.02;
+  Synthetic s = make_synthetic(o);
+  static constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+  auto broken = std::make_shared<MotionMemory>("np", "m", "s", s.content.measured->particles());
+  for (std::size_t k = 0; k < 3; ++k) {
+    MotionFrame f = s.content.measured->frame(k);
+    if (k > 0)
+      for (std::size_t p = 0; p < f.u.size(); ++p) {
+        f.u[p] = {nan, nan};
+        f.F[p] = {nan, 0, 0, nan};
+        f.cov_u[p] = {nan, nan, nan};
+        if (k == 2) f.status[p] = ParticleStatus::ended;
+      }
+    broken->add(f);
+  }
+  s.content.measured = broken;
+  for (compare::DifferenceField& f : s.content.comparison->fields) f.values.assign(f.values.size(), nan);
+  for (Metric& m : s.content.comparison->metrics) m.value = m.uncertainty = std::numeric_limits<double>::quiet_NaN();
+  for (EnergyRow& e : s.content.energy) e.residual = e.kinetic = std::numeric_limits<double>::quiet_NaN();
+  const auto pair = s.content.pair;
+  s.content.pair = [pair](std::size_t k) {
+    VectorField f = pair(k);
+    f.status.assign(f.status.size(), k == 0 ? VectorStatus::masked : VectorStatus::failed);
+    f.displacement.assign(f.displacement.size(), {nan, nan});
+    f.score.assign(f.score.size(), nan);
+    return f;
+  };
+  write(s);
+  EXPECT_TRUE(has_figure("displacement"));
+  // Base64 may spell anything.
+  std::string text;
+  for (std::size_t from = 0; from < html_.size();) {
+    const std::size_t picture = std::min(html_.find("data:image/png", from), html_.size());
+    text += html_.substr(from, picture - from);
+    from = picture == html_.size() ? picture : html_.find('"', picture);
+  }
+  EXPECT_LT(text.size(), 100'000u);
+  EXPECT_EQ(text.find("nan"), std::string::npos);
+}
+
+TEST_F(Report, NamesAreText) {
+  SyntheticOptions o;
+  o.spacing_m = 0.02;
+  o.frames = 4;
+  Synthetic s = make_synthetic(o);
+  s.content.name = "<b>sand & clay</b> \"1 g\" \xff";
+  s.content.frames[0].name = "a<script>.png";
+  s.content.command = "pivnp run 'x & <y>'";
+  s.content.remarks = {"frame a<b&c>d"};
+  ReportOptions options;
+  write(s, options);
+  EXPECT_NE(html_.find("&lt;b&gt;sand &amp; clay&lt;/b&gt; &quot;1 g&quot; \ufffd"), std::string::npos);
+  EXPECT_NE(html_.find("frame a&lt;b&amp;c&gt;d"), std::string::npos);
+  EXPECT_NE(html_.find("pivnp run &#39;x &amp; &lt;y&gt;&#39;"), std::string::npos);
+}
+
+TEST_F(Report, OptionsAreFollowed) {
+  SyntheticOptions o;
+  o.spacing_m = 0.02;
+  Synthetic s = make_synthetic(o);
+  ReportOptions options;
+  options.title = "A title of its own";
+  options.times_s = {0.1, 0.2, 0.3, 0.4, 9.0};  // the last is beyond the record
+  options.points_m = {{0.1, 0.2}, {5.0, 5.0}};  // the second is far from all material
+  options.fields_drawn = {"velocity_x"};
+  write(s, options);
+  EXPECT_NE(html_.find("<h1>A title of its own</h1>"), std::string::npos);
+  EXPECT_TRUE(has_figure("velocity_x") && has_figure("histories"));
+  EXPECT_FALSE(has_figure("displacement"));
+  options.fields_drawn = {"strain_deviatoric"};
+  EXPECT_THROW(write_content(options, s.content, folder_), InputError);
+}
+
+TEST_F(Report, FiguresOfAnEarlierReportGo) {
+  SyntheticOptions o;
+  o.spacing_m = 0.02;
+  o.frames = 4;
+  write(make_synthetic(o));
+  EXPECT_TRUE(has_figure("energy"));
+  std::ofstream(folder_ / "figures" / "mine.png") << "kept";
+  o.simulated = false;
+  write(make_synthetic(o));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "figures" / "energy.png"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "figures" / "displacement.png"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "figures" / "mine.png"));
+}
+
+TEST_F(Report, CannotBeWritten) {
+  Synthetic s;
+  EXPECT_THROW(write_content({}, s.content, "/dev/null/report"), RunError);
+  write(s);
+  const std::string before = html_;
+  // A file that grows too large fails as a full disk does: what was there stays.
+  std::signal(SIGXFSZ, SIG_IGN);
+  rlimit old{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &old), 0);
+  rlimit low = old;
+  low.rlim_cur = 1000;
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &low), 0);
+  std::string message;
+  try {
+    write_content({}, s.content, folder_);
+  } catch (const RunError& e) {
+    message = e.what();
+  }
+  ::setrlimit(RLIMIT_FSIZE, &old);
+  EXPECT_NE(message.find("cannot write " + (folder_ / "report.").string()), std::string::npos) << message;
+  EXPECT_EQ(read(folder_ / "report.html"), before);
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_))
+    EXPECT_EQ(entry.path().filename().string().find(".tmp"), std::string::npos) << entry.path();
 }
 
 }  // namespace
