@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -124,6 +123,8 @@ class OutputFile {
   OutputFile& operator=(const OutputFile&) = delete;
 
   void commit();
+  /// Throws RunError if anything written so far has failed, which reading back may be the first to notice.
+  void verify() const { check(true, ""); }
   /// What was written so far, to read back.
   Source source() const { return Source(file_.get(), temporary_.string()); }
 

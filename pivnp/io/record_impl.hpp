@@ -31,8 +31,10 @@ struct RecordWriter::Impl {
   Stage& writable(const std::string& name);
   void add(const std::string& name, const std::vector<ItemArray>& arrays);
   void close(Stage& stage, const std::vector<std::byte>* checkpoint);
+  VectorField read_back(const Stage& piv, std::size_t index) const;
   std::vector<const Stage*> motions() const;  // in the order of their beginning
   void pack();
+  void pack_into(h5::OutputFile& out) const;
   void remove_parts();
 
   std::filesystem::path directory, parts;
@@ -41,6 +43,7 @@ struct RecordWriter::Impl {
   Units units;
   DirectoryLock lock;
   std::map<std::string, Stage> stages;
+  std::string energy_motion;                   // the one whose energies are kept
   std::map<std::string, StageFiles> former;    // as found on disk
   std::unique_ptr<RecordReader> finished;      // resumed, but there is nothing left to do
   std::vector<Frame> frames;

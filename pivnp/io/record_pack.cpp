@@ -1,5 +1,6 @@
 // From segments to DIR/record.h5.
 #include <algorithm>
+#include <stdexcept>
 
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/derived.hpp"
@@ -68,6 +69,7 @@ void pack_energy(h5::OutputFile& out, const std::vector<const StageFiles*>& moti
     for (const SegmentInfo& s : files->segments) append(s.path);
     append(files->end);
     if (rows.empty()) continue;
+    if (out.source().has("/energy")) throw std::logic_error("record: energies of two motions");
     out.group("/energy");
     out.attribute("/energy", "motion", files->stage.substr(7));
     for (const EnergyColumn& column : energy_table()) {
@@ -75,7 +77,6 @@ void pack_energy(h5::OutputFile& out, const std::vector<const StageFiles*>& moti
       for (const EnergyRow& row : rows) values.push_back(row.*column.member);
       out.write(std::string("/energy/") + column.name, values, column.member == &EnergyRow::time ? units.time : units.energy());
     }
-    return;
   }
 }
 
@@ -144,6 +145,16 @@ bool central_anchor(const h5::Source& record) {
 
 void RecordWriter::Impl::pack() {
   h5::OutputFile out(directory / "record.h5");
+  try {
+    pack_into(out);
+  } catch (const InputError& error) {  // reading back what we wrote ourselves is no matter of input
+    out.verify();
+    throw RunError(error.what());
+  }
+  out.commit();
+}
+
+void RecordWriter::Impl::pack_into(h5::OutputFile& out) const {
   write_head(out, head, created);
   if (!frames.empty()) pack_frames(out, frames, units);
   if (const auto piv = stages.find("piv"); piv != stages.end()) {
@@ -166,7 +177,6 @@ void RecordWriter::Impl::pack() {
   pack_energy(out, files, units);
   if (comparison) pack_comparison(out, *comparison, units);
   pack_views(out, head.grid, units);
-  out.commit();
 }
 
 }  // namespace pivnp::io

@@ -133,6 +133,15 @@ void RecordWriter::Impl::close(Stage& stage, const std::vector<std::byte>* check
   stage.energy.clear();
 }
 
+VectorField RecordWriter::Impl::read_back(const Stage& piv, std::size_t index) const {
+  if (piv.open && index >= piv.open->first())
+    return read_pair(piv.open->source(), "", head.grid, index - piv.open->first());
+  const auto segment = std::find_if(piv.files.segments.begin(), piv.files.segments.end(),
+                                    [&](const SegmentInfo& s) { return index < s.first + s.count; });
+  if (!last_read || last_read->first != segment->path) last_read.emplace(segment->path, h5::Source(segment->path));
+  return read_pair(last_read->second, "", head.grid, index - segment->first);
+}
+
 std::vector<const RecordWriter::Impl::Stage*> RecordWriter::Impl::motions() const {
   std::vector<const Stage*> out;
   for (const auto& [name, stage] : stages)
@@ -185,7 +194,7 @@ void RecordWriter::begin_motion(const std::string& name, const ParticleSet& part
                        "' differ from those of the run to resume; run without --resume to start again");
     return;
   }
-  if (!known) stage.order = static_cast<std::int64_t>(impl_->motions().size());
+  if (stage.order == 0) stage.order = static_cast<std::int64_t>(impl_->motions().size());
   stage.particles = particles.size();
   const std::filesystem::path path = impl_->parts / (stage_file_name(key) + ".particles.h5");
   h5::OutputFile file(path);
@@ -209,6 +218,8 @@ void RecordWriter::add_frame(const std::string& name, const MotionFrame& frame) 
 }
 
 void RecordWriter::add_energy(const std::string& motion, const EnergyRow& row) {
+  require(impl_->energy_motion.empty() || impl_->energy_motion == motion, "energies of two motions");
+  impl_->energy_motion = motion;
   impl_->writable("motion/" + motion).energy.push_back(row);
 }
 
@@ -245,14 +256,11 @@ VectorField RecordWriter::pair(std::size_t index) const {
   if (impl_->finished) return impl_->finished->pair(index);
   const auto it = impl_->stages.find("piv");
   require(it != impl_->stages.end() && index < it->second.items(), "pair " + std::to_string(index) + " is not there");
-  const Impl::Stage& stage = it->second;
-  if (stage.open && index >= stage.open->first())
-    return read_pair(stage.open->source(), "", impl_->head.grid, index - stage.open->first());
-  const auto segment = std::find_if(stage.files.segments.begin(), stage.files.segments.end(),
-                                    [&](const SegmentInfo& s) { return index < s.first + s.count; });
-  if (!impl_->last_read || impl_->last_read->first != segment->path)
-    impl_->last_read.emplace(segment->path, h5::Source(segment->path));
-  return read_pair(impl_->last_read->second, "", impl_->head.grid, index - segment->first);
+  try {
+    return impl_->read_back(it->second, index);
+  } catch (const InputError& error) {  // reading back what we wrote ourselves is no matter of input
+    throw RunError(error.what());
+  }
 }
 
 void RecordWriter::set_frames(const std::vector<Frame>& frames) { impl_->frames = frames; }

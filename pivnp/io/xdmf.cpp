@@ -73,7 +73,10 @@ std::string number(double value) {
 
 std::string dimensions(const Shape& shape) {
   std::string out;
-  for (const hsize_t n : shape) out += (out.empty() ? "" : " ") + std::to_string(n);
+  for (const hsize_t n : shape) {
+    if (!out.empty()) out += ' ';
+    out += std::to_string(n);
+  }
   return out;
 }
 
