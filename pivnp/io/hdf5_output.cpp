@@ -41,7 +41,7 @@ void set_chunks(hid_t properties, const Shape& chunk, Packing packing) {
   H5Pset_chunk(properties, static_cast<int>(chunk.size()), chunk.data());
   if (packing == Packing::deflated) {
     H5Pset_shuffle(properties);
-    H5Pset_deflate(properties, 2);
+    H5Pset_deflate(properties, 1);
   }
 }
 
