@@ -1,9 +1,8 @@
 #include "pivnp/piv/validate.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-
-#include <Eigen/Cholesky>
 
 namespace pivnp::piv {
 
@@ -77,7 +76,8 @@ struct Neighbours {
     for (int b = -reach; b <= reach; ++b)
       for (int a = -reach; a <= reach; ++a)
         if (good[at(a, b)])
-          level.add(displacement[at(a, b)][component] - along_i * static_cast<float>(a) - along_j * static_cast<float>(b));
+          level.add(displacement[at(a, b)][component] - along_i * static_cast<float>(a) -
+                    along_j * static_cast<float>(b));
     return level;
   }
 

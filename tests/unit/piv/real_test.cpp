@@ -1,6 +1,7 @@
 // Real and published images (environment PIVNP_TEST_DATA), each against what is known of it.
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -8,10 +9,8 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
-
-#include <Eigen/Cholesky>
 #include <opencv2/imgcodecs.hpp>
+#include <sstream>
 
 #include "tests/unit/piv/scene.hpp"
 
@@ -24,7 +23,8 @@ class RealImages : public testing::Test {
  protected:
   void SetUp() override {
     const char* folder = std::getenv("PIVNP_TEST_DATA");
-    if (folder == nullptr || !fs::is_directory(folder)) GTEST_SKIP() << "PIVNP_TEST_DATA does not name the shared images";
+    if (folder == nullptr || !fs::is_directory(folder))
+      GTEST_SKIP() << "PIVNP_TEST_DATA does not name the shared images";
     data = folder;
   }
 
@@ -33,8 +33,7 @@ class RealImages : public testing::Test {
     EXPECT_FALSE(grey.empty()) << name;
     const bool eight = grey.depth() == CV_8U;
     Image image(grey.cols, grey.rows, eight ? PixelDepth::u8 : PixelDepth::u16, eight ? 255.0f : 65535.0f);
-    for (int r = 0; r < grey.rows; ++r)
-      std::memcpy(image.row<std::byte>(r), grey.ptr(r), std::size_t(image.stride()));
+    for (int r = 0; r < grey.rows; ++r) std::memcpy(image.row<std::byte>(r), grey.ptr(r), std::size_t(image.stride()));
     return image;
   }
 
@@ -84,7 +83,8 @@ TEST_F(RealImages, DiceRigidShift) {
   for (const int k : {1, 2, 5, 10, 15}) {
     const Image def = read("dice_rigid_shift/def_" + std::to_string(k) + ".tif");
     const Summary s = summarise(correlate(ref, def, even_nodes(ref.width(), ref.height(), 16, 40)));
-    std::printf("dice_rigid_shift %d: mean %.4f %.4f, valid %.3f, score %.3f\n", k, s.mean_u, s.mean_v, s.valid, s.score);
+    std::printf("dice_rigid_shift %d: mean %.4f %.4f, valid %.3f, score %.3f\n", k, s.mean_u, s.mean_v, s.valid,
+                s.score);
     EXPECT_NEAR(s.mean_u, k, 0.005);
     EXPECT_NEAR(s.mean_v, k, 0.005);
     EXPECT_GE(s.valid, 0.98);
@@ -92,8 +92,8 @@ TEST_F(RealImages, DiceRigidShift) {
 }
 
 // Uniform diagonal shifts NNN/32 px by the files' names. Criterion: within .02 px (median). The particles are about one
-// pixel wide, too few pixels for any interpolation: the central anchor, which interpolates both frames, is off by .026 px
-// at a quarter of a pixel, the forward one by .012.
+// pixel wide, too few pixels for any interpolation: the central anchor, which interpolates both frames, is off by .026
+// px at a quarter of a pixel, the forward one by .012.
 TEST_F(RealImages, OpenPivTest14) {
   for (const char* name : {"096", "104", "112", "128"}) {
     const std::string stem = std::string("openpiv/test14_disp_series/disp_") + name;
@@ -102,7 +102,8 @@ TEST_F(RealImages, OpenPivTest14) {
     options.anchor = "forward";
     const Summary s = summarise(correlate(a, b, even_nodes(a.width(), a.height(), 16, 24), options));
     const double shift = std::atoi(name) / 32.0;
-    std::printf("test14 %s: median %.4f %.4f (named %.3f), valid %.3f, score %.3f\n", name, s.u, s.v, shift, s.valid, s.score);
+    std::printf("test14 %s: median %.4f %.4f (named %.3f), valid %.3f, score %.3f\n", name, s.u, s.v, shift, s.valid,
+                s.score);
     EXPECT_NEAR(std::abs(s.u), shift, 0.02);
     EXPECT_NEAR(std::abs(s.v), shift, 0.02);
     EXPECT_GE(s.valid, 0.95);
@@ -169,7 +170,8 @@ TEST_F(RealImages, SandWedgeAgreesWithPivlab) {
     nodes.nx = 17, nodes.ny = 30;
     PivOptions options;
     options.anchor = "forward";
-    const PixelVectors found = correlate(read(frames[std::size_t(pair)]), read(frames[std::size_t(pair) + 1]), nodes, options);
+    const PixelVectors found =
+        correlate(read(frames[std::size_t(pair)]), read(frames[std::size_t(pair) + 1]), nodes, options);
     for (std::size_t k = 0; k < theirs.size(); ++k) {
       if (found.status[k] != VectorStatus::valid || std::isnan(theirs[k][0])) continue;
       du.push_back(std::abs(found.displacement[k][0] - theirs[k][0]));
@@ -202,13 +204,14 @@ TEST_F(RealImages, TBar) {
   const bool all = std::getenv("PIVNP_TBAR_ALL") != nullptr;
   for (int image = 1062; image < 1080; ++image) {
     if (!all && image != 1062 && image != 1070 && image != 1074 && image != 1075) continue;
-    const Image a = read("tbar/IMG_" + std::to_string(image) + ".jpg"), b = read("tbar/IMG_" + std::to_string(image + 1) + ".jpg");
+    const Image a = read("tbar/IMG_" + std::to_string(image) + ".jpg"),
+                b = read("tbar/IMG_" + std::to_string(image + 1) + ".jpg");
     const auto start = std::chrono::steady_clock::now();
     const PixelVectors found = correlator.correlate(a.view(), b.view(), mask);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const Summary s = summarise(found), far = summarise(found, far_field);
-    std::printf("tbar %d: far median %.3f %.3f, valid %.3f, failed %.3f, score %.3f, sigma %.4f, %.2f s, %zu nodes\n", image,
-                far.u, far.v, s.valid, s.failed, s.score, s.sigma, seconds, nodes.pixel.size());
+    std::printf("tbar %d: far median %.3f %.3f, valid %.3f, failed %.3f, score %.3f, sigma %.4f, %.2f s, %zu nodes\n",
+                image, far.u, far.v, s.valid, s.failed, s.score, s.sigma, seconds, nodes.pixel.size());
     const double frames = image == 1074 ? 2 : 1;
     EXPECT_NEAR(far.u, 0.02 * frames, 0.1);
     EXPECT_NEAR(far.v, 1.97 * frames, 0.1);
