@@ -35,7 +35,8 @@ double normal(std::uint64_t key, std::uint64_t index) {
   std::uint32_t sum = 0;
   for (std::uint64_t part = 0; part < 3; ++part) {
     const std::uint64_t bits = mix(key + 3 * index + part);
-    sum += static_cast<std::uint32_t>((bits & 0xffff) + ((bits >> 16) & 0xffff) + ((bits >> 32) & 0xffff) + (bits >> 48));
+    sum +=
+        static_cast<std::uint32_t>((bits & 0xffff) + ((bits >> 16) & 0xffff) + ((bits >> 32) & 0xffff) + (bits >> 48));
   }
   return (static_cast<double>(sum) - 12.0 * 32767.5) * 0x1.0p-16;
 }
@@ -157,7 +158,8 @@ Image BlobRenderer::draw(std::span<const Vec2> centres_px, int frame, int frames
   const double peak_scale = white / (centred * centred);
   const std::uint64_t peaks = stream_key(options_.seed, Stream::peak, 0);
 
-  std::vector<float> signal(std::size_t(width_) * std::size_t(height_), static_cast<float>(options_.background * white));
+  std::vector<float> signal(std::size_t(width_) * std::size_t(height_),
+                            static_cast<float>(options_.background * white));
   AxisShares columns, rows;
   for (std::size_t blob = 0; blob < centres_px.size(); ++blob) {
     axis_shares(centres_px[blob].x(), sigma, width_, columns);
@@ -174,8 +176,7 @@ Image BlobRenderer::draw(std::span<const Vec2> centres_px, int frame, int frames
   const double per_column = width_ > 1 ? options_.light_slope / (width_ - 1) : 0.0;
   for (int r = 0; r < height_; ++r) {
     float* out = signal.data() + std::size_t(r) * std::size_t(width_);
-    for (int c = 0; c < width_; ++c)
-      out[c] = static_cast<float>(std::min(white, out[c] * now * (1 - per_column * c)));
+    for (int c = 0; c < width_; ++c) out[c] = static_cast<float>(std::min(white, out[c] * now * (1 - per_column * c)));
   }
 
   Image image(width_, height_, options_.bits == 8 ? PixelDepth::u8 : PixelDepth::u16, static_cast<float>(white));

@@ -1,12 +1,12 @@
 #include "pivnp/piv/correlate.hpp"
 
+#include <fftw3.h>
+
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <mutex>
 #include <stdexcept>
-
-#include <fftw3.h>
 
 #include "pivnp/piv/subpixel.hpp"
 
@@ -115,7 +115,8 @@ Peak NearCorrelator::find(const Window& window) const {
 // Buffers of one thread, and plans made for them.
 struct FftCorrelator::Plan {
   explicit Plan(int side) {
-    const std::size_t real = std::size_t(side) * std::size_t(side), half = std::size_t(side) * std::size_t(side / 2 + 1);
+    const std::size_t real = std::size_t(side) * std::size_t(side),
+                      half = std::size_t(side) * std::size_t(side / 2 + 1);
     a = fftwf_alloc_real(real), b = fftwf_alloc_real(real);
     fa = fftwf_alloc_complex(half), fb = fftwf_alloc_complex(half);
     if (!a || !b || !fa || !fb) throw std::bad_alloc();
@@ -152,7 +153,9 @@ int quick_size(int least) {
 }  // namespace
 
 FftCorrelator::FftCorrelator(int side)
-    : side_(side), size_(quick_size(side)), taper_share_(taper_correlation(side, side / 3 + 2)),
+    : side_(side),
+      size_(quick_size(side)),
+      taper_share_(taper_correlation(side, side / 3 + 2)),
       plan_(std::make_unique<Plan>(size_)) {}
 FftCorrelator::~FftCorrelator() = default;
 FftCorrelator::FftCorrelator(FftCorrelator&&) noexcept = default;

@@ -10,9 +10,9 @@ namespace pivnp::piv {
 
 /// Peak of the normalised cross-correlation c(s) = sum a(x) b(x + s) / (|a| |b| R(s)), R the taper's own correlation.
 struct Peak {
-  float dx = 0, dy = 0;   // lag with fraction, pixels of the level: the second window's content lies there
-  float score = 0;        // c at the peak's whole lag, -1 .. 1
-  bool interior = false;  // the peak lies inside the lags searched, not at their end
+  float dx = 0, dy = 0;     // lag with fraction, pixels of the level: the second window's content lies there
+  float score = 0;          // c at the peak's whole lag, -1 .. 1
+  bool interior = false;    // the peak lies inside the lags searched, not at their end
   float around[3][3] = {};  // c at lags -1 ... 1 about zero, [y][x] (near search only)
 };
 
@@ -28,7 +28,8 @@ class NearCorrelator {
 };
 
 /// All lags up to a third of the side, by real FFT of the next size that is a product of 2, 3 and 5 (Willert & Gharib
-/// 1991). The taper keeps what wraps around small. One object a thread; making one takes a lock (FFTW plans), using one does not.
+/// 1991). The taper keeps what wraps around small. One object a thread; making one takes a lock (FFTW plans), using one
+/// does not.
 class FftCorrelator {
  public:
   explicit FftCorrelator(int side);

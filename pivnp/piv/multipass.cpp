@@ -1,10 +1,10 @@
 #include "pivnp/piv/multipass.hpp"
 
+#include <omp.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
-#include <omp.h>
 
 #include "pivnp/piv/correlate.hpp"
 #include "pivnp/piv/uncertainty.hpp"
@@ -15,10 +15,10 @@ namespace pivnp::piv {
 
 namespace {
 
-constexpr int search_side = 32;       // pixels of a decimated image that a search window keeps at least
-constexpr int automatic_passes = 4;   // with the last window: one search, two to converge, one at the nodes
-constexpr float converged_px = 0.01f; // root mean square change of the predictor's vectors
-constexpr float smoothing = 0.3f;     // standard deviation of the predictor's weights over the window's side
+constexpr int search_side = 32;        // pixels of a decimated image that a search window keeps at least
+constexpr int automatic_passes = 4;    // with the last window: one search, two to converge, one at the nodes
+constexpr float converged_px = 0.01f;  // root mean square change of the predictor's vectors
+constexpr float smoothing = 0.3f;      // standard deviation of the predictor's weights over the window's side
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
 enum class Search { far, near };
@@ -38,12 +38,12 @@ struct Tools {
 
 // One window size: the resolution its images are taken at, and the even lattice its predictor is measured on.
 struct Stage {
-  int side = 0;        // pixels of the full image
+  int side = 0;  // pixels of the full image
   int decimation = 1;
   EvenLattice lattice;
   NodeLattice points;
-  int passes = 0;      // on the even lattice
-  bool searches = false;  // the first of them searches far; the others refine
+  int passes = 0;            // on the even lattice
+  bool searches = false;     // the first of them searches far; the others refine
   std::vector<Tools> tools;  // one a thread
 
   int level_side() const { return side / decimation; }
@@ -88,8 +88,13 @@ class MultipassFft final : public Method {
 };
 
 MultipassFft::MultipassFft(const PivOptions& options, const NodeLattice& nodes, int width, int height, int threads)
-    : options_(options), nodes_(nodes), width_(width), height_(height), threads_(std::max(1, threads)),
-      passes_(options.passes > 0 ? options.passes : automatic_passes), anchor_(options.anchor == "central" ? Anchor::central : Anchor::forward) {
+    : options_(options),
+      nodes_(nodes),
+      width_(width),
+      height_(height),
+      threads_(std::max(1, threads)),
+      passes_(options.passes > 0 ? options.passes : automatic_passes),
+      anchor_(options.anchor == "central" ? Anchor::central : Anchor::forward) {
   const std::vector<int> sides = window_sides(options, width, height);
   const Box whole = bounding_box(nodes_, static_cast<float>(sides.front()) / 2, width, height);
   if (whole.empty()) return;  // no node lies in the image
@@ -142,8 +147,8 @@ void MultipassFft::take_images(const ImageView& first, const ImageView& second, 
 
 void MultipassFft::warp(const Stage& stage) {
   const Level& l = level(stage.decimation);
-  const Box full = bounding_box(nodes_, static_cast<float>(stage.side) + 2.0f * std::max(stage.lattice.dx, stage.lattice.dy),
-                                width_, height_);
+  const Box full = bounding_box(
+      nodes_, static_cast<float>(stage.side) + 2.0f * std::max(stage.lattice.dx, stage.lattice.dy), width_, height_);
   const int d = stage.decimation;
   const Box box{full.x0 / d, full.y0 / d, std::min((full.x1 + d - 1) / d, l.first.width()),
                 std::min((full.y1 + d - 1) / d, l.first.height())};
@@ -223,7 +228,8 @@ void MultipassFft::measure_node(Tools& tools, const Level& images, std::size_t k
   tools.window.cut(warped_, images.from_full(x), images.from_full(y));
   const Window& window = tools.window;
   if (!enough(window)) {
-    if (window.usable + window.masked >= static_cast<float>(options_.min_usable)) vectors.status[k] = VectorStatus::masked;
+    if (window.usable + window.masked >= static_cast<float>(options_.min_usable))
+      vectors.status[k] = VectorStatus::masked;
     return;
   }
   if (!textured(window)) return;
@@ -241,8 +247,8 @@ void MultipassFft::measure_node(Tools& tools, const Level& images, std::size_t k
   vectors.status[k] = accepted ? VectorStatus::valid : VectorStatus::rejected;
 }
 
-// The nodes may be far apart for the field's curvature; the predictor, validated on a finer lattice, knows it. So they are
-// judged by what they deviate from it.
+// The nodes may be far apart for the field's curvature; the predictor, validated on a finer lattice, knows it. So they
+// are judged by what they deviate from it.
 void MultipassFft::validate_nodes(PixelVectors& vectors) {
   VectorGrid grid{nodes_.nx, nodes_.ny, vectors.displacement, {}};
   for (std::size_t k = 0; k < grid.displacement.size(); ++k) {

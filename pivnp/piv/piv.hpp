@@ -27,16 +27,21 @@ struct PivOptions {
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
-    visit("method", self.method,
-          OptionInfo{.text = "correlation method", .choices = {"fft"}});
+    visit("method", self.method, OptionInfo{.text = "correlation method", .choices = {"fft"}});
     visit("window_px", self.window_px,
-          OptionInfo{.unit = "px", .text = "side of the last interrogation window (of the even window with the same noise)", .min = 8, .max = 256});
+          OptionInfo{.unit = "px",
+                     .text = "side of the last interrogation window (of the even window with the same noise)",
+                     .min = 8,
+                     .max = 256});
     visit("first_window_px", self.first_window_px,
-          OptionInfo{.unit = "px", .text = "side of the first window; it finds up to a quarter of it (0: chosen from the image)", .min = 0, .max = 512});
-    visit("passes", self.passes,
-          OptionInfo{.text = "passes with the last window (0: chosen)", .min = 0, .max = 20});
+          OptionInfo{.unit = "px",
+                     .text = "side of the first window; it finds up to a quarter of it (0: chosen from the image)",
+                     .min = 0,
+                     .max = 512});
+    visit("passes", self.passes, OptionInfo{.text = "passes with the last window (0: chosen)", .min = 0, .max = 20});
     visit("anchor", self.anchor,
-          OptionInfo{.text = "instant that a vector's place belongs to: middle of the pair, or its first frame", .choices = {"central", "forward"}});
+          OptionInfo{.text = "instant that a vector's place belongs to: middle of the pair, or its first frame",
+                     .choices = {"central", "forward"}});
     visit("median_threshold", self.median_threshold,
           OptionInfo{.text = "normalised median test: residual over neighbours' scatter", .min = 0, .above_min = true});
     visit("median_floor_px", self.median_floor_px,
@@ -44,7 +49,10 @@ struct PivOptions {
     visit("min_score", self.min_score,
           OptionInfo{.text = "correlation coefficient below which a vector is rejected", .min = -1, .max = 1});
     visit("max_sigma_px", self.max_sigma_px,
-          OptionInfo{.unit = "px", .text = "stated standard deviation above which a vector is rejected", .min = 0, .above_min = true});
+          OptionInfo{.unit = "px",
+                     .text = "stated standard deviation above which a vector is rejected",
+                     .min = 0,
+                     .above_min = true});
     visit("min_usable", self.min_usable,
           OptionInfo{.text = "share of a window that masks and the image's edge must leave", .min = 0, .max = 1});
     visit("replace", self.replace,

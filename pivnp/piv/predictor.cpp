@@ -1,10 +1,9 @@
 #include "pivnp/piv/predictor.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
 
 namespace pivnp::piv {
 
@@ -16,6 +15,12 @@ constexpr int reach = 2;  // 5 x 5 points
 constexpr int most_terms = 6;
 using Moments = Eigen::Matrix<double, most_terms, most_terms>;
 using Sums = Eigen::Matrix<double, most_terms, 2>;
+using Terms = Eigen::Matrix<double, most_terms, 1>;
+
+Terms terms(int a, int b) {
+  const double x = a, y = b;
+  return {1.0, x, y, x * x, x * y, y * y};
+}
 
 // Normal equations of the weighted polynomial 1, x, y, xx, xy, yy about one control point, in lattice steps.
 struct LocalFit {
@@ -23,10 +28,10 @@ struct LocalFit {
   Sums sums = Sums::Zero();
   int points = 0, columns = 0, rows = 0;  // points used, and in how many different columns and rows they lie
 
-  bool solve(int terms, Vec2f& at_centre) const {
-    Eigen::LDLT<Eigen::MatrixXd> factor(normal.topLeftCorner(terms, terms));
+  bool solve(int count, Vec2f& at_centre) const {
+    Eigen::LDLT<Eigen::MatrixXd> factor(normal.topLeftCorner(count, count));
     if (factor.info() != Eigen::Success || factor.vectorD().minCoeff() < 1e-6 * normal(0, 0)) return false;
-    const Eigen::MatrixXd solution = factor.solve(sums.topRows(terms));
+    const Eigen::MatrixXd solution = factor.solve(sums.topRows(count));
     at_centre = {static_cast<float>(solution(0, 0)), static_cast<float>(solution(0, 1))};
     return true;
   }
@@ -38,6 +43,20 @@ std::array<double, 2 * reach + 1> axis_weights(float sigma) {
   return w;
 }
 
+// A neighbourhood without gaps: the fit is the same linear combination of its vectors everywhere.
+std::array<double, (2 * reach + 1) * (2 * reach + 1)> full_kernel(const std::array<double, 2 * reach + 1>& weight) {
+  const auto product = [&](int a, int b) { return weight[std::size_t(a + reach)] * weight[std::size_t(b + reach)]; };
+  Moments normal = Moments::Zero();
+  for (int b = -reach; b <= reach; ++b)
+    for (int a = -reach; a <= reach; ++a) normal += product(a, b) * terms(a, b) * terms(a, b).transpose();
+  const Terms first = normal.inverse().row(0).transpose();
+  std::array<double, (2 * reach + 1) * (2 * reach + 1)> kernel{};
+  std::size_t k = 0;
+  for (int b = -reach; b <= reach; ++b)
+    for (int a = -reach; a <= reach; ++a) kernel[k++] = product(a, b) * first.dot(terms(a, b));
+  return kernel;
+}
+
 }  // namespace
 
 void PredictorField::fit(const EvenLattice& lattice, const std::vector<Vec2f>& displacement,
@@ -47,29 +66,15 @@ void PredictorField::fit(const EvenLattice& lattice, const std::vector<Vec2f>& d
   std::vector<std::uint8_t> known(displacement.size(), 0);
   const auto weight = axis_weights(sigma);
 
-  // A neighbourhood without gaps: the fit is the same linear combination everywhere.
   constexpr int side = 2 * reach + 1;
-  std::array<double, side * side> full{};
-  {
-    LocalFit fit;
-    for (int b = -reach; b <= reach; ++b)
-      for (int a = -reach; a <= reach; ++a) {
-        const Eigen::Matrix<double, most_terms, 1> p{1.0, double(a), double(b), double(a * a), double(a * b), double(b * b)};
-        fit.normal += weight[std::size_t(a + reach)] * weight[std::size_t(b + reach)] * p * p.transpose();
-      }
-    const Eigen::Matrix<double, most_terms, 1> first = fit.normal.inverse().row(0).transpose();
-    for (int b = -reach; b <= reach; ++b)
-      for (int a = -reach; a <= reach; ++a) {
-        const Eigen::Matrix<double, most_terms, 1> p{1.0, double(a), double(b), double(a * a), double(a * b), double(b * b)};
-        full[std::size_t((b + reach) * side + a + reach)] =
-            weight[std::size_t(a + reach)] * weight[std::size_t(b + reach)] * first.dot(p);
-      }
-  }
+  const auto full = full_kernel(weight);
 
 #pragma omp parallel for num_threads(threads) schedule(static)
   for (int j = 0; j < lattice.ny; ++j) {
     for (int i = 0; i < lattice.nx; ++i) {
-      const auto index = [&](int a, int b) { return std::size_t(j + b) * std::size_t(lattice.nx) + std::size_t(i + a); };
+      const auto index = [&](int a, int b) {
+        return std::size_t(j + b) * std::size_t(lattice.nx) + std::size_t(i + a);
+      };
       bool whole = i >= reach && j >= reach && i + reach < lattice.nx && j + reach < lattice.ny;
       for (int b = -reach; whole && b <= reach; ++b)
         for (int a = -reach; a <= reach; ++a) whole = whole && good[index(a, b)] != 0;
@@ -90,7 +95,7 @@ void PredictorField::fit(const EvenLattice& lattice, const std::vector<Vec2f>& d
         for (int a = std::max(-reach, -i); a <= std::min(reach, lattice.nx - 1 - i); ++a) {
           if (!good[index(a, b)]) continue;
           const double w = weight[std::size_t(a + reach)] * weight[std::size_t(b + reach)];
-          const Eigen::Matrix<double, most_terms, 1> p{1.0, double(a), double(b), double(a * a), double(a * b), double(b * b)};
+          const Terms p = terms(a, b);
           fit.normal += w * p * p.transpose();
           fit.sums.col(0) += w * displacement[index(a, b)][0] * p;
           fit.sums.col(1) += w * displacement[index(a, b)][1] * p;
@@ -153,7 +158,8 @@ PredictorField::Axis PredictorField::axis(float position, float origin, float sp
   if (points == 1) return {0, {0, 1, 0, 0}};
   if (t < 0 || t > 1) return {cell, {0, 1 - t, t, 0}};
   const float t2 = t * t, t3 = t2 * t;
-  return {cell, {0.5f * (-t + 2 * t2 - t3), 0.5f * (2 - 5 * t2 + 3 * t3), 0.5f * (t + 4 * t2 - 3 * t3), 0.5f * (t3 - t2)}};
+  return {cell,
+          {0.5f * (-t + 2 * t2 - t3), 0.5f * (2 - 5 * t2 + 3 * t3), 0.5f * (t + 4 * t2 - 3 * t3), 0.5f * (t3 - t2)}};
 }
 
 Vec2f PredictorField::at(float column, float row) const {

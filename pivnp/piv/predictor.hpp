@@ -27,7 +27,7 @@ class PredictorField {
 
   /// Displacements along one row of pixels: at columns first + k step, k < count.
   struct RowPlan {
-    std::vector<int> cell;                       // first of four control columns (ghost column included)
+    std::vector<int> cell;  // first of four control columns (ghost column included)
     std::vector<std::array<float, 4>> weight;
   };
   RowPlan plan_row(float first, float step, int count) const;
@@ -46,8 +46,8 @@ class PredictorField {
     return values_[std::size_t((j + 1) * (lattice_.nx + 2) + i + 1)];
   }
 
-  EvenLattice lattice_;                        // no points: the zero field
-  std::vector<std::array<float, 2>> values_;   // with a ring of ghosts, continued linearly
+  EvenLattice lattice_;                       // no points: the zero field
+  std::vector<std::array<float, 2>> values_;  // with a ring of ghosts, continued linearly
 };
 
 }  // namespace pivnp::piv

@@ -8,7 +8,10 @@
 namespace pivnp::piv {
 
 UncertaintyEstimator::UncertaintyEstimator(int side)
-    : side_(side), stride_(side + 2 * span), dx_(std::size_t(stride_) * std::size_t(stride_)), dy_(dx_.size()),
+    : side_(side),
+      stride_(side + 2 * span),
+      dx_(std::size_t(stride_) * std::size_t(stride_)),
+      dy_(dx_.size()),
       line_(std::size_t(stride_)) {}
 
 float iteration_variance(int passes) { return passes <= 1 ? 1.0f : passes == 2 ? 1.6f : 2.0f; }

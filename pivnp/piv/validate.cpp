@@ -1,9 +1,8 @@
 #include "pivnp/piv/validate.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-
-#include <Eigen/Cholesky>
 
 namespace pivnp::piv {
 
@@ -70,20 +69,33 @@ struct Neighbours {
     return differences.count >= 4 ? differences.lower_quartile() : 0.0f;
   }
 
-  // Residual of `d` over the neighbours' scatter, both about the neighbours' median on the local plane.
-  double residual(float d, std::size_t component, double floor_px) const {
+  // The neighbours freed of the local gradient.
+  Sample levelled(std::size_t component) const {
     const float along_i = gradient(component, 1, 0), along_j = gradient(component, 0, 1);
     Sample level;
     for (int b = -reach; b <= reach; ++b)
       for (int a = -reach; a <= reach; ++a)
         if (good[at(a, b)])
-          level.add(displacement[at(a, b)][component] - along_i * static_cast<float>(a) - along_j * static_cast<float>(b));
-    const float median = level.median();
+          level.add(displacement[at(a, b)][component] - along_i * static_cast<float>(a) -
+                    along_j * static_cast<float>(b));
+    return level;
+  }
+
+  // How far they scatter about their median, and how far curvature alone lets the middle deviate from it.
+  double scatter(Sample& level, float median, std::size_t component) const {
     for (int k = 0; k < level.count; ++k) level.value[std::size_t(k)] = std::abs(level.value[std::size_t(k)] - median);
-    const float bend = std::max(curvature(component, 1, 0), curvature(component, 0, 1));
-    return std::abs(d - median) / (level.median() + bend + floor_px);
+    return level.median() + std::max(curvature(component, 1, 0), curvature(component, 0, 1));
   }
 };
+
+bool passes(const std::array<float, 2>& d, const Neighbours& neighbours, double threshold, double floor_px) {
+  Sample level_u = neighbours.levelled(0), level_v = neighbours.levelled(1);
+  const float median_u = level_u.median(), median_v = level_v.median();
+  const double off_u = std::abs(d[0] - median_u), off_v = std::abs(d[1] - median_v);
+  if (std::hypot(off_u, off_v) <= threshold * floor_px) return true;  // whatever the scatter
+  return std::hypot(off_u / (neighbours.scatter(level_u, median_u, 0) + floor_px),
+                    off_v / (neighbours.scatter(level_v, median_v, 1) + floor_px)) <= threshold;
+}
 
 }  // namespace
 
@@ -96,15 +108,12 @@ void median_test(VectorGrid& vectors, double threshold, double floor_px, int thr
     for (int j = 0; j < vectors.ny; ++j)
       for (int i = 0; i < vectors.nx; ++i) {
         const std::size_t k = std::size_t(j) * std::size_t(vectors.nx) + std::size_t(i);
-        passed[k] = candidates[k];
         if (!candidates[k]) continue;
         const Neighbours neighbours(vectors, i, j);
-        if (neighbours.count < 3) continue;
-        const double ru = neighbours.residual(vectors.displacement[k][0], 0, floor);
-        const double rv = neighbours.residual(vectors.displacement[k][1], 1, floor);
-        if (!(std::hypot(ru, rv) <= threshold)) passed[k] = 0;
+        passed[k] = neighbours.count < 3 || passes(vectors.displacement[k], neighbours, threshold, floor);
       }
     vectors.good = passed;
+    if (passed == candidates) return;
   }
 }
 

@@ -30,15 +30,16 @@ enum class PixelUse : std::uint8_t { outside = 0, usable = 1, masked = 2 };
 /// Warped frames over a box of a level's pixels: f(x) and g(x) show the same material where the predictor is right.
 struct WarpedPair {
   Box box;
-  std::vector<float> f, g;      // [height][width] of the box
-  std::vector<PixelUse> use;    // outside: the place in either frame is beyond the image's edge
+  std::vector<float> f, g;    // [height][width] of the box
+  std::vector<PixelUse> use;  // outside: the place in either frame is beyond the image's edge
   std::size_t index(int column, int row) const {
     return std::size_t(row - box.y0) * std::size_t(box.width()) + std::size_t(column - box.x0);
   }
 };
 
 /// f(x) = first(x - d/2), g(x) = second(x + d/2) for the central anchor; f(x) = first(x), g(x) = second(x + d) for the
-/// forward one; d is the predictor at x. A pixel is masked if any of the four pixels about its place in either frame is.
+/// forward one; d is the predictor at x. A pixel is masked if any of the four pixels about its place in either frame
+/// is.
 void warp_pair(const Level& level, const PredictorField& predictor, Anchor anchor, const Box& box, int threads,
                WarpedPair& warped);
 

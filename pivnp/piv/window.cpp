@@ -16,7 +16,10 @@ float axis_weight(float distance, float side) {
 }  // namespace
 
 Window::Window(int side_px)
-    : side(side_px), stride((side_px + 2 * near_lags + 3) / 4 * 4), axis_x_(std::size_t(side_px)), axis_y_(std::size_t(side_px)) {
+    : side(side_px),
+      stride((side_px + 2 * near_lags + 3) / 4 * 4),
+      axis_x_(std::size_t(side_px)),
+      axis_y_(std::size_t(side_px)) {
   const std::size_t size = std::size_t(stride) * std::size_t(side + 2 * near_lags);
   a.assign(size, 0.0f);
   b.assign(size, 0.0f);
@@ -25,7 +28,8 @@ Window::Window(int side_px)
 
 void Window::cut(const WarpedPair& pair, float column, float row) {
   const auto length = static_cast<float>(side);
-  const int x0 = static_cast<int>(std::ceil(column - 0.5f * length)), y0 = static_cast<int>(std::ceil(row - 0.5f * length));
+  const int x0 = static_cast<int>(std::ceil(column - 0.5f * length)),
+            y0 = static_cast<int>(std::ceil(row - 0.5f * length));
   float whole_x = 0, whole_y = 0;
   for (int k = 0; k < side; ++k) {
     axis_x_[std::size_t(k)] = axis_weight(static_cast<float>(x0 + k) - column, length);
@@ -93,7 +97,8 @@ void Window::cut(const WarpedPair& pair, float column, float row) {
 std::vector<float> taper_correlation(int side, int count) {
   std::vector<double> w(static_cast<std::size_t>(side));
   for (int k = 0; k < side; ++k)
-    w[std::size_t(k)] = axis_weight(static_cast<float>(k) - 0.5f * static_cast<float>(side - 1), static_cast<float>(side));
+    w[std::size_t(k)] =
+        axis_weight(static_cast<float>(k) - 0.5f * static_cast<float>(side - 1), static_cast<float>(side));
   std::vector<float> share(static_cast<std::size_t>(count));
   double whole = 0;
   for (int lag = 0; lag < count; ++lag) {

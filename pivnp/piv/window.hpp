@@ -17,10 +17,10 @@ inline constexpr int near_lags = 2;
 /// Two windows of side x side pixels with a border of zeros near_lags wide, rows `stride` apart.
 struct Window {
   int side = 0, stride = 0;
-  std::vector<float> a, b;        // w (f - mean f), w (g - mean g)
-  std::vector<float> weight;      // w, 0 where a pixel must not be used
-  float energy_a = 0, energy_b = 0;        // sums of squares of a and b
-  float variance_f = 0, variance_g = 0;    // weighted variance of the grey values, grey^2
+  std::vector<float> a, b;                    // w (f - mean f), w (g - mean g)
+  std::vector<float> weight;                  // w, 0 where a pixel must not be used
+  float energy_a = 0, energy_b = 0;           // sums of squares of a and b
+  float variance_f = 0, variance_g = 0;       // weighted variance of the grey values, grey^2
   float usable = 0, masked = 0, outside = 0;  // shares of the weight; they add up to 1
 
   explicit Window(int side_px);

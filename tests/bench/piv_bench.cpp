@@ -81,8 +81,8 @@ int main(int argc, char** argv) {
   std::printf("machine: %s\nthreads %d, frames %d x %d, %d x %d nodes %d px apart, window %d px, %s anchor, seed %d\n",
               machine().c_str(), threads, side, side, nodes.nx, nodes.ny, spacing, options.window_px,
               options.anchor.c_str(), seed);
-  std::printf("%-18s %8s %8s %8s %8s %7s %7s %9s %8s %10s\n", "case", "rms px", "bias px", "max px", "valid %", "in 1s %",
-              "in 2s %", "sigma px", "gain", "vectors/s");
+  std::printf("%-18s %8s %8s %8s %8s %7s %7s %9s %8s %10s\n", "case", "rms px", "bias px", "max px", "valid %",
+              "in 1s %", "in 2s %", "sigma px", "gain", "vectors/s");
   PairCorrelator correlator(options, nodes, side, side, threads);
   for (const Row& row : rows) {
     image::TextureOptions texture{.noise = row.noise, .loss = row.loss, .seed = seed};

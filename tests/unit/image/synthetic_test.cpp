@@ -1,4 +1,6 @@
 // Synthetic frames: a blob is where it was put and as bright as asked, noise has the stated spread, seeds repeat.
+#include "pivnp/image/synthetic.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,7 +10,6 @@
 #include <random>
 
 #include "pivnp/core/error.hpp"
-#include "pivnp/image/synthetic.hpp"
 
 namespace pivnp::image {
 namespace {
@@ -73,8 +74,7 @@ TEST(Synthetic, GreyValuesAreTheGaussianIntegral) {
   };
   for (int r = 0; r < 21; ++r)
     for (int c = 0; c < 21; ++c)
-      EXPECT_NEAR(grey(image, c, r),
-                  65535 * (0.1 + 0.4 / (per_axis * per_axis) * share(c, 9.7) * share(r, 11.2)), 0.6);
+      EXPECT_NEAR(grey(image, c, r), 65535 * (0.1 + 0.4 / (per_axis * per_axis) * share(c, 9.7) * share(r, 11.2)), 0.6);
 }
 
 TEST(Synthetic, OverlapAddsAndClipsAtWhite) {

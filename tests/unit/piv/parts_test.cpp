@@ -91,7 +91,8 @@ TEST(Subpixel, GaussianPeaksAreFoundExactly) {
     EXPECT_NEAR(three_point_peak(g(-1), g(0), g(1)), centre, 1e-5);
     if (std::abs(centre) > 0.2) continue;
     const float step = 1e-3f;  // the derivative is that of a balanced peak
-    const float slope = (three_point_peak(g(-1) - step / 2, g(0), g(1) + step / 2) - three_point_peak(g(-1), g(0), g(1))) / step;
+    const float slope =
+        (three_point_peak(g(-1) - step / 2, g(0), g(1) + step / 2) - three_point_peak(g(-1), g(0), g(1))) / step;
     EXPECT_NEAR(three_point_sensitivity(g(-1), g(0), g(1)), slope, 0.1 * slope);
   }
   EXPECT_FLOAT_EQ(three_point_peak(-0.1f, 1.0f, -0.1f), 0.0f);  // no logarithm: parabola
@@ -217,7 +218,8 @@ TEST(Replacement, RepeatsALinearFieldAndMarksIt) {
   const int nx = 9, ny = 7;
   std::vector<std::array<float, 2>> d, truth;
   for (int j = 0; j < ny; ++j)
-    for (int i = 0; i < nx; ++i) truth.push_back({0.5f * static_cast<float>(i) - 0.2f * static_cast<float>(j), static_cast<float>(i)});
+    for (int i = 0; i < nx; ++i)
+      truth.push_back({0.5f * static_cast<float>(i) - 0.2f * static_cast<float>(j), static_cast<float>(i)});
   d = truth;
   std::vector<VectorStatus> status(d.size(), VectorStatus::valid);
   std::vector<std::array<float, 3>> cov(d.size(), {1e-4f, 4e-4f, 0});
@@ -236,7 +238,7 @@ TEST(Replacement, RepeatsALinearFieldAndMarksIt) {
     EXPECT_NEAR(cov[k][1], 4e-4, 1e-6);
   }
   EXPECT_EQ(status[std::size_t(6 * nx)], VectorStatus::replaced);  // a corner: three neighbours, their median
-  EXPECT_EQ(status[0], VectorStatus::failed);                     // nothing was measured: not replaced
+  EXPECT_EQ(status[0], VectorStatus::failed);                      // nothing was measured: not replaced
 }
 
 TEST(Replacement, GoesTwoRingsFarAndNoFarther) {

@@ -105,7 +105,8 @@ TEST(Piv, LargeShiftsAreFound) {
 }
 
 TEST(Piv, StatedErrorFollowsTheNoise) {
-  const Errors five = errors_of(uniform(2.3, -1.4), {.noise = 0.05}), ten = errors_of(uniform(2.3, -1.4), {.noise = 0.10});
+  const Errors five = errors_of(uniform(2.3, -1.4), {.noise = 0.05}),
+               ten = errors_of(uniform(2.3, -1.4), {.noise = 0.10});
   EXPECT_LE(five.rms, 0.03);
   EXPECT_GE(five.valid, 0.99);
   EXPECT_LE(ten.rms, 0.06);
@@ -133,7 +134,8 @@ TEST(Piv, UnevenAndChangingLightDoesNotMatter) {
 TEST(Piv, DepthDoesNotMatter) {
   for (const int bits : {12, 16}) EXPECT_LE(errors_of(uniform(1.4, 0.7), {.bits = bits}).rms, 0.01);
   const Scene scene = make_scene(uniform(1.4, 0.7), side, side, {.bits = 16});
-  Scene floating{scene.motion, side, side, Image(side, side, PixelDepth::f32, 1.0f), Image(side, side, PixelDepth::f32, 1.0f)};
+  Scene floating{scene.motion, side, side, Image(side, side, PixelDepth::f32, 1.0f),
+                 Image(side, side, PixelDepth::f32, 1.0f)};
   for (const auto& [from, to] : {std::pair{&scene.first, &floating.first}, {&scene.second, &floating.second}})
     for (int r = 0; r < side; ++r)
       for (int c = 0; c < side; ++c) to->row<float>(r)[c] = from->view().row<std::uint16_t>(r)[c] / 65535.0f;
@@ -150,7 +152,8 @@ TEST(Piv, SameBitsForAnyNumberOfThreadsAndOnReuse) {
   three.correlate(scene.second.view(), scene.first.view(), {});  // another pair before
   const PixelVectors a = one.correlate(scene.first.view(), scene.second.view(), {});
   const PixelVectors b = three.correlate(scene.first.view(), scene.second.view(), {});
-  EXPECT_EQ(std::memcmp(a.displacement.data(), b.displacement.data(), a.displacement.size() * sizeof(a.displacement[0])), 0);
+  EXPECT_EQ(
+      std::memcmp(a.displacement.data(), b.displacement.data(), a.displacement.size() * sizeof(a.displacement[0])), 0);
   EXPECT_EQ(std::memcmp(a.cov.data(), b.cov.data(), a.cov.size() * sizeof(a.cov[0])), 0);
   EXPECT_EQ(std::memcmp(a.score.data(), b.score.data(), a.score.size() * sizeof(a.score[0])), 0);
   EXPECT_EQ(a.status, b.status);
@@ -203,8 +206,7 @@ TEST(Piv, NodesThatAreOffAreMaskedAndTheOthersUnchanged) {
 TEST(Piv, NothingIsClaimedWithoutTextureOrOutside) {
   Scene scene = make_scene(uniform(1.3, 0.2), side, side, {});
   for (int r = 0; r < side; ++r)
-    for (int c = 0; c < 100; ++c)
-      scene.first.row<std::uint8_t>(r)[c] = scene.second.row<std::uint8_t>(r)[c] = 40;
+    for (int c = 0; c < 100; ++c) scene.first.row<std::uint8_t>(r)[c] = scene.second.row<std::uint8_t>(r)[c] = 40;
   NodeLattice nodes{4, 1, {{60, 128}, {160, 128}, {-5, 128}, {128, 300}}, {}};
   const PixelVectors found = measure(scene, nodes);
   for (const std::size_t k : {0u, 2u, 3u}) {

@@ -1,6 +1,7 @@
 // Real and published images (environment PIVNP_TEST_DATA), each against what is known of it.
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -8,10 +9,8 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
-
-#include <Eigen/Cholesky>
 #include <opencv2/imgcodecs.hpp>
+#include <sstream>
 
 #include "tests/unit/piv/scene.hpp"
 
@@ -24,7 +23,8 @@ class RealImages : public testing::Test {
  protected:
   void SetUp() override {
     const char* folder = std::getenv("PIVNP_TEST_DATA");
-    if (folder == nullptr || !fs::is_directory(folder)) GTEST_SKIP() << "PIVNP_TEST_DATA does not name the shared images";
+    if (folder == nullptr || !fs::is_directory(folder))
+      GTEST_SKIP() << "PIVNP_TEST_DATA does not name the shared images";
     data = folder;
   }
 
@@ -33,8 +33,7 @@ class RealImages : public testing::Test {
     EXPECT_FALSE(grey.empty()) << name;
     const bool eight = grey.depth() == CV_8U;
     Image image(grey.cols, grey.rows, eight ? PixelDepth::u8 : PixelDepth::u16, eight ? 255.0f : 65535.0f);
-    for (int r = 0; r < grey.rows; ++r)
-      std::memcpy(image.row<std::byte>(r), grey.ptr(r), std::size_t(image.stride()));
+    for (int r = 0; r < grey.rows; ++r) std::memcpy(image.row<std::byte>(r), grey.ptr(r), std::size_t(image.stride()));
     return image;
   }
 
@@ -84,21 +83,27 @@ TEST_F(RealImages, DiceRigidShift) {
   for (const int k : {1, 2, 5, 10, 15}) {
     const Image def = read("dice_rigid_shift/def_" + std::to_string(k) + ".tif");
     const Summary s = summarise(correlate(ref, def, even_nodes(ref.width(), ref.height(), 16, 40)));
-    std::printf("dice_rigid_shift %d: mean %.4f %.4f, valid %.3f, score %.3f\n", k, s.mean_u, s.mean_v, s.valid, s.score);
+    std::printf("dice_rigid_shift %d: mean %.4f %.4f, valid %.3f, score %.3f\n", k, s.mean_u, s.mean_v, s.valid,
+                s.score);
     EXPECT_NEAR(s.mean_u, k, 0.005);
     EXPECT_NEAR(s.mean_v, k, 0.005);
     EXPECT_GE(s.valid, 0.98);
   }
 }
 
-// Uniform diagonal shifts NNN/32 px by the files' names. Criterion: within .02 px (median).
+// Uniform diagonal shifts NNN/32 px by the files' names. Criterion: within .02 px (median). The particles are about one
+// pixel wide, too few pixels for any interpolation: the central anchor, which interpolates both frames, is off by .026
+// px at a quarter of a pixel, the forward one by .012.
 TEST_F(RealImages, OpenPivTest14) {
   for (const char* name : {"096", "104", "112", "128"}) {
     const std::string stem = std::string("openpiv/test14_disp_series/disp_") + name;
     const Image a = read(stem + "a.bmp"), b = read(stem + "b.bmp");
-    const Summary s = summarise(correlate(a, b, even_nodes(a.width(), a.height(), 16, 24)));
+    PivOptions options;
+    options.anchor = "forward";
+    const Summary s = summarise(correlate(a, b, even_nodes(a.width(), a.height(), 16, 24), options));
     const double shift = std::atoi(name) / 32.0;
-    std::printf("test14 %s: median %.4f %.4f (named %.3f), valid %.3f, score %.3f\n", name, s.u, s.v, shift, s.valid, s.score);
+    std::printf("test14 %s: median %.4f %.4f (named %.3f), valid %.3f, score %.3f\n", name, s.u, s.v, shift, s.valid,
+                s.score);
     EXPECT_NEAR(std::abs(s.u), shift, 0.02);
     EXPECT_NEAR(std::abs(s.v), shift, 0.02);
     EXPECT_GE(s.valid, 0.95);
@@ -165,7 +170,8 @@ TEST_F(RealImages, SandWedgeAgreesWithPivlab) {
     nodes.nx = 17, nodes.ny = 30;
     PivOptions options;
     options.anchor = "forward";
-    const PixelVectors found = correlate(read(frames[std::size_t(pair)]), read(frames[std::size_t(pair) + 1]), nodes, options);
+    const PixelVectors found =
+        correlate(read(frames[std::size_t(pair)]), read(frames[std::size_t(pair) + 1]), nodes, options);
     for (std::size_t k = 0; k < theirs.size(); ++k) {
       if (found.status[k] != VectorStatus::valid || std::isnan(theirs[k][0])) continue;
       du.push_back(std::abs(found.displacement[k][0] - theirs[k][0]));
@@ -179,7 +185,9 @@ TEST_F(RealImages, SandWedgeAgreesWithPivlab) {
   EXPECT_GE(valid, 0.7);
 }
 
-// Clay past a cylinder, 12 megapixels: far field about (0.02, 1.97) px a frame; the step 1074 -> 1075 must show itself.
+// Clay past a cylinder, 12 megapixels. Criteria: far field about (0.02, 1.97) px a frame; and the step 1074 -> 1075,
+// where the clay moves twice as far as in any other (a frame is missing), is measured as what it is, so that it stands
+// out of the sequence: scores alone would not show it.
 TEST_F(RealImages, TBar) {
   const Image first = read("tbar/IMG_1062.jpg");
   const int width = first.width(), height = first.height();
@@ -193,28 +201,23 @@ TEST_F(RealImages, TBar) {
   const auto far_field = [&](std::size_t k) {
     return std::hypot(nodes.pixel[k][0] - 1915, nodes.pixel[k][1] - 1490) > 1.5 * 790;
   };
-  double worst_good = 1, bad = 1;
   const bool all = std::getenv("PIVNP_TBAR_ALL") != nullptr;
   for (int image = 1062; image < 1080; ++image) {
     if (!all && image != 1062 && image != 1070 && image != 1074 && image != 1075) continue;
-    const Image a = read("tbar/IMG_" + std::to_string(image) + ".jpg"), b = read("tbar/IMG_" + std::to_string(image + 1) + ".jpg");
+    const Image a = read("tbar/IMG_" + std::to_string(image) + ".jpg"),
+                b = read("tbar/IMG_" + std::to_string(image + 1) + ".jpg");
     const auto start = std::chrono::steady_clock::now();
     const PixelVectors found = correlator.correlate(a.view(), b.view(), mask);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const Summary s = summarise(found), far = summarise(found, far_field);
-    std::printf("tbar %d: far median %.3f %.3f, valid %.3f, failed %.3f, score %.3f, sigma %.4f, %.2f s, %zu nodes\n", image,
-                far.u, far.v, s.valid, s.failed, s.score, s.sigma, seconds, nodes.pixel.size());
-    if (image == 1062) {
-      EXPECT_NEAR(far.u, 0.02, 0.1);
-      EXPECT_NEAR(far.v, 1.97, 0.1);
-      EXPECT_GE(s.valid, 0.9);
-    }
-    if (image == 1074)
-      bad = s.score;
-    else
-      worst_good = std::min(worst_good, s.score);
+    std::printf("tbar %d: far median %.3f %.3f, valid %.3f, failed %.3f, score %.3f, sigma %.4f, %.2f s, %zu nodes\n",
+                image, far.u, far.v, s.valid, s.failed, s.score, s.sigma, seconds, nodes.pixel.size());
+    const double frames = image == 1074 ? 2 : 1;
+    EXPECT_NEAR(far.u, 0.02 * frames, 0.1);
+    EXPECT_NEAR(far.v, 1.97 * frames, 0.1);
+    EXPECT_GE(s.valid, 0.9);
+    EXPECT_GE(s.score, 0.9);
   }
-  EXPECT_LT(bad, worst_good);
 }
 
 }  // namespace

@@ -76,11 +76,13 @@ inline Scene make_scene(Motion motion, int width, int height, image::TextureOpti
     return z ^ (z >> 31);
   };
   const auto random = [&](std::uint64_t k) {
-    return static_cast<double>(mix((static_cast<std::uint64_t>(texture.seed) << 40) + (k + 1) * 0x9e3779b97f4a7c15ull) >> 11) *
+    return static_cast<double>(
+               mix((static_cast<std::uint64_t>(texture.seed) << 40) + (k + 1) * 0x9e3779b97f4a7c15ull) >> 11) *
            0x1.0p-53;
   };
   const auto place = [&](std::uint64_t k) {
-    return Vec2(random(2 * k) * (width + 2 * margin) - margin - 0.5, random(2 * k + 1) * (height + 2 * margin) - margin - 0.5);
+    return Vec2(random(2 * k) * (width + 2 * margin) - margin - 0.5,
+                random(2 * k + 1) * (height + 2 * margin) - margin - 0.5);
   };
   const auto count = static_cast<std::size_t>(texture.density_per_px * (width + 2 * margin) * (height + 2 * margin));
   std::vector<Vec2> before(count), after(count);
@@ -103,12 +105,12 @@ inline NodeLattice even_nodes(int width, int height, double spacing, double marg
 }
 
 struct Errors {
-  double rms = 0;     // of the worse component, over valid vectors, px
-  double bias = 0;    // of the worse component
-  double valid = 0;   // share of all nodes
+  double rms = 0;                         // of the worse component, over valid vectors, px
+  double bias = 0;                        // of the worse component
+  double valid = 0;                       // share of all nodes
   double within_one = 0, within_two = 0;  // share of components whose error is within 1 and 2 standard deviations
   double largest = 0;
-  double sigma = 0;   // median standard deviation stated for u
+  double sigma = 0;  // median standard deviation stated for u
 };
 
 inline Errors errors(const Scene& scene, const NodeLattice& nodes, const PixelVectors& found,
@@ -145,8 +147,8 @@ inline Errors errors(const Scene& scene, const NodeLattice& nodes, const PixelVe
   return e;
 }
 
-inline PixelVectors measure(const Scene& scene, const NodeLattice& nodes, const PivOptions& options = {}, int threads = 1,
-                            const MaskView& mask = {}) {
+inline PixelVectors measure(const Scene& scene, const NodeLattice& nodes, const PivOptions& options = {},
+                            int threads = 1, const MaskView& mask = {}) {
   PairCorrelator correlator(options, nodes, scene.width, scene.height, threads);
   return correlator.correlate(scene.first.view(), scene.second.view(), mask);
 }
