@@ -152,6 +152,8 @@ std::vector<std::string> flags(const Content& content, const std::vector<PairQua
       list.push_back(step + "the pair lost its correlation over most of the image (median score " + number(q.score_median, 2) + ", " +
                      percent(q.share(q.valid)) + " valid).");
     if (q.flag & frame_repeated) list.push_back(step + "the second exposure repeats the first; no motion can be read from it.");
+    if (q.flag & frame_jump)
+      list.push_back(step + "the motion is out of line with the steps before and after: a frame may be missing, or the camera was shaken.");
   }
   if (many) list.push_back("Further steps are flagged; the figure of the measurement\u2019s quality marks all of them.");
 

@@ -59,24 +59,37 @@ void measure(const Case& c, const Setting& setting, image::FrameSource& source, 
   writer.end_stage("piv", nullptr);
 }
 
-std::vector<Frame> flagged_frames(std::vector<Frame> frames, const io::RecordWriter& writer) {
-  std::vector<PairQuality> pairs;
-  std::vector<double> valid, score, shift;
-  for (std::size_t k = 0; k + 1 < frames.size(); ++k) {
-    pairs.push_back(quality_of(writer.pair(k)));
-    valid.push_back(pairs.back().valid);
-    score.push_back(pairs.back().median_score);
-    shift.push_back(pairs.back().median_shift);
+std::vector<std::uint8_t> step_flags(const std::vector<PairQuality>& pairs) {
+  std::vector<double> valid, score;
+  for (const PairQuality& q : pairs) {
+    valid.push_back(q.valid);
+    score.push_back(q.median_score);
   }
-  const double usual_valid = median(valid), usual_score = median(score), usual_shift = median(shift);
+  const double usual_valid = median(valid), usual_score = median(score);
+  constexpr double still = 0.01;  // spacings: less is no motion to compare
+  std::vector<std::uint8_t> flags(pairs.size(), frame_ok);
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     const PairQuality& q = pairs[k];
-    std::uint8_t& flag = frames[k + 1].flag;
-    if (q.valid < 0.5 * usual_valid || q.median_score < 0.6 * usual_score)
-      flag |= frame_decorrelated;
-    else if (q.median_shift < 0.05 * usual_shift && usual_shift > 0.01 && q.median_score > usual_score)
-      flag |= frame_repeated;
+    if (q.valid < 0.5 * usual_valid || q.median_score < 0.6 * usual_score) {
+      flags[k] |= frame_decorrelated;
+      continue;
+    }
+    if (k == 0 || k + 1 == pairs.size()) continue;
+    const double before = pairs[k - 1].median_shift, after = pairs[k + 1].median_shift, mean = (before + after) / 2;
+    if (mean < still || std::abs(after - before) > 0.25 * mean) continue;
+    if (q.median_shift < 0.05 * mean)
+      flags[k] |= frame_repeated;
+    else if (std::abs(q.median_shift - mean) > 0.5 * mean)
+      flags[k] |= frame_jump;
   }
+  return flags;
+}
+
+std::vector<Frame> flagged_frames(std::vector<Frame> frames, const io::RecordWriter& writer) {
+  std::vector<PairQuality> pairs;
+  for (std::size_t k = 0; k + 1 < frames.size(); ++k) pairs.push_back(quality_of(writer.pair(k)));
+  const std::vector<std::uint8_t> flags = step_flags(pairs);
+  for (std::size_t k = 0; k < flags.size(); ++k) frames[k + 1].flag |= flags[k];
   return frames;
 }
 

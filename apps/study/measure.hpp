@@ -22,8 +22,13 @@ PairQuality quality_of(const VectorField& field);
 void measure(const Case& c, const Setting& setting, image::FrameSource& source, io::RecordWriter& writer, int threads,
              Progress& progress);
 
-/// Frame flags from all pairs: a step is decorrelated if it lost most of what its fellows kept, repeated if nothing
-/// moved in it while its fellows moved.
+/// Flags of the step that ends at each frame but the first, from the quality of all pairs in order. Decorrelated: less
+/// than half the usual share of vectors is valid, or their median score is below 0.6 of the usual. Jump: the steps
+/// before and after agree (within a quarter), this one differs from their mean by more than half of it, as where a
+/// frame is missing. Repeated: such a step that hardly moves.
+std::vector<std::uint8_t> step_flags(const std::vector<PairQuality>& pairs);
+
+/// The frames with their flags.
 std::vector<Frame> flagged_frames(std::vector<Frame> frames, const io::RecordWriter& writer);
 
 }  // namespace pivnp::app

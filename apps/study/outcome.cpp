@@ -11,8 +11,11 @@ namespace {
 
 void remark_on_steps(const io::RecordReader& record, std::vector<std::string>& remarks) {
   const std::vector<Frame>& frames = record.frames();
+  double shift_before = 0;
   for (std::size_t k = 0; k < record.pair_count(); ++k) {
     const VectorField field = record.pair(k);
+    const double usual_shift = shift_before;
+    shift_before = quality_of(field).median_shift;
     const Frame& before = frames.at(std::size_t(field.pair[0]));
     const Frame& after = frames.at(std::size_t(field.pair[1]));
     if (after.flag == frame_ok) continue;
@@ -21,9 +24,11 @@ void remark_on_steps(const io::RecordReader& record, std::vector<std::string>& r
     if (after.flag & frame_decorrelated)
       remarks.push_back(step + " lost its correlation: " + number(100 * q.valid, 3) +
                         " % of its vectors are valid, median score " + number(q.median_score, 2) + ".");
-    if (after.flag & frame_repeated)
-      remarks.push_back(step + " shows hardly any motion (median " + number(q.median_shift, 2) +
-                        " spacings) where its fellows move: a repeated exposure?");
+    const std::string shifts = "median " + number(q.median_shift, 3) + " spacings, " + number(usual_shift, 3) +
+                               " in the step before";
+    if (after.flag & frame_repeated) remarks.push_back(step + " hardly moves (" + shifts + "): a repeated exposure?");
+    if (after.flag & frame_jump)
+      remarks.push_back(step + " moves out of line with its neighbours (" + shifts + "): a missing frame, or a shock?");
   }
 }
 
