@@ -90,7 +90,6 @@ RunOutcome report_record(const fs::path& given, const RunSettings& settings, Pro
   std::optional<compare::Comparison> comparison;
   {
     const io::RecordReader record(file);
-    outcome.remarks = remarks_of(record);
     c = parse_case(record.head().case_text, file.string() + " (its case)", file.parent_path());
     if (settings.frames) {
       if (!c.frames) c.frames = image::FrameOptions{};

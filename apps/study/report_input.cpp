@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "apps/report/report.hpp"
+#include "apps/study/outcome.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/io/record.hpp"
 
@@ -41,12 +42,15 @@ void write_report_of(const Case& c, RunOutcome& outcome, std::optional<compare::
   report::ReportInput input;
   input.name = c.name;
   input.record = &record;
+  if (comparison) outcome.remarks.insert(outcome.remarks.end(), comparison->remarks.begin(), comparison->remarks.end());
   input.comparison = std::move(comparison);
   input.remarks = outcome.remarks;
   if (source != nullptr && record.pair_count() > 0) input.pictures = pictures(c, record, *source);
   report::write_report(c.report, input, directory);
   outcome.report_html = directory / "report.html";
   outcome.report_pdf = directory / "report.pdf";
+  const std::vector<std::string> flagged = remarks_of(record);  // the report finds these itself
+  outcome.remarks.insert(outcome.remarks.end(), flagged.begin(), flagged.end());
 }
 
 }  // namespace pivnp::app

@@ -107,7 +107,6 @@ RunOutcome run_case(const Case& given, const RunSettings& settings, Stages stage
   writer.finish();
 
   outcome.record = settings.out / "record.h5";
-  outcome.remarks = remarks_of(io::RecordReader(outcome.record));
   write_report_of(c, outcome, std::move(comparison), source.get(), settings.out);
   return outcome;
 }
