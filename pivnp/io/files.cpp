@@ -68,7 +68,8 @@ DirectoryLock::DirectoryLock(const std::filesystem::path& directory) {
   if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
   const int error = errno;
   ::close(descriptor_);
-  if (error == EWOULDBLOCK) throw InputError(directory.string() + ": another run is writing here (it holds .lock); expected a free directory");
+  if (error == EWOULDBLOCK)
+    throw InputError(directory.string() + ": another run is writing here (it holds .lock); expected a free directory");
   throw RunError(file.string() + ": cannot be locked: " + std::strerror(error));
 }
 

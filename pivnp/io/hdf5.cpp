@@ -116,8 +116,8 @@ void Dataset::read(Type type, std::size_t first, std::size_t count, void* out) c
     return;
   }
   if (first + count > shape_[0])
-    throw InputError(label_ + ": has " + std::to_string(shape_[0]) + " items, item " + std::to_string(first + count - 1) +
-                     " was asked for");
+    throw InputError(label_ + ": has " + std::to_string(shape_[0]) + " items, item " +
+                     std::to_string(first + count - 1) + " was asked for");
   if (count == 0 || product(shape_) == 0) return;
   Shape start(shape_.size(), 0), extent = shape_;
   start[0] = first;
@@ -181,7 +181,8 @@ std::string Source::attribute_text(const std::string& object, const std::string&
   std::string label;
   const Handle id = open_attribute(*this, object, name, label);
   const Handle space(H5Aget_space(id.get()), H5Sclose), type(H5Aget_type(id.get()), H5Tclose);
-  const auto texts = read_texts(space.get(), type.get(), label, [&](hid_t t, void* out) { return H5Aread(id.get(), t, out); });
+  const auto texts =
+      read_texts(space.get(), type.get(), label, [&](hid_t t, void* out) { return H5Aread(id.get(), t, out); });
   return texts.empty() ? "" : texts[0];
 }
 

@@ -63,7 +63,8 @@ std::size_t product(const Shape& shape, std::size_t from = 0);
 class Dataset {
  public:
   Dataset() = default;
-  Dataset(Handle id, Shape shape, std::string label) : id_(std::move(id)), shape_(std::move(shape)), label_(std::move(label)) {}
+  Dataset(Handle id, Shape shape, std::string label)
+      : id_(std::move(id)), shape_(std::move(shape)), label_(std::move(label)) {}
   explicit operator bool() const { return bool(id_); }
   hid_t id() const { return id_.get(); }
   const Shape& shape() const { return shape_; }
@@ -130,15 +131,22 @@ class OutputFile {
 
   void group(const std::string& path);
   void attribute(const std::string& object, const std::string& name, const std::string& text);
-  void attribute(const std::string& object, const std::string& name, const char* text) { attribute(object, name, std::string(text)); }
+  void attribute(const std::string& object, const std::string& name, const char* text) {
+    attribute(object, name, std::string(text));
+  }
   void attribute(const std::string& object, const std::string& name, const double* values, const Shape& shape);
-  void attribute(const std::string& object, const std::string& name, double value) { attribute(object, name, &value, {}); }
-  void attribute(const std::string& object, const std::string& name, const std::vector<std::int64_t>& values, bool scalar = false);
+  void attribute(const std::string& object, const std::string& name, double value) {
+    attribute(object, name, &value, {});
+  }
+  void attribute(const std::string& object, const std::string& name, const std::vector<std::int64_t>& values,
+                 bool scalar = false);
 
   /// A whole dataset at once.
-  void write(const std::string& path, Type type, const Shape& shape, const void* data, const std::string& unit, Packing packing);
+  void write(const std::string& path, Type type, const Shape& shape, const void* data, const std::string& unit,
+             Packing packing);
   template <class T>
-  void write(const std::string& path, const std::vector<T>& data, const std::string& unit, Packing packing = Packing::deflated) {
+  void write(const std::string& path, const std::vector<T>& data, const std::string& unit,
+             Packing packing = Packing::deflated) {
     write(path, TypeOf<T>::value, {data.size()}, data.data(), unit, packing);
   }
   void write_text(const std::string& path, const std::string& text);
@@ -146,13 +154,13 @@ class OutputFile {
 
   /// A chunked dataset of `items` items, each of shape `item`; `growing`: items may be added by extend(). Floats that
   /// are never written read as NaN, integers as 0.
-  Dataset series(const std::string& path, Type type, const Shape& item, std::size_t items, bool growing, const std::string& unit,
-                 Packing packing);
+  Dataset series(const std::string& path, Type type, const Shape& item, std::size_t items, bool growing,
+                 const std::string& unit, Packing packing);
   void extend(Dataset& dataset, std::size_t items);
   void write_items(Dataset& dataset, Type type, std::size_t first, std::size_t count, const void* data);
   /// A dataset of shape `shape` that shows item `index` of the series `path` without holding its values.
-  void view_item(const std::string& path, const Dataset& series, const std::string& series_path, Type type, std::size_t index,
-                 const Shape& shape, const std::string& unit);
+  void view_item(const std::string& path, const Dataset& series, const std::string& series_path, Type type,
+                 std::size_t index, const Shape& shape, const std::string& unit);
 
  private:
   void check(bool ok, const std::string& what) const;

@@ -119,7 +119,8 @@ void OutputFile::attribute(const std::string& object, const std::string& name, c
   check(id && H5Awrite(id.get(), type.get(), &raw) >= 0, "attribute " + object + "@" + name);
 }
 
-void OutputFile::attribute(const std::string& object, const std::string& name, const double* values, const Shape& shape) {
+void OutputFile::attribute(const std::string& object, const std::string& name, const double* values,
+                           const Shape& shape) {
   const Handle space(shape.empty() ? H5Screate(H5S_SCALAR)
                                    : H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose);
   const Handle id(H5Acreate_by_name(file_.get(), object.c_str(), name.c_str(), H5T_IEEE_F64LE, space.get(), H5P_DEFAULT,
@@ -136,8 +137,8 @@ void OutputFile::attribute(const std::string& object, const std::string& name, c
   check(id && H5Awrite(id.get(), H5T_NATIVE_INT64, values.data()) >= 0, "attribute " + object + "@" + name);
 }
 
-void OutputFile::write(const std::string& path, Type type, const Shape& shape, const void* data, const std::string& unit,
-                       Packing packing) {
+void OutputFile::write(const std::string& path, Type type, const Shape& shape, const void* data,
+                       const std::string& unit, Packing packing) {
   const Handle space(shape.empty() ? H5Screate(H5S_SCALAR)
                                    : H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose);
   const Handle properties = dataset_properties();
@@ -157,8 +158,9 @@ void OutputFile::write(const std::string& path, Type type, const Shape& shape, c
 
 void OutputFile::write_text(const std::string& path, const std::string& text) {
   const Handle type = text_type(), space(H5Screate(H5S_SCALAR), H5Sclose), properties = dataset_properties();
-  const Handle id(H5Dcreate2(file_.get(), path.c_str(), type.get(), space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT),
-                  H5Dclose);
+  const Handle id(
+      H5Dcreate2(file_.get(), path.c_str(), type.get(), space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT),
+      H5Dclose);
   const char* raw = text.c_str();
   check(id && H5Dwrite(id.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, &raw) >= 0, path);
   attribute(path, "unit", "");
@@ -166,9 +168,11 @@ void OutputFile::write_text(const std::string& path, const std::string& text) {
 
 void OutputFile::write_texts(const std::string& path, const std::vector<std::string>& texts) {
   const hsize_t count = texts.size();
-  const Handle type = text_type(), space(H5Screate_simple(1, &count, nullptr), H5Sclose), properties = dataset_properties();
-  const Handle id(H5Dcreate2(file_.get(), path.c_str(), type.get(), space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT),
-                  H5Dclose);
+  const Handle type = text_type(), space(H5Screate_simple(1, &count, nullptr), H5Sclose),
+               properties = dataset_properties();
+  const Handle id(
+      H5Dcreate2(file_.get(), path.c_str(), type.get(), space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT),
+      H5Dclose);
   std::vector<const char*> raw;
   for (const std::string& t : texts) raw.push_back(t.c_str());
   check(id && (raw.empty() || H5Dwrite(id.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, raw.data()) >= 0), path);
@@ -184,9 +188,11 @@ Dataset OutputFile::series(const std::string& path, Type type, const Shape& item
   const Handle space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), most.data()), H5Sclose);
   const Handle properties = dataset_properties();
   set_fill(properties.get(), type);
-  if (growing || product(shape) > 0) set_chunks(properties.get(), chunk_shape(type, item, growing ? 64 : items), packing);
-  Handle id(H5Dcreate2(file_.get(), path.c_str(), disk_type(type), space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT),
-            H5Dclose);
+  if (growing || product(shape) > 0)
+    set_chunks(properties.get(), chunk_shape(type, item, growing ? 64 : items), packing);
+  Handle id(
+      H5Dcreate2(file_.get(), path.c_str(), disk_type(type), space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT),
+      H5Dclose);
   check(bool(id), path);
   attribute(path, "unit", unit);
   return Dataset(std::move(id), shape, temporary_.string() + ": " + path);
@@ -205,7 +211,8 @@ void OutputFile::write_items(Dataset& dataset, Type type, std::size_t first, std
   const Handle space(H5Dget_space(dataset.id()), H5Sclose);
   const Handle memory(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr), H5Sclose);
   check(H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start.data(), nullptr, extent.data(), nullptr) >= 0 &&
-            H5Dwrite(dataset.id(), memory_type(type), memory.get(), space.get(), H5P_DEFAULT, data) >= 0, dataset.label());
+            H5Dwrite(dataset.id(), memory_type(type), memory.get(), space.get(), H5P_DEFAULT, data) >= 0,
+        dataset.label());
 }
 
 void OutputFile::view_item(const std::string& path, const Dataset& series, const std::string& series_path, Type type,

@@ -51,23 +51,34 @@ struct StageState {
   bool complete = false;
 };
 
-/// Writes a record. Each stage ("piv", "motion/np", "motion/mpm") leaves segment files of at most 64 items: written
-/// under a temporary name, closed, fsynced, renamed. A full disk throws RunError naming file and cause, earlier
-/// segments intact. Only one writer may hold a directory (lock file; InputError if held).
+/// Writes a record. Each stage ("piv", "motion/np", "motion/mpm") leaves segment files of at most 64 items (or 256 MiB,
+/// if that is reached earlier): written under a temporary name, closed, fsynced, renamed. Items go to disk as they
+/// come; nothing grows with their number. A full disk throws RunError naming file and cause, earlier segments intact,
+/// the unfinished file removed; the stage then takes no more. Only one writer may hold a directory (DIR/.lock;
+/// InputError if held). std::logic_error: wrong use (another grid, arrays of the wrong length, a stage not begun or
+/// already ended). One thread only: HDF5 is not thread-safe.
 class RecordWriter {
  public:
   /// Without `resume`, old parts in `directory` are removed and a finished record is replaced only at the end. With it,
-  /// closed segments are kept if their case text equals `head.case_text` (else InputError saying what differs).
+  /// closed segments are kept if their case text, grid, camera and units equal those of `head` (else InputError saying
+  /// what differs first); `command` and the time of creation stay those of the first start. A run that is already
+  /// finished (record.h5 of the same case, no parts) counts as complete in every stage: pair() reads from the record,
+  /// begin_motion, set_*, close_segment, end_stage and finish do nothing, add_* is wrong use. With nothing there to
+  /// resume it starts afresh.
   RecordWriter(const std::filesystem::path& directory, const RecordHead& head, bool resume);
-  ~RecordWriter();
+  ~RecordWriter();  // what is in an open segment is lost: close it first if a resumed run is to go on from there
 
-  StageState stage(const std::string& name) const;  // what a former run left
+  /// What a former run left, up to the last segment with a checkpoint.
+  StageState stage(const std::string& name) const;
 
   void add_pair(const VectorField& field);  // stage "piv": in order
+  /// `name`: letters, digits, '_' and '-'. In a resumed run the particles must be those it began with (InputError).
   void begin_motion(const std::string& name, const ParticleSet& particles);
-  void add_frame(const std::string& name, const MotionFrame& frame);
+  void add_frame(const std::string& name, const MotionFrame& frame);  // arrays that a frame lacks are NaN
+  /// To be called before the segment with the frame of that time is closed. One motion only.
   void add_energy(const std::string& motion, const EnergyRow& row);
-  /// True when the stage's open segment is full: the caller may then hand over its checkpoint and close it.
+  /// True when the stage's open segment is full: the caller should then hand over its checkpoint and close it. If it
+  /// does not, the next item closes it without one, and a resumed run does those items again.
   bool segment_full(const std::string& stage) const;
   void close_segment(const std::string& stage, const std::vector<std::byte>& checkpoint);
   /// Closes the stage; `particles` carries the final ends of a motion (nullptr for "piv").
@@ -76,7 +87,7 @@ class RecordWriter {
   VectorField pair(std::size_t index) const;  // read back from closed or open segments
   void set_frames(const std::vector<Frame>& frames);
   void set_comparison(const ComparisonData& comparison);
-  /// Extra fields to store per motion beside the fixed ones (output.fields), computed on reading.
+  /// Fields of DerivedReader to store per motion (output.fields) when packing. Throws InputError for an unknown name.
   void set_output_fields(const std::vector<std::string>& names);
 
   /// Packs all stages (each ended) into the file that will be the record, so that motion() can read them.
@@ -93,7 +104,8 @@ class RecordWriter {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Reads a finished record. Throws InputError naming the file and what is missing or of the wrong version.
+/// Reads a finished record; frames and pairs when they are asked for. Throws InputError naming the file and what is
+/// missing, of the wrong shape or of the wrong version. One thread only.
 class RecordReader {
  public:
   explicit RecordReader(const std::filesystem::path& file);
@@ -113,8 +125,8 @@ class RecordReader {
   std::shared_ptr<Impl> impl_;  // shared with the motions it handed out
 };
 
-/// Writes DIR/record.xdmf for DIR/record.h5: a temporal collection of the particles of every motion and of the grid's
-/// vectors, readable by ParaView and meshio.
+/// Writes DIR/record.xdmf for DIR/record.h5: a temporal collection of the particles of every motion and one of the
+/// grid's vectors, for ParaView.
 void write_xdmf(const std::filesystem::path& record);
 
 }  // namespace pivnp::io

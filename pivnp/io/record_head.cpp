@@ -16,9 +16,11 @@ std::string first_difference(const std::string& there, const std::string& now) {
     const bool has_a = bool(std::getline(a, line_a)), has_b = bool(std::getline(b, line_b));
     if (!has_a && !has_b) return "in the line ends";
     if (has_a && has_b && line_a == line_b) continue;
-    const auto quoted = [](bool has, const std::string& line) { return has ? "'" + line + "'" : std::string("nothing"); };
-    return "first in line " + std::to_string(number) + ": " + quoted(has_a, line_a) + " there, " + quoted(has_b, line_b) +
-           " now";
+    const auto quoted = [](bool has, const std::string& line) {
+      return has ? "'" + line + "'" : std::string("nothing");
+    };
+    return "first in line " + std::to_string(number) + ": " + quoted(has_a, line_a) + " there, " +
+           quoted(has_b, line_b) + " now";
   }
 }
 
@@ -41,7 +43,8 @@ void write_head(h5::OutputFile& file, const RecordHead& head, const std::string&
   if (head.metres_per_pixel) file.attribute("/camera", "metres_per_pixel", *head.metres_per_pixel);
   const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> rows = head.world_from_pixel;
   file.attribute("/camera", "world_from_pixel", rows.data(), {3, 3});
-  if (!head.distortion.empty()) file.attribute("/camera", "distortion", head.distortion.data(), {head.distortion.size()});
+  if (!head.distortion.empty())
+    file.attribute("/camera", "distortion", head.distortion.data(), {head.distortion.size()});
   file.attribute("/camera", "residual", head.camera_residual);
   file.attribute("/camera", "unit", head.length_unit);
 }
@@ -56,8 +59,8 @@ RecordHead read_head(const h5::Source& source) {
   const auto numbers = [&](const char* object, const char* name, std::size_t count) {
     std::vector<double> values = source.attribute_numbers(object, name);
     if (values.size() != count)
-      throw InputError(source.name() + ": " + object + ": attribute '" + name + "' has " + std::to_string(values.size()) +
-                       " numbers, expected " + std::to_string(count));
+      throw InputError(source.name() + ": " + object + ": attribute '" + name + "' has " +
+                       std::to_string(values.size()) + " numbers, expected " + std::to_string(count));
     return values;
   };
   head.grid.origin = Vec2(numbers("/grid", "origin", 2).data());
@@ -67,8 +70,10 @@ RecordHead read_head(const h5::Source& source) {
   head.grid.ny = static_cast<int>(nodes[1]);
   if (source.has_attribute("/camera", "metres_per_pixel"))
     head.metres_per_pixel = source.attribute_number("/camera", "metres_per_pixel");
-  head.world_from_pixel = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>(numbers("/camera", "world_from_pixel", 9).data());
-  if (source.has_attribute("/camera", "distortion")) head.distortion = source.attribute_numbers("/camera", "distortion");
+  head.world_from_pixel =
+      Eigen::Matrix<double, 3, 3, Eigen::RowMajor>(numbers("/camera", "world_from_pixel", 9).data());
+  if (source.has_attribute("/camera", "distortion"))
+    head.distortion = source.attribute_numbers("/camera", "distortion");
   head.camera_residual = source.attribute_number("/camera", "residual");
   return head;
 }
@@ -79,9 +84,14 @@ void check_same_run(const RecordHead& there, const RecordHead& now, const std::s
   if (!difference.empty())
     throw InputError(where + ": the case differs from that of the run to resume, " + difference + advice);
   if (!(there.grid == now.grid))
-    throw InputError(where + ": the grid differs from that of the run to resume, though the case is the same (other frames?)" + advice);
-  if (there.world_from_pixel != now.world_from_pixel || there.length_unit != now.length_unit || there.time_unit != now.time_unit)
-    throw InputError(where + ": the camera or the units differ from those of the run to resume, though the case is the same" + advice);
+    throw InputError(where +
+                     ": the grid differs from that of the run to resume, though the case is the same (other frames?)" +
+                     advice);
+  if (there.world_from_pixel != now.world_from_pixel || there.length_unit != now.length_unit ||
+      there.time_unit != now.time_unit)
+    throw InputError(where +
+                     ": the camera or the units differ from those of the run to resume, though the case is the same" +
+                     advice);
 }
 
 }  // namespace pivnp::io

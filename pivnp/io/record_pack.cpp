@@ -76,7 +76,8 @@ void pack_energy(h5::OutputFile& out, const std::vector<const StageFiles*>& moti
     for (const EnergyColumn& column : energy_table()) {
       std::vector<double> values;
       for (const EnergyRow& row : rows) values.push_back(row.*column.member);
-      out.write(std::string("/energy/") + column.name, values, column.member == &EnergyRow::time ? units.time : units.energy());
+      out.write(std::string("/energy/") + column.name, values,
+                column.member == &EnergyRow::time ? units.time : units.energy());
     }
   }
 }
@@ -121,7 +122,8 @@ void pack_fields(h5::OutputFile& out, const MotionSource& motion, const std::vec
     const std::string path = group + "/" + name;
     if (out.source().has(path)) continue;  // named twice
     const DerivedField& field = derived_field(name);
-    fields.emplace_back(name, out.series(path, Type::f32, {particles}, frames, false, units.of(field.unit), Packing::deflated));
+    fields.emplace_back(
+        name, out.series(path, Type::f32, {particles}, frames, false, units.of(field.unit), Packing::deflated));
     out.attribute(path, "definition", std::string(field.definition));
   }
   if (fields.empty()) return;

@@ -108,8 +108,12 @@ std::optional<ComparisonData> RecordReader::comparison() const {
   }
   for (const std::string& name : source.children("/compare/fields")) {
     const std::string group = "/compare/fields/" + name;
-    ComparisonData::Field f{name, source.attribute_text(group + "/value", "unit"), source.attribute_text(group, "definition"),
-                            source.dataset(group + "/time").all<double>(), source.dataset(group + "/id").all<std::int64_t>(), {}};
+    ComparisonData::Field f{name,
+                            source.attribute_text(group + "/value", "unit"),
+                            source.attribute_text(group, "definition"),
+                            source.dataset(group + "/time").all<double>(),
+                            source.dataset(group + "/id").all<std::int64_t>(),
+                            {}};
     const h5::Dataset values = source.dataset(group + "/value");
     values.expect({f.time.size(), f.id.size()});
     f.values = values.all<float>();

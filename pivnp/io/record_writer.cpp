@@ -26,8 +26,8 @@ const std::filesystem::path& made(const std::filesystem::path& directory) {
   std::error_code error;
   std::filesystem::create_directories(directory, error);
   if (!std::filesystem::is_directory(directory))
-    throw InputError(directory.string() + ": cannot be made: " + (error ? error.message() : "a file of that name is there") +
-                     "; expected a directory to write to");
+    throw InputError(directory.string() + ": cannot be made: " +
+                     (error ? error.message() : "a file of that name is there") + "; expected a directory to write to");
   return directory;
 }
 
@@ -43,7 +43,8 @@ void require(bool ok, const std::string& what) {
 
 RecordWriter::Impl::Impl(const std::filesystem::path& dir, const RecordHead& h, bool resume)
     : directory(made(dir)), parts(dir / "parts"), head(h), units{h.length_unit, h.time_unit}, lock(dir) {
-  for (const char* left : {"record.h5.tmp", "record.xdmf.tmp", "parts.old"}) std::filesystem::remove_all(directory / left);
+  for (const char* left : {"record.h5.tmp", "record.xdmf.tmp", "parts.old"})
+    std::filesystem::remove_all(directory / left);
   const std::filesystem::path record = directory / "record.h5";
   if (resume && std::filesystem::exists(parts / "head.h5")) {
     take_up();
@@ -208,10 +209,13 @@ void RecordWriter::begin_motion(const std::string& name, const ParticleSet& part
 
 void RecordWriter::add_frame(const std::string& name, const MotionFrame& frame) {
   const auto it = impl_->stages.find("motion/" + name);
-  require(impl_->finished || (it != impl_->stages.end() && it->second.particles > 0), "motion '" + name + "' was not begun");
+  require(impl_->finished || (it != impl_->stages.end() && it->second.particles > 0),
+          "motion '" + name + "' was not begun");
   Impl::Stage& stage = impl_->writable("motion/" + name);
   const std::size_t n = stage.particles;
-  const auto fits = [n](const auto& values, bool optional) { return values.size() == n || (optional && values.empty()); };
+  const auto fits = [n](const auto& values, bool optional) {
+    return values.size() == n || (optional && values.empty());
+  };
   require(fits(frame.u, false) && fits(frame.F, false) && fits(frame.status, false) && fits(frame.cov_u, true) &&
               fits(frame.v, true) && fits(frame.stress, true) && fits(frame.plastic_dev, true),
           "a frame whose arrays do not fit the particles of motion '" + name + "'");
@@ -240,7 +244,8 @@ void RecordWriter::end_stage(const std::string& name, const ParticleSet* particl
   const bool motion = name.starts_with("motion/");
   require(motion == (particles != nullptr), "stage '" + name + "' ended with the wrong kind of data");
   Impl::Stage& stage = impl_->writable(name);
-  require(!motion || particles->size() == stage.particles, "stage '" + name + "' ended with other particles than it began with");
+  require(!motion || particles->size() == stage.particles,
+          "stage '" + name + "' ended with other particles than it began with");
   impl_->close(stage, nullptr);
   const std::filesystem::path path = impl_->parts / (stage_file_name(name) + ".end.h5");
   h5::OutputFile file(path);

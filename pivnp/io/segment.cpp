@@ -70,7 +70,8 @@ void OpenSegment::add(const std::vector<ItemArray>& arrays) {
   ++count_;
 }
 
-std::filesystem::path OpenSegment::close(const std::vector<EnergyRow>& energy, const std::vector<std::byte>* checkpoint) {
+std::filesystem::path OpenSegment::close(const std::vector<EnergyRow>& energy,
+                                         const std::vector<std::byte>* checkpoint) {
   for (Series& s : series_)
     if (s.dataset.shape()[0] < count_) file_->extend(s.dataset, count_);
   file_->attribute("/", "schema", schema_name);
@@ -102,7 +103,8 @@ std::vector<StageFiles> scan_parts(const std::filesystem::path& parts) {
       else if (part == ".end") files.end = path;
       else
         files.segments.push_back({path, static_cast<std::size_t>(source.attribute_number("/", "first")),
-                                  static_cast<std::size_t>(source.attribute_number("/", "count")), source.has("/checkpoint")});
+                                  static_cast<std::size_t>(source.attribute_number("/", "count")),
+                                  source.has("/checkpoint")});
     } catch (const InputError&) {
       unusable.push_back(path);  // damaged: as if it had never been closed
     }
@@ -139,7 +141,8 @@ void write_particles(h5::OutputFile& file, const std::string& group, const Parti
   if (p.label.size() != n || p.x0.size() != n || p.area.size() != n || p.born.size() != n || p.end.size() != n ||
       p.end_reason.size() != n)
     throw std::logic_error("particles: arrays of different length");
-  const auto write = [&](const char* name, h5::Type type, const h5::Shape& shape, const void* data, const std::string& unit) {
+  const auto write = [&](const char* name, h5::Type type, const h5::Shape& shape, const void* data,
+                         const std::string& unit) {
     file.write(group + "/" + name, type, shape, data, unit, h5::Packing::deflated);
   };
   static_assert(sizeof(Vec2) == 2 * sizeof(double));

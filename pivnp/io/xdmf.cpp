@@ -23,8 +23,8 @@ std::string item_name(std::size_t index) {
 }
 
 // One dataset an item of the series `from`, below GROUP/NAME.
-void view_series(h5::OutputFile& out, const std::string& group, const std::string& name, const std::string& from, Type type,
-                 const std::string& unit, bool plane) {
+void view_series(h5::OutputFile& out, const std::string& group, const std::string& name, const std::string& from,
+                 Type type, const std::string& unit, bool plane) {
   const h5::Source source = out.source();
   if (!source.has(from) || source.has(group + "/" + name)) return;
   const h5::Dataset series = source.dataset(from);
@@ -161,10 +161,10 @@ void describe_vectors(Xml& xml, const h5::Source& record, const Grid& grid) {
     // Slowest axis first: z y x.
     xml.raw() << "<Topology TopologyType=\"3DCoRectMesh\" Dimensions=\"1 " << ny << " " << nx << "\"/>\n"
               << "<Geometry GeometryType=\"ORIGIN_DXDYDZ\">"
-              << "<DataItem Dimensions=\"3\" NumberType=\"Float\" Precision=\"8\" Format=\"XML\">0 " << number(grid.origin.y())
-              << " " << number(grid.origin.x()) << "</DataItem>"
-              << "<DataItem Dimensions=\"3\" NumberType=\"Float\" Precision=\"8\" Format=\"XML\">1 " << number(grid.spacing.y())
-              << " " << number(grid.spacing.x()) << "</DataItem></Geometry>\n";
+              << "<DataItem Dimensions=\"3\" NumberType=\"Float\" Precision=\"8\" Format=\"XML\">0 "
+              << number(grid.origin.y()) << " " << number(grid.origin.x()) << "</DataItem>"
+              << "<DataItem Dimensions=\"3\" NumberType=\"Float\" Precision=\"8\" Format=\"XML\">1 "
+              << number(grid.spacing.y()) << " " << number(grid.spacing.x()) << "</DataItem></Geometry>\n";
     const std::string view = "/xdmf/piv/";
     xml.attribute("displacement", view + "displacement/" + item_name(k), {1, ny, nx, 2}, 2, "Float", 4);
     xml.attribute("status", view + "status/" + item_name(k), {1, ny, nx}, 1, "UChar", 1);

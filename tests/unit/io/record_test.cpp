@@ -196,7 +196,8 @@ TEST_F(RecordTest, WhatAFrameLacksIsNaNWhereOthersHaveIt) {
 }
 
 TEST_F(RecordTest, LargeItemsAreSplitIntoChunksAndCloseSegmentsEarly) {
-  const h5::Shape small = h5::chunk_shape(h5::Type::f32, {11, 2}, 64), large = h5::chunk_shape(h5::Type::f32, {1'000'000, 2, 2}, 64);
+  const h5::Shape small = h5::chunk_shape(h5::Type::f32, {11, 2}, 64),
+                  large = h5::chunk_shape(h5::Type::f32, {1'000'000, 2, 2}, 64);
   EXPECT_EQ(small, (h5::Shape{64, 11, 2}));
   EXPECT_EQ(large[0], 1u);
   EXPECT_LE(large[1] * 4 * sizeof(float), std::size_t{1} << 20);

@@ -44,18 +44,21 @@ inline std::vector<std::string> describe(const std::string& file) {
     std::string line = name;
     if (info->type == H5O_TYPE_DATASET) {
       const hid_t type = H5Dget_type(object), space = H5Dget_space(object);
-      line += show(type, space, [&](hid_t t, void* out) { return H5Dread(object, t, H5S_ALL, H5S_ALL, H5P_DEFAULT, out); });
+      line +=
+          show(type, space, [&](hid_t t, void* out) { return H5Dread(object, t, H5S_ALL, H5S_ALL, H5P_DEFAULT, out); });
       H5Tclose(type);
       H5Sclose(space);
     }
     s.lines.push_back(line);
     for (int k = 0; k < H5Aget_num_attrs(object); ++k) {
-      const hid_t a = H5Aopen_by_idx(object, ".", H5_INDEX_NAME, H5_ITER_INC, static_cast<hsize_t>(k), H5P_DEFAULT, H5P_DEFAULT);
+      const hid_t a =
+          H5Aopen_by_idx(object, ".", H5_INDEX_NAME, H5_ITER_INC, static_cast<hsize_t>(k), H5P_DEFAULT, H5P_DEFAULT);
       char attribute[128];
       H5Aget_name(a, sizeof attribute, attribute);
       const hid_t type = H5Aget_type(a), space = H5Aget_space(a);
       if (std::string(attribute) != "created")
-        s.lines.push_back(std::string(name) + "@" + attribute + show(type, space, [&](hid_t t, void* out) { return H5Aread(a, t, out); }));
+        s.lines.push_back(std::string(name) + "@" + attribute +
+                          show(type, space, [&](hid_t t, void* out) { return H5Aread(a, t, out); }));
       H5Tclose(type);
       H5Sclose(space);
       H5Aclose(a);

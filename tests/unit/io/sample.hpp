@@ -73,7 +73,8 @@ inline VectorField pair(const Size& s, std::size_t k) {
     f.cov[i] = {value(k, i, 2), value(k, i, 3), value(k, i, 4)};
     f.score[i] = value(k, i, 5);
     f.status[i] = static_cast<VectorStatus>((k + i) % 5);
-    if (f.status[i] == VectorStatus::failed) f.displacement[i][0] = f.score[i] = std::numeric_limits<float>::quiet_NaN();
+    if (f.status[i] == VectorStatus::failed)
+      f.displacement[i][0] = f.score[i] = std::numeric_limits<float>::quiet_NaN();
   }
   return f;
 }
@@ -114,7 +115,8 @@ inline MotionFrame frame(const Size& s, std::size_t k, bool simulated) {
     f.status.push_back(p == 2 && k > 2 ? ParticleStatus::ended : ParticleStatus::active);
     if (simulated) {
       f.v.push_back({value(k, p, side + 6), value(k, p, side + 7)});
-      f.stress.push_back({value(k, p, side + 8), value(k, p, side + 9), value(k, p, side + 10), value(k, p, side + 11)});
+      f.stress.push_back(
+          {value(k, p, side + 8), value(k, p, side + 9), value(k, p, side + 10), value(k, p, side + 11)});
       f.plastic_dev.push_back(std::abs(value(k, p, side + 12)));
     } else {
       f.cov_u.push_back({value(k, p, 6), value(k, p, 7), value(k, p, 8)});
@@ -155,8 +157,9 @@ inline ComparisonData comparison(const Size& s) {
 
 /// A whole run as an engine chain would do it: every stage goes on from its last checkpoint. `pace` is called before
 /// each item; `close_every`: a checkpoint is taken after so many items, or when the segment is full.
-inline void run(const std::filesystem::path& directory, const Size& s, bool resume, std::size_t close_every = 64,
-                const std::function<void()>& pace = [] {}, const std::vector<std::string>& fields = {"strain_dev", "velocity_x"}) {
+inline void run(
+    const std::filesystem::path& directory, const Size& s, bool resume, std::size_t close_every = 64,
+    const std::function<void()>& pace = [] {}, const std::vector<std::string>& fields = {"strain_dev", "velocity_x"}) {
   RecordWriter w(directory, head(s), resume);
   // The engine's state: the sum of what it did, so that a wrong checkpoint shows.
   const auto restore = [](const StageState& state) {

@@ -62,7 +62,8 @@ TEST(ViewerTest, TheXdmfLibraryReadsTimesPositionsAndAttributes) {
   sample::TemporaryDirectory directory;
   sample::run(directory.path(), size, false);
   int code = -1;
-  const std::string text = run_command(std::string(PIVNP_XDMF_VALUES) + " '" + (directory.path() / "record.xdmf").string() + "'", code);
+  const std::string text =
+      run_command(std::string(PIVNP_XDMF_VALUES) + " '" + (directory.path() / "record.xdmf").string() + "'", code);
   ASSERT_EQ(code, 0) << text;
   const auto found = parse(text);
   ASSERT_EQ(found.size(), 3u) << text;
@@ -77,7 +78,8 @@ TEST(ViewerTest, TheXdmfLibraryReadsTimesPositionsAndAttributes) {
       const MotionFrame f = motion->frame(k);
       std::vector<double> position, u, status, id, label, vertex;
       for (std::size_t p = 0; p < size.particles; ++p) {
-        position.insert(position.end(), {particles.x0[p].x() + double(f.u[p][0]), particles.x0[p].y() + double(f.u[p][1]), 0});
+        position.insert(position.end(),
+                        {particles.x0[p].x() + double(f.u[p][0]), particles.x0[p].y() + double(f.u[p][1]), 0});
         u.insert(u.end(), {double(f.u[p][0]), double(f.u[p][1])});
         status.push_back(double(static_cast<int>(f.status[p])));
         id.push_back(double(particles.id[p]));
@@ -123,7 +125,8 @@ TEST(ViewerTest, H5pyReadsTheRecordAsTheContractSays) {
   sample::TemporaryDirectory directory;
   sample::run(directory.path(), size, false);
   const std::string out = run_command("/usr/bin/python3 '" PIVNP_IO_TESTS "/check_record.py' '" +
-                                      (directory.path() / "record.h5").string() + "' '" PIVNP_FORMAT_DOC "' 2>&1", code);
+                                          (directory.path() / "record.h5").string() + "' '" PIVNP_FORMAT_DOC "' 2>&1",
+                                      code);
   EXPECT_EQ(code, 0) << out;
   EXPECT_THAT(out, ::testing::HasSubstr("record agrees with the contract")) << out;
 }

@@ -40,7 +40,8 @@ int main(int argc, char** argv) {
     std::printf("collection %s\n", collection->getName().c_str());
     for (unsigned k = 0; k < collection->getNumberUnstructuredGrids(); ++k) {
       const shared_ptr<XdmfUnstructuredGrid> grid = collection->getUnstructuredGrid(k);
-      std::printf("grid %s %.17g %u\n", grid->getName().c_str(), grid->getTime()->getValue(), grid->getGeometry()->getNumberPoints());
+      std::printf("grid %s %.17g %u\n", grid->getName().c_str(), grid->getTime()->getValue(),
+                  grid->getGeometry()->getNumberPoints());
       print_values("points", "position", grid->getGeometry());
       print_values("cells", "vertex", grid->getTopology());
       print_attributes(grid);
