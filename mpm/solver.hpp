@@ -31,8 +31,8 @@ struct Scene {
 
 /// Plane strain, unit thickness; explicit, bilinear MUSL (transfer.hpp), laws in material/. The bits of a run do not
 /// depend on `threads`, the most that are used (thread_choice.hpp: on a busy machine, fewer). A particle that leaves
-/// the grid is ended (EndReason::left_grid) with the values of its last good time; it is never fatal. Nodes on the grid's
-/// edge are free unless restrained.
+/// the grid is ended (EndReason::left_grid) with the values of its last good time; it is never fatal. Nodes on
+/// the grid's edge are free unless restrained.
 class Solver {
  public:
   /// Throws InputError naming the key: missing stiffness or density, polygon and line both given or neither, no node
