@@ -76,8 +76,10 @@ void Restraints::add_nodes(const std::string& key, const BoundaryOptions& option
     std::vector<Vec2> vertices;
     for (const Pair& p : options.polygon_m) vertices.push_back(point(p));
     const Polygon polygon(vertices, key + ".polygon_m");
-    if (options.normal) wall.normal = unit(*options.normal, key);
-    else if (wall.type != Type::fixed) throw InputError(key + ".normal: a " + options.type + " polygon needs its normal");
+    if (options.normal)
+      wall.normal = unit(*options.normal, key);
+    else if (wall.type != Type::fixed)
+      throw InputError(key + ".normal: a " + options.type + " polygon needs its normal");
     const double round_off = 1e-6 * grid.spacing.minCoeff();
     for (int j = 0; j < grid.ny; ++j)
       for (int i = 0; i < grid.nx; ++i) {

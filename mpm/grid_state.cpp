@@ -79,7 +79,7 @@ Vec2 GridState::velocity_at(const Vec2& x) const {
   const BilinearWeights w = bilinear(grid, at);
   const auto corners = bilinear_nodes(grid, at);
   Vec2 v = Vec2::Zero();
-  for (int c = 0; c < 4; ++c) v += w.value[std::size_t(c)] * Vec2(node[corners[std::size_t(c)]].ux, node[corners[std::size_t(c)]].uy);
+  for (std::size_t c = 0; c < 4; ++c) v += w.value[c] * Vec2(node[corners[c]].ux, node[corners[c]].uy);
   return v;
 }
 

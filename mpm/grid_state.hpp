@@ -39,7 +39,8 @@ class GridState {
   std::vector<std::uint32_t> slot_begin;  // its points in `order`; one more at the end
   std::vector<CellSums> sums;             // of a slot; one more, of zeros, at the end
   std::vector<std::uint32_t> nodes;       // active nodes (corners of occupied cells), in the order of their index
-  std::vector<std::array<std::uint32_t, 4>> node_slots;  // slots to the upper right, upper left, lower right, lower left
+  // Slots to the upper right, upper left, lower right and lower left of a node; slots() where the cell is empty.
+  std::vector<std::array<std::uint32_t, 4>> node_slots;
   std::vector<Node> node;                 // of the whole grid; zero where not active
 
   std::size_t slots() const { return slot_cell.size(); }

@@ -67,8 +67,12 @@ void RigidBodies::for_nodes_inside(const Body& body, double time, GridState& g, 
   const Vec2 a = (low + offset - g.grid.origin).cwiseQuotient(g.grid.spacing);
   const Vec2 b = (high + offset - g.grid.origin).cwiseQuotient(g.grid.spacing);
   const auto clamped = [](double s, int nodes) { return int(std::clamp(s, -1.0, double(nodes))); };
-  for (int j = std::max(0, clamped(std::floor(a.y()), g.grid.ny)); j <= std::min(g.grid.ny - 1, clamped(std::ceil(b.y()), g.grid.ny)); ++j)
-    for (int i = std::max(0, clamped(std::floor(a.x()), g.grid.nx)); i <= std::min(g.grid.nx - 1, clamped(std::ceil(b.x()), g.grid.nx)); ++i) {
+  const int first_i = std::max(0, clamped(std::floor(a.x()), g.grid.nx));
+  const int first_j = std::max(0, clamped(std::floor(a.y()), g.grid.ny));
+  const int last_i = std::min(g.grid.nx - 1, clamped(std::ceil(b.x()), g.grid.nx));
+  const int last_j = std::min(g.grid.ny - 1, clamped(std::ceil(b.y()), g.grid.ny));
+  for (int j = first_j; j <= last_j; ++j)
+    for (int i = first_i; i <= last_i; ++i) {
       const std::size_t n = g.grid.node(i, j);
       if (g.node[n].mass > 0 && body.contains(g.grid.position(i, j) - offset)) action(n);
     }
@@ -79,7 +83,8 @@ void RigidBodies::apply(double time, GridState& g, std::vector<Reaction>& reacti
     const Vec2 v = body.velocity_at(time);
     for_nodes_inside(body, time, g, [&](std::size_t n) {
       Node& node = g.node[n];
-      reactions.push_back({std::uint32_t(n), node.mass * (v.x() - node.nx), node.mass * (v.y() - node.ny), v.x(), v.y()});
+      const Vec2 impulse = node.mass * (v - Vec2(node.nx, node.ny));
+      reactions.push_back({std::uint32_t(n), impulse.x(), impulse.y(), v.x(), v.y()});
       node.nx = v.x();
       node.ny = v.y();
     });

@@ -25,7 +25,8 @@ Materials materials_of(const Scene& scene) {
   Materials materials;
   for (std::size_t k = 0; k < scene.materials.size(); ++k) {
     const auto& names = scene.particles.label_names;
-    materials.push_back(make_material(scene.materials[k], "material." + (k < names.size() ? names[k] : std::to_string(k))));
+    const std::string name = k < names.size() ? names[k] : std::to_string(k);
+    materials.push_back(make_material(scene.materials[k], "material." + name));
   }
   return materials;
 }
@@ -52,7 +53,8 @@ SolverState initial_state(const Scene& scene) {
   const std::size_t n = set.size();
   if (n == 0) throw InputError("mpm: the scene holds no particle");
   if (!scene.v0.empty() && scene.v0.size() != n) throw InputError("mpm: v0 needs one entry a particle, or none");
-  if (!scene.stress0.empty() && scene.stress0.size() != n) throw InputError("mpm: stress0 needs one entry a particle, or none");
+  if (!scene.stress0.empty() && scene.stress0.size() != n)
+    throw InputError("mpm: stress0 needs one entry a particle, or none");
 
   // Body after body; inside a body as given.
   std::vector<std::uint32_t> order(n);
@@ -65,7 +67,8 @@ SolverState initial_state(const Scene& scene) {
     const std::uint32_t from = order[k];
     const std::int32_t label = set.label[from];
     if (label < 0 || std::size_t(label) >= scene.materials.size())
-      throw InputError("mpm: particle " + std::to_string(from) + " has label " + std::to_string(label) + ", expected a material for it");
+      throw InputError("mpm: particle " + std::to_string(from) + " has label " +
+                       std::to_string(label) + ", expected a material for it");
     if (p.bodies.empty() || p.bodies.back().material != label) p.bodies.push_back({k, k, label});
     p.bodies.back().end = k + 1;
     ElementPoint at;

@@ -30,8 +30,9 @@ struct Scene {
 };
 
 /// Plane strain, unit thickness; explicit, bilinear MUSL (transfer.hpp), laws in material/. The bits of a run do not
-/// depend on `threads`, the most that are used (thread_choice.hpp: on a busy machine, fewer). A particle that leaves the grid is ended (EndReason::left_grid) with the values of its last
-/// good time; it is never fatal. Nodes on the grid's edge are free unless restrained.
+/// depend on `threads`, the most that are used (thread_choice.hpp: on a busy machine, fewer). A particle that leaves
+/// the grid is ended (EndReason::left_grid) with the values of its last good time; it is never fatal. Nodes on
+/// the grid's edge are free unless restrained.
 class Solver {
  public:
   /// Throws InputError naming the key: missing stiffness or density, polygon and line both given or neither, no node
@@ -47,8 +48,8 @@ class Solver {
   void settle(Progress& progress);
 
   /// Steps to `time` exactly (the last steps are trimmed). Throws RunError, with time and cause, on NaN or blow-up (a
-  /// point that moves a cell in a step, or an energy residual above a quarter of what was turned over: a gain; losses are
-  /// only written); the last good state, at most 100 steps old, stays readable.
+  /// point that moves a cell in a step, or an energy residual above a quarter of what was turned over: a gain;
+  /// losses are only written); the last good state, at most 100 steps old, stays readable.
   void advance_to(double time, Progress& progress);
 
   double time() const;
@@ -62,7 +63,8 @@ class Solver {
   Vec2 momentum() const;       // of the particles still simulated, kg m/s per metre of thickness
 
   /// Called after every step with the step's length and a function that gives the grid's velocity at a point (bilinear,
-  /// of the step just made and the cells at its start, zero outside material): what carries synthetic texture. Not called while settling.
+  /// of the step just made and the cells at its start, zero outside material): what carries
+  /// synthetic texture. Not called while settling.
   using VelocityAt = std::function<Vec2(const Vec2&)>;
   void on_step(std::function<void(double dt, const VelocityAt&)> observer);
 

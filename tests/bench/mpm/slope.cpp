@@ -52,9 +52,10 @@ Shape measure(const ParticleSet& set, const MotionFrame& frame, double h) {
 }  // namespace
 
 int run(int argc, char** argv) {
-  std::map<std::string, std::string> arg{{"phi", "43"}, {"E", "30e6"}, {"c", "0"}, {"scheme", "default"}, {"damping", ""},
-                                         {"pic", ""}, {"courant", "0.4"}, {"base", "fixed"}, {"threads", "2"},
-                                         {"end", "0.5"}, {"gate", "0.02"}, {"per", "4"}, {"psi", "0"}, {"settle", "1"}};
+  std::map<std::string, std::string> arg{{"phi", "43"},    {"E", "30e6"},  {"c", "0"},         {"scheme", "default"},
+                                         {"damping", ""},  {"pic", ""},    {"courant", "0.4"}, {"base", "fixed"},
+                                         {"threads", "2"}, {"end", "0.5"}, {"gate", "0.02"},   {"per", "4"},
+                                         {"psi", "0"},     {"settle", "1"}};
   for (int a = 1; a < argc; ++a) {
     const std::string text = argv[a];
     arg[text.substr(0, text.find('='))] = text.substr(text.find('=') + 1);
@@ -91,7 +92,9 @@ int run(int argc, char** argv) {
   if (!arg["damping"].empty()) options.damping = std::stod(arg["damping"]);
   if (!arg["pic"].empty()) options.pic_share = std::stod(arg["pic"]);
 
-  const auto now = [] { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); };
+  const auto now = [] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  };
   SilentProgress silent;
   mpm::Solver solver(options, scene, std::stoi(arg["threads"]));
   double t0 = now();
@@ -110,9 +113,11 @@ int run(int argc, char** argv) {
   const Shape s = measure(solver.particles(), solver.frame(), h);
   std::size_t ended = 0;
   for (const auto st : solver.frame().status) ended += st == ParticleStatus::ended;
-  std::printf("slope(fit) %.1f deg  x(99.5 %%) %.3f m  height %.3f  ended %zu  steps %lld  wall %.2f s  %.1f M particle-steps/s\n",
-              s.fit, s.front99, s.height, ended, static_cast<long long>(solver.steps()), wall_s,
-              double(solver.steps()) * double(scene.particles.size()) / wall_s / 1e6);
+  std::printf(
+      "slope(fit) %.1f deg  x(99.5 %%) %.3f m  height %.3f  ended %zu  steps %lld  wall %.2f s  %.1f M "
+      "particle-steps/s\n",
+      s.fit, s.front99, s.height, ended, static_cast<long long>(solver.steps()), wall_s,
+      double(solver.steps()) * double(scene.particles.size()) / wall_s / 1e6);
   return 0;
 }
 

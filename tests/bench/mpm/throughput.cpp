@@ -75,7 +75,8 @@ int main(int argc, char** argv) {
     const int cells = std::max(2, int(std::lround(std::sqrt(size / 4.0))));
     for (const bool moving : {false, true})
       for (const char* model : {"linear_elastic", "mohr_coulomb"})
-        std::printf("%10d  %-22s %8.1f %8.1f\n", 4 * cells * cells, (std::string(model) + (moving ? " moving" : "")).c_str(),
-                    rate(cells, model, moving, 1), rate(cells, model, moving, 2));
+        std::printf("%10d  %-22s %8.1f %8.1f\n", 4 * cells * cells,
+                    (std::string(model) + (moving ? " moving" : "")).c_str(), rate(cells, model, moving, 1),
+                    rate(cells, model, moving, 2));
   }
 }

@@ -135,7 +135,8 @@ struct Soil {
 
 class MohrCoulombSoils : public testing::TestWithParam<Soil> {
  protected:
-  MohrCoulomb law{Elastic(1e7, 0.3), GetParam().friction, GetParam().dilatancy, GetParam().cohesion, GetParam().tension};
+  MohrCoulomb law{Elastic(1e7, 0.3), GetParam().friction, GetParam().dilatancy, GetParam().cohesion,
+                  GetParam().tension};
 };
 
 TEST_P(MohrCoulombSoils, RandomIncrementsEndOnOrInsideTheSurface) {

@@ -63,7 +63,8 @@ TEST(Solver, ABodyInRigidRotationKeepsItsStressAndShape) {
   for (std::size_t k = 0; k < frame.F.size(); ++k) {
     const Vec2 r = s.particles.x0[k] - Vec2(0.25, 0.25);
     if (r.norm() > 0.06) continue;
-    worst = std::max({worst, std::abs(double(frame.F[k][0]) - std::cos(angle)), std::abs(double(frame.F[k][1]) + std::sin(angle))});
+    worst = std::max(
+        {worst, std::abs(double(frame.F[k][0]) - std::cos(angle)), std::abs(double(frame.F[k][1]) + std::sin(angle))});
   }
   RecordProperty("worst_F", std::to_string(worst));
   EXPECT_LT(worst, 0.02);
@@ -145,20 +146,15 @@ TEST(Solver, BlowUpStopsWithOneLineAndKeepsTheLastGoodState) {
   EXPECT_EQ(solver.frame().u[0][0], 0.0f);
 }
 
-TEST(Solver, AStiffnessThatIsLiedAboutIsCaughtAsABlowUp) {
-  // Courant number 1 with MUSL is beyond the stable step for a body under load.
+TEST(Solver, AStepBeyondTheStableOneStopsWithTheLastGoodState) {
   MpmOptions o = conservative({0, -9.81});
-  o.courant = 1.0;
-  Scene s = column(0.2, elastic(1e6, 0.3, 2000));
-  for (const Vec2& x : s.particles.x0) s.v0.push_back(Vec2(0.5 * std::sin(900 * x.y()), -1 - 0.5 * std::cos(700 * x.x())));
-  Solver solver(o, s, 1);
-  try {
-    solver.advance_to(1.0, silent);
-    // Stable after all: then the balance must say so.
-    EXPECT_LT(std::abs(solver.energy().residual), 0.25 * (solver.energy().kinetic + 100));
-  } catch (const RunError&) {
-    EXPECT_TRUE(std::isfinite(solver.energy().residual));
-  }
+  o.courant = 3.0;  // what the options' reader would refuse
+  Solver solver(o, column(0.2, elastic(1e6, 0.3, 2000)), 1);
+  EXPECT_THROW(solver.advance_to(5.0, silent), RunError);
+  EXPECT_LT(solver.time(), 5.0);
+  const EnergyRow e = solver.energy();
+  EXPECT_LE(e.residual, 0.25 * (e.external + e.damping) + 1e-12);
+  for (const auto& u : solver.frame().u) EXPECT_LT(std::hypot(u[0], u[1]), 0.05);
 }
 
 TEST(Solver, HitsTimesExactlyAndTellsTheObserver) {
@@ -190,7 +186,8 @@ TEST(Solver, ASettledColumnCarriesItsWeightAndStaysPut) {
   for (std::size_t k = 0; k < settled.u.size(); ++k) {
     EXPECT_EQ(settled.u[k][1], 0.0f);
     // The mean stress counts as the element's average, so a point's own stress is held to half a cell's weight.
-    EXPECT_NEAR(settled.stress[k][1], -rho * g * (height - s.particles.x0[k].y()), 0.3 * rho * g * 0.01 + 1e-2 * rho * g * height);
+    EXPECT_NEAR(settled.stress[k][1], -rho * g * (height - s.particles.x0[k].y()),
+                0.3 * rho * g * 0.01 + 1e-2 * rho * g * height);
   }
   EXPECT_EQ(solver.energy().kinetic, 0);
   EXPECT_EQ(solver.energy().residual, 0);
@@ -207,7 +204,8 @@ TEST(Solver, SandSettlesBehindAGateAndRunsWhenItGoes) {
   gate.type = "roller";
   gate.normal = Pair{1, 0};
   gate.until_s = 0.02;
-  s.boundaries = {{"base", line({0, 0}, {0.4, 0}, "fixed")}, {"left", line({0, 0}, {0, 0.24}, "roller")}, {"gate", gate}};
+  s.boundaries = {
+      {"base", line({0, 0}, {0.4, 0}, "fixed")}, {"left", line({0, 0}, {0, 0.24}, "roller")}, {"gate", gate}};
   Solver solver(options({0, -9.81}), s, 2);
   solver.settle(silent);
   solver.advance_to(0.02, silent);
@@ -215,7 +213,8 @@ TEST(Solver, SandSettlesBehindAGateAndRunsWhenItGoes) {
   solver.advance_to(0.1, silent);
   double front = 0;
   const MotionFrame frame = solver.frame();
-  for (std::size_t k = 0; k < frame.u.size(); ++k) front = std::max(front, s.particles.x0[k].x() + double(frame.u[k][0]));
+  for (std::size_t k = 0; k < frame.u.size(); ++k)
+    front = std::max(front, s.particles.x0[k].x() + double(frame.u[k][0]));
   EXPECT_GT(front, 0.115);
 }
 
@@ -246,7 +245,8 @@ TEST(Solver, ARigidBodyPushesSoilAndItsWorkIsBooked) {
   solver.advance_to(0.08, silent);
   double least = 1;
   const MotionFrame frame = solver.frame();
-  for (std::size_t k = 0; k < frame.u.size(); ++k) least = std::min(least, s.particles.x0[k].x() + double(frame.u[k][0]));
+  for (std::size_t k = 0; k < frame.u.size(); ++k)
+    least = std::min(least, s.particles.x0[k].x() + double(frame.u[k][0]));
   EXPECT_GT(least, 0.095 + 0.03 - 0.01);  // nothing of the clay is more than a cell behind the piston's face
   const EnergyRow e = solver.energy();
   EXPECT_GT(e.external, 0);

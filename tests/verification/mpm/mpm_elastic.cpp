@@ -96,8 +96,10 @@ TEST(MpmElastic, TwoDiscs) {
       worst = std::max(worst, std::abs(e.residual) / kinetic);
     }
     const EnergyRow e = solver.energy();
-    std::printf("two discs pic %.3f: least kinetic %.3f, (kinetic + elastic) after %.4f, with damping %.4f, worst residual %.4f\n",
-                pic, least, (e.kinetic + e.elastic) / kinetic, (e.kinetic + e.elastic + e.damping) / kinetic, worst);
+    std::printf(
+        "two discs pic %.3f: least kinetic %.3f, (kinetic + elastic) after %.4f, with damping %.4f, worst residual "
+        "%.4f\n",
+        pic, least, (e.kinetic + e.elastic) / kinetic, (e.kinetic + e.elastic + e.damping) / kinetic, worst);
     EXPECT_LT(least, 0.5);               // they did collide
     EXPECT_GT(e.kinetic / kinetic, 0.6);  // and flew apart
     EXPECT_NEAR((e.kinetic + e.elastic + (pic > 0 ? e.damping : 0)) / kinetic, 1, 0.02);

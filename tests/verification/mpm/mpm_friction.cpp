@@ -1,7 +1,7 @@
 // Block on a frictional plane inclined by t (gravity turned instead of the plane): slides with
 // a = g (sin t - mu cos t), sticks where mu >= tan t. Criterion: acceleration within 2 %; a stuck block's mean
-// displacement below 0.1 % of that of a free one. The stuck block is settled first: gravity switched on at once makes it
-// bounce, and it slips while it is light.
+// displacement below 0.1 % of that of a free one. The stuck block is settled first: gravity switched on at once makes
+// it bounce, and it slips while it is light.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,7 +16,8 @@ SilentProgress silent;
 
 double mean_displacement(double slope_deg, double friction, double time, bool settle) {
   const double t = slope_deg * M_PI / 180;
-  Scene s = scene(Grid{{0, 0}, {0.01, 0.01}, 81, 12}, {rectangle("block", 0.05, 0, 0.15, 0.05)}, {elastic(2e6, 0.2, 2000)});
+  Scene s =
+      scene(Grid{{0, 0}, {0.01, 0.01}, 81, 12}, {rectangle("block", 0.05, 0, 0.15, 0.05)}, {elastic(2e6, 0.2, 2000)});
   s.boundaries = {{"plane", line({0, 0}, {0.8, 0}, "frictional", friction)}};
   Solver solver(options({9.81 * std::sin(t), -9.81 * std::cos(t)}), s, 1);
   if (settle) solver.settle(silent);
