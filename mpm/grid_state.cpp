@@ -1,6 +1,7 @@
 #include "mpm/grid_state.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "pivnp/core/grid/shape.hpp"
@@ -73,9 +74,29 @@ void GridState::rebuild_nodes() {
   }
 }
 
+bool GridState::nearest_with_material(const Vec2& x, ElementPoint& at) const {
+  const auto active = [&](int i, int j) { return slot_of_cell_[grid.element(i, j)] >= 0; };
+  if (active(at.i, at.j)) return true;
+  double least = std::numeric_limits<double>::infinity();
+  const ElementPoint home = at;
+  constexpr int reach = 2;  // cells
+  for (int j = std::max(0, home.j - reach); j <= std::min(grid.ny - 2, home.j + reach); ++j)
+    for (int i = std::max(0, home.i - reach); i <= std::min(grid.nx - 2, home.i + reach); ++i) {
+      if (!active(i, j)) continue;
+      const Vec2 lower = grid.position(i, j);
+      const Vec2 inside = x.cwiseMax(lower).cwiseMin(lower + grid.spacing);
+      const double distance = (x - inside).squaredNorm();
+      if (distance >= least) continue;
+      least = distance;
+      const Vec2 natural = (inside - lower).cwiseQuotient(grid.spacing);
+      at = {i, j, natural.x(), natural.y()};
+    }
+  return std::isfinite(least);
+}
+
 Vec2 GridState::velocity_at(const Vec2& x) const {
   ElementPoint at;
-  if (!locate(grid, x, at) || slot_of_cell_[grid.element(at.i, at.j)] < 0) return Vec2::Zero();
+  if (!locate(grid, x, at) || !nearest_with_material(x, at)) return Vec2::Zero();
   const BilinearWeights w = bilinear(grid, at);
   const auto corners = bilinear_nodes(grid, at);
   Vec2 v = Vec2::Zero();

@@ -51,8 +51,10 @@ class GridState {
   }
   /// Builds order, slots and active nodes from Particles::cell.
   void rebuild(const Particles& particles);
-  /// MUSL velocity at a point, bilinear; zero outside occupied cells.
+  /// MUSL velocity at a point, bilinear; beyond occupied cells that of the nearest, two cells away at most, else zero.
   Vec2 velocity_at(const Vec2& x) const;
+  /// Moves `at`, the element point of x, to the nearest one of a cell with material, two cells away at most.
+  bool nearest_with_material(const Vec2& x, ElementPoint& at) const;
 
  private:
   void rebuild_nodes();

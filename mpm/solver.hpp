@@ -63,8 +63,8 @@ class Solver {
   Vec2 momentum() const;       // of the particles still simulated, kg m/s per metre of thickness
 
   /// Called after every step with the step's length and a function that gives the grid's velocity at a point (bilinear,
-  /// of the step just made and the cells at its start, zero outside material): what carries
-  /// synthetic texture. Not called while settling.
+  /// of the step just made and the cells at its start; beyond material that of the nearest, two cells away at most, else
+  /// zero): what carries synthetic texture. Not called while settling.
   using VelocityAt = std::function<Vec2(const Vec2&)>;
   void on_step(std::function<void(double dt, const VelocityAt&)> observer);
 

@@ -75,7 +75,8 @@ assert killed > 0
 
 out = there / "interrupted"
 process = begin(out, False)
-time.sleep(0.4 * lasts)
+while not (out / "parts").exists() and process.poll() is None:  # at work, and far from the end
+    time.sleep(0.002)
 process.send_signal(signal.SIGINT)
 _, errors = process.communicate(timeout=120)
 assert process.returncode == 130, (process.returncode, errors)
