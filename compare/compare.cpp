@@ -8,6 +8,7 @@
 
 #include "compare/alignment.hpp"
 #include "compare/differences.hpp"
+#include "compare/increments.hpp"
 #include "compare/metrics.hpp"
 #include "compare/outline.hpp"
 #include "compare/reference.hpp"
@@ -216,6 +217,19 @@ void walk_times(const CommonTimes& common, Side& first, Side& second, Alignment&
                      quoted(second.motion()) + " at any common time, expected one at least");
 }
 
+void add_increments(const MotionSource& first, const std::vector<std::size_t>& paired, const CompareOptions& options,
+                    const Tally& last, Comparison& out) {
+  if (out.time.size() < 2) return;
+  std::vector<Vec2> x0;
+  for (const std::size_t p : paired) x0.push_back(first.particles().x0[p]);
+  const double reference = last.shift[0].norm() / double(out.time.size() - 1);
+  const auto field = [&](const std::string& name) -> const DifferenceField& {
+    return *std::find_if(out.fields.begin(), out.fields.end(), [&](const DifferenceField& f) { return f.name == name; });
+  };
+  add_increment_metrics(field("difference_x"), field("difference_y"), out.time.size(), x0, options.increments_outside_m,
+                        reference, first.length_unit(), out.metrics);
+}
+
 }  // namespace
 
 Comparison compare(const MotionSource& first_motion, const MotionSource& second_motion, const CompareOptions& options,
@@ -250,9 +264,10 @@ Comparison compare(const MotionSource& first_motion, const MotionSource& second_
   end_second.at(out.time.back());
   add_outlines(end_first, end_second, differences, options, out);
   remark_units(options, limits, unit, out.remarks);
-  out.over_limit = apply_limits(limits, out.metrics);
   out.fields = differences.take_fields();
   out.series = differences.take_series();
+  add_increments(first_motion, paired, options, differences.last(), out);
+  out.over_limit = apply_limits(limits, out.metrics);
   return out;
 }
 

@@ -16,6 +16,7 @@ namespace pivnp::compare {
 struct CompareOptions {
   Points reference_m;
   std::optional<double> slope_base_m;
+  std::vector<double> increments_outside_m;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
@@ -25,6 +26,9 @@ struct CompareOptions {
     visit("slope_base_m", self.slope_base_m,
           OptionInfo{.unit = "m",
                      .text = "height of the base a slope rests on: run-out, crest and slope angle are taken above it"});
+    visit("increments_outside_m", self.increments_outside_m,
+          OptionInfo{.unit = "m",
+                     .text = "circle (centre x, y, radius) inside which increments are not compared (a tool)"});
   }
 };
 
