@@ -138,7 +138,7 @@ std::optional<Figure> history_figure(const Content& content, const std::vector<V
                    QString(QChar('A' + int(q % 26))));
       });
     list += (q == 0 ? "" : q + 1 == points.size() ? " and " : ", ") + std::string(1, char('A' + int(q % 26))) + " (" +
-            number(points[q].x()) + ", " + number(points[q].y()) + ")";
+            plain(points[q].x()) + ", " + plain(points[q].y()) + ")";
   }
   double next = x;
   if (!measured.empty()) {

@@ -155,14 +155,15 @@ std::optional<Figure> field_figure(const Content& content, const std::string& fi
     const bool last_row = n + per_row >= cells.size();
     QCPAxisRect* panel = world_panel(*sheet, x, y, w, h, f.box, content.length_unit, last_row, column == 0);
     const Scale& scale = cells[n].column == Column::difference ? f.difference_scale : f.scale;
-    if (cells[n].snapshot->position.empty())
+    const std::vector<Vec2>& places = cells[n].snapshot->position;
+    if (std::none_of(places.begin(), places.end(), [](const Vec2& place) { return place.allFinite(); }))
       sheet->text(x + w / 2, y + h / 2, "no data at this time", Qt::AlignCenter, small_text, false, faint);
     else
       raster_in(*sheet, panel, draw_cell(cells[n], scale, f.box, w));
     QString letter = QString("(%1)").arg(QChar('a' + int(n % 26)));
     sheet->text(x, y - 0.8, letter, Qt::AlignLeft | Qt::AlignBottom, normal_text, true);
     if (along || column == 0)
-      sheet->text(x + 6, y - 0.8, "t = " + qt(number(cells[n].time, 3) + unit_suffix(content.time_unit)),
+      sheet->text(x + 6, y - 0.8, "t = " + qt(plain(cells[n].time) + unit_suffix(content.time_unit)),
                   Qt::AlignLeft | Qt::AlignBottom, normal_text);
     if (row == 0 && !along)
       sheet->text(x + w / 2, 0.8, qt(column_words(cells[n].column)), Qt::AlignHCenter | Qt::AlignTop, normal_text + 0.5, true);

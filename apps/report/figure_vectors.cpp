@@ -101,12 +101,7 @@ void draw_vectors(Sheet& sheet, QCPAxisRect* panel, const VectorField& field, co
 void draw_scale_bar(Sheet& sheet, QCPAxisRect* panel, const Box& box, const std::string& unit) {
   const double length = nice_length(0.25 * box.width());
   const DisplayUnit shown = display_unit(unit, length);
-  QString label = qt(number(length * shown.factor));
-  if (label.contains('.')) {
-    while (label.endsWith('0')) label.chop(1);
-    if (label.endsWith('.')) label.chop(1);
-  }
-  label += qt(unit_suffix(shown.name));
+  const QString label = qt(plain(length * shown.factor) + unit_suffix(shown.name));
   sheet.paint(panel, [=](QCPPainter& p) {
     const double w = x_of(panel, box.lower.x() + length) - x_of(panel, box.lower.x());
     const QRectF r(panel->rect());
@@ -193,7 +188,7 @@ std::vector<Figure> vector_figures(const Content& content, const std::vector<Pai
     };
     std::string caption = "Increments measured from " + frame_words(field.pair[0]) + " to " + frame_words(field.pair[1]);
     if (const auto n = std::size_t(std::max(0, field.pair[0])); n < content.frames.size())
-      caption += ", t = " + number(content.frames[n].time, 3) + unit_suffix(content.time_unit);
+      caption += ", t = " + plain(content.frames[n].time) + unit_suffix(content.time_unit);
     caption += ", on " + frame_words(picture.frame) + " (contrast softened).";
     if (plan.stride > 1)
       caption += " Arrows: every " + std::string(plan.stride == 2 ? "second" : plan.stride == 3 ? "third" : std::to_string(plan.stride) + "th") +

@@ -48,8 +48,8 @@ std::optional<Table> ends_table(const Content& content) {
     if (motion == nullptr) continue;
     for (const Ends& e : ends_by_reason(motion->particles()))
       t.rows.push_back({side, words(e.reason), std::to_string(e.particles),
-                        percent(double(e.particles) / double(motion->particles().size())), number(e.first), number(e.median),
-                        number(e.last)});
+                        percent(double(e.particles) / double(motion->particles().size())), plain(e.first), plain(e.median),
+                        plain(e.last)});
   }
   if (t.rows.empty()) return std::nullopt;
   return t;

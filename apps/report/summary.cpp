@@ -45,6 +45,7 @@ std::string limits_sentence(const std::vector<Metric>& metrics) {
 }
 
 std::string displacement_sentence(const Metric& rms) {
+  if (!std::isfinite(rms.value)) return "How far their displacements differ is not known.";
   std::string text = "Their displacements differ by " + quantity(rms) + " (RMS). ";
   const double ratio = rms.value / rms.uncertainty;
   if (!std::isfinite(rms.uncertainty) || !(rms.uncertainty > 0) || !std::isfinite(ratio))
@@ -58,6 +59,7 @@ std::string displacement_sentence(const Metric& rms) {
 }
 
 std::string strain_sentence(const Metric& rms) {
+  if (!std::isfinite(rms.value)) return "";
   std::string text = " The deviatoric strains differ by " + quantity(rms) + " (RMS)";
   if (std::isfinite(rms.uncertainty) && rms.uncertainty > 0)
     text += std::abs(rms.value) < 2 * rms.uncertainty ? ", not distinguishable at this uncertainty" : ", more than the uncertainty explains";
@@ -70,7 +72,7 @@ std::string compared_sentence(const Content& content) {
   std::string text = "Simulation and measurement were compared";
   if (particles > 0) text += " at " + count(particles, "particle");
   if (c.time.size() > 1)
-    text += " and " + count(c.time.size(), "time") + " between " + number(c.time.front()) + " and " + number(c.time.back()) +
+    text += " and " + count(c.time.size(), "time") + " between " + plain(c.time.front()) + " and " + plain(c.time.back()) +
             unit_suffix(content.time_unit);
   if (c.coverage_first > 0)
     text += "; " + percent(c.coverage_first) + " of the measured and " + percent(c.coverage_second) +
@@ -82,7 +84,7 @@ std::string side_sentence(const MotionSource& motion, const std::string& verb) {
   const std::vector<double>& t = motion.times();
   std::string text = count(motion.particles().size(), "particle") + (motion.particles().size() == 1 ? " was " : " were ") + verb;
   if (t.size() > 1)
-    text += " through " + count(t.size(), "instant") + ", from t = " + number(t.front()) + " to " + number(t.back()) +
+    text += " through " + count(t.size(), "instant") + ", from t = " + plain(t.front()) + " to " + plain(t.back()) +
             unit_suffix(motion.time_unit());
   if (!t.empty()) {
     const MotionFrame last = motion.frame(t.size() - 1);

@@ -67,6 +67,16 @@ std::string value_with_uncertainty(double value, double uncertainty) {
   return text + ") \u00d7 10" + superscript(e);
 }
 
+std::string plain(double value) {
+  std::string s = number(value, 4);
+  if (s.find('.') == std::string::npos) return s;
+  const std::size_t end = std::min(s.find(' '), s.size());  // before a power of ten
+  std::size_t last = end;
+  while (s[last - 1] == '0') --last;
+  if (s[last - 1] == '.') --last;
+  return s.erase(last, end - last);
+}
+
 std::string percent(double share) {
   if (!std::isfinite(share)) return "n/a";
   if (share > 0 && share < 0.0005) return "< 0.1 %";

@@ -15,6 +15,9 @@ std::string value_with_uncertainty(double value, double uncertainty);
 /// `digits` significant digits, powers of ten written out, true minus sign. Not finite: "n/a".
 std::string number(double value, int digits = 3);
 
+/// A time or a coordinate: four significant digits at most, no zeros at the end.
+std::string plain(double value);
+
 /// "12.3 %" of a share; "n/a" if not finite. A share that is not 0 or 1 is not rounded to it.
 std::string percent(double share);
 
