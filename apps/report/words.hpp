@@ -8,8 +8,8 @@
 namespace pivnp::report {
 
 /// The value with as many digits as two significant digits of `uncertainty` support: "0.01234 ± 0.00056", or
-/// "(1.234 ± 0.056) × 10⁻⁵" away from 1. An uncertainty that is NaN or not positive leaves three significant digits
-/// and no ±. Not finite: "n/a".
+/// "(1.234 ± 0.056) × 10⁻⁵" away from 1. An uncertainty that is NaN or not positive leaves three significant
+/// digits and no ±. Not finite: "n/a".
 std::string value_with_uncertainty(double value, double uncertainty);
 
 /// `digits` significant digits, powers of ten written out, true minus sign. Not finite: "n/a".

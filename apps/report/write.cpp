@@ -26,7 +26,8 @@ bool is_figure(const std::string& name) {
                                               "outline",      "quality",           "energy"};
   if (fixed.count(name) > 0) return true;
   const std::string vectors = "vectors_";
-  if (name.starts_with(vectors)) return name.size() > vectors.size() && name.find_first_not_of("0123456789", vectors.size()) == std::string::npos;
+  if (name.starts_with(vectors))
+    return name.size() > vectors.size() && name.find_first_not_of("0123456789", vectors.size()) == std::string::npos;
   const auto& fields = derived_fields();
   return std::any_of(fields.begin(), fields.end(), [&](const DerivedField& f) { return f.name == name; });
 }

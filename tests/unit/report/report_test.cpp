@@ -94,7 +94,8 @@ TEST_F(Report, Full) {
   const std::string locale = std::setlocale(LC_ALL, nullptr);
   write(make_synthetic({}));
   EXPECT_EQ(std::setlocale(LC_ALL, nullptr), locale);  // Qt would set the user's
-  for (const char* name : {"vectors_1", "displacement", "deviatoric_strain", "histories", "difference", "outline", "energy", "quality"}) {
+  for (const char* name :
+       {"vectors_1", "displacement", "deviatoric_strain", "histories", "difference", "outline", "energy", "quality"}) {
     EXPECT_TRUE(has_figure(name)) << name;
     EXPECT_GT(colours_of(name), 20u) << name;  // black and white alone have 256 with their smoothing; blank has 1
     const QImage image(QString::fromStdString((folder_ / "figures" / (std::string(name) + ".png")).string()));
@@ -102,7 +103,8 @@ TEST_F(Report, Full) {
     EXPECT_NE(read(folder_ / "figures" / (std::string(name) + ".svg")).find("<svg"), std::string::npos) << name;
   }
   EXPECT_GT(colours_of("displacement"), 300u);  // a whole colour map
-  for (const char* section : {"Comparison", "Measurement", "Simulation", "What was flagged", "How this was made", "Settings"})
+  for (const char* section :
+       {"Comparison", "Measurement", "Simulation", "What was flagged", "How this was made", "Settings"})
     EXPECT_NE(html_.find(std::string(">") + section + "</h2>"), std::string::npos) << section;
   EXPECT_EQ(occurrences(html_, "data:image/png;base64,"), 8u);
   EXPECT_LT(html_.size(), 10'000'000u);
@@ -120,7 +122,8 @@ TEST_F(Report, MeasurementOnly) {
   o.simulated = o.energy = false;
   o.spacing_m = 0.01;
   write(make_synthetic(o));
-  EXPECT_TRUE(has_figure("displacement") && has_figure("histories") && has_figure("quality") && has_figure("vectors_1"));
+  EXPECT_TRUE(has_figure("displacement") && has_figure("histories") && has_figure("quality") &&
+              has_figure("vectors_1"));
   EXPECT_FALSE(has_figure("difference") || has_figure("energy") || has_figure("outline"));
   EXPECT_NE(html_.find("No simulation was compared"), std::string::npos);
 }
@@ -233,7 +236,7 @@ TEST_F(Report, NamesAreText) {
   s.content.name = "<b>sand & clay</b> \"1 g\" \xff";
   s.content.frames[0].name = "a<script>.png";
   s.content.command = "pivnp run 'x & <y>'";
-  s.content.remarks = {"frame a<b&c>d"};
+  s.content.remarks = {"frame a<b&c>d", ""};
   ReportOptions options;
   write(s, options);
   EXPECT_NE(html_.find("&lt;b&gt;sand &amp; clay&lt;/b&gt; &quot;1 g&quot; \ufffd"), std::string::npos);
