@@ -176,7 +176,8 @@ DifferenceHistory difference_history(const Content& content) {
 
   std::unordered_map<std::int64_t, std::size_t> index;
   if (content.measured)
-    for (std::size_t p = 0; p < content.measured->particles().size(); ++p) index[content.measured->particles().id[p]] = p;
+    for (std::size_t p = 0; p < content.measured->particles().size(); ++p)
+      index[content.measured->particles().id[p]] = p;
 
   for (std::size_t k = 0; k < c.time.size(); ++k) {
     const std::optional<std::size_t> at = content.measured ? frame_at(*content.measured, c.time[k]) : std::nullopt;
@@ -186,7 +187,8 @@ DifferenceHistory difference_history(const Content& content) {
     std::vector<double> found;
     for (std::size_t p = 0; p < n; ++p) {
       const std::size_t v = k * n + p;
-      const double d = x != nullptr && y != nullptr ? std::hypot(double(x->at(v)), double(y->at(v))) : double(magnitude->at(v));
+      const double d =
+          x != nullptr && y != nullptr ? std::hypot(double(x->at(v)), double(y->at(v))) : double(magnitude->at(v));
       if (!std::isfinite(d)) continue;
       sum += d * d;
       found.push_back(d);

@@ -71,11 +71,12 @@ void draw_key_map(Sheet& sheet, const Content& content, const std::vector<Vec2>&
       p.setBrush(colour(rgb));
       p.drawEllipse(at, 9, 9);
       p.setPen(colour(rgb));
-      p.drawText(QRectF(at.x() - 60, at.y() - 46, 120, 36), Qt::AlignHCenter | Qt::AlignBottom, QString(QChar('A' + int(k % 26))));
+      p.drawText(QRectF(at.x() - 60, at.y() - 46, 120, 36), Qt::AlignHCenter | Qt::AlignBottom,
+                 QString(QChar('A' + int(k % 26))));
     }
   });
-  sheet.text(x + w / 2, y + height + 2, "at the first frame", Qt::AlignHCenter | Qt::AlignTop, small_text,
-             false, faint);
+  sheet.text(x + w / 2, y + height + 2, "at the first frame", Qt::AlignHCenter | Qt::AlignTop, small_text, false,
+             faint);
 }
 
 }  // namespace
@@ -102,8 +103,10 @@ std::optional<Figure> history_figure(const Content& content, const std::vector<V
   const double x = 15, y = 7, w = 103, h = 56;
   QCPAxisRect* panel = sheet->panel(x, y, w, h);
   pale_grid(panel);
-  set_axis(panel->axis(QCPAxis::atBottom), t0 - 0.015 * (t1 - t0), t1 > t0 ? t1 + 0.03 * (t1 - t0) : t1, axis_label("time", content.time_unit), 6);
-  set_axis(panel->axis(QCPAxis::atLeft), -0.025 * top * unit.factor, top > 0 ? 1.05 * top * unit.factor : 1, axis_label("displacement", unit.name), 6);
+  set_axis(panel->axis(QCPAxis::atBottom), t0 - 0.015 * (t1 - t0), t1 > t0 ? t1 + 0.03 * (t1 - t0) : t1,
+           axis_label("time", content.time_unit), 6);
+  set_axis(panel->axis(QCPAxis::atLeft), -0.025 * top * unit.factor, top > 0 ? 1.05 * top * unit.factor : 1,
+           axis_label("displacement", unit.name), 6);
 
   std::string list;
   for (std::size_t q = 0; q < points.size(); ++q) {
@@ -137,19 +140,25 @@ std::optional<Figure> history_figure(const Content& content, const std::vector<V
         p.drawText(QRectF(panel->right() + 8, y_of(panel, label) - 20, 60, 40), Qt::AlignLeft | Qt::AlignVCenter,
                    QString(QChar('A' + int(q % 26))));
       });
-    list += (q == 0 ? "" : q + 1 == points.size() ? " and " : ", ") + std::string(1, char('A' + int(q % 26))) + " (" +
-            number(points[q].x()) + ", " + number(points[q].y()) + ")";
+    list += (q == 0                   ? ""
+             : q + 1 == points.size() ? " and "
+                                      : ", ") +
+            std::string(1, char('A' + int(q % 26))) + " (" + plain(points[q].x()) + ", " + plain(points[q].y()) + ")";
   }
   double next = x;
   if (!measured.empty()) {
     next = draw_key(*sheet, next, 3, Key::circle, ink, "measured", 3);
-    if (greatest_sigma > 0) next = draw_key(*sheet, next, 3, Key::band, ink, QString::fromUtf8("\u00b12\u03c3 of the measurement"));
+    if (greatest_sigma > 0)
+      next = draw_key(*sheet, next, 3, Key::band, ink, QString::fromUtf8("\u00b12\u03c3 of the measurement"));
   }
   if (!simulated.empty()) draw_key(*sheet, next, 3, Key::line, ink, "simulated");
   draw_key_map(*sheet, content, points, 132, y, 36, 48);
 
-  std::string caption = "Displacement of the material points " + list + unit_suffix(content.length_unit) + " against time";
-  caption += !measured.empty() && !simulated.empty() ? ", measured (markers) and simulated (lines)." : measured.empty() ? ", simulated." : ", measured.";
+  std::string caption =
+      "Displacement of the material points " + list + unit_suffix(content.length_unit) + " against time";
+  caption += !measured.empty() && !simulated.empty() ? ", measured (markers) and simulated (lines)."
+             : measured.empty()                      ? ", simulated."
+                                                     : ", measured.";
   if (greatest_sigma > 0) {
     caption += " The band is twice the measurement's standard uncertainty";
     if (greatest_sigma * 2 < 0.012 * top)
@@ -179,7 +188,8 @@ std::optional<Figure> difference_figure(const Content& content, const Difference
   QCPAxisRect* panel = sheet->panel(x, y, w, h);
   pale_grid(panel);
   const double pad = 0.012 * (d.time.back() - d.time.front());
-  set_axis(panel->axis(QCPAxis::atBottom), d.time.front() - pad, d.time.back() + pad, axis_label("time", content.time_unit), 8);
+  set_axis(panel->axis(QCPAxis::atBottom), d.time.front() - pad, d.time.back() + pad,
+           axis_label("time", content.time_unit), 8);
   QCPAxis* axis = panel->axis(QCPAxis::atLeft);
   set_axis(axis, 0, top > 0 ? 1.08 * top * unit.factor : 1, axis_label("displacement difference", unit.name), 5);
   if (log) {
@@ -203,9 +213,12 @@ std::optional<Figure> difference_figure(const Content& content, const Difference
   markers(*sheet, panel, d.time, rms, QCPScatterStyle::ssCircle, blue);
   double next = draw_key(*sheet, x, 3, Key::line, blue, "RMS");
   next = draw_key(*sheet, next, 3, Key::dashed, sky, "median");
-  if (known) draw_key(*sheet, next, 3, Key::band, ink, QString::fromUtf8("measurement\u2019s own standard uncertainty (RMS)"));
-  std::string caption = "Difference of displacement, simulated minus measured, over the compared particles against time.";
-  caption += known ? " Grey: what the measurement itself is uncertain by (random error, one standard deviation); a difference inside it "
+  if (known)
+    draw_key(*sheet, next, 3, Key::band, ink, QString::fromUtf8("measurement\u2019s own standard uncertainty (RMS)"));
+  std::string caption =
+      "Difference of displacement, simulated minus measured, over the compared particles against time.";
+  caption += known ? " Grey: what the measurement itself is uncertain by (random error, one standard deviation); a "
+                     "difference inside it "
                      "has no meaning."
                    : " The measurement states no uncertainty.";
   if (log) caption += " Logarithmic scale.";
@@ -244,7 +257,8 @@ std::optional<Figure> outline_figure(const Content& content) {
   });
   double next = draw_key(*sheet, x, 3, Key::line, ink, "measured");
   draw_key(*sheet, next, 3, Key::dashed, vermilion, "simulated");
-  return Figure{"outline", "Outline of the material at the last compared time: measured (filled) and simulated (dashed).", sheet};
+  return Figure{"outline",
+                "Outline of the material at the last compared time: measured (filled) and simulated (dashed).", sheet};
 }
 
 std::optional<Figure> energy_figure(const Content& content) {
@@ -256,12 +270,13 @@ std::optional<Figure> energy_figure(const Content& content) {
     Qt::PenStyle line;
     Key key;
   };
-  static const std::array<Term, 6> terms = {{{"kinetic", &EnergyRow::kinetic, blue, Qt::SolidLine, Key::line},
-                                             {"elastic", &EnergyRow::elastic, green, Qt::DashLine, Key::dashed},
-                                             {"plastic dissipation", &EnergyRow::plastic, vermilion, Qt::SolidLine, Key::line},
-                                             {"damping", &EnergyRow::damping, purple, Qt::DashDotLine, Key::dash_dot},
-                                             {"friction at contacts", &EnergyRow::contact, orange, Qt::DashLine, Key::dashed},
-                                             {"external work", &EnergyRow::external, ink, Qt::DotLine, Key::dotted}}};
+  static const std::array<Term, 6> terms = {
+      {{"kinetic", &EnergyRow::kinetic, blue, Qt::SolidLine, Key::line},
+       {"elastic", &EnergyRow::elastic, green, Qt::DashLine, Key::dashed},
+       {"plastic dissipation", &EnergyRow::plastic, vermilion, Qt::SolidLine, Key::line},
+       {"damping", &EnergyRow::damping, purple, Qt::DashDotLine, Key::dash_dot},
+       {"friction at contacts", &EnergyRow::contact, orange, Qt::DashLine, Key::dashed},
+       {"external work", &EnergyRow::external, ink, Qt::DotLine, Key::dotted}}};
   std::vector<double> time, residual;
   double low = 0, high = 0;
   for (const EnergyRow& row : content.energy) {
@@ -280,7 +295,8 @@ std::optional<Figure> energy_figure(const Content& content) {
   QCPAxisRect* lower = sheet->panel(x, 53, w, 20);
   for (QCPAxisRect* panel : {upper, lower}) {
     pale_grid(panel);
-    set_axis(panel->axis(QCPAxis::atBottom), time.front(), time.back(), panel == lower ? axis_label("time", content.time_unit) : QString(), 6);
+    set_axis(panel->axis(QCPAxis::atBottom), time.front(), time.back(),
+             panel == lower ? axis_label("time", content.time_unit) : QString(), 6);
     panel->axis(QCPAxis::atBottom)->setTickLabels(panel == lower);
   }
   set_axis(upper->axis(QCPAxis::atLeft), low - (low < 0 ? margin : 0), high + margin, "energy (J/m)", 5);
@@ -305,7 +321,8 @@ std::optional<Figure> energy_figure(const Content& content) {
   sheet->text(x - 15, 50, "(b)", Qt::AlignLeft | Qt::AlignTop, normal_text, true);
   const double final_share = residual.back();
   return Figure{"energy",
-                "Energy of the simulation, per metre of thickness: (a) its terms (those that stay zero are left out); (b) the residual, "
+                "Energy of the simulation, per metre of thickness: (a) its terms (those that stay zero are left out); "
+                "(b) the residual, "
                 "what the scheme gained (+) or lost (\u2212), in per cent of the largest term; at the end " +
                     (std::isfinite(final_share) ? number(final_share, 2) + " %." : std::string("not known.")),
                 sheet};

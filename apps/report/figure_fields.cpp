@@ -16,7 +16,7 @@ enum class Column { measured, simulated, difference };
 
 struct Cell {
   Column column;
-  const Snapshot* snapshot;         // where the particles are
+  const Snapshot* snapshot;  // where the particles are
   const std::vector<double>* value;
   double time;
 };
@@ -66,7 +66,8 @@ Fields gather(const Content& content, const std::string& field, const std::vecto
       f.difference.push_back(field_difference(content, field, times[k], f.measured[k]));
       differences.insert(differences.end(), f.difference.back().begin(), f.difference.back().end());
     }
-  if (!std::any_of(differences.begin(), differences.end(), [](double d) { return std::isfinite(d); })) f.difference.clear();
+  if (!std::any_of(differences.begin(), differences.end(), [](double d) { return std::isfinite(d); }))
+    f.difference.clear();
   f.scale = scale_for(values, false);
   f.difference_scale = scale_for(differences, true);
   f.box = box_around(positions, 0.001);
@@ -97,19 +98,21 @@ std::string caption(const Fields& f, const std::string& field, std::size_t colum
   std::string what = field_words(field);
   what[0] = char(std::toupper(static_cast<unsigned char>(what[0])));
   std::string text;
-  if (columns == 1)
-    text = what + " of the " + (content.measured ? "measured" : "simulated") + " motion.";
+  if (columns == 1) text = what + " of the " + (content.measured ? "measured" : "simulated") + " motion.";
   else
-    text = what + ", measured and simulated, on one colour scale" +
-           (columns == 3 ? "; right: simulated minus measured, at the measured particles (blue: the simulation has less, "
-                           "red: more)." : ".");
+    text =
+        what + ", measured and simulated, on one colour scale" +
+        (columns == 3 ? "; right: simulated minus measured, at the measured particles (blue: the simulation has less, "
+                        "red: more)."
+                      : ".");
   text += " Particles are drawn where they are at each time, as their deformed squares.";
   if (f.ended > 0) text += " Pale grey: particles no longer followed, at their last place.";
   if (columns == 3) text += " Darker grey in the right column: no partner to compare with.";
   if (f.doubtful > 0) text += " Doubtful particles are shown like all others.";
   if (f.scale.above || f.scale.below || (columns == 3 && (f.difference_scale.above || f.difference_scale.below)))
     text += " A pointed colour bar: the outermost 0.5 % of the values lie beyond its end.";
-  if (f.outside > 0) text += " Outside the panels: " + count(f.outside, "place of a particle", "places of particles") + ".";
+  if (f.outside > 0)
+    text += " Outside the panels: " + count(f.outside, "place of a particle", "places of particles") + ".";
   return text;
 }
 
@@ -155,17 +158,18 @@ std::optional<Figure> field_figure(const Content& content, const std::string& fi
     const bool last_row = n + per_row >= cells.size();
     QCPAxisRect* panel = world_panel(*sheet, x, y, w, h, f.box, content.length_unit, last_row, column == 0);
     const Scale& scale = cells[n].column == Column::difference ? f.difference_scale : f.scale;
-    if (cells[n].snapshot->position.empty())
+    const std::vector<Vec2>& places = cells[n].snapshot->position;
+    if (std::none_of(places.begin(), places.end(), [](const Vec2& place) { return place.allFinite(); }))
       sheet->text(x + w / 2, y + h / 2, "no data at this time", Qt::AlignCenter, small_text, false, faint);
-    else
-      raster_in(*sheet, panel, draw_cell(cells[n], scale, f.box, w));
+    else raster_in(*sheet, panel, draw_cell(cells[n], scale, f.box, w));
     QString letter = QString("(%1)").arg(QChar('a' + int(n % 26)));
     sheet->text(x, y - 0.8, letter, Qt::AlignLeft | Qt::AlignBottom, normal_text, true);
     if (along || column == 0)
-      sheet->text(x + 6, y - 0.8, "t = " + qt(number(cells[n].time, 3) + unit_suffix(content.time_unit)),
+      sheet->text(x + 6, y - 0.8, "t = " + qt(plain(cells[n].time) + unit_suffix(content.time_unit)),
                   Qt::AlignLeft | Qt::AlignBottom, normal_text);
     if (row == 0 && !along)
-      sheet->text(x + w / 2, 0.8, qt(column_words(cells[n].column)), Qt::AlignHCenter | Qt::AlignTop, normal_text + 0.5, true);
+      sheet->text(x + w / 2, 0.8, qt(column_words(cells[n].column)), Qt::AlignHCenter | Qt::AlignTop, normal_text + 0.5,
+                  true);
   }
 
   const std::string unit = unit_of(field, content);
@@ -173,10 +177,12 @@ std::optional<Figure> field_figure(const Content& content, const std::string& fi
   const double y_bar = height - foot + 12;
   const std::size_t shared = along ? per_row : std::min<std::size_t>(2, columns.size());
   const double span = double(shared) * w + double(shared - 1) * gap, bar = std::min(span * 0.6, 80.0);
-  colour_bar(*sheet, x0 + (span - bar) / 2, y_bar, bar, f.scale, shown.factor, axis_label(qt(field_words(field)), shown.name));
+  colour_bar(*sheet, x0 + (span - bar) / 2, y_bar, bar, f.scale, shown.factor,
+             axis_label(qt(field_words(field)), shown.name));
   if (columns.size() == 3) {
     const DisplayUnit other = display_unit(unit, f.difference_scale.upper);
-    colour_bar(*sheet, x_at(2) + 0.1 * w, y_bar, 0.8 * w, f.difference_scale, other.factor, axis_label("difference", other.name));
+    colour_bar(*sheet, x_at(2) + 0.1 * w, y_bar, 0.8 * w, f.difference_scale, other.factor,
+               axis_label("difference", other.name));
   }
   return Figure{figure_name(field), caption(f, field, columns.size(), content), sheet};
 }

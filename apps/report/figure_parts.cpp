@@ -50,7 +50,8 @@ void colour_bar(Sheet& sheet, double x_mm, double y_mm, double width_mm, const S
     strip.pixels.push_back(0xff000000u | colour_at(scale.map, (k + 0.5) / strip.width));
   const QImage image = to_image(strip);
   sheet.paint_over([=](QCPPainter& p) {
-    const double x = x_mm * units_per_mm, y = y_mm * units_per_mm, w = width_mm * units_per_mm, h = thickness * units_per_mm;
+    const double x = x_mm * units_per_mm, y = y_mm * units_per_mm, w = width_mm * units_per_mm,
+                 h = thickness * units_per_mm;
     p.setRenderHint(QPainter::SmoothPixmapTransform, false);
     p.drawImage(QRectF(x, y, w, h), image);
     QPolygonF outline;
@@ -79,7 +80,8 @@ QCPAxisRect* world_panel(Sheet& sheet, double x_mm, double y_mm, double width_mm
   QCPAxisRect* panel = sheet.panel(x_mm, y_mm, width_mm, height_mm);
   QCPAxis *x = panel->axis(QCPAxis::atBottom), *y = panel->axis(QCPAxis::atLeft);
   // One tick distance for both axes, so that the eye can compare lengths.
-  const double step = nice_step(std::max(box.width() / width_mm, box.height() / height_mm) * std::clamp(width_mm / 4, 12.0, 24.0), 1);
+  const double step =
+      nice_step(std::max(box.width() / width_mm, box.height() / height_mm) * std::clamp(width_mm / 4, 12.0, 24.0), 1);
   set_axis(x, box.lower.x(), box.upper.x(), label_x ? axis_label("x", unit) : QString());
   set_axis(y, box.lower.y(), box.upper.y(), label_y ? axis_label("y", unit) : QString());
   for (QCPAxis* axis : {x, y}) set_step(axis, step);
@@ -130,12 +132,7 @@ void pale_grid(QCPAxisRect* panel) {
 void draw_scale_bar(Sheet& sheet, QCPAxisRect* panel, const Box& box, const std::string& unit) {
   const double length = nice_length(0.25 * box.width());
   const DisplayUnit shown = display_unit(unit, length);
-  QString label = qt(number(length * shown.factor));
-  if (label.contains('.')) {
-    while (label.endsWith('0')) label.chop(1);
-    if (label.endsWith('.')) label.chop(1);
-  }
-  label += qt(unit_suffix(shown.name));
+  const QString label = qt(plain(length * shown.factor) + unit_suffix(shown.name));
   sheet.paint(panel, [=](QCPPainter& p) {
     const double w = x_of(panel, box.lower.x() + length) - x_of(panel, box.lower.x());
     const QRectF r(panel->rect());

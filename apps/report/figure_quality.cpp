@@ -14,7 +14,8 @@ std::optional<Figure> quality_figure(const Content&, const std::vector<PairQuali
   const double x = 17, w = 150;
   QCPAxisRect* shares = sheet->panel(x, 9, w, 36);
   QCPAxisRect* scores = sheet->panel(x, 53, w, 36);
-  const double first = pairs.front().frames[0] - 0.5, last = std::max(pairs.back().frames[0], pairs.front().frames[0]) + 0.5;
+  const double first = pairs.front().frames[0] - 0.5,
+               last = std::max(pairs.back().frames[0], pairs.front().frames[0]) + 0.5;
   for (QCPAxisRect* panel : {shares, scores}) {
     QCPAxis* axis = panel->axis(QCPAxis::atBottom);
     set_axis(axis, first, last, panel == scores ? "first frame of the pair" : "", 10);
@@ -39,7 +40,8 @@ std::optional<Figure> quality_figure(const Content&, const std::vector<PairQuali
       auto bar = [&](std::size_t n, Rgb rgb) {
         const double top = base + 100 * q.share(n);
         p.setBrush(colour(rgb));
-        p.drawRect(QRectF(QPointF(x_of(shares, at - 0.4), y_of(shares, top)), QPointF(x_of(shares, at + 0.4), y_of(shares, base))));
+        p.drawRect(QRectF(QPointF(x_of(shares, at - 0.4), y_of(shares, top)),
+                          QPointF(x_of(shares, at + 0.4), y_of(shares, base))));
         base = top;
       };
       if (q.nodes == 0) continue;
@@ -78,7 +80,8 @@ std::optional<Figure> quality_figure(const Content&, const std::vector<PairQuali
   band(*sheet, scores, at, lower, upper, blue, 45);
   QCPGraph* g = curve(*sheet, scores, at, median, pen(blue, 1.2));
   if (pairs.size() <= 60)
-    g->setScatterStyle(QCPScatterStyle(QCPScatterStyle::ssCircle, pen(blue, 0.8), QBrush(Qt::white), 1.5 * units_per_mm));
+    g->setScatterStyle(
+        QCPScatterStyle(QCPScatterStyle::ssCircle, pen(blue, 0.8), QBrush(Qt::white), 1.5 * units_per_mm));
 
   double next = x;
   next = draw_key(*sheet, next, 2.5, Key::tile, valid, "valid");
@@ -90,8 +93,9 @@ std::optional<Figure> quality_figure(const Content&, const std::vector<PairQuali
   draw_key(*sheet, next, 49.5, Key::band, blue, QString::fromUtf8("5th to 95th percentile"));
   sheet->text(x - 15, 6, "(a)", Qt::AlignLeft | Qt::AlignTop, normal_text, true);
   sheet->text(x - 15, 50, "(b)", Qt::AlignLeft | Qt::AlignTop, normal_text, true);
-  std::string caption = "Quality of the measurement, pair by pair: (a) status of the vectors at the nodes that were not masked; (b) "
-                        "correlation score.";
+  std::string caption =
+      "Quality of the measurement, pair by pair: (a) status of the vectors at the nodes that were not masked; (b) "
+      "correlation score.";
   if (any_flag) caption += " Marked steps are flagged as a whole.";
   return Figure{"quality", caption, sheet};
 }

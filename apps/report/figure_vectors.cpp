@@ -84,7 +84,8 @@ void draw_vectors(Sheet& sheet, QCPAxisRect* panel, const VectorField& field, co
           const std::size_t n = field.grid.node(i, j);
           if (field.status[n] != wanted) continue;
           const QPointF at = place(i, j);
-          const QPointF d(double(field.displacement[n][0]) * plan.units_each, -double(field.displacement[n][1]) * plan.units_each);
+          const QPointF d(double(field.displacement[n][0]) * plan.units_each,
+                          -double(field.displacement[n][1]) * plan.units_each);
           const QPointF tail = field.anchor == Anchor::central ? at - d / 2 : at;
           draw_arrow(p, tail, tail + d, wanted == VectorStatus::valid ? valid_colour : replaced_colour);
         }
@@ -106,8 +107,9 @@ void draw_legend(Sheet& sheet, double x, double right, const PairQuality& q, con
     Rgb rgb;
     int form;  // 0 arrow, 1 cross, 2 ring
   };
-  for (const Entry& e : {Entry{"valid", q.valid, valid_colour, 0}, Entry{"replaced", q.replaced, replaced_colour, 0},
-                         Entry{"rejected", q.rejected, rejected_colour, 1}, Entry{"failed", q.failed, failed_colour, 2}}) {
+  for (const Entry& e :
+       {Entry{"valid", q.valid, valid_colour, 0}, Entry{"replaced", q.replaced, replaced_colour, 0},
+        Entry{"rejected", q.rejected, rejected_colour, 1}, Entry{"failed", q.failed, failed_colour, 2}}) {
     if (e.n == 0) continue;
     const double at = x;
     sheet.paint_over([=](QCPPainter& p) {
@@ -155,7 +157,8 @@ std::vector<Figure> vector_figures(const Content& content, const std::vector<Pai
     auto sheet = std::make_shared<Sheet>(figure_width_mm, head + h + foot);
     QCPAxisRect* panel = world_panel(*sheet, x, head, w, h, box, content.length_unit, true, true);
     const int pixels = std::clamp(int(w / 25.4 * 220), 64, 1400);
-    raster_in(*sheet, panel, to_image(draw_image(picture.image.view(), content.world_from_pixel, box, pixels, 120, 252)));
+    raster_in(*sheet, panel,
+              to_image(draw_image(picture.image.view(), content.world_from_pixel, box, pixels, 120, 252)));
     const Plan plan = plan_arrows(field, w * units_per_mm / box.width());
     draw_vectors(*sheet, panel, field, plan);
     draw_scale_bar(*sheet, panel, box, content.length_unit);
@@ -166,12 +169,16 @@ std::vector<Figure> vector_figures(const Content& content, const std::vector<Pai
       return k >= 0 && n < content.frames.size() && !content.frames[n].name.empty() ? content.frames[n].name
                                                                                     : "frame " + std::to_string(k);
     };
-    std::string caption = "Increments measured from " + frame_words(field.pair[0]) + " to " + frame_words(field.pair[1]);
+    std::string caption =
+        "Increments measured from " + frame_words(field.pair[0]) + " to " + frame_words(field.pair[1]);
     if (const auto n = std::size_t(std::max(0, field.pair[0])); n < content.frames.size())
-      caption += ", t = " + number(content.frames[n].time, 3) + unit_suffix(content.time_unit);
+      caption += ", t = " + plain(content.frames[n].time) + unit_suffix(content.time_unit);
     caption += ", on " + frame_words(picture.frame) + " (contrast softened).";
     if (plan.stride > 1)
-      caption += " Arrows: every " + std::string(plan.stride == 2 ? "second" : plan.stride == 3 ? "third" : std::to_string(plan.stride) + "th") +
+      caption += " Arrows: every " +
+                 std::string(plan.stride == 2   ? "second"
+                             : plan.stride == 3 ? "third"
+                                                : std::to_string(plan.stride) + "th") +
                  " node in both directions.";
     caption += " Shares in the legend are of all " + count(pairs[at].nodes, "node") + " that were not masked.";
     if (pairs[at].rejected + pairs[at].failed > 0) caption += " Rejected and failed nodes are all marked.";

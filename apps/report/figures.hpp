@@ -10,8 +10,8 @@
 
 namespace pivnp::report {
 
-constexpr double figure_width_mm = 170;    // the measure of an A4 page
-constexpr double figure_height_mm = 205;   // at most, so that a caption fits below
+constexpr double figure_width_mm = 170;   // the measure of an A4 page
+constexpr double figure_height_mm = 205;  // at most, so that a caption fits below
 
 /// "vectors_1", "vectors_2" ...: a picture under the vectors of the pair that starts (or ends) with it.
 std::vector<Figure> vector_figures(const Content& content, const std::vector<PairQuality>& pairs);

@@ -53,13 +53,18 @@ pre { background: var(--tint); padding: .9rem 1.1rem; font-size: .72rem; line-he
 
 class Writer {
  public:
-  Writer(const Document& document, const std::function<std::string(const Figure&)>& png_of) : document_(document), png_of_(png_of) {}
+  Writer(const Document& document, const std::function<std::string(const Figure&)>& png_of)
+      : document_(document), png_of_(png_of) {}
 
   std::string write() {
     out_ += "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n";
-    out_ += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<meta name=\"generator\" content=\"pivnp\">\n";
-    out_ += "<title>" + escape_html(document_.title) + "</title>\n<style>" + std::string(css) + "</style>\n</head>\n<body>\n<main>\n";
-    out_ += "<h1>" + escape_html(document_.title) + "</h1>\n<p class=\"subtitle\">" + escape_html(document_.subtitle) + "</p>\n";
+    out_ +=
+        "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<meta name=\"generator\" "
+        "content=\"pivnp\">\n";
+    out_ += "<title>" + escape_html(document_.title) + "</title>\n<style>" + std::string(css) +
+            "</style>\n</head>\n<body>\n<main>\n";
+    out_ += "<h1>" + escape_html(document_.title) + "</h1>\n<p class=\"subtitle\">" + escape_html(document_.subtitle) +
+            "</p>\n";
     contents();
     for (const Block& block : document_.blocks) std::visit([this](const auto& b) { add(b); }, block);
     out_ += "</main>\n</body>\n</html>\n";
@@ -79,7 +84,9 @@ class Writer {
     if (h.level == 1) out_ += "<h2 id=\"s" + std::to_string(++section_) + "\">" + escape_html(h.text) + "</h2>\n";
     else out_ += "<h3>" + escape_html(h.text) + "</h3>\n";
   }
-  void add(const Paragraph& p) { out_ += std::string(p.lead ? "<p class=\"lead\">" : "<p>") + escape_html(p.text) + "</p>\n"; }
+  void add(const Paragraph& p) {
+    out_ += std::string(p.lead ? "<p class=\"lead\">" : "<p>") + escape_html(p.text) + "</p>\n";
+  }
   void add(const List& list) {
     out_ += "<ul>\n";
     for (const std::string& item : list.items) out_ += "<li>" + escape_html(item) + "</li>\n";
@@ -87,14 +94,17 @@ class Writer {
   }
   void add(const Code& code) { out_ += "<pre>" + escape_html(code.text) + "</pre>\n"; }
   void add(const Table& t) {
-    out_ += "<div class=\"scroll\"><table>\n<caption><b>Table " + std::to_string(++table_) + ".</b> " + escape_html(t.caption) + "</caption>\n<colgroup>";
+    out_ += "<div class=\"scroll\"><table>\n<caption><b>Table " + std::to_string(++table_) + ".</b> " +
+            escape_html(t.caption) + "</caption>\n<colgroup>";
     for (double w : t.width) out_ += "<col style=\"width:" + std::to_string(int(std::lround(100 * w))) + "%\">";
     out_ += "</colgroup>\n<thead><tr>";
-    for (std::size_t k = 0; k < t.head.size(); ++k) out_ += "<th" + cell_class(t, k, "") + ">" + escape_html(t.head[k]) + "</th>";
+    for (std::size_t k = 0; k < t.head.size(); ++k)
+      out_ += "<th" + cell_class(t, k, "") + ">" + escape_html(t.head[k]) + "</th>";
     out_ += "</tr></thead>\n<tbody>\n";
     for (const auto& row : t.rows) {
       out_ += "<tr>";
-      for (std::size_t k = 0; k < row.size(); ++k) out_ += "<td" + cell_class(t, k, row[k]) + ">" + escape_html(row[k]) + "</td>";
+      for (std::size_t k = 0; k < row.size(); ++k)
+        out_ += "<td" + cell_class(t, k, row[k]) + ">" + escape_html(row[k]) + "</td>";
       out_ += "</tr>\n";
     }
     out_ += "</tbody>\n</table></div>\n";
@@ -103,8 +113,8 @@ class Writer {
     const std::string png = png_of_(f);
     const QByteArray base64 = QByteArray::fromRawData(png.data(), qsizetype(png.size())).toBase64();
     const std::string label = std::string("Figure ") + std::to_string(++figure_) + ".";
-    out_ += "<figure id=\"" + escape_html(f.name) + "\"><img alt=\"" + escape_html(label + " " + f.caption) + "\" width=\"" +
-            std::to_string(std::lround(f.sheet->width_mm() / 25.4 * 96)) + "\" height=\"" +
+    out_ += "<figure id=\"" + escape_html(f.name) + "\"><img alt=\"" + escape_html(label + " " + f.caption) +
+            "\" width=\"" + std::to_string(std::lround(f.sheet->width_mm() / 25.4 * 96)) + "\" height=\"" +
             std::to_string(std::lround(f.sheet->height_mm() / 25.4 * 96)) + "\" src=\"data:image/png;base64,";
     out_.append(base64.constData(), std::size_t(base64.size()));
     out_ += "\">\n<figcaption><b>" + label + "</b> " + escape_html(f.caption) + "</figcaption></figure>\n";

@@ -37,7 +37,8 @@ struct Lines {
 
 Lines break_lines(const QString& text, const QFont& f, double width, double line_height, int bold_first = 0,
                   Qt::Alignment align = Qt::AlignLeft, Rgb rgb = ink) {
-  Lines lines{std::make_shared<QTextLayout>(text, f), line_height, rgb};
+  // Even an empty text takes a line.
+  Lines lines{std::make_shared<QTextLayout>(text.isEmpty() ? QStringLiteral(" ") : text, f), line_height, rgb};
   QTextOption option(align);
   option.setWrapMode(QTextOption::WrapAtWordBoundaryOrAnywhere);
   lines.layout->setTextOption(option);
@@ -80,7 +81,8 @@ class Cutter {
     if (!p.lead) return flow(break_lines(qt_text(p.text), font(body_points), width_, leading(body_points)), 0, gap(32));
     const Lines lines = break_lines(qt_text(p.text), font(body_points + 0.5), width_ - 80, leading(body_points + 0.5));
     const double height = lines.height() + 60, width = width_;
-    pieces_.push_back({45, height, false, false, false, [=](QCPPainter& q, double x, double y) {
+    pieces_.push_back({45, height, false, false, false,
+                       [=](QCPPainter& q, double x, double y) {
                          q.fillRect(QRectF(x, y, width, height), QColor(0xf4, 0xf6, 0xf8));
                          q.fillRect(QRectF(x, y, 8, height), colour(0x0b3d91));
                          lines.draw_all(q, x + 45, y + 30);
@@ -111,7 +113,8 @@ class Cutter {
     for (const QString& row : qt_text(code.text).split('\n')) {
       const Lines lines = break_lines(row.isEmpty() ? QStringLiteral(" ") : row, f, width_ - 60, line_height);
       for (int k = 0; k < lines.count(); ++k) {
-        pieces_.push_back({before, line_height, false, false, false, [=](QCPPainter& p, double x, double y) {
+        pieces_.push_back({before, line_height, false, false, false,
+                           [=](QCPPainter& p, double x, double y) {
                              p.fillRect(QRectF(x, y, width, line_height + 0.5), QColor(0xf4, 0xf6, 0xf8));
                              lines.draw(p, x + 30, y, k);
                            },
@@ -124,11 +127,12 @@ class Cutter {
 
   void operator()(const Figure& f) {
     const QString label = QString("Figure %1.").arg(++figure_);
-    const Lines caption = break_lines(label + " " + qt_text(f.caption), font(caption_points), width_, leading(caption_points),
-                                      int(label.size()));
+    const Lines caption = break_lines(label + " " + qt_text(f.caption), font(caption_points), width_,
+                                      leading(caption_points), int(label.size()));
     const auto sheet = f.sheet;
     const double drawn = sheet->height_mm() * units_per_mm;
-    pieces_.push_back({gap(60), drawn + 25 + caption.height() + 30, false, true, false, [=](QCPPainter& p, double x, double y) {
+    pieces_.push_back({gap(60), drawn + 25 + caption.height() + 30, false, true, false,
+                       [=](QCPPainter& p, double x, double y) {
                          p.save();
                          p.translate(x, y);
                          sheet->draw(p);
@@ -140,8 +144,8 @@ class Cutter {
 
   void operator()(const Table& t) {
     const QString label = QString("Table %1.").arg(++table_);
-    const Lines caption = break_lines(label + " " + qt_text(t.caption), font(caption_points), width_, leading(caption_points),
-                                      int(label.size()));
+    const Lines caption = break_lines(label + " " + qt_text(t.caption), font(caption_points), width_,
+                                      leading(caption_points), int(label.size()));
     flow(caption, 0, gap(60), true);
     auto head = std::make_shared<Pieces>();
     head->push_back(row(t, t.head, true, false));
@@ -161,12 +165,12 @@ class Cutter {
   double gap(double usual) { return std::exchange(after_heading_, false) ? std::min(usual, 22.0) : usual; }
 
   // Lines as pieces: neither the first nor the last stands alone on a page.
-  void flow(const Lines& lines, double indent, double before, bool keep_all = false,
-            bool barrier = false) {
+  void flow(const Lines& lines, double indent, double before, bool keep_all = false, bool barrier = false) {
     const int n = lines.count();
     for (int k = 0; k < n; ++k)
       pieces_.push_back({k == 0 ? before : 0, lines.leading, keep_all || (k + 1 < n && (k == 0 || k + 2 == n)), false,
-                         barrier && k == 0, [=](QCPPainter& p, double x, double y) { lines.draw(p, x + indent, y, k); }, nullptr});
+                         barrier && k == 0, [=](QCPPainter& p, double x, double y) { lines.draw(p, x + indent, y, k); },
+                         nullptr});
   }
 
   Piece row(const Table& t, const std::vector<std::string>& cells, bool head, bool last) const {
@@ -177,14 +181,20 @@ class Cutter {
     for (std::size_t k = 0; k < cells.size(); ++k) {
       const double w = t.width[k] * width_ - (k + 1 < cells.size() ? between : 0);
       const bool over = cells[k] == "over limit";
-      texts.push_back(break_lines(qt_text(cells[k]), font(table_points, head || over), w, 1.36 * table_points * units_per_point, 0,
+      texts.push_back(break_lines(qt_text(cells[k]), font(table_points, head || over), w,
+                                  1.36 * table_points * units_per_point, 0,
                                   t.align[k] == 'r' ? Qt::AlignRight : Qt::AlignLeft, over ? 0xa40d24 : ink));
       at.push_back(x);
       x += t.width[k] * width_;
       height = std::max(height, texts.back().height());
     }
     height += 2 * pad;
-    return {0, height, false, false, false, [=](QCPPainter& p, double left, double y) {
+    return {0,
+            height,
+            false,
+            false,
+            false,
+            [=](QCPPainter& p, double left, double y) {
               for (std::size_t k = 0; k < texts.size(); ++k) texts[k].draw_all(p, left + at[k], y + pad);
               auto rule = [&](double at_y, const QPen& line) {
                 p.setPen(line);

@@ -16,7 +16,7 @@ using Pieces = std::vector<Piece>;
 
 /// Heights in sheet units (tenths of a millimetre).
 struct Piece {
-  double before = 0;       // free space above, dropped at the head of a page
+  double before = 0;  // free space above, dropped at the head of a page
   double height = 0;
   bool keep_next = false;  // must not end a page
   bool floats = false;     // may wait for the next page while text goes on

@@ -18,7 +18,8 @@ Raster halved(const Raster& fine) {
     for (int c = 0; c < out.width; ++c) {
       unsigned alpha = 0, channel[3] = {0, 0, 0};
       for (int k = 0; k < 4; ++k) {
-        const std::uint32_t p = fine.pixels[std::size_t(2 * r + k / 2) * std::size_t(fine.width) + std::size_t(2 * c + k % 2)];
+        const std::uint32_t p =
+            fine.pixels[std::size_t(2 * r + k / 2) * std::size_t(fine.width) + std::size_t(2 * c + k % 2)];
         if (p >> 24 == 0) continue;
         ++alpha;
         channel[0] += (p >> 16) & 0xff;
@@ -50,7 +51,8 @@ struct Reduced {
   int width, height, factor;
   std::vector<float> value;
   float at(int c, int r) const {
-    return value[std::size_t(std::clamp(r, 0, height - 1)) * std::size_t(width) + std::size_t(std::clamp(c, 0, width - 1))];
+    return value[std::size_t(std::clamp(r, 0, height - 1)) * std::size_t(width) +
+                 std::size_t(std::clamp(c, 0, width - 1))];
   }
 };
 
@@ -106,7 +108,8 @@ Raster draw_tiles(std::span<const Tile> tiles, const Box& box, int width) {
     const int r0 = std::max(0, int(std::ceil(cy - ey))), r1 = std::min(fine.height - 1, int(std::floor(cy + ey)));
     const std::uint32_t colour = 0xff000000u | tile.colour;
     auto put = [&](int c, int r) { fine.pixels[std::size_t(r) * std::size_t(fine.width) + std::size_t(c)] = colour; };
-    if (const int c = int(std::lround(cx)), r = int(std::lround(cy)); c >= 0 && c < fine.width && r >= 0 && r < fine.height)
+    if (const int c = int(std::lround(cx)), r = int(std::lround(cy));
+        c >= 0 && c < fine.width && r >= 0 && r < fine.height)
       put(c, r);
     if (std::abs(det) < 1e-9) continue;
     for (int r = r0; r <= r1; ++r)
@@ -130,11 +133,13 @@ Box image_box(int width, int height, const Mat3& world_from_pixel) {
   return box;
 }
 
-Raster draw_image(const ImageView& image, const Mat3& world_from_pixel, const Box& box, int width, int dark, int light) {
+Raster draw_image(const ImageView& image, const Mat3& world_from_pixel, const Box& box, int width, int dark,
+                  int light) {
   Raster out{width, height_for(box, width), {}};
   out.pixels.assign(std::size_t(out.width) * std::size_t(out.height), 0);
   const Mat3 pixel_from_world = world_from_pixel.inverse();
-  const Vec2 left = project(pixel_from_world, box.lower), right = project(pixel_from_world, {box.upper.x(), box.lower.y()});
+  const Vec2 left = project(pixel_from_world, box.lower),
+             right = project(pixel_from_world, {box.upper.x(), box.lower.y()});
   const double pixels_each = (right - left).norm() / width;
   const Reduced reduced = reduce(image, std::clamp(int(std::floor(pixels_each + 0.25)), 1, 64));
   const auto [low, high] = contrast_limits(reduced.value);

@@ -19,7 +19,8 @@ compare::Comparison from_record(const io::ComparisonData& data) {
     }
     if (f.id == c.id && f.time == c.time) c.fields.push_back({f.name, f.unit, f.definition, f.values});
   }
-  c.over_limit = std::any_of(c.metrics.begin(), c.metrics.end(), [](const Metric& m) { return m.verdict == "over limit"; });
+  c.over_limit =
+      std::any_of(c.metrics.begin(), c.metrics.end(), [](const Metric& m) { return m.verdict == "over limit"; });
   return c;
 }
 

@@ -31,7 +31,8 @@ struct Stencil {
 Stencil stencil(const ParticleSet& particles, const Vec2& point, double start) {
   std::vector<std::pair<double, std::size_t>> near;
   for (std::size_t p = 0; p < particles.size(); ++p)
-    if (!(p < particles.born.size() && particles.born[p] > start)) near.emplace_back((particles.x0[p] - point).norm(), p);
+    if (!(p < particles.born.size() && particles.born[p] > start))
+      near.emplace_back((particles.x0[p] - point).norm(), p);
   Stencil s;
   if (near.empty()) return s;
   const std::size_t k = std::min<std::size_t>(6, near.size());

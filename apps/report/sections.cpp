@@ -28,13 +28,14 @@ class Builder {
 
 Table metrics_table(const std::vector<Metric>& metrics) {
   Table t;
-  t.caption = "Metrics of the comparison; first: measured, second: simulated. \u00b1: standard uncertainty of the value.";
+  t.caption =
+      "Metrics of the comparison; first: measured, second: simulated. \u00b1: standard uncertainty of the value.";
   t.head = {"Metric", "Value", "Unit", "Verdict", "Definition"};
   t.width = {0.21, 0.19, 0.06, 0.16, 0.38};
   t.align = {'l', 'r', 'l', 'l', 'l'};
   for (const Metric& m : metrics)
-    t.rows.push_back({metric_words(m.name), value_with_uncertainty(m.value, m.uncertainty), m.unit == "1" ? "" : m.unit, m.verdict,
-                      m.definition});
+    t.rows.push_back({metric_words(m.name), value_with_uncertainty(m.value, m.uncertainty), m.unit == "1" ? "" : m.unit,
+                      m.verdict, m.definition});
   return t;
 }
 
@@ -44,12 +45,13 @@ std::optional<Table> ends_table(const Content& content) {
   t.head = {"Side", "Reason", "Particles", "Share", "First", "Median", "Last (" + content.time_unit + ")"};
   t.width = {0.12, 0.38, 0.12, 0.1, 0.09, 0.09, 0.1};
   t.align = {'l', 'l', 'r', 'r', 'r', 'r', 'r'};
-  for (const auto& [motion, side] : {std::pair{content.measured.get(), "measured"}, {content.simulated.get(), "simulated"}}) {
+  for (const auto& [motion, side] :
+       {std::pair{content.measured.get(), "measured"}, {content.simulated.get(), "simulated"}}) {
     if (motion == nullptr) continue;
     for (const Ends& e : ends_by_reason(motion->particles()))
       t.rows.push_back({side, words(e.reason), std::to_string(e.particles),
-                        percent(double(e.particles) / double(motion->particles().size())), number(e.first), number(e.median),
-                        number(e.last)});
+                        percent(double(e.particles) / double(motion->particles().size())), plain(e.first),
+                        plain(e.median), plain(e.last)});
   }
   if (t.rows.empty()) return std::nullopt;
   return t;
@@ -68,13 +70,14 @@ std::string measurement_text(const Content& content, const std::vector<PairQuali
   }
   if (nodes == 0) return "No node was measured: all are masked.";
   auto share = [&](std::size_t n) { return percent(double(n) / double(nodes)); };
-  std::string text = count(pairs.size(), "pair of frames was", "pairs of frames were") + " correlated, " + count(nodes, "vector") +
-                     " in all: " + share(valid) + " valid, " + share(replaced) + " rejected and replaced from valid neighbours, " +
-                     share(rejected) + " rejected, " + share(failed) + " failed.";
+  std::string text = count(pairs.size(), "pair of frames was", "pairs of frames were") + " correlated, " +
+                     count(nodes, "vector") + " in all: " + share(valid) + " valid, " + share(replaced) +
+                     " rejected and replaced from valid neighbours, " + share(rejected) + " rejected, " +
+                     share(failed) + " failed.";
   const double typical = quantile(sigma, 0.5);
   if (typical > 0)
-    text += " Standard uncertainty of a valid vector, one component: " + number(typical, 2) + unit_suffix(content.length_unit) +
-            " (random error; median over the pairs).";
+    text += " Standard uncertainty of a valid vector, one component: " + number(typical, 2) +
+            unit_suffix(content.length_unit) + " (random error; median over the pairs).";
   if (content.camera_residual > 0)
     text += " The camera\u2019s targets are met with a residual of " + number(content.camera_residual, 2) +
             unit_suffix(content.length_unit) + " (RMS).";
@@ -99,7 +102,8 @@ void comparison_section(Builder& b, const ReportOptions& options, const Content&
 void flags_section(Builder& b, const Content& content, const std::vector<PairQuality>& pairs) {
   b.heading(1, "What was flagged");
   const std::vector<std::string> list = flags(content, pairs);
-  if (list.empty()) b.paragraph("Nothing was flagged: no step, no shortage of valid vectors, no particle that ended early.");
+  if (list.empty())
+    b.paragraph("Nothing was flagged: no step, no shortage of valid vectors, no particle that ended early.");
   else b.add(List{list});
   if (auto table = ends_table(content)) b.add(std::move(*table));
 }
@@ -121,11 +125,14 @@ void appendix(Builder& b, const Content& content) {
   }
   b.paragraph(versions() + " Written " + utc_now() + ".");
   b.heading(2, "How to cite");
-  b.add(List{{"pivnp " + program_version() + ": from lab video to verdict by PIV, numerical particles, MPM and comparison. Free software, "
-              "GPL-3.0-or-later.",
-              "N. M. Pinyol and M. Alvarado (2017). Novel analysis for large strains based on particle image velocimetry. Canadian "
+  b.add(List{{"pivnp " + program_version() +
+                  ": from lab video to verdict by PIV, numerical particles, MPM and comparison. Free software, "
+                  "GPL-3.0-or-later.",
+              "N. M. Pinyol and M. Alvarado (2017). Novel analysis for large strains based on particle image "
+              "velocimetry. Canadian "
               "Geotechnical Journal 54(7), 933\u2013944.",
-              "M. Alvarado (2018). Landslide motion assessment including thermal interaction: an MPM approach. PhD thesis, Universitat "
+              "M. Alvarado (2018). Landslide motion assessment including thermal interaction: an MPM approach. PhD "
+              "thesis, Universitat "
               "Polit\u00e8cnica de Catalunya."}});
   if (content.case_text.empty()) return;
   b.heading(1, "Settings");
@@ -143,7 +150,7 @@ Document make_document(const ReportOptions& options, const Content& content) {
   Builder b;
   b.document.title = options.title.empty() ? content.name : options.title;
   if (b.document.title.empty()) b.document.title = "Report";
-  b.document.subtitle = content.comparison                        ? "Measurement and simulation compared"
+  b.document.subtitle = content.comparison                      ? "Measurement and simulation compared"
                         : content.measured && content.simulated ? "Measurement and simulation"
                         : content.simulated                     ? "Simulation"
                                                                 : "Measurement";

@@ -81,16 +81,19 @@ void start_qt() {
   static char* argv[] = {name, option, platform, nullptr};
   static int argc = 3;
   // Remarks on the desktop's folders mean nothing here.
-  const QtMessageHandler handler = qInstallMessageHandler([](QtMsgType type, const QMessageLogContext&, const QString& text) {
-    if (type == QtCriticalMsg || type == QtFatalMsg) std::fprintf(stderr, "Qt: %s\n", qPrintable(text));
-  });
+  const QtMessageHandler handler =
+      qInstallMessageHandler([](QtMsgType type, const QMessageLogContext&, const QString& text) {
+        if (type == QtCriticalMsg || type == QtFatalMsg) std::fprintf(stderr, "Qt: %s\n", qPrintable(text));
+      });
   new QApplication(argc, argv);  // lives as long as the process: Qt does not outlive static destruction well
   qInstallMessageHandler(handler);
   std::setlocale(LC_ALL, locale.c_str());
   QLocale::setDefault(QLocale::c());
 }
 
-QColor colour(Rgb rgb, int alpha) { return QColor(int(rgb >> 16 & 0xff), int(rgb >> 8 & 0xff), int(rgb & 0xff), alpha); }
+QColor colour(Rgb rgb, int alpha) {
+  return QColor(int(rgb >> 16 & 0xff), int(rgb >> 8 & 0xff), int(rgb & 0xff), alpha);
+}
 
 QFont font(double points, bool bold) {
   QFont f(QStringLiteral("DejaVu Sans"));
@@ -251,7 +254,8 @@ void set_axis(QCPAxis* axis, double lower, double upper, const QString& label, i
 }
 
 double draw_key(Sheet& sheet, double x_mm, double y_mm, Key key, Rgb rgb, const QString& words, double gap_mm) {
-  const bool wide = key == Key::line || key == Key::dashed || key == Key::dotted || key == Key::dash_dot || key == Key::band;
+  const bool wide =
+      key == Key::line || key == Key::dashed || key == Key::dotted || key == Key::dash_dot || key == Key::band;
   const double width = wide ? 7 : 2.4;
   sheet.paint_over([=](QCPPainter& p) {
     const double x = x_mm * units_per_mm, y = y_mm * units_per_mm, w = width * units_per_mm, c = x + w / 2;
@@ -260,9 +264,18 @@ double draw_key(Sheet& sheet, double x_mm, double y_mm, Key key, Rgb rgb, const 
     p.setBrush(Qt::NoBrush);
     switch (key) {
       case Key::line: p.drawLine(QLineF(x, y, x + w, y)); break;
-      case Key::dashed: p.setPen(pen(rgb, 1.1, Qt::DashLine)); p.drawLine(QLineF(x, y, x + w, y)); break;
-      case Key::dotted: p.setPen(pen(rgb, 1.1, Qt::DotLine)); p.drawLine(QLineF(x, y, x + w, y)); break;
-      case Key::dash_dot: p.setPen(pen(rgb, 1.1, Qt::DashDotLine)); p.drawLine(QLineF(x, y, x + w, y)); break;
+      case Key::dashed:
+        p.setPen(pen(rgb, 1.1, Qt::DashLine));
+        p.drawLine(QLineF(x, y, x + w, y));
+        break;
+      case Key::dotted:
+        p.setPen(pen(rgb, 1.1, Qt::DotLine));
+        p.drawLine(QLineF(x, y, x + w, y));
+        break;
+      case Key::dash_dot:
+        p.setPen(pen(rgb, 1.1, Qt::DashDotLine));
+        p.drawLine(QLineF(x, y, x + w, y));
+        break;
       case Key::band:
         p.setPen(Qt::NoPen);
         p.setBrush(colour(rgb, 60));

@@ -17,9 +17,7 @@ const Metric* find(const std::vector<Metric>& metrics, const std::string& name) 
   return it == metrics.end() ? nullptr : &*it;
 }
 
-std::string quantity(const Metric& m) {
-  return value_with_uncertainty(m.value, m.uncertainty) + unit_suffix(m.unit);
-}
+std::string quantity(const Metric& m) { return value_with_uncertainty(m.value, m.uncertainty) + unit_suffix(m.unit); }
 
 std::string frame_name(const Content& content, int k) {
   const auto n = std::size_t(k);
@@ -45,6 +43,7 @@ std::string limits_sentence(const std::vector<Metric>& metrics) {
 }
 
 std::string displacement_sentence(const Metric& rms) {
+  if (!std::isfinite(rms.value)) return "How far their displacements differ is not known.";
   std::string text = "Their displacements differ by " + quantity(rms) + " (RMS). ";
   const double ratio = rms.value / rms.uncertainty;
   if (!std::isfinite(rms.uncertainty) || !(rms.uncertainty > 0) || !std::isfinite(ratio))
@@ -53,14 +52,17 @@ std::string displacement_sentence(const Metric& rms) {
     return text + "Simulation and measurement are not distinguishable at this uncertainty: a difference of less than " +
            number(2 * rms.uncertainty, 2) + unit_suffix(rms.unit) + " would not be seen.";
   return text + "This is " + number(ratio, 2) +
-         " times the measurement\u2019s own standard uncertainty (random error): the two motions are distinguishable, and the measurement is not what "
+         " times the measurement\u2019s own standard uncertainty (random error): the two motions are distinguishable, "
+         "and the measurement is not what "
          "limits the comparison.";
 }
 
 std::string strain_sentence(const Metric& rms) {
+  if (!std::isfinite(rms.value)) return "";
   std::string text = " The deviatoric strains differ by " + quantity(rms) + " (RMS)";
   if (std::isfinite(rms.uncertainty) && rms.uncertainty > 0)
-    text += std::abs(rms.value) < 2 * rms.uncertainty ? ", not distinguishable at this uncertainty" : ", more than the uncertainty explains";
+    text += std::abs(rms.value) < 2 * rms.uncertainty ? ", not distinguishable at this uncertainty"
+                                                      : ", more than the uncertainty explains";
   return text + ".";
 }
 
@@ -70,8 +72,8 @@ std::string compared_sentence(const Content& content) {
   std::string text = "Simulation and measurement were compared";
   if (particles > 0) text += " at " + count(particles, "particle");
   if (c.time.size() > 1)
-    text += " and " + count(c.time.size(), "time") + " between " + number(c.time.front()) + " and " + number(c.time.back()) +
-            unit_suffix(content.time_unit);
+    text += " and " + count(c.time.size(), "time") + " between " + plain(c.time.front()) + " and " +
+            plain(c.time.back()) + unit_suffix(content.time_unit);
   if (c.coverage_first > 0)
     text += "; " + percent(c.coverage_first) + " of the measured and " + percent(c.coverage_second) +
             " of the simulated particles found a partner";
@@ -80,9 +82,10 @@ std::string compared_sentence(const Content& content) {
 
 std::string side_sentence(const MotionSource& motion, const std::string& verb) {
   const std::vector<double>& t = motion.times();
-  std::string text = count(motion.particles().size(), "particle") + (motion.particles().size() == 1 ? " was " : " were ") + verb;
+  std::string text =
+      count(motion.particles().size(), "particle") + (motion.particles().size() == 1 ? " was " : " were ") + verb;
   if (t.size() > 1)
-    text += " through " + count(t.size(), "instant") + ", from t = " + number(t.front()) + " to " + number(t.back()) +
+    text += " through " + count(t.size(), "instant") + ", from t = " + plain(t.front()) + " to " + plain(t.back()) +
             unit_suffix(motion.time_unit());
   if (!t.empty()) {
     const MotionFrame last = motion.frame(t.size() - 1);
@@ -98,7 +101,8 @@ std::string side_sentence(const MotionSource& motion, const std::string& verb) {
       if (std::isfinite(trace)) variance += trace, ++known;
     }
     text += "; " + percent(last.u.empty() ? 0 : double(alive) / double(last.u.size())) + " of them to the end";
-    if (alive > 0) text += ", where the greatest displacement is " + number(quantile(u, 1)) + unit_suffix(motion.length_unit());
+    if (alive > 0)
+      text += ", where the greatest displacement is " + number(quantile(u, 1)) + unit_suffix(motion.length_unit());
     if (known > 0)
       text += " and the standard uncertainty of a displacement " + number(std::sqrt(variance / double(known)), 2) +
               unit_suffix(motion.length_unit()) + " (RMS, random error)";
@@ -108,7 +112,8 @@ std::string side_sentence(const MotionSource& motion, const std::string& verb) {
 
 }  // namespace
 
-std::string verdict(const Content& content, const std::vector<PairQuality>& pairs, const DifferenceHistory& differences) {
+std::string verdict(const Content& content, const std::vector<PairQuality>& pairs,
+                    const DifferenceHistory& differences) {
   std::string text;
   if (content.comparison) {
     const std::vector<Metric>& metrics = content.comparison->metrics;
@@ -116,7 +121,8 @@ std::string verdict(const Content& content, const std::vector<PairQuality>& pair
     if (const Metric* rms = find(metrics, "displacement_rms")) {
       text += displacement_sentence(*rms);
     } else if (!differences.rms.empty()) {
-      const Metric last{"displacement_rms", differences.rms.back(), content.length_unit, differences.sigma.back(), "", ""};
+      const Metric last{
+          "displacement_rms", differences.rms.back(), content.length_unit, differences.sigma.back(), "", ""};
       text += "At the last time: " + displacement_sentence(last);
     }
     if (const Metric* rms = find(metrics, "strain_dev_rms")) text += strain_sentence(*rms);
@@ -132,7 +138,8 @@ std::string verdict(const Content& content, const std::vector<PairQuality>& pair
   for (const PairQuality& q : pairs) nodes += q.nodes, valid += q.valid;
   if (nodes > 0) {
     if (!text.empty()) text += " ";
-    text += count(pairs.size(), "pair of frames was", "pairs of frames were") + " measured; " + percent(double(valid) / double(nodes)) + " of the vectors are valid.";
+    text += count(pairs.size(), "pair of frames was", "pairs of frames were") + " measured; " +
+            percent(double(valid) / double(nodes)) + " of the vectors are valid.";
   }
   if (text.empty()) return "The record holds neither vectors nor a motion.";
   if (content.measured && content.simulated) text += " The two were not compared.";
@@ -147,15 +154,19 @@ std::vector<std::string> flags(const Content& content, const std::vector<PairQua
   std::size_t flagged = 0;
   for (const PairQuality& q : pairs) {
     if (q.flag == 0 || (many && ++flagged > 12)) continue;
-    const std::string step = "Step " + frame_name(content, q.frames[0]) + " to " + frame_name(content, q.frames[1]) + ": ";
+    const std::string step =
+        "Step " + frame_name(content, q.frames[0]) + " to " + frame_name(content, q.frames[1]) + ": ";
     if (q.flag & frame_decorrelated)
-      list.push_back(step + "the pair lost its correlation over most of the image (median score " + number(q.score_median, 2) + ", " +
-                     percent(q.share(q.valid)) + " valid).");
-    if (q.flag & frame_repeated) list.push_back(step + "the second exposure repeats the first; no motion can be read from it.");
+      list.push_back(step + "the pair lost its correlation over most of the image (median score " +
+                     number(q.score_median, 2) + ", " + percent(q.share(q.valid)) + " valid).");
+    if (q.flag & frame_repeated)
+      list.push_back(step + "the second exposure repeats the first; no motion can be read from it.");
     if (q.flag & frame_jump)
-      list.push_back(step + "the motion is out of line with the steps before and after: a frame may be missing, or the camera was shaken.");
+      list.push_back(step + "the motion is out of line with the steps before and after: a frame may be missing, or "
+                            "the camera was shaken.");
   }
-  if (many) list.push_back("Further steps are flagged; the figure of the measurement\u2019s quality marks all of them.");
+  if (many)
+    list.push_back("Further steps are flagged; the figure of the measurement\u2019s quality marks all of them.");
 
   // A pair that is short of valid vectors is named once, by its worst.
   const PairQuality* worst = nullptr;
@@ -167,17 +178,19 @@ std::vector<std::string> flags(const Content& content, const std::vector<PairQua
   }
   if (worst != nullptr)
     list.push_back("In " + std::to_string(poor) + " of " + count(pairs.size(), "pair") +
-                   " fewer than 90 % of the vectors are valid; the worst is " + frame_name(content, worst->frames[0]) + " to " +
-                   frame_name(content, worst->frames[1]) + ": " + percent(worst->share(worst->valid)) + " valid, " +
-                   percent(worst->share(worst->replaced)) + " replaced, " + percent(worst->share(worst->rejected)) + " rejected, " +
-                   percent(worst->share(worst->failed)) + " failed.");
-  for (const auto& [motion, side] : {std::pair{content.measured.get(), "measured"}, {content.simulated.get(), "simulated"}}) {
+                   " fewer than 90 % of the vectors are valid; the worst is " + frame_name(content, worst->frames[0]) +
+                   " to " + frame_name(content, worst->frames[1]) + ": " + percent(worst->share(worst->valid)) +
+                   " valid, " + percent(worst->share(worst->replaced)) + " replaced, " +
+                   percent(worst->share(worst->rejected)) + " rejected, " + percent(worst->share(worst->failed)) +
+                   " failed.");
+  for (const auto& [motion, side] :
+       {std::pair{content.measured.get(), "measured"}, {content.simulated.get(), "simulated"}}) {
     if (motion == nullptr) continue;
     std::size_t ended = 0;
     for (const Ends& e : ends_by_reason(motion->particles())) ended += e.particles;
     if (ended > 0)
-      list.push_back(count(ended, "particle") + " of " + std::to_string(motion->particles().size()) + " on the " + side +
-                     " side ended before the last frame (reasons in the table below).");
+      list.push_back(count(ended, "particle") + " of " + std::to_string(motion->particles().size()) + " on the " +
+                     side + " side ended before the last frame (reasons in the table below).");
   }
   return list;
 }

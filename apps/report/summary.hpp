@@ -11,7 +11,8 @@ namespace pivnp::report {
 
 /// A short paragraph on how far simulation and measurement are apart against what the measurement knows; without a
 /// comparison, on what was measured or simulated. Never says that a simulation is right.
-std::string verdict(const Content& content, const std::vector<PairQuality>& pairs, const DifferenceHistory& differences);
+std::string verdict(const Content& content, const std::vector<PairQuality>& pairs,
+                    const DifferenceHistory& differences);
 
 /// Remarks of the run, then what the data show: flagged steps, pairs short of valid vectors, particles that ended. One
 /// sentence each; empty if nothing was flagged.

@@ -8,7 +8,8 @@ namespace pivnp::report {
 std::string program_version() { return PIVNP_VERSION; }
 
 std::string versions() {
-  return "pivnp " + program_version() + "; figures by QCustomPlot " QCUSTOMPLOT_VERSION_STR " on Qt " + std::string(qVersion()) + ".";
+  return "pivnp " + program_version() + "; figures by QCustomPlot " QCUSTOMPLOT_VERSION_STR " on Qt " +
+         std::string(qVersion()) + ".";
 }
 
 }  // namespace pivnp::report

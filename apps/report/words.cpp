@@ -59,12 +59,21 @@ std::string value_with_uncertainty(double value, double uncertainty) {
   if (!std::isfinite(uncertainty) || uncertainty <= 0) return number(value);
   const int e_u = exponent(uncertainty, 2);
   const int e = std::max(exponent(value, 3), e_u);  // of the larger of the two
-  if (plain_range(e) && e_u >= -6)
-    return fixed(value, 1 - e_u) + " \u00b1 " + fixed(uncertainty, 1 - e_u);
+  if (plain_range(e) && e_u >= -6) return fixed(value, 1 - e_u) + " \u00b1 " + fixed(uncertainty, 1 - e_u);
   const double scale = std::pow(10.0, e);
   std::string text = "(";
   text += fixed(value / scale, 1 - e_u + e) + " \u00b1 " + fixed(uncertainty / scale, 1 - e_u + e);
   return text + ") \u00d7 10" + superscript(e);
+}
+
+std::string plain(double value) {
+  std::string s = number(value, 4);
+  if (s.find('.') == std::string::npos) return s;
+  const std::size_t end = std::min(s.find(' '), s.size());  // before a power of ten
+  std::size_t last = end;
+  while (s[last - 1] == '0') --last;
+  if (s[last - 1] == '.') --last;
+  return s.erase(last, end - last);
 }
 
 std::string percent(double share) {
@@ -80,18 +89,29 @@ std::string count(std::size_t n, std::string_view singular, std::string_view plu
     if (k > 0 && digits.size() > 4 && (digits.size() - k) % 3 == 0) grouped += "\u202f";
     grouped += digits[k];
   }
-  const std::string noun = n == 1 ? std::string(singular) : plural.empty() ? std::string(singular) + "s" : std::string(plural);
+  const std::string noun = n == 1           ? std::string(singular)
+                           : plural.empty() ? std::string(singular) + "s"
+                                            : std::string(plural);
   return grouped + " " + noun;
 }
 
 std::string field_words(std::string_view name) {
   static const std::map<std::string, std::string, std::less<>> known = {
-      {"displacement_magnitude", "displacement"}, {"displacement_x", "displacement x"}, {"displacement_y", "displacement y"},
-      {"velocity_magnitude", "velocity"}, {"acceleration_magnitude", "acceleration"},
-      {"strain_dev", "deviatoric strain"}, {"strain_vol", "volumetric strain"}, {"strain_1", "major principal strain"},
-      {"strain_2", "minor principal strain"}, {"strain_angle", "direction of the major principal strain"},
-      {"strain_dev_path", "deviatoric strain along the path"}, {"strain_sum_dev", "summed deviatoric strain"},
-      {"plastic_dev", "plastic deviatoric strain"}, {"mean_stress", "mean stress"}, {"J", "volume ratio J"}};
+      {"displacement_magnitude", "displacement"},
+      {"displacement_x", "displacement x"},
+      {"displacement_y", "displacement y"},
+      {"velocity_magnitude", "velocity"},
+      {"acceleration_magnitude", "acceleration"},
+      {"strain_dev", "deviatoric strain"},
+      {"strain_vol", "volumetric strain"},
+      {"strain_1", "major principal strain"},
+      {"strain_2", "minor principal strain"},
+      {"strain_angle", "direction of the major principal strain"},
+      {"strain_dev_path", "deviatoric strain along the path"},
+      {"strain_sum_dev", "summed deviatoric strain"},
+      {"plastic_dev", "plastic deviatoric strain"},
+      {"mean_stress", "mean stress"},
+      {"J", "volume ratio J"}};
   if (const auto it = known.find(name); it != known.end()) return it->second;
   std::string s(name);
   std::replace(s.begin(), s.end(), '_', ' ');
@@ -100,12 +120,20 @@ std::string field_words(std::string_view name) {
 
 std::string metric_words(const std::string& name) {
   std::vector<std::string> words, statistic;
-  static const std::map<std::string, std::string> statistics = {
-      {"rms", "RMS"}, {"p95", "95th percentile"}, {"max", "maximum"}, {"min", "minimum"}, {"mean", "mean"},
-      {"median", "median"}, {"bias", "mean difference"}, {"first", "measured"}, {"second", "simulated"},
-      {"final", "at the end"}, {"relative", "relative"}, {"difference", "simulated \u2212 measured"}};
-  static const std::map<std::string, std::string> abbreviations = {{"dev", "deviatoric"}, {"vol", "volumetric"},
-                                                                   {"deg", ""}, {"out", "out"}};
+  static const std::map<std::string, std::string> statistics = {{"rms", "RMS"},
+                                                                {"p95", "95th percentile"},
+                                                                {"max", "maximum"},
+                                                                {"min", "minimum"},
+                                                                {"mean", "mean"},
+                                                                {"median", "median"},
+                                                                {"bias", "mean difference"},
+                                                                {"first", "measured"},
+                                                                {"second", "simulated"},
+                                                                {"final", "at the end"},
+                                                                {"relative", "relative"},
+                                                                {"difference", "simulated \u2212 measured"}};
+  static const std::map<std::string, std::string> abbreviations = {
+      {"dev", "deviatoric"}, {"vol", "volumetric"}, {"deg", ""}, {"out", "out"}};
   for (std::size_t from = 0; from <= name.size();) {
     const std::size_t to = std::min(name.find('_', from), name.size());
     const std::string w = name.substr(from, to - from);
@@ -137,12 +165,17 @@ std::string clean_utf8(std::string_view text) {
   std::string out;
   for (std::size_t k = 0; k < text.size();) {
     const auto c = static_cast<unsigned char>(text[k]);
-    const std::size_t length = c < 0x80 ? 1 : c >= 0xc2 && c < 0xe0 ? 2 : c >= 0xe0 && c < 0xf0 ? 3 : c >= 0xf0 && c < 0xf5 ? 4 : 0;
+    const std::size_t length = c < 0x80                ? 1
+                               : c >= 0xc2 && c < 0xe0 ? 2
+                               : c >= 0xe0 && c < 0xf0 ? 3
+                               : c >= 0xf0 && c < 0xf5 ? 4
+                                                       : 0;
     bool good = length > 0 && k + length <= text.size();
     for (std::size_t j = 1; good && j < length; ++j) good = (static_cast<unsigned char>(text[k + j]) & 0xc0) == 0x80;
     if (good && length >= 3) {  // overlong forms, surrogates, beyond U+10FFFF
       const auto d = static_cast<unsigned char>(text[k + 1]);
-      good = !((c == 0xe0 && d < 0xa0) || (c == 0xed && d >= 0xa0) || (c == 0xf0 && d < 0x90) || (c == 0xf4 && d >= 0x90));
+      good =
+          !((c == 0xe0 && d < 0xa0) || (c == 0xed && d >= 0xa0) || (c == 0xf0 && d < 0x90) || (c == 0xf4 && d >= 0x90));
     }
     if (!good) {
       out += "\ufffd";

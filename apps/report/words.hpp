@@ -8,12 +8,15 @@
 namespace pivnp::report {
 
 /// The value with as many digits as two significant digits of `uncertainty` support: "0.01234 ± 0.00056", or
-/// "(1.234 ± 0.056) × 10⁻⁵" away from 1. An uncertainty that is NaN or not positive leaves three significant digits
-/// and no ±. Not finite: "n/a".
+/// "(1.234 ± 0.056) × 10⁻⁵" away from 1. An uncertainty that is NaN or not positive leaves three significant
+/// digits and no ±. Not finite: "n/a".
 std::string value_with_uncertainty(double value, double uncertainty);
 
 /// `digits` significant digits, powers of ten written out, true minus sign. Not finite: "n/a".
 std::string number(double value, int digits = 3);
+
+/// A time or a coordinate: four significant digits at most, no zeros at the end.
+std::string plain(double value);
 
 /// "12.3 %" of a share; "n/a" if not finite. A share that is not 0 or 1 is not rounded to it.
 std::string percent(double share);

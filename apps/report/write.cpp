@@ -1,8 +1,10 @@
 // The report's files.
 #include <algorithm>
 #include <map>
-#include <regex>
+#include <set>
+#include <string>
 #include <system_error>
+#include <vector>
 
 #include "apps/report/content.hpp"
 #include "apps/report/files.hpp"
@@ -10,6 +12,7 @@
 #include "apps/report/pdf.hpp"
 #include "apps/report/sections.hpp"
 #include "apps/report/sheet.hpp"
+#include "pivnp/core/particles/derived.hpp"
 
 namespace pivnp::report {
 
@@ -17,14 +20,25 @@ namespace {
 
 constexpr double print_dpi = 300;
 
+// Names that a report gives its figures.
+bool is_figure(const std::string& name) {
+  static const std::set<std::string> fixed = {"displacement", "deviatoric_strain", "histories", "difference",
+                                              "outline",      "quality",           "energy"};
+  if (fixed.count(name) > 0) return true;
+  const std::string vectors = "vectors_";
+  if (name.starts_with(vectors))
+    return name.size() > vectors.size() && name.find_first_not_of("0123456789", vectors.size()) == std::string::npos;
+  const auto& fields = derived_fields();
+  return std::any_of(fields.begin(), fields.end(), [&](const DerivedField& f) { return f.name == name; });
+}
+
 // Figures of an earlier report that this one does not have would be taken for its own.
 void remove_stale(const std::filesystem::path& folder, const std::map<std::string, std::string>& kept) {
-  static const std::regex ours("(vectors_\\d+|displacement|deviatoric_strain|histories|difference|outline|quality|energy)\\.(png|svg)");
   std::error_code error;
   std::vector<std::filesystem::path> stale;
   for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
-    const std::string name = entry.path().filename().string();
-    if (std::regex_match(name, ours) && kept.count(entry.path().stem().string()) == 0) stale.push_back(entry.path());
+    const std::string name = entry.path().stem().string(), kind = entry.path().extension().string();
+    if ((kind == ".png" || kind == ".svg") && is_figure(name) && kept.count(name) == 0) stale.push_back(entry.path());
   }
   for (const auto& file : stale) std::filesystem::remove(file, error);
 }

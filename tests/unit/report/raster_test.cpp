@@ -20,7 +20,9 @@ std::size_t covered(const Raster& r) {
   return n;
 }
 
-std::uint32_t at(const Raster& r, int column, int row) { return r.pixels[std::size_t(row) * std::size_t(r.width) + std::size_t(column)]; }
+std::uint32_t at(const Raster& r, int column, int row) {
+  return r.pixels[std::size_t(row) * std::size_t(r.width) + std::size_t(column)];
+}
 
 // Sheared squares of a lattice fill the plane, whatever the shear.
 TEST(Raster, TilesLeaveNoGap) {
@@ -28,7 +30,8 @@ TEST(Raster, TilesLeaveNoGap) {
   std::vector<Tile> tiles;
   for (int j = -40; j < 60; ++j)
     for (int i = -40; i < 60; ++i)
-      tiles.push_back({Vec2(0.05 * i + shear * 0.05 * j, 0.05 * j), Vec2(0.026, 0), Vec2(0.026 * shear, 0.026), 0x123456});
+      tiles.push_back(
+          {Vec2(0.05 * i + shear * 0.05 * j, 0.05 * j), Vec2(0.026, 0), Vec2(0.026 * shear, 0.026), 0x123456});
   const Raster r = draw_tiles(tiles, {Vec2(0, 0), Vec2(1, 1)}, 333);
   EXPECT_EQ(covered(r), r.pixels.size());
   EXPECT_EQ(at(r, 100, 100), 0xff123456u);
@@ -53,10 +56,13 @@ TEST(Raster, TilesAreWhereTheyBelong) {
 TEST(Raster, ColourMapsAreOrdered) {
   auto luminance = [](Rgb c) { return 0.2126 * (c >> 16 & 255) + 0.7152 * (c >> 8 & 255) + 0.0722 * (c & 255); };
   for (int k = 1; k <= 64; ++k)
-    EXPECT_GT(luminance(colour_at(Colours::sequential, k / 64.0)), luminance(colour_at(Colours::sequential, (k - 1) / 64.0)));
+    EXPECT_GT(luminance(colour_at(Colours::sequential, k / 64.0)),
+              luminance(colour_at(Colours::sequential, (k - 1) / 64.0)));
   for (int k = 1; k <= 32; ++k) {
-    EXPECT_GT(luminance(colour_at(Colours::diverging, k / 64.0)), luminance(colour_at(Colours::diverging, (k - 1) / 64.0)));
-    EXPECT_LT(luminance(colour_at(Colours::diverging, 0.5 + k / 64.0)), luminance(colour_at(Colours::diverging, 0.5 + (k - 1) / 64.0)));
+    EXPECT_GT(luminance(colour_at(Colours::diverging, k / 64.0)),
+              luminance(colour_at(Colours::diverging, (k - 1) / 64.0)));
+    EXPECT_LT(luminance(colour_at(Colours::diverging, 0.5 + k / 64.0)),
+              luminance(colour_at(Colours::diverging, 0.5 + (k - 1) / 64.0)));
   }
   EXPECT_EQ(colour_at(Colours::sequential, NAN), no_value);
   EXPECT_EQ(colour_at(Colours::sequential, 7), colour_at(Colours::sequential, 1));
@@ -70,14 +76,15 @@ TEST(Raster, ImageIsSeenThroughTheCamera) {
   for (const Mat3& camera : {plain, tilted}) {
     Image image(200, 100, PixelDepth::u16, 65535);
     for (int r = 0; r < 100; ++r)
-      for (int c = 0; c < 200; ++c) image.row<std::uint16_t>(r)[c] = std::abs(c - 150) <= 3 && std::abs(r - 20) <= 3 ? 60000 : 1000;
+      for (int c = 0; c < 200; ++c)
+        image.row<std::uint16_t>(r)[c] = std::abs(c - 150) <= 3 && std::abs(r - 20) <= 3 ? 60000 : 1000;
     const Box box = image_box(200, 100, camera);
     const Raster r = draw_image(image.view(), camera, box, 400, 50, 200);
     const Eigen::Vector3d q = camera * Eigen::Vector3d(150, 20, 1);
     const Vec2 world = q.head<2>() / q.z();
     const int column = int((world.x() - box.lower.x()) / box.width() * r.width);
     const int row = int((box.upper.y() - world.y()) / box.height() * r.height);
-    EXPECT_EQ(at(r, column, row), 0xffc8c8c8u);                  // light: 200
+    EXPECT_EQ(at(r, column, row), 0xffc8c8c8u);                              // light: 200
     EXPECT_EQ(at(r, column, (row + r.height / 2) % r.height), 0xff323232u);  // dark: 50
   }
 }

@@ -23,7 +23,9 @@ const Polygon& slope() {
 struct Motion {
   double amplitude, line, width;  // slip line through (0.33, 0): y = line (0.33 - x)
 
-  double time_factor(double t) const { return amplitude * std::pow(std::sin(std::min(t / 0.5, 1.0) * std::acos(-1.0) / 2), 3); }
+  double time_factor(double t) const {
+    return amplitude * std::pow(std::sin(std::min(t / 0.5, 1.0) * std::acos(-1.0) / 2), 3);
+  }
   Vec2 u(const Vec2& x, double t) const {
     const double above = (x.y() - line * (0.33 - x.x())) / std::hypot(1, line);
     const double m = 0.5 * (1 + std::tanh((above - 0.012) / width)) * (0.6 + 1.6 * std::max(0.0, x.x() + 0.3 * x.y()));
@@ -81,7 +83,9 @@ std::shared_ptr<MotionMemory> make_motion(const SyntheticOptions& o, const Motio
       const Mat2 F = motion.F(set.x0[p], t);
       frame.u.push_back({float(u.x()), float(u.y())});
       frame.F.push_back({float(F(0, 0)), float(F(0, 1)), float(F(1, 0)), float(F(1, 1))});
-      frame.status.push_back(ended ? ParticleStatus::ended : p % 50 == 0 ? ParticleStatus::doubtful : ParticleStatus::active);
+      frame.status.push_back(ended         ? ParticleStatus::ended
+                             : p % 50 == 0 ? ParticleStatus::doubtful
+                                           : ParticleStatus::active);
       if (measured) frame.cov_u.push_back({float(sigma * sigma), float(sigma * sigma), 0});
     }
     result->add(std::move(frame));
@@ -89,7 +93,8 @@ std::shared_ptr<MotionMemory> make_motion(const SyntheticOptions& o, const Motio
   return result;
 }
 
-compare::Comparison make_comparison(const MotionSource& a, const MotionSource& b, const Motion& first, const Motion& second) {
+compare::Comparison make_comparison(const MotionSource& a, const MotionSource& b, const Motion& first,
+                                    const Motion& second) {
   compare::Comparison c;
   c.time = a.times();
   c.id = a.particles().id;
@@ -122,9 +127,12 @@ compare::Comparison make_comparison(const MotionSource& a, const MotionSource& b
       {"displacement_rms", rms, "m", 0.000204, "root mean square of |u_second - u_first|, all times",
        c.over_limit ? "over limit" : "within limit"},
       {"displacement_max", largest, "m", 0.00031, "greatest |u_second - u_first|, all times", ""},
-      {"displacement_bias_x", 0.00011, "m", 0.0002, "mean of u_x of the second minus that of the first", "below the measurement's uncertainty"},
-      {"strain_dev_rms", std::sqrt(strain_sum / n), "1", 0.0043, "root mean square of the difference of deviatoric log strain", ""},
-      {"slope_angle_difference", -1.83, "deg", 0.62, "angle of the line fitted to the final slope, second minus first", ""},
+      {"displacement_bias_x", 0.00011, "m", 0.0002, "mean of u_x of the second minus that of the first",
+       "below the measurement's uncertainty"},
+      {"strain_dev_rms", std::sqrt(strain_sum / n), "1", 0.0043,
+       "root mean square of the difference of deviatoric log strain", ""},
+      {"slope_angle_difference", -1.83, "deg", 0.62, "angle of the line fitted to the final slope, second minus first",
+       ""},
   };
   const double end = c.time.back();
   auto outline = [&](const Motion& m) {
@@ -160,22 +168,25 @@ VectorField make_field(const SyntheticOptions& o, const Motion& motion, double m
   VectorField field;
   field.pair = {int(k), int(k) + 1};
   const double h = 16 * metres_per_pixel * o.width_px / 720;
-  field.grid = {Vec2(h, h), Vec2(h, h), int(o.width_px * metres_per_pixel / h) - 1, int(o.height_px * metres_per_pixel / h) - 1};
+  field.grid = {Vec2(h, h), Vec2(h, h), int(o.width_px * metres_per_pixel / h) - 1,
+                int(o.height_px * metres_per_pixel / h) - 1};
   std::mt19937 random(unsigned(k) + 100);
   std::uniform_real_distribution<double> chance;
   std::normal_distribution<double> normal;
   const bool bad = k == 15;
   for (int j = 0; j < field.grid.ny; ++j)
     for (int i = 0; i < field.grid.nx; ++i) {
-      const Vec2 x = field.grid.position(i, j), d = motion.u(x, double(k + 1) / rate_hz) - motion.u(x, double(k) / rate_hz);
+      const Vec2 x = field.grid.position(i, j),
+                 d = motion.u(x, double(k + 1) / rate_hz) - motion.u(x, double(k) / rate_hz);
       const double c = chance(random);
-      const VectorStatus s = !slope().contains(x)         ? VectorStatus::masked
-                             : c < (bad ? 0.12 : 0.004)   ? VectorStatus::failed
-                             : c < (bad ? 0.45 : 0.015)   ? VectorStatus::rejected
-                             : c < (bad ? 0.60 : 0.045)   ? VectorStatus::replaced
-                                                          : VectorStatus::valid;
+      const VectorStatus s = !slope().contains(x)       ? VectorStatus::masked
+                             : c < (bad ? 0.12 : 0.004) ? VectorStatus::failed
+                             : c < (bad ? 0.45 : 0.015) ? VectorStatus::rejected
+                             : c < (bad ? 0.60 : 0.045) ? VectorStatus::replaced
+                                                        : VectorStatus::valid;
       const bool none = s == VectorStatus::masked || s == VectorStatus::failed;
-      field.displacement.push_back({none ? not_known : float(d.x() + 4e-5 * normal(random)), none ? not_known : float(d.y())});
+      field.displacement.push_back(
+          {none ? not_known : float(d.x() + 4e-5 * normal(random)), none ? not_known : float(d.y())});
       field.status.push_back(s);
       field.cov.push_back({1.6e-9f, 1.6e-9f, 0});
       field.score.push_back(none ? not_known : float((bad ? 0.45 : 0.93) - 0.04 * std::abs(normal(random))));
@@ -192,18 +203,22 @@ Synthetic make_synthetic(const SyntheticOptions& o) {
   Content& c = s.content;
   c.name = "gate slope, 60 degrees";
   c.command = "pivnp run datasets/gate_slope --out out/gate_slope";
-  c.case_text = "name = \"gate slope\"\n\n[frames]\npath = \"frames/*.png\"\nrate_hz = 50.0\n\n[material.sand]\nmodel = \"mohr_coulomb\"\n";
+  c.case_text =
+      "name = \"gate slope\"\n\n[frames]\npath = \"frames/*.png\"\nrate_hz = 50.0\n\n[material.sand]\nmodel = "
+      "\"mohr_coulomb\"\n";
   for (int k = 0; k < 60; ++k) c.case_text += "option_" + std::to_string(k) + " = " + std::to_string(k * 0.25) + "\n";
   c.world_from_pixel << metres_per_pixel, 0, 0, 0, -metres_per_pixel, (o.height_px - 1) * metres_per_pixel, 0, 0, 1;
   c.camera_residual = 0.00003;
   for (int k = 0; k < o.frames; ++k) {
     std::string number = std::to_string(k);
     number.insert(0, 4 - number.size(), '0');
-    c.frames.push_back({"IMG_" + number + ".png", k / rate_hz, std::uint8_t(k == 16 && o.pairs ? frame_decorrelated : frame_ok)});
+    c.frames.push_back(
+        {"IMG_" + number + ".png", k / rate_hz, std::uint8_t(k == 16 && o.pairs ? frame_decorrelated : frame_ok)});
   }
   if (o.measured) c.measured = make_motion(o, truth, true);
   if (o.simulated) c.simulated = make_motion(o, model, false);
-  if (o.measured && o.simulated && o.comparison) c.comparison = make_comparison(*c.measured, *c.simulated, truth, model);
+  if (o.measured && o.simulated && o.comparison)
+    c.comparison = make_comparison(*c.measured, *c.simulated, truth, model);
   if (o.pairs) {
     c.pair_count = std::size_t(o.frames - 1);
     c.pair = [o, truth, metres_per_pixel](std::size_t k) { return make_field(o, truth, metres_per_pixel, k); };
@@ -223,7 +238,8 @@ Synthetic make_synthetic(const SyntheticOptions& o) {
       e.residual = -0.05 * e.time * e.external;
       c.energy.push_back(e);
     }
-  if (o.measured && o.pairs) c.remarks = {"The node column nearest to the gate is masked where the gate's shadow falls."};
+  if (o.measured && o.pairs)
+    c.remarks = {"The node column nearest to the gate is masked where the gate's shadow falls."};
   return s;
 }
 

@@ -30,6 +30,10 @@ TEST(Words, Numbers) {
   EXPECT_EQ(number(99.96, 3), "100");
   EXPECT_EQ(number(1.5e-7, 2), "1.5 × 10⁻⁷");
   EXPECT_EQ(number(-30e6, 2), "−3.0 × 10⁷");
+  EXPECT_EQ(plain(0.5), "0.5");
+  EXPECT_EQ(plain(120), "120");
+  EXPECT_EQ(plain(-0.020004), "−0.02");
+  EXPECT_EQ(plain(2e-7), "2 × 10⁻⁷");
   EXPECT_EQ(percent(1), "100 %");
   EXPECT_EQ(percent(0.99999), "> 99.9 %");
   EXPECT_EQ(percent(0.0001), "< 0.1 %");
