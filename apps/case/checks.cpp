@@ -57,8 +57,7 @@ class Checker {
 
   void square(const std::string& key, int count) const {
     const int side = int(std::lround(std::sqrt(double(count))));
-    if (side * side != count)
-      refuse(key, "found " + std::to_string(count) + ", expected a square: 1, 4, 9, 16 ...");
+    if (side * side != count) refuse(key, "found " + std::to_string(count) + ", expected a square: 1, 4, 9, 16 ...");
   }
 
   void camera() const {
@@ -67,8 +66,10 @@ class Checker {
     if (camera.metres_per_pixel)
       refuse("camera.metres_per_pixel", "given together with targets (points_px, points_m); expected one of them");
     if (camera.points_px.size() != camera.points_m.size())
-      refuse("camera.points_m", "found " + std::to_string(camera.points_m.size()) + " targets, expected as many as "
-             "camera.points_px, " + std::to_string(camera.points_px.size()));
+      refuse("camera.points_m", "found " + std::to_string(camera.points_m.size()) +
+                                    " targets, expected as many as "
+                                    "camera.points_px, " +
+                                    std::to_string(camera.points_px.size()));
     if (camera.points_px.size() < 4)
       refuse("camera.points_px", "found " + std::to_string(camera.points_px.size()) + " targets, expected at least 4");
   }
@@ -117,7 +118,8 @@ class Checker {
     for (const Shape& shape : shapes) {
       names += (names.empty() ? "" : ", ") + std::string(shape.key);
       if (!shape.given) continue;
-      if (first) refuse(path + "." + shape.key, std::string("given together with ") + first->key + "; expected one of them");
+      if (first)
+        refuse(path + "." + shape.key, std::string("given together with ") + first->key + "; expected one of them");
       first = &shape;
     }
     if (!first) refuse_section(path, "no shape is given; expected one of " + names);
@@ -132,8 +134,10 @@ class Checker {
     }
     for (const auto& [name, mask] : c_.masks) {
       const std::string path = "mask." + name;
-      one_of(path, {{"polygon_px", !mask.polygon_px.empty()}, {"polygon_m", !mask.polygon_m.empty()},
-                    {"circle_px", !mask.circle_px.empty()}, {"image", !mask.image.empty()}});
+      one_of(path, {{"polygon_px", !mask.polygon_px.empty()},
+                    {"polygon_m", !mask.polygon_m.empty()},
+                    {"circle_px", !mask.circle_px.empty()},
+                    {"image", !mask.image.empty()}});
       if (!mask.polygon_px.empty()) polygon(path + ".polygon_px", mask.polygon_px);
       if (!mask.polygon_m.empty()) polygon(path + ".polygon_m", mask.polygon_m);
       if (!mask.circle_px.empty()) circle(path + ".circle_px", mask.circle_px);
@@ -145,8 +149,8 @@ class Checker {
       if (!body.circle_m.empty()) circle(path + ".circle_m", body.circle_m);
       if (!body.polygon_m.empty()) polygon(path + ".polygon_m", body.polygon_m);
       if (body.until_s && *body.until_s <= body.from_s)
-        refuse(path + ".until_s", "found " + toml_text(*body.until_s) + ", expected more than from_s, " +
-                                      toml_text(body.from_s) + " (s)");
+        refuse(path + ".until_s",
+               "found " + toml_text(*body.until_s) + ", expected more than from_s, " + toml_text(body.from_s) + " (s)");
     }
     if (!c_.compare.reference_m.empty()) polygon("compare.reference_m", c_.compare.reference_m);
   }

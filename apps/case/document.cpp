@@ -125,20 +125,14 @@ Node parse_value(const std::string& text) {
 
 std::string describe(const Node& value) {
   switch (value.kind) {
-    case Node::Kind::boolean:
-      return value.boolean ? "true" : "false";
-    case Node::Kind::integer:
-      return std::to_string(value.integer);
-    case Node::Kind::number:
-      return toml_text(value.number);
-    case Node::Kind::string:
-      return "a string " + toml_text(shortened(value.text));
-    case Node::Kind::date:
-      return "a date or time";
+    case Node::Kind::boolean: return value.boolean ? "true" : "false";
+    case Node::Kind::integer: return std::to_string(value.integer);
+    case Node::Kind::number: return toml_text(value.number);
+    case Node::Kind::string: return "a string " + toml_text(shortened(value.text));
+    case Node::Kind::date: return "a date or time";
     case Node::Kind::list:
       return value.list.empty() ? "an empty list" : "a list of " + std::to_string(value.list.size());
-    case Node::Kind::table:
-      break;
+    case Node::Kind::table: break;
   }
   return "a section";
 }

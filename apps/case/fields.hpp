@@ -33,7 +33,8 @@ template <class T>
 std::string write_fields(const T& options) {
   std::vector<std::string> defaults;
   const T fallback{};
-  T::fields(fallback, [&](std::string_view, const auto& value, const OptionInfo&) { defaults.push_back(toml_text(value)); });
+  T::fields(fallback,
+            [&](std::string_view, const auto& value, const OptionInfo&) { defaults.push_back(toml_text(value)); });
   std::string lines;
   std::size_t k = 0;
   T::fields(options, [&](std::string_view name, const auto& value, const OptionInfo& info) {

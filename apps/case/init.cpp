@@ -42,8 +42,8 @@ std::string commented_keys(const std::string& path, const std::vector<std::strin
 }
 
 std::string frames_section(const InitOptions& options, const FrameFacts& facts) {
-  std::string text = "[frames]  # " + std::to_string(facts.count) + " frames of " + std::to_string(facts.width) + " x " +
-                     std::to_string(facts.height) + " px\n";
+  std::string text = "[frames]  # " + std::to_string(facts.count) + " frames of " + std::to_string(facts.width) +
+                     " x " + std::to_string(facts.height) + " px\n";
   text += "path = " + toml_text(path_in_case(options)) + "\n";
   if (options.rate_hz)
     text += "rate_hz = " + toml_text(*options.rate_hz) + "\n";
@@ -57,13 +57,16 @@ std::string frames_section(const InitOptions& options, const FrameFacts& facts) 
 
 std::string camera_section(const InitOptions& options, const FrameFacts& facts) {
   std::string text = "\n[camera]\n";
-  text += options.metres_per_pixel
-              ? "metres_per_pixel = " + toml_text(*options.metres_per_pixel) + "\n"
-              : std::string("# metres_per_pixel = 2.0e-4  # left out: lengths are in px, and every _m below means px\n");
+  text +=
+      options.metres_per_pixel
+          ? "metres_per_pixel = " + toml_text(*options.metres_per_pixel) + "\n"
+          : std::string("# metres_per_pixel = 2.0e-4  # left out: lengths are in px, and every _m below means px\n");
   text += "# origin_px = [0.0, " + toml_text(double(facts.height - 1)) +
           "]  # pixel (column, row) of the world's (0, 0); left out: the lower left pixel\n";
   text += "# points_px = [[100, 900], [1800, 900], [1800, 100], [100, 100]]  # or targets in the image ...\n";
-  text += "# points_m = [[0.0, 0.0], [0.34, 0.0], [0.34, 0.16], [0.0, 0.16]]  # ... and in the world, for a tilted camera\n";
+  text +=
+      "# points_m = [[0.0, 0.0], [0.34, 0.0], [0.34, 0.16], [0.0, 0.16]]  # ... and in the world, for a tilted "
+      "camera\n";
   return text;
 }
 
@@ -71,7 +74,8 @@ std::string region_sections(const FrameFacts& facts, int window) {
   const double left = window, right = std::max(facts.width - 1.0 - window, left + 1);
   const double top = window, bottom = std::max(facts.height - 1.0 - window, top + 1);
   const Points outline = {{left, bottom}, {right, bottom}, {right, top}, {left, top}};
-  std::string text = "\n# Where the material is at the first frame: EDIT THIS. Points are (column, row), row downward.\n";
+  std::string text =
+      "\n# Where the material is at the first frame: EDIT THIS. Points are (column, row), row downward.\n";
   text += "[region.soil]\npolygon_px = " + toml_text(outline) + "\n";
   text += "# polygon_m in place of polygon_px gives the outline in the world, y upward.\n";
   text += "\n# What must not be measured (glare, labels, a structure): one section each, as many as needed.\n";
@@ -91,7 +95,8 @@ std::string simulation_sections() {
 # cohesion_pa = 0.0
 #
 # [mpm]
-)" + commented_keys("mpm", {"end_s", "output_rate_hz", "domain_m"}) + R"(#
+)" + commented_keys("mpm", {"end_s", "output_rate_hz", "domain_m"}) +
+         R"(#
 # [boundary.base]
 # line_m = [[0.0, 0.0], [0.3, 0.0]]  # two ends; nodes within half a cell are held
 # type = "fixed"  # fixed, roller, frictional
@@ -105,8 +110,9 @@ std::string simulation_sections() {
 
 std::string initial_case(const InitOptions& options, const FrameFacts& facts) {
   const int window = window_for(facts);
-  std::string text = "# A case for pivnp. Lines that begin with '#' show what is chosen when nothing is said.\n"
-                     "# pivnp check FILE draws grid, masks and regions on the first frame; docs/case.md lists all keys.\n\n";
+  std::string text =
+      "# A case for pivnp. Lines that begin with '#' show what is chosen when nothing is said.\n"
+      "# pivnp check FILE draws grid, masks and regions on the first frame; docs/case.md lists all keys.\n\n";
   const std::string folder = fs::absolute(options.folder / "x").lexically_normal().parent_path().filename().string();
   text += "name = " + toml_text(folder.empty() ? "experiment" : folder) + "\n\n";
   text += frames_section(options, facts) + camera_section(options, facts);

@@ -9,8 +9,8 @@
 namespace pivnp::app {
 
 struct InitOptions {
-  std::string frames;                     // as given: glob, printf pattern or video; relative to the current folder
-  std::filesystem::path folder = ".";     // where the case will lie: paths in it are relative to this
+  std::string frames;                  // as given: glob, printf pattern or video; relative to the current folder
+  std::filesystem::path folder = ".";  // where the case will lie: paths in it are relative to this
   std::optional<double> metres_per_pixel;
   std::optional<double> rate_hz;
 };

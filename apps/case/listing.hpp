@@ -8,7 +8,7 @@ namespace pivnp::app {
 
 struct KeyRow {
   std::string key;
-  std::string type;      // "a whole number"
+  std::string type;  // "a whole number"
   std::string unit;
   std::string fallback;  // default as TOML; empty: none
   std::string allowed;   // range or choices; empty: any

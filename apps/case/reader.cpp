@@ -58,8 +58,7 @@ struct ReadSections {
 
   template <class T>
   void always(const std::string& path, T& options, const char*) const {
-    if (const Node* node = table(path, "[" + path + "]"))
-      read_fields(file, path, *node, child_sections(path), options);
+    if (const Node* node = table(path, "[" + path + "]")) read_fields(file, path, *node, child_sections(path), options);
   }
   template <class T>
   void optional(const std::string& path, std::optional<T>& options, const char*) const {

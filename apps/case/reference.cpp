@@ -119,7 +119,8 @@ std::string case_reference() {
   std::string text = std::string(introduction) + example + rules;
   for (const SectionRow& section : case_sections()) {
     const bool named = section.kind == SectionRow::Kind::named;
-    text += "\n## [" + section.path + (named ? ".NAME]" : "]") + "\n\n" + presence(section.kind) + section.text + "\n\n";
+    text +=
+        "\n## [" + section.path + (named ? ".NAME]" : "]") + "\n\n" + presence(section.kind) + section.text + "\n\n";
     text += "| key | type | unit | default | allowed | meaning |\n|---|---|---|---|---|---|\n";
     for (const KeyRow& row : section.keys)
       text += "| `" + row.key + "` | " + row.type + " | " + row.unit + " | " + code(cell(row.fallback)) + " | " +

@@ -29,12 +29,14 @@ void for_each_section(C& c, Visitor&& visit) {
   visit.always("compare.limits", c.limits, "Thresholds; one that is missed ends the program with exit code 3.");
   visit.always("report", c.report, "What the report shows.");
   visit.always("output", c.output, "What the record stores.");
-  visit.optional("synth", c.synth, "Synthetic frames with known truth: drawn by `pivnp synth`, and by `pivnp run` when "
-                                   "no frames are given.");
+  visit.optional("synth", c.synth,
+                 "Synthetic frames with known truth: drawn by `pivnp synth`, and by `pivnp run` when "
+                 "no frames are given.");
   visit.always("synth.texture", c.texture, "The look of synthetic frames.");
   visit.named("synth.material", c.synth_materials, "Materials of the simulation that carries the texture.");
-  visit.optional("synth.mpm", c.synth_mpm, "The simulation that carries the texture (motion = \"mpm\"); it uses the "
-                                           "regions, boundaries and bodies of the case.");
+  visit.optional("synth.mpm", c.synth_mpm,
+                 "The simulation that carries the texture (motion = \"mpm\"); it uses the "
+                 "regions, boundaries and bodies of the case.");
   visit.always("verify", c.verify, "What `pivnp verify` demands of a case with known truth.");
 }
 

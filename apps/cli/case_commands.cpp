@@ -84,7 +84,8 @@ Action declare_init(CLI::App& app, Session& session) {
   };
   const auto init = std::make_shared<Init>();
   app.add_option("FRAMES", init->frames, "glob (quoted), printf pattern, folder or video file")->required();
-  app.add_option("--metres-per-pixel", init->options.metres_per_pixel, "scale, if it is known")->check(CLI::PositiveNumber);
+  app.add_option("--metres-per-pixel", init->options.metres_per_pixel, "scale, if it is known")
+      ->check(CLI::PositiveNumber);
   app.add_option("--rate-hz", init->options.rate_hz, "frames per second of the recording")->check(CLI::PositiveNumber);
   app.add_option("--out", init->out, "writes DIR/case.toml (left out: the case is printed, with the frames' full path)")
       ->type_name("DIR");
@@ -146,7 +147,8 @@ Action declare_synth(CLI::App& app, Session& session) {
       TerminalProgress progress = progress_for(session);
       synthesize(c, settings, progress);
     }
-    session.out << (settings.out / "frames").string() << "\n" << (settings.out / "truth" / "record.h5").string() << "\n";
+    session.out << (settings.out / "frames").string() << "\n"
+                << (settings.out / "truth" / "record.h5").string() << "\n";
     return 0;
   };
 }

@@ -22,8 +22,9 @@ std::string quoted(int argc, const char* const* argv) {
   std::string typed;
   for (int k = 0; k < argc; ++k) {
     const std::string word = k == 0 ? std::filesystem::path(argv[0]).filename().string() : std::string(argv[k]);
-    const bool plain = !word.empty() && word.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
-                                                               "0123456789_-+=./:,@%") == std::string::npos;
+    const bool plain = !word.empty() && word.find_first_not_of(
+                                            "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                            "0123456789_-+=./:,@%") == std::string::npos;
     std::string shown = word;
     if (!plain) {
       shown = "'";
@@ -90,8 +91,9 @@ void describe(CLI::App& app) {
 }
 
 int parse_and_run(int argc, const char* const* argv, Session& session) {
-  CLI::App app{"From lab video to verdict: PIV, numerical particles (PIV-NP), MPM on the same grid, and their comparison.",
-               "pivnp"};
+  CLI::App app{
+      "From lab video to verdict: PIV, numerical particles (PIV-NP), MPM on the same grid, and their comparison.",
+      "pivnp"};
   describe(app);
   app.set_version_flag("--version", "pivnp " PIVNP_VERSION, "the program's version");
   app.require_subcommand(1);
@@ -105,8 +107,9 @@ int parse_and_run(int argc, const char* const* argv, Session& session) {
     examples += indented(command.example.substr(0, command.example.find('\n'))) + "\n";
     actions.emplace_back(sub, command.declare(*sub, session));
   }
-  app.footer(examples + "\n'pivnp COMMAND --help' tells more. Exit codes: 0 done, 1 failed while running, 2 bad usage or "
-                        "input,\n3 done but a stated threshold was missed, 130 interrupted.");
+  app.footer(examples +
+             "\n'pivnp COMMAND --help' tells more. Exit codes: 0 done, 1 failed while running, 2 bad usage or "
+             "input,\n3 done but a stated threshold was missed, 130 interrupted.");
 
   const std::string word = command_word(argc, argv);
   const std::vector<std::string> names = command_names();
@@ -114,7 +117,9 @@ int parse_and_run(int argc, const char* const* argv, Session& session) {
     print_error(session.err, "unknown command '" + word + "'" + did_you_mean(word, names) + " (see 'pivnp --help')");
     return bad_input;
   }
-  const auto chosen = [&] { return std::find_if(actions.begin(), actions.end(), [](const auto& a) { return a.first->parsed(); }); };
+  const auto chosen = [&] {
+    return std::find_if(actions.begin(), actions.end(), [](const auto& a) { return a.first->parsed(); });
+  };
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

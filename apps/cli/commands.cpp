@@ -25,8 +25,8 @@ const std::vector<Command>& commands() {
        declare_compare},
       {"report", "write the report of a finished record again", "pivnp report out/lab/record.h5 --out out/again",
        declare_report},
-      {"synth", "draw the synthetic frames of a case, with their truth", "pivnp synth datasets/affine_shear --out out/shear",
-       declare_synth},
+      {"synth", "draw the synthetic frames of a case, with their truth",
+       "pivnp synth datasets/affine_shear --out out/shear", declare_synth},
       {"verify", "run synthetic cases against their known truth and thresholds; writes JUnit XML",
        "pivnp verify datasets/ --junit verify.xml", declare_verify},
   };

@@ -15,7 +15,10 @@ std::size_t character(const std::string& text, std::size_t at) {
   const auto byte = [&](std::size_t k) { return k < text.size() ? static_cast<unsigned char>(text[k]) : 0u; };
   const unsigned lead = byte(at);
   if (lead < 0x80) return lead >= 0x20 || lead == '\t' || lead == '\n' || lead == '\r' ? 1 : 0;
-  const std::size_t length = lead >= 0xC2 && lead < 0xE0 ? 2 : lead >= 0xE0 && lead < 0xF0 ? 3 : lead >= 0xF0 && lead < 0xF5 ? 4 : 0;
+  const std::size_t length = lead >= 0xC2 && lead < 0xE0   ? 2
+                             : lead >= 0xE0 && lead < 0xF0 ? 3
+                             : lead >= 0xF0 && lead < 0xF5 ? 4
+                                                           : 0;
   unsigned code = length == 2 ? lead & 0x1F : length == 3 ? lead & 0x0F : lead & 0x07;
   for (std::size_t k = 1; k < length; ++k) {
     if ((byte(at + k) & 0xC0) != 0x80) return 0;
@@ -37,7 +40,8 @@ std::string seconds(double value) {
 }
 
 std::size_t failures_of(const VerifyResult& result) {
-  return std::size_t(std::count_if(result.items.begin(), result.items.end(), [](const auto& item) { return !item.passed; }));
+  return std::size_t(
+      std::count_if(result.items.begin(), result.items.end(), [](const auto& item) { return !item.passed; }));
 }
 
 std::string counts(std::size_t tests, std::size_t failures, std::size_t errors, double time) {
@@ -48,8 +52,9 @@ std::string counts(std::size_t tests, std::size_t failures, std::size_t errors, 
 std::size_t errors_of(const VerifyResult& result) { return result.failure.empty() ? 0 : 1; }
 
 std::string suite(const VerifyResult& result) {
-  std::string xml = "  <testsuite" + attribute("name", result.name) +
-                    counts(result.items.size() + errors_of(result), failures_of(result), errors_of(result), result.seconds) + ">\n";
+  std::string xml =
+      "  <testsuite" + attribute("name", result.name) +
+      counts(result.items.size() + errors_of(result), failures_of(result), errors_of(result), result.seconds) + ">\n";
   for (const VerifyResult::Item& item : result.items) {
     const std::string verdict = "reached " + number(item.reached, 6) + ", limit " + number(item.limit, 6);
     xml += "    <testcase" + attribute("classname", result.name) + attribute("name", item.criterion) + ">\n";
@@ -107,7 +112,8 @@ std::string verify_table(const std::vector<VerifyResult>& results) {
   for (const VerifyResult& result : results) {
     std::size_t width = 0;
     for (const auto& item : result.items) width = std::max(width, item.criterion.size());
-    table += std::string(result.passed ? "passed" : "FAILED") + "  " + result.name + "  (" + number(result.seconds, 3) + " s)\n";
+    table += std::string(result.passed ? "passed" : "FAILED") + "  " + result.name + "  (" + number(result.seconds, 3) +
+             " s)\n";
     for (const auto& item : result.items)
       table += std::string("  ") + (item.passed ? "ok    " : "MISSED") + "  " + padded(item.criterion, width) +
                "  reached " + padded(number(item.reached, 4), 10) + " limit " + number(item.limit, 4) + "\n";

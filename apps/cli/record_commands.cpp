@@ -18,7 +18,8 @@ Action declare_compare(CLI::App& app, Session& session) {
     Setters setters;
   };
   const auto c = std::make_shared<Compare>();
-  app.add_option("FIRST", c->first, "record, or record:motion (np, mpm ...): the side that is judged against")->required();
+  app.add_option("FIRST", c->first, "record, or record:motion (np, mpm ...): the side that is judged against")
+      ->required();
   app.add_option("SECOND", c->second, "record, or record:motion: the side that is judged")->required();
   app.add_option("--case", c->arguments.case_path, "takes [compare] and [compare.limits] from a case; flags win")
       ->type_name("CASE");

@@ -21,7 +21,7 @@ extern "C" void on_stop_signal(int) {
 }  // namespace
 
 void install_signal_handlers() {
-  struct sigaction action{};
+  struct sigaction action {};
   action.sa_handler = on_stop_signal;
   sigemptyset(&action.sa_mask);
   action.sa_flags = SA_RESTART;  // a frame that is being read is read to its end

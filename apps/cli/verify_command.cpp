@@ -39,7 +39,8 @@ std::vector<Found> cases_with_thresholds(const std::vector<std::string>& paths) 
       Case c = read_case(file);
       if (!demands_anything(c.verify)) continue;
       const std::string name = short_name(c);
-      const auto same = std::count_if(cases.begin(), cases.end(), [&](const Found& f) { return short_name(f.c) == name; });
+      const auto same =
+          std::count_if(cases.begin(), cases.end(), [&](const Found& f) { return short_name(f.c) == name; });
       cases.push_back({std::move(c), same == 0 ? name : name + "_" + std::to_string(same + 1)});
     }
   if (!cases.empty()) return cases;
@@ -75,7 +76,8 @@ Action declare_verify(CLI::App& app, Session& session) {
   const auto v = std::make_shared<Verify>();
   app.add_option("PATH", v->paths, "cases, or folders that hold them")->required();
   add_out(app, v->arguments, "out/verify");
-  app.add_option("--junit", v->junit, "the results as JUnit XML (left out: verify.xml in the output folder)")->type_name("FILE");
+  app.add_option("--junit", v->junit, "the results as JUnit XML (left out: verify.xml in the output folder)")
+      ->type_name("FILE");
   add_session(app, session);
   return [v, &session] {
     const std::vector<Found> cases = cases_with_thresholds(v->paths);

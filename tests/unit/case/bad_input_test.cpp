@@ -19,7 +19,8 @@ TEST(BadInput, UnknownKeyNamesTheNearest) {
 }
 
 TEST(BadInput, UnknownKeyFarFromAllListsTheKnownOnes) {
-  EXPECT_EQ(refusal("[output]\ncompression_level = 3\n"), "c.toml:2: unknown key 'output.compression_level'; known: fields");
+  EXPECT_EQ(refusal("[output]\ncompression_level = 3\n"),
+            "c.toml:2: unknown key 'output.compression_level'; known: fields");
 }
 
 TEST(BadInput, KeyInTheWrongSectionIsSentToItsOwn) {
@@ -30,14 +31,16 @@ TEST(BadInput, KeyInTheWrongSectionIsSentToItsOwn) {
 
 TEST(BadInput, UnknownSections) {
   EXPECT_EQ(refusal("[pivv]\nwindow_px = 32\n"), "c.toml:1: unknown section [pivv]; did you mean 'piv'?");
-  EXPECT_EQ(refusal("[synth.textures]\nbits = 8\n"), "c.toml:1: unknown section [synth.textures]; did you mean 'texture'?");
+  EXPECT_EQ(refusal("[synth.textures]\nbits = 8\n"),
+            "c.toml:1: unknown section [synth.textures]; did you mean 'texture'?");
   EXPECT_EQ(refusal("[np.fine]\nx = 1\n").rfind("c.toml:1: unknown section [np.fine]; known: ", 0), 0u);
 }
 
 TEST(BadInput, SectionsThatAreNone) {
   EXPECT_EQ(refusal("piv = 3\n"), "c.toml:1: piv: found 3, expected a section [piv]");
-  EXPECT_EQ(refusal("[region]\npolygon_m = [[0,0],[1,0],[1,1]]\n"),
-            "c.toml:2: region.polygon_m: found a list of 3, expected a section [region.NAME] with a name of your choice");
+  EXPECT_EQ(
+      refusal("[region]\npolygon_m = [[0,0],[1,0],[1,1]]\n"),
+      "c.toml:2: region.polygon_m: found a list of 3, expected a section [region.NAME] with a name of your choice");
   EXPECT_EQ(refusal("[[mask]]\nimage = 'x'\n"),
             "c.toml:1: mask: found a list of 1, expected a section [mask.NAME] with a name of your choice");
   EXPECT_EQ(refusal("[region.\"\"]\nmaterial = 'x'\n"), "c.toml:1: [region.\"\"]: the name is empty");
@@ -85,8 +88,10 @@ TEST(BadInput, OutOfRange) {
 TEST(BadInput, NegativeConstants) {
   EXPECT_EQ(refusal("[material.a]\ndensity_kg_m3 = -1500.0\n"),
             "c.toml:2: material.a.density_kg_m3: found -1500.0, expected more than 0 (kg/m^3)");
-  EXPECT_EQ(refusal("[material.a]\nyoung_pa = -1\n"), "c.toml:2: material.a.young_pa: found -1, expected more than 0 (Pa)");
-  EXPECT_EQ(refusal("[material.a]\ncohesion_pa = -1\n"), "c.toml:2: material.a.cohesion_pa: found -1, expected at least 0 (Pa)");
+  EXPECT_EQ(refusal("[material.a]\nyoung_pa = -1\n"),
+            "c.toml:2: material.a.young_pa: found -1, expected more than 0 (Pa)");
+  EXPECT_EQ(refusal("[material.a]\ncohesion_pa = -1\n"),
+            "c.toml:2: material.a.cohesion_pa: found -1, expected at least 0 (Pa)");
 }
 
 TEST(BadInput, NanAndInfinityAreRefused) {
@@ -99,8 +104,9 @@ TEST(BadInput, NanAndInfinityAreRefused) {
 TEST(BadInput, UnknownChoiceNamesTheNearest) {
   EXPECT_EQ(refusal("[np]\nseeding = 'evem'\n"),
             "c.toml:2: np.seeding: found \"evem\", expected one of even, gauss; did you mean 'even'?");
-  EXPECT_EQ(refusal("[material.a]\nmodel = 'hypoplastic'\n"),
-            "c.toml:2: material.a.model: found \"hypoplastic\", expected one of linear_elastic, von_mises, mohr_coulomb");
+  EXPECT_EQ(
+      refusal("[material.a]\nmodel = 'hypoplastic'\n"),
+      "c.toml:2: material.a.model: found \"hypoplastic\", expected one of linear_elastic, von_mises, mohr_coulomb");
 }
 
 TEST(BadInput, SyntaxErrorsAndDuplicatesNameTheLine) {

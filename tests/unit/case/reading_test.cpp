@@ -26,8 +26,9 @@ TEST(Reading, ValuesArriveAndTheRestKeepsItsDefaults) {
 }
 
 TEST(Reading, NamedSectionsKeepTheFilesOrder) {
-  const Case c = parsed("[region.zeta]\npolygon_m = [[0,0],[1,0],[1,1]]\n[region.alpha]\npolygon_m = [[0,0],[1,0],[1,1]]\n"
-                        "[mask.b]\nimage = 'b.png'\n[region.\"the middle\"]\npolygon_px = [[0,0],[1,0],[1,1]]\n");
+  const Case c = parsed(
+      "[region.zeta]\npolygon_m = [[0,0],[1,0],[1,1]]\n[region.alpha]\npolygon_m = [[0,0],[1,0],[1,1]]\n"
+      "[mask.b]\nimage = 'b.png'\n[region.\"the middle\"]\npolygon_px = [[0,0],[1,0],[1,1]]\n");
   ASSERT_EQ(c.regions.size(), 3u);
   EXPECT_EQ(c.regions[0].first, "zeta");
   EXPECT_EQ(c.regions[1].first, "alpha");
@@ -81,7 +82,8 @@ std::string uncommented(const std::string& text) {  // "# key = value" and "# [s
 
 TEST(Init, TheFirstCaseReadsAsItIs) {
   for (const FrameFacts& facts : {FrameFacts{1920, 1080, 100, {}}, FrameFacts{40, 30, 2, 25.0}}) {
-    const std::string text = initial_case({.frames = "a \"b\"/*.png", .folder = ".", .metres_per_pixel = {}, .rate_hz = {}}, facts);
+    const std::string text =
+        initial_case({.frames = "a \"b\"/*.png", .folder = ".", .metres_per_pixel = {}, .rate_hz = {}}, facts);
     EXPECT_EQ(refusal(text), "") << text;
     const Case c = parsed(text);
     EXPECT_EQ(c.frames->path, "a \"b\"/*.png");
@@ -93,8 +95,8 @@ TEST(Init, TheFirstCaseReadsAsItIs) {
 }
 
 TEST(Init, EveryCommentedLineIsSoundWhenItsMarkIsTakenAway) {
-  const std::string text = initial_case({.frames = "*.png", .folder = ".", .metres_per_pixel = {}, .rate_hz = {}},
-                                        {1920, 1080, 10, {}});
+  const std::string text =
+      initial_case({.frames = "*.png", .folder = ".", .metres_per_pixel = {}, .rate_hz = {}}, {1920, 1080, 10, {}});
   const std::string live = uncommented(text);
   EXPECT_EQ(refusal(live), "") << live;
   const Case c = parsed(live);
@@ -104,8 +106,9 @@ TEST(Init, EveryCommentedLineIsSoundWhenItsMarkIsTakenAway) {
 }
 
 TEST(Init, WhatIsKnownIsWritten) {
-  const std::string text = initial_case({.frames = "/data/v.mp4", .folder = "/tmp/study", .metres_per_pixel = 1e-3, .rate_hz = 240.0},
-                                        {640, 480, 10, 30.0});
+  const std::string text =
+      initial_case({.frames = "/data/v.mp4", .folder = "/tmp/study", .metres_per_pixel = 1e-3, .rate_hz = 240.0},
+                   {640, 480, 10, 30.0});
   const Case c = parsed(text);
   EXPECT_EQ(c.camera.metres_per_pixel, 1e-3);
   EXPECT_EQ(c.frames->rate_hz, 240.0);
@@ -114,8 +117,8 @@ TEST(Init, WhatIsKnownIsWritten) {
 }
 
 TEST(Init, RelativeFramesBecomeRelativeToTheCase) {
-  const std::string text = initial_case({.frames = "frames/*.png", .folder = "study", .metres_per_pixel = {}, .rate_hz = {}},
-                                        {640, 480, 10, {}});
+  const std::string text = initial_case(
+      {.frames = "frames/*.png", .folder = "study", .metres_per_pixel = {}, .rate_hz = {}}, {640, 480, 10, {}});
   EXPECT_EQ(parsed(text).frames->path, "../frames/*.png");
 }
 
@@ -124,10 +127,13 @@ TEST(Init, OpensTheFramesToLearnTheirSize) {
   std::filesystem::create_directories(folder);
   for (const char* name : {"a 1.pgm", "a 2.pgm", "a 10.pgm"})
     std::ofstream(folder / name, std::ios::binary) << "P5\n96 64\n255\n" << std::string(96 * 64, '\x40');
-  const std::string text = init_case({.frames = (folder / "a *.pgm").string(), .folder = folder, .metres_per_pixel = {}, .rate_hz = {}});
+  const std::string text =
+      init_case({.frames = (folder / "a *.pgm").string(), .folder = folder, .metres_per_pixel = {}, .rate_hz = {}});
   EXPECT_NE(text.find("# 3 frames of 96 x 64 px"), std::string::npos) << text;
   EXPECT_EQ(parsed(text).piv->window_px, 8);
-  EXPECT_THROW(init_case({.frames = (folder / "b*.pgm").string(), .folder = folder, .metres_per_pixel = {}, .rate_hz = {}}), InputError);
+  EXPECT_THROW(
+      init_case({.frames = (folder / "b*.pgm").string(), .folder = folder, .metres_per_pixel = {}, .rate_hz = {}}),
+      InputError);
   std::filesystem::remove_all(folder);
 }
 

@@ -33,7 +33,9 @@ struct CountKeys {
     });
   }
   template <class T>
-  void always(const char* path, const T& options, const char*) { look(path, options); }
+  void always(const char* path, const T& options, const char*) {
+    look(path, options);
+  }
   template <class T>
   void optional(const char* path, const std::optional<T>&, const char*) {
     const T defaults{};

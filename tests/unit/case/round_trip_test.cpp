@@ -27,7 +27,8 @@ class Draw {
       value = info.choices[random_() % info.choices.size()];
       return;
     }
-    static const std::string letters[] = {"a", " ", "\"", "\\", "#", "\n", "\t", "é", "µ", "'", "]", "=", "\x01", "\x7f"};
+    static const std::string letters[] = {"a", " ", "\"", "\\", "#", "\n",   "\t",
+                                          "é", "µ", "'",  "]",  "=", "\x01", "\x7f"};
     value.clear();
     for (std::size_t k = random_() % 8; k > 0; --k) value += letters[random_() % std::size(letters)];
   }
@@ -88,11 +89,17 @@ struct RandomSections {
     EXPECT_EQ(values_of(back), values_of(options)) << text;
   }
   template <class T>
-  void always(const char* path, const T&, const char*) { check<T>(path); }
+  void always(const char* path, const T&, const char*) {
+    check<T>(path);
+  }
   template <class T>
-  void optional(const char* path, const std::optional<T>&, const char*) { check<T>(path); }
+  void optional(const char* path, const std::optional<T>&, const char*) {
+    check<T>(path);
+  }
   template <class T>
-  void named(const char* path, const Named<T>&, const char*) { check<T>(path); }
+  void named(const char* path, const Named<T>&, const char*) {
+    check<T>(path);
+  }
 };
 
 TEST(RoundTrip, RandomOptionsOfEverySection) {
@@ -128,7 +135,8 @@ TEST(RoundTrip, WholeCases) {
   expect_fixed_point("");
   expect_fixed_point(whole_case);
   expect_fixed_point(embedded_case_text());
-  expect_fixed_point("name = 'a \"b\" \\ é'\n[region.\"the middle.1\"]\npolygon_px = [[0,0],[1,0],[1,1]]\n[mask.b]\nimage = 'x'\n");
+  expect_fixed_point(
+      "name = 'a \"b\" \\ é'\n[region.\"the middle.1\"]\npolygon_px = [[0,0],[1,0],[1,1]]\n[mask.b]\nimage = 'x'\n");
   expect_fixed_point(whole_case + R"(
 [synth]
 motion = "mpm"
@@ -181,8 +189,9 @@ TEST(RoundTrip, EveryDataSet) {
 
 TEST(RoundTrip, EveryDefaultIsFilledIn) {
   const std::string written = write_case(parse_case(whole_case, "c.toml", "."));
-  for (const char* line : {"\n[piv]\n", "\nwindow_px = 32\n", "\n[np]\n", "\nstride = 1\n", "\ndensity_kg_m3 = 1545.0\n",
-                           "\n# rate_hz is not given (Hz): ", "\n[compare.limits]\n", "\ngravity_m_s2 = [0.0, -9.81]\n"})
+  for (const char* line :
+       {"\n[piv]\n", "\nwindow_px = 32\n", "\n[np]\n", "\nstride = 1\n", "\ndensity_kg_m3 = 1545.0\n",
+        "\n# rate_hz is not given (Hz): ", "\n[compare.limits]\n", "\ngravity_m_s2 = [0.0, -9.81]\n"})
     EXPECT_NE(written.find(line), std::string::npos) << line << written;
   EXPECT_EQ(written.find("[synth"), std::string::npos);
   EXPECT_EQ(written.find("[verify"), std::string::npos);

@@ -38,7 +38,8 @@ void expect_error(const Ran& ran, int code, const std::string& text) {
 }
 
 TEST_F(CommandLine, RunHandsCaseAndSettingsToTheStudy) {
-  const Ran ran = run_program({"run", measured, "--out", "o ut", "--threads", "3", "--resume", "--frames", "it's/*.png"});
+  const Ran ran =
+      run_program({"run", measured, "--out", "o ut", "--threads", "3", "--resume", "--frames", "it's/*.png"});
   EXPECT_EQ(ran.code, 0) << ran.err;
   const FakeStudy& study = fake_study();
   ASSERT_EQ(study.calls, std::vector<std::string>{"run_case"});
@@ -64,11 +65,17 @@ TEST_F(CommandLine, WhatIsLeftOutIsChosen) {
 }
 
 TEST_F(CommandLine, EachCommandCallsItsFunction) {
-  const std::string synth = folder.write("s.toml", "[synth]\n[region.a]\npolygon_m = [[0,0],[1,0],[1,1]]\n"
-                                                   "[material.a]\ndensity_kg_m3 = 1\nyoung_pa = 1\ncohesion_pa = 1\n[mpm]\n").string();
-  for (const auto& [command, call, stages] : std::vector<std::tuple<std::string, std::string, Stages>>{
-           {"piv", "run_case", Stages::piv}, {"track", "run_case", Stages::track}, {"simulate", "run_case", Stages::simulate},
-           {"check", "check_case", Stages::all}, {"synth", "synthesize", Stages::all}}) {
+  const std::string synth = folder
+                                .write("s.toml",
+                                       "[synth]\n[region.a]\npolygon_m = [[0,0],[1,0],[1,1]]\n"
+                                       "[material.a]\ndensity_kg_m3 = 1\nyoung_pa = 1\ncohesion_pa = 1\n[mpm]\n")
+                                .string();
+  for (const auto& [command, call, stages] :
+       std::vector<std::tuple<std::string, std::string, Stages>>{{"piv", "run_case", Stages::piv},
+                                                                 {"track", "run_case", Stages::track},
+                                                                 {"simulate", "run_case", Stages::simulate},
+                                                                 {"check", "check_case", Stages::all},
+                                                                 {"synth", "synthesize", Stages::all}}) {
     fake_study() = {};
     const Ran ran = run_program({command, synth});
     EXPECT_EQ(ran.code, 0) << command << ran.err;
@@ -111,7 +118,8 @@ TEST_F(CommandLine, FailuresBecomeExitCodes) {
   expect_error(run_with([](Progress&) { throw InputError("c.toml:3: no"); }), 2, "c.toml:3: no\n");
   expect_error(run_with([](Progress&) { throw RunError("disk\nfull"); }), 1, "disk full\n");
   expect_error(run_with([](Progress&) { throw std::bad_alloc(); }), 1, "out of memory\n");
-  expect_error(run_with([](Progress&) { std::filesystem::create_directory("/proc/none/none"); }), 1, "filesystem error: ");
+  expect_error(run_with([](Progress&) { std::filesystem::create_directory("/proc/none/none"); }), 1,
+               "filesystem error: ");
   expect_error(run_with([](Progress&) { throw 3; }), 1, "an unknown failure\n");
   const Ran stopped = run_with([](Progress&) { throw Interrupted(); });
   EXPECT_EQ(stopped.code, 130);
@@ -179,9 +187,10 @@ TEST_F(CommandLine, ACaseThatLacksWhatTheCommandNeeds) {
 }
 
 TEST_F(CommandLine, CompareTakesItsOptionsFromFlagsAndCases) {
-  const std::string c = folder.write("c.toml", "[compare]\nslope_base_m = 0.1\n[compare.limits]\nstrain_rms = 0.2\n").string();
-  const Ran ran = run_program({"compare", "a.h5:np", "b.h5:mpm", "--case", c, "--slope-base-m", "-0.5", "--displacement-rms-m", "1e-3",
-                               "--reference-m", "[[0, 0], [1, 0], [1, 1]]"});
+  const std::string c =
+      folder.write("c.toml", "[compare]\nslope_base_m = 0.1\n[compare.limits]\nstrain_rms = 0.2\n").string();
+  const Ran ran = run_program({"compare", "a.h5:np", "b.h5:mpm", "--case", c, "--slope-base-m", "-0.5",
+                               "--displacement-rms-m", "1e-3", "--reference-m", "[[0, 0], [1, 0], [1, 1]]"});
   EXPECT_EQ(ran.code, 0) << ran.err;
   const FakeStudy& study = fake_study();
   EXPECT_EQ(study.first, "a.h5:np");
@@ -208,7 +217,8 @@ TEST_F(CommandLine, InitWritesACaseThatReads) {
   const Case c = read_case(lab);
   EXPECT_EQ(c.frames->rate_hz, 50.0);
   EXPECT_EQ(c.camera.metres_per_pixel, 2e-4);
-  expect_error(run_program({"init", frames, "--out", lab}), 2, lab + "/case.toml: is there already; --force replaces it\n");
+  expect_error(run_program({"init", frames, "--out", lab}), 2,
+               lab + "/case.toml: is there already; --force replaces it\n");
   EXPECT_EQ(run_program({"init", frames, "--out", lab, "--force"}).code, 0);
   const Ran printed = run_program({"init", frames});
   EXPECT_EQ(parse_case(printed.out, "printed", ".").frames->path, frames);

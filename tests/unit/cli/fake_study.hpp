@@ -18,9 +18,9 @@ struct FakeStudy {
   std::string first, second;
   compare::CompareOptions options;
   compare::LimitOptions limits;
-  std::function<void(Progress&)> work;       // what every call does: throw, report progress, wait for a stop
+  std::function<void(Progress&)> work;  // what every call does: throw, report progress, wait for a stop
   RunOutcome outcome;
-  std::vector<VerifyResult> verdicts;        // handed out one after the other
+  std::vector<VerifyResult> verdicts;  // handed out one after the other
 };
 
 FakeStudy& fake_study();

@@ -15,14 +15,20 @@ namespace {
 TEST(Junit, TextsAreEscaped) {
   EXPECT_EQ(xml_escaped("a<b> & \"c\""), "a&lt;b&gt; &amp; &quot;c&quot;");
   EXPECT_EQ(xml_escaped("é µ 😀"), "é µ 😀");
-  EXPECT_EQ(xml_escaped("\x01 \x7f\xff \xc3(\xed\xa0\x80"), "? \x7f? ?(???") << "control characters, broken UTF-8, a surrogate";
+  EXPECT_EQ(xml_escaped("\x01 \x7f\xff \xc3(\xed\xa0\x80"), "? \x7f? ?(???")
+      << "control characters, broken UTF-8, a surrogate";
   EXPECT_EQ(xml_escaped("a\nb\tc"), "a&#10;b&#9;c");
   EXPECT_EQ(xml_escaped("cut \xe2\x82"), "cut ??");
 }
 
 std::vector<VerifyResult> results() {
-  return {{"shear & \"co\" <1>", false, 1.5, {{"images: RMS (px)", 0.1, 0.05, true}, {"strain <", 1e-4, 2e-4, false},
-                                              {"nan", 1, std::numeric_limits<double>::quiet_NaN(), false}}, ""},
+  return {{"shear & \"co\" <1>",
+           false,
+           1.5,
+           {{"images: RMS (px)", 0.1, 0.05, true},
+            {"strain <", 1e-4, 2e-4, false},
+            {"nan", 1, std::numeric_limits<double>::quiet_NaN(), false}},
+           ""},
           {"lost", false, 0.25, {}, "c.toml:3: unknown key 'a'; did you mean \"b\"?"},
           {"good", true, 2, {{"images", 1, 0.5, true}}, ""}};
 }
@@ -35,7 +41,9 @@ TEST(Junit, CountsSuitesCasesAndVerdicts) {
   EXPECT_EQ(read.count("testcase"), 5);
   EXPECT_EQ(read.count("failure"), 2);
   EXPECT_EQ(read.count("error"), 1);
-  EXPECT_NE(xml.find("<testsuites name=\"pivnp verify\" tests=\"5\" failures=\"2\" errors=\"1\" time=\"3.750\">"), std::string::npos) << xml;
+  EXPECT_NE(xml.find("<testsuites name=\"pivnp verify\" tests=\"5\" failures=\"2\" errors=\"1\" time=\"3.750\">"),
+            std::string::npos)
+      << xml;
   EXPECT_NE(xml.find("message=\"reached 0.0002, limit 0.0001\""), std::string::npos) << xml;
 }
 
@@ -55,7 +63,8 @@ TEST(Junit, AnyBytesStayWellFormed) {
 }
 
 TEST(Junit, TheCheckerItselfFindsFaults) {
-  for (const char* bad : {"<a><b></a></b>", "<a b=c/>", "<a>&x;</a>", "<a>", "<a/><b/>", "<a b=\"<\"/>", "<a>\x01</a>", "text", "<a>\xff</a>"})
+  for (const char* bad : {"<a><b></a></b>", "<a b=c/>", "<a>&x;</a>", "<a>", "<a/><b/>", "<a b=\"<\"/>", "<a>\x01</a>",
+                          "text", "<a>\xff</a>"})
     EXPECT_NE(read_xml(bad).error, "") << bad;
   EXPECT_EQ(read_xml("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<a b=\"c\"><d/>e&amp;&#10;</a>\n").error, "");
 }

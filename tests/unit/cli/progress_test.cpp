@@ -13,7 +13,9 @@ struct Display {
   double now = 100;
   std::ostringstream out;
   TerminalProgress progress;
-  explicit Display(ProgressStyle style) : progress(out, style, [] { return false; }, [this] { return now; }) {}
+  explicit Display(ProgressStyle style)
+      : progress(
+            out, style, [] { return false; }, [this] { return now; }) {}
   std::ptrdiff_t count(char c) {
     const std::string text = out.str();
     return std::count(text.begin(), text.end(), c);
