@@ -29,6 +29,7 @@ void install_signal_handlers() {
   sigaction(SIGTERM, &action, nullptr);
   action.sa_handler = SIG_IGN;
   sigaction(SIGPIPE, &action, nullptr);
+  sigaction(SIGXFSZ, &action, nullptr);  // a limit on file size is a full disk, not a signal
 }
 
 bool stop_signalled() { return stop.load(); }
