@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <ctime>
+#include <set>
 #include <utility>
 
 #include "apps/report/analysis.hpp"
@@ -25,6 +26,30 @@ class Builder {
   }
   void add(Block block) { document.blocks.push_back(std::move(block)); }
 };
+
+// The metrics a reader asks for first; those with a limit are always among them.
+bool leading(const Metric& m) {
+  static const std::set<std::string> names = {
+      "displacement_rms", "displacement_p95", "displacement_max", "displacement_bias_x_final",
+      "displacement_bias_y_final", "displacement_rms_final", "displacement_rms_final_relative", "strain_dev_rms",
+      "strain_dev_rms_final", "increment_median", "increment_median_relative", "outline_iou", "run_out_x_first",
+      "run_out_x_second", "slope_angle_first", "slope_angle_second", "slope_angle_difference", "coverage_first_final"};
+  return names.contains(m.name) || m.verdict.ends_with("limit");
+}
+
+Table leading_table(const std::vector<Metric>& metrics) {
+  Table t;
+  t.caption = "Metrics, simulated minus measured; \u00b1: standard uncertainty of the value. All metrics and their "
+              "definitions stand at the end of the report.";
+  t.head = {"Metric", "Value", "Unit", "Verdict"};
+  t.width = {0.4, 0.24, 0.08, 0.28};
+  t.align = {'l', 'r', 'l', 'l'};
+  for (const Metric& m : metrics)
+    if (leading(m))
+      t.rows.push_back({metric_words(m.name), value_with_uncertainty(m.value, m.uncertainty),
+                        m.unit == "1" ? "" : m.unit, m.verdict});
+  return t;
+}
 
 Table metrics_table(const std::vector<Metric>& metrics) {
   Table t;
@@ -88,7 +113,7 @@ void comparison_section(Builder& b, const ReportOptions& options, const Content&
                         const DifferenceHistory& differences) {
   if (!content.measured && !content.simulated) return;
   b.heading(1, content.comparison ? "Comparison" : "Motion");
-  if (content.comparison && !content.comparison->metrics.empty()) b.add(metrics_table(content.comparison->metrics));
+  if (content.comparison && !content.comparison->metrics.empty()) b.add(leading_table(content.comparison->metrics));
   const std::vector<double> times = chosen_times(options, content);
   // In this order tall and low figures share pages.
   for (std::size_t k = 0; k < std::max<std::size_t>(2, options.fields_drawn.size()); ++k) {
@@ -167,6 +192,10 @@ Document make_document(const ReportOptions& options, const Content& content) {
     b.figure(energy_figure(content));
   }
   flags_section(b, content, pairs);
+  if (content.comparison && !content.comparison->metrics.empty()) {
+    b.heading(1, "All metrics");
+    b.add(metrics_table(content.comparison->metrics));
+  }
   appendix(b, content);
   return std::move(b.document);
 }

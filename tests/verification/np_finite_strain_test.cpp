@@ -11,6 +11,8 @@
 #include "pivnp/core/particles/derived.hpp"
 #include "pivnp/core/particles/strain.hpp"
 #include "tests/verification/np_testing.hpp"
+#include "pivnp/core/text.hpp"
+#include "tests/support/verification.hpp"
 
 namespace pivnp::np {
 namespace {
@@ -53,6 +55,7 @@ TEST(FiniteStrain, TheWrongRuleIsCaught) {
   }
   const double predicted = std::pow(1 + 4 * std::pow(std::tan(full_turn / 200), 2), 100);
   EXPECT_NEAR(predicted, 1.48, 0.005);
+  pivnp::test::verification_row("full turn, forward rule on central vectors", "J = 1.48: the wrong rule is caught", number(predicted, 4));
   for (std::size_t p = 0; p < tracker.state().size(); ++p) {
     ASSERT_EQ(tracker.state()[p].status, ParticleStatus::active);
     EXPECT_NEAR(J(tracker.state()[p].F), predicted, 1e-9);

@@ -14,6 +14,8 @@
 #include "pivnp/core/particles/derived.hpp"
 #include "pivnp/core/particles/strain.hpp"
 #include "tests/verification/np_testing.hpp"
+#include "pivnp/core/text.hpp"
+#include "tests/support/verification.hpp"
 
 namespace pivnp::np {
 namespace {
@@ -110,6 +112,7 @@ TEST(Section23, TwentyFourPercent) {
       const Strain e = log_strain(tracker.state()[p].F);
       EXPECT_NEAR(e.xx, 15 * std::log(1.016), round_off);
       EXPECT_NEAR(e.xx, 0.2381, 5e-5);
+      pivnp::test::verification_row("section 2.3.1, extension", "log strain 15 ln 1.016 = 0.2381", number(e.xx));
       EXPECT_NEAR(e.yy, 0, round_off);
       EXPECT_NEAR(e.xy, 0, round_off);
       EXPECT_NEAR(sum[p], 0.240, 2e-6);  // summed from single precision frames

@@ -8,6 +8,8 @@
 #include <cmath>
 
 #include "tests/unit/mpm/scenes.hpp"
+#include "pivnp/core/text.hpp"
+#include "tests/support/verification.hpp"
 
 namespace pivnp::mpm {
 namespace {
@@ -42,6 +44,7 @@ TEST(MpmCollapse, RunOutFollowsTheTrend) {
     const double found = run_out(aspect);
     EXPECT_GT(found, 0.5 * law);
     EXPECT_LT(found, 1.5 * law);
+    pivnp::test::verification_row("column collapse", "run-out over the law of Lube et al. (2005), 1/1.5 to 1.5", number(found / law, 3));
     EXPECT_GT(found, last);
     last = found;
   }

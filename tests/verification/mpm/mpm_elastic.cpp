@@ -12,6 +12,8 @@
 #include <cmath>
 
 #include "tests/unit/mpm/scenes.hpp"
+#include "pivnp/core/text.hpp"
+#include "tests/support/verification.hpp"
 
 namespace pivnp::mpm {
 namespace {
@@ -64,6 +66,7 @@ TEST(MpmElastic, AxialBar) {
     const double found = period_of(solver, period / 200, period, [&] { return mode(solver, length, 0); });
     RecordProperty("period_error_percent", std::to_string(100 * (found / period - 1)));
     EXPECT_NEAR(found, period, 0.005 * period);
+    pivnp::test::verification_row("axial bar", "period over theory within 0.5 %", number(found / period, 5));
     solver.advance_to(period, silent);
     RecordProperty("amplitude", std::to_string(mode(solver, length, 0) / 0.1));
     std::printf("axial bar pic %.3f: period %+.3f %%, amplitude after one period %.4f\n", pic,
@@ -122,6 +125,7 @@ TEST(MpmElastic, ColumnCarriesItsWeight) {
     const double rms = std::sqrt(sum / double(frame.stress.size())) / (rho * g * height);
     std::printf("column: rms of sigma_yy %.4f of rho g H\n", rms);
     EXPECT_LT(rms, 0.01);
+    pivnp::test::verification_row("elastic column under its weight", "stress rms below 1 % of rho g H", number(100 * rms, 2) + " %");
   }
 }
 
@@ -133,6 +137,7 @@ TEST(MpmElastic, ColumnSwingsWithTheWavesPeriod) {
   const double found = period_of(solver, period / 400, period, [&] { return mode(solver, height, 1); });
   std::printf("column: period %+.3f %%\n", 100 * (found / period - 1));
   EXPECT_NEAR(found, period, 0.01 * period);
+  pivnp::test::verification_row("elastic column, released", "period over theory within 1 %", number(found / period, 5));
 }
 
 }  // namespace

@@ -7,6 +7,8 @@
 #include <cmath>
 
 #include "tests/unit/mpm/scenes.hpp"
+#include "pivnp/core/text.hpp"
+#include "tests/support/verification.hpp"
 
 namespace pivnp::mpm {
 namespace {
@@ -37,6 +39,7 @@ TEST(MpmFriction, BlockSlidesOnAnIncline) {
     const double found = mean_displacement(30, friction, time, false);
     std::printf("incline mu %.1f: displacement %+.2f %%\n", friction, 100 * (found / exact - 1));
     EXPECT_NEAR(found, exact, 0.02 * exact);
+    pivnp::test::verification_row("block on an incline", "acceleration over g (sin t - mu cos t) within 2 %", number(found / exact, 4));
   }
 }
 
