@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <regex>
 #include <set>
 
 namespace {
@@ -55,7 +54,6 @@ struct Include {
 std::vector<Include> includes() {
   std::vector<Include> found;
   const fs::path root = PIVNP_SOURCE_DIR;
-  const std::regex line(R"re(^\s*#\s*include\s*([<"])([^>"]+)[>"])re");
   for (const char* top : {"pivnp", "mpm", "compare", "apps"})
     for (const auto& entry : fs::recursive_directory_iterator(root / top)) {
       const std::string suffix = entry.path().extension().string();
@@ -64,8 +62,10 @@ std::vector<Include> includes() {
       std::ifstream in(entry.path());
       std::string text;
       while (std::getline(in, text)) {
-        std::smatch match;
-        if (std::regex_search(text, match, line)) found.push_back({file, folder_of(file), match[2], match[1] == "\""});
+        const std::size_t open = text.find_first_of("<\"");
+        if (!text.starts_with("#include") || open == std::string::npos) continue;
+        const std::size_t close = text.find_first_of(">\"", open + 1);
+        found.push_back({file, folder_of(file), text.substr(open + 1, close - open - 1), text[open] == '"'});
       }
     }
   return found;
