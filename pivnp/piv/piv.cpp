@@ -49,10 +49,10 @@ PairCorrelator::PairCorrelator(const PivOptions& options, NodeLattice lattice, i
   impl_->nodes = lattice.pixel.size();
   impl_->width = width;
   impl_->height = height;
-  if (options.method == "fft")
+  if (options.method == "default" || options.method == "fft")
     impl_->method = make_multipass_fft(options, lattice, width, height, threads);
   else
-    refuse("method", "'" + options.method + "'", "fft");
+    refuse("method", "'" + options.method + "'", "default or fft");
 }
 
 PairCorrelator::~PairCorrelator() = default;

@@ -13,7 +13,7 @@
 namespace pivnp::piv {
 
 struct PivOptions {
-  std::string method = "fft";
+  std::string method = "default";
   int window_px = 32;
   int first_window_px = 0;
   int passes = 0;
@@ -27,7 +27,9 @@ struct PivOptions {
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
-    visit("method", self.method, OptionInfo{.text = "correlation method", .choices = {"fft"}});
+    visit("method", self.method,
+          OptionInfo{.text = "correlation method (default: the one recommended, at present fft)",
+                     .choices = {"default", "fft"}});
     visit("window_px", self.window_px,
           OptionInfo{.unit = "px",
                      .text = "side of the last interrogation window (of the even window with the same noise)",
