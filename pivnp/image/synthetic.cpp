@@ -14,7 +14,7 @@ namespace {
 // Random numbers are hashes of (seed, what they are for, index), so that no draw depends on another and the order of
 // drawing does not matter. Mixing: splitmix64 (Steele, Lea & Flood 2014). Only integer arithmetic and IEEE basic
 // operations are used below: the standard distributions and the last bits of libm differ between platforms.
-enum class Stream : std::uint64_t { peak = 1, loss = 2, noise = 3 };
+enum class Stream : std::uint64_t { peak = 1, loss = 2, noise = 3, grain = 4 };
 
 std::uint64_t mix(std::uint64_t z) {
   z += 0x9e3779b97f4a7c15ull;
@@ -94,7 +94,7 @@ const NormalCdf& normal_cdf() {
 
 // Shares of a unit blob in the pixels first..first + count - 1 along one axis.
 struct AxisShares {
-  static constexpr int capacity = 160;  // 2 x 5 sigma of the widest blob (diameter 50: sigma 12.5), and some
+  static constexpr int capacity = 288;  // 2 x 5 sigma of the widest blob (grain of 100 px blurred by 10), and some
   int first = 0, count = 0;
   std::array<double, capacity> share{};
 };
@@ -137,7 +137,25 @@ void quantise(std::span<const float> signal, int width, int height, double white
   }
 }
 
+// Half to twice, even in the logarithm: exp2 by Taylor, since the last bits of libm differ between platforms.
+double half_to_twice(double share) {
+  const double x = (2 * share - 1) * 0.6931471805599453;
+  double term = 1, sum = 1;
+  for (int n = 1; n < 16; ++n) sum += term *= x / n;
+  return sum;
+}
+
 }  // namespace
+
+TextureOptions soil_texture() {
+  TextureOptions texture;
+  texture.kind = "soil";
+  texture.density_per_px = 0.2;
+  texture.background = 0.45;
+  texture.peak_min = 0.08;
+  texture.peak_max = 0.28;
+  return texture;
+}
 
 BlobRenderer::BlobRenderer(const TextureOptions& options, int width, int height)
     : options_(options), width_(width), height_(height) {
@@ -149,22 +167,34 @@ BlobRenderer::BlobRenderer(const TextureOptions& options, int width, int height)
   if (!(options.blob_diameter_px >= 0.5 && options.blob_diameter_px <= 50))
     throw InputError("texture blob_diameter_px: found " + std::to_string(options.blob_diameter_px) +
                      ", expected 0.5 to 50");
+  if (!(options.blur_px >= 0 && options.blur_px <= 10))
+    throw InputError("texture blur_px: found " + std::to_string(options.blur_px) + ", expected 0 to 10");
+  if (options.kind != "blobs" && options.kind != "soil")
+    throw InputError("texture kind: found '" + options.kind + "', expected blobs or soil");
 }
 
 Image BlobRenderer::draw(std::span<const Vec2> centres_px, int frame, int frames) const {
   const double white = options_.bits == 8 ? 255.0 : options_.bits == 12 ? 4095.0 : 65535.0;
-  const double sigma = options_.blob_diameter_px / 4;
-  const double centred = 2 * normal_cdf()(0.5 / sigma) - 1;  // share of a centred blob in its pixel, per axis
-  const double peak_scale = white / (centred * centred);
-  const std::uint64_t peaks = stream_key(options_.seed, Stream::peak, 0);
+  const bool soil = options_.kind == "soil";
+  const std::uint64_t peaks = stream_key(options_.seed, Stream::peak, 0),
+                      grains = stream_key(options_.seed, Stream::grain, 0);
 
   std::vector<float> signal(std::size_t(width_) * std::size_t(height_),
                             static_cast<float>(options_.background * white));
   AxisShares columns, rows;
   for (std::size_t blob = 0; blob < centres_px.size(); ++blob) {
-    axis_shares(centres_px[blob].x(), sigma, width_, columns);
-    axis_shares(centres_px[blob].y(), sigma, height_, rows);
-    const double peak = options_.peak_min + (options_.peak_max - options_.peak_min) * uniform01(mix(peaks + blob));
+    double sigma = options_.blob_diameter_px / 4;
+    double peak = options_.peak_min + (options_.peak_max - options_.peak_min) * uniform01(mix(peaks + blob));
+    if (soil) {
+      const std::uint64_t bits = mix(grains + blob);
+      sigma *= half_to_twice(uniform01(bits));
+      if (bits & 1) peak = -peak;  // below the bits of the size
+    }
+    const double centred = 2 * normal_cdf()(0.5 / sigma) - 1;  // share of a centred blob in its pixel, per axis
+    const double peak_scale = white / (centred * centred);
+    const double seen = options_.blur_px > 0 ? std::sqrt(sigma * sigma + options_.blur_px * options_.blur_px) : sigma;
+    axis_shares(centres_px[blob].x(), seen, width_, columns);
+    axis_shares(centres_px[blob].y(), seen, height_, rows);
     for (int r = 0; r < rows.count; ++r) {
       float* out = signal.data() + std::size_t(rows.first + r) * std::size_t(width_) + columns.first;
       const double amount = peak * peak_scale * rows.share[std::size_t(r)];

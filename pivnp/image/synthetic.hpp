@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "pivnp/core/image_view.hpp"
@@ -13,11 +14,13 @@
 namespace pivnp::image {
 
 struct TextureOptions {
+  std::string kind = "blobs";
   double density_per_px = 0.05;
   double blob_diameter_px = 3.0;
   double peak_min = 85.0 / 255.0;
   double peak_max = 170.0 / 255.0;
   double background = 10.0 / 255.0;
+  double blur_px = 0.0;
   double noise = 0.0;
   double loss = 0.0;
   double light_slope = 0.0;
@@ -27,6 +30,10 @@ struct TextureOptions {
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
+    visit("kind", self.kind,
+          OptionInfo{.text = "blobs: all of one size, brighter than the background; soil: grains of half to twice the "
+                             "diameter, brighter and darker",
+                     .choices = {"blobs", "soil"}});
     visit("density_per_px", self.density_per_px,
           OptionInfo{.unit = "1/px^2", .text = "blobs per pixel", .min = 0, .above_min = true});
     visit("blob_diameter_px", self.blob_diameter_px,
@@ -34,6 +41,8 @@ struct TextureOptions {
     visit("peak_min", self.peak_min, OptionInfo{.text = "least peak of a centred blob, share of white", .min = 0, .max = 1});
     visit("peak_max", self.peak_max, OptionInfo{.text = "greatest peak of a centred blob, share of white", .min = 0, .max = 1});
     visit("background", self.background, OptionInfo{.text = "grey value without blobs, share of white", .min = 0, .max = 1});
+    visit("blur_px", self.blur_px,
+          OptionInfo{.unit = "px", .text = "standard deviation of the lens's blur", .min = 0, .max = 10});
     visit("noise", self.noise, OptionInfo{.text = "standard deviation of the noise, share of white", .min = 0, .max = 1});
     visit("loss", self.loss, OptionInfo{.text = "share of blobs replaced by others from frame to frame", .min = 0, .max = 1});
     visit("light_slope", self.light_slope, OptionInfo{.text = "fall of light across the image's width, share", .min = 0, .max = 1});
@@ -43,9 +52,13 @@ struct TextureOptions {
   }
 };
 
+/// Dense, of several sizes, about a mid grey: what sand looks like from some distance.
+TextureOptions soil_texture();
+
 /// Draws blobs: each is a Gaussian of sigma = diameter/4 with its own peak (drawn from the seed and the blob's index),
-/// integrated over each pixel; overlapping blobs add, the sum is clipped at white. Noise and light are added before
-/// rounding. Same seed, same bits.
+/// integrated over each pixel; overlapping blobs add, the sum is clipped at white. Of kind "soil", each has its own
+/// diameter and sign too. Blur widens the blobs and keeps their light. Noise and light are added before rounding. Same
+/// seed, same bits.
 class BlobRenderer {
  public:
   BlobRenderer(const TextureOptions& options, int width, int height);

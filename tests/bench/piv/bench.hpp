@@ -1,0 +1,45 @@
+// What the parts of the program piv_table share: its options, and the methods to be measured.
+#pragma once
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include "pivnp/image/synthetic.hpp"
+#include "pivnp/piv/piv.hpp"
+
+namespace pivnp::bench {
+
+/// A method with the options that differ from their defaults, as on the command line: "fft:window_px=16:passes=2".
+struct Setting {
+  std::string name;
+  piv::PivOptions options;
+};
+
+struct BenchOptions {
+  int side = 1024, spacing = 8, margin = 48, threads = 1, repeats = 3;
+  std::vector<int> seeds = {101};
+  std::vector<Setting> settings;
+  std::string rows;  // regular expression; empty: all
+  image::TextureOptions texture;
+  bool more = false;
+  std::string csv;  // file; empty: none
+
+  /// Other textures and blobs than the table's: a factor on what is asked.
+  double slack() const;
+  void print_head() const;
+};
+
+std::string machine();
+
+/// Throws InputError.
+Setting parse_setting(const std::string& text, const piv::PivOptions& base);
+
+inline double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// Each returns the program's exit code: 0, or 3 where something asked of method "default" was missed.
+int table(const BenchOptions& options);
+
+}  // namespace pivnp::bench
