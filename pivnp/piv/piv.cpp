@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/piv/gauss_newton.hpp"
 #include "pivnp/piv/method.hpp"
 #include "pivnp/piv/multipass.hpp"
 
@@ -51,8 +52,10 @@ PairCorrelator::PairCorrelator(const PivOptions& options, NodeLattice lattice, i
   impl_->height = height;
   if (options.method == "default" || options.method == "fft")
     impl_->method = make_multipass_fft(options, lattice, width, height, threads);
+  else if (options.method == "gn")
+    impl_->method = make_gauss_newton(options, lattice, width, height, threads);
   else
-    refuse("method", "'" + options.method + "'", "default or fft");
+    refuse("method", "'" + options.method + "'", "default, gn or fft");
 }
 
 PairCorrelator::~PairCorrelator() = default;

@@ -29,7 +29,7 @@ struct PivOptions {
   static void fields(Self& self, Visitor&& visit) {
     visit("method", self.method,
           OptionInfo{.text = "correlation method (default: the one recommended, at present fft)",
-                     .choices = {"default", "fft"}});
+                     .choices = {"default", "gn", "fft"}});
     visit("window_px", self.window_px,
           OptionInfo{.unit = "px",
                      .text = "side of the last interrogation window (of the even window with the same noise)",

@@ -10,14 +10,27 @@ namespace pivnp::piv {
 namespace {
 
 constexpr std::array<float, 2> poles = {-0.430575347099973f, -0.0430962882032647f};
+constexpr int most_lanes = 64;
 constexpr float prefilter_gain = 120.0f;  // product of (1 - z)(1 - 1/z) over the poles
 
 // Prefilters `lanes` lines side by side: sample k of line l is data[k * stride + l]. Mirror boundaries.
-void prefilter_lines(float* data, int samples, std::ptrdiff_t stride, int lanes) {
+void prefilter_lines(float* data, int samples, std::ptrdiff_t stride, int lanes, float smoothing) {
   if (samples < 2) return;  // a single sample: a constant line, whose coefficients are its values
   const auto line = [&](int k) { return data + k * stride; };
-  for (int k = 0; k < samples; ++k)
-    for (int l = 0; l < lanes; ++l) line(k)[l] *= prefilter_gain;
+  const float side = smoothing * prefilter_gain, middle = (1 - 2 * smoothing) * prefilter_gain;
+  std::array<float, most_lanes> previous;
+  std::copy_n(line(1), lanes, previous.begin());
+  for (int k = 0; k < samples; ++k) {
+    float* now = line(k);
+    const float* after = line(k + 1 < samples ? k + 1 : samples - 2);
+    for (int l = 0; l < lanes; ++l) {
+      const float value = now[l];
+      // Behind the last sample the mirror shows the one before it, already kept in `previous`.
+      const float next = k + 1 < samples ? after[l] : previous[std::size_t(l)];
+      now[l] = middle * value + side * (previous[std::size_t(l)] + next);
+      previous[std::size_t(l)] = value;
+    }
+  }
   for (const float z : poles) {
     constexpr int horizon = 20;  // |z|^20 < 5e-8
     float power = z;
@@ -115,14 +128,14 @@ struct BlockAxis {
 
 }  // namespace
 
-void SplineImage::assign(const ImageView& image, const MaskView& mask, int decimation, int threads) {
+void SplineImage::assign(const ImageView& image, const MaskView& mask, int decimation, int threads, float smoothing) {
   assert(decimation >= 1 && image.width >= decimation && image.height >= decimation);
   width_ = image.width / decimation;
   height_ = image.height / decimation;
   stride_ = (width_ + 2 * padding + 15) / 16 * 16;
   data_.resize(std::size_t(stride_) * std::size_t(height_ + 2 * padding));
   average(image, mask, decimation, threads);
-  prefilter(threads);
+  prefilter(threads, smoothing);
   mirror_edges();
 }
 
@@ -138,11 +151,11 @@ void SplineImage::average(const ImageView& image, const MaskView& mask, int deci
   }
 }
 
-void SplineImage::prefilter(int threads) {
-  constexpr int column_lanes = 64, row_lanes = 8;
+void SplineImage::prefilter(int threads, float smoothing) {
+  constexpr int column_lanes = most_lanes, row_lanes = 8;
 #pragma omp parallel for num_threads(threads) schedule(static)
   for (int c = 0; c < width_; c += column_lanes)
-    prefilter_lines(pixel(c, 0), height_, stride_, std::min(column_lanes, width_ - c));
+    prefilter_lines(pixel(c, 0), height_, stride_, std::min(column_lanes, width_ - c), smoothing);
 
 #pragma omp parallel num_threads(threads)
   {
@@ -152,7 +165,7 @@ void SplineImage::prefilter(int threads) {
       const int lanes = std::min(row_lanes, height_ - r);
       for (int l = 0; l < lanes; ++l)
         for (int c = 0; c < width_; ++c) lines[std::size_t(c * row_lanes + l)] = pixel(c, r + l)[0];
-      prefilter_lines(lines.data(), width_, row_lanes, row_lanes);
+      prefilter_lines(lines.data(), width_, row_lanes, row_lanes, smoothing);
       for (int l = 0; l < lanes; ++l)
         for (int c = 0; c < width_; ++c) pixel(c, r + l)[0] = lines[std::size_t(c * row_lanes + l)];
     }

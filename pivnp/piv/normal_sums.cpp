@@ -1,0 +1,453 @@
+#include "pivnp/piv/normal_sums.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "pivnp/piv/normal_sums.cpp"
+#include <hwy/foreach_target.h>  // compiles this file once for each instruction set
+#include <hwy/highway.h>
+
+#ifndef PIVNP_PIV_NORMAL_SUMS_ONCE
+#define PIVNP_PIV_NORMAL_SUMS_ONCE
+namespace pivnp::piv {
+
+constexpr int derivative_reach = 2;
+constexpr float derivative_1 = 0.74f, derivative_2 = -0.12f;  // 2 d1 + 4 d2 = 1: exact for slopes
+constexpr int cell_rows_per_band = 8;
+constexpr int row_padding = 32;  // floats before and behind a row buffer, at least a vector and the derivative's reach
+
+// Rows of pixels kept while a band of cells is summed; column k of a buffer is the lattice's first column + k.
+struct RowStore {
+  int width = 0, slots = 0;
+  std::ptrdiff_t stride = 0;
+  std::vector<float> mean, difference, use, f, g;
+  std::vector<float> du, dv, ux, uy, noise, tolerance, gain, offset;
+  std::vector<float> upper, lower;  // [planes][stride]: sums for the lattice row above and below
+  std::vector<float> coefficients_u, coefficients_v;
+
+  void prepare(int pixel_columns, int cell_step, int lattice_columns, int planes) {
+    width = pixel_columns;
+    stride = (pixel_columns + 2 * row_padding + 15) / 16 * 16;
+    slots = cell_step + 2 * derivative_reach;
+    const auto rows = static_cast<std::size_t>(stride) * static_cast<std::size_t>(slots);
+    for (auto* v : {&mean, &difference, &use}) v->assign(rows, 0.0f);
+    for (auto* v : {&du, &dv, &ux, &uy, &noise, &tolerance, &gain, &offset, &f, &g})
+      v->assign(static_cast<std::size_t>(stride), 0.0f);
+    for (auto* v : {&upper, &lower}) v->assign(static_cast<std::size_t>(stride) * static_cast<std::size_t>(planes), 0.0f);
+    for (auto* v : {&coefficients_u, &coefficients_v}) v->assign(static_cast<std::size_t>(lattice_columns) + 2, 0.0f);
+  }
+  float* row(std::vector<float>& buffer, int slot) { return buffer.data() + slot * stride + row_padding; }
+  float* line(std::vector<float>& buffer) { return buffer.data() + row_padding; }
+};
+
+}  // namespace pivnp::piv
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace pivnp::piv::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using D = hn::CappedTag<float, 16>;
+using DI = hn::RebindToSigned<D>;
+using V = hn::Vec<D>;
+constexpr int taps = 6;
+
+// Weights of the taps floor(x) - 2 ... floor(x) + 3 of the quintic B-spline at fraction t.
+HWY_INLINE void quintic_weights(V t, V* w) {
+  const D d;
+  const V s = hn::Set(d, 1.0f / 120.0f), one = hn::Set(d, 1.0f);
+  const V t2 = hn::Mul(t, t), r = hn::Sub(one, t), r2 = hn::Mul(r, r);
+  w[5] = hn::Mul(s, hn::Mul(t, hn::Mul(t2, t2)));
+  w[0] = hn::Mul(s, hn::Mul(r, hn::Mul(r2, r2)));
+  // 26 + 50 t + 20 t2 - 20 t3 - 20 t4 + 10 t5 is tap 3 at t and tap 2's neighbour mirrored
+  const auto inner = [&](V x) {  // tap 3 at x: (26 + 50 x + 20 x^2 - 20 x^3 - 20 x^4 + 10 x^5) / 120 is tap at distance 1 - x
+    V p = hn::MulAdd(hn::Set(d, 10.0f), x, hn::Set(d, -20.0f));
+    p = hn::MulAdd(p, x, hn::Set(d, -20.0f));
+    p = hn::MulAdd(p, x, hn::Set(d, 20.0f));
+    p = hn::MulAdd(p, x, hn::Set(d, 50.0f));
+    return hn::Mul(s, hn::MulAdd(p, x, hn::Set(d, 26.0f)));
+  };
+  const auto outer = [&](V x) {  // tap 4 at x
+    V p = hn::MulAdd(hn::Set(d, -5.0f), x, hn::Set(d, 5.0f));
+    p = hn::MulAdd(p, x, hn::Set(d, 10.0f));
+    p = hn::MulAdd(p, x, hn::Set(d, 10.0f));
+    p = hn::MulAdd(p, x, hn::Set(d, 5.0f));
+    return hn::Mul(s, hn::MulAdd(p, x, one));
+  };
+  w[3] = inner(t);
+  w[2] = inner(r);
+  w[4] = outer(t);
+  w[1] = outer(r);
+}
+
+// Samples `image` at (column + k + ux[k], row + uy[k]) for k < count (a multiple of the vector length; places outside
+// the image are moved to its edge and clear use[k]); flagged pixels nearest to a place clear use[k] as well.
+HWY_NOINLINE void sample_row(const SplineImage& image, const PixelFlags* flags, int column, int row, const float* ux,
+                             const float* uy, int count, float* out, float* use) {
+  const D d;
+  const DI di;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const V zero = hn::Zero(d), one = hn::Set(d, 1.0f);
+  const float last_column = static_cast<float>(image.width() - 1), last_row = static_cast<float>(image.height() - 1);
+  const V least_y = hn::Set(d, static_cast<float>(-row)), most_y = hn::Set(d, last_row - static_cast<float>(row));
+  HWY_ALIGN int ox[16], oy[16];
+  HWY_ALIGN float wx_lane[taps][16], wy_lane[taps][16];
+  for (int k = 0; k < count; k += lanes) {
+    const V lane = hn::Iota(d, static_cast<float>(column + k));
+    const V least_x = hn::Sub(zero, lane), most_x = hn::Sub(hn::Set(d, last_column), lane);
+    const V x_asked = hn::LoadU(d, ux + k), y_asked = hn::LoadU(d, uy + k);
+    const V x = hn::Min(hn::Max(x_asked, least_x), most_x), y = hn::Min(hn::Max(y_asked, least_y), most_y);
+    const auto inside = hn::And(hn::Eq(x, x_asked), hn::Eq(y, y_asked));
+    if (!hn::AllTrue(d, inside)) hn::StoreU(hn::IfThenElseZero(inside, hn::LoadU(d, use + k)), d, use + k);
+    const V whole_x = hn::Floor(x), whole_y = hn::Floor(y);
+    V wx[taps], wy[taps];
+    quintic_weights(hn::Sub(x, whole_x), wx);
+    quintic_weights(hn::Sub(y, whole_y), wy);
+    const float fx0 = hn::GetLane(whole_x), fy0 = hn::GetLane(whole_y);
+    V sum = zero;
+    if (hn::AllTrue(d, hn::And(hn::Eq(whole_x, hn::Set(d, fx0)), hn::Eq(whole_y, hn::Set(d, fy0))))) {
+      const int left = column + k + static_cast<int>(fx0) - 2, top = row + static_cast<int>(fy0) - 2;
+      for (int j = 0; j < taps; ++j) {
+        const float* in = image.coefficient(left, top + j);
+        V along = hn::Mul(wx[0], hn::LoadU(d, in));
+        for (int i = 1; i < taps; ++i) along = hn::MulAdd(wx[i], hn::LoadU(d, in + i), along);
+        sum = hn::MulAdd(wy[j], along, sum);
+      }
+    } else {
+      const V low_x = hn::MinOfLanes(d, whole_x), low_y = hn::MinOfLanes(d, whole_y);
+      const V high_x = hn::Sub(whole_x, low_x), high_y = hn::Sub(whole_y, low_y);
+      if (hn::AllTrue(d, hn::And(hn::Le(high_x, one), hn::Le(high_y, one)))) {
+        // Two whole offsets at most: seven common taps, a later pixel's weights moved by one.
+        const auto later_x = hn::Gt(high_x, zero), later_y = hn::Gt(high_y, zero);
+        V sx[taps + 1], sy[taps + 1];
+        sx[0] = hn::IfThenZeroElse(later_x, wx[0]);
+        sy[0] = hn::IfThenZeroElse(later_y, wy[0]);
+        for (int i = 1; i < taps; ++i) {
+          sx[i] = hn::IfThenElse(later_x, wx[i - 1], wx[i]);
+          sy[i] = hn::IfThenElse(later_y, wy[i - 1], wy[i]);
+        }
+        sx[taps] = hn::IfThenElseZero(later_x, wx[taps - 1]);
+        sy[taps] = hn::IfThenElseZero(later_y, wy[taps - 1]);
+        const int left = column + k + static_cast<int>(hn::GetLane(low_x)) - 2,
+                  top = row + static_cast<int>(hn::GetLane(low_y)) - 2;
+        for (int j = 0; j <= taps; ++j) {
+          const float* in = image.coefficient(left, top + j);
+          V along = hn::Mul(sx[0], hn::LoadU(d, in));
+          for (int i = 1; i <= taps; ++i) along = hn::MulAdd(sx[i], hn::LoadU(d, in + i), along);
+          sum = hn::MulAdd(sy[j], along, sum);
+        }
+      } else {
+        hn::Store(hn::ConvertTo(di, whole_x), di, ox);
+        hn::Store(hn::ConvertTo(di, whole_y), di, oy);
+        for (int i = 0; i < taps; ++i) hn::Store(wx[i], d, wx_lane[i]), hn::Store(wy[i], d, wy_lane[i]);
+        for (int l = 0; l < lanes; ++l) {
+          float value = 0;
+          for (int j = 0; j < taps; ++j) {
+            const float* in = image.coefficient(column + k + l + ox[l] - 2, row + oy[l] - 2 + j);
+            float along = 0;
+            for (int i = 0; i < taps; ++i) along += wx_lane[i][l] * in[i];
+            value += wy_lane[j][l] * along;
+          }
+          out[k + l] = value;
+        }
+        sum = hn::LoadU(d, out + k);
+      }
+    }
+    hn::StoreU(sum, d, out + k);
+    if (flags == nullptr) continue;
+    const int left = column + k + static_cast<int>(hn::GetLane(hn::MinOfLanes(d, whole_x)));
+    const int right = column + k + lanes + static_cast<int>(hn::GetLane(hn::MaxOfLanes(d, whole_x)));
+    const int above = row + static_cast<int>(hn::GetLane(hn::MinOfLanes(d, whole_y)));
+    const int below = row + static_cast<int>(hn::GetLane(hn::MaxOfLanes(d, whole_y))) + 1;
+    if (!flags->any(left, above, right, below)) continue;
+    const V half = hn::Set(d, 0.5f);
+    hn::Store(hn::ConvertTo(di, hn::Floor(hn::Add(x, half))), di, ox);
+    hn::Store(hn::ConvertTo(di, hn::Floor(hn::Add(y, half))), di, oy);
+    for (int l = 0; l < lanes; ++l)
+      if (flags->at(std::clamp(column + k + l + ox[l], 0, image.width() - 1),
+                    std::clamp(row + oy[l], 0, image.height() - 1)))
+        use[k + l] = 0;
+  }
+}
+
+// The displacement along one row of pixels, from the spline's coefficients along it. weight[o][a]: of coefficient a at
+// offset o in a cell.
+void expand_row(const float* coefficients, int cells, int step, const float (*weight)[4], float* out) {
+  for (int i = 0; i < cells; ++i) {
+    const float* c = coefficients + i;
+    for (int o = 0; o < step; ++o)
+      out[i * step + o] = weight[o][0] * c[0] + weight[o][1] * c[1] + weight[o][2] * c[2] + weight[o][3] * c[3];
+  }
+}
+
+void scale_row(const float* in, float factor, int count, float* out) {
+  const D d;
+  const V s = hn::Set(d, factor);
+  for (int k = 0; k < count; k += static_cast<int>(hn::Lanes(d))) hn::StoreU(hn::Mul(s, hn::LoadU(d, in + k)), d, out + k);
+}
+
+// One row of both warped frames: mean, difference (light corrected) and use.
+void warp_row(const SumsInput& input, int row, const float (*weight)[4], int slot, RowStore& store) {
+  const D d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const CellLattice& lattice = input.field->lattice();
+  float* mean = store.row(store.mean, slot);
+  float* difference = store.row(store.difference, slot);
+  float* use = store.row(store.use, slot);
+  const int height = input.first->height(), width = input.first->width();
+  if (row < 0 || row >= height) {
+    for (float* line : {mean, difference, use}) std::fill(line - row_padding, line - row_padding + store.stride, 0.0f);
+    return;
+  }
+  input.field->row_coefficients(static_cast<float>(row), store.coefficients_u.data(), store.coefficients_v.data());
+  float* du = store.line(store.du);
+  float* dv = store.line(store.dv);
+  expand_row(store.coefficients_u.data(), lattice.nx - 1, lattice.step, weight, du);
+  expand_row(store.coefficients_v.data(), lattice.nx - 1, lattice.step, weight, dv);
+  // Only columns that the image has.
+  const int first = std::max(0, -lattice.x0), end = std::min(store.width, width - lattice.x0);
+  if (first >= end) {
+    for (float* line : {mean, difference, use}) std::fill(line - row_padding, line - row_padding + store.stride, 0.0f);
+    return;
+  }
+  std::fill(use - row_padding, use - row_padding + store.stride, 0.0f);
+  const bool framed = row >= derivative_reach && row < height - derivative_reach;
+  if (framed) {
+    const int from = std::max(first, derivative_reach - lattice.x0), to = std::min(end, width - derivative_reach - lattice.x0);
+    if (from < to) std::fill(use + from, use + to, 1.0f);
+  }
+  const int count = (end - first + lanes - 1) / lanes * lanes;
+  float* f = store.line(store.f);
+  float* g = store.line(store.g);
+  float* ux = store.line(store.ux);
+  float* uy = store.line(store.uy);
+  for (const bool second : {false, true}) {
+    const float share = second ? input.share_second : input.share_first;
+    scale_row(du + first, share, count, ux + first);
+    scale_row(dv + first, share, count, uy + first);
+    sample_row(second ? *input.second : *input.first, second ? input.second_flags : input.first_flags,
+               lattice.x0 + first, row, ux + first, uy + first, count, (second ? g : f) + first, use + first);
+  }
+  const V half = hn::Set(d, 0.5f);
+  const float* gain = store.line(store.gain);
+  const float* offset = store.line(store.offset);
+  for (int k = first; k < first + count; k += lanes) {
+    const V a = hn::LoadU(d, f + k);
+    V b = hn::LoadU(d, g + k);
+    if (input.gain != nullptr) b = hn::MulAdd(hn::LoadU(d, gain + k), b, hn::LoadU(d, offset + k));
+    hn::StoreU(hn::Mul(half, hn::Add(a, b)), d, mean + k);
+    hn::StoreU(hn::Sub(a, b), d, difference + k);
+  }
+  // Beyond the image's edge: nothing to use; the derivative there is not taken.
+  std::fill(use + end, use - row_padding + store.stride, 0.0f);
+}
+
+// The products of `rows` rows of pixels, added to the sums of the lattice rows above and below.
+template <bool robust, bool scores>
+HWY_NOINLINE void add_products(const SumsInput& input, int first_slot, int rows, RowStore& store) {
+  const D d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  constexpr int planes = scores ? int(CellSums::planes) : int(CellSums::basic);
+  const V d1 = hn::Set(d, derivative_1), d2 = hn::Set(d, derivative_2), one = hn::Set(d, 1.0f), half = hn::Set(d, 0.5f);
+  const auto slot = [&](int k) { return (first_slot + k) % store.slots; };
+  for (int c = 0; c < store.width; c += lanes) {
+    V up[planes], down[planes];
+    for (int p = 0; p < planes; ++p) {
+      up[p] = hn::LoadU(d, store.upper.data() + p * store.stride + row_padding + c);
+      down[p] = hn::LoadU(d, store.lower.data() + p * store.stride + row_padding + c);
+    }
+    const V noise = robust ? hn::LoadU(d, store.line(store.noise) + c) : one;
+    const V tolerance = robust ? hn::LoadU(d, store.line(store.tolerance) + c) : one;
+    for (int k = 0; k < rows; ++k) {
+      const V use = hn::LoadU(d, store.row(store.use, slot(k)) + c);
+      const float* m = store.row(store.mean, slot(k)) + c;
+      const V e = hn::LoadU(d, store.row(store.difference, slot(k)) + c);
+      const V gx = hn::MulAdd(d1, hn::Sub(hn::LoadU(d, m + 1), hn::LoadU(d, m - 1)),
+                              hn::Mul(d2, hn::Sub(hn::LoadU(d, m + 2), hn::LoadU(d, m - 2))));
+      const auto at = [&](int dy) { return hn::LoadU(d, store.row(store.mean, slot(k + store.slots + dy)) + c); };
+      const V gy = hn::MulAdd(d1, hn::Sub(at(1), at(-1)), hn::Mul(d2, hn::Sub(at(2), at(-2))));
+      V w = use;
+      const V ee = hn::Mul(e, e);
+      if (robust) {
+        const V bound = hn::MulAdd(tolerance, hn::MulAdd(gx, gx, hn::Mul(gy, gy)), noise);
+        const V q = hn::Div(bound, hn::Add(bound, ee));
+        w = hn::Mul(w, hn::Mul(q, q));
+      }
+      const V wgx = hn::Mul(w, gx), wgy = hn::Mul(w, gy);
+      V product[planes];
+      product[CellSums::gxx] = hn::Mul(wgx, gx);
+      product[CellSums::gxy] = hn::Mul(wgx, gy);
+      product[CellSums::gyy] = hn::Mul(wgy, gy);
+      product[CellSums::gxe] = hn::Mul(wgx, e);
+      product[CellSums::gye] = hn::Mul(wgy, e);
+      product[CellSums::wee] = hn::Mul(w, ee);
+      product[CellSums::weight] = w;
+      product[CellSums::usable] = use;
+      if constexpr (scores) {
+        const V mean = hn::LoadU(d, m), f = hn::MulAdd(half, e, mean), g = hn::NegMulAdd(half, e, mean);
+        product[CellSums::f] = hn::Mul(use, f);
+        product[CellSums::g] = hn::Mul(use, g);
+        product[CellSums::ff] = hn::Mul(product[CellSums::f], f);
+        product[CellSums::gg] = hn::Mul(product[CellSums::g], g);
+        product[CellSums::fg] = hn::Mul(product[CellSums::f], g);
+      }
+      const float share = static_cast<float>(k) / static_cast<float>(rows);
+      const V below = hn::Set(d, share), above = hn::Set(d, 1 - share);
+      for (int p = 0; p < planes; ++p) {
+        up[p] = hn::MulAdd(above, product[p], up[p]);
+        down[p] = hn::MulAdd(below, product[p], down[p]);
+      }
+    }
+    for (int p = 0; p < planes; ++p) {
+      hn::StoreU(up[p], d, store.upper.data() + p * store.stride + row_padding + c);
+      hn::StoreU(down[p], d, store.lower.data() + p * store.stride + row_padding + c);
+    }
+  }
+  (void)input;
+}
+
+// Values at lattice points along row j and j + 1, as a row of pixels (mean of both lattice rows, linear along x).
+void expand_points(const std::vector<float>& values, const CellLattice& lattice, int j, float* out) {
+  const float* a = values.data() + lattice.index(0, j);
+  const float* b = values.data() + lattice.index(0, std::min(j + 1, lattice.ny - 1));
+  for (int i = 0; i + 1 < lattice.nx; ++i) {
+    const float left = 0.5f * (a[i] + b[i]), slope = (0.5f * (a[i + 1] + b[i + 1]) - left) / float(lattice.step);
+    for (int o = 0; o < lattice.step; ++o) out[i * lattice.step + o] = left + slope * static_cast<float>(o);
+  }
+}
+
+// Sums of one lattice row, from the rows of pixels already weighted along y.
+void reduce_row(const float* pixels, std::ptrdiff_t stride, int planes, const CellLattice& lattice, float* const* out) {
+  for (int p = 0; p < planes; ++p) {
+    const float* in = pixels + p * stride;
+    float carried = 0;
+    for (int i = 0; i + 1 < lattice.nx; ++i) {
+      float here = 0, all = 0;
+      for (int o = 0; o < lattice.step; ++o) {
+        const float value = in[i * lattice.step + o];
+        all += value;
+        here += value * (static_cast<float>(o) / static_cast<float>(lattice.step));
+      }
+      out[p][i] = carried + (all - here);
+      carried = here;
+    }
+    out[p][lattice.nx - 1] = carried;
+  }
+}
+
+void sum_band(const SumsInput& input, int band, CellSums& sums, std::vector<float>& tail, RowStore& store) {
+  const CellLattice& lattice = input.field->lattice();
+  const int planes = input.scores ? int(CellSums::planes) : int(CellSums::basic), step = lattice.step;
+  const int first = band * cell_rows_per_band, end = std::min(first + cell_rows_per_band, lattice.ny - 1);
+  float weight[64][4];
+  for (int o = 0; o < step; ++o) {
+    const auto w = cubic_weights(static_cast<float>(o) / static_cast<float>(step));
+    std::copy(w.begin(), w.end(), weight[o]);
+  }
+  std::fill(store.upper.begin(), store.upper.end(), 0.0f);
+  const int top = lattice.y0 + first * step;
+  const auto light = [&](int j) {
+    if (input.gain == nullptr) return;
+    expand_points(*input.gain, lattice, j, store.line(store.gain));
+    expand_points(*input.offset, lattice, j, store.line(store.offset));
+  };
+  light(first);
+  for (int k = -derivative_reach; k < derivative_reach; ++k)  // row top + k lies in slot k + reach
+    warp_row(input, top + k, weight, (k + derivative_reach) % store.slots, store);
+  for (int j = first; j < end; ++j) {
+    light(j);
+    const int start = (j - first) * step;  // first row of pixels, counted from the band's top
+    for (int k = 0; k < step; ++k) {
+      const int ahead = start + k + derivative_reach;
+      warp_row(input, top + ahead, weight, (ahead + derivative_reach) % store.slots, store);
+    }
+    std::fill(store.lower.begin(), store.lower.end(), 0.0f);
+    const int slot = (start + derivative_reach) % store.slots;
+    if (input.noise != nullptr) {
+      expand_points(*input.noise, lattice, j, store.line(store.noise));
+      expand_points(*input.tolerance, lattice, j, store.line(store.tolerance));
+      input.scores ? add_products<true, true>(input, slot, step, store)
+                   : add_products<true, false>(input, slot, step, store);
+    } else {
+      input.scores ? add_products<false, true>(input, slot, step, store)
+                   : add_products<false, false>(input, slot, step, store);
+    }
+    float* out[CellSums::planes];
+    for (int p = 0; p < planes; ++p) out[p] = sums.plane[p].data() + lattice.index(0, j);
+    reduce_row(store.upper.data() + row_padding, store.stride, planes, lattice, out);
+    std::swap(store.upper, store.lower);
+  }
+  float* out[CellSums::planes];
+  for (int p = 0; p < planes; ++p) out[p] = tail.data() + p * lattice.nx;
+  reduce_row(store.upper.data() + row_padding, store.stride, planes, lattice, out);
+}
+
+const char* target_name() { return hwy::TargetName(HWY_TARGET); }
+
+}  // namespace pivnp::piv::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace pivnp::piv {
+
+HWY_EXPORT(sum_band);
+HWY_EXPORT(target_name);
+
+void PixelFlags::resize(int width, int height) {
+  width_ = width, height_ = height, tiles_ = (width + tile - 1) / tile;
+  flag_.assign(std::size_t(width) * std::size_t(height), 0);
+  tile_flag_.assign(std::size_t(tiles_) * std::size_t((height + tile - 1) / tile), 0);
+}
+
+void PixelFlags::mark(int column, int row, int reach) {
+  for (int r = std::max(0, row - reach); r <= std::min(height_ - 1, row + reach); ++r)
+    for (int c = std::max(0, column - reach); c <= std::min(width_ - 1, column + reach); ++c) {
+      flag_[std::size_t(r) * std::size_t(width_) + std::size_t(c)] = 1;
+      tile_flag_[std::size_t(r / tile) * std::size_t(tiles_) + std::size_t(c / tile)] = 1;
+    }
+}
+
+bool PixelFlags::any(int column0, int row0, int column1, int row1) const {
+  const int c0 = std::clamp(column0, 0, width_ - 1) / tile, c1 = std::clamp(column1, 0, width_ - 1) / tile;
+  const int r0 = std::clamp(row0, 0, height_ - 1) / tile, r1 = std::clamp(row1, 0, height_ - 1) / tile;
+  for (int r = r0; r <= r1; ++r)
+    for (int c = c0; c <= c1; ++c)
+      if (tile_flag_[std::size_t(r) * std::size_t(tiles_) + std::size_t(c)]) return true;
+  return false;
+}
+
+void accumulate_sums(const SumsInput& input, int threads, CellSums& sums) {
+  const CellLattice& lattice = input.field->lattice();
+  const int planes = input.scores ? int(CellSums::planes) : int(CellSums::basic);
+  sums.lattice = lattice;
+  for (int p = 0; p < planes; ++p) sums.plane[p].resize(lattice.size());
+  const int bands = (lattice.ny - 1 + cell_rows_per_band - 1) / cell_rows_per_band;
+  std::vector<std::vector<float>> tails(static_cast<std::size_t>(bands));
+#pragma omp parallel num_threads(threads)
+  {
+    RowStore store;
+    store.prepare((lattice.nx - 1) * lattice.step, lattice.step, lattice.nx, planes);
+#pragma omp for schedule(dynamic, 1)
+    for (int band = 0; band < bands; ++band) {
+      tails[std::size_t(band)].resize(std::size_t(planes) * std::size_t(lattice.nx));
+      HWY_DYNAMIC_DISPATCH(sum_band)(input, band, sums, tails[std::size_t(band)], store);
+    }
+  }
+  for (int band = 0; band < bands; ++band) {
+    const int j = std::min((band + 1) * cell_rows_per_band, lattice.ny - 1);
+    const bool last = j == lattice.ny - 1;  // no band starts there
+    for (int p = 0; p < planes; ++p)
+      for (int i = 0; i < lattice.nx; ++i) {
+        float& sum = sums.plane[p][lattice.index(i, j)];
+        const float more = tails[std::size_t(band)][std::size_t(p) * std::size_t(lattice.nx) + std::size_t(i)];
+        sum = last ? more : sum + more;
+      }
+  }
+}
+
+const char* simd_target() { return HWY_DYNAMIC_DISPATCH(target_name)(); }
+
+}  // namespace pivnp::piv
+#endif

@@ -1,0 +1,132 @@
+#include "pivnp/piv/window_passes.hpp"
+
+#include <omp.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace pivnp::piv {
+
+namespace {
+
+constexpr int search_side = 32;        // pixels of a decimated image that a search window keeps at least
+constexpr float converged_px = 0.01f;  // root mean square change of the predictor's vectors
+constexpr float smoothing = 0.3f;      // standard deviation of the predictor's weights over the window's side
+
+}  // namespace
+
+int decimation_of(int side, int last_side) {
+  int decimation = 1;
+  while (side > last_side && side / (2 * decimation) >= search_side) decimation *= 2;
+  return decimation;
+}
+
+WindowPasses::WindowPasses(const PivOptions& options, const NodeLattice& nodes, int width, int height, int threads)
+    : options_(options),
+      nodes_(nodes),
+      width_(width),
+      height_(height),
+      threads_(std::max(1, threads)),
+      anchor_(options.anchor == "central" ? Anchor::central : Anchor::forward) {}
+
+void WindowPasses::add(int side, int decimation, float step, int passes, bool searches) {
+  WindowStage stage;
+  stage.decimation = decimation;
+  stage.side = side / decimation * decimation;
+  stage.lattice = even_lattice(bounding_box(nodes_, static_cast<float>(side) / 2, width_, height_), step);
+  stage.points = nodes_near(stage.lattice, nodes_, 1.5f * std::max(node_spacing(nodes_), step));
+  stage.passes = passes;
+  stage.searches = searches;
+  for (int t = 0; t < threads_; ++t) stage.tools.emplace_back(stage.level_side(), searches);
+  if (std::none_of(levels_.begin(), levels_.end(), [&](const Level& l) { return l.decimation == decimation; }))
+    levels_.emplace_back().decimation = decimation;
+  stages_.push_back(std::move(stage));
+}
+
+Level& WindowPasses::level(int decimation) {
+  return *std::find_if(levels_.begin(), levels_.end(), [&](const Level& l) { return l.decimation == decimation; });
+}
+
+void WindowPasses::take_images(const ImageView& first, const ImageView& second, const MaskView& mask) {
+  rounding_variance_ = first.depth == PixelDepth::f32 ? 1e-14f * first.white * first.white : 1.0f / 12.0f;
+  for (Level& l : levels_) {
+    l.first.assign(first, mask, l.decimation, threads_);
+    l.second.assign(second, mask, l.decimation, threads_);
+    l.mask.clear();
+    if (mask.data == nullptr) continue;
+    const int d = l.decimation;
+    l.mask.resize(std::size_t(l.first.width()) * std::size_t(l.first.height()));
+    for (int r = 0; r < l.first.height(); ++r)
+      for (int c = 0; c < l.first.width(); ++c) {
+        int usable = 0;
+        for (int dr = 0; dr < d; ++dr)
+          for (int dc = 0; dc < d; ++dc) usable += mask.usable(c * d + dc, r * d + dr);
+        l.mask[std::size_t(r) * std::size_t(l.first.width()) + std::size_t(c)] = 2 * usable > d * d;
+      }
+  }
+}
+
+const WarpedPair& WindowPasses::warp(const WindowStage& stage) {
+  const Level& l = level(stage.decimation);
+  const Box full = bounding_box(
+      nodes_, static_cast<float>(stage.side) + 2.0f * std::max(stage.lattice.dx, stage.lattice.dy), width_, height_);
+  const int d = stage.decimation;
+  const Box box{full.x0 / d, full.y0 / d, std::min((full.x1 + d - 1) / d, l.first.width()),
+                std::min((full.y1 + d - 1) / d, l.first.height())};
+  warp_pair(l, predictor_, anchor_, box, threads_, warped_);
+  return warped_;
+}
+
+const PredictorField& WindowPasses::find(const ImageView& first, const ImageView& second, const MaskView& mask) {
+  take_images(first, second, mask);
+  predictor_ = {};
+  for (WindowStage& stage : stages_) improve_predictor(stage);
+  return predictor_;
+}
+
+bool WindowPasses::textured(const Window& window) const {
+  return std::min(window.variance_f, window.variance_g) > 4 * rounding_variance_;
+}
+
+void WindowPasses::improve_predictor(WindowStage& stage) {
+  VectorGrid found{stage.lattice.nx, stage.lattice.ny, {}, {}};
+  for (int pass = 0; pass < stage.passes; ++pass) {
+    const float change = measure(stage, stage.searches && pass == 0 ? Search::far : Search::near, found);
+    median_test(found, options_.median_threshold, options_.median_floor_px * stage.decimation, threads_);
+    const float step = std::min(stage.lattice.dx, stage.lattice.dy);
+    predictor_.fit(stage.lattice, found.displacement, found.good,
+                   std::max(0.5f, smoothing * static_cast<float>(stage.side) / step), threads_);
+    if (options_.passes == 0 && !stage.searches && change < converged_px) break;
+  }
+}
+
+// Measures the stage's even lattice; returns the root mean square residual of the good vectors in pixels.
+float WindowPasses::measure(WindowStage& stage, Search search, VectorGrid& found) {
+  warp(stage);
+  const Level& l = level(stage.decimation);
+  const std::size_t count = stage.points.pixel.size();
+  found.displacement.assign(count, {0, 0});
+  found.good.assign(count, 0);
+  std::vector<float> change(count, 0.0f);
+  const auto least_score = static_cast<float>(0.5 * options_.min_score);
+#pragma omp parallel for num_threads(threads_) schedule(dynamic, 16)
+  for (std::size_t k = 0; k < count; ++k) {
+    if (!switched_on(stage.points, k)) continue;
+    WindowTools& tools = stage.tools[std::size_t(omp_get_thread_num())];
+    const auto [x, y] = stage.points.pixel[k];
+    tools.window.cut(warped_, l.from_full(x), l.from_full(y));
+    if (!enough(tools.window) || !textured(tools.window)) continue;
+    const Peak peak = tools.find(search);
+    if (!(peak.score >= least_score) || (search == Search::far && !peak.interior)) continue;
+    const auto predicted = predictor_.at(x, y);
+    const auto d = static_cast<float>(stage.decimation);
+    found.displacement[k] = {predicted[0] + d * peak.dx, predicted[1] + d * peak.dy};
+    found.good[k] = 1;
+    change[k] = d * d * (peak.dx * peak.dx + peak.dy * peak.dy);
+  }
+  double sum = 0, good = 0;
+  for (std::size_t k = 0; k < count; ++k) sum += change[k], good += found.good[k];
+  return good > 0 ? static_cast<float>(std::sqrt(sum / good)) : 0.0f;
+}
+
+}  // namespace pivnp::piv

@@ -1,0 +1,82 @@
+// Passes of cross-correlated windows on even lattices, from large windows to small: they find the predictor.
+#pragma once
+
+#include <vector>
+
+#include "pivnp/piv/correlate.hpp"
+#include "pivnp/piv/piv.hpp"
+#include "pivnp/piv/uncertainty.hpp"
+#include "pivnp/piv/validate.hpp"
+#include "pivnp/piv/warp.hpp"
+
+namespace pivnp::piv {
+
+enum class Search { far, near };
+
+/// What one thread needs for windows of one side.
+struct WindowTools {
+  WindowTools(int side, bool far) : window(side), near(side), uncertainty(side) {
+    if (far) fft.emplace_back(side);
+  }
+  Window window;
+  NearCorrelator near;
+  std::vector<FftCorrelator> fft;  // one, if this side is searched far
+  UncertaintyEstimator uncertainty;
+
+  Peak find(Search search) { return search == Search::far ? fft.front().find(window) : near.find(window); }
+};
+
+/// One window size: the resolution its images are taken at, and the even lattice its predictor is measured on.
+struct WindowStage {
+  int side = 0;  // pixels of the full image
+  int decimation = 1;
+  EvenLattice lattice;
+  NodeLattice points;
+  int passes = 0;                  // on the even lattice
+  bool searches = false;           // the first of them searches far; the others refine
+  std::vector<WindowTools> tools;  // one a thread
+
+  int level_side() const { return side / decimation; }
+};
+
+/// Decimation at which about 32 pixels of a window are left; the last window always sees the full image.
+int decimation_of(int side, int last_side);
+
+class WindowPasses {
+ public:
+  WindowPasses(const PivOptions& options, const NodeLattice& nodes, int width, int height, int threads);
+
+  /// A stage after those before it: `step` is its lattice's spacing in pixels.
+  void add(int side, int decimation, float step, int passes, bool searches);
+  bool empty() const { return stages_.empty(); }
+  WindowStage& last() { return stages_.back(); }
+
+  /// Takes the frames and runs every stage from a predictor of zero.
+  const PredictorField& find(const ImageView& first, const ImageView& second, const MaskView& mask);
+  const PredictorField& predictor() const { return predictor_; }
+
+  /// Both frames warped by the predictor at the stage's resolution, over what its windows see.
+  const WarpedPair& warp(const WindowStage& stage);
+  const Level& images(const WindowStage& stage) { return level(stage.decimation); }
+  bool enough(const Window& window) const { return window.usable >= static_cast<float>(options_.min_usable); }
+  bool textured(const Window& window) const;
+  float rounding_variance() const { return rounding_variance_; }
+
+ private:
+  void take_images(const ImageView& first, const ImageView& second, const MaskView& mask);
+  Level& level(int decimation);
+  void improve_predictor(WindowStage& stage);
+  float measure(WindowStage& stage, Search search, VectorGrid& found);
+
+  PivOptions options_;
+  NodeLattice nodes_;
+  int width_, height_, threads_;
+  Anchor anchor_;
+  std::vector<WindowStage> stages_;
+  std::vector<Level> levels_;
+  PredictorField predictor_;
+  WarpedPair warped_;
+  float rounding_variance_ = 0;  // grey^2
+};
+
+}  // namespace pivnp::piv
