@@ -79,8 +79,9 @@ class GaussNewton final : public Method {
     const std::vector<int> sides = window_sides(options, width, height);
     if (bounding_box(nodes_, static_cast<float>(sides.front()) / 2, width, height).empty()) return;
     const int side = sides.front();
-    windows_.add(side, decimation_of(side, sides.back()), static_cast<float>(side) / 2, 2, true);
-    const int passes[3] = {int(knob("P1", 4)), int(knob("P2", 3)), int(knob("P4", 2))};
+    windows_.add(side, decimation_of(side, sides.back()), static_cast<float>(side) / 2, int(knob("S1P", 2)), true);
+    if (knob("S2", 1) > 0 && side / 2 > options.window_px) windows_.add(side / 2, std::min(decimation_of(side, sides.back()), std::max(1, side / 2 / int(knob("S2W", 16)))), static_cast<float>(side) / 4, int(knob("S2P", 1)), true);
+    const int passes[3] = {int(knob("P1", 3)), int(knob("P2", 3)), int(knob("P4", 4))};
     for (int k = 2; k >= 0; --k) {
       if (passes[k] == 0) continue;
       GnLevel l;
@@ -106,6 +107,7 @@ class GaussNewton final : public Method {
     }
     if (windows_.empty()) return;
     Timer timer;
+    light_ = {};
     const PredictorField& start = windows_.find(first, second, mask);
     timer.lap("search");
     std::vector<float> u, v;
@@ -114,7 +116,7 @@ class GaussNewton final : public Method {
     CellSums sums;
     Shrunk su, sv;
     for (GnLevel& l : levels_) {
-      const float smoothing = l.decimation == 1 ? knob("SMOOTH", 0.1f) : 0.0f;
+      const float smoothing = l.decimation == 1 ? knob("SMOOTH", 0.13f) : 0.0f;
       l.first.assign(first, mask, l.decimation, threads_, smoothing);
       l.second.assign(second, mask, l.decimation, threads_, smoothing);
       const bool flags = l.decimation == 1 && (find_flags(first, mask, l.first_flags) | find_flags(second, mask, l.second_flags));
@@ -145,12 +147,18 @@ class GaussNewton final : public Method {
         in.share_first = anchor_ == Anchor::central ? -0.5f : 0.0f;
         in.share_second = anchor_ == Anchor::central ? 0.5f : 1.0f;
         if (!noise.empty()) in.noise = &noise, in.tolerance = &tolerance;
-        in.scores = l.decimation == 1 && pass + 1 == l.passes;
+        in.scores = (l.decimation == 1 || before == nullptr) && pass + 1 == l.passes;
+        std::vector<float> gain, offset;
+        if (light_.lattice.nx > 0) {
+          light_at(l, gain, offset);
+          in.gain = &gain, in.offset = &offset;
+        }
         accumulate_sums(in, threads_, sums);
         timer.lap("sums");
         step(l, sums, shrinker, u, v, removed_u, removed_v, su, sv, noise, tolerance);
         timer.lap("field");
       }
+      if (before == nullptr && &l != &levels_.back() && knob("LIGHT", 1) > 0) find_light(l, sums);
       field.interpolate(l.lattice, u, v);
       before = &l;
     }
@@ -171,10 +179,51 @@ class GaussNewton final : public Method {
     return any;
   }
 
+  struct Light {
+    CellLattice lattice;  // of the level
+    int decimation = 1;
+    std::vector<float> gain, offset;
+  };
+
+  void find_light(const GnLevel& l, const CellSums& s) {
+    std::vector<float> sum[6];
+    const CellSums::Plane planes[6] = {CellSums::usable, CellSums::f, CellSums::g, CellSums::ff, CellSums::gg, CellSums::fg};
+    for (int p = 0; p < 6; ++p) box(l.lattice, s[planes[p]], 2, sum[p]);
+    light_.lattice = l.lattice, light_.decimation = l.decimation;
+    light_.gain.resize(l.lattice.size()), light_.offset.resize(l.lattice.size());
+    float most = 0;
+    for (std::size_t k = 0; k < l.lattice.size(); ++k) {
+      const float n = std::max(sum[0][k], 1e-3f), f = sum[1][k] / n, g = sum[2][k] / n;
+      const float vf = sum[3][k] / n - f * f, vg = sum[4][k] / n - g * g;
+      const float gain = vf > 0.1f && vg > 0.1f ? std::clamp(std::sqrt(vf / vg), 0.5f, 2.0f) : 1.0f;
+      light_.gain[k] = gain, light_.offset[k] = f - gain * g;
+      most = std::max(most, std::max(std::abs(gain - 1), std::abs(light_.offset[k]) / 50));
+    }
+    if (std::getenv("GNLIGHT")) std::fprintf(stderr, "light most %.4f\n", most);
+    if (most < knob("LMIN", 0.01f)) light_ = {};
+  }
+
+  void light_at(const GnLevel& l, std::vector<float>& gain, std::vector<float>& offset) const {
+    gain.resize(l.lattice.size()), offset.resize(l.lattice.size());
+    const CellLattice& c = light_.lattice;
+    for (int j = 0; j < l.lattice.ny; ++j)
+      for (int i = 0; i < l.lattice.nx; ++i) {
+        const float d = float(light_.decimation);
+        const float x = ((l.to_full(float(l.lattice.x0 + i * cell_)) - 0.5f * (d - 1)) / d - float(c.x0)) / float(c.step);
+        const float y = ((l.to_full(float(l.lattice.y0 + j * cell_)) - 0.5f * (d - 1)) / d - float(c.y0)) / float(c.step);
+        const int a = std::clamp(int(std::floor(x)), 0, c.nx - 2), b = std::clamp(int(std::floor(y)), 0, c.ny - 2);
+        const float s = std::clamp(x - float(a), 0.0f, 1.0f), t = std::clamp(y - float(b), 0.0f, 1.0f);
+        const auto mix = [&](const std::vector<float>& v) {
+          return (1 - t) * ((1 - s) * v[c.index(a, b)] + s * v[c.index(a + 1, b)]) + t * ((1 - s) * v[c.index(a, b + 1)] + s * v[c.index(a + 1, b + 1)]);
+        };
+        gain[l.lattice.index(i, j)] = mix(light_.gain), offset[l.lattice.index(i, j)] = mix(light_.offset);
+      }
+  }
+
   void step(const GnLevel& l, const CellSums& s, const Shrinker& shrinker, std::vector<float>& u, std::vector<float>& v,
             std::vector<float>& removed_u, std::vector<float>& removed_v, Shrunk& su, Shrunk& sv, std::vector<float>& noise, std::vector<float>& tolerance) {
     const std::size_t n = l.lattice.size();
-    static const float mu_share = knob("MU", 0.05f), strength = knob("STRENGTH", 1.5f), c1 = knob("C1", 3.0f), kappa0 = knob("K0", 0.1f),
+    static const float mu_share = knob("MU", 0.05f), strength = knob("STRENGTH", 2.5f), c1 = knob("C1", 3.0f), kappa0 = knob("K0", 0.1f),
                        kappa1 = knob("K1", 0.1f), cap = knob("CAP", 1.5f), widen = knob("WIDEN", 0);
     CellSums w;
     const CellSums* h = &s;
@@ -218,7 +267,7 @@ class GaussNewton final : public Method {
       su.variance = fu.variance, sv.variance = fv.variance;
     }
     // robust scale
-    if (c1 > 0) {
+    if (c1 > 0 && l.decimation <= int(knob("RL", 2))) {
       std::vector<float> ee, ww;
       smooth3(l.lattice, s[CellSums::wee], ee);
       smooth3(l.lattice, s[CellSums::weight], ww);
@@ -269,6 +318,7 @@ class GaussNewton final : public Method {
   Anchor anchor_;
   WindowPasses windows_;
   int cell_ = 8;
+  Light light_;
   std::vector<GnLevel> levels_;
 };
 

@@ -3,13 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
+#include <cstdio>
 
 namespace pivnp::piv {
 
 namespace {
 
-constexpr int most = 16;  // points of a block along an axis
-constexpr int block_step = 4;
+constexpr int most = 32;  // points of a block along an axis
+const float cap = std::getenv("SCAP") ? std::atof(std::getenv("SCAP")) : 4;
+const float clear = std::getenv("SCLEAR") ? std::atof(std::getenv("SCLEAR")) : 12;
 using Block = std::array<float, most * most>;
 
 std::vector<float> dct_matrix(int n) {
@@ -21,7 +24,7 @@ std::vector<float> dct_matrix(int n) {
   return m;
 }
 
-std::vector<int> starts(int points, int side) {
+std::vector<int> starts(int points, int side, int block_step) {
   std::vector<int> at;
   for (int k = 0; k < points - side; k += block_step) at.push_back(k);
   at.push_back(points - side);
@@ -37,7 +40,7 @@ void transform(const float* a, const float* b, int ny, int nx, bool back, const 
     for (int k = 0; k < ny; ++k) {
       const float factor = back ? a[k * ny + r] : a[r * ny + k];
       const float* from = in.data() + k * most;
-      for (int x = 0; x < most; ++x) line[x] += factor * from[x];
+      for (int x = 0; x < nx; ++x) line[x] += factor * from[x];
     }
   }
   for (int r = 0; r < ny; ++r) {
@@ -90,10 +93,11 @@ float noise_scale(const Block& ratio, int nx, int ny) {
 
 }  // namespace
 
-Shrinker::Shrinker(const CellLattice& lattice)
+BlockLayer::BlockLayer(const CellLattice& lattice, int side, int block_step)
     : lattice_(lattice),
-      bx_(std::min(most, lattice.nx)),
-      by_(std::min(most, lattice.ny)),
+      step_(block_step),
+      bx_(std::min(side, lattice.nx)),
+      by_(std::min(side, lattice.ny)),
       dct_x_(dct_matrix(bx_)),
       dct_y_(dct_matrix(by_)) {
   const auto axis = [](int k, int n) { return 0.05f + std::sin(static_cast<float>(M_PI) * (float(k) + 0.5f) / float(n)); };
@@ -105,11 +109,8 @@ Shrinker::Shrinker(const CellLattice& lattice)
     }
 }
 
-void Shrinker::run(const NoisyField& in, float strength, int threads, Shrunk& out) const {
-  const std::vector<int> rows = starts(lattice_.ny, by_), columns = starts(lattice_.nx, bx_);
-  const std::size_t points = lattice_.size();
-  for (auto* v : {&out.value, &out.variance, &out.removed, &out.lost}) v->assign(points, 0.0f);
-  std::vector<float> weight(points, 0.0f);
+void BlockLayer::add(const NoisyField& in, float strength, int threads, Shrunk& out, std::vector<float>& weight) const {
+  const std::vector<int> rows = starts(lattice_.ny, by_, step_), columns = starts(lattice_.nx, bx_, step_);
   // Blocks of one row of blocks overlap those of the next three only: every fourth row at once, in a fixed order.
   struct Result {
     Block value;
@@ -146,10 +147,11 @@ void Shrinker::run(const NoisyField& in, float strength, int threads, Shrunk& ou
           for (int a2 = -1; a2 <= 1; ++a2) {
             if (r + b2 < 0 || r + b2 >= by_ || c + a2 < 0 || c + a2 >= bx_) continue;
             const float w = (a2 == 0 ? 2.0f : 1.0f) * (b2 == 0 ? 2.0f : 1.0f);
-            sum += w * ratio[std::size_t((r + b2) * most + c + a2)], all += w;
+            sum += w * std::min(ratio[std::size_t((r + b2) * most + c + a2)], cap), all += w;
           }
         const std::size_t k = std::size_t(r * most + c);
-        const float gain = std::max(0.0f, 1 - strength * all / std::max(sum, 1e-6f));
+        float gain = std::max(0.0f, 1 - strength * all / std::max(sum, 1e-6f));
+        if (ratio[k] > clear) gain = std::max(gain, 1 - strength / ratio[k]);
         const float shape = spectrum_[std::size_t(r * bx_ + c)];
         kept += gain * gain * shape;
         removed += (1 - gain) * (1 - gain) * shape;
@@ -161,7 +163,7 @@ void Shrinker::run(const NoisyField& in, float strength, int threads, Shrunk& ou
     result.variance = variance * kept / count;
     result.removed = removed / count;
     result.lost = lost / count;
-    result.weight = 1 / kept;
+    result.weight = count / 256 / kept;
     const float mx = 0.5f * static_cast<float>(bx_ - 1), my = 0.5f * static_cast<float>(by_ - 1);
     for (int r = 0; r < by_; ++r)
       for (int c = 0; c < bx_; ++c)
@@ -183,6 +185,19 @@ void Shrinker::run(const NoisyField& in, float strength, int threads, Shrunk& ou
         weight[k] += w;
       }
   }
+}
+
+Shrinker::Shrinker(const CellLattice& lattice) {
+  const char* spec = std::getenv("LAYERS") ? std::getenv("LAYERS") : "8,4/16,8/32,16";
+  int a, b, n;
+  while (std::sscanf(spec, "%d,%d%n", &a, &b, &n) == 2) { layers_.emplace_back(lattice, a, b); spec += n; if (*spec) ++spec; }
+}
+
+void Shrinker::run(const NoisyField& in, float strength, int threads, Shrunk& out) const {
+  const std::size_t points = in.value.size();
+  for (auto* v : {&out.value, &out.variance, &out.removed, &out.lost}) v->assign(points, 0.0f);
+  std::vector<float> weight(points, 0.0f);
+  for (const BlockLayer& layer : layers_) layer.add(in, strength, threads, out, weight);
   for (std::size_t k = 0; k < points; ++k)
     for (auto* v : {&out.value, &out.variance, &out.removed, &out.lost}) (*v)[k] /= weight[k];
 }

@@ -26,17 +26,27 @@ struct Shrunk {
 /// averaged with weights that favour blocks of few terms. Waves, bands and other structures above the noise stay; noise
 /// elsewhere is averaged over up to a block. Noise is taken to be correlated as hat-weighted cells are.
 /// Sources: Cai 1999 (block James-Stein), Dabov et al. 2007 (overlapping blocks, weights).
+class BlockLayer {
+ public:
+  BlockLayer(const CellLattice& lattice, int side, int block_step);
+  void add(const NoisyField& in, float strength, int threads, Shrunk& out, std::vector<float>& weight) const;
+
+ private:
+  CellLattice lattice_;
+  int step_;
+  int bx_, by_;                         // points of a block
+  std::vector<float> dct_x_, dct_y_;    // [frequency][point], orthonormal
+  std::vector<float> window_;           // [by][bx]
+  std::vector<float> spectrum_;         // [by][bx] of noise of unit variance
+};
+
 class Shrinker {
  public:
   explicit Shrinker(const CellLattice& lattice);
   void run(const NoisyField& in, float strength, int threads, Shrunk& out) const;
 
  private:
-  CellLattice lattice_;
-  int bx_, by_;                         // points of a block
-  std::vector<float> dct_x_, dct_y_;    // [frequency][point], orthonormal
-  std::vector<float> window_;           // [by][bx]
-  std::vector<float> spectrum_;         // [by][bx] of noise of unit variance
+  std::vector<BlockLayer> layers_;
 };
 
 }  // namespace pivnp::piv
