@@ -20,6 +20,8 @@ const char* usage =
     "  --side PX (1024)  --spacing PX (8)  --margin PX (48)  --threads N (1)  --repeats N (3)  --seeds A,B,.. (101)\n"
     "  --method NAME[:KEY=VALUE..],.. (default)  --window PX (32)  --anchor central|forward (central)\n"
     "  --rows REGEX (all)  --more (fields beside the table)  --csv FILE\n"
+    "  --map (instead of the table: flags against errors over a map of images, outliers put into fields)\n"
+    "  --real (instead of the table: real and published images, folder in the environment's PIVNP_TEST_DATA)\n"
     "  --texture blobs|soil  --blob PX (3)  --density N (0.05; soil 0.2)  --blur PX (0)  --bits 8|12|16\n";
 
 std::vector<std::string> split(const std::string& text) {
@@ -41,6 +43,7 @@ int run(int argc, char** argv) {
   BenchOptions options;
   piv::PivOptions base;
   std::vector<std::string> methods = {"default"};
+  int (*part)(const BenchOptions&) = table;
   std::string blob, density, blur, bits;
   const std::map<std::string, std::function<void(const std::string&)>> with_value = {
       {"side", [&](const std::string& v) { options.side = number<int>("side", v); }},
@@ -71,6 +74,8 @@ int run(int argc, char** argv) {
   };
   const std::map<std::string, std::function<void()>> flags = {
       {"more", [&] { options.more = true; }},
+      {"map", [&] { part = map; }},
+      {"real", [&] { part = real; }},
   };
   for (int a = 1; a < argc; ++a) {
     const std::string text = argv[a], key = text.starts_with("--") ? text.substr(2) : "";
@@ -92,7 +97,7 @@ int run(int argc, char** argv) {
       options.seeds.empty())
     throw InputError("found a side below four margins, or a count below 1, expected a field to measure");
   for (const std::string& method : methods) options.settings.push_back(parse_setting(method, base));
-  return table(options);
+  return part(options);
 }
 
 }  // namespace

@@ -2,12 +2,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <map>
 #include <memory>
 #include <regex>
 
 #include "pivnp/core/error.hpp"
 #include "tests/bench/piv/bench.hpp"
+#include "tests/support/piv_judge.hpp"
 #include "tests/support/piv_rows.hpp"
 #include "tests/support/piv_score.hpp"
 
@@ -28,50 +28,10 @@ struct File {
   }
 };
 
-struct Figures {
-  Errors e;
-  double width = NAN, rate = 0;
-};
-
-/// Worst and mean of a row, or of a group of rows, over the seeds.
-struct Judged {
-  std::string name = {};
-  RowKind kind = RowKind::clean;
-  RowLimits limits = {};
-  std::string clean_row = {};
-  double true_width = NAN;
-  double rms = 0, rms_sum = 0, bias = 0, valid = 1, gain = NAN, width = NAN, one = 0, two = 0, sigma = 0;
-  std::vector<double> rates = {};
-  int count = 0;
-
-  void add(const Figures& f) {
-    // a row without a valid vector has no rms: it must not pass
-    const auto worst = [](double a, double b) { return std::isnan(b) ? HUGE_VAL : std::max(a, b); };
-    rms = worst(rms, f.e.rms), bias = worst(bias, f.e.bias), valid = std::min(valid, f.e.valid);
-    rms_sum += f.e.rms, one += f.e.within_one, two += f.e.within_two, sigma += f.e.sigma;
-    if (limits.gain > 0 || name.starts_with("sine")) gain = std::isnan(gain) ? f.e.gain : std::min(gain, f.e.gain);
-    if (!std::isnan(f.width) && (std::isnan(width) || std::abs(f.width - true_width) > std::abs(width - true_width)))
-      width = f.width;
-    rates.push_back(f.rate), ++count;
-  }
-};
-
 double median(std::vector<double> values) {
   if (values.empty()) return NAN;
   std::sort(values.begin(), values.end());
   return values[values.size() / 2];
-}
-
-/// Largest figure over its limit; at most 1 if the row is met. Shares are compared by what is lacking.
-double excess(const Judged& j, double slack) {
-  double worst = 0;
-  if (j.limits.rms > 0) worst = std::max(worst, j.rms / (slack * j.limits.rms));
-  if (j.limits.bias > 0) worst = std::max(worst, j.bias / (slack * j.limits.bias));
-  if (j.limits.gain > 0 && !(j.gain >= 1 - slack * (1 - j.limits.gain)))
-    worst = std::max(worst, std::isnan(j.gain) ? HUGE_VAL : (1 - j.gain) / (slack * (1 - j.limits.gain)));
-  if (j.valid < j.limits.valid)
-    worst = std::max(worst, j.limits.valid < 1 ? (1 - j.valid) / (1 - j.limits.valid) : HUGE_VAL);
-  return worst;
 }
 
 std::string mark(double over) {
@@ -154,16 +114,6 @@ Figures measure(PairCorrelator& correlator, const image::SyntheticPair& pair, co
   return f;
 }
 
-Judged& judged(std::vector<Judged>& all, const Row& row) {
-  const std::string& name = row.group.empty() ? row.name : row.group;
-  for (Judged& j : all)
-    if (j.name == name) return j;
-  Judged j{.name = name, .kind = row.kind, .limits = row.limits, .clean_row = row.clean_row};
-  if (row.band_half_width > 0) j.true_width = 2 * std::atanh(0.8) * row.band_half_width;
-  all.push_back(j);
-  return all.back();
-}
-
 }  // namespace
 
 int table(const BenchOptions& options) {
@@ -212,11 +162,7 @@ int table(const BenchOptions& options) {
                 "mean", "bias", "limit", "valid%", "limit", "flag%", "gain", "limit", "width", "true", "1s%", "2s%",
                 "sigma", "vectors/s");
     for (Judged& j : found[s]) {
-      if (!j.clean_row.empty()) {  // a multiple of the clean row's figure, where that row was run
-        const auto clean = std::find_if(found[s].begin(), found[s].end(),
-                                        [&](const Judged& other) { return other.name == j.clean_row; });
-        j.limits.rms = clean == found[s].end() ? 0 : j.limits.rms * clean->rms / options.slack();
-      }
+      resolve(j, found[s], options.slack());
       print_row(j, options.slack());
     }
     const bool all = print_summary(options.settings[s], found[s], options.slack());
