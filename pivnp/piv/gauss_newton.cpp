@@ -306,7 +306,7 @@ class GaussNewton final : public Method {
       const int i = std::clamp(int(std::lround((x - float(l.lattice.x0)) / float(cell_))), 0, l.lattice.nx - 1);
       const int j = std::clamp(int(std::lround((y - float(l.lattice.y0)) / float(cell_))), 0, l.lattice.ny - 1);
       const std::size_t q = l.lattice.index(i, j);
-      vectors.cov[k] = {su.variance[q] + 1e-6f, sv.variance[q] + 1e-6f, 0};
+      vectors.cov[k] = {su.variance[q] + knob("FLOOR", 1e-6f), sv.variance[q] + knob("FLOOR", 1e-6f), 0};
       vectors.score[k] = score[q];
       vectors.status[k] = score[q] > float(options_.min_score) ? VectorStatus::valid : VectorStatus::rejected;
     }

@@ -11,6 +11,8 @@ namespace pivnp::piv {
 namespace {
 
 constexpr int most = 32;  // points of a block along an axis
+const float VG = std::getenv("VG") ? std::atof(std::getenv("VG")) : 0;
+const float VA = std::getenv("VA") ? std::atof(std::getenv("VA")) : 1, VF = std::getenv("VF") ? std::atof(std::getenv("VF")) : 1;
 const float cap = std::getenv("SCAP") ? std::atof(std::getenv("SCAP")) : 4;
 const float clear = std::getenv("SCLEAR") ? std::atof(std::getenv("SCLEAR")) : 12;
 using Block = std::array<float, most * most>;
@@ -84,8 +86,8 @@ Plane remove_plane(Block& block, int nx, int ny) {
 float noise_scale(const Block& ratio, int nx, int ny) {
   std::array<float, most * most> power;
   int count = 0;
-  for (int r = 3 * ny / 8; r < ny; ++r)
-    for (int c = 3 * nx / 8; c < nx; ++c) power[std::size_t(count++)] = ratio[std::size_t(r * most + c)];
+  for (int r = ny / 4; r < ny; ++r)
+    for (int c = nx / 4; c < nx; ++c) power[std::size_t(count++)] = ratio[std::size_t(r * most + c)];
   const auto middle = power.begin() + count / 2;
   std::nth_element(power.begin(), middle, power.begin() + count);
   return std::max(*middle / 0.4549f, 1e-6f);
@@ -139,7 +141,7 @@ void BlockLayer::add(const NoisyField& in, float strength, int threads, Shrunk& 
     const float scale = noise_scale(ratio, bx_, by_);
     variance *= scale;
     for (float& q : ratio) q /= scale;
-    float kept = 3, removed = 0, lost = 0;
+    float kept = 3, left = 3, removed = 0, lost = 0;
     for (int r = 0; r < by_; ++r)
       for (int c = 0; c < bx_; ++c) {
         float sum = 0, all = 0;
@@ -153,14 +155,14 @@ void BlockLayer::add(const NoisyField& in, float strength, int threads, Shrunk& 
         float gain = std::max(0.0f, 1 - strength * all / std::max(sum, 1e-6f));
         if (ratio[k] > clear) gain = std::max(gain, 1 - strength / ratio[k]);
         const float shape = spectrum_[std::size_t(r * bx_ + c)];
-        kept += gain * gain * shape;
+        kept += gain * gain * shape, left += gain * shape;
         removed += (1 - gain) * (1 - gain) * shape;
         lost += (1 - gain) * (1 - gain) * std::max(0.0f, spectrum[k] * spectrum[k] - variance * shape);
         spectrum[k] *= gain;
       }
     transform(dct_y_.data(), dct_x_.data(), by_, bx_, true, spectrum, block);
     const float count = static_cast<float>(bx_ * by_);
-    result.variance = variance * kept / count;
+    result.variance = variance * (3 + VA * (left - 3) + VG * std::sqrt(left - 3)) / count * VF;
     result.removed = removed / count;
     result.lost = lost / count;
     result.weight = count / 256 / kept;
