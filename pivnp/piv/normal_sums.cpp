@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "pivnp/piv/normal_sums.cpp"
@@ -16,6 +17,7 @@ namespace pivnp::piv {
 constexpr int derivative_reach = 2;
 constexpr float derivative_1 = 0.74f, derivative_2 = -0.12f;  // 2 d1 + 4 d2 = 1: exact for slopes
 constexpr int cell_rows_per_band = 8;
+constexpr int most_step = 64;    // pixels of a cell
 constexpr int row_padding = 32;  // floats before and behind a row buffer, at least a vector and the derivative's reach
 
 // Rows of pixels kept while a band of cells is summed; column k of a buffer is the lattice's first column + k.
@@ -26,6 +28,7 @@ struct RowStore {
   std::vector<float> du, dv, ux, uy, noise, tolerance, gain, offset;
   std::vector<float> upper, lower;  // [planes][stride]: sums for the lattice row above and below
   std::vector<float> coefficients_u, coefficients_v;
+  std::vector<std::pair<int, int>> runs;  // columns of cells [first, end) that the band needs
 
   void prepare(int pixel_columns, int cell_step, int lattice_columns, int planes) {
     width = pixel_columns;
@@ -188,7 +191,7 @@ void scale_row(const float* in, float factor, int count, float* out) {
   for (int k = 0; k < count; k += static_cast<int>(hn::Lanes(d))) hn::StoreU(hn::Mul(s, hn::LoadU(d, in + k)), d, out + k);
 }
 
-// One row of both warped frames: mean, difference (light corrected) and use.
+// One row of both warped frames over the band's runs: mean, difference (light corrected) and use.
 void warp_row(const SumsInput& input, int row, const float (*weight)[4], int slot, RowStore& store) {
   const D d;
   const int lanes = static_cast<int>(hn::Lanes(d));
@@ -197,115 +200,112 @@ void warp_row(const SumsInput& input, int row, const float (*weight)[4], int slo
   float* difference = store.row(store.difference, slot);
   float* use = store.row(store.use, slot);
   const int height = input.first->height(), width = input.first->width();
-  if (row < 0 || row >= height) {
-    for (float* line : {mean, difference, use}) std::fill(line - row_padding, line - row_padding + store.stride, 0.0f);
-    return;
-  }
+  for (float* line : {mean, difference, use}) std::fill(line - row_padding, line - row_padding + store.stride, 0.0f);
+  if (row < 0 || row >= height) return;
   input.field->row_coefficients(static_cast<float>(row), store.coefficients_u.data(), store.coefficients_v.data());
-  float* du = store.line(store.du);
-  float* dv = store.line(store.dv);
-  expand_row(store.coefficients_u.data(), lattice.nx - 1, lattice.step, weight, du);
-  expand_row(store.coefficients_v.data(), lattice.nx - 1, lattice.step, weight, dv);
-  // Only columns that the image has.
-  const int first = std::max(0, -lattice.x0), end = std::min(store.width, width - lattice.x0);
-  if (first >= end) {
-    for (float* line : {mean, difference, use}) std::fill(line - row_padding, line - row_padding + store.stride, 0.0f);
-    return;
-  }
-  std::fill(use - row_padding, use - row_padding + store.stride, 0.0f);
   const bool framed = row >= derivative_reach && row < height - derivative_reach;
-  if (framed) {
-    const int from = std::max(first, derivative_reach - lattice.x0), to = std::min(end, width - derivative_reach - lattice.x0);
-    if (from < to) std::fill(use + from, use + to, 1.0f);
-  }
-  const int count = (end - first + lanes - 1) / lanes * lanes;
   float* f = store.line(store.f);
   float* g = store.line(store.g);
   float* ux = store.line(store.ux);
   float* uy = store.line(store.uy);
-  for (const bool second : {false, true}) {
-    const float share = second ? input.share_second : input.share_first;
-    scale_row(du + first, share, count, ux + first);
-    scale_row(dv + first, share, count, uy + first);
-    sample_row(second ? *input.second : *input.first, second ? input.second_flags : input.first_flags,
-               lattice.x0 + first, row, ux + first, uy + first, count, (second ? g : f) + first, use + first);
-  }
   const V half = hn::Set(d, 0.5f);
-  const float* gain = store.line(store.gain);
-  const float* offset = store.line(store.offset);
-  for (int k = first; k < first + count; k += lanes) {
-    const V a = hn::LoadU(d, f + k);
-    V b = hn::LoadU(d, g + k);
-    if (input.gain != nullptr) b = hn::MulAdd(hn::LoadU(d, gain + k), b, hn::LoadU(d, offset + k));
-    hn::StoreU(hn::Mul(half, hn::Add(a, b)), d, mean + k);
-    hn::StoreU(hn::Sub(a, b), d, difference + k);
+  for (const auto& [cell, cell_end] : store.runs) {
+    // Only columns that the image has; the derivative is not taken at its edge.
+    const int begin = std::max(cell * lattice.step, -lattice.x0);
+    const int end = std::min(cell_end * lattice.step, width - lattice.x0);
+    if (begin >= end) continue;
+    const int count = (end - begin + lanes - 1) / lanes * lanes;
+    const int from = std::max(begin, derivative_reach - lattice.x0), to = std::min(end, width - derivative_reach - lattice.x0);
+    if (framed && from < to) std::fill(use + from, use + to, 1.0f);
+    const int start = cell * lattice.step;
+    expand_row(store.coefficients_u.data() + cell, cell_end - cell, lattice.step, weight, store.line(store.du) + start);
+    expand_row(store.coefficients_v.data() + cell, cell_end - cell, lattice.step, weight, store.line(store.dv) + start);
+    for (const bool second : {false, true}) {
+      const float share = second ? input.share_second : input.share_first;
+      scale_row(store.line(store.du) + begin, share, count, ux + begin);
+      scale_row(store.line(store.dv) + begin, share, count, uy + begin);
+      sample_row(second ? *input.second : *input.first, second ? input.second_flags : input.first_flags,
+                 lattice.x0 + begin, row, ux + begin, uy + begin, count, (second ? g : f) + begin, use + begin);
+    }
+    const float* gain = store.line(store.gain);
+    const float* offset = store.line(store.offset);
+    for (int k = begin; k < begin + count; k += lanes) {
+      const V a = hn::LoadU(d, f + k);
+      V b = hn::LoadU(d, g + k);
+      if (input.gain != nullptr) b = hn::MulAdd(hn::LoadU(d, gain + k), b, hn::LoadU(d, offset + k));
+      hn::StoreU(hn::Mul(half, hn::Add(a, b)), d, mean + k);
+      hn::StoreU(hn::Sub(a, b), d, difference + k);
+    }
+    for (float* line : {mean, difference, use}) std::fill(line + end, line + begin + count, 0.0f);
   }
-  // Beyond the image's edge: nothing to use; the derivative there is not taken.
-  std::fill(use + end, use - row_padding + store.stride, 0.0f);
 }
 
-// The products of `rows` rows of pixels, added to the sums of the lattice rows above and below.
+// The products of `rows` rows of pixels in a strip of columns from c on, one vector wide, added to the sums of the
+// lattice rows above and below.
 template <bool robust, bool scores>
-HWY_NOINLINE void add_products(const SumsInput& input, int first_slot, int rows, RowStore& store) {
+HWY_INLINE void add_strip(int c, int first_slot, int rows, RowStore& store) {
   const D d;
-  const int lanes = static_cast<int>(hn::Lanes(d));
   constexpr int planes = scores ? int(CellSums::planes) : int(CellSums::basic);
   const V d1 = hn::Set(d, derivative_1), d2 = hn::Set(d, derivative_2), one = hn::Set(d, 1.0f), half = hn::Set(d, 0.5f);
   const auto slot = [&](int k) { return (first_slot + k) % store.slots; };
-  for (int c = 0; c < store.width; c += lanes) {
-    V up[planes], down[planes];
-    for (int p = 0; p < planes; ++p) {
-      up[p] = hn::LoadU(d, store.upper.data() + p * store.stride + row_padding + c);
-      down[p] = hn::LoadU(d, store.lower.data() + p * store.stride + row_padding + c);
+  V up[planes], down[planes];
+  for (int p = 0; p < planes; ++p) {
+    up[p] = hn::LoadU(d, store.upper.data() + p * store.stride + row_padding + c);
+    down[p] = hn::LoadU(d, store.lower.data() + p * store.stride + row_padding + c);
+  }
+  const V noise = robust ? hn::LoadU(d, store.line(store.noise) + c) : one;
+  const V tolerance = robust ? hn::LoadU(d, store.line(store.tolerance) + c) : one;
+  for (int k = 0; k < rows; ++k) {
+    const V use = hn::LoadU(d, store.row(store.use, slot(k)) + c);
+    const float* m = store.row(store.mean, slot(k)) + c;
+    const V e = hn::LoadU(d, store.row(store.difference, slot(k)) + c);
+    const V gx = hn::MulAdd(d1, hn::Sub(hn::LoadU(d, m + 1), hn::LoadU(d, m - 1)),
+                            hn::Mul(d2, hn::Sub(hn::LoadU(d, m + 2), hn::LoadU(d, m - 2))));
+    const auto at = [&](int dy) { return hn::LoadU(d, store.row(store.mean, slot(k + store.slots + dy)) + c); };
+    const V gy = hn::MulAdd(d1, hn::Sub(at(1), at(-1)), hn::Mul(d2, hn::Sub(at(2), at(-2))));
+    V w = use;
+    const V ee = hn::Mul(e, e);
+    if (robust) {
+      const V bound = hn::MulAdd(tolerance, hn::MulAdd(gx, gx, hn::Mul(gy, gy)), noise);
+      const V q = hn::Div(bound, hn::Add(bound, ee));
+      w = hn::Mul(w, hn::Mul(q, q));
     }
-    const V noise = robust ? hn::LoadU(d, store.line(store.noise) + c) : one;
-    const V tolerance = robust ? hn::LoadU(d, store.line(store.tolerance) + c) : one;
-    for (int k = 0; k < rows; ++k) {
-      const V use = hn::LoadU(d, store.row(store.use, slot(k)) + c);
-      const float* m = store.row(store.mean, slot(k)) + c;
-      const V e = hn::LoadU(d, store.row(store.difference, slot(k)) + c);
-      const V gx = hn::MulAdd(d1, hn::Sub(hn::LoadU(d, m + 1), hn::LoadU(d, m - 1)),
-                              hn::Mul(d2, hn::Sub(hn::LoadU(d, m + 2), hn::LoadU(d, m - 2))));
-      const auto at = [&](int dy) { return hn::LoadU(d, store.row(store.mean, slot(k + store.slots + dy)) + c); };
-      const V gy = hn::MulAdd(d1, hn::Sub(at(1), at(-1)), hn::Mul(d2, hn::Sub(at(2), at(-2))));
-      V w = use;
-      const V ee = hn::Mul(e, e);
-      if (robust) {
-        const V bound = hn::MulAdd(tolerance, hn::MulAdd(gx, gx, hn::Mul(gy, gy)), noise);
-        const V q = hn::Div(bound, hn::Add(bound, ee));
-        w = hn::Mul(w, hn::Mul(q, q));
-      }
-      const V wgx = hn::Mul(w, gx), wgy = hn::Mul(w, gy);
-      V product[planes];
-      product[CellSums::gxx] = hn::Mul(wgx, gx);
-      product[CellSums::gxy] = hn::Mul(wgx, gy);
-      product[CellSums::gyy] = hn::Mul(wgy, gy);
-      product[CellSums::gxe] = hn::Mul(wgx, e);
-      product[CellSums::gye] = hn::Mul(wgy, e);
-      product[CellSums::wee] = hn::Mul(w, ee);
-      product[CellSums::weight] = w;
-      product[CellSums::usable] = use;
-      if constexpr (scores) {
-        const V mean = hn::LoadU(d, m), f = hn::MulAdd(half, e, mean), g = hn::NegMulAdd(half, e, mean);
-        product[CellSums::f] = hn::Mul(use, f);
-        product[CellSums::g] = hn::Mul(use, g);
-        product[CellSums::ff] = hn::Mul(product[CellSums::f], f);
-        product[CellSums::gg] = hn::Mul(product[CellSums::g], g);
-        product[CellSums::fg] = hn::Mul(product[CellSums::f], g);
-      }
-      const float share = static_cast<float>(k) / static_cast<float>(rows);
-      const V below = hn::Set(d, share), above = hn::Set(d, 1 - share);
-      for (int p = 0; p < planes; ++p) {
-        up[p] = hn::MulAdd(above, product[p], up[p]);
-        down[p] = hn::MulAdd(below, product[p], down[p]);
-      }
+    const V wgx = hn::Mul(w, gx), wgy = hn::Mul(w, gy);
+    V product[planes];
+    product[CellSums::gxx] = hn::Mul(wgx, gx);
+    product[CellSums::gxy] = hn::Mul(wgx, gy);
+    product[CellSums::gyy] = hn::Mul(wgy, gy);
+    product[CellSums::gxe] = hn::Mul(wgx, e);
+    product[CellSums::gye] = hn::Mul(wgy, e);
+    product[CellSums::wee] = hn::Mul(w, ee);
+    product[CellSums::weight] = w;
+    product[CellSums::usable] = use;
+    if constexpr (scores) {
+      const V mean = hn::LoadU(d, m), f = hn::MulAdd(half, e, mean), g = hn::NegMulAdd(half, e, mean);
+      product[CellSums::f] = hn::Mul(use, f);
+      product[CellSums::g] = hn::Mul(use, g);
+      product[CellSums::ff] = hn::Mul(product[CellSums::f], f);
+      product[CellSums::gg] = hn::Mul(product[CellSums::g], g);
+      product[CellSums::fg] = hn::Mul(product[CellSums::f], g);
     }
+    const float share = static_cast<float>(k) / static_cast<float>(rows);
+    const V below = hn::Set(d, share), above = hn::Set(d, 1 - share);
     for (int p = 0; p < planes; ++p) {
-      hn::StoreU(up[p], d, store.upper.data() + p * store.stride + row_padding + c);
-      hn::StoreU(down[p], d, store.lower.data() + p * store.stride + row_padding + c);
+      up[p] = hn::MulAdd(above, product[p], up[p]);
+      down[p] = hn::MulAdd(below, product[p], down[p]);
     }
   }
-  (void)input;
+  for (int p = 0; p < planes; ++p) {
+    hn::StoreU(up[p], d, store.upper.data() + p * store.stride + row_padding + c);
+    hn::StoreU(down[p], d, store.lower.data() + p * store.stride + row_padding + c);
+  }
+}
+
+template <bool robust, bool scores>
+HWY_NOINLINE void add_products(int first_slot, int rows, RowStore& store) {
+  const int lanes = static_cast<int>(hn::Lanes(D()));
+  for (const auto& [cell, cell_end] : store.runs)
+    for (int c = cell * rows; c < cell_end * rows; c += lanes) add_strip<robust, scores>(c, first_slot, rows, store);
 }
 
 // Values at lattice points along row j and j + 1, as a row of pixels (mean of both lattice rows, linear along x).
@@ -337,17 +337,48 @@ void reduce_row(const float* pixels, std::ptrdiff_t stride, int planes, const Ce
   }
 }
 
+// Runs of cells that the rows first ... end - 1 need, with one more cell all round for the hats' and derivatives' reach.
+void find_runs(const SumsInput& input, const CellLattice& lattice, int first, int end,
+               std::vector<std::pair<int, int>>& runs) {
+  runs.clear();
+  const int cells = lattice.nx - 1;
+  if (input.active == nullptr) {
+    runs.emplace_back(0, cells);
+    return;
+  }
+  constexpr int least_gap = 4;  // cells; shorter gaps are not worth a new run
+  for (int i = 0; i < cells; ++i) {
+    bool wanted = false;
+    for (int j = std::max(0, first - 1); j <= std::min(end, lattice.ny - 2) && !wanted; ++j)
+      for (int a = std::max(0, i - 1); a <= std::min(cells - 1, i + 1) && !wanted; ++a)
+        wanted = (*input.active)[lattice.index(a, j)] != 0;
+    if (!wanted) continue;
+    if (!runs.empty() && i - runs.back().second < least_gap)
+      runs.back().second = i + 1;
+    else
+      runs.emplace_back(i, i + 1);
+  }
+}
+
 void sum_band(const SumsInput& input, int band, CellSums& sums, std::vector<float>& tail, RowStore& store) {
   const CellLattice& lattice = input.field->lattice();
   const int planes = input.scores ? int(CellSums::planes) : int(CellSums::basic), step = lattice.step;
   const int first = band * cell_rows_per_band, end = std::min(first + cell_rows_per_band, lattice.ny - 1);
-  float weight[64][4];
+  find_runs(input, lattice, first, end, store.runs);
+  float weight[most_step][4];
   for (int o = 0; o < step; ++o) {
     const auto w = cubic_weights(static_cast<float>(o) / static_cast<float>(step));
     std::copy(w.begin(), w.end(), weight[o]);
   }
   std::fill(store.upper.begin(), store.upper.end(), 0.0f);
   const int top = lattice.y0 + first * step;
+  if (store.runs.empty()) {
+    for (int p = 0; p < planes; ++p) {
+      std::fill_n(sums.plane[p].data() + lattice.index(0, first), (end - first) * lattice.nx, 0.0f);
+      std::fill_n(tail.data() + p * lattice.nx, lattice.nx, 0.0f);
+    }
+    return;
+  }
   const auto light = [&](int j) {
     if (input.gain == nullptr) return;
     expand_points(*input.gain, lattice, j, store.line(store.gain));
@@ -368,11 +399,11 @@ void sum_band(const SumsInput& input, int band, CellSums& sums, std::vector<floa
     if (input.noise != nullptr) {
       expand_points(*input.noise, lattice, j, store.line(store.noise));
       expand_points(*input.tolerance, lattice, j, store.line(store.tolerance));
-      input.scores ? add_products<true, true>(input, slot, step, store)
-                   : add_products<true, false>(input, slot, step, store);
+      input.scores ? add_products<true, true>(slot, step, store)
+                   : add_products<true, false>(slot, step, store);
     } else {
-      input.scores ? add_products<false, true>(input, slot, step, store)
-                   : add_products<false, false>(input, slot, step, store);
+      input.scores ? add_products<false, true>(slot, step, store)
+                   : add_products<false, false>(slot, step, store);
     }
     float* out[CellSums::planes];
     for (int p = 0; p < planes; ++p) out[p] = sums.plane[p].data() + lattice.index(0, j);
@@ -394,29 +425,6 @@ namespace pivnp::piv {
 
 HWY_EXPORT(sum_band);
 HWY_EXPORT(target_name);
-
-void PixelFlags::resize(int width, int height) {
-  width_ = width, height_ = height, tiles_ = (width + tile - 1) / tile;
-  flag_.assign(std::size_t(width) * std::size_t(height), 0);
-  tile_flag_.assign(std::size_t(tiles_) * std::size_t((height + tile - 1) / tile), 0);
-}
-
-void PixelFlags::mark(int column, int row, int reach) {
-  for (int r = std::max(0, row - reach); r <= std::min(height_ - 1, row + reach); ++r)
-    for (int c = std::max(0, column - reach); c <= std::min(width_ - 1, column + reach); ++c) {
-      flag_[std::size_t(r) * std::size_t(width_) + std::size_t(c)] = 1;
-      tile_flag_[std::size_t(r / tile) * std::size_t(tiles_) + std::size_t(c / tile)] = 1;
-    }
-}
-
-bool PixelFlags::any(int column0, int row0, int column1, int row1) const {
-  const int c0 = std::clamp(column0, 0, width_ - 1) / tile, c1 = std::clamp(column1, 0, width_ - 1) / tile;
-  const int r0 = std::clamp(row0, 0, height_ - 1) / tile, r1 = std::clamp(row1, 0, height_ - 1) / tile;
-  for (int r = r0; r <= r1; ++r)
-    for (int c = c0; c <= c1; ++c)
-      if (tile_flag_[std::size_t(r) * std::size_t(tiles_) + std::size_t(c)]) return true;
-  return false;
-}
 
 void accumulate_sums(const SumsInput& input, int threads, CellSums& sums) {
   const CellLattice& lattice = input.field->lattice();

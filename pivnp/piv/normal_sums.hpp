@@ -4,30 +4,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "pivnp/piv/pixel_flags.hpp"
 #include "pivnp/piv/spline_field.hpp"
 #include "pivnp/piv/spline_image.hpp"
 
 namespace pivnp::piv {
-
-/// Pixels of a frame that must not be used: masked ones, and saturated ones with their neighbours.
-class PixelFlags {
- public:
-  void clear() { flag_.clear(); }
-  bool empty() const { return flag_.empty(); }
-  void resize(int width, int height);
-  /// Flags the pixels (column - reach ... column + reach, likewise rows) that lie in the image.
-  void mark(int column, int row, int reach);
-  bool at(int column, int row) const { return flag_[std::size_t(row) * std::size_t(width_) + std::size_t(column)] != 0; }
-  /// False if no pixel of the tiles that cover the box is flagged.
-  bool any(int column0, int row0, int column1, int row1) const;
-  int width() const { return width_; }
-  int height() const { return height_; }
-
- private:
-  static constexpr int tile = 16;
-  int width_ = 0, height_ = 0, tiles_ = 0;
-  std::vector<std::uint8_t> flag_, tile_flag_;
-};
 
 /// What a pass knows: frames, the displacement field that they are warped by, and per lattice point what the robust
 /// weights and the light correction need.
@@ -44,6 +25,8 @@ struct SumsInput {
   // Light: e = f - gain g - offset. Empty: gain 1, offset 0.
   const std::vector<float>* gain = nullptr;
   const std::vector<float>* offset = nullptr;
+  // Cells that matter: of the cell whose upper left point is (i, j), at [j][i] of the lattice; null: all.
+  const std::vector<std::uint8_t>* active = nullptr;
   bool scores = false;  // also the sums that correlation coefficients need
 };
 

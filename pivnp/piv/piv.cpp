@@ -50,12 +50,17 @@ PairCorrelator::PairCorrelator(const PivOptions& options, NodeLattice lattice, i
   impl_->nodes = lattice.pixel.size();
   impl_->width = width;
   impl_->height = height;
-  if (options.method == "default" || options.method == "fft")
+  const auto gauss_newton = [&](int finest) {
+    return make_gauss_newton(options, lattice, width, height, threads, finest);
+  };
+  if (options.method == "default" || options.method == "gn")
+    impl_->method = gauss_newton(1);
+  else if (options.method == "fast")
+    impl_->method = gauss_newton(2);
+  else if (options.method == "fft")
     impl_->method = make_multipass_fft(options, lattice, width, height, threads);
-  else if (options.method == "gn")
-    impl_->method = make_gauss_newton(options, lattice, width, height, threads);
   else
-    refuse("method", "'" + options.method + "'", "default, gn or fft");
+    refuse("method", "'" + options.method + "'", "default, gn, fast or fft");
 }
 
 PairCorrelator::~PairCorrelator() = default;

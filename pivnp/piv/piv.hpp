@@ -14,22 +14,30 @@ namespace pivnp::piv {
 
 struct PivOptions {
   std::string method = "default";
+  std::string smoothing = "adaptive";
+  int order = 1;
   int window_px = 32;
   int first_window_px = 0;
   int passes = 0;
   std::string anchor = "central";
   double median_threshold = 2.0;
   double median_floor_px = 0.1;
-  double min_score = 0.2;
-  double max_sigma_px = 0.5;
+  double min_score = 0.15;
+  double max_sigma_px = 0.4;
   double min_usable = 0.4;
   bool replace = true;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
     visit("method", self.method,
-          OptionInfo{.text = "correlation method (default: the one recommended, at present fft)",
-                     .choices = {"default", "gn", "fft"}});
+          OptionInfo{.text = "correlation method (default: the one recommended, at present gn)",
+                     .choices = {"default", "gn", "fast", "fft", "ncc", "dis"}});
+    visit("smoothing", self.smoothing,
+          OptionInfo{.text = "gn, fast: adaptive, as much as the field's own noise allows (weak structures are lost with "
+                             "it); window, subsets of window_px and no more",
+                     .choices = {"adaptive", "window"}});
+    visit("order", self.order,
+          OptionInfo{.text = "gn with smoothing = window: order of the subsets' deformation", .min = 0, .max = 2});
     visit("window_px", self.window_px,
           OptionInfo{.unit = "px",
                      .text = "side of the last interrogation window (of the even window with the same noise)",
@@ -52,7 +60,8 @@ struct PivOptions {
           OptionInfo{.text = "correlation coefficient below which a vector is rejected", .min = -1, .max = 1});
     visit("max_sigma_px", self.max_sigma_px,
           OptionInfo{.unit = "px",
-                     .text = "stated standard deviation above which a vector is rejected",
+                     .text = "stated standard deviation above which a vector is rejected (gn, fast, dis: where frames match "
+                             "fully; less where they match less)",
                      .min = 0,
                      .above_min = true});
     visit("min_usable", self.min_usable,
@@ -77,6 +86,7 @@ struct PixelVectors {
   std::vector<VectorStatus> status;
   std::vector<std::array<float, 3>> cov;
   std::vector<float> score;
+  float correlation_px = 0;  // distance within which errors of vectors are alike (half the width they average over)
 };
 
 /// Correlates pairs of frames of one size on one lattice. Keeps plans and buffers; `correlate` uses `threads` threads

@@ -3,205 +3,283 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
-#include <cstdio>
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "pivnp/piv/shrink.cpp"
+#include <hwy/foreach_target.h>  // compiles this file once for each instruction set
+#include <hwy/highway.h>
+
+#ifndef PIVNP_PIV_SHRINK_ONCE
+#define PIVNP_PIV_SHRINK_ONCE
 namespace pivnp::piv {
+
+constexpr int block_sides[] = {8, 16, 32};
+constexpr float strength = 2.5f;   // of the shrinkage, in noise powers
+constexpr float clear = 12.0f;     // power at which a coefficient stands out by itself: chance is 5e-4
+constexpr float most_power = 4.0f;  // what a coefficient may lend to its neighbours
+constexpr float plane_terms = 3.0f;
+
+// The stated variance is noise power times the terms kept. Terms kept next to the threshold have lost signal besides, so
+// each counts `term_weight` times; `spread` covers what the blocks' averaging adds. Both measured on waves, bands and
+// shears with noise and loss (docs/theory.md).
+constexpr float term_weight = 2.5f, spread = 1.25f;
+
+template <int n>
+struct Cosines {
+  alignas(64) float forward[n][n];  // [frequency][point], orthonormal
+  alignas(64) float back[n][n];     // transposed
+  float noise[n];                   // spectrum of unit noise along one axis
+  float neighbours[n];              // 1 / weight of the neighbours that exist
+  Cosines() {
+    for (int k = 0; k < n; ++k) {
+      for (int x = 0; x < n; ++x)
+        forward[k][x] = back[x][k] =
+            static_cast<float>(std::sqrt((k == 0 ? 1.0 : 2.0) / n) * std::cos(M_PI * (x + 0.5) * k / n));
+      noise[k] = static_cast<float>(1 + 0.5 * std::cos(M_PI * k / n));
+      neighbours[k] = k == 0 || k == n - 1 ? 1.0f / 3 : 0.25f;
+    }
+  }
+};
+
+}  // namespace pivnp::piv
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace pivnp::piv::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+template <int n>
+using Tag = hn::CappedTag<float, n < 16 ? n : 16>;
+
+// out = a in b, all n x n; a is read by rows, b by rows.
+template <int n>
+HWY_INLINE void multiply(const float (*a)[n], const float (*in)[n], const float (*b)[n], float (*half)[n], float (*out)[n]) {
+  const Tag<n> d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  for (int r = 0; r < n; ++r)
+    for (int c = 0; c < n; c += lanes) {
+      auto sum = hn::Mul(hn::Set(d, a[r][0]), hn::Load(d, in[0] + c));
+      for (int k = 1; k < n; ++k) sum = hn::MulAdd(hn::Set(d, a[r][k]), hn::Load(d, in[k] + c), sum);
+      hn::Store(sum, d, half[r] + c);
+    }
+  for (int r = 0; r < n; ++r)
+    for (int c = 0; c < n; c += lanes) {
+      auto sum = hn::Mul(hn::Set(d, half[r][0]), hn::Load(d, b[0] + c));
+      for (int k = 1; k < n; ++k) sum = hn::MulAdd(hn::Set(d, half[r][k]), hn::Load(d, b[k] + c), sum);
+      hn::Store(sum, d, out[r] + c);
+    }
+}
+
+template <int n>
+float sum_of(const float (*v)[n]) {
+  const Tag<n> d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  // Sixteen partial sums in the same order for any vector length.
+  float total = 0;
+  alignas(64) float part[n < 16 ? n : 16] = {};
+  constexpr int width = n < 16 ? n : 16;
+  for (int r = 0; r < n; ++r)
+    for (int c = 0; c < n; c += width)
+      for (int l = 0; l < width; l += lanes)
+        hn::Store(hn::Add(hn::Load(d, part + l), hn::Load(d, v[r] + c + l)), d, part + l);
+  for (float p : part) total += p;
+  return total;
+}
+
+// Noise power of the coefficients that change fast along both axes, where structures hardly reach: the mean of powers
+// clipped at twice the result, by fixed-point iteration from the plain mean.
+template <int n>
+float noise_power(const float (*power)[n]) {
+  constexpr int first = n / 4, width = 4, columns = (n - first) / width * width;
+  constexpr float clip = 2.0f, kept = 0.742192f;  // mean of a squared normal variable clipped at 2
+  const hn::CappedTag<float, width> d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  float noise = 0;
+  constexpr float count = static_cast<float>((n - first) * columns);
+  const auto mean = [&](float limit) {
+    alignas(64) float part[width] = {};
+    const auto most = hn::Set(d, limit);
+    for (int r = first; r < n; ++r)
+      for (int c = n - columns; c < n; c += width)
+        for (int l = 0; l < width; l += lanes)
+          hn::Store(hn::Add(hn::Load(d, part + l), hn::Min(most, hn::LoadU(d, power[r] + c + l))), d, part + l);
+    float sum = 0;
+    for (float p : part) sum += p;
+    return sum / count;
+  };
+  noise = mean(3e38f);
+  for (int k = 0; k < 14; ++k) noise = mean(clip * noise) / kept;
+  return std::max(noise, 1e-14f);
+}
+
+template <int n>
+void shrink_block(const float* values, std::ptrdiff_t stride, Shrinker::Block& out) {
+  static const Cosines<n> cosines;
+  const Tag<n> d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  alignas(64) float block[n][n], half[n][n], spectrum[n][n], power[n][n], smooth[n][n];
+  for (int r = 0; r < n; ++r) std::copy_n(values + r * stride, n, block[r]);
+
+  constexpr float middle = 0.5f * (n - 1), square = n * (float(n) * n * n - n) / 12;  // sum of x^2 over the block
+  float slope_x = 0, slope_y = 0;
+  const float mean = sum_of<n>(block) / (n * n);
+  for (int r = 0; r < n; ++r) {
+    float row = 0;
+    for (int c = 0; c < n; ++c) row += block[r][c], slope_x += (float(c) - middle) * (block[r][c] - mean);
+    slope_y += (float(r) - middle) * (row - n * mean);
+  }
+  slope_x /= square, slope_y /= square;
+  const auto plane = [&](float sign) {
+    for (int r = 0; r < n; ++r)
+      for (int c = 0; c < n; ++c)
+        block[r][c] += sign * (mean + slope_x * (float(c) - middle) + slope_y * (float(r) - middle));
+  };
+  plane(-1);
+  multiply<n>(cosines.forward, block, cosines.back, half, spectrum);
+
+  for (int r = 0; r < n; ++r)
+    for (int c = 0; c < n; c += lanes) {
+      const auto v = hn::Load(d, spectrum[r] + c);
+      const auto shape = hn::Mul(hn::Set(d, cosines.noise[r]), hn::LoadU(d, cosines.noise + c));
+      hn::Store(hn::Div(hn::Mul(v, v), shape), d, power[r] + c);
+    }
+  const float noise = noise_power<n>(power);
+
+  // Neighbours: 1, 2, 1 along both axes, each clipped.
+  const auto scale = hn::Set(d, 1 / noise);
+  const auto most = hn::Set(d, most_power);
+  alignas(64) float padded[n + 2][n + 32] = {};  // columns from 16 on
+  for (int r = 0; r < n; ++r)
+    for (int c = 0; c < n; c += lanes) {
+      const auto p = hn::Mul(scale, hn::Load(d, power[r] + c));
+      hn::Store(p, d, power[r] + c);
+      hn::StoreU(hn::Min(p, most), d, padded[r + 1] + 16 + c);
+    }
+  for (int r = 0; r < n; ++r)
+    for (int c = 0; c < n; c += lanes) {
+      const auto column = [&](int shift) {
+        const float* at = padded[r] + 16 + c + shift;
+        const auto here = hn::LoadU(d, at + (n + 32));
+        return hn::Add(hn::Add(hn::LoadU(d, at), hn::LoadU(d, at + 2 * (n + 32))), hn::Add(here, here));
+      };
+      const auto here = column(0);
+      const auto sum = hn::Add(hn::Add(column(-1), column(1)), hn::Add(here, here));
+      hn::Store(hn::Mul(sum, hn::Mul(hn::Set(d, cosines.neighbours[r]), hn::LoadU(d, cosines.neighbours + c))), d,
+                smooth[r] + c);
+    }
+
+  const auto one = hn::Set(d, 1.0f), zero = hn::Zero(d), force = hn::Set(d, strength), limit = hn::Set(d, clear);
+  const auto tiny = hn::Set(d, 1e-6f);
+  for (int r = 0; r < n; ++r)
+    for (int c = 0; c < n; c += lanes) {
+      const auto p = hn::Load(d, power[r] + c);
+      const auto by_neighbours = hn::Max(zero, hn::Sub(one, hn::Div(force, hn::Max(hn::Load(d, smooth[r] + c), tiny))));
+      const auto by_itself = hn::IfThenElseZero(hn::Gt(p, limit), hn::Sub(one, hn::Div(force, hn::Max(p, tiny))));
+      const auto gain = hn::Max(by_neighbours, by_itself);
+      hn::Store(hn::Mul(gain, hn::Load(d, spectrum[r] + c)), d, spectrum[r] + c);
+      const auto shape = hn::Mul(hn::Set(d, cosines.noise[r]), hn::LoadU(d, cosines.noise + c));
+      hn::Store(hn::Mul(gain, shape), d, smooth[r] + c);           // terms that noise is left in
+      hn::Store(hn::Mul(hn::Mul(gain, gain), shape), d, power[r] + c);  // and their noise
+    }
+  const float terms = sum_of<n>(smooth), kept = sum_of<n>(power);
+  multiply<n>(cosines.back, spectrum, cosines.forward, half, block);
+  plane(1);
+  out.value.resize(n * n);
+  for (int r = 0; r < n; ++r) std::copy_n(block[r], n, out.value.data() + r * n);
+  out.variance = spread * noise * (plane_terms + term_weight * terms) / (n * n);
+  out.terms = plane_terms + kept;
+}
+
+void shrink(int side, const float* values, std::ptrdiff_t stride, Shrinker::Block& out) {
+  if (side == 8)
+    shrink_block<8>(values, stride, out);
+  else if (side == 16)
+    shrink_block<16>(values, stride, out);
+  else
+    shrink_block<32>(values, stride, out);
+}
+
+}  // namespace pivnp::piv::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace pivnp::piv {
+
+HWY_EXPORT(shrink);
 
 namespace {
 
-constexpr int most = 32;  // points of a block along an axis
-const float VG = std::getenv("VG") ? std::atof(std::getenv("VG")) : 0;
-const float VA = std::getenv("VA") ? std::atof(std::getenv("VA")) : 1, VF = std::getenv("VF") ? std::atof(std::getenv("VF")) : 1;
-const float cap = std::getenv("SCAP") ? std::atof(std::getenv("SCAP")) : 4;
-const float clear = std::getenv("SCLEAR") ? std::atof(std::getenv("SCLEAR")) : 12;
-using Block = std::array<float, most * most>;
-
-std::vector<float> dct_matrix(int n) {
-  std::vector<float> m(std::size_t(n) * std::size_t(n));
-  for (int k = 0; k < n; ++k)
-    for (int x = 0; x < n; ++x)
-      m[std::size_t(k * n + x)] =
-          static_cast<float>(std::sqrt((k == 0 ? 1.0 : 2.0) / n) * std::cos(M_PI * (x + 0.5) * k / n));
-  return m;
-}
-
-std::vector<int> starts(int points, int side, int block_step) {
+std::vector<int> starts(int points, int side) {
   std::vector<int> at;
-  for (int k = 0; k < points - side; k += block_step) at.push_back(k);
+  for (int k = 0; k < points - side; k += side / 2) at.push_back(k);
   at.push_back(points - side);
   return at;
 }
 
-// out = A in B^T for A [ny][ny], B [nx][nx] (or their transposes), in [ny][nx].
-void transform(const float* a, const float* b, int ny, int nx, bool back, const Block& in, Block& out) {
-  Block half;
-  for (int r = 0; r < ny; ++r) {
-    float* line = half.data() + r * most;
-    std::fill(line, line + most, 0.0f);
-    for (int k = 0; k < ny; ++k) {
-      const float factor = back ? a[k * ny + r] : a[r * ny + k];
-      const float* from = in.data() + k * most;
-      for (int x = 0; x < nx; ++x) line[x] += factor * from[x];
-    }
-  }
-  for (int r = 0; r < ny; ++r) {
-    float* line = out.data() + r * most;
-    std::fill(line, line + most, 0.0f);
-    for (int k = 0; k < nx; ++k) {
-      const float factor = half[std::size_t(r * most + k)];
-      if (back)
-        for (int x = 0; x < nx; ++x) line[x] += factor * b[k * nx + x];
-      else
-        for (int x = 0; x < nx; ++x) line[x] += factor * b[x * nx + k];
-    }
-  }
-}
-
-struct Plane {
-  float mean = 0, slope_x = 0, slope_y = 0;
-};
-
-Plane remove_plane(Block& block, int nx, int ny) {
-  Plane plane;
-  const float mx = 0.5f * static_cast<float>(nx - 1), my = 0.5f * static_cast<float>(ny - 1);
-  float sum = 0, sx = 0, sy = 0, qx = 0, qy = 0;
-  for (int r = 0; r < ny; ++r)
-    for (int c = 0; c < nx; ++c) {
-      const float v = block[std::size_t(r * most + c)], x = static_cast<float>(c) - mx, y = static_cast<float>(r) - my;
-      sum += v, sx += x * v, sy += y * v, qx += x * x, qy += y * y;
-    }
-  plane.mean = sum / static_cast<float>(nx * ny);
-  plane.slope_x = qx > 0 ? sx / qx : 0.0f;
-  plane.slope_y = qy > 0 ? sy / qy : 0.0f;
-  for (int r = 0; r < ny; ++r)
-    for (int c = 0; c < nx; ++c)
-      block[std::size_t(r * most + c)] -=
-          plane.mean + plane.slope_x * (static_cast<float>(c) - mx) + plane.slope_y * (static_cast<float>(r) - my);
-  return plane;
-}
-
-// Median power of the coefficients that change fast along both axes, where structures hardly reach, over that of unit
-// noise (the median of a squared normal variable).
-float noise_scale(const Block& ratio, int nx, int ny) {
-  std::array<float, most * most> power;
-  int count = 0;
-  for (int r = ny / 4; r < ny; ++r)
-    for (int c = nx / 4; c < nx; ++c) power[std::size_t(count++)] = ratio[std::size_t(r * most + c)];
-  const auto middle = power.begin() + count / 2;
-  std::nth_element(power.begin(), middle, power.begin() + count);
-  return std::max(*middle / 0.4549f, 1e-6f);
-}
-
 }  // namespace
 
-BlockLayer::BlockLayer(const CellLattice& lattice, int side, int block_step)
-    : lattice_(lattice),
-      step_(block_step),
-      bx_(std::min(side, lattice.nx)),
-      by_(std::min(side, lattice.ny)),
-      dct_x_(dct_matrix(bx_)),
-      dct_y_(dct_matrix(by_)) {
-  const auto axis = [](int k, int n) { return 0.05f + std::sin(static_cast<float>(M_PI) * (float(k) + 0.5f) / float(n)); };
-  const auto noise = [](int k, int n) { return 1 + 0.5f * std::cos(static_cast<float>(M_PI) * float(k) / float(n)); };
-  for (int r = 0; r < by_; ++r)
-    for (int c = 0; c < bx_; ++c) {
-      window_.push_back(axis(r, by_) * axis(c, bx_));
-      spectrum_.push_back(noise(r, by_) * noise(c, bx_));
-    }
-}
-
-void BlockLayer::add(const NoisyField& in, float strength, int threads, Shrunk& out, std::vector<float>& weight) const {
-  const std::vector<int> rows = starts(lattice_.ny, by_, step_), columns = starts(lattice_.nx, bx_, step_);
-  // Blocks of one row of blocks overlap those of the next three only: every fourth row at once, in a fixed order.
-  struct Result {
-    Block value;
-    float variance, removed, lost, weight;
-  };
-  std::vector<Result> results(columns.size() * rows.size());
-#pragma omp parallel for num_threads(threads) schedule(static)
-  for (std::size_t b = 0; b < results.size(); ++b) {
-    const int x0 = columns[b % columns.size()], y0 = rows[b / columns.size()];
-    Result& result = results[b];
-    Block block{}, spectrum{}, ratio{};
-    float variance = 0;
-    for (int r = 0; r < by_; ++r)
-      for (int c = 0; c < bx_; ++c) {
-        block[std::size_t(r * most + c)] = in.value[lattice_.index(x0 + c, y0 + r)];
-        variance += in.variance[lattice_.index(x0 + c, y0 + r)];
-      }
-    variance = std::max(variance / static_cast<float>(bx_ * by_), 1e-12f);
-    const Plane plane = remove_plane(block, bx_, by_);
-    transform(dct_y_.data(), dct_x_.data(), by_, bx_, false, block, spectrum);
-    for (int r = 0; r < by_; ++r)
-      for (int c = 0; c < bx_; ++c) {
-        const std::size_t k = std::size_t(r * most + c);
-        ratio[k] = spectrum[k] * spectrum[k] / (variance * spectrum_[std::size_t(r * bx_ + c)]);
-      }
-    const float scale = noise_scale(ratio, bx_, by_);
-    variance *= scale;
-    for (float& q : ratio) q /= scale;
-    float kept = 3, left = 3, removed = 0, lost = 0;
-    for (int r = 0; r < by_; ++r)
-      for (int c = 0; c < bx_; ++c) {
-        float sum = 0, all = 0;
-        for (int b2 = -1; b2 <= 1; ++b2)
-          for (int a2 = -1; a2 <= 1; ++a2) {
-            if (r + b2 < 0 || r + b2 >= by_ || c + a2 < 0 || c + a2 >= bx_) continue;
-            const float w = (a2 == 0 ? 2.0f : 1.0f) * (b2 == 0 ? 2.0f : 1.0f);
-            sum += w * std::min(ratio[std::size_t((r + b2) * most + c + a2)], cap), all += w;
-          }
-        const std::size_t k = std::size_t(r * most + c);
-        float gain = std::max(0.0f, 1 - strength * all / std::max(sum, 1e-6f));
-        if (ratio[k] > clear) gain = std::max(gain, 1 - strength / ratio[k]);
-        const float shape = spectrum_[std::size_t(r * bx_ + c)];
-        kept += gain * gain * shape, left += gain * shape;
-        removed += (1 - gain) * (1 - gain) * shape;
-        lost += (1 - gain) * (1 - gain) * std::max(0.0f, spectrum[k] * spectrum[k] - variance * shape);
-        spectrum[k] *= gain;
-      }
-    transform(dct_y_.data(), dct_x_.data(), by_, bx_, true, spectrum, block);
-    const float count = static_cast<float>(bx_ * by_);
-    result.variance = variance * (3 + VA * (left - 3) + VG * std::sqrt(left - 3)) / count * VF;
-    result.removed = removed / count;
-    result.lost = lost / count;
-    result.weight = count / 256 / kept;
-    const float mx = 0.5f * static_cast<float>(bx_ - 1), my = 0.5f * static_cast<float>(by_ - 1);
-    for (int r = 0; r < by_; ++r)
-      for (int c = 0; c < bx_; ++c)
-        result.value[std::size_t(r * most + c)] = block[std::size_t(r * most + c)] + plane.mean +
-                                                  plane.slope_x * (static_cast<float>(c) - mx) +
-                                                  plane.slope_y * (static_cast<float>(r) - my);
-  }
-  for (std::size_t b = 0; b < results.size(); ++b) {
-    const int x0 = columns[b % columns.size()], y0 = rows[b / columns.size()];
-    const Result& result = results[b];
-    for (int r = 0; r < by_; ++r)
-      for (int c = 0; c < bx_; ++c) {
-        const std::size_t k = lattice_.index(x0 + c, y0 + r);
-        const float w = result.weight * window_[std::size_t(r * bx_ + c)];
-        out.value[k] += w * result.value[std::size_t(r * most + c)];
-        out.variance[k] += w * result.variance;
-        out.removed[k] += w * result.removed;
-        out.lost[k] += w * result.lost;
-        weight[k] += w;
-      }
+Shrinker::Shrinker(const CellLattice& lattice) : lattice_(lattice) {
+  for (const int side : block_sides) {
+    if (side > lattice.nx || side > lattice.ny) continue;
+    Layer layer;
+    layer.side = side;
+    layer.x = starts(lattice.nx, side);
+    layer.y = starts(lattice.ny, side);
+    const auto axis = [&](int k) { return 0.05f + std::sin(float(M_PI) * (float(k) + 0.5f) / float(side)); };
+    for (int r = 0; r < side; ++r)
+      for (int c = 0; c < side; ++c) layer.window.push_back(axis(r) * axis(c));
+    layers_.push_back(std::move(layer));
   }
 }
 
-Shrinker::Shrinker(const CellLattice& lattice) {
-  const char* spec = std::getenv("LAYERS") ? std::getenv("LAYERS") : "8,4/16,8/32,16";
-  int a, b, n;
-  while (std::sscanf(spec, "%d,%d%n", &a, &b, &n) == 2) { layers_.emplace_back(lattice, a, b); spec += n; if (*spec) ++spec; }
-}
-
-void Shrinker::run(const NoisyField& in, float strength, int threads, Shrunk& out) const {
-  const std::size_t points = in.value.size();
-  for (auto* v : {&out.value, &out.variance, &out.removed, &out.lost}) v->assign(points, 0.0f);
+void Shrinker::run(const std::vector<float>& value, const std::vector<std::uint8_t>& wanted, int threads,
+                   SmoothedField& out) const {
+  const std::size_t points = lattice_.size();
+  for (auto* v : {&out.value, &out.variance, &out.area}) v->assign(points, 0.0f);
   std::vector<float> weight(points, 0.0f);
-  for (const BlockLayer& layer : layers_) layer.add(in, strength, threads, out, weight);
-  for (std::size_t k = 0; k < points; ++k)
-    for (auto* v : {&out.value, &out.variance, &out.removed, &out.lost}) (*v)[k] /= weight[k];
+  std::vector<Block> blocks;
+  for (const Layer& layer : layers_) {
+    const int side = layer.side;
+    const std::size_t across = layer.x.size(), count = across * layer.y.size();
+    blocks.resize(std::max(blocks.size(), count));
+#pragma omp parallel for num_threads(threads) schedule(static)
+    for (std::size_t b = 0; b < count; ++b) {
+      const int x0 = layer.x[b % across], y0 = layer.y[b / across];
+      bool any = wanted.empty();
+      for (int r = 0; r < side && !any; ++r)
+        for (int c = 0; c < side && !any; ++c) any = wanted[lattice_.index(x0 + c, y0 + r)] != 0;
+      blocks[b].terms = 0;
+      if (any) HWY_DYNAMIC_DISPATCH(shrink)(side, value.data() + lattice_.index(x0, y0), lattice_.nx, blocks[b]);
+    }
+    for (std::size_t b = 0; b < count; ++b) {  // in a fixed order
+      const Block& block = blocks[b];
+      if (block.terms == 0) continue;
+      const int x0 = layer.x[b % across], y0 = layer.y[b / across];
+      const float trust = static_cast<float>(side * side) / block.terms;
+      for (int r = 0; r < side; ++r) {
+        const std::size_t to = lattice_.index(x0, y0 + r);
+        const float* from = block.value.data() + r * side;
+        const float* window = layer.window.data() + r * side;
+        for (std::size_t c = 0; c < std::size_t(side); ++c) {
+          const float w = trust * window[c];
+          out.value[to + c] += w * from[c];
+          out.variance[to + c] += w * block.variance;
+          out.area[to + c] += w * trust;
+          weight[to + c] += w;
+        }
+      }
+    }
+  }
+  for (std::size_t k = 0; k < points; ++k) {
+    if (weight[k] > 0) {
+      for (auto* v : {&out.value, &out.variance, &out.area}) (*v)[k] /= weight[k];
+    } else {
+      out.value[k] = value[k];
+      out.area[k] = 1;
+    }
+  }
 }
 
 }  // namespace pivnp::piv
+#endif

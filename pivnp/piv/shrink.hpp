@@ -1,52 +1,52 @@
-// Smoothing of a measured field by as much as its own noise allows: empirical Wiener shrinkage of local cosine spectra.
+// Smoothing of a measured field by as much as its own noise allows: shrinkage of local cosine spectra.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "pivnp/piv/spline_field.hpp"
 
 namespace pivnp::piv {
 
-/// One component on the lattice, [ny][nx].
-struct NoisyField {
+/// One component after smoothing, [ny][nx] of the lattice.
+struct SmoothedField {
   std::vector<float> value;
-  std::vector<float> variance;  // of each value's noise
+  std::vector<float> variance;  // of what noise is left, and of the signal that was given up with the rest
+  std::vector<float> area;      // lattice cells that a value averages over, noise-wise
 };
 
-/// What was kept of a component.
-struct Shrunk {
-  std::vector<float> value;
-  std::vector<float> variance;  // of the noise that is left
-  std::vector<float> removed;   // share of the noise's variance that was removed and so is seen in residuals, 0 ... 1
-  std::vector<float> lost;      // square of the signal that may have been shrunk away with it
-};
-
-/// Overlapping blocks of up to 16 x 16 points: freed of their plane, transformed (DCT-II), every coefficient multiplied
-/// by 1 - strength / (its power over the noise's, averaged over adjacent coefficients; not below 0), transformed back and
-/// averaged with weights that favour blocks of few terms. Waves, bands and other structures above the noise stay; noise
-/// elsewhere is averaged over up to a block. Noise is taken to be correlated as hat-weighted cells are.
-/// Sources: Cai 1999 (block James-Stein), Dabov et al. 2007 (overlapping blocks, weights).
-class BlockLayer {
- public:
-  BlockLayer(const CellLattice& lattice, int side, int block_step);
-  void add(const NoisyField& in, float strength, int threads, Shrunk& out, std::vector<float>& weight) const;
-
- private:
-  CellLattice lattice_;
-  int step_;
-  int bx_, by_;                         // points of a block
-  std::vector<float> dct_x_, dct_y_;    // [frequency][point], orthonormal
-  std::vector<float> window_;           // [by][bx]
-  std::vector<float> spectrum_;         // [by][bx] of noise of unit variance
-};
-
+/// Blocks of 8, 16 and 32 points a side, each size at half overlap (sizes that the lattice holds): freed of their plane,
+/// transformed (DCT-II), every coefficient multiplied by 1 - strength / P, P its power over the noise's (its own where it
+/// stands clear of noise, else the mean of its neighbours'), not below 0; transformed back and averaged with weights that
+/// favour blocks of few terms, as noise after smoothing is proportional to them. Waves, bands and kinks above the noise
+/// keep their shape; noise elsewhere is averaged over whole blocks. A wave too weak to stand out is taken for noise.
+/// The noise's power is that of the block's own fast coefficients (clipped mean, so that structures do not count); its
+/// spectrum is that of even white noise seen through hat-weighted cells, (2 + cos kx)(2 + cos ky)/9.
+/// Sources: Donoho & Johnstone 1995; Cai 1999 (neighbours); Dabov et al. 2007 (overlapping blocks, weights).
 class Shrinker {
  public:
   explicit Shrinker(const CellLattice& lattice);
-  void run(const NoisyField& in, float strength, int threads, Shrunk& out) const;
+  /// `wanted`: blocks without any such point are left out, their values pass unchanged (empty: all are wanted).
+  void run(const std::vector<float>& value, const std::vector<std::uint8_t>& wanted, int threads,
+           SmoothedField& out) const;
+
+  /// What one block yields.
+  struct Block {
+    std::vector<float> value;  // [side][side]
+    float variance = 0, terms = 0;
+  };
 
  private:
-  std::vector<BlockLayer> layers_;
+  struct Layer {
+    int side = 0;
+    std::vector<int> x, y;  // where blocks start
+    std::vector<float> window;
+  };
+  CellLattice lattice_;
+  std::vector<Layer> layers_;
 };
+
+/// Points a lattice needs along each axis: a block of the least size.
+inline constexpr int least_lattice_points = 8;
 
 }  // namespace pivnp::piv

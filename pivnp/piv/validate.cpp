@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace pivnp::piv {
 
@@ -97,6 +98,29 @@ bool passes(const std::array<float, 2>& d, const Neighbours& neighbours, double 
                     off_v / (neighbours.scatter(level_v, median_v, 1) + floor_px)) <= threshold;
 }
 
+// All 24 neighbours lie within half of what the test grants everywhere about one plane: it cannot fail.
+bool plainly_smooth(const VectorGrid& vectors, int i, int j, double granted) {
+  if (i < reach || j < reach || i + reach >= vectors.nx || j + reach >= vectors.ny) return false;
+  const std::size_t nx = std::size_t(vectors.nx), middle = std::size_t(j) * nx + std::size_t(i);
+  const auto limit = static_cast<float>(0.5 * granted);
+  for (std::size_t c = 0; c < 2; ++c) {
+    const auto at = [&](std::size_t k) { return vectors.displacement[k][c]; };
+    const float here = at(middle), along_i = 0.5f * (at(middle + 1) - at(middle - 1)),
+                along_j = 0.5f * (at(middle + nx) - at(middle - nx));
+    float most = 0;
+    for (int b = -reach; b <= reach; ++b) {
+      const std::size_t row = std::size_t(j + b) * nx + std::size_t(i - reach);
+      for (int a = 0; a <= 2 * reach; ++a) {
+        const std::size_t k = row + std::size_t(a);
+        const float off = at(k) - here - along_i * static_cast<float>(a - reach) - along_j * static_cast<float>(b);
+        most = std::max(most, vectors.good[k] ? std::abs(off) : std::numeric_limits<float>::infinity());
+      }
+    }
+    if (!(most <= limit)) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 void median_test(VectorGrid& vectors, double threshold, double floor_px, int threads) {
@@ -108,7 +132,7 @@ void median_test(VectorGrid& vectors, double threshold, double floor_px, int thr
     for (int j = 0; j < vectors.ny; ++j)
       for (int i = 0; i < vectors.nx; ++i) {
         const std::size_t k = std::size_t(j) * std::size_t(vectors.nx) + std::size_t(i);
-        if (!candidates[k]) continue;
+        if (!candidates[k] || plainly_smooth(vectors, i, j, threshold * floor)) continue;
         const Neighbours neighbours(vectors, i, j);
         passed[k] = neighbours.count < 3 || passes(vectors.displacement[k], neighbours, threshold, floor);
       }

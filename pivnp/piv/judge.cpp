@@ -1,0 +1,98 @@
+#include "pivnp/piv/judge.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "pivnp/piv/lattice.hpp"
+#include "pivnp/piv/validate.hpp"
+
+namespace pivnp::piv {
+
+namespace {
+
+constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+// Errors that no smoothing removes, px^2: interpolation of undersampled grains, clipped ones, rounding.
+constexpr float systematic_variance = 0.4e-6f;
+
+// Share of the window about a node that the image holds, along one axis: hats seen through weights 1/4, 1/2, 1/4 reach
+// two cells.
+float inside_share(float place, int pixels, float cell) {
+  const auto cumulated = [&](float x) {  // of a smooth bell of that width
+    const float t = std::clamp(x / (4 * cell) + 0.5f, 0.0f, 1.0f);
+    return t * t * (3 - 2 * t);
+  };
+  return cumulated(static_cast<float>(pixels - 1) - place) - cumulated(-place);
+}
+
+void reject_outliers(const JudgeInput& input, PixelVectors& vectors) {
+  VectorGrid grid{input.nodes.nx, input.nodes.ny, vectors.displacement, {}};
+  grid.good.resize(vectors.status.size());
+  for (std::size_t k = 0; k < grid.good.size(); ++k) grid.good[k] = vectors.status[k] == VectorStatus::valid;
+  median_test(grid, input.options.median_threshold, input.options.median_floor_px, input.threads);
+  for (std::size_t k = 0; k < grid.good.size(); ++k)
+    if (vectors.status[k] == VectorStatus::valid && !grid.good[k]) vectors.status[k] = VectorStatus::rejected;
+}
+
+}  // namespace
+
+void prepare_vectors(const NodeLattice& nodes, Anchor anchor, PixelVectors& vectors) {
+  vectors.anchor = anchor;
+  for (std::size_t k = 0; k < nodes.pixel.size(); ++k) {
+    vectors.displacement[k] = {nan, nan};
+    vectors.cov[k] = {nan, nan, nan};
+    vectors.score[k] = nan;
+    vectors.status[k] = switched_on(nodes, k) ? VectorStatus::failed : VectorStatus::masked;
+  }
+  vectors.correlation_px = nan;
+}
+
+void judge_nodes(const JudgeInput& input, const SplineField& field, const CellSums& sums, const std::vector<float>& u,
+                 const std::vector<float>& v, const SmoothedField& smooth_u, const SmoothedField& smooth_v,
+                 PixelVectors& vectors) {
+  const CellLattice& lattice = sums.lattice;
+  const auto d = static_cast<float>(input.decimation), cell = static_cast<float>(lattice.step);
+  MatchQuality quality;
+  match_quality(sums, quality);
+  std::vector<float> truncation_u, truncation_v, areas;
+  truncation_variance(lattice, u, input.threads, truncation_u);
+  truncation_variance(lattice, v, input.threads, truncation_v);
+  const auto least_usable = static_cast<float>(input.options.min_usable);
+  for (std::size_t k = 0; k < input.nodes.pixel.size(); ++k) {
+    if (vectors.status[k] == VectorStatus::masked) continue;
+    const auto [column, row] = input.nodes.pixel[k];
+    if (!(column >= 0 && row >= 0 && column <= float(input.width - 1) && row <= float(input.height - 1))) continue;
+    const float x = (column - 0.5f * (d - 1)) / d, y = (row - 0.5f * (d - 1)) / d;
+    const int i = std::clamp(static_cast<int>(std::lround((x - float(lattice.x0)) / cell)), 0, lattice.nx - 1);
+    const int j = std::clamp(static_cast<int>(std::lround((y - float(lattice.y0)) / cell)), 0, lattice.ny - 1);
+    const std::size_t q = lattice.index(i, j);
+    if (quality.usable[q] < least_usable) {
+      const float inside = inside_share(column, input.width, cell * d) * inside_share(row, input.height, cell * d);
+      if (inside >= least_usable) vectors.status[k] = VectorStatus::masked;  // it is the mask that takes the window away
+      continue;
+    }
+    if (!(quality.variance[q] > 4 * input.rounding)) continue;
+    const auto value = field.at(x, y);
+    const float variance_u = d * d * (smooth_u.variance[q] + truncation_u[q]) + systematic_variance;
+    const float variance_v = d * d * (smooth_v.variance[q] + truncation_v[q]) + systematic_variance;
+    vectors.displacement[k] = {d * value[0], d * value[1]};
+    vectors.cov[k] = {variance_u, variance_v, quality.slant[q] * d * d * std::sqrt(smooth_u.variance[q] * smooth_v.variance[q])};
+    vectors.score[k] = quality.score[q];
+    const float limit = trusted_sigma(static_cast<float>(input.options.max_sigma_px), quality.wide_score[q]);
+    const bool trusted = quality.score[q] >= static_cast<float>(input.options.min_score) &&
+                         std::max(variance_u, variance_v) <= limit * limit;
+    vectors.status[k] = trusted ? VectorStatus::valid : VectorStatus::rejected;
+    areas.push_back(0.5f * (smooth_u.area[q] + smooth_v.area[q]));
+  }
+  if (!areas.empty()) {
+    const auto middle = areas.begin() + std::ptrdiff_t(areas.size() / 2);
+    std::nth_element(areas.begin(), middle, areas.end());
+    vectors.correlation_px = 0.5f * d * cell * std::sqrt(*middle);
+  }
+  reject_outliers(input, vectors);
+  constexpr int rings = 2;
+  if (input.options.replace)
+    replace_rejected(input.nodes.nx, input.nodes.ny, rings, vectors.displacement, vectors.status, vectors.cov);
+}
+
+}  // namespace pivnp::piv
