@@ -112,7 +112,9 @@ void GaussNewton::add_level(int decimation, int passes) {
 }
 
 void GaussNewton::take_images(GnLevel& level, const ImageView& first, const ImageView& second, const MaskView& mask) {
-  const float smoothing = level.decimation == 1 ? presmoothing_ : 0.0f;
+  // Averages over blocks of pixels hold what their own sampling folds: where they are the last word, smooth them fully.
+  const bool finest = &level == &levels_.back();
+  const float smoothing = !finest ? 0.0f : level.decimation == 1 ? presmoothing_ : 0.25f;
   level.first.assign(first, mask, level.decimation, threads_, smoothing);
   level.second.assign(second, mask, level.decimation, threads_, smoothing);
   if (level.decimation == 1) {
@@ -212,7 +214,7 @@ void GaussNewton::smooth(const GnLevel& level) {
     window_increments(sums_, options_.order, static_cast<float>(options_.window_px), level.wanted, threads_, increments_);
     for (std::size_t k = 0; k < u_.size(); ++k) u_[k] += increments_.u[k], v_[k] += increments_.v[k];
     smooth_u_.variance = increments_.variance_u, smooth_v_.variance = increments_.variance_v;
-    smooth_u_.area.assign(u_.size(), 16.0f);  // a window is four cells wide
+    for (auto* s : {&smooth_u_, &smooth_v_}) s->area.assign(u_.size(), 16.0f);  // a window is four cells wide
   }
   // Lost grains are told from misplaced ones only once the images are nearly in register.
   if (level.decimation <= 2) residual_scale(sums_, u_, v_, rounding_, noise_, tolerance_);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 // Errors that no smoothing removes, px^2: interpolation of undersampled grains, clipped ones, rounding.
-constexpr float systematic_variance = 0.4e-6f;
+constexpr float systematic_variance = 0.35e-6f;
 
 // Share of the window about a node that the image holds, along one axis: hats seen through weights 1/4, 1/2, 1/4 reach
 // two cells.

@@ -15,9 +15,9 @@ namespace {
 constexpr int automatic_passes = 4;  // with the last window: one search, two to converge, one at the nodes
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
-class MultipassFft final : public Method {
+class Multipass final : public Method {
  public:
-  MultipassFft(const PivOptions& options, const NodeLattice& nodes, int width, int height, int threads);
+  Multipass(const PivOptions& options, const NodeLattice& nodes, int width, int height, int threads);
   void correlate(const ImageView& first, const ImageView& second, const MaskView& mask, PixelVectors& vectors) override;
 
  private:
@@ -33,7 +33,7 @@ class MultipassFft final : public Method {
   WindowPasses windows_;
 };
 
-MultipassFft::MultipassFft(const PivOptions& options, const NodeLattice& nodes, int width, int height, int threads)
+Multipass::Multipass(const PivOptions& options, const NodeLattice& nodes, int width, int height, int threads)
     : options_(options),
       nodes_(nodes),
       width_(width),
@@ -51,12 +51,12 @@ MultipassFft::MultipassFft(const PivOptions& options, const NodeLattice& nodes, 
   // one pass at the nodes themselves.
   const int support = support_of_window(sides.back());
   const auto window = static_cast<float>(sides.back());
-  windows_.add(support, 1, window / 2, passes_ > 1 ? 1 : 0, true);
+  windows_.add(support, 1, window / 2, passes_ > 1 ? 1 : 0, options.method != "ncc" || sides.size() == 1);
   if (passes_ > 2)
     windows_.add(support, 1, std::clamp(node_spacing(nodes_), window / 4, window / 3), passes_ - 2, false);
 }
 
-void MultipassFft::correlate(const ImageView& first, const ImageView& second, const MaskView& mask,
+void Multipass::correlate(const ImageView& first, const ImageView& second, const MaskView& mask,
                              PixelVectors& vectors) {
   vectors.anchor = anchor_;
   for (std::size_t k = 0; k < nodes_.pixel.size(); ++k) {
@@ -71,7 +71,7 @@ void MultipassFft::correlate(const ImageView& first, const ImageView& second, co
   validate_nodes(vectors);
 }
 
-void MultipassFft::measure_nodes(PixelVectors& vectors) {
+void Multipass::measure_nodes(PixelVectors& vectors) {
   WindowStage& stage = windows_.last();  // its images are not decimated
   const WarpedPair& warped = windows_.warp(stage);
 #pragma omp parallel for num_threads(threads_) schedule(dynamic, 16)
@@ -80,7 +80,7 @@ void MultipassFft::measure_nodes(PixelVectors& vectors) {
       measure_node(stage.tools[std::size_t(omp_get_thread_num())], warped, k, vectors);
 }
 
-void MultipassFft::measure_node(WindowTools& tools, const WarpedPair& warped, std::size_t k, PixelVectors& vectors) {
+void Multipass::measure_node(WindowTools& tools, const WarpedPair& warped, std::size_t k, PixelVectors& vectors) {
   const auto [x, y] = nodes_.pixel[k];
   if (!(x >= 0 && y >= 0 && x <= static_cast<float>(width_ - 1) && y <= static_cast<float>(height_ - 1))) return;
   tools.window.cut(warped, x, y);
@@ -91,7 +91,7 @@ void MultipassFft::measure_node(WindowTools& tools, const WarpedPair& warped, st
     return;
   }
   if (!windows_.textured(window)) return;
-  const bool single_pass = passes_ == 1;  // then nothing has searched with this window yet
+  const bool single_pass = passes_ == 1 && !tools.fft.empty();  // then nothing has searched with this window yet
   const Peak peak = tools.find(single_pass ? Search::far : Search::near);
   const auto predicted = windows_.predictor().at(x, y);
   vectors.displacement[k] = {predicted[0] + peak.dx, predicted[1] + peak.dy};
@@ -107,7 +107,7 @@ void MultipassFft::measure_node(WindowTools& tools, const WarpedPair& warped, st
 
 // The nodes may be far apart for the field's curvature; the predictor, validated on a finer lattice, knows it. So they
 // are judged by what they deviate from it.
-void MultipassFft::validate_nodes(PixelVectors& vectors) {
+void Multipass::validate_nodes(PixelVectors& vectors) {
   VectorGrid grid{nodes_.nx, nodes_.ny, vectors.displacement, {}};
   for (std::size_t k = 0; k < grid.displacement.size(); ++k) {
     const auto predicted = windows_.predictor().at(nodes_.pixel[k][0], nodes_.pixel[k][1]);
@@ -138,9 +138,9 @@ std::vector<int> window_sides(const PivOptions& options, int width, int height) 
   return sides;
 }
 
-std::unique_ptr<Method> make_multipass_fft(const PivOptions& options, const NodeLattice& nodes, int width, int height,
-                                           int threads) {
-  return std::make_unique<MultipassFft>(options, nodes, width, height, threads);
+std::unique_ptr<Method> make_multipass(const PivOptions& options, const NodeLattice& nodes, int width, int height,
+                                       int threads) {
+  return std::make_unique<Multipass>(options, nodes, width, height, threads);
 }
 
 }  // namespace pivnp::piv

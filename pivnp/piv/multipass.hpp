@@ -1,4 +1,4 @@
-// Method "fft": windows from large to small, frames deformed by what the larger ones found.
+// Methods "fft" and "ncc": windows from large to small, frames deformed by what the larger ones found.
 #pragma once
 
 #include <memory>
@@ -16,7 +16,8 @@ int support_of_window(int window_px);
 /// at least 128 px, at most half the image's shorter side.
 std::vector<int> window_sides(const PivOptions& options, int width, int height);
 
-std::unique_ptr<Method> make_multipass_fft(const PivOptions& options, const NodeLattice& nodes, int width, int height,
-                                           int threads);
+/// "fft": every window size first searches all lags by FFT. "ncc": with the last window only the nearest lags are
+/// correlated, directly, about what the larger windows found.
+std::unique_ptr<Method> make_multipass(const PivOptions& options, const NodeLattice& nodes, int width, int height, int threads);
 
 }  // namespace pivnp::piv

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/piv/dis.hpp"
 #include "pivnp/piv/gauss_newton.hpp"
 #include "pivnp/piv/method.hpp"
 #include "pivnp/piv/multipass.hpp"
@@ -57,10 +58,12 @@ PairCorrelator::PairCorrelator(const PivOptions& options, NodeLattice lattice, i
     impl_->method = gauss_newton(1);
   else if (options.method == "fast")
     impl_->method = gauss_newton(2);
-  else if (options.method == "fft")
-    impl_->method = make_multipass_fft(options, lattice, width, height, threads);
+  else if (options.method == "fft" || options.method == "ncc")
+    impl_->method = make_multipass(options, lattice, width, height, threads);
+  else if (options.method == "dis")
+    impl_->method = make_dense_inverse_search(options, lattice, width, height, threads);
   else
-    refuse("method", "'" + options.method + "'", "default, gn, fast or fft");
+    refuse("method", "'" + options.method + "'", "default, gn, fast, fft, ncc or dis");
 }
 
 PairCorrelator::~PairCorrelator() = default;

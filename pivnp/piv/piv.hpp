@@ -22,8 +22,8 @@ struct PivOptions {
   std::string anchor = "central";
   double median_threshold = 2.0;
   double median_floor_px = 0.1;
-  double min_score = 0.15;
-  double max_sigma_px = 0.4;
+  double min_score = 0.1;
+  double max_sigma_px = 0.7;
   double min_usable = 0.4;
   bool replace = true;
 

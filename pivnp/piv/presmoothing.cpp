@@ -44,7 +44,7 @@ float presmoothing(const ImageView& first, const ImageView& second) {
     else
       likeness.add<float>(*image);
   }
-  return static_cast<float>(std::clamp(0.15 + 0.5 * (0.66 - likeness.value()), 0.0, 0.25));
+  return static_cast<float>(std::clamp(0.17 + 0.5 * (0.66 - likeness.value()), 0.0, 0.25));
 }
 
 }  // namespace pivnp::piv

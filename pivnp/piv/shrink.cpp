@@ -22,7 +22,7 @@ constexpr float plane_terms = 3.0f;
 // The stated variance is noise power times the terms kept. Terms kept next to the threshold have lost signal besides, so
 // each counts `term_weight` times; `spread` covers what the blocks' averaging adds. Both measured on waves, bands and
 // shears with noise and loss (docs/theory.md).
-constexpr float term_weight = 2.5f, spread = 1.25f;
+constexpr float term_weight = 12.0f, spread = 1.15f;
 
 template <int n>
 struct Cosines {
@@ -179,7 +179,7 @@ void shrink_block(const float* values, std::ptrdiff_t stride, Shrinker::Block& o
       const auto gain = hn::Max(by_neighbours, by_itself);
       hn::Store(hn::Mul(gain, hn::Load(d, spectrum[r] + c)), d, spectrum[r] + c);
       const auto shape = hn::Mul(hn::Set(d, cosines.noise[r]), hn::LoadU(d, cosines.noise + c));
-      hn::Store(hn::Mul(gain, shape), d, smooth[r] + c);           // terms that noise is left in
+      hn::Store(hn::Mul(hn::Mul(gain, shape), hn::MulAdd(hn::Set(d, term_weight), hn::Sub(one, gain), one)), d, smooth[r] + c);
       hn::Store(hn::Mul(hn::Mul(gain, gain), shape), d, power[r] + c);  // and their noise
     }
   const float terms = sum_of<n>(smooth), kept = sum_of<n>(power);
@@ -187,7 +187,7 @@ void shrink_block(const float* values, std::ptrdiff_t stride, Shrinker::Block& o
   plane(1);
   out.value.resize(n * n);
   for (int r = 0; r < n; ++r) std::copy_n(block[r], n, out.value.data() + r * n);
-  out.variance = spread * noise * (plane_terms + term_weight * terms) / (n * n);
+  out.variance = spread * noise * (plane_terms + terms) / (n * n);
   out.terms = plane_terms + kept;
 }
 

@@ -107,16 +107,16 @@ bool plainly_smooth(const VectorGrid& vectors, int i, int j, double granted) {
     const auto at = [&](std::size_t k) { return vectors.displacement[k][c]; };
     const float here = at(middle), along_i = 0.5f * (at(middle + 1) - at(middle - 1)),
                 along_j = 0.5f * (at(middle + nx) - at(middle - nx));
-    float most = 0;
+    float largest = 0;
     for (int b = -reach; b <= reach; ++b) {
       const std::size_t row = std::size_t(j + b) * nx + std::size_t(i - reach);
       for (int a = 0; a <= 2 * reach; ++a) {
         const std::size_t k = row + std::size_t(a);
         const float off = at(k) - here - along_i * static_cast<float>(a - reach) - along_j * static_cast<float>(b);
-        most = std::max(most, vectors.good[k] ? std::abs(off) : std::numeric_limits<float>::infinity());
+        largest = std::max(largest, vectors.good[k] ? std::abs(off) : std::numeric_limits<float>::infinity());
       }
     }
-    if (!(most <= limit)) return false;
+    if (!(largest <= limit)) return false;
   }
   return true;
 }

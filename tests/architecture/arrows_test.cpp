@@ -35,7 +35,7 @@ const std::map<std::string, Folders> allowed = {
 
 // Vendor headers, and the folders that may see them.
 const std::map<std::string, Folders> vendors = {
-    {"opencv2/", {"pivnp/image"}}, {"CGAL/", {"pivnp/core", "compare"}}, {"hdf5", {"pivnp/io"}},
+    {"opencv2/", {"pivnp/image", "pivnp/piv"}}, {"CGAL/", {"pivnp/core", "compare"}}, {"hdf5", {"pivnp/io"}},
     {"H5", {"pivnp/io"}},          {"Q", {"apps/report"}},               {"qcustomplot", {"apps/report"}},
     {"CLI/", {"apps/cli"}},        {"toml++", {"apps/case"}},            {"fftw3", {"pivnp/piv"}},
 };
