@@ -111,10 +111,17 @@ TEST(Piv, StatedErrorFollowsTheNoise) {
   EXPECT_GE(five.valid, 0.99);
   EXPECT_LE(ten.rms, 0.06);
   EXPECT_NEAR(ten.sigma / five.sigma, 2.0, 0.25);
-  for (const Errors& e : {five, ten}) {
-    EXPECT_GE(e.within_one, 0.55);
-    EXPECT_LE(e.within_one, 0.80);
-    EXPECT_GE(e.within_two, 0.88);
+  // Errors of neighbours are alike over most of so small a frame: the shares are means over eight frames.
+  for (const double noise : {0.05, 0.10}) {
+    double one = 0, two = 0;
+    constexpr int frames = 8;
+    for (int seed = 1; seed <= frames; ++seed) {
+      const Errors e = errors_of(uniform(2.3, -1.4), {.noise = noise, .seed = seed});
+      one += e.within_one / frames, two += e.within_two / frames;
+    }
+    EXPECT_GE(one, 0.55) << noise;
+    EXPECT_LE(one, 0.85) << noise;
+    EXPECT_GE(two, 0.88) << noise;
   }
 }
 
