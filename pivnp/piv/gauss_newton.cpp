@@ -1,5 +1,7 @@
 #include "pivnp/piv/gauss_newton.hpp"
 
+#include <omp.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,6 +11,7 @@
 #include "pivnp/piv/light.hpp"
 #include "pivnp/piv/multipass.hpp"
 #include "pivnp/piv/presmoothing.hpp"
+#include "pivnp/piv/validate.hpp"
 #include "pivnp/piv/window_passes.hpp"
 
 namespace pivnp::piv {
@@ -18,18 +21,18 @@ namespace {
 constexpr int coarse_passes = 4, middle_passes = 3, fine_passes = 3;  // at 1/4, 1/2 and the full resolution
 
 // Frames at one resolution and the lattice of cells on it.
-struct GnLevel {
-  int decimation = 1, passes = 0;
-  SplineImage first, second;
+struct GnLevel : Level {
+  int passes = 0;
   PixelFlags first_flags, second_flags;
   CellLattice lattice;
   std::vector<std::uint8_t> wanted;  // points near nodes that are on; empty: all
 
-  float from_full(float x) const {
-    return (x - 0.5f * static_cast<float>(decimation - 1)) / static_cast<float>(decimation);
-  }
-  float to_full(float x) const {
-    return x * static_cast<float>(decimation) + 0.5f * static_cast<float>(decimation - 1);
+  // Place of a point of the lattice in the full image.
+  float column(int i) const { return to_full(static_cast<float>(lattice.x0 + i * lattice.step)); }
+  float row(int j) const { return to_full(static_cast<float>(lattice.y0 + j * lattice.step)); }
+  EvenLattice even() const {
+    const auto step = static_cast<float>(lattice.step * decimation);
+    return {lattice.nx, lattice.ny, column(0), row(0), step, step};
   }
 };
 
@@ -45,12 +48,16 @@ class GaussNewton final : public Method {
   void start_from(const GnLevel& level, const GnLevel& coarser);
   void pass(const GnLevel& level, bool scores);
   void smooth(const GnLevel& level);
+  void mend(const GnLevel& level);
+  void search_again(const GnLevel& level, const std::vector<std::uint8_t>& poor,
+                    const std::vector<std::uint8_t>& textured);
 
   PivOptions options_;
   NodeLattice nodes_;
   int width_, height_, threads_;
   Anchor anchor_;
   WindowPasses windows_;
+  std::vector<WindowTools> tools_;  // one a thread, for places searched again
   std::vector<GnLevel> levels_;
   float rounding_ = 0;       // variance of a grey value's rounding, grey^2
   float presmoothing_ = 0;
@@ -79,6 +86,8 @@ GaussNewton::GaussNewton(const PivOptions& options, const NodeLattice& nodes, in
   const int decimation = decimation_of(side, sides.back());
   windows_.add(side, decimation, static_cast<float>(side) / 2, 2, true);
   if (side / 2 > options.window_px) windows_.add(side / 2, decimation, static_cast<float>(side) / 4, 1, true);
+  constexpr int again_px = 24;  // side of the windows, pixels of the level
+  for (int t = 0; t < threads_; ++t) tools_.emplace_back(again_px, true);
   add_level(4, coarse_passes);
   add_level(2, middle_passes);
   if (finest == 1) add_level(1, options.passes > 0 ? options.passes : fine_passes);
@@ -102,11 +111,8 @@ void GaussNewton::add_level(int decimation, int passes) {
   place(box.x0, box.x1, lattice.x0, lattice.nx);
   place(box.y0, box.y1, lattice.y0, lattice.ny);
   if (!nodes_.on.empty()) {
-    EvenLattice even{lattice.nx, lattice.ny, level.to_full(static_cast<float>(lattice.x0)),
-                     level.to_full(static_cast<float>(lattice.y0)), static_cast<float>(lattice.step * decimation),
-                     static_cast<float>(lattice.step * decimation)};
     const float reach = std::max(node_spacing(nodes_), static_cast<float>(margin * lattice.step * decimation));
-    level.wanted = nodes_near(even, nodes_, reach).on;
+    level.wanted = nodes_near(level.even(), nodes_, reach).on;
   }
   levels_.push_back(std::move(level));
 }
@@ -140,10 +146,10 @@ void GaussNewton::correlate(const ImageView& first, const ImageView& second, con
     coarser == nullptr ? start_from(level, predictor) : start_from(level, *coarser);
     noise_.clear();
     for (int k = 0; k < level.passes; ++k) {
-      const bool last = k + 1 == level.passes;
-      pass(level, last && (coarser == nullptr || &level == &levels_.back()));
+      pass(level, k + 1 == level.passes);
       smooth(level);
     }
+    if (&level != &levels_.back()) mend(level);
     field_.interpolate(level.lattice, u_, v_);
     if (coarser == nullptr && levels_.size() > 1) light_.take(sums_, level.decimation, rounding_);
     coarser = &level;
@@ -160,8 +166,7 @@ void GaussNewton::start_from(const GnLevel& level, const PredictorField& predict
   v_.resize(lattice.size());
   for (int j = 0; j < lattice.ny; ++j)
     for (int i = 0; i < lattice.nx; ++i) {
-      const auto d = predictor.at(level.to_full(static_cast<float>(lattice.x0 + i * lattice.step)),
-                                  level.to_full(static_cast<float>(lattice.y0 + j * lattice.step)));
+      const auto d = predictor.at(level.column(i), level.row(j));
       u_[lattice.index(i, j)] = scale * d[0], v_[lattice.index(i, j)] = scale * d[1];
     }
 }
@@ -174,8 +179,7 @@ void GaussNewton::start_from(const GnLevel& level, const GnLevel& coarser) {
 #pragma omp parallel for num_threads(threads_) schedule(static)
   for (int j = 0; j < lattice.ny; ++j)
     for (int i = 0; i < lattice.nx; ++i) {
-      const auto d = field_.at(coarser.from_full(level.to_full(static_cast<float>(lattice.x0 + i * lattice.step))),
-                               coarser.from_full(level.to_full(static_cast<float>(lattice.y0 + j * lattice.step))));
+      const auto d = field_.at(coarser.from_full(level.column(i)), coarser.from_full(level.row(j)));
       u_[lattice.index(i, j)] = scale * d[0], v_[lattice.index(i, j)] = scale * d[1];
     }
 }
@@ -218,6 +222,85 @@ void GaussNewton::smooth(const GnLevel& level) {
   }
   // Lost grains are told from misplaced ones only once the images are nearly in register.
   if (level.decimation <= 2) residual_scale(sums_, u_, v_, rounding_, noise_, tolerance_);
+}
+
+// Where the frames still do not match although they have texture, the field sits on a wrong match: such places are
+// searched again with small windows, from what the matched surroundings say, and the better of both fields stays.
+void GaussNewton::mend(const GnLevel& level) {
+  constexpr int rounds = 4;            // each grows from what the one before has matched
+  constexpr float poor_score = 0.6f, most_poor = 0.4f;  // beyond that share the frames are poor, not the match
+  const CellLattice& lattice = level.lattice;
+  MatchQuality before, after;
+  match_quality(sums_, before);
+  std::size_t last_count = lattice.size();
+  for (int round = 0; round < rounds; ++round) {
+    std::vector<std::uint8_t> poor(lattice.size(), 0), textured(lattice.size(), 0);
+    std::size_t count = 0, judged = 0;
+    for (std::size_t k = 0; k < lattice.size(); ++k) {
+      textured[k] = before.usable[k] >= 0.3f && before.variance[k] > 4 * rounding_ && before.contrast[k] > 0.1f;
+      poor[k] = textured[k] && before.score[k] < poor_score;
+      judged += textured[k], count += poor[k];
+    }
+    if (count == 0 || static_cast<float>(count) > most_poor * static_cast<float>(judged) || 10 * count > 9 * last_count)
+      return;
+    last_count = count;
+    const std::vector<float> u = u_, v = v_;
+    search_again(level, poor, textured);
+    noise_.clear();
+    for (int k = 0; k < level.passes; ++k) {
+      pass(level, k + 1 == level.passes);
+      smooth(level);
+    }
+    match_quality(sums_, after);
+    for (std::size_t k = 0; k < lattice.size(); ++k)
+      if (after.score[k] > before.score[k])
+        before.score[k] = after.score[k];
+      else
+        u_[k] = u[k], v_[k] = v[k];
+  }
+}
+
+void GaussNewton::search_again(const GnLevel& level, const std::vector<std::uint8_t>& poor,
+                               const std::vector<std::uint8_t>& textured) {
+  const CellLattice& lattice = level.lattice;
+  const auto scale = static_cast<float>(level.decimation);
+  VectorGrid known{lattice.nx, lattice.ny, {}, std::vector<std::uint8_t>(lattice.size(), 0)};
+  known.displacement.resize(lattice.size());
+  std::vector<std::size_t> open;  // points next to a poor one
+  for (int j = 0; j < lattice.ny; ++j)
+    for (int i = 0; i < lattice.nx; ++i) {
+      const std::size_t k = lattice.index(i, j);
+      bool near_poor = false;
+      for (int b = std::max(0, j - 1); b <= std::min(lattice.ny - 1, j + 1); ++b)
+        for (int a = std::max(0, i - 1); a <= std::min(lattice.nx - 1, i + 1); ++a)
+          near_poor = near_poor || poor[lattice.index(a, b)];
+      known.displacement[k] = {scale * u_[k], scale * v_[k]};
+      known.good[k] = textured[k] && !near_poor;
+      if (near_poor) open.push_back(k);
+    }
+  PredictorField around;
+  around.fit(level.even(), known.displacement, known.good, 0.5f, threads_);
+  WarpedPair warped;
+  warp_pair(level, around, anchor_, {0, 0, level.first.width(), level.first.height()}, threads_, warped);
+  const auto found = [&](std::size_t k, WindowTools& tools) {
+    const int i = static_cast<int>(k % std::size_t(lattice.nx)), j = static_cast<int>(k / std::size_t(lattice.nx));
+    const auto predicted = around.at(level.column(i), level.row(j));
+    known.displacement[k] = predicted;
+    tools.window.cut(warped, static_cast<float>(lattice.x0 + i * lattice.step), static_cast<float>(lattice.y0 + j * lattice.step));
+    if (!textured[k] || !windows_.enough(tools.window)) return;
+    const Peak peak = tools.find(Search::far);
+    if (!peak.interior || peak.score < 0.5f) return;
+    known.displacement[k] = {predicted[0] + scale * peak.dx, predicted[1] + scale * peak.dy};
+    known.good[k] = 1;
+  };
+#pragma omp parallel for num_threads(threads_) schedule(dynamic, 4)
+  for (std::size_t n = 0; n < open.size(); ++n) found(open[n], tools_[std::size_t(omp_get_thread_num())]);
+  median_test(known, options_.median_threshold, options_.median_floor_px * scale, threads_);
+  around.fit(level.even(), known.displacement, known.good, 0.5f, threads_);
+  for (const std::size_t k : open) {
+    const auto d = around.at(level.column(static_cast<int>(k % std::size_t(lattice.nx))), level.row(static_cast<int>(k / std::size_t(lattice.nx))));
+    u_[k] = d[0] / scale, v_[k] = d[1] / scale;
+  }
 }
 
 }  // namespace

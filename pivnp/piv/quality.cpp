@@ -41,15 +41,19 @@ void match_quality(const CellSums& sums, MatchQuality& quality) {
   binomial_mean(lattice, sums[CellSums::gxy], gxy);
   binomial_mean(lattice, sums[CellSums::gyy], gyy);
   const std::size_t count = lattice.size();
-  for (auto* v : {&quality.score, &quality.wide_score, &quality.usable, &quality.variance, &quality.slant}) v->resize(count);
+  for (auto* v : {&quality.score, &quality.wide_score, &quality.usable, &quality.variance, &quality.contrast, &quality.slant}) v->resize(count);
+  double sum = 0, seen = 0;
   const float whole = static_cast<float>(lattice.step) * static_cast<float>(lattice.step);
   for (std::size_t k = 0; k < count; ++k) {
     quality.score[k] = near.coefficient(k);
     quality.wide_score[k] = far.coefficient(k);
     quality.usable[k] = near.n[k] / whole;
     quality.variance[k] = std::min(near.variance_f(k), near.variance_g(k)) / std::max(near.n[k], 1e-3f);
+    if (near.n[k] > 0) sum += static_cast<double>(quality.variance[k]), ++seen;
     quality.slant[k] = -gxy[k] / std::sqrt(std::max(gxx[k] * gyy[k], 1e-20f));
   }
+  const auto mean = static_cast<float>(std::max(sum, 1e-30) / std::max(seen, 1.0));
+  for (std::size_t k = 0; k < count; ++k) quality.contrast[k] = quality.variance[k] / mean;
 }
 
 void truncation_variance(const CellLattice& lattice, const std::vector<float>& u, int threads,

@@ -15,6 +15,7 @@ struct MatchQuality {
   std::vector<float> wide_score;  // and of the same sums over 7 x 7 points
   std::vector<float> usable;      // share of usable pixels about the point, 0 ... 1
   std::vector<float> variance;    // of the first frame's grey values about the point, grey^2, the smaller of both frames'
+  std::vector<float> contrast;    // that variance over its mean over the lattice
   std::vector<float> slant;       // correlation between the errors of u and v that the texture causes, -1 ... 1
 };
 
