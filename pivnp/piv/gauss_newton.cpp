@@ -86,7 +86,7 @@ GaussNewton::GaussNewton(const PivOptions& options, const NodeLattice& nodes, in
   const int decimation = decimation_of(side, sides.back());
   windows_.add(side, decimation, static_cast<float>(side) / 2, 2, true);
   if (side / 2 > options.window_px) windows_.add(side / 2, decimation, static_cast<float>(side) / 4, 1, true);
-  constexpr int again_px = 24;  // side of the windows, pixels of the level
+  constexpr int again_px = 32;  // side of the windows, pixels of the level
   for (int t = 0; t < threads_; ++t) tools_.emplace_back(again_px, true);
   add_level(4, coarse_passes);
   add_level(2, middle_passes);
@@ -227,7 +227,7 @@ void GaussNewton::smooth(const GnLevel& level) {
 // Where the frames still do not match although they have texture, the field sits on a wrong match: such places are
 // searched again with small windows, from what the matched surroundings say, and the better of both fields stays.
 void GaussNewton::mend(const GnLevel& level) {
-  constexpr int rounds = 4;            // each grows from what the one before has matched
+  constexpr int rounds = 6;            // each grows from what the one before has matched
   constexpr float poor_score = 0.6f, most_poor = 0.4f;  // beyond that share the frames are poor, not the match
   const CellLattice& lattice = level.lattice;
   MatchQuality before, after;
@@ -241,7 +241,7 @@ void GaussNewton::mend(const GnLevel& level) {
       poor[k] = textured[k] && before.score[k] < poor_score;
       judged += textured[k], count += poor[k];
     }
-    if (count == 0 || static_cast<float>(count) > most_poor * static_cast<float>(judged) || 10 * count > 9 * last_count)
+    if (count == 0 || static_cast<float>(count) > most_poor * static_cast<float>(judged) || 20 * count > 19 * last_count)
       return;
     last_count = count;
     const std::vector<float> u = u_, v = v_;
