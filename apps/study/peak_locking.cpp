@@ -29,8 +29,8 @@ std::vector<std::array<float, 2>> pixel_displacements(const VectorField& field, 
 std::vector<std::string> texture_remarks(const Setting& setting, const Image& frame) {
   const double diameter = piv::blob_diameter(frame.view(), setting.mask.view());
   if (!(diameter < piv::least_blob_px)) return {};
-  return {"The texture is too fine for the pixels: its blobs are about " + number(diameter, 2) + " px wide, and below " +
-          number(piv::least_blob_px, 2) +
+  return {"The texture is too fine for the pixels: its blobs are about " + number(diameter, 2) +
+          " px wide, and below " + number(piv::least_blob_px, 2) +
           " px displacements are drawn toward whole pixels by hundredths of a pixel (peak locking)."};
 }
 

@@ -15,9 +15,12 @@ constexpr int block = 32;
 
 float grey(const ImageView& image, int column, int row) {
   switch (image.depth) {
-    case PixelDepth::u8: return image.row<std::uint8_t>(row)[column];
-    case PixelDepth::u16: return image.row<std::uint16_t>(row)[column];
-    case PixelDepth::f32: return image.row<float>(row)[column];
+    case PixelDepth::u8:
+      return image.row<std::uint8_t>(row)[column];
+    case PixelDepth::u16:
+      return image.row<std::uint16_t>(row)[column];
+    case PixelDepth::f32:
+      return image.row<float>(row)[column];
   }
   return 0;
 }
@@ -129,8 +132,7 @@ void FractionStatistics::add(int nx, const std::vector<std::array<float, 2>>& di
       for (std::size_t c = 0; c < 2; ++c) {
         const Plane field = fit([&](int a, int b) { return double(displacement[at(i + a, j + b)][c]); });
         const Plane drawn = fit([&](int a, int b) { return wave(field.at(a, b)); });
-        const double r = double(displacement[at(i, j)][c]) - field.middle(),
-                     g = wave(field.mean) - drawn.middle();
+        const double r = double(displacement[at(i, j)][c]) - field.middle(), g = wave(field.mean) - drawn.middle();
         cross_ -= r * g, square_ += g * g, residual_ += r * r;
         ++fits_;
       }

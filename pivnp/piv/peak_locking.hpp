@@ -14,8 +14,8 @@ namespace pivnp::piv {
 /// of blocks of 32 px are taken off first: light and large shapes do not count. NaN without texture.
 double blob_diameter(const ImageView& image, const MaskView& mask);
 
-/// Blobs smaller than this are warned of: uniform shifts of blobs of 2 / 1.5 / 1 px are measured to .009 / .017 / .039 px
-/// by 32 px windows, of 3 px to .005 (noise-free, worst fraction).
+/// Blobs smaller than this are warned of: uniform shifts of blobs of 2 / 1.5 / 1 px are measured to .009 / .017 / .039
+/// px by 32 px windows, of 3 px to .005 (noise-free, worst fraction).
 inline constexpr double least_blob_px = 1.7;
 
 /// Fits error = -a sin(2 pi d) to fields of vectors: what a vector deviates by from a cubic through its neighbours (5 x

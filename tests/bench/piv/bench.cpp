@@ -17,7 +17,8 @@ double BenchOptions::slack() const {
 
 void BenchOptions::print_head() const {
   std::printf("machine: %s, %u processors\nthreads %d, frames %d x %d px, %d bit, nodes %d px apart, margin %d px\n",
-              machine().c_str(), std::thread::hardware_concurrency(), threads, side, side, texture.bits, spacing, margin);
+              machine().c_str(), std::thread::hardware_concurrency(), threads, side, side, texture.bits, spacing,
+              margin);
   std::printf("texture %s, blobs %.1f px, %.3f per px, blur %.1f px; seeds", texture.kind.c_str(),
               texture.blob_diameter_px, texture.density_per_px, texture.blur_px);
   for (const int seed : seeds) std::printf(" %d", seed);
@@ -40,11 +41,16 @@ void set(piv::PivOptions& options, const std::string& key, const std::string& va
     known = true;
     using Field = std::remove_reference_t<decltype(field)>;
     try {
-      if constexpr (std::is_same_v<Field, std::string>) field = value;
-      else if constexpr (std::is_same_v<Field, bool>) field = value == "true" || value == "1";
-      else if constexpr (std::is_same_v<Field, int>) field = std::stoi(value);
-      else if constexpr (std::is_same_v<Field, double>) field = std::stod(value);
-      else known = false;
+      if constexpr (std::is_same_v<Field, std::string>)
+        field = value;
+      else if constexpr (std::is_same_v<Field, bool>)
+        field = value == "true" || value == "1";
+      else if constexpr (std::is_same_v<Field, int>)
+        field = std::stoi(value);
+      else if constexpr (std::is_same_v<Field, double>)
+        field = std::stod(value);
+      else
+        known = false;
     } catch (const std::exception&) {
       throw InputError("--method: " + key + ": found '" + value + "', expected a number");
     }

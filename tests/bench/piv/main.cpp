@@ -63,7 +63,8 @@ int run(int argc, char** argv) {
       {"csv", [&](const std::string& v) { options.csv = v; }},
       {"texture",
        [&](const std::string& v) {
-         if (v == "soil") options.texture = image::soil_texture();
+         if (v == "soil")
+           options.texture = image::soil_texture();
          else if (v != "blobs" && v != "sparse")
            throw InputError("--texture: found '" + v + "', expected blobs or soil");
        }},

@@ -121,9 +121,10 @@ bool field_map(const BenchOptions& options, const Setting& setting) {
     }
   print("all", all);
   const bool wrong = all.wrong_flagged >= 0.97 * all.wrong, good = all.good_flagged <= 0.05 * all.good;
-  std::printf("  flagged of those wrong by more than .5 px: %.2f %% (at least 97)  %s\n"
-              "  flagged of those better than .1 px: %.2f %% (at most 5)  %s\n",
-              100 * all.wrong_flagged / all.wrong, mark(wrong), 100 * all.good_flagged / all.good, mark(good));
+  std::printf(
+      "  flagged of those wrong by more than .5 px: %.2f %% (at least 97)  %s\n"
+      "  flagged of those better than .1 px: %.2f %% (at most 5)  %s\n",
+      100 * all.wrong_flagged / all.wrong, mark(wrong), 100 * all.good_flagged / all.good, mark(good));
   return wrong && good;
 }
 

@@ -91,11 +91,12 @@ bool print_summary(const Setting& setting, const std::vector<Judged>& rows, doub
     ++asked, met += over <= 1, near += over > 1 && over <= 1.25;
     if (over > 1) missed += (missed.empty() ? "" : ", ") + j.name;
   }
-  std::printf("%s: %d of %d rows met, %d more missed by at most a quarter%s%s\n", setting.name.c_str(), met, asked, near,
-              missed.empty() ? "" : "; missed: ", missed.c_str());
+  std::printf("%s: %d of %d rows met, %d more missed by at most a quarter%s%s\n", setting.name.c_str(), met, asked,
+              near, missed.empty() ? "" : "; missed: ", missed.c_str());
   const int coverage = print_coverage(rows);
-  std::printf("  vectors/s: median over rows %.0f, slowest row %.0f (asked of the default on one core: 120000, 70000)\n\n",
-              median(rates), *std::min_element(rates.begin(), rates.end()));
+  std::printf(
+      "  vectors/s: median over rows %.0f, slowest row %.0f (asked of the default on one core: 120000, 70000)\n\n",
+      median(rates), *std::min_element(rates.begin(), rates.end()));
   return asked == met && coverage == 0;
 }
 
@@ -122,8 +123,9 @@ int table(const BenchOptions& options) {
   std::printf("%d x %d nodes scored and timed; median of %d repeats\n\n", nodes.nx, nodes.ny, options.repeats);
   File csv(options.csv);
   if (csv.stream)
-    std::fprintf(csv.stream, "setting,method,window_px,anchor,threads,side,spacing,texture,blob_px,seed,row,kind,rms_px,"
-                             "bias_px,valid,flagged,gain,width_px,true_width_px,within_one,within_two,sigma_px,vectors_per_s\n");
+    std::fprintf(csv.stream,
+                 "setting,method,window_px,anchor,threads,side,spacing,texture,blob_px,seed,row,kind,rms_px,"
+                 "bias_px,valid,flagged,gain,width_px,true_width_px,within_one,within_two,sigma_px,vectors_per_s\n");
   std::vector<Row> rows = piv_rows(options.side, options.more);
   const std::regex wanted(options.rows);
   std::erase_if(rows, [&](const Row& row) { return !std::regex_search(row.name, wanted); });
@@ -132,7 +134,8 @@ int table(const BenchOptions& options) {
   std::vector<std::vector<Judged>> found(options.settings.size());
   std::vector<std::unique_ptr<PairCorrelator>> correlators;
   for (const Setting& s : options.settings)
-    correlators.push_back(std::make_unique<PairCorrelator>(s.options, nodes, options.side, options.side, options.threads));
+    correlators.push_back(
+        std::make_unique<PairCorrelator>(s.options, nodes, options.side, options.side, options.threads));
   for (const Row& row : rows)
     for (const int seed : options.seeds) {
       image::TextureOptions texture = row.texture(options.texture);
@@ -144,11 +147,12 @@ int table(const BenchOptions& options) {
         j.add(f);
         if (!csv.stream) continue;
         const PivOptions& o = options.settings[s].options;
-        std::fprintf(csv.stream, "%s,%s,%d,%s,%d,%d,%d,%s,%g,%d,%s,%d,%.6f,%.6f,%.5f,%.5f,%.5f,%.3f,%.3f,%.4f,%.4f,%.6f,%.0f\n",
+        std::fprintf(csv.stream,
+                     "%s,%s,%d,%s,%d,%d,%d,%s,%g,%d,%s,%d,%.6f,%.6f,%.5f,%.5f,%.5f,%.3f,%.3f,%.4f,%.4f,%.6f,%.0f\n",
                      options.settings[s].name.c_str(), o.method.c_str(), o.window_px, o.anchor.c_str(), options.threads,
                      options.side, options.spacing, texture.kind.c_str(), texture.blob_diameter_px, seed,
-                     row.name.c_str(), static_cast<int>(row.kind), f.e.rms, f.e.bias, f.e.valid, 1 - f.e.valid, f.e.gain,
-                     f.width, j.true_width, f.e.within_one, f.e.within_two, f.e.sigma, f.rate);
+                     row.name.c_str(), static_cast<int>(row.kind), f.e.rms, f.e.bias, f.e.valid, 1 - f.e.valid,
+                     f.e.gain, f.width, j.true_width, f.e.within_one, f.e.within_two, f.e.sigma, f.rate);
         std::fflush(csv.stream);
       }
     }

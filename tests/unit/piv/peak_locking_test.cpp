@@ -77,7 +77,8 @@ TEST(Fractions, FieldsWithoutLockingAreNotAccused) {
     for (const double noise : {0.003, 0.03})
       for (const unsigned seed : {1u, 2u, 3u}) {
         const FractionStatistics s = statistics(motion, 0, noise, seed);
-        EXPECT_FALSE(s.locked()) << motion(Vec2(37, 81)).transpose() << ' ' << s.amplitude() << ' ' << s.amplitude_error();
+        EXPECT_FALSE(s.locked()) << motion(Vec2(37, 81)).transpose() << ' ' << s.amplitude() << ' '
+                                 << s.amplitude_error();
       }
   EXPECT_TRUE(std::isnan(statistics(uniform(1.3, 2), 0.1, 0.02, 1).amplitude()));  // an even field cannot tell
 }
