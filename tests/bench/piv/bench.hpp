@@ -43,5 +43,6 @@ inline double seconds_since(std::chrono::steady_clock::time_point start) {
 int table(const BenchOptions& options);
 int map(const BenchOptions& options);
 int real(const BenchOptions& options);
+int speed(const BenchOptions& options);
 
 }  // namespace pivnp::bench

@@ -185,7 +185,8 @@ void draw_legend(Sheet& sheet, Legend& legend, double y) {
   const char* notes[] = {
       "Dashed: the front; nothing is both quicker and more accurate. Coloured: pivnp, over valid "
       "vectors; grey: other programs,",
-      "over all vectors they returned. One thread, the same images, 1024 x 1024 px."};
+      "over all vectors they returned. One thread, the same images, 1024 x 1024 px.",
+      "Noise and loss rows move evenly: what averages beyond its window gains there, and nowhere else."};
   for (const char* note : notes) sheet.text(14, y += 4.2, note, Qt::AlignLeft | Qt::AlignTop, small_text, false, faint);
 }
 
@@ -205,7 +206,7 @@ int main(int argc, char** argv) {
   try {
     const Rows table = read(argv[1]), others = read(argv[2]);
     start_qt();
-    Sheet sheet(170, 232);
+    Sheet sheet(170, 236);
     Legend legend;
     std::size_t drawn = 0;
     for (const char* panel : panels) {

@@ -22,6 +22,8 @@ const char* usage =
     "  --rows REGEX (all)  --more (fields beside the table)  --csv FILE\n"
     "  --map (instead of the table: flags against errors over a map of images, outliers put into fields)\n"
     "  --real (instead of the table: real and published images, folder in the environment's PIVNP_TEST_DATA)\n"
+    "  --speed (instead of the table: threads, masks, sizes, memory, instruction sets, 12-megapixel pairs, the "
+    "machine)\n"
     "  --texture blobs|soil  --blob PX (3)  --density N (0.05; soil 0.2)  --blur PX (0)  --bits 8|12|16\n";
 
 std::vector<std::string> split(const std::string& text) {
@@ -77,6 +79,7 @@ int run(int argc, char** argv) {
       {"more", [&] { options.more = true; }},
       {"map", [&] { part = map; }},
       {"real", [&] { part = real; }},
+      {"speed", [&] { part = speed; }},
   };
   for (int a = 1; a < argc; ++a) {
     const std::string text = argv[a], key = text.starts_with("--") ? text.substr(2) : "";
