@@ -20,7 +20,7 @@ struct BenchOptions {
   int side = 1024, spacing = 8, margin = 48, threads = 1, repeats = 3;
   std::vector<int> seeds = {101};
   std::vector<Setting> settings;
-  std::string rows;  // regular expression; empty: all
+  std::vector<std::string> rows;  // parts of names, "^" before: their start, "$" behind: their end; empty: all
   image::TextureOptions texture;
   bool more = false;
   std::string csv;  // file; empty: none

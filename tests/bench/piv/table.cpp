@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
-#include <regex>
 
 #include "pivnp/core/error.hpp"
 #include "tests/bench/piv/bench.hpp"
@@ -115,6 +114,18 @@ Figures measure(PairCorrelator& correlator, const image::SyntheticPair& pair, co
   return f;
 }
 
+bool wanted(const Row& row, const std::vector<std::string>& parts) {
+  const auto matches = [&](std::string part) {
+    const bool start = part.starts_with('^'), end = part.ends_with('$');
+    part = part.substr(start, part.size() - start - end);
+    return start && end ? row.name == part
+           : start      ? row.name.starts_with(part)
+           : end        ? row.name.ends_with(part)
+                        : row.name.find(part) != std::string::npos;
+  };
+  return parts.empty() || std::any_of(parts.begin(), parts.end(), matches);
+}
+
 }  // namespace
 
 int table(const BenchOptions& options) {
@@ -127,9 +138,8 @@ int table(const BenchOptions& options) {
                  "setting,method,window_px,anchor,threads,side,spacing,texture,blob_px,seed,row,kind,rms_px,"
                  "bias_px,valid,flagged,gain,width_px,true_width_px,within_one,within_two,sigma_px,vectors_per_s\n");
   std::vector<Row> rows = piv_rows(options.side, options.more);
-  const std::regex wanted(options.rows);
-  std::erase_if(rows, [&](const Row& row) { return !std::regex_search(row.name, wanted); });
-  if (rows.empty()) throw InputError("--rows: found no row that '" + options.rows + "' matches, expected one");
+  std::erase_if(rows, [&](const Row& row) { return !wanted(row, options.rows); });
+  if (rows.empty()) throw InputError("--rows: found no row of these names, expected at least one");
 
   std::vector<std::vector<Judged>> found(options.settings.size());
   std::vector<std::unique_ptr<PairCorrelator>> correlators;

@@ -45,14 +45,14 @@ TEST(BlobDiameter, IsUnknownWithoutTexture) {
 FractionStatistics statistics(const Motion& motion, double locking, double noise, unsigned seed) {
   constexpr int nx = 60, ny = 50;
   std::mt19937 random(seed);
-  std::normal_distribution<double> normal(0, noise);
+  std::normal_distribution<double> normal(0, 1);
   std::vector<std::array<float, 2>> displacement;
   for (int j = 0; j < ny; ++j)
     for (int i = 0; i < nx; ++i) {
       const Vec2 d = motion(Vec2(8 * i, 8 * j));
       std::array<float, 2> found;
       for (int c = 0; c < 2; ++c)
-        found[std::size_t(c)] = static_cast<float>(d[c] - locking * std::sin(2 * M_PI * d[c]) + normal(random));
+        found[std::size_t(c)] = static_cast<float>(d[c] - locking * std::sin(2 * M_PI * d[c]) + noise * normal(random));
       displacement.push_back(found);
     }
   FractionStatistics s;
