@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdio>
 #include <random>
 
 #include "tests/unit/piv/scene.hpp"
@@ -90,28 +89,6 @@ TEST(Fractions, HistogramHoldsEveryComponent) {
   EXPECT_NEAR(sum, 1, 1e-12);
   const auto drawn = statistics(rotation(3, 240, 200), 0.15, 0, 1).histogram();
   EXPECT_GT(drawn[10] + drawn[9], 2 * (drawn[0] + drawn[19]));  // more at whole pixels than half-way between
-}
-
-TEST(Fractions, MeasuredVectorsOfTinyBlobsAreAccusedAndOthersNot) {
-  for (const double diameter : {0.7, 3.0}) {
-    FractionStatistics s;
-    double seen = 0;
-    for (const int seed : {1, 2}) {
-      image::TextureOptions texture;
-      texture.blob_diameter_px = diameter, texture.density_per_px = 0.1, texture.seed = seed;
-      const Scene scene = make_scene(rotation(1, 192, 192), 384, 384, texture);  // .4 px across a window
-      const NodeLattice nodes = even_nodes(384, 384, 12, 24);
-      PivOptions options;
-      options.method = "fft", options.window_px = 24;
-      const PixelVectors found = measure(scene, nodes, options);
-      s.add(nodes.nx, found.displacement, found.status);
-      seen = blob_diameter(scene.first.view(), {});
-    }
-    std::printf("blobs of %.1f px: amplitude %.4f +- %.4f px, diameter %.2f px\n", diameter, s.amplitude(),
-                s.amplitude_error(), seen);
-    EXPECT_EQ(seen < least_blob_px, diameter < 1);
-    EXPECT_EQ(s.locked(), diameter < 1);
-  }
 }
 
 }  // namespace
