@@ -42,6 +42,7 @@ inline double seconds_since(std::chrono::steady_clock::time_point start) {
 /// Each returns the program's exit code: 0, or 3 where something asked of method "default" was missed.
 int table(const BenchOptions& options);
 int map(const BenchOptions& options);
+int outliers(const BenchOptions& options);
 int real(const BenchOptions& options);
 int speed(const BenchOptions& options);
 

@@ -19,7 +19,8 @@ const char* usage =
     "  --side PX (1024)  --spacing PX (8)  --margin PX (48)  --threads N (1)  --repeats N (3)  --seeds A,B,.. (101)\n"
     "  --method NAME[:KEY=VALUE..],.. (default)  --window PX (32)  --anchor central|forward (central)\n"
     "  --rows NAME,.. (all; part of a name, ^ its start, $ its end)  --more (fields beside the table)  --csv FILE\n"
-    "  --map (instead of the table: flags against errors over a map of images, outliers put into fields)\n"
+    "  --map (instead of the table: flags against errors over a map of images)\n"
+    "  --outliers (instead of the table: outliers put into fields, found and false alarms of the validation)\n"
     "  --real (instead of the table: real and published images, folder in the environment's PIVNP_TEST_DATA)\n"
     "  --speed (instead of the table: threads, masks, sizes, memory, instruction sets, 12-megapixel pairs, the "
     "machine)\n"
@@ -75,10 +76,8 @@ int run(int argc, char** argv) {
       {"bits", [&](const std::string& v) { bits = v; }},
   };
   const std::map<std::string, std::function<void()>> flags = {
-      {"more", [&] { options.more = true; }},
-      {"map", [&] { part = map; }},
-      {"real", [&] { part = real; }},
-      {"speed", [&] { part = speed; }},
+      {"more", [&] { options.more = true; }}, {"map", [&] { part = map; }},     {"outliers", [&] { part = outliers; }},
+      {"real", [&] { part = real; }},         {"speed", [&] { part = speed; }},
   };
   for (int a = 1; a < argc; ++a) {
     const std::string text = argv[a], key = text.starts_with("--") ? text.substr(2) : "";
