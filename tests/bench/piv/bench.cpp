@@ -1,6 +1,7 @@
 #include "tests/bench/piv/bench.hpp"
 
 #include <cstdio>
+#include <ctime>
 #include <fstream>
 #include <thread>
 #include <type_traits>
@@ -22,7 +23,14 @@ void BenchOptions::print_head() const {
   std::printf("texture %s, blobs %.1f px, %.3f per px, blur %.1f px; seeds", texture.kind.c_str(),
               texture.blob_diameter_px, texture.density_per_px, texture.blur_px);
   for (const int seed : seeds) std::printf(" %d", seed);
-  std::printf("\n");
+  std::printf(cpu_clock ? "\nspeed by the process's time, not by the wall clock\n" : "\n");
+}
+
+double now(const BenchOptions& options) {
+  if (!options.cpu_clock) return seconds_since({});
+  timespec t{};
+  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
 std::string machine() {

@@ -23,7 +23,8 @@ struct BenchOptions {
   std::vector<std::string> rows;  // parts of names, "^" before: their start, "$" behind: their end; empty: all
   image::TextureOptions texture;
   bool more = false;
-  std::string csv;  // file; empty: none
+  bool cpu_clock = false;  // the process's time instead of the wall's: one thread on a machine that has other work
+  std::string csv;         // file; empty: none
 
   /// Other textures and blobs than the table's: a factor on what is asked.
   double slack() const;
@@ -38,6 +39,9 @@ Setting parse_setting(const std::string& text, const piv::PivOptions& base);
 inline double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
+
+/// Seconds of the clock that was asked for.
+double now(const BenchOptions& options);
 
 /// Each returns the program's exit code: 0, or 3 where something asked of method "default" was missed.
 int table(const BenchOptions& options);

@@ -18,7 +18,8 @@ const char* usage =
     "usage: piv_table [options]\n"
     "  --side PX (1024)  --spacing PX (8)  --margin PX (48)  --threads N (1)  --repeats N (3)  --seeds A,B,.. (101)\n"
     "  --method NAME[:KEY=VALUE..],.. (default)  --window PX (32)  --anchor central|forward (central)\n"
-    "  --rows NAME,.. (all; part of a name, ^ its start, $ its end)  --more (fields beside the table)  --csv FILE\n"
+    "  --rows NAME,.. (all; part of a name, ^ its start, $ its end)  --more (fields beside the table)  --csv FILE  "
+    "--clock wall|cpu (wall)\n"
     "  --map (instead of the table: flags against errors over a map of images)\n"
     "  --outliers (instead of the table: outliers put into fields, found and false alarms of the validation)\n"
     "  --real (instead of the table: real and published images, folder in the environment's PIVNP_TEST_DATA)\n"
@@ -61,6 +62,11 @@ int run(int argc, char** argv) {
       {"method", [&](const std::string& v) { methods = split(v); }},
       {"window", [&](const std::string& v) { base.window_px = number<int>("window", v); }},
       {"anchor", [&](const std::string& v) { base.anchor = v; }},
+      {"clock",
+       [&](const std::string& v) {
+         if (v != "wall" && v != "cpu") throw InputError("--clock: found '" + v + "', expected wall or cpu");
+         options.cpu_clock = v == "cpu";
+       }},
       {"rows", [&](const std::string& v) { options.rows = split(v); }},
       {"csv", [&](const std::string& v) { options.csv = v; }},
       {"texture",

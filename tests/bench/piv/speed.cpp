@@ -28,15 +28,15 @@ struct Timed {
   PixelVectors found;
 };
 
-Timed timed(const PivOptions& piv, const NodeLattice& nodes, const image::SyntheticPair& pair, int threads, int repeats,
-            const MaskView& mask = {}) {
+Timed timed(const BenchOptions& options, const PivOptions& piv, const NodeLattice& nodes,
+            const image::SyntheticPair& pair, int threads, int repeats, const MaskView& mask = {}) {
   PairCorrelator correlator(piv, nodes, pair.width, pair.height, threads);
   Timed t;
   std::vector<double> seconds;
   for (int n = 0; n < repeats + (repeats > 1); ++n) {
-    const auto start = std::chrono::steady_clock::now();
+    const double start = threads == 1 ? now(options) : seconds_since({});
     t.found = correlator.correlate(pair.first.view(), pair.second.view(), mask);
-    if (n > 0 || repeats == 1) seconds.push_back(seconds_since(start));
+    if (n > 0 || repeats == 1) seconds.push_back((threads == 1 ? now(options) : seconds_since({})) - start);
   }
   std::sort(seconds.begin(), seconds.end());
   t.seconds = seconds[seconds.size() / 2];
@@ -54,17 +54,18 @@ void threads_and_masks(const BenchOptions& o, const Setting& setting) {
   const image::SyntheticPair pair = pair_of(o.side, o.texture, o.seeds[0], 0.05, image::sine(1, 64));
   const NodeLattice nodes = even_nodes(o.side, o.side, o.spacing, o.margin);
   const auto rate = [&](double seconds) { return static_cast<double>(nodes.pixel.size()) / seconds; };
-  const double one = timed(setting.options, nodes, pair, 1, o.repeats).seconds;
-  const double two = timed(setting.options, nodes, pair, 2, o.repeats).seconds;
+  const double one = timed(o, setting.options, nodes, pair, 1, o.repeats).seconds;
+  const double two = timed(o, setting.options, nodes, pair, 2, o.repeats).seconds;
   std::printf("  one thread %.0f vectors/s, two %.0f: %.2f times (asked of the default: 1.8)\n", rate(one), rate(two),
               one / two);
   std::vector<std::uint8_t> use(std::size_t(o.side) * std::size_t(o.side), 1);
   for (int r = 0; r < o.side; ++r) std::fill_n(use.begin() + std::ptrdiff_t(r) * o.side, o.side / 2, 0);
-  const double half = timed(setting.options, nodes, pair, 1, o.repeats, {use.data(), o.side, o.side, o.side}).seconds;
+  const double half =
+      timed(o, setting.options, nodes, pair, 1, o.repeats, {use.data(), o.side, o.side, o.side}).seconds;
   std::printf("  half of the scene masked: %.0f %% of the time (asked: 60)\n", 100 * half / one);
   const image::SyntheticPair still = pair_of(o.side, o.texture, o.seeds[0], 0, image::uniform(0, 0));
   std::printf("  a still scene: %.0f %% of the time\n",
-              100 * timed(setting.options, nodes, still, 1, o.repeats).seconds / one);
+              100 * timed(o, setting.options, nodes, still, 1, o.repeats).seconds / one);
 }
 
 // Most memory resident since the last reset, MiB; 0 where the system does not say.
@@ -82,7 +83,7 @@ void sizes(const BenchOptions& o, const Setting& setting) {
     const image::SyntheticPair pair = pair_of(side, o.texture, o.seeds[0], 0.05, image::sine(1, 64));
     const NodeLattice nodes = even_nodes(side, side, o.spacing, o.margin);
     peak_memory(true);
-    const double seconds = timed(setting.options, nodes, pair, o.threads, side < 2000 ? o.repeats : 1).seconds;
+    const double seconds = timed(o, setting.options, nodes, pair, o.threads, side < 2000 ? o.repeats : 1).seconds;
     std::printf("  %8.2f  %10d %10zu  %10.2f  %15.0f\n", 1e-6 * side * side, o.spacing, nodes.pixel.size(),
                 1e6 * seconds / static_cast<double>(nodes.pixel.size()), peak_memory(false));
     std::fflush(stdout);
@@ -92,12 +93,12 @@ void sizes(const BenchOptions& o, const Setting& setting) {
 void instruction_sets(const BenchOptions& o, const Setting& setting) {
   const image::SyntheticPair pair = pair_of(o.side, o.texture, o.seeds[0], 0.05, image::sine(1, 64));
   const NodeLattice nodes = even_nodes(o.side, o.side, o.spacing, o.margin);
-  const Timed best = timed(setting.options, nodes, pair, 1, o.repeats);
+  const Timed best = timed(o, setting.options, nodes, pair, 1, o.repeats);
   const std::int64_t supported = hwy::SupportedTargets();
   for (const std::int64_t target : {HWY_STATIC_TARGET, HWY_SSSE3, HWY_SSE4, HWY_AVX2, HWY_AVX3}) {
     if (((supported | HWY_STATIC_TARGET) & target) == 0) continue;
     hwy::GetChosenTarget().Update(target);
-    const Timed t = timed(setting.options, nodes, pair, 1, o.repeats);
+    const Timed t = timed(o, setting.options, nodes, pair, 1, o.repeats);
     double off = 0;
     for (std::size_t k = 0; k < t.found.status.size(); ++k)
       if (t.found.status[k] == VectorStatus::valid && best.found.status[k] == VectorStatus::valid)

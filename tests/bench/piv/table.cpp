@@ -100,13 +100,14 @@ bool print_summary(const Setting& setting, const std::vector<Judged>& rows, doub
 }
 
 Figures measure(PairCorrelator& correlator, const image::SyntheticPair& pair, const NodeLattice& nodes, const Row& row,
-                int repeats) {
+                const BenchOptions& options) {
+  const int repeats = options.repeats;
   std::vector<double> seconds;
   PixelVectors found;
   for (int n = 0; n < repeats + (repeats > 1); ++n) {  // the first also fills buffers: not counted if there are others
-    const auto start = std::chrono::steady_clock::now();
+    const double start = now(options);
     found = correlator.correlate(pair.first.view(), pair.second.view(), {});
-    if (n > 0 || repeats == 1) seconds.push_back(seconds_since(start));
+    if (n > 0 || repeats == 1) seconds.push_back(now(options) - start);
   }
   Figures f{.e = errors(pair, nodes, found, row.scored)};
   f.rate = static_cast<double>(nodes.pixel.size()) / median(seconds);
@@ -153,7 +154,7 @@ int table(const BenchOptions& options) {
       const image::SyntheticPair pair = image::synthetic_pair(row.motion, options.side, options.side, texture);
       for (std::size_t s = 0; s < options.settings.size(); ++s) {
         Judged& j = judged(found[s], row);
-        const Figures f = measure(*correlators[s], pair, nodes, row, options.repeats);
+        const Figures f = measure(*correlators[s], pair, nodes, row, options);
         j.add(f);
         if (!csv.stream) continue;
         const PivOptions& o = options.settings[s].options;
