@@ -59,21 +59,13 @@ void print_row(const Judged& j, double slack) {
               100 * j.two / j.count, j.sigma / j.count, median(j.rates), mark(excess(j, slack)).c_str());
 }
 
-/// Shares of errors within one and two standard deviations, by kind of image; returns the kinds that miss.
+/// Returns the number of kinds of images that miss.
 int print_coverage(const std::vector<Judged>& rows) {
-  constexpr const char* names[] = {"clean", "gradient", "noise", "loss", "light"};
   int missed = 0;
-  for (int kind = 0; kind < 5; ++kind) {
-    double one = 0, two = 0;
-    int count = 0;
-    for (const Judged& j : rows)
-      if (static_cast<int>(j.kind) == kind) one += j.one, two += j.two, count += j.count;
-    if (count == 0) continue;
-    one /= count, two /= count;
-    const bool met = one >= .60 && one <= .76 && two >= .90 && two <= .98;
-    missed += !met;
-    std::printf("  sigma in %-8s images: %.1f %% within one (60-76), %.1f %% within two (90-98)  %s\n", names[kind],
-                100 * one, 100 * two, met ? "ok" : "MISS");
+  for (const Coverage& c : coverage(rows)) {
+    missed += !c.met();
+    std::printf("  sigma in %-8s images: %.1f %% within one (60-76), %.1f %% within two (90-98)  %s\n", c.kind,
+                100 * c.one, 100 * c.two, c.met() ? "ok" : "MISS");
   }
   return missed;
 }
