@@ -49,5 +49,6 @@ int map(const BenchOptions& options);
 int outliers(const BenchOptions& options);
 int real(const BenchOptions& options);
 int speed(const BenchOptions& options);
+int stages(const BenchOptions& options);
 
 }  // namespace pivnp::bench
