@@ -110,7 +110,7 @@ const QCPScatterStyle::ScatterShape shapes[] = {QCPScatterStyle::ssSquare,    QC
                                                 QCPScatterStyle::ssCross,     QCPScatterStyle::ssPlus,
                                                 QCPScatterStyle::ssStar,      QCPScatterStyle::ssCrossSquare,
                                                 QCPScatterStyle::ssPlusCircle};
-constexpr Rgb own_colours[] = {vermilion, blue, green, purple, orange, sky};
+constexpr Rgb own_colours[] = {vermilion, blue, green, purple, orange, sky, ink, red};
 
 void mark(Sheet& sheet, QCPAxisRect* panel, const Point& p, QCPScatterStyle::ScatterShape shape, Rgb rgb) {
   QCPGraph* graph = sheet.graph(panel);
