@@ -34,13 +34,14 @@ std::vector<std::string> texture_remarks(const Setting& setting, const Image& fr
           " px displacements are drawn toward whole pixels by hundredths of a pixel (peak locking)."};
 }
 
-std::vector<std::string> fraction_remarks(const Setting& setting, const io::RecordWriter& writer, std::size_t pairs) {
+std::vector<std::string> fraction_remarks(const Setting& setting, std::size_t pairs,
+                                          const std::function<VectorField(std::size_t)>& pair) {
   if (pairs == 0) return {};
   const piv::NodeLattice lattice = node_lattice(setting);
   piv::FractionStatistics statistics;
   const std::size_t step = (pairs + 15) / 16;
   for (std::size_t k = 0; k < pairs; k += step) {
-    const VectorField field = writer.pair(k);
+    const VectorField field = pair(k);
     statistics.add(lattice.nx, pixel_displacements(field, lattice, setting.camera), field.status);
   }
   if (!statistics.locked()) return {};

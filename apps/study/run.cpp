@@ -94,7 +94,8 @@ RunOutcome run_case(const Case& given, const RunSettings& settings, Stages stage
     frames = flagged_frames(std::move(frames), writer);
     writer.set_frames(frames);
     outcome.remarks = texture_remarks(setting, source->read(0));
-    for (std::string& remark : fraction_remarks(setting, writer, frames.size() - 1))
+    for (std::string& remark :
+         fraction_remarks(setting, frames.size() - 1, [&](std::size_t k) { return writer.pair(k); }))
       outcome.remarks.push_back(std::move(remark));
     if (tracks) track(c, setting, frames, writer, progress);
   }
