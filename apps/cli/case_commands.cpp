@@ -123,13 +123,15 @@ Action declare_check(CLI::App& app, Session& session) {
   return [arguments, &session] {
     const Case c = load_case(*arguments);
     demand(c, *arguments, Stages::all);
-    fs::path picture;
+    CheckOutcome checked;
     if (c.frames || c.synth || !arguments->frames.empty()) {
       TerminalProgress progress = progress_for(session);
-      picture = check_case(c, settings_for(*arguments, session, c, default_out(c)), progress);
+      checked = check_case(c, settings_for(*arguments, session, c, default_out(c)), progress);
     }
     session.out << title_of(c) << ": valid\n";
-    if (!picture.empty()) session.out << picture.string() << "\n";
+    if (!checked.picture.empty()) session.out << checked.picture.string() << "\n";
+    if (!session.quiet)
+      for (const std::string& remark : checked.remarks) session.out << "note: " << remark << "\n";
     return 0;
   };
 }

@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "apps/report/check_figure.hpp"
+#include "apps/study/peak_locking.hpp"
 #include "apps/study/scene.hpp"
 #include "pivnp/core/error.hpp"
 
@@ -27,7 +28,7 @@ std::vector<Vec2> circle(const std::vector<double>& c) {
 
 }  // namespace
 
-std::filesystem::path check_case(const Case& given, const RunSettings& settings, Progress& progress) {
+CheckOutcome check_case(const Case& given, const RunSettings& settings, Progress& progress) {
   Case c = given;
   const std::unique_ptr<image::FrameSource> source = case_frames(c, settings, progress);
   const Setting setting = make_setting(c, source ? source->width() : 0, source ? source->height() : 0);
@@ -50,7 +51,7 @@ std::filesystem::path check_case(const Case& given, const RunSettings& settings,
     input.outlines.push_back({Kind::body, name, b.circle_m.empty() ? vertices(b.polygon_m) : circle(b.circle_m), true});
   const std::filesystem::path file = settings.out / "check.png";
   report::write_check(input, file);
-  return file;
+  return {file, source ? texture_remarks(setting, first) : std::vector<std::string>{}};
 }
 
 }  // namespace pivnp::app

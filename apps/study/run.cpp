@@ -4,6 +4,7 @@
 
 #include "apps/study/measure.hpp"
 #include "apps/study/outcome.hpp"
+#include "apps/study/peak_locking.hpp"
 #include "apps/study/report_input.hpp"
 #include "apps/study/stages.hpp"
 #include "apps/study/study.hpp"
@@ -92,6 +93,10 @@ RunOutcome run_case(const Case& given, const RunSettings& settings, Stages stage
     measure(c, setting, *source, writer, settings.threads, progress);
     frames = flagged_frames(std::move(frames), writer);
     writer.set_frames(frames);
+    outcome.remarks = texture_remarks(setting, source->read(0));
+    for (std::string& remark :
+         fraction_remarks(setting, frames.size() - 1, [&](std::size_t k) { return writer.pair(k); }))
+      outcome.remarks.push_back(std::move(remark));
     if (tracks) track(c, setting, frames, writer, progress);
   }
   if (simulates) simulate(c, setting, output_times(c, frames), writer, settings.threads, progress);

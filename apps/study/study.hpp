@@ -46,9 +46,14 @@ void synthesize(const Case& c, const RunSettings& settings, Progress& progress);
 /// Writes the report of a finished record beside it (or into settings.out).
 RunOutcome report_record(const std::filesystem::path& record, const RunSettings& settings, Progress& progress);
 
+struct CheckOutcome {
+  std::filesystem::path picture;
+  std::vector<std::string> remarks;  // on the first frame, one sentence each
+};
+
 /// Validates a case against its frames and draws OUT/check.png: the first frame with grid, masks, regions, boundaries
 /// and a scale bar.
-std::filesystem::path check_case(const Case& c, const RunSettings& settings, Progress& progress);
+CheckOutcome check_case(const Case& c, const RunSettings& settings, Progress& progress);
 
 struct VerifyResult {
   struct Item {

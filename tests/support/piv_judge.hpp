@@ -68,4 +68,26 @@ inline void resolve(Judged& j, const std::vector<Judged>& all, double slack) {
   j.limits.rms = clean == all.end() ? 0 : j.limits.rms * clean->rms / slack;
 }
 
+/// Shares of errors within one and two stated standard deviations, over the rows of one kind of image.
+struct Coverage {
+  const char* kind = "";
+  double one = 0, two = 0;
+  bool met() const { return one >= .60 && one <= .76 && two >= .90 && two <= .98; }
+};
+
+inline std::vector<Coverage> coverage(const std::vector<Judged>& rows) {
+  constexpr const char* names[] = {"clean", "gradient", "noise", "loss", "light"};
+  std::vector<Coverage> kinds;
+  for (int kind = 0; kind < 5; ++kind) {
+    Coverage c{.kind = names[kind]};
+    int count = 0;
+    for (const Judged& j : rows)
+      if (static_cast<int>(j.kind) == kind) c.one += j.one, c.two += j.two, count += j.count;
+    if (count == 0) continue;
+    c.one /= count, c.two /= count;
+    kinds.push_back(c);
+  }
+  return kinds;
+}
+
 }  // namespace pivnp::piv

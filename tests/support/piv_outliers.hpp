@@ -37,9 +37,7 @@ inline std::vector<OutlierField> outlier_fields() {
 
 struct OutlierCounts {
   double outliers = 0, hit = 0, good = 0, condemned = 0;
-  void add(const OutlierCounts& o) {
-    outliers += o.outliers, hit += o.hit, good += o.good, condemned += o.condemned;
-  }
+  void add(const OutlierCounts& o) { outliers += o.outliers, hit += o.hit, good += o.good, condemned += o.condemned; }
   double found() const { return hit / outliers; }
   double false_alarms() const { return condemned / good; }
   bool met() const { return found() >= 0.95 && false_alarms() <= 0.02; }
@@ -67,7 +65,8 @@ inline OutlierCounts inject(const OutlierField& field, OutlierKind kind, double 
   const auto wanted = static_cast<int>(std::ceil(share * nx * ny));
   const int size = kind == OutlierKind::single ? 1 : 3;
   for (int spoilt = 0; spoilt < wanted;) {
-    const int i0 = static_cast<int>(even(random) * (nx - size + 1)), j0 = static_cast<int>(even(random) * (ny - size + 1));
+    const int i0 = static_cast<int>(even(random) * (nx - size + 1)),
+              j0 = static_cast<int>(even(random) * (ny - size + 1));
     bool taken = false;  // blocks do not overlap, though they may touch
     for (int b = 0; b < size * size; ++b) taken |= outlier[std::size_t((j0 + b / size) * nx + i0 + b % size)] != 0;
     if (taken) continue;

@@ -80,8 +80,8 @@ inline Field summarise(const PixelVectors& found) {
   return f;
 }
 
-/// SEM DIC Challenge 2D, sample 14: u(x) of .1 px, of growing frequency; truth per column. Over columns: rms of the mean
-/// over rows. Forward anchor (the truth belongs to the first frame).
+/// SEM DIC Challenge 2D, sample 14: u(x) of .1 px, of growing frequency; truth per column. Over columns: rms of the
+/// mean over rows. Forward anchor (the truth belongs to the first frame).
 inline RealFigures dic_challenge_14(const fs::path& data, const PivOptions& options, int threads) {
   RealFigures figures;
   const fs::path folder = data / "dic_challenge_14";
@@ -110,8 +110,8 @@ inline RealFigures dic_challenge_14(const fs::path& data, const PivOptions& opti
       const double error = sum[i] / count[i] - truth.at(static_cast<std::size_t>(nodes.pixel[i][0]))[column];
       square += error * error, columns += 1;
     }
-    figures.push_back({"DIC Challenge 14 " + std::string(name) + ": rms over columns, px", std::sqrt(square / columns),
-                       limit});
+    figures.push_back(
+        {"DIC Challenge 14 " + std::string(name) + ": rms over columns, px", std::sqrt(square / columns), limit});
     figures.push_back({"DIC Challenge 14 " + std::string(name) + ": valid", summarise(found).valid, 0.98, true});
   }
   return figures;
@@ -168,8 +168,7 @@ inline RealFigures test14(const fs::path& data, const PivOptions& options, int t
     for (const char* name : {"096", "104", "112", "128"}) {
       const std::string stem = std::string("openpiv/test14_disp_series/disp_") + name;
       const Image a = read(data / (stem + "a.bmp")), b = read(data / (stem + "b.bmp"));
-      const Field f = summarise(
-          correlate(a, b, even_nodes(a.width(), a.height(), 16, 24), options, anchor, threads));
+      const Field f = summarise(correlate(a, b, even_nodes(a.width(), a.height(), 16, 24), options, anchor, threads));
       const double shift = std::atoi(name) / 32.0;
       const double off =
           std::max(std::abs(std::abs(f.median_of[0]) - shift), std::abs(std::abs(f.median_of[1]) - shift));
@@ -194,8 +193,7 @@ struct Difference {
   void add(const PixelVectors& ours, const Theirs& theirs) {
     for (std::size_t k = 0; k < theirs.displacement.size(); ++k) {
       if (ours.status[k] != VectorStatus::valid || std::isnan(theirs.displacement[k][0])) continue;
-      for (std::size_t c = 0; c < 2; ++c)
-        d[c].push_back(std::abs(ours.displacement[k][c] - theirs.displacement[k][c]));
+      for (std::size_t c = 0; c < 2; ++c) d[c].push_back(std::abs(ours.displacement[k][c] - theirs.displacement[k][c]));
     }
     valid += summarise(ours).valid, fields += 1;
   }
@@ -216,8 +214,7 @@ inline Theirs on_lattice(const std::vector<std::array<double, 4>>& points) {
   Theirs theirs;
   theirs.nodes.nx = static_cast<int>(columns.size()), theirs.nodes.ny = static_cast<int>(rows.size());
   for (const auto& [y, j] : rows)
-    for (const auto& [x, i] : columns)
-      theirs.nodes.pixel.push_back({static_cast<float>(x), static_cast<float>(-y)});
+    for (const auto& [x, i] : columns) theirs.nodes.pixel.push_back({static_cast<float>(x), static_cast<float>(-y)});
   theirs.displacement.assign(theirs.nodes.pixel.size(), {NAN, NAN});
   for (const auto& p : points)
     theirs.displacement[std::size_t(rows[-p[1]] * theirs.nodes.nx + columns[p[0]])] = {p[2], p[3]};
@@ -244,9 +241,9 @@ inline RealFigures openpiv(const fs::path& data, const PivOptions& options, int 
     for (auto& p : points) p[1] = least + most - p[1];
     const Theirs theirs = on_lattice(points);
     Difference difference;
-    difference.add(correlate(read(data / "openpiv" / a), read(data / "openpiv" / b), theirs.nodes, options, "central",
-                             threads),
-                   theirs);
+    difference.add(
+        correlate(read(data / "openpiv" / a), read(data / "openpiv" / b), theirs.nodes, options, "central", threads),
+        theirs);
     for (const RealFigure& f : difference.figures(name, 0.07, 0.8)) figures.push_back(f);
   }
   return figures;
@@ -295,8 +292,12 @@ inline RealFigures pivlab(const fs::path& data, const PivOptions& options, int t
 }  // namespace real
 
 using RealSet = RealFigures (*)(const std::filesystem::path& data, const PivOptions& options, int threads);
-inline constexpr RealSet real_sets[] = {real::dic_challenge_14, real::dice_rigid_shift, real::speckle_affine,
-                                        real::test14,           real::openpiv,          real::dice,
+inline constexpr RealSet real_sets[] = {real::dic_challenge_14,
+                                        real::dice_rigid_shift,
+                                        real::speckle_affine,
+                                        real::test14,
+                                        real::openpiv,
+                                        real::dice,
                                         real::pivlab};
 
 }  // namespace pivnp::piv

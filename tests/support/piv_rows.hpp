@@ -29,7 +29,7 @@ struct Row {
   Motion motion = {};
   double noise = 0, loss = 0, light_slope = 0, light_change = 0;
   RowLimits limits = {};
-  std::string clean_row = {};                           // limits.rms is a multiple of this row's figure, not px
+  std::string clean_row = {};                      // limits.rms is a multiple of this row's figure, not px
   std::function<bool(const Vec2&)> scored = {};    // empty: everywhere
   double band_amplitude = 0, band_half_width = 0;  // of a band: its width is measured
 
@@ -60,8 +60,12 @@ inline std::vector<Row> piv_rows(int side, bool more = false) {
     rows.push_back({.name = name, .kind = RowKind::gradient, .motion = std::move(motion), .limits = limits});
   };
   const auto bad = [&](const char* name, Motion motion, double noise, double loss, RowLimits limits) {
-    rows.push_back({.name = name, .kind = loss > 0 ? RowKind::loss : RowKind::noise, .motion = std::move(motion),
-                    .noise = noise, .loss = loss, .limits = limits});
+    rows.push_back({.name = name,
+                    .kind = loss > 0 ? RowKind::loss : RowKind::noise,
+                    .motion = std::move(motion),
+                    .noise = noise,
+                    .loss = loss,
+                    .limits = limits});
   };
   const auto banded = [&](double half_width, double amplitude) {
     rows.back().band_amplitude = amplitude, rows.back().band_half_width = half_width;
@@ -91,8 +95,13 @@ inline std::vector<Row> piv_rows(int side, bool more = false) {
   bad("sine 128 A=.2 noise 5 %", sine(.2, 128), .05, 0, {.rms = .020, .valid = .97, .gain = .93});
   bad("sine 64 loss 20 %", sine(1, 64), 0, .2, {.rms = .035, .valid = .95});
   bad("band w=8 loss 20 %", band(2, 8, c, c), 0, .2, {.rms = .045, .valid = .95}), banded(8, 2);
-  rows.push_back({.name = "sine 64 uneven light", .kind = RowKind::light, .motion = sine(1, 64), .light_slope = .4,
-                  .light_change = .1, .limits = {.rms = 1.5, .valid = .97}, .clean_row = "sine 64"});
+  rows.push_back({.name = "sine 64 uneven light",
+                  .kind = RowKind::light,
+                  .motion = sine(1, 64),
+                  .light_slope = .4,
+                  .light_change = .1,
+                  .limits = {.rms = 1.5, .valid = .97},
+                  .clean_row = "sine 64"});
   if (!more) return rows;
   steep("plain shear 5 %", plain_shear(.05, c), {});
   steep("vortex r=60 A=4", vortex(4, 60, c, c), {});

@@ -71,8 +71,8 @@ inline Errors errors(const image::SyntheticPair& scene, const NodeLattice& nodes
   return e;
 }
 
-/// Distance across a band (image::band through the image's middle) between -0.8 and +0.8 of its amplitude, px: crossings
-/// of the mean profile in bins of 1 px, filled by interpolation. NaN where the profile does not reach them.
+/// Distance across a band (image::band through the image's middle) between -0.8 and +0.8 of its amplitude, px:
+/// crossings of the mean profile in bins of 1 px, filled by interpolation. NaN where the profile does not reach them.
 inline double band_width(const image::SyntheticPair& scene, const NodeLattice& nodes, const PixelVectors& found,
                          double amplitude, double half_width) {
   const double tilt = 5 * M_PI / 180, c = std::cos(tilt), s = std::sin(tilt);
@@ -99,8 +99,7 @@ inline double band_width(const image::SyntheticPair& scene, const NodeLattice& n
     for (int k = start - (direction > 0); k >= 0 && k < n && k + direction >= 0 && k + direction < n; k += direction) {
       const Bin &a = bins[std::size_t(k)], &b = bins[std::size_t(k + direction)];
       const double from = direction * a.along, to = direction * b.along;
-      if (from <= level && to > level)
-        return a.across + (level - from) / (to - from) * (b.across - a.across);
+      if (from <= level && to > level) return a.across + (level - from) / (to - from) * (b.across - a.across);
     }
     return std::numeric_limits<double>::quiet_NaN();
   };

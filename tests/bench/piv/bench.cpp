@@ -1,6 +1,7 @@
 #include "tests/bench/piv/bench.hpp"
 
 #include <cstdio>
+#include <ctime>
 #include <fstream>
 #include <thread>
 #include <type_traits>
@@ -17,11 +18,19 @@ double BenchOptions::slack() const {
 
 void BenchOptions::print_head() const {
   std::printf("machine: %s, %u processors\nthreads %d, frames %d x %d px, %d bit, nodes %d px apart, margin %d px\n",
-              machine().c_str(), std::thread::hardware_concurrency(), threads, side, side, texture.bits, spacing, margin);
+              machine().c_str(), std::thread::hardware_concurrency(), threads, side, side, texture.bits, spacing,
+              margin);
   std::printf("texture %s, blobs %.1f px, %.3f per px, blur %.1f px; seeds", texture.kind.c_str(),
               texture.blob_diameter_px, texture.density_per_px, texture.blur_px);
   for (const int seed : seeds) std::printf(" %d", seed);
-  std::printf("\n");
+  std::printf(cpu_clock ? "\nspeed by the process's time, not by the wall clock\n" : "\n");
+}
+
+double now(const BenchOptions& options) {
+  if (!options.cpu_clock) return seconds_since({});
+  timespec t{};
+  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
 std::string machine() {
@@ -40,11 +49,16 @@ void set(piv::PivOptions& options, const std::string& key, const std::string& va
     known = true;
     using Field = std::remove_reference_t<decltype(field)>;
     try {
-      if constexpr (std::is_same_v<Field, std::string>) field = value;
-      else if constexpr (std::is_same_v<Field, bool>) field = value == "true" || value == "1";
-      else if constexpr (std::is_same_v<Field, int>) field = std::stoi(value);
-      else if constexpr (std::is_same_v<Field, double>) field = std::stod(value);
-      else known = false;
+      if constexpr (std::is_same_v<Field, std::string>)
+        field = value;
+      else if constexpr (std::is_same_v<Field, bool>)
+        field = value == "true" || value == "1";
+      else if constexpr (std::is_same_v<Field, int>)
+        field = std::stoi(value);
+      else if constexpr (std::is_same_v<Field, double>)
+        field = std::stod(value);
+      else
+        known = false;
     } catch (const std::exception&) {
       throw InputError("--method: " + key + ": found '" + value + "', expected a number");
     }

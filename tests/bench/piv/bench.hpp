@@ -20,10 +20,11 @@ struct BenchOptions {
   int side = 1024, spacing = 8, margin = 48, threads = 1, repeats = 3;
   std::vector<int> seeds = {101};
   std::vector<Setting> settings;
-  std::string rows;  // regular expression; empty: all
+  std::vector<std::string> rows;  // parts of names, "^" before: their start, "$" behind: their end; empty: all
   image::TextureOptions texture;
   bool more = false;
-  std::string csv;  // file; empty: none
+  bool cpu_clock = false;  // the process's time instead of the wall's: one thread on a machine that has other work
+  std::string csv;         // file; empty: none
 
   /// Other textures and blobs than the table's: a factor on what is asked.
   double slack() const;
@@ -39,9 +40,15 @@ inline double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+/// Seconds of the clock that was asked for.
+double now(const BenchOptions& options);
+
 /// Each returns the program's exit code: 0, or 3 where something asked of method "default" was missed.
 int table(const BenchOptions& options);
 int map(const BenchOptions& options);
+int outliers(const BenchOptions& options);
 int real(const BenchOptions& options);
+int speed(const BenchOptions& options);
+int stages(const BenchOptions& options);
 
 }  // namespace pivnp::bench

@@ -1,10 +1,9 @@
 // The same figures as the tests of real images, for every setting.
-#include "tests/support/piv_real.hpp"
-
 #include <cstdio>
 
 #include "pivnp/core/error.hpp"
 #include "tests/bench/piv/bench.hpp"
+#include "tests/support/piv_real.hpp"
 
 namespace pivnp::bench {
 

@@ -52,10 +52,10 @@ RunOutcome report_record(const std::filesystem::path& record, const RunSettings&
   return fake_study().outcome;
 }
 
-std::filesystem::path check_case(const Case& c, const RunSettings& settings, Progress& progress) {
+CheckOutcome check_case(const Case& c, const RunSettings& settings, Progress& progress) {
   fake_study().c = c;
   called("check_case", settings, progress);
-  return settings.out / "check.png";
+  return {settings.out / "check.png", {}};
 }
 
 VerifyResult verify_case(const Case& c, const RunSettings& settings, Progress& progress) {

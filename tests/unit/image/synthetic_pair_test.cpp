@@ -14,9 +14,9 @@ namespace pivnp::image {
 namespace {
 
 TEST(SyntheticPair, CentralTruthIsThatOfTheParticleWhoseMidPointIsThere) {
-  for (const Motion& motion : {uniform(3.2, -1), rotation(5, 50, 40), plain_shear(0.3, 30), triangle_shear(0.2),
-                               sine(2, 40), band(4, 8, 50, 50), vortex(5, 30, 40, 60),
-                               strain_concentration(0.02, 0.2, 12, 50, 50)})
+  for (const Motion& motion :
+       {uniform(3.2, -1), rotation(5, 50, 40), plain_shear(0.3, 30), triangle_shear(0.2), sine(2, 40),
+        band(4, 8, 50, 50), vortex(5, 30, 40, 60), strain_concentration(0.02, 0.2, 12, 50, 50)})
     for (const Vec2& start : {Vec2(20.3, 81.1), Vec2(47, 44.5), Vec2(90, 12)}) {
       const Vec2 d = motion(start), middle = start + 0.5 * d;
       EXPECT_NEAR((displacement_at(motion, middle, Anchor::central) - d).norm(), 0, 1e-9);

@@ -68,7 +68,8 @@ void expect(const RealFigures& figures) {
     EXPECT_TRUE(f.met()) << f.name << ": " << f.value << ", asked " << f.limit;
     if (!f.at_least) {
       char asked[32], reached[32];
-      std::snprintf(asked, sizeof asked, "at most %g", f.limit), std::snprintf(reached, sizeof reached, "%.5f", f.value);
+      std::snprintf(asked, sizeof asked, "at most %g", f.limit),
+          std::snprintf(reached, sizeof reached, "%.5f", f.value);
       test::verification_row(f.name, asked, reached);
     }
   }
