@@ -69,6 +69,7 @@ struct SynthOptions {
   Pair shift_px_per_frame = {0.0, 0.0};
   double rotation_deg_per_frame = 0;
   Pair centre_px = {0.0, 0.0};
+  int lose_texture_at = 0;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
@@ -80,6 +81,7 @@ struct SynthOptions {
     visit("shift_px_per_frame", self.shift_px_per_frame, OptionInfo{.unit = "px", .text = "affine: shift of one frame (x, y up)"});
     visit("rotation_deg_per_frame", self.rotation_deg_per_frame, OptionInfo{.unit = "deg", .text = "affine: turn of one frame, counter-clockwise, after the gradient"});
     visit("centre_px", self.centre_px, OptionInfo{.unit = "px", .text = "affine: the fixed point (column, row)"});
+    visit("lose_texture_at", self.lose_texture_at, OptionInfo{.text = "affine: from this frame on the texture is another one (0: never)", .min = 0});
   }
 };
 
@@ -89,6 +91,8 @@ struct VerifyOptions {
   std::optional<double> strain_error;
   std::optional<double> nodal_error;
   double lost_share = 0.0;
+  std::optional<double> drift_px;
+  std::optional<double> drift_ratio;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
@@ -96,11 +100,13 @@ struct VerifyOptions {
     visit("strain_error", self.strain_error, OptionInfo{.text = "greatest error of the mean final log strain, any component", .min = 0});
     visit("nodal_error", self.nodal_error, OptionInfo{.text = "affine: greatest error of log strain, and of displacement over the spacing, through exact nodal increments", .min = 0});
     visit("lost_share", self.lost_share, OptionInfo{.text = "greatest share of particles not followed to the end", .min = 0, .max = 1});
+    visit("drift_px", self.drift_px, OptionInfo{.unit = "px", .text = "all four schemes of np.drift are run; greatest RMS error of the corrected final displacement", .min = 0});
+    visit("drift_ratio", self.drift_ratio, OptionInfo{.text = "the same; that error over the one of summed increments, at most", .min = 0});
   }
 };
 
 /// True if a threshold is given: the case is one for `pivnp verify`.
-inline bool demands_anything(const VerifyOptions& v) { return v.displacement_rms_px || v.strain_error || v.nodal_error; }
+inline bool demands_anything(const VerifyOptions& v) { return v.displacement_rms_px || v.strain_error || v.nodal_error || v.drift_px || v.drift_ratio; }
 
 template <class T>
 using Named = std::vector<std::pair<std::string, T>>;  // in the file's order

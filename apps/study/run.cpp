@@ -88,11 +88,12 @@ RunOutcome run_case(const Case& given, const RunSettings& settings, Stages stage
                           settings.resume);
 
   RunOutcome outcome;
+  std::vector<DriftRound> drift_rounds;
   if (measures) {
     measure(c, setting, *source, writer, settings.threads, progress);
     frames = flagged_frames(std::move(frames), writer);
     writer.set_frames(frames);
-    if (tracks) track(c, setting, frames, writer, progress);
+    if (tracks) drift_rounds = track(c, setting, frames, *source, writer, settings.threads, progress);
   }
   if (simulates) simulate(c, setting, output_times(c, frames), writer, settings.threads, progress);
   writer.set_output_fields(c.output.fields_stored);
@@ -107,6 +108,7 @@ RunOutcome run_case(const Case& given, const RunSettings& settings, Stages stage
   writer.finish();
 
   outcome.record = settings.out / "record.h5";
+  outcome.remarks = remarks_on_drift(drift_rounds);
   write_report_of(c, outcome, std::move(comparison), source.get(), settings.out);
   return outcome;
 }

@@ -6,14 +6,50 @@
 
 namespace pivnp::app {
 
-void track(const Case& c, const Setting& setting, const std::vector<Frame>& frames, io::RecordWriter& writer,
-           Progress& progress) {
+std::vector<DriftRound> follow(const Case& c, const Setting& setting, const std::vector<Frame>& frames,
+                               const Measured& measured, int threads, Progress& progress,
+                               const std::function<void(std::size_t frame, const np::Tracker&)>& at_frame) {
+  const np::NpOptions options = c.np.value_or(np::NpOptions{});
+  np::Tracker tracker(options, seed_particles(c, setting), frames.front().time);
+  DriftCorrector corrector(c, setting, threads);
+  if (options.drift != "none") corrector.start(tracker, measured.image(0).view());
+  at_frame(0, tracker);
+  for (std::size_t k = 1; k < frames.size(); ++k) {
+    if (progress.stop_requested()) throw Interrupted();
+    tracker.step(measured.pair(k - 1), frames[k].time);
+    if (options.drift != "none")
+      corrector.after_step(tracker, int(k), k + 1 == frames.size(), [&] { return measured.image(int(k)); });
+    at_frame(k, tracker);
+    progress.update("numerical particles", std::int64_t(k), std::int64_t(frames.size()) - 1);
+  }
+  return corrector.rounds();
+}
+
+std::vector<DriftRound> track(const Case& c, const Setting& setting, const std::vector<Frame>& frames,
+                              image::FrameSource& source, io::RecordWriter& writer, int threads, Progress& progress) {
   const std::string stage = "motion/np";
   const io::StageState done = writer.stage(stage);
-  if (done.complete) return;
-  np::Tracker tracker(c.np.value_or(np::NpOptions{}), seed_particles(c, setting), frames.front().time);
-  std::size_t next = done.items;  // the next frame to write
+  if (done.complete) return {};
+  const np::NpOptions options = c.np.value_or(np::NpOptions{});
+  np::Tracker tracker(options, seed_particles(c, setting), frames.front().time);
   writer.begin_motion("np", tracker.particles());
+  const auto write = [&](std::size_t k, const np::Tracker& now) {
+    if (k < done.items) return;
+    writer.add_frame("np", now.frame());
+    if (writer.segment_full(stage)) writer.close_segment(stage, now.save());
+  };
+  if (options.drift != "none") {
+    const Measured measured{[&](std::size_t k) { return writer.pair(k); }, [&](int k) { return source.read(k); }};
+    ParticleSet ends;
+    const auto rounds = follow(c, setting, frames, measured, threads, progress,
+                               [&](std::size_t k, const np::Tracker& now) {
+                                 write(k, now);
+                                 if (k + 1 == frames.size()) ends = now.particles();
+                               });
+    writer.end_stage(stage, &ends);
+    return rounds;
+  }
+  std::size_t next = done.items;  // the next frame to write
   if (next > 0) {
     tracker.load(done.checkpoint);
   } else {
@@ -23,11 +59,11 @@ void track(const Case& c, const Setting& setting, const std::vector<Frame>& fram
   for (std::size_t k = next; k < frames.size(); ++k) {
     if (progress.stop_requested()) throw Interrupted();
     tracker.step(writer.pair(k - 1), frames[k].time);
-    writer.add_frame("np", tracker.frame());
-    if (writer.segment_full(stage)) writer.close_segment(stage, tracker.save());
+    write(k, tracker);
     progress.update("numerical particles", std::int64_t(k), std::int64_t(frames.size()) - 1);
   }
   writer.end_stage(stage, &tracker.particles());
+  return {};
 }
 
 void simulate(const Case& c, const Setting& setting, const std::vector<double>& times, io::RecordWriter& writer,

@@ -23,6 +23,10 @@ void check_options(const NpOptions& options) {
   if (std::find(shapes.begin(), shapes.end(), options.shape) == shapes.end())
     throw InputError("np.shape: found '" + options.shape +
                      "', expected bilinear, quadratic, cubic, bspline2, bspline3 or triangles");
+  if (options.drift != "none" && options.drift != "corrected" && options.drift != "leapfrog" &&
+      options.drift != "reference_update")
+    throw InputError("np.drift: found '" + options.drift +
+                     "', expected none, corrected, leapfrog or reference_update");
   if (!(options.error_correlation >= 0 && options.error_correlation <= 1))
     throw InputError("np.error_correlation: found " + std::to_string(options.error_correlation) + ", expected 0 to 1");
 }
@@ -171,6 +175,19 @@ void Tracker::step(const Scattered& field, double usual, double longest, double 
     throw InputError("np: a step to time " + std::to_string(time) + ", expected one after " + std::to_string(time_));
   carry(TriangleGather(field, usual, longest, options_.error_correlation), field.anchor == Anchor::central,
         !field.cov.empty(), time);
+}
+
+void Tracker::correct(std::size_t p, const Vec2& x, const Mat2& F, const std::array<double, 3>& cov) {
+  if (!good_state(x.x(), x.y(), tensor(F)))
+    throw InputError("np: particle " + std::to_string(particles_.id[p]) + ": a correction that is no state");
+  if (status_[p] != ParticleStatus::active && status_[p] != ParticleStatus::doubtful) return;
+  x_[p] = x;
+  F_[p] = F;
+  cov_[p] = cov;
+}
+
+void Tracker::doubt(std::size_t p) {
+  if (status_[p] == ParticleStatus::active) status_[p] = ParticleStatus::doubtful;
 }
 
 MotionFrame Tracker::frame() const {

@@ -23,6 +23,8 @@ struct NpOptions {
   std::string shape = "bilinear";
   std::string gradient = "particle";
   double error_correlation = 1.0;
+  std::string drift = "none";
+  int drift_interval = 10;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
@@ -41,6 +43,13 @@ struct NpOptions {
           OptionInfo{.text = "correlation of the errors of neighbouring vectors: 1 a bound, 0 independent windows",
                      .min = 0,
                      .max = 1});
+    visit("drift", self.drift,
+          OptionInfo{.text = "what holds summed increments to the first frame: none; corrected: direct correlation with "
+                             "it at intervals, fused; leapfrog: the same in every frame, not fused; reference_update: "
+                             "leapfrog from a frame that moves on when texture is lost (Stanier et al. 2016)",
+                     .choices = {"none", "corrected", "leapfrog", "reference_update"}});
+    visit("drift_interval", self.drift_interval,
+          OptionInfo{.text = "frames from one correction to the next (drift = corrected)", .min = 1, .max = 100000});
   }
 };
 
@@ -78,6 +87,12 @@ class Tracker {
   /// a side above `longest` hold no field, those with one above `usual` make the step doubtful; a particle that no
   /// triangle holds ends with no_vectors.
   void step(const Scattered& field, double usual, double longest, double time);
+
+  /// Puts a living particle where another estimate has it (drift correction). Throws InputError, the particle as it
+  /// was, for numbers that are not finite or det F <= 0.
+  void correct(std::size_t p, const Vec2& x, const Mat2& F, const std::array<double, 3>& cov);
+  /// This frame's state of a living particle is doubtful, for a reason outside the step.
+  void doubt(std::size_t p);
 
   const ParticleSet& particles() const { return particles_; }
   double time() const { return time_; }
