@@ -81,7 +81,7 @@ struct SynthOptions {
     visit("shift_px_per_frame", self.shift_px_per_frame, OptionInfo{.unit = "px", .text = "affine: shift of one frame (x, y up)"});
     visit("rotation_deg_per_frame", self.rotation_deg_per_frame, OptionInfo{.unit = "deg", .text = "affine: turn of one frame, counter-clockwise, after the gradient"});
     visit("centre_px", self.centre_px, OptionInfo{.unit = "px", .text = "affine: the fixed point (column, row)"});
-    visit("lose_texture_at", self.lose_texture_at, OptionInfo{.text = "affine: from this frame on the texture is another one (0: never)", .min = 0});
+    visit("lose_texture_at", self.lose_texture_at, OptionInfo{.text = "affine: from this frame on a tenth of the texture is replaced in each of ten frames (0: never)", .min = 0});
   }
 };
 

@@ -53,7 +53,7 @@ void write_chart(const Chart& chart, const std::filesystem::path& file) {
     axis->setTicker(QSharedPointer<QCPAxisTickerLog>::create());
     axis->setRange(0.7 * y.lower, 1.5 * y.upper);
     axis->setNumberFormat("gb");
-    axis->setNumberPrecision(1);
+    axis->setNumberPrecision(2);
   }
   double next = 17;
   for (std::size_t k = 0; k < chart.curves.size() && k < looks.size(); ++k) {

@@ -112,8 +112,9 @@ void synthesize(const Case& c, const RunSettings& settings, Progress& progress) 
       if (progress.stop_requested()) throw Interrupted();
       if (k > 0)
         for (Vec2& x : texture) x = motion.next(x);
-      if (k > 0 && k == synth.lose_texture_at)
-        texture = scatter(everywhere, c.texture.density_per_px / (pixel * pixel), seed + 104729);
+      if (const int since = k - synth.lose_texture_at; synth.lose_texture_at > 0 && since >= 0 && since < 10)
+        for (std::size_t n = std::size_t(since); n < texture.size(); n += 10)
+          texture[n] = lower + (upper - lower).cwiseProduct(Vec2(uniform(seed + 104729, 2 * n), uniform(seed + 104729, 2 * n + 1)));
       for (const std::size_t n : renderer.lost(texture.size(), k))
         texture[n] = lower + (upper - lower).cwiseProduct(Vec2(uniform(seed + 977 * std::uint64_t(k), 2 * n), uniform(seed + 977 * std::uint64_t(k), 2 * n + 1)));
       std::vector<Vec2> seeds;

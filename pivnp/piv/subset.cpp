@@ -77,7 +77,7 @@ class Subset {
       if (!m.to.allFinite() || (m.to - guess.to).norm() > options_.farthest_px) return m;
       if (Vec2(p[0], p[1]).norm() + far * Eigen::Vector4d(p[2], p[3], p[4], p[5]).norm() < options_.tolerance_px) {
         m.found = compare(second, m);
-        if (m.found) judge(m);
+        if (m.found) judge(second, m);
         return m;
       }
     }
@@ -160,7 +160,7 @@ class Subset {
     return true;
   }
 
-  void judge(SubsetMatch& m) {
+  void judge(const SubsetImage& second, SubsetMatch& m) {
     double product = 0, left = 0;
     std::fill(residual_.begin(), residual_.end(), std::array<double, 2>{0, 0});
     for (std::size_t place = 0; place < slot_.size(); ++place) {
@@ -173,11 +173,38 @@ class Subset {
     }
     m.score = product / energy_f_;
     const double variance = left / std::max(1.0, double(count_) - 6);
-    const Mat6 cov = variance * together() * inverse_;
+    const double excess = slopes_not_shared(second, m);
+    const Mat6 cov = variance * together() * excess * excess * inverse_;
     // `to` moves by A times what the template moves.
     const Mat2 to = m.A * cov.topLeftCorner<2, 2>() * m.A.transpose();
     m.cov = {to(0, 0), to(1, 1), to(0, 1)};
     m.var_A = cov.diagonal().tail<4>().mean();
+  }
+
+  // Slopes that are noise, or texture that the second image lacks, are in the Hessian but do not move the minimum: the
+  // Hessian over the slopes' products between both images.
+  double slopes_not_shared(const SubsetImage& second, const SubsetMatch& m) {
+    double own = 0, shared = 0;
+    for (const bool along_x : {true, false}) {
+      const Vec2 half = 0.5 * m.A.col(along_x ? 0 : 1);
+      const auto sample = [&](double sign, std::vector<float>& out) {
+        for (std::size_t k = 0; k < count_; ++k) {
+          const double a = double(rx_[k]), b = double(ry_[k]);
+          const Vec2 at = m.to + m.A * Vec2(a, b) + sign * half;
+          x_[k] = std::clamp(float(at.x()), 0.0f, float(second.width - 1));
+          y_[k] = std::clamp(float(at.y()), 0.0f, float(second.height - 1));
+        }
+        second.grey.sample(x_.data(), y_.data(), int(count_), out.data());
+      };
+      sample(-1, low_);
+      sample(1, g_);
+      const std::vector<float>& slope = along_x ? fx_ : fy_;
+      for (std::size_t k = 0; k < count_; ++k) {
+        own += double(slope[k]) * double(slope[k]);
+        shared += double(slope[k]) * gain_ * double(g_[k] - low_[k]);
+      }
+    }
+    return shared > 0.2 * own ? std::max(1.0, own / shared) : 5.0;
   }
 
   // How much more the sum of slope x residual varies than if its terms were independent: their products over lags below
