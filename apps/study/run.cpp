@@ -6,6 +6,7 @@
 #include "apps/study/outcome.hpp"
 #include "apps/study/report_input.hpp"
 #include "apps/study/stages.hpp"
+#include "apps/study/strain_floor.hpp"
 #include "apps/study/study.hpp"
 #include "pivnp/core/error.hpp"
 
@@ -87,6 +88,8 @@ RunOutcome run_case(const Case& given, const RunSettings& settings, Stages stage
   io::RecordWriter writer(settings.out, head_of(c, settings, setting, !source || source->has_rate()),
                           settings.resume);
 
+  if (tracks) check_strain_floor(c, setting, frames.size());
+
   RunOutcome outcome;
   std::vector<DriftRound> drift_rounds;
   if (measures) {
@@ -100,6 +103,11 @@ RunOutcome run_case(const Case& given, const RunSettings& settings, Stages stage
 
   std::optional<compare::Comparison> comparison;
   writer.pack();
+  if (tracks) {
+    const auto motion = writer.motion("np");
+    const bool central = !c.piv || c.piv->anchor == "central";
+    writer.set_strain_note("np", strain_note(c, setting, *motion, central));
+  }
   if (tracks && simulates) {
     comparison = compare::compare(*writer.motion("np"), *writer.motion("mpm"), c.compare, c.limits, progress);
     writer.set_comparison(comparison_data(*comparison, "np", "mpm"));

@@ -25,6 +25,9 @@ struct NpOptions {
   double error_correlation = 1.0;
   std::string drift = "none";
   int drift_interval = 10;
+  Points still_zone_px = {};
+  Points still_zone_m = {};
+  int still_frames = 0;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
@@ -50,6 +53,12 @@ struct NpOptions {
                      .choices = {"none", "corrected", "leapfrog", "reference_update"}});
     visit("drift_interval", self.drift_interval,
           OptionInfo{.text = "frames from one correction to the next (drift = corrected)", .min = 1, .max = 100000});
+    visit("still_zone_px", self.still_zone_px,
+          OptionInfo{.unit = "px", .text = "polygon (column, row) of material that is at rest: the strains' noise floor"});
+    visit("still_zone_m", self.still_zone_m, OptionInfo{.unit = "m", .text = "the same in the world"});
+    visit("still_frames", self.still_frames,
+          OptionInfo{.text = "number of frames, from the first on, in which nothing moves yet: the strains' noise floor",
+                     .min = 0});
   }
 };
 
