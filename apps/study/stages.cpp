@@ -1,16 +1,42 @@
 #include "apps/study/stages.hpp"
 
+#include <algorithm>
+#include <limits>
+
 #include "mpm/solver.hpp"
 #include "pivnp/core/error.hpp"
+#include "pivnp/np/reseed.hpp"
 #include "pivnp/np/tracker.hpp"
 
 namespace pivnp::app {
+
+ParticleSet all_particles(const Case& c, const Setting& setting, const std::vector<Frame>& frames,
+                          const std::function<VectorField(std::size_t)>& pair, Progress& progress) {
+  ParticleSet all = seed_particles(c, setting);
+  const np::NpOptions options = c.np.value_or(np::NpOptions{});
+  if (!options.reseed) return all;
+  np::Tracker scout(options, all, frames.front().time);
+  np::Reseeder reseeder(setting.grid, options.per_element,
+                        options.seeding == "gauss" ? SeedPattern::gauss : SeedPattern::even, scout);
+  for (std::size_t k = 1; k < frames.size(); ++k) {
+    if (progress.stop_requested()) throw Interrupted();
+    const VectorField field = pair(k - 1);
+    scout.step(field, frames[k].time);
+    const ParticleSet born = reseeder.births(scout, field);
+    if (born.size() > 0) scout.add(born);
+    progress.update("births", std::int64_t(k), std::int64_t(frames.size()) - 1);
+  }
+  all = scout.particles();
+  std::fill(all.end.begin(), all.end.end(), std::numeric_limits<double>::quiet_NaN());
+  std::fill(all.end_reason.begin(), all.end_reason.end(), EndReason::none);
+  return all;
+}
 
 std::vector<DriftRound> follow(const Case& c, const Setting& setting, const std::vector<Frame>& frames,
                                const Measured& measured, int threads, Progress& progress,
                                const std::function<void(std::size_t frame, const np::Tracker&)>& at_frame) {
   const np::NpOptions options = c.np.value_or(np::NpOptions{});
-  np::Tracker tracker(options, seed_particles(c, setting), frames.front().time);
+  np::Tracker tracker(options, all_particles(c, setting, frames, measured.pair, progress), frames.front().time);
   DriftCorrector corrector(c, setting, threads);
   if (options.drift != "none") corrector.start(tracker, measured.image(0).view());
   at_frame(0, tracker);
@@ -31,7 +57,8 @@ std::vector<DriftRound> track(const Case& c, const Setting& setting, const std::
   const io::StageState done = writer.stage(stage);
   if (done.complete) return {};
   const np::NpOptions options = c.np.value_or(np::NpOptions{});
-  np::Tracker tracker(options, seed_particles(c, setting), frames.front().time);
+  const auto pair = [&](std::size_t k) { return writer.pair(k); };
+  np::Tracker tracker(options, all_particles(c, setting, frames, pair, progress), frames.front().time);
   writer.begin_motion("np", tracker.particles());
   const auto write = [&](std::size_t k, const np::Tracker& now) {
     if (k < done.items) return;
@@ -39,7 +66,7 @@ std::vector<DriftRound> track(const Case& c, const Setting& setting, const std::
     if (writer.segment_full(stage)) writer.close_segment(stage, now.save());
   };
   if (options.drift != "none") {
-    const Measured measured{[&](std::size_t k) { return writer.pair(k); }, [&](int k) { return source.read(k); }};
+    const Measured measured{pair, [&](int k) { return source.read(k); }};
     ParticleSet ends;
     const auto rounds = follow(c, setting, frames, measured, threads, progress,
                                [&](std::size_t k, const np::Tracker& now) {

@@ -17,6 +17,11 @@ struct Measured {
   std::function<Image(int)> image;
 };
 
+/// The particles of a run: those of the first frame and, with np.reseed, those born later, found by tracking once through
+/// all pairs beforehand.
+ParticleSet all_particles(const Case& c, const Setting& setting, const std::vector<Frame>& frames,
+                          const std::function<VectorField(std::size_t)>& pair, Progress& progress);
+
 /// Numerical particles through every pair, held against drift as np.drift says. `at_frame` sees the tracker at every
 /// frame, the first included. Returns the rounds of direct correlation.
 std::vector<DriftRound> follow(const Case& c, const Setting& setting, const std::vector<Frame>& frames,

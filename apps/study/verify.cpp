@@ -91,6 +91,7 @@ Curve drift_curve(const Case& c, const std::string& scheme, const Setting& setti
   Case variant = c;
   variant.np = c.np.value_or(np::NpOptions{});
   variant.np->drift = scheme;
+  variant.np->reseed = false;
   Curve curve;
   curve.scheme = scheme == "none" ? "summed increments" : scheme == "reference_update" ? "reference update" : scheme;
   curve.rounds = follow(variant, setting, frames, measured, threads, progress, [&](std::size_t k, const np::Tracker& now) {
@@ -188,6 +189,7 @@ void judge_images(const Case& c, const RunSettings& settings, Progress& progress
     Case variant = c;
     variant.np = own;
     variant.np->per_element = per_element;
+    variant.np->reseed = false;  // the truth is known of the first frame's particles
     const std::string with = ", " + std::to_string(per_element) + " per element";
     np::Tracker images(*variant.np, seed_particles(variant, setting), 0);
     for (int k = 0; k < last; ++k) images.step(writer.pair(std::size_t(k)), source->frames()[std::size_t(k) + 1].time);

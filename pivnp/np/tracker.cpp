@@ -186,6 +186,22 @@ void Tracker::correct(std::size_t p, const Vec2& x, const Mat2& F, const std::ar
   cov_[p] = cov;
 }
 
+void Tracker::add(const ParticleSet& born) {
+  check_particles(born);
+  const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+  append(particles_.id, born.id);
+  append(particles_.label, born.label);
+  append(particles_.x0, born.x0);
+  append(particles_.area, born.area);
+  append(particles_.born, born.born);
+  append(particles_.end, born.end);
+  append(particles_.end_reason, born.end_reason);
+  append(x_, born.x0);
+  F_.resize(x_.size(), Mat2::Identity());
+  cov_.resize(x_.size(), {0, 0, 0});
+  status_.resize(x_.size(), ParticleStatus::active);
+}
+
 void Tracker::doubt(std::size_t p) {
   if (status_[p] == ParticleStatus::active) status_[p] = ParticleStatus::doubtful;
 }

@@ -25,6 +25,7 @@ struct NpOptions {
   double error_correlation = 1.0;
   std::string drift = "none";
   int drift_interval = 10;
+  bool reseed = false;
   Points still_zone_px = {};
   Points still_zone_m = {};
   int still_frames = 0;
@@ -53,6 +54,9 @@ struct NpOptions {
                      .choices = {"none", "corrected", "leapfrog", "reference_update"}});
     visit("drift_interval", self.drift_interval,
           OptionInfo{.text = "frames from one correction to the next (drift = corrected)", .min = 1, .max = 100000});
+    visit("reseed", self.reseed,
+          OptionInfo{.text = "new particles where material enters and an element has run empty; their strains count from "
+                             "birth"});
     visit("still_zone_px", self.still_zone_px,
           OptionInfo{.unit = "px", .text = "polygon (column, row) of material that is at rest: the strains' noise floor"});
     visit("still_zone_m", self.still_zone_m, OptionInfo{.unit = "m", .text = "the same in the world"});
@@ -100,6 +104,8 @@ class Tracker {
   /// Puts a living particle where another estimate has it (drift correction). Throws InputError, the particle as it
   /// was, for numbers that are not finite or det F <= 0.
   void correct(std::size_t p, const Vec2& x, const Mat2& F, const std::array<double, 3>& cov);
+  /// Particles that join at the present time, alive, with F = I. Throws InputError as the constructor.
+  void add(const ParticleSet& born);
   /// This frame's state of a living particle is doubtful, for a reason outside the step.
   void doubt(std::size_t p);
 
