@@ -57,8 +57,14 @@ std::vector<std::string> remarks_of(const io::RecordReader& record) {
   return remarks;
 }
 
-std::vector<std::string> remarks_on_drift(const std::vector<DriftRound>& rounds) {
-  if (rounds.empty()) return {};
+std::vector<std::string> remarks_on_tracking(const TrackOutcome& tracked, const std::vector<Frame>& frames) {
+  std::vector<std::string> remarks;
+  for (const TrackStep& step : tracked.bridged)
+    remarks.push_back("Between " + frames[std::size_t(step.from)].name + " and " + frames[std::size_t(step.to)].name +
+                      (step.to - step.from == 2 ? " a frame was" : " frames were") +
+                      " dropped, as no vectors hold there: the particles go on by the longer pair.");
+  const std::vector<DriftRound>& rounds = tracked.rounds;
+  if (rounds.empty()) return remarks;
   std::size_t alive = 0, first = 0, later = 0;
   const DriftRound* worst = nullptr;
   for (const DriftRound& r : rounds) {
@@ -70,10 +76,12 @@ std::vector<std::string> remarks_on_drift(const std::vector<DriftRound>& rounds)
   const auto share = [&](std::size_t n) {
     return number(100 * double(n) / double(std::max<std::size_t>(1, alive)), 3) + " %";
   };
-  return {"Drift: direct correlation in " + std::to_string(rounds.size()) + " frames held " + share(first) +
+  remarks.push_back(
+         "Drift: direct correlation in " + std::to_string(rounds.size()) + " frames held " + share(first) +
           " of the particles to the first frame and " + share(later) +
           " to a later one; the others went on by their increments. Greatest median correction: " +
-          number(worst->median_px, 2) + " px, at frame " + std::to_string(worst->frame) + "."};
+          number(worst->median_px, 2) + " px, at frame " + std::to_string(worst->frame) + ".");
+  return remarks;
 }
 
 io::ComparisonData comparison_data(const compare::Comparison& comparison, const std::string& first,

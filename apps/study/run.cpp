@@ -91,12 +91,12 @@ RunOutcome run_case(const Case& given, const RunSettings& settings, Stages stage
   if (tracks) check_strain_floor(c, setting, frames.size());
 
   RunOutcome outcome;
-  std::vector<DriftRound> drift_rounds;
+  TrackOutcome tracked;
   if (measures) {
     measure(c, setting, *source, writer, settings.threads, progress);
     frames = flagged_frames(std::move(frames), writer);
     writer.set_frames(frames);
-    if (tracks) drift_rounds = track(c, setting, frames, *source, writer, settings.threads, progress);
+    if (tracks) tracked = track(c, setting, frames, *source, writer, settings.threads, progress);
   }
   if (simulates) simulate(c, setting, output_times(c, frames), writer, settings.threads, progress);
   writer.set_output_fields(c.output.fields_stored);
@@ -116,7 +116,7 @@ RunOutcome run_case(const Case& given, const RunSettings& settings, Stages stage
   writer.finish();
 
   outcome.record = settings.out / "record.h5";
-  outcome.remarks = remarks_on_drift(drift_rounds);
+  outcome.remarks = remarks_on_tracking(tracked, frames);
   write_report_of(c, outcome, std::move(comparison), source.get(), settings.out);
   return outcome;
 }

@@ -173,7 +173,9 @@ void judge_images(const Case& c, const RunSettings& settings, Progress& progress
 
   Judge judge{result};
   if (c.verify.drift_px || c.verify.drift_ratio) {
-    const Measured measured{[&](std::size_t k) { return writer.pair(k); }, [&](int k) { return source->read(k); }};
+    const Measured measured{plan_steps(source->frames()),
+                            [&](const TrackStep& step) { return writer.pair(std::size_t(step.from)); },
+                            [&](int k) { return source->read(k); }};
     std::vector<Curve> curves;
     for (const char* scheme : {"none", "leapfrog", "reference_update", "corrected"})
       curves.push_back(drift_curve(c, scheme, setting, source->frames(), measured, *drawn_truth, pixel,
