@@ -47,7 +47,7 @@ void write_chart(const Chart& chart, const std::filesystem::path& file) {
   pale_grid(panel);
   set_axis(panel->axis(QCPAxis::atBottom), x.lower, x.upper, qt(chart.x_label), 8);
   QCPAxis* axis = panel->axis(QCPAxis::atLeft);
-  set_axis(axis, 0, 1.05 * y.upper, qt(chart.y_label), 5);
+  set_axis(axis, std::min(0.0, 1.05 * y.lower), 1.05 * y.upper, qt(chart.y_label), 5);
   if (chart.logarithmic) {
     axis->setScaleType(QCPAxis::stLogarithmic);
     axis->setTicker(QSharedPointer<QCPAxisTickerLog>::create());

@@ -70,8 +70,8 @@ TEST(Figure26, LinearQuadraticAndCubicThroughTheSameNodes) {
   report::Chart chart{"x", "displacement", {}, false};
   report::ChartCurve exact{"cubic polynomial", {}, {}};
   for (const double x : linear.x) exact.x.push_back(x), exact.y.push_back(polynomial(x));
-  chart.curves = {exact, {"4 linear elements", linear.x, linear.read}, {"2 quadratic elements", quadratic.x, quadratic.read},
-                  {"8 linear elements", fine.x, fine.read}};
+  chart.curves = {exact, {"4 linear", linear.x, linear.read}, {"2 quadratic", quadratic.x, quadratic.read},
+                  {"8 linear", fine.x, fine.read}};
   report::write_chart(chart, std::filesystem::path(folder) / "figure_2_6");
   EXPECT_GT(std::filesystem::file_size(std::filesystem::path(folder) / "figure_2_6.png"), 5000u);
 }
