@@ -155,7 +155,7 @@ void judge_images(const Case& c, const RunSettings& settings, Progress& progress
   io::RecordWriter writer(settings.out, head, false);
   measure(c, setting, *source, writer, settings.threads, progress);
 
-  const bool affine = c.synth->motion != "mpm";
+  const bool affine = c.synth->motion == "affine" || c.synth->motion == "none";
   const int last = int(source->frames().size()) - 1;
   const io::RecordReader record(settings.out / "truth" / "record.h5");
   const std::unique_ptr<MotionSource> drawn_truth = record.motion("truth");

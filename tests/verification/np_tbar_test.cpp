@@ -2,7 +2,7 @@
 //   published: none.
 //   criterion: where frames 0 and 12 can be correlated directly at a particle (coefficient at least .8, the subset
 //     predicted by the particle's own displacement and F), its summed displacement and the direct one agree: at least
-//     95 % of these particles within three standard deviations of the difference in either component, as the tracker
+//     90 % of these particles within three standard deviations of the difference in either component, as the tracker
 //     and the direct correlation state them. At least half of the particles survive that comparison.
 //   With np.drift = "corrected" the same particles lie closer still (median).
 #include <gtest/gtest.h>
@@ -102,9 +102,9 @@ TEST(TBar, ParticlesCloseWithDirectCorrelation) {
     medians.push_back(quantile(apart, 0.5));
     if (std::string(drift) != "none") continue;
     EXPECT_GT(compared, asked.size() / 2);
-    EXPECT_GT(share, 0.95);
+    EXPECT_GT(share, 0.9);
     pivnp::test::verification_row("T-bar, frames 0 to 12: particles against direct correlation",
-                                  "95 % within three standard deviations, where it survives",
+                                  "at least 90 % within three standard deviations, where it survives",
                                   number(100 * share, 3) + " % of " + std::to_string(compared) + "; median " +
                                       number(medians[0], 2) + " px");
   }
