@@ -69,17 +69,31 @@ struct SynthOptions {
   Pair shift_px_per_frame = {0.0, 0.0};
   double rotation_deg_per_frame = 0;
   Pair centre_px = {0.0, 0.0};
+  int lose_texture_at = 0;
+  double settlement = 0.02;
+  double collapse = 0.04;
+  Pair slip_centre_px = {0.0, 0.0};
+  double slip_radius_px = 0;
+  double slip_band_px = 16;
+  double slip_deg = 0;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
     visit("width_px", self.width_px, OptionInfo{.unit = "px", .text = "width of the frames", .min = 16, .max = 20000});
     visit("height_px", self.height_px, OptionInfo{.unit = "px", .text = "height of the frames", .min = 16, .max = 20000});
     visit("frames", self.frames, OptionInfo{.text = "number of frames", .min = 2, .max = 100000});
-    visit("motion", self.motion, OptionInfo{.text = "none; affine: the same increment every frame; mpm: simulated by [synth.mpm] with [synth.material.*]", .choices = {"none", "affine", "mpm"}});
+    visit("motion", self.motion, OptionInfo{.text = "none; affine: the same increment every frame; mpm: simulated by [synth.mpm] with [synth.material.*]; slope: three stages in closed form, gravity, wetting, slip", .choices = {"none", "affine", "mpm", "slope"}});
     visit("gradient_per_frame", self.gradient_per_frame, OptionInfo{.text = "affine: xx xy yx yy of the displacement gradient of one frame, world axes"});
     visit("shift_px_per_frame", self.shift_px_per_frame, OptionInfo{.unit = "px", .text = "affine: shift of one frame (x, y up)"});
     visit("rotation_deg_per_frame", self.rotation_deg_per_frame, OptionInfo{.unit = "deg", .text = "affine: turn of one frame, counter-clockwise, after the gradient"});
     visit("centre_px", self.centre_px, OptionInfo{.unit = "px", .text = "affine: the fixed point (column, row)"});
+    visit("lose_texture_at", self.lose_texture_at, OptionInfo{.text = "affine: from this frame on a tenth of the texture is replaced in each of ten frames (0: never)", .min = 0});
+    visit("settlement", self.settlement, OptionInfo{.text = "slope: vertical strain under the weight, first third of the frames", .min = 0, .max = 0.5});
+    visit("collapse", self.collapse, OptionInfo{.text = "slope: vertical strain behind the wetting front, which rises from the base in the second third", .min = 0, .max = 0.5});
+    visit("slip_centre_px", self.slip_centre_px, OptionInfo{.unit = "px", .text = "slope: centre (column, row) of the slip circle"});
+    visit("slip_radius_px", self.slip_radius_px, OptionInfo{.unit = "px", .text = "slope: radius of the slip circle", .min = 0});
+    visit("slip_band_px", self.slip_band_px, OptionInfo{.unit = "px", .text = "slope: half width of the shear band along it", .min = 0, .above_min = true});
+    visit("slip_deg", self.slip_deg, OptionInfo{.unit = "deg", .text = "slope: turn of the body that slips, counter-clockwise, last third of the frames, accelerating"});
   }
 };
 
@@ -89,6 +103,8 @@ struct VerifyOptions {
   std::optional<double> strain_error;
   std::optional<double> nodal_error;
   double lost_share = 0.0;
+  std::optional<double> drift_px;
+  std::optional<double> drift_ratio;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
@@ -96,11 +112,13 @@ struct VerifyOptions {
     visit("strain_error", self.strain_error, OptionInfo{.text = "greatest error of the mean final log strain, any component", .min = 0});
     visit("nodal_error", self.nodal_error, OptionInfo{.text = "affine: greatest error of log strain, and of displacement over the spacing, through exact nodal increments", .min = 0});
     visit("lost_share", self.lost_share, OptionInfo{.text = "greatest share of particles not followed to the end", .min = 0, .max = 1});
+    visit("drift_px", self.drift_px, OptionInfo{.unit = "px", .text = "all four schemes of np.drift are run; greatest RMS error of the corrected final displacement", .min = 0});
+    visit("drift_ratio", self.drift_ratio, OptionInfo{.text = "the same; that error over the one of summed increments, at most", .min = 0});
   }
 };
 
 /// True if a threshold is given: the case is one for `pivnp verify`.
-inline bool demands_anything(const VerifyOptions& v) { return v.displacement_rms_px || v.strain_error || v.nodal_error; }
+inline bool demands_anything(const VerifyOptions& v) { return v.displacement_rms_px || v.strain_error || v.nodal_error || v.drift_px || v.drift_ratio; }
 
 template <class T>
 using Named = std::vector<std::pair<std::string, T>>;  // in the file's order

@@ -17,6 +17,7 @@
 #include "pivnp/core/particles/motion.hpp"
 #include "pivnp/core/record/energy.hpp"
 #include "pivnp/core/record/frames.hpp"
+#include "pivnp/core/record/strain_note.hpp"
 #include "pivnp/core/record/vectors.hpp"
 
 namespace pivnp::report {
@@ -39,6 +40,7 @@ struct Content {
   std::size_t pair_count = 0;
   std::function<VectorField(std::size_t)> pair;  // read one at a time, in order
   std::shared_ptr<const MotionSource> measured, simulated;
+  std::optional<StrainNote> strain_note;          // of the measured motion
   std::optional<compare::Comparison> comparison;  // simulated (second) minus measured (first)
   std::vector<EnergyRow> energy;                  // J per metre of thickness
   std::span<const Picture> pictures;

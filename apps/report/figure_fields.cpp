@@ -184,7 +184,10 @@ std::optional<Figure> field_figure(const Content& content, const std::string& fi
     colour_bar(*sheet, x_at(2) + 0.1 * w, y_bar, 0.8 * w, f.difference_scale, other.factor,
                axis_label("difference", other.name));
   }
-  return Figure{figure_name(field), caption(f, field, columns.size(), content), sheet};
+  std::string words = caption(f, field, columns.size(), content);
+  if (content.strain_note && content.measured && (field.starts_with("strain_") || field == "J"))
+    words += " " + strain_statement(*content.strain_note, content.length_unit);
+  return Figure{figure_name(field), words, sheet};
 }
 
 }  // namespace pivnp::report

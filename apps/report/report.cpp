@@ -57,7 +57,10 @@ void write_report(const ReportOptions& options, const ReportInput& input, const 
   content.pair_count = record.pair_count();
   content.pair = [&record](std::size_t k) { return record.pair(k); };
   const auto [measured, simulated] = sides(record.motion_names(), stored);
-  if (!measured.empty()) content.measured = record.motion(measured);
+  if (!measured.empty()) {
+    content.measured = record.motion(measured);
+    content.strain_note = record.strain_note(measured);
+  }
   if (!simulated.empty()) content.simulated = record.motion(simulated);
   if (input.comparison) content.comparison = input.comparison;
   else if (stored) content.comparison = from_record(*stored);

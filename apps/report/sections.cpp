@@ -184,6 +184,7 @@ Document make_document(const ReportOptions& options, const Content& content) {
   if (!pairs.empty()) {
     b.heading(1, "Measurement");
     b.paragraph(measurement_text(content, pairs));
+    if (content.strain_note) b.paragraph(strain_statement(*content.strain_note, content.length_unit));
     b.figure(quality_figure(content, pairs));
     for (Figure& figure : vector_figures(content, pairs)) b.add(std::move(figure));
   }

@@ -203,4 +203,16 @@ std::string escape_html(std::string_view text) {
   return out;
 }
 
+std::string strain_statement(const StrainNote& note, const std::string& length_unit) {
+  const DisplayUnit unit = display_unit(length_unit, note.gauge_length);
+  std::string text = "Gauge length of measured strains: " + number(note.gauge_length * unit.factor, 3) +
+                     unit_suffix(unit.name) + " (shape function and interrogation window). ";
+  if (note.floor_source == "not measured")
+    return text + "Noise floor: not measured (np.still_zone_px, np.still_zone_m or np.still_frames would tell it).";
+  return text + "Noise floor at the last frame, RMS, measured on " +
+         (note.floor_source == "still zone" ? "a zone at rest" : "frames at rest, carried on by the square root of the steps") +
+         ": deviatoric " + number(note.floor_dev, 2) + ", volumetric " + number(note.floor_vol, 2) +
+         ", summed along the path " + number(note.floor_path, 2) + ".";
+}
+
 }  // namespace pivnp::report

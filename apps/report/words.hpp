@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "pivnp/core/record/strain_note.hpp"
+
 namespace pivnp::report {
 
 /// The value with as many digits as two significant digits of `uncertainty` support: "0.01234 ± 0.00056", or
@@ -39,6 +41,9 @@ struct DisplayUnit {
   std::string name;
 };
 DisplayUnit display_unit(const std::string& unit, double largest);
+
+/// The sentence that goes with every measured strain: gauge length and noise floor, or that it was not measured.
+std::string strain_statement(const StrainNote& note, const std::string& length_unit);
 
 /// Text safe between tags and in quoted attributes. Bytes that are not UTF-8 become U+FFFD, control characters (but
 /// tab and newline) vanish.

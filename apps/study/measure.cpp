@@ -59,6 +59,14 @@ void measure(const Case& c, const Setting& setting, image::FrameSource& source, 
   writer.end_stage("piv", nullptr);
 }
 
+VectorField measure_pair(const Case& c, const Setting& setting, image::FrameSource& source, std::array<int, 2> pair,
+                         int threads) {
+  const piv::NodeLattice lattice = node_lattice(setting);
+  piv::PairCorrelator correlator(c.piv.value_or(piv::PivOptions{}), lattice, setting.width, setting.height, threads);
+  const Image first = source.read(pair[0]), second = source.read(pair[1]);
+  return world_vectors(correlator.correlate(first.view(), second.view(), setting.mask.view()), lattice, setting, pair);
+}
+
 std::vector<std::uint8_t> step_flags(const std::vector<PairQuality>& pairs) {
   std::vector<double> valid, score;
   for (const PairQuality& q : pairs) {

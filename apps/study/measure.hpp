@@ -1,6 +1,7 @@
 // The PIV stage: frames through the correlator, vectors to the world, pair by pair into the record.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,10 @@ PairQuality quality_of(const VectorField& field);
 /// Measures every pair that `writer` does not hold yet; at most two frames are in memory.
 void measure(const Case& c, const Setting& setting, image::FrameSource& source, io::RecordWriter& writer, int threads,
              Progress& progress);
+
+/// The vectors of one pair of frames, `pair` = (first, second), any distance apart.
+VectorField measure_pair(const Case& c, const Setting& setting, image::FrameSource& source, std::array<int, 2> pair,
+                         int threads);
 
 /// Flags of the step that ends at each frame but the first, from the quality of all pairs in order. Decorrelated: less
 /// than half the usual share of vectors is valid, or their median score is below 0.6 of the usual. Jump: the steps

@@ -1,5 +1,6 @@
 #include "apps/study/outcome.hpp"
 
+#include <algorithm>
 #include <map>
 
 #include "apps/study/measure.hpp"
@@ -53,6 +54,33 @@ std::vector<std::string> remarks_of(const io::RecordReader& record) {
   std::vector<std::string> remarks;
   remark_on_steps(record, remarks);
   for (const std::string& name : record.motion_names()) remark_on_ends(*record.motion(name), remarks);
+  return remarks;
+}
+
+std::vector<std::string> remarks_on_tracking(const TrackOutcome& tracked, const std::vector<Frame>& frames) {
+  std::vector<std::string> remarks;
+  for (const TrackStep& step : tracked.bridged)
+    remarks.push_back("Between " + frames[std::size_t(step.from)].name + " and " + frames[std::size_t(step.to)].name +
+                      (step.to - step.from == 2 ? " a frame was" : " frames were") +
+                      " dropped, as no vectors hold there: the particles go on by the longer pair.");
+  const std::vector<DriftRound>& rounds = tracked.rounds;
+  if (rounds.empty()) return remarks;
+  std::size_t alive = 0, first = 0, later = 0;
+  const DriftRound* worst = nullptr;
+  for (const DriftRound& r : rounds) {
+    alive += r.alive;
+    first += r.from_first;
+    later += r.from_later;
+    if (worst == nullptr || r.median_px > worst->median_px) worst = &r;
+  }
+  const auto share = [&](std::size_t n) {
+    return number(100 * double(n) / double(std::max<std::size_t>(1, alive)), 3) + " %";
+  };
+  remarks.push_back(
+         "Drift: direct correlation in " + std::to_string(rounds.size()) + " frames held " + share(first) +
+          " of the particles to the first frame and " + share(later) +
+          " to a later one; the others went on by their increments. Greatest median correction: " +
+          number(worst->median_px, 2) + " px, at frame " + std::to_string(worst->frame) + ".");
   return remarks;
 }
 

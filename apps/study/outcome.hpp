@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/study/stages.hpp"
 #include "compare/compare.hpp"
 #include "pivnp/io/record.hpp"
 
@@ -11,6 +12,9 @@ namespace pivnp::app {
 
 /// What was flagged in a record and why, one sentence each: doubtful steps, ended particles.
 std::vector<std::string> remarks_of(const io::RecordReader& record);
+
+/// Dropped frames, and what drift correction came to.
+std::vector<std::string> remarks_on_tracking(const TrackOutcome& tracked, const std::vector<Frame>& frames);
 
 io::ComparisonData comparison_data(const compare::Comparison& comparison, const std::string& first,
                                    const std::string& second);

@@ -7,6 +7,7 @@
 #include "apps/study/peak_locking.hpp"
 #include "apps/study/report_input.hpp"
 #include "apps/study/stages.hpp"
+#include "apps/study/strain_floor.hpp"
 #include "apps/study/study.hpp"
 #include "pivnp/core/error.hpp"
 
@@ -88,7 +89,10 @@ RunOutcome run_case(const Case& given, const RunSettings& settings, Stages stage
   io::RecordWriter writer(settings.out, head_of(c, settings, setting, !source || source->has_rate()),
                           settings.resume);
 
+  if (tracks) check_strain_floor(c, setting, frames.size());
+
   RunOutcome outcome;
+  TrackOutcome tracked;
   if (measures) {
     measure(c, setting, *source, writer, settings.threads, progress);
     frames = flagged_frames(std::move(frames), writer);
@@ -97,13 +101,18 @@ RunOutcome run_case(const Case& given, const RunSettings& settings, Stages stage
     for (std::string& remark :
          fraction_remarks(setting, frames.size() - 1, [&](std::size_t k) { return writer.pair(k); }))
       outcome.remarks.push_back(std::move(remark));
-    if (tracks) track(c, setting, frames, writer, progress);
+    if (tracks) tracked = track(c, setting, frames, *source, writer, settings.threads, progress);
   }
   if (simulates) simulate(c, setting, output_times(c, frames), writer, settings.threads, progress);
   writer.set_output_fields(c.output.fields_stored);
 
   std::optional<compare::Comparison> comparison;
   writer.pack();
+  if (tracks) {
+    const auto motion = writer.motion("np");
+    const bool central = !c.piv || c.piv->anchor == "central";
+    writer.set_strain_note("np", strain_note(c, setting, *motion, central));
+  }
   if (tracks && simulates) {
     comparison = compare::compare(*writer.motion("np"), *writer.motion("mpm"), c.compare, c.limits, progress);
     writer.set_comparison(comparison_data(*comparison, "np", "mpm"));
@@ -112,6 +121,7 @@ RunOutcome run_case(const Case& given, const RunSettings& settings, Stages stage
   writer.finish();
 
   outcome.record = settings.out / "record.h5";
+  outcome.remarks = remarks_on_tracking(tracked, frames);
   write_report_of(c, outcome, std::move(comparison), source.get(), settings.out);
   return outcome;
 }

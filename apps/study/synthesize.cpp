@@ -89,6 +89,21 @@ void synthesize(const Case& c, const RunSettings& settings, Progress& progress) 
                           replace_lost(blobs.x, renderer.lost(blobs.x.size(), k), 2 * c.grid.spacing_px.value_or(16) * pixel, seed + 977 * std::uint64_t(k));
                           put(k, blobs.x, truth.x, truth.F);
                         });
+  } else if (synth.motion == "slope") {
+    const StagedSlope slope = staged_slope(synth, setting);
+    std::vector<Vec2> material = scatter(setting.regions, c.texture.density_per_px / (pixel * pixel), seed);
+    for (int k = 0; k < synth.frames; ++k) {
+      if (progress.stop_requested()) throw Interrupted();
+      const double time = double(k) / (synth.frames - 1);
+      // A lost blob is another one from then on, of other material.
+      replace_lost(material, renderer.lost(material.size(), k), 32 * pixel, seed + 977 * std::uint64_t(k));
+      std::vector<Vec2> texture, seeds;
+      std::vector<Mat2> F;
+      for (const Vec2& X : material) texture.push_back(slope.at(X, time));
+      for (const Vec2& X : particles.x0) seeds.push_back(slope.at(X, time)), F.push_back(slope.F(X, time));
+      put(k, texture, seeds, F);
+      progress.update("synthetic frames", k, synth.frames - 1);
+    }
   } else {
     const AffineMotion motion = affine_motion(synth, setting);
     // Everything the image ever shows: its own extent, and what the motion brings in from outside.
@@ -112,6 +127,9 @@ void synthesize(const Case& c, const RunSettings& settings, Progress& progress) 
       if (progress.stop_requested()) throw Interrupted();
       if (k > 0)
         for (Vec2& x : texture) x = motion.next(x);
+      if (const int since = k - synth.lose_texture_at; synth.lose_texture_at > 0 && since >= 0 && since < 10)
+        for (std::size_t n = std::size_t(since); n < texture.size(); n += 10)
+          texture[n] = lower + (upper - lower).cwiseProduct(Vec2(uniform(seed + 104729, 2 * n), uniform(seed + 104729, 2 * n + 1)));
       for (const std::size_t n : renderer.lost(texture.size(), k))
         texture[n] = lower + (upper - lower).cwiseProduct(Vec2(uniform(seed + 977 * std::uint64_t(k), 2 * n), uniform(seed + 977 * std::uint64_t(k), 2 * n + 1)));
       std::vector<Vec2> seeds;

@@ -1,6 +1,9 @@
 #include "apps/study/truth.hpp"
 
+#include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "mpm/solver.hpp"
@@ -47,6 +50,48 @@ AffineMotion affine_motion(const SynthOptions& synth, const Setting& setting) {
   const Mat2 scale = setting.camera.jacobian({synth.centre_px[0], synth.centre_px[1]});
   motion.shift = scale * Vec2(synth.shift_px_per_frame[0], -synth.shift_px_per_frame[1]);  // rows run downward
   return motion;
+}
+
+Vec2 StagedSlope::at(const Vec2& X, double time) const {
+  const auto stage = [time](int k) { return std::clamp(3 * time - k, 0.0, 1.0); };
+  const double Y = X.y() - base;
+  // Integral over the height of the share of material behind the front, (1 + tanh((f - y)/front))/2.
+  const auto log_cosh = [](double v) { return std::abs(v) + std::log1p(std::exp(-2 * std::abs(v))) - std::log(2.0); };
+  const double f = stage(1) * (height + 6 * front) - 3 * front;
+  const double wet = 0.5 * (Y + front * (log_cosh(f / front) - log_cosh((f - Y) / front)));
+  const Vec2 x(X.x(), base + Y * (1 - settlement * stage(0)) - collapse * (stage(1) > 0 ? wet : 0.0));
+  const Vec2 r = x - centre;
+  const double angle = turn * stage(2) * stage(2) * 0.5 * (1 - std::tanh((r.norm() - radius) / band));
+  return centre + Vec2(std::cos(angle) * r.x() - std::sin(angle) * r.y(), std::sin(angle) * r.x() + std::cos(angle) * r.y());
+}
+
+Mat2 StagedSlope::F(const Vec2& X, double time) const {
+  const double h = 1e-4 * band;
+  Mat2 F;
+  F.col(0) = (at(X + Vec2(h, 0), time) - at(X - Vec2(h, 0), time)) / (2 * h);
+  F.col(1) = (at(X + Vec2(0, h), time) - at(X - Vec2(0, h), time)) / (2 * h);
+  return F;
+}
+
+StagedSlope staged_slope(const SynthOptions& synth, const Setting& setting) {
+  StagedSlope slope;
+  double lower = std::numeric_limits<double>::infinity(), upper = -lower;
+  for (const Region& region : setting.regions) {
+    lower = std::min(lower, region.polygon.lower().y());
+    upper = std::max(upper, region.polygon.upper().y());
+  }
+  const Vec2 px(synth.slip_centre_px[0], synth.slip_centre_px[1]);
+  const double pixel = std::sqrt(std::abs(setting.camera.jacobian(px).determinant()));
+  slope.base = lower;
+  slope.height = upper - lower;
+  slope.front = 0.08 * slope.height;
+  slope.settlement = synth.settlement;
+  slope.collapse = synth.collapse;
+  slope.centre = setting.camera.to_world(px);
+  slope.radius = synth.slip_radius_px * pixel;
+  slope.band = synth.slip_band_px * pixel;
+  slope.turn = synth.slip_deg * std::numbers::pi / 180;
+  return slope;
 }
 
 void carry_by_simulation(const Case& c, const Setting& setting, const std::vector<double>& times, Tracers texture,

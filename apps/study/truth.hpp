@@ -28,6 +28,24 @@ struct AffineMotion {
 };
 AffineMotion affine_motion(const SynthOptions& synth, const Setting& setting);
 
+/// A slope in a centrifuge, staged in closed form like section 2.4 of Alvarado (2018): first third of the time, gravity
+/// rises and the slope settles (uniform vertical strain); second third, a wetting front rises from the base and what is
+/// behind it collapses (vertical strain over a smooth front); last third, a body slips on a circle, turning about its
+/// centre by an angle that fades over a band and grows as the square of time. Not a simulation: no stresses.
+struct StagedSlope {
+  double base = 0, height = 1;              // of the material at the start, world
+  double settlement = 0, collapse = 0;      // vertical strains, shortening
+  double front = 1;                         // half width of the wetting front, length
+  Vec2 centre = Vec2::Zero();
+  double radius = 1, band = 1, turn = 0;    // length, length, rad
+
+  /// Where the material that was at X is at `time`, 0 to 1.
+  Vec2 at(const Vec2& X, double time) const;
+  /// By differences of at(): error about 1e-8.
+  Mat2 F(const Vec2& X, double time) const;
+};
+StagedSlope staged_slope(const SynthOptions& synth, const Setting& setting);
+
 /// Points carried by a simulated velocity field: x += v(x) dt and F = (I + dt grad v) F over short, fixed pieces of
 /// time. Their own integration; no particle gather of the trackers is used.
 struct Tracers {

@@ -2,13 +2,17 @@
 #include <Eigen/Core>
 #include <chrono>
 #include <cmath>
+#include <fstream>
 #include <functional>
 
+#include "apps/report/chart.hpp"
 #include "apps/study/measure.hpp"
+#include "apps/study/stages.hpp"
 #include "apps/study/study.hpp"
 #include "apps/study/truth.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/strain.hpp"
+#include "pivnp/core/text.hpp"
 #include "pivnp/io/record.hpp"
 #include "pivnp/np/tracker.hpp"
 
@@ -75,6 +79,58 @@ VectorField nodal_increments(const AffineMotion& motion, const Grid& grid, int p
   return field;
 }
 
+// RMS error of the living particles' displacement, frame by frame, px.
+struct Curve {
+  std::string scheme;
+  std::vector<double> rms_px;
+  std::vector<DriftRound> rounds;
+};
+
+Curve drift_curve(const Case& c, const std::string& scheme, const Setting& setting, const std::vector<Frame>& frames,
+                  const Measured& measured, const MotionSource& truth, double pixel, int threads, Progress& progress) {
+  Case variant = c;
+  variant.np = c.np.value_or(np::NpOptions{});
+  variant.np->drift = scheme;
+  variant.np->reseed = false;
+  Curve curve;
+  curve.scheme = scheme == "none" ? "summed increments" : scheme == "reference_update" ? "reference update" : scheme;
+  curve.rounds = follow(variant, setting, frames, measured, threads, progress, [&](std::size_t k, const np::Tracker& now) {
+    const MotionFrame real = truth.frame(k);
+    double sum = 0;
+    std::size_t alive = 0;
+    for (std::size_t p = 0; p < now.state().size(); ++p) {
+      const np::Tracker::Particle particle = now.state()[p];
+      if (particle.status == ParticleStatus::ended) continue;
+      const Vec2 x = now.particles().x0[p] + Vec2(double(real.u[p][0]), double(real.u[p][1]));
+      sum += (particle.x - x).squaredNorm();
+      ++alive;
+    }
+    curve.rms_px.push_back(std::sqrt(sum / double(std::max<std::size_t>(1, alive))) / pixel);
+  });
+  return curve;
+}
+
+void write_curves(const std::vector<Curve>& curves, const std::filesystem::path& out) {
+  std::string table = "frame";
+  report::Chart chart{"frame", "RMS error of the displacement (px)", {}, true};
+  for (const Curve& curve : curves) {
+    table += "," + curve.scheme;
+    report::ChartCurve line{curve.scheme, {}, curve.rms_px};
+    for (std::size_t k = 0; k < curve.rms_px.size(); ++k) line.x.push_back(double(k));
+    chart.curves.push_back(std::move(line));
+  }
+  table += "\n";
+  for (std::size_t k = 0; k < curves.front().rms_px.size(); ++k) {
+    table += std::to_string(k);
+    for (const Curve& curve : curves) table += "," + number(curve.rms_px[k], 6);
+    table += "\n";
+  }
+  report::write_chart(chart, out / "drift");
+  std::ofstream file(out / "drift.csv", std::ios::binary);
+  file << table << std::flush;
+  if (!file) throw RunError((out / "drift.csv").string() + ": cannot be written");
+}
+
 struct Judge {
   VerifyResult& result;
   void at_most(const std::string& criterion, std::optional<double> limit, double reached) {
@@ -99,7 +155,7 @@ void judge_images(const Case& c, const RunSettings& settings, Progress& progress
   io::RecordWriter writer(settings.out, head, false);
   measure(c, setting, *source, writer, settings.threads, progress);
 
-  const bool affine = c.synth->motion != "mpm";
+  const bool affine = c.synth->motion == "affine" || c.synth->motion == "none";
   const int last = int(source->frames().size()) - 1;
   const io::RecordReader record(settings.out / "truth" / "record.h5");
   const std::unique_ptr<MotionSource> drawn_truth = record.motion("truth");
@@ -116,11 +172,26 @@ void judge_images(const Case& c, const RunSettings& settings, Progress& progress
   };
 
   Judge judge{result};
+  if (c.verify.drift_px || c.verify.drift_ratio) {
+    const Measured measured{plan_steps(source->frames()),
+                            [&](const TrackStep& step) { return writer.pair(std::size_t(step.from)); },
+                            [&](int k) { return source->read(k); }};
+    std::vector<Curve> curves;
+    for (const char* scheme : {"none", "leapfrog", "reference_update", "corrected"})
+      curves.push_back(drift_curve(c, scheme, setting, source->frames(), measured, *drawn_truth, pixel,
+                                   settings.threads, progress));
+    write_curves(curves, settings.out);
+    const double summed = curves.front().rms_px.back(), corrected = curves.back().rms_px.back();
+    judge.at_most("drift: final RMS error, corrected (px)", c.verify.drift_px, corrected);
+    judge.at_most("drift: final RMS error, corrected over summed increments", c.verify.drift_ratio, corrected / summed);
+  }
   const np::NpOptions own = c.np.value_or(np::NpOptions{});
-  for (const int per_element : affine ? std::vector<int>{1, 4} : std::vector<int>{own.per_element}) {
+  const bool tracks = c.verify.displacement_rms_px || c.verify.strain_error || c.verify.nodal_error;
+  for (const int per_element : !tracks ? std::vector<int>{} : affine ? std::vector<int>{1, 4, 9} : std::vector<int>{own.per_element}) {
     Case variant = c;
     variant.np = own;
     variant.np->per_element = per_element;
+    variant.np->reseed = false;  // the truth is known of the first frame's particles
     const std::string with = ", " + std::to_string(per_element) + " per element";
     np::Tracker images(*variant.np, seed_particles(variant, setting), 0);
     for (int k = 0; k < last; ++k) images.step(writer.pair(std::size_t(k)), source->frames()[std::size_t(k) + 1].time);

@@ -15,6 +15,7 @@
 #include "pivnp/core/record/energy.hpp"
 #include "pivnp/core/record/frames.hpp"
 #include "pivnp/core/record/metric.hpp"
+#include "pivnp/core/record/strain_note.hpp"
 #include "pivnp/core/record/vectors.hpp"
 
 namespace pivnp::io {
@@ -95,6 +96,9 @@ class RecordWriter {
   /// A motion of this run, after pack() and before finish(); the writer must outlive it.
   std::unique_ptr<MotionSource> motion(const std::string& name) const;
 
+  /// What goes with a motion's strains. After pack(), before finish().
+  void set_strain_note(const std::string& motion, const StrainNote& note);
+
   /// Packs (if that is not done), adds the comparison, puts record.h5 in place (write, fsync, rename), writes
   /// record.xdmf, removes parts/.
   void finish();
@@ -117,6 +121,8 @@ class RecordReader {
   VectorField pair(std::size_t index) const;
   std::vector<std::string> motion_names() const;
   std::unique_ptr<MotionSource> motion(const std::string& name) const;  // reads frame by frame
+  /// Nothing where the record states none (a simulation, an older record).
+  std::optional<StrainNote> strain_note(const std::string& motion) const;
   std::vector<EnergyRow> energy() const;
   std::optional<ComparisonData> comparison() const;
 

@@ -1,5 +1,6 @@
 // From segments to DIR/record.h5.
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <stdexcept>
 
@@ -137,6 +138,16 @@ void pack_fields(h5::OutputFile& out, const MotionSource& motion, const std::vec
     }
 }
 
+void pack_strain_note(h5::OutputFile& out, const std::string& motion, const StrainNote& note) {
+  const std::string group = "/motion/" + motion;
+  out.attribute(group, "gauge_length", note.gauge_length);
+  out.attribute(group, "strain_floor_source", note.floor_source);
+  if (!std::isfinite(note.floor_dev)) return;
+  out.attribute(group, "strain_floor_dev", note.floor_dev);
+  out.attribute(group, "strain_floor_vol", note.floor_vol);
+  out.attribute(group, "strain_floor_path", note.floor_path);
+}
+
 // The anchor of the measurement decides how increments are summed; without one, central.
 bool central_anchor(const h5::Source& record) {
   if (!record.has("/piv/anchor")) return true;
@@ -165,6 +176,7 @@ void RecordWriter::Impl::pack() {
 
 void RecordWriter::Impl::commit_packed() {
   guarded(*packed, [&] {
+    for (const auto& [motion, note] : strain_notes) pack_strain_note(*packed, motion, note);
     if (comparison) pack_comparison(*packed, *comparison, units);
     pack_views(*packed, head.grid, units);
   });

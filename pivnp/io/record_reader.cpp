@@ -71,6 +71,20 @@ VectorField RecordReader::pair(std::size_t index) const {
   return read_pair(impl_->source, "/piv", impl_->head.grid, index);
 }
 
+std::optional<StrainNote> RecordReader::strain_note(const std::string& motion) const {
+  const std::string group = "/motion/" + motion;
+  const h5::Source& source = impl_->source;
+  if (!source.has(group) || !source.has_attribute(group, "gauge_length")) return std::nullopt;
+  StrainNote note;
+  note.gauge_length = source.attribute_number(group, "gauge_length");
+  note.floor_source = source.attribute_text(group, "strain_floor_source");
+  if (!source.has_attribute(group, "strain_floor_dev")) return note;
+  note.floor_dev = source.attribute_number(group, "strain_floor_dev");
+  note.floor_vol = source.attribute_number(group, "strain_floor_vol");
+  note.floor_path = source.attribute_number(group, "strain_floor_path");
+  return note;
+}
+
 std::unique_ptr<MotionSource> RecordReader::motion(const std::string& name) const {
   bool known = false;
   for (const std::string& m : impl_->motions) known = known || m == name;

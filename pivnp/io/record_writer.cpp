@@ -288,6 +288,12 @@ void RecordWriter::set_output_fields(const std::vector<std::string>& names) {
   impl_->output_fields = names;
 }
 
+void RecordWriter::set_strain_note(const std::string& motion, const StrainNote& note) {
+  if (impl_->finished) return;
+  require(impl_->stages.contains("motion/" + motion), "no motion '" + motion + "' to note a strain's gauge of");
+  impl_->strain_notes[motion] = note;
+}
+
 void RecordWriter::pack() {
   if (impl_->finished) return;
   for (const auto& [name, stage] : impl_->stages) require(stage.complete, "stage '" + name + "' was not ended");

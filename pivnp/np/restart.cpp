@@ -13,7 +13,7 @@ namespace pivnp::np {
 namespace {
 
 constexpr char magic[8] = {'P', 'I', 'V', 'N', 'P', 'n', 'p', '\0'};
-constexpr std::uint32_t version = 1;
+constexpr std::uint32_t version = 2;
 constexpr std::uint32_t byte_order = 0x01020304;
 constexpr std::size_t bytes_per_particle = 10 * sizeof(double) + 2;
 
@@ -27,7 +27,8 @@ struct Header {
   double error_correlation;
   std::uint8_t centre_gradient;
   std::uint8_t cov_known;
-  std::uint8_t unused[6];
+  std::uint8_t unused[2];
+  std::uint32_t shape;  // checksum of its name
 };
 static_assert(sizeof(Header) == 56);
 
@@ -44,6 +45,8 @@ std::uint64_t identity(const ParticleSet& set) {
   hash = checksum(set.born.data(), set.born.size() * sizeof(set.born[0]), hash);
   return checksum(set.x0.data(), set.x0.size() * sizeof(set.x0[0]), hash);
 }
+
+std::uint32_t code_of(const std::string& shape) { return std::uint32_t(checksum(shape.data(), shape.size())); }
 
 class Writer {
  public:
@@ -114,6 +117,7 @@ std::vector<std::byte> Tracker::save() const {
   h.error_correlation = options_.error_correlation;
   h.centre_gradient = options_.gradient == "element";
   h.cov_known = cov_known_;
+  h.shape = code_of(options_.shape);
   Writer out(sizeof(Header) + x_.size() * bytes_per_particle + 8);
   out.put(h);
   for (const Vec2& x : x_)
@@ -133,6 +137,7 @@ void Tracker::load(const std::vector<std::byte>& bytes) {
   if (h.particles != identity(particles_)) refuse("other particles", "those of this run");
   if (bool(h.centre_gradient) != (options_.gradient == "element"))
     refuse("gradient " + std::string(h.centre_gradient ? "element" : "particle"), options_.gradient);
+  if (h.shape != code_of(options_.shape)) refuse("other shape functions", options_.shape);
   if (h.error_correlation != options_.error_correlation)
     refuse("error_correlation " + std::to_string(h.error_correlation), std::to_string(options_.error_correlation));
 

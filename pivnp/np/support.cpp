@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <utility>
 
 namespace pivnp::np {
 
@@ -74,6 +75,65 @@ const LocalFit& SupportMap::fit(std::size_t element) const {
   const auto found = std::lower_bound(fitted_elements_.begin(), fitted_elements_.end(), element);
   assert(found != fitted_elements_.end() && *found == element);
   return fits_[std::size_t(found - fitted_elements_.begin())];
+}
+
+namespace {
+
+// The mean of what the fits of the (up to four) elements around a lost node say there; false if there is none.
+bool fitted_value(const Grid& grid, const SupportMap& support, std::size_t node, std::array<double, 2>& value) {
+  const int i = int(node % std::size_t(grid.nx)), j = int(node / std::size_t(grid.nx));
+  Vec2 sum = Vec2::Zero();
+  int count = 0;
+  for (int b = std::max(j - 1, 0); b <= std::min(j, grid.ny - 2); ++b)
+    for (int a = std::max(i - 1, 0); a <= std::min(i, grid.nx - 2); ++a) {
+      const std::size_t element = grid.element(a, b);
+      if (support.at(element) != Support::fitted) continue;
+      const LocalFit& fit = support.fit(element);
+      sum += fit.value + fit.slope * (Vec2(i - a, j - b) - fit.centroid);
+      ++count;
+    }
+  if (count > 0) value = {sum.x() / count, sum.y() / count};
+  return count > 0;
+}
+
+}  // namespace
+
+void fill_gaps(const Grid& grid, const SupportMap& support, std::vector<std::array<double, 2>>& values) {
+  std::vector<std::uint8_t> filled(values.size());
+  std::vector<std::size_t> open;
+  for (std::size_t n = 0; n < values.size(); ++n) {
+    filled[n] = support.node_class(n) < 2;
+    if (!filled[n] && !fitted_value(grid, support, n, values[n])) open.push_back(n);
+  }
+  for (std::size_t n = 0; n < values.size(); ++n) filled[n] = 1;
+  for (const std::size_t n : open) filled[n] = 0;
+  while (!open.empty()) {
+    std::vector<std::size_t> reached, rest;
+    for (const std::size_t n : open) {
+      const int i = int(n % std::size_t(grid.nx)), j = int(n / std::size_t(grid.nx));
+      std::array<double, 2> sum{0, 0};
+      int count = 0;
+      for (int b = std::max(j - 1, 0); b <= std::min(j + 1, grid.ny - 1); ++b)
+        for (int a = std::max(i - 1, 0); a <= std::min(i + 1, grid.nx - 1); ++a) {
+          const std::size_t m = grid.node(a, b);
+          if (!filled[m]) continue;
+          ++count;
+          for (std::size_t q = 0; q < 2; ++q) sum[q] += values[m][q];
+        }
+      if (count == 0) {
+        rest.push_back(n);
+        continue;
+      }
+      for (std::size_t q = 0; q < 2; ++q) values[n][q] = sum[q] / count;
+      reached.push_back(n);
+    }
+    for (const std::size_t n : reached) filled[n] = 1;
+    if (reached.empty()) {  // no usable node at all
+      for (const std::size_t n : rest) values[n] = {0, 0};
+      return;
+    }
+    open = std::move(rest);
+  }
 }
 
 template void SupportMap::build(const Nodes<float>&);

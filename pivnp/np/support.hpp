@@ -38,6 +38,9 @@ class SupportMap {
   void build(const Nodes<Real>& nodes);
 
   Support at(std::size_t element) const { return support_[element]; }
+  const Support* elements() const { return support_.data(); }
+  /// 0 valid, 1 replaced, 2 not usable.
+  std::uint8_t node_class(std::size_t node) const { return node_class_[node]; }
   /// The fit of an element whose support is `fitted`.
   const LocalFit& fit(std::size_t element) const;
 
@@ -47,6 +50,11 @@ class SupportMap {
   std::vector<std::size_t> fitted_elements_;  // ascending
   std::vector<LocalFit> fits_;                // in the order of fitted_elements_
 };
+
+/// Fills the values whose node is not usable, so that a spline can be laid through all nodes: from the local fits of the
+/// elements around it; where there are none, the mean of the filled neighbours, ring by ring. No particle reads a stencil
+/// with such a node.
+void fill_gaps(const Grid& grid, const SupportMap& support, std::vector<std::array<double, 2>>& values);
 
 extern template void SupportMap::build(const Nodes<float>&);
 extern template void SupportMap::build(const Nodes<double>&);

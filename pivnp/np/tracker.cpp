@@ -1,21 +1,32 @@
 #include "pivnp/np/tracker.hpp"
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 #include <utility>
 
 #include "pivnp/core/error.hpp"
-#include "pivnp/np/gather.hpp"
+#include "pivnp/np/carry.hpp"
+#include "pivnp/np/tensor_field.hpp"
+#include "pivnp/np/triangle_gather.hpp"
 
 namespace pivnp::np {
 
 namespace {
 
-constexpr std::size_t few = 4096;  // particles not worth waking threads for
-
 void check_options(const NpOptions& options) {
   if (options.gradient != "particle" && options.gradient != "element")
     throw InputError("np.gradient: found '" + options.gradient + "', expected particle or element");
+  static const std::vector<std::string> shapes = {"bilinear", "quadratic", "cubic", "bspline2", "bspline3", "triangles"};
+  if (std::find(shapes.begin(), shapes.end(), options.shape) == shapes.end())
+    throw InputError("np.shape: found '" + options.shape +
+                     "', expected bilinear, quadratic, cubic, bspline2, bspline3 or triangles");
+  if (options.drift != "none" && options.drift != "corrected" && options.drift != "leapfrog" &&
+      options.drift != "reference_update")
+    throw InputError("np.drift: found '" + options.drift +
+                     "', expected none, corrected, leapfrog or reference_update");
   if (!(options.error_correlation >= 0 && options.error_correlation <= 1))
     throw InputError("np.error_correlation: found " + std::to_string(options.error_correlation) + ", expected 0 to 1");
 }
@@ -42,52 +53,6 @@ void check_field(const Field& field) {
     throw InputError("np: vectors: found " + std::to_string(field.displacement.size()) + " displacements, " +
                      std::to_string(field.status.size()) + " status values and " + std::to_string(field.cov.size()) +
                      " covariances, expected " + std::to_string(count) + " of each");
-}
-
-// The inner loop works on plain numbers: a matrix written number by number and read back as a packet stalls.
-struct Tensor {
-  double xx, xy, yx, yy;
-};
-
-inline Tensor tensor(const Mat2& m) { return {m(0, 0), m(0, 1), m(1, 0), m(1, 1)}; }
-
-inline Tensor operator*(const Tensor& a, const Tensor& b) {
-  return {a.xx * b.xx + a.xy * b.yx, a.xx * b.xy + a.xy * b.yy, a.yx * b.xx + a.yy * b.yx, a.yx * b.xy + a.yy * b.yy};
-}
-
-// f = F1 F0^-1 of one step. Central: (I - G/2)^-1 (I + G/2); in the plane, with A = G/2, that is
-// ((1 - tr A - det A) I + 2 A) / (1 - tr A + det A). NaN if a half step turns the material inside out.
-inline Tensor step_gradient(const Reading& r, bool central) {
-  if (!central) return {1 + r.gxx, r.gxy, r.gyx, 1 + r.gyy};
-  const double trace = 0.5 * (r.gxx + r.gyy), det = 0.25 * (r.gxx * r.gyy - r.gxy * r.gyx);
-  const double below = 1 - trace + det;
-  const double s = below > 0 ? 1 / below : std::numeric_limits<double>::quiet_NaN();
-  const double diagonal = 1 - trace - det;
-  return {(diagonal + r.gxx) * s, r.gxy * s, r.gyx * s, (diagonal + r.gyy) * s};
-}
-
-// A C A^T of a symmetric C = (uu, vv, uv).
-inline std::array<double, 3> carried(const Tensor& A, const std::array<double, 3>& C) {
-  const double u0 = A.xx * C[0] + A.xy * C[2], u1 = A.xx * C[2] + A.xy * C[1];
-  const double v0 = A.yx * C[0] + A.yy * C[2], v1 = A.yx * C[2] + A.yy * C[1];
-  return {u0 * A.xx + u1 * A.xy, v0 * A.yx + v1 * A.yy, u0 * A.yx + u1 * A.yy};
-}
-
-inline bool good_state(double x, double y, const Tensor& F) {
-  const double J = F.xx * F.yy - F.xy * F.yx;
-  // One test for all: a number that is not finite makes the sum so.
-  return J > 0 && std::isfinite(J + (x + y) + (F.xx + F.xy) + (F.yx + F.yy));
-}
-
-EndReason reason_of(Outcome outcome) {
-  switch (outcome) {
-    case Outcome::left_grid: return EndReason::left_grid;
-    case Outcome::no_vectors: return EndReason::no_vectors;
-    case Outcome::no_solution: return EndReason::bad_state;
-    case Outcome::good:
-    case Outcome::unsettled: break;
-  }
-  return EndReason::none;
 }
 
 }  // namespace
@@ -132,44 +97,113 @@ void Tracker::advance(const Nodes<Real>& nodes, double time) {
   if (!(time > time_))
     throw InputError("np: a step to time " + std::to_string(time) + ", expected one after " + std::to_string(time_));
   support_.build(nodes);
-  const Gather<Real> gather(nodes, support_, options_.gradient == "element", options_.error_correlation);
-  const bool central = nodes.anchor == Anchor::central, with_cov = nodes.cov != nullptr;
-
-#pragma omp parallel for schedule(static) if (x_.size() > few)
-  for (std::ptrdiff_t n = 0; n < std::ptrdiff_t(x_.size()); ++n) {
-    const std::size_t p = std::size_t(n);
-    if (status_[p] == ParticleStatus::ended) continue;
-    if (status_[p] == ParticleStatus::unborn) {
-      if (particles_.born[p] <= time) status_[p] = ParticleStatus::active;
-      continue;
-    }
-    const Reading r = central ? gather.central(x_[p]) : gather.forward(x_[p]);
-    if (const EndReason reason = reason_of(r.outcome); reason != EndReason::none) {
-      end(p, reason);
-      continue;
-    }
-    const double x = x_[p].x() + r.dx, y = x_[p].y() + r.dy;
-    const Tensor f = step_gradient(r, central), F = f * tensor(F_[p]);
-    if (!good_state(x, y, F)) {
-      end(p, EndReason::bad_state);
-      continue;
-    }
-    if (with_cov) {
-      const auto before = carried(f, cov_[p]);
-      // K = (I - G/2)^-1 = (I + f)/2 for central vectors
-      const auto added = central ? carried({0.5 + 0.5 * f.xx, 0.5 * f.xy, 0.5 * f.yx, 0.5 + 0.5 * f.yy}, r.cov) : r.cov;
-      for (std::size_t k = 0; k < 3; ++k) cov_[p][k] = before[k] + added[k];
-    }
-    x_[p] = {x, y};
-    F_[p](0, 0) = F.xx;
-    F_[p](0, 1) = F.xy;
-    F_[p](1, 0) = F.yx;
-    F_[p](1, 1) = F.yy;
-    status_[p] = r.support == Support::measured && r.outcome == Outcome::good ? ParticleStatus::active
-                                                                             : ParticleStatus::doubtful;
+  const bool centre = options_.gradient == "element", central = nodes.anchor == Anchor::central;
+  const bool with_cov = nodes.cov != nullptr;
+  const double correlation = options_.error_correlation;
+  const auto with = [&](const auto& gather) { carry(gather, central, with_cov, time); };
+  if (options_.shape == "quadratic")
+    with(TensorGather<Lagrange<2>, Real>(nodes, support_, centre, correlation));
+  else if (options_.shape == "cubic")
+    with(TensorGather<Lagrange<3>, Real>(nodes, support_, centre, correlation));
+  else if (options_.shape == "bspline2")
+    with(TensorGather<Spline<2>, Real>(nodes, support_, centre, correlation));
+  else if (options_.shape == "bspline3")
+    with(TensorGather<Spline<3>, Real>(nodes, support_, centre, correlation));
+  else if (options_.shape == "triangles")
+    with(GridTriangles<Real>(nodes, support_, centre, correlation));
+  else if constexpr (std::is_same_v<Real, float>) {
+    if (with_cov)
+      with(Gather<Real>(nodes, support_, centre, correlation));
+    else
+      advance_fast(nodes, time);
+  } else {
+    with(Gather<Real>(nodes, support_, centre, correlation));
   }
+}
+
+// Bilinear without covariance: whole blocks at a time, and one by one whatever these leave.
+void Tracker::advance_fast(const Nodes<float>& nodes, double time) {
+  const Grid& grid = nodes.grid;
+  fast_.origin_x = grid.origin.x(), fast_.origin_y = grid.origin.y();
+  fast_.per_spacing_x = 1 / grid.spacing.x(), fast_.per_spacing_y = 1 / grid.spacing.y();
+  fast_.nx = grid.nx, fast_.ny = grid.ny;
+  fast_.central = nodes.anchor == Anchor::central;
+  fast_.centre_gradient = options_.gradient == "element";
+  fast_.nodes.resize(grid.node_count());
+  for (std::size_t n = 0; n < grid.node_count(); ++n) {
+    std::array<float, 2> d = nodes.displacement[n];
+    if (support_.node_class(n) > 1) d.fill(std::numeric_limits<float>::quiet_NaN());
+    const std::array<std::uint32_t, 2> half{std::bit_cast<std::uint32_t>(d[0]), std::bit_cast<std::uint32_t>(d[1])};
+    fast_.nodes[n] = std::uint64_t(half[1]) << 32 | half[0];
+  }
+  const std::size_t count = x_.size();
+  moved_.resize(count);
+  element_.resize(count);
+  const Gather<float> gather(nodes, support_, fast_.centre_gradient, options_.error_correlation);
+  constexpr std::size_t block = 1024;
+  static_assert(sizeof(Vec2) == 2 * sizeof(double) && sizeof(Mat2) == 4 * sizeof(double));
+#pragma omp parallel for schedule(static) if (count > few)
+  for (std::ptrdiff_t b = 0; b < std::ptrdiff_t((count + block - 1) / block); ++b) {
+    const std::size_t from = std::size_t(b) * block, to = std::min(from + block, count);
+    static_assert(sizeof(ParticleStatus) == 1);
+    fast_step(fast_, x_[from].data(), F_[from].data(), reinterpret_cast<const std::uint8_t*>(&status_[from]), to - from,
+              &moved_[from], &element_[from]);
+    for (std::size_t p = from; p < to; ++p) {
+      if (moved_[p])
+        status_[p] = support_.at(std::size_t(element_[p])) == Support::measured ? ParticleStatus::active
+                                                                                : ParticleStatus::doubtful;
+      else
+        carry_one(gather, p, fast_.central, false, time);
+    }
+  }
+  finish_step(false, time);
+}
+
+void Tracker::finish_step(bool with_cov, double time) {
   time_ = time;
   cov_known_ = cov_known_ && with_cov;
+}
+
+void Tracker::step(const Scattered& field, double usual, double longest, double time) {
+  const std::size_t count = field.place.size();
+  if (field.displacement.size() != count || field.status.size() != count ||
+      (!field.cov.empty() && field.cov.size() != count))
+    throw InputError("np: vectors: found " + std::to_string(field.displacement.size()) + " displacements, " +
+                     std::to_string(field.status.size()) + " status values and " + std::to_string(field.cov.size()) +
+                     " covariances, expected " + std::to_string(count) + " of each");
+  if (!(time > time_))
+    throw InputError("np: a step to time " + std::to_string(time) + ", expected one after " + std::to_string(time_));
+  carry(TriangleGather(field, usual, longest, options_.error_correlation), field.anchor == Anchor::central,
+        !field.cov.empty(), time);
+}
+
+void Tracker::correct(std::size_t p, const Vec2& x, const Mat2& F, const std::array<double, 3>& cov) {
+  if (!good_state(x.x(), x.y(), tensor(F)))
+    throw InputError("np: particle " + std::to_string(particles_.id[p]) + ": a correction that is no state");
+  if (status_[p] != ParticleStatus::active && status_[p] != ParticleStatus::doubtful) return;
+  x_[p] = x;
+  F_[p] = F;
+  cov_[p] = cov;
+}
+
+void Tracker::add(const ParticleSet& born) {
+  check_particles(born);
+  const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+  append(particles_.id, born.id);
+  append(particles_.label, born.label);
+  append(particles_.x0, born.x0);
+  append(particles_.area, born.area);
+  append(particles_.born, born.born);
+  append(particles_.end, born.end);
+  append(particles_.end_reason, born.end_reason);
+  append(x_, born.x0);
+  F_.resize(x_.size(), Mat2::Identity());
+  cov_.resize(x_.size(), {0, 0, 0});
+  status_.resize(x_.size(), ParticleStatus::active);
+}
+
+void Tracker::doubt(std::size_t p) {
+  if (status_[p] == ParticleStatus::active) status_[p] = ParticleStatus::doubtful;
 }
 
 MotionFrame Tracker::frame() const {

@@ -9,16 +9,26 @@
 #include "pivnp/core/options.hpp"
 #include "pivnp/core/particles/motion.hpp"
 #include "pivnp/core/record/vectors.hpp"
+#include "pivnp/np/fast_step.hpp"
 #include "pivnp/np/increments.hpp"
 #include "pivnp/np/support.hpp"
 
 namespace pivnp::np {
 
+struct Scattered;  // triangle_gather.hpp
+
 struct NpOptions {
   int per_element = 4;
   std::string seeding = "even";
+  std::string shape = "bilinear";
   std::string gradient = "particle";
   double error_correlation = 1.0;
+  std::string drift = "none";
+  int drift_interval = 10;
+  bool reseed = false;
+  Points still_zone_px = {};
+  Points still_zone_m = {};
+  int still_frames = 0;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
@@ -26,6 +36,10 @@ struct NpOptions {
           OptionInfo{.text = "numerical particles per occupied element: 1, 4, 9, 16 ...", .min = 1, .max = 400});
     visit("seeding", self.seeding,
           OptionInfo{.text = "pattern of the particles in an element", .choices = {"even", "gauss"}});
+    visit("shape", self.shape,
+          OptionInfo{.text = "shape functions: bilinear; quadratic and cubic elements of 9 and 16 nodes; B-splines "
+                             "through the nodes; Delaunay triangles",
+                     .choices = {"bilinear", "quadratic", "cubic", "bspline2", "bspline3", "triangles"}});
     visit("gradient", self.gradient,
           OptionInfo{.text = "where the gradient is taken: at the particle, or at the element's centre (the thesis)",
                      .choices = {"particle", "element"}});
@@ -33,11 +47,28 @@ struct NpOptions {
           OptionInfo{.text = "correlation of the errors of neighbouring vectors: 1 a bound, 0 independent windows",
                      .min = 0,
                      .max = 1});
+    visit("drift", self.drift,
+          OptionInfo{.text = "what holds summed increments to the first frame: none; corrected: direct correlation with "
+                             "it at intervals, fused; leapfrog: the same in every frame, not fused; reference_update: "
+                             "leapfrog from a frame that moves on when texture is lost (Stanier et al. 2016)",
+                     .choices = {"none", "corrected", "leapfrog", "reference_update"}});
+    visit("drift_interval", self.drift_interval,
+          OptionInfo{.text = "frames from one correction to the next (drift = corrected)", .min = 1, .max = 100000});
+    visit("reseed", self.reseed,
+          OptionInfo{.text = "new particles where material enters and an element has run empty; their strains count from "
+                             "birth"});
+    visit("still_zone_px", self.still_zone_px,
+          OptionInfo{.unit = "px", .text = "polygon (column, row) of material that is at rest: the strains' noise floor"});
+    visit("still_zone_m", self.still_zone_m, OptionInfo{.unit = "m", .text = "the same in the world"});
+    visit("still_frames", self.still_frames,
+          OptionInfo{.text = "number of frames, from the first on, in which nothing moves yet: the strains' noise floor",
+                     .min = 0});
   }
 };
 
-/// Follows particles through pairs of consecutive frames. State is double precision. Bilinear shape functions (thesis,
-/// equations 2.1-2.4, 2.3 as corrected in core/grid/shape.hpp). Same bits for any number of threads.
+/// Follows particles through pairs of consecutive frames. State is double precision. Shape functions
+/// (thesis, equations 2.1-2.4, 2.3 as corrected in core/grid/shape.hpp): bilinear, or by NpOptions::shape of higher order
+/// (basis.hpp) or on triangles, on the same nodes. Same bits for any number of threads.
 class Tracker {
  public:
   /// `particles` are placed at x0 at `start_time` with F = I; those born later wait, unborn, until the first step that
@@ -49,7 +80,7 @@ class Tracker {
   ///   forward: x1 = x0 + d(x0),   G at x0,                F1 = (I + G) F0
   ///   central: x1 = x0 + d(xm),   G at xm = (x0 + x1)/2,  F1 = (I - G/2)^-1 (I + G/2) F0
   /// The thesis moves by the first rule whatever the windows (2.9, 2.14) and sums small strains (2.7); why that is not
-  /// enough: docs/parts/np.md. xm is solved to 1e-14 spacings (and to the round-off of the position); if 50 iterations
+  /// enough: docs/theory.md. xm is solved to 1e-14 spacings (and to the round-off of the position); if 50 iterations
   /// do not get there, the step is taken and marked doubtful.
   ///
   /// Status of the step: doubtful if it rests on a replaced vector, on a local affine fit (LocalFit) where the element
@@ -59,12 +90,24 @@ class Tracker {
   /// the grid: that position is measured, and it ends at the next pair.
   ///
   /// cov_u, to first order in the errors: C1 = f C0 f^T + K E K^T with f = F1 F0^-1, K = I (forward) or (I - G/2)^-1
-  /// (central), and E the covariance of the interpolated increment (docs/parts/np.md). A pair without cov makes cov_u
+  /// (central), and E the covariance of the interpolated increment (docs/theory.md). A pair without cov makes cov_u
   /// unknown from then on.
   ///
   /// Throws InputError if `time` is not after the present one, or if the field's arrays do not fit its grid.
   void step(const VectorField& field, double time);
   void step(const Increments& field, double time);
+  /// The same with vectors at places of any kind, on linear Delaunay triangles whatever NpOptions::shape. Triangles with
+  /// a side above `longest` hold no field, those with one above `usual` make the step doubtful; a particle that no
+  /// triangle holds ends with no_vectors.
+  void step(const Scattered& field, double usual, double longest, double time);
+
+  /// Puts a living particle where another estimate has it (drift correction). Throws InputError, the particle as it
+  /// was, for numbers that are not finite or det F <= 0.
+  void correct(std::size_t p, const Vec2& x, const Mat2& F, const std::array<double, 3>& cov);
+  /// Particles that join at the present time, alive, with F = I. Throws InputError as the constructor.
+  void add(const ParticleSet& born);
+  /// This frame's state of a living particle is doubtful, for a reason outside the step.
+  void doubt(std::size_t p);
 
   const ParticleSet& particles() const { return particles_; }
   double time() const { return time_; }
@@ -100,6 +143,12 @@ class Tracker {
  private:
   template <class Real>
   void advance(const Nodes<Real>& nodes, double time);
+  void advance_fast(const Nodes<float>& nodes, double time);
+  template <class GatherType>
+  void carry(const GatherType& gather, bool central, bool with_cov, double time);
+  template <class GatherType>
+  void carry_one(const GatherType& gather, std::size_t p, bool central, bool with_cov, double time);
+  void finish_step(bool with_cov, double time);
   void end(std::size_t p, EndReason reason);
 
   NpOptions options_;
@@ -111,6 +160,9 @@ class Tracker {
   std::vector<std::array<double, 3>> cov_;
   std::vector<ParticleStatus> status_;
   SupportMap support_;
+  FastField fast_{};                  // buffers of the vectorised step
+  std::vector<std::uint8_t> moved_;   // per particle
+  std::vector<std::int32_t> element_;
 };
 
 }  // namespace pivnp::np

@@ -35,9 +35,10 @@ const std::map<std::string, Folders> allowed = {
 
 // Vendor headers, and the folders that may see them.
 const std::map<std::string, Folders> vendors = {
-    {"opencv2/", {"pivnp/image", "pivnp/piv"}}, {"CGAL/", {"pivnp/core", "compare"}}, {"hdf5", {"pivnp/io"}},
+    {"opencv2/", {"pivnp/image", "pivnp/piv"}}, {"CGAL/", {"pivnp/core", "pivnp/np", "compare"}}, {"hdf5", {"pivnp/io"}},
     {"H5", {"pivnp/io"}},          {"Q", {"apps/report"}},               {"qcustomplot", {"apps/report"}},
     {"CLI/", {"apps/cli"}},        {"toml++", {"apps/case"}},            {"fftw3", {"pivnp/piv"}},
+    {"hwy/", {"pivnp/np", "pivnp/piv", "mpm"}},
 };
 
 std::string folder_of(const std::string& path) {

@@ -1,4 +1,4 @@
-// Particle-steps per second of the tracker, in memory: bilinear gather, F, covariance where said.
+// Particle-steps per second of the tracker, in memory: every shape, F, covariance where said.
 //   np_bench [particles] [repeats]
 // Prints one line a variant: best and median of `repeats` runs of a few steps each.
 #include <omp.h>
@@ -32,9 +32,10 @@ struct Rate {
 };
 
 Rate measure(const ParticleSet& particles, const VectorField& there, const VectorField& back,
-             const std::string& gradient, int repeats) {
+             const std::string& shape, const std::string& gradient, int repeats) {
   constexpr int steps = 4;
   np::NpOptions options;
+  options.shape = shape;
   options.gradient = gradient;
   std::vector<double> rates;
   np::Tracker tracker(options, particles, 0);
@@ -71,19 +72,24 @@ int main(int argc, char** argv) {
                                      SeedPattern::even, 0, "bench");
   std::printf("machine: %s\nthreads: %d of %d processors; particles %zu, nodes %zu, 4 particles an element\n",
               machine().c_str(), omp_get_max_threads(), omp_get_num_procs(), particles.size(), grid.node_count());
-  std::printf("%-9s %-9s %-4s %22s %22s\n", "anchor", "gradient", "cov", "best, M part.steps/s", "median");
+  std::printf("%-9s %-9s %-9s %-4s %22s %22s\n", "shape", "anchor", "gradient", "cov", "best, M part.steps/s", "median");
   // Up to half a spacing a step, as PIV measures; the way back keeps the particles in place for ever.
   const np::ReversingVortex motion({lo + side / 2.0, lo + side / 2.0}, side / 3.0, 3.5 / side, 2);
-  for (const Anchor anchor : {Anchor::forward, Anchor::central})
-    for (const char* gradient : {"particle", "element"})
-      for (const bool with_cov : {false, true}) {
-        np::Increments there = np::sample_increments(motion, grid, anchor, 0, 1);
-        np::Increments back = np::sample_increments(motion, grid, anchor, 1, 2);
-        if (with_cov) there.cov.assign(grid.node_count(), {1e-6f, 1e-6f, 0});
-        back.cov = there.cov;
-        const Rate rate = measure(particles, np::vector_field(there, {0, 1}), np::vector_field(back, {1, 2}), gradient,
-                                  repeats);
-        std::printf("%-9s %-9s %-4s %22.1f %22.1f\n", anchor == Anchor::forward ? "forward" : "central", gradient,
-                    with_cov ? "yes" : "no", rate.best / 1e6, rate.median / 1e6);
-      }
+  std::printf("state: %zu bytes a particle; a frame in a record: %zu bytes a particle, %zu with covariance\n",
+              sizeof(Vec2) + sizeof(Mat2) + 3 * sizeof(double) + 1, 6 * sizeof(float) + 1, 9 * sizeof(float) + 1);
+  for (const char* shape : {"bilinear", "quadratic", "cubic", "bspline2", "bspline3", "triangles"})
+    for (const Anchor anchor : {Anchor::forward, Anchor::central})
+      for (const char* gradient : {"particle", "element"})
+        for (const bool with_cov : {false, true}) {
+          const bool plain = std::string(shape) == "bilinear";
+          if (!plain && (with_cov || std::string(gradient) == "element")) continue;
+          np::Increments there = np::sample_increments(motion, grid, anchor, 0, 1);
+          np::Increments back = np::sample_increments(motion, grid, anchor, 1, 2);
+          if (with_cov) there.cov.assign(grid.node_count(), {1e-6f, 1e-6f, 0});
+          back.cov = there.cov;
+          const Rate rate = measure(particles, np::vector_field(there, {0, 1}), np::vector_field(back, {1, 2}), shape,
+                                    gradient, plain ? repeats : std::min(repeats, 3));
+          std::printf("%-9s %-9s %-9s %-4s %22.1f %22.1f\n", shape, anchor == Anchor::forward ? "forward" : "central",
+                      gradient, with_cov ? "yes" : "no", rate.best / 1e6, rate.median / 1e6);
+        }
 }

@@ -26,6 +26,17 @@ double parabola_slope(const std::array<double, 3>& t, const std::array<double, 3
   return a * f[0] + b * f[1] + c * f[2];
 }
 
+// Of a strain or of its rate; `which` is the end of the field's name.
+double component(const Strain& e, std::string_view which) {
+  if (which == "xx") return e.xx;
+  if (which == "yy") return e.yy;
+  if (which == "xy") return e.xy;
+  if (which == "vol") return volumetric(e);
+  if (which == "dev") return deviatoric(e);
+  const Principal q = principal(e);
+  return which == "1" ? q.first : which == "2" ? q.second : q.angle;
+}
+
 }  // namespace
 
 const std::vector<DerivedField>& derived_fields() {
@@ -49,6 +60,15 @@ const std::vector<DerivedField>& derived_fields() {
       {"strain_angle", "rad", "direction of strain_1 from the x axis"},
       {"J", "1", "det F"},
       {"strain_dev_path", "1", "sum over frames of sqrt(2/3 de:de), de the deviator of the strain increment"},
+      {"strain_rate_xx", "1/T", "xx of the rate of deformation, the symmetric part of (dF/dt) F^-1; dF/dt by second-order "
+                                "differences over the frames"},
+      {"strain_rate_yy", "1/T", "yy of the rate of deformation"},
+      {"strain_rate_xy", "1/T", "xy of the rate of deformation (tensor component)"},
+      {"strain_rate_vol", "1/T", "rate of volume change, xx + yy of the rate of deformation"},
+      {"strain_rate_dev", "1/T", "sqrt(2/3 d:d) of the deviator of the rate of deformation, plane strain"},
+      {"strain_rate_1", "1/T", "greater principal rate of deformation"},
+      {"strain_rate_2", "1/T", "smaller principal rate of deformation"},
+      {"strain_rate_angle", "rad", "direction of strain_rate_1 from the x axis"},
       {"strain_sum_xx", "1", "sum of small-strain increments (the thesis' measure; not objective)"},
       {"strain_sum_yy", "1", "sum of small-strain increments"},
       {"strain_sum_xy", "1", "sum of small-strain increments"},
@@ -120,6 +140,17 @@ struct DerivedReader::State {
     return difference(p, k, [&](std::size_t q) { return velocity(p, q, axis); });
   }
 
+  // The symmetric part of (dF/dt) F^-1.
+  Strain rate(std::size_t p, std::size_t k) {
+    std::array<double, 4> slope;
+    for (std::size_t c = 0; c < 4; ++c)
+      slope[c] = difference(p, k, [&](std::size_t q) { return double(frame(q).F[p][c]); });
+    Mat2 change;
+    change << slope[0], slope[1], slope[2], slope[3];
+    const Mat2 L = change * matrix(frame(k).F[p]).inverse();
+    return {L(0, 0), L(1, 1), (L(0, 1) + L(1, 0)) / 2};
+  }
+
   void sum_to(std::size_t k) {
     const std::size_t count = motion.particles().size();
     if (!summed || *summed > k) {
@@ -180,17 +211,10 @@ std::vector<double> DerivedReader::values(std::string_view name, std::size_t k) 
     });
   } else if (name == "J")
     each([&](std::size_t p) { return matrix(now.F[p]).determinant(); });
+  else if (name.starts_with("strain_rate_"))
+    each([&](std::size_t p) { return component(s.rate(p, k), name.substr(12)); });
   else if (name.starts_with("strain_"))
-    each([&](std::size_t p) {
-      const Strain e = log_strain(matrix(now.F[p]));
-      if (name == "strain_xx") return e.xx;
-      if (name == "strain_yy") return e.yy;
-      if (name == "strain_xy") return e.xy;
-      if (name == "strain_vol") return volumetric(e);
-      if (name == "strain_dev") return deviatoric(e);
-      const Principal q = principal(e);
-      return name == "strain_1" ? q.first : name == "strain_2" ? q.second : q.angle;
-    });
+    each([&](std::size_t p) { return component(log_strain(matrix(now.F[p])), name.substr(7)); });
   else if (name == "plastic_dev" && !now.plastic_dev.empty())
     each([&](std::size_t p) { return double(now.plastic_dev[p]); });
   else if (!now.stress.empty())

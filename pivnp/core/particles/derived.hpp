@@ -12,12 +12,13 @@ namespace pivnp {
 /// One field the reader can compute: name, unit (in terms of length L and time T), one line of definition.
 struct DerivedField {
   std::string_view name;
-  std::string_view unit;  // "1", "L", "L/T", "L/T^2", "Pa", "rad"
+  std::string_view unit;  // "1", "1/T", "L", "L/T", "L/T^2", "Pa", "rad"
   std::string_view definition;
 };
 
 /// displacement_x _y _magnitude; velocity_x _y _magnitude; acceleration_x _y _magnitude;
 /// strain_xx _yy _xy (log strain, world axes); strain_vol; strain_dev; strain_1 _2 _angle; J;
+/// strain_rate_xx _yy _xy _vol _dev _1 _2 _angle (rate of deformation);
 /// strain_dev_path (sum over frames of sqrt(2/3 de:de)); strain_sum_xx _yy _xy _dev (the thesis' summed increments);
 /// plastic_dev; stress_xx _yy _zz _xy; mean_stress.
 const std::vector<DerivedField>& derived_fields();

@@ -47,6 +47,31 @@ TEST(Derived, ParabolaAtUnevenTimes) {
   }
 }
 
+TEST(Derived, StrainRatesOfAStretchThatTurns) {
+  // F = R(a t) diag(exp(b t), exp(-c t)): the rate of deformation is R diag(b, -c) R^T whatever the turn.
+  const double a = 0.4, b = 0.2, c = 0.05;
+  for (const double h : {0.02, 0.01}) {
+    MotionMemory motion("np", "m", "s", particles(1));
+    for (int k = 0; k < 5; ++k) {
+      const double t = 1 + h * k, cs = std::cos(a * t), sn = std::sin(a * t), p = std::exp(b * t), q = std::exp(-c * t);
+      motion.add(frame(t, {0, 0}, {float(cs * p), float(-sn * q), float(sn * p), float(cs * q)}));
+    }
+    DerivedReader reader(motion, true);
+    const double near = 1e-4;  // frames are single precision
+    EXPECT_NEAR(reader.values("strain_rate_1", 2)[0], b, near);
+    EXPECT_NEAR(reader.values("strain_rate_2", 2)[0], -c, near);
+    EXPECT_NEAR(reader.values("strain_rate_angle", 2)[0], a * (1 + 2 * h), 1e-3);
+    EXPECT_NEAR(reader.values("strain_rate_vol", 0)[0], b - c, near);
+    const double mean = (b - c) / 3;
+    EXPECT_NEAR(reader.values("strain_rate_dev", 4)[0],
+                std::sqrt(2.0 / 3 * (std::pow(b - mean, 2) + std::pow(-c - mean, 2) + mean * mean)), near);
+    const double angle = a * (1 + 2 * h);
+    EXPECT_NEAR(reader.values("strain_rate_xx", 2)[0], b * std::pow(std::cos(angle), 2) - c * std::pow(std::sin(angle), 2),
+                near);
+    EXPECT_NEAR(reader.values("strain_rate_xy", 2)[0], (b + c) * std::sin(angle) * std::cos(angle), near);
+  }
+}
+
 TEST(Derived, EndedParticlesAreNaNAndDoNotLeakIntoDifferences) {
   MotionMemory motion("np", "m", "s", particles(1));
   motion.add(frame(0, {0, 0}, {1, 0, 0, 1}));

@@ -1,0 +1,130 @@
+// Direct correlation at given places: known affine motion, its error estimate, and when it says no.
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <cmath>
+
+#include "pivnp/core/error.hpp"
+#include "pivnp/piv/subset.hpp"
+#include "tests/unit/piv/scene.hpp"
+
+namespace pivnp::piv {
+namespace {
+
+image::TextureOptions texture(double noise, double loss = 0) {
+  image::TextureOptions t;
+  t.noise = noise;
+  t.loss = loss;
+  t.seed = 7;
+  return t;
+}
+
+struct Affine {
+  Mat2 A;
+  Vec2 centre, shift;
+  Vec2 operator()(const Vec2& x) const { return centre + A * (x - centre) + shift; }
+};
+
+const Affine far_away = {(Mat2() << 1.05, 0.12, -0.06, 0.97).finished(), {100, 100}, {13.3, -8.6}};
+
+Scene scene_of(const Affine& map, const image::TextureOptions& t) {
+  return make_scene([map](const Vec2& x) { return Vec2(map(x) - x); }, 200, 200, t);
+}
+
+std::vector<AffinePrediction> predictions(const Affine& map, const Vec2& off, const Mat2& A) {
+  std::vector<AffinePrediction> all;
+  for (double y = 45.3; y < 160; y += 11.7)
+    for (double x = 45.8; x < 160; x += 12.9) all.push_back({{x, y}, map({x, y}) + off, A});
+  return all;
+}
+
+TEST(Subset, FindsAKnownAffineMotionAtAnyPlace) {
+  const Scene scene = scene_of(far_away, texture(0));
+  const SubsetImage first(scene.first.view(), {}, 1), second(scene.second.view(), {}, 1);
+  const auto asked = predictions(far_away, {0.6, -0.5}, far_away.A + (Mat2() << 0.01, -0.01, 0.01, 0).finished());
+  const auto found = match_subsets(first, second, asked, {}, 1);
+  double sum = 0, sum_A = 0;
+  for (std::size_t k = 0; k < asked.size(); ++k) {
+    ASSERT_TRUE(found[k].found) << k;
+    EXPECT_GT(found[k].score, 0.99);
+    sum += (found[k].to - far_away(asked[k].from)).squaredNorm() / 2 / double(asked.size());
+    sum_A += (found[k].A - far_away.A).squaredNorm() / 4 / double(asked.size());
+  }
+  EXPECT_LT(std::sqrt(sum), 0.012);  // rounding to 8 bit, interpolation
+  EXPECT_LT(std::sqrt(sum_A), 2e-3);
+}
+
+TEST(Subset, StatedErrorFitsNoiseAndLoss) {
+  for (const auto& [noise, loss] : {std::pair{0.02, 0.0}, {0.05, 0.0}, {0.0, 0.2}}) {
+    const Scene scene = scene_of(far_away, texture(noise, loss));
+    const SubsetImage first(scene.first.view(), {}, 1), second(scene.second.view(), {}, 1);
+    const auto asked = predictions(far_away, {0.2, 0.3}, far_away.A);
+    const auto found = match_subsets(first, second, asked, {}, 1);
+    double seen = 0, stated = 0, seen_A = 0, stated_A = 0;
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < asked.size(); ++k) {
+      if (!found[k].found) continue;
+      ++count;
+      seen += (found[k].to - far_away(asked[k].from)).squaredNorm() / 2;
+      stated += (found[k].cov[0] + found[k].cov[1]) / 2;
+      seen_A += (found[k].A - far_away.A).squaredNorm() / 4;
+      stated_A += found[k].var_A;
+    }
+    EXPECT_GT(count, asked.size() * 9 / 10);
+    EXPECT_GT(std::sqrt(stated / seen), 0.6) << noise << " " << loss;
+    EXPECT_LT(std::sqrt(stated / seen), 1.8) << noise << " " << loss;
+    EXPECT_GT(std::sqrt(stated_A / seen_A), 0.6) << noise << " " << loss;
+    EXPECT_LT(std::sqrt(stated_A / seen_A), 1.8) << noise << " " << loss;
+  }
+}
+
+TEST(Subset, SaysNoWhereThereIsNothingToFind) {
+  const Scene scene = scene_of(far_away, texture(0));
+  image::TextureOptions other = texture(0);
+  other.seed = 99;
+  const Scene stranger = scene_of(far_away, other);
+  const SubsetImage first(scene.first.view(), {}, 1), second(stranger.second.view(), {}, 1);
+  const auto asked = predictions(far_away, {0, 0}, far_away.A);
+  for (const SubsetMatch& m : match_subsets(first, second, asked, {}, 1))
+    if (m.found) {
+      EXPECT_LT(m.score, 0.6);
+    }
+
+  // Outside, masked, flat, not finite.
+  const SubsetImage right(scene.second.view(), {}, 1);
+  std::vector<std::uint8_t> mask(200 * 200, 0);
+  const SubsetImage masked(scene.first.view(), MaskView{mask.data(), 200, 200, 200}, 1);
+  Image grey(200, 200, PixelDepth::u8, 255);
+  for (int r = 0; r < 200; ++r) std::fill(grey.row<std::uint8_t>(r), grey.row<std::uint8_t>(r) + 200, std::uint8_t{90});
+  const SubsetImage flat(grey.view(), {}, 1);
+  const AffinePrediction middle{{100, 100}, far_away({100, 100}), far_away.A};
+  EXPECT_TRUE(match_subsets(first, right, std::vector{middle}, {}, 1)[0].found);
+  EXPECT_FALSE(match_subsets(masked, right, std::vector{middle}, {}, 1)[0].found);
+  EXPECT_FALSE(match_subsets(flat, right, std::vector{middle}, {}, 1)[0].found);
+  EXPECT_FALSE(match_subsets(first, flat, std::vector{middle}, {}, 1)[0].found);
+  AffinePrediction outside = middle, unknown = middle;
+  outside.from = {3, 3};
+  unknown.to.x() = std::nan("");
+  EXPECT_FALSE(match_subsets(first, right, std::vector{outside}, {}, 1)[0].found);
+  EXPECT_FALSE(match_subsets(first, right, std::vector{unknown}, {}, 1)[0].found);
+}
+
+TEST(Subset, SameBitsForAnyNumberOfThreadsAndRefusals) {
+  const Scene scene = scene_of(far_away, texture(0.02));
+  const SubsetImage first(scene.first.view(), {}, 1), second(scene.second.view(), {}, 2);
+  const auto asked = predictions(far_away, {0.2, 0.3}, far_away.A);
+  const auto one = match_subsets(first, second, asked, {}, 1), three = match_subsets(first, second, asked, {}, 3);
+  for (std::size_t k = 0; k < asked.size(); ++k) {
+    EXPECT_EQ(one[k].to, three[k].to);
+    EXPECT_EQ(one[k].cov, three[k].cov);
+  }
+  SubsetOptions even;
+  even.side_px = 20;
+  EXPECT_THROW(match_subsets(first, second, asked, even, 1), InputError);
+  Image small(100, 100, PixelDepth::u8, 255);
+  for (int r = 0; r < 100; ++r) std::fill(small.row<std::uint8_t>(r), small.row<std::uint8_t>(r) + 100, std::uint8_t(r));
+  EXPECT_THROW(match_subsets(first, SubsetImage(small.view(), {}, 1), asked, {}, 1), InputError);
+}
+
+}  // namespace
+}  // namespace pivnp::piv

@@ -1,0 +1,116 @@
+// T-bar (geopyv's images of clay flowing past a cylinder): particles through the frames, closed by direct correlation.
+//   published: none.
+//   criterion: where frames 0 and 12 can be correlated directly at a particle (coefficient at least .8, the subset
+//     predicted by the particle's own displacement and F), its summed displacement and the direct one agree: at least
+//     90 % of these particles within three standard deviations of the difference in either component, as the tracker
+//     and the direct correlation state them. At least half of the particles survive that comparison.
+//   With np.drift = "corrected" the same particles lie closer still (median).
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+
+#include "apps/case/case.hpp"
+#include "apps/study/measure.hpp"
+#include "apps/study/stages.hpp"
+#include "pivnp/core/text.hpp"
+#include "pivnp/piv/subset.hpp"
+#include "tests/support/verification.hpp"
+
+namespace pivnp::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Quiet final : public Progress {
+ public:
+  void update(std::string_view, std::int64_t, std::int64_t) override {}
+  bool stop_requested() const override { return false; }
+};
+
+double quantile(std::vector<double> v, double q) {
+  std::sort(v.begin(), v.end());
+  return v.empty() ? std::nan("") : v[std::size_t(q * double(v.size() - 1))];
+}
+
+TEST(TBar, ParticlesCloseWithDirectCorrelation) {
+  const char* data = std::getenv("PIVNP_TEST_DATA");
+  if (data == nullptr || !fs::exists(fs::path(data) / "tbar")) GTEST_SKIP() << "PIVNP_TEST_DATA names no folder with tbar";
+  const fs::path out = fs::temp_directory_path() / "pivnp_tbar_closure";
+  fs::remove_all(out);
+  fs::create_directories(out);
+  Case c = read_case(fs::path(PIVNP_SOURCE_DIR) / "datasets" / "tbar" / "case.toml");
+  c.frames->path = (fs::path(data) / "tbar" / "IMG_*.jpg").string();
+  c.frames->last = 12;
+  const auto source = image::open_frames(*c.frames, "");
+  ASSERT_EQ(source->frames().size(), 13u);
+  const Setting setting = make_setting(c, source->width(), source->height());
+  io::RecordHead head;
+  head.grid = setting.grid;
+  Quiet quiet;
+  io::RecordWriter writer(out, head, false);
+  measure(c, setting, *source, writer, 0, quiet);
+
+  const Measured measured{plan_steps(source->frames()),
+                          [&](const TrackStep& step) { return writer.pair(std::size_t(step.from)); },
+                          [&](int k) { return source->read(k); }};
+  const piv::SubsetImage first(source->read(0).view(), setting.mask.view(), 0);
+  const piv::SubsetImage last(source->read(12).view(), setting.mask.view(), 0);
+  std::vector<double> medians;
+  for (const char* drift : {"none", "corrected"}) {
+    Case variant = c;
+    variant.np = np::NpOptions{};
+    variant.np->drift = drift;
+    std::vector<np::Tracker::Particle> end;
+    ParticleSet set;
+    follow(variant, setting, source->frames(), measured, 0, quiet, [&](std::size_t k, const np::Tracker& now) {
+      if (k != 12) return;
+      set = now.particles();
+      for (std::size_t p = 0; p < now.state().size(); ++p) end.push_back(now.state()[p]);
+    });
+    std::vector<piv::AffinePrediction> asked;
+    std::vector<std::size_t> who;
+    const double pixel = setting.grid.spacing.x() / node_spacing_px(setting);
+    Mat2 flip;  // world to pixels: y upward to rows downward
+    flip << 1, 0, 0, -1;
+    for (std::size_t p = 0; p < end.size(); p += 4) {
+      if (end[p].status == ParticleStatus::ended) continue;
+      asked.push_back({setting.camera.to_pixel(set.x0[p]), setting.camera.to_pixel(end[p].x), flip * end[p].F * flip});
+      who.push_back(p);
+    }
+    piv::SubsetOptions options;
+    options.side_px = 65;
+    const auto found = piv::match_subsets(first, last, asked, options, 0);
+    std::size_t compared = 0, within = 0;
+    std::vector<double> apart, sigmas;
+    for (std::size_t k = 0; k < asked.size(); ++k) {
+      if (!found[k].found || found[k].score < 0.8) continue;
+      ++compared;
+      const Vec2 off = found[k].to - asked[k].to;
+      const auto& s = end[who[k]].cov;
+      const Vec2 variance(s[0] / pixel / pixel + found[k].cov[0], s[1] / pixel / pixel + found[k].cov[1]);
+      within += std::abs(off.x()) <= 3 * std::sqrt(variance.x()) && std::abs(off.y()) <= 3 * std::sqrt(variance.y());
+      apart.push_back(off.norm());
+      sigmas.push_back(std::sqrt(variance.x()));
+    }
+    const double share = double(within) / double(std::max<std::size_t>(1, compared));
+    std::printf("drift %s: %zu asked, %zu compared, %.4f within 3 sigma; apart %.3f px median, %.3f p95; sigma %.3f px\n",
+                drift, asked.size(), compared, share, quantile(apart, 0.5), quantile(apart, 0.95), quantile(sigmas, 0.5));
+    medians.push_back(quantile(apart, 0.5));
+    if (std::string(drift) != "none") continue;
+    EXPECT_GT(compared, asked.size() / 2);
+    EXPECT_GT(share, 0.9);
+    pivnp::test::verification_row("T-bar, frames 0 to 12: particles against direct correlation",
+                                  "at least 90 % within three standard deviations, where it survives",
+                                  number(100 * share, 3) + " % of " + std::to_string(compared) + "; median " +
+                                      number(medians[0], 2) + " px");
+  }
+  EXPECT_LT(medians[1], medians[0]);
+  fs::remove_all(out);
+}
+
+}  // namespace
+}  // namespace pivnp::app
