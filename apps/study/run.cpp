@@ -121,7 +121,7 @@ RunOutcome run_case(const Case& given, const RunSettings& settings, Stages stage
   writer.finish();
 
   outcome.record = settings.out / "record.h5";
-  outcome.remarks = remarks_on_tracking(tracked, frames);
+  for (std::string& remark : remarks_on_tracking(tracked, frames)) outcome.remarks.push_back(std::move(remark));
   write_report_of(c, outcome, std::move(comparison), source.get(), settings.out);
   return outcome;
 }
