@@ -100,9 +100,13 @@ RunOutcome run_case(const Case& given, const RunSettings& settings, Stages stage
   std::optional<compare::Comparison> comparison;
   writer.pack();
   if (tracks && simulates) {
-    comparison = compare::compare(*writer.motion("np"), *writer.motion("mpm"), c.compare, c.limits, progress);
-    writer.set_comparison(comparison_data(*comparison, "np", "mpm"));
+    compare::CompareOptions options = c.compare;
+    add_camera(setting.camera.residual(), options);
+    const auto np = writer.motion("np"), mpm = writer.motion("mpm");
+    comparison = compare::compare(*np, *mpm, options, c.limits, progress);
+    writer.set_comparison(comparison_data(*comparison, "np", "mpm", np->time_unit()));
     outcome.over_limit = comparison->over_limit;
+    outcome.limits = comparison->limits;
   }
   writer.finish();
 
