@@ -130,8 +130,10 @@ Transform transform_of(const CompareOptions& options) {
 }
 
 // The offset to add to the second's times, with what it is uncertain by.
-Onset find_offset(const MotionSource& first, const MotionSource& second) {
-  const Onset offset = onset_offset(participation(first), participation(second));
+Onset find_offset(const MotionSource& first, const MotionSource& second, const CompareOptions& options) {
+  const bool turn = !options.fixed_zone_m.empty();
+  const Points& zone = turn ? options.fixed_zone_m : options.reference_m;
+  const Onset offset = onset_offset(participation(first, zone, turn), participation(second, zone, turn));
   if (!std::isfinite(offset.time))
     throw InputError("compare.time_alignment: \"onset\", but motion " + quoted(first) + " or " + quoted(second) +
                      " shows no onset, expected both to move from rest");
@@ -194,7 +196,7 @@ Comparison compare(const MotionSource& first, const MotionSource& given_second, 
   std::optional<Onset> offset;
   if (options.time_alignment == "onset") {
     const TransformedMotion second(given_second, transform);
-    offset = find_offset(first, second);
+    offset = find_offset(first, second, options);
     transform.time_offset += offset->time;
   }
   // Coarser grids share the second's coordinates and clock.

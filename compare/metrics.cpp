@@ -36,7 +36,9 @@ std::vector<Value> vector_values(const DisplacementStatistics& d, const std::str
           {"rms", d.rms(), d.rms_uncertainty(), "root mean square of " + size, "root mean trace of its variance", 2,
            any ? scaled.rms() : not_known},
           {"p95", d.p95(), d.p95_uncertainty(), "95th percentile of " + size + " (nearest rank)",
-           "95th percentile of the root trace of its variance", 2, scaled.p95()},
+           "95th percentile of the root trace of its variance; told apart only beyond " +
+               number(percentile_factor(d.count()), 3) + " of them",
+           percentile_factor(d.count()), scaled.p95()},
           {"max", d.max(), d.max_uncertainty(), "greatest " + size,
            "root trace of its variance where it occurs; of so many errors the greatest is told apart only beyond " +
                number(greatest_factor(d.count()), 3) + " of them",
@@ -57,6 +59,8 @@ void add_values(const std::vector<Value>& values, const std::string& prefix, con
 }
 
 }  // namespace
+
+double percentile_factor(std::size_t count) { return greatest_factor(std::min<std::size_t>(count, 20)); }
 
 double greatest_factor(std::size_t count) {
   return std::max(2.0, std::sqrt(2 * std::log(20.0 * double(std::max<std::size_t>(1, count)))));
@@ -102,7 +106,8 @@ void add_strain_metrics(const Tally& tally, const Wording& w, std::vector<Metric
               "noise floor of the still zone" + std::string(w.suffix.empty() ? ", greatest over the times" : "");
     const std::vector<Value> values{{"bias", s.bias(), floor, "mean of " + of, ""},
                                     {"rms", s.rms(), floor, "root mean square of " + of, ""},
-                                    {"p95", s.p95(), floor, "95th percentile (nearest rank) of the size of " + of, ""},
+                                    {"p95", s.p95(), floor, "95th percentile (nearest rank) of the size of " + of, "",
+                                     percentile_factor(s.count())},
                                     {"max", s.max(), floor, "greatest size of " + of, "", greatest_factor(s.count())}};
     for (const Value& v : values)
       metrics.push_back(difference_metric(name + "_" + v.name + w.suffix, v.value, "1", v.uncertainty,

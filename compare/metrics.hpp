@@ -25,6 +25,10 @@ Metric difference_metric(std::string name, double value, std::string unit, doubl
 /// each share its variance and whether or not the errors are independent: sqrt(2 ln(20 count)), at least 2.
 double greatest_factor(std::size_t count);
 
+/// The same for the 95th percentile: where neighbours share their errors, it may be the greatest of twenty independent
+/// ones.
+double percentile_factor(std::size_t count);
+
 /// Displacement and strain over space and time (`suffix` empty) or at one time. `when` ends the definitions;
 /// `covariance` says whose covariance the uncertainties rest on, and is empty if nobody's is known.
 struct Wording {

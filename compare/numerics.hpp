@@ -15,7 +15,7 @@ namespace pivnp::compare {
 struct GridConvergence {
   double order = 1;    // observed, or the formal 1 with two grids
   double factor = 0;   // u_num = factor |f_fine - f_coarse|
-  bool asymptotic = false;  // the changes fall from grid to grid, with an order of 0.5 to 2
+  bool asymptotic = false;  // the changes fall from grid to grid, with an order of 0.5 to 2.1
 };
 
 /// `change_fine`: size of f1 - f2 (finest minus next), `change_coarse`: of f2 - f3, or NaN with two grids only.

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "compare/rigid.hpp"
+#include "pivnp/core/particles/region.hpp"
+
 namespace pivnp::compare {
 
 namespace {
@@ -19,8 +22,7 @@ Line rise(const std::vector<double>& time, const std::vector<double>& value, int
   while (end < value.size() && !(value[end] > 0.25 * top)) ++end;
   std::size_t from = end;
   while (from > 0 && value[from - 1] > 0.02 * top) --from;
-  if (end - from < 3 && end < value.size()) ++end;
-  if (end - from < 3 && from > 0 && value[from - 1] > 0) --from;
+  while (end < value.size() && end - from < 3) ++end;
   if (end - from < 2) return {};
   const double n = double(end - from);
   double mt = 0, my = 0, tt = 0, ty = 0, yy = 0;
@@ -55,23 +57,61 @@ Onset find_onset(const std::vector<double>& time, const std::vector<double>& val
   return {line.zero, line.sigma};
 }
 
-Participation participation(const MotionSource& motion) {
-  const auto alive = [](const MotionFrame& f, std::size_t p) {
-    return (f.status[p] == ParticleStatus::active || f.status[p] == ParticleStatus::doubtful) &&
-           std::isfinite(f.u[p][0]) && std::isfinite(f.u[p][1]);
-  };
+namespace {
+
+// The displacements of one frame in the frame of the zone, if there is one.
+class Seen {
+ public:
+  Seen(const MotionSource& motion, const Points& zone, bool turn) : motion_(motion), turn_(turn) {
+    if (zone.empty()) return;
+    std::vector<Vec2> vertices;
+    for (const Pair& p : zone) vertices.emplace_back(p[0], p[1]);
+    const Polygon inside(std::move(vertices), "compare: the zone");
+    for (std::size_t p = 0; p < motion.particles().size(); ++p)
+      if (inside.contains(motion.particles().x0[p])) members_.push_back(p);
+  }
+
+  /// NaN where a particle is not followed.
+  std::vector<Vec2> displacements(std::size_t frame) const {
+    const MotionFrame f = motion_.frame(frame);
+    const std::vector<Vec2>& X = motion_.particles().x0;
+    std::vector<Vec2> u(X.size(), Vec2::Constant(std::nan("")));
+    for (std::size_t p = 0; p < u.size(); ++p)
+      if (f.status[p] == ParticleStatus::active || f.status[p] == ParticleStatus::doubtful)
+        u[p] = Vec2(double(f.u[p][0]), double(f.u[p][1]));
+    std::vector<Vec2> from, to;
+    for (const std::size_t p : members_) {
+      if (!u[p].allFinite()) continue;
+      from.push_back(X[p]);
+      to.push_back(X[p] + u[p]);
+    }
+    if (from.size() < (turn_ ? 3U : 1U)) return u;
+    const RigidMotion frame_motion = fit_rigid(from, to, turn_).motion;
+    for (std::size_t p = 0; p < u.size(); ++p) u[p] = frame_motion.undo(X[p] + u[p]) - X[p];
+    return u;
+  }
+
+ private:
+  const MotionSource& motion_;
+  bool turn_;
+  std::vector<std::size_t> members_;
+};
+
+}  // namespace
+
+Participation participation(const MotionSource& motion, const Points& zone, bool turn) {
   Participation out;
-  const std::size_t frames = motion.times().size(), particles = motion.particles().size();
-  const MotionFrame end = motion.frame(frames - 1);
+  const Seen seen(motion, zone, turn);
+  const std::size_t frames = motion.times().size();
+  const std::vector<Vec2> end = seen.displacements(frames - 1);
   double whole = 0;
-  for (std::size_t p = 0; p < particles; ++p)
-    if (alive(end, p)) whole += double(end.u[p][0]) * double(end.u[p][0]) + double(end.u[p][1]) * double(end.u[p][1]);
+  for (const Vec2& u : end)
+    if (u.allFinite()) whole += u.squaredNorm();
   for (std::size_t k = 0; k < frames; ++k) {
-    const MotionFrame f = k + 1 == frames ? end : motion.frame(k);
+    const std::vector<Vec2> now = seen.displacements(k);
     double sum = 0;
-    for (std::size_t p = 0; p < particles; ++p)
-      if (alive(end, p) && alive(f, p))
-        sum += double(f.u[p][0]) * double(end.u[p][0]) + double(f.u[p][1]) * double(end.u[p][1]);
+    for (std::size_t p = 0; p < end.size(); ++p)
+      if (end[p].allFinite() && now[p].allFinite()) sum += now[p].dot(end[p]);
     out.time.push_back(motion.times()[k]);
     out.share.push_back(whole > 0 ? sum / whole : 0);
   }
