@@ -8,10 +8,14 @@
 #include <utility>
 
 #include "compare/alignment.hpp"
+#include "compare/bands.hpp"
+#include "compare/decomposition.hpp"
 #include "compare/differences.hpp"
+#include "compare/distribution.hpp"
 #include "compare/metrics.hpp"
 #include "compare/numerics.hpp"
 #include "compare/onset.hpp"
+#include "compare/points.hpp"
 #include "compare/reference.hpp"
 #include "compare/remarks.hpp"
 #include "compare/shapes.hpp"
@@ -98,7 +102,8 @@ void add_motion_metrics(const Differences& differences, const Wording& everywher
 
 // Adds every common time, in order, until one side has nothing left to compare.
 void walk_times(const CommonTimes& common, Side& first, Side& second, Alignment& alignment, const Reference& reference,
-                Numerics& numerics, Differences& differences, Comparison& out, Progress& progress) {
+                Numerics& numerics, Differences& differences, Bands& bands, PointHistories& points, Comparison& out,
+                Progress& progress) {
   for (double time : common.times) {
     if (progress.stop_requested()) throw Interrupted();
     const SideState& a = first.at(time);
@@ -111,6 +116,8 @@ void walk_times(const CommonTimes& common, Side& first, Side& second, Alignment&
                             ": the comparison ends at the time before.");
       break;
     }
+    bands.add(a, b);
+    points.add(a, b, *frame);
     out.time.push_back(time);
     progress.update("compare", std::int64_t(out.time.size()), std::int64_t(common.times.size()));
   }
@@ -160,7 +167,10 @@ Comparison compare_sides(const MotionSource& first_motion, const MotionSource& s
                           first_motion.time_unit());
   Numerics numerics(refinement, first, second, common);
 
-  walk_times(common, first, second, alignment, reference, numerics, differences, out, progress);
+  Bands bands(options.band_strain, first, second);
+  PointHistories points(options.points_m, first, second);
+
+  walk_times(common, first, second, alignment, reference, numerics, differences, bands, points, out, progress);
 
   const std::string &unit = first_motion.length_unit(), &time_unit = first_motion.time_unit();
   const std::string at_end = "at the last common time (" + number(out.time.back()) + " " + time_unit + ")";
@@ -178,6 +188,10 @@ Comparison compare_sides(const MotionSource& first_motion, const MotionSource& s
   end_first.at(out.time.back());
   end_second.at(out.time.back());
   add_shapes({start_first, start_second, end_first, end_second}, differences, options, out);
+  bands.finish(end_first, end_second, differences.last().frame, unit, time_unit, out);
+  points.finish(unit, time_unit, out);
+  add_distributions(differences.snapshot(), unit, out);
+  add_decompositions(differences.snapshot(), differences.last().floor_dev, unit, out);
   remark_units(options, limits, unit, out.remarks);
   if (out.time.size() > 1)
     differences.rates().add_increment_metrics(
