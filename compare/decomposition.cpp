@@ -27,9 +27,9 @@ double residual_rms(const std::vector<double>& field, const std::vector<double>&
   return std::sqrt(sum / double(field.size()));
 }
 
-// Share of the points in the largest group of neighbouring cells whose points miss by more than three residuals.
+// Share of the points in the largest group of neighbouring cells whose points are missed by more than `missed_by`.
 double largest_cluster(const std::vector<Vec2>& x, const std::vector<double>& field, const std::vector<double>& fit,
-                       double residual) {
+                       double missed_by) {
   Vec2 lower = x[0], upper = x[0];
   for (const Vec2& p : x) {
     lower = lower.cwiseMin(p);
@@ -37,11 +37,11 @@ double largest_cluster(const std::vector<Vec2>& x, const std::vector<double>& fi
   }
   const Vec2 size = upper - lower;
   const double cell = 1.5 * std::sqrt(std::max(size.prod(), 1e-12 * size.squaredNorm()) / double(x.size()));
-  if (!(cell > 0) || !(residual > 0)) return 0;
+  if (!(cell > 0)) return 0;
   std::unordered_map<std::int64_t, std::size_t> missed;  // points a cell
   const auto key = [](std::int64_t i, std::int64_t j) { return i * 4'000'000 + j; };
   for (std::size_t k = 0; k < x.size(); ++k) {
-    if (std::abs(field[k] - fit[k]) <= 3 * residual) continue;
+    if (std::abs(field[k] - fit[k]) <= missed_by) continue;
     const Vec2 at = (x[k] - lower) / cell;
     ++missed[key(std::int64_t(at.x()), std::int64_t(at.y()))];
   }
@@ -143,8 +143,8 @@ Decomposition decompose(const OrthonormalBasis& basis, const std::vector<Vec2>& 
                             fit_second = basis.reconstruction(d.second, terms);
   d.residual_first = residual_rms(first, fit_first);
   d.residual_second = residual_rms(second, fit_second);
-  d.cluster_first = largest_cluster(x, first, fit_first, d.residual_first);
-  d.cluster_second = largest_cluster(x, second, fit_second, d.residual_second);
+  d.cluster_first = largest_cluster(x, first, fit_first, std::max(3 * d.residual_first, accepted));
+  d.cluster_second = largest_cluster(x, second, fit_second, std::max(3 * d.residual_second, accepted));
   d.adequate = d.cluster_first < 0.003 && d.cluster_second < 0.003;
   d.uncertainty = std::hypot(std::isfinite(u) ? u : 0, d.residual_first);
   return d;

@@ -35,7 +35,7 @@ class OrthonormalBasis {
 struct Decomposition {
   std::vector<double> first, second;              // coefficients, in the field's unit
   double residual_first = 0, residual_second = 0;  // RMS of field minus reconstruction
-  double cluster_first = 0, cluster_second = 0;    // share of points in neighbourhoods missed by more than 3 residuals
+  double cluster_first = 0, cluster_second = 0;    // share of neighbouring points missed by more than 3 residuals and `accepted`
   double uncertainty = 0;  // of a coefficient of the first: sqrt(u^2 + residual^2), u the field's own (CWA 16799, 5.4)
   bool adequate = false;   // no cluster of residuals beyond 3 of their RMS with 0.3 % of the points (CWA 16799, annex)
 

@@ -40,7 +40,8 @@ Quantile distances(const std::vector<std::vector<Vec2>>& rings, const std::vecto
         const Vec2 &a = ring[k], &b = ring[k + 1];
         nearest = std::min(nearest, (points[p] - (a + nearest_parameter(a, b, points[p]) * (b - a))).squaredNorm());
       }
-    out.add(std::sqrt(nearest));
+    const double distance = std::sqrt(nearest);
+    out.add(distance > 1e-9 * step ? distance : 0);  // less is rounding
   }
   return out;
 }
