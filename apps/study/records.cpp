@@ -128,6 +128,8 @@ RunOutcome report_record(const fs::path& given, const RunSettings& settings, Pro
                                     progress);
       outcome.over_limit = comparison->over_limit;
       outcome.limits = comparison->limits;
+      for (const Metric& m : held->metrics)  // what frames are needed for is kept from the run
+        if (m.name.starts_with("levelled_")) comparison->metrics.push_back(m);
     }
   }
   const fs::path directory = settings.out.empty() ? file.parent_path() : settings.out;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/study/levelling.hpp"
 #include "apps/study/measure.hpp"
 #include "apps/study/outcome.hpp"
 #include "apps/study/report_input.hpp"
@@ -104,6 +105,8 @@ RunOutcome run_case(const Case& given, const RunSettings& settings, Stages stage
     add_camera(setting.camera.residual(), options);
     const auto np = writer.motion("np"), mpm = writer.motion("mpm");
     comparison = compare::compare(*np, *mpm, options, c.limits, progress);
+    if (c.compare.levelling)
+      add_levelled(c, setting, settings, *source, frames, writer, *np, *mpm, options, *comparison, progress);
     writer.set_comparison(comparison_data(*comparison, "np", "mpm", np->time_unit()));
     outcome.over_limit = comparison->over_limit;
     outcome.limits = comparison->limits;
