@@ -198,7 +198,8 @@ std::vector<LimitResult> apply_limits(const LimitOptions& limits, std::vector<Me
       {"hausdorff_m", limits.hausdorff_m, {"outline_hausdorff_95"}},
       {"run_out_m", limits.run_out_m, {"run_out_x_difference"}},
       {"slope_angle_deg", limits.slope_angle_deg, {"slope_angle_difference"}},
-      {"coverage_min", limits.coverage_min, {"coverage_first"}, true}};
+      {"coverage_min", limits.coverage_min, {"coverage_first"}, true},
+      {"history_rms", limits.history_rms, {"history_rms"}}};
   std::vector<LimitResult> results;
   for (const Demand& d : demands) {
     if (!d.limit) continue;

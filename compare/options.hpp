@@ -104,6 +104,7 @@ struct LimitOptions {
   std::optional<double> run_out_m;
   std::optional<double> slope_angle_deg;
   std::optional<double> coverage_min;
+  std::optional<double> history_rms;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
@@ -134,6 +135,8 @@ struct LimitOptions {
                      .min = 0});
     visit("coverage_min", self.coverage_min,
           OptionInfo{.text = "least share of the first's particles that find a partner", .min = 0, .max = 1});
+    visit("history_rms", self.history_rms,
+          OptionInfo{.text = "greatest RMS difference of two histories, in their own unit", .min = 0});
   }
 };
 

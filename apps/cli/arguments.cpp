@@ -99,7 +99,7 @@ int print_outcome(const RunOutcome& outcome, const Arguments& arguments, const s
   for (const compare::LimitResult& l : outcome.limits) {
     limits.items.push_back({"compare.limits." + l.key, l.limit, l.reached, l.within});
     if (!l.within)
-      session.out << "compare.limits." << l.key << ": passed: reached " << number(l.reached, 6) << ", limit "
+      session.out << "compare.limits." << l.key << ": missed: reached " << number(l.reached, 6) << ", limit "
                   << number(l.limit, 6) << "\n";
   }
   if (outcome.over_limit) session.out << "a limit of [compare.limits] was passed\n";

@@ -20,7 +20,7 @@ Action declare_compare(CLI::App& app, Session& session) {
   const auto c = std::make_shared<Compare>();
   app.add_option("FIRST", c->sources.first,
                  "the side that is judged against: record, record:motion (np, mpm ...), or another program's results: "
-                 "FORMAT=PATTERN with FORMAT csv, cbgeo, vtk or vtu")
+                 "FORMAT=PATTERN with FORMAT csv, cbgeo, vtk or vtu; or a curve: history=FILE[:COLUMN], front=RECORD")
       ->required();
   app.add_option("SECOND", c->sources.second, "the side that is judged, likewise")->required();
   app.add_option("--coarser", c->sources.coarser,

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/study/histories.hpp"
 #include "apps/study/outcome.hpp"
 #include "apps/study/report_input.hpp"
 #include "apps/study/study.hpp"
@@ -63,6 +64,8 @@ void copy_motion(const MotionSource& motion, const std::string& name, io::Record
 
 RunOutcome compare_records(const CompareSources& sources, const compare::CompareOptions& given,
                            const compare::LimitOptions& limits, const RunSettings& settings, Progress& progress) {
+  if (is_history(sources.first) || is_history(sources.second))
+    return compare_histories(sources, given, limits, settings);
   const Side one = open_side(sources.first, sources.step_s), two = open_side(sources.second, sources.step_s);
   std::vector<Side> coarser;
   compare::Refinement refinement{{}, sources.refinement_ratio};
@@ -121,7 +124,7 @@ RunOutcome report_record(const fs::path& given, const RunSettings& settings, Pro
                                   "): vectors are drawn without a picture; --frames names their new place.");
       }
     }
-    if (const auto held = record.comparison()) {
+    if (const auto held = record.comparison(); held && !is_history(held->measured)) {
       compare::CompareOptions options = c.compare;
       add_camera(record.head().camera_residual, options);
       comparison = compare::compare(*record.motion(held->measured), *record.motion(held->simulated), options, c.limits,
