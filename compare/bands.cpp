@@ -192,7 +192,8 @@ ShearBand band_of(const std::vector<RidgePoint>& points, const Raster& raw, cons
     width.push_back(width_across(raw, p, spacing));
     const auto place = mesh.find(p.x);
     if (!place) continue;
-    const std::size_t k = std::size_t(std::max_element(place->weight.begin(), place->weight.end()) - place->weight.begin());
+    const std::size_t k =
+        std::size_t(std::max_element(place->weight.begin(), place->weight.end()) - place->weight.begin());
     begin.push_back(onset[std::size_t(place->vertex[k])]);
   }
   band.length = most - least;
@@ -281,7 +282,8 @@ ColumnTable table_of(const std::string& side, const std::vector<ShearBand>& band
   ColumnTable t{"bands_" + side, definition, {{"x", unit, {}}, {"y", unit, {}}, {"inclination", "deg", {}},
                 {"length", unit, {}}, {"thickness", unit, {}}, {"strain_dev", "1", {}}, {"onset", time_unit, {}}}};
   for (const ShearBand& b : bands) {
-    const std::array<double, 7> row{b.centre.x(), b.centre.y(), b.inclination_deg, b.length, b.thickness, b.strain, b.onset};
+    const std::array<double, 7> row{b.centre.x(), b.centre.y(), b.inclination_deg, b.length, b.thickness,
+                                    b.strain,     b.onset};
     for (std::size_t c = 0; c < row.size(); ++c) t.columns[c].values.push_back(row[c]);
   }
   return t;
@@ -300,9 +302,12 @@ void Bands::finish(const Side& first, const Side& second, const std::array<Rigid
   const double n1 = double(bands[0].size()), n2 = double(bands[1].size());
   out.metrics.push_back({"band_number_first", n1, "1", not_known, "number of " + what + ", first", ""});
   out.metrics.push_back({"band_number_second", n2, "1", not_known, "number of " + what + ", second", ""});
-  out.metrics.push_back({"band_number_difference", n2 - n1, "1", not_known, "number of " + what + ", second minus first", ""});
-  if (n1 > 0) out.tables.push_back(table_of("first", bands[0], unit, time_unit, what + " of the first, strongest first"));
-  if (n2 > 0) out.tables.push_back(table_of("second", bands[1], unit, time_unit, what + " of the second, strongest first"));
+  out.metrics.push_back(
+      {"band_number_difference", n2 - n1, "1", not_known, "number of " + what + ", second minus first", ""});
+  if (n1 > 0)
+    out.tables.push_back(table_of("first", bands[0], unit, time_unit, what + " of the first, strongest first"));
+  if (n2 > 0)
+    out.tables.push_back(table_of("second", bands[1], unit, time_unit, what + " of the second, strongest first"));
   if (bands[0].empty() || bands[1].empty()) return;
   const ShearBand &a = bands[0][0], &b = bands[1][0];
   const double place = std::hypot(first.median_spacing(), second.median_spacing()) / std::sqrt(12.0);

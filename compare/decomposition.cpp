@@ -160,7 +160,8 @@ struct Field {
   std::vector<double> first, second;
 };
 
-void add_decomposition(const Field& f, const OrthonormalBasis& basis, const std::vector<Vec2>& x, Comparison& out) {
+void add_decomposition(const Field& f, const OrthonormalBasis& basis, const std::vector<Vec2>& x, Comparison& out,
+                       std::string& inadequate) {
   const double size = rms(f.first);
   if (!(size > 0)) return;
   const Decomposition d = decompose(basis, x, f.first, f.second, f.u, 0.02 * size);
@@ -172,7 +173,8 @@ void add_decomposition(const Field& f, const OrthonormalBasis& basis, const std:
   };
   add("terms", double(d.first.size()), "1", "number of coefficients");
   add("outside", d.outside(), "1",
-      "share of the coefficients that leave the band s_second = s_first +- 2 u(s); u(s)^2 = u^2 + residual_first^2, u the "
+      "share of the coefficients that leave the band s_second = s_first +- 2 u(s); u(s)^2 = u^2 + residual_first^2, u "
+      "the "
       "field's own standard uncertainty where known");
   double distance = 0;
   for (std::size_t k = 0; k < d.first.size(); ++k) distance += (d.second[k] - d.first[k]) * (d.second[k] - d.first[k]);
@@ -185,9 +187,7 @@ void add_decomposition(const Field& f, const OrthonormalBasis& basis, const std:
       "largest share of neighbouring points that the first's reconstruction misses by more than three residuals (above "
       "0.003 the reconstruction is not adequate)");
   add("cluster_second", d.cluster_second, "1", "the same of the second's reconstruction,");
-  if (!d.adequate)
-    out.remarks.push_back("The decomposition of " + std::string(f.words) + " does not hold what is local in it (a cluster of "
-                          "residuals beyond 3 of their RMS): its coefficients are no basis for a verdict.");
+  if (!d.adequate) inadequate += (inadequate.empty() ? "" : ", ") + std::string(f.words);
   ColumnTable table{"decomposition_" + std::string(f.name),
                     "coefficients" + of + "; band: 2 u(s)",
                     {{"first", f.unit, d.first}, {"second", f.unit, d.second},
@@ -218,7 +218,11 @@ void add_decompositions(const Snapshot& last, double floor_dev, const std::strin
   ux.u = std::sqrt(variance.x() / double(x.size()));
   uy.u = std::sqrt(variance.y() / double(x.size()));
   const OrthonormalBasis basis(x);
-  for (const Field* f : {&ux, &uy, &dev}) add_decomposition(*f, basis, x, out);
+  std::string inadequate;
+  for (const Field* f : {&ux, &uy, &dev}) add_decomposition(*f, basis, x, out, inadequate);
+  if (!inadequate.empty())
+    out.remarks.push_back("Polynomials do not hold what is local (clusters of residuals beyond 3 of their RMS) in " +
+                          inadequate + ": the decomposition's coefficients are no basis for a verdict there.");
 }
 
 }  // namespace pivnp::compare

@@ -9,9 +9,9 @@
 
 namespace pivnp::compare {
 
-/// Polynomials of total degree 0, 1, 2 ... in the coordinates scaled to the points' box, made orthonormal over the points
-/// (mean of p_i p_j = delta_ij) by modified Gram-Schmidt, twice; what depends on the others is left out. At most 91 terms
-/// (degree 12) and a quarter of the points.
+/// Polynomials of total degree 0, 1, 2 ... in the coordinates scaled to the points' box, made orthonormal over the
+/// points (mean of p_i p_j = delta_ij) by modified Gram-Schmidt, twice; what depends on the others is left out. At most
+/// 91 terms (degree 12) and a quarter of the points.
 class OrthonormalBasis {
  public:
   static constexpr std::size_t most_terms = 91;
@@ -35,7 +35,8 @@ class OrthonormalBasis {
 struct Decomposition {
   std::vector<double> first, second;              // coefficients, in the field's unit
   double residual_first = 0, residual_second = 0;  // RMS of field minus reconstruction
-  double cluster_first = 0, cluster_second = 0;    // share of neighbouring points missed by more than 3 residuals and `accepted`
+  double cluster_first = 0,
+         cluster_second = 0;  // share of neighbouring points missed by more than 3 residuals and `accepted`
   double uncertainty = 0;  // of a coefficient of the first: sqrt(u^2 + residual^2), u the field's own (CWA 16799, 5.4)
   bool adequate = false;   // no cluster of residuals beyond 3 of their RMS with 0.3 % of the points (CWA 16799, annex)
 
@@ -45,8 +46,9 @@ struct Decomposition {
 Decomposition decompose(const OrthonormalBasis& basis, const std::vector<Vec2>& x, const std::vector<double>& first,
                         const std::vector<double>& second, double u, double accepted);
 
-/// Adds decomposition_FIELD_outside, _distance, _residual_first, _residual_second, _terms and the tables of coefficients
-/// for displacement_x, displacement_y and strain_dev at the last common time. `floor_dev`: noise floor of strain.
+/// Adds decomposition_FIELD_outside, _distance, _residual_first, _residual_second, _terms and the tables of
+/// coefficients for displacement_x, displacement_y and strain_dev at the last common time. `floor_dev`: noise floor of
+/// strain.
 void add_decompositions(const Snapshot& last, double floor_dev, const std::string& length_unit, Comparison& out);
 
 }  // namespace pivnp::compare

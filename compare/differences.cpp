@@ -58,17 +58,18 @@ Differences::Differences(std::vector<std::size_t> paired, const std::vector<Vec2
              {"difference_y", length_unit, "u_y of the second minus that of the first", {}},
              {"difference_magnitude", length_unit, "|u of the second minus u of the first|", {}},
              {"difference_strain_dev", "1", "deviatoric log strain of the second minus that of the first", {}}};
-  series_ = {{"displacement_rms", length_unit, "RMS over the particles of |u_second - u_first|", {}},
-             {"displacement_uncertainty", length_unit, "u_val: root mean trace of the variance of u_second - u_first", {}},
-             {"displacement_mean_first", length_unit, "mean |u| of the first, over the particles compared", {}},
-             {"displacement_mean_second", length_unit, "mean |u| of the second, over the particles compared", {}},
-             {"strain_dev_rms", "1", "RMS over the particles of the difference of deviatoric strain", {}},
-             {"strain_dev_uncertainty", "1", "RMS deviatoric strain where |u| is below 2 standard uncertainties", {}},
-             {"particles_compared", "1", "particles of the first that have a partner", {}},
-             {"displacement_bias_x", length_unit, "mean of u_x of the second minus that of the first", {}},
-             {"displacement_bias_y", length_unit, "mean of u_y of the second minus that of the first", {}},
-             {"displacement_p95", length_unit, "95th percentile of |u_second - u_first|", {}},
-             {"displacement_max", length_unit, "greatest |u_second - u_first|", {}}};
+  series_ = {
+      {"displacement_rms", length_unit, "RMS over the particles of |u_second - u_first|", {}},
+      {"displacement_uncertainty", length_unit, "u_val: root mean trace of the variance of u_second - u_first", {}},
+      {"displacement_mean_first", length_unit, "mean |u| of the first, over the particles compared", {}},
+      {"displacement_mean_second", length_unit, "mean |u| of the second, over the particles compared", {}},
+      {"strain_dev_rms", "1", "RMS over the particles of the difference of deviatoric strain", {}},
+      {"strain_dev_uncertainty", "1", "RMS deviatoric strain where |u| is below 2 standard uncertainties", {}},
+      {"particles_compared", "1", "particles of the first that have a partner", {}},
+      {"displacement_bias_x", length_unit, "mean of u_x of the second minus that of the first", {}},
+      {"displacement_bias_y", length_unit, "mean of u_y of the second minus that of the first", {}},
+      {"displacement_p95", length_unit, "95th percentile of |u_second - u_first|", {}},
+      {"displacement_max", length_unit, "greatest |u_second - u_first|", {}}};
   for (const auto& [name, words] : {std::pair{"strain_dev", "deviatoric log strain"},
                                     {"strain_vol", "ln J"},
                                     {"strain_dev_path", "deviatoric strain along the path"}})
@@ -233,7 +234,8 @@ void Differences::take(Comparison& out) {
   };
   const auto sizes = [&](const std::string& name, const std::string& unit, const std::string& of, const OverTime& o) {
     add(name + "_rms", unit, "RMS of " + of, [&](std::size_t r) { return o.rms(r); });
-    add(name + "_p95", unit, "95th percentile (nearest rank) of the size of " + of, [&](std::size_t r) { return o.p95(r); });
+    add(name + "_p95", unit, "95th percentile (nearest rank) of the size of " + of,
+        [&](std::size_t r) { return o.p95(r); });
     add(name + "_max", unit, "greatest size of " + of, [&](std::size_t r) { return o.max(r); });
   };
   add("displacement_bias_x", length_unit_, "mean of u_x, second minus first",

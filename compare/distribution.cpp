@@ -58,7 +58,8 @@ void add_distributions(const Snapshot& last, const std::string& unit, Comparison
   ColumnTable table{"distribution", "values that a share of the compared particles does not exceed at the last common "
                     "time (nearest rank)", {{"share", "1", {}}, {"displacement_first", unit, {}},
                     {"displacement_second", unit, {}}, {"strain_dev_first", "1", {}}, {"strain_dev_second", "1", {}}}};
-  const std::vector<std::vector<double>> columns{sorted(u1), sorted(u2), sorted(last.dev_first), sorted(last.dev_second)};
+  const std::vector<std::vector<double>> columns{sorted(u1), sorted(u2), sorted(last.dev_first),
+                                                 sorted(last.dev_second)};
   for (int k = 0; k <= 100; ++k) {
     table.columns[0].values.push_back(k / 100.0);
     for (std::size_t c = 0; c < columns.size(); ++c)

@@ -77,8 +77,8 @@ double peak_rate(const History& history) {
   return peak;
 }
 
-bool add_history_metrics(const std::string& prefix, const std::string& what, const History& first, const History& second,
-                         double sigma, const std::string& unit, const std::string& time_unit,
+bool add_history_metrics(const std::string& prefix, const std::string& what, const History& first,
+                         const History& second, double sigma, const std::string& unit, const std::string& time_unit,
                          std::vector<Metric>& metrics) {
   ScalarStatistics difference;
   for (std::size_t k = 0; k < first.time.size(); ++k) {
@@ -100,7 +100,8 @@ bool add_history_metrics(const std::string& prefix, const std::string& what, con
     const std::string none = "; uncertainty not estimated";
     metrics.push_back({prefix + name + "_first", a, in, not_known, definition + ", first" + none, ""});
     metrics.push_back({prefix + name + "_second", b, in, not_known, definition + ", second" + none, ""});
-    metrics.push_back({prefix + name + "_difference", b - a, in, not_known, definition + ", second minus first" + none, ""});
+    metrics.push_back(
+        {prefix + name + "_difference", b - a, in, not_known, definition + ", second minus first" + none, ""});
   };
   both("_onset", onset_time(first), onset_time(second), time_unit,
        "time at which " + what + " has gone 5 % of its whole range");

@@ -24,11 +24,11 @@ double peak_rate(const History& history);
 /// Last time at which the value is 5 % of its whole range from where it ends; NaN if it never moves.
 double rest_time(const History& history);
 
-/// Adds PREFIX_bias, _rms, _p95, _max of the difference (second minus first) at the first's times that the second covers,
-/// and for _onset, _peak_rate and _rest both sides' values and their difference. `sigma`: standard uncertainty of a
-/// difference of values, NaN if not known. `what` is the quantity in words. False if no time is common.
-bool add_history_metrics(const std::string& prefix, const std::string& what, const History& first, const History& second,
-                         double sigma, const std::string& unit, const std::string& time_unit,
+/// Adds PREFIX_bias, _rms, _p95, _max of the difference (second minus first) at the first's times that the second
+/// covers, and for _onset, _peak_rate and _rest both sides' values and their difference. `sigma`: standard uncertainty
+/// of a difference of values, NaN if not known. `what` is the quantity in words. False if no time is common.
+bool add_history_metrics(const std::string& prefix, const std::string& what, const History& first,
+                         const History& second, double sigma, const std::string& unit, const std::string& time_unit,
                          std::vector<Metric>& metrics);
 
 }  // namespace pivnp::compare

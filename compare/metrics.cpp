@@ -26,7 +26,8 @@ struct Value {
 
 // Bias, RMS, 95th percentile and maximum of a vector's difference; `of`: "u".
 std::vector<Value> vector_values(const DisplacementStatistics& d, const std::string& of) {
-  const std::string same_error = "all errors taken as one and the same", size = "|" + of + "_second - " + of + "_first|";
+  const std::string same_error = "all errors taken as one and the same",
+                    size = "|" + of + "_second - " + of + "_first|";
   const ScalarStatistics& scaled = d.over_uncertainty();
   const bool any = scaled.count() > 0;
   const auto mean = [&](const char* axis) { return "mean of " + of + axis + " of the second minus that of the first"; };
@@ -118,7 +119,8 @@ void add_strain_metrics(const Tally& tally, const Wording& w, std::vector<Metric
                            v.definition + ", " + w.when + ", over the noise floor of the still zone", ""});
   };
   add("strain_dev", tally.strain_dev, tally.floor_dev, "deviatoric log strain of the second minus that of the first");
-  add("strain_vol", tally.strain_vol, tally.floor_vol, "volumetric log strain ln J of the second minus that of the first");
+  add("strain_vol", tally.strain_vol, tally.floor_vol,
+      "volumetric log strain ln J of the second minus that of the first");
   add("strain_dev_path", tally.strain_path, tally.floor_path,
       "deviatoric strain along the path (sum of sqrt(2/3 de:de) over the common times) of the second minus that of the "
       "first");
@@ -134,7 +136,8 @@ void add_uncertainty_metrics(const Tally& tally, const Wording& w, std::vector<M
                      "u_numerical^2 + u_input^2, of those parts that are known; root mean square over particles of the "
                      "root trace, " + w.when, ""});
   add("u_measurement", tally.sum_measurement,
-      "part of u_val from the measurements: random error of the displacements, camera, gauge and the frame of reference");
+      "part of u_val from the measurements: random error of the displacements, camera, gauge and the frame of "
+      "reference");
   add("u_numerical", tally.sum_numerical,
       "part of u_val from the simulation's grid and time step: GCI / 1.15 by coarser grids, or as given; 0 where "
       "neither was given");

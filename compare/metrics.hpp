@@ -21,8 +21,8 @@ inline constexpr const char* not_distinguishable = "not distinguishable at this 
 Metric difference_metric(std::string name, double value, std::string unit, double uncertainty, std::string definition,
                          double k = 2);
 
-/// Factor for the greatest of `count` errors: exceeded by none of them in 95 of 100 cases, however the two components of
-/// each share its variance and whether or not the errors are independent: sqrt(2 ln(20 count)), at least 2.
+/// Factor for the greatest of `count` errors: exceeded by none of them in 95 of 100 cases, however the two components
+/// of each share its variance and whether or not the errors are independent: sqrt(2 ln(20 count)), at least 2.
 double greatest_factor(std::size_t count);
 
 /// The same for the 95th percentile: where neighbours share their errors, it may be the greatest of twenty independent

@@ -23,7 +23,8 @@ GridConvergence grid_convergence(double change_fine, double change_coarse, doubl
 namespace {
 
 // The displacements of `motion` at the particles of the first, at `end`; NaN without a partner.
-std::vector<Vec2> displacements_at(const Side& first, const MotionSource& motion, const CommonTimes& common, double end) {
+std::vector<Vec2> displacements_at(const Side& first, const MotionSource& motion, const CommonTimes& common,
+                                   double end) {
   Side side(motion, common);
   Alignment alignment(first, side);
   const SideState& state = side.at(end);

@@ -14,8 +14,8 @@ namespace pivnp::compare {
 
 class PointHistories {
  public:
-  /// `points`: material positions at the common start. A point further than half a spacing from a side's material has no
-  /// history there. Sides as read at the common start.
+  /// `points`: material positions at the common start. A point further than half a spacing from a side's material has
+  /// no history there. Sides as read at the common start.
   PointHistories(const Points& points, const Side& first, const Side& second);
 
   /// NaN once one of the particles that carry a point is lost.

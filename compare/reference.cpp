@@ -19,7 +19,8 @@ Reference::Reference(const Points& polygon, bool turn, const std::string& key, c
   const Polygon inside(std::move(vertices), key);
   for (std::size_t s = 0; s < 2; ++s) {
     for (std::size_t p = 0; p < sides_[s]->size(); ++p)
-      if (sides_[s]->state().followed[p] && inside.contains(sides_[s]->material_position()[p])) members_[s].push_back(p);
+      if (sides_[s]->state().followed[p] && inside.contains(sides_[s]->material_position()[p]))
+        members_[s].push_back(p);
     if (members_[s].size() < least(turn))
       throw InputError(key + ": the polygon holds " + (members_[s].empty() ? "no particle" : "too few particles") +
                        " of motion '" + sides_[s]->motion().name() + "', expected at least " +

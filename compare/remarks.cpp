@@ -86,9 +86,9 @@ void add_frame(const Reference& reference, const Tally& last, const std::string&
     }
     if (!turns) continue;
     constexpr double deg = 180 / std::numbers::pi;
-    metrics.push_back({"fixed_zone_rotation_" + side, fit.motion.angle * deg, "deg", fit.sigma_angle * deg,
-                       "rotation of the " + side + "'s particles in compare.fixed_zone_m, counter-clockwise," + off + how,
-                       ""});
+    metrics.push_back(
+        {"fixed_zone_rotation_" + side, fit.motion.angle * deg, "deg", fit.sigma_angle * deg,
+         "rotation of the " + side + "'s particles in compare.fixed_zone_m, counter-clockwise," + off + how, ""});
   }
 }
 
@@ -97,8 +97,9 @@ void add_time_offset(const Onset& offset, const std::string& time_unit, Comparis
                          "added to the second's times so that both motions begin together: difference of the zeros of "
                          "lines through the rise (2 to 25 %) of sum u(t).u(T) / sum u(T)^2 to the power 1 or 1/2; "
                          "uncertainty: scatter about both lines", ""});
-  out.remarks.push_back("The second's clock was set by " + number(offset.time) + " " + time_unit + " (standard uncertainty " +
-                        number(offset.sigma, 2) + " " + time_unit + ") so that both motions begin together.");
+  out.remarks.push_back("The second's clock was set by " + number(offset.time) + " " + time_unit +
+                        " (standard uncertainty " + number(offset.sigma, 2) + " " + time_unit +
+                        ") so that both motions begin together.");
 }
 
 void add_convergence(const Numerics& numerics, Comparison& out) {
@@ -108,8 +109,9 @@ void add_convergence(const Numerics& numerics, Comparison& out) {
                          "order at which displacements of the second side converge from the coarser grids, over all "
                          "particles at the last common time; held to 0.5 ... 2 (1 with two grids)", ""});
   if (!g.asymptotic)
-    out.remarks.push_back("The coarser grids do not show an order of convergence between 0.5 and 2 (or there is only one): "
-                          "the numerical uncertainty carries a safety factor of 3.");
+    out.remarks.push_back(
+        "The coarser grids do not show an order of convergence between 0.5 and 2 (or there is only one): "
+        "the numerical uncertainty carries a safety factor of 3.");
 }
 
 }  // namespace pivnp::compare

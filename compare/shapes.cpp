@@ -184,8 +184,10 @@ void add_shapes(const Shapes& shapes, const Differences& differences, const Comp
   const double place = std::hypot(std::hypot(spacing[0], spacing[1]) / std::sqrt(12.0), std::hypot(sigma[0], sigma[1]));
   out.metrics.push_back(difference_metric(
       "outline_hausdorff_95", hausdorff_95(out.outline_first, out.outline_second, lattice.cell), unit, place,
-      "Hausdorff distance of the outlines, 95 %: of points a cell apart on each, the 95th percentile of the distance to "
-      "the other, the greater of both ways" + cells +
+      "Hausdorff distance of the outlines, 95 %: of points a cell apart on each, the 95th percentile of the distance "
+      "to "
+      "the other, the greater of both ways" +
+          cells +
           "; uncertainty: half a particle spacing of each side (rectangular) and the errors of u, where known"));
   if (!options.slope_base_m) return;
   const Lattice before = lattice_around(*start[0], *start[1], cell, grow, options.slope_base_m);

@@ -180,7 +180,8 @@ DifferenceHistory difference_history(const Content& content) {
       index[content.measured->particles().id[p]] = p;
 
   for (std::size_t k = 0; k < c.field_times().size(); ++k) {
-    const std::optional<std::size_t> at = content.measured ? frame_at(*content.measured, c.field_times()[k]) : std::nullopt;
+    const std::optional<std::size_t> at =
+        content.measured ? frame_at(*content.measured, c.field_times()[k]) : std::nullopt;
     const MotionFrame frame = at ? content.measured->frame(*at) : MotionFrame{};
     double sum = 0, variance = 0;
     std::size_t known = 0;

@@ -155,7 +155,9 @@ std::vector<double> field_difference(const Content& content, const std::string& 
   std::size_t row = 0;
   for (std::size_t k = 1; k < c.field_times().size(); ++k)
     if (std::abs(c.field_times()[k] - time) < std::abs(c.field_times()[row] - time)) row = k;
-  const double step = c.field_times().size() > 1 ? (c.field_times().back() - c.field_times().front()) / double(c.field_times().size() - 1) : std::abs(time);
+  const double step = c.field_times().size() > 1
+                          ? (c.field_times().back() - c.field_times().front()) / double(c.field_times().size() - 1)
+                          : std::abs(time);
   if (std::abs(c.field_times()[row] - time) > 0.51 * step + 1e-12) return {};
 
   const ParticleSet& particles = content.measured->particles();

@@ -52,7 +52,7 @@ std::string displacement_sentence(const Metric& rms) {
     return text + "Simulation and measurement are not distinguishable at this u_val: a difference of less than " +
            number(2 * rms.uncertainty, 2) + unit_suffix(rms.unit) + " would not be seen.";
   return text + "This is " + number(ratio, 2) +
-         " times the measurement\u2019s own standard uncertainty (random error): the two motions are distinguishable, "
+         " times its standard uncertainty u_val: the two motions are distinguishable, "
          "and the measurement is not what "
          "limits the comparison.";
 }

@@ -106,8 +106,8 @@ double sample(const Grey& spline, const Vec2& px) {
   const double fc = std::floor(px.x()), fr = std::floor(px.y());
   const auto weights = [](double t) {
     const double s = 1 - t;
-    return std::array<double, 4>{s * s * s / 6, (4 - 6 * t * t + 3 * t * t * t) / 6, (4 - 6 * s * s + 3 * s * s * s) / 6,
-                                 t * t * t / 6};
+    return std::array<double, 4>{s * s * s / 6, (4 - 6 * t * t + 3 * t * t * t) / 6,
+                                 (4 - 6 * s * s + 3 * s * s * s) / 6, t * t * t / 6};
   };
   const auto wc = weights(px.x() - fc), wr = weights(px.y() - fr);
   double sum = 0;
@@ -135,13 +135,15 @@ class Carried {
     std::vector<double> spacing;
     for (std::size_t p = 0; p < set.size(); ++p) {
       if (!alive(a.status[p]) || !alive(b.status[p])) continue;
-      const Vec2 u = (1 - w) * Vec2(double(a.u[p][0]), double(a.u[p][1])) + w * Vec2(double(b.u[p][0]), double(b.u[p][1]));
+      const Vec2 u =
+          (1 - w) * Vec2(double(a.u[p][0]), double(a.u[p][1])) + w * Vec2(double(b.u[p][0]), double(b.u[p][1]));
       const Mat2 F = (1 - w) * matrix(a.F[p]) + w * matrix(b.F[p]);
       const double stretch = std::exp(principal(log_strain(F)).first);
       x.push_back(set.x0[p] + u);
       X_.push_back(set.x0[p]);
       back_.push_back(F.determinant() > 0 ? Mat2(F.inverse()) : Mat2(Mat2::Identity()));
-      spacing.push_back(std::sqrt(double(set.area[p])) * (std::isfinite(stretch) ? std::clamp(stretch, 1.0, 4.0) : 1.0));
+      spacing.push_back(std::sqrt(double(set.area[p])) *
+                        (std::isfinite(stretch) ? std::clamp(stretch, 1.0, 4.0) : 1.0));
     }
     mesh_ = std::make_unique<compare::MaterialMesh>(std::move(x), std::move(spacing));
   }
@@ -315,7 +317,8 @@ void add_levelled(const Case& c, const Setting& setting, const RunSettings& sett
     const compare::Comparison like = compare::compare(measured, *motion, options, {}, progress);
     for (Metric m : like.metrics) {
       const bool wanted = m.name.starts_with("displacement_") || m.name.starts_with("velocity_") ||
-                          m.name.starts_with("strain_") || m.name.starts_with("u_val") || m.name.starts_with("coverage_");
+                          m.name.starts_with("strain_") || m.name.starts_with("u_val") ||
+                          m.name.starts_with("coverage_");
       if (!wanted) continue;
       m.name = "levelled_" + m.name;
       m.definition += "; second: the simulation as it would have been measured (first frame carried by its motion, "
@@ -324,8 +327,10 @@ void add_levelled(const Case& c, const Setting& setting, const RunSettings& sett
     }
   }
   levelled.finish();
-  comparison.remarks.push_back("Levelled: the simulation was also measured from the first frame carried by its motion, with "
-                               "fresh noise of " + number(std::sqrt(noise), 3) + " grey values (standard deviation).");
+  comparison.remarks.push_back(
+      "Levelled: the simulation was also measured from the first frame carried by its motion, with "
+      "fresh noise of " +
+      number(std::sqrt(noise), 3) + " grey values (standard deviation).");
 }
 
 }  // namespace pivnp::app

@@ -77,7 +77,7 @@ io::ComparisonData comparison_data(const compare::Comparison& comparison, const 
   over_space.columns.push_back({"time", time_unit, comparison.time});
   for (const compare::Series& series : comparison.series)
     over_space.columns.push_back({series.name, series.unit, series.values});
-  data.tables.push_back(std::move(over_space));
+  if (!comparison.series.empty()) data.tables.push_back(std::move(over_space));
   for (const compare::ColumnTable& table : comparison.tables) {
     io::ComparisonData::Table& out = data.tables.emplace_back();
     out.name = table.name;

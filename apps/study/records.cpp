@@ -19,6 +19,12 @@ namespace fs = std::filesystem;
 struct Side {
   io::RecordHead head;  // of the record it comes from; units and grid of nothing for other programs' results
   std::shared_ptr<MotionSource> motion;
+
+  /// Of the camera's targets, if this motion was measured (it then carries a covariance).
+  double residual() const {
+    const bool measured = !motion->times().empty() && !motion->frame(0).cov_u.empty();
+    return measured ? head.camera_residual : 0;
+  }
 };
 
 std::shared_ptr<MotionSource> motion_of(const io::RecordReader& record, const std::string& file,
@@ -74,7 +80,7 @@ RunOutcome compare_records(const CompareSources& sources, const compare::Compare
     refinement.coarser.push_back(coarser.back().motion.get());
   }
   compare::CompareOptions options = given;
-  add_camera(std::hypot(one.head.camera_residual, two.head.camera_residual), options);
+  add_camera(std::hypot(one.residual(), two.residual()), options);
   compare::Comparison comparison = compare::compare(*one.motion, *two.motion, options, limits, progress, refinement);
 
   Case c;

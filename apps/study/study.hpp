@@ -34,8 +34,8 @@ struct RunOutcome {
 /// MPM -> comparison -> record -> report. Throws InputError, RunError, Interrupted; closed segments stay for `resume`.
 RunOutcome run_case(const Case& c, const RunSettings& settings, Stages stages, Progress& progress);
 
-/// What is compared, each side "RECORD.h5" or "RECORD.h5:motion" (a record with one motion needs no name), or results of
-/// another program (pivnp/io/foreign.hpp), or both of them histories (apps/study/histories.hpp).
+/// What is compared, each side "RECORD.h5" or "RECORD.h5:motion" (a record with one motion needs no name), or results
+/// of another program (pivnp/io/foreign.hpp), or both of them histories (apps/study/histories.hpp).
 struct CompareSources {
   std::string first, second;
   std::vector<std::string> coarser;  // the second on coarser grids, the finer one first
@@ -47,8 +47,8 @@ struct CompareSources {
 RunOutcome compare_records(const CompareSources& sources, const compare::CompareOptions& options,
                            const compare::LimitOptions& limits, const RunSettings& settings, Progress& progress);
 
-/// Draws the frames of a [synth] case into OUT/frames/*.png and their truth into OUT/truth/record.h5 (motion "truth", at the
-/// seeds that the case's own particles start from).
+/// Draws the frames of a [synth] case into OUT/frames/*.png and their truth into OUT/truth/record.h5 (motion "truth",
+/// at the seeds that the case's own particles start from).
 void synthesize(const Case& c, const RunSettings& settings, Progress& progress);
 
 /// Writes the report of a finished record beside it (or into settings.out).

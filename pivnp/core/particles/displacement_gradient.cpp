@@ -22,8 +22,9 @@ class Cells {
     }
     const Vec2 size = upper_ - lower_;
     const double longest = std::max(size.x(), size.y());
-    cell_ = std::max(std::sqrt(std::max(size.prod(), 1e-6 * longest * longest) * 2 / double(std::max<std::size_t>(1, X.size()))),
-                     longest * 1e-4);
+    cell_ = std::max(
+        std::sqrt(std::max(size.prod(), 1e-6 * longest * longest) * 2 / double(std::max<std::size_t>(1, X.size()))),
+        longest * 1e-4);
     if (!(cell_ > 0)) cell_ = 1;
     nx_ = int(size.x() / cell_) + 1;
     ny_ = int(size.y() / cell_) + 1;

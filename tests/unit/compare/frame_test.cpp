@@ -51,7 +51,8 @@ TEST(RigidFit, StatesItsUncertaintyForSharedErrors) {
   for (int run = 0; run < runs; ++run) {
     std::vector<Vec2> shared(64), x = X;
     for (Vec2& e : shared) e = Vec2(noise(random), noise(random));
-    for (std::size_t p = 0; p < X.size(); ++p) x[p] += shared[std::size_t(X[p].y() / 3) * 8 + std::size_t(X[p].x() / 3)];
+    for (std::size_t p = 0; p < X.size(); ++p)
+      x[p] += shared[std::size_t(X[p].y() / 3) * 8 + std::size_t(X[p].x() / 3)];
     const RigidFit fit = fit_rigid(X, x, true);
     within_x += std::abs(fit.motion.shift.x()) < 2 * fit.sigma_shift.x();
     within_angle += std::abs(fit.motion.angle) < 2 * fit.sigma_angle;
@@ -119,7 +120,8 @@ TEST(FixedZone, FindsTheOffsetUnderNoise) {
                                   motion_of("mpm", s.set, {0, 1}, s.physics, s.physics_F), s.zone());
     const Vec2 centre(24, 6), truth = Scene::camera(1).apply(centre) - centre;
     const Vec2 found(metric(c, "fixed_zone_shift_first_x").value, metric(c, "fixed_zone_shift_first_y").value);
-    const Vec2 sigma(metric(c, "fixed_zone_shift_first_x").uncertainty, metric(c, "fixed_zone_shift_first_y").uncertainty);
+    const Vec2 sigma(metric(c, "fixed_zone_shift_first_x").uncertainty,
+                     metric(c, "fixed_zone_shift_first_y").uncertainty);
     worst = std::max(worst, (found - truth).norm() / 2);
     EXPECT_LT((found - truth).norm(), 4 * sigma.norm());
     EXPECT_GT(sigma.x(), 0);
@@ -150,7 +152,8 @@ TEST(FixedZone, KeepsAnInjectedStrainError) {
   const double kept = metric(compared(a, b, options), "strain_vol_bias_final").value / plain;
   EXPECT_GT(kept, 0.95);
   EXPECT_LT(kept, 1.05);
-  test::verification_row("injected strain error after alignment", "at least 95 % of its size", number(100 * kept, 4) + " %");
+  test::verification_row("injected strain error after alignment", "at least 95 % of its size",
+                         number(100 * kept, 4) + " %");
 }
 
 TEST(FixedZone, BadZonesAreRefused) {

@@ -49,7 +49,8 @@ TEST(StrainAlongThePath, KeepsWhatTheTotalForgets) {
     const double stretch = t < 1.5 && t > 0.5 ? 1.1 : 1.0;
     return Vec2(stretch, 1 / stretch).asDiagonal().toDenseMatrix();
   };
-  const Comparison c = compared(motion_of("a", set, {0, 1, 2}, none), motion_of("b", set, {0, 1, 2}, none, there_and_back));
+  const Comparison c =
+      compared(motion_of("a", set, {0, 1, 2}, none), motion_of("b", set, {0, 1, 2}, none, there_and_back));
   EXPECT_NEAR(metric(c, "strain_dev_bias_final").value, 0, 1e-6);
   // The central increment of a stretch f is 2 (f - 1)/(f + 1) a direction.
   const double x = 2 * 0.1 / 2.1, y = 2 * (1 / 1.1 - 1) / (1 / 1.1 + 1), mean = (x + y) / 3;
@@ -97,9 +98,12 @@ struct Pair2 {
     }, [](const Vec2& x, double t) -> Mat2 { return stretched(t * (0.02 + 0.1 * std::exp(-std::pow(x.x() - 9, 2)))); });
   }
   MotionMemory two() const {
-    return motion_of("two", set, {0, 1, 2, 3}, [](const Vec2& x, double t) -> Vec2 {
-      return 0.03 * t * Vec2(x.y() + 0.1 * x.x(), 0.2 * x.y());
-    }, [](const Vec2& x, double t) -> Mat2 { return stretched(t * (0.01 + 0.2 * std::exp(-std::pow(x.x() - 15, 2)))); });
+    return motion_of(
+        "two", set, {0, 1, 2, 3},
+        [](const Vec2& x, double t) -> Vec2 { return 0.03 * t * Vec2(x.y() + 0.1 * x.x(), 0.2 * x.y()); },
+        [](const Vec2& x, double t) -> Mat2 {
+          return stretched(t * (0.01 + 0.2 * std::exp(-std::pow(x.x() - 15, 2))));
+        });
   }
   static Mat2 stretched(double e) { return Vec2(std::exp(e), std::exp(-e)).asDiagonal().toDenseMatrix(); }
   Pair2() {
@@ -114,7 +118,8 @@ struct Pair2 {
 // histories at the first's times, aside.
 TEST(Swap, ChangesTheSignsOfSignedMetricsAlone) {
   const Pair2 pair;
-  const Comparison ab = compared(pair.one(), pair.two(), pair.options), ba = compared(pair.two(), pair.one(), pair.options);
+  const Comparison ab = compared(pair.one(), pair.two(), pair.options),
+                   ba = compared(pair.two(), pair.one(), pair.options);
   int signed_ones = 0, swapped = 0, same = 0;
   for (const Metric& m : ab.metrics) {
     const auto has = [&](const char* part) { return m.name.find(part) != std::string::npos; };
@@ -147,7 +152,8 @@ TEST(Swap, ChangesTheSignsOfSignedMetricsAlone) {
 
 TEST(Hausdorff, OfTwoSquaresByHand) {
   const auto square = [](const Vec2& corner) {
-    return std::vector<std::vector<Vec2>>{{corner, corner + Vec2(4, 0), corner + Vec2(4, 4), corner + Vec2(0, 4), corner}};
+    return std::vector<std::vector<Vec2>>{
+        {corner, corner + Vec2(4, 0), corner + Vec2(4, 4), corner + Vec2(0, 4), corner}};
   };
   // Shifted by 1 along x: the upright sides are 1 away, the level ones on each other but for the last unit.
   EXPECT_NEAR(hausdorff_95(square(Vec2(0, 0)), square(Vec2(1, 0)), 0.01), 1, 1e-9);

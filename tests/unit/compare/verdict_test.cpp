@@ -40,8 +40,8 @@ MotionMemory measured(std::mt19937& random, Errors errors, double sigma, double 
         error[p] += sigma / std::sqrt(double(steps)) * shared[group];
       }
     }
-    MotionFrame f = frame_of(set, t, [](const Vec2& x, double time) -> Vec2 { return 0.1 * time * Vec2(x.x(), -x.y()); },
-                             rigid);
+    MotionFrame f = frame_of(
+        set, t, [](const Vec2& x, double time) -> Vec2 { return 0.1 * time * Vec2(x.x(), -x.y()); }, rigid);
     f.cov_u.assign(set.size(), {float(sigma * sigma * t), float(sigma * sigma * t), 0});
     for (std::size_t p = 0; p < set.size(); ++p) {
       f.u[p][0] += float(error[p].x() + bias * std::sqrt(t));
@@ -89,7 +89,8 @@ TEST(Verdict, TwoMeasurementsOfOneMotionAreRarelyFlagged) {
   }
 }
 
-// Criterion: a bias of four u_val is found at least 95 % of the time. u_val of a component's difference is sqrt(2) sigma.
+// Criterion: a bias of four u_val is found at least 95 % of the time. u_val of a component's difference is sqrt(2)
+// sigma.
 TEST(Verdict, ABiasOfFourUValIsFound) {
   const unsigned seed = 20250302;
   SCOPED_TRACE(seed);

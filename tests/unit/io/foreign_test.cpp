@@ -90,8 +90,8 @@ class ForeignTest : public testing::Test {
 // ---- CB-Geo: a compound table with the columns of its particles, more than are read here, in its order.
 struct Row {
   unsigned long long id;
-  double mass, volume, coord_x, coord_y, coord_z, displacement_x, displacement_y, displacement_z, velocity_x, velocity_y,
-      velocity_z, stress_xx, stress_yy, stress_zz, tau_xy;
+  double mass, volume, coord_x, coord_y, coord_z, displacement_x, displacement_y, displacement_z, velocity_x,
+      velocity_y, velocity_z, stress_xx, stress_yy, stress_zz, tau_xy;
   unsigned char status;
 };
 
@@ -99,8 +99,8 @@ void write_cbgeo(const fs::path& file, int k, int from, int to) {
   std::vector<Row> rows;
   for (int p = to - 1; p >= from; --p) {  // backwards: ids count, not the order
     const Vec2 x = material(p) + displacement(p, k), u = displacement(p, k);
-    rows.push_back({std::uint64_t(100 + p), 1, h * h, x.x(), x.y(), 0, u.x(), u.y(), 0, velocity(p).x(), -1, 0, -1.0 * p,
-                    -2, -3, 4, 1});
+    rows.push_back({std::uint64_t(100 + p), 1, h * h, x.x(), x.y(), 0, u.x(), u.y(), 0, velocity(p).x(), -1, 0,
+                    -1.0 * p, -2, -3, 4, 1});
   }
   const hid_t type = H5Tcreate(H5T_COMPOUND, sizeof(Row));
   H5Tinsert(type, "id", HOFFSET(Row, id), H5T_NATIVE_ULLONG);
@@ -166,8 +166,9 @@ std::string vtk_head(int k, bool binary) {
   const int n = nx * ny;
   std::ostringstream out;
   out.precision(17);
-  out << "# vtk DataFile Version 3.0\nslope\n" << (binary ? "BINARY" : "ASCII") << "\nDATASET UNSTRUCTURED_GRID\nPOINTS   "
-      << n << (binary ? " double\n" : " float\n");
+  out << "# vtk DataFile Version 3.0\nslope\n"
+      << (binary ? "BINARY" : "ASCII") << "\nDATASET UNSTRUCTURED_GRID\nPOINTS   " << n
+      << (binary ? " double\n" : " float\n");
   std::string text = out.str();
   for (int p = 0; p < n; ++p) {
     const Vec2 x = material(p) + displacement(p, k);
@@ -256,8 +257,10 @@ TEST_F(ForeignTest, MpmGeomechanics) {
   for (int k = 0; k < steps; ++k) {
     std::ostringstream out;
     out << "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
-        << "<UnstructuredGrid>\n<Piece NumberOfPoints=\"" << nx * ny << "\" NumberOfCells=\"" << nx * ny << "\">\n<Points>\n"
-        << "<DataArray type=\"Float64\" NumberOfComponents=\"3\" Format=\"ascii\">\n" << std::scientific;
+        << "<UnstructuredGrid>\n<Piece NumberOfPoints=\"" << nx * ny << "\" NumberOfCells=\"" << nx * ny
+        << "\">\n<Points>\n"
+        << "<DataArray type=\"Float64\" NumberOfComponents=\"3\" Format=\"ascii\">\n"
+        << std::scientific;
     for (int p = 0; p < nx * ny; ++p) {
       const Vec2 x = material(p) + displacement(p, k);
       out << x.x() << " " << x.y() << " " << 0.25 << "\n";
@@ -307,7 +310,8 @@ TEST_F(ForeignTest, OneTableAStep) {
     for (int p = 0; p < nx * ny; ++p) {
       const Vec2 u = displacement(p, k), x = material(p) + u;
       char row[200];
-      std::snprintf(row, sizeof row, "%d,%.9g,%.9g,%.9g,%.9g,%.9g,-1\n", 100 + p, x.x(), x.y(), u.x(), u.y(), velocity(p).x());
+      std::snprintf(row, sizeof row, "%d,%.9g,%.9g,%.9g,%.9g,%.9g,-1\n", 100 + p, x.x(), x.y(), u.x(), u.y(),
+                    velocity(p).x());
       text += row;
     }
     write("p" + std::to_string(k * every) + ".csv", text);
@@ -340,7 +344,8 @@ TEST_F(ForeignTest, WhatIsWrongIsSaid) {
   EXPECT_NE(refusal("csv", "c.csv").find("id 1 stands twice"), std::string::npos);
   write("d_1.vtk", "# vtk DataFile Version 3.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 2 float\n0 0 0 1 1");
   EXPECT_NE(refusal("vtk", "d_1.vtk").find("ends too early"), std::string::npos);
-  write("e_1.vtu", "<VTKFile><Points><DataArray NumberOfComponents=\"3\" format=\"appended\">_</DataArray></Points></VTKFile>");
+  write("e_1.vtu",
+        "<VTKFile><Points><DataArray NumberOfComponents=\"3\" format=\"appended\">_</DataArray></Points></VTKFile>");
   EXPECT_NE(refusal("vtu", "e_1.vtu").find("format 'appended', expected ascii"), std::string::npos);
   write("f_1.h5", "not HDF5");
   EXPECT_NE(refusal("cbgeo", "f_1.h5").find("f_1.h5"), std::string::npos);

@@ -35,7 +35,7 @@ struct Scratch {
   }
 };
 
-constexpr int width = 176, height = 144, frames = 3;
+constexpr int columns = 176, rows = 144, count = 3;
 constexpr double mm = 1e-3;  // a pixel
 
 // A shear band 4 px wide in a window of 32 px: far below what correlation resolves.
@@ -44,20 +44,21 @@ double shear(double y) { return 3 * mm * 0.5 / (4 * mm) / std::pow(std::cosh((y 
 
 class Drawn final : public image::FrameSource {
  public:
-  explicit Drawn(const image::TextureOptions& texture) : renderer_(texture, width, height) {
-    for (int k = 0; k < frames; ++k) frames_.push_back({"drawn", double(k), frame_ok});
-    const int count = int(texture.density_per_px * (width + 40) * height);
-    for (int n = 0; n < count; ++n)
-      blobs_.emplace_back(uniform(3, 2 * std::uint64_t(n)) * (width + 40) - 30, uniform(3, 2 * std::uint64_t(n) + 1) * height);
+  explicit Drawn(const image::TextureOptions& texture) : renderer_(texture, columns, rows) {
+    for (int k = 0; k < count; ++k) frames_.push_back({"drawn", double(k), frame_ok});
+    const int blobs = int(texture.density_per_px * (columns + 40) * rows);
+    for (int n = 0; n < blobs; ++n)
+      blobs_.emplace_back(uniform(3, 2 * std::uint64_t(n)) * (columns + 40) - 30,
+                          uniform(3, 2 * std::uint64_t(n) + 1) * rows);
   }
   const std::vector<Frame>& frames() const override { return frames_; }
   bool has_rate() const override { return true; }
-  int width() const override { return pivnp::app::width; }
-  int height() const override { return pivnp::app::height; }
+  int width() const override { return columns; }
+  int height() const override { return rows; }
   Image read(int index) override {
     std::vector<Vec2> x = blobs_;
-    for (Vec2& b : x) b.x() += index * slide((pivnp::app::height - 1 - b.y()) * mm) / mm;
-    return renderer_.draw(x, index, pivnp::app::frames);
+    for (Vec2& b : x) b.x() += index * slide((rows - 1 - b.y()) * mm) / mm;
+    return renderer_.draw(x, index, count);
   }
 
  private:
@@ -68,17 +69,19 @@ class Drawn final : public image::FrameSource {
 
 Case scene() {
   return parse_case(
-      "name = \"band\"\n[frames]\npath = \"drawn\"\nrate_hz = 1.0\n[camera]\nmetres_per_pixel = 1e-3\n[grid]\nspacing_px = 8\n"
-      "[region.soil]\npolygon_px = [[24, 24], [152, 24], [152, 120], [24, 120]]\n[piv]\nwindow_px = 32\n[np]\nper_element = 4\n",
+      "name = \"band\"\n[frames]\npath = \"drawn\"\nrate_hz = 1.0\n[camera]\nmetres_per_pixel = "
+      "1e-3\n[grid]\nspacing_px = 8\n"
+      "[region.soil]\npolygon_px = [[24, 24], [152, 24], [152, 120], [24, 120]]\n[piv]\nwindow_px = "
+      "32\n[np]\nper_element = 4\n",
       "test", ".");
 }
 
 MotionMemory exact() {
   ParticleSet set;
   set.label_names = {"soil"};
-  for (int j = 0; j < height; ++j)
-    for (int i = 0; i < width / 2; ++i) {
-      set.id.push_back(std::int64_t(1000000 + j * width + i));
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < columns / 2; ++i) {
+      set.id.push_back(std::int64_t(1000000 + j * columns + i));
       set.label.push_back(0);
       set.x0.push_back(mm * Vec2(2 * i + 0.5, j));
       set.area.push_back(float(2 * mm * mm));
@@ -87,7 +90,7 @@ MotionMemory exact() {
       set.end_reason.push_back(EndReason::none);
     }
   MotionMemory motion("mpm", "m", "s", set);
-  for (int k = 0; k < frames; ++k) {
+  for (int k = 0; k < count; ++k) {
     MotionFrame f;
     f.time = k;
     for (const Vec2& x : set.x0) {
@@ -123,7 +126,7 @@ double value(const compare::Comparison& c, const std::string& name) {
 TEST(Levelling, TheMeasurementsFilterCancels) {
   const Scratch scratch;
   const Case c = scene();
-  const Setting setting = make_setting(c, width, height);
+  const Setting setting = make_setting(c, columns, rows);
   image::TextureOptions texture;
   texture.noise = 0.02;
   Drawn source(texture);
@@ -138,7 +141,7 @@ TEST(Levelling, TheMeasurementsFilterCancels) {
 
   const MotionMemory simulation = exact();
   const auto carried = carried_frames(first, source.frames(), true, setting.camera, simulation, noise, 1);
-  ASSERT_EQ(carried->frames().size(), std::size_t(frames));
+  ASSERT_EQ(carried->frames().size(), std::size_t(count));
   const auto levelled = tracked(c, setting, *carried, scratch.path / "levelled");
   measured->pack();
   levelled->pack();
@@ -155,7 +158,7 @@ TEST(Levelling, WithoutMotionTheFirstFrameIsKept) {
   image::TextureOptions texture;
   Drawn source(texture);
   const Case c = scene();
-  const Setting setting = make_setting(c, width, height);
+  const Setting setting = make_setting(c, columns, rows);
   MotionMemory still("mpm", "m", "s", exact().particles());
   MotionFrame f = exact().frame(0);
   still.add(f);
@@ -165,8 +168,8 @@ TEST(Levelling, WithoutMotionTheFirstFrameIsKept) {
   const auto carried = carried_frames(first, source.frames(), true, setting.camera, still, 0, 1);
   const Image later = carried->read(2);
   int worst = 0;
-  for (int r = 0; r < height; ++r)
-    for (int col = 0; col < width; ++col)
+  for (int r = 0; r < rows; ++r)
+    for (int col = 0; col < columns; ++col)
       worst = std::max(worst, std::abs(int(first.view().row<std::uint8_t>(r)[col]) -
                                        int(later.view().row<std::uint8_t>(r)[col])));
   EXPECT_LE(worst, 1);  // float rounding of the spline
@@ -186,7 +189,8 @@ class Histories : public testing::Test {
   }
   double stored(const std::string& name) const {
     const io::RecordReader record(scratch.path / "out" / "record.h5");
-    for (const Metric& m : record.comparison().value().metrics)
+    const io::ComparisonData held = record.comparison().value();
+    for (const Metric& m : held.metrics)
       if (m.name == name) return m.value;
     return std::nan("");
   }
@@ -198,13 +202,15 @@ class Histories : public testing::Test {
 
 TEST_F(Histories, ATableAgainstAScaledOne) {
   std::ofstream(scratch.path / "lab.csv") << "time (s),front (m),other\n0,1,9\n1,2,9\n2,4,9\n";
-  std::ofstream(scratch.path / "sim.txt") << "step  other (Pa)  front (mm)\n0  7  1100\n1  7  2100\n2  7  4400\n3  7  nan\n";
+  std::ofstream(scratch.path / "sim.txt")
+      << "step  other (Pa)  front (mm)\n0  7  1100\n1  7  2100\n2  7  4400\n3  7  nan\n";
   compare::CompareOptions options;
   options.second_scale = 1e-3;
   compare::LimitOptions limits;
   limits.history_rms = 0.2;
-  const RunOutcome outcome = compared("history=" + (scratch.path / "lab.csv").string(),
-                                      "history=" + (scratch.path / "sim.txt").string() + ":front (mm)", options, limits);
+  const RunOutcome outcome =
+      compared("history=" + (scratch.path / "lab.csv").string(),
+               "history=" + (scratch.path / "sim.txt").string() + ":front (mm)", options, limits);
   EXPECT_NEAR(stored("history_rms"), std::sqrt((0.01 + 0.01 + 0.16) / 3), 1e-9);
   EXPECT_TRUE(outcome.over_limit);
   EXPECT_TRUE(fs::exists(outcome.report_html));
