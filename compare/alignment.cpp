@@ -80,7 +80,8 @@ PartnerState partner_state(const Partner& partner, const SideState& state) {
     if (!state.cov.empty())
       for (std::size_t c = 0; c < 3; ++c) out.cov[c] += w * state.cov[q][c];
   }
-  if (partner.beyond != Vec2::Zero()) out.u += (out.F - Mat2::Identity()) * partner.beyond;
+  // A side that knows no gradient there (too few neighbours) gives its edge's displacement as it is.
+  if (partner.beyond != Vec2::Zero() && out.F.allFinite()) out.u += (out.F - Mat2::Identity()) * partner.beyond;
   return out;
 }
 

@@ -5,36 +5,44 @@
 
 namespace pivnp::compare {
 
-Reference::Reference(const Points& polygon, const Side& first, const Side& second) : given_(!polygon.empty()) {
+namespace {
+
+std::size_t least(bool turn) { return turn ? 3 : 1; }
+
+}  // namespace
+
+Reference::Reference(const Points& polygon, bool turn, const std::string& key, const Side& first, const Side& second)
+    : given_(!polygon.empty()), turn_(turn), sides_{&first, &second} {
   if (!given_) return;
   std::vector<Vec2> vertices;
   for (const Pair& p : polygon) vertices.emplace_back(p[0], p[1]);
-  const Polygon inside(std::move(vertices), "compare.reference_m");
-  const std::array<const Side*, 2> sides{&first, &second};
+  const Polygon inside(std::move(vertices), key);
   for (std::size_t s = 0; s < 2; ++s) {
-    for (std::size_t p = 0; p < sides[s]->size(); ++p)
-      if (sides[s]->state().followed[p] && inside.contains(sides[s]->material_position()[p])) members_[s].push_back(p);
-    if (members_[s].empty())
-      throw InputError("compare.reference_m: the polygon holds no particle of motion '" + sides[s]->motion().name() +
-                       "', expected at least one");
+    for (std::size_t p = 0; p < sides_[s]->size(); ++p)
+      if (sides_[s]->state().followed[p] && inside.contains(sides_[s]->material_position()[p]))
+        members_[s].push_back(p);
+    if (members_[s].size() < least(turn))
+      throw InputError(key + ": the polygon holds " + (members_[s].empty() ? "no particle" : "too few particles") +
+                       " of motion '" + sides_[s]->motion().name() + "', expected at least " +
+                       (turn ? "three" : "one"));
   }
 }
 
-std::optional<std::array<Vec2, 2>> Reference::shift(const SideState& first, const SideState& second) const {
-  std::array<Vec2, 2> mean{Vec2::Zero(), Vec2::Zero()};
-  if (!given_) return mean;
+std::optional<std::array<RigidFit, 2>> Reference::fit(const SideState& first, const SideState& second) const {
+  std::array<RigidFit, 2> fits;
+  if (!given_) return fits;
   const std::array<const SideState*, 2> states{&first, &second};
   for (std::size_t s = 0; s < 2; ++s) {
-    std::size_t count = 0;
-    for (std::size_t p : members_[s]) {
+    std::vector<Vec2> X, x;
+    for (const std::size_t p : members_[s]) {
       if (!states[s]->followed[p]) continue;
-      mean[s] += states[s]->u[p];
-      ++count;
+      X.push_back(sides_[s]->material_position()[p]);
+      x.push_back(X.back() + states[s]->u[p]);
     }
-    if (count == 0) return std::nullopt;
-    mean[s] /= double(count);
+    if (X.size() < least(turn_)) return std::nullopt;
+    fits[s] = fit_rigid(X, x, turn_);
   }
-  return mean;
+  return fits;
 }
 
 }  // namespace pivnp::compare

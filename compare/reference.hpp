@@ -1,10 +1,12 @@
-// The frame both sides are seen in: the mean motion of declared reference material, taken off each side.
+// The frame both sides are seen in: the motion of declared reference material, taken off each side.
 #pragma once
 
 #include <array>
 #include <optional>
+#include <string>
 #include <vector>
 
+#include "compare/rigid.hpp"
 #include "compare/side.hpp"
 #include "pivnp/core/options.hpp"
 
@@ -12,19 +14,20 @@ namespace pivnp::compare {
 
 class Reference {
  public:
-  /// Without a polygon nothing is taken off. Throws InputError if the polygon is not simple, or holds no particle of a
-  /// side at the common start, naming which.
-  Reference(const Points& polygon, const Side& first, const Side& second);
+  /// Without a polygon nothing is taken off. `turn`: shift and rotation, else the mean displacement alone. Throws
+  /// InputError, naming `key`, if the polygon is not simple, or holds fewer particles of a side than the fit needs.
+  Reference(const Points& polygon, bool turn, const std::string& key, const Side& first, const Side& second);
 
   bool given() const { return given_; }
-  std::size_t count(int side) const { return members_[std::size_t(side)].size(); }
+  bool turns() const { return turn_; }
 
-  /// Mean displacement of the reference particles still followed, first and second side; zero without a polygon;
-  /// nothing once a side has lost them all.
-  std::optional<std::array<Vec2, 2>> shift(const SideState& first, const SideState& second) const;
+  /// The reference's motion by the particles still followed, first and second side; none without a polygon; nothing
+  /// once a side has lost too many.
+  std::optional<std::array<RigidFit, 2>> fit(const SideState& first, const SideState& second) const;
 
  private:
-  bool given_ = false;
+  bool given_ = false, turn_ = false;
+  std::array<const Side*, 2> sides_;
   std::array<std::vector<std::size_t>, 2> members_;  // by material position at the common start
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <functional>
 
 namespace pivnp::compare {
 
@@ -57,6 +58,7 @@ void DisplacementStatistics::add(const Vec2& difference, double cov_uu, double c
   const double magnitude = difference.norm();
   magnitude_.add(magnitude);
   const double sigma = std::sqrt(cov_uu + cov_vv);
+  if (sigma > 0 && std::isfinite(sigma)) over_uncertainty_.add(magnitude / sigma);
   if (std::isfinite(sigma))
     sigma_.add(sigma);
   else
@@ -83,6 +85,48 @@ void ScalarStatistics::add(double difference) {
 }
 
 double ScalarStatistics::rms() const { return root_mean(sum_square_, count_); }
+
+OverTime::OverTime(std::size_t particles, std::size_t most)
+    : kept_(most / 20 + 1), count_(particles, 0), sum_(particles, Vec2::Zero()), square_(particles, 0.0),
+      top_(particles * kept_) {}
+
+void OverTime::add(std::size_t particle, const Vec2& value) {
+  const auto first = top_.begin() + std::ptrdiff_t(particle * kept_);
+  const std::size_t held = std::min<std::size_t>(count_[particle]++, kept_);
+  sum_[particle] += value;
+  square_[particle] += value.squaredNorm();
+  const float size = float(value.norm());
+  if (held < kept_) {
+    first[std::ptrdiff_t(held)] = size;
+    std::push_heap(first, first + std::ptrdiff_t(held) + 1, std::greater<>());
+  } else if (size > *first) {
+    std::pop_heap(first, first + std::ptrdiff_t(kept_), std::greater<>());
+    first[std::ptrdiff_t(kept_) - 1] = size;
+    std::push_heap(first, first + std::ptrdiff_t(kept_), std::greater<>());
+  }
+}
+
+Vec2 OverTime::bias(std::size_t particle) const {
+  return count_[particle] > 0 ? Vec2(sum_[particle] / double(count_[particle])) : Vec2::Constant(not_known);
+}
+double OverTime::rms(std::size_t particle) const { return root_mean(square_[particle], count_[particle]); }
+
+double OverTime::p95(std::size_t particle) const {
+  const std::size_t n = count_[particle];
+  if (n == 0) return not_known;
+  const std::size_t rank = std::max<std::size_t>(1, std::size_t(std::ceil(0.95 * double(n) - 1e-9)));
+  const auto first = top_.begin() + std::ptrdiff_t(particle * kept_);
+  std::vector<float> held(first, first + std::ptrdiff_t(std::min(n, kept_)));
+  std::sort(held.begin(), held.end(), std::greater<>());
+  return double(held[n - rank]);
+}
+
+double OverTime::max(std::size_t particle) const {
+  const std::size_t n = count_[particle];
+  if (n == 0) return not_known;
+  const auto first = top_.begin() + std::ptrdiff_t(particle * kept_);
+  return double(*std::max_element(first, first + std::ptrdiff_t(std::min(n, kept_))));
+}
 
 void StillZone::add(const Vec2& u, double cov_trace, double strain_dev, double strain_vol) {
   // Without an error of its own a particle does not show that it is still.

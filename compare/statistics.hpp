@@ -30,6 +30,23 @@ class Quantile {
   std::size_t size_ = 0;
 };
 
+/// Differences of one scalar.
+class ScalarStatistics {
+ public:
+  void add(double difference);
+
+  std::size_t count() const { return count_; }
+  double bias() const { return sum_ / double(count_); }
+  double rms() const;
+  double p95() const { return magnitude_.at(0.95); }
+  double max() const { return max_; }
+
+ private:
+  std::size_t count_ = 0;
+  double sum_ = 0, sum_square_ = 0, max_ = 0;
+  Quantile magnitude_;
+};
+
 /// Differences of displacement of many particle-times, every one counted alike.
 class DisplacementStatistics {
  public:
@@ -46,30 +63,38 @@ class DisplacementStatistics {
   double rms_uncertainty() const;
   double p95_uncertainty() const;  // 95th percentile of the particles' own, NaN if one is not known
   double max_uncertainty() const { return max_sigma_; }  // of the particle where the greatest difference is
+  /// Sizes in units of the particle's own uncertainty, over those that have one above zero.
+  const ScalarStatistics& over_uncertainty() const { return over_uncertainty_; }
 
  private:
   std::size_t count_ = 0;
   Vec2 sum_ = Vec2::Zero(), sum_cov_ = Vec2::Zero();
   double sum_square_ = 0, max_ = 0, max_sigma_ = not_known;
   Quantile magnitude_, sigma_;
+  ScalarStatistics over_uncertainty_;
   bool sigma_known_ = true;
 };
 
-/// Differences of one scalar.
-class ScalarStatistics {
+/// Over the times of each of many particles: mean of a vector, RMS, 95th percentile (nearest rank) and maximum of its
+/// size. The percentile is exact: of `most` values a particle the greatest twentieth is kept, and no more.
+class OverTime {
  public:
-  void add(double difference);
+  OverTime(std::size_t particles, std::size_t most);
 
-  std::size_t count() const { return count_; }
-  double bias() const { return sum_ / double(count_); }
-  double rms() const;
-  double p95() const { return magnitude_.at(0.95); }
-  double max() const { return max_; }
+  void add(std::size_t particle, const Vec2& value);
+  std::size_t count(std::size_t particle) const { return count_[particle]; }
+  // NaN for a particle without values.
+  Vec2 bias(std::size_t particle) const;
+  double rms(std::size_t particle) const;
+  double p95(std::size_t particle) const;
+  double max(std::size_t particle) const;
 
  private:
-  std::size_t count_ = 0;
-  double sum_ = 0, sum_square_ = 0, max_ = 0;
-  Quantile magnitude_;
+  std::size_t kept_;
+  std::vector<std::uint32_t> count_;
+  std::vector<Vec2> sum_;
+  std::vector<double> square_;
+  std::vector<float> top_;  // kept_ a particle: a heap with its least value first
 };
 
 /// What strain a side shows where it cannot be told to have moved: |u| < 2 sigma, sigma^2 = trace of its covariance.

@@ -153,6 +153,16 @@ class Checker {
                "found " + toml_text(*body.until_s) + ", expected more than from_s, " + toml_text(body.from_s) + " (s)");
     }
     if (!c_.compare.reference_m.empty()) polygon("compare.reference_m", c_.compare.reference_m);
+    if (!c_.compare.fixed_zone_m.empty()) polygon("compare.fixed_zone_m", c_.compare.fixed_zone_m);
+    if (!c_.compare.fixed_zone_m.empty() && !c_.compare.reference_m.empty())
+      refuse("compare.fixed_zone_m", "given together with reference_m; expected one of them");
+    if (!c_.compare.increments_outside_m.empty())
+      circle("compare.increments_outside_m", c_.compare.increments_outside_m);
+    if (c_.compare.levelling && !(has_images() && c_.mpm))
+      refuse("compare.levelling", "given, but there is nothing to level; expected frames and [mpm]");
+    if ((c_.limits.run_out_m || c_.limits.slope_angle_deg) && !c_.compare.slope_base_m)
+      refuse(std::string("compare.limits.") + (c_.limits.run_out_m ? "run_out_m" : "slope_angle_deg"),
+             "given, but compare.slope_base_m is not; expected both");
   }
 
   void boundary_shape(const std::string& path, const mpm::BoundaryOptions& boundary) const {

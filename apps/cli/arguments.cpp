@@ -1,10 +1,13 @@
 #include "apps/cli/arguments.hpp"
 
 #include <CLI/CLI.hpp>
+#include <fstream>
 #include <ostream>
 
+#include "apps/cli/junit.hpp"
 #include "apps/cli/signals.hpp"
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/text.hpp"
 
 namespace pivnp::app {
 
@@ -50,6 +53,10 @@ void add_resume(CLI::App& app, Arguments& arguments) {
   app.add_flag("--resume", arguments.resume, "go on from what a stopped run left in the output folder");
 }
 
+void add_junit(CLI::App& app, Arguments& arguments) {
+  app.add_option("--junit", arguments.junit, "writes what became of [compare.limits] as JUnit XML")->type_name("FILE");
+}
+
 void add_session(CLI::App& app, Session& session) {
   app.add_option("--threads", session.threads, "threads (left out: all cores); results do not depend on it")
       ->type_name("N")
@@ -81,12 +88,27 @@ RunSettings settings_for(const Arguments& arguments, const Session& session, con
 
 fs::path default_out(const Case& c) { return fs::path("out") / short_name(c); }
 
-int print_outcome(const RunOutcome& outcome, const Session& session) {
+int print_outcome(const RunOutcome& outcome, const Arguments& arguments, const std::string& name,
+                  const Session& session) {
   for (const fs::path& file : {outcome.record, outcome.report_html, outcome.report_pdf})
     if (!file.empty()) session.out << file.string() << "\n";
   if (!session.quiet)
     for (const std::string& remark : outcome.remarks) session.out << "note: " << remark << "\n";
+  VerifyResult limits;
+  limits.name = name;
+  for (const compare::LimitResult& l : outcome.limits) {
+    limits.items.push_back({"compare.limits." + l.key, l.limit, l.reached, l.within});
+    if (!l.within)
+      session.out << "compare.limits." << l.key << ": missed: reached " << number(l.reached, 6) << ", limit "
+                  << number(l.limit, 6) << "\n";
+  }
   if (outcome.over_limit) session.out << "a limit of [compare.limits] was passed\n";
+  if (!arguments.junit.empty()) {
+    std::ofstream stream(arguments.junit, std::ios::binary);
+    stream << junit_xml({limits}, "pivnp limits") << std::flush;
+    if (!stream) throw RunError(arguments.junit + ": cannot be written");
+    session.out << arguments.junit << "\n";
+  }
   return outcome.over_limit ? 3 : 0;
 }
 

@@ -18,12 +18,14 @@ struct Arguments {
   std::string out;        // empty: the command's default
   std::string frames;     // empty: the case's
   bool resume = false;
+  std::string junit;      // file for the limits' verdicts; empty: none
 };
 
 void add_case(CLI::App& app, Arguments& arguments);
 void add_out(CLI::App& app, Arguments& arguments, const std::string& fallback);
 void add_frames(CLI::App& app, Arguments& arguments);
 void add_resume(CLI::App& app, Arguments& arguments);
+void add_junit(CLI::App& app, Arguments& arguments);
 
 /// --threads and --quiet, which every command takes.
 void add_session(CLI::App& app, Session& session);
@@ -42,7 +44,9 @@ RunSettings settings_for(const Arguments& arguments, const Session& session, con
 /// "out/<name>".
 std::filesystem::path default_out(const Case& c);
 
-/// Prints where the results are and what was flagged. Gives the exit code: 0, or 3 if a limit was passed.
-int print_outcome(const RunOutcome& outcome, const Session& session);
+/// Prints where the results are, what was flagged and which limits were passed, and writes the JUnit XML that was asked
+/// for. Gives the exit code: 0, or 3 if a limit was passed.
+int print_outcome(const RunOutcome& outcome, const Arguments& arguments, const std::string& name,
+                  const Session& session);
 
 }  // namespace pivnp::app

@@ -46,6 +46,7 @@ Action declare_stages(CLI::App& app, Session& session, Stages stages) {
   add_out(app, *arguments, "out/<name of the case's folder>");
   add_frames(app, *arguments);
   add_resume(app, *arguments);
+  if (stages == Stages::all) add_junit(app, *arguments);
   add_session(app, session);
   return [arguments, stages, &session] {
     const Case c = load_case(*arguments);
@@ -55,7 +56,7 @@ Action declare_stages(CLI::App& app, Session& session, Stages stages) {
       TerminalProgress progress = progress_for(session);
       outcome = run_case(c, settings_for(*arguments, session, c, default_out(c)), stages, progress);
     }
-    return print_outcome(outcome, session);
+    return print_outcome(outcome, *arguments, c.name, session);
   };
 }
 

@@ -21,7 +21,9 @@ const std::vector<Command>& commands() {
       {"simulate", "the simulation of a case alone", "pivnp simulate lab/case.toml --threads 4", declare_simulate},
       {"compare", "compare two motions, of one record or of two",
        "pivnp compare out/lab/record.h5:np out/lab/record.h5:mpm --slope-base-m 0.0\n"
-       "pivnp compare out/a/record.h5:np out/b/record.h5:np --displacement-rms-m 1e-3 --out out/a_against_b",
+       "pivnp compare out/a/record.h5:np out/b/record.h5:np --displacement-rms-m 1e-3 --out out/a_against_b\n"
+       "pivnp compare out/lab/record.h5:np \"cbgeo=run/particles*.h5\" --step-s 1e-5 --junit limits.xml\n"
+       "pivnp compare history=lab/front.csv front=out/lab/record.h5:mpm --history-rms 0.02",
        declare_compare},
       {"report", "write the report of a finished record again", "pivnp report out/lab/record.h5 --out out/again",
        declare_report},

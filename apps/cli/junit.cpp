@@ -92,7 +92,7 @@ std::string xml_escaped(const std::string& text) {
   return escaped;
 }
 
-std::string junit_xml(const std::vector<VerifyResult>& results) {
+std::string junit_xml(const std::vector<VerifyResult>& results, const std::string& name) {
   std::size_t tests = 0, failures = 0, errors = 0;
   double time = 0;
   for (const VerifyResult& result : results) {
@@ -101,7 +101,7 @@ std::string junit_xml(const std::vector<VerifyResult>& results) {
     errors += errors_of(result);
     time += result.seconds;
   }
-  std::string xml = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites" + attribute("name", "pivnp verify") +
+  std::string xml = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites" + attribute("name", name) +
                     counts(tests, failures, errors, time) + ">\n";
   for (const VerifyResult& result : results) xml += suite(result);
   return xml + "</testsuites>\n";

@@ -12,20 +12,35 @@ namespace pivnp::app {
 Action declare_compare(CLI::App& app, Session& session) {
   struct Compare {
     Arguments arguments;
-    std::string first, second;
+    CompareSources sources;
     compare::CompareOptions options;
     compare::LimitOptions limits;
     Setters setters;
   };
   const auto c = std::make_shared<Compare>();
-  app.add_option("FIRST", c->first, "record, or record:motion (np, mpm ...): the side that is judged against")
+  app.add_option("FIRST", c->sources.first,
+                 "the side that is judged against: record, record:motion (np, mpm ...), or another program's results: "
+                 "FORMAT=PATTERN with FORMAT csv, cbgeo, vtk or vtu; or a curve: history=FILE[:COLUMN], front=RECORD")
       ->required();
-  app.add_option("SECOND", c->second, "record, or record:motion: the side that is judged")->required();
+  app.add_option("SECOND", c->sources.second, "the side that is judged, likewise")->required();
+  app.add_option("--coarser", c->sources.coarser,
+                 "the second on a coarser grid (twice: on one coarser still), for its numerical uncertainty")
+      ->type_name("SIDE")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_option("--refinement", c->sources.refinement_ratio, "ratio of those grids' spacings (2)")
+      ->type_name("RATIO")
+      ->check(CLI::Range(1.01, 100.0));
+  app.add_option("--step-s", c->sources.step_s,
+                 "time from one file's number to the next, where files of another program only count (1)")
+      ->type_name("VALUE (s)")
+      ->check(CLI::PositiveNumber);
   app.add_option("--case", c->arguments.case_path, "takes [compare] and [compare.limits] from a case; flags win")
       ->type_name("CASE");
   add_option_flags(app, c->options, c->setters);
   add_option_flags(app, c->limits, c->setters);
   add_out(app, c->arguments, "out/compare");
+  add_junit(app, c->arguments);
   add_session(app, session);
   return [c, &session] {
     if (!c->arguments.case_path.empty()) {
@@ -37,10 +52,10 @@ Action declare_compare(CLI::App& app, Session& session) {
     RunOutcome outcome;
     {
       TerminalProgress progress = progress_for(session);
-      outcome = compare_records(c->first, c->second, c->options, c->limits,
+      outcome = compare_records(c->sources, c->options, c->limits,
                                 settings_for(c->arguments, session, {}, "out/compare"), progress);
     }
-    return print_outcome(outcome, session);
+    return print_outcome(outcome, c->arguments, c->sources.first + " against " + c->sources.second, session);
   };
 }
 
@@ -60,7 +75,7 @@ Action declare_report(CLI::App& app, Session& session) {
       TerminalProgress progress = progress_for(session);
       outcome = report_record(r->record, settings_for(r->arguments, session, {}, ""), progress);
     }
-    return print_outcome(outcome, session);
+    return print_outcome(outcome, r->arguments, r->record, session);
   };
 }
 

@@ -179,8 +179,9 @@ DifferenceHistory difference_history(const Content& content) {
     for (std::size_t p = 0; p < content.measured->particles().size(); ++p)
       index[content.measured->particles().id[p]] = p;
 
-  for (std::size_t k = 0; k < c.time.size(); ++k) {
-    const std::optional<std::size_t> at = content.measured ? frame_at(*content.measured, c.time[k]) : std::nullopt;
+  for (std::size_t k = 0; k < c.field_times().size(); ++k) {
+    const std::optional<std::size_t> at =
+        content.measured ? frame_at(*content.measured, c.field_times()[k]) : std::nullopt;
     const MotionFrame frame = at ? content.measured->frame(*at) : MotionFrame{};
     double sum = 0, variance = 0;
     std::size_t known = 0;
@@ -200,7 +201,7 @@ DifferenceHistory difference_history(const Content& content) {
       variance += trace;
       ++known;
     }
-    out.time.push_back(c.time[k]);
+    out.time.push_back(c.field_times()[k]);
     out.compared.push_back(found.size());
     out.rms.push_back(found.empty() ? nan_value : std::sqrt(sum / double(found.size())));
     out.median.push_back(quantile(found, 0.5));

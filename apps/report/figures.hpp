@@ -29,6 +29,9 @@ std::optional<Figure> difference_figure(const Content& content, const Difference
 /// "outline": final outlines overlaid.
 std::optional<Figure> outline_figure(const Content& content);
 
+/// "decomposition": coefficients of both sides and the band within which they agree.
+std::optional<Figure> decomposition_figure(const Content& content);
+
 /// "quality": status and score of the vectors, pair by pair.
 std::optional<Figure> quality_figure(const Content& content, const std::vector<PairQuality>& pairs);
 

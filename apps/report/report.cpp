@@ -19,6 +19,13 @@ compare::Comparison from_record(const io::ComparisonData& data) {
     }
     if (f.id == c.id && f.time == c.time) c.fields.push_back({f.name, f.unit, f.definition, f.values});
   }
+  for (const io::ComparisonData::Table& t : data.tables) {
+    compare::ColumnTable& table = c.tables.emplace_back();
+    table.name = t.name;
+    table.definition = t.definition;
+    for (const io::ComparisonData::Table::Column& column : t.columns)
+      table.columns.push_back({column.name, column.unit, column.values});
+  }
   c.over_limit =
       std::any_of(c.metrics.begin(), c.metrics.end(), [](const Metric& m) { return m.verdict == "over limit"; });
   return c;

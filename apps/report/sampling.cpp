@@ -151,12 +151,14 @@ std::vector<double> field_difference(const Content& content, const std::string& 
     if (f.name == "difference_y" && field == "displacement_y") direct = &f.values;
   }
   const bool magnitude = field == "displacement_magnitude" && x != nullptr && y != nullptr;
-  if ((!magnitude && direct == nullptr) || c.time.empty()) return {};
+  if ((!magnitude && direct == nullptr) || c.field_times().empty()) return {};
   std::size_t row = 0;
-  for (std::size_t k = 1; k < c.time.size(); ++k)
-    if (std::abs(c.time[k] - time) < std::abs(c.time[row] - time)) row = k;
-  const double step = c.time.size() > 1 ? (c.time.back() - c.time.front()) / double(c.time.size() - 1) : std::abs(time);
-  if (std::abs(c.time[row] - time) > 0.51 * step + 1e-12) return {};
+  for (std::size_t k = 1; k < c.field_times().size(); ++k)
+    if (std::abs(c.field_times()[k] - time) < std::abs(c.field_times()[row] - time)) row = k;
+  const double step = c.field_times().size() > 1
+                          ? (c.field_times().back() - c.field_times().front()) / double(c.field_times().size() - 1)
+                          : std::abs(time);
+  if (std::abs(c.field_times()[row] - time) > 0.51 * step + 1e-12) return {};
 
   const ParticleSet& particles = content.measured->particles();
   std::unordered_map<std::int64_t, std::size_t> column;

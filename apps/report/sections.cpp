@@ -33,7 +33,9 @@ bool leading(const Metric& m) {
       "displacement_rms", "displacement_p95", "displacement_max", "displacement_bias_x_final",
       "displacement_bias_y_final", "displacement_rms_final", "displacement_rms_final_relative", "strain_dev_rms",
       "strain_dev_rms_final", "increment_median", "increment_median_relative", "outline_iou", "run_out_x_first",
-      "run_out_x_second", "slope_angle_first", "slope_angle_second", "slope_angle_difference", "coverage_first_final"};
+      "run_out_x_second", "slope_angle_first", "slope_angle_second", "slope_angle_difference", "coverage_first_final", "u_val",
+      "velocity_rms", "strain_dev_p95", "run_out_x_difference", "crest_retreat_difference", "outline_hausdorff_95",
+      "area_metric_displacement", "levelled_displacement_rms", "levelled_strain_dev_rms", "history_bias", "history_rms"};
   return names.contains(m.name) || m.verdict.ends_with("limit");
 }
 
@@ -122,6 +124,7 @@ void comparison_section(Builder& b, const ReportOptions& options, const Content&
     if (k == 1) b.figure(difference_figure(content, differences));
   }
   b.figure(outline_figure(content));
+  b.figure(decomposition_figure(content));
 }
 
 void flags_section(Builder& b, const Content& content, const std::vector<PairQuality>& pairs) {

@@ -49,10 +49,10 @@ std::string displacement_sentence(const Metric& rms) {
   if (!std::isfinite(rms.uncertainty) || !(rms.uncertainty > 0) || !std::isfinite(ratio))
     return text + "The measurement\u2019s uncertainty is not known, so it cannot be said whether this means anything.";
   if (ratio < 2)
-    return text + "Simulation and measurement are not distinguishable at this uncertainty: a difference of less than " +
+    return text + "Simulation and measurement are not distinguishable at this u_val: a difference of less than " +
            number(2 * rms.uncertainty, 2) + unit_suffix(rms.unit) + " would not be seen.";
   return text + "This is " + number(ratio, 2) +
-         " times the measurement\u2019s own standard uncertainty (random error): the two motions are distinguishable, "
+         " times its standard uncertainty u_val: the two motions are distinguishable, "
          "and the measurement is not what "
          "limits the comparison.";
 }
@@ -61,7 +61,7 @@ std::string strain_sentence(const Metric& rms) {
   if (!std::isfinite(rms.value)) return "";
   std::string text = " The deviatoric strains differ by " + quantity(rms) + " (RMS)";
   if (std::isfinite(rms.uncertainty) && rms.uncertainty > 0)
-    text += std::abs(rms.value) < 2 * rms.uncertainty ? ", not distinguishable at this uncertainty"
+    text += std::abs(rms.value) < 2 * rms.uncertainty ? ", not distinguishable at this u_val"
                                                       : ", more than the uncertainty explains";
   return text + ".";
 }

@@ -16,7 +16,10 @@ std::vector<std::string> remarks_of(const io::RecordReader& record);
 /// Dropped frames, and what drift correction came to.
 std::vector<std::string> remarks_on_tracking(const TrackOutcome& tracked, const std::vector<Frame>& frames);
 
+/// The residual of the camera's targets becomes the measurement's systematic uncertainty where none is given.
+void add_camera(double residual, compare::CompareOptions& options);
+
 io::ComparisonData comparison_data(const compare::Comparison& comparison, const std::string& first,
-                                   const std::string& second);
+                                   const std::string& second, const std::string& time_unit);
 
 }  // namespace pivnp::app

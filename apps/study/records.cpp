@@ -1,10 +1,13 @@
 // Commands on finished records: compare two of them, report one again.
 #include <algorithm>
+#include <cmath>
 
+#include "apps/study/histories.hpp"
 #include "apps/study/outcome.hpp"
 #include "apps/study/report_input.hpp"
 #include "apps/study/study.hpp"
 #include "pivnp/core/error.hpp"
+#include "pivnp/io/foreign.hpp"
 #include "pivnp/io/record.hpp"
 
 namespace pivnp::app {
@@ -14,30 +17,43 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Side {
-  fs::path file;
-  std::string motion;
+  io::RecordHead head;  // of the record it comes from; units and grid of nothing for other programs' results
+  std::shared_ptr<MotionSource> motion;
+
+  /// Of the camera's targets, if this motion was measured (it then carries a covariance).
+  double residual() const {
+    const bool measured = !motion->times().empty() && !motion->frame(0).cov_u.empty();
+    return measured ? head.camera_residual : 0;
+  }
 };
 
-// "FILE" or "FILE:motion"; a colon inside a path that exists belongs to the path.
-Side side_of(const std::string& text) {
-  Side side{text, ""};
-  const std::size_t colon = text.rfind(':');
-  if (!fs::exists(side.file) && colon != std::string::npos) side = {text.substr(0, colon), text.substr(colon + 1)};
-  if (fs::is_directory(side.file)) side.file /= "record.h5";
-  return side;
-}
-
-std::unique_ptr<MotionSource> motion_of(const io::RecordReader& record, const Side& side) {
+std::shared_ptr<MotionSource> motion_of(const io::RecordReader& record, const std::string& file,
+                                        const std::string& motion) {
   const std::vector<std::string> names = record.motion_names();
   std::string known;
   for (const std::string& name : names) known += (known.empty() ? "" : ", ") + name;
-  if (side.motion.empty() && names.size() != 1)
-    throw InputError(side.file.string() + ": holds " + std::to_string(names.size()) + " motions (" + known +
+  if (motion.empty() && names.size() != 1)
+    throw InputError(file + ": holds " + std::to_string(names.size()) + " motions (" + known +
                      "); name one as FILE:motion");
-  const std::string name = side.motion.empty() ? names.front() : side.motion;
+  const std::string name = motion.empty() ? names.front() : motion;
   if (std::find(names.begin(), names.end(), name) == names.end())
-    throw InputError(side.file.string() + ": no motion '" + name + "'; it holds: " + known);
+    throw InputError(file + ": no motion '" + name + "'; it holds: " + known);
   return record.motion(name);
+}
+
+// "FILE" or "FILE:motion"; a colon inside a path that exists belongs to the path.
+Side open_side(const std::string& text, double step_s) {
+  if (io::is_foreign(text)) return {io::RecordHead{}, io::open_foreign(text, {.step = step_s})};
+  fs::path file = text;
+  std::string motion;
+  const std::size_t colon = text.rfind(':');
+  if (!fs::exists(file) && colon != std::string::npos) {
+    file = text.substr(0, colon);
+    motion = text.substr(colon + 1);
+  }
+  if (fs::is_directory(file)) file /= "record.h5";
+  const io::RecordReader record(file);
+  return {record.head(), motion_of(record, file.string(), motion)};
 }
 
 void copy_motion(const MotionSource& motion, const std::string& name, io::RecordWriter& writer) {
@@ -52,30 +68,41 @@ void copy_motion(const MotionSource& motion, const std::string& name, io::Record
 
 }  // namespace
 
-RunOutcome compare_records(const std::string& first, const std::string& second,
-                           const compare::CompareOptions& options, const compare::LimitOptions& limits,
-                           const RunSettings& settings, Progress& progress) {
-  const Side sides[2] = {side_of(first), side_of(second)};
-  const io::RecordReader a(sides[0].file), b(sides[1].file);
-  const std::unique_ptr<MotionSource> one = motion_of(a, sides[0]), two = motion_of(b, sides[1]);
-  compare::Comparison comparison = compare::compare(*one, *two, options, limits, progress);
+RunOutcome compare_records(const CompareSources& sources, const compare::CompareOptions& given,
+                           const compare::LimitOptions& limits, const RunSettings& settings, Progress& progress) {
+  if (is_history(sources.first) || is_history(sources.second))
+    return compare_histories(sources, given, limits, settings);
+  const Side one = open_side(sources.first, sources.step_s), two = open_side(sources.second, sources.step_s);
+  std::vector<Side> coarser;
+  compare::Refinement refinement{{}, sources.refinement_ratio};
+  for (const std::string& text : sources.coarser) {
+    coarser.push_back(open_side(text, sources.step_s));
+    refinement.coarser.push_back(coarser.back().motion.get());
+  }
+  compare::CompareOptions options = given;
+  add_camera(std::hypot(one.residual(), two.residual()), options);
+  compare::Comparison comparison = compare::compare(*one.motion, *two.motion, options, limits, progress, refinement);
 
   Case c;
-  c.name = first + " against " + second;
+  c.name = sources.first + " against " + sources.second;
   c.compare = options;
   c.limits = limits;
-  const std::string first_name = one->name(), second_name = two->name() == one->name() ? two->name() + "_2" : two->name();
-  io::RecordHead head = a.head();
+  const std::string first_name = one.motion->name();
+  const std::string second_name = two.motion->name() == first_name ? first_name + "_2" : two.motion->name();
+  io::RecordHead head = one.head;
+  head.length_unit = one.motion->length_unit();
+  head.time_unit = one.motion->time_unit();
   head.command = settings.command;
   head.case_text = write_case(c);
   io::RecordWriter writer(settings.out, head, false);
-  copy_motion(*one, first_name, writer);
-  copy_motion(*two, second_name, writer);
-  writer.set_comparison(comparison_data(comparison, first_name, second_name));
+  copy_motion(*one.motion, first_name, writer);
+  copy_motion(*two.motion, second_name, writer);
+  writer.set_comparison(comparison_data(comparison, first_name, second_name, head.time_unit));
   writer.finish();
 
   RunOutcome outcome;
   outcome.over_limit = comparison.over_limit;
+  outcome.limits = comparison.limits;
   outcome.record = settings.out / "record.h5";
   write_report_of(c, outcome, std::move(comparison), nullptr, settings.out);
   return outcome;
@@ -103,9 +130,16 @@ RunOutcome report_record(const fs::path& given, const RunSettings& settings, Pro
                                   "): vectors are drawn without a picture; --frames names their new place.");
       }
     }
-    if (const auto held = record.comparison())
-      comparison = compare::compare(*record.motion(held->measured), *record.motion(held->simulated), c.compare,
-                                    c.limits, progress);
+    if (const auto held = record.comparison(); held && !is_history(held->measured)) {
+      compare::CompareOptions options = c.compare;
+      add_camera(record.head().camera_residual, options);
+      comparison = compare::compare(*record.motion(held->measured), *record.motion(held->simulated), options, c.limits,
+                                    progress);
+      outcome.over_limit = comparison->over_limit;
+      outcome.limits = comparison->limits;
+      for (const Metric& m : held->metrics)  // what frames are needed for is kept from the run
+        if (m.name.starts_with("levelled_")) comparison->metrics.push_back(m);
+    }
   }
   const fs::path directory = settings.out.empty() ? file.parent_path() : settings.out;
   write_report_of(c, outcome, std::move(comparison), source.get(), directory);

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/study/levelling.hpp"
 #include "apps/study/measure.hpp"
 #include "apps/study/outcome.hpp"
 #include "apps/study/peak_locking.hpp"
@@ -114,9 +115,15 @@ RunOutcome run_case(const Case& given, const RunSettings& settings, Stages stage
     writer.set_strain_note("np", strain_note(c, setting, *motion, central));
   }
   if (tracks && simulates) {
-    comparison = compare::compare(*writer.motion("np"), *writer.motion("mpm"), c.compare, c.limits, progress);
-    writer.set_comparison(comparison_data(*comparison, "np", "mpm"));
+    compare::CompareOptions options = c.compare;
+    add_camera(setting.camera.residual(), options);
+    const auto np = writer.motion("np"), mpm = writer.motion("mpm");
+    comparison = compare::compare(*np, *mpm, options, c.limits, progress);
+    if (c.compare.levelling)
+      add_levelled(c, setting, settings, *source, frames, writer, *np, *mpm, options, *comparison, progress);
+    writer.set_comparison(comparison_data(*comparison, "np", "mpm", np->time_unit()));
     outcome.over_limit = comparison->over_limit;
+    outcome.limits = comparison->limits;
   }
   writer.finish();
 

@@ -27,20 +27,28 @@ struct RunOutcome {
   bool over_limit = false;  // a limit of [compare.limits] was passed: exit code 3
   std::filesystem::path record, report_html, report_pdf;
   std::vector<std::string> remarks;  // what was flagged and why, one sentence each
+  std::vector<compare::LimitResult> limits;  // one a limit of [compare.limits] that was given and judged
 };
 
 /// The chain of the case's stages: frames (drawn first where only [synth] is given) -> PIV -> numerical particles ->
 /// MPM -> comparison -> record -> report. Throws InputError, RunError, Interrupted; closed segments stay for `resume`.
 RunOutcome run_case(const Case& c, const RunSettings& settings, Stages stages, Progress& progress);
 
-/// Compares two motions, each "RECORD.h5" or "RECORD.h5:motion" (a record with one motion needs no name), writes a
-/// record with both and the comparison, and its report.
-RunOutcome compare_records(const std::string& first, const std::string& second,
-                           const compare::CompareOptions& options, const compare::LimitOptions& limits,
-                           const RunSettings& settings, Progress& progress);
+/// What is compared, each side "RECORD.h5" or "RECORD.h5:motion" (a record with one motion needs no name), or results
+/// of another program (pivnp/io/foreign.hpp), or both of them histories (apps/study/histories.hpp).
+struct CompareSources {
+  std::string first, second;
+  std::vector<std::string> coarser;  // the second on coarser grids, the finer one first
+  double refinement_ratio = 2;       // of the grids' spacings
+  double step_s = 1;                 // time from one step to the next where files only count them
+};
 
-/// Draws the frames of a [synth] case into OUT/frames/*.png and their truth into OUT/truth/record.h5 (motion "truth", at the
-/// seeds that the case's own particles start from).
+/// Compares two motions, writes a record with both and the comparison, and its report.
+RunOutcome compare_records(const CompareSources& sources, const compare::CompareOptions& options,
+                           const compare::LimitOptions& limits, const RunSettings& settings, Progress& progress);
+
+/// Draws the frames of a [synth] case into OUT/frames/*.png and their truth into OUT/truth/record.h5 (motion "truth",
+/// at the seeds that the case's own particles start from).
 void synthesize(const Case& c, const RunSettings& settings, Progress& progress);
 
 /// Writes the report of a finished record beside it (or into settings.out).

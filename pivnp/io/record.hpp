@@ -43,6 +43,16 @@ struct ComparisonData {
     std::vector<float> values;  // [time][id], NaN where no partner
   };
   std::vector<Field> fields;
+  /// Columns of one length: histories, coefficients, distributions.
+  struct Table {
+    std::string name, definition;
+    struct Column {
+      std::string name, unit;
+      std::vector<double> values;
+    };
+    std::vector<Column> columns;
+  };
+  std::vector<Table> tables;
 };
 
 /// What a stage left behind in closed segments.

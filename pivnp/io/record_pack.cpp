@@ -96,6 +96,14 @@ void pack_comparison(h5::OutputFile& out, const ComparisonData& c, const Units& 
     out.attribute(group, "definition", m.definition);
     out.attribute(group, "verdict", m.verdict);
   }
+  if (!c.tables.empty()) out.group("/compare/tables");
+  for (const ComparisonData::Table& t : c.tables) {
+    const std::string group = "/compare/tables/" + t.name;
+    out.group(group);
+    out.attribute(group, "definition", t.definition);
+    for (const ComparisonData::Table::Column& column : t.columns)
+      out.write(group + "/" + column.name, column.values, column.unit);
+  }
   if (c.fields.empty()) return;
   out.group("/compare/fields");
   for (const ComparisonData::Field& f : c.fields) {

@@ -114,12 +114,21 @@ std::optional<ComparisonData> RecordReader::comparison() const {
   c.measured = source.attribute_text("/compare", "measured");
   c.simulated = source.attribute_text("/compare", "simulated");
   for (const std::string& name : source.children("/compare")) {
-    if (name == "fields") continue;
+    if (name == "fields" || name == "tables") continue;
     const std::string group = "/compare/" + name;
     c.metrics.push_back({name, source.attribute_number(group, "value"), source.attribute_text(group, "unit"),
                          source.attribute_number(group, "uncertainty"), source.attribute_text(group, "definition"),
                          source.attribute_text(group, "verdict")});
   }
+  if (source.has("/compare/tables"))
+    for (const std::string& name : source.children("/compare/tables")) {
+      const std::string group = "/compare/tables/" + name;
+      ComparisonData::Table t{name, source.attribute_text(group, "definition"), {}};
+      for (const std::string& column : source.children(group))
+        t.columns.push_back({column, source.attribute_text(group + "/" + column, "unit"),
+                             source.dataset(group + "/" + column).all<double>()});
+      c.tables.push_back(std::move(t));
+    }
   for (const std::string& name : source.children("/compare/fields")) {
     const std::string group = "/compare/fields/" + name;
     ComparisonData::Field f{name,

@@ -280,6 +280,14 @@ void RecordWriter::set_comparison(const ComparisonData& comparison) {
     check_name(f.name, "field of the comparison");
     require(f.values.size() == f.time.size() * f.id.size(), "comparison field '" + f.name + "' is not [time][id]");
   }
+  for (const ComparisonData::Table& t : comparison.tables) {
+    check_name(t.name, "table of the comparison");
+    for (const ComparisonData::Table::Column& column : t.columns) {
+      check_name(column.name, "column of the comparison's table '" + t.name + "'");
+      require(column.values.size() == t.columns.front().values.size(),
+              "columns of the comparison's table '" + t.name + "' differ in length");
+    }
+  }
   impl_->comparison = comparison;
 }
 

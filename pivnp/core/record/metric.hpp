@@ -11,7 +11,7 @@ struct Metric {
   std::string unit;
   double uncertainty = 0;  // standard uncertainty of the value from the measurement; NaN if not known
   std::string definition;  // one line
-  std::string verdict;     // "", "within limit", "over limit", "not distinguishable at this uncertainty"
+  std::string verdict;     // "", "within limit", "over limit", "not distinguishable at this u_val"
 };
 
 }  // namespace pivnp

@@ -31,10 +31,10 @@ RunOutcome run_case(const Case& c, const RunSettings& settings, Stages stages, P
   return fake_study().outcome;
 }
 
-RunOutcome compare_records(const std::string& first, const std::string& second, const compare::CompareOptions& options,
+RunOutcome compare_records(const CompareSources& sources, const compare::CompareOptions& options,
                            const compare::LimitOptions& limits, const RunSettings& settings, Progress& progress) {
-  fake_study().first = first;
-  fake_study().second = second;
+  fake_study().first = sources.first;
+  fake_study().second = sources.second;
   fake_study().options = options;
   fake_study().limits = limits;
   called("compare_records", settings, progress);

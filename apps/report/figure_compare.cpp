@@ -1,0 +1,84 @@
+// What the comparison found beside fields and curves: coefficients of both sides and their band.
+#include <algorithm>
+#include <cmath>
+
+#include "apps/report/figure_parts.hpp"
+#include "apps/report/figures.hpp"
+#include "apps/report/words.hpp"
+
+namespace pivnp::report {
+
+namespace {
+
+struct Coefficients {
+  std::string words, unit;
+  const std::vector<double>*first = nullptr, *second = nullptr;
+  double uncertainty = 0;
+};
+
+std::vector<Coefficients> coefficients(const compare::Comparison& comparison) {
+  static const std::string prefix = "decomposition_";
+  std::vector<Coefficients> out;
+  for (const compare::ColumnTable& table : comparison.tables) {
+    if (!table.name.starts_with(prefix)) continue;
+    Coefficients c{field_words(table.name.substr(prefix.size())), "", nullptr, nullptr, 0};
+    for (const auto& column : table.columns) {
+      if (column.values.empty()) continue;
+      if (column.name == "first") {
+        c.first = &column.values;
+        c.unit = column.unit;
+      }
+      if (column.name == "second") c.second = &column.values;
+      if (column.name == "uncertainty") c.uncertainty = column.values[0];
+    }
+    if (c.first && c.second && c.first->size() == c.second->size()) out.push_back(c);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::optional<Figure> decomposition_figure(const Content& content) {
+  if (!content.comparison) return std::nullopt;
+  const std::vector<Coefficients> all = coefficients(*content.comparison);
+  if (all.empty()) return std::nullopt;
+  const double left = 15, gap = 17, head = 7, side = (figure_width_mm - left - 3 - 2 * gap) / 3;
+  auto sheet = std::make_shared<Sheet>(figure_width_mm, head + side + 12);
+  for (std::size_t k = 0; k < std::min<std::size_t>(3, all.size()); ++k) {
+    const Coefficients& c = all[k];
+    double least = 0, most = 0;
+    for (const auto* values : {c.first, c.second})
+      for (const double v : *values) {
+        least = std::min(least, v);
+        most = std::max(most, v);
+      }
+    const DisplayUnit unit = display_unit(c.unit, std::max(most, -least));
+    const double margin = most > least ? 0.06 * (most - least) : 1;
+    const double low = (least - margin) * unit.factor, high = (most + margin) * unit.factor;
+    QCPAxisRect* panel = sheet->panel(left + double(k) * (side + gap), head, side, side);
+    set_axis(panel->axis(QCPAxis::atBottom), low, high, axis_label(qt("s measured, " + c.words), unit.name), 3);
+    set_axis(panel->axis(QCPAxis::atLeft), low, high, axis_label("s simulated", unit.name), 3);
+    const double two = 2 * c.uncertainty * unit.factor;
+    band(*sheet, panel, {low, high}, {low - two, high - two}, {low + two, high + two}, ink, 45);
+    curve(*sheet, panel, {low, high}, {low, high}, pen(faint, 0.7));
+    std::vector<double> x, y;
+    for (std::size_t n = 0; n < c.first->size(); ++n) {
+      x.push_back((*c.first)[n] * unit.factor);
+      y.push_back((*c.second)[n] * unit.factor);
+    }
+    QCPGraph* points = sheet->graph(panel);
+    points->setLineStyle(QCPGraph::lsNone);
+    points->setScatterStyle(
+        QCPScatterStyle(QCPScatterStyle::ssCircle, pen(blue, 0.8), QBrush(Qt::white), 1.5 * units_per_mm));
+    points->setData(QVector<double>(x.begin(), x.end()), QVector<double>(y.begin(), y.end()));
+  }
+  const double next = draw_key(*sheet, left, 3, Key::circle, blue, "coefficients");
+  draw_key(*sheet, next, 3, Key::band, ink, "acceptance band");
+  return Figure{
+      "decomposition",
+      "Coefficients of both sides at the last compared time, by polynomials orthonormal on the material (CEN CWA "
+      "16799). Grey: twice the measured coefficients\u2019 uncertainty about equality.",
+      sheet};
+}
+
+}  // namespace pivnp::report

@@ -1,0 +1,39 @@
+// Histories of material points: where they go on both sides, and what that says.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "compare/alignment.hpp"
+#include "compare/compare.hpp"
+#include "compare/reference.hpp"
+#include "compare/side.hpp"
+
+namespace pivnp::compare {
+
+class PointHistories {
+ public:
+  /// `points`: material positions at the common start. A point further than half a spacing from a side's material has
+  /// no history there. Sides as read at the common start.
+  PointHistories(const Points& points, const Side& first, const Side& second);
+
+  /// NaN once one of the particles that carry a point is lost.
+  void add(const SideState& first, const SideState& second, const std::array<RigidFit, 2>& frame);
+
+  /// Per point k (from 1): metrics point_k_* of |u| (history.hpp), point_k_distance_rms, and the table point_k.
+  void finish(const std::string& length_unit, const std::string& time_unit, Comparison& out) const;
+
+ private:
+  struct Track {
+    Partner place;
+    std::vector<Vec2> u;
+    double variance = 0;  // trace of the covariance, mean over the times where known
+    std::size_t known = 0;
+  };
+  std::vector<Vec2> points_;
+  std::array<std::vector<Track>, 2> tracks_;
+  std::vector<double> time_;
+};
+
+}  // namespace pivnp::compare

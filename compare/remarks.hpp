@@ -1,0 +1,31 @@
+// How the sides were brought together, in sentences and as metrics.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "compare/alignment.hpp"
+#include "compare/compare.hpp"
+#include "compare/differences.hpp"
+#include "compare/numerics.hpp"
+#include "compare/onset.hpp"
+#include "compare/reference.hpp"
+
+namespace pivnp::compare {
+
+std::string quoted(const MotionSource& motion);
+
+void remark_alignment(const Alignment& alignment, const Side& first, const Side& second, const CommonTimes& common,
+                      std::vector<std::string>& remarks);
+void remark_units(const CompareOptions& options, const LimitOptions& limits, const std::string& unit,
+                  std::vector<std::string>& remarks);
+
+/// Shares of the particles that found a partner; what the reference took off; the offset in time.
+void add_coverage(const Alignment& alignment, const Differences& differences, std::size_t first_size,
+                  const std::string& at_end, std::vector<Metric>& metrics);
+void add_frame(const Reference& reference, const Tally& last, const std::string& unit, const std::string& at_end,
+               std::vector<Metric>& metrics);
+void add_time_offset(const Onset& offset, const std::string& time_unit, Comparison& out);
+void add_convergence(const Numerics& numerics, Comparison& out);
+
+}  // namespace pivnp::compare

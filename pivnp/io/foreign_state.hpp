@@ -1,0 +1,36 @@
+// What one time of another program's results holds, and the readers of the formats. Private to this folder's sources.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace pivnp::io {
+
+/// Arrays of one length; those a source does not know are empty.
+struct ForeignState {
+  std::vector<std::int64_t> id;  // empty: the position in the arrays
+  std::vector<std::array<double, 2>> x, u, v, sigma;
+  std::vector<std::array<double, 4>> stress;  // xx yy zz xy
+  std::vector<double> area;
+};
+
+/// A text file in memory. Throws InputError.
+std::string read_text(const std::filesystem::path& file);
+
+/// The whole table, time by time in ascending order; one time without a column of times (`timed` false).
+struct ForeignTable {
+  std::vector<double> time;
+  std::vector<ForeignState> state;
+  bool timed = false;
+};
+ForeignTable read_foreign_csv(const std::filesystem::path& file, double step);
+
+/// All ranks' files of one step.
+ForeignState read_cbgeo(const std::vector<std::filesystem::path>& files);
+ForeignState read_legacy_vtk(const std::filesystem::path& file);
+ForeignState read_vtu(const std::filesystem::path& file);
+
+}  // namespace pivnp::io

@@ -1,0 +1,247 @@
+// Levelling: a simulation that is right, measured like the experiment, differs from it by noise alone where the plain
+// comparison shows the measurement's filter. And curves compared as histories, the digitised ones included.
+#include "apps/study/levelling.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+
+#include "apps/study/measure.hpp"
+#include "apps/study/stages.hpp"
+#include "apps/study/truth.hpp"
+#include "pivnp/core/error.hpp"
+#include "pivnp/core/text.hpp"
+#include "pivnp/image/synthetic.hpp"
+#include "pivnp/io/curve_file.hpp"
+#include "tests/support/verification.hpp"
+
+namespace pivnp::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Scratch {
+  fs::path path;
+  Scratch() {
+    std::string name = (fs::temp_directory_path() / "pivnp levelling XXXXXX").string();
+    path = mkdtemp(name.data());
+  }
+  ~Scratch() {
+    std::error_code ignored;
+    fs::remove_all(path, ignored);
+  }
+};
+
+constexpr int columns = 176, rows = 144, count = 3;
+constexpr double mm = 1e-3;  // a pixel
+
+// A shear band 4 px wide in a window of 32 px: far below what correlation resolves.
+double slide(double y) { return 3 * mm * 0.5 * (1 + std::tanh((y - 72 * mm) / (4 * mm))); }
+double shear(double y) { return 3 * mm * 0.5 / (4 * mm) / std::pow(std::cosh((y - 72 * mm) / (4 * mm)), 2); }
+
+class Drawn final : public image::FrameSource {
+ public:
+  explicit Drawn(const image::TextureOptions& texture) : renderer_(texture, columns, rows) {
+    for (int k = 0; k < count; ++k) frames_.push_back({"drawn", double(k), frame_ok});
+    const int blobs = int(texture.density_per_px * (columns + 40) * rows);
+    for (int n = 0; n < blobs; ++n)
+      blobs_.emplace_back(uniform(3, 2 * std::uint64_t(n)) * (columns + 40) - 30,
+                          uniform(3, 2 * std::uint64_t(n) + 1) * rows);
+  }
+  const std::vector<Frame>& frames() const override { return frames_; }
+  bool has_rate() const override { return true; }
+  int width() const override { return columns; }
+  int height() const override { return rows; }
+  Image read(int index) override {
+    std::vector<Vec2> x = blobs_;
+    for (Vec2& b : x) b.x() += index * slide((rows - 1 - b.y()) * mm) / mm;
+    return renderer_.draw(x, index, count);
+  }
+
+ private:
+  image::BlobRenderer renderer_;
+  std::vector<Frame> frames_;
+  std::vector<Vec2> blobs_;
+};
+
+Case scene() {
+  return parse_case(
+      "name = \"band\"\n[frames]\npath = \"drawn\"\nrate_hz = 1.0\n[camera]\nmetres_per_pixel = "
+      "1e-3\n[grid]\nspacing_px = 8\n"
+      "[region.soil]\npolygon_px = [[24, 24], [152, 24], [152, 120], [24, 120]]\n[piv]\nwindow_px = "
+      "32\n[np]\nper_element = 4\n",
+      "test", ".");
+}
+
+MotionMemory exact() {
+  ParticleSet set;
+  set.label_names = {"soil"};
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < columns / 2; ++i) {
+      set.id.push_back(std::int64_t(1000000 + j * columns + i));
+      set.label.push_back(0);
+      set.x0.push_back(mm * Vec2(2 * i + 0.5, j));
+      set.area.push_back(float(2 * mm * mm));
+      set.born.push_back(0);
+      set.end.push_back(std::nan(""));
+      set.end_reason.push_back(EndReason::none);
+    }
+  MotionMemory motion("mpm", "m", "s", set);
+  for (int k = 0; k < count; ++k) {
+    MotionFrame f;
+    f.time = k;
+    for (const Vec2& x : set.x0) {
+      f.u.push_back({float(k * slide(x.y())), 0});
+      f.F.push_back({1, float(k * shear(x.y())), 0, 1});
+      f.status.push_back(ParticleStatus::active);
+    }
+    motion.add(f);
+  }
+  return motion;
+}
+
+std::unique_ptr<io::RecordWriter> tracked(const Case& c, const Setting& setting, image::FrameSource& source,
+                                          const fs::path& folder) {
+  io::RecordHead head;
+  head.case_text = write_case(c);
+  head.grid = setting.grid;
+  fs::create_directories(folder);
+  auto writer = std::make_unique<io::RecordWriter>(folder, head, false);
+  SilentProgress progress;
+  measure(c, setting, source, *writer, 1, progress);
+  track(c, setting, source.frames(), *writer, progress);
+  return writer;
+}
+
+double value(const compare::Comparison& c, const std::string& name) {
+  for (const Metric& m : c.metrics)
+    if (m.name == name) return m.value;
+  return std::nan("");
+}
+
+// Criterion: the strain difference of a simulation that is exact falls to a third or less when it is levelled.
+TEST(Levelling, TheMeasurementsFilterCancels) {
+  const Scratch scratch;
+  const Case c = scene();
+  const Setting setting = make_setting(c, columns, rows);
+  image::TextureOptions texture;
+  texture.noise = 0.02;
+  Drawn source(texture);
+  const auto measured = tracked(c, setting, source, scratch.path / "measured");
+  std::vector<Vec2> nodes;
+  for (int j = 0; j < setting.grid.ny; ++j)
+    for (int i = 0; i < setting.grid.nx; ++i) nodes.push_back(setting.camera.to_pixel(setting.grid.position(i, j)));
+  const Image first = source.read(0);
+  const double noise = noise_variance(first.view(), nodes, 32, {measured->pair(0), measured->pair(1)});
+  const double drawn = 0.02 * 255;
+  EXPECT_NEAR(std::sqrt(noise), drawn, 0.4 * drawn);
+
+  const MotionMemory simulation = exact();
+  const auto carried = carried_frames(first, source.frames(), true, setting.camera, simulation, noise, 1);
+  ASSERT_EQ(carried->frames().size(), std::size_t(count));
+  const auto levelled = tracked(c, setting, *carried, scratch.path / "levelled");
+  measured->pack();
+  levelled->pack();
+  SilentProgress progress;
+  const auto np = measured->motion("np"), like = levelled->motion("np");
+  const double plain = value(compare::compare(*np, simulation, {}, {}, progress), "strain_dev_rms_final");
+  const double level = value(compare::compare(*np, *like, {}, {}, progress), "strain_dev_rms_final");
+  EXPECT_LT(level, plain / 3);
+  test::verification_row("exact simulation of a band 4 px wide, window 32 px: strain difference levelled against plain",
+                         "a third at most", number(level, 2) + " against " + number(plain, 2));
+}
+
+TEST(Levelling, WithoutMotionTheFirstFrameIsKept) {
+  image::TextureOptions texture;
+  Drawn source(texture);
+  const Case c = scene();
+  const Setting setting = make_setting(c, columns, rows);
+  MotionMemory still("mpm", "m", "s", exact().particles());
+  MotionFrame f = exact().frame(0);
+  still.add(f);
+  f.time = 2;
+  still.add(f);
+  const Image first = source.read(0);
+  const auto carried = carried_frames(first, source.frames(), true, setting.camera, still, 0, 1);
+  const Image later = carried->read(2);
+  int worst = 0;
+  for (int r = 0; r < rows; ++r)
+    for (int col = 0; col < columns; ++col)
+      worst = std::max(worst, std::abs(int(first.view().row<std::uint8_t>(r)[col]) -
+                                       int(later.view().row<std::uint8_t>(r)[col])));
+  EXPECT_LE(worst, 1);  // float rounding of the spline
+}
+
+class Histories : public testing::Test {
+ protected:
+  Scratch scratch;
+  RunOutcome compared(const std::string& first, const std::string& second, compare::CompareOptions options = {},
+                      compare::LimitOptions limits = {}, double step = 1) {
+    RunSettings settings;
+    settings.out = scratch.path / "out";
+    fs::create_directories(settings.out);
+    SilentProgress progress;
+    CompareSources sources{first, second, {}, 2, step};
+    return compare_records(sources, options, limits, settings, progress);
+  }
+  double stored(const std::string& name) const {
+    const io::RecordReader record(scratch.path / "out" / "record.h5");
+    const io::ComparisonData held = record.comparison().value();
+    for (const Metric& m : held.metrics)
+      if (m.name == name) return m.value;
+    return std::nan("");
+  }
+  std::string shared(const char* file) const {
+    const char* folder = std::getenv("PIVNP_TEST_DATA");
+    return folder ? (fs::path(folder) / file).string() : "";
+  }
+};
+
+TEST_F(Histories, ATableAgainstAScaledOne) {
+  std::ofstream(scratch.path / "lab.csv") << "time (s),front (m),other\n0,1,9\n1,2,9\n2,4,9\n";
+  std::ofstream(scratch.path / "sim.txt")
+      << "step  other (Pa)  front (mm)\n0  7  1100\n1  7  2100\n2  7  4400\n3  7  nan\n";
+  compare::CompareOptions options;
+  options.second_scale = 1e-3;
+  compare::LimitOptions limits;
+  limits.history_rms = 0.2;
+  const RunOutcome outcome =
+      compared("history=" + (scratch.path / "lab.csv").string(),
+               "history=" + (scratch.path / "sim.txt").string() + ":front (mm)", options, limits);
+  EXPECT_NEAR(stored("history_rms"), std::sqrt((0.01 + 0.01 + 0.16) / 3), 1e-9);
+  EXPECT_TRUE(outcome.over_limit);
+  EXPECT_TRUE(fs::exists(outcome.report_html));
+  EXPECT_THROW(compared("history=" + (scratch.path / "lab.csv").string(), "out/record.h5"), InputError);
+  EXPECT_THROW(compared("history=" + (scratch.path / "lab.csv").string(),
+                        "history=" + (scratch.path / "sim.txt").string() + ":frnt"),
+               InputError);
+}
+
+// Martin & Moyce (1952): the surge front of a water column against shallow-water theory's bound x/W = 1 + 2 t (dry bed,
+// Ritter 1892, in units of sqrt(gW) at unit height): the front is slower, and the comparison says by how much.
+TEST_F(Histories, DamBreak) {
+  const std::string file = shared("dam_break/exp_surge_front.csv");
+  if (file.empty()) GTEST_SKIP() << "PIVNP_TEST_DATA is not set";
+  std::ofstream(scratch.path / "ritter.csv") << "time,front\n0,1\n4,9\n";
+  compared("history=" + file, "history=" + (scratch.path / "ritter.csv").string());
+  EXPECT_GT(stored("history_bias"), 0);
+  EXPECT_GT(stored("history_rms"), 0.3);
+  compared("history=" + file, "history=" + file);
+  EXPECT_EQ(stored("history_rms"), 0);
+}
+
+// Two cameras saw one collapse: the comparison of an experiment with itself, its repeatability.
+TEST_F(Histories, ColumnCollapseByTwoCameras) {
+  const std::string file = shared("column_collapse/20210804_08g_050g_050_050_005.txt");
+  if (file.empty()) GTEST_SKIP() << "PIVNP_TEST_DATA is not set";
+  compared("history=" + file + ":r_p (m) (Cam 1)", "history=" + file + ":r_p (m) (Cam 2)", {}, {}, 1.0 / 240);
+  EXPECT_GT(stored("history_rms"), 1e-4);
+  EXPECT_LT(stored("history_rms"), 0.03);
+  EXPECT_NEAR(stored("history_onset_first"), 9.0 / 240, 4.0 / 240);
+}
+
+}  // namespace
+}  // namespace pivnp::app
