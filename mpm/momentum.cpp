@@ -1,5 +1,6 @@
 #include "mpm/momentum.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace pivnp::mpm {
@@ -11,6 +12,45 @@ double damping_force(double alpha, double force, double velocity) {
 }
 
 }  // namespace
+
+void LightNodes::find(const GridState& g, double least) {
+  pairs.clear();
+  const auto nx = std::ptrdiff_t(g.grid.nx), ny = std::ptrdiff_t(g.grid.ny);
+  for (const std::uint32_t n : g.nodes) {
+    if (!(g.node[n].mass < least)) continue;
+    const std::ptrdiff_t i = std::ptrdiff_t(n) % nx, j = std::ptrdiff_t(n) / nx;
+    std::uint32_t heavy = n;
+    for (std::ptrdiff_t b = std::max<std::ptrdiff_t>(0, j - 1); b <= std::min(ny - 1, j + 1); ++b)
+      for (std::ptrdiff_t a = std::max<std::ptrdiff_t>(0, i - 1); a <= std::min(nx - 1, i + 1); ++a)
+        if (g.node[std::size_t(b * nx + a)].mass > g.node[heavy].mass) heavy = std::uint32_t(b * nx + a);
+    if (g.node[heavy].mass >= least) pairs.push_back({n, heavy});
+  }
+}
+
+void LightNodes::join_momentum(GridState& g, double dt) const {
+  // A heavy node may have several light ones: first all are added up, then all are told.
+  std::vector<double> mass_before;
+  for (const Pair& p : pairs) {
+    Node &light = g.node[p.light], &heavy = g.node[p.heavy];
+    const double mass = heavy.mass + light.mass;
+    heavy.nx = (heavy.mass * heavy.nx + light.mass * light.vx + dt * (light.fx + light.dx)) / mass;
+    heavy.ny = (heavy.mass * heavy.ny + light.mass * light.vy + dt * (light.fy + light.dy)) / mass;
+    mass_before.push_back(heavy.mass);
+    heavy.mass = mass;
+  }
+  for (std::size_t k = pairs.size(); k-- > 0;) {
+    g.node[pairs[k].light].nx = g.node[pairs[k].heavy].nx;
+    g.node[pairs[k].light].ny = g.node[pairs[k].heavy].ny;
+    g.node[pairs[k].heavy].mass = mass_before[k];
+  }
+}
+
+void LightNodes::join_velocity(GridState& g) const {
+  for (const Pair& p : pairs) {
+    g.node[p.light].ux = g.node[p.heavy].ux;
+    g.node[p.light].uy = g.node[p.heavy].uy;
+  }
+}
 
 void update_momentum(GridState& g, const Vec2& gravity, double damping, double dt, int threads) {
   const auto n = std::ptrdiff_t(g.nodes.size());
@@ -30,21 +70,34 @@ void update_momentum(GridState& g, const Vec2& gravity, double damping, double d
   }
 }
 
-NodalWork nodal_work(const GridState& g, const std::vector<Reaction>& reactions, double damping, double dt) {
+NodalWork nodal_work(const GridState& g, const std::vector<Reaction>& reactions, double damping, double dt,
+                     bool remapped) {
   NodalWork work;
   for (const Reaction& r : reactions) {
     const Node& node = g.node[r.node];
-    const double done = 0.5 * (r.impulse_x * (node.vx + node.ux) + r.impulse_y * (node.vy + node.uy));
+    const double sx = node.vx + (remapped ? node.ux : node.nx), sy = node.vy + (remapped ? node.uy : node.ny);
     const double by_wall = r.impulse_x * r.wall_x + r.impulse_y * r.wall_y;
     work.bodies += by_wall;
-    work.contact += by_wall - done;
+    work.contact += by_wall - 0.5 * (r.impulse_x * sx + r.impulse_y * sy);
   }
-  if (damping > 0)
-    for (const std::uint32_t n : g.nodes) {
-      const Node& node = g.node[n];
-      work.damping -= 0.5 * dt * (node.dx * (node.vx + node.ux) + node.dy * (node.vy + node.uy));
-    }
+  for (const std::uint32_t n : g.nodes) {
+    const Node& node = g.node[n];
+    const double sx = node.vx + (remapped ? node.ux : node.nx), sy = node.vy + (remapped ? node.uy : node.ny);
+    work.kinetic += 0.5 * node.mass * ((node.nx - node.vx) * sx + (node.ny - node.vy) * sy);
+    if (damping > 0) work.damping -= 0.5 * dt * (node.dx * sx + node.dy * sy);
+  }
   return work;
+}
+
+NodalMotion nodal_motion(const GridState& g) {
+  NodalMotion out;
+  for (const std::uint32_t n : g.nodes) {
+    const Node& node = g.node[n];
+    const double speed2 = node.nx * node.nx + node.ny * node.ny;
+    out.kinetic += 0.5 * node.mass * speed2;
+    out.fastest2 = std::max(out.fastest2, speed2);
+  }
+  return out;
 }
 
 }  // namespace pivnp::mpm

@@ -27,6 +27,7 @@ RigidBodies::RigidBodies(const std::vector<std::pair<std::string, RigidOptions>>
     }
     body.velocity = {options.velocity_m_s[0], options.velocity_m_s[1]};
     body.from = options.from_s;
+    body.friction = options.friction;
     body.until = options.until_s.value_or(std::numeric_limits<double>::infinity());
     bool any = false;
     for (int j = 0; j < grid.ny && !any; ++j)
@@ -74,19 +75,39 @@ void RigidBodies::for_nodes_inside(const Body& body, double time, GridState& g, 
   for (int j = first_j; j <= last_j; ++j)
     for (int i = first_i; i <= last_i; ++i) {
       const std::size_t n = g.grid.node(i, j);
-      if (g.node[n].mass > 0 && body.contains(g.grid.position(i, j) - offset)) action(n);
+      const Vec2 x = g.grid.position(i, j) - offset;
+      if (g.node[n].mass > 0 && body.contains(x)) action(n, x);
     }
 }
 
+Vec2 RigidBodies::Body::velocity_of_node(const Vec2& v, const Vec2& x, const Vec2& of_body, bool with_friction) const {
+  if (!friction) return of_body;
+  Vec2 normal = x - centre;
+  if (polygon) polygon->distance(x, normal);
+  else if (!(normal.norm() > 0)) return of_body;
+  normal.normalize();
+  const Vec2 slip = v - of_body;
+  const double inward = -slip.dot(normal);
+  if (!(inward > 0)) return v;
+  Vec2 along = slip + inward * normal;
+  if (with_friction) {
+    const double speed = along.norm(), most = *friction * inward;
+    along *= speed <= most ? 0.0 : 1 - most / speed;
+  }
+  return of_body + along;
+}
+
 void RigidBodies::apply(double time, GridState& g, std::vector<Reaction>& reactions) const {
-  for (const Body& body : bodies_) {
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const Body& body = bodies_[b];
     const Vec2 v = body.velocity_at(time);
-    for_nodes_inside(body, time, g, [&](std::size_t n) {
+    for_nodes_inside(body, time, g, [&](std::size_t n, const Vec2& x) {
       Node& node = g.node[n];
-      const Vec2 impulse = node.mass * (v - Vec2(node.nx, node.ny));
-      reactions.push_back({std::uint32_t(n), impulse.x(), impulse.y(), v.x(), v.y()});
-      node.nx = v.x();
-      node.ny = v.y();
+      const Vec2 free(node.nx, node.ny), now = body.velocity_of_node(free, x, v, true);
+      const Vec2 impulse = node.mass * (now - free);
+      reactions.push_back({std::uint32_t(n), impulse.x(), impulse.y(), v.x(), v.y(), int(b)});
+      node.nx = now.x();
+      node.ny = now.y();
     });
   }
 }
@@ -94,9 +115,10 @@ void RigidBodies::apply(double time, GridState& g, std::vector<Reaction>& reacti
 void RigidBodies::apply_to_remapped(double time, GridState& g) const {
   for (const Body& body : bodies_) {
     const Vec2 v = body.velocity_at(time);
-    for_nodes_inside(body, time, g, [&](std::size_t n) {
-      g.node[n].ux = v.x();
-      g.node[n].uy = v.y();
+    for_nodes_inside(body, time, g, [&](std::size_t n, const Vec2& x) {
+      const Vec2 now = body.velocity_of_node(Vec2(g.node[n].ux, g.node[n].uy), x, v, false);
+      g.node[n].ux = now.x();
+      g.node[n].uy = now.y();
     });
   }
 }
@@ -107,6 +129,12 @@ double RigidBodies::next_change(double time) const {
     for (const double t : {body.from, body.until})
       if (t > time) next = std::min(next, t);
   return next;
+}
+
+bool RigidBodies::moving_after(double time) const {
+  for (const Body& body : bodies_)
+    if (body.velocity.norm() > 0 && time < body.until) return true;
+  return false;
 }
 
 double RigidBodies::fastest() const {

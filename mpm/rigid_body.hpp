@@ -1,4 +1,6 @@
-// Rigid bodies with prescribed motion: the nodes inside the moving outline carry its velocity (rough contact).
+// Rigid bodies with prescribed motion. Rough: the nodes inside the moving outline carry its velocity. With a friction
+// coefficient (0: smooth) only the motion into the body is stopped there, along the outline's normal (a circle's: from
+// its centre), and what slides is slowed by at most friction times the normal impulse (Bardenhagen et al. 2000).
 #pragma once
 
 #include <optional>
@@ -23,7 +25,9 @@ class RigidBodies {
   void apply_to_remapped(double time, GridState& g) const;
   /// The first time after `time` at which a body starts or stops.
   double next_change(double time) const;
+  bool moving_after(double time) const;
   double fastest() const;  // greatest speed of a body, m/s
+  std::size_t size() const { return bodies_.size(); }
   bool empty() const { return bodies_.empty(); }
 
  private:
@@ -34,7 +38,9 @@ class RigidBodies {
     double radius = 0;
     Vec2 velocity = Vec2::Zero();
     double from = 0, until = 0;
+    std::optional<double> friction;
 
+    Vec2 velocity_of_node(const Vec2& v, const Vec2& x_at_time_0, const Vec2& of_body, bool with_friction) const;
     Vec2 offset(double time) const;
     Vec2 velocity_at(double time) const;
     bool contains(const Vec2& x_at_time_0) const;
