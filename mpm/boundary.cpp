@@ -180,6 +180,7 @@ void Restraints::apply(double time, double dt, GridState& g, std::vector<Reactio
     reactions.push_back({at.node, node.mass * (v.x() - free.x()), node.mass * (v.y() - free.y()), 0, 0});
     node.nx = v.x();
     node.ny = v.y();
+    node.held = true;
   }
 }
 

@@ -143,26 +143,29 @@ std::int32_t GridState::slot_near(const Vec2& x, double& xi, double& eta) const 
   return best;
 }
 
+void GridState::weights_at(std::int32_t cell, double xi, double eta, std::size_t* at, double* weights) const {
+  const unsigned f = fold_of(cell);
+  with_shape(shape, [&](auto kind) {
+    using S = decltype(kind);
+    constexpr double half = 0.25;
+    const auto lx = S::line(xi, half, f & fold_left, f & fold_right), ly = S::line(eta, half, f & fold_down, f & fold_up);
+    for (int c = 0; c < S::width * S::width; ++c) {
+      at[c] = std::size_t(cell + c / S::width * grid.nx + c % S::width);
+      weights[c] = lx.w[c % S::width] * ly.w[c / S::width];
+    }
+  });
+}
+
 Vec2 GridState::velocity_at(const Vec2& x) const {
   double xi = 0, eta = 0;
   const std::int32_t s = slot_near(x, xi, eta);
   if (s < 0) return Vec2::Zero();
-  const auto slot = std::size_t(s);
   std::size_t at[9];
-  stencil_nodes(slot, at);
-  const unsigned f = slot_fold[slot];
-  return with_shape(shape, [&](auto kind) {
-    using S = decltype(kind);
-    constexpr double half = 0.25;  // a point of uGIMP as seeded four an element
-    const auto lx = S::line(xi, half, f & fold_left, f & fold_right), ly = S::line(eta, half, f & fold_down, f & fold_up);
-    Vec2 v = Vec2::Zero();
-    for (int b = 0; b < S::width; ++b)
-      for (int a = 0; a < S::width; ++a) {
-        const Node& n = node[at[b * S::width + a]];
-        v += lx.w[a] * ly.w[b] * Vec2(n.ux, n.uy);
-      }
-    return v;
-  });
+  double w[9];
+  weights_at(slot_cell[std::size_t(s)], xi, eta, at, w);
+  Vec2 v = Vec2::Zero();
+  for (int c = 0; c < stencil; ++c) v += w[c] * Vec2(node[at[c]].ux, node[at[c]].uy);
+  return v;
 }
 
 }  // namespace pivnp::mpm

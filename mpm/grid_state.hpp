@@ -17,6 +17,7 @@ struct Node {
   double nx = 0, ny = 0;    // velocity after the momentum update and the restraints
   double ux = 0, uy = 0;    // velocity that strains the material (MUSL: mapped again), restrained
   double dx = 0, dy = 0;    // damping force, part of the force, N/m
+  bool held = false;        // by a wall or body
 };
 
 /// A "cell" is the set of points that share their nodes: an element for bilinear shapes, the square around a node for
@@ -54,6 +55,8 @@ class GridState {
 
   /// The cell of a point and its natural coordinates; false outside the domain (round-off of 1e-9 spacings is inside).
   bool find(double x, double y, std::int32_t& cell, double& xi, double& eta) const;
+  /// Nodes and weights of a place found there, with the walls' folds (a point of uGIMP as seeded four an element).
+  void weights_at(std::int32_t cell, double xi, double eta, std::size_t* at, double* weights) const;
   /// Builds order, slots and active nodes from Particles::cell.
   void rebuild(const Particles& particles);
   /// Walls of the nodes from here on (Restraints::folds).

@@ -70,21 +70,25 @@ void update_momentum(GridState& g, const Vec2& gravity, double damping, double d
   }
 }
 
+Vec2 working_velocity(const Node& node, bool strained) {
+  const Vec2 after = strained ? Vec2(node.ux, node.uy) : Vec2(node.nx, node.ny);
+  return node.held ? after : Vec2(0.5 * (node.vx + after.x()), 0.5 * (node.vy + after.y()));
+}
+
 NodalWork nodal_work(const GridState& g, const std::vector<Reaction>& reactions, double damping, double dt,
-                     bool remapped) {
+                     bool strained) {
   NodalWork work;
   for (const Reaction& r : reactions) {
-    const Node& node = g.node[r.node];
-    const double sx = node.vx + (remapped ? node.ux : node.nx), sy = node.vy + (remapped ? node.uy : node.ny);
+    const Vec2 w = working_velocity(g.node[r.node], strained);
     const double by_wall = r.impulse_x * r.wall_x + r.impulse_y * r.wall_y;
     work.bodies += by_wall;
-    work.contact += by_wall - 0.5 * (r.impulse_x * sx + r.impulse_y * sy);
+    work.contact += by_wall - (r.impulse_x * w.x() + r.impulse_y * w.y());
   }
   for (const std::uint32_t n : g.nodes) {
     const Node& node = g.node[n];
-    const double sx = node.vx + (remapped ? node.ux : node.nx), sy = node.vy + (remapped ? node.uy : node.ny);
-    work.kinetic += 0.5 * node.mass * ((node.nx - node.vx) * sx + (node.ny - node.vy) * sy);
-    if (damping > 0) work.damping -= 0.5 * dt * (node.dx * sx + node.dy * sy);
+    const Vec2 w = working_velocity(node, strained);
+    work.kinetic += node.mass * ((node.nx - node.vx) * w.x() + (node.ny - node.vy) * w.y());
+    if (damping > 0) work.damping -= dt * (node.dx * w.x() + node.dy * w.y());
   }
   return work;
 }

@@ -34,12 +34,13 @@ struct NodalWork {
   double kinetic = 0;   // of all impulses together
 };
 
-/// The work of an impulse is impulse . (v + w)/2, v the mapped velocity and w the one after the step: the restrained
-/// Node::n, with which it is exactly what the nodes' kinetic energy changes by; or, `remapped`, Node::u before it is
-/// restrained: with that it is exactly what FLIP changes the points' kinetic energy by, and the velocity that strains the
-/// material is meant (MUSL).
+/// The work of an impulse is impulse . w, where w is the mean of the mapped velocity v and the one that strains the
+/// material (`strained`: Node::u, as with MUSL; else Node::n), and at held nodes the latter alone: v there is what the
+/// points would do without the wall. With it the work of the stresses is what the points' energy changes by.
 NodalWork nodal_work(const GridState& g, const std::vector<Reaction>& reactions, double damping, double dt,
-                     bool remapped);
+                     bool strained);
+
+Vec2 working_velocity(const Node& node, bool strained);
 
 /// 1/2 m n^2 of the active nodes, J/m, and their greatest squared speed.
 struct NodalMotion {

@@ -61,7 +61,7 @@ double sign(double v) { return v > 0 ? 1.0 : v < 0 ? -1.0 : 0.0; }
 class Relaxation {
  public:
   Relaxation(const SettleOptions& options, const Scheme& scheme, const Materials& materials, Restraints& restraints,
-             const RigidBodies& bodies, Particles& particles, GridState& grid)
+             RigidBodies& bodies, Particles& particles, GridState& grid)
       : o_(options), scheme_(scheme), materials_(materials), restraints_(restraints), bodies_(bodies), p_(particles), g_(grid),
         mass_(fictitious_masses(particles, materials, grid)),
         velocity_(grid.nodes.size(), Vec2::Zero()) {}
@@ -75,7 +75,7 @@ class Relaxation {
     const double applied = propose();
     reactions_.clear();
     restraints_.apply(0, 0, g_, reactions_);
-    bodies_.apply(-1, g_, reactions_);  // at rest
+    bodies_.apply(-1, 0, g_, reactions_);  // at rest
     const double unbalanced = accelerate();
     strain_points(p_, g_, scheme_, 1.0, false, threads);
     std::fill(p_.spin.begin(), p_.spin.end(), 0.0);  // displacements are small against the rotations that would matter
@@ -128,7 +128,7 @@ class Relaxation {
   const Scheme& scheme_;
   const Materials& materials_;
   Restraints& restraints_;
-  const RigidBodies& bodies_;
+  RigidBodies& bodies_;
   Particles& p_;
   GridState& g_;
   ThreadChoice choice_{o_.threads};
@@ -141,7 +141,7 @@ class Relaxation {
 }  // namespace
 
 int settle_particles(const SettleOptions& options, const Scheme& scheme, const Materials& materials, Restraints& restraints,
-                     const RigidBodies& bodies, Particles& p, GridState& g, Progress& progress) {
+                     RigidBodies& bodies, Particles& p, GridState& g, Progress& progress) {
   locate_all(p, g);
   if (std::abs(options.gravity.x()) <= 1e-3 * std::abs(options.gravity.y()))
     start_from_columns(p, materials, g, options.gravity.y());

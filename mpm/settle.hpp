@@ -23,6 +23,6 @@ struct SettleOptions {
 /// tolerance. Starts from K0 stresses (weight of the column above; horizontal nu/(1 - nu) of it) where gravity is
 /// vertical. Returns the number of iterations; throws RunError if `tolerance` is not met in a bounded number.
 int settle_particles(const SettleOptions& options, const Scheme& scheme, const Materials& materials, Restraints& restraints,
-                     const RigidBodies& bodies, Particles& particles, GridState& grid, Progress& progress);
+                     RigidBodies& bodies, Particles& particles, GridState& grid, Progress& progress);
 
 }  // namespace pivnp::mpm

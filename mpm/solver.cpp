@@ -24,6 +24,7 @@ constexpr std::int64_t check_every = 100;     // steps between looks at the ener
 constexpr std::int64_t stiffness_every = 8;   // steps between looks at the wave speed
 constexpr std::int64_t sort_every = 64;       // changes of cells between re-sorts of the storage
 constexpr double least_mass = 1e-5;           // of a full cell: lighter nodes move with a neighbour
+constexpr double touching = 0.25;             // of a full cell: mass around a body's outline in contact
 constexpr double calm = 1e-3;                 // of the peak kinetic energy
 constexpr double calm_share = 0.1;            // of the run for which it has to be calm, and
 constexpr int calm_looks = 10;                // looks at the balance
@@ -62,9 +63,11 @@ struct Solver::Impl {
   void restrain_velocity();
   void map_state(double dt, int threads);
   void map_body_force(int threads);
+  void choose_strain_velocity();
   void strain(double dt, int threads);
   void book_work(double dt);
   void watch_motion();
+  double least_density() const { return *std::min_element(density.begin(), density.end()); }
   void end_particles(const std::vector<std::uint32_t>& left);
   void check_balance();
   [[noreturn]] void fail(const std::string& cause);
@@ -106,8 +109,13 @@ void Solver::Impl::step(double dt) {
   light.join_momentum(g, dt);
   restrain_momentum(dt);
   gather = gather_velocity(p, g, scheme, dt, filtered, scheme.stress == StressUpdate::musl, threads);  // A.8-A.11
-  book_work(dt);
-  if (scheme.stress != StressUpdate::usf) strain(dt, threads);   // A.12, A.13, A.22, A.24
+  if (scheme.stress == StressUpdate::usf) {
+    book_work(dt);
+  } else {
+    choose_strain_velocity();
+    book_work(dt);
+    strain(dt, threads);                                         // A.12, A.13, A.22, A.24
+  }
 
   if (!gather.good) fail("a particle is not finite or moved more than a cell in one step");
   state.fastest = std::sqrt(gather.fastest2);
@@ -119,8 +127,9 @@ void Solver::Impl::map_state(double dt, int threads) {
   const bool first = scheme.stress == StressUpdate::usf;
   if (!first) average_mean_stress(p, g, scheme, threads);
   map_momentum(p, g, scheme, !first, threads);
-  light.find(g, least_mass * *std::min_element(density.begin(), density.end()) * g.grid.spacing.prod());
+  light.find(g, least_mass * least_density() * g.grid.spacing.prod());
   if (first) {
+    choose_strain_velocity();
     strain(dt, threads);  // A.12, A.13, A.22, A.24
     average_mean_stress(p, g, scheme, threads);
     map_force(p, g, scheme, threads);
@@ -128,8 +137,7 @@ void Solver::Impl::map_state(double dt, int threads) {
   if (scheme.transfer == TransferKind::xpic) filtered_velocity(p, g, scheme.xpic_order, filtered, threads);
 }
 
-// Strain and stress, from the velocities that the scheme strains with.
-void Solver::Impl::strain(double dt, int threads) {
+void Solver::Impl::choose_strain_velocity() {
   if (scheme.stress != StressUpdate::musl)
     for (const std::uint32_t n : g.nodes) {
       Node& node = g.node[n];
@@ -138,6 +146,9 @@ void Solver::Impl::strain(double dt, int threads) {
     }
   light.join_velocity(g);
   restrain_velocity();
+}
+
+void Solver::Impl::strain(double dt, int threads) {
   strain_points(p, g, scheme, dt, true, threads);
   update_stress(materials, p, threads);
   if (state.steps % stiffness_every == 0) state.wave_speed = wave_speed(materials, density, p);
@@ -168,7 +179,7 @@ void Solver::Impl::find_cells(int threads) {
 void Solver::Impl::restrain_momentum(double dt) {
   reactions.clear();
   restraints.apply(state.time, dt, g, reactions);
-  bodies.apply(state.time, g, reactions);
+  bodies.apply(state.time, touching * least_density() * g.grid.spacing.prod(), g, reactions);
 }
 
 void Solver::Impl::restrain_velocity() {
@@ -177,8 +188,8 @@ void Solver::Impl::restrain_velocity() {
 }
 
 void Solver::Impl::book_work(double dt) {
-  const bool remapped = scheme.stress == StressUpdate::musl;
-  state.book.add(nodal_work(g, reactions, scheme.damping, dt, remapped), gather.kinetic_loss);
+  const bool strained = scheme.stress != StressUpdate::usf;
+  state.book.add(nodal_work(g, reactions, scheme.damping, dt, strained), gather.kinetic_loss);
   for (const Reaction& r : reactions)
     if (r.body >= 0) {
       state.body_impulse[2 * std::size_t(r.body)] += r.impulse_x;
@@ -186,9 +197,8 @@ void Solver::Impl::book_work(double dt) {
     }
   if (!scene.body_force) return;
   for (const std::uint32_t n : g.nodes) {
-    const Node& node = g.node[n];
-    const double wx = remapped ? node.ux : node.nx, wy = remapped ? node.uy : node.ny;
-    const double work = 0.5 * dt * (pushed[2 * n] * (node.vx + wx) + pushed[2 * n + 1] * (node.vy + wy));
+    const Vec2 w = working_velocity(g.node[n], strained);
+    const double work = dt * (pushed[2 * n] * w.x() + pushed[2 * n + 1] * w.y());
     state.book.bodies += work;
     state.book.moved += std::abs(work);
   }
