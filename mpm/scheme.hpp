@@ -12,7 +12,7 @@ enum class Locking { none, selective, full, fbar };
 struct Scheme {
   ShapeKind shape = ShapeKind::bspline;
   TransferKind transfer = TransferKind::apic;
-  StressUpdate stress = StressUpdate::musl;
+  StressUpdate stress = StressUpdate::usl;
   Locking locking = Locking::fbar;
   double pic_per_s = 0;  // of FLIP: share 1 - exp(-rate dt) of PIC a step
   int xpic_order = 5;    // of XPIC
