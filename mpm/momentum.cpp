@@ -93,13 +93,13 @@ NodalWork nodal_work(const GridState& g, const std::vector<Reaction>& reactions,
   return work;
 }
 
-NodalMotion nodal_motion(const GridState& g) {
+NodalMotion nodal_motion(const GridState& g, double least) {
   NodalMotion out;
   for (const std::uint32_t n : g.nodes) {
     const Node& node = g.node[n];
     const double speed2 = node.nx * node.nx + node.ny * node.ny;
     out.kinetic += 0.5 * node.mass * speed2;
-    out.fastest2 = std::max(out.fastest2, speed2);
+    if (node.mass > least) out.fastest2 = std::max(out.fastest2, speed2);
   }
   return out;
 }

@@ -42,10 +42,10 @@ NodalWork nodal_work(const GridState& g, const std::vector<Reaction>& reactions,
 
 Vec2 working_velocity(const Node& node, bool strained);
 
-/// 1/2 m n^2 of the active nodes, J/m, and their greatest squared speed.
+/// 1/2 m n^2 of the active nodes, J/m, and the greatest squared speed of those heavier than `least` (kg/m).
 struct NodalMotion {
   double kinetic = 0, fastest2 = 0;
 };
-NodalMotion nodal_motion(const GridState& g);
+NodalMotion nodal_motion(const GridState& g, double least);
 
 }  // namespace pivnp::mpm

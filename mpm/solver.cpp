@@ -24,6 +24,7 @@ constexpr std::int64_t check_every = 100;     // steps between looks at the ener
 constexpr std::int64_t stiffness_every = 8;   // steps between looks at the wave speed
 constexpr std::int64_t sort_every = 64;       // changes of cells between re-sorts of the storage
 constexpr double least_mass = 1e-5;           // of a full cell: lighter nodes move with a neighbour
+constexpr double heavy_mass = 0.05;           // of a full cell: nodes whose speed says something
 constexpr double touching = 0.25;             // of a full cell: mass around a body's outline in contact
 constexpr double calm = 1e-3;                 // of the peak kinetic energy
 constexpr double calm_share = 0.1;            // of the run for which it has to be calm, and
@@ -63,7 +64,7 @@ struct Solver::Impl {
   void restrain_velocity();
   void map_state(double dt, int threads);
   void map_body_force(int threads);
-  void choose_strain_velocity();
+  void choose_strain_velocity(double dt);
   void strain(double dt, int threads);
   void book_work(double dt);
   void watch_motion();
@@ -112,7 +113,7 @@ void Solver::Impl::step(double dt) {
   if (scheme.stress == StressUpdate::usf) {
     book_work(dt);
   } else {
-    choose_strain_velocity();
+    choose_strain_velocity(dt);
     book_work(dt);
     strain(dt, threads);                                         // A.12, A.13, A.22, A.24
   }
@@ -129,7 +130,7 @@ void Solver::Impl::map_state(double dt, int threads) {
   map_momentum(p, g, scheme, !first, threads);
   light.find(g, least_mass * least_density() * g.grid.spacing.prod());
   if (first) {
-    choose_strain_velocity();
+    choose_strain_velocity(dt);
     strain(dt, threads);  // A.12, A.13, A.22, A.24
     average_mean_stress(p, g, scheme, threads);
     map_force(p, g, scheme, threads);
@@ -137,15 +138,24 @@ void Solver::Impl::map_state(double dt, int threads) {
   if (scheme.transfer == TransferKind::xpic) filtered_velocity(p, g, scheme.xpic_order, filtered, threads);
 }
 
-void Solver::Impl::choose_strain_velocity() {
+void Solver::Impl::choose_strain_velocity(double dt) {
+  const bool first = scheme.stress == StressUpdate::usf;
+  if (first) {  // the mapped velocity, as walls and bodies let it be
+    for (const std::uint32_t n : g.nodes) {
+      g.node[n].nx = g.node[n].vx;
+      g.node[n].ny = g.node[n].vy;
+    }
+    restrain_momentum(dt);
+  }
   if (scheme.stress != StressUpdate::musl)
     for (const std::uint32_t n : g.nodes) {
       Node& node = g.node[n];
-      node.ux = scheme.stress == StressUpdate::usl ? node.nx : node.vx;
-      node.uy = scheme.stress == StressUpdate::usl ? node.ny : node.vy;
+      node.ux = node.nx;
+      node.uy = node.ny;
+      if (first) node.held = false;
     }
   light.join_velocity(g);
-  restrain_velocity();
+  if (!first) restrain_velocity();
 }
 
 void Solver::Impl::strain(double dt, int threads) {
@@ -205,7 +215,7 @@ void Solver::Impl::book_work(double dt) {
 }
 
 void Solver::Impl::watch_motion() {
-  const NodalMotion motion = nodal_motion(g);
+  const NodalMotion motion = nodal_motion(g, heavy_mass * least_density() * g.grid.spacing.prod());
   state.peak_kinetic = std::max(state.peak_kinetic, motion.kinetic);
   const bool is_calm = motion.kinetic < calm * state.peak_kinetic &&
                        std::sqrt(motion.fastest2) * state.time < still * g.grid.spacing.minCoeff();
@@ -213,7 +223,8 @@ void Solver::Impl::watch_motion() {
     state.calm_since = state.time;
     state.calm_looks = 0;
   }
-  state.at_rest = is_calm && ++state.calm_looks > calm_looks && !scene.body_force && state.time - state.calm_since > calm_share * state.time &&
+  state.at_rest = is_calm && ++state.calm_looks > calm_looks && !scene.body_force &&
+                  state.time - state.calm_since > calm_share * state.time &&
                   std::isinf(restraints.next_change(state.time)) && !bodies.moving_after(state.time);
 }
 
