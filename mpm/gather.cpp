@@ -127,14 +127,8 @@ template <class S>
 GatherSums gather(Particles& p, GridState& g, const Scheme& scheme, double dt, const std::vector<double>& filtered,
                   bool remap, int threads) {
   constexpr int N = S::width * S::width;
-  const auto n_slots = std::ptrdiff_t(g.slots());
-  std::vector<double> loss(g.slots(), 0.0);
-  double fastest2 = 0;
-  bool good = true;
-#pragma omp parallel for num_threads(threads) schedule(static) reduction(max : fastest2) reduction(&& : good) \
-    if (threads > 1)
-  for (std::ptrdiff_t q = 0; q < n_slots; ++q) {
-    const auto s = std::size_t(q);
+  std::vector<SlotResult> results(g.slots());
+  for_slots(g, threads, [&](std::size_t s) {
     std::size_t at[9];
     g.stencil_nodes(s, at);
     SlotNodes<N> nodes;
@@ -147,17 +141,18 @@ GatherSums gather(Particles& p, GridState& g, const Scheme& scheme, double dt, c
       nodes.bx[c] = filtered.empty() ? 0 : filtered[2 * at[c]];
       nodes.by[c] = filtered.empty() ? 0 : filtered[2 * at[c] + 1];
     }
-    const SlotResult r =
+    results[s] =
         scheme.transfer == TransferKind::apic   ? gather_slot<S, TransferKind::apic>(p, g, scheme, s, nodes, dt, remap)
         : scheme.transfer == TransferKind::xpic ? gather_slot<S, TransferKind::xpic>(p, g, scheme, s, nodes, dt, remap)
                                                 : gather_slot<S, TransferKind::flip>(p, g, scheme, s, nodes, dt, remap);
-    loss[s] = r.loss;
-    good = good && r.good;
-    fastest2 = std::max(fastest2, r.fastest2);
+  });
+  GatherSums sums;
+  for (const SlotResult& r : results) {
+    sums.kinetic_loss += r.loss;
+    sums.good = sums.good && r.good;
+    sums.fastest2 = std::max(sums.fastest2, r.fastest2);
   }
-  double total = 0;
-  for (const double l : loss) total += l;
-  return {fastest2, total, good};
+  return sums;
 }
 
 // P v: from the nodes to the points and back. `v`: x, y of every node of the grid.

@@ -51,29 +51,37 @@ inline double affine_energy(const Particles& p, const Vec2& h, std::size_t k) {
                   (p.C_xy[k] * p.C_xy[k] + p.C_yy[k] * p.C_yy[k]) * h.y() * h.y());
 }
 
-/// Calls body(slot) for every slot, on `threads` threads; `threads` does not change any bit.
+/// Calls body(k) for k < n, on `threads` threads; `threads` does not change any bit. (One thread opens no parallel
+/// region: in small scenes that would cost more than the loop.)
+template <class Body>
+void for_each(std::size_t size, int threads, Body&& body) {
+  const auto n = std::ptrdiff_t(size);
+  if (threads <= 1) {
+    for (std::ptrdiff_t k = 0; k < n; ++k) body(std::size_t(k));
+    return;
+  }
+#pragma omp parallel for num_threads(threads) schedule(static)
+  for (std::ptrdiff_t k = 0; k < n; ++k) body(std::size_t(k));
+}
+
 template <class Body>
 void for_slots(const GridState& g, int threads, Body&& body) {
-  const auto n = std::ptrdiff_t(g.slots());
-#pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
-  for (std::ptrdiff_t s = 0; s < n; ++s) body(std::size_t(s));
+  for_each(g.slots(), threads, body);
 }
 
 /// Adds the slots' quantities first ... first + Q - 1 at every active node, in a fixed order; put(node, sums).
 template <int Q, class Put>
 void for_nodes(GridState& g, int first, int threads, Put&& put) {
-  const auto n = std::ptrdiff_t(g.nodes.size());
   const int N = g.stencil;
-#pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
-  for (std::ptrdiff_t a = 0; a < n; ++a) {
+  for_each(g.nodes.size(), threads, [&](std::size_t a) {
     double sum[Q] = {};
-    const std::uint32_t* slots = g.node_slots.data() + std::size_t(a) * std::size_t(N);
+    const std::uint32_t* slots = g.node_slots.data() + a * std::size_t(N);
     for (int c = 0; c < N; ++c) {
       const double* from = g.slot_sums(slots[c]) + first * N + c;
       for (int q = 0; q < Q; ++q) sum[q] += from[q * N];
     }
-    put(g.nodes[std::size_t(a)], sum);
-  }
+    put(g.nodes[a], sum);
+  });
 }
 
 }  // namespace pivnp::mpm

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mpm/kernel.hpp"
+
 namespace pivnp::mpm {
 
 namespace {
@@ -53,10 +55,8 @@ void LightNodes::join_velocity(GridState& g) const {
 }
 
 void update_momentum(GridState& g, const Vec2& gravity, double damping, double dt, int threads) {
-  const auto n = std::ptrdiff_t(g.nodes.size());
-#pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
-  for (std::ptrdiff_t a = 0; a < n; ++a) {
-    Node& node = g.node[g.nodes[std::size_t(a)]];
+  for_each(g.nodes.size(), threads, [&](std::size_t a) {
+    Node& node = g.node[g.nodes[a]];
     node.fx += node.mass * gravity.x();
     node.fy += node.mass * gravity.y();
     node.dx = node.dy = 0;
@@ -67,7 +67,7 @@ void update_momentum(GridState& g, const Vec2& gravity, double damping, double d
     const double step = node.mass > 0 ? dt / node.mass : 0;
     node.nx = node.vx + step * (node.fx + node.dx);
     node.ny = node.vy + step * (node.fy + node.dy);
-  }
+  });
 }
 
 Vec2 working_velocity(const Node& node, bool strained) {

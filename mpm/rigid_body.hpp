@@ -2,7 +2,7 @@
 //
 // Contact is held at points of the outline, at most a cell apart: the material's velocity there, interpolated with the
 // shape functions, meets that of the body; the impulses go to the nodes through the same functions (Lagrange multipliers
-// on an embedded surface, lumped masses, Gauss-Seidel with projection as in Moreau's and Jean's contact dynamics, 1999).
+// on an embedded surface, lumped masses, Gauss-Seidel with projection as in contact dynamics, Jean 1999).
 // So the surface is where the outline is, not where the next nodes are. Rough: no relative motion. With a friction
 // coefficient mu (0: smooth): no motion into the body, the tangential impulse at most mu times the normal one. A point
 // of the outline is in contact where the mass that its nodes give it is a quarter of a full cell's or more (next to a

@@ -83,7 +83,7 @@ Resistance cylinder(double poisson, bool rough, int cells, double speed) {
   double sum = 0, squares = 0, last = 0;
   for (int k = 10; k <= 20; ++k) {
     solver.advance_to(0.01 * k / v, silent);
-    const double impulse = -2 * solver.body_impulse(0).x();
+    const double impulse = 2 * solver.body_impulse(0).x();
     const double n = (impulse - last) / (0.01 / v) / strength;
     last = impulse;
     if (k == 10) continue;

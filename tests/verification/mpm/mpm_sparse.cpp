@@ -1,7 +1,7 @@
-// Sparse random layouts: 1,000 scenes of 1 to 10 points scattered over 4 x 4 cells, elastic, B-spline, FLIP, MUSL. The
+// Sparse random layouts: 1,000 scenes of 1 to 6 points scattered over 2.5 x 2.5 cells, elastic, B-spline, FLIP, MUSL. The
 // greatest frequency of a layout comes from its stiffness and its mass as the scheme moves it, assembled here on their
 // own: K = sum V B^T C B, lumped M, and MUSL advances P M^-1 K, P from nodes to points and back; power iteration.
-// Criterion: at 0.9 of 2/omega_max no NaN and no growth in 300 steps, at 1.2 growth, in all of them; and the step the
+// Criterion: at 0.9 of 2/omega_max no NaN and no growth in 100 steps, at 1.2 growth within 40, in all of them; and the step the
 // solver chooses itself is below the stable one.
 #include <gtest/gtest.h>
 
@@ -82,11 +82,11 @@ TEST(MpmSparse, AThousandRandomLayouts) {
   constexpr unsigned seed = 20261121;
   SCOPED_TRACE(seed);
   std::mt19937_64 random(seed);
-  std::uniform_real_distribution<double> place(0.1, 0.5), kick(-1e-7, 1e-7);
+  std::uniform_real_distribution<double> place(0.15, 0.4), kick(-1e-7, 1e-7);
   int stable = 0, grown = 0, total = 0, bounded = 0;
   double least = 1e9;
   for (int layout = 0; layout < 1000; ++layout) {
-    const int points = 1 + layout % 10;
+    const int points = 1 + layout % 6;
     Scene s;
     s.grid = Grid{{0, 0}, {h, h}, 7, 7};
     s.materials = {elastic(young, poisson, density)};
@@ -124,9 +124,9 @@ TEST(MpmSparse, AThousandRandomLayouts) {
       return (e.kinetic + e.elastic) / (start.kinetic + start.elastic);
     };
     ++total;
-    const double calm = energy_after(0.9 * 2 / omega, 300);
+    const double calm = energy_after(0.9 * 2 / omega, 100);
     stable += std::isfinite(calm) && calm < 100;
-    grown += energy_after(1.2 * 2 / omega, 300) > 1e3;
+    grown += energy_after(1.2 * 2 / omega, 40) > 1e3;
     bounded += chosen <= 2 / omega;
     least = std::min(least, 2 / omega / (h / std::sqrt(1.346153846 * young / density)));
   }
