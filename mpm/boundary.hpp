@@ -1,6 +1,8 @@
 // Restraints on nodes: walls, bases, gates.
 #pragma once
 
+#include <array>
+#include <functional>
 #include <limits>
 #include <string>
 #include <utility>
@@ -16,41 +18,56 @@ struct Reaction {
   std::uint32_t node;
   double impulse_x, impulse_y;
   double wall_x, wall_y;
+  int body = -1;  // index of the rigid body; -1: a wall
 };
 
 /// fixed: no motion. roller: no motion along the normal, either way. frictional: no motion along the normal outward;
 /// the tangential impulse is at most friction times the normal one; separation is free (the nodal form of Coulomb's
-/// law, as in Bardenhagen, Brackbill & Sulsky 2000 for a wall at rest).
+/// law, as in Bardenhagen, Brackbill & Sulsky 2000 for a wall at rest). absorbing: dashpots rho c_p across and rho c_s
+/// along the wall (Lysmer & Kuhlemeyer 1969), taken implicitly, so that they do not bound the step.
+///
+/// A line along the grid through nodes restrains those nodes; shapes of three nodes fold away what lies behind it
+/// (shape.hpp), also under absorbing walls. Any other line restrains, for such shapes, the row of nodes behind it too.
 class Restraints {
  public:
+  /// rho c_p and rho c_s of the material near a point, kg/(m^2 s).
+  using Impedance = std::function<std::array<double, 2>(const Vec2&)>;
+
   /// A line restrains the nodes within half a cell of it; of two rows at equal distance, the outer one. A line's normal
   /// defaults to the one away from `centroid` (of the material). Throws InputError naming boundary.<name>.<key>.
-  Restraints(const std::vector<std::pair<std::string, BoundaryOptions>>& boundaries, const Grid& grid,
-             const Vec2& centroid);
+  Restraints(const std::vector<std::pair<std::string, BoundaryOptions>>& boundaries, const GridState& g,
+             const Vec2& centroid, const Impedance& impedance);
 
-  /// Restrains Node::nx, ny; the impulses are appended to `reactions`.
-  void apply(double time, GridState& g, std::vector<Reaction>& reactions);
+  /// Restrains Node::nx, ny; the impulses are appended to `reactions`. With dt = 0 (settling) absorbing walls are fixed.
+  void apply(double time, double dt, GridState& g, std::vector<Reaction>& reactions);
   /// Restrains Node::ux, uy alike; nodes that stuck in apply() stay.
   void apply_to_remapped(double time, GridState& g) const;
   /// The first time after `time` at which a restraint goes.
   double next_change(double time) const;
+  /// Behind which walls nothing is, for every node of the grid (Fold).
+  std::vector<std::uint8_t> folds(double time, const Grid& grid) const;
+  bool any_absorbing() const;
 
  private:
-  enum class Type : std::uint8_t { fixed, roller, frictional };
+  enum class Type : std::uint8_t { fixed, roller, frictional, absorbing };
   struct Wall {
     Type type;
     Vec2 normal;  // out of the material
     double friction;
     double until = std::numeric_limits<double>::infinity();
+    std::uint8_t fold = fold_none;
+    std::array<double, 2> impedance{};  // times the length that belongs to a node, kg/(m s)
+    Vec2 from = Vec2::Zero(), to = Vec2::Zero();
   };
   struct RestrainedNode {
     std::uint32_t node;
     std::vector<std::uint16_t> walls;
     bool stuck = false;
   };
-  void add_nodes(const std::string& key, const BoundaryOptions& options, Wall& wall, const Grid& grid,
+  void add_nodes(const std::string& key, const BoundaryOptions& options, Wall& wall, const GridState& g,
                  const Vec2& centroid, std::vector<std::vector<std::uint16_t>>& walls_of_node);
-  Vec2 restrain(const RestrainedNode& at, double time, Vec2 v, bool with_friction, bool& stuck) const;
+  Vec2 absorbed(const RestrainedNode& at, double time, double dt, const GridState& g, Vec2 v) const;
+  Vec2 restrain(const RestrainedNode& at, double time, Vec2 v, bool with_friction, bool& stuck, bool settling) const;
 
   std::vector<Wall> walls_;
   std::vector<RestrainedNode> nodes_;

@@ -1,23 +1,26 @@
 #include "mpm/energy.hpp"
 
+#include "mpm/kernel.hpp"
+
 namespace pivnp::mpm {
 
 namespace {
 
-StoredEnergy of_point(const Particles& p, const Elastic& elastic, std::size_t k) {
-  return {0.5 * p.mass[k] * (p.vx[k] * p.vx[k] + p.vy[k] * p.vy[k]),
-          p.volume0[k] * elastic.energy(p.tau_xx[k], p.tau_yy[k], p.tau_zz[k], p.tau_xy[k]),
-          p.volume0[k] * p.dissipated[k]};
+StoredEnergy of_point(const Particles& p, const GridState& g, const Material& material, const StressBatch& all,
+                      std::size_t k) {
+  return {p.mass[k] * (0.5 * (p.vx[k] * p.vx[k] + p.vy[k] * p.vy[k]) + affine_energy(p, g.grid.spacing, k)),
+          p.volume0[k] * material.energy(all, k), p.volume0[k] * p.dissipated[k]};
 }
 
 }  // namespace
 
-StoredEnergy stored_energy(const Particles& p, const Materials& materials) {
+StoredEnergy stored_energy(Particles& p, const GridState& g, const Materials& materials) {
   StoredEnergy sum;
+  const StressBatch all = batch_of(p, 0, p.size());
   for (const Particles::Body& body : p.bodies) {
-    const Elastic& elastic = materials[std::size_t(body.material)]->elastic();
+    const Material& material = *materials[std::size_t(body.material)];
     for (std::size_t k = body.begin; k < body.end; ++k) {
-      const StoredEnergy point = of_point(p, elastic, k);
+      const StoredEnergy point = of_point(p, g, material, all, k);
       sum.plastic += point.plastic;
       if (p.cell[k] == Particles::ended) continue;
       sum.kinetic += point.kinetic;
@@ -27,9 +30,10 @@ StoredEnergy stored_energy(const Particles& p, const Materials& materials) {
   return sum;
 }
 
-StoredEnergy stored_energy_of(const Particles& p, const Materials& materials, std::size_t k) {
+StoredEnergy stored_energy_of(Particles& p, const GridState& g, const Materials& materials, std::size_t k) {
   for (const Particles::Body& body : p.bodies)
-    if (k >= body.begin && k < body.end) return of_point(p, materials[std::size_t(body.material)]->elastic(), k);
+    if (k >= body.begin && k < body.end)
+      return of_point(p, g, *materials[std::size_t(body.material)], batch_of(p, 0, p.size()), k);
   return {};
 }
 

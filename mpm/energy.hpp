@@ -12,7 +12,7 @@ namespace pivnp::mpm {
 
 /// What was done since the start of the run, J/m.
 struct EnergyBook {
-  double damping = 0;   // local damping, and the PIC share of the transfer
+  double damping = 0;   // local damping, and the transfer between points and nodes
   double contact = 0;
   double bodies = 0;    // work of moving bodies
   double gravity = 0;   // work of gravity
@@ -20,8 +20,9 @@ struct EnergyBook {
   double start = 0;     // kinetic + elastic at the start
   double moved = 0;     // sum of |work of moving bodies| over the steps
 
-  void add(const NodalWork& work, double transfer_loss) {
-    damping += work.damping + transfer_loss;
+  /// What the nodes gained and the points did not is the transfer's loss, exactly.
+  void add(const NodalWork& work, double kinetic_loss_of_points) {
+    damping += work.damping + work.kinetic + kinetic_loss_of_points;
     contact += work.contact;
     bodies += work.bodies;
     moved += std::abs(work.bodies);
@@ -33,8 +34,9 @@ struct StoredEnergy {
 };
 
 /// Kinetic and elastic energy of the points still simulated, and what all have dissipated.
-StoredEnergy stored_energy(const Particles& p, const Materials& materials);
-StoredEnergy stored_energy_of(const Particles& p, const Materials& materials, std::size_t k);
+/// (`p` is not changed.) The kinetic energy holds that of the affine field (APIC).
+StoredEnergy stored_energy(Particles& p, const GridState& g, const Materials& materials);
+StoredEnergy stored_energy_of(Particles& p, const GridState& g, const Materials& materials, std::size_t k);
 
 EnergyRow energy_row(double time, const StoredEnergy& stored, const EnergyBook& book);
 

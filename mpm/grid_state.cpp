@@ -4,17 +4,56 @@
 #include <cmath>
 #include <limits>
 
-#include "pivnp/core/grid/shape.hpp"
-
 namespace pivnp::mpm {
 
-GridState::GridState(const Grid& g)
-    : grid(g),
-      per_hx(1 / g.spacing.x()),
-      per_hy(1 / g.spacing.y()),
-      node(g.node_count()),
-      slot_of_cell_(g.element_count(), -1),
-      count_(g.element_count(), 0) {}
+namespace {
+
+constexpr double round_off = 1e-9;  // of a cell, as in pivnp::locate
+
+}  // namespace
+
+GridState::GridState(const Grid& d, ShapeKind kind)
+    : shape(kind),
+      width(kind == ShapeKind::bilinear ? 2 : 3),
+      stencil(width * width),
+      domain(d),
+      grid(width == 3 ? padded(d, 1) : d),
+      per_hx(1 / d.spacing.x()),
+      per_hy(1 / d.spacing.y()),
+      node(grid.node_count()),
+      fold(grid.node_count(), fold_none),
+      slot_of_cell_(grid.node_count(), -1),
+      count_(grid.node_count(), 0) {}
+
+void GridState::stencil_nodes(std::size_t slot, std::size_t* out) const {
+  const auto first = std::size_t(slot_cell[slot]);
+  for (int b = 0; b < width; ++b)
+    for (int a = 0; a < width; ++a) *out++ = first + std::size_t(b * grid.nx + a);
+}
+
+bool GridState::find(double x, double y, std::int32_t& cell, double& xi, double& eta) const {
+  double s = (x - domain.origin.x()) * per_hx, t = (y - domain.origin.y()) * per_hy;
+  if (!(s >= -round_off && t >= -round_off && s <= domain.nx - 1 + round_off && t <= domain.ny - 1 + round_off))
+    return false;
+  s = std::clamp(s, 0.0, double(domain.nx - 1));
+  t = std::clamp(t, 0.0, double(domain.ny - 1));
+  // With the ring, node i - 1 of the domain, the first of three, is node i of the grid.
+  const int i = width == 2 ? std::min(int(s), domain.nx - 2) : int(s + 0.5);
+  const int j = width == 2 ? std::min(int(t), domain.ny - 2) : int(t + 0.5);
+  xi = s - i;
+  eta = t - j;
+  cell = std::int32_t(grid.node(i, j));
+  return true;
+}
+
+std::uint8_t GridState::fold_of(std::int32_t cell) const {
+  return width == 2 ? std::uint8_t(fold_none) : fold[std::size_t(cell + grid.nx + 1)];
+}
+
+void GridState::set_folds(const std::vector<std::uint8_t>& folds) {
+  fold = folds;
+  for (std::size_t s = 0; s < slots(); ++s) slot_fold[s] = fold_of(slot_cell[s]);
+}
 
 void GridState::rebuild(const Particles& p) {
   std::int32_t first = std::numeric_limits<std::int32_t>::max(), last = -1;
@@ -44,63 +83,88 @@ void GridState::rebuild(const Particles& p) {
   if (cells == slot_cell) return;
   for (const std::int32_t c : slot_cell) slot_of_cell_[std::size_t(c)] = -1;
   slot_cell.swap(cells);
-  for (std::size_t s = 0; s < slot_cell.size(); ++s) slot_of_cell_[std::size_t(slot_cell[s])] = std::int32_t(s);
-  sums.resize(slots() + 1);
-  sums.back() = CellSums{};
+  slot_fold.resize(slots());
+  for (std::size_t s = 0; s < slots(); ++s) {
+    slot_of_cell_[std::size_t(slot_cell[s])] = std::int32_t(s);
+    slot_fold[s] = fold_of(slot_cell[s]);
+  }
+  sums.assign((slots() + 1) * std::size_t(quantities * stencil), 0.0);
   rebuild_nodes();
 }
 
 void GridState::rebuild_nodes() {
   for (const std::uint32_t n : nodes) node[n] = Node{};
   nodes.clear();
-  const auto nx = std::uint32_t(grid.nx);
   for (std::size_t s = 0; s < slots(); ++s) {
-    const auto n = std::uint32_t(corner(s));
-    nodes.insert(nodes.end(), {n, n + 1, n + nx, n + nx + 1});
+    std::size_t at[9];
+    stencil_nodes(s, at);
+    for (int c = 0; c < stencil; ++c) nodes.push_back(std::uint32_t(at[c]));
   }
   std::sort(nodes.begin(), nodes.end());
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
 
   const auto empty = std::uint32_t(slots());
-  const auto slot_at = [&](int i, int j) {
-    if (i < 0 || j < 0 || i >= grid.nx - 1 || j >= grid.ny - 1) return empty;
-    const std::int32_t s = slot_of_cell_[grid.element(i, j)];
-    return s < 0 ? empty : std::uint32_t(s);
-  };
-  node_slots.resize(nodes.size());
-  for (std::size_t k = 0; k < nodes.size(); ++k) {
-    const int i = int(nodes[k] % nx), j = int(nodes[k] / nx);
-    node_slots[k] = {slot_at(i, j), slot_at(i - 1, j), slot_at(i, j - 1), slot_at(i - 1, j - 1)};
+  node_slots.resize(nodes.size() * std::size_t(stencil));
+  std::size_t out = 0;
+  for (const std::uint32_t n : nodes) {
+    const int i = int(n % std::uint32_t(grid.nx)), j = int(n / std::uint32_t(grid.nx));
+    for (int b = 0; b < width; ++b)
+      for (int a = 0; a < width; ++a) {
+        const bool inside = i >= a && j >= b && i - a + width <= grid.nx && j - b + width <= grid.ny;
+        const std::int32_t s = inside ? slot_of_cell_[grid.node(i - a, j - b)] : -1;
+        node_slots[out++] = s < 0 ? empty : std::uint32_t(s);
+      }
   }
 }
 
-bool GridState::nearest_with_material(const Vec2& x, ElementPoint& at) const {
-  const auto active = [&](int i, int j) { return slot_of_cell_[grid.element(i, j)] >= 0; };
-  if (active(at.i, at.j)) return true;
+std::int32_t GridState::slot_near(const Vec2& x, double& xi, double& eta) const {
+  std::int32_t cell = 0;
+  if (!find(x.x(), x.y(), cell, xi, eta)) return -1;
+  if (slot_of_cell_[std::size_t(cell)] >= 0) return slot_of_cell_[std::size_t(cell)];
+  const int i0 = int(cell % grid.nx), j0 = int(cell / grid.nx);
+  const double x0 = xi, y0 = eta, low = width == 2 ? 0.0 : -0.5;
   double least = std::numeric_limits<double>::infinity();
-  const ElementPoint home = at;
+  std::int32_t best = -1;
   constexpr int reach = 2;  // cells
-  for (int j = std::max(0, home.j - reach); j <= std::min(grid.ny - 2, home.j + reach); ++j)
-    for (int i = std::max(0, home.i - reach); i <= std::min(grid.nx - 2, home.i + reach); ++i) {
-      if (!active(i, j)) continue;
-      const Vec2 lower = grid.position(i, j);
-      const Vec2 inside = x.cwiseMax(lower).cwiseMin(lower + grid.spacing);
-      const double distance = (x - inside).squaredNorm();
+  for (int j = std::max(0, j0 - reach); j <= std::min(grid.ny - width, j0 + reach); ++j)
+    for (int i = std::max(0, i0 - reach); i <= std::min(grid.nx - width, i0 + reach); ++i) {
+      const std::int32_t s = slot_of_cell_[grid.node(i, j)];
+      if (s < 0) continue;
+      const double here_x = x0 - (i - i0), here_y = y0 - (j - j0);  // from that cell
+      const double in_x = std::clamp(here_x, low, low + 1), in_y = std::clamp(here_y, low, low + 1);
+      const double distance = std::pow((here_x - in_x) * grid.spacing.x(), 2) +
+                              std::pow((here_y - in_y) * grid.spacing.y(), 2);
       if (distance >= least) continue;
       least = distance;
-      const Vec2 natural = (inside - lower).cwiseQuotient(grid.spacing);
-      at = {i, j, natural.x(), natural.y()};
+      best = s;
+      xi = in_x;
+      eta = in_y;
     }
-  return std::isfinite(least);
+  return best;
+}
+
+void GridState::weights_at(std::int32_t cell, double xi, double eta, std::size_t* at, double* weights) const {
+  const unsigned f = fold_of(cell);
+  with_shape(shape, [&](auto kind) {
+    using S = decltype(kind);
+    constexpr double half = 0.25;
+    const auto lx = S::line(xi, half, f & fold_left, f & fold_right), ly = S::line(eta, half, f & fold_down, f & fold_up);
+    for (int c = 0; c < S::width * S::width; ++c) {
+      at[c] = std::size_t(cell + c / S::width * grid.nx + c % S::width);
+      weights[c] = lx.w[c % S::width] * ly.w[c / S::width];
+    }
+  });
 }
 
 Vec2 GridState::velocity_at(const Vec2& x) const {
-  ElementPoint at;
-  if (!locate(grid, x, at) || !nearest_with_material(x, at)) return Vec2::Zero();
-  const BilinearWeights w = bilinear(grid, at);
-  const auto corners = bilinear_nodes(grid, at);
+  double xi = 0, eta = 0;
+  const std::int32_t s = slot_near(x, xi, eta);
+  if (s < 0) return Vec2::Zero();
+  std::size_t at[9];
+  double w[9];
+  weights_at(slot_cell[std::size_t(s)], xi, eta, at, w);
   Vec2 v = Vec2::Zero();
-  for (std::size_t c = 0; c < 4; ++c) v += w.value[c] * Vec2(node[corners[c]].ux, node[corners[c]].uy);
+  for (int c = 0; c < stencil; ++c) v += w[c] * Vec2(node[at[c]].ux, node[at[c]].uy);
   return v;
 }
 

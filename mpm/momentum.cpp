@@ -1,6 +1,9 @@
 #include "mpm/momentum.hpp"
 
+#include <algorithm>
 #include <cmath>
+
+#include "mpm/kernel.hpp"
 
 namespace pivnp::mpm {
 
@@ -12,11 +15,48 @@ double damping_force(double alpha, double force, double velocity) {
 
 }  // namespace
 
+void LightNodes::find(const GridState& g, double least) {
+  pairs.clear();
+  const auto nx = std::ptrdiff_t(g.grid.nx), ny = std::ptrdiff_t(g.grid.ny);
+  for (const std::uint32_t n : g.nodes) {
+    if (!(g.node[n].mass < least)) continue;
+    const std::ptrdiff_t i = std::ptrdiff_t(n) % nx, j = std::ptrdiff_t(n) / nx;
+    std::uint32_t heavy = n;
+    for (std::ptrdiff_t b = std::max<std::ptrdiff_t>(0, j - 1); b <= std::min(ny - 1, j + 1); ++b)
+      for (std::ptrdiff_t a = std::max<std::ptrdiff_t>(0, i - 1); a <= std::min(nx - 1, i + 1); ++a)
+        if (g.node[std::size_t(b * nx + a)].mass > g.node[heavy].mass) heavy = std::uint32_t(b * nx + a);
+    if (g.node[heavy].mass >= least) pairs.push_back({n, heavy});
+  }
+}
+
+void LightNodes::join_momentum(GridState& g, double dt) const {
+  // A heavy node may have several light ones: first all are added up, then all are told.
+  std::vector<double> mass_before;
+  for (const Pair& p : pairs) {
+    Node &light = g.node[p.light], &heavy = g.node[p.heavy];
+    const double mass = heavy.mass + light.mass;
+    heavy.nx = (heavy.mass * heavy.nx + light.mass * light.vx + dt * (light.fx + light.dx)) / mass;
+    heavy.ny = (heavy.mass * heavy.ny + light.mass * light.vy + dt * (light.fy + light.dy)) / mass;
+    mass_before.push_back(heavy.mass);
+    heavy.mass = mass;
+  }
+  for (std::size_t k = pairs.size(); k-- > 0;) {
+    g.node[pairs[k].light].nx = g.node[pairs[k].heavy].nx;
+    g.node[pairs[k].light].ny = g.node[pairs[k].heavy].ny;
+    g.node[pairs[k].heavy].mass = mass_before[k];
+  }
+}
+
+void LightNodes::join_velocity(GridState& g) const {
+  for (const Pair& p : pairs) {
+    g.node[p.light].ux = g.node[p.heavy].ux;
+    g.node[p.light].uy = g.node[p.heavy].uy;
+  }
+}
+
 void update_momentum(GridState& g, const Vec2& gravity, double damping, double dt, int threads) {
-  const auto n = std::ptrdiff_t(g.nodes.size());
-#pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
-  for (std::ptrdiff_t a = 0; a < n; ++a) {
-    Node& node = g.node[g.nodes[std::size_t(a)]];
+  for_each(g.nodes.size(), threads, [&](std::size_t a) {
+    Node& node = g.node[g.nodes[a]];
     node.fx += node.mass * gravity.x();
     node.fy += node.mass * gravity.y();
     node.dx = node.dy = 0;
@@ -27,24 +67,41 @@ void update_momentum(GridState& g, const Vec2& gravity, double damping, double d
     const double step = node.mass > 0 ? dt / node.mass : 0;
     node.nx = node.vx + step * (node.fx + node.dx);
     node.ny = node.vy + step * (node.fy + node.dy);
-  }
+  });
 }
 
-NodalWork nodal_work(const GridState& g, const std::vector<Reaction>& reactions, double damping, double dt) {
+Vec2 working_velocity(const Node& node, bool strained) {
+  const Vec2 after = strained ? Vec2(node.ux, node.uy) : Vec2(node.nx, node.ny);
+  return node.held ? after : Vec2(0.5 * (node.vx + after.x()), 0.5 * (node.vy + after.y()));
+}
+
+NodalWork nodal_work(const GridState& g, const std::vector<Reaction>& reactions, double damping, double dt,
+                     bool strained) {
   NodalWork work;
   for (const Reaction& r : reactions) {
-    const Node& node = g.node[r.node];
-    const double done = 0.5 * (r.impulse_x * (node.vx + node.ux) + r.impulse_y * (node.vy + node.uy));
+    const Vec2 w = working_velocity(g.node[r.node], strained);
     const double by_wall = r.impulse_x * r.wall_x + r.impulse_y * r.wall_y;
     work.bodies += by_wall;
-    work.contact += by_wall - done;
+    work.contact += by_wall - (r.impulse_x * w.x() + r.impulse_y * w.y());
   }
-  if (damping > 0)
-    for (const std::uint32_t n : g.nodes) {
-      const Node& node = g.node[n];
-      work.damping -= 0.5 * dt * (node.dx * (node.vx + node.ux) + node.dy * (node.vy + node.uy));
-    }
+  for (const std::uint32_t n : g.nodes) {
+    const Node& node = g.node[n];
+    const Vec2 w = working_velocity(node, strained);
+    work.kinetic += node.mass * ((node.nx - node.vx) * w.x() + (node.ny - node.vy) * w.y());
+    if (damping > 0) work.damping -= dt * (node.dx * w.x() + node.dy * w.y());
+  }
   return work;
+}
+
+NodalMotion nodal_motion(const GridState& g, double least) {
+  NodalMotion out;
+  for (const std::uint32_t n : g.nodes) {
+    const Node& node = g.node[n];
+    const double speed2 = node.nx * node.nx + node.ny * node.ny;
+    out.kinetic += 0.5 * node.mass * speed2;
+    if (node.mass > least) out.fastest2 = std::max(out.fastest2, speed2);
+  }
+  return out;
 }
 
 }  // namespace pivnp::mpm

@@ -10,14 +10,51 @@
 
 namespace pivnp::mpm {
 
+namespace {
+
+// Sets `value` to the one of `names` that the option names, if it is given.
+template <class Enum>
+void choose(const std::string& key, const std::optional<std::string>& option, const std::vector<std::string>& names,
+            Enum& value) {
+  if (!option) return;
+  const auto it = std::find(names.begin(), names.end(), *option);
+  if (it == names.end()) {
+    std::string all;
+    for (const std::string& n : names) all += (all.empty() ? "" : ", ") + n;
+    throw InputError(key + ": found '" + *option + "', expected one of " + all + did_you_mean(*option, names));
+  }
+  value = Enum(it - names.begin());
+}
+
+}  // namespace
+
 Scheme scheme_of(const MpmOptions& options) {
-  Scheme scheme{.damping = 0, .pic_share = 0.001};
-  if (options.scheme == "geopart") scheme = {.damping = 0.05, .pic_share = 0};
+  Scheme scheme;
+  if (options.scheme == "geopart")
+    scheme = {.shape = ShapeKind::bilinear,
+              .transfer = TransferKind::flip,
+              .stress = StressUpdate::musl,
+              .locking = Locking::selective,
+              .damping = 0.05};
   else if (options.scheme != "default")
     throw InputError("mpm.scheme: found '" + options.scheme + "', expected default or geopart" +
                      did_you_mean(options.scheme, {"default", "geopart"}));
+  choose("mpm.shape", options.shape, {"bilinear", "gimp", "bspline"}, scheme.shape);
+  choose("mpm.transfer", options.transfer, {"flip", "apic", "xpic"}, scheme.transfer);
+  choose("mpm.stress_update", options.stress_update, {"musl", "usl", "usf"}, scheme.stress);
+  choose("mpm.locking", options.locking, {"none", "selective", "full", "fbar"}, scheme.locking);
+  if (options.shape && !options.locking && scheme.shape != ShapeKind::bilinear && scheme.locking == Locking::selective)
+    scheme.locking = Locking::fbar;
+  if (scheme.shape != ShapeKind::bilinear && (scheme.locking == Locking::selective || scheme.locking == Locking::full))
+    throw InputError("mpm.locking: found '" + options.locking.value_or("selective") +
+                     "' with three-node shapes, expected none or fbar (or shape = \"bilinear\")");
+  scheme.xpic_order = options.xpic_order;
   if (options.damping) scheme.damping = *options.damping;
-  if (options.pic_share) scheme.pic_share = *options.pic_share;
+  if (options.pic_per_s) {
+    if (scheme.transfer != TransferKind::flip)
+      throw InputError("mpm.pic_per_s: given with another transfer, expected transfer = \"flip\"");
+    scheme.pic_per_s = *options.pic_per_s;
+  }
   return scheme;
 }
 
@@ -41,14 +78,23 @@ Vec2 centroid(const ParticleSet& particles) {
   return area > 0 ? Vec2(sum / area) : sum;
 }
 
-double fastest_wave(const Scene& scene, const Materials& materials) {
-  double fastest = 0;
-  for (std::size_t k = 0; k < materials.size(); ++k)
-    fastest = std::max(fastest, std::sqrt(materials[k]->elastic().p_wave_modulus() / scene.materials[k].density_kg_m3));
-  return fastest;
+std::vector<double> densities_of(const Scene& scene) {
+  std::vector<double> densities;
+  for (const MaterialOptions& m : scene.materials) densities.push_back(m.density_kg_m3);
+  return densities;
 }
 
-SolverState initial_state(const Scene& scene) {
+std::array<double, 2> impedance_near(const Scene& scene, const Materials& materials, const Vec2& x) {
+  std::size_t best = 0;
+  for (std::size_t k = 1; k < scene.particles.size(); ++k)
+    if ((scene.particles.x0[k] - x).squaredNorm() < (scene.particles.x0[best] - x).squaredNorm()) best = k;
+  const auto label = std::size_t(scene.particles.label[best]);
+  const double rho = scene.materials[label].density_kg_m3;
+  const Elastic& elastic = materials[label]->elastic();
+  return {std::sqrt(rho * elastic.p_wave_modulus()), std::sqrt(rho * elastic.shear)};
+}
+
+SolverState initial_state(const Scene& scene, const Scheme& scheme, const GridState& g, const Materials& materials) {
   const ParticleSet& set = scene.particles;
   const std::size_t n = set.size();
   if (n == 0) throw InputError("mpm: the scene holds no particle");
@@ -62,7 +108,7 @@ SolverState initial_state(const Scene& scene) {
   std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return set.label[a] < set.label[b]; });
   SolverState state;
   Particles& p = state.particles;
-  p.resize(n);
+  p.resize(n, scheme.transfer == TransferKind::apic, scheme.shape == ShapeKind::gimp);
   for (std::size_t k = 0; k < n; ++k) {
     const std::uint32_t from = order[k];
     const std::int32_t label = set.label[from];
@@ -71,15 +117,13 @@ SolverState initial_state(const Scene& scene) {
                        std::to_string(label) + ", expected a material for it");
     if (p.bodies.empty() || p.bodies.back().material != label) p.bodies.push_back({k, k, label});
     p.bodies.back().end = k + 1;
-    ElementPoint at;
-    if (!locate(scene.grid, set.x0[from], at)) {
+    if (!g.find(set.x0[from].x(), set.x0[from].y(), p.cell[k], p.xi[k], p.eta[k])) {
       std::ostringstream text;
       text << "mpm.domain_m: particle " << from << " at (" << set.x0[from].x() << ", " << set.x0[from].y()
            << ") lies outside the simulation's grid";
       throw InputError(text.str());
     }
     p.index[k] = from;
-    p.cell[k] = std::int32_t(scene.grid.element(at.i, at.j));
     p.x[k] = set.x0[from].x();
     p.y[k] = set.x0[from].y();
     if (!scene.v0.empty()) {
@@ -88,6 +132,8 @@ SolverState initial_state(const Scene& scene) {
       state.fastest = std::max(state.fastest, scene.v0[from].norm());
     }
     if (!scene.stress0.empty()) {
+      if (materials[std::size_t(label)]->from_deformation())
+        throw InputError("mpm: neo_hookean takes no stress at the start, expected another model or none");
       p.tau_xx[k] = scene.stress0[from][0];
       p.tau_yy[k] = scene.stress0[from][1];
       p.tau_zz[k] = scene.stress0[from][2];
@@ -96,7 +142,9 @@ SolverState initial_state(const Scene& scene) {
     p.volume0[k] = double(set.area[from]);
     p.mass[k] = p.volume0[k] * scene.materials[std::size_t(label)].density_kg_m3;
     p.F_xx[k] = p.F_yy[k] = p.J[k] = 1;
+    if (!p.half.empty()) p.half[k] = std::min(0.5, 0.5 * std::sqrt(p.volume0[k] * g.per_hx * g.per_hy));
   }
+  state.body_impulse.assign(2 * scene.bodies.size(), 0.0);
   state.end = set.end;
   state.end_reason = set.end_reason;
   return state;

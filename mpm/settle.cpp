@@ -18,9 +18,10 @@ int most_iterations(const Grid& grid) { return std::max(20000, 200 * std::max(gr
 
 // Vertical stress from the mass above each point in its column of cells; sums run down a column in storage order.
 void start_from_columns(Particles& p, const Materials& materials, const GridState& g, double gravity_y) {
-  const auto across = std::int32_t(g.grid.nx - 1);
-  std::vector<std::vector<std::uint32_t>> columns(std::size_t(across), std::vector<std::uint32_t>{});
-  for (const std::uint32_t k : g.order) columns[std::size_t(p.cell[k] % across)].push_back(k);
+  const auto across = std::size_t(g.domain.nx - 1);
+  std::vector<std::vector<std::uint32_t>> columns(across, std::vector<std::uint32_t>{});
+  for (const std::uint32_t k : g.order)
+    columns[std::min(across - 1, std::size_t(std::max(0.0, (p.x[k] - g.domain.origin.x()) * g.per_hx)))].push_back(k);
   std::vector<double> poisson(p.size());
   for (const Particles::Body& body : p.bodies)
     std::fill(poisson.begin() + std::ptrdiff_t(body.begin), poisson.begin() + std::ptrdiff_t(body.end),
@@ -45,41 +46,23 @@ void start_from_columns(Particles& p, const Materials& materials, const GridStat
   }
 }
 
-// Gershgorin: the sum over a row of sum_p V0 M |grad N_i| |grad N_j| bounds the largest eigenvalue times the mass.
+// Gershgorin: the sum over a row of sum_p V0 M |grad N_i| |grad N_j| bounds the largest eigenvalue times the mass. (The
+// averages against locking only take stiffness away.)
 std::vector<double> fictitious_masses(const Particles& p, const Materials& materials, const GridState& g) {
-  std::vector<double> mass(g.grid.node_count(), 0.0);
   std::vector<double> modulus(p.size());
   for (const Particles::Body& body : p.bodies)
     std::fill(modulus.begin() + std::ptrdiff_t(body.begin), modulus.begin() + std::ptrdiff_t(body.end),
               materials[std::size_t(body.material)]->elastic().p_wave_modulus());
-  for (std::size_t s = 0; s < g.slots(); ++s) {
-    const std::size_t n = g.corner(s), nx = std::size_t(g.grid.nx);
-    const std::size_t at[4] = {n, n + 1, n + nx, n + nx + 1};
-    for (std::uint32_t q = g.slot_begin[s]; q < g.slot_begin[s + 1]; ++q) {
-      const std::size_t k = g.order[q];
-      const double xi = p.xi[k], eta = p.eta[k];
-      // The centre's gradient, which carries the mean stress, counts beside the point's own.
-      const double lx[4] = {1 - eta, 1 - eta, eta, eta}, ly[4] = {1 - xi, xi, 1 - xi, xi};
-      double size[4], total = 0;
-      for (int c = 0; c < 4; ++c) {
-        const double gx = std::max(0.5, lx[c]) * g.per_hx, gy = std::max(0.5, ly[c]) * g.per_hy;
-        size[c] = std::sqrt(gx * gx + gy * gy);
-        total += size[c];
-      }
-      // omega^2 <= row / mass must stay below 4 for the pseudo-step 1; the factor leaves a margin of two.
-      for (int c = 0; c < 4; ++c) mass[at[c]] += 0.5 * p.volume0[k] * modulus[k] * size[c] * total;
-    }
-  }
-  return mass;
+  return stiffness_bound(p, g, modulus);
 }
 
 double sign(double v) { return v > 0 ? 1.0 : v < 0 ? -1.0 : 0.0; }
 
 class Relaxation {
  public:
-  Relaxation(const SettleOptions& options, const Materials& materials, Restraints& restraints,
-             const RigidBodies& bodies, Particles& particles, GridState& grid)
-      : o_(options), materials_(materials), restraints_(restraints), bodies_(bodies), p_(particles), g_(grid),
+  Relaxation(const SettleOptions& options, const Scheme& scheme, const Materials& materials, Restraints& restraints,
+             RigidBodies& bodies, Particles& particles, GridState& grid)
+      : o_(options), scheme_(scheme), materials_(materials), restraints_(restraints), bodies_(bodies), p_(particles), g_(grid),
         mass_(fictitious_masses(particles, materials, grid)),
         velocity_(grid.nodes.size(), Vec2::Zero()) {}
 
@@ -87,13 +70,14 @@ class Relaxation {
   double iterate() {
     choice_.begin_step();
     const int threads = choice_.threads();
-    particles_to_grid(p_, g_, threads);
+    average_mean_stress(p_, g_, scheme_, threads);
+    map_momentum(p_, g_, scheme_, true, threads);
     const double applied = propose();
     reactions_.clear();
-    restraints_.apply(0, g_, reactions_);
-    bodies_.apply(-1, g_, reactions_);  // at rest
+    restraints_.apply(0, 0, g_, reactions_);
+    bodies_.apply(-1, 0, g_, reactions_);  // at rest
     const double unbalanced = accelerate();
-    strain_increments(p_, g_, 1.0, threads);
+    strain_points(p_, g_, scheme_, 1.0, false, threads);
     std::fill(p_.spin.begin(), p_.spin.end(), 0.0);  // displacements are small against the rotations that would matter
     update_stress(materials_, p_, threads);
     choice_.end_step();
@@ -110,7 +94,7 @@ class Relaxation {
       Node& node = g_.node[g_.nodes[a]];
       const Vec2 weight = node.mass * o_.gravity;
       applied += weight.norm();
-      const double per_mass = 1 / mass_[g_.nodes[a]];
+      const double bound = mass_[g_.nodes[a]], per_mass = bound > 0 ? 1 / bound : 0;
       node.mass = mass_[g_.nodes[a]];
       node.nx = velocity_[a].x() + per_mass * (node.fx + weight.x());
       node.ny = velocity_[a].y() + per_mass * (node.fy + weight.y());
@@ -141,9 +125,10 @@ class Relaxation {
   }
 
   const SettleOptions& o_;
+  const Scheme& scheme_;
   const Materials& materials_;
   Restraints& restraints_;
-  const RigidBodies& bodies_;
+  RigidBodies& bodies_;
   Particles& p_;
   GridState& g_;
   ThreadChoice choice_{o_.threads};
@@ -155,8 +140,8 @@ class Relaxation {
 
 }  // namespace
 
-int settle_particles(const SettleOptions& options, const Materials& materials, Restraints& restraints,
-                     const RigidBodies& bodies, Particles& p, GridState& g, Progress& progress) {
+int settle_particles(const SettleOptions& options, const Scheme& scheme, const Materials& materials, Restraints& restraints,
+                     RigidBodies& bodies, Particles& p, GridState& g, Progress& progress) {
   locate_all(p, g);
   if (std::abs(options.gravity.x()) <= 1e-3 * std::abs(options.gravity.y()))
     start_from_columns(p, materials, g, options.gravity.y());
@@ -164,14 +149,14 @@ int settle_particles(const SettleOptions& options, const Materials& materials, R
     std::fill(increment->begin(), increment->end(), 0.0);
   update_stress(materials, p, options.threads);  // brings the first guess inside the yield surface
 
-  Relaxation relaxation(options, materials, restraints, bodies, p, g);
+  Relaxation relaxation(options, scheme, materials, restraints, bodies, p, g);
   const int most = most_iterations(g.grid);
   double ratio = 0;
   for (int n = 1; n <= most; ++n) {
     ratio = relaxation.iterate();
     if (!std::isfinite(ratio)) break;
     if (ratio < options.tolerance && n > 10 &&
-        relaxation.kinetic() <= options.tolerance * stored_energy(p, materials).elastic)
+        relaxation.kinetic() <= options.tolerance * stored_energy(p, g, materials).elastic)
       return n;
     if (n % 200 == 0) {
       progress.update("settle", n, most);

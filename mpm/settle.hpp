@@ -4,6 +4,7 @@
 #include "mpm/boundary.hpp"
 #include "mpm/material/stress_update.hpp"
 #include "mpm/rigid_body.hpp"
+#include "mpm/scheme.hpp"
 #include "pivnp/core/progress.hpp"
 
 namespace pivnp::mpm {
@@ -21,7 +22,7 @@ struct SettleOptions {
 /// and strain transfers and the laws are those of the run: nothing is out of balance when the run starts, but for the
 /// tolerance. Starts from K0 stresses (weight of the column above; horizontal nu/(1 - nu) of it) where gravity is
 /// vertical. Returns the number of iterations; throws RunError if `tolerance` is not met in a bounded number.
-int settle_particles(const SettleOptions& options, const Materials& materials, Restraints& restraints,
-                     const RigidBodies& bodies, Particles& particles, GridState& grid, Progress& progress);
+int settle_particles(const SettleOptions& options, const Scheme& scheme, const Materials& materials, Restraints& restraints,
+                     RigidBodies& bodies, Particles& particles, GridState& grid, Progress& progress);
 
 }  // namespace pivnp::mpm

@@ -27,9 +27,12 @@ struct Scene {
   std::vector<std::pair<std::string, RigidOptions>> bodies;
   std::vector<Vec2> v0;                        // velocity at time 0, one a particle; empty: at rest
   std::vector<std::array<double, 4>> stress0;  // Cauchy stress at time 0, xx yy zz xy; empty: none
+  /// Acceleration of a particle (index in `particles`) at a time, beside gravity; empty: none. For manufactured
+  /// solutions; not part of a checkpoint.
+  std::function<Vec2(std::size_t particle, double time)> body_force;
 };
 
-/// Plane strain, unit thickness; explicit, bilinear MUSL (transfer.hpp), laws in material/. The bits of a run do not
+/// Plane strain, unit thickness; explicit; schemes in transfer.hpp, laws in material/. The bits of a run do not
 /// depend on `threads`, the most that are used (thread_choice.hpp: on a busy machine, fewer). A particle that leaves
 /// the grid is ended (EndReason::left_grid) with the values of its last good time; it is never fatal. Nodes on
 /// the grid's edge are free unless restrained.
@@ -48,9 +51,14 @@ class Solver {
   void settle(Progress& progress);
 
   /// Steps to `time` exactly (the last steps are trimmed). Throws RunError, with time and cause, on NaN or blow-up (a
-  /// point that moves a cell in a step, or an energy residual above a quarter of what was turned over: a gain;
-  /// losses are only written); the last good state, at most 100 steps old, stays readable.
+  /// point that moves a cell in a step, or an energy residual beyond MpmOptions::energy_limit of what was turned over);
+  /// the last good state, at most 100 steps old, stays readable. Once motion has ended (at_rest) and
+  /// MpmOptions::end_at_rest is set, only the time goes on.
   void advance_to(double time, Progress& progress);
+  /// Motion has ended: for a tenth of the run the nodes' kinetic energy has been below 1e-3 of its peak, the fastest node
+  /// would not cover a hundredth of a cell in the time run so far, and no restraint or body changes any more. (Kinetic
+  /// energy of the points will not do: FLIP keeps noise there that moves nothing.)
+  bool at_rest() const;
 
   double time() const;
   std::int64_t steps() const;
@@ -58,12 +66,19 @@ class Solver {
   MotionFrame frame() const;   // u, F, status, v, stress, plastic_dev
   const ParticleSet& particles() const;
   /// Elastic energy is that stored now; all else counts from the start of the run. `damping` holds what local damping
-  /// and the PIC share of the transfer took; what MUSL and the step's finite length lose or gain is the residual.
+  /// and the transfer between points and nodes took; what the stress update and the step's finite length lose or gain
+  /// is the residual.
   EnergyRow energy() const;
+  /// Kinetic energy in the hourglass modes of the elements, J/m (bilinear; locking = "full" does not resist them).
+  double hourglass_energy() const;
+  /// Impulse on the material by a body since time 0, N s/m; index in Scene::bodies.
+  Vec2 body_impulse(std::size_t body) const;
+  /// Particles that have left the grid.
+  std::size_t ended() const;
   Vec2 momentum() const;       // of the particles still simulated, kg m/s per metre of thickness
 
-  /// Called after every step with the step's length and a function that gives the grid's velocity at a point (bilinear,
-  /// of the step just made and the cells at its start; beyond material that of the nearest, two cells away at most, else
+  /// Called after every step with the step's length and a function that gives the grid's velocity at a point (by the shape
+  /// functions, of the step just made and the cells at its start; beyond material that of the nearest, two cells away at most, else
   /// zero): what carries synthetic texture. Not called while settling.
   using VelocityAt = std::function<Vec2(const Vec2&)>;
   void on_step(std::function<void(double dt, const VelocityAt&)> observer);

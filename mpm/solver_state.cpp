@@ -8,7 +8,7 @@ namespace pivnp::mpm {
 
 namespace {
 
-constexpr char magic[8] = {'p', 'i', 'v', 'm', 'p', 'm', '0', '1'};
+constexpr char magic[8] = {'p', 'i', 'v', 'm', 'p', 'm', '0', '2'};
 
 class Writer {
  public:
@@ -69,6 +69,12 @@ void visit(Archive& a, State& s) {
   a.value(s.book);
   a.value(s.time);
   a.value(s.fastest);
+  a.value(s.wave_speed);
+  a.value(s.peak_kinetic);
+  a.value(s.calm_since);
+  a.value(s.calm_looks);
+  a.value(s.at_rest);
+  a.array(s.body_impulse);
   a.value(s.steps);
   a.value(s.since_sort);
 }

@@ -17,7 +17,13 @@ struct SolverState {
   std::vector<double> end;  // as in ParticleSet
   std::vector<EndReason> end_reason;
   double time = 0;
-  double fastest = 0;  // speed of the fastest point, m/s
+  double fastest = 0;     // speed of the fastest point, m/s
+  double wave_speed = 0;  // of the fastest compression wave, m/s
+  double peak_kinetic = 0;  // greatest kinetic energy of the nodes so far, J/m
+  double calm_since = 0;    // time since which it has been a small share of that
+  std::int64_t calm_looks = 0;  // at the balance since then
+  bool at_rest = false;     // motion has ended: nothing is stepped any more
+  std::vector<double> body_impulse;  // on each rigid body, x and y, N s/m
   std::int64_t steps = 0;
   std::int64_t since_sort = 0;  // changes of cells since the storage was last sorted
 };

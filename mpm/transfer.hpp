@@ -1,26 +1,34 @@
-// The transfers of a step between points and nodes: bilinear shapes, selective averaging.
+// The transfers of a step between points and nodes, for every shape (shape.hpp) and scheme (scheme.hpp).
 //
 // Sources: Sulsky, Chen & Schreyer 1994 (Comput. Meth. Appl. Mech. Engng 118:179) and Sulsky, Zhou & Schreyer 1995
-// (Comput. Phys. Commun. 87:236); Zabala & Alonso 2011 (Geotechnique 61:795) for the averaging over elements; the
-// thesis' appendix A, equations A.1-A.13, with the signs of ma = div sigma + rho b.
+// (Comput. Phys. Commun. 87:236); Brackbill & Ruppel 1986 (FLIP); Jiang et al. 2015 (ACM Trans. Graph. 34:51, APIC);
+// Hammerquist & Nairn 2017 (Comput. Meth. Appl. Mech. Engng 318:724, XPIC); Zabala & Alonso 2011 (Geotechnique 61:795)
+// for the averaging over elements; Elguedj et al. 2008 (Comput. Meth. Appl. Mech. Engng 197:2732) for B-bar with
+// splines; the thesis' appendix A, equations A.1-A.13, with the signs of ma = div sigma + rho b.
 //
-// Selective averaging: the mean stress acts through the gradient at the element's centre, the deviator through the
-// gradient at its own point; the volumetric part of the strain increment is the divergence at the centre, the deviator
-// that of the point. Force and strain are therefore conjugate: sum_i f_i . v_i = -sum_p V0_p tau_p : d_p exactly. The
-// average over the element weights the Kirchhoff mean stress by initial volume (that is by mass, where the density is
-// one), times the sum of the initial volumes; for points of one J this is the thesis' average weighted by mass times
-// the sum of their volumes, and it stays conjugate where J differs.
+// Against locking, with m the mean Kirchhoff stress and theta = ln det f the volumetric increment of a point:
+//   none       as it is.
+//   selective  bilinear: the element's mean of m (weights V0) acts through the gradient at the element's centre, the
+//              deviator through that of its point; theta is that of the centre.
+//   full       bilinear: the whole stress, averaged, through the centre's gradient (one-point integration); every point
+//              is strained by the centre's gradient. Hourglass modes carry no force.
+//   fbar       m and theta are replaced by P m and P theta. Bilinear: P averages over the element. Three-node shapes:
+//              P maps to the nodes by hat functions, divides by the volume there, and interpolates back.
+// Force and strain are conjugate in each: P is self-adjoint with weights V0, so sum_i f_i . v_i = -sum_p V0 tau : d.
 #pragma once
+
+#include <vector>
 
 #include "mpm/grid_state.hpp"
 #include "mpm/particles.hpp"
+#include "mpm/scheme.hpp"
 
 namespace pivnp::mpm {
 
 /// What a gather of velocity saw.
 struct GatherSums {
   double fastest2 = 0;      // largest squared speed of a point, m^2/s^2
-  double transfer_loss = 0; // kinetic energy taken out by the PIC share, J/m
+  double kinetic_loss = 0;  // kinetic energy of the points before less after, J/m
   bool good = true;         // every point finite, none moved more than one cell
 };
 
@@ -32,17 +40,34 @@ void locate_all(Particles& p, GridState& g);
 /// marked Particles::ended and appended to `left` (storage order).
 bool locate_points(Particles& p, GridState& g, std::vector<std::uint32_t>& left, int threads);
 
-/// A.3, A.4: mass, momentum and internal force at the nodes, then the velocity there.
-void particles_to_grid(const Particles& p, GridState& g, int threads);
+/// A.3: mass and velocity at the nodes. `force`: A.4 too, in the same sweep (else the force is zero).
+void map_momentum(const Particles& p, GridState& g, const Scheme& scheme, bool force, int threads);
+/// A.4: internal force at the nodes.
+void map_force(const Particles& p, GridState& g, const Scheme& scheme, int threads);
+/// F-bar of three-node shapes: Particles::mean; call before the force is mapped.
+void average_mean_stress(Particles& p, GridState& g, const Scheme& scheme, int threads);
 
-/// A.8-A.11: velocity and position of the points from the nodes (FLIP with the share `pic` of PIC), and the updated
-/// momentum back to the nodes as Node::ux, uy (divided by mass, not yet restrained).
-GatherSums grid_to_particles(Particles& p, GridState& g, double dt, double pic, int threads);
+/// Adds the points' mass times an acceleration to the nodes' forces; `out` holds what was added, x and y of every node.
+void map_acceleration(const Particles& p, GridState& g, const std::vector<double>& ax, const std::vector<double>& ay,
+                      std::vector<double>& out, int threads);
 
-/// A.12: strain and rotation increments of the points from Node::ux, uy.
-void strain_increments(Particles& p, const GridState& g, double dt, int threads);
+/// XPIC of order k: the points' velocity, filtered, at the nodes: sum over l < k of (I - P)^l v, P from nodes to points
+/// and back; `out` holds x, y of every active node.
+void filtered_velocity(const Particles& p, GridState& g, int order, std::vector<double>& out, int threads);
 
-/// F <- (I + dt L) F and J <- (1 + dt div v) J from the increments.
-void update_deformation(Particles& p, int threads);
+/// A.8-A.11: velocity, affine field and position of the points from Node::v and Node::n (and, for XPIC, `filtered`).
+/// `remap`: the updated momentum back to the nodes as Node::u (MUSL, not yet restrained).
+GatherSums gather_velocity(Particles& p, GridState& g, const Scheme& scheme, double dt,
+                           const std::vector<double>& filtered, bool remap, int threads);
+
+/// A.12: log strain and rotation increments of the points, and F and J, from Node::u. With `record` false (settling)
+/// F and J stay.
+void strain_points(Particles& p, GridState& g, const Scheme& scheme, double dt, bool record, int threads);
+
+/// Sum over the active cells of 1/2 mass of the cell times the squared hourglass velocity, J/m (bilinear).
+double hourglass_energy(const GridState& g);
+
+/// Gershgorin's bound for settling: at every node sum_p 1/2 V0 M |grad N_i| sum_j |grad N_j|; `modulus` of the points.
+std::vector<double> stiffness_bound(const Particles& p, const GridState& g, const std::vector<double>& modulus);
 
 }  // namespace pivnp::mpm

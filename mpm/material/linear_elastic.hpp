@@ -1,5 +1,5 @@
-// Isotropic linear elasticity: Jaumann rate of the Kirchhoff stress = C : D. Isotropic C makes U = 1/2 tau:C^-1:tau its
-// potential along any path, rotation included; for small elastic strains it is Hencky's law to second order.
+// Isotropic linear elasticity on the logarithmic strain (Hencky): tau = lambda tr(e) I + 2 mu e, e = 1/2 ln b. The
+// stress is the only state: with f = V R the step, b = exp(2 C^-1 tau) becomes V R b R^T V. Path-independent.
 #pragma once
 
 #include "mpm/material/material.hpp"

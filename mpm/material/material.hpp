@@ -11,14 +11,16 @@
 namespace pivnp::mpm {
 
 /// One step of a run of consecutive points. Tensor components, tension positive; plane strain, but de_zz may differ
-/// from zero by the element averaging (transfer.hpp). The stress is Kirchhoff's, tau = J sigma, Pa: its work per
+/// from zero by the averaging against locking (transfer.hpp). With f = V R the step's deformation, the strain increment
+/// is ln V and the rotation R: a step that turns the point strains it by nothing, however far it turns. The stress is Kirchhoff's, tau = J sigma, Pa: its work per
 /// initial volume is tau : de, which lets the elastic energy close exactly. Strengths bound the Cauchy stress, so they
 /// enter multiplied by J.
 struct StressBatch {
   std::size_t size = 0;
-  const double *de_xx, *de_yy, *de_zz, *de_xy;  // strain increment of the step
-  const double* spin;                           // rotation increment (dv_y/dx - dv_x/dy) / 2 * dt, rad
+  const double *de_xx, *de_yy, *de_zz, *de_xy;  // log strain increment of the step
+  const double* spin;                           // 2 tan(angle/2) of the step's rotation
   const double* J;                              // volume over initial volume, after the step
+  const double *F_xx, *F_xy, *F_yx, *F_yy;      // deformation gradient after the step
   double *xx, *yy, *zz, *xy;                    // stress in and out
   double* plastic_dev;                          // sum of sqrt(2/3 dep:dep), dep the deviator of plastic strain
   double* gap;                                  // volumetric strain by which the material stands open, >= 0
@@ -51,6 +53,14 @@ class Material {
   explicit Material(const Elastic& elastic) : elastic_(elastic) {}
   virtual ~Material() = default;
   virtual void update(const StressBatch& batch) const = 0;
+  /// Elastic energy of a point, J per initial m^3.
+  virtual double energy(const StressBatch& batch, std::size_t k) const {
+    return elastic_.energy(batch.xx[k], batch.yy[k], batch.zz[k], batch.xy[k]);
+  }
+  /// Greatest stiffness against a compression wave in the batch, as it is now: c^2 times the initial density, Pa.
+  virtual double stiffness(const StressBatch& batch) const;
+  /// Is the stress a function of F alone (so that no stress can be given at the start)?
+  virtual bool from_deformation() const { return false; }
   const Elastic& elastic() const { return elastic_; }
 
  protected:

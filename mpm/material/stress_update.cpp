@@ -1,12 +1,15 @@
 #include "mpm/material/stress_update.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace pivnp::mpm {
 
 namespace {
 
 constexpr std::size_t run = 1024;
+
+}  // namespace
 
 StressBatch batch_of(Particles& p, std::size_t begin, std::size_t size) {
   StressBatch b;
@@ -17,6 +20,10 @@ StressBatch batch_of(Particles& p, std::size_t begin, std::size_t size) {
   b.de_xy = p.de_xy.data() + begin;
   b.spin = p.spin.data() + begin;
   b.J = p.J.data() + begin;
+  b.F_xx = p.F_xx.data() + begin;
+  b.F_xy = p.F_xy.data() + begin;
+  b.F_yx = p.F_yx.data() + begin;
+  b.F_yy = p.F_yy.data() + begin;
   b.xx = p.tau_xx.data() + begin;
   b.yy = p.tau_yy.data() + begin;
   b.zz = p.tau_zz.data() + begin;
@@ -28,8 +35,6 @@ StressBatch batch_of(Particles& p, std::size_t begin, std::size_t size) {
   return b;
 }
 
-}  // namespace
-
 void update_stress(const Materials& materials, Particles& p, int threads) {
   for (const Particles::Body& body : p.bodies) {
     const Material& material = *materials[std::size_t(body.material)];
@@ -40,6 +45,16 @@ void update_stress(const Materials& materials, Particles& p, int threads) {
       material.update(batch_of(p, begin, std::min(run, body.end - begin)));
     }
   }
+}
+
+double wave_speed(const Materials& materials, const std::vector<double>& density, Particles& p) {
+  double fastest2 = 0;
+  for (const Particles::Body& body : p.bodies) {
+    const double stiffness =
+        materials[std::size_t(body.material)]->stiffness(batch_of(p, body.begin, body.end - body.begin));
+    fastest2 = std::max(fastest2, stiffness / density[std::size_t(body.material)]);
+  }
+  return std::sqrt(fastest2);
 }
 
 }  // namespace pivnp::mpm

@@ -14,4 +14,10 @@ using Materials = std::vector<std::unique_ptr<Material>>;
 /// A.20-A.24: stress of every point from its increments. Each law gets runs of at most 1024 points of its body.
 void update_stress(const Materials& materials, Particles& p, int threads);
 
+/// The points `begin` to `begin + size` as a law sees them.
+StressBatch batch_of(Particles& p, std::size_t begin, std::size_t size);
+
+/// The fastest compression wave as the points are now; densities at the start, one a material. m/s.
+double wave_speed(const Materials& materials, const std::vector<double>& density, Particles& p);
+
 }  // namespace pivnp::mpm

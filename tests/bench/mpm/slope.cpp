@@ -1,5 +1,5 @@
 // The sand slope of the thesis' section 3.2 as a program: final slope, run-out, energy, wall time.
-//   mpm_slope [key=value ...]   phi E c scheme damping pic courant base (fixed or a friction) threads end gate per
+//   mpm_slope [key=value ...]   phi E c scheme shape transfer update locking damping pic courant base (fixed or a friction) threads end gate per
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -90,7 +90,10 @@ int run(int argc, char** argv) {
   options.scheme = arg["scheme"];
   options.courant = std::stod(arg["courant"]);
   if (!arg["damping"].empty()) options.damping = std::stod(arg["damping"]);
-  if (!arg["pic"].empty()) options.pic_share = std::stod(arg["pic"]);
+  for (const auto& [name, option] : {std::pair{"shape", &options.shape}, {"transfer", &options.transfer},
+                                     {"update", &options.stress_update}, {"locking", &options.locking}})
+    if (!arg[name].empty()) *option = arg[name];
+  if (!arg["pic"].empty()) options.pic_per_s = std::stod(arg["pic"]);
 
   const auto now = [] {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();

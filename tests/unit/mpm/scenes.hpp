@@ -64,10 +64,11 @@ inline MpmOptions options(Pair gravity = {0, 0}) {
   return o;
 }
 
-/// Pure FLIP without damping.
+/// The thesis' bilinear scheme without its damping: pure FLIP.
 inline MpmOptions conservative(Pair gravity = {0, 0}) {
   MpmOptions o = options(gravity);
-  o.pic_share = 0;
+  o.scheme = "geopart";
+  o.damping = 0;
   return o;
 }
 

@@ -1,0 +1,22 @@
+// The numerical choices of a run.
+#pragma once
+
+namespace pivnp::mpm {
+
+enum class ShapeKind { bilinear, gimp, bspline };
+enum class TransferKind { flip, apic, xpic };
+enum class StressUpdate { musl, usl, usf };
+enum class Locking { none, selective, full, fbar };
+
+/// What the options say, defaults of the named scheme filled in (scene_setup.hpp).
+struct Scheme {
+  ShapeKind shape = ShapeKind::bspline;
+  TransferKind transfer = TransferKind::apic;
+  StressUpdate stress = StressUpdate::usl;
+  Locking locking = Locking::fbar;
+  double pic_per_s = 0;  // of FLIP: share 1 - exp(-rate dt) of PIC a step
+  int xpic_order = 5;    // of XPIC
+  double damping = 0;    // Cundall's local damping
+};
+
+}  // namespace pivnp::mpm

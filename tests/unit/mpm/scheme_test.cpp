@@ -1,0 +1,279 @@
+// Every combination of shape, transfer, stress update and averaging: conservation, bits, restart; the kernels' invariants.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "mpm/material/stress_update.hpp"
+#include "mpm/momentum.hpp"
+#include "mpm/scene_setup.hpp"
+#include "mpm/transfer.hpp"
+#include "pivnp/core/error.hpp"
+#include "tests/unit/mpm/scenes.hpp"
+
+namespace pivnp::mpm {
+namespace {
+
+using namespace test;
+SilentProgress silent;
+
+struct Choice {
+  const char *shape, *transfer, *stress, *locking;
+};
+
+std::string name_of(const testing::TestParamInfo<Choice>& info) {
+  return std::string(info.param.shape) + "_" + info.param.transfer + "_" + info.param.stress + "_" + info.param.locking;
+}
+
+MpmOptions options_of(const Choice& c, Pair gravity = {0, 0}) {
+  MpmOptions o = options(gravity);
+  o.shape = c.shape;
+  o.transfer = c.transfer;
+  o.stress_update = c.stress;
+  o.locking = c.locking;
+  return o;
+}
+
+class Schemes : public testing::TestWithParam<Choice> {};
+
+TEST_P(Schemes, AFreeBodyKeepsItsMomentum) {
+  Scene s = scene(Grid{{-0.03, 0.02}, {0.01, 0.01}, 41, 41}, {disc("disc", {0.12, 0.2}, 0.05)}, {elastic(1e5, 0.3, 1000)});
+  for (const Vec2& x : s.particles.x0) s.v0.push_back(Vec2(0.7, 0.3) + 2 * Vec2(x.y() - 0.2, x.x() - 0.12));
+  Solver solver(options_of(GetParam()), s, 1);
+  const Vec2 before = solver.momentum();
+  solver.advance_to(0.01, silent);
+  EXPECT_LT((solver.momentum() - before).norm(), 1e-12 * before.norm());
+  EXPECT_GT(solver.energy().elastic, 0);
+  EXPECT_LT(std::abs(solver.energy().residual), 0.01 * solver.energy().kinetic);
+}
+
+Scene falling_sand() {
+  Scene s = column(0.1, sand(30));
+  s.grid.nx = 21;
+  s.boundaries = {{"base", line({0, 0}, {0.2, 0}, "frictional", 0.5)}, {"left", line({0, 0}, {0, 0.14}, "roller")}};
+  return s;
+}
+
+TEST_P(Schemes, ThreadsAndRestartsKeepTheBits) {
+  const MpmOptions o = options_of(GetParam(), {0, -9.81});
+  Solver whole(o, falling_sand(), 1), first(o, falling_sand(), 3), second(o, falling_sand(), 2);
+  whole.advance_to(0.01, silent);
+  first.advance_to(0.01, silent);
+  EXPECT_TRUE(whole.save() == first.save());
+  second.load(first.save());
+  whole.advance_to(0.02, silent);
+  second.advance_to(0.02, silent);
+  EXPECT_TRUE(whole.save() == second.save());
+  EXPECT_EQ(whole.energy().residual, second.energy().residual);
+}
+
+// Force and strain are conjugate: the nodes' force times any velocity is minus the points' stress times the strain
+// that this velocity makes.
+TEST_P(Schemes, ForceAndStrainAreConjugate) {
+  const MpmOptions o = options_of(GetParam());
+  Scheme scheme = scheme_of(o);
+  Scene s = scene(Grid{{0, 0}, {0.1, 0.08}, 8, 8}, {disc("disc", {0.33, 0.3}, 0.17)}, {elastic(1e5, 0.3, 1000)});
+  GridState g(s.grid, scheme.shape);
+  const Materials materials = materials_of(s);
+  SolverState state = initial_state(s, scheme, g, materials);
+  Particles& p = state.particles;
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> u(-1, 1);
+  for (std::size_t k = 0; k < p.size(); ++k) {
+    p.x[k] += 0.02 * u(random);
+    p.y[k] += 0.02 * u(random);
+    for (auto* a : {&p.tau_xx, &p.tau_yy, &p.tau_zz, &p.tau_xy}) (*a)[k] = u(random);
+  }
+  if (scheme.locking == Locking::full)  // one stress an element is what it is about
+    for (auto* a : {&p.tau_xx, &p.tau_yy, &p.tau_zz, &p.tau_xy}) std::fill(a->begin(), a->end(), u(random));
+  locate_all(p, g);
+  average_mean_stress(p, g, scheme, 1);
+  map_momentum(p, g, scheme, true, 1);
+  const double tiny = 1e-7;  // so that log strains are small strains
+  double work = 0;
+  for (const std::uint32_t n : g.nodes) {
+    g.node[n].ux = u(random);
+    g.node[n].uy = u(random);
+    work += g.node[n].fx * g.node[n].ux + g.node[n].fy * g.node[n].uy;
+  }
+  strain_points(p, g, scheme, tiny, false, 1);
+  double stress_work = 0, scale = 0;
+  for (std::size_t k = 0; k < p.size(); ++k) {
+    const double w = p.volume0[k] * (p.tau_xx[k] * p.de_xx[k] + p.tau_yy[k] * p.de_yy[k] + p.tau_zz[k] * p.de_zz[k] +
+                                     2 * p.tau_xy[k] * p.de_xy[k]) / tiny;
+    stress_work += w;
+    scale += std::abs(w);
+  }
+  EXPECT_NEAR(work, -stress_work, 1e-5 * scale);
+}
+
+// A block under stress is turned through 360 degrees, node by node, as a rigid body.
+TEST_P(Schemes, ATurnedBlockKeepsItsObjectiveStress) {
+  const Scheme scheme = scheme_of(options_of(GetParam()));
+  for (const char* model : {"linear_elastic", "neo_hookean", "tresca"}) {
+    MaterialOptions m = elastic(1e6, 0.3, 1000);
+    m.model = model;
+    m.shear_strength_pa = 1e5;
+    const bool from_F = std::string(model) == "neo_hookean";
+    Scene s = scene(Grid{{0, 0}, {0.1, 0.1}, 11, 11}, {rectangle("block", 0.35, 0.35, 0.65, 0.65)}, {m});
+    if (!from_F) s.stress0.assign(s.particles.size(), {3000, -2000, 500, 1500});
+    GridState g(s.grid, scheme.shape);
+    const Materials materials = materials_of(s);
+    SolverState state = initial_state(s, scheme, g, materials);
+    Particles& p = state.particles;
+    if (from_F)
+      for (std::size_t k = 0; k < p.size(); ++k) {
+        p.F_xx[k] = 1.02;
+        p.F_xy[k] = 0.03;
+        p.J[k] = 1.02;
+      }
+    std::vector<double> start[4];
+    update_stress(materials, p, 1);
+    for (int c = 0; c < 4; ++c) start[c] = *std::array{&p.tau_xx, &p.tau_yy, &p.tau_zz, &p.tau_xy}[std::size_t(c)];
+    const Vec2 centre(0.5, 0.5);
+    const int steps = 60;
+    const double angle = 2 * M_PI / steps, c = std::cos(angle), n = std::sin(angle);
+    Mat2 turn;
+    turn << c, -n, n, c;
+    for (int k = 0; k < steps; ++k) {
+      locate_all(p, g);
+      for (int j = 0; j < g.grid.ny; ++j)
+        for (int i = 0; i < g.grid.nx; ++i) {
+          const Vec2 r = g.grid.position(i, j) - centre, v = turn * r - r;
+          g.node[g.grid.node(i, j)].ux = v.x();
+          g.node[g.grid.node(i, j)].uy = v.y();
+        }
+      strain_points(p, g, scheme, 1, true, 1);
+      update_stress(materials, p, 1);
+      for (std::size_t q = 0; q < p.size(); ++q) {
+        const Vec2 x = centre + turn * (Vec2(p.x[q], p.y[q]) - centre);
+        p.x[q] = x.x();
+        p.y[q] = x.y();
+      }
+    }
+    double worst = 0;
+    for (std::size_t q = 0; q < p.size(); ++q)
+      for (int k = 0; k < 4; ++k)
+        worst = std::max(worst, std::abs((*std::array{&p.tau_xx, &p.tau_yy, &p.tau_zz, &p.tau_xy}[std::size_t(k)])[q] -
+                                         start[k][q]));
+    EXPECT_LT(worst, 1e-10 * 3e4) << model;
+    EXPECT_NEAR(p.F_xx[0], from_F ? 1.02 : 1.0, 1e-12);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, Schemes,
+    testing::Values(Choice{"bilinear", "flip", "musl", "selective"}, Choice{"bilinear", "flip", "musl", "full"},
+                    Choice{"bilinear", "flip", "musl", "fbar"}, Choice{"bilinear", "xpic", "musl", "none"},
+                    Choice{"gimp", "flip", "musl", "none"}, Choice{"gimp", "flip", "usf", "none"},
+                    Choice{"gimp", "apic", "usl", "fbar"}, Choice{"bspline", "flip", "musl", "none"},
+                    Choice{"bspline", "flip", "usf", "none"}, Choice{"bspline", "apic", "usl", "none"},
+                    Choice{"bspline", "apic", "usl", "fbar"}, Choice{"bspline", "apic", "musl", "fbar"},
+                    Choice{"bspline", "xpic", "usl", "fbar"}),
+    name_of);
+
+// Weights sum to one, their gradients to zero, and both give back a linear field, with walls on any side.
+template <class S>
+void check_shape() {
+  std::mt19937_64 random(9);
+  std::uniform_real_distribution<double> u(0, 1);
+  for (int k = 0; k < 2000; ++k) {
+    const bool low = k % 3 == 1, high = k % 3 == 2;
+    double xi = S::width == 2 ? u(random) : u(random) - 0.5;
+    if (S::width == 3 && low) xi = std::abs(xi);
+    if (S::width == 3 && high) xi = -std::abs(xi);
+    const double half = 0.05 + 0.45 * u(random);
+    const auto line = S::line(xi, half, low, high);
+    double sum = 0, gradient = 0, place = 0, slope = 0;
+    for (int a = 0; a < S::width; ++a) {
+      sum += line.w[a];
+      gradient += line.g[a];
+      place += line.w[a] * (a + S::first);
+      slope += line.g[a] * (a + S::first);
+      EXPECT_GE(line.w[a], -1e-15);
+    }
+    ASSERT_NEAR(sum, 1, 1e-14);
+    ASSERT_NEAR(gradient, 0, 1e-14);
+    ASSERT_NEAR(place, xi, 1e-14);
+    ASSERT_NEAR(slope, 1, 1e-13);
+  }
+}
+
+TEST(Shapes, ReproduceLinearFields) {
+  check_shape<BilinearShape>();
+  check_shape<GimpShape>();
+  check_shape<BSplineShape>();
+}
+
+TEST(LightNodes, MoveWithTheirHeaviestNeighbourAndKeepTheMomentum) {
+  GridState g(Grid{{0, 0}, {1, 1}, 4, 4}, ShapeKind::bilinear);
+  g.nodes = {0, 1, 4, 5};
+  const auto set = [&](std::uint32_t n, double mass, double v, double f) {
+    g.node[n].mass = mass;
+    g.node[n].vx = v;
+    g.node[n].fx = f;
+  };
+  set(0, 2, 1, 0.5);
+  set(1, 1e-9, 3, -40);
+  set(4, 1, 2, 1);
+  set(5, 0, 0, 7);
+  LightNodes light;
+  light.find(g, 1e-5);
+  ASSERT_EQ(light.pairs.size(), 2u);
+  update_momentum(g, {0, 0}, 0, 0.1, 1);
+  light.join_momentum(g, 0.1);
+  EXPECT_EQ(g.node[1].nx, g.node[0].nx);
+  EXPECT_EQ(g.node[5].nx, g.node[0].nx);
+  double before = 0, after = 0;
+  for (const std::uint32_t n : g.nodes) {
+    before += g.node[n].mass * g.node[n].vx + 0.1 * g.node[n].fx;
+    after += g.node[n].mass * g.node[n].nx;
+  }
+  EXPECT_NEAR(after, before, 1e-14);
+  EXPECT_EQ(g.node[0].mass, 2);
+}
+
+TEST(Motion, ARunEndsWhenMotionEnds) {
+  MpmOptions o = options({0, -9.81});
+  o.damping = 0.7;
+  o.settle = false;
+  Solver solver(o, column(0.05, elastic(1e6, 0.3, 2000)), 1);
+  solver.advance_to(0.6, silent);
+  EXPECT_TRUE(solver.at_rest());
+  const auto steps = solver.steps();
+  const float u = solver.frame().u.back()[1];
+  solver.advance_to(1.0, silent);
+  EXPECT_EQ(solver.steps(), steps);
+  EXPECT_EQ(solver.time(), 1.0);
+  EXPECT_LT(u, 0);
+  o.end_at_rest = false;
+  Solver on(o, column(0.05, elastic(1e6, 0.3, 2000)), 1);
+  on.advance_to(0.6, silent);
+  EXPECT_GT(on.steps(), steps);
+  EXPECT_NEAR(double(on.frame().u.back()[1]), double(u), 1e-4 * std::abs(double(u)));  // nothing was missed
+}
+
+TEST(Options, WrongCombinationsNameTheirKey) {
+  const auto message = [](MpmOptions o) -> std::string {
+    try {
+      scheme_of(o);
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  MpmOptions o = options();
+  EXPECT_EQ(message(o), "");
+  o.locking = "selective";
+  EXPECT_NE(message(o).find("mpm.locking"), std::string::npos);
+  o.shape = "bilinear";
+  EXPECT_EQ(message(o), "");
+  o.transfer = "aplic";
+  EXPECT_NE(message(o).find("did you mean 'apic'"), std::string::npos);
+  o.transfer = "apic";
+  o.pic_per_s = 1;
+  EXPECT_NE(message(o).find("mpm.pic_per_s"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace pivnp::mpm
