@@ -216,6 +216,7 @@ VectorField world_vectors(const piv::PixelVectors& pixels, const piv::NodeLattic
   out.grid = setting.grid;
   out.status = pixels.status;
   out.score = pixels.score;
+  out.correlation_length = pixels.correlation_px * static_cast<float>(setting.grid.spacing.x() / node_spacing_px(setting));
   const std::size_t count = setting.grid.node_count();
   out.displacement.resize(count);
   out.cov.resize(count);

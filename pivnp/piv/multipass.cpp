@@ -65,6 +65,7 @@ void Multipass::correlate(const ImageView& first, const ImageView& second, const
     vectors.score[k] = nan;
     vectors.status[k] = switched_on(nodes_, k) ? VectorStatus::failed : VectorStatus::masked;
   }
+  vectors.correlation_px = 0.5f * static_cast<float>(options_.window_px);
   if (windows_.empty()) return;
   windows_.find(first, second, mask);
   measure_nodes(vectors);

@@ -29,6 +29,7 @@ struct VectorField {
   std::vector<std::array<float, 2>> displacement;
   std::vector<VectorStatus> status;
   std::vector<std::array<float, 3>> cov;  // random error (uu, vv, uv), length^2
+  float correlation_length = 0;           // distance within which the errors of vectors are alike
   std::vector<float> score;               // correlation coefficient of the matched subset, -1 .. 1; NaN if failed
 };
 
