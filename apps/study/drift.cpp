@@ -83,8 +83,8 @@ struct DriftCorrector::Impl {
     return key;
   }
 
-  // The gradient's noise from that of the increments: independent errors s at the nodes give 4/3 (s/h)^2 on average over
-  // a bilinear element (less where neighbours err alike).
+  // The gradient's noise from that of the increments: independent errors s at the nodes give 4/3 (s/h)^2 on average
+  // over a bilinear element (less where neighbours err alike).
   void grow_var_F(const np::Tracker& tracker) {
     const auto state = tracker.state();
     const double h = setting.grid.spacing.minCoeff();
@@ -108,7 +108,8 @@ struct DriftCorrector::Impl {
 
   // Direct estimates of the particles `wanted` from `key`; those that do not count are left out of `found`.
   void match(const np::Tracker& tracker, const Key& key, const piv::SubsetImage& now, int frame,
-             const std::vector<std::size_t>& wanted, double score, std::unordered_map<std::size_t, Direct>& found) const {
+             const std::vector<std::size_t>& wanted, double score,
+             std::unordered_map<std::size_t, Direct>& found) const {
     const image::Camera& camera = setting.camera;
     std::vector<std::size_t> asked;
     std::vector<piv::AffinePrediction> predictions;

@@ -21,13 +21,14 @@ struct DriftRound {
 
 /// np.drift of the case, on the tracker's own particles. Every particle is looked for where its own displacement and F
 /// predict its subset (side: the PIV's window).
-///   corrected         every np.drift_interval frames and at the last one. From the first frame where that succeeds, else
-///                     from a later key frame; the estimate since the key frame is fused with the direct one by their
-///                     covariances (np/fusion.hpp). What fails is left as it was.
+///   corrected         every np.drift_interval frames and at the last one. From the first frame where that succeeds,
+///                     else from a later key frame; the estimate since the key frame is fused with the direct one by
+///                     their covariances (np/fusion.hpp). What fails is left as it was.
 ///   leapfrog          every frame, from the first one; the direct estimate replaces the summed one. Where it fails the
 ///                     particle goes on by the increment and is doubtful.
 ///   reference_update  the same from a reference that moves to the frame before as soon as a tenth of the particles
-///                     fails or correlates below .75 with it (Stanier, Blaber, Take & White 2016, who watch seed points).
+///                     fails or correlates below .75 with it (Stanier, Blaber, Take & White 2016, who watch seed
+///                     points).
 /// A direct estimate counts if its correlation coefficient is at least .6, it lies near the prediction and in line with
 /// its neighbours' (median test).
 class DriftCorrector {
@@ -37,7 +38,8 @@ class DriftCorrector {
 
   /// Before the first step: `image` is the first frame, `tracker` at its start.
   void start(const np::Tracker& tracker, const ImageView& image);
-  /// After the tracker's step to frame `frame`; `read` gives that frame where it is needed. `last`: there is none after.
+  /// After the tracker's step to frame `frame`; `read` gives that frame where it is needed. `last`: there is none
+  /// after.
   void after_step(np::Tracker& tracker, int frame, bool last, const std::function<Image()>& read);
 
   const std::vector<DriftRound>& rounds() const;

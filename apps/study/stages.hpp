@@ -28,8 +28,8 @@ struct Measured {
   std::function<Image(int)> image;
 };
 
-/// The particles of a run: those of the first frame and, with np.reseed, those born later, found by tracking once through
-/// all steps beforehand.
+/// The particles of a run: those of the first frame and, with np.reseed, those born later, found by tracking once
+/// through all steps beforehand.
 ParticleSet all_particles(const Case& c, const Setting& setting, const std::vector<Frame>& frames,
                           const Measured& measured, Progress& progress);
 

@@ -62,7 +62,8 @@ Vec2 StagedSlope::at(const Vec2& X, double time) const {
   const Vec2 x(X.x(), base + Y * (1 - settlement * stage(0)) - collapse * (stage(1) > 0 ? wet : 0.0));
   const Vec2 r = x - centre;
   const double angle = turn * stage(2) * stage(2) * 0.5 * (1 - std::tanh((r.norm() - radius) / band));
-  return centre + Vec2(std::cos(angle) * r.x() - std::sin(angle) * r.y(), std::sin(angle) * r.x() + std::cos(angle) * r.y());
+  const double c = std::cos(angle), s = std::sin(angle);
+  return centre + Vec2(c * r.x() - s * r.y(), s * r.x() + c * r.y());
 }
 
 Mat2 StagedSlope::F(const Vec2& X, double time) const {

@@ -44,8 +44,8 @@ struct Lagrange {
   }
 };
 
-/// B-splines through the nodal values (coefficients by interpolate() in spline_filter.hpp): continuous to the derivative
-/// of degree - 1 over the whole grid. Order of values degree + 1, of gradients degree.
+/// B-splines through the nodal values (coefficients by interpolate() in spline_filter.hpp): continuous to the
+/// derivative of degree - 1 over the whole grid. Order of values degree + 1, of gradients degree.
 template <int degree>
 struct Spline {
   static_assert(degree == 2 || degree == 3);

@@ -35,7 +35,8 @@ ParticleSet Reseeder::births(const Tracker& tracker, const VectorField& field) {
       const std::size_t element = grid_.element(i, j);
       if (now[element] >= 0 || before_[element] < 0) continue;
       bool valid = true;
-      for (const std::size_t n : {grid_.node(i, j), grid_.node(i + 1, j), grid_.node(i, j + 1), grid_.node(i + 1, j + 1)})
+      for (const std::size_t n :
+           {grid_.node(i, j), grid_.node(i + 1, j), grid_.node(i, j + 1), grid_.node(i + 1, j + 1)})
         valid = valid && field.status[n] == VectorStatus::valid;
       if (!valid) continue;
       now[element] = before_[element];

@@ -51,9 +51,9 @@ class SupportMap {
   std::vector<LocalFit> fits_;                // in the order of fitted_elements_
 };
 
-/// Fills the values whose node is not usable, so that a spline can be laid through all nodes: from the local fits of the
-/// elements around it; where there are none, the mean of the filled neighbours, ring by ring. No particle reads a stencil
-/// with such a node.
+/// Fills the values whose node is not usable, so that a spline can be laid through all nodes: from the local fits of
+/// the elements around it; where there are none, the mean of the filled neighbours, ring by ring. No particle reads a
+/// stencil with such a node.
 void fill_gaps(const Grid& grid, const SupportMap& support, std::vector<std::array<double, 2>>& values);
 
 extern template void SupportMap::build(const Nodes<float>&);

@@ -11,8 +11,8 @@
 namespace pivnp::np {
 
 /// A particle whose stencil (the nodes of its element of 9 or 16; the 4 x 4 nodes around it, for splines) is complete
-/// reads the field of higher order. Where a node of the stencil is not usable it reads as Gather does: bilinear in a cell
-/// whose own four are, else by the local fit.
+/// reads the field of higher order. Where a node of the stencil is not usable it reads as Gather does: bilinear in a
+/// cell whose own four are, else by the local fit.
 template <class Basis, class Real>
 class TensorGather {
  public:

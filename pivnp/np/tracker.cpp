@@ -19,7 +19,8 @@ namespace {
 void check_options(const NpOptions& options) {
   if (options.gradient != "particle" && options.gradient != "element")
     throw InputError("np.gradient: found '" + options.gradient + "', expected particle or element");
-  static const std::vector<std::string> shapes = {"bilinear", "quadratic", "cubic", "bspline2", "bspline3", "triangles"};
+  static const std::vector<std::string> shapes = {"bilinear", "quadratic", "cubic",
+                                                  "bspline2", "bspline3",  "triangles"};
   if (std::find(shapes.begin(), shapes.end(), options.shape) == shapes.end())
     throw InputError("np.shape: found '" + options.shape +
                      "', expected bilinear, quadratic, cubic, bspline2, bspline3 or triangles");

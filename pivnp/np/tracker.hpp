@@ -67,8 +67,8 @@ struct NpOptions {
 };
 
 /// Follows particles through pairs of consecutive frames. State is double precision. Shape functions
-/// (thesis, equations 2.1-2.4, 2.3 as corrected in core/grid/shape.hpp): bilinear, or by NpOptions::shape of higher order
-/// (basis.hpp) or on triangles, on the same nodes. Same bits for any number of threads.
+/// (thesis, equations 2.1-2.4, 2.3 as corrected in core/grid/shape.hpp): bilinear, or by NpOptions::shape of higher
+/// order (basis.hpp) or on triangles, on the same nodes. Same bits for any number of threads.
 class Tracker {
  public:
   /// `particles` are placed at x0 at `start_time` with F = I; those born later wait, unborn, until the first step that
@@ -96,8 +96,8 @@ class Tracker {
   /// Throws InputError if `time` is not after the present one, or if the field's arrays do not fit its grid.
   void step(const VectorField& field, double time);
   void step(const Increments& field, double time);
-  /// The same with vectors at places of any kind, on linear Delaunay triangles whatever NpOptions::shape. Triangles with
-  /// a side above `longest` hold no field, those with one above `usual` make the step doubtful; a particle that no
+  /// The same with vectors at places of any kind, on linear Delaunay triangles whatever NpOptions::shape. Triangles
+  /// with a side above `longest` hold no field, those with one above `usual` make the step doubtful; a particle that no
   /// triangle holds ends with no_vectors.
   void step(const Scattered& field, double usual, double longest, double time);
 

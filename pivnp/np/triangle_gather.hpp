@@ -40,7 +40,8 @@ class TriangleGather {
       f.to_third = Vec2(-ab.y(), ab.x()) / area;
       for (int q = 0; q < 2; ++q) {
         const auto c = std::size_t(q);
-        f.G.row(q) = (d[n[1]][c] - d[n[0]][c]) * f.to_second.transpose() + (d[n[2]][c] - d[n[0]][c]) * f.to_third.transpose();
+        f.G.row(q) = (d[n[1]][c] - d[n[0]][c]) * f.to_second.transpose() +
+                     (d[n[2]][c] - d[n[0]][c]) * f.to_third.transpose();
       }
       f.support = Support::measured;
       for (std::size_t k = 0; k < 3; ++k) {
@@ -88,7 +89,8 @@ class TriangleGather {
   };
 
   static bool good(const Scattered& nodes, std::size_t n) {
-    return usable(nodes.status[n]) && std::isfinite(nodes.displacement[n][0]) && std::isfinite(nodes.displacement[n][1]);
+    const auto& d = nodes.displacement[n];
+    return usable(nodes.status[n]) && std::isfinite(d[0]) && std::isfinite(d[1]);
   }
   static std::vector<Vec2> usable_places(const Scattered& nodes) {
     std::vector<Vec2> places;

@@ -41,8 +41,10 @@ Triangulation::Triangulation(const std::vector<Vec2>& points) : points_(points) 
       t.node[std::size_t(k)] = face->vertex(k)->info();
       t.neighbour[std::size_t(k)] = face->neighbor(k)->info();
     }
-    for (std::size_t k = 0; k < 3; ++k)
-      t.longest = std::max(t.longest, (points_[std::size_t(t.node[k])] - points_[std::size_t(t.node[(k + 1) % 3])]).norm());
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec2 side = points_[std::size_t(t.node[k])] - points_[std::size_t(t.node[(k + 1) % 3])];
+      t.longest = std::max(t.longest, side.norm());
+    }
     triangles_.push_back(t);
   }
   sort_into_bins();

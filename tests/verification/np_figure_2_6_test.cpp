@@ -2,8 +2,8 @@
 // quadratic elements, and by linear elements on nine nodes. Here also the cubic element and the B-splines.
 //   published: a drawing without numbers: (c) and (d) follow the function more closely than (b).
 //   criterion: on [0, 1] the greatest error of linear elements is that of their chords and falls by at least 3 when the
-//     spacing is halved; quadratic elements on five nodes are better than linear ones; cubic shapes repeat the polynomial
-//     to round-off. With PIVNP_VERIFICATION_DIR set the figure is drawn there (figure_2_6.svg, .png).
+//     spacing is halved; quadratic elements on five nodes are better than linear ones; cubic shapes repeat the
+//     polynomial to round-off. With PIVNP_VERIFICATION_DIR set the figure is drawn there (figure_2_6.svg, .png).
 #include <gtest/gtest.h>
 
 #include <cmath>

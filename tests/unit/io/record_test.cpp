@@ -176,6 +176,39 @@ TEST_F(RecordTest, ComputedFieldsAreThoseOfTheDerivedReader) {
   EXPECT_EQ(source.attribute_text("/motion/mpm/fields/mean_stress", "unit"), "Pa");
 }
 
+TEST_F(RecordTest, WhatGoesWithStrainsComesBack) {
+  StrainNote unknown, known;
+  unknown.gauge_length = 0.012;
+  known.gauge_length = 0.02, known.floor_source = "still zone";
+  known.floor_dev = 1e-3, known.floor_vol = 2e-4, known.floor_path = 0.03;
+  for (const StrainNote& note : {unknown, known}) {
+    {
+      RecordWriter w(directory.path(), sample::head(size), false);
+      for (const std::string name : {"np", "mpm"}) {
+        w.begin_motion(name, sample::particles(size));
+        w.add_frame(name, sample::frame(size, 0, name == "mpm"));
+        const ParticleSet p = sample::particles(size);
+        w.end_stage("motion/" + name, &p);
+      }
+      w.pack();
+      w.set_strain_note("np", note);
+      EXPECT_THROW(w.set_strain_note("dic", note), std::logic_error);
+      w.finish();
+    }
+    const RecordReader r(record);
+    EXPECT_FALSE(r.strain_note("mpm"));
+    const auto found = r.strain_note("np");
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->gauge_length, note.gauge_length);
+    EXPECT_EQ(found->floor_source, note.floor_source);
+    EXPECT_EQ(std::isnan(found->floor_dev), std::isnan(note.floor_dev));
+    if (std::isnan(note.floor_dev)) continue;
+    EXPECT_EQ(found->floor_dev, note.floor_dev);
+    EXPECT_EQ(found->floor_vol, note.floor_vol);
+    EXPECT_EQ(found->floor_path, note.floor_path);
+  }
+}
+
 TEST_F(RecordTest, WhatAFrameLacksIsNaNWhereOthersHaveIt) {
   {
     RecordWriter w(directory.path(), sample::head(size), false);
