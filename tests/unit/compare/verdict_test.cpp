@@ -21,7 +21,7 @@ enum class Errors { independent, of_neighbours, one_and_the_same };
 
 // A block that stretches, measured with errors of standard deviation `sigma` a component that grow as a tracker's do.
 MotionMemory measured(std::mt19937& random, Errors errors, double sigma, double bias, const std::string& name) {
-  const ParticleSet set = particles_at(square_lattice(12, 12, 1), 1);
+  const ParticleSet set = particles_at(square_lattice(8, 8, 1), 1);
   std::normal_distribution<double> normal(0, 1);
   std::vector<Vec2> error(set.size(), Vec2::Zero());
   MotionMemory motion(name, "m", "s", set);
@@ -33,7 +33,7 @@ MotionMemory measured(std::mt19937& random, Errors errors, double sigma, double 
       for (std::size_t p = 0; p < set.size(); ++p) {
         const int column = int(set.x0[p].x()), row = int(set.x0[p].y());
         const int group = errors == Errors::independent     ? int(p)
-                          : errors == Errors::of_neighbours ? (row / 4) * 4 + column / 4
+                          : errors == Errors::of_neighbours ? (row / 2) * 4 + column / 2
                                                             : 0;
         const auto it = shared.find(group);
         if (it == shared.end()) shared[group] = Vec2(normal(random), normal(random));
@@ -80,7 +80,7 @@ TEST(Verdict, TwoMeasurementsOfOneMotionAreRarelyFlagged) {
       if (double(count) / runs > worst) worst = double(count) / runs, where = name;
     }
     const char* kind = errors == Errors::independent       ? "independent noise"
-                       : errors == Errors::of_neighbours ? "noise shared by 4 x 4 neighbours"
+                       : errors == Errors::of_neighbours ? "noise shared by 2 x 2 neighbours"
                                                          : "one error shared by all";
     test::verification_row(std::string("two measurements of one motion, ") + kind,
                            "no metric flagged more than 5 % of the time",
