@@ -189,8 +189,8 @@ class Checker {
       const std::string path = prefix + name;
       if (!(m.density_kg_m3 > 0)) refuse(path + ".density_kg_m3", "missing; expected more than 0 (kg/m^3)");
       if (!(m.young_pa > 0)) refuse(path + ".young_pa", "missing; expected more than 0 (Pa)");
-      if (m.model == "von_mises" && !(m.shear_strength_pa > 0))
-        refuse(path + ".shear_strength_pa", "missing; von_mises needs a strength of more than 0 (Pa)");
+      if ((m.model == "von_mises" || m.model == "tresca") && !(m.shear_strength_pa > 0))
+        refuse(path + ".shear_strength_pa", "missing; " + m.model + " needs a strength of more than 0 (Pa)");
       if (m.model == "mohr_coulomb" && !(m.friction_deg > 0) && !(m.cohesion_pa > 0))
         refuse_section(path, "mohr_coulomb has no strength; expected friction_deg or cohesion_pa of more than 0");
       if (m.model == "mohr_coulomb" && m.dilatancy_deg > m.friction_deg)

@@ -106,8 +106,8 @@ TEST(BadInput, UnknownChoiceNamesTheNearest) {
             "c.toml:2: np.seeding: found \"evem\", expected one of even, gauss; did you mean 'even'?");
   EXPECT_EQ(
       refusal("[material.a]\nmodel = 'hypoplastic'\n"),
-      "c.toml:2: material.a.model: found \"hypoplastic\", expected one of linear_elastic, neo_hookean, "
-      "von_mises, tresca, mohr_coulomb");
+      "c.toml:2: material.a.model: found \"hypoplastic\", expected one of linear_elastic, neo_hookean, von_mises, "
+      "tresca, mohr_coulomb");
 }
 
 TEST(BadInput, SyntaxErrorsAndDuplicatesNameTheLine) {
