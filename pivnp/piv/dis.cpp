@@ -67,11 +67,13 @@ class DenseInverseSearch final : public Method {
   std::array<float, 2> at(float x, float y) const {
     x = std::clamp(x, 0.0f, static_cast<float>(width_ - 1));
     y = std::clamp(y, 0.0f, static_cast<float>(height_ - 1));
-    const int c = std::min(static_cast<int>(x), std::max(width_ - 2, 0)), r = std::min(static_cast<int>(y), std::max(height_ - 2, 0));
+    const int c = std::min(static_cast<int>(x), std::max(width_ - 2, 0)),
+              r = std::min(static_cast<int>(y), std::max(height_ - 2, 0));
     const int c1 = std::min(c + 1, width_ - 1), r1 = std::min(r + 1, height_ - 1);
     const float s = x - static_cast<float>(c), t = y - static_cast<float>(r);
     const auto mix = [&](int k) {
-      return (1 - t) * ((1 - s) * flow_(r, c)[k] + s * flow_(r, c1)[k]) + t * ((1 - s) * flow_(r1, c)[k] + s * flow_(r1, c1)[k]);
+      return (1 - t) * ((1 - s) * flow_(r, c)[k] + s * flow_(r, c1)[k]) +
+             t * ((1 - s) * flow_(r1, c)[k] + s * flow_(r1, c1)[k]);
     };
     return {mix(0), mix(1)};
   }
@@ -98,7 +100,8 @@ class DenseInverseSearch final : public Method {
     SmoothedField error_u, error_v;
     error_of(increments_.u, error_u);
     error_of(increments_.v, error_v);
-    judge_nodes({options_, nodes_, width_, height_, 1, threads_, rounding}, field_, sums_, u, v, error_u, error_v, vectors);
+    judge_nodes({options_, nodes_, width_, height_, 1, threads_, rounding}, field_, sums_, u, v, error_u, error_v,
+                vectors);
   }
 
   void error_of(const std::vector<float>& increment, SmoothedField& error) const {

@@ -59,7 +59,7 @@ class GaussNewton final : public Method {
   WindowPasses windows_;
   std::vector<WindowTools> tools_;  // one a thread, for places searched again
   std::vector<GnLevel> levels_;
-  float rounding_ = 0;       // variance of a grey value's rounding, grey^2
+  float rounding_ = 0;  // variance of a grey value's rounding, grey^2
   float presmoothing_ = 0;
   LightField light_;
   // The field at the level in work, and what its last pass left.
@@ -106,7 +106,8 @@ void GaussNewton::add_level(int decimation, int passes) {
     const int cells = static_cast<int>(std::ceil((to - from) / static_cast<float>(lattice.step)));
     points = std::max(least_lattice_points, cells + 1);
     // Centred, so that what the lattice has too much is the same on both sides.
-    origin = static_cast<int>(std::floor(from - 0.5f * (static_cast<float>((points - 1) * lattice.step) - (to - from))));
+    origin =
+        static_cast<int>(std::floor(from - 0.5f * (static_cast<float>((points - 1) * lattice.step) - (to - from))));
   };
   place(box.x0, box.x1, lattice.x0, lattice.nx);
   place(box.y0, box.y1, lattice.y0, lattice.ny);
@@ -215,7 +216,8 @@ void GaussNewton::smooth(const GnLevel& level) {
     shrinker.run(v_, level.wanted, threads_, smooth_v_);
     u_ = smooth_u_.value, v_ = smooth_v_.value;
   } else {
-    window_increments(sums_, options_.order, static_cast<float>(options_.window_px), level.wanted, threads_, increments_);
+    window_increments(sums_, options_.order, static_cast<float>(options_.window_px), level.wanted, threads_,
+                      increments_);
     for (std::size_t k = 0; k < u_.size(); ++k) u_[k] += increments_.u[k], v_[k] += increments_.v[k];
     smooth_u_.variance = increments_.variance_u, smooth_v_.variance = increments_.variance_v;
     for (auto* s : {&smooth_u_, &smooth_v_}) s->area.assign(u_.size(), 16.0f);  // a window is four cells wide
@@ -227,7 +229,7 @@ void GaussNewton::smooth(const GnLevel& level) {
 // Where the frames still do not match although they have texture, the field sits on a wrong match: such places are
 // searched again with small windows, from what the matched surroundings say, and the better of both fields stays.
 void GaussNewton::mend(const GnLevel& level) {
-  constexpr int rounds = 6;            // each grows from what the one before has matched
+  constexpr int rounds = 6;                             // each grows from what the one before has matched
   constexpr float poor_score = 0.6f, most_poor = 0.4f;  // beyond that share the frames are poor, not the match
   const CellLattice& lattice = level.lattice;
   MatchQuality before, after;
@@ -241,7 +243,8 @@ void GaussNewton::mend(const GnLevel& level) {
       poor[k] = textured[k] && before.score[k] < poor_score;
       judged += textured[k], count += poor[k];
     }
-    if (count == 0 || static_cast<float>(count) > most_poor * static_cast<float>(judged) || 20 * count > 19 * last_count)
+    if (count == 0 || static_cast<float>(count) > most_poor * static_cast<float>(judged) ||
+        20 * count > 19 * last_count)
       return;
     last_count = count;
     const std::vector<float> u = u_, v = v_;
@@ -286,7 +289,8 @@ void GaussNewton::search_again(const GnLevel& level, const std::vector<std::uint
     const int i = static_cast<int>(k % std::size_t(lattice.nx)), j = static_cast<int>(k / std::size_t(lattice.nx));
     const auto predicted = around.at(level.column(i), level.row(j));
     known.displacement[k] = predicted;
-    tools.window.cut(warped, static_cast<float>(lattice.x0 + i * lattice.step), static_cast<float>(lattice.y0 + j * lattice.step));
+    tools.window.cut(warped, static_cast<float>(lattice.x0 + i * lattice.step),
+                     static_cast<float>(lattice.y0 + j * lattice.step));
     if (!textured[k] || !windows_.enough(tools.window)) return;
     const Peak peak = tools.find(Search::far);
     if (!peak.interior || peak.score < 0.5f) return;
@@ -298,7 +302,8 @@ void GaussNewton::search_again(const GnLevel& level, const std::vector<std::uint
   median_test(known, options_.median_threshold, options_.median_floor_px * scale, threads_);
   around.fit(level.even(), known.displacement, known.good, 0.5f, threads_);
   for (const std::size_t k : open) {
-    const auto d = around.at(level.column(static_cast<int>(k % std::size_t(lattice.nx))), level.row(static_cast<int>(k / std::size_t(lattice.nx))));
+    const auto d = around.at(level.column(static_cast<int>(k % std::size_t(lattice.nx))),
+                             level.row(static_cast<int>(k / std::size_t(lattice.nx))));
     u_[k] = d[0] / scale, v_[k] = d[1] / scale;
   }
 }

@@ -49,7 +49,8 @@ bool solve_window(const CellSums& sums, int i, int j, int reach, const std::vect
   normal.template block<terms, terms>(terms, 0) = normal.template block<terms, terms>(0, terms).transpose();
   if (!(whole > 0)) return false;
   const Eigen::LDLT<Matrix> factor(normal);
-  if (factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 1e-6 * factor.vectorD().maxCoeff())) return false;
+  if (factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 1e-6 * factor.vectorD().maxCoeff()))
+    return false;
   const Vector step = factor.solve(right);
   const Matrix inverse = factor.solve(Matrix::Identity());
   const Matrix covariance = inverse * scatter * inverse;
@@ -122,8 +123,10 @@ void residual_scale(const CellSums& sums, const std::vector<float>& u, const std
     for (int i = 0; i < lattice.nx; ++i) {
       const std::size_t k = lattice.index(i, j);
       noise[k] = reach * noise[k] / std::max(weight[k], 1e-3f) + rounding;
-      const std::size_t left = lattice.index(std::max(i - 1, 0), j), right = lattice.index(std::min(i + 1, lattice.nx - 1), j);
-      const std::size_t above = lattice.index(i, std::max(j - 1, 0)), below = lattice.index(i, std::min(j + 1, lattice.ny - 1));
+      const std::size_t left = lattice.index(std::max(i - 1, 0), j),
+                        right = lattice.index(std::min(i + 1, lattice.nx - 1), j);
+      const std::size_t above = lattice.index(i, std::max(j - 1, 0)),
+                        below = lattice.index(i, std::min(j + 1, lattice.ny - 1));
       const auto square = [](float x) { return x * x; };
       const float change = 0.5f * std::sqrt(square(u[right] - u[left]) + square(v[right] - v[left]) +
                                             square(u[below] - u[above]) + square(v[below] - v[above]));

@@ -25,13 +25,23 @@ float inside_share(float place, int pixels, float cell) {
   return cumulated(static_cast<float>(pixels - 1) - place) - cumulated(-place);
 }
 
-void reject_outliers(const JudgeInput& input, PixelVectors& vectors) {
-  VectorGrid grid{input.nodes.nx, input.nodes.ny, vectors.displacement, {}};
-  grid.good.resize(vectors.status.size());
-  for (std::size_t k = 0; k < grid.good.size(); ++k) grid.good[k] = vectors.status[k] == VectorStatus::valid;
+// What is trusted at the lattice's points: matched well enough, of a small enough error, and in line with its neighbours.
+// Judged there and not at the nodes, which may lie far apart for the field's curvature.
+std::vector<std::uint8_t> trusted_points(const JudgeInput& input, const CellLattice& lattice,
+                                         const MatchQuality& quality, const std::vector<float>& u,
+                                         const std::vector<float>& v, const std::vector<float>& variance_u,
+                                         const std::vector<float>& variance_v) {
+  const auto d = static_cast<float>(input.decimation), least_score = static_cast<float>(input.options.min_score);
+  VectorGrid grid{lattice.nx, lattice.ny, std::vector<std::array<float, 2>>(lattice.size()),
+                  std::vector<std::uint8_t>(lattice.size())};
+  for (std::size_t k = 0; k < lattice.size(); ++k) {
+    grid.displacement[k] = {d * u[k], d * v[k]};
+    const float limit = trusted_sigma(static_cast<float>(input.options.max_sigma_px), quality.wide_score[k]);
+    grid.good[k] = quality.variance[k] > 4 * input.rounding && quality.score[k] >= least_score &&
+                   std::max(variance_u[k], variance_v[k]) <= limit * limit;
+  }
   median_test(grid, input.options.median_threshold, input.options.median_floor_px, input.threads);
-  for (std::size_t k = 0; k < grid.good.size(); ++k)
-    if (vectors.status[k] == VectorStatus::valid && !grid.good[k]) vectors.status[k] = VectorStatus::rejected;
+  return grid.good;
 }
 
 }  // namespace
@@ -54,9 +64,14 @@ void judge_nodes(const JudgeInput& input, const SplineField& field, const CellSu
   const auto d = static_cast<float>(input.decimation), cell = static_cast<float>(lattice.step);
   MatchQuality quality;
   match_quality(sums, quality);
-  std::vector<float> truncation_u, truncation_v, areas;
-  truncation_variance(lattice, u, input.threads, truncation_u);
-  truncation_variance(lattice, v, input.threads, truncation_v);
+  std::vector<float> variance_u, variance_v, areas;
+  truncation_variance(lattice, u, input.threads, variance_u);
+  truncation_variance(lattice, v, input.threads, variance_v);
+  for (std::size_t k = 0; k < lattice.size(); ++k) {
+    variance_u[k] = d * d * (smooth_u.variance[k] + variance_u[k]) + systematic_variance;
+    variance_v[k] = d * d * (smooth_v.variance[k] + variance_v[k]) + systematic_variance;
+  }
+  const auto trusted = trusted_points(input, lattice, quality, u, v, variance_u, variance_v);
   const auto least_usable = static_cast<float>(input.options.min_usable);
   for (std::size_t k = 0; k < input.nodes.pixel.size(); ++k) {
     if (vectors.status[k] == VectorStatus::masked) continue;
@@ -68,20 +83,17 @@ void judge_nodes(const JudgeInput& input, const SplineField& field, const CellSu
     const std::size_t q = lattice.index(i, j);
     if (quality.usable[q] < least_usable) {
       const float inside = inside_share(column, input.width, cell * d) * inside_share(row, input.height, cell * d);
-      if (inside >= least_usable) vectors.status[k] = VectorStatus::masked;  // it is the mask that takes the window away
+      if (inside >= least_usable)
+        vectors.status[k] = VectorStatus::masked;  // it is the mask that takes the window away
       continue;
     }
     if (!(quality.variance[q] > 4 * input.rounding)) continue;
     const auto value = field.at(x, y);
-    const float variance_u = d * d * (smooth_u.variance[q] + truncation_u[q]) + systematic_variance;
-    const float variance_v = d * d * (smooth_v.variance[q] + truncation_v[q]) + systematic_variance;
     vectors.displacement[k] = {d * value[0], d * value[1]};
-    vectors.cov[k] = {variance_u, variance_v, quality.slant[q] * d * d * std::sqrt(smooth_u.variance[q] * smooth_v.variance[q])};
+    vectors.cov[k] = {variance_u[q], variance_v[q],
+                      quality.slant[q] * d * d * std::sqrt(smooth_u.variance[q] * smooth_v.variance[q])};
     vectors.score[k] = quality.score[q];
-    const float limit = trusted_sigma(static_cast<float>(input.options.max_sigma_px), quality.wide_score[q]);
-    const bool trusted = quality.score[q] >= static_cast<float>(input.options.min_score) &&
-                         std::max(variance_u, variance_v) <= limit * limit;
-    vectors.status[k] = trusted ? VectorStatus::valid : VectorStatus::rejected;
+    vectors.status[k] = trusted[q] ? VectorStatus::valid : VectorStatus::rejected;
     areas.push_back(0.5f * (smooth_u.area[q] + smooth_v.area[q]));
   }
   if (!areas.empty()) {
@@ -89,7 +101,6 @@ void judge_nodes(const JudgeInput& input, const SplineField& field, const CellSu
     std::nth_element(areas.begin(), middle, areas.end());
     vectors.correlation_px = 0.5f * d * cell * std::sqrt(*middle);
   }
-  reject_outliers(input, vectors);
   constexpr int rings = 2;
   if (input.options.replace)
     replace_rejected(input.nodes.nx, input.nodes.ny, rings, vectors.displacement, vectors.status, vectors.cov);

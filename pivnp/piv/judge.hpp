@@ -12,7 +12,7 @@ struct JudgeInput {
   int width, height;  // of the full image
   int decimation;     // of the level that the field lives on
   int threads;
-  float rounding;     // variance of a grey value's rounding, grey^2
+  float rounding;  // variance of a grey value's rounding, grey^2
 };
 
 /// Arrays as they are before anything is measured: masked where a node is off, failed elsewhere.

@@ -14,8 +14,11 @@ void LightField::take(const CellSums& sums, int decimation, float rounding) {
   decimation_ = decimation;
   using Plane = CellSums::Plane;
   std::vector<float> n, f, g, ff, gg;
-  for (const auto& [plane, mean] : {std::pair<Plane, std::vector<float>*>{CellSums::usable, &n}, {CellSums::f, &f},
-                                    {CellSums::g, &g}, {CellSums::ff, &ff}, {CellSums::gg, &gg}})
+  for (const auto& [plane, mean] : {std::pair<Plane, std::vector<float>*>{CellSums::usable, &n},
+                                    {CellSums::f, &f},
+                                    {CellSums::g, &g},
+                                    {CellSums::ff, &ff},
+                                    {CellSums::gg, &gg}})
     box_mean(lattice_, sums[plane], reach, *mean);
   gain_.assign(lattice_.size(), 1.0f);
   offset_.assign(lattice_.size(), 0.0f);
@@ -43,7 +46,8 @@ void LightField::at(const CellLattice& lattice, int decimation, std::vector<floa
   for (int j = 0; j < lattice.ny; ++j)
     for (int i = 0; i < lattice.nx; ++i) {
       int a = 0, b = 0;
-      const float s = place(i, lattice.x0, lattice_.x0, lattice_.nx, a), t = place(j, lattice.y0, lattice_.y0, lattice_.ny, b);
+      const float s = place(i, lattice.x0, lattice_.x0, lattice_.nx, a),
+                  t = place(j, lattice.y0, lattice_.y0, lattice_.ny, b);
       const auto mix = [&](const std::vector<float>& v) {
         const float* top = v.data() + lattice_.index(a, b);
         const float* low = v.data() + lattice_.index(a, b + 1);

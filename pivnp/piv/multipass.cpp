@@ -57,7 +57,7 @@ Multipass::Multipass(const PivOptions& options, const NodeLattice& nodes, int wi
 }
 
 void Multipass::correlate(const ImageView& first, const ImageView& second, const MaskView& mask,
-                             PixelVectors& vectors) {
+                          PixelVectors& vectors) {
   vectors.anchor = anchor_;
   for (std::size_t k = 0; k < nodes_.pixel.size(); ++k) {
     vectors.displacement[k] = {nan, nan};

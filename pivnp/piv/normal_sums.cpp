@@ -38,7 +38,8 @@ struct RowStore {
     for (auto* v : {&mean, &difference, &use}) v->assign(rows, 0.0f);
     for (auto* v : {&du, &dv, &ux, &uy, &noise, &tolerance, &gain, &offset, &f, &g})
       v->assign(static_cast<std::size_t>(stride), 0.0f);
-    for (auto* v : {&upper, &lower}) v->assign(static_cast<std::size_t>(stride) * static_cast<std::size_t>(planes), 0.0f);
+    for (auto* v : {&upper, &lower})
+      v->assign(static_cast<std::size_t>(stride) * static_cast<std::size_t>(planes), 0.0f);
     for (auto* v : {&coefficients_u, &coefficients_v}) v->assign(static_cast<std::size_t>(lattice_columns) + 2, 0.0f);
   }
   float* row(std::vector<float>& buffer, int slot) { return buffer.data() + slot * stride + row_padding; }
@@ -65,13 +66,14 @@ HWY_INLINE void quintic_weights(V t, V* w) {
   w[5] = hn::Mul(s, hn::Mul(t, hn::Mul(t2, t2)));
   w[0] = hn::Mul(s, hn::Mul(r, hn::Mul(r2, r2)));
   // 26 + 50 t + 20 t2 - 20 t3 - 20 t4 + 10 t5 is tap 3 at t and tap 2's neighbour mirrored
-  const auto inner = [&](V x) {  // tap 3 at x: (26 + 50 x + 20 x^2 - 20 x^3 - 20 x^4 + 10 x^5) / 120 is tap at distance 1 - x
-    V p = hn::MulAdd(hn::Set(d, 10.0f), x, hn::Set(d, -20.0f));
-    p = hn::MulAdd(p, x, hn::Set(d, -20.0f));
-    p = hn::MulAdd(p, x, hn::Set(d, 20.0f));
-    p = hn::MulAdd(p, x, hn::Set(d, 50.0f));
-    return hn::Mul(s, hn::MulAdd(p, x, hn::Set(d, 26.0f)));
-  };
+  const auto inner =
+      [&](V x) {  // tap 3 at x: (26 + 50 x + 20 x^2 - 20 x^3 - 20 x^4 + 10 x^5) / 120 is tap at distance 1 - x
+        V p = hn::MulAdd(hn::Set(d, 10.0f), x, hn::Set(d, -20.0f));
+        p = hn::MulAdd(p, x, hn::Set(d, -20.0f));
+        p = hn::MulAdd(p, x, hn::Set(d, 20.0f));
+        p = hn::MulAdd(p, x, hn::Set(d, 50.0f));
+        return hn::Mul(s, hn::MulAdd(p, x, hn::Set(d, 26.0f)));
+      };
   const auto outer = [&](V x) {  // tap 4 at x
     V p = hn::MulAdd(hn::Set(d, -5.0f), x, hn::Set(d, 5.0f));
     p = hn::MulAdd(p, x, hn::Set(d, 10.0f));
@@ -188,7 +190,8 @@ void expand_row(const float* coefficients, int cells, int step, const float (*we
 void scale_row(const float* in, float factor, int count, float* out) {
   const D d;
   const V s = hn::Set(d, factor);
-  for (int k = 0; k < count; k += static_cast<int>(hn::Lanes(d))) hn::StoreU(hn::Mul(s, hn::LoadU(d, in + k)), d, out + k);
+  for (int k = 0; k < count; k += static_cast<int>(hn::Lanes(d)))
+    hn::StoreU(hn::Mul(s, hn::LoadU(d, in + k)), d, out + k);
 }
 
 // One row of both warped frames over the band's runs: mean, difference (light corrected) and use.
@@ -215,7 +218,8 @@ void warp_row(const SumsInput& input, int row, const float (*weight)[4], int slo
     const int end = std::min(cell_end * lattice.step, width - lattice.x0);
     if (begin >= end) continue;
     const int count = (end - begin + lanes - 1) / lanes * lanes;
-    const int from = std::max(begin, derivative_reach - lattice.x0), to = std::min(end, width - derivative_reach - lattice.x0);
+    const int from = std::max(begin, derivative_reach - lattice.x0),
+              to = std::min(end, width - derivative_reach - lattice.x0);
     if (framed && from < to) std::fill(use + from, use + to, 1.0f);
     const int start = cell * lattice.step;
     expand_row(store.coefficients_u.data() + cell, cell_end - cell, lattice.step, weight, store.line(store.du) + start);
@@ -337,7 +341,8 @@ void reduce_row(const float* pixels, std::ptrdiff_t stride, int planes, const Ce
   }
 }
 
-// Runs of cells that the rows first ... end - 1 need, with one more cell all round for the hats' and derivatives' reach.
+// Runs of cells that the rows first ... end - 1 need, with one more cell all round for the hats' and derivatives'
+// reach.
 void find_runs(const SumsInput& input, const CellLattice& lattice, int first, int end,
                std::vector<std::pair<int, int>>& runs) {
   runs.clear();
@@ -399,11 +404,9 @@ void sum_band(const SumsInput& input, int band, CellSums& sums, std::vector<floa
     if (input.noise != nullptr) {
       expand_points(*input.noise, lattice, j, store.line(store.noise));
       expand_points(*input.tolerance, lattice, j, store.line(store.tolerance));
-      input.scores ? add_products<true, true>(slot, step, store)
-                   : add_products<true, false>(slot, step, store);
+      input.scores ? add_products<true, true>(slot, step, store) : add_products<true, false>(slot, step, store);
     } else {
-      input.scores ? add_products<false, true>(slot, step, store)
-                   : add_products<false, false>(slot, step, store);
+      input.scores ? add_products<false, true>(slot, step, store) : add_products<false, false>(slot, step, store);
     }
     float* out[CellSums::planes];
     for (int p = 0; p < planes; ++p) out[p] = sums.plane[p].data() + lattice.index(0, j);

@@ -15,9 +15,9 @@ namespace pivnp::piv {
 struct SumsInput {
   const SplineImage* first = nullptr;
   const SplineImage* second = nullptr;
-  const PixelFlags* first_flags = nullptr;   // null: all pixels are usable
+  const PixelFlags* first_flags = nullptr;  // null: all pixels are usable
   const PixelFlags* second_flags = nullptr;
-  const SplineField* field = nullptr;        // its lattice is the sums' lattice
+  const SplineField* field = nullptr;              // its lattice is the sums' lattice
   float share_first = -0.5f, share_second = 0.5f;  // f(x) = first(x + share_first d), g(x) = second(x + share_second d)
   // Robust weight of a pixel: 1 / (1 + e^2 / (noise + tolerance |grad|^2))^2 (Geman & McClure 1985). Empty: all 1.
   const std::vector<float>* noise = nullptr;      // grey^2, at lattice points
@@ -30,8 +30,8 @@ struct SumsInput {
   bool scores = false;  // also the sums that correlation coefficients need
 };
 
-/// Sums over the pixels x about each lattice point with hat weights (1 - |dx|/step)(1 - |dy|/step), w the robust weight:
-/// of w gx gx, w gx gy, w gy gy, w gx e, w gy e, w e e, w, and usable pixels (1); for scores f, g, ff, gg, fg.
+/// Sums over the pixels x about each lattice point with hat weights (1 - |dx|/step)(1 - |dy|/step), w the robust
+/// weight: of w gx gx, w gx gy, w gy gy, w gx e, w gy e, w e e, w, and usable pixels (1); for scores f, g, ff, gg, fg.
 struct CellSums {
   enum Plane { gxx, gxy, gyy, gxe, gye, wee, weight, usable, f, g, ff, gg, fg, planes };
   static constexpr int basic = f;
@@ -40,8 +40,8 @@ struct CellSums {
   const std::vector<float>& operator[](Plane p) const { return plane[p]; }
 };
 
-/// Gradients are those of the mean of both warped frames, by the five-point derivative that is exact for the spectrum of
-/// a 3 px grain; e is first minus second. The same bits for any number of threads.
+/// Gradients are those of the mean of both warped frames, by the five-point derivative that is exact for the spectrum
+/// of a 3 px grain; e is first minus second. The same bits for any number of threads.
 void accumulate_sums(const SumsInput& input, int threads, CellSums& sums);
 
 /// Name of the instruction set in use ("AVX3", "AVX2", "SSE2" ...).

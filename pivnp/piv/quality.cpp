@@ -41,7 +41,9 @@ void match_quality(const CellSums& sums, MatchQuality& quality) {
   binomial_mean(lattice, sums[CellSums::gxy], gxy);
   binomial_mean(lattice, sums[CellSums::gyy], gyy);
   const std::size_t count = lattice.size();
-  for (auto* v : {&quality.score, &quality.wide_score, &quality.usable, &quality.variance, &quality.contrast, &quality.slant}) v->resize(count);
+  for (auto* v :
+       {&quality.score, &quality.wide_score, &quality.usable, &quality.variance, &quality.contrast, &quality.slant})
+    v->resize(count);
   double sum = 0, seen = 0;
   const float whole = static_cast<float>(lattice.step) * static_cast<float>(lattice.step);
   for (std::size_t k = 0; k < count; ++k) {

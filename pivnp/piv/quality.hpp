@@ -14,9 +14,9 @@ struct MatchQuality {
   std::vector<float> score;       // correlation coefficient about the point (window of about 26 px at 8 px spacing)
   std::vector<float> wide_score;  // and of the same sums over 7 x 7 points
   std::vector<float> usable;      // share of usable pixels about the point, 0 ... 1
-  std::vector<float> variance;    // of the first frame's grey values about the point, grey^2, the smaller of both frames'
-  std::vector<float> contrast;    // that variance over its mean over the lattice
-  std::vector<float> slant;       // correlation between the errors of u and v that the texture causes, -1 ... 1
+  std::vector<float> variance;  // of the first frame's grey values about the point, grey^2, the smaller of both frames'
+  std::vector<float> contrast;  // that variance over its mean over the lattice
+  std::vector<float> slant;     // correlation between the errors of u and v that the texture causes, -1 ... 1
 };
 
 void match_quality(const CellSums& sums, MatchQuality& quality);

@@ -14,14 +14,14 @@
 namespace pivnp::piv {
 
 constexpr int block_sides[] = {8, 16, 32};
-constexpr float strength = 2.5f;   // of the shrinkage, in noise powers
-constexpr float clear = 12.0f;     // power at which a coefficient stands out by itself: chance is 5e-4
+constexpr float strength = 2.5f;    // of the shrinkage, in noise powers
+constexpr float clear = 12.0f;      // power at which a coefficient stands out by itself: chance is 5e-4
 constexpr float most_power = 4.0f;  // what a coefficient may lend to its neighbours
 constexpr float plane_terms = 3.0f;
 
-// The stated variance is noise power times the terms kept. Terms kept next to the threshold have lost signal besides, so
-// each counts `term_weight` times; `spread` covers what the blocks' averaging adds. Both measured on waves, bands and
-// shears with noise and loss (docs/theory.md).
+// The stated variance is noise power times the terms kept. Terms kept next to the threshold have lost signal besides,
+// so each counts `term_weight` times; `spread` covers what the blocks' averaging adds. Both measured on waves, bands
+// and shears with noise and loss (docs/theory.md).
 constexpr float term_weight = 12.0f, spread = 1.15f;
 
 template <int n>
@@ -50,11 +50,13 @@ namespace pivnp::piv::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 template <int n>
-using Tag = hn::CappedTag<float, n < 16 ? n : 16>;
+using Tag = hn::CappedTag < float,
+      n<16 ? n : 16>;
 
 // out = a in b, all n x n; a is read by rows, b by rows.
 template <int n>
-HWY_INLINE void multiply(const float (*a)[n], const float (*in)[n], const float (*b)[n], float (*half)[n], float (*out)[n]) {
+HWY_INLINE void multiply(const float (*a)[n], const float (*in)[n], const float (*b)[n], float (*half)[n],
+                         float (*out)[n]) {
   const Tag<n> d;
   const int lanes = static_cast<int>(hn::Lanes(d));
   for (int r = 0; r < n; ++r)
@@ -179,7 +181,8 @@ void shrink_block(const float* values, std::ptrdiff_t stride, Shrinker::Block& o
       const auto gain = hn::Max(by_neighbours, by_itself);
       hn::Store(hn::Mul(gain, hn::Load(d, spectrum[r] + c)), d, spectrum[r] + c);
       const auto shape = hn::Mul(hn::Set(d, cosines.noise[r]), hn::LoadU(d, cosines.noise + c));
-      hn::Store(hn::Mul(hn::Mul(gain, shape), hn::MulAdd(hn::Set(d, term_weight), hn::Sub(one, gain), one)), d, smooth[r] + c);
+      hn::Store(hn::Mul(hn::Mul(gain, shape), hn::MulAdd(hn::Set(d, term_weight), hn::Sub(one, gain), one)), d,
+                smooth[r] + c);
       hn::Store(hn::Mul(hn::Mul(gain, gain), shape), d, power[r] + c);  // and their noise
     }
   const float terms = sum_of<n>(smooth), kept = sum_of<n>(power);

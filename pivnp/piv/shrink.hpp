@@ -15,13 +15,13 @@ struct SmoothedField {
   std::vector<float> area;      // lattice cells that a value averages over, noise-wise
 };
 
-/// Blocks of 8, 16 and 32 points a side, each size at half overlap (sizes that the lattice holds): freed of their plane,
-/// transformed (DCT-II), every coefficient multiplied by 1 - strength / P, P its power over the noise's (its own where it
-/// stands clear of noise, else the mean of its neighbours'), not below 0; transformed back and averaged with weights that
-/// favour blocks of few terms, as noise after smoothing is proportional to them. Waves, bands and kinks above the noise
-/// keep their shape; noise elsewhere is averaged over whole blocks. A wave too weak to stand out is taken for noise.
-/// The noise's power is that of the block's own fast coefficients (clipped mean, so that structures do not count); its
-/// spectrum is that of even white noise seen through hat-weighted cells, (2 + cos kx)(2 + cos ky)/9.
+/// Blocks of 8, 16 and 32 points a side, each size at half overlap (sizes that the lattice holds): freed of their
+/// plane, transformed (DCT-II), every coefficient multiplied by 1 - strength / P, P its power over the noise's (its own
+/// where it stands clear of noise, else the mean of its neighbours'), not below 0; transformed back and averaged with
+/// weights that favour blocks of few terms, as noise after smoothing is proportional to them. Waves, bands and kinks
+/// above the noise keep their shape; noise elsewhere is averaged over whole blocks. A wave too weak to stand out is
+/// taken for noise. The noise's power is that of the block's own fast coefficients (clipped mean, so that structures do
+/// not count); its spectrum is that of even white noise seen through hat-weighted cells, (2 + cos kx)(2 + cos ky)/9.
 /// Sources: Donoho & Johnstone 1995; Cai 1999 (neighbours); Dabov et al. 2007 (overlapping blocks, weights).
 class Shrinker {
  public:

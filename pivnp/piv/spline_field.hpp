@@ -6,8 +6,8 @@
 
 namespace pivnp::piv {
 
-/// Points (x0 + i step, y0 + j step), 0 <= i < nx, 0 <= j < ny, in pixels of a level, row downward. They may lie outside
-/// the image.
+/// Points (x0 + i step, y0 + j step), 0 <= i < nx, 0 <= j < ny, in pixels of a level, row downward. They may lie
+/// outside the image.
 struct CellLattice {
   int nx = 0, ny = 0;
   int x0 = 0, y0 = 0, step = 8;

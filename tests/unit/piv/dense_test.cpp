@@ -1,0 +1,239 @@
+// Parts of the dense Gauss-Newton method, and every method on plain motions.
+#include <gtest/gtest.h>
+#include <hwy/targets.h>
+
+#include <cmath>
+#include <random>
+
+#include "pivnp/piv/normal_sums.hpp"
+#include "pivnp/piv/presmoothing.hpp"
+#include "pivnp/piv/shrink.hpp"
+#include "pivnp/piv/spline_field.hpp"
+#include "tests/unit/piv/scene.hpp"
+
+namespace pivnp::piv {
+namespace {
+
+TEST(SplineField, RepeatsItsValuesAndGoesOnLinearly) {
+  const CellLattice lattice{9, 7, -4, 3, 8};
+  std::vector<float> u(lattice.size()), v(lattice.size()), wild(lattice.size());
+  std::mt19937 random(5);
+  for (int j = 0; j < lattice.ny; ++j)
+    for (int i = 0; i < lattice.nx; ++i) {
+      const float x = static_cast<float>(lattice.x0 + 8 * i), y = static_cast<float>(lattice.y0 + 8 * j);
+      u[lattice.index(i, j)] = 0.3f + 0.02f * x - 0.01f * y;
+      v[lattice.index(i, j)] = -1.0f + 0.05f * y;
+      wild[lattice.index(i, j)] = std::uniform_real_distribution<float>(-2, 2)(random);
+    }
+  SplineField field;
+  field.interpolate(lattice, u, v);
+  for (const auto& [x, y] : {std::pair{0.0f, 5.0f}, {31.7f, 20.2f}, {-20.0f, 70.0f}, {90.0f, -12.0f}}) {
+    EXPECT_NEAR(field.at(x, y)[0], 0.3f + 0.02f * x - 0.01f * y, 2e-5f);
+    EXPECT_NEAR(field.at(x, y)[1], -1.0f + 0.05f * y, 2e-5f);
+  }
+  field.interpolate(lattice, wild, v);
+  for (int j = 0; j < lattice.ny; ++j)
+    for (int i = 0; i < lattice.nx; ++i)
+      EXPECT_NEAR(field.at(static_cast<float>(lattice.x0 + 8 * i), static_cast<float>(lattice.y0 + 8 * j))[0],
+                  wild[lattice.index(i, j)], 1e-5f);
+}
+
+// Noise as hat-weighted cells show it: white pixels averaged by (1, 4, 1)/6 along both axes.
+std::vector<float> noise(const CellLattice& lattice, float sigma, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<float> normal(0, 1);
+  const int nx = lattice.nx + 2, ny = lattice.ny + 2;
+  std::vector<float> white(std::size_t(nx * ny)), out(lattice.size());
+  for (float& w : white) w = normal(random);
+  const float weight[3] = {1.0f / 6, 4.0f / 6, 1.0f / 6};
+  for (int j = 0; j < lattice.ny; ++j)
+    for (int i = 0; i < lattice.nx; ++i) {
+      float sum = 0;
+      for (int b = 0; b < 3; ++b)
+        for (int a = 0; a < 3; ++a) sum += weight[a] * weight[b] * white[std::size_t((j + b) * nx + i + a)];
+      out[lattice.index(i, j)] = 2 * sigma * sum;  // the kernel's norm is one half
+    }
+  return out;
+}
+
+double rms(const std::vector<float>& a, const std::vector<float>& b) {
+  double sum = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) sum += double(a[k] - b[k]) * double(a[k] - b[k]);
+  return std::sqrt(sum / double(a.size()));
+}
+
+TEST(Shrinker, AveragesNoiseOverPlanesAndKeepsWhatStandsClear) {
+  const CellLattice lattice{70, 50, 0, 0, 8};
+  const Shrinker shrinker(lattice);
+  std::vector<float> plane(lattice.size()), wave(lattice.size()), noisy(lattice.size());
+  for (int j = 0; j < lattice.ny; ++j)
+    for (int i = 0; i < lattice.nx; ++i) {
+      plane[lattice.index(i, j)] = 3 + 0.2f * static_cast<float>(i) - 0.1f * static_cast<float>(j);
+      wave[lattice.index(i, j)] = std::sin(2 * float(M_PI) * static_cast<float>(j) / 8);
+    }
+  SmoothedField out, again;
+  shrinker.run(plane, {}, 1, out);
+  EXPECT_LE(rms(out.value, plane), 1e-4);
+  const auto n = noise(lattice, 0.05f, 11);
+  for (std::size_t k = 0; k < n.size(); ++k) noisy[k] = plane[k] + n[k];
+  shrinker.run(noisy, {}, 1, out);
+  shrinker.run(noisy, {}, 3, again);
+  EXPECT_EQ(out.value, again.value);
+  const double left = rms(out.value, plane);
+  EXPECT_LE(left, 0.3 * rms(noisy, plane));
+  double stated = 0;
+  for (const float v : out.variance) stated += double(v) / double(out.variance.size());
+  EXPECT_NEAR(std::sqrt(stated) / left, 1.0, 0.5);
+  for (std::size_t k = 0; k < n.size(); ++k) noisy[k] = wave[k] + n[k];
+  shrinker.run(noisy, {}, 1, out);
+  EXPECT_LE(rms(out.value, wave), 0.7 * rms(noisy, wave));
+  double gain = 0, square = 0;
+  for (std::size_t k = 0; k < n.size(); ++k)
+    gain += double(out.value[k] * wave[k]), square += double(wave[k] * wave[k]);
+  EXPECT_GE(gain / square, 0.97);
+  // Points that nobody wants keep their values.
+  shrinker.run(noisy, std::vector<std::uint8_t>(lattice.size(), 0), 1, out);
+  EXPECT_EQ(out.value, noisy);
+}
+
+struct Sums {
+  explicit Sums(const Scene& scene, const std::vector<std::uint8_t>* active = nullptr, int threads = 1) {
+    first.assign(scene.first.view(), {}, 1, 1);
+    second.assign(scene.second.view(), {}, 1, 1);
+    const CellLattice lattice{30, 28, -6, 5, 8};
+    field.interpolate(lattice, std::vector<float>(lattice.size(), 0.4f), std::vector<float>(lattice.size(), -0.3f));
+    SumsInput input;
+    input.first = &first, input.second = &second, input.field = &field;
+    input.active = active;
+    input.scores = true;
+    accumulate_sums(input, threads, sums);
+  }
+  SplineImage first, second;
+  SplineField field;
+  CellSums sums;
+};
+
+TEST(NormalSums, AreTheSameBitsForAnyNumberOfThreads) {
+  const Scene scene = make_scene(uniform(0.9, -0.7), 240, 240, {.seed = 4});
+  const Sums one(scene), five(scene, nullptr, 5);
+  for (int p = 0; p < CellSums::planes; ++p) EXPECT_EQ(one.sums.plane[p], five.sums.plane[p]) << p;
+}
+
+TEST(NormalSums, SolvedGiveWhatTheFieldLacks) {
+  const Scene scene = make_scene(uniform(0.5, -0.4), 240, 240, {.seed = 4});
+  const Sums s(scene);
+  double xx = 0, xy = 0, yy = 0, xe = 0, ye = 0;
+  for (std::size_t k = 0; k < s.sums.lattice.size(); ++k) {
+    xx += double(s.sums[CellSums::gxx][k]), xy += double(s.sums[CellSums::gxy][k]),
+        yy += double(s.sums[CellSums::gyy][k]);
+    xe += double(s.sums[CellSums::gxe][k]), ye += double(s.sums[CellSums::gye][k]);
+  }
+  const double det = xx * yy - xy * xy;
+  EXPECT_NEAR((yy * xe - xy * ye) / det, 0.1, 0.01);
+  EXPECT_NEAR((xx * ye - xy * xe) / det, -0.1, 0.01);
+}
+
+TEST(NormalSums, CellsFarFromActiveOnesAreLeftOut) {
+  const Scene scene = make_scene(uniform(0.9, -0.7), 240, 240, {.seed = 4});
+  std::vector<std::uint8_t> active(30 * 28, 0);
+  for (int j = 0; j < 28; ++j)
+    for (int i = 0; i < 6; ++i) active[std::size_t(j * 30 + i)] = 1;
+  const Sums all(scene), some(scene, &active);
+  EXPECT_EQ(some.sums[CellSums::gxx][10 * 30 + 4], all.sums[CellSums::gxx][10 * 30 + 4]);
+  EXPECT_EQ(some.sums[CellSums::gxx][10 * 30 + 20], 0.0f);
+}
+
+TEST(NormalSums, InstructionSetsAgree) {
+  const Scene scene = make_scene(sine(1, 64), 256, 256, {.noise = 0.02});
+  const NodeLattice nodes = even_nodes(256, 256, 16, 40);
+  const PixelVectors best = measure(scene, nodes);
+  hwy::DisableTargets(HWY_AVX3 | HWY_AVX2 | HWY_AVX3_DL);
+  const PixelVectors plain = measure(scene, nodes);
+  hwy::DisableTargets(0);
+  for (std::size_t k = 0; k < nodes.pixel.size(); ++k)
+    for (std::size_t c = 0; c < 2; ++c) EXPECT_NEAR(best.displacement[k][c], plain.displacement[k][c], 1e-5f);
+}
+
+TEST(Presmoothing, FinerTextureIsSmoothedMore) {
+  float before = 1;
+  for (const double diameter : {1.5, 3.0, 5.0}) {
+    const Scene scene = make_scene(uniform(0, 0), 200, 200, {.blob_diameter_px = diameter});
+    const float a = presmoothing(scene.first.view(), scene.second.view());
+    EXPECT_GE(a, 0.0f);
+    EXPECT_LE(a, 0.25f);
+    EXPECT_LT(a, before) << diameter;
+    before = a;
+  }
+}
+
+TEST(DenseMethods, LightThatChangesIsTakenOut) {
+  const NodeLattice nodes = even_nodes(256, 256, 16, 40);
+  const Errors e = errors(make_scene(sine(1, 64), 256, 256, {.light_slope = 0.4, .light_change = 0.1}), nodes,
+                          measure(make_scene(sine(1, 64), 256, 256, {.light_slope = 0.4, .light_change = 0.1}), nodes));
+  EXPECT_LE(e.rms, 0.01);
+  EXPECT_GE(e.valid, 0.97);
+}
+
+TEST(DenseMethods, LostGrainsCountLittle) {
+  const NodeLattice nodes = even_nodes(256, 256, 16, 40);
+  const Scene scene = make_scene(uniform(2.3, -1.4), 256, 256, {.loss = 0.3});
+  PivOptions fft;
+  fft.method = "fft";
+  const double windows = errors(scene, nodes, measure(scene, nodes, fft)).rms,
+               robust = errors(scene, nodes, measure(scene, nodes)).rms;
+  EXPECT_LE(robust, 0.04);
+  EXPECT_LE(robust, 0.4 * windows);
+}
+
+// Half of the image moves far, half hardly: what the first guess blurs is searched again.
+TEST(DenseMethods, SlidingBodiesAreBothFollowed) {
+  const Motion slide = [](const Vec2& p) { return p.y() < 200 ? Vec2(19.3, 0.4) : Vec2(-0.6, 0.2); };
+  const Scene scene = make_scene(slide, 400, 400, {});
+  const NodeLattice nodes = even_nodes(400, 400, 16, 48);
+  const auto away = [](const Vec2& p) { return std::abs(p.y() - 200) > 40; };
+  const Errors e = errors(scene, nodes, measure(scene, nodes), away);
+  EXPECT_GE(e.valid, 0.99);
+  EXPECT_LE(e.rms, 0.01);
+}
+
+struct Asked {
+  const char* method;
+  const char* smoothing;
+  int order;
+  double uniform, shear;  // rms, px
+};
+
+class Methods : public testing::TestWithParam<Asked> {};
+
+TEST_P(Methods, FindPlainMotionsWithEitherAnchor) {
+  const Asked asked = GetParam();
+  const NodeLattice nodes = even_nodes(256, 256, 16, 48);
+  for (const char* anchor : {"central", "forward"}) {
+    PivOptions options;
+    options.method = asked.method, options.smoothing = asked.smoothing, options.order = asked.order;
+    options.anchor = anchor;
+    SCOPED_TRACE(anchor);
+    const Scene even = make_scene(uniform(3.3, -1.6), 256, 256, {}),
+                sheared = make_scene(plain_shear(0.1, 127.5), 256, 256, {});
+    const Errors u = errors(even, nodes, measure(even, nodes, options)),
+                 s = errors(sheared, nodes, measure(sheared, nodes, options));
+    EXPECT_LE(u.rms, asked.uniform);
+    EXPECT_GE(u.valid, 0.99);
+    EXPECT_LE(s.rms, asked.shear);
+    EXPECT_GE(s.valid, 0.97);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, Methods,
+    testing::Values(Asked{"default", "adaptive", 1, 0.003, 0.004}, Asked{"gn", "window", 0, 0.006, 0.010},
+                    Asked{"gn", "window", 1, 0.006, 0.010}, Asked{"gn", "window", 2, 0.006, 0.010},
+                    Asked{"fast", "adaptive", 1, 0.012, 0.015}, Asked{"fft", "adaptive", 1, 0.008, 0.012},
+                    Asked{"ncc", "adaptive", 1, 0.008, 0.012}, Asked{"dis", "adaptive", 1, 0.06, 0.15}),
+    [](const auto& tested) {
+      const Asked& a = tested.param;
+      return std::string(a.method) + "_" + a.smoothing + std::to_string(a.order);
+    });
+
+}  // namespace
+}  // namespace pivnp::piv
