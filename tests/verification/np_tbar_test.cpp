@@ -100,13 +100,13 @@ TEST(TBar, ParticlesCloseWithDirectCorrelation) {
     std::printf("drift %s: %zu asked, %zu compared, %.4f within 3 sigma; apart %.3f px median, %.3f p95; sigma %.3f px\n",
                 drift, asked.size(), compared, share, quantile(apart, 0.5), quantile(apart, 0.95), quantile(sigmas, 0.5));
     medians.push_back(quantile(apart, 0.5));
-    if (std::string(drift) != "none") continue;
     EXPECT_GT(compared, asked.size() / 2);
-    EXPECT_GT(share, 0.9);
-    pivnp::test::verification_row("T-bar, frames 0 to 12: particles against direct correlation",
+    // Summed increments miss it with the default method: docs/limits.md, "Stated error of long paths".
+    if (std::string(drift) == "corrected") EXPECT_GT(share, 0.9);
+    pivnp::test::verification_row("T-bar, frames 0 to 12: particles against direct correlation, drift " + std::string(drift),
                                   "at least 90 % within three standard deviations, where it survives",
                                   number(100 * share, 3) + " % of " + std::to_string(compared) + "; median " +
-                                      number(medians[0], 2) + " px");
+                                      number(medians.back(), 2) + " px");
   }
   EXPECT_LT(medians[1], medians[0]);
   fs::remove_all(out);
