@@ -102,7 +102,9 @@ TEST(TBar, ParticlesCloseWithDirectCorrelation) {
     medians.push_back(quantile(apart, 0.5));
     EXPECT_GT(compared, asked.size() / 2);
     // Summed increments miss it with the default method: docs/limits.md, "Stated error of long paths".
-    if (std::string(drift) == "corrected") EXPECT_GT(share, 0.9);
+    if (std::string(drift) == "corrected") {
+      EXPECT_GT(share, 0.9);
+    }
     pivnp::test::verification_row("T-bar, frames 0 to 12: particles against direct correlation, drift " + std::string(drift),
                                   "at least 90 % within three standard deviations, where it survives",
                                   number(100 * share, 3) + " % of " + std::to_string(compared) + "; median " +
