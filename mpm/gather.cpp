@@ -228,7 +228,7 @@ double hourglass_energy(const GridState& g) {
     std::size_t at[9];
     g.stencil_nodes(s, at);
     const Node &a = g.node[at[0]], &b = g.node[at[1]], &c = g.node[at[2]], &d = g.node[at[3]];
-    const double x = 0.25 * (a.nx - b.nx - c.nx + d.nx), y = 0.25 * (a.ny - b.ny - c.ny + d.ny);
+    const double x = 0.25 * (a.vx - b.vx - c.vx + d.vx), y = 0.25 * (a.vy - b.vy - c.vy + d.vy);
     const double* mass = g.sums.data() + s * std::size_t(GridState::quantities * g.stencil);
     sum += 0.5 * (mass[0] + mass[1] + mass[2] + mass[3]) * (x * x + y * y);
   }

@@ -253,7 +253,9 @@ double Solver::Impl::work_of_gravity() const {
 EnergyRow Solver::Impl::energy() {
   EnergyBook book = state.book;
   book.gravity = work_of_gravity();
-  return energy_row(state.time, stored_energy(p, g, materials), book);
+  EnergyRow row = energy_row(state.time, stored_energy(p, g, materials), book);
+  if (scheme.shape == ShapeKind::bilinear) row.hourglass = hourglass_energy(g);
+  return row;
 }
 
 void Solver::Impl::check_balance() {
@@ -342,7 +344,6 @@ Vec2 Solver::momentum() const {
 }
 EnergyRow Solver::energy() const { return impl_->energy(); }
 bool Solver::at_rest() const { return impl_->state.at_rest; }
-double Solver::hourglass_energy() const { return mpm::hourglass_energy(impl_->g); }
 Vec2 Solver::body_impulse(std::size_t body) const {
   return {impl_->state.body_impulse.at(2 * body), impl_->state.body_impulse.at(2 * body + 1)};
 }

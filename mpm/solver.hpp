@@ -69,8 +69,6 @@ class Solver {
   /// and the transfer between points and nodes took; what the stress update and the step's finite length lose or gain
   /// is the residual.
   EnergyRow energy() const;
-  /// Kinetic energy in the hourglass modes of the elements, J/m (bilinear; locking = "full" does not resist them).
-  double hourglass_energy() const;
   /// Impulse on the material by a body since time 0, N s/m; index in Scene::bodies.
   Vec2 body_impulse(std::size_t body) const;
   /// Particles that have left the grid.

@@ -64,7 +64,8 @@ GatherSums gather_velocity(Particles& p, GridState& g, const Scheme& scheme, dou
 /// F and J stay.
 void strain_points(Particles& p, GridState& g, const Scheme& scheme, double dt, bool record, int threads);
 
-/// Sum over the active cells of 1/2 mass of the cell times the squared hourglass velocity, J/m (bilinear).
+/// Sum over the active cells of 1/2 mass of the cell times the squared hourglass part of the mapped velocity, J/m
+/// (bilinear).
 double hourglass_energy(const GridState& g);
 
 /// Gershgorin's bound for settling: at every node sum_p 1/2 V0 M |grad N_i| sum_j |grad N_j|; `modulus` of the points.

@@ -99,7 +99,9 @@ std::vector<EnergyRow> RecordReader::energy() const {
   if (!impl_->source.has("/energy")) return rows;
   rows.resize(impl_->source.dataset("/energy/time").shape().at(0));
   for (const EnergyColumn& column : energy_table()) {
-    const h5::Dataset d = impl_->source.dataset(std::string("/energy/") + column.name);
+    const std::string name = std::string("/energy/") + column.name;
+    if (!impl_->source.has(name) && column.since_minor > 0) continue;
+    const h5::Dataset d = impl_->source.dataset(name);
     d.expect({rows.size()});
     const std::vector<double> values = d.all<double>();
     for (std::size_t r = 0; r < rows.size(); ++r) rows[r].*column.member = values[r];

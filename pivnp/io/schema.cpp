@@ -53,7 +53,8 @@ const std::vector<EnergyColumn>& energy_table() {
   static const std::vector<EnergyColumn> table = {
       {"time", &EnergyRow::time},       {"kinetic", &EnergyRow::kinetic}, {"elastic", &EnergyRow::elastic},
       {"plastic", &EnergyRow::plastic}, {"damping", &EnergyRow::damping}, {"contact", &EnergyRow::contact},
-      {"external", &EnergyRow::external}, {"residual", &EnergyRow::residual}};
+      {"external", &EnergyRow::external}, {"residual", &EnergyRow::residual},
+      {"hourglass", &EnergyRow::hourglass, 1}};
   return table;
 }
 

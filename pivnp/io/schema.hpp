@@ -13,7 +13,7 @@ namespace pivnp::io {
 
 inline constexpr const char* schema_name = "pivnp";
 inline constexpr int schema_major = 1;
-inline constexpr const char* schema_version = "1.0";
+inline constexpr const char* schema_version = "1.1";
 
 struct Units {
   std::string length = "m", time = "s";
@@ -43,10 +43,11 @@ std::vector<ItemArray> pair_arrays(const Grid& grid, const Units& units, const V
 std::vector<ItemArray> frame_arrays(std::size_t particles, const Units& units, const MotionFrame* frame);
 
 /// Columns of the table of energies, time first.
-inline constexpr std::size_t energy_columns = 8;
+inline constexpr std::size_t energy_columns = 9;
 struct EnergyColumn {
   const char* name;
   double EnergyRow::*member;
+  int since_minor = 0;  // version 1.x that brought it; older records lack it
 };
 const std::vector<EnergyColumn>& energy_table();
 

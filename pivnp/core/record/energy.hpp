@@ -14,6 +14,7 @@ struct EnergyRow {
   double contact = 0;   // dissipated by friction at walls and bodies
   double external = 0;  // work of gravity and of moving bodies
   double residual = 0;
+  double hourglass = 0;  // part of kinetic: in the hourglass modes of bilinear elements, else 0
 };
 
 }  // namespace pivnp

@@ -20,7 +20,7 @@ def check(ok, what):
 
 f = h5py.File(record_path)
 check(f.attrs["schema"] == "pivnp", "schema")
-check(f.attrs["schema_version"] == "1.0", "schema_version")
+check(f.attrs["schema_version"] == "1.1", "schema_version")
 check(re.fullmatch(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ", f.attrs["created"]), "created")
 L, T = f.attrs["length_unit"], f.attrs["time_unit"]
 case = f["case"][()].decode()
@@ -54,7 +54,7 @@ expected = {
     "compare/fields/difference_x/time": ("f8", (2,), T), "compare/fields/difference_x/id": ("i8", (P,), ""),
     "compare/fields/difference_x/value": ("f4", (2, P), "m"),
 }
-for term in ("kinetic", "elastic", "plastic", "damping", "contact", "external", "residual"):
+for term in ("kinetic", "elastic", "plastic", "damping", "contact", "external", "residual", "hourglass"):
     expected["energy/" + term] = ("f8", (steps,), "J/m")
 expected["energy/time"] = ("f8", (steps,), T)
 common = {

@@ -1,6 +1,7 @@
-// Sparse random layouts: 1,000 scenes of 1 to 6 points scattered over 2.5 x 2.5 cells, elastic, B-spline, FLIP, MUSL. The
+// Sparse random layouts: 1,000 scenes of 2 to 6 points scattered over 2.5 x 2.5 cells, elastic, B-spline, FLIP, MUSL. The
 // greatest frequency of a layout comes from its stiffness and its mass as the scheme moves it, assembled here on their
-// own: K = sum V B^T C B, lumped M, and MUSL advances P M^-1 K, P from nodes to points and back; power iteration.
+// own: K = sum V B^T C B, lumped M, and MUSL advances P M^-1 K, P from nodes to points and back; power iteration. (A
+// single point has no frequency: P leaves it one velocity, which strains nothing.)
 // Criterion: at 0.9 of 2/omega_max no NaN and no growth in 100 steps, at 1.2 growth within 40, in all of them; and the step the
 // solver chooses itself is below the stable one.
 #include <gtest/gtest.h>
@@ -86,7 +87,7 @@ TEST(MpmSparse, AThousandRandomLayouts) {
   int stable = 0, grown = 0, total = 0, bounded = 0;
   double least = 1e9;
   for (int layout = 0; layout < 1000; ++layout) {
-    const int points = 1 + layout % 6;
+    const int points = 2 + layout % 5;
     Scene s;
     s.grid = Grid{{0, 0}, {h, h}, 7, 7};
     s.materials = {elastic(young, poisson, density)};
@@ -111,17 +112,22 @@ TEST(MpmSparse, AThousandRandomLayouts) {
     o.energy_limit = 1e300;
     o.end_at_rest = false;
     const double chosen = Solver(o, s, 1).stable_step();
-    o.courant = 1e3;  // what the options' reader would refuse: the step is set by the times asked for
+    o.courant = 1e9;  // what the options' reader would refuse: the step is set by the times asked for
     const auto energy_after = [&](double dt, int steps) {
       Solver solver(o, s, 1);
       const EnergyRow start = solver.energy();
-      try {
-        for (int k = 1; k <= steps; ++k) solver.advance_to(k * dt, silent);
-      } catch (const RunError&) {
-        return 1e300;
+      double grown_by = 1;
+      // Once it grows, enough is seen; later the points' speed would shorten the steps.
+      for (int k = 1; k <= steps && grown_by < 1e4; ++k) {
+        try {
+          solver.advance_to(k * dt, silent);
+        } catch (const RunError&) {
+          return 1e300;
+        }
+        const EnergyRow e = solver.energy();
+        grown_by = (e.kinetic + e.elastic) / (start.kinetic + start.elastic);
       }
-      const EnergyRow e = solver.energy();
-      return (e.kinetic + e.elastic) / (start.kinetic + start.elastic);
+      return grown_by;
     };
     ++total;
     const double calm = energy_after(0.9 * 2 / omega, 100);
