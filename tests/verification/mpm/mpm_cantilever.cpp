@@ -74,7 +74,7 @@ double deflection(int cells, int per_cell) {
   o.damping = 0.5;
   Solver solver(o, s, 1);
   double rest = 1;
-  for (int k = 1; k <= 60 && rest > 1e-6; ++k) {
+  for (int k = 1; k <= 200 && rest > 1e-6; ++k) {
     solver.advance_to(0.1 * k, silent);
     rest = solver.energy().kinetic / solver.energy().elastic;
   }
