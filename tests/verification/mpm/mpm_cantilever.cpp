@@ -73,12 +73,8 @@ double deflection(int cells, int per_cell) {
   o.settle = false;
   o.damping = 0.5;
   Solver solver(o, s, 1);
-  double rest = 1;
-  for (int k = 1; k <= 200 && rest > 1e-6; ++k) {
-    solver.advance_to(0.1 * k, silent);
-    rest = solver.energy().kinetic / solver.energy().elastic;
-  }
-  EXPECT_LT(rest, 1e-6);
+  solver.advance_to(8, silent);  // four swings
+  EXPECT_LT(solver.energy().kinetic, 1e-7 * solver.energy().elastic);
   const MotionFrame f = solver.frame();
   double sum = 0;
   int n = 0;
