@@ -1,6 +1,7 @@
 #include "mpm/grid_state.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -80,6 +81,57 @@ void GridState::rebuild(const Particles& p) {
     if (p.cell[k] != Particles::ended) order[count_[std::size_t(p.cell[k])]++] = k;
   for (const std::int32_t c : cells) count_[std::size_t(c)] = 0;
 
+  take_slots(cells);
+}
+
+void GridState::follow(const Particles& p, const std::vector<std::uint32_t>& places) {
+  arrivals_.clear();
+  for (const std::uint32_t q : places)
+    if (p.cell[order[q]] != Particles::ended) arrivals_.emplace_back(p.cell[order[q]], order[q]);
+  std::sort(arrivals_.begin(), arrivals_.end());
+
+  next_order_.clear();
+  next_begin_.clear();
+  next_cell_.clear();
+  next_order_.reserve(order.size());
+  std::size_t a = 0, m = 0;
+  const auto open = [&](std::int32_t cell) {
+    next_cell_.push_back(cell);
+    next_begin_.push_back(std::uint32_t(next_order_.size()));
+  };
+  const auto take_new_cells = [&](std::int32_t before) {
+    while (a < arrivals_.size() && arrivals_[a].first < before) {
+      if (next_cell_.empty() || next_cell_.back() != arrivals_[a].first) open(arrivals_[a].first);
+      next_order_.push_back(arrivals_[a++].second);
+    }
+  };
+  for (std::size_t s = 0; s < slots(); ++s) {
+    const std::int32_t c = slot_cell[s];
+    take_new_cells(c);
+    open(c);
+    for (std::uint32_t q = slot_begin[s]; q < slot_begin[s + 1]; ++q) {
+      if (m < places.size() && places[m] == q) {
+        ++m;
+        continue;
+      }
+      while (a < arrivals_.size() && arrivals_[a].first == c && arrivals_[a].second < order[q])
+        next_order_.push_back(arrivals_[a++].second);
+      next_order_.push_back(order[q]);
+    }
+    while (a < arrivals_.size() && arrivals_[a].first == c) next_order_.push_back(arrivals_[a++].second);
+    if (next_begin_.back() == next_order_.size()) {  // all have left
+      next_cell_.pop_back();
+      next_begin_.pop_back();
+    }
+  }
+  take_new_cells(std::numeric_limits<std::int32_t>::max());
+  next_begin_.push_back(std::uint32_t(next_order_.size()));
+  order.swap(next_order_);
+  slot_begin.swap(next_begin_);
+  take_slots(next_cell_);
+}
+
+void GridState::take_slots(std::vector<std::int32_t>& cells) {
   if (cells == slot_cell) return;
   for (const std::int32_t c : slot_cell) slot_of_cell_[std::size_t(c)] = -1;
   slot_cell.swap(cells);
@@ -88,33 +140,55 @@ void GridState::rebuild(const Particles& p) {
     slot_of_cell_[std::size_t(slot_cell[s])] = std::int32_t(s);
     slot_fold[s] = fold_of(slot_cell[s]);
   }
-  sums.assign((slots() + 1) * std::size_t(quantities * stencil), 0.0);
   rebuild_nodes();
+  rebuild_bands();
+}
+
+void GridState::rebuild_bands() {
+  constexpr int rows = 4;  // more than a stencil has, less one: bands of one parity share no node
+  bands[0].clear();
+  bands[1].clear();
+  for (std::size_t begin = 0; begin < slots();) {
+    const int band = slot_cell[begin] / grid.nx / rows;
+    const std::int32_t beyond = (band + 1) * rows * grid.nx;
+    const auto end = std::size_t(std::lower_bound(slot_cell.begin() + std::ptrdiff_t(begin), slot_cell.end(), beyond) -
+                                 slot_cell.begin());
+    bands[band % 2].push_back({begin, end});
+    begin = end;
+  }
 }
 
 void GridState::rebuild_nodes() {
   for (const std::uint32_t n : nodes) node[n] = Node{};
   nodes.clear();
-  for (std::size_t s = 0; s < slots(); ++s) {
-    std::size_t at[9];
-    stencil_nodes(s, at);
-    for (int c = 0; c < stencil; ++c) nodes.push_back(std::uint32_t(at[c]));
+  if (slot_cell.empty()) return;
+  const auto nx = std::size_t(grid.nx);
+  const std::size_t words = nx / 64 + 1;
+  const std::size_t first = std::size_t(slot_cell.front()) / nx, last = std::size_t(slot_cell.back()) / nx;
+  // A margin of empty rows on both sides.
+  const std::size_t margin = std::size_t(width) - 1, rows = last - first + 1;
+  occupied_.assign((rows + 2 * margin) * words, 0);
+  for (const std::int32_t c : slot_cell) {
+    const std::size_t i = std::size_t(c) % nx, j = std::size_t(c) / nx - first + margin;
+    occupied_[j * words + i / 64] |= std::uint64_t{1} << (i % 64);
   }
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  for (std::size_t j = 0; j < rows + margin; ++j) {
+    std::uint64_t before = 0;
+    for (std::size_t w = 0; w < words; ++w) {
+      std::uint64_t cells = 0;
+      for (std::size_t b = 0; b <= margin; ++b) cells |= occupied_[(j + b) * words + w];
+      std::uint64_t active = cells;
+      for (std::size_t a = 1; a <= margin; ++a) active |= cells << a | before >> (64 - a);
+      before = cells;
+      for (; active != 0; active &= active - 1)
+        nodes.push_back(std::uint32_t((first + j) * nx + 64 * w + std::size_t(std::countr_zero(active))));
+    }
+  }
+}
 
-  const auto empty = std::uint32_t(slots());
-  node_slots.resize(nodes.size() * std::size_t(stencil));
-  std::size_t out = 0;
-  for (const std::uint32_t n : nodes) {
-    const int i = int(n % std::uint32_t(grid.nx)), j = int(n / std::uint32_t(grid.nx));
-    for (int b = 0; b < width; ++b)
-      for (int a = 0; a < width; ++a) {
-        const bool inside = i >= a && j >= b && i - a + width <= grid.nx && j - b + width <= grid.ny;
-        const std::int32_t s = inside ? slot_of_cell_[grid.node(i - a, j - b)] : -1;
-        node_slots[out++] = s < 0 ? empty : std::uint32_t(s);
-      }
-  }
+CellView GridState::view() {
+  return {order.data(), slot_begin.data(), slot_cell.data(), slot_fold.data(), node.data(), grid.nx,
+          grid.spacing.x(), grid.spacing.y(), per_hx, per_hy, grid.origin.x(), grid.origin.y()};
 }
 
 std::int32_t GridState::slot_near(const Vec2& x, double& xi, double& eta) const {

@@ -2,28 +2,22 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
+#include "mpm/lanes.hpp"
+#include "mpm/node.hpp"
 #include "mpm/particles.hpp"
 #include "mpm/shape.hpp"
 #include "pivnp/core/grid/grid.hpp"
 
 namespace pivnp::mpm {
 
-struct Node {
-  double mass = 0;          // kg/m
-  double vx = 0, vy = 0;    // velocity mapped from the points, m/s
-  double fx = 0, fy = 0;    // force on the node, N/m
-  double nx = 0, ny = 0;    // velocity after the momentum update and the restraints
-  double ux = 0, uy = 0;    // velocity that strains the material (MUSL: mapped again), restrained
-  double dx = 0, dy = 0;    // damping force, part of the force, N/m
-  bool held = false;        // by a wall or body
-};
-
 /// A "cell" is the set of points that share their nodes: an element for bilinear shapes, the square around a node for
 /// uGIMP and B-splines (shape.hpp); it goes by its lower left node. Occupied cells have slots, in the order of their
-/// index. Each slot's sums are formed by one thread over the cell's points in storage order, and each node adds its
-/// slots in a fixed order: so the bits do not depend on the number of threads, and only occupied cells cost anything.
+/// index. Cells add to their nodes band by band, four rows of cells a band: first every other band, then those between
+/// them, so that no two threads meet at a node, and each node is added to in a fixed order: the bits do not depend on
+/// the number of threads. Only occupied cells cost anything.
 class GridState {
  public:
   /// Points live in `domain`. Shapes of three nodes an axis need a ring of nodes around it, which `grid` has.
@@ -39,17 +33,13 @@ class GridState {
   std::vector<std::int32_t> slot_cell;    // cell of a slot
   std::vector<std::uint32_t> slot_begin;  // its points in `order`; one more at the end
   std::vector<std::uint8_t> slot_fold;    // walls at the slot's middle node (Fold)
-  /// What a slot gives to its nodes: [slot][quantity][stencil node], 5 quantities (mass, momentum, force); one slot
-  /// more, of zeros, at the end.
-  std::vector<double> sums;
+  std::vector<SlotRange> bands[2];        // slots of the even and of the odd bands
   std::vector<std::uint32_t> nodes;       // active nodes (of occupied cells), in the order of their index
-  std::vector<std::uint32_t> node_slots;  // [active node][stencil node]: the slot that has it there; slots(): none
   std::vector<Node> node;                 // of the whole grid; zero where not active
   std::vector<std::uint8_t> fold;         // of every node of the grid
+  std::vector<std::uint32_t> suspects, moved;  // of locate_points(): places in `order`; `moved`: of another cell now
 
-  static constexpr int quantities = 5;
   std::size_t slots() const { return slot_cell.size(); }
-  double* slot_sums(std::size_t slot) { return sums.data() + slot * std::size_t(quantities * stencil); }
   /// Flat indices of a slot's nodes, row after row.
   void stencil_nodes(std::size_t slot, std::size_t* out) const;
 
@@ -59,18 +49,29 @@ class GridState {
   void weights_at(std::int32_t cell, double xi, double eta, std::size_t* at, double* weights) const;
   /// Builds order, slots and active nodes from Particles::cell.
   void rebuild(const Particles& particles);
+  /// The same, where only the points at these places in `order` (ascending) have another cell than before.
+  void follow(const Particles& particles, const std::vector<std::uint32_t>& places);
   /// Walls of the nodes from here on (Restraints::folds).
   void set_folds(const std::vector<std::uint8_t>& folds);
+  /// As the kernels see it.
+  CellView view();
   /// The straining velocity at a point; beyond occupied cells that of the nearest, two cells away at most, else zero.
   Vec2 velocity_at(const Vec2& x) const;
 
  private:
+  void take_slots(std::vector<std::int32_t>& cells);
   void rebuild_nodes();
+  void rebuild_bands();
   std::int32_t slot_near(const Vec2& x, double& xi, double& eta) const;
   std::uint8_t fold_of(std::int32_t cell) const;
 
   std::vector<std::int32_t> slot_of_cell_;  // -1: empty
   std::vector<std::uint32_t> count_;
+  // Of follow() and rebuild_nodes().
+  std::vector<std::uint32_t> next_order_, next_begin_;
+  std::vector<std::int32_t> next_cell_;
+  std::vector<std::pair<std::int32_t, std::uint32_t>> arrivals_;  // cell, point
+  std::vector<std::uint64_t> occupied_;                           // a bit a cell, row after row
 };
 
 }  // namespace pivnp::mpm

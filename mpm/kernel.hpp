@@ -1,6 +1,8 @@
 // What the loops over a cell's points share.
 #pragma once
 
+#include <algorithm>
+
 #include "mpm/grid_state.hpp"
 #include "mpm/particles.hpp"
 #include "mpm/shape.hpp"
@@ -25,22 +27,6 @@ struct SlotLines {
   }
   Line<W> x(const Particles& p, std::size_t k) const { return S::line(p.xi[k], half(p, k), left, right); }
   Line<W> y(const Particles& p, std::size_t k) const { return S::line(p.eta[k], half(p, k), down, up); }
-  /// Are the functions linear along the axis here (so that the affine field is their gradient)?
-  bool linear_x() const { return S::linear || left || right; }
-  bool linear_y() const { return S::linear || down || up; }
-};
-
-/// Distances of a line's nodes from the point, in cells, and the second moment of the weights.
-template <class S>
-struct Arms {
-  double d[S::width];
-  double moment = 0;
-  Arms(double xi, const Line<S::width>& line) {
-    for (int a = 0; a < S::width; ++a) {
-      d[a] = a + S::first - xi;
-      moment += line.w[a] * d[a] * d[a];
-    }
-  }
 };
 
 /// Kinetic energy per mass of a point's affine field, 1/2 C D C^T with the spline's second moment D = h^2/4 I for every
@@ -64,24 +50,39 @@ void for_each(std::size_t size, int threads, Body&& body) {
   for (std::ptrdiff_t k = 0; k < n; ++k) body(std::size_t(k));
 }
 
+/// Calls body(slots) for runs of slots, for what does not add to nodes.
 template <class Body>
-void for_slots(const GridState& g, int threads, Body&& body) {
-  for_each(g.slots(), threads, body);
+void for_runs(const GridState& g, int threads, Body&& body) {
+  constexpr std::size_t run = 128;
+  for_each((g.slots() + run - 1) / run, threads,
+           [&](std::size_t r) { body(SlotRange{r * run, std::min(g.slots(), (r + 1) * run)}); });
 }
 
-/// Adds the slots' quantities first ... first + Q - 1 at every active node, in a fixed order; put(node, sums).
-template <int Q, class Put>
-void for_nodes(GridState& g, int first, int threads, Put&& put) {
-  const int N = g.stencil;
-  for_each(g.nodes.size(), threads, [&](std::size_t a) {
-    double sum[Q] = {};
-    const std::uint32_t* slots = g.node_slots.data() + a * std::size_t(N);
-    for (int c = 0; c < N; ++c) {
-      const double* from = g.slot_sums(slots[c]) + first * N + c;
-      for (int q = 0; q < Q; ++q) sum[q] += from[q * N];
+/// Calls body(slots, band) for the even bands, then for the odd ones: those of one parity share no node.
+template <class Body>
+void for_bands(const GridState& g, int threads, Body&& body) {
+  if (threads <= 1) {
+    std::size_t band = 0;
+    for (const auto& bands : g.bands)
+      for (const SlotRange& slots : bands) body(slots, band++);
+    return;
+  }
+#pragma omp parallel num_threads(threads)
+  {
+    std::size_t before = 0;
+    for (const auto& bands : g.bands) {
+      const auto n = std::ptrdiff_t(bands.size());
+#pragma omp for schedule(dynamic, 1)
+      for (std::ptrdiff_t b = 0; b < n; ++b) body(bands[std::size_t(b)], before + std::size_t(b));
+      before += bands.size();
     }
-    put(g.nodes[a], sum);
-  });
+  }
+}
+
+/// Calls body(node, its index) for the active nodes.
+template <class Body>
+void for_nodes(GridState& g, int threads, Body&& body) {
+  for_each(g.nodes.size(), threads, [&](std::size_t a) { body(g.node[g.nodes[a]], g.nodes[a]); });
 }
 
 }  // namespace pivnp::mpm

@@ -1,8 +1,5 @@
 #include "mpm/particles.hpp"
 
-#include <algorithm>
-#include <numeric>
-
 namespace pivnp::mpm {
 
 std::vector<std::vector<double>*> Particles::state() {
@@ -15,34 +12,44 @@ void Particles::resize(std::size_t n, bool affine, bool sized) {
   if (!affine)
     for (auto* array : {&C_xx, &C_xy, &C_yx, &C_yy}) array->clear();
   if (!sized) half.clear();
-  for (auto* array : {&xi, &eta, &de_xx, &de_yy, &de_zz, &de_xy, &spin, &G_xx, &G_xy, &G_yx, &G_yy, &mean})
+  for (auto* array : {&xi, &eta, &de_xx, &de_yy, &de_zz, &de_xy, &spin})
     array->assign(n, 0.0);
   opened.assign(n, 0);
   cell.assign(n, ended);
   index.assign(n, 0);
 }
 
-void Particles::sort_by_cell() {
-  std::vector<std::uint32_t> order(size());
-  std::iota(order.begin(), order.end(), 0u);
-  for (const Body& body : bodies)
-    std::stable_sort(order.begin() + std::ptrdiff_t(body.begin), order.begin() + std::ptrdiff_t(body.end),
-                     [&](std::uint32_t a, std::uint32_t b) {
-                       // As unsigned numbers, ended points (-1) come last.
-                       return std::uint32_t(cell[a]) < std::uint32_t(cell[b]);
-                     });
+PointView Particles::view() const {
+  const auto at = [](const std::vector<double>& a) { return a.empty() ? nullptr : const_cast<double*>(a.data()); };
+  return {at(x),      at(y),      at(vx),     at(vy),    at(mass),  at(volume0), at(F_xx),  at(F_xy),  at(F_yx), at(F_yy),
+          at(J),      at(tau_xx), at(tau_yy), at(tau_zz), at(tau_xy), at(C_xx),   at(C_xy),  at(C_yx),  at(C_yy), at(half),
+          at(xi),     at(eta),    at(de_xx),  at(de_yy), at(de_zz), at(de_xy),   at(spin)};
+}
+
+void Particles::sort_as(std::vector<std::uint32_t>& order, int threads) {
+  std::vector<std::uint32_t> from;  // the old place of each new one
+  from.reserve(size());
+  for (const Body& body : bodies) {
+    for (const std::uint32_t k : order)
+      if (k >= body.begin && k < body.end) from.push_back(k);
+    for (std::size_t k = body.begin; k < body.end; ++k)
+      if (cell[k] == ended) from.push_back(std::uint32_t(k));
+  }
   const auto permute = [&](auto& array) {
     if (array.empty()) return;
     auto sorted = array;
-    for (std::size_t k = 0; k < order.size(); ++k) sorted[k] = array[order[k]];
+    const auto n = std::ptrdiff_t(from.size());
+#pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
+    for (std::ptrdiff_t k = 0; k < n; ++k) sorted[std::size_t(k)] = array[from[std::size_t(k)]];
     array.swap(sorted);
   };
   for (auto* array : state()) permute(*array);
-  permute(xi);
-  permute(eta);
   permute(opened);
   permute(cell);
   permute(index);
+  std::vector<std::uint32_t> to(from.size());
+  for (std::uint32_t k = 0; k < from.size(); ++k) to[from[k]] = k;
+  for (std::uint32_t& k : order) k = to[k];
 }
 
 }  // namespace pivnp::mpm

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "mpm/lanes.hpp"
+
 namespace pivnp::mpm {
 
 /// Points lie body after body (so that a material is called on a run of them), inside a body in the order of the last
@@ -31,18 +33,19 @@ struct Particles {
   // Of one step.
   std::vector<double> xi, eta;                           // natural coordinates (shape.hpp)
   std::vector<double> de_xx, de_yy, de_zz, de_xy, spin;  // log strain and rotation increments (material.hpp)
-  std::vector<double> G_xx, G_xy, G_yx, G_yy;            // velocity gradient times the step
-  std::vector<double> mean;                              // averaged mean stress, Pa (F-bar)
 
   std::vector<Body> bodies;
 
   std::size_t size() const { return x.size(); }
   /// All arrays of real state at `n` zeros; those of APIC and uGIMP where asked for.
   void resize(std::size_t n, bool affine, bool sized);
+  /// As the kernels see them; a const object's are only read.
+  PointView view() const;
   /// Every array of real state, for copying, sorting and saving; some may be empty.
   std::vector<std::vector<double>*> state();
-  /// Sorts each body by cell, ended points last; keeps the order inside a cell.
-  void sort_by_cell();
+  /// Puts the points of each body in the order in which they come in `order`, ended ones last, and has `order` tell
+  /// where they are now.
+  void sort_as(std::vector<std::uint32_t>& order, int threads);
 };
 
 }  // namespace pivnp::mpm

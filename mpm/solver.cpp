@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::int64_t check_every = 100;     // steps between looks at the energy balance
 constexpr std::int64_t stiffness_every = 8;   // steps between looks at the wave speed
-constexpr std::int64_t sort_every = 64;       // changes of cells between re-sorts of the storage
+constexpr double sort_share = 0.1;            // of the points that may change cells between re-sorts of the storage
 constexpr double least_mass = 1e-5;           // of a full cell: lighter nodes move with a neighbour
 constexpr double heavy_mass = 0.05;           // of a full cell: nodes whose speed says something
 constexpr double touching = 0.25;             // of a full cell: mass around a body's outline in contact
@@ -51,9 +51,9 @@ struct Solver::Impl {
     if (o.settle && gravity.norm() > 0 && restraints.any_absorbing())
       throw InputError("mpm.settle: found true beside an absorbing wall, which carries no weight; expected settle = false");
     state = initial_state(scene, scheme, g, materials);
-    state.particles.sort_by_cell();
-    state.wave_speed = wave_speed(materials, density, p);
     g.rebuild(p);
+    p.sort_as(g.order, 1);
+    state.wave_speed = wave_speed(materials, density, p);
     g.set_folds(restraints.folds(0, g.grid));
     restart_books();
   }
@@ -179,11 +179,11 @@ void Solver::Impl::find_cells(int threads) {
   std::vector<std::uint32_t> left;
   if (!locate_points(p, g, left, threads)) return;
   end_particles(left);
-  if (++state.since_sort >= sort_every) {
-    p.sort_by_cell();
-    state.since_sort = 0;
-  }
-  g.rebuild(p);
+  g.follow(p, g.moved);
+  state.since_sort += std::int64_t(g.moved.size());
+  if (double(state.since_sort) <= sort_share * double(p.size())) return;
+  p.sort_as(g.order, threads);
+  state.since_sort = 0;
 }
 
 void Solver::Impl::restrain_momentum(double dt) {
@@ -254,7 +254,7 @@ EnergyRow Solver::Impl::energy() {
   EnergyBook book = state.book;
   book.gravity = work_of_gravity();
   EnergyRow row = energy_row(state.time, stored_energy(p, g, materials), book);
-  if (scheme.shape == ShapeKind::bilinear) row.hourglass = hourglass_energy(g);
+  if (scheme.shape == ShapeKind::bilinear) row.hourglass = hourglass_energy(p, g);
   return row;
 }
 

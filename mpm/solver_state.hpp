@@ -25,7 +25,7 @@ struct SolverState {
   bool at_rest = false;     // motion has ended: nothing is stepped any more
   std::vector<double> body_impulse;  // on each rigid body, x and y, N s/m
   std::int64_t steps = 0;
-  std::int64_t since_sort = 0;  // changes of cells since the storage was last sorted
+  std::int64_t since_sort = 0;  // points that changed cells since the storage was last sorted
 };
 
 std::vector<std::byte> to_bytes(const SolverState& state);

@@ -25,27 +25,21 @@
 
 namespace pivnp::mpm {
 
-/// What a gather of velocity saw.
-struct GatherSums {
-  double fastest2 = 0;      // largest squared speed of a point, m^2/s^2
-  double kinetic_loss = 0;  // kinetic energy of the points before less after, J/m
-  bool good = true;         // every point finite, none moved more than one cell
-};
-
 /// Cell and natural coordinates of every point that is simulated, and the grid's lists (for settling; a step calls
 /// locate_points()).
 void locate_all(Particles& p, GridState& g);
 
-/// A.1: cell and natural coordinates of every point. True if any point changed its cell; those that left the grid are
-/// marked Particles::ended and appended to `left` (storage order).
+/// A.1: cell and natural coordinates of every point. True if any point changed its cell: their places in GridState::order
+/// are in GridState::moved, for GridState::follow(). Those that left the grid are marked Particles::ended and appended
+/// to `left`.
 bool locate_points(Particles& p, GridState& g, std::vector<std::uint32_t>& left, int threads);
 
 /// A.3: mass and velocity at the nodes. `force`: A.4 too, in the same sweep (else the force is zero).
 void map_momentum(const Particles& p, GridState& g, const Scheme& scheme, bool force, int threads);
 /// A.4: internal force at the nodes.
 void map_force(const Particles& p, GridState& g, const Scheme& scheme, int threads);
-/// F-bar of three-node shapes: Particles::mean; call before the force is mapped.
-void average_mean_stress(Particles& p, GridState& g, const Scheme& scheme, int threads);
+/// F-bar of three-node shapes: the average of the mean stress, in Node::dx; call before the force is mapped.
+void average_mean_stress(const Particles& p, GridState& g, const Scheme& scheme, int threads);
 
 /// Adds the points' mass times an acceleration to the nodes' forces; `out` holds what was added, x and y of every node.
 void map_acceleration(const Particles& p, GridState& g, const std::vector<double>& ax, const std::vector<double>& ay,
@@ -66,7 +60,7 @@ void strain_points(Particles& p, GridState& g, const Scheme& scheme, double dt, 
 
 /// Sum over the active cells of 1/2 mass of the cell times the squared hourglass part of the mapped velocity, J/m
 /// (bilinear).
-double hourglass_energy(const GridState& g);
+double hourglass_energy(const Particles& p, const GridState& g);
 
 /// Gershgorin's bound for settling: at every node sum_p 1/2 V0 M |grad N_i| sum_j |grad N_j|; `modulus` of the points.
 std::vector<double> stiffness_bound(const Particles& p, const GridState& g, const std::vector<double>& modulus);

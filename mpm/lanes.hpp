@@ -1,0 +1,85 @@
+// The kernels of a step: loops over the points of cells, as many points at a time as the processor has lanes. Compiled
+// once for each instruction set and chosen at run time (Highway); nothing here may include Eigen.
+//
+// A tile is a run of points of one cell, one to a lane. Where the cell's points lie together in storage (after a
+// re-sort, nearly all) a field is one load; otherwise it is put together point by point. The lanes beyond a cell's last
+// point repeat that point with no mass and no volume, and are not stored. Sums over a tile's lanes are formed in one
+// order, and added to the nodes tile after tile: so the bits depend on the order of the cells, the points in them and
+// the number of lanes alone.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "mpm/node.hpp"
+#include "mpm/scheme.hpp"
+
+namespace pivnp::mpm {
+
+/// The arrays of Particles; those that a scheme does not use are null.
+struct PointView {
+  double *x, *y, *vx, *vy, *mass, *volume0;
+  double *F_xx, *F_xy, *F_yx, *F_yy, *J;
+  double *tau_xx, *tau_yy, *tau_zz, *tau_xy;
+  double *C_xx, *C_xy, *C_yx, *C_yy;
+  double* half;
+  double *xi, *eta;
+  double *de_xx, *de_yy, *de_zz, *de_xy, *spin;
+};
+
+/// The lists of GridState.
+struct CellView {
+  const std::uint32_t *order, *slot_begin;
+  const std::int32_t* slot_cell;
+  const std::uint8_t* slot_fold;
+  Node* node;
+  int nx;  // nodes in a row
+  double hx, hy, per_hx, per_hy, origin_x, origin_y;  // origin: of the nodes
+};
+
+struct SlotRange {
+  std::size_t begin = 0, end = 0;
+};
+
+/// What a gather of velocity saw.
+struct GatherSums {
+  double fastest2 = 0;      // largest squared speed of a point, m^2/s^2
+  double kinetic_loss = 0;  // kinetic energy of the points before less after, J/m
+  bool good = true;         // every point finite, none moved more than one cell
+};
+
+struct StrainJob {
+  Locking locking;
+  double dt;
+  bool record;  // F and J too
+};
+
+struct MoveJob {
+  double dt, pic;          // share of PIC (flip)
+  double reach2;           // greatest squared speed that is good
+  const double* filtered;  // xpic: x, y of every node
+  TransferKind transfer;
+  bool remap;
+};
+
+/// Natural coordinates of the points, as long as they are in their cell; the others' places in `order` to `suspects`,
+/// whose number is returned.
+std::size_t locate_lanes(ShapeKind shape, const PointView& p, const CellView& c, SlotRange slots,
+                         std::uint32_t* suspects);
+/// Adds mass, momentum and internal force to Node::mass, vx, vy, fx, fy. F-bar of three-node shapes: with the mean stress
+/// in Node::dx.
+void map_lanes(ShapeKind shape, bool affine, bool momentum, bool force, Locking locking, const PointView& p,
+               const CellView& c, SlotRange slots);
+/// Adds V0 times the mean stress, and V0, by hats to Node::dx, dy.
+void average_stress_lanes(const PointView& p, const CellView& c, SlotRange slots);
+/// Adds V0 times ln det of the step's deformation, and V0, by hats to Node::dx, dy.
+void average_strain_lanes(ShapeKind shape, double dt, const PointView& p, const CellView& c, SlotRange slots);
+/// A.8-A.11; `remap`: adds the updated momentum to Node::ux, uy.
+GatherSums move_lanes(ShapeKind shape, const MoveJob& job, const PointView& p, const CellView& c, SlotRange slots);
+/// A.12; F-bar of three-node shapes: with the averaged volumetric increment in Node::dx.
+void strain_lanes(ShapeKind shape, const StrainJob& job, const PointView& p, const CellView& c, SlotRange slots);
+/// P v of XPIC: from the nodes' `v` to the points and back, times the mass, added to `out`; x and y of every node.
+void project_lanes(ShapeKind shape, const double* v, double* out, const PointView& p, const CellView& c,
+                   SlotRange slots);
+
+}  // namespace pivnp::mpm

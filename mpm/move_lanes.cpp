@@ -1,0 +1,198 @@
+// From the nodes to the points: A.8-A.11, and the updated momentum back to the nodes (MUSL).
+#include "mpm/lanes.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "mpm/move_lanes.cpp"
+#include <hwy/foreach_target.h>  // compiles this file once for every instruction set
+#include <hwy/highway.h>
+
+#include "mpm/lanes-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace pivnp::mpm::HWY_NAMESPACE {
+
+struct Velocity {
+  V x, y;
+};
+
+// C = B D^-1 column by column; where the weights are linear, that is the gradient (and D would vanish at a node).
+template <class S>
+struct AffineWeights {
+  V x[S::W], y[S::W];
+  HWY_INLINE AffineWeights(const TileLines<S>& l, const CellView& c) {
+    constexpr int W = S::W;
+    V ax[W], ay[W];
+    l.arms(ax, ay);
+    const V px = set(c.per_hx), py = set(c.per_hy);
+    if (l.linear_x()) {
+      for (int a = 0; a < W; ++a) x[a] = l.x.g[a] * px;
+    } else {
+      const V per = S::per_moment(l.x, ax) * px;
+      for (int a = 0; a < W; ++a) x[a] = l.x.w[a] * ax[a] * per;
+    }
+    if (l.linear_y()) {
+      for (int a = 0; a < W; ++a) y[a] = l.y.g[a] * py;
+    } else {
+      const V per = S::per_moment(l.y, ay) * py;
+      for (int a = 0; a < W; ++a) y[a] = l.y.w[a] * ay[a] * per;
+    }
+  }
+};
+
+template <class S, TransferKind transfer>
+struct Moving {
+  static constexpr int W = S::W, N = W * W;
+  const MoveJob& job;
+  const PointView& p;
+  const CellView& c;
+  V fastest2 = zero(), loss = zero(), good_speed2 = zero();
+  M good = hn::FirstN(D(), n_lanes);
+
+  // Per mass of the affine field, as affine_energy().
+  HWY_INLINE V affine_energy(V xx, V xy, V yx, V yy) const {
+    return hn::MulAdd(xx * xx + yx * yx, set(0.125 * c.hx * c.hx), (xy * xy + yy * yy) * set(0.125 * c.hy * c.hy));
+  }
+
+  static HWY_INLINE Velocity interpolated(const TileLines<S>& l, const double* x, const double* y) {
+    Velocity sum{zero(), zero()};
+    for (int b = 0; b < W; ++b) {
+      V rx = l.x.w[0] * set(x[b * W]), ry = l.x.w[0] * set(y[b * W]);
+      for (int a = 1; a < W; ++a) {
+        rx = hn::MulAdd(l.x.w[a], set(x[b * W + a]), rx);
+        ry = hn::MulAdd(l.x.w[a], set(y[b * W + a]), ry);
+      }
+      sum.x = hn::MulAdd(l.y.w[b], rx, sum.x);
+      sum.y = hn::MulAdd(l.y.w[b], ry, sum.y);
+    }
+    return sum;
+  }
+
+  struct Nodes {
+    double ax[N], ay[N], bx[N], by[N];  // change of velocity; XPIC's velocity
+  };
+
+  template <class Tile>
+  HWY_INLINE void tile(const Tile& t, Node* base, unsigned fold, const Nodes& nodes) {
+    const TileLines<S> l(p, fold, t);
+    const V m = t.live(t.load(p.mass));
+    const V vx = t.load(p.vx), vy = t.load(p.vy), half = set(0.5);
+    V rx[W], ry[W];
+    for (int b = 0; b < W; ++b) {
+      rx[b] = row_sum<W>(l.x.w, base + b * c.nx, &Node::nx);
+      ry[b] = row_sum<W>(l.x.w, base + b * c.nx, &Node::ny);
+    }
+    const V nx = dot<W>(l.y.w, rx), ny = dot<W>(l.y.w, ry);
+    t.store(hn::MulAdd(set(job.dt), nx, t.load(p.x)), p.x);
+    t.store(hn::MulAdd(set(job.dt), ny, t.load(p.y)), p.y);
+    V ux, uy, cxx = zero(), cxy = zero(), cyx = zero(), cyy = zero();
+    V before = half * hn::MulAdd(vx, vx, vy * vy), after = zero();
+    if constexpr (transfer == TransferKind::apic) {
+      before = before + affine_energy(t.load(p.C_xx), t.load(p.C_xy), t.load(p.C_yx), t.load(p.C_yy));
+      const AffineWeights<S> w(l, c);
+      V gx[W], gy[W];
+      for (int b = 0; b < W; ++b) {
+        gx[b] = row_sum<W>(w.x, base + b * c.nx, &Node::nx);
+        gy[b] = row_sum<W>(w.x, base + b * c.nx, &Node::ny);
+      }
+      cxx = dot<W>(l.y.w, gx);
+      cyx = dot<W>(l.y.w, gy);
+      cxy = dot<W>(w.y, rx);
+      cyy = dot<W>(w.y, ry);
+      t.store(cxx, p.C_xx);
+      t.store(cxy, p.C_xy);
+      t.store(cyx, p.C_yx);
+      t.store(cyy, p.C_yy);
+      after = affine_energy(cxx, cxy, cyx, cyy);
+      ux = nx;
+      uy = ny;
+    } else {
+      const Velocity change = interpolated(l, nodes.ax, nodes.ay);
+      if constexpr (transfer == TransferKind::xpic) {
+        const Velocity filtered = interpolated(l, nodes.bx, nodes.by);
+        ux = filtered.x + change.x;
+        uy = filtered.y + change.y;
+      } else {
+        const V flip_x = vx + change.x, flip_y = vy + change.y, pic = set(job.pic);
+        ux = hn::MulAdd(pic, nx - flip_x, flip_x);
+        uy = hn::MulAdd(pic, ny - flip_y, flip_y);
+      }
+    }
+    t.store(ux, p.vx);
+    t.store(uy, p.vy);
+    const V speed2 = hn::MulAdd(ux, ux, uy * uy), reach2 = set(job.reach2);
+    loss = hn::MulAdd(m, before - hn::MulAdd(half, speed2, after), loss);
+    // False for NaN too.
+    good = hn::And(good, hn::And(hn::Le(speed2, reach2), hn::Le(hn::MulAdd(nx, nx, ny * ny), reach2)));
+    fastest2 = hn::Max(fastest2, speed2);
+    if (job.remap) map_again(l, base, m, ux, uy, cxx * set(c.hx), cxy * set(c.hy), cyx * set(c.hx), cyy * set(c.hy));
+  }
+
+  HWY_INLINE void map_again(const TileLines<S>& l, Node* base, V m, V ux, V uy, V cxx, V cxy, V cyx, V cyy) {
+    V ax[W], ay[W], px[N], py[N];
+    l.arms(ax, ay);
+    for (int n = 0; n < N; ++n) {
+      const V mass = m * l.x.w[n % W] * l.y.w[n / W];
+      V x = ux, y = uy;
+      if constexpr (transfer == TransferKind::apic) {
+        x = hn::MulAdd(cxx, ax[n % W], hn::MulAdd(cxy, ay[n / W], x));
+        y = hn::MulAdd(cyx, ax[n % W], hn::MulAdd(cyy, ay[n / W], y));
+      }
+      px[n] = mass * x;
+      py[n] = mass * y;
+    }
+    add_pairs<N>(px, py, [&](int n) { return &base[n / W * c.nx + n % W].ux; });
+  }
+
+  HWY_INLINE void slot(std::size_t s) {
+    const std::ptrdiff_t cell = c.slot_cell[s];
+    Node* base = c.node + cell;
+    Nodes nodes;
+    if constexpr (transfer != TransferKind::apic)
+      for (int n = 0; n < N; ++n) {
+        const std::ptrdiff_t at = cell + n / W * c.nx + n % W;
+        const Node& node = c.node[at];
+        nodes.ax[n] = node.nx - node.vx;
+        nodes.ay[n] = node.ny - node.vy;
+        if constexpr (transfer == TransferKind::xpic) {
+          nodes.bx[n] = job.filtered[2 * at];
+          nodes.by[n] = job.filtered[2 * at + 1];
+        }
+      }
+    for_tiles(c, s, [&](const auto& t) HWY_ATTR { tile(t, base, c.slot_fold[s], nodes); });
+  }
+};
+
+template <class S, TransferKind transfer>
+GatherSums move_all(const MoveJob& job, const PointView& p, const CellView& c, SlotRange slots) {
+  Moving<S, transfer> move{job, p, c};
+  for (std::size_t s = slots.begin; s < slots.end; ++s) move.slot(s);
+  GatherSums sums;
+  sums.fastest2 = hn::GetLane(hn::MaxOfLanes(D(), move.fastest2));
+  sums.kinetic_loss = sum_of(move.loss);
+  sums.good = hn::AllTrue(D(), move.good);
+  return sums;
+}
+
+GatherSums move_slots(ShapeKind shape, const MoveJob& job, const PointView& p, const CellView& c, SlotRange slots) {
+  return with_lanes(shape, [&](auto kind) HWY_ATTR {
+    using S = decltype(kind);
+    return job.transfer == TransferKind::apic   ? move_all<S, TransferKind::apic>(job, p, c, slots)
+           : job.transfer == TransferKind::xpic ? move_all<S, TransferKind::xpic>(job, p, c, slots)
+                                                : move_all<S, TransferKind::flip>(job, p, c, slots);
+  });
+}
+
+}  // namespace pivnp::mpm::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace pivnp::mpm {
+
+HWY_EXPORT(move_slots);
+
+GatherSums move_lanes(ShapeKind shape, const MoveJob& job, const PointView& p, const CellView& c, SlotRange slots) {
+  return HWY_DYNAMIC_DISPATCH(move_slots)(shape, job, p, c, slots);
+}
+
+}  // namespace pivnp::mpm
+#endif
