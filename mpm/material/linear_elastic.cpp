@@ -1,7 +1,8 @@
 #include "mpm/material/linear_elastic.hpp"
 
-#include <algorithm>
 #include <cmath>
+
+#include "mpm/material/lanes.hpp"
 
 namespace pivnp::mpm {
 
@@ -15,13 +16,6 @@ struct Plane {
 // 1/2 ln(exp(d) exp(2 e) exp(d)) of traceless d and e: how the deviators in the plane combine. The traces just add.
 Plane combined(const Plane& d, const Plane& e) {
   const double rd2 = d.half * d.half + d.xy * d.xy, re2 = e.half * e.half + e.xy * e.xy;
-  const double turn = d.half * e.xy - d.xy * e.half;  // what does not commute
-  if (std::max(rd2, re2) < 1e-6) {
-    // Baker, Campbell & Hausdorff, symmetric form, third order: A = 2d, B = 2e,
-    // ln(exp(A/2) exp(B) exp(A/2)) = A + B - [A, [A, B]]/24 - [B, [A, B]]/12.
-    const double a = 4.0 / 6, b = 4.0 / 3;
-    return {0, d.half + e.half + turn * (a * d.xy + b * e.xy), d.xy + e.xy - turn * (a * d.half + b * e.half)};
-  }
   const auto exponential = [](const Plane& s, double r2, double scale) {
     const double r = std::sqrt(r2) * scale, factor = r > 0 ? std::sinh(r) / r * scale : scale;
     return Plane{std::cosh(r), factor * s.half, factor * s.xy};
@@ -40,17 +34,19 @@ Plane combined(const Plane& d, const Plane& e) {
 
 void LinearElastic::update(const StressBatch& batch) const {
   const Elastic& c = elastic_;
-  for (std::size_t k = 0; k < batch.size; ++k) {
-    Stress s = rotated(batch, k);
-    const double per = 1 / (2 * c.shear);
-    const Plane d{0, 0.5 * (batch.de_xx[k] - batch.de_yy[k]), batch.de_xy[k]};
-    const Plane e{0, 0.5 * (s.xx - s.yy) * per, s.xy * per};
-    const Plane to = combined(d, e);
-    // What the deviator in the plane gains on top of the sum.
-    const double half = 2 * c.shear * (to.half - d.half - e.half), xy = 2 * c.shear * (to.xy - d.xy - e.xy);
-    add_elastic(c, batch.de_xx[k], batch.de_yy[k], batch.de_zz[k], batch.de_xy[k], s);
-    store(batch, k, {s.xx + half, s.yy - half, s.zz, s.xy + xy});
-  }
+  update_in_lanes(
+      batch, [&](const StressBatch& part, std::uint32_t* rare) { return hencky_lanes(c, part, rare); },
+      [&](std::size_t k) {
+        Stress s = rotated(batch, k);
+        const double per = 1 / (2 * c.shear);
+        const Plane d{0, 0.5 * (batch.de_xx[k] - batch.de_yy[k]), batch.de_xy[k]};
+        const Plane e{0, 0.5 * (s.xx - s.yy) * per, s.xy * per};
+        const Plane to = combined(d, e);
+        // What the deviator in the plane gains on top of the sum.
+        const double half = 2 * c.shear * (to.half - d.half - e.half), xy = 2 * c.shear * (to.xy - d.xy - e.xy);
+        add_elastic(c, batch.de_xx[k], batch.de_yy[k], batch.de_zz[k], batch.de_xy[k], s);
+        store(batch, k, {s.xx + half, s.yy - half, s.zz, s.xy + xy});
+      });
 }
 
 }  // namespace pivnp::mpm

@@ -25,6 +25,19 @@ void require(bool good, const std::string& key, const char* name, double found, 
 
 }  // namespace
 
+StressBatch StressBatch::part(std::size_t begin, std::size_t n) const {
+  StressBatch b = *this;
+  b.size = n;
+  const auto on = [&](auto*& array) {
+    if (array) array += begin;
+  };
+  for (const double** array : {&b.de_xx, &b.de_yy, &b.de_zz, &b.de_xy, &b.spin, &b.J, &b.F_xx, &b.F_xy, &b.F_yx, &b.F_yy})
+    on(*array);
+  for (double** array : {&b.xx, &b.yy, &b.zz, &b.xy, &b.plastic_dev, &b.gap, &b.dissipated}) on(*array);
+  on(b.opened);
+  return b;
+}
+
 double Material::stiffness(const StressBatch& batch) const {
   // A tension adds its own stiffness (geometric); the bound on the greatest principal stress is enough.
   double greatest = 0;

@@ -17,15 +17,18 @@ namespace pivnp::mpm {
 /// enter multiplied by J.
 struct StressBatch {
   std::size_t size = 0;
-  const double *de_xx, *de_yy, *de_zz, *de_xy;  // log strain increment of the step
-  const double* spin;                           // 2 tan(angle/2) of the step's rotation
-  const double* J;                              // volume over initial volume, after the step
-  const double *F_xx, *F_xy, *F_yx, *F_yy;      // deformation gradient after the step
-  double *xx, *yy, *zz, *xy;                    // stress in and out
-  double* plastic_dev;                          // sum of sqrt(2/3 dep:dep), dep the deviator of plastic strain
-  double* gap;                                  // volumetric strain by which the material stands open, >= 0
-  std::uint8_t* opened;                         // 1 once it has opened: no tension any more
-  double* dissipated;                           // plastic work per initial volume, J/m^3
+  const double *de_xx = nullptr, *de_yy = nullptr, *de_zz = nullptr, *de_xy = nullptr;  // log strain increment of the step
+  const double* spin = nullptr;                           // 2 tan(angle/2) of the step's rotation
+  const double* J = nullptr;                              // volume over initial volume, after the step
+  const double *F_xx = nullptr, *F_xy = nullptr, *F_yx = nullptr, *F_yy = nullptr;      // deformation gradient after the step
+  double *xx = nullptr, *yy = nullptr, *zz = nullptr, *xy = nullptr;                    // stress in and out
+  double* plastic_dev = nullptr;                          // sum of sqrt(2/3 dep:dep), dep the deviator of plastic strain
+  double* gap = nullptr;                                  // volumetric strain by which the material stands open, >= 0
+  std::uint8_t* opened = nullptr;                         // 1 once it has opened: no tension any more
+  double* dissipated = nullptr;                           // plastic work per initial volume, J/m^3
+
+  /// Points `begin` to `begin + n`.
+  StressBatch part(std::size_t begin, std::size_t n) const;
 };
 
 /// Isotropic elastic constants.

@@ -46,7 +46,8 @@ MohrCoulomb::MohrCoulomb(const Elastic& elastic, double friction_deg, double dil
       cos_friction_(std::cos(radians(friction_deg))),
       sin_dilatancy_(std::sin(radians(dilatancy_deg))),
       cohesion_(cohesion_pa),
-      tension_(tension_pa) {}
+      tension_(tension_pa),
+      cone_(constants()) {}
 
 double MohrCoulomb::yield(double xx, double yy, double zz, double xy) const {
   const double mean = 0.5 * (xx + yy), radius = std::hypot(0.5 * (xx - yy), xy);
@@ -191,28 +192,52 @@ void MohrCoulomb::return_point(const StressBatch& batch, std::size_t k, Stress t
   store(batch, k, {new_mean + new_radius * c2, new_mean - new_radius * c2, stress[2], new_radius * s2});
 }
 
+void MohrCoulomb::update_point(const StressBatch& batch, std::size_t k) const {
+  if (batch.gap[k] == 0) return return_point(batch, k, elastic_trial(elastic_, batch, k));
+  const double volumetric = batch.de_xx[k] + batch.de_yy[k] + batch.de_zz[k];
+  const double left = batch.gap[k] + volumetric;
+  // Open: free of stress. (A limit above zero that was reached on opening is let go here.)
+  Stress trial{0, 0, 0, 0};
+  batch.dissipated[k] += elastic_.energy(batch.xx[k], batch.yy[k], batch.zz[k], batch.xy[k]);
+  batch.gap[k] = std::max(0.0, left);
+  if (left > 0) return store(batch, k, trial);
+  // The part of the compression that is left over, and the distortion of that part of the step.
+  const double share = volumetric < 0 ? left / volumetric : 0;
+  add_elastic(elastic_, share * batch.de_xx[k], share * batch.de_yy[k], share * batch.de_zz[k], share * batch.de_xy[k],
+              trial);
+  return_point(batch, k, trial);
+}
+
 void MohrCoulomb::update(const StressBatch& batch) const {
-  for (std::size_t k = 0; k < batch.size; ++k) {
-    if (batch.gap[k] == 0) {
-      return_point(batch, k, elastic_trial(elastic_, batch, k));
-      continue;
-    }
-    const double volumetric = batch.de_xx[k] + batch.de_yy[k] + batch.de_zz[k];
-    const double left = batch.gap[k] + volumetric;
-    // Open: free of stress. (A limit above zero that was reached on opening is let go here.)
-    Stress trial{0, 0, 0, 0};
-    batch.dissipated[k] += elastic_.energy(batch.xx[k], batch.yy[k], batch.zz[k], batch.xy[k]);
-    batch.gap[k] = std::max(0.0, left);
-    if (left <= 0) {
-      // The part of the compression that is left over, and the distortion of that part of the step.
-      const double share = volumetric < 0 ? left / volumetric : 0;
-      add_elastic(elastic_, share * batch.de_xx[k], share * batch.de_yy[k], share * batch.de_zz[k],
-                  share * batch.de_xy[k], trial);
-      return_point(batch, k, trial);
-    } else {
-      store(batch, k, trial);
-    }
+  update_in_lanes(
+      batch, [&](const StressBatch& part, std::uint32_t* rare) { return cone_lanes(elastic_, cone_, part, rare); },
+      [&](std::size_t k) { update_point(batch, k); });
+}
+
+ConeConstants MohrCoulomb::constants() const {
+  ConeConstants c{};
+  c.sin_friction = sin_friction_;
+  c.cohesion_term = 2 * cohesion_ * cos_friction_;
+  c.apex = sin_friction_ > 0 ? cohesion_ * cos_friction_ / sin_friction_ : std::numeric_limits<double>::infinity();
+  c.tension = tension_;
+  c.cut_off = tension_ < c.apex;
+  const Plane main = shear_plane(0, 2, c.cohesion_term);
+  const double hardness = dot(main.normal, main.d_flow);
+  c.per_hardness = 1 / hardness;
+  std::copy(main.d_flow.begin(), main.d_flow.end(), c.main_flow);
+  for (int e = 0; e < 2; ++e) {
+    const Plane second = e == 0 ? shear_plane(0, 1, c.cohesion_term) : shear_plane(1, 2, c.cohesion_term);
+    const double across = dot(main.normal, second.d_flow), back = dot(second.normal, main.d_flow);
+    const double own = dot(second.normal, second.d_flow), det = hardness * own - across * back;
+    c.edge[e].good = std::abs(det) > 1e-12 * hardness * hardness;
+    if (!c.edge[e].good) continue;
+    c.edge[e].inverse[0][0] = own / det;
+    c.edge[e].inverse[0][1] = -across / det;
+    c.edge[e].inverse[1][0] = -back / det;
+    c.edge[e].inverse[1][1] = hardness / det;
+    std::copy(second.d_flow.begin(), second.d_flow.end(), c.edge[e].flow);
   }
+  return c;
 }
 
 }  // namespace pivnp::mpm

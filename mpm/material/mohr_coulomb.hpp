@@ -15,6 +15,7 @@
 
 #include <array>
 
+#include "mpm/material/lanes.hpp"
 #include "mpm/material/material.hpp"
 
 namespace pivnp::mpm {
@@ -46,7 +47,11 @@ class MohrCoulomb final : public Material {
   Return return_with_cut_off(const Principal& trial, double cohesion_term, double tension) const;
   void return_point(const StressBatch& batch, std::size_t k, Stress trial) const;
 
+  void update_point(const StressBatch& batch, std::size_t k) const;
+  ConeConstants constants() const;
+
   double sin_friction_, cos_friction_, sin_dilatancy_, cohesion_, tension_;
+  ConeConstants cone_;
 };
 
 }  // namespace pivnp::mpm

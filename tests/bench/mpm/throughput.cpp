@@ -1,12 +1,16 @@
 // Million particle-steps per second of the column of the peers' comparison: L x L in a box 2L x 1.2L, 2 x 2 particles a
 // cell, E 1e6, nu 0.3, rho 2000, g 9.81, dt = 0.2 h/c_p, fixed base, sliding walls; set-up left out.
-//   mpm_throughput [particles ...]          (default 10000 100000)
-// "moving" is the same block thrown through the box: particles change cells.
+//   mpm_throughput [words of the kernels wanted ...] [particles ...] [runs=5] [threads=2]   (default: all, 10000 100000)
+// Each figure is the median of `runs` runs, those with one and two threads taken in turn; one thread by its own
+// processor time, two by the clock (so on an idle machine only).
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <fstream>
+#include <map>
 #include <string>
 #include <thread>
 #include <vector>
@@ -18,6 +22,33 @@ using namespace pivnp;
 
 namespace {
 
+struct Kernel {
+  const char *name, *shape, *transfer, *stress, *locking, *model;
+  enum Motion { rest, sheared, thrown } motion;
+  const char* extra = "";  // a wall with friction
+};
+
+// sheared: the block flows sideways so that sand yields; thrown: it flies through the box at a tenth of the wave speed.
+const Kernel kernels[] = {
+    {"bilinear musl elastic", "bilinear", "flip", "musl", "none", "linear_elastic", Kernel::rest},
+    {"bilinear musl elastic moving", "bilinear", "flip", "musl", "none", "linear_elastic", Kernel::thrown},
+    {"bilinear musl sand yielding", "bilinear", "flip", "musl", "none", "mohr_coulomb", Kernel::sheared},
+    {"bilinear musl sand moving", "bilinear", "flip", "musl", "none", "mohr_coulomb", Kernel::thrown},
+    {"bspline apic elastic", "bspline", "apic", "usl", "none", "linear_elastic", Kernel::rest},
+    {"bspline apic elastic moving", "bspline", "apic", "usl", "none", "linear_elastic", Kernel::thrown},
+    {"bspline apic sand yielding", "bspline", "apic", "usl", "none", "mohr_coulomb", Kernel::sheared},
+    {"bspline apic sand moving", "bspline", "apic", "usl", "none", "mohr_coulomb", Kernel::thrown},
+    {"default elastic", "bspline", "apic", "usl", "fbar", "linear_elastic", Kernel::rest},
+    {"default elastic moving", "bspline", "apic", "usl", "fbar", "linear_elastic", Kernel::thrown},
+    {"default sand yielding", "bspline", "apic", "usl", "fbar", "mohr_coulomb", Kernel::sheared},
+    {"geopart elastic", "bilinear", "flip", "musl", "selective", "linear_elastic", Kernel::rest},
+    {"geopart sand yielding", "bilinear", "flip", "musl", "selective", "mohr_coulomb", Kernel::sheared},
+    {"bilinear musl fbar elastic", "bilinear", "flip", "musl", "fbar", "linear_elastic", Kernel::rest},
+    {"gimp musl elastic", "gimp", "flip", "musl", "none", "linear_elastic", Kernel::rest},
+    {"bspline xpic elastic", "bspline", "xpic", "usl", "none", "linear_elastic", Kernel::rest},
+    {"default elastic friction", "bspline", "apic", "usl", "fbar", "linear_elastic", Kernel::rest, "friction"},
+};
+
 std::string processor() {
   std::ifstream info("/proc/cpuinfo");
   for (std::string line; std::getline(info, line);)
@@ -25,58 +56,140 @@ std::string processor() {
   return "unknown";
 }
 
-mpm::Scene column(int cells, const std::string& model, bool moving) {
+mpm::Scene column(int cells, const Kernel& kernel) {
   const double h = 1.0 / cells;
   mpm::Scene scene;
   scene.grid = Grid{{0, 0}, {h, h}, 2 * cells + 1, int(1.2 * cells) + 1};
   scene.particles = seed(scene.grid, {{"soil", Polygon({{0, 0}, {1, 0}, {1, 1}, {0, 1}}, "soil")}}, 4,
                          SeedPattern::even, 0, "per_element");
   mpm::MaterialOptions m;
-  m.model = model;
+  m.model = kernel.model;
   m.young_pa = 1e6;
   m.density_kg_m3 = 2000;
-  m.friction_deg = 30;
+  m.friction_deg = 20;
   scene.materials = {m};
   mpm::BoundaryOptions base, left, right;
   base.line_m = {{0, 0}, {2, 0}};
+  if (std::string(kernel.extra) == "friction") {
+    base.type = "frictional";
+    base.friction = 0.5;
+  }
   left.line_m = {{0, 0}, {0, 1.2}};
   right.line_m = {{2, 0}, {2, 1.2}};
   left.type = right.type = "roller";
   scene.boundaries = {{"base", base}, {"left", left}, {"right", right}};
-  if (moving) scene.v0.assign(scene.particles.size(), Vec2(2.5, 0.0));  // a tenth of the wave speed
+  if (kernel.motion == Kernel::thrown) scene.v0.assign(scene.particles.size(), Vec2(2.5, 0.0));
+  if (kernel.motion == Kernel::sheared) {
+    for (const Vec2& x : scene.particles.x0) {
+      scene.v0.push_back(Vec2(0.5 * x.y(), 0));
+      const double p = 2000 * 9.81 * (1 - x.y());
+      scene.stress0.push_back({-0.5 * p, -p, -0.5 * p, 0});
+    }
+  }
   return scene;
 }
 
-double rate(int cells, const std::string& model, bool moving, int threads) {
+std::vector<double> plastic(const mpm::Solver& solver) {
+  const MotionFrame f = solver.frame();
+  return {f.plastic_dev.begin(), f.plastic_dev.end()};
+}
+
+std::vector<std::pair<int, int>> cells_of(const mpm::Solver& solver, double h, double shift) {
+  const MotionFrame f = solver.frame();
+  const ParticleSet& set = solver.particles();
+  std::vector<std::pair<int, int>> cells;
+  for (std::size_t k = 0; k < f.u.size(); ++k) {
+    const Vec2& x0 = set.x0[k];
+    cells.emplace_back(int(std::floor((x0.x() + double(f.u[k][0])) / h + shift)),
+                       int(std::floor((x0.y() + double(f.u[k][1])) / h + shift)));
+  }
+  return cells;
+}
+
+struct Run {
+  double rate;  // M particle-steps/s
+  double yielding = 0, movers = 0, fill = 0;
+};
+
+Run measure(const Kernel& kernel, int cells, int threads) {
   mpm::MpmOptions options;
   options.courant = 0.2;
-  if (moving) options.gravity_m_s2 = {0, 0};
-  mpm::Solver solver(options, column(cells, model, moving), threads);
+  options.shape = kernel.shape;
+  options.transfer = kernel.transfer;
+  options.stress_update = kernel.stress;
+  options.locking = kernel.locking;
+  if (kernel.motion == Kernel::thrown) options.gravity_m_s2 = {0, 0};
+  mpm::Solver solver(options, column(cells, kernel), threads);
   SilentProgress silent;
   const double dt = solver.stable_step(), n = double(solver.particles().size());
-  solver.advance_to(20 * dt, silent);
+  solver.advance_to(30 * dt, silent);
   const auto steps = solver.steps();
+  const double h = 1.0 / cells, shift = kernel.shape == std::string("bilinear") ? 0 : 0.5;
+  const auto plastic_before = plastic(solver);
+  const auto cells_before = cells_of(solver, h, shift);
   const auto start = std::chrono::steady_clock::now();
-  solver.advance_to((20 + std::max(50.0, 1.5e7 / n)) * dt, silent);
-  const double s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  return double(solver.steps() - steps) * n / s / 1e6;
+  const auto cpu = std::clock();
+  solver.advance_to((30 + std::max(40.0, std::min(1000.0, 4e6 / n))) * dt, silent);
+  double s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (threads == 1) s = double(std::clock() - cpu) / CLOCKS_PER_SEC;
+  const double made = double(solver.steps() - steps);
+  Run run{made * n / s / 1e6};
+  const auto plastic_after = plastic(solver);
+  const auto cells_after = cells_of(solver, h, shift);
+  std::map<std::pair<int, int>, int> count;
+  for (std::size_t k = 0; k < cells_after.size(); ++k) {
+    run.yielding += plastic_after[k] > plastic_before[k];
+    run.movers += std::abs(cells_after[k].first - cells_before[k].first) +
+                  std::abs(cells_after[k].second - cells_before[k].second);
+    ++count[cells_after[k]];
+  }
+  double lanes = 0;
+  for (const auto& [cell, in_it] : count) lanes += 4 * ((in_it + 3) / 4);
+  run.yielding /= n;
+  run.movers /= n * made;
+  run.fill = n / lanes;
+  return run;
+}
+
+double median(std::vector<double> v) {
+  std::sort(v.begin(), v.end());
+  return v[v.size() / 2];
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   std::vector<int> sizes;
-  for (int a = 1; a < argc; ++a) sizes.push_back(std::atoi(argv[a]));
+  std::vector<std::string> words;
+  int runs = 5, most = 2;
+  for (int a = 1; a < argc; ++a) {
+    const std::string word = argv[a];
+    if (word.starts_with("runs=")) runs = std::atoi(argv[a] + 5);
+    else if (word.starts_with("threads=")) most = std::atoi(argv[a] + 8);
+    else if (std::atoi(argv[a]) > 0) sizes.push_back(std::atoi(argv[a]));
+    else words.push_back(word);
+  }
   if (sizes.empty()) sizes = {10000, 100000};
-  std::printf("machine: %s, %u hardware threads; bilinear MUSL, double precision, guards and energy on\n",
-              processor().c_str(), std::thread::hardware_concurrency());
-  std::printf("%10s  %-22s %8s %8s   M particle-steps/s with 1, 2 threads\n", "particles", "material", "1", "2");
-  for (const int size : sizes) {
-    const int cells = std::max(2, int(std::lround(std::sqrt(size / 4.0))));
-    for (const bool moving : {false, true})
-      for (const char* model : {"linear_elastic", "mohr_coulomb"})
-        std::printf("%10d  %-22s %8.1f %8.1f\n", 4 * cells * cells,
-                    (std::string(model) + (moving ? " moving" : "")).c_str(), rate(cells, model, moving, 1),
-                    rate(cells, model, moving, 2));
+  std::printf("machine: %s, %u hardware threads; double precision, guards and energy on\n", processor().c_str(),
+              std::thread::hardware_concurrency());
+  std::printf("%-30s %9s %9s %6s %9s   M particle-steps/s with 1, 2 threads\n", "kernel", "particles", "yielding",
+              "fill", "movers");
+  for (const Kernel& kernel : kernels) {
+    bool wanted = words.empty();
+    for (const std::string& word : words) wanted = wanted || std::string(kernel.name).starts_with(word);
+    if (!wanted) continue;
+    for (const int size : sizes) {
+      const int cells = std::max(2, int(std::lround(std::sqrt(size / 4.0))));
+      std::vector<double> one, two;
+      Run state{};
+      for (int r = 0; r < runs; ++r) {
+        state = measure(kernel, cells, 1);
+        one.push_back(state.rate);
+        if (most > 1) two.push_back(measure(kernel, cells, most).rate);
+      }
+      std::printf("%-30s %9d %8.0f%% %6.2f %8.2f%%   %6.1f %6.1f\n", kernel.name, 4 * cells * cells,
+                  100 * state.yielding, state.fill, 100 * state.movers, median(one), most > 1 ? median(two) : 0.0);
+      std::fflush(stdout);
+    }
   }
 }

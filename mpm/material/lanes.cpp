@@ -1,0 +1,269 @@
+#include "mpm/material/lanes.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "mpm/material/lanes.cpp"
+#include <hwy/foreach_target.h>  // compiles this file once for every instruction set
+#include <hwy/highway.h>
+
+#include "mpm/lanes-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace pivnp::mpm::HWY_NAMESPACE {
+
+// Calls body(tile, k) for the batch; `k` is the tile's first point.
+template <class Body>
+HWY_INLINE void for_batch(const StressBatch& b, Body&& body) {
+  std::size_t k = 0;
+  for (; k + n_lanes <= b.size; k += n_lanes) body(FullTile{std::uint32_t(k)}, k);
+  if (k == b.size) return;
+  std::uint32_t rest[n_lanes];
+  for (std::size_t l = 0; l < n_lanes; ++l) rest[l] = std::uint32_t(k + l);
+  body(PartTile(rest, b.size - k), k);
+}
+
+// Appends the lanes of `which` to a list.
+HWY_INLINE void list(M which, std::size_t k, std::size_t size, std::uint32_t* rare, std::size_t& n) {
+  HWY_ALIGN double in[n_lanes];
+  hn::Store(hn::IfThenElseZero(which, set(1)), D(), in);
+  for (std::size_t l = 0; l < n_lanes && k + l < size; ++l)
+    if (in[l] != 0) rare[n++] = std::uint32_t(k + l);
+}
+
+// Stress turned by the step's rotation: mean and half difference in the plane, out of it, shear.
+struct Turned {
+  V mean, half, zz, xy;
+};
+template <class Tile>
+HWY_INLINE Turned turned(const StressBatch& b, const Tile& t) {
+  const V r = set(0.5) * t.load(b.spin), r2 = r * r, scale = set(1) / (set(1) + r2);
+  const V c = (set(1) - r2) * scale, s = set(2) * r * scale;
+  const V c2 = hn::NegMulAdd(s, s, c * c), s2 = set(2) * c * s;
+  const V xx = t.load(b.xx), yy = t.load(b.yy), xy = t.load(b.xy);
+  const V half = set(0.5) * (xx - yy);
+  return {set(0.5) * (xx + yy), hn::NegMulAdd(s2, xy, c2 * half), t.load(b.zz), hn::MulAdd(s2, half, c2 * xy)};
+}
+
+template <std::size_t n>
+HWY_INLINE V polynomial(V x, const double (&c)[n]) {
+  V sum = set(c[n - 1]);
+  for (std::size_t k = n - 1; k-- > 0;) sum = hn::MulAdd(sum, x, set(c[k]));
+  return sum;
+}
+
+// With d, e the deviators in the plane of the step and of the elastic strain, exp(d) exp(2e) exp(d) has the deviator
+// M = S e + 2 b (a C + b S d.e) d, where a = cosh|d|, b = sinh|d|/|d|, C = cosh 2|e|, S = sinh 2|e|/|e|, and half the
+// logarithm's deviator is M arsinh|M|/(2|M|). All are series in squares: no root, no quotient.
+constexpr double cosh_series[] = {1, 1.0 / 2, 1.0 / 24, 1.0 / 720, 1.0 / 40320, 1.0 / 3628800, 1.0 / 479001600};
+constexpr double sinh_series[] = {1,          1.0 / 6,       1.0 / 120,       1.0 / 5040,
+                                  1.0 / 362880, 1.0 / 39916800, 1.0 / 6227020800};
+constexpr double cosh_short[] = {1, 1.0 / 2, 1.0 / 24, 1.0 / 720, 1.0 / 40320};
+constexpr double sinh_short[] = {1, 1.0 / 6, 1.0 / 120, 1.0 / 5040, 1.0 / 362880};
+constexpr double arsinh_short[] = {1, -1.0 / 6, 3.0 / 40, -5.0 / 112, 35.0 / 1152, -63.0 / 2816};
+constexpr double arsinh_series[] = {1,
+                                    -1.0 / 6,
+                                    3.0 / 40,
+                                    -5.0 / 112,
+                                    35.0 / 1152,
+                                    -63.0 / 2816,
+                                    231.0 / 13312,
+                                    -143.0 / 10240,
+                                    6435.0 / 557056,
+                                    -12155.0 / 1245184,
+                                    46189.0 / 5505024,
+                                    -88179.0 / 12058624,
+                                    676039.0 / 104857600,
+                                    -1300075.0 / 226492416};
+constexpr double most_step2 = 1e-4, few_terms = 1e-3, most_terms = 0.06;  // |d|^2; (2|e|)^2 and |M|^2
+
+std::size_t hencky(const Elastic& law, const StressBatch& b, std::uint32_t* rare) {
+  std::size_t n = 0;
+  for_batch(b, [&](const auto& t, std::size_t k) HWY_ATTR {
+    const D d;
+    const Turned s = turned(b, t);
+    const V dxx = t.load(b.de_xx), dyy = t.load(b.de_yy), dzz = t.load(b.de_zz);
+    const V shear = set(law.shear), volumetric = set(law.lambda) * (dxx + dyy + dzz);
+    const V dh = set(0.5) * (dxx - dyy), dx = t.load(b.de_xy);
+    const V eh = s.half * set(0.5 / law.shear), ex = s.xy * set(0.5 / law.shear);
+    const V d2 = hn::MulAdd(dh, dh, dx * dx), de = hn::MulAdd(dh, eh, dx * ex);
+    const V R2 = set(4) * hn::MulAdd(eh, eh, ex * ex);
+    const bool few = hn::AllTrue(d, hn::Le(hn::Max(R2, d2), set(0.5 * few_terms)));
+    const V a = polynomial(d2, {1, 1.0 / 2, 1.0 / 24, 1.0 / 720}), c = polynomial(d2, {1, 1.0 / 6, 1.0 / 120, 1.0 / 5040});
+    const V C = few ? polynomial(R2, cosh_short) : polynomial(R2, cosh_series);
+    const V S = set(2) * (few ? polynomial(R2, sinh_short) : polynomial(R2, sinh_series));
+    const V along = set(2) * c * hn::MulAdd(a, C, c * S * de);
+    const V mh = hn::MulAdd(S, eh, along * dh), mx = hn::MulAdd(S, ex, along * dx);
+    const V m2 = hn::MulAdd(mh, mh, mx * mx);
+    const bool short_m = few && hn::AllTrue(d, hn::Le(m2, set(few_terms)));
+    const V factor = shear * (short_m ? polynomial(m2, arsinh_short) : polynomial(m2, arsinh_series));
+    V mean = hn::MulAdd(shear, dxx + dyy, s.mean + volumetric), half = factor * mh, xy = factor * mx;
+    V xx = mean + half, yy = mean - half, zz = hn::MulAdd(shear + shear, dzz, s.zz + volumetric);
+    const M common = hn::And(hn::Le(d2, set(most_step2)), hn::Le(hn::Max(R2, m2), set(most_terms)));
+    if (HWY_UNLIKELY(!hn::AllTrue(d, common))) {
+      list(hn::Not(common), k, b.size, rare, n);
+      xx = hn::IfThenElse(common, xx, t.load(b.xx));
+      yy = hn::IfThenElse(common, yy, t.load(b.yy));
+      zz = hn::IfThenElse(common, zz, t.load(b.zz));
+      xy = hn::IfThenElse(common, xy, t.load(b.xy));
+    }
+    t.store(xx, b.xx);
+    t.store(yy, b.yy);
+    t.store(zz, b.zz);
+    t.store(xy, b.xy);
+  });
+  return n;
+}
+
+struct Principal {
+  V s[3];
+};
+
+struct Cone {
+  const Elastic& law;
+  const ConeConstants& c;
+  const StressBatch& b;
+  std::uint32_t* rare;
+  std::size_t n = 0;
+
+  // p - amount flow; p - amount flow - more flow2.
+  static HWY_INLINE Principal less(const Principal& p, V amount, const double* flow) {
+    Principal out;
+    for (int q = 0; q < 3; ++q) out.s[q] = hn::NegMulAdd(amount, set(flow[q]), p.s[q]);
+    return out;
+  }
+  static HWY_INLINE Principal choose(M m, const Principal& yes, const Principal& no) {
+    return {{hn::IfThenElse(m, yes.s[0], no.s[0]), hn::IfThenElse(m, yes.s[1], no.s[1]),
+             hn::IfThenElse(m, yes.s[2], no.s[2])}};
+  }
+
+  // The return of sorted trial stresses to the plane or an edge; `found`: where it is admissible.
+  HWY_INLINE Principal back(const Principal& p, V excess, V cohesion, V apex, V round_off, M& found) const {
+    const D d;
+    const Principal plane = less(p, excess * set(c.per_hardness), c.main_flow);
+    const V top = apex + round_off;
+    found = hn::And(hn::And(hn::Ge(plane.s[0] + round_off, plane.s[1]), hn::Ge(plane.s[1] + round_off, plane.s[2])),
+                    hn::Le(plane.s[0], top));
+    if (hn::AllTrue(d, found)) return plane;
+    Principal out = plane;
+    const M low = hn::Lt(plane.s[1], plane.s[2]);  // the middle stress has caught up with the smallest
+    for (int e = 0; e < 2; ++e) {
+      const ConeConstants::Edge& edge = c.edge[e];
+      if (!edge.good) continue;
+      const V high_s = e == 0 ? p.s[0] : p.s[1], low_s = e == 0 ? p.s[1] : p.s[2];
+      const V second = hn::MulSub(set(1 + c.sin_friction), high_s, hn::MulAdd(set(1 - c.sin_friction), low_s, cohesion));
+      const V first_amount = hn::MulAdd(set(edge.inverse[0][0]), excess, set(edge.inverse[0][1]) * second);
+      const V second_amount = hn::MulAdd(set(edge.inverse[1][0]), excess, set(edge.inverse[1][1]) * second);
+      const Principal s = less(less(p, first_amount, c.main_flow), second_amount, edge.flow);
+      const M sorted = hn::And(hn::Ge(s.s[0] + round_off, hn::Max(s.s[1], s.s[2])),
+                               hn::Le(s.s[2], hn::Min(s.s[0], s.s[1]) + round_off));
+      const M good = hn::And(hn::And(hn::And(hn::Ge(first_amount, zero()), hn::Ge(second_amount, zero())), sorted),
+                             hn::Le(s.s[0], top));
+      const M here = hn::AndNot(found, hn::And(good, e == 0 ? low : hn::Not(low)));
+      out = choose(here, s, out);
+      found = hn::Or(found, here);
+    }
+    return out;
+  }
+
+  template <class Tile>
+  HWY_INLINE void tile(const Tile& t, std::size_t k) {
+    const D d;
+    const Turned turn = turned(b, t);
+    const V dxx = t.load(b.de_xx), dyy = t.load(b.de_yy), dzz = t.load(b.de_zz);
+    const V two_shear = set(2 * law.shear), volumetric = set(law.lambda) * (dxx + dyy + dzz);
+    const V mean = hn::MulAdd(set(law.shear), dxx + dyy, turn.mean + volumetric);
+    const V half = hn::MulAdd(set(law.shear), dxx - dyy, turn.half);
+    const V zz = hn::MulAdd(two_shear, dzz, turn.zz + volumetric), xy = hn::MulAdd(two_shear, t.load(b.de_xy), turn.xy);
+    const V radius = hn::Sqrt(hn::MulAdd(half, half, xy * xy)), J = t.load(b.J);
+    const V high = mean + radius, low = mean - radius;
+    const M across_high = hn::Gt(zz, high), across_low = hn::Lt(zz, low);
+    const Principal p{{hn::Max(high, zz), hn::IfThenElse(across_high, high, hn::IfThenElse(across_low, low, zz)),
+                       hn::Min(low, zz)}};
+    const V cohesion = set(c.cohesion_term) * J;
+    const V excess = hn::MulSub(set(1 + c.sin_friction), p.s[0], hn::MulAdd(set(1 - c.sin_friction), p.s[2], cohesion));
+    M yields = hn::Gt(excess, zero()), odd = hn::Ne(t.load(b.gap), zero());
+    const V tension = set(c.tension) * J;
+    if (c.cut_off) odd = hn::Or(odd, hn::AndNot(yields, hn::Gt(p.s[0], tension)));
+    if (c.tension > 0) odd = hn::Or(odd, opened(k));
+    V new_mean = mean, new_half = half, new_zz = zz, new_xy = xy;
+    yields = hn::AndNot(odd, yields);
+    if (!hn::AllFalse(d, yields)) {
+      const V apex = set(c.apex) * J;
+      const V size = hn::Abs(p.s[0]) + hn::Abs(p.s[2]), round_off = set(1e-12) * (size + cohesion);
+      M found;
+      const Principal s = back(p, excess, cohesion, apex, round_off, found);
+      M accepted = found;
+      if (c.cut_off) accepted = hn::And(accepted, hn::Le(s.s[0], tension));
+      const Principal drop{{p.s[0] - s.s[0], p.s[1] - s.s[1], p.s[2] - s.s[2]}};
+      const V trace = drop.s[0] + drop.s[1] + drop.s[2];
+      // Plastic strain: C^-1 drop, whose deviator is that of the drop over 2 G.
+      const V own = set((1 + law.poisson) / law.young), shared = trace * set(law.poisson / law.young);
+      V work = zero(), square = zero();
+      for (int q = 0; q < 3; ++q) {
+        work = hn::MulAdd(s.s[q], hn::MulSub(own, drop.s[q], shared), work);
+        const V deviator = hn::NegMulAdd(trace, set(1.0 / 3), drop.s[q]);
+        square = hn::MulAdd(deviator, deviator, square);
+      }
+      const V across = hn::IfThenElse(across_high, s.s[0], hn::IfThenElse(across_low, s.s[2], s.s[1]));
+      const V in_high = hn::IfThenElse(across_high, s.s[1], s.s[0]), in_low = hn::IfThenElse(across_low, s.s[1], s.s[2]);
+      // Near the apex under expansion the point may come apart.
+      const M parting = hn::And(hn::Gt(trace, zero()), hn::Ge(in_low, hn::NegMulAdd(set(1e-9), size, apex)));
+      accepted = hn::AndNot(parting, accepted);
+      odd = hn::Or(odd, hn::AndNot(accepted, yields));
+      yields = hn::And(yields, accepted);
+      const V new_radius = set(0.5) * (in_high - in_low);
+      const V ratio = hn::IfThenElseZero(hn::Gt(radius, zero()), new_radius / radius);
+      new_mean = hn::IfThenElse(yields, set(0.5) * (in_high + in_low), mean);
+      new_half = hn::IfThenElse(yields, hn::IfThenElse(hn::Gt(radius, zero()), half * ratio, new_radius), half);
+      new_xy = hn::IfThenElse(yields, xy * ratio, xy);
+      new_zz = hn::IfThenElse(yields, across, zz);
+      t.store(t.load(b.dissipated) + hn::IfThenElseZero(yields, work), b.dissipated);
+      const V amount = set(0.5 / law.shear) * hn::Sqrt(set(2.0 / 3) * square);
+      t.store(t.load(b.plastic_dev) + hn::IfThenElseZero(yields, amount), b.plastic_dev);
+    }
+    V xx = new_mean + new_half, yy = new_mean - new_half;
+    if (HWY_UNLIKELY(!hn::AllFalse(d, odd))) {
+      list(odd, k, b.size, rare, n);
+      xx = hn::IfThenElse(odd, t.load(b.xx), xx);
+      yy = hn::IfThenElse(odd, t.load(b.yy), yy);
+      new_zz = hn::IfThenElse(odd, t.load(b.zz), new_zz);
+      new_xy = hn::IfThenElse(odd, t.load(b.xy), new_xy);
+    }
+    t.store(xx, b.xx);
+    t.store(yy, b.yy);
+    t.store(new_zz, b.zz);
+    t.store(new_xy, b.xy);
+  }
+
+  // Points that have opened once carry no tension any more.
+  HWY_INLINE M opened(std::size_t k) const {
+    HWY_ALIGN double flag[n_lanes] = {};
+    for (std::size_t l = 0; l < n_lanes && k + l < b.size; ++l) flag[l] = b.opened[k + l];
+    return hn::Ne(hn::Load(D(), flag), zero());
+  }
+};
+
+std::size_t cone(const Elastic& law, const ConeConstants& c, const StressBatch& b, std::uint32_t* rare) {
+  Cone update{law, c, b, rare};
+  for_batch(b, [&](const auto& t, std::size_t k) HWY_ATTR { update.tile(t, k); });
+  return update.n;
+}
+
+}  // namespace pivnp::mpm::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace pivnp::mpm {
+
+HWY_EXPORT(hencky);
+HWY_EXPORT(cone);
+
+std::size_t hencky_lanes(const Elastic& elastic, const StressBatch& batch, std::uint32_t* rare) {
+  return HWY_DYNAMIC_DISPATCH(hencky)(elastic, batch, rare);
+}
+std::size_t cone_lanes(const Elastic& elastic, const ConeConstants& c, const StressBatch& batch,
+                       std::uint32_t* rare) {
+  return HWY_DYNAMIC_DISPATCH(cone)(elastic, c, batch, rare);
+}
+
+}  // namespace pivnp::mpm
+#endif

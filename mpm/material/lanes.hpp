@@ -1,0 +1,47 @@
+// Stress updates in lanes, for the points that take the common paths; the others are left to the laws' own code.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "mpm/material/material.hpp"
+
+namespace pivnp::mpm {
+
+/// Hencky's law (linear_elastic.hpp) for elastic deviators up to 0.12 and steps up to 0.01. The places of the points
+/// beyond go to `rare`, which has room for the batch; they are not touched. Returns their number.
+std::size_t hencky_lanes(const Elastic& elastic, const StressBatch& batch, std::uint32_t* rare);
+
+/// The cone of MohrCoulomb and its flow, in sorted principal stresses.
+struct ConeConstants {
+  double sin_friction, cohesion_term, apex;  // 2 c cos phi; c cot phi, infinite without friction (J = 1)
+  double tension;                            // greatest tension of a point that has not opened
+  bool cut_off;                              // is it below the apex?
+  double main_flow[3], per_hardness;         // elastic stiffness times the flow of f_13; 1 / (normal . that)
+  /// Two planes at once, f_13 and [0] f_12, [1] f_23: multipliers = inverse * (f_13, f), and the second plane's flow.
+  struct Edge {
+    bool good;  // is the system regular?
+    double inverse[2][2], flow[3];
+  } edge[2];
+};
+
+/// Elastic points, and returns to the plane f_13 or one of its edges. Points at the apex or the cut-off, and open ones,
+/// are rare.
+std::size_t cone_lanes(const Elastic& elastic, const ConeConstants& cone, const StressBatch& batch,
+                       std::uint32_t* rare);
+
+/// Most points that one call takes.
+constexpr std::size_t most_in_lanes = 1024;
+
+/// Calls lanes(part, rare), which returns the number of rare points, on parts of the batch, and point(k) on those.
+template <class Lanes, class Point>
+void update_in_lanes(const StressBatch& batch, Lanes&& lanes, Point&& point) {
+  std::uint32_t rare[most_in_lanes];
+  for (std::size_t begin = 0; begin < batch.size; begin += most_in_lanes) {
+    const StressBatch part = batch.part(begin, batch.size - begin < most_in_lanes ? batch.size - begin : most_in_lanes);
+    const std::size_t n = lanes(part, rare);
+    for (std::size_t r = 0; r < n; ++r) point(begin + rare[r]);
+  }
+}
+
+}  // namespace pivnp::mpm
