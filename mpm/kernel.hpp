@@ -50,10 +50,9 @@ void for_each(std::size_t size, int threads, Body&& body) {
   for (std::ptrdiff_t k = 0; k < n; ++k) body(std::size_t(k));
 }
 
-/// Calls body(slots) for runs of slots, for what does not add to nodes.
+/// Calls body(slots) for runs of `run` slots, for what does not add to nodes.
 template <class Body>
-void for_runs(const GridState& g, int threads, Body&& body) {
-  constexpr std::size_t run = 128;
+void for_runs(const GridState& g, std::size_t run, int threads, Body&& body) {
   for_each((g.slots() + run - 1) / run, threads,
            [&](std::size_t r) { body(SlotRange{r * run, std::min(g.slots(), (r + 1) * run)}); });
 }

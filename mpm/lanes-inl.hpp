@@ -76,6 +76,15 @@ HWY_INLINE void for_tiles(const CellView& c, std::size_t slot, Body&& body) {
     else body(PartTile(order, end - q < n_lanes ? end - q : n_lanes));
   }
 }
+// The same, with body(tile, its place in `order`).
+template <class Body>
+HWY_INLINE void for_placed_tiles(const CellView& c, std::size_t slot, Body&& body) {
+  std::uint32_t q = c.slot_begin[slot];
+  for_tiles(c, slot, [&](const auto& t) HWY_ATTR {
+    body(t, q);
+    q += n_lanes;
+  });
+}
 
 // Shape functions as in shape.hpp.
 template <int width>

@@ -24,7 +24,6 @@ struct PointView {
   double *C_xx, *C_xy, *C_yx, *C_yy;
   double* half;
   double *xi, *eta;
-  double *de_xx, *de_yy, *de_zz, *de_xy, *spin;
 };
 
 /// The lists of GridState.
@@ -46,6 +45,11 @@ struct GatherSums {
   double fastest2 = 0;      // largest squared speed of a point, m^2/s^2
   double kinetic_loss = 0;  // kinetic energy of the points before less after, J/m
   bool good = true;         // every point finite, none moved more than one cell
+};
+
+/// Increments of a run of points (material/material.hpp), in the order in which the cells list them; room for a tile more.
+struct Increments {
+  double *xx, *yy, *zz, *xy, *spin;
 };
 
 struct StrainJob {
@@ -77,7 +81,8 @@ void average_strain_lanes(ShapeKind shape, double dt, const PointView& p, const 
 /// A.8-A.11; `remap`: adds the updated momentum to Node::ux, uy.
 GatherSums move_lanes(ShapeKind shape, const MoveJob& job, const PointView& p, const CellView& c, SlotRange slots);
 /// A.12; F-bar of three-node shapes: with the averaged volumetric increment in Node::dx.
-void strain_lanes(ShapeKind shape, const StrainJob& job, const PointView& p, const CellView& c, SlotRange slots);
+void strain_lanes(ShapeKind shape, const StrainJob& job, const PointView& p, const CellView& c, SlotRange slots,
+                  const Increments& out);
 /// P v of XPIC: from the nodes' `v` to the points and back, times the mass, added to `out`; x and y of every node.
 void project_lanes(ShapeKind shape, const double* v, double* out, const PointView& p, const CellView& c,
                    SlotRange slots);

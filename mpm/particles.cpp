@@ -12,18 +12,25 @@ void Particles::resize(std::size_t n, bool affine, bool sized) {
   if (!affine)
     for (auto* array : {&C_xx, &C_xy, &C_yx, &C_yy}) array->clear();
   if (!sized) half.clear();
-  for (auto* array : {&xi, &eta, &de_xx, &de_yy, &de_zz, &de_xy, &spin})
-    array->assign(n, 0.0);
+  xi.assign(n, 0.0);
+  eta.assign(n, 0.0);
   opened.assign(n, 0);
   cell.assign(n, ended);
   index.assign(n, 0);
+}
+
+void Particles::resize_increments(std::size_t n) {
+  for (auto* array : {&de_xx, &de_yy, &de_zz, &de_xy, &spin}) {
+    array->assign(n, 0.0);
+    array->shrink_to_fit();
+  }
 }
 
 PointView Particles::view() const {
   const auto at = [](const std::vector<double>& a) { return a.empty() ? nullptr : const_cast<double*>(a.data()); };
   return {at(x),      at(y),      at(vx),     at(vy),    at(mass),  at(volume0), at(F_xx),  at(F_xy),  at(F_yx), at(F_yy),
           at(J),      at(tau_xx), at(tau_yy), at(tau_zz), at(tau_xy), at(C_xx),   at(C_xy),  at(C_yx),  at(C_yy), at(half),
-          at(xi),     at(eta),    at(de_xx),  at(de_yy), at(de_zz), at(de_xy),   at(spin)};
+          at(xi),     at(eta)};
 }
 
 void Particles::sort_as(std::vector<std::uint32_t>& order, int threads) {

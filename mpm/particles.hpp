@@ -32,7 +32,7 @@ struct Particles {
 
   // Of one step.
   std::vector<double> xi, eta;                           // natural coordinates (shape.hpp)
-  std::vector<double> de_xx, de_yy, de_zz, de_xy, spin;  // log strain and rotation increments (material.hpp)
+  std::vector<double> de_xx, de_yy, de_zz, de_xy, spin;  // increments, where strain and stress are apart (transfer.hpp)
 
   std::vector<Body> bodies;
 
@@ -41,6 +41,8 @@ struct Particles {
   void resize(std::size_t n, bool affine, bool sized);
   /// As the kernels see them; a const object's are only read.
   PointView view() const;
+  /// The increments at `n` zeros.
+  void resize_increments(std::size_t n);
   /// Every array of real state, for copying, sorting and saving; some may be empty.
   std::vector<std::vector<double>*> state();
   /// Puts the points of each body in the order in which they come in `order`, ended ones last, and has `order` tell

@@ -145,8 +145,7 @@ int settle_particles(const SettleOptions& options, const Scheme& scheme, const M
   locate_all(p, g);
   if (std::abs(options.gravity.x()) <= 1e-3 * std::abs(options.gravity.y()))
     start_from_columns(p, materials, g, options.gravity.y());
-  for (auto* increment : {&p.de_xx, &p.de_yy, &p.de_zz, &p.de_xy, &p.spin})
-    std::fill(increment->begin(), increment->end(), 0.0);
+  p.resize_increments(p.size());
   update_stress(materials, p, options.threads);  // brings the first guess inside the yield surface
 
   Relaxation relaxation(options, scheme, materials, restraints, bodies, p, g);

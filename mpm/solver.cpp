@@ -159,8 +159,7 @@ void Solver::Impl::choose_strain_velocity(double dt) {
 }
 
 void Solver::Impl::strain(double dt, int threads) {
-  strain_points(p, g, scheme, dt, true, threads);
-  update_stress(materials, p, threads);
+  strain_and_update_stress(materials, p, g, scheme, dt, threads);
   if (state.steps % stiffness_every == 0) state.wave_speed = wave_speed(materials, density, p);
 }
 
@@ -234,7 +233,6 @@ void Solver::Impl::end_particles(const std::vector<std::uint32_t>& left) {
     state.end_reason[p.index[k]] = EndReason::left_grid;
     const StoredEnergy lost = stored_energy_of(p, g, materials, k);
     state.book.carried += lost.kinetic + lost.elastic;
-    for (auto* increment : {&p.de_xx, &p.de_yy, &p.de_zz, &p.de_xy, &p.spin}) (*increment)[k] = 0;
   }
 }
 
@@ -303,6 +301,7 @@ void Solver::settle(Progress& progress) {
   if (scheme.shape != ShapeKind::bilinear) scheme.locking = Locking::none;
   settle_particles({s.gravity, s.options.settle_damping, s.options.settle_tolerance, s.most_threads}, scheme,
                    s.materials, s.restraints, s.bodies, s.p, s.g, progress);
+  s.p.resize_increments(0);
   for (auto* history : {&s.p.plastic_dev, &s.p.gap, &s.p.dissipated}) std::fill(history->begin(), history->end(), 0.0);
   std::fill(s.p.opened.begin(), s.p.opened.end(), std::uint8_t{0});
   s.restart_books();

@@ -147,10 +147,12 @@ struct Straining {
   const StrainJob& job;
   const PointView& p;
   const CellView& c;
+  const Increments& out;
+  std::uint32_t first;  // place in `order` of the first increment
   double sx = job.dt * c.per_hx, sy = job.dt * c.per_hy;
 
   template <class Tile>
-  HWY_INLINE void tile(const Tile& t, const Node* base, unsigned fold, double theta_of_element,
+  HWY_INLINE void tile(const Tile& t, std::uint32_t place, const Node* base, unsigned fold, double theta_of_element,
                        const LaneGradient* centre) const {
     const TileLines<S> l(p, fold, t);
     const LaneGradient own = gradient(l, base, c.nx, sx, sy);
@@ -171,11 +173,13 @@ struct Straining {
       }
       shift = (theta - e.trace) * set(1.0 / 3);
     }
-    t.store(mean + e.half + shift, p.de_xx);
-    t.store(mean - e.half + shift, p.de_yy);
-    t.store(shift, p.de_zz);
-    t.store(e.xy, p.de_xy);
-    t.store(e.spin, p.spin);
+    const D d;
+    const std::size_t at = place - first;
+    hn::StoreU(mean + e.half + shift, d, out.xx + at);
+    hn::StoreU(mean - e.half + shift, d, out.yy + at);
+    hn::StoreU(shift, d, out.zz + at);
+    hn::StoreU(e.xy, d, out.xy + at);
+    hn::StoreU(e.spin, d, out.spin + at);
     if (!job.record) return;
     const V F_xx = t.load(p.F_xx), F_xy = t.load(p.F_xy), F_yx = t.load(p.F_yx), F_yy = t.load(p.F_yy);
     t.store(F_xx + hn::MulAdd(own.xx, F_xx, own.xy * F_yx), p.F_xx);
@@ -212,13 +216,14 @@ struct Straining {
       }
     }
     const LaneGradient* by = job.locking == Locking::full ? &centre : nullptr;
-    for_tiles(c, s, [&](const auto& t) HWY_ATTR { tile(t, base, c.slot_fold[s], theta, by); });
+    for_placed_tiles(c, s, [&](const auto& t, std::uint32_t q) HWY_ATTR { tile(t, q, base, c.slot_fold[s], theta, by); });
   }
 };
 
-void strain_slots(ShapeKind shape, const StrainJob& job, const PointView& p, const CellView& c, SlotRange slots) {
+void strain_slots(ShapeKind shape, const StrainJob& job, const PointView& p, const CellView& c, SlotRange slots,
+                  const Increments& out) {
   with_lanes(shape, [&](auto kind) HWY_ATTR {
-    const Straining<decltype(kind)> strain{job, p, c};
+    const Straining<decltype(kind)> strain{job, p, c, out, c.slot_begin[slots.begin]};
     for (std::size_t s = slots.begin; s < slots.end; ++s) strain.slot(s);
   });
 }
@@ -235,8 +240,9 @@ HWY_EXPORT(strain_slots);
 void average_strain_lanes(ShapeKind shape, double dt, const PointView& p, const CellView& c, SlotRange slots) {
   HWY_DYNAMIC_DISPATCH(average_strain_slots)(shape, dt, p, c, slots);
 }
-void strain_lanes(ShapeKind shape, const StrainJob& job, const PointView& p, const CellView& c, SlotRange slots) {
-  HWY_DYNAMIC_DISPATCH(strain_slots)(shape, job, p, c, slots);
+void strain_lanes(ShapeKind shape, const StrainJob& job, const PointView& p, const CellView& c, SlotRange slots,
+                  const Increments& out) {
+  HWY_DYNAMIC_DISPATCH(strain_slots)(shape, job, p, c, slots, out);
 }
 
 }  // namespace pivnp::mpm

@@ -17,9 +17,11 @@
 // Force and strain are conjugate in each: P is self-adjoint with weights V0, so sum_i f_i . v_i = -sum_p V0 tau : d.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "mpm/grid_state.hpp"
+#include "mpm/material/material.hpp"
 #include "mpm/particles.hpp"
 #include "mpm/scheme.hpp"
 
@@ -57,6 +59,14 @@ GatherSums gather_velocity(Particles& p, GridState& g, const Scheme& scheme, dou
 /// A.12: log strain and rotation increments of the points, and F and J, from Node::u. With `record` false (settling)
 /// F and J stay.
 void strain_points(Particles& p, GridState& g, const Scheme& scheme, double dt, bool record, int threads);
+
+/// The same in runs of a few cells, each followed by its stress update while it is in the cache: update(body, first,
+/// increments) is called for points that lie together in storage, `first` on, and belong to one of Particles::bodies;
+/// the increments' pointers and size are set, the rest of the batch is the caller's. The arrays of increments in
+/// Particles are not used.
+using UpdateRun = std::function<void(const Particles::Body& body, std::size_t first, const StressBatch& increments)>;
+void strain_and_update(Particles& p, GridState& g, const Scheme& scheme, double dt, bool record,
+                       const UpdateRun& update, int threads);
 
 /// Sum over the active cells of 1/2 mass of the cell times the squared hourglass part of the mapped velocity, J/m
 /// (bilinear).

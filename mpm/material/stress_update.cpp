@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mpm/transfer.hpp"
+
 namespace pivnp::mpm {
 
 namespace {
@@ -14,11 +16,13 @@ constexpr std::size_t run = 1024;
 StressBatch batch_of(Particles& p, std::size_t begin, std::size_t size) {
   StressBatch b;
   b.size = size;
-  b.de_xx = p.de_xx.data() + begin;
-  b.de_yy = p.de_yy.data() + begin;
-  b.de_zz = p.de_zz.data() + begin;
-  b.de_xy = p.de_xy.data() + begin;
-  b.spin = p.spin.data() + begin;
+  if (!p.de_xx.empty()) {
+    b.de_xx = p.de_xx.data() + begin;
+    b.de_yy = p.de_yy.data() + begin;
+    b.de_zz = p.de_zz.data() + begin;
+    b.de_xy = p.de_xy.data() + begin;
+    b.spin = p.spin.data() + begin;
+  }
   b.J = p.J.data() + begin;
   b.F_xx = p.F_xx.data() + begin;
   b.F_xy = p.F_xy.data() + begin;
@@ -45,6 +49,22 @@ void update_stress(const Materials& materials, Particles& p, int threads) {
       material.update(batch_of(p, begin, std::min(run, body.end - begin)));
     }
   }
+}
+
+void strain_and_update_stress(const Materials& materials, Particles& p, GridState& g, const Scheme& scheme, double dt,
+                              int threads) {
+  strain_and_update(
+      p, g, scheme, dt, true,
+      [&](const Particles::Body& body, std::size_t first, const StressBatch& de) {
+        StressBatch batch = batch_of(p, first, de.size);
+        batch.de_xx = de.de_xx;
+        batch.de_yy = de.de_yy;
+        batch.de_zz = de.de_zz;
+        batch.de_xy = de.de_xy;
+        batch.spin = de.spin;
+        materials[std::size_t(body.material)]->update(batch);
+      },
+      threads);
 }
 
 double wave_speed(const Materials& materials, const std::vector<double>& density, Particles& p) {

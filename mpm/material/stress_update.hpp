@@ -5,7 +5,9 @@
 #include <vector>
 
 #include "mpm/material/material.hpp"
+#include "mpm/grid_state.hpp"
 #include "mpm/particles.hpp"
+#include "mpm/scheme.hpp"
 
 namespace pivnp::mpm {
 
@@ -13,6 +15,10 @@ using Materials = std::vector<std::unique_ptr<Material>>;
 
 /// A.20-A.24: stress of every point from its increments. Each law gets runs of at most 1024 points of its body.
 void update_stress(const Materials& materials, Particles& p, int threads);
+
+/// strain_points() and update_stress(), run by run of cells, without the arrays of increments in Particles.
+void strain_and_update_stress(const Materials& materials, Particles& p, GridState& g, const Scheme& scheme, double dt,
+                              int threads);
 
 /// The points `begin` to `begin + size` as a law sees them.
 StressBatch batch_of(Particles& p, std::size_t begin, std::size_t size);
