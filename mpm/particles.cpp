@@ -2,7 +2,7 @@
 
 namespace pivnp::mpm {
 
-std::vector<std::vector<double>*> Particles::state() {
+std::vector<Array*> Particles::state() {
   return {&x,      &y,      &vx,     &vy,     &mass,        &volume0, &F_xx,       &F_xy, &F_yx, &F_yy, &J,   &tau_xx,
           &tau_yy, &tau_zz, &tau_xy, &plastic_dev, &gap, &dissipated, &C_xx, &C_xy, &C_yx, &C_yy, &half};
 }
@@ -27,7 +27,7 @@ void Particles::resize_increments(std::size_t n) {
 }
 
 PointView Particles::view() const {
-  const auto at = [](const std::vector<double>& a) { return a.empty() ? nullptr : const_cast<double*>(a.data()); };
+  const auto at = [](const Array& a) { return a.empty() ? nullptr : const_cast<double*>(a.data()); };
   return {at(x),      at(y),      at(vx),     at(vy),    at(mass),  at(volume0), at(F_xx),  at(F_xy),  at(F_yx), at(F_yy),
           at(J),      at(tau_xx), at(tau_yy), at(tau_zz), at(tau_xy), at(C_xx),   at(C_xy),  at(C_yx),  at(C_yy), at(half),
           at(xi),     at(eta)};

@@ -1,12 +1,41 @@
 // Material points as a structure of arrays.
 #pragma once
 
+#include <atomic>
+#include <cstddef>
 #include <cstdint>
+#include <new>
 #include <vector>
 
 #include "mpm/lanes.hpp"
 
 namespace pivnp::mpm {
+
+/// Memory that starts somewhere else in its page each time: arrays of equal length that all start a page would share the
+/// same few places in the caches.
+template <class T>
+struct Staggered {
+  using value_type = T;
+  Staggered() = default;
+  template <class U>
+  Staggered(const Staggered<U>&) {}
+  T* allocate(std::size_t n) {
+    static std::atomic<std::size_t> count{0};
+    const std::size_t lead = line * (1 + 11 * count++ % (page / line - 1));
+    auto* start = static_cast<std::byte*>(::operator new(lead + n * sizeof(T), std::align_val_t{page}));
+    *reinterpret_cast<std::size_t*>(start + lead - sizeof(std::size_t)) = lead;
+    return reinterpret_cast<T*>(start + lead);
+  }
+  void deallocate(T* p, std::size_t) {
+    auto* at = reinterpret_cast<std::byte*>(p);
+    ::operator delete(at - *reinterpret_cast<std::size_t*>(at - sizeof(std::size_t)), std::align_val_t{page});
+  }
+  bool operator==(const Staggered&) const { return true; }
+
+ private:
+  static constexpr std::size_t line = 64, page = 4096;
+};
+using Array = std::vector<double, Staggered<double>>;
 
 /// Points lie body after body (so that a material is called on a run of them), inside a body in the order of the last
 /// re-sort by cell. `index` leads back to the ParticleSet. SI units. Arrays that a scheme does not use are empty.
@@ -18,21 +47,21 @@ struct Particles {
   static constexpr std::int32_t ended = -1;  // as `cell`: no longer simulated
 
   // State.
-  std::vector<double> x, y, vx, vy;
-  std::vector<double> mass, volume0;           // kg/m, m^2
-  std::vector<double> F_xx, F_xy, F_yx, F_yy;  // deformation gradient, of the point's own velocity gradient
-  std::vector<double> J;                       // volume ratio, of the averaged volumetric strain
-  std::vector<double> tau_xx, tau_yy, tau_zz, tau_xy;  // Kirchhoff stress, Pa
-  std::vector<double> plastic_dev, gap, dissipated;
-  std::vector<double> C_xx, C_xy, C_yx, C_yy;  // affine velocity field (APIC), 1/s
-  std::vector<double> half;                    // half side over the cell's (uGIMP)
+  Array x, y, vx, vy;
+  Array mass, volume0;           // kg/m, m^2
+  Array F_xx, F_xy, F_yx, F_yy;  // deformation gradient, of the point's own velocity gradient
+  Array J;                       // volume ratio, of the averaged volumetric strain
+  Array tau_xx, tau_yy, tau_zz, tau_xy;  // Kirchhoff stress, Pa
+  Array plastic_dev, gap, dissipated;
+  Array C_xx, C_xy, C_yx, C_yy;  // affine velocity field (APIC), 1/s
+  Array half;                    // half side over the cell's (uGIMP)
   std::vector<std::uint8_t> opened;
   std::vector<std::int32_t> cell;    // index of the lower left node of the stencil, or `ended`
   std::vector<std::uint32_t> index;  // place in the ParticleSet
 
   // Of one step.
-  std::vector<double> xi, eta;                           // natural coordinates (shape.hpp)
-  std::vector<double> de_xx, de_yy, de_zz, de_xy, spin;  // increments, where strain and stress are apart (transfer.hpp)
+  Array xi, eta;                           // natural coordinates (shape.hpp)
+  Array de_xx, de_yy, de_zz, de_xy, spin;  // increments, where strain and stress are apart (transfer.hpp)
 
   std::vector<Body> bodies;
 
@@ -44,7 +73,7 @@ struct Particles {
   /// The increments at `n` zeros.
   void resize_increments(std::size_t n);
   /// Every array of real state, for copying, sorting and saving; some may be empty.
-  std::vector<std::vector<double>*> state();
+  std::vector<Array*> state();
   /// Puts the points of each body in the order in which they come in `order`, ended ones last, and has `order` tell
   /// where they are now.
   void sort_as(std::vector<std::uint32_t>& order, int threads);

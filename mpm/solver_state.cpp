@@ -16,8 +16,8 @@ class Writer {
   void value(const T& v) {
     raw(&v, sizeof v);
   }
-  template <class T>
-  void array(const std::vector<T>& a) {
+  template <class T, class A>
+  void array(const std::vector<T, A>& a) {
     value(std::uint64_t(a.size()));
     raw(a.data(), a.size() * sizeof(T));
   }
@@ -38,8 +38,8 @@ class Reader {
   void value(T& v) {
     raw(&v, sizeof v);
   }
-  template <class T>
-  void array(std::vector<T>& a) {
+  template <class T, class A>
+  void array(std::vector<T, A>& a) {
     std::uint64_t n = 0;
     value(n);
     if (n != a.size()) throw InputError("checkpoint: it holds another number of particles than the scene");

@@ -43,11 +43,16 @@ HWY_INLINE Turned turned(const StressBatch& b, const Tile& t) {
   return {set(0.5) * (xx + yy), hn::NegMulAdd(s2, xy, c2 * half), t.load(b.zz), hn::MulAdd(s2, half, c2 * xy)};
 }
 
-template <std::size_t n>
-HWY_INLINE V polynomial(V x, const double (&c)[n]) {
-  V sum = set(c[n - 1]);
-  for (std::size_t k = n - 1; k-- > 0;) sum = hn::MulAdd(sum, x, set(c[k]));
-  return sum;
+// The first `n` terms; even and odd powers apart, which halves the chain of dependent operations.
+template <int n, std::size_t size>
+HWY_INLINE V polynomial(V x, const double (&c)[size]) {
+  static_assert(n >= 3 && n <= int(size));
+  const V x2 = x * x;
+  constexpr int even_end = (n - 1) / 2 * 2, odd_end = (n - 2) / 2 * 2 + 1;
+  V even = set(c[even_end]), odd = set(c[odd_end]);
+  for (int k = even_end - 2; k >= 0; k -= 2) even = hn::MulAdd(even, x2, set(c[k]));
+  for (int k = odd_end - 2; k >= 1; k -= 2) odd = hn::MulAdd(odd, x2, set(c[k]));
+  return hn::MulAdd(odd, x, even);
 }
 
 // With d, e the deviators in the plane of the step and of the elastic strain, exp(d) exp(2e) exp(d) has the deviator
@@ -56,9 +61,6 @@ HWY_INLINE V polynomial(V x, const double (&c)[n]) {
 constexpr double cosh_series[] = {1, 1.0 / 2, 1.0 / 24, 1.0 / 720, 1.0 / 40320, 1.0 / 3628800, 1.0 / 479001600};
 constexpr double sinh_series[] = {1,          1.0 / 6,       1.0 / 120,       1.0 / 5040,
                                   1.0 / 362880, 1.0 / 39916800, 1.0 / 6227020800};
-constexpr double cosh_short[] = {1, 1.0 / 2, 1.0 / 24, 1.0 / 720, 1.0 / 40320};
-constexpr double sinh_short[] = {1, 1.0 / 6, 1.0 / 120, 1.0 / 5040, 1.0 / 362880};
-constexpr double arsinh_short[] = {1, -1.0 / 6, 3.0 / 40, -5.0 / 112, 35.0 / 1152, -63.0 / 2816};
 constexpr double arsinh_series[] = {1,
                                     -1.0 / 6,
                                     3.0 / 40,
@@ -75,6 +77,20 @@ constexpr double arsinh_series[] = {1,
                                     -1300075.0 / 226492416};
 constexpr double most_step2 = 1e-4, few_terms = 1e-3, most_terms = 0.06;  // |d|^2; (2|e|)^2 and |M|^2
 
+// M over the elastic strain and over the step's, its square, and shear arsinh|M|/|M|.
+struct Combined {
+  V mh, mx, m2, factor;
+};
+template <int hyperbolic, int arsinh>
+HWY_INLINE Combined combined(V dh, V dx, V eh, V ex, V d2, V R2, V shear) {
+  const V a = polynomial<4>(d2, cosh_series), b = polynomial<4>(d2, sinh_series);
+  const V C = polynomial<hyperbolic>(R2, cosh_series), S = set(2) * polynomial<hyperbolic>(R2, sinh_series);
+  const V along = set(2) * b * hn::MulAdd(a, C, b * S * hn::MulAdd(dh, eh, dx * ex));
+  const V mh = hn::MulAdd(S, eh, along * dh), mx = hn::MulAdd(S, ex, along * dx);
+  const V m2 = hn::MulAdd(mh, mh, mx * mx);
+  return {mh, mx, m2, shear * polynomial<arsinh>(m2, arsinh_series)};
+}
+
 std::size_t hencky(const Elastic& law, const StressBatch& b, std::uint32_t* rare) {
   std::size_t n = 0;
   for_batch(b, [&](const auto& t, std::size_t k) HWY_ATTR {
@@ -84,20 +100,13 @@ std::size_t hencky(const Elastic& law, const StressBatch& b, std::uint32_t* rare
     const V shear = set(law.shear), volumetric = set(law.lambda) * (dxx + dyy + dzz);
     const V dh = set(0.5) * (dxx - dyy), dx = t.load(b.de_xy);
     const V eh = s.half * set(0.5 / law.shear), ex = s.xy * set(0.5 / law.shear);
-    const V d2 = hn::MulAdd(dh, dh, dx * dx), de = hn::MulAdd(dh, eh, dx * ex);
-    const V R2 = set(4) * hn::MulAdd(eh, eh, ex * ex);
-    const bool few = hn::AllTrue(d, hn::Le(hn::Max(R2, d2), set(0.5 * few_terms)));
-    const V a = polynomial(d2, {1, 1.0 / 2, 1.0 / 24, 1.0 / 720}), c = polynomial(d2, {1, 1.0 / 6, 1.0 / 120, 1.0 / 5040});
-    const V C = few ? polynomial(R2, cosh_short) : polynomial(R2, cosh_series);
-    const V S = set(2) * (few ? polynomial(R2, sinh_short) : polynomial(R2, sinh_series));
-    const V along = set(2) * c * hn::MulAdd(a, C, c * S * de);
-    const V mh = hn::MulAdd(S, eh, along * dh), mx = hn::MulAdd(S, ex, along * dx);
-    const V m2 = hn::MulAdd(mh, mh, mx * mx);
-    const bool short_m = few && hn::AllTrue(d, hn::Le(m2, set(few_terms)));
-    const V factor = shear * (short_m ? polynomial(m2, arsinh_short) : polynomial(m2, arsinh_series));
-    V mean = hn::MulAdd(shear, dxx + dyy, s.mean + volumetric), half = factor * mh, xy = factor * mx;
+    const V d2 = hn::MulAdd(dh, dh, dx * dx), R2 = set(4) * hn::MulAdd(eh, eh, ex * ex);
+    Combined m = combined<5, 6>(dh, dx, eh, ex, d2, R2, shear);
+    if (!hn::AllTrue(d, hn::And(hn::Le(R2, set(few_terms)), hn::Le(m.m2, set(few_terms)))))
+      m = combined<7, 14>(dh, dx, eh, ex, d2, R2, shear);
+    V mean = hn::MulAdd(shear, dxx + dyy, s.mean + volumetric), half = m.factor * m.mh, xy = m.factor * m.mx;
     V xx = mean + half, yy = mean - half, zz = hn::MulAdd(shear + shear, dzz, s.zz + volumetric);
-    const M common = hn::And(hn::Le(d2, set(most_step2)), hn::Le(hn::Max(R2, m2), set(most_terms)));
+    const M common = hn::And(hn::Le(d2, set(most_step2)), hn::Le(hn::Max(R2, m.m2), set(most_terms)));
     if (HWY_UNLIKELY(!hn::AllTrue(d, common))) {
       list(hn::Not(common), k, b.size, rare, n);
       xx = hn::IfThenElse(common, xx, t.load(b.xx));

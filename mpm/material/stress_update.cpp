@@ -40,6 +40,7 @@ StressBatch batch_of(Particles& p, std::size_t begin, std::size_t size) {
 }
 
 void update_stress(const Materials& materials, Particles& p, int threads) {
+  if (p.de_xx.size() != p.size()) p.resize_increments(p.size());
   for (const Particles::Body& body : p.bodies) {
     const Material& material = *materials[std::size_t(body.material)];
     const auto runs = std::ptrdiff_t((body.end - body.begin + run - 1) / run);

@@ -127,7 +127,7 @@ TEST_P(Schemes, ATurnedBlockKeepsItsObjectiveStress) {
         p.F_xy[k] = 0.03;
         p.J[k] = 1.02;
       }
-    std::vector<double> start[4];
+    Array start[4];
     update_stress(materials, p, 1);
     for (int c = 0; c < 4; ++c) start[c] = *std::array{&p.tau_xx, &p.tau_yy, &p.tau_zz, &p.tau_xy}[std::size_t(c)];
     const Vec2 centre(0.5, 0.5);
