@@ -1,6 +1,7 @@
 // Million particle-steps per second of the column of the peers' comparison: L x L in a box 2L x 1.2L, 2 x 2 particles a
 // cell, E 1e6, nu 0.3, rho 2000, g 9.81, dt = 0.2 h/c_p, fixed base, sliding walls; set-up left out.
 //   mpm_throughput [words of the kernels wanted ...] [particles ...] [runs=5] [threads=2]   (default: all, 10000 100000)
+//   mpm_throughput scale [particles ...]       set-up time, memory, proportion
 // Each figure is the median of `runs` runs, those with one and two threads taken in turn; one thread by its own
 // processor time, two by the clock (so on an idle machine only).
 #include <algorithm>
@@ -151,6 +152,40 @@ Run measure(const Kernel& kernel, int cells, int threads) {
   return run;
 }
 
+double resident_bytes() {
+  std::ifstream statm("/proc/self/statm");
+  double all = 0, resident = 0;
+  statm >> all >> resident;
+  return resident * 4096;
+}
+
+// Set-up time, memory, and time in proportion to the particles. The scene's own (ParticleSet) counts as set-up's input.
+void scale(const std::vector<int>& sizes) {
+  std::printf("%10s %9s %16s %12s %12s %9s   default scheme, sand, one thread\n", "particles", "set-up s", "bytes a particle",
+              "of the scene", "ns a step", "M/s");
+  for (const int size : sizes) {
+    const int cells = std::max(2, int(std::lround(std::sqrt(size / 4.0))));
+    const double before = resident_bytes();
+    mpm::Scene scene = column(cells, {"", "bspline", "apic", "usl", "fbar", "mohr_coulomb", Kernel::sheared});
+    const double n = double(scene.particles.size()), of_scene = resident_bytes() - before;
+    auto cpu = std::clock();
+    mpm::MpmOptions options;
+    options.courant = 0.2;
+    mpm::Solver solver(options, std::move(scene), 1);
+    const double setup = double(std::clock() - cpu) / CLOCKS_PER_SEC;
+    SilentProgress silent;
+    const double dt = solver.stable_step();
+    solver.advance_to(2 * dt, silent);
+    cpu = std::clock();
+    const auto steps = solver.steps();
+    solver.advance_to((2 + std::max(10.0, std::min(500.0, 4e6 / n))) * dt, silent);
+    const double s = double(std::clock() - cpu) / CLOCKS_PER_SEC / double(solver.steps() - steps);
+    std::printf("%10.0f %9.2f %16.0f %12.0f %12.1f %9.1f\n", n, setup, (resident_bytes() - before - of_scene) / n, of_scene / n,
+                1e9 * s / n, n / s / 1e6);
+    std::fflush(stdout);
+  }
+}
+
 double median(std::vector<double> v) {
   std::sort(v.begin(), v.end());
   return v[v.size() / 2];
@@ -170,6 +205,10 @@ int main(int argc, char** argv) {
     else words.push_back(word);
   }
   if (sizes.empty()) sizes = {10000, 100000};
+  if (words.size() == 1 && words[0] == "scale") {
+    scale(sizes);
+    return 0;
+  }
   std::printf("machine: %s, %u hardware threads; double precision, guards and energy on\n", processor().c_str(),
               std::thread::hardware_concurrency());
   std::printf("%-30s %9s %9s %6s %9s   M particle-steps/s with 1, 2 threads\n", "kernel", "particles", "yielding",
