@@ -95,6 +95,15 @@ void GridState::follow(const Particles& p, const std::vector<std::uint32_t>& pla
   next_cell_.clear();
   next_order_.reserve(order.size());
   std::size_t a = 0, m = 0;
+  constexpr std::int32_t none = std::numeric_limits<std::int32_t>::max();
+  // The first slot from `s` on that holds the place or lies at or behind the cell.
+  const auto next_changed = [&](std::size_t s, std::uint32_t place, std::int32_t cell) {
+    const auto begin = std::upper_bound(slot_begin.begin() + std::ptrdiff_t(s), slot_begin.end() - 1, place);
+    const auto holds = std::size_t(begin - slot_begin.begin());
+    const auto behind = std::size_t(std::lower_bound(slot_cell.begin() + std::ptrdiff_t(s), slot_cell.end(), cell) -
+                                    slot_cell.begin());
+    return std::min(std::max(holds, s + 1) - (place < order.size()), behind);
+  };
   const auto open = [&](std::int32_t cell) {
     next_cell_.push_back(cell);
     next_begin_.push_back(std::uint32_t(next_order_.size()));
@@ -106,6 +115,16 @@ void GridState::follow(const Particles& p, const std::vector<std::uint32_t>& pla
     }
   };
   for (std::size_t s = 0; s < slots(); ++s) {
+    const std::size_t next = next_changed(s, m < places.size() ? places[m] : std::uint32_t(order.size()),
+                                          a < arrivals_.size() ? arrivals_[a].first : none);
+    if (next > s) {  // as they were
+      const std::size_t at = next_order_.size(), first = slot_begin[s], last = slot_begin[next];
+      next_order_.insert(next_order_.end(), order.begin() + std::ptrdiff_t(first), order.begin() + std::ptrdiff_t(last));
+      next_cell_.insert(next_cell_.end(), slot_cell.begin() + std::ptrdiff_t(s), slot_cell.begin() + std::ptrdiff_t(next));
+      for (std::size_t k = s; k < next; ++k) next_begin_.push_back(std::uint32_t(slot_begin[k] - first + at));
+      s = next;
+      if (s == slots()) break;
+    }
     const std::int32_t c = slot_cell[s];
     take_new_cells(c);
     open(c);
@@ -124,7 +143,7 @@ void GridState::follow(const Particles& p, const std::vector<std::uint32_t>& pla
       next_begin_.pop_back();
     }
   }
-  take_new_cells(std::numeric_limits<std::int32_t>::max());
+  take_new_cells(none);
   next_begin_.push_back(std::uint32_t(next_order_.size()));
   order.swap(next_order_);
   slot_begin.swap(next_begin_);

@@ -1,0 +1,248 @@
+// The kernels in lanes against plain loops over points, on every instruction set; the lists of cells.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <random>
+
+#include <hwy/targets.h>
+
+#include "mpm/finite_strain.hpp"
+#include "mpm/kernel.hpp"
+#include "mpm/material/mohr_coulomb.hpp"
+#include "mpm/material/stress_update.hpp"
+#include "mpm/scene_setup.hpp"
+#include "mpm/transfer.hpp"
+#include "tests/unit/mpm/scenes.hpp"
+
+namespace pivnp::mpm {
+namespace {
+
+using namespace test;
+
+constexpr unsigned seed_of_all = 20260301;
+
+// Runs `body` on the best instruction set and on the plainer ones.
+template <class Body>
+void on_every_target(Body&& body) {
+  for (const std::int64_t without : {std::int64_t{0}, std::int64_t{HWY_AVX3 | HWY_AVX3_DL},
+                                     std::int64_t{HWY_AVX3 | HWY_AVX3_DL | HWY_AVX2},
+                                     std::int64_t{HWY_AVX3 | HWY_AVX3_DL | HWY_AVX2 | HWY_SSE4 | HWY_SSSE3}}) {
+    hwy::DisableTargets(without);
+    hwy::GetChosenTarget().DeInit();
+    SCOPED_TRACE(without);
+    body();
+  }
+  hwy::DisableTargets(0);
+  hwy::GetChosenTarget().DeInit();
+}
+
+struct Case {
+  Scene scene;
+  Scheme scheme;
+  GridState g;
+  Materials materials;
+  SolverState state;
+
+  Case(ShapeKind shape, TransferKind transfer)
+      : scene(test::scene(Grid{{0.1, -0.2}, {0.1, 0.08}, 9, 9},
+                          {rectangle("a", 0.1, -0.2, 0.5, 0.2), rectangle("b", 0.5, -0.2, 0.7, 0.3)},
+                          {elastic(1e5, 0.3, 1000), elastic(1e5, 0.2, 1300)})),
+        scheme{.shape = shape, .transfer = transfer, .stress = StressUpdate::usl, .locking = Locking::none},
+        g(scene.grid, shape),
+        materials(materials_of(scene)),
+        state(initial_state(scene, scheme, g, materials)) {
+    std::mt19937_64 random(seed_of_all);
+    std::uniform_real_distribution<double> u(-1, 1);
+    Particles& p = state.particles;
+    for (std::size_t k = 0; k < p.size(); ++k) {
+      p.x[k] = std::max(0.1, p.x[k] + 0.04 * u(random));
+      p.y[k] = std::max(-0.2, p.y[k] + 0.04 * u(random));
+      p.vx[k] = u(random);
+      p.vy[k] = u(random);
+      for (auto* a : {&p.tau_xx, &p.tau_yy, &p.tau_zz, &p.tau_xy}) (*a)[k] = 1e3 * u(random);
+      for (auto* a : {&p.C_xx, &p.C_xy, &p.C_yx, &p.C_yy})
+        if (!a->empty()) (*a)[k] = u(random);
+    }
+    locate_all(p, g);
+    std::vector<std::uint8_t> folds(g.grid.node_count(), fold_none);
+    if (g.width == 3)
+      for (int j = 0; j < g.grid.ny; ++j) folds[g.grid.node(1, j)] = fold_left;
+    g.set_folds(folds);
+  }
+};
+
+class InLanes : public testing::TestWithParam<std::tuple<ShapeKind, TransferKind>> {};
+
+TEST_P(InLanes, MapWhatAPlainLoopMaps) {
+  const auto [shape, transfer] = GetParam();
+  Case c(shape, transfer);
+  Particles& p = c.state.particles;
+  GridState& g = c.g;
+  std::vector<std::array<double, 5>> sum(g.grid.node_count(), std::array<double, 5>{});
+  with_shape(shape, [&](auto kind) {
+    using S = decltype(kind);
+    for (std::size_t s = 0; s < g.slots(); ++s) {
+      const SlotLines<S> lines(g, s);
+      std::size_t at[9];
+      g.stencil_nodes(s, at);
+      for (std::uint32_t q = g.slot_begin[s]; q < g.slot_begin[s + 1]; ++q) {
+        const std::size_t k = g.order[q];
+        const auto lx = lines.x(p, k), ly = lines.y(p, k);
+        for (int n = 0; n < S::width * S::width; ++n) {
+          const int a = n % S::width, b = n / S::width;
+          const double w = lx.w[a] * ly.w[b], gx = lx.g[a] * ly.w[b] * g.per_hx, gy = lx.w[a] * ly.g[b] * g.per_hy;
+          const double dx = (a + S::first - p.xi[k]) * 0.1, dy = (b + S::first - p.eta[k]) * 0.08;
+          double vx = p.vx[k], vy = p.vy[k];
+          if (!p.C_xx.empty()) {
+            vx += p.C_xx[k] * dx + p.C_xy[k] * dy;
+            vy += p.C_yx[k] * dx + p.C_yy[k] * dy;
+          }
+          const double m = p.mass[k] * w, v = p.volume0[k];
+          const std::array<double, 5> part{m, m * vx, m * vy, -v * (p.tau_xx[k] * gx + p.tau_xy[k] * gy),
+                                           -v * (p.tau_xy[k] * gx + p.tau_yy[k] * gy)};
+          for (std::size_t i = 0; i < 5; ++i) sum[at[n]][i] += part[i];
+        }
+      }
+    }
+  });
+  on_every_target([&] {
+    map_momentum(p, g, c.scheme, true, 1);
+    for (const std::uint32_t n : g.nodes) {
+      const Node& node = g.node[n];
+      EXPECT_NEAR(node.mass, sum[n][0], 1e-14 * 10);
+      EXPECT_NEAR(node.vx * node.mass, sum[n][1], 1e-13);
+      EXPECT_NEAR(node.vy * node.mass, sum[n][2], 1e-13);
+      EXPECT_NEAR(node.fx, sum[n][3], 1e-11);
+      EXPECT_NEAR(node.fy, sum[n][4], 1e-11);
+    }
+  });
+}
+
+TEST_P(InLanes, StrainIsThatOfThePointsOneByOne) {
+  const auto [shape, transfer] = GetParam();
+  Case c(shape, transfer);
+  Particles& p = c.state.particles;
+  GridState& g = c.g;
+  std::mt19937_64 random(seed_of_all);
+  std::uniform_real_distribution<double> u(-1, 1);
+  for (const double size : {1e-5, 1e-3, 0.3}) {
+    for (const std::uint32_t n : g.nodes) {
+      g.node[n].ux = 0.1 * size * u(random);
+      g.node[n].uy = 0.1 * size * u(random);
+    }
+    on_every_target([&] {
+      strain_points(p, g, c.scheme, 1, false, 1);
+      with_shape(shape, [&](auto kind) {
+        using S = decltype(kind);
+        for (std::size_t s = 0; s < g.slots(); ++s) {
+          const SlotLines<S> lines(g, s);
+          std::size_t at[9];
+          g.stencil_nodes(s, at);
+          for (std::uint32_t q = g.slot_begin[s]; q < g.slot_begin[s + 1]; ++q) {
+            const std::size_t k = g.order[q];
+            const auto lx = lines.x(p, k), ly = lines.y(p, k);
+            Gradient G;
+            for (int n = 0; n < S::width * S::width; ++n) {
+              const int a = n % S::width, b = n / S::width;
+              const double gx = lx.g[a] * ly.w[b] * g.per_hx, gy = lx.w[a] * ly.g[b] * g.per_hy;
+              G.xx += g.node[at[n]].ux * gx;
+              G.xy += g.node[at[n]].ux * gy;
+              G.yx += g.node[at[n]].uy * gx;
+              G.yy += g.node[at[n]].uy * gy;
+            }
+            const Polar e = polar(G);
+            EXPECT_NEAR(p.de_xx[k], e.xx, 1e-13 * size);
+            EXPECT_NEAR(p.de_yy[k], e.yy, 1e-13 * size);
+            EXPECT_NEAR(p.de_xy[k], e.xy, 1e-13 * size);
+            EXPECT_NEAR(p.spin[k], e.spin, 1e-13 * size);
+          }
+        }
+      });
+    });
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, InLanes,
+                         testing::Values(std::tuple{ShapeKind::bilinear, TransferKind::flip},
+                                         std::tuple{ShapeKind::gimp, TransferKind::apic},
+                                         std::tuple{ShapeKind::bspline, TransferKind::flip},
+                                         std::tuple{ShapeKind::bspline, TransferKind::apic}));
+
+// A batch in lanes is what its points are one by one, whatever lanes they are in.
+TEST(Lanes, ABatchIsItsPoints) {
+  const auto advance = [](const Material& law, std::size_t n, bool together, std::vector<double>& out) {
+    std::mt19937_64 random(seed_of_all);
+    std::normal_distribution<double> normal(0, 1);
+    std::vector<std::vector<double>> a(14, std::vector<double>(n));
+    std::vector<std::uint8_t> opened(n, 0);
+    for (double& J : a[5]) J = 1;
+    StressBatch b;
+    b.size = n;
+    b.de_xx = a[0].data(), b.de_yy = a[1].data(), b.de_zz = a[2].data(), b.de_xy = a[3].data();
+    b.spin = a[4].data(), b.J = a[5].data();
+    b.xx = a[6].data(), b.yy = a[7].data(), b.zz = a[8].data(), b.xy = a[9].data();
+    b.plastic_dev = a[10].data(), b.gap = a[11].data(), b.dissipated = a[12].data(), b.opened = opened.data();
+    for (int step = 0; step < 300; ++step) {
+      for (std::size_t k = 0; k < n; ++k) {
+        const double size = std::pow(10, -5 + 0.1 * double(k % 20)) * (step % 7 == 0 ? 10 : 1);
+        for (std::size_t c = 0; c < 5; ++c) a[c][k] = size * (normal(random) - (c < 2 ? 0.3 : 0));
+      }
+      if (together) law.update(b);
+      else
+        for (std::size_t k = 0; k < n; ++k) law.update(b.part(k, 1));
+    }
+    out.clear();
+    for (std::size_t c = 6; c < 13; ++c) out.insert(out.end(), a[c].begin(), a[c].end());
+    out.insert(out.end(), opened.begin(), opened.end());
+  };
+  const Elastic stiffness(1e7, 0.3);
+  std::vector<std::unique_ptr<Material>> laws;
+  laws.push_back(make_material(elastic(1e7, 0.3, 1000), "material.a"));
+  laws.push_back(std::make_unique<MohrCoulomb>(stiffness, 30, 0, 0, 0));
+  laws.push_back(std::make_unique<MohrCoulomb>(stiffness, 35, 10, 2000, 500));
+  laws.push_back(std::make_unique<MohrCoulomb>(stiffness, 0, 0, 3000, 1e300));
+  for (const auto& law : laws)
+    on_every_target([&] {
+      std::vector<double> all, each;
+      advance(*law, 37, true, all);
+      advance(*law, 37, false, each);
+      double scale = 0;
+      for (std::size_t k = 0; k < 4 * 37; ++k) scale = std::max(scale, std::abs(each[k]));
+      for (std::size_t k = 0; k < all.size(); ++k) ASSERT_NEAR(all[k], each[k], 1e-10 * scale) << k;
+    });
+}
+
+TEST(Cells, FollowWhatABuildFromScratchFinds) {
+  for (const ShapeKind shape : {ShapeKind::bilinear, ShapeKind::bspline}) {
+    Case c(shape, TransferKind::flip);
+    Particles& p = c.state.particles;
+    std::mt19937_64 random(seed_of_all);
+    std::uniform_real_distribution<double> u(-1, 1);
+    GridState other(c.scene.grid, shape);
+    for (int step = 0; step < 200; ++step) {
+      const double share = step % 3 == 0 ? 1 : step % 3 == 1 ? 0.01 : 0.1;
+      for (std::size_t k = 0; k < p.size(); ++k) {
+        if (p.cell[k] == Particles::ended || std::abs(u(random)) > share) continue;
+        p.x[k] += 0.05 * u(random);
+        p.y[k] += 0.05 * u(random);
+      }
+      std::vector<std::uint32_t> left;
+      if (!locate_points(p, c.g, left, 1)) continue;
+      c.g.follow(p, c.g.moved);
+      if (step % 20 == 10) p.sort_as(c.g.order, 1);
+      other.rebuild(p);
+      ASSERT_EQ(c.g.order, other.order);
+      ASSERT_EQ(c.g.slot_begin, other.slot_begin);
+      ASSERT_EQ(c.g.slot_cell, other.slot_cell);
+      ASSERT_EQ(c.g.nodes, other.nodes);
+      for (std::size_t s = 0; s < c.g.slots(); ++s)
+        for (std::uint32_t q = c.g.slot_begin[s]; q < c.g.slot_begin[s + 1]; ++q)
+          ASSERT_EQ(p.cell[c.g.order[q]], c.g.slot_cell[s]);
+    }
+    EXPECT_GT(std::count(p.cell.begin(), p.cell.end(), Particles::ended), 0);
+  }
+}
+
+}  // namespace
+}  // namespace pivnp::mpm
