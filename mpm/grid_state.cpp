@@ -90,10 +90,11 @@ void GridState::follow(const Particles& p, const std::vector<std::uint32_t>& pla
     if (p.cell[order[q]] != Particles::ended) arrivals_.emplace_back(p.cell[order[q]], order[q]);
   std::sort(arrivals_.begin(), arrivals_.end());
 
-  next_order_.clear();
+  std::vector<std::uint32_t>& next_order = scratch;
+  next_order.clear();
   next_begin_.clear();
   next_cell_.clear();
-  next_order_.reserve(order.size());
+  next_order.reserve(order.size());
   std::size_t a = 0, m = 0;
   constexpr std::int32_t none = std::numeric_limits<std::int32_t>::max();
   // The first slot from `s` on that holds the place or lies at or behind the cell.
@@ -106,20 +107,20 @@ void GridState::follow(const Particles& p, const std::vector<std::uint32_t>& pla
   };
   const auto open = [&](std::int32_t cell) {
     next_cell_.push_back(cell);
-    next_begin_.push_back(std::uint32_t(next_order_.size()));
+    next_begin_.push_back(std::uint32_t(next_order.size()));
   };
   const auto take_new_cells = [&](std::int32_t before) {
     while (a < arrivals_.size() && arrivals_[a].first < before) {
       if (next_cell_.empty() || next_cell_.back() != arrivals_[a].first) open(arrivals_[a].first);
-      next_order_.push_back(arrivals_[a++].second);
+      next_order.push_back(arrivals_[a++].second);
     }
   };
   for (std::size_t s = 0; s < slots(); ++s) {
     const std::size_t next = next_changed(s, m < places.size() ? places[m] : std::uint32_t(order.size()),
                                           a < arrivals_.size() ? arrivals_[a].first : none);
     if (next > s) {  // as they were
-      const std::size_t at = next_order_.size(), first = slot_begin[s], last = slot_begin[next];
-      next_order_.insert(next_order_.end(), order.begin() + std::ptrdiff_t(first), order.begin() + std::ptrdiff_t(last));
+      const std::size_t at = next_order.size(), first = slot_begin[s], last = slot_begin[next];
+      next_order.insert(next_order.end(), order.begin() + std::ptrdiff_t(first), order.begin() + std::ptrdiff_t(last));
       next_cell_.insert(next_cell_.end(), slot_cell.begin() + std::ptrdiff_t(s), slot_cell.begin() + std::ptrdiff_t(next));
       for (std::size_t k = s; k < next; ++k) next_begin_.push_back(std::uint32_t(slot_begin[k] - first + at));
       s = next;
@@ -134,18 +135,18 @@ void GridState::follow(const Particles& p, const std::vector<std::uint32_t>& pla
         continue;
       }
       while (a < arrivals_.size() && arrivals_[a].first == c && arrivals_[a].second < order[q])
-        next_order_.push_back(arrivals_[a++].second);
-      next_order_.push_back(order[q]);
+        next_order.push_back(arrivals_[a++].second);
+      next_order.push_back(order[q]);
     }
-    while (a < arrivals_.size() && arrivals_[a].first == c) next_order_.push_back(arrivals_[a++].second);
-    if (next_begin_.back() == next_order_.size()) {  // all have left
+    while (a < arrivals_.size() && arrivals_[a].first == c) next_order.push_back(arrivals_[a++].second);
+    if (next_begin_.back() == next_order.size()) {  // all have left
       next_cell_.pop_back();
       next_begin_.pop_back();
     }
   }
   take_new_cells(none);
-  next_begin_.push_back(std::uint32_t(next_order_.size()));
-  order.swap(next_order_);
+  next_begin_.push_back(std::uint32_t(next_order.size()));
+  order.swap(next_order);
   slot_begin.swap(next_begin_);
   take_slots(next_cell_);
 }

@@ -37,7 +37,8 @@ class GridState {
   std::vector<std::uint32_t> nodes;       // active nodes (of occupied cells), in the order of their index
   std::vector<Node> node;                 // of the whole grid; zero where not active
   std::vector<std::uint8_t> fold;         // of every node of the grid
-  std::vector<std::uint32_t> suspects, moved;  // of locate_points(): places in `order`; `moved`: of another cell now
+  std::vector<std::uint32_t> moved;    // of locate_points(): places in `order` of points that have another cell now
+  std::vector<std::uint32_t> scratch;  // of locate_points() and follow(), one a point
 
   std::size_t slots() const { return slot_cell.size(); }
   /// Flat indices of a slot's nodes, row after row.
@@ -68,7 +69,7 @@ class GridState {
   std::vector<std::int32_t> slot_of_cell_;  // -1: empty
   std::vector<std::uint32_t> count_;
   // Of follow() and rebuild_nodes().
-  std::vector<std::uint32_t> next_order_, next_begin_;
+  std::vector<std::uint32_t> next_begin_;
   std::vector<std::int32_t> next_cell_;
   std::vector<std::pair<std::int32_t, std::uint32_t>> arrivals_;  // cell, point
   std::vector<std::uint64_t> occupied_;                           // a bit a cell, row after row

@@ -25,17 +25,17 @@ bool locate_points(Particles& p, GridState& g, std::vector<std::uint32_t>& left,
   const CellView cells = g.view();
   const std::size_t bands = g.bands[0].size() + g.bands[1].size();
   // Each band writes from its first point's place on.
-  g.suspects.resize(g.order.size());
+  g.scratch.resize(g.order.size());
   std::vector<SlotRange> found(bands);
   for_bands(g, threads, [&](SlotRange slots, std::size_t band) {
     const std::size_t first = g.slot_begin[slots.begin];
-    found[band] = {first, first + locate_lanes(g.shape, points, cells, slots, g.suspects.data() + first)};
+    found[band] = {first, first + locate_lanes(g.shape, points, cells, slots, g.scratch.data() + first)};
   });
   std::sort(found.begin(), found.end(), [](const SlotRange& a, const SlotRange& b) { return a.begin < b.begin; });
   g.moved.clear();
   for (const SlotRange& range : found)
     for (std::size_t a = range.begin; a < range.end; ++a) {
-      const std::uint32_t q = g.suspects[a], k = g.order[q];
+      const std::uint32_t q = g.scratch[a], k = g.order[q];
       const std::int32_t before = p.cell[k];
       locate_anew(p, g, k);
       if (p.cell[k] == before) continue;

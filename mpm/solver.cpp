@@ -33,6 +33,13 @@ constexpr double still = 0.01;                // cells that the fastest node may
 
 }  // namespace
 
+// What stays readable after a failure: the last state that passed check_balance().
+struct LastGood {
+  MotionFrame frame;
+  EnergyRow energy;
+  std::int64_t steps = 0;
+};
+
 struct Solver::Impl {
   Impl(const MpmOptions& o, Scene s, int n_threads)
       : options(o),
@@ -71,6 +78,7 @@ struct Solver::Impl {
   double least_density() const { return *std::min_element(density.begin(), density.end()); }
   void end_particles(const std::vector<std::uint32_t>& left);
   void check_balance();
+  void keep(const EnergyRow& row);
   [[noreturn]] void fail(const std::string& cause);
   void restart_books();
   double longest_step() const;
@@ -89,7 +97,8 @@ struct Solver::Impl {
   RigidBodies bodies;
   Vec2 gravity;
   SolverState state;
-  SolverState good;  // the last state that passed check_balance()
+  LastGood good;
+  bool failed = false;  // only `good` is meant any more
   Particles& p = state.particles;
   GatherSums gather;
   LightNodes light;
@@ -266,16 +275,19 @@ void Solver::Impl::check_balance() {
          << " of what was turned over (" << turned_over << " J/m; mpm.energy_limit)";
     fail(text.str());
   }
-  good = state;
+  keep(row);
+}
+
+// In single precision, as its readers get it: a copy of the whole state would double the memory.
+void Solver::Impl::keep(const EnergyRow& row) {
+  good = {frame_of(state, scene.particles), row, state.steps};
 }
 
 void Solver::Impl::fail(const std::string& cause) {
   std::ostringstream text;
   text << "mpm: at t = " << state.time << " s, step " << state.steps << ": " << cause << "; the state at t = "
-       << good.time << " s is the last good one";
-  state = good;
-  g.rebuild(p);
-  g.set_folds(restraints.folds(state.time, g.grid));
+       << good.frame.time << " s is the last good one";
+  failed = true;
   throw RunError(text.str());
 }
 
@@ -283,7 +295,8 @@ void Solver::Impl::restart_books() {
   state.book = EnergyBook{};
   const StoredEnergy stored = stored_energy(p, g, materials);
   state.book.start = stored.kinetic + stored.elastic;
-  good = state;
+  failed = false;
+  keep(energy());
 }
 
 Solver::Solver(const MpmOptions& options, Scene scene, int threads)
@@ -309,6 +322,7 @@ void Solver::settle(Progress& progress) {
 
 void Solver::advance_to(double time, Progress& progress) {
   Impl& s = *impl_;
+  if (s.failed) throw RunError("mpm: advance_to() was called after the run had failed");
   while (s.state.time < time) {
     if (s.state.at_rest && s.options.end_at_rest) {
       s.state.time = time;
@@ -331,8 +345,8 @@ void Solver::advance_to(double time, Progress& progress) {
   s.check_balance();
 }
 
-double Solver::time() const { return impl_->state.time; }
-std::int64_t Solver::steps() const { return impl_->state.steps; }
+double Solver::time() const { return impl_->failed ? impl_->good.frame.time : impl_->state.time; }
+std::int64_t Solver::steps() const { return impl_->failed ? impl_->good.steps : impl_->state.steps; }
 double Solver::stable_step() const { return impl_->longest_step(); }
 Vec2 Solver::momentum() const {
   const Particles& p = impl_->p;
@@ -341,7 +355,7 @@ Vec2 Solver::momentum() const {
     if (p.cell[k] != Particles::ended) sum += p.mass[k] * Vec2(p.vx[k], p.vy[k]);
   return sum;
 }
-EnergyRow Solver::energy() const { return impl_->energy(); }
+EnergyRow Solver::energy() const { return impl_->failed ? impl_->good.energy : impl_->energy(); }
 bool Solver::at_rest() const { return impl_->state.at_rest; }
 Vec2 Solver::body_impulse(std::size_t body) const {
   return {impl_->state.body_impulse.at(2 * body), impl_->state.body_impulse.at(2 * body + 1)};
@@ -357,19 +371,25 @@ const ParticleSet& Solver::particles() const {
   return impl_->scene.particles;
 }
 
-MotionFrame Solver::frame() const { return frame_of(impl_->state, impl_->scene.particles); }
+MotionFrame Solver::frame() const {
+  return impl_->failed ? impl_->good.frame : frame_of(impl_->state, impl_->scene.particles);
+}
 
 void Solver::on_step(std::function<void(double dt, const VelocityAt&)> observer) {
   impl_->observer = std::move(observer);
 }
 
-std::vector<std::byte> Solver::save() const { return to_bytes(impl_->state); }
+std::vector<std::byte> Solver::save() const {
+  if (impl_->failed) throw RunError("mpm: save() was called after the run had failed");
+  return to_bytes(impl_->state);
+}
 
 void Solver::load(const std::vector<std::byte>& checkpoint) {
   from_bytes(checkpoint, impl_->state);
   impl_->g.rebuild(impl_->p);
   impl_->g.set_folds(impl_->restraints.folds(impl_->state.time, impl_->g.grid));
-  impl_->good = impl_->state;
+  impl_->failed = false;
+  impl_->keep(impl_->energy());
 }
 
 }  // namespace pivnp::mpm
