@@ -35,7 +35,7 @@ class GridState {
   std::vector<std::uint8_t> slot_fold;    // walls at the slot's middle node (Fold)
   std::vector<SlotRange> bands[2];        // slots of the even and of the odd bands
   std::vector<std::uint32_t> nodes;       // active nodes (of occupied cells), in the order of their index
-  std::vector<Node> node;                 // of the whole grid; zero where not active
+  Nodes node;                             // of the whole grid; zero where not active
   std::vector<std::uint8_t> fold;         // of every node of the grid
   std::vector<std::uint32_t> moved;    // of locate_points(): places in `order` of points that have another cell now
   std::vector<std::uint32_t> scratch;  // of locate_points() and follow(), one a point
