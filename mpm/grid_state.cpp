@@ -207,7 +207,7 @@ void GridState::rebuild_nodes() {
 }
 
 CellView GridState::view() {
-  return {order.data(), slot_begin.data(), slot_cell.data(), slot_fold.data(), node.data(), grid.nx,
+  return {order.data(), slot_begin.data(), slot_cell.data(), slot_fold.data(), node.data(), grid.nx, grid.ny,
           grid.spacing.x(), grid.spacing.y(), per_hx, per_hy, grid.origin.x(), grid.origin.y()};
 }
 

@@ -32,7 +32,7 @@ struct CellView {
   const std::int32_t* slot_cell;
   const std::uint8_t* slot_fold;
   Node* node;
-  int nx;  // nodes in a row
+  int nx, ny;  // nodes in a row, and rows
   double hx, hy, per_hx, per_hy, origin_x, origin_y;  // origin: of the nodes
 };
 

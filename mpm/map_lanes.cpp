@@ -16,16 +16,20 @@ std::size_t locate_slots(ShapeKind shape, const PointView& p, const CellView& c,
   const D d;
   const bool element = shape == ShapeKind::bilinear;
   const double place = element ? 0 : 1;  // of the cell's origin, from its lower left node
-  const V low = set(element ? 0.0 : -0.5), high = set(element ? 1.0 : 0.5);
+  // The square around a node on the domain's edge ends there.
+  const auto low = [&](int i) { return element || i == 0 ? 0.0 : -0.5; };
+  const auto high = [&](int i, int n) { return element ? 1.0 : i == n - 3 ? 0.0 : 0.5; };
   std::size_t found = 0;
   for (std::size_t s = slots.begin; s < slots.end; ++s) {
     const int i = c.slot_cell[s] % c.nx, j = c.slot_cell[s] / c.nx;
     const V per_x = set(c.per_hx), per_y = set(c.per_hy), ox = set(c.origin_x), oy = set(c.origin_y);
     const V i0 = set(i + place), j0 = set(j + place);
+    const V low_x = set(low(i)), low_y = set(low(j)), high_x = set(high(i, c.nx)), high_y = set(high(j, c.ny));
     std::uint32_t at = c.slot_begin[s];
     for_tiles(c, s, [&](const auto& t) HWY_ATTR {
       const V xi = (t.load(p.x) - ox) * per_x - i0, eta = (t.load(p.y) - oy) * per_y - j0;
-      const M inside = hn::And(hn::And(hn::Ge(xi, low), hn::Lt(xi, high)), hn::And(hn::Ge(eta, low), hn::Lt(eta, high)));
+      const M inside = hn::And(hn::And(hn::Ge(xi, low_x), hn::Lt(xi, high_x)),
+                               hn::And(hn::Ge(eta, low_y), hn::Lt(eta, high_y)));
       t.store(xi, p.xi);
       t.store(eta, p.eta);
       if (HWY_UNLIKELY(!hn::AllTrue(d, inside))) {

@@ -51,6 +51,8 @@ void Particles::sort_as(std::vector<std::uint32_t>& order, int threads) {
     array.swap(sorted);
   };
   for (auto* array : state()) permute(*array);
+  permute(xi);
+  permute(eta);
   permute(opened);
   permute(cell);
   permute(index);

@@ -21,6 +21,7 @@
 
 #include "mpm/solver.hpp"
 #include "pivnp/core/particles/seeding.hpp"
+#include "tests/bench/mpm/machine.hpp"
 
 using namespace pivnp;
 
@@ -52,13 +53,6 @@ const Kernel kernels[] = {
     {"bspline xpic elastic", "bspline", "xpic", "usl", "none", "linear_elastic", Kernel::rest},
     {"default elastic friction", "bspline", "apic", "usl", "fbar", "linear_elastic", Kernel::rest, "friction"},
 };
-
-std::string processor() {
-  std::ifstream info("/proc/cpuinfo");
-  for (std::string line; std::getline(info, line);)
-    if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
-  return "unknown";
-}
 
 mpm::Scene column(int cells, const Kernel& kernel) {
   const double h = 1.0 / cells;
@@ -198,6 +192,29 @@ void scale(const std::vector<int>& sizes) {
   }
 }
 
+// Bytes of particle arrays read and written, and flops, a particle-step: counted from the kernels (a fused multiply-add
+// is two flops, a quotient or root one). Nodes add some 60 bytes at four particles a cell.
+struct Work {
+  double bytes, flops;
+};
+Work work_of(const Kernel& k) {
+  const auto is = [](const char* a, const char* b) { return std::string(a) == b; };
+  const bool spline = !is(k.shape, "bilinear"), affine = is(k.transfer, "apic"), sand = is(k.model, "mohr_coulomb");
+  Work w{32, 6};                                                // places: x, y; xi, eta
+  const auto add = [&](double bytes, double flops) { w.bytes += bytes, w.flops += flops; };
+  add(72, spline ? 170 : 75);                                   // map: xi, eta, m, V0, v, three stresses
+  add(88, spline ? 90 : 60);                                    // move: xi, eta, m; v, x in and out
+  add(144, spline ? 190 : 125);                                 // strain: xi, eta; F, J, stress in and out
+  if (affine) add(96, 34 + 62);                                 // C in; in and out
+  if (is(k.stress, "musl")) add(0, spline ? 70 : 30);           // momentum mapped again
+  if (is(k.transfer, "xpic")) add(4 * 24, 4 * 110);             // four more maps there and back
+  if (!is(k.locking, "none")) add(spline ? 80 : 24, spline ? 230 : 40);
+  add(sand ? 57 : 16, sand ? 150 : 110);                        // law, beyond the stress: J, gap, plastic strain, work
+  return w;
+}
+
+double state_size(int cells) { return 4.0 * cells * cells; }
+
 double median(std::vector<double> v) {
   std::sort(v.begin(), v.end());
   return v[v.size() / 2];
@@ -222,10 +239,13 @@ int main(int argc, char** argv) {
     scale(sizes);
     return 0;
   }
-  std::printf("machine: %s, %u hardware threads; double precision, guards and energy on\n", processor().c_str(),
+  std::printf("machine: %s, %u hardware threads; double precision, guards and energy on\n", bench::processor().c_str(),
               std::thread::hardware_concurrency());
-  std::printf("%-30s %9s %9s %6s %9s   M particle-steps/s with 1, 2 threads\n", "kernel", "particles", "yielding",
-              "fill", "movers");
+  const double cached = bench::update_rate(4 << 20), memory = bench::update_rate(256 << 20), flops = bench::flop_rate();
+  std::printf("one thread now: updates in place %.0f GB/s in 4 MiB, %.0f GB/s in 256 MiB; %.0f GFlop/s with four lanes\n", cached,
+              memory, flops);
+  std::printf("%-30s %9s %9s %6s %9s  %14s  %16s %18s\n", "kernel", "particles", "yielding", "fill", "movers",
+              "M/s, 1, 2 thr.", "bytes (of limit)", "flops (of limit)");
   for (const Kernel& kernel : kernels) {
     bool wanted = words.empty();
     for (const std::string& word : words) wanted = wanted || std::string(kernel.name).starts_with(word);
@@ -239,8 +259,13 @@ int main(int argc, char** argv) {
         one.push_back(state.rate);
         if (most > 1) two.push_back(measure(kernel, cells, most).rate);
       }
-      std::printf("%-30s %9d %8.0f%% %6.2f %8.2f%%   %6.1f %6.1f\n", kernel.name, 4 * cells * cells,
-                  100 * state.yielding, state.fill, 100 * state.movers, median(one), most > 1 ? median(two) : 0.0);
+      const Work work = work_of(kernel);
+      const double limit = 250.0 * state_size(cells) < 16 << 20 ? cached : memory, rate = median(one);
+      const double of_bytes = rate * work.bytes / 1e3 / limit, of_flops = flops > 0 ? rate * work.flops / 1e3 / flops : 0;
+      std::printf("%-30s %9d %8.0f%% %6.2f %8.2f%%  %6.1f %6.1f   %6.0f (%3.0f %%)  %7.0f (%3.0f %%)  %s\n", kernel.name,
+                  4 * cells * cells, 100 * state.yielding, state.fill, 100 * state.movers, rate,
+                  most > 1 ? median(two) : 0.0, work.bytes, 100 * of_bytes, work.flops, 100 * of_flops,
+                  of_bytes > 0.7 ? "memory" : of_flops > 0.7 ? "arithmetic" : "issue and latency");
       std::fflush(stdout);
     }
   }

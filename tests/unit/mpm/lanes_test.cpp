@@ -239,6 +239,15 @@ TEST(Cells, FollowWhatABuildFromScratchFinds) {
       for (std::size_t s = 0; s < c.g.slots(); ++s)
         for (std::uint32_t q = c.g.slot_begin[s]; q < c.g.slot_begin[s + 1]; ++q)
           ASSERT_EQ(p.cell[c.g.order[q]], c.g.slot_cell[s]);
+      for (std::size_t k = 0; k < p.size(); ++k) {
+        if (p.cell[k] == Particles::ended) continue;
+        std::int32_t cell = 0;
+        double xi = 0, eta = 0;
+        ASSERT_TRUE(c.g.find(p.x[k], p.y[k], cell, xi, eta)) << p.x[k] << ' ' << p.y[k];
+        ASSERT_EQ(p.cell[k], cell);
+        ASSERT_NEAR(p.xi[k], xi, 1e-12);
+        ASSERT_NEAR(p.eta[k], eta, 1e-12);
+      }
     }
     EXPECT_GT(std::count(p.cell.begin(), p.cell.end(), Particles::ended), 0);
   }

@@ -10,6 +10,9 @@
 #include "mpm/material/material.hpp"
 #include "mpm/material/mohr_coulomb.hpp"
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/math.hpp"
+
+#include <Eigen/Eigenvalues>
 
 namespace pivnp::mpm {
 namespace {
@@ -100,6 +103,46 @@ TEST(LinearElastic, TheEnergyIsThePotentialOfTheWorkUnderRotation) {
     for (std::size_t q = 0; q < 4; ++q) work += 0.5 * (turned.stress[q] + p.stress[q]) * de[q] * (q == 3 ? 2 : 1);
   }
   EXPECT_NEAR(p.energy(*law), work, 1e-9 * std::abs(work) + 1e-9);
+}
+
+// exp(2 C^-1 tau) becomes V R exp(2 C^-1 tau) R^T V, by eigenvectors, for strains and steps of any size.
+TEST(LinearElastic, IsHenckysLawExactly) {
+  const auto law = make_material(soil("linear_elastic"), "material.a");
+  const Elastic& c = law->elastic();
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> n(0, 1);
+  const auto matrix = [](double xx, double yy, double xy) {
+    Mat2 m;
+    m << xx, xy, xy, yy;
+    return m;
+  };
+  const auto apply = [](const Mat2& m, double (*f)(double)) -> Mat2 {
+    const Eigen::SelfAdjointEigenSolver<Mat2> s(m);
+    return s.eigenvectors() * s.eigenvalues().unaryExpr(f).asDiagonal() * s.eigenvectors().transpose();
+  };
+  for (const double strain : {1e-4, 1e-2, 0.03, 0.1, 0.3})
+    for (const double step : {1e-6, 1e-3, 0.03})
+      for (int k = 0; k < 50; ++k) {
+        const Mat2 e = strain * matrix(n(random), n(random), n(random)), d = step * matrix(n(random), n(random), n(random));
+        const double e_zz = strain * n(random), d_zz = step * n(random), angle = step * n(random);
+        const auto stress = [&](const Mat2& h, double zz) -> std::array<double, 4> {
+          const double lambda = c.lambda * (h.trace() + zz);
+          return {lambda + 2 * c.shear * h(0, 0), lambda + 2 * c.shear * h(1, 1), lambda + 2 * c.shear * zz,
+                  2 * c.shear * h(0, 1)};
+        };
+        Point p;
+        p.stress = stress(e, e_zz);
+        p.advance(*law, {d(0, 0), d(1, 1), d_zz, d(0, 1)}, 2 * std::tan(angle / 2));
+        Mat2 R;
+        R << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle);
+        const auto exp = [](double x) { return std::exp(x); };
+        const auto log = [](double x) { return std::log(x); };
+        const Mat2 V = apply(d, exp), b = V * R * apply(2 * e, exp) * R.transpose() * V;
+        const auto expected = stress(0.5 * apply(b, log), e_zz + d_zz);
+        for (std::size_t q = 0; q < 4; ++q)
+          ASSERT_NEAR(p.stress[q], expected[q], 1e-13 * 1e7 * (strain + step) / std::min(1.0, strain))
+              << strain << ' ' << step << ' ' << q;
+      }
 }
 
 TEST(VonMises, PureShearYieldsAtK) {
