@@ -8,7 +8,7 @@ namespace pivnp::mpm {
 
 namespace {
 
-constexpr char magic[8] = {'p', 'i', 'v', 'm', 'p', 'm', '0', '2'};
+constexpr char magic[8] = {'p', 'i', 'v', 'm', 'p', 'm', '0', '3'};
 
 class Writer {
  public:
