@@ -29,7 +29,7 @@ class DenseInverseSearch final : public Method {
         width_(width),
         height_(height),
         threads_(std::max(1, threads)),
-        anchor_(options.anchor == "central" ? Anchor::central : Anchor::forward),
+        anchor_(anchor_of(options)),
         search_(cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_MEDIUM)) {
     lattice_.step = std::max(2, options.window_px / 4);
     const Box box = bounding_box(nodes_, 2.0f * static_cast<float>(lattice_.step), width, height);
@@ -41,7 +41,6 @@ class DenseInverseSearch final : public Method {
 
   void correlate(const ImageView& first, const ImageView& second, const MaskView& mask,
                  PixelVectors& vectors) override {
-    prepare_vectors(nodes_, anchor_, vectors);
     if (lattice_.nx == 0) return;
     cv::setNumThreads(threads_);
     search_->calc(as_8_bits(first), as_8_bits(second), flow_);
@@ -80,7 +79,7 @@ class DenseInverseSearch final : public Method {
 
   void judge(const ImageView& first, const ImageView& second, const MaskView& mask, const std::vector<float>& u,
              const std::vector<float>& v, PixelVectors& vectors) {
-    const float rounding = first.depth == PixelDepth::f32 ? 1e-14f * first.white * first.white : 1.0f / 12.0f;
+    const float rounding = rounding_variance(first);
     first_.assign(first, mask, 1, threads_);
     second_.assign(second, mask, 1, threads_);
     first_flags_.take(first, mask);
@@ -91,8 +90,7 @@ class DenseInverseSearch final : public Method {
     if (!first_flags_.empty()) input.first_flags = &first_flags_;
     if (!second_flags_.empty()) input.second_flags = &second_flags_;
     input.field = &field_;
-    input.share_first = anchor_ == Anchor::central ? -0.5f : 0.0f;
-    input.share_second = anchor_ == Anchor::central ? 0.5f : 1.0f;
+    input.shares = shares_of(anchor_);
     input.scores = true;
     accumulate_sums(input, threads_, sums_);
     // What a Gauss-Newton step would still change is the flow's own error, as far as the images tell.

@@ -40,7 +40,8 @@ bool solve_window(const CellSums& sums, int i, int j, int reach, const std::vect
       normal.template block<terms, terms>(0, terms) += double(sums[CellSums::gxy][k]) * pp;
       normal.template block<terms, terms>(terms, terms) += double(sums[CellSums::gyy][k]) * pp;
       Vector cell;
-      cell << w * double(sums[CellSums::gxe][k]) * p, w * double(sums[CellSums::gye][k]) * p;
+      cell.template head<terms>() = w * double(sums[CellSums::gxe][k]) * p;
+      cell.template tail<terms>() = w * double(sums[CellSums::gye][k]) * p;
       right += cell;
       // Hats overlap: a cell's noise is shared with its neighbours', 9/4 of its own variance in all.
       scatter += 2.25 * cell * cell.transpose();

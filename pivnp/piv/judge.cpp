@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "pivnp/piv/lattice.hpp"
 #include "pivnp/piv/validate.hpp"
@@ -11,7 +10,6 @@ namespace pivnp::piv {
 
 namespace {
 
-constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 // Errors that no smoothing removes, px^2: interpolation of undersampled grains, clipped ones, rounding.
 constexpr float systematic_variance = 0.35e-6f;
 
@@ -45,17 +43,6 @@ std::vector<std::uint8_t> trusted_points(const JudgeInput& input, const CellLatt
 }
 
 }  // namespace
-
-void prepare_vectors(const NodeLattice& nodes, Anchor anchor, PixelVectors& vectors) {
-  vectors.anchor = anchor;
-  for (std::size_t k = 0; k < nodes.pixel.size(); ++k) {
-    vectors.displacement[k] = {nan, nan};
-    vectors.cov[k] = {nan, nan, nan};
-    vectors.score[k] = nan;
-    vectors.status[k] = switched_on(nodes, k) ? VectorStatus::failed : VectorStatus::masked;
-  }
-  vectors.correlation_px = nan;
-}
 
 void judge_nodes(const JudgeInput& input, const SplineField& field, const CellSums& sums, const std::vector<float>& u,
                  const std::vector<float>& v, const SmoothedField& smooth_u, const SmoothedField& smooth_v,

@@ -15,9 +15,6 @@ struct JudgeInput {
   float rounding;  // variance of a grey value's rounding, grey^2
 };
 
-/// Arrays as they are before anything is measured: masked where a node is off, failed elsewhere.
-void prepare_vectors(const NodeLattice& nodes, Anchor anchor, PixelVectors& vectors);
-
 /// `field` the result, `sums` the last pass' with scores, `u`, `v` the field at the lattice's points, `smooth_*` what
 /// smoothing left of their errors. Nodes already masked stay so.
 void judge_nodes(const JudgeInput& input, const SplineField& field, const CellSums& sums, const std::vector<float>& u,

@@ -1,16 +1,31 @@
-// What every correlation method does. A method is one file; PairCorrelator picks it by name.
+// What every correlation method does, and what they share. A method is one file; PairCorrelator picks it by name.
 #pragma once
 
 #include "pivnp/piv/piv.hpp"
+#include "pivnp/piv/shares.hpp"
 
 namespace pivnp::piv {
 
 class Method {
  public:
   virtual ~Method() = default;
-  /// Fills displacement, status, cov and score of every node (arrays already of the lattice's size).
+  /// Fills displacement, status, cov, score and correlation_px. As it gets them nothing is measured: values NaN, status
+  /// masked where a node is off, failed elsewhere.
   virtual void correlate(const ImageView& first, const ImageView& second, const MaskView& mask,
                          PixelVectors& vectors) = 0;
 };
+
+inline Anchor anchor_of(const PivOptions& options) {
+  return options.anchor == "central" ? Anchor::central : Anchor::forward;
+}
+
+inline AnchorShares shares_of(Anchor anchor) {
+  return anchor == Anchor::central ? AnchorShares{-0.5f, 0.5f} : AnchorShares{0.0f, 1.0f};
+}
+
+/// Variance of a grey value's rounding, grey^2.
+inline float rounding_variance(const ImageView& image) {
+  return image.depth == PixelDepth::f32 ? 1e-14f * image.white * image.white : 1.0f / 12.0f;
+}
 
 }  // namespace pivnp::piv

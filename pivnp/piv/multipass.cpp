@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "pivnp/piv/window_passes.hpp"
 
@@ -13,7 +12,6 @@ namespace pivnp::piv {
 namespace {
 
 constexpr int automatic_passes = 4;  // with the last window: one search, two to converge, one at the nodes
-constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
 class Multipass final : public Method {
  public:
@@ -29,7 +27,6 @@ class Multipass final : public Method {
   NodeLattice nodes_;
   int width_, height_, threads_;
   int passes_;  // with the last window
-  Anchor anchor_;
   WindowPasses windows_;
 };
 
@@ -40,7 +37,6 @@ Multipass::Multipass(const PivOptions& options, const NodeLattice& nodes, int wi
       height_(height),
       threads_(std::max(1, threads)),
       passes_(options.passes > 0 ? options.passes : automatic_passes),
-      anchor_(options.anchor == "central" ? Anchor::central : Anchor::forward),
       windows_(options, nodes, width, height, threads) {
   const std::vector<int> sides = window_sides(options, width, height);
   if (bounding_box(nodes_, static_cast<float>(sides.front()) / 2, width, height).empty()) return;  // no node inside
@@ -58,13 +54,6 @@ Multipass::Multipass(const PivOptions& options, const NodeLattice& nodes, int wi
 
 void Multipass::correlate(const ImageView& first, const ImageView& second, const MaskView& mask,
                           PixelVectors& vectors) {
-  vectors.anchor = anchor_;
-  for (std::size_t k = 0; k < nodes_.pixel.size(); ++k) {
-    vectors.displacement[k] = {nan, nan};
-    vectors.cov[k] = {nan, nan, nan};
-    vectors.score[k] = nan;
-    vectors.status[k] = switched_on(nodes_, k) ? VectorStatus::failed : VectorStatus::masked;
-  }
   vectors.correlation_px = 0.5f * static_cast<float>(options_.window_px);
   if (windows_.empty()) return;
   windows_.find(first, second, mask);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pivnp/piv/pixel_flags.hpp"
+#include "pivnp/piv/shares.hpp"
 #include "pivnp/piv/spline_field.hpp"
 #include "pivnp/piv/spline_image.hpp"
 
@@ -17,8 +18,8 @@ struct SumsInput {
   const SplineImage* second = nullptr;
   const PixelFlags* first_flags = nullptr;  // null: all pixels are usable
   const PixelFlags* second_flags = nullptr;
-  const SplineField* field = nullptr;              // its lattice is the sums' lattice
-  float share_first = -0.5f, share_second = 0.5f;  // f(x) = first(x + share_first d), g(x) = second(x + share_second d)
+  const SplineField* field = nullptr;  // its lattice is the sums' lattice
+  AnchorShares shares;                 // f(x) = first(x + shares.first d), g(x) = second(x + shares.second d)
   // Robust weight of a pixel: 1 / (1 + e^2 / (noise + tolerance |grad|^2))^2 (Geman & McClure 1985). Empty: all 1.
   const std::vector<float>* noise = nullptr;      // grey^2, at lattice points
   const std::vector<float>* tolerance = nullptr;  // px^2

@@ -1,12 +1,13 @@
 #include "pivnp/piv/piv.hpp"
 
-#include <cassert>
+#include <limits>
 #include <string>
 #include <utility>
 
 #include "pivnp/core/error.hpp"
 #include "pivnp/piv/dis.hpp"
 #include "pivnp/piv/gauss_newton.hpp"
+#include "pivnp/piv/lattice.hpp"
 #include "pivnp/piv/method.hpp"
 #include "pivnp/piv/multipass.hpp"
 
@@ -41,14 +42,29 @@ void check(const PivOptions& options, const NodeLattice& lattice, int width, int
 
 struct PairCorrelator::Impl {
   std::unique_ptr<Method> method;
-  std::size_t nodes = 0;
+  NodeLattice nodes;
+  Anchor anchor = Anchor::central;
   int width = 0, height = 0;
+
+  // As they are before anything is measured.
+  PixelVectors empty_vectors() const {
+    constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+    const std::size_t count = nodes.pixel.size();
+    PixelVectors vectors{anchor, {}, {}, {}, {}, nan};
+    vectors.displacement.assign(count, {nan, nan});
+    vectors.cov.assign(count, {nan, nan, nan});
+    vectors.score.assign(count, nan);
+    vectors.status.assign(count, VectorStatus::failed);
+    for (std::size_t k = 0; k < count; ++k)
+      if (!switched_on(nodes, k)) vectors.status[k] = VectorStatus::masked;
+    return vectors;
+  }
 };
 
 PairCorrelator::PairCorrelator(const PivOptions& options, NodeLattice lattice, int width, int height, int threads)
     : impl_(std::make_unique<Impl>()) {
   check(options, lattice, width, height);
-  impl_->nodes = lattice.pixel.size();
+  impl_->anchor = anchor_of(options);
   impl_->width = width;
   impl_->height = height;
   const auto gauss_newton = [&](int finest) {
@@ -64,6 +80,7 @@ PairCorrelator::PairCorrelator(const PivOptions& options, NodeLattice lattice, i
     impl_->method = make_dense_inverse_search(options, lattice, width, height, threads);
   else
     refuse("method", "'" + options.method + "'", "default, gn, fast, fft, ncc or dis");
+  impl_->nodes = std::move(lattice);
 }
 
 PairCorrelator::~PairCorrelator() = default;
@@ -76,11 +93,7 @@ PixelVectors PairCorrelator::correlate(const ImageView& first, const ImageView& 
   if (mask.data != nullptr && (mask.width != impl_->width || mask.height != impl_->height))
     throw InputError("piv: found a mask of " + std::to_string(mask.width) + " x " + std::to_string(mask.height) +
                      " px, expected " + std::to_string(impl_->width) + " x " + std::to_string(impl_->height));
-  PixelVectors vectors;
-  vectors.displacement.resize(impl_->nodes);
-  vectors.status.resize(impl_->nodes);
-  vectors.cov.resize(impl_->nodes);
-  vectors.score.resize(impl_->nodes);
+  PixelVectors vectors = impl_->empty_vectors();
   impl_->method->correlate(first, second, mask, vectors);
   return vectors;
 }

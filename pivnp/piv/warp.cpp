@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pivnp/piv/method.hpp"
+
 namespace pivnp::piv {
 
 namespace {
@@ -50,8 +52,7 @@ void warp_pair(const Level& level, const PredictorField& predictor, Anchor ancho
   }
   const auto decimation = static_cast<float>(level.decimation);
   const auto plan = predictor.plan_row(level.to_full(static_cast<float>(box.x0)), decimation, width);
-  const float share_first = anchor == Anchor::central ? -0.5f : 0.0f;
-  const float share_second = anchor == Anchor::central ? 0.5f : 1.0f;
+  const AnchorShares shares = shares_of(anchor);
 
 #pragma omp parallel num_threads(threads)
   {
@@ -66,9 +67,9 @@ void warp_pair(const Level& level, const PredictorField& predictor, Anchor ancho
       const std::size_t start = warped.index(box.x0, r);
       PixelUse* use = warped.use.data() + start;
       std::fill(use, use + width, PixelUse::usable);
-      place_row(level.first, level.mask, box, r, share_first, s, use);
+      place_row(level.first, level.mask, box, r, shares.first, s, use);
       level.first.sample(s.x.data(), s.y.data(), width, warped.f.data() + start);
-      place_row(level.second, level.mask, box, r, share_second, s, use);
+      place_row(level.second, level.mask, box, r, shares.second, s, use);
       level.second.sample(s.x.data(), s.y.data(), width, warped.g.data() + start);
     }
   }

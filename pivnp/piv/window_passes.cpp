@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pivnp/piv/method.hpp"
+
 namespace pivnp::piv {
 
 namespace {
@@ -27,7 +29,7 @@ WindowPasses::WindowPasses(const PivOptions& options, const NodeLattice& nodes, 
       width_(width),
       height_(height),
       threads_(std::max(1, threads)),
-      anchor_(options.anchor == "central" ? Anchor::central : Anchor::forward) {}
+      anchor_(anchor_of(options)) {}
 
 void WindowPasses::add(int side, int decimation, float step, int passes, bool searches) {
   WindowStage stage;
@@ -38,17 +40,18 @@ void WindowPasses::add(int side, int decimation, float step, int passes, bool se
   stage.passes = passes;
   stage.searches = searches;
   for (int t = 0; t < threads_; ++t) stage.tools.emplace_back(stage.level_side(), searches);
-  if (std::none_of(levels_.begin(), levels_.end(), [&](const Level& l) { return l.decimation == decimation; }))
-    levels_.emplace_back().decimation = decimation;
+  if (images(decimation) == nullptr) levels_.emplace_back().decimation = decimation;
   stages_.push_back(std::move(stage));
 }
 
-Level& WindowPasses::level(int decimation) {
-  return *std::find_if(levels_.begin(), levels_.end(), [&](const Level& l) { return l.decimation == decimation; });
+const Level* WindowPasses::images(int decimation) const {
+  const auto at =
+      std::find_if(levels_.begin(), levels_.end(), [&](const Level& l) { return l.decimation == decimation; });
+  return at == levels_.end() ? nullptr : &*at;
 }
 
 void WindowPasses::take_images(const ImageView& first, const ImageView& second, const MaskView& mask) {
-  rounding_variance_ = first.depth == PixelDepth::f32 ? 1e-14f * first.white * first.white : 1.0f / 12.0f;
+  rounding_variance_ = piv::rounding_variance(first);
   for (Level& l : levels_) {
     l.first.assign(first, mask, l.decimation, threads_);
     l.second.assign(second, mask, l.decimation, threads_);
@@ -67,7 +70,7 @@ void WindowPasses::take_images(const ImageView& first, const ImageView& second, 
 }
 
 const WarpedPair& WindowPasses::warp(const WindowStage& stage) {
-  const Level& l = level(stage.decimation);
+  const Level& l = level(stage);
   const Box full = bounding_box(
       nodes_, static_cast<float>(stage.side) + 2.0f * std::max(stage.lattice.dx, stage.lattice.dy), width_, height_);
   const int d = stage.decimation;
@@ -103,7 +106,7 @@ void WindowPasses::improve_predictor(WindowStage& stage) {
 // Measures the stage's even lattice; returns the root mean square residual of the good vectors in pixels.
 float WindowPasses::measure(WindowStage& stage, Search search, VectorGrid& found) {
   warp(stage);
-  const Level& l = level(stage.decimation);
+  const Level& l = level(stage);
   const std::size_t count = stage.points.pixel.size();
   found.displacement.assign(count, {0, 0});
   found.good.assign(count, 0);

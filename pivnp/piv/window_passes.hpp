@@ -57,14 +57,15 @@ class WindowPasses {
 
   /// Both frames warped by the predictor at the stage's resolution, over what its windows see.
   const WarpedPair& warp(const WindowStage& stage);
-  const Level& images(const WindowStage& stage) { return level(stage.decimation); }
+  /// The frames as last taken at a decimation that a stage has; else null.
+  const Level* images(int decimation) const;
   bool enough(const Window& window) const { return window.usable >= static_cast<float>(options_.min_usable); }
   bool textured(const Window& window) const;
   float rounding_variance() const { return rounding_variance_; }
 
  private:
   void take_images(const ImageView& first, const ImageView& second, const MaskView& mask);
-  Level& level(int decimation);
+  const Level& level(const WindowStage& stage) const { return *images(stage.decimation); }
   void improve_predictor(WindowStage& stage);
   float measure(WindowStage& stage, Search search, VectorGrid& found);
 
