@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "pivnp/piv/lattice.hpp"
+#include "pivnp/piv/median_test.hpp"
 #include "pivnp/piv/validate.hpp"
 
 namespace pivnp::piv {

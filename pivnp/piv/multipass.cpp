@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pivnp/piv/validate.hpp"
 #include "pivnp/piv/window_passes.hpp"
 
 namespace pivnp::piv {

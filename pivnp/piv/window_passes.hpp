@@ -6,7 +6,7 @@
 #include "pivnp/piv/correlate.hpp"
 #include "pivnp/piv/piv.hpp"
 #include "pivnp/piv/uncertainty.hpp"
-#include "pivnp/piv/validate.hpp"
+#include "pivnp/piv/median_test.hpp"
 #include "pivnp/piv/warp.hpp"
 
 namespace pivnp::piv {

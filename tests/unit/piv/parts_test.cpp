@@ -11,6 +11,7 @@
 #include "pivnp/piv/predictor.hpp"
 #include "pivnp/piv/spline_image.hpp"
 #include "pivnp/piv/subpixel.hpp"
+#include "pivnp/piv/median_test.hpp"
 #include "pivnp/piv/validate.hpp"
 
 namespace pivnp::piv {
