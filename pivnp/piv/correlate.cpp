@@ -35,49 +35,14 @@ float inverse_norm(const Window& window) {
 
 NearCorrelator::NearCorrelator(int side) : taper_share_(taper_correlation(side, near_lags + 1)) {}
 
-namespace {
-
-// Sums of a(x) b(x + s) over the lags -reach ... reach in each direction, into c[y][x] about its middle.
-template <int reach>
-void sum_lags(const Window& window, float (&c)[2 * near_lags + 1][2 * near_lags + 1]) {
-  // The border of zeros lets both windows be read as one line: what a lag carries across a row's end meets a zero.
-  const auto first = static_cast<std::ptrdiff_t>(window.index(0, 0));
-  const std::ptrdiff_t count = std::ptrdiff_t(window.side - 1) * window.stride + window.side;
-  const float* a = window.a.data() + first;
-  for (int sy = -reach; sy <= reach; ++sy) {
-    const std::ptrdiff_t from = std::max<std::ptrdiff_t>(0, -sy) * window.stride;
-    const std::ptrdiff_t to = count - std::max<std::ptrdiff_t>(0, sy) * window.stride;
-    const float* b = window.b.data() + first + sy * window.stride;
-    float* sums = c[sy + near_lags];
-    float s0 = 0, s1 = 0, s2 = 0, s3 = 0, s4 = 0;
-    if constexpr (reach == 1) {
-#pragma omp simd reduction(+ : s1, s2, s3)
-      for (std::ptrdiff_t k = from; k < to; ++k) {
-        s1 += a[k] * b[k - 1];
-        s2 += a[k] * b[k];
-        s3 += a[k] * b[k + 1];
-      }
-    } else {
-#pragma omp simd reduction(+ : s0, s1, s2, s3, s4)
-      for (std::ptrdiff_t k = from; k < to; ++k) {
-        s0 += a[k] * b[k - 2];
-        s1 += a[k] * b[k - 1];
-        s2 += a[k] * b[k];
-        s3 += a[k] * b[k + 1];
-        s4 += a[k] * b[k + 2];
-      }
-      sums[0] = s0, sums[4] = s4;
-    }
-    sums[1] = s1, sums[2] = s2, sums[3] = s3;
-  }
-}
-
-}  // namespace
-
 Peak NearCorrelator::find(const Window& window) const {
   constexpr int lags = 2 * near_lags + 1;
   float c[lags][lags] = {};
   const float scale = inverse_norm(window);
+  const auto sum = [&](int reach) {
+    near_sums(window.a.data() + window.index(0, 0), window.b.data() + window.index(0, 0), window.side, window.stride,
+              reach, c);
+  };
   const auto normalise = [&](int reach) {
     for (int y = -reach; y <= reach; ++y)
       for (int x = -reach; x <= reach; ++x)
@@ -92,14 +57,14 @@ Peak NearCorrelator::find(const Window& window) const {
   };
   const auto at = [&](int x, int y) { return c[y + near_lags][x + near_lags]; };
 
-  sum_lags<1>(window, c);
+  sum(1);
   normalise(1);
   find_largest(1);
   Peak peak;
   for (int y = 0; y < 3; ++y)
     for (int x = 0; x < 3; ++x) peak.around[y][x] = at(x - 1, y - 1);
   if (bx != 0 || by != 0) {  // not where the predictor says: look one farther
-    sum_lags<near_lags>(window, c);
+    sum(near_lags);
     normalise(near_lags);
     find_largest(near_lags);
   }

@@ -17,7 +17,7 @@ float iteration_variance(int passes);
 ///   c(+1) - c(-1) = sum over pixels of D(x),  D(x) = a(x) b(x + 1) - a(x + 1) b(x)  (over |a| |b|),
 /// which vanishes pixel by pixel where the windows agree. What noise, lost particles and unresolved gradients leave in
 /// D is a sum of terms correlated over a few pixels; its variance is estimated by summing products of D over
-/// separations below `span` pixels with weights falling linearly (Bartlett), and carried to the offset by the
+/// separations below `flank_span` pixels with weights falling linearly (Bartlett), and carried to the offset by the
 /// derivative of the three-point fit. At least the variance that rounding of grey values causes (`rounding_variance`,
 /// grey^2 a frame) is reported. Not contained: systematic error (peak locking, truncation of unresolved gradients).
 class UncertaintyEstimator {
@@ -27,11 +27,7 @@ class UncertaintyEstimator {
   std::array<float, 3> covariance(const Window& window, const Peak& peak, float rounding_variance);
 
  private:
-  static constexpr int span = 5;
-  void box_sums(std::vector<float>& d);
-
-  int side_, stride_;
-  std::vector<float> dx_, dy_, line_;
+  std::vector<float> scratch_;
 };
 
 }  // namespace pivnp::piv

@@ -4,52 +4,65 @@
 #include <cmath>
 
 #include "pivnp/piv/method.hpp"
+#include "pivnp/piv/sample.hpp"
 
 namespace pivnp::piv {
 
 namespace {
 
+constexpr int lanes = 16;
+
 struct RowScratch {
-  std::vector<float> du, dv, x, y, predictor;
+  std::vector<float> du, dv, ux, uy, predictor, out;
 };
 
-// Places x = column + share * d, kept within the image (the spline has nothing beyond); those outside are marked.
-void place_row(const SplineImage& image, const std::vector<std::uint8_t>& mask, const Box& box, int row, float share,
-               RowScratch& s, PixelUse* use) {
-  const float right = static_cast<float>(image.width() - 1), bottom = static_cast<float>(image.height() - 1);
+// A frame's displacements along a row of the box; pixels whose places lie outside the image are marked.
+void place_row(const SplineImage& image, const Box& box, int row, float share, RowScratch& s, float* use) {
+  constexpr float tolerance = 0.01f;
+  const float left = -tolerance, right = static_cast<float>(image.width() - 1) + tolerance;
+  const float top = -tolerance, bottom = static_cast<float>(image.height() - 1) + tolerance;
+  const auto x0 = static_cast<float>(box.x0), y0 = static_cast<float>(row);
   for (int k = 0; k < box.width(); ++k) {
     const auto n = static_cast<std::size_t>(k);
-    const float x = static_cast<float>(box.x0 + k) + share * s.du[n], y = static_cast<float>(row) + share * s.dv[n];
-    s.x[n] = std::clamp(x, 0.0f, right);
-    s.y[n] = std::clamp(y, 0.0f, bottom);
-    if (!(std::abs(x - s.x[n]) < 0.01f && std::abs(y - s.y[n]) < 0.01f)) use[k] = PixelUse::outside;  // also NaN
+    s.ux[n] = share * s.du[n], s.uy[n] = share * s.dv[n];
+    const float x = x0 + static_cast<float>(k) + s.ux[n], y = y0 + s.uy[n];
+    const bool inside = (x > left) & (x < right) & (y > top) & (y < bottom);  // not for NaN
+    use[k] = inside ? use[k] : 0.0f;
   }
-  if (mask.empty()) return;
+}
+
+void mask_row(const SplineImage& image, const std::vector<std::uint8_t>& mask, const Box& box, int row,
+              const RowScratch& s, float* use, float* masked) {
+  const auto usable = [&](int column, int line) {
+    return mask[std::size_t(line) * std::size_t(image.width()) + std::size_t(column)] != 0;
+  };
+  const int right = image.width() - 1, bottom = image.height() - 1;
   for (int k = 0; k < box.width(); ++k) {
+    if (use[k] == 0) continue;
     const auto n = static_cast<std::size_t>(k);
-    const int c = static_cast<int>(s.x[n]), r = static_cast<int>(s.y[n]);
-    const int c1 = std::min(static_cast<int>(std::ceil(s.x[n])), image.width() - 1);
-    const int r1 = std::min(static_cast<int>(std::ceil(s.y[n])), image.height() - 1);
-    const auto usable = [&](int column, int line) {
-      return mask[std::size_t(line) * std::size_t(image.width()) + std::size_t(column)] != 0;
-    };
-    if (use[k] == PixelUse::usable && !(usable(c, r) && usable(c1, r) && usable(c, r1) && usable(c1, r1)))
-      use[k] = PixelUse::masked;
+    const float x = std::clamp(static_cast<float>(box.x0 + k) + s.ux[n], 0.0f, static_cast<float>(right));
+    const float y = std::clamp(static_cast<float>(row) + s.uy[n], 0.0f, static_cast<float>(bottom));
+    const int c = static_cast<int>(x), r = static_cast<int>(y);
+    const int c1 = std::min(static_cast<int>(std::ceil(x)), right),
+              r1 = std::min(static_cast<int>(std::ceil(y)), bottom);
+    if (!(usable(c, r) && usable(c1, r) && usable(c, r1) && usable(c1, r1))) use[k] = 0, masked[k] = 1;
   }
 }
 
 }  // namespace
 
+void WarpedPair::resize(const Box& to, bool with_mask) {
+  box = to;
+  const std::size_t area = std::size_t(to.width()) * std::size_t(to.height()) + 2 * padding;
+  for (auto* plane : {&f, &g, &use})
+    if (plane->size() < area) plane->resize(area);
+  with_mask ? masked.assign(area, 0.0f) : masked.clear();
+}
+
 void warp_pair(const Level& level, const PredictorField& predictor, Anchor anchor, const Box& box, int threads,
                WarpedPair& warped) {
   const int width = box.width();
-  const std::size_t area = std::size_t(width) * std::size_t(box.height());
-  warped.box = box;
-  if (warped.f.size() < area) {
-    warped.f.resize(area);
-    warped.g.resize(area);
-    warped.use.resize(area);
-  }
+  warped.resize(box, !level.mask.empty());
   const auto decimation = static_cast<float>(level.decimation);
   const auto plan = predictor.plan_row(level.to_full(static_cast<float>(box.x0)), decimation, width);
   const AnchorShares shares = shares_of(anchor);
@@ -57,7 +70,7 @@ void warp_pair(const Level& level, const PredictorField& predictor, Anchor ancho
 #pragma omp parallel num_threads(threads)
   {
     RowScratch s;
-    for (auto* line : {&s.du, &s.dv, &s.x, &s.y}) line->assign(std::size_t(width), 0.0f);
+    for (auto* line : {&s.du, &s.dv, &s.ux, &s.uy, &s.out}) line->assign(std::size_t(width + lanes), 0.0f);
 #pragma omp for schedule(static)
     for (int r = box.y0; r < box.y1; ++r) {
       if (!plan.cell.empty()) {
@@ -65,12 +78,16 @@ void warp_pair(const Level& level, const PredictorField& predictor, Anchor ancho
         for (int k = 0; k < width; ++k) s.du[std::size_t(k)] /= decimation, s.dv[std::size_t(k)] /= decimation;
       }
       const std::size_t start = warped.index(box.x0, r);
-      PixelUse* use = warped.use.data() + start;
-      std::fill(use, use + width, PixelUse::usable);
-      place_row(level.first, level.mask, box, r, shares.first, s, use);
-      level.first.sample(s.x.data(), s.y.data(), width, warped.f.data() + start);
-      place_row(level.second, level.mask, box, r, shares.second, s, use);
-      level.second.sample(s.x.data(), s.y.data(), width, warped.g.data() + start);
+      float* use = warped.use.data() + start;
+      std::fill(use, use + width, 1.0f);
+      const auto frame = [&](const SplineImage& image, float share, float* out) {
+        place_row(image, box, r, share, s, use);
+        if (!level.mask.empty()) mask_row(image, level.mask, box, r, s, use, warped.masked.data() + start);
+        sample_displaced(image, box.x0, r, s.ux.data(), s.uy.data(), width, s.out.data());
+        std::copy_n(s.out.data(), width, out);
+      };
+      frame(level.first, shares.first, warped.f.data() + start);
+      frame(level.second, shares.second, warped.g.data() + start);
     }
   }
 }

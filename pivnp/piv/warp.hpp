@@ -25,16 +25,17 @@ struct Level {
   }
 };
 
-enum class PixelUse : std::uint8_t { outside = 0, usable = 1, masked = 2 };
-
 /// Warped frames over a box of a level's pixels: f(x) and g(x) show the same material where the predictor is right.
 struct WarpedPair {
+  static constexpr int padding = 512;  // before the first pixel and behind the last: windows read beyond the box's rows
   Box box;
-  std::vector<float> f, g;    // [height][width] of the box
-  std::vector<PixelUse> use;  // outside: the place in either frame is beyond the image's edge
+  std::vector<float> f, g;    // [height][width] of the box, padded
+  std::vector<float> use;     // 1; 0 where masked or where the place in either frame is beyond the image's edge
+  std::vector<float> masked;  // 1 where masked; empty without a mask
   std::size_t index(int column, int row) const {
-    return std::size_t(row - box.y0) * std::size_t(box.width()) + std::size_t(column - box.x0);
+    return std::size_t(row - box.y0) * std::size_t(box.width()) + std::size_t(column - box.x0) + padding;
   }
+  void resize(const Box& to, bool with_mask);
 };
 
 /// f(x) = first(x - d/2), g(x) = second(x + d/2) for the central anchor; f(x) = first(x), g(x) = second(x + d) for the

@@ -17,10 +17,10 @@ float axis_weight(float distance, float side) {
 
 Window::Window(int side_px)
     : side(side_px),
-      stride((side_px + 2 * near_lags + 3) / 4 * 4),
-      axis_x_(std::size_t(side_px)),
+      stride(std::max(padded_columns(side_px), padded_columns(side_px + 2 * near_lags))),
+      axis_x_(std::size_t(padded_columns(side_px))),
       axis_y_(std::size_t(side_px)) {
-  const std::size_t size = std::size_t(stride) * std::size_t(side + 2 * near_lags);
+  const std::size_t size = std::size_t(stride) * std::size_t(side + 2 * near_lags) + 32;  // loops reach beyond the end
   a.assign(size, 0.0f);
   b.assign(size, 0.0f);
   weight.assign(size, 0.0f);
@@ -37,61 +37,32 @@ void Window::cut(const WarpedPair& pair, float column, float row) {
     whole_x += axis_x_[std::size_t(k)] * axis_x_[std::size_t(k)];
     whole_y += axis_y_[std::size_t(k)] * axis_y_[std::size_t(k)];
   }
-  const int first = std::max(0, pair.box.x0 - x0), end = std::min(side, pair.box.x1 - x0);
-  float sum = 0, sum_f = 0, sum_g = 0, sum_masked = 0;
-  for (int r = 0; r < side; ++r) {
-    float* w = weight.data() + index(0, r);
-    float* fa = a.data() + index(0, r);
-    float* gb = b.data() + index(0, r);
-    if (y0 + r < pair.box.y0 || y0 + r >= pair.box.y1 || first >= end) {
-      std::fill(w, w + side, 0.0f);
-      std::fill(fa, fa + side, 0.0f);
-      std::fill(gb, gb + side, 0.0f);
-      continue;
-    }
-    std::fill(w, w + first, 0.0f);
-    std::fill(w + end, w + side, 0.0f);
-    const std::size_t at = pair.index(x0 + first, y0 + r);
-    const float* f = pair.f.data() + at;
-    const float* g = pair.g.data() + at;
-    const PixelUse* use = pair.use.data() + at;
-    const float wy = axis_y_[std::size_t(r)];
-    const float* wx = axis_x_.data();
-#pragma omp simd reduction(+ : sum, sum_f, sum_g, sum_masked)
-    for (int k = first; k < end; ++k) {
-      const float full = wx[k] * wy;
-      const float v = use[k - first] == PixelUse::usable ? full : 0.0f;
-      w[k] = v;
-      fa[k] = f[k - first];
-      gb[k] = g[k - first];
-      sum += v * v;
-      sum_f += v * v * fa[k];
-      sum_g += v * v * gb[k];
-      sum_masked += use[k - first] == PixelUse::masked ? full * full : 0.0f;
-    }
-  }
+  // Columns and rows that the box has.
+  const auto clip = [&](int from, int first, int end, int& begin, int& stop) {
+    begin = std::clamp(first - from, 0, side), stop = std::clamp(end - from, begin, side);
+  };
+  int left = 0, right = 0;
+  WindowCut in{};
+  clip(x0, pair.box.x0, pair.box.x1, left, right);
+  clip(y0, pair.box.y0, pair.box.y1, in.first_row, in.end_row);
+  if (left == right) in.end_row = in.first_row;
+  std::fill_n(axis_x_.begin(), left, 0.0f);
+  std::fill(axis_x_.begin() + right, axis_x_.end(), 0.0f);
+  const std::ptrdiff_t at = std::ptrdiff_t(y0 - pair.box.y0) * pair.box.width() + (x0 - pair.box.x0) + pair.padding;
+  const auto source = [&](const std::vector<float>& plane) { return plane.empty() ? nullptr : plane.data() + at; };
+  in.f = source(pair.f), in.g = source(pair.g), in.use = source(pair.use), in.masked = source(pair.masked);
+  in.source_stride = pair.box.width();
+  in.wx = axis_x_.data(), in.wy = axis_y_.data();
+  in.side = side, in.stride = stride;
+  in.a = a.data() + index(0, 0), in.b = b.data() + index(0, 0), in.weight = weight.data() + index(0, 0);
+  const CutSums sums = cut_window(in);
   const float whole = whole_x * whole_y;
-  usable = whole > 0 ? sum / whole : 0.0f;
-  masked = whole > 0 ? sum_masked / whole : 0.0f;
+  usable = whole > 0 ? sums.weight / whole : 0.0f;
+  masked = whole > 0 ? sums.masked / whole : 0.0f;
   outside = std::max(0.0f, 1 - usable - masked);
-  energy_a = energy_b = 0;
-  const float mean_f = sum > 0 ? sum_f / sum : 0.0f, mean_g = sum > 0 ? sum_g / sum : 0.0f;
-  for (int r = 0; r < side; ++r) {
-    const float* w = weight.data() + index(0, r);
-    float* fa = a.data() + index(0, r);
-    float* gb = b.data() + index(0, r);
-    float ea = 0, eb = 0;
-#pragma omp simd reduction(+ : ea, eb)
-    for (int k = 0; k < side; ++k) {
-      fa[k] = w[k] * (fa[k] - mean_f);
-      gb[k] = w[k] * (gb[k] - mean_g);
-      ea += fa[k] * fa[k];
-      eb += gb[k] * gb[k];
-    }
-    energy_a += ea, energy_b += eb;
-  }
-  variance_f = sum > 0 ? energy_a / sum : 0.0f;
-  variance_g = sum > 0 ? energy_b / sum : 0.0f;
+  energy_a = sums.energy_a, energy_b = sums.energy_b;
+  variance_f = sums.weight > 0 ? energy_a / sums.weight : 0.0f;
+  variance_g = sums.weight > 0 ? energy_b / sums.weight : 0.0f;
 }
 
 std::vector<float> taper_correlation(int side, int count) {

@@ -4,15 +4,13 @@
 #include <vector>
 
 #include "pivnp/piv/warp.hpp"
+#include "pivnp/piv/window_kernels.hpp"
 
 namespace pivnp::piv {
 
 /// The pixel weight is W = w^2, w(x, y) = w(x) w(y), w(x) = (1 - (2x/side)^2)^(taper/2), centred on the node itself
 /// (not on a pixel). W multiplies the products of the correlation once: w on each side.
 inline constexpr float taper = 1.0f;
-
-/// Lags that are correlated directly, in each direction: -2 ... 2.
-inline constexpr int near_lags = 2;
 
 /// Two windows of side x side pixels with a border of zeros near_lags wide, rows `stride` apart.
 struct Window {

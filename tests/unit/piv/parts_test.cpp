@@ -270,7 +270,7 @@ TEST(Correlate, NearAndFarAgree) {
   std::mt19937 random(11);
   std::normal_distribution<float> normal(0, 1);
   WarpedPair pair;
-  pair.box = {0, 0, 64, 64};
+  pair.resize({0, 0, 64, 64}, false);
   std::vector<float> texture(70 * 70);
   for (float& t : texture) t = normal(random);
   const auto smooth = [&](int c, int r) {
@@ -281,9 +281,9 @@ TEST(Correlate, NearAndFarAgree) {
   };
   for (int r = 0; r < 64; ++r)
     for (int c = 0; c < 64; ++c) {
-      pair.f.push_back(smooth(c + 1, r));
-      pair.g.push_back(smooth(c, r + 1));  // content of g lies at (+1, -1)
-      pair.use.push_back(PixelUse::usable);
+      pair.f[pair.index(c, r)] = smooth(c + 1, r);
+      pair.g[pair.index(c, r)] = smooth(c, r + 1);  // content of g lies at (+1, -1)
+      pair.use[pair.index(c, r)] = 1;
     }
   Window window(40);
   window.cut(pair, 31.3f, 32.8f);
