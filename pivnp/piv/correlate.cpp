@@ -7,6 +7,7 @@
 #include <complex>
 #include <mutex>
 #include <stdexcept>
+#include <utility>
 
 #include "pivnp/piv/subpixel.hpp"
 
@@ -77,30 +78,39 @@ Peak NearCorrelator::find(const Window& window) const {
   return peak;
 }
 
-// Buffers of one thread, and plans made for them.
+// Buffers of one thread, and plans made for them: 2 x batch transforms forth, batch back, or those of a single pair.
 struct FftCorrelator::Plan {
-  explicit Plan(int side) {
-    const std::size_t real = std::size_t(side) * std::size_t(side),
-                      half = std::size_t(side) * std::size_t(side / 2 + 1);
-    a = fftwf_alloc_real(real), b = fftwf_alloc_real(real);
-    fa = fftwf_alloc_complex(half), fb = fftwf_alloc_complex(half);
-    if (!a || !b || !fa || !fb) throw std::bad_alloc();
+  explicit Plan(int side)
+      : real(std::size_t(side) * std::size_t(side)), half(std::size_t(side) * std::size_t(side / 2 + 1)) {
+    pixels = fftwf_alloc_real(2 * batch * real);
+    spectra = fftwf_alloc_complex(2 * batch * half);
+    if (!pixels || !spectra) throw std::bad_alloc();
+    std::fill_n(pixels, 2 * batch * real, 0.0f);
     const std::lock_guard lock(planner);
-    forward_a = fftwf_plan_dft_r2c_2d(side, side, a, fa, FFTW_ESTIMATE);
-    forward_b = fftwf_plan_dft_r2c_2d(side, side, b, fb, FFTW_ESTIMATE);
-    backward = fftwf_plan_dft_c2r_2d(side, side, fa, a, FFTW_ESTIMATE);
+    const int n[2] = {side, side}, whole = static_cast<int>(real), part = static_cast<int>(half);
+    for (const int pairs : {1, batch}) {
+      auto& [forward, backward] = pairs == 1 ? single : all;
+      forward =
+          fftwf_plan_many_dft_r2c(2, n, 2 * pairs, pixels, nullptr, 1, whole, spectra, nullptr, 1, part, FFTW_ESTIMATE);
+      backward = fftwf_plan_many_dft_c2r(2, n, pairs, spectra, nullptr, 1, 2 * part, pixels, nullptr, 1, 2 * whole,
+                                         FFTW_ESTIMATE);
+    }
   }
   ~Plan() {
     const std::lock_guard lock(planner);
-    for (fftwf_plan plan : {forward_a, forward_b, backward}) fftwf_destroy_plan(plan);
-    fftwf_free(a), fftwf_free(b), fftwf_free(fa), fftwf_free(fb);
+    for (const auto& [forward, backward] : {single, all}) fftwf_destroy_plan(forward), fftwf_destroy_plan(backward);
+    fftwf_free(pixels), fftwf_free(spectra);
   }
   Plan(const Plan&) = delete;
   Plan& operator=(const Plan&) = delete;
 
-  float *a = nullptr, *b = nullptr;
-  fftwf_complex *fa = nullptr, *fb = nullptr;
-  fftwf_plan forward_a{}, forward_b{}, backward{};
+  float* a(int slot) { return pixels + 2 * std::size_t(slot) * real; }
+  float* b(int slot) { return a(slot) + real; }
+
+  std::size_t real, half;            // numbers of a window, and of its spectrum
+  float* pixels = nullptr;           // [slot][a, b][side][side]; after the transform back, a holds the correlation
+  fftwf_complex* spectra = nullptr;  // [slot][a, b][side][side / 2 + 1]
+  std::pair<fftwf_plan, fftwf_plan> single{}, all{};
 };
 
 namespace {
@@ -118,16 +128,17 @@ int quick_size(int least) {
 }  // namespace
 
 FftCorrelator::FftCorrelator(int side)
-    : side_(side),
-      size_(quick_size(side)),
-      taper_share_(taper_correlation(side, side / 3 + 2)),
-      plan_(std::make_unique<Plan>(size_)) {}
+    : side_(side), size_(quick_size(side)), scale_(batch, 0.0f), plan_(std::make_unique<Plan>(size_)) {
+  const int most = side / 3 + 1;
+  const std::vector<float> share = taper_correlation(side, most + 1);
+  for (int lag = -most; lag <= most; ++lag) untaper_.push_back(1 / share[std::size_t(std::abs(lag))]);
+}
 FftCorrelator::~FftCorrelator() = default;
 FftCorrelator::FftCorrelator(FftCorrelator&&) noexcept = default;
 
-Peak FftCorrelator::find(const Window& window) {
-  const int n = size_, farthest = side_ / 3;
-  for (const auto& [from, to] : {std::pair{&window.a, plan_->a}, {&window.b, plan_->b}}) {
+void FftCorrelator::put(int slot, const Window& window) {
+  const int n = size_;
+  for (const auto& [from, to] : {std::pair{&window.a, plan_->a(slot)}, {&window.b, plan_->b(slot)}}) {
     for (int r = 0; r < side_; ++r) {
       float* line = to + std::ptrdiff_t(r) * n;
       std::copy_n(from->data() + window.index(0, r), side_, line);
@@ -135,27 +146,54 @@ Peak FftCorrelator::find(const Window& window) {
     }
     std::fill(to + std::ptrdiff_t(side_) * n, to + std::ptrdiff_t(n) * n, 0.0f);
   }
-  fftwf_execute(plan_->forward_a);
-  fftwf_execute(plan_->forward_b);
-  const std::size_t half = std::size_t(n) * std::size_t(n / 2 + 1);
-  for (std::size_t k = 0; k < half; ++k) {  // conj(A) B
-    const float ar = plan_->fa[k][0], ai = plan_->fa[k][1], br = plan_->fb[k][0], bi = plan_->fb[k][1];
-    plan_->fa[k][0] = ar * br + ai * bi;
-    plan_->fa[k][1] = ar * bi - ai * br;
-  }
-  fftwf_execute(plan_->backward);
+  scale_[std::size_t(slot)] = inverse_norm(window) / static_cast<float>(n * n);
+}
 
-  const float scale = inverse_norm(window) / static_cast<float>(n * n);
+void FftCorrelator::find(int count, Peak* peaks) {
+  const auto& [forward, backward] = count == 1 ? plan_->single : plan_->all;
+  fftwf_execute(forward);
+  for (int slot = 0; slot < count; ++slot) {
+    float* a = &plan_->spectra[2 * std::size_t(slot) * plan_->half][0];
+    const float* b = a + 2 * plan_->half;
+#pragma omp simd
+    for (std::size_t k = 0; k < plan_->half; ++k) {  // conj(A) B
+      const float ar = a[2 * k], ai = a[2 * k + 1], br = b[2 * k], bi = b[2 * k + 1];
+      a[2 * k] = ar * br + ai * bi;
+      a[2 * k + 1] = ar * bi - ai * br;
+    }
+  }
+  fftwf_execute(backward);
+  for (int slot = 0; slot < count; ++slot) peaks[slot] = peak_of(slot);
+}
+
+Peak FftCorrelator::find(const Window& window) {
+  Peak peak;
+  put(0, window);
+  find(1, &peak);
+  return peak;
+}
+
+Peak FftCorrelator::peak_of(int slot) const {
+  const int n = size_, farthest = side_ / 3;
+  const float* correlation = plan_->a(slot);
+  const float* untaper = untaper_.data() + farthest + 1;
+  const float scale = scale_[std::size_t(slot)];
   const auto c = [&](int sx, int sy) {
     const int x = sx < 0 ? sx + n : sx, y = sy < 0 ? sy + n : sy;
-    return plan_->a[std::ptrdiff_t(y) * n + x] * scale /
-           (taper_share_[std::size_t(std::abs(sx))] * taper_share_[std::size_t(std::abs(sy))]);
+    return correlation[std::ptrdiff_t(y) * n + x] * scale * untaper[sx] * untaper[sy];
   };
   int bx = 0, by = 0;
   float best = c(0, 0);
-  for (int sy = -farthest; sy <= farthest; ++sy)
+  for (int sy = -farthest; sy <= farthest; ++sy) {
+    const float* line = correlation + std::ptrdiff_t(sy < 0 ? sy + n : sy) * n;
+    const float along_y = scale * untaper[sy];
+    float most = 0;  // of the line: most lines hold no candidate
+    for (int sx = 0; sx <= farthest; ++sx) most = std::max(most, line[sx] * untaper[sx]);
+    for (int sx = -farthest; sx < 0; ++sx) most = std::max(most, line[sx + n] * untaper[sx]);
+    if (!(most * along_y > best)) continue;
     for (int sx = -farthest; sx <= farthest; ++sx)
       if (const float value = c(sx, sy); value > best) best = value, bx = sx, by = sy;
+  }
   Peak peak;
   refine(c, bx, by, peak);
   peak.interior = std::abs(bx) < farthest && std::abs(by) < farthest;

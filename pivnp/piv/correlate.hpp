@@ -28,19 +28,27 @@ class NearCorrelator {
 };
 
 /// All lags up to a third of the side, by real FFT of the next size that is a product of 2, 3 and 5 (Willert & Gharib
-/// 1991). The taper keeps what wraps around small. One object a thread; making one takes a lock (FFTW plans), using one
-/// does not.
+/// 1991). The taper keeps what wraps around small. Windows are put in one by one and transformed together, `batch` of
+/// them a plan. One object a thread; making one takes a lock (FFTW plans), using one does not.
 class FftCorrelator {
  public:
+  static constexpr int batch = 16;
+
   explicit FftCorrelator(int side);
   ~FftCorrelator();
   FftCorrelator(FftCorrelator&&) noexcept;
+  /// Puts a window in place `slot` of the batch, 0 ... batch - 1.
+  void put(int slot, const Window& window);
+  /// Correlates the windows of the first `count` places.
+  void find(int count, Peak* peaks);
   Peak find(const Window& window);
 
  private:
   struct Plan;
-  int side_, size_;  // of the window, of the transform
-  std::vector<float> taper_share_;
+  Peak peak_of(int slot) const;
+  int side_, size_;             // of the window, of the transform
+  std::vector<float> untaper_;  // 1 / taper's correlation, by lag from -farthest
+  std::vector<float> scale_;    // of the windows put in: 1 / (|a| |b|)
   std::unique_ptr<Plan> plan_;
 };
 

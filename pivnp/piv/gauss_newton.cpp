@@ -5,6 +5,7 @@
 #include "pivnp/piv/increments.hpp"
 #include "pivnp/piv/judge.hpp"
 #include "pivnp/piv/light.hpp"
+#include "pivnp/piv/live_nodes.hpp"
 #include "pivnp/piv/multipass.hpp"
 #include "pivnp/piv/presmoothing.hpp"
 #include "pivnp/piv/rematch.hpp"
@@ -32,6 +33,7 @@ class GaussNewton final : public Method {
   NodeLattice nodes_;
   int width_, height_, threads_;
   Anchor anchor_;
+  LiveNodes live_;
   WindowPasses windows_;
   Rematcher rematcher_;
   std::vector<GnLevel> levels_;
@@ -53,6 +55,7 @@ GaussNewton::GaussNewton(const PivOptions& options, const NodeLattice& nodes, in
       height_(height),
       threads_(std::max(1, threads)),
       anchor_(anchor_of(options)),
+      live_(nodes, static_cast<float>(options.window_px)),
       windows_(options, nodes, width, height, threads),
       rematcher_(options, threads_) {
   const std::vector<int> sides = window_sides(options, width, height);
@@ -75,6 +78,10 @@ void GaussNewton::correlate(const ImageView& first, const ImageView& second, con
   if (windows_.empty()) return;
   rounding_ = rounding_variance(first);
   light_.clear();
+  if (live_.take(mask)) {
+    windows_.want(live_.nodes());
+    for (GnLevel& level : levels_) level.want(live_.nodes());
+  }
   const PredictorField& predictor = windows_.find(first, second, mask);
   const GnLevel* coarser = nullptr;
   for (GnLevel& level : levels_) {

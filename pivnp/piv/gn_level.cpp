@@ -32,8 +32,13 @@ GnLevel::GnLevel(const NodeLattice& nodes, int width, int height, int decimation
       lattice_(lattice_of(nodes, width, height, own_, std::max(2, window_px / 4))),
       shrinker_(lattice_),
       passes_(passes) {
+  want(nodes);
+}
+
+void GnLevel::want(const NodeLattice& nodes) {
+  wanted_.clear();
   if (nodes.on.empty()) return;
-  const float reach = std::max(node_spacing(nodes), static_cast<float>(margin * lattice_.step * decimation));
+  const float reach = std::max(node_spacing(nodes), static_cast<float>(margin * lattice_.step * own_.decimation));
   wanted_ = nodes_near(even(), nodes, reach).on;
 }
 

@@ -16,6 +16,9 @@ class GnLevel {
   /// Cells of a quarter of `window_px`, in pixels of the level, over the nodes and two cells beyond.
   GnLevel(const NodeLattice& nodes, int width, int height, int decimation, int window_px, int passes);
 
+  /// Nodes that take part: all of those given before, or fewer.
+  void want(const NodeLattice& nodes);
+
   /// `shared`: the level's images where somebody has taken them already without smoothing, else null.
   void take(const ImageView& first, const ImageView& second, const MaskView& mask, float smoothing, int threads,
             const Level* shared);

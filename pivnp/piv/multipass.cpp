@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pivnp/piv/live_nodes.hpp"
 #include "pivnp/piv/validate.hpp"
 #include "pivnp/piv/window_passes.hpp"
 
@@ -13,6 +14,14 @@ namespace pivnp::piv {
 namespace {
 
 constexpr int automatic_passes = 4;  // with the last window: one search, two to converge, one at the nodes
+
+// Of the sides between the window's and its support's the one that FFTs are quickest with: most factors of two.
+int search_side(int window_px, int support) {
+  int best = window_px;
+  for (int side = window_px; side <= support; ++side)
+    if ((side & -side) > (best & -best)) best = side;
+  return best;
+}
 
 class Multipass final : public Method {
  public:
@@ -28,6 +37,7 @@ class Multipass final : public Method {
   NodeLattice nodes_;
   int width_, height_, threads_;
   int passes_;  // with the last window
+  LiveNodes live_;
   WindowPasses windows_;
 };
 
@@ -38,6 +48,7 @@ Multipass::Multipass(const PivOptions& options, const NodeLattice& nodes, int wi
       height_(height),
       threads_(std::max(1, threads)),
       passes_(options.passes > 0 ? options.passes : automatic_passes),
+      live_(nodes, static_cast<float>(options.window_px)),
       windows_(options, nodes, width, height, threads) {
   const std::vector<int> sides = window_sides(options, width, height);
   if (bounding_box(nodes_, static_cast<float>(sides.front()) / 2, width, height).empty()) return;  // no node inside
@@ -48,7 +59,9 @@ Multipass::Multipass(const PivOptions& options, const NodeLattice& nodes, int wi
   // one pass at the nodes themselves.
   const int support = support_of_window(sides.back());
   const auto window = static_cast<float>(sides.back());
-  windows_.add(support, 1, window / 2, passes_ > 1 ? 1 : 0, options.method != "ncc" || sides.size() == 1);
+  const bool searches = options.method != "ncc" || sides.size() == 1;
+  windows_.add(searches && passes_ > 2 ? search_side(sides.back(), support) : support, 1, window / 2,
+               passes_ > 1 ? 1 : 0, searches);
   if (passes_ > 2)
     windows_.add(support, 1, std::clamp(node_spacing(nodes_), window / 4, window / 3), passes_ - 2, false);
 }
@@ -57,6 +70,7 @@ void Multipass::correlate(const ImageView& first, const ImageView& second, const
                           PixelVectors& vectors) {
   vectors.correlation_px = 0.5f * static_cast<float>(options_.window_px);
   if (windows_.empty()) return;
+  if (live_.take(mask)) windows_.want(live_.nodes());
   windows_.find(first, second, mask);
   measure_nodes(vectors);
   validate_nodes(vectors);
@@ -74,6 +88,10 @@ void Multipass::measure_nodes(PixelVectors& vectors) {
 void Multipass::measure_node(WindowTools& tools, const WarpedPair& warped, std::size_t k, PixelVectors& vectors) {
   const auto [x, y] = nodes_.pixel[k];
   if (!(x >= 0 && y >= 0 && x <= static_cast<float>(width_ - 1) && y <= static_cast<float>(height_ - 1))) return;
+  if (!switched_on(live_.nodes(), k)) {
+    vectors.status[k] = VectorStatus::masked;  // nothing is left of its window
+    return;
+  }
   tools.window.cut(warped, x, y);
   const Window& window = tools.window;
   if (!windows_.enough(window)) {

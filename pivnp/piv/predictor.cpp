@@ -183,12 +183,12 @@ Vec2f PredictorField::at(float column, float row) const {
 PredictorField::RowPlan PredictorField::plan_row(float first, float step, int count) const {
   RowPlan plan;
   if (values_.empty()) return plan;
-  plan.cell.resize(std::size_t(count));
-  plan.weight.resize(std::size_t(count));
+  for (auto& w : plan.weight) w.resize(std::size_t(count));
   for (int k = 0; k < count; ++k) {
     const Axis a = axis(first + static_cast<float>(k) * step, lattice_.x0, lattice_.dx, lattice_.nx);
-    plan.cell[std::size_t(k)] = a.cell;
-    plan.weight[std::size_t(k)] = a.weight;
+    for (std::size_t c = 0; c < 4; ++c) plan.weight[c][std::size_t(k)] = a.weight[c];
+    if (plan.runs.empty() || plan.runs.back().cell != a.cell) plan.runs.push_back({a.cell, k, k});
+    plan.runs.back().end = k + 1;
   }
   return plan;
 }
@@ -205,12 +205,16 @@ void PredictorField::row(const RowPlan& plan, float row, std::vector<float>& scr
     const Vec2f* in = values_.data() + std::size_t(y.cell + b) * columns;
     for (std::size_t i = 0; i < columns; ++i) u[i] += w * in[i][0], v[i] += w * in[i][1];
   }
-  for (std::size_t k = 0; k < plan.cell.size(); ++k) {
-    const auto& w = plan.weight[k];
-    const float* cu = u + plan.cell[k];
-    const float* cv = v + plan.cell[k];
-    du[k] = w[0] * cu[0] + w[1] * cu[1] + w[2] * cu[2] + w[3] * cu[3];
-    dv[k] = w[0] * cv[0] + w[1] * cv[1] + w[2] * cv[2] + w[3] * cv[3];
+  const float *w0 = plan.weight[0].data(), *w1 = plan.weight[1].data(), *w2 = plan.weight[2].data(),
+              *w3 = plan.weight[3].data();
+  for (const RowPlan::Run& run : plan.runs) {
+    const float u0 = u[run.cell], u1 = u[run.cell + 1], u2 = u[run.cell + 2], u3 = u[run.cell + 3];
+    const float v0 = v[run.cell], v1 = v[run.cell + 1], v2 = v[run.cell + 2], v3 = v[run.cell + 3];
+#pragma omp simd
+    for (int k = run.begin; k < run.end; ++k) {
+      du[k] = w0[k] * u0 + w1[k] * u1 + w2[k] * u2 + w3[k] * u3;
+      dv[k] = w0[k] * v0 + w1[k] * v1 + w2[k] * v2 + w3[k] * v3;
+    }
   }
 }
 

@@ -27,8 +27,13 @@ class PredictorField {
 
   /// Displacements along one row of pixels: at columns first + k step, k < count.
   struct RowPlan {
-    std::vector<int> cell;  // first of four control columns (ghost column included)
-    std::vector<std::array<float, 4>> weight;
+    struct Run {
+      int cell = 0;  // first of four control columns (ghost column included)
+      int begin = 0, end = 0;
+    };
+    std::vector<Run> runs;                       // of places with the same control columns
+    std::array<std::vector<float>, 4> weight;    // of each place
+    bool empty() const { return runs.empty(); }  // the zero field
   };
   RowPlan plan_row(float first, float step, int count) const;
   void row(const RowPlan& plan, float row, std::vector<float>& scratch, float* du, float* dv) const;

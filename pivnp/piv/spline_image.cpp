@@ -51,11 +51,41 @@ void prefilter_lines(float* data, int samples, std::ptrdiff_t stride, int lanes,
   }
 }
 
+// Means of blocks of pixels that may all be used: rows first, side by side, then along them.
+template <class Grey>
+void average_plain(const ImageView& image, int decimation, int row, int width, float* out) {
+  constexpr int most = 512;  // columns at a time
+  assert(decimation <= most);
+  std::array<float, most> sums;
+  const int blocks = most / decimation;
+  const float share = 1 / static_cast<float>(decimation * decimation);
+  for (int first = 0; first < width; first += blocks) {
+    const int end = std::min(first + blocks, width), columns = (end - first) * decimation;
+    for (int dr = 0; dr < decimation; ++dr) {
+      const Grey* in = image.row<Grey>(row * decimation + dr) + std::ptrdiff_t(first) * decimation;
+      if (dr == 0)
+        for (int k = 0; k < columns; ++k) sums[std::size_t(k)] = static_cast<float>(in[k]);
+      else
+        for (int k = 0; k < columns; ++k) sums[std::size_t(k)] += static_cast<float>(in[k]);
+    }
+    for (int c = first; c < end; ++c) {
+      const float* block = sums.data() + (c - first) * decimation;
+      float sum = 0;
+      for (int k = 0; k < decimation; ++k) sum += block[k];
+      out[c] = share * sum;
+    }
+  }
+}
+
 template <class Grey>
 void average_row(const ImageView& image, const MaskView& mask, int decimation, int row, int width, float* out) {
   if (decimation == 1) {
     const Grey* in = image.row<Grey>(row);
     for (int c = 0; c < width; ++c) out[c] = static_cast<float>(in[c]);
+    return;
+  }
+  if (mask.data == nullptr) {
+    average_plain<Grey>(image, decimation, row, width, out);
     return;
   }
   for (int c = 0; c < width; ++c) {

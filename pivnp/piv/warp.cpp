@@ -53,7 +53,12 @@ void mask_row(const SplineImage& image, const std::vector<std::uint8_t>& mask, c
 
 void WarpedPair::resize(const Box& to, bool with_mask) {
   box = to;
-  const std::size_t area = std::size_t(to.width()) * std::size_t(to.height()) + 2 * padding;
+  // Rows of a window must not fall into the same few lines of the cache: not near a multiple of its 4 KiB.
+  constexpr int line = 16;
+  stride = (to.width() + line - 1) / line;
+  while (stride % 8 != 5) ++stride;
+  stride *= line;
+  const std::size_t area = std::size_t(stride) * std::size_t(to.height()) + 2 * padding;
   for (auto* plane : {&f, &g, &use})
     if (plane->size() < area) plane->resize(area);
   with_mask ? masked.assign(area, 0.0f) : masked.clear();
@@ -73,9 +78,10 @@ void warp_pair(const Level& level, const PredictorField& predictor, Anchor ancho
     for (auto* line : {&s.du, &s.dv, &s.ux, &s.uy, &s.out}) line->assign(std::size_t(width + lanes), 0.0f);
 #pragma omp for schedule(static)
     for (int r = box.y0; r < box.y1; ++r) {
-      if (!plan.cell.empty()) {
+      if (!plan.empty()) {
         predictor.row(plan, level.to_full(static_cast<float>(r)), s.predictor, s.du.data(), s.dv.data());
-        for (int k = 0; k < width; ++k) s.du[std::size_t(k)] /= decimation, s.dv[std::size_t(k)] /= decimation;
+        for (int k = 0; k < width && level.decimation > 1; ++k)
+          s.du[std::size_t(k)] /= decimation, s.dv[std::size_t(k)] /= decimation;
       }
       const std::size_t start = warped.index(box.x0, r);
       float* use = warped.use.data() + start;

@@ -29,11 +29,12 @@ struct Level {
 struct WarpedPair {
   static constexpr int padding = 512;  // before the first pixel and behind the last: windows read beyond the box's rows
   Box box;
-  std::vector<float> f, g;    // [height][width] of the box, padded
+  std::ptrdiff_t stride = 0;
+  std::vector<float> f, g;    // rows of the box, `stride` apart, padded
   std::vector<float> use;     // 1; 0 where masked or where the place in either frame is beyond the image's edge
   std::vector<float> masked;  // 1 where masked; empty without a mask
   std::size_t index(int column, int row) const {
-    return std::size_t(row - box.y0) * std::size_t(box.width()) + std::size_t(column - box.x0) + padding;
+    return std::size_t(row - box.y0) * std::size_t(stride) + std::size_t(column - box.x0) + padding;
   }
   void resize(const Box& to, bool with_mask);
 };

@@ -5,21 +5,11 @@
 
 namespace pivnp::piv {
 
-namespace {
-
-float axis_weight(float distance, float side) {
-  const float u = 2 * distance / side, rest = 1 - u * u;
-  if (rest <= 0) return 0;
-  return taper == 1.0f ? std::sqrt(rest) : std::pow(rest, 0.5f * taper);
-}
-
-}  // namespace
-
 Window::Window(int side_px)
     : side(side_px),
       stride(std::max(padded_columns(side_px), padded_columns(side_px + 2 * near_lags))),
       axis_x_(std::size_t(padded_columns(side_px))),
-      axis_y_(std::size_t(side_px)) {
+      axis_y_(std::size_t(padded_columns(side_px))) {
   const std::size_t size = std::size_t(stride) * std::size_t(side + 2 * near_lags) + 32;  // loops reach beyond the end
   a.assign(size, 0.0f);
   b.assign(size, 0.0f);
@@ -27,16 +17,10 @@ Window::Window(int side_px)
 }
 
 void Window::cut(const WarpedPair& pair, float column, float row) {
-  const auto length = static_cast<float>(side);
-  const int x0 = static_cast<int>(std::ceil(column - 0.5f * length)),
-            y0 = static_cast<int>(std::ceil(row - 0.5f * length));
-  float whole_x = 0, whole_y = 0;
-  for (int k = 0; k < side; ++k) {
-    axis_x_[std::size_t(k)] = axis_weight(static_cast<float>(x0 + k) - column, length);
-    axis_y_[std::size_t(k)] = axis_weight(static_cast<float>(y0 + k) - row, length);
-    whole_x += axis_x_[std::size_t(k)] * axis_x_[std::size_t(k)];
-    whole_y += axis_y_[std::size_t(k)] * axis_y_[std::size_t(k)];
-  }
+  const float half = 0.5f * static_cast<float>(side);
+  const int x0 = static_cast<int>(std::ceil(column - half)), y0 = static_cast<int>(std::ceil(row - half));
+  const float whole = taper_weights(static_cast<float>(x0) - column, side, axis_x_.data()) *
+                      taper_weights(static_cast<float>(y0) - row, side, axis_y_.data());
   // Columns and rows that the box has.
   const auto clip = [&](int from, int first, int end, int& begin, int& stop) {
     begin = std::clamp(first - from, 0, side), stop = std::clamp(end - from, begin, side);
@@ -48,15 +32,14 @@ void Window::cut(const WarpedPair& pair, float column, float row) {
   if (left == right) in.end_row = in.first_row;
   std::fill_n(axis_x_.begin(), left, 0.0f);
   std::fill(axis_x_.begin() + right, axis_x_.end(), 0.0f);
-  const std::ptrdiff_t at = std::ptrdiff_t(y0 - pair.box.y0) * pair.box.width() + (x0 - pair.box.x0) + pair.padding;
+  const std::ptrdiff_t at = (y0 - pair.box.y0) * pair.stride + (x0 - pair.box.x0) + pair.padding;
   const auto source = [&](const std::vector<float>& plane) { return plane.empty() ? nullptr : plane.data() + at; };
   in.f = source(pair.f), in.g = source(pair.g), in.use = source(pair.use), in.masked = source(pair.masked);
-  in.source_stride = pair.box.width();
+  in.source_stride = pair.stride;
   in.wx = axis_x_.data(), in.wy = axis_y_.data();
   in.side = side, in.stride = stride;
   in.a = a.data() + index(0, 0), in.b = b.data() + index(0, 0), in.weight = weight.data() + index(0, 0);
   const CutSums sums = cut_window(in);
-  const float whole = whole_x * whole_y;
   usable = whole > 0 ? sums.weight / whole : 0.0f;
   masked = whole > 0 ? sums.masked / whole : 0.0f;
   outside = std::max(0.0f, 1 - usable - masked);
@@ -66,15 +49,13 @@ void Window::cut(const WarpedPair& pair, float column, float row) {
 }
 
 std::vector<float> taper_correlation(int side, int count) {
-  std::vector<double> w(static_cast<std::size_t>(side));
-  for (int k = 0; k < side; ++k)
-    w[std::size_t(k)] =
-        axis_weight(static_cast<float>(k) - 0.5f * static_cast<float>(side - 1), static_cast<float>(side));
+  std::vector<float> w(static_cast<std::size_t>(padded_columns(side)));
+  taper_weights(-0.5f * static_cast<float>(side - 1), side, w.data());
   std::vector<float> share(static_cast<std::size_t>(count));
   double whole = 0;
   for (int lag = 0; lag < count; ++lag) {
     double sum = 0;
-    for (int k = 0; k + lag < side; ++k) sum += w[std::size_t(k)] * w[std::size_t(k + lag)];
+    for (int k = 0; k + lag < side; ++k) sum += double(w[std::size_t(k)]) * double(w[std::size_t(k + lag)]);
     if (lag == 0) whole = sum;
     share[std::size_t(lag)] = static_cast<float>(sum / whole);
   }

@@ -8,11 +8,9 @@
 
 namespace pivnp::piv {
 
-/// The pixel weight is W = w^2, w(x, y) = w(x) w(y), w(x) = (1 - (2x/side)^2)^(taper/2), centred on the node itself
-/// (not on a pixel). W multiplies the products of the correlation once: w on each side.
-inline constexpr float taper = 1.0f;
-
 /// Two windows of side x side pixels with a border of zeros near_lags wide, rows `stride` apart.
+/// The pixel weight is W = w^2, w(x, y) = w(x) w(y), w(x) = sqrt(1 - (2x/side)^2), centred on the node itself (not on a
+/// pixel). W multiplies the products of the correlation once: w on each side.
 struct Window {
   int side = 0, stride = 0;
   std::vector<float> a, b;                    // w (f - mean f), w (g - mean g)

@@ -16,55 +16,69 @@ using V = hn::Vec<D>;
 
 HWY_INLINE float total(V v) { return hn::GetLane(hn::SumOfLanes(D(), v)); }
 
-CutSums cut(const WindowCut& in) {
+template <bool with_mask>
+HWY_INLINE CutSums cut_rows(const WindowCut& in) {
   const D d;
-  const int lanes = static_cast<int>(hn::Lanes(d)), columns = padded_columns(in.side);
+  const int lanes = static_cast<int>(hn::Lanes(d)), columns = padded_columns(in.side), end = in.end_row;
+  const std::ptrdiff_t source_stride = in.source_stride, stride = in.stride;
+  const float* const wx = in.wx;
+  const std::ptrdiff_t skipped = in.first_row * source_stride;
   V sum = hn::Zero(d), sum_f = sum, sum_g = sum, sum_masked = sum;
-  for (int r = 0; r < in.side; ++r) {
-    float* a = in.a + r * in.stride;
-    float* b = in.b + r * in.stride;
-    float* w = in.weight + r * in.stride;
-    if (r < in.first_row || r >= in.end_row) {
-      for (float* line : {a, b, w}) std::fill(line, line + columns, 0.0f);
-      continue;
-    }
-    const float* f = in.f + r * in.source_stride;
-    const float* g = in.g + r * in.source_stride;
-    const float* use = in.use + r * in.source_stride;
+  const float *f = in.f + skipped, *g = in.g + skipped, *use = in.use + skipped;
+  const float* masked = with_mask ? in.masked + skipped : nullptr;
+  for (int r = in.first_row; r < end; ++r, f += source_stride, g += source_stride, use += source_stride) {
     const V wy = hn::Set(d, in.wy[r]);
     for (int k = 0; k < columns; k += lanes) {
-      const V full = hn::Mul(wy, hn::LoadU(d, in.wx + k)), v = hn::Mul(full, hn::LoadU(d, use + k));
-      const V grey_f = hn::LoadU(d, f + k), grey_g = hn::LoadU(d, g + k), square = hn::Mul(v, v);
-      hn::StoreU(v, d, w + k);
-      hn::StoreU(grey_f, d, a + k);
-      hn::StoreU(grey_g, d, b + k);
+      const V full = hn::Mul(wy, hn::LoadU(d, wx + k)), v = hn::Mul(full, hn::LoadU(d, use + k));
+      const V square = hn::Mul(v, v);
       sum = hn::Add(sum, square);
-      sum_f = hn::MulAdd(square, grey_f, sum_f);
-      sum_g = hn::MulAdd(square, grey_g, sum_g);
-      if (in.masked != nullptr)
-        sum_masked = hn::MulAdd(hn::Mul(full, full), hn::LoadU(d, in.masked + r * in.source_stride + k), sum_masked);
+      sum_f = hn::MulAdd(square, hn::LoadU(d, f + k), sum_f);
+      sum_g = hn::MulAdd(square, hn::LoadU(d, g + k), sum_g);
+      if constexpr (with_mask) sum_masked = hn::MulAdd(hn::Mul(full, full), hn::LoadU(d, masked + k), sum_masked);
     }
+    if constexpr (with_mask) masked += source_stride;
   }
   CutSums out{.weight = total(sum), .f = total(sum_f), .g = total(sum_g), .masked = total(sum_masked)};
   const V mean_f = hn::Set(d, out.weight > 0 ? out.f / out.weight : 0.0f),
           mean_g = hn::Set(d, out.weight > 0 ? out.g / out.weight : 0.0f);
   V energy_a = hn::Zero(d), energy_b = energy_a;
-  for (int r = in.first_row; r < in.end_row; ++r) {
-    float* a = in.a + r * in.stride;
-    float* b = in.b + r * in.stride;
-    const float* w = in.weight + r * in.stride;
-    for (int k = 0; k < columns; k += lanes) {
-      const V v = hn::LoadU(d, w + k);
-      const V x = hn::Mul(v, hn::Sub(hn::LoadU(d, a + k), mean_f)),
-              y = hn::Mul(v, hn::Sub(hn::LoadU(d, b + k), mean_g));
-      hn::StoreU(x, d, a + k);
-      hn::StoreU(y, d, b + k);
-      energy_a = hn::MulAdd(x, x, energy_a);
-      energy_b = hn::MulAdd(y, y, energy_b);
+  float *a = in.a, *b = in.b, *w = in.weight;
+  f = in.f, g = in.g, use = in.use;
+  for (int r = 0; r < in.side; ++r, a += stride, b += stride, w += stride) {
+    if (r < in.first_row || r >= end) {
+      for (float* line : {a, b, w}) std::fill(line, line + columns, 0.0f);
+    } else {
+      const V wy = hn::Set(d, in.wy[r]);
+      for (int k = 0; k < columns; k += lanes) {
+        const V v = hn::Mul(hn::Mul(wy, hn::LoadU(d, wx + k)), hn::LoadU(d, use + k));
+        const V x = hn::Mul(v, hn::Sub(hn::LoadU(d, f + k), mean_f)),
+                y = hn::Mul(v, hn::Sub(hn::LoadU(d, g + k), mean_g));
+        hn::StoreU(x, d, a + k);
+        hn::StoreU(y, d, b + k);
+        hn::StoreU(v, d, w + k);
+        energy_a = hn::MulAdd(x, x, energy_a);
+        energy_b = hn::MulAdd(y, y, energy_b);
+      }
     }
+    f += source_stride, g += source_stride, use += source_stride;
   }
   out.energy_a = total(energy_a), out.energy_b = total(energy_b);
   return out;
+}
+
+CutSums cut(const WindowCut& in) { return in.masked != nullptr ? cut_rows<true>(in) : cut_rows<false>(in); }
+
+float taper_line(float first, int side, float* out) {
+  const D d;
+  const float scale = 2 / static_cast<float>(side);
+  V squares = hn::Zero(d);
+  for (int k = 0; k < padded_columns(side); k += static_cast<int>(hn::Lanes(d))) {
+    const V u = hn::Mul(hn::Set(d, scale), hn::Add(hn::Set(d, first), hn::Iota(d, static_cast<float>(k))));
+    const V rest = hn::Max(hn::Zero(d), hn::Sub(hn::Set(d, 1.0f), hn::Mul(u, u)));
+    hn::StoreU(hn::Sqrt(rest), d, out + k);
+    squares = hn::Add(squares, rest);
+  }
+  return total(squares);
 }
 
 template <int reach>
@@ -148,9 +162,12 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace pivnp::piv {
 
+HWY_EXPORT(taper_line);
 HWY_EXPORT(cut);
 HWY_EXPORT(lags);
 HWY_EXPORT(flanks);
+
+float taper_weights(float first, int side, float* out) { return HWY_DYNAMIC_DISPATCH(taper_line)(first, side, out); }
 
 CutSums cut_window(const WindowCut& in) { return HWY_DYNAMIC_DISPATCH(cut)(in); }
 

@@ -11,6 +11,10 @@ inline constexpr int near_lags = 2;
 /// Columns that the loops below touch: they write zeros behind a window's side, and read what lies there.
 constexpr int padded_columns(int side) { return (side + 15) / 16 * 16; }
 
+/// out[k] = sqrt(1 - (2 (first + k) / side)^2), 0 where that is imaginary, k < padded_columns(side). Returns the sum of
+/// squares.
+float taper_weights(float first, int side, float* out);
+
 struct WindowCut {
   const float *f, *g, *use, *masked;  // upper left pixel of the source; `masked` may be null
   std::ptrdiff_t source_stride;

@@ -36,12 +36,22 @@ void WindowPasses::add(int side, int decimation, float step, int passes, bool se
   stage.decimation = decimation;
   stage.side = side / decimation * decimation;
   stage.lattice = even_lattice(bounding_box(nodes_, static_cast<float>(side) / 2, width_, height_), step);
-  stage.points = nodes_near(stage.lattice, nodes_, 1.5f * std::max(node_spacing(nodes_), step));
+  stage.points = points_of(stage);
   stage.passes = passes;
   stage.searches = searches;
   for (int t = 0; t < threads_; ++t) stage.tools.emplace_back(stage.level_side(), searches);
   if (images(decimation) == nullptr) levels_.emplace_back().decimation = decimation;
   stages_.push_back(std::move(stage));
+}
+
+NodeLattice WindowPasses::points_of(const WindowStage& stage) const {
+  const float step = std::max(stage.lattice.dx, stage.lattice.dy);
+  return nodes_near(stage.lattice, nodes_, 1.5f * std::max(node_spacing(nodes_), step));
+}
+
+void WindowPasses::want(const NodeLattice& nodes) {
+  nodes_ = nodes;
+  for (WindowStage& stage : stages_) stage.points = points_of(stage);
 }
 
 const Level* WindowPasses::images(int decimation) const {
@@ -98,7 +108,8 @@ void WindowPasses::improve_predictor(WindowStage& stage) {
     median_test(found, options_.median_threshold, options_.median_floor_px * stage.decimation, threads_);
     const float step = std::min(stage.lattice.dx, stage.lattice.dy);
     predictor_.fit(stage.lattice, found.displacement, found.good,
-                   std::max(0.5f, smoothing * static_cast<float>(stage.side) / step), threads_);
+                   std::max(0.5f, smoothing * static_cast<float>(std::max(stage.side, stages_.back().side)) / step),
+                   threads_);
     if (options_.passes == 0 && !stage.searches && change < converged_px) break;
   }
 }
@@ -112,20 +123,35 @@ float WindowPasses::measure(WindowStage& stage, Search search, VectorGrid& found
   found.good.assign(count, 0);
   std::vector<float> change(count, 0.0f);
   const auto least_score = static_cast<float>(0.5 * options_.min_score);
-#pragma omp parallel for num_threads(threads_) schedule(dynamic, 16)
-  for (std::size_t k = 0; k < count; ++k) {
-    if (!switched_on(stage.points, k)) continue;
-    WindowTools& tools = stage.tools[std::size_t(omp_get_thread_num())];
-    const auto [x, y] = stage.points.pixel[k];
-    tools.window.cut(warped_, l.from_full(x), l.from_full(y));
-    if (!enough(tools.window) || !textured(tools.window)) continue;
-    const Peak peak = tools.find(search);
-    if (!(peak.score >= least_score) || (search == Search::far && !peak.interior)) continue;
-    const auto predicted = predictor_.at(x, y);
+  const auto take = [&](std::size_t k, const Peak& peak) {
+    if (!(peak.score >= least_score) || (search == Search::far && !peak.interior)) return;
+    const auto predicted = predictor_.at(stage.points.pixel[k][0], stage.points.pixel[k][1]);
     const auto d = static_cast<float>(stage.decimation);
     found.displacement[k] = {predicted[0] + d * peak.dx, predicted[1] + d * peak.dy};
     found.good[k] = 1;
     change[k] = d * d * (peak.dx * peak.dx + peak.dy * peak.dy);
+  };
+  constexpr std::size_t batch = FftCorrelator::batch;
+#pragma omp parallel for num_threads(threads_) schedule(dynamic, 1)
+  for (std::size_t first = 0; first < count; first += batch) {
+    WindowTools& tools = stage.tools[std::size_t(omp_get_thread_num())];
+    std::size_t point[batch];
+    int cut = 0;
+    for (std::size_t k = first; k < std::min(first + batch, count); ++k) {
+      if (!switched_on(stage.points, k)) continue;
+      tools.window.cut(warped_, l.from_full(stage.points.pixel[k][0]), l.from_full(stage.points.pixel[k][1]));
+      if (!enough(tools.window) || !textured(tools.window)) continue;
+      if (search == Search::near) {
+        take(k, tools.near.find(tools.window));
+      } else {
+        tools.fft.front().put(cut, tools.window);
+        point[cut++] = k;
+      }
+    }
+    if (cut == 0) continue;
+    Peak peaks[batch];
+    tools.fft.front().find(cut, peaks);
+    for (int n = 0; n < cut; ++n) take(point[n], peaks[n]);
   }
   double sum = 0, good = 0;
   for (std::size_t k = 0; k < count; ++k) sum += change[k], good += found.good[k];

@@ -48,6 +48,8 @@ class WindowPasses {
 
   /// A stage after those before it: `step` is its lattice's spacing in pixels.
   void add(int side, int decimation, float step, int passes, bool searches);
+  /// Nodes that take part: all of those given before, or fewer.
+  void want(const NodeLattice& nodes);
   bool empty() const { return stages_.empty(); }
   WindowStage& last() { return stages_.back(); }
 
@@ -64,6 +66,7 @@ class WindowPasses {
   float rounding_variance() const { return rounding_variance_; }
 
  private:
+  NodeLattice points_of(const WindowStage& stage) const;
   void take_images(const ImageView& first, const ImageView& second, const MaskView& mask);
   const Level& level(const WindowStage& stage) const { return *images(stage.decimation); }
   void improve_predictor(WindowStage& stage);
