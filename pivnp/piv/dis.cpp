@@ -23,24 +23,24 @@ cv::Mat as_8_bits(const ImageView& image) {
 
 class DenseInverseSearch final : public Method {
  public:
-  DenseInverseSearch(const PivOptions& options, const NodeLattice& nodes, int width, int height, int threads)
+  DenseInverseSearch(const PivOptions& options, const Extent& extent, int threads)
       : options_(options),
-        nodes_(nodes),
-        width_(width),
-        height_(height),
+        nodes_(extent.nodes),
+        mask_(extent.mask),
+        width_(extent.width),
+        height_(extent.height),
         threads_(std::max(1, threads)),
         anchor_(anchor_of(options)),
         search_(cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_MEDIUM)) {
     lattice_.step = std::max(2, options.window_px / 4);
-    const Box box = bounding_box(nodes_, 2.0f * static_cast<float>(lattice_.step), width, height);
+    const Box box = bounding_box(nodes_, 2.0f * static_cast<float>(lattice_.step), width_, height_);
     if (box.empty()) return;
     lattice_.x0 = box.x0, lattice_.y0 = box.y0;
     lattice_.nx = std::max(least_lattice_points, (box.width() + lattice_.step - 1) / lattice_.step + 1);
     lattice_.ny = std::max(least_lattice_points, (box.height() + lattice_.step - 1) / lattice_.step + 1);
   }
 
-  void correlate(const ImageView& first, const ImageView& second, const MaskView& mask,
-                 PixelVectors& vectors) override {
+  void correlate(const ImageView& first, const ImageView& second, PixelVectors& vectors) override {
     if (lattice_.nx == 0) return;
     cv::setNumThreads(threads_);
     search_->calc(as_8_bits(first), as_8_bits(second), flow_);
@@ -51,7 +51,7 @@ class DenseInverseSearch final : public Method {
                                     static_cast<float>(lattice_.y0 + j * lattice_.step));
         u[lattice_.index(i, j)] = d[0], v[lattice_.index(i, j)] = d[1];
       }
-    judge(first, second, mask, u, v, vectors);
+    judge(first, second, u, v, vectors);
   }
 
  private:
@@ -77,13 +77,14 @@ class DenseInverseSearch final : public Method {
     return {mix(0), mix(1)};
   }
 
-  void judge(const ImageView& first, const ImageView& second, const MaskView& mask, const std::vector<float>& u,
-             const std::vector<float>& v, PixelVectors& vectors) {
+  void judge(const ImageView& first, const ImageView& second, const std::vector<float>& u, const std::vector<float>& v,
+             PixelVectors& vectors) {
     const float rounding = rounding_variance(first);
-    first_.assign(first, mask, 1, threads_);
-    second_.assign(second, mask, 1, threads_);
-    first_flags_.take(first, mask);
-    second_flags_.take(second, mask);
+    first_.assign(first, mask_, 1, threads_);
+    second_.assign(second, mask_, 1, threads_);
+    masked_.take_mask(mask_, 1);
+    first_flags_.take(first, masked_);
+    second_flags_.take(second, masked_);
     field_.interpolate(lattice_, u, v);
     SumsInput input;
     input.first = &first_, input.second = &second_;
@@ -112,13 +113,14 @@ class DenseInverseSearch final : public Method {
 
   PivOptions options_;
   NodeLattice nodes_;
+  MaskView mask_;
   int width_, height_, threads_;
   Anchor anchor_;
   cv::Ptr<cv::DISOpticalFlow> search_;
   cv::Mat_<cv::Vec2f> flow_;
   CellLattice lattice_;
   SplineImage first_, second_;
-  PixelFlags first_flags_, second_flags_;
+  PixelFlags masked_, first_flags_, second_flags_;
   SplineField field_;
   CellSums sums_;
   Increments increments_;
@@ -126,9 +128,8 @@ class DenseInverseSearch final : public Method {
 
 }  // namespace
 
-std::unique_ptr<Method> make_dense_inverse_search(const PivOptions& options, const NodeLattice& nodes, int width,
-                                                  int height, int threads) {
-  return std::make_unique<DenseInverseSearch>(options, nodes, width, height, threads);
+std::unique_ptr<Method> make_dense_inverse_search(const PivOptions& options, const Extent& extent, int threads) {
+  return std::make_unique<DenseInverseSearch>(options, extent, threads);
 }
 
 }  // namespace pivnp::piv

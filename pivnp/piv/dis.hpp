@@ -4,13 +4,13 @@
 #include <memory>
 
 #include "pivnp/piv/method.hpp"
+#include "pivnp/piv/extent.hpp"
 
 namespace pivnp::piv {
 
 /// Dense inverse search (Kroeger et al. 2016), medium preset, with `threads` of OpenCV's threads. Its flow belongs to
 /// the first frame; for the central anchor it is moved to the mid-point. One warp and its sums then tell how well the
 /// frames match, and the field is not changed any more. Frames of more than 8 bits are scaled to 8.
-std::unique_ptr<Method> make_dense_inverse_search(const PivOptions& options, const NodeLattice& nodes, int width,
-                                                  int height, int threads);
+std::unique_ptr<Method> make_dense_inverse_search(const PivOptions& options, const Extent& extent, int threads);
 
 }  // namespace pivnp::piv

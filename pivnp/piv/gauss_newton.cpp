@@ -5,7 +5,6 @@
 #include "pivnp/piv/increments.hpp"
 #include "pivnp/piv/judge.hpp"
 #include "pivnp/piv/light.hpp"
-#include "pivnp/piv/live_nodes.hpp"
 #include "pivnp/piv/multipass.hpp"
 #include "pivnp/piv/presmoothing.hpp"
 #include "pivnp/piv/rematch.hpp"
@@ -18,8 +17,8 @@ constexpr int coarse_passes = 4, middle_passes = 3, fine_passes = 3;  // at 1/4,
 
 class GaussNewton final : public Method {
  public:
-  GaussNewton(const PivOptions& options, const NodeLattice& nodes, int width, int height, int threads, int finest);
-  void correlate(const ImageView& first, const ImageView& second, const MaskView& mask, PixelVectors& vectors) override;
+  GaussNewton(const PivOptions& options, const Extent& extent, int threads, int finest);
+  void correlate(const ImageView& first, const ImageView& second, PixelVectors& vectors) override;
 
  private:
   void start_from(const GnLevel& level, const PredictorField& predictor);
@@ -30,10 +29,9 @@ class GaussNewton final : public Method {
   void mend(const GnLevel& level);
 
   PivOptions options_;
-  NodeLattice nodes_;
-  int width_, height_, threads_;
+  Extent extent_;
+  int threads_;
   Anchor anchor_;
-  LiveNodes live_;
   WindowPasses windows_;
   Rematcher rematcher_;
   std::vector<GnLevel> levels_;
@@ -47,49 +45,41 @@ class GaussNewton final : public Method {
   SmoothedField smooth_u_, smooth_v_;
 };
 
-GaussNewton::GaussNewton(const PivOptions& options, const NodeLattice& nodes, int width, int height, int threads,
-                         int finest)
+GaussNewton::GaussNewton(const PivOptions& options, const Extent& extent, int threads, int finest)
     : options_(options),
-      nodes_(nodes),
-      width_(width),
-      height_(height),
+      extent_(extent),
       threads_(std::max(1, threads)),
       anchor_(anchor_of(options)),
-      live_(nodes, static_cast<float>(options.window_px)),
-      windows_(options, nodes, width, height, threads),
+      windows_(options, extent, threads),
       rematcher_(options, threads_) {
-  const std::vector<int> sides = window_sides(options, width, height);
+  const std::vector<int> sides = window_sides(options, extent.width, extent.height);
   const int side = sides.front();
-  if (bounding_box(nodes_, static_cast<float>(side) / 2, width, height).empty()) return;  // no node lies in the image
+  if (bounding_box(extent.nodes, static_cast<float>(side) / 2, extent.width, extent.height).empty())
+    return;  // no node lies in the image
   // A first guess by correlation of large windows of decimated images, then of windows half as large.
   const int decimation = decimation_of(side, sides.back());
   windows_.add(side, decimation, static_cast<float>(side) / 2, 2, true);
   if (side / 2 > options.window_px) windows_.add(side / 2, decimation, static_cast<float>(side) / 4, 1, true);
   const auto add_level = [&](int level_decimation, int passes) {
-    levels_.emplace_back(nodes_, width, height, level_decimation, options.window_px, passes);
+    levels_.emplace_back(extent, level_decimation, options.window_px, passes);
   };
   add_level(4, coarse_passes);
   add_level(2, middle_passes);
   if (finest == 1) add_level(1, options.passes > 0 ? options.passes : fine_passes);
 }
 
-void GaussNewton::correlate(const ImageView& first, const ImageView& second, const MaskView& mask,
-                            PixelVectors& vectors) {
+void GaussNewton::correlate(const ImageView& first, const ImageView& second, PixelVectors& vectors) {
   if (windows_.empty()) return;
   rounding_ = rounding_variance(first);
   light_.clear();
-  if (live_.take(mask)) {
-    windows_.want(live_.nodes());
-    for (GnLevel& level : levels_) level.want(live_.nodes());
-  }
-  const PredictorField& predictor = windows_.find(first, second, mask);
+  const PredictorField& predictor = windows_.find(first, second);
   const GnLevel* coarser = nullptr;
   for (GnLevel& level : levels_) {
     // Averages over blocks of pixels hold what their own sampling folds: where they are the last word, smooth them
     // fully.
     const bool finest = &level == &levels_.back();
     const float smoothing = !finest ? 0.0f : level.decimation() == 1 ? presmoothing(first, second) : 0.25f;
-    level.take(first, second, mask, smoothing, threads_, finest ? nullptr : windows_.images(level.decimation()));
+    level.take(first, second, smoothing, threads_, finest ? nullptr : windows_.images(level.decimation()));
     coarser == nullptr ? start_from(level, predictor) : start_from(level, *coarser);
     run_passes(level);
     if (!finest) mend(level);
@@ -98,8 +88,8 @@ void GaussNewton::correlate(const ImageView& first, const ImageView& second, con
     coarser = &level;
   }
   const GnLevel& finest = levels_.back();
-  judge_nodes({options_, nodes_, width_, height_, finest.decimation(), threads_, rounding_}, field_, sums_, u_, v_,
-              smooth_u_, smooth_v_, vectors);
+  judge_nodes({options_, extent_.nodes, extent_.width, extent_.height, finest.decimation(), threads_, rounding_},
+              field_, sums_, u_, v_, smooth_u_, smooth_v_, vectors);
 }
 
 void GaussNewton::start_from(const GnLevel& level, const PredictorField& predictor) {
@@ -200,9 +190,8 @@ void GaussNewton::mend(const GnLevel& level) {
 
 }  // namespace
 
-std::unique_ptr<Method> make_gauss_newton(const PivOptions& options, const NodeLattice& nodes, int width, int height,
-                                          int threads, int finest) {
-  return std::make_unique<GaussNewton>(options, nodes, width, height, threads, finest);
+std::unique_ptr<Method> make_gauss_newton(const PivOptions& options, const Extent& extent, int threads, int finest) {
+  return std::make_unique<GaussNewton>(options, extent, threads, finest);
 }
 
 }  // namespace pivnp::piv

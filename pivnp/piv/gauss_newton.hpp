@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "pivnp/piv/method.hpp"
+#include "pivnp/piv/extent.hpp"
 
 namespace pivnp::piv {
 
@@ -14,7 +15,6 @@ namespace pivnp::piv {
 ///   shrinkage.
 /// `finest` 1: passes at 1/4, 1/2 and the full resolution; 2: ends at half of it.
 /// Sources: docs/theory.md, "Gauss-Newton on shared warps".
-std::unique_ptr<Method> make_gauss_newton(const PivOptions& options, const NodeLattice& nodes, int width, int height,
-                                          int threads, int finest);
+std::unique_ptr<Method> make_gauss_newton(const PivOptions& options, const Extent& extent, int threads, int finest);
 
 }  // namespace pivnp::piv

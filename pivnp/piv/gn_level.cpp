@@ -9,10 +9,11 @@ namespace {
 
 constexpr int margin = 2;  // cells beyond the outermost nodes
 
-CellLattice lattice_of(const NodeLattice& nodes, int width, int height, const Level& level, int step) {
+CellLattice lattice_of(const Extent& extent, const Level& level, int step) {
   CellLattice lattice;
   lattice.step = step;
-  const Box box = bounding_box(nodes, static_cast<float>(margin * step * level.decimation), width, height);
+  const Box box =
+      bounding_box(extent.nodes, static_cast<float>(margin * step * level.decimation), extent.width, extent.height);
   const auto place = [&](int first, int end, int& origin, int& points) {
     const float from = level.from_full(static_cast<float>(first)), to = level.from_full(static_cast<float>(end - 1));
     const int cells = static_cast<int>(std::ceil((to - from) / static_cast<float>(step)));
@@ -27,16 +28,14 @@ CellLattice lattice_of(const NodeLattice& nodes, int width, int height, const Le
 
 }  // namespace
 
-GnLevel::GnLevel(const NodeLattice& nodes, int width, int height, int decimation, int window_px, int passes)
-    : own_{.decimation = decimation, .first = {}, .second = {}, .mask = {}},
-      lattice_(lattice_of(nodes, width, height, own_, std::max(2, window_px / 4))),
+GnLevel::GnLevel(const Extent& extent, int decimation, int window_px, int passes)
+    : mask_(extent.mask),
+      own_{.decimation = decimation, .first = {}, .second = {}, .mask = {}},
+      lattice_(lattice_of(extent, own_, std::max(2, window_px / 4))),
       shrinker_(lattice_),
       passes_(passes) {
-  want(nodes);
-}
-
-void GnLevel::want(const NodeLattice& nodes) {
-  wanted_.clear();
+  masked_.take_mask(mask_, decimation);
+  const NodeLattice& nodes = extent.nodes;
   if (nodes.on.empty()) return;
   const float reach = std::max(node_spacing(nodes), static_cast<float>(margin * lattice_.step * own_.decimation));
   wanted_ = nodes_near(even(), nodes, reach).on;
@@ -47,19 +46,15 @@ EvenLattice GnLevel::even() const {
   return {lattice_.nx, lattice_.ny, column(0), row(0), step, step};
 }
 
-void GnLevel::take(const ImageView& first, const ImageView& second, const MaskView& mask, float smoothing, int threads,
-                   const Level* shared) {
+void GnLevel::take(const ImageView& first, const ImageView& second, float smoothing, int threads, const Level* shared) {
   images_ = shared != nullptr ? shared : &own_;
   if (shared == nullptr) {
-    own_.first.assign(first, mask, own_.decimation, threads, smoothing);
-    own_.second.assign(second, mask, own_.decimation, threads, smoothing);
+    own_.first.assign(first, mask_, own_.decimation, threads, smoothing);
+    own_.second.assign(second, mask_, own_.decimation, threads, smoothing);
   }
   if (own_.decimation == 1) {
-    first_flags_.take(first, mask);
-    second_flags_.take(second, mask);
-  } else {
-    first_flags_.take_mask(mask, own_.decimation);
-    second_flags_.take_mask(mask, own_.decimation);
+    first_flags_.take(first, masked_);
+    second_flags_.take(second, masked_);
   }
 }
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "pivnp/piv/lattice.hpp"
+#include "pivnp/piv/extent.hpp"
 #include "pivnp/piv/pixel_flags.hpp"
 #include "pivnp/piv/shrink.hpp"
 #include "pivnp/piv/warp.hpp"
@@ -14,18 +14,14 @@ namespace pivnp::piv {
 class GnLevel {
  public:
   /// Cells of a quarter of `window_px`, in pixels of the level, over the nodes and two cells beyond.
-  GnLevel(const NodeLattice& nodes, int width, int height, int decimation, int window_px, int passes);
-
-  /// Nodes that take part: all of those given before, or fewer.
-  void want(const NodeLattice& nodes);
+  GnLevel(const Extent& extent, int decimation, int window_px, int passes);
 
   /// `shared`: the level's images where somebody has taken them already without smoothing, else null.
-  void take(const ImageView& first, const ImageView& second, const MaskView& mask, float smoothing, int threads,
-            const Level* shared);
+  void take(const ImageView& first, const ImageView& second, float smoothing, int threads, const Level* shared);
 
   const Level& images() const { return *images_; }
-  const PixelFlags* first_flags() const { return first_flags_.empty() ? nullptr : &first_flags_; }
-  const PixelFlags* second_flags() const { return second_flags_.empty() ? nullptr : &second_flags_; }
+  const PixelFlags* first_flags() const { return flags(first_flags_); }
+  const PixelFlags* second_flags() const { return flags(second_flags_); }
   int decimation() const { return own_.decimation; }
   int passes() const { return passes_; }
   const CellLattice& lattice() const { return lattice_; }
@@ -39,9 +35,16 @@ class GnLevel {
   EvenLattice even() const;
 
  private:
+  // Saturated pixels are told at the full resolution only.
+  const PixelFlags* flags(const PixelFlags& full) const {
+    const PixelFlags& own = own_.decimation == 1 ? full : masked_;
+    return own.empty() ? nullptr : &own;
+  }
+
+  MaskView mask_;
   Level own_;
   const Level* images_ = nullptr;
-  PixelFlags first_flags_, second_flags_;
+  PixelFlags masked_, first_flags_, second_flags_;
   CellLattice lattice_;
   Shrinker shrinker_;
   std::vector<std::uint8_t> wanted_;

@@ -1,4 +1,5 @@
-// What every correlation method does, and what they share. A method is one file; PairCorrelator picks it by name.
+// What every correlation method does, and what they share. A method is one file; PairCorrelator picks it by name and
+// makes it anew for every other mask.
 #pragma once
 
 #include "pivnp/piv/piv.hpp"
@@ -11,8 +12,7 @@ class Method {
   virtual ~Method() = default;
   /// Fills displacement, status, cov, score and correlation_px. As it gets them nothing is measured: values NaN, status
   /// masked where a node is off, failed elsewhere.
-  virtual void correlate(const ImageView& first, const ImageView& second, const MaskView& mask,
-                         PixelVectors& vectors) = 0;
+  virtual void correlate(const ImageView& first, const ImageView& second, PixelVectors& vectors) = 0;
 };
 
 inline Anchor anchor_of(const PivOptions& options) {

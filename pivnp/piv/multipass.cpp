@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pivnp/piv/live_nodes.hpp"
 #include "pivnp/piv/validate.hpp"
 #include "pivnp/piv/window_passes.hpp"
 
@@ -25,8 +24,8 @@ int search_side(int window_px, int support) {
 
 class Multipass final : public Method {
  public:
-  Multipass(const PivOptions& options, const NodeLattice& nodes, int width, int height, int threads);
-  void correlate(const ImageView& first, const ImageView& second, const MaskView& mask, PixelVectors& vectors) override;
+  Multipass(const PivOptions& options, const Extent& extent, int threads);
+  void correlate(const ImageView& first, const ImageView& second, PixelVectors& vectors) override;
 
  private:
   void measure_nodes(PixelVectors& vectors);
@@ -37,21 +36,19 @@ class Multipass final : public Method {
   NodeLattice nodes_;
   int width_, height_, threads_;
   int passes_;  // with the last window
-  LiveNodes live_;
   WindowPasses windows_;
 };
 
-Multipass::Multipass(const PivOptions& options, const NodeLattice& nodes, int width, int height, int threads)
+Multipass::Multipass(const PivOptions& options, const Extent& extent, int threads)
     : options_(options),
-      nodes_(nodes),
-      width_(width),
-      height_(height),
+      nodes_(extent.nodes),
+      width_(extent.width),
+      height_(extent.height),
       threads_(std::max(1, threads)),
       passes_(options.passes > 0 ? options.passes : automatic_passes),
-      live_(nodes, static_cast<float>(options.window_px)),
-      windows_(options, nodes, width, height, threads) {
-  const std::vector<int> sides = window_sides(options, width, height);
-  if (bounding_box(nodes_, static_cast<float>(sides.front()) / 2, width, height).empty()) return;  // no node inside
+      windows_(options, extent, threads) {
+  const std::vector<int> sides = window_sides(options, extent.width, extent.height);
+  if (bounding_box(nodes_, static_cast<float>(sides.front()) / 2, width_, height_).empty()) return;  // no node inside
   for (const int side : sides)
     if (side != sides.back())
       windows_.add(side, decimation_of(side, sides.back()), static_cast<float>(side) / 2, 2, true);
@@ -66,12 +63,10 @@ Multipass::Multipass(const PivOptions& options, const NodeLattice& nodes, int wi
     windows_.add(support, 1, std::clamp(node_spacing(nodes_), window / 4, window / 3), passes_ - 2, false);
 }
 
-void Multipass::correlate(const ImageView& first, const ImageView& second, const MaskView& mask,
-                          PixelVectors& vectors) {
+void Multipass::correlate(const ImageView& first, const ImageView& second, PixelVectors& vectors) {
   vectors.correlation_px = 0.5f * static_cast<float>(options_.window_px);
   if (windows_.empty()) return;
-  if (live_.take(mask)) windows_.want(live_.nodes());
-  windows_.find(first, second, mask);
+  windows_.find(first, second);
   measure_nodes(vectors);
   validate_nodes(vectors);
 }
@@ -88,10 +83,6 @@ void Multipass::measure_nodes(PixelVectors& vectors) {
 void Multipass::measure_node(WindowTools& tools, const WarpedPair& warped, std::size_t k, PixelVectors& vectors) {
   const auto [x, y] = nodes_.pixel[k];
   if (!(x >= 0 && y >= 0 && x <= static_cast<float>(width_ - 1) && y <= static_cast<float>(height_ - 1))) return;
-  if (!switched_on(live_.nodes(), k)) {
-    vectors.status[k] = VectorStatus::masked;  // nothing is left of its window
-    return;
-  }
   tools.window.cut(warped, x, y);
   const Window& window = tools.window;
   if (!windows_.enough(window)) {
@@ -147,9 +138,8 @@ std::vector<int> window_sides(const PivOptions& options, int width, int height) 
   return sides;
 }
 
-std::unique_ptr<Method> make_multipass(const PivOptions& options, const NodeLattice& nodes, int width, int height,
-                                       int threads) {
-  return std::make_unique<Multipass>(options, nodes, width, height, threads);
+std::unique_ptr<Method> make_multipass(const PivOptions& options, const Extent& extent, int threads) {
+  return std::make_unique<Multipass>(options, extent, threads);
 }
 
 }  // namespace pivnp::piv

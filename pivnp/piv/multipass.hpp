@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pivnp/piv/method.hpp"
+#include "pivnp/piv/extent.hpp"
 
 namespace pivnp::piv {
 
@@ -18,7 +19,6 @@ std::vector<int> window_sides(const PivOptions& options, int width, int height);
 
 /// "fft": every window size first searches all lags by FFT. "ncc": with the last window only the nearest lags are
 /// correlated, directly, about what the larger windows found.
-std::unique_ptr<Method> make_multipass(const PivOptions& options, const NodeLattice& nodes, int width, int height,
-                                       int threads);
+std::unique_ptr<Method> make_multipass(const PivOptions& options, const Extent& extent, int threads);
 
 }  // namespace pivnp::piv

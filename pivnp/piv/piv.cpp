@@ -1,5 +1,7 @@
 #include "pivnp/piv/piv.hpp"
 
+#include <algorithm>
+#include <cstring>
 #include <limits>
 #include <string>
 #include <utility>
@@ -7,6 +9,7 @@
 #include "pivnp/core/error.hpp"
 #include "pivnp/piv/dis.hpp"
 #include "pivnp/piv/gauss_newton.hpp"
+#include "pivnp/piv/extent.hpp"
 #include "pivnp/piv/lattice.hpp"
 #include "pivnp/piv/method.hpp"
 #include "pivnp/piv/multipass.hpp"
@@ -41,13 +44,60 @@ void check(const PivOptions& options, const NodeLattice& lattice, int width, int
 }  // namespace
 
 struct PairCorrelator::Impl {
-  std::unique_ptr<Method> method;
+  PivOptions options;
   NodeLattice nodes;
   Anchor anchor = Anchor::central;
-  int width = 0, height = 0;
+  int width = 0, height = 0, threads = 1;
+  // Made for a mask:
+  std::vector<std::uint8_t> mask;  // [height][width]; empty without one
+  Box box;                         // what the method sees of the frames
+  std::unique_ptr<Method> method;
 
-  // As they are before anything is measured.
-  PixelVectors empty_vectors() const {
+  Impl(const PivOptions& piv_options, NodeLattice lattice, int frame_width, int frame_height, int thread_count)
+      : options(piv_options),
+        nodes(std::move(lattice)),
+        anchor(anchor_of(piv_options)),
+        width(frame_width),
+        height(frame_height),
+        threads(std::max(1, thread_count)) {
+    make_method();
+  }
+
+  // Takes the mask of a pair; true if it is another than before.
+  bool take(const MaskView& view) {
+    if (view.data == nullptr) return !std::exchange(mask, {}).empty();
+    const auto columns = static_cast<std::size_t>(width), rows = static_cast<std::size_t>(height);
+    bool same = mask.size() == columns * rows;
+    mask.resize(columns * rows);
+    for (std::size_t r = 0; r < rows; ++r) {
+      const std::uint8_t* from = view.data + std::ptrdiff_t(r) * view.stride;
+      std::uint8_t* to = mask.data() + r * columns;
+      same = same && std::memcmp(from, to, columns) == 0;
+      std::memcpy(to, from, columns);
+    }
+    return !same;
+  }
+
+  void make_method() {
+    const MaskView whole = mask.empty() ? MaskView{} : MaskView{mask.data(), width, height, width};
+    box = usable_box(whole, width, height, 3 * options.window_px / 2, 2 * window_sides(options, width, height).front());
+    Extent extent{live_nodes(nodes, whole, 0.5f * static_cast<float>(options.window_px)), part_of(whole, box),
+                  box.width(), box.height()};
+    for (auto& [x, y] : extent.nodes.pixel) x -= static_cast<float>(box.x0), y -= static_cast<float>(box.y0);
+    if (options.method == "default" || options.method == "gn" || options.method == "fast")
+      method = make_gauss_newton(options, extent, threads, options.method == "fast" ? 2 : 1);
+    else if (options.method == "fft" || options.method == "ncc")
+      method = make_multipass(options, extent, threads);
+    else if (options.method == "dis")
+      method = make_dense_inverse_search(options, extent, threads);
+    else
+      refuse("method", "'" + options.method + "'", "default, gn, fast, fft, ncc or dis");
+    empty = empty_vectors(extent.nodes);
+  }
+
+  // As they are before anything is measured: masked where a node is off or nothing is left of its window.
+  PixelVectors empty;
+  PixelVectors empty_vectors(const NodeLattice& live) const {
     constexpr float nan = std::numeric_limits<float>::quiet_NaN();
     const std::size_t count = nodes.pixel.size();
     PixelVectors vectors{anchor, {}, {}, {}, {}, nan};
@@ -55,32 +105,18 @@ struct PairCorrelator::Impl {
     vectors.cov.assign(count, {nan, nan, nan});
     vectors.score.assign(count, nan);
     vectors.status.assign(count, VectorStatus::failed);
-    for (std::size_t k = 0; k < count; ++k)
-      if (!switched_on(nodes, k)) vectors.status[k] = VectorStatus::masked;
+    for (std::size_t k = 0; k < count; ++k) {
+      const auto [x, y] = nodes.pixel[k];
+      const bool inside = x >= 0 && y >= 0 && x <= static_cast<float>(width - 1) && y <= static_cast<float>(height - 1);
+      if (!switched_on(nodes, k) || (inside && !switched_on(live, k))) vectors.status[k] = VectorStatus::masked;
+    }
     return vectors;
   }
 };
 
-PairCorrelator::PairCorrelator(const PivOptions& options, NodeLattice lattice, int width, int height, int threads)
-    : impl_(std::make_unique<Impl>()) {
+PairCorrelator::PairCorrelator(const PivOptions& options, NodeLattice lattice, int width, int height, int threads) {
   check(options, lattice, width, height);
-  impl_->anchor = anchor_of(options);
-  impl_->width = width;
-  impl_->height = height;
-  const auto gauss_newton = [&](int finest) {
-    return make_gauss_newton(options, lattice, width, height, threads, finest);
-  };
-  if (options.method == "default" || options.method == "gn")
-    impl_->method = gauss_newton(1);
-  else if (options.method == "fast")
-    impl_->method = gauss_newton(2);
-  else if (options.method == "fft" || options.method == "ncc")
-    impl_->method = make_multipass(options, lattice, width, height, threads);
-  else if (options.method == "dis")
-    impl_->method = make_dense_inverse_search(options, lattice, width, height, threads);
-  else
-    refuse("method", "'" + options.method + "'", "default, gn, fast, fft, ncc or dis");
-  impl_->nodes = std::move(lattice);
+  impl_ = std::make_unique<Impl>(options, std::move(lattice), width, height, threads);
 }
 
 PairCorrelator::~PairCorrelator() = default;
@@ -93,8 +129,9 @@ PixelVectors PairCorrelator::correlate(const ImageView& first, const ImageView& 
   if (mask.data != nullptr && (mask.width != impl_->width || mask.height != impl_->height))
     throw InputError("piv: found a mask of " + std::to_string(mask.width) + " x " + std::to_string(mask.height) +
                      " px, expected " + std::to_string(impl_->width) + " x " + std::to_string(impl_->height));
-  PixelVectors vectors = impl_->empty_vectors();
-  impl_->method->correlate(first, second, mask, vectors);
+  if (impl_->take(mask)) impl_->make_method();
+  PixelVectors vectors = impl_->empty;
+  impl_->method->correlate(part_of(first, impl_->box), part_of(second, impl_->box), vectors);
   return vectors;
 }
 

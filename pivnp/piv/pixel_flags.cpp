@@ -32,8 +32,7 @@ void PixelFlags::resize(int width, int height) {
   tile_flag_.assign(std::size_t(tiles_) * std::size_t((height + tile - 1) / tile), 0);
 }
 
-void PixelFlags::take(const ImageView& image, const MaskView& mask) {
-  any_ = false;
+void PixelFlags::take(const ImageView& image, const PixelFlags& masked) {
   std::vector<std::pair<int, int>> saturated;
   if (image.depth == PixelDepth::u8)
     find_saturated<std::uint8_t>(image, saturated);
@@ -42,13 +41,14 @@ void PixelFlags::take(const ImageView& image, const MaskView& mask) {
   else
     find_saturated<float>(image, saturated);
   if (static_cast<double>(saturated.size()) > most_saturated * image.width * image.height) saturated.clear();
-  if (saturated.empty() && mask.data == nullptr) return;
-  resize(image.width, image.height);
+  any_ = masked.any_;
+  if (saturated.empty() && !any_) return;
+  if (any_)
+    *this = masked;
+  else
+    resize(image.width, image.height);
   for (const auto& [c, r] : saturated) mark(c, r, 1);
-  if (mask.data == nullptr) return;
-  for (int r = 0; r < height_; ++r)
-    for (int c = 0; c < width_; ++c)
-      if (!mask.usable(c, r)) mark(c, r, 0);
+  widen_tiles();
 }
 
 void PixelFlags::take_mask(const MaskView& mask, int decimation) {
@@ -62,6 +62,19 @@ void PixelFlags::take_mask(const MaskView& mask, int decimation) {
         for (int a = 0; a < decimation; ++a) excluded += !mask.usable(c * decimation + a, r * decimation + b);
       if (2 * excluded > decimation * decimation) mark(c, r, 0);
     }
+  widen_tiles();
+}
+
+void PixelFlags::widen_tiles() {
+  const int rows = static_cast<int>(tile_flag_.size()) / tiles_;
+  around_.assign(tile_flag_.size(), 0);
+  for (int r = 0; r < rows; ++r)
+    for (int c = 0; c < tiles_; ++c) {
+      if (!tile_flag_[std::size_t(r) * std::size_t(tiles_) + std::size_t(c)]) continue;
+      for (int b = std::max(0, r - 1); b <= std::min(rows - 1, r + 1); ++b)
+        for (int a = std::max(0, c - 1); a <= std::min(tiles_ - 1, c + 1); ++a)
+          around_[std::size_t(b) * std::size_t(tiles_) + std::size_t(a)] = 1;
+    }
 }
 
 void PixelFlags::mark(int column, int row, int reach) {
@@ -73,7 +86,7 @@ void PixelFlags::mark(int column, int row, int reach) {
     }
 }
 
-bool PixelFlags::any(int column0, int row0, int column1, int row1) const {
+bool PixelFlags::any_in(int column0, int row0, int column1, int row1) const {
   const int c0 = std::clamp(column0, 0, width_ - 1) / tile, c1 = std::clamp(column1, 0, width_ - 1) / tile;
   const int r0 = std::clamp(row0, 0, height_ - 1) / tile, r1 = std::clamp(row1, 0, height_ - 1) / tile;
   for (int r = r0; r <= r1; ++r)

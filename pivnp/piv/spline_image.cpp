@@ -84,24 +84,21 @@ void average_row(const ImageView& image, const MaskView& mask, int decimation, i
     for (int c = 0; c < width; ++c) out[c] = static_cast<float>(in[c]);
     return;
   }
-  if (mask.data == nullptr) {
-    average_plain<Grey>(image, decimation, row, width, out);
-    return;
-  }
+  average_plain<Grey>(image, decimation, row, width, out);
+  if (mask.data == nullptr) return;
   for (int c = 0; c < width; ++c) {
-    float sum = 0, all = 0;
+    float sum = 0;
     int usable = 0;
     for (int dr = 0; dr < decimation; ++dr) {
       const int r = row * decimation + dr;
       const Grey* in = image.row<Grey>(r) + c * decimation;
       for (int dc = 0; dc < decimation; ++dc) {
-        all += static_cast<float>(in[dc]);
-        if (!mask.usable(c * decimation + dc, r)) continue;
-        sum += static_cast<float>(in[dc]);
-        ++usable;
+        const bool use = mask.usable(c * decimation + dc, r);
+        usable += use;
+        sum += use ? static_cast<float>(in[dc]) : 0.0f;
       }
     }
-    out[c] = usable > 0 ? sum / static_cast<float>(usable) : all / static_cast<float>(decimation * decimation);
+    if (usable > 0 && usable < decimation * decimation) out[c] = sum / static_cast<float>(usable);
   }
 }
 

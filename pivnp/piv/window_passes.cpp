@@ -23,35 +23,40 @@ int decimation_of(int side, int last_side) {
   return decimation;
 }
 
-WindowPasses::WindowPasses(const PivOptions& options, const NodeLattice& nodes, int width, int height, int threads)
-    : options_(options),
-      nodes_(nodes),
-      width_(width),
-      height_(height),
-      threads_(std::max(1, threads)),
-      anchor_(anchor_of(options)) {}
+WindowPasses::WindowPasses(const PivOptions& options, const Extent& extent, int threads)
+    : options_(options), extent_(extent), threads_(std::max(1, threads)), anchor_(anchor_of(options)) {}
 
 void WindowPasses::add(int side, int decimation, float step, int passes, bool searches) {
   WindowStage stage;
   stage.decimation = decimation;
   stage.side = side / decimation * decimation;
-  stage.lattice = even_lattice(bounding_box(nodes_, static_cast<float>(side) / 2, width_, height_), step);
-  stage.points = points_of(stage);
+  stage.lattice =
+      even_lattice(bounding_box(extent_.nodes, static_cast<float>(side) / 2, extent_.width, extent_.height), step);
+  stage.points = nodes_near(stage.lattice, extent_.nodes, 1.5f * std::max(node_spacing(extent_.nodes), step));
   stage.passes = passes;
   stage.searches = searches;
   for (int t = 0; t < threads_; ++t) stage.tools.emplace_back(stage.level_side(), searches);
-  if (images(decimation) == nullptr) levels_.emplace_back().decimation = decimation;
+  if (images(decimation) == nullptr) {
+    Level& added = levels_.emplace_back();
+    added.decimation = decimation;
+    added.mask = mask_at(decimation);
+  }
   stages_.push_back(std::move(stage));
 }
 
-NodeLattice WindowPasses::points_of(const WindowStage& stage) const {
-  const float step = std::max(stage.lattice.dx, stage.lattice.dy);
-  return nodes_near(stage.lattice, nodes_, 1.5f * std::max(node_spacing(nodes_), step));
-}
-
-void WindowPasses::want(const NodeLattice& nodes) {
-  nodes_ = nodes;
-  for (WindowStage& stage : stages_) stage.points = points_of(stage);
+// 1 where most of a block of pixels may be used.
+std::vector<std::uint8_t> WindowPasses::mask_at(int decimation) const {
+  const MaskView& mask = extent_.mask;
+  if (mask.data == nullptr) return {};
+  std::vector<std::uint8_t> out;
+  for (int r = 0; r < extent_.height / decimation; ++r)
+    for (int c = 0; c < extent_.width / decimation; ++c) {
+      int usable = 0;
+      for (int dr = 0; dr < decimation; ++dr)
+        for (int dc = 0; dc < decimation; ++dc) usable += mask.usable(c * decimation + dc, r * decimation + dr);
+      out.push_back(2 * usable > decimation * decimation);
+    }
+  return out;
 }
 
 const Level* WindowPasses::images(int decimation) const {
@@ -60,29 +65,19 @@ const Level* WindowPasses::images(int decimation) const {
   return at == levels_.end() ? nullptr : &*at;
 }
 
-void WindowPasses::take_images(const ImageView& first, const ImageView& second, const MaskView& mask) {
+void WindowPasses::take_images(const ImageView& first, const ImageView& second) {
   rounding_variance_ = piv::rounding_variance(first);
   for (Level& l : levels_) {
-    l.first.assign(first, mask, l.decimation, threads_);
-    l.second.assign(second, mask, l.decimation, threads_);
-    l.mask.clear();
-    if (mask.data == nullptr) continue;
-    const int d = l.decimation;
-    l.mask.resize(std::size_t(l.first.width()) * std::size_t(l.first.height()));
-    for (int r = 0; r < l.first.height(); ++r)
-      for (int c = 0; c < l.first.width(); ++c) {
-        int usable = 0;
-        for (int dr = 0; dr < d; ++dr)
-          for (int dc = 0; dc < d; ++dc) usable += mask.usable(c * d + dc, r * d + dr);
-        l.mask[std::size_t(r) * std::size_t(l.first.width()) + std::size_t(c)] = 2 * usable > d * d;
-      }
+    l.first.assign(first, extent_.mask, l.decimation, threads_);
+    l.second.assign(second, extent_.mask, l.decimation, threads_);
   }
 }
 
 const WarpedPair& WindowPasses::warp(const WindowStage& stage) {
   const Level& l = level(stage);
-  const Box full = bounding_box(
-      nodes_, static_cast<float>(stage.side) + 2.0f * std::max(stage.lattice.dx, stage.lattice.dy), width_, height_);
+  const Box full =
+      bounding_box(extent_.nodes, static_cast<float>(stage.side) + 2.0f * std::max(stage.lattice.dx, stage.lattice.dy),
+                   extent_.width, extent_.height);
   const int d = stage.decimation;
   const Box box{full.x0 / d, full.y0 / d, std::min((full.x1 + d - 1) / d, l.first.width()),
                 std::min((full.y1 + d - 1) / d, l.first.height())};
@@ -90,8 +85,8 @@ const WarpedPair& WindowPasses::warp(const WindowStage& stage) {
   return warped_;
 }
 
-const PredictorField& WindowPasses::find(const ImageView& first, const ImageView& second, const MaskView& mask) {
-  take_images(first, second, mask);
+const PredictorField& WindowPasses::find(const ImageView& first, const ImageView& second) {
+  take_images(first, second);
   predictor_ = {};
   for (WindowStage& stage : stages_) improve_predictor(stage);
   return predictor_;

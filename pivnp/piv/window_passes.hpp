@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "pivnp/piv/correlate.hpp"
+#include "pivnp/piv/extent.hpp"
 #include "pivnp/piv/piv.hpp"
 #include "pivnp/piv/uncertainty.hpp"
 #include "pivnp/piv/median_test.hpp"
@@ -44,17 +45,15 @@ int decimation_of(int side, int last_side);
 
 class WindowPasses {
  public:
-  WindowPasses(const PivOptions& options, const NodeLattice& nodes, int width, int height, int threads);
+  WindowPasses(const PivOptions& options, const Extent& extent, int threads);
 
   /// A stage after those before it: `step` is its lattice's spacing in pixels.
   void add(int side, int decimation, float step, int passes, bool searches);
-  /// Nodes that take part: all of those given before, or fewer.
-  void want(const NodeLattice& nodes);
   bool empty() const { return stages_.empty(); }
   WindowStage& last() { return stages_.back(); }
 
   /// Takes the frames and runs every stage from a predictor of zero.
-  const PredictorField& find(const ImageView& first, const ImageView& second, const MaskView& mask);
+  const PredictorField& find(const ImageView& first, const ImageView& second);
   const PredictorField& predictor() const { return predictor_; }
 
   /// Both frames warped by the predictor at the stage's resolution, over what its windows see.
@@ -66,15 +65,15 @@ class WindowPasses {
   float rounding_variance() const { return rounding_variance_; }
 
  private:
-  NodeLattice points_of(const WindowStage& stage) const;
-  void take_images(const ImageView& first, const ImageView& second, const MaskView& mask);
+  std::vector<std::uint8_t> mask_at(int decimation) const;
+  void take_images(const ImageView& first, const ImageView& second);
   const Level& level(const WindowStage& stage) const { return *images(stage.decimation); }
   void improve_predictor(WindowStage& stage);
   float measure(WindowStage& stage, Search search, VectorGrid& found);
 
   PivOptions options_;
-  NodeLattice nodes_;
-  int width_, height_, threads_;
+  Extent extent_;
+  int threads_;
   Anchor anchor_;
   std::vector<WindowStage> stages_;
   std::vector<Level> levels_;
