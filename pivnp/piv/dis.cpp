@@ -1,23 +1,28 @@
 #include "pivnp/piv/dis.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
+#include "pivnp/piv/gn_level.hpp"
 #include "pivnp/piv/increments.hpp"
 #include "pivnp/piv/judge.hpp"
-#include "pivnp/piv/lattice.hpp"
 #include "pivnp/piv/lattice_filter.hpp"
 
 namespace pivnp::piv {
 
 namespace {
 
-cv::Mat as_8_bits(const ImageView& image) {
+constexpr int judged_at = 2;  // decimation of the frames that the flow is found and judged on
+
+// Halved, as the search ends at a quarter of the resolution: nothing is done at the full one.
+cv::Mat half_as_8_bits(const ImageView& image) {
   const int type = image.depth == PixelDepth::u8 ? CV_8U : image.depth == PixelDepth::u16 ? CV_16U : CV_32F;
   const cv::Mat view(image.height, image.width, type, const_cast<std::byte*>(image.data), std::size_t(image.stride));
-  cv::Mat grey;
-  view.convertTo(grey, CV_8U, 255.0 / static_cast<double>(image.white));
+  cv::Mat half, grey;
+  const cv::Size size(image.width / judged_at, image.height / judged_at);
+  cv::resize(view(cv::Rect(0, 0, judged_at * size.width, judged_at * size.height)), half, size, 0, 0, cv::INTER_AREA);
+  half.convertTo(grey, CV_8U, 255.0 / static_cast<double>(image.white));
   return grey;
 }
 
@@ -25,37 +30,35 @@ class DenseInverseSearch final : public Method {
  public:
   DenseInverseSearch(const PivOptions& options, const Extent& extent, int threads)
       : options_(options),
-        nodes_(extent.nodes),
-        mask_(extent.mask),
-        width_(extent.width),
-        height_(extent.height),
+        extent_(extent),
         threads_(std::max(1, threads)),
         anchor_(anchor_of(options)),
-        search_(cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_MEDIUM)) {
-    lattice_.step = std::max(2, options.window_px / 4);
-    const Box box = bounding_box(nodes_, 2.0f * static_cast<float>(lattice_.step), width_, height_);
-    if (box.empty()) return;
-    lattice_.x0 = box.x0, lattice_.y0 = box.y0;
-    lattice_.nx = std::max(least_lattice_points, (box.width() + lattice_.step - 1) / lattice_.step + 1);
-    lattice_.ny = std::max(least_lattice_points, (box.height() + lattice_.step - 1) / lattice_.step + 1);
+        search_(cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_ULTRAFAST)),
+        empty_(bounding_box(extent.nodes, 0, extent.width, extent.height).empty()),
+        level_(extent, judged_at, options.window_px, 1) {
+    constexpr int patch_stride = 5;  // of patches of 8 pixels, at a quarter of the resolution
+    search_->setPatchStride(patch_stride);
+    search_->setFinestScale(1);
   }
 
   void correlate(const ImageView& first, const ImageView& second, PixelVectors& vectors) override {
-    if (lattice_.nx == 0) return;
+    if (empty_) return;
     cv::setNumThreads(threads_);
-    search_->calc(as_8_bits(first), as_8_bits(second), flow_);
-    std::vector<float> u(lattice_.size()), v(lattice_.size());
-    for (int j = 0; j < lattice_.ny; ++j)
-      for (int i = 0; i < lattice_.nx; ++i) {
-        const auto d = displacement(static_cast<float>(lattice_.x0 + i * lattice_.step),
-                                    static_cast<float>(lattice_.y0 + j * lattice_.step));
-        u[lattice_.index(i, j)] = d[0], v[lattice_.index(i, j)] = d[1];
+    search_->calc(half_as_8_bits(first), half_as_8_bits(second), flow_);
+    const CellLattice& lattice = level_.lattice();
+    u_.resize(lattice.size());
+    v_.resize(lattice.size());
+    for (int j = 0; j < lattice.ny; ++j)
+      for (int i = 0; i < lattice.nx; ++i) {
+        const auto d = displacement(static_cast<float>(lattice.x0 + i * lattice.step),
+                                    static_cast<float>(lattice.y0 + j * lattice.step));
+        u_[lattice.index(i, j)] = d[0], v_[lattice.index(i, j)] = d[1];
       }
-    judge(first, second, u, v, vectors);
+    judge(first, second, vectors);
   }
 
  private:
-  // Of the material that is at (x, y) at the instant of the anchor.
+  // Of the material that is at (x, y) at the instant of the anchor; pixels of the level.
   std::array<float, 2> displacement(float x, float y) const {
     std::array<float, 2> d = at(x, y);
     constexpr int steps = 8;  // the place in the first frame, by fixed-point iteration
@@ -64,11 +67,11 @@ class DenseInverseSearch final : public Method {
   }
 
   std::array<float, 2> at(float x, float y) const {
-    x = std::clamp(x, 0.0f, static_cast<float>(width_ - 1));
-    y = std::clamp(y, 0.0f, static_cast<float>(height_ - 1));
-    const int c = std::min(static_cast<int>(x), std::max(width_ - 2, 0)),
-              r = std::min(static_cast<int>(y), std::max(height_ - 2, 0));
-    const int c1 = std::min(c + 1, width_ - 1), r1 = std::min(r + 1, height_ - 1);
+    const int right = flow_.cols - 1, bottom = flow_.rows - 1;
+    x = std::clamp(x, 0.0f, static_cast<float>(right));
+    y = std::clamp(y, 0.0f, static_cast<float>(bottom));
+    const int c = static_cast<int>(x), r = static_cast<int>(y);
+    const int c1 = std::min(c + 1, right), r1 = std::min(r + 1, bottom);
     const float s = x - static_cast<float>(c), t = y - static_cast<float>(r);
     const auto mix = [&](int k) {
       return (1 - t) * ((1 - s) * flow_(r, c)[k] + s * flow_(r, c1)[k]) +
@@ -77,21 +80,17 @@ class DenseInverseSearch final : public Method {
     return {mix(0), mix(1)};
   }
 
-  void judge(const ImageView& first, const ImageView& second, const std::vector<float>& u, const std::vector<float>& v,
-             PixelVectors& vectors) {
+  void judge(const ImageView& first, const ImageView& second, PixelVectors& vectors) {
+    constexpr float smoothing = 0.25f;  // averages over blocks of pixels hold what their own sampling folds
     const float rounding = rounding_variance(first);
-    first_.assign(first, mask_, 1, threads_);
-    second_.assign(second, mask_, 1, threads_);
-    masked_.take_mask(mask_, 1);
-    first_flags_.take(first, masked_);
-    second_flags_.take(second, masked_);
-    field_.interpolate(lattice_, u, v);
+    level_.take(first, second, smoothing, threads_, nullptr);
+    field_.interpolate(level_.lattice(), u_, v_);
     SumsInput input;
-    input.first = &first_, input.second = &second_;
-    if (!first_flags_.empty()) input.first_flags = &first_flags_;
-    if (!second_flags_.empty()) input.second_flags = &second_flags_;
+    input.first = &level_.images().first, input.second = &level_.images().second;
+    input.first_flags = level_.first_flags(), input.second_flags = level_.second_flags();
     input.field = &field_;
     input.shares = shares_of(anchor_);
+    if (!level_.wanted().empty()) input.active = &level_.wanted();
     input.scores = true;
     accumulate_sums(input, threads_, sums_);
     // What a Gauss-Newton step would still change is the flow's own error, as far as the images tell.
@@ -99,31 +98,30 @@ class DenseInverseSearch final : public Method {
     SmoothedField error_u, error_v;
     error_of(increments_.u, error_u);
     error_of(increments_.v, error_v);
-    judge_nodes({options_, nodes_, width_, height_, 1, threads_, rounding}, field_, sums_, u, v, error_u, error_v,
-                vectors);
+    judge_nodes({options_, extent_.nodes, extent_.width, extent_.height, judged_at, threads_, rounding}, field_, sums_,
+                u_, v_, error_u, error_v, vectors);
   }
 
   void error_of(const std::vector<float>& increment, SmoothedField& error) const {
-    constexpr int reach = 2;
+    constexpr int reach = 1;
     std::vector<float> square(increment.size());
     for (std::size_t k = 0; k < increment.size(); ++k) square[k] = increment[k] * increment[k];
-    box_mean(lattice_, square, reach, error.variance);
+    box_mean(level_.lattice(), square, reach, error.variance);
     error.area.assign(increment.size(), 1.0f);
   }
 
   PivOptions options_;
-  NodeLattice nodes_;
-  MaskView mask_;
-  int width_, height_, threads_;
+  Extent extent_;
+  int threads_;
   Anchor anchor_;
   cv::Ptr<cv::DISOpticalFlow> search_;
   cv::Mat_<cv::Vec2f> flow_;
-  CellLattice lattice_;
-  SplineImage first_, second_;
-  PixelFlags masked_, first_flags_, second_flags_;
+  bool empty_;  // no node lies in the frames
+  GnLevel level_;
   SplineField field_;
   CellSums sums_;
   Increments increments_;
+  std::vector<float> u_, v_;  // the flow at the level's lattice, level pixels
 };
 
 }  // namespace

@@ -229,7 +229,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(Asked{"default", "adaptive", 1, 0.003, 0.004}, Asked{"gn", "window", 0, 0.006, 0.010},
                     Asked{"gn", "window", 1, 0.006, 0.010}, Asked{"gn", "window", 2, 0.006, 0.010},
                     Asked{"fast", "adaptive", 1, 0.012, 0.015}, Asked{"fft", "adaptive", 1, 0.008, 0.012},
-                    Asked{"ncc", "adaptive", 1, 0.008, 0.012}, Asked{"dis", "adaptive", 1, 0.06, 0.15}),
+                    Asked{"ncc", "adaptive", 1, 0.008, 0.012}, Asked{"dis", "adaptive", 1, 0.12, 0.35}),
     [](const auto& tested) {
       const Asked& a = tested.param;
       return std::string(a.method) + "_" + a.smoothing + std::to_string(a.order);
