@@ -2,11 +2,14 @@
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
+#include "pivnp/piv/increments.hpp"
 #include "pivnp/piv/normal_sums.hpp"
 #include "pivnp/piv/presmoothing.hpp"
+#include "pivnp/piv/quality.hpp"
 #include "pivnp/piv/shrink.hpp"
 #include "pivnp/piv/spline_field.hpp"
 #include "tests/unit/piv/scene.hpp"
@@ -196,6 +199,54 @@ TEST(DenseMethods, SlidingBodiesAreBothFollowed) {
   EXPECT_LE(e.rms, 0.01);
 }
 
+// A body about as large as the first search window moves against its surroundings: its first match is the
+// surroundings'.
+TEST(DenseMethods, WrongMatchesAreSearchedAgain) {
+  const Motion inclusion = [](const Vec2& p) {
+    return std::abs(p.x() - 200) < 70 && std::abs(p.y() - 200) < 70 ? Vec2(9.2, -5.6) : Vec2(0.4, 0.2);
+  };
+  const Scene scene = make_scene(inclusion, 400, 400, {});
+  const NodeLattice nodes = even_nodes(400, 400, 8, 48);
+  PivOptions forward;
+  forward.anchor = "forward";
+  const PixelVectors found = measure(scene, nodes, forward);
+  int inside = 0, followed = 0;
+  for (std::size_t k = 0; k < nodes.pixel.size(); ++k) {
+    if (std::abs(nodes.pixel[k][0] - 200) > 20 || std::abs(nodes.pixel[k][1] - 200) > 20) continue;
+    ++inside;
+    followed += std::hypot(found.displacement[k][0] - 9.2f, found.displacement[k][1] + 5.6f) < 0.1f;
+  }
+  EXPECT_GE(inside, 20);
+  EXPECT_GE(followed, 0.9 * inside);
+}
+
+// Where the field changes fast, texture may be misplaced by a tenth of the change over a cell without counting as lost.
+TEST(ResidualScale, ToleranceGrowsWithTheChangeOverACell) {
+  CellSums sums;
+  sums.lattice = {20, 20, 0, 0, 8};
+  for (auto& plane : sums.plane) plane.assign(sums.lattice.size(), 1.0f);
+  std::vector<float> u(sums.lattice.size()), v(u.size(), 0.3f), noise, tolerance;
+  for (int j = 0; j < 20; ++j)
+    for (int i = 0; i < 20; ++i) u[sums.lattice.index(i, j)] = 1.6f * static_cast<float>(j);  // 20 % shear
+  residual_scale(sums, u, v, 0.08f, noise, tolerance);
+  EXPECT_NEAR(tolerance[sums.lattice.index(9, 9)], std::pow(0.1 + 0.16, 2), 1e-4);
+  EXPECT_NEAR(noise[sums.lattice.index(9, 9)], 9 / 0.733 + 0.08, 1e-2);
+}
+
+TEST(Truncation, IsNothingForWavesOfTenPointsAndMuchForJumps) {
+  const CellLattice lattice{40, 40, 0, 0, 8};
+  const auto largest = [&](auto value) {
+    std::vector<float> u(lattice.size()), variance;
+    for (int j = 0; j < lattice.ny; ++j)
+      for (int i = 0; i < lattice.nx; ++i) u[lattice.index(i, j)] = static_cast<float>(value(i, j));
+    truncation_variance(lattice, u, 1, variance);
+    return std::sqrt(*std::max_element(variance.begin(), variance.end()));
+  };
+  EXPECT_LE(largest([](int i, int j) { return 0.2 * i - 0.3 * j; }), 1e-5f);
+  EXPECT_LE(largest([](int i, int) { return std::sin(2 * M_PI * i / 10); }), 5e-4f);
+  EXPECT_GE(largest([](int, int j) { return j < 20 ? 0.0 : 1.0; }), 0.01f);
+}
+
 struct Asked {
   const char* method;
   const char* smoothing;
@@ -229,7 +280,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(Asked{"default", "adaptive", 1, 0.003, 0.004}, Asked{"gn", "window", 0, 0.006, 0.010},
                     Asked{"gn", "window", 1, 0.006, 0.010}, Asked{"gn", "window", 2, 0.006, 0.010},
                     Asked{"fast", "adaptive", 1, 0.012, 0.015}, Asked{"fft", "adaptive", 1, 0.008, 0.012},
-                    Asked{"ncc", "adaptive", 1, 0.008, 0.012}, Asked{"dis", "adaptive", 1, 0.12, 0.35}),
+                    Asked{"ncc", "adaptive", 1, 0.008, 0.012}, Asked{"dis", "adaptive", 1, 0.25, 0.35}),
     [](const auto& tested) {
       const Asked& a = tested.param;
       return std::string(a.method) + "_" + a.smoothing + std::to_string(a.order);

@@ -1,6 +1,7 @@
 // The parts of the correlation, each against what is known in closed form.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <random>
@@ -213,6 +214,69 @@ TEST(MedianTest, FindsSingleOutliersAndClusters) {
   }
   EXPECT_GE(found, 0.95 * all) << found << " of " << all;
   EXPECT_LE(false_alarms, 12);
+}
+
+double median_of(std::vector<double> v) {
+  std::sort(v.begin(), v.end());
+  const std::size_t n = v.size();
+  return n % 2 ? v[n / 2] : 0.5 * (v[n / 2 - 1] + v[n / 2]);
+}
+
+// The test of one point whose 24 neighbours are all good, as its header defines it; 1 is the limit.
+double median_excess(const VectorGrid& grid, int i, int j, double threshold, double floor) {
+  double off[2], relative[2];
+  for (std::size_t c = 0; c < 2; ++c) {
+    const auto at = [&](int a, int b) { return double(grid.displacement[std::size_t((j + b) * grid.nx + i + a)][c]); };
+    std::vector<double> along[2], bend[2];
+    for (int b = -2; b <= 2; ++b)
+      for (int a = -2; a <= 2; ++a)
+        for (int n = 0; n < 2; ++n) {
+          const int da = n == 0, db = n == 1;
+          const auto there = [&](int k) { return a + k * da <= 2 && b + k * db <= 2; };
+          const auto middle = [&](int k) { return a + k * da == 0 && b + k * db == 0; };
+          const auto value = [&](int k) { return at(a + k * da, b + k * db); };
+          if (there(1) && !middle(0) && !middle(1)) along[n].push_back(value(1) - value(0));
+          if (there(2) && !middle(0) && !middle(1) && !middle(2))
+            bend[n].push_back(std::abs(value(0) - 2 * value(1) + value(2)));
+        }
+    std::vector<double> level, scatter;
+    const double slope_i = median_of(along[0]), slope_j = median_of(along[1]);
+    for (int b = -2; b <= 2; ++b)
+      for (int a = -2; a <= 2; ++a)
+        if (a != 0 || b != 0) level.push_back(at(a, b) - slope_i * a - slope_j * b);
+    const double median = median_of(level);
+    for (const double x : level) scatter.push_back(std::abs(x - median));
+    for (auto& v : bend) std::sort(v.begin(), v.end());
+    off[c] = std::abs(at(0, 0) - median);
+    relative[c] =
+        off[c] / (median_of(scatter) + std::max(bend[0][bend[0].size() / 4], bend[1][bend[1].size() / 4]) + floor);
+  }
+  return std::min(std::hypot(relative[0], relative[1]) / threshold, std::hypot(off[0], off[1]) / (threshold * floor));
+}
+
+TEST(MedianTest, EqualsItsDefinition) {
+  int failed = 0, passed = 0;
+  for (const unsigned seed : {3u, 4u, 5u}) {
+    VectorGrid grid = sheared(41, 23, 0.8, 0.15, seed);
+    const VectorGrid given = grid;
+    constexpr double threshold = 1.5, floor = 0.05;
+    median_test(grid, threshold, floor, 1);
+    // Two rounds: what the first condemned is judged by the survivors. Points all of whose neighbours survived are as
+    // after the first.
+    for (int j = 2; j < 21; ++j)
+      for (int i = 2; i < 39; ++i) {
+        bool whole = true;
+        for (int b = -2; b <= 2; ++b)
+          for (int a = -2; a <= 2; ++a)
+            whole = whole && ((a == 0 && b == 0) || grid.good[std::size_t((j + b) * 41 + i + a)]);
+        const double excess = median_excess(given, i, j, threshold, floor);
+        if (!whole || std::abs(excess - 1) < 1e-3) continue;
+        EXPECT_EQ(grid.good[std::size_t(j * 41 + i)] != 0, excess < 1) << i << " " << j << " " << excess;
+        (excess < 1 ? passed : failed) += 1;
+      }
+  }
+  EXPECT_GT(passed, 100);
+  EXPECT_GT(failed, 10);
 }
 
 TEST(Replacement, RepeatsALinearFieldAndMarksIt) {

@@ -3,8 +3,10 @@
 // shear 10 % .002-.12, noise 5 % .019-.038 px).
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <ctime>
 
 #include "pivnp/core/error.hpp"
 #include "tests/unit/piv/scene.hpp"
@@ -197,6 +199,52 @@ TEST(Piv, MaskedPixelsHaveNoSay) {
   }
   EXPECT_GT(masked, 30);
   EXPECT_GT(beside, 30);
+}
+
+// Frames are cut to what the mask leaves; another mask is another cut.
+TEST(Piv, HalfTheSceneMaskedAndThenNot) {
+  Scene scene = make_scene(uniform(3.2, 1.1), side, side, {.seed = 1});
+  const NodeLattice nodes = even_nodes(side, side, 8, 24);
+  PairCorrelator correlator({}, nodes, side, side, 1);
+  const auto measured = [&](const MaskView& mask) {
+    return correlator.correlate(scene.first.view(), scene.second.view(), mask);
+  };
+  const PixelVectors before = measured({});
+  std::vector<std::uint8_t> use(side * side, 0);
+  for (int r = 150; r < side; ++r) std::fill_n(use.begin() + r * side, side, std::uint8_t{1});
+  const PixelVectors half = measured({use.data(), side, side, side});
+  for (std::size_t k = 0; k < nodes.pixel.size(); ++k) {
+    if (nodes.pixel[k][1] < 130) {
+      EXPECT_EQ(half.status[k], VectorStatus::masked);
+      EXPECT_TRUE(std::isnan(half.displacement[k][0]));
+    } else if (nodes.pixel[k][1] > 156) {
+      EXPECT_EQ(half.status[k], VectorStatus::valid);
+      EXPECT_NEAR(half.displacement[k][0], 3.2, 0.02);
+      EXPECT_NEAR(half.displacement[k][1], 1.1, 0.02);
+    }
+  }
+  EXPECT_EQ(measured({}).displacement, before.displacement);
+  std::fill(use.begin(), use.end(), 0);
+  for (const VectorStatus s : measured({use.data(), side, side, side}).status) EXPECT_EQ(s, VectorStatus::masked);
+}
+
+TEST(Piv, WorkFollowsTheNodesThatAreOn) {
+  const Scene scene = make_scene(uniform(1.3, 0.2), 512, 512, {});
+  NodeLattice nodes = even_nodes(512, 512, 8, 32);
+  const auto seconds = [&] {
+    PairCorrelator correlator({}, nodes, 512, 512, 1);
+    double least = HUGE_VAL;
+    for (int n = 0; n < 3; ++n) {
+      const std::clock_t start = std::clock();  // the process's time
+      correlator.correlate(scene.first.view(), scene.second.view(), {});
+      least = std::min(least, static_cast<double>(std::clock() - start));
+    }
+    return least;
+  };
+  const double all = seconds();
+  nodes.on.assign(nodes.pixel.size(), 0);
+  nodes.on.front() = nodes.on.back() = 1;  // opposite corners
+  EXPECT_LE(seconds(), 0.75 * all);
 }
 
 TEST(Piv, NodesThatAreOffAreMaskedAndTheOthersUnchanged) {
