@@ -22,7 +22,7 @@ constexpr float plane_terms = 3.0f;
 // The stated variance is noise power times the terms kept. Terms kept next to the threshold have lost signal besides,
 // so each counts `term_weight` times; `spread` covers what the blocks' averaging adds. Both measured on waves, bands
 // and shears with noise and loss (docs/theory.md).
-constexpr float term_weight = 12.0f, spread = 1.15f;
+constexpr float term_weight = 12.0f, spread = 1.20f;
 
 template <int n>
 struct Cosines {
@@ -89,21 +89,21 @@ float sum_of(const float (*v)[n]) {
   return total;
 }
 
-// Noise power of the coefficients that change fast along both axes, where structures hardly reach: the mean of powers
-// clipped at twice the result, by fixed-point iteration from the plain mean.
-template <int n>
+// Noise power of the coefficients `first` ... `end` - 1 along both axes, of those that change fast, where structures
+// hardly reach: the mean of powers clipped at twice the result, by fixed-point iteration from the plain mean.
+template <int n, int first = n / 4, int end = n>
 float noise_power(const float (*power)[n]) {
-  constexpr int first = n / 4, width = 4, columns = (n - first) / width * width;
+  constexpr int width = 4, columns = (end - first) / width * width;
   constexpr float clip = 2.0f, kept = 0.742192f;  // mean of a squared normal variable clipped at 2
   const hn::CappedTag<float, width> d;
   const int lanes = static_cast<int>(hn::Lanes(d));
   float noise = 0;
-  constexpr float count = static_cast<float>((n - first) * columns);
+  constexpr float count = static_cast<float>((end - first) * columns);
   const auto mean = [&](float limit) {
     alignas(64) float part[width] = {};
     const auto most = hn::Set(d, limit);
-    for (int r = first; r < n; ++r)
-      for (int c = n - columns; c < n; c += width)
+    for (int r = first; r < end; ++r)
+      for (int c = end - columns; c < end; c += width)
         for (int l = 0; l < width; l += lanes)
           hn::Store(hn::Add(hn::Load(d, part + l), hn::Min(most, hn::LoadU(d, power[r] + c + l))), d, part + l);
     float sum = 0;
@@ -113,6 +113,13 @@ float noise_power(const float (*power)[n]) {
   noise = mean(3e38f);
   for (int k = 0; k < 14; ++k) noise = mean(clip * noise) / kept;
   return std::max(noise, 1e-14f);
+}
+
+// Power over the octave n/4 ... n/2 by that of the faster ones. Structures only add to it.
+template <int n>
+float octave_ratio(const float (*power)[n]) {
+  if constexpr (n < 16) return 1;
+  return noise_power<n, n / 4, n / 2>(power) / noise_power<n, n / 2, n>(power);
 }
 
 template <int n>
@@ -147,6 +154,7 @@ void shrink_block(const float* values, std::ptrdiff_t stride, Shrinker::Block& o
       hn::Store(hn::Div(hn::Mul(v, v), shape), d, power[r] + c);
     }
   const float noise = noise_power<n>(power);
+  out.octave = octave_ratio<n>(power);
 
   // Neighbours: 1, 2, 1 along both axes, each clipped.
   const auto scale = hn::Set(d, 1 / noise);
@@ -222,6 +230,24 @@ std::vector<int> starts(int points, int side) {
 
 }  // namespace
 
+// What the kept terms' noise is of that of the fast ones, block by block. The texture's own noise in clean frames that
+// are deformed has less power at long wavelengths: its fall over one octave, as a mean over some blocks about, is carried
+// on by two octaves and a half (where kept terms lie). Where structures hide the fall, nothing is taken off.
+static void find_slow_shares(int side, std::size_t across, std::vector<Shrinker::Block>& blocks, std::size_t count) {
+  const int reach = side >= 32 ? 1 : 2, nx = static_cast<int>(across), ny = static_cast<int>(count / across);
+  for (int j = 0; j < ny; ++j)
+    for (int i = 0; i < nx; ++i) {
+      float sum = 0, some = 0;
+      for (int b = std::max(0, j - reach); b <= std::min(ny - 1, j + reach); ++b)
+        for (int a = std::max(0, i - reach); a <= std::min(nx - 1, i + reach); ++a) {
+          const Shrinker::Block& block = blocks[std::size_t(b) * across + std::size_t(a)];
+          if (block.terms > 0) sum += block.octave, ++some;
+        }
+      const float fall = some > 0 ? std::min(1.0f, sum / some) : 1.0f;
+      blocks[std::size_t(j) * across + std::size_t(i)].slow = fall * fall * std::sqrt(fall);
+    }
+}
+
 Shrinker::Shrinker(const CellLattice& lattice) : lattice_(lattice) {
   for (const int side : block_sides) {
     if (side > lattice.nx || side > lattice.ny) continue;
@@ -255,10 +281,12 @@ void Shrinker::run(const std::vector<float>& value, const std::vector<std::uint8
       blocks[b].terms = 0;
       if (any) HWY_DYNAMIC_DISPATCH(shrink)(side, value.data() + lattice_.index(x0, y0), lattice_.nx, blocks[b]);
     }
+    find_slow_shares(side, across, blocks, count);
     for (std::size_t b = 0; b < count; ++b) {  // in a fixed order
       const Block& block = blocks[b];
       if (block.terms == 0) continue;
       const int x0 = layer.x[b % across], y0 = layer.y[b / across];
+      const float variance = block.slow * block.variance;
       const float trust = static_cast<float>(side * side) / block.terms;
       for (int r = 0; r < side; ++r) {
         const std::size_t to = lattice_.index(x0, y0 + r);
@@ -267,7 +295,7 @@ void Shrinker::run(const std::vector<float>& value, const std::vector<std::uint8
         for (std::size_t c = 0; c < std::size_t(side); ++c) {
           const float w = trust * window[c];
           out.value[to + c] += w * from[c];
-          out.variance[to + c] += w * block.variance;
+          out.variance[to + c] += w * variance;
           out.area[to + c] += w * trust;
           weight[to + c] += w;
         }

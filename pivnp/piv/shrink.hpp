@@ -34,6 +34,7 @@ class Shrinker {
   struct Block {
     std::vector<float> value;  // [side][side]
     float variance = 0, terms = 0;
+    float octave = 1, slow = 1;  // how the noise falls towards long wavelengths, and what that makes of the variance
   };
 
  private:
