@@ -142,7 +142,7 @@ void draw_panel(Sheet& sheet, const std::string& name, std::size_t k, const std:
   QCPAxisRect* panel = sheet.panel(x, y, width, height);
   double least = HUGE_VAL, most = 0;
   for (const Point& p : points) least = std::min(least, p.error), most = std::max(most, p.error);
-  logarithmic(panel->axis(QCPAxis::atBottom), 1, 1000, "time per vector (µs)");
+  logarithmic(panel->axis(QCPAxis::atBottom), 0.5, 1000, "time per vector (µs)");
   least = std::pow(10, std::floor(std::log10(least))), most = std::pow(10, std::ceil(std::log10(1.2 * most)));
   logarithmic(panel->axis(QCPAxis::atLeft), least, most, "error, rms (px)");
   sheet.text(x + width / 2, y - 5, qt(name), Qt::AlignHCenter | Qt::AlignTop, normal_text, true);
