@@ -28,13 +28,28 @@ std::uint8_t fold_along_grid(const Grid& grid, const Vec2& a, const Vec2& outwar
   return fold_none;
 }
 
+void check_motion(const std::string& key, const BoundaryOptions& o) {
+  const auto finite = [](const Pair& p) { return std::isfinite(p[0]) && std::isfinite(p[1]); };
+  if (o.velocity_m_s && (o.type != "fixed" || !finite(*o.velocity_m_s)))
+    throw InputError(key + ".velocity_m_s: given with type \"" + o.type + "\", expected a velocity and type = \"fixed\"");
+  if (o.withdraw_m_s && (!finite(*o.withdraw_m_s) || !(point(*o.withdraw_m_s).norm() > 0)))
+    throw InputError(key + ".withdraw_m_s: expected a velocity other than 0");
+  if (o.withdraw_m_s && (o.type == "traction" || o.type == "absorbing"))
+    throw InputError(key + ".withdraw_m_s: given with type \"" + o.type + "\", expected fixed, roller or frictional");
+  if (o.traction_pa && (o.type != "traction" || !finite(*o.traction_pa)))
+    throw InputError(key + ".traction_pa: given with type \"" + o.type + "\", expected type = \"traction\"");
+}
+
 }  // namespace
 
 Restraints::Restraints(const std::vector<std::pair<std::string, BoundaryOptions>>& boundaries, const GridState& g,
                        const Vec2& centroid, const Impedance& impedance) {
   std::vector<std::vector<std::uint16_t>> walls_of_node(g.grid.node_count());
+  std::vector<const BoundaryOptions*> of_wall;
   for (const auto& [name, options] : boundaries) {
     const std::string key = "boundary." + name;
+    check_motion(key, options);
+    if (options.type == "traction") continue;  // a load, no restraint (loading.hpp)
     Wall wall;
     wall.type = Type::fixed;
     wall.normal = Vec2::Zero();
@@ -43,10 +58,11 @@ Restraints::Restraints(const std::vector<std::pair<std::string, BoundaryOptions>
     else if (options.type == "frictional") wall.type = Type::frictional;
     else if (options.type == "absorbing") wall.type = Type::absorbing;
     else if (options.type != "fixed")
-      throw InputError(key + ".type: found '" + options.type + "', expected fixed, roller, frictional or absorbing" +
-                       did_you_mean(options.type, {"fixed", "roller", "frictional", "absorbing"}));
+      throw InputError(key + ".type: found '" + options.type + "', expected fixed, roller, frictional, absorbing or traction" +
+                       did_you_mean(options.type, {"fixed", "roller", "frictional", "absorbing", "traction"}));
     if (!(options.friction >= 0)) throw InputError(key + ".friction: expected 0 or more");
     if (options.until_s) wall.until = *options.until_s;
+    if (options.velocity_m_s) wall.velocity = point(*options.velocity_m_s);
     if (options.line_m.empty() == options.polygon_m.empty())
       throw InputError(key + ": expected either line_m or polygon_m");
     add_nodes(key, options, wall, g, centroid, walls_of_node);
@@ -58,9 +74,58 @@ Restraints::Restraints(const std::vector<std::pair<std::string, BoundaryOptions>
       for (double& c : wall.impedance) c *= upright ? g.grid.spacing.y() : g.grid.spacing.x();
     }
     walls_.push_back(wall);
+    of_wall.push_back(&options);
   }
-  for (std::size_t n = 0; n < walls_of_node.size(); ++n)
-    if (!walls_of_node[n].empty()) nodes_.push_back({std::uint32_t(n), walls_of_node[n]});
+  for (std::size_t n = 0; n < walls_of_node.size(); ++n) {
+    if (walls_of_node[n].empty()) continue;
+    RestrainedNode at{std::uint32_t(n), walls_of_node[n], {}};
+    const Vec2 x = g.grid.position(int(n % std::size_t(g.grid.nx)), int(n / std::size_t(g.grid.nx)));
+    for (const std::uint16_t id : at.walls)
+      at.until.push_back(release(*of_wall[id], walls_[id], x, g.grid.spacing.minCoeff()));
+    changes_.insert(changes_.end(), at.until.begin(), at.until.end());
+    nodes_.push_back(std::move(at));
+  }
+  std::sort(changes_.begin(), changes_.end());
+  changes_.erase(std::unique(changes_.begin(), changes_.end()), changes_.end());
+}
+
+// A node is let go when the shape, moving, is a hundredth of a cell further from it than it was: inside a polygon, when
+// its trailing side has passed; next to a line, when its trailing end has.
+double Restraints::release(const BoundaryOptions& o, const Wall& wall, const Vec2& x, double spacing) const {
+  if (!o.withdraw_m_s) return wall.until;
+  const Vec2 v = point(*o.withdraw_m_s);
+  std::vector<Vec2> vertices;
+  for (const Pair& p : o.line_m.empty() ? o.polygon_m : o.line_m) vertices.push_back(point(p));
+  const auto distance = [&](const Vec2& y) {
+    if (o.line_m.empty()) {
+      const Polygon polygon(vertices, "boundary");
+      Vec2 unused;
+      return polygon.contains(y) ? 0.0 : polygon.distance(y, unused);
+    }
+    const Vec2 d = vertices[1] - vertices[0];
+    const double on = std::clamp((y - vertices[0]).dot(d) / d.squaredNorm(), 0.0, 1.0);
+    return (y - vertices[0] - on * d).norm();
+  };
+  const double start = distance(x), tolerance = 0.01 * spacing;
+  const double step = tolerance / v.norm();
+  double length = 0;
+  for (const Vec2& a : vertices)
+    for (const Vec2& b : vertices) length = std::max(length, (a - b).norm());
+  const double most = (length + 2 * spacing) / v.norm();
+  double low = 0, high = most;
+  for (double t = 0.25 * spacing / v.norm(); t < most; t += 0.25 * spacing / v.norm())
+    if (distance(x - t * v) > start + tolerance) {
+      high = t;
+      low = t - 0.25 * spacing / v.norm();
+      break;
+    }
+  while (high - low > step) {
+    const double middle = 0.5 * (low + high);
+    (distance(x - middle * v) > start + tolerance ? high : low) = middle;
+  }
+  // On a raster, so that rows of nodes go together and the steps are not cut to pieces.
+  const double raster = 0.1 * spacing / v.norm();
+  return std::min(wall.until, o.withdraw_from_s + std::ceil(high / raster) * raster);
 }
 
 void Restraints::add_nodes(const std::string& key, const BoundaryOptions& options, Wall& wall, const GridState& g,
@@ -123,10 +188,11 @@ Vec2 Restraints::restrain(const RestrainedNode& at, double time, Vec2 v, bool wi
                           bool settling) const {
   const Vec2* roller = nullptr;
   bool frictional = false;
-  for (const std::uint16_t id : at.walls) {
-    const Wall& wall = walls_[id];
-    if (time >= wall.until) continue;
-    if (wall.type == Type::fixed || (settling && wall.type == Type::absorbing)) return Vec2::Zero();
+  for (std::size_t w = 0; w < at.walls.size(); ++w) {
+    const Wall& wall = walls_[at.walls[w]];
+    if (time >= at.until[w]) continue;
+    if (wall.type == Type::fixed) return settling ? Vec2(0, 0) : wall.velocity;
+    if (settling && wall.type == Type::absorbing) return Vec2::Zero();
     if (wall.type == Type::frictional) frictional = true;
     if (wall.type != Type::roller) continue;
     // Two rollers that are not parallel leave no way to go.
@@ -136,9 +202,9 @@ Vec2 Restraints::restrain(const RestrainedNode& at, double time, Vec2 v, bool wi
   if (roller) v -= v.dot(*roller) * *roller;
   if (!frictional) return v;
   for (int pass = 0; pass < 2; ++pass) {  // twice, for corners of two walls
-    for (const std::uint16_t id : at.walls) {
-      const Wall& wall = walls_[id];
-      if (time >= wall.until || wall.type != Type::frictional) continue;
+    for (std::size_t w = 0; w < at.walls.size(); ++w) {
+      const Wall& wall = walls_[at.walls[w]];
+      if (time >= at.until[w] || wall.type != Type::frictional) continue;
       const double inward = v.dot(wall.normal);
       if (!(inward > 0)) continue;
       Vec2 tangential = v - inward * wall.normal;
@@ -177,7 +243,8 @@ void Restraints::apply(double time, double dt, GridState& g, std::vector<Reactio
     const Vec2 free(node.nx, node.ny);
     const Vec2 v = restrain(at, time, absorbed(at, time, dt, g, free), true, at.stuck, dt == 0);
     if (v == free) continue;
-    reactions.push_back({at.node, node.mass * (v.x() - free.x()), node.mass * (v.y() - free.y()), 0, 0});
+    const Vec2 wall = given_velocity(at, time, dt == 0);
+    reactions.push_back({at.node, node.mass * (v.x() - free.x()), node.mass * (v.y() - free.y()), wall.x(), wall.y()});
     node.nx = v.x();
     node.ny = v.y();
     node.held = true;
@@ -195,18 +262,22 @@ void Restraints::apply_to_remapped(double time, GridState& g) const {
   }
 }
 
+Vec2 Restraints::given_velocity(const RestrainedNode& at, double time, bool settling) const {
+  for (std::size_t w = 0; w < at.walls.size() && !settling; ++w)
+    if (time < at.until[w] && walls_[at.walls[w]].type == Type::fixed) return walls_[at.walls[w]].velocity;
+  return Vec2::Zero();
+}
+
 double Restraints::next_change(double time) const {
-  double next = std::numeric_limits<double>::infinity();
-  for (const Wall& wall : walls_)
-    if (wall.until > time) next = std::min(next, wall.until);
-  return next;
+  const auto it = std::upper_bound(changes_.begin(), changes_.end(), time);
+  return it == changes_.end() ? std::numeric_limits<double>::infinity() : *it;
 }
 
 std::vector<std::uint8_t> Restraints::folds(double time, const Grid& grid) const {
   std::vector<std::uint8_t> folds(grid.node_count(), fold_none);
   for (const RestrainedNode& at : nodes_)
-    for (const std::uint16_t id : at.walls)
-      if (time < walls_[id].until) folds[at.node] = std::uint8_t(folds[at.node] | walls_[id].fold);
+    for (std::size_t w = 0; w < at.walls.size(); ++w)
+      if (time < at.until[w]) folds[at.node] = std::uint8_t(folds[at.node] | walls_[at.walls[w]].fold);
   return folds;
 }
 

@@ -26,6 +26,9 @@ struct Reaction {
 /// law, as in Bardenhagen, Brackbill & Sulsky 2000 for a wall at rest). absorbing: dashpots rho c_p across and rho c_s
 /// along the wall (Lysmer & Kuhlemeyer 1969), taken implicitly, so that they do not bound the step.
 ///
+/// A fixed restraint may give its nodes a velocity; any may be drawn away at a speed (a gate): each node is let go when
+/// the moving shape has passed it.
+///
 /// A line along the grid through nodes restrains those nodes; shapes of three nodes fold away what lies behind it
 /// (shape.hpp), also under absorbing walls. Any other line restrains, for such shapes, the row of nodes behind it too.
 class Restraints {
@@ -52,6 +55,7 @@ class Restraints {
   enum class Type : std::uint8_t { fixed, roller, frictional, absorbing };
   struct Wall {
     Type type;
+    Vec2 velocity = Vec2::Zero();  // fixed: given to the nodes
     Vec2 normal;  // out of the material
     double friction;
     double until = std::numeric_limits<double>::infinity();
@@ -62,15 +66,19 @@ class Restraints {
   struct RestrainedNode {
     std::uint32_t node;
     std::vector<std::uint16_t> walls;
+    std::vector<double> until;  // of each wall at this node: the wall's, or when its withdrawal passes the node
     bool stuck = false;
   };
   void add_nodes(const std::string& key, const BoundaryOptions& options, Wall& wall, const GridState& g,
                  const Vec2& centroid, std::vector<std::vector<std::uint16_t>>& walls_of_node);
+  double release(const BoundaryOptions& options, const Wall& wall, const Vec2& node, double spacing) const;
+  Vec2 given_velocity(const RestrainedNode& at, double time, bool settling) const;
   Vec2 absorbed(const RestrainedNode& at, double time, double dt, const GridState& g, Vec2 v) const;
   Vec2 restrain(const RestrainedNode& at, double time, Vec2 v, bool with_friction, bool& stuck, bool settling) const;
 
   std::vector<Wall> walls_;
   std::vector<RestrainedNode> nodes_;
+  std::vector<double> changes_;  // times at which a restraint goes somewhere
 };
 
 }  // namespace pivnp::mpm

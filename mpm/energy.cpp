@@ -30,6 +30,10 @@ StoredEnergy stored_energy(Particles& p, const GridState& g, const Materials& ma
   return sum;
 }
 
+double stored_kinetic(const Particles& p, const GridState& g, std::size_t k) {
+  return p.mass[k] * (0.5 * (p.vx[k] * p.vx[k] + p.vy[k] * p.vy[k]) + affine_energy(p, g.grid.spacing, k));
+}
+
 StoredEnergy stored_energy_of(Particles& p, const GridState& g, const Materials& materials, std::size_t k) {
   for (const Particles::Body& body : p.bodies)
     if (k >= body.begin && k < body.end)

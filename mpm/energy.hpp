@@ -36,6 +36,8 @@ struct StoredEnergy {
 /// Kinetic and elastic energy of the points still simulated, and what all have dissipated.
 /// (`p` is not changed.) The kinetic energy holds that of the affine field (APIC).
 StoredEnergy stored_energy(Particles& p, const GridState& g, const Materials& materials);
+/// Kinetic energy of a point, with its affine field.
+double stored_kinetic(const Particles& p, const GridState& g, std::size_t k);
 StoredEnergy stored_energy_of(Particles& p, const GridState& g, const Materials& materials, std::size_t k);
 
 EnergyRow energy_row(double time, const StoredEnergy& stored, const EnergyBook& book);

@@ -58,12 +58,12 @@ Scheme scheme_of(const MpmOptions& options) {
   return scheme;
 }
 
-Materials materials_of(const Scene& scene) {
+Materials materials_of(const Scene& scene, const std::vector<MaterialOptions>& constants) {
   Materials materials;
-  for (std::size_t k = 0; k < scene.materials.size(); ++k) {
+  for (std::size_t k = 0; k < constants.size(); ++k) {
     const auto& names = scene.particles.label_names;
     const std::string name = k < names.size() ? names[k] : std::to_string(k);
-    materials.push_back(make_material(scene.materials[k], "material." + name));
+    materials.push_back(make_material(constants[k], "material." + name, std::sqrt(scene.grid.spacing.prod())));
   }
   return materials;
 }
@@ -144,6 +144,7 @@ SolverState initial_state(const Scene& scene, const Scheme& scheme, const GridSt
     p.F_xx[k] = p.F_yy[k] = p.J[k] = 1;
     if (!p.half.empty()) p.half[k] = std::min(0.5, 0.5 * std::sqrt(p.volume0[k] * g.per_hx * g.per_hy));
   }
+  state.body_motion.assign(6 * scene.bodies.size(), 0.0);
   state.body_impulse.assign(2 * scene.bodies.size(), 0.0);
   state.end = set.end;
   state.end_reason = set.end_reason;

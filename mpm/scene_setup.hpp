@@ -12,8 +12,9 @@ namespace pivnp::mpm {
 /// The numerical choices a scheme's name stands for, with what the options say instead. Throws InputError naming the key.
 Scheme scheme_of(const MpmOptions& options);
 
-/// Throws InputError naming the material; `scene.materials` has one entry a label.
-Materials materials_of(const Scene& scene);
+/// The laws of `materials` (the scene's, or as they are at a time), one a label. Throws InputError naming the material.
+Materials materials_of(const Scene& scene, const std::vector<MaterialOptions>& materials);
+inline Materials materials_of(const Scene& scene) { return materials_of(scene, scene.materials); }
 Vec2 centroid(const ParticleSet& particles);
 /// Densities of the materials.
 std::vector<double> densities_of(const Scene& scene);

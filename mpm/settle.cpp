@@ -16,36 +16,6 @@ namespace {
 // A wave needs a few steps a cell, and some tens of crossings die out: ten times what was seen to suffice.
 int most_iterations(const Grid& grid) { return std::max(20000, 200 * std::max(grid.nx, grid.ny)); }
 
-// Vertical stress from the mass above each point in its column of cells; sums run down a column in storage order.
-void start_from_columns(Particles& p, const Materials& materials, const GridState& g, double gravity_y) {
-  const auto across = std::size_t(g.domain.nx - 1);
-  std::vector<std::vector<std::uint32_t>> columns(across, std::vector<std::uint32_t>{});
-  for (const std::uint32_t k : g.order)
-    columns[std::min(across - 1, std::size_t(std::max(0.0, (p.x[k] - g.domain.origin.x()) * g.per_hx)))].push_back(k);
-  std::vector<double> poisson(p.size());
-  for (const Particles::Body& body : p.bodies)
-    std::fill(poisson.begin() + std::ptrdiff_t(body.begin), poisson.begin() + std::ptrdiff_t(body.end),
-              materials[std::size_t(body.material)]->elastic().poisson);
-  for (auto& column : columns) {
-    std::stable_sort(column.begin(), column.end(), [&](std::uint32_t a, std::uint32_t b) {
-      return gravity_y < 0 ? p.y[a] > p.y[b] : p.y[a] < p.y[b];
-    });
-    double above = 0;
-    for (std::size_t a = 0; a < column.size();) {
-      std::size_t b = a;
-      double here = 0;
-      while (b < column.size() && p.y[column[b]] == p.y[column[a]]) here += p.mass[column[b++]];
-      const double vertical = -std::abs(gravity_y) * (above + 0.5 * here) * g.per_hx;
-      for (; a < b; ++a) {
-        const std::uint32_t k = column[a];
-        p.tau_yy[k] = vertical;
-        p.tau_xx[k] = p.tau_zz[k] = poisson[k] / (1 - poisson[k]) * vertical;
-      }
-      above += here;
-    }
-  }
-}
-
 // Gershgorin: the sum over a row of sum_p V0 M |grad N_i| |grad N_j| bounds the largest eigenvalue times the mass. (The
 // averages against locking only take stiffness away.)
 std::vector<double> fictitious_masses(const Particles& p, const Materials& materials, const GridState& g) {
@@ -140,11 +110,44 @@ class Relaxation {
 
 }  // namespace
 
+// Sums run down a column in storage order.
+void stress_from_columns(Particles& p, const Materials& materials, const GridState& g, double gravity_y,
+                         std::optional<double> k0) {
+  const auto across = std::size_t(g.domain.nx - 1);
+  std::vector<std::vector<std::uint32_t>> columns(across, std::vector<std::uint32_t>{});
+  for (const std::uint32_t k : g.order)
+    columns[std::min(across - 1, std::size_t(std::max(0.0, (p.x[k] - g.domain.origin.x()) * g.per_hx)))].push_back(k);
+  std::vector<double> rest(p.size());
+  for (const Particles::Body& body : p.bodies) {
+    const double poisson = materials[std::size_t(body.material)]->elastic().poisson;
+    std::fill(rest.begin() + std::ptrdiff_t(body.begin), rest.begin() + std::ptrdiff_t(body.end),
+              k0.value_or(poisson / (1 - poisson)));
+  }
+  for (auto& column : columns) {
+    std::stable_sort(column.begin(), column.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return gravity_y < 0 ? p.y[a] > p.y[b] : p.y[a] < p.y[b];
+    });
+    double above = 0;
+    for (std::size_t a = 0; a < column.size();) {
+      std::size_t b = a;
+      double here = 0;
+      while (b < column.size() && p.y[column[b]] == p.y[column[a]]) here += p.mass[column[b++]];
+      const double vertical = -std::abs(gravity_y) * (above + 0.5 * here) * g.per_hx;
+      for (; a < b; ++a) {
+        const std::uint32_t k = column[a];
+        p.tau_yy[k] = vertical;
+        p.tau_xx[k] = p.tau_zz[k] = rest[k] * vertical;
+      }
+      above += here;
+    }
+  }
+}
+
 int settle_particles(const SettleOptions& options, const Scheme& scheme, const Materials& materials, Restraints& restraints,
                      RigidBodies& bodies, Particles& p, GridState& g, Progress& progress) {
   locate_all(p, g);
   if (std::abs(options.gravity.x()) <= 1e-3 * std::abs(options.gravity.y()))
-    start_from_columns(p, materials, g, options.gravity.y());
+    stress_from_columns(p, materials, g, options.gravity.y(), options.k0);
   p.resize_increments(p.size());
   update_stress(materials, p, options.threads);  // brings the first guess inside the yield surface
 

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "mpm/boundary.hpp"
+#include "mpm/loading.hpp"
 #include "mpm/momentum.hpp"
 #include "mpm/rigid_body.hpp"
 #include "mpm/scene_setup.hpp"
@@ -53,15 +54,23 @@ struct Solver::Impl {
         restraints(scene.boundaries, g, centroid(scene.particles),
                    [this](const Vec2& x) { return impedance_near(scene, materials, x); }),
         bodies(scene.bodies, g.grid),
-        gravity(o.gravity_m_s2[0], o.gravity_m_s2[1]) {
+        loading(o, scene),
+        reduction(scene.materials.size(), 1.0) {
+    const Vec2 gravity = loading.gravity(0);
     bodies.check_clear(scene.particles.x0);
+    if (scheme.stress == StressUpdate::usf && bodies.any_free())
+      throw InputError("mpm.stress_update: found 'usf' beside a free rigid body, expected musl or usl");
     if (o.settle && gravity.norm() > 0 && restraints.any_absorbing())
       throw InputError("mpm.settle: found true beside an absorbing wall, which carries no weight; expected settle = false");
     state = initial_state(scene, scheme, g, materials);
+    place_tractions();
     g.rebuild(p);
     p.sort_as(g.order, 1);
     state.wave_speed = wave_speed(materials, density, p);
     g.set_folds(restraints.folds(0, g.grid));
+    if (o.k0 && !o.settle) start_at_rest(gravity);
+    change_strength(0);
+    state.body_motion = bodies.motion();
     restart_books();
   }
 
@@ -71,10 +80,20 @@ struct Solver::Impl {
   void restrain_velocity();
   void map_state(double dt, int threads);
   void map_body_force(int threads);
+  void load(double dt);
+  void change_densities(double time, bool book);
+  void change_strength(double time);
+  void remove_due();
+  void start_at_rest(const Vec2& gravity);
+  void place_tractions();
+  bool pushes() const { return scene.body_force || !loading.pushed().empty(); }
+  bool work_in_steps() const { return loading.gravity_changes() || loading.any_density(); }
+  Vec2 moment_of_mass() const;
   void choose_strain_velocity(double dt);
   void strain(double dt, int threads);
   void book_work(double dt);
   void watch_motion();
+  bool moved_far() const;
   double least_density() const { return *std::min_element(density.begin(), density.end()); }
   void end_particles(const std::vector<std::uint32_t>& left);
   void check_balance();
@@ -95,7 +114,9 @@ struct Solver::Impl {
   GridState g;
   Restraints restraints;
   RigidBodies bodies;
-  Vec2 gravity;
+  Loading loading;
+  std::vector<double> reduction;  // by which the materials' strengths are divided now
+  std::vector<std::int32_t> pushed_at;  // of every particle: its entry in Loading::pushed(); -1: none
   SolverState state;
   LastGood good;
   bool failed = false;  // only `good` is meant any more
@@ -111,6 +132,9 @@ struct Solver::Impl {
 void Solver::Impl::step(double dt) {
   const int threads = choice.threads();
   choice.begin_step();
+  load(dt);
+  const Vec2 gravity = loading.gravity(state.time + 0.5 * dt);
+  const Vec2 moment = work_in_steps() ? moment_of_mass() : Vec2(0, 0);
 
   find_cells(threads);                                           // A.1, A.2
   map_state(dt, threads);                                        // A.3, A.4
@@ -118,6 +142,7 @@ void Solver::Impl::step(double dt) {
   update_momentum(g, gravity, scheme.damping, dt, threads);      // A.5-A.7
   light.join_momentum(g, dt);
   restrain_momentum(dt);
+  bodies.advance(dt);
   gather = gather_velocity(p, g, scheme, dt, filtered, scheme.stress == StressUpdate::musl, threads);  // A.8-A.11
   if (scheme.stress == StressUpdate::usf) {
     book_work(dt);
@@ -129,7 +154,9 @@ void Solver::Impl::step(double dt) {
 
   if (!gather.good) fail("a particle is not finite or moved more than a cell in one step");
   state.fastest = std::sqrt(gather.fastest2);
+  if (work_in_steps()) state.book.gravity += gravity.dot(moment_of_mass() - moment);
   ++state.steps;
+  state.body_motion = bodies.motion();
   choice.end_step();
 }
 
@@ -173,14 +200,99 @@ void Solver::Impl::strain(double dt, int threads) {
 }
 
 void Solver::Impl::map_body_force(int threads) {
-  if (!scene.body_force) return;
+  if (!pushes()) return;
   std::vector<double> ax(p.size()), ay(p.size());
   for (std::size_t k = 0; k < p.size(); ++k) {
-    const Vec2 a = p.cell[k] == Particles::ended ? Vec2(0, 0) : scene.body_force(p.index[k], state.time);
+    Vec2 a(0, 0);
+    if (scene.body_force && p.cell[k] != Particles::ended) a = scene.body_force(p.index[k], state.time);
+    const std::int32_t push = pushed_at.empty() ? -1 : pushed_at[p.index[k]];
+    if (push >= 0 && p.cell[k] != Particles::ended) {
+      const Loading::Pushed& load = loading.pushed()[std::size_t(push)];
+      const double mass_then = p.volume0[k] * scene.materials[std::size_t(scene.particles.label[p.index[k]])].density_kg_m3;
+      a += load.share(state.time) * mass_then / p.mass[k] * load.acceleration;
+    }
     ax[k] = a.x();
     ay[k] = a.y();
   }
   map_acceleration(p, g, ax, ay, pushed, threads);
+}
+
+// What changes by the case's will, before a step: densities and strengths as at its end, material taken out by its start.
+void Solver::Impl::load(double dt) {
+  if (loading.any_density()) change_densities(state.time + dt, true);
+  change_strength(state.time + dt);
+  remove_due();
+}
+
+// Mass that comes moves as the point does: its kinetic energy is work done from outside.
+void Solver::Impl::change_densities(double time, bool book) {
+  if (!loading.any_density()) return;
+  for (const Particles::Body& body : p.bodies) {
+    const auto material = std::size_t(body.material);
+    const double now = scene.materials[material].density_kg_m3 * loading.density_ratio(material, time);
+    density[material] = now;
+    if (!book) continue;
+    for (std::size_t k = body.begin; k < body.end; ++k) {
+      const double mass = p.volume0[k] * now;
+      if (mass == p.mass[k] || p.cell[k] == Particles::ended) continue;
+      const double before = stored_kinetic(p, g, k);
+      p.mass[k] = mass;
+      state.book.bodies += stored_kinetic(p, g, k) - before;
+    }
+  }
+}
+
+void Solver::Impl::change_strength(double time) {
+  if (!loading.any_reduction()) return;
+  std::vector<MaterialOptions> now = scene.materials;
+  bool changed = false;
+  for (std::size_t k = 0; k < now.size(); ++k) {
+    const double factor = loading.reduction(k, time);
+    changed = changed || factor != reduction[k];
+    reduction[k] = factor;
+    now[k] = Loading::reduced(now[k], factor);
+  }
+  if (changed) materials = materials_of(scene, now);
+}
+
+void Solver::Impl::remove_due() {
+  bool any = false;
+  for (const Particles::Body& body : p.bodies) {
+    if (loading.removal(std::size_t(body.material)) > state.time) continue;
+    for (std::size_t k = body.begin; k < body.end; ++k) {
+      if (p.cell[k] == Particles::ended) continue;
+      state.end[p.index[k]] = state.time;
+      state.end_reason[p.index[k]] = EndReason::removed;
+      const StoredEnergy lost = stored_energy_of(p, g, materials, k);
+      state.book.carried += lost.kinetic + lost.elastic;
+      p.cell[k] = Particles::ended;
+      any = true;
+    }
+  }
+  if (any) g.rebuild(p);
+}
+
+void Solver::Impl::start_at_rest(const Vec2& gravity) {
+  if (std::abs(gravity.x()) > 1e-3 * std::abs(gravity.y()))
+    throw InputError("mpm.k0: given where gravity is not vertical, expected settle = true without it");
+  stress_from_columns(p, materials, g, gravity.y(), options.k0);
+}
+
+void Solver::Impl::place_tractions() {
+  if (loading.pushed().empty()) return;
+  pushed_at.assign(scene.particles.size(), -1);
+  for (std::size_t k = 0; k < loading.pushed().size(); ++k) {
+    std::int32_t& at = pushed_at[loading.pushed()[k].particle];
+    if (at >= 0) throw InputError("boundary: two tractions load the same particle, expected faces apart");
+    at = std::int32_t(k);
+  }
+}
+
+Vec2 Solver::Impl::moment_of_mass() const {
+  Vec2 sum(0, 0);
+  for (std::size_t k = 0; k < p.size(); ++k)
+    if (p.cell[k] != Particles::ended) sum += p.mass[k] * Vec2(p.x[k], p.y[k]);
+  return sum;
 }
 
 void Solver::Impl::find_cells(int threads) {
@@ -197,6 +309,7 @@ void Solver::Impl::find_cells(int threads) {
 void Solver::Impl::restrain_momentum(double dt) {
   reactions.clear();
   restraints.apply(state.time, dt, g, reactions);
+  bodies.accelerate(state.time, dt, loading.gravity(state.time + 0.5 * dt));
   bodies.apply(state.time, touching * least_density() * g.grid.spacing.prod(), g, reactions);
 }
 
@@ -213,7 +326,7 @@ void Solver::Impl::book_work(double dt) {
       state.body_impulse[2 * std::size_t(r.body)] += r.impulse_x;
       state.body_impulse[2 * std::size_t(r.body) + 1] += r.impulse_y;
     }
-  if (!scene.body_force) return;
+  if (!pushes()) return;
   for (const std::uint32_t n : g.nodes) {
     const Vec2 w = working_velocity(g.node[n], strained);
     const double work = dt * (pushed[2 * n] * w.x() + pushed[2 * n + 1] * w.y());
@@ -231,9 +344,22 @@ void Solver::Impl::watch_motion() {
     state.calm_since = state.time;
     state.calm_looks = 0;
   }
+  state.far = moved_far();
   state.at_rest = is_calm && ++state.calm_looks > calm_looks && !scene.body_force &&
                   state.time - state.calm_since > calm_share * state.time &&
-                  std::isinf(restraints.next_change(state.time)) && !bodies.moving_after(state.time);
+                  std::isinf(restraints.next_change(state.time)) && !loading.changing_after(state.time) && !bodies.moving_after(state.time);
+}
+
+bool Solver::Impl::moved_far() const {
+  if (!options.end_displacement_m) return false;
+  const double most2 = *options.end_displacement_m * *options.end_displacement_m;
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    if (bodies.mass(b, state.time) > 0 && bodies.displacement(b, state.time).squaredNorm() >= most2) return true;
+  for (std::size_t k = 0; k < p.size(); ++k)
+    if (p.cell[k] != Particles::ended &&
+        (Vec2(p.x[k], p.y[k]) - scene.particles.x0[p.index[k]]).squaredNorm() >= most2)
+      return true;
+  return false;
 }
 
 void Solver::Impl::end_particles(const std::vector<std::uint32_t>& left) {
@@ -252,6 +378,7 @@ double Solver::Impl::longest_step() const {
 
 double Solver::Impl::work_of_gravity() const {
   double work = 0;
+  const Vec2 gravity = loading.gravity(state.time);
   for (std::size_t k = 0; k < p.size(); ++k)
     work += p.mass[k] * gravity.dot(Vec2(p.x[k], p.y[k]) - scene.particles.x0[p.index[k]]);
   return work;
@@ -259,7 +386,7 @@ double Solver::Impl::work_of_gravity() const {
 
 EnergyRow Solver::Impl::energy() {
   EnergyBook book = state.book;
-  book.gravity = work_of_gravity();
+  if (!work_in_steps()) book.gravity = work_of_gravity();
   EnergyRow row = energy_row(state.time, stored_energy(p, g, materials), book);
   if (scheme.shape == ShapeKind::bilinear) row.hourglass = hourglass_energy(p, g);
   return row;
@@ -312,7 +439,7 @@ void Solver::settle(Progress& progress) {
   // The average of three-node shapes leaves a point's own mean stress free to drift where points open one by one.
   Scheme scheme = s.scheme;
   if (scheme.shape != ShapeKind::bilinear) scheme.locking = Locking::none;
-  settle_particles({s.gravity, s.options.settle_damping, s.options.settle_tolerance, s.most_threads}, scheme,
+  settle_particles({s.loading.gravity(0), s.options.settle_damping, s.options.settle_tolerance, s.most_threads, s.options.k0}, scheme,
                    s.materials, s.restraints, s.bodies, s.p, s.g, progress);
   s.p.resize_increments(0);
   for (auto* history : {&s.p.plastic_dev, &s.p.gap, &s.p.dissipated}) std::fill(history->begin(), history->end(), 0.0);
@@ -324,11 +451,12 @@ void Solver::advance_to(double time, Progress& progress) {
   Impl& s = *impl_;
   if (s.failed) throw RunError("mpm: advance_to() was called after the run had failed");
   while (s.state.time < time) {
-    if (s.state.at_rest && s.options.end_at_rest) {
+    if ((s.state.at_rest && s.options.end_at_rest) || s.state.far) {
       s.state.time = time;
       return;
     }
-    const double stop = std::min({time, s.restraints.next_change(s.state.time), s.bodies.next_change(s.state.time)});
+    const double stop = std::min({time, s.restraints.next_change(s.state.time), s.bodies.next_change(s.state.time),
+                                  s.loading.next_change(s.state.time)});
     const double longest = s.longest_step(), dt = trimmed_step(s.state.time, stop, longest);
     const double before = s.state.time;
     s.step(dt);
@@ -357,6 +485,10 @@ Vec2 Solver::momentum() const {
 }
 EnergyRow Solver::energy() const { return impl_->failed ? impl_->good.energy : impl_->energy(); }
 bool Solver::at_rest() const { return impl_->state.at_rest; }
+Vec2 Solver::body_displacement(std::size_t body) const {
+  return impl_->bodies.displacement(body, impl_->state.time);
+}
+double Solver::body_mass(std::size_t body) const { return impl_->bodies.mass(body, impl_->state.time); }
 Vec2 Solver::body_impulse(std::size_t body) const {
   return {impl_->state.body_impulse.at(2 * body), impl_->state.body_impulse.at(2 * body + 1)};
 }
@@ -388,6 +520,9 @@ void Solver::load(const std::vector<std::byte>& checkpoint) {
   from_bytes(checkpoint, impl_->state);
   impl_->g.rebuild(impl_->p);
   impl_->g.set_folds(impl_->restraints.folds(impl_->state.time, impl_->g.grid));
+  impl_->bodies.set_motion(impl_->state.body_motion);
+  impl_->change_densities(impl_->state.time, false);
+  impl_->change_strength(impl_->state.time);
   impl_->failed = false;
   impl_->keep(impl_->energy());
 }

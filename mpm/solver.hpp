@@ -72,6 +72,9 @@ class Solver {
   EnergyRow energy() const;
   /// Impulse on the material by a body since time 0, N s/m; index in Scene::bodies.
   Vec2 body_impulse(std::size_t body) const;
+  /// Of a body's centre since time 0, m; its mass now, kg/m (0: its motion is prescribed).
+  Vec2 body_displacement(std::size_t body) const;
+  double body_mass(std::size_t body) const;
   /// Particles that have left the grid.
   std::size_t ended() const;
   Vec2 momentum() const;       // of the particles still simulated, kg m/s per metre of thickness

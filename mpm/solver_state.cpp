@@ -74,6 +74,8 @@ void visit(Archive& a, State& s) {
   a.value(s.calm_since);
   a.value(s.calm_looks);
   a.value(s.at_rest);
+  a.value(s.far);
+  a.array(s.body_motion);
   a.array(s.body_impulse);
   a.value(s.steps);
   a.value(s.since_sort);

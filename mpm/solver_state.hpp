@@ -23,6 +23,8 @@ struct SolverState {
   double calm_since = 0;    // time since which it has been a small share of that
   std::int64_t calm_looks = 0;  // at the balance since then
   bool at_rest = false;     // motion has ended: nothing is stepped any more
+  bool far = false;         // MpmOptions::end_displacement_m is reached: likewise
+  std::vector<double> body_motion;   // RigidBodies::motion()
   std::vector<double> body_impulse;  // on each rigid body, x and y, N s/m
   std::int64_t steps = 0;
   std::int64_t since_sort = 0;  // points that changed cells since the storage was last sorted

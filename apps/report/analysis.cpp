@@ -217,6 +217,7 @@ const char* words(EndReason reason) {
     case EndReason::no_vectors: return "too few valid vectors around it";
     case EndReason::bad_state: return "deformation gradient not positive or not finite";
     case EndReason::left_image: return "left the image or went under the mask";
+    case EndReason::removed: return "taken out by the case";
   }
   return "unknown";
 }

@@ -26,6 +26,7 @@ struct StressBatch {
   double* gap = nullptr;                                  // volumetric strain by which the material stands open, >= 0
   std::uint8_t* opened = nullptr;                         // 1 once it has opened: no tension any more
   double* dissipated = nullptr;                           // plastic work per initial volume, J/m^3
+  double dt = 0;  // length of the step, s; 0: settling, nothing depends on rate
 
   /// Points `begin` to `begin + n`.
   StressBatch part(std::size_t begin, std::size_t n) const;
@@ -70,8 +71,9 @@ class Material {
   Elastic elastic_;
 };
 
-/// Throws InputError naming `key`.<constant> if a constant that the model needs is missing or out of range.
-std::unique_ptr<Material> make_material(const MaterialOptions& options, const std::string& key);
+/// Throws InputError naming `key`.<constant> if a constant that the model needs is missing or out of range. `cell_m`:
+/// side of the cells (softening_length_m).
+std::unique_ptr<Material> make_material(const MaterialOptions& options, const std::string& key, double cell_m = 0);
 
 /// Stress of point `k`, turned by the step's rotation (Hughes & Winget 1980: tan(theta/2) = spin/2, so that the turn is
 /// a true rotation for any step) and advanced elastically by the step's strain: the trial state of every law.

@@ -39,7 +39,7 @@ StressBatch batch_of(Particles& p, std::size_t begin, std::size_t size) {
   return b;
 }
 
-void update_stress(const Materials& materials, Particles& p, int threads) {
+void update_stress(const Materials& materials, Particles& p, int threads, double dt_s) {
   if (p.de_xx.size() != p.size()) p.resize_increments(p.size());
   for (const Particles::Body& body : p.bodies) {
     const Material& material = *materials[std::size_t(body.material)];
@@ -47,7 +47,9 @@ void update_stress(const Materials& materials, Particles& p, int threads) {
 #pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1 && runs > 1)
     for (std::ptrdiff_t r = 0; r < runs; ++r) {
       const std::size_t begin = body.begin + std::size_t(r) * run;
-      material.update(batch_of(p, begin, std::min(run, body.end - begin)));
+      StressBatch batch = batch_of(p, begin, std::min(run, body.end - begin));
+      batch.dt = dt_s;
+      material.update(batch);
     }
   }
 }
@@ -63,6 +65,7 @@ void strain_and_update_stress(const Materials& materials, Particles& p, GridStat
         batch.de_zz = de.de_zz;
         batch.de_xy = de.de_xy;
         batch.spin = de.spin;
+        batch.dt = dt;
         materials[std::size_t(body.material)]->update(batch);
       },
       threads);

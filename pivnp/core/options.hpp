@@ -27,7 +27,7 @@ namespace pivnp {
 using Pair = std::array<double, 2>;
 using Points = std::vector<Pair>;
 
-/// The values that a text may take, at most eight. (A vector here would make every list of options compile slowly.)
+/// The values that a text may take, at most twelve. (A vector here would make every list of options compile slowly.)
 class Choices {
  public:
   constexpr Choices() = default;
@@ -41,7 +41,7 @@ class Choices {
   constexpr std::string_view operator[](std::size_t k) const { return text_[k]; }
 
  private:
-  std::array<std::string_view, 8> text_{};
+  std::array<std::string_view, 12> text_{};
   std::size_t size_ = 0;
 };
 

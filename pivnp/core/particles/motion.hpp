@@ -24,6 +24,7 @@ enum class EndReason : std::uint8_t {
   no_vectors = 2,    // too few valid vectors around it
   bad_state = 3,     // F not positive or not finite
   left_image = 4,    // outside the image or under the mask
+  removed = 5,       // taken out by the case (an excavation)
 };
 
 /// What stays the same for every particle; index = position in every per-particle array.

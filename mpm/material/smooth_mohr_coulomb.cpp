@@ -1,0 +1,269 @@
+#include "mpm/material/smooth_mohr_coulomb.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pivnp::mpm {
+
+namespace {
+
+constexpr double stress_tolerance = 1e-4;  // of a substep, over the stress
+constexpr double yield_tolerance = 1e-9;   // over max(c, p, 1 kPa)
+constexpr double least_substep = 1e-5;     // of the step
+constexpr double least_hardness = 0.5;     // of a : D : b; steeper softening is left to the drift's correction
+constexpr int most_corrections = 12;
+
+Tensor plus(const Tensor& a, const Tensor& b, double factor = 1) {
+  return {a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2], a[3] + factor * b[3]};
+}
+Tensor times(const Tensor& a, double factor) { return {factor * a[0], factor * a[1], factor * a[2], factor * a[3]}; }
+double trace(const Tensor& a) { return a[0] + a[1] + a[2]; }
+Tensor deviator_of(const Tensor& a) {
+  const double mean = trace(a) / 3;
+  return {a[0] - mean, a[1] - mean, a[2] - mean, a[3]};
+}
+double length(const Tensor& a) { return std::sqrt(product(a, a)); }
+
+double scale_of(const Strength& s, double mean, double J) { return std::max({s.cohesion * J, std::abs(mean), 1000.0}); }
+
+}  // namespace
+
+struct SmoothMohrCoulomb::Here {
+  Invariants at;
+  Strength strength;
+  double F, most_mean, scale, tolerance;
+  double J;
+
+  Here(const SmoothMohrCoulomb& law, const Point& p)
+      : at(p.stress), strength(law.strength_.at(p.history, -at.mean / p.J)), J(p.J) {
+    F = law.surface_.value(at, strength, J);
+    most_mean = std::min(p.opened ? 0.0 : law.tension_ * J, law.surface_.greatest_mean(strength, J));
+    scale = scale_of(strength, at.mean, J);
+    tolerance = yield_tolerance * scale;
+  }
+  bool on_surface() const { return F >= -10 * tolerance; }
+  bool at_limit(const Point& p) const { return p.gap > 0 || at.mean >= most_mean - tolerance; }
+};
+
+SmoothMohrCoulomb::SmoothMohrCoulomb(const Elastic& elastic, const StrengthLaw& strength, double tension_pa,
+                                     double apex_pa)
+    : Material(elastic),
+      strength_(strength),
+      surface_(apex_pa),
+      tension_(tension_pa),
+      bulk_(elastic.lambda + 2.0 / 3 * elastic.shear) {}
+
+double SmoothMohrCoulomb::relative_yield(const Tensor& stress, double history, double J) const {
+  const Here here(*this, {stress, history, 0, J, false});
+  return here.F / here.scale;
+}
+
+Tensor SmoothMohrCoulomb::stiff(const Tensor& e) const {
+  const double volumetric = elastic_.lambda * trace(e), two_shear = 2 * elastic_.shear;
+  return {volumetric + two_shear * e[0], volumetric + two_shear * e[1], volumetric + two_shear * e[2],
+          two_shear * e[3]};
+}
+
+double SmoothMohrCoulomb::energy_of(const Tensor& s) const { return elastic_.energy(s[0], s[1], s[2], s[3]); }
+
+// Plastic flow at the surface; `held`: at the greatest mean stress, which stays.
+SmoothMohrCoulomb::Rate SmoothMohrCoulomb::yielding(const Here& here, const Tensor& de, bool held) const {
+  Tensor a = surface_.gradient(here.at, here.strength, here.J), b = surface_.flow(here.at, here.strength, here.J);
+  const Tensor moved = held ? deviator_of(de) : de;
+  const double dilation = trace(b);
+  if (held) {
+    a = deviator_of(a);
+    b = deviator_of(b);
+  }
+  const Tensor elastic = stiff(moved), Db = stiff(b), b_dev = deviator_of(b);
+  const double per = std::sqrt(2.0 / 3 * product(b_dev, b_dev)), hardness = product(a, Db);
+  double amount = 0;
+  if (here.on_surface() && hardness > 0) {
+    const double softened = hardness - surface_.by_history(here.at, here.strength, here.J) * per;
+    amount = std::max(0.0, product(a, elastic) / std::max(softened, least_hardness * hardness));
+  }
+  return {plus(elastic, Db, -amount), amount * per, held ? trace(de) - amount * dilation : 0};
+}
+
+SmoothMohrCoulomb::Rate SmoothMohrCoulomb::rate(const Point& p, const Tensor& de) const {
+  const Here here(*this, p);
+  if (here.at_limit(p)) {
+    const Rate held = yielding(here, de, true);
+    return p.gap > 0 || held.gap >= 0 ? held : yielding(here, de, false);
+  }
+  return yielding(here, de, false);
+}
+
+// Where F along stress + x ds is zero, between x = low (inside) and high (outside): Dowell & Jarratt's Pegasus method.
+double SmoothMohrCoulomb::crossing(const Point& p, const Tensor& ds, double low, double high) const {
+  const auto at = [&](double x) {
+    Point moved = p;
+    moved.stress = plus(p.stress, ds, x);
+    return Here(*this, moved);
+  };
+  const Here outer = at(high);
+  double f_low = at(low).F, f_high = outer.F;
+  for (int n = 0; n < 60; ++n) {
+    const double x = high - f_high * (high - low) / (f_high - f_low);
+    const Here here = at(x);
+    if (std::abs(here.F) <= here.tolerance) return x;
+    if (here.F * f_high < 0) {
+      low = high;
+      f_low = f_high;
+    } else {
+      f_low *= f_high / (f_high + here.F);
+    }
+    high = x;
+    f_high = here.F;
+  }
+  return std::min(low, high);
+}
+
+// Advances elastically to the surface, the greatest mean stress or the end of `rest`; the share of `rest` used.
+double SmoothMohrCoulomb::elastic_leg(Point& p, const Here& here, const Tensor& rest) const {
+  const Tensor ds = stiff(rest);
+  const bool inside = here.F < -10 * here.tolerance;
+  if (!inside && product(surface_.gradient(here.at, here.strength, here.J), ds) >= 0) return 0;
+  Point end = p;
+  end.stress = plus(p.stress, ds);
+  const Here there(*this, end);
+  double share = 1;
+  const double rise = there.at.mean - here.at.mean;
+  if (rise > 0 && there.at.mean > there.most_mean) share = std::clamp((there.most_mean - here.at.mean) / rise, 0.0, 1.0);
+  if (there.F > there.tolerance || share < 1) {
+    const auto F_at = [&](double x) {
+      Point moved = p;
+      moved.stress = plus(p.stress, ds, x);
+      return Here(*this, moved).F;
+    };
+    if (share > 0 && F_at(share) > 0) {
+      double low = 0;
+      if (!inside)  // leaves the surface first: F is convex along the line
+        for (low = 0.5 * share; low > 1e-12 && F_at(low) >= 0;) low *= 0.5;
+      if (!inside && low <= 1e-12) return 0;
+      share = crossing(p, ds, low, share);
+    }
+  }
+  p.stress = plus(p.stress, ds, share);
+  return share;
+}
+
+// Back to the surface and below the greatest mean stress; what flows on the way softens.
+void SmoothMohrCoulomb::correct(Point& p) const {
+  for (int n = 0; n < most_corrections; ++n) {
+    const Here here(*this, p);
+    if (here.at.mean > here.most_mean + here.tolerance || here.F <= here.tolerance || p.gap > 0) break;
+    const Tensor a = surface_.gradient(here.at, here.strength, here.J);
+    const Tensor b = surface_.flow(here.at, here.strength, here.J), b_dev = deviator_of(b), Db = stiff(b);
+    const double hardness = product(a, Db), per = std::sqrt(2.0 / 3 * product(b_dev, b_dev));
+    if (!(hardness > 0)) break;
+    const double softened = hardness - surface_.by_history(here.at, here.strength, here.J) * per;
+    const double amount = here.F / std::max(softened, least_hardness * hardness);
+    Point moved = p;
+    moved.stress = plus(p.stress, Db, -amount);
+    moved.history += amount * per;
+    double F = Here(*this, moved).F;
+    if (F < -here.tolerance) {  // past the surface: without softening that cannot be, F being convex
+      moved.stress = plus(p.stress, Db, -here.F / hardness);
+      moved.history = p.history;
+      F = Here(*this, moved).F;
+    }
+    if (!(F < here.F)) break;
+    p = moved;
+  }
+  Here here(*this, p);
+  const double over = here.at.mean - here.most_mean;
+  if (over > 0) {
+    p.gap += over / bulk_;
+    for (std::size_t q = 0; q < 3; ++q) p.stress[q] -= over;
+    here = Here(*this, p);
+  } else if (p.gap > 0) {
+    const double closed = std::min(p.gap, -over / bulk_);
+    p.gap -= closed;
+    for (std::size_t q = 0; q < 3; ++q) p.stress[q] += bulk_ * closed;
+    here = Here(*this, p);
+  }
+  if (here.F <= here.tolerance) return;
+  const double bar = surface_.bar_on_surface(here.at.mean, here.at.sin3, here.strength, here.J);
+  const double keep = here.at.bar > 0 ? std::min(1.0, bar / here.at.bar) : 0;
+  for (std::size_t q = 0; q < 4; ++q) p.stress[q] = keep * here.at.deviator[q] + (q < 3 ? here.at.mean : 0);
+}
+
+void SmoothMohrCoulomb::integrate(Point& p, const Tensor& de, double& work) const {
+  double done = 0, size = 1;
+  bool failed = false;
+  const auto book = [&](const Tensor& before, const Tensor& after, double share) {
+    work += 0.5 * share * (product(before, de) + product(after, de));
+  };
+  while (done < 1) {
+    const Here here(*this, p);
+    if (!here.at_limit(p)) {
+      const Tensor before = p.stress;
+      const double share = elastic_leg(p, here, times(de, 1 - done));
+      if (share > 0) {
+        book(before, p.stress, share * (1 - done));
+        if (share >= 1) return;
+        done += share * (1 - done);
+      }
+    }
+    size = std::min(size, 1 - done);
+    const Tensor part = times(de, size);
+    const Rate first = rate(p, part);
+    Point middle = p;
+    middle.stress = plus(p.stress, first.stress);
+    middle.history += first.history;
+    middle.gap = std::max(0.0, p.gap + first.gap);
+    const Rate second = rate(middle, part);
+    Point end = p;
+    end.stress = plus(p.stress, plus(first.stress, second.stress), 0.5);
+    end.history += 0.5 * (first.history + second.history);
+    end.gap += 0.5 * (first.gap + second.gap);
+    if (end.gap < 0) {  // closed on the way: what is left over loads
+      for (std::size_t q = 0; q < 3; ++q) end.stress[q] += bulk_ * end.gap;
+      end.gap = 0;
+    }
+    const double error = 0.5 * length(plus(second.stress, first.stress, -1)) /
+                         std::max(length(end.stress), 0.1 * here.scale);
+    if (error > stress_tolerance && size > least_substep) {
+      size = std::max(least_substep, size * std::max(0.1, 0.9 * std::sqrt(stress_tolerance / error)));
+      failed = true;
+      continue;
+    }
+    book(p.stress, end.stress, size);
+    correct(end);  // at constant strain: no work
+    p = end;
+    done = 1 - done - size < 1e-12 ? 1 : done + size;
+    double grow = error > 0 ? std::min(4.0, 0.9 * std::sqrt(stress_tolerance / error)) : 4.0;
+    if (failed) grow = std::min(grow, 1.0);
+    failed = false;
+    size = std::max(least_substep, size * grow);
+  }
+}
+
+void SmoothMohrCoulomb::update(const StressBatch& batch) const {
+  for (std::size_t k = 0; k < batch.size; ++k) {
+    const Stress turned = rotated(batch, k);
+    Point p{{turned.xx, turned.yy, turned.zz, turned.xy}, batch.plastic_dev[k], batch.gap[k], batch.J[k],
+            batch.opened[k] != 0};
+    const double start = energy_of(p.stress);
+    correct(p);  // to this step's J and pressure
+    const Tensor de{batch.de_xx[k], batch.de_yy[k], batch.de_zz[k], batch.de_xy[k]};
+    double work = 0;
+    const double volumetric = trace(de);
+    if (p.gap > 0 && p.gap + volumetric < 0) {  // closes within the step
+      const double share = -p.gap / volumetric;
+      integrate(p, times(de, share), work);
+      if (p.gap < 1e-9 * std::abs(volumetric)) p.gap = 0;
+      integrate(p, times(de, 1 - share), work);
+    } else {
+      integrate(p, de, work);
+    }
+    batch.dissipated[k] += work - (energy_of(p.stress) - start);
+    batch.plastic_dev[k] = p.history;
+    batch.gap[k] = p.gap;
+    if (p.gap > 0) batch.opened[k] = 1;
+    store(batch, k, {p.stress[0], p.stress[1], p.stress[2], p.stress[3]});
+  }
+}
+
+}  // namespace pivnp::mpm

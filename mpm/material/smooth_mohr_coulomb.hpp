@@ -1,0 +1,55 @@
+// Mohr-Coulomb on the smooth surface of Abbo & Sloan (abbo_sloan.hpp), integrated by substeps.
+//
+// Source: Sloan, Abbo & Sheng 2001 (Eng. Comput. 18:121): modified Euler with the error kept below 1e-4 of the stress a
+// substep, yield crossing by the Pegasus method, drift corrected along the plastic flow after every substep (else at
+// constant mean stress and Lode angle, which the surface allows in closed form). Departures: the strength follows the
+// accumulated strain and the pressure inside the step (strength.hpp); the drift's correction softens
+// too, so that strength which falls faster than stress can is let down by it; tension, below.
+//
+// Tension: the mean stress is at most tension, and 0.9 of the apex (next to the surface's vertex). Expansion beyond it is kept as `gap`: volume
+// by which the material stands open; the deviator goes on yielding at that mean stress (Koiter), and compression first
+// closes the gap. Once open, the limit is zero. So sand without cohesion carries next to nothing while it is open (the
+// surface's floor), flies free and lands with the volume it left with.
+#pragma once
+
+#include "mpm/material/abbo_sloan.hpp"
+#include "mpm/material/material.hpp"
+
+namespace pivnp::mpm {
+
+class SmoothMohrCoulomb final : public Material {
+ public:
+  SmoothMohrCoulomb(const Elastic& elastic, const StrengthLaw& strength, double tension_pa, double apex_pa);
+  void update(const StressBatch& batch) const override;
+
+  /// F over max(c, p, 1 kPa) at a stress (Kirchhoff), after a history; J the volume ratio.
+  double relative_yield(const Tensor& stress, double history, double J) const;
+  const AbboSloan& surface() const { return surface_; }
+
+ private:
+  struct Point {
+    Tensor stress;
+    double history, gap;
+    double J;
+    bool opened;
+  };
+  struct Here;  // the surface at a point
+  struct Rate {
+    Tensor stress;
+    double history, gap;
+  };
+  Tensor stiff(const Tensor& strain) const;
+  double energy_of(const Tensor& stress) const;
+  Rate rate(const Point& p, const Tensor& de) const;
+  Rate yielding(const Here& at, const Tensor& de, bool held) const;
+  double elastic_leg(Point& p, const Here& at, const Tensor& rest) const;
+  double crossing(const Point& p, const Tensor& ds, double low, double high) const;
+  void integrate(Point& p, const Tensor& de, double& work) const;
+  void correct(Point& p) const;
+
+  StrengthLaw strength_;
+  AbboSloan surface_;
+  double tension_, bulk_;
+};
+
+}  // namespace pivnp::mpm

@@ -1,0 +1,52 @@
+// Strength of a soil as its history and its stress leave it.
+//
+// Softening (the thesis' 4.13, 4.14): c and phi fall from peak to residual as exp(-eta k), k the accumulated plastic
+// deviatoric strain (a sum along the path: strength does not come back on reversal). Dilatancy fades alike,
+// psi = psi0 exp(-k/fade), and never exceeds phi.
+// Friction that depends on stress: phi = phi_high + (phi_low - phi_high)/(1 + p/p_half), p the mean pressure: phi_low
+// without confinement, half-way at p_half. (The thesis' 3.2: 43 degrees below 2 kPa, 30 in a shear box at 50-200 kPa;
+// curved envelopes after Bolton 1986, Geotechnique 36:65. The rational form keeps the surface convex.)
+// Regularisation: material softens in a band as wide as the cells h let it be. With a length L the rate becomes
+// eta h/L: a slip of k h does what it would do in a band of width L, whatever h (smeared; Pietruszczak & Mroz 1981,
+// Int. J. Numer. Meth. Engng 17:327; Bazant & Oh 1983).
+#pragma once
+
+#include "mpm/options.hpp"
+
+namespace pivnp::mpm {
+
+/// Strength at a point and instant; angles in radians, Pa.
+struct Strength {
+  double friction, sin_friction, cos_friction;
+  double cohesion;
+  double sin_dilatancy;
+  double friction_by_history, friction_by_pressure;  // derivatives
+  double cohesion_by_history;
+};
+
+class StrengthLaw {
+ public:
+  /// `cell_m`: side of the cells, for the regularised rate of softening. Throws InputError naming `key`.<constant>.
+  StrengthLaw(const MaterialOptions& options, const std::string& key, double cell_m);
+
+  /// `history`: accumulated plastic deviatoric strain; `pressure`: mean Cauchy pressure, compression positive, Pa (below
+  /// zero it counts as zero).
+  Strength at(double history, double pressure) const {
+    return constant_ ? initial_ : changed(history, pressure);
+  }
+  bool constant() const { return constant_; }
+  double residual_friction() const { return residual_friction_; }
+  double peak_cohesion() const { return cohesion_; }
+
+ private:
+  Strength changed(double history, double pressure) const;
+
+  double friction_, friction_low_, per_half_, residual_friction_;
+  double cohesion_, residual_cohesion_;
+  double rate_;  // of softening, for these cells
+  double dilatancy_, per_fade_;
+  bool constant_;
+  Strength initial_{};
+};
+
+}  // namespace pivnp::mpm
