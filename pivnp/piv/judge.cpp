@@ -25,8 +25,8 @@ float inside_share(float place, int pixels, float cell) {
   return cumulated(static_cast<float>(pixels - 1) - place) - cumulated(-place);
 }
 
-// What is trusted at the lattice's points: matched well enough, of a small enough error, and in line with its neighbours.
-// Judged there and not at the nodes, which may lie far apart for the field's curvature.
+// What is trusted at the lattice's points: matched well enough, of a small enough error, and in line with its
+// neighbours. Judged there and not at the nodes, which may lie far apart for the field's curvature.
 std::vector<std::uint8_t> trusted_points(const JudgeInput& input, const CellLattice& lattice,
                                          const MatchQuality& quality, const std::vector<float>& u,
                                          const std::vector<float>& v, const std::vector<float>& variance_u,

@@ -53,8 +53,8 @@ HWY_INLINE void quintic_weights(V t, V* w) {
 // Samples `image` at (column + k + ux[k], row + uy[k]) for k < count (a multiple of the vector length; places outside
 // the image are moved to its edge and clear use[k]); flagged pixels nearest to a place clear use[k] as well. `use` may
 // be null if `flags` is.
-static HWY_NOINLINE void sample_row(const SplineImage& image, const PixelFlags* flags, int column, int row, const float* ux,
-                             const float* uy, int count, float* out, float* use) {
+static HWY_NOINLINE void sample_row(const SplineImage& image, const PixelFlags* flags, int column, int row,
+                                    const float* ux, const float* uy, int count, float* out, float* use) {
   using D = hn::CappedTag<float, 16>;
   using V = hn::Vec<D>;
   const D d;
@@ -71,7 +71,8 @@ static HWY_NOINLINE void sample_row(const SplineImage& image, const PixelFlags* 
     const V x_asked = hn::LoadU(d, ux + k), y_asked = hn::LoadU(d, uy + k);
     const V x = hn::Min(hn::Max(x_asked, least_x), most_x), y = hn::Min(hn::Max(y_asked, least_y), most_y);
     const auto inside = hn::And(hn::Eq(x, x_asked), hn::Eq(y, y_asked));
-    if (use != nullptr && !hn::AllTrue(d, inside)) hn::StoreU(hn::IfThenElseZero(inside, hn::LoadU(d, use + k)), d, use + k);
+    if (use != nullptr && !hn::AllTrue(d, inside))
+      hn::StoreU(hn::IfThenElseZero(inside, hn::LoadU(d, use + k)), d, use + k);
     const V whole_x = hn::Floor(x), whole_y = hn::Floor(y);
     V wx[taps], wy[taps];
     quintic_weights(hn::Sub(x, whole_x), wx);

@@ -231,8 +231,8 @@ std::vector<int> starts(int points, int side) {
 }  // namespace
 
 // What the kept terms' noise is of that of the fast ones, block by block. The texture's own noise in clean frames that
-// are deformed has less power at long wavelengths: its fall over one octave, as a mean over some blocks about, is carried
-// on by two octaves and a half (where kept terms lie). Where structures hide the fall, nothing is taken off.
+// are deformed has less power at long wavelengths: its fall over one octave, as a mean over some blocks about, is
+// carried on by two octaves and a half (where kept terms lie). Where structures hide the fall, nothing is taken off.
 static void find_slow_shares(int side, std::size_t across, std::vector<Shrinker::Block>& blocks, std::size_t count) {
   const int reach = side >= 32 ? 1 : 2, nx = static_cast<int>(across), ny = static_cast<int>(count / across);
   for (int j = 0; j < ny; ++j)
