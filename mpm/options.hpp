@@ -46,7 +46,7 @@ struct MaterialOptions {
     visit("model", self.model,
           OptionInfo{.text = "constitutive law", .choices = {"linear_elastic", "neo_hookean", "von_mises", "tresca", "mohr_coulomb", "mohr_coulomb_smooth", "drucker_prager", "mu_i", "water"}});
     visit("density_kg_m3", self.density_kg_m3, OptionInfo{.unit = "kg/m^3", .text = "bulk density", .min = 0, .above_min = true});
-    visit("young_pa", self.young_pa, OptionInfo{.unit = "Pa", .text = "Young's modulus (left out with water)", .min = 0});
+    visit("young_pa", self.young_pa, OptionInfo{.unit = "Pa", .text = "Young's modulus (left out with water)", .min = 0, .above_min = true});
     visit("poisson", self.poisson, OptionInfo{.text = "Poisson's ratio", .min = 0, .max = 0.499});
     visit("friction_deg", self.friction_deg, OptionInfo{.unit = "deg", .text = "friction angle, at its peak (mohr_coulomb, mohr_coulomb_smooth, drucker_prager, mu_i)", .min = 0, .max = 89});
     visit("dilatancy_deg", self.dilatancy_deg, OptionInfo{.unit = "deg", .text = "dilatancy angle (mohr_coulomb, mohr_coulomb_smooth, drucker_prager)", .min = 0, .max = 89});

@@ -107,7 +107,7 @@ TEST(BadInput, UnknownChoiceNamesTheNearest) {
   EXPECT_EQ(
       refusal("[material.a]\nmodel = 'hypoplastic'\n"),
       "c.toml:2: material.a.model: found \"hypoplastic\", expected one of linear_elastic, neo_hookean, von_mises, "
-      "tresca, mohr_coulomb");
+      "tresca, mohr_coulomb, mohr_coulomb_smooth, drucker_prager, mu_i, water");
 }
 
 TEST(BadInput, SyntaxErrorsAndDuplicatesNameTheLine) {
