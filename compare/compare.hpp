@@ -75,8 +75,8 @@ struct Refinement {
 
 /// second minus first, at the first's particles and times. Displacement and strain count from the common start, the
 /// later of the two first times. Material positions are aligned there; the second motion is interpolated between its
-/// particles (linear on the Delaunay triangulation of material positions, no triangle that bridges a gap; within half a
-/// spacing of its edge from the nearest point of the edge) unless ids and positions agree, and linearly in time. A
+/// particles (natural neighbours among material positions, no triangle that bridges a gap; within half a spacing of the
+/// material's edge from the nearest point of the edge) unless ids and positions agree, and linearly in time. A
 /// particle that ends on either side has no partner from then on. Options and limits named _m and _s are in the
 /// motions' own units. Frames are read one by one, in order (twice where an onset is looked for); memory grows with the
 /// particles, not with the frames: of each field at most 2^23 values are kept. Throws InputError if a motion is empty,

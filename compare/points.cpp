@@ -1,5 +1,6 @@
 #include "compare/points.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "compare/history.hpp"
@@ -25,29 +26,26 @@ std::vector<Partner> places(const std::vector<Vec2>& points, const Side& side) {
   const MaterialMesh mesh(std::move(x), std::move(spacing));
   std::vector<Partner> out;
   for (const Vec2& point : points) {
-    Partner place = mesh.find(point).value_or(Partner{});
-    for (int& v : place.vertex)
-      if (v >= 0) v = index[std::size_t(v)];
+    Partner place = mesh.find_natural(point).value_or(Partner{});
+    for (Natural::Share& s : place.shares) s.point = index[std::size_t(s.point)];
     out.push_back(place);
   }
   return out;
 }
 
 bool followed(const Partner& place, const SideState& state) {
-  if (!has_partner(place)) return false;
-  for (std::size_t k = 0; k < 3; ++k)
-    if (place.vertex[k] >= 0 && place.weight[k] > 0 && !state.followed[std::size_t(place.vertex[k])]) return false;
-  return true;
+  return std::all_of(place.shares.begin(), place.shares.end(),
+                     [&](const Natural::Share& s) { return state.followed[std::size_t(s.point)]; });
 }
 
 }  // namespace
 
-PointHistories::PointHistories(const Points& points, const Side& first, const Side& second) {
+PointHistories::PointHistories(const Points& points, const Side& first, const Side& second)
+    : sides_{&first, &second} {
   if (points.empty()) return;
   for (const Pair& p : points) points_.emplace_back(p[0], p[1]);
-  const std::array<const Side*, 2> sides{&first, &second};
   for (std::size_t s = 0; s < 2; ++s)
-    for (const Partner& place : places(points_, *sides[s])) tracks_[s].push_back({place, {}, 0, 0});
+    for (const Partner& place : places(points_, *sides_[s])) tracks_[s].push_back({place, {}, 0, 0});
 }
 
 void PointHistories::add(const SideState& first, const SideState& second, const std::array<RigidFit, 2>& frame) {
@@ -57,7 +55,8 @@ void PointHistories::add(const SideState& first, const SideState& second, const 
   for (std::size_t s = 0; s < 2; ++s)
     for (std::size_t k = 0; k < points_.size(); ++k) {
       Track& track = tracks_[s][k];
-      if (!followed(track.place, *states[s])) {
+      if (!followed(track.place, *states[s])) track.place = places({points_[k]}, *sides_[s]).front();
+      if (!has_partner(track.place)) {
         track.u.push_back(Vec2::Constant(not_known));
         continue;
       }

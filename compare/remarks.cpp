@@ -25,8 +25,8 @@ void remark_alignment(const Alignment& alignment, const Side& first, const Side&
   const std::string names = quoted(second.motion()) + " (second) against " + quoted(first.motion()) + " (first)";
   remarks.push_back(alignment.by_identity()
                         ? names + ": particles paired by identity (same ids at the same material positions)."
-                        : names + ": particles paired by material position, the second interpolated linearly on the "
-                                  "Delaunay triangulation of its material positions (no triangle of a circumradius "
+                        : names + ": particles paired by material position, the second interpolated by "
+                                  "natural neighbours among its material positions (no triangle of a circumradius "
                                   "above " +
                               number(MaterialMesh::alpha_ratio) +
                               " spacings; up to half a spacing beyond its edge from the nearest point of the edge), "
