@@ -40,10 +40,13 @@ bool followed(const Partner& place, const SideState& state) {
 
 }  // namespace
 
-PointHistories::PointHistories(const Points& points, const Side& first, const Side& second)
-    : sides_{&first, &second} {
-  if (points.empty()) return;
-  for (const Pair& p : points) points_.emplace_back(p[0], p[1]);
+PointHistories::PointHistories(const CompareOptions& options, const Side& first, const Side& second)
+    : sides_{&first, &second}, gauge_(options.gauge_uncertainty) {
+  for (const double u : {options.measurement_uncertainty_m.value_or(0), options.numerical_uncertainty_m,
+                         options.input_uncertainty_m})
+    given_ += 2 * u * u;  // both components
+  for (const Pair& p : options.points_m) points_.emplace_back(p[0], p[1]);
+  if (points_.empty()) return;
   for (std::size_t s = 0; s < 2; ++s)
     for (const Partner& place : places(points_, *sides_[s])) tracks_[s].push_back({place, {}, 0, 0});
 }
@@ -73,8 +76,9 @@ void PointHistories::finish(const std::string& unit, const std::string& time_uni
     const std::string name = "point_" + std::to_string(k + 1);
     const std::string where = "(" + number(points_[k].x()) + ", " + number(points_[k].y()) + ")";
     std::array<History, 2> size;
-    double variance = 0;
-    bool known = false;
+    HistoryErrors errors;
+    double variance = given_, greatest = 0;
+    bool known = given_ > 0;
     ColumnTable table{name, "displacement of the material point " + where + " on both sides",
                       {{"time", time_unit, time_}}};
     for (std::size_t s = 0; s < 2; ++s) {
@@ -89,12 +93,17 @@ void PointHistories::finish(const std::string& unit, const std::string& time_uni
       const std::string side = s == 0 ? "first" : "second";
       table.columns.push_back({"x_" + side, unit, std::move(component[0])});
       table.columns.push_back({"y_" + side, unit, std::move(component[1])});
+      for (const Vec2& u : track.u)
+        if (s == 0 && u.norm() > greatest) greatest = u.norm();
       if (track.known == 0) continue;
+      errors.side[s] = std::sqrt(track.variance / double(track.known));
       variance += track.variance / double(track.known);
       known = true;
     }
-    const double sigma = known ? std::sqrt(variance) : not_known;
-    if (!add_history_metrics(name, "|u| of the material point " + where, size[0], size[1], sigma, unit, time_unit,
+    known = known || gauge_ > 0;
+    if (known) errors.difference = std::sqrt(variance + gauge_ * gauge_ * greatest * greatest);
+    const double sigma = errors.difference;
+    if (!add_history_metrics(name, "|u| of the material point " + where, size[0], size[1], errors, unit, time_unit,
                              out.metrics)) {
       out.remarks.push_back("The material point " + where + " of compare.points_m is not followed on both sides.");
       continue;
@@ -107,7 +116,7 @@ void PointHistories::finish(const std::string& unit, const std::string& time_uni
     out.metrics.push_back(difference_metric(
         name + "_distance_rms", distance.rms(), unit, sigma,
         "root mean square over the times of |u_second - u_first| of the material point " + where +
-            "; uncertainty: root mean trace of the covariance of u"));
+            "; uncertainty: root mean trace of the covariance of u, and what is given of camera, gauge, numerics and inputs"));
     out.tables.push_back(std::move(table));
   }
 }
