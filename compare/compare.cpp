@@ -9,6 +9,7 @@
 
 #include "compare/alignment.hpp"
 #include "compare/bands.hpp"
+#include "compare/coordinates.hpp"
 #include "compare/decomposition.hpp"
 #include "compare/differences.hpp"
 #include "compare/distribution.hpp"
@@ -157,6 +158,13 @@ Onset find_offset(const MotionSource& first, const MotionSource& second, const C
   return offset;
 }
 
+// The rigid motion that brings the second's outline at the common start onto the first's.
+RigidFit find_place(const MotionSource& first, const MotionSource& second, const CompareOptions& options) {
+  const CommonTimes common = common_times(first, second);
+  const Side a(first, common), b(second, common);
+  return match_sides(a, b, options.fixed_zone_m);
+}
+
 // Sides are read anew where the walk has left them beyond what is wanted.
 Comparison compare_sides(const MotionSource& first_motion, const MotionSource& second_motion,
                          const CompareOptions& options, const LimitOptions& limits, const Refinement& refinement,
@@ -226,6 +234,13 @@ Comparison compare(const MotionSource& first, const MotionSource& given_second, 
     offset = find_offset(first, second, options);
     transform.time_offset += offset->time;
   }
+  std::optional<RigidFit> place;
+  if (options.space_alignment == "outline") {
+    place = find_place(first, TransformedMotion(given_second, transform), options);
+    const RigidMotion& m = place->motion;
+    transform.shift = m.apply(transform.shift);
+    transform.angle += m.angle;
+  }
   // Coarser grids share the second's coordinates and clock.
   std::vector<std::unique_ptr<TransformedMotion>> moved;
   const auto seen = [&](const MotionSource& motion) -> const MotionSource& {
@@ -239,6 +254,7 @@ Comparison compare(const MotionSource& first, const MotionSource& given_second, 
 
   Comparison out = compare_sides(first, second, options, limits, refinement, notes, progress);
   if (offset) add_time_offset(*offset, first.time_unit(), out);
+  if (place) add_place(*place, first.length_unit(), out);
   out.limits = apply_limits(limits, out.metrics);
   out.over_limit = std::any_of(out.limits.begin(), out.limits.end(), [](const LimitResult& l) { return !l.within; });
   return out;
