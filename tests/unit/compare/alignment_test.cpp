@@ -148,7 +148,7 @@ TEST(NaturalNeighbours, WithGradientsAreExactToTheSecondDegree) {
     G << 0.7 * slope, 0.4 * slope, 0, 0;
     third.F.push_back(Mat2::Identity() + G);
   }
-  double natural = 0, linear = 0;
+  double natural = 0, linear = 0, kept = 0, whole = 0;  // kept: of the wave's strain
   for (int i = 0; i < 40; ++i)
     for (int j = 0; j < 40; ++j) {
       const Vec2 x(1.5 + 0.1771 * i, 1.5 + 0.1713 * j);
@@ -156,13 +156,18 @@ TEST(NaturalNeighbours, WithGradientsAreExactToTheSecondDegree) {
       const auto b = mesh.find(x);
       ASSERT_TRUE(a && b);
       EXPECT_LT((partner_state(*a, second).u - u(x)).norm(), 1e-8);
+      const double strain = 0.7 * std::cos(0.7 * x.x() + 0.4 * x.y());
+      kept += strain * (partner_state(*a, third).F(0, 0) - 1);
+      whole += strain * strain;
       Vec2 plain = Vec2::Zero();
       for (std::size_t k = 0; k < 3; ++k) plain += b->weight[k] * third.u[std::size_t(b->vertex[k])];
       natural += (partner_state(*a, third).u - wave(x)).squaredNorm();
       linear += (plain - wave(x)).squaredNorm();
     }
   EXPECT_LT(natural, 0.1 * linear);
-  std::printf("wave of 7.8 spacings, rms over that of triangles: %.3f\n", std::sqrt(natural / linear));
+  EXPECT_GT(kept / whole, 0.85);
+  std::printf("wave of 7.8 spacings: rms over that of triangles %.3f, strain kept %.3f\n", std::sqrt(natural / linear),
+              kept / whole);
 }
 
 // No share of a particle on the other side of a gap, and nothing beyond half a spacing from the edge.
