@@ -116,7 +116,13 @@ std::string measurement_text(const Content& content, const std::vector<PairQuali
 
 void comparison_section(Builder& b, const ReportOptions& options, const Content& content, bool central,
                         const DifferenceHistory& differences) {
-  if (!content.measured && !content.simulated) return;
+  if (!content.measured && !content.simulated) {
+    auto curves = compared_curves_figure(content);
+    if (!curves) return;
+    b.heading(1, "Comparison");
+    b.figure(std::move(curves));
+    return;
+  }
   b.heading(1, content.comparison ? "Comparison" : "Motion");
   if (content.comparison && !content.comparison->metrics.empty()) b.add(leading_table(content.comparison->metrics));
   const std::vector<double> times = chosen_times(options, content);
@@ -181,7 +187,8 @@ Document make_document(const ReportOptions& options, const Content& content) {
   Builder b;
   b.document.title = options.title.empty() ? content.name : options.title;
   if (b.document.title.empty()) b.document.title = "Report";
-  b.document.subtitle = content.comparison                      ? "Measurement and simulation compared"
+  b.document.subtitle = content.comparison && !content.measured && !content.simulated ? "Two histories compared"
+                        : content.comparison                      ? "Measurement and simulation compared"
                         : content.measured && content.simulated ? "Measurement and simulation"
                         : content.simulated                     ? "Simulation"
                                                                 : "Measurement";

@@ -121,7 +121,8 @@ io::ComparisonData comparison_data(const compare::Comparison& comparison, const 
 Case comparison_case(const CompareSources& sources, const compare::CompareOptions& options,
                      const compare::LimitOptions& limits) {
   Case c;
-  c.name = sources.first + " against " + sources.second;
+  const auto short_name = [](const std::string& text) { return text.substr(text.find_last_of('/', text.find(':')) + 1); };
+  c.name = short_name(sources.first) + " against " + short_name(sources.second);
   c.compare = options;
   c.limits = limits;
   return c;

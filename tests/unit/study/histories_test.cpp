@@ -102,6 +102,7 @@ TEST_F(Histories, ATableAgainstAScaledOne) {
   EXPECT_NEAR(stored("history_rms"), std::sqrt((0.01 + 0.01 + 0.16) / 3), 1e-9);
   EXPECT_TRUE(outcome.over_limit);
   EXPECT_TRUE(fs::exists(outcome.report_html));
+  EXPECT_TRUE(fs::exists(scratch.path / "out" / "figures" / "curves.png"));
   EXPECT_THROW(compared("history=" + (scratch.path / "lab.csv").string(), "out/record.h5"), InputError);
   EXPECT_THROW(compared("history=" + (scratch.path / "lab.csv").string(),
                         "history=" + (scratch.path / "sim.txt").string() + ":frnt"),
