@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <unordered_map>
+#include <utility>
 
 namespace pivnp::compare {
 
@@ -40,6 +41,10 @@ std::vector<Partner> interpolate(const Side& side, const std::vector<int>& group
                                  const std::vector<std::uint8_t>& other_followed, int groups) {
   std::vector<Partner> partners(side.size());
   for (int g = 0; g < groups; ++g) {
+    const auto asked = [&](std::size_t p) { return group[p] == g && wanted[p]; };
+    bool any = false;
+    for (std::size_t p = 0; p < side.size() && !any; ++p) any = asked(p);
+    if (!any) continue;
     std::vector<int> index;
     std::vector<Vec2> points;
     std::vector<double> spacing;
@@ -52,12 +57,11 @@ std::vector<Partner> interpolate(const Side& side, const std::vector<int>& group
     if (index.empty()) continue;
     const MaterialMesh mesh(std::move(points), std::move(spacing));
     for (std::size_t p = 0; p < side.size(); ++p) {
-      if (group[p] != g || !wanted[p]) continue;
-      const auto found = mesh.find(side.material_position()[p]);
+      if (!asked(p)) continue;
+      auto found = mesh.find_natural(side.material_position()[p]);
       if (!found) continue;
-      partners[p] = *found;
-      for (int& v : partners[p].vertex)
-        if (v >= 0) v = index[std::size_t(v)];
+      partners[p] = std::move(*found);
+      for (Natural::Share& s : partners[p].shares) s.point = index[std::size_t(s.point)];
     }
   }
   return partners;
@@ -71,16 +75,18 @@ double share(const std::vector<Partner>& partners) {
 
 PartnerState partner_state(const Partner& partner, const SideState& state) {
   PartnerState out{Vec2::Zero(), Mat2::Zero(), {0, 0, 0}};
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (partner.vertex[k] < 0) continue;
-    const std::size_t q = std::size_t(partner.vertex[k]);
-    const double w = partner.weight[k];
+  Vec2 curved = Vec2::Zero();  // half of what each particle's own gradient makes of its distance
+  for (const Natural::Share& share : partner.shares) {
+    const std::size_t q = std::size_t(share.point);
+    const double w = share.weight;
     out.u += w * state.u[q];
     out.F += w * state.F[q];
+    curved += 0.5 * w * ((state.F[q] - Mat2::Identity()) * share.from);
     if (!state.cov.empty())
       for (std::size_t c = 0; c < 3; ++c) out.cov[c] += w * state.cov[q][c];
   }
-  // A side that knows no gradient there (too few neighbours) gives its edge's displacement as it is.
+  // A side that knows no gradient there (too few neighbours) gives its displacements as they are.
+  if (curved.allFinite()) out.u += curved;
   if (partner.beyond != Vec2::Zero() && out.F.allFinite()) out.u += (out.F - Mat2::Identity()) * partner.beyond;
   return out;
 }
@@ -121,7 +127,7 @@ std::vector<Partner> Alignment::find_partners(const std::vector<std::uint8_t>& w
   for (std::size_t p = 0; p < first_.size(); ++p) {
     const int q = same_id_[p];
     if (wanted[p] && q >= 0 && second_followed_[std::size_t(q)] && group_first_[p] == group_second_[std::size_t(q)])
-      partners[p] = Partner{{q, -1, -1}, {1, 0, 0}, Vec2::Zero()};
+      partners[p] = Partner{{{q, 1.0, Vec2::Zero()}}, Vec2::Zero()};
   }
   return partners;
 }
@@ -140,9 +146,14 @@ void Alignment::measure_coverage() {
 void Alignment::update(const std::vector<std::uint8_t>& second_followed) {
   if (second_followed == second_followed_) return;
   second_followed_ = second_followed;
-  std::vector<std::uint8_t> wanted(first_.size());
-  for (std::size_t p = 0; p < first_.size(); ++p) wanted[p] = has_partner(partners_[p]);
-  partners_ = find_partners(wanted);
+  std::vector<std::uint8_t> broken(first_.size());
+  for (std::size_t p = 0; p < first_.size(); ++p)
+    broken[p] = std::any_of(partners_[p].shares.begin(), partners_[p].shares.end(), [&](const Natural::Share& s) {
+      return !second_followed_[std::size_t(s.point)];
+    });
+  std::vector<Partner> renewed = find_partners(broken);
+  for (std::size_t p = 0; p < first_.size(); ++p)
+    if (broken[p]) partners_[p] = std::move(renewed[p]);
 }
 
 }  // namespace pivnp::compare

@@ -10,13 +10,15 @@
 
 namespace pivnp::compare {
 
-/// Where a particle lies among the other side's; vertex[0] < 0: no partner. A partner by identity has one weight.
-using Partner = Location;
+/// Where a particle lies among the other side's: shares of its particles, none without a partner. By identity: one.
+using Partner = Natural;
 
-inline bool has_partner(const Partner& partner) { return partner.vertex[0] >= 0; }
+inline bool has_partner(const Partner& partner) { return !partner.shares.empty(); }
 
-/// The other side's motion at a partner. u = sum w u_i + (sum w F_i - I) beyond: the gradient that the side itself
-/// carries takes the displacement from the material's edge to the particle just beyond it, exactly for affine motions.
+/// The other side's motion at a partner, with the gradient that the side itself carries:
+///   u = sum w_i (u_i + (F_i - I)(X - X_i)/2) + (F - I) beyond,   F = sum w_i F_i
+/// Any weights that reproduce X make u exact for motions of second degree (the halves cancel the curvature; without
+/// them natural neighbours, which reach further, would miss it by more than triangles do) and F for those of first.
 struct PartnerState {
   Vec2 u;
   Mat2 F;
@@ -28,14 +30,14 @@ class Alignment {
  public:
   /// Both sides as read at the common start.
   /// Identity if at least half of the smaller side finds its id on the other side and every such pair has the same
-  /// material position within 1e-6 of the spacing; else linear interpolation on the second's triangulation of material
-  /// positions. Label names that both sides know pair only with their own.
+  /// material position within 1e-6 of the spacing; else natural neighbours among the second's material positions
+  /// (MaterialMesh::find_natural). Label names that both sides know pair only with their own.
   Alignment(const Side& first, const Side& second);
 
   bool by_identity() const { return by_identity_; }
 
-  /// Renews the partners for those of the second that are still followed. A particle that lost its partner gets none
-  /// again.
+  /// Renews the partners that rest on particles of the second that are followed no more; the others stay, since a
+  /// point's natural neighbours are not changed by the loss of others. A particle that lost its partner gets none again.
   void update(const std::vector<std::uint8_t>& second_followed);
   const std::vector<Partner>& partners() const { return partners_; }
 

@@ -240,6 +240,8 @@ Bands::Bands(double threshold, const Side& first, const Side& second)
                                     std::vector<double>(second.size(), not_known)} {}
 
 void Bands::add(const SideState& first, const SideState& second) {
+  if (std::isfinite(time_)) longest_step_ = std::max(longest_step_, first.time - time_);
+  time_ = first.time;
   const std::array<const SideState*, 2> states{&first, &second};
   for (std::size_t s = 0; s < 2; ++s)
     for (std::size_t p = 0; p < onset_[s].size(); ++p)
@@ -325,9 +327,11 @@ void Bands::finish(const Side& first, const Side& second, const std::array<Rigid
                                               "; uncertainty: half a spacing over its length (rectangular)"));
   out.metrics.push_back(difference_metric("band_thickness_difference", b.thickness - a.thickness, unit, place,
                                           "thickness (width at half height), second minus first," + of + half));
-  out.metrics.push_back({"band_onset_difference", b.onset - a.onset, time_unit, not_known,
-                         "onset (half of its particles above the threshold), second minus first," + of +
-                             "; uncertainty: that of the time steps", ""});
+  out.metrics.push_back(difference_metric("band_onset_difference", b.onset - a.onset, time_unit,
+                                          longest_step_ / std::sqrt(6.0),
+                                          "onset (half of its particles above the threshold), second minus first," +
+                                              of + "; uncertainty: the longest step between two times on each side "
+                                              "(rectangular)"));
 }
 
 }  // namespace pivnp::compare

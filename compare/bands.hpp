@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -48,6 +49,7 @@ class Bands {
  private:
   double threshold_;
   std::array<std::vector<double>, 2> onset_;
+  double time_ = std::numeric_limits<double>::quiet_NaN(), longest_step_ = 0;
 };
 
 }  // namespace pivnp::compare

@@ -9,6 +9,7 @@
 
 #include "compare/alignment.hpp"
 #include "compare/bands.hpp"
+#include "compare/coordinates.hpp"
 #include "compare/decomposition.hpp"
 #include "compare/differences.hpp"
 #include "compare/distribution.hpp"
@@ -82,6 +83,16 @@ std::string covariance_source(const Differences& differences, const Side& first,
   return text;
 }
 
+// Whose noise floor is the record's own; empty: nobody's.
+std::string floor_source(const StrainNotes& notes, const MotionSource& first, const MotionSource& second) {
+  std::string text;
+  const std::array<const MotionSource*, 2> motions{&first, &second};
+  for (std::size_t s = 0; s < 2; ++s)
+    if (notes[s] && std::isfinite(notes[s]->floor_dev))
+      text += (text.empty() ? "" : " and ") + motions[s]->name() + " (" + notes[s]->floor_source + ")";
+  return text;
+}
+
 void add_motion_metrics(const Differences& differences, const Wording& everywhere, const Wording& at_end,
                         const std::string& speed_unit, Comparison& out) {
   const Tally &total = differences.total(), &last = differences.last();
@@ -147,10 +158,17 @@ Onset find_offset(const MotionSource& first, const MotionSource& second, const C
   return offset;
 }
 
+// The rigid motion that brings the second's outline at the common start onto the first's.
+RigidFit find_place(const MotionSource& first, const MotionSource& second, const CompareOptions& options) {
+  const CommonTimes common = common_times(first, second);
+  const Side a(first, common), b(second, common);
+  return match_sides(a, b, options.fixed_zone_m);
+}
+
 // Sides are read anew where the walk has left them beyond what is wanted.
 Comparison compare_sides(const MotionSource& first_motion, const MotionSource& second_motion,
                          const CompareOptions& options, const LimitOptions& limits, const Refinement& refinement,
-                         Progress& progress) {
+                         const StrainNotes& notes, Progress& progress) {
   const CommonTimes common = common_times(first_motion, second_motion);
   Side first(first_motion, common), second(second_motion, common);
   Alignment alignment(first, second);
@@ -163,12 +181,12 @@ Comparison compare_sides(const MotionSource& first_motion, const MotionSource& s
   remark_alignment(alignment, first, second, common, out.remarks);
   const std::vector<std::size_t> paired = paired_particles(alignment, first, second);
   for (std::size_t p : paired) out.id.push_back(first_motion.particles().id[p]);
-  Differences differences(paired, first.material_position(), common.times.size(), options, first_motion.length_unit(),
-                          first_motion.time_unit());
+  Differences differences(paired, first.material_position(), common.times.size(), options, notes,
+                          first_motion.length_unit(), first_motion.time_unit());
   Numerics numerics(refinement, first, second, common);
 
   Bands bands(options.band_strain, first, second);
-  PointHistories points(options.points_m, first, second);
+  PointHistories points(options, first, second);
 
   walk_times(common, first, second, alignment, reference, numerics, differences, bands, points, out, progress);
 
@@ -176,10 +194,11 @@ Comparison compare_sides(const MotionSource& first_motion, const MotionSource& s
   const std::string at_end = "at the last common time (" + number(out.time.back()) + " " + time_unit + ")";
   const bool given = options.measurement_uncertainty_m.value_or(0) > 0 || options.gauge_uncertainty > 0 || turn;
   const std::string covariance = covariance_source(differences, first, second, given);
+  const std::string floor = floor_source(notes, first_motion, second_motion);
   out.coverage_first = alignment.coverage_first();
   out.coverage_second = alignment.coverage_second();
-  add_motion_metrics(differences, {"", "over all common particles and times", covariance, unit},
-                     {"_final", at_end, covariance, unit}, unit + "/" + time_unit, out);
+  add_motion_metrics(differences, {"", "over all common particles and times", covariance, unit, floor},
+                     {"_final", at_end, covariance, unit, floor}, unit + "/" + time_unit, out);
   add_coverage(alignment, differences, first.size(), at_end, out.metrics);
   add_frame(reference, differences.last(), unit, at_end, out.metrics);
   add_convergence(numerics, out);
@@ -190,7 +209,8 @@ Comparison compare_sides(const MotionSource& first_motion, const MotionSource& s
   add_shapes({start_first, start_second, end_first, end_second}, differences, options, out);
   bands.finish(end_first, end_second, differences.last().frame, unit, time_unit, out);
   points.finish(unit, time_unit, out);
-  add_distributions(differences.snapshot(), unit, out);
+  add_distributions(differences.snapshot(), differences.last().displacement.rms_uncertainty(),
+                    differences.last().floor_dev, unit, out);
   add_decompositions(differences.snapshot(), differences.last().floor_dev, unit, out);
   remark_units(options, limits, unit, out.remarks);
   if (out.time.size() > 1)
@@ -203,7 +223,8 @@ Comparison compare_sides(const MotionSource& first_motion, const MotionSource& s
 }  // namespace
 
 Comparison compare(const MotionSource& first, const MotionSource& given_second, const CompareOptions& options,
-                   const LimitOptions& limits, Progress& progress, const Refinement& given_refinement) {
+                   const LimitOptions& limits, Progress& progress, const Refinement& given_refinement,
+                   const StrainNotes& notes) {
   check_comparable(first, given_second);
   check_options(options, limits);
   Transform transform = transform_of(options);
@@ -212,6 +233,13 @@ Comparison compare(const MotionSource& first, const MotionSource& given_second, 
     const TransformedMotion second(given_second, transform);
     offset = find_offset(first, second, options);
     transform.time_offset += offset->time;
+  }
+  std::optional<RigidFit> place;
+  if (options.space_alignment == "outline") {
+    place = find_place(first, TransformedMotion(given_second, transform), options);
+    const RigidMotion& m = place->motion;
+    transform.shift = m.apply(transform.shift);
+    transform.angle += m.angle;
   }
   // Coarser grids share the second's coordinates and clock.
   std::vector<std::unique_ptr<TransformedMotion>> moved;
@@ -224,8 +252,9 @@ Comparison compare(const MotionSource& first, const MotionSource& given_second, 
   Refinement refinement{{}, given_refinement.ratio};
   for (const MotionSource* coarser : given_refinement.coarser) refinement.coarser.push_back(&seen(*coarser));
 
-  Comparison out = compare_sides(first, second, options, limits, refinement, progress);
+  Comparison out = compare_sides(first, second, options, limits, refinement, notes, progress);
   if (offset) add_time_offset(*offset, first.time_unit(), out);
+  if (place) add_place(*place, first.length_unit(), out);
   out.limits = apply_limits(limits, out.metrics);
   out.over_limit = std::any_of(out.limits.begin(), out.limits.end(), [](const LimitResult& l) { return !l.within; });
   return out;

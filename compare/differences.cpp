@@ -18,10 +18,19 @@ void raise_peak(double magnitude, double sigma, bool begins, double& peak, doubl
   peak_sigma = sigma;
 }
 
-// Both sides' floors together, of those sides that know their error.
-double combined(const std::array<bool, 2>& known, double first, double second) {
-  if (!known[0] && !known[1]) return not_known;
-  return std::sqrt((known[0] ? first * first : 0) + (known[1] ? second * second : 0));
+// Both sides' floors together, of those sides that know their error: as the record states it, else as found.
+double combined(const std::array<bool, 2>& known, const StrainNotes& notes, double StrainNote::*stated,
+                const std::array<double, 2>& found) {
+  double sum = 0;
+  bool any = false;
+  for (std::size_t s = 0; s < 2; ++s) {
+    const bool has = notes[s] && std::isfinite((*notes[s]).*stated);
+    if (!has && !known[s]) continue;
+    const double floor = has ? (*notes[s]).*stated : found[s];
+    sum += floor * floor;
+    any = true;
+  }
+  return any ? std::sqrt(sum) : not_known;
 }
 
 double larger_known(double a, double b) { return std::isnan(a) ? b : std::isnan(b) ? a : std::max(a, b); }
@@ -42,11 +51,12 @@ struct Differences::Sample {
 };
 
 Differences::Differences(std::vector<std::size_t> paired, const std::vector<Vec2>& X, std::size_t times,
-                         const CompareOptions& options, const std::string& length_unit, const std::string& time_unit)
+                         const CompareOptions& options, const StrainNotes& notes, const std::string& length_unit,
+                         const std::string& time_unit)
     : paired_(std::move(paired)), length_unit_(length_unit), time_unit_(time_unit), times_(times),
       rows_kept_(std::clamp<std::size_t>(most_field_values / std::max<std::size_t>(1, paired_.size()), 2,
                                          std::max<std::size_t>(2, times))),
-      budget_(options), rates_({}, {}, 0), over_displacement_(paired_.size(), times),
+      budget_(options), notes_(notes), rates_({}, {}, 0), over_displacement_(paired_.size(), times),
       over_strain_(paired_.size(), times), begun_(paired_.size(), 0) {
   for (const std::size_t p : paired_) X_.push_back(X[p]);
   rates_ = Rates(X_, options.increments_outside_m, times);
@@ -64,7 +74,7 @@ Differences::Differences(std::vector<std::size_t> paired, const std::vector<Vec2
       {"displacement_mean_first", length_unit, "mean |u| of the first, over the particles compared", {}},
       {"displacement_mean_second", length_unit, "mean |u| of the second, over the particles compared", {}},
       {"strain_dev_rms", "1", "RMS over the particles of the difference of deviatoric strain", {}},
-      {"strain_dev_uncertainty", "1", "RMS deviatoric strain where |u| is below 2 standard uncertainties", {}},
+      {"strain_dev_uncertainty", "1", "noise floor: as the records state it, else RMS deviatoric strain where |u| is below 2 standard uncertainties", {}},
       {"particles_compared", "1", "particles of the first that have a partner", {}},
       {"displacement_bias_x", length_unit, "mean of u_x of the second minus that of the first", {}},
       {"displacement_bias_y", length_unit, "mean of u_y of the second minus that of the first", {}},
@@ -159,9 +169,9 @@ bool Differences::add(const SideState& first, const SideState& second, const std
   const auto path_dev = [&](std::size_t s) {
     return path_floor[s].count() >= StillZone::least ? path_floor[s].rms() : not_known;
   };
-  last_.floor_dev = combined(known, still[0].dev(), still[1].dev());
-  last_.floor_vol = combined(known, still[0].vol(), still[1].vol());
-  last_.floor_path = combined(known, path_dev(0), path_dev(1));
+  last_.floor_dev = combined(known, notes_, &StrainNote::floor_dev, {still[0].dev(), still[1].dev()});
+  last_.floor_vol = combined(known, notes_, &StrainNote::floor_vol, {still[0].vol(), still[1].vol()});
+  last_.floor_path = combined(known, notes_, &StrainNote::floor_path, {path_dev(0), path_dev(1)});
   total_.floor_dev = larger_known(total_.floor_dev, last_.floor_dev);
   total_.floor_vol = larger_known(total_.floor_vol, last_.floor_vol);
   total_.floor_path = larger_known(total_.floor_path, last_.floor_path);

@@ -47,7 +47,8 @@ class Differences {
   /// `paired`: the first's particles with a partner at the common start, in the order of the fields; `times`: how many
   /// common times there may be.
   Differences(std::vector<std::size_t> paired, const std::vector<Vec2>& X, std::size_t times,
-              const CompareOptions& options, const std::string& length_unit, const std::string& time_unit);
+              const CompareOptions& options, const StrainNotes& notes, const std::string& length_unit,
+              const std::string& time_unit);
 
   /// One more common time. Particles of the first that are no longer followed, or have lost their partner, are left
   /// out; if that leaves none, nothing is added and the answer is false. A side's covariance enters where it is known.
@@ -76,6 +77,7 @@ class Differences {
   std::string length_unit_, time_unit_;
   std::size_t times_, time_index_ = 0, rows_kept_;
   Budget budget_;
+  StrainNotes notes_;
   Tally total_, last_;
   Snapshot snapshot_;
   Rates rates_;

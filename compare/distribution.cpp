@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "compare/metrics.hpp"
 #include "compare/statistics.hpp"
 
 namespace pivnp::compare {
@@ -42,19 +43,25 @@ double area_metric(std::vector<double> first, std::vector<double> second) {
   return area;
 }
 
-void add_distributions(const Snapshot& last, const std::string& unit, Comparison& out) {
+void add_distributions(const Snapshot& last, double u_displacement, double u_strain, const std::string& unit,
+                       Comparison& out) {
   std::vector<double> u1, u2;
   for (std::size_t k = 0; k < last.X.size(); ++k) {
     u1.push_back(last.u_first[k].norm());
     u2.push_back(last.u_second[k].norm());
   }
   const std::string how =
-      ", over the compared particles at the last common time: area between the cumulative distributions of both sides; "
-      "uncertainty not estimated";
-  out.metrics.push_back({"area_metric_displacement", area_metric(u1, u2), unit, not_known, "of |u|" + how, ""});
+      ", over the compared particles at the last common time: area between the cumulative distributions of both sides";
+  const auto by = [](double u, const char* what) {
+    return std::isnan(u) ? std::string("; uncertainty not known")
+                         : "; uncertainty: " + std::string(what) + ", a bound (errors move the area by at most their "
+                           "mean size)";
+  };
+  out.metrics.push_back(difference_metric("area_metric_displacement", area_metric(u1, u2), unit, u_displacement,
+                                          "of |u|" + how + by(u_displacement, "u_val")));
   if (const double strain = area_metric(last.dev_first, last.dev_second); std::isfinite(strain))
-    out.metrics.push_back(
-        {"area_metric_strain_dev", strain, "1", not_known, "of deviatoric log strain" + how, ""});
+    out.metrics.push_back(difference_metric("area_metric_strain_dev", strain, "1", u_strain,
+                                            "of deviatoric log strain" + how + by(u_strain, "the noise floor")));
   ColumnTable table{"distribution", "values that a share of the compared particles does not exceed at the last common "
                     "time (nearest rank)", {{"share", "1", {}}, {"displacement_first", unit, {}},
                     {"displacement_second", unit, {}}, {"strain_dev_first", "1", {}}, {"strain_dev_second", "1", {}}}};

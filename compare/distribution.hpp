@@ -14,7 +14,9 @@ namespace pivnp::compare {
 double area_metric(std::vector<double> first, std::vector<double> second);
 
 /// Adds area_metric_displacement and area_metric_strain_dev at the last common time, and the table of both cumulative
-/// distributions at 101 levels.
-void add_distributions(const Snapshot& last, const std::string& length_unit, Comparison& out);
+/// distributions at 101 levels. `u_displacement`, `u_strain`: standard uncertainty of a difference of values (NaN: not
+/// known); it bounds the area's, since errors e of the values change it by at most the mean of |e|.
+void add_distributions(const Snapshot& last, double u_displacement, double u_strain, const std::string& length_unit,
+                       Comparison& out);
 
 }  // namespace pivnp::compare

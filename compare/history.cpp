@@ -38,48 +38,67 @@ double value_at(const History& h, double time) {
   return (1 - w) * h.value[k - 1] + w * h.value[k];
 }
 
-double onset_time(const History& history) {
-  const History h = known(history);
-  const double threshold = 0.05 * range(h);
-  if (!(threshold > 0)) return not_known;
+namespace {
+
+// First time at which the value is `level` away from its first one; the interval it lies in.
+struct Reach {
+  double time = not_known, interval = not_known;
+};
+
+Reach first_reach(const History& h, double level) {
   for (std::size_t k = 1; k < h.time.size(); ++k) {
     const double before = std::abs(h.value[k - 1] - h.value[0]), now = std::abs(h.value[k] - h.value[0]);
-    if (now < threshold) continue;
-    const double w = now > before ? (threshold - before) / (now - before) : 0;
-    return h.time[k - 1] + std::clamp(w, 0.0, 1.0) * (h.time[k] - h.time[k - 1]);
+    if (now < level) continue;
+    const double w = now > before ? (level - before) / (now - before) : 0, step = h.time[k] - h.time[k - 1];
+    return {h.time[k - 1] + std::clamp(w, 0.0, 1.0) * step, step};
   }
-  return not_known;
+  return {};
 }
 
-double rest_time(const History& history) {
+constexpr double begun = 0.05;  // share of the range that counts as motion
+
+}  // namespace
+
+Estimate onset(const History& history, double sigma) {
   const History h = known(history);
-  const double threshold = 0.05 * range(h);
-  if (!(threshold > 0)) return not_known;
-  const double end = h.value.back();
-  for (std::size_t k = h.time.size() - 1; k-- > 0;) {
-    const double off = std::abs(h.value[k] - end), next = std::abs(h.value[k + 1] - end);
-    if (off < threshold) continue;
-    const double w = off > next ? (off - threshold) / (off - next) : 1;
-    return h.time[k] + std::clamp(w, 0.0, 1.0) * (h.time[k + 1] - h.time[k]);
-  }
-  return not_known;
+  const double threshold = begun * range(h);
+  if (!(threshold > 0)) return {};
+  const Reach here = first_reach(h, threshold);
+  const double both = std::sqrt(2.0) * sigma;  // the value here, and the one that it is counted from
+  Estimate out{here.time, not_known};
+  if (both >= threshold) return out;
+  const double rise = first_reach(h, 2 * threshold).time - first_reach(h, threshold / 2).time;
+  const double by_noise = std::isnan(sigma) ? 0 : both * rise / (1.5 * threshold);
+  out.uncertainty = std::hypot(here.interval / std::sqrt(12.0), by_noise);
+  return out;
 }
 
-double peak_rate(const History& history) {
+Estimate rest(const History& history, double sigma) {
+  History backwards = known(history);
+  std::reverse(backwards.time.begin(), backwards.time.end());
+  std::reverse(backwards.value.begin(), backwards.value.end());
+  for (double& t : backwards.time) t = -t;
+  Estimate out = onset(backwards, sigma);
+  out.value = -out.value;
+  return out;
+}
+
+Estimate peak_rate(const History& history, double sigma) {
   const History h = known(history);
-  double peak = not_known;
+  Estimate peak;
   for (std::size_t k = 1; k + 1 < h.time.size(); ++k) {
     const double a = h.time[k] - h.time[k - 1], b = h.time[k + 1] - h.time[k];
-    const double rate = -b / (a * (a + b)) * h.value[k - 1] + (b - a) / (a * b) * h.value[k] +
-                        a / (b * (a + b)) * h.value[k + 1];
-    if (!(std::abs(rate) <= peak)) peak = std::abs(rate);
+    const double w0 = -b / (a * (a + b)), w1 = (b - a) / (a * b), w2 = a / (b * (a + b));
+    const double rate = std::abs(w0 * h.value[k - 1] + w1 * h.value[k] + w2 * h.value[k + 1]);
+    if (rate <= peak.value) continue;
+    peak = {rate, sigma * std::sqrt(w0 * w0 + w1 * w1 + w2 * w2)};
   }
   return peak;
 }
 
 bool add_history_metrics(const std::string& prefix, const std::string& what, const History& first,
-                         const History& second, double sigma, const std::string& unit, const std::string& time_unit,
-                         std::vector<Metric>& metrics) {
+                         const History& second, const HistoryErrors& errors, const std::string& unit,
+                         const std::string& time_unit, std::vector<Metric>& metrics) {
   ScalarStatistics difference;
   for (std::size_t k = 0; k < first.time.size(); ++k) {
     const double d = value_at(second, first.time[k]) - first.value[k];
@@ -87,6 +106,7 @@ bool add_history_metrics(const std::string& prefix, const std::string& what, con
   }
   if (difference.count() == 0) return false;
   const std::string at = " of the second minus that of the first, at the first's times that the second covers";
+  const double sigma = errors.difference;
   const std::string how = std::isfinite(sigma) ? "; uncertainty: of one value, errors taken as one and the same"
                                                : "; uncertainty not known";
   const auto differ = [&](const char* name, double value, const std::string& words, double k) {
@@ -96,18 +116,27 @@ bool add_history_metrics(const std::string& prefix, const std::string& what, con
   differ("_rms", difference.rms(), "root mean square of ", 2);
   differ("_p95", difference.p95(), "95th percentile of the size of ", percentile_factor(difference.count()));
   differ("_max", difference.max(), "greatest size of ", greatest_factor(difference.count()));
-  const auto both = [&](const char* name, double a, double b, const std::string& in, const std::string& definition) {
-    const std::string none = "; uncertainty not estimated";
-    metrics.push_back({prefix + name + "_first", a, in, not_known, definition + ", first" + none, ""});
-    metrics.push_back({prefix + name + "_second", b, in, not_known, definition + ", second" + none, ""});
-    metrics.push_back(
-        {prefix + name + "_difference", b - a, in, not_known, definition + ", second minus first" + none, ""});
+  const bool noise = std::isfinite(errors.side[0]) || std::isfinite(errors.side[1]);
+  const std::string crossing = "; uncertainty: the interval between two times (rectangular)" +
+                               std::string(noise ? ", and the values' errors over the slope there" : " alone");
+  // A side without an error of its own adds none where the other knows one.
+  std::array<double, 2> side = errors.side;
+  for (double& s : side)
+    if (noise && std::isnan(s)) s = 0;
+  const auto both = [&](const char* name, auto&& read, const std::string& in, const std::string& definition,
+                        const std::string& by) {
+    const Estimate a = read(first, side[0]), b = read(second, side[1]);
+    metrics.push_back({prefix + name + "_first", a.value, in, a.uncertainty, definition + ", first" + by, ""});
+    metrics.push_back({prefix + name + "_second", b.value, in, b.uncertainty, definition + ", second" + by, ""});
+    metrics.push_back(difference_metric(prefix + name + "_difference", b.value - a.value, in,
+                                        std::hypot(a.uncertainty, b.uncertainty),
+                                        definition + ", second minus first" + by));
   };
-  both("_onset", onset_time(first), onset_time(second), time_unit,
-       "time at which " + what + " has gone 5 % of its whole range");
-  both("_peak_rate", peak_rate(first), peak_rate(second), unit + "/" + time_unit, "greatest rate of " + what);
-  both("_rest", rest_time(first), rest_time(second), time_unit,
-       "last time at which " + what + " is 5 % of its whole range from its last value");
+  both("_onset", onset, time_unit, "time at which " + what + " has gone 5 % of its whole range", crossing);
+  both("_peak_rate", peak_rate, unit + "/" + time_unit, "greatest rate of " + what,
+       noise ? "; uncertainty: independent errors of three values" : "; uncertainty not known");
+  both("_rest", rest, time_unit, "last time at which " + what + " is 5 % of its whole range from its last value",
+       crossing);
   return true;
 }
 

@@ -103,8 +103,11 @@ void add_strain_metrics(const Tally& tally, const Wording& w, std::vector<Metric
     const std::string how =
         std::isnan(floor)
             ? "; uncertainty not known: noise floor not measured (no zone of known error that stayed still)"
-            : "; uncertainty: root mean square of this strain where |u| is below 2 of its standard uncertainties, the "
-              "noise floor of the still zone" + std::string(w.suffix.empty() ? ", greatest over the times" : "");
+        : w.floor.empty()
+            ? "; uncertainty: root mean square of this strain where |u| is below 2 of its standard uncertainties, the "
+              "noise floor of the still zone" + std::string(w.suffix.empty() ? ", greatest over the times" : "")
+            : "; uncertainty: noise floor at the last frame as the record states it for " + w.floor +
+                  ", added in squares to that of the other side's still zone, if it carries a covariance";
     const std::vector<Value> values{{"bias", s.bias(), floor, "mean of " + of, ""},
                                     {"rms", s.rms(), floor, "root mean square of " + of, ""},
                                     {"p95", s.p95(), floor, "95th percentile (nearest rank) of the size of " + of, "",
@@ -116,7 +119,7 @@ void add_strain_metrics(const Tally& tally, const Wording& w, std::vector<Metric
     for (const Value& v : values)
       if (floor > 0)
         metrics.push_back({name + "_" + v.name + w.suffix + "_over_u", v.value / floor, "1", not_known,
-                           v.definition + ", " + w.when + ", over the noise floor of the still zone", ""});
+                           v.definition + ", " + w.when + ", over the noise floor", ""});
   };
   add("strain_dev", tally.strain_dev, tally.floor_dev, "deviatoric log strain of the second minus that of the first");
   add("strain_vol", tally.strain_vol, tally.floor_vol,

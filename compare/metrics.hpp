@@ -33,6 +33,7 @@ double percentile_factor(std::size_t count);
 /// `covariance` says whose covariance the uncertainties rest on, and is empty if nobody's is known.
 struct Wording {
   std::string suffix, when, covariance, length_unit;
+  std::string floor = "";  // whose strain floor the record states, and from what; empty: nobody's
 };
 void add_displacement_metrics(const Tally& tally, const Wording& wording, double peak_first,
                               std::vector<Metric>& metrics);

@@ -14,6 +14,7 @@ struct CompareOptions {
   Points fixed_zone_m;
   std::string time_alignment = "none";
   double time_offset_s = 0;
+  std::string space_alignment = "none";
   Pair second_shift_m = {0.0, 0.0};
   double second_rotation_deg = 0;
   double second_scale = 1;
@@ -42,6 +43,10 @@ struct CompareOptions {
           OptionInfo{.text = "onset: the second's clock is set so that both motions begin at the same time",
                      .choices = {"none", "onset"}});
     visit("time_offset_s", self.time_offset_s, OptionInfo{.unit = "s", .text = "added to the second's times"});
+    visit("space_alignment", self.space_alignment,
+          OptionInfo{.text = "outline: the second's coordinates are shifted and turned so that both outlines at the common "
+                             "start agree (within fixed_zone_m, where given)",
+                     .choices = {"none", "outline"}});
     visit("second_shift_m", self.second_shift_m,
           OptionInfo{.unit = "m", .text = "added to the second's positions, after scale and rotation"});
     visit("second_rotation_deg", self.second_rotation_deg,

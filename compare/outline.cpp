@@ -103,15 +103,16 @@ Cover cover(const MaterialMesh& mesh, double grow, const Lattice& lattice) {
   return out;
 }
 
-double intersection_over_union(const Cover& first, const Cover& second) {
+Overlap overlap(const Cover& first, const Cover& second) {
   assert(first.level.size() == second.level.size());
-  double common = 0, either = 0;
+  const double area = first.lattice.cell * first.lattice.cell;
+  Overlap sum;
   for (std::size_t k = 0; k < first.level.size(); ++k) {
     const double a = first.share(k), b = second.share(k);
-    common += std::min(a, b);
-    either += std::max(a, b);
+    sum.common += std::min(a, b) * area;
+    sum.either += std::max(a, b) * area;
   }
-  return common / either;
+  return sum;
 }
 
 namespace {
@@ -191,6 +192,13 @@ std::vector<std::vector<Vec2>> outline(const Cover& cover) {
     rings.push_back(std::move(ring));
   }
   return rings;
+}
+
+double length_of(const std::vector<std::vector<Vec2>>& rings) {
+  double length = 0;
+  for (const auto& ring : rings)
+    for (std::size_t k = 0; k + 1 < ring.size(); ++k) length += (ring[k + 1] - ring[k]).norm();
+  return length;
 }
 
 }  // namespace pivnp::compare

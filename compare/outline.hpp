@@ -36,11 +36,15 @@ struct Cover {
 };
 Cover cover(const MaterialMesh& mesh, double grow, const Lattice& lattice);
 
-/// Area common to both over the area of either; NaN if nothing is covered. The lattices must be the same.
-double intersection_over_union(const Cover& first, const Cover& second);
+/// Area common to both and area of either, length^2. The lattices must be the same.
+struct Overlap {
+  double common = 0, either = 0;
+};
+Overlap overlap(const Cover& first, const Cover& second);
 
 /// The zero line of the level by marching squares, linear between cell centres. Each ring ends on its first point and
 /// keeps the material to its left.
 std::vector<std::vector<Vec2>> outline(const Cover& cover);
+double length_of(const std::vector<std::vector<Vec2>>& rings);
 
 }  // namespace pivnp::compare

@@ -1,5 +1,6 @@
 #include "compare/points.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "compare/history.hpp"
@@ -25,29 +26,29 @@ std::vector<Partner> places(const std::vector<Vec2>& points, const Side& side) {
   const MaterialMesh mesh(std::move(x), std::move(spacing));
   std::vector<Partner> out;
   for (const Vec2& point : points) {
-    Partner place = mesh.find(point).value_or(Partner{});
-    for (int& v : place.vertex)
-      if (v >= 0) v = index[std::size_t(v)];
+    Partner place = mesh.find_natural(point).value_or(Partner{});
+    for (Natural::Share& s : place.shares) s.point = index[std::size_t(s.point)];
     out.push_back(place);
   }
   return out;
 }
 
 bool followed(const Partner& place, const SideState& state) {
-  if (!has_partner(place)) return false;
-  for (std::size_t k = 0; k < 3; ++k)
-    if (place.vertex[k] >= 0 && place.weight[k] > 0 && !state.followed[std::size_t(place.vertex[k])]) return false;
-  return true;
+  return std::all_of(place.shares.begin(), place.shares.end(),
+                     [&](const Natural::Share& s) { return state.followed[std::size_t(s.point)]; });
 }
 
 }  // namespace
 
-PointHistories::PointHistories(const Points& points, const Side& first, const Side& second) {
-  if (points.empty()) return;
-  for (const Pair& p : points) points_.emplace_back(p[0], p[1]);
-  const std::array<const Side*, 2> sides{&first, &second};
+PointHistories::PointHistories(const CompareOptions& options, const Side& first, const Side& second)
+    : sides_{&first, &second}, gauge_(options.gauge_uncertainty) {
+  for (const double u : {options.measurement_uncertainty_m.value_or(0), options.numerical_uncertainty_m,
+                         options.input_uncertainty_m})
+    given_ += 2 * u * u;  // both components
+  for (const Pair& p : options.points_m) points_.emplace_back(p[0], p[1]);
+  if (points_.empty()) return;
   for (std::size_t s = 0; s < 2; ++s)
-    for (const Partner& place : places(points_, *sides[s])) tracks_[s].push_back({place, {}, 0, 0});
+    for (const Partner& place : places(points_, *sides_[s])) tracks_[s].push_back({place, {}, 0, 0});
 }
 
 void PointHistories::add(const SideState& first, const SideState& second, const std::array<RigidFit, 2>& frame) {
@@ -57,7 +58,8 @@ void PointHistories::add(const SideState& first, const SideState& second, const 
   for (std::size_t s = 0; s < 2; ++s)
     for (std::size_t k = 0; k < points_.size(); ++k) {
       Track& track = tracks_[s][k];
-      if (!followed(track.place, *states[s])) {
+      if (!followed(track.place, *states[s])) track.place = places({points_[k]}, *sides_[s]).front();
+      if (!has_partner(track.place)) {
         track.u.push_back(Vec2::Constant(not_known));
         continue;
       }
@@ -74,8 +76,9 @@ void PointHistories::finish(const std::string& unit, const std::string& time_uni
     const std::string name = "point_" + std::to_string(k + 1);
     const std::string where = "(" + number(points_[k].x()) + ", " + number(points_[k].y()) + ")";
     std::array<History, 2> size;
-    double variance = 0;
-    bool known = false;
+    HistoryErrors errors;
+    double variance = given_, greatest = 0;
+    bool known = given_ > 0;
     ColumnTable table{name, "displacement of the material point " + where + " on both sides",
                       {{"time", time_unit, time_}}};
     for (std::size_t s = 0; s < 2; ++s) {
@@ -90,12 +93,17 @@ void PointHistories::finish(const std::string& unit, const std::string& time_uni
       const std::string side = s == 0 ? "first" : "second";
       table.columns.push_back({"x_" + side, unit, std::move(component[0])});
       table.columns.push_back({"y_" + side, unit, std::move(component[1])});
+      for (const Vec2& u : track.u)
+        if (s == 0 && u.norm() > greatest) greatest = u.norm();
       if (track.known == 0) continue;
+      errors.side[s] = std::sqrt(track.variance / double(track.known));
       variance += track.variance / double(track.known);
       known = true;
     }
-    const double sigma = known ? std::sqrt(variance) : not_known;
-    if (!add_history_metrics(name, "|u| of the material point " + where, size[0], size[1], sigma, unit, time_unit,
+    known = known || gauge_ > 0;
+    if (known) errors.difference = std::sqrt(variance + gauge_ * gauge_ * greatest * greatest);
+    const double sigma = errors.difference;
+    if (!add_history_metrics(name, "|u| of the material point " + where, size[0], size[1], errors, unit, time_unit,
                              out.metrics)) {
       out.remarks.push_back("The material point " + where + " of compare.points_m is not followed on both sides.");
       continue;
@@ -108,7 +116,7 @@ void PointHistories::finish(const std::string& unit, const std::string& time_uni
     out.metrics.push_back(difference_metric(
         name + "_distance_rms", distance.rms(), unit, sigma,
         "root mean square over the times of |u_second - u_first| of the material point " + where +
-            "; uncertainty: root mean trace of the covariance of u"));
+            "; uncertainty: root mean trace of the covariance of u, and what is given of camera, gauge, numerics and inputs"));
     out.tables.push_back(std::move(table));
   }
 }

@@ -14,11 +14,12 @@ namespace pivnp::compare {
 
 class PointHistories {
  public:
-  /// `points`: material positions at the common start. A point further than half a spacing from a side's material has
-  /// no history there. Sides as read at the common start.
-  PointHistories(const Points& points, const Side& first, const Side& second);
+  /// `options.points_m`: material positions at the common start. A point further than half a spacing from a side's
+  /// material has no history there. Sides as read at the common start.
+  PointHistories(const CompareOptions& options, const Side& first, const Side& second);
 
-  /// NaN once one of the particles that carry a point is lost.
+  /// The sides' present states. A point that has lost one of the particles that carry it is carried by those left,
+  /// and ends (NaN) once it is outside their material.
   void add(const SideState& first, const SideState& second, const std::array<RigidFit, 2>& frame);
 
   /// Per point k (from 1): metrics point_k_* of |u| (history.hpp), point_k_distance_rms, and the table point_k.
@@ -31,6 +32,8 @@ class PointHistories {
     double variance = 0;  // trace of the covariance, mean over the times where known
     std::size_t known = 0;
   };
+  std::array<const Side*, 2> sides_;
+  double given_ = 0, gauge_;  // trace of the variance that is given as numbers; relative uncertainty of lengths
   std::vector<Vec2> points_;
   std::array<std::vector<Track>, 2> tracks_;
   std::vector<double> time_;

@@ -25,8 +25,8 @@ void remark_alignment(const Alignment& alignment, const Side& first, const Side&
   const std::string names = quoted(second.motion()) + " (second) against " + quoted(first.motion()) + " (first)";
   remarks.push_back(alignment.by_identity()
                         ? names + ": particles paired by identity (same ids at the same material positions)."
-                        : names + ": particles paired by material position, the second interpolated linearly on the "
-                                  "Delaunay triangulation of its material positions (no triangle of a circumradius "
+                        : names + ": particles paired by material position, the second interpolated by "
+                                  "natural neighbours among its material positions (no triangle of a circumradius "
                                   "above " +
                               number(MaterialMesh::alpha_ratio) +
                               " spacings; up to half a spacing beyond its edge from the nearest point of the edge), "
@@ -100,6 +100,22 @@ void add_time_offset(const Onset& offset, const std::string& time_unit, Comparis
   out.remarks.push_back("The second's clock was set by " + number(offset.time) + " " + time_unit +
                         " (standard uncertainty " + number(offset.sigma, 2) + " " + time_unit +
                         ") so that both motions begin together.");
+}
+
+void add_place(const RigidFit& place, const std::string& unit, Comparison& out) {
+  const std::string how = " given to the second's coordinates so that its outline at the common start lies on the first's "
+                          "(least squares across the outline); uncertainty: jackknife over pieces of the outline";
+  for (int axis = 0; axis < 2; ++axis) {
+    const std::string name = axis == 0 ? "x" : "y";
+    out.metrics.push_back({"coordinate_shift_" + name, place.motion.shift[axis], unit, place.sigma_shift[axis],
+                           "shift in " + name + ", at the centre of the matched outline," + how, ""});
+  }
+  constexpr double deg = 180 / std::numbers::pi;
+  out.metrics.push_back({"coordinate_rotation", place.motion.angle * deg, "deg", place.sigma_angle * deg,
+                         "rotation, counter-clockwise," + how, ""});
+  out.remarks.push_back("The second's coordinates were shifted by (" + number(place.motion.shift.x()) + ", " +
+                        number(place.motion.shift.y()) + ") " + unit + " and turned by " +
+                        number(place.motion.angle * deg) + " degrees so that both outlines agree at the common start.");
 }
 
 void add_convergence(const Numerics& numerics, Comparison& out) {

@@ -25,6 +25,7 @@ void add_coverage(const Alignment& alignment, const Differences& differences, st
                   const std::string& at_end, std::vector<Metric>& metrics);
 void add_frame(const Reference& reference, const Tally& last, const std::string& unit, const std::string& at_end,
                std::vector<Metric>& metrics);
+void add_place(const RigidFit& place, const std::string& unit, Comparison& out);
 void add_time_offset(const Onset& offset, const std::string& time_unit, Comparison& out);
 void add_convergence(const Numerics& numerics, Comparison& out);
 

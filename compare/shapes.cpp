@@ -98,6 +98,21 @@ double crest_place(const Profile& profile, double height, int faces) {
   return not_known;
 }
 
+// An outline of length L that moves outwards by u everywhere changes either area by at most L u: so much is the share
+// in common uncertain by, to first order, if an outline's errors are one and the same all along it.
+void add_overlap(const Cover& first, const Cover& second, const std::array<double, 2>& known_to,
+                 const std::string& cells, Comparison& out) {
+  const Overlap area = overlap(first, second);
+  const double u = std::hypot(length_of(out.outline_first) * known_to[0], length_of(out.outline_second) * known_to[1]) /
+                   area.either;
+  const double iou = area.common / area.either;
+  out.metrics.push_back({"outline_iou", iou, "1", u,
+                         "area common to both outlines over the area of either" + cells +
+                             "; uncertainty, a bound: length of each outline times what it is uncertain by (half a "
+                             "particle spacing, rectangular, and the error of u, where known) over the area of either",
+                         1 - iou < 2 * u ? not_distinguishable : ""});
+}
+
 struct Covers {
   Cover start, end;
 };
@@ -178,10 +193,10 @@ void add_shapes(const Shapes& shapes, const Differences& differences, const Comp
     return;
   }
   const std::string cells = ", at the last common time, on cells of " + number(lattice.cell) + " " + unit;
-  out.metrics.push_back({"outline_iou", intersection_over_union(first, second), "1", not_known,
-                         "area common to both outlines over the area of either" + cells + "; uncertainty not estimated",
-                         ""});
-  const double place = std::hypot(std::hypot(spacing[0], spacing[1]) / std::sqrt(12.0), std::hypot(sigma[0], sigma[1]));
+  std::array<double, 2> known_to;
+  for (std::size_t s = 0; s < 2; ++s) known_to[s] = std::hypot(spacing[s] / std::sqrt(12.0), sigma[s]);
+  add_overlap(first, second, known_to, cells, out);
+  const double place = std::hypot(known_to[0], known_to[1]);
   out.metrics.push_back(difference_metric(
       "outline_hausdorff_95", hausdorff_95(out.outline_first, out.outline_second, lattice.cell), unit, place,
       "Hausdorff distance of the outlines, 95 %: of points a cell apart on each, the 95th percentile of the distance "

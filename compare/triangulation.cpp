@@ -4,6 +4,7 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Triangulation_face_base_with_info_2.h>
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
+#include <CGAL/natural_neighbor_coordinates_2.h>
 
 #include <algorithm>
 #include <cassert>
@@ -97,6 +98,35 @@ struct MaterialMesh::Impl {
     const double wc = std::clamp(cross(b - a, x - a) / whole, 0.0, 1.0 - wb);
     return {corner, {1 - wb - wc, wb, wc}, Vec2::Zero()};
   }
+
+  // Sibson's coordinates of a point that takes its cell from kept triangles alone; no shares if it does not, or if
+  // round-off spoils them.
+  std::vector<Natural::Share> sibson(const Vec2& x, Delaunay::Face_handle face) const {
+    const Point query(x.x(), x.y());
+    taken.clear(), hole.clear();
+    mesh.get_conflicts_and_boundary(query, std::back_inserter(taken), std::back_inserter(hole), face);
+    std::vector<Natural::Share> shares;
+    const auto kept = [&](const Delaunay::Face_handle& f) { return !mesh.is_infinite(f) && f->info() >= 0; };
+    if (hole.empty() || !std::all_of(taken.begin(), taken.end(), kept)) return shares;
+    areas.clear();
+    const double whole =
+        CGAL::natural_neighbors_2(mesh, query, std::back_inserter(areas), hole.begin(), hole.end()).second;
+    Vec2 found = Vec2::Zero();
+    for (const auto& [vertex, area] : areas) {
+      const Vec2& at = points[std::size_t(vertex->info())];
+      shares.push_back({vertex->info(), area / whole, x - at});
+      found += shares.back().weight * at;
+    }
+    constexpr double round_off = 1e-9;
+    const double local = shares.empty() ? 0 : spacing[std::size_t(shares.front().point)];
+    if (!((found - x).norm() <= round_off * local)) shares.clear();
+    return shares;
+  }
+
+  // Buffers of sibson().
+  mutable std::vector<Delaunay::Face_handle> taken;
+  mutable std::vector<Delaunay::Edge> hole;
+  mutable std::vector<std::pair<Delaunay::Vertex_handle, double>> areas;
 };
 
 MaterialMesh::MaterialMesh(std::vector<Vec2> points, std::vector<double> spacing) : impl_(std::make_unique<Impl>()) {
@@ -129,6 +159,21 @@ std::optional<Location> MaterialMesh::find(const Vec2& x) const {
   const Vec2 foot = impl_->points[std::size_t(a)] +
                     hit.parameter * (impl_->points[std::size_t(b)] - impl_->points[std::size_t(a)]);
   return Location{{a, b, -1}, {1 - hit.parameter, hit.parameter, 0}, x - foot};
+}
+
+std::optional<Natural> MaterialMesh::find_natural(const Vec2& x) const {
+  const auto linear = find(x);
+  if (!linear) return std::nullopt;
+  Natural out;
+  out.beyond = linear->beyond;
+  if (impl_->mesh.dimension() == 2 && impl_->hint->info() >= 0) out.shares = impl_->sibson(x, impl_->hint);
+  if (!out.shares.empty()) return out;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (!(linear->weight[k] > 0)) continue;
+    const Vec2& at = impl_->points[std::size_t(linear->vertex[k])];
+    out.shares.push_back({linear->vertex[k], linear->weight[k], x - linear->beyond - at});
+  }
+  return out;
 }
 
 double median_neighbour_distance(const std::vector<Vec2>& points) {

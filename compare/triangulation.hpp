@@ -17,6 +17,17 @@ struct Location {
   Vec2 beyond = Vec2::Zero();             // from the point so written to the one asked for; zero inside the material
 };
 
+/// A point of the material, written by all particles whose Voronoi cells it would take from.
+struct Natural {
+  struct Share {
+    int point;
+    double weight;  // above zero, sum 1
+    Vec2 from;      // to the point so written
+  };
+  std::vector<Share> shares;
+  Vec2 beyond = Vec2::Zero();  // as in Location
+};
+
 /// The alpha complex of a set of points (Edelsbrunner, Kirkpatrick & Seidel 1983): the Delaunay triangles (CGAL) whose
 /// circumradius is at most `alpha_ratio` times the mean spacing of their three points. On a square lattice this spans a
 /// hole of one lost particle, or of two neighbours, and no larger one. Coinciding points count once.
@@ -33,6 +44,11 @@ class MaterialMesh {
   /// Linear weights in the triangle that holds `x`; else those of the nearest point of the material's edge, if that is
   /// nearer than half the local spacing; else nothing. Quick if consecutive points are near each other.
   std::optional<Location> find(const Vec2& x) const;
+
+  /// The same by natural neighbours: Sibson's coordinates (Sibson 1981; CGAL), each neighbour weighted by the area that a
+  /// point at `x` would take from its Voronoi cell. No choice between the diagonals of a square. Only inside the material: where a circle through three neighbours
+  /// reaches over a triangle that is not kept (a gap, the edge), the weights are those of find().
+  std::optional<Natural> find_natural(const Vec2& x) const;
 
   const std::vector<Vec2>& points() const;
   /// Triangles kept, counter-clockwise.

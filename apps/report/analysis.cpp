@@ -66,8 +66,9 @@ std::vector<PairQuality> pair_quality(const Content& content) {
         case VectorStatus::failed: ++q.failed; break;
       }
       ++q.nodes;
+      if (field.status[n] != VectorStatus::valid) continue;
       if (n < field.score.size()) score.push_back(double(field.score[n]));
-      if (field.status[n] != VectorStatus::valid || n >= field.cov.size()) continue;
+      if (n >= field.cov.size()) continue;
       const double v = (double(field.cov[n][0]) + double(field.cov[n][1])) / 2;
       if (!std::isfinite(v)) continue;
       variance += v;

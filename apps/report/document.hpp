@@ -34,6 +34,7 @@ struct Table {
   std::vector<double> width;  // share of the measure, one a column
   std::vector<char> align;    // 'l', 'r' or 'c', one a column
   std::vector<std::vector<std::string>> rows;
+  std::vector<std::string> notes;  // below each row, across the whole width; empty: none
 };
 
 struct Figure {

@@ -1,6 +1,7 @@
 // What the comparison found beside fields and curves: coefficients of both sides and their band.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "apps/report/figure_parts.hpp"
 #include "apps/report/figures.hpp"
@@ -79,6 +80,45 @@ std::optional<Figure> decomposition_figure(const Content& content) {
       "Coefficients of both sides at the last compared time, by polynomials orthonormal on the material (CEN CWA "
       "16799). Grey: twice the measured coefficients\u2019 uncertainty about equality.",
       sheet};
+}
+
+std::optional<Figure> compared_curves_figure(const Content& content) {
+  if (!content.comparison) return std::nullopt;
+  const compare::ColumnTable *first = nullptr, *second = nullptr;
+  for (const compare::ColumnTable& table : content.comparison->tables) {
+    if (table.columns.size() != 2) continue;
+    if (table.name == "history_first") first = &table;
+    if (table.name == "history_second") second = &table;
+  }
+  if (!first || !second) return std::nullopt;
+  double left = std::numeric_limits<double>::infinity(), right = -left, low = left, high = -left;
+  for (const auto* table : {first, second})
+    for (std::size_t k = 0; k < table->columns[0].values.size(); ++k) {
+      const double t = table->columns[0].values[k], v = table->columns[1].values[k];
+      if (!std::isfinite(t) || !std::isfinite(v)) continue;
+      left = std::min(left, t), right = std::max(right, t);
+      low = std::min(low, v), high = std::max(high, v);
+    }
+  if (!(right > left) || !(high > low)) return std::nullopt;
+  const DisplayUnit unit = display_unit(first->columns[1].unit, std::max(high, -low));
+  const double x = 17, margin = 0.05 * (high - low);
+  auto sheet = std::make_shared<Sheet>(figure_width_mm, 84);
+  QCPAxisRect* panel = sheet->panel(x, 8, 150, 62);
+  pale_grid(panel);
+  set_axis(panel->axis(QCPAxis::atBottom), left, right, axis_label("time", first->columns[0].unit), 8);
+  set_axis(panel->axis(QCPAxis::atLeft), (low - margin) * unit.factor, (high + margin) * unit.factor,
+           axis_label("value", unit.name), 5);
+  const auto scaled = [&](std::vector<double> values) {
+    for (double& v : values) v *= unit.factor;
+    return values;
+  };
+  curve(*sheet, panel, first->columns[0].values, scaled(first->columns[1].values), pen(ink, 1.2));
+  curve(*sheet, panel, second->columns[0].values, scaled(second->columns[1].values),
+        pen(vermilion, 1.2, Qt::DashLine));
+  const double next = draw_key(*sheet, x, 3, Key::line, ink, "first");
+  draw_key(*sheet, next, 3, Key::dashed, vermilion, "second");
+  return Figure{"curves", "The two histories. First: " + first->definition + ". Second: " + second->definition + ".",
+                sheet};
 }
 
 }  // namespace pivnp::report

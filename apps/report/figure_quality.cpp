@@ -95,7 +95,7 @@ std::optional<Figure> quality_figure(const Content&, const std::vector<PairQuali
   sheet->text(x - 15, 50, "(b)", Qt::AlignLeft | Qt::AlignTop, normal_text, true);
   std::string caption =
       "Quality of the measurement, pair by pair: (a) status of the vectors at the nodes that were not masked; (b) "
-      "correlation score.";
+      "correlation score of the valid ones.";
   if (any_flag) caption += " Marked steps are flagged as a whole.";
   return Figure{"quality", caption, sheet};
 }

@@ -32,6 +32,9 @@ std::optional<Figure> outline_figure(const Content& content);
 /// "decomposition": coefficients of both sides and the band within which they agree.
 std::optional<Figure> decomposition_figure(const Content& content);
 
+/// "curves": the two histories of a comparison of curves, from its tables history_first and history_second.
+std::optional<Figure> compared_curves_figure(const Content& content);
+
 /// "quality": status and score of the vectors, pair by pair.
 std::optional<Figure> quality_figure(const Content& content, const std::vector<PairQuality>& pairs);
 

@@ -39,6 +39,8 @@ table { border-collapse: collapse; width: 100%; font-size: .78rem; line-height: 
 th { text-align: left; font-weight: 600; border-bottom: 1px solid var(--ink); vertical-align: bottom; }
 th, td { padding: .35rem .9rem .35rem 0; } th:last-child, td:last-child { padding-right: 0; }
 td { vertical-align: top; border-bottom: 1px solid #ececec; } tr:last-child td { border-bottom: 0; }
+tr.noted td { border-bottom: 0; padding-bottom: 0; }
+tr.note td { padding-top: 0; color: var(--faint); font-size: .68rem; overflow-wrap: anywhere; }
 .r { text-align: right; white-space: nowrap; } .c { text-align: center; }
 .over { color: #a40d24; font-weight: 600; }
 pre { background: var(--tint); padding: .9rem 1.1rem; font-size: .72rem; line-height: 1.45; white-space: pre-wrap;
@@ -101,11 +103,16 @@ class Writer {
     for (std::size_t k = 0; k < t.head.size(); ++k)
       out_ += "<th" + cell_class(t, k, "") + ">" + escape_html(t.head[k]) + "</th>";
     out_ += "</tr></thead>\n<tbody>\n";
-    for (const auto& row : t.rows) {
-      out_ += "<tr>";
+    for (std::size_t r = 0; r < t.rows.size(); ++r) {
+      const auto& row = t.rows[r];
+      const bool noted = r < t.notes.size() && !t.notes[r].empty();
+      out_ += noted ? "<tr class=\"noted\">" : "<tr>";
       for (std::size_t k = 0; k < row.size(); ++k)
         out_ += "<td" + cell_class(t, k, row[k]) + ">" + escape_html(row[k]) + "</td>";
       out_ += "</tr>\n";
+      if (noted)
+        out_ += "<tr class=\"note\"><td colspan=\"" + std::to_string(row.size()) + "\">" + escape_html(t.notes[r]) +
+                "</td></tr>\n";
     }
     out_ += "</tbody>\n</table></div>\n";
   }

@@ -12,7 +12,7 @@ namespace pivnp::report {
 
 namespace {
 
-constexpr double body_points = 8.5, caption_points = 7.5, table_points = 7.0, code_points = 6.6;
+constexpr double body_points = 8.5, caption_points = 7.5, table_points = 7.0, note_points = 6.0, code_points = 6.6;
 
 double leading(double points) { return 1.46 * points * units_per_point; }
 
@@ -153,7 +153,8 @@ class Cutter {
     pieces_.push_back(head->front());
     pieces_.back().keep_next = true;
     for (std::size_t k = 0; k < t.rows.size(); ++k) {
-      pieces_.push_back(row(t, t.rows[k], false, k + 1 == t.rows.size()));
+      pieces_.push_back(
+          row(t, t.rows[k], false, k + 1 == t.rows.size(), k < t.notes.size() ? t.notes[k] : std::string()));
       pieces_.back().repeat = head;
       // Neither the first row nor the last stands alone.
       pieces_.back().keep_next = k + 1 < t.rows.size() && (k == 0 || k + 2 == t.rows.size());
@@ -173,7 +174,8 @@ class Cutter {
                          nullptr});
   }
 
-  Piece row(const Table& t, const std::vector<std::string>& cells, bool head, bool last) const {
+  Piece row(const Table& t, const std::vector<std::string>& cells, bool head, bool last,
+            const std::string& remark = "") const {
     const double pad = 9, between = 26, width = width_;
     std::vector<Lines> texts;
     std::vector<double> at;
@@ -188,7 +190,12 @@ class Cutter {
       x += t.width[k] * width_;
       height = std::max(height, texts.back().height());
     }
+    const double above = height;
+    const Lines note = break_lines(qt_text(remark), font(note_points), width_,
+                                   1.3 * note_points * units_per_point, 0, Qt::AlignLeft, faint);
+    if (!remark.empty()) height += 3 + note.height();
     height += 2 * pad;
+    const bool noted = !remark.empty();
     return {0,
             height,
             false,
@@ -196,6 +203,7 @@ class Cutter {
             false,
             [=](QCPPainter& p, double left, double y) {
               for (std::size_t k = 0; k < texts.size(); ++k) texts[k].draw_all(p, left + at[k], y + pad);
+              if (noted) note.draw_all(p, left, y + pad + above + 3);
               auto rule = [&](double at_y, const QPen& line) {
                 p.setPen(line);
                 p.drawLine(QLineF(left, at_y, left + width, at_y));

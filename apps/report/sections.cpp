@@ -44,7 +44,7 @@ Table leading_table(const std::vector<Metric>& metrics) {
   t.caption = "Metrics, simulated minus measured; \u00b1: standard uncertainty of the value. All metrics and their "
               "definitions stand at the end of the report.";
   t.head = {"Metric", "Value", "Unit", "Verdict"};
-  t.width = {0.4, 0.24, 0.08, 0.28};
+  t.width = {0.44, 0.22, 0.06, 0.28};
   t.align = {'l', 'r', 'l', 'l'};
   for (const Metric& m : metrics)
     if (leading(m))
@@ -56,13 +56,16 @@ Table leading_table(const std::vector<Metric>& metrics) {
 Table metrics_table(const std::vector<Metric>& metrics) {
   Table t;
   t.caption =
-      "Metrics of the comparison; first: measured, second: simulated. \u00b1: standard uncertainty of the value.";
-  t.head = {"Metric", "Value", "Unit", "Verdict", "Definition"};
-  t.width = {0.21, 0.19, 0.06, 0.16, 0.38};
-  t.align = {'l', 'r', 'l', 'l', 'l'};
-  for (const Metric& m : metrics)
+      "Metrics of the comparison with their definitions, under the names of the record; first: measured, second: "
+      "simulated. \u00b1: standard uncertainty of the value.";
+  t.head = {"Metric", "Value", "Unit", "Verdict"};
+  t.width = {0.44, 0.22, 0.06, 0.28};
+  t.align = {'l', 'r', 'l', 'l'};
+  for (const Metric& m : metrics) {
     t.rows.push_back({metric_words(m.name), value_with_uncertainty(m.value, m.uncertainty), m.unit == "1" ? "" : m.unit,
-                      m.verdict, m.definition});
+                      m.verdict});
+    t.notes.push_back(m.name + ": " + m.definition);
+  }
   return t;
 }
 
@@ -113,7 +116,13 @@ std::string measurement_text(const Content& content, const std::vector<PairQuali
 
 void comparison_section(Builder& b, const ReportOptions& options, const Content& content, bool central,
                         const DifferenceHistory& differences) {
-  if (!content.measured && !content.simulated) return;
+  if (!content.measured && !content.simulated) {
+    auto curves = compared_curves_figure(content);
+    if (!curves) return;
+    b.heading(1, "Comparison");
+    b.figure(std::move(curves));
+    return;
+  }
   b.heading(1, content.comparison ? "Comparison" : "Motion");
   if (content.comparison && !content.comparison->metrics.empty()) b.add(leading_table(content.comparison->metrics));
   const std::vector<double> times = chosen_times(options, content);
@@ -178,7 +187,8 @@ Document make_document(const ReportOptions& options, const Content& content) {
   Builder b;
   b.document.title = options.title.empty() ? content.name : options.title;
   if (b.document.title.empty()) b.document.title = "Report";
-  b.document.subtitle = content.comparison                      ? "Measurement and simulation compared"
+  b.document.subtitle = content.comparison && !content.measured && !content.simulated ? "Two histories compared"
+                        : content.comparison                      ? "Measurement and simulation compared"
                         : content.measured && content.simulated ? "Measurement and simulation"
                         : content.simulated                     ? "Simulation"
                                                                 : "Measurement";

@@ -80,6 +80,18 @@ std::string compared_sentence(const Content& content) {
   return text + ".";
 }
 
+std::string history_sentence(const Content& content, const Metric& rms) {
+  const std::vector<double>& t = content.comparison->time;
+  std::string text = "Two histories were compared";
+  if (t.size() > 1)
+    text += " between " + plain(t.front()) + " and " + plain(t.back()) + unit_suffix(content.time_unit);
+  text += ". They differ by " + quantity(rms) + " (RMS)";
+  if (!(rms.uncertainty > 0)) return text + "; the uncertainty of their values is not given.";
+  return text + (rms.value < 2 * rms.uncertainty
+                     ? ", not distinguishable at this u_val."
+                     : ", " + number(rms.value / rms.uncertainty, 2) + " times its standard uncertainty u_val.");
+}
+
 std::string side_sentence(const MotionSource& motion, const std::string& verb) {
   const std::vector<double>& t = motion.times();
   std::string text =
@@ -117,6 +129,7 @@ std::string verdict(const Content& content, const std::vector<PairQuality>& pair
   std::string text;
   if (content.comparison) {
     const std::vector<Metric>& metrics = content.comparison->metrics;
+    if (const Metric* rms = find(metrics, "history_rms")) return history_sentence(content, *rms) + limits_sentence(metrics);
     text = compared_sentence(content) + " ";
     if (const Metric* rms = find(metrics, "displacement_rms")) {
       text += displacement_sentence(*rms);

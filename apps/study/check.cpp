@@ -1,4 +1,5 @@
 // `pivnp check`: does the case fit its frames, and does it mean what its author thinks?
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -30,13 +31,22 @@ std::vector<Vec2> circle(const std::vector<double>& c) {
 
 CheckOutcome check_case(const Case& given, const RunSettings& settings, Progress& progress) {
   Case c = given;
-  const std::unique_ptr<image::FrameSource> source = case_frames(c, settings, progress);
+  // Of frames that are to be drawn two are enough, in a folder of their own: a run to be resumed must not find them.
+  RunSettings own = settings;
+  if (c.synth) {
+    own.out = settings.out / "check_frames";
+    own.resume = false;
+    c.synth->frames = std::min(c.synth->frames, 2);
+  }
+  const std::unique_ptr<image::FrameSource> source = case_frames(c, own, progress);
   const Setting setting = make_setting(c, source ? source->width() : 0, source ? source->height() : 0);
   if (source) seed_particles(c, setting);                                    // throws where a region holds none
   if (c.mpm) mpm::Solver(*c.mpm, make_scene(c, setting, *c.mpm, c.materials, "material."), 1);  // likewise
 
   report::CheckInput input;
   const Image first = source ? source->read(0) : Image();
+  std::error_code ignored;
+  if (c.synth) std::filesystem::remove_all(own.out, ignored);
   if (source) input.image = first.view();
   input.mask = setting.mask.view();
   input.world_from_pixel = setting.camera.world_from_pixel();

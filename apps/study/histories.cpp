@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <utility>
 
 #include "apps/study/outcome.hpp"
-#include "apps/study/report_input.hpp"
 #include "compare/history.hpp"
 #include "compare/metrics.hpp"
 #include "pivnp/core/error.hpp"
@@ -63,7 +62,10 @@ Side open_history(const std::string& text, double step_s) {
   if (rest.empty() && names.size() != 1)
     throw InputError(file + ": holds " + std::to_string(names.size()) + " motions; name one as FILE:motion");
   const auto motion = record.motion(rest.empty() ? names.front() : rest);
-  Side side{{motion->times(), {}}, kind + " of " + motion->name(), motion->length_unit(), motion->time_unit()};
+  Side side;
+  side.history.time = motion->times();
+  side.name = kind + " of " + motion->name();
+  side.unit = motion->length_unit(), side.time_unit = motion->time_unit();
   for (std::size_t k = 0; k < motion->times().size(); ++k)
     side.history.value.push_back(front(motion->particles(), motion->frame(k), kind == "front_left"));
   return side;
@@ -86,10 +88,12 @@ RunOutcome compare_histories(const CompareSources& sources, const compare::Compa
   for (double& v : second.history.value) v = options.second_scale * v + options.second_shift_m[0];
 
   compare::Comparison comparison;
-  const double sigma = std::hypot(std::sqrt(2.0) * options.measurement_uncertainty_m.value_or(0),
-                                  std::hypot(options.numerical_uncertainty_m, options.input_uncertainty_m));
-  if (!compare::add_history_metrics("history", first.name, first.history, second.history,
-                                    sigma > 0 ? sigma : std::numeric_limits<double>::quiet_NaN(), first.unit,
+  const double of_model = std::hypot(options.numerical_uncertainty_m, options.input_uncertainty_m);
+  const double of_one = options.measurement_uncertainty_m.value_or(0);
+  compare::HistoryErrors errors;
+  if (of_one > 0 || of_model > 0)
+    errors = {std::hypot(std::sqrt(2.0) * of_one, of_model), {of_one, std::hypot(of_one, of_model)}};
+  if (!compare::add_history_metrics("history", first.name, first.history, second.history, errors, first.unit,
                                     first.time_unit, comparison.metrics))
     throw InputError("compare: " + sources.first + " and " + sources.second + " have no time in common");
   comparison.limits = compare::apply_limits(limits, comparison.metrics);
@@ -101,22 +105,13 @@ RunOutcome compare_histories(const CompareSources& sources, const compare::Compa
                         {{"time", first.time_unit, second.history.time}, {"value", first.unit, second.history.value}}}};
   comparison.time = first.history.time;
 
-  Case c;
-  c.name = sources.first + " against " + sources.second;
-  c.compare = options;
-  c.limits = limits;
+  const Case c = comparison_case(sources, options, limits);
   io::RecordHead head;
   head.command = settings.command;
   head.case_text = write_case(c);
   io::RecordWriter writer(settings.out, head, false);
-  writer.set_comparison(comparison_data(comparison, sources.first, sources.second, first.time_unit));
-  writer.finish();
-  RunOutcome outcome;
-  outcome.over_limit = comparison.over_limit;
-  outcome.limits = comparison.limits;
-  outcome.record = settings.out / "record.h5";
-  write_report_of(c, outcome, std::move(comparison), nullptr, settings.out);
-  return outcome;
+  return finish_comparison(c, {sources.first, sources.second, first.time_unit}, std::move(comparison), writer,
+                           settings);
 }
 
 }  // namespace pivnp::app

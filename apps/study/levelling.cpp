@@ -282,7 +282,7 @@ std::unique_ptr<image::FrameSource> carried_frames(const Image& first, const std
 
 void add_levelled(const Case& c, const Setting& setting, const RunSettings& settings, image::FrameSource& source,
                   const std::vector<Frame>& frames, const io::RecordWriter& writer, const MotionSource& measured,
-                  const MotionSource& simulated, const compare::CompareOptions& options,
+                  const MotionSource& simulated, const StrainNote& note, const compare::CompareOptions& options,
                   compare::Comparison& comparison, Progress& progress) {
   std::vector<Vec2> nodes;
   for (int j = 0; j < setting.grid.ny; ++j)
@@ -314,7 +314,7 @@ void add_levelled(const Case& c, const Setting& setting, const RunSettings& sett
   levelled.pack();
   {
     const auto motion = levelled.motion("np");
-    const compare::Comparison like = compare::compare(measured, *motion, options, {}, progress);
+    const compare::Comparison like = compare::compare(measured, *motion, options, {}, progress, {}, {note, note});
     for (Metric m : like.metrics) {
       const bool wanted = m.name.starts_with("displacement_") || m.name.starts_with("velocity_") ||
                           m.name.starts_with("strain_") || m.name.starts_with("u_val") ||

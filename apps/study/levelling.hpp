@@ -31,7 +31,7 @@ std::unique_ptr<image::FrameSource> carried_frames(const Image& first, const std
 /// adds the metrics of displacement, velocity and strain to `comparison` under names that begin with "levelled_".
 void add_levelled(const Case& c, const Setting& setting, const RunSettings& settings, image::FrameSource& source,
                   const std::vector<Frame>& frames, const io::RecordWriter& writer, const MotionSource& measured,
-                  const MotionSource& simulated, const compare::CompareOptions& options,
+                  const MotionSource& simulated, const StrainNote& note, const compare::CompareOptions& options,
                   compare::Comparison& comparison, Progress& progress);
 
 }  // namespace pivnp::app

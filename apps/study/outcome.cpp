@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <map>
+#include <utility>
 
 #include "apps/study/measure.hpp"
+#include "apps/study/report_input.hpp"
 #include "pivnp/core/text.hpp"
 
 namespace pivnp::app {
@@ -114,6 +116,28 @@ io::ComparisonData comparison_data(const compare::Comparison& comparison, const 
       out.columns.push_back({column.name, column.unit, column.values});
   }
   return data;
+}
+
+Case comparison_case(const CompareSources& sources, const compare::CompareOptions& options,
+                     const compare::LimitOptions& limits) {
+  Case c;
+  const auto short_name = [](const std::string& text) { return text.substr(text.find_last_of('/', text.find(':')) + 1); };
+  c.name = short_name(sources.first) + " against " + short_name(sources.second);
+  c.compare = options;
+  c.limits = limits;
+  return c;
+}
+
+RunOutcome finish_comparison(const Case& c, const Compared& sides, compare::Comparison comparison,
+                             io::RecordWriter& writer, const RunSettings& settings) {
+  writer.set_comparison(comparison_data(comparison, sides.first, sides.second, sides.time_unit));
+  writer.finish();
+  RunOutcome outcome;
+  outcome.over_limit = comparison.over_limit;
+  outcome.limits = comparison.limits;
+  outcome.record = settings.out / "record.h5";
+  write_report_of(c, outcome, std::move(comparison), nullptr, settings.out);
+  return outcome;
 }
 
 }  // namespace pivnp::app

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "apps/study/stages.hpp"
+#include "apps/study/study.hpp"
 #include "compare/compare.hpp"
 #include "pivnp/io/record.hpp"
 
@@ -21,5 +22,16 @@ void add_camera(double residual, compare::CompareOptions& options);
 
 io::ComparisonData comparison_data(const compare::Comparison& comparison, const std::string& first,
                                    const std::string& second, const std::string& time_unit);
+
+/// The case that stands for a comparison of two sources given by hand.
+Case comparison_case(const CompareSources& sources, const compare::CompareOptions& options,
+                     const compare::LimitOptions& limits);
+
+struct Compared {
+  std::string first, second, time_unit;  // names of the sides
+};
+/// The common end of such a comparison: into the record, which is finished, and into the report.
+RunOutcome finish_comparison(const Case& c, const Compared& sides, compare::Comparison comparison,
+                             io::RecordWriter& writer, const RunSettings& settings);
 
 }  // namespace pivnp::app

@@ -19,6 +19,7 @@ namespace fs = std::filesystem;
 struct Side {
   io::RecordHead head;  // of the record it comes from; units and grid of nothing for other programs' results
   std::shared_ptr<MotionSource> motion;
+  std::optional<StrainNote> note;
 
   /// Of the camera's targets, if this motion was measured (it then carries a covariance).
   double residual() const {
@@ -43,7 +44,7 @@ std::shared_ptr<MotionSource> motion_of(const io::RecordReader& record, const st
 
 // "FILE" or "FILE:motion"; a colon inside a path that exists belongs to the path.
 Side open_side(const std::string& text, double step_s) {
-  if (io::is_foreign(text)) return {io::RecordHead{}, io::open_foreign(text, {.step = step_s})};
+  if (io::is_foreign(text)) return {io::RecordHead{}, io::open_foreign(text, {.step = step_s}), {}};
   fs::path file = text;
   std::string motion;
   const std::size_t colon = text.rfind(':');
@@ -53,7 +54,9 @@ Side open_side(const std::string& text, double step_s) {
   }
   if (fs::is_directory(file)) file /= "record.h5";
   const io::RecordReader record(file);
-  return {record.head(), motion_of(record, file.string(), motion)};
+  std::shared_ptr<MotionSource> found = motion_of(record, file.string(), motion);
+  std::optional<StrainNote> note = record.strain_note(found->name());
+  return {record.head(), std::move(found), std::move(note)};
 }
 
 void copy_motion(const MotionSource& motion, const std::string& name, io::RecordWriter& writer) {
@@ -81,12 +84,10 @@ RunOutcome compare_records(const CompareSources& sources, const compare::Compare
   }
   compare::CompareOptions options = given;
   add_camera(std::hypot(one.residual(), two.residual()), options);
-  compare::Comparison comparison = compare::compare(*one.motion, *two.motion, options, limits, progress, refinement);
+  compare::Comparison comparison = compare::compare(*one.motion, *two.motion, options, limits, progress, refinement,
+                                                    {one.note, two.note});
 
-  Case c;
-  c.name = sources.first + " against " + sources.second;
-  c.compare = options;
-  c.limits = limits;
+  const Case c = comparison_case(sources, options, limits);
   const std::string first_name = one.motion->name();
   const std::string second_name = two.motion->name() == first_name ? first_name + "_2" : two.motion->name();
   io::RecordHead head = one.head;
@@ -97,15 +98,9 @@ RunOutcome compare_records(const CompareSources& sources, const compare::Compare
   io::RecordWriter writer(settings.out, head, false);
   copy_motion(*one.motion, first_name, writer);
   copy_motion(*two.motion, second_name, writer);
-  writer.set_comparison(comparison_data(comparison, first_name, second_name, head.time_unit));
-  writer.finish();
-
-  RunOutcome outcome;
-  outcome.over_limit = comparison.over_limit;
-  outcome.limits = comparison.limits;
-  outcome.record = settings.out / "record.h5";
-  write_report_of(c, outcome, std::move(comparison), nullptr, settings.out);
-  return outcome;
+  if (one.note) writer.set_strain_note(first_name, *one.note);
+  if (two.note) writer.set_strain_note(second_name, *two.note);
+  return finish_comparison(c, {first_name, second_name, head.time_unit}, std::move(comparison), writer, settings);
 }
 
 RunOutcome report_record(const fs::path& given, const RunSettings& settings, Progress& progress) {
@@ -134,7 +129,7 @@ RunOutcome report_record(const fs::path& given, const RunSettings& settings, Pro
       compare::CompareOptions options = c.compare;
       add_camera(record.head().camera_residual, options);
       comparison = compare::compare(*record.motion(held->measured), *record.motion(held->simulated), options, c.limits,
-                                    progress);
+                                    progress, {}, {record.strain_note(held->measured), record.strain_note(held->simulated)});
       outcome.over_limit = comparison->over_limit;
       outcome.limits = comparison->limits;
       for (const Metric& m : held->metrics)  // what frames are needed for is kept from the run

@@ -108,19 +108,22 @@ RunOutcome run_case(const Case& given, const RunSettings& settings, Stages stage
   writer.set_output_fields(c.output.fields_stored);
 
   std::optional<compare::Comparison> comparison;
+  StrainNote note;
   writer.pack();
   if (tracks) {
     const auto motion = writer.motion("np");
     const bool central = !c.piv || c.piv->anchor == "central";
-    writer.set_strain_note("np", strain_note(c, setting, *motion, central));
+    note = strain_note(c, setting, *motion, central);
+    writer.set_strain_note("np", note);
   }
   if (tracks && simulates) {
     compare::CompareOptions options = c.compare;
     add_camera(setting.camera.residual(), options);
     const auto np = writer.motion("np"), mpm = writer.motion("mpm");
-    comparison = compare::compare(*np, *mpm, options, c.limits, progress);
+    comparison = compare::compare(*np, *mpm, options, c.limits, progress, {}, {note, {}});
     if (c.compare.levelling)
-      add_levelled(c, setting, settings, *source, frames, writer, *np, *mpm, options, *comparison, progress);
+      add_levelled(c, setting, settings, *source, frames, writer, *np, *mpm, note, options, *comparison,
+                   progress);
     writer.set_comparison(comparison_data(*comparison, "np", "mpm", np->time_unit()));
     outcome.over_limit = comparison->over_limit;
     outcome.limits = comparison->limits;

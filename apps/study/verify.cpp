@@ -207,6 +207,8 @@ void judge_images(const Case& c, const RunSettings& settings, Progress& progress
     judge.at_most("nodal increments: displacement over spacing, greatest error" + with, c.verify.nodal_error,
                   exact.displacement_max / setting.grid.spacing.x());
   }
+  writer.set_frames(source->frames());
+  writer.finish();
 }
 
 }  // namespace

@@ -141,9 +141,61 @@ HWY_INLINE Gradient step_gradient(const Gradient& g, bool central, V one) {
 
 HWY_INLINE V product(V a, V b, V c, V e) { return hn::Add(hn::Mul(a, b), hn::Mul(c, e)); }
 
+struct Covariance {
+  V uu, vv, uv;
+};
+
+// A C A^T: carried() of the tracker.
+HWY_INLINE Covariance carried(const Gradient& A, const Covariance& C) {
+  const V u0 = product(A.xx, C.uu, A.xy, C.uv), u1 = product(A.xx, C.uv, A.xy, C.vv);
+  const V v0 = product(A.yx, C.uu, A.yy, C.uv), v1 = product(A.yx, C.uv, A.yy, C.vv);
+  return {product(u0, A.xx, u1, A.xy), product(v0, A.yx, v1, A.yy), product(u0, A.yx, u1, A.yy)};
+}
+
+// E = rho sum |w_i| C_i + (1 - rho) sum w_i^2 C_i, as Gather::read with bilinear weights.
+HWY_INLINE Covariance gathered(const FastField& f, const Cell& cell, V xi, V eta, V one) {
+  const D d;
+  const DU64 du;
+  const hn::Vec<DI64> n = hn::PromoteTo(
+      DI64(), hn::DemoteTo(DI32(), hn::Add(hn::Mul(cell.j, hn::Set(d, double(f.nx))), cell.i)));
+  const V x0 = hn::Sub(one, xi), y0 = hn::Sub(one, eta);
+  const V rho = hn::Set(d, f.error_correlation), rest = hn::Set(d, 1 - f.error_correlation);
+  const auto share = [&](V w) { return product(rho, hn::Abs(w), hn::Mul(rest, w), w); };
+  const V w[4] = {share(hn::Mul(x0, y0)), share(hn::Mul(xi, y0)), share(hn::Mul(x0, eta)), share(hn::Mul(xi, eta))};
+  const std::uint64_t* node = f.cov.data();
+  const std::size_t above = 2 * std::size_t(f.nx), from[4] = {0, 2, above, above + 2};
+  Covariance c[4];
+  for (int k = 0; k < 4; ++k) {
+    V none;
+    const hn::Vec<DI64> at = hn::Add(n, n);
+    split(hn::GatherIndex(du, node + from[k], at), c[k].uu, c[k].vv);
+    split(hn::GatherIndex(du, node + from[k] + 1, at), c[k].uv, none);
+  }
+  const auto sum = [&](V a, V b, V e, V g) { return hn::Add(product(w[0], a, w[1], b), product(w[2], e, w[3], g)); };
+  return {sum(c[0].uu, c[1].uu, c[2].uu, c[3].uu), sum(c[0].vv, c[1].vv, c[2].vv, c[3].vv),
+          sum(c[0].uv, c[1].uv, c[2].uv, c[3].uv)};
+}
+
+// C1 = f C0 f^T + K E K^T, K = I (forward) or (I + f)/2 (central); lanes that are not good keep theirs.
+HWY_INLINE void step_covariance(const FastField& f, const Cell& cell, V xi, V eta, const Gradient& s, M good, V one,
+                                double* cov) {
+  const D d;
+  Covariance C, E = gathered(f, cell, xi, eta, one);
+  hn::LoadInterleaved3(d, cov, C.uu, C.vv, C.uv);
+  if (f.central) {
+    const V half = hn::Set(d, 0.5);
+    E = carried({hn::Add(half, hn::Mul(half, s.xx)), hn::Mul(half, s.xy), hn::Mul(half, s.yx),
+                 hn::Add(half, hn::Mul(half, s.yy))}, E);
+  }
+  const Covariance before = carried(s, C);
+  hn::StoreInterleaved3(hn::IfThenElse(good, hn::Add(before.uu, E.uu), C.uu),
+                        hn::IfThenElse(good, hn::Add(before.vv, E.vv), C.vv),
+                        hn::IfThenElse(good, hn::Add(before.uv, E.uv), C.uv), d, cov);
+}
+
 // As many particles as there are lanes.
-HWY_INLINE void step_lanes(const FastField& f, const Limits& l, double* x, double* F, const std::uint8_t* status,
-                           std::uint8_t* moved, std::int32_t* element) {
+HWY_INLINE void step_lanes(const FastField& f, const Limits& l, double* x, double* F, double* cov,
+                           const std::uint8_t* status, std::uint8_t* moved, std::int32_t* element) {
   const D d;
   V px, py;
   hn::LoadInterleaved2(d, x, px, py);
@@ -180,6 +232,7 @@ HWY_INLINE void step_lanes(const FastField& f, const Limits& l, double* x, doubl
   hn::StoreInterleaved2(hn::IfThenElse(good, x1, px), hn::IfThenElse(good, y1, py), d, x);
   hn::StoreInterleaved4(hn::IfThenElse(good, now.xx, xx), hn::IfThenElse(good, now.yx, yx),
                         hn::IfThenElse(good, now.xy, xy), hn::IfThenElse(good, now.yy, yy), d, F);
+  if (!f.cov.empty()) step_covariance(f, cell, xi, eta, s, good, l.one, cov);
   const V index = hn::Add(hn::Mul(cell.j, hn::Set(d, double(f.nx - 1))), cell.i);
   const DI32 di;
   hn::StoreU(hn::DemoteTo(di, index), di, element);
@@ -188,7 +241,7 @@ HWY_INLINE void step_lanes(const FastField& f, const Limits& l, double* x, doubl
   for (std::size_t k = 0; k < hn::Lanes(d); ++k) moved[k] = flag[k] > 0;
 }
 
-void StepAll(const FastField& f, double* x, double* F, const std::uint8_t* status, std::size_t count,
+void StepAll(const FastField& f, double* x, double* F, double* cov, const std::uint8_t* status, std::size_t count,
              std::uint8_t* moved, std::int32_t* element) {
   const D d;
   const std::size_t lanes = hn::Lanes(d);
@@ -201,20 +254,23 @@ void StepAll(const FastField& f, double* x, double* F, const std::uint8_t* statu
                  hn::Set(d, -1e-12),
                  hn::Set(d, 1 + 1e-12)};
   std::size_t p = 0;
-  for (; p + lanes <= count; p += lanes) step_lanes(f, l, x + 2 * p, F + 4 * p, status + p, moved + p, element + p);
+  for (; p + lanes <= count; p += lanes) 
+    step_lanes(f, l, x + 2 * p, F + 4 * p, cov + 3 * p, status + p, moved + p, element + p);
   if (p == count) return;
   // The rest, in lanes of its own; those left over are of no particle.
   constexpr std::size_t most = hn::MaxLanes(D());
-  double xs[2 * most] = {}, Fs[4 * most] = {};
+  double xs[2 * most] = {}, Fs[4 * most] = {}, covs[3 * most] = {};
   std::uint8_t alive[most] = {}, done[most];
   std::int32_t at[most];
   const std::size_t rest = count - p;
   std::copy(x + 2 * p, x + 2 * count, xs);
   std::copy(F + 4 * p, F + 4 * count, Fs);
+  std::copy(cov + 3 * p, cov + 3 * count, covs);
   std::copy(status + p, status + count, alive);
-  step_lanes(f, l, xs, Fs, alive, done, at);
+  step_lanes(f, l, xs, Fs, covs, alive, done, at);
   std::copy(xs, xs + 2 * rest, x + 2 * p);
   std::copy(Fs, Fs + 4 * rest, F + 4 * p);
+  std::copy(covs, covs + 3 * rest, cov + 3 * p);
   std::copy(done, done + rest, moved + p);
   std::copy(at, at + rest, element + p);
 }
@@ -227,9 +283,9 @@ namespace pivnp::np {
 
 HWY_EXPORT(StepAll);
 
-void fast_step(const FastField& field, double* x, double* F, const std::uint8_t* status, std::size_t count,
-               std::uint8_t* moved, std::int32_t* element) {
-  HWY_DYNAMIC_DISPATCH(StepAll)(field, x, F, status, count, moved, element);
+void fast_step(const FastField& field, double* x, double* F, double* cov, const std::uint8_t* status,
+               std::size_t count, std::uint8_t* moved, std::int32_t* element) {
+  HWY_DYNAMIC_DISPATCH(StepAll)(field, x, F, cov, status, count, moved, element);
 }
 
 }  // namespace pivnp::np

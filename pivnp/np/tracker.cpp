@@ -112,17 +112,13 @@ void Tracker::advance(const Nodes<Real>& nodes, double time) {
     with(TensorGather<Spline<3>, Real>(nodes, support_, centre, correlation));
   else if (options_.shape == "triangles")
     with(GridTriangles<Real>(nodes, support_, centre, correlation));
-  else if constexpr (std::is_same_v<Real, float>) {
-    if (with_cov)
-      with(Gather<Real>(nodes, support_, centre, correlation));
-    else
-      advance_fast(nodes, time);
-  } else {
+  else if constexpr (std::is_same_v<Real, float>)
+    advance_fast(nodes, time);
+  else
     with(Gather<Real>(nodes, support_, centre, correlation));
-  }
 }
 
-// Bilinear without covariance: whole blocks at a time, and one by one whatever these leave.
+// Bilinear: whole blocks at a time, and one by one whatever these leave.
 void Tracker::advance_fast(const Nodes<float>& nodes, double time) {
   const Grid& grid = nodes.grid;
   fast_.origin_x = grid.origin.x(), fast_.origin_y = grid.origin.y();
@@ -137,6 +133,14 @@ void Tracker::advance_fast(const Nodes<float>& nodes, double time) {
     const std::array<std::uint32_t, 2> half{std::bit_cast<std::uint32_t>(d[0]), std::bit_cast<std::uint32_t>(d[1])};
     fast_.nodes[n] = std::uint64_t(half[1]) << 32 | half[0];
   }
+  const bool with_cov = nodes.cov != nullptr;
+  fast_.error_correlation = options_.error_correlation;
+  fast_.cov.resize(with_cov ? 2 * grid.node_count() : 0);
+  for (std::size_t n = 0; with_cov && n < grid.node_count(); ++n) {
+    const std::array<float, 3>& c = nodes.cov[n];
+    fast_.cov[2 * n] = std::uint64_t(std::bit_cast<std::uint32_t>(c[1])) << 32 | std::bit_cast<std::uint32_t>(c[0]);
+    fast_.cov[2 * n + 1] = std::bit_cast<std::uint32_t>(c[2]);
+  }
   const std::size_t count = x_.size();
   moved_.resize(count);
   element_.resize(count);
@@ -147,17 +151,17 @@ void Tracker::advance_fast(const Nodes<float>& nodes, double time) {
   for (std::ptrdiff_t b = 0; b < std::ptrdiff_t((count + block - 1) / block); ++b) {
     const std::size_t from = std::size_t(b) * block, to = std::min(from + block, count);
     static_assert(sizeof(ParticleStatus) == 1);
-    fast_step(fast_, x_[from].data(), F_[from].data(), reinterpret_cast<const std::uint8_t*>(&status_[from]), to - from,
+    fast_step(fast_, x_[from].data(), F_[from].data(), cov_[from].data(), reinterpret_cast<const std::uint8_t*>(&status_[from]), to - from,
               &moved_[from], &element_[from]);
     for (std::size_t p = from; p < to; ++p) {
       if (moved_[p])
         status_[p] = support_.at(std::size_t(element_[p])) == Support::measured ? ParticleStatus::active
                                                                                 : ParticleStatus::doubtful;
       else
-        carry_one(gather, p, fast_.central, false, time);
+        carry_one(gather, p, fast_.central, with_cov, time);
     }
   }
-  finish_step(false, time);
+  finish_step(with_cov, time);
 }
 
 void Tracker::finish_step(bool with_cov, double time) {

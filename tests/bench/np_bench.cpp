@@ -1,5 +1,6 @@
 // Particle-steps per second of the tracker, in memory: every shape, F, covariance where said.
 //   np_bench [particles] [repeats]
+//   np_bench stream DIR [particles] [frames]    written while tracked (np_stream.hpp)
 // Prints one line a variant: best and median of `repeats` runs of a few steps each.
 #include <omp.h>
 
@@ -15,6 +16,7 @@
 #include "pivnp/core/particles/seeding.hpp"
 #include "pivnp/np/analytic.hpp"
 #include "pivnp/np/tracker.hpp"
+#include "tests/bench/np_stream.hpp"
 
 namespace {
 
@@ -58,6 +60,13 @@ Rate measure(const ParticleSet& particles, const VectorField& there, const Vecto
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc > 2 && std::string(argv[1]) == "stream") {
+    const double particles = argc > 3 ? std::atof(argv[3]) : 1e6;
+    const int frames = argc > 4 ? std::atoi(argv[4]) : 100;
+    if (particles >= 4 && frames >= 1) return stream(argv[2], int(std::lround(std::sqrt(particles / 4))), frames);
+    std::fprintf(stderr, "usage: np_bench stream DIR [particles >= 4] [frames >= 1]\n");
+    return 2;
+  }
   const long wanted = argc > 1 ? std::atol(argv[1]) : 1000000;
   const int repeats = argc > 2 ? std::atoi(argv[2]) : 9;
   if (wanted < 4 || repeats < 1) {

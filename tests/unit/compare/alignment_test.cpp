@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <random>
 
 #include "pivnp/core/error.hpp"
@@ -40,6 +41,148 @@ TEST(MaterialMesh, WeightsReproduceThePoint) {
     ++inside;
   }
   EXPECT_GT(inside, 1800);
+}
+
+std::vector<Vec2> jittered(unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> jitter(-0.3, 0.3);
+  std::vector<Vec2> points = square_lattice(10, 10, 1);
+  for (Vec2& p : points) p += Vec2(jitter(random), jitter(random));
+  return points;
+}
+
+// Weights of the shares on all points of a mesh.
+std::vector<double> dense(const Natural& place, std::size_t points) {
+  std::vector<double> w(points, 0.0);
+  for (const Natural::Share& s : place.shares) w[std::size_t(s.point)] += s.weight;
+  return w;
+}
+
+TEST(NaturalNeighbours, WeightsReproduceThePoint) {
+  const unsigned seed = 20261121;
+  SCOPED_TRACE(seed);
+  for (const std::vector<Vec2>& points : {jittered(seed), square_lattice(10, 10, 1)}) {
+    const MaterialMesh mesh(points, std::vector<double>(points.size(), 1));
+    std::mt19937 random(seed + 1);
+    std::uniform_real_distribution<double> place(0.5, 9.5);
+    int inside = 0, more_than_three = 0;
+    for (int k = 0; k < 2000; ++k) {
+      const Vec2 x(place(random), place(random));
+      const auto found = mesh.find_natural(x);
+      if (!found) continue;
+      Vec2 sum = found->beyond;
+      double total = 0;
+      for (const Natural::Share& s : found->shares) {
+        EXPECT_GT(s.weight, 0);
+        total += s.weight;
+        sum += s.weight * points[std::size_t(s.point)];
+      }
+      EXPECT_NEAR(total, 1, 1e-12);
+      EXPECT_NEAR((sum - x).norm(), 0, 1e-9);
+      ++inside;
+      more_than_three += found->shares.size() > 3;
+    }
+    EXPECT_GT(inside, 1800);
+    EXPECT_GT(more_than_three, inside / 2);
+  }
+}
+
+// Worked by hand: at the middle of a square each corner gives up a quarter of the new cell; the corners of the squares
+// around touch it at most.
+TEST(NaturalNeighbours, TheMiddleOfASquareBelongsToItsCornersAlike) {
+  const std::vector<Vec2> points = square_lattice(6, 6, 1);
+  const MaterialMesh mesh(points, std::vector<double>(points.size(), 1));
+  const auto middle = mesh.find_natural(Vec2(3, 3));
+  ASSERT_TRUE(middle);
+  const std::vector<double> w = dense(*middle, points.size());
+  for (const std::size_t corner : {14U, 15U, 20U, 21U}) EXPECT_NEAR(w[corner], 0.25, 1e-12);
+  // On a particle: that particle alone.
+  const auto at = mesh.find_natural(points[14]);
+  ASSERT_TRUE(at);
+  EXPECT_NEAR(dense(*at, points.size())[14], 1, 1e-12);
+}
+
+// The weight on a particle is the share of the new Voronoi cell that was nearest to it: counted on a fine raster.
+TEST(NaturalNeighbours, WeightsAreTheAreasTakenFromTheVoronoiCells) {
+  const unsigned seed = 7;
+  const std::vector<Vec2> points = jittered(seed);
+  const MaterialMesh mesh(points, std::vector<double>(points.size(), 1));
+  for (const Vec2& x : {Vec2(4.3, 5.1), Vec2(6.05, 3.4), Vec2(5.5, 6.72)}) {
+    const auto found = mesh.find_natural(x);
+    ASSERT_TRUE(found);
+    std::vector<double> counted(points.size(), 0.0);
+    double all = 0;
+    constexpr int n = 400;
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j) {
+        const Vec2 y = x + Vec2(4.0 * (i + 0.5) / n - 2, 4.0 * (j + 0.5) / n - 2);
+        std::size_t nearest = 0;
+        for (std::size_t p = 1; p < points.size(); ++p)
+          if ((points[p] - y).squaredNorm() < (points[nearest] - y).squaredNorm()) nearest = p;
+        if ((points[nearest] - y).squaredNorm() < (x - y).squaredNorm()) continue;
+        counted[nearest] += 1;
+        all += 1;
+      }
+    const std::vector<double> w = dense(*found, points.size());
+    for (std::size_t p = 0; p < points.size(); ++p) EXPECT_NEAR(w[p], counted[p] / all, 0.01) << p;
+  }
+}
+
+// Displacements between the particles of a lattice, by the sum of natural neighbours and their own gradients: exact to
+// the second degree, and far closer on a wave than triangles without gradients.
+TEST(NaturalNeighbours, WithGradientsAreExactToTheSecondDegree) {
+  const std::vector<Vec2> points = jittered(11);
+  const MaterialMesh mesh(points, std::vector<double>(points.size(), 1));
+  const auto u = [](const Vec2& x) {
+    return Vec2(0.1 * x.x() * x.x() - 0.03 * x.x() * x.y(), 0.2 * x.y() * x.y() + x.x());
+  };
+  const auto wave = [](const Vec2& x) { return Vec2(std::sin(0.7 * x.x() + 0.4 * x.y()), 0); };
+  SideState second, third;
+  for (const Vec2& x : points) {
+    second.u.push_back(u(x));
+    Mat2 G;
+    G << 0.2 * x.x() - 0.03 * x.y(), -0.03 * x.x(), 1, 0.4 * x.y();
+    second.F.push_back(Mat2::Identity() + G);
+    third.u.push_back(wave(x));
+    const double slope = std::cos(0.7 * x.x() + 0.4 * x.y());
+    G << 0.7 * slope, 0.4 * slope, 0, 0;
+    third.F.push_back(Mat2::Identity() + G);
+  }
+  double natural = 0, linear = 0, kept = 0, whole = 0;  // kept: of the wave's strain
+  for (int i = 0; i < 40; ++i)
+    for (int j = 0; j < 40; ++j) {
+      const Vec2 x(1.5 + 0.1771 * i, 1.5 + 0.1713 * j);
+      const auto a = mesh.find_natural(x);
+      const auto b = mesh.find(x);
+      ASSERT_TRUE(a && b);
+      EXPECT_LT((partner_state(*a, second).u - u(x)).norm(), 1e-8);
+      const double strain = 0.7 * std::cos(0.7 * x.x() + 0.4 * x.y());
+      kept += strain * (partner_state(*a, third).F(0, 0) - 1);
+      whole += strain * strain;
+      Vec2 plain = Vec2::Zero();
+      for (std::size_t k = 0; k < 3; ++k) plain += b->weight[k] * third.u[std::size_t(b->vertex[k])];
+      natural += (partner_state(*a, third).u - wave(x)).squaredNorm();
+      linear += (plain - wave(x)).squaredNorm();
+    }
+  EXPECT_LT(natural, 0.1 * linear);
+  EXPECT_GT(kept / whole, 0.85);
+  std::printf("wave of 7.8 spacings: rms over that of triangles %.3f, strain kept %.3f\n", std::sqrt(natural / linear),
+              kept / whole);
+}
+
+// No share of a particle on the other side of a gap, and nothing beyond half a spacing from the edge.
+TEST(NaturalNeighbours, DoNotReachOverAGap) {
+  std::vector<Vec2> points;
+  for (const Vec2& x : square_lattice(12, 6, 1))
+    if (x.x() < 6 || x.x() > 8.2) points.push_back(x);  // columns 6.5 and 7.5 are missing
+  const MaterialMesh mesh(points, std::vector<double>(points.size(), 1));
+  EXPECT_FALSE(mesh.find_natural(Vec2(7, 3.2)));
+  for (double y = 0.6; y < 5.5; y += 0.13)
+    for (double x = 4.6; x < 6; x += 0.07) {
+      const auto found = mesh.find_natural(Vec2(x, y));
+      ASSERT_TRUE(found) << x << ' ' << y;
+      for (const Natural::Share& s : found->shares) EXPECT_LT(points[std::size_t(s.point)].x(), 6);
+    }
 }
 
 TEST(MaterialMesh, SpansOneLostParticleButNoGap) {
@@ -96,6 +239,43 @@ TEST(Alignment, AffineMotionBetweenTwoSeedingsIsExactIncludingTheEdge) {
   }
 }
 
+// Partners renewed only where a particle was lost are those that a fresh start would find.
+TEST(Alignment, RenewedPartnersAreThoseOfAFreshStart) {
+  const ParticleSet fine = particles_at(square_lattice(24, 12, 1.0 / 12), 1.0 / 12);
+  ParticleSet coarse = particles_at(jittered(3), 1);
+  for (Vec2& x : coarse.x0) x = Vec2(x.x() / 5, x.y() / 10);
+  coarse.area.assign(coarse.size(), float(0.02));
+  const MotionMemory a = motion_of("a", fine, {0, 1}, still), b = motion_of("b", coarse, {0, 1}, still);
+  const CommonTimes common = common_times(a, b);
+  Side first(a, common), second(b, common);
+  first.at(0), second.at(0);
+  Alignment kept(first, second);
+  ASSERT_FALSE(kept.by_identity());
+  std::vector<std::uint8_t> followed(coarse.size(), 1);
+  for (const std::size_t lost : {44U, 45U, 27U, 90U, 0U}) {
+    followed[lost] = 0;
+    kept.update(followed);
+  }
+  MotionFrame f = b.frame(0);
+  for (std::size_t q = 0; q < followed.size(); ++q)
+    if (!followed[q]) f.status[q] = ParticleStatus::ended;
+  MotionMemory rest("b", "m", "s", coarse);
+  rest.add(f);
+  f.time = 1;
+  rest.add(f);
+  Side left(rest, common);
+  left.at(0);
+  const Alignment fresh(first, left);
+  std::size_t partners = 0;
+  for (std::size_t p = 0; p < fine.size(); ++p) {
+    if (!has_partner(kept.partners()[p])) continue;
+    ++partners;
+    const std::vector<double> x = dense(kept.partners()[p], coarse.size()), y = dense(fresh.partners()[p], coarse.size());
+    for (std::size_t q = 0; q < coarse.size(); ++q) EXPECT_NEAR(x[q], y[q], 1e-9);
+  }
+  EXPECT_GT(partners, fine.size() / 2);
+}
+
 TEST(Alignment, EqualIdsAtOtherPlacesAreNotIdentity) {
   const ParticleSet set = particles_at(square_lattice(6, 6, 1), 1);
   ParticleSet moved = set;
@@ -139,12 +319,12 @@ TEST(Alignment, LabelsOfOneNamePairOnlyWithEachOther) {
   // Without labels the first's points would be interpolated across the slip; with them every layer is uniform.
   for (Vec2& x : a.x0) x.y() += x.y() < 4 ? 0.2 : -0.2;
   const MotionMemory first = motion_of("a", a, {0, 1}, slide), second = motion_of("b", b, {0, 1}, slide);
-  EXPECT_EQ(metric(compared(first, second), "displacement_max").value, 0);
+  EXPECT_LT(metric(compared(first, second), "displacement_max").value, 1e-12);
 
   ParticleSet nameless = b;
   nameless.label_names = {"layer 1", "layer 2"};
   const MotionMemory unlabelled = motion_of("c", nameless, {0, 1}, slide);
-  EXPECT_NEAR(metric(compared(first, unlabelled), "displacement_max").value, 0.2, 1e-6);
+  EXPECT_NEAR(metric(compared(first, unlabelled), "displacement_max").value, 0.2, 1e-3);
 }
 
 TEST(Alignment, WithoutAreasTheSpacingIsMeasured) {

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <random>
 
+#include "compare/coordinates.hpp"
 #include "compare/onset.hpp"
 #include "compare/rigid.hpp"
 #include "compare/transformed.hpp"
@@ -165,6 +166,82 @@ TEST(FixedZone, BadZonesAreRefused) {
   options.reference_m.clear();
   options.fixed_zone_m = {{0, 0}, {2, 0}, {2, 1}, {0, 1}};  // two particles
   EXPECT_THROW(compared(a, a, options), InputError);
+}
+
+// A slope whose face is a staircase of particles, which differs from seeding to seeding; and a bench, which does not.
+std::vector<Vec2> cut_out(double spacing, bool bench) {
+  std::vector<Vec2> points;
+  for (const Vec2& x : square_lattice(int(std::lround(40 / spacing)), int(std::lround(16 / spacing)), spacing))
+    if (bench ? x.x() < 20 || x.y() < 8 : x.x() < 40 - 1.5 * x.y()) points.push_back(x);
+  return points;
+}
+std::vector<Vec2> slope(double spacing) { return cut_out(spacing, false); }
+
+// Criterion: coordinates that differ by an unknown shift and turn are brought together within 0.01 element (4 particles
+// an element: 2 spacings of the first), the sides seeded differently and the search without a start; a strain error of
+// the second stays whole. Where the seedings draw a slanted face differently, that is seen as an offset: 0.02.
+TEST(Coordinates, AnUnknownOffsetIsFoundOnTheOutlines) {
+  const double e = 0.01;
+  const DisplacementLaw u = [](const Vec2& x, double t) -> Vec2 { return t * Vec2(0.05 * x.y(), 0); };
+  const GradientLaw F = [](const Vec2&, double t) -> Mat2 {
+    Mat2 f = Mat2::Identity();
+    f(0, 1) = 0.05 * t;
+    return f;
+  };
+  const DisplacementLaw wrong = [&](const Vec2& x, double t) -> Vec2 { return u(x, t) + t * e * Vec2(0, x.y()); };
+  const GradientLaw wrong_F = [&](const Vec2& x, double t) -> Mat2 {
+    Mat2 f = F(x, t);
+    f(1, 1) += e * t;
+    return f;
+  };
+  Transform away;
+  away.shift = Vec2(7.3, -11.9);
+  away.angle = 4 * deg;
+  CompareOptions options;
+  options.space_alignment = "outline";
+  for (const bool bench : {true, false}) {
+    const MotionMemory lab = motion_of("lab", particles_at(cut_out(1, bench), 1), {0, 1}, u, F);
+    const MotionMemory model = motion_of("model", particles_at(cut_out(0.8, bench), 0.8), {0, 1}, wrong, wrong_F);
+    const TransformedMotion elsewhere(model, away);
+    const Comparison near = compared(lab, model), c = compared(lab, elsewhere, options);
+    EXPECT_NEAR(metric(c, "coordinate_rotation").value, -4, bench ? 0.01 : 0.05);
+    EXPECT_GT(metric(c, "coordinate_shift_x").uncertainty, 0);
+    EXPECT_LT(metric(c, "coordinate_shift_x").uncertainty, 0.05);
+    EXPECT_GT(c.coverage_first, 0.98);
+    const double kept = metric(c, "strain_vol_bias_final").value / metric(near, "strain_vol_bias_final").value;
+    EXPECT_NEAR(kept, 1, 0.05);
+    // Where the model's material points come to lie, against where they belong.
+    const CommonTimes common = common_times(lab, elsewhere);
+    const RigidFit fit = match_sides(Side(lab, common), Side(elsewhere, common), {});
+    double worst = 0;
+    for (std::size_t p = 0; p < model.particles().size(); ++p)
+      worst = std::max(worst, (fit.motion.apply(elsewhere.particles().x0[p]) - model.particles().x0[p]).norm());
+    EXPECT_LT(worst / 2, bench ? 0.01 : 0.02);
+    const std::string shape = bench ? "bench" : "slope with a staircase face";
+    test::verification_row("unknown offset of coordinates, by outlines, " + shape,
+                           bench ? "within 0.01 element" : "within 0.02 element", number(worst / 2, 2) + " element");
+    if (bench)
+      test::verification_row("injected strain error after matching outlines", "at least 95 % of its size",
+                             number(100 * kept, 4) + " %");
+  }
+}
+
+TEST(Coordinates, OfADeclaredZone) {
+  // The face differs (another initial shape); only the lower left corner is declared the same.
+  const MotionMemory lab = motion_of("lab", particles_at(slope(1), 1), {0, 1}, [](const Vec2&, double) { return Vec2(0, 0); });
+  std::vector<Vec2> steeper;
+  for (const Vec2& x : slope(1))
+    if (x.x() < 30 - x.y()) steeper.push_back(x + Vec2(0.43, -0.37));
+  const MotionMemory model = motion_of("model", particles_at(steeper, 1), {0, 1}, [](const Vec2&, double) { return Vec2(0, 0); });
+  CompareOptions options;
+  options.space_alignment = "outline";
+  options.fixed_zone_m = {{-2, -2}, {12, -2}, {12, 8}, {-2, 8}};
+  const Comparison c = compared(lab, model, options);
+  EXPECT_NEAR(metric(c, "coordinate_shift_x").value, -0.43, 0.02);
+  EXPECT_NEAR(metric(c, "coordinate_shift_y").value, 0.37, 0.02);
+  EXPECT_NEAR(metric(c, "coordinate_rotation").value, 0, 0.05);
+  options.fixed_zone_m = {{4, -2}, {20, -2}, {20, 4}, {4, 4}};  // the straight base alone: it does not hold x
+  EXPECT_THROW(compared(lab, model, options), InputError);
 }
 
 TEST(Onset, OfAHistoryByHand) {

@@ -78,8 +78,9 @@ TEST(Outline, IntersectionOverUnionOfShiftedSquares) {
   const MaterialMesh b = mesh_of(square_lattice(20, 20, h, Vec2(0.53, 0)), h);
   const Lattice lattice = lattice_around(a, b, h / 4, h / 2, std::nullopt);
   const Cover first = cover(a, h / 2, lattice), second = cover(b, h / 2, lattice);
-  EXPECT_NEAR(intersection_over_union(first, second), (2 - 0.53) / (2 + 0.53), 2e-3);
-  EXPECT_EQ(intersection_over_union(first, first), 1);
+  const Overlap area = overlap(first, second);
+  EXPECT_NEAR(area.common / area.either, (2 - 0.53) / (2 + 0.53), 2e-3);
+  EXPECT_EQ(overlap(first, first).common, overlap(first, first).either);
 }
 
 }  // namespace

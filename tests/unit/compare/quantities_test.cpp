@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "compare/decomposition.hpp"
 #include "compare/distribution.hpp"
@@ -226,14 +227,21 @@ TEST(Decomposition, SaysWhenWhatIsLocalIsLost) {
 
 TEST(History, ByHand) {
   const History h{{0, 1, 2, 3, 4}, {0, 0, 10, 20, 20}};
-  EXPECT_NEAR(onset_time(h), 1.1, 1e-12);  // 5 % of 20
-  EXPECT_NEAR(rest_time(h), 2.9, 1e-12);   // 19
-  EXPECT_NEAR(peak_rate(h), 10, 1e-12);
+  const double unknown = std::nan("");
+  EXPECT_NEAR(onset(h, unknown).value, 1.1, 1e-12);  // 5 % of 20
+  EXPECT_NEAR(rest(h, unknown).value, 2.9, 1e-12);   // 19
+  EXPECT_NEAR(peak_rate(h, unknown).value, 10, 1e-12);
+  // The interval alone: 1 / sqrt(12). With errors of .1: the slope between 2.5 and 10 % is 10.
+  EXPECT_NEAR(onset(h, unknown).uncertainty, 1 / std::sqrt(12.0), 1e-12);
+  EXPECT_NEAR(onset(h, 0.1).uncertainty, std::sqrt(1 / 12.0 + 2 * 0.01 * 0.01), 1e-12);
+  EXPECT_NEAR(rest(h, 0.1).uncertainty, onset(h, 0.1).uncertainty, 1e-12);
+  EXPECT_NEAR(peak_rate(h, 0.1).uncertainty, 0.1 * std::sqrt(0.5), 1e-12);
+  EXPECT_TRUE(std::isnan(onset(h, 1).uncertainty));  // noise of sqrt(2) at a threshold of 1
   EXPECT_NEAR(value_at(h, 2.25), 12.5, 1e-12);
   EXPECT_TRUE(std::isnan(value_at(h, 4.1)));
-  EXPECT_TRUE(std::isnan(onset_time(History{{0, 1}, {2, 2}})));
+  EXPECT_TRUE(std::isnan(onset(History{{0, 1}, {2, 2}}, unknown).value));
   std::vector<Metric> metrics;
-  ASSERT_TRUE(add_history_metrics("front", "the front", h, History{{1, 5}, {1, 25}}, std::nan(""), "m", "s", metrics));
+  ASSERT_TRUE(add_history_metrics("front", "the front", h, History{{1, 5}, {1, 25}}, {}, "m", "s", metrics));
   // Second minus first at 1, 2, 3, 4: 1, -3, -7, -1.
   const auto value = [&](const std::string& name) {
     for (const Metric& m : metrics)
@@ -244,7 +252,35 @@ TEST(History, ByHand) {
   EXPECT_NEAR(value("front_rms"), std::sqrt(60.0 / 4), 1e-12);
   EXPECT_NEAR(value("front_max"), 7, 1e-12);
   EXPECT_NEAR(value("front_onset_difference"), 1.2 - 1.1, 1e-12);
-  EXPECT_FALSE(add_history_metrics("x", "x", h, History{{7, 8}, {1, 2}}, std::nan(""), "m", "s", metrics));
+  EXPECT_FALSE(add_history_metrics("x", "x", h, History{{7, 8}, {1, 2}}, {}, "m", "s", metrics));
+}
+
+// Criterion: onset and time to rest of noisy histories scatter as stated (a factor 1.5 either way), sampled finely: the
+// part of the interval, which a straight rise does not need, is small then.
+TEST(History, OnsetAndRestScatterAsStated) {
+  const unsigned seed = 42;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  const double sigma = 0.004;
+  std::normal_distribution<double> noise(0, sigma);
+  const int runs = 400;
+  double square_onset = 0, square_rest = 0, stated = 0;
+  for (int run = 0; run < runs; ++run) {
+    History h;
+    for (int k = 0; k <= 200; ++k) {
+      const double t = 0.02 * k;
+      h.time.push_back(t);
+      h.value.push_back(std::clamp(t - 1, 0.0, 2.0) / 2 + noise(random));
+    }
+    const Estimate a = onset(h, sigma), b = rest(h, sigma);
+    square_onset += (a.value - 1.1) * (a.value - 1.1) / runs;
+    square_rest += (b.value - 2.9) * (b.value - 2.9) / runs;
+    stated += a.uncertainty / runs;
+  }
+  EXPECT_LT(std::sqrt(square_onset), 1.5 * stated);
+  EXPECT_GT(std::sqrt(square_onset), stated / 1.5);
+  EXPECT_LT(std::sqrt(square_rest), 1.5 * stated);
+  EXPECT_GT(std::sqrt(square_rest), stated / 1.5);
 }
 
 TEST(PointHistories, ByHand) {

@@ -96,6 +96,55 @@ TEST(Uncertainty, StrainFloorIsWhatTheStillZoneShows) {
   EXPECT_NEAR(series(c, "strain_dev_uncertainty")[2], floor, 1e-6);
 }
 
+// A floor that a record states is the side's, whatever its still particles show.
+TEST(Uncertainty, StrainFloorOfTheRecord) {
+  const MotionMemory a = measured(5, 0.01, 0, "np");
+  const MotionMemory b = motion_of("mpm", a.particles(), {0, 1, 2}, [](const Vec2& x, double t) {
+    return Vec2(x.x() > 20 ? t : 0, 0);
+  });
+  StrainNote note;
+  note.floor_source = "still frames";
+  note.floor_dev = 0.003, note.floor_vol = 0.004, note.floor_path = 0.005;
+  SilentProgress progress;
+  const Comparison c = compare(a, b, {}, {}, progress, {}, {note, {}});
+  EXPECT_EQ(metric(c, "strain_dev_rms").uncertainty, 0.003);
+  EXPECT_EQ(metric(c, "strain_vol_rms_final").uncertainty, 0.004);
+  EXPECT_EQ(metric(c, "strain_dev_path_bias").uncertainty, 0.005);
+  EXPECT_NE(metric(c, "strain_dev_rms").definition.find("np (still frames)"), std::string::npos);
+  EXPECT_EQ(metric(c, "area_metric_strain_dev").uncertainty, 0.003);
+  // Both sides measured: in squares. A side that says "not measured" shows its own still zone.
+  EXPECT_NEAR(metric(compare(a, b, {}, {}, progress, {}, {note, note}), "strain_dev_rms").uncertainty,
+              0.003 * std::sqrt(2.0), 1e-12);
+  const Comparison own = compare(a, b, {}, {}, progress, {}, {StrainNote{}, {}});
+  EXPECT_EQ(metric(own, "strain_dev_rms").uncertainty, 0);  // F is the identity there
+}
+
+// A block of 30 x 30 whose last ten columns draw off by 2: two outlines of lengths 100 and 80, known to half a spacing
+// and the error of u. The other side is the same, or shifted by 6, and then both cover a width of 38.
+TEST(Uncertainty, OfTheOutlinesShareInCommon) {
+  const double sigma = 0.3, length = 180;
+  const MotionMemory a = measured(3, sigma, 0, "np");
+  for (const double shift : {0.0, 6.0}) {
+    const MotionMemory b = motion_of("mpm", a.particles(), {0, 1, 2}, [=](const Vec2& x, double t) {
+      return Vec2((x.x() > 20 ? t : 0) + shift * t / 2, 0);
+    });
+    const Metric iou = metric(compared(a, b), "outline_iou");
+    const double either = shift == 0 ? 900 : 1140;
+    const double half = 1 / std::sqrt(12.0), u_a = std::hypot(half, sigma * std::sqrt(2.0));
+    EXPECT_NEAR(iou.uncertainty, length * std::hypot(u_a, half) / either, 0.1 * iou.uncertainty);
+    EXPECT_EQ(iou.verdict, shift == 0 ? not_distinguishable : "") << iou.value << " u " << iou.uncertainty;
+  }
+}
+
+TEST(Uncertainty, OfTheAreaMetric) {
+  const double sigma = 0.01;
+  const MotionMemory a = measured(1, sigma, 0, "a"), b = measured(101, sigma, 0, "b");
+  const Metric same = metric(compared(a, b), "area_metric_displacement");
+  EXPECT_NEAR(same.uncertainty, 2 * sigma, 1e-7);  // u_val at the end: two sides, two components
+  EXPECT_EQ(same.verdict, not_distinguishable);
+  EXPECT_EQ(metric(compared(a, measured(101, sigma, 20 * sigma, "b")), "area_metric_displacement").verdict, "");
+}
+
 TEST(Limits, WithinAndOver) {
   const ParticleSet set = particles_at(square_lattice(6, 6, 1), 1);
   const MotionMemory a = motion_of("a", set, {0, 1}, [](const Vec2&, double) { return Vec2(0, 0); });

@@ -123,6 +123,47 @@ TEST(Covariance, TheDefaultBoundsTheScatterOfIndependentErrorsToo) {
   EXPECT_GE(still.state()[1].cov[0], still.state()[0].cov[0]);  // a fit at the rim knows less
 }
 
+// Measured fields (float) are stepped several particles at a time, given ones (double) one by one: the same covariances,
+// whatever the anchor and the correlation of errors, at borders and lost nodes too.
+TEST(Covariance, ManyAtATimeAsOneByOne) {
+  const unsigned seed = 5;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> amount(-0.3f, 0.3f), variance(1e-4f, 1e-2f);
+  const Grid narrow{{-1, 2}, {0.5, 0.5}, 13, 11};
+  const ParticleSet particles = block(narrow, {-1, 2}, {5, 7}, 4);
+  for (const Anchor anchor : {Anchor::forward, Anchor::central})
+    for (const double correlation : {1.0, 0.3}) {
+      VectorField measured;
+      Increments given;
+      measured.grid = given.grid = narrow;
+      measured.anchor = given.anchor = anchor;
+      for (std::size_t n = 0; n < narrow.node_count(); ++n) {
+        const std::array<float, 2> d{amount(random), amount(random)};
+        const float uu = variance(random), vv = variance(random), uv = 0.4f * std::min(uu, vv);
+        measured.displacement.push_back(d);
+        given.displacement.push_back({double(d[0]), double(d[1])});
+        measured.cov.push_back({uu, vv, uv});
+        measured.status.push_back(n % 37 == 5 ? VectorStatus::rejected : VectorStatus::valid);
+      }
+      given.cov = measured.cov;
+      given.status = measured.status;
+      NpOptions options;
+      options.error_correlation = correlation;
+      Tracker many(options, particles, 0), one(options, particles, 0);
+      for (int k = 1; k <= 2; ++k) many.step(measured, k), one.step(given, k);
+      std::size_t alive = 0;
+      for (std::size_t p = 0; p < particles.size(); ++p) {
+        const auto a = many.state()[p], b = one.state()[p];
+        ASSERT_EQ(a.status, b.status) << p;
+        alive += a.status != ParticleStatus::ended;
+        EXPECT_LT((a.x - b.x).norm(), 1e-13);
+        for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(a.cov[c], b.cov[c], 1e-13) << p;
+      }
+      EXPECT_GT(alive, particles.size() / 2);
+    }
+}
+
 TEST(Covariance, UnknownOnceAPairLacksIt) {
   Increments d = sample_increments(AffineMotion::rotation(0, {0, 0}, {0, 0}), grid, Anchor::central, 0, 1);
   Tracker tracker({}, particles_at({{4, 4}}), 0);

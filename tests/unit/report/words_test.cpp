@@ -46,6 +46,20 @@ TEST(Words, Numbers) {
 TEST(Words, Names) {
   EXPECT_EQ(metric_words("displacement_rms"), "Displacement, RMS");
   EXPECT_EQ(metric_words("strain_dev_p95"), "Deviatoric strain, 95th percentile");
+  EXPECT_EQ(metric_words("displacement_bias_x_final"), "Displacement, mean difference in x, at the end");
+  EXPECT_EQ(metric_words("displacement_rms_final_over_u"), "Displacement, RMS, at the end, in units of its uncertainty");
+  EXPECT_EQ(metric_words("u_val_final"), "Uncertainty of a difference, u_val, at the end");
+  EXPECT_EQ(metric_words("outline_iou"), "Outlines, share in common (IoU)");
+  EXPECT_EQ(metric_words("outline_hausdorff_95"), "Outlines, Hausdorff distance (95 %)");
+  EXPECT_EQ(metric_words("run_out_x_second"), "Run-out, simulated");
+  EXPECT_EQ(metric_words("area_metric_strain_dev"), "Area metric of the deviatoric strain");
+  EXPECT_EQ(metric_words("decomposition_displacement_x_outside"),
+            "Decomposition of the displacement x, share of coefficients outside the band");
+  EXPECT_EQ(metric_words("levelled_strain_dev_path_rms"), "Deviatoric strain along the path, RMS, levelled");
+  EXPECT_EQ(metric_words("point_1_onset_difference"), "Point 1, onset, simulated − measured");
+  EXPECT_EQ(metric_words("history_rms"), "History, RMS");
+  EXPECT_EQ(metric_words("fixed_zone_shift_first_x"), "Fixed zone, shift x, measured");
+  EXPECT_EQ(metric_words("onset"), "Onset");
   EXPECT_EQ(metric_words("something_new"), "Something new");
   EXPECT_EQ(metric_words(""), "");
   EXPECT_EQ(field_words("strain_dev"), "deviatoric strain");

@@ -1,13 +1,11 @@
 // Levelling: a simulation that is right, measured like the experiment, differs from it by noise alone where the plain
-// comparison shows the measurement's filter. And curves compared as histories, the digitised ones included.
+// comparison shows the measurement's filter.
 #include "apps/study/levelling.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <cmath>
-#include <cstdlib>
-#include <fstream>
 
 #include "apps/study/measure.hpp"
 #include "apps/study/stages.hpp"
@@ -15,7 +13,6 @@
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
 #include "pivnp/image/synthetic.hpp"
-#include "pivnp/io/curve_file.hpp"
 #include "tests/support/verification.hpp"
 
 namespace pivnp::app {
@@ -173,74 +170,6 @@ TEST(Levelling, WithoutMotionTheFirstFrameIsKept) {
       worst = std::max(worst, std::abs(int(first.view().row<std::uint8_t>(r)[col]) -
                                        int(later.view().row<std::uint8_t>(r)[col])));
   EXPECT_LE(worst, 1);  // float rounding of the spline
-}
-
-class Histories : public testing::Test {
- protected:
-  Scratch scratch;
-  RunOutcome compared(const std::string& first, const std::string& second, compare::CompareOptions options = {},
-                      compare::LimitOptions limits = {}, double step = 1) {
-    RunSettings settings;
-    settings.out = scratch.path / "out";
-    fs::create_directories(settings.out);
-    SilentProgress progress;
-    CompareSources sources{first, second, {}, 2, step};
-    return compare_records(sources, options, limits, settings, progress);
-  }
-  double stored(const std::string& name) const {
-    const io::RecordReader record(scratch.path / "out" / "record.h5");
-    const io::ComparisonData held = record.comparison().value();
-    for (const Metric& m : held.metrics)
-      if (m.name == name) return m.value;
-    return std::nan("");
-  }
-  std::string shared(const char* file) const {
-    const char* folder = std::getenv("PIVNP_TEST_DATA");
-    return folder ? (fs::path(folder) / file).string() : "";
-  }
-};
-
-TEST_F(Histories, ATableAgainstAScaledOne) {
-  std::ofstream(scratch.path / "lab.csv") << "time (s),front (m),other\n0,1,9\n1,2,9\n2,4,9\n";
-  std::ofstream(scratch.path / "sim.txt")
-      << "step  other (Pa)  front (mm)\n0  7  1100\n1  7  2100\n2  7  4400\n3  7  nan\n";
-  compare::CompareOptions options;
-  options.second_scale = 1e-3;
-  compare::LimitOptions limits;
-  limits.history_rms = 0.2;
-  const RunOutcome outcome =
-      compared("history=" + (scratch.path / "lab.csv").string(),
-               "history=" + (scratch.path / "sim.txt").string() + ":front (mm)", options, limits);
-  EXPECT_NEAR(stored("history_rms"), std::sqrt((0.01 + 0.01 + 0.16) / 3), 1e-9);
-  EXPECT_TRUE(outcome.over_limit);
-  EXPECT_TRUE(fs::exists(outcome.report_html));
-  EXPECT_THROW(compared("history=" + (scratch.path / "lab.csv").string(), "out/record.h5"), InputError);
-  EXPECT_THROW(compared("history=" + (scratch.path / "lab.csv").string(),
-                        "history=" + (scratch.path / "sim.txt").string() + ":frnt"),
-               InputError);
-}
-
-// Martin & Moyce (1952): the surge front of a water column against shallow-water theory's bound x/W = 1 + 2 t (dry bed,
-// Ritter 1892, in units of sqrt(gW) at unit height): the front is slower, and the comparison says by how much.
-TEST_F(Histories, DamBreak) {
-  const std::string file = shared("dam_break/exp_surge_front.csv");
-  if (file.empty()) GTEST_SKIP() << "PIVNP_TEST_DATA is not set";
-  std::ofstream(scratch.path / "ritter.csv") << "time,front\n0,1\n4,9\n";
-  compared("history=" + file, "history=" + (scratch.path / "ritter.csv").string());
-  EXPECT_GT(stored("history_bias"), 0);
-  EXPECT_GT(stored("history_rms"), 0.3);
-  compared("history=" + file, "history=" + file);
-  EXPECT_EQ(stored("history_rms"), 0);
-}
-
-// Two cameras saw one collapse: the comparison of an experiment with itself, its repeatability.
-TEST_F(Histories, ColumnCollapseByTwoCameras) {
-  const std::string file = shared("column_collapse/20210804_08g_050g_050_050_005.txt");
-  if (file.empty()) GTEST_SKIP() << "PIVNP_TEST_DATA is not set";
-  compared("history=" + file + ":r_p (m) (Cam 1)", "history=" + file + ":r_p (m) (Cam 2)", {}, {}, 1.0 / 240);
-  EXPECT_GT(stored("history_rms"), 1e-4);
-  EXPECT_LT(stored("history_rms"), 0.03);
-  EXPECT_NEAR(stored("history_onset_first"), 9.0 / 240, 4.0 / 240);
 }
 
 }  // namespace
