@@ -157,6 +157,16 @@ struct GimpLanes {
 };
 
 // The functions of a tile's points along both axes.
+// What F-bar averages over: V0 of the points that material connects; one that stands open keeps its own.
+template <class Tile>
+HWY_INLINE M stands_open(const PointView& p, const Tile& t) {
+  return hn::Gt(t.load(p.gap), zero());
+}
+template <class Tile>
+HWY_INLINE V joined_volume(const PointView& p, const Tile& t) {
+  return hn::IfThenZeroElse(stands_open(p, t), t.live(t.load(p.volume0)));
+}
+
 template <class S>
 struct TileLines {
   V xi, eta;

@@ -24,6 +24,7 @@ struct PointView {
   double *C_xx, *C_xy, *C_yx, *C_yy;
   double* half;
   double *xi, *eta;
+  double* gap;
 };
 
 /// The lists of GridState.

@@ -61,7 +61,7 @@ HWY_INLINE V sum3(V a, V b, V c) { return a + b + c; }
 HWY_INLINE double average_element(const PointView& p, const CellView& c, std::size_t slot, Locking locking, Node* base) {
   V xx = zero(), yy = zero(), xy = zero(), zz = zero(), volume = zero();
   for_tiles(c, slot, [&](const auto& t) HWY_ATTR {
-    const V v = t.live(t.load(p.volume0));
+    const V v = locking == Locking::fbar ? joined_volume(p, t) : t.live(t.load(p.volume0));
     xx = hn::MulAdd(v, t.load(p.tau_xx), xx);
     yy = hn::MulAdd(v, t.load(p.tau_yy), yy);
     zz = hn::MulAdd(v, t.load(p.tau_zz), zz);
@@ -88,13 +88,13 @@ struct Mapping {
   HWY_INLINE V mean_change(const TileLines<S>& l, const Tile& t, const Node* base, double element, V xx, V yy) const {
     const V own = sum3(xx, yy, t.load(p.tau_zz)) * set(-1.0 / 3);
     if constexpr (W == 2) {
-      return locking == Locking::fbar ? own + set(element) : own;
+      return locking == Locking::fbar ? hn::IfThenZeroElse(stands_open(p, t), own + set(element)) : own;
     } else {
       V hx[3], hy[3], row[3];
       hat_lanes(l.xi, hx);
       hat_lanes(l.eta, hy);
       for (int b = 0; b < 3; ++b) row[b] = row_sum<3>(hx, base + b * c.nx, &Node::dx);
-      return own + dot<3>(hy, row);
+      return hn::IfThenZeroElse(stands_open(p, t), own + dot<3>(hy, row));
     }
   }
 
@@ -185,7 +185,7 @@ void average_stress_slots(const PointView& p, const CellView& c, SlotRange slots
       V hx[3], hy[3], value[9], volume[9];
       hat_lanes(t.load(p.xi), hx);
       hat_lanes(t.load(p.eta), hy);
-      const V v = t.live(t.load(p.volume0));
+      const V v = joined_volume(p, t);
       const V mean = sum3(t.load(p.tau_xx), t.load(p.tau_yy), t.load(p.tau_zz)) * set(1.0 / 3);
       for (int n = 0; n < 9; ++n) {
         volume[n] = v * hx[n % 3] * hy[n / 3];

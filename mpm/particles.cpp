@@ -30,7 +30,7 @@ PointView Particles::view() const {
   const auto at = [](const Array& a) { return a.empty() ? nullptr : const_cast<double*>(a.data()); };
   return {at(x),      at(y),      at(vx),     at(vy),    at(mass),  at(volume0), at(F_xx),  at(F_xy),  at(F_yx), at(F_yy),
           at(J),      at(tau_xx), at(tau_yy), at(tau_zz), at(tau_xy), at(C_xx),   at(C_xy),  at(C_yx),  at(C_yy), at(half),
-          at(xi),     at(eta)};
+          at(xi),     at(eta),    at(gap)};
 }
 
 void Particles::sort_as(std::vector<std::uint32_t>& order, int threads) {

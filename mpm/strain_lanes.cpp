@@ -124,7 +124,7 @@ void average_strain_slots(ShapeKind shape, double dt, const PointView& p, const 
           V hx[3], hy[3], value[9], volume[9];
           hat_lanes(l.xi, hx);
           hat_lanes(l.eta, hy);
-          const V v = t.live(t.load(p.volume0));
+          const V v = joined_volume(p, t);
           for (int n = 0; n < 9; ++n) {
             volume[n] = v * hx[n % 3] * hy[n / 3];
             value[n] = volume[n] * theta;
@@ -164,12 +164,13 @@ struct Straining {
     if (job.locking != Locking::none) {
       if constexpr (S::W == 2) {
         theta = set(theta_of_element);
+        if (job.locking == Locking::fbar) theta = hn::IfThenElse(stands_open(p, t), e.trace, theta);
       } else {
         V hx[3], hy[3], row[3];
         hat_lanes(l.xi, hx);
         hat_lanes(l.eta, hy);
         for (int b = 0; b < 3; ++b) row[b] = row_sum<3>(hx, base + b * c.nx, &Node::dx);
-        theta = dot<3>(hy, row);
+        theta = hn::IfThenElse(stands_open(p, t), e.trace, dot<3>(hy, row));
       }
       shift = (theta - e.trace) * set(1.0 / 3);
     }
@@ -195,7 +196,7 @@ struct Straining {
     V sum = zero(), volume = zero();
     for_tiles(c, s, [&](const auto& t) HWY_ATTR {
       const TileLines<S> l(p, c.slot_fold[s], t);
-      const V v = t.live(t.load(p.volume0));
+      const V v = joined_volume(p, t);
       sum = hn::MulAdd(v, lane_log_det(gradient(l, base, c.nx, sx, sy)), sum);
       volume = volume + v;
     });
