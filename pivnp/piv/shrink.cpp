@@ -234,7 +234,7 @@ std::vector<int> starts(int points, int side) {
 // are deformed has less power at long wavelengths: its fall over one octave, as a mean over some blocks about, is
 // carried on by two octaves and a half (where kept terms lie). Where structures hide the fall, nothing is taken off.
 static void find_slow_shares(int side, std::size_t across, std::vector<Shrinker::Block>& blocks, std::size_t count) {
-  const int reach = side >= 32 ? 1 : 2, nx = static_cast<int>(across), ny = static_cast<int>(count / across);
+  const int reach = side >= 32 ? 3 : 6, nx = static_cast<int>(across), ny = static_cast<int>(count / across);
   for (int j = 0; j < ny; ++j)
     for (int i = 0; i < nx; ++i) {
       float sum = 0, some = 0;
