@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <ostream>
 #include <random>
 
 #include "mpm/material/stress_update.hpp"
@@ -20,6 +21,9 @@ SilentProgress silent;
 struct Choice {
   const char *shape, *transfer, *stress, *locking;
 };
+void PrintTo(const Choice& c, std::ostream* out) {
+  *out << c.shape << ' ' << c.transfer << ' ' << c.stress << ' ' << c.locking;
+}
 
 std::string name_of(const testing::TestParamInfo<Choice>& info) {
   return std::string(info.param.shape) + "_" + info.param.transfer + "_" + info.param.stress + "_" + info.param.locking;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <ostream>
 #include <random>
 #include <string>
 #include <vector>
@@ -25,6 +26,7 @@ struct Soil {
   std::string name;
   MaterialOptions options;
 };
+void PrintTo(const Soil& soil, std::ostream* out) { *out << soil.name; }
 
 std::vector<Soil> smooth_soils() {
   std::vector<Soil> out;
