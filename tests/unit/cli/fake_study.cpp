@@ -1,6 +1,5 @@
 #include "tests/unit/cli/fake_study.hpp"
 
-#include <unistd.h>
 
 #include <fstream>
 #include <sstream>
@@ -73,16 +72,6 @@ Ran run_program(const std::vector<std::string>& words) {
   std::ostringstream out, err;
   const int code = run_command_line(int(argv.size()), argv.data(), out, err, false);
   return {code, out.str(), err.str()};
-}
-
-Folder::Folder() {
-  std::string name = (std::filesystem::temp_directory_path() / "pivnp cli XXXXXX").string();
-  path = mkdtemp(name.data());
-}
-
-Folder::~Folder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path, ignored);
 }
 
 std::filesystem::path Folder::write(const std::string& name, const std::string& text) const {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apps/study/study.hpp"
+#include "tests/support/scratch.hpp"
 
 namespace pivnp::app {
 
@@ -33,11 +34,7 @@ struct Ran {
 Ran run_program(const std::vector<std::string>& words);
 
 /// An empty folder of its own, removed at the end.
-class Folder {
- public:
-  Folder();
-  ~Folder();
-  std::filesystem::path path;
+struct Folder : test::Scratch {
   std::filesystem::path write(const std::string& name, const std::string& text) const;
 };
 

@@ -97,9 +97,9 @@ void finish_and_check(const fs::path& directory, const sample::Size& size, std::
 
 TEST(DiskTest, AFileThatMayNotGrowStopsTheRunAndNothingElseIsLost) {
   const sample::Size size = large();
-  sample::TemporaryDirectory directory;
+  test::Scratch directory;
   {
-    RecordWriter w(directory.path(), sample::head(size), false);
+    RecordWriter w(directory.path, sample::head(size), false);
     for (std::size_t k = 0; k < 20; ++k) {
       w.add_pair(sample::pair(size, k));
       if ((k + 1) % 10 == 0) w.close_segment("piv", {std::byte(k + 1)});
@@ -109,11 +109,11 @@ TEST(DiskTest, AFileThatMayNotGrowStopsTheRunAndNothingElseIsLost) {
       const std::string message = fill(w, size, 20);
       EXPECT_THAT(message, HasSubstr("parts/piv.00000020.h5.tmp: cannot be written: File too large"));
     }
-    EXPECT_TRUE(temporary_files(directory.path()).empty());
+    EXPECT_TRUE(temporary_files(directory.path).empty());
     EXPECT_THROW(w.add_pair(sample::pair(size, 20)), RunError);  // not on with a hole
     EXPECT_EQ(w.pair(15).pair[0], 15);
   }
-  finish_and_check(directory.path(), size, 20);
+  finish_and_check(directory.path, size, 20);
 }
 
 TEST(DiskTest, EveryMomentOfFillingUpEndsTheSameWay) {
@@ -121,30 +121,30 @@ TEST(DiskTest, EveryMomentOfFillingUpEndsTheSameWay) {
   size.pairs = 15;
   for (const rlim_t bytes : {0, 100, 2'000, 130'000, 900'000}) {
     SCOPED_TRACE(bytes);
-    sample::TemporaryDirectory directory;
+    test::Scratch directory;
     {
       const FileLimit limit(bytes);
       const std::string message = message_of<RunError>([&] {
-        RecordWriter w(directory.path(), sample::head(size), false);
+        RecordWriter w(directory.path, sample::head(size), false);
         for (std::size_t k = 0; k < size.pairs; ++k) w.add_pair(sample::pair(size, k));
         w.end_stage("piv", nullptr);
         w.finish();
       });
       EXPECT_THAT(message, HasSubstr("cannot be written: File too large"));
     }
-    EXPECT_TRUE(temporary_files(directory.path()).empty());
-    finish_and_check(directory.path(), size, 0);
+    EXPECT_TRUE(temporary_files(directory.path).empty());
+    finish_and_check(directory.path, size, 0);
   }
 }
 
 TEST(DiskTest, PackingThatFailsKeepsTheSegmentsAndTheOldRecord) {
   const sample::Size size = large();
-  sample::TemporaryDirectory directory;
+  test::Scratch directory;
   sample::Size shorter = size;
   shorter.pairs = 3;
-  sample::run(directory.path(), shorter, false);
+  sample::run(directory.path, shorter, false);
   {
-    RecordWriter w(directory.path(), sample::head(size), false);
+    RecordWriter w(directory.path, sample::head(size), false);
     for (std::size_t k = 0; k < size.pairs; ++k) {
       w.add_pair(sample::pair(size, k));
       if ((k + 1) % 10 == 0) w.close_segment("piv", {std::byte(k + 1)});
@@ -154,17 +154,17 @@ TEST(DiskTest, PackingThatFailsKeepsTheSegmentsAndTheOldRecord) {
     EXPECT_THAT(message_of<RunError>([&] { w.finish(); }),
                 HasSubstr("record.h5.tmp: cannot be written: File too large"));
   }
-  EXPECT_TRUE(temporary_files(directory.path()).empty());
-  EXPECT_EQ(RecordReader(directory.path() / "record.h5").pair_count(), 3u);
-  finish_and_check(directory.path(), size, 60);
+  EXPECT_TRUE(temporary_files(directory.path).empty());
+  EXPECT_EQ(RecordReader(directory.path / "record.h5").pair_count(), 3u);
+  finish_and_check(directory.path, size, 60);
 }
 
 TEST(DiskTest, AFullFileSystemSaysSo) {
   const sample::Size size = large();
-  sample::TemporaryDirectory directory;
-  const TinyDisk disk(directory.path() / "disk", "size=5m");
+  test::Scratch directory;
+  const TinyDisk disk(directory.path / "disk", "size=5m");
   if (!disk.mounted()) GTEST_SKIP() << "needs the right to mount a tmpfs: " << std::strerror(errno);
-  const fs::path out = directory.path() / "disk" / "out";
+  const fs::path out = directory.path / "disk" / "out";
   {
     RecordWriter w(out, sample::head(size), false);
     EXPECT_THAT(fill(w, size, 0), HasSubstr("parts/piv.00000020.h5.tmp: cannot be written: No space left on device"));
@@ -176,12 +176,12 @@ TEST(DiskTest, AFullFileSystemSaysSo) {
 }
 
 TEST(DiskTest, ADirectoryThatCannotBeIsNamed) {
-  sample::TemporaryDirectory directory;
-  std::ofstream(directory.path() / "file") << "x";
-  EXPECT_THAT(message_of<InputError>([&] { RecordWriter w(directory.path() / "file", sample::head({}), false); }),
+  test::Scratch directory;
+  std::ofstream(directory.path / "file") << "x";
+  EXPECT_THAT(message_of<InputError>([&] { RecordWriter w(directory.path / "file", sample::head({}), false); }),
               HasSubstr("file: cannot be made"));
   EXPECT_THAT(
-      message_of<InputError>([&] { RecordWriter w(directory.path() / "file" / "out", sample::head({}), false); }),
+      message_of<InputError>([&] { RecordWriter w(directory.path / "file" / "out", sample::head({}), false); }),
       HasSubstr("out: cannot be made"));
 }
 

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 #include <hdf5.h>
-#include <unistd.h>
 
 #include <bit>
 #include <cmath>
@@ -13,6 +12,7 @@
 #include <sstream>
 
 #include "pivnp/core/error.hpp"
+#include "tests/support/scratch.hpp"
 
 namespace pivnp::io {
 namespace {
@@ -34,14 +34,6 @@ Vec2 velocity(int p) { return Vec2(0.1 * p, -1); }
 
 class ForeignTest : public testing::Test {
  protected:
-  ForeignTest() {
-    std::string name = (fs::temp_directory_path() / "pivnp foreign XXXXXX").string();
-    folder = mkdtemp(name.data());
-  }
-  ~ForeignTest() override {
-    std::error_code ignored;
-    fs::remove_all(folder, ignored);
-  }
   void write(const std::string& name, const std::string& text) const {
     std::ofstream(folder / name, std::ios::binary) << text;
   }
@@ -84,7 +76,8 @@ class ForeignTest : public testing::Test {
     }
     EXPECT_TRUE(std::isnan(m.particles().end[0]));
   }
-  fs::path folder;
+  const test::Scratch scratch;
+  const fs::path& folder = scratch.path;
 };
 
 // ---- CB-Geo: a compound table with the columns of its particles, more than are read here, in its order.

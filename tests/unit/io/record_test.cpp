@@ -16,8 +16,8 @@ using ::testing::HasSubstr;
 class RecordTest : public ::testing::Test {
  protected:
   sample::Size size;
-  sample::TemporaryDirectory directory;
-  std::filesystem::path record = directory.path() / "record.h5";
+  test::Scratch directory;
+  std::filesystem::path record = directory.path / "record.h5";
 };
 
 void expect_same(const VectorField& a, const VectorField& b) {
@@ -44,7 +44,7 @@ void expect_same(const MotionFrame& a, const MotionFrame& b) {
 TEST_F(RecordTest, VectorsComeBackFromOpenAndClosedSegmentsAndFromTheRecord) {
   size.pairs = 150;  // three segments, the last one open
   {
-    RecordWriter w(directory.path(), sample::head(size), false);
+    RecordWriter w(directory.path, sample::head(size), false);
     for (std::size_t k = 0; k < size.pairs; ++k) {
       w.add_pair(sample::pair(size, k));
       if (w.segment_full("piv")) w.close_segment("piv", {});
@@ -57,7 +57,7 @@ TEST_F(RecordTest, VectorsComeBackFromOpenAndClosedSegmentsAndFromTheRecord) {
   const RecordReader r(record);
   ASSERT_EQ(r.pair_count(), size.pairs);
   for (std::size_t k = 0; k < size.pairs; ++k) expect_same(r.pair(k), sample::pair(size, k));
-  EXPECT_FALSE(std::filesystem::exists(directory.path() / "parts"));
+  EXPECT_FALSE(std::filesystem::exists(directory.path / "parts"));
   EXPECT_TRUE(r.motion_names().empty());
   EXPECT_FALSE(r.comparison());
   EXPECT_TRUE(r.frames().empty());
@@ -65,7 +65,7 @@ TEST_F(RecordTest, VectorsComeBackFromOpenAndClosedSegmentsAndFromTheRecord) {
 }
 
 TEST_F(RecordTest, HeadFramesMotionsEnergyAndComparisonComeBack) {
-  sample::run(directory.path(), size, false);
+  sample::run(directory.path, size, false);
   const RecordReader r(record);
   const RecordHead h = r.head(), expected = sample::head(size);
   EXPECT_EQ(h.command, expected.command);
@@ -138,7 +138,7 @@ TEST_F(RecordTest, HeadFramesMotionsEnergyAndComparisonComeBack) {
 }
 
 TEST_F(RecordTest, AMotionOutlivesItsReader) {
-  sample::run(directory.path(), size, false);
+  sample::run(directory.path, size, false);
   std::unique_ptr<MotionSource> motion;
   {
     const RecordReader r(record);
@@ -149,7 +149,7 @@ TEST_F(RecordTest, AMotionOutlivesItsReader) {
 
 TEST_F(RecordTest, ComputedFieldsAreThoseOfTheDerivedReader) {
   const std::vector<std::string> fields = {"strain_dev", "velocity_x", "strain_sum_xy", "plastic_dev", "mean_stress"};
-  sample::run(directory.path(), size, false, 64, [] {}, fields);
+  sample::run(directory.path, size, false, 64, [] {}, fields);
   const RecordReader r(record);
   const h5::Source source(record);
   for (const std::string motion : {"np", "mpm"}) {
@@ -183,7 +183,7 @@ TEST_F(RecordTest, WhatGoesWithStrainsComesBack) {
   known.floor_dev = 1e-3, known.floor_vol = 2e-4, known.floor_path = 0.03;
   for (const StrainNote& note : {unknown, known}) {
     {
-      RecordWriter w(directory.path(), sample::head(size), false);
+      RecordWriter w(directory.path, sample::head(size), false);
       for (const std::string name : {"np", "mpm"}) {
         w.begin_motion(name, sample::particles(size));
         w.add_frame(name, sample::frame(size, 0, name == "mpm"));
@@ -211,7 +211,7 @@ TEST_F(RecordTest, WhatGoesWithStrainsComesBack) {
 
 TEST_F(RecordTest, WhatAFrameLacksIsNaNWhereOthersHaveIt) {
   {
-    RecordWriter w(directory.path(), sample::head(size), false);
+    RecordWriter w(directory.path, sample::head(size), false);
     w.begin_motion("mpm", sample::particles(size));
     for (std::size_t k = 0; k < 4; ++k) {
       MotionFrame f = sample::frame(size, k, true);
@@ -235,7 +235,7 @@ TEST_F(RecordTest, LargeItemsAreSplitIntoChunksAndCloseSegmentsEarly) {
   EXPECT_EQ(large[0], 1u);
   EXPECT_LE(large[1] * 4 * sizeof(float), std::size_t{1} << 20);
   size.particles = 300'000;
-  RecordWriter w(directory.path(), sample::head(size), false);
+  RecordWriter w(directory.path, sample::head(size), false);
   const MotionFrame f = sample::frame(size, 1, false);  // 11.1 MB
   const ParticleSet p = sample::particles(size);
   w.begin_motion("long", p);
@@ -251,7 +251,7 @@ TEST_F(RecordTest, LargeItemsAreSplitIntoChunksAndCloseSegmentsEarly) {
 TEST_F(RecordTest, ManyParticlesComeBack) {
   size.particles = 100'003;
   {
-    RecordWriter w(directory.path(), sample::head(size), false);
+    RecordWriter w(directory.path, sample::head(size), false);
     const ParticleSet p = sample::particles(size);
     w.begin_motion("np", p);
     for (std::size_t k = 0; k < 2; ++k) w.add_frame("np", sample::frame(size, k, false));
@@ -265,18 +265,18 @@ TEST_F(RecordTest, ManyParticlesComeBack) {
 
 TEST_F(RecordTest, FilesThatAreNoRecordsAreRefusedInOneLine) {
   const auto open = [&](const std::filesystem::path& p) { return message_of<InputError>([&] { RecordReader r(p); }); };
-  EXPECT_THAT(open(directory.path() / "none.h5"), HasSubstr("none.h5: no such file"));
-  EXPECT_THAT(open(directory.path()), HasSubstr("is a directory"));
-  std::ofstream(directory.path() / "text.h5") << "not HDF5 at all\n";
-  EXPECT_THAT(open(directory.path() / "text.h5"), HasSubstr("text.h5: not an HDF5 file"));
-  std::ofstream(directory.path() / "empty.h5");
-  EXPECT_THAT(open(directory.path() / "empty.h5"), HasSubstr("not an HDF5 file"));
+  EXPECT_THAT(open(directory.path / "none.h5"), HasSubstr("none.h5: no such file"));
+  EXPECT_THAT(open(directory.path), HasSubstr("is a directory"));
+  std::ofstream(directory.path / "text.h5") << "not HDF5 at all\n";
+  EXPECT_THAT(open(directory.path / "text.h5"), HasSubstr("text.h5: not an HDF5 file"));
+  std::ofstream(directory.path / "empty.h5");
+  EXPECT_THAT(open(directory.path / "empty.h5"), HasSubstr("not an HDF5 file"));
   const auto with = [&](const char* schema, const char* version) {
-    h5::OutputFile f(directory.path() / "other.h5");
+    h5::OutputFile f(directory.path / "other.h5");
     if (schema) f.attribute("/", "schema", schema);
     if (version) f.attribute("/", "schema_version", version);
     f.commit();
-    return open(directory.path() / "other.h5");
+    return open(directory.path / "other.h5");
   };
   EXPECT_THAT(with(nullptr, nullptr), HasSubstr("without the attribute 'schema'"));
   EXPECT_THAT(with("plainer", "1.0"), HasSubstr("schema 'plainer', expected 'pivnp'"));
@@ -287,9 +287,9 @@ TEST_F(RecordTest, FilesThatAreNoRecordsAreRefusedInOneLine) {
 }
 
 TEST_F(RecordTest, ATruncatedRecordIsRefusedAtEveryLength) {
-  sample::run(directory.path(), size, false);
+  sample::run(directory.path, size, false);
   const auto whole = std::filesystem::file_size(record);
-  const std::filesystem::path cut = directory.path() / "cut.h5";
+  const std::filesystem::path cut = directory.path / "cut.h5";
   for (int k = 1; k <= 16; ++k) {
     std::filesystem::copy_file(record, cut, std::filesystem::copy_options::overwrite_existing);
     std::filesystem::resize_file(cut, whole * static_cast<std::uintmax_t>(16 - k) / 16);
@@ -299,11 +299,11 @@ TEST_F(RecordTest, ATruncatedRecordIsRefusedAtEveryLength) {
 }
 
 TEST_F(RecordTest, MissingPartsAndWrongShapesAreNamed) {
-  sample::run(directory.path(), size, false);
+  sample::run(directory.path, size, false);
   const RecordReader r(record);
   EXPECT_THAT(message_of<InputError>([&] { r.motion("npp"); }), HasSubstr("no motion 'npp'; did you mean 'np'"));
   EXPECT_THAT(message_of<InputError>([&] { r.pair(5); }), HasSubstr("/piv/pair: has 5 items, item 5 was asked for"));
-  h5::OutputFile f(directory.path() / "piece.h5");
+  h5::OutputFile f(directory.path / "piece.h5");
   f.group("/piv");
   f.write("/piv/pair", std::vector<std::int32_t>{0, 1}, "");
   const h5::Source source = f.source();
@@ -314,7 +314,7 @@ TEST_F(RecordTest, MissingPartsAndWrongShapesAreNamed) {
 }
 
 TEST_F(RecordTest, WrongUseIsNoSilentMatter) {
-  RecordWriter w(directory.path(), sample::head(size), false);
+  RecordWriter w(directory.path, sample::head(size), false);
   EXPECT_THROW(w.begin_motion("a/b", sample::particles(size)), InputError);
   EXPECT_THROW(w.begin_motion("np", ParticleSet{}), InputError);
   EXPECT_THROW(w.add_frame("np", sample::frame(size, 0, false)), std::logic_error);

@@ -68,18 +68,18 @@ TEST(ResumeTest, KilledAtRandomMomentsTheRecordEqualsAnUninterruptedOne) {
   std::mt19937 random(seed);
   sample::Size size;
   size.pairs = 90;
-  sample::TemporaryDirectory whole;
+  test::Scratch whole;
   // Kills are spread over the time a whole run takes here, and come later with every attempt, so that it ends.
   const auto began = std::chrono::steady_clock::now();
-  sample::run(whole.path(), size, false, 10, [] { ::usleep(300); });
+  sample::run(whole.path, size, false, 10, [] { ::usleep(300); });
   const std::chrono::duration<double, std::micro> whole_us = std::chrono::steady_clock::now() - began;
   int kills = 0, resumed = 0;
   for (int round = 0; round < 3; ++round) {
-    sample::TemporaryDirectory directory;
+    test::Scratch directory;
     const std::size_t close_every = std::uniform_int_distribution<std::size_t>(5, 40)(random);
     std::set<std::string> before;
     for (int attempt = 0; attempt < 200; ++attempt) {
-      const pid_t child = start(directory.path(), size, close_every, 300);
+      const pid_t child = start(directory.path, size, close_every, 300);
       const double latest = whole_us.count() * (0.4 + 0.2 * attempt);
       std::this_thread::sleep_for(
           std::chrono::duration<double, std::micro>(std::uniform_real_distribution<double>(0, latest)(random)));
@@ -91,18 +91,18 @@ TEST(ResumeTest, KilledAtRandomMomentsTheRecordEqualsAnUninterruptedOne) {
         break;
       }
       ++kills;
-      const auto now = closed_segments(directory.path());
+      const auto now = closed_segments(directory.path);
       resumed += !now.empty();
       // What was closed stays, until the record has taken its place.
-      const bool packed = fs::exists(directory.path() / "record.h5");
+      const bool packed = fs::exists(directory.path / "record.h5");
       for (const std::string& name : before) EXPECT_TRUE(now.contains(name) || packed) << name;
       before = now;
     }
-    expect_equal_records(whole.path(), directory.path());
-    for (const auto& entry : fs::directory_iterator(directory.path()))
+    expect_equal_records(whole.path, directory.path);
+    for (const auto& entry : fs::directory_iterator(directory.path))
       EXPECT_NE(entry.path().extension(), ".tmp") << entry.path();
-    EXPECT_FALSE(fs::exists(directory.path() / "parts"));
-    EXPECT_FALSE(fs::exists(directory.path() / "parts.old"));
+    EXPECT_FALSE(fs::exists(directory.path / "parts"));
+    EXPECT_FALSE(fs::exists(directory.path / "parts.old"));
   }
   std::printf("%d kills, %d of them with closed segments\n", kills, resumed);
   EXPECT_GT(kills, 0);
@@ -114,21 +114,21 @@ class PartialRun : public ::testing::Test {
   PartialRun() { size.pairs = 100; }
   // Writes `pairs` pairs and stops as if interrupted, with checkpoints of k after each `every`.
   void leave(std::size_t pairs, std::size_t every) {
-    RecordWriter w(directory.path(), sample::head(size), false);
+    RecordWriter w(directory.path, sample::head(size), false);
     for (std::size_t k = 0; k < pairs; ++k) {
       w.add_pair(sample::pair(size, k));
       if ((k + 1) % every == 0) w.close_segment("piv", {std::byte(k + 1)});
     }
   }
   sample::Size size;
-  sample::TemporaryDirectory directory;
-  fs::path parts = directory.path() / "parts";
+  test::Scratch directory;
+  fs::path parts = directory.path / "parts";
 };
 
 TEST_F(PartialRun, GoesOnFromTheLastClosedSegment) {
   leave(25, 10);
   std::ofstream(parts / "piv.00000020.h5.tmp") << "half a segment";  // as kill -9 leaves it
-  RecordWriter w(directory.path(), sample::head(size), true);
+  RecordWriter w(directory.path, sample::head(size), true);
   EXPECT_FALSE(fs::exists(parts / "piv.00000020.h5.tmp"));
   const StageState s = w.stage("piv");
   EXPECT_EQ(s.items, 20u);
@@ -141,7 +141,7 @@ TEST_F(PartialRun, GoesOnFromTheLastClosedSegment) {
 TEST_F(PartialRun, SegmentsWithoutACheckpointAreNotGoneOnFrom) {
   leave(100, 1000);  // the writer closed the first 64 itself
   ASSERT_TRUE(fs::exists(parts / "piv.00000000.h5"));
-  RecordWriter w(directory.path(), sample::head(size), true);
+  RecordWriter w(directory.path, sample::head(size), true);
   EXPECT_EQ(w.stage("piv").items, 0u);
   EXPECT_FALSE(fs::exists(parts / "piv.00000000.h5"));
 }
@@ -149,7 +149,7 @@ TEST_F(PartialRun, SegmentsWithoutACheckpointAreNotGoneOnFrom) {
 TEST_F(PartialRun, ADamagedSegmentAndThoseAfterItAreDoneAgain) {
   leave(40, 10);
   fs::resize_file(parts / "piv.00000020.h5", 1000);
-  RecordWriter w(directory.path(), sample::head(size), true);
+  RecordWriter w(directory.path, sample::head(size), true);
   EXPECT_EQ(w.stage("piv").items, 20u);
   EXPECT_FALSE(fs::exists(parts / "piv.00000030.h5"));
 }
@@ -158,37 +158,37 @@ TEST_F(PartialRun, AnotherCaseIsRefusedWithItsFirstLine) {
   leave(10, 10);
   RecordHead other = sample::head(size);
   other.case_text = "name = \"sample, 1 g\"\n[piv]\nwindow_px = 24\n";
-  const std::string message = message_of<InputError>([&] { RecordWriter w(directory.path(), other, true); });
+  const std::string message = message_of<InputError>([&] { RecordWriter w(directory.path, other, true); });
   EXPECT_THAT(message, HasSubstr("first in line 3: 'window_px = 32' there, 'window_px = 24' now"));
   EXPECT_THAT(message, StartsWith(parts.string()));
   other.case_text = "name = \"sample, 1 g\"\n[piv]\n";
-  EXPECT_THAT(message_of<InputError>([&] { RecordWriter w(directory.path(), other, true); }), HasSubstr("nothing now"));
+  EXPECT_THAT(message_of<InputError>([&] { RecordWriter w(directory.path, other, true); }), HasSubstr("nothing now"));
   other = sample::head(size);
   other.grid.nx += 1;
-  EXPECT_THAT(message_of<InputError>([&] { RecordWriter w(directory.path(), other, true); }),
+  EXPECT_THAT(message_of<InputError>([&] { RecordWriter w(directory.path, other, true); }),
               HasSubstr("the grid differs"));
   EXPECT_TRUE(fs::exists(parts / "piv.00000000.h5"));  // nothing lost by being refused
 }
 
 TEST_F(PartialRun, WithoutResumeOldPartsGoAndTheOldRecordStaysUntilTheEnd) {
-  sample::run(directory.path(), size, false);
+  sample::run(directory.path, size, false);
   leave(20, 10);
-  EXPECT_EQ(RecordReader(directory.path() / "record.h5").pair_count(), 100u);
-  RecordWriter w(directory.path(), sample::head(size), false);
+  EXPECT_EQ(RecordReader(directory.path / "record.h5").pair_count(), 100u);
+  RecordWriter w(directory.path, sample::head(size), false);
   EXPECT_FALSE(fs::exists(parts / "piv.00000000.h5"));
   EXPECT_EQ(w.stage("piv").items, 0u);
   for (std::size_t k = 0; k < 3; ++k) w.add_pair(sample::pair(size, k));
   w.end_stage("piv", nullptr);
-  EXPECT_EQ(RecordReader(directory.path() / "record.h5").pair_count(), 100u);
+  EXPECT_EQ(RecordReader(directory.path / "record.h5").pair_count(), 100u);
   w.finish();
-  EXPECT_EQ(RecordReader(directory.path() / "record.h5").pair_count(), 3u);
+  EXPECT_EQ(RecordReader(directory.path / "record.h5").pair_count(), 3u);
 }
 
 TEST_F(PartialRun, AFinishedRunHasNothingLeftToDo) {
-  sample::run(directory.path(), size, false);
-  const auto written = fs::last_write_time(directory.path() / "record.h5");
+  sample::run(directory.path, size, false);
+  const auto written = fs::last_write_time(directory.path / "record.h5");
   {
-    RecordWriter w(directory.path(), sample::head(size), true);
+    RecordWriter w(directory.path, sample::head(size), true);
     EXPECT_TRUE(w.stage("piv").complete);
     EXPECT_EQ(w.stage("piv").items, 100u);
     EXPECT_TRUE(w.stage("motion/mpm").complete);
@@ -197,21 +197,21 @@ TEST_F(PartialRun, AFinishedRunHasNothingLeftToDo) {
     EXPECT_THROW(w.add_pair(sample::pair(size, 0)), std::logic_error);
     w.finish();
   }
-  EXPECT_EQ(fs::last_write_time(directory.path() / "record.h5"), written);
+  EXPECT_EQ(fs::last_write_time(directory.path / "record.h5"), written);
   RecordHead other = sample::head(size);
   other.case_text += "# more\n";
-  EXPECT_THAT(message_of<InputError>([&] { RecordWriter w(directory.path(), other, true); }),
+  EXPECT_THAT(message_of<InputError>([&] { RecordWriter w(directory.path, other, true); }),
               HasSubstr("first in line 4"));
 }
 
 TEST_F(PartialRun, OtherParticlesAreRefused) {
   {
-    RecordWriter w(directory.path(), sample::head(size), false);
+    RecordWriter w(directory.path, sample::head(size), false);
     w.begin_motion("np", sample::particles(size));
     w.add_frame("np", sample::frame(size, 0, false));
     w.close_segment("motion/np", {std::byte(1)});
   }
-  RecordWriter w(directory.path(), sample::head(size), true);
+  RecordWriter w(directory.path, sample::head(size), true);
   w.begin_motion("np", sample::particles(size));
   ParticleSet other = sample::particles(size);
   other.x0[1].x() += 1e-12;
@@ -220,29 +220,29 @@ TEST_F(PartialRun, OtherParticlesAreRefused) {
 }
 
 TEST_F(PartialRun, OnlyOneWriterHoldsADirectory) {
-  auto first = std::make_unique<RecordWriter>(directory.path(), sample::head(size), false);
+  auto first = std::make_unique<RecordWriter>(directory.path, sample::head(size), false);
   const std::string message =
-      message_of<InputError>([&] { RecordWriter w(directory.path(), sample::head(size), true); });
-  EXPECT_THAT(message, StartsWith(directory.path().string()));
+      message_of<InputError>([&] { RecordWriter w(directory.path, sample::head(size), true); });
+  EXPECT_THAT(message, StartsWith(directory.path.string()));
   EXPECT_THAT(message, HasSubstr("another run is writing here"));
   first.reset();
-  EXPECT_TRUE(fs::exists(directory.path() / ".lock"));  // left behind, and no obstacle
-  RecordWriter again(directory.path(), sample::head(size), false);
+  EXPECT_TRUE(fs::exists(directory.path / ".lock"));  // left behind, and no obstacle
+  RecordWriter again(directory.path, sample::head(size), false);
 }
 
 TEST_F(PartialRun, ALockDiesWithItsProcess) {
   const pid_t child = ::fork();
   if (child == 0) {
-    RecordWriter w(directory.path(), sample::head(size), false);
-    std::ofstream(directory.path() / "ready") << "x";
+    RecordWriter w(directory.path, sample::head(size), false);
+    std::ofstream(directory.path / "ready") << "x";
     ::pause();
     ::_exit(0);
   }
-  for (int k = 0; k < 2000 && !fs::exists(directory.path() / "ready"); ++k) ::usleep(5000);
-  EXPECT_THROW(RecordWriter(directory.path(), sample::head(size), false), InputError);
+  for (int k = 0; k < 2000 && !fs::exists(directory.path / "ready"); ++k) ::usleep(5000);
+  EXPECT_THROW(RecordWriter(directory.path, sample::head(size), false), InputError);
   ::kill(child, SIGKILL);
   ::waitpid(child, nullptr, 0);
-  EXPECT_NO_THROW(RecordWriter(directory.path(), sample::head(size), false));
+  EXPECT_NO_THROW(RecordWriter(directory.path, sample::head(size), false));
 }
 
 }  // namespace

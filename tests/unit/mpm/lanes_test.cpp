@@ -74,6 +74,18 @@ struct Case {
 
 class InLanes : public testing::TestWithParam<std::tuple<ShapeKind, TransferKind>> {};
 
+// Calls each(k, at, lx, ly) for every point: its nodes, and the values of its shape functions along both axes.
+template <class S, class Each>
+void for_points(const Particles& p, const GridState& g, Each&& each) {
+  for (std::size_t s = 0; s < g.slots(); ++s) {
+    const SlotLines<S> lines(g, s);
+    std::size_t at[9];
+    g.stencil_nodes(s, at);
+    for (std::uint32_t q = g.slot_begin[s]; q < g.slot_begin[s + 1]; ++q)
+      each(g.order[q], at, lines.x(p, g.order[q]), lines.y(p, g.order[q]));
+  }
+}
+
 TEST_P(InLanes, MapWhatAPlainLoopMaps) {
   const auto [shape, transfer] = GetParam();
   Case c(shape, transfer);
@@ -82,29 +94,22 @@ TEST_P(InLanes, MapWhatAPlainLoopMaps) {
   std::vector<std::array<double, 5>> sum(g.grid.node_count(), std::array<double, 5>{});
   with_shape(shape, [&](auto kind) {
     using S = decltype(kind);
-    for (std::size_t s = 0; s < g.slots(); ++s) {
-      const SlotLines<S> lines(g, s);
-      std::size_t at[9];
-      g.stencil_nodes(s, at);
-      for (std::uint32_t q = g.slot_begin[s]; q < g.slot_begin[s + 1]; ++q) {
-        const std::size_t k = g.order[q];
-        const auto lx = lines.x(p, k), ly = lines.y(p, k);
-        for (int n = 0; n < S::width * S::width; ++n) {
-          const int a = n % S::width, b = n / S::width;
-          const double w = lx.w[a] * ly.w[b], gx = lx.g[a] * ly.w[b] * g.per_hx, gy = lx.w[a] * ly.g[b] * g.per_hy;
-          const double dx = (a + S::first - p.xi[k]) * 0.1, dy = (b + S::first - p.eta[k]) * 0.08;
-          double vx = p.vx[k], vy = p.vy[k];
-          if (!p.C_xx.empty()) {
-            vx += p.C_xx[k] * dx + p.C_xy[k] * dy;
-            vy += p.C_yx[k] * dx + p.C_yy[k] * dy;
-          }
-          const double m = p.mass[k] * w, v = p.volume0[k];
-          const std::array<double, 5> part{m, m * vx, m * vy, -v * (p.tau_xx[k] * gx + p.tau_xy[k] * gy),
-                                           -v * (p.tau_xy[k] * gx + p.tau_yy[k] * gy)};
-          for (std::size_t i = 0; i < 5; ++i) sum[at[n]][i] += part[i];
+    for_points<S>(p, g, [&](std::size_t k, const std::size_t* at, const auto& lx, const auto& ly) {
+      for (int n = 0; n < S::width * S::width; ++n) {
+        const int a = n % S::width, b = n / S::width;
+        const double w = lx.w[a] * ly.w[b], gx = lx.g[a] * ly.w[b] * g.per_hx, gy = lx.w[a] * ly.g[b] * g.per_hy;
+        const double dx = (a + S::first - p.xi[k]) * 0.1, dy = (b + S::first - p.eta[k]) * 0.08;
+        double vx = p.vx[k], vy = p.vy[k];
+        if (!p.C_xx.empty()) {
+          vx += p.C_xx[k] * dx + p.C_xy[k] * dy;
+          vy += p.C_yx[k] * dx + p.C_yy[k] * dy;
         }
+        const double m = p.mass[k] * w, v = p.volume0[k];
+        const std::array<double, 5> part{m, m * vx, m * vy, -v * (p.tau_xx[k] * gx + p.tau_xy[k] * gy),
+                                         -v * (p.tau_xy[k] * gx + p.tau_yy[k] * gy)};
+        for (std::size_t i = 0; i < 5; ++i) sum[at[n]][i] += part[i];
       }
-    }
+    });
   });
   on_every_target([&] {
     map_momentum(p, g, c.scheme, true, 1);
@@ -135,29 +140,22 @@ TEST_P(InLanes, StrainIsThatOfThePointsOneByOne) {
       strain_points(p, g, c.scheme, 1, false, 1);
       with_shape(shape, [&](auto kind) {
         using S = decltype(kind);
-        for (std::size_t s = 0; s < g.slots(); ++s) {
-          const SlotLines<S> lines(g, s);
-          std::size_t at[9];
-          g.stencil_nodes(s, at);
-          for (std::uint32_t q = g.slot_begin[s]; q < g.slot_begin[s + 1]; ++q) {
-            const std::size_t k = g.order[q];
-            const auto lx = lines.x(p, k), ly = lines.y(p, k);
-            Gradient G;
-            for (int n = 0; n < S::width * S::width; ++n) {
-              const int a = n % S::width, b = n / S::width;
-              const double gx = lx.g[a] * ly.w[b] * g.per_hx, gy = lx.w[a] * ly.g[b] * g.per_hy;
-              G.xx += g.node[at[n]].ux * gx;
-              G.xy += g.node[at[n]].ux * gy;
-              G.yx += g.node[at[n]].uy * gx;
-              G.yy += g.node[at[n]].uy * gy;
-            }
-            const Polar e = polar(G);
-            EXPECT_NEAR(p.de_xx[k], e.xx, 1e-13 * size);
-            EXPECT_NEAR(p.de_yy[k], e.yy, 1e-13 * size);
-            EXPECT_NEAR(p.de_xy[k], e.xy, 1e-13 * size);
-            EXPECT_NEAR(p.spin[k], e.spin, 1e-13 * size);
+        for_points<S>(p, g, [&](std::size_t k, const std::size_t* at, const auto& lx, const auto& ly) {
+          Gradient G;
+          for (int n = 0; n < S::width * S::width; ++n) {
+            const int a = n % S::width, b = n / S::width;
+            const double gx = lx.g[a] * ly.w[b] * g.per_hx, gy = lx.w[a] * ly.g[b] * g.per_hy;
+            G.xx += g.node[at[n]].ux * gx;
+            G.xy += g.node[at[n]].ux * gy;
+            G.yx += g.node[at[n]].uy * gx;
+            G.yy += g.node[at[n]].uy * gy;
           }
-        }
+          const Polar e = polar(G);
+          EXPECT_NEAR(p.de_xx[k], e.xx, 1e-13 * size);
+          EXPECT_NEAR(p.de_yy[k], e.yy, 1e-13 * size);
+          EXPECT_NEAR(p.de_xy[k], e.xy, 1e-13 * size);
+          EXPECT_NEAR(p.spin[k], e.spin, 1e-13 * size);
+        });
       });
     });
   }

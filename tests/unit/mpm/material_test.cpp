@@ -11,50 +11,18 @@
 #include "mpm/material/mohr_coulomb.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/math.hpp"
+#include "tests/unit/mpm/soil_point.hpp"
 
 #include <Eigen/Eigenvalues>
 
 namespace pivnp::mpm {
 namespace {
 
-struct Point {
-  std::array<double, 4> stress{};  // xx yy zz xy
-  double plastic_dev = 0, gap = 0, dissipated = 0, J = 1;
-  std::uint8_t opened = 0;
+using test::SoilPoint;
 
-  // Strain increments xx, yy, zz, xy and rotation.
-  void advance(const Material& law, std::array<double, 4> de, double spin = 0) {
-    StressBatch b;
-    b.size = 1;
-    b.de_xx = &de[0];
-    b.de_yy = &de[1];
-    b.de_zz = &de[2];
-    b.de_xy = &de[3];
-    b.spin = &spin;
-    b.J = &J;
-    b.xx = &stress[0];
-    b.yy = &stress[1];
-    b.zz = &stress[2];
-    b.xy = &stress[3];
-    b.plastic_dev = &plastic_dev;
-    b.gap = &gap;
-    b.opened = &opened;
-    b.dissipated = &dissipated;
-    law.update(b);
-  }
-  double energy(const Material& law) const { return law.elastic().energy(stress[0], stress[1], stress[2], stress[3]); }
-};
+MaterialOptions soil(const std::string& model) { return test::soil(model, 0); }
 
-MaterialOptions soil(const std::string& model) {
-  MaterialOptions m;
-  m.model = model;
-  m.density_kg_m3 = 1600;
-  m.young_pa = 1e7;
-  m.poisson = 0.3;
-  return m;
-}
-
-double root_j2(const Point& p) {
+double root_j2(const SoilPoint& p) {
   const double mean = (p.stress[0] + p.stress[1] + p.stress[2]) / 3;
   double sum = 0;
   for (int q = 0; q < 3; ++q) sum += 0.5 * std::pow(p.stress[std::size_t(q)] - mean, 2);
@@ -63,7 +31,7 @@ double root_j2(const Point& p) {
 
 TEST(LinearElastic, FollowsHookeInPlaneStrain) {
   const auto law = make_material(soil("linear_elastic"), "material.a");
-  Point p;
+  SoilPoint p;
   p.advance(*law, {1e-4, -2e-4, 0, 3e-5});
   const double G = 1e7 / 2.6, lambda = 1e7 * 0.3 / (1.3 * 0.4);
   EXPECT_NEAR(p.stress[0], lambda * -1e-4 + 2 * G * 1e-4, 1e-9);
@@ -74,7 +42,7 @@ TEST(LinearElastic, FollowsHookeInPlaneStrain) {
 
 TEST(LinearElastic, AStressTurnedThroughAFullCircleReturns) {
   const auto law = make_material(soil("linear_elastic"), "material.a");
-  Point p;
+  SoilPoint p;
   p.stress = {-300, -100, -120, 50};
   const int n = 97;
   for (int k = 0; k < n; ++k) p.advance(*law, {0, 0, 0, 0}, 2 * std::tan(M_PI / n));  // tan(theta/2) = spin/2
@@ -92,10 +60,10 @@ TEST(LinearElastic, TheEnergyIsThePotentialOfTheWorkUnderRotation) {
   const auto law = make_material(soil("linear_elastic"), "material.a");
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> u(-1e-4, 1e-4);
-  Point p;
+  SoilPoint p;
   double work = 0;
   for (int k = 0; k < 2000; ++k) {
-    Point turned = p;
+    SoilPoint turned = p;
     const double spin = 500 * u(random);
     turned.advance(*law, {0, 0, 0, 0}, spin);
     const std::array<double, 4> de{u(random), u(random), u(random), u(random)};
@@ -130,7 +98,7 @@ TEST(LinearElastic, IsHenckysLawExactly) {
           return {lambda + 2 * c.shear * h(0, 0), lambda + 2 * c.shear * h(1, 1), lambda + 2 * c.shear * zz,
                   2 * c.shear * h(0, 1)};
         };
-        Point p;
+        SoilPoint p;
         p.stress = stress(e, e_zz);
         p.advance(*law, {d(0, 0), d(1, 1), d_zz, d(0, 1)}, 2 * std::tan(angle / 2));
         Mat2 R;
@@ -150,7 +118,7 @@ TEST(VonMises, PureShearYieldsAtK) {
   o.shear_strength_pa = 1000;
   const auto law = make_material(o, "material.a");
   const double G = law->elastic().shear;
-  Point p;
+  SoilPoint p;
   for (int k = 0; k < 100; ++k) p.advance(*law, {0, 0, 0, 1e-5});
   const double plastic_xy = 100 * 1e-5 - 1000 / (2 * G);
   EXPECT_NEAR(p.stress[3], 1000, 1e-9);
@@ -165,7 +133,7 @@ TEST(VonMises, RandomIncrementsStayWithinTheStrength) {
   const auto law = make_material(o, "material.a");
   std::mt19937_64 random(11);
   std::normal_distribution<double> n(0, 1e-4);
-  Point p;
+  SoilPoint p;
   for (int k = 0; k < 20000; ++k) {
     p.advance(*law, {n(random), n(random), n(random), n(random)}, n(random));
     ASSERT_LE(root_j2(p), 1000 * (1 + 1e-12));
@@ -188,11 +156,11 @@ TEST_P(MohrCoulombSoils, RandomIncrementsEndOnOrInsideTheSurface) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> n(0, 1);
   std::uniform_real_distribution<double> size(-7, -2);
-  Point p;
+  SoilPoint p;
   for (int k = 0; k < 100000; ++k) {
     const double s = std::pow(10, size(random));
     // Compression in the mean, so that the surface is met at all heights; now and then a fresh start.
-    if (k % 50 == 0) p = Point{};
+    if (k % 50 == 0) p = SoilPoint{};
     p.advance(law, {s * (n(random) - 0.3), s * (n(random) - 0.3), 0.1 * s * n(random), s * n(random)}, s * n(random));
     const double mean = std::abs(p.stress[0] + p.stress[1] + p.stress[2]) / 3;
     const double scale = std::max({GetParam().cohesion, mean, 1000.0});
@@ -204,7 +172,7 @@ TEST_P(MohrCoulombSoils, RandomIncrementsEndOnOrInsideTheSurface) {
 TEST_P(MohrCoulombSoils, PlasticWorkIsNotNegative) {
   std::mt19937_64 random(5);
   std::normal_distribution<double> n(0, 1e-4);
-  Point p;
+  SoilPoint p;
   p.stress = {-20000, -20000, -20000, 0};
   for (int k = 0; k < 20000; ++k) {
     const double before = p.dissipated;
@@ -221,9 +189,9 @@ TEST_P(MohrCoulombSoils, OneStepEqualsAThousandOnAStraightPathWithFixedAxes) {
   int compared = 0, unlike = 0;
   double worst = 0;
   for (int k = 0; k < 300; ++k) {
-    Point start;
+    SoilPoint start;
     start.stress = {-3000, -2500, -2800, 0};
-    Point one = start, many = start;
+    SoilPoint one = start, many = start;
     const std::array<double, 4> de{n(random), n(random), 0.3 * n(random), 0};
     one.advance(law, de);
     for (int q = 0; q < 1000; ++q) many.advance(law, {de[0] / 1000, de[1] / 1000, de[2] / 1000, 0});
@@ -251,10 +219,10 @@ TEST_P(MohrCoulombSoils, ConvergesToManySubstepsWhenTheAxesTurn) {
   double error[2] = {0, 0};
   for (int k = 0; k < 200; ++k) {
     const std::array<double, 4> de{-1e-4 + 4e-4 * u(random), -1e-4 + 4e-4 * u(random), 0, 4e-4 * u(random)};
-    Point exact;
+    SoilPoint exact;
     exact.stress = {-6000, -4000, -4500, 500};
-    Point coarse[2] = {exact, exact};
-    const auto go = [&](Point& p, int steps) {
+    SoilPoint coarse[2] = {exact, exact};
+    const auto go = [&](SoilPoint& p, int steps) {
       for (int q = 0; q < steps; ++q) {
         std::array<double, 4> part = de;
         for (double& d : part) d /= steps;
@@ -282,7 +250,7 @@ INSTANTIATE_TEST_SUITE_P(Soils, MohrCoulombSoils,
 
 TEST(MohrCoulomb, TriaxialCompressionFailsAtTheKnownStress) {
   const MohrCoulomb law(Elastic(1e7, 0.3), 30, 0, 1000, 1e9);
-  Point p;
+  SoilPoint p;
   p.stress = {-10000, -10000, -10000, 0};
   // Axial compression at constant lateral stress, both lateral directions alike.
   for (int k = 0; k < 4000; ++k) {
@@ -299,7 +267,7 @@ TEST(MohrCoulomb, TriaxialCompressionFailsAtTheKnownStress) {
 
 TEST(MohrCoulomb, OpenedMaterialFliesFreeAndCarriesAgainWhenItsVolumeIsBack) {
   const MohrCoulomb law(Elastic(1e7, 0.3), 30, 0, 0, 0);
-  Point p;
+  SoilPoint p;
   p.advance(law, {-1e-4, -1e-4, 0, 0});
   const auto loaded = p.stress;
   p.advance(law, {5e-3, 5e-3, 0, 0});
@@ -314,7 +282,7 @@ TEST(MohrCoulomb, OpenedMaterialFliesFreeAndCarriesAgainWhenItsVolumeIsBack) {
 
 TEST(MohrCoulomb, CohesionIsLostInTensionOnceSeparated) {
   const MohrCoulomb law(Elastic(1e7, 0.3), 30, 0, 1000, 500);
-  Point p;
+  SoilPoint p;
   p.advance(law, {2e-5, 2e-5, 1e-5, 0});
   EXPECT_GT(p.stress[0], 0);
   p.advance(law, {1e-3, 1e-3, 0, 0});

@@ -34,6 +34,7 @@ struct SoilPoint {
     b.dt = dt;
     law.update(b);
   }
+  double energy(const Material& law) const { return law.elastic().energy(stress[0], stress[1], stress[2], stress[3]); }
   double mean() const { return (stress[0] + stress[1] + stress[2]) / 3; }
   double bar() const { return Invariants(stress).bar; }
 };

@@ -1,6 +1,5 @@
 // Curves and fronts compared as histories: tables, the front of a record's motion, the digitised experiments.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -10,23 +9,14 @@
 #include "apps/study/study.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/io/record.hpp"
+#include "tests/support/scratch.hpp"
 
 namespace pivnp::app {
 namespace {
 
 namespace fs = std::filesystem;
 
-struct Scratch {
-  fs::path path;
-  Scratch() {
-    std::string name = (fs::temp_directory_path() / "pivnp histories XXXXXX").string();
-    path = mkdtemp(name.data());
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    fs::remove_all(path, ignored);
-  }
-};
+using test::Scratch;
 
 class Histories : public testing::Test {
  protected:

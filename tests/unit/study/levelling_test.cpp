@@ -3,7 +3,6 @@
 #include "apps/study/levelling.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 
@@ -13,6 +12,7 @@
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
 #include "pivnp/image/synthetic.hpp"
+#include "tests/support/scratch.hpp"
 #include "tests/support/verification.hpp"
 
 namespace pivnp::app {
@@ -20,17 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Scratch {
-  fs::path path;
-  Scratch() {
-    std::string name = (fs::temp_directory_path() / "pivnp levelling XXXXXX").string();
-    path = mkdtemp(name.data());
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    fs::remove_all(path, ignored);
-  }
-};
+using test::Scratch;
 
 constexpr int columns = 176, rows = 144, count = 3;
 constexpr double mm = 1e-3;  // a pixel
