@@ -14,19 +14,12 @@ namespace pivnp::mpm {
 namespace {
 
 constexpr double body_margin = 3;  // cells around a moving body that stay awake
-constexpr double light = 0.05;     // of the heaviest node: below it a force over the mass says nothing
+constexpr double light = 0.2;      // of the lightest point, which gives more than that to one of its nodes at least
 
-// What a node does, and what its unbalanced force would make it do within `crossing`.
-double unrest(const Node& n, double least, double per_time) {
-  const double speed = std::hypot(n.nx, n.ny);
-  return n.mass < least ? speed : speed + per_time * std::hypot(n.nx - n.vx, n.ny - n.vy);
-}
+double speed(const Node& n, double least) { return n.mass < least ? 0 : std::hypot(n.nx, n.ny); }
 
-double greatest_mass(const GridState& g) {
-  double most = 0;
-  for (const std::uint32_t n : g.nodes) most = std::max(most, g.node[n].mass);
-  return most;
-}
+// The unbalanced force's stress over the impedance: per_mass is h/c over the step and a full cell's mass.
+double push(const Node& n, double per_mass) { return per_mass * n.mass * std::hypot(n.nx - n.vx, n.ny - n.vy); }
 
 }  // namespace
 
@@ -37,8 +30,9 @@ Sleep::Sleep(std::optional<double> below, SleepState& state) : state_(state) {
   below_ = *below;
 }
 
-void Sleep::start(const GridState& g) {
+void Sleep::start(const Particles& p, const GridState& g) {
   if (!on()) return;
+  least_ = light * *std::min_element(p.mass.begin(), p.mass.end());
   state_.asleep.assign(g.blocks(), 0);
   state_.quiet_since.assign(g.blocks(), -1.0);
   state_.speed.assign(g.blocks(), 0.0);
@@ -115,11 +109,9 @@ double Sleep::settle_down(bool look_now, double time, double window, Particles& 
   return taken;
 }
 
-void Sleep::hold(double dt, double crossing, GridState& g) {
-  if (!any_) return;
-  const double least = light * greatest_mass(g);
+void Sleep::hold(double per_mass, GridState& g) {
   for (const std::uint32_t n : g.border)
-    if (unrest(g.node[n], least, crossing / dt) > below_)
+    if (speed(g.node[n], least_) + push(g.node[n], per_mass) > below_)
       for_blocks_of_node(g, n, [&](std::size_t b) {
         if (state_.asleep[b]) wake(b);
       });
@@ -133,20 +125,19 @@ void Sleep::hold_remapped(GridState& g) const {
   for (const std::uint32_t n : g.resting) g.node[n].ux = g.node[n].uy = 0;
 }
 
-void Sleep::look(double time, double dt, double crossing, double across, const GridState& g,
+void Sleep::look(double time, double per_mass, double across, const GridState& g,
                  const std::vector<Reaction>& reactions) {
   unrest_.assign(state_.asleep.size(), 0.0);
   speed_.assign(state_.asleep.size(), 0.0);
-  const double least = light * greatest_mass(g);
   std::size_t r = 0;
   for (const std::uint32_t n : g.nodes) {
     while (r < g.resting.size() && g.resting[r] < n) ++r;
     if (r < g.resting.size() && g.resting[r] == n) continue;
     const Node& node = g.node[n];
-    const double u = unrest(node, least, crossing / dt), speed = std::hypot(node.nx, node.ny);
+    const double v = speed(node, least_), u = v + push(node, per_mass);
     for_blocks_of_node(g, n, [&](std::size_t b) {
       unrest_[b] = std::max(unrest_[b], u);
-      speed_[b] = std::max(speed_[b], speed);
+      speed_[b] = std::max(speed_[b], v);
     });
   }
   for (const Reaction& reaction : reactions)

@@ -1,8 +1,8 @@
 // Sleeping: blocks of cells at rest that are not stepped (an option; off by default).
 //
-// One speed v is the tolerance. With n a node's velocity, n - v_i its change in the step and h/c the time a wave takes to
-// cross a cell, r = |n| + |n - v_i|/dt h/c is what the node does now, and what its unbalanced force would make it do
-// until its neighbours answer: a stress rho c r. A block falls asleep when r <= v/2 at all its nodes, at every look (each
+// One speed v is the tolerance. With n a node's velocity, m (n - v_i)/dt its unbalanced force, c the speed of a wave and
+// h the cell, r = |n| + |m (n - v_i)|/(dt rho c h) is what the node does now, and what that force over h, as a stress
+// rho c r, would make the material do. A block falls asleep when r <= v/2 at all its nodes, at every look (each
 // tenth step), for twice the time a wave takes through the material (so that half a period of its slowest oscillation is
 // seen). Its points keep their places and stresses; their velocity is taken, its energy booked with the damping.
 //
@@ -42,7 +42,7 @@ class Sleep {
   /// `below`: the speed v; none: nothing sleeps. Throws InputError if it is not above 0.
   Sleep(std::optional<double> below, SleepState& state);
   /// All awake.
-  void start(const GridState& g);
+  void start(const Particles& p, const GridState& g);
 
   bool on() const { return below_ > 0; }
   void wake_all();
@@ -52,13 +52,12 @@ class Sleep {
   /// After they have been located: wakes what points have moved into and, `look_now`, puts to sleep what has been quiet
   /// for `window` seconds. Returns the kinetic energy taken, J/m.
   double settle_down(bool look_now, double time, double window, Particles& p, GridState& g);
-  /// Stops Node::n of sleeping cells' nodes. `crossing`: h/c, s.
-  void hold(double dt, double crossing, GridState& g);
+  /// Stops Node::n of sleeping cells' nodes. `per_mass`: 1/(dt rho c h), m/kg.
+  void hold(double per_mass, GridState& g);
   /// Stops Node::u likewise.
   void hold_remapped(GridState& g) const;
   /// After a step: how quiet the blocks are. `across`: time of a wave through the material, s.
-  void look(double time, double dt, double crossing, double across, const GridState& g,
-            const std::vector<Reaction>& reactions);
+  void look(double time, double per_mass, double across, const GridState& g, const std::vector<Reaction>& reactions);
   /// After a step: books what was left out.
   void book(double dt, std::size_t points);
   /// After a restart.
@@ -72,7 +71,7 @@ class Sleep {
   void wake(std::size_t block);
   void apply(GridState& g);
 
-  double below_ = 0;
+  double below_ = 0, least_ = 0;  // m/s; kg/m
   SleepState& state_;
   bool changed_ = false, any_ = false;
   std::size_t sleepers_ = 0;        // points

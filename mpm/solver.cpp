@@ -42,7 +42,7 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
     throw InputError("mpm.settle: found true beside an absorbing wall, which carries no weight; expected settle = false");
   state = initial_state(scene, scheme, g, materials);
   place_tractions();
-  sleep.start(g);
+  sleep.start(p, g);
   g.rebuild(p);
   p.sort_as(g.order, 1);
   state.wave_speed = wave_speed(materials, density, p);
@@ -145,7 +145,7 @@ void Solver::Impl::restrain_momentum(double dt) {
   restraints.apply(state.time, dt, g, reactions);
   bodies.accelerate(state.time, dt, loading.gravity(state.time + 0.5 * dt));
   bodies.apply(state.time, touching * least_density() * g.grid.spacing.prod(), g, reactions);
-  if (sleep.any()) sleep.hold(dt, g.grid.spacing.minCoeff() / state.wave_speed, g);
+  if (sleep.any()) sleep.hold(push_per_mass(dt), g);
 }
 
 void Solver::Impl::restrain_velocity() {

@@ -58,6 +58,7 @@ struct Solver::Impl {
   void let_sleep();
   void look_for_rest(double dt);
   double wave_across() const;
+  double push_per_mass(double dt) const { return 1 / (dt * state.wave_speed * least_density() * g.grid.spacing.maxCoeff()); }
 
   // solver_watch.cpp: energy, rest and failure.
   void book_work(double dt);

@@ -28,7 +28,7 @@ void Solver::Impl::look_for_rest(double dt) {
   if (!sleep.on()) return;
   sleep.book(dt, g.order.size());
   if ((state.steps + 1) % look_every == 0)
-    sleep.look(state.time, dt, g.grid.spacing.minCoeff() / state.wave_speed, wave_across(), g, reactions);
+    sleep.look(state.time, push_per_mass(dt), wave_across(), g, reactions);
 }
 
 // Time of a wave along the longer side of the material.
