@@ -17,9 +17,9 @@ GatherSums gather_velocity(Particles& p, GridState& g, const Scheme& scheme, dou
   job.remap = remap;
   const PointView points = p.view();
   const CellView cells = g.view();
-  std::vector<GatherSums> results(g.bands[0].size() + g.bands[1].size());
-  for_bands(g, threads, [&](SlotRange slots, std::size_t band) {
-    results[band] = move_lanes(g.shape, job, points, cells, slots);
+  std::vector<GatherSums> results(g.awake.runs.size());
+  for_bands(g.awake, threads, [&](SlotRange slots, std::size_t run) {
+    results[run] = move_lanes(g.shape, job, points, cells, slots);
   });
   GatherSums sums;
   for (const GatherSums& r : results) {
@@ -47,7 +47,7 @@ void filtered_velocity(const Particles& p, GridState& g, int order, std::vector<
   const CellView cells = g.view();
   for (int l = 1; l < order; ++l) {
     for (const std::uint32_t n : g.nodes) projected[2 * n] = projected[2 * n + 1] = 0;
-    for_bands(g, threads, [&](SlotRange slots, std::size_t) {
+    for_bands(g.mapped, threads, [&](SlotRange slots, std::size_t) {
       project_lanes(g.shape, rest.data(), projected.data(), points, cells, slots);
     });
     for_nodes(g, threads, [&](Node& node, std::uint32_t n) {

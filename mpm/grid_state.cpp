@@ -1,7 +1,6 @@
 #include "mpm/grid_state.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -85,10 +84,10 @@ void GridState::rebuild(const Particles& p) {
 }
 
 void GridState::follow(const Particles& p, const std::vector<std::uint32_t>& places) {
-  arrivals_.clear();
+  arrivals.clear();
   for (const std::uint32_t q : places)
-    if (p.cell[order[q]] != Particles::ended) arrivals_.emplace_back(p.cell[order[q]], order[q]);
-  std::sort(arrivals_.begin(), arrivals_.end());
+    if (p.cell[order[q]] != Particles::ended) arrivals.emplace_back(p.cell[order[q]], order[q]);
+  std::sort(arrivals.begin(), arrivals.end());
 
   std::vector<std::uint32_t>& next_order = scratch;
   next_order.clear();
@@ -110,14 +109,14 @@ void GridState::follow(const Particles& p, const std::vector<std::uint32_t>& pla
     next_begin_.push_back(std::uint32_t(next_order.size()));
   };
   const auto take_new_cells = [&](std::int32_t before) {
-    while (a < arrivals_.size() && arrivals_[a].first < before) {
-      if (next_cell_.empty() || next_cell_.back() != arrivals_[a].first) open(arrivals_[a].first);
-      next_order.push_back(arrivals_[a++].second);
+    while (a < arrivals.size() && arrivals[a].first < before) {
+      if (next_cell_.empty() || next_cell_.back() != arrivals[a].first) open(arrivals[a].first);
+      next_order.push_back(arrivals[a++].second);
     }
   };
   for (std::size_t s = 0; s < slots(); ++s) {
     const std::size_t next = next_changed(s, m < places.size() ? places[m] : std::uint32_t(order.size()),
-                                          a < arrivals_.size() ? arrivals_[a].first : none);
+                                          a < arrivals.size() ? arrivals[a].first : none);
     if (next > s) {  // as they were
       const std::size_t at = next_order.size(), first = slot_begin[s], last = slot_begin[next];
       next_order.insert(next_order.end(), order.begin() + std::ptrdiff_t(first), order.begin() + std::ptrdiff_t(last));
@@ -134,11 +133,11 @@ void GridState::follow(const Particles& p, const std::vector<std::uint32_t>& pla
         ++m;
         continue;
       }
-      while (a < arrivals_.size() && arrivals_[a].first == c && arrivals_[a].second < order[q])
-        next_order.push_back(arrivals_[a++].second);
+      while (a < arrivals.size() && arrivals[a].first == c && arrivals[a].second < order[q])
+        next_order.push_back(arrivals[a++].second);
       next_order.push_back(order[q]);
     }
-    while (a < arrivals_.size() && arrivals_[a].first == c) next_order.push_back(arrivals_[a++].second);
+    while (a < arrivals.size() && arrivals[a].first == c) next_order.push_back(arrivals[a++].second);
     if (next_begin_.back() == next_order.size()) {  // all have left
       next_cell_.pop_back();
       next_begin_.pop_back();
@@ -160,50 +159,86 @@ void GridState::take_slots(std::vector<std::int32_t>& cells) {
     slot_of_cell_[std::size_t(slot_cell[s])] = std::int32_t(s);
     slot_fold[s] = fold_of(slot_cell[s]);
   }
-  rebuild_nodes();
-  rebuild_bands();
+  rebuild_lists();
 }
 
-void GridState::rebuild_bands() {
+void GridState::set_asleep(const std::vector<std::uint8_t>& blocks) {
+  asleep_ = blocks;
+  rebuild_lists();
+}
+
+// The runs of neighbouring slots that keep(slot) wants, in bands.
+template <class Keep>
+Bands GridState::bands_of(Keep&& keep) const {
   constexpr int rows = 4;  // more than a stencil has, less one: bands of one parity share no node
-  bands[0].clear();
-  bands[1].clear();
-  for (std::size_t begin = 0; begin < slots();) {
-    const int band = slot_cell[begin] / grid.nx / rows;
-    const std::int32_t beyond = (band + 1) * rows * grid.nx;
-    const auto end = std::size_t(std::lower_bound(slot_cell.begin() + std::ptrdiff_t(begin), slot_cell.end(), beyond) -
-                                 slot_cell.begin());
-    bands[band % 2].push_back({begin, end});
-    begin = end;
+  std::vector<std::vector<SlotRange>> found[2];
+  std::vector<SlotRange>* runs = nullptr;  // of the band
+  std::int32_t beyond = -1;                // its first cell that is not
+  bool open = false;
+  for (std::size_t s = 0; s < slots(); ++s) {
+    if (!keep(s)) {
+      open = false;
+      continue;
+    }
+    if (slot_cell[s] >= beyond) {
+      const int band = slot_cell[s] / grid.nx / rows;
+      beyond = (band + 1) * rows * grid.nx;
+      runs = &found[band % 2].emplace_back();
+      open = false;
+    }
+    if (!open) runs->push_back({s, s});
+    runs->back().end = s + 1;
+    open = true;
+  }
+  Bands bands;
+  for (int parity = 0; parity < 2; ++parity)
+    for (const auto& of_band : found[parity]) {
+      bands.parity[parity].push_back({bands.runs.size(), bands.runs.size() + of_band.size()});
+      bands.runs.insert(bands.runs.end(), of_band.begin(), of_band.end());
+    }
+  return bands;
+}
+
+void GridState::rebuild_lists() {
+  constexpr int margin = 4;  // cells, the rim's width: what its inner nodes lack does not reach the awake cells
+  const auto all = [](auto) { return true; };
+  resting.clear();
+  border.clear();
+  awake = bands_of([&](std::size_t s) { return !sleeps(slot_cell[s]); });
+  if (std::none_of(asleep_.begin(), asleep_.end(), [](std::uint8_t a) { return a != 0; })) {
+    mapped = awake;
+    rebuild_nodes(CellBits(grid.nx, slot_cell, all));
+  } else {
+    const CellBits stepped(grid.nx, slot_cell, [&](std::int32_t c) { return !sleeps(c); });
+    const CellBits near = stepped.grown(margin, margin), met = stepped.grown(0, width - 1);
+    mapped = bands_of([&](std::size_t s) { return near.has(slot_cell[s]); });
+    rebuild_nodes(CellBits(grid.nx, slot_cell, [&](std::int32_t c) { return near.has(c); }));
+    CellBits(grid.nx, slot_cell, [&](std::int32_t c) { return near.has(c) && sleeps(c); })
+        .grown(0, width - 1)
+        .for_all([&](std::size_t n) {
+          resting.push_back(std::uint32_t(n));
+          if (met.has(std::int32_t(n))) border.push_back(std::uint32_t(n));
+        });
+  }
+  rebuild_pieces();
+}
+
+void GridState::rebuild_pieces() {
+  constexpr std::size_t piece = 32;  // slots: what a piece touches stays in the first cache
+  pieces.clear();
+  std::vector<SlotRange> runs = awake.runs;
+  std::sort(runs.begin(), runs.end(), [](const SlotRange& a, const SlotRange& b) { return a.begin < b.begin; });
+  for (std::size_t r = 0; r < runs.size();) {
+    SlotRange run = runs[r++];
+    while (r < runs.size() && runs[r].begin == run.end) run.end = runs[r++].end;
+    for (std::size_t s = run.begin; s < run.end; s += piece) pieces.push_back({s, std::min(run.end, s + piece)});
   }
 }
 
-void GridState::rebuild_nodes() {
+void GridState::rebuild_nodes(const CellBits& cells) {
   for (const std::uint32_t n : nodes) node[n] = Node{};
   nodes.clear();
-  if (slot_cell.empty()) return;
-  const auto nx = std::size_t(grid.nx);
-  const std::size_t words = nx / 64 + 1;
-  const std::size_t first = std::size_t(slot_cell.front()) / nx, last = std::size_t(slot_cell.back()) / nx;
-  // A margin of empty rows on both sides.
-  const std::size_t margin = std::size_t(width) - 1, rows = last - first + 1;
-  occupied_.assign((rows + 2 * margin) * words, 0);
-  for (const std::int32_t c : slot_cell) {
-    const std::size_t i = std::size_t(c) % nx, j = std::size_t(c) / nx - first + margin;
-    occupied_[j * words + i / 64] |= std::uint64_t{1} << (i % 64);
-  }
-  for (std::size_t j = 0; j < rows + margin; ++j) {
-    std::uint64_t before = 0;
-    for (std::size_t w = 0; w < words; ++w) {
-      std::uint64_t cells = 0;
-      for (std::size_t b = 0; b <= margin; ++b) cells |= occupied_[(j + b) * words + w];
-      std::uint64_t active = cells;
-      for (std::size_t a = 1; a <= margin; ++a) active |= cells << a | before >> (64 - a);
-      before = cells;
-      for (; active != 0; active &= active - 1)
-        nodes.push_back(std::uint32_t((first + j) * nx + 64 * w + std::size_t(std::countr_zero(active))));
-    }
-  }
+  cells.grown(0, width - 1).for_all([&](std::size_t n) { nodes.push_back(std::uint32_t(n)); });
 }
 
 CellView GridState::view() {

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "mpm/cell_bits.hpp"
 #include "mpm/lanes.hpp"
 #include "mpm/node.hpp"
 #include "mpm/particles.hpp"
@@ -13,11 +14,20 @@
 
 namespace pivnp::mpm {
 
+/// Runs of slots, band by band; the parity of a band tells when it adds to its nodes.
+struct Bands {
+  std::vector<SlotRange> runs;      // of the even bands, then of the odd ones
+  std::vector<SlotRange> parity[2];  // the runs of each band: places in `runs`
+};
+
 /// A "cell" is the set of points that share their nodes: an element for bilinear shapes, the square around a node for
 /// uGIMP and B-splines (shape.hpp); it goes by its lower left node. Occupied cells have slots, in the order of their
 /// index. Cells add to their nodes band by band, four rows of cells a band: first every other band, then those between
 /// them, so that no two threads meet at a node, and each node is added to in a fixed order: the bits do not depend on
 /// the number of threads. Only occupied cells cost anything.
+///
+/// Blocks of cells may sleep (sleep.hpp): their points keep their places, stresses and stillness. Those whose nodes the
+/// others' see, the rim, are still mapped to them; the rest is not looked at.
 class GridState {
  public:
   /// Points live in `domain`. Shapes of three nodes an axis need a ring of nodes around it, which `grid` has.
@@ -33,12 +43,26 @@ class GridState {
   std::vector<std::int32_t> slot_cell;    // cell of a slot
   std::vector<std::uint32_t> slot_begin;  // its points in `order`; one more at the end
   std::vector<std::uint8_t> slot_fold;    // walls at the slot's middle node (Fold)
-  std::vector<SlotRange> bands[2];        // slots of the even and of the odd bands
-  std::vector<std::uint32_t> nodes;       // active nodes (of occupied cells), in the order of their index
+  Bands awake, mapped;                    // slots that are stepped; those and the rim of what sleeps
+  std::vector<SlotRange> pieces;          // the awake slots in short runs, for what does not add to nodes
+  std::vector<std::uint32_t> nodes;       // active nodes (of mapped cells), in the order of their index
+  std::vector<std::uint32_t> resting;     // those among them that belong to a sleeping cell
+  std::vector<std::uint32_t> border;      // and those of these that belong to an awake one too
   Nodes node;                             // of the whole grid; zero where not active
   std::vector<std::uint8_t> fold;         // of every node of the grid
+  std::vector<std::pair<std::int32_t, std::uint32_t>> arrivals;  // of follow(): the cells, and the points now in them
   std::vector<std::uint32_t> moved;    // of locate_points(): places in `order` of points that have another cell now
   std::vector<std::uint32_t> scratch;  // of locate_points() and follow(), one a point
+
+  static constexpr int block_side = 8;  // cells
+  int blocks_x() const { return (grid.nx + block_side - 1) / block_side; }
+  std::size_t blocks() const { return std::size_t(blocks_x()) * std::size_t((grid.ny + block_side - 1) / block_side); }
+  std::size_t block_of(std::int32_t cell) const {
+    return std::size_t(cell / grid.nx / block_side * blocks_x() + cell % grid.nx / block_side);
+  }
+  bool sleeps(std::int32_t cell) const { return !asleep_.empty() && asleep_[block_of(cell)]; }
+  /// Which blocks sleep from here on; empty: none.
+  void set_asleep(const std::vector<std::uint8_t>& blocks);
 
   std::size_t slots() const { return slot_cell.size(); }
   /// Flat indices of a slot's nodes, row after row.
@@ -61,8 +85,11 @@ class GridState {
 
  private:
   void take_slots(std::vector<std::int32_t>& cells);
-  void rebuild_nodes();
-  void rebuild_bands();
+  void rebuild_lists();
+  void rebuild_pieces();
+  void rebuild_nodes(const CellBits& cells);
+  template <class Keep>
+  Bands bands_of(Keep&& keep) const;
   std::int32_t slot_near(const Vec2& x, double& xi, double& eta) const;
   std::uint8_t fold_of(std::int32_t cell) const;
 
@@ -71,8 +98,7 @@ class GridState {
   // Of follow() and rebuild_nodes().
   std::vector<std::uint32_t> next_begin_;
   std::vector<std::int32_t> next_cell_;
-  std::vector<std::pair<std::int32_t, std::uint32_t>> arrivals_;  // cell, point
-  std::vector<std::uint64_t> occupied_;                           // a bit a cell, row after row
+  std::vector<std::uint8_t> asleep_;                              // of each block; empty: none
 };
 
 }  // namespace pivnp::mpm

@@ -50,31 +50,29 @@ void for_each(std::size_t size, int threads, Body&& body) {
   for (std::ptrdiff_t k = 0; k < n; ++k) body(std::size_t(k));
 }
 
-/// Calls body(slots) for runs of `run` slots, for what does not add to nodes.
+/// Calls body(slots) for short runs of the awake slots, for what does not add to nodes.
 template <class Body>
-void for_runs(const GridState& g, std::size_t run, int threads, Body&& body) {
-  for_each((g.slots() + run - 1) / run, threads,
-           [&](std::size_t r) { body(SlotRange{r * run, std::min(g.slots(), (r + 1) * run)}); });
+void for_pieces(const GridState& g, int threads, Body&& body) {
+  for_each(g.pieces.size(), threads, [&](std::size_t r) { body(g.pieces[r]); });
 }
 
-/// Calls body(slots, band) for the even bands, then for the odd ones: those of one parity share no node.
+/// Calls body(slots, run) for the runs of the even bands, then for those of the odd ones: bands of one parity share no
+/// node. `run`: its place in Bands::runs.
 template <class Body>
-void for_bands(const GridState& g, int threads, Body&& body) {
+void for_bands(const Bands& bands, int threads, Body&& body) {
+  const auto one = [&](const SlotRange& band) {
+    for (std::size_t r = band.begin; r < band.end; ++r) body(bands.runs[r], r);
+  };
   if (threads <= 1) {
-    std::size_t band = 0;
-    for (const auto& bands : g.bands)
-      for (const SlotRange& slots : bands) body(slots, band++);
+    for (const auto& of_parity : bands.parity)
+      for (const SlotRange& band : of_parity) one(band);
     return;
   }
 #pragma omp parallel num_threads(threads)
-  {
-    std::size_t before = 0;
-    for (const auto& bands : g.bands) {
-      const auto n = std::ptrdiff_t(bands.size());
+  for (const auto& of_parity : bands.parity) {
+    const auto n = std::ptrdiff_t(of_parity.size());
 #pragma omp for schedule(dynamic, 1)
-      for (std::ptrdiff_t b = 0; b < n; ++b) body(bands[std::size_t(b)], before + std::size_t(b));
-      before += bands.size();
-    }
+    for (std::ptrdiff_t b = 0; b < n; ++b) one(of_parity[std::size_t(b)]);
   }
 }
 

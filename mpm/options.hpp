@@ -98,6 +98,7 @@ struct MpmOptions {
   double courant = 0.4;
   double energy_limit = 0.25;
   bool end_at_rest = true;
+  std::optional<double> sleep_below_m_s;
   std::optional<double> end_displacement_m;
   int refine = 1;
   std::optional<double> end_s;
@@ -125,6 +126,7 @@ struct MpmOptions {
     visit("courant", self.courant, OptionInfo{.text = "time step over the critical one", .min = 0, .max = 1, .above_min = true});
     visit("energy_limit", self.energy_limit, OptionInfo{.text = "the run stops when the energy residual passes this share of what was turned over", .min = 0, .above_min = true});
     visit("end_at_rest", self.end_at_rest, OptionInfo{.text = "stop stepping once motion has ended; the states that follow repeat the last one"});
+    visit("sleep_below_m_s", self.sleep_below_m_s, OptionInfo{.unit = "m/s", .text = "blocks of cells in which nothing moves half as fast are not stepped until something faster reaches them; what that leaves out is bounded and noted (left out: nothing sleeps)", .min = 0, .above_min = true});
     visit("end_displacement_m", self.end_displacement_m, OptionInfo{.unit = "m", .text = "stop stepping once a particle or free body has moved this far, looked at every hundred steps (left out: never); the states that follow repeat the last one", .min = 0, .above_min = true});
     visit("refine", self.refine, OptionInfo{.text = "cells per measured element and side", .min = 1, .max = 16});
     visit("end_s", self.end_s, OptionInfo{.unit = "s", .text = "end of the simulation (left out: the last frame)", .min = 0, .above_min = true});

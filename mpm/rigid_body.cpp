@@ -339,6 +339,20 @@ bool RigidBodies::moving_after(double time) const {
   return false;
 }
 
+std::vector<std::pair<Vec2, Vec2>> RigidBodies::moving_corners(double time) const {
+  std::vector<std::pair<Vec2, Vec2>> all;
+  for (const Body& body : bodies_) {
+    if (!body.free && (body.velocity_at(time).norm() == 0 || body.surface.empty())) continue;
+    std::pair<Vec2, Vec2> corners{body.place(body.surface.front().x, time), body.place(body.surface.front().x, time)};
+    for (const SurfacePoint& s : body.surface) {
+      const Vec2 x = body.place(s.x, time);
+      corners = {corners.first.cwiseMin(x), corners.second.cwiseMax(x)};
+    }
+    all.push_back(corners);
+  }
+  return all;
+}
+
 double RigidBodies::fastest() const {
   double speed = 0;
   for (const Body& body : bodies_) speed = std::max({speed, body.velocity.norm(), body.v.norm()});

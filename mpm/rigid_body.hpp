@@ -43,6 +43,8 @@ class RigidBodies {
   /// The first time after `time` at which a body starts or stops.
   double next_change(double time) const;
   bool moving_after(double time) const;
+  /// Lower left and upper right corner of every body that moves at a time.
+  std::vector<std::pair<Vec2, Vec2>> moving_corners(double time) const;
   bool any_free() const;
   double mass(std::size_t body, double time) const;  // kg/m; 0: prescribed
   Vec2 displacement(std::size_t body, double time) const;

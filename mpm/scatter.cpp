@@ -23,13 +23,12 @@ void locate_all(Particles& p, GridState& g) {
 bool locate_points(Particles& p, GridState& g, std::vector<std::uint32_t>& left, int threads) {
   const PointView points = p.view();
   const CellView cells = g.view();
-  const std::size_t bands = g.bands[0].size() + g.bands[1].size();
-  // Each band writes from its first point's place on.
+  // Each run writes from its first point's place on.
   g.scratch.resize(g.order.size());
-  std::vector<SlotRange> found(bands);
-  for_bands(g, threads, [&](SlotRange slots, std::size_t band) {
+  std::vector<SlotRange> found(g.awake.runs.size());
+  for_bands(g.awake, threads, [&](SlotRange slots, std::size_t run) {
     const std::size_t first = g.slot_begin[slots.begin];
-    found[band] = {first, first + locate_lanes(g.shape, points, cells, slots, g.scratch.data() + first)};
+    found[run] = {first, first + locate_lanes(g.shape, points, cells, slots, g.scratch.data() + first)};
   });
   std::sort(found.begin(), found.end(), [](const SlotRange& a, const SlotRange& b) { return a.begin < b.begin; });
   g.moved.clear();
@@ -45,6 +44,12 @@ bool locate_points(Particles& p, GridState& g, std::vector<std::uint32_t>& left,
   return !g.moved.empty();
 }
 
+void locate_sleeping(Particles& p, GridState& g) {
+  g.scratch.resize(g.order.size());
+  for (std::size_t s = 0; s < g.slots(); ++s)
+    if (g.sleeps(g.slot_cell[s])) locate_lanes(g.shape, p.view(), g.view(), {s, s + 1}, g.scratch.data());
+}
+
 void map_momentum(const Particles& p, GridState& g, const Scheme& scheme, bool force, int threads) {
   for_nodes(g, threads, [&](Node& node, std::uint32_t) {
     const double dx = node.dx, dy = node.dy;  // of the averages
@@ -55,7 +60,7 @@ void map_momentum(const Particles& p, GridState& g, const Scheme& scheme, bool f
   const PointView points = p.view();
   const CellView cells = g.view();
   const bool affine = scheme.transfer == TransferKind::apic;
-  for_bands(g, threads, [&](SlotRange slots, std::size_t) {
+  for_bands(g.mapped, threads, [&](SlotRange slots, std::size_t) {
     map_lanes(g.shape, affine, true, force, scheme.locking, points, cells, slots);
   });
   for_nodes(g, threads, [&](Node& node, std::uint32_t) {
@@ -69,7 +74,7 @@ void map_force(const Particles& p, GridState& g, const Scheme& scheme, int threa
   for_nodes(g, threads, [&](Node& node, std::uint32_t) { node.fx = node.fy = 0; });
   const PointView points = p.view();
   const CellView cells = g.view();
-  for_bands(g, threads, [&](SlotRange slots, std::size_t) {
+  for_bands(g.mapped, threads, [&](SlotRange slots, std::size_t) {
     map_lanes(g.shape, false, false, true, scheme.locking, points, cells, slots);
   });
 }
@@ -79,7 +84,7 @@ void average_mean_stress(const Particles& p, GridState& g, const Scheme& scheme,
   for_nodes(g, threads, [&](Node& node, std::uint32_t) { node.dx = node.dy = 0; });
   const PointView points = p.view();
   const CellView cells = g.view();
-  for_bands(g, threads, [&](SlotRange slots, std::size_t) { average_stress_lanes(points, cells, slots); });
+  for_bands(g.mapped, threads, [&](SlotRange slots, std::size_t) { average_stress_lanes(points, cells, slots); });
   for_nodes(g, threads, [&](Node& node, std::uint32_t) { node.dx = node.dy > 0 ? node.dx / node.dy : 0; });
 }
 
@@ -89,7 +94,7 @@ void map_acceleration(const Particles& p, GridState& g, const std::vector<double
   with_shape(g.shape, [&](auto kind) {
     using S = decltype(kind);
     constexpr int W = S::width;
-    for_bands(g, threads, [&](SlotRange slots, std::size_t) {
+    for_bands(g.mapped, threads, [&](SlotRange slots, std::size_t) {
       for (std::size_t s = slots.begin; s < slots.end; ++s) {
         std::size_t at[9];
         g.stencil_nodes(s, at);

@@ -42,6 +42,7 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
     throw InputError("mpm.settle: found true beside an absorbing wall, which carries no weight; expected settle = false");
   state = initial_state(scene, scheme, g, materials);
   place_tractions();
+  sleep.start(p, g);
   g.rebuild(p);
   p.sort_as(g.order, 1);
   state.wave_speed = wave_speed(materials, density, p);
@@ -78,6 +79,7 @@ void Solver::Impl::step(double dt) {
 
   if (!gather.good) fail("a particle is not finite or moved more than a cell in one step");
   state.fastest = std::sqrt(gather.fastest2);
+  look_for_rest(dt);
   if (work_in_steps()) state.book.gravity += gravity.dot(moment_of_mass() - moment);
   ++state.steps;
   state.body_motion = bodies.motion();
@@ -119,19 +121,23 @@ void Solver::Impl::choose_strain_velocity(double dt) {
 }
 
 void Solver::Impl::strain(double dt, int threads) {
-  strain_and_update_stress(materials, p, g, scheme, dt, threads);
+  state.book.damping += strain_and_update_stress(materials, p, g, scheme, dt, threads);
   if (state.steps % stiffness_every == 0) state.wave_speed = wave_speed(materials, density, p);
 }
 
 void Solver::Impl::find_cells(int threads) {
+  wake_what_moves();
   std::vector<std::uint32_t> left;
-  if (!locate_points(p, g, left, threads)) return;
-  for (const std::uint32_t k : left) end_particle(k, EndReason::left_grid);
-  g.follow(p, g.moved);
-  state.since_sort += std::int64_t(g.moved.size());
-  if (double(state.since_sort) <= sort_share * double(p.size())) return;
-  p.sort_as(g.order, threads);
-  state.since_sort = 0;
+  if (locate_points(p, g, left, threads)) {
+    for (const std::uint32_t k : left) end_particle(k, EndReason::left_grid);
+    g.follow(p, g.moved);
+    state.since_sort += std::int64_t(g.moved.size());
+    if (double(state.since_sort) > sort_share * double(p.size())) {
+      p.sort_as(g.order, threads);
+      state.since_sort = 0;
+    }
+  }
+  let_sleep();
 }
 
 void Solver::Impl::restrain_momentum(double dt) {
@@ -139,16 +145,22 @@ void Solver::Impl::restrain_momentum(double dt) {
   restraints.apply(state.time, dt, g, reactions);
   bodies.accelerate(state.time, dt, loading.gravity(state.time + 0.5 * dt));
   bodies.apply(state.time, touching * least_density() * g.grid.spacing.prod(), g, reactions);
+  if (sleep.any()) sleep.hold(push_per_mass(dt), g);
 }
 
 void Solver::Impl::restrain_velocity() {
   restraints.apply_to_remapped(state.time, g);
   bodies.apply_to_remapped(state.time, g);
+  sleep.hold_remapped(g);
 }
 
 double Solver::Impl::longest_step() const {
   return mpm::stable_step(options.courant, g.grid.spacing.minCoeff(), state.wave_speed,
                      std::max(state.fastest, bodies.fastest()));
+}
+
+double Solver::Impl::next_change(double time) const {
+  return std::min({restraints.next_change(time), bodies.next_change(time), loading.next_change(time)});
 }
 
 Solver::Solver(const MpmOptions& options, Scene scene, int threads)
@@ -180,12 +192,12 @@ void Solver::advance_to(double time, Progress& progress) {
       s.state.time = time;
       return;
     }
-    const double stop = std::min({time, s.restraints.next_change(s.state.time), s.bodies.next_change(s.state.time),
-                                  s.loading.next_change(s.state.time)});
+    const double stop = std::min(time, s.next_change(s.state.time));
     const double longest = s.longest_step(), dt = trimmed_step(s.state.time, stop, longest);
     const double before = s.state.time;
     s.step(dt);
     s.state.time = stop - s.state.time <= longest ? stop : s.state.time + dt;
+    if (s.state.time == s.next_change(before)) s.sleep.wake_all();
     if (s.state.time == s.restraints.next_change(before)) s.g.set_folds(s.restraints.folds(s.state.time, s.g.grid));
     if (s.observer) s.observer(dt, [&s](const Vec2& x) { return s.g.velocity_at(x); });
     if (s.state.steps % check_every == 0) {
@@ -216,6 +228,11 @@ Vec2 Solver::body_displacement(std::size_t body) const {
 double Solver::body_mass(std::size_t body) const { return impl_->bodies.mass(body, impl_->state.time); }
 Vec2 Solver::body_impulse(std::size_t body) const {
   return {impl_->state.body_impulse.at(2 * body), impl_->state.body_impulse.at(2 * body + 1)};
+}
+Solver::Slept Solver::slept() const {
+  const SleepState& s = impl_->state.sleep;
+  const double longest = s.foregone.empty() ? 0 : *std::max_element(s.foregone.begin(), s.foregone.end());
+  return {s.all > 0 ? s.skipped / s.all : 0, longest + s.held_back, s.energy};
 }
 std::size_t Solver::ended() const {
   const auto& cells = impl_->p.cell;
@@ -248,6 +265,7 @@ void Solver::load(const std::vector<std::byte>& checkpoint) {
   impl_->bodies.set_motion(impl_->state.body_motion);
   impl_->change_densities(impl_->state.time, false);
   impl_->change_strength(impl_->state.time);
+  impl_->sleep.resume(impl_->p, impl_->g);
   impl_->failed = false;
   impl_->keep(impl_->energy());
 }

@@ -75,6 +75,13 @@ class Solver {
   /// Of a body's centre since time 0, m; its mass now, kg/m (0: its motion is prescribed).
   Vec2 body_displacement(std::size_t body) const;
   double body_mass(std::size_t body) const;
+  /// What sleeping left out so far (mpm/sleep.hpp).
+  struct Slept {
+    double share = 0;           // of the points' steps, not made
+    double displacement_m = 0;  // no particle's displacement is off by more
+    double energy = 0;          // kinetic energy taken, J/m; part of `damping`
+  };
+  Slept slept() const;
   /// Particles that have left the grid.
   std::size_t ended() const;
   Vec2 momentum() const;       // of the particles still simulated, kg m/s per metre of thickness

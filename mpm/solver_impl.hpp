@@ -11,6 +11,7 @@
 #include "mpm/momentum.hpp"
 #include "mpm/rigid_body.hpp"
 #include "mpm/scene_setup.hpp"
+#include "mpm/sleep.hpp"
 #include "mpm/solver.hpp"
 #include "mpm/solver_state.hpp"
 #include "mpm/thread_choice.hpp"
@@ -37,6 +38,7 @@ struct Solver::Impl {
   void choose_strain_velocity(double dt);
   void strain(double dt, int threads);
   double longest_step() const;
+  double next_change(double time) const;
   double least_density() const { return *std::min_element(density.begin(), density.end()); }
 
   // solver_loads.cpp: what changes by the case's will.
@@ -50,6 +52,13 @@ struct Solver::Impl {
   bool pushes() const { return scene.body_force || !loading.pushed().empty(); }
   bool work_in_steps() const { return loading.gravity_changes() || loading.any_density(); }
   Vec2 moment_of_mass() const;
+
+  // solver_sleep.cpp: what is not stepped while it rests.
+  void wake_what_moves();
+  void let_sleep();
+  void look_for_rest(double dt);
+  double wave_across() const;
+  double push_per_mass(double dt) const { return 1 / (dt * state.wave_speed * least_density() * g.grid.spacing.maxCoeff()); }
 
   // solver_watch.cpp: energy, rest and failure.
   void book_work(double dt);
@@ -77,6 +86,7 @@ struct Solver::Impl {
   std::vector<double> reduction;  // by which the materials' strengths are divided now
   std::vector<std::int32_t> pushed_at;  // of every particle: its entry in Loading::pushed(); -1: none
   SolverState state;
+  Sleep sleep{options.sleep_below_m_s, state.sleep};
   LastGood good;
   bool failed = false;  // only `good` is meant any more
   Particles& p = state.particles;

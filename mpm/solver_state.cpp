@@ -8,7 +8,7 @@ namespace pivnp::mpm {
 
 namespace {
 
-constexpr char magic[8] = {'p', 'i', 'v', 'm', 'p', 'm', '0', '3'};
+constexpr char magic[8] = {'p', 'i', 'v', 'm', 'p', 'm', '0', '4'};
 
 class Writer {
  public:
@@ -77,6 +77,12 @@ void visit(Archive& a, State& s) {
   a.value(s.far);
   a.array(s.body_motion);
   a.array(s.body_impulse);
+  a.array(s.sleep.asleep);
+  for (auto* of_block : {&s.sleep.quiet_since, &s.sleep.speed, &s.sleep.foregone}) a.array(*of_block);
+  a.value(s.sleep.held_back);
+  a.value(s.sleep.energy);
+  a.value(s.sleep.skipped);
+  a.value(s.sleep.all);
   a.value(s.steps);
   a.value(s.since_sort);
 }

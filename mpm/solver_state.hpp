@@ -7,6 +7,7 @@
 
 #include "mpm/energy.hpp"
 #include "mpm/particles.hpp"
+#include "mpm/sleep.hpp"
 #include "pivnp/core/particles/motion.hpp"
 
 namespace pivnp::mpm {
@@ -27,6 +28,7 @@ struct SolverState {
   std::vector<double> body_motion;   // RigidBodies::motion()
   std::vector<double> body_impulse;  // on each rigid body, x and y, N s/m
   std::int64_t steps = 0;
+  SleepState sleep;
   std::int64_t since_sort = 0;  // points that changed cells since the storage was last sorted
 };
 

@@ -8,17 +8,37 @@ namespace pivnp::mpm {
 
 namespace {
 
-constexpr std::size_t run = 32;  // slots: what a run touches stays in the first cache
+// The averages spread strain over the rim of what sleeps, which is not strained: V0 m theta there, J/m.
+double work_passed_to_sleepers(const Particles& p, const GridState& g) {
+  double work = 0;
+  for (const SlotRange& slots : g.mapped.runs)
+    for (std::size_t s = slots.begin; s < slots.end; ++s) {
+      if (!g.sleeps(g.slot_cell[s])) continue;
+      std::size_t at[9];
+      g.stencil_nodes(s, at);
+      for (std::uint32_t q = g.slot_begin[s]; q < g.slot_begin[s + 1]; ++q) {
+        const std::uint32_t k = g.order[q];
+        if (p.gap[k] > 0) continue;
+        double hx[3], hy[3], theta = 0;
+        hat(p.xi[k], hx);
+        hat(p.eta[k], hy);
+        for (int n = 0; n < 9; ++n) theta += hx[n % 3] * hy[n / 3] * g.node[at[n]].dx;
+        work += p.volume0[k] * (p.tau_xx[k] + p.tau_yy[k] + p.tau_zz[k]) / 3 * theta;
+      }
+    }
+  return work;
+}
 
-// F-bar of three-node shapes: Node::dx.
-void average_strain(const Particles& p, GridState& g, const Scheme& scheme, double dt, int threads) {
-  if (g.width == 2 || scheme.locking != Locking::fbar) return;
+// F-bar of three-node shapes: Node::dx. Returns the work passed to what sleeps, J/m.
+double average_strain(const Particles& p, GridState& g, const Scheme& scheme, double dt, int threads) {
+  if (g.width == 2 || scheme.locking != Locking::fbar) return 0;
   const PointView points = p.view();
   const CellView cells = g.view();
   for_nodes(g, threads, [&](Node& node, std::uint32_t) { node.dx = node.dy = 0; });
-  for_bands(g, threads,
+  for_bands(g.mapped, threads,
             [&](SlotRange slots, std::size_t) { average_strain_lanes(g.shape, dt, points, cells, slots); });
   for_nodes(g, threads, [&](Node& node, std::uint32_t) { node.dx = node.dy > 0 ? node.dx / node.dy : 0; });
+  return g.resting.empty() ? 0 : work_passed_to_sleepers(p, g);
 }
 
 // Increments of a run of slots.
@@ -56,7 +76,7 @@ template <class Each>
 void strain_runs(const Particles& p, GridState& g, const StrainJob& job, int threads, Each&& each) {
   const PointView points = p.view();
   const CellView cells = g.view();
-  for_runs(g, run, threads, [&](SlotRange slots) {
+  for_pieces(g, threads, [&](SlotRange slots) {
     static thread_local Scratch scratch;
     const std::size_t begin = g.slot_begin[slots.begin], end = g.slot_begin[slots.end];
     const Increments de = scratch.room(end - begin);
@@ -82,9 +102,9 @@ void strain_points(Particles& p, GridState& g, const Scheme& scheme, double dt, 
   });
 }
 
-void strain_and_update(Particles& p, GridState& g, const Scheme& scheme, double dt, bool record,
-                       const UpdateRun& update, int threads) {
-  average_strain(p, g, scheme, dt, threads);
+double strain_and_update(Particles& p, GridState& g, const Scheme& scheme, double dt, bool record,
+                         const UpdateRun& update, int threads) {
+  const double passed = average_strain(p, g, scheme, dt, threads);
   strain_runs(p, g, {scheme.locking, dt, record}, threads, [&](std::size_t begin, std::size_t end, const Increments& de) {
     for_parts(p, g.order, begin, end, [&](const Particles::Body& body, std::size_t from, std::size_t to) {
       const std::size_t at = from - begin;
@@ -98,6 +118,7 @@ void strain_and_update(Particles& p, GridState& g, const Scheme& scheme, double 
       update(body, g.order[from], batch);
     });
   });
+  return passed;
 }
 
 }  // namespace pivnp::mpm

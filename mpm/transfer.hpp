@@ -36,6 +36,9 @@ void locate_all(Particles& p, GridState& g);
 /// to `left`.
 bool locate_points(Particles& p, GridState& g, std::vector<std::uint32_t>& left, int threads);
 
+/// Natural coordinates of the points of sleeping cells, which they do not leave.
+void locate_sleeping(Particles& p, GridState& g);
+
 /// A.3: mass and velocity at the nodes. `force`: A.4 too, in the same sweep (else the force is zero).
 void map_momentum(const Particles& p, GridState& g, const Scheme& scheme, bool force, int threads);
 /// A.4: internal force at the nodes.
@@ -63,10 +66,10 @@ void strain_points(Particles& p, GridState& g, const Scheme& scheme, double dt, 
 /// The same in runs of a few cells, each followed by its stress update while it is in the cache: update(body, first,
 /// increments) is called for points that lie together in storage, `first` on, and belong to one of Particles::bodies;
 /// the increments' pointers and size are set, the rest of the batch is the caller's. The arrays of increments in
-/// Particles are not used.
+/// Particles are not used. Returns the work that F-bar's averages pass to the rim of what sleeps, J/m.
 using UpdateRun = std::function<void(const Particles::Body& body, std::size_t first, const StressBatch& increments)>;
-void strain_and_update(Particles& p, GridState& g, const Scheme& scheme, double dt, bool record,
-                       const UpdateRun& update, int threads);
+double strain_and_update(Particles& p, GridState& g, const Scheme& scheme, double dt, bool record,
+                         const UpdateRun& update, int threads);
 
 /// Sum over the active cells of 1/2 mass of the cell times the squared hourglass part of the mapped velocity, J/m
 /// (bilinear).

@@ -54,9 +54,9 @@ void update_stress(const Materials& materials, Particles& p, int threads, double
   }
 }
 
-void strain_and_update_stress(const Materials& materials, Particles& p, GridState& g, const Scheme& scheme, double dt,
-                              int threads) {
-  strain_and_update(
+double strain_and_update_stress(const Materials& materials, Particles& p, GridState& g, const Scheme& scheme, double dt,
+                                int threads) {
+  return strain_and_update(
       p, g, scheme, dt, true,
       [&](const Particles::Body& body, std::size_t first, const StressBatch& de) {
         StressBatch batch = batch_of(p, first, de.size);

@@ -17,9 +17,10 @@ using Materials = std::vector<std::unique_ptr<Material>>;
 /// length of the step; 0 while settling.
 void update_stress(const Materials& materials, Particles& p, int threads, double dt_s = 0);
 
-/// strain_points() and update_stress(), run by run of cells, without the arrays of increments in Particles.
-void strain_and_update_stress(const Materials& materials, Particles& p, GridState& g, const Scheme& scheme, double dt,
-                              int threads);
+/// strain_points() and update_stress(), run by run of cells, without the arrays of increments in Particles. Returns the
+/// work that strain_and_update() returns.
+double strain_and_update_stress(const Materials& materials, Particles& p, GridState& g, const Scheme& scheme, double dt,
+                                int threads);
 
 /// The points `begin` to `begin + size` as a law sees them.
 StressBatch batch_of(Particles& p, std::size_t begin, std::size_t size);

@@ -1,0 +1,96 @@
+// A long bed of sand at rest, into which a plate is pressed at one end: the same run without and with sleeping.
+//   mpm_sleep [key=value ...]   scheme below (m/s) columns rows speed (of the plate, m/s) end (s) threads
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <map>
+#include <string>
+
+#include "mpm/solver.hpp"
+#include "pivnp/core/particles/seeding.hpp"
+
+using namespace pivnp;
+
+namespace {
+
+constexpr double h = 0.01;  // m
+
+mpm::Scene bed(int columns, int rows, double speed) {
+  const double width = columns * h, depth = rows * h;
+  mpm::Scene scene;
+  scene.grid = Grid{{0, 0}, {h, h}, columns + 1, rows + 9};
+  scene.particles = seed(scene.grid, {{"sand", Polygon({{0, 0}, {width, 0}, {width, depth}, {0, depth}}, "sand")}}, 4,
+                         SeedPattern::even, 0, "per_element");
+  mpm::MaterialOptions m;
+  m.young_pa = 20e6;
+  m.density_kg_m3 = 1600;
+  m.friction_deg = 35;
+  scene.materials = {m};
+  mpm::BoundaryOptions base, left, right;
+  base.line_m = {{0, 0}, {width, 0}};
+  left.line_m = {{0, 0}, {0, depth + 0.08}};
+  right.line_m = {{width, 0}, {width, depth + 0.08}};
+  left.type = right.type = "roller";
+  scene.boundaries = {{"base", base}, {"left", left}, {"right", right}};
+  mpm::RigidOptions plate;
+  plate.polygon_m = {{0.05, depth + 0.001}, {0.10, depth + 0.001}, {0.10, depth + 0.03}, {0.05, depth + 0.03}};
+  plate.velocity_m_s = {0, -speed};
+  scene.bodies = {{"plate", plate}};
+  return scene;
+}
+
+struct Outcome {
+  double s;
+  MotionFrame frame;
+  EnergyRow energy;
+  mpm::Solver::Slept slept;
+  std::int64_t steps;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::map<std::string, std::string> arg{{"scheme", "default"}, {"below", "0.005"}, {"columns", "320"}, {"rows", "20"},
+                                         {"speed", "0.05"},     {"end", "0.2"},     {"threads", "1"}};
+  for (int a = 1; a < argc; ++a) {
+    const std::string text = argv[a];
+    arg[text.substr(0, text.find('='))] = text.substr(text.find('=') + 1);
+  }
+  const double end = std::stod(arg["end"]);
+  SilentProgress silent;
+  Outcome outcome[2];
+  for (int with = 0; with < 2; ++with) {
+    mpm::MpmOptions options;
+    options.scheme = arg["scheme"];
+    options.k0 = 0.43;
+    if (with) options.sleep_below_m_s = std::stod(arg["below"]);
+    mpm::Solver solver(options, bed(std::stoi(arg["columns"]), std::stoi(arg["rows"]), std::stod(arg["speed"])),
+                       std::stoi(arg["threads"]));
+    solver.settle(silent);
+    if (!with) std::printf("%zu particles, step %.3g s\n", solver.particles().size(), solver.stable_step());
+    const auto start = std::clock();
+    for (int k = 1; k <= 10; ++k) {
+      const auto before = std::clock();
+      solver.advance_to(end * k / 10, silent);
+      std::printf("  t %.3f s: %.2f s of processor time, kinetic energy %.3g J/m, %.1f %% of the points' steps left out so far\n",
+                  solver.time(), double(std::clock() - before) / CLOCKS_PER_SEC, solver.energy().kinetic, 100 * solver.slept().share);
+      std::fflush(stdout);
+    }
+    outcome[with] = {double(std::clock() - start) / CLOCKS_PER_SEC, solver.frame(), solver.energy(), solver.slept(), solver.steps()};
+  }
+  double worst = 0, moved = 0;
+  for (std::size_t k = 0; k < outcome[0].frame.u.size(); ++k) {
+    const auto &a = outcome[0].frame.u[k], &b = outcome[1].frame.u[k];
+    worst = std::max(worst, std::hypot(double(a[0] - b[0]), double(a[1] - b[1])));
+    moved = std::max(moved, std::hypot(double(a[0]), double(a[1])));
+  }
+  for (const Outcome& o : outcome)
+    std::printf("%.2f s, %lld steps; kinetic %.4g elastic %.4g plastic %.4g damping %.4g contact %.4g external %.4g residual %.3g J/m\n", o.s,
+                static_cast<long long>(o.steps), o.energy.kinetic, o.energy.elastic, o.energy.plastic, o.energy.damping, o.energy.contact,
+                o.energy.external, o.energy.residual);
+  std::printf("sleeping: %.2f times as fast, %.1f %% left out, bound %.3g m, greatest difference %.3g m of %.3g m, %.3g J/m taken\n",
+              outcome[0].s / outcome[1].s, 100 * outcome[1].slept.share, outcome[1].slept.displacement_m, worst, moved,
+              outcome[1].slept.energy);
+}
