@@ -1,5 +1,6 @@
 #include "compare/alignment.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <unordered_map>
 #include <utility>
@@ -61,7 +62,7 @@ std::vector<Partner> interpolate(const Side& side, const std::vector<int>& group
       auto found = mesh.find_natural(side.material_position()[p]);
       if (!found) continue;
       partners[p] = std::move(*found);
-      for (Natural::Share& s : partners[p].shares) s.point = index[std::size_t(s.point)];
+      partners[p].renumber(index);
     }
   }
   return partners;
@@ -85,6 +86,10 @@ PartnerState partner_state(const Partner& partner, const SideState& state) {
     if (!state.cov.empty())
       for (std::size_t c = 0; c < 3; ++c) out.cov[c] += w * state.cov[q][c];
   }
+  // F's own curvature; not where it would leave no material (beside a jump that the particles do not resolve).
+  Mat2 F = out.F;
+  for (const Natural::Term& term : partner.curving) F += term.weight * state.F[std::size_t(term.point)];
+  if (F.determinant() > 0) out.F = F;
   // A side that knows no gradient there (too few neighbours) gives its displacements as they are.
   if (curved.allFinite()) out.u += curved;
   if (partner.beyond != Vec2::Zero() && out.F.allFinite()) out.u += (out.F - Mat2::Identity()) * partner.beyond;
@@ -127,7 +132,7 @@ std::vector<Partner> Alignment::find_partners(const std::vector<std::uint8_t>& w
   for (std::size_t p = 0; p < first_.size(); ++p) {
     const int q = same_id_[p];
     if (wanted[p] && q >= 0 && second_followed_[std::size_t(q)] && group_first_[p] == group_second_[std::size_t(q)])
-      partners[p] = Partner{{{q, 1.0, Vec2::Zero()}}, Vec2::Zero()};
+      partners[p] = Partner{{{q, 1.0, Vec2::Zero()}}, {}, Vec2::Zero()};
   }
   return partners;
 }
@@ -148,9 +153,7 @@ void Alignment::update(const std::vector<std::uint8_t>& second_followed) {
   second_followed_ = second_followed;
   std::vector<std::uint8_t> broken(first_.size());
   for (std::size_t p = 0; p < first_.size(); ++p)
-    broken[p] = std::any_of(partners_[p].shares.begin(), partners_[p].shares.end(), [&](const Natural::Share& s) {
-      return !second_followed_[std::size_t(s.point)];
-    });
+    broken[p] = !partners_[p].rests_on(second_followed_);
   std::vector<Partner> renewed = find_partners(broken);
   for (std::size_t p = 0; p < first_.size(); ++p)
     if (broken[p]) partners_[p] = std::move(renewed[p]);

@@ -293,19 +293,29 @@ ColumnTable table_of(const std::string& side, const std::vector<ShearBand>& band
 
 }  // namespace
 
-void Bands::finish(const Side& first, const Side& second, const std::array<RigidFit, 2>& frame, const std::string& unit,
-                   const std::string& time_unit, Comparison& out) const {
+void Bands::finish(const Side& first, const Side& second, const std::array<RigidFit, 2>& frame, double floor_dev,
+                   const std::string& unit, const std::string& time_unit, Comparison& out) const {
   const std::array<const Side*, 2> sides{&first, &second};
   std::array<std::vector<ShearBand>, 2> bands;
-  for (std::size_t s = 0; s < 2; ++s)
-    bands[s] = find_bands(present_field(*sides[s], frame[s].motion, onset_[s]), sides[s]->median_spacing(), threshold_);
+  std::array<double, 2> u{not_known, not_known};  // of their number
+  for (std::size_t s = 0; s < 2; ++s) {
+    const ScatteredField field = present_field(*sides[s], frame[s].motion, onset_[s]);
+    const auto with = [&](double threshold) { return find_bands(field, sides[s]->median_spacing(), threshold); };
+    bands[s] = with(threshold_);
+    if (!std::isfinite(floor_dev)) continue;
+    const auto count = [&](double threshold) { return double(with(std::max(threshold, 0.1 * threshold_)).size()); };
+    u[s] = std::abs(count(threshold_ - floor_dev) - count(threshold_ + floor_dev)) / 2;
+  }
   const std::string what = "shear bands (ridges of deviatoric strain above " + number(threshold_) +
                            " at the last common time, at least four spacings long)";
   const double n1 = double(bands[0].size()), n2 = double(bands[1].size());
-  out.metrics.push_back({"band_number_first", n1, "1", not_known, "number of " + what + ", first", ""});
-  out.metrics.push_back({"band_number_second", n2, "1", not_known, "number of " + what + ", second", ""});
-  out.metrics.push_back(
-      {"band_number_difference", n2 - n1, "1", not_known, "number of " + what + ", second minus first", ""});
+  const std::string how = std::isfinite(floor_dev)
+                              ? "; uncertainty: half the change when the threshold moves by the noise floor both ways"
+                              : "; uncertainty not known: noise floor not measured";
+  out.metrics.push_back({"band_number_first", n1, "1", u[0], "number of " + what + ", first" + how, ""});
+  out.metrics.push_back({"band_number_second", n2, "1", u[1], "number of " + what + ", second" + how, ""});
+  out.metrics.push_back(difference_metric("band_number_difference", n2 - n1, "1", std::hypot(u[0], u[1]),
+                                          "number of " + what + ", second minus first" + how));
   if (n1 > 0)
     out.tables.push_back(table_of("first", bands[0], unit, time_unit, what + " of the first, strongest first"));
   if (n2 > 0)

@@ -207,7 +207,7 @@ Comparison compare_sides(const MotionSource& first_motion, const MotionSource& s
   end_first.at(out.time.back());
   end_second.at(out.time.back());
   add_shapes({start_first, start_second, end_first, end_second}, differences, options, out);
-  bands.finish(end_first, end_second, differences.last().frame, unit, time_unit, out);
+  bands.finish(end_first, end_second, differences.last().frame, differences.last().floor_dev, unit, time_unit, out);
   points.finish(unit, time_unit, out);
   add_distributions(differences.snapshot(), differences.last().displacement.rms_uncertainty(),
                     differences.last().floor_dev, unit, out);

@@ -116,9 +116,9 @@ std::vector<double> OrthonormalBasis::reconstruction(const std::vector<double>& 
   return field;
 }
 
-double Decomposition::outside() const {
+double Decomposition::outside(double k) const {
   std::size_t count = 0;
-  for (std::size_t k = 0; k < first.size(); ++k) count += std::abs(second[k] - first[k]) > 2 * uncertainty;
+  for (std::size_t c = 0; c < first.size(); ++c) count += std::abs(second[c] - first[c]) > k * uncertainty;
   return first.empty() ? not_known : double(count) / double(first.size());
 }
 
@@ -168,14 +168,16 @@ void add_decomposition(const Field& f, const OrthonormalBasis& basis, const std:
   const std::string prefix = "decomposition_" + std::string(f.name) + "_";
   const std::string of = " of " + std::string(f.words) + " at the last common time, by polynomials orthonormal on the "
                          "compared particles (CEN CWA 16799)";
-  const auto add = [&](const char* name, double value, const std::string& unit, const std::string& text) {
-    out.metrics.push_back({prefix + name, value, unit, not_known, text + of, ""});
+  const auto add = [&](const char* name, double value, const std::string& unit, const std::string& text,
+                       double u = not_known, const char* how = "") {
+    out.metrics.push_back({prefix + name, value, unit, u, text + of + how, ""});
   };
   add("terms", double(d.first.size()), "1", "number of coefficients");
   add("outside", d.outside(), "1",
       "share of the coefficients that leave the band s_second = s_first +- 2 u(s); u(s)^2 = u^2 + residual_first^2, u "
       "the "
-      "field's own standard uncertainty where known");
+      "field's own standard uncertainty where known",
+      (d.outside(1) - d.outside(3)) / 2, "; uncertainty: half the change when the band's edge moves by u(s) both ways");
   double distance = 0;
   for (std::size_t k = 0; k < d.first.size(); ++k) distance += (d.second[k] - d.first[k]) * (d.second[k] - d.first[k]);
   out.metrics.push_back(difference_metric(prefix + "distance", std::sqrt(distance), f.unit, d.uncertainty,

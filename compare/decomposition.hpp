@@ -40,8 +40,8 @@ struct Decomposition {
   double uncertainty = 0;  // of a coefficient of the first: sqrt(u^2 + residual^2), u the field's own (CWA 16799, 5.4)
   bool adequate = false;   // no cluster of residuals beyond 3 of their RMS with 0.3 % of the points (CWA 16799, annex)
 
-  /// Share of coefficients further than 2 uncertainties from the line s_second = s_first.
-  double outside() const;
+  /// Share of coefficients further than `k` uncertainties from the line s_second = s_first.
+  double outside(double k = 2) const;
 };
 Decomposition decompose(const OrthonormalBasis& basis, const std::vector<Vec2>& x, const std::vector<double>& first,
                         const std::vector<double>& second, double u, double accepted);

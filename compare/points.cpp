@@ -27,15 +27,10 @@ std::vector<Partner> places(const std::vector<Vec2>& points, const Side& side) {
   std::vector<Partner> out;
   for (const Vec2& point : points) {
     Partner place = mesh.find_natural(point).value_or(Partner{});
-    for (Natural::Share& s : place.shares) s.point = index[std::size_t(s.point)];
+    place.renumber(index);
     out.push_back(place);
   }
   return out;
-}
-
-bool followed(const Partner& place, const SideState& state) {
-  return std::all_of(place.shares.begin(), place.shares.end(),
-                     [&](const Natural::Share& s) { return state.followed[std::size_t(s.point)]; });
 }
 
 }  // namespace
@@ -58,7 +53,7 @@ void PointHistories::add(const SideState& first, const SideState& second, const 
   for (std::size_t s = 0; s < 2; ++s)
     for (std::size_t k = 0; k < points_.size(); ++k) {
       Track& track = tracks_[s][k];
-      if (!followed(track.place, *states[s])) track.place = places({points_[k]}, *sides_[s]).front();
+      if (!track.place.rests_on(states[s]->followed)) track.place = places({points_[k]}, *sides_[s]).front();
       if (!has_partner(track.place)) {
         track.u.push_back(Vec2::Constant(not_known));
         continue;

@@ -46,15 +46,30 @@ Quantile distances(const std::vector<std::vector<Vec2>>& rings, const std::vecto
   return out;
 }
 
-// Area whose displacement is above `threshold`.
-double mobilised(const Side& side, const RigidMotion& frame, double threshold) {
-  double area = 0;
+// Area whose displacement is above a threshold, and what it is uncertain by if |u| has the error `sigma`: half its change
+// when the threshold moves by sigma both ways (one error shared by all), and the scatter of a sum of areas that count with
+// the probability of a normal error each (errors of their own), in squares.
+struct Mobilised {
+  double area = 0, uncertainty = not_known;
+};
+
+Mobilised mobilised(const Side& side, const RigidMotion& frame, double threshold, double sigma) {
+  Mobilised m;
+  double lower = 0, upper = 0, variance = 0;
   for (std::size_t p = 0; p < side.size(); ++p) {
     if (!side.state().followed[p]) continue;
     const Vec2& X = side.material_position()[p];
-    if ((frame.undo(X + side.state().u[p]) - X).norm() > threshold) area += side.spacing()[p] * side.spacing()[p];
+    const double above = (frame.undo(X + side.state().u[p]) - X).norm() - threshold;
+    const double area = side.spacing()[p] * side.spacing()[p];
+    if (above > 0) m.area += area;
+    if (!(sigma > 0)) continue;
+    if (above > -sigma) lower += area;
+    if (above > sigma) upper += area;
+    const double share = 0.5 * std::erfc(-above / sigma / std::sqrt(2.0));
+    variance += area * area * share * (1 - share);
   }
-  return area;
+  if (sigma > 0) m.uncertainty = std::hypot((lower - upper) / 2, std::sqrt(variance));
+  return m;
 }
 
 void add_mobilised(const Shapes& shapes, const Tally& last, const Tally& total, const CompareOptions& options,
@@ -63,24 +78,19 @@ void add_mobilised(const Shapes& shapes, const Tally& last, const Tally& total, 
   if (!(threshold > 0)) return;
   const std::string definition = "area of the particles with |u| above " + number(threshold) + " " + unit +
                                  " at the last common time";
-  const std::string how = "; uncertainty: half the change when the threshold moves by the RMS error of u both ways";
-  std::array<double, 2> area, u;
+  const std::string how =
+      "; uncertainty: half the change when the threshold moves by the RMS error of u both ways, and the scatter if every "
+      "particle errs by itself, in squares";
+  std::array<Mobilised, 2> m;
   const std::array<const Side*, 2> sides{&shapes.first, &shapes.second};
-  for (std::size_t s = 0; s < 2; ++s) {
-    const RigidMotion& frame = last.frame[s].motion;
-    area[s] = mobilised(*sides[s], frame, threshold);
-    u[s] = sigma[s] > 0 ? (mobilised(*sides[s], frame, threshold - sigma[s]) -
-                           mobilised(*sides[s], frame, threshold + sigma[s])) / 2
-                        : 0;
-  }
-  const bool known = sigma[0] > 0 || sigma[1] > 0;
+  for (std::size_t s = 0; s < 2; ++s) m[s] = mobilised(*sides[s], last.frame[s].motion, threshold, sigma[s]);
+  double both = not_known;  // of those that are known
+  if (sigma[0] > 0 || sigma[1] > 0)
+    both = std::hypot(sigma[0] > 0 ? m[0].uncertainty : 0, sigma[1] > 0 ? m[1].uncertainty : 0);
   const std::string area_unit = unit + "^2";
-  metrics.push_back({"mobilised_area_first", area[0], area_unit, sigma[0] > 0 ? u[0] : not_known,
-                     definition + ", first" + how, ""});
-  metrics.push_back({"mobilised_area_second", area[1], area_unit, sigma[1] > 0 ? u[1] : not_known,
-                     definition + ", second" + how, ""});
-  metrics.push_back(difference_metric("mobilised_area_difference", area[1] - area[0], area_unit,
-                                      known ? std::hypot(u[0], u[1]) : not_known,
+  metrics.push_back({"mobilised_area_first", m[0].area, area_unit, m[0].uncertainty, definition + ", first" + how, ""});
+  metrics.push_back({"mobilised_area_second", m[1].area, area_unit, m[1].uncertainty, definition + ", second" + how, ""});
+  metrics.push_back(difference_metric("mobilised_area_difference", m[1].area - m[0].area, area_unit, both,
                                       definition + ", second minus first" + how));
 }
 

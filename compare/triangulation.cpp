@@ -12,6 +12,7 @@
 #include <limits>
 #include <utility>
 
+#include "compare/gradient_stencil.hpp"
 #include "compare/nearest_edge.hpp"
 
 namespace pivnp::compare {
@@ -117,12 +118,83 @@ struct MaterialMesh::Impl {
       shares.push_back({vertex->info(), area / whole, x - at});
       found += shares.back().weight * at;
     }
-    constexpr double round_off = 1e-9;
     const double local = shares.empty() ? 0 : spacing[std::size_t(shares.front().point)];
     if (!((found - x).norm() <= round_off * local)) shares.clear();
     return shares;
   }
 
+  // Points that share a kept triangle with `vertex`.
+  void add_ring(Delaunay::Vertex_handle vertex, std::vector<Delaunay::Vertex_handle>& ring) const {
+    auto face = mesh.incident_faces(vertex);
+    const auto begin = face;
+    do {
+      if (mesh.is_infinite(face) || face->info() < 0) continue;
+      const int k = face->index(vertex);
+      ring.push_back(face->vertex(Delaunay::ccw(k)));
+      ring.push_back(face->vertex(Delaunay::cw(k)));
+    } while (++face != begin);
+  }
+
+  // Weights of a gradient on the values at `points`, its own first (the negative sum of the others); empty: none.
+  struct Gradient {
+    bool sought = false;
+    std::vector<int> points;
+    std::vector<Vec2> weight;
+  };
+
+  const Gradient& gradient(int p) const {
+    if (gradients.empty()) {
+      gradients.resize(points.size());
+      handles.resize(points.size());
+      for (auto v = mesh.finite_vertices_begin(); v != mesh.finite_vertices_end(); ++v)
+        handles[std::size_t(v->info())] = v;
+    }
+    Gradient& g = gradients[std::size_t(p)];
+    if (std::exchange(g.sought, true)) return g;
+    const Delaunay::Vertex_handle centre = handles[std::size_t(p)];
+    std::vector<Delaunay::Vertex_handle> ring, second;
+    add_ring(centre, ring);
+    for (const Delaunay::Vertex_handle& v : ring) add_ring(v, second);
+    ring.insert(ring.end(), second.begin(), second.end());
+    std::vector<int> around;
+    for (const Delaunay::Vertex_handle& v : ring)
+      if (v != centre) around.push_back(v->info());
+    std::sort(around.begin(), around.end());
+    around.erase(std::unique(around.begin(), around.end()), around.end());
+    std::vector<Vec2> to;
+    for (const int q : around) to.push_back(points[std::size_t(q)] - points[std::size_t(p)]);
+    const std::vector<Vec2> weight = gradient_stencil(to);
+    if (weight.empty()) return g;
+    Vec2 sum = Vec2::Zero();
+    for (const Vec2& w : weight) sum += w;
+    g.points = {p};
+    g.weight = {-sum};
+    g.points.insert(g.points.end(), around.begin(), around.end());
+    g.weight.insert(g.weight.end(), weight.begin(), weight.end());
+    return g;
+  }
+
+  void add_curving(Natural& place) const {
+    if (mesh.dimension() != 2) return;
+    std::vector<std::pair<int, double>> terms;
+    for (const Natural::Share& s : place.shares) {
+      const Gradient& g = gradient(s.point);
+      if (g.points.empty()) return;
+      for (std::size_t k = 0; k < g.points.size(); ++k)
+        terms.emplace_back(g.points[k], 0.5 * s.weight * g.weight[k].dot(s.from));
+    }
+    std::stable_sort(terms.begin(), terms.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (std::size_t k = 0; k < terms.size();) {
+      double sum = 0;
+      const int point = terms[k].first;
+      for (; k < terms.size() && terms[k].first == point; ++k) sum += terms[k].second;
+      if (std::abs(sum) > round_off) place.curving.push_back({point, sum});
+    }
+  }
+  static constexpr double round_off = 1e-9;
+
+  mutable std::vector<Gradient> gradients;
+  mutable std::vector<Delaunay::Vertex_handle> handles;
   // Buffers of sibson().
   mutable std::vector<Delaunay::Face_handle> taken;
   mutable std::vector<Delaunay::Edge> hole;
@@ -167,13 +239,24 @@ std::optional<Natural> MaterialMesh::find_natural(const Vec2& x) const {
   Natural out;
   out.beyond = linear->beyond;
   if (impl_->mesh.dimension() == 2 && impl_->hint->info() >= 0) out.shares = impl_->sibson(x, impl_->hint);
-  if (!out.shares.empty()) return out;
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (!(linear->weight[k] > 0)) continue;
-    const Vec2& at = impl_->points[std::size_t(linear->vertex[k])];
-    out.shares.push_back({linear->vertex[k], linear->weight[k], x - linear->beyond - at});
-  }
+  if (out.shares.empty())
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (!(linear->weight[k] > 0)) continue;
+      const Vec2& at = impl_->points[std::size_t(linear->vertex[k])];
+      out.shares.push_back({linear->vertex[k], linear->weight[k], x - linear->beyond - at});
+    }
+  impl_->add_curving(out);
   return out;
+}
+
+bool Natural::rests_on(const std::vector<std::uint8_t>& marked) const {
+  const auto is = [&](const auto& part) { return marked[std::size_t(part.point)] != 0; };
+  return std::all_of(shares.begin(), shares.end(), is) && std::all_of(curving.begin(), curving.end(), is);
+}
+
+void Natural::renumber(const std::vector<int>& index) {
+  for (Share& s : shares) s.point = index[std::size_t(s.point)];
+  for (Term& t : curving) t.point = index[std::size_t(t.point)];
 }
 
 double median_neighbour_distance(const std::vector<Vec2>& points) {

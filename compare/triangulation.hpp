@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -24,8 +25,21 @@ struct Natural {
     double weight;  // above zero, sum 1
     Vec2 from;      // to the point so written
   };
+  struct Term {
+    int point;
+    double weight;
+  };
   std::vector<Share> shares;
+  /// For fields whose gradient is not carried: sum w_i f_i plus these terms (sum 0) is exact to the second degree. They
+  /// are sum w_i grad f_i . from / 2 with the gradients that the particles around i give (gradient_stencil, two rings of
+  /// triangles). Empty where one of them is not to be had.
+  std::vector<Term> curving;
   Vec2 beyond = Vec2::Zero();  // as in Location
+
+  /// Whether all particles that it is written by are marked.
+  bool rests_on(const std::vector<std::uint8_t>& marked) const;
+  /// Point k becomes index[k].
+  void renumber(const std::vector<int>& index);
 };
 
 /// The alpha complex of a set of points (Edelsbrunner, Kirkpatrick & Seidel 1983): the Delaunay triangles (CGAL) whose
@@ -46,8 +60,9 @@ class MaterialMesh {
   std::optional<Location> find(const Vec2& x) const;
 
   /// The same by natural neighbours: Sibson's coordinates (Sibson 1981; CGAL), each neighbour weighted by the area that a
-  /// point at `x` would take from its Voronoi cell. No choice between the diagonals of a square. Only inside the material: where a circle through three neighbours
-  /// reaches over a triangle that is not kept (a gap, the edge), the weights are those of find().
+  /// point at `x` would take from its Voronoi cell. No choice between the diagonals of a square. Only inside the
+  /// material: where a circle through three neighbours reaches over a triangle that is not kept (a gap, the edge), the
+  /// weights are those of find(). Not from several threads at once: gradients are kept.
   std::optional<Natural> find_natural(const Vec2& x) const;
 
   const std::vector<Vec2>& points() const;

@@ -93,7 +93,23 @@ TEST(Bands, OfTwoMotions) {
   EXPECT_NEAR(metric(c, "band_offset").value, 3, 0.1);
   EXPECT_NEAR(metric(c, "band_inclination_difference").value, 0, 0.5);
   EXPECT_NEAR(metric(c, "band_onset_difference").value, 2, 1e-9);
+  // A threshold just below the second's band, uncertain by more: it may be there or not.
+  CompareOptions high;
+  const auto table = std::find_if(c.tables.begin(), c.tables.end(),
+                                  [](const ColumnTable& t) { return t.name == "bands_second"; });
+  ASSERT_NE(table, c.tables.end());
+  ASSERT_EQ(table->columns[5].name, "strain_dev");
+  high.band_strain = 0.95 * table->columns[5].values[0];
+  StrainNote note;
+  note.floor_dev = 0.1 * high.band_strain;
+  SilentProgress progress;
+  const Comparison near = compare(a, b, high, {}, progress, {}, {note, {}});
+  EXPECT_EQ(metric(near, "band_number_second").value, 1);
+  EXPECT_EQ(metric(near, "band_number_first").uncertainty, 0);
+  EXPECT_EQ(metric(near, "band_number_second").uncertainty, 0.5);
+  EXPECT_EQ(metric(near, "band_number_difference").uncertainty, 0.5);
   const Comparison same = compared(a, a);
+  EXPECT_TRUE(std::isnan(metric(same, "band_number_first").uncertainty));
   EXPECT_EQ(metric(same, "band_offset").value, 0);
   EXPECT_EQ(metric(same, "band_thickness_difference").value, 0);
 }
