@@ -8,10 +8,11 @@
 #include <hwy/foreach_target.h>  // compiles this file once for each instruction set
 #include <hwy/highway.h>
 
+#include "pivnp/piv/lanes-inl.hpp"
+
 HWY_BEFORE_NAMESPACE();
 namespace pivnp::piv::HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
 using D = hn::CappedTag<float, 16>;
 using V = hn::Vec<D>;
 
