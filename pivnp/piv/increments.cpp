@@ -69,7 +69,7 @@ bool solve_window(const CellSums& sums, int i, int j, int reach, const std::vect
 }  // namespace
 
 void cell_increments(const CellSums& sums, float rounding, Increments& out) {
-  constexpr float prior = 0.05f;
+  constexpr float prior = 0.3f;
   constexpr int reach = 4;  // cells that count as "around"
   const std::size_t count = sums.lattice.size();
   const auto& gxx = sums[CellSums::gxx];
@@ -82,7 +82,7 @@ void cell_increments(const CellSums& sums, float rounding, Increments& out) {
   out.v.resize(count);
   for (std::size_t k = 0; k < count; ++k) {
     const float mu = prior * around[k] + 1e-3f * rounding, a = gxx[k] + mu, b = gxy[k], c = gyy[k] + mu;
-    const float x = sums[CellSums::gxe][k], y = sums[CellSums::gye][k], scale = 1 / (a * c - b * b);
+    const float x = sums[CellSums::gxe][k], y = sums[CellSums::gye][k], scale = (1 + prior) / (a * c - b * b);
     out.u[k] = (c * x - b * y) * scale, out.v[k] = (a * y - b * x) * scale;
     limit_step(out.u[k], out.v[k]);
   }

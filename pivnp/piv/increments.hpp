@@ -13,8 +13,9 @@ struct Increments {
   std::vector<float> variance_u, variance_v;  // windowed increments only
 };
 
-/// Each cell by itself: (H + mu) d = b, H = sum w grad grad^T, b = sum w grad e; mu, a twentieth of the texture around,
-/// keeps cells without texture of their own where the field already is. Steps are limited to 1.5 px. `rounding`:
+/// Each cell by itself: (H + mu) d = b, H = sum w grad grad^T, b = sum w grad e; mu, 0.3 of the texture around, keeps
+/// cells without texture of their own where the field already is and gives cells with more texture more weight in
+/// whatever averages them; the increment is enlarged by 1.3, so that on the average nothing of it is lost. Steps are limited to 1.5 px. `rounding`:
 /// variance of a grey value's rounding, grey^2.
 void cell_increments(const CellSums& sums, float rounding, Increments& out);
 

@@ -9,6 +9,8 @@
 #include <hwy/foreach_target.h>  // compiles this file once for each instruction set
 #include <hwy/highway.h>
 
+#include "pivnp/piv/lanes-inl.hpp"
+
 #ifndef PIVNP_PIV_MEDIAN_TEST_ONCE
 #define PIVNP_PIV_MEDIAN_TEST_ONCE
 namespace pivnp::piv {
@@ -60,7 +62,6 @@ struct MedianRow {
 HWY_BEFORE_NAMESPACE();
 namespace pivnp::piv::HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
 using D = hn::CappedTag<float, 16>;
 using V = hn::Vec<D>;
 

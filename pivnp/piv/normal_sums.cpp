@@ -54,7 +54,6 @@ struct RowStore {
 HWY_BEFORE_NAMESPACE();
 namespace pivnp::piv::HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
 using D = hn::CappedTag<float, 16>;
 using V = hn::Vec<D>;
 // The displacement along one row of pixels, from the spline's coefficients along it. weight[o][a]: of coefficient a at
@@ -298,7 +297,7 @@ void sum_band(const SumsInput& input, int band, CellSums& sums, std::vector<floa
   reduce_row(store.upper.data() + row_padding, store.stride, planes, lattice, out);
 }
 
-const char* target_name() { return hwy::TargetName(HWY_TARGET); }
+const char* target_name() { return lanes_name(); }
 
 }  // namespace pivnp::piv::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

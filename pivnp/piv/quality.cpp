@@ -60,7 +60,7 @@ void match_quality(const CellSums& sums, MatchQuality& quality) {
 
 void truncation_variance(const CellLattice& lattice, const std::vector<float>& u, int threads,
                          std::vector<float>& variance) {
-  constexpr float share = 0.18f;
+  constexpr float share = 0.15f;
   const int nx = lattice.nx, ny = lattice.ny;
   variance.assign(lattice.size(), 0.0f);
   const auto sixth = [](const float* at, std::ptrdiff_t s) {

@@ -10,4 +10,9 @@ namespace pivnp::piv {
 void sample_displaced(const SplineImage& image, int column, int row, const float* ux, const float* uy, int count,
                       float* out);
 
+/// Displacements of a frame along a row of pixels: ux = share du, uy = share dv. Clears use[k] where a place lies
+/// beyond the image's edge by more than a hundredth of a pixel. Arrays as above.
+void place_row(const SplineImage& image, int column, int row, const float* du, const float* dv, float share, int count,
+               float* ux, float* uy, float* use);
+
 }  // namespace pivnp::piv

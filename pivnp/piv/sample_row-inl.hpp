@@ -13,10 +13,10 @@
 
 #include <hwy/highway.h>
 
+#include "pivnp/piv/lanes-inl.hpp"
+
 HWY_BEFORE_NAMESPACE();
 namespace pivnp::piv::HWY_NAMESPACE {
-
-namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr int taps = 6;
 

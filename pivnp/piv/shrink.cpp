@@ -9,20 +9,27 @@
 #include <hwy/foreach_target.h>  // compiles this file once for each instruction set
 #include <hwy/highway.h>
 
+#include "pivnp/piv/lanes-inl.hpp"
+
 #ifndef PIVNP_PIV_SHRINK_ONCE
 #define PIVNP_PIV_SHRINK_ONCE
 namespace pivnp::piv {
 
-constexpr int block_sides[] = {8, 16, 32};
+constexpr int block_sides[] = {8, 16, 32, 64};
 constexpr float strength = 2.5f;    // of the shrinkage, in noise powers
-constexpr float clear = 12.0f;      // power at which a coefficient stands out by itself: chance is 5e-4
 constexpr float most_power = 4.0f;  // what a coefficient may lend to its neighbours
 constexpr float plane_terms = 3.0f;
+// Power at which a coefficient stands out by itself: the universal threshold 2 ln(n n), so that chance yields hardly
+// one in a block (Donoho & Johnstone 1994), not below 12 (chance 5e-4).
+template <int n>
+constexpr float clear = n <= 16 ? 12.0f : n == 32 ? 13.9f : 16.6f;
 
 // The stated variance is noise power times the terms kept. Terms kept next to the threshold have lost signal besides,
 // so each counts `term_weight` times; `spread` covers what the blocks' averaging adds. Both measured on waves, bands
 // and shears with noise and loss (docs/theory.md).
-constexpr float term_weight = 12.0f, spread = 1.20f;
+constexpr float term_weight = 12.0f;
+template <int n>
+constexpr float spread = n < 64 ? 1.20f : 0.80f;
 
 template <int n>
 struct Cosines {
@@ -46,8 +53,6 @@ struct Cosines {
 
 HWY_BEFORE_NAMESPACE();
 namespace pivnp::piv::HWY_NAMESPACE {
-
-namespace hn = hwy::HWY_NAMESPACE;
 
 template <int n>
 using Tag = hn::CappedTag < float,
@@ -179,7 +184,7 @@ void shrink_block(const float* values, std::ptrdiff_t stride, Shrinker::Block& o
                 smooth[r] + c);
     }
 
-  const auto one = hn::Set(d, 1.0f), zero = hn::Zero(d), force = hn::Set(d, strength), limit = hn::Set(d, clear);
+  const auto one = hn::Set(d, 1.0f), zero = hn::Zero(d), force = hn::Set(d, strength), limit = hn::Set(d, clear<n>);
   const auto tiny = hn::Set(d, 1e-6f);
   for (int r = 0; r < n; ++r)
     for (int c = 0; c < n; c += lanes) {
@@ -198,7 +203,7 @@ void shrink_block(const float* values, std::ptrdiff_t stride, Shrinker::Block& o
   plane(1);
   out.value.resize(n * n);
   for (int r = 0; r < n; ++r) std::copy_n(block[r], n, out.value.data() + r * n);
-  out.variance = spread * noise * (plane_terms + terms) / (n * n);
+  out.variance = spread<n> * noise * (plane_terms + terms) / (n * n);
   out.terms = plane_terms + kept;
 }
 
@@ -207,8 +212,10 @@ void shrink(int side, const float* values, std::ptrdiff_t stride, Shrinker::Bloc
     shrink_block<8>(values, stride, out);
   else if (side == 16)
     shrink_block<16>(values, stride, out);
-  else
+  else if (side == 32)
     shrink_block<32>(values, stride, out);
+  else
+    shrink_block<64>(values, stride, out);
 }
 
 }  // namespace pivnp::piv::HWY_NAMESPACE
@@ -232,8 +239,10 @@ std::vector<int> starts(int points, int side) {
 
 // What the kept terms' noise is of that of the fast ones, block by block. The texture's own noise in clean frames that
 // are deformed has less power at long wavelengths: its fall over one octave, as a mean over some blocks about, is
-// carried on by two octaves and a half (where kept terms lie). Where structures hide the fall, nothing is taken off.
+// carried on by three octaves (where kept terms lie; by five in the largest blocks). Where structures hide the
+// fall, nothing is taken off.
 static void find_slow_shares(int side, std::size_t across, std::vector<Shrinker::Block>& blocks, std::size_t count) {
+  const float octaves = side >= 64 ? 5.0f : 3.0f;
   const int reach = side >= 32 ? 3 : 6, nx = static_cast<int>(across), ny = static_cast<int>(count / across);
   for (int j = 0; j < ny; ++j)
     for (int i = 0; i < nx; ++i) {
@@ -244,7 +253,7 @@ static void find_slow_shares(int side, std::size_t across, std::vector<Shrinker:
           if (block.terms > 0) sum += block.octave, ++some;
         }
       const float fall = some > 0 ? std::min(1.0f, sum / some) : 1.0f;
-      blocks[std::size_t(j) * across + std::size_t(i)].slow = fall * fall * std::sqrt(fall);
+      blocks[std::size_t(j) * across + std::size_t(i)].slow = std::pow(fall, octaves);
     }
 }
 

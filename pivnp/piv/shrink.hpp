@@ -15,7 +15,7 @@ struct SmoothedField {
   std::vector<float> area;      // lattice cells that a value averages over, noise-wise
 };
 
-/// Blocks of 8, 16 and 32 points a side, each size at half overlap (sizes that the lattice holds): freed of their
+/// Blocks of 8, 16, 32 and 64 points a side, each size at half overlap (sizes that the lattice holds): freed of their
 /// plane, transformed (DCT-II), every coefficient multiplied by 1 - strength / P, P its power over the noise's (its own
 /// where it stands clear of noise, else the mean of its neighbours'), not below 0; transformed back and averaged with
 /// weights that favour blocks of few terms, as noise after smoothing is proportional to them. Waves, bands and kinks

@@ -8,7 +8,7 @@
 namespace pivnp::piv {
 
 UncertaintyEstimator::UncertaintyEstimator(int side)
-    : scratch_(14 * std::size_t(padded_columns(side + flank_span) + 32)) {}
+    : scratch_(FlankScratch(side).floats(), 0.0f) {}
 
 float iteration_variance(int passes) { return passes <= 1 ? 1.0f : passes == 2 ? 1.6f : 2.0f; }
 

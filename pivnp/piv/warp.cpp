@@ -13,23 +13,8 @@ namespace {
 constexpr int lanes = 16;
 
 struct RowScratch {
-  std::vector<float> du, dv, ux, uy, predictor, out;
+  std::vector<float> du, dv, ux, uy, predictor;
 };
-
-// A frame's displacements along a row of the box; pixels whose places lie outside the image are marked.
-void place_row(const SplineImage& image, const Box& box, int row, float share, RowScratch& s, float* use) {
-  constexpr float tolerance = 0.01f;
-  const float left = -tolerance, right = static_cast<float>(image.width() - 1) + tolerance;
-  const float top = -tolerance, bottom = static_cast<float>(image.height() - 1) + tolerance;
-  const auto x0 = static_cast<float>(box.x0), y0 = static_cast<float>(row);
-  for (int k = 0; k < box.width(); ++k) {
-    const auto n = static_cast<std::size_t>(k);
-    s.ux[n] = share * s.du[n], s.uy[n] = share * s.dv[n];
-    const float x = x0 + static_cast<float>(k) + s.ux[n], y = y0 + s.uy[n];
-    const bool inside = (x > left) & (x < right) & (y > top) & (y < bottom);  // not for NaN
-    use[k] = inside ? use[k] : 0.0f;
-  }
-}
 
 void mask_row(const SplineImage& image, const std::vector<std::uint8_t>& mask, const Box& box, int row,
               const RowScratch& s, float* use, float* masked) {
@@ -61,7 +46,23 @@ void WarpedPair::resize(const Box& to, bool with_mask) {
   const std::size_t area = std::size_t(stride) * std::size_t(to.height()) + 2 * padding;
   for (auto* plane : {&f, &g, &use})
     if (plane->size() < area) plane->resize(area);
+  partial.assign(std::size_t(tiles_across()) * std::size_t((to.height() + tile - 1) / tile), 1);
   with_mask ? masked.assign(area, 0.0f) : masked.clear();
+}
+
+void WarpedPair::mark_tiles(int threads) {
+  const int across = tiles_across(), down = (box.height() + tile - 1) / tile;
+#pragma omp parallel for num_threads(threads) schedule(static)
+  for (int t = 0; t < down; ++t)
+    for (int c = 0; c < across; ++c) {
+      unsigned some = 0;
+      const int columns = std::min(tile, box.width() - c * tile);
+      for (int r = t * tile; r < std::min((t + 1) * tile, box.height()); ++r) {
+        const float* line = use.data() + index(box.x0 + c * tile, box.y0 + r);
+        for (int k = 0; k < columns; ++k) some |= line[k] != 1.0f;
+      }
+      partial[std::size_t(t) * std::size_t(across) + std::size_t(c)] = some != 0;
+    }
 }
 
 void warp_pair(const Level& level, const PredictorField& predictor, Anchor anchor, const Box& box, int threads,
@@ -75,7 +76,7 @@ void warp_pair(const Level& level, const PredictorField& predictor, Anchor ancho
 #pragma omp parallel num_threads(threads)
   {
     RowScratch s;
-    for (auto* line : {&s.du, &s.dv, &s.ux, &s.uy, &s.out}) line->assign(std::size_t(width + lanes), 0.0f);
+    for (auto* line : {&s.du, &s.dv, &s.ux, &s.uy}) line->assign(std::size_t(width + lanes), 0.0f);
 #pragma omp for schedule(static)
     for (int r = box.y0; r < box.y1; ++r) {
       if (!plan.empty()) {
@@ -86,16 +87,16 @@ void warp_pair(const Level& level, const PredictorField& predictor, Anchor ancho
       const std::size_t start = warped.index(box.x0, r);
       float* use = warped.use.data() + start;
       std::fill(use, use + width, 1.0f);
-      const auto frame = [&](const SplineImage& image, float share, float* out) {
-        place_row(image, box, r, share, s, use);
+      const auto frame = [&](const SplineImage& image, float share, float* out) {  // rows are padded as well
+        place_row(image, box.x0, r, s.du.data(), s.dv.data(), share, width, s.ux.data(), s.uy.data(), use);
         if (!level.mask.empty()) mask_row(image, level.mask, box, r, s, use, warped.masked.data() + start);
-        sample_displaced(image, box.x0, r, s.ux.data(), s.uy.data(), width, s.out.data());
-        std::copy_n(s.out.data(), width, out);
+        sample_displaced(image, box.x0, r, s.ux.data(), s.uy.data(), width, out);
       };
       frame(level.first, shares.first, warped.f.data() + start);
       frame(level.second, shares.second, warped.g.data() + start);
     }
   }
+  warped.mark_tiles(threads);
 }
 
 }  // namespace pivnp::piv

@@ -37,6 +37,20 @@ struct WarpedPair {
     return std::size_t(row - box.y0) * std::size_t(stride) + std::size_t(column - box.x0) + padding;
   }
   void resize(const Box& to, bool with_mask);
+
+  static constexpr int tile = 32;
+  std::vector<std::uint8_t> partial;  // [tile rows][tile columns] of the box: some pixel of the tile has use 0
+  int tiles_across() const { return (box.width() + tile - 1) / tile; }
+  /// True if every pixel of a part of the box may be used, for certain.
+  bool whole(int column0, int row0, int column1, int row1) const {
+    const int c1 = (column1 - 1 - box.x0) / tile, r1 = (row1 - 1 - box.y0) / tile;
+    for (int r = (row0 - box.y0) / tile; r <= r1; ++r)
+      for (int c = (column0 - box.x0) / tile; c <= c1; ++c)
+        if (partial[std::size_t(r) * std::size_t(tiles_across()) + std::size_t(c)]) return false;
+    return true;
+  }
+  /// Fills `partial`, all of it set before, from `use`.
+  void mark_tiles(int threads);
 };
 
 /// f(x) = first(x - d/2), g(x) = second(x + d/2) for the central anchor; f(x) = first(x), g(x) = second(x + d) for the

@@ -16,7 +16,7 @@ Window::Window(int side_px)
   weight.assign(size, 0.0f);
 }
 
-void Window::cut(const WarpedPair& pair, float column, float row) {
+void Window::cut(const WarpedPair& pair, float column, float row, bool weights) {
   const float half = 0.5f * static_cast<float>(side);
   const int x0 = static_cast<int>(std::ceil(column - half)), y0 = static_cast<int>(std::ceil(row - half));
   const float whole = taper_weights(static_cast<float>(x0) - column, side, axis_x_.data()) *
@@ -38,7 +38,9 @@ void Window::cut(const WarpedPair& pair, float column, float row) {
   in.source_stride = pair.stride;
   in.wx = axis_x_.data(), in.wy = axis_y_.data();
   in.side = side, in.stride = stride;
-  in.a = a.data() + index(0, 0), in.b = b.data() + index(0, 0), in.weight = weight.data() + index(0, 0);
+  in.a = a.data() + index(0, 0), in.b = b.data() + index(0, 0), in.weight = weights ? weight.data() + index(0, 0) : nullptr;
+  in.whole = right - left == side && in.end_row - in.first_row == side && pair.whole(x0, y0, x0 + side, y0 + side);
+  in.whole_weight = whole;
   const CutSums sums = cut_window(in);
   usable = whole > 0 ? sums.weight / whole : 0.0f;
   masked = whole > 0 ? sums.masked / whole : 0.0f;

@@ -23,8 +23,9 @@ struct Window {
   std::size_t index(int column, int row) const {
     return std::size_t(row + near_lags) * std::size_t(stride) + std::size_t(column + near_lags);
   }
-  /// Cuts the window about (column, row) of the level out of the warped pair.
-  void cut(const WarpedPair& pair, float column, float row);
+  /// Cuts the window about (column, row) of the level out of the warped pair; without `weights` they are left as they
+  /// were.
+  void cut(const WarpedPair& pair, float column, float row, bool weights = true);
 
  private:
   std::vector<float> axis_x_, axis_y_;

@@ -20,8 +20,10 @@ struct WindowCut {
   std::ptrdiff_t source_stride;
   const float *wx, *wy;          // weights; wx holds padded_columns, zero where the source has none
   int side, first_row, end_row;  // rows that the source has
-  float *a, *b, *weight;         // upper left pixel of the window; zero on all sides
+  float *a, *b, *weight;         // upper left pixel of the window, zero on all sides; `weight` may be null
   std::ptrdiff_t stride;
+  bool whole;          // every pixel may be used: `use` and `masked` are not read
+  float whole_weight;  // sum of (wx wy)^2
 };
 
 /// With v = wx wy use: sums of v^2 (1, f, g), of the masked pixels' (wx wy)^2, and of a^2 and b^2.
@@ -44,7 +46,17 @@ struct FlankSums {
 };
 inline constexpr int flank_span = 5;
 
-/// `scratch`: 14 (padded_columns(side + flank_span) + 32) floats.
+/// Sums over five rows in `scratch`: two planes with zeros before and behind each line.
+struct FlankScratch {
+  static constexpr int before = 16;
+  int rows, line;
+  explicit FlankScratch(int side)
+      : rows(side + flank_span - 1), line(before + padded_columns(side + flank_span - 1) + before) {}
+  int plane() const { return rows * line; }
+  std::size_t floats() const { return 2 * std::size_t(plane()); }
+};
+
+/// `scratch`: as many floats as FlankScratch says, zero at the first call and left alone between calls.
 FlankSums flank_sums(const float* a, const float* b, const float* w, int side, std::ptrdiff_t stride, float* scratch);
 
 }  // namespace pivnp::piv

@@ -134,7 +134,8 @@ float WindowPasses::measure(WindowStage& stage, Search search, VectorGrid& found
     int cut = 0;
     for (std::size_t k = first; k < std::min(first + batch, count); ++k) {
       if (!switched_on(stage.points, k)) continue;
-      tools.window.cut(warped_, l.from_full(stage.points.pixel[k][0]), l.from_full(stage.points.pixel[k][1]));
+      tools.window.cut(warped_, l.from_full(stage.points.pixel[k][0]), l.from_full(stage.points.pixel[k][1]),
+                       false);
       if (!enough(tools.window) || !textured(tools.window)) continue;
       if (search == Search::near) {
         take(k, tools.near.find(tools.window));

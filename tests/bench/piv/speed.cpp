@@ -13,6 +13,7 @@
 #include "pivnp/core/error.hpp"
 #include "pivnp/image/frames.hpp"
 #include "pivnp/image/synthetic_pair.hpp"
+#include "pivnp/piv/normal_sums.hpp"
 #include "tests/bench/piv/bench.hpp"
 #include "tests/bench/piv/limits.hpp"
 #include "tests/support/piv_score.hpp"
@@ -106,7 +107,7 @@ void instruction_sets(const BenchOptions& o, const Setting& setting) {
           off = std::max(off, std::abs(double(t.found.displacement[k][c]) - double(best.found.displacement[k][c])));
     std::printf(
         "  %-8s %.2f of the best set's speed (asked of the baseline: .25), vectors within %.1e px (asked: 1e-5)\n",
-        hwy::TargetName(target), best.seconds / t.seconds, off);
+        simd_target(), best.seconds / t.seconds, off);
   }
   hwy::GetChosenTarget().Update(supported);
 }

@@ -128,7 +128,7 @@ int table(const BenchOptions& options) {
   File csv(options.csv);
   if (csv.stream)
     std::fprintf(csv.stream,
-                 "setting,method,window_px,anchor,threads,side,spacing,texture,blob_px,seed,row,kind,rms_px,"
+                 "setting,method,window_px,anchor,threads,side,spacing,texture,blob_px,seed,row,kind,asked_px,rms_px,"
                  "bias_px,valid,flagged,gain,width_px,true_width_px,within_one,within_two,sigma_px,vectors_per_s\n");
   std::vector<Row> rows = piv_rows(options.side, options.more);
   std::erase_if(rows, [&](const Row& row) { return !wanted(row, options.rows); });
@@ -151,11 +151,12 @@ int table(const BenchOptions& options) {
         if (!csv.stream) continue;
         const PivOptions& o = options.settings[s].options;
         std::fprintf(csv.stream,
-                     "%s,%s,%d,%s,%d,%d,%d,%s,%g,%d,%s,%d,%.6f,%.6f,%.5f,%.5f,%.5f,%.3f,%.3f,%.4f,%.4f,%.6f,%.0f\n",
+                     "%s,%s,%d,%s,%d,%d,%d,%s,%g,%d,%s,%d,%g,%.6f,%.6f,%.5f,%.5f,%.5f,%.3f,%.3f,%.4f,%.4f,%.6f,%.0f\n",
                      options.settings[s].name.c_str(), o.method.c_str(), o.window_px, o.anchor.c_str(), options.threads,
                      options.side, options.spacing, texture.kind.c_str(), texture.blob_diameter_px, seed,
-                     row.name.c_str(), static_cast<int>(row.kind), f.e.rms, f.e.bias, f.e.valid, 1 - f.e.valid,
-                     f.e.gain, f.width, j.true_width, f.e.within_one, f.e.within_two, f.e.sigma, f.rate);
+                     row.name.c_str(), static_cast<int>(row.kind), row.clean_row.empty() ? row.limits.rms : NAN,
+                     f.e.rms, f.e.bias, f.e.valid, 1 - f.e.valid, f.e.gain, f.width, j.true_width, f.e.within_one,
+                     f.e.within_two, f.e.sigma, f.rate);
         std::fflush(csv.stream);
       }
     }

@@ -149,12 +149,21 @@ TEST(NormalSums, CellsFarFromActiveOnesAreLeftOut) {
 TEST(NormalSums, InstructionSetsAgree) {
   const Scene scene = make_scene(sine(1, 64), 256, 256, {.noise = 0.02});
   const NodeLattice nodes = even_nodes(256, 256, 16, 40);
-  const PixelVectors best = measure(scene, nodes);
-  hwy::DisableTargets(HWY_AVX3 | HWY_AVX2 | HWY_AVX3_DL);
-  const PixelVectors plain = measure(scene, nodes);
-  hwy::DisableTargets(0);
-  for (std::size_t k = 0; k < nodes.pixel.size(); ++k)
-    for (std::size_t c = 0; c < 2; ++c) EXPECT_NEAR(best.displacement[k][c], plain.displacement[k][c], 1e-5f);
+  PivOptions fft;
+  fft.method = "fft";
+  for (const PivOptions& options : {PivOptions(), fft}) {
+    const PixelVectors best = measure(scene, nodes, options);
+    const std::string best_set = simd_target();
+    for (const std::int64_t disabled :
+         {std::int64_t(HWY_AVX3 | HWY_AVX3_DL | HWY_AVX2), ~std::int64_t(HWY_STATIC_TARGET)}) {
+      hwy::DisableTargets(disabled);
+      SCOPED_TRACE(options.method + ": " + best_set + " and " + simd_target());
+      const PixelVectors plain = measure(scene, nodes, options);
+      hwy::DisableTargets(0);
+      for (std::size_t k = 0; k < nodes.pixel.size(); ++k)
+        for (std::size_t c = 0; c < 2; ++c) EXPECT_NEAR(best.displacement[k][c], plain.displacement[k][c], 1e-5f);
+    }
+  }
 }
 
 TEST(Presmoothing, FinerTextureIsSmoothedMore) {
