@@ -7,6 +7,7 @@
 #define PIVNP_MPM_LANES_INL
 #endif
 
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 #include "mpm/lanes.hpp"
@@ -29,7 +30,10 @@ HWY_INLINE double sum_of(V v) { return hn::GetLane(hn::SumOfLanes(D(), v)); }
 // Points that lie together, one to every lane.
 struct FullTile {
   std::uint32_t first;
-  HWY_INLINE V load(const double* a) const { return hn::LoadU(D(), a + first); }
+  HWY_INLINE V load(const double* a) const {
+    hwy::Prefetch(a + first + 96);
+    return hn::LoadU(D(), a + first);
+  }
   HWY_INLINE void store(V v, double* a) const { hn::StoreU(v, D(), a + first); }
   HWY_INLINE V live(V v) const { return v; }
 };

@@ -1,6 +1,19 @@
 #include "mpm/particles.hpp"
 
+#ifdef __linux__
+#include <sys/mman.h>
+#endif
+
 namespace pivnp::mpm {
+
+void ask_for_large_pages([[maybe_unused]] void* start, [[maybe_unused]] std::size_t bytes) {
+#ifdef __linux__
+  constexpr std::size_t large = std::size_t{2} << 20;
+  const auto from = (reinterpret_cast<std::uintptr_t>(start) + large - 1) / large * large;
+  const auto to = (reinterpret_cast<std::uintptr_t>(start) + bytes) / large * large;
+  if (to > from) madvise(reinterpret_cast<void*>(from), to - from, MADV_HUGEPAGE);  // advice: a refusal changes nothing
+#endif
+}
 
 std::vector<Array*> Particles::state() {
   return {&x,      &y,      &vx,     &vy,     &mass,        &volume0, &F_xx,       &F_xy, &F_yx, &F_yy, &J,   &tau_xx,

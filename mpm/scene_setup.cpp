@@ -146,8 +146,6 @@ SolverState initial_state(const Scene& scene, const Scheme& scheme, const GridSt
   }
   state.body_motion.assign(6 * scene.bodies.size(), 0.0);
   state.body_impulse.assign(2 * scene.bodies.size(), 0.0);
-  state.end = set.end;
-  state.end_reason = set.end_reason;
   return state;
 }
 

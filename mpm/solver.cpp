@@ -210,7 +210,7 @@ void Solver::advance_to(double time, Progress& progress) {
   s.check_balance();
 }
 
-double Solver::time() const { return impl_->failed ? impl_->good.frame.time : impl_->state.time; }
+double Solver::time() const { return impl_->failed ? impl_->good.energy.time : impl_->state.time; }
 std::int64_t Solver::steps() const { return impl_->failed ? impl_->good.steps : impl_->state.steps; }
 double Solver::stable_step() const { return impl_->longest_step(); }
 Vec2 Solver::momentum() const {
@@ -240,13 +240,12 @@ std::size_t Solver::ended() const {
 }
 
 const ParticleSet& Solver::particles() const {
-  impl_->scene.particles.end = impl_->state.end;
-  impl_->scene.particles.end_reason = impl_->state.end_reason;
   return impl_->scene.particles;
 }
 
 MotionFrame Solver::frame() const {
-  return impl_->failed ? impl_->good.frame : frame_of(impl_->state, impl_->scene.particles);
+  if (impl_->failed) throw RunError("mpm: frame() was called after the run had failed");
+  return frame_of(impl_->state, impl_->scene.particles);
 }
 
 void Solver::on_step(std::function<void(double dt, const VelocityAt&)> observer) {
@@ -259,7 +258,9 @@ std::vector<std::byte> Solver::save() const {
 }
 
 void Solver::load(const std::vector<std::byte>& checkpoint) {
+  const std::vector<SolverState::Ended> ended = impl_->state.ended;
   from_bytes(checkpoint, impl_->state);
+  impl_->restore_ends(ended);
   impl_->g.rebuild(impl_->p);
   impl_->g.set_folds(impl_->restraints.folds(impl_->state.time, impl_->g.grid));
   impl_->bodies.set_motion(impl_->state.body_motion);
@@ -267,7 +268,7 @@ void Solver::load(const std::vector<std::byte>& checkpoint) {
   impl_->change_strength(impl_->state.time);
   impl_->sleep.resume(impl_->p, impl_->g);
   impl_->failed = false;
-  impl_->keep(impl_->energy());
+  impl_->good = {impl_->energy(), impl_->state.steps};
 }
 
 }  // namespace pivnp::mpm

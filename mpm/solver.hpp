@@ -52,8 +52,8 @@ class Solver {
 
   /// Steps to `time` exactly (the last steps are trimmed). Throws RunError, with time and cause, on NaN or blow-up (a
   /// point that moves a cell in a step, or an energy residual beyond MpmOptions::energy_limit of what was turned over);
-  /// the last good state, at most 100 steps old, stays readable: time(), steps(), frame() and energy() are of it, and
-  /// nothing else goes on. Once motion has ended (at_rest) and
+  /// time(), steps() and energy() are then of the last state whose balance was sound, at most 100 steps old; frame() and
+  /// what goes on from the state throw RunError: the frames given out before are the caller's. Once motion has ended (at_rest) and
   /// MpmOptions::end_at_rest is set, only the time goes on.
   void advance_to(double time, Progress& progress);
   /// Motion has ended: for a tenth of the run the nodes' kinetic energy has been below 1e-3 of its peak, the fastest node

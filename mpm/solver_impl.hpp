@@ -19,9 +19,9 @@
 
 namespace pivnp::mpm {
 
-// What stays readable after a failure: the last state that passed check_balance().
+// What stays readable after a failure: of the last state that passed check_balance(). (A copy of the state itself would
+// be a fifth of the memory; the record holds what was written before.)
 struct LastGood {
-  MotionFrame frame;
   EnergyRow energy;
   std::int64_t steps = 0;
 };
@@ -68,9 +68,9 @@ struct Solver::Impl {
   double work_of_gravity() const;
   EnergyRow energy();
   void check_balance();
-  void keep(const EnergyRow& row);
   [[noreturn]] void fail(const std::string& cause);
   void restart_books();
+  void restore_ends(const std::vector<SolverState::Ended>& before);
 
   MpmOptions options;
   Scheme scheme;

@@ -21,6 +21,10 @@ class Writer {
     value(std::uint64_t(a.size()));
     raw(a.data(), a.size() * sizeof(T));
   }
+  template <class T>
+  void list(const std::vector<T>& a) {
+    array(a);
+  }
   std::vector<std::byte> bytes;
 
  private:
@@ -45,6 +49,15 @@ class Reader {
     if (n != a.size()) throw InputError("checkpoint: it holds another number of particles than the scene");
     raw(a.data(), a.size() * sizeof(T));
   }
+  /// Of any length.
+  template <class T>
+  void list(std::vector<T>& a) {
+    std::uint64_t n = 0;
+    value(n);
+    if (n > (bytes_.size() - at_) / sizeof(T)) throw InputError("checkpoint: it ends too early");
+    a.resize(n);
+    raw(a.data(), n * sizeof(T));
+  }
   bool at_end() const { return at_ == bytes_.size(); }
 
  private:
@@ -64,8 +77,7 @@ void visit(Archive& a, State& s) {
   a.array(p.opened);
   a.array(p.cell);
   a.array(p.index);
-  a.array(s.end);
-  a.array(s.end_reason);
+  a.list(s.ended);
   a.value(s.book);
   a.value(s.time);
   a.value(s.fastest);

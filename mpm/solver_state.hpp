@@ -1,4 +1,4 @@
-// All that changes during a run, in one value: what is saved, restored and kept as the last good state.
+// All that changes during a run, in one value: what is saved and restored.
 #pragma once
 
 #include <cstddef>
@@ -15,8 +15,12 @@ namespace pivnp::mpm {
 struct SolverState {
   Particles particles;
   EnergyBook book;
-  std::vector<double> end;  // as in ParticleSet
-  std::vector<EndReason> end_reason;
+  struct Ended {
+    double time;
+    std::uint32_t particle;  // in the ParticleSet
+    EndReason reason;
+  };
+  std::vector<Ended> ended;
   double time = 0;
   double fastest = 0;     // speed of the fastest point, m/s
   double wave_speed = 0;  // of the fastest compression wave, m/s

@@ -1,5 +1,6 @@
 // What a run watches: the energy balance, whether motion has ended, points that end, and failure.
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 #include "mpm/solver_impl.hpp"
@@ -35,8 +36,9 @@ void Solver::Impl::book_work(double dt) {
 }
 
 void Solver::Impl::end_particle(std::size_t k, EndReason reason) {
-  state.end[p.index[k]] = state.time;
-  state.end_reason[p.index[k]] = reason;
+  state.ended.push_back({state.time, p.index[k], reason});
+  scene.particles.end[p.index[k]] = state.time;
+  scene.particles.end_reason[p.index[k]] = reason;
   const StoredEnergy lost = stored_energy_of(p, g, materials, k);
   state.book.carried += lost.kinetic + lost.elastic;
   p.cell[k] = Particles::ended;
@@ -95,18 +97,13 @@ void Solver::Impl::check_balance() {
          << " of what was turned over (" << turned_over << " J/m; mpm.energy_limit)";
     fail(text.str());
   }
-  keep(row);
-}
-
-// In single precision, as its readers get it: a copy of the whole state would double the memory.
-void Solver::Impl::keep(const EnergyRow& row) {
-  good = {frame_of(state, scene.particles), row, state.steps};
+  good = {row, state.steps};
 }
 
 void Solver::Impl::fail(const std::string& cause) {
   std::ostringstream text;
-  text << "mpm: at t = " << state.time << " s, step " << state.steps << ": " << cause << "; the state at t = "
-       << good.frame.time << " s is the last good one";
+  text << "mpm: at t = " << state.time << " s, step " << state.steps << ": " << cause << "; the balance was last sound at t = "
+       << good.energy.time << " s";
   failed = true;
   throw RunError(text.str());
 }
@@ -116,7 +113,20 @@ void Solver::Impl::restart_books() {
   const StoredEnergy stored = stored_energy(p, g, materials);
   state.book.start = stored.kinetic + stored.elastic;
   failed = false;
-  keep(energy());
+  good = {energy(), state.steps};
+}
+
+// The particles' ends as the state has them, instead of those of `before`.
+void Solver::Impl::restore_ends(const std::vector<SolverState::Ended>& before) {
+  for (const auto& e : before) {
+    scene.particles.end[e.particle] = std::numeric_limits<double>::quiet_NaN();
+    scene.particles.end_reason[e.particle] = EndReason::none;
+  }
+  for (const auto& e : state.ended) {
+    if (e.particle >= scene.particles.size()) throw InputError("checkpoint: it ends a particle that the scene lacks");
+    scene.particles.end[e.particle] = e.time;
+    scene.particles.end_reason[e.particle] = e.reason;
+  }
 }
 
 }  // namespace pivnp::mpm

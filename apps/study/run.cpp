@@ -104,7 +104,9 @@ RunOutcome run_case(const Case& given, const RunSettings& settings, Stages stage
       outcome.remarks.push_back(std::move(remark));
     if (tracks) tracked = track(c, setting, frames, *source, writer, settings.threads, progress);
   }
-  if (simulates) simulate(c, setting, output_times(c, frames), writer, settings.threads, progress);
+  if (simulates)
+    for (std::string& remark : simulate(c, setting, output_times(c, frames), writer, settings.threads, progress))
+      outcome.remarks.push_back(std::move(remark));
   writer.set_output_fields(c.output.fields_stored);
 
   std::optional<compare::Comparison> comparison;

@@ -7,6 +7,7 @@
 #include "apps/study/measure.hpp"
 #include "mpm/solver.hpp"
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/text.hpp"
 #include "pivnp/np/reseed.hpp"
 #include "pivnp/np/tracker.hpp"
 
@@ -152,11 +153,11 @@ TrackOutcome track(const Case& c, const Setting& setting, const std::vector<Fram
   return outcome;
 }
 
-void simulate(const Case& c, const Setting& setting, const std::vector<double>& times, io::RecordWriter& writer,
-              int threads, Progress& progress) {
+std::vector<std::string> simulate(const Case& c, const Setting& setting, const std::vector<double>& times, io::RecordWriter& writer,
+                                  int threads, Progress& progress) {
   const std::string stage = "motion/mpm";
   const io::StageState done = writer.stage(stage);
-  if (done.complete) return;
+  if (done.complete) return {};
   mpm::Solver solver(*c.mpm, make_scene(c, setting, *c.mpm, c.materials, "material."), threads);
   std::size_t next = done.items;
   writer.begin_motion("mpm", solver.particles());
@@ -172,6 +173,11 @@ void simulate(const Case& c, const Setting& setting, const std::vector<double>& 
     progress.update("simulation", std::int64_t(k), std::int64_t(times.size()) - 1);
   }
   writer.end_stage(stage, &solver.particles());
+  if (!c.mpm->sleep_below_m_s) return {};
+  const mpm::Solver::Slept slept = solver.slept();
+  return {"Sleeping: " + number(100 * slept.share, 3) + " % of the particles' steps were left out; while asleep none missed more than " +
+          number(slept.displacement_m, 2) + " m of displacement; " + number(slept.energy, 2) +
+          " J/m of kinetic energy were taken (part of damping)."};
 }
 
 }  // namespace pivnp::app

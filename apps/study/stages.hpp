@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "apps/study/drift.hpp"
@@ -51,8 +52,8 @@ struct TrackOutcome {
 TrackOutcome track(const Case& c, const Setting& setting, const std::vector<Frame>& frames, image::FrameSource& source,
                    io::RecordWriter& writer, int threads, Progress& progress);
 
-/// The simulation at `times` (the first is 0): motion "mpm", and its energy.
-void simulate(const Case& c, const Setting& setting, const std::vector<double>& times, io::RecordWriter& writer,
-              int threads, Progress& progress);
+/// The simulation at `times` (the first is 0): motion "mpm", and its energy. Returns remarks: what sleeping left out.
+std::vector<std::string> simulate(const Case& c, const Setting& setting, const std::vector<double>& times, io::RecordWriter& writer,
+                                  int threads, Progress& progress);
 
 }  // namespace pivnp::app
