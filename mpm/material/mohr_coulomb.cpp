@@ -217,26 +217,9 @@ void MohrCoulomb::update(const StressBatch& batch) const {
 ConeConstants MohrCoulomb::constants() const {
   ConeConstants c{};
   c.sin_friction = sin_friction_;
+  c.sin_dilatancy = sin_dilatancy_;
   c.cohesion_term = 2 * cohesion_ * cos_friction_;
-  c.apex = sin_friction_ > 0 ? cohesion_ * cos_friction_ / sin_friction_ : std::numeric_limits<double>::infinity();
   c.tension = tension_;
-  c.cut_off = tension_ < c.apex;
-  const Plane main = shear_plane(0, 2, c.cohesion_term);
-  const double hardness = dot(main.normal, main.d_flow);
-  c.per_hardness = 1 / hardness;
-  std::copy(main.d_flow.begin(), main.d_flow.end(), c.main_flow);
-  for (int e = 0; e < 2; ++e) {
-    const Plane second = e == 0 ? shear_plane(0, 1, c.cohesion_term) : shear_plane(1, 2, c.cohesion_term);
-    const double across = dot(main.normal, second.d_flow), back = dot(second.normal, main.d_flow);
-    const double own = dot(second.normal, second.d_flow), det = hardness * own - across * back;
-    c.edge[e].good = std::abs(det) > 1e-12 * hardness * hardness;
-    if (!c.edge[e].good) continue;
-    c.edge[e].inverse[0][0] = own / det;
-    c.edge[e].inverse[0][1] = -across / det;
-    c.edge[e].inverse[1][0] = -back / det;
-    c.edge[e].inverse[1][1] = hardness / det;
-    std::copy(second.d_flow.begin(), second.d_flow.end(), c.edge[e].flow);
-  }
   return c;
 }
 
