@@ -36,6 +36,8 @@ class MohrCoulomb final : public Material {
         tension_(tension_pa),
         cone_{} {}
   void update(const StressBatch& batch) const override;
+  /// Updates a point that is open before and after the step; else false, nothing done.
+  static bool stays_open(const Elastic& elastic, const StressBatch& batch, std::size_t k);
   /// One point, in scalar code.
   void update_point(const StressBatch& batch, std::size_t k) const;
   /// Largest of the yield functions f_13 and t_1 (Pa) at a stress; negative inside.
