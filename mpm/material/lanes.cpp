@@ -1,9 +1,14 @@
 #include "mpm/material/lanes.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "mpm/material/lanes.cpp"
 #include <hwy/foreach_target.h>  // compiles this file once for every instruction set
 #include <hwy/highway.h>
+
+#include <hwy/contrib/math/math-inl.h>
 
 #include "mpm/lanes-inl.hpp"
 
@@ -126,18 +131,113 @@ struct Principal {
   V s[3];
 };
 
-struct Cone {
+// The cone of each lane; the elastic stiffness times the flow of a plane holds three numbers, by the place of the largest,
+// the untouched and the smallest stress of the plane.
+struct LaneCone {
+  V sin, plus, minus;            // sin phi, 1 + sin phi, 1 - sin phi
+  V cohesion, tension;           // 2 c cos phi; at J = 1
+  bool opens;                    // may a point carry tension until it opens?
+  V high, middle, low, per_hardness;  // stiffness times flow; 1 / (normal . that)
+
+  HWY_INLINE LaneCone(V sin_friction, V cohesion_term, double most_tension)
+      : sin(sin_friction),
+        plus(set(1) + sin_friction),
+        minus(set(1) - sin_friction),
+        cohesion(cohesion_term),
+        tension(set(most_tension)),
+        opens(most_tension > 0) {}
+  HWY_INLINE void set_flow(V sin_dilatancy, const Elastic& law) {
+    const V one = set(1), two_shear = set(2 * law.shear);
+    middle = set(2 * law.lambda) * sin_dilatancy;
+    high = hn::MulAdd(two_shear, one + sin_dilatancy, middle);
+    low = hn::NegMulAdd(two_shear, one - sin_dilatancy, middle);
+    per_hardness = one / hn::MulSub(plus, high, minus * low);
+  }
+  /// Is the cut-off below the apex?
+  HWY_INLINE M cut_off() const { return hn::Lt(tension * sin, set(0.5) * cohesion); }
+  HWY_INLINE V apex() const {
+    return hn::IfThenElse(hn::Gt(sin, zero()), set(0.5) * cohesion / sin, hn::Inf(D()));
+  }
+};
+
+// One cone for all points.
+struct FixedCone {
+  LaneCone cone;
+
+  HWY_INLINE FixedCone(const Elastic& law, const ConeConstants& c)
+      : cone(set(c.sin_friction), set(c.cohesion_term), c.tension) {
+    cone.set_flow(set(c.sin_dilatancy), law);
+  }
+  static HWY_INLINE bool surely_elastic(V, V, V) { return false; }
+  template <class Tile>
+  HWY_INLINE LaneCone of(const Tile&) const {
+    return cone;
+  }
+  template <class Tile>
+  HWY_INLINE void set_flow(LaneCone&, const Tile&) const {}
+};
+
+// StrengthLaw::at() of every point.
+struct ChangingCone {
   const Elastic& law;
-  const ConeConstants& c;
+  const StrengthConstants& s;
+  double tension;
+  const StressBatch& b;
+  const double* history;
+  // No strength is below this one where the greatest and the least stress are compressive together.
+  double least_sin = std::sin(s.residual_friction);
+  double least_cohesion = 2 * s.residual_cohesion * std::cos(std::max(s.friction, s.friction_low));
+
+  HWY_INLINE bool surely_elastic(V greatest, V least, V J) const {
+    const V excess = hn::MulSub(set(1 + least_sin), greatest, hn::MulAdd(set(1 - least_sin), least, set(least_cohesion) * J));
+    return hn::AllTrue(D(), hn::And(hn::And(hn::Le(excess, zero()), hn::Le(greatest + least, zero())),
+                                    hn::Le(greatest, set(tension) * J)));
+  }
+  template <class Tile>
+  HWY_INLINE V friction(const Tile& t, V left) const {
+    V peak = set(s.friction);
+    if (s.per_half > 0) {
+      const V pressure = (t.load(b.xx) + t.load(b.yy) + t.load(b.zz)) / (set(-3) * t.load(b.J));
+      peak = peak + set(s.friction_low - s.friction) /
+                        hn::MulAdd(hn::Max(zero(), pressure), set(s.per_half), set(1));
+    }
+    return hn::MulAdd(peak - set(s.residual_friction), left, set(s.residual_friction));
+  }
+  template <class Tile>
+  HWY_INLINE V left(const Tile& t) const {
+    return s.rate > 0 ? hn::Exp(D(), set(-s.rate) * t.load(history)) : set(1);
+  }
+  template <class Tile>
+  HWY_INLINE LaneCone of(const Tile& t) const {
+    const V still = left(t), sin = hn::Sin(D(), friction(t, still));
+    V cohesion = zero();
+    if (s.cohesion > 0)
+      cohesion = hn::MulAdd(set(2 * (s.cohesion - s.residual_cohesion)), still, set(2 * s.residual_cohesion)) *
+                 hn::Sqrt((set(1) - sin) * (set(1) + sin));
+    return LaneCone(sin, cohesion, tension);
+  }
+  template <class Tile>
+  HWY_INLINE void set_flow(LaneCone& cone, const Tile& t) const {
+    V sin_dilatancy = zero();
+    if (s.dilatancy > 0) {
+      const V fade = s.per_fade > 0 ? hn::Exp(D(), set(-s.per_fade) * t.load(history)) : set(1);
+      sin_dilatancy = hn::Sin(D(), hn::Min(friction(t, left(t)), set(s.dilatancy) * fade));
+    }
+    cone.set_flow(sin_dilatancy, law);
+  }
+};
+
+template <class Cones>
+struct Returning {
+  const Elastic& law;
+  const Cones& cones;
   const StressBatch& b;
   std::uint32_t* rare;
   std::size_t n = 0;
 
-  // p - amount flow; p - amount flow - more flow2.
-  static HWY_INLINE Principal less(const Principal& p, V amount, const double* flow) {
-    Principal out;
-    for (int q = 0; q < 3; ++q) out.s[q] = hn::NegMulAdd(amount, set(flow[q]), p.s[q]);
-    return out;
+  static HWY_INLINE Principal less(const Principal& p, V amount, V flow0, V flow1, V flow2) {
+    return {{hn::NegMulAdd(amount, flow0, p.s[0]), hn::NegMulAdd(amount, flow1, p.s[1]),
+             hn::NegMulAdd(amount, flow2, p.s[2])}};
   }
   static HWY_INLINE Principal choose(M m, const Principal& yes, const Principal& no) {
     return {{hn::IfThenElse(m, yes.s[0], no.s[0]), hn::IfThenElse(m, yes.s[1], no.s[1]),
@@ -145,23 +245,28 @@ struct Cone {
   }
 
   // The return of sorted trial stresses to the plane or an edge; `found`: where it is admissible.
-  HWY_INLINE Principal back(const Principal& p, V excess, V cohesion, V apex, V round_off, M& found) const {
+  static HWY_INLINE Principal back(const LaneCone& c, const Principal& p, V excess, V cohesion, V apex, V round_off,
+                                   M& found) {
     const D d;
-    const Principal plane = less(p, excess * set(c.per_hardness), c.main_flow);
+    const Principal plane = less(p, excess * c.per_hardness, c.high, c.middle, c.low);
     const V top = apex + round_off;
     found = hn::And(hn::And(hn::Ge(plane.s[0] + round_off, plane.s[1]), hn::Ge(plane.s[1] + round_off, plane.s[2])),
                     hn::Le(plane.s[0], top));
     if (hn::AllTrue(d, found)) return plane;
     Principal out = plane;
+    const V one = set(1), hardness = one / c.per_hardness;
     const M low = hn::Lt(plane.s[1], plane.s[2]);  // the middle stress has caught up with the smallest
     for (int e = 0; e < 2; ++e) {
-      const ConeConstants::Edge& edge = c.edge[e];
-      if (!edge.good) continue;
+      // The inverse of the edge's system: `own` on its diagonal, `across` beside it.
+      const V shared = e == 0 ? hn::MulSub(c.plus, c.high, c.minus * c.middle) : hn::MulSub(c.plus, c.middle, c.minus * c.low);
+      const V per = one / ((hardness - shared) * (hardness + shared)), own = hardness * per, across = hn::Neg(shared) * per;
       const V high_s = e == 0 ? p.s[0] : p.s[1], low_s = e == 0 ? p.s[1] : p.s[2];
-      const V second = hn::MulSub(set(1 + c.sin_friction), high_s, hn::MulAdd(set(1 - c.sin_friction), low_s, cohesion));
-      const V first_amount = hn::MulAdd(set(edge.inverse[0][0]), excess, set(edge.inverse[0][1]) * second);
-      const V second_amount = hn::MulAdd(set(edge.inverse[1][0]), excess, set(edge.inverse[1][1]) * second);
-      const Principal s = less(less(p, first_amount, c.main_flow), second_amount, edge.flow);
+      const V second = hn::MulSub(c.plus, high_s, hn::MulAdd(c.minus, low_s, cohesion));
+      const V first_amount = hn::MulAdd(own, excess, across * second);
+      const V second_amount = hn::MulAdd(across, excess, own * second);
+      const Principal first = less(p, first_amount, c.high, c.middle, c.low);
+      const Principal s = e == 0 ? less(first, second_amount, c.high, c.low, c.middle)
+                                 : less(first, second_amount, c.middle, c.high, c.low);
       const M sorted = hn::And(hn::Ge(s.s[0] + round_off, hn::Max(s.s[1], s.s[2])),
                                hn::Le(s.s[2], hn::Min(s.s[0], s.s[1]) + round_off));
       const M good = hn::And(hn::And(hn::And(hn::Ge(first_amount, zero()), hn::Ge(second_amount, zero())), sorted),
@@ -187,21 +292,32 @@ struct Cone {
     const M across_high = hn::Gt(zz, high), across_low = hn::Lt(zz, low);
     const Principal p{{hn::Max(high, zz), hn::IfThenElse(across_high, high, hn::IfThenElse(across_low, low, zz)),
                        hn::Min(low, zz)}};
-    const V cohesion = set(c.cohesion_term) * J;
-    const V excess = hn::MulSub(set(1 + c.sin_friction), p.s[0], hn::MulAdd(set(1 - c.sin_friction), p.s[2], cohesion));
-    M yields = hn::Gt(excess, zero()), odd = hn::Ne(t.load(b.gap), zero());
-    const V tension = set(c.tension) * J;
-    if (c.cut_off) odd = hn::Or(odd, hn::AndNot(yields, hn::Gt(p.s[0], tension)));
-    if (c.tension > 0) odd = hn::Or(odd, opened(k));
+    M odd = hn::Ne(t.load(b.gap), zero());
+    if (hn::AllFalse(d, odd) && cones.surely_elastic(p.s[0], p.s[2], J)) {
+      t.store(mean + half, b.xx);
+      t.store(mean - half, b.yy);
+      t.store(zz, b.zz);
+      t.store(xy, b.xy);
+      return;
+    }
+    LaneCone c = cones.of(t);
+    const V cohesion = c.cohesion * J;
+    const V excess = hn::MulSub(c.plus, p.s[0], hn::MulAdd(c.minus, p.s[2], cohesion));
+    M yields = hn::Gt(excess, zero());
+    const V tension = c.tension * J;
+    const M cut_off = c.cut_off();
+    odd = hn::Or(odd, hn::AndNot(yields, hn::And(cut_off, hn::Gt(p.s[0], tension))));
+    if (c.opens) odd = hn::Or(odd, opened(k));
     V new_mean = mean, new_half = half, new_zz = zz, new_xy = xy;
     yields = hn::AndNot(odd, yields);
     if (!hn::AllFalse(d, yields)) {
-      const V apex = set(c.apex) * J;
+      cones.set_flow(c, t);
+      const V apex = c.apex() * J;
       const V size = hn::Abs(p.s[0]) + hn::Abs(p.s[2]), round_off = set(1e-12) * (size + cohesion);
       M found;
-      const Principal s = back(p, excess, cohesion, apex, round_off, found);
+      const Principal s = back(c, p, excess, cohesion, apex, round_off, found);
       M accepted = found;
-      if (c.cut_off) accepted = hn::And(accepted, hn::Le(s.s[0], tension));
+      accepted = hn::AndNot(hn::And(cut_off, hn::Gt(s.s[0], tension)), accepted);
       const Principal drop{{p.s[0] - s.s[0], p.s[1] - s.s[1], p.s[2] - s.s[2]}};
       const V trace = drop.s[0] + drop.s[1] + drop.s[2];
       // Plastic strain: C^-1 drop, whose deviator is that of the drop over 2 G.
@@ -251,10 +367,20 @@ struct Cone {
   }
 };
 
-std::size_t cone(const Elastic& law, const ConeConstants& c, const StressBatch& b, std::uint32_t* rare) {
-  Cone update{law, c, b, rare};
+template <class Cones>
+HWY_INLINE std::size_t return_all(const Elastic& law, const Cones& cones, const StressBatch& b, std::uint32_t* rare) {
+  Returning<Cones> update{law, cones, b, rare};
   for_batch(b, [&](const auto& t, std::size_t k) HWY_ATTR { update.tile(t, k); });
   return update.n;
+}
+
+std::size_t cone(const Elastic& law, const ConeConstants& c, const StressBatch& b, std::uint32_t* rare) {
+  return return_all(law, FixedCone(law, c), b, rare);
+}
+
+std::size_t changing_cone(const Elastic& law, const StrengthConstants& s, double tension, const double* history,
+                          const StressBatch& b, std::uint32_t* rare) {
+  return return_all(law, ChangingCone{law, s, tension, b, history}, b, rare);
 }
 
 }  // namespace pivnp::mpm::HWY_NAMESPACE
@@ -265,6 +391,7 @@ namespace pivnp::mpm {
 
 HWY_EXPORT(hencky);
 HWY_EXPORT(cone);
+HWY_EXPORT(changing_cone);
 
 std::size_t hencky_lanes(const Elastic& elastic, const StressBatch& batch, std::uint32_t* rare) {
   return HWY_DYNAMIC_DISPATCH(hencky)(elastic, batch, rare);
@@ -272,6 +399,10 @@ std::size_t hencky_lanes(const Elastic& elastic, const StressBatch& batch, std::
 std::size_t cone_lanes(const Elastic& elastic, const ConeConstants& c, const StressBatch& batch,
                        std::uint32_t* rare) {
   return HWY_DYNAMIC_DISPATCH(cone)(elastic, c, batch, rare);
+}
+std::size_t changing_cone_lanes(const Elastic& elastic, const StrengthConstants& strength, double tension,
+                                const double* history, const StressBatch& batch, std::uint32_t* rare) {
+  return HWY_DYNAMIC_DISPATCH(changing_cone)(elastic, strength, tension, history, batch, rare);
 }
 
 }  // namespace pivnp::mpm

@@ -14,21 +14,27 @@ std::size_t hencky_lanes(const Elastic& elastic, const StressBatch& batch, std::
 
 /// The cone of MohrCoulomb and its flow, in sorted principal stresses.
 struct ConeConstants {
-  double sin_friction, cohesion_term, apex;  // 2 c cos phi; c cot phi, infinite without friction (J = 1)
-  double tension;                            // greatest tension of a point that has not opened
-  bool cut_off;                              // is it below the apex?
-  double main_flow[3], per_hardness;         // elastic stiffness times the flow of f_13; 1 / (normal . that)
-  /// Two planes at once, f_13 and [0] f_12, [1] f_23: multipliers = inverse * (f_13, f), and the second plane's flow.
-  struct Edge {
-    bool good;  // is the system regular?
-    double inverse[2][2], flow[3];
-  } edge[2];
+  double sin_friction, sin_dilatancy;
+  double cohesion_term;  // 2 c cos phi, at J = 1
+  double tension;        // greatest tension of a point that has not opened; a cut-off where it is below the apex
 };
 
 /// Elastic points, and returns to the plane f_13 or one of its edges. Points at the apex or the cut-off, and open ones,
 /// are rare.
 std::size_t cone_lanes(const Elastic& elastic, const ConeConstants& cone, const StressBatch& batch,
                        std::uint32_t* rare);
+
+/// The numbers of a StrengthLaw (strength.hpp); radians, Pa.
+struct StrengthConstants {
+  double friction, friction_low, per_half, residual_friction;
+  double cohesion, residual_cohesion, rate;
+  double dilatancy, per_fade;
+};
+
+/// The same with each point's own cone, by its history (accumulated plastic deviatoric strain) and its pressure before the
+/// step.
+std::size_t changing_cone_lanes(const Elastic& elastic, const StrengthConstants& strength, double tension,
+                                const double* history, const StressBatch& batch, std::uint32_t* rare);
 
 /// Most points that one call takes.
 constexpr std::size_t most_in_lanes = 1024;

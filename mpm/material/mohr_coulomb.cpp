@@ -192,15 +192,24 @@ void MohrCoulomb::return_point(const StressBatch& batch, std::size_t k, Stress t
   store(batch, k, {new_mean + new_radius * c2, new_mean - new_radius * c2, stress[2], new_radius * s2});
 }
 
+bool MohrCoulomb::stays_open(const Elastic& elastic, const StressBatch& batch, std::size_t k) {
+  const double left = batch.gap[k] + (batch.de_xx[k] + batch.de_yy[k] + batch.de_zz[k]);
+  if (!(batch.gap[k] > 0 && left > 0)) return false;
+  // Free of stress. (A limit above zero that was reached on opening is let go here.)
+  batch.dissipated[k] += elastic.energy(batch.xx[k], batch.yy[k], batch.zz[k], batch.xy[k]);
+  batch.gap[k] = left;
+  store(batch, k, {0, 0, 0, 0});
+  return true;
+}
+
 void MohrCoulomb::update_point(const StressBatch& batch, std::size_t k) const {
   if (batch.gap[k] == 0) return return_point(batch, k, elastic_trial(elastic_, batch, k));
+  if (stays_open(elastic_, batch, k)) return;
   const double volumetric = batch.de_xx[k] + batch.de_yy[k] + batch.de_zz[k];
   const double left = batch.gap[k] + volumetric;
-  // Open: free of stress. (A limit above zero that was reached on opening is let go here.)
   Stress trial{0, 0, 0, 0};
   batch.dissipated[k] += elastic_.energy(batch.xx[k], batch.yy[k], batch.zz[k], batch.xy[k]);
-  batch.gap[k] = std::max(0.0, left);
-  if (left > 0) return store(batch, k, trial);
+  batch.gap[k] = 0;
   // The part of the compression that is left over, and the distortion of that part of the step.
   const double share = volumetric < 0 ? left / volumetric : 0;
   add_elastic(elastic_, share * batch.de_xx[k], share * batch.de_yy[k], share * batch.de_zz[k], share * batch.de_xy[k],
@@ -217,26 +226,9 @@ void MohrCoulomb::update(const StressBatch& batch) const {
 ConeConstants MohrCoulomb::constants() const {
   ConeConstants c{};
   c.sin_friction = sin_friction_;
+  c.sin_dilatancy = sin_dilatancy_;
   c.cohesion_term = 2 * cohesion_ * cos_friction_;
-  c.apex = sin_friction_ > 0 ? cohesion_ * cos_friction_ / sin_friction_ : std::numeric_limits<double>::infinity();
   c.tension = tension_;
-  c.cut_off = tension_ < c.apex;
-  const Plane main = shear_plane(0, 2, c.cohesion_term);
-  const double hardness = dot(main.normal, main.d_flow);
-  c.per_hardness = 1 / hardness;
-  std::copy(main.d_flow.begin(), main.d_flow.end(), c.main_flow);
-  for (int e = 0; e < 2; ++e) {
-    const Plane second = e == 0 ? shear_plane(0, 1, c.cohesion_term) : shear_plane(1, 2, c.cohesion_term);
-    const double across = dot(main.normal, second.d_flow), back = dot(second.normal, main.d_flow);
-    const double own = dot(second.normal, second.d_flow), det = hardness * own - across * back;
-    c.edge[e].good = std::abs(det) > 1e-12 * hardness * hardness;
-    if (!c.edge[e].good) continue;
-    c.edge[e].inverse[0][0] = own / det;
-    c.edge[e].inverse[0][1] = -across / det;
-    c.edge[e].inverse[1][0] = -back / det;
-    c.edge[e].inverse[1][1] = hardness / det;
-    std::copy(second.d_flow.begin(), second.d_flow.end(), c.edge[e].flow);
-  }
   return c;
 }
 

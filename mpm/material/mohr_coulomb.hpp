@@ -17,6 +17,7 @@
 
 #include "mpm/material/lanes.hpp"
 #include "mpm/material/material.hpp"
+#include "mpm/material/strength.hpp"
 
 namespace pivnp::mpm {
 
@@ -25,8 +26,20 @@ class MohrCoulomb final : public Material {
   /// Angles in degrees, 0 <= dilatancy <= friction < 90; cohesion and tension in Pa.
   MohrCoulomb(const Elastic& elastic, double friction_deg, double dilatancy_deg, double cohesion_pa,
               double tension_pa);
+  /// For update_point() alone: with the strength of a point.
+  MohrCoulomb(const Elastic& elastic, const Strength& strength, double tension_pa)
+      : Material(elastic),
+        sin_friction_(strength.sin_friction),
+        cos_friction_(strength.cos_friction),
+        sin_dilatancy_(strength.sin_dilatancy),
+        cohesion_(strength.cohesion),
+        tension_(tension_pa),
+        cone_{} {}
   void update(const StressBatch& batch) const override;
-
+  /// Updates a point that is open before and after the step; else false, nothing done.
+  static bool stays_open(const Elastic& elastic, const StressBatch& batch, std::size_t k);
+  /// One point, in scalar code.
+  void update_point(const StressBatch& batch, std::size_t k) const;
   /// Largest of the yield functions f_13 and t_1 (Pa) at a stress; negative inside.
   double yield(double xx, double yy, double zz, double xy) const;
 
@@ -47,7 +60,6 @@ class MohrCoulomb final : public Material {
   Return return_with_cut_off(const Principal& trial, double cohesion_term, double tension) const;
   void return_point(const StressBatch& batch, std::size_t k, Stress trial) const;
 
-  void update_point(const StressBatch& batch, std::size_t k) const;
   ConeConstants constants() const;
 
   double sin_friction_, cos_friction_, sin_dilatancy_, cohesion_, tension_;

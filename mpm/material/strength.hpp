@@ -11,6 +11,7 @@
 // Int. J. Numer. Meth. Engng 17:327; Bazant & Oh 1983).
 #pragma once
 
+#include "mpm/material/lanes.hpp"
 #include "mpm/options.hpp"
 
 namespace pivnp::mpm {
@@ -35,6 +36,9 @@ class StrengthLaw {
     return constant_ ? initial_ : changed(history, pressure);
   }
   bool constant() const { return constant_; }
+  StrengthConstants constants() const {
+    return {friction_, friction_low_, per_half_, residual_friction_, cohesion_, residual_cohesion_, rate_, dilatancy_, per_fade_};
+  }
   double residual_friction() const { return residual_friction_; }
   double peak_cohesion() const { return cohesion_; }
 

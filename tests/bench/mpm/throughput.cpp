@@ -30,7 +30,7 @@ namespace {
 struct Kernel {
   const char *name, *shape, *transfer, *stress, *locking, *model;
   enum Motion { rest, sheared, thrown } motion;
-  const char* extra = "";  // a wall with friction
+  const char* extra = "";  // a wall with friction, a softening material
 };
 
 // sheared: the block flows sideways so that sand yields; thrown: it flies through the box at a tenth of the wave speed.
@@ -51,6 +51,12 @@ const Kernel kernels[] = {
     {"bilinear musl fbar elastic", "bilinear", "flip", "musl", "fbar", "linear_elastic", Kernel::rest},
     {"gimp musl elastic", "gimp", "flip", "musl", "none", "linear_elastic", Kernel::rest},
     {"bspline xpic elastic", "bspline", "xpic", "usl", "none", "linear_elastic", Kernel::rest},
+    {"bilinear musl softening yielding", "bilinear", "flip", "musl", "none", "mohr_coulomb", Kernel::sheared, "softening"},
+    {"bilinear musl softening moving", "bilinear", "flip", "musl", "none", "mohr_coulomb", Kernel::thrown, "softening"},
+    {"bspline apic softening yielding", "bspline", "apic", "usl", "none", "mohr_coulomb", Kernel::sheared, "softening"},
+    {"bspline apic softening moving", "bspline", "apic", "usl", "none", "mohr_coulomb", Kernel::thrown, "softening"},
+    {"bspline apic substepping", "bspline", "apic", "usl", "none", "mohr_coulomb_smooth", Kernel::sheared, "softening"},
+    {"bspline apic fbar sleeping", "bspline", "apic", "usl", "fbar", "linear_elastic", Kernel::rest, "sleeping"},
     {"default elastic friction", "bspline", "apic", "usl", "fbar", "linear_elastic", Kernel::rest, "friction"},
 };
 
@@ -65,6 +71,10 @@ mpm::Scene column(int cells, const Kernel& kernel) {
   m.young_pa = 1e6;
   m.density_kg_m3 = 2000;
   m.friction_deg = 20;
+  if (std::string(kernel.extra) == "softening") {
+    m.friction_residual_deg = 15;
+    m.softening_shape = 10;
+  }
   scene.materials = {m};
   mpm::BoundaryOptions base, left, right;
   base.line_m = {{0, 0}, {2, 0}};
@@ -117,6 +127,7 @@ Run measure(const Kernel& kernel, int cells, int threads) {
   options.stress_update = kernel.stress;
   options.locking = kernel.locking;
   if (kernel.motion == Kernel::thrown) options.gravity_m_s2 = {0, 0};
+  if (kernel.extra == std::string("sleeping")) options.sleep_below_m_s = 1e-9;  // on, and nothing falls asleep
   mpm::Solver solver(options, column(cells, kernel), threads);
   SilentProgress silent;
   const double dt = solver.stable_step(), n = double(solver.particles().size());
@@ -199,7 +210,7 @@ struct Work {
 };
 Work work_of(const Kernel& k) {
   const auto is = [](const char* a, const char* b) { return std::string(a) == b; };
-  const bool spline = !is(k.shape, "bilinear"), affine = is(k.transfer, "apic"), sand = is(k.model, "mohr_coulomb");
+  const bool spline = !is(k.shape, "bilinear"), affine = is(k.transfer, "apic"), sand = !is(k.model, "linear_elastic");
   Work w{32, 6};                                                // places: x, y; xi, eta
   const auto add = [&](double bytes, double flops) { w.bytes += bytes, w.flops += flops; };
   add(72, spline ? 170 : 75);                                   // map: xi, eta, m, V0, v, three stresses
@@ -244,7 +255,7 @@ int main(int argc, char** argv) {
   const double cached = bench::update_rate(4 << 20), memory = bench::update_rate(256 << 20), flops = bench::flop_rate();
   std::printf("one thread now: updates in place %.0f GB/s in 4 MiB, %.0f GB/s in 256 MiB; %.0f GFlop/s with four lanes\n", cached,
               memory, flops);
-  std::printf("%-30s %9s %9s %6s %9s  %14s  %16s %18s\n", "kernel", "particles", "yielding", "fill", "movers",
+  std::printf("%-33s %9s %9s %6s %9s  %14s  %16s %18s\n", "kernel", "particles", "yielding", "fill", "movers",
               "M/s, 1, 2 thr.", "bytes (of limit)", "flops (of limit)");
   for (const Kernel& kernel : kernels) {
     bool wanted = words.empty();
@@ -262,7 +273,7 @@ int main(int argc, char** argv) {
       const Work work = work_of(kernel);
       const double limit = 250.0 * state_size(cells) < 16 << 20 ? cached : memory, rate = median(one);
       const double of_bytes = rate * work.bytes / 1e3 / limit, of_flops = flops > 0 ? rate * work.flops / 1e3 / flops : 0;
-      std::printf("%-30s %9d %8.0f%% %6.2f %8.2f%%  %6.1f %6.1f   %6.0f (%3.0f %%)  %7.0f (%3.0f %%)  %s\n", kernel.name,
+      std::printf("%-33s %9d %8.0f%% %6.2f %8.2f%%  %6.1f %6.1f   %6.0f (%3.0f %%)  %7.0f (%3.0f %%)  %s\n", kernel.name,
                   4 * cells * cells, 100 * state.yielding, state.fill, 100 * state.movers, rate,
                   most > 1 ? median(two) : 0.0, work.bytes, 100 * of_bytes, work.flops, 100 * of_flops,
                   of_bytes > 0.7 ? "memory" : of_flops > 0.7 ? "arithmetic" : "issue and latency");

@@ -167,6 +167,23 @@ INSTANTIATE_TEST_SUITE_P(All, InLanes,
                                          std::tuple{ShapeKind::bspline, TransferKind::flip},
                                          std::tuple{ShapeKind::bspline, TransferKind::apic}));
 
+// A changing strength point by point: what VariableMohrCoulomb does in lanes.
+class InScalarCode final : public Material {
+ public:
+  explicit InScalarCode(const MaterialOptions& o)
+      : Material(Elastic(o.young_pa, o.poisson)), strength_(o, "material.a", 0.1), tension_(o.tension_pa) {}
+  void update(const StressBatch& b) const override {
+    for (std::size_t k = 0; k < b.size; ++k) {
+      const double pressure = -(b.xx[k] + b.yy[k] + b.zz[k]) / (3 * b.J[k]);
+      MohrCoulomb(elastic_, strength_.at(b.plastic_dev[k], pressure), tension_).update_point(b, k);
+    }
+  }
+
+ private:
+  StrengthLaw strength_;
+  double tension_;
+};
+
 // A batch in lanes is what its points are one by one, whatever lanes they are in.
 TEST(Lanes, ABatchIsItsPoints) {
   const auto advance = [](const Material& law, std::size_t n, bool together, std::vector<double>& out) {
@@ -200,11 +217,26 @@ TEST(Lanes, ABatchIsItsPoints) {
   laws.push_back(std::make_unique<MohrCoulomb>(stiffness, 30, 0, 0, 0));
   laws.push_back(std::make_unique<MohrCoulomb>(stiffness, 35, 10, 2000, 500));
   laws.push_back(std::make_unique<MohrCoulomb>(stiffness, 0, 0, 3000, 1e300));
-  for (const auto& law : laws)
+  std::vector<std::unique_ptr<Material>> plain(laws.size());
+  MaterialOptions soft = sand(40, 1e7);
+  soft.friction_residual_deg = 25;
+  soft.softening_shape = 20;
+  laws.push_back(make_material(soft, "material.b", 0.1));
+  plain.push_back(std::make_unique<InScalarCode>(soft));
+  soft.cohesion_pa = 3000;
+  soft.cohesion_residual_pa = 500;
+  soft.tension_pa = 400;
+  soft.dilatancy_deg = 12;
+  soft.dilatancy_fade = 0.05;
+  soft.friction_low_stress_deg = 48;
+  soft.friction_half_pa = 5000;
+  laws.push_back(make_material(soft, "material.c", 0.1));
+  plain.push_back(std::make_unique<InScalarCode>(soft));
+  for (std::size_t l = 0; l < laws.size(); ++l)
     on_every_target([&] {
       std::vector<double> all, each;
-      advance(*law, 37, true, all);
-      advance(*law, 37, false, each);
+      advance(*laws[l], 37, true, all);
+      advance(plain[l] ? *plain[l] : *laws[l], 37, false, each);
       double scale = 0;
       for (std::size_t k = 0; k < 4 * 37; ++k) scale = std::max(scale, std::abs(each[k]));
       for (std::size_t k = 0; k < all.size(); ++k) ASSERT_NEAR(all[k], each[k], 1e-10 * scale) << k;
