@@ -37,6 +37,19 @@ void average_plain(const ImageView& image, int decimation, int row, int width, f
   }
 }
 
+// Sum of the usable pixels of one block.
+template <class Grey>
+float usable_sum(const ImageView& image, const MaskView& mask, int decimation, int row, int column) {
+  float sum = 0;
+  for (int dr = 0; dr < decimation; ++dr) {
+    const int r = row * decimation + dr;
+    const Grey* in = image.row<Grey>(r) + column * decimation;
+    for (int dc = 0; dc < decimation; ++dc)
+      sum += mask.usable(column * decimation + dc, r) ? static_cast<float>(in[dc]) : 0.0f;
+  }
+  return sum;
+}
+
 template <class Grey>
 void average_row(const ImageView& image, const MaskView& mask, int decimation, int row, int width, float* out) {
   if (decimation == 1) {
@@ -46,19 +59,23 @@ void average_row(const ImageView& image, const MaskView& mask, int decimation, i
   }
   average_plain<Grey>(image, decimation, row, width, out);
   if (mask.data == nullptr) return;
-  for (int c = 0; c < width; ++c) {
-    float sum = 0;
-    int usable = 0;
+  constexpr int most = 512;  // columns at a time
+  std::array<std::uint16_t, most> usable_rows;
+  const int blocks = most / decimation;
+  for (int first = 0; first < width; first += blocks) {
+    const int end = std::min(first + blocks, width), columns = (end - first) * decimation;
+    std::fill_n(usable_rows.begin(), columns, std::uint16_t{0});
     for (int dr = 0; dr < decimation; ++dr) {
-      const int r = row * decimation + dr;
-      const Grey* in = image.row<Grey>(r) + c * decimation;
-      for (int dc = 0; dc < decimation; ++dc) {
-        const bool use = mask.usable(c * decimation + dc, r);
-        usable += use;
-        sum += use ? static_cast<float>(in[dc]) : 0.0f;
-      }
+      const std::uint8_t* in =
+          mask.data + std::ptrdiff_t(row * decimation + dr) * mask.stride + std::ptrdiff_t(first) * decimation;
+      for (int k = 0; k < columns; ++k) usable_rows[std::size_t(k)] += in[k] != 0;
     }
-    if (usable > 0 && usable < decimation * decimation) out[c] = sum / static_cast<float>(usable);
+    for (int c = first; c < end; ++c) {
+      int usable = 0;
+      for (int k = 0; k < decimation; ++k) usable += usable_rows[std::size_t((c - first) * decimation + k)];
+      if (usable > 0 && usable < decimation * decimation)
+        out[c] = usable_sum<Grey>(image, mask, decimation, row, c) / static_cast<float>(usable);
+    }
   }
 }
 
