@@ -36,8 +36,7 @@ struct FloatTag {
   using Vector = Float4;
 };
 template <class T, std::size_t most>
-  requires(most >= 4)
-using CappedTag = FloatTag;
+requires(most >= 4) using CappedTag = FloatTag;
 template <class D>
 using Vec = typename D::Vector;
 template <class V>

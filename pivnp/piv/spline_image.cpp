@@ -5,51 +5,11 @@
 #include <cassert>
 #include <cmath>
 
+#include "pivnp/piv/prefilter.hpp"
+
 namespace pivnp::piv {
 
 namespace {
-
-constexpr std::array<float, 2> poles = {-0.430575347099973f, -0.0430962882032647f};
-constexpr int most_lanes = 64;
-constexpr float prefilter_gain = 120.0f;  // product of (1 - z)(1 - 1/z) over the poles
-
-// Prefilters `lanes` lines side by side: sample k of line l is data[k * stride + l]. Mirror boundaries.
-void prefilter_lines(float* data, int samples, std::ptrdiff_t stride, int lanes, float smoothing) {
-  if (samples < 2) return;  // a single sample: a constant line, whose coefficients are its values
-  const auto line = [&](int k) { return data + k * stride; };
-  const float side = smoothing * prefilter_gain, middle = (1 - 2 * smoothing) * prefilter_gain;
-  std::array<float, most_lanes> previous;
-  std::copy_n(line(1), lanes, previous.begin());
-  for (int k = 0; k < samples; ++k) {
-    float* now = line(k);
-    const float* after = line(k + 1 < samples ? k + 1 : samples - 2);
-    for (int l = 0; l < lanes; ++l) {
-      const float value = now[l];
-      // Behind the last sample the mirror shows the one before it, already kept in `previous`.
-      const float next = k + 1 < samples ? after[l] : previous[std::size_t(l)];
-      now[l] = middle * value + side * (previous[std::size_t(l)] + next);
-      previous[std::size_t(l)] = value;
-    }
-  }
-  for (const float z : poles) {
-    constexpr int horizon = 20;  // |z|^20 < 5e-8
-    float power = z;
-    for (int k = 1; k < std::min(samples, horizon); ++k, power *= z)
-      for (int l = 0; l < lanes; ++l) line(0)[l] += power * line(k)[l];
-    for (int k = 1; k < samples; ++k) {
-      float* now = line(k);
-      const float* before = line(k - 1);
-      for (int l = 0; l < lanes; ++l) now[l] += z * before[l];
-    }
-    const float last = z / (z * z - 1);
-    for (int l = 0; l < lanes; ++l) line(samples - 1)[l] = last * (line(samples - 1)[l] + z * line(samples - 2)[l]);
-    for (int k = samples - 2; k >= 0; --k) {
-      float* now = line(k);
-      const float* after = line(k + 1);
-      for (int l = 0; l < lanes; ++l) now[l] = z * (after[l] - now[l]);
-    }
-  }
-}
 
 // Means of blocks of pixels that may all be used: rows first, side by side, then along them.
 template <class Grey>
@@ -77,6 +37,19 @@ void average_plain(const ImageView& image, int decimation, int row, int width, f
   }
 }
 
+// Sum of the usable pixels of one block.
+template <class Grey>
+float usable_sum(const ImageView& image, const MaskView& mask, int decimation, int row, int column) {
+  float sum = 0;
+  for (int dr = 0; dr < decimation; ++dr) {
+    const int r = row * decimation + dr;
+    const Grey* in = image.row<Grey>(r) + column * decimation;
+    for (int dc = 0; dc < decimation; ++dc)
+      sum += mask.usable(column * decimation + dc, r) ? static_cast<float>(in[dc]) : 0.0f;
+  }
+  return sum;
+}
+
 template <class Grey>
 void average_row(const ImageView& image, const MaskView& mask, int decimation, int row, int width, float* out) {
   if (decimation == 1) {
@@ -86,19 +59,23 @@ void average_row(const ImageView& image, const MaskView& mask, int decimation, i
   }
   average_plain<Grey>(image, decimation, row, width, out);
   if (mask.data == nullptr) return;
-  for (int c = 0; c < width; ++c) {
-    float sum = 0;
-    int usable = 0;
+  constexpr int most = 512;  // columns at a time
+  std::array<std::uint16_t, most> usable_rows;
+  const int blocks = most / decimation;
+  for (int first = 0; first < width; first += blocks) {
+    const int end = std::min(first + blocks, width), columns = (end - first) * decimation;
+    std::fill_n(usable_rows.begin(), columns, std::uint16_t{0});
     for (int dr = 0; dr < decimation; ++dr) {
-      const int r = row * decimation + dr;
-      const Grey* in = image.row<Grey>(r) + c * decimation;
-      for (int dc = 0; dc < decimation; ++dc) {
-        const bool use = mask.usable(c * decimation + dc, r);
-        usable += use;
-        sum += use ? static_cast<float>(in[dc]) : 0.0f;
-      }
+      const std::uint8_t* in =
+          mask.data + std::ptrdiff_t(row * decimation + dr) * mask.stride + std::ptrdiff_t(first) * decimation;
+      for (int k = 0; k < columns; ++k) usable_rows[std::size_t(k)] += in[k] != 0;
     }
-    if (usable > 0 && usable < decimation * decimation) out[c] = sum / static_cast<float>(usable);
+    for (int c = first; c < end; ++c) {
+      int usable = 0;
+      for (int k = 0; k < decimation; ++k) usable += usable_rows[std::size_t((c - first) * decimation + k)];
+      if (usable > 0 && usable < decimation * decimation)
+        out[c] = usable_sum<Grey>(image, mask, decimation, row, c) / static_cast<float>(usable);
+    }
   }
 }
 
@@ -178,23 +155,23 @@ void SplineImage::average(const ImageView& image, const MaskView& mask, int deci
   }
 }
 
+// The padding right of the image and below it is written too; mirroring fills it afterwards.
 void SplineImage::prefilter(int threads, float smoothing) {
-  constexpr int column_lanes = most_lanes, row_lanes = 8;
+  constexpr int column_lanes = 4 * prefilter_lanes, row_lanes = 2 * prefilter_lanes;
+  const int columns = (width_ + prefilter_lanes - 1) / prefilter_lanes * prefilter_lanes;
 #pragma omp parallel for num_threads(threads) schedule(static)
-  for (int c = 0; c < width_; c += column_lanes)
-    prefilter_lines(pixel(c, 0), height_, stride_, std::min(column_lanes, width_ - c), smoothing);
+  for (int c = 0; c < columns; c += column_lanes)
+    prefilter_lines(pixel(c, 0), height_, stride_, std::min(column_lanes, columns - c), smoothing);
 
 #pragma omp parallel num_threads(threads)
   {
-    std::vector<float> lines(std::size_t(width_) * row_lanes);  // transposed, so that eight rows advance together
+    std::vector<float> lines(std::size_t(width_ + 3) * row_lanes);  // transposed, so that rows advance together
 #pragma omp for schedule(static)
     for (int r = 0; r < height_; r += row_lanes) {
-      const int lanes = std::min(row_lanes, height_ - r);
-      for (int l = 0; l < lanes; ++l)
-        for (int c = 0; c < width_; ++c) lines[std::size_t(c * row_lanes + l)] = pixel(c, r + l)[0];
+      const int rows = std::min(row_lanes, height_ - r);
+      transpose_rows(pixel(0, r), stride_, rows, width_, row_lanes, lines.data());
       prefilter_lines(lines.data(), width_, row_lanes, row_lanes, smoothing);
-      for (int l = 0; l < lanes; ++l)
-        for (int c = 0; c < width_; ++c) pixel(c, r + l)[0] = lines[std::size_t(c * row_lanes + l)];
+      transpose_back(lines.data(), row_lanes, rows, width_, stride_, pixel(0, r));
     }
   }
 }

@@ -101,9 +101,8 @@ template <bool whole, bool with_mask>
 HWY_INLINE CutSums cut_rows(const WindowCut& in) {
   const int columns = padded_columns(in.side);
   CutSums out{};
-  by_columns(columns, [&](auto vectors, int k) HWY_ATTR {
-    add_moments<decltype(vectors)::value, whole, with_mask>(in, k, out);
-  });
+  by_columns(columns, [&](auto vectors, int k)
+                          HWY_ATTR { add_moments<decltype(vectors)::value, whole, with_mask>(in, k, out); });
   if constexpr (whole) out.weight = in.whole_weight;
   const float mean_f = out.weight > 0 ? out.f / out.weight : 0.0f, mean_g = out.weight > 0 ? out.g / out.weight : 0.0f;
   for (int r = 0; r < in.side; ++r) {
@@ -111,9 +110,8 @@ HWY_INLINE CutSums cut_rows(const WindowCut& in) {
     for (float* plane : {in.a, in.b, in.weight})
       if (plane != nullptr) std::fill_n(plane + r * in.stride, columns, 0.0f);
   }
-  by_columns(columns, [&](auto vectors, int k) HWY_ATTR {
-    write_columns<decltype(vectors)::value, whole>(in, k, mean_f, mean_g, out);
-  });
+  by_columns(columns, [&](auto vectors, int k)
+                          HWY_ATTR { write_columns<decltype(vectors)::value, whole>(in, k, mean_f, mean_g, out); });
   return out;
 }
 

@@ -267,7 +267,8 @@ void draw_whole(Sheet& sheet, const std::vector<Entry>& entries, const std::vect
   QCPAxisRect* panel = sheet.panel(x, y, width, height);
   logarithmic(panel->axis(QCPAxis::atBottom), fastest, slowest, "time per vector (µs)");
   logarithmic(panel->axis(QCPAxis::atLeft), lower, upper, "error / what is asked");
-  sheet.text(x, y - 8, qt("All " + std::to_string(rows) + " rows of the table"), Qt::AlignLeft | Qt::AlignTop, 9, true);
+  sheet.text(x, y - 8, qt("The table's " + std::to_string(rows) + " rows that others were measured on"),
+             Qt::AlignLeft | Qt::AlignTop, 9, true);
   sheet.text(x + width, y - 7.5, "symbol: geometric mean of the rows; line: up to the worst row",
              Qt::AlignRight | Qt::AlignTop, small_text, false, faint);
   draw_decades(sheet, panel, lower, upper);
@@ -328,9 +329,11 @@ void draw_notes(Sheet& sheet, double y) {
   const char* notes[] = {
       "Dashed: the front; nothing is both quicker and more accurate. Colours: pivnp, over valid vectors; grey: other "
       "programs, over all",
-      "vectors they returned, rows that they fail left out in their favour. One thread, the same images, 1024 x 1024 px, "
+      "vectors they returned, rows that they fail left out in their favour. One thread, the same images, 1024 x 1024 "
+      "px, "
       "nodes 8 px apart;",
-      "windows of 32 px unless named. Noise and loss rows move evenly: larger windows gain there what they lose in bands "
+      "windows of 32 px unless named. Noise and loss rows move evenly: larger windows gain there what they lose in "
+      "bands "
       "and waves."};
   for (const char* note : notes) sheet.text(17, y += 3.9, note, Qt::AlignLeft | Qt::AlignTop, 6.5, false, faint);
 }

@@ -25,7 +25,7 @@ const char* usage =
     "  --real (instead of the table: real and published images, folder in the environment's PIVNP_TEST_DATA)\n"
     "  --speed (instead of the table: threads, masks, sizes, memory, instruction sets, 12-megapixel pairs, the "
     "machine)\n"
-    "  --stages (instead of the table: operations and bytes of the default's stages against the machine's roofline)\n"
+    "  --stages (instead of the table: operations and bytes of the methods' stages against the machine's roofline)\n"
     "  --texture blobs|soil  --blob PX (3)  --density N (0.05; soil 0.2)  --blur PX (0)  --bits 8|12|16\n";
 
 std::vector<std::string> split(const std::string& text) {
