@@ -5,6 +5,7 @@
 
 #include "apps/report/figure_parts.hpp"
 #include "apps/report/figures.hpp"
+#include "apps/report/side_words.hpp"
 #include "apps/report/words.hpp"
 
 namespace pivnp::report {
@@ -57,8 +58,8 @@ std::optional<Figure> decomposition_figure(const Content& content) {
     const double margin = most > least ? 0.06 * (most - least) : 1;
     const double low = (least - margin) * unit.factor, high = (most + margin) * unit.factor;
     QCPAxisRect* panel = sheet->panel(left + double(k) * (side + gap), head, side, side);
-    set_axis(panel->axis(QCPAxis::atBottom), low, high, axis_label(qt("s measured, " + c.words), unit.name), 3);
-    set_axis(panel->axis(QCPAxis::atLeft), low, high, axis_label("s simulated", unit.name), 3);
+    set_axis(panel->axis(QCPAxis::atBottom), low, high, axis_label(qt(in_sides(content, "s measured, ") + c.words), unit.name), 3);
+    set_axis(panel->axis(QCPAxis::atLeft), low, high, axis_label(qt(in_sides(content, "s simulated")), unit.name), 3);
     const double two = 2 * c.uncertainty * unit.factor;
     band(*sheet, panel, {low, high}, {low - two, high - two}, {low + two, high + two}, ink, 45);
     curve(*sheet, panel, {low, high}, {low, high}, pen(faint, 0.7));
@@ -78,9 +79,20 @@ std::optional<Figure> decomposition_figure(const Content& content) {
   return Figure{
       "decomposition",
       "Coefficients of both sides at the last compared time, by polynomials orthonormal on the material (CEN CWA "
-      "16799). Grey: twice the measured coefficients\u2019 uncertainty about equality.",
+      "16799). Grey: twice the " + in_sides(content, "measured") + " coefficients\u2019 uncertainty about equality.",
       sheet};
 }
+
+namespace {
+
+// "front of history=FILE" -> "front".
+std::string curve_name(const std::string& definition) {
+  for (const char* end : {" of history=", " of front=", " of front_left="})
+    if (const std::size_t at = definition.find(end); at != std::string::npos) return definition.substr(0, at);
+  return definition;
+}
+
+}  // namespace
 
 std::optional<Figure> compared_curves_figure(const Content& content) {
   if (!content.comparison) return std::nullopt;
@@ -115,8 +127,9 @@ std::optional<Figure> compared_curves_figure(const Content& content) {
   curve(*sheet, panel, first->columns[0].values, scaled(first->columns[1].values), pen(ink, 1.2));
   curve(*sheet, panel, second->columns[0].values, scaled(second->columns[1].values),
         pen(vermilion, 1.2, Qt::DashLine));
-  const double next = draw_key(*sheet, x, 3, Key::line, ink, "first");
-  draw_key(*sheet, next, 3, Key::dashed, vermilion, "second");
+  const std::string one = curve_name(first->definition), two = curve_name(second->definition);
+  const double next = draw_key(*sheet, x, 3, Key::line, ink, qt("first: " + one));
+  draw_key(*sheet, next, 3, Key::dashed, vermilion, qt("second: " + two));
   return Figure{"curves", "The two histories. First: " + first->definition + ". Second: " + second->definition + ".",
                 sheet};
 }

@@ -6,6 +6,7 @@
 
 #include "apps/report/figure_parts.hpp"
 #include "apps/report/figures.hpp"
+#include "apps/report/side_words.hpp"
 #include "apps/report/words.hpp"
 
 namespace pivnp::report {
@@ -147,11 +148,11 @@ std::optional<Figure> history_figure(const Content& content, const std::vector<V
   }
   double next = x;
   if (!measured.empty()) {
-    next = draw_key(*sheet, next, 3, Key::circle, ink, "measured", 3);
+    next = draw_key(*sheet, next, 3, Key::circle, ink, qt(in_sides(content, "measured")), 3);
     if (greatest_sigma > 0)
-      next = draw_key(*sheet, next, 3, Key::band, ink, QString::fromUtf8("\u00b12\u03c3 of the measurement"));
+      next = draw_key(*sheet, next, 3, Key::band, ink, qt(in_sides(content, "\u00b12\u03c3 of the measurement")));
   }
-  if (!simulated.empty()) draw_key(*sheet, next, 3, Key::line, ink, "simulated");
+  if (!simulated.empty()) draw_key(*sheet, next, 3, Key::line, ink, qt(in_sides(content, "simulated")));
   draw_key_map(*sheet, content, points, 132, y, 36, 48);
 
   std::string caption =
@@ -167,7 +168,7 @@ std::optional<Figure> history_figure(const Content& content, const std::vector<V
     caption += ".";
   }
   caption += " A curve that stops: the point was followed no further.";
-  return Figure{"histories", caption, sheet};
+  return Figure{"histories", in_sides(content, caption), sheet};
 }
 
 std::optional<Figure> difference_figure(const Content& content, const DifferenceHistory& d) {
@@ -214,7 +215,7 @@ std::optional<Figure> difference_figure(const Content& content, const Difference
   double next = draw_key(*sheet, x, 3, Key::line, blue, "RMS");
   next = draw_key(*sheet, next, 3, Key::dashed, sky, "median");
   if (known)
-    draw_key(*sheet, next, 3, Key::band, ink, QString::fromUtf8("measurement\u2019s own standard uncertainty (RMS)"));
+    draw_key(*sheet, next, 3, Key::band, ink, qt(in_sides(content, "measurement\u2019s own standard uncertainty (RMS)")));
   std::string caption =
       "Difference of displacement, simulated minus measured, over the compared particles against time.";
   caption += known ? " Grey: what the measurement itself is uncertain by (random error, one standard deviation); a "
@@ -222,7 +223,7 @@ std::optional<Figure> difference_figure(const Content& content, const Difference
                      "has no meaning."
                    : " The measurement states no uncertainty.";
   if (log) caption += " Logarithmic scale.";
-  return Figure{"difference", caption, sheet};
+  return Figure{"difference", in_sides(content, caption), sheet};
 }
 
 std::optional<Figure> outline_figure(const Content& content) {
@@ -255,10 +256,11 @@ std::optional<Figure> outline_figure(const Content& content) {
     p.setBrush(Qt::NoBrush);
     p.drawPath(path(second));
   });
-  double next = draw_key(*sheet, x, 3, Key::line, ink, "measured");
-  draw_key(*sheet, next, 3, Key::dashed, vermilion, "simulated");
+  double next = draw_key(*sheet, x, 3, Key::line, ink, qt(in_sides(content, "measured")));
+  draw_key(*sheet, next, 3, Key::dashed, vermilion, qt(in_sides(content, "simulated")));
   return Figure{"outline",
-                "Outline of the material at the last compared time: measured (filled) and simulated (dashed).", sheet};
+                in_sides(content, "Outline of the material at the last compared time: measured (filled) and simulated (dashed)."),
+                sheet};
 }
 
 std::optional<Figure> energy_figure(const Content& content) {

@@ -5,6 +5,7 @@
 
 #include "apps/report/figure_parts.hpp"
 #include "apps/report/figures.hpp"
+#include "apps/report/side_words.hpp"
 #include "apps/report/words.hpp"
 #include "pivnp/core/particles/derived.hpp"
 
@@ -106,6 +107,7 @@ std::string caption(const Fields& f, const std::string& field, std::size_t colum
                         "red: more)."
                       : ".");
   text += " Particles are drawn where they are at each time, as their deformed squares.";
+  text = in_sides(content, text);
   if (f.ended > 0) text += " Pale grey: particles no longer followed, at their last place.";
   if (columns == 3) text += " Darker grey in the right column: no partner to compare with.";
   if (f.doubtful > 0) text += " Doubtful particles are shown like all others.";
@@ -168,7 +170,7 @@ std::optional<Figure> field_figure(const Content& content, const std::string& fi
       sheet->text(x + 6, y - 0.8, "t = " + qt(plain(cells[n].time) + unit_suffix(content.time_unit)),
                   Qt::AlignLeft | Qt::AlignBottom, normal_text);
     if (row == 0 && !along)
-      sheet->text(x + w / 2, 0.8, qt(column_words(cells[n].column)), Qt::AlignHCenter | Qt::AlignTop, normal_text + 0.5,
+      sheet->text(x + w / 2, 0.8, qt(in_sides(content, column_words(cells[n].column))), Qt::AlignHCenter | Qt::AlignTop, normal_text + 0.5,
                   true);
   }
 

@@ -9,6 +9,7 @@
 #include "apps/report/figures.hpp"
 #include "apps/report/summary.hpp"
 #include "apps/report/versions.hpp"
+#include "apps/report/side_words.hpp"
 #include "apps/report/words.hpp"
 
 namespace pivnp::report {
@@ -39,31 +40,31 @@ bool leading(const Metric& m) {
   return names.contains(m.name) || m.verdict.ends_with("limit");
 }
 
-Table leading_table(const std::vector<Metric>& metrics) {
+Table leading_table(const Content& content) {
   Table t;
-  t.caption = "Metrics, simulated minus measured; \u00b1: standard uncertainty of the value. All metrics and their "
-              "definitions stand at the end of the report.";
+  t.caption = in_sides(content, "Metrics, simulated minus measured; \u00b1: standard uncertainty of the value. All "
+                                "metrics and their definitions stand at the end of the report.");
   t.head = {"Metric", "Value", "Unit", "Verdict"};
   t.width = {0.44, 0.22, 0.06, 0.28};
   t.align = {'l', 'r', 'l', 'l'};
-  for (const Metric& m : metrics)
+  for (const Metric& m : content.comparison->metrics)
     if (leading(m))
-      t.rows.push_back({metric_words(m.name), value_with_uncertainty(m.value, m.uncertainty),
+      t.rows.push_back({in_sides(content, metric_words(m.name)), value_with_uncertainty(m.value, m.uncertainty),
                         m.unit == "1" ? "" : m.unit, m.verdict});
   return t;
 }
 
-Table metrics_table(const std::vector<Metric>& metrics) {
+Table metrics_table(const Content& content) {
   Table t;
-  t.caption =
-      "Metrics of the comparison with their definitions, under the names of the record; first: measured, second: "
-      "simulated. \u00b1: standard uncertainty of the value.";
+  t.caption = "Metrics of the comparison with their definitions, under the names of the record" +
+              std::string(like_with_like(content) ? "" : "; first: measured, second: simulated") +
+              ". \u00b1: standard uncertainty of the value.";
   t.head = {"Metric", "Value", "Unit", "Verdict"};
   t.width = {0.44, 0.22, 0.06, 0.28};
   t.align = {'l', 'r', 'l', 'l'};
-  for (const Metric& m : metrics) {
-    t.rows.push_back({metric_words(m.name), value_with_uncertainty(m.value, m.uncertainty), m.unit == "1" ? "" : m.unit,
-                      m.verdict});
+  for (const Metric& m : content.comparison->metrics) {
+    t.rows.push_back({in_sides(content, metric_words(m.name)), value_with_uncertainty(m.value, m.uncertainty),
+                      m.unit == "1" ? "" : m.unit, m.verdict});
     t.notes.push_back(m.name + ": " + m.definition);
   }
   return t;
@@ -76,7 +77,8 @@ std::optional<Table> ends_table(const Content& content) {
   t.width = {0.12, 0.38, 0.12, 0.1, 0.09, 0.09, 0.1};
   t.align = {'l', 'l', 'r', 'r', 'r', 'r', 'r'};
   for (const auto& [motion, side] :
-       {std::pair{content.measured.get(), "measured"}, {content.simulated.get(), "simulated"}}) {
+       {std::pair{content.measured.get(), in_sides(content, "measured")},
+        {content.simulated.get(), in_sides(content, "simulated")}}) {
     if (motion == nullptr) continue;
     for (const Ends& e : ends_by_reason(motion->particles()))
       t.rows.push_back({side, words(e.reason), std::to_string(e.particles),
@@ -124,7 +126,8 @@ void comparison_section(Builder& b, const ReportOptions& options, const Content&
     return;
   }
   b.heading(1, content.comparison ? "Comparison" : "Motion");
-  if (content.comparison && !content.comparison->metrics.empty()) b.add(leading_table(content.comparison->metrics));
+  if (content.comparison && !content.comparison->metrics.empty()) 
+    b.add(leading_table(content));
   const std::vector<double> times = chosen_times(options, content);
   // In this order tall and low figures share pages.
   for (std::size_t k = 0; k < std::max<std::size_t>(2, options.fields_drawn.size()); ++k) {
@@ -188,7 +191,7 @@ Document make_document(const ReportOptions& options, const Content& content) {
   b.document.title = options.title.empty() ? content.name : options.title;
   if (b.document.title.empty()) b.document.title = "Report";
   b.document.subtitle = content.comparison && !content.measured && !content.simulated ? "Two histories compared"
-                        : content.comparison                      ? "Measurement and simulation compared"
+                        : content.comparison                      ? in_sides(content, "Measurement and simulation compared")
                         : content.measured && content.simulated ? "Measurement and simulation"
                         : content.simulated                     ? "Simulation"
                                                                 : "Measurement";
@@ -208,7 +211,7 @@ Document make_document(const ReportOptions& options, const Content& content) {
   flags_section(b, content, pairs);
   if (content.comparison && !content.comparison->metrics.empty()) {
     b.heading(1, "All metrics");
-    b.add(metrics_table(content.comparison->metrics));
+    b.add(metrics_table(content));
   }
   appendix(b, content);
   return std::move(b.document);

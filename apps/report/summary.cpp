@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "apps/report/side_words.hpp"
 #include "apps/report/words.hpp"
 #include "pivnp/core/particles/derived.hpp"
 
@@ -53,8 +54,7 @@ std::string displacement_sentence(const Metric& rms) {
            number(2 * rms.uncertainty, 2) + unit_suffix(rms.unit) + " would not be seen.";
   return text + "This is " + number(ratio, 2) +
          " times its standard uncertainty u_val: the two motions are distinguishable, "
-         "and the measurement is not what "
-         "limits the comparison.";
+         "and the measurement is not what limits the comparison.";
 }
 
 std::string strain_sentence(const Metric& rms) {
@@ -129,7 +129,8 @@ std::string verdict(const Content& content, const std::vector<PairQuality>& pair
   std::string text;
   if (content.comparison) {
     const std::vector<Metric>& metrics = content.comparison->metrics;
-    if (const Metric* rms = find(metrics, "history_rms")) return history_sentence(content, *rms) + limits_sentence(metrics);
+    if (const Metric* rms = find(metrics, "history_rms")) 
+      return history_sentence(content, *rms) + in_sides(content, limits_sentence(metrics));
     text = compared_sentence(content) + " ";
     if (const Metric* rms = find(metrics, "displacement_rms")) {
       text += displacement_sentence(*rms);
@@ -140,7 +141,7 @@ std::string verdict(const Content& content, const std::vector<PairQuality>& pair
     }
     if (const Metric* rms = find(metrics, "strain_dev_rms")) text += strain_sentence(*rms);
     text += limits_sentence(metrics);
-    return text;
+    return in_sides(content, text);
   }
   if (content.measured) text = side_sentence(*content.measured, "followed through the measured increments");
   if (content.simulated) {
@@ -197,7 +198,8 @@ std::vector<std::string> flags(const Content& content, const std::vector<PairQua
                    percent(worst->share(worst->rejected)) + " rejected, " + percent(worst->share(worst->failed)) +
                    " failed.");
   for (const auto& [motion, side] :
-       {std::pair{content.measured.get(), "measured"}, {content.simulated.get(), "simulated"}}) {
+       {std::pair{content.measured.get(), in_sides(content, "measured")},
+        {content.simulated.get(), in_sides(content, "simulated")}}) {
     if (motion == nullptr) continue;
     std::size_t ended = 0;
     for (const Ends& e : ends_by_reason(motion->particles())) ended += e.particles;
