@@ -9,7 +9,7 @@ namespace pivnp::mpm {
 
 namespace {
 
-constexpr double over = 2;        // m
+constexpr double over = 2;          // m
 constexpr double least_tap = 1e-7;  // of the filter's middle
 
 // The taps of the n-fold (a, 1 - 2a, a) with the second moment `variance` (cells^2), from the middle outward.
@@ -59,9 +59,9 @@ void for_points(const Particles& p, const Particles::Body& body, const GridState
     }
 }
 
-// Adds f[t] (in[-t] + in[t]) of the lines (of n values, `stride` apart, `lines` of them) that lie in 0 to lines - 1.
-void filter_lines(const std::vector<double>& f, const double* in, double* out, std::ptrdiff_t line, std::ptrdiff_t lines,
-                  std::ptrdiff_t stride, std::ptrdiff_t n) {
+// The sum of f[t] (in[-t] + in[t]) over lines of n values, `stride` apart; `lines` of them, zero beyond.
+void filter_lines(const std::vector<double>& f, const double* in, double* out, std::ptrdiff_t line,
+                  std::ptrdiff_t lines, std::ptrdiff_t stride, std::ptrdiff_t n) {
   const double* here = in + line * stride;
   for (std::ptrdiff_t i = 0; i < n; ++i) out[i] = f[0] * here[i];
   for (std::ptrdiff_t t = 1; t < std::ptrdiff_t(f.size()); ++t) {

@@ -111,6 +111,25 @@ TEST_P(Nonlocal, BitsDoNotDependOnThreads) {
   EXPECT_TRUE(one.p.softened_by == three.p.softened_by);
 }
 
+TEST_P(Nonlocal, SleepingPointsCountAsTheOthersDo) {
+  Block all(GetParam(), {averaged(0.03)}), some(GetParam(), {averaged(0.03)});
+  std::vector<std::uint8_t> asleep(some.g.blocks(), 0);
+  for (std::size_t b = 0; b < asleep.size(); b += 2) asleep[b] = 1;
+  some.g.set_asleep(asleep);
+  for (Block* block : {&all, &some}) {
+    for (std::size_t k = 0; k < block->p.size(); ++k) block->p.plastic_dev[k] = block->p.x[k] * block->p.y[k];
+    block->nonlocal.average(block->p, block->g, 2);
+  }
+  std::size_t awake = 0;
+  for (std::size_t k = 0; k < some.p.size(); ++k) {
+    if (some.g.sleeps(some.p.cell[k])) continue;
+    ++awake;
+    ASSERT_NEAR(some.p.softened_by[k], all.p.softened_by[k], 1e-12) << k;
+  }
+  EXPECT_GT(awake, 100u);
+  EXPECT_LT(awake, some.p.size() - 100);
+}
+
 INSTANTIATE_TEST_SUITE_P(Shapes, Nonlocal, testing::Values(ShapeKind::bilinear, ShapeKind::bspline));
 
 TEST(NonlocalSoftening, ARunGoesOnWithTheSameBitsAfterARestart) {

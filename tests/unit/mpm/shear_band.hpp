@@ -30,7 +30,8 @@ inline Scene sheared_layer(double h, const MaterialOptions& soil) {
   const int n = int(std::lround(side / h)), m = int(std::lround(margin / h));
   MaterialOptions weak = soil;
   weak.cohesion_pa *= 0.98;
-  Scene s = scene(Grid{{0, 0}, {h, h}, n + 2 * m + 1, n + 1}, {rectangle("soil", margin, 0, margin + side, side)}, {soil, weak});
+  Scene s = scene(Grid{{0, 0}, {h, h}, n + 2 * m + 1, n + 1},
+                  {rectangle("soil", margin, 0, margin + side, side)}, {soil, weak});
   s.particles.label_names.push_back("weak");
   for (std::size_t k = 0; k < s.particles.size(); ++k) {
     s.v0.push_back(Vec2(speed * s.particles.x0[k].y() / side, 0));
@@ -51,7 +52,8 @@ inline Scene compressed_specimen(double h, const MaterialOptions& soil) {
   const double left = 0.04, right = 0.12, high = 0.16, a = 0.04, b = 0.048;
   MaterialOptions weak = soil;
   weak.cohesion_pa *= 0.9;
-  const Region whole{"soil", Polygon({{left, 0}, {right, 0}, {right, high}, {left, high}, {left, b}, {b, b}, {b, a}, {left, a}}, "soil")};
+  const Region whole{"soil", Polygon({{left, 0}, {right, 0}, {right, high}, {left, high}, {left, b}, {b, b}, {b, a}, {left, a}},
+                                     "soil")};
   Scene s = scene(Grid{{0, 0}, {h, h}, int(std::lround(0.16 / h)) + 1, int(std::lround(0.192 / h)) + 1},
                   {whole, rectangle("weak", left, a, b, b)}, {soil, weak});
   s.boundaries = {{"base", line({0, 0}, {0.16, 0}, "roller")}};
