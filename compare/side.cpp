@@ -128,11 +128,11 @@ const SideState& Side::at(double time) {
 
 // Each particle's own area where the motion knows it; else one length for all.
 void Side::find_spacing() {
-  const std::vector<float>& area = motion_->particles().area;
+  const std::vector<double>& area = motion_->particles().area;
   const bool known = area.size() == X_.size() &&
-                     std::all_of(area.begin(), area.end(), [](float a) { return std::isfinite(a) && a > 0; });
+                     std::all_of(area.begin(), area.end(), [](double a) { return std::isfinite(a) && a > 0; });
   if (known) {
-    for (float a : area) spacing_.push_back(std::sqrt(double(a)));
+    for (const double a : area) spacing_.push_back(std::sqrt(a));
     std::vector<double> sorted = spacing_;
     const auto middle = sorted.begin() + std::ptrdiff_t(sorted.size() / 2);
     std::nth_element(sorted.begin(), middle, sorted.end());

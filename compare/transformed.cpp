@@ -17,7 +17,7 @@ TransformedMotion::TransformedMotion(const MotionSource& motion, const Transform
   rotation_ << c, -s, s, c;
   const auto at = [&](double t) { return transform_.time_scale * t + transform_.time_offset; };
   for (Vec2& x : particles_.x0) x = transform_.scale * (rotation_ * x) + transform_.shift;
-  for (float& a : particles_.area) a = float(double(a) * transform_.scale * transform_.scale);
+  for (double& a : particles_.area) a *= transform_.scale * transform_.scale;
   for (double& t : particles_.born) t = at(t);
   for (double& t : particles_.end) t = at(t);
   for (const double t : motion.times()) times_.push_back(at(t));

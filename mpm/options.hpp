@@ -23,6 +23,7 @@ struct MaterialOptions {
   std::optional<double> cohesion_residual_pa;
   double softening_shape = 0;
   std::optional<double> softening_length_m;
+  std::string softening_average = "smeared";
   std::optional<double> friction_low_stress_deg;
   std::optional<double> friction_half_pa;
   std::optional<double> dilatancy_fade;
@@ -57,7 +58,8 @@ struct MaterialOptions {
     visit("friction_residual_deg", self.friction_residual_deg, OptionInfo{.unit = "deg", .text = "friction angle after softening (both mohr_coulomb; left out: none)", .min = 0, .max = 89});
     visit("cohesion_residual_pa", self.cohesion_residual_pa, OptionInfo{.unit = "Pa", .text = "cohesion after softening (both mohr_coulomb; left out: none)", .min = 0});
     visit("softening_shape", self.softening_shape, OptionInfo{.text = "eta: strength falls as exp(-eta times the accumulated plastic deviatoric strain)", .min = 0});
-    visit("softening_length_m", self.softening_length_m, OptionInfo{.unit = "m", .text = "width of the band for which softening_shape holds; with cells of side h the rate is softening_shape h over it (left out: softening_shape, whatever the cells)", .min = 0, .above_min = true});
+    visit("softening_length_m", self.softening_length_m, OptionInfo{.unit = "m", .text = "smeared: width of the band for which softening_shape holds; with cells of side h the rate is softening_shape h over it (left out: softening_shape, whatever the cells). nonlocal: length l of the weights exp(-r^2/l^2), at least a cell", .min = 0, .above_min = true});
+    visit("softening_average", self.softening_average, OptionInfo{.text = "how softening_length_m regularises: by the cells' size (smeared), or by the average of the plastic strain around each point, 2 average - own (nonlocal)", .choices = {"smeared", "nonlocal"}});
     visit("friction_low_stress_deg", self.friction_low_stress_deg, OptionInfo{.unit = "deg", .text = "friction angle without confinement, friction_deg being that at large pressure (both mohr_coulomb; left out: one angle)", .min = 0, .max = 89});
     visit("friction_half_pa", self.friction_half_pa, OptionInfo{.unit = "Pa", .text = "mean pressure at which the angle is half-way between the two", .min = 0, .above_min = true});
     visit("dilatancy_fade", self.dilatancy_fade, OptionInfo{.text = "accumulated plastic deviatoric strain over which dilatancy falls to 1/e (both mohr_coulomb; left out: it stays)", .min = 0, .above_min = true});

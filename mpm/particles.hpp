@@ -66,6 +66,7 @@ struct Particles {
   // Of one step.
   Array xi, eta;                           // natural coordinates (shape.hpp)
   Array de_xx, de_yy, de_zz, de_xy, spin;  // increments, where strain and stress are apart (transfer.hpp)
+  Array softened_by;                       // non-local plastic strain (material/nonlocal.hpp)
 
   std::vector<Body> bodies;
 

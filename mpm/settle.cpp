@@ -26,8 +26,6 @@ std::vector<double> fictitious_masses(const Particles& p, const Materials& mater
   return stiffness_bound(p, g, modulus);
 }
 
-double sign(double v) { return v > 0 ? 1.0 : v < 0 ? -1.0 : 0.0; }
-
 class Relaxation {
  public:
   Relaxation(const SettleOptions& options, const Scheme& scheme, const Materials& materials, Restraints& restraints,
@@ -72,6 +70,13 @@ class Relaxation {
     return applied;
   }
 
+  // Cundall's damping, but for velocities below a step's change, where it would depend on the sign of round-off: so the
+  // state that settling finds is a continuous function of the scene.
+  double damped(double change, double v) const {
+    const double most = std::abs(change);
+    return o_.damping * std::clamp(v, -most, most);
+  }
+
   // What the restraints left of the acceleration is the unbalanced force; it is damped and applied.
   double accelerate() {
     double unbalanced = 0;
@@ -81,8 +86,8 @@ class Relaxation {
       Vec2& v = velocity_[a];
       const Vec2 change(node.nx - v.x(), node.ny - v.y());
       unbalanced += node.mass * change.norm();
-      node.ux = node.nx - o_.damping * std::abs(change.x()) * sign(v.x());
-      node.uy = node.ny - o_.damping * std::abs(change.y()) * sign(v.y());
+      node.ux = node.nx - damped(change.x(), v.x());
+      node.uy = node.ny - damped(change.y(), v.y());
     }
     restraints_.apply_to_remapped(0, g_);
     bodies_.apply_to_remapped(-1, g_);

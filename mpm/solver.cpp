@@ -33,7 +33,8 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
                  [this](const Vec2& x) { return impedance_near(scene, materials, x); }),
       bodies(scene.bodies, g.grid),
       loading(o, scene),
-      reduction(scene.materials.size(), 1.0) {
+      reduction(scene.materials.size(), 1.0),
+      nonlocal(materials, g) {
   const Vec2 gravity = loading.gravity(0);
   bodies.check_clear(scene.particles.x0);
   if (scheme.stress == StressUpdate::usf && bodies.any_free())
@@ -42,6 +43,7 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
     throw InputError("mpm.settle: found true beside an absorbing wall, which carries no weight; expected settle = false");
   state = initial_state(scene, scheme, g, materials);
   place_tractions();
+  nonlocal.start(p);
   sleep.start(p, g);
   g.rebuild(p);
   p.sort_as(g.order, 1);
@@ -121,6 +123,7 @@ void Solver::Impl::choose_strain_velocity(double dt) {
 }
 
 void Solver::Impl::strain(double dt, int threads) {
+  nonlocal.average(p, g, threads);
   state.book.damping += strain_and_update_stress(materials, p, g, scheme, dt, threads);
   if (state.steps % stiffness_every == 0) state.wave_speed = wave_speed(materials, density, p);
 }

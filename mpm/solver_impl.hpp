@@ -9,6 +9,7 @@
 #include "mpm/boundary.hpp"
 #include "mpm/loading.hpp"
 #include "mpm/momentum.hpp"
+#include "mpm/material/nonlocal.hpp"
 #include "mpm/rigid_body.hpp"
 #include "mpm/scene_setup.hpp"
 #include "mpm/sleep.hpp"
@@ -92,6 +93,7 @@ struct Solver::Impl {
   Particles& p = state.particles;
   GatherSums gather;
   LightNodes light;
+  NonlocalSoftening nonlocal;
   std::vector<double> filtered, pushed;  // x, y of every node: XPIC's velocity, Scene::body_force
   std::vector<Reaction> reactions;
   std::function<void(double, const VelocityAt&)> observer;

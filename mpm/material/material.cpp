@@ -35,7 +35,8 @@ StressBatch StressBatch::part(std::size_t begin, std::size_t n) const {
   const auto on = [&](auto*& array) {
     if (array) array += begin;
   };
-  for (const double** array : {&b.de_xx, &b.de_yy, &b.de_zz, &b.de_xy, &b.spin, &b.J, &b.F_xx, &b.F_xy, &b.F_yx, &b.F_yy})
+  for (const double** array : {&b.de_xx, &b.de_yy, &b.de_zz, &b.de_xy, &b.spin, &b.J, &b.F_xx, &b.F_xy, &b.F_yx, &b.F_yy,
+                               &b.softened_by})
     on(*array);
   for (double** array : {&b.xx, &b.yy, &b.zz, &b.xy, &b.plastic_dev, &b.gap, &b.dissipated}) on(*array);
   on(b.opened);
@@ -114,6 +115,7 @@ void refuse_unused(const MaterialOptions& o, const std::string& key) {
   unused(!changes && o.cohesion_residual_pa, "cohesion_residual_pa", soils);
   unused(!changes && o.softening_shape != 0, "softening_shape", soils);
   unused(!changes && o.softening_length_m, "softening_length_m", soils);
+  unused(!changes && o.softening_average != "smeared", "softening_average", soils);
   unused(!changes && o.friction_low_stress_deg, "friction_low_stress_deg", soils);
   unused(!changes && o.friction_half_pa, "friction_half_pa", soils);
   unused(!changes && o.dilatancy_fade, "dilatancy_fade", soils);

@@ -23,6 +23,7 @@ struct StressBatch {
   const double *F_xx = nullptr, *F_xy = nullptr, *F_yx = nullptr, *F_yy = nullptr;      // deformation gradient after the step
   double *xx = nullptr, *yy = nullptr, *zz = nullptr, *xy = nullptr;                    // stress in and out
   double* plastic_dev = nullptr;                          // sum of sqrt(2/3 dep:dep), dep the deviator of plastic strain
+  const double* softened_by = nullptr;                    // the strain that softens, where it is not plastic_dev (nonlocal.hpp)
   double* gap = nullptr;                                  // volumetric strain by which the material stands open, >= 0
   std::uint8_t* opened = nullptr;                         // 1 once it has opened: no tension any more
   double* dissipated = nullptr;                           // plastic work per initial volume, J/m^3
@@ -65,6 +66,8 @@ class Material {
   virtual double stiffness(const StressBatch& batch) const;
   /// Is the stress a function of F alone (so that no stress can be given at the start)?
   virtual bool from_deformation() const { return false; }
+  /// Length of the weights with which the plastic strain that softens is averaged (nonlocal.hpp), m; 0: it is not.
+  virtual double nonlocal_length() const { return 0; }
   const Elastic& elastic() const { return elastic_; }
 
  protected:

@@ -35,7 +35,7 @@ struct SmoothMohrCoulomb::Here {
   double J;
 
   Here(const SmoothMohrCoulomb& law, const Point& p)
-      : at(p.stress), strength(law.strength_.at(p.history, -at.mean / p.J)), J(p.J) {
+      : at(p.stress), strength(law.strength_of(p, at.mean)), J(p.J) {
     F = law.surface_.value(at, strength, J);
     most_mean = std::min(p.opened ? 0.0 : law.tension_ * J, law.surface_.greatest_mean(strength, J));
     scale = scale_of(strength, at.mean, J);
@@ -52,6 +52,13 @@ SmoothMohrCoulomb::SmoothMohrCoulomb(const Elastic& elastic, const StrengthLaw& 
       surface_(apex_pa),
       tension_(tension_pa),
       bulk_(elastic.lambda + 2.0 / 3 * elastic.shear) {}
+
+Strength SmoothMohrCoulomb::strength_of(const Point& p, double mean) const {
+  if (!p.softened_by) return strength_.at(p.history, -mean / p.J);
+  Strength s = strength_.at(*p.softened_by, -mean / p.J);
+  s.friction_by_history = s.cohesion_by_history = 0;
+  return s;
+}
 
 double SmoothMohrCoulomb::relative_yield(const Tensor& stress, double history, double J) const {
   const Here here(*this, {stress, history, 0, J, false});
@@ -244,7 +251,7 @@ void SmoothMohrCoulomb::update(const StressBatch& batch) const {
   for (std::size_t k = 0; k < batch.size; ++k) {
     const Stress turned = rotated(batch, k);
     Point p{{turned.xx, turned.yy, turned.zz, turned.xy}, batch.plastic_dev[k], batch.gap[k], batch.J[k],
-            batch.opened[k] != 0};
+            batch.opened[k] != 0, batch.softened_by ? batch.softened_by + k : nullptr};
     const double start = energy_of(p.stress);
     correct(p);  // to this step's J and pressure
     const Tensor de{batch.de_xx[k], batch.de_yy[k], batch.de_zz[k], batch.de_xy[k]};

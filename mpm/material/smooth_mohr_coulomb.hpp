@@ -21,6 +21,7 @@ class SmoothMohrCoulomb final : public Material {
  public:
   SmoothMohrCoulomb(const Elastic& elastic, const StrengthLaw& strength, double tension_pa, double apex_pa);
   void update(const StressBatch& batch) const override;
+  double nonlocal_length() const override { return strength_.nonlocal_length(); }
 
   /// F over max(c, p, 1 kPa) at a stress (Kirchhoff), after a history; J the volume ratio.
   double relative_yield(const Tensor& stress, double history, double J) const;
@@ -32,6 +33,7 @@ class SmoothMohrCoulomb final : public Material {
     double history, gap;
     double J;
     bool opened;
+    const double* softened_by = nullptr;  // the strain that softens, where it is given from outside: it stays in the step
   };
   struct Here;  // the surface at a point
   struct Rate {
@@ -40,6 +42,7 @@ class SmoothMohrCoulomb final : public Material {
   };
   Tensor stiff(const Tensor& strain) const;
   double energy_of(const Tensor& stress) const;
+  Strength strength_of(const Point& p, double mean) const;
   Rate rate(const Point& p, const Tensor& de) const;
   Rate yielding(const Here& at, const Tensor& de, bool held) const;
   double elastic_leg(Point& p, const Here& at, const Tensor& rest) const;

@@ -8,7 +8,8 @@
 // curved envelopes after Bolton 1986, Geotechnique 36:65. The rational form keeps the surface convex.)
 // Regularisation: material softens in a band as wide as the cells h let it be. With a length L the rate becomes
 // eta h/L: a slip of k h does what it would do in a band of width L, whatever h (smeared; Pietruszczak & Mroz 1981,
-// Int. J. Numer. Meth. Engng 17:327; Bazant & Oh 1983).
+// Int. J. Numer. Meth. Engng 17:327; Bazant & Oh 1983). Or k is averaged around the point (nonlocal.hpp), which sets the
+// band's width itself; the rate is eta then.
 #pragma once
 
 #include "mpm/material/lanes.hpp"
@@ -41,6 +42,7 @@ class StrengthLaw {
   }
   double residual_friction() const { return residual_friction_; }
   double peak_cohesion() const { return cohesion_; }
+  double nonlocal_length() const { return nonlocal_length_; }
 
  private:
   Strength changed(double history, double pressure) const;
@@ -48,6 +50,7 @@ class StrengthLaw {
   double friction_, friction_low_, per_half_, residual_friction_;
   double cohesion_, residual_cohesion_;
   double rate_;  // of softening, for these cells
+  double nonlocal_length_ = 0;
   double dilatancy_, per_fade_;
   bool constant_;
   Strength initial_{};

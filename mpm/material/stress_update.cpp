@@ -11,6 +11,11 @@ namespace {
 
 constexpr std::size_t run = 1024;
 
+void update_batch(const Material& material, const Particles& p, std::size_t begin, StressBatch& batch) {
+  if (material.nonlocal_length() > 0) batch.softened_by = p.softened_by.data() + begin;
+  material.update(batch);
+}
+
 }  // namespace
 
 StressBatch batch_of(Particles& p, std::size_t begin, std::size_t size) {
@@ -49,7 +54,7 @@ void update_stress(const Materials& materials, Particles& p, int threads, double
       const std::size_t begin = body.begin + std::size_t(r) * run;
       StressBatch batch = batch_of(p, begin, std::min(run, body.end - begin));
       batch.dt = dt_s;
-      material.update(batch);
+      update_batch(material, p, begin, batch);
     }
   }
 }
@@ -66,7 +71,7 @@ double strain_and_update_stress(const Materials& materials, Particles& p, GridSt
         batch.de_xy = de.de_xy;
         batch.spin = de.spin;
         batch.dt = dt;
-        materials[std::size_t(body.material)]->update(batch);
+        update_batch(*materials[std::size_t(body.material)], p, first, batch);
       },
       threads);
 }

@@ -139,7 +139,7 @@ class ForeignMotion final : public MotionSource {
           particles_.id.push_back(it->first);
           particles_.label.push_back(0);
           particles_.x0.push_back(from_u ? Vec2(x - Vec2(state.u[k][0], state.u[k][1])) : x);
-          particles_.area.push_back(state.area.empty() ? 0.0f : float(state.area[k]));
+          particles_.area.push_back(state.area.empty() ? 0.0 : double(state.area[k]));
           particles_.born.push_back(times_[t]);
           particles_.end.push_back(times_[t]);
           particles_.end_reason.push_back(EndReason::left_grid);

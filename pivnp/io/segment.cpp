@@ -150,7 +150,8 @@ void write_particles(h5::OutputFile& file, const std::string& group, const Parti
   write("label", h5::Type::i32, {n}, p.label.data(), "");
   file.write_texts(group + "/label_name", p.label_names);
   write("x0", h5::Type::f64, {n, 2}, p.x0.data(), units.length);
-  write("area", h5::Type::f32, {n}, p.area.data(), units.length2());
+  const std::vector<float> area(p.area.begin(), p.area.end());
+  write("area", h5::Type::f32, {n}, area.data(), units.length2());
   write("born", h5::Type::f64, {n}, p.born.data(), units.time);
   write("end", h5::Type::f64, {n}, p.end.data(), units.time);
   write("end_reason", h5::Type::u8, {n}, p.end_reason.data(), "");
@@ -170,7 +171,8 @@ ParticleSet read_particles(const h5::Source& source, const std::string& group) {
   p.label_names = source.texts(group + "/label_name");
   p.x0.resize(n);
   open("x0", {n, 2}).read(h5::Type::f64, 0, n, p.x0.data());
-  p.area = open("area", {n}).all<float>();
+  const std::vector<float> area = open("area", {n}).all<float>();
+  p.area.assign(area.begin(), area.end());
   p.born = open("born", {n}).all<double>();
   p.end = open("end", {n}).all<double>();
   p.end_reason.resize(n);

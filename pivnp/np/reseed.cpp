@@ -29,7 +29,7 @@ std::vector<std::int32_t> Reseeder::labels(const Tracker& tracker) const {
 ParticleSet Reseeder::births(const Tracker& tracker, const VectorField& field) {
   std::vector<std::int32_t> now = labels(tracker);
   ParticleSet born;
-  const float area = float(grid_.spacing.prod() / double(pattern_.size()));
+  const double area = grid_.spacing.prod() / double(pattern_.size());
   for (int j = 0; j + 1 < grid_.ny; ++j)
     for (int i = 0; i + 1 < grid_.nx; ++i) {
       const std::size_t element = grid_.element(i, j);

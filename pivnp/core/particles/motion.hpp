@@ -32,7 +32,7 @@ struct ParticleSet {
   std::vector<std::int64_t> id;   // stable; equal ids of two motions seeded alike mean the same material
   std::vector<std::int32_t> label;  // index into label_names: region, layer or body
   std::vector<Vec2> x0;           // material position (at the first frame), length unit
-  std::vector<float> area;        // represented area at birth, length^2
+  std::vector<double> area;       // represented area at birth, length^2
   std::vector<double> born;       // time of birth
   std::vector<double> end;        // time of the last good state; NaN while the particle is followed to the last frame
   std::vector<EndReason> end_reason;

@@ -50,7 +50,7 @@ ParticleSet seed(const Grid& grid, const std::vector<Region>& regions, int per_e
   ParticleSet set;
   std::vector<std::size_t> seeded(regions.size(), 0);
   for (const Region& r : regions) set.label_names.push_back(r.name);
-  const float area = static_cast<float>(grid.spacing.x() * grid.spacing.y() / per_element);
+  const double area = grid.spacing.x() * grid.spacing.y() / per_element;
   for (int j = 0; j + 1 < grid.ny; ++j)
     for (int i = 0; i + 1 < grid.nx; ++i)
       for (int b = 0; b < k; ++b)

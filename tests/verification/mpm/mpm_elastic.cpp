@@ -82,7 +82,7 @@ TEST(MpmElastic, TwoDiscs) {
                     {disc("a", {0.2, 0.2}, 0.2), disc("b", {0.8, 0.8}, 0.2)},
                     {elastic(1000, 0.3, 1000), elastic(1000, 0.3, 1000)});
     double area = 0;
-    for (const float a : s.particles.area) area += double(a);
+    for (const double a : s.particles.area) area += a;
     // The benchmark's energy is for whole discs; what is seeded covers them to within a few points.
     for (const std::int32_t label : s.particles.label) s.v0.push_back((label == 0 ? 1 : -1) * Vec2(0.1, 0.1));
     MpmOptions o = options();
