@@ -21,6 +21,7 @@ void locate_all(Particles& p, GridState& g) {
 }
 
 bool locate_points(Particles& p, GridState& g, std::vector<std::uint32_t>& left, int threads) {
+  g.arrivals.clear();
   const PointView points = p.view();
   const CellView cells = g.view();
   // Each run writes from its first point's place on.

@@ -1,10 +1,10 @@
 // Sleeping: blocks of cells at rest that are not stepped (an option; off by default).
 //
-// One speed v is the tolerance. With n a node's velocity, m (n - v_i)/dt its unbalanced force, c the speed of a wave and
-// h the cell, r = |n| + |m (n - v_i)|/(dt rho c h) is what the node does now, and what that force over h, as a stress
-// rho c r, would make the material do. A block falls asleep when r <= v/2 at all its nodes, at every look (each
-// tenth step), for twice the time a wave takes through the material (so that half a period of its slowest oscillation is
-// seen). Its points keep their places and stresses; their velocity is taken, its energy booked with the damping.
+// One speed v is the tolerance. With n a node's velocity, m (n - v_i)/dt its unbalanced force, c the speed of a wave
+// and h the cell, r = |n| + |m (n - v_i)|/(dt rho c h) is what the node does now, and what that force over h, as a
+// stress rho c r, would make the material do. A block falls asleep when r <= v/2 at all its nodes, at every look (each
+// tenth step), for twice the time a wave takes through the material (so that half a period of its slowest oscillation
+// is seen). Its points keep their places and stresses; their velocity is taken, its energy booked with the damping.
 //
 // The nodes of sleeping cells stand still, as on a fixed wall, which does no work. Those that awake cells share get force
 // and mass from both sides; where r (before they are stopped) passes v, the sleeping blocks there are woken. So are

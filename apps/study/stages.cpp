@@ -153,8 +153,8 @@ TrackOutcome track(const Case& c, const Setting& setting, const std::vector<Fram
   return outcome;
 }
 
-std::vector<std::string> simulate(const Case& c, const Setting& setting, const std::vector<double>& times, io::RecordWriter& writer,
-                                  int threads, Progress& progress) {
+std::vector<std::string> simulate(const Case& c, const Setting& setting, const std::vector<double>& times,
+                                  io::RecordWriter& writer, int threads, Progress& progress) {
   const std::string stage = "motion/mpm";
   const io::StageState done = writer.stage(stage);
   if (done.complete) return {};
@@ -175,8 +175,8 @@ std::vector<std::string> simulate(const Case& c, const Setting& setting, const s
   writer.end_stage(stage, &solver.particles());
   if (!c.mpm->sleep_below_m_s) return {};
   const mpm::Solver::Slept slept = solver.slept();
-  return {"Sleeping: " + number(100 * slept.share, 3) + " % of the particles' steps were left out; while asleep none missed more than " +
-          number(slept.displacement_m, 2) + " m of displacement; " + number(slept.energy, 2) +
+  return {"Sleeping: " + number(100 * slept.share, 3) +
+          " % of the particles' steps were left out; while asleep none missed more than " + number(slept.displacement_m, 2) + " m of displacement; " + number(slept.energy, 2) +
           " J/m of kinetic energy were taken (part of damping)."};
 }
 

@@ -53,7 +53,7 @@ TrackOutcome track(const Case& c, const Setting& setting, const std::vector<Fram
                    io::RecordWriter& writer, int threads, Progress& progress);
 
 /// The simulation at `times` (the first is 0): motion "mpm", and its energy. Returns remarks: what sleeping left out.
-std::vector<std::string> simulate(const Case& c, const Setting& setting, const std::vector<double>& times, io::RecordWriter& writer,
-                                  int threads, Progress& progress);
+std::vector<std::string> simulate(const Case& c, const Setting& setting, const std::vector<double>& times,
+                                  io::RecordWriter& writer, int threads, Progress& progress);
 
 }  // namespace pivnp::app

@@ -131,8 +131,8 @@ struct Principal {
   V s[3];
 };
 
-// The cone of each lane; the elastic stiffness times the flow of a plane holds three numbers, by the place of the largest,
-// the untouched and the smallest stress of the plane.
+// The cone of each lane; the elastic stiffness times the flow of a plane holds three numbers, by the place of the
+// largest, the untouched and the smallest stress of the plane.
 struct LaneCone {
   V sin, plus, minus;            // sin phi, 1 + sin phi, 1 - sin phi
   V cohesion, tension;           // 2 c cos phi; at J = 1
@@ -189,7 +189,8 @@ struct ChangingCone {
   double least_cohesion = 2 * s.residual_cohesion * std::cos(std::max(s.friction, s.friction_low));
 
   HWY_INLINE bool surely_elastic(V greatest, V least, V J) const {
-    const V excess = hn::MulSub(set(1 + least_sin), greatest, hn::MulAdd(set(1 - least_sin), least, set(least_cohesion) * J));
+    const V against = hn::MulAdd(set(1 - least_sin), least, set(least_cohesion) * J);
+    const V excess = hn::MulSub(set(1 + least_sin), greatest, against);
     return hn::AllTrue(D(), hn::And(hn::And(hn::Le(excess, zero()), hn::Le(greatest + least, zero())),
                                     hn::Le(greatest, set(tension) * J)));
   }
@@ -258,8 +259,10 @@ struct Returning {
     const M low = hn::Lt(plane.s[1], plane.s[2]);  // the middle stress has caught up with the smallest
     for (int e = 0; e < 2; ++e) {
       // The inverse of the edge's system: `own` on its diagonal, `across` beside it.
-      const V shared = e == 0 ? hn::MulSub(c.plus, c.high, c.minus * c.middle) : hn::MulSub(c.plus, c.middle, c.minus * c.low);
-      const V per = one / ((hardness - shared) * (hardness + shared)), own = hardness * per, across = hn::Neg(shared) * per;
+      const V shared = e == 0 ? hn::MulSub(c.plus, c.high, c.minus * c.middle)
+                              : hn::MulSub(c.plus, c.middle, c.minus * c.low);
+      const V per = one / ((hardness - shared) * (hardness + shared));
+      const V own = hardness * per, across = hn::Neg(shared) * per;
       const V high_s = e == 0 ? p.s[0] : p.s[1], low_s = e == 0 ? p.s[1] : p.s[2];
       const V second = hn::MulSub(c.plus, high_s, hn::MulAdd(c.minus, low_s, cohesion));
       const V first_amount = hn::MulAdd(own, excess, across * second);

@@ -31,8 +31,8 @@ struct StrengthConstants {
   double dilatancy, per_fade;
 };
 
-/// The same with each point's own cone, by its history (accumulated plastic deviatoric strain) and its pressure before the
-/// step.
+/// The same with each point's own cone, by its history (accumulated plastic deviatoric strain) and its pressure before
+/// the step.
 std::size_t changing_cone_lanes(const Elastic& elastic, const StrengthConstants& strength, double tension,
                                 const double* history, const StressBatch& batch, std::uint32_t* rare);
 

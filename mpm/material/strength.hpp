@@ -38,7 +38,8 @@ class StrengthLaw {
   }
   bool constant() const { return constant_; }
   StrengthConstants constants() const {
-    return {friction_, friction_low_, per_half_, residual_friction_, cohesion_, residual_cohesion_, rate_, dilatancy_, per_fade_};
+    return {friction_, friction_low_, per_half_, residual_friction_, cohesion_, residual_cohesion_, rate_,
+            dilatancy_, per_fade_};
   }
   double residual_friction() const { return residual_friction_; }
   double peak_cohesion() const { return cohesion_; }

@@ -76,11 +76,12 @@ int main(int argc, char** argv) {
       const auto before = std::clock();
       solver.advance_to(end * k / 10, silent);
       last = double(std::clock() - before) / CLOCKS_PER_SEC;
-      std::printf("  t %.3f s: %.2f s of processor time, kinetic energy %.3g J/m, %.1f %% of the points' steps left out so far\n",
+      std::printf("  t %.3f s: %.2f s of processor time, kinetic energy %.3g J/m, %.1f %% left out so far\n",
                   solver.time(), last, solver.energy().kinetic, 100 * solver.slept().share);
       std::fflush(stdout);
     }
-    outcome[with] = {double(std::clock() - start) / CLOCKS_PER_SEC, last, solver.frame(), solver.energy(), solver.slept(), solver.steps()};
+    outcome[with] = {double(std::clock() - start) / CLOCKS_PER_SEC, last, solver.frame(), solver.energy(),
+                     solver.slept(), solver.steps()};
   }
   double worst = 0, moved = 0;
   for (std::size_t k = 0; k < outcome[0].frame.u.size(); ++k) {
@@ -88,11 +89,15 @@ int main(int argc, char** argv) {
     worst = std::max(worst, std::hypot(double(a[0] - b[0]), double(a[1] - b[1])));
     moved = std::max(moved, std::hypot(double(a[0]), double(a[1])));
   }
-  for (const Outcome& o : outcome)
-    std::printf("%.2f s, %lld steps; kinetic %.4g elastic %.4g plastic %.4g damping %.4g contact %.4g external %.4g residual %.3g J/m\n", o.s,
-                static_cast<long long>(o.steps), o.energy.kinetic, o.energy.elastic, o.energy.plastic, o.energy.damping, o.energy.contact,
-                o.energy.external, o.energy.residual);
-  std::printf("sleeping: %.2f times as fast, in the last tenth %.1f times; %.1f %% left out, bound %.3g m, greatest difference %.3g m of %.3g m, %.3g J/m taken\n",
-              outcome[0].s / outcome[1].s, outcome[0].last / outcome[1].last, 100 * outcome[1].slept.share, outcome[1].slept.displacement_m, worst, moved,
-              outcome[1].slept.energy);
+  for (const Outcome& o : outcome) {
+    const EnergyRow& e = o.energy;
+    std::printf("%.2f s, %lld steps; kinetic %.4g elastic %.4g plastic %.4g damping %.4g contact %.4g ", o.s,
+                static_cast<long long>(o.steps), e.kinetic, e.elastic, e.plastic, e.damping, e.contact);
+    std::printf("external %.4g residual %.3g J/m\n", e.external, e.residual);
+  }
+  const Outcome &awake = outcome[0], &asleep = outcome[1];
+  std::printf("sleeping: %.2f times as fast, in the last tenth %.1f times; %.1f %% left out, ", awake.s / asleep.s,
+              awake.last / asleep.last, 100 * asleep.slept.share);
+  std::printf("bound %.3g m, greatest difference %.3g m of %.3g m, %.3g J/m taken\n", asleep.slept.displacement_m, worst,
+              moved, asleep.slept.energy);
 }

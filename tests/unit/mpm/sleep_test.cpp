@@ -81,7 +81,7 @@ TEST(Sleep, AFallingBlockWakesTheBed) {
     s.boundaries = {{"base", line({0, 0}, {0.4, 0}, "fixed")},
                     {"left", line({0, 0}, {0, 0.19}, "roller")},
                     {"right", line({0.4, 0}, {0.4, 0.19}, "roller")}};
-    for (std::size_t k = 0; k < s.particles.size(); ++k) s.v0.push_back(s.particles.label[k] == 1 ? Vec2(0, -1) : Vec2(0, 0));
+    for (const std::int32_t label : s.particles.label) s.v0.push_back(label == 1 ? Vec2(0, -1) : Vec2(0, 0));
     MpmOptions o = options({0, 0});
     o.settle = false;
     if (with) o.sleep_below_m_s = 1e-3;
