@@ -203,6 +203,8 @@ void expand_points(const std::vector<float>& values, const CellLattice& lattice,
 
 // Sums of one lattice row, from the rows of pixels already weighted along y.
 void reduce_row(const float* pixels, std::ptrdiff_t stride, int planes, const CellLattice& lattice, float* const* out) {
+  float share[most_step];
+  for (int o = 0; o < lattice.step; ++o) share[o] = static_cast<float>(o) / static_cast<float>(lattice.step);
   for (int p = 0; p < planes; ++p) {
     const float* in = pixels + p * stride;
     float carried = 0;
@@ -211,7 +213,7 @@ void reduce_row(const float* pixels, std::ptrdiff_t stride, int planes, const Ce
       for (int o = 0; o < lattice.step; ++o) {
         const float value = in[i * lattice.step + o];
         all += value;
-        here += value * (static_cast<float>(o) / static_cast<float>(lattice.step));
+        here += value * share[o];
       }
       out[p][i] = carried + (all - here);
       carried = here;

@@ -239,10 +239,10 @@ std::vector<int> starts(int points, int side) {
 
 // What the kept terms' noise is of that of the fast ones, block by block. The texture's own noise in clean frames that
 // are deformed has less power at long wavelengths: its fall over one octave, as a mean over some blocks about, is
-// carried on by three octaves (where kept terms lie; by five in the largest blocks). Where structures hide the
+// carried on by three octaves (where kept terms lie; by six in the largest blocks). Where structures hide the
 // fall, nothing is taken off.
 static void find_slow_shares(int side, std::size_t across, std::vector<Shrinker::Block>& blocks, std::size_t count) {
-  const float octaves = side >= 64 ? 5.0f : 3.0f;
+  const float octaves = side >= 64 ? 6.0f : 3.0f;
   const int reach = side >= 32 ? 3 : 6, nx = static_cast<int>(across), ny = static_cast<int>(count / across);
   for (int j = 0; j < ny; ++j)
     for (int i = 0; i < nx; ++i) {
