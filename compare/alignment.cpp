@@ -152,8 +152,7 @@ void Alignment::update(const std::vector<std::uint8_t>& second_followed) {
   if (second_followed == second_followed_) return;
   second_followed_ = second_followed;
   std::vector<std::uint8_t> broken(first_.size());
-  for (std::size_t p = 0; p < first_.size(); ++p)
-    broken[p] = !partners_[p].rests_on(second_followed_);
+  for (std::size_t p = 0; p < first_.size(); ++p) broken[p] = !partners_[p].rests_on(second_followed_);
   std::vector<Partner> renewed = find_partners(broken);
   for (std::size_t p = 0; p < first_.size(); ++p)
     if (broken[p]) partners_[p] = std::move(renewed[p]);

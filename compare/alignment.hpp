@@ -19,7 +19,8 @@ inline bool has_partner(const Partner& partner) { return !partner.shares.empty()
 ///   u = sum w_i (u_i + (F_i - I)(X - X_i)/2) + (F - I) beyond,   F = sum w_i (F_i + grad F_i (X - X_i)/2)
 /// Any weights that reproduce X make u exact for motions of second degree and F for those of third (the halves cancel
 /// the curvature; without them natural neighbours, which reach further, would miss it by more than triangles do). The
-/// gradients of F are those of Natural::curving; where they are missing, or det F would not be positive, F = sum w_i F_i.
+/// gradients of F are those of Natural::curving; where they are missing, or det F would not be positive, F = sum w_i
+/// F_i.
 struct PartnerState {
   Vec2 u;
   Mat2 F;
@@ -38,7 +39,8 @@ class Alignment {
   bool by_identity() const { return by_identity_; }
 
   /// Renews the partners that rest on particles of the second that are followed no more; the others stay, since a
-  /// point's natural neighbours, and theirs, are not changed by the loss of others. A particle that lost its partner gets none again.
+  /// point's natural neighbours, and theirs, are not changed by the loss of others. A particle that lost its partner
+  /// gets none again.
   void update(const std::vector<std::uint8_t>& second_followed);
   const std::vector<Partner>& partners() const { return partners_; }
 

@@ -42,8 +42,8 @@ class Bands {
  public:
   Bands(double threshold, const Side& first, const Side& second);
   void add(const SideState& first, const SideState& second);
-  /// Sides as at the last common time. Adds the metrics band_* and the tables bands_first, bands_second. `floor_dev`: the
-  /// noise floor of strain, NaN if it is not known.
+  /// Sides as at the last common time. Adds the metrics band_* and the tables bands_first, bands_second. `floor_dev`:
+  /// the noise floor of strain, NaN if it is not known.
   void finish(const Side& first, const Side& second, const std::array<RigidFit, 2>& frame, double floor_dev,
               const std::string& length_unit, const std::string& time_unit, Comparison& out) const;
 

@@ -46,9 +46,9 @@ Quantile distances(const std::vector<std::vector<Vec2>>& rings, const std::vecto
   return out;
 }
 
-// Area whose displacement is above a threshold, and what it is uncertain by if |u| has the error `sigma`: half its change
-// when the threshold moves by sigma both ways (one error shared by all), and the scatter of a sum of areas that count with
-// the probability of a normal error each (errors of their own), in squares.
+// Area whose displacement is above a threshold, and what it is uncertain by if |u| has the error `sigma`: half its
+// change when the threshold moves by sigma both ways (one error shared by all), and the scatter of a sum of areas that
+// count with the probability of a normal error each (errors of their own), in squares.
 struct Mobilised {
   double area = 0, uncertainty = not_known;
 };
@@ -79,7 +79,8 @@ void add_mobilised(const Shapes& shapes, const Tally& last, const Tally& total, 
   const std::string definition = "area of the particles with |u| above " + number(threshold) + " " + unit +
                                  " at the last common time";
   const std::string how =
-      "; uncertainty: half the change when the threshold moves by the RMS error of u both ways, and the scatter if every "
+      "; uncertainty: half the change when the threshold moves by the RMS error of u both ways, and the scatter if "
+      "every "
       "particle errs by itself, in squares";
   std::array<Mobilised, 2> m;
   const std::array<const Side*, 2> sides{&shapes.first, &shapes.second};
@@ -89,7 +90,8 @@ void add_mobilised(const Shapes& shapes, const Tally& last, const Tally& total, 
     both = std::hypot(sigma[0] > 0 ? m[0].uncertainty : 0, sigma[1] > 0 ? m[1].uncertainty : 0);
   const std::string area_unit = unit + "^2";
   metrics.push_back({"mobilised_area_first", m[0].area, area_unit, m[0].uncertainty, definition + ", first" + how, ""});
-  metrics.push_back({"mobilised_area_second", m[1].area, area_unit, m[1].uncertainty, definition + ", second" + how, ""});
+  metrics.push_back(
+      {"mobilised_area_second", m[1].area, area_unit, m[1].uncertainty, definition + ", second" + how, ""});
   metrics.push_back(difference_metric("mobilised_area_difference", m[1].area - m[0].area, area_unit, both,
                                       definition + ", second minus first" + how));
 }

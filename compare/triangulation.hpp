@@ -31,8 +31,8 @@ struct Natural {
   };
   std::vector<Share> shares;
   /// For fields whose gradient is not carried: sum w_i f_i plus these terms (sum 0) is exact to the second degree. They
-  /// are sum w_i grad f_i . from / 2 with the gradients that the particles around i give (gradient_stencil, two rings of
-  /// triangles). Empty where one of them is not to be had.
+  /// are sum w_i grad f_i . from / 2 with the gradients that the particles around i give (gradient_stencil, two rings
+  /// of triangles). Empty where one of them is not to be had.
   std::vector<Term> curving;
   Vec2 beyond = Vec2::Zero();  // as in Location
 
@@ -59,8 +59,8 @@ class MaterialMesh {
   /// nearer than half the local spacing; else nothing. Quick if consecutive points are near each other.
   std::optional<Location> find(const Vec2& x) const;
 
-  /// The same by natural neighbours: Sibson's coordinates (Sibson 1981; CGAL), each neighbour weighted by the area that a
-  /// point at `x` would take from its Voronoi cell. No choice between the diagonals of a square. Only inside the
+  /// The same by natural neighbours: Sibson's coordinates (Sibson 1981; CGAL), each neighbour weighted by the area that
+  /// a point at `x` would take from its Voronoi cell. No choice between the diagonals of a square. Only inside the
   /// material: where a circle through three neighbours reaches over a triangle that is not kept (a gap, the edge), the
   /// weights are those of find(). Not from several threads at once: gradients are kept.
   std::optional<Natural> find_natural(const Vec2& x) const;

@@ -58,7 +58,8 @@ std::optional<Figure> decomposition_figure(const Content& content) {
     const double margin = most > least ? 0.06 * (most - least) : 1;
     const double low = (least - margin) * unit.factor, high = (most + margin) * unit.factor;
     QCPAxisRect* panel = sheet->panel(left + double(k) * (side + gap), head, side, side);
-    set_axis(panel->axis(QCPAxis::atBottom), low, high, axis_label(qt(in_sides(content, "s measured, ") + c.words), unit.name), 3);
+    set_axis(panel->axis(QCPAxis::atBottom), low, high,
+             axis_label(qt(in_sides(content, "s measured, ") + c.words), unit.name), 3);
     set_axis(panel->axis(QCPAxis::atLeft), low, high, axis_label(qt(in_sides(content, "s simulated")), unit.name), 3);
     const double two = 2 * c.uncertainty * unit.factor;
     band(*sheet, panel, {low, high}, {low - two, high - two}, {low + two, high + two}, ink, 45);
@@ -79,7 +80,8 @@ std::optional<Figure> decomposition_figure(const Content& content) {
   return Figure{
       "decomposition",
       "Coefficients of both sides at the last compared time, by polynomials orthonormal on the material (CEN CWA "
-      "16799). Grey: twice the " + in_sides(content, "measured") + " coefficients\u2019 uncertainty about equality.",
+      "16799). Grey: twice the " +
+          in_sides(content, "measured") + " coefficients\u2019 uncertainty about equality.",
       sheet};
 }
 

@@ -215,7 +215,8 @@ std::optional<Figure> difference_figure(const Content& content, const Difference
   double next = draw_key(*sheet, x, 3, Key::line, blue, "RMS");
   next = draw_key(*sheet, next, 3, Key::dashed, sky, "median");
   if (known)
-    draw_key(*sheet, next, 3, Key::band, ink, qt(in_sides(content, "measurement\u2019s own standard uncertainty (RMS)")));
+    draw_key(*sheet, next, 3, Key::band, ink,
+             qt(in_sides(content, "measurement\u2019s own standard uncertainty (RMS)")));
   std::string caption =
       "Difference of displacement, simulated minus measured, over the compared particles against time.";
   caption += known ? " Grey: what the measurement itself is uncertain by (random error, one standard deviation); a "
@@ -258,9 +259,10 @@ std::optional<Figure> outline_figure(const Content& content) {
   });
   double next = draw_key(*sheet, x, 3, Key::line, ink, qt(in_sides(content, "measured")));
   draw_key(*sheet, next, 3, Key::dashed, vermilion, qt(in_sides(content, "simulated")));
-  return Figure{"outline",
-                in_sides(content, "Outline of the material at the last compared time: measured (filled) and simulated (dashed)."),
-                sheet};
+  return Figure{
+      "outline",
+      in_sides(content, "Outline of the material at the last compared time: measured (filled) and simulated (dashed)."),
+      sheet};
 }
 
 std::optional<Figure> energy_figure(const Content& content) {

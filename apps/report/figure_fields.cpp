@@ -170,8 +170,8 @@ std::optional<Figure> field_figure(const Content& content, const std::string& fi
       sheet->text(x + 6, y - 0.8, "t = " + qt(plain(cells[n].time) + unit_suffix(content.time_unit)),
                   Qt::AlignLeft | Qt::AlignBottom, normal_text);
     if (row == 0 && !along)
-      sheet->text(x + w / 2, 0.8, qt(in_sides(content, column_words(cells[n].column))), Qt::AlignHCenter | Qt::AlignTop, normal_text + 0.5,
-                  true);
+      sheet->text(x + w / 2, 0.8, qt(in_sides(content, column_words(cells[n].column))), Qt::AlignHCenter | Qt::AlignTop,
+                  normal_text + 0.5, true);
   }
 
   const std::string unit = unit_of(field, content);

@@ -42,8 +42,9 @@ bool leading(const Metric& m) {
 
 Table leading_table(const Content& content) {
   Table t;
-  t.caption = in_sides(content, "Metrics, simulated minus measured; \u00b1: standard uncertainty of the value. All "
-                                "metrics and their definitions stand at the end of the report.");
+  t.caption = in_sides(content,
+                       "Metrics, simulated minus measured; \u00b1: standard uncertainty of the value. All "
+                       "metrics and their definitions stand at the end of the report.");
   t.head = {"Metric", "Value", "Unit", "Verdict"};
   t.width = {0.44, 0.22, 0.06, 0.28};
   t.align = {'l', 'r', 'l', 'l'};
@@ -76,9 +77,8 @@ std::optional<Table> ends_table(const Content& content) {
   t.head = {"Side", "Reason", "Particles", "Share", "First", "Median", "Last (" + content.time_unit + ")"};
   t.width = {0.12, 0.38, 0.12, 0.1, 0.09, 0.09, 0.1};
   t.align = {'l', 'l', 'r', 'r', 'r', 'r', 'r'};
-  for (const auto& [motion, side] :
-       {std::pair{content.measured.get(), in_sides(content, "measured")},
-        {content.simulated.get(), in_sides(content, "simulated")}}) {
+  for (const auto& [motion, side] : {std::pair{content.measured.get(), in_sides(content, "measured")},
+                                     {content.simulated.get(), in_sides(content, "simulated")}}) {
     if (motion == nullptr) continue;
     for (const Ends& e : ends_by_reason(motion->particles()))
       t.rows.push_back({side, words(e.reason), std::to_string(e.particles),
@@ -126,8 +126,7 @@ void comparison_section(Builder& b, const ReportOptions& options, const Content&
     return;
   }
   b.heading(1, content.comparison ? "Comparison" : "Motion");
-  if (content.comparison && !content.comparison->metrics.empty()) 
-    b.add(leading_table(content));
+  if (content.comparison && !content.comparison->metrics.empty()) b.add(leading_table(content));
   const std::vector<double> times = chosen_times(options, content);
   // In this order tall and low figures share pages.
   for (std::size_t k = 0; k < std::max<std::size_t>(2, options.fields_drawn.size()); ++k) {
@@ -191,7 +190,7 @@ Document make_document(const ReportOptions& options, const Content& content) {
   b.document.title = options.title.empty() ? content.name : options.title;
   if (b.document.title.empty()) b.document.title = "Report";
   b.document.subtitle = content.comparison && !content.measured && !content.simulated ? "Two histories compared"
-                        : content.comparison                      ? in_sides(content, "Measurement and simulation compared")
+                        : content.comparison ? in_sides(content, "Measurement and simulation compared")
                         : content.measured && content.simulated ? "Measurement and simulation"
                         : content.simulated                     ? "Simulation"
                                                                 : "Measurement";

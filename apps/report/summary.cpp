@@ -129,7 +129,7 @@ std::string verdict(const Content& content, const std::vector<PairQuality>& pair
   std::string text;
   if (content.comparison) {
     const std::vector<Metric>& metrics = content.comparison->metrics;
-    if (const Metric* rms = find(metrics, "history_rms")) 
+    if (const Metric* rms = find(metrics, "history_rms"))
       return history_sentence(content, *rms) + in_sides(content, limits_sentence(metrics));
     text = compared_sentence(content) + " ";
     if (const Metric* rms = find(metrics, "displacement_rms")) {
@@ -197,9 +197,8 @@ std::vector<std::string> flags(const Content& content, const std::vector<PairQua
                    " valid, " + percent(worst->share(worst->replaced)) + " replaced, " +
                    percent(worst->share(worst->rejected)) + " rejected, " + percent(worst->share(worst->failed)) +
                    " failed.");
-  for (const auto& [motion, side] :
-       {std::pair{content.measured.get(), in_sides(content, "measured")},
-        {content.simulated.get(), in_sides(content, "simulated")}}) {
+  for (const auto& [motion, side] : {std::pair{content.measured.get(), in_sides(content, "measured")},
+                                     {content.simulated.get(), in_sides(content, "simulated")}}) {
     if (motion == nullptr) continue;
     std::size_t ended = 0;
     for (const Ends& e : ends_by_reason(motion->particles())) ended += e.particles;

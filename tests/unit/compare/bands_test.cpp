@@ -95,8 +95,8 @@ TEST(Bands, OfTwoMotions) {
   EXPECT_NEAR(metric(c, "band_onset_difference").value, 2, 1e-9);
   // A threshold just below the second's band, uncertain by more: it may be there or not.
   CompareOptions high;
-  const auto table = std::find_if(c.tables.begin(), c.tables.end(),
-                                  [](const ColumnTable& t) { return t.name == "bands_second"; });
+  const auto table =
+      std::find_if(c.tables.begin(), c.tables.end(), [](const ColumnTable& t) { return t.name == "bands_second"; });
   ASSERT_NE(table, c.tables.end());
   ASSERT_EQ(table->columns[5].name, "strain_dev");
   high.band_strain = 0.95 * table->columns[5].values[0];

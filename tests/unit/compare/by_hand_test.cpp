@@ -31,8 +31,10 @@ void expect_statistics(const Comparison& c, const std::string& name, double unit
   EXPECT_NEAR(at("rms").value, rms * std::abs(unit), 1e-5) << name;
   EXPECT_NEAR(at("p95").value, p95 * std::abs(unit), 1e-5) << name;
   EXPECT_NEAR(at("max").value, most * std::abs(unit), 1e-5) << name;
-  for (const auto& [what, value] : {std::pair{"bias", mean * unit}, {"rms", rms * std::abs(unit)},
-                                    {"p95", p95 * std::abs(unit)}, {"max", most * std::abs(unit)}}) {
+  for (const auto& [what, value] : {std::pair{"bias", mean * unit},
+                                    {"rms", rms * std::abs(unit)},
+                                    {"p95", p95 * std::abs(unit)},
+                                    {"max", most * std::abs(unit)}}) {
     EXPECT_EQ(at(what).uncertainty, u) << name << ' ' << what;
     EXPECT_EQ(at(what).unit, "1");
     EXPECT_NEAR(metric(c, name + "_" + what + "_final_over_u").value, value / u, 1e-4) << name << ' ' << what;
@@ -44,8 +46,8 @@ TEST(ByHand, StatisticsOfTheStrains) {
   note.floor_dev = 0.05, note.floor_vol = 0.04, note.floor_path = 0.03;
   SilentProgress progress;
   const auto of = [&](double a, double v) {
-    return compare(motion_of("a", twenty(), {0, 1}, none), motion_of("b", twenty(), {0, 1}, none, stretch(a, v)), {}, {},
-                   progress, {}, {note, {}});
+    return compare(motion_of("a", twenty(), {0, 1}, none), motion_of("b", twenty(), {0, 1}, none, stretch(a, v)), {},
+                   {}, progress, {}, {note, {}});
   };
   expect_statistics(of(0.01, 0), "strain_dev", 2 / std::sqrt(3.0) * 0.01, 0.05);
   expect_statistics(of(0, -0.01), "strain_vol", -0.01, 0.04);
@@ -53,16 +55,16 @@ TEST(ByHand, StatisticsOfTheStrains) {
   expect_statistics(of(0.0002, 0), "strain_dev_path", 2 / std::sqrt(3.0) * 0.0002, 0.03);
 }
 
-// u2 - u1 = 0.1 k t along x: at t = 2 the differences are 0.2 k, the velocities' 0.1 k. Every component is known to 0.3.
+// u2 - u1 = 0.1 k t along x: at t = 2 the differences are 0.2 k, the velocities' 0.1 k. Every component is known to
+// 0.3.
 TEST(ByHand, StatisticsOfDisplacementVelocityAndIncrements) {
   const DisplacementLaw apart = [](const Vec2& X, double t) -> Vec2 { return Vec2(0.1 * number_of(X) * t, 0); };
   const DisplacementLaw common = [](const Vec2&, double t) -> Vec2 { return Vec2(0, 0.5 * t); };
   CompareOptions options;
   options.measurement_uncertainty_m = 0.3;
   const MotionMemory a = motion_of("a", twenty(), {0, 1, 2}, common);
-  const MotionMemory b = motion_of("b", twenty(), {0, 1, 2}, [&](const Vec2& X, double t) -> Vec2 {
-    return common(X, t) + apart(X, t);
-  });
+  const MotionMemory b =
+      motion_of("b", twenty(), {0, 1, 2}, [&](const Vec2& X, double t) -> Vec2 { return common(X, t) + apart(X, t); });
   const Comparison c = compared(a, b, options);
   const double u = 0.3 * std::sqrt(2.0);  // both components
   EXPECT_NEAR(metric(c, "displacement_bias_x_final").value, 0.2 * mean, 1e-5);
@@ -98,24 +100,23 @@ TEST(ByHand, StatisticsOfDisplacementVelocityAndIncrements) {
 // The areas between the distributions of 1 ... 20 units and of nothing are the means.
 TEST(ByHand, AreaMetrics) {
   const MotionMemory a = motion_of("a", twenty(), {0, 1}, none);
-  const MotionMemory b = motion_of("b", twenty(), {0, 1},
-                                   [](const Vec2& X, double t) -> Vec2 { return Vec2(0, -0.1 * number_of(X) * t); },
-                                   stretch(0.01, 0));
+  const MotionMemory b = motion_of(
+      "b", twenty(), {0, 1}, [](const Vec2& X, double t) -> Vec2 { return Vec2(0, -0.1 * number_of(X) * t); },
+      stretch(0.01, 0));
   for (const Comparison& c : {compared(a, b), compared(b, a)}) {
     EXPECT_NEAR(metric(c, "area_metric_displacement").value, 0.1 * mean, 1e-5);
     EXPECT_NEAR(metric(c, "area_metric_strain_dev").value, 2 / std::sqrt(3.0) * 0.01 * mean, 1e-5);
   }
 }
 
-// u_x = x on the first side, x + 0.05 (1 + 4 y') on the second, y' the coordinate with mean 0 and mean square 1: linear,
-// so three coefficients hold it; two of them differ, by 0.05 and 0.2.
+// u_x = x on the first side, x + 0.05 (1 + 4 y') on the second, y' the coordinate with mean 0 and mean square 1:
+// linear, so three coefficients hold it; two of them differ, by 0.05 and 0.2.
 TEST(ByHand, Decomposition) {
   const ParticleSet set = particles_at(square_lattice(10, 10, 1), 1);
   const double spread = std::sqrt(99.0 / 12);  // of ten evenly spaced values
   const auto law = [=](double more) {
-    return DisplacementLaw([=](const Vec2& X, double t) -> Vec2 {
-      return Vec2(t * (X.x() + more * (1 + 4 * (X.y() - 5) / spread)), 0);
-    });
+    return DisplacementLaw(
+        [=](const Vec2& X, double t) -> Vec2 { return Vec2(t * (X.x() + more * (1 + 4 * (X.y() - 5) / spread)), 0); });
   };
   CompareOptions options;
   options.measurement_uncertainty_m = 0.05;
@@ -124,7 +125,8 @@ TEST(ByHand, Decomposition) {
   EXPECT_EQ(value("terms").value, 3);
   EXPECT_NEAR(value("distance").value, 0.05 * std::sqrt(17.0), 1e-5);
   EXPECT_NEAR(value("distance").uncertainty, 0.05, 1e-6);
-  // Band of 2 u = 0.1: one of three leaves it. At its edge u less or more: still that one (0.2 > 0.15; 0.05 touches 0.05).
+  // Band of 2 u = 0.1: one of three leaves it. At its edge u less or more: still that one (0.2 > 0.15; 0.05 touches
+  // 0.05).
   EXPECT_NEAR(value("outside").value, 1.0 / 3, 1e-9);
   EXPECT_LE(value("outside").uncertainty, 1.0 / 6 + 1e-9);
   EXPECT_NEAR(value("residual_first").value, 0, 1e-5);
@@ -132,7 +134,8 @@ TEST(ByHand, Decomposition) {
   EXPECT_EQ(value("cluster_first").value, 0);
   EXPECT_EQ(value("cluster_second").value, 0);
   options.measurement_uncertainty_m = 0.08;  // bands of 0.08, 0.16, 0.24: one, one and none
-  const Comparison wide = compared(motion_of("a", set, {0, 1}, law(0)), motion_of("b", set, {0, 1}, law(0.05)), options);
+  const Comparison wide =
+      compared(motion_of("a", set, {0, 1}, law(0)), motion_of("b", set, {0, 1}, law(0.05)), options);
   EXPECT_NEAR(metric(wide, "decomposition_displacement_x_outside").uncertainty, 1.0 / 6, 1e-9);
 }
 
@@ -164,15 +167,17 @@ TEST(ByHand, MobilisedArea) {
   EXPECT_NEAR(metric(c, "mobilised_area_difference").uncertainty, m.uncertainty, 1e-12);
 }
 
-// A block of 20 x 10 that sinks by 2 (J = 0.8) or spreads by a quarter: crest and run-out to half a percent of the area.
+// A block of 20 x 10 that sinks by 2 (J = 0.8) or spreads by a quarter: crest and run-out to half a percent of the
+// area.
 TEST(ByHand, CrestAndRunOut) {
   const ParticleSet set = particles_at(square_lattice(40, 20, 0.5), 0.5);
   const auto made = [&](const char* name, double fx, double fy) {
-    return motion_of(name, set, {0, 1}, [=](const Vec2& X, double t) -> Vec2 {
-      return t * Vec2((fx - 1) * X.x(), (fy - 1) * X.y());
-    }, [=](const Vec2&, double t) -> Mat2 {
-      return Vec2(1 + t * (fx - 1), 1 + t * (fy - 1)).asDiagonal().toDenseMatrix();
-    });
+    return motion_of(
+        name, set, {0, 1},
+        [=](const Vec2& X, double t) -> Vec2 { return t * Vec2((fx - 1) * X.x(), (fy - 1) * X.y()); },
+        [=](const Vec2&, double t) -> Mat2 {
+          return Vec2(1 + t * (fx - 1), 1 + t * (fy - 1)).asDiagonal().toDenseMatrix();
+        });
   };
   CompareOptions options;
   options.slope_base_m = 0;
@@ -193,7 +198,8 @@ TEST(ByHand, PointHistories) {
   options.measurement_uncertainty_m = 0.1;
   const std::vector<double> times{0, 1, 2, 3, 4};
   const MotionMemory a = motion_of("a", twenty(), times, [](const Vec2&, double t) -> Vec2 { return Vec2(t, 0); });
-  const MotionMemory b = motion_of("b", twenty(), times, [](const Vec2&, double t) -> Vec2 { return t * Vec2(1, 0.75); });
+  const MotionMemory b =
+      motion_of("b", twenty(), times, [](const Vec2&, double t) -> Vec2 { return t * Vec2(1, 0.75); });
   const Comparison c = compared(a, b, options);
   // |u|: t and 1.25 t; distance 0.75 t.
   EXPECT_NEAR(metric(c, "point_1_bias").value, 0.25 * 2, 1e-5);

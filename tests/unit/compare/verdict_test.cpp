@@ -37,14 +37,14 @@ constexpr int side = 12;  // particles; the left half stands still
 constexpr double sigma_u = 0.01, sigma_F = 0.002;
 
 struct Bias {
-  double u = 0;    // of u_x, at the end
-  double vol = 0;  // of ln J and
-  double dev = 0;  // of the deviatoric strain, at the end, where it moves
+  double u = 0;             // of u_x, at the end
+  double vol = 0;           // of ln J and
+  double dev = 0;           // of the deviatoric strain, at the end, where it moves
   bool everywhere = false;  // it moves: a mean over all is the bias then
 };
 
-// A block whose right half stretches and carries a shear band, measured with errors that grow as a tracker's do: those of
-// u with standard deviation sigma_u a component at the end, those of the gradient with sigma_F.
+// A block whose right half stretches and carries a shear band, measured with errors that grow as a tracker's do: those
+// of u with standard deviation sigma_u a component at the end, those of the gradient with sigma_F.
 MotionMemory measured(std::mt19937& random, Errors errors, const Bias& bias, const std::string& name) {
   const ParticleSet set = particles_at(square_lattice(side, side, 1), 1);
   std::normal_distribution<double> normal(0, 1);
@@ -152,16 +152,38 @@ TEST(Verdict, TwoMeasurementsOfOneMotionAreRarelyFlagged) {
         for (const Metric& m : c.metrics)
           if (judged(m)) flagged[m.name] += m.verdict != not_distinguishable;
       }
-      for (const char* name : {"displacement_bias_x_final", "displacement_max", "displacement_rms_relative",
-                               "velocity_p95", "strain_dev_bias", "strain_dev_rms_final", "strain_dev_p95",
-                               "strain_dev_max", "strain_vol_bias_final", "strain_vol_rms", "strain_vol_p95_final",
-                               "strain_vol_max", "strain_dev_path_bias", "strain_dev_path_rms_final",
-                               "strain_dev_path_p95", "strain_dev_path_max", "area_metric_displacement",
-                               "area_metric_strain_dev", "decomposition_displacement_x_distance",
-                               "decomposition_strain_dev_distance", "outline_iou", "outline_hausdorff_95",
-                               "crest_height_difference", "run_out_x_difference", "band_offset",
-                               "band_inclination_difference", "band_thickness_difference", "band_onset_difference",
-                               "mobilised_area_difference", "point_1_rms", "point_1_onset_difference", "point_1_peak_rate_difference"})
+      for (const char* name : {"displacement_bias_x_final",
+                               "displacement_max",
+                               "displacement_rms_relative",
+                               "velocity_p95",
+                               "strain_dev_bias",
+                               "strain_dev_rms_final",
+                               "strain_dev_p95",
+                               "strain_dev_max",
+                               "strain_vol_bias_final",
+                               "strain_vol_rms",
+                               "strain_vol_p95_final",
+                               "strain_vol_max",
+                               "strain_dev_path_bias",
+                               "strain_dev_path_rms_final",
+                               "strain_dev_path_p95",
+                               "strain_dev_path_max",
+                               "area_metric_displacement",
+                               "area_metric_strain_dev",
+                               "decomposition_displacement_x_distance",
+                               "decomposition_strain_dev_distance",
+                               "outline_iou",
+                               "outline_hausdorff_95",
+                               "crest_height_difference",
+                               "run_out_x_difference",
+                               "band_offset",
+                               "band_inclination_difference",
+                               "band_thickness_difference",
+                               "band_onset_difference",
+                               "mobilised_area_difference",
+                               "point_1_rms",
+                               "point_1_onset_difference",
+                               "point_1_peak_rate_difference"})
         EXPECT_TRUE(flagged.contains(name)) << name << " is not judged";
       double worst = 0;
       std::string where;
@@ -179,8 +201,8 @@ TEST(Verdict, TwoMeasurementsOfOneMotionAreRarelyFlagged) {
     }
 }
 
-// Criterion: a bias of four u_val is found at least 95 % of the time, in displacement (u_val of a component's difference
-// is sqrt(2) sigma) and in strain (u_val is the noise floor of both sides).
+// Criterion: a bias of four u_val is found at least 95 % of the time, in displacement (u_val of a component's
+// difference is sqrt(2) sigma) and in strain (u_val is the noise floor of both sides).
 TEST(Verdict, ABiasOfFourUValIsFound) {
   const unsigned seed = 20250302;
   SCOPED_TRACE(seed);
@@ -203,8 +225,8 @@ TEST(Verdict, ABiasOfFourUValIsFound) {
     for (const Errors errors : kinds) {
       int found = 0;
       for (int run = 0; run < runs; ++run) {
-        const Comparison c = compare(measured(random, errors, none, "a"), measured(random, errors, a.bias, "b"),
-                                     {}, {}, progress, {}, {stated, stated});
+        const Comparison c = compare(measured(random, errors, none, "a"), measured(random, errors, a.bias, "b"), {}, {},
+                                     progress, {}, {stated, stated});
         const Metric m = metric(c, a.metric);
         EXPECT_NEAR(m.uncertainty, a.uncertainty, 1e-6) << a.metric;
         found += m.verdict != not_distinguishable;

@@ -183,6 +183,26 @@ TEST_F(Report, NothingMoves) {
   EXPECT_TRUE(has_figure("displacement") && has_figure("deviatoric_strain"));
 }
 
+// Two simulations, and two measurements, are called first and second; a measurement beside a simulation keeps its name.
+TEST_F(Report, LikeWithLike) {
+  const auto says = [&](const char* text) { return html_.find(text) != std::string::npos; };
+  SyntheticOptions o;
+  o.frames = 3;
+  o.spacing_m = 0.02;
+  o.pairs = false;
+  Synthetic s = make_synthetic(o);
+  write(s);
+  EXPECT_TRUE(says("simulated minus measured") && says("Measurement and simulation compared"));
+  EXPECT_FALSE(says("second minus first;"));
+  const auto np = s.content.measured, mpm = s.content.simulated;
+  for (const auto& side : {mpm, np}) {
+    s.content.measured = s.content.simulated = side;
+    write(s);
+    EXPECT_TRUE(says("Metrics, second minus first") && says("Two motions compared")) << side->name();
+    EXPECT_FALSE(says("Simulated") || says("simulated minus") || says("of the measured")) << side->name();
+  }
+}
+
 // Everything that a bad run can hold: NaN in every field, all particles ended, all vectors masked or failed.
 TEST_F(Report, NotANumber) {
   SyntheticOptions o;
