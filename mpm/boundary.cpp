@@ -44,7 +44,7 @@ void check_motion(const std::string& key, const BoundaryOptions& o) {
 
 Restraints::Restraints(const std::vector<std::pair<std::string, BoundaryOptions>>& boundaries, const GridState& g,
                        const Vec2& centroid, const Impedance& impedance) {
-  std::vector<std::vector<std::uint16_t>> walls_of_node(g.grid.node_count());
+  std::vector<std::vector<std::uint16_t>> walls_of_node(g.sheet.node_count());
   std::vector<const BoundaryOptions*> of_wall;
   for (const auto& [name, options] : boundaries) {
     const std::string key = "boundary." + name;
@@ -79,12 +79,18 @@ Restraints::Restraints(const std::vector<std::pair<std::string, BoundaryOptions>
   for (std::size_t n = 0; n < walls_of_node.size(); ++n) {
     if (walls_of_node[n].empty()) continue;
     RestrainedNode at{std::uint32_t(n), walls_of_node[n], {}};
-    const Vec2 x = g.grid.position(int(n % std::size_t(g.grid.nx)), int(n / std::size_t(g.grid.nx)));
+    const Vec2 x = g.position(n);
     for (const std::uint16_t id : at.walls)
       at.until.push_back(release(*of_wall[id], walls_[id], x, g.grid.spacing.minCoeff()));
     changes_.insert(changes_.end(), at.until.begin(), at.until.end());
     nodes_.push_back(std::move(at));
   }
+  const std::size_t of_one = nodes_.size();
+  for (std::size_t sheet = 1; sheet < std::size_t(g.sheets); ++sheet)
+    for (std::size_t k = 0; k < of_one; ++k) {
+      nodes_.push_back(nodes_[k]);
+      nodes_.back().node += std::uint32_t(sheet * g.sheet_nodes());
+    }
   std::sort(changes_.begin(), changes_.end());
   changes_.erase(std::unique(changes_.begin(), changes_.end()), changes_.end());
 }
@@ -130,7 +136,7 @@ double Restraints::release(const BoundaryOptions& o, const Wall& wall, const Vec
 
 void Restraints::add_nodes(const std::string& key, const BoundaryOptions& options, Wall& wall, const GridState& g,
                            const Vec2& centroid, std::vector<std::vector<std::uint16_t>>& walls_of_node) {
-  const Grid& grid = g.grid;
+  const Grid& grid = g.sheet;
   const auto id = static_cast<std::uint16_t>(walls_.size());
   bool any = false;
   const auto take = [&](int i, int j) {
@@ -225,7 +231,7 @@ Vec2 Restraints::absorbed(const RestrainedNode& at, double time, double dt, cons
   for (const std::uint16_t id : at.walls) {
     const Wall& wall = walls_[id];
     if (wall.type != Type::absorbing || time >= wall.until) continue;
-    const Vec2 x = g.grid.position(int(at.node % std::uint32_t(g.grid.nx)), int(at.node / std::uint32_t(g.grid.nx)));
+    const Vec2 x = g.position(at.node);
     const double half = 0.5 * g.grid.spacing.minCoeff();
     const double share = (x - wall.from).norm() < half || (x - wall.to).norm() < half ? 0.5 : 1;
     const double per = share * dt / g.node[at.node].mass, across = v.dot(wall.normal);
@@ -242,6 +248,7 @@ void Restraints::apply(double time, double dt, GridState& g, std::vector<Reactio
     at.stuck = false;
     const Vec2 free(node.nx, node.ny);
     const Vec2 v = restrain(at, time, absorbed(at, time, dt, g, free), true, at.stuck, dt == 0);
+    if (g.sheets > 1) at.mobility = mobility_of(at, time, free, dt == 0);
     if (v == free) continue;
     const Vec2 wall = given_velocity(at, time, dt == 0);
     reactions.push_back({at.node, node.mass * (v.x() - free.x()), node.mass * (v.y() - free.y()), wall.x(), wall.y()});
@@ -260,6 +267,26 @@ void Restraints::apply_to_remapped(double time, GridState& g) const {
     node.ux = v.x();
     node.uy = v.y();
   }
+}
+
+Mat2 Restraints::mobility_of(const RestrainedNode& at, double time, const Vec2& free, bool settling) const {
+  if (at.stuck) return Mat2::Zero();
+  Mat2 left = Mat2::Identity();
+  for (std::size_t w = 0; w < at.walls.size(); ++w) {
+    const Wall& wall = walls_[at.walls[w]];
+    if (time >= at.until[w]) continue;
+    if (wall.type == Type::fixed || (settling && wall.type == Type::absorbing)) return Mat2::Zero();
+    if (wall.type == Type::absorbing || (wall.type == Type::frictional && !(free.dot(wall.normal) > 0))) continue;
+    const Vec2 normal = left * wall.normal;
+    if (normal.norm() > 1e-6) left -= normal.normalized() * normal.normalized().transpose();
+  }
+  return left;
+}
+
+Mat2 Restraints::mobility(std::size_t node) const {
+  const auto at = std::lower_bound(nodes_.begin(), nodes_.end(), node,
+                                   [](const RestrainedNode& a, std::size_t n) { return a.node < n; });
+  return at != nodes_.end() && at->node == node ? at->mobility : Mat2(Mat2::Identity());
 }
 
 Vec2 Restraints::given_velocity(const RestrainedNode& at, double time, bool settling) const {

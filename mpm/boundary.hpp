@@ -43,6 +43,8 @@ class Restraints {
 
   /// Restrains Node::nx, ny; the impulses are appended to `reactions`. With dt = 0 (settling) absorbing walls are fixed.
   void apply(double time, double dt, GridState& g, std::vector<Reaction>& reactions);
+  /// The motion that apply() left a node, as a projection: the unit matrix where no wall holds it.
+  Mat2 mobility(std::size_t node) const;
   /// Restrains Node::ux, uy alike; nodes that stuck in apply() stay.
   void apply_to_remapped(double time, GridState& g) const;
   /// The first time after `time` at which a restraint goes.
@@ -68,16 +70,18 @@ class Restraints {
     std::vector<std::uint16_t> walls;
     std::vector<double> until;  // of each wall at this node: the wall's, or when its withdrawal passes the node
     bool stuck = false;
+    Mat2 mobility = Mat2::Identity();
   };
   void add_nodes(const std::string& key, const BoundaryOptions& options, Wall& wall, const GridState& g,
                  const Vec2& centroid, std::vector<std::vector<std::uint16_t>>& walls_of_node);
   double release(const BoundaryOptions& options, const Wall& wall, const Vec2& node, double spacing) const;
+  Mat2 mobility_of(const RestrainedNode& at, double time, const Vec2& free, bool settling) const;
   Vec2 given_velocity(const RestrainedNode& at, double time, bool settling) const;
   Vec2 absorbed(const RestrainedNode& at, double time, double dt, const GridState& g, Vec2 v) const;
   Vec2 restrain(const RestrainedNode& at, double time, Vec2 v, bool with_friction, bool& stuck, bool settling) const;
 
   std::vector<Wall> walls_;
-  std::vector<RestrainedNode> nodes_;
+  std::vector<RestrainedNode> nodes_;  // in the order of their index
   std::vector<double> changes_;  // times at which a restraint goes somewhere
 };
 

@@ -166,6 +166,20 @@ struct BoundaryOptions {
   }
 };
 
+/// How bodies of the simulated material meet: each list of regions is one body.
+struct ContactOptions {
+  std::vector<std::string> regions;
+  std::vector<std::string> against;
+  std::optional<double> friction;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit("regions", self.regions, OptionInfo{.text = "names of the regions that make up the body"});
+    visit("against", self.against, OptionInfo{.text = "names of those that make up the other (left out: all other bodies; regions in no list are one)"});
+    visit("friction", self.friction, OptionInfo{.text = "Coulomb coefficient; 0 is smooth (left out: rough, no slip while pressed)", .min = 0});
+  }
+};
+
 /// A rigid body with prescribed motion, or free with a mass.
 struct RigidOptions {
   std::vector<double> circle_m;

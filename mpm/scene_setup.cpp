@@ -94,7 +94,8 @@ std::array<double, 2> impedance_near(const Scene& scene, const Materials& materi
   return {std::sqrt(rho * elastic.p_wave_modulus()), std::sqrt(rho * elastic.shear)};
 }
 
-SolverState initial_state(const Scene& scene, const Scheme& scheme, const GridState& g, const Materials& materials) {
+SolverState initial_state(const Scene& scene, const Scheme& scheme, const GridState& g, const Materials& materials,
+                          const Contacts& contacts) {
   const ParticleSet& set = scene.particles;
   const std::size_t n = set.size();
   if (n == 0) throw InputError("mpm: the scene holds no particle");
@@ -117,7 +118,8 @@ SolverState initial_state(const Scene& scene, const Scheme& scheme, const GridSt
                        std::to_string(label) + ", expected a material for it");
     if (p.bodies.empty() || p.bodies.back().material != label) p.bodies.push_back({k, k, label});
     p.bodies.back().end = k + 1;
-    if (!g.find(set.x0[from].x(), set.x0[from].y(), p.cell[k], p.xi[k], p.eta[k])) {
+    const int sheet = contacts.empty() ? 0 : contacts.sheet_of(std::size_t(label));
+    if (!g.find(set.x0[from].x(), set.x0[from].y(), p.cell[k], p.xi[k], p.eta[k], sheet)) {
       std::ostringstream text;
       text << "mpm.domain_m: particle " << from << " at (" << set.x0[from].x() << ", " << set.x0[from].y()
            << ") lies outside the simulation's grid";
