@@ -16,6 +16,7 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double touching = 0.25;  // cells between bodies that settle in touch
+constexpr double overlap = 0.02;   // cells by which points may stand across a face that is taken as found
 constexpr int sweeps = 10;         // where three bodies may meet at a node
 
 // The bodies' laws as the options state them; labels by their place.
@@ -86,21 +87,19 @@ Contacts::Contacts(const std::vector<std::pair<std::string, ContactOptions>>& co
   for (int a = 0; a < sheets_; ++a)
     for (int b = a + 1; b < sheets_; ++b) {
       const auto &first = bodies[std::size_t(a)], &second = bodies[std::size_t(b)];
-      const Stated* found[2] = {nullptr, nullptr};
+      std::vector<const Stated*> exact, general;
       for (const Stated& s : stated) {
-        const bool both = (s.one == first && s.other == second) || (s.one == second && s.other == first);
-        if (!both && !(s.other.empty() && (s.one == first || s.one == second))) continue;
-        const Stated*& at = found[both ? 0 : 1];
-        if (at && (both || !found[0]))
-          throw InputError(s.key + ": '" + labels[*first.begin()] + "' and '" + labels[*second.begin()] +
-                           "' meet by " + at->key + " already, expected one law for them");
-        at = &s;
+        if ((s.one == first && s.other == second) || (s.one == second && s.other == first)) exact.push_back(&s);
+        else if (s.other.empty() && (s.one == first || s.one == second)) general.push_back(&s);
       }
-      const Stated* law = found[0] ? found[0] : found[1];
-      if (!law)
+      const auto& laws = exact.empty() ? general : exact;
+      if (laws.size() > 1)
+        throw InputError(laws[1]->key + ": '" + labels[*first.begin()] + "' and '" + labels[*second.begin()] +
+                         "' meet by " + laws[0]->key + " already, expected one law for them");
+      if (laws.empty())
         throw InputError(stated.front().key + ": no law says how '" + labels[*first.begin()] + "' and '" +
                          labels[*second.begin()] + "' meet, expected a [contact.NAME] for them");
-      laws_.push_back({{a, b}, law->friction});
+      laws_.push_back({{a, b}, laws[0]->friction});
     }
 }
 
@@ -220,7 +219,19 @@ void Contacts::find(const Particles& p, const GridState& g, const std::vector<do
         widest = margin;
         m.normal = normal;
       }
-      if (std::isfinite(widest)) m.gap = view.gap(m.normal);
+      if (!std::isfinite(widest)) return;
+      // No plane between the points yet (a free edge beside the face): turned as long as it helps.
+      for (double turn = 0.4; widest < -overlap * g.grid.spacing.minCoeff() && turn > 0.02; turn *= 0.5)
+        for (const double by : {turn, -turn}) {
+          const Vec2 normal(std::cos(by) * m.normal.x() - std::sin(by) * m.normal.y(),
+                            std::sin(by) * m.normal.x() + std::cos(by) * m.normal.y());
+          const double margin = view.margin(normal);
+          if (!(margin > widest)) continue;
+          widest = margin;
+          m.normal = normal;
+          break;
+        }
+      m.gap = view.gap(m.normal);
     });
     for (const Meeting& m : found)
       if (m.gap < near) meetings_.push_back(m);
