@@ -41,7 +41,12 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
     throw InputError("mpm.stress_update: found 'usf' beside a free rigid body, expected musl or usl");
   if (o.settle && gravity.norm() > 0 && restraints.any_absorbing())
     throw InputError("mpm.settle: found true beside an absorbing wall, which carries no weight; expected settle = false");
-  state = initial_state(scene, scheme, g, materials, contacts);
+  if (restraints.any_tied() && !contacts.empty())
+    throw InputError("contact." + scene.contacts.front().first + ": given beside a tied boundary, expected one of them");
+  if (o.sleep_below_m_s && (restraints.any_tied() || !contacts.empty()))
+    throw InputError(std::string("mpm.sleep_below_m_s: given beside ") + (contacts.empty() ? "a tied boundary" : "a [contact.NAME]") +
+                     ", expected none: what touches would not wake");
+  state = initial_state(scene, scheme, g, materials, contacts, restraints.any_tied());
   place_tractions();
   sleep.start(p, g);
   g.rebuild(p);
@@ -129,6 +134,7 @@ void Solver::Impl::strain(double dt, int threads) {
 
 void Solver::Impl::find_cells(int threads) {
   wake_what_moves();
+  if (restraints.any_tied()) restraints.carry_over(state.time, p);
   std::vector<std::uint32_t> left;
   if (locate_points(p, g, left, threads)) {
     for (const std::uint32_t k : left) end_particle(k, EndReason::left_grid);
