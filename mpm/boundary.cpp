@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/region.hpp"
@@ -36,6 +37,10 @@ void check_motion(const std::string& key, const BoundaryOptions& o) {
     throw InputError(key + ".withdraw_m_s: expected a velocity other than 0");
   if (o.withdraw_m_s && (o.type == "traction" || o.type == "absorbing"))
     throw InputError(key + ".withdraw_m_s: given with type \"" + o.type + "\", expected fixed, roller or frictional");
+  if (o.across_m.has_value() != (o.type == "tied"))
+    throw InputError(key + ".across_m: " + (o.across_m ? "given with type \"" + o.type + "\", expected type = \"tied\"" : "missing beside type = \"tied\""));
+  if (o.type == "tied" && (o.line_m.empty() || o.withdraw_m_s))
+    throw InputError(key + (o.line_m.empty() ? ".line_m: missing; one side of what is tied" : ".withdraw_m_s: given with type \"tied\", expected fixed, roller or frictional"));
   if (o.traction_pa && (o.type != "traction" || !finite(*o.traction_pa)))
     throw InputError(key + ".traction_pa: given with type \"" + o.type + "\", expected type = \"traction\"");
 }
@@ -44,11 +49,20 @@ void check_motion(const std::string& key, const BoundaryOptions& o) {
 
 Restraints::Restraints(const std::vector<std::pair<std::string, BoundaryOptions>>& boundaries, const GridState& g,
                        const Vec2& centroid, const Impedance& impedance) {
-  std::vector<std::vector<std::uint16_t>> walls_of_node(g.grid.node_count());
+  std::vector<std::vector<std::uint16_t>> walls_of_node(g.sheet.node_count());
   std::vector<const BoundaryOptions*> of_wall;
+  // The other side of what is tied is a wall too.
+  std::deque<std::pair<std::string, BoundaryOptions>> all;
   for (const auto& [name, options] : boundaries) {
+    check_motion("boundary." + name, options);
+    all.emplace_back(name, options);
+    if (options.type != "tied") continue;
+    all.push_back(all.back());
+    for (Pair& end : all.back().second.line_m) end = {end[0] + (*options.across_m)[0], end[1] + (*options.across_m)[1]};
+    all.back().second.across_m.reset();
+  }
+  for (const auto& [name, options] : all) {
     const std::string key = "boundary." + name;
-    check_motion(key, options);
     if (options.type == "traction") continue;  // a load, no restraint (loading.hpp)
     Wall wall;
     wall.type = Type::fixed;
@@ -57,9 +71,10 @@ Restraints::Restraints(const std::vector<std::pair<std::string, BoundaryOptions>
     if (options.type == "roller") wall.type = Type::roller;
     else if (options.type == "frictional") wall.type = Type::frictional;
     else if (options.type == "absorbing") wall.type = Type::absorbing;
+    else if (options.type == "tied") wall.type = Type::tied;
     else if (options.type != "fixed")
-      throw InputError(key + ".type: found '" + options.type + "', expected fixed, roller, frictional, absorbing or traction" +
-                       did_you_mean(options.type, {"fixed", "roller", "frictional", "absorbing", "traction"}));
+      throw InputError(key + ".type: found '" + options.type + "', expected fixed, roller, frictional, absorbing, traction or tied" +
+                       did_you_mean(options.type, {"fixed", "roller", "frictional", "absorbing", "traction", "tied"}));
     if (!(options.friction >= 0)) throw InputError(key + ".friction: expected 0 or more");
     if (options.until_s) wall.until = *options.until_s;
     if (options.velocity_m_s) wall.velocity = point(*options.velocity_m_s);
@@ -75,18 +90,51 @@ Restraints::Restraints(const std::vector<std::pair<std::string, BoundaryOptions>
     }
     walls_.push_back(wall);
     of_wall.push_back(&options);
+    if (wall.type == Type::tied && !options.across_m) tie(key, g, walls_of_node);
   }
   for (std::size_t n = 0; n < walls_of_node.size(); ++n) {
     if (walls_of_node[n].empty()) continue;
     RestrainedNode at{std::uint32_t(n), walls_of_node[n], {}};
-    const Vec2 x = g.grid.position(int(n % std::size_t(g.grid.nx)), int(n / std::size_t(g.grid.nx)));
+    const Vec2 x = g.position(n);
     for (const std::uint16_t id : at.walls)
       at.until.push_back(release(*of_wall[id], walls_[id], x, g.grid.spacing.minCoeff()));
     changes_.insert(changes_.end(), at.until.begin(), at.until.end());
     nodes_.push_back(std::move(at));
   }
+  const std::size_t of_one = nodes_.size();
+  for (std::size_t sheet = 1; sheet < std::size_t(g.sheets); ++sheet)
+    for (std::size_t k = 0; k < of_one; ++k) {
+      nodes_.push_back(nodes_[k]);
+      nodes_.back().node += std::uint32_t(sheet * g.sheet_nodes());
+    }
   std::sort(changes_.begin(), changes_.end());
   changes_.erase(std::unique(changes_.begin(), changes_.end()), changes_.end());
+}
+
+// The last two walls: the nodes of the first with those opposite.
+void Restraints::tie(const std::string& key, const GridState& g,
+                     const std::vector<std::vector<std::uint16_t>>& walls_of_node) {
+  const auto second = std::uint16_t(walls_.size() - 1), first = std::uint16_t(second - 1);
+  if (walls_[first].fold == fold_none || walls_[second].fold == fold_none || walls_[first].fold == walls_[second].fold)
+    throw InputError(key + ".across_m: expected both sides along the grid, on lines of nodes, with the material between");
+  const Vec2 apart = (walls_[second].from - walls_[first].from).cwiseQuotient(g.grid.spacing);
+  const auto offset = std::ptrdiff_t(std::lround(apart.x())) + std::ptrdiff_t(std::lround(apart.y())) * g.grid.nx;
+  if ((apart - Vec2(std::round(apart.x()), std::round(apart.y()))).norm() > 1e-6 || offset == 0)
+    throw InputError(key + ".across_m: expected a whole number of cells");
+  seams_.push_back({walls_[first].from, walls_[second].from - walls_[first].from, walls_[first].until});
+  const auto on = [&](std::ptrdiff_t n, std::uint16_t wall) {
+    const auto& walls = walls_of_node[std::size_t(n)];
+    return std::find(walls.begin(), walls.end(), wall) != walls.end();
+  };
+  for (std::ptrdiff_t n = 0; n < std::ptrdiff_t(walls_of_node.size()); ++n) {
+    if (!on(n, first)) continue;
+    if (n + offset < 0 || n + offset >= std::ptrdiff_t(walls_of_node.size()) || !on(n + offset, second))
+      throw InputError(key + ".across_m: a node of line_m has none opposite in the grid, expected both sides inside it");
+    for (std::size_t sheet = 0; sheet < std::size_t(g.sheets); ++sheet) {
+      const auto from = std::ptrdiff_t(sheet * g.sheet_nodes());
+      ties_.push_back({{std::uint32_t(from + n), std::uint32_t(from + n + offset)}, walls_[first].until});
+    }
+  }
 }
 
 // A node is let go when the shape, moving, is a hundredth of a cell further from it than it was: inside a polygon, when
@@ -130,7 +178,7 @@ double Restraints::release(const BoundaryOptions& o, const Wall& wall, const Vec
 
 void Restraints::add_nodes(const std::string& key, const BoundaryOptions& options, Wall& wall, const GridState& g,
                            const Vec2& centroid, std::vector<std::vector<std::uint16_t>>& walls_of_node) {
-  const Grid& grid = g.grid;
+  const Grid& grid = g.sheet;
   const auto id = static_cast<std::uint16_t>(walls_.size());
   bool any = false;
   const auto take = [&](int i, int j) {
@@ -225,7 +273,7 @@ Vec2 Restraints::absorbed(const RestrainedNode& at, double time, double dt, cons
   for (const std::uint16_t id : at.walls) {
     const Wall& wall = walls_[id];
     if (wall.type != Type::absorbing || time >= wall.until) continue;
-    const Vec2 x = g.grid.position(int(at.node % std::uint32_t(g.grid.nx)), int(at.node / std::uint32_t(g.grid.nx)));
+    const Vec2 x = g.position(at.node);
     const double half = 0.5 * g.grid.spacing.minCoeff();
     const double share = (x - wall.from).norm() < half || (x - wall.to).norm() < half ? 0.5 : 1;
     const double per = share * dt / g.node[at.node].mass, across = v.dot(wall.normal);
@@ -236,12 +284,24 @@ Vec2 Restraints::absorbed(const RestrainedNode& at, double time, double dt, cons
 }
 
 void Restraints::apply(double time, double dt, GridState& g, std::vector<Reaction>& reactions) {
+  for (const Tie& tie : ties_) {
+    Node &a = g.node[tie.node[0]], &b = g.node[tie.node[1]];
+    if (time >= tie.until || !(a.mass > 0 && b.mass > 0)) continue;
+    const double mass = a.mass + b.mass, reduced = a.mass * b.mass / mass;
+    const Vec2 impulse = reduced * Vec2(b.nx - a.nx, b.ny - a.ny);
+    reactions.push_back({tie.node[0], impulse.x(), impulse.y(), 0, 0});
+    reactions.push_back({tie.node[1], -impulse.x(), -impulse.y(), 0, 0});
+    a.nx = b.nx = (a.mass * a.nx + b.mass * b.nx) / mass;
+    a.ny = b.ny = (a.mass * a.ny + b.mass * b.ny) / mass;
+    a.held = b.held = true;
+  }
   for (RestrainedNode& at : nodes_) {
     Node& node = g.node[at.node];
     if (!(node.mass > 0)) continue;
     at.stuck = false;
     const Vec2 free(node.nx, node.ny);
     const Vec2 v = restrain(at, time, absorbed(at, time, dt, g, free), true, at.stuck, dt == 0);
+    if (g.sheets > 1) at.mobility = mobility_of(at, time, free, dt == 0);
     if (v == free) continue;
     const Vec2 wall = given_velocity(at, time, dt == 0);
     reactions.push_back({at.node, node.mass * (v.x() - free.x()), node.mass * (v.y() - free.y()), wall.x(), wall.y()});
@@ -252,6 +312,13 @@ void Restraints::apply(double time, double dt, GridState& g, std::vector<Reactio
 }
 
 void Restraints::apply_to_remapped(double time, GridState& g) const {
+  for (const Tie& tie : ties_) {
+    Node &a = g.node[tie.node[0]], &b = g.node[tie.node[1]];
+    if (time >= tie.until || !(a.mass > 0 && b.mass > 0)) continue;
+    const double mass = a.mass + b.mass;
+    a.ux = b.ux = (a.mass * a.ux + b.mass * b.ux) / mass;
+    a.uy = b.uy = (a.mass * a.uy + b.mass * b.uy) / mass;
+  }
   for (const RestrainedNode& at : nodes_) {
     Node& node = g.node[at.node];
     if (!(node.mass > 0)) continue;
@@ -260,6 +327,26 @@ void Restraints::apply_to_remapped(double time, GridState& g) const {
     node.ux = v.x();
     node.uy = v.y();
   }
+}
+
+Mat2 Restraints::mobility_of(const RestrainedNode& at, double time, const Vec2& free, bool settling) const {
+  if (at.stuck) return Mat2::Zero();
+  Mat2 left = Mat2::Identity();
+  for (std::size_t w = 0; w < at.walls.size(); ++w) {
+    const Wall& wall = walls_[at.walls[w]];
+    if (time >= at.until[w]) continue;
+    if (wall.type == Type::fixed || (settling && wall.type == Type::absorbing)) return Mat2::Zero();
+    if (wall.type == Type::absorbing || wall.type == Type::tied || (wall.type == Type::frictional && !(free.dot(wall.normal) > 0))) continue;
+    const Vec2 normal = left * wall.normal;
+    if (normal.norm() > 1e-6) left -= normal.normalized() * normal.normalized().transpose();
+  }
+  return left;
+}
+
+Mat2 Restraints::mobility(std::size_t node) const {
+  const auto at = std::lower_bound(nodes_.begin(), nodes_.end(), node,
+                                   [](const RestrainedNode& a, std::size_t n) { return a.node < n; });
+  return at != nodes_.end() && at->node == node ? at->mobility : Mat2(Mat2::Identity());
 }
 
 Vec2 Restraints::given_velocity(const RestrainedNode& at, double time, bool settling) const {
@@ -283,6 +370,24 @@ std::vector<std::uint8_t> Restraints::folds(double time, const Grid& grid) const
 
 bool Restraints::any_absorbing() const {
   return std::any_of(walls_.begin(), walls_.end(), [](const Wall& w) { return w.type == Type::absorbing; });
+}
+
+bool Restraints::any_tied() const { return !ties_.empty(); }
+
+void Restraints::carry_over(double time, Particles& p) const {
+  for (const Seam& seam : seams_) {
+    if (time >= seam.until) continue;
+    for (std::size_t k = 0; k < p.size(); ++k) {
+      if (p.cell[k] == Particles::ended) continue;
+      const double share = (Vec2(p.x[k], p.y[k]) - seam.from).dot(seam.across) / seam.across.squaredNorm();
+      if (share >= 0 && share <= 1) continue;
+      const Vec2 by = share < 0 ? seam.across : Vec2(-seam.across);
+      p.x[k] += by.x();
+      p.y[k] += by.y();
+      p.carried_x[k] += by.x();
+      p.carried_y[k] += by.y();
+    }
+  }
 }
 
 }  // namespace pivnp::mpm

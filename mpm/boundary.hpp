@@ -26,6 +26,10 @@ struct Reaction {
 /// law, as in Bardenhagen, Brackbill & Sulsky 2000 for a wall at rest). absorbing: dashpots rho c_p across and rho c_s
 /// along the wall (Lysmer & Kuhlemeyer 1969), taken implicitly, so that they do not bound the step.
 ///
+/// tied: a node and the one opposite move as one, with their common momentum: layers between two such sides shear without
+/// bending, as in a laminar box (tied degrees of freedom: Zienkiewicz, Bicanic & Shen 1988); material that leaves by one
+/// comes in by the other. A state that is the same all along the slope is then exact, whatever the sides' distance.
+///
 /// A fixed restraint may give its nodes a velocity; any may be drawn away at a speed (a gate): each node is let go when
 /// the moving shape has passed it.
 ///
@@ -43,6 +47,8 @@ class Restraints {
 
   /// Restrains Node::nx, ny; the impulses are appended to `reactions`. With dt = 0 (settling) absorbing walls are fixed.
   void apply(double time, double dt, GridState& g, std::vector<Reaction>& reactions);
+  /// The motion that apply() left a node, as a projection: the unit matrix where no wall holds it.
+  Mat2 mobility(std::size_t node) const;
   /// Restrains Node::ux, uy alike; nodes that stuck in apply() stay.
   void apply_to_remapped(double time, GridState& g) const;
   /// The first time after `time` at which a restraint goes.
@@ -50,9 +56,12 @@ class Restraints {
   /// Behind which walls nothing is, for every node of the grid (Fold).
   std::vector<std::uint8_t> folds(double time, const Grid& grid) const;
   bool any_absorbing() const;
+  bool any_tied() const;
+  /// Points that have passed a tied side come in by the opposite one; Particles::carried holds by how much.
+  void carry_over(double time, Particles& p) const;
 
  private:
-  enum class Type : std::uint8_t { fixed, roller, frictional, absorbing };
+  enum class Type : std::uint8_t { fixed, roller, frictional, absorbing, tied };
   struct Wall {
     Type type;
     Vec2 velocity = Vec2::Zero();  // fixed: given to the nodes
@@ -68,16 +77,30 @@ class Restraints {
     std::vector<std::uint16_t> walls;
     std::vector<double> until;  // of each wall at this node: the wall's, or when its withdrawal passes the node
     bool stuck = false;
+    Mat2 mobility = Mat2::Identity();
   };
   void add_nodes(const std::string& key, const BoundaryOptions& options, Wall& wall, const GridState& g,
                  const Vec2& centroid, std::vector<std::vector<std::uint16_t>>& walls_of_node);
   double release(const BoundaryOptions& options, const Wall& wall, const Vec2& node, double spacing) const;
+  Mat2 mobility_of(const RestrainedNode& at, double time, const Vec2& free, bool settling) const;
   Vec2 given_velocity(const RestrainedNode& at, double time, bool settling) const;
   Vec2 absorbed(const RestrainedNode& at, double time, double dt, const GridState& g, Vec2 v) const;
   Vec2 restrain(const RestrainedNode& at, double time, Vec2 v, bool with_friction, bool& stuck, bool settling) const;
 
+  void tie(const std::string& key, const GridState& g,
+           const std::vector<std::vector<std::uint16_t>>& walls_of_node);
+  struct Tie {
+    std::uint32_t node[2];
+    double until;
+  };
+  std::vector<Tie> ties_;
+  struct Seam {
+    Vec2 from, across;
+    double until;
+  };
+  std::vector<Seam> seams_;
   std::vector<Wall> walls_;
-  std::vector<RestrainedNode> nodes_;
+  std::vector<RestrainedNode> nodes_;  // in the order of their index
   std::vector<double> changes_;  // times at which a restraint goes somewhere
 };
 

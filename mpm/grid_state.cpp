@@ -10,14 +10,23 @@ namespace {
 
 constexpr double round_off = 1e-9;  // of a cell, as in pivnp::locate
 
+// At least one row stays empty between two sheets, and each begins a new band of rows.
+int rows_of_sheet(int ny, int sheets) {
+  constexpr int multiple = 8;
+  return sheets == 1 ? ny : (ny + multiple) / multiple * multiple;
+}
+
 }  // namespace
 
-GridState::GridState(const Grid& d, ShapeKind kind)
+GridState::GridState(const Grid& d, ShapeKind kind, int n_sheets)
     : shape(kind),
       width(kind == ShapeKind::bilinear ? 2 : 3),
       stencil(width * width),
       domain(d),
-      grid(width == 3 ? padded(d, 1) : d),
+      sheet(width == 3 ? padded(d, 1) : d),
+      sheets(n_sheets),
+      sheet_rows(rows_of_sheet(sheet.ny, n_sheets)),
+      grid{sheet.origin, sheet.spacing, sheet.nx, n_sheets == 1 ? sheet.ny : n_sheets * sheet_rows},
       per_hx(1 / d.spacing.x()),
       per_hy(1 / d.spacing.y()),
       node(grid.node_count()),
@@ -31,7 +40,7 @@ void GridState::stencil_nodes(std::size_t slot, std::size_t* out) const {
     for (int a = 0; a < width; ++a) *out++ = first + std::size_t(b * grid.nx + a);
 }
 
-bool GridState::find(double x, double y, std::int32_t& cell, double& xi, double& eta) const {
+bool GridState::find(double x, double y, std::int32_t& cell, double& xi, double& eta, int on_sheet) const {
   double s = (x - domain.origin.x()) * per_hx, t = (y - domain.origin.y()) * per_hy;
   if (!(s >= -round_off && t >= -round_off && s <= domain.nx - 1 + round_off && t <= domain.ny - 1 + round_off))
     return false;
@@ -42,7 +51,7 @@ bool GridState::find(double x, double y, std::int32_t& cell, double& xi, double&
   const int j = width == 2 ? std::min(int(t), domain.ny - 2) : int(t + 0.5);
   xi = s - i;
   eta = t - j;
-  cell = std::int32_t(grid.node(i, j));
+  cell = std::int32_t(grid.node(i, j + on_sheet * sheet_rows));
   return true;
 }
 
@@ -242,29 +251,31 @@ void GridState::rebuild_nodes(const CellBits& cells) {
 }
 
 CellView GridState::view() {
-  return {order.data(), slot_begin.data(), slot_cell.data(), slot_fold.data(), node.data(), grid.nx, grid.ny,
+  return {order.data(), slot_begin.data(), slot_cell.data(), slot_fold.data(), node.data(), grid.nx, sheet.ny, sheet_rows,
           grid.spacing.x(), grid.spacing.y(), per_hx, per_hy, grid.origin.x(), grid.origin.y()};
 }
 
-std::int32_t GridState::slot_near(const Vec2& x, double& xi, double& eta) const {
+// `distance`: squared, from the nearest occupied cell.
+std::int32_t GridState::slot_near(const Vec2& x, int on_sheet, double& xi, double& eta, double& distance) const {
   std::int32_t cell = 0;
-  if (!find(x.x(), x.y(), cell, xi, eta)) return -1;
+  distance = 0;
+  if (!find(x.x(), x.y(), cell, xi, eta, on_sheet)) return -1;
   if (slot_of_cell_[std::size_t(cell)] >= 0) return slot_of_cell_[std::size_t(cell)];
-  const int i0 = int(cell % grid.nx), j0 = int(cell / grid.nx);
+  const int first = on_sheet * sheet_rows, i0 = int(cell % grid.nx), j0 = int(cell / grid.nx);
   const double x0 = xi, y0 = eta, low = width == 2 ? 0.0 : -0.5;
-  double least = std::numeric_limits<double>::infinity();
+  distance = std::numeric_limits<double>::infinity();
   std::int32_t best = -1;
   constexpr int reach = 2;  // cells
-  for (int j = std::max(0, j0 - reach); j <= std::min(grid.ny - width, j0 + reach); ++j)
+  for (int j = std::max(first, j0 - reach); j <= std::min(first + sheet.ny - width, j0 + reach); ++j)
     for (int i = std::max(0, i0 - reach); i <= std::min(grid.nx - width, i0 + reach); ++i) {
       const std::int32_t s = slot_of_cell_[grid.node(i, j)];
       if (s < 0) continue;
       const double here_x = x0 - (i - i0), here_y = y0 - (j - j0);  // from that cell
       const double in_x = std::clamp(here_x, low, low + 1), in_y = std::clamp(here_y, low, low + 1);
-      const double distance = std::pow((here_x - in_x) * grid.spacing.x(), 2) +
-                              std::pow((here_y - in_y) * grid.spacing.y(), 2);
-      if (distance >= least) continue;
-      least = distance;
+      const double away = std::pow((here_x - in_x) * grid.spacing.x(), 2) +
+                          std::pow((here_y - in_y) * grid.spacing.y(), 2);
+      if (away >= distance) continue;
+      distance = away;
       best = s;
       xi = in_x;
       eta = in_y;
@@ -285,15 +296,27 @@ void GridState::weights_at(std::int32_t cell, double xi, double eta, std::size_t
   });
 }
 
+// Of several fields the one whose material is nearest; where they are equally near, the one with more mass.
 Vec2 GridState::velocity_at(const Vec2& x) const {
-  double xi = 0, eta = 0;
-  const std::int32_t s = slot_near(x, xi, eta);
-  if (s < 0) return Vec2::Zero();
-  std::size_t at[9];
-  double w[9];
-  weights_at(slot_cell[std::size_t(s)], xi, eta, at, w);
   Vec2 v = Vec2::Zero();
-  for (int c = 0; c < stencil; ++c) v += w[c] * Vec2(node[at[c]].ux, node[at[c]].uy);
+  double nearest = std::numeric_limits<double>::infinity(), heaviest = 0;
+  for (int k = 0; k < sheets; ++k) {
+    double xi = 0, eta = 0, distance = 0;
+    const std::int32_t s = slot_near(x, k, xi, eta, distance);
+    if (s < 0 || distance > nearest) continue;
+    std::size_t at[9];
+    double w[9], mass = 0;
+    weights_at(slot_cell[std::size_t(s)], xi, eta, at, w);
+    Vec2 here = Vec2::Zero();
+    for (int c = 0; c < stencil; ++c) {
+      here += w[c] * Vec2(node[at[c]].ux, node[at[c]].uy);
+      mass += w[c] * node[at[c]].mass;
+    }
+    if (distance == nearest && mass <= heaviest) continue;
+    nearest = distance;
+    heaviest = mass;
+    v = here;
+  }
   return v;
 }
 

@@ -28,15 +28,21 @@ struct Bands {
 ///
 /// Blocks of cells may sleep (sleep.hpp): their points keep their places, stresses and stillness. Those whose nodes the
 /// others' see, the rim, are still mapped to them; the rest is not looked at.
+///
+/// Bodies in contact have a velocity field each (contact.hpp): a sheet of nodes of its own over the whole domain. The
+/// sheets lie one above the other in `grid`, `sheet_rows` rows apart, and a point's cell says to which it belongs; so
+/// what is done cell by cell and node by node knows nothing of them. Without contact there is one.
 class GridState {
  public:
-  /// Points live in `domain`. Shapes of three nodes an axis need a ring of nodes around it, which `grid` has.
-  GridState(const Grid& domain, ShapeKind shape);
+  /// Points live in `domain`. Shapes of three nodes an axis need a ring of nodes around it, which `sheet` has.
+  GridState(const Grid& domain, ShapeKind shape, int sheets = 1);
 
   const ShapeKind shape;
   const int width;    // nodes an axis of a stencil
   const int stencil;  // width^2
-  const Grid domain, grid;
+  const Grid domain, sheet;  // sheet: with the ring
+  const int sheets, sheet_rows;
+  const Grid grid;  // all sheets; only the first one's nodes are where this says (position())
   const double per_hx, per_hy;
 
   std::vector<std::uint32_t> order;       // points, cell after cell
@@ -68,8 +74,19 @@ class GridState {
   /// Flat indices of a slot's nodes, row after row.
   void stencil_nodes(std::size_t slot, std::size_t* out) const;
 
+  std::size_t sheet_nodes() const { return std::size_t(sheet_rows) * std::size_t(grid.nx); }
+  /// Where a node is.
+  Vec2 position(std::size_t n) const {
+    n %= sheet_nodes();
+    return sheet.position(int(n % std::size_t(grid.nx)), int(n / std::size_t(grid.nx)));
+  }
   /// The cell of a point and its natural coordinates; false outside the domain (round-off of 1e-9 spacings is inside).
-  bool find(double x, double y, std::int32_t& cell, double& xi, double& eta) const;
+  bool find(double x, double y, std::int32_t& cell, double& xi, double& eta, int on_sheet = 0) const;
+  /// The points of a cell: places in `order`.
+  SlotRange points_in(std::int32_t cell) const {
+    const std::int32_t s = slot_of_cell_[std::size_t(cell)];
+    return s < 0 ? SlotRange{} : SlotRange{slot_begin[std::size_t(s)], slot_begin[std::size_t(s) + 1]};
+  }
   /// Nodes and weights of a place found there, with the walls' folds (a point of uGIMP as seeded four an element).
   void weights_at(std::int32_t cell, double xi, double eta, std::size_t* at, double* weights) const;
   /// Builds order, slots and active nodes from Particles::cell.
@@ -90,7 +107,7 @@ class GridState {
   void rebuild_nodes(const CellBits& cells);
   template <class Keep>
   Bands bands_of(Keep&& keep) const;
-  std::int32_t slot_near(const Vec2& x, double& xi, double& eta) const;
+  std::int32_t slot_near(const Vec2& x, int on_sheet, double& xi, double& eta, double& distance) const;
   std::uint8_t fold_of(std::int32_t cell) const;
 
   std::vector<std::int32_t> slot_of_cell_;  // -1: empty

@@ -21,7 +21,9 @@ std::size_t locate_slots(ShapeKind shape, const PointView& p, const CellView& c,
   const auto high = [&](int i, int n) { return element ? 1.0 : i == n - 3 ? 0.0 : 0.5; };
   std::size_t found = 0;
   for (std::size_t s = slots.begin; s < slots.end; ++s) {
-    const int i = c.slot_cell[s] % c.nx, j = c.slot_cell[s] / c.nx;
+    const int i = c.slot_cell[s] % c.nx;
+    int j = c.slot_cell[s] / c.nx;
+    if (HWY_UNLIKELY(j >= c.sheet_rows)) j %= c.sheet_rows;
     const V per_x = set(c.per_hx), per_y = set(c.per_hy), ox = set(c.origin_x), oy = set(c.origin_y);
     const V i0 = set(i + place), j0 = set(j + place);
     const V low_x = set(low(i)), low_y = set(low(j)), high_x = set(high(i, c.nx)), high_y = set(high(j, c.ny));

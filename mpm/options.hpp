@@ -150,13 +150,14 @@ struct BoundaryOptions {
   double withdraw_from_s = 0;
   std::optional<Pair> traction_pa;
   double rise_s = 0;
+  std::optional<Pair> across_m;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
     visit("line_m", self.line_m, OptionInfo{.unit = "m", .text = "two end points; nodes within half a cell are restrained"});
     visit("polygon_m", self.polygon_m, OptionInfo{.unit = "m", .text = "nodes inside are restrained"});
     visit("type", self.type,
-          OptionInfo{.text = "fixed: no motion; roller: none along the normal; frictional: a wall that pushes, and rubs; absorbing: lets waves out; traction: a load on the material's face along line_m", .choices = {"fixed", "roller", "frictional", "absorbing", "traction"}});
+          OptionInfo{.text = "fixed: no motion; roller: none along the normal; frictional: a wall that pushes, and rubs; absorbing: lets waves out; traction: a load on the material's face along line_m; tied: nodes move as those of the opposite side, across_m away (a laminar box, or a piece of an endless slope)", .choices = {"fixed", "roller", "frictional", "absorbing", "traction", "tied"}});
     visit("normal", self.normal, OptionInfo{.text = "direction out of the material (left out: across the line, away from the material)"});
     visit("friction", self.friction, OptionInfo{.text = "Coulomb coefficient (frictional)", .min = 0});
     visit("until_s", self.until_s, OptionInfo{.unit = "s", .text = "removed at this time (a gate; left out: stays)"});
@@ -165,6 +166,21 @@ struct BoundaryOptions {
     visit("withdraw_from_s", self.withdraw_from_s, OptionInfo{.unit = "s", .text = "start of the withdrawal", .min = 0});
     visit("traction_pa", self.traction_pa, OptionInfo{.unit = "Pa", .text = "load on the face, x and y (traction); it moves with the particles next to the line"});
     visit("rise_s", self.rise_s, OptionInfo{.unit = "s", .text = "time over which the traction rises from 0 (0: at once)", .min = 0});
+    visit("across_m", self.across_m, OptionInfo{.unit = "m", .text = "from line_m to the opposite side, x and y (tied)"});
+  }
+};
+
+/// How bodies of the simulated material meet: each list of regions is one body.
+struct ContactOptions {
+  std::vector<std::string> regions;
+  std::vector<std::string> against;
+  std::optional<double> friction;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit("regions", self.regions, OptionInfo{.text = "names of the regions that make up the body"});
+    visit("against", self.against, OptionInfo{.text = "names of those that make up the other (left out: all other bodies; regions in no list are one)"});
+    visit("friction", self.friction, OptionInfo{.text = "Coulomb coefficient; 0 is smooth (left out: rough, no slip while pressed)", .min = 0});
   }
 };
 

@@ -17,14 +17,16 @@ void ask_for_large_pages([[maybe_unused]] void* start, [[maybe_unused]] std::siz
 
 std::vector<Array*> Particles::state() {
   return {&x,      &y,      &vx,     &vy,     &mass,        &volume0, &F_xx,       &F_xy, &F_yx, &F_yy, &J,   &tau_xx,
-          &tau_yy, &tau_zz, &tau_xy, &plastic_dev, &gap, &dissipated, &C_xx, &C_xy, &C_yx, &C_yy, &half};
+          &tau_yy, &tau_zz, &tau_xy, &plastic_dev, &gap, &dissipated, &C_xx, &C_xy, &C_yx, &C_yy, &carried_x, &carried_y, &half};
 }
 
-void Particles::resize(std::size_t n, bool affine, bool sized) {
+void Particles::resize(std::size_t n, bool affine, bool sized, bool tied) {
   for (auto* array : state()) array->assign(n, 0.0);
   if (!affine)
     for (auto* array : {&C_xx, &C_xy, &C_yx, &C_yy}) array->clear();
   if (!sized) half.clear();
+  if (!tied)
+    for (auto* array : {&carried_x, &carried_y}) array->clear();
   xi.assign(n, 0.0);
   eta.assign(n, 0.0);
   opened.assign(n, 0);

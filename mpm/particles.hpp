@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "mpm/lanes.hpp"
+#include "pivnp/core/grid/grid.hpp"
 
 namespace pivnp::mpm {
 
@@ -58,6 +59,7 @@ struct Particles {
   Array tau_xx, tau_yy, tau_zz, tau_xy;  // Kirchhoff stress, Pa
   Array plastic_dev, gap, dissipated;
   Array C_xx, C_xy, C_yx, C_yy;  // affine velocity field (APIC), 1/s
+  Array carried_x, carried_y;    // by how much a tied side has set the point back (boundary.hpp), m
   Array half;                    // half side over the cell's (uGIMP)
   std::vector<std::uint8_t> opened;
   std::vector<std::int32_t> cell;    // index of the lower left node of the stencil, or `ended`
@@ -71,8 +73,13 @@ struct Particles {
   std::vector<Body> bodies;
 
   std::size_t size() const { return x.size(); }
-  /// All arrays of real state at `n` zeros; those of APIC and uGIMP where asked for.
-  void resize(std::size_t n, bool affine, bool sized);
+  /// All arrays of real state at `n` zeros; those of APIC, uGIMP and tied sides where asked for.
+  void resize(std::size_t n, bool affine, bool sized, bool tied = false);
+  /// Displacement of a point that started at x0.
+  Vec2 displacement(std::size_t k, const Vec2& x0) const {
+    const Vec2 d = Vec2(x[k], y[k]) - x0;
+    return carried_x.empty() ? d : Vec2(d.x() - carried_x[k], d.y() - carried_y[k]);
+  }
   /// As the kernels see them; a const object's are only read.
   PointView view() const;
   /// The increments at `n` zeros.

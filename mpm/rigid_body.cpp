@@ -207,7 +207,8 @@ void RigidBodies::find_contacts(double time, double least_mass, const GridState&
       std::int32_t cell = 0;
       double xi = 0, eta = 0;
       const Vec2 x = body.place(point.x, time);
-      if (!g.find(x.x(), x.y(), cell, xi, eta)) continue;
+      for (int sheet = 0; sheet < g.sheets; ++sheet) {
+      if (!g.find(x.x(), x.y(), cell, xi, eta, sheet)) continue;
       Contact c;
       c.body = int(b);
       c.normal = body.turned(point.normal);
@@ -233,6 +234,7 @@ void RigidBodies::find_contacts(double time, double least_mass, const GridState&
       for (int k = 0; k < g.stencil; ++k) c.weight[k] /= weight;
       c.per_mass = per_mass / (weight * weight);
       contacts_.push_back(c);
+      }
     }
   }
 }
@@ -296,7 +298,7 @@ void RigidBodies::apply(double time, double least_mass, GridState& g, std::vecto
   // (A node between two bodies counts its impulse for the first.)
   for (const Before& b : before) {
     Node& node = g.node[b.node];
-    const Vec2 x = g.grid.position(int(b.node % std::uint32_t(g.grid.nx)), int(b.node / std::uint32_t(g.grid.nx)));
+    const Vec2 x = g.position(b.node);
     const Vec2 v = bodies_[std::size_t(b.body)].velocity_of(x, time);
     if (node.nx == b.x && node.ny == b.y) continue;
     reactions.push_back({b.node, node.mass * (node.nx - b.x), node.mass * (node.ny - b.y), v.x(), v.y(), b.body});

@@ -9,7 +9,8 @@ namespace pivnp::mpm {
 namespace {
 
 void locate_anew(Particles& p, const GridState& g, std::size_t k) {
-  if (!g.find(p.x[k], p.y[k], p.cell[k], p.xi[k], p.eta[k])) p.cell[k] = Particles::ended;
+  const auto on_sheet = int(std::size_t(p.cell[k]) / g.sheet_nodes());
+  if (!g.find(p.x[k], p.y[k], p.cell[k], p.xi[k], p.eta[k], on_sheet)) p.cell[k] = Particles::ended;
 }
 
 }  // namespace

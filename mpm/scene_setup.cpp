@@ -94,7 +94,8 @@ std::array<double, 2> impedance_near(const Scene& scene, const Materials& materi
   return {std::sqrt(rho * elastic.p_wave_modulus()), std::sqrt(rho * elastic.shear)};
 }
 
-SolverState initial_state(const Scene& scene, const Scheme& scheme, const GridState& g, const Materials& materials) {
+SolverState initial_state(const Scene& scene, const Scheme& scheme, const GridState& g, const Materials& materials,
+                          const Contacts& contacts, bool tied) {
   const ParticleSet& set = scene.particles;
   const std::size_t n = set.size();
   if (n == 0) throw InputError("mpm: the scene holds no particle");
@@ -108,7 +109,7 @@ SolverState initial_state(const Scene& scene, const Scheme& scheme, const GridSt
   std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return set.label[a] < set.label[b]; });
   SolverState state;
   Particles& p = state.particles;
-  p.resize(n, scheme.transfer == TransferKind::apic, scheme.shape == ShapeKind::gimp);
+  p.resize(n, scheme.transfer == TransferKind::apic, scheme.shape == ShapeKind::gimp, tied);
   for (std::size_t k = 0; k < n; ++k) {
     const std::uint32_t from = order[k];
     const std::int32_t label = set.label[from];
@@ -117,7 +118,8 @@ SolverState initial_state(const Scene& scene, const Scheme& scheme, const GridSt
                        std::to_string(label) + ", expected a material for it");
     if (p.bodies.empty() || p.bodies.back().material != label) p.bodies.push_back({k, k, label});
     p.bodies.back().end = k + 1;
-    if (!g.find(set.x0[from].x(), set.x0[from].y(), p.cell[k], p.xi[k], p.eta[k])) {
+    const int sheet = contacts.empty() ? 0 : contacts.sheet_of(std::size_t(label));
+    if (!g.find(set.x0[from].x(), set.x0[from].y(), p.cell[k], p.xi[k], p.eta[k], sheet)) {
       std::ostringstream text;
       text << "mpm.domain_m: particle " << from << " at (" << set.x0[from].x() << ", " << set.x0[from].y()
            << ") lies outside the simulation's grid";
@@ -163,7 +165,8 @@ MotionFrame frame_of(const SolverState& state, const ParticleSet& set) {
   for (std::size_t k = 0; k < n; ++k) {
     const std::uint32_t to = p.index[k];
     const double per_J = 1 / p.J[k];
-    frame.u[to] = {float(p.x[k] - set.x0[to].x()), float(p.y[k] - set.x0[to].y())};
+    const Vec2 u = p.displacement(k, set.x0[to]);
+    frame.u[to] = {float(u.x()), float(u.y())};
     frame.F[to] = {float(p.F_xx[k]), float(p.F_xy[k]), float(p.F_yx[k]), float(p.F_yy[k])};
     frame.status[to] = p.cell[k] == Particles::ended ? ParticleStatus::ended : ParticleStatus::active;
     frame.v[to] = {float(p.vx[k]), float(p.vy[k])};

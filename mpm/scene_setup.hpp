@@ -1,6 +1,7 @@
 // From options and scene to what the solver works on, and back to a frame.
 #pragma once
 
+#include "mpm/contact.hpp"
 #include "mpm/grid_state.hpp"
 #include "mpm/material/stress_update.hpp"
 #include "mpm/scheme.hpp"
@@ -22,7 +23,8 @@ std::vector<double> densities_of(const Scene& scene);
 std::array<double, 2> impedance_near(const Scene& scene, const Materials& materials, const Vec2& x);
 
 /// Throws InputError for arrays of unequal length and for a particle outside the grid.
-SolverState initial_state(const Scene& scene, const Scheme& scheme, const GridState& g, const Materials& materials);
+SolverState initial_state(const Scene& scene, const Scheme& scheme, const GridState& g, const Materials& materials,
+                          const Contacts& contacts = Contacts({}, {}), bool tied = false);
 
 MotionFrame frame_of(const SolverState& state, const ParticleSet& particles);
 

@@ -29,8 +29,10 @@ std::vector<double> fictitious_masses(const Particles& p, const Materials& mater
 class Relaxation {
  public:
   Relaxation(const SettleOptions& options, const Scheme& scheme, const Materials& materials, Restraints& restraints,
-             RigidBodies& bodies, Particles& particles, GridState& grid)
-      : o_(options), scheme_(scheme), materials_(materials), restraints_(restraints), bodies_(bodies), p_(particles), g_(grid),
+             Contacts& contacts, const std::vector<double>& density, RigidBodies& bodies, Particles& particles,
+             GridState& grid)
+      : o_(options), scheme_(scheme), materials_(materials), restraints_(restraints), contacts_(contacts),
+        density_(density), bodies_(bodies), p_(particles), g_(grid),
         mass_(fictitious_masses(particles, materials, grid)),
         velocity_(grid.nodes.size(), Vec2::Zero()) {}
 
@@ -40,9 +42,12 @@ class Relaxation {
     const int threads = choice_.threads();
     average_mean_stress(p_, g_, scheme_, threads);
     map_momentum(p_, g_, scheme_, true, threads);
+    if (!contacts_.empty() && !found_) contacts_.find(p_, g_, density_, 0, threads);  // points stay
+    found_ = true;
     const double applied = propose();
     reactions_.clear();
     restraints_.apply(0, 0, g_, reactions_);
+    contacts_.apply(g_, restraints_, reactions_);
     bodies_.apply(-1, 0, g_, reactions_);  // at rest
     const double unbalanced = accelerate();
     strain_points(p_, g_, scheme_, 1.0, false, threads);
@@ -90,6 +95,7 @@ class Relaxation {
       node.uy = node.ny - damped(change.y(), v.y());
     }
     restraints_.apply_to_remapped(0, g_);
+    contacts_.apply_to_remapped(g_);
     bodies_.apply_to_remapped(-1, g_);
     for (std::size_t a = 0; a < g_.nodes.size(); ++a) {
       const Node& node = g_.node[g_.nodes[a]];
@@ -103,6 +109,8 @@ class Relaxation {
   const Scheme& scheme_;
   const Materials& materials_;
   Restraints& restraints_;
+  Contacts& contacts_;
+  const std::vector<double>& density_;
   RigidBodies& bodies_;
   Particles& p_;
   GridState& g_;
@@ -111,6 +119,7 @@ class Relaxation {
   std::vector<Vec2> velocity_;  // of the active nodes
   std::vector<Reaction> reactions_;
   double kinetic_ = 0;
+  bool found_ = false;
 };
 
 }  // namespace
@@ -149,14 +158,14 @@ void stress_from_columns(Particles& p, const Materials& materials, const GridSta
 }
 
 int settle_particles(const SettleOptions& options, const Scheme& scheme, const Materials& materials, Restraints& restraints,
-                     RigidBodies& bodies, Particles& p, GridState& g, Progress& progress) {
+                     Contacts& contacts, const std::vector<double>& density, RigidBodies& bodies, Particles& p, GridState& g, Progress& progress) {
   locate_all(p, g);
   if (std::abs(options.gravity.x()) <= 1e-3 * std::abs(options.gravity.y()))
     stress_from_columns(p, materials, g, options.gravity.y(), options.k0);
   p.resize_increments(p.size());
   update_stress(materials, p, options.threads);  // brings the first guess inside the yield surface
 
-  Relaxation relaxation(options, scheme, materials, restraints, bodies, p, g);
+  Relaxation relaxation(options, scheme, materials, restraints, contacts, density, bodies, p, g);
   const int most = most_iterations(g.grid);
   double ratio = 0;
   for (int n = 1; n <= most; ++n) {

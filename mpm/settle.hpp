@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "mpm/boundary.hpp"
+#include "mpm/contact.hpp"
 #include "mpm/material/stress_update.hpp"
 #include "mpm/rigid_body.hpp"
 #include "mpm/scheme.hpp"
@@ -31,6 +32,6 @@ void stress_from_columns(Particles& particles, const Materials& materials, const
                          std::optional<double> k0);
 
 int settle_particles(const SettleOptions& options, const Scheme& scheme, const Materials& materials, Restraints& restraints,
-                     RigidBodies& bodies, Particles& particles, GridState& grid, Progress& progress);
+                     Contacts& contacts, const std::vector<double>& density, RigidBodies& bodies, Particles& particles, GridState& grid, Progress& progress);
 
 }  // namespace pivnp::mpm

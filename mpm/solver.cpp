@@ -28,10 +28,11 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
       scene(std::move(s)),
       materials(materials_of(scene)),
       density(densities_of(scene)),
-      g(scene.grid, scheme.shape),
+      contacts(scene.contacts, scene.particles.label_names),
+      g(scene.grid, scheme.shape, contacts.sheets()),
       restraints(scene.boundaries, g, centroid(scene.particles),
                  [this](const Vec2& x) { return impedance_near(scene, materials, x); }),
-      bodies(scene.bodies, g.grid),
+      bodies(scene.bodies, g.sheet),
       loading(o, scene),
       reduction(scene.materials.size(), 1.0),
       nonlocal(materials, g) {
@@ -41,7 +42,12 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
     throw InputError("mpm.stress_update: found 'usf' beside a free rigid body, expected musl or usl");
   if (o.settle && gravity.norm() > 0 && restraints.any_absorbing())
     throw InputError("mpm.settle: found true beside an absorbing wall, which carries no weight; expected settle = false");
-  state = initial_state(scene, scheme, g, materials);
+  if (restraints.any_tied() && !contacts.empty())
+    throw InputError("contact." + scene.contacts.front().first + ": given beside a tied boundary, expected one of them");
+  if (o.sleep_below_m_s && (restraints.any_tied() || !contacts.empty()))
+    throw InputError(std::string("mpm.sleep_below_m_s: given beside ") + (contacts.empty() ? "a tied boundary" : "a [contact.NAME]") +
+                     ", expected none: what touches would not wake");
+  state = initial_state(scene, scheme, g, materials, contacts, restraints.any_tied());
   place_tractions();
   nonlocal.start(p);
   sleep.start(p, g);
@@ -93,6 +99,7 @@ void Solver::Impl::map_state(double dt, int threads) {
   if (!first) average_mean_stress(p, g, scheme, threads);
   map_momentum(p, g, scheme, !first, threads);
   light.find(g, least_mass * least_density() * g.grid.spacing.prod());
+  if (!contacts.empty()) contacts.find(p, g, density, dt, threads);
   if (first) {
     choose_strain_velocity(dt);
     strain(dt, threads);  // A.12, A.13, A.22, A.24
@@ -130,6 +137,7 @@ void Solver::Impl::strain(double dt, int threads) {
 
 void Solver::Impl::find_cells(int threads) {
   wake_what_moves();
+  if (restraints.any_tied()) restraints.carry_over(state.time, p);
   std::vector<std::uint32_t> left;
   if (locate_points(p, g, left, threads)) {
     for (const std::uint32_t k : left) end_particle(k, EndReason::left_grid);
@@ -146,6 +154,7 @@ void Solver::Impl::find_cells(int threads) {
 void Solver::Impl::restrain_momentum(double dt) {
   reactions.clear();
   restraints.apply(state.time, dt, g, reactions);
+  contacts.apply(g, restraints, reactions);
   bodies.accelerate(state.time, dt, loading.gravity(state.time + 0.5 * dt));
   bodies.apply(state.time, touching * least_density() * g.grid.spacing.prod(), g, reactions);
   if (sleep.any()) sleep.hold(push_per_mass(dt), g);
@@ -153,6 +162,7 @@ void Solver::Impl::restrain_momentum(double dt) {
 
 void Solver::Impl::restrain_velocity() {
   restraints.apply_to_remapped(state.time, g);
+  if (scheme.stress == StressUpdate::musl) contacts.apply_to_remapped(g);
   bodies.apply_to_remapped(state.time, g);
   sleep.hold_remapped(g);
 }
@@ -180,7 +190,7 @@ void Solver::settle(Progress& progress) {
   Scheme scheme = s.scheme;
   if (scheme.shape != ShapeKind::bilinear) scheme.locking = Locking::none;
   settle_particles({s.loading.gravity(0), s.options.settle_damping, s.options.settle_tolerance, s.most_threads, s.options.k0}, scheme,
-                   s.materials, s.restraints, s.bodies, s.p, s.g, progress);
+                   s.materials, s.restraints, s.contacts, s.density, s.bodies, s.p, s.g, progress);
   s.p.resize_increments(0);
   for (auto* history : {&s.p.plastic_dev, &s.p.gap, &s.p.dissipated}) std::fill(history->begin(), history->end(), 0.0);
   std::fill(s.p.opened.begin(), s.p.opened.end(), std::uint8_t{0});

@@ -25,6 +25,7 @@ struct Scene {
   std::vector<MaterialOptions> materials;
   std::vector<std::pair<std::string, BoundaryOptions>> boundaries;
   std::vector<std::pair<std::string, RigidOptions>> bodies;
+  std::vector<std::pair<std::string, ContactOptions>> contacts;  // between labels, by ParticleSet::label_names
   std::vector<Vec2> v0;                        // velocity at time 0, one a particle; empty: at rest
   std::vector<std::array<double, 4>> stress0;  // Cauchy stress at time 0, xx yy zz xy; empty: none
   /// Acceleration of a particle (index in `particles`) at a time, beside gravity; empty: none. For manufactured

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "mpm/boundary.hpp"
+#include "mpm/contact.hpp"
 #include "mpm/loading.hpp"
 #include "mpm/momentum.hpp"
 #include "mpm/material/nonlocal.hpp"
@@ -80,6 +81,7 @@ struct Solver::Impl {
   Scene scene;
   Materials materials;
   std::vector<double> density;
+  Contacts contacts;
   GridState g;
   Restraints restraints;
   RigidBodies bodies;

@@ -95,7 +95,7 @@ void Solver::Impl::place_tractions() {
 Vec2 Solver::Impl::moment_of_mass() const {
   Vec2 sum(0, 0);
   for (std::size_t k = 0; k < p.size(); ++k)
-    if (p.cell[k] != Particles::ended) sum += p.mass[k] * Vec2(p.x[k], p.y[k]);
+    if (p.cell[k] != Particles::ended) sum += p.mass[k] * p.displacement(k, Vec2::Zero());
   return sum;
 }
 

@@ -66,7 +66,7 @@ bool Solver::Impl::moved_far() const {
     if (bodies.mass(b, state.time) > 0 && bodies.displacement(b, state.time).squaredNorm() >= most2) return true;
   for (std::size_t k = 0; k < p.size(); ++k)
     if (p.cell[k] != Particles::ended &&
-        (Vec2(p.x[k], p.y[k]) - scene.particles.x0[p.index[k]]).squaredNorm() >= most2)
+        p.displacement(k, scene.particles.x0[p.index[k]]).squaredNorm() >= most2)
       return true;
   return false;
 }
@@ -75,7 +75,7 @@ double Solver::Impl::work_of_gravity() const {
   double work = 0;
   const Vec2 gravity = loading.gravity(state.time);
   for (std::size_t k = 0; k < p.size(); ++k)
-    work += p.mass[k] * gravity.dot(Vec2(p.x[k], p.y[k]) - scene.particles.x0[p.index[k]]);
+    work += p.mass[k] * gravity.dot(p.displacement(k, scene.particles.x0[p.index[k]]));
   return work;
 }
 

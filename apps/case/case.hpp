@@ -139,6 +139,7 @@ struct Case {
   std::optional<mpm::MpmOptions> mpm;         // [mpm]
   Named<mpm::BoundaryOptions> boundaries;     // [boundary.NAME]
   Named<mpm::RigidOptions> bodies;            // [body.NAME]
+  Named<mpm::ContactOptions> contacts;        // [contact.NAME]
   compare::CompareOptions compare;            // [compare]
   compare::LimitOptions limits;               // [compare.limits]
   report::ReportOptions report;               // [report]

@@ -275,6 +275,7 @@ mpm::Scene make_scene(const Case& c, const Setting& setting, const mpm::MpmOptio
   }
   scene.boundaries = c.boundaries;
   scene.bodies = c.bodies;
+  scene.contacts = c.contacts;
   std::vector<bool> keep(scene.particles.size(), true);
   for (const auto& [name, body] : c.bodies)
     for (std::size_t p = 0; p < keep.size(); ++p)

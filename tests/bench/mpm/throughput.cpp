@@ -30,7 +30,7 @@ namespace {
 struct Kernel {
   const char *name, *shape, *transfer, *stress, *locking, *model;
   enum Motion { rest, sheared, thrown } motion;
-  const char* extra = "";  // a wall with friction, a softening material
+  const char* extra = "";  // a wall with friction, a softening material; contact: a face between two halves
 };
 
 // sheared: the block flows sideways so that sand yields; thrown: it flies through the box at a tenth of the wave speed.
@@ -58,14 +58,18 @@ const Kernel kernels[] = {
     {"bspline apic substepping", "bspline", "apic", "usl", "none", "mohr_coulomb_smooth", Kernel::sheared, "softening"},
     {"bspline apic fbar sleeping", "bspline", "apic", "usl", "fbar", "linear_elastic", Kernel::rest, "sleeping"},
     {"default elastic friction", "bspline", "apic", "usl", "fbar", "linear_elastic", Kernel::rest, "friction"},
+    {"default elastic contact", "bspline", "apic", "usl", "fbar", "linear_elastic", Kernel::rest, "contact"},
 };
 
 mpm::Scene column(int cells, const Kernel& kernel) {
   const double h = 1.0 / cells;
   mpm::Scene scene;
   scene.grid = Grid{{0, 0}, {h, h}, 2 * cells + 1, int(1.2 * cells) + 1};
-  scene.particles = seed(scene.grid, {{"soil", Polygon({{0, 0}, {1, 0}, {1, 1}, {0, 1}}, "soil")}}, 4,
-                         SeedPattern::even, 0, "per_element");
+  const bool halves = std::string(kernel.extra) == "contact";
+  const double top = halves ? h * (cells / 2) : 1;
+  std::vector<Region> regions = {{"soil", Polygon({{0, 0}, {1, 0}, {1, top}, {0, top}}, "soil")}};
+  if (halves) regions.push_back({"upper", Polygon({{0, top}, {1, top}, {1, 1}, {0, 1}}, "upper")});
+  scene.particles = seed(scene.grid, regions, 4, SeedPattern::even, 0, "per_element");
   mpm::MaterialOptions m;
   m.model = kernel.model;
   m.young_pa = 1e6;
@@ -75,7 +79,13 @@ mpm::Scene column(int cells, const Kernel& kernel) {
     m.friction_residual_deg = 15;
     m.softening_shape = 10;
   }
-  scene.materials = {m};
+  scene.materials.assign(regions.size(), m);
+  if (halves) {
+    mpm::ContactOptions contact;
+    contact.regions = {"upper"};
+    contact.friction = 0.5;
+    scene.contacts = {{"face", contact}};
+  }
   mpm::BoundaryOptions base, left, right;
   base.line_m = {{0, 0}, {2, 0}};
   if (std::string(kernel.extra) == "friction") {
