@@ -84,7 +84,7 @@ class DenseInverseSearch final : public Method {
     constexpr float smoothing = 0.25f;  // averages over blocks of pixels hold what their own sampling folds
     const float rounding = rounding_variance(first);
     level_.take(first, second, smoothing, threads_, nullptr);
-    field_.interpolate(level_.lattice(), u_, v_);
+    field_.interpolate(level_.lattice(), u_, v_, threads_);
     SumsInput input;
     input.first = &level_.images().first, input.second = &level_.images().second;
     input.first_flags = level_.first_flags(), input.second_flags = level_.second_flags();

@@ -78,12 +78,12 @@ void GaussNewton::correlate(const ImageView& first, const ImageView& second, Pix
     // Averages over blocks of pixels hold what their own sampling folds: where they are the last word, smooth them
     // fully.
     const bool finest = &level == &levels_.back();
-    const float smoothing = !finest ? 0.0f : level.decimation() == 1 ? presmoothing(first, second) : 0.25f;
+    const float smoothing = !finest ? 0.0f : level.decimation() == 1 ? presmoothing(first, second, threads_) : 0.25f;
     level.take(first, second, smoothing, threads_, finest ? nullptr : windows_.images(level.decimation()));
     coarser == nullptr ? start_from(level, predictor) : start_from(level, *coarser);
     run_passes(level);
     if (!finest) mend(level);
-    field_.interpolate(level.lattice(), u_, v_);
+    field_.interpolate(level.lattice(), u_, v_, threads_);
     if (coarser == nullptr && levels_.size() > 1) light_.take(sums_, level.decimation(), rounding_);
     coarser = &level;
   }
@@ -119,7 +119,7 @@ void GaussNewton::start_from(const GnLevel& level, const GnLevel& coarser) {
 
 // One warp and its sums by the field of now.
 void GaussNewton::pass(const GnLevel& level, bool scores) {
-  field_.interpolate(level.lattice(), u_, v_);
+  field_.interpolate(level.lattice(), u_, v_, threads_);
   SumsInput input;
   input.first = &level.images().first;
   input.second = &level.images().second;
@@ -129,7 +129,7 @@ void GaussNewton::pass(const GnLevel& level, bool scores) {
   input.shares = shares_of(anchor_);
   if (!noise_.empty()) input.noise = &noise_, input.tolerance = &tolerance_;
   if (light_.known()) {
-    light_.at(level.lattice(), level.decimation(), gain_, offset_);
+    light_.at(level.lattice(), level.decimation(), threads_, gain_, offset_);
     input.gain = &gain_, input.offset = &offset_;
   }
   if (!level.wanted().empty()) input.active = &level.wanted();

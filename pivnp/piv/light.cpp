@@ -30,7 +30,7 @@ void LightField::take(const CellSums& sums, int decimation, float rounding) {
   }
 }
 
-void LightField::at(const CellLattice& lattice, int decimation, std::vector<float>& gain,
+void LightField::at(const CellLattice& lattice, int decimation, int threads, std::vector<float>& gain,
                     std::vector<float>& offset) const {
   gain.resize(lattice.size());
   offset.resize(lattice.size());
@@ -43,6 +43,7 @@ void LightField::at(const CellLattice& lattice, int decimation, std::vector<floa
     cell = std::min(static_cast<int>(s), points - 2);
     return s - static_cast<float>(cell);
   };
+#pragma omp parallel for num_threads(threads) schedule(static)
   for (int j = 0; j < lattice.ny; ++j)
     for (int i = 0; i < lattice.nx; ++i) {
       int a = 0, b = 0;

@@ -16,7 +16,7 @@ class LightField {
   void clear() { lattice_ = {}; }
   bool known() const { return lattice_.nx > 0; }
   /// At the points of another level's lattice.
-  void at(const CellLattice& lattice, int decimation, std::vector<float>& gain, std::vector<float>& offset) const;
+  void at(const CellLattice& lattice, int decimation, int threads, std::vector<float>& gain, std::vector<float>& offset) const;
 
  private:
   CellLattice lattice_;

@@ -1,6 +1,7 @@
 #include "pivnp/piv/presmoothing.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace pivnp::piv {
 
@@ -24,6 +25,7 @@ struct Likeness {
       sum += s, square += q, step += d, count += image.width - 1;
     }
   }
+  void operator+=(const Likeness& l) { sum += l.sum, square += l.square, step += l.step, count += l.count; }
   // Correlation of adjacent pixels.
   double value() const {
     if (count == 0) return 1;
@@ -34,16 +36,20 @@ struct Likeness {
 
 }  // namespace
 
-float presmoothing(const ImageView& first, const ImageView& second) {
-  Likeness likeness;
-  for (const ImageView* image : {&first, &second}) {
-    if (image->depth == PixelDepth::u8)
-      likeness.add<std::uint8_t>(*image);
-    else if (image->depth == PixelDepth::u16)
-      likeness.add<std::uint16_t>(*image);
+float presmoothing(const ImageView& first, const ImageView& second, int threads) {
+  std::array<Likeness, 2> frames;
+#pragma omp parallel for num_threads(threads) schedule(static)
+  for (int k = 0; k < 2; ++k) {
+    const ImageView& image = k == 0 ? first : second;
+    if (image.depth == PixelDepth::u8)
+      frames[std::size_t(k)].add<std::uint8_t>(image);
+    else if (image.depth == PixelDepth::u16)
+      frames[std::size_t(k)].add<std::uint16_t>(image);
     else
-      likeness.add<float>(*image);
+      frames[std::size_t(k)].add<float>(image);
   }
+  Likeness likeness = frames[0];
+  likeness += frames[1];
   return static_cast<float>(std::clamp(0.17 + 0.5 * (0.66 - likeness.value()), 0.0, 0.25));
 }
 

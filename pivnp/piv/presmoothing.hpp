@@ -9,6 +9,6 @@ namespace pivnp::piv {
 /// texture holds near the shortest wavelength is partly folded there by sampling and moves the wrong way (bias with the
 /// period of a pixel): grains of 3 px lose it with 0.17, finer ones with 1/4, coarse ones need none and match better
 /// without, where grains are lost.
-float presmoothing(const ImageView& first, const ImageView& second);
+float presmoothing(const ImageView& first, const ImageView& second, int threads);
 
 }  // namespace pivnp::piv

@@ -35,12 +35,16 @@ std::array<float, 4> cubic_weights(float t) {
   return {s * s * s / 6, (3 * t3 - 6 * t2 + 4) / 6, (-3 * t3 + 3 * t2 + 3 * t + 1) / 6, t3 / 6};
 }
 
-void SplineField::interpolate(const CellLattice& lattice, const std::vector<float>& u, const std::vector<float>& v) {
+void SplineField::interpolate(const CellLattice& lattice, const std::vector<float>& u, const std::vector<float>& v,
+                              int threads) {
   lattice_ = lattice;
   const int nx = lattice.nx, ny = lattice.ny;
   const std::ptrdiff_t stride = nx + 2;
-  std::vector<float> line(static_cast<std::size_t>(nx) * 8);
-  for (const auto& [values, coefficients] : {std::pair{&u, &u_}, std::pair{&v, &v_}}) {
+#pragma omp parallel for num_threads(threads) schedule(static)
+  for (int component = 0; component < 2; ++component) {
+    const std::vector<float>* values = component == 0 ? &u : &v;
+    std::vector<float>* coefficients = component == 0 ? &u_ : &v_;
+    std::vector<float> line(static_cast<std::size_t>(nx) * 8);
     coefficients->assign(std::size_t(stride) * std::size_t(ny + 2), 0.0f);
     float* inner = coefficients->data() + stride + 1;
     for (int j = 0; j < ny; ++j)

@@ -20,7 +20,8 @@ struct CellLattice {
 class SplineField {
  public:
   /// `u`, `v`: components at the points, [ny][nx].
-  void interpolate(const CellLattice& lattice, const std::vector<float>& u, const std::vector<float>& v);
+  void interpolate(const CellLattice& lattice, const std::vector<float>& u, const std::vector<float>& v,
+                   int threads);
   /// Components at (x, y), level pixels.
   std::array<float, 2> at(float x, float y) const;
 

@@ -85,7 +85,7 @@ std::vector<Stage> dense_stages(const Scene& scene, int decimation) {
       const Vec2 moved = scene.motion(decimation * Vec2(d->lattice.x0 + 8 * i, d->lattice.y0 + 8 * j)) / decimation;
       d->u.push_back(static_cast<float>(moved.x())), d->v.push_back(static_cast<float>(moved.y()));
     }
-  d->field.interpolate(d->lattice, d->u, d->v);
+  d->field.interpolate(d->lattice, d->u, d->v, 1);
   d->noise.assign(d->lattice.size(), 500.0f), d->tolerance.assign(d->lattice.size(), 0.01f);
   d->input.first = &d->first, d->input.second = &d->second, d->input.field = &d->field;
   d->shrinker = std::make_unique<Shrinker>(d->lattice);

@@ -29,12 +29,12 @@ TEST(SplineField, RepeatsItsValuesAndGoesOnLinearly) {
       wild[lattice.index(i, j)] = std::uniform_real_distribution<float>(-2, 2)(random);
     }
   SplineField field;
-  field.interpolate(lattice, u, v);
+  field.interpolate(lattice, u, v, 1);
   for (const auto& [x, y] : {std::pair{0.0f, 5.0f}, {31.7f, 20.2f}, {-20.0f, 70.0f}, {90.0f, -12.0f}}) {
     EXPECT_NEAR(field.at(x, y)[0], 0.3f + 0.02f * x - 0.01f * y, 2e-5f);
     EXPECT_NEAR(field.at(x, y)[1], -1.0f + 0.05f * y, 2e-5f);
   }
-  field.interpolate(lattice, wild, v);
+  field.interpolate(lattice, wild, v, 2);
   for (int j = 0; j < lattice.ny; ++j)
     for (int i = 0; i < lattice.nx; ++i)
       EXPECT_NEAR(field.at(static_cast<float>(lattice.x0 + 8 * i), static_cast<float>(lattice.y0 + 8 * j))[0],
@@ -104,7 +104,7 @@ struct Sums {
     first.assign(scene.first.view(), {}, 1, 1);
     second.assign(scene.second.view(), {}, 1, 1);
     const CellLattice lattice{30, 28, -6, 5, 8};
-    field.interpolate(lattice, std::vector<float>(lattice.size(), 0.4f), std::vector<float>(lattice.size(), -0.3f));
+    field.interpolate(lattice, std::vector<float>(lattice.size(), 0.4f), std::vector<float>(lattice.size(), -0.3f), 1);
     SumsInput input;
     input.first = &first, input.second = &second, input.field = &field;
     input.active = active;
@@ -170,7 +170,7 @@ TEST(Presmoothing, FinerTextureIsSmoothedMore) {
   float before = 1;
   for (const double diameter : {1.5, 3.0, 5.0}) {
     const Scene scene = make_scene(uniform(0, 0), 200, 200, {.blob_diameter_px = diameter});
-    const float a = presmoothing(scene.first.view(), scene.second.view());
+    const float a = presmoothing(scene.first.view(), scene.second.view(), 1);
     EXPECT_GE(a, 0.0f);
     EXPECT_LE(a, 0.25f);
     EXPECT_LT(a, before) << diameter;
