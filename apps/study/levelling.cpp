@@ -307,7 +307,7 @@ void add_levelled(const Case& c, const Setting& setting, const RunSettings& sett
   std::error_code failed;
   std::filesystem::create_directories(own.out, failed);
   if (failed) throw RunError(own.out.string() + ": " + failed.message());
-  io::RecordWriter levelled(own.out, head, settings.resume);
+  io::RecordWriter levelled(own.out, head, settings.resume, settings.threads);
   measure(c, setting, *carried, levelled, settings.threads, progress);
   levelled.set_frames(carried->frames());
   track(c, setting, carried->frames(), *carried, levelled, settings.threads, progress);

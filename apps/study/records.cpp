@@ -95,7 +95,7 @@ RunOutcome compare_records(const CompareSources& sources, const compare::Compare
   head.time_unit = one.motion->time_unit();
   head.command = settings.command;
   head.case_text = write_case(c);
-  io::RecordWriter writer(settings.out, head, false);
+  io::RecordWriter writer(settings.out, head, false, settings.threads);
   copy_motion(*one.motion, first_name, writer);
   copy_motion(*two.motion, second_name, writer);
   if (one.note) writer.set_strain_note(first_name, *one.note);

@@ -88,7 +88,7 @@ RunOutcome run_case(const Case& given, const RunSettings& settings, Stages stage
   }
   const Setting setting = make_setting(c, source ? source->width() : 0, source ? source->height() : 0);
   io::RecordWriter writer(settings.out, head_of(c, settings, setting, !source || source->has_rate()),
-                          settings.resume);
+                          settings.resume, settings.threads);
 
   if (tracks) check_strain_floor(c, setting, frames.size());
 

@@ -65,7 +65,7 @@ void synthesize(const Case& c, const RunSettings& settings, Progress& progress) 
   head.length_unit = setting.camera.length_unit();
   head.grid = setting.grid;
   head.world_from_pixel = setting.camera.world_from_pixel();
-  io::RecordWriter writer(settings.out / "truth", head, false);
+  io::RecordWriter writer(settings.out / "truth", head, false, settings.threads);
   writer.begin_motion("truth", particles);
 
   const image::BlobRenderer renderer(c.texture, synth.width_px, synth.height_px);

@@ -152,7 +152,7 @@ void judge_images(const Case& c, const RunSettings& settings, Progress& progress
   head.case_text = write_case(c);
   head.length_unit = setting.camera.length_unit();
   head.grid = setting.grid;
-  io::RecordWriter writer(settings.out, head, false);
+  io::RecordWriter writer(settings.out, head, false, settings.threads);
   measure(c, setting, *source, writer, settings.threads, progress);
 
   const bool affine = c.synth->motion == "affine" || c.synth->motion == "none";

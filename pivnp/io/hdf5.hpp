@@ -111,6 +111,7 @@ class Source {
   std::string name_;
 };
 
+class ChunkPacker;
 enum class Packing { plain, deflated };
 
 /// A file being written under a temporary name (PATH.tmp). commit() closes, fsyncs and renames it and fsyncs the
@@ -118,7 +119,8 @@ enum class Packing { plain, deflated };
 /// is then lost, and nothing else is.
 class OutputFile {
  public:
-  explicit OutputFile(std::filesystem::path path);
+  /// `threads`: for packing series (their bytes do not depend on it).
+  explicit OutputFile(std::filesystem::path path, int threads = 1);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
@@ -167,10 +169,11 @@ class OutputFile {
 
   std::filesystem::path path_, temporary_;
   std::shared_ptr<WriteStatus> status_;
+  std::unique_ptr<ChunkPacker> packer_;
   Handle file_;
 };
 
-/// Items in one chunk of a series: about 256 KiB, 64 items at most; more than 1 MiB an item: one, split further.
+/// Items in one chunk of a series: a power of two, 256 KiB and 64 items at most; more than 1 MiB an item: one, split further.
 Shape chunk_shape(Type type, const Shape& item, std::size_t items);
 
 }  // namespace pivnp::io::h5

@@ -1,10 +1,12 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 
 #include "pivnp/core/error.hpp"
 #include "pivnp/io/hdf5.hpp"
+#include "pivnp/io/hdf5_chunks.hpp"
 #include "pivnp/io/hdf5_driver.hpp"
 #include "pivnp/io/hdf5_internal.hpp"
 
@@ -51,7 +53,8 @@ constexpr std::size_t small_bytes = std::size_t{1} << 18, large_bytes = std::siz
 
 Shape chunk_shape(Type type, const Shape& item, std::size_t items) {
   const std::size_t bytes = std::max<std::size_t>(1, size_of(type) * product(item));
-  Shape chunk{std::clamp<std::size_t>(small_bytes / bytes, 1, std::clamp<std::size_t>(items, 1, 64))};
+  const std::size_t most = std::clamp<std::size_t>(items, 1, 64);
+  Shape chunk{std::min(most, std::bit_floor(std::max<std::size_t>(1, small_bytes / bytes)))};
   for (const hsize_t n : item) chunk.push_back(std::max<hsize_t>(1, n));
   if (bytes > large_bytes && item.size() > 0) {
     const std::size_t pieces = (bytes + large_bytes - 1) / large_bytes;
@@ -60,8 +63,11 @@ Shape chunk_shape(Type type, const Shape& item, std::size_t items) {
   return chunk;
 }
 
-OutputFile::OutputFile(std::filesystem::path path)
-    : path_(std::move(path)), temporary_(path_.string() + ".tmp"), status_(std::make_shared<WriteStatus>()) {
+OutputFile::OutputFile(std::filesystem::path path, int threads)
+    : path_(std::move(path)),
+      temporary_(path_.string() + ".tmp"),
+      status_(std::make_shared<WriteStatus>()),
+      packer_(std::make_unique<ChunkPacker>(threads)) {
   silence();
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose), create(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
   H5Pset_link_creation_order(create.get(), H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED);
@@ -151,8 +157,13 @@ void OutputFile::write(const std::string& path, Type type, const Shape& shape, c
   }
   const Handle id(H5Dcreate2(file_.get(), path.c_str(), disk_type(type), space.get(), H5P_DEFAULT, properties.get(),
                              H5P_DEFAULT), H5Dclose);
-  check(id && (product(shape) == 0 ||
-               H5Dwrite(id.get(), memory_type(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0), path);
+  check(bool(id), path);
+  if (product(shape) > 0) {
+    std::size_t first = 0, packed = shape.empty() ? 0 : shape[0];
+    check(packer_->write(id.get(), shape, type, data, first, packed) &&
+              (packed > 0 || H5Dwrite(id.get(), memory_type(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0),
+          path);
+  }
   attribute(path, "unit", unit);
 }
 
@@ -205,14 +216,24 @@ void OutputFile::extend(Dataset& dataset, std::size_t items) {
 
 void OutputFile::write_items(Dataset& dataset, Type type, std::size_t first, std::size_t count, const void* data) {
   if (count == 0 || product(dataset.shape_) == 0) return;
-  Shape start(dataset.shape_.size(), 0), extent = dataset.shape_;
-  start[0] = first;
-  extent[0] = count;
-  const Handle space(H5Dget_space(dataset.id()), H5Sclose);
-  const Handle memory(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr), H5Sclose);
-  check(H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start.data(), nullptr, extent.data(), nullptr) >= 0 &&
-            H5Dwrite(dataset.id(), memory_type(type), memory.get(), space.get(), H5P_DEFAULT, data) >= 0,
-        dataset.label());
+  const std::size_t item_bytes = product(dataset.shape_, 1) * size_of(type);
+  const auto plainly = [&](std::size_t from, std::size_t items) {
+    if (items == 0) return;
+    Shape start(dataset.shape_.size(), 0), extent = dataset.shape_;
+    start[0] = from;
+    extent[0] = items;
+    const Handle space(H5Dget_space(dataset.id()), H5Sclose);
+    const Handle memory(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr), H5Sclose);
+    const void* own = static_cast<const std::byte*>(data) + (from - first) * item_bytes;
+    check(H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start.data(), nullptr, extent.data(), nullptr) >= 0 &&
+              H5Dwrite(dataset.id(), memory_type(type), memory.get(), space.get(), H5P_DEFAULT, own) >= 0,
+          dataset.label());
+  };
+  std::size_t begin = first, packed = count;
+  check(packer_->write(dataset.id(), dataset.shape_, type, data, begin, packed), dataset.label());
+  if (packed == 0) return plainly(first, count);
+  plainly(first, begin - first);
+  plainly(begin + packed, first + count - begin - packed);
 }
 
 void OutputFile::view_item(const std::string& path, const Dataset& series, const std::string& series_path, Type type,

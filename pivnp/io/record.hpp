@@ -75,8 +75,8 @@ class RecordWriter {
   /// what differs first); `command` and the time of creation stay those of the first start. A run that is already
   /// finished (record.h5 of the same case, no parts) counts as complete in every stage: pair() reads from the record,
   /// begin_motion, set_*, close_segment, end_stage and finish do nothing, add_* is wrong use. With nothing there to
-  /// resume it starts afresh.
-  RecordWriter(const std::filesystem::path& directory, const RecordHead& head, bool resume);
+  /// resume it starts afresh. `threads` pack the record.
+  RecordWriter(const std::filesystem::path& directory, const RecordHead& head, bool resume, int threads = 1);
   ~RecordWriter();  // what is in an open segment is lost: close it first if a resumed run is to go on from there
 
   /// What a former run left, up to the last segment with a checkpoint.

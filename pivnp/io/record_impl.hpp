@@ -42,6 +42,7 @@ struct RecordWriter::Impl {
 
   std::filesystem::path directory, parts;
   RecordHead head;
+  int threads = 1;  // for packing
   std::string created;
   Units units;
   DirectoryLock lock;

@@ -1,5 +1,6 @@
 // From segments to DIR/record.h5.
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <functional>
 #include <stdexcept>
@@ -28,7 +29,8 @@ void pack_array(h5::OutputFile& out, const std::string& group, const ItemArray& 
                                    [&](const SegmentInfo& s) { return h5::Source(s.path).has("/" + a.name); });
   if (!present && total > 0) return;
   h5::Dataset to = out.series(group + "/" + a.name, a.type, a.item, total, false, a.unit, Packing::deflated);
-  const std::size_t block = std::clamp<std::size_t>(copy_bytes / std::max<std::size_t>(1, a.bytes()), 1, segment_items);
+  const std::size_t block = std::clamp<std::size_t>(
+      std::bit_floor(copy_bytes / std::max<std::size_t>(1, a.bytes())), 1, segment_items);  // whole chunks
   std::vector<std::byte> buffer;
   for (const SegmentInfo& s : files.segments) {
     const h5::Source source(s.path);
@@ -177,7 +179,7 @@ void RecordWriter::Impl::guarded(h5::OutputFile& out, const std::function<void()
 
 void RecordWriter::Impl::pack() {
   if (packed) return;
-  auto out = std::make_unique<h5::OutputFile>(directory / "record.h5");
+  auto out = std::make_unique<h5::OutputFile>(directory / "record.h5", threads);
   guarded(*out, [&] { pack_into(*out); });
   packed = std::move(out);
 }

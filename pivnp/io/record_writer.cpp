@@ -155,8 +155,10 @@ std::vector<const RecordWriter::Impl::Stage*> RecordWriter::Impl::motions() cons
   return out;
 }
 
-RecordWriter::RecordWriter(const std::filesystem::path& directory, const RecordHead& head, bool resume)
-    : impl_(std::make_unique<Impl>(directory, head, resume)) {}
+RecordWriter::RecordWriter(const std::filesystem::path& directory, const RecordHead& head, bool resume, int threads)
+    : impl_(std::make_unique<Impl>(directory, head, resume)) {
+  impl_->threads = threads;
+}
 RecordWriter::~RecordWriter() = default;
 
 StageState RecordWriter::stage(const std::string& name) const {

@@ -42,12 +42,14 @@ void store_positions(h5::OutputFile& out, const std::string& group, const Motion
   std::iota(vertex.begin(), vertex.end(), 0);
   out.write(group + "/vertex", Type::i32, {count, 1}, vertex.data(), "", h5::Packing::deflated);
   out.group(group + "/position");
+  const h5::Dataset displacement = out.source().dataset("/motion/" + motion.name() + "/u");  // alone: the rest of a frame is larger
+  std::vector<std::array<float, 2>> u(count);
   std::vector<std::array<float, 3>> position(count);
   for (std::size_t k = 0; k < motion.times().size(); ++k) {
-    const MotionFrame f = motion.frame(k);
+    displacement.read(Type::f32, k, 1, u.data());
     for (std::size_t p = 0; p < count; ++p)
-      position[p] = {static_cast<float>(particles.x0[p].x() + double(f.u[p][0])),
-                     static_cast<float>(particles.x0[p].y() + double(f.u[p][1])), 0.0f};
+      position[p] = {static_cast<float>(particles.x0[p].x() + double(u[p][0])),
+                     static_cast<float>(particles.x0[p].y() + double(u[p][1])), 0.0f};
     out.write(group + "/position/" + item_name(k), Type::f32, {count, 3}, position.data(), motion.length_unit(),
               h5::Packing::deflated);
   }

@@ -1,6 +1,7 @@
 #include "tests/bench/np_stream.hpp"
 
 #include <fcntl.h>
+#include <omp.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -84,7 +85,7 @@ int stream(const fs::path& directory, int side, int frames) {
   {
     io::RecordHead head;
     head.grid = grid;
-    io::RecordWriter writer(own / "run", head, false);
+    io::RecordWriter writer(own / "run", head, false, omp_get_max_threads());
     first = plain_write(own, all * mib);
     const double start = now();
     writer.begin_motion("np", particles);
@@ -117,7 +118,7 @@ int stream(const fs::path& directory, int side, int frames) {
   std::printf("  the disk's own speed        %.0f MiB/s (plain write and fsync of as many bytes)\n", all / first);
   std::printf("  tracked and written         %.0f MiB/s, %.1f s, of which tracking %.1f s: %.2f of the disk's own\n",
               all / wall, wall, track, first / wall);
-  std::printf("  packing into record.h5      %.1f s more\n", pack);
+  std::printf("  packed into record.h5       %.1f s more: all of it %.2f of the disk's own\n", pack, first / (wall + pack));
   std::printf("  memory                      %.0f MiB more than before the first frame: %.1f frames; peak %.0f MiB\n",
               grown, in_frames, peak);
   if (!(first / wall >= 0.5) || !(in_frames < 8)) {

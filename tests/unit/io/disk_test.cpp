@@ -162,7 +162,7 @@ TEST(DiskTest, PackingThatFailsKeepsTheSegmentsAndTheOldRecord) {
 TEST(DiskTest, AFullFileSystemSaysSo) {
   const sample::Size size = large();
   test::Scratch directory;
-  const TinyDisk disk(directory.path / "disk", "size=5m");
+  const TinyDisk disk(directory.path / "disk", "size=4m");
   if (!disk.mounted()) GTEST_SKIP() << "needs the right to mount a tmpfs: " << std::strerror(errno);
   const fs::path out = directory.path / "disk" / "out";
   {
