@@ -106,6 +106,10 @@ void add_motion_metrics(const Differences& differences, const Wording& everywher
   add_strain_metrics(last, at_end, out.metrics);
   if (!(total.peak_first > 0))
     out.remarks.push_back("The first does not move: no metrics relative to its displacement.");
+  if (const std::size_t unknown = total.displacement.count_unknown();
+      unknown > 0 && unknown < total.displacement.count())
+    out.remarks.push_back(std::to_string(unknown) + " of " + std::to_string(total.displacement.count()) +
+                          " particle-times have no known uncertainty: none is stated for what holds them.");
   if (const std::size_t lost = total.displacement.count() - total.strain_dev.count(); lost > 0)
     out.remarks.push_back(std::to_string(lost) + " of " + std::to_string(total.displacement.count()) +
                           " particle-times have no strain: a deformation gradient is not positive.");
@@ -121,14 +125,17 @@ void walk_times(const CommonTimes& common, Side& first, Side& second, Alignment&
     const SideState& b = second.at(time);
     alignment.update(b.followed);
     const auto frame = reference.fit(a, b);
-    if (!frame || !differences.add(a, b, alignment.partners(), *frame, numerics.at(time, b, alignment.partners()))) {
-      const char* what = frame ? "No particle has a partner any more at " : "No reference particle is left at ";
-      out.remarks.push_back(what + number(time) + " " + first.motion().time_unit() +
-                            ": the comparison ends at the time before.");
+    const std::vector<Vec2>& numerical = numerics.at(time, b, alignment.partners());
+    if (!frame || !differences.add(a, b, alignment.partners(), *frame, numerical)) {
+      const std::string what = (frame ? "o particle has a partner any more at " : "o reference particle is left at ") +
+                               number(time) + " " + first.motion().time_unit();
+      if (out.time.size() == 1)
+        throw InputError("compare: n" + what + ", the first time after the start, expected some");
+      out.remarks.push_back("N" + what + ": the comparison ends at the time before.");
       break;
     }
     bands.add(a, b);
-    points.add(a, b, *frame);
+    points.add(a, b, *frame, numerical);
     out.time.push_back(time);
     progress.update("compare", std::int64_t(out.time.size()), std::int64_t(common.times.size()));
   }
@@ -199,7 +206,7 @@ Comparison compare_sides(const MotionSource& first_motion, const MotionSource& s
   out.coverage_second = alignment.coverage_second();
   add_motion_metrics(differences, {"", "over all common particles and times", covariance, unit, floor},
                      {"_final", at_end, covariance, unit, floor}, unit + "/" + time_unit, out);
-  add_coverage(alignment, differences, first.size(), at_end, out.metrics);
+  add_coverage(alignment, differences, first, at_end, out);
   add_frame(reference, differences.last(), unit, at_end, out.metrics);
   add_convergence(numerics, out);
   // Where the comparison ended early, the sides stand one time further.
