@@ -51,10 +51,10 @@ CommonTimes common_times(const MotionSource& first, const MotionSource& second) 
   for (double t : first.times())
     if (t >= common.start - common.tolerance && t <= end + common.tolerance) common.times.push_back(t);
   if (common.times.empty())
-    throw InputError("compare: no time in common: " + span(first) + ", " + span(second));
+    throw InputError("compare: no time in common: first " + span(first) + ", second " + span(second));
   if (common.times.size() == 1 && (first.times().size() > 1 || second.times().size() > 1))
-    throw InputError("compare: only the start is in common, where nothing has moved: " + span(first) + ", " +
-                     span(second) + "; expected a later time that both know");
+    throw InputError("compare: only the start is in common, where nothing has moved: first " + span(first) +
+                     ", second " + span(second) + "; expected a later time that both know");
   return common;
 }
 

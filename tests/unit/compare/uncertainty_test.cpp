@@ -61,6 +61,8 @@ TEST(Uncertainty, UnknownWithoutACovariance) {
   EXPECT_TRUE(std::isnan(metric(c, "strain_dev_rms").uncertainty));
   EXPECT_EQ(metric(c, "displacement_rms").verdict, "");
   EXPECT_NE(metric(c, "displacement_rms").definition.find("not known"), std::string::npos);
+  EXPECT_EQ(metric(c, "decomposition_displacement_x_distance").value, 0);
+  EXPECT_EQ(metric(c, "decomposition_displacement_x_distance").verdict, "");  // its own residual alone says nothing
   EXPECT_NE(metric(c, "strain_dev_rms").definition.find("noise floor not measured"), std::string::npos);
 }
 
