@@ -1,9 +1,12 @@
 // Numbers that definitions name (shares, thresholds, signs), each where another number would give another result.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <random>
 
+#include "compare/onset.hpp"
 #include "compare/rigid.hpp"
 #include "compare/shapes.hpp"
 #include "compare/transformed.hpp"
@@ -132,6 +135,53 @@ TEST(Definitions, AMotionInOtherCoordinatesByHand) {
   near(g.F[0], {0.9, 0, -0.3, 1.2});  // F of the turned axes: dx'/dY' of the old shear is -dy'/dX'
   near(g.cov_u[0], {0.36, 0.16, -0.04});
   near(g.stress[0], {-2, -1, -3, -0.5});
+}
+
+// What slows down later is read off its beginning: over 2 to 25 % of a smooth step the line's zero is early by .03 in a
+// duration of two seconds, over 2 to 60 % it would be by .09.
+TEST(Definitions, AnOnsetIsReadOffTheFirstQuarter) {
+  std::vector<double> t, s;
+  for (int k = 0; k < 150; ++k) {
+    const double x = std::clamp((0.02 * k - 0.5) / 2, 0.0, 1.0);
+    t.push_back(0.02 * k);
+    s.push_back(3 * x * x - 2 * x * x * x);
+  }
+  EXPECT_NEAR(find_onset(t, s, 2).time, 0.5, 0.04);
+}
+
+// Criterion: the stated uncertainty of an onset is its scatter, within a factor of two.
+TEST(Definitions, AnOnsetScattersAsStated) {
+  const unsigned seed = 12;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  for (const int power : {1, 2}) {
+    std::normal_distribution<double> noise(0, 0.01);
+    const int runs = 300;
+    double square = 0, stated = 0;
+    for (int run = 0; run < runs; ++run) {
+      std::vector<double> t, s;
+      for (int k = 0; k <= 60; ++k) {
+        const double x = std::max(0.0, (0.05 * k - 0.5) / 2.5);
+        t.push_back(0.05 * k);
+        s.push_back(std::pow(x, power) + (x > 0 ? noise(random) : 0));
+      }
+      const Onset onset = find_onset(t, s, power);
+      square += (onset.time - 0.5) * (onset.time - 0.5) / runs;
+      stated += onset.sigma * onset.sigma / runs;
+    }
+    EXPECT_LT(std::sqrt(square), 2 * std::sqrt(stated)) << power;
+    EXPECT_GT(std::sqrt(square), std::sqrt(stated) / 2) << power;
+  }
+}
+
+TEST(Definitions, IdentityIsToAMillionthOfTheSpacing) {
+  const ParticleSet set = particles_at(square_lattice(8, 8, 1), 1);
+  ParticleSet moved = set;
+  for (Vec2& x : moved.x0) x += Vec2(0.01, 0);
+  const DisplacementLaw u = [](const Vec2& x, double t) -> Vec2 { return Vec2(t * x.x(), 0); };
+  const GradientLaw F = [](const Vec2&, double t) -> Mat2 { return Vec2(1 + t, 1).asDiagonal().toDenseMatrix(); };
+  const Comparison c = compared(motion_of("a", set, {0, 1}, u, F), motion_of("b", moved, {0, 1}, u, F));
+  EXPECT_LT(metric(c, "displacement_max").value, 1e-5);  // by id the difference would be 0.01
 }
 
 // Bands drawn as simple shear, the second's turned by 10 degrees and half as wide again.
