@@ -90,6 +90,15 @@ TEST(Definitions, CovarianceBetweenParticlesIsTheirMean) {
   EXPECT_NEAR(metric(c, "displacement_bias_x_final").uncertainty, sigma, 1e-6);
 }
 
+TEST(Definitions, TheGaugesShareOfAPointIsOfItsGreatestDisplacement) {
+  const ParticleSet set = particles_at(square_lattice(6, 6, 1), 1);
+  const MotionMemory a = motion_of("a", set, {0, 1, 2}, [](const Vec2&, double t) { return Vec2(0, -t); });
+  CompareOptions options;
+  options.points_m = {{3, 3}};
+  options.gauge_uncertainty = 0.1;
+  EXPECT_NEAR(metric(compared(a, a, options), "point_1_distance_rms").uncertainty, 0.2, 1e-6);
+}
+
 TEST(Definitions, OverTheTimesTheGreatestNoiseFloorCounts) {
   const ParticleSet set = particles_at(square_lattice(8, 8, 1), 1);
   MotionMemory a("np", "m", "s", set);
