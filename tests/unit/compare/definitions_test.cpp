@@ -6,6 +6,8 @@
 #include <numbers>
 #include <random>
 
+#include "compare/history.hpp"
+#include "compare/metrics.hpp"
 #include "compare/onset.hpp"
 #include "compare/rigid.hpp"
 #include "compare/shapes.hpp"
@@ -97,6 +99,18 @@ TEST(Definitions, TheGaugesShareOfAPointIsOfItsGreatestDisplacement) {
   options.points_m = {{3, 3}};
   options.gauge_uncertainty = 0.1;
   EXPECT_NEAR(metric(compared(a, a, options), "point_1_distance_rms").uncertainty, 0.2, 1e-6);
+}
+
+// The slope of the parabola through three uneven times: of t^2 at 1, between 0 and 3.
+TEST(Definitions, RatesHoldAtUnevenTimes) {
+  EXPECT_NEAR(peak_rate(History{{0, 1, 3}, {0, 1, 9}}, std::nan("")).value, 2, 1e-12);
+  // Weights -2/3, 1/2, 1/6.
+  EXPECT_NEAR(peak_rate(History{{0, 1, 3}, {0, 1, 9}}, 0.6).uncertainty, 0.6 * std::sqrt(16.0 + 9 + 1) / 6, 1e-12);
+}
+
+TEST(Definitions, APercentileIsHeldToTheGreatestOfTwenty) {
+  EXPECT_EQ(percentile_factor(100000), greatest_factor(20));
+  EXPECT_EQ(percentile_factor(7), greatest_factor(7));
 }
 
 TEST(Definitions, OverTheTimesTheGreatestNoiseFloorCounts) {
