@@ -108,6 +108,17 @@ TEST(Definitions, RatesHoldAtUnevenTimes) {
   EXPECT_NEAR(peak_rate(History{{0, 1, 3}, {0, 1, 9}}, 0.6).uncertainty, 0.6 * std::sqrt(16.0 + 9 + 1) / 6, 1e-12);
 }
 
+TEST(Definitions, RelativeValuesAreKnownRelatively) {
+  const ParticleSet set = particles_at(square_lattice(6, 6, 1), 1);
+  const MotionMemory a = motion_of("a", set, {0, 1}, [](const Vec2&, double t) { return Vec2(4 * t, 0); });
+  const MotionMemory b = motion_of("b", set, {0, 1}, [](const Vec2&, double t) { return Vec2(5 * t, 0); });
+  CompareOptions options;
+  options.measurement_uncertainty_m = 0.1;
+  const Metric m = metric(compared(a, b, options), "displacement_rms_final_relative");
+  EXPECT_NEAR(m.value, 0.25, 1e-6);
+  EXPECT_NEAR(m.uncertainty, 0.1 * std::sqrt(2.0) / 4, 1e-6);
+}
+
 TEST(Definitions, APercentileIsHeldToTheGreatestOfTwenty) {
   EXPECT_EQ(percentile_factor(100000), greatest_factor(20));
   EXPECT_EQ(percentile_factor(7), greatest_factor(7));
