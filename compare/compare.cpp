@@ -36,8 +36,8 @@ void check_comparable(const MotionSource& first, const MotionSource& second) {
   }
   auto same = [&](const char* what, const std::string& a, const std::string& b) {
     if (a != b)
-      throw InputError("compare: the " + std::string(what) + " unit of motion " + quoted(first) + " is '" + a +
-                       "', that of " + quoted(second) + " is '" + b + "'; expected the same");
+      throw InputError("compare: the " + std::string(what) + " unit of the first, " + quoted(first) + ", is '" + a +
+                       "', that of the second, " + quoted(second) + ", is '" + b + "'; expected the same");
   };
   same("length", first.length_unit(), second.length_unit());
   same("time", first.time_unit(), second.time_unit());
@@ -55,14 +55,24 @@ void check_options(const CompareOptions& options, const LimitOptions& limits) {
                      ": needs compare.slope_base_m, which is not given");
 }
 
+// A side by name, and where its particles lie.
+std::string where(const Side& side) {
+  Vec2 lower = side.material_position().front(), upper = lower;
+  for (const Vec2& x : side.material_position()) {
+    lower = lower.cwiseMin(x);
+    upper = upper.cwiseMax(x);
+  }
+  const auto span = [&](int axis) { return number(lower[axis], 4) + " to " + number(upper[axis], 4); };
+  return quoted(side.motion()) + " (x " + span(0) + ", y " + span(1) + " " + side.motion().length_unit() + ")";
+}
+
 std::vector<std::size_t> paired_particles(const Alignment& alignment, const Side& first, const Side& second) {
   std::vector<std::size_t> paired;
   for (std::size_t p = 0; p < first.size(); ++p)
     if (has_partner(alignment.partners()[p])) paired.push_back(p);
   if (paired.empty())
-    throw InputError("compare: no particle of motion " + quoted(first.motion()) + " finds a partner in motion " +
-                     quoted(second.motion()) +
-                     "; expected material positions that overlap (same origin, unit and labels)");
+    throw InputError("compare: no particle of the first, " + where(first) + ", finds a partner in the second, " +
+                     where(second) + "; expected material positions that overlap (same origin, unit and labels)");
   return paired;
 }
 
@@ -106,9 +116,13 @@ void add_motion_metrics(const Differences& differences, const Wording& everywher
   add_strain_metrics(last, at_end, out.metrics);
   if (!(total.peak_first > 0))
     out.remarks.push_back("The first does not move: no metrics relative to its displacement.");
+  if (const std::size_t unknown = total.displacement.count_unknown();
+      unknown > 0 && unknown < total.displacement.count())
+    out.remarks.push_back(std::to_string(unknown) + " of " + std::to_string(total.displacement.count()) +
+                          " particle-times have no known uncertainty: none is stated for what holds them.");
   if (const std::size_t lost = total.displacement.count() - total.strain_dev.count(); lost > 0)
     out.remarks.push_back(std::to_string(lost) + " of " + std::to_string(total.displacement.count()) +
-                          " particle-times have no strain: a deformation gradient is not positive.");
+                          " particle-times have no strain: a deformation gradient is not known, or not positive.");
 }
 
 // Adds every common time, in order, until one side has nothing left to compare.
@@ -121,14 +135,17 @@ void walk_times(const CommonTimes& common, Side& first, Side& second, Alignment&
     const SideState& b = second.at(time);
     alignment.update(b.followed);
     const auto frame = reference.fit(a, b);
-    if (!frame || !differences.add(a, b, alignment.partners(), *frame, numerics.at(time, b, alignment.partners()))) {
-      const char* what = frame ? "No particle has a partner any more at " : "No reference particle is left at ";
-      out.remarks.push_back(what + number(time) + " " + first.motion().time_unit() +
-                            ": the comparison ends at the time before.");
+    const std::vector<Vec2>& numerical = numerics.at(time, b, alignment.partners());
+    if (!frame || !differences.add(a, b, alignment.partners(), *frame, numerical)) {
+      const std::string what = (frame ? "o particle has a partner any more at " : "o reference particle is left at ") +
+                               number(time) + " " + first.motion().time_unit();
+      if (out.time.size() == 1)
+        throw InputError("compare: n" + what + ", the first time after the start, expected some");
+      out.remarks.push_back("N" + what + ": the comparison ends at the time before.");
       break;
     }
     bands.add(a, b);
-    points.add(a, b, *frame);
+    points.add(a, b, *frame, numerical);
     out.time.push_back(time);
     progress.update("compare", std::int64_t(out.time.size()), std::int64_t(common.times.size()));
   }
@@ -199,7 +216,7 @@ Comparison compare_sides(const MotionSource& first_motion, const MotionSource& s
   out.coverage_second = alignment.coverage_second();
   add_motion_metrics(differences, {"", "over all common particles and times", covariance, unit, floor},
                      {"_final", at_end, covariance, unit, floor}, unit + "/" + time_unit, out);
-  add_coverage(alignment, differences, first.size(), at_end, out.metrics);
+  add_coverage(alignment, differences, first, at_end, out);
   add_frame(reference, differences.last(), unit, at_end, out.metrics);
   add_convergence(numerics, out);
   // Where the comparison ended early, the sides stand one time further.

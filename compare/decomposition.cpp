@@ -180,9 +180,12 @@ void add_decomposition(const Field& f, const OrthonormalBasis& basis, const std:
       (d.outside(1) - d.outside(3)) / 2, "; uncertainty: half the change when the band's edge moves by u(s) both ways");
   double distance = 0;
   for (std::size_t k = 0; k < d.first.size(); ++k) distance += (d.second[k] - d.first[k]) * (d.second[k] - d.first[k]);
-  out.metrics.push_back(difference_metric(prefix + "distance", std::sqrt(distance), f.unit, d.uncertainty,
+  const bool known = std::isfinite(f.u);
+  out.metrics.push_back(difference_metric(prefix + "distance", std::sqrt(distance), f.unit,
+                                          known ? d.uncertainty : not_known,
                                           "distance of both sides' coefficients (root of the sum of squares)" + of +
-                                              "; uncertainty: u(s)", greatest_factor(d.first.size())));
+                                              (known ? "; uncertainty: u(s)" : "; uncertainty not known"),
+                                          greatest_factor(d.first.size())));
   add("residual_first", d.residual_first, f.unit, "RMS of field minus reconstruction of the first,");
   add("residual_second", d.residual_second, f.unit, "RMS of field minus reconstruction of the second,");
   add("cluster_first", d.cluster_first, "1",

@@ -41,6 +41,13 @@ const Vec2 no_vector = Vec2::Constant(not_known);
 
 }  // namespace
 
+std::array<double, 2> Tally::known_sigma() const {
+  std::array<double, 2> own;
+  for (std::size_t s = 0; s < 2; ++s) own[s] = std::isfinite(sum_cov_trace[s]) ? sum_cov_trace[s] : 0;
+  const double given = std::isfinite(sum_measurement) ? std::max(0.0, sum_measurement - own[0] - own[1]) : 0;
+  return {rms_part(own[0] + given), rms_part(own[1] + sum_numerical + sum_input)};
+}
+
 // One side of one particle at one time, in the frame of the comparison.
 struct Differences::Sample {
   Vec2 u;
@@ -145,9 +152,11 @@ bool Differences::add(const SideState& first, const SideState& second, const std
     const Sample a = sample(0, row, first.u[p], first.F[p], known[0] ? &first.cov[p] : nullptr);
     const Sample b = sample(1, row, partner.u, partner.F, known[1] ? &partner.cov : nullptr);
     begun_[row] = 1;
-    const Variance variance =
+    Variance variance =
         budget_.at(a.cov, b.cov, a.u, frame[0].variance_at(X_[row]) + frame[1].variance_at(X_[row]),
                    numerical.empty() ? Vec2(Vec2::Zero()) : numerical[p]);
+    // A side that measures, but not the error of this particle.
+    if ((known[0] && a.cov.hasNaN()) || (known[1] && b.cov.hasNaN())) variance.measurement = no_vector;
     add_particle(row, a, b, variance);
     still[0].add(a.u, a.trace(), a.dev, a.vol);
     still[1].add(b.u, b.trace(), b.dev, b.vol);

@@ -30,7 +30,9 @@ struct Tally {
   double floor_dev = not_known, floor_vol = not_known, floor_path = not_known;  // noise floors (StillZone)
   std::array<RigidFit, 2> frame;  // what the reference took off, first and second
 
-  double rms_sigma(std::size_t side) const { return std::sqrt(sum_cov_trace[side] / double(displacement.count())); }
+  /// RMS error of each side's displacements, of what is known; 0 if nothing is. Camera, gauge and frame of reference are
+  /// the first's, numerics and inputs the second's.
+  std::array<double, 2> known_sigma() const;
   double rms_part(double sum) const { return std::sqrt(sum / double(displacement.count())); }
 };
 

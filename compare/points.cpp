@@ -44,9 +44,11 @@ PointHistories::PointHistories(const CompareOptions& options, const Side& first,
   if (points_.empty()) return;
   for (std::size_t s = 0; s < 2; ++s)
     for (const Partner& place : places(points_, *sides_[s])) tracks_[s].push_back({place, {}, 0, 0});
+  shared_.assign(points_.size(), 0);
 }
 
-void PointHistories::add(const SideState& first, const SideState& second, const std::array<RigidFit, 2>& frame) {
+void PointHistories::add(const SideState& first, const SideState& second, const std::array<RigidFit, 2>& frame,
+                         const std::vector<Vec2>& numerical) {
   if (points_.empty()) return;
   time_.push_back(first.time);
   const std::array<const SideState*, 2> states{&first, &second};
@@ -60,6 +62,10 @@ void PointHistories::add(const SideState& first, const SideState& second, const 
       }
       const PartnerState at = partner_state(track.place, *states[s]);
       track.u.push_back(frame[s].motion.undo(points_[k] + at.u) - points_[k]);
+      shared_[k] += frame[s].variance_at(points_[k]).sum();
+      if (s == 0 && !numerical.empty())
+        for (const Natural::Share& share : track.place.shares)
+          shared_[k] += share.weight * numerical[std::size_t(share.point)].sum();
       if (states[s]->cov.empty()) continue;
       track.variance += at.cov[0] + at.cov[1];
       ++track.known;
@@ -72,8 +78,8 @@ void PointHistories::finish(const std::string& unit, const std::string& time_uni
     const std::string where = "(" + number(points_[k].x()) + ", " + number(points_[k].y()) + ")";
     std::array<History, 2> size;
     HistoryErrors errors;
-    double variance = given_, greatest = 0;
-    bool known = given_ > 0;
+    double variance = given_ + shared_[k] / double(std::max<std::size_t>(1, time_.size())), greatest = 0;
+    bool known = variance > 0;
     ColumnTable table{name, "displacement of the material point " + where + " on both sides",
                       {{"time", time_unit, time_}}};
     for (std::size_t s = 0; s < 2; ++s) {
@@ -111,7 +117,8 @@ void PointHistories::finish(const std::string& unit, const std::string& time_uni
     out.metrics.push_back(difference_metric(
         name + "_distance_rms", distance.rms(), unit, sigma,
         "root mean square over the times of |u_second - u_first| of the material point " + where +
-            "; uncertainty: root mean trace of the covariance of u, and what is given of camera, gauge, numerics and inputs"));
+            "; uncertainty: root mean trace of the covariance of u, and what is known of camera, gauge, frame of "
+            "reference, numerics and inputs"));
     out.tables.push_back(std::move(table));
   }
 }

@@ -20,7 +20,9 @@ class PointHistories {
 
   /// The sides' present states. A point that has lost one of the particles that carry it is carried by those left,
   /// and ends (NaN) once it is outside their material.
-  void add(const SideState& first, const SideState& second, const std::array<RigidFit, 2>& frame);
+  /// `numerical`: variances at the first's particles, from coarser grids (empty without).
+  void add(const SideState& first, const SideState& second, const std::array<RigidFit, 2>& frame,
+           const std::vector<Vec2>& numerical);
 
   /// Per point k (from 1): metrics point_k_* of |u| (history.hpp), point_k_distance_rms, and the table point_k.
   void finish(const std::string& length_unit, const std::string& time_unit, Comparison& out) const;
@@ -36,6 +38,7 @@ class PointHistories {
   double given_ = 0, gauge_;  // trace of the variance that is given as numbers; relative uncertainty of lengths
   std::vector<Vec2> points_;
   std::array<std::vector<Track>, 2> tracks_;
+  std::vector<double> shared_;  // trace of the variance of frame of reference and numerics, summed over the times
   std::vector<double> time_;
 };
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <optional>
 
 #include "pivnp/core/text.hpp"
 
@@ -15,6 +16,15 @@ std::string percent(double share) {
   std::snprintf(text, sizeof text, "%.1f %%", 100 * share);
   return text;
 }
+
+// Whether an option differs from what it is when left out.
+bool stated(double v) { return v != 0; }
+bool stated(const Pair& v) { return v != Pair{0.0, 0.0}; }
+template <class T>
+bool stated(const std::vector<T>& v) { return !v.empty(); }
+template <class T>
+bool stated(const std::optional<T>& v) { return v.has_value(); }
+bool stated(const std::string&) { return false; }  // a choice
 
 }  // namespace
 
@@ -35,8 +45,8 @@ void remark_alignment(const Alignment& alignment, const Side& first, const Side&
                     percent(alignment.coverage_second()) + " of the second's particles found a partner.");
   for (const Side* side : {&first, &second}) {
     if (side->counted_anew())
-      remarks.push_back("Motion " + quoted(side->motion()) + " begins before the other: its displacement and strain "
-                        "are counted from " + number(common.start) + " " + side->motion().time_unit() + ".");
+      remarks.push_back("Motion " + quoted(side->motion()) + " is under way at the common start: its displacement and "
+                        "strain are counted from " + number(common.start) + " " + side->motion().time_unit() + ".");
     if (side->born_later() > 0)
       remarks.push_back(std::to_string(side->born_later()) + " particles of motion " + quoted(side->motion()) +
                         " are not there at the common start and are not compared.");
@@ -49,20 +59,27 @@ void remark_alignment(const Alignment& alignment, const Side& first, const Side&
 
 void remark_units(const CompareOptions& options, const LimitOptions& limits, const std::string& unit,
                   std::vector<std::string>& remarks) {
-  if (unit == "m" || (options.reference_m.empty() && options.fixed_zone_m.empty() && !options.slope_base_m &&
-                      !limits.displacement_rms_m))
-    return;
-  remarks.push_back("Lengths given under compare are read in the motions' own unit, " + unit + ".");
+  if (unit == "m") return;
+  bool given = false;
+  const auto look = [&](std::string_view, const auto& value, const OptionInfo& info) {
+    given = given || ((info.unit == "m" || info.unit == "m/s") && stated(value));
+  };
+  CompareOptions::fields(options, look);
+  LimitOptions::fields(limits, look);
+  if (given) remarks.push_back("Lengths given under compare are read in the motions' own unit, " + unit + ".");
 }
 
-void add_coverage(const Alignment& alignment, const Differences& differences, std::size_t first_size,
-                  const std::string& at_end, std::vector<Metric>& metrics) {
+void add_coverage(const Alignment& alignment, const Differences& differences, const Side& first,
+                  const std::string& at_end, Comparison& out) {
+  std::vector<Metric>& metrics = out.metrics;
   metrics.push_back({"coverage_first", alignment.coverage_first(), "1", not_known,
                      "share of the first's particles that found a partner, at the common start", ""});
   metrics.push_back({"coverage_second", alignment.coverage_second(), "1", not_known,
                      "share of the second's particles that found a partner, at the common start", ""});
-  metrics.push_back({"coverage_first_final", double(differences.last().displacement.count()) / double(first_size), "1",
+  metrics.push_back({"coverage_first_final", double(differences.last().displacement.count()) / double(first.size()), "1",
                      not_known, "share of the first's particles that still have a partner, " + at_end, ""});
+  metrics.push_back({"coverage_time", double(out.time.size()) / double(first.motion().times().size()), "1", not_known,
+                     "share of the first's times at which both sides are known and have particles to compare", ""});
 }
 
 void add_frame(const Reference& reference, const Tally& last, const std::string& unit, const std::string& at_end,

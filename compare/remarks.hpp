@@ -21,8 +21,8 @@ void remark_units(const CompareOptions& options, const LimitOptions& limits, con
                   std::vector<std::string>& remarks);
 
 /// Shares of the particles that found a partner; what the reference took off; the offset in time.
-void add_coverage(const Alignment& alignment, const Differences& differences, std::size_t first_size,
-                  const std::string& at_end, std::vector<Metric>& metrics);
+void add_coverage(const Alignment& alignment, const Differences& differences, const Side& first,
+                  const std::string& at_end, Comparison& out);
 void add_frame(const Reference& reference, const Tally& last, const std::string& unit, const std::string& at_end,
                std::vector<Metric>& metrics);
 void add_place(const RigidFit& place, const std::string& unit, Comparison& out);

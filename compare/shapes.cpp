@@ -189,11 +189,8 @@ void add_shapes(const Shapes& shapes, const Differences& differences, const Comp
   const std::array<const MaterialMesh*, 2> start{&shapes.start_first, &shapes.start_second};
   const std::array<MaterialMesh, 2> end{present_mesh(shapes.first, last.frame[0].motion),
                                         present_mesh(shapes.second, last.frame[1].motion)};
-  std::array<double, 2> spacing, sigma{0, 0};
-  for (std::size_t s = 0; s < 2; ++s) {
-    spacing[s] = sides[s]->median_spacing();
-    if (differences.cov_known(s)) sigma[s] = last.rms_sigma(s);
-  }
+  const std::array<double, 2> spacing{sides[0]->median_spacing(), sides[1]->median_spacing()},
+      sigma = last.known_sigma();
   const double cell = std::min(spacing[0], spacing[1]) / 4, grow = std::max(spacing[0], spacing[1]) / 2;
   const Lattice lattice = lattice_around(end[0], end[1], cell, grow, options.slope_base_m);
   const Cover first = cover(end[0], spacing[0] / 2, lattice), second = cover(end[1], spacing[1] / 2, lattice);

@@ -46,11 +46,15 @@ CommonTimes common_times(const MotionSource& first, const MotionSource& second) 
   CommonTimes common;
   common.tolerance = std::isfinite(step) ? 1e-6 * step : 1e-12;
   common.start = std::max(first.times().front(), second.times().front());
+  common.begin_together = std::abs(first.times().front() - second.times().front()) <= common.tolerance;
   const double end = second.times().back();
   for (double t : first.times())
     if (t >= common.start - common.tolerance && t <= end + common.tolerance) common.times.push_back(t);
   if (common.times.empty())
-    throw InputError("compare: no time in common: " + span(first) + ", " + span(second));
+    throw InputError("compare: no time in common: first " + span(first) + ", second " + span(second));
+  if (common.times.size() == 1 && (first.times().size() > 1 || second.times().size() > 1))
+    throw InputError("compare: only the start is in common, where nothing has moved: first " + span(first) +
+                     ", second " + span(second) + "; expected a later time that both know");
   return common;
 }
 
@@ -64,7 +68,8 @@ Side::Side(const MotionSource& motion, const CommonTimes& common)
   state_.F.assign(X_.size(), Mat2::Identity());
   read(common.start);
   born_later_ = std::size_t(std::count(state_.followed.begin(), state_.followed.end(), 0));
-  if (motion.times().front() < common.start - common.tolerance) count_anew();
+  const bool earlier = motion.times().front() < common.start - common.tolerance;
+  if ((earlier || !common.begin_together) && has_moved()) count_anew();
   find_spacing();
 }
 
@@ -104,6 +109,12 @@ void Side::read(double time) {
       for (std::size_t c = 0; c < 3; ++c)
         state_.cov[p][c] = mixed(double(a.cov_u[p][c]), double(b.cov_u[p][c]), w);
   }
+}
+
+bool Side::has_moved() const {
+  for (std::size_t p = 0; p < X_.size(); ++p)
+    if (state_.followed[p] && (state_.u[p] != Vec2::Zero() || state_.F[p] != Mat2::Identity())) return true;
+  return false;
 }
 
 void Side::count_anew() {

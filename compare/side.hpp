@@ -13,6 +13,7 @@ namespace pivnp::compare {
 /// The first's times at which the second is known too.
 struct CommonTimes {
   double start = 0;           // the later of the two beginnings: displacements count from here
+  bool begin_together = true;  // else one side is under way at the start
   double tolerance = 0;       // times closer than this are the same instant
   std::vector<double> times;  // ascending
 };
@@ -31,8 +32,10 @@ struct SideState {
 
 /// Reads a motion in ascending time, holding two of its frames. Between frames u, F and the covariance are linear in
 /// time; a particle is followed there only if both frames have it. Once lost it stays lost.
-/// A motion that began before the common start is counted anew from its state there: X = x0 + u(s), u(t) - u(s),
-/// F(t) F(s)^-1; its covariance is kept whole, which bounds that of the difference of positively correlated errors.
+/// Where one motion begins before the other, a side that has moved at the common start is counted anew from its state
+/// there: X = x0 + u(s), u(t) - u(s), F(t) F(s)^-1; its covariance is kept whole, which bounds that of the difference of
+/// positively correlated errors. (A motion whose first frame holds displacements is as well under way as one that began
+/// earlier.) Motions that begin together are taken as they are.
 class Side {
  public:
   Side(const MotionSource& motion, const CommonTimes& common);
@@ -58,6 +61,7 @@ class Side {
   };
   const MotionFrame& frame(std::size_t index);
   void read(double time);
+  bool has_moved() const;
   void count_anew();
   void find_spacing();
 

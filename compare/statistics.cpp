@@ -62,7 +62,7 @@ void DisplacementStatistics::add(const Vec2& difference, double cov_uu, double c
   if (std::isfinite(sigma))
     sigma_.add(sigma);
   else
-    sigma_known_ = false;
+    ++unknown_;
   if (magnitude > max_ || count_ == 1) {
     max_ = magnitude;
     max_sigma_ = sigma;
@@ -73,7 +73,7 @@ double DisplacementStatistics::rms() const { return root_mean(sum_square_, count
 Vec2 DisplacementStatistics::bias_uncertainty() const {
   return {root_mean(sum_cov_.x(), count_), root_mean(sum_cov_.y(), count_)};
 }
-double DisplacementStatistics::p95_uncertainty() const { return sigma_known_ ? sigma_.at(0.95) : not_known; }
+double DisplacementStatistics::p95_uncertainty() const { return unknown_ == 0 ? sigma_.at(0.95) : not_known; }
 double DisplacementStatistics::rms_uncertainty() const { return root_mean(sum_cov_.sum(), count_); }
 
 void ScalarStatistics::add(double difference) {

@@ -54,6 +54,7 @@ class DisplacementStatistics {
   void add(const Vec2& difference, double cov_uu, double cov_vv);
 
   std::size_t count() const { return count_; }
+  std::size_t count_unknown() const { return unknown_; }  // without an uncertainty
   Vec2 bias() const { return sum_ / double(count_); }
   double rms() const;
   double p95() const { return magnitude_.at(0.95); }
@@ -72,7 +73,7 @@ class DisplacementStatistics {
   double sum_square_ = 0, max_ = 0, max_sigma_ = not_known;
   Quantile magnitude_, sigma_;
   ScalarStatistics over_uncertainty_;
-  bool sigma_known_ = true;
+  std::size_t unknown_ = 0;
 };
 
 /// Over the times of each of many particles: mean of a vector, RMS, 95th percentile (nearest rank) and maximum of its

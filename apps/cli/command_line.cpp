@@ -1,5 +1,7 @@
 #include "apps/cli/command_line.hpp"
 
+#include <omp.h>
+
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <new>
@@ -90,6 +92,12 @@ void describe(CLI::App& app) {
   app.get_formatter()->column_width(34);
 }
 
+// For the engines that take no number of threads of their own (tracking).
+void use_threads(int threads) {
+  static const int all = omp_get_max_threads();
+  omp_set_num_threads(threads > 0 ? threads : all);
+}
+
 int parse_and_run(int argc, const char* const* argv, Session& session) {
   CLI::App app{
       "From lab video to verdict: PIV, numerical particles (PIV-NP), MPM on the same grid, and their comparison.",
@@ -131,6 +139,7 @@ int parse_and_run(int argc, const char* const* argv, Session& session) {
     return bad_input;
   }
   const auto at = chosen();
+  use_threads(session.threads);
   try {
     return at->second();
   } catch (const Interrupted&) {

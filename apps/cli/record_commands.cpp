@@ -35,6 +35,9 @@ Action declare_compare(CLI::App& app, Session& session) {
                  "time from one file's number to the next, where files of another program only count (1)")
       ->type_name("VALUE (s)")
       ->check(CLI::PositiveNumber);
+  app.add_option("--length-unit", c->sources.length_unit,
+                 "unit of lengths in another program's files (m); its name is compared with the other side's")
+      ->type_name("NAME");
   app.add_option("--case", c->arguments.case_path, "takes [compare] and [compare.limits] from a case; flags win")
       ->type_name("CASE");
   add_option_flags(app, c->options, c->setters);

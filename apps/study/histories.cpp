@@ -71,6 +71,15 @@ Side open_history(const std::string& text, double step_s) {
   return side;
 }
 
+// A column's unit stands in its head's brackets ("1" without). What differs must be converted by the options for it.
+void check_units(const char* what, const Side& first, const Side& second, std::string Side::*unit, double scale,
+                 const char* key) {
+  const std::string &a = first.*unit, &b = second.*unit;
+  if (a == b || a == "1" || b == "1" || scale != 1) return;
+  throw InputError("compare: the " + std::string(what) + " of '" + first.name + "' are in '" + a + "', those of '" +
+                   second.name + "' in '" + b + "'; expected the same, or " + key + " to convert the second's");
+}
+
 }  // namespace
 
 bool is_history(const std::string& text) {
@@ -84,6 +93,8 @@ RunOutcome compare_histories(const CompareSources& sources, const compare::Compa
       throw InputError(*text + ": compared with a history, expected one too (history=FILE[:COLUMN], front=RECORD)");
   const Side first = open_history(sources.first, sources.step_s);
   Side second = open_history(sources.second, sources.step_s);
+  check_units("values", first, second, &Side::unit, options.second_scale, "compare.second_scale");
+  check_units("times", first, second, &Side::time_unit, options.second_time_scale, "compare.second_time_scale");
   for (double& t : second.history.time) t = options.second_time_scale * t + options.time_offset_s;
   for (double& v : second.history.value) v = options.second_scale * v + options.second_shift_m[0];
 

@@ -6,6 +6,7 @@
 #include "apps/study/outcome.hpp"
 #include "apps/study/report_input.hpp"
 #include "apps/study/study.hpp"
+#include "compare/metrics.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/io/foreign.hpp"
 #include "pivnp/io/record.hpp"
@@ -43,8 +44,9 @@ std::shared_ptr<MotionSource> motion_of(const io::RecordReader& record, const st
 }
 
 // "FILE" or "FILE:motion"; a colon inside a path that exists belongs to the path.
-Side open_side(const std::string& text, double step_s) {
-  if (io::is_foreign(text)) return {io::RecordHead{}, io::open_foreign(text, {.step = step_s}), {}};
+Side open_side(const std::string& text, const CompareSources& sources) {
+  if (io::is_foreign(text))
+    return {io::RecordHead{}, io::open_foreign(text, {.step = sources.step_s, .length_unit = sources.length_unit}), {}};
   fs::path file = text;
   std::string motion;
   const std::size_t colon = text.rfind(':');
@@ -75,11 +77,11 @@ RunOutcome compare_records(const CompareSources& sources, const compare::Compare
                            const compare::LimitOptions& limits, const RunSettings& settings, Progress& progress) {
   if (is_history(sources.first) || is_history(sources.second))
     return compare_histories(sources, given, limits, settings);
-  const Side one = open_side(sources.first, sources.step_s), two = open_side(sources.second, sources.step_s);
+  const Side one = open_side(sources.first, sources), two = open_side(sources.second, sources);
   std::vector<Side> coarser;
   compare::Refinement refinement{{}, sources.refinement_ratio};
   for (const std::string& text : sources.coarser) {
-    coarser.push_back(open_side(text, sources.step_s));
+    coarser.push_back(open_side(text, sources));
     refinement.coarser.push_back(coarser.back().motion.get());
   }
   compare::CompareOptions options = given;
@@ -127,13 +129,15 @@ RunOutcome report_record(const fs::path& given, const RunSettings& settings, Pro
     }
     if (const auto held = record.comparison(); held && !is_history(held->measured)) {
       compare::CompareOptions options = c.compare;
-      add_camera(record.head().camera_residual, options);
+      if (record.pair_count() > 0) add_camera(record.head().camera_residual, options);  // else it is in the case
       comparison = compare::compare(*record.motion(held->measured), *record.motion(held->simulated), options, c.limits,
                                     progress, {}, {record.strain_note(held->measured), record.strain_note(held->simulated)});
-      outcome.over_limit = comparison->over_limit;
+      // Outlines, fields and curves are found again; the numbers are the record's: coarser grids and frames, which some
+      // of them need, are not in it.
+      comparison->metrics = held->metrics;
+      comparison->limits = compare::apply_limits(c.limits, comparison->metrics);
+      for (const compare::LimitResult& l : comparison->limits) outcome.over_limit = outcome.over_limit || !l.within;
       outcome.limits = comparison->limits;
-      for (const Metric& m : held->metrics)  // what frames are needed for is kept from the run
-        if (m.name.starts_with("levelled_")) comparison->metrics.push_back(m);
     }
   }
   const fs::path directory = settings.out.empty() ? file.parent_path() : settings.out;

@@ -47,6 +47,19 @@ std::vector<double> output_times(const Case& c, const std::vector<Frame>& frames
   return times;
 }
 
+// Particles against material points, as the case asks.
+compare::Comparison compare_sides(const Case& c, const Setting& setting, const RunSettings& settings,
+                                  image::FrameSource& source, const std::vector<Frame>& frames,
+                                  const io::RecordWriter& writer, const StrainNote& note, Progress& progress) {
+  compare::CompareOptions options = c.compare;
+  add_camera(setting.camera.residual(), options);
+  const auto np = writer.motion("np"), mpm = writer.motion("mpm");
+  compare::Comparison comparison = compare::compare(*np, *mpm, options, c.limits, progress, {}, {note, {}});
+  if (c.compare.levelling)
+    add_levelled(c, setting, settings, source, frames, writer, *np, *mpm, note, options, comparison, progress);
+  return comparison;
+}
+
 }  // namespace
 
 std::unique_ptr<image::FrameSource> case_frames(Case& c, const RunSettings& settings, Progress& progress) {
@@ -118,23 +131,25 @@ RunOutcome run_case(const Case& given, const RunSettings& settings, Stages stage
     note = strain_note(c, setting, *motion, central);
     writer.set_strain_note("np", note);
   }
+  std::string not_compared;  // why; what was measured and simulated is kept and reported all the same
   if (tracks && simulates) {
-    compare::CompareOptions options = c.compare;
-    add_camera(setting.camera.residual(), options);
-    const auto np = writer.motion("np"), mpm = writer.motion("mpm");
-    comparison = compare::compare(*np, *mpm, options, c.limits, progress, {}, {note, {}});
-    if (c.compare.levelling)
-      add_levelled(c, setting, settings, *source, frames, writer, *np, *mpm, note, options, *comparison,
-                   progress);
-    writer.set_comparison(comparison_data(*comparison, "np", "mpm", np->time_unit()));
-    outcome.over_limit = comparison->over_limit;
-    outcome.limits = comparison->limits;
+    try {
+      comparison = compare_sides(c, setting, settings, *source, frames, writer, note, progress);
+      writer.set_comparison(comparison_data(*comparison, "np", "mpm", writer.motion("np")->time_unit()));
+      outcome.over_limit = comparison->over_limit;
+      outcome.limits = comparison->limits;
+    } catch (const InputError& error) {
+      not_compared = error.what();
+      outcome.remarks.push_back("Not compared: " + not_compared + ".");
+    }
   }
   writer.finish();
 
   outcome.record = settings.out / "record.h5";
   for (std::string& remark : remarks_on_tracking(tracked, frames)) outcome.remarks.push_back(std::move(remark));
   write_report_of(c, outcome, std::move(comparison), source.get(), settings.out);
+  if (!not_compared.empty())
+    throw InputError(not_compared + " (" + outcome.record.string() + " and its report are written without a comparison)");
   return outcome;
 }
 

@@ -41,6 +41,7 @@ struct CompareSources {
   std::vector<std::string> coarser;  // the second on coarser grids, the finer one first
   double refinement_ratio = 2;       // of the grids' spacings
   double step_s = 1;                 // time from one step to the next where files only count them
+  std::string length_unit = "m";     // of other programs' results
 };
 
 /// Compares two motions, writes a record with both and the comparison, and its report.

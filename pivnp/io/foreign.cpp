@@ -126,11 +126,25 @@ class ForeignMotion final : public MotionSource {
   }
   std::size_t place(const ForeignState& state, std::size_t k) const { return index_.at(id_of(state, k)); }
 
+  static void refuse_twins(const ForeignState& state, const std::string& file) {
+    std::vector<std::int64_t> sorted = state.id;
+    std::sort(sorted.begin(), sorted.end());
+    if (const auto twice = std::adjacent_find(sorted.begin(), sorted.end()); twice != sorted.end())
+      throw InputError(file + ": id " + std::to_string(*twice) + " stands twice at one time");
+  }
+
   // Everyone who ever appears, in order of appearance.
   void find_particles(const std::string& pattern) {
     particles_.label_names = {"material"};
+    std::size_t unnamed = 0;  // particles of the first time, where they have no ids
     for (std::size_t t = 0; t < times_.size(); ++t) {
       const ForeignState state = read(t);
+      const std::string file = files_.empty() ? pattern : files_[t][0].string();
+      refuse_twins(state, file);
+      if (t == 0) unnamed = state.x.size();
+      if (state.id.empty() && state.x.size() != unnamed)
+        throw InputError(file + ": found " + std::to_string(state.x.size()) + " particles without ids, expected " +
+                         std::to_string(unnamed) + " as at the first time (or ids, to tell them apart)");
       for (std::size_t k = 0; k < state.x.size(); ++k) {
         const auto [it, fresh] = index_.emplace(id_of(state, k), particles_.size());
         if (fresh) {

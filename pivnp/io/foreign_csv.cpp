@@ -128,10 +128,6 @@ ForeignTable read_foreign_csv(const std::filesystem::path& file, double step) {
   ForeignTable table;
   table.timed = timed;
   for (auto& [time, state] : states) {
-    std::vector<std::int64_t> sorted = state.id;
-    std::sort(sorted.begin(), sorted.end());
-    if (const auto twice = std::adjacent_find(sorted.begin(), sorted.end()); twice != sorted.end())
-      throw InputError(file.string() + ": id " + std::to_string(*twice) + " stands twice at one time");
     table.time.push_back(time);
     table.state.push_back(std::move(state));
   }

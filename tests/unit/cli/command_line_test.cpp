@@ -1,6 +1,7 @@
 // The command line: what reaches the library, exit codes, one line an error.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <omp.h>
 
 #include <csignal>
 #include <fstream>
@@ -51,6 +52,18 @@ TEST_F(CommandLine, RunHandsCaseAndSettingsToTheStudy) {
   EXPECT_EQ(study.settings.frames, "it's/*.png");
   EXPECT_THAT(study.settings.command, StartsWith("pivnp run "));
   EXPECT_THAT(study.settings.command, HasSubstr("--out 'o ut' --threads 3 --resume --frames 'it'\\''s/*.png'"));
+}
+
+// Tracking follows OpenMP's own number.
+TEST_F(CommandLine, ThreadsHoldForEveryEngine) {
+  int seen = 0;
+  fake_study().work = [&](Progress&) { seen = omp_get_max_threads(); };
+  EXPECT_EQ(run_program({"run", measured}).code, 0);
+  const int all = seen;
+  EXPECT_EQ(run_program({"run", measured, "--threads", std::to_string(all + 3)}).code, 0);
+  EXPECT_EQ(seen, all + 3);
+  EXPECT_EQ(run_program({"run", measured}).code, 0);
+  EXPECT_EQ(seen, all);
 }
 
 TEST_F(CommandLine, WhatIsLeftOutIsChosen) {

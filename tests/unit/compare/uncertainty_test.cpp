@@ -61,6 +61,8 @@ TEST(Uncertainty, UnknownWithoutACovariance) {
   EXPECT_TRUE(std::isnan(metric(c, "strain_dev_rms").uncertainty));
   EXPECT_EQ(metric(c, "displacement_rms").verdict, "");
   EXPECT_NE(metric(c, "displacement_rms").definition.find("not known"), std::string::npos);
+  EXPECT_EQ(metric(c, "decomposition_displacement_x_distance").value, 0);
+  EXPECT_EQ(metric(c, "decomposition_displacement_x_distance").verdict, "");  // its own residual alone says nothing
   EXPECT_NE(metric(c, "strain_dev_rms").definition.find("noise floor not measured"), std::string::npos);
 }
 
@@ -134,6 +136,42 @@ TEST(Uncertainty, OfTheOutlinesShareInCommon) {
     EXPECT_NEAR(iou.uncertainty, length * std::hypot(u_a, half) / either, 0.1 * iou.uncertainty);
     EXPECT_EQ(iou.verdict, shift == 0 ? not_distinguishable : "") << iou.value << " u " << iou.uncertainty;
   }
+}
+
+// What is given as a number is part of what shapes are uncertain by: the camera's and the gauge's share the first's, the
+// model's the second's.
+TEST(Uncertainty, OfShapesHoldsWhatIsGiven) {
+  const ParticleSet set = particles_at(square_lattice(20, 10, 1), 1);
+  const MotionMemory a = motion_of("a", set, {0, 1}, [](const Vec2& x, double t) { return Vec2(t * x.x() / 20, 0); });
+  CompareOptions options;
+  options.slope_base_m = 0;
+  options.measurement_uncertainty_m = 0.3;
+  options.numerical_uncertainty_m = 0.2;
+  options.input_uncertainty_m = 0.4;
+  const Comparison c = compared(a, a, options);
+  const double half = 1 / std::sqrt(12.0), one = std::hypot(half, 0.3 * std::sqrt(2.0)),
+               two = std::hypot(half, std::sqrt(2 * (0.04 + 0.16)));
+  EXPECT_NEAR(metric(c, "crest_height_first").uncertainty, one, 1e-9);
+  EXPECT_NEAR(metric(c, "crest_height_second").uncertainty, two, 1e-9);
+  for (const char* name : {"outline_hausdorff_95", "run_out_x_difference", "crest_retreat_difference"})
+    EXPECT_NEAR(metric(c, name).uncertainty, std::hypot(one, two), 1e-9) << name;
+  EXPECT_GT(metric(c, "mobilised_area_difference").uncertainty, 0);
+  EXPECT_NEAR(metric(compared(a, a, {}), "outline_hausdorff_95").uncertainty, half * std::sqrt(2.0), 1e-9);
+}
+
+TEST(Uncertainty, OfSomeParticlesAloneIsSaid) {
+  const MotionMemory a = measured(3, 0.01, 0, "a");
+  MotionMemory b("b", "m", "s", a.particles());
+  for (std::size_t k = 0; k < 3; ++k) {
+    MotionFrame f = a.frame(k);
+    f.cov_u[5] = {std::nanf(""), std::nanf(""), std::nanf("")};
+    b.add(f);
+  }
+  const Comparison c = compared(a, b);
+  EXPECT_TRUE(std::isnan(metric(c, "u_val").value));
+  bool said = false;
+  for (const std::string& r : c.remarks) said = said || r.find("3 of 2700 particle-times have no known") != r.npos;
+  EXPECT_TRUE(said);
 }
 
 TEST(Uncertainty, OfTheAreaMetric) {

@@ -308,11 +308,14 @@ TEST(GridConvergence, CoarserSimulationsGiveTheNumericalPart) {
   const MotionMemory lab = motion_of("lab", particles_at(square_lattice(12, 12, 1, Vec2(2, 2)), 1), {0, 0.5, 1},
                                      [=](const Vec2&, double t) { return Vec2(t * exact, 0); });
   SilentProgress progress;
-  const Comparison r = compare(lab, fine, {}, {}, progress, Refinement{{&middle, &coarse}, 2});
+  CompareOptions options;
+  options.points_m = {{8, 8}};
+  const Comparison r = compare(lab, fine, options, {}, progress, Refinement{{&middle, &coarse}, 2});
   EXPECT_NEAR(metric(r, "grid_convergence_order").value, 2, 1e-4);
   const double u = 3 * c * 1.25 / 3 / 1.15;
   EXPECT_NEAR(metric(r, "u_numerical_final").value, u, 1e-6);
   EXPECT_NEAR(metric(r, "u_val_final").value, u, 1e-6);
+  EXPECT_NEAR(metric(r, "point_1_distance_rms").uncertainty, u * std::sqrt(1.25 / 3), 1e-6);  // at 0, 1/2 and 1
   EXPECT_NEAR(metric(r, "displacement_bias_x_final").value, c, 1e-6);
   EXPECT_EQ(metric(r, "displacement_bias_x_final").verdict, not_distinguishable);
   const MotionMemory elsewhere = motion_of("elsewhere", particles_at(square_lattice(8, 8, 2, Vec2(90, 0)), 2),

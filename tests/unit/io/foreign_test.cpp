@@ -325,6 +325,18 @@ TEST_F(ForeignTest, TracksBeginAndEnd) {
   EXPECT_TRUE(std::isnan(m->frame(1).F[0][0]));        // too few neighbours to say
 }
 
+// Without ids the place in the file tells particles apart, and that holds only while none appears or goes.
+TEST_F(ForeignTest, ParticlesThatCannotBeToldApartAreRefused) {
+  write("a1.csv", "x,y\n0,0\n1,0\n2,0\n");
+  write("a2.csv", "x,y\n0,0\n2,0\n");
+  EXPECT_NE(refusal("csv", "a*.csv").find("a2.csv: found 2 particles without ids, expected 3"), std::string::npos)
+      << refusal("csv", "a*.csv");
+  write("b_MPVector_1.vtk",
+        "# vtk DataFile Version 3.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 2 float\n0 0 0 1 1 0\nPOINT_DATA 2\n"
+        "SCALARS material_point_id float 1\nLOOKUP_TABLE default\n7 7\n");
+  EXPECT_NE(refusal("vtk", "b_MPVector_1.vtk").find("id 7 stands twice"), std::string::npos);
+}
+
 TEST_F(ForeignTest, WhatIsWrongIsSaid) {
   EXPECT_FALSE(is_foreign("out/record.h5:np"));
   EXPECT_TRUE(is_foreign("csv=a.csv"));

@@ -88,6 +88,17 @@ TEST(LocalFit, ReachesItsHullAndADiagonalBeyond) {
   EXPECT_TRUE(ring->reaches(-1, 0.5));
 }
 
+// With all sixteen nodes the fit at the element's centre is their mean with weights 1/(1 + r^2)^2, r^2 = 1/2 of its own
+// four, 5/2 of the ring's eight, 9/2 of its corners.
+TEST(LocalFit, NearNodesCountMore) {
+  const auto fit = LocalFit::of(0xffff, {});
+  ASSERT_TRUE(fit);
+  const double sum = 4 / 2.25 + 8 / 12.25 + 4 / 30.25;
+  for (const int own : {5, 6, 9, 10}) EXPECT_NEAR(fit->influence(own, 0.5, 0.5), 1 / 2.25 / sum, 1e-12);
+  for (const int ring : {1, 4, 7, 14}) EXPECT_NEAR(fit->influence(ring, 0.5, 0.5), 1 / 12.25 / sum, 1e-12);
+  for (const int corner : {0, 3, 12, 15}) EXPECT_NEAR(fit->influence(corner, 0.5, 0.5), 1 / 30.25 / sum, 1e-12);
+}
+
 TEST(LocalFit, MisfitMeasuresWhatIsNotAffine) {
   const double curvature = 0.01;
   const auto fit = LocalFit::of(0xffff, values_of([&](const Vec2& x) {

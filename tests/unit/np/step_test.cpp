@@ -1,5 +1,6 @@
 // One step: which point is read, how F follows, births, threads, refusals. Held against core's plain shape functions.
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 #include <omp.h>
 
 #include <Eigen/LU>
@@ -163,6 +164,55 @@ TEST(Step, SameBitsForAnyNumberOfThreads) {
   omp_set_num_threads(before);
   EXPECT_EQ(results[0], results[1]);
   EXPECT_EQ(results[0], results[2]);
+}
+
+// Nothing is fused in the vectorised step: every instruction set gives the same bits.
+TEST(Step, SameBitsForAnyInstructionSet) {
+  ParticleSet particles = block(grid, grid.origin, grid.upper(), 9);
+  std::vector<std::vector<std::byte>> results;
+  for (const std::int64_t disabled : {std::int64_t(0), std::int64_t(HWY_AVX3 | HWY_AVX3_DL),
+                                      std::int64_t(HWY_AVX3 | HWY_AVX3_DL | HWY_AVX2), ~std::int64_t(HWY_STATIC_TARGET)}) {
+    hwy::DisableTargets(disabled);
+    Tracker tracker({}, particles, 0);
+    for (unsigned k = 0; k < 4; ++k) {
+      Increments d = rough(k % 2 == 0 ? Anchor::central : Anchor::forward, 50 + k);
+      d.cov.assign(grid.node_count(), {1e-4f, 2e-4f, 3e-5f});
+      for (std::size_t n = k; n < d.status.size(); n += 19) d.status[n] = VectorStatus::failed;
+      tracker.step(vector_field(d, {0, 1}), k + 1);
+    }
+    results.push_back(tracker.save());
+  }
+  hwy::DisableTargets(0);
+  for (std::size_t k = 1; k < results.size(); ++k) EXPECT_EQ(results[0], results[k]) << k;
+}
+
+// A measured field is stepped in lanes, a given one particle by particle: the same places and gradients, also where F does
+// not commute with the step and the gradient is taken at the element's centre.
+TEST(Step, ManyAtATimeFollowTheSameF) {
+  for (const Anchor anchor : {Anchor::forward, Anchor::central})
+    for (const char* gradient : {"particle", "element"}) {
+      NpOptions options;
+      options.gradient = gradient;
+      const ParticleSet particles = block(grid, grid.origin, grid.upper(), 4);
+      Tracker many(options, particles, 0), one(options, particles, 0);
+      for (unsigned k = 0; k < 3; ++k) {
+        const VectorField measured = vector_field(rough(anchor, 70 + k), {0, 1});
+        Increments given = rough(anchor, 70 + k);
+        for (std::size_t n = 0; n < grid.node_count(); ++n)
+          given.displacement[n] = {double(measured.displacement[n][0]), double(measured.displacement[n][1])};
+        many.step(measured, k + 1);
+        one.step(given, k + 1);
+      }
+      std::size_t alive = 0;
+      for (std::size_t p = 0; p < particles.size(); ++p) {
+        const auto a = many.state()[p], b = one.state()[p];
+        ASSERT_EQ(a.status, b.status) << p;
+        alive += a.status != ParticleStatus::ended;
+        EXPECT_LT((a.x - b.x).norm(), 1e-12);
+        EXPECT_LT((a.F - b.F).norm(), 1e-11 * b.F.norm());
+      }
+      EXPECT_GT(alive, particles.size() / 2);
+    }
 }
 
 TEST(Step, RefusesWhatIsNoPair) {

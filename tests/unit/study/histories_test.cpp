@@ -99,6 +99,26 @@ TEST_F(Histories, ATableAgainstAScaledOne) {
                InputError);
 }
 
+TEST_F(Histories, OtherUnitsAreConvertedOrRefused) {
+  std::ofstream(scratch.path / "m.csv") << "time (s),front (m)\n0,1\n1,2\n2,4\n";
+  std::ofstream(scratch.path / "mm.csv") << "time (s),front (mm)\n0,1000\n1,2000\n2,4000\n";
+  std::ofstream(scratch.path / "ms.csv") << "time (ms),front (m)\n0,1\n1000,2\n2000,4\n";
+  std::ofstream(scratch.path / "bare.csv") << "time,front\n0,1\n1,2\n2,4\n";
+  const auto file = [&](const char* name) { return "history=" + (scratch.path / name).string(); };
+  EXPECT_THROW(compared(file("m.csv"), file("mm.csv")), InputError);
+  EXPECT_THROW(compared(file("m.csv"), file("ms.csv")), InputError);
+  compare::CompareOptions scaled;
+  scaled.second_scale = 1e-3;
+  compared(file("m.csv"), file("mm.csv"), scaled);
+  EXPECT_NEAR(stored("history_max"), 0, 1e-12);
+  compare::CompareOptions slower;
+  slower.second_time_scale = 1e-3;
+  compared(file("m.csv"), file("ms.csv"), slower);
+  EXPECT_NEAR(stored("history_max"), 0, 1e-12);
+  compared(file("m.csv"), file("bare.csv"));  // no unit stated
+  EXPECT_EQ(stored("history_max"), 0);
+}
+
 // By hand: 99.5 % of a row of a hundred lies within the last one's place, 1 + speed t, and 0.01 (1 + speed t) from the
 // left.
 TEST_F(Histories, TheFrontOfARecordsMotion) {

@@ -1,0 +1,97 @@
+// Records as comparisons leave them: reported again with the same numbers, units of other programs' files, and runs whose
+// sides cannot be compared.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "apps/study/study.hpp"
+#include "pivnp/core/error.hpp"
+#include "pivnp/io/record.hpp"
+#include "tests/support/scratch.hpp"
+
+namespace pivnp::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Records : public testing::Test {
+ protected:
+  test::Scratch scratch;
+  SilentProgress progress;
+
+  // A block of n by n particles over 8 by 8, moved by `rate` a second along x.
+  std::string tracks(const std::string& name, int n, double rate) const {
+    std::ofstream out(scratch.path / name);
+    out << "time,id,x,y\n";
+    for (const double t : {0.0, 1.0, 2.0})
+      for (int p = 0; p < n * n; ++p)
+        out << t << "," << p << "," << 8.0 / n * (p % n + 0.5) + rate * t << "," << 8.0 / n * (p / n + 0.5) << "\n";
+    return "csv=" + (scratch.path / name).string();
+  }
+  RunSettings settings(const std::string& folder) const {
+    RunSettings s;
+    s.out = scratch.path / folder;
+    fs::create_directories(s.out);
+    return s;
+  }
+};
+
+// Without the coarser grid u_val would not be known, and the limit missed.
+TEST_F(Records, ReportedAgainHoldWhatCoarserGridsSaid) {
+  CompareSources sources;
+  sources.first = tracks("lab.csv", 8, 0.30), sources.second = tracks("sim.csv", 10, 0.31);
+  sources.coarser = {tracks("coarse.csv", 5, 0.33)};
+  compare::LimitOptions limits;
+  limits.displacement_over_u = 1;
+  const RunOutcome first = compare_records(sources, {}, limits, settings("out"), progress);
+  EXPECT_FALSE(first.over_limit);
+  const RunOutcome again = report_record(scratch.path / "out", settings("again"), progress);
+  EXPECT_FALSE(again.over_limit);
+  ASSERT_EQ(again.limits.size(), 1U);
+  EXPECT_EQ(again.limits[0].reached, first.limits[0].reached);
+  EXPECT_TRUE(fs::exists(again.report_html));
+}
+
+TEST_F(Records, LengthsOfOtherProgramsAreInTheUnitThatIsNamed) {
+  CompareSources sources;
+  sources.first = tracks("a.csv", 6, 0.1), sources.second = tracks("b.csv", 6, 0.1);
+  sources.length_unit = "px";
+  compare_records(sources, {}, {}, settings("out"), progress);
+  const io::RecordReader record(scratch.path / "out" / "record.h5");
+  EXPECT_EQ(record.head().length_unit, "px");
+  const io::ComparisonData held = record.comparison().value();
+  for (const Metric& m : held.metrics)
+    if (m.name == "displacement_rms") {
+      EXPECT_EQ(m.unit, "px");
+    }
+}
+
+// An onset is asked for and the simulated block does not move: what was measured and simulated is there all the same.
+TEST_F(Records, ARunWhoseSidesCannotBeComparedKeepsThem) {
+  Case c = parse_case(
+      "name = \"block\"\n[frames]\nrate_hz = 1.0\n[camera]\nmetres_per_pixel = 1e-3\n[grid]\nspacing_px = 16\n"
+      "[region.soil]\npolygon_px = [[32, 32], [96, 32], [96, 96], [32, 96]]\n"
+      "[piv]\nmethod = \"fast\"\n"
+      "[material.soil]\nmodel = \"linear_elastic\"\ndensity_kg_m3 = 1000.0\nyoung_pa = 1e4\npoisson = 0.3\n"
+      "[mpm]\ngravity_m_s2 = [0.0, 0.0]\n[compare]\ntime_alignment = \"onset\"\n"
+      "[synth]\nmotion = \"affine\"\nwidth_px = 128\nheight_px = 128\nframes = 3\nshift_px_per_frame = [1.0, 0.0]\n",
+      "test", scratch.path);
+  std::string said;
+  try {
+    run_case(c, settings("out"), Stages::all, progress);
+  } catch (const InputError& e) {
+    said = e.what();
+  }
+  EXPECT_NE(said.find("shows no onset"), std::string::npos) << said;
+  EXPECT_NE(said.find("record.h5 and its report are written"), std::string::npos) << said;
+  EXPECT_EQ(said.find('\n'), std::string::npos);
+  const io::RecordReader record(scratch.path / "out" / "record.h5");
+  EXPECT_EQ(record.motion_names(), (std::vector<std::string>{"np", "mpm"}));
+  EXPECT_FALSE(record.comparison().has_value());
+  EXPECT_TRUE(fs::exists(scratch.path / "out" / "report.html"));
+}
+
+}  // namespace
+}  // namespace pivnp::app
