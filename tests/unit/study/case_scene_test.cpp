@@ -7,6 +7,7 @@
 #include <string>
 
 #include "apps/study/scene.hpp"
+#include "pivnp/core/error.hpp"
 
 namespace pivnp::app {
 namespace {
@@ -268,6 +269,44 @@ across_m = [0.04, 0.0]
   const double depth = 0.05, weight = 1600 * depth;
   EXPECT_NEAR(mean_stress(*solver, 3, {0, 0}, {0.04, 0.1}), 3.0 * weight, 0.02 * 3.0 * weight);
   EXPECT_NEAR(mean_stress(*solver, 1, {0, 0}, {0.04, 0.1}), -9.0 * weight, 0.02 * 9.0 * weight);
+}
+
+// `pivnp check` tells what the solver would refuse, also where there are no frames to draw on; one line with the file.
+TEST(CaseScene, CheckRefusesWhatTheSolverWould) {
+  const auto message = [](const std::string& tables, const std::string& mpm = "") -> std::string {
+    Case c = parse_case(case_of(R"(
+[grid]
+spacing_m = 0.01
+area_m = [[0.0, 0.0], [0.2, 0.12]]
+[region.bed]
+polygon_m = [[0.0, 0.0], [0.2, 0.0], [0.2, 0.04], [0.0, 0.04]]
+[region.block]
+polygon_m = [[0.05, 0.04], [0.15, 0.04], [0.15, 0.08], [0.05, 0.08]]
+material = "bed"
+[material.bed]
+model = "linear_elastic"
+density_kg_m3 = 2000.0
+young_pa = 5e6
+)",
+                                mpm, tables),
+                        "case.toml", ".");
+    c.file = "case.toml";
+    try {
+      check_case(c, {}, silent);
+    } catch (const InputError& error) {
+      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+      return error.what();
+    }
+    return "";
+  };
+  const auto expect = [](const std::string& found, const std::string& text) {
+    EXPECT_EQ(found.rfind("case.toml: " + text, 0), 0u) << found;
+  };
+  EXPECT_EQ(message("[contact.face]\nregions = [\"block\"]\n"), "");
+  expect(message("[contact.face]\nregions = [\"block\"]\nagainst = [\"block\"]\n"), "contact.face.against: found 'block'");
+  expect(message("[contact.face]\nregions = [\"block\", \"bed\"]\n"), "contact.face.regions: there is no other region");
+  expect(message("[contact.face]\nregions = [\"block\"]\n", "sleep_below_m_s = 0.01\n"), "mpm.sleep_below_m_s: given beside");
+  expect(message("[boundary.sides]\nline_m = [[0.0, 0.0], [0.0, 0.1]]\ntype = \"tied\"\n"), "boundary.sides.across_m: missing");
 }
 
 }  // namespace
