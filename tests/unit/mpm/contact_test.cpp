@@ -55,7 +55,7 @@ Vec2 momentum_of(const GridState& g, double Node::*x, double Node::*y) {
 }
 
 TEST(Contact, RandomStatesKeepMomentumAndCoulombsLaw) {
-  std::size_t pressed = 0, slipping = 0;
+  std::size_t pressed = 0, slipping = 0, rough = 0;
   for (unsigned seed = 1; seed <= 60; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Random random(seed);
@@ -113,10 +113,77 @@ TEST(Contact, RandomStatesKeepMomentumAndCoulombsLaw) {
       ++pressed;
       ASSERT_LE(std::abs(m.rubbed), m.friction * m.pressed * (1 + 1e-14));
       slipping += !m.sticks;
+      if (!std::isinf(m.friction)) continue;
+      ++rough;
+      ASSERT_TRUE(m.sticks);
     }
   }
+  EXPECT_GT(rough, 30u);
   EXPECT_GT(pressed, 400u);
   EXPECT_GT(slipping, 100u);
+}
+
+// A block's edges have the bed's normal, and the gap is what lies between.
+TEST(Contact, ABlocksEdgeDoesNotPlough) {
+  for (const double gap : {0.0, 0.0025}) {
+    const double y = 0.1 + gap;
+    Scene s = scene(box, {rectangle("bed", 0.05, 0.05, 0.35, 0.1), rectangle("block", 0.1, 0.1, 0.2, 0.2)},
+                    {elastic(1e6, 0.3, 1500), elastic(2e5, 0.2, 700)});
+    for (std::size_t k = 0; k < s.particles.size(); ++k)
+      if (s.particles.label[k] == 1) s.particles.x0[k] += Vec2(0.0013, gap);
+    s.contacts = {{"face", between({"block"}, 0.5)}};
+    const Scheme scheme = scheme_of(options());
+    Contacts contacts(s.contacts, s.particles.label_names);
+    GridState g(s.grid, scheme.shape, contacts.sheets());
+    SolverState state = initial_state(s, scheme, g, materials_of(s), contacts);
+    locate_all(state.particles, g);
+    map_momentum(state.particles, g, scheme, false, 1);
+    contacts.find(state.particles, g, densities_of(s), 1e-4, 1);
+    EXPECT_GE(contacts.meetings().size(), 20u);
+    for (const auto& m : contacts.meetings()) {
+      EXPECT_NEAR(m.normal.x(), 0, 0.02) << g.position(m.node[0]).transpose() << ", block at " << y;
+      EXPECT_GT(m.normal.y(), 0);
+      EXPECT_NEAR(m.gap, gap, 1e-4);
+    }
+  }
+}
+
+// Velocities mapped again (MUSL) move as those of the step: by the same relative motion across the face, and along it by
+// none where the bodies stick.
+TEST(Contact, RemappedVelocitiesKeepTheSameRelativeMotion) {
+  std::size_t sticking = 0, slipping = 0;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(seed);
+    Scene s = scene(box, {rectangle("bed", 0.05, 0.05, 0.35, 0.1), rectangle("block", 0.1, 0.1, 0.2, 0.2)},
+                    {elastic(1e6, 0.3, 1500), elastic(2e5, 0.2, 700)});
+    s.contacts = {{"face", between({"block"}, 0.5)}};
+    const Scheme scheme = scheme_of(options());
+    Contacts contacts(s.contacts, s.particles.label_names);
+    GridState g(s.grid, scheme.shape, contacts.sheets());
+    const Restraints none({}, g, Vec2(0, 0), {});
+    SolverState state = initial_state(s, scheme, g, materials_of(s), contacts);
+    locate_all(state.particles, g);
+    map_momentum(state.particles, g, scheme, false, 1);
+    for (const std::uint32_t n : g.nodes)
+      for (double* v : {&g.node[n].nx, &g.node[n].ny, &g.node[n].ux, &g.node[n].uy}) *v = random(1);
+    contacts.find(state.particles, g, densities_of(s), 1e-4, 1);
+    std::vector<Reaction> reactions;
+    contacts.apply(g, none, reactions);
+    contacts.apply_to_remapped(g);
+    for (const auto& m : contacts.meetings()) {
+      if (!(m.pressed > 0)) continue;
+      const Node &a = g.node[m.node[0]], &b = g.node[m.node[1]];
+      const Vec2 n(a.nx - b.nx, a.ny - b.ny), u(a.ux - b.ux, a.uy - b.uy);
+      EXPECT_NEAR(u.dot(m.normal), n.dot(m.normal), 1e-12);
+      (m.sticks ? sticking : slipping) += 1;
+      if (m.sticks) {
+        EXPECT_NEAR((u - n).norm(), 0, 1e-12);
+      }
+    }
+  }
+  EXPECT_GT(sticking, 20u);
+  EXPECT_GT(slipping, 20u);
 }
 
 // Two bodies side by side on a floor: whatever they do to each other there, the floor holds.
