@@ -148,8 +148,8 @@ TEST(Contact, ABlocksEdgeDoesNotPlough) {
   }
 }
 
-// Velocities mapped again (MUSL) move as those of the step: by the same relative motion across the face, and along it by
-// none where the bodies stick.
+// Velocities mapped again (MUSL) move as those of the step: by the same relative motion across the face, and along it
+// by none where the bodies stick.
 TEST(Contact, RemappedVelocitiesKeepTheSameRelativeMotion) {
   std::size_t sticking = 0, slipping = 0;
   for (unsigned seed = 1; seed <= 20; ++seed) {
@@ -334,11 +334,12 @@ TEST(Contact, ABlockSettlesOnItsBed) {
   EXPECT_NEAR(carried, -weight, 0.02 * weight);
 }
 
-// A rigid plate pushes a deformable block over its bed and feels mu times its weight; without friction the block, struck
-// once, flies ahead of it.
+// A rigid plate pushes a deformable block over its bed and feels mu times its weight; without friction the block,
+// struck once, flies ahead of it.
 TEST(Contact, ARigidPlatePushesABlockOverItsBed) {
   for (const double friction : {0.0, 0.3}) {
-    Scene s = scene(Grid{{0, 0}, {0.01, 0.01}, 31, 16}, {rectangle("bed", 0, 0, 0.3, 0.04), rectangle("block", 0.06, 0.04, 0.16, 0.09)},
+    Scene s = scene(Grid{{0, 0}, {0.01, 0.01}, 31, 16},
+                    {rectangle("bed", 0, 0, 0.3, 0.04), rectangle("block", 0.06, 0.04, 0.16, 0.09)},
                     {elastic(5e6, 0.3, 2000), elastic(2e6, 0.3, 2000)});
     s.boundaries = {{"base", line({0, 0}, {0.3, 0}, "fixed")}};
     s.contacts = {{"face", between({"block"}, friction)}};

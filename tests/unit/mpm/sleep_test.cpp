@@ -127,7 +127,8 @@ TEST(Sleep, RefusesASpeedOfZero) {
 // What would not wake by what touches it must not sleep.
 TEST(Sleep, IsRefusedBesideContactsAndTiedSides) {
   const auto message = [](auto&& change) -> std::string {
-    Scene s = scene(Grid{{0, 0}, {h, h}, 21, 12}, {rectangle("bed", 0, 0, 0.2, 0.05), rectangle("block", 0.05, 0.05, 0.15, 0.1)},
+    Scene s = scene(Grid{{0, 0}, {h, h}, 21, 12},
+                    {rectangle("bed", 0, 0, 0.2, 0.05), rectangle("block", 0.05, 0.05, 0.15, 0.1)},
                     {elastic(1e6, 0.3, 1600), elastic(1e6, 0.3, 1600)});
     change(s);
     MpmOptions o = options();

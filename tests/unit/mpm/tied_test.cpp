@@ -22,7 +22,8 @@ BoundaryOptions tied(Pair a, Pair b, Pair across) {
 // A layer that flies sideways between tied sides goes on for ever: nothing strains it, displacements count on.
 TEST(TiedSides, CarryMaterialOver) {
   for (const bool flip : {false, true}) {
-    Scene s = scene(Grid{{0, 0}, {0.01, 0.01}, 7, 12}, {rectangle("layer", 0.01, 0.02, 0.05, 0.08)}, {elastic(1e5, 0.3, 1500)});
+    Scene s = scene(Grid{{0, 0}, {0.01, 0.01}, 7, 12}, {rectangle("layer", 0.01, 0.02, 0.05, 0.08)},
+                    {elastic(1e5, 0.3, 1500)});
     s.v0.assign(s.particles.size(), Vec2(0.8, 0.1));
     s.boundaries = {{"sides", tied({0.01, 0}, {0.01, 0.11}, {0.04, 0})}};
     MpmOptions o = flip ? conservative() : options();
@@ -46,7 +47,8 @@ TEST(TiedSides, CarryMaterialOver) {
 
 TEST(TiedSides, HoldTheStressesOfAnEndlessSlope) {
   const double t = 20 * M_PI / 180, height = 0.1;
-  Scene s = scene(Grid{{0, 0}, {0.01, 0.01}, 5, 14}, {rectangle("soil", 0, 0, 0.04, height)}, {elastic(5e6, 0.3, 1600)});
+  Scene s =
+      scene(Grid{{0, 0}, {0.01, 0.01}, 5, 14}, {rectangle("soil", 0, 0, 0.04, height)}, {elastic(5e6, 0.3, 1600)});
   s.boundaries = {{"base", line({0, 0}, {0.04, 0}, "fixed")}, {"sides", tied({0, 0}, {0, 0.12}, {0.04, 0})}};
   Solver solver(options({9.81 * std::sin(t), -9.81 * std::cos(t)}), s, 1);
   solver.settle(silent);

