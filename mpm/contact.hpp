@@ -6,8 +6,8 @@
 // round-off. Departures:
 //   Normal. Nodal masses, by central differences, give three: that of either body and that of both together (each over
 //   its density; what lies behind a wall as a mirror's). The one counts along which the points that the node sees are
-//   furthest apart: so a block's edge on a flat bed has the bed's normal and does not plough. (Nairn et al. 2021, CMES
-//   127:855, have logistic regression find the plane between the points.)
+//   furthest apart: so a block's edge on a flat bed has the bed's normal and does not plough. (Nairn, Hammerquist & Smith
+//   2020, CMAME 362:112859, have logistic regression find the plane between the points.)
 //   When bodies touch. Nodes are shared up to three cells away from contact, as Nairn 2013 criticises; so the gap is
 //   measured, by the points' places as he asks: along lines parallel to the normal, a quarter of a cell apart, between
 //   the outermost points of both bodies, points as squares of their present area; the mean over the lines that meet both,

@@ -128,7 +128,7 @@ struct MpmOptions {
     visit("courant", self.courant, OptionInfo{.text = "time step over the critical one", .min = 0, .max = 1, .above_min = true});
     visit("energy_limit", self.energy_limit, OptionInfo{.text = "the run stops when the energy residual passes this share of what was turned over", .min = 0, .above_min = true});
     visit("end_at_rest", self.end_at_rest, OptionInfo{.text = "stop stepping once motion has ended; the states that follow repeat the last one"});
-    visit("sleep_below_m_s", self.sleep_below_m_s, OptionInfo{.unit = "m/s", .text = "blocks of cells in which nothing moves half as fast are not stepped until something faster reaches them; what that leaves out is bounded and noted (left out: nothing sleeps)", .min = 0, .above_min = true});
+    visit("sleep_below_m_s", self.sleep_below_m_s, OptionInfo{.unit = "m/s", .text = "blocks of cells in which nothing moves half as fast are not stepped until something faster reaches them; what that leaves out is bounded and noted (not beside a [contact.NAME] or tied sides; left out: nothing sleeps)", .min = 0, .above_min = true});
     visit("end_displacement_m", self.end_displacement_m, OptionInfo{.unit = "m", .text = "stop stepping once a particle or free body has moved this far, looked at every hundred steps (left out: never); the states that follow repeat the last one", .min = 0, .above_min = true});
     visit("refine", self.refine, OptionInfo{.text = "cells per measured element and side", .min = 1, .max = 16});
     visit("end_s", self.end_s, OptionInfo{.unit = "s", .text = "end of the simulation (left out: the last frame)", .min = 0, .above_min = true});
@@ -157,7 +157,7 @@ struct BoundaryOptions {
     visit("line_m", self.line_m, OptionInfo{.unit = "m", .text = "two end points; nodes within half a cell are restrained"});
     visit("polygon_m", self.polygon_m, OptionInfo{.unit = "m", .text = "nodes inside are restrained"});
     visit("type", self.type,
-          OptionInfo{.text = "fixed: no motion; roller: none along the normal; frictional: a wall that pushes, and rubs; absorbing: lets waves out; traction: a load on the material's face along line_m; tied: nodes move as those of the opposite side, across_m away (a laminar box, or a piece of an endless slope)", .choices = {"fixed", "roller", "frictional", "absorbing", "traction", "tied"}});
+          OptionInfo{.text = "fixed: no motion; roller: none along the normal; frictional: a wall that pushes, and rubs; absorbing: lets waves out; traction: a load on the material's face along line_m; tied: nodes move as those of the opposite side, across_m away (a laminar box, or a piece of an endless slope; not beside a [contact.NAME])", .choices = {"fixed", "roller", "frictional", "absorbing", "traction", "tied"}});
     visit("normal", self.normal, OptionInfo{.text = "direction out of the material (left out: across the line, away from the material)"});
     visit("friction", self.friction, OptionInfo{.text = "Coulomb coefficient (frictional)", .min = 0});
     visit("until_s", self.until_s, OptionInfo{.unit = "s", .text = "removed at this time (a gate; left out: stays)"});

@@ -24,6 +24,7 @@ class Checker {
     shapes();
     materials();
     simulation();
+    contacts();
     synthetic();
     judgement();
     for (const std::string& field : c_.output.fields_stored) known_field(field);
@@ -229,6 +230,20 @@ class Checker {
       refuse("mpm.output_rate_hz", "missing; without frames the rate of the states written must be given (Hz)");
     if (!c_.grid.spacing_m && !c_.grid.spacing_px)
       refuse_section("mpm", "without frames the grid must be given; expected grid.spacing_m");
+  }
+
+  // How bodies pair is the solver's to say; what they are made of is known here.
+  void contacts() const {
+    std::vector<std::string> known;
+    for (const auto& item : c_.regions) known.push_back(item.first);
+    for (const auto& [name, contact] : c_.contacts) {
+      const std::string path = "contact." + name;
+      if (contact.regions.empty()) refuse(path + ".regions", "missing; expected the names of one or more regions");
+      for (const auto& [key, list] : {std::pair{".regions", &contact.regions}, {".against", &contact.against}})
+        for (const std::string& region : *list)
+          if (std::find(known.begin(), known.end(), region) == known.end())
+            refuse(path + key, "there is no [region." + region + "]" + did_you_mean(region, known));
+    }
   }
 
   void synthetic() const {

@@ -25,7 +25,7 @@ void for_each_section(C& c, Visitor&& visit) {
   visit.optional("mpm", c.mpm, "The simulation; left out, the case only measures.");
   visit.named("boundary", c.boundaries, "Restraints on the simulation's nodes; a line or a polygon each.");
   visit.named("body", c.bodies, "Rigid bodies with prescribed motion; a circle or a polygon each.");
-  visit.named("contact", c.contacts, "How bodies of the simulated material meet: with friction, free to part. Without any they stick together.");
+  visit.named("contact", c.contacts, "How bodies of the simulated material meet: with friction, free to part. Without any they stick together. Example: datasets/sand_slope_1g/glass.toml.");
   visit.always("compare", c.compare, "How measurement and simulation are compared.");
   visit.always("compare.limits", c.limits, "Thresholds; one that is missed ends the program with exit code 3.");
   visit.always("report", c.report, "What the report shows.");

@@ -125,7 +125,7 @@ Action declare_check(CLI::App& app, Session& session) {
     const Case c = load_case(*arguments);
     demand(c, *arguments, Stages::all);
     CheckOutcome checked;
-    if (c.frames || c.synth || !arguments->frames.empty()) {
+    if (c.frames || c.synth || c.mpm || !arguments->frames.empty()) {
       TerminalProgress progress = progress_for(session);
       checked = check_case(c, settings_for(*arguments, session, c, default_out(c)), progress);
     }

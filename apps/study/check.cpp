@@ -40,14 +40,15 @@ CheckOutcome check_case(const Case& given, const RunSettings& settings, Progress
   }
   const std::unique_ptr<image::FrameSource> source = case_frames(c, own, progress);
   const Setting setting = make_setting(c, source ? source->width() : 0, source ? source->height() : 0);
-  if (source) seed_particles(c, setting);                                    // throws where a region holds none
-  if (c.mpm) mpm::Solver(*c.mpm, make_scene(c, setting, *c.mpm, c.materials, "material."), 1);  // likewise
+  if (source) seed_particles(c, setting);  // throws where a region holds none
+  if (c.mpm) make_solver(c, setting, 1);   // likewise
+  if (!source) return {};
 
   report::CheckInput input;
-  const Image first = source ? source->read(0) : Image();
+  const Image first = source->read(0);
   std::error_code ignored;
   if (c.synth) std::filesystem::remove_all(own.out, ignored);
-  if (source) input.image = first.view();
+  input.image = first.view();
   input.mask = setting.mask.view();
   input.world_from_pixel = setting.camera.world_from_pixel();
   input.length_unit = setting.camera.length_unit();
@@ -61,7 +62,7 @@ CheckOutcome check_case(const Case& given, const RunSettings& settings, Progress
     input.outlines.push_back({Kind::body, name, b.circle_m.empty() ? vertices(b.polygon_m) : circle(b.circle_m), true});
   const std::filesystem::path file = settings.out / "check.png";
   report::write_check(input, file);
-  return {file, source ? texture_remarks(setting, first) : std::vector<std::string>{}};
+  return {file, texture_remarks(setting, first)};
 }
 
 }  // namespace pivnp::app

@@ -284,4 +284,13 @@ mpm::Scene make_scene(const Case& c, const Setting& setting, const mpm::MpmOptio
   return scene;
 }
 
+mpm::Solver make_solver(const Case& c, const Setting& setting, int threads) {
+  mpm::Scene scene = make_scene(c, setting, *c.mpm, c.materials, "material.");
+  try {
+    return mpm::Solver(*c.mpm, std::move(scene), threads);
+  } catch (const InputError& error) {
+    throw InputError(of_file(c) + ": " + error.what());
+  }
+}
+
 }  // namespace pivnp::app

@@ -51,4 +51,7 @@ ParticleSet seed_particles(const Case& c, const Setting& setting);
 mpm::Scene make_scene(const Case& c, const Setting& setting, const mpm::MpmOptions& options,
                       const Named<mpm::MaterialOptions>& materials, const std::string& materials_table);
 
+/// The case's simulation of make_scene(). What the solver refuses is told with the case's file.
+mpm::Solver make_solver(const Case& c, const Setting& setting, int threads);
+
 }  // namespace pivnp::app

@@ -158,7 +158,7 @@ std::vector<std::string> simulate(const Case& c, const Setting& setting, const s
   const std::string stage = "motion/mpm";
   const io::StageState done = writer.stage(stage);
   if (done.complete) return {};
-  mpm::Solver solver(*c.mpm, make_scene(c, setting, *c.mpm, c.materials, "material."), threads);
+  mpm::Solver solver = make_solver(c, setting, threads);
   std::size_t next = done.items;
   writer.begin_motion("mpm", solver.particles());
   if (next > 0)

@@ -60,8 +60,8 @@ struct CheckOutcome {
   std::vector<std::string> remarks;  // on the first frame, one sentence each
 };
 
-/// Validates a case against its frames and draws OUT/check.png: the first frame with grid, masks, regions, boundaries
-/// and a scale bar.
+/// Validates a case against its frames and what its simulation asks for, and draws OUT/check.png: the first frame with
+/// grid, masks, regions, boundaries and a scale bar. Without frames nothing is drawn (`picture` is empty).
 CheckOutcome check_case(const Case& c, const RunSettings& settings, Progress& progress);
 
 struct VerifyResult {

@@ -76,6 +76,17 @@ TEST(WholeCase, MaterialsOfRegions) {
             "c.toml:3: [mpm]: there is nothing to simulate; expected a [region.NAME]");
 }
 
+TEST(WholeCase, RegionsOfContacts) {
+  const std::string with = whole_case + "[contact.face]\nfriction = 0.3\n";
+  EXPECT_EQ(refusal(with), "c.toml:14: contact.face.regions: missing; expected the names of one or more regions");
+  EXPECT_EQ(refusal(with + "regions = [\"sadn\"]\n"),
+            "c.toml:16: contact.face.regions: there is no [region.sadn]; did you mean 'sand'?");
+  EXPECT_EQ(refusal(with + "regions = [\"sand\"]\nagainst = [\"glass plate\"]\n"),
+            "c.toml:17: contact.face.against: there is no [region.glass plate]; known: sand");
+  EXPECT_EQ(refusal(with + "regions = \"sand\"\n"),
+            "c.toml:16: contact.face.regions: found a string \"sand\", expected a list of strings");
+}
+
 TEST(WholeCase, MaterialConstants) {
   EXPECT_EQ(refusal(changed("density_kg_m3 = 1545\n", "")),
             "c.toml:8: material.sand.density_kg_m3: missing; expected more than 0 (kg/m^3)");

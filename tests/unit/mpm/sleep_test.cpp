@@ -124,5 +124,37 @@ TEST(Sleep, RefusesASpeedOfZero) {
   EXPECT_THROW(Solver(o, pressed(sand(35)), 1), InputError);
 }
 
+// What would not wake by what touches it must not sleep.
+TEST(Sleep, IsRefusedBesideContactsAndTiedSides) {
+  const auto message = [](auto&& change) -> std::string {
+    Scene s = scene(Grid{{0, 0}, {h, h}, 21, 12},
+                    {rectangle("bed", 0, 0, 0.2, 0.05), rectangle("block", 0.05, 0.05, 0.15, 0.1)},
+                    {elastic(1e6, 0.3, 1600), elastic(1e6, 0.3, 1600)});
+    change(s);
+    MpmOptions o = options();
+    o.sleep_below_m_s = 0.01;
+    try {
+      Solver solver(o, s, 1);
+    } catch (const InputError& e) {
+      EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos);
+      return e.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(message([](Scene&) {}), "");
+  const std::string contact = message([](Scene& s) {
+    ContactOptions face;
+    face.regions = {"block"};
+    s.contacts = {{"face", face}};
+  });
+  EXPECT_NE(contact.find("mpm.sleep_below_m_s: given beside a [contact.NAME]"), std::string::npos) << contact;
+  const std::string tied = message([](Scene& s) {
+    BoundaryOptions sides = line({0, 0}, {0, 0.11}, "tied");
+    sides.across_m = Pair{0.2, 0};
+    s.boundaries = {{"sides", sides}};
+  });
+  EXPECT_NE(tied.find("mpm.sleep_below_m_s: given beside a tied boundary"), std::string::npos) << tied;
+}
+
 }  // namespace
 }  // namespace pivnp::mpm

@@ -1,0 +1,89 @@
+// Tied sides: a piece of an endless slope between two sides that move as one.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "pivnp/core/error.hpp"
+#include "tests/unit/mpm/scenes.hpp"
+
+namespace pivnp::mpm {
+namespace {
+
+using namespace test;
+
+SilentProgress silent;
+
+BoundaryOptions tied(Pair a, Pair b, Pair across) {
+  BoundaryOptions o = line(a, b, "tied");
+  o.across_m = across;
+  return o;
+}
+
+// A layer that flies sideways between tied sides goes on for ever: nothing strains it, displacements count on.
+TEST(TiedSides, CarryMaterialOver) {
+  for (const bool flip : {false, true}) {
+    Scene s = scene(Grid{{0, 0}, {0.01, 0.01}, 7, 12}, {rectangle("layer", 0.01, 0.02, 0.05, 0.08)},
+                    {elastic(1e5, 0.3, 1500)});
+    s.v0.assign(s.particles.size(), Vec2(0.8, 0.1));
+    s.boundaries = {{"sides", tied({0.01, 0}, {0.01, 0.11}, {0.04, 0})}};
+    MpmOptions o = flip ? conservative() : options();
+    if (flip) o.shape = "bspline";
+    Solver solver(o, s, 1);
+    solver.advance_to(0.04, silent);
+    const std::vector<std::byte> half = solver.save();
+    solver.advance_to(0.08, silent);
+    const MotionFrame frame = solver.frame();
+    for (std::size_t k = 0; k < frame.u.size(); ++k) {
+      ASSERT_NEAR(frame.u[k][0], 0.064, 1e-5);
+      ASSERT_NEAR(frame.u[k][1], 0.008, 1e-5);
+      ASSERT_LT(std::abs(frame.stress[k][0]), 1.0);  // rho c v: 9e3
+    }
+    Solver again(o, s, 2);
+    again.load(half);
+    again.advance_to(0.08, silent);
+    EXPECT_TRUE(again.save() == solver.save());
+  }
+}
+
+TEST(TiedSides, HoldTheStressesOfAnEndlessSlope) {
+  const double t = 20 * M_PI / 180, height = 0.1;
+  Scene s =
+      scene(Grid{{0, 0}, {0.01, 0.01}, 5, 14}, {rectangle("soil", 0, 0, 0.04, height)}, {elastic(5e6, 0.3, 1600)});
+  s.boundaries = {{"base", line({0, 0}, {0.04, 0}, "fixed")}, {"sides", tied({0, 0}, {0, 0.12}, {0.04, 0})}};
+  Solver solver(options({9.81 * std::sin(t), -9.81 * std::cos(t)}), s, 1);
+  solver.settle(silent);
+  const MotionFrame frame = solver.frame();
+  const double weight = 1600 * 9.81 * height;
+  for (std::size_t k = 0; k < frame.u.size(); ++k) {
+    const double above = 1 - s.particles.x0[k].y() / height;
+    EXPECT_NEAR(frame.stress[k][1], -weight * above * std::cos(t), 0.02 * weight);
+    EXPECT_NEAR(frame.stress[k][3], weight * above * std::sin(t), 0.02 * weight);
+    EXPECT_NEAR(frame.stress[k][0], -weight * above * std::cos(t) * 0.3 / 0.7, 0.02 * weight);
+  }
+}
+
+TEST(TiedSides, BadOnesNameTheirKey) {
+  const auto message = [](const BoundaryOptions& sides) -> std::string {
+    Scene s = scene(Grid{{0, 0}, {0.01, 0.01}, 5, 14}, {rectangle("soil", 0, 0, 0.04, 0.1)}, {elastic(5e6, 0.3, 1600)});
+    s.boundaries = {{"sides", sides}};
+    try {
+      Solver solver(options(), s, 1);
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  const auto expect = [&](const BoundaryOptions& sides, const std::string& text) {
+    EXPECT_NE(message(sides).find(text), std::string::npos) << message(sides);
+  };
+  EXPECT_EQ(message(tied({0, 0}, {0, 0.12}, {0.04, 0})), "");
+  expect(line({0, 0}, {0, 0.12}, "tied"), "across_m: missing");
+  BoundaryOptions roller = tied({0, 0}, {0, 0.12}, {0.04, 0});
+  roller.type = "roller";
+  expect(roller, "expected type = \"tied\"");
+  expect(tied({0, 0}, {0, 0.12}, {0.033, 0}), "along the grid");
+  expect(tied({0, 0}, {0.01, 0.12}, {0.04, 0}), "along the grid");
+}
+
+}  // namespace
+}  // namespace pivnp::mpm
