@@ -82,4 +82,15 @@ void for_nodes(GridState& g, int threads, Body&& body) {
   for_each(g.nodes.size(), threads, [&](std::size_t a) { body(g.node[g.nodes[a]], g.nodes[a]); });
 }
 
+/// Calls body(part, begin, end) for parts of GridState::nodes that do not depend on `threads`: so sums and lists made part
+/// by part do not either.
+constexpr std::size_t nodes_in_part = 1024;
+inline std::size_t node_parts(const GridState& g) { return (g.nodes.size() + nodes_in_part - 1) / nodes_in_part; }
+template <class Body>
+void for_node_parts(const GridState& g, int threads, Body&& body) {
+  for_each(node_parts(g), threads, [&](std::size_t part) {
+    body(part, part * nodes_in_part, std::min(g.nodes.size(), (part + 1) * nodes_in_part));
+  });
+}
+
 }  // namespace pivnp::mpm

@@ -27,6 +27,10 @@ HWY_INLINE V set(double v) { return hn::Set(D(), v); }
 HWY_INLINE V zero() { return hn::Zero(D()); }
 HWY_INLINE double sum_of(V v) { return hn::GetLane(hn::SumOfLanes(D(), v)); }
 
+// Of what is done with a tile: inline, or the arrays' addresses would be looked up again after every store.
+#undef PIVNP_TILE
+#define PIVNP_TILE HWY_ATTR __attribute__((always_inline))
+
 // Points that lie together, one to every lane.
 struct FullTile {
   std::uint32_t first;
@@ -84,7 +88,7 @@ HWY_INLINE void for_tiles(const CellView& c, std::size_t slot, Body&& body) {
 template <class Body>
 HWY_INLINE void for_placed_tiles(const CellView& c, std::size_t slot, Body&& body) {
   std::uint32_t q = c.slot_begin[slot];
-  for_tiles(c, slot, [&](const auto& t) HWY_ATTR {
+  for_tiles(c, slot, [&](const auto& t) PIVNP_TILE {
     body(t, q);
     q += n_lanes;
   });

@@ -19,16 +19,25 @@ std::size_t locate_slots(ShapeKind shape, const PointView& p, const CellView& c,
   // The square around a node on the domain's edge ends there.
   const auto low = [&](int i) { return element || i == 0 ? 0.0 : -0.5; };
   const auto high = [&](int i, int n) { return element ? 1.0 : i == n - 3 ? 0.0 : 0.5; };
+  const V per_x = set(c.per_hx), per_y = set(c.per_hy), ox = set(c.origin_x), oy = set(c.origin_y);
   std::size_t found = 0;
+  std::int32_t row = 0, row_end = 0;  // the first cell of the row, and that of the next one
+  V j0 = zero(), low_y = zero(), high_y = zero();
   for (std::size_t s = slots.begin; s < slots.end; ++s) {
-    const int i = c.slot_cell[s] % c.nx;
-    int j = c.slot_cell[s] / c.nx;
-    if (HWY_UNLIKELY(j >= c.sheet_rows)) j %= c.sheet_rows;
-    const V per_x = set(c.per_hx), per_y = set(c.per_hy), ox = set(c.origin_x), oy = set(c.origin_y);
-    const V i0 = set(i + place), j0 = set(j + place);
-    const V low_x = set(low(i)), low_y = set(low(j)), high_x = set(high(i, c.nx)), high_y = set(high(j, c.ny));
+    const std::int32_t cell = c.slot_cell[s];
+    if (HWY_UNLIKELY(cell >= row_end)) {
+      int j = cell / c.nx;
+      row = j * c.nx;
+      row_end = row + c.nx;
+      if (j >= c.sheet_rows) j %= c.sheet_rows;
+      j0 = set(j + place);
+      low_y = set(low(j));
+      high_y = set(high(j, c.ny));
+    }
+    const int i = cell - row;
+    const V i0 = set(i + place), low_x = set(low(i)), high_x = set(high(i, c.nx));
     std::uint32_t at = c.slot_begin[s];
-    for_tiles(c, s, [&](const auto& t) HWY_ATTR {
+    for_tiles(c, s, [&](const auto& t) PIVNP_TILE {
       const V xi = (t.load(p.x) - ox) * per_x - i0, eta = (t.load(p.y) - oy) * per_y - j0;
       const M inside = hn::And(hn::And(hn::Ge(xi, low_x), hn::Lt(xi, high_x)),
                                hn::And(hn::Ge(eta, low_y), hn::Lt(eta, high_y)));
@@ -62,7 +71,7 @@ HWY_INLINE V sum3(V a, V b, V c) { return a + b + c; }
 // stress that F-bar puts in the place of the points' own.
 HWY_INLINE double average_element(const PointView& p, const CellView& c, std::size_t slot, Locking locking, Node* base) {
   V xx = zero(), yy = zero(), xy = zero(), zz = zero(), volume = zero();
-  for_tiles(c, slot, [&](const auto& t) HWY_ATTR {
+  for_tiles(c, slot, [&](const auto& t) PIVNP_TILE {
     const V v = locking == Locking::fbar ? joined_volume(p, t) : t.live(t.load(p.volume0));
     xx = hn::MulAdd(v, t.load(p.tau_xx), xx);
     yy = hn::MulAdd(v, t.load(p.tau_yy), yy);
@@ -79,8 +88,8 @@ HWY_INLINE double average_element(const PointView& p, const CellView& c, std::si
 template <class S, bool affine>
 struct Mapping {
   static constexpr int W = S::W;
-  const PointView& p;
-  const CellView& c;
+  const PointView p;
+  const CellView c;
   bool momentum;
   double force;  // 1 or 0
   Locking locking;
@@ -133,9 +142,9 @@ struct Mapping {
       fyg[a] = sxy_x * l.x.g[a];
       fyw[a] = syy * l.x.w[a];
     }
+    V fy[W][W];
     for (int b = 0; b < W; ++b) {
       Node* row = base + b * c.nx;
-      V fy[4] = {zero(), zero(), zero(), zero()};
       for (int a = 0; a < W; ++a) {
         const V mass = pm[a] * l.y.w[b];
         V px, py;
@@ -147,11 +156,18 @@ struct Mapping {
           py = mass * vy;
         }
         Four{mass, px, py, hn::MulAdd(fxg[a], l.y.w[b], fxw[a] * l.y.g[b])}.add_to(&row[a].mass);
-        fy[a] = hn::MulAdd(fyg[a], l.y.w[b], fyw[a] * l.y.g[b]);
+        fy[b][a] = hn::MulAdd(fyg[a], l.y.w[b], fyw[a] * l.y.g[b]);
       }
-      HWY_ALIGN double sums[4];
-      Four{fy[0], fy[1], fy[2], fy[3]}.get(sums);
-      for (int a = 0; a < W; ++a) row[a].fy += sums[a];
+    }
+    HWY_ALIGN double sums[4];
+    if constexpr (W == 2) {
+      Four{fy[0][0], fy[0][1], fy[1][0], fy[1][1]}.get(sums);
+      for (int n = 0; n < 4; ++n) base[n / 2 * c.nx + n % 2].fy += sums[n];
+    } else {
+      for (int b = 0; b < W; ++b) {
+        Four{fy[b][0], fy[b][1], fy[b][2], zero()}.get(sums);
+        for (int a = 0; a < W; ++a) base[b * c.nx + a].fy += sums[a];
+      }
     }
   }
 
@@ -162,7 +178,7 @@ struct Mapping {
       if (locking != Locking::none && force != 0) element = average_element(p, c, s, locking, base);
       if (locking == Locking::full) factor = 0;
     }
-    for_tiles(c, s, [&](const auto& t) HWY_ATTR { tile(t, base, c.slot_fold[s], factor, element); });
+    for_tiles(c, s, [&](const auto& t) PIVNP_TILE { tile(t, base, c.slot_fold[s], factor, element); });
   }
 };
 
@@ -183,7 +199,7 @@ void map_slots(ShapeKind shape, bool affine, bool momentum, bool force, Locking 
 void average_stress_slots(const PointView& p, const CellView& c, SlotRange slots) {
   for (std::size_t s = slots.begin; s < slots.end; ++s) {
     Node* base = c.node + c.slot_cell[s];
-    for_tiles(c, s, [&](const auto& t) HWY_ATTR {
+    for_tiles(c, s, [&](const auto& t) PIVNP_TILE {
       V hx[3], hy[3], value[9], volume[9];
       hat_lanes(t.load(p.xi), hx);
       hat_lanes(t.load(p.eta), hy);
@@ -206,7 +222,7 @@ void project_slots(ShapeKind shape, const double* v, double* out, const PointVie
     for (std::size_t s = slots.begin; s < slots.end; ++s) {
       const std::ptrdiff_t base = c.slot_cell[s];
       const auto at = [&](int n) { return 2 * (base + n / W * c.nx + n % W); };
-      for_tiles(c, s, [&](const auto& t) HWY_ATTR {
+      for_tiles(c, s, [&](const auto& t) PIVNP_TILE {
         const TileLines<S> l(p, c.slot_fold[s], t);
         const V m = t.live(t.load(p.mass));
         V w[N], vx = zero(), vy = zero(), px[N], py[N];

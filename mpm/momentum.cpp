@@ -13,12 +13,29 @@ double damping_force(double alpha, double force, double velocity) {
   return velocity > 0 ? -alpha * std::abs(force) : velocity < 0 ? alpha * std::abs(force) : 0.0;
 }
 
+double per_mass(const Node& node) { return node.mass > 0 ? 1 / node.mass : 0; }
+
+void advance(Node& node, double per_mass, const Vec2& gravity, double damping, double dt) {
+  node.fx += node.mass * gravity.x();
+  node.fy += node.mass * gravity.y();
+  node.dx = node.dy = 0;
+  if (damping > 0) {
+    node.dx = damping_force(damping, node.fx, node.vx);
+    node.dy = damping_force(damping, node.fy, node.vy);
+  }
+  const double step = dt * per_mass;
+  node.nx = node.vx + step * (node.fx + node.dx);
+  node.ny = node.vy + step * (node.fy + node.dy);
+}
+
 }  // namespace
 
-void LightNodes::find(const GridState& g, double least) {
+void LightNodes::find(const GridState& g, double least) { pair_up(g, least, g.nodes); }
+
+void LightNodes::pair_up(const GridState& g, double least, const std::vector<std::uint32_t>& nodes) {
   pairs.clear();
   const auto nx = std::ptrdiff_t(g.grid.nx), ny = std::ptrdiff_t(g.grid.ny);
-  for (const std::uint32_t n : g.nodes) {
+  for (const std::uint32_t n : nodes) {
     if (!(g.node[n].mass < least)) continue;
     const std::ptrdiff_t i = std::ptrdiff_t(n) % nx, j = std::ptrdiff_t(n) / nx;
     std::uint32_t heavy = n;
@@ -55,19 +72,25 @@ void LightNodes::join_velocity(GridState& g) const {
 }
 
 void update_momentum(GridState& g, const Vec2& gravity, double damping, double dt, int threads) {
-  for_each(g.nodes.size(), threads, [&](std::size_t a) {
-    Node& node = g.node[g.nodes[a]];
-    node.fx += node.mass * gravity.x();
-    node.fy += node.mass * gravity.y();
-    node.dx = node.dy = 0;
-    if (damping > 0) {
-      node.dx = damping_force(damping, node.fx, node.vx);
-      node.dy = damping_force(damping, node.fy, node.vy);
+  for_nodes(g, threads, [&](Node& node, std::uint32_t) { advance(node, per_mass(node), gravity, damping, dt); });
+}
+
+void update_sums(GridState& g, LightNodes& light, double least, const Vec2& gravity, double damping, double dt,
+                 int threads) {
+  std::vector<std::vector<std::uint32_t>> found(node_parts(g));
+  for_node_parts(g, threads, [&](std::size_t part, std::size_t begin, std::size_t end) {
+    for (std::size_t a = begin; a < end; ++a) {
+      Node& node = g.node[g.nodes[a]];
+      const double per = per_mass(node);
+      node.vx *= per;
+      node.vy *= per;
+      advance(node, per, gravity, damping, dt);
+      if (node.mass < least) found[part].push_back(g.nodes[a]);
     }
-    const double step = node.mass > 0 ? dt / node.mass : 0;
-    node.nx = node.vx + step * (node.fx + node.dx);
-    node.ny = node.vy + step * (node.fy + node.dy);
   });
+  std::vector<std::uint32_t> all;
+  for (const auto& part : found) all.insert(all.end(), part.begin(), part.end());
+  light.pair_up(g, least, all);
 }
 
 Vec2 working_velocity(const Node& node, bool strained) {
@@ -76,7 +99,7 @@ Vec2 working_velocity(const Node& node, bool strained) {
 }
 
 NodalWork nodal_work(const GridState& g, const std::vector<Reaction>& reactions, double damping, double dt,
-                     bool strained) {
+                     bool strained, int threads) {
   NodalWork work;
   for (const Reaction& r : reactions) {
     const Vec2 w = working_velocity(g.node[r.node], strained);
@@ -84,11 +107,20 @@ NodalWork nodal_work(const GridState& g, const std::vector<Reaction>& reactions,
     work.bodies += by_wall;
     work.contact += by_wall - (r.impulse_x * w.x() + r.impulse_y * w.y());
   }
-  for (const std::uint32_t n : g.nodes) {
-    const Node& node = g.node[n];
-    const Vec2 w = working_velocity(node, strained);
-    work.kinetic += node.mass * ((node.nx - node.vx) * w.x() + (node.ny - node.vy) * w.y());
-    if (damping > 0) work.damping -= dt * (node.dx * w.x() + node.dy * w.y());
+  std::vector<NodalWork> parts(node_parts(g));
+  for_node_parts(g, threads, [&](std::size_t part, std::size_t begin, std::size_t end) {
+    NodalWork sum;
+    for (std::size_t a = begin; a < end; ++a) {
+      const Node& node = g.node[g.nodes[a]];
+      const Vec2 w = working_velocity(node, strained);
+      sum.kinetic += node.mass * ((node.nx - node.vx) * w.x() + (node.ny - node.vy) * w.y());
+      if (damping > 0) sum.damping -= dt * (node.dx * w.x() + node.dy * w.y());
+    }
+    parts[part] = sum;
+  });
+  for (const NodalWork& part : parts) {
+    work.kinetic += part.kinetic;
+    work.damping += part.damping;
   }
   return work;
 }

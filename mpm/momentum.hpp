@@ -17,6 +17,8 @@ struct LightNodes {
   std::vector<Pair> pairs;
   /// Active nodes lighter than `least` (kg/m), each with the heaviest of its eight neighbours.
   void find(const GridState& g, double least);
+  /// The same of those listed, if they are lighter.
+  void pair_up(const GridState& g, double least, const std::vector<std::uint32_t>& nodes);
   /// After update_momentum(): the common velocity to Node::n of both.
   void join_momentum(GridState& g, double dt) const;
   /// Node::u of the light ones is their neighbour's.
@@ -25,6 +27,10 @@ struct LightNodes {
 
 /// A.5-A.7: adds gravity, then Cundall's local damping -alpha |f| sign(v) by component, and advances Node::n.
 void update_momentum(GridState& g, const Vec2& gravity, double damping, double dt, int threads);
+
+/// The same from map_sums(), in one sweep over the nodes: the velocities of A.3 and the light nodes too.
+void update_sums(GridState& g, LightNodes& light, double least, const Vec2& gravity, double damping, double dt,
+                 int threads);
 
 /// Work of one step, J/m.
 struct NodalWork {
@@ -38,7 +44,7 @@ struct NodalWork {
 /// material (`strained`: Node::u, as with MUSL; else Node::n), and at held nodes the latter alone: v there is what the
 /// points would do without the wall. With it the work of the stresses is what the points' energy changes by.
 NodalWork nodal_work(const GridState& g, const std::vector<Reaction>& reactions, double damping, double dt,
-                     bool strained);
+                     bool strained, int threads);
 
 Vec2 working_velocity(const Node& node, bool strained);
 

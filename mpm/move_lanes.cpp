@@ -42,9 +42,9 @@ struct AffineWeights {
 template <class S, TransferKind transfer>
 struct Moving {
   static constexpr int W = S::W, N = W * W;
-  const MoveJob& job;
-  const PointView& p;
-  const CellView& c;
+  const MoveJob job;
+  const PointView p;
+  const CellView c;
   V fastest2 = zero(), loss = zero(), good_speed2 = zero();
   M good = hn::FirstN(D(), n_lanes);
 
@@ -158,7 +158,7 @@ struct Moving {
           nodes.by[n] = job.filtered[2 * at + 1];
         }
       }
-    for_tiles(c, s, [&](const auto& t) HWY_ATTR { tile(t, base, c.slot_fold[s], nodes); });
+    for_tiles(c, s, [&](const auto& t) PIVNP_TILE { tile(t, base, c.slot_fold[s], nodes); });
   }
 };
 

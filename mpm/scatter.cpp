@@ -52,12 +52,11 @@ void locate_sleeping(Particles& p, GridState& g) {
     if (g.sleeps(g.slot_cell[s])) locate_lanes(g.shape, p.view(), g.view(), {s, s + 1}, g.scratch.data());
 }
 
-void map_momentum(const Particles& p, GridState& g, const Scheme& scheme, bool force, int threads) {
-  for_nodes(g, threads, [&](Node& node, std::uint32_t) {
-    const double dx = node.dx, dy = node.dy;  // of the averages
-    node = Node{};
-    node.dx = dx;
-    node.dy = dy;
+void map_sums(const Particles& p, GridState& g, const Scheme& scheme, bool force, int threads) {
+  for_nodes(g, threads, [](Node& node, std::uint32_t) {  // n is set by the update; d holds the averages
+    node.mass = node.vx = node.vy = node.fx = node.fy = 0;
+    node.held = false;
+    node.ux = node.uy = 0;
   });
   const PointView points = p.view();
   const CellView cells = g.view();
@@ -65,6 +64,10 @@ void map_momentum(const Particles& p, GridState& g, const Scheme& scheme, bool f
   for_bands(g.mapped, threads, [&](SlotRange slots, std::size_t) {
     map_lanes(g.shape, affine, true, force, scheme.locking, points, cells, slots);
   });
+}
+
+void map_momentum(const Particles& p, GridState& g, const Scheme& scheme, bool force, int threads) {
+  map_sums(p, g, scheme, force, threads);
   for_nodes(g, threads, [&](Node& node, std::uint32_t) {
     const double per_mass = node.mass > 0 ? 1 / node.mass : 0;
     node.vx *= per_mass;

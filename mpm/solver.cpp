@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mpm/kernel.hpp"
 #include "mpm/settle.hpp"
 #include "mpm/solver_impl.hpp"
 #include "mpm/time_step.hpp"
@@ -72,16 +73,16 @@ void Solver::Impl::step(double dt) {
   find_cells(threads);                                           // A.1, A.2
   map_state(dt, threads);                                        // A.3, A.4
   map_body_force(threads);
-  update_momentum(g, gravity, scheme.damping, dt, threads);      // A.5-A.7
+  update_nodes(gravity, dt, threads);                            // A.5-A.7
   light.join_momentum(g, dt);
   restrain_momentum(dt);
   bodies.advance(dt);
   gather = gather_velocity(p, g, scheme, dt, filtered, scheme.stress == StressUpdate::musl, threads);  // A.8-A.11
   if (scheme.stress == StressUpdate::usf) {
-    book_work(dt);
+    book_work(dt, threads);
   } else {
-    choose_strain_velocity(dt);
-    book_work(dt);
+    choose_strain_velocity(dt, threads);
+    book_work(dt, threads);
     strain(dt, threads);                                         // A.12, A.13, A.22, A.24
   }
 
@@ -97,11 +98,12 @@ void Solver::Impl::step(double dt) {
 void Solver::Impl::map_state(double dt, int threads) {
   const bool first = scheme.stress == StressUpdate::usf;
   if (!first) average_mean_stress(p, g, scheme, threads);
+  if (!velocity_first()) return map_sums(p, g, scheme, true, threads);
   map_momentum(p, g, scheme, !first, threads);
   light.find(g, least_mass * least_density() * g.grid.spacing.prod());
   if (!contacts.empty()) contacts.find(p, g, density, dt, threads);
   if (first) {
-    choose_strain_velocity(dt);
+    choose_strain_velocity(dt, threads);
     strain(dt, threads);  // A.12, A.13, A.22, A.24
     average_mean_stress(p, g, scheme, threads);
     map_force(p, g, scheme, threads);
@@ -109,7 +111,17 @@ void Solver::Impl::map_state(double dt, int threads) {
   if (scheme.transfer == TransferKind::xpic) filtered_velocity(p, g, scheme.xpic_order, filtered, threads);
 }
 
-void Solver::Impl::choose_strain_velocity(double dt) {
+// Is the mapped velocity asked for before the momentum is updated? Else it is found in the same sweep.
+bool Solver::Impl::velocity_first() const {
+  return scheme.stress == StressUpdate::usf || scheme.transfer == TransferKind::xpic || !contacts.empty();
+}
+
+void Solver::Impl::update_nodes(const Vec2& gravity, double dt, int threads) {
+  if (velocity_first()) return update_momentum(g, gravity, scheme.damping, dt, threads);
+  update_sums(g, light, least_mass * least_density() * g.grid.spacing.prod(), gravity, scheme.damping, dt, threads);
+}
+
+void Solver::Impl::choose_strain_velocity(double dt, int threads) {
   const bool first = scheme.stress == StressUpdate::usf;
   if (first) {  // the mapped velocity, as walls and bodies let it be
     for (const std::uint32_t n : g.nodes) {
@@ -119,12 +131,11 @@ void Solver::Impl::choose_strain_velocity(double dt) {
     restrain_momentum(dt);
   }
   if (scheme.stress != StressUpdate::musl)
-    for (const std::uint32_t n : g.nodes) {
-      Node& node = g.node[n];
+    for_nodes(g, threads, [first](Node& node, std::uint32_t) {
       node.ux = node.nx;
       node.uy = node.ny;
       if (first) node.held = false;
-    }
+    });
   light.join_velocity(g);
   if (!first) restrain_velocity();
 }

@@ -35,9 +35,11 @@ struct Solver::Impl {
   void step(double dt);
   void find_cells(int threads);
   void map_state(double dt, int threads);
+  bool velocity_first() const;
+  void update_nodes(const Vec2& gravity, double dt, int threads);
   void restrain_momentum(double dt);
   void restrain_velocity();
-  void choose_strain_velocity(double dt);
+  void choose_strain_velocity(double dt, int threads);
   void strain(double dt, int threads);
   double longest_step() const;
   double next_change(double time) const;
@@ -63,7 +65,7 @@ struct Solver::Impl {
   double push_per_mass(double dt) const { return 1 / (dt * state.wave_speed * least_density() * g.grid.spacing.maxCoeff()); }
 
   // solver_watch.cpp: energy, rest and failure.
-  void book_work(double dt);
+  void book_work(double dt, int threads);
   void end_particle(std::size_t k, EndReason reason);
   void watch_motion();
   bool moved_far() const;

@@ -18,9 +18,9 @@ constexpr double still = 0.01;                // cells that the fastest node may
 
 }  // namespace
 
-void Solver::Impl::book_work(double dt) {
+void Solver::Impl::book_work(double dt, int threads) {
   const bool strained = scheme.stress != StressUpdate::usf;
-  state.book.add(nodal_work(g, reactions, scheme.damping, dt, strained), gather.kinetic_loss);
+  state.book.add(nodal_work(g, reactions, scheme.damping, dt, strained, threads), gather.kinetic_loss);
   for (const Reaction& r : reactions)
     if (r.body >= 0) {
       state.body_impulse[2 * std::size_t(r.body)] += r.impulse_x;

@@ -64,7 +64,9 @@ void for_parts(const Particles& p, const std::vector<std::uint32_t>& order, std:
     std::size_t body = 0;
     while (p.bodies[body].end <= k) ++body;
     const std::size_t last = std::min(end, begin + (p.bodies[body].end - k));
-    std::size_t to = begin + 1;
+    std::uint32_t other = 0;  // zero if all of them lie together, as nearly always
+    for (std::size_t q = begin; q < last; ++q) other |= order[q] ^ (k + std::uint32_t(q - begin));
+    std::size_t to = other == 0 ? last : begin + 1;
     while (to < last && order[to] == k + (to - begin)) ++to;
     part(p.bodies[body], begin, to);
     begin = to;

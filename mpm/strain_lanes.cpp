@@ -21,13 +21,14 @@ struct LanePolar {
   V trace, half, xy, spin;  // of the log strain; half: (xx - yy)/2
 };
 
-constexpr double small_change = 0.02;  // of volume: up to here the series hold to the last bit
-constexpr double small_strain2 = 1e-3;  // as in polar()
+// Up to here the series hold to the last bits: of volume; of the squares of the distortion and of the rotation's tangent.
+constexpr double small_change = 0.02, small_square = 1e-3;
 
 HWY_INLINE V det_change(const LaneGradient& G) {
   return G.xx + G.yy + hn::NegMulAdd(G.xy, G.yx, G.xx * G.yy);
 }
 
+// Larger steps, point by point.
 template <class Each>
 HWY_INLINE void for_lanes(const LaneGradient& G, Each&& each) {
   const D d;
@@ -37,6 +38,18 @@ HWY_INLINE void for_lanes(const LaneGradient& G, Each&& each) {
   hn::Store(G.yx, d, yx);
   hn::Store(G.yy, d, yy);
   for (std::size_t l = 0; l < n_lanes; ++l) each(l, Gradient{xx[l], xy[l], yx[l], yy[l]});
+}
+HWY_NOINLINE void log_det_by_points(LaneGradient G, double* out) {
+  for_lanes(G, [&](std::size_t l, const Gradient& g) { out[l] = log_det(g); });
+}
+HWY_NOINLINE void polar_by_points(LaneGradient G, double* trace, double* half, double* xy, double* spin) {
+  for_lanes(G, [&](std::size_t l, const Gradient& g) {
+    const Polar e = polar(g);
+    trace[l] = e.xx + e.yy;
+    half[l] = 0.5 * (e.xx - e.yy);
+    xy[l] = e.xy;
+    spin[l] = e.spin;
+  });
 }
 
 // ln(1 + x) of small x: 2 artanh(x/(2 + x)).
@@ -51,7 +64,7 @@ HWY_INLINE V lane_log_det(const LaneGradient& G) {
   const V x = det_change(G);
   if (HWY_LIKELY(hn::AllTrue(d, hn::Le(hn::Abs(x), set(small_change))))) return small_log1p(x);
   HWY_ALIGN double out[n_lanes];
-  for_lanes(G, [&](std::size_t l, const Gradient& g) { out[l] = log_det(g); });
+  log_det_by_points(G, out);
   return hn::Load(d, out);
 }
 
@@ -68,33 +81,27 @@ HWY_INLINE V lane_exp(V x) {
   return hn::Load(d, out);
 }
 
-// polar() in lanes.
-HWY_INLINE LanePolar lane_polar(const LaneGradient& G, V log_det_f, V change) {
+// polar() in lanes. ln V is half the logarithm of f f^T: with M the deviator of that over its mean, its deviator is
+// M artanh|M|/(2 |M|), so the rotation is not needed for it and no quotient waits for another one.
+HWY_INLINE LanePolar lane_polar(const LaneGradient& G, V change) {
   const D d;
-  const V one = set(1), half_of = set(0.5);
-  const V a = set(2) + G.xx + G.yy, b = G.yx - G.xy, b2 = b * b;
-  const V r = hn::Sqrt(hn::MulAdd(a, a, b2)), ra = r + a, inverse = one / (r * ra);
-  const V per_r = ra * inverse, cos = a * per_r, sin = b * per_r, below = b2 * inverse;
-  const V vxx = hn::MulSub(G.xx, cos, hn::MulAdd(G.xy, sin, below));
-  const V vyy = hn::MulAdd(G.yx, sin, hn::MulSub(G.yy, cos, below));
-  const V vxy = hn::MulAdd(one + G.xx, sin, G.xy * cos);
-  const V mean = half_of * (vxx + vyy), half = half_of * (vxx - vyy);
-  const V per = one / (one + mean), q2 = hn::MulAdd(half, half, vxy * vxy) * per * per;
-  const M small = hn::And(hn::Le(hn::Abs(change), set(small_change)), hn::Le(q2, set(small_strain2)));
+  const V half_of = set(0.5), sum = G.xx + G.yy, shear = G.xy + G.yx, turn = G.yx - G.xy, a = set(2) + sum;
+  const V squares = hn::MulAdd(G.xx, G.xx, G.yy * G.yy) + hn::MulAdd(G.xy, G.xy, G.yx * G.yx);
+  const V per_mean = set(1) / hn::MulAdd(half_of, squares, set(1) + sum);
+  const V half = half_of * hn::MulSub(G.xx - G.yy, a, turn * shear) * per_mean;
+  const V xy = hn::MulAdd(G.xx, G.yx, hn::MulAdd(G.xy, G.yy, shear)) * per_mean;
+  const V m2 = hn::MulAdd(half, half, xy * xy), tan = turn / a, t2 = tan * tan;
+  const M small = hn::And(hn::Le(hn::Abs(change), set(small_change)), hn::Le(hn::Max(m2, t2), set(small_square)));
   if (HWY_LIKELY(hn::AllTrue(d, small))) {
-    const V factor =
-        hn::MulAdd(q2, hn::MulAdd(q2, hn::MulAdd(q2, set(1.0 / 7), set(1.0 / 5)), set(1.0 / 3)), one) * per;
-    return {log_det_f, factor * half, factor * vxy, set(2) * b * r * inverse};
+    const V artanh = hn::MulAdd(m2, hn::MulAdd(m2, hn::MulAdd(m2, hn::MulAdd(m2, set(0.5 / 9), set(0.5 / 7)), set(0.5 / 5)),
+                                               set(0.5 / 3)), half_of);
+    const V half_angle = hn::MulAdd(
+        t2, hn::MulAdd(t2, hn::MulAdd(t2, hn::MulAdd(t2, set(7.0 / 128), set(-5.0 / 64)), set(1.0 / 8)), set(-1.0 / 4)), set(1));
+    return {small_log1p(change), artanh * half, artanh * xy, half_angle * tan};
   }
-  HWY_ALIGN double trace[n_lanes], half_lane[n_lanes], xy[n_lanes], spin[n_lanes];
-  for_lanes(G, [&](std::size_t l, const Gradient& g) {
-    const Polar e = polar(g);
-    trace[l] = e.xx + e.yy;
-    half_lane[l] = 0.5 * (e.xx - e.yy);
-    xy[l] = e.xy;
-    spin[l] = e.spin;
-  });
-  return {hn::Load(d, trace), hn::Load(d, half_lane), hn::Load(d, xy), hn::Load(d, spin)};
+  HWY_ALIGN double trace_of[n_lanes], half_lane[n_lanes], xy_of[n_lanes], spin_of[n_lanes];
+  polar_by_points(G, trace_of, half_lane, xy_of, spin_of);
+  return {hn::Load(d, trace_of), hn::Load(d, half_lane), hn::Load(d, xy_of), hn::Load(d, spin_of)};
 }
 
 template <class S>
@@ -118,7 +125,7 @@ void average_strain_slots(ShapeKind shape, double dt, const PointView& p, const 
     if constexpr (S::W == 3)
       for (std::size_t s = slots.begin; s < slots.end; ++s) {
         Node* base = c.node + c.slot_cell[s];
-        for_tiles(c, s, [&](const auto& t) HWY_ATTR {
+        for_tiles(c, s, [&](const auto& t) PIVNP_TILE {
           const TileLines<S> l(p, c.slot_fold[s], t);
           const V theta = lane_log_det(gradient(l, base, c.nx, dt * c.per_hx, dt * c.per_hy));
           V hx[3], hy[3], value[9], volume[9];
@@ -144,10 +151,10 @@ HWY_INLINE Gradient centre_gradient(const Node* base, int nx, double sx, double 
 
 template <class S>
 struct Straining {
-  const StrainJob& job;
-  const PointView& p;
-  const CellView& c;
-  const Increments& out;
+  const StrainJob job;
+  const PointView p;
+  const CellView c;
+  const Increments out;
   std::uint32_t first;  // place in `order` of the first increment
   double sx = job.dt * c.per_hx, sy = job.dt * c.per_hy;
 
@@ -156,9 +163,11 @@ struct Straining {
                        const LaneGradient* centre) const {
     const TileLines<S> l(p, fold, t);
     const LaneGradient own = gradient(l, base, c.nx, sx, sy);
-    const LaneGradient& G = centre ? *centre : own;
+    LaneGradient G = own;
+    if constexpr (S::W == 2)
+      if (centre) G = *centre;
     const V change = det_change(G);
-    const LanePolar e = lane_polar(G, lane_log_det(G), change);
+    const LanePolar e = lane_polar(G, change);
     const V mean = set(0.5) * e.trace;
     V shift = zero(), theta = zero();
     if (job.locking != Locking::none) {
@@ -194,7 +203,7 @@ struct Straining {
   // Bilinear F-bar: the element's mean of ln det f, weights V0.
   HWY_INLINE double element_average(std::size_t s, const Node* base) const {
     V sum = zero(), volume = zero();
-    for_tiles(c, s, [&](const auto& t) HWY_ATTR {
+    for_tiles(c, s, [&](const auto& t) PIVNP_TILE {
       const TileLines<S> l(p, c.slot_fold[s], t);
       const V v = joined_volume(p, t);
       sum = hn::MulAdd(v, lane_log_det(gradient(l, base, c.nx, sx, sy)), sum);
@@ -217,7 +226,7 @@ struct Straining {
       }
     }
     const LaneGradient* by = job.locking == Locking::full ? &centre : nullptr;
-    for_placed_tiles(c, s, [&](const auto& t, std::uint32_t q) HWY_ATTR { tile(t, q, base, c.slot_fold[s], theta, by); });
+    for_placed_tiles(c, s, [&](const auto& t, std::uint32_t q) PIVNP_TILE { tile(t, q, base, c.slot_fold[s], theta, by); });
   }
 };
 

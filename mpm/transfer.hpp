@@ -39,7 +39,10 @@ bool locate_points(Particles& p, GridState& g, std::vector<std::uint32_t>& left,
 /// Natural coordinates of the points of sleeping cells, which they do not leave.
 void locate_sleeping(Particles& p, GridState& g);
 
-/// A.3: mass and velocity at the nodes. `force`: A.4 too, in the same sweep (else the force is zero).
+/// A.3 but for the quotient: mass and, as Node::v, momentum at the nodes. `force`: A.4 too, in the same sweep (else the
+/// force is zero).
+void map_sums(const Particles& p, GridState& g, const Scheme& scheme, bool force, int threads);
+/// The same with the velocity.
 void map_momentum(const Particles& p, GridState& g, const Scheme& scheme, bool force, int threads);
 /// A.4: internal force at the nodes.
 void map_force(const Particles& p, GridState& g, const Scheme& scheme, int threads);

@@ -106,9 +106,9 @@ std::size_t hencky(const Elastic& law, const StressBatch& b, std::uint32_t* rare
     const V dh = set(0.5) * (dxx - dyy), dx = t.load(b.de_xy);
     const V eh = s.half * set(0.5 / law.shear), ex = s.xy * set(0.5 / law.shear);
     const V d2 = hn::MulAdd(dh, dh, dx * dx), R2 = set(4) * hn::MulAdd(eh, eh, ex * ex);
-    Combined m = combined<5, 6>(dh, dx, eh, ex, d2, R2, shear);
-    if (!hn::AllTrue(d, hn::And(hn::Le(R2, set(few_terms)), hn::Le(m.m2, set(few_terms)))))
-      m = combined<7, 14>(dh, dx, eh, ex, d2, R2, shear);
+    const bool few = hn::AllTrue(d, hn::Le(R2, set(few_terms)));
+    Combined m = few ? combined<5, 6>(dh, dx, eh, ex, d2, R2, shear) : combined<7, 14>(dh, dx, eh, ex, d2, R2, shear);
+    if (HWY_UNLIKELY(few && !hn::AllTrue(d, hn::Le(m.m2, set(few_terms))))) m = combined<7, 14>(dh, dx, eh, ex, d2, R2, shear);
     V mean = hn::MulAdd(shear, dxx + dyy, s.mean + volumetric), half = m.factor * m.mh, xy = m.factor * m.mx;
     V xx = mean + half, yy = mean - half, zz = hn::MulAdd(shear + shear, dzz, s.zz + volumetric);
     const M common = hn::And(hn::Le(d2, set(most_step2)), hn::Le(hn::Max(R2, m.m2), set(most_terms)));

@@ -12,6 +12,7 @@ constexpr double yield_tolerance = 1e-9;   // over max(c, p, 1 kPa)
 constexpr double least_substep = 1e-5;     // of the step
 constexpr double least_hardness = 0.5;     // of a : D : b; steeper softening is left to the drift's correction
 constexpr int most_corrections = 12;
+constexpr double memory = 15;              // of an open point: strain after which its start is forgotten to exp(-15)
 
 Tensor plus(const Tensor& a, const Tensor& b, double factor = 1) {
   return {a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2], a[3] + factor * b[3]};
@@ -28,21 +29,22 @@ double scale_of(const Strength& s, double mean, double J) { return std::max({s.c
 
 }  // namespace
 
-struct SmoothMohrCoulomb::Here {
-  Invariants at;
-  Strength strength;
-  double F, most_mean, scale, tolerance;
-  double J;
+struct SmoothMohrCoulomb::Here : AbboSloan::Place {
+  double most_mean, tolerance, size;  // greatest mean stress; of F; Pa that count
 
-  Here(const SmoothMohrCoulomb& law, const Point& p)
-      : at(p.stress), strength(law.strength_of(p, at.mean)), J(p.J) {
-    F = law.surface_.value(at, strength, J);
-    most_mean = std::min(p.opened ? 0.0 : law.tension_ * J, law.surface_.greatest_mean(strength, J));
-    scale = scale_of(strength, at.mean, J);
-    tolerance = yield_tolerance * scale;
-  }
+  Here(const SmoothMohrCoulomb& law, const Point& p) : Here(law, p, Invariants(p.stress)) {}
+  /// Where the history is that of another place, so is the strength, unless it depends on pressure.
+  Here(const SmoothMohrCoulomb& law, const Point& p, const Here& other)
+      : Here(law, p, Invariants(p.stress), law.strength_.by_pressure() ? nullptr : &other.strength) {}
   bool on_surface() const { return F >= -10 * tolerance; }
   bool at_limit(const Point& p) const { return p.gap > 0 || at.mean >= most_mean - tolerance; }
+
+ private:
+  Here(const SmoothMohrCoulomb& law, const Point& p, const Invariants& of, const Strength* known = nullptr)
+      : Place(law.surface_.place(of, known ? *known : law.strength_of(p, of.mean), p.J)),
+        most_mean(std::min(p.opened ? 0.0 : law.tension_ * p.J, AbboSloan::greatest_mean(*this))),
+        tolerance(yield_tolerance * scale_of(strength, at.mean, p.J)),
+        size(scale_of(strength, at.mean, p.J)) {}
 };
 
 SmoothMohrCoulomb::SmoothMohrCoulomb(const Elastic& elastic, const StrengthLaw& strength, double tension_pa,
@@ -62,7 +64,7 @@ Strength SmoothMohrCoulomb::strength_of(const Point& p, double mean) const {
 
 double SmoothMohrCoulomb::relative_yield(const Tensor& stress, double history, double J) const {
   const Here here(*this, {stress, history, 0, J, false});
-  return here.F / here.scale;
+  return here.F / here.size;
 }
 
 Tensor SmoothMohrCoulomb::stiff(const Tensor& e) const {
@@ -73,9 +75,10 @@ Tensor SmoothMohrCoulomb::stiff(const Tensor& e) const {
 
 double SmoothMohrCoulomb::energy_of(const Tensor& s) const { return elastic_.energy(s[0], s[1], s[2], s[3]); }
 
-// Plastic flow at the surface; `held`: at the greatest mean stress, which stays.
-SmoothMohrCoulomb::Rate SmoothMohrCoulomb::yielding(const Here& here, const Tensor& de, bool held) const {
-  Tensor a = surface_.gradient(here.at, here.strength, here.J), b = surface_.flow(here.at, here.strength, here.J);
+// Plastic flow at the surface; `held`: at the greatest mean stress, which stays. `flows`: it does as the substep begins, so
+// a place that its first guess left inside the surface (by the surface's curvature, or by softening) is no elastic one.
+SmoothMohrCoulomb::Rate SmoothMohrCoulomb::yielding(const Here& here, const Tensor& de, bool held, bool flows) const {
+  Tensor a = surface_.gradient(here), b = surface_.flow(here);
   const Tensor moved = held ? deviator_of(de) : de;
   const double dilation = trace(b);
   if (held) {
@@ -85,31 +88,29 @@ SmoothMohrCoulomb::Rate SmoothMohrCoulomb::yielding(const Here& here, const Tens
   const Tensor elastic = stiff(moved), Db = stiff(b), b_dev = deviator_of(b);
   const double per = std::sqrt(2.0 / 3 * product(b_dev, b_dev)), hardness = product(a, Db);
   double amount = 0;
-  if (here.on_surface() && hardness > 0) {
-    const double softened = hardness - surface_.by_history(here.at, here.strength, here.J) * per;
+  if ((flows || here.on_surface()) && hardness > 0) {
+    const double softened = hardness - surface_.by_history(here) * per;
     amount = std::max(0.0, product(a, elastic) / std::max(softened, least_hardness * hardness));
   }
   return {plus(elastic, Db, -amount), amount * per, held ? trace(de) - amount * dilation : 0};
 }
 
-SmoothMohrCoulomb::Rate SmoothMohrCoulomb::rate(const Point& p, const Tensor& de) const {
-  const Here here(*this, p);
+SmoothMohrCoulomb::Rate SmoothMohrCoulomb::rate(const Point& p, const Here& here, const Tensor& de, bool flows) const {
   if (here.at_limit(p)) {
-    const Rate held = yielding(here, de, true);
-    return p.gap > 0 || held.gap >= 0 ? held : yielding(here, de, false);
+    const Rate held = yielding(here, de, true, flows);
+    return p.gap > 0 || held.gap >= 0 ? held : yielding(here, de, false, flows);
   }
-  return yielding(here, de, false);
+  return yielding(here, de, false, flows);
 }
 
 // Where F along stress + x ds is zero, between x = low (inside) and high (outside): Dowell & Jarratt's Pegasus method.
-double SmoothMohrCoulomb::crossing(const Point& p, const Tensor& ds, double low, double high) const {
+double SmoothMohrCoulomb::crossing(const Point& p, const Here& start, const Tensor& ds, double low, double high) const {
   const auto at = [&](double x) {
     Point moved = p;
     moved.stress = plus(p.stress, ds, x);
-    return Here(*this, moved);
+    return Here(*this, moved, start);
   };
-  const Here outer = at(high);
-  double f_low = at(low).F, f_high = outer.F;
+  double f_low = low > 0 ? at(low).F : start.F, f_high = at(high).F;
   for (int n = 0; n < 60; ++n) {
     const double x = high - f_high * (high - low) / (f_high - f_low);
     const Here here = at(x);
@@ -130,10 +131,10 @@ double SmoothMohrCoulomb::crossing(const Point& p, const Tensor& ds, double low,
 double SmoothMohrCoulomb::elastic_leg(Point& p, const Here& here, const Tensor& rest) const {
   const Tensor ds = stiff(rest);
   const bool inside = here.F < -10 * here.tolerance;
-  if (!inside && product(surface_.gradient(here.at, here.strength, here.J), ds) >= 0) return 0;
+  if (!inside && product(surface_.gradient(here), ds) >= 0) return 0;
   Point end = p;
   end.stress = plus(p.stress, ds);
-  const Here there(*this, end);
+  const Here there(*this, end, here);
   double share = 1;
   const double rise = there.at.mean - here.at.mean;
   if (rise > 0 && there.at.mean > there.most_mean) share = std::clamp((there.most_mean - here.at.mean) / rise, 0.0, 1.0);
@@ -141,44 +142,43 @@ double SmoothMohrCoulomb::elastic_leg(Point& p, const Here& here, const Tensor& 
     const auto F_at = [&](double x) {
       Point moved = p;
       moved.stress = plus(p.stress, ds, x);
-      return Here(*this, moved).F;
+      return Here(*this, moved, here).F;
     };
-    if (share > 0 && F_at(share) > 0) {
+    if (share > 0 && (share == 1 ? there.F : F_at(share)) > 0) {
       double low = 0;
       if (!inside)  // leaves the surface first: F is convex along the line
         for (low = 0.5 * share; low > 1e-12 && F_at(low) >= 0;) low *= 0.5;
       if (!inside && low <= 1e-12) return 0;
-      share = crossing(p, ds, low, share);
+      share = crossing(p, here, ds, low, share);
     }
   }
   p.stress = plus(p.stress, ds, share);
   return share;
 }
 
-// Back to the surface and below the greatest mean stress; what flows on the way softens.
-void SmoothMohrCoulomb::correct(Point& p) const {
+// Back to the surface and below the greatest mean stress; what flows on the way softens. Returns where the point is then;
+// `here`: where it is.
+SmoothMohrCoulomb::Here SmoothMohrCoulomb::correct(Point& p, Here here) const {
   for (int n = 0; n < most_corrections; ++n) {
-    const Here here(*this, p);
     if (here.at.mean > here.most_mean + here.tolerance || here.F <= here.tolerance || p.gap > 0) break;
-    const Tensor a = surface_.gradient(here.at, here.strength, here.J);
-    const Tensor b = surface_.flow(here.at, here.strength, here.J), b_dev = deviator_of(b), Db = stiff(b);
+    const Tensor a = surface_.gradient(here), b = surface_.flow(here), b_dev = deviator_of(b), Db = stiff(b);
     const double hardness = product(a, Db), per = std::sqrt(2.0 / 3 * product(b_dev, b_dev));
     if (!(hardness > 0)) break;
-    const double softened = hardness - surface_.by_history(here.at, here.strength, here.J) * per;
+    const double softened = hardness - surface_.by_history(here) * per;
     const double amount = here.F / std::max(softened, least_hardness * hardness);
     Point moved = p;
     moved.stress = plus(p.stress, Db, -amount);
     moved.history += amount * per;
-    double F = Here(*this, moved).F;
-    if (F < -here.tolerance) {  // past the surface: without softening that cannot be, F being convex
+    Here there(*this, moved);
+    if (there.F < -here.tolerance) {  // past the surface: without softening that cannot be, F being convex
       moved.stress = plus(p.stress, Db, -here.F / hardness);
       moved.history = p.history;
-      F = Here(*this, moved).F;
+      there = Here(*this, moved, here);
     }
-    if (!(F < here.F)) break;
+    if (!(there.F < here.F)) break;
     p = moved;
+    here = there;
   }
-  Here here(*this, p);
   const double over = here.at.mean - here.most_mean;
   if (over > 0) {
     p.gap += over / bulk_;
@@ -190,37 +190,50 @@ void SmoothMohrCoulomb::correct(Point& p) const {
     for (std::size_t q = 0; q < 3; ++q) p.stress[q] += bulk_ * closed;
     here = Here(*this, p);
   }
-  if (here.F <= here.tolerance) return;
-  const double bar = surface_.bar_on_surface(here.at.mean, here.at.sin3, here.strength, here.J);
+  if (here.F <= here.tolerance) return here;
+  const double bar = surface_.bar_on_surface(here);
   const double keep = here.at.bar > 0 ? std::min(1.0, bar / here.at.bar) : 0;
   for (std::size_t q = 0; q < 4; ++q) p.stress[q] = keep * here.at.deviator[q] + (q < 3 ? here.at.mean : 0);
+  return Here(*this, p);
 }
 
-void SmoothMohrCoulomb::integrate(Point& p, const Tensor& de, double& work) const {
-  double done = 0, size = 1;
+// Share of `de` over which an open point flows steadily. It stays at its greatest mean stress, so its deviator
+// is bounded by a radius r and forgets its start as exp(-2 G strain/r): where r is a small part of 2 G strain (sand in
+// flight carries some Pa) only the last radii need to be followed. Zero where the point could close on the way.
+double SmoothMohrCoulomb::steady_share(const Point& p, const Here& here, const Tensor& de) const {
+  if (!(p.gap > 0)) return 0;
+  const double distortion = length(deviator_of(de)), radius = std::sqrt(2.0) * surface_.bar_on_surface(here);
+  const double least_gap = p.gap + std::min(0.0, trace(de)) - 3 * here.strength.sin_dilatancy * distortion;
+  const double followed = memory * radius / (2 * elastic_.shear);
+  return least_gap > 0 && distortion > 2 * followed ? 1 - followed / distortion : 0;
+}
+
+SmoothMohrCoulomb::Here SmoothMohrCoulomb::integrate(Point& p, Here here, const Tensor& de, double& work) const {
+  const double steady = steady_share(p, here, de);
+  double done = steady, size = 1;
   bool failed = false;
   const auto book = [&](const Tensor& before, const Tensor& after, double share) {
     work += 0.5 * share * (product(before, de) + product(after, de));
   };
   while (done < 1) {
-    const Here here(*this, p);
-    if (!here.at_limit(p)) {
+    if (!failed && !here.at_limit(p)) {
       const Tensor before = p.stress;
       const double share = elastic_leg(p, here, times(de, 1 - done));
       if (share > 0) {
         book(before, p.stress, share * (1 - done));
-        if (share >= 1) return;
+        here = Here(*this, p, here);
+        if (share >= 1) break;
         done += share * (1 - done);
       }
     }
     size = std::min(size, 1 - done);
     const Tensor part = times(de, size);
-    const Rate first = rate(p, part);
+    const Rate first = rate(p, here, part, false);
     Point middle = p;
     middle.stress = plus(p.stress, first.stress);
     middle.history += first.history;
     middle.gap = std::max(0.0, p.gap + first.gap);
-    const Rate second = rate(middle, part);
+    const Rate second = rate(middle, Here(*this, middle), part, first.history > 0);
     Point end = p;
     end.stress = plus(p.stress, plus(first.stress, second.stress), 0.5);
     end.history += 0.5 * (first.history + second.history);
@@ -230,14 +243,14 @@ void SmoothMohrCoulomb::integrate(Point& p, const Tensor& de, double& work) cons
       end.gap = 0;
     }
     const double error = 0.5 * length(plus(second.stress, first.stress, -1)) /
-                         std::max(length(end.stress), 0.1 * here.scale);
+                         std::max(length(end.stress), 0.1 * here.size);
     if (error > stress_tolerance && size > least_substep) {
       size = std::max(least_substep, size * std::max(0.1, 0.9 * std::sqrt(stress_tolerance / error)));
       failed = true;
       continue;
     }
     book(p.stress, end.stress, size);
-    correct(end);  // at constant strain: no work
+    here = correct(end, Here(*this, end));  // at constant strain: no work
     p = end;
     done = 1 - done - size < 1e-12 ? 1 : done + size;
     double grow = error > 0 ? std::min(4.0, 0.9 * std::sqrt(stress_tolerance / error)) : 4.0;
@@ -245,6 +258,14 @@ void SmoothMohrCoulomb::integrate(Point& p, const Tensor& de, double& work) cons
     failed = false;
     size = std::max(least_substep, size * grow);
   }
+  if (steady > 0) {
+    const Rate flow = rate(p, here, times(de, steady), true);
+    work += steady * product(p.stress, de);
+    p.history += flow.history;
+    p.gap = std::max(0.0, p.gap + flow.gap);
+    here = correct(p, Here(*this, p));
+  }
+  return here;
 }
 
 void SmoothMohrCoulomb::update(const StressBatch& batch) const {
@@ -253,17 +274,17 @@ void SmoothMohrCoulomb::update(const StressBatch& batch) const {
     Point p{{turned.xx, turned.yy, turned.zz, turned.xy}, batch.plastic_dev[k], batch.gap[k], batch.J[k],
             batch.opened[k] != 0, batch.softened_by ? batch.softened_by + k : nullptr};
     const double start = energy_of(p.stress);
-    correct(p);  // to this step's J and pressure
+    Here here = correct(p, Here(*this, p));  // to this step's J and pressure
     const Tensor de{batch.de_xx[k], batch.de_yy[k], batch.de_zz[k], batch.de_xy[k]};
     double work = 0;
     const double volumetric = trace(de);
     if (p.gap > 0 && p.gap + volumetric < 0) {  // closes within the step
       const double share = -p.gap / volumetric;
-      integrate(p, times(de, share), work);
+      here = integrate(p, here, times(de, share), work);
       if (p.gap < 1e-9 * std::abs(volumetric)) p.gap = 0;
-      integrate(p, times(de, 1 - share), work);
+      integrate(p, here, times(de, 1 - share), work);
     } else {
-      integrate(p, de, work);
+      integrate(p, here, de, work);
     }
     batch.dissipated[k] += work - (energy_of(p.stress) - start);
     batch.plastic_dev[k] = p.history;

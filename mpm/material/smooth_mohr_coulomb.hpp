@@ -43,12 +43,13 @@ class SmoothMohrCoulomb final : public Material {
   Tensor stiff(const Tensor& strain) const;
   double energy_of(const Tensor& stress) const;
   Strength strength_of(const Point& p, double mean) const;
-  Rate rate(const Point& p, const Tensor& de) const;
-  Rate yielding(const Here& at, const Tensor& de, bool held) const;
+  Rate rate(const Point& p, const Here& at, const Tensor& de, bool flows) const;
+  Rate yielding(const Here& at, const Tensor& de, bool held, bool flows) const;
+  double steady_share(const Point& p, const Here& at, const Tensor& de) const;
   double elastic_leg(Point& p, const Here& at, const Tensor& rest) const;
-  double crossing(const Point& p, const Tensor& ds, double low, double high) const;
-  void integrate(Point& p, const Tensor& de, double& work) const;
-  void correct(Point& p) const;
+  double crossing(const Point& p, const Here& at, const Tensor& ds, double low, double high) const;
+  Here integrate(Point& p, Here at, const Tensor& de, double& work) const;
+  Here correct(Point& p, Here at) const;
 
   StrengthLaw strength_;
   AbboSloan surface_;

@@ -28,7 +28,8 @@ StrengthLaw::StrengthLaw(const MaterialOptions& o, const std::string& key, doubl
       residual_cohesion_(o.cohesion_residual_pa.value_or(o.cohesion_pa)),
       rate_(o.softening_shape),
       dilatancy_(radians(o.dilatancy_deg)),
-      per_fade_(0) {
+      per_fade_(0),
+      sin_dilatancy_(std::sin(dilatancy_)) {
   const bool softens = o.friction_residual_deg || o.cohesion_residual_pa;
   if (!(residual_friction_ >= 0 && residual_friction_ <= friction_))
     refuse(key, "friction_residual_deg", *o.friction_residual_deg, "0 to friction_deg");
@@ -76,7 +77,7 @@ Strength StrengthLaw::changed(double history, double pressure) const {
   Strength s{};
   const double p = std::max(0.0, pressure), per = 1 / (1 + p * per_half_);
   const double peak = friction_ + (friction_low_ - friction_) * per;
-  const double left = std::exp(-rate_ * history);
+  const double left = rate_ > 0 ? std::exp(-rate_ * history) : 1;
   s.friction = residual_friction_ + (peak - residual_friction_) * left;
   s.friction_by_history = -rate_ * (peak - residual_friction_) * left;
   s.friction_by_pressure = pressure > 0 ? -(friction_low_ - friction_) * per_half_ * per * per * left : 0;
@@ -84,7 +85,8 @@ Strength StrengthLaw::changed(double history, double pressure) const {
   s.cos_friction = std::cos(s.friction);
   s.cohesion = residual_cohesion_ + (cohesion_ - residual_cohesion_) * left;
   s.cohesion_by_history = -rate_ * (cohesion_ - residual_cohesion_) * left;
-  s.sin_dilatancy = std::sin(std::min(s.friction, dilatancy_ * std::exp(-per_fade_ * history)));
+  if (per_fade_ > 0) s.sin_dilatancy = std::sin(std::min(s.friction, dilatancy_ * std::exp(-per_fade_ * history)));
+  else s.sin_dilatancy = std::min(s.sin_friction, sin_dilatancy_);
   return s;
 }
 

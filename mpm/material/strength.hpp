@@ -37,6 +37,7 @@ class StrengthLaw {
     return constant_ ? initial_ : changed(history, pressure);
   }
   bool constant() const { return constant_; }
+  bool by_pressure() const { return per_half_ > 0; }
   StrengthConstants constants() const {
     return {friction_, friction_low_, per_half_, residual_friction_, cohesion_, residual_cohesion_, rate_,
             dilatancy_, per_fade_};
@@ -52,7 +53,7 @@ class StrengthLaw {
   double cohesion_, residual_cohesion_;
   double rate_;  // of softening, for these cells
   double nonlocal_length_ = 0;
-  double dilatancy_, per_fade_;
+  double dilatancy_, per_fade_, sin_dilatancy_;
   bool constant_;
   Strength initial_{};
 };
