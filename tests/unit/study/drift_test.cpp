@@ -4,6 +4,7 @@
 //     is replaced half-way costs what was not corrected by then, no more.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -17,9 +18,10 @@ namespace {
 
 constexpr int width = 208, height = 160, count = 21, interval = 5;
 constexpr double bias = 0.02, tilt = 2e-4;  // px, and px a px, a frame
+const Vec2 patch(88, 71);                   // the middle of a piece of texture that slips
 constexpr double sigma = 0.01;              // of a vector, as stated
 
-enum class Texture { kept, replaced_half_way, of_every_frame_its_own };
+enum class Texture { kept, replaced_half_way, of_every_frame_its_own, under_noise, with_a_patch_that_slips };
 
 class Drift : public testing::Test {
  protected:
@@ -36,7 +38,7 @@ class Drift : public testing::Test {
 
   Image draw(int frame, Texture texture) const {
     image::TextureOptions options;
-    options.noise = 0.01;
+    options.noise = texture == Texture::under_noise ? 0.2 : 0.01;
     options.seed = texture == Texture::of_every_frame_its_own               ? 10 + frame
                    : texture == Texture::replaced_half_way && 2 * frame >= count - 1 ? 3
                                                                             : 2;
@@ -46,7 +48,8 @@ class Drift : public testing::Test {
     for (int n = 0; n < blobs; ++n) {
       const auto draw = [&](int which) { return uniform(std::uint64_t(options.seed), 2 * std::uint64_t(n) + which); };
       const Vec2 first(draw(0) * (width + 80) - 40, draw(1) * (height + 80) - 40);
-      at.push_back(setting_.camera.to_pixel(motion_.at(first, frame)));
+      const bool slips = texture == Texture::with_a_patch_that_slips && frame > 0 && (first - patch).norm() < 20;
+      at.push_back(setting_.camera.to_pixel(motion_.at(first, frame) + Vec2(slips ? 0.75 : 0, 0)));
     }
     return renderer.draw(at, frame, count);
   }
@@ -59,7 +62,7 @@ class Drift : public testing::Test {
     for (int j = 0; j < field.grid.ny; ++j)
       for (int i = 0; i < field.grid.nx; ++i) {
         const Vec2 x = field.grid.position(i, j);
-        const Vec2 d = motion_.next(x) - x + Vec2(bias + tilt * (x.y() - motion_.centre.y()), 0);
+        const Vec2 d = motion_.next(x) - x + Vec2(bias_ + tilt * (x.y() - motion_.centre.y()), 0);
         field.displacement.push_back({float(d.x()), float(d.y())});
       }
     field.status.assign(field.grid.node_count(), VectorStatus::valid);
@@ -97,8 +100,9 @@ class Drift : public testing::Test {
     return r;
   }
 
-  const Case base_;
-  const Setting setting_;
+  double bias_ = bias;
+  Case base_;
+  Setting setting_;
   AffineMotion motion_;
   std::vector<Frame> frames_;
 };
@@ -145,6 +149,33 @@ TEST_F(Drift, WhereImagesSayNothingNothingIsChanged) {
     }
     for (const DriftRound& round : r.rounds) EXPECT_EQ(round.from_first + round.from_later, 0u);
   }
+}
+
+// Matches that correlate badly, or lie further off than the path can have wandered, do not count.
+TEST_F(Drift, PoorAndDistantMatchesAreNotBelieved) {
+  frames_.resize(interval + 1);
+  const Result noisy = tracked("corrected", Texture::under_noise);
+  ASSERT_EQ(noisy.rounds.size(), 1u);
+  EXPECT_EQ(noisy.rounds[0].from_first, 0u);
+  bias_ = 0.3;  // 1.5 px in five frames, where half a pixel, .02 a frame and three deviations are allowed: .7
+  const Result far = tracked("corrected", Texture::kept), none = tracked("none", Texture::kept);
+  EXPECT_EQ(far.rounds[0].from_first, 0u);
+  EXPECT_EQ(far.rms.back(), none.rms.back());
+}
+
+// A piece of texture slips over the material by .75 px at once: within reach, but out of line with its neighbours.
+TEST_F(Drift, AMatchOutOfLineWithItsNeighboursIsNotBelieved) {
+  frames_.resize(interval + 1);
+  base_.regions[0].second.polygon_px = {{40, 40}, {152, 40}, {152, 120}, {40, 120}};
+  setting_ = make_setting(base_, width, height);
+  const Result r = tracked("corrected", Texture::with_a_patch_that_slips);
+  EXPECT_LT(r.rounds[0].from_first, r.rounds[0].alive);
+  EXPECT_GT(r.rounds[0].from_first, r.rounds[0].alive / 2);
+  double worst = 0;
+  const ParticleSet set = seed_particles(base_, setting_);
+  for (std::size_t p = 0; p < set.size(); ++p)
+    worst = std::max(worst, (r.end[p].x - motion_.at(set.x0[p], interval)).norm());
+  EXPECT_LT(worst, 0.5);
 }
 
 TEST_F(Drift, AfterTextureIsLostALaterFrameHolds) {

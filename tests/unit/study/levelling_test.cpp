@@ -162,5 +162,33 @@ TEST(Levelling, WithoutMotionTheFirstFrameIsKept) {
   EXPECT_LE(worst, 1);  // float rounding of the spline
 }
 
+TEST(Levelling, EveryFrameHasNoiseOfItsOwn) {
+  Drawn source(image::TextureOptions{});
+  const Case c = scene();
+  const Setting setting = make_setting(c, columns, rows);
+  MotionMemory still("mpm", "m", "s", exact().particles());
+  MotionFrame f = exact().frame(0);
+  still.add(f);
+  f.time = 2;
+  still.add(f);
+  const double noise = 9;
+  const auto carried = carried_frames(source.read(0), source.frames(), true, setting.camera, still, noise, 1);
+  const Image one = carried->read(1), two = carried->read(2);
+  double sum = 0, square = 0;
+  std::size_t count_bright = 0;
+  for (int r = 0; r < rows; ++r)
+    for (int col = 0; col < columns; ++col) {
+      const double a = double(one.view().row<std::uint8_t>(r)[col]), b = double(two.view().row<std::uint8_t>(r)[col]);
+      if (a < 20 || a > 235 || b < 20 || b > 235) continue;  // not clipped
+      sum += a - b;
+      square += (a - b) * (a - b);
+      ++count_bright;
+    }
+  const double n = double(count_bright);
+  ASSERT_GT(n, 1000);
+  EXPECT_NEAR(std::sqrt(square / n), std::sqrt(2 * (noise + 1.0 / 12)), 0.2);
+  EXPECT_NEAR(sum / n, 0, 0.3);
+}
+
 }  // namespace
 }  // namespace pivnp::app

@@ -24,6 +24,7 @@ TEST(PlanSteps, OneByOneWhereNothingIsLost) {
 TEST(PlanSteps, ABadFrameIsBridged) {
   EXPECT_EQ(planned({2, 3}, 6), (Steps{{0, 1}, {1, 3}, {3, 4}, {4, 5}}));
   EXPECT_EQ(planned({2, 3, 4}, 6), (Steps{{0, 1}, {1, 4}, {4, 5}}));
+  EXPECT_EQ(planned({1, 2, 3, 4}, 6), (Steps{{0, 4}, {4, 5}}));  // three bad frames, the most
   EXPECT_EQ(planned({1, 2}, 4), (Steps{{0, 2}, {2, 3}}));
   EXPECT_EQ(planned({2, 3}, 4), (Steps{{0, 1}, {1, 3}}));
 }

@@ -20,7 +20,7 @@ Case plain_case() {
 }
 
 // F wanders by steps of `noise` an entry; the right half is stretched besides.
-MotionMemory wandering(const ParticleSet& set, int frames, double noise) {
+MotionMemory wandering(const ParticleSet& set, int frames, double noise, float stretch = 0.01f) {
   std::mt19937 random(5);
   std::normal_distribution<double> normal(0, noise);
   MotionMemory motion("np", "px", "frame", set);
@@ -32,7 +32,7 @@ MotionMemory wandering(const ParticleSet& set, int frames, double noise) {
     for (std::size_t p = 0; p < set.size(); ++p)
       if (k > 0) {
         for (float& v : F[p]) v += float(normal(random));
-        if (set.x0[p].x() > 128) F[p][0] += 0.01f;
+        if (set.x0[p].x() > 128) F[p][0] += stretch;
       }
     frame.F = F;
     frame.status.assign(set.size(), ParticleStatus::active);
@@ -74,6 +74,14 @@ TEST(StrainFloor, OfAZoneAndOfFramesAtRest) {
   const StrainNote more = strain_note(early, setting, motion, true);
   EXPECT_EQ(more.floor_source, "still frames");
   EXPECT_GT(more.floor_dev, 2 * zone.floor_dev);
+  // Where nothing moves, what five steps show is carried on to what twenty-five do.
+  const MotionMemory still = wandering(seed_particles(early, setting), frames, noise, 0);
+  const StrainNote carried = strain_note(early, setting, still, true);
+  c.np->still_zone_px = {{0, 0}, {255, 0}, {255, 255}, {0, 255}};
+  const StrainNote whole = strain_note(c, setting, still, true);
+  EXPECT_NEAR(carried.floor_dev, whole.floor_dev, 0.1 * whole.floor_dev);
+  EXPECT_NEAR(carried.floor_vol, whole.floor_vol, 0.1 * whole.floor_vol);
+  EXPECT_NEAR(carried.floor_path, whole.floor_path, 0.1 * whole.floor_path);
 }
 
 TEST(StrainFloor, WhatIsWrongIsSaidBeforeMeasuring) {
