@@ -6,6 +6,21 @@
 
 namespace pivnp::mpm {
 
+namespace {
+
+void over_mass(Node& node) {
+  const double per_mass = node.mass > 0 ? 1 / node.mass : 0;
+  node.ux *= per_mass;
+  node.uy *= per_mass;
+}
+
+void take_updated(Node& node) {
+  node.ux = node.nx;
+  node.uy = node.ny;
+}
+
+}  // namespace
+
 GatherSums gather_velocity(Particles& p, GridState& g, const Scheme& scheme, double dt,
                            const std::vector<double>& filtered, bool remap, int threads) {
   MoveJob job;
@@ -18,21 +33,21 @@ GatherSums gather_velocity(Particles& p, GridState& g, const Scheme& scheme, dou
   const PointView points = p.view();
   const CellView cells = g.view();
   std::vector<GatherSums> results(g.awake.runs.size());
-  for_bands(g.awake, threads, [&](SlotRange slots, std::size_t run) {
-    results[run] = move_lanes(g.shape, job, points, cells, slots);
-  });
+  const bool copy = scheme.stress == StressUpdate::usl;
+  const auto nothing = [](SlotRange, std::size_t) {};
+  const auto move = [&](SlotRange slots, std::size_t run) { results[run] = move_lanes(g.shape, job, points, cells, slots); };
+  const auto straining_velocity = [&](SlotRange nodes, std::size_t) {
+    if (remap) for_nodes_in(g, nodes, over_mass);
+    else if (copy) for_nodes_in(g, nodes, take_updated);
+  };
+  for_bands(g.awake, threads, nothing, move, straining_velocity);
+  if (copy && !g.resting.empty()) straining_velocity({0, g.nodes.size()}, 0);  // in rows where all sleep too
   GatherSums sums;
   for (const GatherSums& r : results) {
     sums.kinetic_loss += r.kinetic_loss;
     sums.good = sums.good && r.good;
     sums.fastest2 = std::max(sums.fastest2, r.fastest2);
   }
-  if (remap)
-    for_nodes(g, threads, [&](Node& node, std::uint32_t) {
-      const double per_mass = node.mass > 0 ? 1 / node.mass : 0;
-      node.ux *= per_mass;
-      node.uy *= per_mass;
-    });
   return sums;
 }
 

@@ -176,10 +176,11 @@ void GridState::set_asleep(const std::vector<std::uint8_t>& blocks) {
   rebuild_lists();
 }
 
+constexpr int band_rows = 4;  // more than a stencil has, less one: bands of one parity share no node
+
 // The runs of neighbouring slots that keep(slot) wants, in bands.
 template <class Keep>
 Bands GridState::bands_of(Keep&& keep) const {
-  constexpr int rows = 4;  // more than a stencil has, less one: bands of one parity share no node
   std::vector<std::vector<SlotRange>> found[2];
   std::vector<SlotRange>* runs = nullptr;  // of the band
   std::int32_t beyond = -1;                // its first cell that is not
@@ -190,8 +191,8 @@ Bands GridState::bands_of(Keep&& keep) const {
       continue;
     }
     if (slot_cell[s] >= beyond) {
-      const int band = slot_cell[s] / grid.nx / rows;
-      beyond = (band + 1) * rows * grid.nx;
+      const int band = slot_cell[s] / grid.nx / band_rows;
+      beyond = (band + 1) * band_rows * grid.nx;
       runs = &found[band % 2].emplace_back();
       open = false;
     }
@@ -202,10 +203,31 @@ Bands GridState::bands_of(Keep&& keep) const {
   Bands bands;
   for (int parity = 0; parity < 2; ++parity)
     for (const auto& of_band : found[parity]) {
-      bands.parity[parity].push_back({bands.runs.size(), bands.runs.size() + of_band.size()});
+      bands.parity[parity].push_back({{bands.runs.size(), bands.runs.size() + of_band.size()}, {}, {}});
       bands.runs.insert(bands.runs.end(), of_band.begin(), of_band.end());
     }
   return bands;
+}
+
+// The even bands come first: they find the rows fresh that they share with the odd ones, which finish them.
+void GridState::share_nodes(Bands& bands) const {
+  const auto place_of = [&](const Band& band) { return slot_cell[bands.runs[band.runs.begin].begin] / grid.nx / band_rows; };
+  std::vector<std::uint8_t> there(std::size_t(grid.ny / band_rows + 3), 0);  // of the bands, from the one before the first
+  for (const auto& of_parity : bands.parity)
+    for (const Band& band : of_parity) there[std::size_t(place_of(band) + 1)] = 1;
+  const auto nodes_from = [&](int row) {
+    return std::size_t(std::lower_bound(nodes.begin(), nodes.end(), std::uint32_t(row) * std::uint32_t(grid.nx)) - nodes.begin());
+  };
+  const int shared = width - 1;  // rows of nodes
+  for (int parity = 0; parity < 2; ++parity)
+    for (Band& band : bands.parity[parity]) {
+      const int place = place_of(band), low = place * band_rows, high = low + band_rows;
+      const bool below = there[std::size_t(place)], above = there[std::size_t(place + 2)];
+      const SlotRange inner = {nodes_from(below ? low + shared : low), nodes_from(above ? high : high + shared)};
+      const SlotRange all = {nodes_from(low), nodes_from(high + shared)};
+      band.fresh = parity == 0 ? all : inner;
+      band.finished = parity == 0 ? inner : all;
+    }
 }
 
 void GridState::rebuild_lists() {
@@ -229,6 +251,8 @@ void GridState::rebuild_lists() {
           if (met.has(std::int32_t(n))) border.push_back(std::uint32_t(n));
         });
   }
+  share_nodes(awake);
+  share_nodes(mapped);
   rebuild_pieces();
 }
 

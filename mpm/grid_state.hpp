@@ -14,10 +14,18 @@
 
 namespace pivnp::mpm {
 
+/// A band of cells: its runs of slots (places in Bands::runs), and of the nodes in its rows (places in GridState::nodes)
+/// those to which no band has added before it, and those to which none will add after it.
+struct Band {
+  SlotRange runs, fresh, finished;
+};
+
 /// Runs of slots, band by band; the parity of a band tells when it adds to its nodes.
 struct Bands {
   std::vector<SlotRange> runs;      // of the even bands, then of the odd ones
-  std::vector<SlotRange> parity[2];  // the runs of each band: places in `runs`
+  std::vector<Band> parity[2];
+
+  std::size_t count() const { return parity[0].size() + parity[1].size(); }
 };
 
 /// A "cell" is the set of points that share their nodes: an element for bilinear shapes, the square around a node for
@@ -107,6 +115,7 @@ class GridState {
   void rebuild_nodes(const CellBits& cells);
   template <class Keep>
   Bands bands_of(Keep&& keep) const;
+  void share_nodes(Bands& bands) const;
   std::int32_t slot_near(const Vec2& x, int on_sheet, double& xi, double& eta, double& distance) const;
   std::uint8_t fold_of(std::int32_t cell) const;
 

@@ -56,30 +56,70 @@ void for_pieces(const GridState& g, int threads, Body&& body) {
   for_each(g.pieces.size(), threads, [&](std::size_t r) { body(g.pieces[r]); });
 }
 
+/// Calls body(band, its number) for the even bands, then for the odd ones.
+template <class Body>
+void for_whole_bands(const Bands& bands, int threads, Body&& body) {
+  if (threads <= 1) {
+    std::size_t first = 0;
+    for (const auto& of_parity : bands.parity) {
+      for (std::size_t b = 0; b < of_parity.size(); ++b) body(of_parity[b], first + b);
+      first += of_parity.size();
+    }
+    return;
+  }
+#pragma omp parallel num_threads(threads)
+  for (int parity = 0; parity < 2; ++parity) {
+    const auto& of_parity = bands.parity[parity];
+    const std::size_t first = parity == 0 ? 0 : bands.parity[0].size();
+    const auto n = std::ptrdiff_t(of_parity.size());
+#pragma omp for schedule(dynamic, 1)
+    for (std::ptrdiff_t b = 0; b < n; ++b) body(of_parity[std::size_t(b)], first + std::size_t(b));
+  }
+}
+
 /// Calls body(slots, run) for the runs of the even bands, then for those of the odd ones: bands of one parity share no
 /// node. `run`: its place in Bands::runs.
 template <class Body>
 void for_bands(const Bands& bands, int threads, Body&& body) {
-  const auto one = [&](const SlotRange& band) {
-    for (std::size_t r = band.begin; r < band.end; ++r) body(bands.runs[r], r);
-  };
-  if (threads <= 1) {
-    for (const auto& of_parity : bands.parity)
-      for (const SlotRange& band : of_parity) one(band);
-    return;
-  }
-#pragma omp parallel num_threads(threads)
-  for (const auto& of_parity : bands.parity) {
-    const auto n = std::ptrdiff_t(of_parity.size());
-#pragma omp for schedule(dynamic, 1)
-    for (std::ptrdiff_t b = 0; b < n; ++b) one(of_parity[std::size_t(b)]);
-  }
+  for_whole_bands(bands, threads, [&](const Band& band, std::size_t) {
+    for (std::size_t r = band.runs.begin; r < band.runs.end; ++r) body(bands.runs[r], r);
+  });
+}
+
+/// The same, where each band first calls fresh(nodes, band) for the nodes that no other has added to, and at its end
+/// finished(nodes, band) for those that no other will add to: what is done at a node before and after the sums is done
+/// while the node is in the cache. `nodes`: places in GridState::nodes; `band`: below bands.count().
+template <class Fresh, class Body, class Finished>
+void for_bands(const Bands& bands, int threads, Fresh&& fresh, Body&& body, Finished&& finished) {
+  for_whole_bands(bands, threads, [&](const Band& band, std::size_t b) {
+    fresh(band.fresh, b);
+    for (std::size_t r = band.runs.begin; r < band.runs.end; ++r) body(bands.runs[r], r);
+    finished(band.finished, b);
+  });
 }
 
 /// Calls body(node, its index) for the active nodes.
 template <class Body>
 void for_nodes(GridState& g, int threads, Body&& body) {
   for_each(g.nodes.size(), threads, [&](std::size_t a) { body(g.node[g.nodes[a]], g.nodes[a]); });
+}
+
+/// Calls body(node) for some of them.
+template <class Body>
+void for_nodes_in(GridState& g, SlotRange nodes, Body&& body) {
+  for (std::size_t a = nodes.begin; a < nodes.end; ++a) body(g.node[g.nodes[a]]);
+}
+
+/// Node::dx from what add(slots) adds to dx and dy: their quotient.
+template <class Add>
+void average_at_nodes(GridState& g, int threads, Add&& add) {
+  for_bands(
+      g.mapped, threads,
+      [&](SlotRange nodes, std::size_t) { for_nodes_in(g, nodes, [](Node& node) { node.dx = node.dy = 0; }); },
+      [&](SlotRange slots, std::size_t) { add(slots); },
+      [&](SlotRange nodes, std::size_t) {
+        for_nodes_in(g, nodes, [](Node& node) { node.dx = node.dy > 0 ? node.dx / node.dy : 0; });
+      });
 }
 
 /// Calls body(part, begin, end) for parts of GridState::nodes that do not depend on `threads`: so sums and lists made part

@@ -48,7 +48,11 @@ struct PartTile {
   std::size_t size;
 
   HWY_INLINE PartTile(const std::uint32_t* order, std::size_t n) : size(n) {
-    for (std::size_t l = 0; l < n_lanes; ++l) point[l] = order[l < n ? l : n - 1];
+    std::uint32_t last = order[0];
+    for (std::size_t l = 0; l < n_lanes; ++l) {
+      if (l < n) last = order[l];
+      point[l] = last;
+    }
   }
   HWY_INLINE V load(const double* a) const { return gathered(D(), a); }
   HWY_INLINE void store(V v, double* a) const {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "mpm/kernel.hpp"
+#include "mpm/transfer.hpp"
 
 namespace pivnp::mpm {
 
@@ -75,21 +76,22 @@ void update_momentum(GridState& g, const Vec2& gravity, double damping, double d
   for_nodes(g, threads, [&](Node& node, std::uint32_t) { advance(node, per_mass(node), gravity, damping, dt); });
 }
 
-void update_sums(GridState& g, LightNodes& light, double least, const Vec2& gravity, double damping, double dt,
-                 int threads) {
-  std::vector<std::vector<std::uint32_t>> found(node_parts(g));
-  for_node_parts(g, threads, [&](std::size_t part, std::size_t begin, std::size_t end) {
-    for (std::size_t a = begin; a < end; ++a) {
+void map_and_update(const Particles& p, GridState& g, const Scheme& scheme, LightNodes& light, double least,
+                    const Vec2& gravity, double dt, int threads) {
+  std::vector<std::vector<std::uint32_t>> found(g.mapped.count());
+  map_sums(p, g, scheme, true, threads, [&](SlotRange nodes, std::size_t band) {
+    for (std::size_t a = nodes.begin; a < nodes.end; ++a) {
       Node& node = g.node[g.nodes[a]];
       const double per = per_mass(node);
       node.vx *= per;
       node.vy *= per;
-      advance(node, per, gravity, damping, dt);
-      if (node.mass < least) found[part].push_back(g.nodes[a]);
+      advance(node, per, gravity, scheme.damping, dt);
+      if (node.mass < least) found[band].push_back(g.nodes[a]);
     }
   });
   std::vector<std::uint32_t> all;
-  for (const auto& part : found) all.insert(all.end(), part.begin(), part.end());
+  for (const auto& of_band : found) all.insert(all.end(), of_band.begin(), of_band.end());
+  std::sort(all.begin(), all.end());
   light.pair_up(g, least, all);
 }
 

@@ -28,9 +28,10 @@ struct LightNodes {
 /// A.5-A.7: adds gravity, then Cundall's local damping -alpha |f| sign(v) by component, and advances Node::n.
 void update_momentum(GridState& g, const Vec2& gravity, double damping, double dt, int threads);
 
-/// The same from map_sums(), in one sweep over the nodes: the velocities of A.3 and the light nodes too.
-void update_sums(GridState& g, LightNodes& light, double least, const Vec2& gravity, double damping, double dt,
-                 int threads);
+/// A.3-A.7 together, each node as soon as its sums are complete, and the nodes lighter than `least` (kg/m) to `light`: for
+/// steps in which nothing asks for the mapped velocity in between.
+void map_and_update(const Particles& p, GridState& g, const Scheme& scheme, LightNodes& light, double least,
+                    const Vec2& gravity, double dt, int threads);
 
 /// Work of one step, J/m.
 struct NodalWork {

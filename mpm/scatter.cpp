@@ -52,26 +52,31 @@ void locate_sleeping(Particles& p, GridState& g) {
     if (g.sleeps(g.slot_cell[s])) locate_lanes(g.shape, p.view(), g.view(), {s, s + 1}, g.scratch.data());
 }
 
-void map_sums(const Particles& p, GridState& g, const Scheme& scheme, bool force, int threads) {
-  for_nodes(g, threads, [](Node& node, std::uint32_t) {  // n is set by the update; d holds the averages
-    node.mass = node.vx = node.vy = node.fx = node.fy = 0;
-    node.held = false;
-    node.ux = node.uy = 0;
-  });
+void map_sums(const Particles& p, GridState& g, const Scheme& scheme, bool force, int threads,
+              const std::function<void(SlotRange nodes, std::size_t band)>& finished) {
+  const auto clear = [&](SlotRange nodes, std::size_t) {
+    for_nodes_in(g, nodes, [](Node& node) {  // n is set by the update; d holds the averages
+      node.mass = node.vx = node.vy = node.fx = node.fy = 0;
+      node.held = false;
+      node.ux = node.uy = 0;
+    });
+  };
   const PointView points = p.view();
   const CellView cells = g.view();
   const bool affine = scheme.transfer == TransferKind::apic;
-  for_bands(g.mapped, threads, [&](SlotRange slots, std::size_t) {
+  const auto map = [&](SlotRange slots, std::size_t) {
     map_lanes(g.shape, affine, true, force, scheme.locking, points, cells, slots);
-  });
+  };
+  for_bands(g.mapped, threads, clear, map, finished);
 }
 
 void map_momentum(const Particles& p, GridState& g, const Scheme& scheme, bool force, int threads) {
-  map_sums(p, g, scheme, force, threads);
-  for_nodes(g, threads, [&](Node& node, std::uint32_t) {
-    const double per_mass = node.mass > 0 ? 1 / node.mass : 0;
-    node.vx *= per_mass;
-    node.vy *= per_mass;
+  map_sums(p, g, scheme, force, threads, [&](SlotRange nodes, std::size_t) {
+    for_nodes_in(g, nodes, [](Node& node) {
+      const double per_mass = node.mass > 0 ? 1 / node.mass : 0;
+      node.vx *= per_mass;
+      node.vy *= per_mass;
+    });
   });
 }
 
@@ -86,11 +91,9 @@ void map_force(const Particles& p, GridState& g, const Scheme& scheme, int threa
 
 void average_mean_stress(const Particles& p, GridState& g, const Scheme& scheme, int threads) {
   if (g.width == 2 || scheme.locking != Locking::fbar) return;
-  for_nodes(g, threads, [&](Node& node, std::uint32_t) { node.dx = node.dy = 0; });
   const PointView points = p.view();
   const CellView cells = g.view();
-  for_bands(g.mapped, threads, [&](SlotRange slots, std::size_t) { average_stress_lanes(points, cells, slots); });
-  for_nodes(g, threads, [&](Node& node, std::uint32_t) { node.dx = node.dy > 0 ? node.dx / node.dy : 0; });
+  average_at_nodes(g, threads, [&](SlotRange slots) { average_stress_lanes(points, cells, slots); });
 }
 
 void map_acceleration(const Particles& p, GridState& g, const std::vector<double>& ax, const std::vector<double>& ay,

@@ -71,9 +71,7 @@ void Solver::Impl::step(double dt) {
   const Vec2 moment = work_in_steps() ? moment_of_mass() : Vec2(0, 0);
 
   find_cells(threads);                                           // A.1, A.2
-  map_state(dt, threads);                                        // A.3, A.4
-  map_body_force(threads);
-  update_nodes(gravity, dt, threads);                            // A.5-A.7
+  update_nodes(gravity, dt, threads);                            // A.3-A.7
   light.join_momentum(g, dt);
   restrain_momentum(dt);
   bodies.advance(dt);
@@ -95,47 +93,40 @@ void Solver::Impl::step(double dt) {
   choice.end_step();
 }
 
-void Solver::Impl::map_state(double dt, int threads) {
-  const bool first = scheme.stress == StressUpdate::usf;
+void Solver::Impl::update_nodes(const Vec2& gravity, double dt, int threads) {
+  const double least = least_mass * least_density() * g.grid.spacing.prod();
+  const bool first = scheme.stress == StressUpdate::usf, filter = scheme.transfer == TransferKind::xpic;
   if (!first) average_mean_stress(p, g, scheme, threads);
-  if (!velocity_first()) return map_sums(p, g, scheme, true, threads);
-  map_momentum(p, g, scheme, !first, threads);
-  light.find(g, least_mass * least_density() * g.grid.spacing.prod());
+  if (!first && !filter && contacts.empty() && !pushes())
+    return map_and_update(p, g, scheme, light, least, gravity, dt, threads);  // A.3-A.7
+  map_momentum(p, g, scheme, !first, threads);                                // A.3, A.4
+  light.find(g, least);
   if (!contacts.empty()) contacts.find(p, g, density, dt, threads);
   if (first) {
     choose_strain_velocity(dt, threads);
     strain(dt, threads);  // A.12, A.13, A.22, A.24
     average_mean_stress(p, g, scheme, threads);
-    map_force(p, g, scheme, threads);
+    map_force(p, g, scheme, threads);  // A.4
   }
-  if (scheme.transfer == TransferKind::xpic) filtered_velocity(p, g, scheme.xpic_order, filtered, threads);
-}
-
-// Is the mapped velocity asked for before the momentum is updated? Else it is found in the same sweep.
-bool Solver::Impl::velocity_first() const {
-  return scheme.stress == StressUpdate::usf || scheme.transfer == TransferKind::xpic || !contacts.empty();
-}
-
-void Solver::Impl::update_nodes(const Vec2& gravity, double dt, int threads) {
-  if (velocity_first()) return update_momentum(g, gravity, scheme.damping, dt, threads);
-  update_sums(g, light, least_mass * least_density() * g.grid.spacing.prod(), gravity, scheme.damping, dt, threads);
+  if (filter) filtered_velocity(p, g, scheme.xpic_order, filtered, threads);
+  map_body_force(threads);
+  update_momentum(g, gravity, scheme.damping, dt, threads);  // A.5-A.7
 }
 
 void Solver::Impl::choose_strain_velocity(double dt, int threads) {
   const bool first = scheme.stress == StressUpdate::usf;
   if (first) {  // the mapped velocity, as walls and bodies let it be
-    for (const std::uint32_t n : g.nodes) {
-      g.node[n].nx = g.node[n].vx;
-      g.node[n].ny = g.node[n].vy;
-    }
+    for_nodes(g, threads, [](Node& node, std::uint32_t) {
+      node.nx = node.vx;
+      node.ny = node.vy;
+    });
     restrain_momentum(dt);
-  }
-  if (scheme.stress != StressUpdate::musl)
-    for_nodes(g, threads, [first](Node& node, std::uint32_t) {
+    for_nodes(g, threads, [](Node& node, std::uint32_t) {
       node.ux = node.nx;
       node.uy = node.ny;
-      if (first) node.held = false;
+      node.held = false;
     });
+  }
   light.join_velocity(g);
   if (!first) restrain_velocity();
 }

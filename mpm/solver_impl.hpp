@@ -34,8 +34,6 @@ struct Solver::Impl {
   // solver.cpp: the cycle.
   void step(double dt);
   void find_cells(int threads);
-  void map_state(double dt, int threads);
-  bool velocity_first() const;
   void update_nodes(const Vec2& gravity, double dt, int threads);
   void restrain_momentum(double dt);
   void restrain_velocity();

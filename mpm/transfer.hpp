@@ -40,8 +40,10 @@ bool locate_points(Particles& p, GridState& g, std::vector<std::uint32_t>& left,
 void locate_sleeping(Particles& p, GridState& g);
 
 /// A.3 but for the quotient: mass and, as Node::v, momentum at the nodes. `force`: A.4 too, in the same sweep (else the
-/// force is zero).
-void map_sums(const Particles& p, GridState& g, const Scheme& scheme, bool force, int threads);
+/// force is zero). Calls finished() as soon as the sums of some nodes (places in GridState::nodes) are complete, on any
+/// thread.
+void map_sums(const Particles& p, GridState& g, const Scheme& scheme, bool force, int threads,
+              const std::function<void(SlotRange nodes, std::size_t band)>& finished);
 /// The same with the velocity.
 void map_momentum(const Particles& p, GridState& g, const Scheme& scheme, bool force, int threads);
 /// A.4: internal force at the nodes.
@@ -58,7 +60,7 @@ void map_acceleration(const Particles& p, GridState& g, const std::vector<double
 void filtered_velocity(const Particles& p, GridState& g, int order, std::vector<double>& out, int threads);
 
 /// A.8-A.11: velocity, affine field and position of the points from Node::v and Node::n (and, for XPIC, `filtered`).
-/// `remap`: the updated momentum back to the nodes as Node::u (MUSL, not yet restrained).
+/// Node::u becomes, not yet restrained: with `remap` the points' new velocity mapped back (MUSL); under usl Node::n.
 GatherSums gather_velocity(Particles& p, GridState& g, const Scheme& scheme, double dt,
                            const std::vector<double>& filtered, bool remap, int threads);
 

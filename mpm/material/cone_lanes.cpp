@@ -1,131 +1,20 @@
+// Mohr-Coulomb in lanes.
 #include "mpm/material/lanes.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "mpm/material/lanes.cpp"
+#define HWY_TARGET_INCLUDE "mpm/material/cone_lanes.cpp"
 #include <hwy/foreach_target.h>  // compiles this file once for every instruction set
 #include <hwy/highway.h>
 
 #include <hwy/contrib/math/math-inl.h>
 
-#include "mpm/lanes-inl.hpp"
+#include "mpm/material/batch-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace pivnp::mpm::HWY_NAMESPACE {
-
-// Calls body(tile, k) for the batch; `k` is the tile's first point.
-template <class Body>
-HWY_INLINE void for_batch(const StressBatch& b, Body&& body) {
-  std::size_t k = 0;
-  for (; k + n_lanes <= b.size; k += n_lanes) body(FullTile{std::uint32_t(k)}, k);
-  if (k == b.size) return;
-  std::uint32_t rest[n_lanes];
-  for (std::size_t l = 0; l < n_lanes; ++l) rest[l] = std::uint32_t(k + l);
-  body(PartTile(rest, b.size - k), k);
-}
-
-// Appends the lanes of `which` to a list.
-HWY_INLINE void list(M which, std::size_t k, std::size_t size, std::uint32_t* rare, std::size_t& n) {
-  HWY_ALIGN double in[n_lanes];
-  hn::Store(hn::IfThenElseZero(which, set(1)), D(), in);
-  for (std::size_t l = 0; l < n_lanes && k + l < size; ++l)
-    if (in[l] != 0) rare[n++] = std::uint32_t(k + l);
-}
-
-// Stress turned by the step's rotation: mean and half difference in the plane, out of it, shear.
-struct Turned {
-  V mean, half, zz, xy;
-};
-template <class Tile>
-HWY_INLINE Turned turned(const StressBatch& b, const Tile& t) {
-  const V r = set(0.5) * t.load(b.spin), r2 = r * r, scale = set(1) / (set(1) + r2);
-  const V c = (set(1) - r2) * scale, s = set(2) * r * scale;
-  const V c2 = hn::NegMulAdd(s, s, c * c), s2 = set(2) * c * s;
-  const V xx = t.load(b.xx), yy = t.load(b.yy), xy = t.load(b.xy);
-  const V half = set(0.5) * (xx - yy);
-  return {set(0.5) * (xx + yy), hn::NegMulAdd(s2, xy, c2 * half), t.load(b.zz), hn::MulAdd(s2, half, c2 * xy)};
-}
-
-// The first `n` terms; even and odd powers apart, which halves the chain of dependent operations.
-template <int n, std::size_t size>
-HWY_INLINE V polynomial(V x, const double (&c)[size]) {
-  static_assert(n >= 3 && n <= int(size));
-  const V x2 = x * x;
-  constexpr int even_end = (n - 1) / 2 * 2, odd_end = (n - 2) / 2 * 2 + 1;
-  V even = set(c[even_end]), odd = set(c[odd_end]);
-  for (int k = even_end - 2; k >= 0; k -= 2) even = hn::MulAdd(even, x2, set(c[k]));
-  for (int k = odd_end - 2; k >= 1; k -= 2) odd = hn::MulAdd(odd, x2, set(c[k]));
-  return hn::MulAdd(odd, x, even);
-}
-
-// With d, e the deviators in the plane of the step and of the elastic strain, exp(d) exp(2e) exp(d) has the deviator
-// M = S e + 2 b (a C + b S d.e) d, where a = cosh|d|, b = sinh|d|/|d|, C = cosh 2|e|, S = sinh 2|e|/|e|, and half the
-// logarithm's deviator is M arsinh|M|/(2|M|). All are series in squares: no root, no quotient.
-constexpr double cosh_series[] = {1, 1.0 / 2, 1.0 / 24, 1.0 / 720, 1.0 / 40320, 1.0 / 3628800, 1.0 / 479001600};
-constexpr double sinh_series[] = {1,          1.0 / 6,       1.0 / 120,       1.0 / 5040,
-                                  1.0 / 362880, 1.0 / 39916800, 1.0 / 6227020800};
-constexpr double arsinh_series[] = {1,
-                                    -1.0 / 6,
-                                    3.0 / 40,
-                                    -5.0 / 112,
-                                    35.0 / 1152,
-                                    -63.0 / 2816,
-                                    231.0 / 13312,
-                                    -143.0 / 10240,
-                                    6435.0 / 557056,
-                                    -12155.0 / 1245184,
-                                    46189.0 / 5505024,
-                                    -88179.0 / 12058624,
-                                    676039.0 / 104857600,
-                                    -1300075.0 / 226492416};
-constexpr double most_step2 = 1e-4, few_terms = 1e-3, most_terms = 0.06;  // |d|^2; (2|e|)^2 and |M|^2
-
-// M over the elastic strain and over the step's, its square, and shear arsinh|M|/|M|.
-struct Combined {
-  V mh, mx, m2, factor;
-};
-template <int hyperbolic, int arsinh>
-HWY_INLINE Combined combined(V dh, V dx, V eh, V ex, V d2, V R2, V shear) {
-  const V a = polynomial<4>(d2, cosh_series), b = polynomial<4>(d2, sinh_series);
-  const V C = polynomial<hyperbolic>(R2, cosh_series), S = set(2) * polynomial<hyperbolic>(R2, sinh_series);
-  const V along = set(2) * b * hn::MulAdd(a, C, b * S * hn::MulAdd(dh, eh, dx * ex));
-  const V mh = hn::MulAdd(S, eh, along * dh), mx = hn::MulAdd(S, ex, along * dx);
-  const V m2 = hn::MulAdd(mh, mh, mx * mx);
-  return {mh, mx, m2, shear * polynomial<arsinh>(m2, arsinh_series)};
-}
-
-std::size_t hencky(const Elastic& law, const StressBatch& b, std::uint32_t* rare) {
-  std::size_t n = 0;
-  for_batch(b, [&](const auto& t, std::size_t k) HWY_ATTR {
-    const D d;
-    const Turned s = turned(b, t);
-    const V dxx = t.load(b.de_xx), dyy = t.load(b.de_yy), dzz = t.load(b.de_zz);
-    const V shear = set(law.shear), volumetric = set(law.lambda) * (dxx + dyy + dzz);
-    const V dh = set(0.5) * (dxx - dyy), dx = t.load(b.de_xy);
-    const V eh = s.half * set(0.5 / law.shear), ex = s.xy * set(0.5 / law.shear);
-    const V d2 = hn::MulAdd(dh, dh, dx * dx), R2 = set(4) * hn::MulAdd(eh, eh, ex * ex);
-    const bool few = hn::AllTrue(d, hn::Le(R2, set(few_terms)));
-    Combined m = few ? combined<5, 6>(dh, dx, eh, ex, d2, R2, shear) : combined<7, 14>(dh, dx, eh, ex, d2, R2, shear);
-    if (HWY_UNLIKELY(few && !hn::AllTrue(d, hn::Le(m.m2, set(few_terms))))) m = combined<7, 14>(dh, dx, eh, ex, d2, R2, shear);
-    V mean = hn::MulAdd(shear, dxx + dyy, s.mean + volumetric), half = m.factor * m.mh, xy = m.factor * m.mx;
-    V xx = mean + half, yy = mean - half, zz = hn::MulAdd(shear + shear, dzz, s.zz + volumetric);
-    const M common = hn::And(hn::Le(d2, set(most_step2)), hn::Le(hn::Max(R2, m.m2), set(most_terms)));
-    if (HWY_UNLIKELY(!hn::AllTrue(d, common))) {
-      list(hn::Not(common), k, b.size, rare, n);
-      xx = hn::IfThenElse(common, xx, t.load(b.xx));
-      yy = hn::IfThenElse(common, yy, t.load(b.yy));
-      zz = hn::IfThenElse(common, zz, t.load(b.zz));
-      xy = hn::IfThenElse(common, xy, t.load(b.xy));
-    }
-    t.store(xx, b.xx);
-    t.store(yy, b.yy);
-    t.store(zz, b.zz);
-    t.store(xy, b.xy);
-  });
-  return n;
-}
 
 struct Principal {
   V s[3];
@@ -160,6 +49,24 @@ struct LaneCone {
   }
 };
 
+// sin x for 0 <= x <= pi/2, to the last bits.
+constexpr double sine_series[] = {1,
+                                  -1.0 / 6,
+                                  1.0 / 120,
+                                  -1.0 / 5040,
+                                  1.0 / 362880,
+                                  -1.0 / 39916800,
+                                  1.0 / 6227020800,
+                                  -1.0 / 1307674368000,
+                                  1.0 / 355687428096000,
+                                  -1.0 / 121645100408832000};
+HWY_INLINE V sine(V x) { return x * polynomial<10>(x * x, sine_series); }
+
+// What a cone is made of, lane by lane.
+struct Strengths {
+  V sin, cohesion, sin_dilatancy;  // sin phi, 2 c cos phi at J = 1, sin psi
+};
+
 // One cone for all points.
 struct FixedCone {
   LaneCone cone;
@@ -168,21 +75,24 @@ struct FixedCone {
       : cone(set(c.sin_friction), set(c.cohesion_term), c.tension) {
     cone.set_flow(set(c.sin_dilatancy), law);
   }
-  static HWY_INLINE bool surely_elastic(V, V, V) { return false; }
-  template <class Tile>
-  HWY_INLINE LaneCone of(const Tile&) const {
-    return cone;
+  HWY_INLINE bool surely_elastic(V greatest, V least, V J) const {
+    const V excess = hn::MulSub(cone.plus, greatest, hn::MulAdd(cone.minus, least, cone.cohesion * J));
+    return hn::AllTrue(D(), hn::And(hn::Le(excess, zero()), hn::Le(greatest, zero())));
   }
   template <class Tile>
-  HWY_INLINE void set_flow(LaneCone&, const Tile&) const {}
+  HWY_INLINE Strengths strengths(const Tile&) const {
+    return {zero(), zero(), zero()};
+  }
+  HWY_INLINE LaneCone of(const Strengths&) const { return cone; }
+  HWY_INLINE void set_flow(LaneCone&, const Strengths&) const {}
 };
 
 // StrengthLaw::at() of every point.
 struct ChangingCone {
-  const Elastic& law;
-  const StrengthConstants& s;
+  const Elastic law;
+  const StrengthConstants s;
   double tension;
-  const StressBatch& b;
+  const StressBatch b;
   const double* history;
   // No strength is below this one where the greatest and the least stress are compressive together.
   double least_sin = std::sin(s.residual_friction);
@@ -191,48 +101,45 @@ struct ChangingCone {
   HWY_INLINE bool surely_elastic(V greatest, V least, V J) const {
     const V against = hn::MulAdd(set(1 - least_sin), least, set(least_cohesion) * J);
     const V excess = hn::MulSub(set(1 + least_sin), greatest, against);
-    return hn::AllTrue(D(), hn::And(hn::And(hn::Le(excess, zero()), hn::Le(greatest + least, zero())),
-                                    hn::Le(greatest, set(tension) * J)));
+    return hn::AllTrue(D(), hn::And(hn::Le(excess, zero()), hn::Le(greatest, zero())));
   }
   template <class Tile>
-  HWY_INLINE V friction(const Tile& t, V left) const {
+  HWY_INLINE Strengths strengths(const Tile& t) const {
+    const V strain = t.load(history), left = s.rate > 0 ? hn::Exp(D(), set(-s.rate) * strain) : set(1);
     V peak = set(s.friction);
     if (s.per_half > 0) {
       const V pressure = (t.load(b.xx) + t.load(b.yy) + t.load(b.zz)) / (set(-3) * t.load(b.J));
       peak = peak + set(s.friction_low - s.friction) /
                         hn::MulAdd(hn::Max(zero(), pressure), set(s.per_half), set(1));
     }
-    return hn::MulAdd(peak - set(s.residual_friction), left, set(s.residual_friction));
-  }
-  template <class Tile>
-  HWY_INLINE V left(const Tile& t) const {
-    return s.rate > 0 ? hn::Exp(D(), set(-s.rate) * t.load(history)) : set(1);
-  }
-  template <class Tile>
-  HWY_INLINE LaneCone of(const Tile& t) const {
-    const V still = left(t), sin = hn::Sin(D(), friction(t, still));
-    V cohesion = zero();
+    const V friction = hn::MulAdd(peak - set(s.residual_friction), left, set(s.residual_friction));
+    const V sin = sine(friction);
+    V cohesion = zero(), sin_dilatancy = zero();
     if (s.cohesion > 0)
-      cohesion = hn::MulAdd(set(2 * (s.cohesion - s.residual_cohesion)), still, set(2 * s.residual_cohesion)) *
+      cohesion = hn::MulAdd(set(2 * (s.cohesion - s.residual_cohesion)), left, set(2 * s.residual_cohesion)) *
                  hn::Sqrt((set(1) - sin) * (set(1) + sin));
-    return LaneCone(sin, cohesion, tension);
-  }
-  template <class Tile>
-  HWY_INLINE void set_flow(LaneCone& cone, const Tile& t) const {
-    V sin_dilatancy = zero();
     if (s.dilatancy > 0) {
-      const V fade = s.per_fade > 0 ? hn::Exp(D(), set(-s.per_fade) * t.load(history)) : set(1);
-      sin_dilatancy = hn::Sin(D(), hn::Min(friction(t, left(t)), set(s.dilatancy) * fade));
+      const V fade = s.per_fade > 0 ? hn::Exp(D(), set(-s.per_fade) * strain) : set(1);
+      sin_dilatancy = sine(hn::Min(friction, set(s.dilatancy) * fade));
     }
-    cone.set_flow(sin_dilatancy, law);
+    return {sin, cohesion, sin_dilatancy};
   }
+  HWY_INLINE LaneCone of(const Strengths& at) const { return LaneCone(at.sin, at.cohesion, tension); }
+  HWY_INLINE void set_flow(LaneCone& cone, const Strengths& at) const { cone.set_flow(at.sin_dilatancy, law); }
+};
+
+// A tile whose trial stress may lie beyond the cone.
+struct Waiting {
+  V mean, half, zz, xy;  // trial stress
+  Strengths strengths;
+  std::size_t k;
 };
 
 template <class Cones>
 struct Returning {
-  const Elastic& law;
-  const Cones& cones;
-  const StressBatch& b;
+  const Elastic law;
+  const Cones cones;
+  const StressBatch b;
   std::uint32_t* rare;
   std::size_t n = 0;
 
@@ -281,29 +188,50 @@ struct Returning {
     return out;
   }
 
+  // Sorted principal stresses.
+  struct Sorted {
+    V radius;
+    M across_high, across_low;  // is the stress across the plane the greatest, the least?
+    Principal p;
+  };
+  static HWY_INLINE Sorted sorted(V mean, V half, V zz, V xy) {
+    const V radius = hn::Sqrt(hn::MulAdd(half, half, xy * xy)), high = mean + radius, low = mean - radius;
+    const M across_high = hn::Gt(zz, high), across_low = hn::Lt(zz, low);
+    const V middle = hn::IfThenElse(across_high, high, hn::IfThenElse(across_low, low, zz));
+    return {radius, across_high, across_low, {{hn::Max(high, zz), middle, hn::Min(low, zz)}}};
+  }
+
+  // The trial stress; elastic tiles are done with it. True if `w` has to be returned.
   template <class Tile>
-  HWY_INLINE void tile(const Tile& t, std::size_t k) {
-    const D d;
+  HWY_INLINE bool trial(const Tile& t, Waiting& w) const {
     const Turned turn = turned(b, t);
     const V dxx = t.load(b.de_xx), dyy = t.load(b.de_yy), dzz = t.load(b.de_zz);
     const V two_shear = set(2 * law.shear), volumetric = set(law.lambda) * (dxx + dyy + dzz);
-    const V mean = hn::MulAdd(set(law.shear), dxx + dyy, turn.mean + volumetric);
-    const V half = hn::MulAdd(set(law.shear), dxx - dyy, turn.half);
-    const V zz = hn::MulAdd(two_shear, dzz, turn.zz + volumetric), xy = hn::MulAdd(two_shear, t.load(b.de_xy), turn.xy);
-    const V radius = hn::Sqrt(hn::MulAdd(half, half, xy * xy)), J = t.load(b.J);
-    const V high = mean + radius, low = mean - radius;
-    const M across_high = hn::Gt(zz, high), across_low = hn::Lt(zz, low);
-    const Principal p{{hn::Max(high, zz), hn::IfThenElse(across_high, high, hn::IfThenElse(across_low, low, zz)),
-                       hn::Min(low, zz)}};
+    w.mean = hn::MulAdd(set(law.shear), dxx + dyy, turn.mean + volumetric);
+    w.half = hn::MulAdd(set(law.shear), dxx - dyy, turn.half);
+    w.zz = hn::MulAdd(two_shear, dzz, turn.zz + volumetric);
+    w.xy = hn::MulAdd(two_shear, t.load(b.de_xy), turn.xy);
+    const Sorted at = sorted(w.mean, w.half, w.zz, w.xy);
+    if (!hn::AllTrue(D(), hn::Eq(t.load(b.gap), zero())) || !cones.surely_elastic(at.p.s[0], at.p.s[2], t.load(b.J)))
+      return true;
+    t.store(w.mean + w.half, b.xx);
+    t.store(w.mean - w.half, b.yy);
+    t.store(w.zz, b.zz);
+    t.store(w.xy, b.xy);
+    return false;
+  }
+
+  template <class Tile>
+  HWY_INLINE void tile(const Tile& t, const Waiting& w) {
+    const D d;
+    const std::size_t k = w.k;
+    const V mean = w.mean, half = w.half, zz = w.zz, xy = w.xy, J = t.load(b.J);
+    const Sorted at = sorted(mean, half, zz, xy);
+    const V radius = at.radius;
+    const M across_high = at.across_high, across_low = at.across_low;
+    const Principal& p = at.p;
     M odd = hn::Ne(t.load(b.gap), zero());
-    if (hn::AllFalse(d, odd) && cones.surely_elastic(p.s[0], p.s[2], J)) {
-      t.store(mean + half, b.xx);
-      t.store(mean - half, b.yy);
-      t.store(zz, b.zz);
-      t.store(xy, b.xy);
-      return;
-    }
-    LaneCone c = cones.of(t);
+    LaneCone c = cones.of(w.strengths);
     const V cohesion = c.cohesion * J;
     const V excess = hn::MulSub(c.plus, p.s[0], hn::MulAdd(c.minus, p.s[2], cohesion));
     M yields = hn::Gt(excess, zero());
@@ -314,7 +242,7 @@ struct Returning {
     V new_mean = mean, new_half = half, new_zz = zz, new_xy = xy;
     yields = hn::AndNot(odd, yields);
     if (!hn::AllFalse(d, yields)) {
-      cones.set_flow(c, t);
+      cones.set_flow(c, w.strengths);
       const V apex = c.apex() * J;
       const V size = hn::Abs(p.s[0]) + hn::Abs(p.s[2]), round_off = set(1e-12) * (size + cohesion);
       M found;
@@ -370,10 +298,21 @@ struct Returning {
   }
 };
 
+// In three passes, of which each has a short chain of operations that wait for each other: so those of several tiles
+// overlap.
 template <class Cones>
 HWY_INLINE std::size_t return_all(const Elastic& law, const Cones& cones, const StressBatch& b, std::uint32_t* rare) {
   Returning<Cones> update{law, cones, b, rare};
-  for_batch(b, [&](const auto& t, std::size_t k) HWY_ATTR { update.tile(t, k); });
+  Waiting waiting[most_in_lanes / n_lanes];
+  std::size_t n = 0;
+  for_batch(b, [&](const auto& t, std::size_t k) PIVNP_TILE {
+    waiting[n].k = k;
+    n += update.trial(t, waiting[n]);
+  });
+  for (std::size_t a = 0; a < n; ++a)
+    with_tile(b, waiting[a].k, [&](const auto& t) PIVNP_TILE { waiting[a].strengths = cones.strengths(t); });
+  for (std::size_t a = 0; a < n; ++a)
+    with_tile(b, waiting[a].k, [&](const auto& t) PIVNP_TILE { update.tile(t, waiting[a]); });
   return update.n;
 }
 
@@ -392,13 +331,9 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace pivnp::mpm {
 
-HWY_EXPORT(hencky);
 HWY_EXPORT(cone);
 HWY_EXPORT(changing_cone);
 
-std::size_t hencky_lanes(const Elastic& elastic, const StressBatch& batch, std::uint32_t* rare) {
-  return HWY_DYNAMIC_DISPATCH(hencky)(elastic, batch, rare);
-}
 std::size_t cone_lanes(const Elastic& elastic, const ConeConstants& c, const StressBatch& batch,
                        std::uint32_t* rare) {
   return HWY_DYNAMIC_DISPATCH(cone)(elastic, c, batch, rare);

@@ -1,0 +1,70 @@
+// Tiles of a batch, the stress as the step's rotation leaves it, polynomials: what the laws in lanes share. Included by
+// their sources inside Highway's loop over instruction sets.
+#if defined(PIVNP_MPM_BATCH_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef PIVNP_MPM_BATCH_INL
+#undef PIVNP_MPM_BATCH_INL
+#else
+#define PIVNP_MPM_BATCH_INL
+#endif
+
+#include "mpm/lanes-inl.hpp"
+#include "mpm/material/lanes.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace pivnp::mpm::HWY_NAMESPACE {
+
+// Calls body(tile) for the tile of a batch that begins at point k.
+template <class Body>
+HWY_INLINE void with_tile(const StressBatch& b, std::size_t k, Body&& body) {
+  if (HWY_LIKELY(k + n_lanes <= b.size)) return body(FullTile{std::uint32_t(k)});
+  std::uint32_t rest[n_lanes];
+  for (std::size_t l = 0; l < n_lanes; ++l) rest[l] = std::uint32_t(k + l);
+  body(PartTile(rest, b.size - k));
+}
+
+// Calls body(tile, k) for the batch; `k` is the tile's first point.
+template <class Body>
+HWY_INLINE void for_batch(const StressBatch& b, Body&& body) {
+  for (std::size_t k = 0; k < b.size; k += n_lanes) with_tile(b, k, [&](const auto& t) PIVNP_TILE { body(t, k); });
+}
+
+// Appends the lanes of `which` to a list.
+HWY_INLINE void list(M which, std::size_t k, std::size_t size, std::uint32_t* rare, std::size_t& n) {
+  HWY_ALIGN double in[n_lanes];
+  hn::Store(hn::IfThenElseZero(which, set(1)), D(), in);
+  for (std::size_t l = 0; l < n_lanes && k + l < size; ++l)
+    if (in[l] != 0) rare[n++] = std::uint32_t(k + l);
+}
+
+// Stress turned by the step's rotation: mean and half difference in the plane, out of it, shear.
+struct Turned {
+  V mean, half, zz, xy;
+  V size2;  // half^2 + xy^2, which waits for no rotation
+};
+template <class Tile>
+HWY_INLINE Turned turned(const StressBatch& b, const Tile& t) {
+  const V r = set(0.5) * t.load(b.spin), r2 = r * r, scale = set(1) / (set(1) + r2);
+  const V c = (set(1) - r2) * scale, s = set(2) * r * scale;
+  const V c2 = hn::NegMulAdd(s, s, c * c), s2 = set(2) * c * s;
+  const V xx = t.load(b.xx), yy = t.load(b.yy), xy = t.load(b.xy);
+  const V half = set(0.5) * (xx - yy);
+  return {set(0.5) * (xx + yy), hn::NegMulAdd(s2, xy, c2 * half), t.load(b.zz), hn::MulAdd(s2, half, c2 * xy),
+          hn::MulAdd(half, half, xy * xy)};
+}
+
+// The first `n` terms; even and odd powers apart, which halves the chain of dependent operations.
+template <int n, std::size_t size>
+HWY_INLINE V polynomial(V x, const double (&c)[size]) {
+  static_assert(n >= 3 && n <= int(size));
+  const V x2 = x * x;
+  constexpr int even_end = (n - 1) / 2 * 2, odd_end = (n - 2) / 2 * 2 + 1;
+  V even = set(c[even_end]), odd = set(c[odd_end]);
+  for (int k = even_end - 2; k >= 0; k -= 2) even = hn::MulAdd(even, x2, set(c[k]));
+  for (int k = odd_end - 2; k >= 1; k -= 2) odd = hn::MulAdd(odd, x2, set(c[k]));
+  return hn::MulAdd(odd, x, even);
+}
+
+}  // namespace pivnp::mpm::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
