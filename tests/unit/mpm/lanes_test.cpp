@@ -283,5 +283,57 @@ TEST(Cells, FollowWhatABuildFromScratchFinds) {
   }
 }
 
+// Bands that hold no cells leave their neighbours' nodes to others.
+TEST(Cells, ABandFindsItsNodesFreshOnceAndFinishesThemOnce) {
+  std::mt19937_64 random(seed_of_all);
+  SCOPED_TRACE(seed_of_all);
+  for (const ShapeKind shape : {ShapeKind::bilinear, ShapeKind::bspline})
+    for (int trial = 0; trial < 20; ++trial) {
+      const Scene scene = test::scene(Grid{{0, 0}, {0.1, 0.1}, 9, 61}, {rectangle("a", 0.1, 0.0, 0.7, 6.0)}, {elastic(1e5, 0.3, 1000)});
+      const Scheme scheme{.shape = shape, .transfer = TransferKind::flip, .stress = StressUpdate::usl, .locking = Locking::none};
+      GridState g(scene.grid, shape);
+      SolverState state = initial_state(scene, scheme, g, materials_of(scene));
+      Particles& p = state.particles;
+      std::vector<bool> empty(100);
+      for (auto&& row : empty) row = random() % (trial % 2 ? 2 : 5) != 0;
+      for (std::size_t k = 0; k < p.size(); ++k)
+        if (empty[std::size_t(p.y[k] / (trial % 3 ? 0.1 : 0.4))]) p.cell[k] = Particles::ended;
+      g.rebuild(p);
+      if (g.slots() == 0) continue;
+      std::vector<int> fresh(g.nodes.size(), 0), added(g.nodes.size(), 0), finished(g.nodes.size(), 0);
+      const auto place = [&](std::size_t node) {
+        return std::size_t(std::lower_bound(g.nodes.begin(), g.nodes.end(), std::uint32_t(node)) - g.nodes.begin());
+      };
+      for_bands(
+          g.mapped, 1,
+          [&](SlotRange nodes, std::size_t) {
+            for (std::size_t a = nodes.begin; a < nodes.end; ++a) {
+              EXPECT_EQ(fresh[a]++, 0);
+              EXPECT_EQ(added[a], 0);
+            }
+          },
+          [&](SlotRange slots, std::size_t) {
+            for (std::size_t s = slots.begin; s < slots.end; ++s) {
+              std::size_t at[9];
+              g.stencil_nodes(s, at);
+              for (int n = 0; n < g.stencil; ++n) {
+                const std::size_t a = place(at[n]);
+                EXPECT_EQ(fresh[a], 1);
+                EXPECT_EQ(finished[a], 0);
+                ++added[a];
+              }
+            }
+          },
+          [&](SlotRange nodes, std::size_t) {
+            for (std::size_t a = nodes.begin; a < nodes.end; ++a) EXPECT_EQ(finished[a]++, 0);
+          });
+      for (std::size_t a = 0; a < g.nodes.size(); ++a) {
+        EXPECT_EQ(fresh[a], 1);
+        EXPECT_EQ(finished[a], 1);
+        EXPECT_GT(added[a], 0);
+      }
+    }
+}
+
 }  // namespace
 }  // namespace pivnp::mpm
