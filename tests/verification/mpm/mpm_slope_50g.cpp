@@ -25,7 +25,7 @@ SilentProgress silent;
 struct Setup {
   double cell_m = 0.0032, speed = 1, scale = 1;  // times 50: the prototype
   int per_element = 9;
-  std::string locking = "none", softening;  // softening: none, or how it is regularised
+  std::string locking = "none", softening = "";  // softening: none, or how it is regularised
   bool flip = false;                        // in place of APIC
 };
 
