@@ -1,6 +1,7 @@
 #include "pivnp/piv/gauss_newton.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "pivnp/piv/increments.hpp"
 #include "pivnp/piv/judge.hpp"
@@ -14,6 +15,12 @@ namespace pivnp::piv {
 namespace {
 
 constexpr int coarse_passes = 4, middle_passes = 3, fine_passes = 3;  // at 1/4, 1/2 and the full resolution
+
+float greatest_change(const std::vector<float>& a, const std::vector<float>& b) {
+  float most = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) most = std::max(most, std::abs(a[k] - b[k]));
+  return most;
+}
 
 class GaussNewton final : public Method {
  public:
@@ -38,7 +45,7 @@ class GaussNewton final : public Method {
   float rounding_ = 0;  // variance of a grey value's rounding, grey^2
   LightField light_;
   // The field at the level in work, and what its last pass left.
-  std::vector<float> u_, v_, noise_, tolerance_, gain_, offset_;
+  std::vector<float> u_, v_, before_u_, before_v_, noise_, tolerance_, gain_, offset_;
   SplineField field_;
   CellSums sums_;
   Increments increments_;
@@ -137,12 +144,17 @@ void GaussNewton::pass(const GnLevel& level, bool scores) {
   accumulate_sums(input, threads_, sums_);
 }
 
-// All passes of a level from the field of now, at first without robust weights.
+// All passes of a level from the field of now, at first without robust weights. A field that a pass has hardly moved
+// has converged: the last pass alone, which also scores, is left.
 void GaussNewton::run_passes(const GnLevel& level) {
+  constexpr float still = 1e-3f;  // pixels of the level
   noise_.clear();
-  for (int k = 0; k < level.passes(); ++k) {
-    pass(level, k + 1 == level.passes());
+  const int last = level.passes() - 1;
+  for (int k = 0; k <= last; ++k) {
+    pass(level, k == last);
+    before_u_ = u_, before_v_ = v_;
     smooth(level);
+    if (k < last && greatest_change(before_u_, u_) < still && greatest_change(before_v_, v_) < still) k = last - 1;
   }
 }
 

@@ -134,7 +134,7 @@ bool judged(const Metric& m) {
   return m.verdict == not_distinguishable || m.uncertainty > 0;
 }
 
-// Criterion (issue of the comparison): flagged at most 5 % of the time. Floors of strain: as records state them, or as
+// Criterion: flagged at most 5 % of the time. Floors of strain: as records state them, or as
 // the half that stands still shows them.
 TEST(Verdict, TwoMeasurementsOfOneMotionAreRarelyFlagged) {
   const unsigned seed = 20250301;
