@@ -80,8 +80,7 @@ void add_mobilised(const Shapes& shapes, const Tally& last, const Tally& total, 
                                  " at the last common time";
   const std::string how =
       "; uncertainty: half the change when the threshold moves by the RMS error of u both ways, and the scatter if "
-      "every "
-      "particle errs by itself, in squares";
+      "every particle errs by itself, in squares";
   std::array<Mobilised, 2> m;
   const std::array<const Side*, 2> sides{&shapes.first, &shapes.second};
   for (std::size_t s = 0; s < 2; ++s) m[s] = mobilised(*sides[s], last.frame[s].motion, threshold, sigma[s]);

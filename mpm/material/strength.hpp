@@ -43,7 +43,6 @@ class StrengthLaw {
             dilatancy_, per_fade_};
   }
   double residual_friction() const { return residual_friction_; }
-  double peak_cohesion() const { return cohesion_; }
   double nonlocal_length() const { return nonlocal_length_; }
 
  private:

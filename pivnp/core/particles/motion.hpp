@@ -70,7 +70,6 @@ class MotionMemory final : public MotionSource {
  public:
   MotionMemory(std::string name, std::string length_unit, std::string time_unit, ParticleSet particles);
   void add(MotionFrame frame);
-  ParticleSet& edit_particles() { return particles_; }
 
   const std::string& name() const override { return name_; }
   const std::string& length_unit() const override { return length_unit_; }

@@ -8,6 +8,7 @@
 
 #include "pivnp/core/error.hpp"
 #include "tests/unit/compare/motions.hpp"
+#include "tests/unit/compare/scattered.hpp"
 
 namespace pivnp::compare {
 namespace {
@@ -40,21 +41,6 @@ TEST(MaterialMesh, WeightsReproduceThePoint) {
     ++inside;
   }
   EXPECT_GT(inside, 1800);
-}
-
-std::vector<Vec2> jittered(unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> jitter(-0.3, 0.3);
-  std::vector<Vec2> points = square_lattice(10, 10, 1);
-  for (Vec2& p : points) p += Vec2(jitter(random), jitter(random));
-  return points;
-}
-
-// Weights of the shares on all points of a mesh.
-std::vector<double> dense(const Natural& place, std::size_t points) {
-  std::vector<double> w(points, 0.0);
-  for (const Natural::Share& s : place.shares) w[std::size_t(s.point)] += s.weight;
-  return w;
 }
 
 TEST(MaterialMesh, SpansOneLostParticleButNoGap) {

@@ -9,14 +9,6 @@
 namespace pivnp::compare {
 namespace {
 
-const DisplacementLaw shear = [](const Vec2& x, double t) -> Vec2 { return t * Vec2(0.4 * x.y() + 0.1, -0.2); };
-const GradientLaw shear_F = [](const Vec2&, double t) -> Mat2 {
-  Mat2 F = Mat2::Identity();
-  F(0, 1) = 0.4 * t;
-  return F;
-};
-ParticleSet block() { return particles_at(square_lattice(6, 5, 1), 1); }
-
 std::string refusal(const MotionSource& a, const MotionSource& b) {
   try {
     compared(a, b);

@@ -11,14 +11,6 @@
 namespace pivnp::compare {
 namespace {
 
-const DisplacementLaw shear = [](const Vec2& x, double t) -> Vec2 { return t * Vec2(0.4 * x.y() + 0.1, -0.2); };
-const GradientLaw shear_F = [](const Vec2&, double t) -> Mat2 {
-  Mat2 F = Mat2::Identity();
-  F(0, 1) = 0.4 * t;
-  return F;
-};
-ParticleSet block() { return particles_at(square_lattice(6, 5, 1), 1); }
-
 TEST(Compare, ARecordAgainstItselfIsZero) {
   const MotionMemory a = motion_of("np", block(), {0, 0.5, 1}, shear, shear_F);
   const Comparison c = compared(a, a);

@@ -39,6 +39,17 @@ inline std::vector<Vec2> square_lattice(int nx, int ny, double spacing, const Ve
 using DisplacementLaw = std::function<Vec2(const Vec2& x0, double t)>;
 using GradientLaw = std::function<Mat2(const Vec2& x0, double t)>;
 
+/// A block of 6 by 5 particles that is sheared by 0.4 a unit of time while it moves, with its gradient.
+inline const DisplacementLaw shear = [](const Vec2& x, double t) -> Vec2 {
+  return t * Vec2(0.4 * x.y() + 0.1, -0.2);
+};
+inline const GradientLaw shear_F = [](const Vec2&, double t) -> Mat2 {
+  Mat2 F = Mat2::Identity();
+  F(0, 1) = 0.4 * t;
+  return F;
+};
+inline ParticleSet block() { return particles_at(square_lattice(6, 5, 1), 1); }
+
 inline const GradientLaw rigid = [](const Vec2&, double) { return Mat2(Mat2::Identity()); };
 
 inline MotionFrame frame_of(const ParticleSet& set, double t, const DisplacementLaw& u, const GradientLaw& F) {

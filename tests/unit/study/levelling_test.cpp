@@ -141,16 +141,22 @@ TEST(Levelling, TheMeasurementsFilterCancels) {
                          "a third at most", number(level, 2) + " against " + number(plain, 2));
 }
 
-TEST(Levelling, WithoutMotionTheFirstFrameIsKept) {
-  image::TextureOptions texture;
-  Drawn source(texture);
-  const Case c = scene();
-  const Setting setting = make_setting(c, columns, rows);
+// The exact simulation's particles, at rest until t = 2.
+MotionMemory at_rest() {
   MotionMemory still("mpm", "m", "s", exact().particles());
   MotionFrame f = exact().frame(0);
   still.add(f);
   f.time = 2;
   still.add(f);
+  return still;
+}
+
+TEST(Levelling, WithoutMotionTheFirstFrameIsKept) {
+  image::TextureOptions texture;
+  Drawn source(texture);
+  const Case c = scene();
+  const Setting setting = make_setting(c, columns, rows);
+  const MotionMemory still = at_rest();
   const Image first = source.read(0);
   const auto carried = carried_frames(first, source.frames(), true, setting.camera, still, 0, 1);
   const Image later = carried->read(2);
@@ -166,11 +172,7 @@ TEST(Levelling, EveryFrameHasNoiseOfItsOwn) {
   Drawn source(image::TextureOptions{});
   const Case c = scene();
   const Setting setting = make_setting(c, columns, rows);
-  MotionMemory still("mpm", "m", "s", exact().particles());
-  MotionFrame f = exact().frame(0);
-  still.add(f);
-  f.time = 2;
-  still.add(f);
+  const MotionMemory still = at_rest();
   const double noise = 9;
   const auto carried = carried_frames(source.read(0), source.frames(), true, setting.camera, still, noise, 1);
   const Image one = carried->read(1), two = carried->read(2);
