@@ -267,10 +267,10 @@ void draw_whole(Sheet& sheet, const std::vector<Entry>& entries, const std::vect
   QCPAxisRect* panel = sheet.panel(x, y, width, height);
   logarithmic(panel->axis(QCPAxis::atBottom), fastest, slowest, "time per vector (µs)");
   logarithmic(panel->axis(QCPAxis::atLeft), lower, upper, "error / what is asked");
-  sheet.text(x, y - 8, qt("The table's " + std::to_string(rows) + " rows that others were measured on"),
+  sheet.text(x, y - 10.5, qt("The table's " + std::to_string(rows) + " rows that others were measured on"),
              Qt::AlignLeft | Qt::AlignTop, 9, true);
-  sheet.text(x + width, y - 7.5, "symbol: geometric mean of the rows; line: up to the worst row",
-             Qt::AlignRight | Qt::AlignTop, small_text, false, faint);
+  sheet.text(x, y - 5, "symbol: geometric mean of the rows; line: up to the worst row", Qt::AlignLeft | Qt::AlignTop,
+             small_text, false, faint);
   draw_decades(sheet, panel, lower, upper);
   sheet.paint(panel, [=, &entries](QCPPainter& p) {
     p.setPen(pen(faint, 0.8));
