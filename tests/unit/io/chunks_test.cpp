@@ -69,6 +69,33 @@ TEST(Chunks, LargeItemsAreSplitWithALastPieceThatIsShorter) {
   round_trip<std::uint8_t>({3'000'001}, 2, {{0, 1}, {1, 1}}, 2);
 }
 
+// A chunk that is packed before the series has filled it holds the fill value where items come later, or never.
+TEST(Chunks, AGrowingSeriesIsNotANumberWhereNothingWasWritten) {
+  const test::Scratch directory;
+  const std::filesystem::path path = directory.path / "a.h5";
+  const std::size_t length = 1000;
+  const std::vector<float> all = values<float>(9 * length);
+  {
+    OutputFile out(path, 2);
+    {
+      Dataset series = out.series("/a", Type::f32, {length}, 0, true, "", Packing::deflated);
+      out.extend(series, 5);
+      out.write_items(series, Type::f32, 0, 5, all.data());
+      out.extend(series, 9);
+      out.write_items(series, Type::f32, 8, 1, all.data() + 8 * length);
+    }
+    out.commit();
+  }
+  const std::vector<float> read = Source(path).dataset("/a").all<float>();
+  ASSERT_EQ(read.size(), all.size());
+  for (std::size_t k = 0; k < read.size(); ++k) {
+    if (k / length < 5 || k / length == 8)
+      ASSERT_EQ(read[k], all[k]) << k;
+    else
+      ASSERT_TRUE(std::isnan(read[k])) << k;
+  }
+}
+
 TEST(Chunks, RandomPieces) {
   const unsigned seed = std::random_device{}();
   SCOPED_TRACE(seed);
