@@ -17,15 +17,34 @@ HWY_BEFORE_NAMESPACE();
 namespace pivnp::mpm::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
-using D = hn::CappedTag<double, 4>;
+using D = hn::CappedTag<double, 8>;
 using V = hn::Vec<D>;
 using M = hn::Mask<D>;
 constexpr std::size_t n_lanes = hn::MaxLanes(D());
-static_assert(n_lanes == 1 || n_lanes == 2 || n_lanes == 4);
+// The lanes come in groups, each of one cell: at four points a cell more lanes than that would stay empty.
+constexpr std::size_t group_lanes = n_lanes < 4 ? n_lanes : 4, groups = n_lanes / group_lanes;
+static_assert(groups == 1 || groups == 2);
 
 HWY_INLINE V set(double v) { return hn::Set(D(), v); }
 HWY_INLINE V zero() { return hn::Zero(D()); }
 HWY_INLINE double sum_of(V v) { return hn::GetLane(hn::SumOfLanes(D(), v)); }
+
+// One number of each group in its lanes.
+HWY_INLINE V of_groups(double first, [[maybe_unused]] double second) {
+  if constexpr (groups == 1) return set(first);
+  else return hn::IfThenElse(hn::FirstN(D(), group_lanes), set(first), set(second));
+}
+// The sum over each group's lanes, in one order whatever their number.
+HWY_INLINE void group_sums(V v, double* out) {
+  HWY_ALIGN double lane[n_lanes];
+  hn::Store(v, D(), lane);
+  for (std::size_t g = 0; g < groups; ++g) {
+    const double* of = lane + g * group_lanes;
+    if constexpr (group_lanes == 4) out[g] = (of[0] + of[1]) + (of[2] + of[3]);
+    else if constexpr (group_lanes == 2) out[g] = of[0] + of[1];
+    else out[g] = of[0];
+  }
+}
 
 // Of what is done with a tile: inline, or the arrays' addresses would be looked up again after every store.
 #undef PIVNP_TILE
@@ -42,25 +61,29 @@ struct FullTile {
   HWY_INLINE V live(V v) const { return v; }
 };
 
-// Points anywhere; the last one repeated in the lanes that are left.
+// Points anywhere. The lanes that are left repeat a point of their group's cell, and get what that one gets.
 struct PartTile {
   std::uint32_t point[n_lanes];
-  std::size_t size;
+  std::uint8_t is_live[8] = {};  // a bit a lane
 
-  HWY_INLINE PartTile(const std::uint32_t* order, std::size_t n) : size(n) {
-    std::uint32_t last = order[0];
-    for (std::size_t l = 0; l < n_lanes; ++l) {
-      if (l < n) last = order[l];
-      point[l] = last;
-    }
+  HWY_INLINE PartTile() = default;
+  HWY_INLINE PartTile(const std::uint32_t* order, std::size_t n) { take(0, order, n, n_lanes); }
+  // `n` points to the `room` lanes from `lane` on.
+  HWY_INLINE void take(std::size_t lane, const std::uint32_t* order, std::size_t n, std::size_t room) {
+    std::uint32_t k = order[0];
+    for (std::size_t l = 0; l < room; ++l) point[lane + l] = k = l < n ? order[l] : k;
+    is_live[0] = std::uint8_t(is_live[0] | ((1u << n) - 1) << lane);
+  }
+  HWY_INLINE void repeat(std::size_t lane, std::uint32_t k) {
+    for (std::size_t l = lane; l < n_lanes; ++l) point[l] = k;
   }
   HWY_INLINE V load(const double* a) const { return gathered(D(), a); }
   HWY_INLINE void store(V v, double* a) const {
     HWY_ALIGN double lane[n_lanes];
     hn::Store(v, D(), lane);
-    for (std::size_t l = 0; l < size; ++l) a[point[l]] = lane[l];
+    for (std::size_t l = 0; l < n_lanes; ++l) a[point[l]] = lane[l];
   }
-  HWY_INLINE V live(V v) const { return hn::IfThenElseZero(hn::FirstN(D(), size), v); }
+  HWY_INLINE V live(V v) const { return hn::IfThenElseZero(hn::LoadMaskBits(D(), is_live), v); }
 
  private:
   template <class Tag>
@@ -68,34 +91,85 @@ struct PartTile {
 #if HWY_TARGET == HWY_SCALAR
     return hn::Set(d, a[point[0]]);
 #else
-    if constexpr (n_lanes == 4) {
-      const hn::Half<Tag> h;
-      return hn::Combine(d, hn::OddEven(hn::Set(h, a[point[3]]), hn::Set(h, a[point[2]])),
-                         hn::OddEven(hn::Set(h, a[point[1]]), hn::Set(h, a[point[0]])));
-    } else {
-      return hn::OddEven(hn::Set(d, a[point[1]]), hn::Set(d, a[point[0]]));
-    }
+    return from(d, a, 0);
 #endif
+  }
+#if HWY_TARGET != HWY_SCALAR
+  template <class Tag>
+  HWY_INLINE hn::Vec<Tag> from(Tag d, const double* a, std::size_t lane) const {
+    if constexpr (hn::MaxLanes(Tag()) == 2) {
+      return hn::OddEven(hn::Set(d, a[point[lane + 1]]), hn::Set(d, a[point[lane]]));
+    } else {
+      const hn::Half<Tag> h;
+      return hn::Combine(d, from(h, a, lane + hn::MaxLanes(h)), from(h, a, lane));
+    }
+  }
+#endif
+};
+
+// The cells of a tile's groups; the walls are the same for all.
+struct TileCells {
+  Node* base[groups];           // the lower left node of the stencil
+  std::size_t slot[groups];
+  std::uint32_t place[groups];  // of the group's first point in `order`
+  unsigned fold;
+  std::ptrdiff_t nx;            // nodes in a row
+
+  /// A member of the node `n` behind `base`.
+  HWY_INLINE V value(std::ptrdiff_t n, double Node::*member) const {
+    return of_groups(base[0][n].*member, base[groups - 1][n].*member);
   }
 };
 
+// Calls body(tile, cells) for the points of some slots.
 template <class Body>
-HWY_INLINE void for_tiles(const CellView& c, std::size_t slot, Body&& body) {
-  const std::uint32_t end = c.slot_begin[slot + 1];
-  for (std::uint32_t q = c.slot_begin[slot]; q < end; q += n_lanes) {
-    const std::uint32_t* order = c.order + q;
-    if (end - q >= n_lanes && order[n_lanes - 1] == order[0] + (n_lanes - 1)) body(FullTile{order[0]});
-    else body(PartTile(order, end - q < n_lanes ? end - q : n_lanes));
+HWY_INLINE void for_tiles(const CellView& c, SlotRange slots, Body&& body) {
+  std::size_t s = slots.begin;
+  if (s == slots.end) return;
+  TileCells cells;
+  cells.nx = c.nx;
+  std::uint32_t q = c.slot_begin[s], size[groups];
+  const auto take = [&](std::size_t g) PIVNP_TILE {
+    const std::uint32_t left = c.slot_begin[s + 1] - q;
+    size[g] = left < group_lanes ? left : std::uint32_t(group_lanes);
+    cells.base[g] = c.node + c.slot_cell[s];
+    cells.slot[g] = s;
+    cells.place[g] = q;
+    q += size[g];
+    s += size[g] == left;
+  };
+  while (s < slots.end) {
+    cells.fold = c.slot_fold[s];
+    take(0);
+    const std::uint32_t* first = c.order + cells.place[0];
+    bool together = size[0] == group_lanes && first[group_lanes - 1] == first[0] + (group_lanes - 1);
+    if constexpr (groups == 2) {
+      if (HWY_LIKELY(s < slots.end && c.slot_fold[s] == cells.fold)) {
+        take(1);
+        const std::uint32_t* second = c.order + cells.place[1];
+        if (HWY_LIKELY(together && size[1] == group_lanes && second[0] == first[0] + group_lanes &&
+                       second[group_lanes - 1] == first[0] + (n_lanes - 1))) {
+          body(FullTile{first[0]}, cells);
+        } else {
+          PartTile t;
+          t.take(0, first, size[0], group_lanes);
+          t.take(group_lanes, second, size[1], group_lanes);
+          body(t, cells);
+        }
+      } else {
+        cells.base[1] = cells.base[0];
+        cells.slot[1] = cells.slot[0];
+        cells.place[1] = cells.place[0] + size[0];
+        PartTile t;
+        t.take(0, first, size[0], group_lanes);
+        t.repeat(group_lanes, first[size[0] - 1]);
+        body(t, cells);
+      }
+    } else {
+      if (HWY_LIKELY(together)) body(FullTile{first[0]}, cells);
+      else body(PartTile(first, size[0]), cells);
+    }
   }
-}
-// The same, with body(tile, its place in `order`).
-template <class Body>
-HWY_INLINE void for_placed_tiles(const CellView& c, std::size_t slot, Body&& body) {
-  std::uint32_t q = c.slot_begin[slot];
-  for_tiles(c, slot, [&](const auto& t) PIVNP_TILE {
-    body(t, q);
-    q += n_lanes;
-  });
 }
 
 // Shape functions as in shape.hpp.
@@ -210,11 +284,11 @@ HWY_INLINE void hat_lanes(V xi, V* w) {
   w[2] = hn::Max(zero(), xi);
 }
 
-// sum over a line of weight times a member of the row's nodes.
+// sum over a line of weight times a member of the row's nodes, the first of which is `row` behind the base.
 template <int W>
-HWY_INLINE V row_sum(const V* w, const Node* row, double Node::*member) {
-  V sum = w[0] * set(row[0].*member);
-  for (int a = 1; a < W; ++a) sum = hn::MulAdd(w[a], set(row[a].*member), sum);
+HWY_INLINE V row_sum(const V* w, const TileCells& cells, std::ptrdiff_t row, double Node::*member) {
+  V sum = w[0] * cells.value(row, member);
+  for (int a = 1; a < W; ++a) sum = hn::MulAdd(w[a], cells.value(row + a, member), sum);
   return sum;
 }
 template <int W>
@@ -224,67 +298,109 @@ HWY_INLINE V dot(const V* w, const V* v) {
   return sum;
 }
 
-// The sums over lanes of four vectors, added to memory. (Templates, so that only the branch of the lanes compiles.)
+// The sums over each group's lanes of four vectors, added to memory. (Templates, so that only the branch of the lanes
+// compiles.)
 struct Four {
   V a, b, c, e;
 
-  /// To four numbers in a row, aligned.
-  HWY_INLINE void add_to(double* at) const { add(D(), at, at + 2); }
-  /// To two and two.
-  HWY_INLINE void add_to(double* first, double* second) const { add_halves(D(), first, second); }
-  HWY_INLINE void get(double* at) const {
-    for (int n = 0; n < 4; ++n) at[n] = 0;
-    add(D(), at, at + 2);
+  /// To four numbers in a row at first(group), aligned.
+  template <class First>
+  HWY_INLINE void add_to(First&& first) const {
+    add(D(), first);
+  }
+  /// To two at low(group) and two at high(group).
+  template <class Low, class High>
+  HWY_INLINE void add_to(Low&& low, High&& high) const {
+    add_halves(D(), low, high);
+  }
+  /// To single ones at each(group, number).
+  template <class Each>
+  HWY_INLINE void add_singly(Each&& each) const {
+    HWY_ALIGN double sums[groups][4] = {};
+    add(D(), [&](std::size_t g) PIVNP_TILE { return sums[g]; });
+    for (std::size_t g = 0; g < groups; ++g)
+      for (std::size_t n = 0; n < 4; ++n) *each(g, n) += sums[g][n];
   }
 
  private:
 #if HWY_TARGET == HWY_SCALAR
-  HWY_INLINE void add(D d, double* low, double* high) const { add_halves(d, low, high); }
-  HWY_INLINE void add_halves(D, double* low, double* high) const {
-    low[0] += hn::GetLane(a);
-    low[1] += hn::GetLane(b);
-    high[0] += hn::GetLane(c);
-    high[1] += hn::GetLane(e);
+  template <class First>
+  HWY_INLINE void add(D d, First&& first) const {
+    add_halves(d, first, [&](std::size_t g) { return first(g) + 2; });
+  }
+  template <class Low, class High>
+  HWY_INLINE void add_halves(D, Low&& low, High&& high) const {
+    low(0)[0] += hn::GetLane(a);
+    low(0)[1] += hn::GetLane(b);
+    high(0)[0] += hn::GetLane(c);
+    high(0)[1] += hn::GetLane(e);
   }
 #else
   template <class Tag>
   static HWY_INLINE V pairs(Tag d, V x, V y) {
     return hn::InterleaveLower(d, x, y) + hn::InterleaveUpper(d, x, y);
   }
+  // a, b, c, e of the first group, then of the second.
   template <class Tag>
   HWY_INLINE V all(Tag d) const {
     const V ab = pairs(d, a, b), ce = pairs(d, c, e);
-    return hn::ConcatLowerLower(d, ce, ab) + hn::ConcatUpperUpper(d, ce, ab);
+    return hn::OddEvenBlocks(ce, ab) + hn::SwapAdjacentBlocks(hn::OddEvenBlocks(ab, ce));
   }
   template <class Tag>
-  HWY_INLINE void add(Tag d, double* low, double* high) const {
-    if constexpr (n_lanes == 4) hn::Store(hn::Load(d, low) + all(d), d, low);
-    else add_halves(d, low, high);
+  static HWY_INLINE void add_at(Tag d, hn::Vec<Tag> v, double* at) {
+    hn::StoreU(hn::LoadU(d, at) + v, d, at);
   }
-  template <class Tag>
-  HWY_INLINE void add_halves(Tag d, double* low, double* high) const {
-    if constexpr (n_lanes == 4) {
+  template <class Tag, class First>
+  HWY_INLINE void add(Tag d, First&& first) const {
+    if constexpr (n_lanes == 8) {
       const hn::Half<Tag> h;
       const V sums = all(d);
-      hn::StoreU(hn::LoadU(h, low) + hn::LowerHalf(h, sums), h, low);
-      hn::StoreU(hn::LoadU(h, high) + hn::UpperHalf(h, sums), h, high);
+      add_at(h, hn::LowerHalf(h, sums), first(0));
+      add_at(h, hn::UpperHalf(h, sums), first(1));
+    } else if constexpr (n_lanes == 4) {
+      add_at(d, all(d), first(0));
     } else {
-      hn::StoreU(hn::LoadU(d, low) + pairs(d, a, b), d, low);
-      hn::StoreU(hn::LoadU(d, high) + pairs(d, c, e), d, high);
+      add_halves(d, first, [&](std::size_t g) PIVNP_TILE { return first(g) + 2; });
     }
+  }
+  template <class Tag, class Low, class High>
+  HWY_INLINE void add_halves(Tag d, Low&& low, High&& high) const {
+    if constexpr (n_lanes == 8) {
+      const hn::Half<Tag> h;
+      const V sums = all(d);
+      split(h, hn::LowerHalf(h, sums), low(0), high(0));
+      split(h, hn::UpperHalf(h, sums), low(1), high(1));
+    } else if constexpr (n_lanes == 4) {
+      split(d, all(d), low(0), high(0));
+    } else {
+      add_at(d, pairs(d, a, b), low(0));
+      add_at(d, pairs(d, c, e), high(0));
+    }
+  }
+  template <class Tag>
+  static HWY_INLINE void split(Tag d, hn::Vec<Tag> v, double* low, double* high) {
+    const hn::Half<Tag> h;
+    add_at(h, hn::LowerHalf(h, v), low);
+    add_at(h, hn::UpperHalf(h, v), high);
   }
 #endif
 };
 
-// Adds the sums over lanes of a[c], b[c] to two numbers of each of a stencil's nodes; at(c) is the first.
+// Adds the sums over each group's lanes of a[c], b[c] to two numbers of each of a stencil's nodes; at(group, c) is the
+// first.
 template <int N, class At>
 HWY_INLINE void add_pairs(const V* a, const V* b, At&& at) {
-  for (int c = 0; c + 1 < N; c += 2) Four{a[c], b[c], a[c + 1], b[c + 1]}.add_to(at(c), at(c + 1));
+  for (int c = 0; c + 1 < N; c += 2)
+    Four{a[c], b[c], a[c + 1], b[c + 1]}.add_to([&](std::size_t g) PIVNP_TILE { return at(g, c); },
+                                                [&](std::size_t g) PIVNP_TILE { return at(g, c + 1); });
   if constexpr (N % 2 == 1) {
-    HWY_ALIGN double last[4];
-    Four{a[N - 1], b[N - 1], a[N - 1], b[N - 1]}.get(last);
-    at(N - 1)[0] += last[0];
-    at(N - 1)[1] += last[1];
+    double sums[2][groups];
+    group_sums(a[N - 1], sums[0]);
+    group_sums(b[N - 1], sums[1]);
+    for (std::size_t g = 0; g < groups; ++g) {
+      at(g, N - 1)[0] += sums[0][g];
+      at(g, N - 1)[1] += sums[1][g];
+    }
   }
 }
 

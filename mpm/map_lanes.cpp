@@ -1,6 +1,8 @@
 // From the points to the nodes: A.1 (natural coordinates), A.3, A.4.
 #include "mpm/lanes.hpp"
 
+#include <algorithm>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "mpm/map_lanes.cpp"
 #include <hwy/foreach_target.h>  // compiles this file once for every instruction set
@@ -10,6 +12,11 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace pivnp::mpm::HWY_NAMESPACE {
+
+// Where a cell's points may lie.
+struct CellBounds {
+  double i, j, low_x, high_x, low_y, high_y;
+};
 
 std::size_t locate_slots(ShapeKind shape, const PointView& p, const CellView& c, SlotRange slots,
                          std::uint32_t* suspects) {
@@ -22,36 +29,43 @@ std::size_t locate_slots(ShapeKind shape, const PointView& p, const CellView& c,
   const V per_x = set(c.per_hx), per_y = set(c.per_hy), ox = set(c.origin_x), oy = set(c.origin_y);
   std::size_t found = 0;
   std::int32_t row = 0, row_end = 0;  // the first cell of the row, and that of the next one
-  V j0 = zero(), low_y = zero(), high_y = zero();
-  for (std::size_t s = slots.begin; s < slots.end; ++s) {
+  CellBounds row_bounds{};
+  const auto bounds_of = [&](std::size_t s) PIVNP_TILE {
     const std::int32_t cell = c.slot_cell[s];
     if (HWY_UNLIKELY(cell >= row_end)) {
       int j = cell / c.nx;
       row = j * c.nx;
       row_end = row + c.nx;
       if (j >= c.sheet_rows) j %= c.sheet_rows;
-      j0 = set(j + place);
-      low_y = set(low(j));
-      high_y = set(high(j, c.ny));
+      row_bounds.j = j + place;
+      row_bounds.low_y = low(j);
+      row_bounds.high_y = high(j, c.ny);
     }
     const int i = cell - row;
-    const V i0 = set(i + place), low_x = set(low(i)), high_x = set(high(i, c.nx));
-    std::uint32_t at = c.slot_begin[s];
-    for_tiles(c, s, [&](const auto& t) PIVNP_TILE {
-      const V xi = (t.load(p.x) - ox) * per_x - i0, eta = (t.load(p.y) - oy) * per_y - j0;
-      const M inside = hn::And(hn::And(hn::Ge(xi, low_x), hn::Lt(xi, high_x)),
-                               hn::And(hn::Ge(eta, low_y), hn::Lt(eta, high_y)));
-      t.store(xi, p.xi);
-      t.store(eta, p.eta);
-      if (HWY_UNLIKELY(!hn::AllTrue(d, inside))) {
-        HWY_ALIGN double in[n_lanes];
-        hn::Store(hn::IfThenElseZero(inside, set(1)), d, in);
-        for (std::uint32_t l = 0; l < n_lanes && at + l < c.slot_begin[s + 1]; ++l)
-          if (in[l] == 0) suspects[found++] = at + l;
-      }
-      at += n_lanes;
-    });
-  }
+    CellBounds b = row_bounds;
+    b.i = i + place;
+    b.low_x = low(i);
+    b.high_x = high(i, c.nx);
+    return b;
+  };
+  for_tiles(c, slots, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
+    const CellBounds a = bounds_of(cells.slot[0]);
+    CellBounds b = a;
+    if constexpr (groups == 2) b = bounds_of(cells.slot[1]);
+    const V xi = hn::MulSub(t.load(p.x) - ox, per_x, of_groups(a.i, b.i));
+    const V eta = hn::MulSub(t.load(p.y) - oy, per_y, of_groups(a.j, b.j));
+    const M inside = hn::And(
+        hn::And(hn::Ge(xi, of_groups(a.low_x, b.low_x)), hn::Lt(xi, of_groups(a.high_x, b.high_x))),
+        hn::And(hn::Ge(eta, of_groups(a.low_y, b.low_y)), hn::Lt(eta, of_groups(a.high_y, b.high_y))));
+    t.store(xi, p.xi);
+    t.store(eta, p.eta);
+    if (HWY_UNLIKELY(!hn::AllTrue(d, inside))) {
+      HWY_ALIGN double out[n_lanes];
+      hn::Store(t.live(hn::IfThenElse(inside, zero(), set(1))), d, out);
+      for (std::size_t l = 0; l < n_lanes; ++l)
+        if (out[l] != 0) suspects[found++] = cells.place[l / group_lanes] + std::uint32_t(l % group_lanes);
+    }
+  });
   return found;
 }
 
@@ -67,22 +81,37 @@ HWY_INLINE void add_centre_force(const CellView& c, Node* base, double sxx, doub
 
 HWY_INLINE V sum3(V a, V b, V c) { return a + b + c; }
 
-// The element's sums of V0 times stress: what `selective`, `full` and F-bar of bilinear shapes average. Returns the mean
-// stress that F-bar puts in the place of the points' own.
-HWY_INLINE double average_element(const PointView& p, const CellView& c, std::size_t slot, Locking locking, Node* base) {
-  V xx = zero(), yy = zero(), xy = zero(), zz = zero(), volume = zero();
-  for_tiles(c, slot, [&](const auto& t) PIVNP_TILE {
-    const V v = locking == Locking::fbar ? joined_volume(p, t) : t.live(t.load(p.volume0));
-    xx = hn::MulAdd(v, t.load(p.tau_xx), xx);
-    yy = hn::MulAdd(v, t.load(p.tau_yy), yy);
-    zz = hn::MulAdd(v, t.load(p.tau_zz), zz);
-    xy = hn::MulAdd(v, t.load(p.tau_xy), xy);
-    volume = volume + v;
+// Sums over a run of elements of V0 times stress: what `selective`, `full` and F-bar of bilinear shapes average.
+struct ElementSums {
+  static constexpr std::size_t most = 32;  // elements
+  double xx[most] = {}, yy[most] = {}, zz[most] = {}, xy[most] = {}, volume[most] = {};
+
+  HWY_INLINE void add(const TileCells& cells, std::size_t first, V v, double* to) {
+    double sums[groups];
+    group_sums(v, sums);
+    for (std::size_t g = 0; g < groups; ++g) to[cells.slot[g] - first] += sums[g];
+  }
+};
+
+// The mean stress that F-bar puts in the place of the points' own, in `mean`; the others' force at the nodes.
+HWY_INLINE void average_elements(const PointView& p, const CellView& c, SlotRange slots, Locking locking, double* mean) {
+  ElementSums sums;
+  for_tiles(c, slots, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
+    const V v = t.live(locking == Locking::fbar ? joined_volume(p, t) : t.load(p.volume0));
+    sums.add(cells, slots.begin, v * t.load(p.tau_xx), sums.xx);
+    sums.add(cells, slots.begin, v * t.load(p.tau_yy), sums.yy);
+    sums.add(cells, slots.begin, v * t.load(p.tau_zz), sums.zz);
+    if (locking == Locking::full) sums.add(cells, slots.begin, v * t.load(p.tau_xy), sums.xy);
+    if (locking == Locking::fbar) sums.add(cells, slots.begin, v, sums.volume);
   });
-  const double mean = sum_of(sum3(xx, yy, zz)) / 3;
-  if (locking == Locking::full) add_centre_force(c, base, sum_of(xx), sum_of(yy), sum_of(xy));
-  if (locking == Locking::selective) add_centre_force(c, base, mean, mean, 0);
-  return mean / sum_of(volume);
+  for (std::size_t s = slots.begin; s < slots.end; ++s) {
+    const std::size_t at = s - slots.begin;
+    Node* base = c.node + c.slot_cell[s];
+    const double third = (sums.xx[at] + sums.yy[at] + sums.zz[at]) / 3;
+    mean[at] = third / sums.volume[at];
+    if (locking == Locking::full) add_centre_force(c, base, sums.xx[at], sums.yy[at], sums.xy[at]);
+    if (locking == Locking::selective) add_centre_force(c, base, third, third, 0);
+  }
 }
 
 template <class S, bool affine>
@@ -94,24 +123,28 @@ struct Mapping {
   double force;  // 1 or 0
   Locking locking;
 
-  // What the mean stress of the tile's points changes by.
+  // What the mean stress of the tile's points changes by; `mean`: of F-bar's elements, from slot `first` on.
   template <class Tile>
-  HWY_INLINE V mean_change(const TileLines<S>& l, const Tile& t, const Node* base, double element, V xx, V yy) const {
+  HWY_INLINE V mean_change(const TileLines<S>& l, const Tile& t, const TileCells& cells, const double* mean,
+                           std::size_t first, V xx, V yy) const {
     const V own = sum3(xx, yy, t.load(p.tau_zz)) * set(-1.0 / 3);
     if constexpr (W == 2) {
-      return locking == Locking::fbar ? hn::IfThenZeroElse(stands_open(p, t), own + set(element)) : own;
+      if (locking != Locking::fbar) return own;
+      const V element = of_groups(mean[cells.slot[0] - first], mean[cells.slot[groups - 1] - first]);
+      return hn::IfThenZeroElse(stands_open(p, t), own + element);
     } else {
       V hx[3], hy[3], row[3];
       hat_lanes(l.xi, hx);
       hat_lanes(l.eta, hy);
-      for (int b = 0; b < 3; ++b) row[b] = row_sum<3>(hx, base + b * c.nx, &Node::dx);
+      for (int b = 0; b < 3; ++b) row[b] = row_sum<3>(hx, cells, b * cells.nx, &Node::dx);
       return hn::IfThenZeroElse(stands_open(p, t), own + dot<3>(hy, row));
     }
   }
 
   template <class Tile>
-  HWY_INLINE void tile(const Tile& t, Node* base, unsigned fold, double volume_factor, double element) const {
-    const TileLines<S> l(p, fold, t);
+  HWY_INLINE void tile(const Tile& t, const TileCells& cells, double volume_factor, const double* mean,
+                       std::size_t first) const {
+    const TileLines<S> l(p, cells.fold, t);
     V ax[W], ay[W], pm[W], ux[W], uy[W], ex[W], ey[W], fxg[W], fxw[W], fyg[W], fyw[W];
     const V m = momentum ? t.live(t.load(p.mass)) : zero();
     const V vx = t.load(p.vx), vy = t.load(p.vy);
@@ -129,7 +162,7 @@ struct Mapping {
     const V v = t.live(t.load(p.volume0)) * set(-volume_factor);
     V xx = t.load(p.tau_xx), yy = t.load(p.tau_yy);
     if (locking != Locking::none) {
-      const V change = mean_change(l, t, base, element, xx, yy);
+      const V change = mean_change(l, t, cells, mean, first, xx, yy);
       xx = xx + change;
       yy = yy + change;
     }
@@ -144,7 +177,6 @@ struct Mapping {
     }
     V fy[W][W];
     for (int b = 0; b < W; ++b) {
-      Node* row = base + b * c.nx;
       for (int a = 0; a < W; ++a) {
         const V mass = pm[a] * l.y.w[b];
         V px, py;
@@ -155,30 +187,38 @@ struct Mapping {
           px = mass * vx;
           py = mass * vy;
         }
-        Four{mass, px, py, hn::MulAdd(fxg[a], l.y.w[b], fxw[a] * l.y.g[b])}.add_to(&row[a].mass);
+        Four{mass, px, py, hn::MulAdd(fxg[a], l.y.w[b], fxw[a] * l.y.g[b])}.add_to(
+            [&](std::size_t g) PIVNP_TILE { return &cells.base[g][b * cells.nx + a].mass; });
         fy[b][a] = hn::MulAdd(fyg[a], l.y.w[b], fyw[a] * l.y.g[b]);
       }
     }
-    HWY_ALIGN double sums[4];
     if constexpr (W == 2) {
-      Four{fy[0][0], fy[0][1], fy[1][0], fy[1][1]}.get(sums);
-      for (int n = 0; n < 4; ++n) base[n / 2 * c.nx + n % 2].fy += sums[n];
+      Four{fy[0][0], fy[0][1], fy[1][0], fy[1][1]}.add_singly(
+          [&](std::size_t g, std::size_t n) PIVNP_TILE { return &cells.base[g][std::ptrdiff_t(n / 2) * cells.nx + n % 2].fy; });
     } else {
-      for (int b = 0; b < W; ++b) {
-        Four{fy[b][0], fy[b][1], fy[b][2], zero()}.get(sums);
-        for (int a = 0; a < W; ++a) base[b * c.nx + a].fy += sums[a];
-      }
+      const auto at = [&](std::size_t g, std::size_t n) PIVNP_TILE {
+        return &cells.base[g][std::ptrdiff_t(n / 3) * cells.nx + n % 3].fy;
+      };
+      Four{fy[0][0], fy[0][1], fy[0][2], fy[1][0]}.add_singly(at);
+      Four{fy[1][1], fy[1][2], fy[2][0], fy[2][1]}.add_singly(
+          [&](std::size_t g, std::size_t n) PIVNP_TILE { return at(g, n + 4); });
+      double last[groups];
+      group_sums(fy[2][2], last);
+      for (std::size_t g = 0; g < groups; ++g) *at(g, 8) += last[g];
     }
   }
 
-  HWY_INLINE void slot(std::size_t s) const {
-    Node* base = c.node + c.slot_cell[s];
-    double element = 0, factor = force;
-    if constexpr (W == 2) {
-      if (locking != Locking::none && force != 0) element = average_element(p, c, s, locking, base);
-      if (locking == Locking::full) factor = 0;
+  HWY_INLINE void run(SlotRange slots) const {
+    double mean[ElementSums::most];
+    const bool average = W == 2 && locking != Locking::none && force != 0;
+    const double factor = average && locking == Locking::full ? 0 : force;
+    const std::size_t each = average ? ElementSums::most : slots.end - slots.begin;
+    while (slots.begin < slots.end) {
+      const SlotRange part{slots.begin, std::min(slots.end, slots.begin + each)};
+      if (average) average_elements(p, c, part, locking, mean);
+      for_tiles(c, part, [&](const auto& t, const TileCells& cells) PIVNP_TILE { tile(t, cells, factor, mean, part.begin); });
+      slots.begin = part.end;
     }
-    for_tiles(c, s, [&](const auto& t) PIVNP_TILE { tile(t, base, c.slot_fold[s], factor, element); });
   }
 };
 
@@ -187,31 +227,26 @@ void map_slots(ShapeKind shape, bool affine, bool momentum, bool force, Locking 
   with_lanes(shape, [&](auto kind) HWY_ATTR {
     using S = decltype(kind);
     if (affine) {
-      const Mapping<S, true> map{p, c, momentum, force ? 1.0 : 0.0, locking};
-      for (std::size_t s = slots.begin; s < slots.end; ++s) map.slot(s);
+      Mapping<S, true>{p, c, momentum, force ? 1.0 : 0.0, locking}.run(slots);
     } else {
-      const Mapping<S, false> map{p, c, momentum, force ? 1.0 : 0.0, locking};
-      for (std::size_t s = slots.begin; s < slots.end; ++s) map.slot(s);
+      Mapping<S, false>{p, c, momentum, force ? 1.0 : 0.0, locking}.run(slots);
     }
   });
 }
 
 void average_stress_slots(const PointView& p, const CellView& c, SlotRange slots) {
-  for (std::size_t s = slots.begin; s < slots.end; ++s) {
-    Node* base = c.node + c.slot_cell[s];
-    for_tiles(c, s, [&](const auto& t) PIVNP_TILE {
-      V hx[3], hy[3], value[9], volume[9];
-      hat_lanes(t.load(p.xi), hx);
-      hat_lanes(t.load(p.eta), hy);
-      const V v = joined_volume(p, t);
-      const V mean = sum3(t.load(p.tau_xx), t.load(p.tau_yy), t.load(p.tau_zz)) * set(1.0 / 3);
-      for (int n = 0; n < 9; ++n) {
-        volume[n] = v * hx[n % 3] * hy[n / 3];
-        value[n] = volume[n] * mean;
-      }
-      add_pairs<9>(value, volume, [&](int n) { return &base[n / 3 * c.nx + n % 3].dx; });
-    });
-  }
+  for_tiles(c, slots, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
+    V hx[3], hy[3], value[9], volume[9];
+    hat_lanes(t.load(p.xi), hx);
+    hat_lanes(t.load(p.eta), hy);
+    const V v = joined_volume(p, t);
+    const V mean = sum3(t.load(p.tau_xx), t.load(p.tau_yy), t.load(p.tau_zz)) * set(1.0 / 3);
+    for (int n = 0; n < 9; ++n) {
+      volume[n] = v * hx[n % 3] * hy[n / 3];
+      value[n] = volume[n] * mean;
+    }
+    add_pairs<9>(value, volume, [&](std::size_t g, int n) PIVNP_TILE { return &cells.base[g][n / 3 * cells.nx + n % 3].dx; });
+  });
 }
 
 void project_slots(ShapeKind shape, const double* v, double* out, const PointView& p, const CellView& c,
@@ -219,25 +254,25 @@ void project_slots(ShapeKind shape, const double* v, double* out, const PointVie
   with_lanes(shape, [&](auto kind) HWY_ATTR {
     using S = decltype(kind);
     constexpr int W = S::W, N = W * W;
-    for (std::size_t s = slots.begin; s < slots.end; ++s) {
-      const std::ptrdiff_t base = c.slot_cell[s];
-      const auto at = [&](int n) { return 2 * (base + n / W * c.nx + n % W); };
-      for_tiles(c, s, [&](const auto& t) PIVNP_TILE {
-        const TileLines<S> l(p, c.slot_fold[s], t);
-        const V m = t.live(t.load(p.mass));
-        V w[N], vx = zero(), vy = zero(), px[N], py[N];
-        for (int n = 0; n < N; ++n) {
-          w[n] = l.x.w[n % W] * l.y.w[n / W];
-          vx = hn::MulAdd(w[n], set(v[at(n)]), vx);
-          vy = hn::MulAdd(w[n], set(v[at(n) + 1]), vy);
-        }
-        for (int n = 0; n < N; ++n) {
-          px[n] = m * w[n] * vx;
-          py[n] = m * w[n] * vy;
-        }
-        add_pairs<N>(px, py, [&](int n) { return out + at(n); });
-      });
-    }
+    for_tiles(c, slots, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
+      std::ptrdiff_t base[groups];
+      for (std::size_t g = 0; g < groups; ++g) base[g] = cells.base[g] - c.node;
+      const auto at = [&](std::size_t g, int n) PIVNP_TILE { return 2 * (base[g] + n / W * cells.nx + n % W); };
+      const TileLines<S> l(p, cells.fold, t);
+      const V m = t.live(t.load(p.mass));
+      V w[N], vx = zero(), vy = zero(), px[N], py[N];
+      for (int n = 0; n < N; ++n) {
+        const double *first = v + at(0, n), *second = v + at(groups - 1, n);
+        w[n] = l.x.w[n % W] * l.y.w[n / W];
+        vx = hn::MulAdd(w[n], of_groups(first[0], second[0]), vx);
+        vy = hn::MulAdd(w[n], of_groups(first[1], second[1]), vy);
+      }
+      for (int n = 0; n < N; ++n) {
+        px[n] = m * w[n] * vx;
+        py[n] = m * w[n] * vy;
+      }
+      add_pairs<N>(px, py, [&](std::size_t g, int n) PIVNP_TILE { return out + at(g, n); });
+    });
   });
 }
 

@@ -53,33 +53,38 @@ struct Moving {
     return hn::MulAdd(xx * xx + yx * yx, set(0.125 * c.hx * c.hx), (xy * xy + yy * yy) * set(0.125 * c.hy * c.hy));
   }
 
-  static HWY_INLINE Velocity interpolated(const TileLines<S>& l, const double* x, const double* y) {
-    Velocity sum{zero(), zero()};
+  // of two members of the nodes.
+  static HWY_INLINE Velocity interpolated(const TileLines<S>& l, const TileCells& cells, double Node::*x, double Node::*y) {
+    V rx[W], ry[W];
     for (int b = 0; b < W; ++b) {
-      V rx = l.x.w[0] * set(x[b * W]), ry = l.x.w[0] * set(y[b * W]);
-      for (int a = 1; a < W; ++a) {
-        rx = hn::MulAdd(l.x.w[a], set(x[b * W + a]), rx);
-        ry = hn::MulAdd(l.x.w[a], set(y[b * W + a]), ry);
-      }
-      sum.x = hn::MulAdd(l.y.w[b], rx, sum.x);
-      sum.y = hn::MulAdd(l.y.w[b], ry, sum.y);
+      rx[b] = row_sum<W>(l.x.w, cells, b * cells.nx, x);
+      ry[b] = row_sum<W>(l.x.w, cells, b * cells.nx, y);
+    }
+    return {dot<W>(l.y.w, rx), dot<W>(l.y.w, ry)};
+  }
+  // of XPIC's velocity.
+  HWY_INLINE Velocity filtered(const TileLines<S>& l, const TileCells& cells) const {
+    Velocity sum{zero(), zero()};
+    for (int n = 0; n < N; ++n) {
+      const std::ptrdiff_t node = n / W * cells.nx + n % W;
+      const double* first = job.filtered + 2 * (cells.base[0] - c.node + node);
+      const double* second = job.filtered + 2 * (cells.base[groups - 1] - c.node + node);
+      const V w = l.x.w[n % W] * l.y.w[n / W];
+      sum.x = hn::MulAdd(w, of_groups(first[0], second[0]), sum.x);
+      sum.y = hn::MulAdd(w, of_groups(first[1], second[1]), sum.y);
     }
     return sum;
   }
 
-  struct Nodes {
-    double ax[N], ay[N], bx[N], by[N];  // change of velocity; XPIC's velocity
-  };
-
   template <class Tile>
-  HWY_INLINE void tile(const Tile& t, Node* base, unsigned fold, const Nodes& nodes) {
-    const TileLines<S> l(p, fold, t);
+  HWY_INLINE void tile(const Tile& t, const TileCells& cells) {
+    const TileLines<S> l(p, cells.fold, t);
     const V m = t.live(t.load(p.mass));
     const V vx = t.load(p.vx), vy = t.load(p.vy), half = set(0.5);
     V rx[W], ry[W];
     for (int b = 0; b < W; ++b) {
-      rx[b] = row_sum<W>(l.x.w, base + b * c.nx, &Node::nx);
-      ry[b] = row_sum<W>(l.x.w, base + b * c.nx, &Node::ny);
+      rx[b] = row_sum<W>(l.x.w, cells, b * cells.nx, &Node::nx);
+      ry[b] = row_sum<W>(l.x.w, cells, b * cells.nx, &Node::ny);
     }
     const V nx = dot<W>(l.y.w, rx), ny = dot<W>(l.y.w, ry);
     t.store(hn::MulAdd(set(job.dt), nx, t.load(p.x)), p.x);
@@ -91,8 +96,8 @@ struct Moving {
       const AffineWeights<S> w(l, c);
       V gx[W], gy[W];
       for (int b = 0; b < W; ++b) {
-        gx[b] = row_sum<W>(w.x, base + b * c.nx, &Node::nx);
-        gy[b] = row_sum<W>(w.x, base + b * c.nx, &Node::ny);
+        gx[b] = row_sum<W>(w.x, cells, b * cells.nx, &Node::nx);
+        gy[b] = row_sum<W>(w.x, cells, b * cells.nx, &Node::ny);
       }
       cxx = dot<W>(l.y.w, gx);
       cyx = dot<W>(l.y.w, gy);
@@ -106,13 +111,13 @@ struct Moving {
       ux = nx;
       uy = ny;
     } else {
-      const Velocity change = interpolated(l, nodes.ax, nodes.ay);
+      const Velocity mapped = interpolated(l, cells, &Node::vx, &Node::vy);
       if constexpr (transfer == TransferKind::xpic) {
-        const Velocity filtered = interpolated(l, nodes.bx, nodes.by);
-        ux = filtered.x + change.x;
-        uy = filtered.y + change.y;
+        const Velocity smooth = filtered(l, cells);
+        ux = smooth.x + (nx - mapped.x);
+        uy = smooth.y + (ny - mapped.y);
       } else {
-        const V flip_x = vx + change.x, flip_y = vy + change.y, pic = set(job.pic);
+        const V flip_x = vx + (nx - mapped.x), flip_y = vy + (ny - mapped.y), pic = set(job.pic);
         ux = hn::MulAdd(pic, nx - flip_x, flip_x);
         uy = hn::MulAdd(pic, ny - flip_y, flip_y);
       }
@@ -124,10 +129,10 @@ struct Moving {
     // False for NaN too.
     good = hn::And(good, hn::And(hn::Le(speed2, reach2), hn::Le(hn::MulAdd(nx, nx, ny * ny), reach2)));
     fastest2 = hn::Max(fastest2, speed2);
-    if (job.remap) map_again(l, base, m, ux, uy, cxx * set(c.hx), cxy * set(c.hy), cyx * set(c.hx), cyy * set(c.hy));
+    if (job.remap) map_again(l, cells, m, ux, uy, cxx * set(c.hx), cxy * set(c.hy), cyx * set(c.hx), cyy * set(c.hy));
   }
 
-  HWY_INLINE void map_again(const TileLines<S>& l, Node* base, V m, V ux, V uy, V cxx, V cxy, V cyx, V cyy) {
+  HWY_INLINE void map_again(const TileLines<S>& l, const TileCells& cells, V m, V ux, V uy, V cxx, V cxy, V cyx, V cyy) {
     V ax[W], ay[W], px[N], py[N];
     l.arms(ax, ay);
     for (int n = 0; n < N; ++n) {
@@ -140,32 +145,14 @@ struct Moving {
       px[n] = mass * x;
       py[n] = mass * y;
     }
-    add_pairs<N>(px, py, [&](int n) { return &base[n / W * c.nx + n % W].ux; });
-  }
-
-  HWY_INLINE void slot(std::size_t s) {
-    const std::ptrdiff_t cell = c.slot_cell[s];
-    Node* base = c.node + cell;
-    Nodes nodes;
-    if constexpr (transfer != TransferKind::apic)
-      for (int n = 0; n < N; ++n) {
-        const std::ptrdiff_t at = cell + n / W * c.nx + n % W;
-        const Node& node = c.node[at];
-        nodes.ax[n] = node.nx - node.vx;
-        nodes.ay[n] = node.ny - node.vy;
-        if constexpr (transfer == TransferKind::xpic) {
-          nodes.bx[n] = job.filtered[2 * at];
-          nodes.by[n] = job.filtered[2 * at + 1];
-        }
-      }
-    for_tiles(c, s, [&](const auto& t) PIVNP_TILE { tile(t, base, c.slot_fold[s], nodes); });
+    add_pairs<N>(px, py, [&](std::size_t g, int n) PIVNP_TILE { return &cells.base[g][n / W * cells.nx + n % W].ux; });
   }
 };
 
 template <class S, TransferKind transfer>
 GatherSums move_all(const MoveJob& job, const PointView& p, const CellView& c, SlotRange slots) {
   Moving<S, transfer> move{job, p, c};
-  for (std::size_t s = slots.begin; s < slots.end; ++s) move.slot(s);
+  for_tiles(c, slots, [&](const auto& t, const TileCells& cells) PIVNP_TILE { move.tile(t, cells); });
   GatherSums sums;
   sums.fastest2 = hn::GetLane(hn::MaxOfLanes(D(), move.fastest2));
   sums.kinetic_loss = sum_of(move.loss);

@@ -42,7 +42,7 @@ double average_strain(const Particles& p, GridState& g, const Scheme& scheme, do
 class Scratch {
  public:
   Increments room(std::size_t n) {
-    const std::size_t each = n + 4;
+    const std::size_t each = n + 8;  // and a tile more
     if (data_.size() < 5 * each) data_.resize(5 * each);
     double* at = data_.data();
     return {at, at + each, at + 2 * each, at + 3 * each, at + 4 * each};

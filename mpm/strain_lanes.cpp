@@ -2,6 +2,7 @@
 #include "mpm/finite_strain.hpp"
 #include "mpm/lanes.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #undef HWY_TARGET_INCLUDE
@@ -105,49 +106,69 @@ HWY_INLINE LanePolar lane_polar(const LaneGradient& G, V change) {
 }
 
 template <class S>
-HWY_INLINE LaneGradient gradient(const TileLines<S>& l, const Node* base, int nx, double sx, double sy) {
+HWY_INLINE LaneGradient gradient(const TileLines<S>& l, const TileCells& cells, double sx, double sy) {
   constexpr int W = S::W;
-  V wx[W], wy[W], gx[W], gy[W];
-  for (int b = 0; b < W; ++b) {
-    const Node* row = base + b * nx;
-    wx[b] = row_sum<W>(l.x.w, row, &Node::ux);
-    wy[b] = row_sum<W>(l.x.w, row, &Node::uy);
-    gx[b] = row_sum<W>(l.x.g, row, &Node::ux);
-    gy[b] = row_sum<W>(l.x.g, row, &Node::uy);
-  }
   const V x = set(sx), y = set(sy);
-  return {dot<W>(l.y.w, gx) * x, dot<W>(l.y.g, wx) * y, dot<W>(l.y.w, gy) * x, dot<W>(l.y.g, wy) * y};
+  if constexpr (W == 2) {
+    // Linear along each axis, with the cross difference in common.
+    const auto of = [&](double Node::*member, V& by_x, V& by_y) PIVNP_TILE {
+      const V a = cells.value(0, member), b = cells.value(1, member);
+      const V e = cells.value(cells.nx, member), f = cells.value(cells.nx + 1, member);
+      const V low = b - a, cross = (f - e) - low;
+      by_x = hn::MulAdd(l.eta, cross, low) * x;
+      by_y = hn::MulAdd(l.xi, cross, e - a) * y;
+    };
+    LaneGradient G;
+    of(&Node::ux, G.xx, G.xy);
+    of(&Node::uy, G.yx, G.yy);
+    return G;
+  } else {
+    V wx[W], wy[W], gx[W], gy[W];
+    for (int b = 0; b < W; ++b) {
+      wx[b] = row_sum<W>(l.x.w, cells, b * cells.nx, &Node::ux);
+      wy[b] = row_sum<W>(l.x.w, cells, b * cells.nx, &Node::uy);
+      gx[b] = row_sum<W>(l.x.g, cells, b * cells.nx, &Node::ux);
+      gy[b] = row_sum<W>(l.x.g, cells, b * cells.nx, &Node::uy);
+    }
+    return {dot<W>(l.y.w, gx) * x, dot<W>(l.y.g, wx) * y, dot<W>(l.y.w, gy) * x, dot<W>(l.y.g, wy) * y};
+  }
 }
 
 void average_strain_slots(ShapeKind shape, double dt, const PointView& p, const CellView& c, SlotRange slots) {
   with_lanes(shape, [&](auto kind) HWY_ATTR {
     using S = decltype(kind);
     if constexpr (S::W == 3)
-      for (std::size_t s = slots.begin; s < slots.end; ++s) {
-        Node* base = c.node + c.slot_cell[s];
-        for_tiles(c, s, [&](const auto& t) PIVNP_TILE {
-          const TileLines<S> l(p, c.slot_fold[s], t);
-          const V theta = lane_log_det(gradient(l, base, c.nx, dt * c.per_hx, dt * c.per_hy));
-          V hx[3], hy[3], value[9], volume[9];
-          hat_lanes(l.xi, hx);
-          hat_lanes(l.eta, hy);
-          const V v = joined_volume(p, t);
-          for (int n = 0; n < 9; ++n) {
-            volume[n] = v * hx[n % 3] * hy[n / 3];
-            value[n] = volume[n] * theta;
-          }
-          add_pairs<9>(value, volume, [&](int n) { return &base[n / 3 * c.nx + n % 3].dx; });
-        });
-      }
+      for_tiles(c, slots, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
+        const TileLines<S> l(p, cells.fold, t);
+        const V theta = lane_log_det(gradient(l, cells, dt * c.per_hx, dt * c.per_hy));
+        V hx[3], hy[3], value[9], volume[9];
+        hat_lanes(l.xi, hx);
+        hat_lanes(l.eta, hy);
+        const V v = joined_volume(p, t);
+        for (int n = 0; n < 9; ++n) {
+          volume[n] = v * hx[n % 3] * hy[n / 3];
+          value[n] = volume[n] * theta;
+        }
+        add_pairs<9>(value, volume, [&](std::size_t g, int n) PIVNP_TILE { return &cells.base[g][n / 3 * cells.nx + n % 3].dx; });
+      });
   });
 }
 
-// The gradient at an element's centre.
-HWY_INLINE Gradient centre_gradient(const Node* base, int nx, double sx, double sy) {
-  const Node &a = base[0], &b = base[1], &e = base[nx], &f = base[nx + 1];
-  return {0.5 * sx * (b.ux - a.ux + f.ux - e.ux), 0.5 * sy * (e.ux - a.ux + f.ux - b.ux),
-          0.5 * sx * (b.uy - a.uy + f.uy - e.uy), 0.5 * sy * (e.uy - a.uy + f.uy - b.uy)};
+// The gradient at the elements' centres.
+HWY_INLINE LaneGradient centre_gradient(const TileCells& cells, double sx, double sy) {
+  const auto of = [&](double Node::*member, V& by_x, V& by_y) PIVNP_TILE {
+    const V a = cells.value(0, member), b = cells.value(1, member);
+    const V e = cells.value(cells.nx, member), f = cells.value(cells.nx + 1, member);
+    by_x = set(0.5 * sx) * ((b - a) + (f - e));
+    by_y = set(0.5 * sy) * ((e - a) + (f - b));
+  };
+  LaneGradient G;
+  of(&Node::ux, G.xx, G.xy);
+  of(&Node::uy, G.yx, G.yy);
+  return G;
 }
+
+constexpr std::size_t most_elements = 32;  // averaged at a time
 
 template <class S>
 struct Straining {
@@ -158,38 +179,57 @@ struct Straining {
   std::uint32_t first;  // place in `order` of the first increment
   double sx = job.dt * c.per_hx, sy = job.dt * c.per_hy;
 
+  // To the increments of a tile's points; the next tile overwrites what goes beyond a group's last point.
+  static HWY_INLINE void put(const FullTile&, V v, double* to, std::size_t) { hn::StoreU(v, D(), to); }
+  static HWY_INLINE void put(const PartTile&, V v, double* to, [[maybe_unused]] std::size_t second) {
+#if HWY_TARGET != HWY_SCALAR
+    if constexpr (groups == 2) return put_groups(D(), v, to, second);
+#endif
+    hn::StoreU(v, D(), to);
+  }
+#if HWY_TARGET != HWY_SCALAR
+  template <class Tag>
+  static HWY_INLINE void put_groups(Tag d, V v, double* to, std::size_t second) {
+    const hn::Half<Tag> h;
+    hn::StoreU(hn::LowerHalf(h, v), h, to);
+    hn::StoreU(hn::UpperHalf(h, v), h, to + second);
+  }
+#endif
+
   template <class Tile>
-  HWY_INLINE void tile(const Tile& t, std::uint32_t place, const Node* base, unsigned fold, double theta_of_element,
-                       const LaneGradient* centre) const {
-    const TileLines<S> l(p, fold, t);
-    const LaneGradient own = gradient(l, base, c.nx, sx, sy);
+  HWY_INLINE void tile(const Tile& t, const TileCells& cells, const double* averages, std::size_t first_slot) const {
+    const TileLines<S> l(p, cells.fold, t);
+    const LaneGradient own = gradient(l, cells, sx, sy);
     LaneGradient G = own;
     if constexpr (S::W == 2)
-      if (centre) G = *centre;
+      if (job.locking == Locking::full) G = centre_gradient(cells, sx, sy);
     const V change = det_change(G);
     const LanePolar e = lane_polar(G, change);
     const V mean = set(0.5) * e.trace;
     V shift = zero(), theta = zero();
     if (job.locking != Locking::none) {
       if constexpr (S::W == 2) {
-        theta = set(theta_of_element);
-        if (job.locking == Locking::fbar) theta = hn::IfThenElse(stands_open(p, t), e.trace, theta);
+        if (job.locking == Locking::fbar) {
+          theta = of_groups(averages[cells.slot[0] - first_slot], averages[cells.slot[groups - 1] - first_slot]);
+          theta = hn::IfThenElse(stands_open(p, t), e.trace, theta);
+        } else {
+          theta = job.locking == Locking::full ? e.trace : lane_log_det(centre_gradient(cells, sx, sy));
+        }
       } else {
         V hx[3], hy[3], row[3];
         hat_lanes(l.xi, hx);
         hat_lanes(l.eta, hy);
-        for (int b = 0; b < 3; ++b) row[b] = row_sum<3>(hx, base + b * c.nx, &Node::dx);
+        for (int b = 0; b < 3; ++b) row[b] = row_sum<3>(hx, cells, b * cells.nx, &Node::dx);
         theta = hn::IfThenElse(stands_open(p, t), e.trace, dot<3>(hy, row));
       }
       shift = (theta - e.trace) * set(1.0 / 3);
     }
-    const D d;
-    const std::size_t at = place - first;
-    hn::StoreU(mean + e.half + shift, d, out.xx + at);
-    hn::StoreU(mean - e.half + shift, d, out.yy + at);
-    hn::StoreU(shift, d, out.zz + at);
-    hn::StoreU(e.xy, d, out.xy + at);
-    hn::StoreU(e.spin, d, out.spin + at);
+    const std::size_t at = cells.place[0] - first, second = cells.place[groups - 1] - cells.place[0];
+    put(t, mean + e.half + shift, out.xx + at, second);
+    put(t, mean - e.half + shift, out.yy + at, second);
+    put(t, shift, out.zz + at, second);
+    put(t, e.xy, out.xy + at, second);
+    put(t, e.spin, out.spin + at, second);
     if (!job.record) return;
     const V F_xx = t.load(p.F_xx), F_xy = t.load(p.F_xy), F_yx = t.load(p.F_yx), F_yy = t.load(p.F_yy);
     t.store(F_xx + hn::MulAdd(own.xx, F_xx, own.xy * F_yx), p.F_xx);
@@ -200,41 +240,41 @@ struct Straining {
     t.store(job.locking == Locking::none ? hn::MulAdd(J, change, J) : J * lane_exp(theta), p.J);
   }
 
-  // Bilinear F-bar: the element's mean of ln det f, weights V0.
-  HWY_INLINE double element_average(std::size_t s, const Node* base) const {
-    V sum = zero(), volume = zero();
-    for_tiles(c, s, [&](const auto& t) PIVNP_TILE {
-      const TileLines<S> l(p, c.slot_fold[s], t);
+  // Bilinear F-bar: the elements' means of ln det f, weights V0.
+  HWY_INLINE void average_elements(SlotRange slots, double* averages) const {
+    double sum[most_elements] = {}, volume[most_elements] = {};
+    for_tiles(c, slots, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
+      const TileLines<S> l(p, cells.fold, t);
       const V v = joined_volume(p, t);
-      sum = hn::MulAdd(v, lane_log_det(gradient(l, base, c.nx, sx, sy)), sum);
-      volume = volume + v;
+      double s[groups], w[groups];
+      group_sums(v * lane_log_det(gradient(l, cells, sx, sy)), s);
+      group_sums(v, w);
+      for (std::size_t g = 0; g < groups; ++g) {
+        sum[cells.slot[g] - slots.begin] += s[g];
+        volume[cells.slot[g] - slots.begin] += w[g];
+      }
     });
-    return sum_of(sum) / sum_of(volume);
+    for (std::size_t s = 0; s < slots.end - slots.begin; ++s) averages[s] = sum[s] / volume[s];
   }
 
-  HWY_INLINE void slot(std::size_t s) const {
-    const Node* base = c.node + c.slot_cell[s];
-    double theta = 0;
-    LaneGradient centre{zero(), zero(), zero(), zero()};
-    if constexpr (S::W == 2) {
-      if (job.locking == Locking::fbar) {
-        theta = element_average(s, base);
-      } else if (job.locking != Locking::none) {
-        const Gradient G = centre_gradient(base, c.nx, sx, sy);
-        centre = {set(G.xx), set(G.xy), set(G.yx), set(G.yy)};
-        theta = hn::GetLane(lane_log_det(centre));
-      }
+  HWY_INLINE void run(SlotRange slots) const {
+    double averages[most_elements];
+    const bool average = S::W == 2 && job.locking == Locking::fbar;
+    const std::size_t each = average ? most_elements : slots.end - slots.begin;
+    while (slots.begin < slots.end) {
+      const SlotRange part{slots.begin, std::min(slots.end, slots.begin + each)};
+      if constexpr (S::W == 2)
+        if (average) average_elements(part, averages);
+      for_tiles(c, part, [&](const auto& t, const TileCells& cells) PIVNP_TILE { tile(t, cells, averages, part.begin); });
+      slots.begin = part.end;
     }
-    const LaneGradient* by = job.locking == Locking::full ? &centre : nullptr;
-    for_placed_tiles(c, s, [&](const auto& t, std::uint32_t q) PIVNP_TILE { tile(t, q, base, c.slot_fold[s], theta, by); });
   }
 };
 
 void strain_slots(ShapeKind shape, const StrainJob& job, const PointView& p, const CellView& c, SlotRange slots,
                   const Increments& out) {
   with_lanes(shape, [&](auto kind) HWY_ATTR {
-    const Straining<decltype(kind)> strain{job, p, c, out, c.slot_begin[slots.begin]};
-    for (std::size_t s = slots.begin; s < slots.end; ++s) strain.slot(s);
+    Straining<decltype(kind)>{job, p, c, out, c.slot_begin[slots.begin]}.run(slots);
   });
 }
 
