@@ -292,8 +292,8 @@ struct Returning {
 
   // Points that have opened once carry no tension any more.
   HWY_INLINE M opened(std::size_t k) const {
-    HWY_ALIGN double flag[n_lanes] = {};
-    for (std::size_t l = 0; l < n_lanes && k + l < b.size; ++l) flag[l] = b.opened[k + l];
+    HWY_ALIGN double flag[n_lanes];
+    for (std::size_t l = 0; l < n_lanes; ++l) flag[l] = b.opened[k + l < b.size ? k + l : b.size - 1];
     return hn::Ne(hn::Load(D(), flag), zero());
   }
 };
