@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::int64_t check_every = 100;     // steps between looks at the energy balance
 constexpr std::int64_t stiffness_every = 8;   // steps between looks at the wave speed
-constexpr double sort_share = 0.1;            // of the points that may change cells between re-sorts of the storage
+constexpr double sort_share = 0.05;            // of the points that may change cells between re-sorts of the storage
 constexpr double least_mass = 1e-5;           // of a full cell: lighter nodes move with a neighbour
 constexpr double touching = 0.25;             // of a full cell: mass around a body's outline in contact
 

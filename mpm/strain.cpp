@@ -52,20 +52,16 @@ class Scratch {
   std::vector<double> data_;
 };
 
-// Calls part(body, begin, end) for the parts of a run of `order` that lie together in storage, in one body.
+// Calls part(body, begin, end) for the parts of a run of `order` that belong to one body.
 template <class Part>
-void for_parts(const Particles& p, const std::vector<std::uint32_t>& order, std::size_t begin, std::size_t end,
-               Part&& part) {
+void for_bodies(const Particles& p, const std::vector<std::uint32_t>& order, std::size_t begin, std::size_t end, Part&& part) {
+  if (p.bodies.size() == 1) return part(p.bodies[0], begin, end);
   while (begin < end) {
-    const std::uint32_t k = order[begin];
-    std::size_t body = 0;
-    while (p.bodies[body].end <= k) ++body;
-    const std::size_t last = std::min(end, begin + (p.bodies[body].end - k));
-    std::uint32_t other = 0;  // zero if all of them lie together, as nearly always
-    for (std::size_t q = begin; q < last; ++q) other |= order[q] ^ (k + std::uint32_t(q - begin));
-    std::size_t to = other == 0 ? last : begin + 1;
-    while (to < last && order[to] == k + (to - begin)) ++to;
-    part(p.bodies[body], begin, to);
+    std::size_t body = 0, to = begin + 1;
+    while (p.bodies[body].end <= order[begin]) ++body;
+    const Particles::Body& of = p.bodies[body];
+    while (to < end && order[to] >= of.begin && order[to] < of.end) ++to;
+    part(of, begin, to);
     begin = to;
   }
 }
@@ -105,7 +101,7 @@ double strain_and_update(Particles& p, GridState& g, const Scheme& scheme, doubl
                          const UpdateRun& update, int threads) {
   const double passed = average_strain(p, g, scheme, dt, threads);
   strain_runs(p, g, {scheme.locking, dt, record}, threads, [&](std::size_t begin, std::size_t end, const Increments& de) {
-    for_parts(p, g.order, begin, end, [&](const Particles::Body& body, std::size_t from, std::size_t to) {
+    for_bodies(p, g.order, begin, end, [&](const Particles::Body& body, std::size_t from, std::size_t to) {
       const std::size_t at = from - begin;
       StressBatch batch;
       batch.size = to - from;
@@ -114,7 +110,7 @@ double strain_and_update(Particles& p, GridState& g, const Scheme& scheme, doubl
       batch.de_zz = de.zz + at;
       batch.de_xy = de.xy + at;
       batch.spin = de.spin + at;
-      update(body, g.order[from], batch);
+      update(body, g.order.data() + from, batch);
     });
   });
   return passed;

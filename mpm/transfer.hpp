@@ -68,11 +68,11 @@ GatherSums gather_velocity(Particles& p, GridState& g, const Scheme& scheme, dou
 /// F and J stay.
 void strain_points(Particles& p, GridState& g, const Scheme& scheme, double dt, bool record, int threads);
 
-/// The same in runs of a few cells, each followed by its stress update while it is in the cache: update(body, first,
-/// increments) is called for points that lie together in storage, `first` on, and belong to one of Particles::bodies;
+/// The same in runs of a few cells, each followed by its stress update while it is in the cache: update(body, places,
+/// increments) is called for points that belong to one of Particles::bodies, with their places in storage;
 /// the increments' pointers and size are set, the rest of the batch is the caller's. The arrays of increments in
 /// Particles are not used. Returns the work that F-bar's averages pass to the rim of what sleeps, J/m.
-using UpdateRun = std::function<void(const Particles::Body& body, std::size_t first, const StressBatch& increments)>;
+using UpdateRun = std::function<void(const Particles::Body& body, const std::uint32_t* places, const StressBatch& increments)>;
 double strain_and_update(Particles& p, GridState& g, const Scheme& scheme, double dt, bool record,
                          const UpdateRun& update, int threads);
 

@@ -13,19 +13,29 @@
 HWY_BEFORE_NAMESPACE();
 namespace pivnp::mpm::HWY_NAMESPACE {
 
-// Calls body(tile) for the tile of a batch that begins at point k.
+// Calls body(tile, step) for the tile of a batch that begins at point k: where its state and its increments are.
 template <class Body>
 HWY_INLINE void with_tile(const StressBatch& b, std::size_t k, Body&& body) {
-  if (HWY_LIKELY(k + n_lanes <= b.size)) return body(FullTile{std::uint32_t(k)});
-  std::uint32_t rest[n_lanes];
-  for (std::size_t l = 0; l < n_lanes; ++l) rest[l] = std::uint32_t(k + l);
-  body(PartTile(rest, b.size - k));
+  const auto first = std::uint32_t(k);
+  const std::size_t n = b.size - k < n_lanes ? b.size - k : n_lanes;
+  if (HWY_LIKELY(n == n_lanes)) {
+    if (!b.places) return body(FullTile{first}, FullTile{first});
+    // (A stretch as long as its number of points may still be out of order.)
+    std::uint32_t other = 0;
+    for (std::size_t l = 0; l < n_lanes; ++l) other |= b.places[k + l] ^ (b.places[k] + std::uint32_t(l));
+    if (HWY_LIKELY(other == 0)) return body(FullTile{b.places[k]}, FullTile{first});
+  }
+  std::uint32_t steps[n_lanes];
+  for (std::size_t l = 0; l < n_lanes; ++l) steps[l] = first + std::uint32_t(l);
+  const PartTile step(steps, n);
+  body(b.places ? PartTile(b.places + k, n) : step, step);
 }
 
-// Calls body(tile, k) for the batch; `k` is the tile's first point.
+// Calls body(tile, step, k) for the batch; `k` is the tile's first point.
 template <class Body>
 HWY_INLINE void for_batch(const StressBatch& b, Body&& body) {
-  for (std::size_t k = 0; k < b.size; k += n_lanes) with_tile(b, k, [&](const auto& t) PIVNP_TILE { body(t, k); });
+  for (std::size_t k = 0; k < b.size; k += n_lanes)
+    with_tile(b, k, [&](const auto& t, const auto& step) PIVNP_TILE { body(t, step, k); });
 }
 
 // Appends the lanes of `which` to a list.
@@ -41,9 +51,9 @@ struct Turned {
   V mean, half, zz, xy;
   V size2;  // half^2 + xy^2, which waits for no rotation
 };
-template <class Tile>
-HWY_INLINE Turned turned(const StressBatch& b, const Tile& t) {
-  const V r = set(0.5) * t.load(b.spin), r2 = r * r, scale = set(1) / (set(1) + r2);
+template <class Tile, class Step>
+HWY_INLINE Turned turned(const StressBatch& b, const Tile& t, const Step& step) {
+  const V r = set(0.5) * step.load(b.spin), r2 = r * r, scale = set(1) / (set(1) + r2);
   const V c = (set(1) - r2) * scale, s = set(2) * r * scale;
   const V c2 = hn::NegMulAdd(s, s, c * c), s2 = set(2) * c * s;
   const V xx = t.load(b.xx), yy = t.load(b.yy), xy = t.load(b.xy);

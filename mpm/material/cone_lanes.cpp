@@ -202,15 +202,15 @@ struct Returning {
   }
 
   // The trial stress; elastic tiles are done with it. True if `w` has to be returned.
-  template <class Tile>
-  HWY_INLINE bool trial(const Tile& t, Waiting& w) const {
-    const Turned turn = turned(b, t);
-    const V dxx = t.load(b.de_xx), dyy = t.load(b.de_yy), dzz = t.load(b.de_zz);
+  template <class Tile, class Step>
+  HWY_INLINE bool trial(const Tile& t, const Step& step, Waiting& w) const {
+    const Turned turn = turned(b, t, step);
+    const V dxx = step.load(b.de_xx), dyy = step.load(b.de_yy), dzz = step.load(b.de_zz);
     const V two_shear = set(2 * law.shear), volumetric = set(law.lambda) * (dxx + dyy + dzz);
     w.mean = hn::MulAdd(set(law.shear), dxx + dyy, turn.mean + volumetric);
     w.half = hn::MulAdd(set(law.shear), dxx - dyy, turn.half);
     w.zz = hn::MulAdd(two_shear, dzz, turn.zz + volumetric);
-    w.xy = hn::MulAdd(two_shear, t.load(b.de_xy), turn.xy);
+    w.xy = hn::MulAdd(two_shear, step.load(b.de_xy), turn.xy);
     const Sorted at = sorted(w.mean, w.half, w.zz, w.xy);
     if (!hn::AllTrue(D(), hn::Eq(t.load(b.gap), zero())) || !cones.surely_elastic(at.p.s[0], at.p.s[2], t.load(b.J)))
       return true;
@@ -293,7 +293,10 @@ struct Returning {
   // Points that have opened once carry no tension any more.
   HWY_INLINE M opened(std::size_t k) const {
     HWY_ALIGN double flag[n_lanes];
-    for (std::size_t l = 0; l < n_lanes; ++l) flag[l] = b.opened[k + l < b.size ? k + l : b.size - 1];
+    for (std::size_t l = 0; l < n_lanes; ++l) {
+      const std::size_t at = k + l < b.size ? k + l : b.size - 1;
+      flag[l] = b.opened[b.places ? b.places[at] : at];
+    }
     return hn::Ne(hn::Load(D(), flag), zero());
   }
 };
@@ -305,14 +308,14 @@ HWY_INLINE std::size_t return_all(const Elastic& law, const Cones& cones, const 
   Returning<Cones> update{law, cones, b, rare};
   Waiting waiting[most_in_lanes / n_lanes];
   std::size_t n = 0;
-  for_batch(b, [&](const auto& t, std::size_t k) PIVNP_TILE {
+  for_batch(b, [&](const auto& t, const auto& step, std::size_t k) PIVNP_TILE {
     waiting[n].k = k;
-    n += update.trial(t, waiting[n]);
+    n += update.trial(t, step, waiting[n]);
   });
   for (std::size_t a = 0; a < n; ++a)
-    with_tile(b, waiting[a].k, [&](const auto& t) PIVNP_TILE { waiting[a].strengths = cones.strengths(t); });
+    with_tile(b, waiting[a].k, [&](const auto& t, const auto&) PIVNP_TILE { waiting[a].strengths = cones.strengths(t); });
   for (std::size_t a = 0; a < n; ++a)
-    with_tile(b, waiting[a].k, [&](const auto& t) PIVNP_TILE { update.tile(t, waiting[a]); });
+    with_tile(b, waiting[a].k, [&](const auto& t, const auto&) PIVNP_TILE { update.tile(t, waiting[a]); });
   return update.n;
 }
 

@@ -39,14 +39,18 @@ std::size_t changing_cone_lanes(const Elastic& elastic, const StrengthConstants&
 /// Most points that one call takes.
 constexpr std::size_t most_in_lanes = 1024;
 
-/// Calls lanes(part, rare), which returns the number of rare points, on parts of the batch, and point(k) on those.
+/// Calls lanes(part, rare), which returns the number of rare points, on parts of the batch, and point(batch, k) on those;
+/// there the batch has no `places`.
 template <class Lanes, class Point>
 void update_in_lanes(const StressBatch& batch, Lanes&& lanes, Point&& point) {
   std::uint32_t rare[most_in_lanes];
   for (std::size_t begin = 0; begin < batch.size; begin += most_in_lanes) {
     const StressBatch part = batch.part(begin, batch.size - begin < most_in_lanes ? batch.size - begin : most_in_lanes);
     const std::size_t n = lanes(part, rare);
-    for (std::size_t r = 0; r < n; ++r) point(begin + rare[r]);
+    for (std::size_t r = 0; r < n; ++r) {
+      if (part.places) point(part.point(rare[r]), 0);
+      else point(part, rare[r]);
+    }
   }
 }
 

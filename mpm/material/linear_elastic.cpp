@@ -36,16 +36,16 @@ void LinearElastic::update(const StressBatch& batch) const {
   const Elastic& c = elastic_;
   update_in_lanes(
       batch, [&](const StressBatch& part, std::uint32_t* rare) { return hencky_lanes(c, part, rare); },
-      [&](std::size_t k) {
-        Stress s = rotated(batch, k);
+      [&](const StressBatch& b, std::size_t k) {
+        Stress s = rotated(b, k);
         const double per = 1 / (2 * c.shear);
-        const Plane d{0, 0.5 * (batch.de_xx[k] - batch.de_yy[k]), batch.de_xy[k]};
+        const Plane d{0, 0.5 * (b.de_xx[k] - b.de_yy[k]), b.de_xy[k]};
         const Plane e{0, 0.5 * (s.xx - s.yy) * per, s.xy * per};
         const Plane to = combined(d, e);
         // What the deviator in the plane gains on top of the sum.
         const double half = 2 * c.shear * (to.half - d.half - e.half), xy = 2 * c.shear * (to.xy - d.xy - e.xy);
-        add_elastic(c, batch.de_xx[k], batch.de_yy[k], batch.de_zz[k], batch.de_xy[k], s);
-        store(batch, k, {s.xx + half, s.yy - half, s.zz, s.xy + xy});
+        add_elastic(c, b.de_xx[k], b.de_yy[k], b.de_zz[k], b.de_xy[k], s);
+        store(b, k, {s.xx + half, s.yy - half, s.zz, s.xy + xy});
       });
 }
 

@@ -10,6 +10,7 @@ class LinearElastic final : public Material {
  public:
   using Material::Material;
   void update(const StressBatch& batch) const override;
+  bool takes_places() const override { return true; }
 };
 
 }  // namespace pivnp::mpm

@@ -32,15 +32,32 @@ void require(bool good, const std::string& key, const char* name, double found, 
 StressBatch StressBatch::part(std::size_t begin, std::size_t n) const {
   StressBatch b = *this;
   b.size = n;
-  const auto on = [&](auto*& array) {
-    if (array) array += begin;
-  };
-  for (const double** array : {&b.de_xx, &b.de_yy, &b.de_zz, &b.de_xy, &b.spin, &b.J, &b.F_xx, &b.F_xy, &b.F_yx, &b.F_yy,
-                               &b.softened_by})
-    on(*array);
-  for (double** array : {&b.xx, &b.yy, &b.zz, &b.xy, &b.plastic_dev, &b.gap, &b.dissipated}) on(*array);
-  on(b.opened);
+  b.move_increments(begin);
+  if (places) b.places += begin;
+  else b.move_state(begin);
   return b;
+}
+
+StressBatch StressBatch::point(std::size_t k) const {
+  StressBatch b = *this;
+  b.size = 1;
+  b.places = nullptr;
+  b.move_increments(k);
+  b.move_state(places ? places[k] : k);
+  return b;
+}
+
+void StressBatch::move_increments(std::size_t by) {
+  for (const double** array : {&de_xx, &de_yy, &de_zz, &de_xy, &spin})
+    if (*array) *array += by;
+}
+
+void StressBatch::move_state(std::size_t by) {
+  for (const double** array : {&J, &F_xx, &F_xy, &F_yx, &F_yy, &softened_by})
+    if (*array) *array += by;
+  for (double** array : {&xx, &yy, &zz, &xy, &plastic_dev, &gap, &dissipated})
+    if (*array) *array += by;
+  if (opened) opened += by;
 }
 
 double Material::stiffness(const StressBatch& batch) const {

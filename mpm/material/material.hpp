@@ -10,13 +10,14 @@
 
 namespace pivnp::mpm {
 
-/// One step of a run of consecutive points. Tensor components, tension positive; plane strain, but de_zz may differ
+/// One step of a run of points. Tensor components, tension positive; plane strain, but de_zz may differ
 /// from zero by the averaging against locking (transfer.hpp). With f = V R the step's deformation, the strain increment
 /// is ln V and the rotation R: a step that turns the point strains it by nothing, however far it turns. The stress is Kirchhoff's, tau = J sigma, Pa: its work per
 /// initial volume is tau : de, which lets the elastic energy close exactly. Strengths bound the Cauchy stress, so they
 /// enter multiplied by J.
 struct StressBatch {
   std::size_t size = 0;
+  const std::uint32_t* places = nullptr;  // of the points in the arrays of state; null: they lie one after the other
   const double *de_xx = nullptr, *de_yy = nullptr, *de_zz = nullptr, *de_xy = nullptr;  // log strain increment of the step
   const double* spin = nullptr;                           // 2 tan(angle/2) of the step's rotation
   const double* J = nullptr;                              // volume over initial volume, after the step
@@ -31,6 +32,12 @@ struct StressBatch {
 
   /// Points `begin` to `begin + n`.
   StressBatch part(std::size_t begin, std::size_t n) const;
+  /// Point `k` by itself, with no `places`.
+  StressBatch point(std::size_t k) const;
+
+ private:
+  void move_increments(std::size_t by);
+  void move_state(std::size_t by);
 };
 
 /// Isotropic elastic constants.
@@ -64,6 +71,8 @@ class Material {
   }
   /// Greatest stiffness against a compression wave in the batch, as it is now: c^2 times the initial density, Pa.
   virtual double stiffness(const StressBatch& batch) const;
+  /// Can update() do with StressBatch::places?
+  virtual bool takes_places() const { return false; }
   /// Is the stress a function of F alone (so that no stress can be given at the start)?
   virtual bool from_deformation() const { return false; }
   /// Length of the weights with which the plastic strain that softens is averaged (nonlocal.hpp), m; 0: it is not.

@@ -220,7 +220,7 @@ void MohrCoulomb::update_point(const StressBatch& batch, std::size_t k) const {
 void MohrCoulomb::update(const StressBatch& batch) const {
   update_in_lanes(
       batch, [&](const StressBatch& part, std::uint32_t* rare) { return cone_lanes(elastic_, cone_, part, rare); },
-      [&](std::size_t k) { update_point(batch, k); });
+      [&](const StressBatch& b, std::size_t k) { update_point(b, k); });
 }
 
 ConeConstants MohrCoulomb::constants() const {

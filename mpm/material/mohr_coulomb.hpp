@@ -36,6 +36,7 @@ class MohrCoulomb final : public Material {
         tension_(tension_pa),
         cone_{} {}
   void update(const StressBatch& batch) const override;
+  bool takes_places() const override { return true; }
   /// Updates a point that is open before and after the step; else false, nothing done.
   static bool stays_open(const Elastic& elastic, const StressBatch& batch, std::size_t k);
   /// One point, in scalar code.

@@ -11,6 +11,13 @@ namespace {
 
 constexpr std::size_t run = 1024;
 
+// How many places from `begin` on follow one another.
+std::size_t run_together(const std::uint32_t* places, std::size_t begin, std::size_t end) {
+  std::size_t n = 1;
+  while (begin + n < end && places[begin + n] == places[begin] + n) ++n;
+  return n;
+}
+
 void update_batch(const Material& material, const Particles& p, std::size_t begin, StressBatch& batch) {
   if (material.nonlocal_length() > 0) batch.softened_by = p.softened_by.data() + begin;
   material.update(batch);
@@ -63,15 +70,27 @@ double strain_and_update_stress(const Materials& materials, Particles& p, GridSt
                                 int threads) {
   return strain_and_update(
       p, g, scheme, dt, true,
-      [&](const Particles::Body& body, std::size_t first, const StressBatch& de) {
-        StressBatch batch = batch_of(p, first, de.size);
-        batch.de_xx = de.de_xx;
-        batch.de_yy = de.de_yy;
-        batch.de_zz = de.de_zz;
-        batch.de_xy = de.de_xy;
-        batch.spin = de.spin;
-        batch.dt = dt;
-        update_batch(*materials[std::size_t(body.material)], p, first, batch);
+      [&](const Particles::Body& body, const std::uint32_t* places, const StressBatch& de) {
+        const Material& material = *materials[std::size_t(body.material)];
+        const auto update = [&](std::size_t first, StressBatch batch, const StressBatch& steps) {
+          batch.de_xx = steps.de_xx;
+          batch.de_yy = steps.de_yy;
+          batch.de_zz = steps.de_zz;
+          batch.de_xy = steps.de_xy;
+          batch.spin = steps.spin;
+          batch.dt = dt;
+          update_batch(material, p, first, batch);
+        };
+        std::size_t together = run_together(places, 0, de.size);
+        if (together < de.size && material.takes_places()) {
+          StressBatch all = batch_of(p, 0, de.size);
+          all.places = places;
+          return update(0, all, de);
+        }
+        for (std::size_t begin = 0; begin < de.size; begin += together) {
+          together = run_together(places, begin, de.size);
+          update(places[begin], batch_of(p, places[begin], together), de.part(begin, together));
+        }
       },
       threads);
 }

@@ -13,6 +13,7 @@ class VariableMohrCoulomb final : public Material {
   VariableMohrCoulomb(const Elastic& elastic, const StrengthLaw& strength, double tension_pa)
       : Material(elastic), strength_(strength), tension_(tension_pa) {}
   void update(const StressBatch& batch) const override;
+  bool takes_places() const override { return true; }
   double nonlocal_length() const override { return strength_.nonlocal_length(); }
 
  private:
