@@ -275,7 +275,7 @@ void GridState::rebuild_nodes(const CellBits& cells) {
 }
 
 CellView GridState::view() {
-  return {order.data(), slot_begin.data(), slot_cell.data(), slot_fold.data(), node.data(), grid.nx, sheet.ny, sheet_rows,
+  return {order.data(), slot_begin.data(), slot_cell.data(), slot_fold.data(), order.size(), node.data(), grid.nx, sheet.ny, sheet_rows,
           grid.spacing.x(), grid.spacing.y(), per_hx, per_hy, grid.origin.x(), grid.origin.y()};
 }
 

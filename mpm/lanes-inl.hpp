@@ -61,21 +61,58 @@ struct FullTile {
   HWY_INLINE V live(V v) const { return v; }
 };
 
-// Points anywhere. The lanes that are left repeat a point of their group's cell, and get what that one gets.
+// Groups whose points lie together each. The lanes that are left read what comes behind, and are not stored.
+struct GroupTile {
+  std::uint32_t first[groups], size[groups];
+
+  HWY_INLINE V load(const double* a) const { return loaded(D(), a); }
+  HWY_INLINE void store(V v, double* a) const { put(D(), v, a); }
+  HWY_INLINE V live(V v) const { return hn::IfThenElseZero(mask(D()), v); }
+
+ private:
+  template <class Tag>
+  HWY_INLINE M mask(Tag d) const {
+    if constexpr (groups == 1) {
+      return hn::FirstN(d, size[0]);
+    } else {
+      const std::uint8_t bits[8] = {std::uint8_t(((1u << size[0]) - 1) | ((1u << size[groups - 1]) - 1) << group_lanes)};
+      return hn::LoadMaskBits(d, bits);
+    }
+  }
+  template <class Tag>
+  HWY_INLINE V loaded(Tag d, const double* a) const {
+    hwy::Prefetch(a + first[0] + 96);
+#if HWY_TARGET != HWY_SCALAR
+    if constexpr (groups == 2) {
+      const hn::Half<Tag> h;
+      return hn::Combine(d, hn::LoadU(h, a + first[groups - 1]), hn::LoadU(h, a + first[0]));
+    }
+#endif
+    return hn::LoadU(d, a + first[0]);
+  }
+  template <class Tag>
+  HWY_INLINE void put(Tag d, V v, double* a) const {
+#if HWY_TARGET != HWY_SCALAR
+    if constexpr (groups == 2) {
+      const hn::Half<Tag> h;
+      hn::BlendedStore(hn::LowerHalf(h, v), hn::FirstN(h, size[0]), h, a + first[0]);
+      hn::BlendedStore(hn::UpperHalf(h, v), hn::FirstN(h, size[groups - 1]), h, a + first[groups - 1]);
+      return;
+    }
+#endif
+    hn::BlendedStore(v, hn::FirstN(d, size[0]), d, a + first[0]);
+  }
+};
+
+// Points anywhere. The lanes that are left repeat a point of their group's cell, and get what it gets.
 struct PartTile {
   std::uint32_t point[n_lanes];
   std::uint8_t is_live[8] = {};  // a bit a lane
 
-  HWY_INLINE PartTile() = default;
   HWY_INLINE PartTile(const std::uint32_t* order, std::size_t n) { take(0, order, n, n_lanes); }
-  // `n` points to the `room` lanes from `lane` on.
-  HWY_INLINE void take(std::size_t lane, const std::uint32_t* order, std::size_t n, std::size_t room) {
-    std::uint32_t k = order[0];
-    for (std::size_t l = 0; l < room; ++l) point[lane + l] = k = l < n ? order[l] : k;
-    is_live[0] = std::uint8_t(is_live[0] | ((1u << n) - 1) << lane);
-  }
-  HWY_INLINE void repeat(std::size_t lane, std::uint32_t k) {
-    for (std::size_t l = lane; l < n_lanes; ++l) point[l] = k;
+  // Of each group `size` points from `place` of the order on.
+  HWY_INLINE PartTile(const std::uint32_t* order, const std::uint32_t* place, const std::uint32_t* size) {
+    for (std::size_t g = 0; g < groups; ++g) take(g * group_lanes, order + place[g] - (size[g] == 0), size[g], group_lanes);
   }
   HWY_INLINE V load(const double* a) const { return gathered(D(), a); }
   HWY_INLINE void store(V v, double* a) const {
@@ -86,6 +123,12 @@ struct PartTile {
   HWY_INLINE V live(V v) const { return hn::IfThenElseZero(hn::LoadMaskBits(D(), is_live), v); }
 
  private:
+  // `n` points to the `room` lanes from `lane` on.
+  HWY_INLINE void take(std::size_t lane, const std::uint32_t* order, std::size_t n, std::size_t room) {
+    std::uint32_t k = order[0];
+    for (std::size_t l = 0; l < room; ++l) point[lane + l] = k = l < n ? order[l] : k;
+    is_live[0] = std::uint8_t(is_live[0] | ((1u << n) - 1) << lane);
+  }
   template <class Tag>
   HWY_INLINE V gathered(Tag d, const double* a) const {
 #if HWY_TARGET == HWY_SCALAR
@@ -128,47 +171,41 @@ HWY_INLINE void for_tiles(const CellView& c, SlotRange slots, Body&& body) {
   if (s == slots.end) return;
   TileCells cells;
   cells.nx = c.nx;
-  std::uint32_t q = c.slot_begin[s], size[groups];
+  std::uint32_t q = c.slot_begin[s];
+  GroupTile t;
+  bool together = true, full = true;  // does each group lie together, and all of them, with no lane left?
   const auto take = [&](std::size_t g) PIVNP_TILE {
-    const std::uint32_t left = c.slot_begin[s + 1] - q;
-    size[g] = left < group_lanes ? left : std::uint32_t(group_lanes);
+    const std::uint32_t left = c.slot_begin[s + 1] - q, n = left < group_lanes ? left : std::uint32_t(group_lanes);
     cells.base[g] = c.node + c.slot_cell[s];
     cells.slot[g] = s;
     cells.place[g] = q;
-    q += size[g];
-    s += size[g] == left;
+    t.first[g] = c.order[q];
+    t.size[g] = n;
+    together = together && c.order[q + n - 1] == t.first[g] + (n - 1);
+    full = full && n == group_lanes;
+    q += n;
+    s += n == left;
   };
   while (s < slots.end) {
     cells.fold = c.slot_fold[s];
+    together = full = true;
     take(0);
-    const std::uint32_t* first = c.order + cells.place[0];
-    bool together = size[0] == group_lanes && first[group_lanes - 1] == first[0] + (group_lanes - 1);
     if constexpr (groups == 2) {
       if (HWY_LIKELY(s < slots.end && c.slot_fold[s] == cells.fold)) {
         take(1);
-        const std::uint32_t* second = c.order + cells.place[1];
-        if (HWY_LIKELY(together && size[1] == group_lanes && second[0] == first[0] + group_lanes &&
-                       second[group_lanes - 1] == first[0] + (n_lanes - 1))) {
-          body(FullTile{first[0]}, cells);
-        } else {
-          PartTile t;
-          t.take(0, first, size[0], group_lanes);
-          t.take(group_lanes, second, size[1], group_lanes);
-          body(t, cells);
-        }
-      } else {
+        full = full && t.first[1] == t.first[0] + group_lanes;
+      } else {  // the first cell once more, with no points
         cells.base[1] = cells.base[0];
         cells.slot[1] = cells.slot[0];
-        cells.place[1] = cells.place[0] + size[0];
-        PartTile t;
-        t.take(0, first, size[0], group_lanes);
-        t.repeat(group_lanes, first[size[0] - 1]);
-        body(t, cells);
+        cells.place[1] = cells.place[0] + t.size[0];
+        t.first[1] = t.first[0];
+        t.size[1] = 0;
+        full = false;
       }
-    } else {
-      if (HWY_LIKELY(together)) body(FullTile{first[0]}, cells);
-      else body(PartTile(first, size[0]), cells);
     }
+    if (HWY_LIKELY(together && full)) body(FullTile{t.first[0]}, cells);
+    else if (together && t.first[0] + group_lanes <= c.points && t.first[groups - 1] + group_lanes <= c.points) body(t, cells);
+    else body(PartTile(c.order, cells.place, t.size), cells);
   }
 }
 

@@ -32,6 +32,7 @@ struct CellView {
   const std::uint32_t *order, *slot_begin;
   const std::int32_t* slot_cell;
   const std::uint8_t* slot_fold;
+  std::size_t points;  // of which `order` is made
   Node* node;
   int nx, ny;      // nodes in a row, and rows of a sheet that count
   int sheet_rows;  // from one sheet to the next

@@ -108,7 +108,7 @@ HWY_INLINE void average_elements(const PointView& p, const CellView& c, SlotRang
     const std::size_t at = s - slots.begin;
     Node* base = c.node + c.slot_cell[s];
     const double third = (sums.xx[at] + sums.yy[at] + sums.zz[at]) / 3;
-    mean[at] = third / sums.volume[at];
+    mean[at] = sums.volume[at] > 0 ? third / sums.volume[at] : 0;  // 0: all its points stand open
     if (locking == Locking::full) add_centre_force(c, base, sums.xx[at], sums.yy[at], sums.xy[at]);
     if (locking == Locking::selective) add_centre_force(c, base, third, third, 0);
   }

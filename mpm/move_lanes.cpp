@@ -127,8 +127,8 @@ struct Moving {
     const V speed2 = hn::MulAdd(ux, ux, uy * uy), reach2 = set(job.reach2);
     loss = hn::MulAdd(m, before - hn::MulAdd(half, speed2, after), loss);
     // False for NaN too.
-    good = hn::And(good, hn::And(hn::Le(speed2, reach2), hn::Le(hn::MulAdd(nx, nx, ny * ny), reach2)));
-    fastest2 = hn::Max(fastest2, speed2);
+    good = hn::And(good, hn::And(hn::Le(t.live(speed2), reach2), hn::Le(t.live(hn::MulAdd(nx, nx, ny * ny)), reach2)));
+    fastest2 = hn::Max(fastest2, t.live(speed2));
     if (job.remap) map_again(l, cells, m, ux, uy, cxx * set(c.hx), cxy * set(c.hy), cyx * set(c.hx), cyy * set(c.hy));
   }
 

@@ -181,7 +181,8 @@ struct Straining {
 
   // To the increments of a tile's points; the next tile overwrites what goes beyond a group's last point.
   static HWY_INLINE void put(const FullTile&, V v, double* to, std::size_t) { hn::StoreU(v, D(), to); }
-  static HWY_INLINE void put(const PartTile&, V v, double* to, [[maybe_unused]] std::size_t second) {
+  template <class Tile>
+  static HWY_INLINE void put(const Tile&, V v, double* to, [[maybe_unused]] std::size_t second) {
 #if HWY_TARGET != HWY_SCALAR
     if constexpr (groups == 2) return put_groups(D(), v, to, second);
 #endif
@@ -254,7 +255,7 @@ struct Straining {
         volume[cells.slot[g] - slots.begin] += w[g];
       }
     });
-    for (std::size_t s = 0; s < slots.end - slots.begin; ++s) averages[s] = sum[s] / volume[s];
+    for (std::size_t s = 0; s < slots.end - slots.begin; ++s) averages[s] = volume[s] > 0 ? sum[s] / volume[s] : 0;
   }
 
   HWY_INLINE void run(SlotRange slots) const {
