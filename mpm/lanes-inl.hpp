@@ -50,8 +50,9 @@ HWY_INLINE void group_sums(V v, double* out) {
 #undef PIVNP_TILE
 #define PIVNP_TILE HWY_ATTR __attribute__((always_inline))
 
-// Points that lie together, one to every lane.
+// Points that lie together, one to every lane, of cells beside no wall.
 struct FullTile {
+  static constexpr bool beside_walls = false;
   std::uint32_t first;
   HWY_INLINE V load(const double* a) const {
     hwy::Prefetch(a + first + 96);
@@ -63,6 +64,7 @@ struct FullTile {
 
 // Groups whose points lie together each. The lanes that are left read what comes behind, and are not stored.
 struct GroupTile {
+  static constexpr bool beside_walls = true;
   std::uint32_t first[groups], size[groups];
 
   HWY_INLINE V load(const double* a) const { return loaded(D(), a); }
@@ -106,6 +108,7 @@ struct GroupTile {
 
 // Points anywhere. The lanes that are left repeat a point of their group's cell, and get what it gets.
 struct PartTile {
+  static constexpr bool beside_walls = true;
   std::uint32_t point[n_lanes];
   std::uint8_t is_live[8] = {};  // a bit a lane
 
@@ -150,14 +153,19 @@ struct PartTile {
 #endif
 };
 
-// The cells of a tile's groups; the walls are the same for all.
+// The cells of a tile's groups.
 struct TileCells {
   Node* base[groups];           // the lower left node of the stencil
   std::size_t slot[groups];
   std::uint32_t place[groups];  // of the group's first point in `order`
-  unsigned fold;
+  unsigned fold[groups];        // walls
   std::ptrdiff_t nx;            // nodes in a row
 
+  HWY_INLINE unsigned any_fold() const { return fold[0] | fold[groups - 1]; }
+  /// The lanes with one of these walls.
+  HWY_INLINE M beside(unsigned walls) const {
+    return hn::Gt(of_groups(fold[0] & walls ? 1 : 0, fold[groups - 1] & walls ? 1 : 0), zero());
+  }
   /// A member of the node `n` behind `base`.
   HWY_INLINE V value(std::ptrdiff_t n, double Node::*member) const {
     return of_groups(base[0][n].*member, base[groups - 1][n].*member);
@@ -179,6 +187,7 @@ HWY_INLINE void for_tiles(const CellView& c, SlotRange slots, Body&& body) {
     cells.base[g] = c.node + c.slot_cell[s];
     cells.slot[g] = s;
     cells.place[g] = q;
+    cells.fold[g] = c.slot_fold[s];
     t.first[g] = c.order[q];
     t.size[g] = n;
     together = together && c.order[q + n - 1] == t.first[g] + (n - 1);
@@ -187,23 +196,23 @@ HWY_INLINE void for_tiles(const CellView& c, SlotRange slots, Body&& body) {
     s += n == left;
   };
   while (s < slots.end) {
-    cells.fold = c.slot_fold[s];
     together = full = true;
     take(0);
     if constexpr (groups == 2) {
-      if (HWY_LIKELY(s < slots.end && c.slot_fold[s] == cells.fold)) {
+      if (HWY_LIKELY(s < slots.end)) {
         take(1);
         full = full && t.first[1] == t.first[0] + group_lanes;
       } else {  // the first cell once more, with no points
         cells.base[1] = cells.base[0];
         cells.slot[1] = cells.slot[0];
         cells.place[1] = cells.place[0] + t.size[0];
+        cells.fold[1] = cells.fold[0];
         t.first[1] = t.first[0];
         t.size[1] = 0;
         full = false;
       }
     }
-    if (HWY_LIKELY(together && full)) body(FullTile{t.first[0]}, cells);
+    if (HWY_LIKELY(together && full && cells.any_fold() == 0)) body(FullTile{t.first[0]}, cells);
     else if (together && t.first[0] + group_lanes <= c.points && t.first[groups - 1] + group_lanes <= c.points) body(t, cells);
     else body(PartTile(c.order, cells.place, t.size), cells);
   }
@@ -218,26 +227,27 @@ struct LaneLine {
 struct BilinearLanes {
   static constexpr int W = 2, first = 0;
   static constexpr bool linear = true, needs_size = false;
-  static HWY_INLINE LaneLine<2> line(V xi, V, bool, bool) { return {{set(1) - xi, xi}, {set(-1), set(1)}}; }
+  static HWY_INLINE LaneLine<2> line(V xi, V) { return {{set(1) - xi, xi}, {set(-1), set(1)}}; }
+  static HWY_INLINE LaneLine<2> line_at_wall(V xi, V half, bool) { return line(xi, half); }
   static HWY_INLINE V per_moment(const LaneLine<2>&, const V*) { return zero(); }
 };
 
 struct BSplineLanes {
   static constexpr int W = 3, first = -1;
   static constexpr bool linear = false, needs_size = false;
-  static HWY_INLINE LaneLine<3> line(V xi, V, bool low, bool high) {
-    const V one = set(1);
-    if (HWY_UNLIKELY(low)) {
-      xi = hn::Max(xi, zero());
-      return {{zero(), one - xi, xi}, {zero(), set(-1), one}};
-    }
-    if (HWY_UNLIKELY(high)) {
-      xi = hn::Min(xi, zero());
-      return {{hn::Neg(xi), one + xi, zero()}, {set(-1), one, zero()}};
-    }
+  static HWY_INLINE LaneLine<3> line(V xi, V) {
     const V a = set(0.5) - xi, b = set(0.5) + xi;
     return {{set(0.5) * a * a, hn::NegMulAdd(xi, xi, set(0.75)), set(0.5) * b * b},
             {hn::Neg(a), set(-2) * xi, b}};
+  }
+  static HWY_INLINE LaneLine<3> line_at_wall(V xi, V, bool low) {
+    const V one = set(1);
+    if (low) {
+      xi = hn::Max(xi, zero());
+      return {{zero(), one - xi, xi}, {zero(), set(-1), one}};
+    }
+    xi = hn::Min(xi, zero());
+    return {{hn::Neg(xi), one + xi, zero()}, {set(-1), one, zero()}};
   }
   static HWY_INLINE V per_moment(const LaneLine<3>&, const V*) { return set(4); }
 };
@@ -245,10 +255,8 @@ struct BSplineLanes {
 struct GimpLanes {
   static constexpr int W = 3, first = -1;
   static constexpr bool linear = false, needs_size = true;
-  static HWY_INLINE LaneLine<3> line(V xi, V half, bool low, bool high) {
+  static HWY_INLINE LaneLine<3> line(V xi, V half) {
     const V one = set(1), per = one / half;
-    if (low) xi = hn::Max(xi, zero());
-    if (high) xi = hn::Min(xi, zero());
     LaneLine<3> out;
     for (int a = 0; a < 3; ++a) {
       const V x = xi - set(a - 1), d = hn::Abs(x);
@@ -261,25 +269,23 @@ struct GimpLanes {
                                 hn::IfThenElse(middle, hn::Neg(sign),
                                                hn::IfThenElseZero(reached, hn::Neg(sign) * left * (set(0.5) * per))));
     }
-    if (low) fold(out, 0, 2);
-    if (high) fold(out, 2, 0);
+    return out;
+  }
+  static HWY_INLINE LaneLine<3> line_at_wall(V xi, V half, bool low) {
+    LaneLine<3> out = line(low ? hn::Max(xi, zero()) : hn::Min(xi, zero()), half);
+    const int behind = low ? 0 : 2, ahead = low ? 2 : 0;
+    out.w[1] = hn::MulAdd(set(2), out.w[behind], out.w[1]);
+    out.g[1] = hn::MulAdd(set(2), out.g[behind], out.g[1]);
+    out.w[ahead] = out.w[ahead] - out.w[behind];
+    out.g[ahead] = out.g[ahead] - out.g[behind];
+    out.w[behind] = out.g[behind] = zero();
     return out;
   }
   static HWY_INLINE V per_moment(const LaneLine<3>& l, const V* arm) {
     return set(1) / (l.w[0] * arm[0] * arm[0] + l.w[1] * arm[1] * arm[1] + l.w[2] * arm[2] * arm[2]);
   }
-
- private:
-  static HWY_INLINE void fold(LaneLine<3>& l, int behind, int ahead) {
-    l.w[1] = hn::MulAdd(set(2), l.w[behind], l.w[1]);
-    l.g[1] = hn::MulAdd(set(2), l.g[behind], l.g[1]);
-    l.w[ahead] = l.w[ahead] - l.w[behind];
-    l.g[ahead] = l.g[ahead] - l.g[behind];
-    l.w[behind] = l.g[behind] = zero();
-  }
 };
 
-// The functions of a tile's points along both axes.
 // What F-bar averages over: V0 of the points that material connects; one that stands open keeps its own.
 template <class Tile>
 HWY_INLINE M stands_open(const PointView& p, const Tile& t) {
@@ -290,22 +296,25 @@ HWY_INLINE V joined_volume(const PointView& p, const Tile& t) {
   return hn::IfThenZeroElse(stands_open(p, t), t.live(t.load(p.volume0)));
 }
 
-template <class S>
+// The functions of a tile's points along both axes.
+template <class S, class Tile>
 struct TileLines {
+  using Shape = S;
+  static constexpr int W = S::W;
+  static constexpr bool beside_walls = !S::linear && Tile::beside_walls;
   V xi, eta;
   LaneLine<S::W> x, y;
-  unsigned fold;
 
-  template <class Tile>
-  HWY_INLINE TileLines(const PointView& p, unsigned walls, const Tile& t)
-      : xi(t.load(p.xi)), eta(t.load(p.eta)), fold(walls) {
+  HWY_INLINE TileLines(const PointView& p, const TileCells& cells, const Tile& t) : xi(t.load(p.xi)), eta(t.load(p.eta)) {
     V half = zero();
     if constexpr (S::needs_size) half = t.load(p.half);
-    x = S::line(xi, half, walls & fold_left, walls & fold_right);
-    y = S::line(eta, half, walls & fold_down, walls & fold_up);
+    x = S::line(xi, half);
+    y = S::line(eta, half);
+    if constexpr (beside_walls) {
+      at_wall(cells, xi, half, fold_left, fold_right, x);
+      at_wall(cells, eta, half, fold_down, fold_up, y);
+    }
   }
-  HWY_INLINE bool linear_x() const { return S::linear || (fold & (fold_left | fold_right)); }
-  HWY_INLINE bool linear_y() const { return S::linear || (fold & (fold_down | fold_up)); }
   // Distances of the nodes from the points, in cells.
   HWY_INLINE void arms(V* ax, V* ay) const {
     for (int a = 0; a < S::W; ++a) {
@@ -313,7 +322,25 @@ struct TileLines {
       ay[a] = set(a + S::first) - eta;
     }
   }
+
+ private:
+  static HWY_INLINE void at_wall(const TileCells& cells, V place, V half, unsigned low, unsigned high, LaneLine<S::W>& line) {
+    for (const unsigned wall : {low, high}) {
+      if (!(cells.any_fold() & wall)) continue;
+      const M beside = cells.beside(wall);
+      const LaneLine<S::W> other = S::line_at_wall(place, half, wall == low);
+      for (int a = 0; a < S::W; ++a) {
+        line.w[a] = hn::IfThenElse(beside, other.w[a], line.w[a]);
+        line.g[a] = hn::IfThenElse(beside, other.g[a], line.g[a]);
+      }
+    }
+  }
 };
+
+template <class S, class Tile>
+HWY_INLINE TileLines<S, Tile> lines_of(const PointView& p, const TileCells& cells, const Tile& t) {
+  return {p, cells, t};
+}
 
 HWY_INLINE void hat_lanes(V xi, V* w) {
   w[0] = hn::Max(zero(), hn::Neg(xi));

@@ -124,8 +124,8 @@ struct Mapping {
   Locking locking;
 
   // What the mean stress of the tile's points changes by; `mean`: of F-bar's elements, from slot `first` on.
-  template <class Tile>
-  HWY_INLINE V mean_change(const TileLines<S>& l, const Tile& t, const TileCells& cells, const double* mean,
+  template <class Lines, class Tile>
+  HWY_INLINE V mean_change(const Lines& l, const Tile& t, const TileCells& cells, const double* mean,
                            std::size_t first, V xx, V yy) const {
     const V own = sum3(xx, yy, t.load(p.tau_zz)) * set(-1.0 / 3);
     if constexpr (W == 2) {
@@ -144,7 +144,7 @@ struct Mapping {
   template <class Tile>
   HWY_INLINE void tile(const Tile& t, const TileCells& cells, double volume_factor, const double* mean,
                        std::size_t first) const {
-    const TileLines<S> l(p, cells.fold, t);
+    const auto l = lines_of<S>(p, cells, t);
     V ax[W], ay[W], pm[W], ux[W], uy[W], ex[W], ey[W], fxg[W], fxw[W], fyg[W], fyw[W];
     const V m = momentum ? t.live(t.load(p.mass)) : zero();
     const V vx = t.load(p.vx), vy = t.load(p.vy);
@@ -258,7 +258,7 @@ void project_slots(ShapeKind shape, const double* v, double* out, const PointVie
       std::ptrdiff_t base[groups];
       for (std::size_t g = 0; g < groups; ++g) base[g] = cells.base[g] - c.node;
       const auto at = [&](std::size_t g, int n) PIVNP_TILE { return 2 * (base[g] + n / W * cells.nx + n % W); };
-      const TileLines<S> l(p, cells.fold, t);
+      const auto l = lines_of<S>(p, cells, t);
       const V m = t.live(t.load(p.mass));
       V w[N], vx = zero(), vy = zero(), px[N], py[N];
       for (int n = 0; n < N; ++n) {

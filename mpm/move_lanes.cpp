@@ -1,6 +1,8 @@
 // From the nodes to the points: A.8-A.11, and the updated momentum back to the nodes (MUSL).
 #include "mpm/lanes.hpp"
 
+#include <type_traits>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "mpm/move_lanes.cpp"
 #include <hwy/foreach_target.h>  // compiles this file once for every instruction set
@@ -16,25 +18,29 @@ struct Velocity {
 };
 
 // C = B D^-1 column by column; where the weights are linear, that is the gradient (and D would vanish at a node).
-template <class S>
+template <class Lines>
 struct AffineWeights {
-  V x[S::W], y[S::W];
-  HWY_INLINE AffineWeights(const TileLines<S>& l, const CellView& c) {
-    constexpr int W = S::W;
+  using S = typename Lines::Shape;
+  static constexpr int W = S::W;
+  V x[W], y[W];
+  HWY_INLINE AffineWeights(const Lines& l, const TileCells& cells, const CellView& c) {
     V ax[W], ay[W];
     l.arms(ax, ay);
-    const V px = set(c.per_hx), py = set(c.per_hy);
-    if (l.linear_x()) {
-      for (int a = 0; a < W; ++a) x[a] = l.x.g[a] * px;
+    along(l.x, ax, set(c.per_hx), cells, fold_left | fold_right, x);
+    along(l.y, ay, set(c.per_hy), cells, fold_down | fold_up, y);
+  }
+
+ private:
+  static HWY_INLINE void along(const LaneLine<S::W>& l, const V* arm, V per_h, const TileCells& cells, unsigned walls, V* out) {
+    if constexpr (S::linear) {
+      for (int a = 0; a < W; ++a) out[a] = l.g[a] * per_h;
     } else {
-      const V per = S::per_moment(l.x, ax) * px;
-      for (int a = 0; a < W; ++a) x[a] = l.x.w[a] * ax[a] * per;
-    }
-    if (l.linear_y()) {
-      for (int a = 0; a < W; ++a) y[a] = l.y.g[a] * py;
-    } else {
-      const V per = S::per_moment(l.y, ay) * py;
-      for (int a = 0; a < W; ++a) y[a] = l.y.w[a] * ay[a] * per;
+      const V per = S::per_moment(l, arm) * per_h;
+      for (int a = 0; a < W; ++a) out[a] = l.w[a] * arm[a] * per;
+      if constexpr (Lines::beside_walls) {
+        const M beside = cells.beside(walls);
+        for (int a = 0; a < W; ++a) out[a] = hn::IfThenElse(beside, l.g[a] * per_h, out[a]);
+      }
     }
   }
 };
@@ -54,7 +60,8 @@ struct Moving {
   }
 
   // of two members of the nodes.
-  static HWY_INLINE Velocity interpolated(const TileLines<S>& l, const TileCells& cells, double Node::*x, double Node::*y) {
+  template <class Lines>
+  static HWY_INLINE Velocity interpolated(const Lines& l, const TileCells& cells, double Node::*x, double Node::*y) {
     V rx[W], ry[W];
     for (int b = 0; b < W; ++b) {
       rx[b] = row_sum<W>(l.x.w, cells, b * cells.nx, x);
@@ -63,7 +70,8 @@ struct Moving {
     return {dot<W>(l.y.w, rx), dot<W>(l.y.w, ry)};
   }
   // of XPIC's velocity.
-  HWY_INLINE Velocity filtered(const TileLines<S>& l, const TileCells& cells) const {
+  template <class Lines>
+  HWY_INLINE Velocity filtered(const Lines& l, const TileCells& cells) const {
     Velocity sum{zero(), zero()};
     for (int n = 0; n < N; ++n) {
       const std::ptrdiff_t node = n / W * cells.nx + n % W;
@@ -78,7 +86,7 @@ struct Moving {
 
   template <class Tile>
   HWY_INLINE void tile(const Tile& t, const TileCells& cells) {
-    const TileLines<S> l(p, cells.fold, t);
+    const auto l = lines_of<S>(p, cells, t);
     const V m = t.live(t.load(p.mass));
     const V vx = t.load(p.vx), vy = t.load(p.vy), half = set(0.5);
     V rx[W], ry[W];
@@ -93,7 +101,7 @@ struct Moving {
     V before = half * hn::MulAdd(vx, vx, vy * vy), after = zero();
     if constexpr (transfer == TransferKind::apic) {
       before = before + affine_energy(t.load(p.C_xx), t.load(p.C_xy), t.load(p.C_yx), t.load(p.C_yy));
-      const AffineWeights<S> w(l, c);
+      const AffineWeights<std::remove_const_t<decltype(l)>> w(l, cells, c);
       V gx[W], gy[W];
       for (int b = 0; b < W; ++b) {
         gx[b] = row_sum<W>(w.x, cells, b * cells.nx, &Node::nx);
@@ -132,7 +140,8 @@ struct Moving {
     if (job.remap) map_again(l, cells, m, ux, uy, cxx * set(c.hx), cxy * set(c.hy), cyx * set(c.hx), cyy * set(c.hy));
   }
 
-  HWY_INLINE void map_again(const TileLines<S>& l, const TileCells& cells, V m, V ux, V uy, V cxx, V cxy, V cyx, V cyy) {
+  template <class Lines>
+  HWY_INLINE void map_again(const Lines& l, const TileCells& cells, V m, V ux, V uy, V cxx, V cxy, V cyx, V cyy) {
     V ax[W], ay[W], px[N], py[N];
     l.arms(ax, ay);
     for (int n = 0; n < N; ++n) {

@@ -105,9 +105,9 @@ HWY_INLINE LanePolar lane_polar(const LaneGradient& G, V change) {
   return {hn::Load(d, trace_of), hn::Load(d, half_lane), hn::Load(d, xy_of), hn::Load(d, spin_of)};
 }
 
-template <class S>
-HWY_INLINE LaneGradient gradient(const TileLines<S>& l, const TileCells& cells, double sx, double sy) {
-  constexpr int W = S::W;
+template <class Lines>
+HWY_INLINE LaneGradient gradient(const Lines& l, const TileCells& cells, double sx, double sy) {
+  constexpr int W = Lines::W;
   const V x = set(sx), y = set(sy);
   if constexpr (W == 2) {
     // Linear along each axis, with the cross difference in common.
@@ -139,7 +139,7 @@ void average_strain_slots(ShapeKind shape, double dt, const PointView& p, const 
     using S = decltype(kind);
     if constexpr (S::W == 3)
       for_tiles(c, slots, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
-        const TileLines<S> l(p, cells.fold, t);
+        const auto l = lines_of<S>(p, cells, t);
         const V theta = lane_log_det(gradient(l, cells, dt * c.per_hx, dt * c.per_hy));
         V hx[3], hy[3], value[9], volume[9];
         hat_lanes(l.xi, hx);
@@ -199,7 +199,7 @@ struct Straining {
 
   template <class Tile>
   HWY_INLINE void tile(const Tile& t, const TileCells& cells, const double* averages, std::size_t first_slot) const {
-    const TileLines<S> l(p, cells.fold, t);
+    const auto l = lines_of<S>(p, cells, t);
     const LaneGradient own = gradient(l, cells, sx, sy);
     LaneGradient G = own;
     if constexpr (S::W == 2)
@@ -245,7 +245,7 @@ struct Straining {
   HWY_INLINE void average_elements(SlotRange slots, double* averages) const {
     double sum[most_elements] = {}, volume[most_elements] = {};
     for_tiles(c, slots, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
-      const TileLines<S> l(p, cells.fold, t);
+      const auto l = lines_of<S>(p, cells, t);
       const V v = joined_volume(p, t);
       double s[groups], w[groups];
       group_sums(v * lane_log_det(gradient(l, cells, sx, sy)), s);
