@@ -408,7 +408,8 @@ struct Four {
   template <class Tag>
   HWY_INLINE V all(Tag d) const {
     const V ab = pairs(d, a, b), ce = pairs(d, c, e);
-    return hn::OddEvenBlocks(ce, ab) + hn::SwapAdjacentBlocks(hn::OddEvenBlocks(ab, ce));
+    if constexpr (groups == 1) return hn::ConcatLowerLower(d, ce, ab) + hn::ConcatUpperUpper(d, ce, ab);
+    else return hn::OddEvenBlocks(ce, ab) + hn::SwapAdjacentBlocks(hn::OddEvenBlocks(ab, ce));
   }
   template <class Tag>
   static HWY_INLINE void add_at(Tag d, hn::Vec<Tag> v, double* at) {

@@ -123,14 +123,22 @@ HWY_INLINE LaneGradient gradient(const Lines& l, const TileCells& cells, double 
     of(&Node::uy, G.yx, G.yy);
     return G;
   } else {
-    V wx[W], wy[W], gx[W], gy[W];
+    LaneGradient G{zero(), zero(), zero(), zero()};
     for (int b = 0; b < W; ++b) {
-      wx[b] = row_sum<W>(l.x.w, cells, b * cells.nx, &Node::ux);
-      wy[b] = row_sum<W>(l.x.w, cells, b * cells.nx, &Node::uy);
-      gx[b] = row_sum<W>(l.x.g, cells, b * cells.nx, &Node::ux);
-      gy[b] = row_sum<W>(l.x.g, cells, b * cells.nx, &Node::uy);
+      const auto add = [&](double Node::*member, V& by_x, V& by_y) PIVNP_TILE {
+        V value = zero(), slope = zero();
+        for (int a = 0; a < W; ++a) {
+          const V v = cells.value(b * cells.nx + a, member);
+          value = hn::MulAdd(l.x.w[a], v, value);
+          slope = hn::MulAdd(l.x.g[a], v, slope);
+        }
+        by_x = hn::MulAdd(l.y.w[b], slope, by_x);
+        by_y = hn::MulAdd(l.y.g[b], value, by_y);
+      };
+      add(&Node::ux, G.xx, G.xy);
+      add(&Node::uy, G.yx, G.yy);
     }
-    return {dot<W>(l.y.w, gx) * x, dot<W>(l.y.g, wx) * y, dot<W>(l.y.w, gy) * x, dot<W>(l.y.g, wy) * y};
+    return {G.xx * x, G.xy * y, G.yx * x, G.yy * y};
   }
 }
 
