@@ -1,8 +1,6 @@
 // From the nodes to the points: A.8-A.11, and the updated momentum back to the nodes (MUSL).
 #include "mpm/lanes.hpp"
 
-#include <type_traits>
-
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "mpm/move_lanes.cpp"
 #include <hwy/foreach_target.h>  // compiles this file once for every instruction set
@@ -84,38 +82,56 @@ struct Moving {
     return sum;
   }
 
+  // The nodes' updated velocity at the points, and their affine field (apic).
+  struct Field {
+    V x, y, xx, xy, yx, yy;
+  };
+  template <class Lines>
+  HWY_INLINE Field updated(const Lines& l, const TileCells& cells) const {
+    Field out{zero(), zero(), zero(), zero(), zero(), zero()};
+    if constexpr (transfer == TransferKind::apic) {
+      const AffineWeights<Lines> affine(l, cells, c);
+      const auto add = [&](int b, double Node::*member, V& v, V& by_x, V& by_y) PIVNP_TILE {
+        V value = zero(), moment = zero();
+        for (int a = 0; a < W; ++a) {
+          const V at = cells.value(b * cells.nx + a, member);
+          value = hn::MulAdd(l.x.w[a], at, value);
+          moment = hn::MulAdd(affine.x[a], at, moment);
+        }
+        v = hn::MulAdd(l.y.w[b], value, v);
+        by_x = hn::MulAdd(l.y.w[b], moment, by_x);
+        by_y = hn::MulAdd(affine.y[b], value, by_y);
+      };
+      for (int b = 0; b < W; ++b) {
+        add(b, &Node::nx, out.x, out.xx, out.xy);
+        add(b, &Node::ny, out.y, out.yx, out.yy);
+      }
+    } else {
+      const Velocity n = interpolated(l, cells, &Node::nx, &Node::ny);
+      out.x = n.x;
+      out.y = n.y;
+    }
+    return out;
+  }
+
   template <class Tile>
   HWY_INLINE void tile(const Tile& t, const TileCells& cells) {
     const auto l = lines_of<S>(p, cells, t);
     const V m = t.live(t.load(p.mass));
     const V vx = t.load(p.vx), vy = t.load(p.vy), half = set(0.5);
-    V rx[W], ry[W];
-    for (int b = 0; b < W; ++b) {
-      rx[b] = row_sum<W>(l.x.w, cells, b * cells.nx, &Node::nx);
-      ry[b] = row_sum<W>(l.x.w, cells, b * cells.nx, &Node::ny);
-    }
-    const V nx = dot<W>(l.y.w, rx), ny = dot<W>(l.y.w, ry);
+    const Field n = updated(l, cells);  // before anything is stored: the compiler would read the nodes once more
+    const V nx = n.x, ny = n.y;
     t.store(hn::MulAdd(set(job.dt), nx, t.load(p.x)), p.x);
     t.store(hn::MulAdd(set(job.dt), ny, t.load(p.y)), p.y);
-    V ux, uy, cxx = zero(), cxy = zero(), cyx = zero(), cyy = zero();
+    V ux, uy;
     V before = half * hn::MulAdd(vx, vx, vy * vy), after = zero();
     if constexpr (transfer == TransferKind::apic) {
       before = before + affine_energy(t.load(p.C_xx), t.load(p.C_xy), t.load(p.C_yx), t.load(p.C_yy));
-      const AffineWeights<std::remove_const_t<decltype(l)>> w(l, cells, c);
-      V gx[W], gy[W];
-      for (int b = 0; b < W; ++b) {
-        gx[b] = row_sum<W>(w.x, cells, b * cells.nx, &Node::nx);
-        gy[b] = row_sum<W>(w.x, cells, b * cells.nx, &Node::ny);
-      }
-      cxx = dot<W>(l.y.w, gx);
-      cyx = dot<W>(l.y.w, gy);
-      cxy = dot<W>(w.y, rx);
-      cyy = dot<W>(w.y, ry);
-      t.store(cxx, p.C_xx);
-      t.store(cxy, p.C_xy);
-      t.store(cyx, p.C_yx);
-      t.store(cyy, p.C_yy);
-      after = affine_energy(cxx, cxy, cyx, cyy);
+      t.store(n.xx, p.C_xx);
+      t.store(n.xy, p.C_xy);
+      t.store(n.yx, p.C_yx);
+      t.store(n.yy, p.C_yy);
+      after = affine_energy(n.xx, n.xy, n.yx, n.yy);
       ux = nx;
       uy = ny;
     } else {
@@ -137,7 +153,7 @@ struct Moving {
     // False for NaN too.
     good = hn::And(good, hn::And(hn::Le(t.live(speed2), reach2), hn::Le(t.live(hn::MulAdd(nx, nx, ny * ny)), reach2)));
     fastest2 = hn::Max(fastest2, t.live(speed2));
-    if (job.remap) map_again(l, cells, m, ux, uy, cxx * set(c.hx), cxy * set(c.hy), cyx * set(c.hx), cyy * set(c.hy));
+    if (job.remap) map_again(l, cells, m, ux, uy, n.xx * set(c.hx), n.xy * set(c.hy), n.yx * set(c.hx), n.yy * set(c.hy));
   }
 
   template <class Lines>
