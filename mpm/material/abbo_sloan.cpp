@@ -26,6 +26,19 @@ AbboSloan::AbboSloan(double floor_pa) : floor_(floor_pa) {
   }
 }
 
+void AbboSloan::put_constants(SmoothConstants& out) const {
+  out.floor = floor_;
+  for (int end = 0; end < 2; ++end)
+    for (int part = 0; part < 2; ++part) {
+      out.a[end][part] = a_[end][part];
+      out.b[end][part] = b_[end][part];
+      out.c[end][part] = c_[end][part];
+    }
+  out.sin3_transition = sin3_transition;
+  out.hyperbola = hyperbola;
+  out.short_of_vertex = short_of_vertex;
+}
+
 double AbboSloan::by_friction(const Place& p) const {
   const Strength& s = p.strength;
   const double dt = p.scale * (cohesive(s) ? -s.cohesion * s.sin_friction : floor_ * s.cos_friction);

@@ -73,6 +73,8 @@ class AbboSloan {
   /// 0.9 t: greatest mean stress that laws should allow, just short of the vertex, where the flow still has a direction;
   /// infinite without friction.
   static double greatest_mean(const Place& p);
+  /// The surface's part of a law's constants.
+  void put_constants(SmoothConstants& out) const;
 
  private:
   Section section(double sine, double sin3) const;

@@ -74,6 +74,29 @@ HWY_INLINE V polynomial(V x, const double (&c)[size]) {
   return hn::MulAdd(odd, x, even);
 }
 
+// sin x for 0 <= x <= pi/2, to the last bits.
+constexpr double sine_series[] = {1,
+                                  -1.0 / 6,
+                                  1.0 / 120,
+                                  -1.0 / 5040,
+                                  1.0 / 362880,
+                                  -1.0 / 39916800,
+                                  1.0 / 6227020800,
+                                  -1.0 / 1307674368000,
+                                  1.0 / 355687428096000,
+                                  -1.0 / 121645100408832000};
+HWY_INLINE V sine(V x) { return x * polynomial<10>(x * x, sine_series); }
+
+// Points that have opened once carry no tension any more.
+HWY_INLINE M has_opened(const StressBatch& b, std::size_t k) {
+  HWY_ALIGN double flag[n_lanes];
+  for (std::size_t l = 0; l < n_lanes; ++l) {
+    const std::size_t at = k + l < b.size ? k + l : b.size - 1;
+    flag[l] = b.opened[b.places ? b.places[at] : at];
+  }
+  return hn::Ne(hn::Load(D(), flag), zero());
+}
+
 }  // namespace pivnp::mpm::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

@@ -49,19 +49,6 @@ struct LaneCone {
   }
 };
 
-// sin x for 0 <= x <= pi/2, to the last bits.
-constexpr double sine_series[] = {1,
-                                  -1.0 / 6,
-                                  1.0 / 120,
-                                  -1.0 / 5040,
-                                  1.0 / 362880,
-                                  -1.0 / 39916800,
-                                  1.0 / 6227020800,
-                                  -1.0 / 1307674368000,
-                                  1.0 / 355687428096000,
-                                  -1.0 / 121645100408832000};
-HWY_INLINE V sine(V x) { return x * polynomial<10>(x * x, sine_series); }
-
 // What a cone is made of, lane by lane.
 struct Strengths {
   V sin, cohesion, sin_dilatancy;  // sin phi, 2 c cos phi at J = 1, sin psi
@@ -238,7 +225,7 @@ struct Returning {
     const V tension = c.tension * J;
     const M cut_off = c.cut_off();
     odd = hn::Or(odd, hn::AndNot(yields, hn::And(cut_off, hn::Gt(p.s[0], tension))));
-    if (c.opens) odd = hn::Or(odd, opened(k));
+    if (c.opens) odd = hn::Or(odd, has_opened(b, k));
     V new_mean = mean, new_half = half, new_zz = zz, new_xy = xy;
     yields = hn::AndNot(odd, yields);
     if (!hn::AllFalse(d, yields)) {
@@ -288,16 +275,6 @@ struct Returning {
     t.store(yy, b.yy);
     t.store(new_zz, b.zz);
     t.store(new_xy, b.xy);
-  }
-
-  // Points that have opened once carry no tension any more.
-  HWY_INLINE M opened(std::size_t k) const {
-    HWY_ALIGN double flag[n_lanes];
-    for (std::size_t l = 0; l < n_lanes; ++l) {
-      const std::size_t at = k + l < b.size ? k + l : b.size - 1;
-      flag[l] = b.opened[b.places ? b.places[at] : at];
-    }
-    return hn::Ne(hn::Load(D(), flag), zero());
   }
 };
 

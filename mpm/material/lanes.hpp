@@ -36,6 +36,22 @@ struct StrengthConstants {
 std::size_t changing_cone_lanes(const Elastic& elastic, const StrengthConstants& strength, double tension,
                                 const double* history, const StressBatch& batch, std::uint32_t* rare);
 
+/// The numbers of SmoothMohrCoulomb and of its surface (abbo_sloan.hpp).
+struct SmoothConstants {
+  StrengthConstants strength;
+  bool constant;  // is the strength; then:
+  double sin_friction, cos_friction;
+  double sin_dilatancy;  // at the start
+  double tension, floor;
+  double a[2][2], b[2][2], c[2][2], sin3_transition, hyperbola, short_of_vertex;
+  double stress_tolerance, yield_tolerance, least_hardness;
+};
+
+/// Points that stay elastic or flow for the whole step in one substep, short of the greatest mean stress. Those that begin
+/// to yield within the step, need more substeps, or are or have been open are rare.
+std::size_t smooth_lanes(const Elastic& elastic, const SmoothConstants& constants, const StressBatch& batch,
+                         std::uint32_t* rare);
+
 /// Most points that one call takes.
 constexpr std::size_t most_in_lanes = 1024;
 

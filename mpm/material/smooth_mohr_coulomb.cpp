@@ -53,7 +53,8 @@ SmoothMohrCoulomb::SmoothMohrCoulomb(const Elastic& elastic, const StrengthLaw& 
       strength_(strength),
       surface_(apex_pa),
       tension_(tension_pa),
-      bulk_(elastic.lambda + 2.0 / 3 * elastic.shear) {}
+      bulk_(elastic.lambda + 2.0 / 3 * elastic.shear),
+      constants_(constants()) {}
 
 Strength SmoothMohrCoulomb::strength_of(const Point& p, double mean) const {
   if (!p.softened_by) return strength_.at(p.history, -mean / p.J);
@@ -268,30 +269,49 @@ SmoothMohrCoulomb::Here SmoothMohrCoulomb::integrate(Point& p, Here here, const 
   return here;
 }
 
-void SmoothMohrCoulomb::update(const StressBatch& batch) const {
-  for (std::size_t k = 0; k < batch.size; ++k) {
-    const Stress turned = rotated(batch, k);
-    Point p{{turned.xx, turned.yy, turned.zz, turned.xy}, batch.plastic_dev[k], batch.gap[k], batch.J[k],
-            batch.opened[k] != 0, batch.softened_by ? batch.softened_by + k : nullptr};
-    const double start = energy_of(p.stress);
-    Here here = correct(p, Here(*this, p));  // to this step's J and pressure
-    const Tensor de{batch.de_xx[k], batch.de_yy[k], batch.de_zz[k], batch.de_xy[k]};
-    double work = 0;
-    const double volumetric = trace(de);
-    if (p.gap > 0 && p.gap + volumetric < 0) {  // closes within the step
-      const double share = -p.gap / volumetric;
-      here = integrate(p, here, times(de, share), work);
-      if (p.gap < 1e-9 * std::abs(volumetric)) p.gap = 0;
-      integrate(p, here, times(de, 1 - share), work);
-    } else {
-      integrate(p, here, de, work);
-    }
-    batch.dissipated[k] += work - (energy_of(p.stress) - start);
-    batch.plastic_dev[k] = p.history;
-    batch.gap[k] = p.gap;
-    if (p.gap > 0) batch.opened[k] = 1;
-    store(batch, k, {p.stress[0], p.stress[1], p.stress[2], p.stress[3]});
+void SmoothMohrCoulomb::update_point(const StressBatch& batch, std::size_t k) const {
+  const Stress turned = rotated(batch, k);
+  Point p{{turned.xx, turned.yy, turned.zz, turned.xy}, batch.plastic_dev[k], batch.gap[k], batch.J[k],
+          batch.opened[k] != 0, batch.softened_by ? batch.softened_by + k : nullptr};
+  const double start = energy_of(p.stress);
+  Here here = correct(p, Here(*this, p));  // to this step's J and pressure
+  const Tensor de{batch.de_xx[k], batch.de_yy[k], batch.de_zz[k], batch.de_xy[k]};
+  double work = 0;
+  const double volumetric = trace(de);
+  if (p.gap > 0 && p.gap + volumetric < 0) {  // closes within the step
+    const double share = -p.gap / volumetric;
+    here = integrate(p, here, times(de, share), work);
+    if (p.gap < 1e-9 * std::abs(volumetric)) p.gap = 0;
+    integrate(p, here, times(de, 1 - share), work);
+  } else {
+    integrate(p, here, de, work);
   }
+  batch.dissipated[k] += work - (energy_of(p.stress) - start);
+  batch.plastic_dev[k] = p.history;
+  batch.gap[k] = p.gap;
+  if (p.gap > 0) batch.opened[k] = 1;
+  store(batch, k, {p.stress[0], p.stress[1], p.stress[2], p.stress[3]});
+}
+
+void SmoothMohrCoulomb::update(const StressBatch& batch) const {
+  update_in_lanes(
+      batch, [&](const StressBatch& part, std::uint32_t* rare) { return smooth_lanes(elastic_, constants_, part, rare); },
+      [&](const StressBatch& b, std::size_t k) { update_point(b, k); });
+}
+
+SmoothConstants SmoothMohrCoulomb::constants() const {
+  SmoothConstants c{};
+  c.strength = strength_.constants();
+  c.constant = strength_.constant();
+  c.sin_friction = strength_.initial().sin_friction;
+  c.cos_friction = strength_.initial().cos_friction;
+  c.sin_dilatancy = c.constant ? strength_.initial().sin_dilatancy : strength_.peak_sin_dilatancy();
+  c.tension = tension_;
+  surface_.put_constants(c);
+  c.stress_tolerance = stress_tolerance;
+  c.yield_tolerance = yield_tolerance;
+  c.least_hardness = least_hardness;
+  return c;
 }
 
 }  // namespace pivnp::mpm

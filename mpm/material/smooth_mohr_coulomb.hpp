@@ -21,6 +21,9 @@ class SmoothMohrCoulomb final : public Material {
  public:
   SmoothMohrCoulomb(const Elastic& elastic, const StrengthLaw& strength, double tension_pa, double apex_pa);
   void update(const StressBatch& batch) const override;
+  bool takes_places() const override { return true; }
+  /// Point `k` by the whole algorithm; update() does so where the lanes' common path does not apply.
+  void update_point(const StressBatch& batch, std::size_t k) const;
   double nonlocal_length() const override { return strength_.nonlocal_length(); }
 
   /// F over max(c, p, 1 kPa) at a stress (Kirchhoff), after a history; J the volume ratio.
@@ -50,10 +53,12 @@ class SmoothMohrCoulomb final : public Material {
   double crossing(const Point& p, const Here& at, const Tensor& ds, double low, double high) const;
   Here integrate(Point& p, Here at, const Tensor& de, double& work) const;
   Here correct(Point& p, Here at) const;
+  SmoothConstants constants() const;
 
   StrengthLaw strength_;
   AbboSloan surface_;
   double tension_, bulk_;
+  SmoothConstants constants_;
 };
 
 }  // namespace pivnp::mpm

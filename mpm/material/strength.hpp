@@ -42,6 +42,9 @@ class StrengthLaw {
     return {friction_, friction_low_, per_half_, residual_friction_, cohesion_, residual_cohesion_, rate_,
             dilatancy_, per_fade_};
   }
+  /// Before any history, without pressure.
+  const Strength& initial() const { return initial_; }
+  double peak_sin_dilatancy() const { return sin_dilatancy_; }
   double residual_friction() const { return residual_friction_; }
   double nonlocal_length() const { return nonlocal_length_; }
 
