@@ -44,11 +44,11 @@ struct SmoothConstants {
   double sin_dilatancy;  // at the start
   double tension, floor;
   double a[2][2], b[2][2], c[2][2], sin3_transition, hyperbola, short_of_vertex;
-  double stress_tolerance, yield_tolerance, least_hardness;
+  double stress_tolerance, yield_tolerance, least_substep, least_hardness;
 };
 
-/// Points that stay elastic or flow for the whole step in one substep, short of the greatest mean stress. Those that begin
-/// to yield within the step, need more substeps, or are or have been open are rare.
+/// Points that stay elastic or flow all along the step, short of the greatest mean stress. Those that begin or cease to
+/// yield within the step, need very many substeps, or are or have been open are rare.
 std::size_t smooth_lanes(const Elastic& elastic, const SmoothConstants& constants, const StressBatch& batch,
                          std::uint32_t* rare);
 

@@ -1,4 +1,4 @@
-// The smooth Mohr-Coulomb law in lanes: smooth_mohr_coulomb.cpp's steps, for points that need one substep. The formulas
+// The smooth Mohr-Coulomb law in lanes: the algorithm is smooth_mohr_coulomb.cpp's, for points that yield all along the step or not at all. The formulas
 // of the surface are abbo_sloan.hpp's, those of the strength strength.cpp's.
 #include "mpm/material/lanes.hpp"
 
@@ -212,8 +212,7 @@ struct Smooth {
     f.softened = hn::Max(hn::NegMulAdd(by_history(p), f.per, f.hardness), set(s.least_hardness) * f.hardness);
     return f;
   }
-  HWY_INLINE LaneRate yielding(const LanePlace& p, const LaneTensor& elastic, M flows) const {
-    const Flow f = flow_at(p);
+  HWY_INLINE LaneRate yielding(const LanePlace& p, const Flow& f, const LaneTensor& elastic, M flows) const {
     const M on = hn::And(hn::Or(flows, hn::Ge(p.F, set(-10) * p.tolerance)), hn::Gt(f.hardness, zero()));
     const V amount = hn::IfThenElseZero(on, hn::Max(zero(), product(f.a, elastic) / f.softened));
     return {plus(elastic, f.Db, hn::Neg(amount)), amount * f.per};
@@ -239,6 +238,52 @@ struct Smooth {
     rare = hn::Or(rare, hn::And(wanted, p.outside()));
   }
 
+  // Modified Euler from a place on the surface, each lane with substeps of its own; lanes that leave the surface, reach the
+  // greatest mean stress or need too many go to `rare`.
+  struct Flowed {
+    LaneTensor stress;
+    V history, work;
+  };
+  HWY_INLINE Flowed substeps(LanePlace here, const LaneTensor& de, M yields, M& rare) const {
+    const D d;
+    constexpr int most = 64;
+    const V one = set(1), half = set(0.5);
+    const LaneTensor elastic = stiff(de);
+    V done = zero(), size = one, work = zero();
+    M failed = hn::Ne(one, one);
+    for (int n = 0; n < most; ++n) {
+      const M active = hn::And(hn::AndNot(rare, yields), hn::Lt(done, one));
+      if (hn::AllFalse(d, active)) return {here.stress, here.history, work};
+      const LaneTensor part{elastic.xx * size, elastic.yy * size, elastic.zz * size, elastic.xy * size};
+      const Flow at = flow_at(here);
+      rare = hn::Or(rare, hn::And(active, hn::Or(hn::Lt(here.F, set(-10) * here.tolerance),
+                                                 hn::Lt(product(at.a, elastic), zero()))));
+      const LaneRate first = yielding(here, at, part, hn::Ne(one, one));
+      const LanePlace middle = place(plus(here.stress, first.stress, one), here.history + first.history);
+      rare = hn::Or(rare, hn::And(active, middle.at_limit()));
+      const LaneRate second = yielding(middle, flow_at(middle), part, hn::Gt(first.history, zero()));
+      const LaneTensor stress = plus(plus(here.stress, first.stress, half), second.stress, half);
+      const LaneTensor change = plus(second.stress, first.stress, set(-1));
+      const V least = hn::Max(hn::Sqrt(product(stress, stress)), set(0.1) * here.size);
+      const V error = half * hn::Sqrt(product(change, change)) / least;
+      const V share = hn::IfThenElse(hn::Gt(error, zero()), set(0.9) * hn::Sqrt(set(s.stress_tolerance) / error), set(4));
+      const M good = hn::And(active, hn::Or(hn::Le(error, set(s.stress_tolerance)), hn::Le(size, set(s.least_substep))));
+      const V booked = half * size * (product(here.stress, de) + product(stress, de));
+      work = work + hn::IfThenElseZero(good, booked);
+      const V history = here.history + half * (first.history + second.history);
+      here = place(choose(good, stress, here.stress), hn::IfThenElse(good, history, here.history));
+      correct(here, good, rare);
+      const V left = one - done - size, grow = hn::Min(set(4), hn::IfThenElse(failed, hn::Min(share, one), share));
+      done = hn::IfThenElse(good, hn::IfThenElse(hn::Lt(left, set(1e-12)), one, done + size), done);
+      const V next = size * hn::IfThenElse(good, grow, hn::Max(set(0.1), share));
+      size = hn::Min(hn::Max(set(s.least_substep), next), one - done);
+      failed = hn::AndNot(good, active);
+      rare = hn::Or(rare, hn::And(good, hn::And(hn::Lt(done, one), here.at_limit())));
+    }
+    rare = hn::Or(rare, hn::And(yields, hn::Lt(done, one)));
+    return {here.stress, here.history, work};
+  }
+
   template <class Tile, class Step>
   HWY_INLINE void tile(const Tile& t, const Step& step, std::size_t k, std::uint32_t* list_of_rare, std::size_t& n) {
     const D d;
@@ -262,26 +307,13 @@ struct Smooth {
       end = place(plus(here.stress, elastic, set(1)), here.history, &here.strength);
       rare = hn::Or(rare, hn::AndNot(yields, hn::Or(end.outside(), hn::Gt(end.mean, end.most_mean))));
     }
-    V work = product(end.stress, de);
-    if (!hn::AllFalse(d, hn::AndNot(rare, yields))) {  // modified Euler, one substep
-      const LaneRate first = yielding(here, elastic, hn::Not(all));
-      const LanePlace middle = place(plus(here.stress, first.stress, set(1)), here.history + first.history);
-      rare = hn::Or(rare, hn::And(yields, middle.at_limit()));
-      const LaneRate second = yielding(middle, elastic, hn::Gt(first.history, zero()));
-      const V half = set(0.5);
-      const LaneTensor stress = plus(plus(here.stress, first.stress, half), second.stress, half);
-      const LaneTensor change = plus(second.stress, first.stress, set(-1));
-      const V error = half * hn::Sqrt(product(change, change)), size = hn::Sqrt(product(stress, stress));
-      const V allowed = set(s.stress_tolerance) * hn::Max(size, set(0.1) * here.size);
-      rare = hn::Or(rare, hn::AndNot(hn::Le(error, allowed), yields));
-      work = hn::IfThenElse(yields, product(stress, de), work);
-      LanePlace yielded = place(choose(yields, stress, end.stress),
-                                hn::IfThenElse(yields, here.history + half * (first.history + second.history), end.history));
-      correct(yielded, yields, rare);
-      end.stress = yielded.stress;
-      end.history = yielded.history;
+    V work = set(0.5) * (product(here.stress, de) + product(end.stress, de));
+    if (!hn::AllFalse(d, hn::AndNot(rare, yields))) {
+      const Flowed flowed = substeps(here, de, yields, rare);
+      end.stress = choose(yields, flowed.stress, end.stress);
+      end.history = hn::IfThenElse(yields, flowed.history, end.history);
+      work = hn::IfThenElse(yields, flowed.work, work);
     }
-    work = set(0.5) * (work + product(here.stress, de));
     const V dissipated = t.load(b.dissipated);
     const LaneTensor before{t.load(b.xx), t.load(b.yy), t.load(b.zz), t.load(b.xy)};
     if (HWY_UNLIKELY(!hn::AllFalse(d, rare))) list(rare, k, b.size, list_of_rare, n);

@@ -310,6 +310,7 @@ SmoothConstants SmoothMohrCoulomb::constants() const {
   surface_.put_constants(c);
   c.stress_tolerance = stress_tolerance;
   c.yield_tolerance = yield_tolerance;
+  c.least_substep = least_substep;
   c.least_hardness = least_hardness;
   return c;
 }
