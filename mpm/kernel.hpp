@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "mpm/averages.hpp"
 #include "mpm/grid_state.hpp"
 #include "mpm/particles.hpp"
 #include "mpm/shape.hpp"
@@ -110,16 +111,21 @@ void for_nodes_in(GridState& g, SlotRange nodes, Body&& body) {
   for (std::size_t a = nodes.begin; a < nodes.end; ++a) body(g.node[g.nodes[a]]);
 }
 
-/// Node::dx from what add(slots) adds to dx and dy: their quotient.
+/// Node::dx from what add(slots) adds to dx and dy and to the elements: the average at the node.
 template <class Add>
-void average_at_nodes(GridState& g, int threads, Add&& add) {
+void average_at_nodes(GridState& g, Averaging which, int threads, Add&& add) {
+  g.averaged = true;
   for_bands(
       g.mapped, threads,
-      [&](SlotRange nodes, std::size_t) { for_nodes_in(g, nodes, [](Node& node) { node.dx = node.dy = 0; }); },
+      [&](SlotRange nodes, std::size_t) {
+        for_nodes_in(g, nodes, [](Node& node) { node.dx = node.dy = 0; });
+        for (std::size_t a = nodes.begin; a < nodes.end; ++a) *g.element(g.nodes[a]) = AveragedElement{};
+      },
       [&](SlotRange slots, std::size_t) { add(slots); },
       [&](SlotRange nodes, std::size_t) {
         for_nodes_in(g, nodes, [](Node& node) { node.dx = node.dy > 0 ? node.dx / node.dy : 0; });
       });
+  move_means_to_nodes(g, which, threads);
 }
 
 /// Calls body(part, begin, end) for parts of GridState::nodes that do not depend on `threads`: so sums and lists made part

@@ -288,6 +288,30 @@ HWY_INLINE void add_pairs(const V* a, const V* b, At&& at) {
   }
 }
 
+// F-bar of three-node shapes: what averages.hpp needs of a tile, `a` and its weights v by the hats at the nodes, and the
+// sums of the four elements that the square around the middle node meets.
+HWY_INLINE void add_to_averages(const CellView& c, Node* base, AveragedElement* element, V xi, V eta, V v, V a) {
+  V hx[3], hy[3], value[9], volume[9];
+  hat_lanes(xi, hx);
+  hat_lanes(eta, hy);
+  for (int n = 0; n < 9; ++n) {
+    volume[n] = v * hx[n % 3] * hy[n / 3];
+    value[n] = volume[n] * a;
+  }
+  add_pairs<9>(value, volume, [&](int n) { return &base[n / 3 * c.nx + n % 3].dx; });
+  // The hat of the middle line, by the side on which the point is.
+  const M left = hn::Lt(xi, zero()), down = hn::Lt(eta, zero());
+  const V side_x[2] = {hn::IfThenElseZero(left, hx[1]), hn::IfThenZeroElse(left, hx[1])};
+  const V side_y[2] = {hn::IfThenElseZero(down, hy[1]), hn::IfThenZeroElse(down, hy[1])};
+  for (int n = 0; n < 4; ++n) {
+    const int i = n % 2, j = n / 2;
+    const V x0 = i == 0 ? hx[0] : side_x[1], x1 = i == 0 ? side_x[0] : hx[2];
+    const V y0 = j == 0 ? hy[0] : side_y[1], y1 = j == 0 ? side_y[0] : hy[2];
+    const V along_x = v * x0 * x1, along_y = v * y0 * y1;
+    Four{along_x * y0, along_x * y1, along_y * x0, along_y * x1}.add_to(&element[j * c.nx + i].low);
+  }
+}
+
 /// Calls action with the lane form of the shape.
 template <class Action>
 HWY_INLINE auto with_lanes(ShapeKind kind, Action&& action) {

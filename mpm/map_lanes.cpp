@@ -200,16 +200,8 @@ void average_stress_slots(const PointView& p, const CellView& c, SlotRange slots
   for (std::size_t s = slots.begin; s < slots.end; ++s) {
     Node* base = c.node + c.slot_cell[s];
     for_tiles(c, s, [&](const auto& t) PIVNP_TILE {
-      V hx[3], hy[3], value[9], volume[9];
-      hat_lanes(t.load(p.xi), hx);
-      hat_lanes(t.load(p.eta), hy);
-      const V v = joined_volume(p, t);
       const V mean = sum3(t.load(p.tau_xx), t.load(p.tau_yy), t.load(p.tau_zz)) * set(1.0 / 3);
-      for (int n = 0; n < 9; ++n) {
-        volume[n] = v * hx[n % 3] * hy[n / 3];
-        value[n] = volume[n] * mean;
-      }
-      add_pairs<9>(value, volume, [&](int n) { return &base[n / 3 * c.nx + n % 3].dx; });
+      add_to_averages(c, base, c.element + c.slot_cell[s], t.load(p.xi), t.load(p.eta), joined_volume(p, t), mean);
     });
   }
 }

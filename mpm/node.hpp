@@ -22,18 +22,29 @@ struct alignas(32) Node {
 };
 static_assert(sizeof(Node) == 96 && std::is_trivially_copyable_v<Node>);
 
-/// The nodes of a grid, all zero. Fresh pages of the system are zero as they are and take no memory until they are
-/// written to: nodes far from all material cost nothing.
-class Nodes {
+/// What the averages of three-node shapes know of the element above and to the right of a node (averages.hpp).
+struct alignas(64) AveragedElement {
+  // Sums over its points of V0 s (1 - s) along x and t (1 - t) along y, s and t from its lower left node in cells, times
+  // the hats across: what moves the edges' ends apart.
+  double low = 0, high = 0, left = 0, right = 0;
+  double shift_x = 0, shift_y = 0;  // of its lower left node: from its points' centre to it, cells
+  double flux_x = 0, flux_y = 0;    // gradient of the average, a cell
+};
+static_assert(sizeof(AveragedElement) == 64 && std::is_trivially_copyable_v<AveragedElement>);
+
+/// Nodes or elements of a grid, all zero. Fresh pages of the system are zero as they are and take no memory until they
+/// are written to: those far from all material cost nothing.
+template <class T>
+class OfGrid {
  public:
-  explicit Nodes(std::size_t n) : memory_(std::calloc(n + 1, sizeof(Node))), size_(n) {
+  explicit OfGrid(std::size_t n) : memory_(std::calloc(n + 1, sizeof(T))), size_(n) {
     if (!memory_) throw std::bad_alloc();
     const auto at = reinterpret_cast<std::uintptr_t>(memory_.get());
-    node_ = reinterpret_cast<Node*>((at + alignof(Node) - 1) / alignof(Node) * alignof(Node));
+    first_ = reinterpret_cast<T*>((at + alignof(T) - 1) / alignof(T) * alignof(T));
   }
-  Node& operator[](std::size_t n) { return node_[n]; }
-  const Node& operator[](std::size_t n) const { return node_[n]; }
-  Node* data() { return node_; }
+  T& operator[](std::size_t n) { return first_[n]; }
+  const T& operator[](std::size_t n) const { return first_[n]; }
+  T* data() { return first_; }
   std::size_t size() const { return size_; }
 
  private:
@@ -42,7 +53,8 @@ class Nodes {
   };
   std::unique_ptr<void, Free> memory_;
   std::size_t size_;
-  Node* node_;
+  T* first_;
 };
+using Nodes = OfGrid<Node>;
 
 }  // namespace pivnp::mpm

@@ -128,15 +128,7 @@ void average_strain_slots(ShapeKind shape, double dt, const PointView& p, const 
         for_tiles(c, s, [&](const auto& t) PIVNP_TILE {
           const TileLines<S> l(p, c.slot_fold[s], t);
           const V theta = lane_log_det(gradient(l, base, c.nx, dt * c.per_hx, dt * c.per_hy));
-          V hx[3], hy[3], value[9], volume[9];
-          hat_lanes(l.xi, hx);
-          hat_lanes(l.eta, hy);
-          const V v = joined_volume(p, t);
-          for (int n = 0; n < 9; ++n) {
-            volume[n] = v * hx[n % 3] * hy[n / 3];
-            value[n] = volume[n] * theta;
-          }
-          add_pairs<9>(value, volume, [&](int n) { return &base[n / 3 * c.nx + n % 3].dx; });
+          add_to_averages(c, base, c.element + c.slot_cell[s], l.xi, l.eta, joined_volume(p, t), theta);
         });
       }
   });
