@@ -15,7 +15,7 @@ constexpr double least_spread = 0.1;
 
 // The four elements around a node; it is their upper right, upper left, lower right and lower left corner.
 struct Around {
-  const AveragedElement &ll, &lr, &ul, &ur;
+  const AveragedCell &ll, &lr, &ul, &ur;
   Around(GridState& g, std::size_t n)
       : ll(g.element(n)[-g.grid.nx - 1]), lr(g.element(n)[-g.grid.nx]), ul(g.element(n)[-1]), ur(g.element(n)[0]) {}
 };
@@ -23,7 +23,7 @@ struct Around {
 void set_shift(GridState& g, std::size_t n) {
   const Around e(g, n);
   const double volume = g.node[n].dy, per_volume = volume > 0 ? 1 / volume : 0;
-  AveragedElement& here = *g.element(n);
+  AveragedCell& here = *g.element(n);
   here.shift_x = per_volume * (e.ll.high - e.lr.high + (e.ul.low - e.ur.low));
   here.shift_y = per_volume * (e.ll.right - e.ul.right + (e.lr.left - e.ur.left));
 }
@@ -31,11 +31,11 @@ void set_shift(GridState& g, std::size_t n) {
 // S^-1 (or S^-T) F^T of the nodes' means.
 void set_flux(GridState& g, std::size_t n, Averaging which) {
   const std::ptrdiff_t row = g.grid.nx;
-  AveragedElement& e = *g.element(n);
+  AveragedCell& e = *g.element(n);
   const double along_x = e.low + e.high, along_y = e.left + e.right;
   e.flux_x = e.flux_y = 0;
   if (along_x <= 0 && along_y <= 0) return;
-  const AveragedElement &a = e, &b = *(&e + 1), &c = *(&e + row), &d = *(&e + row + 1);
+  const AveragedCell &a = e, &b = *(&e + 1), &c = *(&e + row), &d = *(&e + row + 1);
   const Node *p = &g.node[n], *q = p + row;
   const double ux = e.low * (p[1].dx - p[0].dx) + e.high * (q[1].dx - q[0].dx);
   const double uy = e.left * (q[0].dx - p[0].dx) + e.right * (q[1].dx - p[1].dx);

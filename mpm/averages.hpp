@@ -18,7 +18,7 @@ namespace pivnp::mpm {
 enum class Averaging { of_stress, of_strain };  // Q and Q^*
 
 /// Node::dx, the means over the hats, and Node::dy, the hats' volumes, become: dx what Q or Q^* gives the node.
-/// AveragedElement's sums are set.
+/// AveragedCell's sums are set.
 void move_means_to_nodes(GridState& g, Averaging which, int threads);
 
 }  // namespace pivnp::mpm

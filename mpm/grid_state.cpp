@@ -272,7 +272,7 @@ void GridState::rebuild_pieces() {
 void GridState::rebuild_nodes(const CellBits& cells) {
   for (const std::uint32_t n : nodes) node[n] = Node{};
   if (averaged)
-    for (const std::uint32_t n : nodes) *element(n) = AveragedElement{};
+    for (const std::uint32_t n : nodes) *element(n) = AveragedCell{};
   nodes.clear();
   cells.grown(0, width - 1).for_all([&](std::size_t n) { nodes.push_back(std::uint32_t(n)); });
 }

@@ -63,7 +63,7 @@ class GridState {
   std::vector<std::uint32_t> resting;     // those among them that belong to a sleeping cell
   std::vector<std::uint32_t> border;      // and those of these that belong to an awake one too
   Nodes node;                             // of the whole grid; zero where not active
-  OfGrid<AveragedElement> elements;       // by their lower left node, after a row and one more; zero where not active
+  OfGrid<AveragedCell> elements;       // by their lower left node, after a row and one more; zero where not active
   bool averaged = false;                  // whether these have been used
   std::vector<std::uint8_t> fold;         // of every node of the grid
   std::vector<std::pair<std::int32_t, std::uint32_t>> arrivals;  // of follow(): the cells, and the points now in them
@@ -82,7 +82,7 @@ class GridState {
 
   std::size_t slots() const { return slot_cell.size(); }
   /// The element above and to the right of a node; those of the nodes to the left and below are there for every node.
-  AveragedElement* element(std::size_t n) { return elements.data() + (n + std::size_t(grid.nx) + 1); }
+  AveragedCell* element(std::size_t n) { return elements.data() + (n + std::size_t(grid.nx) + 1); }
   /// Flat indices of a slot's nodes, row after row.
   void stencil_nodes(std::size_t slot, std::size_t* out) const;
 

@@ -119,7 +119,7 @@ void average_at_nodes(GridState& g, Averaging which, int threads, Add&& add) {
       g.mapped, threads,
       [&](SlotRange nodes, std::size_t) {
         for_nodes_in(g, nodes, [](Node& node) { node.dx = node.dy = 0; });
-        for (std::size_t a = nodes.begin; a < nodes.end; ++a) *g.element(g.nodes[a]) = AveragedElement{};
+        for (std::size_t a = nodes.begin; a < nodes.end; ++a) *g.element(g.nodes[a]) = AveragedCell{};
       },
       [&](SlotRange slots, std::size_t) { add(slots); },
       [&](SlotRange nodes, std::size_t) {

@@ -204,10 +204,10 @@ struct TileLines {
   }
 };
 
+// The hats of a cell's corners (averages.hpp).
 HWY_INLINE void hat_lanes(V xi, V* w) {
-  w[0] = hn::Max(zero(), hn::Neg(xi));
-  w[1] = set(1) - hn::Abs(xi);
-  w[2] = hn::Max(zero(), xi);
+  w[0] = set(0.5) - xi;
+  w[1] = set(0.5) + xi;
 }
 
 // sum over a line of weight times a member of the row's nodes.
@@ -288,28 +288,25 @@ HWY_INLINE void add_pairs(const V* a, const V* b, At&& at) {
   }
 }
 
-// F-bar of three-node shapes: what averages.hpp needs of a tile, `a` and its weights v by the hats at the nodes, and the
-// sums of the four elements that the square around the middle node meets.
-HWY_INLINE void add_to_averages(const CellView& c, Node* base, AveragedElement* element, V xi, V eta, V v, V a) {
-  V hx[3], hy[3], value[9], volume[9];
+// F-bar of three-node shapes (averages.hpp): `a` and its weights v by the hats of the cell's corners, and the cell's sums.
+HWY_INLINE void add_to_averages(const CellView& c, Node* base, AveragedCell* cell, V xi, V eta, V v, V a) {
+  V hx[2], hy[2], value[4], volume[4];
   hat_lanes(xi, hx);
   hat_lanes(eta, hy);
-  for (int n = 0; n < 9; ++n) {
-    volume[n] = v * hx[n % 3] * hy[n / 3];
+  for (int n = 0; n < 4; ++n) {
+    volume[n] = v * hx[n % 2] * hy[n / 2];
     value[n] = volume[n] * a;
   }
-  add_pairs<9>(value, volume, [&](int n) { return &base[n / 3 * c.nx + n % 3].dx; });
-  // The hat of the middle line, by the side on which the point is.
-  const M left = hn::Lt(xi, zero()), down = hn::Lt(eta, zero());
-  const V side_x[2] = {hn::IfThenElseZero(left, hx[1]), hn::IfThenZeroElse(left, hx[1])};
-  const V side_y[2] = {hn::IfThenElseZero(down, hy[1]), hn::IfThenZeroElse(down, hy[1])};
-  for (int n = 0; n < 4; ++n) {
-    const int i = n % 2, j = n / 2;
-    const V x0 = i == 0 ? hx[0] : side_x[1], x1 = i == 0 ? side_x[0] : hx[2];
-    const V y0 = j == 0 ? hy[0] : side_y[1], y1 = j == 0 ? side_y[0] : hy[2];
-    const V along_x = v * x0 * x1, along_y = v * y0 * y1;
-    Four{along_x * y0, along_x * y1, along_y * x0, along_y * x1}.add_to(&element[j * c.nx + i].low);
-  }
+  add_pairs<4>(value, volume, [&](int n) { return &base[n / 2 * c.nx + n % 2].dx; });
+  const V along_x = hx[0] * volume[1], along_x_high = hx[0] * volume[3];
+  Four{along_x, along_x_high, hy[0] * volume[2], hy[0] * volume[3]}.add_to(&cell->low);
+}
+// The average at the points.
+HWY_INLINE V averaged(const CellView& c, const Node* base, V xi, V eta) {
+  V hx[2], hy[2];
+  hat_lanes(xi, hx);
+  hat_lanes(eta, hy);
+  return hy[0] * row_sum<2>(hx, base, &Node::dx) + hy[1] * row_sum<2>(hx, base + c.nx, &Node::dx);
 }
 
 /// Calls action with the lane form of the shape.

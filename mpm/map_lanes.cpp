@@ -101,11 +101,7 @@ struct Mapping {
     if constexpr (W == 2) {
       return locking == Locking::fbar ? hn::IfThenZeroElse(stands_open(p, t), own + set(element)) : own;
     } else {
-      V hx[3], hy[3], row[3];
-      hat_lanes(l.xi, hx);
-      hat_lanes(l.eta, hy);
-      for (int b = 0; b < 3; ++b) row[b] = row_sum<3>(hx, base + b * c.nx, &Node::dx);
-      return hn::IfThenZeroElse(stands_open(p, t), own + dot<3>(hy, row));
+      return hn::IfThenZeroElse(stands_open(p, t), own + averaged(c, base, l.xi, l.eta));
     }
   }
 

@@ -23,14 +23,14 @@ struct alignas(32) Node {
 static_assert(sizeof(Node) == 96 && std::is_trivially_copyable_v<Node>);
 
 /// What the averages of three-node shapes know of the element above and to the right of a node (averages.hpp).
-struct alignas(64) AveragedElement {
+struct alignas(64) AveragedCell {
   // Sums over its points of V0 s (1 - s) along x and t (1 - t) along y, s and t from its lower left node in cells, times
   // the hats across: what moves the edges' ends apart.
   double low = 0, high = 0, left = 0, right = 0;
   double shift_x = 0, shift_y = 0;  // of its lower left node: from its points' centre to it, cells
   double flux_x = 0, flux_y = 0;    // gradient of the average, a cell
 };
-static_assert(sizeof(AveragedElement) == 64 && std::is_trivially_copyable_v<AveragedElement>);
+static_assert(sizeof(AveragedCell) == 64 && std::is_trivially_copyable_v<AveragedCell>);
 
 /// Nodes or elements of a grid, all zero. Fresh pages of the system are zero as they are and take no memory until they
 /// are written to: those far from all material cost nothing.

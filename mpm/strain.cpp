@@ -19,10 +19,9 @@ double work_passed_to_sleepers(const Particles& p, const GridState& g) {
       for (std::uint32_t q = g.slot_begin[s]; q < g.slot_begin[s + 1]; ++q) {
         const std::uint32_t k = g.order[q];
         if (p.gap[k] > 0) continue;
-        double hx[3], hy[3], theta = 0;
-        hat(p.xi[k], hx);
-        hat(p.eta[k], hy);
-        for (int n = 0; n < 9; ++n) theta += hx[n % 3] * hy[n / 3] * g.node[at[n]].dx;
+        const double hx[2] = {0.5 - p.xi[k], 0.5 + p.xi[k]}, hy[2] = {0.5 - p.eta[k], 0.5 + p.eta[k]};
+        double theta = 0;
+        for (int n = 0; n < 4; ++n) theta += hx[n % 2] * hy[n / 2] * g.node[at[n / 2 * 3 + n % 2]].dx;
         work += p.volume0[k] * (p.tau_xx[k] + p.tau_yy[k] + p.tau_zz[k]) / 3 * theta;
       }
     }

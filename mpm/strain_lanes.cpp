@@ -167,11 +167,7 @@ struct Straining {
         theta = set(theta_of_element);
         if (job.locking == Locking::fbar) theta = hn::IfThenElse(stands_open(p, t), e.trace, theta);
       } else {
-        V hx[3], hy[3], row[3];
-        hat_lanes(l.xi, hx);
-        hat_lanes(l.eta, hy);
-        for (int b = 0; b < 3; ++b) row[b] = row_sum<3>(hx, base + b * c.nx, &Node::dx);
-        theta = hn::IfThenElse(stands_open(p, t), e.trace, dot<3>(hy, row));
+        theta = hn::IfThenElse(stands_open(p, t), e.trace, averaged(c, base, l.xi, l.eta));
       }
       shift = (theta - e.trace) * set(1.0 / 3);
     }
