@@ -63,8 +63,7 @@ class GridState {
   std::vector<std::uint32_t> resting;     // those among them that belong to a sleeping cell
   std::vector<std::uint32_t> border;      // and those of these that belong to an awake one too
   Nodes node;                             // of the whole grid; zero where not active
-  OfGrid<AveragedCell> elements;       // by their lower left node, after a row and one more; zero where not active
-  bool averaged = false;                  // whether these have been used
+  bool averaged = false;                  // has averaged_cell() been used?
   std::vector<std::uint8_t> fold;         // of every node of the grid
   std::vector<std::pair<std::int32_t, std::uint32_t>> arrivals;  // of follow(): the cells, and the points now in them
   std::vector<std::uint32_t> moved;    // of locate_points(): places in `order` of points that have another cell now
@@ -81,8 +80,8 @@ class GridState {
   void set_asleep(const std::vector<std::uint8_t>& blocks);
 
   std::size_t slots() const { return slot_cell.size(); }
-  /// The element above and to the right of a node; those of the nodes to the left and below are there for every node.
-  AveragedCell* element(std::size_t n) { return elements.data() + (n + std::size_t(grid.nx) + 1); }
+  /// Of the square that begins at a node; those two rows or columns away are there for every node.
+  AveragedCell* averaged_cell(std::size_t n) { return averaged_cells_.data() + n + std::size_t(grid.nx) + 1; }
   /// Flat indices of a slot's nodes, row after row.
   void stencil_nodes(std::size_t slot, std::size_t* out) const;
 
@@ -123,6 +122,7 @@ class GridState {
   std::int32_t slot_near(const Vec2& x, int on_sheet, double& xi, double& eta, double& distance) const;
   std::uint8_t fold_of(std::int32_t cell) const;
 
+  OfGrid<AveragedCell> averaged_cells_;     // with a row and one more before, two rows and one after; zero where not active
   std::vector<std::int32_t> slot_of_cell_;  // -1: empty
   std::vector<std::uint32_t> count_;
   // Of follow() and rebuild_nodes().

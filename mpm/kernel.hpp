@@ -111,21 +111,21 @@ void for_nodes_in(GridState& g, SlotRange nodes, Body&& body) {
   for (std::size_t a = nodes.begin; a < nodes.end; ++a) body(g.node[g.nodes[a]]);
 }
 
-/// Node::dx from what add(slots) adds to dx and dy and to the elements: the average at the node.
+/// Node::dx from what add(slots) adds to dx and dy and to the cells: the average at the corner to the upper right.
 template <class Add>
-void average_at_nodes(GridState& g, Averaging which, int threads, Add&& add) {
+void average_at_corners(GridState& g, Averaging which, int threads, Add&& add) {
   g.averaged = true;
   for_bands(
       g.mapped, threads,
       [&](SlotRange nodes, std::size_t) {
-        for_nodes_in(g, nodes, [](Node& node) { node.dx = node.dy = 0; });
-        for (std::size_t a = nodes.begin; a < nodes.end; ++a) *g.element(g.nodes[a]) = AveragedCell{};
+        for (std::size_t a = nodes.begin; a < nodes.end; ++a) {
+          g.node[g.nodes[a]].dx = g.node[g.nodes[a]].dy = 0;
+          *g.averaged_cell(g.nodes[a]) = AveragedCell{};
+        }
       },
       [&](SlotRange slots, std::size_t) { add(slots); },
-      [&](SlotRange nodes, std::size_t) {
-        for_nodes_in(g, nodes, [](Node& node) { node.dx = node.dy > 0 ? node.dx / node.dy : 0; });
-      });
-  move_means_to_nodes(g, which, threads);
+      [&](SlotRange nodes, std::size_t) { take_means(g, nodes); });
+  move_means_to_corners(g, which, threads);
 }
 
 /// Calls body(part, begin, end) for parts of GridState::nodes that do not depend on `threads`: so sums and lists made part

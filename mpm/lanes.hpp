@@ -33,7 +33,7 @@ struct CellView {
   const std::int32_t* slot_cell;
   const std::uint8_t* slot_fold;
   Node* node;
-  AveragedCell* element;
+  AveragedCell* averaged;
   int nx, ny;      // nodes in a row, and rows of a sheet that count
   int sheet_rows;  // from one sheet to the next
   double hx, hy, per_hx, per_hy, origin_x, origin_y;  // origin: of the nodes

@@ -197,7 +197,7 @@ void average_stress_slots(const PointView& p, const CellView& c, SlotRange slots
     Node* base = c.node + c.slot_cell[s];
     for_tiles(c, s, [&](const auto& t) PIVNP_TILE {
       const V mean = sum3(t.load(p.tau_xx), t.load(p.tau_yy), t.load(p.tau_zz)) * set(1.0 / 3);
-      add_to_averages(c, base, c.element + c.slot_cell[s], t.load(p.xi), t.load(p.eta), joined_volume(p, t), mean);
+      add_to_averages(c, base, c.averaged + c.slot_cell[s], t.load(p.xi), t.load(p.eta), joined_volume(p, t), mean);
     });
   }
 }

@@ -22,13 +22,14 @@ struct alignas(32) Node {
 };
 static_assert(sizeof(Node) == 96 && std::is_trivially_copyable_v<Node>);
 
-/// What the averages of three-node shapes know of the element above and to the right of a node (averages.hpp).
+/// What the averages of three-node shapes (averages.hpp) know of the square around a node, and of its lower left corner:
+/// both go by the node to the lower left of that corner.
 struct alignas(64) AveragedCell {
-  // Sums over its points of V0 s (1 - s) along x and t (1 - t) along y, s and t from its lower left node in cells, times
-  // the hats across: what moves the edges' ends apart.
+  // Sums over the cell's points of V0 s (1 - s) along x and t (1 - t) along y, s and t from the corner in cells, times the
+  // hat across, edge by edge; then what the averages move along the edges.
   double low = 0, high = 0, left = 0, right = 0;
-  double shift_x = 0, shift_y = 0;  // of its lower left node: from its points' centre to it, cells
-  double flux_x = 0, flux_y = 0;    // gradient of the average, a cell
+  double edge_x = 0, edge_y = 0;    // the sums of the corner's edges to the right and up, of both cells beside them
+  double shift_x = 0, shift_y = 0;  // of the corner: from its points' centre to it, cells
 };
 static_assert(sizeof(AveragedCell) == 64 && std::is_trivially_copyable_v<AveragedCell>);
 

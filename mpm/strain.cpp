@@ -33,7 +33,7 @@ double average_strain(const Particles& p, GridState& g, const Scheme& scheme, do
   if (g.width == 2 || scheme.locking != Locking::fbar) return 0;
   const PointView points = p.view();
   const CellView cells = g.view();
-  average_at_nodes(g, Averaging::of_strain, threads, [&](SlotRange slots) { average_strain_lanes(g.shape, dt, points, cells, slots); });
+  average_at_corners(g, Averaging::of_strain, threads, [&](SlotRange slots) { average_strain_lanes(g.shape, dt, points, cells, slots); });
   return g.resting.empty() ? 0 : work_passed_to_sleepers(p, g);
 }
 

@@ -128,7 +128,7 @@ void average_strain_slots(ShapeKind shape, double dt, const PointView& p, const 
         for_tiles(c, s, [&](const auto& t) PIVNP_TILE {
           const TileLines<S> l(p, c.slot_fold[s], t);
           const V theta = lane_log_det(gradient(l, base, c.nx, dt * c.per_hx, dt * c.per_hy));
-          add_to_averages(c, base, c.element + c.slot_cell[s], l.xi, l.eta, joined_volume(p, t), theta);
+          add_to_averages(c, base, c.averaged + c.slot_cell[s], l.xi, l.eta, joined_volume(p, t), theta);
         });
       }
   });
