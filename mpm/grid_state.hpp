@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "mpm/averages.hpp"
 #include "mpm/cell_bits.hpp"
 #include "mpm/lanes.hpp"
 #include "mpm/node.hpp"
@@ -63,7 +64,7 @@ class GridState {
   std::vector<std::uint32_t> resting;     // those among them that belong to a sleeping cell
   std::vector<std::uint32_t> border;      // and those of these that belong to an awake one too
   Nodes node;                             // of the whole grid; zero where not active
-  bool averaged = false;                  // has averaged_cell() been used?
+  Averages averages;                      // of three-node shapes
   std::vector<std::uint8_t> fold;         // of every node of the grid
   std::vector<std::pair<std::int32_t, std::uint32_t>> arrivals;  // of follow(): the cells, and the points now in them
   std::vector<std::uint32_t> moved;    // of locate_points(): places in `order` of points that have another cell now
@@ -80,8 +81,6 @@ class GridState {
   void set_asleep(const std::vector<std::uint8_t>& blocks);
 
   std::size_t slots() const { return slot_cell.size(); }
-  /// Of the square that begins at a node; those two rows or columns away are there for every node.
-  AveragedCell* averaged_cell(std::size_t n) { return averaged_cells_.data() + n + std::size_t(grid.nx) + 1; }
   /// Flat indices of a slot's nodes, row after row.
   void stencil_nodes(std::size_t slot, std::size_t* out) const;
 
@@ -122,12 +121,12 @@ class GridState {
   std::int32_t slot_near(const Vec2& x, int on_sheet, double& xi, double& eta, double& distance) const;
   std::uint8_t fold_of(std::int32_t cell) const;
 
-  OfGrid<AveragedCell> averaged_cells_;     // with a row and one more before, two rows and one after; zero where not active
   std::vector<std::int32_t> slot_of_cell_;  // -1: empty
   std::vector<std::uint32_t> count_;
   // Of follow() and rebuild_nodes().
   std::vector<std::uint32_t> next_begin_;
   std::vector<std::int32_t> next_cell_;
+  std::vector<std::uint32_t> nodes_before_;
   std::vector<std::uint8_t> asleep_;                              // of each block; empty: none
 };
 

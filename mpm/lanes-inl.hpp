@@ -288,8 +288,9 @@ HWY_INLINE void add_pairs(const V* a, const V* b, At&& at) {
   }
 }
 
-// F-bar of three-node shapes (averages.hpp): `a` and its weights v by the hats of the cell's corners, and the cell's sums.
-HWY_INLINE void add_to_averages(const CellView& c, Node* base, AveragedCell* cell, V xi, V eta, V v, V a) {
+// F-bar of three-node shapes (averages.hpp): `a` by its weights v and the hats of the corners of a cell; with `volumes` the
+// weights and the cell's edges too.
+HWY_INLINE void add_to_averages(const CellView& c, std::int32_t cell, bool volumes, V xi, V eta, V v, V a) {
   V hx[2], hy[2], value[4], volume[4];
   hat_lanes(xi, hx);
   hat_lanes(eta, hy);
@@ -297,16 +298,25 @@ HWY_INLINE void add_to_averages(const CellView& c, Node* base, AveragedCell* cel
     volume[n] = v * hx[n % 2] * hy[n / 2];
     value[n] = volume[n] * a;
   }
-  add_pairs<4>(value, volume, [&](int n) { return &base[n / 2 * c.nx + n % 2].dx; });
-  const V along_x = hx[0] * volume[1], along_x_high = hx[0] * volume[3];
-  Four{along_x, along_x_high, hy[0] * volume[2], hy[0] * volume[3]}.add_to(&cell->low);
+  CornerSums* corner = c.average.corners + cell;
+  if (volumes) {
+    add_pairs<4>(value, volume, [&](int n) { return &corner[n / 2 * c.nx + n % 2].value; });
+    Four{hx[0] * volume[1], hx[0] * volume[3], hy[0] * volume[2], hy[0] * volume[3]}.add_to(&c.average.edges[cell].low);
+  } else {
+    HWY_ALIGN double sums[4];
+    Four{value[0], value[1], value[2], value[3]}.get(sums);
+    for (int n = 0; n < 4; ++n) corner[n / 2 * c.nx + n % 2].value += sums[n];
+  }
 }
 // The average at the points.
-HWY_INLINE V averaged(const CellView& c, const Node* base, V xi, V eta) {
+HWY_INLINE V averaged(const CellView& c, std::int32_t cell, V xi, V eta) {
   V hx[2], hy[2];
   hat_lanes(xi, hx);
   hat_lanes(eta, hy);
-  return hy[0] * row_sum<2>(hx, base, &Node::dx) + hy[1] * row_sum<2>(hx, base + c.nx, &Node::dx);
+  const double* mean = c.average.mean + cell;
+  const V low = hn::MulAdd(hx[1], set(mean[1]), hx[0] * set(mean[0]));
+  const V high = hn::MulAdd(hx[1], set(mean[c.nx + 1]), hx[0] * set(mean[c.nx]));
+  return hn::MulAdd(hy[1], high, hy[0] * low);
 }
 
 /// Calls action with the lane form of the shape.

@@ -101,7 +101,7 @@ struct Mapping {
     if constexpr (W == 2) {
       return locking == Locking::fbar ? hn::IfThenZeroElse(stands_open(p, t), own + set(element)) : own;
     } else {
-      return hn::IfThenZeroElse(stands_open(p, t), own + averaged(c, base, l.xi, l.eta));
+      return hn::IfThenZeroElse(stands_open(p, t), own + averaged(c, std::int32_t(base - c.node), l.xi, l.eta));
     }
   }
 
@@ -194,10 +194,9 @@ void map_slots(ShapeKind shape, bool affine, bool momentum, bool force, Locking 
 
 void average_stress_slots(const PointView& p, const CellView& c, SlotRange slots) {
   for (std::size_t s = slots.begin; s < slots.end; ++s) {
-    Node* base = c.node + c.slot_cell[s];
     for_tiles(c, s, [&](const auto& t) PIVNP_TILE {
       const V mean = sum3(t.load(p.tau_xx), t.load(p.tau_yy), t.load(p.tau_zz)) * set(1.0 / 3);
-      add_to_averages(c, base, c.averaged + c.slot_cell[s], t.load(p.xi), t.load(p.eta), joined_volume(p, t), mean);
+      add_to_averages(c, c.slot_cell[s], true, t.load(p.xi), t.load(p.eta), joined_volume(p, t), mean);
     });
   }
 }

@@ -18,27 +18,32 @@ struct alignas(32) Node {
   bool held = false;        // by a wall or body
   double ux = 0, uy = 0;    // velocity that strains the material (MUSL: mapped again), restrained
   double nx = 0, ny = 0;    // velocity after the momentum update and the restraints
-  double dx = 0, dy = 0;    // damping force, part of the force, N/m; between uses: averages (strain.cpp)
+  double dx = 0, dy = 0;    // damping force, part of the force, N/m
 };
 static_assert(sizeof(Node) == 96 && std::is_trivially_copyable_v<Node>);
 
-/// What the averages of three-node shapes (averages.hpp) know of the square around a node, and of its lower left corner:
-/// both go by the node to the lower left of that corner.
-struct alignas(64) AveragedCell {
-  // Sums over the cell's points of V0 s (1 - s) along x and t (1 - t) along y, s and t from the corner in cells, times the
-  // hat across, edge by edge; then what the averages move along the edges.
+// Sums of the averages of three-node shapes (averages.hpp).
+/// Over a cell's points: V0 s (1 - s) times the hat across along the lower and upper edge, V0 t (1 - t) along the left and
+/// right one; s and t from the cell's lower left corner, in cells.
+struct alignas(32) EdgeSums {
   double low = 0, high = 0, left = 0, right = 0;
-  double edge_x = 0, edge_y = 0;    // the sums of the corner's edges to the right and up, of both cells beside them
-  double shift_x = 0, shift_y = 0;  // of the corner: from its points' centre to it, cells
 };
-static_assert(sizeof(AveragedCell) == 64 && std::is_trivially_copyable_v<AveragedCell>);
+/// Over a corner's points by its hat: V0 a and V0, then one over that.
+struct alignas(16) CornerSums {
+  double value = 0, volume = 0;
+};
+struct AverageView {
+  EdgeSums* edges;
+  CornerSums* corners;
+  double* mean;
+};
 
-/// Nodes or elements of a grid, all zero. Fresh pages of the system are zero as they are and take no memory until they
-/// are written to: those far from all material cost nothing.
+/// One a node of a grid, all zero. Fresh pages of the system are zero as they are and take no memory until they are
+/// written to: nodes far from all material cost nothing.
 template <class T>
 class OfGrid {
  public:
-  explicit OfGrid(std::size_t n) : memory_(std::calloc(n + 1, sizeof(T))), size_(n) {
+  explicit OfGrid(std::size_t n) : memory_(std::calloc(n + 32 / sizeof(T) + 1, sizeof(T))), size_(n) {
     if (!memory_) throw std::bad_alloc();
     const auto at = reinterpret_cast<std::uintptr_t>(memory_.get());
     first_ = reinterpret_cast<T*>((at + alignof(T) - 1) / alignof(T) * alignof(T));
