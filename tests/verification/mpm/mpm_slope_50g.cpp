@@ -2,12 +2,11 @@
 // block's rear edge towards the toe; no load printed. Criteria: the slope stands still under its own weight; loaded over
 // the case's 40 s it fails in one band that begins at the block's rear edge, runs under the face and ends at its foot, on
 // cells of 160 and 80 mm, in less than 6 minutes of one thread; model (50 g) and prototype agree to 1e-9 of the slope's
-// length over the first quarter of the loading, for lengths and times 64 (a power of two: no bit differs) and 50 times
-// larger. Stated: the loads at onset and at 0.4 m, and what loading twice as fast makes of them.
+// length until it fails, and without averaging over the first quarter of the loading, for lengths and times 64 (a power of
+// two: no bit differs) and 50 times larger. Stated: the loads at onset and at 0.4 m, and what loading twice as fast makes of them.
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <ctime>
 #include <filesystem>
 #include <string>
@@ -159,14 +158,11 @@ void expect_similar(const std::string& locking, double scale, double share_of_ti
 }
 
 TEST(MpmSlope50g, ModelAndPrototypeAgree) {
-  for (const double scale : {50.0, 64.0}) expect_similar("fbar", scale, 0.25, "a quarter of the loading");
+  for (const double scale : {50.0, 64.0}) expect_similar("fbar", scale, 0.3, "until the slope fails (0.3 of the loading)");
 }
 
-// With F-bar the face creeps, and creeping grains make more of the last digits that a factor of 50 changes; a power of
-// two changes none.
-TEST(MpmSlope50g, ModelAndPrototypeAgreeWithAveraging) {
-  expect_similar("fbar", 50, 1.0 / 80, "half a second");
-  expect_similar("fbar", 64, 0.1, "a tenth of the loading");
+TEST(MpmSlope50g, ModelAndPrototypeAgreeWithoutAveraging) {
+  for (const double scale : {50.0, 64.0}) expect_similar("none", scale, 0.25, "a quarter of the loading");
 }
 
 TEST(MpmSlope50g, StandsStillWithoutTheBlocksWeight) {
@@ -216,47 +212,6 @@ TEST(MpmSlope50g, WhatRegularisationDoesToTheDifferenceBetweenMeshes) {
     EXPECT_GE(coarse.most_m, 0.4 * (1 - 1e-3));
     EXPECT_GE(fine.most_m, 0.4 * (1 - 1e-3));
     EXPECT_GT(coarse.onset_kn, fine.onset_kn);
-  }
-}
-
-TEST(Probe, Bare) {
-  const auto env = [](const char* n, double d) { const char* s = std::getenv(n); return s ? std::atof(s) : d; };
-  app::Setup setup;
-  setup.cell_m = env("CELL", 0.0032);
-  setup.per_element = int(env("PER", 9));
-  if (std::getenv("LOCK")) setup.locking = std::getenv("LOCK");
-  Case c = scaled(setup);
-  for (auto& [name, body] : c.bodies) {
-    if (env("MASS", 0) == 0) continue;
-    body.mass_kg_m = body.mass_end_kg_m = env("MASS", 0.05);
-  }
-  for (auto& [name, soil] : c.materials) {
-    soil.friction_deg = env("PHI", 35);
-    soil.dilatancy_deg = env("PSI", 0);
-    if (env("COH", 0) > 0) soil.cohesion_pa = env("COH", 0);
-  }
-  if (env("NOBODY", 0) > 0) c.bodies.clear();
-  if (std::getenv("SETTLE")) c.mpm->settle = env("SETTLE", 1) > 0;
-  const Setting setting = make_setting(c, 0, 0);
-  mpm::Solver solver(*c.mpm, make_scene(c, setting, *c.mpm, c.materials, "material."), 1);
-  solver.settle(silent);
-  const double end = env("END", 0.04);
-  for (int k = 1; k <= 8; ++k) {
-    solver.advance_to(end * k / 8, silent);
-    const MotionFrame f = solver.frame();
-    double most = 0;
-    std::size_t at = 0, yielded = 0;
-    for (std::size_t q = 0; q < f.u.size(); ++q) {
-      const double u = std::hypot(double(f.u[q][0]), double(f.u[q][1])) * 50;
-      if (u > most) most = u, at = q;
-      yielded += f.plastic_dev[q] > 1e-4f;
-    }
-    const Vec2 x0 = solver.particles().x0[at] / setup.cell_m;
-    const EnergyRow e = solver.energy();
-    std::printf("t %.2f s most %.5f m at (%.2f %.2f) cells, %.2f under the face, sheared %.2f, yielded %.3f, residual %+.2f %% kinetic %.1e\n", 50 * solver.time(), most, x0.x(), x0.y(),
-                ((0.17265 / setup.cell_m - x0.x()) * std::sin(0.5585) - x0.y() * std::cos(0.5585)), double(f.plastic_dev[at]),
-                double(yielded) / double(f.u.size()), 100 * e.residual / e.external, e.kinetic / e.external);
-    std::fflush(stdout);
   }
 }
 
