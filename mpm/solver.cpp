@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 #include "mpm/kernel.hpp"
 #include "mpm/settle.hpp"
@@ -191,7 +190,7 @@ void Solver::settle(Progress& progress) {
       throw InputError("mpm.settle: found true beside neo_hookean, which takes no stress at the start; expected false");
   // The average of three-node shapes leaves a point's own mean stress free to drift where points open one by one.
   Scheme scheme = s.scheme;
-  if (!getenv("SETP") && scheme.shape != ShapeKind::bilinear) scheme.locking = Locking::none;
+  if (scheme.shape != ShapeKind::bilinear) scheme.locking = Locking::none;
   settle_particles({s.loading.gravity(0), s.options.settle_damping, s.options.settle_tolerance, s.most_threads, s.options.k0}, scheme,
                    s.materials, s.restraints, s.contacts, s.density, s.bodies, s.p, s.g, progress);
   s.p.resize_increments(0);
