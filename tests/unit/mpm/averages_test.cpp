@@ -198,5 +198,24 @@ TEST(Averages, AreContinuousWherePointsCrossCells) {
   EXPECT_LT(worst(found[0], found[1]), 1e-6);
 }
 
+TEST(Averages, DoNotDependOnTheNumberOfThreads) {
+  const Scheme scheme = scheme_of(options());
+  const Scene s = scene(Grid{{0, 0}, {h, h}, 81, 61}, {disc("disc", {4, 3}, 2.5)}, {elastic(1e5, 0.3, 1000)});
+  GridState g(s.grid, scheme.shape);
+  SolverState state = initial_state(s, scheme, g, materials_of(s));
+  Particles& p = state.particles;
+  std::mt19937_64 random(9);
+  std::uniform_real_distribution<double> u(-1, 1);
+  for (std::size_t k = 0; k < p.size(); ++k) p.tau_xx[k] = p.tau_yy[k] = p.tau_zz[k] = u(random);
+  locate_all(p, g);
+  ASSERT_GT(g.nodes.size(), 2 * nodes_in_part);
+  std::vector<double> found[2];
+  for (const int threads : {1, 3}) {
+    average_mean_stress(p, g, scheme, threads);
+    for (const std::uint32_t n : g.nodes) found[threads == 3].push_back(g.averages.view().mean[n]);
+  }
+  EXPECT_TRUE(found[0] == found[1]);
+}
+
 }  // namespace
 }  // namespace pivnp::mpm
