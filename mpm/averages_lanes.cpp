@@ -37,23 +37,27 @@ struct Cells {
   HWY_INLINE V at(const double* field, std::ptrdiff_t from = 0) const { return hn::LoadU(d, field + n + from); }
   HWY_INLINE void put(V v, double* field) const { hn::StoreU(v, d, field + n); }
 
+  struct Sums {
+    V low, high, left, right;
+  };
+  HWY_INLINE Sums sums(std::ptrdiff_t from) const {
+    Sums s;
+    hn::LoadInterleaved4(d, &a.edges[n + from].low, s.low, s.high, s.left, s.right);
+    return s;
+  }
+
   HWY_INLINE void take_edges() const {
-    V low, high, left, right, value, volume, unused_low, unused_high, unused_left, unused_right;
-    const auto sums = [&](std::ptrdiff_t from) { return &a.edges[n + from].low; };
-    hn::LoadInterleaved4(d, sums(0), low, unused_high, left, unused_right);
-    hn::LoadInterleaved4(d, sums(-a.row), unused_low, high, unused_left, unused_right);
-    const V edge_x = low + high, up_right_left = left, lower_left_edge = unused_left;
-    hn::LoadInterleaved4(d, sums(-1), low, unused_high, unused_left, right);
-    const V edge_y = up_right_left + right;
-    hn::LoadInterleaved4(d, sums(-a.row - 1), unused_low, high, unused_left, right);
+    const Sums here = sums(0), below = sums(-a.row), before = sums(-1), diagonal = sums(-a.row - 1);
+    const V edge_x = here.low + below.high, edge_y = here.left + before.right;
+    V value, volume;
     hn::LoadInterleaved2(d, &a.corners[n].value, value, volume);
     const V zero = hn::Zero(d), one = hn::Set(d, 1.0);
     const V per = hn::IfThenElseZero(hn::Gt(volume, zero), one / hn::IfThenElse(hn::Gt(volume, zero), volume, one));
     hn::StoreInterleaved2(value, per, d, &a.corners[n].value);
     put(edge_x, a.edge_x);
     put(edge_y, a.edge_y);
-    put(per * ((low + high) - edge_x), a.shift_x);
-    put(per * ((lower_left_edge + right) - edge_y), a.shift_y);
+    put(per * ((before.low + diagonal.high) - edge_x), a.shift_x);
+    put(per * ((below.left + diagonal.right) - edge_y), a.shift_y);
   }
 
   HWY_INLINE V share(V edge, V across, V other) const {
@@ -112,9 +116,13 @@ struct Cells {
   HWY_INLINE void take_means() const {
     const std::ptrdiff_t up = -a.row;
     const V here_x = at(a.flux_x), here_y = at(a.flux_y), left_x = at(a.flux_x, -1), left_y = at(a.flux_y, -1);
-    const V low_x = at(a.flux_x, up), low_y = at(a.flux_y, up), both_x = at(a.flux_x, up - 1), both_y = at(a.flux_y, up - 1);
-    const V x = (at(a.low, -1) * left_x - at(a.low) * here_x) + (at(a.high, up - 1) * both_x - at(a.high, up) * low_x);
-    const V y = (at(a.left, up) * low_y - at(a.left) * here_y) + (at(a.right, up - 1) * both_y - at(a.right, -1) * left_y);
+    const V low_x = at(a.flux_x, up), low_y = at(a.flux_y, up), both_x = at(a.flux_x, up - 1),
+            both_y = at(a.flux_y, up - 1);
+    const V x_above = at(a.low, -1) * left_x - at(a.low) * here_x,
+            x_below = at(a.high, up - 1) * both_x - at(a.high, up) * low_x;
+    const V y_after = at(a.left, up) * low_y - at(a.left) * here_y,
+            y_before = at(a.right, up - 1) * both_y - at(a.right, -1) * left_y;
+    const V x = x_above + x_below, y = y_after + y_before;
     V value, per_volume;
     hn::LoadInterleaved2(d, &a.corners[n].value, value, per_volume);
     put(per_volume * (value + (x + y)), a.mean);

@@ -288,7 +288,7 @@ HWY_INLINE void add_pairs(const V* a, const V* b, At&& at) {
   }
 }
 
-// F-bar of three-node shapes (averages.hpp): `a` by its weights v and the hats of the corners of a cell; with `volumes` the
+// F-bar of three-node shapes (averages.hpp): `a` by its weights v and the hats of a cell's corners; with `volumes` the
 // weights and the cell's edges too.
 HWY_INLINE void add_to_averages(const CellView& c, std::int32_t cell, bool volumes, V xi, V eta, V v, V a) {
   V hx[2], hy[2], value[4], volume[4];

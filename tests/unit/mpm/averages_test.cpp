@@ -29,7 +29,8 @@ struct Cut {
   Particles& p;
 
   Cut(double angle, int n, double scattered, std::mt19937_64& random)
-      : s(scene(Grid{{0, 0}, {h, h}, 17, 17}, {rectangle("block", 0.3, 0.3, 1.3, 1.3)}, {elastic(1e5, 0.3, 1000)}, n * n)),
+      : s(scene(Grid{{0, 0}, {h, h}, 17, 17}, {rectangle("block", 0.3, 0.3, 1.3, 1.3)}, {elastic(1e5, 0.3, 1000)},
+                n * n)),
         g(s.grid, scheme.shape),
         state(initial_state(s, scheme, g, materials_of(s))),
         p(state.particles) {
@@ -37,7 +38,8 @@ struct Cut {
     const double shift_x = 0.05 * u(random), shift_y = 0.05 * u(random);
     std::size_t kept = 0;
     for (std::size_t k = 0; k < p.size(); ++k) {
-      const double x = p.x[k] + shift_x + scattered * h / n * u(random), y = p.y[k] + shift_y + scattered * h / n * u(random);
+      const double x = p.x[k] + shift_x + scattered * h / n * u(random),
+                   y = p.y[k] + shift_y + scattered * h / n * u(random);
       if ((x - 0.8) * std::sin(angle) + (y - 0.8) * std::cos(angle) > 0) {
         p.cell[k] = Particles::ended;
         continue;
@@ -105,10 +107,12 @@ TEST(Averages, LinearFieldsAreKeptUpToAFreeSurfaceAtAnyAngle) {
     const auto one = cut.field([](double, double) { return 1.0; });
     for (const Averaging which : {Averaging::of_stress, Averaging::of_strain})
       EXPECT_LT(worst(cut.average(which, one), one), 1e-13);
-    for (const auto& linear : {cut.field([](double x, double) { return x / h; }), cut.field([](double, double y) { return y / h; })}) {
+    for (const auto& linear :
+         {cut.field([](double x, double) { return x / h; }), cut.field([](double, double y) { return y / h; })}) {
       const auto found = cut.average(Averaging::of_stress, linear);
       const double apart = worst(found, linear);
-      // The mean alone is 0.3 to 0.4 away everywhere. Where S has to be raised, at single points, a tenth of that is left.
+      // The mean alone is 0.3 to 0.4 away everywhere. Where S has to be raised, at single points, a tenth of that is
+      // left.
       EXPECT_LT(apart, scattered < 1 ? 0.05 : 0.1);
       most = std::max(most, apart);
       sum += apart < 1e-11;
@@ -124,7 +128,8 @@ TEST(Averages, ThoseOfStrainAreTheAdjointOfThoseOfStress) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> u(-1, 1);
   for_cuts([&](Cut& cut, double) {
-    const auto a = cut.field([&](double, double) { return u(random); }), b = cut.field([&](double, double) { return u(random); });
+    const auto a = cut.field([&](double, double) { return u(random); }),
+               b = cut.field([&](double, double) { return u(random); });
     const double left = cut.product(b, cut.average(Averaging::of_stress, a));
     const double right = cut.product(a, cut.average(Averaging::of_strain, b));
     EXPECT_NEAR(left, right, 1e-13 * cut.product(a, a));
@@ -151,8 +156,8 @@ TEST(Averages, AreNotGreaterThanOne) {
   std::printf("greatest norm less one %.1e\n", most - 1);
 }
 
-// The force of a pressure that rises linearly from a face is that without averaging (to 3e-4 where S is raised at a point;
-// the mean alone: 3 %).
+// The force of a pressure that rises linearly from a face is that without averaging (to 3e-4 where S is raised at a
+// point; the mean alone: 3 %).
 TEST(Averages, ALinearPressureActsAsItDoesByItself) {
   std::mt19937_64 random(11);
   int exact = 0;
