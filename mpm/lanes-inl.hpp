@@ -342,10 +342,10 @@ HWY_INLINE TileLines<S, Tile> lines_of(const PointView& p, const TileCells& cell
   return {p, cells, t};
 }
 
+// The hats of a cell's corners (averages.hpp).
 HWY_INLINE void hat_lanes(V xi, V* w) {
-  w[0] = hn::Max(zero(), hn::Neg(xi));
-  w[1] = set(1) - hn::Abs(xi);
-  w[2] = hn::Max(zero(), xi);
+  w[0] = set(0.5) - xi;
+  w[1] = set(0.5) + xi;
 }
 
 // sum over a line of weight times a member of the row's nodes, the first of which is `row` behind the base.
@@ -467,6 +467,41 @@ HWY_INLINE void add_pairs(const V* a, const V* b, At&& at) {
       at(g, N - 1)[1] += sums[1][g];
     }
   }
+}
+
+// F-bar of three-node shapes (averages.hpp): `a` by its weights v and the hats of a cell's corners; with `volumes` the
+// weights and the cell's edges too.
+HWY_INLINE void add_to_averages(const CellView& c, const TileCells& cells, bool volumes, V xi, V eta, V v, V a) {
+  V hx[2], hy[2], value[4], volume[4];
+  hat_lanes(xi, hx);
+  hat_lanes(eta, hy);
+  for (int n = 0; n < 4; ++n) {
+    volume[n] = v * hx[n % 2] * hy[n / 2];
+    value[n] = volume[n] * a;
+  }
+  std::ptrdiff_t cell[groups];
+  for (std::size_t g = 0; g < groups; ++g) cell[g] = cells.base[g] - c.node;
+  const auto corner = [&](std::size_t g, std::ptrdiff_t n) PIVNP_TILE {
+    return &c.average.corners[cell[g] + n / 2 * cells.nx + n % 2].value;
+  };
+  if (volumes) {
+    add_pairs<4>(value, volume, corner);
+    Four{hx[0] * volume[1], hx[0] * volume[3], hy[0] * volume[2], hy[0] * volume[3]}.add_to(
+        [&](std::size_t g) PIVNP_TILE { return &c.average.edges[cell[g]].low; });
+  } else {
+    Four{value[0], value[1], value[2], value[3]}.add_singly(
+        [&](std::size_t g, std::size_t n) PIVNP_TILE { return corner(g, std::ptrdiff_t(n)); });
+  }
+}
+// The average at the points.
+HWY_INLINE V averaged(const CellView& c, const TileCells& cells, V xi, V eta) {
+  V hx[2], hy[2];
+  hat_lanes(xi, hx);
+  hat_lanes(eta, hy);
+  const double *first = c.average.mean + (cells.base[0] - c.node), *second = c.average.mean + (cells.base[groups - 1] - c.node);
+  const auto at = [&](std::ptrdiff_t n) PIVNP_TILE { return of_groups(first[n], second[n]); };
+  const V low = hn::MulAdd(hx[1], at(1), hx[0] * at(0)), high = hn::MulAdd(hx[1], at(cells.nx + 1), hx[0] * at(cells.nx));
+  return hn::MulAdd(hy[1], high, hy[0] * low);
 }
 
 /// Calls action with the lane form of the shape.

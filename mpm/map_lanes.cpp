@@ -133,11 +133,7 @@ struct Mapping {
       const V element = of_groups(mean[cells.slot[0] - first], mean[cells.slot[groups - 1] - first]);
       return hn::IfThenZeroElse(stands_open(p, t), own + element);
     } else {
-      V hx[3], hy[3], row[3];
-      hat_lanes(l.xi, hx);
-      hat_lanes(l.eta, hy);
-      for (int b = 0; b < 3; ++b) row[b] = row_sum<3>(hx, cells, b * cells.nx, &Node::dx);
-      return hn::IfThenZeroElse(stands_open(p, t), own + dot<3>(hy, row));
+      return hn::IfThenZeroElse(stands_open(p, t), own + averaged(c, cells, l.xi, l.eta));
     }
   }
 
@@ -236,16 +232,8 @@ void map_slots(ShapeKind shape, bool affine, bool momentum, bool force, Locking 
 
 void average_stress_slots(const PointView& p, const CellView& c, SlotRange slots) {
   for_tiles(c, slots, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
-    V hx[3], hy[3], value[9], volume[9];
-    hat_lanes(t.load(p.xi), hx);
-    hat_lanes(t.load(p.eta), hy);
-    const V v = joined_volume(p, t);
     const V mean = sum3(t.load(p.tau_xx), t.load(p.tau_yy), t.load(p.tau_zz)) * set(1.0 / 3);
-    for (int n = 0; n < 9; ++n) {
-      volume[n] = v * hx[n % 3] * hy[n / 3];
-      value[n] = volume[n] * mean;
-    }
-    add_pairs<9>(value, volume, [&](std::size_t g, int n) PIVNP_TILE { return &cells.base[g][n / 3 * cells.nx + n % 3].dx; });
+    add_to_averages(c, cells, true, t.load(p.xi), t.load(p.eta), joined_volume(p, t), mean);
   });
 }
 

@@ -142,22 +142,14 @@ HWY_INLINE LaneGradient gradient(const Lines& l, const TileCells& cells, double 
   }
 }
 
-void average_strain_slots(ShapeKind shape, double dt, const PointView& p, const CellView& c, SlotRange slots) {
+void average_strain_slots(ShapeKind shape, double dt, bool volumes, const PointView& p, const CellView& c, SlotRange slots) {
   with_lanes(shape, [&](auto kind) HWY_ATTR {
     using S = decltype(kind);
     if constexpr (S::W == 3)
       for_tiles(c, slots, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
         const auto l = lines_of<S>(p, cells, t);
         const V theta = lane_log_det(gradient(l, cells, dt * c.per_hx, dt * c.per_hy));
-        V hx[3], hy[3], value[9], volume[9];
-        hat_lanes(l.xi, hx);
-        hat_lanes(l.eta, hy);
-        const V v = joined_volume(p, t);
-        for (int n = 0; n < 9; ++n) {
-          volume[n] = v * hx[n % 3] * hy[n / 3];
-          value[n] = volume[n] * theta;
-        }
-        add_pairs<9>(value, volume, [&](std::size_t g, int n) PIVNP_TILE { return &cells.base[g][n / 3 * cells.nx + n % 3].dx; });
+        add_to_averages(c, cells, volumes, l.xi, l.eta, joined_volume(p, t), theta);
       });
   });
 }
@@ -225,11 +217,7 @@ struct Straining {
           theta = job.locking == Locking::full ? e.trace : lane_log_det(centre_gradient(cells, sx, sy));
         }
       } else {
-        V hx[3], hy[3], row[3];
-        hat_lanes(l.xi, hx);
-        hat_lanes(l.eta, hy);
-        for (int b = 0; b < 3; ++b) row[b] = row_sum<3>(hx, cells, b * cells.nx, &Node::dx);
-        theta = hn::IfThenElse(stands_open(p, t), e.trace, dot<3>(hy, row));
+        theta = hn::IfThenElse(stands_open(p, t), e.trace, averaged(c, cells, l.xi, l.eta));
       }
       shift = (theta - e.trace) * set(1.0 / 3);
     }
@@ -296,8 +284,8 @@ namespace pivnp::mpm {
 HWY_EXPORT(average_strain_slots);
 HWY_EXPORT(strain_slots);
 
-void average_strain_lanes(ShapeKind shape, double dt, const PointView& p, const CellView& c, SlotRange slots) {
-  HWY_DYNAMIC_DISPATCH(average_strain_slots)(shape, dt, p, c, slots);
+void average_strain_lanes(ShapeKind shape, double dt, bool volumes, const PointView& p, const CellView& c, SlotRange slots) {
+  HWY_DYNAMIC_DISPATCH(average_strain_slots)(shape, dt, volumes, p, c, slots);
 }
 void strain_lanes(ShapeKind shape, const StrainJob& job, const PointView& p, const CellView& c, SlotRange slots,
                   const Increments& out) {
