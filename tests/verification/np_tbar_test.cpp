@@ -98,7 +98,9 @@ TEST(TBar, ParticlesCloseWithDirectCorrelation) {
 
   const Measured measured{plan_steps(source->frames()),
                           [&](const TrackStep& step) { return writer.pair(std::size_t(step.from)); },
-                          [&](int k) { return source->read(k); }};
+                          [&](int k) { return source->read(k); },
+                          check_closure(c, setting, *source, [&](int k) { return writer.pair(std::size_t(k)); }, 0, quiet)};
+  for (const std::string& remark : closure_remarks(measured.closure, setting)) std::printf("%s\n", remark.c_str());
   const piv::SubsetImage first(source->read(0).view(), setting.mask.view(), 0);
   const piv::SubsetImage last(source->read(12).view(), setting.mask.view(), 0);
   std::vector<double> medians;
