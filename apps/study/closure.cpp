@@ -147,9 +147,10 @@ std::vector<std::string> closure_remarks(const ClosureNote& note, const Setting&
   std::sort(sigma.begin(), sigma.end());
   const double pixel = setting.grid.spacing.x() / node_spacing_px(setting);
   const auto at = [&](double q) { return number(sigma[std::size_t(q * double(sigma.size() - 1))] / pixel, 2); };
-  return {"Steps in turn miss direct correlation over " + std::to_string(note.chains[0][1] - note.chains[0][0]) +
-          " of them by more than is stated: pairs repeat the same error at a place (standing light, dirt, reflections), " +
-          at(0.5) + " px in the median, " + at(0.95) + " px at the worst twentieth. The uncertainty of paths holds it."};
+  return {
+      "Steps in turn miss direct correlation over " + std::to_string(note.chains[0][1] - note.chains[0][0]) +
+      " of them by more than is stated: pairs repeat the same error at a place (standing light, dirt, reflections), " +
+      at(0.5) + " px in the median, " + at(0.95) + " px at the worst twentieth. The uncertainty of paths holds it."};
 }
 
 }  // namespace pivnp::app

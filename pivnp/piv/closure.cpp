@@ -9,8 +9,8 @@ namespace pivnp::piv {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr int reach = 2;            // nodes to either side that are averaged over
-constexpr double most = 10;         // of a single place's strength: a few wild places decide nothing
+constexpr int reach = 2;     // nodes to either side that are averaged over
+constexpr double most = 10;  // of a single place's strength: a few wild places decide nothing
 constexpr double least_strength = 1, sure = 4;
 
 // Products of a node's differences, averaged over the pairs of chains that know it.
@@ -42,8 +42,8 @@ bool products_at(std::size_t n, std::span<const ClosureChain> chains, Products& 
 }
 
 // Mean over the known nodes around (i, j).
-bool mean_around(const Grid& grid, const std::vector<Products>& at, const std::vector<std::uint8_t>& known, int i, int j,
-                 Products& out) {
+bool mean_around(const Grid& grid, const std::vector<Products>& at, const std::vector<std::uint8_t>& known, int i,
+                 int j, Products& out) {
   int count = 0;
   out = {};
   for (int b = std::max(0, j - reach); b <= std::min(grid.ny - 1, j + reach); ++b)

@@ -19,8 +19,8 @@ Grid grid_of(int nx, int ny) { return {Vec2(100, 50), Vec2(h, h), nx, ny}; }
 
 // Differences as steps + 1 independent errors of `sigma` leave them, and (steps - 1) times `repeated` at the node.
 template <class Repeated>
-std::vector<ClosureChain> chains(const Grid& grid, const std::vector<int>& steps, std::mt19937_64& random, double true_sigma,
-                                 const Repeated& repeated) {
+std::vector<ClosureChain> chains(const Grid& grid, const std::vector<int>& steps, std::mt19937_64& random,
+                                 double true_sigma, const Repeated& repeated) {
   std::vector<ClosureChain> out;
   std::normal_distribution<double> normal;
   for (const int n : steps) {

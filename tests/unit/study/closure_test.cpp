@@ -1,7 +1,7 @@
 // Closure of a sequence of drawn frames.
 //   criterion: where the stated error is right (still light, rotation that speeds up) nothing is added; where something
-//     stands still before the moving texture, paths whose error the stated one covers in less than half of the particles
-//     are covered in 95 % within three standard deviations.
+//     stands still before the moving texture, paths whose error the stated one covers in less than half of the
+//     particles are covered in 95 % within three standard deviations.
 #include "apps/study/closure.hpp"
 
 #include <gtest/gtest.h>
@@ -22,7 +22,8 @@ constexpr int columns = 208, rows = 160;
 class Drawn final : public image::FrameSource {
  public:
   using Place = std::function<Vec2(const Vec2& first, int frame)>;  // column and row
-  Drawn(int count, Place place, double standing_per_px) : place_(std::move(place)), renderer_(options(), columns, rows) {
+  Drawn(int count, Place place, double standing_per_px)
+      : place_(std::move(place)), renderer_(options(), columns, rows) {
     for (int k = 0; k < count; ++k) frames_.push_back({"drawn", double(k), frame_ok});
     moving_ = blobs(5, 0.05);
     if (standing_per_px > 0) standing_ = blobs(6, standing_per_px);
@@ -58,39 +59,50 @@ class Drawn final : public image::FrameSource {
 };
 
 Case scene(const std::string& more = "") {
-  return parse_case("name = \"closure\"\n[frames]\npath = \"drawn\"\n[grid]\nspacing_px = 8\n"
-                    "[region.block]\npolygon_px = [[48, 40], [160, 40], [160, 120], [48, 120]]\n"
-                    "[piv]\nwindow_px = 32\n" + more + "[np]\nper_element = 1\n",
-                    "test", ".");
+  return parse_case(
+      "name = \"closure\"\n[frames]\npath = \"drawn\"\n[grid]\nspacing_px = 8\n"
+      "[region.block]\npolygon_px = [[48, 40], [160, 40], [160, 120], [48, 120]]\n"
+      "[piv]\nwindow_px = 32\n" +
+          more + "[np]\nper_element = 1\n",
+      "test", ".");
 }
 
 struct Closed {
   ClosureNote note;
   double within = 0, within_without = 0;  // share of components within three standard deviations at the last frame
+  double rms_over_sigma = 0;              // of errors at the last frame, in standard deviations as stated with it
 };
 
 Closed closed(const Case& c, Drawn& frames, const Drawn::Place& place) {
   const Setting setting = make_setting(c, columns, rows);
   std::vector<VectorField> fields;
-  for (int k = 0; k + 1 < int(frames.frames().size()); ++k) fields.push_back(measure_pair(c, setting, frames, {k, k + 1}, 1));
+  for (int k = 0; k + 1 < int(frames.frames().size()); ++k)
+    fields.push_back(measure_pair(c, setting, frames, {k, k + 1}, 1));
   SilentProgress quiet;
   Closed out;
-  out.note = check_closure(c, setting, frames, [&](int k) { return fields[std::size_t(k)]; }, 1, quiet);
+  out.note = check_closure(
+      c, setting, frames, [&](int k) { return fields[std::size_t(k)]; }, 1, quiet);
   for (const bool with : {false, true}) {
-    const Measured measured{plan_steps(frames.frames()), [&](const TrackStep& s) { return fields[std::size_t(s.from)]; },
+    const Measured measured{plan_steps(frames.frames()),
+                            [&](const TrackStep& s) { return fields[std::size_t(s.from)]; },
                             [&](int k) { return frames.read(k); }, with ? out.note : ClosureNote{}};
     std::size_t inside = 0, all = 0;
+    double squares = 0;
     follow(c, setting, frames.frames(), measured, 1, quiet, [&](std::size_t k, const np::Tracker& now) {
       if (k + 1 != frames.frames().size()) return;
       for (std::size_t p = 0; p < now.state().size(); ++p) {
         const auto s = now.state()[p];
         if (s.status == ParticleStatus::ended) continue;
         const Vec2 truth = setting.camera.to_world(place(setting.camera.to_pixel(now.particles().x0[p]), int(k)));
-        for (int c2 = 0; c2 < 2; ++c2, ++all)
-          inside += std::abs(s.x[c2] - truth[c2]) <= 3 * std::sqrt(s.cov[std::size_t(c2)]);
+        for (int k2 = 0; k2 < 2; ++k2, ++all) {
+          const double square = std::pow(s.x[k2] - truth[k2], 2) / s.cov[std::size_t(k2)];
+          inside += square <= 9;
+          squares += square;
+        }
       }
     });
     (with ? out.within : out.within_without) = double(inside) / double(all);
+    out.rms_over_sigma = std::sqrt(squares / double(all));
   }
   return out;
 }
@@ -102,10 +114,12 @@ TEST(Closure, WhatStandsStillIsFoundAndPathsHoldIt) {
   const Closed r = closed(c, frames, place);
   EXPECT_EQ(r.note.verdict, "repeated error");
   EXPECT_EQ(r.note.chains, (std::vector<std::array<int, 2>>{{0, 4}, {4, 8}, {8, 12}}));
-  std::printf("within three standard deviations: %.3f, without %.3f; strength %.2f of %.2f\n", r.within, r.within_without,
-              r.note.strength, r.note.threshold);
+  std::printf("within three standard deviations: %.3f, without %.3f; rms %.2f; strength %.2f of %.2f\n", r.within,
+              r.within_without, r.rms_over_sigma, r.note.strength, r.note.threshold);
   EXPECT_LT(r.within_without, 0.5);
   EXPECT_GE(r.within, 0.95);
+  EXPECT_GT(r.rms_over_sigma, 0.5);  // nor is it stated too large
+  EXPECT_LT(r.rms_over_sigma, 1.5);
   EXPECT_EQ(closure_remarks(r.note, make_setting(c, columns, rows)).size(), 1u);
 }
 
@@ -140,7 +154,9 @@ TEST(Closure, WhatCannotBeCheckedSaysSo) {
     nothing.status.assign(setting.grid.node_count(), valid ? VectorStatus::valid : VectorStatus::rejected);
     nothing.cov.assign(setting.grid.node_count(), {1e-4f, 1e-4f, 0});
     nothing.score.assign(setting.grid.node_count(), 1);
-    return check_closure(c, setting, frames, [&](int) { return nothing; }, 1, quiet).verdict;
+    return check_closure(
+               c, setting, frames, [&](int) { return nothing; }, 1, quiet)
+        .verdict;
   };
   EXPECT_EQ(verdict(scene(), 2, true), "not checked: fewer than five frames");
   EXPECT_EQ(verdict(scene(), 4, true), "not checked: fewer than five frames");
@@ -148,7 +164,8 @@ TEST(Closure, WhatCannotBeCheckedSaysSo) {
   EXPECT_EQ(verdict(scene(), 5, false), "not checked: frames two steps apart do not correlate");
 }
 
-// A still particle's repeated error adds up as one error; where material leaves a vector's reach, as independent pieces.
+// A still particle's repeated error adds up as one error; where material leaves a vector's reach, as independent
+// pieces.
 TEST(Closure, ARepeatedErrorAddsUpAsOne) {
   const Grid grid{Vec2(0, 0), Vec2(1, 1), 3, 2};
   ClosureNote note;
