@@ -115,7 +115,11 @@ RunOutcome run_case(const Case& given, const RunSettings& settings, Stages stage
     for (std::string& remark :
          fraction_remarks(setting, frames.size() - 1, [&](std::size_t k) { return writer.pair(k); }))
       outcome.remarks.push_back(std::move(remark));
-    if (tracks) tracked = track(c, setting, frames, *source, writer, settings.threads, progress);
+    const ClosureNote closure = check_closure(
+        c, setting, *source, [&](int k) { return writer.pair(std::size_t(k)); }, settings.threads, progress);
+    writer.set_closure(closure);
+    for (std::string& remark : closure_remarks(closure, setting)) outcome.remarks.push_back(std::move(remark));
+    if (tracks) tracked = track(c, setting, frames, *source, closure, writer, settings.threads, progress);
   }
   if (simulates)
     for (std::string& remark : simulate(c, setting, output_times(c, frames), writer, settings.threads, progress))

@@ -62,7 +62,9 @@ void go_on(np::Tracker& tracker, DriftCorrector* corrector, const std::vector<Fr
   for (std::size_t n = done; n < measured.steps.size(); ++n) {
     if (progress.stop_requested()) throw Interrupted();
     const TrackStep& step = measured.steps[n];
-    tracker.step(measured.field(step), frames[std::size_t(step.to)].time);
+    VectorField field = measured.field(step);
+    add_repeated(measured.closure, int(n) + 1, field);
+    tracker.step(field, frames[std::size_t(step.to)].time);
     if (corrector != nullptr)
       corrector->after_step(tracker, step.to, n + 1 == measured.steps.size(), [&] { return measured.image(step.to); });
     at_step(n + 1, tracker);
@@ -116,7 +118,7 @@ std::vector<DriftRound> follow(const Case& c, const Setting& setting, const std:
 }
 
 TrackOutcome track(const Case& c, const Setting& setting, const std::vector<Frame>& frames, image::FrameSource& source,
-                   io::RecordWriter& writer, int threads, Progress& progress) {
+                   const ClosureNote& closure, io::RecordWriter& writer, int threads, Progress& progress) {
   const std::string stage = "motion/np";
   const io::StageState done = writer.stage(stage);
   if (done.complete) return {};
@@ -129,7 +131,7 @@ TrackOutcome track(const Case& c, const Setting& setting, const std::vector<Fram
                                        ? writer.pair(std::size_t(step.from))
                                        : bridges.fields[std::size_t(at - bridges.bridged.begin())];
                           },
-                          [&](int k) { return source.read(k); }};
+                          [&](int k) { return source.read(k); }, closure};
   TrackOutcome outcome;
   outcome.bridged = bridges.bridged;
   np::Tracker tracker(options, all_particles(c, setting, frames, measured, progress), frames.front().time);

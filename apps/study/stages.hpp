@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/study/closure.hpp"
 #include "apps/study/drift.hpp"
 #include "apps/study/scene.hpp"
 #include "pivnp/core/progress.hpp"
@@ -27,6 +28,7 @@ struct Measured {
   std::vector<TrackStep> steps;
   std::function<VectorField(const TrackStep&)> field;
   std::function<Image(int)> image;
+  ClosureNote closure = {};  // its repeated error goes into the covariance of the paths
 };
 
 /// The particles of a run: those of the first frame and, with np.reseed, those born later, found by tracking once
@@ -50,7 +52,7 @@ struct TrackOutcome {
 /// the last closed segment; where drift is corrected, what is already written is tracked again (the same bits) and not
 /// written.
 TrackOutcome track(const Case& c, const Setting& setting, const std::vector<Frame>& frames, image::FrameSource& source,
-                   io::RecordWriter& writer, int threads, Progress& progress);
+                   const ClosureNote& closure, io::RecordWriter& writer, int threads, Progress& progress);
 
 /// The simulation at `times` (the first is 0): motion "mpm", and its energy. Returns remarks: what sleeping left out.
 std::vector<std::string> simulate(const Case& c, const Setting& setting, const std::vector<double>& times,

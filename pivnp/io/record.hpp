@@ -12,6 +12,7 @@
 
 #include "pivnp/core/math.hpp"
 #include "pivnp/core/particles/motion.hpp"
+#include "pivnp/core/record/closure_note.hpp"
 #include "pivnp/core/record/energy.hpp"
 #include "pivnp/core/record/frames.hpp"
 #include "pivnp/core/record/metric.hpp"
@@ -97,6 +98,8 @@ class RecordWriter {
 
   VectorField pair(std::size_t index) const;  // read back from closed or open segments
   void set_frames(const std::vector<Frame>& frames);
+  /// What closure said of the pairs. Throws std::logic_error where the repeated error is not of the grid's nodes.
+  void set_closure(const ClosureNote& note);
   void set_comparison(const ComparisonData& comparison);
   /// Fields of DerivedReader to store per motion (output.fields) when packing. Throws InputError for an unknown name.
   void set_output_fields(const std::vector<std::string>& names);
@@ -129,6 +132,8 @@ class RecordReader {
   const std::vector<Frame>& frames() const;
   std::size_t pair_count() const;
   VectorField pair(std::size_t index) const;
+  /// Nothing where the record states none (no pairs, an older record).
+  std::optional<ClosureNote> closure() const;
   std::vector<std::string> motion_names() const;
   std::unique_ptr<MotionSource> motion(const std::string& name) const;  // reads frame by frame
   /// Nothing where the record states none (a simulation, an older record).

@@ -51,6 +51,7 @@ struct RecordWriter::Impl {
   std::map<std::string, StageFiles> former;    // as found on disk
   std::unique_ptr<RecordReader> finished;      // resumed, but there is nothing left to do
   std::vector<Frame> frames;
+  std::optional<ClosureNote> closure;
   std::optional<ComparisonData> comparison;
   std::map<std::string, StrainNote> strain_notes;  // by motion
   std::vector<std::string> output_fields;

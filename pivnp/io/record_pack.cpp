@@ -158,6 +158,19 @@ void pack_strain_note(h5::OutputFile& out, const std::string& motion, const Stra
   out.attribute(group, "strain_floor_path", note.floor_path);
 }
 
+void pack_closure(h5::OutputFile& out, const ClosureNote& note, const Grid& grid, const Units& units) {
+  out.attribute("/piv", "closure", note.verdict);
+  if (note.threshold > 0) {
+    out.attribute("/piv", "closure_strength", note.strength);
+    out.attribute("/piv", "closure_threshold", note.threshold);
+  }
+  if (!note.chains.empty())
+    out.write("/piv/closure_chain", Type::i32, {note.chains.size(), 2}, note.chains.data(), "", Packing::plain);
+  if (!note.repeated.empty())
+    out.write("/piv/repeated_cov", Type::f32, {std::size_t(grid.ny), std::size_t(grid.nx), 3}, note.repeated.data(),
+              units.length2(), Packing::deflated);
+}
+
 // The anchor of the measurement decides how increments are summed; without one, central.
 bool central_anchor(const h5::Source& record) {
   if (!record.has("/piv/anchor")) return true;
@@ -186,6 +199,7 @@ void RecordWriter::Impl::pack() {
 
 void RecordWriter::Impl::commit_packed() {
   guarded(*packed, [&] {
+    if (closure && stages.contains("piv")) pack_closure(*packed, *closure, head.grid, units);
     for (const auto& [motion, note] : strain_notes) pack_strain_note(*packed, motion, note);
     if (comparison) pack_comparison(*packed, *comparison, units);
     pack_views(*packed, head.grid, units);

@@ -71,6 +71,32 @@ VectorField RecordReader::pair(std::size_t index) const {
   return read_pair(impl_->source, "/piv", impl_->head.grid, index);
 }
 
+std::optional<ClosureNote> RecordReader::closure() const {
+  const h5::Source& source = impl_->source;
+  if (!source.has("/piv") || !source.has_attribute("/piv", "closure")) return std::nullopt;
+  ClosureNote note;
+  note.verdict = source.attribute_text("/piv", "closure");
+  if (source.has_attribute("/piv", "closure_strength")) {
+    note.strength = source.attribute_number("/piv", "closure_strength");
+    note.threshold = source.attribute_number("/piv", "closure_threshold");
+  }
+  if (source.has("/piv/closure_chain")) {
+    const h5::Dataset chains = source.dataset("/piv/closure_chain");
+    const std::size_t count = chains.shape().at(0);
+    chains.expect({count, 2});
+    note.chains.resize(count);
+    chains.read(h5::Type::i32, 0, count, note.chains.data());
+  }
+  if (source.has("/piv/repeated_cov")) {
+    const Grid& grid = impl_->head.grid;
+    const h5::Dataset repeated = source.dataset("/piv/repeated_cov");
+    repeated.expect({std::size_t(grid.ny), std::size_t(grid.nx), 3});
+    note.repeated.resize(grid.node_count());
+    repeated.read(h5::Type::f32, 0, std::size_t(grid.ny), note.repeated.data());
+  }
+  return note;
+}
+
 std::optional<StrainNote> RecordReader::strain_note(const std::string& motion) const {
   const std::string group = "/motion/" + motion;
   const h5::Source& source = impl_->source;

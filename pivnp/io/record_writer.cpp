@@ -296,6 +296,13 @@ void RecordWriter::set_comparison(const ComparisonData& comparison) {
   impl_->comparison = comparison;
 }
 
+void RecordWriter::set_closure(const ClosureNote& note) {
+  if (impl_->finished) return;
+  require(note.repeated.empty() || note.repeated.size() == impl_->head.grid.node_count(),
+          "a repeated error that is not of the grid's nodes");
+  impl_->closure = note;
+}
+
 void RecordWriter::set_output_fields(const std::vector<std::string>& names) {
   for (const std::string& name : names) derived_field(name);  // throws for an unknown one
   impl_->output_fields = names;

@@ -26,6 +26,7 @@ struct PivOptions {
   double max_sigma_px = 0.7;
   double min_usable = 0.4;
   bool replace = true;
+  int closure = 3;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
@@ -68,6 +69,11 @@ struct PivOptions {
           OptionInfo{.text = "share of a window that masks and the image's edge must leave", .min = 0, .max = 1});
     visit("replace", self.replace,
           OptionInfo{.text = "rebuild rejected vectors from valid neighbours (marked as replaced)"});
+    visit("closure", self.closure,
+          OptionInfo{.text = "chains of steps, over the sequence, held against direct pairs of their ends (one pair more a "
+                             "chain): what the uncertainty of paths must hold beside random error (below 2: none)",
+                     .min = 0,
+                     .max = 100});
   }
 };
 

@@ -209,6 +209,38 @@ TEST_F(RecordTest, WhatGoesWithStrainsComesBack) {
   }
 }
 
+TEST_F(RecordTest, WhatClosureSaidComesBack) {
+  ClosureNote unchecked, agrees, repeated;
+  unchecked.verdict = "not checked: fewer than five frames";
+  agrees.verdict = "agrees", agrees.chains = {{0, 2}, {3, 5}}, agrees.strength = -0.1, agrees.threshold = 1;
+  repeated = agrees;
+  repeated.verdict = "repeated error", repeated.strength = 3.5;
+  for (std::size_t n = 0; n < sample::head(size).grid.node_count(); ++n)
+    repeated.repeated.push_back({1e-4f * float(n), 2e-4f, -1e-5f * float(n)});
+  const auto write = [&](const ClosureNote* note) {
+    RecordWriter w(directory.path, sample::head(size), false);
+    w.add_pair(sample::pair(size, 0));
+    w.end_stage("piv", nullptr);
+    ClosureNote odd = repeated;
+    odd.repeated.pop_back();
+    EXPECT_THROW(w.set_closure(odd), std::logic_error);
+    if (note != nullptr) w.set_closure(*note);
+    w.finish();
+  };
+  write(nullptr);
+  EXPECT_FALSE(RecordReader(record).closure());
+  for (const ClosureNote& note : {unchecked, agrees, repeated}) {
+    write(&note);
+    const auto found = RecordReader(record).closure();
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->verdict, note.verdict);
+    EXPECT_EQ(found->chains, note.chains);
+    EXPECT_EQ(found->strength, note.strength);
+    EXPECT_EQ(found->threshold, note.threshold);
+    EXPECT_TRUE(same_bits(found->repeated, note.repeated));
+  }
+}
+
 TEST_F(RecordTest, WhatAFrameLacksIsNaNWhereOthersHaveIt) {
   {
     RecordWriter w(directory.path, sample::head(size), false);
