@@ -284,28 +284,28 @@ struct Smooth {
     return {here.stress, here.history, work};
   }
 
-  template <class Tile, class Step>
-  HWY_INLINE void tile(const Tile& t, const Step& step, std::size_t k, std::uint32_t* list_of_rare, std::size_t& n) {
+  // A step of a tile's points: stress, history and dissipation become what they are after it, except for those of `rare`.
+  struct State {
+    LaneTensor stress;  // turned by the step
+    V history, dissipated;
+    M rare;
+  };
+  HWY_NOINLINE State advance(State state, LaneTensor de) const {
     const D d;
-    J = t.load(b.J);
-    if (is_given) given = t.load(b.softened_by);
-    const V history = t.load(b.plastic_dev);
-    const Turned turn = turned(b, t, step);
-    const LaneTensor de{step.load(b.de_xx), step.load(b.de_yy), step.load(b.de_zz), step.load(b.de_xy)};
-    const M all = hn::FirstN(d, n_lanes);
-    M rare = hn::Or(hn::Ne(t.load(b.gap), zero()), has_opened(b, k));
-    LanePlace here = place({turn.mean + turn.half, turn.mean - turn.half, turn.zz, turn.xy}, history);
+    M rare = state.rare;
+    LanePlace here = place(state.stress, state.history);
     const V start = energy_of(here.stress);
-    correct(here, all, rare);  // to this step's J and pressure
+    correct(here, hn::FirstN(d, n_lanes), rare);  // to this step's J and pressure
     rare = hn::Or(rare, here.at_limit());
 
     const LaneTensor elastic = stiff(de);
     const M inside = hn::Lt(here.F, set(-10) * here.tolerance);
     const M yields = hn::AndNot(inside, hn::Ge(product(gradient(here), elastic), zero()));
-    LanePlace end = here;
+    State end{here.stress, here.history, zero(), rare};
     if (!hn::AllTrue(d, yields)) {
-      end = place(plus(here.stress, elastic, set(1)), here.history, &here.strength);
-      rare = hn::Or(rare, hn::AndNot(yields, hn::Or(end.outside(), hn::Gt(end.mean, end.most_mean))));
+      const LanePlace there = place(plus(here.stress, elastic, set(1)), here.history, &here.strength);
+      rare = hn::Or(rare, hn::AndNot(yields, hn::Or(there.outside(), hn::Gt(there.mean, there.most_mean))));
+      end.stress = there.stress;
     }
     V work = set(0.5) * (product(here.stress, de) + product(end.stress, de));
     if (!hn::AllFalse(d, hn::AndNot(rare, yields))) {
@@ -314,16 +314,29 @@ struct Smooth {
       end.history = hn::IfThenElse(yields, flowed.history, end.history);
       work = hn::IfThenElse(yields, flowed.work, work);
     }
-    const V dissipated = t.load(b.dissipated);
-    const LaneTensor before{t.load(b.xx), t.load(b.yy), t.load(b.zz), t.load(b.xy)};
-    if (HWY_UNLIKELY(!hn::AllFalse(d, rare))) list(rare, k, b.size, list_of_rare, n);
-    const LaneTensor stress = choose(rare, before, end.stress);
+    end.dissipated = state.dissipated + (work - (energy_of(end.stress) - start));
+    end.rare = rare;
+    return end;
+  }
+
+  template <class Tile, class Step>
+  HWY_INLINE void tile(const Tile& t, const Step& step, std::size_t k, std::uint32_t* list_of_rare, std::size_t& n) {
+    J = t.load(b.J);
+    if (is_given) given = t.load(b.softened_by);
+    const Turned turn = turned(b, t, step);
+    const LaneTensor turned_stress{turn.mean + turn.half, turn.mean - turn.half, turn.zz, turn.xy};
+    const V history = t.load(b.plastic_dev), dissipated = t.load(b.dissipated);
+    const M not_closed = hn::Or(hn::Ne(t.load(b.gap), zero()), has_opened(b, k));
+    const State end = advance({turned_stress, history, dissipated, not_closed},
+                              {step.load(b.de_xx), step.load(b.de_yy), step.load(b.de_zz), step.load(b.de_xy)});
+    if (HWY_UNLIKELY(!hn::AllFalse(D(), end.rare))) list(end.rare, k, b.size, list_of_rare, n);
+    const LaneTensor stress = choose(end.rare, {t.load(b.xx), t.load(b.yy), t.load(b.zz), t.load(b.xy)}, end.stress);
     t.store(stress.xx, b.xx);
     t.store(stress.yy, b.yy);
     t.store(stress.zz, b.zz);
     t.store(stress.xy, b.xy);
-    t.store(hn::IfThenElse(rare, history, end.history), b.plastic_dev);
-    t.store(hn::IfThenElse(rare, dissipated, dissipated + (work - (energy_of(end.stress) - start))), b.dissipated);
+    t.store(hn::IfThenElse(end.rare, history, end.history), b.plastic_dev);
+    t.store(hn::IfThenElse(end.rare, dissipated, end.dissipated), b.dissipated);
   }
 
  private:
