@@ -30,6 +30,7 @@ GridState::GridState(const Grid& d, ShapeKind kind, int n_sheets)
       per_hx(1 / d.spacing.x()),
       per_hy(1 / d.spacing.y()),
       node(grid.node_count()),
+      averages(grid),
       fold(grid.node_count(), fold_none),
       slot_of_cell_(grid.node_count(), -1),
       count_(grid.node_count(), 0) {}
@@ -270,12 +271,14 @@ void GridState::rebuild_pieces() {
 
 void GridState::rebuild_nodes(const CellBits& cells) {
   for (const std::uint32_t n : nodes) node[n] = Node{};
+  if (averages.used) nodes_before_ = nodes;
   nodes.clear();
   cells.grown(0, width - 1).for_all([&](std::size_t n) { nodes.push_back(std::uint32_t(n)); });
+  if (averages.used) averages.forget(nodes_before_, nodes);
 }
 
 CellView GridState::view() {
-  return {order.data(), slot_begin.data(), slot_cell.data(), slot_fold.data(), node.data(), grid.nx, sheet.ny, sheet_rows,
+  return {order.data(), slot_begin.data(), slot_cell.data(), slot_fold.data(), node.data(), averages.view(), grid.nx, sheet.ny, sheet_rows,
           grid.spacing.x(), grid.spacing.y(), per_hx, per_hy, grid.origin.x(), grid.origin.y()};
 }
 

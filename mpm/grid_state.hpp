@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "mpm/averages.hpp"
 #include "mpm/cell_bits.hpp"
 #include "mpm/lanes.hpp"
 #include "mpm/node.hpp"
@@ -63,6 +64,7 @@ class GridState {
   std::vector<std::uint32_t> resting;     // those among them that belong to a sleeping cell
   std::vector<std::uint32_t> border;      // and those of these that belong to an awake one too
   Nodes node;                             // of the whole grid; zero where not active
+  Averages averages;                      // of three-node shapes
   std::vector<std::uint8_t> fold;         // of every node of the grid
   std::vector<std::pair<std::int32_t, std::uint32_t>> arrivals;  // of follow(): the cells, and the points now in them
   std::vector<std::uint32_t> moved;    // of locate_points(): places in `order` of points that have another cell now
@@ -124,6 +126,7 @@ class GridState {
   // Of follow() and rebuild_nodes().
   std::vector<std::uint32_t> next_begin_;
   std::vector<std::int32_t> next_cell_;
+  std::vector<std::uint32_t> nodes_before_;
   std::vector<std::uint8_t> asleep_;                              // of each block; empty: none
 };
 

@@ -110,18 +110,6 @@ void for_nodes_in(GridState& g, SlotRange nodes, Body&& body) {
   for (std::size_t a = nodes.begin; a < nodes.end; ++a) body(g.node[g.nodes[a]]);
 }
 
-/// Node::dx from what add(slots) adds to dx and dy: their quotient.
-template <class Add>
-void average_at_nodes(GridState& g, int threads, Add&& add) {
-  for_bands(
-      g.mapped, threads,
-      [&](SlotRange nodes, std::size_t) { for_nodes_in(g, nodes, [](Node& node) { node.dx = node.dy = 0; }); },
-      [&](SlotRange slots, std::size_t) { add(slots); },
-      [&](SlotRange nodes, std::size_t) {
-        for_nodes_in(g, nodes, [](Node& node) { node.dx = node.dy > 0 ? node.dx / node.dy : 0; });
-      });
-}
-
 /// Calls body(part, begin, end) for parts of GridState::nodes that do not depend on `threads`: so sums and lists made part
 /// by part do not either.
 constexpr std::size_t nodes_in_part = 1024;
@@ -131,6 +119,39 @@ void for_node_parts(const GridState& g, int threads, Body&& body) {
   for_each(node_parts(g), threads, [&](std::size_t part) {
     body(part, part * nodes_in_part, std::min(g.nodes.size(), (part + 1) * nodes_in_part));
   });
+}
+
+/// Averages at the corners of what add(slots) adds to CellView::average. Without `volumes` all but the corners' values is as
+/// the last averages left it: the points have not moved since, and the same ones stand open.
+template <class Add>
+void average_at_corners(GridState& g, Averaging which, bool volumes, int threads, Add&& add) {
+  g.averages.used = true;
+  const AverageArrays a = g.averages.arrays();
+  const auto clear = [&](SlotRange nodes, std::size_t) {
+    for (std::size_t k = nodes.begin; k < nodes.end; ++k) {
+      const std::uint32_t n = g.nodes[k];
+      if (volumes) {
+        a.corners[n] = {};
+        a.edges[n] = {};
+      } else {
+        a.corners[n].value = 0;
+      }
+    }
+  };
+  const auto finish = [&](SlotRange nodes, std::size_t) {
+    if (volumes) take_edges(a, g.nodes.data() + nodes.begin, nodes.end - nodes.begin);
+  };
+  for_bands(g.mapped, threads, clear, [&](SlotRange slots, std::size_t) { add(slots); }, finish);
+  const auto move = [&](std::size_t, std::size_t begin, std::size_t end) {
+    if (volumes) take_cells(a, g.nodes.data() + begin, end - begin);
+    take_fluxes(a, which, g.nodes.data() + begin, end - begin);
+    if (threads <= 1) take_means(a, g.nodes.data() + begin, end - begin);  // while they are in the cache
+  };
+  for_node_parts(g, threads, move);
+  if (threads > 1)
+    for_node_parts(g, threads, [&](std::size_t, std::size_t begin, std::size_t end) {
+      take_means(a, g.nodes.data() + begin, end - begin);
+    });
 }
 
 }  // namespace pivnp::mpm

@@ -204,10 +204,10 @@ struct TileLines {
   }
 };
 
+// The hats of a cell's corners (averages.hpp).
 HWY_INLINE void hat_lanes(V xi, V* w) {
-  w[0] = hn::Max(zero(), hn::Neg(xi));
-  w[1] = set(1) - hn::Abs(xi);
-  w[2] = hn::Max(zero(), xi);
+  w[0] = set(0.5) - xi;
+  w[1] = set(0.5) + xi;
 }
 
 // sum over a line of weight times a member of the row's nodes.
@@ -286,6 +286,37 @@ HWY_INLINE void add_pairs(const V* a, const V* b, At&& at) {
     at(N - 1)[0] += last[0];
     at(N - 1)[1] += last[1];
   }
+}
+
+// F-bar of three-node shapes (averages.hpp): `a` by its weights v and the hats of a cell's corners; with `volumes` the
+// weights and the cell's edges too.
+HWY_INLINE void add_to_averages(const CellView& c, std::int32_t cell, bool volumes, V xi, V eta, V v, V a) {
+  V hx[2], hy[2], value[4], volume[4];
+  hat_lanes(xi, hx);
+  hat_lanes(eta, hy);
+  for (int n = 0; n < 4; ++n) {
+    volume[n] = v * hx[n % 2] * hy[n / 2];
+    value[n] = volume[n] * a;
+  }
+  CornerSums* corner = c.average.corners + cell;
+  if (volumes) {
+    add_pairs<4>(value, volume, [&](int n) { return &corner[n / 2 * c.nx + n % 2].value; });
+    Four{hx[0] * volume[1], hx[0] * volume[3], hy[0] * volume[2], hy[0] * volume[3]}.add_to(&c.average.edges[cell].low);
+  } else {
+    HWY_ALIGN double sums[4];
+    Four{value[0], value[1], value[2], value[3]}.get(sums);
+    for (int n = 0; n < 4; ++n) corner[n / 2 * c.nx + n % 2].value += sums[n];
+  }
+}
+// The average at the points.
+HWY_INLINE V averaged(const CellView& c, std::int32_t cell, V xi, V eta) {
+  V hx[2], hy[2];
+  hat_lanes(xi, hx);
+  hat_lanes(eta, hy);
+  const double* mean = c.average.mean + cell;
+  const V low = hn::MulAdd(hx[1], set(mean[1]), hx[0] * set(mean[0]));
+  const V high = hn::MulAdd(hx[1], set(mean[c.nx + 1]), hx[0] * set(mean[c.nx]));
+  return hn::MulAdd(hy[1], high, hy[0] * low);
 }
 
 /// Calls action with the lane form of the shape.

@@ -33,6 +33,7 @@ struct CellView {
   const std::int32_t* slot_cell;
   const std::uint8_t* slot_fold;
   Node* node;
+  AverageView average;
   int nx, ny;      // nodes in a row, and rows of a sheet that count
   int sheet_rows;  // from one sheet to the next
   double hx, hy, per_hx, per_hy, origin_x, origin_y;  // origin: of the nodes
@@ -72,17 +73,17 @@ struct MoveJob {
 /// whose number is returned.
 std::size_t locate_lanes(ShapeKind shape, const PointView& p, const CellView& c, SlotRange slots,
                          std::uint32_t* suspects);
-/// Adds mass, momentum and internal force to Node::mass, vx, vy, fx, fy. F-bar of three-node shapes: with the mean stress
-/// in Node::dx.
+/// Adds mass, momentum and internal force to Node::mass, vx, vy, fx, fy. F-bar of three-node shapes: with the
+/// average of the mean stress.
 void map_lanes(ShapeKind shape, bool affine, bool momentum, bool force, Locking locking, const PointView& p,
                const CellView& c, SlotRange slots);
-/// Adds V0 times the mean stress, and V0, by hats to Node::dx, dy.
+/// Adds V0 times the mean stress to CellView::average, and V0 and the edges' sums.
 void average_stress_lanes(const PointView& p, const CellView& c, SlotRange slots);
-/// Adds V0 times ln det of the step's deformation, and V0, by hats to Node::dx, dy.
-void average_strain_lanes(ShapeKind shape, double dt, const PointView& p, const CellView& c, SlotRange slots);
+/// Adds V0 times ln det of the step's deformation; with `volumes` what does not depend on it too.
+void average_strain_lanes(ShapeKind shape, double dt, bool volumes, const PointView& p, const CellView& c, SlotRange slots);
 /// A.8-A.11; `remap`: adds the updated momentum to Node::ux, uy.
 GatherSums move_lanes(ShapeKind shape, const MoveJob& job, const PointView& p, const CellView& c, SlotRange slots);
-/// A.12; F-bar of three-node shapes: with the averaged volumetric increment in Node::dx.
+/// A.12; F-bar of three-node shapes: with the averaged volumetric increment.
 void strain_lanes(ShapeKind shape, const StrainJob& job, const PointView& p, const CellView& c, SlotRange slots,
                   const Increments& out);
 /// P v of XPIC: from the nodes' `v` to the points and back, times the mass, added to `out`; x and y of every node.

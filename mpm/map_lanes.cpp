@@ -101,11 +101,7 @@ struct Mapping {
     if constexpr (W == 2) {
       return locking == Locking::fbar ? hn::IfThenZeroElse(stands_open(p, t), own + set(element)) : own;
     } else {
-      V hx[3], hy[3], row[3];
-      hat_lanes(l.xi, hx);
-      hat_lanes(l.eta, hy);
-      for (int b = 0; b < 3; ++b) row[b] = row_sum<3>(hx, base + b * c.nx, &Node::dx);
-      return hn::IfThenZeroElse(stands_open(p, t), own + dot<3>(hy, row));
+      return hn::IfThenZeroElse(stands_open(p, t), own + averaged(c, std::int32_t(base - c.node), l.xi, l.eta));
     }
   }
 
@@ -198,18 +194,9 @@ void map_slots(ShapeKind shape, bool affine, bool momentum, bool force, Locking 
 
 void average_stress_slots(const PointView& p, const CellView& c, SlotRange slots) {
   for (std::size_t s = slots.begin; s < slots.end; ++s) {
-    Node* base = c.node + c.slot_cell[s];
     for_tiles(c, s, [&](const auto& t) PIVNP_TILE {
-      V hx[3], hy[3], value[9], volume[9];
-      hat_lanes(t.load(p.xi), hx);
-      hat_lanes(t.load(p.eta), hy);
-      const V v = joined_volume(p, t);
       const V mean = sum3(t.load(p.tau_xx), t.load(p.tau_yy), t.load(p.tau_zz)) * set(1.0 / 3);
-      for (int n = 0; n < 9; ++n) {
-        volume[n] = v * hx[n % 3] * hy[n / 3];
-        value[n] = volume[n] * mean;
-      }
-      add_pairs<9>(value, volume, [&](int n) { return &base[n / 3 * c.nx + n % 3].dx; });
+      add_to_averages(c, c.slot_cell[s], true, t.load(p.xi), t.load(p.eta), joined_volume(p, t), mean);
     });
   }
 }

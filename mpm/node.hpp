@@ -18,22 +18,39 @@ struct alignas(32) Node {
   bool held = false;        // by a wall or body
   double ux = 0, uy = 0;    // velocity that strains the material (MUSL: mapped again), restrained
   double nx = 0, ny = 0;    // velocity after the momentum update and the restraints
-  double dx = 0, dy = 0;    // damping force, part of the force, N/m; between uses: averages (strain.cpp)
+  double dx = 0, dy = 0;    // damping force, part of the force, N/m
 };
 static_assert(sizeof(Node) == 96 && std::is_trivially_copyable_v<Node>);
 
-/// The nodes of a grid, all zero. Fresh pages of the system are zero as they are and take no memory until they are
+// Sums of the averages of three-node shapes (averages.hpp).
+/// Over a cell's points: V0 s (1 - s) times the hat across along the lower and upper edge, V0 t (1 - t) along the left and
+/// right one; s and t from the cell's lower left corner, in cells.
+struct alignas(32) EdgeSums {
+  double low = 0, high = 0, left = 0, right = 0;
+};
+/// Over a corner's points by its hat: V0 a and V0, then one over that.
+struct alignas(16) CornerSums {
+  double value = 0, volume = 0;
+};
+struct AverageView {
+  EdgeSums* edges;
+  CornerSums* corners;
+  double* mean;
+};
+
+/// One a node of a grid, all zero. Fresh pages of the system are zero as they are and take no memory until they are
 /// written to: nodes far from all material cost nothing.
-class Nodes {
+template <class T>
+class OfGrid {
  public:
-  explicit Nodes(std::size_t n) : memory_(std::calloc(n + 1, sizeof(Node))), size_(n) {
+  explicit OfGrid(std::size_t n) : memory_(std::calloc(n + 32 / sizeof(T) + 1, sizeof(T))), size_(n) {
     if (!memory_) throw std::bad_alloc();
     const auto at = reinterpret_cast<std::uintptr_t>(memory_.get());
-    node_ = reinterpret_cast<Node*>((at + alignof(Node) - 1) / alignof(Node) * alignof(Node));
+    first_ = reinterpret_cast<T*>((at + alignof(T) - 1) / alignof(T) * alignof(T));
   }
-  Node& operator[](std::size_t n) { return node_[n]; }
-  const Node& operator[](std::size_t n) const { return node_[n]; }
-  Node* data() { return node_; }
+  T& operator[](std::size_t n) { return first_[n]; }
+  const T& operator[](std::size_t n) const { return first_[n]; }
+  T* data() { return first_; }
   std::size_t size() const { return size_; }
 
  private:
@@ -42,7 +59,8 @@ class Nodes {
   };
   std::unique_ptr<void, Free> memory_;
   std::size_t size_;
-  Node* node_;
+  T* first_;
 };
+using Nodes = OfGrid<Node>;
 
 }  // namespace pivnp::mpm

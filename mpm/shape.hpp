@@ -93,13 +93,6 @@ struct GimpShape {
   }
 };
 
-/// Hat functions of the nodes on the same three nodes, for averages (strain.cpp).
-inline void hat(double xi, double w[3]) {
-  w[0] = std::max(0.0, -xi);
-  w[1] = 1 - std::abs(xi);
-  w[2] = std::max(0.0, xi);
-}
-
 /// Calls `action` with an object of the shape's type: the one place where run time turns into compile time.
 template <class Action>
 decltype(auto) with_shape(ShapeKind kind, Action&& action) {

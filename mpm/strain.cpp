@@ -9,7 +9,8 @@ namespace pivnp::mpm {
 namespace {
 
 // The averages spread strain over the rim of what sleeps, which is not strained: V0 m theta there, J/m.
-double work_passed_to_sleepers(const Particles& p, const GridState& g) {
+double work_passed_to_sleepers(const Particles& p, GridState& g) {
+  const double* mean = g.averages.view().mean;
   double work = 0;
   for (const SlotRange& slots : g.mapped.runs)
     for (std::size_t s = slots.begin; s < slots.end; ++s) {
@@ -19,22 +20,23 @@ double work_passed_to_sleepers(const Particles& p, const GridState& g) {
       for (std::uint32_t q = g.slot_begin[s]; q < g.slot_begin[s + 1]; ++q) {
         const std::uint32_t k = g.order[q];
         if (p.gap[k] > 0) continue;
-        double hx[3], hy[3], theta = 0;
-        hat(p.xi[k], hx);
-        hat(p.eta[k], hy);
-        for (int n = 0; n < 9; ++n) theta += hx[n % 3] * hy[n / 3] * g.node[at[n]].dx;
+        const double hx[2] = {0.5 - p.xi[k], 0.5 + p.xi[k]}, hy[2] = {0.5 - p.eta[k], 0.5 + p.eta[k]};
+        double theta = 0;
+        for (int n = 0; n < 4; ++n) theta += hx[n % 2] * hy[n / 2] * mean[at[n / 2 * 3 + n % 2]];
         work += p.volume0[k] * (p.tau_xx[k] + p.tau_yy[k] + p.tau_zz[k]) / 3 * theta;
       }
     }
   return work;
 }
 
-// F-bar of three-node shapes: Node::dx. Returns the work passed to what sleeps, J/m.
-double average_strain(const Particles& p, GridState& g, const Scheme& scheme, double dt, int threads) {
+// F-bar of three-node shapes: Averages. Returns the work passed to what sleeps, J/m.
+double average_strain(const Particles& p, GridState& g, const Scheme& scheme, double dt, bool volumes, int threads) {
   if (g.width == 2 || scheme.locking != Locking::fbar) return 0;
   const PointView points = p.view();
   const CellView cells = g.view();
-  average_at_nodes(g, threads, [&](SlotRange slots) { average_strain_lanes(g.shape, dt, points, cells, slots); });
+  average_at_corners(g, Averaging::of_strain, volumes, threads, [&](SlotRange slots) {
+    average_strain_lanes(g.shape, dt, volumes, points, cells, slots);
+  });
   return g.resting.empty() ? 0 : work_passed_to_sleepers(p, g);
 }
 
@@ -88,7 +90,7 @@ void strain_runs(const Particles& p, GridState& g, const StrainJob& job, int thr
 
 void strain_points(Particles& p, GridState& g, const Scheme& scheme, double dt, bool record, int threads) {
   if (p.de_xx.size() != p.size()) p.resize_increments(p.size());
-  average_strain(p, g, scheme, dt, threads);
+  average_strain(p, g, scheme, dt, true, threads);
   strain_runs(p, g, {scheme.locking, dt, record}, threads, [&](std::size_t begin, std::size_t end, const Increments& de) {
     for (std::size_t q = begin; q < end; ++q) {
       const std::size_t k = g.order[q], from = q - begin;
@@ -103,7 +105,8 @@ void strain_points(Particles& p, GridState& g, const Scheme& scheme, double dt, 
 
 double strain_and_update(Particles& p, GridState& g, const Scheme& scheme, double dt, bool record,
                          const UpdateRun& update, int threads) {
-  const double passed = average_strain(p, g, scheme, dt, threads);
+  // The stress has been averaged before, at the same places, where it was mapped before.
+  const double passed = average_strain(p, g, scheme, dt, scheme.stress == StressUpdate::usf, threads);
   strain_runs(p, g, {scheme.locking, dt, record}, threads, [&](std::size_t begin, std::size_t end, const Increments& de) {
     for_parts(p, g.order, begin, end, [&](const Particles::Body& body, std::size_t from, std::size_t to) {
       const std::size_t at = from - begin;

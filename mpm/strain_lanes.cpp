@@ -119,7 +119,7 @@ HWY_INLINE LaneGradient gradient(const TileLines<S>& l, const Node* base, int nx
   return {dot<W>(l.y.w, gx) * x, dot<W>(l.y.g, wx) * y, dot<W>(l.y.w, gy) * x, dot<W>(l.y.g, wy) * y};
 }
 
-void average_strain_slots(ShapeKind shape, double dt, const PointView& p, const CellView& c, SlotRange slots) {
+void average_strain_slots(ShapeKind shape, double dt, bool volumes, const PointView& p, const CellView& c, SlotRange slots) {
   with_lanes(shape, [&](auto kind) HWY_ATTR {
     using S = decltype(kind);
     if constexpr (S::W == 3)
@@ -128,15 +128,7 @@ void average_strain_slots(ShapeKind shape, double dt, const PointView& p, const 
         for_tiles(c, s, [&](const auto& t) PIVNP_TILE {
           const TileLines<S> l(p, c.slot_fold[s], t);
           const V theta = lane_log_det(gradient(l, base, c.nx, dt * c.per_hx, dt * c.per_hy));
-          V hx[3], hy[3], value[9], volume[9];
-          hat_lanes(l.xi, hx);
-          hat_lanes(l.eta, hy);
-          const V v = joined_volume(p, t);
-          for (int n = 0; n < 9; ++n) {
-            volume[n] = v * hx[n % 3] * hy[n / 3];
-            value[n] = volume[n] * theta;
-          }
-          add_pairs<9>(value, volume, [&](int n) { return &base[n / 3 * c.nx + n % 3].dx; });
+          add_to_averages(c, c.slot_cell[s], volumes, l.xi, l.eta, joined_volume(p, t), theta);
         });
       }
   });
@@ -175,11 +167,7 @@ struct Straining {
         theta = set(theta_of_element);
         if (job.locking == Locking::fbar) theta = hn::IfThenElse(stands_open(p, t), e.trace, theta);
       } else {
-        V hx[3], hy[3], row[3];
-        hat_lanes(l.xi, hx);
-        hat_lanes(l.eta, hy);
-        for (int b = 0; b < 3; ++b) row[b] = row_sum<3>(hx, base + b * c.nx, &Node::dx);
-        theta = hn::IfThenElse(stands_open(p, t), e.trace, dot<3>(hy, row));
+        theta = hn::IfThenElse(stands_open(p, t), e.trace, averaged(c, std::int32_t(base - c.node), l.xi, l.eta));
       }
       shift = (theta - e.trace) * set(1.0 / 3);
     }
@@ -247,8 +235,8 @@ namespace pivnp::mpm {
 HWY_EXPORT(average_strain_slots);
 HWY_EXPORT(strain_slots);
 
-void average_strain_lanes(ShapeKind shape, double dt, const PointView& p, const CellView& c, SlotRange slots) {
-  HWY_DYNAMIC_DISPATCH(average_strain_slots)(shape, dt, p, c, slots);
+void average_strain_lanes(ShapeKind shape, double dt, bool volumes, const PointView& p, const CellView& c, SlotRange slots) {
+  HWY_DYNAMIC_DISPATCH(average_strain_slots)(shape, dt, volumes, p, c, slots);
 }
 void strain_lanes(ShapeKind shape, const StrainJob& job, const PointView& p, const CellView& c, SlotRange slots,
                   const Increments& out) {

@@ -48,7 +48,7 @@ void map_sums(const Particles& p, GridState& g, const Scheme& scheme, bool force
 void map_momentum(const Particles& p, GridState& g, const Scheme& scheme, bool force, int threads);
 /// A.4: internal force at the nodes.
 void map_force(const Particles& p, GridState& g, const Scheme& scheme, int threads);
-/// F-bar of three-node shapes: the average of the mean stress, in Node::dx; call before the force is mapped.
+/// F-bar of three-node shapes: the average of the mean stress; call before the force is mapped.
 void average_mean_stress(const Particles& p, GridState& g, const Scheme& scheme, int threads);
 
 /// Adds the points' mass times an acceleration to the nodes' forces; `out` holds what was added, x and y of every node.
