@@ -1,10 +1,11 @@
 // Dry columns (Mohr-Coulomb, 30 degrees) that collapse beside a smooth wall on a rough base. Laws of two-dimensional
 // experiments, a = h0/d0, in d0 (Lube, Huppert, Sparks & Freundt 2005; figures recalled from a secondary source):
 // run-out 1.2 a below a = 1.8, 1.9 a^(2/3) above 2.8; height at the wall a below 1.15, 0.65 a^(2/5) above. Criteria:
-// exponents within 0.1 for a of 0.5 to 8: the height's below 1.15 without averaging, with it stated; the run-out's above 2.8
-// by x within which 99.5 % lies, by the front itself stated (docs/limits.md). (Prefactors are not asked for: the sides of an experiment's channel rub, plane strain has none.) Profiles up to a = 3 as they were within
-// 0.06 d0; the scheme gains no energy (residual at most +1 %, at least -10 % of what was released). Every column has
-// the same number of cells, 3136, so that none is resolved worse.
+// exponents within 0.1 for a of 0.5 to 8, the height's below 1.15 without averaging too, the run-out's above 2.8 by x
+// within which 99.5 % lies, by the front itself stated (docs/limits.md). (Prefactors are not asked for: the sides of an
+// experiment's channel rub, plane strain has none.) Profiles up to a = 3 as they were within 0.06 d0; the scheme gains no
+// energy (residual at most +1 %, at least -10 % of what was released). Every column has the same number of cells, 3136,
+// so that none is resolved worse.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -89,10 +90,10 @@ Deposit collapse(double aspect, double across, const std::string& locking = "fba
 // Heights at x/d0 = 0.05, 0.45, 0.85, ... (means over a tenth), over d0, when this was written.
 const std::map<double, std::vector<double>> known_profiles{
     {0.5, {0.50, 0.47, 0.30, 0.14, 0.04}},
-    {0.8, {0.75, 0.61, 0.44, 0.27, 0.14, 0.06, 0.01}},
-    {1.2, {0.89, 0.75, 0.59, 0.44, 0.31, 0.20, 0.10, 0.05, 0.01}},
-    {1.7, {1.04, 0.90, 0.74, 0.58, 0.45, 0.34, 0.25, 0.17, 0.10, 0.06, 0.03, 0.01, 0.00}},
-    {3.0, {1.17, 1.20, 1.02, 0.86, 0.74, 0.62, 0.52, 0.44, 0.36, 0.27, 0.17, 0.12, 0.12, 0.06, 0.05, 0.04, 0.02,
+    {0.8, {0.77, 0.61, 0.44, 0.27, 0.14, 0.06, 0.01}},
+    {1.2, {0.91, 0.76, 0.60, 0.44, 0.30, 0.20, 0.10, 0.04, 0.02}},
+    {1.7, {1.04, 0.90, 0.74, 0.58, 0.45, 0.34, 0.25, 0.17, 0.10, 0.06, 0.03, 0.02}},
+    {3.0, {1.23, 1.20, 1.02, 0.86, 0.73, 0.62, 0.52, 0.44, 0.36, 0.27, 0.18, 0.13, 0.13, 0.06, 0.05, 0.04, 0.03,
            0.01}},
 };
 
@@ -137,11 +138,7 @@ TEST(MpmCollapse, ExponentsAreThoseOfTheLaws) {
   pivnp::test::verification_row("column collapse, run-out, a of 3 to 8", "stated: exponent (law 2/3)",
                                 number(tall_found, 3));
   EXPECT_NEAR(tall_found, 0.73, 0.15);
-  // Missed by 0.01: at a = 0.8 the crest at the wall sinks by 5 %, a third of it by F-bar (docs/limits.md). Held as it
-  // is.
-  const double low_found = exponent(low_height);
-  pivnp::test::verification_row("column collapse, height, a of 0.5 and 0.8", "stated: exponent (law 1)", number(low_found, 3));
-  EXPECT_NEAR(low_found, 0.89, 0.03);
+  expect_exponent("height, a of 0.5 and 0.8", 1, low_height);
   expect_exponent("height, a of 3 to 8", 0.4, tall_height);
   low_height.clear();
   for (const double a : {0.5, 0.8}) low_height.emplace_back(a, collapse(a, 56, "none").wall);
