@@ -50,10 +50,10 @@ void for_each(std::size_t size, int threads, Body&& body) {
   for (std::ptrdiff_t k = 0; k < n; ++k) body(std::size_t(k));
 }
 
-/// Calls body(slots) for short runs of the awake slots, for what does not add to nodes.
+/// Calls body(slots, its number) for short runs of the awake slots, for what does not add to nodes.
 template <class Body>
 void for_pieces(const GridState& g, int threads, Body&& body) {
-  for_each(g.pieces.size(), threads, [&](std::size_t r) { body(g.pieces[r]); });
+  for_each(g.pieces.size(), threads, [&](std::size_t r) { body(g.pieces[r], r); });
 }
 
 /// Calls body(band, its number) for the even bands, then for the odd ones.
@@ -67,13 +67,14 @@ void for_whole_bands(const Bands& bands, int threads, Body&& body) {
     }
     return;
   }
+  const auto& [even, odd] = bands.parity;
+  const auto n_even = std::ptrdiff_t(even.size()), n_odd = std::ptrdiff_t(odd.size());
 #pragma omp parallel num_threads(threads)
-  for (int parity = 0; parity < 2; ++parity) {
-    const auto& of_parity = bands.parity[parity];
-    const std::size_t first = parity == 0 ? 0 : bands.parity[0].size();
-    const auto n = std::ptrdiff_t(of_parity.size());
+  {
 #pragma omp for schedule(dynamic, 1)
-    for (std::ptrdiff_t b = 0; b < n; ++b) body(of_parity[std::size_t(b)], first + std::size_t(b));
+    for (std::ptrdiff_t b = 0; b < n_even; ++b) body(even[std::size_t(b)], std::size_t(b));
+#pragma omp for schedule(dynamic, 1) nowait
+    for (std::ptrdiff_t b = 0; b < n_odd; ++b) body(odd[std::size_t(b)], even.size() + std::size_t(b));
   }
 }
 

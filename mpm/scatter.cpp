@@ -25,14 +25,13 @@ bool locate_points(Particles& p, GridState& g, std::vector<std::uint32_t>& left,
   g.arrivals.clear();
   const PointView points = p.view();
   const CellView cells = g.view();
-  // Each run writes from its first point's place on.
+  // Each piece writes from its first point's place on.
   g.scratch.resize(g.order.size());
-  std::vector<SlotRange> found(g.awake.runs.size());
-  for_bands(g.awake, threads, [&](SlotRange slots, std::size_t run) {
+  std::vector<SlotRange> found(g.pieces.size());
+  for_pieces(g, threads, [&](SlotRange slots, std::size_t piece) {
     const std::size_t first = g.slot_begin[slots.begin];
-    found[run] = {first, first + locate_lanes(g.shape, points, cells, slots, g.scratch.data() + first)};
+    found[piece] = {first, first + locate_lanes(g.shape, points, cells, slots, g.scratch.data() + first)};
   });
-  std::sort(found.begin(), found.end(), [](const SlotRange& a, const SlotRange& b) { return a.begin < b.begin; });
   g.moved.clear();
   for (const SlotRange& range : found)
     for (std::size_t a = range.begin; a < range.end; ++a) {

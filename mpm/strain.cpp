@@ -73,7 +73,7 @@ template <class Each>
 void strain_runs(const Particles& p, GridState& g, const StrainJob& job, int threads, Each&& each) {
   const PointView points = p.view();
   const CellView cells = g.view();
-  for_pieces(g, threads, [&](SlotRange slots) {
+  for_pieces(g, threads, [&](SlotRange slots, std::size_t) {
     static thread_local Scratch scratch;
     const std::size_t begin = g.slot_begin[slots.begin], end = g.slot_begin[slots.end];
     const Increments de = scratch.room(end - begin);

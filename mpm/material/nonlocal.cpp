@@ -177,7 +177,7 @@ void NonlocalSoftening::gather(Particles& p, const Particles::Body& body, const 
       p.softened_by[k] = std::max(0.0, (1 - over) * p.plastic_dev[k] + over * mean);
     });
   };
-  for_pieces(g, threads, [&](SlotRange slots) {
+  for_pieces(g, threads, [&](SlotRange slots, std::size_t) {
     g.width == 2 ? take.operator()<2>(slots) : take.operator()<3>(slots);
   });
 }
