@@ -1,11 +1,11 @@
 // The kernels of a step: loops over the points of cells, as many points at a time as the processor has lanes. Compiled
 // once for each instruction set and chosen at run time (Highway); nothing here may include Eigen.
 //
-// A tile is a run of points of one cell, one to a lane. Where the cell's points lie together in storage (after a
-// re-sort, nearly all) a field is one load; otherwise it is put together point by point. The lanes beyond a cell's last
-// point repeat that point with no mass and no volume, and are not stored. Sums over a tile's lanes are formed in one
-// order, and added to the nodes tile after tile: so the bits depend on the order of the cells, the points in them and
-// the number of lanes alone.
+// A tile is as many points as there are lanes, in groups of four lanes or fewer, each of one cell. Where a tile's points
+// lie together in storage (after a re-sort, nearly all) a field is one load, where a group's do, one a group; otherwise it
+// is put together point by point. Lanes beyond a cell's last point have no mass and no volume, and are not stored. Sums
+// over a group's lanes are formed in one order, and added to the nodes group after group: so the bits depend on the
+// order of the cells, the points in them and whether there are one, two or four lanes and more alone.
 #pragma once
 
 #include <cstddef>
