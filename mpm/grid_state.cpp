@@ -232,7 +232,7 @@ void GridState::share_nodes(Bands& bands) const {
 }
 
 void GridState::rebuild_lists() {
-  constexpr int margin = 4;  // cells, the rim's width: what its inner nodes lack does not reach the awake cells
+  constexpr int margin = 5;  // cells, the rim's width: what its inner nodes lack does not reach the awake cells
   const auto all = [](auto) { return true; };
   resting.clear();
   border.clear();

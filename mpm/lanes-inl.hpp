@@ -102,7 +102,9 @@ struct GroupTile {
       return;
     }
 #endif
-    hn::BlendedStore(v, hn::FirstN(d, size[0]), d, a + first[0]);
+    // (With two lanes some processors would write the other one back, to which another thread may write.)
+    if (n_lanes == 2 && size[0] == 1) a[first[0]] = hn::GetLane(v);
+    else hn::BlendedStore(v, hn::FirstN(d, size[0]), d, a + first[0]);
   }
 };
 

@@ -157,7 +157,7 @@ struct Mapping {
     }
     const V v = t.live(t.load(p.volume0)) * set(-volume_factor);
     V xx = t.load(p.tau_xx), yy = t.load(p.tau_yy);
-    if (locking != Locking::none) {
+    if (locking != Locking::none && volume_factor != 0) {
       const V change = mean_change(l, t, cells, mean, first, xx, yy);
       xx = xx + change;
       yy = yy + change;

@@ -54,7 +54,7 @@ void locate_sleeping(Particles& p, GridState& g) {
 void map_sums(const Particles& p, GridState& g, const Scheme& scheme, bool force, int threads,
               const std::function<void(SlotRange nodes, std::size_t band)>& finished) {
   const auto clear = [&](SlotRange nodes, std::size_t) {
-    for_nodes_in(g, nodes, [](Node& node) {  // n is set by the update; d holds the averages
+    for_nodes_in(g, nodes, [](Node& node) {  // n and d are set by the update
       node.mass = node.vx = node.vy = node.fx = node.fy = 0;
       node.held = false;
       node.ux = node.uy = 0;

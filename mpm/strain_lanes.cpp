@@ -148,7 +148,7 @@ void average_strain_slots(ShapeKind shape, double dt, bool volumes, const PointV
     if constexpr (S::W == 3)
       for_tiles(c, slots, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
         const auto l = lines_of<S>(p, cells, t);
-        const V theta = lane_log_det(gradient(l, cells, dt * c.per_hx, dt * c.per_hy));
+        const V theta = t.live(lane_log_det(gradient(l, cells, dt * c.per_hx, dt * c.per_hy)));
         add_to_averages(c, cells, volumes, l.xi, l.eta, joined_volume(p, t), theta);
       });
   });

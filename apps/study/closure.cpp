@@ -146,9 +146,11 @@ std::vector<std::string> closure_remarks(const ClosureNote& note, const Setting&
   for (const auto& cov : note.repeated) sigma.push_back(std::sqrt(0.5 * (double(cov[0]) + double(cov[1]))));
   std::sort(sigma.begin(), sigma.end());
   const double pixel = setting.grid.spacing.x() / node_spacing_px(setting);
+  std::int32_t longest = 0;
+  for (const auto& chain : note.chains) longest = std::max(longest, std::int32_t(chain[1] - chain[0]));
   const auto at = [&](double q) { return number(sigma[std::size_t(q * double(sigma.size() - 1))] / pixel, 2); };
   return {
-      "Steps in turn miss direct correlation over " + std::to_string(note.chains[0][1] - note.chains[0][0]) +
+      "Steps in turn miss direct correlation over up to " + std::to_string(longest) +
       " of them by more than is stated: pairs repeat the same error at a place (standing light, dirt, reflections), " +
       at(0.5) + " px in the median, " + at(0.95) + " px at the worst twentieth. The uncertainty of paths holds it."};
 }

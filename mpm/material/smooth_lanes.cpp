@@ -1,5 +1,5 @@
-// The smooth Mohr-Coulomb law in lanes: the algorithm is smooth_mohr_coulomb.cpp's, for points that yield all along the step or not at all. The formulas
-// of the surface are abbo_sloan.hpp's, those of the strength strength.cpp's.
+// The smooth Mohr-Coulomb law in lanes: the algorithm is smooth_mohr_coulomb.cpp's, for points that yield all along the
+// step or not at all. The formulas of the surface are abbo_sloan.hpp's, those of the strength strength.cpp's.
 #include "mpm/material/lanes.hpp"
 
 #undef HWY_TARGET_INCLUDE

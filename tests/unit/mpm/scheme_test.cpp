@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numeric>
 #include <ostream>
 #include <random>
 
@@ -110,6 +111,27 @@ TEST_P(Schemes, ForceAndStrainAreConjugate) {
     scale += std::abs(w);
   }
   EXPECT_NEAR(work, -stress_work, 1e-5 * scale);
+}
+
+// What is averaged against locking is for the force: without it (usf maps momentum before the strain) nothing of it is read.
+TEST(Averaging, MomentumAloneNeedsNone) {
+  for (const char* shape : {"bilinear", "bspline"}) {
+    const Scene s = scene(Grid{{0, 0}, {0.1, 0.1}, 61, 9}, {rectangle("bed", 0.2, 0.2, 5.6, 0.6)}, {sand(30)});
+    const Scheme scheme = scheme_of(options_of({shape, "flip", "usf", "fbar"}));
+    GridState g(s.grid, scheme.shape);
+    SolverState state = initial_state(s, scheme, g, materials_of(s));
+    Particles& p = state.particles;
+    for (std::size_t k = 0; k < p.size(); ++k) p.tau_xx[k] = p.tau_yy[k] = -1e3, p.vx[k] = p.x[k];
+    locate_all(p, g);
+    map_momentum(p, g, scheme, false, 1);
+    double mass = 0;
+    for (const std::uint32_t n : g.nodes) {
+      ASSERT_EQ(g.node[n].fx, 0);
+      ASSERT_EQ(g.node[n].fy, 0);
+      mass += g.node[n].mass;
+    }
+    EXPECT_NEAR(mass, std::accumulate(p.mass.begin(), p.mass.end(), 0.0), 1e-9 * mass);
+  }
 }
 
 // Points that stand open take no part in F-bar's averages: beside them the others carry what they would carry alone, and
