@@ -62,7 +62,8 @@ struct FullTile {
   HWY_INLINE V live(V v) const { return v; }
 };
 
-// Groups whose points lie together each. The lanes that are left read what comes behind, and are not stored.
+// Groups whose points lie together each. The lanes that are left read what comes behind, and are not stored. They may
+// stand where the cell has no material and its nodes any velocity: no mass of theirs makes up for what is not a number.
 struct GroupTile {
   static constexpr bool beside_walls = true;
   std::uint32_t first[groups], size[groups];

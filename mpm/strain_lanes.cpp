@@ -244,7 +244,7 @@ struct Straining {
       const auto l = lines_of<S>(p, cells, t);
       const V v = joined_volume(p, t);
       double s[groups], w[groups];
-      group_sums(v * lane_log_det(gradient(l, cells, sx, sy)), s);
+      group_sums(v * t.live(lane_log_det(gradient(l, cells, sx, sy))), s);
       group_sums(v, w);
       for (std::size_t g = 0; g < groups; ++g) {
         sum[cells.slot[g] - slots.begin] += s[g];

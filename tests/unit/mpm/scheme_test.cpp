@@ -113,6 +113,29 @@ TEST_P(Schemes, ForceAndStrainAreConjugate) {
   EXPECT_NEAR(work, -stress_work, 1e-5 * scale);
 }
 
+// A node that no point of a cell reaches may move in any way, and does not count, whatever lies beside the points in storage.
+TEST(Averaging, WhatNoPointReachesDoesNotCount) {
+  for (const char* shape : {"bilinear", "bspline"}) {
+    const Scene s = scene(Grid{{0, 0}, {1, 1}, 12, 9}, {rectangle("block", 2, 2, 3, 3)}, {sand(30)});
+    const Scheme scheme = scheme_of(options_of({shape, "flip", "musl", "fbar"}));
+    GridState g(s.grid, scheme.shape);
+    SolverState state = initial_state(s, scheme, g, materials_of(s));
+    Particles& p = state.particles;
+    const double corner = scheme.shape == ShapeKind::bilinear ? 3.0 : 2.5;  // of a cell: its last node has no weight there
+    p.x[0] = p.y[0] = corner;
+    for (std::size_t k = 1; k < p.size(); ++k) p.x[k] = 7.4, p.y[k] = 5.4;
+    locate_all(p, g);
+    std::size_t at[9];
+    for (std::size_t slot = 0; slot < g.slots(); ++slot)
+      if (g.order[g.slot_begin[slot]] == 0) g.stencil_nodes(slot, at);
+    Node& beyond = g.node[at[g.stencil - 1]];
+    beyond.ux = beyond.uy = -1e3;
+    strain_points(p, g, scheme, 1.0, true, 1);
+    for (std::size_t k = 0; k < p.size(); ++k)
+      for (const Array* of : {&p.de_xx, &p.de_yy, &p.de_zz, &p.de_xy, &p.spin}) EXPECT_EQ((*of)[k], 0) << shape << ' ' << k;
+  }
+}
+
 // What is averaged against locking is for the force: without it (usf maps momentum before the strain) nothing of it is read.
 TEST(Averaging, MomentumAloneNeedsNone) {
   for (const char* shape : {"bilinear", "bspline"}) {
