@@ -22,24 +22,8 @@ AverageArrays Averages::arrays() {
   const std::size_t first = std::size_t(row_) + 1;
   double* f[n_fields];
   for (std::size_t k = 0; k < n_fields; ++k) f[k] = fields_[k].data() + first;
-  return {edges_.data() + first,
-          corners_.data() + first,
-          f[0],
-          f[1],
-          f[2],
-          f[3],
-          f[4],
-          f[5],
-          f[6],
-          f[7],
-          f[8],
-          f[9],
-          f[10],
-          f[11],
-          f[12],
-          f[13],
-          f[14],
-          row_};
+  return {edges_.data() + first, corners_.data() + first, f[0], f[1], f[2],  f[3],  f[4],  f[5],  f[6],
+          f[7],                  f[8],                    f[9], f[10], f[11], f[12], f[13], f[14], row_};
 }
 
 AverageView Averages::view() {

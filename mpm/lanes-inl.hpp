@@ -1,4 +1,4 @@
-// Tiles, shape functions and sums in lanes: what the kernels (lanes.hpp) share. Included by their sources inside
+// Shape functions and sums over tiles in lanes: what the kernels (lanes.hpp) share. Included by their sources inside
 // Highway's loop over instruction sets.
 #if defined(PIVNP_MPM_LANES_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef PIVNP_MPM_LANES_INL
@@ -7,219 +7,11 @@
 #define PIVNP_MPM_LANES_INL
 #endif
 
-#include <hwy/cache_control.h>
-#include <hwy/highway.h>
-
-#include "mpm/lanes.hpp"
 #include "mpm/shape.hpp"
+#include "mpm/tiles-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace pivnp::mpm::HWY_NAMESPACE {
-
-namespace hn = hwy::HWY_NAMESPACE;
-using D = hn::CappedTag<double, 8>;
-using V = hn::Vec<D>;
-using M = hn::Mask<D>;
-constexpr std::size_t n_lanes = hn::MaxLanes(D());
-// The lanes come in groups, each of one cell: at four points a cell more lanes than that would stay empty.
-constexpr std::size_t group_lanes = n_lanes < 4 ? n_lanes : 4, groups = n_lanes / group_lanes;
-static_assert(groups == 1 || groups == 2);
-
-HWY_INLINE V set(double v) { return hn::Set(D(), v); }
-HWY_INLINE V zero() { return hn::Zero(D()); }
-HWY_INLINE double sum_of(V v) { return hn::GetLane(hn::SumOfLanes(D(), v)); }
-
-// One number of each group in its lanes.
-HWY_INLINE V of_groups(double first, [[maybe_unused]] double second) {
-  if constexpr (groups == 1) return set(first);
-  else return hn::IfThenElse(hn::FirstN(D(), group_lanes), set(first), set(second));
-}
-// The sum over each group's lanes, in one order whatever their number.
-HWY_INLINE void group_sums(V v, double* out) {
-  HWY_ALIGN double lane[n_lanes];
-  hn::Store(v, D(), lane);
-  for (std::size_t g = 0; g < groups; ++g) {
-    const double* of = lane + g * group_lanes;
-    if constexpr (group_lanes == 4) out[g] = (of[0] + of[1]) + (of[2] + of[3]);
-    else if constexpr (group_lanes == 2) out[g] = of[0] + of[1];
-    else out[g] = of[0];
-  }
-}
-
-// Of what is done with a tile: inline, or the arrays' addresses would be looked up again after every store.
-#undef PIVNP_TILE
-#define PIVNP_TILE HWY_ATTR __attribute__((always_inline))
-
-// Points that lie together, one to every lane, of cells beside no wall.
-struct FullTile {
-  static constexpr bool beside_walls = false;
-  std::uint32_t first;
-  HWY_INLINE V load(const double* a) const {
-    hwy::Prefetch(a + first + 96);
-    return hn::LoadU(D(), a + first);
-  }
-  HWY_INLINE void store(V v, double* a) const { hn::StoreU(v, D(), a + first); }
-  HWY_INLINE V live(V v) const { return v; }
-};
-
-// Groups whose points lie together each. The lanes that are left read what comes behind, and are not stored. They may
-// stand where the cell has no material and its nodes any velocity: no mass of theirs makes up for what is not a number.
-struct GroupTile {
-  static constexpr bool beside_walls = true;
-  std::uint32_t first[groups], size[groups];
-
-  HWY_INLINE V load(const double* a) const { return loaded(D(), a); }
-  HWY_INLINE void store(V v, double* a) const { put(D(), v, a); }
-  HWY_INLINE V live(V v) const { return hn::IfThenElseZero(mask(D()), v); }
-
- private:
-  template <class Tag>
-  HWY_INLINE M mask(Tag d) const {
-    if constexpr (groups == 1) {
-      return hn::FirstN(d, size[0]);
-    } else {
-      const std::uint8_t bits[8] = {std::uint8_t(((1u << size[0]) - 1) | ((1u << size[groups - 1]) - 1) << group_lanes)};
-      return hn::LoadMaskBits(d, bits);
-    }
-  }
-  template <class Tag>
-  HWY_INLINE V loaded(Tag d, const double* a) const {
-    hwy::Prefetch(a + first[0] + 96);
-#if HWY_TARGET != HWY_SCALAR
-    if constexpr (groups == 2) {
-      const hn::Half<Tag> h;
-      return hn::Combine(d, hn::LoadU(h, a + first[groups - 1]), hn::LoadU(h, a + first[0]));
-    }
-#endif
-    return hn::LoadU(d, a + first[0]);
-  }
-  template <class Tag>
-  HWY_INLINE void put(Tag d, V v, double* a) const {
-#if HWY_TARGET != HWY_SCALAR
-    if constexpr (groups == 2) {
-      const hn::Half<Tag> h;
-      hn::BlendedStore(hn::LowerHalf(h, v), hn::FirstN(h, size[0]), h, a + first[0]);
-      hn::BlendedStore(hn::UpperHalf(h, v), hn::FirstN(h, size[groups - 1]), h, a + first[groups - 1]);
-      return;
-    }
-#endif
-    // (With two lanes some processors would write the other one back, to which another thread may write.)
-    if (n_lanes == 2 && size[0] == 1) a[first[0]] = hn::GetLane(v);
-    else hn::BlendedStore(v, hn::FirstN(d, size[0]), d, a + first[0]);
-  }
-};
-
-// Points anywhere. The lanes that are left repeat a point of their group's cell, and get what it gets.
-struct PartTile {
-  static constexpr bool beside_walls = true;
-  std::uint32_t point[n_lanes];
-  std::uint8_t is_live[8] = {};  // a bit a lane
-
-  HWY_INLINE PartTile(const std::uint32_t* order, std::size_t n) { take(0, order, n, n_lanes); }
-  // Of each group `size` points from `place` of the order on.
-  HWY_INLINE PartTile(const std::uint32_t* order, const std::uint32_t* place, const std::uint32_t* size) {
-    for (std::size_t g = 0; g < groups; ++g) take(g * group_lanes, order + place[g] - (size[g] == 0), size[g], group_lanes);
-  }
-  HWY_INLINE V load(const double* a) const { return gathered(D(), a); }
-  HWY_INLINE void store(V v, double* a) const {
-    HWY_ALIGN double lane[n_lanes];
-    hn::Store(v, D(), lane);
-    for (std::size_t l = 0; l < n_lanes; ++l) a[point[l]] = lane[l];
-  }
-  HWY_INLINE V live(V v) const { return hn::IfThenElseZero(hn::LoadMaskBits(D(), is_live), v); }
-
- private:
-  // `n` points to the `room` lanes from `lane` on.
-  HWY_INLINE void take(std::size_t lane, const std::uint32_t* order, std::size_t n, std::size_t room) {
-    std::uint32_t k = order[0];
-    for (std::size_t l = 0; l < room; ++l) point[lane + l] = k = l < n ? order[l] : k;
-    is_live[0] = std::uint8_t(is_live[0] | ((1u << n) - 1) << lane);
-  }
-  template <class Tag>
-  HWY_INLINE V gathered(Tag d, const double* a) const {
-#if HWY_TARGET == HWY_SCALAR
-    return hn::Set(d, a[point[0]]);
-#else
-    return from(d, a, 0);
-#endif
-  }
-#if HWY_TARGET != HWY_SCALAR
-  template <class Tag>
-  HWY_INLINE hn::Vec<Tag> from(Tag d, const double* a, std::size_t lane) const {
-    if constexpr (hn::MaxLanes(Tag()) == 2) {
-      return hn::OddEven(hn::Set(d, a[point[lane + 1]]), hn::Set(d, a[point[lane]]));
-    } else {
-      const hn::Half<Tag> h;
-      return hn::Combine(d, from(h, a, lane + hn::MaxLanes(h)), from(h, a, lane));
-    }
-  }
-#endif
-};
-
-// The cells of a tile's groups.
-struct TileCells {
-  Node* base[groups];           // the lower left node of the stencil
-  std::size_t slot[groups];
-  std::uint32_t place[groups];  // of the group's first point in `order`
-  unsigned fold[groups];        // walls
-  std::ptrdiff_t nx;            // nodes in a row
-
-  HWY_INLINE unsigned any_fold() const { return fold[0] | fold[groups - 1]; }
-  /// The lanes with one of these walls.
-  HWY_INLINE M beside(unsigned walls) const {
-    return hn::Gt(of_groups(fold[0] & walls ? 1 : 0, fold[groups - 1] & walls ? 1 : 0), zero());
-  }
-  /// A member of the node `n` behind `base`.
-  HWY_INLINE V value(std::ptrdiff_t n, double Node::*member) const {
-    return of_groups(base[0][n].*member, base[groups - 1][n].*member);
-  }
-};
-
-// Calls body(tile, cells) for the points of some slots.
-template <class Body>
-HWY_INLINE void for_tiles(const CellView& c, SlotRange slots, Body&& body) {
-  std::size_t s = slots.begin;
-  if (s == slots.end) return;
-  TileCells cells;
-  cells.nx = c.nx;
-  std::uint32_t q = c.slot_begin[s];
-  GroupTile t;
-  bool together = true, full = true;  // does each group lie together, and all of them, with no lane left?
-  const auto take = [&](std::size_t g) PIVNP_TILE {
-    const std::uint32_t left = c.slot_begin[s + 1] - q, n = left < group_lanes ? left : std::uint32_t(group_lanes);
-    cells.base[g] = c.node + c.slot_cell[s];
-    cells.slot[g] = s;
-    cells.place[g] = q;
-    cells.fold[g] = c.slot_fold[s];
-    t.first[g] = c.order[q];
-    t.size[g] = n;
-    together = together && c.order[q + n - 1] == t.first[g] + (n - 1);
-    full = full && n == group_lanes;
-    q += n;
-    s += n == left;
-  };
-  while (s < slots.end) {
-    together = full = true;
-    take(0);
-    if constexpr (groups == 2) {
-      if (HWY_LIKELY(s < slots.end)) {
-        take(1);
-        full = full && t.first[1] == t.first[0] + group_lanes;
-      } else {  // the first cell once more, with no points
-        cells.base[1] = cells.base[0];
-        cells.slot[1] = cells.slot[0];
-        cells.place[1] = cells.place[0] + t.size[0];
-        cells.fold[1] = cells.fold[0];
-        t.first[1] = t.first[0];
-        t.size[1] = 0;
-        full = false;
-      }
-    }
-    if (HWY_LIKELY(together && full && cells.any_fold() == 0)) body(FullTile{t.first[0]}, cells);
-    else if (together && t.first[0] + group_lanes <= c.points && t.first[groups - 1] + group_lanes <= c.points) body(t, cells);
-    else body(PartTile(c.order, cells.place, t.size), cells);
-  }
-}
 
 // Shape functions as in shape.hpp.
 template <int width>
@@ -231,8 +23,6 @@ struct BilinearLanes {
   static constexpr int W = 2, first = 0;
   static constexpr bool linear = true, needs_size = false;
   static HWY_INLINE LaneLine<2> line(V xi, V) { return {{set(1) - xi, xi}, {set(-1), set(1)}}; }
-  static HWY_INLINE LaneLine<2> line_at_wall(V xi, V half, bool) { return line(xi, half); }
-  static HWY_INLINE V per_moment(const LaneLine<2>&, const V*) { return zero(); }
 };
 
 struct BSplineLanes {

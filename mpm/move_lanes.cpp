@@ -49,7 +49,7 @@ struct Moving {
   const MoveJob job;
   const PointView p;
   const CellView c;
-  V fastest2 = zero(), loss = zero(), good_speed2 = zero();
+  V fastest2 = zero(), loss = zero();
   M good = hn::FirstN(D(), n_lanes);
 
   // Per mass of the affine field, as affine_energy().

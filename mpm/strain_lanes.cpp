@@ -142,14 +142,19 @@ HWY_INLINE LaneGradient gradient(const Lines& l, const TileCells& cells, double 
   }
 }
 
+// ln det of the step at the points, to be averaged: nothing in lanes without one, where it need not be a number.
+template <class Tile, class Lines>
+HWY_INLINE V dilation(const Tile& t, const Lines& l, const TileCells& cells, double sx, double sy) {
+  return t.live(lane_log_det(gradient(l, cells, sx, sy)));
+}
+
 void average_strain_slots(ShapeKind shape, double dt, bool volumes, const PointView& p, const CellView& c, SlotRange slots) {
   with_lanes(shape, [&](auto kind) HWY_ATTR {
     using S = decltype(kind);
     if constexpr (S::W == 3)
       for_tiles(c, slots, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
         const auto l = lines_of<S>(p, cells, t);
-        const V theta = t.live(lane_log_det(gradient(l, cells, dt * c.per_hx, dt * c.per_hy)));
-        add_to_averages(c, cells, volumes, l.xi, l.eta, joined_volume(p, t), theta);
+        add_to_averages(c, cells, volumes, l.xi, l.eta, joined_volume(p, t), dilation(t, l, cells, dt * c.per_hx, dt * c.per_hy));
       });
   });
 }
@@ -244,7 +249,7 @@ struct Straining {
       const auto l = lines_of<S>(p, cells, t);
       const V v = joined_volume(p, t);
       double s[groups], w[groups];
-      group_sums(v * t.live(lane_log_det(gradient(l, cells, sx, sy))), s);
+      group_sums(v * dilation(t, l, cells, sx, sy), s);
       group_sums(v, w);
       for (std::size_t g = 0; g < groups; ++g) {
         sum[cells.slot[g] - slots.begin] += s[g];

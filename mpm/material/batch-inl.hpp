@@ -7,8 +7,8 @@
 #define PIVNP_MPM_BATCH_INL
 #endif
 
-#include "mpm/lanes-inl.hpp"
 #include "mpm/material/lanes.hpp"
+#include "mpm/tiles-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace pivnp::mpm::HWY_NAMESPACE {
