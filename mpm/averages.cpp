@@ -1,34 +1,25 @@
 #include "mpm/averages.hpp"
 
-#include <algorithm>
-
 namespace pivnp::mpm {
 
 namespace {
 
-constexpr std::size_t n_fields = 15;
+// Beyond the grid a row and one more are read before it, two rows and some after.
+std::size_t room_for(const Grid& nodes) { return nodes.node_count() + 3 * std::size_t(nodes.nx) + 8; }
 
 }  // namespace
 
-// Beyond the grid a row and one more are read before it, two rows and some after.
-Averages::Averages(const Grid& nodes) : row_(nodes.nx), edges_(0), corners_(0) {
-  const std::size_t size = nodes.node_count() + 3 * std::size_t(nodes.nx) + 8;
-  edges_ = OfGrid<EdgeSums>(size);
-  corners_ = OfGrid<CornerSums>(size);
-  for (std::size_t f = 0; f < n_fields; ++f) fields_.emplace_back(size);
-}
+Averages::Averages(const Grid& nodes)
+    : row_(nodes.nx), edges_(room_for(nodes)), corners_(room_for(nodes)), shift_(room_for(nodes)), fluxes_(room_for(nodes)) {}
 
 AverageArrays Averages::arrays() {
   const std::size_t first = std::size_t(row_) + 1;
-  double* f[n_fields];
-  for (std::size_t k = 0; k < n_fields; ++k) f[k] = fields_[k].data() + first;
-  return {edges_.data() + first, corners_.data() + first, f[0], f[1], f[2],  f[3],  f[4],  f[5],  f[6],
-          f[7],                  f[8],                    f[9], f[10], f[11], f[12], f[13], f[14], row_};
+  return {edges_.data() + first, corners_.data() + first, shift_.data() + first, fluxes_.data() + first, row_};
 }
 
 AverageView Averages::view() {
   const AverageArrays a = arrays();
-  return {a.edges, a.corners, a.mean};
+  return {a.edges, a.corners};
 }
 
 void Averages::forget(const std::vector<std::uint32_t>& before, const std::vector<std::uint32_t>& now) {
@@ -39,7 +30,8 @@ void Averages::forget(const std::vector<std::uint32_t>& before, const std::vecto
     if (next != now.end() && *next == n) continue;
     a.edges[n] = {};
     a.corners[n] = {};
-    for (auto& field : fields_) field[n + std::size_t(row_) + 1] = 0;
+    a.shift[n] = {};
+    a.fluxes[n] = {};
   }
 }
 

@@ -26,17 +26,19 @@ namespace pivnp::mpm {
 
 enum class Averaging { of_stress, of_strain };  // Q and Q^*
 
+/// Along x and y.
+struct alignas(16) AlongAxes {
+  double x = 0, y = 0;
+};
+
 /// A cell and its lower left corner go by the cell's lower left node. Lengths in cells. Zero where no node is active.
 struct AverageArrays {
-  EdgeSums* edges;
+  CellEdges* edges;
   CornerSums* corners;
-  double* mean;                       // the average at the corner
-  double *edge_x, *edge_y;            // sums of the corner's edges to the right and up, of both cells beside them
-  double *shift_x, *shift_y;          // of the corner: from its points' centre to it
-  double *low, *high, *left, *right;  // the cell's shares of its edges
-  double *xx, *xy, *yx, *yy;          // its S^-1
-  double *flux_x, *flux_y;            // S^-1 F^T of the corners' means
-  std::ptrdiff_t row;                 // from a cell to the one above
+  AlongAxes* shift;   // of the corner: from its points' centre to it
+  AlongAxes* fluxes;  // first the sums of the corner's edges to the right and up, of both cells beside them; then S^-1 F^T
+                      // of the corners' means
+  std::ptrdiff_t row;  // from a cell to the one above
 };
 
 class Averages {
@@ -53,17 +55,18 @@ class Averages {
 
  private:
   std::ptrdiff_t row_;
-  OfGrid<EdgeSums> edges_;
+  OfGrid<CellEdges> edges_;
   OfGrid<CornerSums> corners_;
-  std::vector<OfGrid<double>> fields_;
+  OfGrid<AlongAxes> shift_, fluxes_;
 };
 
 /// For nodes of the list whose sums, and those of their cells, are complete: CornerSums::volume becomes 1/L (0 for
-/// none); edges and shifts.
+/// none); shifts, and the edges' sums of both cells.
 void take_edges(const AverageArrays& a, const std::uint32_t* nodes, std::size_t size);
-/// Then, where those are there for all nodes: shares and S^-1; the fluxes; the means, which want the fluxes of the
-/// nodes before them in the list and their own.
-void take_cells(const AverageArrays& a, const std::uint32_t* nodes, std::size_t size);
+/// Where those are there for all nodes: the cells' shares.
+void take_shares(const AverageArrays& a, const std::uint32_t* nodes, std::size_t size);
+/// Where these are there for all nodes: the fluxes; then the means, which want the fluxes of the nodes before them in the
+/// list and their own, and take the places of the sums: fluxes of nodes behind them do not mind.
 void take_fluxes(const AverageArrays& a, Averaging which, const std::uint32_t* nodes, std::size_t size);
 void take_means(const AverageArrays& a, const std::uint32_t* nodes, std::size_t size);
 

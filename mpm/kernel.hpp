@@ -143,16 +143,15 @@ void average_at_corners(GridState& g, Averaging which, bool volumes, int threads
     if (volumes) take_edges(a, g.nodes.data() + nodes.begin, nodes.end - nodes.begin);
   };
   for_bands(g.mapped, threads, clear, [&](SlotRange slots, std::size_t) { add(slots); }, finish);
-  const auto move = [&](std::size_t, std::size_t begin, std::size_t end) {
-    if (volumes) take_cells(a, g.nodes.data() + begin, end - begin);
-    take_fluxes(a, which, g.nodes.data() + begin, end - begin);
-    if (threads <= 1) take_means(a, g.nodes.data() + begin, end - begin);  // while they are in the cache
+  const auto for_all = [&](auto&& take) {
+    for_node_parts(g, threads, [&](std::size_t, std::size_t begin, std::size_t end) { take(g.nodes.data() + begin, end - begin); });
   };
-  for_node_parts(g, threads, move);
-  if (threads > 1)
-    for_node_parts(g, threads, [&](std::size_t, std::size_t begin, std::size_t end) {
-      take_means(a, g.nodes.data() + begin, end - begin);
-    });
+  if (volumes) for_all([&](const std::uint32_t* nodes, std::size_t size) { take_shares(a, nodes, size); });
+  for_all([&](const std::uint32_t* nodes, std::size_t size) {
+    take_fluxes(a, which, nodes, size);
+    if (threads <= 1) take_means(a, nodes, size);  // while they are in the cache
+  });
+  if (threads > 1) for_all([&](const std::uint32_t* nodes, std::size_t size) { take_means(a, nodes, size); });
 }
 
 }  // namespace pivnp::mpm

@@ -291,8 +291,9 @@ HWY_INLINE V averaged(const CellView& c, const TileCells& cells, V xi, V eta) {
   V hx[2], hy[2];
   hat_lanes(xi, hx);
   hat_lanes(eta, hy);
-  const double *first = c.average.mean + (cells.base[0] - c.node), *second = c.average.mean + (cells.base[groups - 1] - c.node);
-  const auto at = [&](std::ptrdiff_t n) PIVNP_TILE { return of_groups(first[n], second[n]); };
+  const CornerSums* first = c.average.corners + (cells.base[0] - c.node);
+  const CornerSums* second = c.average.corners + (cells.base[groups - 1] - c.node);
+  const auto at = [&](std::ptrdiff_t n) PIVNP_TILE { return of_groups(first[n].value, second[n].value); };
   const V low = hn::MulAdd(hx[1], at(1), hx[0] * at(0)), high = hn::MulAdd(hx[1], at(cells.nx + 1), hx[0] * at(cells.nx));
   return hn::MulAdd(hy[1], high, hy[0] * low);
 }

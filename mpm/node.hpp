@@ -22,20 +22,19 @@ struct alignas(32) Node {
 };
 static_assert(sizeof(Node) == 96 && std::is_trivially_copyable_v<Node>);
 
-// Sums of the averages of three-node shapes (averages.hpp).
+// What the averages of three-node shapes keep (averages.hpp), in little memory: what is done with takes its successor.
 /// Over a cell's points: V0 s (1 - s) times the hat across along the lower and upper edge, V0 t (1 - t) along the left and
-/// right one; s and t from the cell's lower left corner, in cells.
-struct alignas(32) EdgeSums {
+/// right one; s and t from the cell's lower left corner, in cells. Then the cell's shares of its edges.
+struct alignas(32) CellEdges {
   double low = 0, high = 0, left = 0, right = 0;
 };
-/// Over a corner's points by its hat: V0 a and V0, then one over that.
+/// Over a corner's points by its hat: V0 a, then the average at the corner; V0, then one over it.
 struct alignas(16) CornerSums {
   double value = 0, volume = 0;
 };
 struct AverageView {
-  EdgeSums* edges;
+  CellEdges* edges;
   CornerSums* corners;
-  double* mean;
 };
 
 /// One a node of a grid, all zero. Fresh pages of the system are zero as they are and take no memory until they are

@@ -21,12 +21,11 @@ std::vector<Array*> Particles::state() {
 }
 
 void Particles::resize(std::size_t n, bool affine, bool sized, bool tied) {
-  for (auto* array : state()) array->assign(n, 0.0);
-  if (!affine)
-    for (auto* array : {&C_xx, &C_xy, &C_yx, &C_yy}) array->clear();
-  if (!sized) half.clear();
-  if (!tied)
-    for (auto* array : {&carried_x, &carried_y}) array->clear();
+  for (auto* array : state()) {
+    const bool of_apic = array == &C_xx || array == &C_xy || array == &C_yx || array == &C_yy;
+    const bool used = of_apic ? affine : array == &half ? sized : array == &carried_x || array == &carried_y ? tied : true;
+    *array = Array(used ? n : 0, 0.0);  // (emptied ones would keep their memory)
+  }
   xi.assign(n, 0.0);
   eta.assign(n, 0.0);
   opened.assign(n, 0);

@@ -10,7 +10,7 @@ namespace {
 
 // The averages spread strain over the rim of what sleeps, which is not strained: V0 m theta there, J/m.
 double work_passed_to_sleepers(const Particles& p, GridState& g) {
-  const double* mean = g.averages.view().mean;
+  const CornerSums* corners = g.averages.view().corners;
   double work = 0;
   for (const SlotRange& slots : g.mapped.runs)
     for (std::size_t s = slots.begin; s < slots.end; ++s) {
@@ -22,7 +22,7 @@ double work_passed_to_sleepers(const Particles& p, GridState& g) {
         if (p.gap[k] > 0) continue;
         const double hx[2] = {0.5 - p.xi[k], 0.5 + p.xi[k]}, hy[2] = {0.5 - p.eta[k], 0.5 + p.eta[k]};
         double theta = 0;
-        for (int n = 0; n < 4; ++n) theta += hx[n % 2] * hy[n / 2] * mean[at[n / 2 * 3 + n % 2]];
+        for (int n = 0; n < 4; ++n) theta += hx[n % 2] * hy[n / 2] * corners[at[n / 2 * 3 + n % 2]].value;
         work += p.volume0[k] * (p.tau_xx[k] + p.tau_yy[k] + p.tau_zz[k]) / 3 * theta;
       }
     }

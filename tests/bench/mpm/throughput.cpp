@@ -17,6 +17,8 @@
 #include <thread>
 #include <vector>
 
+#include <malloc.h>
+
 #include <hwy/targets.h>
 
 #include "mpm/solver.hpp"
@@ -180,6 +182,7 @@ void choose_target(const std::string& name) {
 }
 
 double resident_bytes() {
+  malloc_trim(0);  // what was freed in between is not the solver's
   std::ifstream statm("/proc/self/statm");
   double all = 0, resident = 0;
   statm >> all >> resident;

@@ -57,12 +57,12 @@ struct Cut {
     for (std::size_t k = 0; k < p.size(); ++k) p.tau_xx[k] = p.tau_yy[k] = p.tau_zz[k] = a[k];
     average_at_corners(g, which, true, 1, [&](SlotRange slots) { average_stress_lanes(p.view(), g.view(), slots); });
     std::vector<double> out(p.size(), 0.0);
-    const double* mean = g.averages.view().mean;
+    const CornerSums* corners = g.averages.view().corners;
     for (std::size_t k = 0; k < p.size(); ++k) {
       if (p.cell[k] == Particles::ended) continue;
       const double s0 = 0.5 - p.xi[k], s1 = 0.5 + p.xi[k], t0 = 0.5 - p.eta[k], t1 = 0.5 + p.eta[k];
-      const double* at = mean + p.cell[k];
-      out[k] = t0 * (s0 * at[0] + s1 * at[1]) + t1 * (s0 * at[g.grid.nx] + s1 * at[g.grid.nx + 1]);
+      const CornerSums *low = corners + p.cell[k], *high = low + g.grid.nx;
+      out[k] = t0 * (s0 * low[0].value + s1 * low[1].value) + t1 * (s0 * high[0].value + s1 * high[1].value);
     }
     return out;
   }
@@ -217,7 +217,7 @@ TEST(Averages, DoNotDependOnTheNumberOfThreads) {
   std::vector<double> found[2];
   for (const int threads : {1, 3}) {
     average_mean_stress(p, g, scheme, threads);
-    for (const std::uint32_t n : g.nodes) found[threads == 3].push_back(g.averages.view().mean[n]);
+    for (const std::uint32_t n : g.nodes) found[threads == 3].push_back(g.averages.view().corners[n].value);
   }
   EXPECT_TRUE(found[0] == found[1]);
 }
