@@ -49,7 +49,7 @@ class Restraints {
   void apply(double time, double dt, GridState& g, std::vector<Reaction>& reactions);
   /// The motion that apply() left a node, as a projection: the unit matrix where no wall holds it.
   Mat2 mobility(std::size_t node) const;
-  /// Restrains Node::ux, uy alike; nodes that stuck in apply() stay.
+  /// Restrains the straining velocity alike; nodes that stuck in apply() stay.
   void apply_to_remapped(double time, GridState& g) const;
   /// The first time after `time` at which a restraint goes.
   double next_change(double time) const;

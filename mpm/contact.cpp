@@ -297,18 +297,18 @@ void Contacts::press(Meeting& m, GridState& g) const {
 void Contacts::apply_to_remapped(GridState& g) const {
   for (const Meeting& m : meetings_) {
     if (!(m.pressed > 0)) continue;
-    Node &a = g.node[m.node[0]], &b = g.node[m.node[1]];
+    const GridState::Straining a = g.straining(m.node[0]), b = g.straining(m.node[1]);
     const Mat2 both = m.mobility[0] + m.mobility[1];
     const Vec2 along(-m.normal.y(), m.normal.x());
     const auto give = [&](const Vec2& direction, double left) {
       const double per = direction.dot(both * direction);
       if (!(per > 0)) return;
-      const Vec2 impulse = (direction.dot(Vec2(a.ux - b.ux, a.uy - b.uy)) - left) / per * direction;
+      const Vec2 impulse = (direction.dot(Vec2(a.x - b.x, a.y - b.y)) - left) / per * direction;
       const Vec2 da = m.mobility[0] * impulse, db = m.mobility[1] * impulse;
-      a.ux -= da.x();
-      a.uy -= da.y();
-      b.ux += db.x();
-      b.uy += db.y();
+      a.x -= da.x();
+      a.y -= da.y();
+      b.x += db.x();
+      b.y += db.y();
     };
     give(m.normal, m.closing);
     if (m.sticks) give(along, 0);

@@ -42,7 +42,7 @@ class Contacts {
   void find(const Particles& p, const GridState& g, const std::vector<double>& density, double dt, int threads);
   /// Corrects Node::nx, ny after the restraints; the impulses are appended to `reactions`.
   void apply(GridState& g, const Restraints& restraints, std::vector<Reaction>& reactions);
-  /// Corrects Node::ux, uy of nodes that apply() found pressed: the same relative motion along the normal, and none along
+  /// Corrects the straining velocity of nodes that apply() found pressed: the same relative motion along the normal, and none along
   /// the face where they stick.
   void apply_to_remapped(GridState& g) const;
   /// Of what find() found and apply() did, for tests and figures.

@@ -8,15 +8,15 @@ namespace pivnp::mpm {
 
 namespace {
 
-void over_mass(Node& node) {
-  const double per_mass = node.mass > 0 ? 1 / node.mass : 0;
-  node.ux *= per_mass;
-  node.uy *= per_mass;
-}
-
-void take_updated(Node& node) {
-  node.ux = node.nx;
-  node.uy = node.ny;
+// The momentum mapped again becomes the velocity that strains the material.
+void over_mass(GridState& g, SlotRange nodes) {
+  for (std::size_t a = nodes.begin; a < nodes.end; ++a) {
+    const std::uint32_t n = g.nodes[a];
+    const double per_mass = g.node[n].mass > 0 ? 1 / g.node[n].mass : 0;
+    const GridState::Straining u = g.straining(n);
+    u.x *= per_mass;
+    u.y *= per_mass;
+  }
 }
 
 }  // namespace
@@ -33,15 +33,11 @@ GatherSums gather_velocity(Particles& p, GridState& g, const Scheme& scheme, dou
   const PointView points = p.view();
   const CellView cells = g.view();
   std::vector<GatherSums> results(g.awake.runs.size());
-  const bool copy = scheme.stress == StressUpdate::usl;
   const auto nothing = [](SlotRange, std::size_t) {};
   const auto move = [&](SlotRange slots, std::size_t run) { results[run] = move_lanes(g.shape, job, points, cells, slots); };
-  const auto straining_velocity = [&](SlotRange nodes, std::size_t) {
-    if (remap) for_nodes_in(g, nodes, over_mass);
-    else if (copy) for_nodes_in(g, nodes, take_updated);
-  };
-  for_bands(g.awake, threads, nothing, move, straining_velocity);
-  if (copy && !g.resting.empty()) straining_velocity({0, g.nodes.size()}, 0);  // in rows where all sleep too
+  for_bands(g.awake, threads, nothing, move, [&](SlotRange nodes, std::size_t) {
+    if (remap) over_mass(g, nodes);
+  });
   GatherSums sums;
   for (const GatherSums& r : results) {
     sums.kinetic_loss += r.kinetic_loss;

@@ -18,7 +18,7 @@ int rows_of_sheet(int ny, int sheets) {
 
 }  // namespace
 
-GridState::GridState(const Grid& d, ShapeKind kind, int n_sheets)
+GridState::GridState(const Grid& d, ShapeKind kind, int n_sheets, bool updated)
     : shape(kind),
       width(kind == ShapeKind::bilinear ? 2 : 3),
       stencil(width * width),
@@ -29,9 +29,11 @@ GridState::GridState(const Grid& d, ShapeKind kind, int n_sheets)
       grid{sheet.origin, sheet.spacing, sheet.nx, n_sheets == 1 ? sheet.ny : n_sheets * sheet_rows},
       per_hx(1 / d.spacing.x()),
       per_hy(1 / d.spacing.y()),
+      by_updated(updated),
       node(grid.node_count()),
       averages(grid),
       fold(grid.node_count(), fold_none),
+      straining_(grid.node_count()),
       slot_of_cell_(grid.node_count(), -1),
       count_(grid.node_count(), 0) {}
 
@@ -62,7 +64,7 @@ std::uint8_t GridState::fold_of(std::int32_t cell) const {
 
 void GridState::set_folds(const std::vector<std::uint8_t>& folds) {
   fold = folds;
-  for (std::size_t s = 0; s < slots(); ++s) slot_fold[s] = fold_of(slot_cell[s]);
+  for (std::size_t s = 0; s < slots(); ++s) slot_marks[s] = fold_of(slot_cell[s]);
 }
 
 void GridState::rebuild(const Particles& p) {
@@ -161,15 +163,44 @@ void GridState::follow(const Particles& p, const std::vector<std::uint32_t>& pla
 }
 
 void GridState::take_slots(std::vector<std::int32_t>& cells) {
+  strain_together();
   if (cells == slot_cell) return;
   for (const std::int32_t c : slot_cell) slot_of_cell_[std::size_t(c)] = -1;
   slot_cell.swap(cells);
-  slot_fold.resize(slots());
+  slot_marks.resize(slots());
   for (std::size_t s = 0; s < slots(); ++s) {
     slot_of_cell_[std::size_t(slot_cell[s])] = std::int32_t(s);
-    slot_fold[s] = fold_of(slot_cell[s]);
+    slot_marks[s] = fold_of(slot_cell[s]);
   }
   rebuild_lists();
+}
+
+void GridState::strain_apart(std::uint32_t n) {
+  if (!by_updated) return;
+  const int before = width - 1, i = int(n) % grid.nx, j = int(n) / grid.nx;
+  for (int b = std::max(0, j - before); b <= std::min(grid.ny - 1, j + before); ++b)
+    for (int a = std::max(0, i - before); a <= std::min(grid.nx - 1, i + before); ++a) {
+      const std::size_t m = grid.node(a, b);
+      if (!node[m].apart) {
+        node[m].apart = true;
+        straining_[m] = {node[m].nx, node[m].ny};
+        apart_nodes_.push_back(std::uint32_t(m));
+      }
+      const std::int32_t s = a <= i && b <= j ? slot_of_cell_[m] : -1;
+      if (s < 0 || (slot_marks[std::size_t(s)] & strained_apart)) continue;
+      slot_marks[std::size_t(s)] |= strained_apart;
+      apart_slots_.push_back(std::uint32_t(s));
+    }
+}
+
+void GridState::strain_together() {
+  for (const std::uint32_t n : apart_nodes_) {
+    node[n].apart = false;
+    straining_[n] = {};
+  }
+  for (const std::uint32_t s : apart_slots_) slot_marks[s] &= std::uint8_t(~strained_apart);
+  apart_nodes_.clear();
+  apart_slots_.clear();
 }
 
 void GridState::set_asleep(const std::vector<std::uint8_t>& blocks) {
@@ -270,7 +301,10 @@ void GridState::rebuild_pieces() {
 }
 
 void GridState::rebuild_nodes(const CellBits& cells) {
-  for (const std::uint32_t n : nodes) node[n] = Node{};
+  for (const std::uint32_t n : nodes) {
+    if (strains_apart(n)) straining_[n] = {};
+    node[n] = Node{};
+  }
   if (averages.used) nodes_before_ = nodes;
   nodes.clear();
   cells.grown(0, width - 1).for_all([&](std::size_t n) { nodes.push_back(std::uint32_t(n)); });
@@ -278,7 +312,9 @@ void GridState::rebuild_nodes(const CellBits& cells) {
 }
 
 CellView GridState::view() {
-  return {order.data(), slot_begin.data(), slot_cell.data(), slot_fold.data(), order.size(), node.data(), averages.view(), grid.nx, sheet.ny, sheet_rows,
+  return {order.data(), slot_begin.data(), slot_cell.data(), slot_marks.data(), order.size(), node.data(),
+          by_updated ? &node.data()->nx : &straining_.data()->x,
+          std::ptrdiff_t((by_updated ? sizeof(Node) : sizeof(NodeVelocity)) / sizeof(double)), &straining_.data()->x, averages.view(), grid.nx, sheet.ny, sheet_rows,
           grid.spacing.x(), grid.spacing.y(), per_hx, per_hy, grid.origin.x(), grid.origin.y()};
 }
 
@@ -336,7 +372,7 @@ Vec2 GridState::velocity_at(const Vec2& x) const {
     weights_at(slot_cell[std::size_t(s)], xi, eta, at, w);
     Vec2 here = Vec2::Zero();
     for (int c = 0; c < stencil; ++c) {
-      here += w[c] * Vec2(node[at[c]].ux, node[at[c]].uy);
+      here += w[c] * straining(at[c]);
       mass += w[c] * node[at[c]].mass;
     }
     if (distance == nearest && mass <= heaviest) continue;

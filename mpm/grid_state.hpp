@@ -44,7 +44,8 @@ struct Bands {
 class GridState {
  public:
   /// Points live in `domain`. Shapes of three nodes an axis need a ring of nodes around it, which `sheet` has.
-  GridState(const Grid& domain, ShapeKind shape, int sheets = 1);
+  /// `by_updated`: the updated velocity Node::n strains the material, not one of its own.
+  GridState(const Grid& domain, ShapeKind shape, int sheets = 1, bool by_updated = false);
 
   const ShapeKind shape;
   const int width;    // nodes an axis of a stencil
@@ -53,11 +54,12 @@ class GridState {
   const int sheets, sheet_rows;
   const Grid grid;  // all sheets; only the first one's nodes are where this says (position())
   const double per_hx, per_hy;
+  const bool by_updated;
 
   std::vector<std::uint32_t> order;       // points, cell after cell
   std::vector<std::int32_t> slot_cell;    // cell of a slot
   std::vector<std::uint32_t> slot_begin;  // its points in `order`; one more at the end
-  std::vector<std::uint8_t> slot_fold;    // walls at the slot's middle node (Fold)
+  std::vector<std::uint8_t> slot_marks;   // walls at the slot's middle node (Fold); strained_apart
   Bands awake, mapped;                    // slots that are stepped; those and the rim of what sleeps
   std::vector<SlotRange> pieces;          // the awake slots in short runs, for what does not add to nodes
   std::vector<std::uint32_t> nodes;       // active nodes (of mapped cells), in the order of their index
@@ -105,6 +107,21 @@ class GridState {
   void follow(const Particles& particles, const std::vector<std::uint32_t>& places);
   /// Walls of the nodes from here on (Restraints::folds).
   void set_folds(const std::vector<std::uint8_t>& folds);
+  /// Of a node, the velocity that strains the material.
+  struct Straining {
+    double &x, &y;
+  };
+  Straining straining(std::size_t n) {
+    return strains_apart(n) ? Straining{straining_[n].x, straining_[n].y} : Straining{node[n].nx, node[n].ny};
+  }
+  Vec2 straining(std::size_t n) const {
+    return strains_apart(n) ? Vec2(straining_[n].x, straining_[n].y) : Vec2(node[n].nx, node[n].ny);
+  }
+  bool strains_apart(std::size_t n) const { return !by_updated || node[n].apart; }
+  /// `by_updated`: until strain_together() the slots that see this node are strained by velocities that their nodes have
+  /// of their own, which are the updated ones as yet.
+  void strain_apart(std::uint32_t node);
+  void strain_together();
   /// As the kernels see it.
   CellView view();
   /// The straining velocity at a point; beyond occupied cells that of the nearest, two cells away at most, else zero.
@@ -121,6 +138,8 @@ class GridState {
   std::int32_t slot_near(const Vec2& x, int on_sheet, double& xi, double& eta, double& distance) const;
   std::uint8_t fold_of(std::int32_t cell) const;
 
+  OfGrid<NodeVelocity> straining_;          // takes no memory where it is not used
+  std::vector<std::uint32_t> apart_slots_, apart_nodes_;
   std::vector<std::int32_t> slot_of_cell_;  // -1: empty
   std::vector<std::uint32_t> count_;
   // Of follow() and rebuild_nodes().

@@ -16,10 +16,10 @@ struct SlotLines {
   bool left, right, down, up;
 
   SlotLines(const GridState& g, std::size_t slot)
-      : left(g.slot_fold[slot] & fold_left),
-        right(g.slot_fold[slot] & fold_right),
-        down(g.slot_fold[slot] & fold_down),
-        up(g.slot_fold[slot] & fold_up) {}
+      : left(g.slot_marks[slot] & fold_left),
+        right(g.slot_marks[slot] & fold_right),
+        down(g.slot_marks[slot] & fold_down),
+        up(g.slot_marks[slot] & fold_up) {}
 
   static double half(const Particles& p, std::size_t k) {
     if constexpr (S::needs_size) return p.half[k];

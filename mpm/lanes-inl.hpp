@@ -94,7 +94,7 @@ template <class S, class Tile>
 struct TileLines {
   using Shape = S;
   static constexpr int W = S::W;
-  static constexpr bool beside_walls = !S::linear && Tile::beside_walls;
+  static constexpr bool marked = Tile::marked, beside_walls = !S::linear && marked;
   V xi, eta;
   LaneLine<S::W> x, y;
 
@@ -119,7 +119,7 @@ struct TileLines {
  private:
   static HWY_INLINE void at_wall(const TileCells& cells, V place, V half, unsigned low, unsigned high, LaneLine<S::W>& line) {
     for (const unsigned wall : {low, high}) {
-      if (!(cells.any_fold() & wall)) continue;
+      if (!(cells.any_mark() & wall)) continue;
       const M beside = cells.beside(wall);
       const LaneLine<S::W> other = S::line_at_wall(place, half, wall == low);
       for (int a = 0; a < S::W; ++a) {

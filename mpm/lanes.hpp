@@ -31,9 +31,12 @@ struct PointView {
 struct CellView {
   const std::uint32_t *order, *slot_begin;
   const std::int32_t* slot_cell;
-  const std::uint8_t* slot_fold;
+  const std::uint8_t* slot_marks;  // Fold, strained_apart
   std::size_t points;  // of which `order` is made
   Node* node;
+  double* straining;  // x, y of the velocity that strains the material; of the next node `to_next` behind
+  std::ptrdiff_t to_next;
+  const double* apart;  // the same, side by side, where a slot is strained apart
   AverageView average;
   int nx, ny;      // nodes in a row, and rows of a sheet that count
   int sheet_rows;  // from one sheet to the next
@@ -82,7 +85,7 @@ void map_lanes(ShapeKind shape, bool affine, bool momentum, bool force, Locking 
 void average_stress_lanes(const PointView& p, const CellView& c, SlotRange slots);
 /// Adds V0 times ln det of the step's deformation; with `volumes` what does not depend on it too.
 void average_strain_lanes(ShapeKind shape, double dt, bool volumes, const PointView& p, const CellView& c, SlotRange slots);
-/// A.8-A.11; `remap`: adds the updated momentum to Node::ux, uy.
+/// A.8-A.11; `remap`: adds the updated momentum to CellView::straining.
 GatherSums move_lanes(ShapeKind shape, const MoveJob& job, const PointView& p, const CellView& c, SlotRange slots);
 /// A.12; F-bar of three-node shapes: with the averaged volumetric increment.
 void strain_lanes(ShapeKind shape, const StrainJob& job, const PointView& p, const CellView& c, SlotRange slots,

@@ -10,8 +10,11 @@ namespace pivnp::mpm {
 
 namespace {
 
-double damping_force(double alpha, double force, double velocity) {
-  return velocity > 0 ? -alpha * std::abs(force) : velocity < 0 ? alpha * std::abs(force) : 0.0;
+Vec2 damping_force(double alpha, const Node& node) {
+  const auto along = [&](double force, double velocity) {
+    return velocity > 0 ? -alpha * std::abs(force) : velocity < 0 ? alpha * std::abs(force) : 0.0;
+  };
+  return alpha > 0 ? Vec2(along(node.fx, node.vx), along(node.fy, node.vy)) : Vec2(0, 0);
 }
 
 double per_mass(const Node& node) { return node.mass > 0 ? 1 / node.mass : 0; }
@@ -19,14 +22,10 @@ double per_mass(const Node& node) { return node.mass > 0 ? 1 / node.mass : 0; }
 void advance(Node& node, double per_mass, const Vec2& gravity, double damping, double dt) {
   node.fx += node.mass * gravity.x();
   node.fy += node.mass * gravity.y();
-  node.dx = node.dy = 0;
-  if (damping > 0) {
-    node.dx = damping_force(damping, node.fx, node.vx);
-    node.dy = damping_force(damping, node.fy, node.vy);
-  }
+  const Vec2 damped = damping_force(damping, node);
   const double step = dt * per_mass;
-  node.nx = node.vx + step * (node.fx + node.dx);
-  node.ny = node.vy + step * (node.fy + node.dy);
+  node.nx = node.vx + step * (node.fx + damped.x());
+  node.ny = node.vy + step * (node.fy + damped.y());
 }
 
 }  // namespace
@@ -47,14 +46,15 @@ void LightNodes::pair_up(const GridState& g, double least, const std::vector<std
   }
 }
 
-void LightNodes::join_momentum(GridState& g, double dt) const {
+void LightNodes::join_momentum(GridState& g, double damping, double dt) const {
   // A heavy node may have several light ones: first all are added up, then all are told.
   std::vector<double> mass_before;
   for (const Pair& p : pairs) {
     Node &light = g.node[p.light], &heavy = g.node[p.heavy];
     const double mass = heavy.mass + light.mass;
-    heavy.nx = (heavy.mass * heavy.nx + light.mass * light.vx + dt * (light.fx + light.dx)) / mass;
-    heavy.ny = (heavy.mass * heavy.ny + light.mass * light.vy + dt * (light.fy + light.dy)) / mass;
+    const Vec2 damped = damping_force(damping, light);
+    heavy.nx = (heavy.mass * heavy.nx + light.mass * light.vx + dt * (light.fx + damped.x())) / mass;
+    heavy.ny = (heavy.mass * heavy.ny + light.mass * light.vy + dt * (light.fy + damped.y())) / mass;
     mass_before.push_back(heavy.mass);
     heavy.mass = mass;
   }
@@ -66,9 +66,11 @@ void LightNodes::join_momentum(GridState& g, double dt) const {
 }
 
 void LightNodes::join_velocity(GridState& g) const {
+  for (const Pair& p : pairs) g.strain_apart(p.light);
   for (const Pair& p : pairs) {
-    g.node[p.light].ux = g.node[p.heavy].ux;
-    g.node[p.light].uy = g.node[p.heavy].uy;
+    const GridState::Straining light = g.straining(p.light), heavy = g.straining(p.heavy);
+    light.x = heavy.x;
+    light.y = heavy.y;
   }
 }
 
@@ -95,8 +97,9 @@ void map_and_update(const Particles& p, GridState& g, const Scheme& scheme, Ligh
   light.pair_up(g, least, all);
 }
 
-Vec2 working_velocity(const Node& node, bool strained) {
-  const Vec2 after = strained ? Vec2(node.ux, node.uy) : Vec2(node.nx, node.ny);
+Vec2 working_velocity(const GridState& g, std::size_t n, bool strained) {
+  const Node& node = g.node[n];
+  const Vec2 after = strained ? g.straining(n) : Vec2(node.nx, node.ny);
   return node.held ? after : Vec2(0.5 * (node.vx + after.x()), 0.5 * (node.vy + after.y()));
 }
 
@@ -104,7 +107,7 @@ NodalWork nodal_work(const GridState& g, const std::vector<Reaction>& reactions,
                      bool strained, int threads) {
   NodalWork work;
   for (const Reaction& r : reactions) {
-    const Vec2 w = working_velocity(g.node[r.node], strained);
+    const Vec2 w = working_velocity(g, r.node, strained);
     const double by_wall = r.impulse_x * r.wall_x + r.impulse_y * r.wall_y;
     work.bodies += by_wall;
     work.contact += by_wall - (r.impulse_x * w.x() + r.impulse_y * w.y());
@@ -114,9 +117,9 @@ NodalWork nodal_work(const GridState& g, const std::vector<Reaction>& reactions,
     NodalWork sum;
     for (std::size_t a = begin; a < end; ++a) {
       const Node& node = g.node[g.nodes[a]];
-      const Vec2 w = working_velocity(node, strained);
+      const Vec2 w = working_velocity(g, g.nodes[a], strained);
       sum.kinetic += node.mass * ((node.nx - node.vx) * w.x() + (node.ny - node.vy) * w.y());
-      if (damping > 0) sum.damping -= dt * (node.dx * w.x() + node.dy * w.y());
+      if (damping > 0) sum.damping -= dt * damping_force(damping, node).dot(w);
     }
     parts[part] = sum;
   });

@@ -20,8 +20,8 @@ struct LightNodes {
   /// The same of those listed, if they are lighter.
   void pair_up(const GridState& g, double least, const std::vector<std::uint32_t>& nodes);
   /// After update_momentum(): the common velocity to Node::n of both.
-  void join_momentum(GridState& g, double dt) const;
-  /// Node::u of the light ones is their neighbour's.
+  void join_momentum(GridState& g, double damping, double dt) const;
+  /// The straining velocity of the light ones is their neighbour's.
   void join_velocity(GridState& g) const;
 };
 
@@ -42,12 +42,12 @@ struct NodalWork {
 };
 
 /// The work of an impulse is impulse . w, where w is the mean of the mapped velocity v and the one that strains the
-/// material (`strained`: Node::u, as with MUSL; else Node::n), and at held nodes the latter alone: v there is what the
+/// material (`strained`: GridState::straining(); else Node::n), and at held nodes the latter alone: v there is what the
 /// points would do without the wall. With it the work of the stresses is what the points' energy changes by.
 NodalWork nodal_work(const GridState& g, const std::vector<Reaction>& reactions, double damping, double dt,
                      bool strained, int threads);
 
-Vec2 working_velocity(const Node& node, bool strained);
+Vec2 working_velocity(const GridState& g, std::size_t node, bool strained);
 
 /// 1/2 m n^2 of the active nodes, J/m, and the greatest squared speed of those heavier than `least` (kg/m).
 struct NodalMotion {

@@ -170,7 +170,7 @@ struct Moving {
       px[n] = mass * x;
       py[n] = mass * y;
     }
-    add_pairs<N>(px, py, [&](std::size_t g, int n) PIVNP_TILE { return &cells.base[g][n / W * cells.nx + n % W].ux; });
+    add_pairs<N>(px, py, [&](std::size_t g, int n) PIVNP_TILE { return c.straining + 2 * (cells.base[g] - c.node + n / W * cells.nx + n % W); });
   }
 };
 

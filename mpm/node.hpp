@@ -10,17 +10,21 @@
 
 namespace pivnp::mpm {
 
-/// Kept in the order in which the kernels add to it: four at once, then two and two (lanes.hpp).
-struct alignas(32) Node {
+/// One line of the caches, in the order in which the kernels add to it: four at once (lanes.hpp).
+struct alignas(64) Node {
   double mass = 0;          // kg/m
   double vx = 0, vy = 0;    // velocity mapped from the points, m/s (while it is being mapped: momentum)
-  double fx = 0, fy = 0;    // force on the node, N/m
-  bool held = false;        // by a wall or body
-  double ux = 0, uy = 0;    // velocity that strains the material (MUSL: mapped again), restrained
+  double fx = 0, fy = 0;    // force on the node without the damping, N/m
   double nx = 0, ny = 0;    // velocity after the momentum update and the restraints
-  double dx = 0, dy = 0;    // damping force, part of the force, N/m
+  bool held = false;        // by a wall or body
+  bool apart = false;       // strains the material by a velocity of its own (GridState::strain_apart())
 };
-static_assert(sizeof(Node) == 96 && std::is_trivially_copyable_v<Node>);
+static_assert(sizeof(Node) == 64 && std::is_trivially_copyable_v<Node>);
+
+/// A velocity of a node, m/s.
+struct alignas(16) NodeVelocity {
+  double x = 0, y = 0;
+};
 
 // What the averages of three-node shapes keep (averages.hpp), in little memory: what is done with takes its successor.
 /// Over a cell's points: V0 s (1 - s) times the hat across along the lower and upper edge, V0 t (1 - t) along the left and
@@ -42,7 +46,7 @@ struct AverageView {
 template <class T>
 class OfGrid {
  public:
-  explicit OfGrid(std::size_t n) : memory_(std::calloc(n + 32 / sizeof(T) + 1, sizeof(T))), size_(n) {
+  explicit OfGrid(std::size_t n) : memory_(std::calloc(n + alignof(T) / sizeof(T) + 1, sizeof(T))), size_(n) {
     if (!memory_) throw std::bad_alloc();
     const auto at = reinterpret_cast<std::uintptr_t>(memory_.get());
     first_ = reinterpret_cast<T*>((at + alignof(T) - 1) / alignof(T) * alignof(T));

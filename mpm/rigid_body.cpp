@@ -313,14 +313,15 @@ void RigidBodies::apply_to_remapped(double time, GridState& g) const {
       const Body& body = bodies_[std::size_t(c.body)];
       if (body.friction && !(c.along_normal > 0)) continue;
       Vec2 slip = -body.velocity_of(c.x, time);
-      for (std::size_t k = 0; k < stencil; ++k) slip += c.weight[k] * Vec2(g.node[c.node[k]].ux, g.node[c.node[k]].uy);
+      for (std::size_t k = 0; k < stencil; ++k) slip += c.weight[k] * std::as_const(g).straining(c.node[k]);
       if (!c.sticks) slip = slip.dot(c.normal) * c.normal;
       const Vec2 impulse = -slip / c.per_mass;
       for (std::size_t k = 0; k < stencil; ++k) {
         if (!(c.weight[k] > 0)) continue;
-        Node& node = g.node[c.node[k]];
-        node.ux += c.weight[k] / node.mass * impulse.x();
-        node.uy += c.weight[k] / node.mass * impulse.y();
+        const GridState::Straining u = g.straining(c.node[k]);
+        const double share = c.weight[k] / g.node[c.node[k]].mass;
+        u.x += share * impulse.x();
+        u.y += share * impulse.y();
       }
     }
 }

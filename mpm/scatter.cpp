@@ -54,11 +54,15 @@ void locate_sleeping(Particles& p, GridState& g) {
 void map_sums(const Particles& p, GridState& g, const Scheme& scheme, bool force, int threads,
               const std::function<void(SlotRange nodes, std::size_t band)>& finished) {
   const auto clear = [&](SlotRange nodes, std::size_t) {
-    for_nodes_in(g, nodes, [](Node& node) {  // n and d are set by the update
+    for (std::size_t a = nodes.begin; a < nodes.end; ++a) {
+      const std::uint32_t n = g.nodes[a];
+      Node& node = g.node[n];  // n is set by the update
       node.mass = node.vx = node.vy = node.fx = node.fy = 0;
       node.held = false;
-      node.ux = node.uy = 0;
-    });
+      if (g.by_updated) continue;
+      const GridState::Straining u = g.straining(n);
+      u.x = u.y = 0;
+    }
   };
   const PointView points = p.view();
   const CellView cells = g.view();

@@ -91,16 +91,17 @@ class Relaxation {
       Vec2& v = velocity_[a];
       const Vec2 change(node.nx - v.x(), node.ny - v.y());
       unbalanced += node.mass * change.norm();
-      node.ux = node.nx - damped(change.x(), v.x());
-      node.uy = node.ny - damped(change.y(), v.y());
+      const Vec2 reached(node.nx, node.ny);
+      const GridState::Straining u = g_.straining(g_.nodes[a]);
+      u.x = reached.x() - damped(change.x(), v.x());
+      u.y = reached.y() - damped(change.y(), v.y());
     }
     restraints_.apply_to_remapped(0, g_);
     contacts_.apply_to_remapped(g_);
     bodies_.apply_to_remapped(-1, g_);
     for (std::size_t a = 0; a < g_.nodes.size(); ++a) {
-      const Node& node = g_.node[g_.nodes[a]];
-      velocity_[a] = {node.ux, node.uy};
-      kinetic_ += 0.5 * node.mass * velocity_[a].squaredNorm();
+      velocity_[a] = std::as_const(g_).straining(g_.nodes[a]);
+      kinetic_ += 0.5 * g_.node[g_.nodes[a]].mass * velocity_[a].squaredNorm();
     }
     return unbalanced;
   }

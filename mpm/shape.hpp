@@ -31,6 +31,8 @@ struct Line {
 
 /// Which neighbours of a node lie behind a wall.
 enum Fold : std::uint8_t { fold_none = 0, fold_left = 1, fold_right = 2, fold_down = 4, fold_up = 8 };
+/// Beside them among the marks of a slot: strained by velocities of its nodes' own (GridState::strain_apart()).
+constexpr std::uint8_t strained_apart = 16;
 
 inline void fold_line(Line<3>& line, int behind, int ahead) {
   line.w[1] += 2 * line.w[behind];

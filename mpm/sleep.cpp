@@ -122,7 +122,10 @@ void Sleep::hold(double per_mass, GridState& g) {
 }
 
 void Sleep::hold_remapped(GridState& g) const {
-  for (const std::uint32_t n : g.resting) g.node[n].ux = g.node[n].uy = 0;
+  for (const std::uint32_t n : g.resting) {
+    const GridState::Straining u = g.straining(n);
+    u.x = u.y = 0;
+  }
 }
 
 void Sleep::look(double time, double per_mass, double across, const GridState& g,

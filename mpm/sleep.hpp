@@ -54,7 +54,7 @@ class Sleep {
   double settle_down(bool look_now, double time, double window, Particles& p, GridState& g);
   /// Stops Node::n of sleeping cells' nodes. `per_mass`: 1/(dt rho c h), m/kg.
   void hold(double per_mass, GridState& g);
-  /// Stops Node::u likewise.
+  /// Stops the straining velocity likewise.
   void hold_remapped(GridState& g) const;
   /// After a step: how quiet the blocks are. `across`: time of a wave through the material, s.
   void look(double time, double per_mass, double across, const GridState& g, const std::vector<Reaction>& reactions);

@@ -30,7 +30,7 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
       materials(materials_of(scene)),
       density(densities_of(scene)),
       contacts(scene.contacts, scene.particles.label_names),
-      g(scene.grid, scheme.shape, contacts.sheets()),
+      g(scene.grid, scheme.shape, contacts.sheets(), scheme.stress == StressUpdate::usl),
       restraints(scene.boundaries, g, centroid(scene.particles),
                  [this](const Vec2& x) { return impedance_near(scene, materials, x); }),
       bodies(scene.bodies, g.sheet),
@@ -66,20 +66,22 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
 void Solver::Impl::step(double dt) {
   const int threads = choice.threads();
   choice.begin_step();
+  g.strain_together();
   load(dt);
   const Vec2 gravity = loading.gravity(state.time + 0.5 * dt);
   const Vec2 moment = work_in_steps() ? moment_of_mass() : Vec2(0, 0);
 
   find_cells(threads);                                           // A.1, A.2
   update_nodes(gravity, dt, threads);                            // A.3-A.7
-  light.join_momentum(g, dt);
+  light.join_momentum(g, scheme.damping, dt);
   restrain_momentum(dt);
   bodies.advance(dt);
+  if (scheme.stress == StressUpdate::usl) choose_strain_velocity(dt, threads);
   gather = gather_velocity(p, g, scheme, dt, filtered, scheme.stress == StressUpdate::musl, threads);  // A.8-A.11
   if (scheme.stress == StressUpdate::usf) {
     book_work(dt, threads);
   } else {
-    choose_strain_velocity(dt, threads);
+    if (scheme.stress == StressUpdate::musl) choose_strain_velocity(dt, threads);
     book_work(dt, threads);
     strain(dt, threads);                                         // A.12, A.13, A.22, A.24
   }
@@ -121,9 +123,10 @@ void Solver::Impl::choose_strain_velocity(double dt, int threads) {
       node.ny = node.vy;
     });
     restrain_momentum(dt);
-    for_nodes(g, threads, [](Node& node, std::uint32_t) {
-      node.ux = node.nx;
-      node.uy = node.ny;
+    for_nodes(g, threads, [this](Node& node, std::uint32_t n) {
+      const GridState::Straining u = g.straining(n);
+      u.x = node.nx;
+      u.y = node.ny;
       node.held = false;
     });
   }
@@ -164,8 +167,10 @@ void Solver::Impl::restrain_momentum(double dt) {
 
 void Solver::Impl::restrain_velocity() {
   restraints.apply_to_remapped(state.time, g);
-  if (scheme.stress == StressUpdate::musl) contacts.apply_to_remapped(g);
-  bodies.apply_to_remapped(state.time, g);
+  if (scheme.stress == StressUpdate::musl) {  // the updated velocity has met them already
+    contacts.apply_to_remapped(g);
+    bodies.apply_to_remapped(state.time, g);
+  }
   sleep.hold_remapped(g);
 }
 

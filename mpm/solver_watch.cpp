@@ -28,7 +28,7 @@ void Solver::Impl::book_work(double dt, int threads) {
     }
   if (!pushes()) return;
   for (const std::uint32_t n : g.nodes) {
-    const Vec2 w = working_velocity(g.node[n], strained);
+    const Vec2 w = working_velocity(g, n, strained);
     const double work = dt * (pushed[2 * n] * w.x() + pushed[2 * n + 1] * w.y());
     state.book.bodies += work;
     state.book.moved += std::abs(work);

@@ -105,38 +105,56 @@ HWY_INLINE LanePolar lane_polar(const LaneGradient& G, V change) {
   return {hn::Load(d, trace_of), hn::Load(d, half_lane), hn::Load(d, xy_of), hn::Load(d, spin_of)};
 }
 
+// The straining velocity of a tile's nodes.
+template <bool marked>
+struct StrainingAt {
+  const double* first[groups];
+  std::ptrdiff_t next[groups];
+
+  HWY_INLINE StrainingAt(const CellView& c, const TileCells& cells) {
+    for (std::size_t g = 0; g < groups; ++g) {
+      const bool apart = marked && cells.marks[g] & strained_apart;
+      next[g] = apart ? 2 : c.to_next;
+      first[g] = (apart ? c.apart : c.straining) + (cells.base[g] - c.node) * next[g];
+    }
+  }
+  HWY_INLINE V operator()(std::ptrdiff_t n, int component) const {
+    return of_groups(first[0][n * next[0] + component], first[groups - 1][n * next[groups - 1] + component]);
+  }
+};
+
 template <class Lines>
-HWY_INLINE LaneGradient gradient(const Lines& l, const TileCells& cells, double sx, double sy) {
+HWY_INLINE LaneGradient gradient(const Lines& l, const CellView& view, const TileCells& cells, double sx, double sy) {
+  const StrainingAt<Lines::marked> u(view, cells);
   constexpr int W = Lines::W;
   const V x = set(sx), y = set(sy);
   if constexpr (W == 2) {
     // Linear along each axis, with the cross difference in common.
-    const auto of = [&](double Node::*member, V& by_x, V& by_y) PIVNP_TILE {
-      const V a = cells.value(0, member), b = cells.value(1, member);
-      const V e = cells.value(cells.nx, member), f = cells.value(cells.nx + 1, member);
+    const auto of = [&](int component, V& by_x, V& by_y) PIVNP_TILE {
+      const V a = u(0, component), b = u(1, component), e = u(cells.nx, component), f = u(cells.nx + 1, component);
       const V low = b - a, cross = (f - e) - low;
       by_x = hn::MulAdd(l.eta, cross, low) * x;
       by_y = hn::MulAdd(l.xi, cross, e - a) * y;
     };
     LaneGradient G;
-    of(&Node::ux, G.xx, G.xy);
-    of(&Node::uy, G.yx, G.yy);
+    of(0, G.xx, G.xy);
+    of(1, G.yx, G.yy);
     return G;
   } else {
     LaneGradient G{zero(), zero(), zero(), zero()};
     for (int b = 0; b < W; ++b) {
-      const auto add = [&](double Node::*member, V& by_x, V& by_y) PIVNP_TILE {
+      const auto add = [&](int component, V& by_x, V& by_y) PIVNP_TILE {
         V value = zero(), slope = zero();
         for (int a = 0; a < W; ++a) {
-          const V v = cells.value(b * cells.nx + a, member);
+          const V v = u(b * cells.nx + a, component);
           value = hn::MulAdd(l.x.w[a], v, value);
           slope = hn::MulAdd(l.x.g[a], v, slope);
         }
         by_x = hn::MulAdd(l.y.w[b], slope, by_x);
         by_y = hn::MulAdd(l.y.g[b], value, by_y);
       };
-      add(&Node::ux, G.xx, G.xy);
-      add(&Node::uy, G.yx, G.yy);
+      add(0, G.xx, G.xy);
+      add(1, G.yx, G.yy);
     }
     return {G.xx * x, G.xy * y, G.yx * x, G.yy * y};
   }
@@ -144,8 +162,8 @@ HWY_INLINE LaneGradient gradient(const Lines& l, const TileCells& cells, double 
 
 // ln det of the step at the points, to be averaged: nothing in lanes without one, where it need not be a number.
 template <class Tile, class Lines>
-HWY_INLINE V dilation(const Tile& t, const Lines& l, const TileCells& cells, double sx, double sy) {
-  return t.live(lane_log_det(gradient(l, cells, sx, sy)));
+HWY_INLINE V dilation(const Tile& t, const Lines& l, const CellView& c, const TileCells& cells, double sx, double sy) {
+  return t.live(lane_log_det(gradient(l, c, cells, sx, sy)));
 }
 
 void average_strain_slots(ShapeKind shape, double dt, bool volumes, const PointView& p, const CellView& c, SlotRange slots) {
@@ -154,22 +172,23 @@ void average_strain_slots(ShapeKind shape, double dt, bool volumes, const PointV
     if constexpr (S::W == 3)
       for_tiles(c, slots, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
         const auto l = lines_of<S>(p, cells, t);
-        add_to_averages(c, cells, volumes, l.xi, l.eta, joined_volume(p, t), dilation(t, l, cells, dt * c.per_hx, dt * c.per_hy));
+        add_to_averages(c, cells, volumes, l.xi, l.eta, joined_volume(p, t), dilation(t, l, c, cells, dt * c.per_hx, dt * c.per_hy));
       });
   });
 }
 
 // The gradient at the elements' centres.
-HWY_INLINE LaneGradient centre_gradient(const TileCells& cells, double sx, double sy) {
-  const auto of = [&](double Node::*member, V& by_x, V& by_y) PIVNP_TILE {
-    const V a = cells.value(0, member), b = cells.value(1, member);
-    const V e = cells.value(cells.nx, member), f = cells.value(cells.nx + 1, member);
+template <bool marked>
+HWY_INLINE LaneGradient centre_gradient(const CellView& view, const TileCells& cells, double sx, double sy) {
+  const StrainingAt<marked> u(view, cells);
+  const auto of = [&](int component, V& by_x, V& by_y) PIVNP_TILE {
+    const V a = u(0, component), b = u(1, component), e = u(cells.nx, component), f = u(cells.nx + 1, component);
     by_x = set(0.5 * sx) * ((b - a) + (f - e));
     by_y = set(0.5 * sy) * ((e - a) + (f - b));
   };
   LaneGradient G;
-  of(&Node::ux, G.xx, G.xy);
-  of(&Node::uy, G.yx, G.yy);
+  of(0, G.xx, G.xy);
+  of(1, G.yx, G.yy);
   return G;
 }
 
@@ -205,10 +224,10 @@ struct Straining {
   template <class Tile>
   HWY_INLINE void tile(const Tile& t, const TileCells& cells, const double* averages, std::size_t first_slot) const {
     const auto l = lines_of<S>(p, cells, t);
-    const LaneGradient own = gradient(l, cells, sx, sy);
+    const LaneGradient own = gradient(l, c, cells, sx, sy);
     LaneGradient G = own;
     if constexpr (S::W == 2)
-      if (job.locking == Locking::full) G = centre_gradient(cells, sx, sy);
+      if (job.locking == Locking::full) G = centre_gradient<Tile::marked>(c, cells, sx, sy);
     const V change = det_change(G);
     const LanePolar e = lane_polar(G, change);
     const V mean = set(0.5) * e.trace;
@@ -219,7 +238,7 @@ struct Straining {
           theta = of_groups(averages[cells.slot[0] - first_slot], averages[cells.slot[groups - 1] - first_slot]);
           theta = hn::IfThenElse(stands_open(p, t), e.trace, theta);
         } else {
-          theta = job.locking == Locking::full ? e.trace : lane_log_det(centre_gradient(cells, sx, sy));
+          theta = job.locking == Locking::full ? e.trace : lane_log_det(centre_gradient<Tile::marked>(c, cells, sx, sy));
         }
       } else {
         theta = hn::IfThenElse(stands_open(p, t), e.trace, averaged(c, cells, l.xi, l.eta));
@@ -249,7 +268,7 @@ struct Straining {
       const auto l = lines_of<S>(p, cells, t);
       const V v = joined_volume(p, t);
       double s[groups], w[groups];
-      group_sums(v * dilation(t, l, cells, sx, sy), s);
+      group_sums(v * dilation(t, l, c, cells, sx, sy), s);
       group_sums(v, w);
       for (std::size_t g = 0; g < groups; ++g) {
         sum[cells.slot[g] - slots.begin] += s[g];

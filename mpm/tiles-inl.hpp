@@ -49,9 +49,9 @@ HWY_INLINE void group_sums(V v, double* out) {
 #undef PIVNP_TILE
 #define PIVNP_TILE HWY_ATTR __attribute__((always_inline))
 
-// Points that lie together, one to every lane, of cells beside no wall.
+// Points that lie together, one to every lane, of cells without marks.
 struct FullTile {
-  static constexpr bool beside_walls = false;
+  static constexpr bool marked = false;
   std::uint32_t first;
   HWY_INLINE V load(const double* a) const {
     hwy::Prefetch(a + first + 96);
@@ -64,7 +64,7 @@ struct FullTile {
 // Groups whose points lie together each. The lanes that are left read what comes behind, and are not stored. They may
 // stand where the cell has no material and its nodes any velocity: no mass of theirs makes up for what is not a number.
 struct GroupTile {
-  static constexpr bool beside_walls = true;
+  static constexpr bool marked = true;
   std::uint32_t first[groups], size[groups];
 
   HWY_INLINE V load(const double* a) const { return loaded(D(), a); }
@@ -110,7 +110,7 @@ struct GroupTile {
 
 // Points anywhere. The lanes that are left repeat a point of their group's cell, and get what it gets.
 struct PartTile {
-  static constexpr bool beside_walls = true;
+  static constexpr bool marked = true;
   std::uint32_t point[n_lanes];
   std::uint8_t is_live[8] = {};  // a bit a lane
 
@@ -160,13 +160,13 @@ struct TileCells {
   Node* base[groups];           // the lower left node of the stencil
   std::size_t slot[groups];
   std::uint32_t place[groups];  // of the group's first point in `order`
-  unsigned fold[groups];        // walls
+  unsigned marks[groups];       // CellView::slot_marks
   std::ptrdiff_t nx;            // nodes in a row
 
-  HWY_INLINE unsigned any_fold() const { return fold[0] | fold[groups - 1]; }
+  HWY_INLINE unsigned any_mark() const { return marks[0] | marks[groups - 1]; }
   /// The lanes with one of these walls.
   HWY_INLINE M beside(unsigned walls) const {
-    return hn::Gt(of_groups(fold[0] & walls ? 1 : 0, fold[groups - 1] & walls ? 1 : 0), zero());
+    return hn::Gt(of_groups(marks[0] & walls ? 1 : 0, marks[groups - 1] & walls ? 1 : 0), zero());
   }
   /// A member of the node `n` behind `base`.
   HWY_INLINE V value(std::ptrdiff_t n, double Node::*member) const {
@@ -189,7 +189,7 @@ HWY_INLINE void for_tiles(const CellView& c, SlotRange slots, Body&& body) {
     cells.base[g] = c.node + c.slot_cell[s];
     cells.slot[g] = s;
     cells.place[g] = q;
-    cells.fold[g] = c.slot_fold[s];
+    cells.marks[g] = c.slot_marks[s];
     t.first[g] = c.order[q];
     t.size[g] = n;
     together = together && c.order[q + n - 1] == t.first[g] + (n - 1);
@@ -208,13 +208,13 @@ HWY_INLINE void for_tiles(const CellView& c, SlotRange slots, Body&& body) {
         cells.base[1] = cells.base[0];
         cells.slot[1] = cells.slot[0];
         cells.place[1] = cells.place[0] + t.size[0];
-        cells.fold[1] = cells.fold[0];
+        cells.marks[1] = cells.marks[0];
         t.first[1] = t.first[0];
         t.size[1] = 0;
         full = false;
       }
     }
-    if (HWY_LIKELY(together && full && cells.any_fold() == 0)) body(FullTile{t.first[0]}, cells);
+    if (HWY_LIKELY(together && full && cells.any_mark() == 0)) body(FullTile{t.first[0]}, cells);
     else if (together && t.first[0] + group_lanes <= c.points && t.first[groups - 1] + group_lanes <= c.points) body(t, cells);
     else body(PartTile(c.order, cells.place, t.size), cells);
   }

@@ -60,11 +60,11 @@ void map_acceleration(const Particles& p, GridState& g, const std::vector<double
 void filtered_velocity(const Particles& p, GridState& g, int order, std::vector<double>& out, int threads);
 
 /// A.8-A.11: velocity, affine field and position of the points from Node::v and Node::n (and, for XPIC, `filtered`).
-/// Node::u becomes, not yet restrained: with `remap` the points' new velocity mapped back (MUSL); under usl Node::n.
+/// With `remap` the straining velocity becomes, not yet restrained, the points' new velocity mapped back (MUSL).
 GatherSums gather_velocity(Particles& p, GridState& g, const Scheme& scheme, double dt,
                            const std::vector<double>& filtered, bool remap, int threads);
 
-/// A.12: log strain and rotation increments of the points, and F and J, from Node::u. With `record` false (settling)
+/// A.12: log strain and rotation increments of the points, and F and J, from the straining velocity. With `record` false (settling)
 /// F and J stay.
 void strain_points(Particles& p, GridState& g, const Scheme& scheme, double dt, bool record, int threads);
 

@@ -134,8 +134,8 @@ TEST_P(InLanes, StrainIsThatOfThePointsOneByOne) {
   std::uniform_real_distribution<double> u(-1, 1);
   for (const double size : {1e-5, 1e-3, 0.3}) {
     for (const std::uint32_t n : g.nodes) {
-      g.node[n].ux = 0.1 * size * u(random);
-      g.node[n].uy = 0.1 * size * u(random);
+      g.straining(n).x = 0.1 * size * u(random);
+      g.straining(n).y = 0.1 * size * u(random);
     }
     on_every_target([&] {
       strain_points(p, g, c.scheme, 1, false, 1);
@@ -146,10 +146,10 @@ TEST_P(InLanes, StrainIsThatOfThePointsOneByOne) {
           for (int n = 0; n < S::width * S::width; ++n) {
             const int a = n % S::width, b = n / S::width;
             const double gx = lx.g[a] * ly.w[b] * g.per_hx, gy = lx.w[a] * ly.g[b] * g.per_hy;
-            G.xx += g.node[at[n]].ux * gx;
-            G.xy += g.node[at[n]].ux * gy;
-            G.yx += g.node[at[n]].uy * gx;
-            G.yy += g.node[at[n]].uy * gy;
+            G.xx += g.straining(at[n]).x * gx;
+            G.xy += g.straining(at[n]).x * gy;
+            G.yx += g.straining(at[n]).y * gx;
+            G.yy += g.straining(at[n]).y * gy;
           }
           const Polar e = polar(G);
           EXPECT_NEAR(p.de_xx[k], e.xx, 1e-13 * size);
