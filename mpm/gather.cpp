@@ -21,30 +21,38 @@ void over_mass(GridState& g, SlotRange nodes) {
 
 }  // namespace
 
+MoveJob move_job(const GridState& g, const Scheme& scheme, double dt) {
+  return {dt,
+          scheme.pic_per_s > 0 ? 1 - std::exp(-scheme.pic_per_s * dt) : 0,
+          std::pow(g.grid.spacing.minCoeff() / dt, 2),
+          nullptr,
+          scheme.transfer,
+          scheme.stress == StressUpdate::musl};
+}
+
+GatherSums sum_of(const std::vector<GatherSums>& parts) {
+  GatherSums sums;
+  for (const GatherSums& part : parts) {
+    sums.kinetic_loss += part.kinetic_loss;
+    sums.good = sums.good && part.good;
+    sums.fastest2 = std::max(sums.fastest2, part.fastest2);
+  }
+  return sums;
+}
+
 GatherSums gather_velocity(Particles& p, GridState& g, const Scheme& scheme, double dt,
-                           const std::vector<double>& filtered, bool remap, int threads) {
-  MoveJob job;
-  job.dt = dt;
-  job.pic = scheme.pic_per_s > 0 ? 1 - std::exp(-scheme.pic_per_s * dt) : 0;
-  job.reach2 = std::pow(g.grid.spacing.minCoeff() / dt, 2);
+                           const std::vector<double>& filtered, int threads) {
+  MoveJob job = move_job(g, scheme, dt);
   job.filtered = filtered.data();
-  job.transfer = scheme.transfer;
-  job.remap = remap;
   const PointView points = p.view();
   const CellView cells = g.view();
   std::vector<GatherSums> results(g.awake.runs.size());
   const auto nothing = [](SlotRange, std::size_t) {};
   const auto move = [&](SlotRange slots, std::size_t run) { results[run] = move_lanes(g.shape, job, points, cells, slots); };
   for_bands(g.awake, threads, nothing, move, [&](SlotRange nodes, std::size_t) {
-    if (remap) over_mass(g, nodes);
+    if (job.remap) over_mass(g, nodes);
   });
-  GatherSums sums;
-  for (const GatherSums& r : results) {
-    sums.kinetic_loss += r.kinetic_loss;
-    sums.good = sums.good && r.good;
-    sums.fastest2 = std::max(sums.fastest2, r.fastest2);
-  }
-  return sums;
+  return sum_of(results);
 }
 
 void filtered_velocity(const Particles& p, GridState& g, int order, std::vector<double>& out, int threads) {

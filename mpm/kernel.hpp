@@ -99,6 +99,10 @@ void for_bands(const Bands& bands, int threads, Fresh&& fresh, Body&& body, Fini
   });
 }
 
+/// What a sweep that moves the points is told, and what its parts saw together.
+MoveJob move_job(const GridState& g, const Scheme& scheme, double dt);
+GatherSums sum_of(const std::vector<GatherSums>& parts);
+
 /// Calls body(node, its index) for the active nodes.
 template <class Body>
 void for_nodes(GridState& g, int threads, Body&& body) {
@@ -122,7 +126,7 @@ void for_node_parts(const GridState& g, int threads, Body&& body) {
   });
 }
 
-/// Averages at the corners of what add(slots) adds to CellView::average. Without `volumes` all but the corners' values is as
+/// Averages at the corners of what add(slots, run) adds to CellView::average. Without `volumes` all but the corners' values is as
 /// the last averages left it: the points have not moved since, and the same ones stand open.
 template <class Add>
 void average_at_corners(GridState& g, Averaging which, bool volumes, int threads, Add&& add) {
@@ -142,7 +146,7 @@ void average_at_corners(GridState& g, Averaging which, bool volumes, int threads
   const auto finish = [&](SlotRange nodes, std::size_t) {
     if (volumes) take_edges(a, g.nodes.data() + nodes.begin, nodes.end - nodes.begin);
   };
-  for_bands(g.mapped, threads, clear, [&](SlotRange slots, std::size_t) { add(slots); }, finish);
+  for_bands(g.mapped, threads, clear, add, finish);
   const auto for_all = [&](auto&& take) {
     for_node_parts(g, threads, [&](std::size_t, std::size_t begin, std::size_t end) { take(g.nodes.data() + begin, end - begin); });
   };

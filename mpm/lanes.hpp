@@ -70,7 +70,7 @@ struct MoveJob {
   double reach2;           // greatest squared speed that is good
   const double* filtered;  // xpic: x, y of every node
   TransferKind transfer;
-  bool remap;
+  bool remap;              // musl
 };
 
 /// Natural coordinates of the points, as long as they are in their cell; the others' places in `order` to `suspects`,
@@ -90,6 +90,11 @@ GatherSums move_lanes(ShapeKind shape, const MoveJob& job, const PointView& p, c
 /// A.12; F-bar of three-node shapes: with the averaged volumetric increment.
 void strain_lanes(ShapeKind shape, const StrainJob& job, const PointView& p, const CellView& c, SlotRange slots,
                   const Increments& out);
+/// Both together, three-node shapes with usl and apic (`strain.locking` none): the straining velocity is the updated one.
+GatherSums move_strain_lanes(ShapeKind shape, const MoveJob& job, const StrainJob& strain, const PointView& p, const CellView& c,
+                             SlotRange slots, const Increments& out);
+/// The same with F-bar, whose averages come first: adds what average_strain_lanes() does without `volumes`.
+GatherSums move_average_lanes(ShapeKind shape, const MoveJob& job, const PointView& p, const CellView& c, SlotRange slots);
 /// P v of XPIC: from the nodes' `v` to the points and back, times the mass, added to `out`; x and y of every node.
 void project_lanes(ShapeKind shape, const double* v, double* out, const PointView& p, const CellView& c,
                    SlotRange slots);

@@ -96,7 +96,7 @@ void average_mean_stress(const Particles& p, GridState& g, const Scheme& scheme,
   if (g.width == 2 || scheme.locking != Locking::fbar) return;
   const PointView points = p.view();
   const CellView cells = g.view();
-  average_at_corners(g, Averaging::of_stress, true, threads, [&](SlotRange slots) { average_stress_lanes(points, cells, slots); });
+  average_at_corners(g, Averaging::of_stress, true, threads, [&](SlotRange slots, std::size_t) { average_stress_lanes(points, cells, slots); });
 }
 
 void map_acceleration(const Particles& p, GridState& g, const std::vector<double>& ax, const std::vector<double>& ay,

@@ -77,14 +77,14 @@ void Solver::Impl::step(double dt) {
   restrain_momentum(dt);
   bodies.advance(dt);
   if (scheme.stress == StressUpdate::usl) choose_strain_velocity(dt, threads);
-  gather = gather_velocity(p, g, scheme, dt, filtered, scheme.stress == StressUpdate::musl, threads);  // A.8-A.11
-  if (scheme.stress == StressUpdate::usf) {
-    book_work(dt, threads);
+  if (moves_with_strain(g, scheme)) {
+    strain(dt, threads, &gather);                                // A.8-A.13, A.22, A.24
   } else {
+    gather = gather_velocity(p, g, scheme, dt, filtered, threads);  // A.8-A.11
     if (scheme.stress == StressUpdate::musl) choose_strain_velocity(dt, threads);
-    book_work(dt, threads);
-    strain(dt, threads);                                         // A.12, A.13, A.22, A.24
+    if (scheme.stress != StressUpdate::usf) strain(dt, threads);  // A.12, A.13, A.22, A.24
   }
+  book_work(dt, threads);
 
   if (!gather.good) fail("a particle is not finite or moved more than a cell in one step");
   state.fastest = std::sqrt(gather.fastest2);
@@ -134,9 +134,9 @@ void Solver::Impl::choose_strain_velocity(double dt, int threads) {
   if (!first) restrain_velocity();
 }
 
-void Solver::Impl::strain(double dt, int threads) {
+void Solver::Impl::strain(double dt, int threads, GatherSums* moved) {
   nonlocal.average(p, g, threads);
-  state.book.damping += strain_and_update_stress(materials, p, g, scheme, dt, threads);
+  state.book.damping += strain_and_update_stress(materials, p, g, scheme, dt, threads, moved);
   if (state.steps % stiffness_every == 0) state.wave_speed = wave_speed(materials, density, p);
 }
 

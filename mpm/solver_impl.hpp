@@ -38,7 +38,7 @@ struct Solver::Impl {
   void restrain_momentum(double dt);
   void restrain_velocity();
   void choose_strain_velocity(double dt, int threads);
-  void strain(double dt, int threads);
+  void strain(double dt, int threads, GatherSums* moved = nullptr);
   double longest_step() const;
   double next_change(double time) const;
   double least_density() const { return *std::min_element(density.begin(), density.end()); }

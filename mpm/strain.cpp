@@ -30,13 +30,23 @@ double work_passed_to_sleepers(const Particles& p, GridState& g) {
 }
 
 // F-bar of three-node shapes: Averages. Returns the work passed to what sleeps, J/m.
-double average_strain(const Particles& p, GridState& g, const Scheme& scheme, double dt, bool volumes, int threads) {
+double average_strain(const Particles& p, GridState& g, const Scheme& scheme, double dt, bool volumes, int threads,
+                      GatherSums* moved) {
   if (g.width == 2 || scheme.locking != Locking::fbar) return 0;
   const PointView points = p.view();
   const CellView cells = g.view();
-  average_at_corners(g, Averaging::of_strain, volumes, threads, [&](SlotRange slots) {
-    average_strain_lanes(g.shape, dt, volumes, points, cells, slots);
-  });
+  if (moved) {
+    const MoveJob job = move_job(g, scheme, dt);
+    std::vector<GatherSums> results(g.mapped.runs.size());
+    average_at_corners(g, Averaging::of_strain, volumes, threads, [&](SlotRange slots, std::size_t run) {
+      results[run] = move_average_lanes(g.shape, job, points, cells, slots);
+    });
+    *moved = sum_of(results);
+  } else {
+    average_at_corners(g, Averaging::of_strain, volumes, threads, [&](SlotRange slots, std::size_t) {
+      average_strain_lanes(g.shape, dt, volumes, points, cells, slots);
+    });
+  }
   return g.resting.empty() ? 0 : work_passed_to_sleepers(p, g);
 }
 
@@ -68,16 +78,14 @@ void for_bodies(const Particles& p, const std::vector<std::uint32_t>& order, std
   }
 }
 
-// Calls each(begin, end, increments) for runs of slots: places in `order`.
-template <class Each>
-void strain_runs(const Particles& p, GridState& g, const StrainJob& job, int threads, Each&& each) {
-  const PointView points = p.view();
-  const CellView cells = g.view();
-  for_pieces(g, threads, [&](SlotRange slots, std::size_t) {
+// Calls strain(slots, piece, increments) and then each(begin, end, increments) for runs of slots: places in `order`.
+template <class Strain, class Each>
+void strain_runs(GridState& g, int threads, Strain&& strain, Each&& each) {
+  for_pieces(g, threads, [&](SlotRange slots, std::size_t piece) {
     static thread_local Scratch scratch;
     const std::size_t begin = g.slot_begin[slots.begin], end = g.slot_begin[slots.end];
     const Increments de = scratch.room(end - begin);
-    strain_lanes(g.shape, job, points, cells, slots, de);
+    strain(slots, piece, de);
     each(begin, end, de);
   });
 }
@@ -86,8 +94,13 @@ void strain_runs(const Particles& p, GridState& g, const StrainJob& job, int thr
 
 void strain_points(Particles& p, GridState& g, const Scheme& scheme, double dt, bool record, int threads) {
   if (p.de_xx.size() != p.size()) p.resize_increments(p.size());
-  average_strain(p, g, scheme, dt, true, threads);
-  strain_runs(p, g, {scheme.locking, dt, record}, threads, [&](std::size_t begin, std::size_t end, const Increments& de) {
+  average_strain(p, g, scheme, dt, true, threads, nullptr);
+  const PointView points = p.view();
+  const CellView cells = g.view();
+  const auto strain = [&](SlotRange slots, std::size_t, const Increments& de) {
+    strain_lanes(g.shape, {scheme.locking, dt, record}, points, cells, slots, de);
+  };
+  strain_runs(g, threads, strain, [&](std::size_t begin, std::size_t end, const Increments& de) {
     for (std::size_t q = begin; q < end; ++q) {
       const std::size_t k = g.order[q], from = q - begin;
       p.de_xx[k] = de.xx[from];
@@ -100,10 +113,20 @@ void strain_points(Particles& p, GridState& g, const Scheme& scheme, double dt, 
 }
 
 double strain_and_update(Particles& p, GridState& g, const Scheme& scheme, double dt, bool record,
-                         const UpdateRun& update, int threads) {
+                         const UpdateRun& update, int threads, GatherSums* moved) {
   // The stress has been averaged before, at the same places, where it was mapped before.
-  const double passed = average_strain(p, g, scheme, dt, scheme.stress == StressUpdate::usf, threads);
-  strain_runs(p, g, {scheme.locking, dt, record}, threads, [&](std::size_t begin, std::size_t end, const Increments& de) {
+  const double passed = average_strain(p, g, scheme, dt, scheme.stress == StressUpdate::usf, threads, moved);
+  const PointView points = p.view();
+  const CellView cells = g.view();
+  const StrainJob job{scheme.locking, dt, record};
+  const MoveJob move = move_job(g, scheme, dt);
+  const bool together = moved && scheme.locking == Locking::none;
+  std::vector<GatherSums> results(together ? g.pieces.size() : 0);
+  const auto strain = [&](SlotRange slots, std::size_t piece, const Increments& de) {
+    if (together) results[piece] = move_strain_lanes(g.shape, move, job, points, cells, slots, de);
+    else strain_lanes(g.shape, job, points, cells, slots, de);
+  };
+  strain_runs(g, threads, strain, [&](std::size_t begin, std::size_t end, const Increments& de) {
     for_bodies(p, g.order, begin, end, [&](const Particles::Body& body, std::size_t from, std::size_t to) {
       const std::size_t at = from - begin;
       StressBatch batch;
@@ -116,7 +139,13 @@ double strain_and_update(Particles& p, GridState& g, const Scheme& scheme, doubl
       update(body, g.order.data() + from, batch);
     });
   });
+  if (together) *moved = sum_of(results);
   return passed;
+}
+
+bool moves_with_strain(const GridState& g, const Scheme& scheme) {
+  return g.width == 3 && scheme.stress == StressUpdate::usl && scheme.transfer == TransferKind::apic &&
+         (scheme.locking == Locking::none || (scheme.locking == Locking::fbar && g.resting.empty()));
 }
 
 }  // namespace pivnp::mpm

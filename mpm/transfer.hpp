@@ -60,9 +60,9 @@ void map_acceleration(const Particles& p, GridState& g, const std::vector<double
 void filtered_velocity(const Particles& p, GridState& g, int order, std::vector<double>& out, int threads);
 
 /// A.8-A.11: velocity, affine field and position of the points from Node::v and Node::n (and, for XPIC, `filtered`).
-/// With `remap` the straining velocity becomes, not yet restrained, the points' new velocity mapped back (MUSL).
+/// Under musl the straining velocity becomes, not yet restrained, the points' new velocity mapped back.
 GatherSums gather_velocity(Particles& p, GridState& g, const Scheme& scheme, double dt,
-                           const std::vector<double>& filtered, bool remap, int threads);
+                           const std::vector<double>& filtered, int threads);
 
 /// A.12: log strain and rotation increments of the points, and F and J, from the straining velocity. With `record` false (settling)
 /// F and J stay.
@@ -71,10 +71,13 @@ void strain_points(Particles& p, GridState& g, const Scheme& scheme, double dt, 
 /// The same in runs of a few cells, each followed by its stress update while it is in the cache: update(body, places,
 /// increments) is called for points that belong to one of Particles::bodies, with their places in storage;
 /// the increments' pointers and size are set, the rest of the batch is the caller's. The arrays of increments in
-/// Particles are not used. Returns the work that F-bar's averages pass to the rim of what sleeps, J/m.
+/// Particles are not used. Returns the work that F-bar's averages pass to the rim of what sleeps, J/m. With `moved`, where
+/// moves_with_strain(), does A.8-A.11 in the same sweep.
 using UpdateRun = std::function<void(const Particles::Body& body, const std::uint32_t* places, const StressBatch& increments)>;
 double strain_and_update(Particles& p, GridState& g, const Scheme& scheme, double dt, bool record,
-                         const UpdateRun& update, int threads);
+                         const UpdateRun& update, int threads, GatherSums* moved = nullptr);
+/// The updated velocity strains the material, and one sweep can do both.
+bool moves_with_strain(const GridState& g, const Scheme& scheme);
 
 /// Sum over the active cells of 1/2 mass of the cell times the squared hourglass part of the mapped velocity, J/m
 /// (bilinear).

@@ -67,7 +67,7 @@ void update_stress(const Materials& materials, Particles& p, int threads, double
 }
 
 double strain_and_update_stress(const Materials& materials, Particles& p, GridState& g, const Scheme& scheme, double dt,
-                                int threads) {
+                                int threads, GatherSums* moved) {
   return strain_and_update(
       p, g, scheme, dt, true,
       [&](const Particles::Body& body, const std::uint32_t* places, const StressBatch& de) {
@@ -92,7 +92,7 @@ double strain_and_update_stress(const Materials& materials, Particles& p, GridSt
           update(places[begin], batch_of(p, places[begin], end - begin), de.part(begin, end - begin));
         }
       },
-      threads);
+      threads, moved);
 }
 
 double wave_speed(const Materials& materials, const std::vector<double>& density, Particles& p) {

@@ -18,9 +18,9 @@ using Materials = std::vector<std::unique_ptr<Material>>;
 void update_stress(const Materials& materials, Particles& p, int threads, double dt_s = 0);
 
 /// strain_points() and update_stress(), run by run of cells, without the arrays of increments in Particles. Returns the
-/// work that strain_and_update() returns.
+/// work that strain_and_update() returns; `moved` as there.
 double strain_and_update_stress(const Materials& materials, Particles& p, GridState& g, const Scheme& scheme, double dt,
-                                int threads);
+                                int threads, GatherSums* moved = nullptr);
 
 /// The points `begin` to `begin + size` as a law sees them.
 StressBatch batch_of(Particles& p, std::size_t begin, std::size_t size);

@@ -55,7 +55,7 @@ struct Cut {
 
   std::vector<double> average(Averaging which, const std::vector<double>& a) {
     for (std::size_t k = 0; k < p.size(); ++k) p.tau_xx[k] = p.tau_yy[k] = p.tau_zz[k] = a[k];
-    average_at_corners(g, which, true, 1, [&](SlotRange slots) { average_stress_lanes(p.view(), g.view(), slots); });
+    average_at_corners(g, which, true, 1, [&](SlotRange slots, std::size_t) { average_stress_lanes(p.view(), g.view(), slots); });
     std::vector<double> out(p.size(), 0.0);
     const CornerSums* corners = g.averages.view().corners;
     for (std::size_t k = 0; k < p.size(); ++k) {
