@@ -8,7 +8,7 @@ namespace {
 
 StoredEnergy of_point(const Particles& p, const GridState& g, const Material& material, const StressBatch& all,
                       std::size_t k) {
-  return {p.mass[k] * (0.5 * (p.vx[k] * p.vx[k] + p.vy[k] * p.vy[k]) + affine_energy(p, g.grid.spacing, k)),
+  return {p.mass_of(k) * (0.5 * (p.vx[k] * p.vx[k] + p.vy[k] * p.vy[k]) + affine_energy(p, g.grid.spacing, k)),
           p.volume0[k] * material.energy(all, k), p.volume0[k] * p.dissipated[k]};
 }
 
@@ -31,7 +31,7 @@ StoredEnergy stored_energy(Particles& p, const GridState& g, const Materials& ma
 }
 
 double stored_kinetic(const Particles& p, const GridState& g, std::size_t k) {
-  return p.mass[k] * (0.5 * (p.vx[k] * p.vx[k] + p.vy[k] * p.vy[k]) + affine_energy(p, g.grid.spacing, k));
+  return p.mass_of(k) * (0.5 * (p.vx[k] * p.vx[k] + p.vy[k] * p.vy[k]) + affine_energy(p, g.grid.spacing, k));
 }
 
 StoredEnergy stored_energy_of(Particles& p, const GridState& g, const Materials& materials, std::size_t k) {

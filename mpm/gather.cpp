@@ -88,7 +88,7 @@ double hourglass_energy(const Particles& p, const GridState& g) {
     const Node &a = g.node[at[0]], &b = g.node[at[1]], &c = g.node[at[2]], &d = g.node[at[3]];
     const double x = 0.25 * (a.vx - b.vx - c.vx + d.vx), y = 0.25 * (a.vy - b.vy - c.vy + d.vy);
     double mass = 0;
-    for (std::uint32_t q = g.slot_begin[s]; q < g.slot_begin[s + 1]; ++q) mass += p.mass[g.order[q]];
+    for (std::uint32_t q = g.slot_begin[s]; q < g.slot_begin[s + 1]; ++q) mass += p.mass_of(g.order[q]);
     sum += 0.5 * mass * (x * x + y * y);
   }
   return sum;

@@ -34,8 +34,7 @@ GridState::GridState(const Grid& d, ShapeKind kind, int n_sheets, bool updated)
       averages(grid),
       fold(grid.node_count(), fold_none),
       straining_(grid.node_count()),
-      slot_of_cell_(grid.node_count(), -1),
-      count_(grid.node_count(), 0) {}
+      slot_of_cell_(grid.node_count(), -1) {}
 
 void GridState::stencil_nodes(std::size_t slot, std::size_t* out) const {
   const auto first = std::size_t(slot_cell[slot]);
@@ -68,30 +67,29 @@ void GridState::set_folds(const std::vector<std::uint8_t>& folds) {
 }
 
 void GridState::rebuild(const Particles& p) {
+  std::vector<std::uint32_t> count(grid.node_count(), 0);
   std::int32_t first = std::numeric_limits<std::int32_t>::max(), last = -1;
   for (const std::int32_t c : p.cell)
     if (c != Particles::ended) {
       first = std::min(first, c);
       last = std::max(last, c);
-      ++count_[std::size_t(c)];
+      ++count[std::size_t(c)];
     }
   std::vector<std::int32_t> cells;
   cells.reserve(slot_cell.size() + 16);
   slot_begin.clear();
   std::uint32_t begin = 0;
   for (std::int32_t c = first; c <= last; ++c)
-    if (count_[std::size_t(c)] > 0) {
+    if (count[std::size_t(c)] > 0) {
       cells.push_back(c);
       slot_begin.push_back(begin);
-      begin += count_[std::size_t(c)];
-      count_[std::size_t(c)] = slot_begin.back();  // from here on: where the cell's next point goes
+      begin += count[std::size_t(c)];
+      count[std::size_t(c)] = slot_begin.back();  // from here on: where the cell's next point goes
     }
   slot_begin.push_back(begin);
   order.resize(begin);
   for (std::uint32_t k = 0; k < p.cell.size(); ++k)
-    if (p.cell[k] != Particles::ended) order[count_[std::size_t(p.cell[k])]++] = k;
-  for (const std::int32_t c : cells) count_[std::size_t(c)] = 0;
-
+    if (p.cell[k] != Particles::ended) order[count[std::size_t(p.cell[k])]++] = k;
   take_slots(cells);
 }
 

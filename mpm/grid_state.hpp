@@ -141,7 +141,6 @@ class GridState {
   OfGrid<NodeVelocity> straining_;          // takes no memory where it is not used
   std::vector<std::uint32_t> apart_slots_, apart_nodes_;
   std::vector<std::int32_t> slot_of_cell_;  // -1: empty
-  std::vector<std::uint32_t> count_;
   // Of follow() and rebuild_nodes().
   std::vector<std::uint32_t> next_begin_;
   std::vector<std::int32_t> next_cell_;

@@ -79,6 +79,12 @@ struct GimpLanes {
   }
 };
 
+// Where all are of one body, of its density.
+template <class Tile>
+HWY_INLINE V mass_of(const PointView& p, const Tile& t) {
+  return t.live(p.mass ? t.load(p.mass) : set(p.density) * t.load(p.volume0));
+}
+
 // What F-bar averages over: V0 of the points that material connects; one that stands open keeps its own.
 template <class Tile>
 HWY_INLINE M stands_open(const PointView& p, const Tile& t) {

@@ -25,6 +25,7 @@ struct PointView {
   double* half;
   double *xi, *eta;
   double* gap;
+  double density;  // where `mass` is null
 };
 
 /// The lists of GridState.

@@ -142,7 +142,7 @@ struct Mapping {
                        std::size_t first) const {
     const auto l = lines_of<S>(p, cells, t);
     V ax[W], ay[W], pm[W], ux[W], uy[W], ex[W], ey[W], fxg[W], fxw[W], fyg[W], fyw[W];
-    const V m = momentum ? t.live(t.load(p.mass)) : zero();
+    const V m = momentum ? mass_of(p, t) : zero();
     const V vx = t.load(p.vx), vy = t.load(p.vy);
     if constexpr (affine) {
       l.arms(ax, ay);
@@ -247,7 +247,7 @@ void project_slots(ShapeKind shape, const double* v, double* out, const PointVie
       for (std::size_t g = 0; g < groups; ++g) base[g] = cells.base[g] - c.node;
       const auto at = [&](std::size_t g, int n) PIVNP_TILE { return 2 * (base[g] + n / W * cells.nx + n % W); };
       const auto l = lines_of<S>(p, cells, t);
-      const V m = t.live(t.load(p.mass));
+      const V m = mass_of(p, t);
       V w[N], vx = zero(), vy = zero(), px[N], py[N];
       for (int n = 0; n < N; ++n) {
         const double *first = v + at(0, n), *second = v + at(groups - 1, n);

@@ -124,7 +124,7 @@ struct Moving {
   // the nodes once more.
   template <class Tile, class Lines>
   HWY_INLINE void move(const Tile& t, const Lines& l, const TileCells& cells, const Field& n) {
-    const V m = t.live(t.load(p.mass));
+    const V m = mass_of(p, t);
     const V vx = t.load(p.vx), vy = t.load(p.vy), half = set(0.5);
     const V nx = n.x, ny = n.y;
     t.store(hn::MulAdd(set(job.dt), nx, t.load(p.x)), p.x);

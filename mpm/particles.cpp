@@ -20,10 +20,11 @@ std::vector<Array*> Particles::state() {
           &tau_yy, &tau_zz, &tau_xy, &plastic_dev, &gap, &dissipated, &C_xx, &C_xy, &C_yx, &C_yy, &carried_x, &carried_y, &half};
 }
 
-void Particles::resize(std::size_t n, bool affine, bool sized, bool tied) {
+void Particles::resize(std::size_t n, bool several, bool affine, bool sized, bool tied) {
   for (auto* array : state()) {
     const bool of_apic = array == &C_xx || array == &C_xy || array == &C_yx || array == &C_yy;
-    const bool used = of_apic ? affine : array == &half ? sized : array == &carried_x || array == &carried_y ? tied : true;
+    const bool of_ties = array == &carried_x || array == &carried_y;
+    const bool used = of_apic ? affine : of_ties ? tied : array == &half ? sized : array == &mass ? several : true;
     *array = Array(used ? n : 0, 0.0);  // (emptied ones would keep their memory)
   }
   xi.assign(n, 0.0);
@@ -44,7 +45,7 @@ PointView Particles::view() const {
   const auto at = [](const Array& a) { return a.empty() ? nullptr : const_cast<double*>(a.data()); };
   return {at(x),      at(y),      at(vx),     at(vy),    at(mass),  at(volume0), at(F_xx),  at(F_xy),  at(F_yx), at(F_yy),
           at(J),      at(tau_xx), at(tau_yy), at(tau_zz), at(tau_xy), at(C_xx),   at(C_xy),  at(C_yx),  at(C_yy), at(half),
-          at(xi),     at(eta),    at(gap)};
+          at(xi),     at(eta),    at(gap), density};
 }
 
 void Particles::sort_as(std::vector<std::uint32_t>& order, int threads) {

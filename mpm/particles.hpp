@@ -53,7 +53,9 @@ struct Particles {
 
   // State.
   Array x, y, vx, vy;
-  Array mass, volume0;           // kg/m, m^2
+  Array volume0;                 // m^2
+  Array mass;                    // kg/m; one body needs none, see mass_of()
+  double density = 0;            // of one body, kg/m^3
   Array F_xx, F_xy, F_yx, F_yy;  // deformation gradient, of the point's own velocity gradient
   Array J;                       // volume ratio, of the averaged volumetric strain
   Array tau_xx, tau_yy, tau_zz, tau_xy;  // Kirchhoff stress, Pa
@@ -73,8 +75,9 @@ struct Particles {
   std::vector<Body> bodies;
 
   std::size_t size() const { return x.size(); }
-  /// All arrays of real state at `n` zeros; those of APIC, uGIMP and tied sides where asked for.
-  void resize(std::size_t n, bool affine, bool sized, bool tied = false);
+  double mass_of(std::size_t k) const { return mass.empty() ? density * volume0[k] : mass[k]; }
+  /// All arrays of real state at `n` zeros; those of several bodies, APIC, uGIMP and tied sides where asked for.
+  void resize(std::size_t n, bool several, bool affine, bool sized, bool tied = false);
   /// Displacement of a point that started at x0.
   Vec2 displacement(std::size_t k, const Vec2& x0) const {
     const Vec2 d = Vec2(x[k], y[k]) - x0;

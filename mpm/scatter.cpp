@@ -114,7 +114,7 @@ void map_acceleration(const Particles& p, GridState& g, const std::vector<double
           const std::size_t k = g.order[q];
           const auto lx = lines.x(p, k), ly = lines.y(p, k);
           for (int c = 0; c < W * W; ++c) {
-            const double m = p.mass[k] * lx.w[c % W] * ly.w[c / W];
+            const double m = p.mass_of(k) * lx.w[c % W] * ly.w[c / W];
             out[2 * at[c]] += m * ax[k];
             out[2 * at[c] + 1] += m * ay[k];
           }

@@ -109,7 +109,8 @@ SolverState initial_state(const Scene& scene, const Scheme& scheme, const GridSt
   std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return set.label[a] < set.label[b]; });
   SolverState state;
   Particles& p = state.particles;
-  p.resize(n, scheme.transfer == TransferKind::apic, scheme.shape == ShapeKind::gimp, tied);
+  const bool several = set.label[order.front()] != set.label[order.back()];
+  p.resize(n, several, scheme.transfer == TransferKind::apic, scheme.shape == ShapeKind::gimp, tied);
   for (std::size_t k = 0; k < n; ++k) {
     const std::uint32_t from = order[k];
     const std::int32_t label = set.label[from];
@@ -142,7 +143,8 @@ SolverState initial_state(const Scene& scene, const Scheme& scheme, const GridSt
       p.tau_xy[k] = scene.stress0[from][3];
     }
     p.volume0[k] = double(set.area[from]);
-    p.mass[k] = p.volume0[k] * scene.materials[std::size_t(label)].density_kg_m3;
+    p.density = scene.materials[std::size_t(label)].density_kg_m3;
+    if (!p.mass.empty()) p.mass[k] = p.density * p.volume0[k];
     p.F_xx[k] = p.F_yy[k] = p.J[k] = 1;
     if (!p.half.empty()) p.half[k] = std::min(0.5, 0.5 * std::sqrt(p.volume0[k] * g.per_hx * g.per_hy));
   }

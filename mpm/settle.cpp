@@ -146,7 +146,7 @@ void stress_from_columns(Particles& p, const Materials& materials, const GridSta
     for (std::size_t a = 0; a < column.size();) {
       std::size_t b = a;
       double here = 0;
-      while (b < column.size() && p.y[column[b]] == p.y[column[a]]) here += p.mass[column[b++]];
+      while (b < column.size() && p.y[column[b]] == p.y[column[a]]) here += p.mass_of(column[b++]);
       const double vertical = -std::abs(gravity_y) * (above + 0.5 * here) * g.per_hx;
       for (; a < b; ++a) {
         const std::uint32_t k = column[a];

@@ -32,7 +32,8 @@ Sleep::Sleep(std::optional<double> below, SleepState& state) : state_(state) {
 
 void Sleep::start(const Particles& p, const GridState& g) {
   if (!on()) return;
-  least_ = light * *std::min_element(p.mass.begin(), p.mass.end());
+  least_ = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < p.size(); ++k) least_ = std::min(least_, light * p.mass_of(k));
   state_.asleep.assign(g.blocks(), 0);
   state_.quiet_since.assign(g.blocks(), -1.0);
   state_.speed.assign(g.blocks(), 0.0);

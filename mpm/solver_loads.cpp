@@ -24,7 +24,7 @@ void Solver::Impl::map_body_force(int threads) {
     if (push >= 0 && p.cell[k] != Particles::ended) {
       const Loading::Pushed& load = loading.pushed()[std::size_t(push)];
       const double mass_then = p.volume0[k] * scene.materials[std::size_t(scene.particles.label[p.index[k]])].density_kg_m3;
-      a += load.share(state.time) * mass_then / p.mass[k] * load.acceleration;
+      a += load.share(state.time) * mass_then / p.mass_of(k) * load.acceleration;
     }
     ax[k] = a.x();
     ay[k] = a.y();
@@ -40,12 +40,13 @@ void Solver::Impl::change_densities(double time, bool book) {
     const double now = scene.materials[material].density_kg_m3 * loading.density_ratio(material, time);
     density[material] = now;
     if (!book) continue;
+    const double before = p.density;
+    if (p.mass.empty()) p.density = now;
     for (std::size_t k = body.begin; k < body.end; ++k) {
-      const double mass = p.volume0[k] * now;
-      if (mass == p.mass[k] || p.cell[k] == Particles::ended) continue;
-      const double before = stored_kinetic(p, g, k);
-      p.mass[k] = mass;
-      state.book.bodies += stored_kinetic(p, g, k) - before;
+      const double mass = now * p.volume0[k], mass_before = p.mass.empty() ? before * p.volume0[k] : p.mass[k];
+      if (mass == mass_before || p.cell[k] == Particles::ended) continue;
+      if (!p.mass.empty()) p.mass[k] = mass;
+      state.book.bodies += (1 - mass_before / mass) * stored_kinetic(p, g, k);
     }
   }
 }
@@ -95,7 +96,7 @@ void Solver::Impl::place_tractions() {
 Vec2 Solver::Impl::moment_of_mass() const {
   Vec2 sum(0, 0);
   for (std::size_t k = 0; k < p.size(); ++k)
-    if (p.cell[k] != Particles::ended) sum += p.mass[k] * p.displacement(k, Vec2::Zero());
+    if (p.cell[k] != Particles::ended) sum += p.mass_of(k) * p.displacement(k, Vec2::Zero());
   return sum;
 }
 

@@ -8,7 +8,7 @@ namespace pivnp::mpm {
 
 namespace {
 
-constexpr char magic[8] = {'p', 'i', 'v', 'm', 'p', 'm', '0', '4'};
+constexpr char magic[8] = {'p', 'i', 'v', 'm', 'p', 'm', '0', '5'};
 
 class Writer {
  public:
@@ -77,6 +77,7 @@ void visit(Archive& a, State& s) {
   a.array(p.opened);
   a.array(p.cell);
   a.array(p.index);
+  a.value(p.density);
   a.list(s.ended);
   a.value(s.book);
   a.value(s.time);

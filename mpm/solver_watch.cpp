@@ -75,7 +75,7 @@ double Solver::Impl::work_of_gravity() const {
   double work = 0;
   const Vec2 gravity = loading.gravity(state.time);
   for (std::size_t k = 0; k < p.size(); ++k)
-    work += p.mass[k] * gravity.dot(p.displacement(k, scene.particles.x0[p.index[k]]));
+    work += p.mass_of(k) * gravity.dot(p.displacement(k, scene.particles.x0[p.index[k]]));
   return work;
 }
 

@@ -105,7 +105,7 @@ TEST_P(InLanes, MapWhatAPlainLoopMaps) {
           vx += p.C_xx[k] * dx + p.C_xy[k] * dy;
           vy += p.C_yx[k] * dx + p.C_yy[k] * dy;
         }
-        const double m = p.mass[k] * w, v = p.volume0[k];
+        const double m = p.mass_of(k) * w, v = p.volume0[k];
         const std::array<double, 5> part{m, m * vx, m * vy, -v * (p.tau_xx[k] * gx + p.tau_xy[k] * gy),
                                          -v * (p.tau_xy[k] * gx + p.tau_yy[k] * gy)};
         for (std::size_t i = 0; i < 5; ++i) sum[at[n]][i] += part[i];
