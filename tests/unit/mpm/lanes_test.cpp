@@ -45,12 +45,12 @@ struct Case {
   Materials materials;
   SolverState state;
 
-  Case(ShapeKind shape, TransferKind transfer)
+  Case(ShapeKind shape, TransferKind transfer, bool by_updated = false)
       : scene(test::scene(Grid{{0.1, -0.2}, {0.1, 0.08}, 9, 9},
                           {rectangle("a", 0.1, -0.2, 0.5, 0.2), rectangle("b", 0.5, -0.2, 0.7, 0.3)},
                           {elastic(1e5, 0.3, 1000), elastic(1e5, 0.2, 1300)})),
         scheme{.shape = shape, .transfer = transfer, .stress = StressUpdate::usl, .locking = Locking::none},
-        g(scene.grid, shape),
+        g(scene.grid, shape, 1, by_updated),
         materials(materials_of(scene)),
         state(initial_state(scene, scheme, g, materials)) {
     std::mt19937_64 random(seed_of_all);
@@ -167,6 +167,46 @@ INSTANTIATE_TEST_SUITE_P(All, InLanes,
                                          std::tuple{ShapeKind::gimp, TransferKind::apic},
                                          std::tuple{ShapeKind::bspline, TransferKind::flip},
                                          std::tuple{ShapeKind::bspline, TransferKind::apic}));
+
+// One sweep that moves the points and strains them does what two do, beside a node that strains them by a velocity of its own
+// too.
+TEST(Lanes, MovingAndStrainingTogetherIsOneAfterTheOther) {
+  const double dt = 1e-3;
+  const auto after = [&](ShapeKind shape, Locking locking, bool together, int threads, double own) {
+    Case c(shape, TransferKind::apic, true);
+    c.scheme.locking = locking;
+    Particles& p = c.state.particles;
+    average_mean_stress(p, c.g, c.scheme, threads);
+    map_momentum(p, c.g, c.scheme, true, threads);
+    std::mt19937_64 random(seed_of_all);
+    std::uniform_real_distribution<double> u(-1, 1);
+    for (const std::uint32_t n : c.g.nodes) {
+      c.g.node[n].nx = u(random);
+      c.g.node[n].ny = u(random);
+    }
+    const std::uint32_t apart = c.g.nodes[c.g.nodes.size() / 2];
+    c.g.strain_apart(apart);
+    c.g.straining(apart).x += own;
+    GatherSums sums;
+    EXPECT_TRUE(moves_with_strain(c.g, c.scheme));
+    if (!together) sums = gather_velocity(p, c.g, c.scheme, dt, {}, threads);
+    strain_and_update_stress(c.materials, p, c.g, c.scheme, dt, threads, together ? &sums : nullptr);
+    std::vector<double> all{sums.fastest2, sums.kinetic_loss, double(sums.good)};
+    for (const Array* a : p.state()) all.insert(all.end(), a->begin(), a->end());
+    return all;
+  };
+  on_every_target([&] {
+    for (const ShapeKind shape : {ShapeKind::gimp, ShapeKind::bspline})
+      for (const Locking locking : {Locking::none, Locking::fbar}) {
+        const auto apart = after(shape, locking, false, 1, 0.5), together = after(shape, locking, true, 1, 0.5);
+        ASSERT_EQ(apart.size(), together.size());
+        EXPECT_EQ(together[2], 1);
+        for (std::size_t i = 0; i < apart.size(); ++i) ASSERT_NEAR(apart[i], together[i], 1e-12 * (1 + std::abs(apart[i]))) << i;
+        EXPECT_EQ(together, after(shape, locking, true, 3, 0.5));
+        EXPECT_NE(together, after(shape, locking, true, 1, 0));
+      }
+  });
+}
 
 // A changing strength point by point: what VariableMohrCoulomb does in lanes.
 class InScalarCode final : public Material {
