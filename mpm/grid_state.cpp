@@ -34,7 +34,7 @@ GridState::GridState(const Grid& d, ShapeKind kind, int n_sheets, bool updated)
       averages(grid),
       fold(grid.node_count(), fold_none),
       straining_(grid.node_count()),
-      slot_of_cell_(grid.node_count(), -1) {}
+      row_begin_(std::size_t(grid.ny) + 1, 0) {}
 
 void GridState::stencil_nodes(std::size_t slot, std::size_t* out) const {
   const auto first = std::size_t(slot_cell[slot]);
@@ -163,14 +163,27 @@ void GridState::follow(const Particles& p, const std::vector<std::uint32_t>& pla
 void GridState::take_slots(std::vector<std::int32_t>& cells) {
   strain_together();
   if (cells == slot_cell) return;
-  for (const std::int32_t c : slot_cell) slot_of_cell_[std::size_t(c)] = -1;
   slot_cell.swap(cells);
   slot_marks.resize(slots());
+  std::size_t row = 0;
+  std::int32_t row_end = 0;  // the first cell of `row`
   for (std::size_t s = 0; s < slots(); ++s) {
-    slot_of_cell_[std::size_t(slot_cell[s])] = std::int32_t(s);
     slot_marks[s] = fold_of(slot_cell[s]);
+    for (; slot_cell[s] >= row_end; row_end += grid.nx) row_begin_[row++] = std::uint32_t(s);
   }
+  std::fill(row_begin_.begin() + std::ptrdiff_t(row), row_begin_.end(), std::uint32_t(slots()));
   rebuild_lists();
+}
+
+// A row's cells mostly lie side by side.
+std::int32_t GridState::slot_of(std::int32_t cell) const {
+  const auto row = std::size_t(cell / grid.nx);
+  const std::uint32_t begin = row_begin_[row], end = row_begin_[row + 1];
+  if (begin == end || cell < slot_cell[begin]) return -1;
+  const std::uint32_t guess = begin + std::uint32_t(cell - slot_cell[begin]);
+  if (guess < end && slot_cell[guess] == cell) return std::int32_t(guess);
+  const auto at = std::lower_bound(slot_cell.begin() + begin, slot_cell.begin() + end, cell);
+  return at != slot_cell.begin() + end && *at == cell ? std::int32_t(at - slot_cell.begin()) : -1;
 }
 
 void GridState::strain_apart(std::uint32_t n) {
@@ -184,7 +197,7 @@ void GridState::strain_apart(std::uint32_t n) {
         straining_[m] = {node[m].nx, node[m].ny};
         apart_nodes_.push_back(std::uint32_t(m));
       }
-      const std::int32_t s = a <= i && b <= j ? slot_of_cell_[m] : -1;
+      const std::int32_t s = a <= i && b <= j ? slot_of(std::int32_t(m)) : -1;
       if (s < 0 || (slot_marks[std::size_t(s)] & strained_apart)) continue;
       slot_marks[std::size_t(s)] |= strained_apart;
       apart_slots_.push_back(std::uint32_t(s));
@@ -321,7 +334,8 @@ std::int32_t GridState::slot_near(const Vec2& x, int on_sheet, double& xi, doubl
   std::int32_t cell = 0;
   distance = 0;
   if (!find(x.x(), x.y(), cell, xi, eta, on_sheet)) return -1;
-  if (slot_of_cell_[std::size_t(cell)] >= 0) return slot_of_cell_[std::size_t(cell)];
+  const std::int32_t own = slot_of(cell);
+  if (own >= 0) return own;
   const int first = on_sheet * sheet_rows, i0 = int(cell % grid.nx), j0 = int(cell / grid.nx);
   const double x0 = xi, y0 = eta, low = width == 2 ? 0.0 : -0.5;
   distance = std::numeric_limits<double>::infinity();
@@ -329,7 +343,7 @@ std::int32_t GridState::slot_near(const Vec2& x, int on_sheet, double& xi, doubl
   constexpr int reach = 2;  // cells
   for (int j = std::max(first, j0 - reach); j <= std::min(first + sheet.ny - width, j0 + reach); ++j)
     for (int i = std::max(0, i0 - reach); i <= std::min(grid.nx - width, i0 + reach); ++i) {
-      const std::int32_t s = slot_of_cell_[grid.node(i, j)];
+      const std::int32_t s = slot_of(std::int32_t(grid.node(i, j)));
       if (s < 0) continue;
       const double here_x = x0 - (i - i0), here_y = y0 - (j - j0);  // from that cell
       const double in_x = std::clamp(here_x, low, low + 1), in_y = std::clamp(here_y, low, low + 1);

@@ -96,7 +96,7 @@ class GridState {
   bool find(double x, double y, std::int32_t& cell, double& xi, double& eta, int on_sheet = 0) const;
   /// The points of a cell: places in `order`.
   SlotRange points_in(std::int32_t cell) const {
-    const std::int32_t s = slot_of_cell_[std::size_t(cell)];
+    const std::int32_t s = slot_of(cell);
     return s < 0 ? SlotRange{} : SlotRange{slot_begin[std::size_t(s)], slot_begin[std::size_t(s) + 1]};
   }
   /// Nodes and weights of a place found there, with the walls' folds (a point of uGIMP as seeded four an element).
@@ -137,10 +137,11 @@ class GridState {
   void share_nodes(Bands& bands) const;
   std::int32_t slot_near(const Vec2& x, int on_sheet, double& xi, double& eta, double& distance) const;
   std::uint8_t fold_of(std::int32_t cell) const;
+  std::int32_t slot_of(std::int32_t cell) const;  // -1: empty
 
   OfGrid<NodeVelocity> straining_;          // takes no memory where it is not used
   std::vector<std::uint32_t> apart_slots_, apart_nodes_;
-  std::vector<std::int32_t> slot_of_cell_;  // -1: empty
+  std::vector<std::uint32_t> row_begin_;    // first slot of each row of cells, and the end
   // Of follow() and rebuild_nodes().
   std::vector<std::uint32_t> next_begin_;
   std::vector<std::int32_t> next_cell_;
