@@ -167,10 +167,8 @@ void Solver::Impl::restrain_momentum(double dt) {
 
 void Solver::Impl::restrain_velocity() {
   restraints.apply_to_remapped(state.time, g);
-  if (scheme.stress == StressUpdate::musl) {  // the updated velocity has met them already
-    contacts.apply_to_remapped(g);
-    bodies.apply_to_remapped(state.time, g);
-  }
+  if (scheme.stress == StressUpdate::musl) contacts.apply_to_remapped(g);
+  bodies.apply_to_remapped(state.time, g);
   sleep.hold_remapped(g);
 }
 
