@@ -12,7 +12,7 @@ constexpr double yield_tolerance = 1e-9;   // over max(c, p, 1 kPa)
 constexpr double least_substep = 1e-5;     // of the step
 constexpr double least_hardness = 0.5;     // of a : D : b; steeper softening is left to the drift's correction
 constexpr int most_corrections = 12;
-constexpr double memory = 15;              // of an open point: strain after which its start is forgotten to exp(-15)
+constexpr double corner = 8;               // curvature of the surface's rounded corners times its radius
 
 Tensor plus(const Tensor& a, const Tensor& b, double factor = 1) {
   return {a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2], a[3] + factor * b[3]};
@@ -89,9 +89,10 @@ SmoothMohrCoulomb::Rate SmoothMohrCoulomb::yielding(const Here& here, const Tens
   const Tensor elastic = stiff(moved), Db = stiff(b), b_dev = deviator_of(b);
   const double per = std::sqrt(2.0 / 3 * product(b_dev, b_dev)), hardness = product(a, Db);
   double amount = 0;
-  if ((flows || here.on_surface()) && hardness > 0) {
+  if ((flows || held || here.on_surface()) && hardness > 0) {
     const double softened = hardness - surface_.by_history(here) * per;
-    amount = std::max(0.0, product(a, elastic) / std::max(softened, least_hardness * hardness));
+    const double way = held && !flows ? std::min(0.0, here.F) : 0;  // from within: to the surface first
+    amount = std::max(0.0, (product(a, elastic) + way) / std::max(softened, least_hardness * hardness));
   }
   return {plus(elastic, Db, -amount), amount * per, held ? trace(de) - amount * dilation : 0};
 }
@@ -198,25 +199,82 @@ SmoothMohrCoulomb::Here SmoothMohrCoulomb::correct(Point& p, Here here) const {
   return Here(*this, p);
 }
 
-// Share of `de` over which an open point flows steadily. It stays at its greatest mean stress, so its deviator
-// is bounded by a radius r and forgets its start as exp(-2 G strain/r): where r is a small part of 2 G strain (sand in
-// flight carries some Pa) only the last radii need to be followed. Zero where the point could close on the way.
-double SmoothMohrCoulomb::steady_share(const Point& p, const Here& here, const Tensor& de) const {
-  if (!(p.gap > 0)) return 0;
-  const double distortion = length(deviator_of(de)), radius = std::sqrt(2.0) * surface_.bar_on_surface(here);
-  const double least_gap = p.gap + std::min(0.0, trace(de)) - 3 * here.strength.sin_dilatancy * distortion;
-  const double followed = memory * radius / (2 * elastic_.shear);
-  return least_gap > 0 && distortion > 2 * followed ? 1 - followed / distortion : 0;
+// Flow of an open point at its greatest mean stress, until it closes or `de` is through; the share of `de` used.
+//
+// Its deviator is bounded by a radius r (sand in flight carries some Pa, of 2 G |de| a step there may be hundreds), and goes
+// to the place where strain and flow agree, where it stays. Explicit substeps would hover about that place, each no longer
+// than stability allows. So they end when what is left of the way is below their tolerance: a way that shrinks from `first`
+// to `second` in one substep leaves first^2/(first - second) in all (Aitken). What counts for an open point is the scale of
+// the strength and of the yield function's tolerance (`size`), not its own few Pa.
+double SmoothMohrCoulomb::open_leg(Point& p, Here& here, const Tensor& de, double& work) const {
+  const double distortion = 2 * elastic_.shear * length(deviator_of(de)), closed = 1e-9 * length(de);
+  double done = 0, size = 0;
+  bool failed = false, steady = false;
+  while (done < 1 && p.gap > 0) {
+    const double right = stress_tolerance * here.size;
+    double rest = 1 - done;
+    Rate all = yielding(here, times(de, rest), true, false);
+    if (p.gap + all.gap < 0) {  // closes on the way
+      rest *= p.gap / -all.gap;
+      all = yielding(here, times(de, rest), true, false);
+    }
+    const double way = length(all.stress);
+    const bool last = steady || way <= right, within = here.F < -right;
+    if (size == 0) {  // to the surface; on it by the error that a corner makes
+      const double along = 2 * elastic_.shear * product(surface_.gradient(here), deviator_of(de));
+      const double radius = std::sqrt(2.0) * surface_.bar_on_surface(here);
+      size = within ? (along > 0 ? -here.F / along : 1) : 0.9 * std::sqrt(2 * right * radius / (corner * way / rest * distortion));
+    }
+    size = last ? rest : std::min(std::max(size, least_substep), rest);
+    const Rate first = last ? all : yielding(here, times(de, size), true, false);
+    Point end = p;
+    Rate mean = first;
+    double better = 1;
+    if (steady) {
+      mean.stress = {};
+    } else if (!last) {
+      Point middle = p;
+      middle.stress = plus(p.stress, first.stress);
+      middle.history += first.history;
+      const Rate second = yielding(Here(*this, middle), times(de, size), true, first.history > 0);
+      const double error = 0.5 * length(plus(second.stress, first.stress, -1));
+      better = error > 0 ? 0.9 * std::sqrt(right / error) : 4;
+      if (error > right && size > least_substep) {
+        size *= std::max(0.1, better);
+        failed = true;
+        continue;
+      }
+      const double way2 = product(first.stress, first.stress), shrunk = way2 - product(first.stress, second.stress);
+      steady = shrunk > 0 && way2 * std::sqrt(way2) <= right * shrunk;
+      mean = {times(plus(first.stress, second.stress), 0.5), 0.5 * (first.history + second.history),
+              0.5 * (first.gap + second.gap)};
+    }
+    end.stress = plus(p.stress, mean.stress);
+    end.history += mean.history;
+    end.gap = std::max(0.0, p.gap + mean.gap);
+    work += 0.5 * size * (product(p.stress, de) + product(end.stress, de));
+    here = correct(end, Here(*this, end));
+    p = end;
+    if (p.gap <= closed) p.gap = 0;
+    done = 1 - done - size < 1e-12 ? 1 : done + size;
+    size = within ? 0 : size * std::min(failed ? 1.0 : 4.0, better);
+    failed = false;
+  }
+  return done;
 }
 
-SmoothMohrCoulomb::Here SmoothMohrCoulomb::integrate(Point& p, Here here, const Tensor& de, double& work) const {
-  const double steady = steady_share(p, here, de);
-  double done = steady, size = 1;
+void SmoothMohrCoulomb::integrate(Point& p, Here here, const Tensor& de, double& work) const {
+  double done = 0, size = 1;
   bool failed = false;
   const auto book = [&](const Tensor& before, const Tensor& after, double share) {
     work += 0.5 * share * (product(before, de) + product(after, de));
   };
   while (done < 1) {
+    if (p.gap > 0) {
+      const double share = open_leg(p, here, times(de, 1 - done), work);
+      done = share < 1 ? done + share * (1 - done) : 1;
+      continue;
+    }
     if (!failed && !here.at_limit(p)) {
       const Tensor before = p.stress;
       const double share = elastic_leg(p, here, times(de, 1 - done));
@@ -259,14 +317,6 @@ SmoothMohrCoulomb::Here SmoothMohrCoulomb::integrate(Point& p, Here here, const 
     failed = false;
     size = std::max(least_substep, size * grow);
   }
-  if (steady > 0) {
-    const Rate flow = rate(p, here, times(de, steady), true);
-    work += steady * product(p.stress, de);
-    p.history += flow.history;
-    p.gap = std::max(0.0, p.gap + flow.gap);
-    here = correct(p, Here(*this, p));
-  }
-  return here;
 }
 
 void SmoothMohrCoulomb::update_point(const StressBatch& batch, std::size_t k) const {
@@ -274,18 +324,10 @@ void SmoothMohrCoulomb::update_point(const StressBatch& batch, std::size_t k) co
   Point p{{turned.xx, turned.yy, turned.zz, turned.xy}, batch.plastic_dev[k], batch.gap[k], batch.J[k],
           batch.opened[k] != 0, batch.softened_by ? batch.softened_by + k : nullptr};
   const double start = energy_of(p.stress);
-  Here here = correct(p, Here(*this, p));  // to this step's J and pressure
+  const Here here = correct(p, Here(*this, p));  // to this step's J and pressure
   const Tensor de{batch.de_xx[k], batch.de_yy[k], batch.de_zz[k], batch.de_xy[k]};
   double work = 0;
-  const double volumetric = trace(de);
-  if (p.gap > 0 && p.gap + volumetric < 0) {  // closes within the step
-    const double share = -p.gap / volumetric;
-    here = integrate(p, here, times(de, share), work);
-    if (p.gap < 1e-9 * std::abs(volumetric)) p.gap = 0;
-    integrate(p, here, times(de, 1 - share), work);
-  } else {
-    integrate(p, here, de, work);
-  }
+  integrate(p, here, de, work);
   batch.dissipated[k] += work - (energy_of(p.stress) - start);
   batch.plastic_dev[k] = p.history;
   batch.gap[k] = p.gap;

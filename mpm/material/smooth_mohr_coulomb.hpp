@@ -48,10 +48,10 @@ class SmoothMohrCoulomb final : public Material {
   Strength strength_of(const Point& p, double mean) const;
   Rate rate(const Point& p, const Here& at, const Tensor& de, bool flows) const;
   Rate yielding(const Here& at, const Tensor& de, bool held, bool flows) const;
-  double steady_share(const Point& p, const Here& at, const Tensor& de) const;
+  double open_leg(Point& p, Here& at, const Tensor& de, double& work) const;
   double elastic_leg(Point& p, const Here& at, const Tensor& rest) const;
   double crossing(const Point& p, const Here& at, const Tensor& ds, double low, double high) const;
-  Here integrate(Point& p, Here at, const Tensor& de, double& work) const;
+  void integrate(Point& p, Here at, const Tensor& de, double& work) const;
   Here correct(Point& p, Here at) const;
   SmoothConstants constants() const;
 
