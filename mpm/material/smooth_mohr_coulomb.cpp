@@ -354,6 +354,7 @@ SmoothConstants SmoothMohrCoulomb::constants() const {
   c.yield_tolerance = yield_tolerance;
   c.least_substep = least_substep;
   c.least_hardness = least_hardness;
+  c.corner = corner;
   return c;
 }
 
