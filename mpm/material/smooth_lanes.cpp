@@ -39,9 +39,12 @@ struct Smooth : SmoothSurface<constant> {
       Surface::open_place, Surface::stiff, Surface::hyperbola_root, Surface::law, Surface::s, Surface::J, Surface::given,
       Surface::tension, Surface::is_given;
 
-  HWY_INLINE LaneRate yielding(const LanePlace& p, const LaneFlow& f, const LaneTensor& elastic, M flows) const {
-    const M on = hn::And(hn::Or(flows, hn::Ge(p.F, set(-10) * p.tolerance)), hn::Gt(f.hardness, zero()));
-    const V amount = hn::IfThenElseZero(on, hn::Max(zero(), product(f.a, elastic) / f.softened));
+  HWY_INLINE M inside(const LanePlace& p) const { return hn::Lt(p.F, set(-s.near_surface) * p.size); }
+  HWY_INLINE V within(const LanePlace& p) const { return hn::Min(p.F, zero()); }
+  // `on`: those that are at the surface; `way`: to it.
+  HWY_INLINE LaneRate yielding(const LaneFlow& f, const LaneTensor& elastic, M on, V way) const {
+    const V driven = product(f.a, elastic) + way;
+    const V amount = hn::IfThenElseZero(hn::And(on, hn::Gt(f.hardness, zero())), hn::Max(zero(), driven / f.softened));
     return {plus(elastic, f.Db, hn::Neg(amount)), amount * f.per};
   }
 
@@ -83,12 +86,14 @@ struct Smooth : SmoothSurface<constant> {
       if (hn::AllFalse(d, active)) return {here.stress, here.history, work};
       const LaneTensor part = times(elastic, size);
       const LaneFlow at = flow_at(here);
-      rare = hn::Or(rare, hn::And(active, hn::Or(hn::Lt(here.F, set(-10) * here.tolerance),
-                                                 hn::Lt(product(at.a, elastic), zero()))));
-      const LaneRate first = yielding(here, at, part, none());
+      rare = hn::Or(rare, hn::And(active, hn::Or(inside(here), hn::Lt(product(at.a, elastic), zero()))));
+      const V way = within(here);
+      const LaneRate first = yielding(at, part, hn::Not(inside(here)), way);
       const LanePlace middle = place(plus(here.stress, first.stress, one), here.history + first.history);
       rare = hn::Or(rare, hn::And(active, middle.at_limit()));
-      const LaneRate second = yielding(middle, flow_at(middle), part, hn::Gt(first.history, zero()));
+      const M flows = hn::Gt(first.history, zero());
+      const LaneRate second = yielding(flow_at(middle), part, hn::Or(flows, hn::Not(inside(middle))),
+                                       hn::IfThenElse(flows, way, within(middle)));
       const LaneTensor stress = plus(plus(here.stress, first.stress, half), second.stress, half);
       const V least = hn::Max(length(stress), set(0.1) * here.size);
       const V error = half * length(plus(second.stress, first.stress, set(-1))) / least;
@@ -142,15 +147,15 @@ struct Smooth : SmoothSurface<constant> {
     rare = hn::Or(rare, here.at_limit());
 
     const LaneTensor elastic = stiff(de);
-    const M inside = hn::Lt(here.F, set(-10) * here.tolerance);
-    M yields = hn::AndNot(inside, hn::Ge(product(gradient(here), elastic), zero()));
+    const M within_it = inside(here);
+    M yields = hn::AndNot(within_it, hn::Ge(product(gradient(here), elastic), zero()));
     LaneState end{here.stress, here.history, state.gap, zero(), rare};
     V share = zero(), work = zero();  // of the elastic part; at its end
     if (!hn::AllTrue(d, yields)) {
       const LanePlace there = place(plus(here.stress, elastic, set(1)), here.history, &here.strength);
       const M leaves = hn::AndNot(yields, there.outside()), over = hn::AndNot(yields, hn::Gt(there.mean, there.most_mean));
-      const M crosses = hn::AndNot(hn::Or(rare, over), hn::And(leaves, inside));
-      rare = hn::Or(rare, hn::Or(over, hn::AndNot(inside, leaves)));
+      const M crosses = hn::AndNot(hn::Or(rare, over), hn::And(leaves, within_it));
+      rare = hn::Or(rare, hn::Or(over, hn::AndNot(within_it, leaves)));
       end.stress = there.stress;
       const LaneTensor before = here.stress;
       share = hn::IfThenElse(yields, zero(), set(1));
@@ -200,27 +205,27 @@ struct Smooth : SmoothSurface<constant> {
     correct_open(here);
     V done = zero(), size = zero(), work = zero();
     M failed = none(), steady = none();
-    const auto amount_of = [](const LaneFlow& f, V along, V within) HWY_ATTR {
-      return hn::IfThenElseZero(hn::Gt(f.hardness, zero()), hn::Max(zero(), (along + within) / f.softened));
+    const auto amount_of = [](const LaneFlow& f, V along, V way) HWY_ATTR {
+      return hn::IfThenElseZero(hn::Gt(f.hardness, zero()), hn::Max(zero(), (along + way) / f.softened));
     };
     for (int n = 0; n < most; ++n) {
       M active = hn::AndNot(rare, hn::Lt(done, one));
       if (hn::AllFalse(d, active)) break;
       const V right = set(s.stress_tolerance) * here.size, rest = one - done;
       const LaneFlow at = held_flow_at(here);
-      const V along = product(at.a, elastic), within = hn::Min(here.F, zero()), dilates = here.strength.sin_dilatancy;
-      const V all = amount_of(at, along * rest, within), way = length(plus(times(elastic, rest), at.Db, hn::Neg(all)));
+      const V along = product(at.a, elastic), way_in = within(here), dilates = here.strength.sin_dilatancy;
+      const V all = amount_of(at, along * rest, way_in), way = length(plus(times(elastic, rest), at.Db, hn::Neg(all)));
       rare = hn::Or(rare, hn::And(active, hn::Lt(gap + rest * volume, all * dilates)));  // closes
-      const M last = hn::Or(steady, hn::Le(way, right)), inside = hn::Lt(here.F, hn::Neg(right));
+      const M last = hn::Or(steady, hn::Le(way, right)), far = hn::Lt(here.F, hn::Neg(right));
       const M begins = hn::Eq(size, zero());
       const V radius = set(1.4142135623730951) * bar_on_surface(here);
       const V to_surface = hn::IfThenElse(hn::Gt(along, zero()), hn::Neg(here.F) / along, one);
       const V by_error = set(0.9) * hn::Sqrt(set(2) * right * radius * rest / (set(s.corner) * way * distortion));
-      size = hn::IfThenElse(begins, hn::IfThenElse(inside, to_surface, by_error), size);
+      size = hn::IfThenElse(begins, hn::IfThenElse(far, to_surface, by_error), size);
       size = hn::IfThenElse(last, rest, hn::Min(hn::Max(size, set(s.least_substep)), rest));
 
       const LaneTensor part = times(elastic, size);
-      const V amount = amount_of(at, along * size, within);
+      const V amount = amount_of(at, along * size, way_in);
       const LaneTensor first = plus(part, at.Db, hn::Neg(amount));
       LaneTensor mean = choose(steady, times(first, zero()), first);
       V flows = amount * at.per, opens = size * volume - amount * dilates, better = one;
@@ -228,8 +233,8 @@ struct Smooth : SmoothSurface<constant> {
       if (!hn::AllFalse(d, hn::AndNot(last, active))) {
         const LanePlace middle = open_place(plus(here.stress, first, one), here.history + flows);
         const LaneFlow there = held_flow_at(middle);
-        const V short_of = hn::IfThenElseZero(hn::Le(flows, zero()), hn::Min(middle.F, zero()));
-        const V again = amount_of(there, product(there.a, part), short_of);
+        const V again_in = hn::IfThenElse(hn::Gt(flows, zero()), way_in, within(middle));
+        const V again = amount_of(there, product(there.a, part), again_in);
         const LaneTensor second = plus(part, there.Db, hn::Neg(again));
         const V error = half * length(plus(second, first, set(-1)));
         better = hn::IfThenElse(hn::Gt(error, zero()), set(0.9) * hn::Sqrt(right / error), set(4));
@@ -248,7 +253,7 @@ struct Smooth : SmoothSurface<constant> {
       here = open_place(choose(good, stress, here.stress), hn::IfThenElse(good, here.history + flows, here.history));
       correct_open(here);
       done = hn::IfThenElse(good, done_after(done, size), done);
-      const V grown = hn::IfThenElse(inside, zero(), size * hn::Min(hn::IfThenElse(failed, one, set(4)), better));
+      const V grown = hn::IfThenElse(far, zero(), size * hn::Min(hn::IfThenElse(failed, one, set(4)), better));
       size = hn::IfThenElse(good, grown, size * hn::Max(set(0.1), better));
       failed = hn::AndNot(good, active);
     }

@@ -9,6 +9,7 @@ namespace {
 
 constexpr double stress_tolerance = 1e-4;  // of a substep, over the stress
 constexpr double yield_tolerance = 1e-9;   // over max(c, p, 1 kPa)
+constexpr double near_surface = 1e-5;      // the same; within it no elastic part is looked for
 constexpr double least_substep = 1e-5;     // of the step
 constexpr double least_hardness = 0.5;     // of a : D : b; steeper softening is left to the drift's correction
 constexpr int most_corrections = 12;
@@ -36,7 +37,8 @@ struct SmoothMohrCoulomb::Here : AbboSloan::Place {
   /// Where the history is that of another place, so is the strength, unless it depends on pressure.
   Here(const SmoothMohrCoulomb& law, const Point& p, const Here& other)
       : Here(law, p, Invariants(p.stress), law.strength_.by_pressure() ? nullptr : &other.strength) {}
-  bool on_surface() const { return F >= -10 * tolerance; }
+  bool on_surface() const { return F >= -near_surface * size; }
+  double within() const { return std::min(F, 0.0); }
   bool at_limit(const Point& p) const { return p.gap > 0 || at.mean >= most_mean - tolerance; }
 
  private:
@@ -76,9 +78,11 @@ Tensor SmoothMohrCoulomb::stiff(const Tensor& e) const {
 
 double SmoothMohrCoulomb::energy_of(const Tensor& s) const { return elastic_.energy(s[0], s[1], s[2], s[3]); }
 
-// Plastic flow at the surface; `held`: at the greatest mean stress, which stays. `flows`: it does as the substep begins, so
-// a place that its first guess left inside the surface (by the surface's curvature, or by softening) is no elastic one.
-SmoothMohrCoulomb::Rate SmoothMohrCoulomb::yielding(const Here& here, const Tensor& de, bool held, bool flows) const {
+// Plastic flow at the surface; `held`: at the greatest mean stress, which stays. `begun`: the rate as the substep begins,
+// where it was `start`; if it flowed, so does a place that it left inside the surface (by the surface's curvature, or by
+// softening). What lies within the surface goes to it first, to first order.
+SmoothMohrCoulomb::Rate SmoothMohrCoulomb::yielding(const Here& here, const Tensor& de, bool held, const Here* start,
+                                                    const Rate* begun) const {
   Tensor a = surface_.gradient(here), b = surface_.flow(here);
   const Tensor moved = held ? deviator_of(de) : de;
   const double dilation = trace(b);
@@ -88,21 +92,23 @@ SmoothMohrCoulomb::Rate SmoothMohrCoulomb::yielding(const Here& here, const Tens
   }
   const Tensor elastic = stiff(moved), Db = stiff(b), b_dev = deviator_of(b);
   const double per = std::sqrt(2.0 / 3 * product(b_dev, b_dev)), hardness = product(a, Db);
+  const bool flows = begun && begun->history > 0;
   double amount = 0;
   if ((flows || held || here.on_surface()) && hardness > 0) {
     const double softened = hardness - surface_.by_history(here) * per;
-    const double way = held && !flows ? std::min(0.0, here.F) : 0;  // from within: to the surface first
-    amount = std::max(0.0, (product(a, elastic) + way) / std::max(softened, least_hardness * hardness));
+    const double driven = product(a, elastic) + (flows ? start->within() : here.within());
+    amount = std::max(0.0, driven / std::max(softened, least_hardness * hardness));
   }
   return {plus(elastic, Db, -amount), amount * per, held ? trace(de) - amount * dilation : 0};
 }
 
-SmoothMohrCoulomb::Rate SmoothMohrCoulomb::rate(const Point& p, const Here& here, const Tensor& de, bool flows) const {
+SmoothMohrCoulomb::Rate SmoothMohrCoulomb::rate(const Point& p, const Here& here, const Tensor& de, const Here* start,
+                                                const Rate* begun) const {
   if (here.at_limit(p)) {
-    const Rate held = yielding(here, de, true, flows);
-    return p.gap > 0 || held.gap >= 0 ? held : yielding(here, de, false, flows);
+    const Rate held = yielding(here, de, true, start, begun);
+    return p.gap > 0 || held.gap >= 0 ? held : yielding(here, de, false, start, begun);
   }
-  return yielding(here, de, false, flows);
+  return yielding(here, de, false, start, begun);
 }
 
 // Where F along stress + x ds is zero, between x = low (inside) and high (outside): Dowell & Jarratt's Pegasus method.
@@ -132,7 +138,7 @@ double SmoothMohrCoulomb::crossing(const Point& p, const Here& start, const Tens
 // Advances elastically to the surface, the greatest mean stress or the end of `rest`; the share of `rest` used.
 double SmoothMohrCoulomb::elastic_leg(Point& p, const Here& here, const Tensor& rest) const {
   const Tensor ds = stiff(rest);
-  const bool inside = here.F < -10 * here.tolerance;
+  const bool inside = !here.on_surface();
   if (!inside && product(surface_.gradient(here), ds) >= 0) return 0;
   Point end = p;
   end.stress = plus(p.stress, ds);
@@ -213,10 +219,10 @@ double SmoothMohrCoulomb::open_leg(Point& p, Here& here, const Tensor& de, doubl
   while (done < 1 && p.gap > 0) {
     const double right = stress_tolerance * here.size;
     double rest = 1 - done;
-    Rate all = yielding(here, times(de, rest), true, false);
+    Rate all = yielding(here, times(de, rest), true);
     if (p.gap + all.gap < 0) {  // closes on the way
       rest *= p.gap / -all.gap;
-      all = yielding(here, times(de, rest), true, false);
+      all = yielding(here, times(de, rest), true);
     }
     const double way = length(all.stress);
     const bool last = steady || way <= right, within = here.F < -right;
@@ -226,7 +232,7 @@ double SmoothMohrCoulomb::open_leg(Point& p, Here& here, const Tensor& de, doubl
       size = within ? (along > 0 ? -here.F / along : 1) : 0.9 * std::sqrt(2 * right * radius / (corner * way / rest * distortion));
     }
     size = last ? rest : std::min(std::max(size, least_substep), rest);
-    const Rate first = last ? all : yielding(here, times(de, size), true, false);
+    const Rate first = last ? all : yielding(here, times(de, size), true);
     Point end = p;
     Rate mean = first;
     double better = 1;
@@ -236,7 +242,7 @@ double SmoothMohrCoulomb::open_leg(Point& p, Here& here, const Tensor& de, doubl
       Point middle = p;
       middle.stress = plus(p.stress, first.stress);
       middle.history += first.history;
-      const Rate second = yielding(Here(*this, middle), times(de, size), true, first.history > 0);
+      const Rate second = yielding(Here(*this, middle), times(de, size), true, &here, &first);
       const double error = 0.5 * length(plus(second.stress, first.stress, -1));
       better = error > 0 ? 0.9 * std::sqrt(right / error) : 4;
       if (error > right && size > least_substep) {
@@ -287,12 +293,12 @@ void SmoothMohrCoulomb::integrate(Point& p, Here here, const Tensor& de, double&
     }
     size = std::min(size, 1 - done);
     const Tensor part = times(de, size);
-    const Rate first = rate(p, here, part, false);
+    const Rate first = rate(p, here, part);
     Point middle = p;
     middle.stress = plus(p.stress, first.stress);
     middle.history += first.history;
     middle.gap = std::max(0.0, p.gap + first.gap);
-    const Rate second = rate(middle, Here(*this, middle), part, first.history > 0);
+    const Rate second = rate(middle, Here(*this, middle), part, &here, &first);
     Point end = p;
     end.stress = plus(p.stress, plus(first.stress, second.stress), 0.5);
     end.history += 0.5 * (first.history + second.history);
@@ -352,6 +358,7 @@ SmoothConstants SmoothMohrCoulomb::constants() const {
   surface_.put_constants(c);
   c.stress_tolerance = stress_tolerance;
   c.yield_tolerance = yield_tolerance;
+  c.near_surface = near_surface;
   c.least_substep = least_substep;
   c.least_hardness = least_hardness;
   c.corner = corner;

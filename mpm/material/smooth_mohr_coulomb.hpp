@@ -46,8 +46,8 @@ class SmoothMohrCoulomb final : public Material {
   Tensor stiff(const Tensor& strain) const;
   double energy_of(const Tensor& stress) const;
   Strength strength_of(const Point& p, double mean) const;
-  Rate rate(const Point& p, const Here& at, const Tensor& de, bool flows) const;
-  Rate yielding(const Here& at, const Tensor& de, bool held, bool flows) const;
+  Rate rate(const Point& p, const Here& at, const Tensor& de, const Here* start = nullptr, const Rate* begun = nullptr) const;
+  Rate yielding(const Here& at, const Tensor& de, bool held, const Here* start = nullptr, const Rate* begun = nullptr) const;
   double open_leg(Point& p, Here& at, const Tensor& de, double& work) const;
   double elastic_leg(Point& p, const Here& at, const Tensor& rest) const;
   double crossing(const Point& p, const Here& at, const Tensor& ds, double low, double high) const;
