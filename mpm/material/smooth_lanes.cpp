@@ -35,7 +35,7 @@ HWY_INLINE V done_after(V done, V share) {
 template <bool constant>
 struct Smooth : SmoothSurface<constant> {
   using Surface = SmoothSurface<constant>;
-  using Surface::bar_on_surface, Surface::energy_of, Surface::flow_at, Surface::gradient, Surface::held_flow_at, Surface::place,
+  using Surface::bar_on_surface, Surface::energy_of, Surface::flow_at, Surface::held_flow_at, Surface::place,
       Surface::open_place, Surface::stiff, Surface::hyperbola_root, Surface::law, Surface::s, Surface::J, Surface::given,
       Surface::tension, Surface::is_given;
 
@@ -69,12 +69,12 @@ struct Smooth : SmoothSurface<constant> {
   }
 
   // Modified Euler from a place on the surface, each lane with substeps of its own from the share `done` of the step on;
-  // lanes that leave the surface, reach the greatest mean stress or need too many go to `rare`.
+  // the flow there is `at`; lanes that leave the surface, reach the greatest mean stress or need too many go to `rare`.
   struct Flowed {
     LaneTensor stress;
     V history, work;
   };
-  HWY_INLINE Flowed substeps(LanePlace here, const LaneTensor& de, V done, M yields, M& rare) const {
+  HWY_INLINE Flowed substeps(LanePlace here, LaneFlow at, const LaneTensor& de, V done, M yields, M& rare) const {
     const D d;
     constexpr int most = 64;
     const V one = set(1), half = set(0.5);
@@ -85,8 +85,10 @@ struct Smooth : SmoothSurface<constant> {
       const M active = hn::And(hn::AndNot(rare, yields), hn::Lt(done, one));
       if (hn::AllFalse(d, active)) return {here.stress, here.history, work};
       const LaneTensor part = times(elastic, size);
-      const LaneFlow at = flow_at(here);
-      rare = hn::Or(rare, hn::And(active, hn::Or(inside(here), hn::Lt(product(at.a, elastic), zero()))));
+      if (n > 0) {
+        at = flow_at(here);
+        rare = hn::Or(rare, hn::And(active, hn::Or(inside(here), hn::Lt(product(at.a, elastic), zero()))));
+      }
       const V way = within(here);
       const LaneRate first = yielding(at, part, hn::Not(inside(here)), way);
       const LanePlace middle = place(plus(here.stress, first.stress, one), here.history + first.history);
@@ -148,7 +150,8 @@ struct Smooth : SmoothSurface<constant> {
 
     const LaneTensor elastic = stiff(de);
     const M within_it = inside(here);
-    M yields = hn::AndNot(within_it, hn::Ge(product(gradient(here), elastic), zero()));
+    LaneFlow at = flow_at(here);
+    M yields = hn::AndNot(within_it, hn::Ge(product(at.a, elastic), zero()));
     LaneState end{here.stress, here.history, state.gap, zero(), rare};
     V share = zero(), work = zero();  // of the elastic part; at its end
     if (!hn::AllTrue(d, yields)) {
@@ -163,6 +166,7 @@ struct Smooth : SmoothSurface<constant> {
         share = hn::IfThenElse(crosses, crossing(here, elastic, there.F, crosses, rare), share);
         const LaneTensor met = plus(here.stress, elastic, share);
         here = place(choose(crosses, met, here.stress), here.history, &here.strength);
+        at = flow_at(here);
         rare = hn::Or(rare, hn::And(crosses, here.at_limit()));
         end.stress = choose(crosses, met, end.stress);
         yields = hn::Or(yields, crosses);
@@ -170,7 +174,7 @@ struct Smooth : SmoothSurface<constant> {
       work = set(0.5) * share * (product(before, de) + product(end.stress, de));
     }
     if (!hn::AllFalse(d, hn::AndNot(rare, yields))) {
-      const Flowed flowed = substeps(here, de, hn::IfThenElseZero(yields, share), yields, rare);
+      const Flowed flowed = substeps(here, at, de, hn::IfThenElseZero(yields, share), yields, rare);
       end.stress = choose(yields, flowed.stress, end.stress);
       end.history = hn::IfThenElse(yields, flowed.history, end.history);
       work = work + hn::IfThenElseZero(yields, flowed.work);
