@@ -9,7 +9,8 @@
 // Tension: the mean stress is at most tension, and 0.9 of the apex (next to the surface's vertex). Expansion beyond it is kept as `gap`: volume
 // by which the material stands open; the deviator goes on yielding at that mean stress (Koiter), and compression first
 // closes the gap. Once open, the limit is zero. So sand without cohesion carries next to nothing while it is open (the
-// surface's floor), flies free and lands with the volume it left with.
+// surface's floor), flies free and lands with the volume it left with. Its substeps err by 1e-4 of max(c, p, 1 kPa), and end
+// where its flow has become steady.
 #pragma once
 
 #include "mpm/material/abbo_sloan.hpp"
