@@ -22,8 +22,8 @@ struct ConeConstants {
   double tension;        // greatest tension of a point that has not opened; a cut-off where it is below the apex
 };
 
-/// Elastic points, and returns to the plane f_13 or one of its edges. Points at the apex or the cut-off, and open ones,
-/// are rare.
+/// Elastic points, returns to the plane f_13 or one of its edges, and points that stay open. Points at the apex or the
+/// cut-off, and those that close, are rare.
 std::size_t cone_lanes(const Elastic& elastic, const ConeConstants& cone, const StressBatch& batch,
                        std::uint32_t* rare);
 
