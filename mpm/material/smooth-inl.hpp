@@ -21,7 +21,9 @@ HWY_INLINE LaneTensor plus(const LaneTensor& a, const LaneTensor& b, V factor) {
   return {hn::MulAdd(factor, b.xx, a.xx), hn::MulAdd(factor, b.yy, a.yy), hn::MulAdd(factor, b.zz, a.zz),
           hn::MulAdd(factor, b.xy, a.xy)};
 }
-HWY_INLINE LaneTensor times(const LaneTensor& a, V factor) { return {a.xx * factor, a.yy * factor, a.zz * factor, a.xy * factor}; }
+HWY_INLINE LaneTensor times(const LaneTensor& a, V factor) {
+  return {a.xx * factor, a.yy * factor, a.zz * factor, a.xy * factor};
+}
 HWY_INLINE LaneTensor choose(M m, const LaneTensor& yes, const LaneTensor& no) {
   return {hn::IfThenElse(m, yes.xx, no.xx), hn::IfThenElse(m, yes.yy, no.yy), hn::IfThenElse(m, yes.zz, no.zz),
           hn::IfThenElse(m, yes.xy, no.xy)};
@@ -88,10 +90,10 @@ template <bool constant>
 struct SmoothSurface {
   const Elastic law;
   const SmoothConstants s;
-  const bool is_given;       // is the strain that softens
-  V J = zero();              // of the tile
-  V given = zero();          // the strain that softens, where it is given from outside
-  V tension = zero();        // greatest mean stress, short of the vertex
+  const bool is_given;  // is the strain that softens
+  V J = zero();         // of the tile
+  V given = zero();     // the strain that softens, where it is given from outside
+  V tension = zero();   // greatest mean stress, short of the vertex
 
   HWY_INLINE LaneStrength strength(V history, V mean) const {
     const StrengthConstants& c = s.strength;
@@ -100,7 +102,8 @@ struct SmoothSurface {
     const V strain = is_given ? given : history, left = c.rate > 0 ? hn::Exp(D(), set(-c.rate) * strain) : set(1);
     V peak = set(c.friction), by_pressure = zero();
     if (c.per_half > 0) {
-      const V pressure = hn::Neg(mean) / J, per = set(1) / hn::MulAdd(hn::Max(zero(), pressure), set(c.per_half), set(1));
+      const V pressure = hn::Neg(mean) / J,
+              per = set(1) / hn::MulAdd(hn::Max(zero(), pressure), set(c.per_half), set(1));
       const double gain = c.friction_low - c.friction;
       peak = hn::MulAdd(set(gain), per, peak);
       by_pressure = hn::IfThenElseZero(hn::Gt(pressure, zero()), set(-gain * c.per_half) * per * per * left);
@@ -111,8 +114,12 @@ struct SmoothSurface {
     if (c.per_fade > 0)
       sin_dilatancy = sine(hn::Min(friction, set(c.dilatancy) * hn::Exp(D(), set(-c.per_fade) * strain)));
     const V rate = set(is_given ? 0 : -c.rate);
-    return {sin,           hn::Sqrt((set(1) - sin) * (set(1) + sin)), set(c.residual_cohesion) + lost,
-            sin_dilatancy, rate * above,                              by_pressure,
+    return {sin,
+            hn::Sqrt((set(1) - sin) * (set(1) + sin)),
+            set(c.residual_cohesion) + lost,
+            sin_dilatancy,
+            rate * above,
+            by_pressure,
             rate * lost};
   }
 
@@ -129,7 +136,8 @@ struct SmoothSurface {
     if (hn::AllFalse(d, rounded)) return;
     const M high = hn::Gt(p.sin3, zero());
     for (int part = 0; part < 2; ++part) {
-      const auto of = [&](const double (&end)[2][2]) HWY_ATTR { return hn::IfThenElse(high, set(end[1][part]), set(end[0][part])); };
+      const auto of = [&](const double(&end)[2][2])
+                          HWY_ATTR { return hn::IfThenElse(high, set(end[1][part]), set(end[0][part])); };
       const V A = of(s.a), B = of(s.b), C = of(s.c);
       V &value = part == 0 ? p.a : p.b, &slope = part == 0 ? p.a3 : p.b3;
       value = hn::IfThenElse(rounded, hn::MulAdd(p.sin3, hn::MulAdd(p.sin3, C, B), A), value);
@@ -221,8 +229,8 @@ struct SmoothSurface {
   HWY_INLINE V by_history(const LanePlace& p) const {
     if (constant || is_given || !(s.strength.rate > 0)) return zero();
     const LaneStrength& c = p.strength;
-    const V of_cohesion = J * c.cos * c.cohesion_by_history *
-                          hn::MulSub(set(s.hyperbola * s.hyperbola), p.intercept / p.root, set(1));
+    const V of_cohesion =
+        J * c.cos * c.cohesion_by_history * hn::MulSub(set(s.hyperbola * s.hyperbola), p.intercept / p.root, set(1));
     return hn::MulAdd(by_friction(p), c.friction_by_history, hn::IfThenElseZero(cohesive(c), of_cohesion));
   }
 

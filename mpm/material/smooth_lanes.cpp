@@ -16,8 +16,8 @@ struct LaneRate {
   LaneTensor stress;
   V history;
 };
-// A step of a tile's points: stress (turned by the step), history, gap and dissipation become what they are after it, except
-// for those of `rare`.
+// A step of a tile's points: stress (turned by the step), history, gap and dissipation become what they are after it,
+// except for those of `rare`.
 struct LaneState {
   LaneTensor stress;
   V history, gap, dissipated;
@@ -36,12 +36,12 @@ template <bool constant>
 struct Smooth : SmoothSurface<constant> {
   using Surface = SmoothSurface<constant>;
   using Surface::bar_on_surface, Surface::energy_of, Surface::flow_at, Surface::held_flow_at, Surface::place,
-      Surface::open_place, Surface::stiff, Surface::hyperbola_root, Surface::law, Surface::s, Surface::J, Surface::given,
-      Surface::tension, Surface::is_given;
+      Surface::open_place, Surface::stiff, Surface::hyperbola_root, Surface::law, Surface::s, Surface::J,
+      Surface::given, Surface::tension, Surface::is_given;
 
   HWY_INLINE M inside(const LanePlace& p) const { return hn::Lt(p.F, set(-s.near_surface) * p.size); }
   HWY_INLINE V within(const LanePlace& p) const { return hn::Min(p.F, zero()); }
-  // `on`: those that are at the surface; `way`: to it.
+  // `on`: those that are at the surface; `way`: to it, from where the substep begins.
   HWY_INLINE LaneRate yielding(const LaneFlow& f, const LaneTensor& elastic, M on, V way) const {
     const V driven = product(f.a, elastic) + way;
     const V amount = hn::IfThenElseZero(hn::And(on, hn::Gt(f.hardness, zero())), hn::Max(zero(), driven / f.softened));
@@ -68,8 +68,9 @@ struct Smooth : SmoothSurface<constant> {
     rare = hn::Or(rare, hn::And(wanted, p.outside()));
   }
 
-  // Modified Euler from a place on the surface, each lane with substeps of its own from the share `done` of the step on;
-  // the flow there is `at`; lanes that leave the surface, reach the greatest mean stress or need too many go to `rare`.
+  // Modified Euler from a place on the surface, each lane with substeps of its own from the share `done` of the step
+  // on; the flow there is `at`; lanes that leave the surface, reach the greatest mean stress or need too many go to
+  // `rare`.
   struct Flowed {
     LaneTensor stress;
     V history, work;
@@ -94,13 +95,14 @@ struct Smooth : SmoothSurface<constant> {
       const LanePlace middle = place(plus(here.stress, first.stress, one), here.history + first.history);
       rare = hn::Or(rare, hn::And(active, middle.at_limit()));
       const M flows = hn::Gt(first.history, zero());
-      const LaneRate second = yielding(flow_at(middle), part, hn::Or(flows, hn::Not(inside(middle))),
-                                       hn::IfThenElse(flows, way, within(middle)));
+      const LaneRate second = yielding(flow_at(middle), part, hn::Or(flows, hn::Not(inside(middle))), way);
       const LaneTensor stress = plus(plus(here.stress, first.stress, half), second.stress, half);
       const V least = hn::Max(length(stress), set(0.1) * here.size);
       const V error = half * length(plus(second.stress, first.stress, set(-1))) / least;
-      const V share = hn::IfThenElse(hn::Gt(error, zero()), set(0.9) * hn::Sqrt(set(s.stress_tolerance) / error), set(4));
-      const M good = hn::And(active, hn::Or(hn::Le(error, set(s.stress_tolerance)), hn::Le(size, set(s.least_substep))));
+      const V share =
+          hn::IfThenElse(hn::Gt(error, zero()), set(0.9) * hn::Sqrt(set(s.stress_tolerance) / error), set(4));
+      const M good =
+          hn::And(active, hn::Or(hn::Le(error, set(s.stress_tolerance)), hn::Le(size, set(s.least_substep))));
       const V booked = half * size * (product(here.stress, de) + product(stress, de));
       work = work + hn::IfThenElseZero(good, booked);
       const V history = here.history + half * (first.history + second.history);
@@ -156,7 +158,8 @@ struct Smooth : SmoothSurface<constant> {
     V share = zero(), work = zero();  // of the elastic part; at its end
     if (!hn::AllTrue(d, yields)) {
       const LanePlace there = place(plus(here.stress, elastic, set(1)), here.history, &here.strength);
-      const M leaves = hn::AndNot(yields, there.outside()), over = hn::AndNot(yields, hn::Gt(there.mean, there.most_mean));
+      const M leaves = hn::AndNot(yields, there.outside()),
+              over = hn::AndNot(yields, hn::Gt(there.mean, there.most_mean));
       const M crosses = hn::AndNot(hn::Or(rare, over), hn::And(leaves, within_it));
       rare = hn::Or(rare, hn::Or(over, hn::AndNot(within_it, leaves)));
       end.stress = there.stress;
@@ -237,8 +240,7 @@ struct Smooth : SmoothSurface<constant> {
       if (!hn::AllFalse(d, hn::AndNot(last, active))) {
         const LanePlace middle = open_place(plus(here.stress, first, one), here.history + flows);
         const LaneFlow there = held_flow_at(middle);
-        const V again_in = hn::IfThenElse(hn::Gt(flows, zero()), way_in, within(middle));
-        const V again = amount_of(there, product(there.a, part), again_in);
+        const V again = amount_of(there, product(there.a, part), way_in);
         const LaneTensor second = plus(part, there.Db, hn::Neg(again));
         const V error = half * length(plus(second, first, set(-1)));
         better = hn::IfThenElse(hn::Gt(error, zero()), set(0.9) * hn::Sqrt(right / error), set(4));
@@ -276,8 +278,11 @@ struct SmoothTiles {
     update.J = t.load(b.J);
     if (update.is_given) update.given = t.load(b.softened_by);
     const Turned turn = turned(b, t, step);
-    return {{turn.mean + turn.half, turn.mean - turn.half, turn.zz, turn.xy}, t.load(b.plastic_dev), t.load(b.gap),
-            t.load(b.dissipated), none()};
+    return {{turn.mean + turn.half, turn.mean - turn.half, turn.zz, turn.xy},
+            t.load(b.plastic_dev),
+            t.load(b.gap),
+            t.load(b.dissipated),
+            none()};
   }
   template <class Step>
   HWY_INLINE LaneTensor strain(const Step& step) const {
@@ -297,7 +302,8 @@ struct SmoothTiles {
 
 // Open points are gathered, so that tiles are full of them.
 template <bool constant>
-HWY_INLINE std::size_t advance_all(const Elastic& law, const SmoothConstants& s, const StressBatch& b, std::uint32_t* rare) {
+HWY_INLINE std::size_t advance_all(const Elastic& law, const SmoothConstants& s, const StressBatch& b,
+                                   std::uint32_t* rare) {
   SmoothTiles<constant> tiles{b, {{law, s, b.softened_by != nullptr}}};
   Smooth<constant>& update = tiles.update;
   std::uint32_t open[most_in_lanes];

@@ -13,7 +13,7 @@ constexpr double near_surface = 1e-5;      // the same; within it no elastic par
 constexpr double least_substep = 1e-5;     // of the step
 constexpr double least_hardness = 0.5;     // of a : D : b; steeper softening is left to the drift's correction
 constexpr int most_corrections = 12;
-constexpr double corner = 8;               // curvature of the surface's rounded corners times its radius
+constexpr double corner = 8;  // curvature of the surface's rounded corners times its radius
 
 Tensor plus(const Tensor& a, const Tensor& b, double factor = 1) {
   return {a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2], a[3] + factor * b[3]};
@@ -78,11 +78,11 @@ Tensor SmoothMohrCoulomb::stiff(const Tensor& e) const {
 
 double SmoothMohrCoulomb::energy_of(const Tensor& s) const { return elastic_.energy(s[0], s[1], s[2], s[3]); }
 
-// Plastic flow at the surface; `held`: at the greatest mean stress, which stays. `begun`: the rate as the substep begins,
-// where it was `start`; if it flowed, so does a place that it left inside the surface (by the surface's curvature, or by
-// softening). What lies within the surface goes to it first, to first order.
-SmoothMohrCoulomb::Rate SmoothMohrCoulomb::yielding(const Here& here, const Tensor& de, bool held, const Here* start,
-                                                    const Rate* begun) const {
+// Plastic flow at the surface; `held`: at the greatest mean stress, which stays. `way`: F, or zero, where the substep
+// began; what lies within the surface goes to it first, to first order. `flows`: it did where the substep began, so a
+// place that it left inside the surface (by the surface's curvature, or by softening) is no elastic one.
+SmoothMohrCoulomb::Rate SmoothMohrCoulomb::yielding(const Here& here, const Tensor& de, bool held, double way,
+                                                    bool flows) const {
   Tensor a = surface_.gradient(here), b = surface_.flow(here);
   const Tensor moved = held ? deviator_of(de) : de;
   const double dilation = trace(b);
@@ -92,23 +92,21 @@ SmoothMohrCoulomb::Rate SmoothMohrCoulomb::yielding(const Here& here, const Tens
   }
   const Tensor elastic = stiff(moved), Db = stiff(b), b_dev = deviator_of(b);
   const double per = std::sqrt(2.0 / 3 * product(b_dev, b_dev)), hardness = product(a, Db);
-  const bool flows = begun && begun->history > 0;
   double amount = 0;
   if ((flows || held || here.on_surface()) && hardness > 0) {
     const double softened = hardness - surface_.by_history(here) * per;
-    const double driven = product(a, elastic) + (flows ? start->within() : here.within());
-    amount = std::max(0.0, driven / std::max(softened, least_hardness * hardness));
+    amount = std::max(0.0, (product(a, elastic) + way) / std::max(softened, least_hardness * hardness));
   }
   return {plus(elastic, Db, -amount), amount * per, held ? trace(de) - amount * dilation : 0};
 }
 
-SmoothMohrCoulomb::Rate SmoothMohrCoulomb::rate(const Point& p, const Here& here, const Tensor& de, const Here* start,
-                                                const Rate* begun) const {
+SmoothMohrCoulomb::Rate SmoothMohrCoulomb::rate(const Point& p, const Here& here, const Tensor& de, double way,
+                                                bool flows) const {
   if (here.at_limit(p)) {
-    const Rate held = yielding(here, de, true, start, begun);
-    return p.gap > 0 || held.gap >= 0 ? held : yielding(here, de, false, start, begun);
+    const Rate held = yielding(here, de, true, way, flows);
+    if (p.gap > 0 || held.gap >= 0) return held;
   }
-  return yielding(here, de, false, start, begun);
+  return yielding(here, de, false, way, flows);
 }
 
 // Where F along stress + x ds is zero, between x = low (inside) and high (outside): Dowell & Jarratt's Pegasus method.
@@ -145,7 +143,8 @@ double SmoothMohrCoulomb::elastic_leg(Point& p, const Here& here, const Tensor& 
   const Here there(*this, end, here);
   double share = 1;
   const double rise = there.at.mean - here.at.mean;
-  if (rise > 0 && there.at.mean > there.most_mean) share = std::clamp((there.most_mean - here.at.mean) / rise, 0.0, 1.0);
+  if (rise > 0 && there.at.mean > there.most_mean)
+    share = std::clamp((there.most_mean - here.at.mean) / rise, 0.0, 1.0);
   if (there.F > there.tolerance || share < 1) {
     const auto F_at = [&](double x) {
       Point moved = p;
@@ -164,8 +163,8 @@ double SmoothMohrCoulomb::elastic_leg(Point& p, const Here& here, const Tensor& 
   return share;
 }
 
-// Back to the surface and below the greatest mean stress; what flows on the way softens. Returns where the point is then;
-// `here`: where it is.
+// Back to the surface and below the greatest mean stress; what flows on the way softens. Returns where the point is
+// then; `here`: where it is.
 SmoothMohrCoulomb::Here SmoothMohrCoulomb::correct(Point& p, Here here) const {
   for (int n = 0; n < most_corrections; ++n) {
     if (here.at.mean > here.most_mean + here.tolerance || here.F <= here.tolerance || p.gap > 0) break;
@@ -207,11 +206,11 @@ SmoothMohrCoulomb::Here SmoothMohrCoulomb::correct(Point& p, Here here) const {
 
 // Flow of an open point at its greatest mean stress, until it closes or `de` is through; the share of `de` used.
 //
-// Its deviator is bounded by a radius r (sand in flight carries some Pa, of 2 G |de| a step there may be hundreds), and goes
-// to the place where strain and flow agree, where it stays. Explicit substeps would hover about that place, each no longer
-// than stability allows. So they end when what is left of the way is below their tolerance: a way that shrinks from `first`
-// to `second` in one substep leaves first^2/(first - second) in all (Aitken). What counts for an open point is the scale of
-// the strength and of the yield function's tolerance (`size`), not its own few Pa.
+// Its deviator is bounded by a radius r (sand in flight carries some Pa, of 2 G |de| a step there may be hundreds), and
+// goes to the place where strain and flow agree, where it stays. Explicit substeps would hover about that place, each
+// no longer than stability allows. So they end when what is left of the way is below their tolerance: a way that
+// shrinks from `first` to `second` in one substep leaves first^2/(first - second) in all (Aitken). What counts for an
+// open point is the scale of the strength and of the yield function's tolerance (`size`), not its own few Pa.
 double SmoothMohrCoulomb::open_leg(Point& p, Here& here, const Tensor& de, double& work) const {
   const double distortion = 2 * elastic_.shear * length(deviator_of(de)), closed = 1e-9 * length(de);
   double done = 0, size = 0;
@@ -219,20 +218,21 @@ double SmoothMohrCoulomb::open_leg(Point& p, Here& here, const Tensor& de, doubl
   while (done < 1 && p.gap > 0) {
     const double right = stress_tolerance * here.size;
     double rest = 1 - done;
-    Rate all = yielding(here, times(de, rest), true);
+    Rate all = yielding(here, times(de, rest), true, here.within(), false);
     if (p.gap + all.gap < 0) {  // closes on the way
       rest *= p.gap / -all.gap;
-      all = yielding(here, times(de, rest), true);
+      all = yielding(here, times(de, rest), true, here.within(), false);
     }
     const double way = length(all.stress);
     const bool last = steady || way <= right, within = here.F < -right;
     if (size == 0) {  // to the surface; on it by the error that a corner makes
       const double along = 2 * elastic_.shear * product(surface_.gradient(here), deviator_of(de));
       const double radius = std::sqrt(2.0) * surface_.bar_on_surface(here);
-      size = within ? (along > 0 ? -here.F / along : 1) : 0.9 * std::sqrt(2 * right * radius / (corner * way / rest * distortion));
+      size = within ? (along > 0 ? -here.F / along : 1)
+                    : 0.9 * std::sqrt(2 * right * radius / (corner * way / rest * distortion));
     }
     size = last ? rest : std::min(std::max(size, least_substep), rest);
-    const Rate first = last ? all : yielding(here, times(de, size), true);
+    const Rate first = last ? all : yielding(here, times(de, size), true, here.within(), false);
     Point end = p;
     Rate mean = first;
     double better = 1;
@@ -242,7 +242,7 @@ double SmoothMohrCoulomb::open_leg(Point& p, Here& here, const Tensor& de, doubl
       Point middle = p;
       middle.stress = plus(p.stress, first.stress);
       middle.history += first.history;
-      const Rate second = yielding(Here(*this, middle), times(de, size), true, &here, &first);
+      const Rate second = yielding(Here(*this, middle), times(de, size), true, here.within(), first.history > 0);
       const double error = 0.5 * length(plus(second.stress, first.stress, -1));
       better = error > 0 ? 0.9 * std::sqrt(right / error) : 4;
       if (error > right && size > least_substep) {
@@ -293,12 +293,12 @@ void SmoothMohrCoulomb::integrate(Point& p, Here here, const Tensor& de, double&
     }
     size = std::min(size, 1 - done);
     const Tensor part = times(de, size);
-    const Rate first = rate(p, here, part);
+    const Rate first = rate(p, here, part, here.within(), false);
     Point middle = p;
     middle.stress = plus(p.stress, first.stress);
     middle.history += first.history;
     middle.gap = std::max(0.0, p.gap + first.gap);
-    const Rate second = rate(middle, Here(*this, middle), part, &here, &first);
+    const Rate second = rate(middle, Here(*this, middle), part, here.within(), first.history > 0);
     Point end = p;
     end.stress = plus(p.stress, plus(first.stress, second.stress), 0.5);
     end.history += 0.5 * (first.history + second.history);
@@ -307,8 +307,8 @@ void SmoothMohrCoulomb::integrate(Point& p, Here here, const Tensor& de, double&
       for (std::size_t q = 0; q < 3; ++q) end.stress[q] += bulk_ * end.gap;
       end.gap = 0;
     }
-    const double error = 0.5 * length(plus(second.stress, first.stress, -1)) /
-                         std::max(length(end.stress), 0.1 * here.size);
+    const double error =
+        0.5 * length(plus(second.stress, first.stress, -1)) / std::max(length(end.stress), 0.1 * here.size);
     if (error > stress_tolerance && size > least_substep) {
       size = std::max(least_substep, size * std::max(0.1, 0.9 * std::sqrt(stress_tolerance / error)));
       failed = true;
@@ -327,8 +327,12 @@ void SmoothMohrCoulomb::integrate(Point& p, Here here, const Tensor& de, double&
 
 void SmoothMohrCoulomb::update_point(const StressBatch& batch, std::size_t k) const {
   const Stress turned = rotated(batch, k);
-  Point p{{turned.xx, turned.yy, turned.zz, turned.xy}, batch.plastic_dev[k], batch.gap[k], batch.J[k],
-          batch.opened[k] != 0, batch.softened_by ? batch.softened_by + k : nullptr};
+  Point p{{turned.xx, turned.yy, turned.zz, turned.xy},
+          batch.plastic_dev[k],
+          batch.gap[k],
+          batch.J[k],
+          batch.opened[k] != 0,
+          batch.softened_by ? batch.softened_by + k : nullptr};
   const double start = energy_of(p.stress);
   const Here here = correct(p, Here(*this, p));  // to this step's J and pressure
   const Tensor de{batch.de_xx[k], batch.de_yy[k], batch.de_zz[k], batch.de_xy[k]};
@@ -343,7 +347,8 @@ void SmoothMohrCoulomb::update_point(const StressBatch& batch, std::size_t k) co
 
 void SmoothMohrCoulomb::update(const StressBatch& batch) const {
   update_in_lanes(
-      batch, [&](const StressBatch& part, std::uint32_t* rare) { return smooth_lanes(elastic_, constants_, part, rare); },
+      batch,
+      [&](const StressBatch& part, std::uint32_t* rare) { return smooth_lanes(elastic_, constants_, part, rare); },
       [&](const StressBatch& b, std::size_t k) { update_point(b, k); });
 }
 

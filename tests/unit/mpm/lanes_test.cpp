@@ -276,7 +276,7 @@ TEST(Lanes, ABatchIsItsPoints) {
     std::vector<std::uint32_t> place(n);  // some tiles lie together, others do not
     for (std::size_t k = 0; k < n; ++k) place[k] = std::uint32_t(way == by_places && k >= 16 ? 16 + (k - 16) * 5 % (n - 16) : k);
     if (way == by_places) b.places = place.data();
-    for (int step = 0; step < 300; ++step) {
+    for (int step = 0; step < (smooth ? 200 : 300); ++step) {
       const double pressed = smooth ? (step / 4 % 2 ? 0.8 : -0.6) : 0.3;  // that it opens and closes
       for (std::size_t k = 0; k < n; ++k) {
         const double size = strain * std::pow(10, -5 + 0.1 * double(k % 20)) * (step % 7 == 0 ? 10 : 1);
@@ -332,10 +332,10 @@ TEST(Lanes, ABatchIsItsPoints) {
     Met met;
     std::vector<double> each;
     advance(*plain[l], 0.3, 37, singly, each, dynamic_cast<const SmoothMohrCoulomb*>(laws[l].get()), &met);
-    EXPECT_GT(met.crossed, 200);
-    EXPECT_GT(met.had_opened, 300);
-    EXPECT_GT(met.stood_open, 1000);
-    EXPECT_GT(met.closed, 50);
+    EXPECT_GT(met.crossed, 150);
+    EXPECT_GT(met.had_opened, 200);
+    EXPECT_GT(met.stood_open, 600);
+    EXPECT_GT(met.closed, 40);
   }
   for (std::size_t l = 0; l < laws.size(); ++l)
     on_every_target([&] {
