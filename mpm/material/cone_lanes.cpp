@@ -208,8 +208,21 @@ struct Returning {
     return false;
   }
 
-  template <class Tile>
-  HWY_INLINE void tile(const Tile& t, const Waiting& w) {
+  // Open points that do not close in the step (`apart`) are free of stress.
+  template <class Tile, class Step>
+  HWY_INLINE M stay_open(const Tile& t, const Step& step) const {
+    const V gap = t.load(b.gap), left = gap + (step.load(b.de_xx) + step.load(b.de_yy) + step.load(b.de_zz));
+    const M apart = hn::And(hn::Gt(gap, zero()), hn::Gt(left, zero()));
+    const V xx = t.load(b.xx), yy = t.load(b.yy), zz = t.load(b.zz), xy = t.load(b.xy), sum = xx + yy + zz;
+    const V squares = hn::MulAdd(xx, xx, yy * yy) + hn::MulAdd(zz, zz, set(2) * xy * xy);
+    const V energy = set(0.5 / law.young) * hn::NegMulAdd(set(law.poisson) * sum, sum, set(1 + law.poisson) * squares);
+    t.store(t.load(b.dissipated) + hn::IfThenElseZero(apart, energy), b.dissipated);
+    t.store(hn::IfThenElse(apart, left, gap), b.gap);
+    return apart;
+  }
+
+  template <class Tile, class Step>
+  HWY_INLINE void tile(const Tile& t, const Step& step, const Waiting& w) {
     const D d;
     const std::size_t k = w.k;
     const V mean = w.mean, half = w.half, zz = w.zz, xy = w.xy, J = t.load(b.J);
@@ -217,7 +230,8 @@ struct Returning {
     const V radius = at.radius;
     const M across_high = at.across_high, across_low = at.across_low;
     const Principal& p = at.p;
-    M odd = hn::Ne(t.load(b.gap), zero());
+    M odd = hn::Ne(t.load(b.gap), zero()), apart = hn::FirstN(d, 0);
+    if (HWY_UNLIKELY(!hn::AllFalse(d, odd))) apart = stay_open(t, step);
     LaneCone c = cones.of(w.strengths);
     const V cohesion = c.cohesion * J;
     const V excess = hn::MulSub(c.plus, p.s[0], hn::MulAdd(c.minus, p.s[2], cohesion));
@@ -226,8 +240,10 @@ struct Returning {
     const M cut_off = c.cut_off();
     odd = hn::Or(odd, hn::AndNot(yields, hn::And(cut_off, hn::Gt(p.s[0], tension))));
     if (c.opens) odd = hn::Or(odd, has_opened(b, k));
-    V new_mean = mean, new_half = half, new_zz = zz, new_xy = xy;
-    yields = hn::AndNot(odd, yields);
+    V new_mean = hn::IfThenZeroElse(apart, mean), new_half = hn::IfThenZeroElse(apart, half);
+    V new_zz = hn::IfThenZeroElse(apart, zz), new_xy = hn::IfThenZeroElse(apart, xy);
+    odd = hn::AndNot(apart, odd);
+    yields = hn::AndNot(hn::Or(odd, apart), yields);
     if (!hn::AllFalse(d, yields)) {
       cones.set_flow(c, w.strengths);
       const V apex = c.apex() * J;
@@ -255,10 +271,10 @@ struct Returning {
       yields = hn::And(yields, accepted);
       const V new_radius = set(0.5) * (in_high - in_low);
       const V ratio = hn::IfThenElseZero(hn::Gt(radius, zero()), new_radius / radius);
-      new_mean = hn::IfThenElse(yields, set(0.5) * (in_high + in_low), mean);
-      new_half = hn::IfThenElse(yields, hn::IfThenElse(hn::Gt(radius, zero()), half * ratio, new_radius), half);
-      new_xy = hn::IfThenElse(yields, xy * ratio, xy);
-      new_zz = hn::IfThenElse(yields, across, zz);
+      new_mean = hn::IfThenElse(yields, set(0.5) * (in_high + in_low), new_mean);
+      new_half = hn::IfThenElse(yields, hn::IfThenElse(hn::Gt(radius, zero()), half * ratio, new_radius), new_half);
+      new_xy = hn::IfThenElse(yields, xy * ratio, new_xy);
+      new_zz = hn::IfThenElse(yields, across, new_zz);
       t.store(t.load(b.dissipated) + hn::IfThenElseZero(yields, work), b.dissipated);
       const V amount = set(0.5 / law.shear) * hn::Sqrt(set(2.0 / 3) * square);
       t.store(t.load(b.plastic_dev) + hn::IfThenElseZero(yields, amount), b.plastic_dev);
@@ -292,7 +308,7 @@ HWY_INLINE std::size_t return_all(const Elastic& law, const Cones& cones, const 
   for (std::size_t a = 0; a < n; ++a)
     with_tile(b, waiting[a].k, [&](const auto& t, const auto&) PIVNP_TILE { waiting[a].strengths = cones.strengths(t); });
   for (std::size_t a = 0; a < n; ++a)
-    with_tile(b, waiting[a].k, [&](const auto& t, const auto&) PIVNP_TILE { update.tile(t, waiting[a]); });
+    with_tile(b, waiting[a].k, [&](const auto& t, const auto& step) PIVNP_TILE { update.tile(t, step, waiting[a]); });
   return update.n;
 }
 

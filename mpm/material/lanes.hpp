@@ -8,6 +8,9 @@
 
 namespace pivnp::mpm {
 
+/// Most points that one call takes.
+constexpr std::size_t most_in_lanes = 1024;
+
 /// Hencky's law (linear_elastic.hpp) for elastic deviators up to 0.12 and steps up to 0.01. The places of the points
 /// beyond go to `rare`, which has room for the batch; they are not touched. Returns their number.
 std::size_t hencky_lanes(const Elastic& elastic, const StressBatch& batch, std::uint32_t* rare);
@@ -19,8 +22,8 @@ struct ConeConstants {
   double tension;        // greatest tension of a point that has not opened; a cut-off where it is below the apex
 };
 
-/// Elastic points, and returns to the plane f_13 or one of its edges. Points at the apex or the cut-off, and open ones,
-/// are rare.
+/// Elastic points, returns to the plane f_13 or one of its edges, and points that stay open. Points at the apex or the
+/// cut-off, and those that close, are rare.
 std::size_t cone_lanes(const Elastic& elastic, const ConeConstants& cone, const StressBatch& batch,
                        std::uint32_t* rare);
 
@@ -44,16 +47,14 @@ struct SmoothConstants {
   double sin_dilatancy;  // at the start
   double tension, floor;
   double a[2][2], b[2][2], c[2][2], sin3_transition, hyperbola, short_of_vertex;
-  double stress_tolerance, yield_tolerance, least_substep, least_hardness;
+  double stress_tolerance, yield_tolerance, near_surface, least_substep, least_hardness, corner;
 };
 
-/// Points that stay elastic or flow all along the step, short of the greatest mean stress. Those that begin or cease to
-/// yield within the step, need very many substeps, or are or have been open are rare.
+/// Points that stay elastic, begin to flow within the step or flow all along it, short of the greatest mean stress, and open
+/// ones. Those that leave the surface within the step, open or close in it, or need very many substeps are rare. The batch
+/// holds no more than most_in_lanes.
 std::size_t smooth_lanes(const Elastic& elastic, const SmoothConstants& constants, const StressBatch& batch,
                          std::uint32_t* rare);
-
-/// Most points that one call takes.
-constexpr std::size_t most_in_lanes = 1024;
 
 /// Calls lanes(part, rare), which returns the number of rare points, on parts of the batch, and point(batch, k) on those;
 /// there the batch has no `places`.

@@ -9,10 +9,11 @@ namespace {
 
 constexpr double stress_tolerance = 1e-4;  // of a substep, over the stress
 constexpr double yield_tolerance = 1e-9;   // over max(c, p, 1 kPa)
+constexpr double near_surface = 1e-5;      // the same; within it no elastic part is looked for
 constexpr double least_substep = 1e-5;     // of the step
 constexpr double least_hardness = 0.5;     // of a : D : b; steeper softening is left to the drift's correction
 constexpr int most_corrections = 12;
-constexpr double memory = 15;              // of an open point: strain after which its start is forgotten to exp(-15)
+constexpr double corner = 8;  // curvature of the surface's rounded corners times its radius
 
 Tensor plus(const Tensor& a, const Tensor& b, double factor = 1) {
   return {a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2], a[3] + factor * b[3]};
@@ -36,7 +37,8 @@ struct SmoothMohrCoulomb::Here : AbboSloan::Place {
   /// Where the history is that of another place, so is the strength, unless it depends on pressure.
   Here(const SmoothMohrCoulomb& law, const Point& p, const Here& other)
       : Here(law, p, Invariants(p.stress), law.strength_.by_pressure() ? nullptr : &other.strength) {}
-  bool on_surface() const { return F >= -10 * tolerance; }
+  bool on_surface() const { return F >= -near_surface * size; }
+  double within() const { return std::min(F, 0.0); }
   bool at_limit(const Point& p) const { return p.gap > 0 || at.mean >= most_mean - tolerance; }
 
  private:
@@ -76,9 +78,11 @@ Tensor SmoothMohrCoulomb::stiff(const Tensor& e) const {
 
 double SmoothMohrCoulomb::energy_of(const Tensor& s) const { return elastic_.energy(s[0], s[1], s[2], s[3]); }
 
-// Plastic flow at the surface; `held`: at the greatest mean stress, which stays. `flows`: it does as the substep begins, so
-// a place that its first guess left inside the surface (by the surface's curvature, or by softening) is no elastic one.
-SmoothMohrCoulomb::Rate SmoothMohrCoulomb::yielding(const Here& here, const Tensor& de, bool held, bool flows) const {
+// Plastic flow at the surface; `held`: at the greatest mean stress, which stays. `way`: F, or zero, where the substep
+// began; what lies within the surface goes to it first, to first order. `flows`: it did where the substep began, so a
+// place that it left inside the surface (by the surface's curvature, or by softening) is no elastic one.
+SmoothMohrCoulomb::Rate SmoothMohrCoulomb::yielding(const Here& here, const Tensor& de, bool held, double way,
+                                                    bool flows) const {
   Tensor a = surface_.gradient(here), b = surface_.flow(here);
   const Tensor moved = held ? deviator_of(de) : de;
   const double dilation = trace(b);
@@ -89,19 +93,20 @@ SmoothMohrCoulomb::Rate SmoothMohrCoulomb::yielding(const Here& here, const Tens
   const Tensor elastic = stiff(moved), Db = stiff(b), b_dev = deviator_of(b);
   const double per = std::sqrt(2.0 / 3 * product(b_dev, b_dev)), hardness = product(a, Db);
   double amount = 0;
-  if ((flows || here.on_surface()) && hardness > 0) {
+  if ((flows || held || here.on_surface()) && hardness > 0) {
     const double softened = hardness - surface_.by_history(here) * per;
-    amount = std::max(0.0, product(a, elastic) / std::max(softened, least_hardness * hardness));
+    amount = std::max(0.0, (product(a, elastic) + way) / std::max(softened, least_hardness * hardness));
   }
   return {plus(elastic, Db, -amount), amount * per, held ? trace(de) - amount * dilation : 0};
 }
 
-SmoothMohrCoulomb::Rate SmoothMohrCoulomb::rate(const Point& p, const Here& here, const Tensor& de, bool flows) const {
+SmoothMohrCoulomb::Rate SmoothMohrCoulomb::rate(const Point& p, const Here& here, const Tensor& de, double way,
+                                                bool flows) const {
   if (here.at_limit(p)) {
-    const Rate held = yielding(here, de, true, flows);
-    return p.gap > 0 || held.gap >= 0 ? held : yielding(here, de, false, flows);
+    const Rate held = yielding(here, de, true, way, flows);
+    if (p.gap > 0 || held.gap >= 0) return held;
   }
-  return yielding(here, de, false, flows);
+  return yielding(here, de, false, way, flows);
 }
 
 // Where F along stress + x ds is zero, between x = low (inside) and high (outside): Dowell & Jarratt's Pegasus method.
@@ -131,14 +136,15 @@ double SmoothMohrCoulomb::crossing(const Point& p, const Here& start, const Tens
 // Advances elastically to the surface, the greatest mean stress or the end of `rest`; the share of `rest` used.
 double SmoothMohrCoulomb::elastic_leg(Point& p, const Here& here, const Tensor& rest) const {
   const Tensor ds = stiff(rest);
-  const bool inside = here.F < -10 * here.tolerance;
+  const bool inside = !here.on_surface();
   if (!inside && product(surface_.gradient(here), ds) >= 0) return 0;
   Point end = p;
   end.stress = plus(p.stress, ds);
   const Here there(*this, end, here);
   double share = 1;
   const double rise = there.at.mean - here.at.mean;
-  if (rise > 0 && there.at.mean > there.most_mean) share = std::clamp((there.most_mean - here.at.mean) / rise, 0.0, 1.0);
+  if (rise > 0 && there.at.mean > there.most_mean)
+    share = std::clamp((there.most_mean - here.at.mean) / rise, 0.0, 1.0);
   if (there.F > there.tolerance || share < 1) {
     const auto F_at = [&](double x) {
       Point moved = p;
@@ -157,8 +163,8 @@ double SmoothMohrCoulomb::elastic_leg(Point& p, const Here& here, const Tensor& 
   return share;
 }
 
-// Back to the surface and below the greatest mean stress; what flows on the way softens. Returns where the point is then;
-// `here`: where it is.
+// Back to the surface and below the greatest mean stress; what flows on the way softens. Returns where the point is
+// then; `here`: where it is.
 SmoothMohrCoulomb::Here SmoothMohrCoulomb::correct(Point& p, Here here) const {
   for (int n = 0; n < most_corrections; ++n) {
     if (here.at.mean > here.most_mean + here.tolerance || here.F <= here.tolerance || p.gap > 0) break;
@@ -198,25 +204,83 @@ SmoothMohrCoulomb::Here SmoothMohrCoulomb::correct(Point& p, Here here) const {
   return Here(*this, p);
 }
 
-// Share of `de` over which an open point flows steadily. It stays at its greatest mean stress, so its deviator
-// is bounded by a radius r and forgets its start as exp(-2 G strain/r): where r is a small part of 2 G strain (sand in
-// flight carries some Pa) only the last radii need to be followed. Zero where the point could close on the way.
-double SmoothMohrCoulomb::steady_share(const Point& p, const Here& here, const Tensor& de) const {
-  if (!(p.gap > 0)) return 0;
-  const double distortion = length(deviator_of(de)), radius = std::sqrt(2.0) * surface_.bar_on_surface(here);
-  const double least_gap = p.gap + std::min(0.0, trace(de)) - 3 * here.strength.sin_dilatancy * distortion;
-  const double followed = memory * radius / (2 * elastic_.shear);
-  return least_gap > 0 && distortion > 2 * followed ? 1 - followed / distortion : 0;
+// Flow of an open point at its greatest mean stress, until it closes or `de` is through; the share of `de` used.
+//
+// Its deviator is bounded by a radius r (sand in flight carries some Pa, of 2 G |de| a step there may be hundreds), and
+// goes to the place where strain and flow agree, where it stays. Explicit substeps would hover about that place, each
+// no longer than stability allows. So they end when what is left of the way is below their tolerance: a way that
+// shrinks from `first` to `second` in one substep leaves first^2/(first - second) in all (Aitken). What counts for an
+// open point is the scale of the strength and of the yield function's tolerance (`size`), not its own few Pa.
+double SmoothMohrCoulomb::open_leg(Point& p, Here& here, const Tensor& de, double& work) const {
+  const double distortion = 2 * elastic_.shear * length(deviator_of(de)), closed = 1e-9 * length(de);
+  double done = 0, size = 0;
+  bool failed = false, steady = false;
+  while (done < 1 && p.gap > 0) {
+    const double right = stress_tolerance * here.size;
+    double rest = 1 - done;
+    Rate all = yielding(here, times(de, rest), true, here.within(), false);
+    if (p.gap + all.gap < 0) {  // closes on the way
+      rest *= p.gap / -all.gap;
+      all = yielding(here, times(de, rest), true, here.within(), false);
+    }
+    const double way = length(all.stress);
+    const bool last = steady || way <= right, within = here.F < -right;
+    if (size == 0) {  // to the surface; on it by the error that a corner makes
+      const double along = 2 * elastic_.shear * product(surface_.gradient(here), deviator_of(de));
+      const double radius = std::sqrt(2.0) * surface_.bar_on_surface(here);
+      size = within ? (along > 0 ? -here.F / along : 1)
+                    : 0.9 * std::sqrt(2 * right * radius / (corner * way / rest * distortion));
+    }
+    size = last ? rest : std::min(std::max(size, least_substep), rest);
+    const Rate first = last ? all : yielding(here, times(de, size), true, here.within(), false);
+    Point end = p;
+    Rate mean = first;
+    double better = 1;
+    if (steady) {
+      mean.stress = {};
+    } else if (!last) {
+      Point middle = p;
+      middle.stress = plus(p.stress, first.stress);
+      middle.history += first.history;
+      const Rate second = yielding(Here(*this, middle), times(de, size), true, here.within(), first.history > 0);
+      const double error = 0.5 * length(plus(second.stress, first.stress, -1));
+      better = error > 0 ? 0.9 * std::sqrt(right / error) : 4;
+      if (error > right && size > least_substep) {
+        size *= std::max(0.1, better);
+        failed = true;
+        continue;
+      }
+      const double way2 = product(first.stress, first.stress), shrunk = way2 - product(first.stress, second.stress);
+      steady = shrunk > 0 && way2 * std::sqrt(way2) <= right * shrunk;
+      mean = {times(plus(first.stress, second.stress), 0.5), 0.5 * (first.history + second.history),
+              0.5 * (first.gap + second.gap)};
+    }
+    end.stress = plus(p.stress, mean.stress);
+    end.history += mean.history;
+    end.gap = std::max(0.0, p.gap + mean.gap);
+    work += 0.5 * size * (product(p.stress, de) + product(end.stress, de));
+    here = correct(end, Here(*this, end));
+    p = end;
+    if (p.gap <= closed) p.gap = 0;
+    done = 1 - done - size < 1e-12 ? 1 : done + size;
+    size = within ? 0 : size * std::min(failed ? 1.0 : 4.0, better);
+    failed = false;
+  }
+  return done;
 }
 
-SmoothMohrCoulomb::Here SmoothMohrCoulomb::integrate(Point& p, Here here, const Tensor& de, double& work) const {
-  const double steady = steady_share(p, here, de);
-  double done = steady, size = 1;
+void SmoothMohrCoulomb::integrate(Point& p, Here here, const Tensor& de, double& work) const {
+  double done = 0, size = 1;
   bool failed = false;
   const auto book = [&](const Tensor& before, const Tensor& after, double share) {
     work += 0.5 * share * (product(before, de) + product(after, de));
   };
   while (done < 1) {
+    if (p.gap > 0) {
+      const double share = open_leg(p, here, times(de, 1 - done), work);
+      done = share < 1 ? done + share * (1 - done) : 1;
+      continue;
+    }
     if (!failed && !here.at_limit(p)) {
       const Tensor before = p.stress;
       const double share = elastic_leg(p, here, times(de, 1 - done));
@@ -229,12 +293,12 @@ SmoothMohrCoulomb::Here SmoothMohrCoulomb::integrate(Point& p, Here here, const 
     }
     size = std::min(size, 1 - done);
     const Tensor part = times(de, size);
-    const Rate first = rate(p, here, part, false);
+    const Rate first = rate(p, here, part, here.within(), false);
     Point middle = p;
     middle.stress = plus(p.stress, first.stress);
     middle.history += first.history;
     middle.gap = std::max(0.0, p.gap + first.gap);
-    const Rate second = rate(middle, Here(*this, middle), part, first.history > 0);
+    const Rate second = rate(middle, Here(*this, middle), part, here.within(), first.history > 0);
     Point end = p;
     end.stress = plus(p.stress, plus(first.stress, second.stress), 0.5);
     end.history += 0.5 * (first.history + second.history);
@@ -243,8 +307,8 @@ SmoothMohrCoulomb::Here SmoothMohrCoulomb::integrate(Point& p, Here here, const 
       for (std::size_t q = 0; q < 3; ++q) end.stress[q] += bulk_ * end.gap;
       end.gap = 0;
     }
-    const double error = 0.5 * length(plus(second.stress, first.stress, -1)) /
-                         std::max(length(end.stress), 0.1 * here.size);
+    const double error =
+        0.5 * length(plus(second.stress, first.stress, -1)) / std::max(length(end.stress), 0.1 * here.size);
     if (error > stress_tolerance && size > least_substep) {
       size = std::max(least_substep, size * std::max(0.1, 0.9 * std::sqrt(stress_tolerance / error)));
       failed = true;
@@ -259,33 +323,21 @@ SmoothMohrCoulomb::Here SmoothMohrCoulomb::integrate(Point& p, Here here, const 
     failed = false;
     size = std::max(least_substep, size * grow);
   }
-  if (steady > 0) {
-    const Rate flow = rate(p, here, times(de, steady), true);
-    work += steady * product(p.stress, de);
-    p.history += flow.history;
-    p.gap = std::max(0.0, p.gap + flow.gap);
-    here = correct(p, Here(*this, p));
-  }
-  return here;
 }
 
 void SmoothMohrCoulomb::update_point(const StressBatch& batch, std::size_t k) const {
   const Stress turned = rotated(batch, k);
-  Point p{{turned.xx, turned.yy, turned.zz, turned.xy}, batch.plastic_dev[k], batch.gap[k], batch.J[k],
-          batch.opened[k] != 0, batch.softened_by ? batch.softened_by + k : nullptr};
+  Point p{{turned.xx, turned.yy, turned.zz, turned.xy},
+          batch.plastic_dev[k],
+          batch.gap[k],
+          batch.J[k],
+          batch.opened[k] != 0,
+          batch.softened_by ? batch.softened_by + k : nullptr};
   const double start = energy_of(p.stress);
-  Here here = correct(p, Here(*this, p));  // to this step's J and pressure
+  const Here here = correct(p, Here(*this, p));  // to this step's J and pressure
   const Tensor de{batch.de_xx[k], batch.de_yy[k], batch.de_zz[k], batch.de_xy[k]};
   double work = 0;
-  const double volumetric = trace(de);
-  if (p.gap > 0 && p.gap + volumetric < 0) {  // closes within the step
-    const double share = -p.gap / volumetric;
-    here = integrate(p, here, times(de, share), work);
-    if (p.gap < 1e-9 * std::abs(volumetric)) p.gap = 0;
-    integrate(p, here, times(de, 1 - share), work);
-  } else {
-    integrate(p, here, de, work);
-  }
+  integrate(p, here, de, work);
   batch.dissipated[k] += work - (energy_of(p.stress) - start);
   batch.plastic_dev[k] = p.history;
   batch.gap[k] = p.gap;
@@ -295,7 +347,8 @@ void SmoothMohrCoulomb::update_point(const StressBatch& batch, std::size_t k) co
 
 void SmoothMohrCoulomb::update(const StressBatch& batch) const {
   update_in_lanes(
-      batch, [&](const StressBatch& part, std::uint32_t* rare) { return smooth_lanes(elastic_, constants_, part, rare); },
+      batch,
+      [&](const StressBatch& part, std::uint32_t* rare) { return smooth_lanes(elastic_, constants_, part, rare); },
       [&](const StressBatch& b, std::size_t k) { update_point(b, k); });
 }
 
@@ -310,8 +363,10 @@ SmoothConstants SmoothMohrCoulomb::constants() const {
   surface_.put_constants(c);
   c.stress_tolerance = stress_tolerance;
   c.yield_tolerance = yield_tolerance;
+  c.near_surface = near_surface;
   c.least_substep = least_substep;
   c.least_hardness = least_hardness;
+  c.corner = corner;
   return c;
 }
 

@@ -6,10 +6,11 @@
 // accumulated strain and the pressure inside the step (strength.hpp); the drift's correction softens
 // too, so that strength which falls faster than stress can is let down by it; tension, below.
 //
-// Tension: the mean stress is at most tension, and 0.9 of the apex (next to the surface's vertex). Expansion beyond it is kept as `gap`: volume
-// by which the material stands open; the deviator goes on yielding at that mean stress (Koiter), and compression first
-// closes the gap. Once open, the limit is zero. So sand without cohesion carries next to nothing while it is open (the
-// surface's floor), flies free and lands with the volume it left with.
+// Tension: the mean stress is at most tension, and 0.9 of the apex (next to the surface's vertex). Expansion beyond it is
+// kept as `gap`: volume by which the material stands open; the deviator goes on yielding at that mean stress (Koiter), and
+// compression first closes the gap. Once open, the limit is zero. So sand without cohesion carries next to nothing while
+// it is open (the surface's floor), flies free and lands with the volume it left with. An open point's substeps err by
+// 1e-4 of max(c, p, 1 kPa), and end where its flow has become steady.
 #pragma once
 
 #include "mpm/material/abbo_sloan.hpp"
@@ -36,7 +37,7 @@ class SmoothMohrCoulomb final : public Material {
     double history, gap;
     double J;
     bool opened;
-    const double* softened_by = nullptr;  // the strain that softens, where it is given from outside: it stays in the step
+    const double* softened_by = nullptr;  // the strain that softens, where given from outside: it stays in the step
   };
   struct Here;  // the surface at a point
   struct Rate {
@@ -46,12 +47,12 @@ class SmoothMohrCoulomb final : public Material {
   Tensor stiff(const Tensor& strain) const;
   double energy_of(const Tensor& stress) const;
   Strength strength_of(const Point& p, double mean) const;
-  Rate rate(const Point& p, const Here& at, const Tensor& de, bool flows) const;
-  Rate yielding(const Here& at, const Tensor& de, bool held, bool flows) const;
-  double steady_share(const Point& p, const Here& at, const Tensor& de) const;
+  Rate rate(const Point& p, const Here& at, const Tensor& de, double way, bool flows) const;
+  Rate yielding(const Here& at, const Tensor& de, bool held, double way, bool flows) const;
+  double open_leg(Point& p, Here& at, const Tensor& de, double& work) const;
   double elastic_leg(Point& p, const Here& at, const Tensor& rest) const;
   double crossing(const Point& p, const Here& at, const Tensor& ds, double low, double high) const;
-  Here integrate(Point& p, Here at, const Tensor& de, double& work) const;
+  void integrate(Point& p, Here at, const Tensor& de, double& work) const;
   Here correct(Point& p, Here at) const;
   SmoothConstants constants() const;
 

@@ -237,10 +237,31 @@ class SmoothInScalarCode final : public Material {
   std::unique_ptr<Material> law_;
 };
 
+// What points of the smooth law met in their steps.
+struct Met {
+  int crossed = 0;      // began to yield
+  int had_opened = 0;   // yielded, closed again after they had been open
+  int stood_open = 0;   // before and after
+  int closed = 0;
+
+  void count(const SmoothMohrCoulomb& law, const StressBatch& before, const std::vector<std::vector<double>>& after) {
+    for (std::size_t k = 0; k < before.size; ++k) {
+      const Tensor stress{before.xx[k], before.yy[k], before.zz[k], before.xy[k]};
+      const double yield = law.relative_yield(stress, before.plastic_dev[k], before.J[k]);
+      const bool flowed = after[10][k] > before.plastic_dev[k], open = before.gap[k] > 0, opens = after[11][k] > 0;
+      crossed += !open && !opens && flowed && yield < -1e-4;
+      had_opened += !open && !opens && flowed && before.opened[k];
+      stood_open += open && opens;
+      closed += open && !opens;
+    }
+  }
+};
+
 // A batch in lanes is what its points are one by one, whatever lanes they are in and wherever they are stored.
 TEST(Lanes, ABatchIsItsPoints) {
   enum Way { together, by_places, singly };
-  const auto advance = [](const Material& law, double strain, std::size_t n, Way way, std::vector<double>& out) {
+  const auto advance = [](const Material& law, double strain, std::size_t n, Way way, std::vector<double>& out,
+                          const SmoothMohrCoulomb* smooth = nullptr, Met* met = nullptr) {
     std::mt19937_64 random(seed_of_all);
     std::normal_distribution<double> normal(0, 1);
     std::vector<std::vector<double>> a(14, std::vector<double>(n));
@@ -255,15 +276,25 @@ TEST(Lanes, ABatchIsItsPoints) {
     std::vector<std::uint32_t> place(n);  // some tiles lie together, others do not
     for (std::size_t k = 0; k < n; ++k) place[k] = std::uint32_t(way == by_places && k >= 16 ? 16 + (k - 16) * 5 % (n - 16) : k);
     if (way == by_places) b.places = place.data();
-    for (int step = 0; step < 300; ++step) {
+    for (int step = 0; step < (smooth ? 200 : 300); ++step) {
+      const double pressed = smooth ? (step / 4 % 2 ? 0.8 : -0.6) : 0.3;  // that it opens and closes
       for (std::size_t k = 0; k < n; ++k) {
         const double size = strain * std::pow(10, -5 + 0.1 * double(k % 20)) * (step % 7 == 0 ? 10 : 1);
-        for (std::size_t c = 0; c < 5; ++c) a[c][k] = size * (normal(random) - (c < 2 ? 0.3 : 0));
+        for (std::size_t c = 0; c < 5; ++c) a[c][k] = size * (normal(random) - (c < 2 ? pressed : 0));
         a[5][place[k]] = 1 + 0.01 * std::sin(double(step + int(k)));
       }
+      auto before = a;
+      auto had_opened = opened;
       if (way != singly) law.update(b);
       else
         for (std::size_t k = 0; k < n; ++k) law.update(b.part(k, 1));
+      if (met) {
+        StressBatch was = b;
+        was.J = before[5].data(), was.xx = before[6].data(), was.yy = before[7].data(), was.zz = before[8].data();
+        was.xy = before[9].data(), was.plastic_dev = before[10].data(), was.gap = before[11].data();
+        was.opened = had_opened.data();
+        met->count(*smooth, was, a);
+      }
     }
     out.clear();
     for (std::size_t c = 6; c < 13; ++c)
@@ -297,17 +328,27 @@ TEST(Lanes, ABatchIsItsPoints) {
     laws.push_back(make_material(o, "m", 0.1));
     plain.push_back(std::make_unique<SmoothInScalarCode>(o));
   }
+  for (std::size_t l = exact; l < laws.size(); ++l) {
+    Met met;
+    std::vector<double> each;
+    advance(*plain[l], 0.3, 37, singly, each, dynamic_cast<const SmoothMohrCoulomb*>(laws[l].get()), &met);
+    EXPECT_GT(met.crossed, 150);
+    EXPECT_GT(met.had_opened, 200);
+    EXPECT_GT(met.stood_open, 600);
+    EXPECT_GT(met.closed, 40);
+  }
   for (std::size_t l = 0; l < laws.size(); ++l)
     on_every_target([&] {
-      const double strain = l < exact ? 1 : 0.1;
+      const double strain = l < exact ? 1 : 0.3;
+      const auto* smooth = dynamic_cast<const SmoothMohrCoulomb*>(laws[l].get());
       std::vector<double> each;
-      advance(plain[l] ? *plain[l] : *laws[l], strain, 37, singly, each);
+      advance(plain[l] ? *plain[l] : *laws[l], strain, 37, singly, each, smooth);
       double scale = 0;
       for (std::size_t k = 0; k < 4 * 37; ++k) scale = std::max(scale, std::abs(each[k]));
       for (const Way way : {together, by_places}) {
         SCOPED_TRACE(way);
         std::vector<double> all;
-        advance(*laws[l], strain, 37, way, all);
+        advance(*laws[l], strain, 37, way, all, smooth);
         for (std::size_t k = 0; k < all.size(); ++k) ASSERT_NEAR(all[k], each[k], (l < exact ? 1e-10 : 1e-7) * scale) << l << ' ' << k;
       }
     });

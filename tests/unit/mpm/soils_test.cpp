@@ -72,6 +72,78 @@ TEST(SmoothMohrCoulomb, OpenSandFliesFreeAndLandsWithItsVolume) {
   EXPECT_NEAR(p.mean(), loaded, 1e-6 * std::abs(loaded));
 }
 
+// One step of an open point against many: strains of so many radii of the surface at its greatest mean stress (zero), in
+// random directions. What is allowed is a thousandth of the scale of the strength, here 1 kPa for sand (with a radius of some
+// 9 Pa by the floor alone) and c; where strain runs nearly along a flat side of the surface and turns a corner slowly, sand
+// may keep up to its radius.
+TEST(SmoothMohrCoulomb, AnOpenPointsStepIsThatOfAThousand) {
+  constexpr unsigned seed = 5;
+  SCOPED_TRACE(seed);
+  for (const double cohesion : {0.0, 10000.0})
+    for (const double radii : {0.5, 3.0, 20.0, 200.0})
+      for (const double dilatancy : {0.0, 10.0}) {
+        SCOPED_TRACE(testing::Message() << "c " << cohesion << ", radii " << radii << ", dilatancy " << dilatancy);
+        MaterialOptions o = soil("mohr_coulomb_smooth", cohesion > 0 ? 25 : 35, cohesion);
+        o.dilatancy_deg = dilatancy;
+        if (cohesion > 0) o.friction_residual_deg = 20, o.cohesion_residual_pa = 9000, o.softening_shape = 1;
+        const auto law = make_material(o, "m");
+        const double scale = std::max(cohesion, 1000.0), radius = cohesion > 0 ? 1.3e4 : 9;
+        const double one_radius = radius / (2 * law->elastic().shear);
+        std::mt19937_64 random(seed);
+        std::normal_distribution<double> n(0, 1);
+        double sum = 0, worst = 0;
+        const int points = 40, steps = 400;
+        for (int k = 0; k < points; ++k) {
+          Point one;
+          one.opened = 1;
+          one.gap = 100 * radii * one_radius;
+          const auto strained = [&](double share) -> Tensor {
+            Tensor de{n(random), n(random), 0.2 * n(random), n(random)};
+            const double size = share * one_radius / std::sqrt(product(de, de));
+            return {de[0] * size, de[1] * size, de[2] * size, de[3] * size};
+          };
+          for (int q = 0; q < 5; ++q) one.advance(*law, strained(2));
+          one.gap = 2 * radii * one_radius;
+          Point many = one;
+          const Tensor de = strained(radii);
+          one.advance(*law, de);
+          for (int q = 0; q < steps; ++q) many.advance(*law, {de[0] / steps, de[1] / steps, de[2] / steps, de[3] / steps});
+          ASSERT_GT(many.gap, 0);
+          EXPECT_NEAR(one.gap, many.gap, 0.01 * many.gap);
+          EXPECT_NEAR(one.mean(), 0, 1e-9 * scale);
+          double error = 0;
+          for (std::size_t c = 0; c < 4; ++c) error = std::max(error, std::abs(one.stress[c] - many.stress[c]) / scale);
+          sum += error;
+          worst = std::max(worst, error);
+        }
+        EXPECT_LT(sum / points, 3e-4);
+        EXPECT_LT(worst, cohesion == 0 && radii > 100 ? 0.01 : 1e-3);
+      }
+}
+
+// Compression that closes an open point within the step, after it has sheared while it was open.
+TEST(SmoothMohrCoulomb, ClosesWithinAStepAsInAThousand) {
+  for (const double cohesion : {0.0, 10000.0})
+    for (const double dilatancy : {0.0, 10.0}) {
+      SCOPED_TRACE(testing::Message() << "c " << cohesion << ", dilatancy " << dilatancy);
+      MaterialOptions o = soil("mohr_coulomb_smooth", 35, cohesion);
+      o.dilatancy_deg = dilatancy;
+      const auto law = make_material(o, "m");
+      Point one;
+      one.opened = 1;
+      one.gap = 1e-3;
+      Point many = one;
+      const Tensor de{-1.5e-3, -5e-4, 0, 4e-4};
+      one.advance(*law, de);
+      for (int q = 0; q < 1000; ++q) many.advance(*law, {de[0] / 1000, de[1] / 1000, 0, de[3] / 1000});
+      EXPECT_EQ(one.gap, 0);
+      EXPECT_EQ(many.gap, 0);
+      const double scale = std::max({cohesion, -many.mean(), 1000.0});
+      for (std::size_t c = 0; c < 4; ++c) EXPECT_NEAR(one.stress[c], many.stress[c], 1e-3 * scale) << c;
+      EXPECT_NEAR(one.plastic_dev, many.plastic_dev, 0.01 * many.plastic_dev);
+    }
+}
+
 // 4.13, 4.14 on a path that reverses: strength never comes back.
 class SofteningModels : public testing::TestWithParam<const char*> {};
 
