@@ -27,7 +27,8 @@ MoveJob move_job(const GridState& g, const Scheme& scheme, double dt) {
           std::pow(g.grid.spacing.minCoeff() / dt, 2),
           nullptr,
           scheme.transfer,
-          scheme.stress == StressUpdate::musl};
+          scheme.stress == StressUpdate::musl,
+          scheme.stress != StressUpdate::usf && !scheme.takes_updated()};
 }
 
 GatherSums sum_of(const std::vector<GatherSums>& parts) {

@@ -57,16 +57,28 @@ bool GridState::find(double x, double y, std::int32_t& cell, double& xi, double&
   return true;
 }
 
+Vec2 GridState::natural(const Particles& p, std::size_t k) const {
+  const int i = p.cell[k] % grid.nx, j = p.cell[k] / grid.nx % sheet_rows, origin = width - 2;
+  return {(p.x[k] - grid.origin.x()) * per_hx - (i + origin), (p.y[k] - grid.origin.y()) * per_hy - (j + origin)};
+}
+
 std::uint8_t GridState::fold_of(std::int32_t cell) const {
   return width == 2 ? std::uint8_t(fold_none) : fold[std::size_t(cell + grid.nx + 1)];
 }
 
+std::uint8_t GridState::marks_of(std::int32_t cell) const {
+  const int i = cell % grid.nx, j = cell / grid.nx % sheet_rows;
+  const bool edge = width == 3 && (i == 0 || j == 0 || i == grid.nx - 3 || j == sheet.ny - 3);
+  return std::uint8_t(fold_of(cell) | (edge ? at_edge : 0));
+}
+
 void GridState::set_folds(const std::vector<std::uint8_t>& folds) {
   fold = folds;
-  for (std::size_t s = 0; s < slots(); ++s) slot_marks[s] = fold_of(slot_cell[s]);
+  for (std::size_t s = 0; s < slots(); ++s) slot_marks[s] = marks_of(slot_cell[s]);
 }
 
 void GridState::rebuild(const Particles& p) {
+  located = false;
   std::vector<std::uint32_t> count(grid.node_count(), 0);
   std::int32_t first = std::numeric_limits<std::int32_t>::max(), last = -1;
   for (const std::int32_t c : p.cell)
@@ -168,7 +180,7 @@ void GridState::take_slots(std::vector<std::int32_t>& cells) {
   std::size_t row = 0;
   std::int32_t row_end = 0;  // the first cell of `row`
   for (std::size_t s = 0; s < slots(); ++s) {
-    slot_marks[s] = fold_of(slot_cell[s]);
+    slot_marks[s] = marks_of(slot_cell[s]);
     for (; slot_cell[s] >= row_end; row_end += grid.nx) row_begin_[row++] = std::uint32_t(s);
   }
   std::fill(row_begin_.begin() + std::ptrdiff_t(row), row_begin_.end(), std::uint32_t(slots()));
@@ -325,7 +337,7 @@ void GridState::rebuild_nodes(const CellBits& cells) {
 CellView GridState::view() {
   return {order.data(), slot_begin.data(), slot_cell.data(), slot_marks.data(), order.size(), node.data(),
           by_updated ? &node.data()->nx : &straining_.data()->x,
-          std::ptrdiff_t((by_updated ? sizeof(Node) : sizeof(NodeVelocity)) / sizeof(double)), &straining_.data()->x, averages.view(), grid.nx, sheet.ny, sheet_rows,
+          std::ptrdiff_t((by_updated ? sizeof(Node) : sizeof(NodeVelocity)) / sizeof(double)), &straining_.data()->x, averages.view(), grid.nx, sheet.ny, sheet_rows, width - 2,
           grid.spacing.x(), grid.spacing.y(), per_hx, per_hy, grid.origin.x(), grid.origin.y()};
 }
 

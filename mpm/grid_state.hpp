@@ -59,7 +59,7 @@ class GridState {
   std::vector<std::uint32_t> order;       // points, cell after cell
   std::vector<std::int32_t> slot_cell;    // cell of a slot
   std::vector<std::uint32_t> slot_begin;  // its points in `order`; one more at the end
-  std::vector<std::uint8_t> slot_marks;   // walls at the slot's middle node (Fold); strained_apart
+  std::vector<std::uint8_t> slot_marks;   // walls at the slot's middle node (Fold), strained_apart, at_edge
   Bands awake, mapped;                    // slots that are stepped; those and the rim of what sleeps
   std::vector<SlotRange> pieces;          // the awake slots in short runs, for what does not add to nodes
   std::vector<std::uint32_t> nodes;       // active nodes (of mapped cells), in the order of their index
@@ -70,7 +70,9 @@ class GridState {
   std::vector<std::uint8_t> fold;         // of every node of the grid
   std::vector<std::pair<std::int32_t, std::uint32_t>> arrivals;  // of follow(): the cells, and the points now in them
   std::vector<std::uint32_t> moved;    // of locate_points(): places in `order` of points that have another cell now
-  std::vector<std::uint32_t> scratch;  // of locate_points() and follow(), one a point
+  std::vector<std::uint32_t> scratch;  // of follow(), one a point; in between `suspects` are ranges of it, where `located`:
+  std::vector<SlotRange> suspects;     // places in `order` of the points that are not in their cell any more
+  bool located = false;
 
   static constexpr int block_side = 8;  // cells
   int blocks_x() const { return (grid.nx + block_side - 1) / block_side; }
@@ -99,6 +101,8 @@ class GridState {
     const std::int32_t s = slot_of(cell);
     return s < 0 ? SlotRange{} : SlotRange{slot_begin[std::size_t(s)], slot_begin[std::size_t(s) + 1]};
   }
+  /// Natural coordinates of a point in its cell.
+  Vec2 natural(const Particles& p, std::size_t k) const;
   /// Nodes and weights of a place found there, with the walls' folds (a point of uGIMP as seeded four an element).
   void weights_at(std::int32_t cell, double xi, double eta, std::size_t* at, double* weights) const;
   /// Builds order, slots and active nodes from Particles::cell.
@@ -137,6 +141,7 @@ class GridState {
   void share_nodes(Bands& bands) const;
   std::int32_t slot_near(const Vec2& x, int on_sheet, double& xi, double& eta, double& distance) const;
   std::uint8_t fold_of(std::int32_t cell) const;
+  std::uint8_t marks_of(std::int32_t cell) const;
   std::int32_t slot_of(std::int32_t cell) const;  // -1: empty
 
   OfGrid<NodeVelocity> straining_;          // takes no memory where it is not used

@@ -13,10 +13,12 @@ namespace pivnp::mpm {
 template <class S>
 struct SlotLines {
   static constexpr int W = S::width, N = W * W;
+  const GridState& grid;
   bool left, right, down, up;
 
   SlotLines(const GridState& g, std::size_t slot)
-      : left(g.slot_marks[slot] & fold_left),
+      : grid(g),
+        left(g.slot_marks[slot] & fold_left),
         right(g.slot_marks[slot] & fold_right),
         down(g.slot_marks[slot] & fold_down),
         up(g.slot_marks[slot] & fold_up) {}
@@ -25,8 +27,8 @@ struct SlotLines {
     if constexpr (S::needs_size) return p.half[k];
     else return 0;
   }
-  Line<W> x(const Particles& p, std::size_t k) const { return S::line(p.xi[k], half(p, k), left, right); }
-  Line<W> y(const Particles& p, std::size_t k) const { return S::line(p.eta[k], half(p, k), down, up); }
+  Line<W> x(const Particles& p, std::size_t k) const { return S::line(grid.natural(p, k).x(), half(p, k), left, right); }
+  Line<W> y(const Particles& p, std::size_t k) const { return S::line(grid.natural(p, k).y(), half(p, k), down, up); }
 };
 
 /// Kinetic energy per mass of a point's affine field, 1/2 C D C^T with the spline's second moment D = h^2/4 I for every

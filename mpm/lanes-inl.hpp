@@ -95,6 +95,52 @@ HWY_INLINE V joined_volume(const PointView& p, const Tile& t) {
   return hn::IfThenZeroElse(stands_open(p, t), t.live(t.load(p.volume0)));
 }
 
+// Natural coordinates (shape.hpp).
+struct Natural {
+  V xi, eta;
+};
+// Those of the places x, y in the tile's cells.
+HWY_INLINE Natural natural_of(const CellView& c, const TileCells& cells, V x, V y) {
+  return {hn::MulSub(x - set(c.origin_x), set(c.per_hx), of_groups(cells.i[0], cells.i[groups - 1])),
+          hn::MulSub(y - set(c.origin_y), set(c.per_hy), of_groups(cells.j[0], cells.j[groups - 1]))};
+}
+// Where the square around a node begins and ends in a row of n nodes: at the node on the domain's edge.
+HWY_INLINE V begins(const double* at) { return of_groups(at[0] == 1 ? 0 : -0.5, at[groups - 1] == 1 ? 0 : -0.5); }
+HWY_INLINE V ends(const double* at, int n) { return of_groups(at[0] == n - 2 ? 0 : 0.5, at[groups - 1] == n - 2 ? 0 : 0.5); }
+// Appends the places in `order` of the points that are outside their cell. Beyond the domain's edge is outside too.
+template <class Tile>
+HWY_INLINE void find_suspects(const CellView& c, const TileCells& cells, const Tile& t, const Natural& at, std::uint32_t* suspects,
+                              std::size_t& found) {
+  const D d;
+  const V low = set(c.origin == 0 ? 0 : -0.5), high = set(c.origin == 0 ? 1 : 0.5);
+  M inside = hn::And(hn::And(hn::Ge(at.xi, low), hn::Lt(at.xi, high)), hn::And(hn::Ge(at.eta, low), hn::Lt(at.eta, high)));
+  if constexpr (Tile::marked)
+    if (cells.any_mark() & at_edge)
+      inside = hn::And(inside, hn::And(hn::And(hn::Ge(at.xi, begins(cells.i)), hn::Lt(at.xi, ends(cells.i, c.nx))),
+                                       hn::And(hn::Ge(at.eta, begins(cells.j)), hn::Lt(at.eta, ends(cells.j, c.ny)))));
+  if (HWY_LIKELY(hn::AllTrue(d, inside))) return;
+  HWY_ALIGN double out[n_lanes];
+  hn::Store(t.live(hn::IfThenElse(inside, zero(), set(1))), d, out);
+  for (std::size_t l = 0; l < n_lanes; ++l)
+    if (out[l] != 0) suspects[found++] = cells.place[l / group_lanes] + std::uint32_t(l % group_lanes);
+}
+
+// Where a tile's points are, or were; lanes without a point are somewhere in the cell.
+template <class S, class Tile>
+HWY_INLINE Natural natural(const PointView& p, const CellView& c, const TileCells& cells, const Tile& t, Where where = Where::now,
+                           double dt = 0) {
+  if (where == Where::kept) return {t.load(p.xi), t.load(p.eta)};
+  V x = t.load(p.x), y = t.load(p.y);
+  if (where == Where::before) {
+    x = hn::NegMulAdd(set(dt), t.load(p.vx), x);
+    y = hn::NegMulAdd(set(dt), t.load(p.vy), y);
+  }
+  const Natural at = natural_of(c, cells, x, y);
+  if constexpr (!Tile::marked) return at;
+  const V low = set(S::linear ? 0 : -0.5), high = set(S::linear ? 1 : 0.5);
+  return {hn::Min(hn::Max(at.xi, low), high), hn::Min(hn::Max(at.eta, low), high)};
+}
+
 // The functions of a tile's points along both axes.
 template <class S, class Tile>
 struct TileLines {
@@ -104,7 +150,7 @@ struct TileLines {
   V xi, eta;
   LaneLine<S::W> x, y;
 
-  HWY_INLINE TileLines(const PointView& p, const TileCells& cells, const Tile& t) : xi(t.load(p.xi)), eta(t.load(p.eta)) {
+  HWY_INLINE TileLines(const PointView& p, const TileCells& cells, const Tile& t, const Natural& at) : xi(at.xi), eta(at.eta) {
     V half = zero();
     if constexpr (S::needs_size) half = t.load(p.half);
     x = S::line(xi, half);
@@ -137,8 +183,9 @@ struct TileLines {
 };
 
 template <class S, class Tile>
-HWY_INLINE TileLines<S, Tile> lines_of(const PointView& p, const TileCells& cells, const Tile& t) {
-  return {p, cells, t};
+HWY_INLINE TileLines<S, Tile> lines_of(const PointView& p, const CellView& c, const TileCells& cells, const Tile& t,
+                                       Where where = Where::now, double dt = 0) {
+  return {p, cells, t, natural<S>(p, c, cells, t, where, dt)};
 }
 
 // The hats of a cell's corners (averages.hpp).

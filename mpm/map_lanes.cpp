@@ -1,4 +1,4 @@
-// From the points to the nodes: A.1 (natural coordinates), A.3, A.4.
+// From the points to the nodes: A.1 (who has left the cell), A.3, A.4.
 #include "mpm/lanes.hpp"
 
 #include <algorithm>
@@ -13,58 +13,10 @@
 HWY_BEFORE_NAMESPACE();
 namespace pivnp::mpm::HWY_NAMESPACE {
 
-// Where a cell's points may lie.
-struct CellBounds {
-  double i, j, low_x, high_x, low_y, high_y;
-};
-
-std::size_t locate_slots(ShapeKind shape, const PointView& p, const CellView& c, SlotRange slots,
-                         std::uint32_t* suspects) {
-  const D d;
-  const bool element = shape == ShapeKind::bilinear;
-  const double place = element ? 0 : 1;  // of the cell's origin, from its lower left node
-  // The square around a node on the domain's edge ends there.
-  const auto low = [&](int i) { return element || i == 0 ? 0.0 : -0.5; };
-  const auto high = [&](int i, int n) { return element ? 1.0 : i == n - 3 ? 0.0 : 0.5; };
-  const V per_x = set(c.per_hx), per_y = set(c.per_hy), ox = set(c.origin_x), oy = set(c.origin_y);
+std::size_t locate_slots(const PointView& p, const CellView& c, SlotRange slots, std::uint32_t* suspects) {
   std::size_t found = 0;
-  std::int32_t row = 0, row_end = 0;  // the first cell of the row, and that of the next one
-  CellBounds row_bounds{};
-  const auto bounds_of = [&](std::size_t s) PIVNP_TILE {
-    const std::int32_t cell = c.slot_cell[s];
-    if (HWY_UNLIKELY(cell >= row_end)) {
-      int j = cell / c.nx;
-      row = j * c.nx;
-      row_end = row + c.nx;
-      if (j >= c.sheet_rows) j %= c.sheet_rows;
-      row_bounds.j = j + place;
-      row_bounds.low_y = low(j);
-      row_bounds.high_y = high(j, c.ny);
-    }
-    const int i = cell - row;
-    CellBounds b = row_bounds;
-    b.i = i + place;
-    b.low_x = low(i);
-    b.high_x = high(i, c.nx);
-    return b;
-  };
   for_tiles(c, slots, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
-    const CellBounds a = bounds_of(cells.slot[0]);
-    CellBounds b = a;
-    if constexpr (groups == 2) b = bounds_of(cells.slot[1]);
-    const V xi = hn::MulSub(t.load(p.x) - ox, per_x, of_groups(a.i, b.i));
-    const V eta = hn::MulSub(t.load(p.y) - oy, per_y, of_groups(a.j, b.j));
-    const M inside = hn::And(
-        hn::And(hn::Ge(xi, of_groups(a.low_x, b.low_x)), hn::Lt(xi, of_groups(a.high_x, b.high_x))),
-        hn::And(hn::Ge(eta, of_groups(a.low_y, b.low_y)), hn::Lt(eta, of_groups(a.high_y, b.high_y))));
-    t.store(xi, p.xi);
-    t.store(eta, p.eta);
-    if (HWY_UNLIKELY(!hn::AllTrue(d, inside))) {
-      HWY_ALIGN double out[n_lanes];
-      hn::Store(t.live(hn::IfThenElse(inside, zero(), set(1))), d, out);
-      for (std::size_t l = 0; l < n_lanes; ++l)
-        if (out[l] != 0) suspects[found++] = cells.place[l / group_lanes] + std::uint32_t(l % group_lanes);
-    }
+    find_suspects(c, cells, t, natural_of(c, cells, t.load(p.x), t.load(p.y)), suspects, found);
   });
   return found;
 }
@@ -140,7 +92,7 @@ struct Mapping {
   template <class Tile>
   HWY_INLINE void tile(const Tile& t, const TileCells& cells, double volume_factor, const double* mean,
                        std::size_t first) const {
-    const auto l = lines_of<S>(p, cells, t);
+    const auto l = lines_of<S>(p, c, cells, t);
     V ax[W], ay[W], pm[W], ux[W], uy[W], ex[W], ey[W], fxg[W], fxw[W], fyg[W], fyw[W];
     const V m = momentum ? mass_of(p, t) : zero();
     const V vx = t.load(p.vx), vy = t.load(p.vy);
@@ -233,7 +185,8 @@ void map_slots(ShapeKind shape, bool affine, bool momentum, bool force, Locking 
 void average_stress_slots(const PointView& p, const CellView& c, SlotRange slots) {
   for_tiles(c, slots, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
     const V mean = sum3(t.load(p.tau_xx), t.load(p.tau_yy), t.load(p.tau_zz)) * set(1.0 / 3);
-    add_to_averages(c, cells, true, t.load(p.xi), t.load(p.eta), joined_volume(p, t), mean);
+    const Natural at = natural<BSplineLanes>(p, c, cells, t);
+    add_to_averages(c, cells, true, at.xi, at.eta, joined_volume(p, t), mean);
   });
 }
 
@@ -246,7 +199,7 @@ void project_slots(ShapeKind shape, const double* v, double* out, const PointVie
       std::ptrdiff_t base[groups];
       for (std::size_t g = 0; g < groups; ++g) base[g] = cells.base[g] - c.node;
       const auto at = [&](std::size_t g, int n) PIVNP_TILE { return 2 * (base[g] + n / W * cells.nx + n % W); };
-      const auto l = lines_of<S>(p, cells, t);
+      const auto l = lines_of<S>(p, c, cells, t);
       const V m = mass_of(p, t);
       V w[N], vx = zero(), vy = zero(), px[N], py[N];
       for (int n = 0; n < N; ++n) {
@@ -275,9 +228,8 @@ HWY_EXPORT(map_slots);
 HWY_EXPORT(average_stress_slots);
 HWY_EXPORT(project_slots);
 
-std::size_t locate_lanes(ShapeKind shape, const PointView& p, const CellView& c, SlotRange slots,
-                         std::uint32_t* suspects) {
-  return HWY_DYNAMIC_DISPATCH(locate_slots)(shape, p, c, slots, suspects);
+std::size_t locate_lanes(const PointView& p, const CellView& c, SlotRange slots, std::uint32_t* suspects) {
+  return HWY_DYNAMIC_DISPATCH(locate_slots)(p, c, slots, suspects);
 }
 void map_lanes(ShapeKind shape, bool affine, bool momentum, bool force, Locking locking, const PointView& p,
                const CellView& c, SlotRange slots) {

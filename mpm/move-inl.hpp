@@ -116,8 +116,13 @@ struct Moving {
 
   template <class Tile>
   HWY_INLINE void tile(const Tile& t, const TileCells& cells) {
-    const auto l = lines_of<S>(p, cells, t);
-    move(t, l, cells, updated(l, cells));
+    const auto l = lines_of<S>(p, c, cells, t);
+    const Field n = updated(l, cells);
+    if (job.keep) {
+      t.store(l.xi, p.xi);
+      t.store(l.eta, p.eta);
+    }
+    move(t, l, cells, n);
   }
 
   // By the nodes' velocity at the points, of which nothing is read after the first number is stored: the compiler would read

@@ -52,18 +52,22 @@ struct MovingStrain {
 };
 
 GatherSums move_strain_slots(ShapeKind shape, const MoveJob& job, const StrainJob& strain, const PointView& p, const CellView& c,
-                             SlotRange slots, const Increments& out) {
+                             SlotRange slots, const Increments& out, std::uint32_t* suspects) {
   return with_lanes(shape, [&](auto kind) HWY_ATTR {
     using S = decltype(kind);
     if constexpr (S::W == 2) return GatherSums{};
     else {
       MovingStrain<S> both{{job, p, c}};
+      std::size_t found = 0;
       const Straining<S> straining{strain, p, c, out, c.slot_begin[slots.begin]};
       for_tiles(c, slots, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
-        const auto l = lines_of<S>(p, cells, t);
+        const auto l = lines_of<S>(p, c, cells, t);
         straining.strain(t, l, cells, both.tile(t, l, cells), nullptr, 0);
+        find_suspects(c, cells, t, natural_of(c, cells, t.load(p.x), t.load(p.y)), suspects, found);
       });
-      return sums_of(both.move.fastest2, both.move.loss, both.move.good);
+      GatherSums sums = sums_of(both.move.fastest2, both.move.loss, both.move.good);
+      sums.suspects = found;
+      return sums;
     }
   });
 }
@@ -75,7 +79,7 @@ GatherSums move_average_slots(ShapeKind shape, const MoveJob& job, const PointVi
     else {
       MovingStrain<S> both{{job, p, c}};
       for_tiles(c, slots, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
-        const auto l = lines_of<S>(p, cells, t);
+        const auto l = lines_of<S>(p, c, cells, t);
         const V theta = t.live(lane_log_det(both.tile(t, l, cells)));
         add_to_averages(c, cells, false, l.xi, l.eta, joined_volume(p, t), theta);
       });
@@ -94,8 +98,8 @@ HWY_EXPORT(move_strain_slots);
 HWY_EXPORT(move_average_slots);
 
 GatherSums move_strain_lanes(ShapeKind shape, const MoveJob& job, const StrainJob& strain, const PointView& p, const CellView& c,
-                             SlotRange slots, const Increments& out) {
-  return HWY_DYNAMIC_DISPATCH(move_strain_slots)(shape, job, strain, p, c, slots, out);
+                             SlotRange slots, const Increments& out, std::uint32_t* suspects) {
+  return HWY_DYNAMIC_DISPATCH(move_strain_slots)(shape, job, strain, p, c, slots, out, suspects);
 }
 GatherSums move_average_lanes(ShapeKind shape, const MoveJob& job, const PointView& p, const CellView& c, SlotRange slots) {
   return HWY_DYNAMIC_DISPATCH(move_average_slots)(shape, job, p, c, slots);

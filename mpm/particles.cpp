@@ -20,15 +20,14 @@ std::vector<Array*> Particles::state() {
           &tau_yy, &tau_zz, &tau_xy, &plastic_dev, &gap, &dissipated, &C_xx, &C_xy, &C_yx, &C_yy, &carried_x, &carried_y, &half};
 }
 
-void Particles::resize(std::size_t n, bool several, bool affine, bool sized, bool tied) {
+void Particles::resize(std::size_t n, bool several, bool affine, bool sized, bool tied, bool kept) {
   for (auto* array : state()) {
     const bool of_apic = array == &C_xx || array == &C_xy || array == &C_yx || array == &C_yy;
     const bool of_ties = array == &carried_x || array == &carried_y;
     const bool used = of_apic ? affine : of_ties ? tied : array == &half ? sized : array == &mass ? several : true;
     *array = Array(used ? n : 0, 0.0);  // (emptied ones would keep their memory)
   }
-  xi.assign(n, 0.0);
-  eta.assign(n, 0.0);
+  for (auto* array : {&xi, &eta}) *array = Array(kept ? n : 0, 0.0);
   opened.assign(n, 0);
   cell.assign(n, ended);
   index.assign(n, 0);
@@ -66,8 +65,6 @@ void Particles::sort_as(std::vector<std::uint32_t>& order, int threads) {
     array.swap(sorted);
   };
   for (auto* array : state()) permute(*array);
-  permute(xi);
-  permute(eta);
   permute(opened);
   permute(cell);
   permute(index);

@@ -68,7 +68,7 @@ struct Particles {
   std::vector<std::uint32_t> index;  // place in the ParticleSet
 
   // Of one step.
-  Array xi, eta;                           // natural coordinates (shape.hpp)
+  Array xi, eta;                           // natural coordinates before the points moved (Where::kept)
   Array de_xx, de_yy, de_zz, de_xy, spin;  // increments, where strain and stress are apart (transfer.hpp)
   Array softened_by;                       // non-local plastic strain (material/nonlocal.hpp)
 
@@ -76,8 +76,9 @@ struct Particles {
 
   std::size_t size() const { return x.size(); }
   double mass_of(std::size_t k) const { return mass.empty() ? density * volume0[k] : mass[k]; }
-  /// All arrays of real state at `n` zeros; those of several bodies, APIC, uGIMP and tied sides where asked for.
-  void resize(std::size_t n, bool several, bool affine, bool sized, bool tied = false);
+  /// All arrays of real state at `n` zeros; those of several bodies, APIC, uGIMP, tied sides and
+  /// Where::kept where asked for.
+  void resize(std::size_t n, bool several, bool affine, bool sized, bool tied = false, bool kept = true);
   /// Displacement of a point that started at x0.
   Vec2 displacement(std::size_t k, const Vec2& x0) const {
     const Vec2 d = Vec2(x[k], y[k]) - x0;

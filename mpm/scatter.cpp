@@ -10,7 +10,8 @@ namespace {
 
 void locate_anew(Particles& p, const GridState& g, std::size_t k) {
   const auto on_sheet = int(std::size_t(p.cell[k]) / g.sheet_nodes());
-  if (!g.find(p.x[k], p.y[k], p.cell[k], p.xi[k], p.eta[k], on_sheet)) p.cell[k] = Particles::ended;
+  double xi = 0, eta = 0;
+  if (!g.find(p.x[k], p.y[k], p.cell[k], xi, eta, on_sheet)) p.cell[k] = Particles::ended;
 }
 
 }  // namespace
@@ -23,17 +24,20 @@ void locate_all(Particles& p, GridState& g) {
 
 bool locate_points(Particles& p, GridState& g, std::vector<std::uint32_t>& left, int threads) {
   g.arrivals.clear();
-  const PointView points = p.view();
-  const CellView cells = g.view();
-  // Each piece writes from its first point's place on.
-  g.scratch.resize(g.order.size());
-  std::vector<SlotRange> found(g.pieces.size());
-  for_pieces(g, threads, [&](SlotRange slots, std::size_t piece) {
-    const std::size_t first = g.slot_begin[slots.begin];
-    found[piece] = {first, first + locate_lanes(g.shape, points, cells, slots, g.scratch.data() + first)};
-  });
+  if (!g.located) {
+    const PointView points = p.view();
+    const CellView cells = g.view();
+    // Each piece writes from its first point's place on.
+    g.scratch.resize(g.order.size());
+    g.suspects.resize(g.pieces.size());
+    for_pieces(g, threads, [&](SlotRange slots, std::size_t piece) {
+      const std::size_t first = g.slot_begin[slots.begin];
+      g.suspects[piece] = {first, first + locate_lanes(points, cells, slots, g.scratch.data() + first)};
+    });
+  }
+  g.located = false;
   g.moved.clear();
-  for (const SlotRange& range : found)
+  for (const SlotRange& range : g.suspects)
     for (std::size_t a = range.begin; a < range.end; ++a) {
       const std::uint32_t q = g.scratch[a], k = g.order[q];
       const std::int32_t before = p.cell[k];
@@ -43,12 +47,6 @@ bool locate_points(Particles& p, GridState& g, std::vector<std::uint32_t>& left,
       if (p.cell[k] == Particles::ended) left.push_back(k);
     }
   return !g.moved.empty();
-}
-
-void locate_sleeping(Particles& p, GridState& g) {
-  g.scratch.resize(g.order.size());
-  for (std::size_t s = 0; s < g.slots(); ++s)
-    if (g.sleeps(g.slot_cell[s])) locate_lanes(g.shape, p.view(), g.view(), {s, s + 1}, g.scratch.data());
 }
 
 void map_sums(const Particles& p, GridState& g, const Scheme& scheme, bool force, int threads,

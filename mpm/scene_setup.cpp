@@ -110,7 +110,8 @@ SolverState initial_state(const Scene& scene, const Scheme& scheme, const GridSt
   SolverState state;
   Particles& p = state.particles;
   const bool several = set.label[order.front()] != set.label[order.back()];
-  p.resize(n, several, scheme.transfer == TransferKind::apic, scheme.shape == ShapeKind::gimp, tied);
+  p.resize(n, several, scheme.transfer == TransferKind::apic, scheme.shape == ShapeKind::gimp, tied,
+           scheme.stress != StressUpdate::usf && !scheme.takes_updated());
   for (std::size_t k = 0; k < n; ++k) {
     const std::uint32_t from = order[k];
     const std::int32_t label = set.label[from];
@@ -120,7 +121,8 @@ SolverState initial_state(const Scene& scene, const Scheme& scheme, const GridSt
     if (p.bodies.empty() || p.bodies.back().material != label) p.bodies.push_back({k, k, label});
     p.bodies.back().end = k + 1;
     const int sheet = contacts.empty() ? 0 : contacts.sheet_of(std::size_t(label));
-    if (!g.find(set.x0[from].x(), set.x0[from].y(), p.cell[k], p.xi[k], p.eta[k], sheet)) {
+    double xi = 0, eta = 0;
+    if (!g.find(set.x0[from].x(), set.x0[from].y(), p.cell[k], xi, eta, sheet)) {
       std::ostringstream text;
       text << "mpm.domain_m: particle " << from << " at (" << set.x0[from].x() << ", " << set.x0[from].y()
            << ") lies outside the simulation's grid";

@@ -33,6 +33,8 @@ struct Line {
 enum Fold : std::uint8_t { fold_none = 0, fold_left = 1, fold_right = 2, fold_down = 4, fold_up = 8 };
 /// Beside them among the marks of a slot: strained by velocities of its nodes' own (GridState::strain_apart()).
 constexpr std::uint8_t strained_apart = 16;
+/// The square around a node on the domain's edge, which ends there.
+constexpr std::uint8_t at_edge = 32;
 
 inline void fold_line(Line<3>& line, int behind, int ahead) {
   line.w[1] += 2 * line.w[behind];

@@ -86,7 +86,6 @@ double Sleep::settle_down(bool look_now, double time, double window, Particles& 
   for (const auto& [cell, k] : g.arrivals)
     if (state_.asleep[g.block_of(cell)]) wake(g.block_of(cell));
   double taken = 0;
-  bool fallen = false;
   if (look_now) {
     std::vector<std::uint8_t> falls(state_.asleep.size(), 0);
     for (std::size_t b = 0; b < falls.size(); ++b)
@@ -95,7 +94,7 @@ double Sleep::settle_down(bool look_now, double time, double window, Particles& 
       const std::size_t b = g.block_of(g.slot_cell[s]);
       if (!falls[b]) continue;
       state_.asleep[b] = 1;
-      changed_ = fallen = true;
+      changed_ = true;
       for (std::uint32_t q = g.slot_begin[s]; q < g.slot_begin[s + 1]; ++q) {
         const std::uint32_t k = g.order[q];
         taken += stored_kinetic(p, g, k);
@@ -105,7 +104,6 @@ double Sleep::settle_down(bool look_now, double time, double window, Particles& 
     }
   }
   if (changed_) apply(g);
-  if (fallen) locate_sleeping(p, g);
   state_.energy += taken;
   return taken;
 }
@@ -168,10 +166,9 @@ void Sleep::book(double dt, std::size_t points) {
     if (state_.asleep[b]) state_.foregone[b] += state_.speed[b] * dt;
 }
 
-void Sleep::resume(Particles& p, GridState& g) {
+void Sleep::resume(GridState& g) {
   if (!on()) return;
   apply(g);
-  locate_sleeping(p, g);
 }
 
 }  // namespace pivnp::mpm

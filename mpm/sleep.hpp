@@ -61,7 +61,7 @@ class Sleep {
   /// After a step: books what was left out.
   void book(double dt, std::size_t points);
   /// After a restart.
-  void resume(Particles& p, GridState& g);
+  void resume(GridState& g);
 
   bool any() const { return any_; }
 

@@ -72,6 +72,7 @@ void Solver::Impl::step(double dt) {
   const Vec2 moment = work_in_steps() ? moment_of_mass() : Vec2(0, 0);
 
   find_cells(threads);                                           // A.1, A.2
+  nonlocal.average(p, g, threads);
   update_nodes(gravity, dt, threads);                            // A.3-A.7
   light.join_momentum(g, scheme.damping, dt);
   restrain_momentum(dt);
@@ -135,14 +136,16 @@ void Solver::Impl::choose_strain_velocity(double dt, int threads) {
 }
 
 void Solver::Impl::strain(double dt, int threads, GatherSums* moved) {
-  nonlocal.average(p, g, threads);
   state.book.damping += strain_and_update_stress(materials, p, g, scheme, dt, threads, moved);
   if (state.steps % stiffness_every == 0) state.wave_speed = wave_speed(materials, density, p);
 }
 
 void Solver::Impl::find_cells(int threads) {
   wake_what_moves();
-  if (restraints.any_tied()) restraints.carry_over(state.time, p);
+  if (restraints.any_tied()) {
+    restraints.carry_over(state.time, p);
+    g.located = false;
+  }
   std::vector<std::uint32_t> left;
   if (locate_points(p, g, left, threads)) {
     for (const std::uint32_t k : left) end_particle(k, EndReason::left_grid);
@@ -284,7 +287,7 @@ void Solver::load(const std::vector<std::byte>& checkpoint) {
   impl_->bodies.set_motion(impl_->state.body_motion);
   impl_->change_densities(impl_->state.time, false);
   impl_->change_strength(impl_->state.time);
-  impl_->sleep.resume(impl_->p, impl_->g);
+  impl_->sleep.resume(impl_->g);
   impl_->failed = false;
   impl_->good = {impl_->energy(), impl_->state.steps};
 }

@@ -213,7 +213,7 @@ struct Straining {
 
   template <class Tile>
   HWY_INLINE void tile(const Tile& t, const TileCells& cells, const double* averages, std::size_t first_slot) const {
-    const auto l = lines_of<S>(p, cells, t);
+    const auto l = lines_of<S>(p, c, cells, t, job.where, job.dt);
     strain(t, l, cells, gradient(l, c, cells, sx, sy), averages, first_slot);
   }
 
@@ -261,7 +261,7 @@ struct Straining {
   HWY_INLINE void average_elements(SlotRange slots, double* averages) const {
     double sum[most_elements] = {}, volume[most_elements] = {};
     for_tiles(c, slots, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
-      const auto l = lines_of<S>(p, cells, t);
+      const auto l = lines_of<S>(p, c, cells, t, job.where, job.dt);
       const V v = joined_volume(p, t);
       double s[groups], w[groups];
       group_sums(v * dilation(t, l, c, cells, sx, sy), s);
@@ -274,7 +274,8 @@ struct Straining {
     for (std::size_t s = 0; s < slots.end - slots.begin; ++s) averages[s] = volume[s] > 0 ? sum[s] / volume[s] : 0;
   }
 
-  HWY_INLINE void run(SlotRange slots) const {
+  HWY_INLINE std::size_t run(SlotRange slots, std::uint32_t* suspects) const {
+    std::size_t found = 0;
     double averages[most_elements];
     const bool average = S::W == 2 && job.locking == Locking::fbar;
     const std::size_t each = average ? most_elements : slots.end - slots.begin;
@@ -282,9 +283,13 @@ struct Straining {
       const SlotRange part{slots.begin, std::min(slots.end, slots.begin + each)};
       if constexpr (S::W == 2)
         if (average) average_elements(part, averages);
-      for_tiles(c, part, [&](const auto& t, const TileCells& cells) PIVNP_TILE { tile(t, cells, averages, part.begin); });
+      for_tiles(c, part, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
+        tile(t, cells, averages, part.begin);
+        if (job.where == Where::before) find_suspects(c, cells, t, natural_of(c, cells, t.load(p.x), t.load(p.y)), suspects, found);
+      });
       slots.begin = part.end;
     }
+    return found;
   }
 };
 

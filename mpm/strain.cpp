@@ -20,7 +20,8 @@ double work_passed_to_sleepers(const Particles& p, GridState& g) {
       for (std::uint32_t q = g.slot_begin[s]; q < g.slot_begin[s + 1]; ++q) {
         const std::uint32_t k = g.order[q];
         if (p.gap[k] > 0) continue;
-        const double hx[2] = {0.5 - p.xi[k], 0.5 + p.xi[k]}, hy[2] = {0.5 - p.eta[k], 0.5 + p.eta[k]};
+        const Vec2 at_point = g.natural(p, k);
+        const double hx[2] = {0.5 - at_point.x(), 0.5 + at_point.x()}, hy[2] = {0.5 - at_point.y(), 0.5 + at_point.y()};
         double theta = 0;
         for (int n = 0; n < 4; ++n) theta += hx[n % 2] * hy[n / 2] * corners[at[n / 2 * 3 + n % 2]].value;
         work += p.volume0[k] * (p.tau_xx[k] + p.tau_yy[k] + p.tau_zz[k]) / 3 * theta;
@@ -30,7 +31,7 @@ double work_passed_to_sleepers(const Particles& p, GridState& g) {
 }
 
 // F-bar of three-node shapes: Averages. Returns the work passed to what sleeps, J/m.
-double average_strain(const Particles& p, GridState& g, const Scheme& scheme, double dt, bool volumes, int threads,
+double average_strain(const Particles& p, GridState& g, const Scheme& scheme, Where where, double dt, bool volumes, int threads,
                       GatherSums* moved) {
   if (g.width == 2 || scheme.locking != Locking::fbar) return 0;
   const PointView points = p.view();
@@ -44,7 +45,7 @@ double average_strain(const Particles& p, GridState& g, const Scheme& scheme, do
     *moved = sum_of(results);
   } else {
     average_at_corners(g, Averaging::of_strain, volumes, threads, [&](SlotRange slots, std::size_t) {
-      average_strain_lanes(g.shape, dt, volumes, points, cells, slots);
+      average_strain_lanes(g.shape, where, dt, volumes, points, cells, slots);
     });
   }
   return g.resting.empty() ? 0 : work_passed_to_sleepers(p, g);
@@ -94,11 +95,11 @@ void strain_runs(GridState& g, int threads, Strain&& strain, Each&& each) {
 
 void strain_points(Particles& p, GridState& g, const Scheme& scheme, double dt, bool record, int threads) {
   if (p.de_xx.size() != p.size()) p.resize_increments(p.size());
-  average_strain(p, g, scheme, dt, true, threads, nullptr);
+  average_strain(p, g, scheme, Where::now, dt, true, threads, nullptr);
   const PointView points = p.view();
   const CellView cells = g.view();
   const auto strain = [&](SlotRange slots, std::size_t, const Increments& de) {
-    strain_lanes(g.shape, {scheme.locking, dt, record}, points, cells, slots, de);
+    strain_lanes(g.shape, {scheme.locking, dt, record}, points, cells, slots, de, nullptr);
   };
   strain_runs(g, threads, strain, [&](std::size_t begin, std::size_t end, const Increments& de) {
     for (std::size_t q = begin; q < end; ++q) {
@@ -115,16 +116,30 @@ void strain_points(Particles& p, GridState& g, const Scheme& scheme, double dt, 
 double strain_and_update(Particles& p, GridState& g, const Scheme& scheme, double dt, bool record,
                          const UpdateRun& update, int threads, GatherSums* moved) {
   // The stress has been averaged before, at the same places, where it was mapped before.
-  const double passed = average_strain(p, g, scheme, dt, scheme.stress == StressUpdate::usf, threads, moved);
+  const Where where = scheme.stress == StressUpdate::usf ? Where::now : scheme.takes_updated() ? Where::before : Where::kept;
+  const double passed = average_strain(p, g, scheme, where, dt, scheme.stress == StressUpdate::usf, threads, moved);
   const PointView points = p.view();
   const CellView cells = g.view();
-  const StrainJob job{scheme.locking, dt, record};
+  const StrainJob job{scheme.locking, dt, record, where};
   const MoveJob move = move_job(g, scheme, dt);
   const bool together = moved && scheme.locking == Locking::none;
   std::vector<GatherSums> results(together ? g.pieces.size() : 0);
+  g.located = scheme.takes_updated();
+  if (g.located) {
+    g.scratch.resize(g.order.size());
+    g.suspects.resize(g.pieces.size());
+  }
   const auto strain = [&](SlotRange slots, std::size_t piece, const Increments& de) {
-    if (together) results[piece] = move_strain_lanes(g.shape, move, job, points, cells, slots, de);
-    else strain_lanes(g.shape, job, points, cells, slots, de);
+    const std::size_t first = g.slot_begin[slots.begin];
+    std::uint32_t* room = g.scratch.data() + first;
+    std::size_t found = 0;
+    if (together) {
+      results[piece] = move_strain_lanes(g.shape, move, job, points, cells, slots, de, room);
+      found = results[piece].suspects;
+    } else {
+      found = strain_lanes(g.shape, job, points, cells, slots, de, room);
+    }
+    if (g.located) g.suspects[piece] = {first, first + found};
   };
   strain_runs(g, threads, strain, [&](std::size_t begin, std::size_t end, const Increments& de) {
     for_bodies(p, g.order, begin, end, [&](const Particles::Body& body, std::size_t from, std::size_t to) {

@@ -11,21 +11,22 @@
 HWY_BEFORE_NAMESPACE();
 namespace pivnp::mpm::HWY_NAMESPACE {
 
-void average_strain_slots(ShapeKind shape, double dt, bool volumes, const PointView& p, const CellView& c, SlotRange slots) {
+void average_strain_slots(ShapeKind shape, Where where, double dt, bool volumes, const PointView& p, const CellView& c,
+                          SlotRange slots) {
   with_lanes(shape, [&](auto kind) HWY_ATTR {
     using S = decltype(kind);
     if constexpr (S::W == 3)
       for_tiles(c, slots, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
-        const auto l = lines_of<S>(p, cells, t);
+        const auto l = lines_of<S>(p, c, cells, t, where, dt);
         add_to_averages(c, cells, volumes, l.xi, l.eta, joined_volume(p, t), dilation(t, l, c, cells, dt * c.per_hx, dt * c.per_hy));
       });
   });
 }
 
-void strain_slots(ShapeKind shape, const StrainJob& job, const PointView& p, const CellView& c, SlotRange slots,
-                  const Increments& out) {
-  with_lanes(shape, [&](auto kind) HWY_ATTR {
-    Straining<decltype(kind)>{job, p, c, out, c.slot_begin[slots.begin]}.run(slots);
+std::size_t strain_slots(ShapeKind shape, const StrainJob& job, const PointView& p, const CellView& c, SlotRange slots,
+                         const Increments& out, std::uint32_t* suspects) {
+  return with_lanes(shape, [&](auto kind) HWY_ATTR {
+    return Straining<decltype(kind)>{job, p, c, out, c.slot_begin[slots.begin]}.run(slots, suspects);
   });
 }
 
@@ -38,12 +39,13 @@ namespace pivnp::mpm {
 HWY_EXPORT(average_strain_slots);
 HWY_EXPORT(strain_slots);
 
-void average_strain_lanes(ShapeKind shape, double dt, bool volumes, const PointView& p, const CellView& c, SlotRange slots) {
-  HWY_DYNAMIC_DISPATCH(average_strain_slots)(shape, dt, volumes, p, c, slots);
+void average_strain_lanes(ShapeKind shape, Where where, double dt, bool volumes, const PointView& p, const CellView& c,
+                          SlotRange slots) {
+  HWY_DYNAMIC_DISPATCH(average_strain_slots)(shape, where, dt, volumes, p, c, slots);
 }
-void strain_lanes(ShapeKind shape, const StrainJob& job, const PointView& p, const CellView& c, SlotRange slots,
-                  const Increments& out) {
-  HWY_DYNAMIC_DISPATCH(strain_slots)(shape, job, p, c, slots, out);
+std::size_t strain_lanes(ShapeKind shape, const StrainJob& job, const PointView& p, const CellView& c, SlotRange slots,
+                         const Increments& out, std::uint32_t* suspects) {
+  return HWY_DYNAMIC_DISPATCH(strain_slots)(shape, job, p, c, slots, out, suspects);
 }
 
 }  // namespace pivnp::mpm

@@ -161,6 +161,7 @@ struct TileCells {
   std::size_t slot[groups];
   std::uint32_t place[groups];  // of the group's first point in `order`
   unsigned marks[groups];       // CellView::slot_marks
+  double i[groups], j[groups];  // the cell's origin, in nodes, on its sheet
   std::ptrdiff_t nx;            // nodes in a row
 
   HWY_INLINE unsigned any_mark() const { return marks[0] | marks[groups - 1]; }
@@ -184,9 +185,19 @@ HWY_INLINE void for_tiles(const CellView& c, SlotRange slots, Body&& body) {
   std::uint32_t q = c.slot_begin[s];
   GroupTile t;
   bool together = true, full = true;  // does each group lie together, and all of them, with no lane left?
+  std::int32_t row = 0, row_end = 0;  // the first cell of the row, and that of the next one
+  double j = 0;
   const auto take = [&](std::size_t g) PIVNP_TILE {
     const std::uint32_t left = c.slot_begin[s + 1] - q, n = left < group_lanes ? left : std::uint32_t(group_lanes);
-    cells.base[g] = c.node + c.slot_cell[s];
+    const std::int32_t cell = c.slot_cell[s];
+    if (HWY_UNLIKELY(cell >= row_end)) {
+      row = cell / c.nx * c.nx;
+      row_end = row + c.nx;
+      j = cell / c.nx % c.sheet_rows + c.origin;
+    }
+    cells.i[g] = cell - row + c.origin;
+    cells.j[g] = j;
+    cells.base[g] = c.node + cell;
     cells.slot[g] = s;
     cells.place[g] = q;
     cells.marks[g] = c.slot_marks[s];
@@ -206,6 +217,8 @@ HWY_INLINE void for_tiles(const CellView& c, SlotRange slots, Body&& body) {
         full = full && t.first[1] == t.first[0] + group_lanes;
       } else {  // the first cell once more, with no points
         cells.base[1] = cells.base[0];
+        cells.i[1] = cells.i[0];
+        cells.j[1] = cells.j[0];
         cells.slot[1] = cells.slot[0];
         cells.place[1] = cells.place[0] + t.size[0];
         cells.marks[1] = cells.marks[0];

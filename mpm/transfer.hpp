@@ -27,17 +27,14 @@
 
 namespace pivnp::mpm {
 
-/// Cell and natural coordinates of every point that is simulated, and the grid's lists (for settling; a step calls
-/// locate_points()).
+/// Cell of every point that is simulated, and the grid's lists (for settling; a step calls locate_points()).
 void locate_all(Particles& p, GridState& g);
 
-/// A.1: cell and natural coordinates of every point. True if any point changed its cell: their places in GridState::order
+/// A.1: cell of every point; where the last sweep over the points has looked for it (GridState::located), what it found. True if
+/// any point changed its cell: their places in GridState::order
 /// are in GridState::moved, for GridState::follow(). Those that left the grid are marked Particles::ended and appended
 /// to `left`.
 bool locate_points(Particles& p, GridState& g, std::vector<std::uint32_t>& left, int threads);
-
-/// Natural coordinates of the points of sleeping cells, which they do not leave.
-void locate_sleeping(Particles& p, GridState& g);
 
 /// A.3 but for the quotient: mass and, as Node::v, momentum at the nodes. `force`: A.4 too, in the same sweep (else the
 /// force is zero). Calls finished() as soon as the sums of some nodes (places in GridState::nodes) are complete, on any

@@ -53,8 +53,9 @@ void for_points(const Particles& p, const Particles::Body& body, const GridState
       const std::size_t k = g.order[q];
       if (k < body.begin || k >= body.end) continue;
       double wx[W], wy[W];
-      hats<W>(p.xi[k], wx);
-      hats<W>(p.eta[k], wy);
+      const Vec2 at = g.natural(p, k);
+      hats<W>(at.x(), wx);
+      hats<W>(at.y(), wy);
       each(k, std::size_t(g.slot_cell[s]), wx, wy);
     }
 }

@@ -60,7 +60,8 @@ struct Cut {
     const CornerSums* corners = g.averages.view().corners;
     for (std::size_t k = 0; k < p.size(); ++k) {
       if (p.cell[k] == Particles::ended) continue;
-      const double s0 = 0.5 - p.xi[k], s1 = 0.5 + p.xi[k], t0 = 0.5 - p.eta[k], t1 = 0.5 + p.eta[k];
+      const Vec2 at = g.natural(p, k);
+      const double s0 = 0.5 - at.x(), s1 = 0.5 + at.x(), t0 = 0.5 - at.y(), t1 = 0.5 + at.y();
       const CornerSums *low = corners + p.cell[k], *high = low + g.grid.nx;
       out[k] = t0 * (s0 * low[0].value + s1 * low[1].value) + t1 * (s0 * high[0].value + s1 * high[1].value);
     }
