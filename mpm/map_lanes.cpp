@@ -107,7 +107,7 @@ struct Mapping {
         ey[a] = cyy * ay[a];
       }
     }
-    const V v = t.live(t.load(p.volume0)) * set(-volume_factor);
+    const V v = t.live(p.mass ? t.load(p.volume0) : t.again(p.volume0)) * set(-volume_factor);
     V xx = t.load(p.tau_xx), yy = t.load(p.tau_yy);
     if (locking != Locking::none && volume_factor != 0) {
       const V change = mean_change(l, t, cells, mean, first, xx, yy);

@@ -132,8 +132,8 @@ struct Moving {
     const V m = mass_of(p, t);
     const V vx = t.load(p.vx), vy = t.load(p.vy), half = set(0.5);
     const V nx = n.x, ny = n.y;
-    t.store(hn::MulAdd(set(job.dt), nx, t.load(p.x)), p.x);
-    t.store(hn::MulAdd(set(job.dt), ny, t.load(p.y)), p.y);
+    t.store(hn::MulAdd(set(job.dt), nx, t.again(p.x)), p.x);
+    t.store(hn::MulAdd(set(job.dt), ny, t.again(p.y)), p.y);
     V ux, uy;
     V before = half * hn::MulAdd(vx, vx, vy * vy), after = zero();
     if constexpr (transfer == TransferKind::apic) {

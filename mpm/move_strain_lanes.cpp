@@ -63,7 +63,7 @@ GatherSums move_strain_slots(ShapeKind shape, const MoveJob& job, const StrainJo
       for_tiles(c, slots, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
         const auto l = lines_of<S>(p, c, cells, t);
         straining.strain(t, l, cells, both.tile(t, l, cells), nullptr, 0);
-        find_suspects(c, cells, t, natural_of(c, cells, t.load(p.x), t.load(p.y)), suspects, found);
+        find_suspects(c, cells, t, natural_of(c, cells, t.again(p.x), t.again(p.y)), suspects, found);
       });
       GatherSums sums = sums_of(both.move.fastest2, both.move.loss, both.move.good);
       sums.suspects = found;

@@ -285,7 +285,7 @@ struct Straining {
         if (average) average_elements(part, averages);
       for_tiles(c, part, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
         tile(t, cells, averages, part.begin);
-        if (job.where == Where::before) find_suspects(c, cells, t, natural_of(c, cells, t.load(p.x), t.load(p.y)), suspects, found);
+        if (job.where == Where::before) find_suspects(c, cells, t, natural_of(c, cells, t.again(p.x), t.again(p.y)), suspects, found);
       });
       slots.begin = part.end;
     }

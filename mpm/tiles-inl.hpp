@@ -57,6 +57,8 @@ struct FullTile {
     hwy::Prefetch(a + first + 96);
     return hn::LoadU(D(), a + first);
   }
+  // What the tile has loaded or stored before.
+  HWY_INLINE V again(const double* a) const { return hn::LoadU(D(), a + first); }
   HWY_INLINE void store(V v, double* a) const { hn::StoreU(v, D(), a + first); }
   HWY_INLINE V live(V v) const { return v; }
 };
@@ -68,6 +70,7 @@ struct GroupTile {
   std::uint32_t first[groups], size[groups];
 
   HWY_INLINE V load(const double* a) const { return loaded(D(), a); }
+  HWY_INLINE V again(const double* a) const { return load(a); }
   HWY_INLINE void store(V v, double* a) const { put(D(), v, a); }
   HWY_INLINE V live(V v) const { return hn::IfThenElseZero(mask(D()), v); }
 
@@ -120,6 +123,7 @@ struct PartTile {
     for (std::size_t g = 0; g < groups; ++g) take(g * group_lanes, order + place[g] - (size[g] == 0), size[g], group_lanes);
   }
   HWY_INLINE V load(const double* a) const { return gathered(D(), a); }
+  HWY_INLINE V again(const double* a) const { return load(a); }
   HWY_INLINE void store(V v, double* a) const {
     HWY_ALIGN double lane[n_lanes];
     hn::Store(v, D(), lane);

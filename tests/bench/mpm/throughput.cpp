@@ -224,15 +224,17 @@ struct Work {
 Work work_of(const Kernel& k) {
   const auto is = [](const char* a, const char* b) { return std::string(a) == b; };
   const bool spline = !is(k.shape, "bilinear"), affine = is(k.transfer, "apic"), sand = !is(k.model, "linear_elastic");
-  Work w{32, 6};                                                // places: x, y; xi, eta
+  const bool updated = is(k.stress, "usl") && affine;           // moved and strained in one sweep
+  Work w{0, 6};
   const auto add = [&](double bytes, double flops) { w.bytes += bytes, w.flops += flops; };
-  add(72, spline ? 170 : 75);                                   // map: xi, eta, m, V0, v, three stresses
-  add(88, spline ? 90 : 60);                                    // move: xi, eta, m; v, x in and out
-  add(144, spline ? 190 : 125);                                 // strain: xi, eta; F, J, stress in and out
+  add(64, spline ? 170 : 75);                                   // map: x, V0, v, three stresses
+  add(72, spline ? 90 : 60);                                    // move: V0; v, x in and out
+  add(144, spline ? 190 : 125);                                 // strain: F, J, stress in and out
+  if (!updated) add(16 + 32, 0);                                // who has left its cell: x; xi, eta kept and read
   if (affine) add(96, 34 + 62);                                 // C in; in and out
   if (is(k.stress, "musl")) add(0, spline ? 70 : 30);           // momentum mapped again
   if (is(k.transfer, "xpic")) add(4 * 24, 4 * 110);             // four more maps there and back
-  if (!is(k.locking, "none")) add(spline ? 80 : 24, spline ? 230 : 40);
+  if (!is(k.locking, "none")) add(spline ? 96 : 24, spline ? 230 : 40);
   add(sand ? 57 : 16, sand ? 150 : 110);                        // law, beyond the stress: J, gap, plastic strain, work
   return w;
 }
