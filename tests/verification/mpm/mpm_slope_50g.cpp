@@ -6,10 +6,12 @@
 // two: no bit differs) and 50 times larger. Stated: the loads at onset and at 0.4 m, and what loading twice as fast makes of them.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <ctime>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "apps/case/case.hpp"
 #include "apps/study/scene.hpp"
@@ -195,14 +197,24 @@ TEST(MpmSlope50g, FailsInOneBandUnderTheBlock) {
   }
 }
 
-// FLIP without damping shakes the grains: the slope fails at half the load, for the wrong reason.
+// FLIP without damping shakes the grains: the slope fails at half the load, for the wrong reason. What it holds at the end
+// depends on last digits (22 to 35 kN/m were seen), so the middle one of five speeds next to each other counts.
 TEST(MpmSlope50g, UndampedFlipFailsAtHalfTheLoad) {
-  const Loaded flip = load({.flip = true}), apic = load({});
-  pivnp::test::verification_row("slope at 50 g, cells of 160 mm, FLIP undamped in place of APIC",
+  const Loaded apic = load({});
+  std::vector<double> onset, end;
+  for (const double speed : {0.998, 0.999, 1.0, 1.001, 1.002}) {
+    const Loaded flip = load({.speed = speed, .flip = true});
+    onset.push_back(flip.onset_kn);
+    end.push_back(flip.end_kn);
+  }
+  std::sort(onset.begin(), onset.end());
+  std::sort(end.begin(), end.end());
+  pivnp::test::verification_row("slope at 50 g, cells of 160 mm, FLIP undamped in place of APIC, five speeds within 0.2 %",
                                 "stated: load at onset and at 0.4 m, prototype kN/m",
-                                number(flip.onset_kn, 3) + " and " + number(flip.end_kn, 3));
-  EXPECT_LT(flip.onset_kn, 0.6 * apic.onset_kn);
-  EXPECT_LT(flip.end_kn, 0.6 * apic.end_kn);
+                                number(onset[2], 3) + " and " + number(end[2], 3) + " (" + number(end[0], 3) + " to " +
+                                    number(end[4], 3) + ")");
+  EXPECT_LT(onset[4], 0.6 * apic.onset_kn);
+  EXPECT_LT(end[2], 0.6 * apic.end_kn);
 }
 
 // Softening (35 to 33 degrees), by itself and with both regularisations: what is left of the difference between two
