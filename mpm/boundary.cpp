@@ -311,21 +311,21 @@ void Restraints::apply(double time, double dt, GridState& g, std::vector<Reactio
   }
 }
 
-void Restraints::apply_to_remapped(double time, GridState& g) const {
+void Restraints::apply_to_remapped(double time, GridState& g, bool settling) const {
   for (const Tie& tie : ties_) {
     const Node &a = g.node[tie.node[0]], &b = g.node[tie.node[1]];
     if (time >= tie.until || !(a.mass > 0 && b.mass > 0)) continue;
     const double mass = a.mass + b.mass;
     const GridState::Straining u = g.straining(tie.node[0]), w = g.straining(tie.node[1]);
     const double x = (a.mass * u.x + b.mass * w.x) / mass, y = (a.mass * u.y + b.mass * w.y) / mass;
-    if (g.strains_apart(tie.node[0])) u.x = x, u.y = y;
-    if (g.strains_apart(tie.node[1])) w.x = x, w.y = y;
+    if (settling || g.strains_apart(tie.node[0])) u.x = x, u.y = y;
+    if (settling || g.strains_apart(tie.node[1])) w.x = x, w.y = y;
   }
   for (const RestrainedNode& at : nodes_) {
-    if (!(g.node[at.node].mass > 0 && g.strains_apart(at.node))) continue;
+    if (!(g.node[at.node].mass > 0 && (settling || g.strains_apart(at.node)))) continue;
     bool unused = false;
     const GridState::Straining u = g.straining(at.node);
-    const Vec2 v = at.stuck ? Vec2::Zero() : restrain(at, time, Vec2(u.x, u.y), false, unused, false);
+    const Vec2 v = at.stuck ? Vec2::Zero() : restrain(at, time, Vec2(u.x, u.y), false, unused, settling);
     u.x = v.x();
     u.y = v.y();
   }

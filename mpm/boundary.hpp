@@ -50,7 +50,7 @@ class Restraints {
   /// The motion that apply() left a node, as a projection: the unit matrix where no wall holds it.
   Mat2 mobility(std::size_t node) const;
   /// Restrains the straining velocity alike; nodes that stuck in apply() stay.
-  void apply_to_remapped(double time, GridState& g) const;
+  void apply_to_remapped(double time, GridState& g, bool settling = false) const;
   /// The first time after `time` at which a restraint goes.
   double next_change(double time) const;
   /// Behind which walls nothing is, for every node of the grid (Fold).

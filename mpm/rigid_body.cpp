@@ -306,10 +306,13 @@ void RigidBodies::apply(double time, double least_mass, GridState& g, std::vecto
   }
 }
 
+void RigidBodies::strain_apart(GridState& g) const {
+  for (const Contact& c : contacts_)
+    for (std::size_t k = 0; k < std::size_t(g.stencil); ++k) g.strain_apart(std::uint32_t(c.node[k]));
+}
+
 void RigidBodies::apply_to_remapped(double time, GridState& g) const {
   const auto stencil = std::size_t(g.stencil);
-  for (const Contact& c : contacts_)
-    for (std::size_t k = 0; k < stencil; ++k) g.strain_apart(std::uint32_t(c.node[k]));
   for (int sweep = 0; sweep < sweeps; ++sweep)
     for (const Contact& c : contacts_) {
       const Body& body = bodies_[std::size_t(c.body)];

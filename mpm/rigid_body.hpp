@@ -39,6 +39,7 @@ class RigidBodies {
   void apply(double time, double least_mass, GridState& g, std::vector<Reaction>& reactions);
   /// Corrects the straining velocity at the points that apply() found in contact; there motion away from the body is not allowed either
   /// (taking only one sign of the scatter would part the material from the body).
+  void strain_apart(GridState& g) const;
   void apply_to_remapped(double time, GridState& g) const;
   /// The first time after `time` at which a body starts or stops.
   double next_change(double time) const;

@@ -39,6 +39,7 @@ class Relaxation {
   /// One pseudo-step; the ratio of unbalanced to applied force before it.
   double iterate() {
     choice_.begin_step();
+    g_.strain_together();
     const int threads = choice_.threads();
     average_mean_stress(p_, g_, scheme_, threads);
     map_momentum(p_, g_, scheme_, true, threads);
@@ -96,7 +97,8 @@ class Relaxation {
       u.x = reached.x() - damped(change.x(), v.x());
       u.y = reached.y() - damped(change.y(), v.y());
     }
-    restraints_.apply_to_remapped(0, g_);
+    bodies_.strain_apart(g_);
+    restraints_.apply_to_remapped(0, g_, true);
     contacts_.apply_to_remapped(g_);
     bodies_.apply_to_remapped(-1, g_);
     for (std::size_t a = 0; a < g_.nodes.size(); ++a) {

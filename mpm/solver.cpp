@@ -169,6 +169,7 @@ void Solver::Impl::restrain_momentum(double dt) {
 }
 
 void Solver::Impl::restrain_velocity() {
+  bodies.strain_apart(g);
   restraints.apply_to_remapped(state.time, g);
   if (scheme.stress == StressUpdate::musl) contacts.apply_to_remapped(g);
   bodies.apply_to_remapped(state.time, g);
