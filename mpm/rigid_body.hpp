@@ -37,9 +37,10 @@ class RigidBodies {
   /// Corrects Node::n and free bodies' velocities; appends the impulses. `least_mass`: of a point in contact, kg/m. Before
   /// time 0 (settling) prescribed bodies are at rest and free ones are not there.
   void apply(double time, double least_mass, GridState& g, std::vector<Reaction>& reactions);
+  /// The nodes in contact strain the material by velocities of their own (GridState::strain_apart()).
+  void strain_apart(GridState& g) const;
   /// Corrects the straining velocity at the points that apply() found in contact; there motion away from the body is not allowed either
   /// (taking only one sign of the scatter would part the material from the body).
-  void strain_apart(GridState& g) const;
   void apply_to_remapped(double time, GridState& g) const;
   /// The first time after `time` at which a body starts or stops.
   double next_change(double time) const;

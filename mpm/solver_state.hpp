@@ -19,7 +19,9 @@ struct SolverState {
     double time;
     std::uint32_t particle;  // in the ParticleSet
     EndReason reason;
+    std::uint8_t unused[3] = {};  // saved as it lies: nothing is left to chance
   };
+  static_assert(sizeof(Ended) == 16 && sizeof(EndReason) == 1);
   std::vector<Ended> ended;
   double time = 0;
   double fastest = 0;     // speed of the fastest point, m/s

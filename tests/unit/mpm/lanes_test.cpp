@@ -354,6 +354,30 @@ TEST(Lanes, ABatchIsItsPoints) {
     });
 }
 
+// Rows with gaps, and rows that begin elsewhere.
+TEST(Cells, AreFoundByTheirNumber) {
+  const Scene s = scene(Grid{{0, 0}, {0.1, 0.1}, 12, 7},
+                        {rectangle("a", 0, 0, 0.3, 0.4), rectangle("b", 0.6, 0.1, 0.8, 0.5), rectangle("c", 0.9, 0.2, 1.1, 0.3)},
+                        {elastic(1e5, 0.3, 1000), elastic(1e5, 0.3, 1000), elastic(1e5, 0.3, 1000)});
+  for (const ShapeKind shape : {ShapeKind::bilinear, ShapeKind::bspline}) {
+    GridState g(s.grid, shape);
+    const Scheme scheme{.shape = shape};
+    const SolverState state = initial_state(s, scheme, g, materials_of(s));
+    g.rebuild(state.particles);
+    std::size_t slot = 0;
+    for (std::int32_t cell = 0; cell < std::int32_t(g.grid.node_count()); ++cell) {
+      const SlotRange points = g.points_in(cell);
+      if (slot < g.slots() && g.slot_cell[slot] == cell) {
+        EXPECT_EQ(points.begin, g.slot_begin[slot]);
+        EXPECT_EQ(points.end, g.slot_begin[++slot]);
+      } else {
+        EXPECT_EQ(points.begin, points.end);
+      }
+    }
+    EXPECT_EQ(slot, g.slots());
+  }
+}
+
 TEST(Cells, FollowWhatABuildFromScratchFinds) {
   for (const ShapeKind shape : {ShapeKind::bilinear, ShapeKind::bspline}) {
     Case c(shape, TransferKind::flip);
