@@ -359,7 +359,6 @@ TEST(Options, WrongCombinationsNameTheirKey) {
 
 // Settling knows no order of strain and motion: walls and bodies that slide must not make one.
 TEST(Settling, FindsTheSameStateWhateverStrainsTheMaterialLater) {
-  SilentProgress silent;
   Scene slides = scene(Grid{{0, 0}, {0.01, 0.01}, 41, 16}, {rectangle("soil", 0.1, 0, 0.3, 0.1)}, {elastic(5e6, 0.3, 1600)});
   slides.boundaries = {{"base", line({0, 0}, {0.4, 0}, "frictional", 0.05)}};
   const double wide = 0.8, deep = 0.06, cut = 0.04;
