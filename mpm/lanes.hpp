@@ -54,7 +54,7 @@ struct GatherSums {
   double fastest2 = 0;      // largest squared speed of a point, m^2/s^2
   double kinetic_loss = 0;  // kinetic energy of the points before less after, J/m
   bool good = true;         // every point finite, none moved more than one cell
-  std::size_t suspects = 0;
+  std::size_t suspects = 0;  // points that are not in their cell any more, where the sweep looked
 };
 
 /// From where points are strained: where they are; where they were before they moved, which is by dt v (usl with apic), or

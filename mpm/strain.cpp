@@ -159,7 +159,7 @@ double strain_and_update(Particles& p, GridState& g, const Scheme& scheme, doubl
 }
 
 bool moves_with_strain(const GridState& g, const Scheme& scheme) {
-  return g.width == 3 && scheme.stress == StressUpdate::usl && scheme.transfer == TransferKind::apic &&
+  return g.width == 3 && scheme.takes_updated() &&
          (scheme.locking == Locking::none || (scheme.locking == Locking::fbar && g.resting.empty()));
 }
 

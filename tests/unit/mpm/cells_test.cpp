@@ -1,0 +1,133 @@
+// The lists of cells against what a plain look finds.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <vector>
+
+#include "mpm/kernel.hpp"
+#include "tests/unit/mpm/disorder.hpp"
+
+namespace pivnp::mpm {
+namespace {
+
+using namespace test;
+
+// Rows with gaps, and rows that begin elsewhere.
+TEST(Cells, AreFoundByTheirNumber) {
+  const Scene s = scene(Grid{{0, 0}, {0.1, 0.1}, 12, 7},
+                        {rectangle("a", 0, 0, 0.3, 0.4), rectangle("b", 0.6, 0.1, 0.8, 0.5), rectangle("c", 0.9, 0.2, 1.1, 0.3)},
+                        {elastic(1e5, 0.3, 1000), elastic(1e5, 0.3, 1000), elastic(1e5, 0.3, 1000)});
+  for (const ShapeKind shape : {ShapeKind::bilinear, ShapeKind::bspline}) {
+    GridState g(s.grid, shape);
+    const Scheme scheme{.shape = shape};
+    const SolverState state = initial_state(s, scheme, g, materials_of(s));
+    g.rebuild(state.particles);
+    std::size_t slot = 0;
+    for (std::int32_t cell = 0; cell < std::int32_t(g.grid.node_count()); ++cell) {
+      const SlotRange points = g.points_in(cell);
+      if (slot < g.slots() && g.slot_cell[slot] == cell) {
+        EXPECT_EQ(points.begin, g.slot_begin[slot]);
+        EXPECT_EQ(points.end, g.slot_begin[++slot]);
+      } else {
+        EXPECT_EQ(points.begin, points.end);
+      }
+    }
+    EXPECT_EQ(slot, g.slots());
+  }
+}
+
+TEST(Cells, FollowWhatABuildFromScratchFinds) {
+  for (const ShapeKind shape : {ShapeKind::bilinear, ShapeKind::bspline}) {
+    Case c(shape, TransferKind::flip);
+    Particles& p = c.state.particles;
+    std::mt19937_64 random(seed_of_all);
+    std::uniform_real_distribution<double> u(-1, 1);
+    GridState other(c.scene.grid, shape);
+    for (int step = 0; step < 200; ++step) {
+      const double share = step % 3 == 0 ? 1 : step % 3 == 1 ? 0.01 : 0.1;
+      for (std::size_t k = 0; k < p.size(); ++k) {
+        if (p.cell[k] == Particles::ended || std::abs(u(random)) > share) continue;
+        p.x[k] += 0.05 * u(random);
+        p.y[k] += 0.05 * u(random);
+      }
+      std::vector<std::uint32_t> left;
+      if (!locate_points(p, c.g, left, 1)) continue;
+      c.g.follow(p, c.g.moved);
+      if (step % 20 == 10) p.sort_as(c.g.order, 1);
+      other.rebuild(p);
+      ASSERT_EQ(c.g.order, other.order);
+      ASSERT_EQ(c.g.slot_begin, other.slot_begin);
+      ASSERT_EQ(c.g.slot_cell, other.slot_cell);
+      ASSERT_EQ(c.g.nodes, other.nodes);
+      for (std::size_t s = 0; s < c.g.slots(); ++s)
+        for (std::uint32_t q = c.g.slot_begin[s]; q < c.g.slot_begin[s + 1]; ++q)
+          ASSERT_EQ(p.cell[c.g.order[q]], c.g.slot_cell[s]);
+      for (std::size_t k = 0; k < p.size(); ++k) {
+        if (p.cell[k] == Particles::ended) continue;
+        std::int32_t cell = 0;
+        double xi = 0, eta = 0;
+        ASSERT_TRUE(c.g.find(p.x[k], p.y[k], cell, xi, eta)) << p.x[k] << ' ' << p.y[k];
+        ASSERT_EQ(p.cell[k], cell);
+        ASSERT_NEAR(c.g.natural(p, k).x(), xi, 1e-12);
+        ASSERT_NEAR(c.g.natural(p, k).y(), eta, 1e-12);
+      }
+    }
+    EXPECT_GT(std::count(p.cell.begin(), p.cell.end(), Particles::ended), 0);
+  }
+}
+
+// Bands that hold no cells leave their neighbours' nodes to others.
+TEST(Cells, ABandFindsItsNodesFreshOnceAndFinishesThemOnce) {
+  std::mt19937_64 random(seed_of_all);
+  SCOPED_TRACE(seed_of_all);
+  for (const ShapeKind shape : {ShapeKind::bilinear, ShapeKind::bspline})
+    for (int trial = 0; trial < 20; ++trial) {
+      const Scene scene = test::scene(Grid{{0, 0}, {0.1, 0.1}, 9, 61}, {rectangle("a", 0.1, 0.0, 0.7, 6.0)}, {elastic(1e5, 0.3, 1000)});
+      const Scheme scheme{.shape = shape, .transfer = TransferKind::flip, .stress = StressUpdate::usl, .locking = Locking::none};
+      GridState g(scene.grid, shape);
+      SolverState state = initial_state(scene, scheme, g, materials_of(scene));
+      Particles& p = state.particles;
+      std::vector<bool> empty(100);
+      for (auto&& row : empty) row = random() % (trial % 2 ? 2 : 5) != 0;
+      for (std::size_t k = 0; k < p.size(); ++k)
+        if (empty[std::size_t(p.y[k] / (trial % 3 ? 0.1 : 0.4))]) p.cell[k] = Particles::ended;
+      g.rebuild(p);
+      if (g.slots() == 0) continue;
+      std::vector<int> fresh(g.nodes.size(), 0), added(g.nodes.size(), 0), finished(g.nodes.size(), 0);
+      const auto place = [&](std::size_t node) {
+        return std::size_t(std::lower_bound(g.nodes.begin(), g.nodes.end(), std::uint32_t(node)) - g.nodes.begin());
+      };
+      for_bands(
+          g.mapped, 1,
+          [&](SlotRange nodes, std::size_t) {
+            for (std::size_t a = nodes.begin; a < nodes.end; ++a) {
+              EXPECT_EQ(fresh[a]++, 0);
+              EXPECT_EQ(added[a], 0);
+            }
+          },
+          [&](SlotRange slots, std::size_t) {
+            for (std::size_t s = slots.begin; s < slots.end; ++s) {
+              std::size_t at[9];
+              g.stencil_nodes(s, at);
+              for (int n = 0; n < g.stencil; ++n) {
+                const std::size_t a = place(at[n]);
+                EXPECT_EQ(fresh[a], 1);
+                EXPECT_EQ(finished[a], 0);
+                ++added[a];
+              }
+            }
+          },
+          [&](SlotRange nodes, std::size_t) {
+            for (std::size_t a = nodes.begin; a < nodes.end; ++a) EXPECT_EQ(finished[a]++, 0);
+          });
+      for (std::size_t a = 0; a < g.nodes.size(); ++a) {
+        EXPECT_EQ(fresh[a], 1);
+        EXPECT_EQ(finished[a], 1);
+        EXPECT_GT(added[a], 0);
+      }
+    }
+}
+
+}  // namespace
+}  // namespace pivnp::mpm
