@@ -231,6 +231,12 @@ struct Four {
     for (std::size_t g = 0; g < groups; ++g)
       for (std::size_t n = 0; n < 4; ++n) *each(g, n) += sums[g][n];
   }
+  /// To four numbers in a row at first(group), the first of a cache line, and to the fifth what begins each group of
+  /// `fifth`: eight lanes only.
+  template <class First>
+  HWY_INLINE void add_with(V fifth, First&& first) const {
+    add_lines(D(), fifth, first);
+  }
 
  private:
 #if HWY_TARGET == HWY_SCALAR
@@ -274,6 +280,14 @@ struct Four {
       add_halves(d, first, [&](std::size_t g) PIVNP_TILE { return first(g) + 2; });
     }
   }
+  template <class Tag, class First>
+  HWY_INLINE void add_lines(Tag d, V fifth, First&& first) const {
+    const V sums = all(d), line[] = {hn::ConcatLowerLower(d, fifth, sums), hn::ConcatUpperUpper(d, fifth, sums)};
+    for (std::size_t g = 0; g < groups; ++g) {
+      const V before = hn::Load(d, first(g));
+      hn::Store(before + hn::IfThenElseZero(hn::FirstN(d, 5), line[g]), d, first(g));
+    }
+  }
   template <class Tag, class Low, class High>
   HWY_INLINE void add_halves(Tag d, Low&& low, High&& high) const {
     if constexpr (n_lanes == 8) {
@@ -296,6 +310,44 @@ struct Four {
   }
 #endif
 };
+
+#if HWY_TARGET != HWY_SCALAR
+// The sums over each group's lanes of two vectors, in turn: a, b, a, b. Eight lanes only.
+template <class Tag>
+HWY_INLINE V sums_in_turn(Tag d, V a, V b) {
+  const V pairs = hn::InterleaveLower(d, a, b) + hn::InterleaveUpper(d, a, b);
+  return pairs + hn::SwapAdjacentBlocks(pairs);
+}
+#endif
+
+// Adds the sums over each group's lanes of four(n) to the first four numbers of a stencil's nodes, and those of fifth[n] to
+// the fifth; at(group, n) is the first.
+template <int N, class Fifth, class OfNode, class At>
+HWY_INLINE void add_fives(OfNode&& four, Fifth&& fifth, At&& at) {
+  const auto of = [&](int n) PIVNP_TILE { return [&at, n](std::size_t g) PIVNP_TILE { return at(g, n); }; };
+#if HWY_TARGET != HWY_SCALAR
+  if constexpr (n_lanes == 8) {
+#pragma GCC unroll 8
+    for (int n = 0; n < N; n += 2) {
+      const V both = sums_in_turn(D(), fifth(n), fifth(n + 1 < N ? n + 1 : n));
+      four(n).add_with(both, of(n));
+      if (n + 1 < N) four(n + 1).add_with(hn::Reverse2(D(), both), of(n + 1));
+    }
+  } else
+#endif
+  {
+#pragma GCC unroll 9
+    for (int n = 0; n < N; ++n) four(n).add_to(of(n));
+#pragma GCC unroll 2
+    for (int n = 0; n + 3 < N; n += 4)
+      Four{fifth(n), fifth(n + 1), fifth(n + 2), fifth(n + 3)}.add_singly([&](std::size_t g, std::size_t k) PIVNP_TILE { return at(g, n + int(k)) + 4; });
+    if constexpr (N % 4 == 1) {
+      double last[groups];
+      group_sums(fifth(N - 1), last);
+      for (std::size_t g = 0; g < groups; ++g) at(g, N - 1)[4] += last[g];
+    }
+  }
+}
 
 // Adds the sums over each group's lanes of a[c], b[c] to two numbers of each of a stencil's nodes; at(group, c) is the
 // first.

@@ -123,37 +123,15 @@ struct Mapping {
       fyg[a] = sxy_x * l.x.g[a];
       fyw[a] = syy * l.x.w[a];
     }
-    V fy[W][W];
-    for (int b = 0; b < W; ++b) {
-      for (int a = 0; a < W; ++a) {
-        const V mass = pm[a] * l.y.w[b];
-        V px, py;
-        if constexpr (affine) {
-          px = mass * (ux[a] + ex[b]);
-          py = mass * (uy[a] + ey[b]);
-        } else {
-          px = mass * vx;
-          py = mass * vy;
-        }
-        Four{mass, px, py, hn::MulAdd(fxg[a], l.y.w[b], fxw[a] * l.y.g[b])}.add_to(
-            [&](std::size_t g) PIVNP_TILE { return &cells.base[g][b * cells.nx + a].mass; });
-        fy[b][a] = hn::MulAdd(fyg[a], l.y.w[b], fyw[a] * l.y.g[b]);
-      }
-    }
-    if constexpr (W == 2) {
-      Four{fy[0][0], fy[0][1], fy[1][0], fy[1][1]}.add_singly(
-          [&](std::size_t g, std::size_t n) PIVNP_TILE { return &cells.base[g][std::ptrdiff_t(n / 2) * cells.nx + n % 2].fy; });
-    } else {
-      const auto at = [&](std::size_t g, std::size_t n) PIVNP_TILE {
-        return &cells.base[g][std::ptrdiff_t(n / 3) * cells.nx + n % 3].fy;
-      };
-      Four{fy[0][0], fy[0][1], fy[0][2], fy[1][0]}.add_singly(at);
-      Four{fy[1][1], fy[1][2], fy[2][0], fy[2][1]}.add_singly(
-          [&](std::size_t g, std::size_t n) PIVNP_TILE { return at(g, n + 4); });
-      double last[groups];
-      group_sums(fy[2][2], last);
-      for (std::size_t g = 0; g < groups; ++g) *at(g, 8) += last[g];
-    }
+    const auto fy = [&](int n) PIVNP_TILE { return hn::MulAdd(fyg[n % W], l.y.w[n / W], fyw[n % W] * l.y.g[n / W]); };
+    const auto four = [&](int n) PIVNP_TILE {
+      const int a = n % W, b = n / W;
+      const V mass = pm[a] * l.y.w[b];
+      const V fx = hn::MulAdd(fxg[a], l.y.w[b], fxw[a] * l.y.g[b]);
+      if constexpr (affine) return Four{mass, mass * (ux[a] + ex[b]), mass * (uy[a] + ey[b]), fx};
+      else return Four{mass, mass * vx, mass * vy, fx};
+    };
+    add_fives<W * W>(four, fy, [&](std::size_t g, int n) PIVNP_TILE { return &cells.base[g][n / W * cells.nx + n % W].mass; });
   }
 
   HWY_INLINE void run(SlotRange slots) const {
