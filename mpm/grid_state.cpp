@@ -143,7 +143,10 @@ void GridState::follow(const Particles& p, const std::vector<std::uint32_t>& pla
       const std::size_t at = next_order.size(), first = slot_begin[s], last = slot_begin[next];
       next_order.insert(next_order.end(), order.begin() + std::ptrdiff_t(first), order.begin() + std::ptrdiff_t(last));
       next_cell_.insert(next_cell_.end(), slot_cell.begin() + std::ptrdiff_t(s), slot_cell.begin() + std::ptrdiff_t(next));
-      for (std::size_t k = s; k < next; ++k) next_begin_.push_back(std::uint32_t(slot_begin[k] - first + at));
+      const std::size_t before = next_begin_.size();
+      next_begin_.resize(before + next - s);
+      const auto shift = std::uint32_t(at - first);  // wraps
+      for (std::size_t k = s; k < next; ++k) next_begin_[before + k - s] = slot_begin[k] + shift;
       s = next;
       if (s == slots()) break;
     }

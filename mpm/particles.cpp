@@ -56,18 +56,22 @@ void Particles::sort_as(std::vector<std::uint32_t>& order, int threads) {
     for (std::size_t k = body.begin; k < body.end; ++k)
       if (cell[k] == ended) from.push_back(std::uint32_t(k));
   }
-  const auto permute = [&](auto& array) {
+  const auto permute = [&](auto& array, auto& room) {
     if (array.empty()) return;
-    auto sorted = array;
     const auto n = std::ptrdiff_t(from.size());
+    room.resize(from.size());
 #pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
-    for (std::ptrdiff_t k = 0; k < n; ++k) sorted[std::size_t(k)] = array[from[std::size_t(k)]];
-    array.swap(sorted);
+    for (std::ptrdiff_t k = 0; k < n; ++k) room[std::size_t(k)] = array[from[std::size_t(k)]];
+    array.swap(room);
   };
-  for (auto* array : state()) permute(*array);
-  permute(opened);
-  permute(cell);
-  permute(index);
+  Array of_state;
+  for (auto* array : state()) permute(*array, of_state);
+  std::vector<std::uint8_t> of_opened;
+  std::vector<std::int32_t> of_cell;
+  std::vector<std::uint32_t> of_index;
+  permute(opened, of_opened);
+  permute(cell, of_cell);
+  permute(index, of_index);
   std::vector<std::uint32_t> to(from.size());
   for (std::uint32_t k = 0; k < from.size(); ++k) to[from[k]] = k;
   for (std::uint32_t& k : order) k = to[k];
