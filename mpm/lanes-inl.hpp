@@ -233,19 +233,6 @@ struct Four {
   }
 
  private:
-#if HWY_TARGET == HWY_SCALAR
-  template <class First>
-  HWY_INLINE void add(D d, First&& first) const {
-    add_halves(d, first, [&](std::size_t g) { return first(g) + 2; });
-  }
-  template <class Low, class High>
-  HWY_INLINE void add_halves(D, Low&& low, High&& high) const {
-    low(0)[0] += hn::GetLane(a);
-    low(0)[1] += hn::GetLane(b);
-    high(0)[0] += hn::GetLane(c);
-    high(0)[1] += hn::GetLane(e);
-  }
-#else
   template <class Tag>
   static HWY_INLINE V pairs(Tag d, V x, V y) {
     return hn::InterleaveLower(d, x, y) + hn::InterleaveUpper(d, x, y);
@@ -294,7 +281,6 @@ struct Four {
     add_at(h, hn::LowerHalf(h, v), low);
     add_at(h, hn::UpperHalf(h, v), high);
   }
-#endif
 };
 
 // Adds the sums over each group's lanes of a[c], b[c] to two numbers of each of a stencil's nodes; at(group, c) is the
