@@ -6,10 +6,10 @@
 #include <hwy/foreach_target.h>  // compiles this file once for every instruction set
 #include <hwy/highway.h>
 
+#include "mpm/vectors-inl.hpp"
+
 HWY_BEFORE_NAMESPACE();
 namespace pivnp::mpm::HWY_NAMESPACE {
-
-namespace hn = hwy::HWY_NAMESPACE;
 
 // Calls body(tag, n) for the nodes of a list, n the first of as many as the tag has lanes.
 template <class Body>

@@ -49,19 +49,19 @@ struct GimpLanes {
   static constexpr int W = 3, first = -1;
   static constexpr bool linear = false, needs_size = true;
   static HWY_INLINE LaneLine<3> line(V xi, V half) {
-    const V one = set(1), per = one / half;
+    // Of the nearest node the middle and the sides of the function are in reach, of the others the sides and the ends.
+    const V one = set(1), per = one / half, half_per = set(0.5) * per, d = hn::Abs(xi), neg = hn::Neg(xi);
+    const M near = hn::Lt(d, half);
     LaneLine<3> out;
-    for (int a = 0; a < 3; ++a) {
-      const V x = xi - set(a - 1), d = hn::Abs(x);
-      const M near = hn::Lt(d, half), middle = hn::Le(d, one - half), reached = hn::Lt(d, one + half);
-      const V left = one + half - d, quarter = set(0.25) * per, sign = hn::CopySign(one, x);
-      out.w[a] = hn::IfThenElse(
-          near, one - (d * d + half * half) * (set(0.5) * per),
-          hn::IfThenElse(middle, one - d, hn::IfThenElseZero(reached, left * left * quarter)));
-      out.g[a] = hn::IfThenElse(near, hn::Neg(x) * per,
-                                hn::IfThenElse(middle, hn::Neg(sign),
-                                               hn::IfThenElseZero(reached, hn::Neg(sign) * left * (set(0.5) * per))));
-    }
+    out.w[1] = hn::IfThenElse(near, one - (d * d + half * half) * half_per, one - d);
+    out.g[1] = hn::IfThenElse(near, neg * per, hn::CopySign(one, neg));
+    const V low = xi + one, high = one - xi, quarter = set(0.25) * per, reach = one + half, sides = one - half;
+    const M low_side = hn::Le(low, sides), high_side = hn::Le(high, sides);
+    const V low_end = hn::Max(reach - low, zero()), high_end = hn::Max(reach - high, zero());
+    out.w[0] = hn::IfThenElse(low_side, one - low, low_end * low_end * quarter);
+    out.w[2] = hn::IfThenElse(high_side, one - high, high_end * high_end * quarter);
+    out.g[0] = hn::IfThenElse(low_side, set(-1), zero() - low_end * half_per);
+    out.g[2] = hn::IfThenElse(high_side, one, high_end * half_per);
     return out;
   }
   static HWY_INLINE LaneLine<3> line_at_wall(V xi, V half, bool low) {
@@ -239,19 +239,6 @@ struct Four {
   }
 
  private:
-#if HWY_TARGET == HWY_SCALAR
-  template <class First>
-  HWY_INLINE void add(D d, First&& first) const {
-    add_halves(d, first, [&](std::size_t g) { return first(g) + 2; });
-  }
-  template <class Low, class High>
-  HWY_INLINE void add_halves(D, Low&& low, High&& high) const {
-    low(0)[0] += hn::GetLane(a);
-    low(0)[1] += hn::GetLane(b);
-    high(0)[0] += hn::GetLane(c);
-    high(0)[1] += hn::GetLane(e);
-  }
-#else
   template <class Tag>
   static HWY_INLINE V pairs(Tag d, V x, V y) {
     return hn::InterleaveLower(d, x, y) + hn::InterleaveUpper(d, x, y);
@@ -308,7 +295,6 @@ struct Four {
     add_at(h, hn::LowerHalf(h, v), low);
     add_at(h, hn::UpperHalf(h, v), high);
   }
-#endif
 };
 
 #if HWY_TARGET != HWY_SCALAR

@@ -108,5 +108,7 @@ GatherSums move_average_lanes(ShapeKind shape, const MoveJob& job, const PointVi
 /// P v of XPIC: from the nodes' `v` to the points and back, times the mass, added to `out`; x and y of every node.
 void project_lanes(ShapeKind shape, const double* v, double* out, const PointView& p, const CellView& c,
                    SlotRange slots);
+/// The instruction set that the kernels run on.
+const char* simd_target();
 
 }  // namespace pivnp::mpm

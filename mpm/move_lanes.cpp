@@ -27,6 +27,8 @@ GatherSums move_slots(ShapeKind shape, const MoveJob& job, const PointView& p, c
   });
 }
 
+const char* target_name() { return lanes_name(); }
+
 }  // namespace pivnp::mpm::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -34,10 +36,12 @@ HWY_AFTER_NAMESPACE();
 namespace pivnp::mpm {
 
 HWY_EXPORT(move_slots);
+HWY_EXPORT(target_name);
 
 GatherSums move_lanes(ShapeKind shape, const MoveJob& job, const PointView& p, const CellView& c, SlotRange slots) {
   return HWY_DYNAMIC_DISPATCH(move_slots)(shape, job, p, c, slots);
 }
+const char* simd_target() { return HWY_DYNAMIC_DISPATCH(target_name)(); }
 
 }  // namespace pivnp::mpm
 #endif

@@ -197,19 +197,15 @@ struct Straining {
   static HWY_INLINE void put(const FullTile&, V v, double* to, std::size_t) { hn::StoreU(v, D(), to); }
   template <class Tile>
   static HWY_INLINE void put(const Tile&, V v, double* to, [[maybe_unused]] std::size_t second) {
-#if HWY_TARGET != HWY_SCALAR
-    if constexpr (groups == 2) return put_groups(D(), v, to, second);
-#endif
-    hn::StoreU(v, D(), to);
+    if constexpr (groups == 2) put_groups(D(), v, to, second);
+    else hn::StoreU(v, D(), to);
   }
-#if HWY_TARGET != HWY_SCALAR
   template <class Tag>
   static HWY_INLINE void put_groups(Tag d, V v, double* to, std::size_t second) {
     const hn::Half<Tag> h;
     hn::StoreU(hn::LowerHalf(h, v), h, to);
     hn::StoreU(hn::UpperHalf(h, v), h, to + second);
   }
-#endif
 
   template <class Tile>
   HWY_INLINE void tile(const Tile& t, const TileCells& cells, const double* averages, std::size_t first_slot) const {

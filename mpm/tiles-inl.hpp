@@ -8,14 +8,13 @@
 #endif
 
 #include <hwy/cache_control.h>
-#include <hwy/highway.h>
 
 #include "mpm/lanes.hpp"
+#include "mpm/vectors-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace pivnp::mpm::HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
 using D = hn::CappedTag<double, 8>;
 using V = hn::Vec<D>;
 using M = hn::Mask<D>;
@@ -40,8 +39,7 @@ HWY_INLINE void group_sums(V v, double* out) {
   for (std::size_t g = 0; g < groups; ++g) {
     const double* of = lane + g * group_lanes;
     if constexpr (group_lanes == 4) out[g] = (of[0] + of[1]) + (of[2] + of[3]);
-    else if constexpr (group_lanes == 2) out[g] = of[0] + of[1];
-    else out[g] = of[0];
+    else out[g] = of[0] + of[1];
   }
 }
 
@@ -87,27 +85,21 @@ struct GroupTile {
   template <class Tag>
   HWY_INLINE V loaded(Tag d, const double* a) const {
     hwy::Prefetch(a + first[0] + 96);
-#if HWY_TARGET != HWY_SCALAR
-    if constexpr (groups == 2) {
-      const hn::Half<Tag> h;
-      return hn::Combine(d, hn::LoadU(h, a + first[groups - 1]), hn::LoadU(h, a + first[0]));
-    }
-#endif
-    return hn::LoadU(d, a + first[0]);
+    if constexpr (groups == 1) return hn::LoadU(d, a + first[0]);
+    const hn::Half<Tag> h;
+    return hn::Combine(d, hn::LoadU(h, a + first[groups - 1]), hn::LoadU(h, a + first[0]));
   }
   template <class Tag>
   HWY_INLINE void put(Tag d, V v, double* a) const {
-#if HWY_TARGET != HWY_SCALAR
     if constexpr (groups == 2) {
       const hn::Half<Tag> h;
       hn::BlendedStore(hn::LowerHalf(h, v), hn::FirstN(h, size[0]), h, a + first[0]);
       hn::BlendedStore(hn::UpperHalf(h, v), hn::FirstN(h, size[groups - 1]), h, a + first[groups - 1]);
-      return;
+    } else if (n_lanes == 2 && size[0] == 1) {
+      a[first[0]] = hn::GetLane(v);  // (some processors would write the other lane back, to which another thread may write)
+    } else {
+      hn::BlendedStore(v, hn::FirstN(d, size[0]), d, a + first[0]);
     }
-#endif
-    // (With two lanes some processors would write the other one back, to which another thread may write.)
-    if (n_lanes == 2 && size[0] == 1) a[first[0]] = hn::GetLane(v);
-    else hn::BlendedStore(v, hn::FirstN(d, size[0]), d, a + first[0]);
   }
 };
 
@@ -140,13 +132,8 @@ struct PartTile {
   }
   template <class Tag>
   HWY_INLINE V gathered(Tag d, const double* a) const {
-#if HWY_TARGET == HWY_SCALAR
-    return hn::Set(d, a[point[0]]);
-#else
     return from(d, a, 0);
-#endif
   }
-#if HWY_TARGET != HWY_SCALAR
   template <class Tag>
   HWY_INLINE hn::Vec<Tag> from(Tag d, const double* a, std::size_t lane) const {
     if constexpr (hn::MaxLanes(Tag()) == 2) {
@@ -156,7 +143,6 @@ struct PartTile {
       return hn::Combine(d, from(h, a, lane + hn::MaxLanes(h)), from(h, a, lane));
     }
   }
-#endif
 };
 
 // The cells of a tile's groups.

@@ -1,6 +1,6 @@
 // Million stress updates per second of the laws alone, one thread by its own processor time: points at 10 kPa that are
 // sheared on at failure, each in a direction of its own, by the same strain at every step.
-//   mpm_laws [runs=5]
+//   mpm_laws [runs=5] [target=avx3|avx2|sse4|ssse3|sse2]
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -11,6 +11,7 @@
 
 #include "mpm/material/material.hpp"
 #include "tests/bench/mpm/machine.hpp"
+#include "tests/bench/mpm/target.hpp"
 
 using namespace pivnp;
 
@@ -76,10 +77,13 @@ Run measure(const Law& law, double strain) {
 
 int main(int argc, char** argv) {
   int runs = 5;
-  for (int a = 1; a < argc; ++a)
-    if (std::string(argv[a]).starts_with("runs=")) runs = std::atoi(argv[a] + 5);
-  std::printf("machine: %s; M updates/s, one thread, median of %d; in brackets the share that yields\n%-28s", bench::processor().c_str(),
-              runs, "strain a step");
+  for (int a = 1; a < argc; ++a) {
+    const std::string word = argv[a];
+    if (word.starts_with("runs=")) runs = std::atoi(argv[a] + 5);
+    else if (word.starts_with("target=")) bench::choose_target(word.substr(7));
+  }
+  std::printf("machine: %s, kernels on %s; M updates/s, one thread, median of %d; in brackets the share that yields\n%-28s",
+              bench::processor().c_str(), mpm::simd_target(), runs, "strain a step");
   const double strains[] = {1e-6, 1e-5, 1e-4, 1e-3};
   for (const double strain : strains) std::printf(" %15g", strain);
   for (const Law& law : laws) {

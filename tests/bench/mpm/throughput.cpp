@@ -1,6 +1,6 @@
 // Million particle-steps per second of the column of the peers' comparison: L x L in a box 2L x 1.2L, 2 x 2 particles a
 // cell, E 1e6, nu 0.3, rho 2000, g 9.81, dt = 0.2 h/c_p, fixed base, sliding walls; set-up left out.
-//   mpm_throughput [words of the kernels wanted ...] [particles ...] [runs=5] [threads=2] [target=avx3|avx2|sse4|scalar]
+//   mpm_throughput [words of the kernels wanted ...] [particles ...] [runs=5] [threads=2] [target=avx3|avx2|sse4|ssse3|sse2]
 //                                              (default: all, 10000 100000, the best instruction set)
 //   mpm_throughput scale [particles ...]       set-up time, memory, proportion
 // Each figure is the median of `runs` runs, those with one and two threads taken in turn; one thread by its own
@@ -19,11 +19,10 @@
 
 #include <malloc.h>
 
-#include <hwy/targets.h>
-
 #include "mpm/solver.hpp"
 #include "pivnp/core/particles/seeding.hpp"
 #include "tests/bench/mpm/machine.hpp"
+#include "tests/bench/mpm/target.hpp"
 
 using namespace pivnp;
 
@@ -172,15 +171,6 @@ Run measure(const Kernel& kernel, int cells, int threads) {
   return run;
 }
 
-void choose_target(const std::string& name) {
-  std::int64_t without = 0;
-  if (name != "avx3") without |= HWY_AVX3 | HWY_AVX3_DL;
-  if (name != "avx3" && name != "avx2") without |= HWY_AVX2;
-  if (name == "scalar") without |= HWY_SSE4 | HWY_SSSE3;
-  hwy::DisableTargets(without);
-  hwy::GetChosenTarget().DeInit();
-}
-
 double resident_bytes() {
   malloc_trim(0);  // what was freed in between is not the solver's
   std::ifstream statm("/proc/self/statm");
@@ -255,7 +245,7 @@ int main(int argc, char** argv) {
   for (int a = 1; a < argc; ++a) {
     const std::string word = argv[a];
     if (word.starts_with("runs=")) runs = std::atoi(argv[a] + 5);
-    else if (word.starts_with("target=")) choose_target(word.substr(7));
+    else if (word.starts_with("target=")) bench::choose_target(word.substr(7));
     else if (word.starts_with("threads=")) most = std::atoi(argv[a] + 8);
     else if (std::atoi(argv[a]) > 0) sizes.push_back(std::atoi(argv[a]));
     else words.push_back(word);
@@ -265,8 +255,8 @@ int main(int argc, char** argv) {
     scale(sizes);
     return 0;
   }
-  std::printf("machine: %s, %u hardware threads; double precision, guards and energy on\n", bench::processor().c_str(),
-              std::thread::hardware_concurrency());
+  std::printf("machine: %s, %u hardware threads; kernels on %s; double precision, guards and energy on\n",
+              bench::processor().c_str(), std::thread::hardware_concurrency(), mpm::simd_target());
   const double cached = bench::update_rate(4 << 20), memory = bench::update_rate(256 << 20), flops = bench::flop_rate();
   std::printf("one thread now: updates in place %.0f GB/s in 4 MiB, %.0f GB/s in 256 MiB; %.0f GFlop/s with four lanes\n", cached,
               memory, flops);

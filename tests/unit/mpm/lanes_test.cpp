@@ -5,15 +5,15 @@
 #include <cmath>
 #include <random>
 
-#include <hwy/targets.h>
-
 #include "mpm/finite_strain.hpp"
 #include "mpm/kernel.hpp"
+#include "mpm/lanes.hpp"
 #include "mpm/material/mohr_coulomb.hpp"
 #include "mpm/material/smooth_mohr_coulomb.hpp"
 #include "mpm/material/stress_update.hpp"
 #include "mpm/scene_setup.hpp"
 #include "mpm/transfer.hpp"
+#include "tests/support/instruction_sets.hpp"
 #include "tests/unit/mpm/disorder.hpp"
 
 namespace pivnp::mpm {
@@ -24,16 +24,12 @@ using namespace test;
 // Runs `body` on the best instruction set and on the plainer ones.
 template <class Body>
 void on_every_target(Body&& body) {
-  for (const std::int64_t without : {std::int64_t{0}, std::int64_t{HWY_AVX3 | HWY_AVX3_DL},
-                                     std::int64_t{HWY_AVX3 | HWY_AVX3_DL | HWY_AVX2},
-                                     std::int64_t{HWY_AVX3 | HWY_AVX3_DL | HWY_AVX2 | HWY_SSE4 | HWY_SSSE3}}) {
-    hwy::DisableTargets(without);
-    hwy::GetChosenTarget().DeInit();
-    SCOPED_TRACE(without);
+  for (const std::int64_t set : pivnp::test::instruction_sets()) {
+    pivnp::test::choose_instruction_set(set);
+    SCOPED_TRACE(simd_target());
     body();
   }
-  hwy::DisableTargets(0);
-  hwy::GetChosenTarget().DeInit();
+  pivnp::test::choose_best_instruction_set();
 }
 
 class InLanes : public testing::TestWithParam<std::tuple<ShapeKind, TransferKind>> {};
