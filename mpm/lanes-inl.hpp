@@ -118,11 +118,12 @@ HWY_INLINE void find_suspects(const CellView& c, const TileCells& cells, const T
     if (cells.any_mark() & at_edge)
       inside = hn::And(inside, hn::And(hn::And(hn::Ge(at.xi, begins(cells.i)), hn::Lt(at.xi, ends(cells.i, c.nx))),
                                        hn::And(hn::Ge(at.eta, begins(cells.j)), hn::Lt(at.eta, ends(cells.j, c.ny)))));
-  if (HWY_LIKELY(hn::AllTrue(d, inside))) return;
+  const V outside = t.live(hn::IfThenElse(inside, zero(), set(1)));
+  if (HWY_LIKELY(hn::AllTrue(d, hn::Eq(outside, zero())))) return;
   HWY_ALIGN double out[n_lanes];
-  hn::Store(t.live(hn::IfThenElse(inside, zero(), set(1))), d, out);
+  hn::Store(outside, d, out);
   for (std::size_t l = 0; l < n_lanes; ++l)
-    if (out[l] != 0) suspects[found++] = cells.place[l / group_lanes] + std::uint32_t(l % group_lanes);
+    if (out[l] != 0) suspects[found++] = cells.place[l / group_lanes] + t.rank(l / group_lanes, l % group_lanes);
 }
 
 // Where a tile's points are, or were; lanes without a point are somewhere in the cell.
@@ -297,21 +298,18 @@ struct Four {
   }
 };
 
-#if HWY_TARGET != HWY_SCALAR
 // The sums over each group's lanes of two vectors, in turn: a, b, a, b. Eight lanes only.
 template <class Tag>
 HWY_INLINE V sums_in_turn(Tag d, V a, V b) {
   const V pairs = hn::InterleaveLower(d, a, b) + hn::InterleaveUpper(d, a, b);
   return pairs + hn::SwapAdjacentBlocks(pairs);
 }
-#endif
 
 // Adds the sums over each group's lanes of four(n) to the first four numbers of a stencil's nodes, and those of fifth[n] to
 // the fifth; at(group, n) is the first.
 template <int N, class Fifth, class OfNode, class At>
 HWY_INLINE void add_fives(OfNode&& four, Fifth&& fifth, At&& at) {
   const auto of = [&](int n) PIVNP_TILE { return [&at, n](std::size_t g) PIVNP_TILE { return at(g, n); }; };
-#if HWY_TARGET != HWY_SCALAR
   if constexpr (n_lanes == 8) {
 #pragma GCC unroll 8
     for (int n = 0; n < N; n += 2) {
@@ -319,9 +317,7 @@ HWY_INLINE void add_fives(OfNode&& four, Fifth&& fifth, At&& at) {
       four(n).add_with(both, of(n));
       if (n + 1 < N) four(n + 1).add_with(hn::Reverse2(D(), both), of(n + 1));
     }
-  } else
-#endif
-  {
+  } else {
 #pragma GCC unroll 9
     for (int n = 0; n < N; ++n) four(n).add_to(of(n));
 #pragma GCC unroll 2

@@ -76,6 +76,8 @@ HWY_INLINE double GetLane(Double2 v) { return _mm_cvtsd_f64(v.raw); }
 HWY_INLINE Double2 InterleaveLower(Tag<2>, Double2 a, Double2 b) { return {_mm_unpacklo_pd(a.raw, b.raw)}; }
 HWY_INLINE Double2 InterleaveUpper(Tag<2>, Double2 a, Double2 b) { return {_mm_unpackhi_pd(a.raw, b.raw)}; }
 HWY_INLINE Double2 OddEven(Double2 odd, Double2 even) { return {_mm_shuffle_pd(even.raw, odd.raw, 2)}; }
+HWY_INLINE Double2 Reverse2(Tag<2>, Double2 v) { return {_mm_shuffle_pd(v.raw, v.raw, 1)}; }
+HWY_INLINE Double2 Compress(Double2 v, Mask2 m) { return _mm_movemask_pd(m.raw) == 2 ? Double2{_mm_unpackhi_pd(v.raw, v.raw)} : v; }
 HWY_INLINE Double2 LowerHalf(Tag<1>, Double2 v) { return v; }
 HWY_INLINE Double2 UpperHalf(Tag<1>, Double2 v) { return {_mm_unpackhi_pd(v.raw, v.raw)}; }
 HWY_INLINE Double2 Combine(Tag<2>, Double2 high, Double2 low) { return {_mm_unpacklo_pd(low.raw, high.raw)}; }

@@ -196,7 +196,8 @@ struct Straining {
   // To the increments of a tile's points; the next tile overwrites what goes beyond a group's last point.
   static HWY_INLINE void put(const FullTile&, V v, double* to, std::size_t) { hn::StoreU(v, D(), to); }
   template <class Tile>
-  static HWY_INLINE void put(const Tile&, V v, double* to, [[maybe_unused]] std::size_t second) {
+  static HWY_INLINE void put(const Tile& t, V v, double* to, [[maybe_unused]] std::size_t second) {
+    v = t.packed(v);
     if constexpr (groups == 2) put_groups(D(), v, to, second);
     else hn::StoreU(v, D(), to);
   }

@@ -9,6 +9,8 @@
 
 #include <hwy/cache_control.h>
 
+#include <type_traits>
+
 #include "mpm/lanes.hpp"
 #include "mpm/vectors-inl.hpp"
 
@@ -59,48 +61,80 @@ struct FullTile {
   HWY_INLINE V again(const double* a) const { return hn::LoadU(D(), a + first); }
   HWY_INLINE void store(V v, double* a) const { hn::StoreU(v, D(), a + first); }
   HWY_INLINE V live(V v) const { return v; }
+  // Of a lane's point among its group's.
+  HWY_INLINE std::uint32_t rank(std::size_t, std::size_t lane) const { return std::uint32_t(lane); }
 };
 
-// Groups whose points lie together each. The lanes that are left read what comes behind, and are not stored. They may
-// stand where the cell has no material and its nodes any velocity: no mass of theirs makes up for what is not a number.
-struct GroupTile {
+// Groups whose points lie in as many places each as a group has lanes, some of which may be another cell's. The lanes that
+// are left read what is there, and are not stored. They may stand where the cell has no material and its nodes any
+// velocity: no mass of theirs makes up for what is not a number.
+class GroupTile {
+ public:
   static constexpr bool marked = true;
-  std::uint32_t first[groups], size[groups];
-
+  /// `lanes`: those with a point, a bit each.
+  HWY_INLINE GroupTile(const std::uint32_t* first, const std::uint8_t* lanes) {
+    unsigned all = 0, gaps = 0;
+    for (std::size_t g = 0; g < groups; ++g) {
+      first_[g] = first[g];
+      lanes_[g] = lanes[g];
+      all |= unsigned(lanes[g]) << g * group_lanes;
+      gaps |= lanes[g] & (lanes[g] + 1u);
+      of_group_[g] = mask(G(), lanes[g]);
+    }
+    live_ = mask(D(), all);
+    gaps_ = gaps != 0;
+  }
   HWY_INLINE V load(const double* a) const { return loaded(D(), a); }
   HWY_INLINE V again(const double* a) const { return load(a); }
   HWY_INLINE void store(V v, double* a) const { put(D(), v, a); }
-  HWY_INLINE V live(V v) const { return hn::IfThenElseZero(mask(D()), v); }
+  HWY_INLINE V live(V v) const { return hn::IfThenElseZero(live_, v); }
+  HWY_INLINE std::uint32_t rank(std::size_t g, std::size_t lane) const {
+    return std::uint32_t(hwy::PopCount(std::uint64_t(lanes_[g]) & ((1u << lane) - 1)));
+  }
+  // Each group's points without gaps between them.
+  HWY_INLINE V packed(V v) const { return group_lanes == 4 && HWY_UNLIKELY(gaps_) ? without_gaps(D(), v) : v; }
 
  private:
+  using G = std::conditional_t<groups == 2, hn::Half<D>, D>;
   template <class Tag>
-  HWY_INLINE M mask(Tag d) const {
-    if constexpr (groups == 1) {
-      return hn::FirstN(d, size[0]);
+  static HWY_INLINE hn::Mask<Tag> mask(Tag d, unsigned lanes) {
+    const std::uint8_t bits[8] = {std::uint8_t(lanes)};
+    return hn::LoadMaskBits(d, bits);
+  }
+  template <class Tag>
+  HWY_INLINE V without_gaps(Tag d, V v) const {
+    if constexpr (groups == 2) {
+      const hn::Half<Tag> h;
+      return hn::Combine(d, hn::Compress(hn::UpperHalf(h, v), of_group_[groups - 1]), hn::Compress(hn::LowerHalf(h, v), of_group_[0]));
     } else {
-      const std::uint8_t bits[8] = {std::uint8_t(((1u << size[0]) - 1) | ((1u << size[groups - 1]) - 1) << group_lanes)};
-      return hn::LoadMaskBits(d, bits);
+      return hn::Compress(v, live_);
     }
   }
   template <class Tag>
   HWY_INLINE V loaded(Tag d, const double* a) const {
-    hwy::Prefetch(a + first[0] + 96);
-    if constexpr (groups == 1) return hn::LoadU(d, a + first[0]);
+    hwy::Prefetch(a + first_[0] + 96);
+    if constexpr (groups == 1) return hn::LoadU(d, a + first_[0]);
     const hn::Half<Tag> h;
-    return hn::Combine(d, hn::LoadU(h, a + first[groups - 1]), hn::LoadU(h, a + first[0]));
+    return hn::Combine(d, hn::LoadU(h, a + first_[groups - 1]), hn::LoadU(h, a + first_[0]));
   }
   template <class Tag>
   HWY_INLINE void put(Tag d, V v, double* a) const {
     if constexpr (groups == 2) {
       const hn::Half<Tag> h;
-      hn::BlendedStore(hn::LowerHalf(h, v), hn::FirstN(h, size[0]), h, a + first[0]);
-      hn::BlendedStore(hn::UpperHalf(h, v), hn::FirstN(h, size[groups - 1]), h, a + first[groups - 1]);
-    } else if (n_lanes == 2 && size[0] == 1) {
-      a[first[0]] = hn::GetLane(v);  // (some processors would write the other lane back, to which another thread may write)
+      hn::BlendedStore(hn::LowerHalf(h, v), of_group_[0], h, a + first_[0]);
+      hn::BlendedStore(hn::UpperHalf(h, v), of_group_[groups - 1], h, a + first_[groups - 1]);
+    } else if (n_lanes == 2 && lanes_[0] == 1) {
+      a[first_[0]] = hn::GetLane(v);  // (some processors would write the other lane back, to which another thread may write)
     } else {
-      hn::BlendedStore(v, hn::FirstN(d, size[0]), d, a + first[0]);
+      hn::BlendedStore(v, live_, d, a + first_[0]);
     }
   }
+
+  std::uint32_t first_[groups];
+  std::uint8_t lanes_[groups];
+  bool gaps_;
+  M live_;
+  hn::Mask<G> of_group_[groups];
 };
 
 // Points anywhere. The lanes that are left repeat a point of their group's cell, and get what it gets.
@@ -122,6 +156,8 @@ struct PartTile {
     for (std::size_t l = 0; l < n_lanes; ++l) a[point[l]] = lane[l];
   }
   HWY_INLINE V live(V v) const { return hn::IfThenElseZero(hn::LoadMaskBits(D(), is_live), v); }
+  HWY_INLINE std::uint32_t rank(std::size_t, std::size_t lane) const { return std::uint32_t(lane); }
+  HWY_INLINE V packed(V v) const { return v; }
 
  private:
   // `n` points to the `room` lanes from `lane` on.
@@ -165,6 +201,18 @@ struct TileCells {
   }
 };
 
+// Of a cell's points in `order` as the next group those that lie in a row of as many places as a group has lanes, where the
+// cell needs no group more for it; else false, and the next ones, `n`.
+HWY_INLINE bool take_near(const std::uint32_t* order, std::uint32_t left, std::uint32_t& n, std::uint8_t& lanes) {
+  constexpr std::uint32_t most = group_lanes;
+  std::uint32_t near = 1;
+  lanes = 1;
+  for (; near < n && order[near] - order[0] < most; ++near) lanes = std::uint8_t(lanes | 1u << (order[near] - order[0]));
+  if (near < n && 1 + (left - near + most - 1) / most > (left + most - 1) / most) return false;
+  n = near;
+  return true;
+}
+
 // Calls body(tile, cells) for the points of some slots.
 template <class Body>
 HWY_INLINE void for_tiles(const CellView& c, SlotRange slots, Body&& body) {
@@ -173,12 +221,14 @@ HWY_INLINE void for_tiles(const CellView& c, SlotRange slots, Body&& body) {
   TileCells cells;
   cells.nx = c.nx;
   std::uint32_t q = c.slot_begin[s];
-  GroupTile t;
-  bool together = true, full = true;  // does each group lie together, and all of them, with no lane left?
+  std::uint32_t first[groups], size[groups];  // of a group's points
+  std::uint8_t lanes[groups];
+  bool near = true, full = true;  // does each group lie in a row, and fill it?
   std::int32_t row = 0, row_end = 0;  // the first cell of the row, and that of the next one
   double j = 0;
   const auto take = [&](std::size_t g) PIVNP_TILE {
-    const std::uint32_t left = c.slot_begin[s + 1] - q, n = left < group_lanes ? left : std::uint32_t(group_lanes);
+    const std::uint32_t left = c.slot_begin[s + 1] - q;
+    std::uint32_t n = left < group_lanes ? left : std::uint32_t(group_lanes);
     const std::int32_t cell = c.slot_cell[s];
     if (HWY_UNLIKELY(cell >= row_end)) {
       row = cell / c.nx * c.nx;
@@ -191,35 +241,37 @@ HWY_INLINE void for_tiles(const CellView& c, SlotRange slots, Body&& body) {
     cells.slot[g] = s;
     cells.place[g] = q;
     cells.marks[g] = c.slot_marks[s];
-    t.first[g] = c.order[q];
-    t.size[g] = n;
-    together = together && c.order[q + n - 1] == t.first[g] + (n - 1);
+    first[g] = c.order[q];
+    if (HWY_LIKELY(c.order[q + n - 1] == first[g] + (n - 1))) lanes[g] = std::uint8_t((1u << n) - 1);
+    else near = take_near(c.order + q, left, n, lanes[g]) && near;
     full = full && n == group_lanes;
+    size[g] = n;
     q += n;
     s += n == left;
   };
   while (s < slots.end) {
-    together = full = true;
+    near = full = true;
     take(0);
     if constexpr (groups == 2) {
       if (HWY_LIKELY(s < slots.end)) {
         take(1);
-        full = full && t.first[1] == t.first[0] + group_lanes;
+        full = full && first[1] == first[0] + group_lanes;
       } else {  // the first cell once more, with no points
         cells.base[1] = cells.base[0];
         cells.i[1] = cells.i[0];
         cells.j[1] = cells.j[0];
         cells.slot[1] = cells.slot[0];
-        cells.place[1] = cells.place[0] + t.size[0];
+        cells.place[1] = cells.place[0] + size[0];
         cells.marks[1] = cells.marks[0];
-        t.first[1] = t.first[0];
-        t.size[1] = 0;
+        first[1] = first[0];
+        lanes[1] = 0;
+        size[1] = 0;
         full = false;
       }
     }
-    if (HWY_LIKELY(together && full && cells.any_mark() == 0)) body(FullTile{t.first[0]}, cells);
-    else if (together && t.first[0] + group_lanes <= c.points && t.first[groups - 1] + group_lanes <= c.points) body(t, cells);
-    else body(PartTile(c.order, cells.place, t.size), cells);
+    if (HWY_LIKELY(near && full && cells.any_mark() == 0)) body(FullTile{first[0]}, cells);
+    else if (near && first[0] + group_lanes <= c.points && first[groups - 1] + group_lanes <= c.points) body(GroupTile(first, lanes), cells);
+    else body(PartTile(c.order, cells.place, size), cells);
   }
 }
 
