@@ -66,15 +66,15 @@ std::uint8_t GridState::fold_of(std::int32_t cell) const {
   return width == 2 ? std::uint8_t(fold_none) : fold[std::size_t(cell + grid.nx + 1)];
 }
 
-std::uint8_t GridState::marks_of(std::int32_t cell) const {
-  const int i = cell % grid.nx, j = cell / grid.nx % sheet_rows;
+std::uint8_t GridState::marks_of(std::int32_t cell, int row) const {
+  const int i = cell - row * grid.nx, j = sheets == 1 ? row : row % sheet_rows;
   const bool edge = width == 3 && (i == 0 || j == 0 || i == grid.nx - 3 || j == sheet.ny - 3);
   return std::uint8_t(fold_of(cell) | (edge ? at_edge : 0));
 }
 
 void GridState::set_folds(const std::vector<std::uint8_t>& folds) {
   fold = folds;
-  for (std::size_t s = 0; s < slots(); ++s) slot_marks[s] = marks_of(slot_cell[s]);
+  for (std::size_t s = 0; s < slots(); ++s) slot_marks[s] = marks_of(slot_cell[s], slot_cell[s] / grid.nx);
 }
 
 void GridState::rebuild(const Particles& p) {
@@ -105,10 +105,10 @@ void GridState::rebuild(const Particles& p) {
   take_slots(cells);
 }
 
-void GridState::follow(const Particles& p, const std::vector<std::uint32_t>& places) {
+void GridState::follow(const Particles& p, const std::vector<Move>& moves) {
   arrivals.clear();
-  for (const std::uint32_t q : places)
-    if (p.cell[order[q]] != Particles::ended) arrivals.emplace_back(p.cell[order[q]], order[q]);
+  for (const Move& move : moves)
+    if (p.cell[order[move.place]] != Particles::ended) arrivals.emplace_back(p.cell[order[move.place]], order[move.place]);
   std::sort(arrivals.begin(), arrivals.end());
 
   std::vector<std::uint32_t>& next_order = scratch;
@@ -118,13 +118,10 @@ void GridState::follow(const Particles& p, const std::vector<std::uint32_t>& pla
   next_order.reserve(order.size());
   std::size_t a = 0, m = 0;
   constexpr std::int32_t none = std::numeric_limits<std::int32_t>::max();
-  // The first slot from `s` on that holds the place or lies at or behind the cell.
-  const auto next_changed = [&](std::size_t s, std::uint32_t place, std::int32_t cell) {
-    const auto begin = std::upper_bound(slot_begin.begin() + std::ptrdiff_t(s), slot_begin.end() - 1, place);
-    const auto holds = std::size_t(begin - slot_begin.begin());
-    const auto behind = std::size_t(std::lower_bound(slot_cell.begin() + std::ptrdiff_t(s), slot_cell.end(), cell) -
-                                    slot_cell.begin());
-    return std::min(std::max(holds, s + 1) - (place < order.size()), behind);
+  // The first slot that a point leaves or enters, or before whose cell one enters a new one.
+  const auto next_changed = [&] {
+    return std::min(m < moves.size() ? first_slot_from(moves[m].from) : slots(),
+                    a < arrivals.size() ? first_slot_from(arrivals[a].first) : slots());
   };
   const auto open = [&](std::int32_t cell) {
     next_cell_.push_back(cell);
@@ -137,8 +134,7 @@ void GridState::follow(const Particles& p, const std::vector<std::uint32_t>& pla
     }
   };
   for (std::size_t s = 0; s < slots(); ++s) {
-    const std::size_t next = next_changed(s, m < places.size() ? places[m] : std::uint32_t(order.size()),
-                                          a < arrivals.size() ? arrivals[a].first : none);
+    const std::size_t next = next_changed();
     if (next > s) {  // as they were
       const std::size_t at = next_order.size(), first = slot_begin[s], last = slot_begin[next];
       next_order.insert(next_order.end(), order.begin() + std::ptrdiff_t(first), order.begin() + std::ptrdiff_t(last));
@@ -154,7 +150,7 @@ void GridState::follow(const Particles& p, const std::vector<std::uint32_t>& pla
     take_new_cells(c);
     open(c);
     for (std::uint32_t q = slot_begin[s]; q < slot_begin[s + 1]; ++q) {
-      if (m < places.size() && places[m] == q) {
+      if (m < moves.size() && moves[m].place == q) {
         ++m;
         continue;
       }
@@ -181,24 +177,28 @@ void GridState::take_slots(std::vector<std::int32_t>& cells) {
   slot_cell.swap(cells);
   slot_marks.resize(slots());
   std::size_t row = 0;
-  std::int32_t row_end = 0;  // the first cell of `row`
+  std::int32_t row_end = 0;  // the first cell of `row`, the next one
   for (std::size_t s = 0; s < slots(); ++s) {
-    slot_marks[s] = marks_of(slot_cell[s]);
     for (; slot_cell[s] >= row_end; row_end += grid.nx) row_begin_[row++] = std::uint32_t(s);
+    slot_marks[s] = marks_of(slot_cell[s], int(row) - 1);
   }
   std::fill(row_begin_.begin() + std::ptrdiff_t(row), row_begin_.end(), std::uint32_t(slots()));
   rebuild_lists();
 }
 
 // A row's cells mostly lie side by side.
-std::int32_t GridState::slot_of(std::int32_t cell) const {
+std::size_t GridState::first_slot_from(std::int32_t cell) const {
   const auto row = std::size_t(cell / grid.nx);
   const std::uint32_t begin = row_begin_[row], end = row_begin_[row + 1];
-  if (begin == end || cell < slot_cell[begin]) return -1;
+  if (begin == end || cell <= slot_cell[begin]) return begin;
   const std::uint32_t guess = begin + std::uint32_t(cell - slot_cell[begin]);
-  if (guess < end && slot_cell[guess] == cell) return std::int32_t(guess);
-  const auto at = std::lower_bound(slot_cell.begin() + begin, slot_cell.begin() + end, cell);
-  return at != slot_cell.begin() + end && *at == cell ? std::int32_t(at - slot_cell.begin()) : -1;
+  if (guess < end && slot_cell[guess] == cell) return guess;
+  return std::size_t(std::lower_bound(slot_cell.begin() + begin, slot_cell.begin() + end, cell) - slot_cell.begin());
+}
+
+std::int32_t GridState::slot_of(std::int32_t cell) const {
+  const std::size_t s = first_slot_from(cell);
+  return s < slots() && slot_cell[s] == cell ? std::int32_t(s) : -1;
 }
 
 void GridState::set_asleep(const std::vector<std::uint8_t>& blocks) {

@@ -69,7 +69,12 @@ class GridState {
   Averages averages;                      // of three-node shapes
   std::vector<std::uint8_t> fold;         // of every node of the grid
   std::vector<std::pair<std::int32_t, std::uint32_t>> arrivals;  // of follow(): the cells, and the points now in them
-  std::vector<std::uint32_t> moved;    // of locate_points(): places in `order` of points that have another cell now
+  /// A point that has another cell now: its place in `order`, and the cell it left.
+  struct Move {
+    std::uint32_t place;
+    std::int32_t from;
+  };
+  std::vector<Move> moved;             // of locate_points()
   std::vector<std::uint32_t> scratch;  // of follow(), one a point; in between `suspects` are ranges of it, where `located`:
   std::vector<SlotRange> suspects;     // places in `order` of the points that are not in their cell any more
   bool located = false;
@@ -107,8 +112,8 @@ class GridState {
   void weights_at(std::int32_t cell, double xi, double eta, std::size_t* at, double* weights) const;
   /// Builds order, slots and active nodes from Particles::cell.
   void rebuild(const Particles& particles);
-  /// The same, where only the points at these places in `order` (ascending) have another cell than before.
-  void follow(const Particles& particles, const std::vector<std::uint32_t>& places);
+  /// The same, where only these points (their places ascending) have another cell than before.
+  void follow(const Particles& particles, const std::vector<Move>& moves);
   /// Walls of the nodes from here on (Restraints::folds).
   void set_folds(const std::vector<std::uint8_t>& folds);
   /// Of a node, the velocity that strains the material.
@@ -122,9 +127,9 @@ class GridState {
     return strains_apart(n) ? Vec2(straining_[n].x, straining_[n].y) : Vec2(node[n].nx, node[n].ny);
   }
   bool strains_apart(std::size_t n) const { return !by_updated || node[n].apart; }
-  /// `by_updated`: until strain_together() the slots that see this node are strained by velocities that their nodes have
-  /// of their own, which are the updated ones as yet.
-  void strain_apart(std::uint32_t node);
+  /// `by_updated`: until strain_together() the slots that see this node (or `count` in a row) are strained by velocities
+  /// that their nodes have of their own, which are the updated ones as yet.
+  void strain_apart(std::uint32_t node, int count = 1);
   void strain_together();
   /// As the kernels see it.
   CellView view();
@@ -141,8 +146,9 @@ class GridState {
   void share_nodes(Bands& bands) const;
   std::int32_t slot_near(const Vec2& x, int on_sheet, double& xi, double& eta, double& distance) const;
   std::uint8_t fold_of(std::int32_t cell) const;
-  std::uint8_t marks_of(std::int32_t cell) const;
-  std::int32_t slot_of(std::int32_t cell) const;  // -1: empty
+  std::uint8_t marks_of(std::int32_t cell, int row) const;
+  std::size_t first_slot_from(std::int32_t cell) const;  // whose cell is this one or a later one
+  std::int32_t slot_of(std::int32_t cell) const;         // -1: empty
 
   OfGrid<NodeVelocity> straining_;          // takes no memory where it is not used
   std::vector<std::uint32_t> apart_slots_, apart_nodes_;

@@ -66,7 +66,11 @@ void LightNodes::join_momentum(GridState& g, double damping, double dt) const {
 }
 
 void LightNodes::join_velocity(GridState& g) const {
-  for (const Pair& p : pairs) g.strain_apart(p.light);
+  for (std::size_t k = 0, n = 0; k < pairs.size(); k += n) {  // in runs along a row
+    const std::uint32_t first = pairs[k].light, left = std::uint32_t(g.grid.nx) - first % std::uint32_t(g.grid.nx);
+    for (n = 1; n < left && k + n < pairs.size() && pairs[k + n].light == first + n;) ++n;
+    g.strain_apart(first, int(n));
+  }
   for (const Pair& p : pairs) {
     const GridState::Straining light = g.straining(p.light), heavy = g.straining(p.heavy);
     light.x = heavy.x;

@@ -43,7 +43,7 @@ bool locate_points(Particles& p, GridState& g, std::vector<std::uint32_t>& left,
       const std::int32_t before = p.cell[k];
       locate_anew(p, g, k);
       if (p.cell[k] == before) continue;
-      g.moved.push_back(q);
+      g.moved.push_back({q, before});
       if (p.cell[k] == Particles::ended) left.push_back(k);
     }
   return !g.moved.empty();
