@@ -287,7 +287,7 @@ void GridState::rebuild_lists() {
 }
 
 void GridState::rebuild_pieces() {
-  constexpr std::size_t piece = 32;  // slots: what a piece touches stays in the first cache
+  constexpr std::size_t piece = 128;  // slots: what a piece touches stays in the second cache
   pieces.clear();
   std::vector<SlotRange> runs = awake.runs;
   std::sort(runs.begin(), runs.end(), [](const SlotRange& a, const SlotRange& b) { return a.begin < b.begin; });
