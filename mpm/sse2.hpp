@@ -162,7 +162,7 @@ HWY_INLINE bool AllFalse(Tag<2>, Mask2 m) { return _mm_movemask_pd(m.raw) == 0; 
 HWY_INLINE Double2 IfThenElseZero(Mask2 m, Double2 a) { return {_mm_and_pd(m.raw, a.raw)}; }
 HWY_INLINE Double2 IfThenZeroElse(Mask2 m, Double2 a) { return {_mm_andnot_pd(m.raw, a.raw)}; }
 HWY_INLINE Double2 IfThenElse(Mask2 m, Double2 a, Double2 b) {
-  return {_mm_or_pd(_mm_and_pd(m.raw, a.raw), _mm_andnot_pd(m.raw, b.raw))};
+  return {_mm_xor_pd(b.raw, _mm_and_pd(m.raw, _mm_xor_pd(a.raw, b.raw)))};  // (fewer copies than by and, and-not, or)
 }
 template <std::size_t n>
 HWY_INLINE Mask2 FirstN(Tag<n>, std::size_t size) {
