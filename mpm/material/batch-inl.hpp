@@ -13,6 +13,22 @@
 HWY_BEFORE_NAMESPACE();
 namespace pivnp::mpm::HWY_NAMESPACE {
 
+// An elastic law in all lanes, formed once for a batch.
+struct LaneElastic {
+  V shear, two_shear, lambda, two_lambda;
+  V own, shared;                // of C^-1: (1 + nu)/E and nu/E
+  V per_two_shear;              // 1/(2 G)
+
+  explicit HWY_INLINE LaneElastic(const Elastic& law)
+      : shear(set(law.shear)),
+        two_shear(set(2 * law.shear)),
+        lambda(set(law.lambda)),
+        two_lambda(set(2 * law.lambda)),
+        own(set((1 + law.poisson) / law.young)),
+        shared(set(law.poisson / law.young)),
+        per_two_shear(set(0.5 / law.shear)) {}
+};
+
 // Calls body(tile, step) for the tile of a batch that begins at point k: where its state and its increments are.
 template <class Body>
 HWY_INLINE void with_tile(const StressBatch& b, std::size_t k, Body&& body) {

@@ -35,11 +35,11 @@ struct LaneCone {
         cohesion(cohesion_term),
         tension(set(most_tension)),
         opens(most_tension > 0) {}
-  HWY_INLINE void set_flow(V sin_dilatancy, const Elastic& law) {
-    const V one = set(1), two_shear = set(2 * law.shear);
-    middle = set(2 * law.lambda) * sin_dilatancy;
-    high = hn::MulAdd(two_shear, one + sin_dilatancy, middle);
-    low = hn::NegMulAdd(two_shear, one - sin_dilatancy, middle);
+  HWY_INLINE void set_flow(V sin_dilatancy, const LaneElastic& law) {
+    const V one = set(1);
+    middle = law.two_lambda * sin_dilatancy;
+    high = hn::MulAdd(law.two_shear, one + sin_dilatancy, middle);
+    low = hn::NegMulAdd(law.two_shear, one - sin_dilatancy, middle);
     per_hardness = one / hn::MulSub(plus, high, minus * low);
   }
   /// Is the cut-off below the apex?
@@ -58,7 +58,7 @@ struct Strengths {
 struct FixedCone {
   LaneCone cone;
 
-  HWY_INLINE FixedCone(const Elastic& law, const ConeConstants& c)
+  HWY_INLINE FixedCone(const LaneElastic& law, const ConeConstants& c)
       : cone(set(c.sin_friction), set(c.cohesion_term), c.tension) {
     cone.set_flow(set(c.sin_dilatancy), law);
   }
@@ -76,7 +76,7 @@ struct FixedCone {
 
 // StrengthLaw::at() of every point.
 struct ChangingCone {
-  const Elastic law;
+  const LaneElastic law;
   const StrengthConstants s;
   double tension;
   const StressBatch b;
@@ -125,6 +125,7 @@ struct Waiting {
 template <class Cones>
 struct Returning {
   const Elastic law;
+  const LaneElastic elastic;
   const Cones cones;
   const StressBatch b;
   std::uint32_t* rare;
@@ -193,11 +194,11 @@ struct Returning {
   HWY_INLINE bool trial(const Tile& t, const Step& step, Waiting& w) const {
     const Turned turn = turned(b, t, step);
     const V dxx = step.load(b.de_xx), dyy = step.load(b.de_yy), dzz = step.load(b.de_zz);
-    const V two_shear = set(2 * law.shear), volumetric = set(law.lambda) * (dxx + dyy + dzz);
-    w.mean = hn::MulAdd(set(law.shear), dxx + dyy, turn.mean + volumetric);
-    w.half = hn::MulAdd(set(law.shear), dxx - dyy, turn.half);
-    w.zz = hn::MulAdd(two_shear, dzz, turn.zz + volumetric);
-    w.xy = hn::MulAdd(two_shear, step.load(b.de_xy), turn.xy);
+    const V volumetric = elastic.lambda * (dxx + dyy + dzz);
+    w.mean = hn::MulAdd(elastic.shear, dxx + dyy, turn.mean + volumetric);
+    w.half = hn::MulAdd(elastic.shear, dxx - dyy, turn.half);
+    w.zz = hn::MulAdd(elastic.two_shear, dzz, turn.zz + volumetric);
+    w.xy = hn::MulAdd(elastic.two_shear, step.load(b.de_xy), turn.xy);
     const Sorted at = sorted(w.mean, w.half, w.zz, w.xy);
     if (!hn::AllTrue(D(), hn::Eq(t.load(b.gap), zero())) || !cones.surely_elastic(at.p.s[0], at.p.s[2], t.load(b.J)))
       return true;
@@ -255,10 +256,10 @@ struct Returning {
       const Principal drop{{p.s[0] - s.s[0], p.s[1] - s.s[1], p.s[2] - s.s[2]}};
       const V trace = drop.s[0] + drop.s[1] + drop.s[2];
       // Plastic strain: C^-1 drop, whose deviator is that of the drop over 2 G.
-      const V own = set((1 + law.poisson) / law.young), shared = trace * set(law.poisson / law.young);
+      const V shared = trace * elastic.shared;
       V work = zero(), square = zero();
       for (int q = 0; q < 3; ++q) {
-        work = hn::MulAdd(s.s[q], hn::MulSub(own, drop.s[q], shared), work);
+        work = hn::MulAdd(s.s[q], hn::MulSub(elastic.own, drop.s[q], shared), work);
         const V deviator = hn::NegMulAdd(trace, set(1.0 / 3), drop.s[q]);
         square = hn::MulAdd(deviator, deviator, square);
       }
@@ -276,7 +277,7 @@ struct Returning {
       new_xy = hn::IfThenElse(yields, xy * ratio, new_xy);
       new_zz = hn::IfThenElse(yields, across, new_zz);
       t.store(t.load(b.dissipated) + hn::IfThenElseZero(yields, work), b.dissipated);
-      const V amount = set(0.5 / law.shear) * hn::Sqrt(set(2.0 / 3) * square);
+      const V amount = elastic.per_two_shear * hn::Sqrt(set(2.0 / 3) * square);
       t.store(t.load(b.plastic_dev) + hn::IfThenElseZero(yields, amount), b.plastic_dev);
     }
     V xx = new_mean + new_half, yy = new_mean - new_half;
@@ -298,7 +299,7 @@ struct Returning {
 // overlap.
 template <class Cones>
 HWY_INLINE std::size_t return_all(const Elastic& law, const Cones& cones, const StressBatch& b, std::uint32_t* rare) {
-  Returning<Cones> update{law, cones, b, rare};
+  Returning<Cones> update{law, LaneElastic(law), cones, b, rare};
   Waiting waiting[most_in_lanes / n_lanes];
   std::size_t n = 0;
   for_batch(b, [&](const auto& t, const auto& step, std::size_t k) PIVNP_TILE {
@@ -313,12 +314,12 @@ HWY_INLINE std::size_t return_all(const Elastic& law, const Cones& cones, const 
 }
 
 std::size_t cone(const Elastic& law, const ConeConstants& c, const StressBatch& b, std::uint32_t* rare) {
-  return return_all(law, FixedCone(law, c), b, rare);
+  return return_all(law, FixedCone(LaneElastic(law), c), b, rare);
 }
 
 std::size_t changing_cone(const Elastic& law, const StrengthConstants& s, double tension, const double* history,
                           const StressBatch& b, std::uint32_t* rare) {
-  return return_all(law, ChangingCone{law, s, tension, b, history}, b, rare);
+  return return_all(law, ChangingCone{LaneElastic(law), s, tension, b, history}, b, rare);
 }
 
 }  // namespace pivnp::mpm::HWY_NAMESPACE
