@@ -54,7 +54,7 @@ struct FullTile {
   static constexpr bool marked = false;
   std::uint32_t first;
   HWY_INLINE V load(const double* a) const {
-    hwy::Prefetch(a + first + 96);
+    if constexpr (n_lanes > 2) hwy::Prefetch(a + first + 96);  // (two: what the processor fetches by itself is soon enough)
     return hn::LoadU(D(), a + first);
   }
   // What the tile has loaded or stored before.
@@ -112,7 +112,7 @@ class GroupTile {
   }
   template <class Tag>
   HWY_INLINE V loaded(Tag d, const double* a) const {
-    hwy::Prefetch(a + first_[0] + 96);
+    if constexpr (n_lanes > 2) hwy::Prefetch(a + first_[0] + 96);
     if constexpr (groups == 1) return hn::LoadU(d, a + first_[0]);
     const hn::Half<Tag> h;
     return hn::Combine(d, hn::LoadU(h, a + first_[groups - 1]), hn::LoadU(h, a + first_[0]));
