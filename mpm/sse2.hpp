@@ -14,7 +14,7 @@
 
 namespace pivnp::mpm::sse2 {
 
-// Both lanes, or (at the end of a row) the lower one: the upper one then holds anything, and is neither loaded nor stored.
+// Both lanes, or (where a row ends) the lower one: the upper one then holds anything, and is neither loaded nor stored.
 template <std::size_t lanes>
 struct Tag {
   static_assert(lanes == 1 || lanes == 2);
@@ -178,8 +178,8 @@ HWY_INLINE Double2 power_of_two(__m128i k) {
   const __m128i biased = _mm_add_epi32(k, _mm_set1_epi32(1023));
   return {_mm_castsi128_pd(_mm_slli_epi64(_mm_unpacklo_epi32(_mm_setzero_si128(), biased), 20))};
 }
-// exp x for x <= 706, to the last bit or two; 0 below -1000 and for what is not a number. Highway's own (hwy/contrib/math),
-// operation by operation.
+// exp x for x <= 706, to the last bit or two; 0 below -1000 and for what is not a number. Highway's own
+// (hwy/contrib/math), operation by operation.
 HWY_INLINE Double2 Exp(Tag<2> d, Double2 x) {
   const Double2 half{_mm_or_pd(_mm_set1_pd(0.5), _mm_and_pd(x.raw, _mm_set1_pd(-0.0)))};
   const Double2 turns = Min(MulAdd(x, Set(d, 1.442695040888963407359924681), half), Set(d, 2147483647.0));
@@ -189,10 +189,12 @@ HWY_INLINE Double2 Exp(Tag<2> d, Double2 x) {
   r = MulAdd(whole, Set(d, -0.28235290563031577122588448175e-12), r);
   const auto pair = [&](double low, double high) { return MulAdd(Set(d, high), r, Set(d, low)); };
   const Double2 r2 = r * r, r4 = r2 * r2, r8 = r4 * r4;
-  const Double2 low = MulAdd(r2, pair(0.0416666666666665047591422, 0.00833333333331652721664984), pair(0.5, 0.166666666666666851703837));
+  const Double2 low = MulAdd(r2, pair(0.0416666666666665047591422, 0.00833333333331652721664984),
+                             pair(0.5, 0.166666666666666851703837));
   const Double2 middle = MulAdd(r2, pair(2.4801587159235472998791e-5, 2.75572362911928827629423e-6),
                                 pair(0.00138888888889774492207962, 0.000198412698960509205564975));
-  const Double2 high = MulAdd(r2, Set(d, 2.08860621107283687536341e-9), pair(2.75573911234900471893338e-7, 2.51112930892876518610661e-8));
+  const Double2 high = MulAdd(r2, Set(d, 2.08860621107283687536341e-9),
+                              pair(2.75573911234900471893338e-7, 2.51112930892876518610661e-8));
   const Double2 series = MulAdd(r8, high, MulAdd(r4, middle, low));
   const Double2 y = MulAdd(series, r2, r) + Set(d, 1);
   const Double2 scaled = y * power_of_two(k_half) * power_of_two(_mm_sub_epi32(k, k_half));
