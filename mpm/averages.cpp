@@ -22,17 +22,12 @@ AverageView Averages::view() {
   return {a.edges, a.corners};
 }
 
-void Averages::forget(const std::vector<std::uint32_t>& before, const std::vector<std::uint32_t>& now) {
+void Averages::forget(std::uint32_t n) {
   const AverageArrays a = arrays();
-  auto next = now.begin();
-  for (const std::uint32_t n : before) {
-    while (next != now.end() && *next < n) ++next;
-    if (next != now.end() && *next == n) continue;
-    a.edges[n] = {};
-    a.corners[n] = {};
-    a.shift[n] = {};
-    a.fluxes[n] = {};
-  }
+  a.edges[n] = {};
+  a.corners[n] = {};
+  a.shift[n] = {};
+  a.fluxes[n] = {};
 }
 
 }  // namespace pivnp::mpm

@@ -49,8 +49,8 @@ class Averages {
   AverageArrays arrays();
   /// What the kernels add to and read.
   AverageView view();
-  /// These nodes are active no more.
-  void forget(const std::vector<std::uint32_t>& before, const std::vector<std::uint32_t>& now);
+  /// This node is active no more.
+  void forget(std::uint32_t node);
   bool used = false;
 
  private:

@@ -299,14 +299,17 @@ void GridState::rebuild_pieces() {
 }
 
 void GridState::rebuild_nodes(const CellBits& cells) {
-  for (const std::uint32_t n : nodes) {
-    if (strains_apart(n)) straining_[n] = {};
-    node[n] = Node{};
-  }
-  if (averages.used) nodes_before_ = nodes;
+  nodes_before_.swap(nodes);
   nodes.clear();
   cells.grown(0, width - 1).for_all([&](std::size_t n) { nodes.push_back(std::uint32_t(n)); });
-  if (averages.used) averages.forget(nodes_before_, nodes);
+  auto next = nodes.begin();
+  for (const std::uint32_t n : nodes_before_) {
+    while (next != nodes.end() && *next < n) ++next;
+    if (next != nodes.end() && *next == n) continue;
+    if (strains_apart(n)) straining_[n] = {};
+    node[n] = Node{};
+    if (averages.used) averages.forget(n);
+  }
 }
 
 CellView GridState::view() {

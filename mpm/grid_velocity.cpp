@@ -10,19 +10,23 @@ namespace pivnp::mpm {
 void GridState::strain_apart(std::uint32_t n, int count) {
   if (!by_updated) return;
   const int before = width - 1, i = int(n) % grid.nx, j = int(n) / grid.nx, last = i + count - 1;
-  for (int b = std::max(0, j - before); b <= std::min(grid.ny - 1, j + before); ++b)
-    for (int a = std::max(0, i - before); a <= std::min(grid.nx - 1, last + before); ++a) {
+  const int from = std::max(0, i - before), to = std::min(grid.nx - 1, last + before);
+  for (int b = std::max(0, j - before); b <= std::min(grid.ny - 1, j + before); ++b) {
+    for (int a = from; a <= to; ++a) {
       const std::size_t m = grid.node(a, b);
-      if (!node[m].apart) {
-        node[m].apart = true;
-        straining_[m] = {node[m].nx, node[m].ny};
-        apart_nodes_.push_back(std::uint32_t(m));
-      }
-      const std::int32_t s = a <= last && b <= j ? slot_of(std::int32_t(m)) : -1;
-      if (s < 0 || (slot_marks[std::size_t(s)] & strained_apart)) continue;
-      slot_marks[std::size_t(s)] |= strained_apart;
+      if (node[m].apart) continue;
+      node[m].apart = true;
+      straining_[m] = {node[m].nx, node[m].ny};
+      apart_nodes_.push_back(std::uint32_t(m));
+    }
+    if (b > j) continue;
+    const auto end = std::int32_t(grid.node(last, b));
+    for (std::size_t s = first_slot_from(std::int32_t(grid.node(from, b))); s < slots() && slot_cell[s] <= end; ++s) {
+      if (slot_marks[s] & strained_apart) continue;
+      slot_marks[s] |= strained_apart;
       apart_slots_.push_back(std::uint32_t(s));
     }
+  }
 }
 
 void GridState::strain_together() {

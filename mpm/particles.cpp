@@ -1,5 +1,7 @@
 #include "mpm/particles.hpp"
 
+#include <algorithm>
+
 #ifdef __linux__
 #include <sys/mman.h>
 #endif
@@ -48,13 +50,17 @@ PointView Particles::view() const {
 }
 
 void Particles::sort_as(std::vector<std::uint32_t>& order, int threads) {
-  std::vector<std::uint32_t> from;  // the old place of each new one
-  from.reserve(size());
+  std::vector<std::uint32_t> from(size());  // the old place of each new one
+  std::uint32_t* next = from.data();
   for (const Body& body : bodies) {
-    for (const std::uint32_t k : order)
-      if (k >= body.begin && k < body.end) from.push_back(k);
+    if (bodies.size() == 1) {
+      next = std::copy(order.begin(), order.end(), next);
+    } else {
+      for (const std::uint32_t k : order)
+        if (k >= body.begin && k < body.end) *next++ = k;
+    }
     for (std::size_t k = body.begin; k < body.end; ++k)
-      if (cell[k] == ended) from.push_back(std::uint32_t(k));
+      if (cell[k] == ended) *next++ = std::uint32_t(k);
   }
   const auto permute = [&](auto& array, auto& room) {
     if (array.empty()) return;
@@ -72,7 +78,8 @@ void Particles::sort_as(std::vector<std::uint32_t>& order, int threads) {
   permute(opened, of_opened);
   permute(cell, of_cell);
   permute(index, of_index);
-  std::vector<std::uint32_t> to(from.size());
+  std::vector<std::uint32_t>& to = of_index;
+  to.resize(from.size());
   for (std::uint32_t k = 0; k < from.size(); ++k) to[from[k]] = k;
   for (std::uint32_t& k : order) k = to[k];
 }
