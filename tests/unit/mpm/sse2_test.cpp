@@ -147,6 +147,10 @@ TEST(Sse2, LanesGoWhereTheyShould) {
   expect_bits(InterleaveLower(both, a, b), 1, 3);
   expect_bits(InterleaveUpper(both, a, b), 2, 4);
   expect_bits(OddEven(a, b), 3, 2);
+  expect_bits(Reverse2(both, a), 2, 1);
+  EXPECT_EQ(GetLane(Compress(a, FirstN(both, 1))), 1);
+  EXPECT_EQ(GetLane(Compress(a, Not(FirstN(both, 1)))), 2);
+  expect_bits(Compress(a, FirstN(both, 2)), 1, 2);
   expect_bits(ConcatLowerLower(both, a, b), 3, 1);
   expect_bits(ConcatUpperUpper(both, a, b), 4, 2);
   expect_bits(Combine(both, a, b), 3, 1);
