@@ -79,6 +79,7 @@ void GridState::set_folds(const std::vector<std::uint8_t>& folds) {
 
 void GridState::rebuild(const Particles& p) {
   located = false;
+  strain_together();
   std::vector<std::uint32_t> count(grid.node_count(), 0);
   std::int32_t first = std::numeric_limits<std::int32_t>::max(), last = -1;
   for (const std::int32_t c : p.cell)
@@ -102,7 +103,9 @@ void GridState::rebuild(const Particles& p) {
   order.resize(begin);
   for (std::uint32_t k = 0; k < p.cell.size(); ++k)
     if (p.cell[k] != Particles::ended) order[count[std::size_t(p.cell[k])]++] = k;
-  take_slots(cells);
+  if (cells == slot_cell) return;
+  slot_cell.swap(cells);
+  take_cells();
 }
 
 void GridState::follow(const Particles& p, const std::vector<Move>& moves) {
@@ -111,13 +114,28 @@ void GridState::follow(const Particles& p, const std::vector<Move>& moves) {
     if (p.cell[order[move.place]] != Particles::ended) arrivals.emplace_back(p.cell[order[move.place]], order[move.place]);
   std::sort(arrivals.begin(), arrivals.end());
 
+  strain_together();
+  // What stands in the places of the slots from `first` on is put together beside them, until it fits again.
   std::vector<std::uint32_t>& next_order = scratch;
   next_order.clear();
   next_begin_.clear();
   next_cell_.clear();
-  next_order.reserve(order.size());
-  std::size_t a = 0, m = 0;
-  constexpr std::int32_t none = std::numeric_limits<std::int32_t>::max();
+  std::size_t a = 0, m = 0, first = 0;
+  bool changed = false;  // the cells
+  const auto put_back = [&](std::size_t end) {
+    const auto at = std::ptrdiff_t(first);
+    std::copy(next_order.begin(), next_order.end(), order.begin() + std::ptrdiff_t(slot_begin[first]));
+    std::copy(next_begin_.begin(), next_begin_.end(), slot_begin.begin() + at);
+    changed = changed || !std::equal(next_cell_.begin(), next_cell_.end(), slot_cell.begin() + at);
+    std::copy(next_cell_.begin(), next_cell_.end(), slot_cell.begin() + at);
+    next_order.clear();
+    next_begin_.clear();
+    next_cell_.clear();
+    first = end;
+  };
+  const auto fits = [&](std::size_t end) {
+    return next_cell_.size() == end - first && next_order.size() == slot_begin[end] - slot_begin[first];
+  };
   // The first slot that a point leaves or enters, or before whose cell one enters a new one.
   const auto next_changed = [&] {
     return std::min(m < moves.size() ? first_slot_from(moves[m].from) : slots(),
@@ -125,8 +143,9 @@ void GridState::follow(const Particles& p, const std::vector<Move>& moves) {
   };
   const auto open = [&](std::int32_t cell) {
     next_cell_.push_back(cell);
-    next_begin_.push_back(std::uint32_t(next_order.size()));
+    next_begin_.push_back(std::uint32_t(slot_begin[first] + next_order.size()));
   };
+  constexpr std::int32_t none = std::numeric_limits<std::int32_t>::max();
   const auto take_new_cells = [&](std::int32_t before) {
     while (a < arrivals.size() && arrivals[a].first < before) {
       if (next_cell_.empty() || next_cell_.back() != arrivals[a].first) open(arrivals[a].first);
@@ -136,13 +155,17 @@ void GridState::follow(const Particles& p, const std::vector<Move>& moves) {
   for (std::size_t s = 0; s < slots(); ++s) {
     const std::size_t next = next_changed();
     if (next > s) {  // as they were
-      const std::size_t at = next_order.size(), first = slot_begin[s], last = slot_begin[next];
-      next_order.insert(next_order.end(), order.begin() + std::ptrdiff_t(first), order.begin() + std::ptrdiff_t(last));
-      next_cell_.insert(next_cell_.end(), slot_cell.begin() + std::ptrdiff_t(s), slot_cell.begin() + std::ptrdiff_t(next));
-      const std::size_t before = next_begin_.size();
-      next_begin_.resize(before + next - s);
-      const auto shift = std::uint32_t(at - first);  // wraps
-      for (std::size_t k = s; k < next; ++k) next_begin_[before + k - s] = slot_begin[k] + shift;
+      if (fits(s)) {
+        put_back(next);
+      } else {
+        const auto from = std::ptrdiff_t(s), to = std::ptrdiff_t(next);
+        const auto shift = std::uint32_t(slot_begin[first] + next_order.size() - slot_begin[s]);  // wraps
+        next_order.insert(next_order.end(), order.begin() + std::ptrdiff_t(slot_begin[s]), order.begin() + std::ptrdiff_t(slot_begin[next]));
+        next_cell_.insert(next_cell_.end(), slot_cell.begin() + from, slot_cell.begin() + to);
+        const std::size_t before = next_begin_.size();
+        next_begin_.resize(before + next - s);
+        for (std::size_t k = s; k < next; ++k) next_begin_[before + k - s] = slot_begin[k] + shift;
+      }
       s = next;
       if (s == slots()) break;
     }
@@ -159,22 +182,30 @@ void GridState::follow(const Particles& p, const std::vector<Move>& moves) {
       next_order.push_back(order[q]);
     }
     while (a < arrivals.size() && arrivals[a].first == c) next_order.push_back(arrivals[a++].second);
-    if (next_begin_.back() == next_order.size()) {  // all have left
+    if (next_begin_.back() == slot_begin[first] + next_order.size()) {  // all have left
       next_cell_.pop_back();
       next_begin_.pop_back();
     }
   }
   take_new_cells(none);
-  next_begin_.push_back(std::uint32_t(next_order.size()));
-  order.swap(next_order);
-  slot_begin.swap(next_begin_);
-  take_slots(next_cell_);
+  if (fits(slots())) {
+    put_back(slots());
+  } else {
+    changed = changed || next_cell_.size() != slots() - first || !std::equal(next_cell_.begin(), next_cell_.end(), slot_cell.begin() + std::ptrdiff_t(first));
+    const std::size_t begin = slot_begin[first];
+    order.resize(begin);
+    order.insert(order.end(), next_order.begin(), next_order.end());
+    slot_cell.resize(first);
+    slot_cell.insert(slot_cell.end(), next_cell_.begin(), next_cell_.end());
+    slot_begin.resize(first);
+    slot_begin.insert(slot_begin.end(), next_begin_.begin(), next_begin_.end());
+    slot_begin.push_back(std::uint32_t(order.size()));
+  }
+  if (changed) take_cells();
 }
 
-void GridState::take_slots(std::vector<std::int32_t>& cells) {
-  strain_together();
-  if (cells == slot_cell) return;
-  slot_cell.swap(cells);
+// What follows from the slots' cells.
+void GridState::take_cells() {
   slot_marks.resize(slots());
   std::size_t row = 0;
   std::int32_t row_end = 0;  // the first cell of `row`, the next one
@@ -211,9 +242,14 @@ constexpr int band_rows = 4;  // more than a stencil has, less one: bands of one
 // The runs of neighbouring slots that keep(slot) wants, in bands.
 template <class Keep>
 Bands GridState::bands_of(Keep&& keep) const {
-  std::vector<std::vector<SlotRange>> found[2];
-  std::vector<SlotRange>* runs = nullptr;  // of the band
-  std::int32_t beyond = -1;                // its first cell that is not
+  struct Found {
+    std::vector<SlotRange> runs;
+    std::size_t before, size = 0;  // slots
+  };
+  std::vector<Found> found[2];
+  Bands bands;
+  Found* band = nullptr;
+  std::int32_t beyond = -1;  // the band's first cell that is not
   bool open = false;
   for (std::size_t s = 0; s < slots(); ++s) {
     if (!keep(s)) {
@@ -221,20 +257,21 @@ Bands GridState::bands_of(Keep&& keep) const {
       continue;
     }
     if (slot_cell[s] >= beyond) {
-      const int band = slot_cell[s] / grid.nx / band_rows;
-      beyond = (band + 1) * band_rows * grid.nx;
-      runs = &found[band % 2].emplace_back();
+      const int place = slot_cell[s] / grid.nx / band_rows;
+      beyond = (place + 1) * band_rows * grid.nx;
+      band = &found[place % 2].emplace_back(Found{{}, bands.slots});
       open = false;
     }
-    if (!open) runs->push_back({s, s});
-    runs->back().end = s + 1;
+    if (!open) band->runs.push_back({s, s});
+    band->runs.back().end = s + 1;
     open = true;
+    ++band->size;
+    ++bands.slots;
   }
-  Bands bands;
   for (int parity = 0; parity < 2; ++parity)
-    for (const auto& of_band : found[parity]) {
-      bands.parity[parity].push_back({{bands.runs.size(), bands.runs.size() + of_band.size()}, {}, {}});
-      bands.runs.insert(bands.runs.end(), of_band.begin(), of_band.end());
+    for (const Found& f : found[parity]) {
+      bands.parity[parity].push_back({{bands.runs.size(), bands.runs.size() + f.runs.size()}, {}, {}, f.before + f.size / 2});
+      bands.runs.insert(bands.runs.end(), f.runs.begin(), f.runs.end());
     }
   return bands;
 }

@@ -19,6 +19,7 @@ namespace pivnp::mpm {
 /// those to which no band has added before it, and those to which none will add after it.
 struct Band {
   SlotRange runs, fresh, finished;
+  std::size_t middle;  // of its slots, among all that the bands have
 };
 
 /// Runs of slots, band by band; the parity of a band tells when it adds to its nodes.
@@ -26,7 +27,11 @@ struct Bands {
   std::vector<SlotRange> runs;      // of the even bands, then of the odd ones
   std::vector<Band> parity[2];
 
+  std::size_t slots = 0;            // of all
+
   std::size_t count() const { return parity[0].size() + parity[1].size(); }
+  /// Which of so many threads does a band.
+  int owner(const Band& band, int threads) const { return int(band.middle * std::size_t(threads) / slots); }
 };
 
 /// A "cell" is the set of points that share their nodes: an element for bilinear shapes, the square around a node for
@@ -137,7 +142,7 @@ class GridState {
   Vec2 velocity_at(const Vec2& x) const;
 
  private:
-  void take_slots(std::vector<std::int32_t>& cells);
+  void take_cells();
   void rebuild_lists();
   void rebuild_pieces();
   void rebuild_nodes(const CellBits& cells);

@@ -1,6 +1,8 @@
 // What the loops over a cell's points share.
 #pragma once
 
+#include <omp.h>
+
 #include <algorithm>
 
 #include "mpm/grid_state.hpp"
@@ -58,25 +60,25 @@ void for_pieces(const GridState& g, int threads, Body&& body) {
   for_each(g.pieces.size(), threads, [&](std::size_t r) { body(g.pieces[r], r); });
 }
 
-/// Calls body(band, its number) for the even bands, then for the odd ones.
+/// Calls body(band, its number) for the even bands, then for the odd ones. A thread gets bands side by side, with the points
+/// and nodes that it has in the sweeps over pieces and nodes too: what one processor has written another one waits for.
 template <class Body>
 void for_whole_bands(const Bands& bands, int threads, Body&& body) {
+  const auto own = [&](std::size_t parity, int thread, int of) {
+    const std::size_t first = parity == 0 ? 0 : bands.parity[0].size();
+    for (std::size_t b = 0; b < bands.parity[parity].size(); ++b)
+      if (const Band& band = bands.parity[parity][b]; bands.owner(band, of) == thread) body(band, first + b);
+  };
   if (threads <= 1) {
-    std::size_t first = 0;
-    for (const auto& of_parity : bands.parity) {
-      for (std::size_t b = 0; b < of_parity.size(); ++b) body(of_parity[b], first + b);
-      first += of_parity.size();
-    }
+    own(0, 0, 1);
+    own(1, 0, 1);
     return;
   }
-  const auto& [even, odd] = bands.parity;
-  const auto n_even = std::ptrdiff_t(even.size()), n_odd = std::ptrdiff_t(odd.size());
 #pragma omp parallel num_threads(threads)
   {
-#pragma omp for schedule(dynamic, 1)
-    for (std::ptrdiff_t b = 0; b < n_even; ++b) body(even[std::size_t(b)], std::size_t(b));
-#pragma omp for schedule(dynamic, 1) nowait
-    for (std::ptrdiff_t b = 0; b < n_odd; ++b) body(odd[std::size_t(b)], even.size() + std::size_t(b));
+    own(0, omp_get_thread_num(), omp_get_num_threads());
+#pragma omp barrier
+    own(1, omp_get_thread_num(), omp_get_num_threads());
   }
 }
 
@@ -119,7 +121,7 @@ void for_nodes_in(GridState& g, SlotRange nodes, Body&& body) {
 
 /// Calls body(part, begin, end) for parts of GridState::nodes that do not depend on `threads`: so sums and lists made part
 /// by part do not either.
-constexpr std::size_t nodes_in_part = 1024;
+constexpr std::size_t nodes_in_part = 256;
 inline std::size_t node_parts(const GridState& g) { return (g.nodes.size() + nodes_in_part - 1) / nodes_in_part; }
 template <class Body>
 void for_node_parts(const GridState& g, int threads, Body&& body) {

@@ -54,7 +54,7 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
   sleep.start(p, g);
   g.rebuild(p);
   p.sort_as(g.order, 1);
-  state.wave_speed = wave_speed(materials, density, p);
+  state.wave_speed = wave_speed(materials, density, p, 1);
   g.set_folds(restraints.folds(0, g.grid));
   if (o.k0 && !o.settle) start_at_rest(gravity);
   change_strength(0);
@@ -137,7 +137,7 @@ void Solver::Impl::choose_strain_velocity(double dt, int threads) {
 
 void Solver::Impl::strain(double dt, int threads, GatherSums* moved) {
   state.book.damping += strain_and_update_stress(materials, p, g, scheme, dt, threads, moved);
-  if (state.steps % stiffness_every == 0) state.wave_speed = wave_speed(materials, density, p);
+  if (state.steps % stiffness_every == 0) state.wave_speed = wave_speed(materials, density, p, threads);
 }
 
 void Solver::Impl::find_cells(int threads) {

@@ -11,7 +11,8 @@ namespace pivnp::mpm {
 /// A step is short (some 0.1 ms) and has a handful of barriers: on a machine that is busy otherwise, waiting for a
 /// thread that was put aside costs a hundred times the step. So one thread and `most` are timed now and then, and the
 /// faster is used in between; the longer one thread keeps winning, the rarer the trials. Medians are compared: the first
-/// steps of a trial find the other processor's caches empty, and a single interruption says nothing about the rest.
+/// steps of a trial find the other processor's caches empty, and a single interruption says nothing about the rest. The
+/// first trials follow soon on one another: new threads may share a processor until the system moves them apart.
 class ThreadChoice {
  public:
   explicit ThreadChoice(int most) : most_(std::max(1, most)), now_(most_) {}
@@ -33,7 +34,7 @@ class ThreadChoice {
 
  private:
   using Clock = std::chrono::steady_clock;
-  static constexpr int trial = 7, shortest = 500, longest = 16000;  // steps
+  static constexpr int trial = 7, first = 32, shortest = 500, longest = 16000;  // steps
   using Times = std::array<double, trial>;                          // seconds
 
   static double median(Times t) {
@@ -42,7 +43,7 @@ class ThreadChoice {
   }
 
   int most_, now_;
-  int at_ = 0, cycle_ = shortest;
+  int at_ = 0, cycle_ = first;
   std::array<Times, 2> spent_{};  // with one thread, and with most_
   Clock::time_point start_;
 };

@@ -95,11 +95,17 @@ double strain_and_update_stress(const Materials& materials, Particles& p, GridSt
       threads, moved);
 }
 
-double wave_speed(const Materials& materials, const std::vector<double>& density, Particles& p) {
+double wave_speed(const Materials& materials, const std::vector<double>& density, Particles& p, int threads) {
   double fastest2 = 0;
   for (const Particles::Body& body : p.bodies) {
-    const double stiffness =
-        materials[std::size_t(body.material)]->stiffness(batch_of(p, body.begin, body.end - body.begin));
+    const Material& material = *materials[std::size_t(body.material)];
+    const auto runs = std::ptrdiff_t((body.end - body.begin + run - 1) / run);
+    double stiffness = 0;
+#pragma omp parallel for num_threads(threads) schedule(static) reduction(max : stiffness) if (threads > 1 && runs > 1)
+    for (std::ptrdiff_t r = 0; r < runs; ++r) {
+      const std::size_t begin = body.begin + std::size_t(r) * run;
+      stiffness = std::max(stiffness, material.stiffness(batch_of(p, begin, std::min(run, body.end - begin))));
+    }
     fastest2 = std::max(fastest2, stiffness / density[std::size_t(body.material)]);
   }
   return std::sqrt(fastest2);

@@ -26,6 +26,6 @@ double strain_and_update_stress(const Materials& materials, Particles& p, GridSt
 StressBatch batch_of(Particles& p, std::size_t begin, std::size_t size);
 
 /// The fastest compression wave as the points are now; densities at the start, one a material. m/s.
-double wave_speed(const Materials& materials, const std::vector<double>& density, Particles& p);
+double wave_speed(const Materials& materials, const std::vector<double>& density, Particles& p, int threads);
 
 }  // namespace pivnp::mpm
