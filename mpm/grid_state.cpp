@@ -160,7 +160,8 @@ void GridState::follow(const Particles& p, const std::vector<Move>& moves) {
       } else {
         const auto from = std::ptrdiff_t(s), to = std::ptrdiff_t(next);
         const auto shift = std::uint32_t(slot_begin[first] + next_order.size() - slot_begin[s]);  // wraps
-        next_order.insert(next_order.end(), order.begin() + std::ptrdiff_t(slot_begin[s]), order.begin() + std::ptrdiff_t(slot_begin[next]));
+        next_order.insert(next_order.end(), order.begin() + std::ptrdiff_t(slot_begin[s]),
+                          order.begin() + std::ptrdiff_t(slot_begin[next]));
         next_cell_.insert(next_cell_.end(), slot_cell.begin() + from, slot_cell.begin() + to);
         const std::size_t before = next_begin_.size();
         next_begin_.resize(before + next - s);
@@ -191,7 +192,7 @@ void GridState::follow(const Particles& p, const std::vector<Move>& moves) {
   if (fits(slots())) {
     put_back(slots());
   } else {
-    changed = changed || next_cell_.size() != slots() - first || !std::equal(next_cell_.begin(), next_cell_.end(), slot_cell.begin() + std::ptrdiff_t(first));
+    changed = changed || !std::equal(next_cell_.begin(), next_cell_.end(), slot_cell.begin() + std::ptrdiff_t(first), slot_cell.end());
     const std::size_t begin = slot_begin[first];
     order.resize(begin);
     order.insert(order.end(), next_order.begin(), next_order.end());

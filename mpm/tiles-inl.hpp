@@ -105,7 +105,8 @@ class GroupTile {
   HWY_INLINE V without_gaps(Tag d, V v) const {
     if constexpr (groups == 2) {
       const hn::Half<Tag> h;
-      return hn::Combine(d, hn::Compress(hn::UpperHalf(h, v), of_group_[groups - 1]), hn::Compress(hn::LowerHalf(h, v), of_group_[0]));
+      return hn::Combine(d, hn::Compress(hn::UpperHalf(h, v), of_group_[groups - 1]),
+                         hn::Compress(hn::LowerHalf(h, v), of_group_[0]));
     } else {
       return hn::Compress(v, live_);
     }

@@ -50,19 +50,20 @@ HWY_INLINE Combined combined(V dh, V dx, V eh, V ex, V d2, V R2, V shear) {
 std::size_t hencky(const Elastic& law, const StressBatch& b, std::uint32_t* rare) {
   std::size_t n = 0;
   const D d;
-  const V shear = set(law.shear), lambda = set(law.lambda), per = set(0.5 / law.shear), per2 = set(1 / (law.shear * law.shear));
+  const LaneElastic elastic(law);
+  const V shear = elastic.shear, per2 = set(1 / (law.shear * law.shear));
   for_batch(b, [&](const auto& t, const auto& step, std::size_t k) PIVNP_TILE {
     const Turned s = turned(b, t, step);
     const V dxx = step.load(b.de_xx), dyy = step.load(b.de_yy), dzz = step.load(b.de_zz);
-    const V volumetric = lambda * (dxx + dyy + dzz);
+    const V volumetric = elastic.lambda * (dxx + dyy + dzz);
     const V dh = set(0.5) * (dxx - dyy), dx = step.load(b.de_xy);
-    const V eh = s.half * per, ex = s.xy * per;
+    const V eh = s.half * elastic.per_two_shear, ex = s.xy * elastic.per_two_shear;
     const V d2 = hn::MulAdd(dh, dh, dx * dx), R2 = per2 * s.size2;
     const bool few = hn::AllTrue(d, hn::Le(R2, set(few_terms)));
     Combined m = few ? combined<5, 6>(dh, dx, eh, ex, d2, R2, shear) : combined<7, 14>(dh, dx, eh, ex, d2, R2, shear);
     if (HWY_UNLIKELY(few && !hn::AllTrue(d, hn::Le(m.m2, set(few_terms))))) m = combined<7, 14>(dh, dx, eh, ex, d2, R2, shear);
     V mean = hn::MulAdd(shear, dxx + dyy, s.mean + volumetric), half = m.factor * m.mh, xy = m.factor * m.mx;
-    V xx = mean + half, yy = mean - half, zz = hn::MulAdd(shear + shear, dzz, s.zz + volumetric);
+    V xx = mean + half, yy = mean - half, zz = hn::MulAdd(elastic.two_shear, dzz, s.zz + volumetric);
     const M common = hn::And(hn::Le(d2, set(most_step2)), hn::Le(hn::Max(R2, m.m2), set(most_terms)));
     if (HWY_UNLIKELY(!hn::AllTrue(d, common))) {
       list(hn::Not(common), k, b.size, rare, n);
