@@ -136,7 +136,8 @@ void GridState::follow(const Particles& p, const std::vector<Move>& moves) {
   const auto fits = [&](std::size_t end) {
     return next_cell_.size() == end - first && next_order.size() == slot_begin[end] - slot_begin[first];
   };
-  // The first slot that a point leaves or enters, or before whose cell one enters a new one.
+  // The first slot that a point leaves or enters, or before whose cell one enters a new one. It is never among those that
+  // have been put back: that their rows may begin elsewhere now does not matter to first_slot_from().
   const auto next_changed = [&] {
     return std::min(m < moves.size() ? first_slot_from(moves[m].from) : slots(),
                     a < arrivals.size() ? first_slot_from(arrivals[a].first) : slots());
@@ -159,7 +160,7 @@ void GridState::follow(const Particles& p, const std::vector<Move>& moves) {
         put_back(next);
       } else {
         const auto from = std::ptrdiff_t(s), to = std::ptrdiff_t(next);
-        const auto shift = std::uint32_t(slot_begin[first] + next_order.size() - slot_begin[s]);  // wraps
+        const auto shift = std::uint32_t(slot_begin[first] + next_order.size() - slot_begin[s]);  // may be negative: wraps
         next_order.insert(next_order.end(), order.begin() + std::ptrdiff_t(slot_begin[s]),
                           order.begin() + std::ptrdiff_t(slot_begin[next]));
         next_cell_.insert(next_cell_.end(), slot_cell.begin() + from, slot_cell.begin() + to);
@@ -209,7 +210,7 @@ void GridState::follow(const Particles& p, const std::vector<Move>& moves) {
 void GridState::take_cells() {
   slot_marks.resize(slots());
   std::size_t row = 0;
-  std::int32_t row_end = 0;  // the first cell of `row`, the next one
+  std::int32_t row_end = 0;  // first cell of `row`, which is the next to begin
   for (std::size_t s = 0; s < slots(); ++s) {
     for (; slot_cell[s] >= row_end; row_end += grid.nx) row_begin_[row++] = std::uint32_t(s);
     slot_marks[s] = marks_of(slot_cell[s], int(row) - 1);

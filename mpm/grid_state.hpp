@@ -19,7 +19,7 @@ namespace pivnp::mpm {
 /// those to which no band has added before it, and those to which none will add after it.
 struct Band {
   SlotRange runs, fresh, finished;
-  std::size_t middle;  // of its slots, among all that the bands have
+  std::size_t middle;  // its middle slot, counted over all bands
 };
 
 /// Runs of slots, band by band; the parity of a band tells when it adds to its nodes.

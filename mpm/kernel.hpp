@@ -60,8 +60,8 @@ void for_pieces(const GridState& g, int threads, Body&& body) {
   for_each(g.pieces.size(), threads, [&](std::size_t r) { body(g.pieces[r], r); });
 }
 
-/// Calls body(band, its number) for the even bands, then for the odd ones. A thread gets bands side by side, with the points
-/// and nodes that it has in the sweeps over pieces and nodes too: what one processor has written another one waits for.
+/// Calls body(band, its number) for the even bands, then for the odd ones. A thread always gets the same bands, side by side,
+/// with the points and nodes that it has in the sweeps over pieces and nodes too: they stay in its processor's caches.
 template <class Body>
 void for_whole_bands(const Bands& bands, int threads, Body&& body) {
   const auto own = [&](std::size_t parity, int thread, int of) {

@@ -46,8 +46,8 @@ struct MovingStrain {
     }
     move.move(t, l, cells, n);
     if constexpr (Tile::marked)
-      if (cells.any_mark() & strained_apart) return gradient(l, move.c, cells, sx, sy);
-    return {G.xx * set(sx), G.xy * set(sy), G.yx * set(sx), G.yy * set(sy)};
+      if (cells.any_mark() & strained_apart) return of_own(t, gradient(l, move.c, cells, sx, sy));
+    return of_own(t, {G.xx * set(sx), G.xy * set(sy), G.yx * set(sx), G.yy * set(sy)});
   }
 };
 

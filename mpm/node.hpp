@@ -10,7 +10,8 @@
 
 namespace pivnp::mpm {
 
-/// One line of the caches, in the order in which the kernels add to it: four at once (lanes.hpp).
+/// One line of the caches, in the order in which the kernels add to it: four numbers at once, or with eight lanes the whole
+/// line, the last three as they are (so no other thread may touch it meanwhile).
 struct alignas(64) Node {
   double mass = 0;          // kg/m
   double vx = 0, vy = 0;    // velocity mapped from the points, m/s (while it is being mapped: momentum)

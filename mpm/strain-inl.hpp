@@ -161,10 +161,16 @@ HWY_INLINE LaneGradient gradient(const Lines& l, const CellView& view, const Til
   }
 }
 
+// Of a tile's own points: what follows from it chooses its way by all lanes.
+template <class Tile>
+HWY_INLINE LaneGradient of_own(const Tile& t, const LaneGradient& G) {
+  return {t.own(G.xx), t.own(G.xy), t.own(G.yx), t.own(G.yy)};
+}
+
 // ln det of the step at the points, to be averaged: nothing in lanes without one, where it need not be a number.
 template <class Tile, class Lines>
 HWY_INLINE V dilation(const Tile& t, const Lines& l, const CellView& c, const TileCells& cells, double sx, double sy) {
-  return t.live(lane_log_det(gradient(l, c, cells, sx, sy)));
+  return t.live(lane_log_det(of_own(t, gradient(l, c, cells, sx, sy))));
 }
 
 // The gradient at the elements' centres.
@@ -211,10 +217,10 @@ struct Straining {
   template <class Tile>
   HWY_INLINE void tile(const Tile& t, const TileCells& cells, const double* averages, std::size_t first_slot) const {
     const auto l = lines_of<S>(p, c, cells, t, job.where, job.dt);
-    strain(t, l, cells, gradient(l, c, cells, sx, sy), averages, first_slot);
+    strain(t, l, cells, of_own(t, gradient(l, c, cells, sx, sy)), averages, first_slot);
   }
 
-  // By a gradient of the step's displacement.
+  // By a gradient of the step's displacement, `own`.
   template <class Tile, class Lines>
   HWY_INLINE void strain(const Tile& t, const Lines& l, const TileCells& cells, const LaneGradient& own, const double* averages,
                          std::size_t first_slot) const {
@@ -236,6 +242,7 @@ struct Straining {
       } else {
         theta = hn::IfThenElse(stands_open(p, t), e.trace, averaged(c, cells, l.xi, l.eta));
       }
+      theta = t.own(theta);
       shift = (theta - e.trace) * set(1.0 / 3);
     }
     const std::size_t at = cells.place[0] - first, second = cells.place[groups - 1] - cells.place[0];

@@ -26,7 +26,7 @@ class ThreadChoice {
           std::chrono::duration<double>(Clock::now() - start_).count();
     if (++at_ == 2 * trial) {
       now_ = median(spent_[1]) < median(spent_[0]) ? most_ : 1;
-      cycle_ = now_ == 1 ? std::min(2 * cycle_, longest) : shortest;
+      cycle_ = now_ == 1 ? std::min(rarer * cycle_, longest) : shortest;
     } else if (at_ >= cycle_) {
       at_ = 0;
     }
@@ -35,6 +35,7 @@ class ThreadChoice {
  private:
   using Clock = std::chrono::steady_clock;
   static constexpr int trial = 7, first = 32, shortest = 500, longest = 16000;  // steps
+  static constexpr int rarer = 4;
   using Times = std::array<double, trial>;                          // seconds
 
   static double median(Times t) {

@@ -61,13 +61,15 @@ struct FullTile {
   HWY_INLINE V again(const double* a) const { return hn::LoadU(D(), a + first); }
   HWY_INLINE void store(V v, double* a) const { hn::StoreU(v, D(), a + first); }
   HWY_INLINE V live(V v) const { return v; }
+  HWY_INLINE V own(V v) const { return v; }
   // Of a lane's point among its group's.
   HWY_INLINE std::uint32_t rank(std::size_t, std::size_t lane) const { return std::uint32_t(lane); }
 };
 
 // Groups whose points lie in as many places each as a group has lanes, some of which may be another cell's. The lanes that
-// are left read what is there, and are not stored. They may stand where the cell has no material and its nodes any
-// velocity: no mass of theirs makes up for what is not a number.
+// are left read what is there, which another thread may just be writing, and are not stored: no branch may depend on them
+// (own()). They may stand where the cell has no material and its nodes any velocity: no mass of theirs makes up for what is
+// not a number.
 class GroupTile {
  public:
   static constexpr bool marked = true;
@@ -88,6 +90,8 @@ class GroupTile {
   HWY_INLINE V again(const double* a) const { return load(a); }
   HWY_INLINE void store(V v, double* a) const { put(D(), v, a); }
   HWY_INLINE V live(V v) const { return hn::IfThenElseZero(live_, v); }
+  // Zero in lanes whose value is nobody's of the cell.
+  HWY_INLINE V own(V v) const { return live(v); }
   HWY_INLINE std::uint32_t rank(std::size_t g, std::size_t lane) const {
     return std::uint32_t(hwy::PopCount(std::uint64_t(lanes_[g]) & ((1u << lane) - 1)));
   }
@@ -157,6 +161,7 @@ struct PartTile {
     for (std::size_t l = 0; l < n_lanes; ++l) a[point[l]] = lane[l];
   }
   HWY_INLINE V live(V v) const { return hn::IfThenElseZero(hn::LoadMaskBits(D(), is_live), v); }
+  HWY_INLINE V own(V v) const { return v; }
   HWY_INLINE std::uint32_t rank(std::size_t, std::size_t lane) const { return std::uint32_t(lane); }
   HWY_INLINE V packed(V v) const { return v; }
 

@@ -60,6 +60,16 @@ TEST(Cells, FollowWhatABuildFromScratchFinds) {
       ASSERT_EQ(c.g.slot_begin, other.slot_begin);
       ASSERT_EQ(c.g.slot_cell, other.slot_cell);
       ASSERT_EQ(c.g.nodes, other.nodes);
+      std::size_t next = 0;
+      for (std::uint32_t n = 0; n < c.g.grid.node_count(); ++n) {
+        if (next < c.g.nodes.size() && c.g.nodes[next] == n) {
+          ++next;
+          c.g.node[n].mass = c.g.node[n].nx = 1;
+        } else {  // nothing is left of what it carried
+          ASSERT_EQ(c.g.node[n].mass, 0);
+          ASSERT_EQ(c.g.node[n].nx, 0);
+        }
+      }
       for (std::size_t s = 0; s < c.g.slots(); ++s)
         for (std::uint32_t q = c.g.slot_begin[s]; q < c.g.slot_begin[s + 1]; ++q)
           ASSERT_EQ(p.cell[c.g.order[q]], c.g.slot_cell[s]);
@@ -74,6 +84,37 @@ TEST(Cells, FollowWhatABuildFromScratchFinds) {
       }
     }
     EXPECT_GT(std::count(p.cell.begin(), p.cell.end(), Particles::ended), 0);
+  }
+}
+
+// The slots that see one of the nodes, and no others; nodes in a row as one by one.
+TEST(Cells, SlotsThatSeeANodeAreStrainedApart) {
+  std::mt19937_64 random(seed_of_all);
+  SCOPED_TRACE(seed_of_all);
+  const auto number = [&](int low, int high) { return std::uniform_int_distribution<int>(low, high)(random); };
+  for (int trial = 0; trial < 300; ++trial) {
+    const ShapeKind shape = trial % 2 ? ShapeKind::bilinear : ShapeKind::bspline;
+    const Grid grid{{0, 0}, {0.1, 0.1}, number(2, 9), number(2, 12)};
+    GridState row(grid, shape, 1, true), single(grid, shape, 1, true);
+    Particles p;
+    p.x.resize(std::size_t(number(1, 60)));
+    p.cell.resize(p.x.size());
+    for (std::int32_t& cell : p.cell)
+      cell = std::int32_t(row.grid.node(number(0, row.grid.nx - row.width), number(0, row.grid.ny - row.width)));
+    row.rebuild(p);
+    single.rebuild(p);
+    const auto first = std::uint32_t(number(0, int(row.grid.node_count()) - 1));
+    const int count = number(1, row.grid.nx - int(first) % row.grid.nx);
+    row.strain_apart(first, count);
+    for (int k = 0; k < count; ++k) single.strain_apart(first + std::uint32_t(k));
+    EXPECT_EQ(row.slot_marks, single.slot_marks);
+    for (std::size_t n = 0; n < row.grid.node_count(); ++n) EXPECT_EQ(row.node[n].apart, single.node[n].apart);
+    for (std::size_t s = 0; s < row.slots(); ++s) {
+      std::size_t at[9];
+      row.stencil_nodes(s, at);
+      const bool sees = std::any_of(at, at + row.stencil, [&](std::size_t n) { return n >= first && n < first + std::size_t(count); });
+      EXPECT_EQ(sees, bool(row.slot_marks[s] & strained_apart));
+    }
   }
 }
 
