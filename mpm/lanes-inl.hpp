@@ -49,19 +49,22 @@ struct GimpLanes {
   static constexpr int W = 3, first = -1;
   static constexpr bool linear = false, needs_size = true;
   static HWY_INLINE LaneLine<3> line(V xi, V half) {
-    // Of the nearest node the middle and the sides of the function are in reach, of the others the sides and the ends.
-    const V one = set(1), per = one / half, half_per = set(0.5) * per, d = hn::Abs(xi), neg = hn::Neg(xi);
-    const M near = hn::Lt(d, half);
+    // A function's end, a parabola, and its side reach the nodes beside: by how far the point's square overlaps them. The
+    // three make up one.
+    const V per_size = set(0.5) / half, size = half + half;
+    const auto beside = [&](V reach, V& w, V& g) PIVNP_TILE {
+      reach = hn::Max(reach, zero());
+      const V end = hn::Min(reach, size);
+      g = end * per_size;
+      w = hn::MulAdd(set(0.5) * end, g, reach - end);
+    };
     LaneLine<3> out;
-    out.w[1] = hn::IfThenElse(near, one - (d * d + half * half) * half_per, one - d);
-    out.g[1] = hn::IfThenElse(near, neg * per, hn::CopySign(one, neg));
-    const V low = xi + one, high = one - xi, quarter = set(0.25) * per, reach = one + half, sides = one - half;
-    const M low_side = hn::Le(low, sides), high_side = hn::Le(high, sides);
-    const V low_end = hn::Max(reach - low, zero()), high_end = hn::Max(reach - high, zero());
-    out.w[0] = hn::IfThenElse(low_side, one - low, low_end * low_end * quarter);
-    out.w[2] = hn::IfThenElse(high_side, one - high, high_end * high_end * quarter);
-    out.g[0] = hn::IfThenElse(low_side, set(-1), zero() - low_end * half_per);
-    out.g[2] = hn::IfThenElse(high_side, one, high_end * half_per);
+    V fall;
+    beside(half - xi, out.w[0], fall);
+    beside(half + xi, out.w[2], out.g[2]);
+    out.g[0] = hn::Neg(fall);
+    out.w[1] = (set(1) - out.w[0]) - out.w[2];
+    out.g[1] = fall - out.g[2];
     return out;
   }
   static HWY_INLINE LaneLine<3> line_at_wall(V xi, V half, bool low) {

@@ -1,7 +1,7 @@
 // The kernels of a step: loops over the points of cells, as many points at a time as the processor has lanes. Compiled
 // once for each instruction set and chosen at run time (Highway); nothing here may include Eigen.
 //
-// A tile is as many points as there are lanes, in groups of four lanes or fewer, each of one cell. Where a tile's points
+// A tile is as many points as there are lanes, four or eight, in groups of four, each of one cell. Where a tile's points
 // lie together in storage (after a re-sort, nearly all) a field is one load, where a group's do, one a group; otherwise it
 // is put together point by point. Lanes beyond a cell's last point have no mass and no volume, and are not stored. Sums
 // over a group's lanes are formed in one order, and added to the nodes group after group: so the bits depend on the

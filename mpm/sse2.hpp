@@ -1,5 +1,5 @@
 // Two doubles as every x86-64 processor has them (SSE2): names, order of operations and results of Highway's SSSE3, for
-// where the library has scalar code only (vectors-inl.hpp). No more than the kernels use.
+// where the library has scalar code only (vectors-inl.hpp). No more than the kernels and pairs-inl.hpp use.
 #pragma once
 
 #if defined(__SSE2__)
@@ -32,8 +32,6 @@ template <class D>
 using Vec = Double2;
 template <class D>
 using Mask = Mask2;
-template <class D>
-using Half = Tag<1>;
 
 template <std::size_t n>
 HWY_INLINE constexpr std::size_t MaxLanes(Tag<n>) {
@@ -63,13 +61,6 @@ HWY_INLINE Double2 Load(Tag<2>, const double* p) { return {_mm_loadu_pd(p)}; }
 HWY_INLINE void StoreU(Double2 v, Tag<2>, double* p) { _mm_storeu_pd(p, v.raw); }
 HWY_INLINE void StoreU(Double2 v, Tag<1>, double* p) { _mm_store_sd(p, v.raw); }
 HWY_INLINE void Store(Double2 v, Tag<2>, double* p) { _mm_storeu_pd(p, v.raw); }
-// Another thread may write to the lane that is left out.
-template <std::size_t n>
-HWY_INLINE void BlendedStore(Double2 v, Mask2 m, Tag<n>, double* p) {
-  const int lanes = _mm_movemask_pd(m.raw);
-  if (lanes & 1) _mm_storel_pd(p, v.raw);
-  if (n == 2 && lanes & 2) _mm_storeh_pd(p + 1, v.raw);
-}
 HWY_INLINE double GetLane(Double2 v) { return _mm_cvtsd_f64(v.raw); }
 
 // ---- Lanes from two vectors; the lower one is the even one.
@@ -78,14 +69,6 @@ HWY_INLINE Double2 InterleaveUpper(Tag<2>, Double2 a, Double2 b) { return {_mm_u
 HWY_INLINE Double2 OddEven(Double2 odd, Double2 even) { return {_mm_shuffle_pd(even.raw, odd.raw, 2)}; }
 HWY_INLINE Double2 Reverse2(Tag<2>, Double2 v) { return {_mm_shuffle_pd(v.raw, v.raw, 1)}; }
 HWY_INLINE Double2 Compress(Double2 v, Mask2 m) { return _mm_movemask_pd(m.raw) == 2 ? Double2{_mm_unpackhi_pd(v.raw, v.raw)} : v; }
-HWY_INLINE Double2 LowerHalf(Tag<1>, Double2 v) { return v; }
-HWY_INLINE Double2 UpperHalf(Tag<1>, Double2 v) { return {_mm_unpackhi_pd(v.raw, v.raw)}; }
-HWY_INLINE Double2 Combine(Tag<2>, Double2 high, Double2 low) { return {_mm_unpacklo_pd(low.raw, high.raw)}; }
-HWY_INLINE Double2 ConcatLowerLower(Tag<2>, Double2 high, Double2 low) { return {_mm_unpacklo_pd(low.raw, high.raw)}; }
-HWY_INLINE Double2 ConcatUpperUpper(Tag<2>, Double2 high, Double2 low) { return {_mm_unpackhi_pd(low.raw, high.raw)}; }
-// (Of blocks as long as the vector.)
-HWY_INLINE Double2 OddEvenBlocks(Double2, Double2 even) { return even; }
-HWY_INLINE Double2 SwapAdjacentBlocks(Double2 v) { return v; }
 
 HWY_INLINE void LoadInterleaved2(Tag<2> d, const double* p, Double2& a, Double2& b) {
   const Double2 low = LoadU(d, p), high = LoadU(d, p + 2);
@@ -171,6 +154,11 @@ HWY_INLINE Mask2 FirstN(Tag<n>, std::size_t size) {
 HWY_INLINE Mask2 LoadMaskBits(Tag<2>, const std::uint8_t* bits) {
   const long long low = bits[0] & 1, high = bits[0] >> 1 & 1;
   return {_mm_castsi128_pd(_mm_set_epi64x(-high, -low))};
+}
+// To the lowest bits of the first byte; the number of bytes.
+HWY_INLINE std::size_t StoreMaskBits(Tag<2>, Mask2 m, std::uint8_t* bits) {
+  bits[0] = std::uint8_t(_mm_movemask_pd(m.raw));
+  return 1;
 }
 
 // ---- 2^k of the lower two of four integers.

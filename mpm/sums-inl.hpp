@@ -43,16 +43,23 @@ struct Four {
   }
 
  private:
+  // The sums of neighbouring lanes, x and y in turn.
   template <class Tag>
-  static HWY_INLINE V pairs(Tag d, V x, V y) {
+  static HWY_INLINE hn::Vec<Tag> of_two(Tag d, hn::Vec<Tag> x, hn::Vec<Tag> y) {
     return hn::InterleaveLower(d, x, y) + hn::InterleaveUpper(d, x, y);
   }
   // a, b, c, e of the first group, then of the second.
   template <class Tag>
   HWY_INLINE V all(Tag d) const {
-    const V ab = pairs(d, a, b), ce = pairs(d, c, e);
-    if constexpr (groups == 1) return hn::ConcatLowerLower(d, ce, ab) + hn::ConcatUpperUpper(d, ce, ab);
-    else return hn::OddEvenBlocks(ce, ab) + hn::SwapAdjacentBlocks(hn::OddEvenBlocks(ab, ce));
+    if constexpr (in_pairs) {  // the halves are there already
+      const hn::Half<Tag> h;
+      const auto half = [&](V v) PIVNP_TILE { return hn::LowerHalf(h, v) + hn::UpperHalf(h, v); };
+      return hn::Combine(d, of_two(h, half(c), half(e)), of_two(h, half(a), half(b)));
+    } else {
+      const V ab = of_two(d, a, b), ce = of_two(d, c, e);
+      if constexpr (groups == 1) return hn::ConcatLowerLower(d, ce, ab) + hn::ConcatUpperUpper(d, ce, ab);
+      else return hn::OddEvenBlocks(ce, ab) + hn::SwapAdjacentBlocks(hn::OddEvenBlocks(ab, ce));
+    }
   }
   template <class Tag>
   static HWY_INLINE void add_at(Tag d, hn::Vec<Tag> v, double* at) {
@@ -65,10 +72,8 @@ struct Four {
       const V sums = all(d);
       add_at(h, hn::LowerHalf(h, sums), first(0));
       add_at(h, hn::UpperHalf(h, sums), first(1));
-    } else if constexpr (n_lanes == 4) {
-      add_at(d, all(d), first(0));
     } else {
-      add_halves(d, first, [&](std::size_t g) PIVNP_TILE { return first(g) + 2; });
+      add_at(d, all(d), first(0));
     }
   }
   template <class Tag, class First>
@@ -86,15 +91,12 @@ struct Four {
       const V sums = all(d);
       split(h, hn::LowerHalf(h, sums), low(0), high(0));
       split(h, hn::UpperHalf(h, sums), low(1), high(1));
-    } else if constexpr (n_lanes == 4) {
-      split(d, all(d), low(0), high(0));
     } else {
-      add_at(d, pairs(d, a, b), low(0));
-      add_at(d, pairs(d, c, e), high(0));
+      split(d, all(d), low(0), high(0));
     }
   }
   template <class Tag>
-  static HWY_INLINE void split(Tag d, hn::Vec<Tag> v, double* low, double* high) {
+  static HWY_INLINE void split(Tag, hn::Vec<Tag> v, double* low, double* high) {
     const hn::Half<Tag> h;
     add_at(h, hn::LowerHalf(h, v), low);
     add_at(h, hn::UpperHalf(h, v), high);

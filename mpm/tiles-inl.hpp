@@ -22,8 +22,8 @@ using V = hn::Vec<D>;
 using M = hn::Mask<D>;
 constexpr std::size_t n_lanes = hn::MaxLanes(D());
 // The lanes come in groups, each of one cell: at four points a cell more lanes than that would stay empty.
-constexpr std::size_t group_lanes = n_lanes < 4 ? n_lanes : 4, groups = n_lanes / group_lanes;
-static_assert(groups == 1 || groups == 2);
+constexpr std::size_t group_lanes = 4, groups = n_lanes / group_lanes;
+static_assert(n_lanes == 4 || n_lanes == 8);
 
 HWY_INLINE V set(double v) { return hn::Set(D(), v); }
 HWY_INLINE V zero() { return hn::Zero(D()); }
@@ -40,8 +40,7 @@ HWY_INLINE void group_sums(V v, double* out) {
   hn::Store(v, D(), lane);
   for (std::size_t g = 0; g < groups; ++g) {
     const double* of = lane + g * group_lanes;
-    if constexpr (group_lanes == 4) out[g] = (of[0] + of[1]) + (of[2] + of[3]);
-    else out[g] = of[0] + of[1];
+    out[g] = (of[0] + of[1]) + (of[2] + of[3]);
   }
 }
 
@@ -54,7 +53,7 @@ struct FullTile {
   static constexpr bool marked = false;
   std::uint32_t first;
   HWY_INLINE V load(const double* a) const {
-    if constexpr (n_lanes > 2) hwy::Prefetch(a + first + 96);  // (two: what the processor fetches by itself is soon enough)
+    if constexpr (!in_pairs) hwy::Prefetch(a + first + 96);  // (what the processor fetches by itself is soon enough for these)
     return hn::LoadU(D(), a + first);
   }
   // What the tile has loaded or stored before.
@@ -96,7 +95,7 @@ class GroupTile {
     return std::uint32_t(hwy::PopCount(std::uint64_t(lanes_[g]) & ((1u << lane) - 1)));
   }
   // Each group's points without gaps between them.
-  HWY_INLINE V packed(V v) const { return group_lanes == 4 && HWY_UNLIKELY(gaps_) ? without_gaps(D(), v) : v; }
+  HWY_INLINE V packed(V v) const { return HWY_UNLIKELY(gaps_) ? without_gaps(D(), v) : v; }
 
  private:
   using G = std::conditional_t<groups == 2, hn::Half<D>, D>;
@@ -117,7 +116,7 @@ class GroupTile {
   }
   template <class Tag>
   HWY_INLINE V loaded(Tag d, const double* a) const {
-    if constexpr (n_lanes > 2) hwy::Prefetch(a + first_[0] + 96);
+    if constexpr (!in_pairs) hwy::Prefetch(a + first_[0] + 96);
     if constexpr (groups == 1) return hn::LoadU(d, a + first_[0]);
     const hn::Half<Tag> h;
     return hn::Combine(d, hn::LoadU(h, a + first_[groups - 1]), hn::LoadU(h, a + first_[0]));
@@ -128,8 +127,6 @@ class GroupTile {
       const hn::Half<Tag> h;
       hn::BlendedStore(hn::LowerHalf(h, v), of_group_[0], h, a + first_[0]);
       hn::BlendedStore(hn::UpperHalf(h, v), of_group_[groups - 1], h, a + first_[groups - 1]);
-    } else if (n_lanes == 2 && lanes_[0] == 1) {
-      a[first_[0]] = hn::GetLane(v);  // (some processors would write the other lane back, to which another thread may write)
     } else {
       hn::BlendedStore(v, live_, d, a + first_[0]);
     }

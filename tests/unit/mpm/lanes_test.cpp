@@ -7,6 +7,7 @@
 
 #include "mpm/finite_strain.hpp"
 #include "mpm/kernel.hpp"
+#include "mpm/lanes-inl.hpp"
 #include "mpm/lanes.hpp"
 #include "mpm/material/mohr_coulomb.hpp"
 #include "mpm/material/smooth_mohr_coulomb.hpp"
@@ -30,6 +31,29 @@ void on_every_target(Body&& body) {
     body();
   }
   pivnp::test::choose_best_instruction_set();
+}
+
+// uGIMP's functions have three pieces; the lanes form them without asking which. (By the vectors every processor of this kind
+// has; the other sets' are compared through the kernels.)
+TEST(GimpLanes, AreTheShapesPiecesUpToTheirJoints) {
+  namespace simd = mpm::HWY_NAMESPACE;
+  double most = 0;
+  for (const double half : {0.5, 0.4999, 0.25, 0.1, 1e-3, 1e-6})
+    for (int n = -40; n <= 40; ++n)
+      for (const double off : {-1e-13, 0.0, 1e-13}) {
+        double xi = n % 4 == 0 ? (n / 4) * 0.05 : std::copysign(0.5 - half, n) + n * half / 39;  // along the cell; the joints
+        xi = std::min(std::max(xi + off, -0.5), 0.5);
+        const Line<3> plain = GimpShape::line(xi, half, false, false);
+        const auto lane = simd::GimpLanes::line(simd::set(xi), simd::set(half));
+        for (int a = 0; a < 3; ++a) {
+          most = std::max(most, std::abs(simd::hn::GetLane(lane.w[a]) - plain.w[a]));
+          most = std::max(most, half * std::abs(simd::hn::GetLane(lane.g[a]) - plain.g[a]));  // (their slope is 1/half)
+          EXPECT_GE(simd::hn::GetLane(lane.w[a]), -1e-16) << xi << ' ' << half;
+        }
+        EXPECT_NEAR(simd::hn::GetLane(lane.w[0] + lane.w[1] + lane.w[2]), 1, 3e-16) << xi << ' ' << half;
+        EXPECT_NEAR(simd::hn::GetLane(lane.g[0] + lane.g[1] + lane.g[2]), 0, 3e-16) << xi << ' ' << half;
+      }
+  EXPECT_LT(most, 4e-16);
 }
 
 class InLanes : public testing::TestWithParam<std::tuple<ShapeKind, TransferKind>> {};
