@@ -53,8 +53,8 @@ struct GimpLanes {
     // three make up one.
     const V per_size = set(0.5) / half, size = half + half;
     const auto beside = [&](V reach, V& w, V& g) PIVNP_TILE {
-      reach = hn::Max(reach, zero());
-      const V end = hn::Min(reach, size);
+      reach = hn::Max(zero(), reach);  // (of the two the second where it is not a number)
+      const V end = hn::Min(size, reach);
       g = end * per_size;
       w = hn::MulAdd(set(0.5) * end, g, reach - end);
     };

@@ -5,7 +5,7 @@
 // lie together in storage (after a re-sort, nearly all) a field is one load, where a group's do, one a group; otherwise it
 // is put together point by point. Lanes beyond a cell's last point have no mass and no volume, and are not stored. Sums
 // over a group's lanes are formed in one order, and added to the nodes group after group: so the bits depend on the
-// order of the cells, the points in them and in storage, and the number of lanes (tiles choose their series together).
+// order of the cells, the points in them and in storage, and the lanes (their sums' order; tiles choose their series together).
 #pragma once
 
 #include <cstddef>

@@ -1,7 +1,7 @@
 // Four doubles as two vectors of two, with the names and the order of lanes of Highway's vectors of four, for processors whose
 // own hold two: a tile then takes a cell's four points there too, and what is done once a tile or a cell is done half as
-// often. An operation is that of the processor's vectors (`native`) on either half. No more than the kernels use. Included by
-// vectors-inl.hpp.
+// often. An operation is that of the processor's vectors (`native`) on either half. No more than the kernels name, some of
+// it in branches for other numbers of lanes. Included by vectors-inl.hpp.
 #if defined(PIVNP_MPM_PAIRS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef PIVNP_MPM_PAIRS_INL
 #undef PIVNP_MPM_PAIRS_INL
@@ -34,11 +34,13 @@ template <class D>
 struct Of {
   using V = native::Vec<D>;
   using M = native::Mask<D>;
+  using Half = Two;  // (a member, or nothing would depend on D: compilers would look at branches that are not taken)
 };
 template <>
 struct Of<Tag4> {
   using V = Double4;
   using M = Mask4;
+  using Half = Two;
 };
 template <class D>
 using Vec = typename Of<D>::V;
@@ -47,7 +49,7 @@ using Mask = typename Of<D>::M;
 template <class T, std::size_t most>
 using CappedTag = std::conditional_t<(most >= 4), Tag4, native::CappedTag<T, (most < 2 ? most : 2)>>;
 template <class D>
-using Half = Two;
+using Half = typename Of<D>::Half;
 
 // The processor's own vectors, and single doubles, are what they are.
 using native::Lanes;
@@ -56,10 +58,8 @@ HWY_INLINE constexpr std::size_t MaxLanes(Tag4) { return 4; }
 HWY_INLINE constexpr std::size_t Lanes(Tag4) { return 4; }
 
 // ---- Memory.
-using native::Load;
 using native::LoadU;
 using native::Set;
-using native::Store;
 using native::StoreU;
 using native::Zero;
 HWY_INLINE Double4 Set(Tag4, double x) {
@@ -99,19 +99,13 @@ HWY_INLINE Double4 Combine(Tag4, Vec2 high, Vec2 low) { return {low, high}; }
 using native::OddEven;
 using native::InterleaveLower;
 using native::InterleaveUpper;
-HWY_INLINE Double4 InterleaveLower(Tag4, Double4 a, Double4 b) {
-  return {native::InterleaveLower(Two(), a.low, b.low), native::InterleaveLower(Two(), a.high, b.high)};
-}
-HWY_INLINE Double4 InterleaveUpper(Tag4, Double4 a, Double4 b) {
-  return {native::InterleaveUpper(Two(), a.low, b.low), native::InterleaveUpper(Two(), a.high, b.high)};
-}
 HWY_INLINE Double4 ConcatLowerLower(Tag4, Double4 high, Double4 low) { return {low.low, high.low}; }
 HWY_INLINE Double4 ConcatUpperUpper(Tag4, Double4 high, Double4 low) { return {low.high, high.high}; }
 HWY_INLINE Double4 Reverse2(Tag4, Double4 v) { return {native::Reverse2(Two(), v.low), native::Reverse2(Two(), v.high)}; }
 HWY_INLINE Double4 OddEvenBlocks(Double4 odd, Double4 even) { return {even.low, odd.high}; }
 HWY_INLINE Double4 SwapAdjacentBlocks(Double4 v) { return {v.high, v.low}; }
 HWY_INLINE Double4 Compress(Double4 v, Mask4 m) {
-  double lane[6];
+  HWY_ALIGN double lane[4] = {};
   std::uint8_t low[8];
   native::StoreMaskBits(Two(), m.low, low);
   native::StoreU(native::Compress(v.low, m.low), Two(), lane);
@@ -146,7 +140,6 @@ HWY_INLINE void StoreInterleaved4(Double4 a, Double4 b, Double4 c, Double4 e, Ta
   HWY_INLINE Out name(A a, B b) { return {native::name(a.low, b.low), native::name(a.high, b.high)}; }
 #define PIVNP_THREE(name, A) \
   HWY_INLINE Double4 name(A a, Double4 b, Double4 c) { return {native::name(a.low, b.low, c.low), native::name(a.high, b.high, c.high)}; }
-using native::Abs;
 using native::Gt;
 using native::IfThenElse;
 using native::IfThenElseZero;
@@ -164,7 +157,6 @@ PIVNP_THREE(MulSub, Double4)
 PIVNP_THREE(NegMulAdd, Double4)
 PIVNP_TWO(Double4, Min, Double4, Double4)
 PIVNP_TWO(Double4, Max, Double4, Double4)
-PIVNP_TWO(Double4, CopySign, Double4, Double4)
 PIVNP_ONE(Double4, Sqrt, Double4)
 PIVNP_ONE(Double4, Neg, Double4)
 PIVNP_ONE(Double4, Abs, Double4)

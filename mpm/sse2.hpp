@@ -1,5 +1,5 @@
 // Two doubles as every x86-64 processor has them (SSE2): names, order of operations and results of Highway's SSSE3, for
-// where the library has scalar code only (vectors-inl.hpp). No more than the kernels and pairs-inl.hpp use.
+// where the library has scalar code only (vectors-inl.hpp). No more than pairs-inl.hpp uses.
 #pragma once
 
 #if defined(__SSE2__)
@@ -122,10 +122,6 @@ HWY_INLINE Double2 Max(Double2 a, Double2 b) { return {_mm_max_pd(a.raw, b.raw)}
 HWY_INLINE Double2 Sqrt(Double2 a) { return {_mm_sqrt_pd(a.raw)}; }
 HWY_INLINE Double2 Neg(Double2 a) { return {_mm_xor_pd(a.raw, _mm_set1_pd(-0.0))}; }
 HWY_INLINE Double2 Abs(Double2 a) { return {_mm_andnot_pd(_mm_set1_pd(-0.0), a.raw)}; }
-HWY_INLINE Double2 CopySign(Double2 size, Double2 sign) {
-  const __m128d bit = _mm_set1_pd(-0.0);
-  return {_mm_or_pd(_mm_andnot_pd(bit, size.raw), _mm_and_pd(bit, sign.raw))};
-}
 HWY_INLINE Double2 SumOfLanes(Tag<2>, Double2 a) { return a + Double2{_mm_shuffle_pd(a.raw, a.raw, 1)}; }
 HWY_INLINE Double2 MaxOfLanes(Tag<2>, Double2 a) { return Max(a, Double2{_mm_shuffle_pd(a.raw, a.raw, 1)}); }
 

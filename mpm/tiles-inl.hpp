@@ -34,7 +34,7 @@ HWY_INLINE V of_groups(double first, [[maybe_unused]] double second) {
   if constexpr (groups == 1) return set(first);
   else return hn::IfThenElse(hn::FirstN(D(), group_lanes), set(first), set(second));
 }
-// The sum over each group's lanes, in one order whatever their number.
+// The sum over each group's lanes, in one order whatever the number of groups.
 HWY_INLINE void group_sums(V v, double* out) {
   HWY_ALIGN double lane[n_lanes];
   hn::Store(v, D(), lane);
@@ -117,9 +117,12 @@ class GroupTile {
   template <class Tag>
   HWY_INLINE V loaded(Tag d, const double* a) const {
     if constexpr (!in_pairs) hwy::Prefetch(a + first_[0] + 96);
-    if constexpr (groups == 1) return hn::LoadU(d, a + first_[0]);
-    const hn::Half<Tag> h;
-    return hn::Combine(d, hn::LoadU(h, a + first_[groups - 1]), hn::LoadU(h, a + first_[0]));
+    if constexpr (groups == 1) {
+      return hn::LoadU(d, a + first_[0]);
+    } else {
+      const hn::Half<Tag> h;
+      return hn::Combine(d, hn::LoadU(h, a + first_[groups - 1]), hn::LoadU(h, a + first_[0]));
+    }
   }
   template <class Tag>
   HWY_INLINE void put(Tag d, V v, double* a) const {

@@ -65,7 +65,6 @@ TEST(Pairs, ArithmeticIsThatOfTheLanes) {
   expect("NegMulAdd", NegMulAdd(x, y, z), [](std::size_t l) { return c[l] - a[l] * b[l]; });
   expect("Min", Min(y, z), [](std::size_t l) { return std::min(b[l], c[l]); });
   expect("Max", Max(y, z), [](std::size_t l) { return std::max(b[l], c[l]); });
-  expect("CopySign", CopySign(z, y), [](std::size_t l) { return std::copysign(c[l], b[l]); });
   expect("Sqrt", Sqrt(z), [](std::size_t l) { return std::sqrt(c[l]); });
   expect("Neg", hn::Neg(x), [](std::size_t l) { return -a[l]; });
   expect("Abs", Abs(x), [](std::size_t l) { return std::abs(a[l]); });
@@ -111,9 +110,9 @@ TEST(Pairs, MasksChooseLaneByLane) {
       expect("AndNot", AndNot(mask(m), mask(other)), [&](std::size_t l) { return !in(l) && too(l); });
     }
     // Lanes that are left out may be another thread's, or lie where nothing may be written: their neighbours alone are.
-    std::vector<double> to(4, 9.0);
-    BlendedStore(of(c), mask(m), d, to.data());
-    for (std::size_t l = 0; l < 4; ++l) EXPECT_EQ(to[l], in(l) ? c[l] : 9) << m << ' ' << l;
+    std::vector<double> to(8, 9.0);
+    BlendedStore(of(c), mask(m), d, to.data() + 2);
+    for (std::size_t k = 0; k < 8; ++k) EXPECT_EQ(to[k], k >= 2 && k < 6 && in(k - 2) ? c[k - 2] : 9) << m << ' ' << k;
     const unsigned last = m == 0 ? 0 : 4 - unsigned(std::countl_zero(std::uint8_t(m << 4)));
     std::vector<double> few(last, 9.0);  // (ends behind the last lane that is stored: the sanitizers look)
     BlendedStore(of(c), mask(m), d, few.data());
@@ -130,8 +129,6 @@ TEST(Pairs, MasksChooseLaneByLane) {
 
 TEST(Pairs, LanesGoWhereTheyShould) {
   const Double4 x = of({1, 2, 3, 4}), y = of({5, 6, 7, 8});
-  EXPECT_EQ(lanes(InterleaveLower(d, x, y)), (Lanes4{1, 5, 3, 7}));
-  EXPECT_EQ(lanes(InterleaveUpper(d, x, y)), (Lanes4{2, 6, 4, 8}));
   EXPECT_EQ(lanes(ConcatLowerLower(d, y, x)), (Lanes4{1, 2, 5, 6}));
   EXPECT_EQ(lanes(ConcatUpperUpper(d, y, x)), (Lanes4{3, 4, 7, 8}));
   EXPECT_EQ(lanes(Reverse2(d, x)), (Lanes4{2, 1, 4, 3}));

@@ -1,4 +1,4 @@
-// The two doubles of plain x86-64: each operation, and whole runs against the library's own two lanes.
+// The two doubles of plain x86-64: each operation, and whole runs against the library's own of two lanes.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -80,7 +80,6 @@ TEST(Sse2, ArithmeticIsThatOfTheLanes) {
     expect("Sqrt", Sqrt(a), [](double p, double, double) { return std::sqrt(p); });
     expect("Neg", sse2::Neg(a), [](double p, double, double) { return -p; });
     expect("Abs", Abs(a), [](double p, double, double) { return std::abs(p); });
-    expect("CopySign", CopySign(a, b), [](double p, double q, double) { return std::copysign(p, q); });
   });
   EXPECT_TRUE(std::signbit(lanes(sse2::Neg(Zero(both)))[1]));
   EXPECT_EQ(GetLane(SumOfLanes(both, of({1.5, 2}))), 3.5);
@@ -219,8 +218,8 @@ TEST(InstructionSets, TheBaselineIsAmongThem) {
 #endif
 }
 
-// None of them contracts products and sums, so whole runs agree to the last bit of their state.
-TEST(InstructionSets, ThoseOfTwoLanesGiveTheSameBits) {
+// Sets whose vectors hold two doubles (pairs-inl.hpp). None of them contracts products and sums, so whole runs agree to the last bit of their state.
+TEST(InstructionSets, ThoseInPairsGiveTheSameBits) {
   struct Setting {
     const char *shape, *transfer, *stress_update, *locking;
     bool smooth;
