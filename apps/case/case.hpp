@@ -9,7 +9,7 @@
 
 #include "apps/report/options.hpp"
 #include "compare/compare.hpp"
-#include "mpm/options.hpp"
+#include "mpm/state/options.hpp"
 #include "pivnp/core/options.hpp"
 #include "pivnp/image/camera.hpp"
 #include "pivnp/image/frames.hpp"

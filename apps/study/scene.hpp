@@ -7,7 +7,7 @@
 
 #include "apps/case/case.hpp"
 #include "apps/study/study.hpp"
-#include "mpm/solver.hpp"
+#include "mpm/step/solver.hpp"
 #include "pivnp/core/particles/motion.hpp"
 #include "pivnp/core/particles/region.hpp"
 #include "pivnp/image/camera.hpp"

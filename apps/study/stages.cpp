@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "apps/study/measure.hpp"
-#include "mpm/solver.hpp"
+#include "mpm/step/solver.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
 #include "pivnp/np/reseed.hpp"

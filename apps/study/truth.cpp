@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "mpm/solver.hpp"
+#include "mpm/step/solver.hpp"
 #include "pivnp/core/error.hpp"
 
 namespace pivnp::app {

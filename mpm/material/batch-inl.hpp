@@ -8,7 +8,7 @@
 #endif
 
 #include "mpm/material/lanes.hpp"
-#include "mpm/tiles-inl.hpp"
+#include "mpm/simd/tiles-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace pivnp::mpm::HWY_NAMESPACE {

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "mpm/options.hpp"
+#include "mpm/state/options.hpp"
 
 namespace pivnp::mpm {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mpm/kernel.hpp"
+#include "mpm/grid/kernel.hpp"
 
 namespace pivnp::mpm {
 

@@ -17,9 +17,9 @@
 #include <memory>
 #include <vector>
 
-#include "mpm/grid_state.hpp"
+#include "mpm/grid/grid_state.hpp"
 #include "mpm/material/material.hpp"
-#include "mpm/particles.hpp"
+#include "mpm/state/particles.hpp"
 
 namespace pivnp::mpm {
 

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "mpm/solver.hpp"
+#include "mpm/step/solver.hpp"
 #include "pivnp/core/particles/seeding.hpp"
 
 using namespace pivnp;

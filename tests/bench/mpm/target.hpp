@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "mpm/lanes.hpp"
+#include "mpm/transfer/lanes.hpp"
 #include "tests/support/instruction_sets.hpp"
 
 namespace pivnp::bench {

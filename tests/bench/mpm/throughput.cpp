@@ -19,7 +19,7 @@
 
 #include <malloc.h>
 
-#include "mpm/solver.hpp"
+#include "mpm/step/solver.hpp"
 #include "pivnp/core/particles/seeding.hpp"
 #include "tests/bench/mpm/machine.hpp"
 #include "tests/bench/mpm/target.hpp"

@@ -6,10 +6,10 @@
 #include <random>
 #include <vector>
 
-#include "mpm/kernel.hpp"
-#include "mpm/scene_setup.hpp"
-#include "mpm/solver_state.hpp"
-#include "mpm/transfer.hpp"
+#include "mpm/grid/kernel.hpp"
+#include "mpm/step/scene_setup.hpp"
+#include "mpm/step/solver_state.hpp"
+#include "mpm/transfer/transfer.hpp"
 #include "tests/unit/mpm/scenes.hpp"
 
 namespace pivnp::mpm {

@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "mpm/kernel.hpp"
+#include "mpm/grid/kernel.hpp"
 #include "tests/unit/mpm/disorder.hpp"
 
 namespace pivnp::mpm {

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <random>
 
-#include "mpm/contact.hpp"
-#include "mpm/momentum.hpp"
-#include "mpm/scene_setup.hpp"
-#include "mpm/transfer.hpp"
+#include "mpm/constraint/contact.hpp"
+#include "mpm/step/momentum.hpp"
+#include "mpm/step/scene_setup.hpp"
+#include "mpm/transfer/transfer.hpp"
 #include "pivnp/core/error.hpp"
 #include "tests/unit/mpm/scenes.hpp"
 

@@ -6,8 +6,8 @@
 #include <random>
 #include <vector>
 
-#include "mpm/scene_setup.hpp"
-#include "mpm/transfer.hpp"
+#include "mpm/step/scene_setup.hpp"
+#include "mpm/transfer/transfer.hpp"
 #include "tests/unit/mpm/scenes.hpp"
 
 namespace pivnp::mpm::test {

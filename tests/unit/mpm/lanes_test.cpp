@@ -5,15 +5,15 @@
 #include <cmath>
 #include <random>
 
-#include "mpm/finite_strain.hpp"
-#include "mpm/kernel.hpp"
-#include "mpm/lanes-inl.hpp"
-#include "mpm/lanes.hpp"
+#include "mpm/transfer/finite_strain.hpp"
+#include "mpm/grid/kernel.hpp"
+#include "mpm/transfer/lanes-inl.hpp"
+#include "mpm/transfer/lanes.hpp"
 #include "mpm/material/mohr_coulomb.hpp"
 #include "mpm/material/smooth_mohr_coulomb.hpp"
-#include "mpm/material/stress_update.hpp"
-#include "mpm/scene_setup.hpp"
-#include "mpm/transfer.hpp"
+#include "mpm/transfer/stress_update.hpp"
+#include "mpm/step/scene_setup.hpp"
+#include "mpm/transfer/transfer.hpp"
 #include "tests/support/instruction_sets.hpp"
 #include "tests/unit/mpm/disorder.hpp"
 

@@ -5,8 +5,8 @@
 #include <functional>
 #include <string>
 
-#include "mpm/boundary.hpp"
-#include "mpm/scene_setup.hpp"
+#include "mpm/constraint/boundary.hpp"
+#include "mpm/step/scene_setup.hpp"
 #include "pivnp/core/error.hpp"
 #include "tests/unit/mpm/scenes.hpp"
 

@@ -4,8 +4,8 @@
 #include <random>
 
 #include "mpm/material/nonlocal.hpp"
-#include "mpm/scene_setup.hpp"
-#include "mpm/transfer.hpp"
+#include "mpm/step/scene_setup.hpp"
+#include "mpm/transfer/transfer.hpp"
 #include "pivnp/core/error.hpp"
 #include "tests/unit/mpm/shear_band.hpp"
 

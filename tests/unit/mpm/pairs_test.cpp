@@ -12,7 +12,7 @@
 
 #include <hwy/contrib/math/math-inl.h>
 
-#include "mpm/vectors-inl.hpp"
+#include "mpm/simd/vectors-inl.hpp"
 
 #if HWY_MAX_BYTES <= 16
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "mpm/solver.hpp"
+#include "mpm/step/solver.hpp"
 #include "pivnp/core/particles/seeding.hpp"
 
 namespace pivnp::mpm::test {

@@ -6,10 +6,10 @@
 #include <ostream>
 #include <random>
 
-#include "mpm/material/stress_update.hpp"
-#include "mpm/momentum.hpp"
-#include "mpm/scene_setup.hpp"
-#include "mpm/transfer.hpp"
+#include "mpm/transfer/stress_update.hpp"
+#include "mpm/step/momentum.hpp"
+#include "mpm/step/scene_setup.hpp"
+#include "mpm/transfer/transfer.hpp"
 #include "pivnp/core/error.hpp"
 #include "tests/unit/mpm/scenes.hpp"
 

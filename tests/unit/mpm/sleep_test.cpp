@@ -1,4 +1,4 @@
-// Sleeping (mpm/sleep.hpp): what it leaves out stays within the bound it states, energy closes, sleepers wake, and the
+// Sleeping (mpm/step/sleep.hpp): what it leaves out stays within the bound it states, energy closes, sleepers wake, and the
 // bits depend on neither threads nor restarts.
 #include <gtest/gtest.h>
 

@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "mpm/lanes.hpp"
-#include "mpm/sse2.hpp"
+#include "mpm/transfer/lanes.hpp"
+#include "mpm/simd/sse2.hpp"
 #include "tests/support/instruction_sets.hpp"
 #include "tests/unit/mpm/scenes.hpp"
 

@@ -20,7 +20,7 @@
 #include "apps/case/case.hpp"
 #include "apps/study/scene.hpp"
 #include "compare/slope_angles.hpp"
-#include "mpm/solver.hpp"
+#include "mpm/step/solver.hpp"
 #include "pivnp/core/text.hpp"
 #include "tests/support/verification.hpp"
 

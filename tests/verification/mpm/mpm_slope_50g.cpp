@@ -15,7 +15,7 @@
 
 #include "apps/case/case.hpp"
 #include "apps/study/scene.hpp"
-#include "mpm/solver.hpp"
+#include "mpm/step/solver.hpp"
 #include "pivnp/core/text.hpp"
 #include "tests/support/verification.hpp"
 

@@ -1,0 +1,108 @@
+// Rigid bodies: with prescribed motion, or free with a mass.
+//
+// Contact is held at points of the outline, at most a cell apart: the material's velocity there, interpolated with the
+// shape functions, meets that of the body; the impulses go to the nodes through the same functions (Lagrange multipliers
+// on an embedded surface, lumped masses, Gauss-Seidel with projection as in contact dynamics, Jean 1999).
+// So the surface is where the outline is, not where the next nodes are. Rough: no relative motion. With a friction
+// coefficient mu (0: smooth): no motion into the body, the tangential impulse at most mu times the normal one. A point
+// of the outline is in contact where the mass that its nodes give it is a quarter of a full cell's or more (next to a
+// half-space it is a half).
+//
+// A free body moves under gravity and these impulses: its velocity and turn are unknowns of the same sweeps (with its
+// inverse mass and moment of inertia beside those of the nodes), advanced by symplectic Euler. It meets material only,
+// not walls or other bodies. Its mass may rise or fall in time; mass comes at the body's velocity.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "mpm/constraint/boundary.hpp"
+#include "pivnp/core/particles/region.hpp"
+
+namespace pivnp::mpm {
+
+class RigidBodies {
+ public:
+  /// Throws InputError naming body.<name>.<key>.
+  RigidBodies(const std::vector<std::pair<std::string, RigidOptions>>& bodies, const Grid& grid);
+
+  /// Throws InputError naming the body if a point lies inside its outline at time 0.
+  void check_clear(const std::vector<Vec2>& points) const;
+  /// Free bodies: gravity for the step that begins at `time`; call once a step before apply().
+  void accelerate(double time, double dt, const Vec2& gravity);
+  /// Free bodies: to the end of the step; call once, after apply().
+  void advance(double dt);
+  /// Corrects Node::n and free bodies' velocities; appends the impulses. `least_mass`: of a point in contact, kg/m. Before
+  /// time 0 (settling) prescribed bodies are at rest and free ones are not there.
+  void apply(double time, double least_mass, GridState& g, std::vector<Reaction>& reactions);
+  /// The nodes in contact strain the material by velocities of their own (GridState::strain_apart()).
+  void strain_apart(GridState& g) const;
+  /// Corrects the straining velocity at the points that apply() found in contact; there motion away from the body is not allowed either
+  /// (taking only one sign of the scatter would part the material from the body).
+  void apply_to_remapped(double time, GridState& g) const;
+  /// The first time after `time` at which a body starts or stops.
+  double next_change(double time) const;
+  bool moving_after(double time) const;
+  /// Lower left and upper right corner of every body that moves at a time.
+  std::vector<std::pair<Vec2, Vec2>> moving_corners(double time) const;
+  bool any_free() const;
+  double mass(std::size_t body, double time) const;  // kg/m; 0: prescribed
+  Vec2 displacement(std::size_t body, double time) const;
+  double turn(std::size_t body) const { return bodies_[body].angle; }
+  /// Of every body, six numbers: shift x, y, turn, velocity x, y, rate of turn (zero where prescribed).
+  std::vector<double> motion() const;
+  void set_motion(const std::vector<double>& motion);
+  double fastest() const;  // greatest speed of a body, m/s
+  std::size_t size() const { return bodies_.size(); }
+  bool empty() const { return bodies_.empty(); }
+
+ private:
+  struct SurfacePoint {
+    Vec2 x, normal;  // at time 0; out of the body
+  };
+  struct Body {
+    std::string key;
+    std::optional<Polygon> polygon;
+    Vec2 centre = Vec2::Zero();
+    double radius = 0;
+    std::vector<SurfacePoint> surface;
+    Vec2 velocity = Vec2::Zero();
+    double from = 0, until = 0;
+    std::optional<double> friction;
+    // Free: mass a metre at the start and later, moment of inertia over mass, and the motion since time 0.
+    bool free = false, turns = true;
+    double mass = 0, mass_end = 0, mass_from = 0, mass_until = 0, mass_now = 0, inertia_per_mass = 0;
+    Vec2 shift = Vec2::Zero(), v = Vec2::Zero();
+    double angle = 0, spin = 0;
+
+    double mass_at(double time) const;
+    Vec2 place(const Vec2& x_at_time_0, double time) const;
+    Vec2 turned(const Vec2& direction) const;
+    /// Velocity of the body's material at a place.
+    Vec2 velocity_of(const Vec2& x, double time) const;
+    void set_free(const RigidOptions& options);
+    Vec2 offset(double time) const;
+    Vec2 velocity_at(double time) const;
+    bool contains(const Vec2& x_at_time_0) const;
+    void sample_surface(double spacing);
+  };
+  struct Contact {
+    int body;
+    Vec2 x, normal;
+    double body_normal = 0, body_along = 0;  // velocity of a free body there for a unit impulse
+    std::size_t node[9];
+    double weight[9];
+    double per_mass;                   // sum of weight^2 / mass
+    double along_normal = 0, along = 0;  // impulses
+    bool sticks = true;
+  };
+  void find_contacts(double time, double least_mass, const GridState& g);
+
+  std::vector<Body> bodies_;
+  std::vector<Contact> contacts_;
+  double spacing_;
+};
+
+}  // namespace pivnp::mpm

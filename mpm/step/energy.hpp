@@ -1,0 +1,48 @@
+// The energy balance.
+#pragma once
+
+#include <cmath>
+
+#include "mpm/transfer/stress_update.hpp"
+#include "mpm/step/momentum.hpp"
+#include "mpm/state/particles.hpp"
+#include "pivnp/core/record/energy.hpp"
+
+namespace pivnp::mpm {
+
+/// What was done since the start of the run, J/m.
+struct EnergyBook {
+  double damping = 0;   // local damping, and the transfer between points and nodes
+  double contact = 0;
+  double bodies = 0;    // work of moving bodies
+  double gravity = 0;   // work of gravity
+  double carried = 0;   // kinetic and elastic energy that left the grid with ended points
+  double start = 0;     // kinetic + elastic at the start
+  double moved = 0;     // sum of |work of moving bodies| over the steps
+
+  /// What the nodes gained and the points did not is the transfer's loss, exactly.
+  void add(const NodalWork& work, double kinetic_loss_of_points) {
+    damping += work.damping + work.kinetic + kinetic_loss_of_points;
+    contact += work.contact;
+    bodies += work.bodies;
+    moved += std::abs(work.bodies);
+  }
+};
+
+struct StoredEnergy {
+  double kinetic = 0, elastic = 0, plastic = 0;
+};
+
+/// Kinetic and elastic energy of the points still simulated, and what all have dissipated.
+/// (`p` is not changed.) The kinetic energy holds that of the affine field (APIC).
+StoredEnergy stored_energy(Particles& p, const GridState& g, const Materials& materials);
+/// Kinetic energy of a point, with its affine field.
+double stored_kinetic(const Particles& p, const GridState& g, std::size_t k);
+StoredEnergy stored_energy_of(Particles& p, const GridState& g, const Materials& materials, std::size_t k);
+
+EnergyRow energy_row(double time, const StoredEnergy& stored, const EnergyBook& book);
+
+/// What the scheme turned over: the scale against which a residual is large.
+double turnover(const EnergyRow& row, const EnergyBook& book);
+
+}  // namespace pivnp::mpm

@@ -1,0 +1,146 @@
+#include "mpm/step/loading.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "pivnp/core/error.hpp"
+#include "pivnp/core/text.hpp"
+
+namespace pivnp::mpm {
+
+namespace {
+
+constexpr double never = std::numeric_limits<double>::infinity();
+
+// 0 before `from`, 1 from `until` on, linear between.
+double share_between(double from, double until, double time) {
+  if (time >= until) return 1;
+  return time <= from ? 0 : (time - from) / (until - from);
+}
+
+[[noreturn]] void refuse(const std::string& key, double found, const std::string& expected) {
+  throw InputError(key + ": found " + number(found) + ", expected " + expected);
+}
+
+}  // namespace
+
+Loading::Loading(const MpmOptions& o, const Scene& scene)
+    : from_(o.gravity_m_s2[0], o.gravity_m_s2[1]), to_(from_), materials_(scene.materials) {
+  if (o.gravity_from_m_s2.has_value() != o.gravity_ramp_s.has_value())
+    throw InputError(std::string("mpm.") + (o.gravity_ramp_s ? "gravity_ramp_s" : "gravity_from_m_s2") +
+                     ": given alone, expected gravity_from_m_s2 and gravity_ramp_s");
+  if (o.gravity_ramp_s) {
+    ramp_ = *o.gravity_ramp_s;
+    if (!(ramp_ > 0)) refuse("mpm.gravity_ramp_s", ramp_, "a time above 0 s");
+    from_ = {(*o.gravity_from_m_s2)[0], (*o.gravity_from_m_s2)[1]};
+    changes_.push_back(ramp_);
+  }
+  for (std::size_t k = 0; k < materials_.size(); ++k) {
+    const MaterialOptions& m = materials_[k];
+    const auto& names = scene.particles.label_names;
+    const std::string key = "material." + (k < names.size() ? names[k] : std::to_string(k));
+    if (m.density_end_kg_m3) {
+      if (!(*m.density_end_kg_m3 > 0)) refuse(key + ".density_end_kg_m3", *m.density_end_kg_m3, "above 0 kg/m^3");
+      if (!m.density_until_s) throw InputError(key + ".density_until_s: missing beside density_end_kg_m3");
+      if (!(*m.density_until_s > m.density_from_s))
+        refuse(key + ".density_until_s", *m.density_until_s, "more than density_from_s");
+      any_density_ = true;
+      changes_.insert(changes_.end(), {m.density_from_s, *m.density_until_s});
+    } else if (m.density_until_s) {
+      refuse(key + ".density_until_s", *m.density_until_s, "density_end_kg_m3 beside it");
+    }
+    if (m.reduction_factor) {
+      if (!(*m.reduction_factor > 0)) refuse(key + ".reduction_factor", *m.reduction_factor, "above 0");
+      const double until = m.reduction_until_s.value_or(m.reduction_from_s);
+      if (!(until >= m.reduction_from_s)) refuse(key + ".reduction_until_s", until, "reduction_from_s or more");
+      if (m.model == "linear_elastic" || m.model == "neo_hookean" || m.model == "water")
+        throw InputError(key + ".reduction_factor: given with model \"" + m.model + "\", expected one with a strength");
+      any_reduction_ = true;
+      changes_.insert(changes_.end(), {m.reduction_from_s, until});
+    } else if (m.reduction_until_s) {
+      refuse(key + ".reduction_until_s", *m.reduction_until_s, "reduction_factor beside it");
+    }
+    if (m.removed_s) {
+      if (!(*m.removed_s > 0)) refuse(key + ".removed_s", *m.removed_s, "a time above 0 s");
+      changes_.push_back(*m.removed_s);
+    }
+  }
+  for (const auto& [name, boundary] : scene.boundaries)
+    if (boundary.type == "traction") add_traction("boundary." + name, boundary, scene);
+  std::sort(changes_.begin(), changes_.end());
+  if (!changes_.empty()) last_ = changes_.back();
+}
+
+// The particles next to the line, each with an equal share of the line's force.
+void Loading::add_traction(const std::string& key, const BoundaryOptions& o, const Scene& scene) {
+  if (!o.traction_pa) throw InputError(key + ".traction_pa: missing beside type = \"traction\"");
+  if (o.line_m.size() != 2) throw InputError(key + ".line_m: expected two end points of the loaded face");
+  const Vec2 a(o.line_m[0][0], o.line_m[0][1]), b(o.line_m[1][0], o.line_m[1][1]);
+  const double length = (b - a).norm();
+  if (!(length > 0)) throw InputError(key + ".line_m: expected two different end points");
+  const Vec2 along = (b - a) / length;
+  const double rise = o.rise_s, until = o.until_s.value_or(never);
+  if (!(rise >= 0)) refuse(key + ".rise_s", rise, "0 s or more");
+  std::vector<std::uint32_t> loaded;
+  for (std::size_t k = 0; k < scene.particles.size(); ++k) {
+    const Vec2 d = scene.particles.x0[k] - a;
+    const double side = std::sqrt(double(scene.particles.area[k])), on = d.dot(along);
+    if (on < 0 || on > length) continue;
+    if (std::abs(d.x() * along.y() - d.y() * along.x()) < 0.75 * side) loaded.push_back(std::uint32_t(k));
+  }
+  if (loaded.empty()) throw InputError(key + ".line_m: no particle lies along it, expected a face of the material");
+  const Vec2 force = Vec2((*o.traction_pa)[0], (*o.traction_pa)[1]) * length / double(loaded.size());
+  for (const std::uint32_t k : loaded) {
+    const double mass = double(scene.particles.area[k]) *
+                        scene.materials[std::size_t(scene.particles.label[k])].density_kg_m3;
+    pushed_.push_back({k, force / mass, rise, until});
+  }
+  if (rise > 0) changes_.push_back(rise);
+  if (std::isfinite(until)) changes_.push_back(until);
+}
+
+Vec2 Loading::gravity(double time) const {
+  return ramp_ > 0 && time < ramp_ ? Vec2(from_ + time / ramp_ * (to_ - from_)) : to_;
+}
+
+double Loading::density_ratio(std::size_t material, double time) const {
+  const MaterialOptions& m = materials_[material];
+  if (!m.density_end_kg_m3) return 1;
+  return 1 + (*m.density_end_kg_m3 / m.density_kg_m3 - 1) * share_between(m.density_from_s, *m.density_until_s, time);
+}
+
+double Loading::reduction(std::size_t material, double time) const {
+  const MaterialOptions& m = materials_[material];
+  if (!m.reduction_factor) return 1;
+  const double until = m.reduction_until_s.value_or(m.reduction_from_s);
+  return 1 + (*m.reduction_factor - 1) * share_between(m.reduction_from_s, until, time);
+}
+
+MaterialOptions Loading::reduced(MaterialOptions m, double factor) {
+  constexpr double degree = std::numbers::pi / 180;
+  const auto angle = [&](double& deg) { deg = std::atan(std::tan(deg * degree) / factor) / degree; };
+  const auto maybe = [&](std::optional<double>& deg) {
+    if (deg) angle(*deg);
+  };
+  angle(m.friction_deg);
+  maybe(m.friction_residual_deg);
+  maybe(m.friction_low_stress_deg);
+  maybe(m.friction_flow_deg);
+  m.dilatancy_deg = std::min(m.dilatancy_deg, m.friction_deg);
+  m.cohesion_pa /= factor;
+  if (m.cohesion_residual_pa) *m.cohesion_residual_pa /= factor;
+  m.tension_pa /= factor;
+  m.shear_strength_pa /= factor;
+  return m;
+}
+
+double Loading::removal(std::size_t material) const { return materials_[material].removed_s.value_or(never); }
+
+double Loading::next_change(double time) const {
+  const auto it = std::upper_bound(changes_.begin(), changes_.end(), time);
+  return it == changes_.end() ? never : *it;
+}
+
+}  // namespace pivnp::mpm

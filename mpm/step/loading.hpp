@@ -1,0 +1,58 @@
+// What changes with time by the case's will: gravity (a centrifuge spinning up), densities, strengths, material taken
+// out, tractions. (Gates and moving plates are restraints: boundary.hpp.) Functions of time alone, so that a restart
+// needs no more than the time.
+#pragma once
+
+#include <vector>
+
+#include "mpm/state/options.hpp"
+#include "mpm/state/particles.hpp"
+#include "mpm/step/scene.hpp"
+
+namespace pivnp::mpm {
+
+class Loading {
+ public:
+  /// Throws InputError naming the key.
+  Loading(const MpmOptions& options, const Scene& scene);
+
+  /// Linear from gravity_from_m_s2 at time 0 to gravity_m_s2 at gravity_ramp_s.
+  Vec2 gravity(double time) const;
+  bool gravity_changes() const { return ramp_ > 0; }
+  /// Density of a material over that at time 0: linear between density_from_s and density_until_s.
+  double density_ratio(std::size_t material, double time) const;
+  bool any_density() const { return any_density_; }
+  /// Factor by which cohesion and tan(friction) are divided: 1 before reduction_from_s, reduction_factor from
+  /// reduction_until_s on, linear between.
+  double reduction(std::size_t material, double time) const;
+  bool any_reduction() const { return any_reduction_; }
+  /// The material's constants with that division done; tension and residual strengths too.
+  static MaterialOptions reduced(MaterialOptions options, double factor);
+  /// Time at which a material is taken out; infinite: never.
+  double removal(std::size_t material) const;
+  /// Tractions: acceleration of each loaded particle (index in the scene), to be multiplied by share(time).
+  struct Pushed {
+    std::uint32_t particle;
+    Vec2 acceleration;
+    double rise, until;
+    double share(double time) const { return time >= until ? 0 : rise > 0 ? std::min(1.0, time / rise) : 1.0; }
+  };
+  const std::vector<Pushed>& pushed() const { return pushed_; }
+
+  /// The first time after `time` at which something starts or ends.
+  double next_change(double time) const;
+  bool changing_after(double time) const { return time < last_; }
+
+ private:
+  void add_traction(const std::string& key, const BoundaryOptions& options, const Scene& scene);
+
+  Vec2 from_, to_;
+  double ramp_ = 0;
+  std::vector<MaterialOptions> materials_;
+  std::vector<Pushed> pushed_;
+  std::vector<double> changes_;
+  double last_ = 0;
+  bool any_density_ = false, any_reduction_ = false;
+};
+
+}  // namespace pivnp::mpm

@@ -1,0 +1,148 @@
+#include "mpm/step/momentum.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mpm/grid/kernel.hpp"
+#include "mpm/transfer/transfer.hpp"
+
+namespace pivnp::mpm {
+
+namespace {
+
+Vec2 damping_force(double alpha, const Node& node) {
+  const auto along = [&](double force, double velocity) {
+    return velocity > 0 ? -alpha * std::abs(force) : velocity < 0 ? alpha * std::abs(force) : 0.0;
+  };
+  return alpha > 0 ? Vec2(along(node.fx, node.vx), along(node.fy, node.vy)) : Vec2(0, 0);
+}
+
+double per_mass(const Node& node) { return node.mass > 0 ? 1 / node.mass : 0; }
+
+void advance(Node& node, double per_mass, const Vec2& gravity, double damping, double dt) {
+  node.fx += node.mass * gravity.x();
+  node.fy += node.mass * gravity.y();
+  const Vec2 damped = damping_force(damping, node);
+  const double step = dt * per_mass;
+  node.nx = node.vx + step * (node.fx + damped.x());
+  node.ny = node.vy + step * (node.fy + damped.y());
+}
+
+}  // namespace
+
+void LightNodes::find(const GridState& g, double least) { pair_up(g, least, g.nodes); }
+
+void LightNodes::pair_up(const GridState& g, double least, const std::vector<std::uint32_t>& nodes) {
+  pairs.clear();
+  const auto nx = std::ptrdiff_t(g.grid.nx), ny = std::ptrdiff_t(g.grid.ny);
+  for (const std::uint32_t n : nodes) {
+    if (!(g.node[n].mass < least)) continue;
+    const std::ptrdiff_t i = std::ptrdiff_t(n) % nx, j = std::ptrdiff_t(n) / nx;
+    std::uint32_t heavy = n;
+    for (std::ptrdiff_t b = std::max<std::ptrdiff_t>(0, j - 1); b <= std::min(ny - 1, j + 1); ++b)
+      for (std::ptrdiff_t a = std::max<std::ptrdiff_t>(0, i - 1); a <= std::min(nx - 1, i + 1); ++a)
+        if (g.node[std::size_t(b * nx + a)].mass > g.node[heavy].mass) heavy = std::uint32_t(b * nx + a);
+    if (g.node[heavy].mass >= least) pairs.push_back({n, heavy});
+  }
+}
+
+void LightNodes::join_momentum(GridState& g, double damping, double dt) const {
+  // A heavy node may have several light ones: first all are added up, then all are told.
+  std::vector<double> mass_before;
+  for (const Pair& p : pairs) {
+    Node &light = g.node[p.light], &heavy = g.node[p.heavy];
+    const double mass = heavy.mass + light.mass;
+    const Vec2 damped = damping_force(damping, light);
+    heavy.nx = (heavy.mass * heavy.nx + light.mass * light.vx + dt * (light.fx + damped.x())) / mass;
+    heavy.ny = (heavy.mass * heavy.ny + light.mass * light.vy + dt * (light.fy + damped.y())) / mass;
+    mass_before.push_back(heavy.mass);
+    heavy.mass = mass;
+  }
+  for (std::size_t k = pairs.size(); k-- > 0;) {
+    g.node[pairs[k].light].nx = g.node[pairs[k].heavy].nx;
+    g.node[pairs[k].light].ny = g.node[pairs[k].heavy].ny;
+    g.node[pairs[k].heavy].mass = mass_before[k];
+  }
+}
+
+void LightNodes::join_velocity(GridState& g) const {
+  for (std::size_t k = 0, n = 0; k < pairs.size(); k += n) {  // in runs along a row
+    const std::uint32_t first = pairs[k].light, left = std::uint32_t(g.grid.nx) - first % std::uint32_t(g.grid.nx);
+    for (n = 1; n < left && k + n < pairs.size() && pairs[k + n].light == first + n;) ++n;
+    g.strain_apart(first, int(n));
+  }
+  for (const Pair& p : pairs) {
+    const GridState::Straining light = g.straining(p.light), heavy = g.straining(p.heavy);
+    light.x = heavy.x;
+    light.y = heavy.y;
+  }
+}
+
+void update_momentum(GridState& g, const Vec2& gravity, double damping, double dt, int threads) {
+  for_nodes(g, threads, [&](Node& node, std::uint32_t) { advance(node, per_mass(node), gravity, damping, dt); });
+}
+
+void map_and_update(const Particles& p, GridState& g, const Scheme& scheme, LightNodes& light, double least,
+                    const Vec2& gravity, double dt, int threads) {
+  std::vector<std::vector<std::uint32_t>> found(g.mapped.count());
+  map_sums(p, g, scheme, true, threads, [&](SlotRange nodes, std::size_t band) {
+    for (std::size_t a = nodes.begin; a < nodes.end; ++a) {
+      Node& node = g.node[g.nodes[a]];
+      const double per = per_mass(node);
+      node.vx *= per;
+      node.vy *= per;
+      advance(node, per, gravity, scheme.damping, dt);
+      if (node.mass < least) found[band].push_back(g.nodes[a]);
+    }
+  });
+  std::vector<std::uint32_t> all;
+  for (const auto& of_band : found) all.insert(all.end(), of_band.begin(), of_band.end());
+  std::sort(all.begin(), all.end());
+  light.pair_up(g, least, all);
+}
+
+Vec2 working_velocity(const GridState& g, std::size_t n, bool strained) {
+  const Node& node = g.node[n];
+  const Vec2 after = strained ? g.straining(n) : Vec2(node.nx, node.ny);
+  return node.held ? after : Vec2(0.5 * (node.vx + after.x()), 0.5 * (node.vy + after.y()));
+}
+
+NodalWork nodal_work(const GridState& g, const std::vector<Reaction>& reactions, double damping, double dt,
+                     bool strained, int threads) {
+  NodalWork work;
+  for (const Reaction& r : reactions) {
+    const Vec2 w = working_velocity(g, r.node, strained);
+    const double by_wall = r.impulse_x * r.wall_x + r.impulse_y * r.wall_y;
+    work.bodies += by_wall;
+    work.contact += by_wall - (r.impulse_x * w.x() + r.impulse_y * w.y());
+  }
+  std::vector<NodalWork> parts(node_parts(g));
+  for_node_parts(g, threads, [&](std::size_t part, std::size_t begin, std::size_t end) {
+    NodalWork sum;
+    for (std::size_t a = begin; a < end; ++a) {
+      const Node& node = g.node[g.nodes[a]];
+      const Vec2 w = working_velocity(g, g.nodes[a], strained);
+      sum.kinetic += node.mass * ((node.nx - node.vx) * w.x() + (node.ny - node.vy) * w.y());
+      if (damping > 0) sum.damping -= dt * damping_force(damping, node).dot(w);
+    }
+    parts[part] = sum;
+  });
+  for (const NodalWork& part : parts) {
+    work.kinetic += part.kinetic;
+    work.damping += part.damping;
+  }
+  return work;
+}
+
+NodalMotion nodal_motion(const GridState& g, double least) {
+  NodalMotion out;
+  for (const std::uint32_t n : g.nodes) {
+    const Node& node = g.node[n];
+    const double speed2 = node.nx * node.nx + node.ny * node.ny;
+    out.kinetic += 0.5 * node.mass * speed2;
+    if (node.mass > least) out.fastest2 = std::max(out.fastest2, speed2);
+  }
+  return out;
+}
+
+}  // namespace pivnp::mpm

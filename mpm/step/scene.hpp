@@ -1,0 +1,32 @@
+// What a simulation starts from.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "mpm/state/options.hpp"
+#include "pivnp/core/grid/grid.hpp"
+#include "pivnp/core/particles/motion.hpp"
+
+namespace pivnp::mpm {
+
+/// Everything a simulation starts from. SI units, except that lengths may be in the case's own unit throughout.
+struct Scene {
+  Grid grid;                // cells of the simulation (padding and refinement done)
+  ParticleSet particles;    // seeded; label k is made of materials[k]
+  std::vector<MaterialOptions> materials;
+  std::vector<std::pair<std::string, BoundaryOptions>> boundaries;
+  std::vector<std::pair<std::string, RigidOptions>> bodies;
+  std::vector<std::pair<std::string, ContactOptions>> contacts;  // between labels, by ParticleSet::label_names
+  std::vector<Vec2> v0;                        // velocity at time 0, one a particle; empty: at rest
+  std::vector<std::array<double, 4>> stress0;  // Cauchy stress at time 0, xx yy zz xy; empty: none
+  /// Acceleration of a particle (index in `particles`) at a time, beside gravity; empty: none. For manufactured
+  /// solutions; not part of a checkpoint.
+  std::function<Vec2(std::size_t particle, double time)> body_force;
+};
+
+}  // namespace pivnp::mpm

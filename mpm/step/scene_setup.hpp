@@ -1,0 +1,31 @@
+// From options and scene to what the solver works on, and back to a frame.
+#pragma once
+
+#include "mpm/constraint/contact.hpp"
+#include "mpm/grid/grid_state.hpp"
+#include "mpm/transfer/stress_update.hpp"
+#include "mpm/state/scheme.hpp"
+#include "mpm/step/solver.hpp"
+#include "mpm/step/solver_state.hpp"
+
+namespace pivnp::mpm {
+
+/// The numerical choices a scheme's name stands for, with what the options say instead. Throws InputError naming the key.
+Scheme scheme_of(const MpmOptions& options);
+
+/// The laws of `materials` (the scene's, or as they are at a time), one a label. Throws InputError naming the material.
+Materials materials_of(const Scene& scene, const std::vector<MaterialOptions>& materials);
+inline Materials materials_of(const Scene& scene) { return materials_of(scene, scene.materials); }
+Vec2 centroid(const ParticleSet& particles);
+/// Densities of the materials.
+std::vector<double> densities_of(const Scene& scene);
+/// rho c_p and rho c_s of the material of the particle nearest to a point.
+std::array<double, 2> impedance_near(const Scene& scene, const Materials& materials, const Vec2& x);
+
+/// Throws InputError for arrays of unequal length and for a particle outside the grid.
+SolverState initial_state(const Scene& scene, const Scheme& scheme, const GridState& g, const Materials& materials,
+                          const Contacts& contacts = Contacts({}, {}), bool tied = false);
+
+MotionFrame frame_of(const SolverState& state, const ParticleSet& particles);
+
+}  // namespace pivnp::mpm

@@ -1,0 +1,296 @@
+#include "mpm/step/solver.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mpm/grid/kernel.hpp"
+#include "mpm/step/settle.hpp"
+#include "mpm/step/solver_impl.hpp"
+#include "mpm/step/time_step.hpp"
+#include "pivnp/core/error.hpp"
+
+namespace pivnp::mpm {
+
+namespace {
+
+constexpr std::int64_t check_every = 100;     // steps between looks at the energy balance
+constexpr std::int64_t stiffness_every = 8;   // steps between looks at the wave speed
+constexpr double sort_share = 0.05;            // of the points that may change cells between re-sorts of the storage
+constexpr double least_mass = 1e-5;           // of a full cell: lighter nodes move with a neighbour
+constexpr double touching = 0.25;             // of a full cell: mass around a body's outline in contact
+
+}  // namespace
+
+Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
+    : options(o),
+      scheme(scheme_of(o)),
+      most_threads(std::max(1, n_threads)),
+      choice(n_threads),
+      scene(std::move(s)),
+      materials(materials_of(scene)),
+      density(densities_of(scene)),
+      contacts(scene.contacts, scene.particles.label_names),
+      g(scene.grid, scheme.shape, contacts.sheets(), scheme.stress == StressUpdate::usl),
+      restraints(scene.boundaries, g, centroid(scene.particles),
+                 [this](const Vec2& x) { return impedance_near(scene, materials, x); }),
+      bodies(scene.bodies, g.sheet),
+      loading(o, scene),
+      reduction(scene.materials.size(), 1.0),
+      nonlocal(materials, g) {
+  const Vec2 gravity = loading.gravity(0);
+  bodies.check_clear(scene.particles.x0);
+  if (scheme.stress == StressUpdate::usf && bodies.any_free())
+    throw InputError("mpm.stress_update: found 'usf' beside a free rigid body, expected musl or usl");
+  if (o.settle && gravity.norm() > 0 && restraints.any_absorbing())
+    throw InputError("mpm.settle: found true beside an absorbing wall, which carries no weight; expected settle = false");
+  if (restraints.any_tied() && !contacts.empty())
+    throw InputError("contact." + scene.contacts.front().first + ": given beside a tied boundary, expected one of them");
+  if (o.sleep_below_m_s && (restraints.any_tied() || !contacts.empty()))
+    throw InputError(std::string("mpm.sleep_below_m_s: given beside ") + (contacts.empty() ? "a tied boundary" : "a [contact.NAME]") +
+                     ", expected none: what touches would not wake");
+  state = initial_state(scene, scheme, g, materials, contacts, restraints.any_tied());
+  place_tractions();
+  nonlocal.start(p);
+  sleep.start(p, g);
+  g.rebuild(p);
+  p.sort_as(g.order, 1);
+  state.wave_speed = wave_speed(materials, density, p, 1);
+  g.set_folds(restraints.folds(0, g.grid));
+  if (o.k0 && !o.settle) start_at_rest(gravity);
+  change_strength(0);
+  state.body_motion = bodies.motion();
+  restart_books();
+}
+
+// The cycle of appendix A; equation numbers are the thesis'.
+void Solver::Impl::step(double dt) {
+  const int threads = choice.threads();
+  choice.begin_step();
+  g.strain_together();
+  load(dt);
+  const Vec2 gravity = loading.gravity(state.time + 0.5 * dt);
+  const Vec2 moment = work_in_steps() ? moment_of_mass() : Vec2(0, 0);
+
+  find_cells(threads);                                           // A.1, A.2
+  nonlocal.average(p, g, threads);
+  update_nodes(gravity, dt, threads);                            // A.3-A.7
+  light.join_momentum(g, scheme.damping, dt);
+  restrain_momentum(dt);
+  bodies.advance(dt);
+  if (scheme.stress == StressUpdate::usl) choose_strain_velocity(dt, threads);
+  if (moves_with_strain(g, scheme)) {
+    strain(dt, threads, &gather);                                // A.8-A.13, A.22, A.24
+  } else {
+    gather = gather_velocity(p, g, scheme, dt, filtered, threads);  // A.8-A.11
+    if (scheme.stress == StressUpdate::musl) choose_strain_velocity(dt, threads);
+    if (scheme.stress != StressUpdate::usf) strain(dt, threads);  // A.12, A.13, A.22, A.24
+  }
+  book_work(dt, threads);
+
+  if (!gather.good) fail("a particle is not finite or moved more than a cell in one step");
+  state.fastest = std::sqrt(gather.fastest2);
+  look_for_rest(dt);
+  if (work_in_steps()) state.book.gravity += gravity.dot(moment_of_mass() - moment);
+  ++state.steps;
+  state.body_motion = bodies.motion();
+  choice.end_step();
+}
+
+void Solver::Impl::update_nodes(const Vec2& gravity, double dt, int threads) {
+  const double least = least_mass * least_density() * g.grid.spacing.prod();
+  const bool first = scheme.stress == StressUpdate::usf, filter = scheme.transfer == TransferKind::xpic;
+  if (!first) average_mean_stress(p, g, scheme, threads);
+  if (!first && !filter && contacts.empty() && !pushes())
+    return map_and_update(p, g, scheme, light, least, gravity, dt, threads);  // A.3-A.7
+  map_momentum(p, g, scheme, !first, threads);                                // A.3, A.4
+  light.find(g, least);
+  if (!contacts.empty()) contacts.find(p, g, density, dt, threads);
+  if (first) {
+    choose_strain_velocity(dt, threads);
+    strain(dt, threads);  // A.12, A.13, A.22, A.24
+    average_mean_stress(p, g, scheme, threads);
+    map_force(p, g, scheme, threads);  // A.4
+  }
+  if (filter) filtered_velocity(p, g, scheme.xpic_order, filtered, threads);
+  map_body_force(threads);
+  update_momentum(g, gravity, scheme.damping, dt, threads);  // A.5-A.7
+}
+
+void Solver::Impl::choose_strain_velocity(double dt, int threads) {
+  const bool first = scheme.stress == StressUpdate::usf;
+  if (first) {  // the mapped velocity, as walls and bodies let it be
+    for_nodes(g, threads, [](Node& node, std::uint32_t) {
+      node.nx = node.vx;
+      node.ny = node.vy;
+    });
+    restrain_momentum(dt);
+    for_nodes(g, threads, [this](Node& node, std::uint32_t n) {
+      const GridState::Straining u = g.straining(n);
+      u.x = node.nx;
+      u.y = node.ny;
+      node.held = false;
+    });
+  }
+  light.join_velocity(g);
+  if (!first) restrain_velocity();
+}
+
+void Solver::Impl::strain(double dt, int threads, GatherSums* moved) {
+  state.book.damping += strain_and_update_stress(materials, p, g, scheme, dt, threads, moved);
+  if (state.steps % stiffness_every == 0) state.wave_speed = wave_speed(materials, density, p, threads);
+}
+
+void Solver::Impl::find_cells(int threads) {
+  wake_what_moves();
+  if (restraints.any_tied()) {
+    restraints.carry_over(state.time, p);
+    g.located = false;
+  }
+  std::vector<std::uint32_t> left;
+  if (locate_points(p, g, left, threads)) {
+    for (const std::uint32_t k : left) end_particle(k, EndReason::left_grid);
+    g.follow(p, g.moved);
+    state.since_sort += std::int64_t(g.moved.size());
+    if (double(state.since_sort) > sort_share * double(p.size())) {
+      p.sort_as(g.order, threads);
+      state.since_sort = 0;
+    }
+  }
+  let_sleep();
+}
+
+void Solver::Impl::restrain_momentum(double dt) {
+  reactions.clear();
+  restraints.apply(state.time, dt, g, reactions);
+  contacts.apply(g, restraints, reactions);
+  bodies.accelerate(state.time, dt, loading.gravity(state.time + 0.5 * dt));
+  bodies.apply(state.time, touching * least_density() * g.grid.spacing.prod(), g, reactions);
+  if (sleep.any()) sleep.hold(push_per_mass(dt), g);
+}
+
+void Solver::Impl::restrain_velocity() {
+  bodies.strain_apart(g);
+  restraints.apply_to_remapped(state.time, g);
+  if (scheme.stress == StressUpdate::musl) contacts.apply_to_remapped(g);
+  bodies.apply_to_remapped(state.time, g);
+  sleep.hold_remapped(g);
+}
+
+double Solver::Impl::longest_step() const {
+  return mpm::stable_step(options.courant, g.grid.spacing.minCoeff(), state.wave_speed,
+                     std::max(state.fastest, bodies.fastest()));
+}
+
+double Solver::Impl::next_change(double time) const {
+  return std::min({restraints.next_change(time), bodies.next_change(time), loading.next_change(time)});
+}
+
+Solver::Solver(const MpmOptions& options, Scene scene, int threads)
+    : impl_(std::make_unique<Impl>(options, std::move(scene), threads)) {}
+Solver::~Solver() = default;
+
+void Solver::settle(Progress& progress) {
+  Impl& s = *impl_;
+  if (s.state.steps > 0) throw RunError("mpm: settle() was called after the first step");
+  for (const auto& material : s.materials)
+    if (material->from_deformation())
+      throw InputError("mpm.settle: found true beside neo_hookean, which takes no stress at the start; expected false");
+  // The average of three-node shapes leaves a point's own mean stress free to drift where points open one by one.
+  Scheme scheme = s.scheme;
+  if (scheme.shape != ShapeKind::bilinear) scheme.locking = Locking::none;
+  settle_particles({s.loading.gravity(0), s.options.settle_damping, s.options.settle_tolerance, s.most_threads, s.options.k0}, scheme,
+                   s.materials, s.restraints, s.contacts, s.density, s.bodies, s.p, s.g, progress);
+  s.p.resize_increments(0);
+  for (auto* history : {&s.p.plastic_dev, &s.p.gap, &s.p.dissipated}) std::fill(history->begin(), history->end(), 0.0);
+  std::fill(s.p.opened.begin(), s.p.opened.end(), std::uint8_t{0});
+  s.restart_books();
+}
+
+void Solver::advance_to(double time, Progress& progress) {
+  Impl& s = *impl_;
+  if (s.failed) throw RunError("mpm: advance_to() was called after the run had failed");
+  while (s.state.time < time) {
+    if ((s.state.at_rest && s.options.end_at_rest) || s.state.far) {
+      s.state.time = time;
+      return;
+    }
+    const double stop = std::min(time, s.next_change(s.state.time));
+    const double longest = s.longest_step(), dt = trimmed_step(s.state.time, stop, longest);
+    const double before = s.state.time;
+    s.step(dt);
+    s.state.time = stop - s.state.time <= longest ? stop : s.state.time + dt;
+    if (s.state.time == s.next_change(before)) s.sleep.wake_all();
+    if (s.state.time == s.restraints.next_change(before)) s.g.set_folds(s.restraints.folds(s.state.time, s.g.grid));
+    if (s.observer) s.observer(dt, [&s](const Vec2& x) { return s.g.velocity_at(x); });
+    if (s.state.steps % check_every == 0) {
+      s.check_balance();
+      s.watch_motion();
+      progress.update("mpm", s.state.steps, s.state.steps + std::int64_t(std::ceil((time - s.state.time) / dt)));
+      if (progress.stop_requested()) throw Interrupted();
+    }
+  }
+  s.check_balance();
+}
+
+double Solver::time() const { return impl_->failed ? impl_->good.energy.time : impl_->state.time; }
+std::int64_t Solver::steps() const { return impl_->failed ? impl_->good.steps : impl_->state.steps; }
+double Solver::stable_step() const { return impl_->longest_step(); }
+Vec2 Solver::momentum() const {
+  const Particles& p = impl_->p;
+  Vec2 sum = Vec2::Zero();
+  for (std::size_t k = 0; k < p.size(); ++k)
+    if (p.cell[k] != Particles::ended) sum += p.mass_of(k) * Vec2(p.vx[k], p.vy[k]);
+  return sum;
+}
+EnergyRow Solver::energy() const { return impl_->failed ? impl_->good.energy : impl_->energy(); }
+bool Solver::at_rest() const { return impl_->state.at_rest; }
+Vec2 Solver::body_displacement(std::size_t body) const {
+  return impl_->bodies.displacement(body, impl_->state.time);
+}
+double Solver::body_mass(std::size_t body) const { return impl_->bodies.mass(body, impl_->state.time); }
+Vec2 Solver::body_impulse(std::size_t body) const {
+  return {impl_->state.body_impulse.at(2 * body), impl_->state.body_impulse.at(2 * body + 1)};
+}
+Solver::Slept Solver::slept() const {
+  const SleepState& s = impl_->state.sleep;
+  const double longest = s.foregone.empty() ? 0 : *std::max_element(s.foregone.begin(), s.foregone.end());
+  return {s.all > 0 ? s.skipped / s.all : 0, longest + s.held_back, s.energy};
+}
+std::size_t Solver::ended() const {
+  const auto& cells = impl_->p.cell;
+  return std::size_t(std::count(cells.begin(), cells.end(), Particles::ended));
+}
+
+const ParticleSet& Solver::particles() const {
+  return impl_->scene.particles;
+}
+
+MotionFrame Solver::frame() const {
+  if (impl_->failed) throw RunError("mpm: frame() was called after the run had failed");
+  return frame_of(impl_->state, impl_->scene.particles);
+}
+
+void Solver::on_step(std::function<void(double dt, const VelocityAt&)> observer) {
+  impl_->observer = std::move(observer);
+}
+
+std::vector<std::byte> Solver::save() const {
+  if (impl_->failed) throw RunError("mpm: save() was called after the run had failed");
+  return to_bytes(impl_->state);
+}
+
+void Solver::load(const std::vector<std::byte>& checkpoint) {
+  const std::vector<SolverState::Ended> ended = impl_->state.ended;
+  from_bytes(checkpoint, impl_->state);
+  impl_->restore_ends(ended);
+  impl_->g.rebuild(impl_->p);
+  impl_->g.set_folds(impl_->restraints.folds(impl_->state.time, impl_->g.grid));
+  impl_->bodies.set_motion(impl_->state.body_motion);
+  impl_->change_densities(impl_->state.time, false);
+  impl_->change_strength(impl_->state.time);
+  impl_->sleep.resume(impl_->g);
+  impl_->failed = false;
+  impl_->good = {impl_->energy(), impl_->state.steps};
+}
+
+}  // namespace pivnp::mpm

@@ -1,0 +1,103 @@
+// What a run changes by the case's will: body forces, tractions, densities, strengths, excavation, the start at rest.
+#include <cmath>
+
+#include "mpm/step/settle.hpp"
+#include "mpm/step/solver_impl.hpp"
+#include "pivnp/core/error.hpp"
+
+namespace pivnp::mpm {
+
+// What changes by the case's will, before a step: densities and strengths as at its end, material taken out by its start.
+void Solver::Impl::load(double dt) {
+  if (loading.any_density()) change_densities(state.time + dt, true);
+  change_strength(state.time + dt);
+  remove_due();
+}
+
+void Solver::Impl::map_body_force(int threads) {
+  if (!pushes()) return;
+  std::vector<double> ax(p.size()), ay(p.size());
+  for (std::size_t k = 0; k < p.size(); ++k) {
+    Vec2 a(0, 0);
+    if (scene.body_force && p.cell[k] != Particles::ended) a = scene.body_force(p.index[k], state.time);
+    const std::int32_t push = pushed_at.empty() ? -1 : pushed_at[p.index[k]];
+    if (push >= 0 && p.cell[k] != Particles::ended) {
+      const Loading::Pushed& load = loading.pushed()[std::size_t(push)];
+      const double mass_then = p.volume0[k] * scene.materials[std::size_t(scene.particles.label[p.index[k]])].density_kg_m3;
+      a += load.share(state.time) * mass_then / p.mass_of(k) * load.acceleration;
+    }
+    ax[k] = a.x();
+    ay[k] = a.y();
+  }
+  map_acceleration(p, g, ax, ay, pushed, threads);
+}
+
+// Mass that comes moves as the point does: its kinetic energy is work done from outside.
+void Solver::Impl::change_densities(double time, bool book) {
+  if (!loading.any_density()) return;
+  for (const Particles::Body& body : p.bodies) {
+    const auto material = std::size_t(body.material);
+    const double now = scene.materials[material].density_kg_m3 * loading.density_ratio(material, time);
+    density[material] = now;
+    if (!book) continue;
+    const double before = p.density;
+    if (p.mass.empty()) p.density = now;
+    for (std::size_t k = body.begin; k < body.end; ++k) {
+      const double mass = now * p.volume0[k], mass_before = p.mass.empty() ? before * p.volume0[k] : p.mass[k];
+      if (mass == mass_before || p.cell[k] == Particles::ended) continue;
+      if (!p.mass.empty()) p.mass[k] = mass;
+      state.book.bodies += (1 - mass_before / mass) * stored_kinetic(p, g, k);
+    }
+  }
+}
+
+void Solver::Impl::change_strength(double time) {
+  if (!loading.any_reduction()) return;
+  std::vector<MaterialOptions> now = scene.materials;
+  bool changed = false;
+  for (std::size_t k = 0; k < now.size(); ++k) {
+    const double factor = loading.reduction(k, time);
+    changed = changed || factor != reduction[k];
+    reduction[k] = factor;
+    now[k] = Loading::reduced(now[k], factor);
+  }
+  if (changed) materials = materials_of(scene, now);
+}
+
+void Solver::Impl::remove_due() {
+  bool any = false;
+  for (const Particles::Body& body : p.bodies) {
+    if (loading.removal(std::size_t(body.material)) > state.time) continue;
+    for (std::size_t k = body.begin; k < body.end; ++k) {
+      if (p.cell[k] == Particles::ended) continue;
+      end_particle(k, EndReason::removed);
+      any = true;
+    }
+  }
+  if (any) g.rebuild(p);
+}
+
+void Solver::Impl::start_at_rest(const Vec2& gravity) {
+  if (std::abs(gravity.x()) > 1e-3 * std::abs(gravity.y()))
+    throw InputError("mpm.k0: given where gravity is not vertical, expected settle = true without it");
+  stress_from_columns(p, materials, g, gravity.y(), options.k0);
+}
+
+void Solver::Impl::place_tractions() {
+  if (loading.pushed().empty()) return;
+  pushed_at.assign(scene.particles.size(), -1);
+  for (std::size_t k = 0; k < loading.pushed().size(); ++k) {
+    std::int32_t& at = pushed_at[loading.pushed()[k].particle];
+    if (at >= 0) throw InputError("boundary: two tractions load the same particle, expected faces apart");
+    at = std::int32_t(k);
+  }
+}
+
+Vec2 Solver::Impl::moment_of_mass() const {
+  Vec2 sum(0, 0);
+  for (std::size_t k = 0; k < p.size(); ++k)
+    if (p.cell[k] != Particles::ended) sum += p.mass_of(k) * p.displacement(k, Vec2::Zero());
+  return sum;
+}
+
+}  // namespace pivnp::mpm

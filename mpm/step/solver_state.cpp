@@ -1,0 +1,123 @@
+#include "mpm/step/solver_state.hpp"
+
+#include <cstring>
+
+#include "pivnp/core/error.hpp"
+
+namespace pivnp::mpm {
+
+namespace {
+
+constexpr char magic[8] = {'p', 'i', 'v', 'm', 'p', 'm', '0', '5'};
+
+class Writer {
+ public:
+  template <class T>
+  void value(const T& v) {
+    raw(&v, sizeof v);
+  }
+  template <class T, class A>
+  void array(const std::vector<T, A>& a) {
+    value(std::uint64_t(a.size()));
+    raw(a.data(), a.size() * sizeof(T));
+  }
+  template <class T>
+  void list(const std::vector<T>& a) {
+    array(a);
+  }
+  std::vector<std::byte> bytes;
+
+ private:
+  void raw(const void* data, std::size_t n) {
+    if (n == 0) return;
+    const auto* first = static_cast<const std::byte*>(data);
+    bytes.insert(bytes.end(), first, first + n);
+  }
+};
+
+class Reader {
+ public:
+  explicit Reader(const std::vector<std::byte>& b) : bytes_(b) {}
+  template <class T>
+  void value(T& v) {
+    raw(&v, sizeof v);
+  }
+  template <class T, class A>
+  void array(std::vector<T, A>& a) {
+    std::uint64_t n = 0;
+    value(n);
+    if (n != a.size()) throw InputError("checkpoint: it holds another number of particles than the scene");
+    raw(a.data(), a.size() * sizeof(T));
+  }
+  /// Of any length.
+  template <class T>
+  void list(std::vector<T>& a) {
+    std::uint64_t n = 0;
+    value(n);
+    if (n > (bytes_.size() - at_) / sizeof(T)) throw InputError("checkpoint: it ends too early");
+    a.resize(n);
+    raw(a.data(), n * sizeof(T));
+  }
+  bool at_end() const { return at_ == bytes_.size(); }
+
+ private:
+  void raw(void* data, std::size_t n) {
+    if (n > bytes_.size() - at_) throw InputError("checkpoint: it ends too early");
+    if (n > 0) std::memcpy(data, bytes_.data() + at_, n);
+    at_ += n;
+  }
+  const std::vector<std::byte>& bytes_;
+  std::size_t at_ = 0;
+};
+
+template <class Archive, class State>
+void visit(Archive& a, State& s) {
+  auto& p = s.particles;
+  for (auto* array : const_cast<Particles&>(p).state()) a.array(*array);
+  a.array(p.opened);
+  a.array(p.cell);
+  a.array(p.index);
+  a.value(p.density);
+  a.list(s.ended);
+  a.value(s.book);
+  a.value(s.time);
+  a.value(s.fastest);
+  a.value(s.wave_speed);
+  a.value(s.peak_kinetic);
+  a.value(s.calm_since);
+  a.value(s.calm_looks);
+  a.value(s.at_rest);
+  a.value(s.far);
+  a.array(s.body_motion);
+  a.array(s.body_impulse);
+  a.array(s.sleep.asleep);
+  for (auto* of_block : {&s.sleep.quiet_since, &s.sleep.speed, &s.sleep.foregone}) a.array(*of_block);
+  a.value(s.sleep.held_back);
+  a.value(s.sleep.energy);
+  a.value(s.sleep.skipped);
+  a.value(s.sleep.all);
+  a.value(s.steps);
+  a.value(s.since_sort);
+}
+
+}  // namespace
+
+std::vector<std::byte> to_bytes(const SolverState& state) {
+  Writer w;
+  w.value(magic);
+  visit(w, state);
+  return std::move(w.bytes);
+}
+
+void from_bytes(const std::vector<std::byte>& bytes, SolverState& state) {
+  Reader r(bytes);
+  char found[8];
+  r.value(found);
+  if (std::memcmp(found, magic, sizeof magic) != 0) throw InputError("checkpoint: not one of this solver");
+  SolverState read = state;
+  visit(r, read);
+  if (!r.at_end()) throw InputError("checkpoint: it is longer than the scene's state");
+  state = std::move(read);
+}
+
+}  // namespace pivnp::mpm

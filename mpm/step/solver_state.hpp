@@ -1,0 +1,45 @@
+// All that changes during a run, in one value: what is saved and restored.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "mpm/step/energy.hpp"
+#include "mpm/state/particles.hpp"
+#include "mpm/step/sleep.hpp"
+#include "pivnp/core/particles/motion.hpp"
+
+namespace pivnp::mpm {
+
+struct SolverState {
+  Particles particles;
+  EnergyBook book;
+  struct Ended {
+    double time;
+    std::uint32_t particle;  // in the ParticleSet
+    EndReason reason;
+    std::uint8_t unused[3] = {};  // saved as it lies: nothing is left to chance
+  };
+  static_assert(sizeof(Ended) == 16 && sizeof(EndReason) == 1);
+  std::vector<Ended> ended;
+  double time = 0;
+  double fastest = 0;     // speed of the fastest point, m/s
+  double wave_speed = 0;  // of the fastest compression wave, m/s
+  double peak_kinetic = 0;  // greatest kinetic energy of the nodes so far, J/m
+  double calm_since = 0;    // time since which it has been a small share of that
+  std::int64_t calm_looks = 0;  // at the balance since then
+  bool at_rest = false;     // motion has ended: nothing is stepped any more
+  bool far = false;         // MpmOptions::end_displacement_m is reached: likewise
+  std::vector<double> body_motion;   // RigidBodies::motion()
+  std::vector<double> body_impulse;  // on each rigid body, x and y, N s/m
+  std::int64_t steps = 0;
+  SleepState sleep;
+  std::int64_t since_sort = 0;  // points that changed cells since the storage was last sorted
+};
+
+std::vector<std::byte> to_bytes(const SolverState& state);
+/// Overwrites `state`, which must be of the same scene. Throws InputError otherwise, `state` untouched.
+void from_bytes(const std::vector<std::byte>& bytes, SolverState& state);
+
+}  // namespace pivnp::mpm

@@ -1,0 +1,132 @@
+// What a run watches: the energy balance, whether motion has ended, points that end, and failure.
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include "mpm/step/solver_impl.hpp"
+#include "pivnp/core/error.hpp"
+
+namespace pivnp::mpm {
+
+namespace {
+
+constexpr double heavy_mass = 0.05;           // of a full cell: nodes whose speed says something
+constexpr double calm = 1e-3;                 // of the peak kinetic energy
+constexpr double calm_share = 0.1;            // of the run for which it has to be calm, and
+constexpr int calm_looks = 10;                // looks at the balance
+constexpr double still = 0.01;                // cells that the fastest node may still go in the time run so far
+
+}  // namespace
+
+void Solver::Impl::book_work(double dt, int threads) {
+  const bool strained = scheme.stress != StressUpdate::usf;
+  state.book.add(nodal_work(g, reactions, scheme.damping, dt, strained, threads), gather.kinetic_loss);
+  for (const Reaction& r : reactions)
+    if (r.body >= 0) {
+      state.body_impulse[2 * std::size_t(r.body)] += r.impulse_x;
+      state.body_impulse[2 * std::size_t(r.body) + 1] += r.impulse_y;
+    }
+  if (!pushes()) return;
+  for (const std::uint32_t n : g.nodes) {
+    const Vec2 w = working_velocity(g, n, strained);
+    const double work = dt * (pushed[2 * n] * w.x() + pushed[2 * n + 1] * w.y());
+    state.book.bodies += work;
+    state.book.moved += std::abs(work);
+  }
+}
+
+void Solver::Impl::end_particle(std::size_t k, EndReason reason) {
+  state.ended.push_back({state.time, p.index[k], reason});
+  scene.particles.end[p.index[k]] = state.time;
+  scene.particles.end_reason[p.index[k]] = reason;
+  const StoredEnergy lost = stored_energy_of(p, g, materials, k);
+  state.book.carried += lost.kinetic + lost.elastic;
+  p.cell[k] = Particles::ended;
+}
+
+void Solver::Impl::watch_motion() {
+  const NodalMotion motion = nodal_motion(g, heavy_mass * least_density() * g.grid.spacing.prod());
+  state.peak_kinetic = std::max(state.peak_kinetic, motion.kinetic);
+  const bool is_calm = motion.kinetic < calm * state.peak_kinetic &&
+                       std::sqrt(motion.fastest2) * state.time < still * g.grid.spacing.minCoeff();
+  if (!is_calm) {
+    state.calm_since = state.time;
+    state.calm_looks = 0;
+  }
+  state.far = moved_far();
+  state.at_rest = is_calm && ++state.calm_looks > calm_looks && !scene.body_force &&
+                  state.time - state.calm_since > calm_share * state.time &&
+                  std::isinf(restraints.next_change(state.time)) && !loading.changing_after(state.time) && !bodies.moving_after(state.time);
+}
+
+bool Solver::Impl::moved_far() const {
+  if (!options.end_displacement_m) return false;
+  const double most2 = *options.end_displacement_m * *options.end_displacement_m;
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    if (bodies.mass(b, state.time) > 0 && bodies.displacement(b, state.time).squaredNorm() >= most2) return true;
+  for (std::size_t k = 0; k < p.size(); ++k)
+    if (p.cell[k] != Particles::ended &&
+        p.displacement(k, scene.particles.x0[p.index[k]]).squaredNorm() >= most2)
+      return true;
+  return false;
+}
+
+double Solver::Impl::work_of_gravity() const {
+  double work = 0;
+  const Vec2 gravity = loading.gravity(state.time);
+  for (std::size_t k = 0; k < p.size(); ++k)
+    work += p.mass_of(k) * gravity.dot(p.displacement(k, scene.particles.x0[p.index[k]]));
+  return work;
+}
+
+EnergyRow Solver::Impl::energy() {
+  EnergyBook book = state.book;
+  if (!work_in_steps()) book.gravity = work_of_gravity();
+  EnergyRow row = energy_row(state.time, stored_energy(p, g, materials), book);
+  if (scheme.shape == ShapeKind::bilinear) row.hourglass = hourglass_energy(p, g);
+  return row;
+}
+
+void Solver::Impl::check_balance() {
+  const EnergyRow row = energy();
+  if (!std::isfinite(row.residual)) fail("the energy is not finite");
+  const double turned_over = turnover(row, state.book);
+  if (std::abs(row.residual) > options.energy_limit * turned_over) {
+    std::ostringstream text;
+    text << "the energy residual is " << row.residual << " J/m, beyond " << options.energy_limit
+         << " of what was turned over (" << turned_over << " J/m; mpm.energy_limit)";
+    fail(text.str());
+  }
+  good = {row, state.steps};
+}
+
+void Solver::Impl::fail(const std::string& cause) {
+  std::ostringstream text;
+  text << "mpm: at t = " << state.time << " s, step " << state.steps << ": " << cause << "; the balance was last sound at t = "
+       << good.energy.time << " s";
+  failed = true;
+  throw RunError(text.str());
+}
+
+void Solver::Impl::restart_books() {
+  state.book = EnergyBook{};
+  const StoredEnergy stored = stored_energy(p, g, materials);
+  state.book.start = stored.kinetic + stored.elastic;
+  failed = false;
+  good = {energy(), state.steps};
+}
+
+// The particles' ends as the state has them, instead of those of `before`.
+void Solver::Impl::restore_ends(const std::vector<SolverState::Ended>& before) {
+  for (const auto& e : before) {
+    scene.particles.end[e.particle] = std::numeric_limits<double>::quiet_NaN();
+    scene.particles.end_reason[e.particle] = EndReason::none;
+  }
+  for (const auto& e : state.ended) {
+    if (e.particle >= scene.particles.size()) throw InputError("checkpoint: it ends a particle that the scene lacks");
+    scene.particles.end[e.particle] = e.time;
+    scene.particles.end_reason[e.particle] = e.reason;
+  }
+}
+
+}  // namespace pivnp::mpm

@@ -1,0 +1,264 @@
+// Shape functions in lanes, and where a tile's points are: what the kernels (lanes.hpp) share. Included by their sources inside
+// Highway's loop over instruction sets.
+#if defined(PIVNP_MPM_LANES_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef PIVNP_MPM_LANES_INL
+#undef PIVNP_MPM_LANES_INL
+#else
+#define PIVNP_MPM_LANES_INL
+#endif
+
+#include "mpm/grid/shape.hpp"
+#include "mpm/simd/sums-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace pivnp::mpm::HWY_NAMESPACE {
+
+// Shape functions as in shape.hpp.
+template <int width>
+struct LaneLine {
+  V w[width], g[width];
+};
+
+struct BilinearLanes {
+  static constexpr int W = 2, first = 0;
+  static constexpr bool linear = true, needs_size = false;
+  static HWY_INLINE LaneLine<2> line(V xi, V) { return {{set(1) - xi, xi}, {set(-1), set(1)}}; }
+};
+
+struct BSplineLanes {
+  static constexpr int W = 3, first = -1;
+  static constexpr bool linear = false, needs_size = false;
+  static HWY_INLINE LaneLine<3> line(V xi, V) {
+    const V a = set(0.5) - xi, b = set(0.5) + xi;
+    return {{set(0.5) * a * a, hn::NegMulAdd(xi, xi, set(0.75)), set(0.5) * b * b},
+            {hn::Neg(a), set(-2) * xi, b}};
+  }
+  static HWY_INLINE LaneLine<3> line_at_wall(V xi, V, bool low) {
+    const V one = set(1);
+    if (low) {
+      xi = hn::Max(xi, zero());
+      return {{zero(), one - xi, xi}, {zero(), set(-1), one}};
+    }
+    xi = hn::Min(xi, zero());
+    return {{hn::Neg(xi), one + xi, zero()}, {set(-1), one, zero()}};
+  }
+  static HWY_INLINE V per_moment(const LaneLine<3>&, const V*) { return set(4); }
+};
+
+struct GimpLanes {
+  static constexpr int W = 3, first = -1;
+  static constexpr bool linear = false, needs_size = true;
+  static HWY_INLINE LaneLine<3> line(V xi, V half) {
+    // A function's end, a parabola, and its side reach the nodes beside: by how far the point's square overlaps them. The
+    // three make up one.
+    const V per_size = set(0.5) / half, size = half + half;
+    const auto beside = [&](V reach, V& w, V& g) PIVNP_TILE {
+      reach = hn::Max(zero(), reach);  // (of the two the second where it is not a number)
+      const V end = hn::Min(size, reach);
+      g = end * per_size;
+      w = hn::MulAdd(set(0.5) * end, g, reach - end);
+    };
+    LaneLine<3> out;
+    V fall;
+    beside(half - xi, out.w[0], fall);
+    beside(half + xi, out.w[2], out.g[2]);
+    out.g[0] = hn::Neg(fall);
+    out.w[1] = (set(1) - out.w[0]) - out.w[2];
+    out.g[1] = fall - out.g[2];
+    return out;
+  }
+  static HWY_INLINE LaneLine<3> line_at_wall(V xi, V half, bool low) {
+    LaneLine<3> out = line(low ? hn::Max(xi, zero()) : hn::Min(xi, zero()), half);
+    const int behind = low ? 0 : 2, ahead = low ? 2 : 0;
+    out.w[1] = hn::MulAdd(set(2), out.w[behind], out.w[1]);
+    out.g[1] = hn::MulAdd(set(2), out.g[behind], out.g[1]);
+    out.w[ahead] = out.w[ahead] - out.w[behind];
+    out.g[ahead] = out.g[ahead] - out.g[behind];
+    out.w[behind] = out.g[behind] = zero();
+    return out;
+  }
+  static HWY_INLINE V per_moment(const LaneLine<3>& l, const V* arm) {
+    return set(1) / (l.w[0] * arm[0] * arm[0] + l.w[1] * arm[1] * arm[1] + l.w[2] * arm[2] * arm[2]);
+  }
+};
+
+// Where all are of one body, of its density.
+template <class Tile>
+HWY_INLINE V mass_of(const PointView& p, const Tile& t) {
+  return t.live(p.mass ? t.load(p.mass) : set(p.density) * t.load(p.volume0));
+}
+
+// What F-bar averages over: V0 of the points that material connects; one that stands open keeps its own.
+template <class Tile>
+HWY_INLINE M stands_open(const PointView& p, const Tile& t) {
+  return hn::Gt(t.load(p.gap), zero());
+}
+template <class Tile>
+HWY_INLINE V joined_volume(const PointView& p, const Tile& t) {
+  return hn::IfThenZeroElse(stands_open(p, t), t.live(t.load(p.volume0)));
+}
+
+// Natural coordinates (shape.hpp).
+struct Natural {
+  V xi, eta;
+};
+// Those of the places x, y in the tile's cells.
+HWY_INLINE Natural natural_of(const CellView& c, const TileCells& cells, V x, V y) {
+  return {hn::MulSub(x - set(c.origin_x), set(c.per_hx), of_groups(cells.i[0], cells.i[groups - 1])),
+          hn::MulSub(y - set(c.origin_y), set(c.per_hy), of_groups(cells.j[0], cells.j[groups - 1]))};
+}
+// Where the square around a node begins and ends in a row of n nodes: at the node on the domain's edge.
+HWY_INLINE V begins(const double* at) { return of_groups(at[0] == 1 ? 0 : -0.5, at[groups - 1] == 1 ? 0 : -0.5); }
+HWY_INLINE V ends(const double* at, int n) { return of_groups(at[0] == n - 2 ? 0 : 0.5, at[groups - 1] == n - 2 ? 0 : 0.5); }
+// Appends the places in `order` of the points that are outside their cell. Beyond the domain's edge is outside too.
+template <class Tile>
+HWY_INLINE void find_suspects(const CellView& c, const TileCells& cells, const Tile& t, const Natural& at, std::uint32_t* suspects,
+                              std::size_t& found) {
+  const D d;
+  const V low = set(c.origin == 0 ? 0 : -0.5), high = set(c.origin == 0 ? 1 : 0.5);
+  M inside = hn::And(hn::And(hn::Ge(at.xi, low), hn::Lt(at.xi, high)), hn::And(hn::Ge(at.eta, low), hn::Lt(at.eta, high)));
+  if constexpr (Tile::marked)
+    if (cells.any_mark() & at_edge)
+      inside = hn::And(inside, hn::And(hn::And(hn::Ge(at.xi, begins(cells.i)), hn::Lt(at.xi, ends(cells.i, c.nx))),
+                                       hn::And(hn::Ge(at.eta, begins(cells.j)), hn::Lt(at.eta, ends(cells.j, c.ny)))));
+  const V outside = t.live(hn::IfThenElse(inside, zero(), set(1)));
+  if (HWY_LIKELY(hn::AllTrue(d, hn::Eq(outside, zero())))) return;
+  HWY_ALIGN double out[n_lanes];
+  hn::Store(outside, d, out);
+  for (std::size_t l = 0; l < n_lanes; ++l)
+    if (out[l] != 0) suspects[found++] = cells.place[l / group_lanes] + t.rank(l / group_lanes, l % group_lanes);
+}
+
+// Where a tile's points are, or were; lanes without a point are somewhere in the cell.
+template <class S, class Tile>
+HWY_INLINE Natural natural(const PointView& p, const CellView& c, const TileCells& cells, const Tile& t, Where where = Where::now,
+                           double dt = 0) {
+  if (where == Where::kept) return {t.load(p.xi), t.load(p.eta)};
+  V x = t.load(p.x), y = t.load(p.y);
+  if (where == Where::before) {
+    x = hn::NegMulAdd(set(dt), t.load(p.vx), x);
+    y = hn::NegMulAdd(set(dt), t.load(p.vy), y);
+  }
+  const Natural at = natural_of(c, cells, x, y);
+  if constexpr (!Tile::marked) return at;
+  const V low = set(S::linear ? 0 : -0.5), high = set(S::linear ? 1 : 0.5);
+  return {hn::Min(hn::Max(at.xi, low), high), hn::Min(hn::Max(at.eta, low), high)};
+}
+
+// The functions of a tile's points along both axes.
+template <class S, class Tile>
+struct TileLines {
+  using Shape = S;
+  static constexpr int W = S::W;
+  static constexpr bool marked = Tile::marked, beside_walls = !S::linear && marked;
+  V xi, eta;
+  LaneLine<S::W> x, y;
+
+  HWY_INLINE TileLines(const PointView& p, const TileCells& cells, const Tile& t, const Natural& at) : xi(at.xi), eta(at.eta) {
+    V half = zero();
+    if constexpr (S::needs_size) half = t.load(p.half);
+    x = S::line(xi, half);
+    y = S::line(eta, half);
+    if constexpr (beside_walls) {
+      at_wall(cells, xi, half, fold_left, fold_right, x);
+      at_wall(cells, eta, half, fold_down, fold_up, y);
+    }
+  }
+  // Distances of the nodes from the points, in cells.
+  HWY_INLINE void arms(V* ax, V* ay) const {
+    for (int a = 0; a < S::W; ++a) {
+      ax[a] = set(a + S::first) - xi;
+      ay[a] = set(a + S::first) - eta;
+    }
+  }
+
+ private:
+  static HWY_INLINE void at_wall(const TileCells& cells, V place, V half, unsigned low, unsigned high, LaneLine<S::W>& line) {
+    for (const unsigned wall : {low, high}) {
+      if (!(cells.any_mark() & wall)) continue;
+      const M beside = cells.beside(wall);
+      const LaneLine<S::W> other = S::line_at_wall(place, half, wall == low);
+      for (int a = 0; a < S::W; ++a) {
+        line.w[a] = hn::IfThenElse(beside, other.w[a], line.w[a]);
+        line.g[a] = hn::IfThenElse(beside, other.g[a], line.g[a]);
+      }
+    }
+  }
+};
+
+template <class S, class Tile>
+HWY_INLINE TileLines<S, Tile> lines_of(const PointView& p, const CellView& c, const TileCells& cells, const Tile& t,
+                                       Where where = Where::now, double dt = 0) {
+  return {p, cells, t, natural<S>(p, c, cells, t, where, dt)};
+}
+
+// The hats of a cell's corners (averages.hpp).
+HWY_INLINE void hat_lanes(V xi, V* w) {
+  w[0] = set(0.5) - xi;
+  w[1] = set(0.5) + xi;
+}
+
+// sum over a line of weight times a member of the row's nodes, the first of which is `row` behind the base.
+template <int W>
+HWY_INLINE V row_sum(const V* w, const TileCells& cells, std::ptrdiff_t row, double Node::*member) {
+  V sum = w[0] * cells.value(row, member);
+  for (int a = 1; a < W; ++a) sum = hn::MulAdd(w[a], cells.value(row + a, member), sum);
+  return sum;
+}
+template <int W>
+HWY_INLINE V dot(const V* w, const V* v) {
+  V sum = w[0] * v[0];
+  for (int a = 1; a < W; ++a) sum = hn::MulAdd(w[a], v[a], sum);
+  return sum;
+}
+
+// F-bar of three-node shapes (averages.hpp): `a` by its weights v and the hats of a cell's corners; with `volumes` the
+// weights and the cell's edges too.
+HWY_INLINE void add_to_averages(const CellView& c, const TileCells& cells, bool volumes, V xi, V eta, V v, V a) {
+  V hx[2], hy[2], value[4], volume[4];
+  hat_lanes(xi, hx);
+  hat_lanes(eta, hy);
+  for (int n = 0; n < 4; ++n) {
+    volume[n] = v * hx[n % 2] * hy[n / 2];
+    value[n] = volume[n] * a;
+  }
+  std::ptrdiff_t cell[groups];
+  for (std::size_t g = 0; g < groups; ++g) cell[g] = cells.base[g] - c.node;
+  const auto corner = [&](std::size_t g, std::ptrdiff_t n) PIVNP_TILE {
+    return &c.average.corners[cell[g] + n / 2 * cells.nx + n % 2].value;
+  };
+  if (volumes) {
+    add_pairs<4>(value, volume, corner);
+    Four{hx[0] * volume[1], hx[0] * volume[3], hy[0] * volume[2], hy[0] * volume[3]}.add_to(
+        [&](std::size_t g) PIVNP_TILE { return &c.average.edges[cell[g]].low; });
+  } else {
+    Four{value[0], value[1], value[2], value[3]}.add_singly(
+        [&](std::size_t g, std::size_t n) PIVNP_TILE { return corner(g, std::ptrdiff_t(n)); });
+  }
+}
+// The average at the points.
+HWY_INLINE V averaged(const CellView& c, const TileCells& cells, V xi, V eta) {
+  V hx[2], hy[2];
+  hat_lanes(xi, hx);
+  hat_lanes(eta, hy);
+  const CornerSums* first = c.average.corners + (cells.base[0] - c.node);
+  const CornerSums* second = c.average.corners + (cells.base[groups - 1] - c.node);
+  const auto at = [&](std::ptrdiff_t n) PIVNP_TILE { return of_groups(first[n].value, second[n].value); };
+  const V low = hn::MulAdd(hx[1], at(1), hx[0] * at(0)), high = hn::MulAdd(hx[1], at(cells.nx + 1), hx[0] * at(cells.nx));
+  return hn::MulAdd(hy[1], high, hy[0] * low);
+}
+
+/// Calls action with the lane form of the shape.
+template <class Action>
+HWY_INLINE auto with_lanes(ShapeKind kind, Action&& action) {
+  switch (kind) {
+    case ShapeKind::bilinear: return action(BilinearLanes{});
+    case ShapeKind::gimp: return action(GimpLanes{});
+    default: return action(BSplineLanes{});
+  }
+}
+
+}  // namespace pivnp::mpm::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

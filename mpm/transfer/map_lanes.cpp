@@ -1,0 +1,225 @@
+// From the points to the nodes: A.1 (who has left the cell), A.3, A.4.
+#include "mpm/transfer/lanes.hpp"
+
+#include <algorithm>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "mpm/transfer/map_lanes.cpp"
+#include <hwy/foreach_target.h>  // compiles this file once for every instruction set
+#include <hwy/highway.h>
+
+#include "mpm/transfer/lanes-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace pivnp::mpm::HWY_NAMESPACE {
+
+std::size_t locate_slots(const PointView& p, const CellView& c, SlotRange slots, std::uint32_t* suspects) {
+  std::size_t found = 0;
+  for_tiles(c, slots, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
+    find_suspects(c, cells, t, natural_of(c, cells, t.load(p.x), t.load(p.y)), suspects, found);
+  });
+  return found;
+}
+
+// -integral of (sxx, syy, sxy) through the gradient at an element's centre.
+HWY_INLINE void add_centre_force(const CellView& c, Node* base, double sxx, double syy, double sxy) {
+  for (int n = 0; n < 4; ++n) {
+    const double gx = (n % 2 == 0 ? -0.5 : 0.5) * c.per_hx, gy = (n < 2 ? -0.5 : 0.5) * c.per_hy;
+    Node& node = base[n / 2 * c.nx + n % 2];
+    node.fx -= sxx * gx + sxy * gy;
+    node.fy -= sxy * gx + syy * gy;
+  }
+}
+
+HWY_INLINE V sum3(V a, V b, V c) { return a + b + c; }
+
+// Sums over a run of elements of V0 times stress: what `selective`, `full` and F-bar of bilinear shapes average.
+struct ElementSums {
+  static constexpr std::size_t most = 32;  // elements
+  double xx[most] = {}, yy[most] = {}, zz[most] = {}, xy[most] = {}, volume[most] = {};
+
+  HWY_INLINE void add(const TileCells& cells, std::size_t first, V v, double* to) {
+    double sums[groups];
+    group_sums(v, sums);
+    for (std::size_t g = 0; g < groups; ++g) to[cells.slot[g] - first] += sums[g];
+  }
+};
+
+// The mean stress that F-bar puts in the place of the points' own, in `mean`; the others' force at the nodes.
+HWY_INLINE void average_elements(const PointView& p, const CellView& c, SlotRange slots, Locking locking, double* mean) {
+  ElementSums sums;
+  for_tiles(c, slots, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
+    const V v = t.live(locking == Locking::fbar ? joined_volume(p, t) : t.load(p.volume0));
+    sums.add(cells, slots.begin, v * t.load(p.tau_xx), sums.xx);
+    sums.add(cells, slots.begin, v * t.load(p.tau_yy), sums.yy);
+    sums.add(cells, slots.begin, v * t.load(p.tau_zz), sums.zz);
+    if (locking == Locking::full) sums.add(cells, slots.begin, v * t.load(p.tau_xy), sums.xy);
+    if (locking == Locking::fbar) sums.add(cells, slots.begin, v, sums.volume);
+  });
+  for (std::size_t s = slots.begin; s < slots.end; ++s) {
+    const std::size_t at = s - slots.begin;
+    Node* base = c.node + c.slot_cell[s];
+    const double third = (sums.xx[at] + sums.yy[at] + sums.zz[at]) / 3;
+    mean[at] = sums.volume[at] > 0 ? third / sums.volume[at] : 0;  // 0: all its points stand open
+    if (locking == Locking::full) add_centre_force(c, base, sums.xx[at], sums.yy[at], sums.xy[at]);
+    if (locking == Locking::selective) add_centre_force(c, base, third, third, 0);
+  }
+}
+
+template <class S, bool affine>
+struct Mapping {
+  static constexpr int W = S::W;
+  const PointView p;
+  const CellView c;
+  bool momentum;
+  double force;  // 1 or 0
+  Locking locking;
+
+  // What the mean stress of the tile's points changes by; `mean`: of F-bar's elements, from slot `first` on.
+  template <class Lines, class Tile>
+  HWY_INLINE V mean_change(const Lines& l, const Tile& t, const TileCells& cells, const double* mean,
+                           std::size_t first, V xx, V yy) const {
+    const V own = sum3(xx, yy, t.load(p.tau_zz)) * set(-1.0 / 3);
+    if constexpr (W == 2) {
+      if (locking != Locking::fbar) return own;
+      const V element = of_groups(mean[cells.slot[0] - first], mean[cells.slot[groups - 1] - first]);
+      return hn::IfThenZeroElse(stands_open(p, t), own + element);
+    } else {
+      return hn::IfThenZeroElse(stands_open(p, t), own + averaged(c, cells, l.xi, l.eta));
+    }
+  }
+
+  template <class Tile>
+  HWY_INLINE void tile(const Tile& t, const TileCells& cells, double volume_factor, const double* mean,
+                       std::size_t first) const {
+    const auto l = lines_of<S>(p, c, cells, t);
+    V ax[W], ay[W], pm[W], ux[W], uy[W], ex[W], ey[W], fxg[W], fxw[W], fyg[W], fyw[W];
+    const V m = momentum ? mass_of(p, t) : zero();
+    const V vx = t.load(p.vx), vy = t.load(p.vy);
+    if constexpr (affine) {
+      l.arms(ax, ay);
+      const V cxx = t.load(p.C_xx) * set(c.hx), cyx = t.load(p.C_yx) * set(c.hx);
+      const V cxy = t.load(p.C_xy) * set(c.hy), cyy = t.load(p.C_yy) * set(c.hy);
+      for (int a = 0; a < W; ++a) {
+        ux[a] = hn::MulAdd(cxx, ax[a], vx);
+        uy[a] = hn::MulAdd(cyx, ax[a], vy);
+        ex[a] = cxy * ay[a];
+        ey[a] = cyy * ay[a];
+      }
+    }
+    const V v = t.live(p.mass ? t.load(p.volume0) : t.again(p.volume0)) * set(-volume_factor);
+    V xx = t.load(p.tau_xx), yy = t.load(p.tau_yy);
+    if (locking != Locking::none && volume_factor != 0) {
+      const V change = mean_change(l, t, cells, mean, first, xx, yy);
+      xx = xx + change;
+      yy = yy + change;
+    }
+    const V vgx = v * set(c.per_hx), vgy = v * set(c.per_hy), xy = t.load(p.tau_xy);
+    const V sxx = vgx * xx, sxy_x = vgx * xy, sxy_y = vgy * xy, syy = vgy * yy;
+    for (int a = 0; a < W; ++a) {
+      pm[a] = m * l.x.w[a];
+      fxg[a] = sxx * l.x.g[a];
+      fxw[a] = sxy_y * l.x.w[a];
+      fyg[a] = sxy_x * l.x.g[a];
+      fyw[a] = syy * l.x.w[a];
+    }
+    const auto fy = [&](int n) PIVNP_TILE { return hn::MulAdd(fyg[n % W], l.y.w[n / W], fyw[n % W] * l.y.g[n / W]); };
+    const auto four = [&](int n) PIVNP_TILE {
+      const int a = n % W, b = n / W;
+      const V mass = pm[a] * l.y.w[b];
+      const V fx = hn::MulAdd(fxg[a], l.y.w[b], fxw[a] * l.y.g[b]);
+      if constexpr (affine) return Four{mass, mass * (ux[a] + ex[b]), mass * (uy[a] + ey[b]), fx};
+      else return Four{mass, mass * vx, mass * vy, fx};
+    };
+    add_fives<W * W>(four, fy, [&](std::size_t g, int n) PIVNP_TILE { return &cells.base[g][n / W * cells.nx + n % W].mass; });
+  }
+
+  HWY_INLINE void run(SlotRange slots) const {
+    double mean[ElementSums::most];
+    const bool average = W == 2 && locking != Locking::none && force != 0;
+    const double factor = average && locking == Locking::full ? 0 : force;
+    const std::size_t each = average ? ElementSums::most : slots.end - slots.begin;
+    while (slots.begin < slots.end) {
+      const SlotRange part{slots.begin, std::min(slots.end, slots.begin + each)};
+      if (average) average_elements(p, c, part, locking, mean);
+      for_tiles(c, part, [&](const auto& t, const TileCells& cells) PIVNP_TILE { tile(t, cells, factor, mean, part.begin); });
+      slots.begin = part.end;
+    }
+  }
+};
+
+void map_slots(ShapeKind shape, bool affine, bool momentum, bool force, Locking locking, const PointView& p,
+               const CellView& c, SlotRange slots) {
+  with_lanes(shape, [&](auto kind) HWY_ATTR {
+    using S = decltype(kind);
+    if (affine) {
+      Mapping<S, true>{p, c, momentum, force ? 1.0 : 0.0, locking}.run(slots);
+    } else {
+      Mapping<S, false>{p, c, momentum, force ? 1.0 : 0.0, locking}.run(slots);
+    }
+  });
+}
+
+void average_stress_slots(const PointView& p, const CellView& c, SlotRange slots) {
+  for_tiles(c, slots, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
+    const V mean = sum3(t.load(p.tau_xx), t.load(p.tau_yy), t.load(p.tau_zz)) * set(1.0 / 3);
+    const Natural at = natural<BSplineLanes>(p, c, cells, t);
+    add_to_averages(c, cells, true, at.xi, at.eta, joined_volume(p, t), mean);
+  });
+}
+
+void project_slots(ShapeKind shape, const double* v, double* out, const PointView& p, const CellView& c,
+                   SlotRange slots) {
+  with_lanes(shape, [&](auto kind) HWY_ATTR {
+    using S = decltype(kind);
+    constexpr int W = S::W, N = W * W;
+    for_tiles(c, slots, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
+      std::ptrdiff_t base[groups];
+      for (std::size_t g = 0; g < groups; ++g) base[g] = cells.base[g] - c.node;
+      const auto at = [&](std::size_t g, int n) PIVNP_TILE { return 2 * (base[g] + n / W * cells.nx + n % W); };
+      const auto l = lines_of<S>(p, c, cells, t);
+      const V m = mass_of(p, t);
+      V w[N], vx = zero(), vy = zero(), px[N], py[N];
+      for (int n = 0; n < N; ++n) {
+        const double *first = v + at(0, n), *second = v + at(groups - 1, n);
+        w[n] = l.x.w[n % W] * l.y.w[n / W];
+        vx = hn::MulAdd(w[n], of_groups(first[0], second[0]), vx);
+        vy = hn::MulAdd(w[n], of_groups(first[1], second[1]), vy);
+      }
+      for (int n = 0; n < N; ++n) {
+        px[n] = m * w[n] * vx;
+        py[n] = m * w[n] * vy;
+      }
+      add_pairs<N>(px, py, [&](std::size_t g, int n) PIVNP_TILE { return out + at(g, n); });
+    });
+  });
+}
+
+}  // namespace pivnp::mpm::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace pivnp::mpm {
+
+HWY_EXPORT(locate_slots);
+HWY_EXPORT(map_slots);
+HWY_EXPORT(average_stress_slots);
+HWY_EXPORT(project_slots);
+
+std::size_t locate_lanes(const PointView& p, const CellView& c, SlotRange slots, std::uint32_t* suspects) {
+  return HWY_DYNAMIC_DISPATCH(locate_slots)(p, c, slots, suspects);
+}
+void map_lanes(ShapeKind shape, bool affine, bool momentum, bool force, Locking locking, const PointView& p,
+               const CellView& c, SlotRange slots) {
+  HWY_DYNAMIC_DISPATCH(map_slots)(shape, affine, momentum, force, locking, p, c, slots);
+}
+void average_stress_lanes(const PointView& p, const CellView& c, SlotRange slots) {
+  HWY_DYNAMIC_DISPATCH(average_stress_slots)(p, c, slots);
+}
+void project_lanes(ShapeKind shape, const double* v, double* out, const PointView& p, const CellView& c,
+                   SlotRange slots) {
+  HWY_DYNAMIC_DISPATCH(project_slots)(shape, v, out, p, c, slots);
+}
+
+}  // namespace pivnp::mpm
+#endif

@@ -1,0 +1,47 @@
+// From the nodes to the points: A.8-A.11, and the updated momentum back to the nodes (MUSL).
+#include "mpm/transfer/lanes.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "mpm/transfer/move_lanes.cpp"
+#include <hwy/foreach_target.h>  // compiles this file once for every instruction set
+#include <hwy/highway.h>
+
+#include "mpm/transfer/move-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace pivnp::mpm::HWY_NAMESPACE {
+
+template <class S, TransferKind transfer>
+GatherSums move_all(const MoveJob& job, const PointView& p, const CellView& c, SlotRange slots) {
+  Moving<S, transfer> move{job, p, c};
+  for_tiles(c, slots, [&](const auto& t, const TileCells& cells) PIVNP_TILE { move.tile(t, cells); });
+  return sums_of(move.fastest2, move.loss, move.good);
+}
+
+GatherSums move_slots(ShapeKind shape, const MoveJob& job, const PointView& p, const CellView& c, SlotRange slots) {
+  return with_lanes(shape, [&](auto kind) HWY_ATTR {
+    using S = decltype(kind);
+    return job.transfer == TransferKind::apic   ? move_all<S, TransferKind::apic>(job, p, c, slots)
+           : job.transfer == TransferKind::xpic ? move_all<S, TransferKind::xpic>(job, p, c, slots)
+                                                : move_all<S, TransferKind::flip>(job, p, c, slots);
+  });
+}
+
+const char* target_name() { return lanes_name(); }
+
+}  // namespace pivnp::mpm::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace pivnp::mpm {
+
+HWY_EXPORT(move_slots);
+HWY_EXPORT(target_name);
+
+GatherSums move_lanes(ShapeKind shape, const MoveJob& job, const PointView& p, const CellView& c, SlotRange slots) {
+  return HWY_DYNAMIC_DISPATCH(move_slots)(shape, job, p, c, slots);
+}
+const char* simd_target() { return HWY_DYNAMIC_DISPATCH(target_name)(); }
+
+}  // namespace pivnp::mpm
+#endif

@@ -1,0 +1,303 @@
+// A.12 in lanes: log strain and rotation of the step. Included by the kernels' sources inside Highway's loop over instruction
+// sets.
+#if defined(PIVNP_MPM_STRAIN_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef PIVNP_MPM_STRAIN_INL
+#undef PIVNP_MPM_STRAIN_INL
+#else
+#define PIVNP_MPM_STRAIN_INL
+#endif
+
+#include <algorithm>
+#include <cmath>
+
+#include "mpm/transfer/finite_strain.hpp"
+#include "mpm/transfer/lanes-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace pivnp::mpm::HWY_NAMESPACE {
+
+struct LaneGradient {
+  V xx, xy, yx, yy;
+};
+struct LanePolar {
+  V trace, half, xy, spin;  // of the log strain; half: (xx - yy)/2
+};
+
+// Up to here the series hold to the last bits: of volume; of the squares of the distortion and of the rotation's tangent.
+constexpr double small_change = 0.02, small_square = 1e-3;
+
+HWY_INLINE V det_change(const LaneGradient& G) {
+  return G.xx + G.yy + hn::NegMulAdd(G.xy, G.yx, G.xx * G.yy);
+}
+
+// Larger steps, point by point.
+template <class Each>
+HWY_INLINE void for_lanes(const LaneGradient& G, Each&& each) {
+  const D d;
+  HWY_ALIGN double xx[n_lanes], xy[n_lanes], yx[n_lanes], yy[n_lanes];
+  hn::Store(G.xx, d, xx);
+  hn::Store(G.xy, d, xy);
+  hn::Store(G.yx, d, yx);
+  hn::Store(G.yy, d, yy);
+  for (std::size_t l = 0; l < n_lanes; ++l) each(l, Gradient{xx[l], xy[l], yx[l], yy[l]});
+}
+HWY_NOINLINE inline void log_det_by_points(LaneGradient G, double* out) {
+  for_lanes(G, [&](std::size_t l, const Gradient& g) { out[l] = log_det(g); });
+}
+HWY_NOINLINE inline void polar_by_points(LaneGradient G, double* trace, double* half, double* xy, double* spin) {
+  for_lanes(G, [&](std::size_t l, const Gradient& g) {
+    const Polar e = polar(g);
+    trace[l] = e.xx + e.yy;
+    half[l] = 0.5 * (e.xx - e.yy);
+    xy[l] = e.xy;
+    spin[l] = e.spin;
+  });
+}
+
+// ln(1 + x) of small x: 2 artanh(x/(2 + x)).
+HWY_INLINE V small_log1p(V x) {
+  const V s = x / (set(2) + x), s2 = s * s;
+  const V series = hn::MulAdd(s2, hn::MulAdd(s2, hn::MulAdd(s2, set(2.0 / 7), set(2.0 / 5)), set(2.0 / 3)), set(2));
+  return s * series;
+}
+
+HWY_INLINE V lane_log_det(const LaneGradient& G) {
+  const D d;
+  const V x = det_change(G);
+  if (HWY_LIKELY(hn::AllTrue(d, hn::Le(hn::Abs(x), set(small_change))))) return small_log1p(x);
+  HWY_ALIGN double out[n_lanes];
+  log_det_by_points(G, out);
+  return hn::Load(d, out);
+}
+
+HWY_INLINE V lane_exp(V x) {
+  const D d;
+  if (HWY_LIKELY(hn::AllTrue(d, hn::Le(hn::Abs(x), set(small_change))))) {
+    V sum = set(1.0 / 5040);
+    for (const double c : {1.0 / 720, 1.0 / 120, 1.0 / 24, 1.0 / 6, 0.5, 1.0, 1.0}) sum = hn::MulAdd(sum, x, set(c));
+    return sum;
+  }
+  HWY_ALIGN double out[n_lanes];
+  hn::Store(x, d, out);
+  for (double& v : out) v = std::exp(v);
+  return hn::Load(d, out);
+}
+
+// polar() in lanes. ln V is half the logarithm of f f^T: with M the deviator of that over its mean, its deviator is
+// M artanh|M|/(2 |M|), so the rotation is not needed for it and no quotient waits for another one.
+HWY_INLINE LanePolar lane_polar(const LaneGradient& G, V change) {
+  const D d;
+  const V half_of = set(0.5), sum = G.xx + G.yy, shear = G.xy + G.yx, turn = G.yx - G.xy, a = set(2) + sum;
+  const V squares = hn::MulAdd(G.xx, G.xx, G.yy * G.yy) + hn::MulAdd(G.xy, G.xy, G.yx * G.yx);
+  const V per_mean = set(1) / hn::MulAdd(half_of, squares, set(1) + sum);
+  const V half = half_of * hn::MulSub(G.xx - G.yy, a, turn * shear) * per_mean;
+  const V xy = hn::MulAdd(G.xx, G.yx, hn::MulAdd(G.xy, G.yy, shear)) * per_mean;
+  const V m2 = hn::MulAdd(half, half, xy * xy), tan = turn / a, t2 = tan * tan;
+  const M small = hn::And(hn::Le(hn::Abs(change), set(small_change)), hn::Le(hn::Max(m2, t2), set(small_square)));
+  if (HWY_LIKELY(hn::AllTrue(d, small))) {
+    const V artanh = hn::MulAdd(m2, hn::MulAdd(m2, hn::MulAdd(m2, hn::MulAdd(m2, set(0.5 / 9), set(0.5 / 7)), set(0.5 / 5)),
+                                               set(0.5 / 3)), half_of);
+    const V half_angle = hn::MulAdd(
+        t2, hn::MulAdd(t2, hn::MulAdd(t2, hn::MulAdd(t2, set(7.0 / 128), set(-5.0 / 64)), set(1.0 / 8)), set(-1.0 / 4)), set(1));
+    return {small_log1p(change), artanh * half, artanh * xy, half_angle * tan};
+  }
+  HWY_ALIGN double trace_of[n_lanes], half_lane[n_lanes], xy_of[n_lanes], spin_of[n_lanes];
+  polar_by_points(G, trace_of, half_lane, xy_of, spin_of);
+  return {hn::Load(d, trace_of), hn::Load(d, half_lane), hn::Load(d, xy_of), hn::Load(d, spin_of)};
+}
+
+// The straining velocity of a tile's nodes.
+template <bool marked>
+struct StrainingAt {
+  const double* first[groups];
+  std::ptrdiff_t next[groups];
+
+  HWY_INLINE StrainingAt(const CellView& c, const TileCells& cells) {
+    for (std::size_t g = 0; g < groups; ++g) {
+      const bool apart = marked && cells.marks[g] & strained_apart;
+      next[g] = apart ? 2 : c.to_next;
+      first[g] = (apart ? c.apart : c.straining) + (cells.base[g] - c.node) * next[g];
+    }
+  }
+  HWY_INLINE V operator()(std::ptrdiff_t n, int component) const {
+    return of_groups(first[0][n * next[0] + component], first[groups - 1][n * next[groups - 1] + component]);
+  }
+};
+
+template <class Lines>
+HWY_INLINE LaneGradient gradient(const Lines& l, const CellView& view, const TileCells& cells, double sx, double sy) {
+  const StrainingAt<Lines::marked> u(view, cells);
+  constexpr int W = Lines::W;
+  const V x = set(sx), y = set(sy);
+  if constexpr (W == 2) {
+    // Linear along each axis, with the cross difference in common.
+    const auto of = [&](int component, V& by_x, V& by_y) PIVNP_TILE {
+      const V a = u(0, component), b = u(1, component), e = u(cells.nx, component), f = u(cells.nx + 1, component);
+      const V low = b - a, cross = (f - e) - low;
+      by_x = hn::MulAdd(l.eta, cross, low) * x;
+      by_y = hn::MulAdd(l.xi, cross, e - a) * y;
+    };
+    LaneGradient G;
+    of(0, G.xx, G.xy);
+    of(1, G.yx, G.yy);
+    return G;
+  } else {
+    LaneGradient G{zero(), zero(), zero(), zero()};
+    for (int b = 0; b < W; ++b) {
+      const auto add = [&](int component, V& by_x, V& by_y) PIVNP_TILE {
+        V value = zero(), slope = zero();
+        for (int a = 0; a < W; ++a) {
+          const V v = u(b * cells.nx + a, component);
+          value = hn::MulAdd(l.x.w[a], v, value);
+          slope = hn::MulAdd(l.x.g[a], v, slope);
+        }
+        by_x = hn::MulAdd(l.y.w[b], slope, by_x);
+        by_y = hn::MulAdd(l.y.g[b], value, by_y);
+      };
+      add(0, G.xx, G.xy);
+      add(1, G.yx, G.yy);
+    }
+    return {G.xx * x, G.xy * y, G.yx * x, G.yy * y};
+  }
+}
+
+// Of a tile's own points: what follows from it chooses its way by all lanes.
+template <class Tile>
+HWY_INLINE LaneGradient of_own(const Tile& t, const LaneGradient& G) {
+  return {t.own(G.xx), t.own(G.xy), t.own(G.yx), t.own(G.yy)};
+}
+
+// ln det of the step at the points, to be averaged: nothing in lanes without one, where it need not be a number.
+template <class Tile, class Lines>
+HWY_INLINE V dilation(const Tile& t, const Lines& l, const CellView& c, const TileCells& cells, double sx, double sy) {
+  return t.live(lane_log_det(of_own(t, gradient(l, c, cells, sx, sy))));
+}
+
+// The gradient at the elements' centres.
+template <bool marked>
+HWY_INLINE LaneGradient centre_gradient(const CellView& view, const TileCells& cells, double sx, double sy) {
+  const StrainingAt<marked> u(view, cells);
+  const auto of = [&](int component, V& by_x, V& by_y) PIVNP_TILE {
+    const V a = u(0, component), b = u(1, component), e = u(cells.nx, component), f = u(cells.nx + 1, component);
+    by_x = set(0.5 * sx) * ((b - a) + (f - e));
+    by_y = set(0.5 * sy) * ((e - a) + (f - b));
+  };
+  LaneGradient G;
+  of(0, G.xx, G.xy);
+  of(1, G.yx, G.yy);
+  return G;
+}
+
+constexpr std::size_t most_elements = 32;  // averaged at a time
+
+template <class S>
+struct Straining {
+  const StrainJob job;
+  const PointView p;
+  const CellView c;
+  const Increments out;
+  std::uint32_t first;  // place in `order` of the first increment
+  double sx = job.dt * c.per_hx, sy = job.dt * c.per_hy;
+
+  // To the increments of a tile's points; the next tile overwrites what goes beyond a group's last point.
+  static HWY_INLINE void put(const FullTile&, V v, double* to, std::size_t) { hn::StoreU(v, D(), to); }
+  template <class Tile>
+  static HWY_INLINE void put(const Tile& t, V v, double* to, [[maybe_unused]] std::size_t second) {
+    v = t.packed(v);
+    if constexpr (groups == 2) put_groups(D(), v, to, second);
+    else hn::StoreU(v, D(), to);
+  }
+  template <class Tag>
+  static HWY_INLINE void put_groups(Tag d, V v, double* to, std::size_t second) {
+    const hn::Half<Tag> h;
+    hn::StoreU(hn::LowerHalf(h, v), h, to);
+    hn::StoreU(hn::UpperHalf(h, v), h, to + second);
+  }
+
+  template <class Tile>
+  HWY_INLINE void tile(const Tile& t, const TileCells& cells, const double* averages, std::size_t first_slot) const {
+    const auto l = lines_of<S>(p, c, cells, t, job.where, job.dt);
+    strain(t, l, cells, of_own(t, gradient(l, c, cells, sx, sy)), averages, first_slot);
+  }
+
+  // By a gradient of the step's displacement, `own`.
+  template <class Tile, class Lines>
+  HWY_INLINE void strain(const Tile& t, const Lines& l, const TileCells& cells, const LaneGradient& own, const double* averages,
+                         std::size_t first_slot) const {
+    LaneGradient G = own;
+    if constexpr (S::W == 2)
+      if (job.locking == Locking::full) G = centre_gradient<Tile::marked>(c, cells, sx, sy);
+    const V change = det_change(G);
+    const LanePolar e = lane_polar(G, change);
+    const V mean = set(0.5) * e.trace;
+    V shift = zero(), theta = zero();
+    if (job.locking != Locking::none) {
+      if constexpr (S::W == 2) {
+        if (job.locking == Locking::fbar) {
+          theta = of_groups(averages[cells.slot[0] - first_slot], averages[cells.slot[groups - 1] - first_slot]);
+          theta = hn::IfThenElse(stands_open(p, t), e.trace, theta);
+        } else {
+          theta = job.locking == Locking::full ? e.trace : lane_log_det(centre_gradient<Tile::marked>(c, cells, sx, sy));
+        }
+      } else {
+        theta = hn::IfThenElse(stands_open(p, t), e.trace, averaged(c, cells, l.xi, l.eta));
+      }
+      theta = t.own(theta);
+      shift = (theta - e.trace) * set(1.0 / 3);
+    }
+    const std::size_t at = cells.place[0] - first, second = cells.place[groups - 1] - cells.place[0];
+    put(t, mean + e.half + shift, out.xx + at, second);
+    put(t, mean - e.half + shift, out.yy + at, second);
+    put(t, shift, out.zz + at, second);
+    put(t, e.xy, out.xy + at, second);
+    put(t, e.spin, out.spin + at, second);
+    if (!job.record) return;
+    const V F_xx = t.load(p.F_xx), F_xy = t.load(p.F_xy), F_yx = t.load(p.F_yx), F_yy = t.load(p.F_yy);
+    t.store(F_xx + hn::MulAdd(own.xx, F_xx, own.xy * F_yx), p.F_xx);
+    t.store(F_xy + hn::MulAdd(own.xx, F_xy, own.xy * F_yy), p.F_xy);
+    t.store(F_yx + hn::MulAdd(own.yx, F_xx, own.yy * F_yx), p.F_yx);
+    t.store(F_yy + hn::MulAdd(own.yx, F_xy, own.yy * F_yy), p.F_yy);
+    const V J = t.load(p.J);
+    t.store(job.locking == Locking::none ? hn::MulAdd(J, change, J) : J * lane_exp(theta), p.J);
+  }
+
+  // Bilinear F-bar: the elements' means of ln det f, weights V0.
+  HWY_INLINE void average_elements(SlotRange slots, double* averages) const {
+    double sum[most_elements] = {}, volume[most_elements] = {};
+    for_tiles(c, slots, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
+      const auto l = lines_of<S>(p, c, cells, t, job.where, job.dt);
+      const V v = joined_volume(p, t);
+      double s[groups], w[groups];
+      group_sums(v * dilation(t, l, c, cells, sx, sy), s);
+      group_sums(v, w);
+      for (std::size_t g = 0; g < groups; ++g) {
+        sum[cells.slot[g] - slots.begin] += s[g];
+        volume[cells.slot[g] - slots.begin] += w[g];
+      }
+    });
+    for (std::size_t s = 0; s < slots.end - slots.begin; ++s) averages[s] = volume[s] > 0 ? sum[s] / volume[s] : 0;
+  }
+
+  HWY_INLINE std::size_t run(SlotRange slots, std::uint32_t* suspects) const {
+    std::size_t found = 0;
+    double averages[most_elements];
+    const bool average = S::W == 2 && job.locking == Locking::fbar;
+    const std::size_t each = average ? most_elements : slots.end - slots.begin;
+    while (slots.begin < slots.end) {
+      const SlotRange part{slots.begin, std::min(slots.end, slots.begin + each)};
+      if constexpr (S::W == 2)
+        if (average) average_elements(part, averages);
+      for_tiles(c, part, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
+        tile(t, cells, averages, part.begin);
+        if (job.where == Where::before) find_suspects(c, cells, t, natural_of(c, cells, t.again(p.x), t.again(p.y)), suspects, found);
+      });
+      slots.begin = part.end;
+    }
+    return found;
+  }
+};
+
+}  // namespace pivnp::mpm::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,114 @@
+#include "mpm/transfer/stress_update.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mpm/transfer/transfer.hpp"
+
+namespace pivnp::mpm {
+
+namespace {
+
+constexpr std::size_t run = 1024;
+
+// Do they follow one another? (No early end: so the loop goes in lanes.)
+bool together(const std::uint32_t* places, std::size_t n) {
+  std::uint32_t other = 0;
+  for (std::size_t k = 0; k < n; ++k) other |= places[k] ^ (places[0] + std::uint32_t(k));
+  return other == 0;
+}
+
+void update_batch(const Material& material, const Particles& p, std::size_t begin, StressBatch& batch) {
+  if (material.nonlocal_length() > 0) batch.softened_by = p.softened_by.data() + begin;
+  material.update(batch);
+}
+
+}  // namespace
+
+StressBatch batch_of(Particles& p, std::size_t begin, std::size_t size) {
+  StressBatch b;
+  b.size = size;
+  if (!p.de_xx.empty()) {
+    b.de_xx = p.de_xx.data() + begin;
+    b.de_yy = p.de_yy.data() + begin;
+    b.de_zz = p.de_zz.data() + begin;
+    b.de_xy = p.de_xy.data() + begin;
+    b.spin = p.spin.data() + begin;
+  }
+  b.J = p.J.data() + begin;
+  b.F_xx = p.F_xx.data() + begin;
+  b.F_xy = p.F_xy.data() + begin;
+  b.F_yx = p.F_yx.data() + begin;
+  b.F_yy = p.F_yy.data() + begin;
+  b.xx = p.tau_xx.data() + begin;
+  b.yy = p.tau_yy.data() + begin;
+  b.zz = p.tau_zz.data() + begin;
+  b.xy = p.tau_xy.data() + begin;
+  b.plastic_dev = p.plastic_dev.data() + begin;
+  b.gap = p.gap.data() + begin;
+  b.opened = p.opened.data() + begin;
+  b.dissipated = p.dissipated.data() + begin;
+  return b;
+}
+
+void update_stress(const Materials& materials, Particles& p, int threads, double dt_s) {
+  if (p.de_xx.size() != p.size()) p.resize_increments(p.size());
+  for (const Particles::Body& body : p.bodies) {
+    const Material& material = *materials[std::size_t(body.material)];
+    const auto runs = std::ptrdiff_t((body.end - body.begin + run - 1) / run);
+#pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1 && runs > 1)
+    for (std::ptrdiff_t r = 0; r < runs; ++r) {
+      const std::size_t begin = body.begin + std::size_t(r) * run;
+      StressBatch batch = batch_of(p, begin, std::min(run, body.end - begin));
+      batch.dt = dt_s;
+      update_batch(material, p, begin, batch);
+    }
+  }
+}
+
+double strain_and_update_stress(const Materials& materials, Particles& p, GridState& g, const Scheme& scheme, double dt,
+                                int threads, GatherSums* moved) {
+  return strain_and_update(
+      p, g, scheme, dt, true,
+      [&](const Particles::Body& body, const std::uint32_t* places, const StressBatch& de) {
+        const Material& material = *materials[std::size_t(body.material)];
+        const auto update = [&](std::size_t first, StressBatch batch, const StressBatch& steps) {
+          batch.de_xx = steps.de_xx;
+          batch.de_yy = steps.de_yy;
+          batch.de_zz = steps.de_zz;
+          batch.de_xy = steps.de_xy;
+          batch.spin = steps.spin;
+          batch.dt = dt;
+          update_batch(material, p, first, batch);
+        };
+        if (together(places, de.size)) return update(places[0], batch_of(p, places[0], de.size), de);
+        if (material.takes_places()) {
+          StressBatch all = batch_of(p, 0, de.size);
+          all.places = places;
+          return update(0, all, de);
+        }
+        for (std::size_t begin = 0, end = 0; begin < de.size; begin = end) {
+          while (end < de.size && places[end] == places[begin] + (end - begin)) ++end;
+          update(places[begin], batch_of(p, places[begin], end - begin), de.part(begin, end - begin));
+        }
+      },
+      threads, moved);
+}
+
+double wave_speed(const Materials& materials, const std::vector<double>& density, Particles& p, int threads) {
+  double fastest2 = 0;
+  for (const Particles::Body& body : p.bodies) {
+    const Material& material = *materials[std::size_t(body.material)];
+    const auto runs = std::ptrdiff_t((body.end - body.begin + run - 1) / run);
+    double stiffness = 0;
+#pragma omp parallel for num_threads(threads) schedule(static) reduction(max : stiffness) if (threads > 1 && runs > 1)
+    for (std::ptrdiff_t r = 0; r < runs; ++r) {
+      const std::size_t begin = body.begin + std::size_t(r) * run;
+      stiffness = std::max(stiffness, material.stiffness(batch_of(p, begin, std::min(run, body.end - begin))));
+    }
+    fastest2 = std::max(fastest2, stiffness / density[std::size_t(body.material)]);
+  }
+  return std::sqrt(fastest2);
+}
+
+}  // namespace pivnp::mpm
