@@ -7,9 +7,10 @@ namespace pivnp::app {
 
 namespace {
 
-std::string allowed_text(const OptionInfo& info) {
+template <class T>
+std::string allowed_text(const T& value, const OptionInfo& info) {
   std::string text;
-  for (const std::string_view choice : info.choices) text += (text.empty() ? "" : ", ") + std::string(choice);
+  for (const std::string& choice : choices_of(value, info)) text += (text.empty() ? "" : ", ") + choice;
   return text.empty() ? range_text(info) : text;
 }
 
@@ -20,7 +21,7 @@ struct ListKeys {
   void operator()(std::string_view name, const T& value, const OptionInfo& info) {
     std::string fallback = writable(info, value) ? toml_text(value) : "";
     if (fallback == "[]" || fallback == "\"\"") fallback.clear();
-    rows.push_back({std::string(name), type_text(value), std::string(info.unit), fallback, allowed_text(info),
+    rows.push_back({std::string(name), type_text(value), std::string(info.unit), fallback, allowed_text(value, info),
                     std::string(info.text)});
   }
 };

@@ -1,5 +1,6 @@
 #include "apps/case/values.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -70,20 +71,23 @@ void read_value(const Place& place, const Node& node, const OptionInfo& info, do
   value = number_in(place, node, info, with_unit(type_text(value), info));
 }
 
+std::string read_choice(const Place& place, const Node& node, const OptionInfo& info,
+                        const std::vector<std::string>& choices) {
+  if (node.kind != Node::Kind::string) refuse(place, place.line, describe(node), with_unit("a string", info));
+  if (std::find(choices.begin(), choices.end(), node.text) != choices.end()) return node.text;
+  std::string list;
+  for (const std::string& choice : choices) list += (list.empty() ? "" : ", ") + choice;
+  const std::string near = did_you_mean(node.text, choices);
+  refuse(place, place.line, toml_text(node.text),
+         (choices.size() > 1 ? "one of " : "") + list + (near.starts_with("; did") ? near : ""));
+}
+
 void read_value(const Place& place, const Node& node, const OptionInfo& info, std::string& value) {
-  if (node.kind != Node::Kind::string) refuse(place, place.line, describe(node), with_unit(type_text(value), info));
-  if (!info.choices.empty()) {
-    std::vector<std::string> choices(info.choices.begin(), info.choices.end());
-    bool known = false;
-    for (const std::string& choice : choices) known = known || choice == node.text;
-    if (!known) {
-      std::string list;
-      for (const std::string& choice : choices) list += (list.empty() ? "" : ", ") + choice;
-      const std::string near = did_you_mean(node.text, choices);
-      refuse(place, place.line, toml_text(node.text),
-             (choices.size() > 1 ? "one of " : "") + list + (near.starts_with("; did") ? near : ""));
-    }
+  if (const std::vector<std::string> choices = choices_of(info); !choices.empty()) {
+    value = read_choice(place, node, info, choices);
+    return;
   }
+  if (node.kind != Node::Kind::string) refuse(place, place.line, describe(node), with_unit(type_text(value), info));
   value = node.text;
 }
 
@@ -154,6 +158,11 @@ std::string toml_key(const std::string& key) {
                                         "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
                                         "0123456789_-") == std::string::npos;
   return bare ? key : toml_text(key);
+}
+
+std::vector<std::string> choices_of(const OptionInfo& info) {
+  if (info.names) return info.names();
+  return {info.choices.begin(), info.choices.end()};
 }
 
 std::string range_text(const OptionInfo& info) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "apps/case/document.hpp"
+#include "pivnp/core/choice.hpp"
 #include "pivnp/core/options.hpp"
 
 namespace pivnp::app {
@@ -28,6 +29,13 @@ void read_value(const Place& place, const Node& node, const OptionInfo& info, Po
 void read_value(const Place& place, const Node& node, const OptionInfo& info, std::vector<double>& value);
 void read_value(const Place& place, const Node& node, const OptionInfo& info, std::vector<std::string>& value);
 
+/// One of `choices`, or InputError with the nearest.
+std::string read_choice(const Place& place, const Node& node, const OptionInfo& info, const std::vector<std::string>& choices);
+template <Choice E>
+void read_value(const Place& place, const Node& node, const OptionInfo& info, E& value) {
+  value = *value_named<E>(read_choice(place, node, info, choice_names<E>()));
+}
+
 template <class T>
 void read_value(const Place& place, const Node& node, const OptionInfo& info, std::optional<T>& value) {
   T given{};
@@ -45,6 +53,10 @@ std::string toml_text(const Points& value);
 std::string toml_text(const std::vector<double>& value);
 std::string toml_text(const std::vector<std::string>& value);
 inline std::string toml_text(const char* value) { return toml_text(std::string(value)); }
+template <Choice E>
+std::string toml_text(const E& value) {
+  return toml_text(std::string(name_of(value)));
+}
 
 /// Empty: not given.
 template <class T>
@@ -64,9 +76,28 @@ inline std::string type_text(const Pair&) { return "two numbers [x, y]"; }
 inline std::string type_text(const Points&) { return "a list of points [[x, y], ...]"; }
 inline std::string type_text(const std::vector<double>&) { return "a list of numbers"; }
 inline std::string type_text(const std::vector<std::string>&) { return "a list of strings"; }
+template <Choice E>
+std::string type_text(const E&) {
+  return "a string";
+}
 template <class T>
 std::string type_text(const std::optional<T>&) {
   return type_text(T{});
+}
+
+/// The values that a string or a choice may take; empty: any.
+std::vector<std::string> choices_of(const OptionInfo& info);
+template <class T>
+std::vector<std::string> choices_of(const T&, const OptionInfo& info) {
+  return choices_of(info);
+}
+template <Choice E>
+std::vector<std::string> choices_of(const E&, const OptionInfo&) {
+  return choice_names<E>();
+}
+template <Choice E>
+std::vector<std::string> choices_of(const std::optional<E>&, const OptionInfo&) {
+  return choice_names<E>();
 }
 
 /// The range of a number in words, "8 to 256", "more than 0"; empty: any.

@@ -11,7 +11,9 @@
 //   };
 //
 // Field types understood by every visitor: bool, int, double, std::string, Pair (two numbers), Points (list of
-// two numbers), std::vector<double>, std::vector<std::string>, and std::optional of a bool, int, double, string, Pair.
+// two numbers), std::vector<double>, std::vector<std::string>, an enum whose names are listed beside it (choice.hpp), and
+// std::optional of a bool, int, double, string, Pair or such an enum. A choice that grows with a registry (registry.hpp)
+// is a string whose names come from there.
 #pragma once
 
 #include <array>
@@ -53,6 +55,7 @@ struct OptionInfo {
   double max = std::numeric_limits<double>::infinity();   // numbers: greatest value allowed
   bool above_min = false;                                 // min itself is not allowed
   Choices choices = {};                                   // strings: the values allowed; empty: any
+  std::vector<std::string> (*names)() = nullptr;          // strings: the same, from a registry
 };
 
 }  // namespace pivnp
