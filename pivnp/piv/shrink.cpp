@@ -26,7 +26,7 @@ constexpr float clear = n <= 16 ? 12.0f : n == 32 ? 13.9f : 16.6f;
 
 // The stated variance is noise power times the terms kept. Terms kept next to the threshold have lost signal besides,
 // so each counts `term_weight` times; `spread` covers what the blocks' averaging adds. Both measured on waves, bands
-// and shears with noise and loss (docs/theory.md).
+// and shears with noise and loss (docs/theory/piv.md).
 constexpr float term_weight = 12.0f;
 template <int n>
 constexpr float spread = n < 64 ? 1.20f : 0.80f;
