@@ -88,7 +88,7 @@ using StrainNotes = std::array<std::optional<StrainNote>, 2>;
 /// motions' own units. Frames are read one by one, in order (twice where an onset is looked for); memory grows with the
 /// particles, not with the frames: of each field at most 2^23 values are kept. Throws InputError if a motion is empty,
 /// the units differ, no time is common, no particle finds a partner, or a limit cannot be judged for want of an option;
-/// Interrupted if asked to stop. Every metric carries its definition; docs/theory.md has the equations.
+/// Interrupted if asked to stop. Every metric carries its definition; docs/theory/compare.md has the equations.
 Comparison compare(const MotionSource& first, const MotionSource& second, const CompareOptions& options,
                    const LimitOptions& limits, Progress& progress, const Refinement& refinement = {},
                    const StrainNotes& notes = {});

@@ -1,4 +1,4 @@
-// The material point method, explicit, plane strain: appendix A of the thesis, with the departures that docs/theory.md lists.
+// The material point method, explicit, plane strain: appendix A of the thesis, with the departures that docs/theory/mpm.md lists.
 #pragma once
 
 #include <cstddef>

@@ -80,7 +80,7 @@ class Tracker {
   ///   forward: x1 = x0 + d(x0),   G at x0,                F1 = (I + G) F0
   ///   central: x1 = x0 + d(xm),   G at xm = (x0 + x1)/2,  F1 = (I - G/2)^-1 (I + G/2) F0
   /// The thesis moves by the first rule whatever the windows (2.9, 2.14) and sums small strains (2.7); why that is not
-  /// enough: docs/theory.md. xm is solved to 1e-14 spacings (and to the round-off of the position); if 50 iterations
+  /// enough: docs/theory/particles.md. xm is solved to 1e-14 spacings (and to the round-off of the position); if 50 iterations
   /// do not get there, the step is taken and marked doubtful.
   ///
   /// Status of the step: doubtful if it rests on a replaced vector, on a local affine fit (LocalFit) where the element
@@ -90,7 +90,7 @@ class Tracker {
   /// the grid: that position is measured, and it ends at the next pair.
   ///
   /// cov_u, to first order in the errors: C1 = f C0 f^T + K E K^T with f = F1 F0^-1, K = I (forward) or (I - G/2)^-1
-  /// (central), and E the covariance of the interpolated increment (docs/theory.md). A pair without cov makes cov_u
+  /// (central), and E the covariance of the interpolated increment (docs/theory/particles_error.md). A pair without cov makes cov_u
   /// unknown from then on.
   ///
   /// Throws InputError if `time` is not after the present one, or if the field's arrays do not fit its grid.

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "pivnp/piv/method.hpp"
-#include "pivnp/piv/extent.hpp"
+#include "pivnp/piv/sampling/extent.hpp"
 
 namespace pivnp::piv {
 
@@ -14,7 +14,7 @@ namespace pivnp::piv {
 ///   shape, that noise and structure ask for; smoothing = "window": subsets of `window_px` of a fixed order, no
 ///   shrinkage.
 /// `finest` 1: passes at 1/4, 1/2 and the full resolution; 2: ends at half of it.
-/// Sources: docs/theory.md, "Gauss-Newton on shared warps".
+/// Sources: docs/theory/piv.md, "Gauss-Newton on shared warps".
 std::unique_ptr<Method> make_gauss_newton(const PivOptions& options, const Extent& extent, int threads, int finest);
 
 }  // namespace pivnp::piv
