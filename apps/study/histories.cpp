@@ -30,7 +30,7 @@ std::pair<std::string, std::string> file_and_rest(const std::string& text) {
                                     : std::pair{text.substr(0, colon), text.substr(colon + 1)};
 }
 
-bool alive(ParticleStatus s) { return s == ParticleStatus::active || s == ParticleStatus::doubtful; }
+bool alive(ParticleStatus s) { return s == ParticleStatus::active || s == ParticleStatus::flagged; }
 
 // x within which 99.5 % of the followed particles' area lies, counted from the left (or from the right).
 double front(const ParticleSet& set, const MotionFrame& f, bool left) {

@@ -118,7 +118,7 @@ double sample(const Grey& spline, const Vec2& px) {
   return sum;
 }
 
-bool alive(ParticleStatus s) { return s == ParticleStatus::active || s == ParticleStatus::doubtful; }
+bool alive(ParticleStatus s) { return s == ParticleStatus::active || s == ParticleStatus::flagged; }
 
 // The material at one time, and where it came from.
 class Carried {

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "pivnp/core/error.hpp"
-#include "pivnp/io/foreign_state.hpp"
+#include "pivnp/io/import_state.hpp"
 
 namespace pivnp::io {
 
@@ -217,7 +217,7 @@ std::vector<std::array<double, 2>> pairs(const Array& a) {
   return out;
 }
 
-void take_ids(const Array* a, ForeignState& s) {
+void take_ids(const Array* a, ImportedState& s) {
   if (a == nullptr) return;
   for (const double v : a->values) s.id.push_back(std::int64_t(std::llround(v)));
 }
@@ -238,7 +238,7 @@ std::string attribute(std::string_view tag, std::string_view name) {
 
 }  // namespace
 
-ForeignState read_legacy_vtk(const std::filesystem::path& file) {
+ImportedState read_legacy_vtk(const std::filesystem::path& file) {
   Arrays arrays = parse_legacy(read_text(file), file.string());
   const std::string name = file.filename().string();
   // Scalars and vectors of one step stand in files of their own.
@@ -252,7 +252,7 @@ ForeignState read_legacy_vtk(const std::filesystem::path& file) {
     if (!std::filesystem::exists(path)) continue;
     for (auto& [key, array] : parse_legacy(read_text(path), path.string())) arrays.emplace(key, std::move(array));
   }
-  ForeignState s;
+  ImportedState s;
   s.x = pairs(arrays.at("points"));
   const std::size_t n = s.x.size();
   if (const Array* u = find(arrays, "displacement_solid", n, 2)) s.u = pairs(*u);
@@ -262,7 +262,7 @@ ForeignState read_legacy_vtk(const std::filesystem::path& file) {
   return s;
 }
 
-ForeignState read_vtu(const std::filesystem::path& file) {
+ImportedState read_vtu(const std::filesystem::path& file) {
   const std::string text = read_text(file);
   const std::string_view all = text;
   if (all.find("<VTKFile") == all.npos) throw InputError(file.string() + ": not a VTK XML file");
@@ -290,7 +290,7 @@ ForeignState read_vtu(const std::filesystem::path& file) {
   }
   if (!arrays.contains("points") || arrays["points"].components < 2)
     throw InputError(file.string() + ": no points of two or three coordinates");
-  ForeignState s;
+  ImportedState s;
   s.x = pairs(arrays["points"]);
   const std::size_t n = s.x.size();
   if (const Array* u = find(arrays, "Displacement", n, 2)) s.u = pairs(*u);

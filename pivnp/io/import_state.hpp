@@ -10,33 +10,33 @@
 namespace pivnp::io {
 
 /// A field of motion_fields() beyond those that have a member: [particles][components].
-struct ForeignField {
+struct ImportedField {
   std::string name;
   std::vector<double> values;
 };
 
 /// Arrays of one length; those a source does not know are empty.
-struct ForeignState {
+struct ImportedState {
   std::vector<std::int64_t> id;  // empty: the position in the arrays
   std::vector<std::array<double, 2>> x, u, v, sigma;
   std::vector<double> area;
-  std::vector<ForeignField> fields;
+  std::vector<ImportedField> fields;
 };
 
 /// A text file in memory. Throws InputError.
 std::string read_text(const std::filesystem::path& file);
 
 /// The whole table, time by time in ascending order; one time without a column of times (`timed` false).
-struct ForeignTable {
+struct ImportedTable {
   std::vector<double> time;
-  std::vector<ForeignState> state;
+  std::vector<ImportedState> state;
   bool timed = false;
 };
-ForeignTable read_foreign_csv(const std::filesystem::path& file, double step);
+ImportedTable read_csv(const std::filesystem::path& file, double step);
 
 /// All ranks' files of one step.
-ForeignState read_cbgeo(const std::vector<std::filesystem::path>& files);
-ForeignState read_legacy_vtk(const std::filesystem::path& file);
-ForeignState read_vtu(const std::filesystem::path& file);
+ImportedState read_cbgeo(const std::vector<std::filesystem::path>& files);
+ImportedState read_legacy_vtk(const std::filesystem::path& file);
+ImportedState read_vtu(const std::filesystem::path& file);
 
 }  // namespace pivnp::io

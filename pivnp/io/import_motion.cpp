@@ -1,4 +1,4 @@
-#include "pivnp/io/foreign.hpp"
+#include "pivnp/io/import_motion.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@
 
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/displacement_gradient.hpp"
-#include "pivnp/io/foreign_state.hpp"
+#include "pivnp/io/import_state.hpp"
 
 namespace pivnp::io {
 
@@ -50,13 +50,13 @@ std::map<std::int64_t, std::vector<fs::path>> files_of(const std::string& patter
   return files;
 }
 
-class ForeignMotion final : public MotionSource {
+class ImportedMotion final : public MotionSource {
  public:
-  ForeignMotion(std::string format, const std::string& pattern, const ForeignOptions& options)
+  ImportedMotion(std::string format, const std::string& pattern, const ImportOptions& options)
       : format_(std::move(format)), options_(options) {
     const auto files = files_of(pattern);
     if (format_ == "csv" && files.size() == 1 && files.begin()->second.size() == 1) {
-      table_ = read_foreign_csv(files.begin()->second[0], options.step);
+      table_ = read_csv(files.begin()->second[0], options.step);
       times_ = table_.time;
     } else {
       for (const auto& [number, list] : files) {
@@ -78,7 +78,7 @@ class ForeignMotion final : public MotionSource {
   const std::vector<double>& times() const override { return times_; }
 
   MotionFrame frame(std::size_t index) const override {
-    const ForeignState state = read(index);
+    const ImportedState state = read(index);
     const std::size_t count = particles_.size();
     MotionFrame f;
     f.time = times_.at(index);
@@ -88,7 +88,7 @@ class ForeignMotion final : public MotionSource {
       if (particles_.end[p] < f.time) f.status[p] = ParticleStatus::ended;
     if (!state.v.empty()) f.v.assign(count, {0, 0});
     std::vector<std::span<float>> rooms;
-    for (const ForeignField& field : state.fields) rooms.push_back(f.add(field.name, count));
+    for (const ImportedField& field : state.fields) rooms.push_back(f.add(field.name, count));
     if (!state.sigma.empty()) f.cov_u.assign(count, {0, 0, 0});
     std::vector<std::uint8_t> usable(count, 0);
     for (std::size_t k = 0; k < state.x.size(); ++k) {
@@ -111,25 +111,25 @@ class ForeignMotion final : public MotionSource {
   }
 
  private:
-  ForeignState read(std::size_t index) const {
+  ImportedState read(std::size_t index) const {
     if (files_.empty()) return table_.state.at(index);
     const std::vector<fs::path>& files = files_.at(index);
     if (format_ == "cbgeo") return read_cbgeo(files);
     if (format_ == "vtk") return read_legacy_vtk(files[0]);
     if (format_ == "vtu") return read_vtu(files[0]);
-    ForeignTable table = read_foreign_csv(files[0], options_.step);
+    ImportedTable table = read_csv(files[0], options_.step);
     if (table.timed)
       throw InputError(files[0].string() + ": has a column of times, but the pattern names several files; expected one "
                        "file with all times, or files without a column of times");
     return std::move(table.state.at(0));
   }
 
-  static std::int64_t id_of(const ForeignState& state, std::size_t k) {
+  static std::int64_t id_of(const ImportedState& state, std::size_t k) {
     return state.id.empty() ? std::int64_t(k) : state.id[k];
   }
-  std::size_t place(const ForeignState& state, std::size_t k) const { return index_.at(id_of(state, k)); }
+  std::size_t place(const ImportedState& state, std::size_t k) const { return index_.at(id_of(state, k)); }
 
-  static void refuse_twins(const ForeignState& state, const std::string& file) {
+  static void refuse_twins(const ImportedState& state, const std::string& file) {
     std::vector<std::int64_t> sorted = state.id;
     std::sort(sorted.begin(), sorted.end());
     if (const auto twice = std::adjacent_find(sorted.begin(), sorted.end()); twice != sorted.end())
@@ -141,7 +141,7 @@ class ForeignMotion final : public MotionSource {
     particles_.label_names = {"material"};
     std::size_t unnamed = 0;  // particles of the first time, where they have no ids
     for (std::size_t t = 0; t < times_.size(); ++t) {
-      const ForeignState state = read(t);
+      const ImportedState state = read(t);
       const std::string file = files_.empty() ? pattern : files_[t][0].string();
       refuse_twins(state, file);
       if (t == 0) unnamed = state.x.size();
@@ -174,9 +174,9 @@ class ForeignMotion final : public MotionSource {
   }
 
   std::string format_;
-  ForeignOptions options_;
+  ImportOptions options_;
   std::vector<std::vector<fs::path>> files_;  // a step each; empty: the table
-  ForeignTable table_;
+  ImportedTable table_;
   std::vector<double> times_;
   ParticleSet particles_;
   std::unordered_map<std::int64_t, std::size_t> index_;
@@ -196,17 +196,17 @@ std::string read_text(const fs::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-bool is_foreign(const std::string& text) {
+bool is_import(const std::string& text) {
   const std::size_t at = text.find('=');
   if (at == std::string::npos) return false;
   return std::find(formats().begin(), formats().end(), text.substr(0, at)) != formats().end();
 }
 
-std::unique_ptr<MotionSource> open_foreign(const std::string& text, const ForeignOptions& options) {
-  if (!is_foreign(text))
+std::unique_ptr<MotionSource> open_import(const std::string& text, const ImportOptions& options) {
+  if (!is_import(text))
     throw InputError(text + ": expected FORMAT=PATTERN with FORMAT csv, cbgeo, vtk or vtu");
   const std::size_t at = text.find('=');
-  return std::make_unique<ForeignMotion>(text.substr(0, at), text.substr(at + 1), options);
+  return std::make_unique<ImportedMotion>(text.substr(0, at), text.substr(at + 1), options);
 }
 
 }  // namespace pivnp::io

@@ -8,13 +8,13 @@
 
 namespace pivnp::io {
 
-struct ForeignOptions {
+struct ImportOptions {
   double step = 1;  // time from one number of a file (or step of a table) to the next; a table's own times win
   std::string length_unit = "m", time_unit = "s";
 };
 
-/// True for "FORMAT=PATTERN" with a FORMAT of open_foreign.
-bool is_foreign(const std::string& text);
+/// True for "FORMAT=PATTERN" with a FORMAT of open_import.
+bool is_import(const std::string& text);
 
 /// Opens "FORMAT=PATTERN"; PATTERN is a file or a glob in one folder, files ordered by the last number in their names,
 /// which counts their steps (all files must belong to one run):
@@ -31,6 +31,6 @@ bool is_foreign(const std::string& text);
 /// displacements (core/particles/displacement_gradient.hpp), whatever strain the program itself writes: one measure on
 /// both sides of a comparison. Frames are read when asked for (a table is held in memory).
 /// Throws InputError naming the file and what was found and expected.
-std::unique_ptr<MotionSource> open_foreign(const std::string& text, const ForeignOptions& options);
+std::unique_ptr<MotionSource> open_import(const std::string& text, const ImportOptions& options);
 
 }  // namespace pivnp::io

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "pivnp/core/error.hpp"
-#include "pivnp/io/foreign_state.hpp"
+#include "pivnp/io/import_state.hpp"
 #include "pivnp/io/hdf5.hpp"
 
 namespace pivnp::io {
@@ -35,8 +35,8 @@ void append(std::vector<std::array<double, 2>>& to, const std::vector<double>& x
 
 }  // namespace
 
-ForeignState read_cbgeo(const std::vector<std::filesystem::path>& files) {
-  ForeignState s;
+ImportedState read_cbgeo(const std::vector<std::filesystem::path>& files) {
+  ImportedState s;
   std::vector<double> stress;
   for (const std::filesystem::path& file : files) {
     const h5::Source source(file);

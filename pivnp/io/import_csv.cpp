@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "pivnp/core/error.hpp"
-#include "pivnp/io/foreign_state.hpp"
+#include "pivnp/io/import_state.hpp"
 
 namespace pivnp::io {
 
@@ -64,7 +64,7 @@ Columns find_columns(const std::vector<std::string>& h) {
 
 }  // namespace
 
-ForeignTable read_foreign_csv(const std::filesystem::path& file, double step) {
+ImportedTable read_csv(const std::filesystem::path& file, double step) {
   const std::string text = read_text(file);
   std::string_view rest = text;
   if (rest.starts_with("\xef\xbb\xbf")) rest.remove_prefix(3);
@@ -93,7 +93,7 @@ ForeignTable read_foreign_csv(const std::filesystem::path& file, double step) {
   const bool timed = c.time >= 0 || c.frame >= 0;
   if (timed && c.id < 0) throw InputError(at() + "times without ids: expected a column 'id'");
 
-  std::map<double, ForeignState> states;
+  std::map<double, ImportedState> states;
   while (next_line(line)) {
     if (line.empty() || line.starts_with('#')) continue;
     const std::vector<std::string_view> cells = split(line, separator);
@@ -112,7 +112,7 @@ ForeignTable read_foreign_csv(const std::filesystem::path& file, double step) {
     };
     const double time = c.time >= 0 ? value(c.time) : c.frame >= 0 ? value(c.frame) * step : 0;
     if (!std::isfinite(time)) throw InputError(at() + "no time, expected a number");
-    ForeignState& s = states[time];
+    ImportedState& s = states[time];
     if (c.id >= 0) {
       const double id = value(c.id);
       if (!(std::abs(id) < 9e15) || id != std::floor(id)) throw InputError(at() + "id: expected a whole number");
@@ -125,7 +125,7 @@ ForeignTable read_foreign_csv(const std::filesystem::path& file, double step) {
     if (c.area >= 0) s.area.push_back(value(c.area));
   }
   if (states.empty()) throw InputError(file.string() + ": no row of values");
-  ForeignTable table;
+  ImportedTable table;
   table.timed = timed;
   for (auto& [time, state] : states) {
     table.time.push_back(time);

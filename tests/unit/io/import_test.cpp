@@ -1,5 +1,5 @@
 // Results of other programs: files written here from their documented layouts read back as the motion they hold.
-#include "pivnp/io/foreign.hpp"
+#include "pivnp/io/import_motion.hpp"
 
 #include <gtest/gtest.h>
 #include <hdf5.h>
@@ -32,13 +32,13 @@ Mat2 gradient(int k) {
 Vec2 displacement(int p, int k) { return gradient(k) * material(p) + k * Vec2(0.3, -0.2); }
 Vec2 velocity(int p) { return Vec2(0.1 * p, -1); }
 
-class ForeignTest : public testing::Test {
+class ImportTest : public testing::Test {
  protected:
   void write(const std::string& name, const std::string& text) const {
     std::ofstream(folder / name, std::ios::binary) << text;
   }
   std::unique_ptr<MotionSource> open(const std::string& format, const std::string& pattern, double step = 0.01) const {
-    return open_foreign(format + "=" + (folder / pattern).string(), {.step = step});
+    return open_import(format + "=" + (folder / pattern).string(), {.step = step});
   }
   std::string refusal(const std::string& format, const std::string& pattern) const {
     try {
@@ -125,7 +125,7 @@ void write_cbgeo(const fs::path& file, int k, int from, int to) {
   H5Tclose(type);
 }
 
-TEST_F(ForeignTest, CbGeo) {
+TEST_F(ImportTest, CbGeo) {
   for (int k = 0; k < steps; ++k) {
     char name[32];
     std::snprintf(name, sizeof name, "particles%04d.h5", k * every);
@@ -140,7 +140,7 @@ TEST_F(ForeignTest, CbGeo) {
   EXPECT_NEAR(double(f.field("stress")(0, 3)), 4, 1e-6);
 }
 
-TEST_F(ForeignTest, CbGeoOfSeveralRanks) {
+TEST_F(ImportTest, CbGeoOfSeveralRanks) {
   for (int k = 0; k < steps; ++k)
     for (int rank = 0; rank < 2; ++rank)
       write_cbgeo(folder / ("particles-" + std::to_string(rank) + "_2-" + std::to_string(k * every) + ".h5"), k,
@@ -203,7 +203,7 @@ std::string vtk_array(const std::string& title, bool binary, int components, Val
   return text + "\n";
 }
 
-class Anura : public ForeignTest, public testing::WithParamInterface<bool> {
+class Anura : public ImportTest, public testing::WithParamInterface<bool> {
  protected:
   void write_steps() const {
     const bool binary = GetParam();
@@ -236,7 +236,7 @@ TEST_P(Anura, StepsWithTheirSiblings) {
 }
 INSTANTIATE_TEST_SUITE_P(AsciiAndBinary, Anura, testing::Bool());
 
-TEST_F(ForeignTest, FortranNumbersWithoutAnE) {
+TEST_F(ImportTest, FortranNumbersWithoutAnE) {
   std::string text = "# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 1 float\n"
                      " 1.5-101 2.0D+00 0\nPOINT_DATA 1\nVECTORS displacement_solid float\n-.5 +.25 0\n";
   write("a_MPVector_000.vtk", text);
@@ -246,7 +246,7 @@ TEST_F(ForeignTest, FortranNumbersWithoutAnE) {
 }
 
 // ---- MPM-Geomechanics: VTU in ASCII, its attributes spelled Format.
-TEST_F(ForeignTest, MpmGeomechanics) {
+TEST_F(ImportTest, MpmGeomechanics) {
   for (int k = 0; k < steps; ++k) {
     std::ostringstream out;
     out << "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
@@ -282,7 +282,7 @@ TEST_F(ForeignTest, MpmGeomechanics) {
 }
 
 // ---- Tables.
-TEST_F(ForeignTest, TracksInOneTable) {
+TEST_F(ImportTest, TracksInOneTable) {
   std::string text = "\xef\xbb\xbf# tracked by hand\r\nframe; particle; x; y; sigma_x; sigma_y; quality\r\n";
   for (int p = nx * ny - 1; p >= 0; --p)
     for (int k = steps - 1; k >= 0; --k) {
@@ -297,7 +297,7 @@ TEST_F(ForeignTest, TracksInOneTable) {
   EXPECT_NEAR(double(m->frame(1).cov_u[4][1]), 0.0009, 1e-8);
 }
 
-TEST_F(ForeignTest, OneTableAStep) {
+TEST_F(ImportTest, OneTableAStep) {
   for (int k = 0; k < steps; ++k) {
     std::string text = "Particle Id,Points:0,Points:1,Displacement:0,Displacement:1,Velocity:0,Velocity:1\n";
     for (int p = 0; p < nx * ny; ++p) {
@@ -312,7 +312,7 @@ TEST_F(ForeignTest, OneTableAStep) {
   expect_motion(*open("csv", "p*.csv"), true, true, 1e-6);
 }
 
-TEST_F(ForeignTest, TracksBeginAndEnd) {
+TEST_F(ImportTest, TracksBeginAndEnd) {
   write("t.csv", "t,id,x,y\n0,1,0,0\n1,1,1,0\n2,1,2,0\n0,2,5,5\n1,2,5,6\n1,3,9,9\n2,3,9,8\n");
   const auto m = open("csv", "t.csv");
   ASSERT_EQ(m->particles().size(), 3U);
@@ -326,7 +326,7 @@ TEST_F(ForeignTest, TracksBeginAndEnd) {
 }
 
 // Without ids the place in the file tells particles apart, and that holds only while none appears or goes.
-TEST_F(ForeignTest, ParticlesThatCannotBeToldApartAreRefused) {
+TEST_F(ImportTest, ParticlesThatCannotBeToldApartAreRefused) {
   write("a1.csv", "x,y\n0,0\n1,0\n2,0\n");
   write("a2.csv", "x,y\n0,0\n2,0\n");
   EXPECT_NE(refusal("csv", "a*.csv").find("a2.csv: found 2 particles without ids, expected 3"), std::string::npos)
@@ -337,9 +337,9 @@ TEST_F(ForeignTest, ParticlesThatCannotBeToldApartAreRefused) {
   EXPECT_NE(refusal("vtk", "b_MPVector_1.vtk").find("id 7 stands twice"), std::string::npos);
 }
 
-TEST_F(ForeignTest, WhatIsWrongIsSaid) {
-  EXPECT_FALSE(is_foreign("out/record.h5:np"));
-  EXPECT_TRUE(is_foreign("csv=a.csv"));
+TEST_F(ImportTest, WhatIsWrongIsSaid) {
+  EXPECT_FALSE(is_import("out/record.h5:np"));
+  EXPECT_TRUE(is_import("csv=a.csv"));
   EXPECT_NE(refusal("csv", "nothing*.csv").find("no such file"), std::string::npos);
   write("a.csv", "id,x\n1,2\n");
   EXPECT_NE(refusal("csv", "a.csv").find("a.csv:1: no column 'y'"), std::string::npos);
