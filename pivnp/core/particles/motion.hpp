@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "pivnp/core/math.hpp"
+#include "pivnp/core/particles/end_reason.hpp"
 
 namespace pivnp {
 
@@ -18,15 +19,6 @@ enum class ParticleStatus : std::uint8_t {
   active = 1,
   flagged = 2,  // followed, but this step rests on replaced vectors or on a local fit
   ended = 3,    // values are those of the last good time
-};
-
-enum class EndReason : std::uint8_t {
-  none = 0,
-  left_grid = 1,     // left the measured or simulated domain
-  no_vectors = 2,    // too few valid vectors around it
-  bad_state = 3,     // F not positive or not finite
-  left_image = 4,    // outside the image or under the mask
-  removed = 5,       // taken out by the case (an excavation)
 };
 
 /// What stays the same for every particle; index = position in every per-particle array.
