@@ -131,7 +131,7 @@ RunOutcome run_case(const Case& given, const RunSettings& settings, Stages stage
   writer.pack();
   if (tracks) {
     const auto motion = writer.motion("np");
-    const bool central = !c.piv || c.piv->anchor == "central";
+    const bool central = !c.piv || c.piv->anchor == Anchor::central;
     note = strain_note(c, setting, *motion, central);
     writer.set_strain_note("np", note);
   }

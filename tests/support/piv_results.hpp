@@ -17,7 +17,7 @@ struct Figures {
 };
 
 /// Worst and mean of a row, or of a group of rows, over the seeds.
-struct Judged {
+struct RowResult {
   std::string name = {};
   RowKind kind = RowKind::clean;
   RowLimits limits = {};
@@ -40,7 +40,7 @@ struct Judged {
 };
 
 /// Largest figure over its limit; at most 1 if the row is met. Shares are compared by what is lacking.
-inline double excess(const Judged& j, double slack) {
+inline double excess(const RowResult& j, double slack) {
   double worst = 0;
   if (j.limits.rms > 0) worst = std::max(worst, j.rms / (slack * j.limits.rms));
   if (j.limits.bias > 0) worst = std::max(worst, j.bias / (slack * j.limits.bias));
@@ -51,20 +51,20 @@ inline double excess(const Judged& j, double slack) {
   return worst;
 }
 
-inline Judged& judged(std::vector<Judged>& all, const Row& row) {
+inline RowResult& result_of(std::vector<RowResult>& all, const Row& row) {
   const std::string& name = row.group.empty() ? row.name : row.group;
-  for (Judged& j : all)
+  for (RowResult& j : all)
     if (j.name == name) return j;
-  Judged j{.name = name, .kind = row.kind, .limits = row.limits, .clean_row = row.clean_row};
+  RowResult j{.name = name, .kind = row.kind, .limits = row.limits, .clean_row = row.clean_row};
   if (row.band_half_width > 0) j.true_width = 2 * std::atanh(0.8) * row.band_half_width;
   all.push_back(j);
   return all.back();
 }
 
 /// Limits that are multiples of another row's figure become px, where that row was run; else nothing is asked.
-inline void resolve(Judged& j, const std::vector<Judged>& all, double slack) {
+inline void resolve(RowResult& j, const std::vector<RowResult>& all, double slack) {
   if (j.clean_row.empty()) return;
-  const auto clean = std::find_if(all.begin(), all.end(), [&](const Judged& o) { return o.name == j.clean_row; });
+  const auto clean = std::find_if(all.begin(), all.end(), [&](const RowResult& o) { return o.name == j.clean_row; });
   j.limits.rms = clean == all.end() ? 0 : j.limits.rms * clean->rms / slack;
 }
 
@@ -75,13 +75,13 @@ struct Coverage {
   bool met() const { return one >= .60 && one <= .76 && two >= .90 && two <= .98; }
 };
 
-inline std::vector<Coverage> coverage(const std::vector<Judged>& rows) {
-  constexpr const char* names[] = {"clean", "gradient", "noise", "loss", "light"};
+inline std::vector<Coverage> coverage(const std::vector<RowResult>& rows) {
+  constexpr const char* names[] = {"clean", "gradient", "noise", "loss", "illumination"};
   std::vector<Coverage> kinds;
   for (int kind = 0; kind < 5; ++kind) {
     Coverage c{.kind = names[kind]};
     int count = 0;
-    for (const Judged& j : rows)
+    for (const RowResult& j : rows)
       if (static_cast<int>(j.kind) == kind) c.one += j.one, c.two += j.two, count += j.count;
     if (count == 0) continue;
     c.one /= count, c.two /= count;
