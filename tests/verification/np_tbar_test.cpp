@@ -19,7 +19,7 @@
 #include "apps/study/pipeline/measure.hpp"
 #include "apps/study/methods/stages.hpp"
 #include "pivnp/core/text.hpp"
-#include "pivnp/piv/subset.hpp"
+#include "pivnp/piv/window/subset.hpp"
 #include "tests/support/verification.hpp"
 
 namespace pivnp::app {
