@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "apps/report/figure_parts.hpp"
-#include "apps/report/sheet.hpp"
+#include "apps/plot/parts.hpp"
+#include "apps/plot/canvas.hpp"
 #include "tests/support/piv_score.hpp"
 
 namespace {

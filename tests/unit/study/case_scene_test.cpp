@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "apps/study/scene.hpp"
+#include "apps/study/pipeline/scene.hpp"
 #include "pivnp/core/error.hpp"
 
 namespace pivnp::app {
