@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "apps/study/outcome.hpp"
-#include "compare/history.hpp"
-#include "compare/metrics.hpp"
+#include "compare/measures/history.hpp"
+#include "compare/metrics/metrics.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/io/curve_file.hpp"
 #include "pivnp/io/record.hpp"

@@ -8,7 +8,7 @@
 #include "apps/study/measure.hpp"
 #include "apps/study/stages.hpp"
 #include "apps/study/truth.hpp"
-#include "compare/triangulation.hpp"
+#include "compare/data/triangulation.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/strain.hpp"
 #include "pivnp/core/text.hpp"

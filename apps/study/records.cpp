@@ -6,7 +6,7 @@
 #include "apps/study/outcome.hpp"
 #include "apps/study/report_input.hpp"
 #include "apps/study/study.hpp"
-#include "compare/metrics.hpp"
+#include "compare/metrics/metrics.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/io/import_motion.hpp"
 #include "pivnp/io/record.hpp"
