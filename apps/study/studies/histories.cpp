@@ -8,7 +8,7 @@
 #include "compare/measures/history.hpp"
 #include "compare/metrics/metrics.hpp"
 #include "pivnp/core/error.hpp"
-#include "pivnp/io/curve_file.hpp"
+#include "pivnp/io/import_format.hpp"
 #include "pivnp/io/record.hpp"
 
 namespace pivnp::app {
@@ -53,8 +53,8 @@ Side open_history(const std::string& text, double step_s) {
   const std::size_t equals = text.find('=');
   const std::string kind = text.substr(0, equals);
   const auto [file, rest] = file_and_rest(text.substr(equals + 1));
-  if (kind == "history") {
-    const io::Curve curve = io::read_curve(file, rest, step_s);
+  if (const io::FileFormat* format = io::format_of(text)) {
+    const io::Curve curve = format->read_curve(file, rest, step_s);
     return {{curve.time, curve.value}, curve.value_name, curve.value_unit, curve.time_unit};
   }
   const io::RecordReader record(fs::is_directory(file) ? fs::path(file) / "record.h5" : fs::path(file));
@@ -83,14 +83,16 @@ void check_units(const char* what, const Side& first, const Side& second, std::s
 }  // namespace
 
 bool is_history(const std::string& text) {
-  return text.starts_with("history=") || text.starts_with("front=") || text.starts_with("front_left=");
+  const io::FileFormat* format = io::format_of(text);
+  return (format && format->curve()) || text.starts_with("front=") || text.starts_with("front_left=");
 }
 
 RunOutcome compare_histories(const CompareSources& sources, const compare::CompareOptions& options,
                              const compare::LimitOptions& limits, const RunSettings& settings) {
   for (const std::string* text : {&sources.first, &sources.second})
     if (!is_history(*text))
-      throw InputError(*text + ": compared with a history, expected one too (history=FILE[:COLUMN], front=RECORD)");
+      throw InputError(*text + ": compared with a history, expected one too (" + io::formats_text(&io::FileFormat::curve) +
+                       "=FILE[:COLUMN], front=RECORD)");
   const Side first = open_history(sources.first, sources.step_s);
   Side second = open_history(sources.second, sources.step_s);
   check_units("values", first, second, &Side::unit, options.second_scale, "compare.second_scale");

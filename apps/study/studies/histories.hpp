@@ -7,7 +7,8 @@
 
 namespace pivnp::app {
 
-/// True for "history=FILE[:COLUMN]" and "front=RECORD[:motion]", "front_left=RECORD[:motion]".
+/// True for "FORMAT=FILE[:COLUMN]" with a FORMAT that reads curves (history; pivnp/io/import_format.hpp) and
+/// "front=RECORD[:motion]", "front_left=RECORD[:motion]".
 bool is_history(const std::string& text);
 
 /// Compares two histories; options of scale, shift (its x), time scale and offset act on the second. Writes a record
