@@ -69,7 +69,8 @@ TEST(InstructionSets, AllGiveTheSameRun) {
       solver.advance_to(200 * solver.stable_step(), silent);
       ends.push_back(solver.frame());
       const MotionFrame &f = ends.back(), &best = ends.front();
-      EXPECT_GT(*std::max_element(f.plastic_dev.begin(), f.plastic_dev.end()), 0) << s.shape << s.transfer;
+      const FieldValues plastic_dev = f.field("plastic_dev");
+      EXPECT_GT(*std::max_element(plastic_dev.values.begin(), plastic_dev.values.end()), 0) << s.shape << s.transfer;
       double most = 0, apart = 0;
       for (std::size_t k = 0; k < f.u.size(); ++k)
         for (std::size_t c = 0; c < 2; ++c) {
