@@ -7,6 +7,7 @@
 #include <string>
 
 #include "apps/study/pipeline/scene.hpp"
+#include "apps/study/studies/check.hpp"
 #include "pivnp/core/error.hpp"
 
 namespace pivnp::app {
