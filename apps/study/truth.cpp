@@ -37,7 +37,7 @@ void carry(Tracers& tracers, const mpm::Solver::VelocityAt& v, double dt, double
 
 AffineMotion affine_motion(const SynthOptions& synth, const Setting& setting) {
   AffineMotion motion;
-  if (synth.motion == "none") return motion;
+  if (synth.motion == SynthMotion::none) return motion;
   Mat2 G = Mat2::Zero();
   if (!synth.gradient_per_frame.empty())
     G << synth.gradient_per_frame[0], synth.gradient_per_frame[1], synth.gradient_per_frame[2],
