@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/study/drift.hpp"
-#include "apps/study/stages.hpp"
-#include "apps/study/truth.hpp"
+#include "apps/study/methods/drift.hpp"
+#include "apps/study/methods/stages.hpp"
+#include "apps/study/synth/truth.hpp"
 #include "pivnp/image/synthetic.hpp"
 
 namespace pivnp::app {
