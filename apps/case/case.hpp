@@ -132,6 +132,7 @@ struct Case {
   std::string name;
   std::filesystem::path file;    // empty for the embedded case
   std::filesystem::path folder;  // what relative paths are relative to
+  std::vector<std::string> notes;  // of reading it: keys by their former names; not written
 
   std::optional<image::FrameOptions> frames;  // [frames]
   image::CameraOptions camera;                // [camera]

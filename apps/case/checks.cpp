@@ -26,7 +26,7 @@ class Checker {
     simulation();
     contacts();
     synthetic();
-    judgement();
+    verification();
     for (const std::string& field : c_.output.fields_stored) known_field(field);
   }
 
@@ -269,7 +269,7 @@ class Checker {
       refuse("synth.texture.bits", "found " + std::to_string(c_.texture.bits) + ", expected 8, 12 or 16");
   }
 
-  void judgement() const {
+  void verification() const {
     if (!source_.given("verify")) return;
     if (!demands_anything(c_.verify))
       refuse_section("verify", "no threshold is given; expected displacement_rms_px, strain_error or nodal_error");

@@ -117,7 +117,7 @@ int parse_and_run(int argc, const char* const* argv, Session& session) {
   }
   app.footer(examples +
              "\n'pivnp COMMAND --help' tells more. Exit codes: 0 done, 1 failed while running, 2 bad usage or "
-             "input,\n3 done but a stated threshold was missed, 130 interrupted.");
+             "input,\n3 done but a stated limit was exceeded, 130 interrupted.");
 
   const std::string word = command_word(argc, argv);
   const std::vector<std::string> names = command_names();

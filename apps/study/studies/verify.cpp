@@ -180,8 +180,8 @@ void judge_images(const Case& c, const RunSettings& settings, Progress& progress
                             [&](const TrackStep& step) { return writer.pair(std::size_t(step.from)); },
                             [&](int k) { return source->read(k); }};
     std::vector<Curve> curves;
-    using enum np::DriftScheme;
-    for (const np::DriftScheme scheme : {none, leapfrog, reference_update, corrected})
+    for (const np::DriftScheme scheme : {np::DriftScheme::none, np::DriftScheme::leapfrog,
+                                         np::DriftScheme::reference_update, np::DriftScheme::corrected})
       curves.push_back(drift_curve(c, scheme, setting, source->frames(), measured, *drawn_truth, pixel,
                                    settings.threads, progress));
     write_curves(curves, settings.out);

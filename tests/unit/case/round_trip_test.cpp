@@ -90,7 +90,8 @@ struct RandomSections {
     T::fields(options, draw);
     const std::string text = write_fields(options);
     T back;
-    ASSERT_NO_THROW(read_fields("c.toml", path, parse_document(text, "c.toml"), {}, back)) << text;
+    Notes notes;
+    ASSERT_NO_THROW(read_fields("c.toml", path, parse_document(text, "c.toml"), {}, back, notes)) << text;
     EXPECT_EQ(values_of(back), values_of(options)) << text;
   }
   template <class T>
