@@ -176,8 +176,8 @@ class Checker {
       refuse(path + ".line_m", "the line's two ends are the same point");
     if (boundary.normal && *boundary.normal == Pair{0.0, 0.0})
       refuse(path + ".normal", "found [0.0, 0.0], expected a direction");
-    if (boundary.friction > 0 && boundary.type != "frictional")
-      refuse(path + ".friction", "given, but the type is \"" + boundary.type + "\"; expected type = \"frictional\"");
+    if (boundary.friction > 0 && boundary.type != mpm::BoundaryType::frictional)
+      refuse(path + ".friction", "given, but the type is \"" + std::string(name_of(boundary.type)) + "\"; expected type = \"frictional\"");
   }
 
   void materials() const {

@@ -103,10 +103,6 @@ void for_bands(const Bands& bands, int threads, Fresh&& fresh, Body&& body, Fini
   });
 }
 
-/// What a sweep that moves the points is told, and what its parts saw together.
-MoveJob move_job(const GridState& g, const Scheme& scheme, double dt);
-GatherSums sum_of(const std::vector<GatherSums>& parts);
-
 /// Calls body(node, its index) for the active nodes.
 template <class Body>
 void for_nodes(GridState& g, int threads, Body&& body) {

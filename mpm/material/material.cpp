@@ -139,7 +139,7 @@ void refuse_unused(const MaterialOptions& o, const std::string& key) {
   unused(!changes && o.cohesion_residual_pa, "cohesion_residual_pa", soils);
   unused(!changes && o.softening_shape != 0, "softening_shape", soils);
   unused(!changes && o.softening_length_m, "softening_length_m", soils);
-  unused(!changes && o.softening_average != "smeared", "softening_average", soils);
+  unused(!changes && o.softening_average != SofteningAverage::smeared, "softening_average", soils);
   unused(!changes && o.friction_low_stress_deg, "friction_low_stress_deg", soils);
   unused(!changes && o.friction_half_pa, "friction_half_pa", soils);
   unused(!changes && o.dilatancy_fade, "dilatancy_fade", soils);

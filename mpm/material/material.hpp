@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "mpm/state/options.hpp"
+#include "mpm/material/options.hpp"
 
 namespace pivnp::mpm {
 

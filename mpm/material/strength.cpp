@@ -42,15 +42,13 @@ StrengthLaw::StrengthLaw(const MaterialOptions& o, const std::string& key, doubl
   if (o.softening_length_m) {
     if (!softens) refuse(key, "softening_length_m", *o.softening_length_m, "a residual strength beside it");
     if (!(*o.softening_length_m > 0 && cell_m > 0)) refuse(key, "softening_length_m", *o.softening_length_m, "above 0");
-    if (o.softening_average == "smeared") rate_ *= cell_m / *o.softening_length_m;
+    if (o.softening_average == SofteningAverage::smeared) rate_ *= cell_m / *o.softening_length_m;
   }
-  if (o.softening_average == "nonlocal") {
+  if (o.softening_average == SofteningAverage::nonlocal) {
     if (!o.softening_length_m) throw InputError(key + ".softening_length_m: missing beside softening_average = \"nonlocal\"");
     nonlocal_length_ = *o.softening_length_m;
     if (nonlocal_length_ < cell_m)
       refuse(key, "softening_length_m", nonlocal_length_, "a cell (" + number(cell_m) + " m) or more, for the average");
-  } else if (o.softening_average != "smeared") {
-    throw InputError(key + ".softening_average: found '" + o.softening_average + "', expected smeared or nonlocal");
   }
   if (o.friction_low_stress_deg.has_value() != o.friction_half_pa.has_value())
     throw InputError(key + (o.friction_half_pa ? ".friction_half_pa" : ".friction_low_stress_deg") +

@@ -13,7 +13,7 @@
 #pragma once
 
 #include "mpm/material/lanes.hpp"
-#include "mpm/state/options.hpp"
+#include "mpm/material/options.hpp"
 
 namespace pivnp::mpm {
 

@@ -68,7 +68,7 @@ Loading::Loading(const MpmOptions& o, const Scene& scene)
     }
   }
   for (const auto& [name, boundary] : scene.boundaries)
-    if (boundary.type == "traction") add_traction("boundary." + name, boundary, scene);
+    if (boundary.type == BoundaryType::traction) add_traction("boundary." + name, boundary, scene);
   std::sort(changes_.begin(), changes_.end());
   if (!changes_.empty()) last_ = changes_.back();
 }

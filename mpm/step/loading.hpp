@@ -5,8 +5,8 @@
 
 #include <vector>
 
-#include "mpm/state/options.hpp"
 #include "mpm/state/particles.hpp"
+#include "mpm/step/options.hpp"
 #include "mpm/step/scene.hpp"
 
 namespace pivnp::mpm {

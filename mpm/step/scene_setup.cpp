@@ -5,53 +5,28 @@
 #include <numeric>
 #include <sstream>
 
+#include "mpm/state/scheme_rows.hpp"
 #include "pivnp/core/error.hpp"
-#include "pivnp/core/text.hpp"
 
 namespace pivnp::mpm {
 
-namespace {
-
-// Sets `value` to the one of `names` that the option names, if it is given.
-template <class Enum>
-void choose(const std::string& key, const std::optional<std::string>& option, const std::vector<std::string>& names,
-            Enum& value) {
-  if (!option) return;
-  const auto it = std::find(names.begin(), names.end(), *option);
-  if (it == names.end()) {
-    std::string all;
-    for (const std::string& n : names) all += (all.empty() ? "" : ", ") + n;
-    throw InputError(key + ": found '" + *option + "', expected one of " + all + did_you_mean(*option, names));
-  }
-  value = Enum(it - names.begin());
-}
-
-}  // namespace
-
 Scheme scheme_of(const MpmOptions& options) {
-  Scheme scheme;
-  if (options.scheme == "geopart")
-    scheme = {.shape = ShapeKind::bilinear,
-              .transfer = TransferKind::flip,
-              .stress = StressUpdate::musl,
-              .locking = Locking::selective,
-              .damping = 0.05};
-  else if (options.scheme != "default")
-    throw InputError("mpm.scheme: found '" + options.scheme + "', expected default or geopart" +
-                     did_you_mean(options.scheme, {"default", "geopart"}));
-  choose("mpm.shape", options.shape, {"bilinear", "gimp", "bspline"}, scheme.shape);
-  choose("mpm.transfer", options.transfer, {"flip", "apic", "xpic"}, scheme.transfer);
-  choose("mpm.stress_update", options.stress_update, {"musl", "usl", "usf"}, scheme.stress);
-  choose("mpm.locking", options.locking, {"none", "selective", "full", "fbar"}, scheme.locking);
-  if (options.shape && !options.locking && scheme.shape != ShapeKind::bilinear && scheme.locking == Locking::selective)
-    scheme.locking = Locking::fbar;
-  if (scheme.shape != ShapeKind::bilinear && (scheme.locking == Locking::selective || scheme.locking == Locking::full))
-    throw InputError("mpm.locking: found '" + options.locking.value_or("selective") +
-                     "' with three-node shapes, expected none or fbar (or shape = \"bilinear\")");
+  Scheme scheme = row_of(options.scheme).choices;
+  scheme.shape = options.shape.value_or(scheme.shape);
+  scheme.transfer = options.transfer.value_or(scheme.transfer);
+  scheme.stress = options.stress_update.value_or(scheme.stress);
+  scheme.locking = options.locking.value_or(scheme.locking);
+  const bool of_elements = row_of(scheme.locking).of_elements, two_nodes = row_of(scheme.shape).nodes == 2;
+  if (of_elements && !two_nodes) {
+    if (options.locking)
+      throw InputError("mpm.locking: found '" + std::string(name_of(scheme.locking)) +
+                       "' with three-node shapes, expected none or fbar (or shape = \"bilinear\")");
+    scheme.locking = Locking::fbar;  // the scheme's own cure does not go with the shape asked for
+  }
   scheme.xpic_order = options.xpic_order;
   if (options.damping) scheme.damping = *options.damping;
   if (options.pic_per_s) {
-    if (scheme.transfer != TransferKind::flip)
+    if (!row_of(scheme.transfer).blends)
       throw InputError("mpm.pic_per_s: given with another transfer, expected transfer = \"flip\"");
     scheme.pic_per_s = *options.pic_per_s;
   }
@@ -110,7 +85,7 @@ SolverState initial_state(const Scene& scene, const Scheme& scheme, const GridSt
   SolverState state;
   Particles& p = state.particles;
   const bool several = set.label[order.front()] != set.label[order.back()];
-  p.resize(n, several, scheme.transfer == TransferKind::apic, scheme.shape == ShapeKind::gimp, tied,
+  p.resize(n, several, row_of(scheme.transfer).affine, row_of(scheme.shape).sized, tied,
            scheme.stress != StressUpdate::usf && !scheme.takes_updated());
   for (std::size_t k = 0; k < n; ++k) {
     const std::uint32_t from = order[k];

@@ -8,6 +8,7 @@
 #include "mpm/grid/grid_state.hpp"
 #include "mpm/state/particles.hpp"
 #include "mpm/state/scheme.hpp"
+#include "mpm/transfer/lanes.hpp"
 
 namespace pivnp::mpm {
 

@@ -24,6 +24,7 @@
 #include "mpm/material/material.hpp"
 #include "mpm/state/particles.hpp"
 #include "mpm/state/scheme.hpp"
+#include "mpm/transfer/lanes.hpp"
 
 namespace pivnp::mpm {
 
@@ -60,6 +61,10 @@ void filtered_velocity(const Particles& p, GridState& g, int order, std::vector<
 /// Under musl the straining velocity becomes, not yet restrained, the points' new velocity mapped back.
 GatherSums gather_velocity(Particles& p, GridState& g, const Scheme& scheme, double dt,
                            const std::vector<double>& filtered, int threads);
+
+/// What a sweep that moves the points is told, and what its parts saw together.
+MoveJob move_job(const GridState& g, const Scheme& scheme, double dt);
+GatherSums sum_of(const std::vector<GatherSums>& parts);
 
 /// A.12: log strain and rotation increments of the points, and F and J, from the straining velocity. With `record` false (settling)
 /// F and J stay.

@@ -18,7 +18,7 @@ SilentProgress silent;
 MaterialOptions averaged(double length) {
   MaterialOptions m = softening_soil(20);
   m.softening_length_m = length;
-  m.softening_average = "nonlocal";
+  m.softening_average = SofteningAverage::nonlocal;
   return m;
 }
 
@@ -169,7 +169,6 @@ TEST(NonlocalSoftening, NonsenseNamesItsKey) {
   };
   expect([](auto& m) { m.softening_length_m.reset(); }, "softening_length_m", "missing");
   expect([](auto& m) { m.softening_length_m = 0.015; }, "softening_length_m", "0.015");
-  expect([](auto& m) { m.softening_average = "none"; }, "softening_average", "none");
   expect([](auto& m) { m.model = "drucker_prager"; }, "", "drucker_prager");
 }
 
