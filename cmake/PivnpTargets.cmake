@@ -14,7 +14,7 @@ endif()
 if(PIVNP_SANITIZE)
   target_compile_options(pivnp_flags INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=undefined
                                                -fno-omit-frame-pointer)
-  # SSE2 (operations of our own: mpm/simd/sse2.hpp, pivnp/piv/lanes-inl.hpp), SSE4 and AVX-512 (Highway's), in the simulation four
+  # SSE2 (operations of our own: mpm/simd/sse2.hpp, pivnp/piv/sampling/lanes-inl.hpp), SSE4 and AVX-512 (Highway's), in the simulation four
   # lanes in pairs of vectors and eight, are enough to look at: sanitizers take minutes over each instruction set.
   target_compile_definitions(pivnp_flags INTERFACE "HWY_DISABLED_TARGETS=(HWY_SSSE3|HWY_AVX2)")
   target_link_options(pivnp_flags INTERFACE -fsanitize=address,undefined)

@@ -20,7 +20,7 @@ struct Transform {
 };
 
 /// Reads `motion`, which must outlive it, through a transform. Displacements, covariances, velocities and areas go with
-/// the lengths and times; F and stress turn only.
+/// the lengths and times, as other fields do by their unit and form; F and stress turn only.
 class TransformedMotion final : public MotionSource {
  public:
   TransformedMotion(const MotionSource& motion, const Transform& transform);

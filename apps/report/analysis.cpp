@@ -211,18 +211,6 @@ DifferenceHistory difference_history(const Content& content) {
   return out;
 }
 
-const char* words(EndReason reason) {
-  switch (reason) {
-    case EndReason::none: return "none given";
-    case EndReason::left_grid: return "left the grid";
-    case EndReason::no_vectors: return "too few valid vectors around it";
-    case EndReason::bad_state: return "deformation gradient not positive or not finite";
-    case EndReason::left_image: return "left the image or went under the mask";
-    case EndReason::removed: return "taken out by the case";
-  }
-  return "unknown";
-}
-
 std::vector<Ends> ends_by_reason(const ParticleSet& particles) {
   std::map<EndReason, std::vector<double>> times;
   for (std::size_t p = 0; p < particles.end_reason.size(); ++p)

@@ -73,7 +73,6 @@ struct Ends {
   double first = 0, median = 0, last = 0;  // times
 };
 std::vector<Ends> ends_by_reason(const ParticleSet& particles);
-const char* words(EndReason reason);
 
 /// Box around the positions at the snapshots, but for the outermost `share` on each side, with a margin; never empty.
 Box box_around(const std::vector<const std::vector<Vec2>*>& positions, double share);

@@ -88,7 +88,7 @@ std::string figure_name(const std::string& field) {
 }
 
 std::string unit_of(const std::string& field, const Content& content) {
-  const std::string unit(derived_field(field).unit);
+  const std::string unit = derived_field(field).unit;
   std::string out;
   for (char c : unit) out += c == 'L' ? content.length_unit : c == 'T' ? content.time_unit : std::string(1, c);
   if (out.ends_with("^2")) out.replace(out.size() - 2, 2, "\u00b2");

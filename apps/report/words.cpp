@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "pivnp/core/particles/derived.hpp"
+
 namespace pivnp::report {
 
 namespace {
@@ -97,23 +99,8 @@ std::string count(std::size_t n, std::string_view singular, std::string_view plu
 }
 
 std::string field_words(std::string_view name) {
-  static const std::map<std::string, std::string, std::less<>> known = {
-      {"displacement_magnitude", "displacement"},
-      {"displacement_x", "displacement x"},
-      {"displacement_y", "displacement y"},
-      {"velocity_magnitude", "velocity"},
-      {"acceleration_magnitude", "acceleration"},
-      {"strain_dev", "deviatoric strain"},
-      {"strain_vol", "volumetric strain"},
-      {"strain_1", "major principal strain"},
-      {"strain_2", "minor principal strain"},
-      {"strain_angle", "direction of the major principal strain"},
-      {"strain_dev_path", "deviatoric strain along the path"},
-      {"strain_sum_dev", "summed deviatoric strain"},
-      {"plastic_dev", "plastic deviatoric strain"},
-      {"mean_stress", "mean stress"},
-      {"J", "volume ratio J"}};
-  if (const auto it = known.find(name); it != known.end()) return it->second;
+  for (const DerivedField& field : derived_fields())
+    if (field.name == name) return field.label;
   std::string s(name);
   std::replace(s.begin(), s.end(), '_', ' ');
   return s;

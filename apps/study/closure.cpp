@@ -8,7 +8,7 @@
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
 #include "pivnp/np/tracker.hpp"
-#include "pivnp/piv/closure.hpp"
+#include "pivnp/piv/validation/closure.hpp"
 
 namespace pivnp::app {
 

@@ -17,7 +17,7 @@ namespace pivnp::app {
 /// the frames allow. Every node is carried through the steps (`pair` k: frames k to k + 1) as a numerical particle, and
 /// once by the direct pair, which is measured here: one pair of the method's own a chain. A chain where less than half
 /// of the nodes that its first pair has close is tried again with half its steps. Fewer than two chains: not checked.
-/// What is found and when: pivnp/piv/closure.hpp.
+/// What is found and when: pivnp/piv/validation/closure.hpp.
 ClosureNote check_closure(const Case& c, const Setting& setting, image::FrameSource& source,
                           const std::function<VectorField(int)>& pair, int threads, Progress& progress);
 

@@ -7,7 +7,7 @@
 #include <unordered_map>
 
 #include "pivnp/np/fusion.hpp"
-#include "pivnp/piv/subset.hpp"
+#include "pivnp/piv/window/subset.hpp"
 
 namespace pivnp::app {
 

@@ -36,18 +36,13 @@ void remark_on_steps(const io::RecordReader& record, std::vector<std::string>& r
 }
 
 void remark_on_ends(const MotionSource& motion, std::vector<std::string>& remarks) {
-  static const std::map<EndReason, const char*> words = {
-      {EndReason::left_grid, "left the grid"},
-      {EndReason::no_vectors, "lost the valid vectors around them"},
-      {EndReason::bad_state, "reached a state that is no motion (J <= 0)"},
-      {EndReason::left_image, "left the image or went under a mask"}};
   const ParticleSet& set = motion.particles();
   std::map<EndReason, std::size_t> ends;
   for (const EndReason reason : set.end_reason)
     if (reason != EndReason::none) ++ends[reason];
   for (const auto& [reason, count] : ends)
     remarks.push_back("Motion " + motion.name() + ": " + std::to_string(count) + " of " + std::to_string(set.size()) +
-                      " particles " + words.at(reason) + " and were ended; their histories are kept.");
+                      " particles " + words(reason) + "; their histories are kept.");
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include <Eigen/LU>
 
 #include "pivnp/core/text.hpp"
-#include "pivnp/piv/peak_locking.hpp"
+#include "pivnp/piv/validation/peak_locking.hpp"
 
 namespace pivnp::app {
 

@@ -9,6 +9,7 @@
 
 #include "mpm/grid/shape.hpp"
 #include "mpm/simd/sums-inl.hpp"
+#include "mpm/transfer/lanes.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace pivnp::mpm::HWY_NAMESPACE {

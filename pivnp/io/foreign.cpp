@@ -87,7 +87,8 @@ class ForeignMotion final : public MotionSource {
     for (std::size_t p = 0; p < count; ++p)
       if (particles_.end[p] < f.time) f.status[p] = ParticleStatus::ended;
     if (!state.v.empty()) f.v.assign(count, {0, 0});
-    if (!state.stress.empty()) f.stress.assign(count, {0, 0, 0, 0});
+    std::vector<std::span<float>> rooms;
+    for (const ForeignField& field : state.fields) rooms.push_back(f.add(field.name, count));
     if (!state.sigma.empty()) f.cov_u.assign(count, {0, 0, 0});
     std::vector<std::uint8_t> usable(count, 0);
     for (std::size_t k = 0; k < state.x.size(); ++k) {
@@ -100,8 +101,10 @@ class ForeignMotion final : public MotionSource {
       if (!state.v.empty()) f.v[p] = {float(state.v[k][0]), float(state.v[k][1])};
       if (!state.sigma.empty())
         f.cov_u[p] = {float(state.sigma[k][0] * state.sigma[k][0]), float(state.sigma[k][1] * state.sigma[k][1]), 0};
-      if (!state.stress.empty())
-        for (std::size_t c = 0; c < 4; ++c) f.stress[p][c] = float(state.stress[k][c]);
+      for (std::size_t i = 0; i < rooms.size(); ++i) {
+        const std::size_t n = rooms[i].size() / count;
+        for (std::size_t c = 0; c < n; ++c) rooms[i][p * n + c] = float(state.fields[i].values[k * n + c]);
+      }
     }
     f.F = gradient_->gradients(f.u, usable);
     return f;

@@ -37,6 +37,7 @@ void append(std::vector<std::array<double, 2>>& to, const std::vector<double>& x
 
 ForeignState read_cbgeo(const std::vector<std::filesystem::path>& files) {
   ForeignState s;
+  std::vector<double> stress;
   for (const std::filesystem::path& file : files) {
     const h5::Source source(file);
     const h5::Dataset table = source.dataset("/table");
@@ -53,13 +54,13 @@ ForeignState read_cbgeo(const std::vector<std::filesystem::path>& files) {
     const std::vector<double> xx = numbers(table, "stress_xx"), yy = numbers(table, "stress_yy"),
                               zz = numbers(table, "stress_zz"), xy = numbers(table, "tau_xy");
     if (xx.size() == x.size() && yy.size() == x.size() && zz.size() == x.size() && xy.size() == x.size())
-      for (std::size_t k = 0; k < x.size(); ++k) s.stress.push_back({xx[k], yy[k], zz[k], xy[k]});
+      for (std::size_t k = 0; k < x.size(); ++k) stress.insert(stress.end(), {xx[k], yy[k], zz[k], xy[k]});
   }
   // What only some ranks' files know is not known.
   if (s.u.size() != s.x.size()) s.u.clear();
   if (s.v.size() != s.x.size()) s.v.clear();
   if (s.area.size() != s.x.size()) s.area.clear();
-  if (s.stress.size() != s.x.size()) s.stress.clear();
+  if (!s.x.empty() && stress.size() == 4 * s.x.size()) s.fields.push_back({"stress", std::move(stress)});
   return s;
 }
 

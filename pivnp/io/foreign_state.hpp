@@ -9,12 +9,18 @@
 
 namespace pivnp::io {
 
+/// A field of motion_fields() beyond those that have a member: [particles][components].
+struct ForeignField {
+  std::string name;
+  std::vector<double> values;
+};
+
 /// Arrays of one length; those a source does not know are empty.
 struct ForeignState {
   std::vector<std::int64_t> id;  // empty: the position in the arrays
   std::vector<std::array<double, 2>> x, u, v, sigma;
-  std::vector<std::array<double, 4>> stress;  // xx yy zz xy
   std::vector<double> area;
+  std::vector<ForeignField> fields;
 };
 
 /// A text file in memory. Throws InputError.

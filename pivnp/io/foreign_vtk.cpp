@@ -298,9 +298,11 @@ ForeignState read_vtu(const std::filesystem::path& file) {
   take_ids(find(arrays, "Particle Id", n, 1), s);
   const Array *xx = find(arrays, "Stress_XX", n, 1), *yy = find(arrays, "Stress_YY", n, 1),
               *zz = find(arrays, "Stress_ZZ", n, 1), *xy = find(arrays, "Stress_XY", n, 1);
-  if (xx && yy && zz && xy)
+  if (xx && yy && zz && xy && n > 0) {
+    s.fields.push_back({"stress", {}});
     for (std::size_t k = 0; k < n; ++k)
-      s.stress.push_back({xx->values[k], yy->values[k], zz->values[k], xy->values[k]});
+      s.fields[0].values.insert(s.fields[0].values.end(), {xx->values[k], yy->values[k], zz->values[k], xy->values[k]});
+  }
   return s;
 }
 

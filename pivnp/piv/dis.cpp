@@ -4,10 +4,10 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
-#include "pivnp/piv/gn_level.hpp"
-#include "pivnp/piv/increments.hpp"
-#include "pivnp/piv/judge.hpp"
-#include "pivnp/piv/lattice_filter.hpp"
+#include "pivnp/piv/dense/gn_level.hpp"
+#include "pivnp/piv/dense/corrections.hpp"
+#include "pivnp/piv/validation/vector_validation.hpp"
+#include "pivnp/piv/dense/lattice_filter.hpp"
 
 namespace pivnp::piv {
 
@@ -98,7 +98,7 @@ class DenseInverseSearch final : public Method {
     SmoothedField error_u, error_v;
     error_of(increments_.u, error_u);
     error_of(increments_.v, error_v);
-    judge_nodes({options_, extent_.nodes, extent_.width, extent_.height, judged_at, threads_, rounding}, field_, sums_,
+    validate_vectors({limits_of(options_), extent_.nodes, extent_.width, extent_.height, judged_at, threads_, rounding}, field_, sums_,
                 u_, v_, error_u, error_v, vectors);
   }
 

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pivnp/piv/increments.hpp"
-#include "pivnp/piv/judge.hpp"
-#include "pivnp/piv/light.hpp"
+#include "pivnp/piv/dense/corrections.hpp"
+#include "pivnp/piv/validation/vector_validation.hpp"
+#include "pivnp/piv/dense/illumination.hpp"
 #include "pivnp/piv/multipass.hpp"
-#include "pivnp/piv/presmoothing.hpp"
-#include "pivnp/piv/rematch.hpp"
+#include "pivnp/piv/sampling/presmoothing.hpp"
+#include "pivnp/piv/recorrelation.hpp"
 
 namespace pivnp::piv {
 
@@ -95,7 +95,7 @@ void GaussNewton::correlate(const ImageView& first, const ImageView& second, Pix
     coarser = &level;
   }
   const GnLevel& finest = levels_.back();
-  judge_nodes({options_, extent_.nodes, extent_.width, extent_.height, finest.decimation(), threads_, rounding_},
+  validate_vectors({limits_of(options_), extent_.nodes, extent_.width, extent_.height, finest.decimation(), threads_, rounding_},
               field_, sums_, u_, v_, smooth_u_, smooth_v_, vectors);
 }
 

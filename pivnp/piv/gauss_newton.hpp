@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "pivnp/piv/method.hpp"
-#include "pivnp/piv/extent.hpp"
+#include "pivnp/piv/sampling/extent.hpp"
 
 namespace pivnp::piv {
 

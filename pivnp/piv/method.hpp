@@ -3,7 +3,8 @@
 #pragma once
 
 #include "pivnp/piv/piv.hpp"
-#include "pivnp/piv/shares.hpp"
+#include "pivnp/piv/sampling/anchor_shares.hpp"
+#include "pivnp/piv/validation/vector_validation.hpp"
 
 namespace pivnp::piv {
 
@@ -19,8 +20,9 @@ inline Anchor anchor_of(const PivOptions& options) {
   return options.anchor == "central" ? Anchor::central : Anchor::forward;
 }
 
-inline AnchorShares shares_of(Anchor anchor) {
-  return anchor == Anchor::central ? AnchorShares{-0.5f, 0.5f} : AnchorShares{0.0f, 1.0f};
+inline ValidationLimits limits_of(const PivOptions& options) {
+  return {options.median_threshold, options.median_floor_px, options.min_score,
+          options.max_sigma_px,     options.min_usable,      options.replace};
 }
 
 /// Variance of a grey value's rounding, grey^2.

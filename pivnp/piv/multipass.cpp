@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pivnp/piv/validate.hpp"
+#include "pivnp/piv/validation/replacement.hpp"
 #include "pivnp/piv/window_passes.hpp"
 
 namespace pivnp::piv {

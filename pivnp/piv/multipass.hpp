@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "pivnp/piv/method.hpp"
-#include "pivnp/piv/extent.hpp"
+#include "pivnp/piv/sampling/extent.hpp"
 
 namespace pivnp::piv {
 

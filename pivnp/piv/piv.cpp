@@ -9,8 +9,8 @@
 #include "pivnp/core/error.hpp"
 #include "pivnp/piv/dis.hpp"
 #include "pivnp/piv/gauss_newton.hpp"
-#include "pivnp/piv/extent.hpp"
-#include "pivnp/piv/lattice.hpp"
+#include "pivnp/piv/sampling/extent.hpp"
+#include "pivnp/piv/sampling/lattice.hpp"
 #include "pivnp/piv/method.hpp"
 #include "pivnp/piv/multipass.hpp"
 

@@ -3,12 +3,12 @@
 
 #include <vector>
 
-#include "pivnp/piv/correlate.hpp"
-#include "pivnp/piv/extent.hpp"
+#include "pivnp/piv/window/correlate.hpp"
+#include "pivnp/piv/sampling/extent.hpp"
 #include "pivnp/piv/piv.hpp"
-#include "pivnp/piv/uncertainty.hpp"
-#include "pivnp/piv/median_test.hpp"
-#include "pivnp/piv/warp.hpp"
+#include "pivnp/piv/window/uncertainty.hpp"
+#include "pivnp/piv/validation/median_test.hpp"
+#include "pivnp/piv/window/warp.hpp"
 
 namespace pivnp::piv {
 

@@ -1,10 +1,14 @@
-// Which folder may include which. An arrow that is not in this list is a fault, and so is a circle.
+// Which folder may include which. An arrow that is not in this list is a fault, and so is a circle. Within a folder
+// that is built in floors, a floor may use itself and those before it.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <set>
+#include <string>
+#include <vector>
 
 namespace {
 
@@ -31,6 +35,12 @@ const std::map<std::string, Folders> allowed = {
     {"apps/case", with(engines, {"apps/report"})},  // the report's options: a header of values
     {"apps/study", with(engines, {"apps/case", "apps/report"})},
     {"apps/cli", with(engines, {"apps/case", "apps/study", "apps/report"})},
+};
+
+// Floors from the lowest to the highest. What lies in the folder itself stands on all of them.
+const std::map<std::string, std::vector<std::string>> floors = {
+    {"pivnp/piv", {"sampling", "window", "dense", "validation"}},
+    {"mpm", {"state", "simd", "grid", "material", "transfer", "constraint", "step"}},
 };
 
 // Vendor headers, and the folders that may see them.
@@ -84,6 +94,30 @@ TEST(Architecture, IncludesFollowTheArrows) {
     EXPECT_TRUE(allowed.at(i.folder).contains(target)) << i.file << " includes " << i.target;
   }
   EXPECT_GT(arrows, 50);  // the scan found something
+}
+
+// 0 the lowest floor, their number for the folder itself; -1: an unknown floor.
+int height(const std::string& folder, const std::string& path) {
+  const std::vector<std::string>& names = floors.at(folder);
+  const std::string inside = path.substr(folder.size() + 1);
+  const std::size_t slash = inside.find('/');
+  if (slash == std::string::npos) return static_cast<int>(names.size());
+  const auto at = std::find(names.begin(), names.end(), inside.substr(0, slash));
+  return at == names.end() ? -1 : static_cast<int>(at - names.begin());
+}
+
+TEST(Architecture, FloorsStandOnThoseBelow) {
+  std::map<std::string, int> arrows;
+  for (const Include& i : includes()) {
+    if (!floors.contains(i.folder)) continue;
+    const int own = height(i.folder, i.file);
+    EXPECT_GE(own, 0) << i.file << " lies on an unknown floor of " << i.folder;
+    if (!i.quoted || folder_of(i.target) != i.folder) continue;
+    const int used = height(i.folder, i.target);
+    EXPECT_LE(used, own) << i.file << " includes " << i.target << " of a floor above";
+    arrows[i.folder] += used < own;
+  }
+  for (const auto& [folder, names] : floors) EXPECT_GE(arrows[folder], int(names.size())) << folder;
 }
 
 TEST(Architecture, NoCircle) {

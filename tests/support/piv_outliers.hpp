@@ -9,7 +9,7 @@
 
 #include "pivnp/core/math.hpp"
 #include "pivnp/piv/piv.hpp"
-#include "pivnp/piv/median_test.hpp"
+#include "pivnp/piv/validation/median_test.hpp"
 
 namespace pivnp::piv {
 

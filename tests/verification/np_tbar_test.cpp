@@ -19,7 +19,7 @@
 #include "apps/study/measure.hpp"
 #include "apps/study/stages.hpp"
 #include "pivnp/core/text.hpp"
-#include "pivnp/piv/subset.hpp"
+#include "pivnp/piv/window/subset.hpp"
 #include "tests/support/verification.hpp"
 
 namespace pivnp::app {

@@ -110,7 +110,8 @@ mpm::Scene column(int cells, const Kernel& kernel) {
 
 std::vector<double> plastic(const mpm::Solver& solver) {
   const MotionFrame f = solver.frame();
-  return {f.plastic_dev.begin(), f.plastic_dev.end()};
+  const std::vector<float>& values = f.field("plastic_dev").values;
+  return {values.begin(), values.end()};
 }
 
 std::vector<std::pair<int, int>> cells_of(const mpm::Solver& solver, double h, double shift) {

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "pivnp/piv/validate.hpp"
+#include "pivnp/piv/validation/replacement.hpp"
 #include "tests/bench/piv/bench.hpp"
 #include "tests/support/piv_outliers.hpp"
 #include "tests/support/piv_rows.hpp"

@@ -13,7 +13,7 @@
 #include "pivnp/core/error.hpp"
 #include "pivnp/image/frames.hpp"
 #include "pivnp/image/synthetic_pair.hpp"
-#include "pivnp/piv/normal_sums.hpp"
+#include "pivnp/piv/dense/normal_sums.hpp"
 #include "tests/bench/piv/bench.hpp"
 #include "tests/bench/piv/limits.hpp"
 #include "tests/support/piv_score.hpp"

@@ -12,14 +12,14 @@
 #include <vector>
 
 #include "pivnp/image/synthetic_pair.hpp"
-#include "pivnp/piv/correlate.hpp"
+#include "pivnp/piv/window/correlate.hpp"
 #include "pivnp/piv/multipass.hpp"
-#include "pivnp/piv/normal_sums.hpp"
-#include "pivnp/piv/shrink.hpp"
-#include "pivnp/piv/spline_field.hpp"
-#include "pivnp/piv/spline_image.hpp"
-#include "pivnp/piv/uncertainty.hpp"
-#include "pivnp/piv/warp.hpp"
+#include "pivnp/piv/dense/normal_sums.hpp"
+#include "pivnp/piv/dense/shrink.hpp"
+#include "pivnp/piv/dense/spline_field.hpp"
+#include "pivnp/piv/sampling/spline_image.hpp"
+#include "pivnp/piv/window/uncertainty.hpp"
+#include "pivnp/piv/window/warp.hpp"
 #include "tests/bench/piv/bench.hpp"
 #include "tests/bench/piv/limits.hpp"
 

@@ -136,8 +136,8 @@ TEST_F(ForeignTest, CbGeo) {
   EXPECT_EQ(m->name(), "cbgeo");
   EXPECT_NEAR(double(m->particles().area[3]), h * h, 1e-7);
   const MotionFrame f = m->frame(1);
-  EXPECT_NEAR(double(f.stress[0][0]), -double(m->particles().id[0] - 100), 1e-6);
-  EXPECT_NEAR(double(f.stress[0][3]), 4, 1e-6);
+  EXPECT_NEAR(double(f.field("stress")(0, 0)), -double(m->particles().id[0] - 100), 1e-6);
+  EXPECT_NEAR(double(f.field("stress")(0, 3)), 4, 1e-6);
 }
 
 TEST_F(ForeignTest, CbGeoOfSeveralRanks) {
@@ -278,7 +278,7 @@ TEST_F(ForeignTest, MpmGeomechanics) {
   }
   const auto m = open("vtu", "particles_*.vtu");
   expect_motion(*m, true, true, 5e-6);  // six decimals
-  EXPECT_EQ(m->frame(0).stress[0][2], -7.0f);
+  EXPECT_EQ(m->frame(0).field("stress")(0, 2), -7.0f);
 }
 
 // ---- Tables.

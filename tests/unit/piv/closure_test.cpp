@@ -1,7 +1,7 @@
 // The error that pairs repeat, from given differences of chains: Gaussian errors of known size, with and without it.
 //   criterion: independent errors are left alone, also where the stated variance is a ninth of the true one; a repeated
 //     error is found, to 15 % of its RMS; a few wild places decide nothing.
-#include "pivnp/piv/closure.hpp"
+#include "pivnp/piv/validation/closure.hpp"
 
 #include <gtest/gtest.h>
 

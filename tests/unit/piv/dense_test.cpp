@@ -6,12 +6,12 @@
 #include <cmath>
 #include <random>
 
-#include "pivnp/piv/increments.hpp"
-#include "pivnp/piv/normal_sums.hpp"
-#include "pivnp/piv/presmoothing.hpp"
-#include "pivnp/piv/quality.hpp"
-#include "pivnp/piv/shrink.hpp"
-#include "pivnp/piv/spline_field.hpp"
+#include "pivnp/piv/dense/corrections.hpp"
+#include "pivnp/piv/dense/normal_sums.hpp"
+#include "pivnp/piv/sampling/presmoothing.hpp"
+#include "pivnp/piv/dense/quality.hpp"
+#include "pivnp/piv/dense/shrink.hpp"
+#include "pivnp/piv/dense/spline_field.hpp"
 #include "tests/unit/piv/scene.hpp"
 
 namespace pivnp::piv {

@@ -3,7 +3,7 @@
 
 #include <cstdio>
 
-#include "pivnp/piv/peak_locking.hpp"
+#include "pivnp/piv/validation/peak_locking.hpp"
 #include "tests/unit/piv/scene.hpp"
 
 namespace pivnp::piv {

@@ -6,14 +6,14 @@
 #include <cstring>
 #include <random>
 
-#include "pivnp/piv/correlate.hpp"
-#include "pivnp/piv/lattice.hpp"
+#include "pivnp/piv/window/correlate.hpp"
+#include "pivnp/piv/sampling/lattice.hpp"
 #include "pivnp/piv/multipass.hpp"
-#include "pivnp/piv/predictor.hpp"
-#include "pivnp/piv/spline_image.hpp"
-#include "pivnp/piv/subpixel.hpp"
-#include "pivnp/piv/median_test.hpp"
-#include "pivnp/piv/validate.hpp"
+#include "pivnp/piv/window/predictor.hpp"
+#include "pivnp/piv/sampling/spline_image.hpp"
+#include "pivnp/piv/window/subpixel.hpp"
+#include "pivnp/piv/validation/median_test.hpp"
+#include "pivnp/piv/validation/replacement.hpp"
 
 namespace pivnp::piv {
 namespace {

@@ -1,5 +1,5 @@
 // Peak locking: diameters of blobs known by drawing, and drawn-in fields of known strength.
-#include "pivnp/piv/peak_locking.hpp"
+#include "pivnp/piv/validation/peak_locking.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "pivnp/core/error.hpp"
-#include "pivnp/piv/subset.hpp"
+#include "pivnp/piv/window/subset.hpp"
 #include "tests/unit/piv/scene.hpp"
 
 namespace pivnp::piv {

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "pivnp/core/particles/fields.hpp"
+
 namespace pivnp::report {
 namespace {
 
@@ -63,6 +65,9 @@ TEST(Words, Names) {
   EXPECT_EQ(metric_words("something_new"), "Something new");
   EXPECT_EQ(metric_words(""), "");
   EXPECT_EQ(field_words("strain_dev"), "deviatoric strain");
+  motion_fields().add({.name = "heat", .form = FieldForm::vector, .label = "flow of heat"});
+  EXPECT_EQ(field_words("heat_x"), "flow of heat x");
+  motion_fields().remove_last();
 }
 
 TEST(Words, UnitsSuitTheirNumbers) {

@@ -117,7 +117,7 @@ Loaded load(const Setup& setup, double share_of_time = 1) {
 std::vector<double> lowest_sheared(const Loaded& l) {
   std::vector<double> low(44, std::nan(""));
   for (std::size_t k = 0; k < l.x0.size(); ++k) {
-    if (l.frame.plastic_dev[k] < 0.02f) continue;
+    if (l.frame.field("plastic_dev")(k) < 0.02f) continue;
     double& y = low[std::min<std::size_t>(43, std::size_t(l.x0[k].x() / 0.004))];
     y = std::isnan(y) ? l.x0[k].y() : std::min(y, l.x0[k].y());
   }

@@ -1,0 +1,34 @@
+// How well the frames match where a pass has brought them together, and what that makes of a vector.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pivnp/piv/dense/normal_sums.hpp"
+#include "pivnp/piv/dense/shrink.hpp"
+
+namespace pivnp::piv {
+
+/// At the points of a lattice, from the sums of a pass with scores.
+struct MatchQuality {
+  std::vector<float> score;       // correlation coefficient about the point (window of about 26 px at 8 px spacing)
+  std::vector<float> wide_score;  // and of the same sums over 7 x 7 points
+  std::vector<float> usable;      // share of usable pixels about the point, 0 ... 1
+  std::vector<float> variance;  // of the first frame's grey values about the point, grey^2, the smaller of both frames'
+  std::vector<float> contrast;  // that variance over its mean over the lattice
+  std::vector<float> slant;     // correlation between the errors of u and v that the texture causes, -1 ... 1
+};
+
+void match_quality(const CellSums& sums, MatchQuality& quality);
+
+/// Square of what a lattice of this spacing may miss of a field that changes this fast (truncation), from its sixth
+/// differences: nothing for waves of ten points, all for jumps. Level pixels.
+void truncation_variance(const CellLattice& lattice, const std::vector<float>& u, int threads,
+                         std::vector<float>& variance);
+
+/// Largest stated error that a vector of this wide score may have and still be trusted: `most` at a score of 1, by a
+/// factor e less for every third less. Where frames do not match, the field is what its neighbours say, and a small
+/// stated error then means little. Fitted on maps of displacement, gradient, density, loss and noise.
+float trusted_sigma(float most, float wide_score);
+
+}  // namespace pivnp::piv

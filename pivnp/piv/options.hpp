@@ -1,0 +1,75 @@
+// What a case says about image correlation: section [piv].
+#pragma once
+
+#include <string>
+
+#include "pivnp/core/options.hpp"
+
+namespace pivnp::piv {
+
+struct PivOptions {
+  std::string method = "default";
+  std::string smoothing = "adaptive";
+  int order = 1;
+  int window_px = 32;
+  int first_window_px = 0;
+  int passes = 0;
+  std::string anchor = "central";
+  double median_threshold = 2.0;
+  double median_floor_px = 0.1;
+  double min_score = 0.1;
+  double max_sigma_px = 0.7;
+  double min_usable = 0.4;
+  bool replace = true;
+  int closure = 3;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit("method", self.method,
+          OptionInfo{.text = "correlation method (default: the one recommended, at present gn)",
+                     .choices = {"default", "gn", "fast", "fft", "ncc", "dis"}});
+    visit("smoothing", self.smoothing,
+          OptionInfo{.text = "gn, fast: adaptive, as much as the field's own noise allows (weak structures are lost with "
+                             "it); window, subsets of window_px and no more",
+                     .choices = {"adaptive", "window"}});
+    visit("order", self.order,
+          OptionInfo{.text = "gn with smoothing = window: order of the subsets' deformation", .min = 0, .max = 2});
+    visit("window_px", self.window_px,
+          OptionInfo{.unit = "px",
+                     .text = "side of the last interrogation window (of the even window with the same noise)",
+                     .min = 8,
+                     .max = 256});
+    visit("first_window_px", self.first_window_px,
+          OptionInfo{.unit = "px",
+                     .text = "side of the first window; it finds up to a quarter of it (0: chosen from the image)",
+                     .min = 0,
+                     .max = 512});
+    visit("passes", self.passes, OptionInfo{.text = "passes with the last window (0: chosen)", .min = 0, .max = 20});
+    visit("anchor", self.anchor,
+          OptionInfo{.text = "instant that a vector's place belongs to: middle of the pair, or its first frame",
+                     .choices = {"central", "forward"}});
+    visit("median_threshold", self.median_threshold,
+          OptionInfo{.text = "normalised median test: residual over neighbours' scatter", .min = 0, .above_min = true});
+    visit("median_floor_px", self.median_floor_px,
+          OptionInfo{.unit = "px", .text = "scatter that the median test grants everywhere", .min = 0});
+    visit("min_score", self.min_score,
+          OptionInfo{.text = "correlation coefficient below which a vector is rejected", .min = -1, .max = 1});
+    visit("max_sigma_px", self.max_sigma_px,
+          OptionInfo{.unit = "px",
+                     .text = "stated standard deviation above which a vector is rejected (gn, fast, dis: where frames match "
+                             "fully; less where they match less)",
+                     .min = 0,
+                     .above_min = true});
+    visit("min_usable", self.min_usable,
+          OptionInfo{.text = "share of a window that masks and the image's edge must leave", .min = 0, .max = 1});
+    visit("replace", self.replace,
+          OptionInfo{.text = "rebuild rejected vectors from valid neighbours (marked as replaced)"});
+    visit("closure", self.closure,
+          OptionInfo{.text = "chains of steps, over the sequence, held against direct pairs of their ends (one pair more a "
+                             "chain): what the uncertainty of paths must hold beside random error (below 2: none)",
+                     .min = 0,
+                     .max = 100});
+  }
+};
+
+}  // namespace pivnp::piv

@@ -1,0 +1,240 @@
+#include "pivnp/piv/sampling/spline_image.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+
+#include "pivnp/piv/sampling/prefilter.hpp"
+
+namespace pivnp::piv {
+
+namespace {
+
+// Means of blocks of pixels that may all be used: rows first, side by side, then along them.
+template <class Grey>
+void average_plain(const ImageView& image, int decimation, int row, int width, float* out) {
+  constexpr int most = 512;  // columns at a time
+  assert(decimation <= most);
+  std::array<float, most> sums;
+  const int blocks = most / decimation;
+  const float share = 1 / static_cast<float>(decimation * decimation);
+  for (int first = 0; first < width; first += blocks) {
+    const int end = std::min(first + blocks, width), columns = (end - first) * decimation;
+    for (int dr = 0; dr < decimation; ++dr) {
+      const Grey* in = image.row<Grey>(row * decimation + dr) + std::ptrdiff_t(first) * decimation;
+      if (dr == 0)
+        for (int k = 0; k < columns; ++k) sums[std::size_t(k)] = static_cast<float>(in[k]);
+      else
+        for (int k = 0; k < columns; ++k) sums[std::size_t(k)] += static_cast<float>(in[k]);
+    }
+    for (int c = first; c < end; ++c) {
+      const float* block = sums.data() + (c - first) * decimation;
+      float sum = 0;
+      for (int k = 0; k < decimation; ++k) sum += block[k];
+      out[c] = share * sum;
+    }
+  }
+}
+
+// Sum of the usable pixels of one block.
+template <class Grey>
+float usable_sum(const ImageView& image, const MaskView& mask, int decimation, int row, int column) {
+  float sum = 0;
+  for (int dr = 0; dr < decimation; ++dr) {
+    const int r = row * decimation + dr;
+    const Grey* in = image.row<Grey>(r) + column * decimation;
+    for (int dc = 0; dc < decimation; ++dc)
+      sum += mask.usable(column * decimation + dc, r) ? static_cast<float>(in[dc]) : 0.0f;
+  }
+  return sum;
+}
+
+template <class Grey>
+void average_row(const ImageView& image, const MaskView& mask, int decimation, int row, int width, float* out) {
+  if (decimation == 1) {
+    const Grey* in = image.row<Grey>(row);
+    for (int c = 0; c < width; ++c) out[c] = static_cast<float>(in[c]);
+    return;
+  }
+  average_plain<Grey>(image, decimation, row, width, out);
+  if (mask.data == nullptr) return;
+  constexpr int most = 512;  // columns at a time
+  std::array<std::uint16_t, most> usable_rows;
+  const int blocks = most / decimation;
+  for (int first = 0; first < width; first += blocks) {
+    const int end = std::min(first + blocks, width), columns = (end - first) * decimation;
+    std::fill_n(usable_rows.begin(), columns, std::uint16_t{0});
+    for (int dr = 0; dr < decimation; ++dr) {
+      const std::uint8_t* in =
+          mask.data + std::ptrdiff_t(row * decimation + dr) * mask.stride + std::ptrdiff_t(first) * decimation;
+      for (int k = 0; k < columns; ++k) usable_rows[std::size_t(k)] += in[k] != 0;
+    }
+    for (int c = first; c < end; ++c) {
+      int usable = 0;
+      for (int k = 0; k < decimation; ++k) usable += usable_rows[std::size_t((c - first) * decimation + k)];
+      if (usable > 0 && usable < decimation * decimation)
+        out[c] = usable_sum<Grey>(image, mask, decimation, row, c) / static_cast<float>(usable);
+    }
+  }
+}
+
+constexpr int block = 16;
+constexpr int taps = 6;
+constexpr int most_taps = taps + 2;
+
+// Weights of the taps floor(x) - 2 ... floor(x) + 3 at fraction t, over the 16 pixels of a block.
+void quintic_weights(const float* t, float (*w)[block]) {
+  for (int k = 0; k < block; ++k) {
+    const float f = t[k], f2 = f * f, f3 = f2 * f, f4 = f2 * f2, f5 = f4 * f;
+    constexpr float s = 1.0f / 120.0f;
+    w[0][k] = s * (1 - 5 * f + 10 * f2 - 10 * f3 + 5 * f4 - f5);
+    w[1][k] = s * (26 - 50 * f + 20 * f2 + 20 * f3 - 20 * f4 + 5 * f5);
+    w[2][k] = s * (66 - 60 * f2 + 30 * f4 - 10 * f5);
+    w[3][k] = s * (26 + 50 * f + 20 * f2 - 20 * f3 - 20 * f4 + 10 * f5);
+    w[4][k] = s * (1 + 5 * f + 10 * f2 + 10 * f3 + 5 * f4 - 5 * f5);
+    w[5][k] = s * f5;
+  }
+}
+
+// Where the taps of a block lie along one axis: whole offsets of its pixels from `base`, and their fractions.
+struct BlockAxis {
+  int least = 0, most = 0;
+  std::array<int, block> offset;
+  alignas(16) float fraction[block];
+  alignas(16) float weight[most_taps][block];
+
+  // `moving`: the tap of pixel k advances by k from pixel to pixel (columns of a row of pixels).
+  void place(const float* x, bool moving) {
+    for (int k = 0; k < block; ++k) {
+      const int whole = static_cast<int>(x[k]);  // x >= 0
+      fraction[k] = x[k] - static_cast<float>(whole);
+      offset[std::size_t(k)] = moving ? whole - k : whole;
+    }
+    least = *std::min_element(offset.begin(), offset.end());
+    most = *std::max_element(offset.begin(), offset.end());
+  }
+
+  int spread() const { return most - least; }
+
+  // Pixels whose whole offset is larger use the later of the block's common taps.
+  void weigh() {
+    if (spread() == 0) return quintic_weights(fraction, weight);
+    alignas(16) float w[taps][block];
+    quintic_weights(fraction, w);
+    for (auto& row : weight) std::fill(row, row + block, 0.0f);
+    for (int shift = 0; shift <= spread(); ++shift)
+      for (int j = 0; j < taps; ++j)
+        for (int k = 0; k < block; ++k)
+          weight[j + shift][k] = offset[std::size_t(k)] - least == shift ? w[j][k] : weight[j + shift][k];
+  }
+};
+
+}  // namespace
+
+void SplineImage::assign(const ImageView& image, const MaskView& mask, int decimation, int threads, float smoothing) {
+  assert(decimation >= 1 && image.width >= decimation && image.height >= decimation);
+  width_ = image.width / decimation;
+  height_ = image.height / decimation;
+  stride_ = (width_ + 2 * padding + 15) / 16 * 16;
+  data_.resize(std::size_t(stride_) * std::size_t(height_ + 2 * padding));
+  average(image, mask, decimation, threads);
+  prefilter(threads, smoothing);
+  mirror_edges();
+}
+
+void SplineImage::average(const ImageView& image, const MaskView& mask, int decimation, int threads) {
+#pragma omp parallel for num_threads(threads) schedule(static)
+  for (int r = 0; r < height_; ++r) {
+    if (image.depth == PixelDepth::u8)
+      average_row<std::uint8_t>(image, mask, decimation, r, width_, pixel(0, r));
+    else if (image.depth == PixelDepth::u16)
+      average_row<std::uint16_t>(image, mask, decimation, r, width_, pixel(0, r));
+    else
+      average_row<float>(image, mask, decimation, r, width_, pixel(0, r));
+  }
+}
+
+// The padding right of the image and below it is written too; mirroring fills it afterwards.
+void SplineImage::prefilter(int threads, float smoothing) {
+  constexpr int column_lanes = 4 * prefilter_lanes, row_lanes = 2 * prefilter_lanes;
+  const int columns = (width_ + prefilter_lanes - 1) / prefilter_lanes * prefilter_lanes;
+#pragma omp parallel for num_threads(threads) schedule(static)
+  for (int c = 0; c < columns; c += column_lanes)
+    prefilter_lines(pixel(c, 0), height_, stride_, std::min(column_lanes, columns - c), smoothing);
+
+#pragma omp parallel num_threads(threads)
+  {
+    std::vector<float> lines(std::size_t(width_ + 3) * row_lanes);  // transposed, so that rows advance together
+#pragma omp for schedule(static)
+    for (int r = 0; r < height_; r += row_lanes) {
+      const int rows = std::min(row_lanes, height_ - r);
+      transpose_rows(pixel(0, r), stride_, rows, width_, row_lanes, lines.data());
+      prefilter_lines(lines.data(), width_, row_lanes, row_lanes, smoothing);
+      transpose_back(lines.data(), row_lanes, rows, width_, stride_, pixel(0, r));
+    }
+  }
+}
+
+void SplineImage::mirror_edges() {
+  const auto mirrored = [](int k, int n) {
+    if (n == 1) return 0;
+    const int period = 2 * (n - 1);
+    k = ((k % period) + period) % period;
+    return k < n ? k : period - k;
+  };
+  for (int r = 0; r < height_; ++r)
+    for (int p = 1; p <= padding; ++p) {
+      *pixel(-p, r) = *pixel(mirrored(-p, width_), r);
+      *pixel(width_ - 1 + p, r) = *pixel(mirrored(width_ - 1 + p, width_), r);
+    }
+  for (int p = 1; p <= padding; ++p) {
+    const auto copy_row = [&](int to) {
+      const float* from = pixel(-padding, mirrored(to, height_));
+      std::copy(from, from + width_ + 2 * padding, pixel(-padding, to));
+    };
+    copy_row(-p);
+    copy_row(height_ - 1 + p);
+  }
+}
+
+// Sixteen pixels at a time: where their whole offsets agree (or nearly so), each tap is one contiguous load for all.
+void SplineImage::sample(const float* x, const float* y, int count, float* values) const {
+  BlockAxis column, row;
+  for (int first = 0; first < count; first += block) {
+    const int filled = std::min(block, count - first);
+    alignas(16) float bx[block], by[block], sum[block] = {};
+    for (int k = 0; k < block; ++k) {
+      const int source = first + std::min(k, filled - 1);
+      bx[k] = x[source];
+      by[k] = y[source];
+    }
+    column.place(bx, true);
+    row.place(by, false);
+    if (filled == block && column.spread() <= most_taps - taps && row.spread() <= most_taps - taps) {
+      column.weigh();
+      row.weigh();
+      for (int j = 0; j < taps + row.spread(); ++j) {
+        const float* in = coefficient(column.least - 2, row.least - 2 + j);
+        alignas(16) float along[block] = {};
+        for (int i = 0; i < taps + column.spread(); ++i)
+          for (int k = 0; k < block; ++k) along[k] += column.weight[i][k] * in[i + k];
+        for (int k = 0; k < block; ++k) sum[k] += row.weight[j][k] * along[k];
+      }
+    } else {
+      alignas(16) float wx[taps][block], wy[taps][block];
+      quintic_weights(column.fraction, wx);
+      quintic_weights(row.fraction, wy);
+      for (int k = 0; k < filled; ++k)
+        for (int j = 0; j < taps; ++j) {
+          const float* in = coefficient(column.offset[std::size_t(k)] + k - 2, row.offset[std::size_t(k)] - 2 + j);
+          float along = 0;
+          for (int i = 0; i < taps; ++i) along += wx[i][k] * in[i];
+          sum[k] += wy[j][k] * along;
+        }
+    }
+    std::copy(sum, sum + filled, values + first);
+  }
+}
+
+}  // namespace pivnp::piv
