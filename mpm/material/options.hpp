@@ -2,13 +2,27 @@
 #pragma once
 
 #include <array>
+#include <functional>
+#include <map>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "pivnp/core/choice.hpp"
 #include "pivnp/core/options.hpp"
 
 namespace pivnp::mpm {
+
+/// The names of the laws that are listed (model.hpp).
+std::vector<std::string> material_model_names();
+/// A key that a law declares for itself (MaterialKey::own).
+struct OwnMaterialKey {
+  std::string_view name;
+  OptionInfo info;
+};
+/// Those of all laws.
+std::vector<OwnMaterialKey> own_material_keys();
 
 /// How softening_length_m regularises (strength.hpp).
 enum class SofteningAverage { smeared, nonlocal };
@@ -48,11 +62,20 @@ struct MaterialOptions {
   double reduction_from_s = 0;
   std::optional<double> reduction_until_s;
   std::optional<double> removed_s;
+  std::map<std::string, std::optional<double>, std::less<>> own;  // by own_material_keys(); what is not there is not given
+
+  /// Of a key of a law's own.
+  const std::optional<double>& own_value(std::string_view key) const {
+    static const std::optional<double> none;
+    const auto at = own.find(key);
+    return at == own.end() ? none : at->second;
+  }
+  std::optional<double>& own_value(std::string_view key) { return own[std::string(key)]; }
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
     visit("model", self.model,
-          OptionInfo{.text = "constitutive law", .choices = {"linear_elastic", "neo_hookean", "von_mises", "tresca", "mohr_coulomb", "mohr_coulomb_smooth", "drucker_prager", "mu_i", "water"}});
+          OptionInfo{.text = "constitutive law", .names = &material_model_names});
     visit("density_kg_m3", self.density_kg_m3, OptionInfo{.unit = "kg/m^3", .text = "bulk density", .min = 0, .above_min = true});
     visit("young_pa", self.young_pa, OptionInfo{.unit = "Pa", .text = "Young's modulus (left out with water)", .min = 0, .above_min = true});
     visit("poisson", self.poisson, OptionInfo{.text = "Poisson's ratio", .min = 0, .max = 0.499});
@@ -84,6 +107,7 @@ struct MaterialOptions {
     visit("reduction_from_s", self.reduction_from_s, OptionInfo{.unit = "s", .text = "start of that change", .min = 0});
     visit("reduction_until_s", self.reduction_until_s, OptionInfo{.unit = "s", .text = "its end; linear between (left out: at once)", .min = 0});
     visit("removed_s", self.removed_s, OptionInfo{.unit = "s", .text = "taken out at this time, as in an excavation; one region a stage (left out: stays)", .min = 0, .above_min = true});
+    for (const OwnMaterialKey& key : own_material_keys()) visit(key.name, self.own_value(key.name), key.info);
   }
 };
 

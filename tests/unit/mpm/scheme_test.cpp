@@ -84,11 +84,13 @@ TEST_P(Schemes, ForceAndStrainAreConjugate) {
   Particles& p = state.particles;
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> u(-1, 1);
+  p.history.declare({opening_strain}, p.size());
+  Array& opening = *p.history.find(opening_strain.name);
   for (std::size_t k = 0; k < p.size(); ++k) {
     p.x[k] += 0.02 * u(random);
     p.y[k] += 0.02 * u(random);
     for (auto* a : {&p.tau_xx, &p.tau_yy, &p.tau_zz, &p.tau_xy}) (*a)[k] = u(random);
-    p.gap[k] = k % 5 == 0 ? 0.1 : 0;
+    opening[k] = k % 5 == 0 ? 0.1 : 0;
   }
   if (scheme.locking == Locking::full)  // one stress an element is what it is about
     for (auto* a : {&p.tau_xx, &p.tau_yy, &p.tau_zz, &p.tau_xy}) std::fill(a->begin(), a->end(), u(random));
@@ -170,10 +172,11 @@ TEST(OpenPoints, KeepTheirOwnVolume) {
       GridState g(s.grid, scheme.shape);
       SolverState state = initial_state(s, scheme, g, materials_of(s));
       Particles& p = state.particles;
+      Array& opening = *p.history.find(opening_strain.name);
       for (std::size_t k = 0; k < p.size(); ++k) {
         const bool open = k % 3 == 0;
         p.tau_xx[k] = p.tau_yy[k] = p.tau_zz[k] = open ? 0 : -1000;
-        p.gap[k] = open ? 0.01 : 0;
+        opening[k] = open ? 0.01 : 0;
         if (open && without) p.volume0[k] = 0;
       }
       locate_all(p, g);
