@@ -56,7 +56,7 @@ Fields gather(const Content& content, const std::string& field, const std::vecto
       values.insert(values.end(), s.value.begin(), s.value.end());
       positions.push_back(&s.position);
       f.ended += std::size_t(std::count(s.status.begin(), s.status.end(), ParticleStatus::ended));
-      f.doubtful += std::size_t(std::count(s.status.begin(), s.status.end(), ParticleStatus::doubtful));
+      f.doubtful += std::size_t(std::count(s.status.begin(), s.status.end(), ParticleStatus::flagged));
     }
     positions.push_back(&motion.particles().x0);
   };

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
 
-bool alive(ParticleStatus s) { return s == ParticleStatus::active || s == ParticleStatus::doubtful; }
+bool alive(ParticleStatus s) { return s == ParticleStatus::active || s == ParticleStatus::flagged; }
 
 double spacing(const ParticleSet& particles, std::size_t p) {
   return p < particles.area.size() && particles.area[p] > 0 ? std::sqrt(particles.area[p]) : 0;

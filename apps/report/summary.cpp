@@ -105,7 +105,7 @@ std::string side_sentence(const MotionSource& motion, const std::string& verb) {
     double variance = 0;
     std::size_t alive = 0, known = 0;
     for (std::size_t p = 0; p < last.u.size(); ++p) {
-      if (last.status[p] != ParticleStatus::active && last.status[p] != ParticleStatus::doubtful) continue;
+      if (last.status[p] != ParticleStatus::active && last.status[p] != ParticleStatus::flagged) continue;
       ++alive;
       u.push_back(std::hypot(double(last.u[p][0]), double(last.u[p][1])));
       if (p >= last.cov_u.size()) continue;

@@ -77,7 +77,7 @@ struct DriftCorrector::Impl {
       key->x.push_back(now.x);
       key->F.push_back(now.F);
       key->cov.push_back(now.cov);
-      key->alive.push_back(now.status == ParticleStatus::active || now.status == ParticleStatus::doubtful);
+      key->alive.push_back(now.status == ParticleStatus::active || now.status == ParticleStatus::flagged);
     }
     key->var_F = var_F;
     return key;
@@ -217,7 +217,7 @@ struct DriftCorrector::Impl {
     const auto state = tracker.state();
     for (std::size_t p = 0; p < state.size(); ++p) {
       const ParticleStatus s = state[p].status;
-      if (s == ParticleStatus::active || s == ParticleStatus::doubtful) out.push_back(p);
+      if (s == ParticleStatus::active || s == ParticleStatus::flagged) out.push_back(p);
     }
     return out;
   }
@@ -274,7 +274,7 @@ struct DriftCorrector::Impl {
     for (const std::size_t p : wanted) {
       const auto it = found.find(p);
       if (it == found.end()) {
-        tracker.doubt(p);
+        tracker.flag(p);
         continue;
       }
       replace_one(tracker, *kept, p, it->second);

@@ -25,7 +25,7 @@ struct DriftRound {
 ///                     else from a later key frame; the estimate since the key frame is fused with the direct one by
 ///                     their covariances (np/fusion.hpp). What fails is left as it was.
 ///   leapfrog          every frame, from the first one; the direct estimate replaces the summed one. Where it fails the
-///                     particle goes on by the increment and is doubtful.
+///                     particle goes on by the increment and is flagged.
 ///   reference_update  the same from a reference that moves to the frame before as soon as a tenth of the particles
 ///                     fails or correlates below .75 with it (Stanier, Blaber, Take & White 2016, who watch seed
 ///                     points).

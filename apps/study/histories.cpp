@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "apps/study/outcome.hpp"
-#include "compare/history.hpp"
-#include "compare/metrics.hpp"
+#include "compare/measures/history.hpp"
+#include "compare/metrics/metrics.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/io/curve_file.hpp"
 #include "pivnp/io/record.hpp"
@@ -30,7 +30,7 @@ std::pair<std::string, std::string> file_and_rest(const std::string& text) {
                                     : std::pair{text.substr(0, colon), text.substr(colon + 1)};
 }
 
-bool alive(ParticleStatus s) { return s == ParticleStatus::active || s == ParticleStatus::doubtful; }
+bool alive(ParticleStatus s) { return s == ParticleStatus::active || s == ParticleStatus::flagged; }
 
 // x within which 99.5 % of the followed particles' area lies, counted from the left (or from the right).
 double front(const ParticleSet& set, const MotionFrame& f, bool left) {

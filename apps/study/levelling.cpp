@@ -8,7 +8,7 @@
 #include "apps/study/measure.hpp"
 #include "apps/study/stages.hpp"
 #include "apps/study/truth.hpp"
-#include "compare/triangulation.hpp"
+#include "compare/data/triangulation.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/strain.hpp"
 #include "pivnp/core/text.hpp"
@@ -118,7 +118,7 @@ double sample(const Grey& spline, const Vec2& px) {
   return sum;
 }
 
-bool alive(ParticleStatus s) { return s == ParticleStatus::active || s == ParticleStatus::doubtful; }
+bool alive(ParticleStatus s) { return s == ParticleStatus::active || s == ParticleStatus::flagged; }
 
 // The material at one time, and where it came from.
 class Carried {

@@ -11,7 +11,7 @@
 
 namespace pivnp::app {
 
-/// What was flagged in a record and why, one sentence each: doubtful steps, ended particles.
+/// What was flagged in a record and why, one sentence each: flagged steps, ended particles.
 std::vector<std::string> remarks_of(const io::RecordReader& record);
 
 /// Dropped frames, and what drift correction came to.

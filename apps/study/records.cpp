@@ -6,9 +6,9 @@
 #include "apps/study/outcome.hpp"
 #include "apps/study/report_input.hpp"
 #include "apps/study/study.hpp"
-#include "compare/metrics.hpp"
+#include "compare/metrics/metrics.hpp"
 #include "pivnp/core/error.hpp"
-#include "pivnp/io/foreign.hpp"
+#include "pivnp/io/import_motion.hpp"
 #include "pivnp/io/record.hpp"
 
 namespace pivnp::app {
@@ -45,8 +45,8 @@ std::shared_ptr<MotionSource> motion_of(const io::RecordReader& record, const st
 
 // "FILE" or "FILE:motion"; a colon inside a path that exists belongs to the path.
 Side open_side(const std::string& text, const CompareSources& sources) {
-  if (io::is_foreign(text))
-    return {io::RecordHead{}, io::open_foreign(text, {.step = sources.step_s, .length_unit = sources.length_unit}), {}};
+  if (io::is_import(text))
+    return {io::RecordHead{}, io::open_import(text, {.step = sources.step_s, .length_unit = sources.length_unit}), {}};
   fs::path file = text;
   std::string motion;
   const std::size_t colon = text.rfind(':');

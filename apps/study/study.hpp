@@ -35,7 +35,7 @@ struct RunOutcome {
 RunOutcome run_case(const Case& c, const RunSettings& settings, Stages stages, Progress& progress);
 
 /// What is compared, each side "RECORD.h5" or "RECORD.h5:motion" (a record with one motion needs no name), or results
-/// of another program (pivnp/io/foreign.hpp), or both of them histories (apps/study/histories.hpp).
+/// of another program (pivnp/io/import_motion.hpp), or both of them histories (apps/study/histories.hpp).
 struct CompareSources {
   std::string first, second;
   std::vector<std::string> coarser;  // the second on coarser grids, the finer one first

@@ -41,6 +41,7 @@ const std::map<std::string, Folders> allowed = {
 const std::map<std::string, std::vector<std::string>> floors = {
     {"pivnp/piv", {"sampling", "window", "dense", "validation"}},
     {"mpm", {"state", "simd", "grid", "material", "transfer", "constraint", "step"}},
+    {"compare", {"data", "shapes", "alignment", "measures", "metrics"}},
 };
 
 // Vendor headers, and the folders that may see them.

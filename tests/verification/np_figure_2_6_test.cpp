@@ -32,7 +32,7 @@ struct Line {
 Line read_line(const std::string& shape, int cells) {
   constexpr double size = 1e-3;  // of the displacement: any
   const Grid grid{{0, 0}, {1.0 / cells, 1.0 / cells}, cells + 1, cells + 1};
-  Increments d;
+  NodalIncrements d;
   d.anchor = Anchor::forward;
   d.grid = grid;
   for (int j = 0; j <= cells; ++j)

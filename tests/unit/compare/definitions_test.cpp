@@ -6,12 +6,12 @@
 #include <numbers>
 #include <random>
 
-#include "compare/history.hpp"
-#include "compare/metrics.hpp"
-#include "compare/onset.hpp"
-#include "compare/rigid.hpp"
-#include "compare/shapes.hpp"
-#include "compare/transformed.hpp"
+#include "compare/measures/history.hpp"
+#include "compare/metrics/metrics.hpp"
+#include "compare/alignment/onset.hpp"
+#include "compare/data/rigid.hpp"
+#include "compare/metrics/shapes.hpp"
+#include "compare/data/transformed.hpp"
 #include "tests/unit/compare/motions.hpp"
 
 namespace pivnp::compare {

@@ -19,7 +19,7 @@
 
 #include "apps/case/case.hpp"
 #include "apps/study/scene.hpp"
-#include "compare/slope_angles.hpp"
+#include "compare/shapes/slope_angles.hpp"
 #include "mpm/step/solver.hpp"
 #include "pivnp/core/text.hpp"
 #include "tests/support/verification.hpp"
