@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "pivnp/core/error.hpp"
-#include "pivnp/io/import_state.hpp"
+#include "pivnp/io/import_format.hpp"
 #include "pivnp/io/hdf5.hpp"
 
 namespace pivnp::io {

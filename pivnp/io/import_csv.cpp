@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "pivnp/core/error.hpp"
-#include "pivnp/io/import_state.hpp"
+#include "pivnp/io/import_format.hpp"
 
 namespace pivnp::io {
 

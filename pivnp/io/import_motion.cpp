@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <fnmatch.h>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <map>
 #include <unordered_map>
@@ -12,7 +10,7 @@
 
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/displacement_gradient.hpp"
-#include "pivnp/io/import_state.hpp"
+#include "pivnp/io/import_format.hpp"
 
 namespace pivnp::io {
 
@@ -52,15 +50,15 @@ std::map<std::int64_t, std::vector<fs::path>> files_of(const std::string& patter
 
 class ImportedMotion final : public MotionSource {
  public:
-  ImportedMotion(std::string format, const std::string& pattern, const ImportOptions& options)
-      : format_(std::move(format)), options_(options) {
+  ImportedMotion(const FileFormat& format, const std::string& pattern, const ImportOptions& options)
+      : format_(format), options_(options) {
     const auto files = files_of(pattern);
-    if (format_ == "csv" && files.size() == 1 && files.begin()->second.size() == 1) {
-      table_ = read_csv(files.begin()->second[0], options.step);
+    if (format_.read_table && files.size() == 1 && files.begin()->second.size() == 1) {
+      table_ = format_.read_table(files.begin()->second[0], options.step);
       times_ = table_.time;
     } else {
       for (const auto& [number, list] : files) {
-        if (list.size() > 1 && format_ != "cbgeo")
+        if (list.size() > 1 && !format_.several)
           throw InputError(list[1].string() + ": has the same number as " + list[0].filename().string() +
                            ", expected one file a step");
         times_.push_back(double(number) * options.step);
@@ -71,7 +69,7 @@ class ImportedMotion final : public MotionSource {
     gradient_ = std::make_unique<DisplacementGradient>(particles_.x0);
   }
 
-  const std::string& name() const override { return format_; }
+  const std::string& name() const override { return format_.name; }
   const std::string& length_unit() const override { return options_.length_unit; }
   const std::string& time_unit() const override { return options_.time_unit; }
   const ParticleSet& particles() const override { return particles_; }
@@ -114,10 +112,8 @@ class ImportedMotion final : public MotionSource {
   ImportedState read(std::size_t index) const {
     if (files_.empty()) return table_.state.at(index);
     const std::vector<fs::path>& files = files_.at(index);
-    if (format_ == "cbgeo") return read_cbgeo(files);
-    if (format_ == "vtk") return read_legacy_vtk(files[0]);
-    if (format_ == "vtu") return read_vtu(files[0]);
-    ImportedTable table = read_csv(files[0], options_.step);
+    if (format_.read_time) return format_.read_time(files);
+    ImportedTable table = format_.read_table(files[0], options_.step);
     if (table.timed)
       throw InputError(files[0].string() + ": has a column of times, but the pattern names several files; expected one "
                        "file with all times, or files without a column of times");
@@ -173,7 +169,7 @@ class ImportedMotion final : public MotionSource {
       }
   }
 
-  std::string format_;
+  FileFormat format_;
   ImportOptions options_;
   std::vector<std::vector<fs::path>> files_;  // a step each; empty: the table
   ImportedTable table_;
@@ -183,30 +179,17 @@ class ImportedMotion final : public MotionSource {
   std::unique_ptr<DisplacementGradient> gradient_;
 };
 
-const std::vector<std::string>& formats() {
-  static const std::vector<std::string> names = {"csv", "cbgeo", "vtk", "vtu"};
-  return names;
-}
-
 }  // namespace
 
-std::string read_text(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw InputError(file.string() + ": cannot be opened");
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 bool is_import(const std::string& text) {
-  const std::size_t at = text.find('=');
-  if (at == std::string::npos) return false;
-  return std::find(formats().begin(), formats().end(), text.substr(0, at)) != formats().end();
+  const FileFormat* format = format_of(text);
+  return format && format->motion();
 }
 
 std::unique_ptr<MotionSource> open_import(const std::string& text, const ImportOptions& options) {
   if (!is_import(text))
-    throw InputError(text + ": expected FORMAT=PATTERN with FORMAT csv, cbgeo, vtk or vtu");
-  const std::size_t at = text.find('=');
-  return std::make_unique<ImportedMotion>(text.substr(0, at), text.substr(at + 1), options);
+    throw InputError(text + ": expected FORMAT=PATTERN with FORMAT " + formats_text(&FileFormat::motion));
+  return std::make_unique<ImportedMotion>(*format_of(text), text.substr(text.find('=') + 1), options);
 }
 
 }  // namespace pivnp::io

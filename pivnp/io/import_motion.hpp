@@ -13,7 +13,7 @@ struct ImportOptions {
   std::string length_unit = "m", time_unit = "s";
 };
 
-/// True for "FORMAT=PATTERN" with a FORMAT of open_import.
+/// True for "FORMAT=PATTERN" with a FORMAT that reads motions (import_format.hpp).
 bool is_import(const std::string& text);
 
 /// Opens "FORMAT=PATTERN"; PATTERN is a file or a glob in one folder, files ordered by the last number in their names,

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "pivnp/core/error.hpp"
-#include "pivnp/io/import_state.hpp"
+#include "pivnp/io/import_format.hpp"
 
 namespace pivnp::io {
 
@@ -238,7 +238,8 @@ std::string attribute(std::string_view tag, std::string_view name) {
 
 }  // namespace
 
-ImportedState read_legacy_vtk(const std::filesystem::path& file) {
+ImportedState read_legacy_vtk(const std::vector<std::filesystem::path>& files) {
+  const std::filesystem::path& file = files.at(0);
   Arrays arrays = parse_legacy(read_text(file), file.string());
   const std::string name = file.filename().string();
   // Scalars and vectors of one step stand in files of their own.
@@ -262,7 +263,8 @@ ImportedState read_legacy_vtk(const std::filesystem::path& file) {
   return s;
 }
 
-ImportedState read_vtu(const std::filesystem::path& file) {
+ImportedState read_vtu(const std::vector<std::filesystem::path>& files) {
+  const std::filesystem::path& file = files.at(0);
   const std::string text = read_text(file);
   const std::string_view all = text;
   if (all.find("<VTKFile") == all.npos) throw InputError(file.string() + ": not a VTK XML file");

@@ -10,7 +10,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "apps/report/chart.hpp"
+#include "apps/plot/chart.hpp"
 #include "pivnp/core/text.hpp"
 #include "tests/support/verification.hpp"
 #include "tests/verification/np_testing.hpp"

@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/io/import_format.hpp"
 #include "tests/support/scratch.hpp"
 
 namespace pivnp::io {
@@ -354,6 +355,41 @@ TEST_F(ImportTest, WhatIsWrongIsSaid) {
   EXPECT_NE(refusal("vtu", "e_1.vtu").find("format 'appended', expected ascii"), std::string::npos);
   write("f_1.h5", "not HDF5");
   EXPECT_NE(refusal("cbgeo", "f_1.h5").find("f_1.h5"), std::string::npos);
+}
+
+// Two numbers a line: one time.
+ImportedState read_pairs(const std::vector<fs::path>& files) {
+  std::istringstream in(read_text(files.at(0)));
+  ImportedState state;
+  for (double x, y; in >> x >> y;) state.x.push_back({x, y});
+  state.fields.push_back({"plastic_dev", std::vector<double>(state.x.size(), 0.25)});
+  return state;
+}
+
+TEST_F(ImportTest, AnAddedFormatIsReadAndNamed) {
+  write("dots_0.txt", "0 0\n1 0\n0 1\n1 1\n");
+  write("dots_1.txt", "0 0\n1.5 0\n0 1\n1.5 1\n");
+  EXPECT_FALSE(is_import("dots=a.txt"));
+  file_formats().add({.name = "dots", .files = "dots_*.txt", .text = "points", .read_time = read_pairs});
+  {
+    const auto m = open("dots", "dots_*.txt", 0.5);
+    EXPECT_EQ(m->name(), "dots");
+    EXPECT_EQ(m->times(), (std::vector<double>{0, 0.5}));
+    const MotionFrame f = m->frame(1);
+    EXPECT_EQ(f.u[3], (std::array<float, 2>{0.5f, 0}));
+    EXPECT_NEAR(f.F[3][0], 1.5f, 1e-6f);
+    EXPECT_EQ(f.field("plastic_dev")(2), 0.25f);
+  }
+  EXPECT_TRUE(formats_text(&FileFormat::motion).ends_with(" or dots"));
+  EXPECT_EQ(formats_text(&FileFormat::curve).find("dots"), std::string::npos);
+  std::string message;
+  try {
+    open("history", "dots_0.txt");
+  } catch (const InputError& e) {
+    message = e.what();
+  }
+  EXPECT_NE(message.find("dots"), std::string::npos) << message;
+  file_formats().remove_last();
 }
 
 }  // namespace

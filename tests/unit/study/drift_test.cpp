@@ -8,9 +8,9 @@
 #include <cmath>
 #include <cstring>
 
-#include "apps/study/drift.hpp"
-#include "apps/study/stages.hpp"
-#include "apps/study/truth.hpp"
+#include "apps/study/methods/drift.hpp"
+#include "apps/study/methods/stages.hpp"
+#include "apps/study/synth/truth.hpp"
 #include "pivnp/image/synthetic.hpp"
 
 namespace pivnp::app {
