@@ -115,6 +115,12 @@ TEST(MpmBearing, DeepCylinder) {
   }
 }
 
+TEST(MpmBearingSmall, ASmoothDeepCylinder) {
+  const Resistance r = cylinder(0.30, false, 8, 0.005);
+  std::printf("deep cylinder, smooth, nu 0.30, 8 cells a diameter: N %.3f +- %.1f %%\n", r.mean, 100 * r.deviation);
+  EXPECT_NEAR(r.mean, 9.14, 0.10 * 9.14);
+}
+
 // Half of a rough footing of width 2 on soil 4 wide and 2.5 deep; mean over a settlement of 3.5 to 6 % of its width.
 double footing(int cells) {
   const double h = 1.0 / cells;
@@ -134,6 +140,12 @@ double footing(int cells) {
   const double before = solver.body_impulse(0).y();
   solver.advance_to(0.12 / v, silent);
   return -(solver.body_impulse(0).y() - before) / (0.05 / v) / strength;
+}
+
+TEST(MpmBearingSmall, StripFooting) {
+  const double found = footing(2);
+  std::printf("strip footing, h = B/4: %.3f\n", found);
+  EXPECT_NEAR(found, 5.14, 0.10 * 5.14);
 }
 
 TEST(MpmBearing, StripFooting) {

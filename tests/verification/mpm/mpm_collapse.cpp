@@ -120,6 +120,15 @@ void expect_exponent(const std::string& what, double law, const std::vector<std:
   EXPECT_NEAR(found, law, 0.1) << what;
 }
 
+// A tenth of the cells: two aspects that the linear law holds for.
+TEST(MpmCollapseSmall, RunOutGrowsWithTheHeight) {
+  std::vector<std::pair<double, double>> run_out;
+  for (const double a : {0.5, 1.7}) run_out.emplace_back(a, collapse(a, 16).front - 1);
+  const double found = exponent(run_out);
+  std::printf("collapse: exponent %.3f\n", found);
+  EXPECT_NEAR(found, 1, 0.2);
+}
+
 TEST(MpmCollapse, ExponentsAreThoseOfTheLaws) {
   std::vector<std::pair<double, double>> low, tall, tall_by_mass, low_height, tall_height;
   for (const double a : {0.5, 0.8, 1.2, 1.7, 3.0, 5.0, 8.0}) {
