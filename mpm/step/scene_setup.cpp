@@ -164,8 +164,7 @@ MotionFrame frame_of(const SolverState& state, const ParticleSet& set) {
   frame.F.resize(n);
   frame.status.resize(n);
   frame.v.resize(n);
-  frame.stress.resize(n);
-  frame.plastic_dev.resize(n);
+  const std::span<float> stress = frame.add("stress", n), plastic_dev = frame.add("plastic_dev", n);
   for (std::size_t k = 0; k < n; ++k) {
     const std::uint32_t to = p.index[k];
     const double per_J = 1 / p.J[k];
@@ -174,9 +173,9 @@ MotionFrame frame_of(const SolverState& state, const ParticleSet& set) {
     frame.F[to] = {float(p.F_xx[k]), float(p.F_xy[k]), float(p.F_yx[k]), float(p.F_yy[k])};
     frame.status[to] = p.cell[k] == Particles::ended ? ParticleStatus::ended : ParticleStatus::active;
     frame.v[to] = {float(p.vx[k]), float(p.vy[k])};
-    frame.stress[to] = {float(p.tau_xx[k] * per_J), float(p.tau_yy[k] * per_J), float(p.tau_zz[k] * per_J),
-                        float(p.tau_xy[k] * per_J)};
-    frame.plastic_dev[to] = float(p.plastic_dev[k]);
+    const std::array<double, 4> tau = {p.tau_xx[k], p.tau_yy[k], p.tau_zz[k], p.tau_xy[k]};
+    for (std::size_t c = 0; c < 4; ++c) stress[4 * to + c] = float(tau[c] * per_J);
+    plastic_dev[to] = float(p.plastic_dev[k]);
   }
   return frame;
 }

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "pivnp/core/particles/fields.hpp"
 #include "pivnp/io/segment.hpp"
 
 namespace pivnp::io {
@@ -16,13 +17,13 @@ class FileMotion final : public MotionSource {
     const h5::Dataset time = source.dataset(group + "/time");
     times_ = time.all<double>();
     for (const ItemArray& a : frame_arrays(particles_.size(), units_, nullptr)) {
-      const bool optional = a.name != "time" && a.name != "u" && a.name != "F" && a.name != "status";
-      if (a.name == "time" || (optional && !source.has(group + "/" + a.name))) continue;
+      const MotionField* field = motion_fields().find(a.name);
+      if (!field || (!field->always && !source.has(group + "/" + a.name))) continue;
       h5::Dataset d = source.dataset(group + "/" + a.name);
       h5::Shape expected{times_.size()};
       expected.insert(expected.end(), a.item.begin(), a.item.end());
       d.expect(expected);
-      arrays_.emplace_back(a.name, std::move(d));
+      arrays_.push_back({field, a.type, std::move(d)});
     }
   }
 
@@ -35,30 +36,22 @@ class FileMotion final : public MotionSource {
   MotionFrame frame(std::size_t index) const override {
     MotionFrame f;
     f.time = times_.at(index);
-    const auto fill = [&](const std::string& array, h5::Type type, auto& values) {
-      for (const auto& [name, dataset] : arrays_) {
-        if (name != array) continue;
-        values.resize(particles_.size());
-        dataset.read(type, index, 1, values.data());
-      }
-    };
-    fill("u", h5::Type::f32, f.u);
-    fill("F", h5::Type::f32, f.F);
-    fill("status", h5::Type::u8, f.status);
-    fill("cov_u", h5::Type::f32, f.cov_u);
-    fill("v", h5::Type::f32, f.v);
-    fill("stress", h5::Type::f32, f.stress);
-    fill("plastic_dev", h5::Type::f32, f.plastic_dev);
+    for (const Array& a : arrays_) a.dataset.read(a.type, index, 1, make_room(f, *a.field, particles_.size()));
     return f;
   }
 
  private:
+  struct Array {
+    const MotionField* field;
+    h5::Type type;
+    h5::Dataset dataset;  // kept open: its chunk cache serves the next frame
+  };
   std::shared_ptr<const void> keep_;  // first: goes last
   std::string name_;
   Units units_;
   ParticleSet particles_;
   std::vector<double> times_;
-  std::vector<std::pair<std::string, h5::Dataset>> arrays_;  // kept open: their chunk caches serve the next frame
+  std::vector<Array> arrays_;
 };
 
 }  // namespace

@@ -127,15 +127,14 @@ void pack_fields(h5::OutputFile& out, const MotionSource& motion, const std::vec
   const std::string group = "/motion/" + motion.name() + "/fields";
   std::vector<std::pair<std::string, h5::Dataset>> fields;
   for (const std::string& name : names) {
-    const bool stress = name.starts_with("stress_") || name == "mean_stress";
-    if ((name == "plastic_dev" && first.plastic_dev.empty()) || (stress && first.stress.empty())) continue;
+    const DerivedField field = derived_field(name);
+    if (!field.source.empty() && !first.find(field.source)) continue;
     if (fields.empty()) out.group(group);
     const std::string path = group + "/" + name;
     if (out.source().has(path)) continue;  // named twice
-    const DerivedField& field = derived_field(name);
     fields.emplace_back(
         name, out.series(path, Type::f32, {particles}, frames, false, units.of(field.unit), Packing::deflated));
-    out.attribute(path, "definition", std::string(field.definition));
+    out.attribute(path, "definition", field.definition);
   }
   if (fields.empty()) return;
   DerivedReader reader(motion, central);

@@ -6,6 +6,7 @@
 
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/derived.hpp"
+#include "pivnp/core/particles/fields.hpp"
 #include "pivnp/io/motion_file.hpp"
 #include "pivnp/io/record_impl.hpp"
 
@@ -218,12 +219,11 @@ void RecordWriter::add_frame(const std::string& name, const MotionFrame& frame) 
           "motion '" + name + "' was not begun");
   Impl::Stage& stage = impl_->writable("motion/" + name);
   const std::size_t n = stage.particles;
-  const auto fits = [n](const auto& values, bool optional) {
-    return values.size() == n || (optional && values.empty());
-  };
-  require(fits(frame.u, false) && fits(frame.F, false) && fits(frame.status, false) && fits(frame.cov_u, true) &&
-              fits(frame.v, true) && fits(frame.stress, true) && fits(frame.plastic_dev, true),
-          "a frame whose arrays do not fit the particles of motion '" + name + "'");
+  for (const MotionField& field : motion_fields()) {
+    const std::size_t count = particles_with(frame, field);
+    require(count == n || (count == 0 && !field.always),
+            "field '" + field.name + "' of a frame does not fit the particles of motion '" + name + "'");
+  }
   impl_->add("motion/" + name, frame_arrays(n, impl_->units, &frame));
 }
 

@@ -4,6 +4,7 @@
 #include <cctype>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/particles/fields.hpp"
 
 namespace pivnp::io {
 
@@ -33,20 +34,16 @@ std::vector<ItemArray> pair_arrays(const Grid& grid, const Units& units, const V
 }
 
 std::vector<ItemArray> frame_arrays(std::size_t particles, const Units& units, const MotionFrame* f) {
-  using h5::Type;
-  const hsize_t p = particles;
   static_assert(sizeof(ParticleStatus) == 1 && sizeof(EndReason) == 1);
-  auto data = [](const auto* values) -> const void* { return values && !values->empty() ? values->data() : nullptr; };
-  return {
-      {"time", Type::f64, {}, units.time, f ? &f->time : nullptr},
-      {"u", Type::f32, {p, 2}, units.length, data(f ? &f->u : nullptr)},
-      {"F", Type::f32, {p, 2, 2}, "1", data(f ? &f->F : nullptr)},
-      {"status", Type::u8, {p}, "", data(f ? &f->status : nullptr)},
-      {"cov_u", Type::f32, {p, 3}, units.length2(), data(f ? &f->cov_u : nullptr)},
-      {"v", Type::f32, {p, 2}, units.velocity(), data(f ? &f->v : nullptr)},
-      {"stress", Type::f32, {p, 4}, "Pa", data(f ? &f->stress : nullptr)},
-      {"plastic_dev", Type::f32, {p}, "1", data(f ? &f->plastic_dev : nullptr)},
-  };
+  std::vector<ItemArray> arrays = {{"time", h5::Type::f64, {}, units.time, f ? &f->time : nullptr}};
+  for (const MotionField& field : motion_fields()) {
+    h5::Shape item{particles};
+    if (field.form == FieldForm::tensor) item.insert(item.end(), {2, 2});
+    else if (field.components() > 1) item.push_back(field.components());
+    arrays.push_back({field.name, field.form == FieldForm::code ? h5::Type::u8 : h5::Type::f32, item,
+                      units.of(field.unit), f ? values_of(*f, field) : nullptr});
+  }
+  return arrays;
 }
 
 const std::vector<EnergyColumn>& energy_table() {

@@ -39,11 +39,10 @@ struct ItemArray {
 /// The arrays of /piv in their order, with the data of `field` (which must outlive them), or without if nullptr.
 std::vector<ItemArray> pair_arrays(const Grid& grid, const Units& units, const VectorField* field);
 
-/// The arrays of /motion/NAME that have a time axis.
+/// The arrays of /motion/NAME that have a time axis: time, and motion_fields() in their order.
 std::vector<ItemArray> frame_arrays(std::size_t particles, const Units& units, const MotionFrame* frame);
 
 /// Columns of the table of energies, time first.
-inline constexpr std::size_t energy_columns = 9;
 struct EnergyColumn {
   const char* name;
   double EnergyRow::*member;

@@ -122,7 +122,7 @@ void write_energy(h5::OutputFile& file, const std::vector<EnergyRow>& rows) {
   std::vector<double> table;
   for (const EnergyRow& row : rows)
     for (const EnergyColumn& column : energy_table()) table.push_back(row.*column.member);
-  file.write("/energy", h5::Type::f64, {rows.size(), energy_columns}, table.data(), "", h5::Packing::plain);
+  file.write("/energy", h5::Type::f64, {rows.size(), energy_table().size()}, table.data(), "", h5::Packing::plain);
 }
 
 std::vector<EnergyRow> read_energy(const h5::Source& source) {
@@ -130,9 +130,10 @@ std::vector<EnergyRow> read_energy(const h5::Source& source) {
   if (!source.has("/energy")) return rows;
   const h5::Dataset d = source.dataset("/energy");
   const std::vector<double> table = d.all<double>();
-  rows.resize(table.size() / energy_columns);
+  const std::size_t columns = energy_table().size();
+  rows.resize(table.size() / columns);
   for (std::size_t r = 0; r < rows.size(); ++r)
-    for (std::size_t c = 0; c < energy_columns; ++c) rows[r].*energy_table()[c].member = table[r * energy_columns + c];
+    for (std::size_t c = 0; c < columns; ++c) rows[r].*energy_table()[c].member = table[r * columns + c];
   return rows;
 }
 

@@ -62,7 +62,7 @@ struct StageFiles {
 /// stage that is not complete, those after the last one with a checkpoint: a resumed engine could not go on from them.
 std::vector<StageFiles> scan_parts(const std::filesystem::path& parts);
 
-/// Energies are kept as rows of energy_columns numbers.
+/// Energies are kept as rows of the columns of energy_table().
 void write_energy(h5::OutputFile& file, const std::vector<EnergyRow>& rows);
 std::vector<EnergyRow> read_energy(const h5::Source& source);
 

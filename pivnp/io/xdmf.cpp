@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/particles/fields.hpp"
 #include "pivnp/io/motion_file.hpp"
 #include "pivnp/io/record.hpp"
 #include "pivnp/io/segment.hpp"
@@ -195,11 +196,9 @@ void pack_views(h5::OutputFile& out, const Grid& grid, const Units& units) {
     const std::string group = "/xdmf/motion/" + name, from = "/motion/" + name + "/";
     out.group(group);
     store_positions(out, group, *open_motion(source, name, units, nullptr));
-    view_series(out, group, "displacement", from + "u", Type::f32, units.length, false);
-    view_series(out, group, "status", from + "status", Type::u8, "", false);
-    view_series(out, group, "velocity", from + "v", Type::f32, units.velocity(), false);
-    view_series(out, group, "stress", from + "stress", Type::f32, "Pa", false);
-    view_series(out, group, "plastic_dev", from + "plastic_dev", Type::f32, "1", false);
+    for (const ItemArray& a : frame_arrays(0, units, nullptr))
+      if (const MotionField* field = motion_fields().find(a.name); field && field->shown_as != "")
+        view_series(out, group, field->shown_as.value_or(a.name), from + a.name, a.type, a.unit, false);
     for (const std::string& field : source.children(from + "fields")) {
       const std::string path = from + "fields/" + field;
       view_series(out, group, field, path, Type::f32, source.attribute_text(path, "unit"), false);

@@ -158,9 +158,8 @@ void Tracker::load(const std::vector<std::byte>& bytes) {
     s = ParticleStatus(code);
   }
   for (EndReason& r : next.particles_.end_reason) {
-    const auto code = in.get<std::uint8_t>();
-    if (code > std::uint8_t(EndReason::left_image)) refuse("end reason " + std::to_string(code), "0 to 4");
-    r = EndReason(code);
+    r = EndReason(in.get<std::uint8_t>());
+    if (find(r) == nullptr) refuse("end reason " + std::to_string(int(r)), "one of those in docs/format.md");
   }
   *this = std::move(next);
 }

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/particles/fields.hpp"
 #include "pivnp/core/particles/strain.hpp"
 #include "pivnp/core/text.hpp"
 
@@ -16,7 +17,7 @@ namespace {
 
 constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
 
-bool alive(ParticleStatus s) { return s == ParticleStatus::active || s == ParticleStatus::doubtful; }
+bool alive(ParticleStatus s) { return s == ParticleStatus::active || s == ParticleStatus::flagged; }
 
 // Derivative at t of the parabola through three points (Lagrange); any spacing, second order.
 double parabola_slope(const std::array<double, 3>& t, const std::array<double, 3>& f, double at) {
@@ -39,27 +40,28 @@ double component(const Strain& e, std::string_view which) {
 
 }  // namespace
 
-const std::vector<DerivedField>& derived_fields() {
-  static const std::vector<DerivedField> fields = {
-      {"displacement_x", "L", "u_x since the first frame"},
-      {"displacement_y", "L", "u_y since the first frame"},
-      {"displacement_magnitude", "L", "|u|"},
+std::vector<DerivedField> derived_fields() {
+  std::vector<DerivedField> fields = {
+      {"displacement_x", "L", "u_x since the first frame", "displacement x"},
+      {"displacement_y", "L", "u_y since the first frame", "displacement y"},
+      {"displacement_magnitude", "L", "|u|", "displacement"},
       {"velocity_x", "L/T", "du_x/dt, second-order differences over the frames, or the source's own"},
       {"velocity_y", "L/T", "du_y/dt, likewise"},
-      {"velocity_magnitude", "L/T", "|v|"},
+      {"velocity_magnitude", "L/T", "|v|", "velocity"},
       {"acceleration_x", "L/T^2", "dv_x/dt, second-order differences over the frames"},
       {"acceleration_y", "L/T^2", "dv_y/dt, likewise"},
-      {"acceleration_magnitude", "L/T^2", "|a|"},
+      {"acceleration_magnitude", "L/T^2", "|a|", "acceleration"},
       {"strain_xx", "1", "xx of the logarithmic strain 1/2 ln(F F^T)"},
       {"strain_yy", "1", "yy of the logarithmic strain"},
       {"strain_xy", "1", "xy of the logarithmic strain (tensor component)"},
-      {"strain_vol", "1", "volumetric strain ln J"},
-      {"strain_dev", "1", "sqrt(2/3 e:e) of the deviator of the logarithmic strain, plane strain"},
-      {"strain_1", "1", "greater principal logarithmic strain"},
-      {"strain_2", "1", "smaller principal logarithmic strain"},
-      {"strain_angle", "rad", "direction of strain_1 from the x axis"},
-      {"J", "1", "det F"},
-      {"strain_dev_path", "1", "sum over frames of sqrt(2/3 de:de), de the deviator of the strain increment"},
+      {"strain_vol", "1", "volumetric strain ln J", "volumetric strain"},
+      {"strain_dev", "1", "sqrt(2/3 e:e) of the deviator of the logarithmic strain, plane strain", "deviatoric strain"},
+      {"strain_1", "1", "greater principal logarithmic strain", "major principal strain"},
+      {"strain_2", "1", "smaller principal logarithmic strain", "minor principal strain"},
+      {"strain_angle", "rad", "direction of strain_1 from the x axis", "direction of the major principal strain"},
+      {"J", "1", "det F", "volume ratio J"},
+      {"strain_dev_path", "1", "sum over frames of sqrt(2/3 de:de), de the deviator of the strain increment",
+       "deviatoric strain along the path"},
       {"strain_rate_xx", "1/T", "xx of the rate of deformation, the symmetric part of (dF/dt) F^-1; dF/dt by second-order "
                                 "differences over the frames"},
       {"strain_rate_yy", "1/T", "yy of the rate of deformation"},
@@ -72,23 +74,32 @@ const std::vector<DerivedField>& derived_fields() {
       {"strain_sum_xx", "1", "sum of small-strain increments (the thesis' measure; not objective)"},
       {"strain_sum_yy", "1", "sum of small-strain increments"},
       {"strain_sum_xy", "1", "sum of small-strain increments"},
-      {"strain_sum_dev", "1", "sqrt(2/3 e:e) of the deviator of the summed strain"},
-      {"plastic_dev", "1", "accumulated plastic deviatoric strain, where the source has it"},
-      {"stress_xx", "Pa", "stress, tension positive"},
-      {"stress_yy", "Pa", "stress, tension positive"},
-      {"stress_zz", "Pa", "stress, tension positive"},
-      {"stress_xy", "Pa", "stress"},
-      {"mean_stress", "Pa", "(s_xx + s_yy + s_zz)/3, tension positive"},
+      {"strain_sum_dev", "1", "sqrt(2/3 e:e) of the deviator of the summed strain", "summed deviatoric strain"},
+      {"mean_stress", "Pa", "(s_xx + s_yy + s_zz)/3, tension positive", "mean stress", "stress"},
   };
+  for (DerivedField& field : fields)
+    if (field.label.empty()) {
+      field.label = field.name;
+      std::replace(field.label.begin(), field.label.end(), '_', ' ');
+    }
+  for (const MotionField& row : motion_fields()) {
+    if (row.member) continue;
+    const std::vector<std::string> components = row.component_names();
+    for (std::size_t c = 0; c < components.size(); ++c) {
+      const std::string& which = components[c];
+      fields.push_back({which.empty() ? row.name : row.name + "_" + which, row.unit, row.definition,
+                        which.empty() ? row.label : row.label + " " + which, row.name, c});
+    }
+  }
   return fields;
 }
 
-const DerivedField& derived_field(std::string_view name) {
-  const auto& all = derived_fields();
+DerivedField derived_field(std::string_view name) {
+  std::vector<DerivedField> all = derived_fields();
   const auto it = std::find_if(all.begin(), all.end(), [&](const DerivedField& f) { return f.name == name; });
   if (it != all.end()) return *it;
   std::vector<std::string> names;
-  for (const DerivedField& f : all) names.emplace_back(f.name);
+  for (const DerivedField& f : all) names.push_back(f.name);
   throw InputError("unknown field '" + std::string(name) + "'" + did_you_mean(std::string(name), names));
 }
 
@@ -181,7 +192,7 @@ DerivedReader::DerivedReader(const MotionSource& motion, bool central)
 DerivedReader::~DerivedReader() = default;
 
 std::vector<double> DerivedReader::values(std::string_view name, std::size_t k) {
-  derived_field(name);  // throws for an unknown one
+  const DerivedField field = derived_field(name);
   State& s = *state_;
   const std::size_t count = s.motion.particles().size();
   std::vector<double> out(count, nan_value);
@@ -194,7 +205,16 @@ std::vector<double> DerivedReader::values(std::string_view name, std::size_t k) 
   const int axis = name.ends_with("_y") ? 1 : 0;
   const bool magnitude = name.ends_with("_magnitude");
 
-  if (name.starts_with("displacement_"))
+  if (!field.source.empty()) {
+    const FieldValues* values = now.find(field.source);
+    if (!values) return out;
+    if (name == "mean_stress")
+      each([&](std::size_t p) {
+        return (double((*values)(p, 0)) + double((*values)(p, 1)) + double((*values)(p, 2))) / 3;
+      });
+    else
+      each([&](std::size_t p) { return double((*values)(p, field.component)); });
+  } else if (name.starts_with("displacement_"))
     each([&](std::size_t p) { return magnitude ? std::hypot(now.u[p][0], now.u[p][1]) : double(now.u[p][std::size_t(axis)]); });
   else if (name.starts_with("velocity_"))
     each([&](std::size_t p) { return magnitude ? std::hypot(s.velocity(p, k, 0), s.velocity(p, k, 1)) : s.velocity(p, k, axis); });
@@ -215,17 +235,6 @@ std::vector<double> DerivedReader::values(std::string_view name, std::size_t k) 
     each([&](std::size_t p) { return component(s.rate(p, k), name.substr(12)); });
   else if (name.starts_with("strain_"))
     each([&](std::size_t p) { return component(log_strain(matrix(now.F[p])), name.substr(7)); });
-  else if (name == "plastic_dev" && !now.plastic_dev.empty())
-    each([&](std::size_t p) { return double(now.plastic_dev[p]); });
-  else if (!now.stress.empty())
-    each([&](std::size_t p) {
-      const auto& t = now.stress[p];
-      if (name == "stress_xx") return double(t[0]);
-      if (name == "stress_yy") return double(t[1]);
-      if (name == "stress_zz") return double(t[2]);
-      if (name == "stress_xy") return double(t[3]);
-      return (double(t[0]) + double(t[1]) + double(t[2])) / 3;
-    });
   return out;
 }
 

@@ -9,22 +9,26 @@
 
 namespace pivnp {
 
-/// One field the reader can compute: name, unit (in terms of length L and time T), one line of definition.
+/// One field the reader can compute.
 struct DerivedField {
-  std::string_view name;
-  std::string_view unit;  // "1", "1/T", "L", "L/T", "L/T^2", "Pa", "rad"
-  std::string_view definition;
+  std::string name;
+  std::string unit;  // in terms of length L and time T: "1", "1/T", "L", "L/T", "L/T^2", "Pa", "rad"
+  std::string definition;
+  std::string label = {};     // as a report says it
+  std::string source = {};    // the recorded field that a motion must carry for it; empty: u and F are enough
+  std::size_t component = 0;  // of `source`
 };
 
 /// displacement_x _y _magnitude; velocity_x _y _magnitude; acceleration_x _y _magnitude;
 /// strain_xx _yy _xy (log strain, world axes); strain_vol; strain_dev; strain_1 _2 _angle; J;
 /// strain_rate_xx _yy _xy _vol _dev _1 _2 _angle (rate of deformation);
 /// strain_dev_path (sum over frames of sqrt(2/3 de:de)); strain_sum_xx _yy _xy _dev (the thesis' summed increments);
-/// plastic_dev; stress_xx _yy _zz _xy; mean_stress.
-const std::vector<DerivedField>& derived_fields();
+/// mean_stress; and every recorded field beyond u, F and v (core/particles/fields.hpp), NAME or NAME_COMPONENT:
+/// stress_xx _yy _zz _xy, plastic_dev.
+std::vector<DerivedField> derived_fields();
 
 /// Throws InputError listing the nearest known name if `name` is not one.
-const DerivedField& derived_field(std::string_view name);
+DerivedField derived_field(std::string_view name);
 
 /// The named fields of one motion, frame after frame. Path fields (strain_dev_path, strain_sum_*) need the frames in
 /// order: reading frame k after frame j < k reads those between; going back starts again at the first.

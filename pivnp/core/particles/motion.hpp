@@ -4,27 +4,21 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "pivnp/core/math.hpp"
+#include "pivnp/core/particles/end_reason.hpp"
 
 namespace pivnp {
 
 enum class ParticleStatus : std::uint8_t {
   unborn = 0,
   active = 1,
-  doubtful = 2,  // followed, but this step rests on replaced vectors or on a local fit
-  ended = 3,     // values are those of the last good time
-};
-
-enum class EndReason : std::uint8_t {
-  none = 0,
-  left_grid = 1,     // left the measured or simulated domain
-  no_vectors = 2,    // too few valid vectors around it
-  bad_state = 3,     // F not positive or not finite
-  left_image = 4,    // outside the image or under the mask
-  removed = 5,       // taken out by the case (an excavation)
+  flagged = 2,  // followed, but this step rests on replaced vectors or on a local fit
+  ended = 3,    // values are those of the last good time
 };
 
 /// What stays the same for every particle; index = position in every per-particle array.
@@ -41,7 +35,21 @@ struct ParticleSet {
   std::size_t size() const { return id.size(); }
 };
 
-/// One instant. Per-particle arrays; those a source does not know are empty.
+struct MotionField;  // a row of motion_fields(), see fields.hpp
+
+/// One field of a frame: `values` is [P][components].
+struct FieldValues {
+  const MotionField* field = nullptr;
+  std::size_t components = 1;
+  std::vector<float> values;
+
+  float operator()(std::size_t particle, std::size_t component = 0) const {
+    return values[particle * components + component];
+  }
+  float& operator()(std::size_t particle, std::size_t component = 0) { return values[particle * components + component]; }
+};
+
+/// One instant. Per-particle arrays; those a source does not know are empty. What each holds: motion_fields().
 struct MotionFrame {
   double time = 0;
   std::vector<std::array<float, 2>> u;       // displacement since x0; position is x0 + u
@@ -49,8 +57,15 @@ struct MotionFrame {
   std::vector<ParticleStatus> status;
   std::vector<std::array<float, 3>> cov_u;   // uu, vv, uv: covariance of u (measurement)
   std::vector<std::array<float, 2>> v;       // velocity, where the source knows it better than differences of u
-  std::vector<std::array<float, 4>> stress;  // xx yy zz xy, Pa, tension positive
-  std::vector<float> plastic_dev;            // accumulated plastic deviatoric strain
+  std::vector<FieldValues> fields;           // what else the source knows: stress, plastic_dev ...
+
+  /// nullptr: not known.
+  const FieldValues* find(std::string_view name) const;
+  /// Throws std::logic_error where it is not known.
+  const FieldValues& field(std::string_view name) const;
+  /// Zeros of a listed field for so many particles, in place of what the frame had of it; a later add() leaves them
+  /// where they are. Throws std::logic_error for a name that is not listed.
+  std::span<float> add(std::string_view name, std::size_t particles);
 };
 
 /// A motion to read frame by frame; memory is the caller's choice. Implementations: MotionMemory, the record reader.

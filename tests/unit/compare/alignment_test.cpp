@@ -1,5 +1,5 @@
 // Partners by identity and by material position: affine motions come out exactly, gaps and labels are respected.
-#include "compare/alignment.hpp"
+#include "compare/alignment/partners.hpp"
 
 #include <gtest/gtest.h>
 

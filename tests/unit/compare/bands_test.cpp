@@ -1,5 +1,5 @@
 // Shear bands drawn by formula come out where, how inclined and how thick they were drawn.
-#include "compare/bands.hpp"
+#include "compare/measures/bands.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,12 +6,12 @@
 #include <numbers>
 #include <random>
 
-#include "compare/history.hpp"
-#include "compare/metrics.hpp"
-#include "compare/onset.hpp"
-#include "compare/rigid.hpp"
-#include "compare/shapes.hpp"
-#include "compare/transformed.hpp"
+#include "compare/measures/history.hpp"
+#include "compare/metrics/metrics.hpp"
+#include "compare/alignment/onset.hpp"
+#include "compare/data/rigid.hpp"
+#include "compare/metrics/shapes.hpp"
+#include "compare/data/transformed.hpp"
 #include "tests/unit/compare/motions.hpp"
 
 namespace pivnp::compare {
@@ -145,7 +145,7 @@ TEST(Definitions, AMotionInOtherCoordinatesByHand) {
   f.F[0] = {1.2f, 0.3f, 0, 0.9f};
   f.v = {{4, 0}};
   f.cov_u = {{0.04f, 0.09f, 0.01f}};
-  f.stress = {{-1, -2, -3, 0.5f}};
+  std::ranges::copy(std::array{-1.0f, -2.0f, -3.0f, 0.5f}, f.add("stress", 1).begin());
   motion.add(f);
   Transform by;
   by.scale = 2;
@@ -168,7 +168,7 @@ TEST(Definitions, AMotionInOtherCoordinatesByHand) {
   near(g.v[0], {0, 2});
   near(g.F[0], {0.9, 0, -0.3, 1.2});  // F of the turned axes: dx'/dY' of the old shear is -dy'/dX'
   near(g.cov_u[0], {0.36, 0.16, -0.04});
-  near(g.stress[0], {-2, -1, -3, -0.5});
+  near(g.field("stress").values, {-2, -1, -3, -0.5});
 }
 
 // What slows down later is read off its beginning: over 2 to 25 % of a smooth step the line's zero is early by .03 in a

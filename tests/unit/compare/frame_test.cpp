@@ -6,10 +6,10 @@
 #include <numbers>
 #include <random>
 
-#include "compare/coordinates.hpp"
-#include "compare/onset.hpp"
-#include "compare/rigid.hpp"
-#include "compare/transformed.hpp"
+#include "compare/alignment/outlines.hpp"
+#include "compare/alignment/onset.hpp"
+#include "compare/data/rigid.hpp"
+#include "compare/data/transformed.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
 #include "tests/support/verification.hpp"

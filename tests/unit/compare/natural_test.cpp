@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-#include "compare/alignment.hpp"
+#include "compare/alignment/partners.hpp"
 #include "pivnp/core/text.hpp"
 #include "tests/support/verification.hpp"
 #include "tests/unit/compare/motions.hpp"

@@ -1,5 +1,5 @@
 // Outlines as closed rings around simple bodies; overlap of two.
-#include "compare/outline.hpp"
+#include "compare/shapes/outline.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <random>
 
-#include "compare/decomposition.hpp"
-#include "compare/distribution.hpp"
-#include "compare/history.hpp"
-#include "compare/shapes.hpp"
-#include "compare/statistics.hpp"
+#include "compare/measures/decomposition.hpp"
+#include "compare/measures/distribution.hpp"
+#include "compare/measures/history.hpp"
+#include "compare/metrics/shapes.hpp"
+#include "compare/data/statistics.hpp"
 #include "pivnp/core/error.hpp"
 #include "tests/unit/compare/motions.hpp"
 

@@ -4,7 +4,7 @@
 #include <random>
 #include <vector>
 
-#include "compare/alignment.hpp"
+#include "compare/alignment/partners.hpp"
 #include "tests/unit/compare/motions.hpp"
 
 namespace pivnp::compare {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "compare/slope_angles.hpp"
+#include "compare/shapes/slope_angles.hpp"
 #include "pivnp/core/particles/seeding.hpp"
 
 namespace pivnp::compare {

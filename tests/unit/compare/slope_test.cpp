@@ -1,5 +1,5 @@
 // Slope angle, run-out and crest height of figures whose values are known.
-#include "compare/slope.hpp"
+#include "compare/shapes/slope.hpp"
 
 #include <gtest/gtest.h>
 

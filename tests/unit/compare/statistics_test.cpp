@@ -1,11 +1,11 @@
 // Sums and quantiles against values worked by hand.
-#include "compare/statistics.hpp"
+#include "compare/data/statistics.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "compare/metrics.hpp"
+#include "compare/metrics/metrics.hpp"
 
 namespace pivnp::compare {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "compare/metrics.hpp"
+#include "compare/metrics/metrics.hpp"
 #include "tests/unit/compare/motions.hpp"
 
 namespace pivnp::compare {

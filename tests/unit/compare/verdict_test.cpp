@@ -7,9 +7,9 @@
 #include <map>
 #include <random>
 
-#include "compare/budget.hpp"
-#include "compare/metrics.hpp"
-#include "compare/numerics.hpp"
+#include "compare/measures/budget.hpp"
+#include "compare/metrics/metrics.hpp"
+#include "compare/measures/numerics.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/strain.hpp"
 #include "pivnp/core/text.hpp"

@@ -90,6 +90,8 @@ inline MotionFrame frame(const Size& s, std::size_t k, bool simulated) {
   MotionFrame f;
   f.time = time(k);
   const std::size_t n = s.particles, side = simulated ? 100 : 0;
+  std::span<float> stress, plastic_dev;
+  if (simulated) stress = f.add("stress", n), plastic_dev = f.add("plastic_dev", n);
   for (std::size_t p = 0; p < n; ++p) {
     f.u.push_back({value(k, p, side), value(k, p, side + 1)});
     f.F.push_back({1 + 0.1f * value(k, p, side + 2), 0.1f * value(k, p, side + 3), 0.1f * value(k, p, side + 4),
@@ -97,9 +99,8 @@ inline MotionFrame frame(const Size& s, std::size_t k, bool simulated) {
     f.status.push_back(p == 2 && k > 2 ? ParticleStatus::ended : ParticleStatus::active);
     if (simulated) {
       f.v.push_back({value(k, p, side + 6), value(k, p, side + 7)});
-      f.stress.push_back(
-          {value(k, p, side + 8), value(k, p, side + 9), value(k, p, side + 10), value(k, p, side + 11)});
-      f.plastic_dev.push_back(std::abs(value(k, p, side + 12)));
+      for (std::size_t c = 0; c < 4; ++c) stress[4 * p + c] = value(k, p, side + 8 + c);
+      plastic_dev[p] = std::abs(value(k, p, side + 12));
     } else {
       f.cov_u.push_back({value(k, p, 6), value(k, p, 7), value(k, p, 8)});
     }

@@ -330,7 +330,7 @@ TEST(Contact, ABlockSettlesOnItsBed) {
   double carried = 0;
   for (std::size_t k = 0; k < frame.u.size(); ++k) {
     EXPECT_LT(std::abs(frame.u[k][0]) + std::abs(frame.u[k][1]), 1e-5);
-    if (std::abs(s.particles.x0[k].y() - 0.0375) < 1e-3) carried += 0.005 * double(frame.stress[k][1]);
+    if (std::abs(s.particles.x0[k].y() - 0.0375) < 1e-3) carried += 0.005 * double(frame.field("stress")(k, 1));
   }
   const double weight = 2000 * 9.81 * (0.1 * 0.05 + 0.3 * 0.0125);  // of what lies above
   EXPECT_NEAR(carried, -weight, 0.02 * weight);

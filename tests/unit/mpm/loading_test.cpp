@@ -23,7 +23,7 @@ double mean_stress(const Solver& solver, std::size_t component, double under, do
   for (std::size_t k = 0; k < frame.u.size(); ++k) {
     const double y = solver.particles().x0[k].y();
     if (y > under || y < over || frame.status[k] == ParticleStatus::ended) continue;
-    sum += double(frame.stress[k][component]);
+    sum += double(frame.field("stress")(k, component));
     ++n;
   }
   return sum / n;

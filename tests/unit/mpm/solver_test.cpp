@@ -46,7 +46,7 @@ TEST(Solver, FallsFreely) {
     ASSERT_NEAR(frame.v[k][1], -0.981, 1e-6);
     // Euler's sum for a constant step, g t^2/2 (1 + 1/n); the step shortens a little as the speed grows.
     ASSERT_NEAR(frame.u[k][1], -0.5 * 9.81 * 0.01, 0.5 * 9.81 * 0.01 * 1.5 / n);
-    ASSERT_NEAR(frame.stress[k][1], 0, 1e-6);
+    ASSERT_NEAR(frame.field("stress")(k, 1), 0, 1e-6);
   }
 }
 
@@ -260,7 +260,7 @@ TEST(Solver, ASettledColumnCarriesItsWeightAndStaysPut) {
   for (std::size_t k = 0; k < settled.u.size(); ++k) {
     EXPECT_EQ(settled.u[k][1], 0.0f);
     // The mean stress counts as the element's average, so a point's own stress is held to half a cell's weight.
-    EXPECT_NEAR(settled.stress[k][1], -rho * g * (height - s.particles.x0[k].y()),
+    EXPECT_NEAR(settled.field("stress")(k, 1), -rho * g * (height - s.particles.x0[k].y()),
                 0.3 * rho * g * 0.01 + 1e-2 * rho * g * height);
   }
   EXPECT_EQ(solver.energy().kinetic, 0);

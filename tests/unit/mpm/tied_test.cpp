@@ -36,7 +36,7 @@ TEST(TiedSides, CarryMaterialOver) {
     for (std::size_t k = 0; k < frame.u.size(); ++k) {
       ASSERT_NEAR(frame.u[k][0], 0.064, 1e-5);
       ASSERT_NEAR(frame.u[k][1], 0.008, 1e-5);
-      ASSERT_LT(std::abs(frame.stress[k][0]), 1.0);  // rho c v: 9e3
+      ASSERT_LT(std::abs(frame.field("stress")(k, 0)), 1.0);  // rho c v: 9e3
     }
     Solver again(o, s, 2);
     again.load(half);
@@ -56,9 +56,9 @@ TEST(TiedSides, HoldTheStressesOfAnEndlessSlope) {
   const double weight = 1600 * 9.81 * height;
   for (std::size_t k = 0; k < frame.u.size(); ++k) {
     const double above = 1 - s.particles.x0[k].y() / height;
-    EXPECT_NEAR(frame.stress[k][1], -weight * above * std::cos(t), 0.02 * weight);
-    EXPECT_NEAR(frame.stress[k][3], weight * above * std::sin(t), 0.02 * weight);
-    EXPECT_NEAR(frame.stress[k][0], -weight * above * std::cos(t) * 0.3 / 0.7, 0.02 * weight);
+    EXPECT_NEAR(frame.field("stress")(k, 1), -weight * above * std::cos(t), 0.02 * weight);
+    EXPECT_NEAR(frame.field("stress")(k, 3), weight * above * std::sin(t), 0.02 * weight);
+    EXPECT_NEAR(frame.field("stress")(k, 0), -weight * above * std::cos(t) * 0.3 / 0.7, 0.02 * weight);
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 
+#include "apps/report/write.hpp"
 #include "tests/unit/report/synthetic.hpp"
 
 namespace pivnp::report {

@@ -6,7 +6,8 @@
 #include <memory>
 #include <string>
 
-#include "apps/study/scene.hpp"
+#include "apps/study/pipeline/scene.hpp"
+#include "apps/study/studies/check.hpp"
 #include "pivnp/core/error.hpp"
 
 namespace pivnp::app {
@@ -29,10 +30,10 @@ std::string case_of(const std::string& head, const std::string& mpm, const std::
 double mean_stress(const mpm::Solver& solver, std::size_t component, Vec2 low, Vec2 high) {
   const MotionFrame frame = solver.frame();
   double sum = 0, n = 0;
-  for (std::size_t k = 0; k < frame.stress.size(); ++k) {
+  for (std::size_t k = 0; k < frame.u.size(); ++k) {
     const Vec2& x = solver.particles().x0[k];
     if (x.x() < low.x() || x.y() < low.y() || x.x() > high.x() || x.y() > high.y()) continue;
-    sum += double(frame.stress[k][component]);
+    sum += double(frame.field("stress")(k, component));
     ++n;
   }
   EXPECT_GT(n, 0);

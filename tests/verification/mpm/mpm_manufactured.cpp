@@ -114,8 +114,8 @@ Errors vortex(const Ring& ring, double cell, bool spline) {
     const double a = double(s.particles.area[k]), rt = mu * r * amplitude * p.h1, tt = rt * rt / mu;
     const double xx = n * n * tt - 2 * n * c * rt, yy = c * c * tt + 2 * n * c * rt, xy = -n * c * tt + (c * c - n * n) * rt;
     u2 += a * (X[k] + Vec2(double(f.u[k][0]), double(f.u[k][1])) - r * Vec2(c, n)).squaredNorm();
-    s2 += a * (std::pow(double(f.stress[k][0]) - xx, 2) + std::pow(double(f.stress[k][1]) - yy, 2) +
-               2 * std::pow(double(f.stress[k][3]) - xy, 2)) / 3;
+    s2 += a * (std::pow(double(f.field("stress")(k, 0)) - xx, 2) + std::pow(double(f.field("stress")(k, 1)) - yy, 2) +
+               2 * std::pow(double(f.field("stress")(k, 3)) - xy, 2)) / 3;
     area += a;
     greatest = std::max({greatest, tt, std::abs(rt)});
   }
@@ -157,7 +157,7 @@ Errors bar(int cells, bool spline) {
   for (std::size_t n = 0; n < X.size(); ++n) {
     const double F = 1 - a * k * std::sin(k * X[n]), stress = bar_young * std::log(F) / F;
     u2 += std::pow(double(f.u[n][0]) - bar_speed * bar_time - a * std::cos(k * X[n]), 2);
-    s2 += std::pow(double(f.stress[n][0]) - stress, 2);
+    s2 += std::pow(double(f.field("stress")(n, 0)) - stress, 2);
     greatest = std::max(greatest, std::abs(stress));
   }
   return {std::sqrt(u2 / double(X.size())), std::sqrt(s2 / double(X.size())) / greatest};

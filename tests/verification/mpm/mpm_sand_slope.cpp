@@ -17,8 +17,8 @@
 #include <vector>
 
 #include "apps/case/case.hpp"
-#include "apps/study/scene.hpp"
-#include "compare/slope_angles.hpp"
+#include "apps/study/pipeline/scene.hpp"
+#include "compare/shapes/slope_angles.hpp"
 #include "mpm/step/solver.hpp"
 #include "pivnp/core/text.hpp"
 #include "tests/support/verification.hpp"

@@ -28,8 +28,8 @@ Band shear(const Scene& s, double until) {
   solver.advance_to(until, silent);
   const MotionFrame frame = solver.frame();
   Band out{solver.energy().plastic, 0};
-  for (std::size_t k = 0; k < frame.plastic_dev.size(); ++k)
-    if (frame.plastic_dev[k] > 0.1f) out.area += s.particles.area[k];
+  for (std::size_t k = 0; k < frame.u.size(); ++k)
+    if (frame.field("plastic_dev")(k) > 0.1f) out.area += s.particles.area[k];
   std::printf("cells %.0f mm: dissipated %.2f J, sheared %.2e m^2, steps %lld\n", 1e3 * s.grid.spacing.x(), out.dissipated,
               out.area, static_cast<long long>(solver.steps()));
   std::fflush(stdout);

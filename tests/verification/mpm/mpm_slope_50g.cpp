@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "apps/case/case.hpp"
-#include "apps/study/scene.hpp"
+#include "apps/study/pipeline/scene.hpp"
 #include "mpm/step/solver.hpp"
 #include "pivnp/core/text.hpp"
 #include "tests/support/verification.hpp"
@@ -113,7 +113,7 @@ Loaded load(const Setup& setup, double share_of_time = 1) {
 std::vector<double> lowest_sheared(const Loaded& l) {
   std::vector<double> low(44, std::nan(""));
   for (std::size_t k = 0; k < l.x0.size(); ++k) {
-    if (l.frame.plastic_dev[k] < 0.02f) continue;
+    if (l.frame.field("plastic_dev")(k) < 0.02f) continue;
     double& y = low[std::min<std::size_t>(43, std::size_t(l.x0[k].x() / 0.004))];
     y = std::isnan(y) ? l.x0[k].y() : std::min(y, l.x0[k].y());
   }

@@ -47,7 +47,7 @@ TEST(MpmWaves, APulseRunsAtItsSpeedAndLeavesThroughADashpot) {
     centre += v * v * s.particles.x0[k].x();
     if (v > fastest) {
       fastest = v;
-      ratio = double(f.stress[k][0]) / (-rho * c * v);
+      ratio = double(f.field("stress")(k, 0)) / (-rho * c * v);
     }
   }
   const double speed = (centre / weight - (0.35 - 0.2 * h)) / 0.3;
@@ -80,7 +80,7 @@ double column_error(int cells, bool spline, double& compressed) {
   double sum = 0, top = 0;
   for (std::size_t k = 0; k < f.u.size(); ++k) {
     const double Y = s.particles.x0[k].y();
-    sum += std::pow(double(f.stress[k][1]) + rho * g * (height - Y), 2);
+    sum += std::pow(double(f.field("stress")(k, 1)) + rho * g * (height - Y), 2);
     top = std::max(top, Y + double(f.u[k][1]));
   }
   compressed = 1 - top / height;
@@ -133,7 +133,7 @@ TEST(MpmScaleModel, FactorOf64BitForBit) {
       ASSERT_EQ(a.u[k][0], b.u[k][0] * 64);
       ASSERT_EQ(a.u[k][1], b.u[k][1] * 64);
       ASSERT_EQ(a.v[k], b.v[k]);
-      ASSERT_EQ(a.stress[k], b.stress[k]);
+      for (std::size_t c = 0; c < 4; ++c) ASSERT_EQ(a.field("stress")(k, c), b.field("stress")(k, c));
       ASSERT_EQ(a.F[k], b.F[k]);
     }
   }

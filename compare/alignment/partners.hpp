@@ -1,0 +1,68 @@
+// Which particles of the second motion stand for a particle of the first: by identity, or by material position.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "compare/data/data_set.hpp"
+#include "compare/data/triangulation.hpp"
+
+namespace pivnp::compare {
+
+/// Where a particle lies among the other side's: shares of its particles, none without a partner. By identity: one.
+using Partner = Natural;
+
+inline bool has_partner(const Partner& partner) { return !partner.shares.empty(); }
+
+/// The other side's motion at a partner, with the gradient that the side itself carries:
+///   u = sum w_i (u_i + (F_i - I)(X - X_i)/2) + (F - I) beyond,   F = sum w_i (F_i + grad F_i (X - X_i)/2)
+/// Any weights that reproduce X make u exact for motions of second degree and F for those of third (the halves cancel
+/// the curvature; without them natural neighbours, which reach further, would miss it by more than triangles do). The
+/// gradients of F are those of Natural::curving; where they are missing, or det F would not be positive, F = sum w_i
+/// F_i.
+struct PartnerState {
+  Vec2 u;
+  Mat2 F;
+  std::array<double, 3> cov;  // sum w cov_i: an upper bound, reached when neighbours' errors are the same
+};
+PartnerState partner_state(const Partner& partner, const SideState& state);
+
+class Alignment {
+ public:
+  /// Both sides as read at the common start.
+  /// Identity if at least half of the smaller side finds its id on the other side and every such pair has the same
+  /// material position within 1e-6 of the spacing; else natural neighbours among the second's material positions
+  /// (MaterialMesh::find_natural). Label names that both sides know pair only with their own.
+  Alignment(const Side& first, const Side& second);
+
+  bool by_identity() const { return by_identity_; }
+
+  /// Renews the partners that rest on particles of the second that are followed no more; the others stay, since a
+  /// point's natural neighbours, and theirs, are not changed by the loss of others. A particle that lost its partner
+  /// gets none again.
+  void update(const std::vector<std::uint8_t>& second_followed);
+  const std::vector<Partner>& partners() const { return partners_; }
+
+  /// Share of each side's particles (of all it has) that have a partner at the common start.
+  double coverage_first() const { return coverage_first_; }
+  double coverage_second() const { return coverage_second_; }
+
+ private:
+  void decide();
+  /// Partners of the wanted particles of the first among those of the second that are followed.
+  std::vector<Partner> find_partners(const std::vector<std::uint8_t>& wanted) const;
+  void measure_coverage();
+
+  const Side& first_;
+  const Side& second_;
+  std::vector<int> group_first_, group_second_;  // particles pair within a group
+  int groups_ = 1;
+  std::vector<int> same_id_;  // index on the second side, -1: none
+  bool by_identity_ = false;
+  std::vector<std::uint8_t> second_followed_;  // as of the last update
+  std::vector<Partner> partners_;
+  double coverage_first_ = 0, coverage_second_ = 0;
+};
+
+}  // namespace pivnp::compare

@@ -1,0 +1,34 @@
+// The frame both sides are seen in: the motion of declared reference material, taken off each side.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "compare/data/data_set.hpp"
+#include "compare/data/rigid.hpp"
+#include "pivnp/core/options.hpp"
+
+namespace pivnp::compare {
+
+class Reference {
+ public:
+  /// Without a polygon nothing is taken off. `turn`: shift and rotation, else the mean displacement alone. Throws
+  /// InputError, naming `key`, if the polygon is not simple, or holds fewer particles of a side than the fit needs.
+  Reference(const Points& polygon, bool turn, const std::string& key, const Side& first, const Side& second);
+
+  bool given() const { return given_; }
+  bool turns() const { return turn_; }
+
+  /// The reference's motion by the particles still followed, first and second side; none without a polygon; nothing
+  /// once a side has lost too many.
+  std::optional<std::array<RigidFit, 2>> fit(const SideState& first, const SideState& second) const;
+
+ private:
+  bool given_ = false, turn_ = false;
+  std::array<const Side*, 2> sides_;
+  std::array<std::vector<std::size_t>, 2> members_;  // by material position at the common start
+};
+
+}  // namespace pivnp::compare

@@ -1,0 +1,35 @@
+// The standard uncertainty u_val of a displacement difference, and its parts (ASME V&V 20-2009, section 1-5).
+#pragma once
+
+#include <array>
+#include <limits>
+
+#include "compare/data/data_set.hpp"
+#include "compare/data/options.hpp"
+#include "pivnp/core/math.hpp"
+
+namespace pivnp::compare {
+
+/// Variances of the x and y component of d = u2 - u1 at one particle and time. u_val^2 = u_D^2 + u_num^2 + u_input^2.
+struct Variance {
+  Vec2 measurement = Vec2::Zero();  // NaN: not known
+  Vec2 numerical = Vec2::Zero(), input = Vec2::Zero();
+
+  Vec2 total() const;  // NaN only if nothing at all is known
+};
+
+class Budget {
+ public:
+  /// `options`: the parts that are given as numbers.
+  explicit Budget(const CompareOptions& options);
+
+  /// `cov_first`, `cov_second`: uu, vv of each side's random error, NaN where a side knows none. `frame`: of what was
+  /// taken off both sides (its own error). `numerical`: from grid refinement, zero without.
+  Variance at(const Vec2& cov_first, const Vec2& cov_second, const Vec2& u_first, const Vec2& frame,
+              const Vec2& numerical) const;
+
+ private:
+  double systematic_, gauge_, numerical_, input_;  // the variances, but gauge_: relative standard uncertainty
+};
+
+}  // namespace pivnp::compare

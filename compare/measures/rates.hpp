@@ -1,0 +1,58 @@
+// What the sides do from one common time to the next: increments, and velocities as differences of displacement.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "compare/data/statistics.hpp"
+#include "compare/measures/comparison.hpp"
+
+namespace pivnp::compare {
+
+/// Fed with one common time after another; holds three of them. Velocity is the derivative at the middle one of the
+/// parabola through all three, on both sides alike, whatever a side knows better: the same filter on both. It is known
+/// at every common time but the first and the last.
+class Rates {
+ public:
+  /// `X`: material positions in the order of the fields; `outside`: circle (x, y, radius) whose inside takes no part in
+  /// the statistics of increments; empty: none.
+  Rates(const std::vector<Vec2>& X, std::vector<double> outside, std::size_t times);
+
+  /// `u_first`, `difference`: in the order of the fields, NaN where not compared; `variance`: of the difference, NaN if
+  /// not known.
+  void add(double time, const std::vector<Vec2>& u_first, const std::vector<Vec2>& difference,
+           const std::vector<Vec2>& variance);
+
+  // Differences of velocity over space and time, and one statistic a time (first and last: NaN). The variance is the
+  // sum of that of the two outer differences over the time between them: a bound for errors that do not oppose.
+  const DisplacementStatistics& velocity() const { return velocity_; }
+  double peak_first() const { return peak_first_; }  // greatest speed of the first
+  std::vector<Series> velocity_series(const std::string& length_unit, const std::string& time_unit) const;
+  const OverTime& over_time() const { return over_time_; }
+
+  /// Adds increment_median and increment_p95: median and 95th percentile, over particles and steps between consecutive
+  /// common times, of |d(u_second - u_first)|. With `reference_increment` > 0 (mean increment of the reference material
+  /// on the first side) also increment_median_relative.
+  void add_increment_metrics(double reference_increment, const std::string& unit, std::vector<Metric>& metrics) const;
+
+ private:
+  struct State {
+    double time = 0;
+    std::vector<Vec2> u_first, difference, variance;
+  };
+  void add_increments();
+  void add_velocities();
+
+  std::vector<double> outside_;
+  std::vector<std::uint8_t> counted_;  // 1: takes part in the statistics of increments
+  std::vector<State> held_;            // oldest first, at most three
+  Quantile increments_;
+  bool any_increment_ = false;
+  DisplacementStatistics velocity_;
+  OverTime over_time_;
+  double peak_first_ = 0;
+  std::vector<std::vector<double>> series_;  // bias_x, bias_y, rms, p95, max
+};
+
+}  // namespace pivnp::compare
