@@ -1,7 +1,9 @@
 // Contact between deformable bodies, gravity turned instead of the plane (30 degrees unless said otherwise). Criteria:
 // block on a bed: path within 2 % of g (sin t - mu cos t) t^2/2, and at rest where mu > tan t; cylinder of 16 cells'
 // radius: within 2 % of (2/3) g sin t without slip and of g (sin t - mu cos t) where mu < tan t/3, for a smooth outline
-// (points in rings) and for points of the lattice, an outline of steps; sand on glass: within 2 %.
+// (points in rings) and for points of the lattice, an outline of steps; sand on glass: within 2 %. In small, for every
+// build: the block on cells twice as wide within the same 2 % (0.4 was found), a cylinder of 4 cells' radius within 5 %
+// (2.7 when it rolls: where it touches is known to half a cell, an eighth of the radius).
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -83,7 +85,7 @@ TEST(MpmContactSmall, ABlockSlidesAndSticks) {
   const double time = 0.2, friction = 0.2, slip = g * (std::sin(30 * degree) - friction * std::cos(30 * degree));
   const double exact = 0.5 * slip * time * time, found = path(block_on_bed(30, friction, 0.02), 30, time, false).x();
   std::printf("block, friction 0.2: %.4f of the rigid one's path\n", found / exact);
-  EXPECT_NEAR(found, exact, 0.05 * exact);
+  EXPECT_NEAR(found, exact, 0.02 * exact);
   const double stuck = path(block_on_bed(30, 0.65, 0.02), 30, time, true).norm();
   std::printf("block, friction 0.65: %.2e of a free one's path\n", stuck / (0.25 * g * time * time));
   EXPECT_LT(stuck, 1e-3 * 0.25 * g * time * time);

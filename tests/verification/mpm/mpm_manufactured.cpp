@@ -11,7 +11,8 @@
 //    u = V t + A sin(w t) cos(pi X/L), F = 1 - A pi/L sin(w t) sin(pi X/L), P = E ln F / F, b = u_tt - P'/rho.
 //
 // Criterion: order of displacement >= 1.8 for the B-spline, rms error of stress <= 2 % of the greatest stress; bilinear
-// functions, beside it, fail both.
+// functions, beside it, fail both. In small, for every build: the first two of three cells, order >= 1.8 too; stress <=
+// 4 % for the vortex (what order 1 leaves of 2 % on cells twice as wide), <= 2 % for the bar.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -128,7 +129,7 @@ TEST(MpmManufacturedSmall, GeneralisedVortex) {
   const double order = std::log2(coarse.displacement / fine.displacement);
   std::printf("vortex: order %.2f, stress %.2f %%\n", order, 100 * fine.stress);
   EXPECT_GE(order, 1.8);
-  EXPECT_LE(fine.stress, 0.05);
+  EXPECT_LE(fine.stress, 0.04);
 }
 
 constexpr double bar_length = 1, bar_speed = 0.3, bar_time = 3.375, swing = 0.05, bar_young = 1;  // c = 1
