@@ -2,13 +2,14 @@
 
 #include <cstring>
 
+#include "mpm/state/particle_fields.hpp"
 #include "pivnp/core/error.hpp"
 
 namespace pivnp::mpm {
 
 namespace {
 
-constexpr char magic[8] = {'p', 'i', 'v', 'm', 'p', 'm', '0', '5'};
+constexpr char magic[8] = {'p', 'i', 'v', 'm', 'p', 'm', '0', '6'};
 
 class Writer {
  public:
@@ -73,10 +74,11 @@ class Reader {
 template <class Archive, class State>
 void visit(Archive& a, State& s) {
   auto& p = s.particles;
-  for (auto* array : const_cast<Particles&>(p).state()) a.array(*array);
-  a.array(p.opened);
-  a.array(p.cell);
-  a.array(p.index);
+  for_each_particle_field([&](const ParticleField& field, const auto&... column) {
+    if (field.state) (a.array(p.*column.values), ...);
+  });
+  for (auto& values : p.history.numbers) a.array(values);
+  for (auto& values : p.history.flags) a.array(values);
   a.value(p.density);
   a.list(s.ended);
   a.value(s.book);
