@@ -30,7 +30,7 @@ int main() try {
   }
   mpm::BoundaryOptions plane;
   plane.line_m = {{0, 0}, {0.8, 0}};
-  plane.type = "frictional";
+  plane.type = mpm::BoundaryType::frictional;
   plane.friction = friction;
   scene.boundaries = {{"plane", plane}};
 
