@@ -30,8 +30,8 @@ TEST(Quantile, BinsAgreeWithExactValuesToTheirWidth) {
   }
 }
 
-TEST(DisplacementStatistics, WorkedByHand) {
-  DisplacementStatistics d;
+TEST(VectorStatistics, WorkedByHand) {
+  VectorStatistics d;
   d.add(Vec2(3, 4), 0.09, 0.16);   // |d| = 5, sigma 0.5
   d.add(Vec2(-3, 0), 0.01, 0.04);  // |d| = 3
   d.add(Vec2(0, -1), 0.02, 0.01);
