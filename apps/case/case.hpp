@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "apps/report/options.hpp"
+#include "apps/report/content/options.hpp"
 #include "compare/compare.hpp"
 #include "mpm/state/options.hpp"
 #include "pivnp/core/options.hpp"

@@ -6,6 +6,7 @@
 #include "apps/cli/commands.hpp"
 #include "apps/cli/option_flags.hpp"
 #include "pivnp/core/error.hpp"
+#include "pivnp/io/import_format.hpp"
 
 namespace pivnp::app {
 
@@ -20,7 +21,8 @@ Action declare_compare(CLI::App& app, Session& session) {
   const auto c = std::make_shared<Compare>();
   app.add_option("FIRST", c->sources.first,
                  "the side that is judged against: record, record:motion (np, mpm ...), or another program's results: "
-                 "FORMAT=PATTERN with FORMAT csv, cbgeo, vtk or vtu; or a curve: history=FILE[:COLUMN], front=RECORD")
+                 "FORMAT=PATTERN with FORMAT " + io::formats_text(&io::FileFormat::motion) + "; or a curve: " +
+                     io::formats_text(&io::FileFormat::curve) + "=FILE[:COLUMN], front=RECORD")
       ->required();
   app.add_option("SECOND", c->sources.second, "the side that is judged, likewise")->required();
   app.add_option("--coarser", c->sources.coarser,
@@ -45,6 +47,11 @@ Action declare_compare(CLI::App& app, Session& session) {
   add_out(app, c->arguments, "out/compare");
   add_junit(app, c->arguments);
   add_session(app, session);
+  std::string formats = "Formats of other programs (FORMAT=PATTERN):\n";
+  for (const io::FileFormat& format : io::file_formats())
+    formats += "  " + format.name + std::string(format.name.size() < 8 ? 8 - format.name.size() : 1, ' ') + format.files +
+               ": " + format.text + "\n";
+  app.footer(app.get_footer() + "\n" + formats);
   return [c, &session] {
     if (!c->arguments.case_path.empty()) {
       const Case given = read_case(c->arguments.case_path);

@@ -4,6 +4,8 @@
 #include <memory>
 #include <utility>
 
+#include "apps/report/write.hpp"
+
 namespace pivnp::report {
 
 namespace {

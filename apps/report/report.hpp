@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "apps/report/content.hpp"
-#include "apps/report/options.hpp"
+#include "apps/report/content/content.hpp"
+#include "apps/report/content/options.hpp"
 #include "compare/compare.hpp"
 #include "pivnp/io/record.hpp"
 

@@ -1,4 +1,5 @@
-// The report's files.
+#include "apps/report/write.hpp"
+
 #include <algorithm>
 #include <map>
 #include <set>
@@ -6,12 +7,12 @@
 #include <system_error>
 #include <vector>
 
-#include "apps/report/content.hpp"
-#include "apps/report/files.hpp"
-#include "apps/report/html.hpp"
-#include "apps/report/pdf.hpp"
-#include "apps/report/sections.hpp"
-#include "apps/report/sheet.hpp"
+#include "apps/plot/canvas.hpp"
+#include "apps/plot/files.hpp"
+#include "apps/report/content/content.hpp"
+#include "apps/report/document/html.hpp"
+#include "apps/report/document/pdf.hpp"
+#include "apps/report/document/sections.hpp"
 #include "pivnp/core/particles/derived.hpp"
 
 namespace pivnp::report {

@@ -77,7 +77,7 @@ class Seen {
     const std::vector<Vec2>& X = motion_.particles().x0;
     std::vector<Vec2> u(X.size(), Vec2::Constant(std::nan("")));
     for (std::size_t p = 0; p < u.size(); ++p)
-      if (f.status[p] == ParticleStatus::active || f.status[p] == ParticleStatus::doubtful)
+      if (f.status[p] == ParticleStatus::active || f.status[p] == ParticleStatus::flagged)
         u[p] = Vec2(double(f.u[p][0]), double(f.u[p][1]));
     std::vector<Vec2> from, to;
     for (const std::size_t p : members_) {

@@ -14,7 +14,7 @@ namespace pivnp::compare {
 
 namespace {
 
-bool alive(ParticleStatus s) { return s == ParticleStatus::active || s == ParticleStatus::doubtful; }
+bool alive(ParticleStatus s) { return s == ParticleStatus::active || s == ParticleStatus::flagged; }
 
 bool usable(const MotionFrame& frame, std::size_t p) {
   return alive(frame.status[p]) && std::isfinite(frame.u[p][0]) && std::isfinite(frame.u[p][1]);

@@ -38,11 +38,8 @@ class Registry {
   const Row& at(std::string_view name, const std::string& place) const {
     if (const Row* row = find(name)) return *row;
     const std::vector<std::string> known = names();
-    std::string list;
-    for (std::size_t k = 0; k < known.size(); ++k)
-      list += (k == 0 ? "" : k + 1 < known.size() ? ", " : " or ") + known[k];
     throw InputError(place + ": found '" + std::string(name) + "', expected " + (known.size() > 1 ? "one of " : "") +
-                     list + did_you_mean(std::string(name), known));
+                     one_of(known) + did_you_mean(std::string(name), known));
   }
   std::vector<std::string> names() const {
     std::vector<std::string> names;

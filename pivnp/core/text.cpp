@@ -41,6 +41,13 @@ std::string did_you_mean(const std::string& found, const std::vector<std::string
   return list;
 }
 
+std::string one_of(const std::vector<std::string>& names) {
+  std::string list;
+  for (std::size_t k = 0; k < names.size(); ++k)
+    list += (k == 0 ? "" : k + 1 < names.size() ? ", " : " or ") + names[k];
+  return list;
+}
+
 std::string number(double value, int digits) {
   char buffer[40];
   std::snprintf(buffer, sizeof buffer, "%.*g", digits, value);

@@ -10,6 +10,9 @@ namespace pivnp {
 /// is near.
 std::string did_you_mean(const std::string& found, const std::vector<std::string>& known);
 
+/// "a", "a or b", "a, b or c".
+std::string one_of(const std::vector<std::string>& names);
+
 /// A number as a person writes it: `digits` significant ones, no trailing zeros.
 std::string number(double value, int digits = 6);
 

@@ -7,7 +7,7 @@
 
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
-#include "pivnp/io/foreign_state.hpp"
+#include "pivnp/io/import_format.hpp"
 
 namespace pivnp::io {
 

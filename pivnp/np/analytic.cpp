@@ -110,8 +110,8 @@ Vec2 ReversingVortex::central_increment(const Vec2& xm, double t0, double t1) co
   return 2 * std::tan(phi / 2) * quarter_turned(m);
 }
 
-Increments sample_increments(const AnalyticMotion& motion, const Grid& grid, Anchor anchor, double t0, double t1) {
-  Increments out;
+NodalIncrements sample_increments(const AnalyticMotion& motion, const Grid& grid, Anchor anchor, double t0, double t1) {
+  NodalIncrements out;
   out.anchor = anchor;
   out.grid = grid;
   out.displacement.reserve(grid.node_count());
@@ -126,7 +126,7 @@ Increments sample_increments(const AnalyticMotion& motion, const Grid& grid, Anc
   return out;
 }
 
-VectorField vector_field(const Increments& increments, std::array<int, 2> pair) {
+VectorField vector_field(const NodalIncrements& increments, std::array<int, 2> pair) {
   VectorField out;
   out.pair = pair;
   out.anchor = increments.anchor;

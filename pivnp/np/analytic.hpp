@@ -71,6 +71,6 @@ class ReversingVortex final : public AnalyticMotion {
 };
 
 /// The motion from t0 to t1 at every node, all valid, without covariance.
-Increments sample_increments(const AnalyticMotion& motion, const Grid& grid, Anchor anchor, double t0, double t1);
+NodalIncrements sample_increments(const AnalyticMotion& motion, const Grid& grid, Anchor anchor, double t0, double t1);
 
 }  // namespace pivnp::np

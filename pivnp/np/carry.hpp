@@ -81,7 +81,7 @@ void Tracker::carry_one(const GatherType& gather, std::size_t p, bool central, b
   F_[p](1, 0) = F.yx;
   F_[p](1, 1) = F.yy;
   status_[p] = r.support == Support::measured && r.outcome == Outcome::good ? ParticleStatus::active
-                                                                           : ParticleStatus::doubtful;
+                                                                           : ParticleStatus::flagged;
 }
 
 template <class GatherType>

@@ -11,7 +11,7 @@
 
 namespace pivnp::np {
 
-struct Increments {
+struct NodalIncrements {
   Anchor anchor = Anchor::central;
   Grid grid;
   std::vector<std::array<double, 2>> displacement;  // [ny][nx], length
@@ -20,6 +20,6 @@ struct Increments {
 };
 
 /// The same pair as a measurement would hold it (single precision; score 1 where usable, NaN elsewhere).
-VectorField vector_field(const Increments& increments, std::array<int, 2> pair);
+VectorField vector_field(const NodalIncrements& increments, std::array<int, 2> pair);
 
 }  // namespace pivnp::np

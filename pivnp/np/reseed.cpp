@@ -20,7 +20,7 @@ std::vector<std::int32_t> Reseeder::labels(const Tracker& tracker) const {
   ElementPoint at;
   for (std::size_t p = 0; p < state.size(); ++p) {
     const auto now = state[p];
-    if (now.status != ParticleStatus::active && now.status != ParticleStatus::doubtful) continue;
+    if (now.status != ParticleStatus::active && now.status != ParticleStatus::flagged) continue;
     if (locate(grid_, now.x, at)) out[grid_.element(at.i, at.j)] = tracker.particles().label[p];
   }
   return out;

@@ -13,7 +13,7 @@
 
 namespace pivnp::np {
 
-/// Nodal values of a pair, not owned; Real is float (measured) or double (Increments).
+/// Nodal values of a pair, not owned; Real is float (measured) or double (NodalIncrements).
 template <class Real>
 struct Nodes {
   Grid grid;

@@ -80,7 +80,7 @@ void Tracker::step(const VectorField& field, double time) {
           time);
 }
 
-void Tracker::step(const Increments& field, double time) {
+void Tracker::step(const NodalIncrements& field, double time) {
   check_field(field);
   advance(Nodes<double>{field.grid, field.anchor, field.displacement.data(), field.status.data(),
                         field.cov.empty() ? nullptr : field.cov.data()},
@@ -156,7 +156,7 @@ void Tracker::advance_fast(const Nodes<float>& nodes, double time) {
     for (std::size_t p = from; p < to; ++p) {
       if (moved_[p])
         status_[p] = support_.at(std::size_t(element_[p])) == Support::measured ? ParticleStatus::active
-                                                                                : ParticleStatus::doubtful;
+                                                                                : ParticleStatus::flagged;
       else
         carry_one(gather, p, fast_.central, with_cov, time);
     }
@@ -185,7 +185,7 @@ void Tracker::step(const Scattered& field, double usual, double longest, double 
 void Tracker::correct(std::size_t p, const Vec2& x, const Mat2& F, const std::array<double, 3>& cov) {
   if (!good_state(x.x(), x.y(), tensor(F)))
     throw InputError("np: particle " + std::to_string(particles_.id[p]) + ": a correction that is no state");
-  if (status_[p] != ParticleStatus::active && status_[p] != ParticleStatus::doubtful) return;
+  if (status_[p] != ParticleStatus::active && status_[p] != ParticleStatus::flagged) return;
   x_[p] = x;
   F_[p] = F;
   cov_[p] = cov;
@@ -207,8 +207,8 @@ void Tracker::add(const ParticleSet& born) {
   status_.resize(x_.size(), ParticleStatus::active);
 }
 
-void Tracker::doubt(std::size_t p) {
-  if (status_[p] == ParticleStatus::active) status_[p] = ParticleStatus::doubtful;
+void Tracker::flag(std::size_t p) {
+  if (status_[p] == ParticleStatus::active) status_[p] = ParticleStatus::flagged;
 }
 
 MotionFrame Tracker::frame() const {

@@ -81,9 +81,9 @@ class Tracker {
   ///   central: x1 = x0 + d(xm),   G at xm = (x0 + x1)/2,  F1 = (I - G/2)^-1 (I + G/2) F0
   /// The thesis moves by the first rule whatever the windows (2.9, 2.14) and sums small strains (2.7); why that is not
   /// enough: docs/theory/particles.md. xm is solved to 1e-14 spacings (and to the round-off of the position); if 50 iterations
-  /// do not get there, the step is taken and marked doubtful.
+  /// do not get there, the step is taken and flagged.
   ///
-  /// Status of the step: doubtful if it rests on a replaced vector, on a local affine fit (LocalFit) where the element
+  /// Status of the step: flagged if it rests on a replaced vector, on a local affine fit (LocalFit) where the element
   /// has lost nodes, or on an unsettled mid-point; else active. A particle ends, with the time of its last good state,
   /// and keeps x, F and cov of that time: left_grid if its place (x0, or xm) is outside the grid, no_vectors if too few
   /// usable nodes are near it, bad_state if J <= 0 or a number is not finite. A last step may carry a particle out of
@@ -95,9 +95,9 @@ class Tracker {
   ///
   /// Throws InputError if `time` is not after the present one, or if the field's arrays do not fit its grid.
   void step(const VectorField& field, double time);
-  void step(const Increments& field, double time);
+  void step(const NodalIncrements& field, double time);
   /// The same with vectors at places of any kind, on linear Delaunay triangles whatever NpOptions::shape. Triangles
-  /// with a side above `longest` hold no field, those with one above `usual` make the step doubtful; a particle that no
+  /// with a side above `longest` hold no field, those with one above `usual` flag the step; a particle that no
   /// triangle holds ends with no_vectors.
   void step(const Scattered& field, double usual, double longest, double time);
 
@@ -106,8 +106,8 @@ class Tracker {
   void correct(std::size_t p, const Vec2& x, const Mat2& F, const std::array<double, 3>& cov);
   /// Particles that join at the present time, alive, with F = I. Throws InputError as the constructor.
   void add(const ParticleSet& born);
-  /// This frame's state of a living particle is doubtful, for a reason outside the step.
-  void doubt(std::size_t p);
+  /// Flags this frame's state of a living particle, for a reason outside the step.
+  void flag(std::size_t p);
 
   const ParticleSet& particles() const { return particles_; }
   double time() const { return time_; }

@@ -4,24 +4,23 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
-#include "pivnp/piv/dense/gn_level.hpp"
 #include "pivnp/piv/dense/corrections.hpp"
-#include "pivnp/piv/validation/vector_validation.hpp"
+#include "pivnp/piv/dense/gn_level.hpp"
 #include "pivnp/piv/dense/lattice_filter.hpp"
+#include "pivnp/piv/validation/vector_validation.hpp"
 
 namespace pivnp::piv {
 
 namespace {
-
-constexpr int judged_at = 2;  // decimation of the frames that the flow is found and judged on
 
 // Halved, as the search ends at a quarter of the resolution: nothing is done at the full one.
 cv::Mat half_as_8_bits(const ImageView& image) {
   const int type = image.depth == PixelDepth::u8 ? CV_8U : image.depth == PixelDepth::u16 ? CV_16U : CV_32F;
   const cv::Mat view(image.height, image.width, type, const_cast<std::byte*>(image.data), std::size_t(image.stride));
   cv::Mat half, grey;
-  const cv::Size size(image.width / judged_at, image.height / judged_at);
-  cv::resize(view(cv::Rect(0, 0, judged_at * size.width, judged_at * size.height)), half, size, 0, 0, cv::INTER_AREA);
+  const cv::Size size(image.width / dis_decimation, image.height / dis_decimation);
+  const cv::Rect whole(0, 0, dis_decimation * size.width, dis_decimation * size.height);
+  cv::resize(view(whole), half, size, 0, 0, cv::INTER_AREA);
   half.convertTo(grey, CV_8U, 255.0 / static_cast<double>(image.white));
   return grey;
 }
@@ -32,10 +31,10 @@ class DenseInverseSearch final : public Method {
       : options_(options),
         extent_(extent),
         threads_(std::max(1, threads)),
-        anchor_(anchor_of(options)),
+        anchor_(options.anchor),
         search_(cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_ULTRAFAST)),
         empty_(bounding_box(extent.nodes, 0, extent.width, extent.height).empty()),
-        level_(extent, judged_at, options.window_px, 1) {
+        level_(extent, dis_decimation, options.window_px, 1) {
     constexpr int patch_stride = 5;  // of patches of 8 pixels, at a quarter of the resolution
     search_->setPatchStride(patch_stride);
     search_->setFinestScale(1);
@@ -54,7 +53,7 @@ class DenseInverseSearch final : public Method {
                                     static_cast<float>(lattice.y0 + j * lattice.step));
         u_[lattice.index(i, j)] = d[0], v_[lattice.index(i, j)] = d[1];
       }
-    judge(first, second, vectors);
+    validate(first, second, vectors);
   }
 
  private:
@@ -80,7 +79,7 @@ class DenseInverseSearch final : public Method {
     return {mix(0), mix(1)};
   }
 
-  void judge(const ImageView& first, const ImageView& second, PixelVectors& vectors) {
+  void validate(const ImageView& first, const ImageView& second, PixelVectors& vectors) {
     constexpr float smoothing = 0.25f;  // averages over blocks of pixels hold what their own sampling folds
     const float rounding = rounding_variance(first);
     level_.take(first, second, smoothing, threads_, nullptr);
@@ -94,20 +93,21 @@ class DenseInverseSearch final : public Method {
     input.scores = true;
     accumulate_sums(input, threads_, sums_);
     // What a Gauss-Newton step would still change is the flow's own error, as far as the images tell.
-    cell_increments(sums_, rounding, increments_);
+    cell_corrections(sums_, rounding, corrections_);
     SmoothedField error_u, error_v;
-    error_of(increments_.u, error_u);
-    error_of(increments_.v, error_v);
-    validate_vectors({limits_of(options_), extent_.nodes, extent_.width, extent_.height, judged_at, threads_, rounding}, field_, sums_,
-                u_, v_, error_u, error_v, vectors);
+    error_of(corrections_.u, error_u);
+    error_of(corrections_.v, error_v);
+    validate_vectors({limits_of(options_), extent_.nodes, extent_.width, extent_.height, dis_decimation, threads_,
+                      rounding},
+                     field_, sums_, u_, v_, error_u, error_v, vectors);
   }
 
-  void error_of(const std::vector<float>& increment, SmoothedField& error) const {
+  void error_of(const std::vector<float>& correction, SmoothedField& error) const {
     constexpr int reach = 1;
-    std::vector<float> square(increment.size());
-    for (std::size_t k = 0; k < increment.size(); ++k) square[k] = increment[k] * increment[k];
+    std::vector<float> square(correction.size());
+    for (std::size_t k = 0; k < correction.size(); ++k) square[k] = correction[k] * correction[k];
     box_mean(level_.lattice(), square, reach, error.variance);
-    error.area.assign(increment.size(), 1.0f);
+    error.area.assign(correction.size(), 1.0f);
   }
 
   PivOptions options_;
@@ -120,7 +120,7 @@ class DenseInverseSearch final : public Method {
   GnLevel level_;
   SplineField field_;
   CellSums sums_;
-  Increments increments_;
+  Corrections corrections_;
   std::vector<float> u_, v_;  // the flow at the level's lattice, level pixels
 };
 

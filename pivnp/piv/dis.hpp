@@ -1,4 +1,4 @@
-// Method "dis": OpenCV's dense inverse search, the quickest and the coarsest; judged like the others.
+// Method "dis": OpenCV's dense inverse search, the quickest and the coarsest; validated like the others.
 #pragma once
 
 #include <memory>
@@ -7,6 +7,9 @@
 #include "pivnp/piv/sampling/extent.hpp"
 
 namespace pivnp::piv {
+
+/// Decimation of the frames that the flow is found and validated on.
+inline constexpr int dis_decimation = 2;
 
 /// Dense inverse search (Kroeger et al. 2016) on frames of half the resolution, with `threads` of OpenCV's threads: its
 /// coarsest useful setting (patches of 32 px of the full frame, no variational refinement), a quick look that errs by

@@ -4,11 +4,10 @@
 #include <cmath>
 
 #include "pivnp/piv/dense/corrections.hpp"
-#include "pivnp/piv/validation/vector_validation.hpp"
 #include "pivnp/piv/dense/illumination.hpp"
-#include "pivnp/piv/multipass.hpp"
-#include "pivnp/piv/sampling/presmoothing.hpp"
 #include "pivnp/piv/recorrelation.hpp"
+#include "pivnp/piv/sampling/presmoothing.hpp"
+#include "pivnp/piv/validation/vector_validation.hpp"
 
 namespace pivnp::piv {
 
@@ -33,22 +32,22 @@ class GaussNewton final : public Method {
   void pass(const GnLevel& level, bool scores);
   void smooth(const GnLevel& level);
   void run_passes(const GnLevel& level);
-  void mend(const GnLevel& level);
+  void recorrelate(const GnLevel& level);
 
   PivOptions options_;
   Extent extent_;
   int threads_;
   Anchor anchor_;
   WindowPasses windows_;
-  Rematcher rematcher_;
+  Recorrelation recorrelation_;
   std::vector<GnLevel> levels_;
   float rounding_ = 0;  // variance of a grey value's rounding, grey^2
-  LightField light_;
+  IlluminationCorrection illumination_;
   // The field at the level in work, and what its last pass left.
   std::vector<float> u_, v_, before_u_, before_v_, noise_, tolerance_, gain_, offset_;
   SplineField field_;
   CellSums sums_;
-  Increments increments_;
+  Corrections corrections_;
   SmoothedField smooth_u_, smooth_v_;
 };
 
@@ -56,9 +55,9 @@ GaussNewton::GaussNewton(const PivOptions& options, const Extent& extent, int th
     : options_(options),
       extent_(extent),
       threads_(std::max(1, threads)),
-      anchor_(anchor_of(options)),
+      anchor_(options.anchor),
       windows_(options, extent, threads),
-      rematcher_(options, threads_) {
+      recorrelation_(options, threads_) {
   const std::vector<int> sides = window_sides(options, extent.width, extent.height);
   const int side = sides.front();
   if (bounding_box(extent.nodes, static_cast<float>(side) / 2, extent.width, extent.height).empty())
@@ -78,7 +77,7 @@ GaussNewton::GaussNewton(const PivOptions& options, const Extent& extent, int th
 void GaussNewton::correlate(const ImageView& first, const ImageView& second, PixelVectors& vectors) {
   if (windows_.empty()) return;
   rounding_ = rounding_variance(first);
-  light_.clear();
+  illumination_.clear();
   const PredictorField& predictor = windows_.find(first, second);
   const GnLevel* coarser = nullptr;
   for (GnLevel& level : levels_) {
@@ -89,14 +88,15 @@ void GaussNewton::correlate(const ImageView& first, const ImageView& second, Pix
     level.take(first, second, smoothing, threads_, finest ? nullptr : windows_.images(level.decimation()));
     coarser == nullptr ? start_from(level, predictor) : start_from(level, *coarser);
     run_passes(level);
-    if (!finest) mend(level);
+    if (!finest) recorrelate(level);
     field_.interpolate(level.lattice(), u_, v_, threads_);
-    if (coarser == nullptr && levels_.size() > 1) light_.take(sums_, level.decimation(), rounding_);
+    if (coarser == nullptr && levels_.size() > 1) illumination_.take(sums_, level.decimation(), rounding_);
     coarser = &level;
   }
   const GnLevel& finest = levels_.back();
-  validate_vectors({limits_of(options_), extent_.nodes, extent_.width, extent_.height, finest.decimation(), threads_, rounding_},
-              field_, sums_, u_, v_, smooth_u_, smooth_v_, vectors);
+  validate_vectors({limits_of(options_), extent_.nodes, extent_.width, extent_.height, finest.decimation(), threads_,
+                    rounding_},
+                   field_, sums_, u_, v_, smooth_u_, smooth_v_, vectors);
 }
 
 void GaussNewton::start_from(const GnLevel& level, const PredictorField& predictor) {
@@ -135,8 +135,8 @@ void GaussNewton::pass(const GnLevel& level, bool scores) {
   input.field = &field_;
   input.shares = shares_of(anchor_);
   if (!noise_.empty()) input.noise = &noise_, input.tolerance = &tolerance_;
-  if (light_.known()) {
-    light_.at(level.lattice(), level.decimation(), threads_, gain_, offset_);
+  if (illumination_.known()) {
+    illumination_.at(level.lattice(), level.decimation(), threads_, gain_, offset_);
     input.gain = &gain_, input.offset = &offset_;
   }
   if (!level.wanted().empty()) input.active = &level.wanted();
@@ -160,17 +160,17 @@ void GaussNewton::run_passes(const GnLevel& level) {
 
 // The field of the next pass, and how far residuals may reach in it.
 void GaussNewton::smooth(const GnLevel& level) {
-  if (options_.smoothing == "adaptive") {
-    cell_increments(sums_, rounding_, increments_);
-    for (std::size_t k = 0; k < u_.size(); ++k) u_[k] += increments_.u[k], v_[k] += increments_.v[k];
+  if (options_.smoothing == Smoothing::adaptive) {
+    cell_corrections(sums_, rounding_, corrections_);
+    for (std::size_t k = 0; k < u_.size(); ++k) u_[k] += corrections_.u[k], v_[k] += corrections_.v[k];
     level.shrinker().run(u_, level.wanted(), threads_, smooth_u_);
     level.shrinker().run(v_, level.wanted(), threads_, smooth_v_);
     u_ = smooth_u_.value, v_ = smooth_v_.value;
   } else {
-    window_increments(sums_, options_.order, static_cast<float>(options_.window_px), level.wanted(), threads_,
-                      increments_);
-    for (std::size_t k = 0; k < u_.size(); ++k) u_[k] += increments_.u[k], v_[k] += increments_.v[k];
-    smooth_u_.variance = increments_.variance_u, smooth_v_.variance = increments_.variance_v;
+    window_corrections(sums_, options_.order, static_cast<float>(options_.window_px), level.wanted(), threads_,
+                      corrections_);
+    for (std::size_t k = 0; k < u_.size(); ++k) u_[k] += corrections_.u[k], v_[k] += corrections_.v[k];
+    smooth_u_.variance = corrections_.variance_u, smooth_v_.variance = corrections_.variance_v;
     for (auto* s : {&smooth_u_, &smooth_v_}) s->area.assign(u_.size(), 16.0f);  // a window is four cells wide
   }
   // Lost grains are told from misplaced ones only once the images are nearly in register.
@@ -179,17 +179,17 @@ void GaussNewton::smooth(const GnLevel& level) {
 
 // Where the frames still do not match although they have texture, the field sits on a wrong match: such places are
 // searched again, and the better of both fields stays.
-void GaussNewton::mend(const GnLevel& level) {
+void GaussNewton::recorrelate(const GnLevel& level) {
   constexpr int rounds = 6;  // each grows from what the one before has matched
   MatchQuality before, after;
   match_quality(sums_, before);
   std::size_t last_count = level.lattice().size();
   for (int round = 0; round < rounds; ++round) {
     const Mismatch mismatch(before, rounding_);
-    if (mismatch.count == 0 || mismatch.hopeless || 20 * mismatch.count > 19 * last_count) return;
+    if (mismatch.count == 0 || mismatch.frames_poor || 20 * mismatch.count > 19 * last_count) return;
     last_count = mismatch.count;
     const std::vector<float> u = u_, v = v_;
-    rematcher_.search(level, mismatch, u_, v_);
+    recorrelation_.search(level, mismatch, u_, v_);
     run_passes(level);
     match_quality(sums_, after);
     for (std::size_t k = 0; k < u.size(); ++k)

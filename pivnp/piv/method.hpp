@@ -1,5 +1,5 @@
-// What every correlation method does, and what they share. A method is one file; PairCorrelator picks it by name and
-// makes it anew for every other mask.
+// What every correlation method does, and what they share. A method is one file and one row of the list in methods.cpp;
+// PairCorrelator makes it anew for every other mask.
 #pragma once
 
 #include "pivnp/piv/piv.hpp"
@@ -15,10 +15,6 @@ class Method {
   /// masked where a node is off, failed elsewhere.
   virtual void correlate(const ImageView& first, const ImageView& second, PixelVectors& vectors) = 0;
 };
-
-inline Anchor anchor_of(const PivOptions& options) {
-  return options.anchor == "central" ? Anchor::central : Anchor::forward;
-}
 
 inline ValidationLimits limits_of(const PivOptions& options) {
   return {options.median_threshold, options.median_floor_px, options.min_score,

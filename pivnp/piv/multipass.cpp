@@ -24,7 +24,7 @@ int search_side(int window_px, int support) {
 
 class Multipass final : public Method {
  public:
-  Multipass(const PivOptions& options, const Extent& extent, int threads);
+  Multipass(const PivOptions& options, const Extent& extent, int threads, Search last_window);
   void correlate(const ImageView& first, const ImageView& second, PixelVectors& vectors) override;
 
  private:
@@ -39,7 +39,7 @@ class Multipass final : public Method {
   WindowPasses windows_;
 };
 
-Multipass::Multipass(const PivOptions& options, const Extent& extent, int threads)
+Multipass::Multipass(const PivOptions& options, const Extent& extent, int threads, Search last_window)
     : options_(options),
       nodes_(extent.nodes),
       width_(extent.width),
@@ -56,7 +56,7 @@ Multipass::Multipass(const PivOptions& options, const Extent& extent, int thread
   // one pass at the nodes themselves.
   const int support = support_of_window(sides.back());
   const auto window = static_cast<float>(sides.back());
-  const bool searches = options.method != "ncc" || sides.size() == 1;
+  const bool searches = last_window == Search::far || sides.size() == 1;
   windows_.add(searches && passes_ > 2 ? search_side(sides.back(), support) : support, 1, window / 2,
                passes_ > 1 ? 1 : 0, searches);
   if (passes_ > 2)
@@ -105,8 +105,8 @@ void Multipass::measure_node(WindowTools& tools, const WarpedPair& warped, std::
   vectors.status[k] = accepted ? VectorStatus::valid : VectorStatus::rejected;
 }
 
-// The nodes may be far apart for the field's curvature; the predictor, validated on a finer lattice, knows it. So they
-// are judged by what they deviate from it.
+// The nodes may be far apart for the field's curvature; the predictor, validated on a finer lattice, knows it. So the
+// median test sees what they deviate from it.
 void Multipass::validate_nodes(PixelVectors& vectors) {
   VectorGrid grid{nodes_.nx, nodes_.ny, vectors.displacement, {}};
   for (std::size_t k = 0; k < grid.displacement.size(); ++k) {
@@ -125,21 +125,9 @@ void Multipass::validate_nodes(PixelVectors& vectors) {
 
 }  // namespace
 
-int support_of_window(int window_px) { return 2 * static_cast<int>(std::lround(0.6 * window_px)); }
-
-std::vector<int> window_sides(const PivOptions& options, int width, int height) {
-  const int last = options.window_px;
-  int first = options.first_window_px;
-  if (first == 0) first = std::min(std::max(128, 4 * last), std::min(width, height) / 2);
-  first = std::min(first, std::min(width, height));
-  std::vector<int> sides;
-  for (int side = first; side > last; side = side / 2 > last ? side / 2 : last) sides.push_back(side);
-  sides.push_back(last);
-  return sides;
-}
-
-std::unique_ptr<Method> make_multipass(const PivOptions& options, const Extent& extent, int threads) {
-  return std::make_unique<Multipass>(options, extent, threads);
+std::unique_ptr<Method> make_multipass(const PivOptions& options, const Extent& extent, int threads,
+                                       Search last_window) {
+  return std::make_unique<Multipass>(options, extent, threads, last_window);
 }
 
 }  // namespace pivnp::piv

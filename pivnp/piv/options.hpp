@@ -1,20 +1,33 @@
 // What a case says about image correlation: section [piv].
 #pragma once
 
+#include <array>
 #include <string>
+#include <vector>
 
+#include "pivnp/core/choice.hpp"
 #include "pivnp/core/options.hpp"
+#include "pivnp/core/record/vectors.hpp"
 
 namespace pivnp::piv {
 
+/// Names of the correlation methods, in the order of their list (methods.hpp).
+std::vector<std::string> piv_method_names();
+
+/// What brings the noise of a dense field down.
+enum class Smoothing { adaptive, window };
+inline constexpr std::array smoothing_names{NamedValue{"adaptive", Smoothing::adaptive},
+                                            NamedValue{"window", Smoothing::window}};
+constexpr const auto& names_of(Smoothing) { return smoothing_names; }
+
 struct PivOptions {
   std::string method = "default";
-  std::string smoothing = "adaptive";
+  Smoothing smoothing = Smoothing::adaptive;
   int order = 1;
   int window_px = 32;
   int first_window_px = 0;
   int passes = 0;
-  std::string anchor = "central";
+  Anchor anchor = Anchor::central;
   double median_threshold = 2.0;
   double median_floor_px = 0.1;
   double min_score = 0.1;
@@ -27,11 +40,10 @@ struct PivOptions {
   static void fields(Self& self, Visitor&& visit) {
     visit("method", self.method,
           OptionInfo{.text = "correlation method (default: the one recommended, at present gn)",
-                     .choices = {"default", "gn", "fast", "fft", "ncc", "dis"}});
+                     .names = &piv_method_names});
     visit("smoothing", self.smoothing,
-          OptionInfo{.text = "gn, fast: adaptive, as much as the field's own noise allows (weak structures are lost with "
-                             "it); window, subsets of window_px and no more",
-                     .choices = {"adaptive", "window"}});
+          OptionInfo{.text = "gn, fast: adaptive, as much as the field's own noise allows (weak structures are lost "
+                             "with it); window, subsets of window_px and no more"});
     visit("order", self.order,
           OptionInfo{.text = "gn with smoothing = window: order of the subsets' deformation", .min = 0, .max = 2});
     visit("window_px", self.window_px,
@@ -46,8 +58,7 @@ struct PivOptions {
                      .max = 512});
     visit("passes", self.passes, OptionInfo{.text = "passes with the last window (0: chosen)", .min = 0, .max = 20});
     visit("anchor", self.anchor,
-          OptionInfo{.text = "instant that a vector's place belongs to: middle of the pair, or its first frame",
-                     .choices = {"central", "forward"}});
+          OptionInfo{.text = "instant that a vector's place belongs to: middle of the pair, or its first frame"});
     visit("median_threshold", self.median_threshold,
           OptionInfo{.text = "normalised median test: residual over neighbours' scatter", .min = 0, .above_min = true});
     visit("median_floor_px", self.median_floor_px,
@@ -56,8 +67,8 @@ struct PivOptions {
           OptionInfo{.text = "correlation coefficient below which a vector is rejected", .min = -1, .max = 1});
     visit("max_sigma_px", self.max_sigma_px,
           OptionInfo{.unit = "px",
-                     .text = "stated standard deviation above which a vector is rejected (gn, fast, dis: where frames match "
-                             "fully; less where they match less)",
+                     .text = "stated standard deviation above which a vector is rejected (gn, fast, dis: where frames "
+                             "match fully; less where they match less)",
                      .min = 0,
                      .above_min = true});
     visit("min_usable", self.min_usable,
@@ -65,8 +76,8 @@ struct PivOptions {
     visit("replace", self.replace,
           OptionInfo{.text = "rebuild rejected vectors from valid neighbours (marked as replaced)"});
     visit("closure", self.closure,
-          OptionInfo{.text = "chains of steps, over the sequence, held against direct pairs of their ends (one pair more a "
-                             "chain): what the uncertainty of paths must hold beside random error (below 2: none)",
+          OptionInfo{.text = "chains of steps, over the sequence, held against direct pairs of their ends (one pair more "
+                             "a chain): what the uncertainty of paths must hold beside random error (below 2: none)",
                      .min = 0,
                      .max = 100});
   }

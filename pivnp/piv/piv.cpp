@@ -7,12 +7,9 @@
 #include <utility>
 
 #include "pivnp/core/error.hpp"
-#include "pivnp/piv/dis.hpp"
-#include "pivnp/piv/gauss_newton.hpp"
+#include "pivnp/piv/methods.hpp"
 #include "pivnp/piv/sampling/extent.hpp"
-#include "pivnp/piv/sampling/lattice.hpp"
-#include "pivnp/piv/method.hpp"
-#include "pivnp/piv/multipass.hpp"
+#include "pivnp/piv/window_passes.hpp"
 
 namespace pivnp::piv {
 
@@ -23,13 +20,14 @@ namespace {
 }
 
 // What ranges of single options cannot say.
-void check(const PivOptions& options, const NodeLattice& lattice, int width, int height) {
+void check(const PivOptions& options, const PivMethod& method, const NodeLattice& lattice, int width, int height) {
   if (width < 1 || height < 1) throw InputError("piv: found frames without pixels, expected at least 1 x 1");
-  if (options.anchor != "central" && options.anchor != "forward")
-    refuse("anchor", "'" + options.anchor + "'", "central or forward");
-  if (options.window_px < 8 || options.window_px > std::min(width, height))
+  if (std::find(method.anchors.begin(), method.anchors.end(), options.anchor) == method.anchors.end())
+    refuse("anchor", "'" + std::string(name_of(options.anchor)) + "'", "an anchor that method " + method.name + " has");
+  if (options.window_px < method.least_window_px || options.window_px > std::min(width, height))
     refuse("window_px", std::to_string(options.window_px),
-           "8 to the frames' shorter side (" + std::to_string(std::min(width, height)) + " px)");
+           std::to_string(method.least_window_px) + " to the frames' shorter side (" +
+               std::to_string(std::min(width, height)) + " px)");
   if (options.first_window_px != 0 && options.first_window_px < options.window_px)
     refuse("first_window_px", std::to_string(options.first_window_px),
            "0 or at least window_px (" + std::to_string(options.window_px) + ")");
@@ -45,18 +43,19 @@ void check(const PivOptions& options, const NodeLattice& lattice, int width, int
 
 struct PairCorrelator::Impl {
   PivOptions options;
+  const PivMethod& row;
   NodeLattice nodes;
-  Anchor anchor = Anchor::central;
   int width = 0, height = 0, threads = 1;
   // Made for a mask:
   std::vector<std::uint8_t> mask;  // [height][width]; empty without one
   Box box;                         // what the method sees of the frames
   std::unique_ptr<Method> method;
 
-  Impl(const PivOptions& piv_options, NodeLattice lattice, int frame_width, int frame_height, int thread_count)
+  Impl(const PivOptions& piv_options, const PivMethod& piv_method, NodeLattice lattice, int frame_width,
+       int frame_height, int thread_count)
       : options(piv_options),
+        row(piv_method),
         nodes(std::move(lattice)),
-        anchor(anchor_of(piv_options)),
         width(frame_width),
         height(frame_height),
         threads(std::max(1, thread_count)) {
@@ -84,14 +83,7 @@ struct PairCorrelator::Impl {
     Extent extent{live_nodes(nodes, whole, 0.5f * static_cast<float>(options.window_px)), part_of(whole, box),
                   box.width(), box.height()};
     for (auto& [x, y] : extent.nodes.pixel) x -= static_cast<float>(box.x0), y -= static_cast<float>(box.y0);
-    if (options.method == "default" || options.method == "gn" || options.method == "fast")
-      method = make_gauss_newton(options, extent, threads, options.method == "fast" ? 2 : 1);
-    else if (options.method == "fft" || options.method == "ncc")
-      method = make_multipass(options, extent, threads);
-    else if (options.method == "dis")
-      method = make_dense_inverse_search(options, extent, threads);
-    else
-      refuse("method", "'" + options.method + "'", "default, gn, fast, fft, ncc or dis");
+    method = row.make(options, extent, threads);
     empty = empty_vectors(extent.nodes);
   }
 
@@ -100,7 +92,7 @@ struct PairCorrelator::Impl {
   PixelVectors empty_vectors(const NodeLattice& live) const {
     constexpr float nan = std::numeric_limits<float>::quiet_NaN();
     const std::size_t count = nodes.pixel.size();
-    PixelVectors vectors{anchor, {}, {}, {}, {}, nan};
+    PixelVectors vectors{options.anchor, {}, {}, {}, {}, nan};
     vectors.displacement.assign(count, {nan, nan});
     vectors.cov.assign(count, {nan, nan, nan});
     vectors.score.assign(count, nan);
@@ -115,8 +107,9 @@ struct PairCorrelator::Impl {
 };
 
 PairCorrelator::PairCorrelator(const PivOptions& options, NodeLattice lattice, int width, int height, int threads) {
-  check(options, lattice, width, height);
-  impl_ = std::make_unique<Impl>(options, std::move(lattice), width, height, threads);
+  const PivMethod& method = piv_methods().at(options.method, "piv.method");
+  check(options, method, lattice, width, height);
+  impl_ = std::make_unique<Impl>(options, method, std::move(lattice), width, height, threads);
 }
 
 PairCorrelator::~PairCorrelator() = default;
@@ -126,6 +119,8 @@ PixelVectors PairCorrelator::correlate(const ImageView& first, const ImageView& 
     if (view->width != impl_->width || view->height != impl_->height)
       throw InputError("piv: found a frame of " + std::to_string(view->width) + " x " + std::to_string(view->height) +
                        " px, expected " + std::to_string(impl_->width) + " x " + std::to_string(impl_->height));
+  if (mask.data != nullptr && !impl_->row.masks)
+    throw InputError("piv: found a mask, expected none: method " + impl_->row.name + " cannot leave pixels out");
   if (mask.data != nullptr && (mask.width != impl_->width || mask.height != impl_->height))
     throw InputError("piv: found a mask of " + std::to_string(mask.width) + " x " + std::to_string(mask.height) +
                      " px, expected " + std::to_string(impl_->width) + " x " + std::to_string(impl_->height));

@@ -19,7 +19,8 @@ namespace pivnp::piv {
 /// its edge, or no texture above rounding (NaN); rejected, measured but untrusted: score or stated error beyond its
 /// limit, no peak, or out of line with its neighbours (value kept); replaced, rebuilt from neighbours, score as
 /// measured. Covariance: random error only (docs: correlation statistics); systematic error comes on top.
-/// Throws InputError: unknown method or anchor, windows that do not fit, arrays or frames of another size.
+/// Throws InputError: unknown method, an anchor, window or mask that the method cannot take, windows that do not fit,
+/// arrays or frames of another size.
 class PairCorrelator {
  public:
   PairCorrelator(const PivOptions& options, NodeLattice lattice, int width, int height, int threads);

@@ -17,25 +17,26 @@ constexpr int side_px = 32;  // of the windows, pixels of the level
 Mismatch::Mismatch(const MatchQuality& quality, float rounding)
     : textured(quality.score.size()), poor(quality.score.size()) {
   constexpr float poor_score = 0.6f, most_poor = 0.4f;
-  std::size_t judged = 0;
+  std::size_t compared = 0;
   for (std::size_t k = 0; k < textured.size(); ++k) {
     textured[k] = quality.usable[k] >= 0.3f && quality.variance[k] > 4 * rounding && quality.contrast[k] > 0.1f;
     poor[k] = textured[k] && quality.score[k] < poor_score;
-    judged += textured[k], count += poor[k];
+    compared += textured[k], count += poor[k];
   }
-  hopeless = static_cast<float>(count) > most_poor * static_cast<float>(judged);
+  frames_poor = static_cast<float>(count) > most_poor * static_cast<float>(compared);
 }
 
-Rematcher::Rematcher(const PivOptions& options, int threads)
+Recorrelation::Recorrelation(const PivOptions& options, int threads)
     : median_threshold_(options.median_threshold),
       median_floor_px_(options.median_floor_px),
       min_usable_(static_cast<float>(options.min_usable)),
-      anchor_(anchor_of(options)),
+      anchor_(options.anchor),
       threads_(threads) {
   for (int t = 0; t < threads_; ++t) tools_.emplace_back(side_px, true);
 }
 
-void Rematcher::search(const GnLevel& level, const Mismatch& mismatch, std::vector<float>& u, std::vector<float>& v) {
+void Recorrelation::search(const GnLevel& level, const Mismatch& mismatch, std::vector<float>& u,
+                           std::vector<float>& v) {
   const CellLattice& lattice = level.lattice();
   const auto scale = static_cast<float>(level.decimation());
   known_ = {lattice.nx, lattice.ny, std::vector<std::array<float, 2>>(lattice.size()),
@@ -68,8 +69,8 @@ void Rematcher::search(const GnLevel& level, const Mismatch& mismatch, std::vect
   }
 }
 
-void Rematcher::find(const GnLevel& level, std::size_t k, WindowTools& tools,
-                     const std::vector<std::uint8_t>& textured) {
+void Recorrelation::find(const GnLevel& level, std::size_t k, WindowTools& tools,
+                         const std::vector<std::uint8_t>& textured) {
   constexpr float least_score = 0.5f;
   const CellLattice& lattice = level.lattice();
   const int i = static_cast<int>(k % std::size_t(lattice.nx)), j = static_cast<int>(k / std::size_t(lattice.nx));

@@ -13,16 +13,16 @@ namespace pivnp::piv {
 /// Points of a lattice that have texture, and those of them whose frames do not match.
 struct Mismatch {
   std::vector<std::uint8_t> textured, poor;
-  std::size_t count = 0;  // of the poor ones
-  bool hopeless = false;  // so many that the frames are poor, not the match
+  std::size_t count = 0;     // of the poor ones
+  bool frames_poor = false;  // so many that the frames are poor, not the match
 
   Mismatch(const MatchQuality& quality, float rounding);
 };
 
 /// Searches points next to poor ones with small windows, from what the matched surroundings say.
-class Rematcher {
+class Recorrelation {
  public:
-  Rematcher(const PivOptions& options, int threads);
+  Recorrelation(const PivOptions& options, int threads);
   /// `u`, `v`: the field at the level's lattice, level pixels; open points get new values.
   void search(const GnLevel& level, const Mismatch& mismatch, std::vector<float>& u, std::vector<float>& v);
 

@@ -17,6 +17,17 @@ constexpr float smoothing = 0.3f;      // standard deviation of the predictor's 
 
 }  // namespace
 
+std::vector<int> window_sides(const PivOptions& options, int width, int height) {
+  const int last = options.window_px;
+  int first = options.first_window_px;
+  if (first == 0) first = std::min(std::max(128, 4 * last), std::min(width, height) / 2);
+  first = std::min(first, std::min(width, height));
+  std::vector<int> sides;
+  for (int side = first; side > last; side = side / 2 > last ? side / 2 : last) sides.push_back(side);
+  sides.push_back(last);
+  return sides;
+}
+
 int decimation_of(int side, int last_side) {
   int decimation = 1;
   while (side > last_side && side / (2 * decimation) >= search_side) decimation *= 2;
@@ -24,7 +35,7 @@ int decimation_of(int side, int last_side) {
 }
 
 WindowPasses::WindowPasses(const PivOptions& options, const Extent& extent, int threads)
-    : options_(options), extent_(extent), threads_(std::max(1, threads)), anchor_(anchor_of(options)) {}
+    : options_(options), extent_(extent), threads_(std::max(1, threads)), anchor_(options.anchor) {}
 
 void WindowPasses::add(int side, int decimation, float step, int passes, bool searches) {
   WindowStage stage;

@@ -3,16 +3,14 @@
 
 #include <vector>
 
-#include "pivnp/piv/window/correlate.hpp"
-#include "pivnp/piv/sampling/extent.hpp"
 #include "pivnp/piv/piv.hpp"
-#include "pivnp/piv/window/uncertainty.hpp"
+#include "pivnp/piv/sampling/extent.hpp"
 #include "pivnp/piv/validation/median_test.hpp"
+#include "pivnp/piv/window/correlate.hpp"
+#include "pivnp/piv/window/uncertainty.hpp"
 #include "pivnp/piv/window/warp.hpp"
 
 namespace pivnp::piv {
-
-enum class Search { far, near };
 
 /// What one thread needs for windows of one side.
 struct WindowTools {
@@ -39,6 +37,10 @@ struct WindowStage {
 
   int level_side() const { return side / decimation; }
 };
+
+/// Sides of the windows in pixels of the full image, first to last. `first_window_px` = 0: four times the last window,
+/// at least 128 px, at most half the image's shorter side.
+std::vector<int> window_sides(const PivOptions& options, int width, int height);
 
 /// Decimation at which about 32 pixels of a window are left; the last window always sees the full image.
 int decimation_of(int side, int last_side);

@@ -92,8 +92,8 @@ int main(int argc, char** argv) {
         for (const bool with_cov : {false, true}) {
           const bool plain = std::string(shape) == "bilinear";
           if (!plain && (with_cov || std::string(gradient) == "element")) continue;
-          np::Increments there = np::sample_increments(motion, grid, anchor, 0, 1);
-          np::Increments back = np::sample_increments(motion, grid, anchor, 1, 2);
+          np::NodalIncrements there = np::sample_increments(motion, grid, anchor, 0, 1);
+          np::NodalIncrements back = np::sample_increments(motion, grid, anchor, 1, 2);
           if (with_cov) there.cov.assign(grid.node_count(), {1e-6f, 1e-6f, 0});
           back.cov = there.cov;
           const Rate rate = measure(particles, np::vector_field(there, {0, 1}), np::vector_field(back, {1, 2}), shape,

@@ -73,7 +73,7 @@ int stream(const fs::path& directory, int side, int frames) {
   const np::ReversingVortex motion({lo + side / 2.0, lo + side / 2.0}, side / 3.0, 3.5 / side, 2);
   std::array<VectorField, 2> pairs;  // there and back
   for (int k = 0; k < 2; ++k) {
-    np::Increments d = np::sample_increments(motion, grid, Anchor::central, k, k + 1);
+    np::NodalIncrements d = np::sample_increments(motion, grid, Anchor::central, k, k + 1);
     d.cov.assign(grid.node_count(), {1e-6f, 1e-6f, 0});
     pairs[std::size_t(k)] = np::vector_field(d, {k, k + 1});
   }

@@ -1,4 +1,4 @@
-// Outliers put into true fields of vectors: how many of them the validation finds, and how many good ones it condemns.
+// Outliers put into true fields of vectors: how many of them the validation finds, and how many good ones it rejects.
 #pragma once
 
 #include <cmath>
@@ -36,10 +36,10 @@ inline std::vector<OutlierField> outlier_fields() {
 }
 
 struct OutlierCounts {
-  double outliers = 0, hit = 0, good = 0, condemned = 0;
-  void add(const OutlierCounts& o) { outliers += o.outliers, hit += o.hit, good += o.good, condemned += o.condemned; }
+  double outliers = 0, hit = 0, good = 0, rejected = 0;
+  void add(const OutlierCounts& o) { outliers += o.outliers, hit += o.hit, good += o.good, rejected += o.rejected; }
   double found() const { return hit / outliers; }
-  double false_alarms() const { return condemned / good; }
+  double false_alarms() const { return rejected / good; }
   bool met() const { return found() >= 0.95 && false_alarms() <= 0.02; }
 };
 
@@ -82,7 +82,7 @@ inline OutlierCounts inject(const OutlierField& field, OutlierKind kind, double 
   OutlierCounts c;
   for (std::size_t k = 0; k < outlier.size(); ++k) {
     (outlier[k] ? c.outliers : c.good) += 1;
-    if (!grid.good[k]) (outlier[k] ? c.hit : c.condemned) += 1;
+    if (!grid.good[k]) (outlier[k] ? c.hit : c.rejected) += 1;
   }
   return c;
 }

@@ -1,5 +1,5 @@
 // Real and published images, each against what is known of it: one list of figures for the tests and the bench.
-// Images are read with OpenCV directly: the figures judge the correlation, not our readers.
+// Images are read with OpenCV directly: the figures are about the correlation, not our readers.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -54,7 +54,7 @@ inline double median(std::vector<double> values) {
 }
 
 inline PixelVectors correlate(const Image& a, const Image& b, const NodeLattice& nodes, PivOptions options,
-                              const char* anchor, int threads) {
+                              Anchor anchor, int threads) {
   options.anchor = anchor;
   return PairCorrelator(options, nodes, a.width(), a.height(), threads).correlate(a.view(), b.view(), {});
 }
@@ -99,7 +99,7 @@ inline RealFigures dic_challenge_14(const fs::path& data, const PivOptions& opti
   for (const auto& [name, limit] : images) {
     const std::size_t column = name[1] == '1' ? 1 : 5;
     const PixelVectors found = correlate(reference, read(folder / ("Sample14 " + std::string(name) + " Amp0.1b.tif")),
-                                         nodes, options, "forward", threads);
+                                         nodes, options, Anchor::forward, threads);
     std::vector<double> sum(std::size_t(nodes.nx), 0), count(std::size_t(nodes.nx), 0);
     for (std::size_t k = 0; k < nodes.pixel.size(); ++k)
       if (found.status[k] == VectorStatus::valid)
@@ -125,7 +125,7 @@ inline RealFigures dice_rigid_shift(const fs::path& data, const PivOptions& opti
   for (const int k : {1, 2, 5, 10, 15}) {
     const std::string shift = std::to_string(k);
     const Image def = read(data / ("dice_rigid_shift/def_" + shift + ".tif"));
-    const Field f = summarise(correlate(ref, def, nodes, options, options.anchor.c_str(), threads));
+    const Field f = summarise(correlate(ref, def, nodes, options, options.anchor, threads));
     const double off = std::max(std::abs(f.mean[0] - k), std::abs(f.mean[1] - k));
     figures.push_back({"whole-pixel shift " + shift + ": field mean off, px", off, 0.005});
     figures.push_back({"whole-pixel shift " + shift + ": valid", f.valid, 0.98, true});
@@ -142,7 +142,7 @@ inline RealFigures speckle_affine(const fs::path& data, const PivOptions& option
                                                                   {"Shear", {0, 0.01, 0.01, 0}}};
   for (const auto& [name, truth] : images) {
     const Image def = read(data / ("speckle_affine/Pattern_1_" + std::string(name) + ".bmp"));
-    const PixelVectors found = correlate(ref, def, nodes, options, "forward", threads);
+    const PixelVectors found = correlate(ref, def, nodes, options, Anchor::forward, threads);
     Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
     Eigen::Matrix<double, 3, 2> sums = Eigen::Matrix<double, 3, 2>::Zero();
     for (std::size_t k = 0; k < nodes.pixel.size(); ++k) {
@@ -164,7 +164,7 @@ inline RealFigures speckle_affine(const fs::path& data, const PivOptions& option
 /// particles are about one pixel wide.
 inline RealFigures test14(const fs::path& data, const PivOptions& options, int threads) {
   RealFigures figures;
-  for (const char* anchor : {"forward", "central"})
+  for (const Anchor anchor : {Anchor::forward, Anchor::central})
     for (const char* name : {"096", "104", "112", "128"}) {
       const std::string stem = std::string("openpiv/test14_disp_series/disp_") + name;
       const Image a = read(data / (stem + "a.bmp")), b = read(data / (stem + "b.bmp"));
@@ -172,7 +172,7 @@ inline RealFigures test14(const fs::path& data, const PivOptions& options, int t
       const double shift = std::atoi(name) / 32.0;
       const double off =
           std::max(std::abs(std::abs(f.median_of[0]) - shift), std::abs(std::abs(f.median_of[1]) - shift));
-      const std::string title = "test14 " + std::string(name) + ", " + anchor;
+      const std::string title = "test14 " + std::string(name) + ", " + std::string(name_of(anchor));
       figures.push_back({title + ": median off, px", off, 0.02});
       figures.push_back({title + ": valid", f.valid, 0.95, true});
     }
@@ -242,7 +242,8 @@ inline RealFigures openpiv(const fs::path& data, const PivOptions& options, int 
     const Theirs theirs = on_lattice(points);
     Difference difference;
     difference.add(
-        correlate(read(data / "openpiv" / a), read(data / "openpiv" / b), theirs.nodes, options, "central", threads),
+        correlate(read(data / "openpiv" / a), read(data / "openpiv" / b), theirs.nodes, options, Anchor::central,
+                  threads),
         theirs);
     for (const RealFigure& f : difference.figures(name, 0.07, 0.8)) figures.push_back(f);
   }
@@ -260,7 +261,8 @@ inline RealFigures dice(const fs::path& data, const PivOptions& options, int thr
   const Theirs theirs = on_lattice(points);
   Difference difference;
   difference.add(correlate(read(data / "dic_challenge_12/oht_cfrp_00.tiff"),
-                           read(data / "dic_challenge_12/oht_cfrp_01.tiff"), theirs.nodes, options, "forward", threads),
+                           read(data / "dic_challenge_12/oht_cfrp_01.tiff"), theirs.nodes, options, Anchor::forward,
+                           threads),
                  theirs);
   return difference.figures("DICe, sample 12", 0.03, 0.9);
 }
@@ -283,7 +285,8 @@ inline RealFigures pivlab(const fs::path& data, const PivOptions& options, int t
       if (std::sscanf(line.c_str(), "%lf,%lf,%lf,%lf", &x, &y, &u, &v) >= 2) points.push_back({x - 1, y - 1, u, v});
     }
     const Theirs theirs = on_lattice(points);
-    difference.add(correlate(read(frames[pair]), read(frames[pair + 1]), theirs.nodes, options, "forward", threads),
+    difference.add(correlate(read(frames[pair]), read(frames[pair + 1]), theirs.nodes, options, Anchor::forward,
+                             threads),
                    theirs);
   }
   return difference.figures("PIVlab, sand wedge", 0.15, 0.7);

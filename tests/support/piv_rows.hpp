@@ -20,11 +20,11 @@ struct RowLimits {
   double gain = 0;   // recovered share of the displacement, at least
 };
 
-enum class RowKind { clean, gradient, noise, loss, light };
+enum class RowKind { clean, gradient, noise, loss, illumination };
 
 struct Row {
   std::string name = {};
-  std::string group = {};  // rows of one group are judged as one, by their worst figures; empty: alone
+  std::string group = {};  // rows of one group count as one, by their worst figures; empty: alone
   RowKind kind = RowKind::clean;
   Motion motion = {};
   double noise = 0, loss = 0, light_slope = 0, light_change = 0;
@@ -96,7 +96,7 @@ inline std::vector<Row> piv_rows(int side, bool more = false) {
   bad("sine 64 loss 20 %", sine(1, 64), 0, .2, {.rms = .035, .valid = .95});
   bad("band w=8 loss 20 %", band(2, 8, c, c), 0, .2, {.rms = .045, .valid = .95}), banded(8, 2);
   rows.push_back({.name = "sine 64 uneven light",
-                  .kind = RowKind::light,
+                  .kind = RowKind::illumination,
                   .motion = sine(1, 64),
                   .light_slope = .4,
                   .light_change = .1,

@@ -10,7 +10,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "apps/report/chart.hpp"
+#include "apps/plot/chart.hpp"
 #include "pivnp/core/text.hpp"
 #include "tests/support/verification.hpp"
 #include "tests/verification/np_testing.hpp"
@@ -32,7 +32,7 @@ struct Line {
 Line read_line(const std::string& shape, int cells) {
   constexpr double size = 1e-3;  // of the displacement: any
   const Grid grid{{0, 0}, {1.0 / cells, 1.0 / cells}, cells + 1, cells + 1};
-  Increments d;
+  NodalIncrements d;
   d.anchor = Anchor::forward;
   d.grid = grid;
   for (int j = 0; j <= cells; ++j)

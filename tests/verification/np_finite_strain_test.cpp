@@ -49,7 +49,7 @@ TEST(FiniteStrain, TheWrongRuleIsCaught) {
   const AffineMotion turn = AffineMotion::rotation(full_turn / 100, {0, 0});
   Tracker tracker({}, square(), 0);
   for (int k = 0; k < 100; ++k) {
-    Increments d = sample_increments(turn, mesh, Anchor::central, k, k + 1);
+    NodalIncrements d = sample_increments(turn, mesh, Anchor::central, k, k + 1);
     d.anchor = Anchor::forward;  // the mistake
     tracker.step(d, k + 1);
   }
@@ -63,7 +63,7 @@ TEST(FiniteStrain, TheWrongRuleIsCaught) {
 
   Tracker other({}, square(), 0);
   for (int k = 0; k < 100; ++k) {
-    Increments d = sample_increments(turn, mesh, Anchor::forward, k, k + 1);
+    NodalIncrements d = sample_increments(turn, mesh, Anchor::forward, k, k + 1);
     d.anchor = Anchor::central;  // the opposite mistake shrinks
     other.step(d, k + 1);
   }

@@ -76,7 +76,7 @@ TEST(Section23, OnlyTheNodesCoveredByTheSampleAreMeasured) {
       std::size_t fitted = 0;
       for (int k = 0; k < run.steps; ++k) {
         const double t0 = run.end * k / run.steps, t1 = run.end * (k + 1) / run.steps;
-        Increments d = sample_increments(run.motion, mesh, anchor, t0, t1);
+        NodalIncrements d = sample_increments(run.motion, mesh, anchor, t0, t1);
         const Mat2 F = run.motion.deformation({0, 0}, t0);
         const Vec2 at_origin = run.motion.position({0, 0}, t0);
         for (int j = 0; j < mesh.ny; ++j)
@@ -89,10 +89,10 @@ TEST(Section23, OnlyTheNodesCoveredByTheSampleAreMeasured) {
           }
         tracker.step(d, t1);
         for (std::size_t p = 0; p < tracker.state().size(); ++p)
-          fitted += tracker.state()[p].status == ParticleStatus::doubtful;
+          fitted += tracker.state()[p].status == ParticleStatus::flagged;
       }
       EXPECT_GT(fitted, 0u);
-      expect_exact(tracker, run.motion, run.end, ParticleStatus::doubtful);
+      expect_exact(tracker, run.motion, run.end, ParticleStatus::flagged);
     }
 }
 

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
 
-bool alive(ParticleStatus s) { return s == ParticleStatus::active || s == ParticleStatus::doubtful; }
+bool alive(ParticleStatus s) { return s == ParticleStatus::active || s == ParticleStatus::flagged; }
 
 // Derivative at t of the parabola through three points (Lagrange); any spacing, second order.
 double parabola_slope(const std::array<double, 3>& t, const std::array<double, 3>& f, double at) {

@@ -17,8 +17,8 @@ namespace pivnp {
 enum class ParticleStatus : std::uint8_t {
   unborn = 0,
   active = 1,
-  doubtful = 2,  // followed, but this step rests on replaced vectors or on a local fit
-  ended = 3,     // values are those of the last good time
+  flagged = 2,  // followed, but this step rests on replaced vectors or on a local fit
+  ended = 3,    // values are those of the last good time
 };
 
 /// What stays the same for every particle; index = position in every per-particle array.

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "pivnp/core/choice.hpp"
 #include "pivnp/core/grid/grid.hpp"
 
 namespace pivnp {
@@ -12,6 +13,8 @@ namespace pivnp {
 /// Which instant a vector's place belongs to: the first frame (the node's material moves from the node), or the middle
 /// of the pair (symmetric windows).
 enum class Anchor : std::uint8_t { forward = 0, central = 1 };
+inline constexpr std::array anchor_names{NamedValue{"central", Anchor::central}, NamedValue{"forward", Anchor::forward}};
+constexpr const auto& names_of(Anchor) { return anchor_names; }
 
 enum class VectorStatus : std::uint8_t {
   masked = 0,    // no measurement asked for here

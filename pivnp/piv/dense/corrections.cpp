@@ -19,7 +19,7 @@ void limit_step(float& du, float& dv) {
 
 // Gauss-Newton in one window: `terms` polynomial terms a component, about lattice point (i, j).
 template <int terms>
-bool solve_window(const CellSums& sums, int i, int j, int reach, const std::vector<float>& weight, Increments& out) {
+bool solve_window(const CellSums& sums, int i, int j, int reach, const std::vector<float>& weight, Corrections& out) {
   constexpr int size = 2 * terms;
   using Matrix = Eigen::Matrix<double, size, size>;
   using Vector = Eigen::Matrix<double, size, 1>;
@@ -68,7 +68,7 @@ bool solve_window(const CellSums& sums, int i, int j, int reach, const std::vect
 
 }  // namespace
 
-void cell_increments(const CellSums& sums, float rounding, Increments& out) {
+void cell_corrections(const CellSums& sums, float rounding, Corrections& out) {
   constexpr float prior = 0.3f;
   constexpr int reach = 4;  // cells that count as "around"
   const std::size_t count = sums.lattice.size();
@@ -88,8 +88,8 @@ void cell_increments(const CellSums& sums, float rounding, Increments& out) {
   }
 }
 
-void window_increments(const CellSums& sums, int order, float window_px, const std::vector<std::uint8_t>& wanted,
-                       int threads, Increments& out) {
+void window_corrections(const CellSums& sums, int order, float window_px, const std::vector<std::uint8_t>& wanted,
+                        int threads, Corrections& out) {
   const CellLattice& lattice = sums.lattice;
   const auto step = static_cast<float>(lattice.step);
   // A Gaussian averages noise like an even window of 2 sqrt(pi) sigma a side; the hats themselves add step^2 / 6.

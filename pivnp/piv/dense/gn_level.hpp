@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "pivnp/piv/sampling/extent.hpp"
-#include "pivnp/piv/sampling/pixel_flags.hpp"
 #include "pivnp/piv/dense/shrink.hpp"
+#include "pivnp/piv/sampling/extent.hpp"
 #include "pivnp/piv/sampling/level.hpp"
+#include "pivnp/piv/sampling/pixel_flags.hpp"
 
 namespace pivnp::piv {
 

@@ -7,7 +7,7 @@
 
 namespace pivnp::piv {
 
-void LightField::take(const CellSums& sums, int decimation, float rounding) {
+void IlluminationCorrection::take(const CellSums& sums, int decimation, float rounding) {
   constexpr int reach = 2;  // cells
   constexpr float most_gain = 4;
   lattice_ = sums.lattice;
@@ -30,8 +30,8 @@ void LightField::take(const CellSums& sums, int decimation, float rounding) {
   }
 }
 
-void LightField::at(const CellLattice& lattice, int decimation, int threads, std::vector<float>& gain,
-                    std::vector<float>& offset) const {
+void IlluminationCorrection::at(const CellLattice& lattice, int decimation, int threads, std::vector<float>& gain,
+                                std::vector<float>& offset) const {
   gain.resize(lattice.size());
   offset.resize(lattice.size());
   const float ratio = static_cast<float>(decimation) / static_cast<float>(decimation_);

@@ -1,4 +1,4 @@
-// Light that differs between the frames: f = gain g + offset, from the sums of a coarse pass.
+// Illumination that differs between the frames: f = gain g + offset, from the sums of a coarse pass.
 #pragma once
 
 #include <vector>
@@ -9,14 +9,15 @@ namespace pivnp::piv {
 
 /// Gain and offset of the second frame's grey values where the frames are matched: those that give both the same mean
 /// and standard deviation over about twenty cells of the pass they are taken from. Slowly varying over the image.
-class LightField {
+class IlluminationCorrection {
  public:
   /// `sums` of a pass with scores on a level of `decimation`; `rounding`: variance of a grey value's rounding, grey^2.
   void take(const CellSums& sums, int decimation, float rounding);
   void clear() { lattice_ = {}; }
   bool known() const { return lattice_.nx > 0; }
   /// At the points of another level's lattice.
-  void at(const CellLattice& lattice, int decimation, int threads, std::vector<float>& gain, std::vector<float>& offset) const;
+  void at(const CellLattice& lattice, int decimation, int threads, std::vector<float>& gain,
+          std::vector<float>& offset) const;
 
  private:
   CellLattice lattice_;

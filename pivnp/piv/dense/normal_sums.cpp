@@ -73,7 +73,7 @@ void scale_row(const float* in, float factor, int count, float* out) {
     hn::StoreU(hn::Mul(s, hn::LoadU(d, in + k)), d, out + k);
 }
 
-// One row of both warped frames over the band's runs: mean, difference (light corrected) and use.
+// One row of both warped frames over the band's runs: mean, difference (corrected for illumination) and use.
 void warp_row(const SumsInput& input, int row, const float (*weight)[4], int slot, RowStore& store) {
   const D d;
   const int lanes = static_cast<int>(hn::Lanes(d));
@@ -265,16 +265,16 @@ void sum_band(const SumsInput& input, int band, CellSums& sums, std::vector<floa
     }
     return;
   }
-  const auto light = [&](int j) {
+  const auto expand_illumination = [&](int j) {
     if (input.gain == nullptr) return;
     expand_points(*input.gain, lattice, j, store.line(store.gain));
     expand_points(*input.offset, lattice, j, store.line(store.offset));
   };
-  light(first);
+  expand_illumination(first);
   for (int k = -derivative_reach; k < derivative_reach; ++k)  // row top + k lies in slot k + reach
     warp_row(input, top + k, weight, (k + derivative_reach) % store.slots, store);
   for (int j = first; j < end; ++j) {
-    light(j);
+    expand_illumination(j);
     const int start = (j - first) * step;  // first row of pixels, counted from the band's top
     for (int k = 0; k < step; ++k) {
       const int ahead = start + k + derivative_reach;

@@ -4,15 +4,15 @@
 #include <cstdint>
 #include <vector>
 
-#include "pivnp/piv/sampling/pixel_flags.hpp"
-#include "pivnp/piv/sampling/anchor_shares.hpp"
 #include "pivnp/piv/dense/spline_field.hpp"
+#include "pivnp/piv/sampling/anchor_shares.hpp"
+#include "pivnp/piv/sampling/pixel_flags.hpp"
 #include "pivnp/piv/sampling/spline_image.hpp"
 
 namespace pivnp::piv {
 
 /// What a pass knows: frames, the displacement field that they are warped by, and per lattice point what the robust
-/// weights and the light correction need.
+/// weights and the illumination correction need.
 struct SumsInput {
   const SplineImage* first = nullptr;
   const SplineImage* second = nullptr;
@@ -23,7 +23,7 @@ struct SumsInput {
   // Robust weight of a pixel: 1 / (1 + e^2 / (noise + tolerance |grad|^2))^2 (Geman & McClure 1985). Empty: all 1.
   const std::vector<float>* noise = nullptr;      // grey^2, at lattice points
   const std::vector<float>* tolerance = nullptr;  // px^2
-  // Light: e = f - gain g - offset. Empty: gain 1, offset 0.
+  // Illumination: e = f - gain g - offset. Empty: gain 1, offset 0.
   const std::vector<float>* gain = nullptr;
   const std::vector<float>* offset = nullptr;
   // Cells that matter: of the cell whose upper left point is (i, j), at [j][i] of the lattice; null: all.

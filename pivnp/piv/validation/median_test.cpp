@@ -123,7 +123,7 @@ HWY_INLINE V curvature(const Around& d) {
 }
 
 // How far the point is off its levelled neighbours' median, and how far it may be.
-HWY_INLINE void judge(const Around& d, V floor, V& off, V& granted) {
+HWY_INLINE void deviation(const Around& d, V floor, V& off, V& granted) {
   const V along_i = gradient<1, 0>(d), along_j = gradient<0, 1>(d);
   V v[neighbours_in_all];
   int n = 0;
@@ -171,8 +171,8 @@ void test_row(const MedianRow& row) {
     for (int k = i; k < end; ++k) smooth = smooth && (!row.whole[k] || excess[k - i] <= 0);
     if (!smooth) {
       V off_u, off_v, granted_u, granted_v;
-      judge(u, floor, off_u, granted_u);
-      judge(v, floor, off_v, granted_v);
+      deviation(u, floor, off_u, granted_u);
+      deviation(v, floor, off_v, granted_v);
       const V ru = hn::Div(off_u, granted_u), rv = hn::Div(off_v, granted_v);
       const V relative = hn::Sub(hn::Add(hn::Mul(ru, ru), hn::Mul(rv, rv)), square);
       const V absolute = hn::Sub(hn::Add(hn::Mul(off_u, off_u), hn::Mul(off_v, off_v)), hn::Mul(always, always));

@@ -18,8 +18,9 @@ struct VectorGrid {
 /// differences of adjacent vectors), so that a steep but even gradient is no outlier: a vector fails where
 ///   | d - median | / (median |d_k - median| + bend + floor) > threshold   (norm over both components),
 /// bend being the lower quartile of the neighbours' second differences: what curvature alone makes d deviate by.
-/// A vector with fewer than three good neighbours is not judged. Two rounds: the second judges every candidate against
-/// the survivors of the first, so that what an outlier condemned comes back. Clears `good` of those that fail.
+/// A vector with fewer than three good neighbours is not tested. Two rounds: the second tests every candidate against
+/// the survivors of the first, so that good vectors that an outlier had failed come back. Clears `good` of those that
+/// fail.
 void median_test(VectorGrid& vectors, double threshold, double floor_px, int threads);
 
 }  // namespace pivnp::piv

@@ -13,7 +13,7 @@ namespace pivnp::piv {
 
 /// Diameter (four standard deviations) of the texture's blobs, px, at least about 0.9: from the autocorrelation's fall
 /// from one pixel of lag to two, which noise between pixels does not touch; the pixel's own width is taken off. Means
-/// of blocks of 32 px are taken off first: light and large shapes do not count. NaN without texture.
+/// of blocks of 32 px are taken off first: illumination and large shapes do not count. NaN without texture.
 double blob_diameter(const ImageView& image, const MaskView& mask);
 
 /// Blobs smaller than this are warned of: uniform shifts of blobs of 2 / 1.5 / 1 px are measured to .009 / .017 / .039

@@ -26,7 +26,7 @@ float inside_share(float place, int pixels, float cell) {
 }
 
 // What is trusted at the lattice's points: matched well enough, of a small enough error, and in line with its
-// neighbours. Judged there and not at the nodes, which may lie far apart for the field's curvature.
+// neighbours. Tested there and not at the nodes, which may lie far apart for the field's curvature.
 std::vector<std::uint8_t> trusted_points(const ValidationInput& input, const CellLattice& lattice,
                                          const MatchQuality& quality, const std::vector<float>& u,
                                          const std::vector<float>& v, const std::vector<float>& variance_u,
@@ -46,9 +46,9 @@ std::vector<std::uint8_t> trusted_points(const ValidationInput& input, const Cel
 
 }  // namespace
 
-void validate_vectors(const ValidationInput& input, const SplineField& field, const CellSums& sums, const std::vector<float>& u,
-                 const std::vector<float>& v, const SmoothedField& smooth_u, const SmoothedField& smooth_v,
-                 PixelVectors& vectors) {
+void validate_vectors(const ValidationInput& input, const SplineField& field, const CellSums& sums,
+                      const std::vector<float>& u, const std::vector<float>& v, const SmoothedField& smooth_u,
+                      const SmoothedField& smooth_v, PixelVectors& vectors) {
   const CellLattice& lattice = sums.lattice;
   const auto d = static_cast<float>(input.decimation), cell = static_cast<float>(lattice.step);
   MatchQuality quality;

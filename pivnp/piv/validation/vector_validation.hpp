@@ -25,8 +25,8 @@ struct ValidationInput {
 
 /// `field` the result, `sums` the last pass' with scores, `u`, `v` the field at the lattice's points, `smooth_*` what
 /// smoothing left of their errors. Nodes already masked stay so.
-void validate_vectors(const ValidationInput& input, const SplineField& field, const CellSums& sums, const std::vector<float>& u,
-                 const std::vector<float>& v, const SmoothedField& smooth_u, const SmoothedField& smooth_v,
-                 PixelVectors& vectors);
+void validate_vectors(const ValidationInput& input, const SplineField& field, const CellSums& sums,
+                      const std::vector<float>& u, const std::vector<float>& v, const SmoothedField& smooth_u,
+                      const SmoothedField& smooth_v, PixelVectors& vectors);
 
 }  // namespace pivnp::piv

@@ -8,6 +8,9 @@
 
 namespace pivnp::piv {
 
+/// Over all lags, or over the nearest only.
+enum class Search { far, near };
+
 /// Peak of the normalised cross-correlation c(s) = sum a(x) b(x + s) / (|a| |b| R(s)), R the taper's own correlation.
 struct Peak {
   float dx = 0, dy = 0;     // lag with fraction, pixels of the level: the second window's content lies there

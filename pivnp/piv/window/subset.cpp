@@ -77,7 +77,7 @@ class Subset {
       if (!m.to.allFinite() || (m.to - guess.to).norm() > options_.farthest_px) return m;
       if (Vec2(p[0], p[1]).norm() + far * Eigen::Vector4d(p[2], p[3], p[4], p[5]).norm() < options_.tolerance_px) {
         m.found = compare(second, m);
-        if (m.found) judge(second, m);
+        if (m.found) state_errors(second, m);
         return m;
       }
     }
@@ -160,7 +160,8 @@ class Subset {
     return true;
   }
 
-  void judge(const SubsetImage& second, SubsetMatch& m) {
+  // Score and covariances of a match, from the residuals it leaves.
+  void state_errors(const SubsetImage& second, SubsetMatch& m) {
     double product = 0, left = 0;
     std::fill(residual_.begin(), residual_.end(), std::array<double, 2>{0, 0});
     for (std::size_t place = 0; place < slot_.size(); ++place) {

@@ -38,7 +38,8 @@ void Window::cut(const WarpedPair& pair, float column, float row, bool weights) 
   in.source_stride = pair.stride;
   in.wx = axis_x_.data(), in.wy = axis_y_.data();
   in.side = side, in.stride = stride;
-  in.a = a.data() + index(0, 0), in.b = b.data() + index(0, 0), in.weight = weights ? weight.data() + index(0, 0) : nullptr;
+  in.a = a.data() + index(0, 0), in.b = b.data() + index(0, 0);
+  in.weight = weights ? weight.data() + index(0, 0) : nullptr;
   in.whole = right - left == side && in.end_row - in.first_row == side && pair.whole(x0, y0, x0 + side, y0 + side);
   in.whole_weight = whole;
   const CutSums sums = cut_window(in);
@@ -49,6 +50,8 @@ void Window::cut(const WarpedPair& pair, float column, float row, bool weights) 
   variance_f = sums.weight > 0 ? energy_a / sums.weight : 0.0f;
   variance_g = sums.weight > 0 ? energy_b / sums.weight : 0.0f;
 }
+
+int support_of_window(int window_px) { return 2 * static_cast<int>(std::lround(0.6 * window_px)); }
 
 std::vector<float> taper_correlation(int side, int count) {
   std::vector<float> w(static_cast<std::size_t>(padded_columns(side)));

@@ -31,6 +31,10 @@ struct Window {
   std::vector<float> axis_x_, axis_y_;
 };
 
+/// Side of the tapered window whose noise equals that of an even one of `window_px`: 1.2 times it. (The weight
+/// W = 1 - (2x/L)^2 averages noise like an even window of (sum W)^2 / sum W^2 = 0.833 L an axis.)
+int support_of_window(int window_px);
+
 /// Correlation of w with itself at lags 0 ... count - 1 over that at lag 0: the share by which the taper lowers the
 /// correlation of windows displaced by the lag (Westerweel 1997).
 std::vector<float> taper_correlation(int side, int count);

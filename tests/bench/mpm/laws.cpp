@@ -1,6 +1,6 @@
 // Million stress updates per second of the laws alone, one thread by its own processor time: points at 10 kPa that are
 // sheared on at failure, each in a direction of its own, by the same strain at every step.
-//   mpm_laws [runs=5] [target=avx3|avx2|sse4|ssse3|sse2]
+//   mpm_laws [runs=5] [target=avx3|avx2|sse2]
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

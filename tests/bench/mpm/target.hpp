@@ -12,7 +12,7 @@
 
 namespace pivnp::bench {
 
-/// Runs the kernels on the set of this name (avx3, avx2, sse4, ssse3, sse2); ends the program where there is none.
+/// Runs the kernels on the set of this name (avx3, avx2, sse2); ends the program where there is none.
 inline void choose_target(const std::string& name) {
   std::string known;
   for (const std::int64_t set : test::instruction_sets()) {

@@ -1,6 +1,6 @@
 // Million particle-steps per second of the column of the peers' comparison: L x L in a box 2L x 1.2L, 2 x 2 particles a
 // cell, E 1e6, nu 0.3, rho 2000, g 9.81, dt = 0.2 h/c_p, fixed base, sliding walls; set-up left out.
-//   mpm_throughput [words of the kernels wanted ...] [particles ...] [runs=5] [threads=2] [target=avx3|avx2|sse4|ssse3|sse2]
+//   mpm_throughput [words of the kernels wanted ...] [particles ...] [runs=5] [threads=2] [target=avx3|avx2|sse2]
 //                                              (default: all, 10000 100000, the best instruction set)
 //   mpm_throughput scale [particles ...]       set-up time, memory, proportion
 // Each figure is the median of `runs` runs, those with one and two threads taken in turn; one thread by its own

@@ -6,7 +6,7 @@
 #include <thread>
 #include <type_traits>
 
-#include "pivnp/core/error.hpp"
+#include "pivnp/piv/methods.hpp"
 
 namespace pivnp::bench {
 
@@ -57,8 +57,12 @@ void set(piv::PivOptions& options, const std::string& key, const std::string& va
         field = std::stoi(value);
       else if constexpr (std::is_same_v<Field, double>)
         field = std::stod(value);
+      else if constexpr (Choice<Field>)
+        field = choice<Field>("--method: " + key, value);
       else
         known = false;
+    } catch (const InputError&) {
+      throw;
     } catch (const std::exception&) {
       throw InputError("--method: " + key + ": found '" + value + "', expected a number");
     }
@@ -75,7 +79,7 @@ Setting parse_setting(const std::string& text, const piv::PivOptions& base) {
     const std::string part = text.substr(from, to - from);
     const std::size_t equals = part.find('=');
     if (n == 0)
-      setting.options.method = part;
+      setting.options.method = piv::piv_methods().at(part, "--method").name;
     else if (equals == std::string::npos)
       throw InputError("--method: found '" + part + "', expected KEY=VALUE");
     else

@@ -2,9 +2,12 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "pivnp/core/choice.hpp"
+#include "pivnp/core/error.hpp"
 #include "pivnp/image/synthetic.hpp"
 #include "pivnp/piv/piv.hpp"
 
@@ -32,6 +35,15 @@ struct BenchOptions {
 };
 
 std::string machine();
+
+/// The value of that name; throws InputError.
+template <Choice E>
+E choice(const std::string& place, const std::string& name) {
+  if (const std::optional<E> value = value_named<E>(name)) return *value;
+  std::string list;
+  for (const std::string& known : choice_names<E>()) list += (list.empty() ? "" : ", ") + known;
+  throw InputError(place + ": found '" + name + "', expected one of " + list);
+}
 
 /// Throws InputError.
 Setting parse_setting(const std::string& text, const piv::PivOptions& base);

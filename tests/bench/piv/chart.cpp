@@ -16,8 +16,8 @@
 #include <string>
 #include <vector>
 
-#include "apps/report/figure_parts.hpp"
-#include "apps/report/sheet.hpp"
+#include "apps/plot/parts.hpp"
+#include "apps/plot/canvas.hpp"
 
 namespace {
 

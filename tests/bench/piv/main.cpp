@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/piv/methods.hpp"
 #include "tests/bench/piv/bench.hpp"
 
 namespace {
@@ -62,7 +63,7 @@ int run(int argc, char** argv) {
        }},
       {"method", [&](const std::string& v) { methods = split(v); }},
       {"window", [&](const std::string& v) { base.window_px = number<int>("window", v); }},
-      {"anchor", [&](const std::string& v) { base.anchor = v; }},
+      {"anchor", [&](const std::string& v) { base.anchor = choice<Anchor>("--anchor", v); }},
       {"clock",
        [&](const std::string& v) {
          if (v != "wall" && v != "cpu") throw InputError("--clock: found '" + v + "', expected wall or cpu");
@@ -88,7 +89,12 @@ int run(int argc, char** argv) {
   };
   for (int a = 1; a < argc; ++a) {
     const std::string text = argv[a], key = text.starts_with("--") ? text.substr(2) : "";
-    if (key == "help") return std::printf("%s", usage), 0;
+    if (key == "help") {
+      std::printf("%smethods:\n", usage);
+      for (const piv::PivMethod& method : piv::piv_methods())
+        std::printf("  %-8s %s\n", method.name.c_str(), method.text.c_str());
+      return 0;
+    }
     if (const auto flag = flags.find(key); flag != flags.end()) {
       flag->second();
     } else if (const auto option = with_value.find(key); option != with_value.end()) {

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "apps/report/figure_parts.hpp"
-#include "apps/report/sheet.hpp"
+#include "apps/plot/parts.hpp"
+#include "apps/plot/canvas.hpp"
 #include "tests/support/piv_score.hpp"
 
 namespace {
@@ -112,7 +112,8 @@ void window_picture(const std::string& folder) {
 void smoothing_picture(const std::string& folder) {
   Sheet sheet(164, 74);
   const std::vector<Line> lines = {{"adaptive", vermilion, {}},
-                                   {"window, order 1", blue, with([](PivOptions& o) { o.smoothing = "window"; })}};
+                                   {"window, order 1", blue,
+                                    with([](PivOptions& o) { o.smoothing = piv::Smoothing::window; })}};
   title(sheet, 14, "wave of 128 px and .2 px, 5 % of noise");
   profiles(sheet, 14, pair_of(image::sine(0.2, 128), 0.05), 128, 0.32, lines);
   title(sheet, 94, "wave of 64 px and .06 px, 10 % of noise");
@@ -142,7 +143,7 @@ void order_picture(const std::string& folder) {
   const Rgb colours[] = {blue, green, vermilion};
   for (const int order : {0, 1, 2})
     lines.push_back({"order " + std::to_string(order), colours[order],
-                     with([=](PivOptions& o) { o.smoothing = "window", o.order = order; })});
+                     with([=](PivOptions& o) { o.smoothing = piv::Smoothing::window, o.order = order; })});
   title(sheet, 14, "wave of 48 px and 1 px, clean frames");
   profiles(sheet, 14, pair_of(image::sine(1, 48), 0), 72, 1.5, lines);
   title(sheet, 94, "no motion, 10 % of noise");
@@ -166,7 +167,7 @@ void anchor_picture(const std::string& folder) {
     pale_grid(panel);
     for (const Anchor anchor : {Anchor::central, Anchor::forward}) {
       const PixelVectors found = measure(
-          pair, nodes, with([=](PivOptions& o) { o.anchor = anchor == Anchor::central ? "central" : "forward"; }));
+          pair, nodes, with([=](PivOptions& o) { o.anchor = anchor; }));
       std::vector<double> at, value, truth;
       for (std::size_t k = 0; k < nodes.pixel.size(); ++k) {
         const auto [px, py] = nodes.pixel[k];

@@ -1,6 +1,4 @@
 // Speed beyond the table: threads, masks, sizes and memory, instruction sets, real 12-megapixel pairs, the machine.
-#include <hwy/targets.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -16,6 +14,7 @@
 #include "pivnp/piv/dense/normal_sums.hpp"
 #include "tests/bench/piv/bench.hpp"
 #include "tests/bench/piv/limits.hpp"
+#include "tests/support/instruction_sets.hpp"
 #include "tests/support/piv_score.hpp"
 
 namespace pivnp::bench {
@@ -95,10 +94,8 @@ void instruction_sets(const BenchOptions& o, const Setting& setting) {
   const image::SyntheticPair pair = pair_of(o.side, o.texture, o.seeds[0], 0.05, image::sine(1, 64));
   const NodeLattice nodes = even_nodes(o.side, o.side, o.spacing, o.margin);
   const Timed best = timed(o, setting.options, nodes, pair, 1, o.repeats);
-  const std::int64_t supported = hwy::SupportedTargets();
-  for (const std::int64_t target : {HWY_STATIC_TARGET, HWY_SSSE3, HWY_SSE4, HWY_AVX2, HWY_AVX3}) {
-    if (((supported | HWY_STATIC_TARGET) & target) == 0) continue;
-    hwy::GetChosenTarget().Update(target);
+  for (const std::int64_t set : test::instruction_sets()) {
+    test::choose_instruction_set(set);
     const Timed t = timed(o, setting.options, nodes, pair, 1, o.repeats);
     double off = 0;
     for (std::size_t k = 0; k < t.found.status.size(); ++k)
@@ -109,7 +106,7 @@ void instruction_sets(const BenchOptions& o, const Setting& setting) {
         "  %-8s %.2f of the best set's speed (asked of the baseline: .25), vectors within %.1e px (asked: 1e-5)\n",
         simd_target(), best.seconds / t.seconds, off);
   }
-  hwy::GetChosenTarget().Update(supported);
+  test::choose_best_instruction_set();
 }
 
 // Clay past a cylinder, nodes 16 px apart, the next frame decoded while a pair is measured.

@@ -12,12 +12,12 @@
 #include <vector>
 
 #include "pivnp/image/synthetic_pair.hpp"
-#include "pivnp/piv/window/correlate.hpp"
-#include "pivnp/piv/multipass.hpp"
 #include "pivnp/piv/dense/normal_sums.hpp"
 #include "pivnp/piv/dense/shrink.hpp"
 #include "pivnp/piv/dense/spline_field.hpp"
+#include "pivnp/piv/methods.hpp"
 #include "pivnp/piv/sampling/spline_image.hpp"
+#include "pivnp/piv/window/correlate.hpp"
 #include "pivnp/piv/window/uncertainty.hpp"
 #include "pivnp/piv/window/warp.hpp"
 #include "tests/bench/piv/bench.hpp"
@@ -123,7 +123,7 @@ struct Windows {
       : window(support), near(support), search_window(search), fft(search), uncertainty(support) {}
 };
 
-std::vector<Stage> window_stages(const Scene& scene, const PivOptions& options) {
+std::vector<Stage> window_stages(const Scene& scene, const PivOptions& options, MethodFamily family) {
   const int support = support_of_window(options.window_px), search = options.window_px, threads = scene.threads;
   const auto w = std::make_shared<Windows>(support, search);
   w->level.first.assign(scene.first_view(), {}, 1, threads);
@@ -162,7 +162,7 @@ std::vector<Stage> window_stages(const Scene& scene, const PivOptions& options) 
        at_nodes([w](float, float) { w->uncertainty.covariance(w->window, w->peak, 1.0f / 12); })}};
   // Two transforms forth, one back, 2.5 n log2 n each; a quarter of the nodes.
   const double n = double(search) * search;
-  if (options.method != "ncc")
+  if (family == MethodFamily::window_search)
     list.push_back({"search by FFT, half the windows a side", (3 * 2.5 * n * std::log2(n) + 3 * n + 13 * n) / 4,
                     planes / 4, [w, points] {
                       constexpr int batch = FftCorrelator::batch;
@@ -179,7 +179,7 @@ std::vector<Stage> window_stages(const Scene& scene, const PivOptions& options) 
   return list;
 }
 
-// Everything, as it is called: what the stages above leave is the coarse levels, fields between passes, judging.
+// Everything, as it is called: what the stages above leave is the coarse levels, fields between passes, validation.
 Stage whole_pair(const Scene& scene, const PivOptions& options) {
   const int points = scene.pair.width / 8 - 1;
   NodeLattice nodes{points, points, {}, {}};
@@ -228,13 +228,13 @@ int stages(const BenchOptions& options) {
   for (const Setting& setting : options.settings) {
     std::printf("\n%-40s %10s %12s %12s %9s %8s %9s %9s\n", setting.name.c_str(), "us/vector", "flops/vector",
                 "bytes/vector", "GFlop/s", "GB/s", "bound by", "of bound");
-    const std::string& method = setting.options.method;
+    const PivMethod& method = piv_methods().at(setting.options.method, "--method");
     std::vector<Stage> list;
-    if (method == "fft" || method == "ncc")
-      list = window_stages(scene, setting.options);
-    else
-      list = dense_stages(scene, method == "fast" || method == "dis" ? 2 : 1);
-    if (method == "dis") list.resize(2);  // images, one pass for the error; the flow itself is OpenCV's
+    if (method.family == MethodFamily::window_search || method.family == MethodFamily::window_refinement)
+      list = window_stages(scene, setting.options, method.family);
+    else if (method.family != MethodFamily::other)
+      list = dense_stages(scene, method.finest);
+    if (method.family == MethodFamily::optical_flow) list.resize(2);  // images, one pass; the flow is another library's
     list.push_back(whole_pair(scene, setting.options));
     for (const Stage& stage : list) print_stage(stage, options, scene.vectors, bandwidth, peak);
   }

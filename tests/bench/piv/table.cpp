@@ -6,7 +6,7 @@
 
 #include "pivnp/core/error.hpp"
 #include "tests/bench/piv/bench.hpp"
-#include "tests/support/piv_judge.hpp"
+#include "tests/support/piv_results.hpp"
 #include "tests/support/piv_rows.hpp"
 #include "tests/support/piv_score.hpp"
 
@@ -41,7 +41,7 @@ std::string mark(double over) {
   return text;
 }
 
-void print_row(const Judged& j, double slack) {
+void print_row(const RowResult& j, double slack) {
   const auto limit = [](double value, const char* format) {
     char text[32] = "";
     if (value > 0) std::snprintf(text, sizeof text, format, value);
@@ -60,7 +60,7 @@ void print_row(const Judged& j, double slack) {
 }
 
 /// Returns the number of kinds of images that miss.
-int print_coverage(const std::vector<Judged>& rows) {
+int print_coverage(const std::vector<RowResult>& rows) {
   int missed = 0;
   for (const Coverage& c : coverage(rows)) {
     missed += !c.met();
@@ -71,11 +71,11 @@ int print_coverage(const std::vector<Judged>& rows) {
 }
 
 /// Returns true if every limit is met.
-bool print_summary(const Setting& setting, const std::vector<Judged>& rows, double slack) {
+bool print_summary(const Setting& setting, const std::vector<RowResult>& rows, double slack) {
   int asked = 0, met = 0, near = 0;
   std::string missed;
   std::vector<double> rates = {};
-  for (const Judged& j : rows) {
+  for (const RowResult& j : rows) {
     rates.push_back(median(j.rates));
     const double over = excess(j, slack);
     if (over == 0) continue;
@@ -134,7 +134,7 @@ int table(const BenchOptions& options) {
   std::erase_if(rows, [&](const Row& row) { return !wanted(row, options.rows); });
   if (rows.empty()) throw InputError("--rows: found no row of these names, expected at least one");
 
-  std::vector<std::vector<Judged>> found(options.settings.size());
+  std::vector<std::vector<RowResult>> found(options.settings.size());
   std::vector<std::unique_ptr<PairCorrelator>> correlators;
   for (const Setting& s : options.settings)
     correlators.push_back(
@@ -145,16 +145,17 @@ int table(const BenchOptions& options) {
       texture.seed = seed;
       const image::SyntheticPair pair = image::synthetic_pair(row.motion, options.side, options.side, texture);
       for (std::size_t s = 0; s < options.settings.size(); ++s) {
-        Judged& j = judged(found[s], row);
+        RowResult& j = result_of(found[s], row);
         const Figures f = measure(*correlators[s], pair, nodes, row, options);
         j.add(f);
         if (!csv.stream) continue;
         const PivOptions& o = options.settings[s].options;
+        const std::string anchor(name_of(o.anchor));
         std::fprintf(csv.stream,
                      "%s,%s,%d,%s,%d,%d,%d,%s,%g,%d,%s,%d,%g,%.6f,%.6f,%.5f,%.5f,%.5f,%.3f,%.3f,%.4f,%.4f,%.6f,%.0f\n",
-                     options.settings[s].name.c_str(), o.method.c_str(), o.window_px, o.anchor.c_str(), options.threads,
-                     options.side, options.spacing, texture.kind.c_str(), texture.blob_diameter_px, seed,
-                     row.name.c_str(), static_cast<int>(row.kind), row.clean_row.empty() ? row.limits.rms : NAN,
+                     options.settings[s].name.c_str(), o.method.c_str(), o.window_px, anchor.c_str(),
+                     options.threads, options.side, options.spacing, texture.kind.c_str(), texture.blob_diameter_px,
+                     seed, row.name.c_str(), static_cast<int>(row.kind), row.clean_row.empty() ? row.limits.rms : NAN,
                      f.e.rms, f.e.bias, f.e.valid, 1 - f.e.valid, f.e.gain, f.width, j.true_width, f.e.within_one,
                      f.e.within_two, f.e.sigma, f.rate);
         std::fflush(csv.stream);
@@ -164,12 +165,13 @@ int table(const BenchOptions& options) {
   bool met = true;
   for (std::size_t s = 0; s < found.size(); ++s) {
     const PivOptions& o = options.settings[s].options;
-    std::printf("%s (%s anchor, window %d px%s)\n", options.settings[s].name.c_str(), o.anchor.c_str(), o.window_px,
+    std::printf("%s (%s anchor, window %d px%s)\n", options.settings[s].name.c_str(),
+                std::string(name_of(o.anchor)).c_str(), o.window_px,
                 options.slack() > 1 ? "; limits doubled for this texture" : "");
     std::printf("%-23s %7s %7s %7s %7s %7s %6s %6s %6s %6s %5s %6s %5s %4s %4s %7s %9s\n", "case", "rms", "limit",
                 "mean", "bias", "limit", "valid%", "limit", "flag%", "gain", "limit", "width", "true", "1s%", "2s%",
                 "sigma", "vectors/s");
-    for (Judged& j : found[s]) {
+    for (RowResult& j : found[s]) {
       resolve(j, found[s], options.slack());
       print_row(j, options.slack());
     }

@@ -23,8 +23,8 @@ class Draw {
   }
   void operator()(std::string_view, double& value, const OptionInfo& info) { value = number(info); }
   void operator()(std::string_view, std::string& value, const OptionInfo& info) {
-    if (!info.choices.empty()) {
-      value = info.choices[random_() % info.choices.size()];
+    if (const std::vector<std::string> choices = choices_of(info); !choices.empty()) {
+      value = choices[random_() % choices.size()];
       return;
     }
     static const std::string letters[] = {"a", " ", "\"", "\\", "#", "\n",   "\t",
@@ -44,6 +44,11 @@ class Draw {
   void operator()(std::string_view name, std::vector<std::string>& value, const OptionInfo& info) {
     value.resize(random_() % 4);
     for (std::string& v : value) (*this)(name, v, info);
+  }
+  template <Choice E>
+  void operator()(std::string_view, E& value, const OptionInfo&) {
+    const auto& names = names_of(E{});
+    value = names[random_() % names.size()].value;
   }
   template <class T>
   void operator()(std::string_view name, std::optional<T>& value, const OptionInfo& info) {

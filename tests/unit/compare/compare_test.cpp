@@ -153,7 +153,7 @@ TEST(Compare, EndedParticlesHaveNoPartnerFromThenOn) {
       g.u[9] = {-100, 0};
     }
     g.status[11] = t < 1 ? ParticleStatus::unborn : ParticleStatus::active;
-    g.status[12] = ParticleStatus::doubtful;  // followed all the same
+    g.status[12] = ParticleStatus::flagged;  // followed all the same
     a.add(f);
     b.add(g);
   }

@@ -1,5 +1,4 @@
-// Two vectors of two doubles as one of four (pairs-inl.hpp), by the vectors every processor of this kind has: each operation
-// against what it does lane by lane. (Whole runs against one another: sse2_test.cpp.)
+// Two vectors of two doubles as one of four (pairs.hpp): each operation against what it does lane by lane.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,16 +9,12 @@
 #include <limits>
 #include <vector>
 
-#include <hwy/contrib/math/math-inl.h>
-
-#include "mpm/simd/vectors-inl.hpp"
-
-#if HWY_MAX_BYTES <= 16
+#include "mpm/simd/pairs.hpp"
 
 namespace pivnp::mpm {
 namespace {
 
-namespace hn = HWY_NAMESPACE::pairs;
+namespace hn = pairs;
 using hn::Double4, hn::Mask4;
 using Lanes4 = std::array<double, 4>;
 using Bits4 = std::array<bool, 4>;
@@ -157,5 +152,3 @@ TEST(Pairs, LanesGoWhereTheyShould) {
 
 }  // namespace
 }  // namespace pivnp::mpm
-
-#endif  // HWY_MAX_BYTES <= 16

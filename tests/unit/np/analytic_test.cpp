@@ -59,11 +59,11 @@ TEST(Analytic, TheVortexReturnsAndKeepsAreas) {
 TEST(Analytic, FieldsAreSampledAtNodesInOrder) {
   const Grid grid{{1, 2}, {0.5, 0.25}, 4, 3};
   const AffineMotion shear = AffineMotion::shear(0.1, 2);
-  const Increments d = sample_increments(shear, grid, Anchor::forward, 0, 1);
+  const NodalIncrements d = sample_increments(shear, grid, Anchor::forward, 0, 1);
   ASSERT_EQ(d.displacement.size(), 12u);
   EXPECT_NEAR(d.displacement[grid.node(3, 2)][0], 0.1 * 0.5, 1e-15);
   EXPECT_EQ(d.displacement[grid.node(3, 2)][1], 0);
-  Increments lossy = d;
+  NodalIncrements lossy = d;
   lossy.status[2] = VectorStatus::failed;
   const VectorField single = vector_field(lossy, {3, 5});
   EXPECT_EQ(single.pair[1], 5);

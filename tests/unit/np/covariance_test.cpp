@@ -14,11 +14,11 @@ using namespace testing;
 
 const Grid grid{{0, 0}, {1, 1}, 13, 13};
 
-void give_cov(Increments& d, float uu, float vv, float uv) { d.cov.assign(d.grid.node_count(), {uu, vv, uv}); }
+void give_cov(NodalIncrements& d, float uu, float vv, float uv) { d.cov.assign(d.grid.node_count(), {uu, vv, uv}); }
 
 TEST(Covariance, GrowsInProportionToTheStepsInATranslation) {
   for (const Anchor anchor : {Anchor::forward, Anchor::central}) {
-    Increments d = sample_increments(AffineMotion::rotation(0, {0, 0}, {0.03, 0.01}), grid, anchor, 0, 1);
+    NodalIncrements d = sample_increments(AffineMotion::rotation(0, {0, 0}, {0.03, 0.01}), grid, anchor, 0, 1);
     give_cov(d, 4e-4f, 1e-4f, 5e-5f);
     Tracker tracker({}, block(grid, {3, 3}, {6, 6}, 4), 0);
     for (int k = 1; k <= 25; ++k) tracker.step(d, k);
@@ -32,7 +32,7 @@ TEST(Covariance, GrowsInProportionToTheStepsInATranslation) {
 }
 
 TEST(Covariance, ErrorCorrelationGoesFromABoundToIndependence) {
-  Increments d = sample_increments(AffineMotion::rotation(0, {0, 0}, {0, 0}), grid, Anchor::central, 0, 1);
+  NodalIncrements d = sample_increments(AffineMotion::rotation(0, {0, 0}, {0, 0}), grid, Anchor::central, 0, 1);
   give_cov(d, 1, 1, 0);
   const std::vector<Vec2> places = {{4.5, 4.5}, {4, 4}, {4.25, 4}};
   const std::vector<double> squares = {0.25, 1, 0.25 * 0.25 + 0.75 * 0.75};  // sum N_i^2
@@ -61,11 +61,11 @@ TEST(Covariance, IsCarriedByTheMotion) {
     std::mt19937 random(2024);
     RecordProperty("seed", 2024);
     std::normal_distribution<double> normal;
-    std::vector<Increments> exact;
+    std::vector<NodalIncrements> exact;
     for (int k = 0; k < steps; ++k) exact.push_back(sample_increments(motion, grid, anchor, k, k + 1));
     Tracker reference({}, particles_at({{4.3, 4.6}}), 0);
     for (int k = 0; k < steps; ++k) {
-      Increments d = exact[std::size_t(k)];
+      NodalIncrements d = exact[std::size_t(k)];
       give_cov(d, float(su * su), float(sv * sv), 0);
       reference.step(d, k + 1);
     }
@@ -74,7 +74,7 @@ TEST(Covariance, IsCarriedByTheMotion) {
     for (int n = 0; n < runs; ++n) {
       Tracker tracker({}, particles_at({{4.3, 4.6}}), 0);
       for (int k = 0; k < steps; ++k) {
-        Increments d = exact[std::size_t(k)];
+        NodalIncrements d = exact[std::size_t(k)];
         const double eu = su * normal(random), ev = sv * normal(random);
         for (auto& v : d.displacement) v = {v[0] + eu, v[1] + ev};
         tracker.step(d, k + 1);
@@ -97,13 +97,13 @@ TEST(Covariance, TheDefaultBoundsTheScatterOfIndependentErrorsToo) {
   std::mt19937 random(7);
   RecordProperty("seed", 7);
   std::normal_distribution<double> normal(0, 0.01);
-  Increments d = sample_increments(AffineMotion::rotation(0, {0, 0}, {0, 0}), grid, Anchor::forward, 0, 1);
+  NodalIncrements d = sample_increments(AffineMotion::rotation(0, {0, 0}, {0, 0}), grid, Anchor::forward, 0, 1);
   give_cov(d, 1e-4f, 1e-4f, 0);
   // One among good nodes, one that rests on a fit: the upper half is lost.
   const std::vector<Vec2> places = {{4.3, 3.4}, {4.3, 6.7}};
   for (int j = 7; j < grid.ny; ++j)
     for (int i = 0; i < grid.nx; ++i) d.status[grid.node(i, j)] = VectorStatus::failed;
-  const Increments quiet = d;
+  const NodalIncrements quiet = d;
   std::array<double, 2> seen{0, 0}, claimed{0, 0};
   for (int n = 0; n < runs; ++n) {
     for (auto& v : d.displacement) v = {normal(random), normal(random)};
@@ -135,7 +135,7 @@ TEST(Covariance, ManyAtATimeAsOneByOne) {
   for (const Anchor anchor : {Anchor::forward, Anchor::central})
     for (const double correlation : {1.0, 0.3}) {
       VectorField measured;
-      Increments given;
+      NodalIncrements given;
       measured.grid = given.grid = narrow;
       measured.anchor = given.anchor = anchor;
       for (std::size_t n = 0; n < narrow.node_count(); ++n) {
@@ -165,7 +165,7 @@ TEST(Covariance, ManyAtATimeAsOneByOne) {
 }
 
 TEST(Covariance, UnknownOnceAPairLacksIt) {
-  Increments d = sample_increments(AffineMotion::rotation(0, {0, 0}, {0, 0}), grid, Anchor::central, 0, 1);
+  NodalIncrements d = sample_increments(AffineMotion::rotation(0, {0, 0}, {0, 0}), grid, Anchor::central, 0, 1);
   Tracker tracker({}, particles_at({{4, 4}}), 0);
   give_cov(d, 1, 1, 0);
   tracker.step(d, 1);

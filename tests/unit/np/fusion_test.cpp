@@ -58,7 +58,7 @@ TEST(Fusion, DisagreementIsChiSquared) {
 TEST(Correction, MovesLivingParticlesOnlyAndRefusesWhatIsNoState) {
   const Grid grid{{0, 0}, {1, 1}, 5, 5};
   Tracker tracker({}, testing::particles_at({{2, 2}, {3.9, 2}}), 0);
-  const Increments right = sample_increments(AffineMotion::rotation(0, {0, 0}, {0.3, 0}), grid, Anchor::central, 0, 1);
+  const NodalIncrements right = sample_increments(AffineMotion::rotation(0, {0, 0}, {0.3, 0}), grid, Anchor::central, 0, 1);
   tracker.step(right, 1);  // the second one's mid-point is outside
   tracker.correct(0, {2.5, 2.1}, 1.1 * Mat2::Identity(), {1, 2, 0.5});
   tracker.correct(1, {1, 1}, Mat2::Identity(), {0, 0, 0});
@@ -66,8 +66,8 @@ TEST(Correction, MovesLivingParticlesOnlyAndRefusesWhatIsNoState) {
   EXPECT_EQ(tracker.state()[0].cov[1], 2);
   EXPECT_EQ(tracker.state()[1].x, Vec2(3.9, 2));
   EXPECT_EQ(tracker.state()[0].status, ParticleStatus::active);
-  tracker.doubt(0);
-  EXPECT_EQ(tracker.state()[0].status, ParticleStatus::doubtful);
+  tracker.flag(0);
+  EXPECT_EQ(tracker.state()[0].status, ParticleStatus::flagged);
   EXPECT_THROW(tracker.correct(0, {std::nan(""), 0}, Mat2::Identity(), {0, 0, 0}), InputError);
   Mat2 inside_out = Mat2::Identity();
   inside_out(0, 0) = -1;

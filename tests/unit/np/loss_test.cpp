@@ -13,11 +13,11 @@ using namespace testing;
 
 const Grid grid{{0, 0}, {1, 1}, 9, 9};
 
-Increments shift(double dx, double dy, Anchor anchor = Anchor::central) {
+NodalIncrements shift(double dx, double dy, Anchor anchor = Anchor::central) {
   return sample_increments(AffineMotion::rotation(0, Vec2::Zero(), {dx, dy}), grid, anchor, 0, 1);
 }
 
-void lose(Increments& d, int i, int j, VectorStatus status) {
+void lose(NodalIncrements& d, int i, int j, VectorStatus status) {
   d.status[d.grid.node(i, j)] = status;
   if (status == VectorStatus::failed) d.displacement[d.grid.node(i, j)].fill(std::nan(""));
   if (status == VectorStatus::rejected) d.displacement[d.grid.node(i, j)] = {1e3, -1e3};
@@ -69,34 +69,34 @@ TEST(Loss, AHoleInAnAffineFieldIsBridgedExactly) {
   });
   for (const VectorStatus lost : {VectorStatus::masked, VectorStatus::rejected, VectorStatus::failed})
     for (const Anchor anchor : {Anchor::forward, Anchor::central}) {
-      Increments d = sample_increments(motion, grid, anchor, 0, 1);
+      NodalIncrements d = sample_increments(motion, grid, anchor, 0, 1);
       for (int j : {4, 5})
         for (int i : {4, 5}) lose(d, i, j, lost);
       Tracker tracker({}, block(grid, {1, 1}, {7, 7}, 9), 0);
       tracker.step(d, 1);
-      std::size_t doubtful = 0;
+      std::size_t flagged = 0;
       for (std::size_t p = 0; p < tracker.state().size(); ++p) {
         const auto now = tracker.state()[p];
         const Vec2& X = tracker.particles().x0[p];
         ASSERT_NE(now.status, ParticleStatus::ended);
-        doubtful += now.status == ParticleStatus::doubtful;
+        flagged += now.status == ParticleStatus::flagged;
         EXPECT_LT((now.x - motion.position(X, 1)).norm(), 1e-13);
         EXPECT_LT((now.F - motion.deformation(X, 1)).norm(), 1e-13);
         const Vec2 at = anchor == Anchor::forward ? X : Vec2((X + now.x) / 2);
         const bool in_hole = (at.array() > 3).all() && (at.array() < 6).all();
-        EXPECT_EQ(now.status, in_hole ? ParticleStatus::doubtful : ParticleStatus::active) << at.transpose();
+        EXPECT_EQ(now.status, in_hole ? ParticleStatus::flagged : ParticleStatus::active) << at.transpose();
       }
-      EXPECT_GT(doubtful, 50u);
+      EXPECT_GT(flagged, 50u);
     }
 }
 
 TEST(Loss, AValidVectorThatIsNoNumberIsNotUsed) {
-  Increments d = shift(0.1, 0);
+  NodalIncrements d = shift(0.1, 0);
   d.displacement[grid.node(4, 4)] = {std::nan(""), 0};
   d.displacement[grid.node(5, 4)] = {0, INFINITY};
   Tracker tracker({}, particles_at({{4.5, 4.5}}), 0);
   tracker.step(d, 1);
-  EXPECT_EQ(tracker.state()[0].status, ParticleStatus::doubtful);
+  EXPECT_EQ(tracker.state()[0].status, ParticleStatus::flagged);
   EXPECT_NEAR(tracker.state()[0].x.x(), 4.6, 1e-14);
 }
 
@@ -104,7 +104,7 @@ TEST(Loss, TooFewNodesEndTheParticle) {
   for (const Anchor anchor : {Anchor::forward, Anchor::central}) {
     Tracker tracker({}, particles_at({{4.5, 4.5}, {2.5, 4.5}, {1.5, 4.5}, {0.5, 4.5}}), 0);
     tracker.step(shift(0.01, 0, anchor), 1);
-    Increments d = shift(0.01, 0, anchor);
+    NodalIncrements d = shift(0.01, 0, anchor);
     for (int j = 0; j < 9; ++j)
       for (int i = 2; i < 9; ++i) lose(d, i, j, VectorStatus::failed);
     tracker.step(d, 2);
@@ -115,7 +115,7 @@ TEST(Loss, TooFewNodesEndTheParticle) {
       EXPECT_EQ(tracker.particles().end[p], 1);
       EXPECT_NEAR(tracker.state()[p].x.x(), tracker.particles().x0[p].x() + 0.01, 1e-14);
     }
-    EXPECT_EQ(tracker.state()[2].status, ParticleStatus::doubtful);
+    EXPECT_EQ(tracker.state()[2].status, ParticleStatus::flagged);
     EXPECT_NEAR(tracker.state()[2].x.x(), 1.52, 1e-14);
     EXPECT_EQ(tracker.state()[3].status, ParticleStatus::active);
   }
@@ -123,23 +123,23 @@ TEST(Loss, TooFewNodesEndTheParticle) {
 
 TEST(Loss, ExtrapolationIsBounded) {
   // Two rows are left below the particle's element, none in it: near them yes, a diagonal away no.
-  Increments d = shift(0, 0);
+  NodalIncrements d = shift(0, 0);
   for (int j = 4; j < 9; ++j)
     for (int i = 0; i < 9; ++i) lose(d, i, j, VectorStatus::masked);
   Tracker tracker({}, particles_at({{4.5, 3.2}, {4.0, 3.95}, {4.5, 4.3}, {4.5, 4.9}}), 0);
   tracker.step(d, 1);
-  EXPECT_EQ(tracker.state()[0].status, ParticleStatus::doubtful);
-  EXPECT_EQ(tracker.state()[1].status, ParticleStatus::doubtful);
+  EXPECT_EQ(tracker.state()[0].status, ParticleStatus::flagged);
+  EXPECT_EQ(tracker.state()[1].status, ParticleStatus::flagged);
   EXPECT_EQ(tracker.particles().end_reason[2], EndReason::no_vectors);  // sees a single row: no gradient across it
   EXPECT_EQ(tracker.particles().end_reason[3], EndReason::no_vectors);
 }
 
-TEST(Loss, ReplacedVectorsMakeThatStepDoubtful) {
-  Increments replaced = shift(0.01, 0);
+TEST(Loss, ReplacedVectorsFlagThatStep) {
+  NodalIncrements replaced = shift(0.01, 0);
   lose(replaced, 4, 4, VectorStatus::replaced);
   Tracker tracker({}, particles_at({{4.5, 4.5}, {6.5, 4.5}}), 0);
   tracker.step(replaced, 1);
-  EXPECT_EQ(tracker.state()[0].status, ParticleStatus::doubtful);
+  EXPECT_EQ(tracker.state()[0].status, ParticleStatus::flagged);
   EXPECT_EQ(tracker.state()[1].status, ParticleStatus::active);
   tracker.step(shift(0.01, 0), 2);
   EXPECT_EQ(tracker.state()[0].status, ParticleStatus::active);
@@ -148,7 +148,7 @@ TEST(Loss, ReplacedVectorsMakeThatStepDoubtful) {
 TEST(Loss, FoldedMaterialEnds) {
   // Forward: 1 + G_xx = -0.2. Central: I - G/2 turns over at G = 2.
   const auto stretched = [](double g, Anchor anchor) {
-    Increments d = shift(0, 0, anchor);
+    NodalIncrements d = shift(0, 0, anchor);
     for (int j = 0; j < grid.ny; ++j)
       for (int i = 0; i < grid.nx; ++i) d.displacement[grid.node(i, j)] = {g * (i - 4.0), 0};
     return d;
@@ -170,7 +170,7 @@ TEST(Loss, FoldedMaterialEnds) {
 TEST(Loss, AHugeVectorDoesNoHarm) {
   for (const Anchor anchor : {Anchor::forward, Anchor::central})
     for (const double size : {1e30, -1e300, 1.7e308}) {
-      Increments d = shift(0, 0, anchor);
+      NodalIncrements d = shift(0, 0, anchor);
       d.displacement[grid.node(4, 4)] = {size, -size};
       Tracker tracker({}, block(grid, {0, 0}, {8, 8}, 4), 0);
       tracker.step(d, 1);

@@ -15,7 +15,7 @@ const Grid grid{{0, 0}, {0.25, 0.25}, 17, 17};
 const ReversingVortex vortex({2, 2}, 1, 2.5, 20);
 
 VectorField pair(int k) {
-  Increments d = sample_increments(vortex, grid, k % 3 == 0 ? Anchor::forward : Anchor::central, k, k + 1);
+  NodalIncrements d = sample_increments(vortex, grid, k % 3 == 0 ? Anchor::forward : Anchor::central, k, k + 1);
   d.cov.assign(grid.node_count(), {1e-4f, 2e-4f, 3e-5f});
   for (std::size_t n = std::size_t(k); n < d.status.size(); n += 23) d.status[n] = VectorStatus::failed;
   if (k == 3) d.status.assign(d.status.size(), VectorStatus::replaced);

@@ -34,8 +34,8 @@ NpOptions with(const std::string& shape, const std::string& gradient = "particle
 
 using Field = std::function<Vec2(const Vec2&)>;
 
-Increments sampled(const Field& d, const Grid& grid, Anchor anchor) {
-  Increments out;
+NodalIncrements sampled(const Field& d, const Grid& grid, Anchor anchor) {
+  NodalIncrements out;
   out.anchor = anchor;
   out.grid = grid;
   for (int j = 0; j < grid.ny; ++j)
@@ -173,7 +173,7 @@ TEST(Shapes, LostNodesLeaveAffineMotionExactAndTheRestAlone) {
   const Grid grid{{-3, -3}, {0.5, 0.5}, 14, 14};
   for (const Shape& shape : shapes)
     for (const Anchor anchor : {Anchor::forward, Anchor::central}) {
-      Increments d = sample_increments(motion, grid, anchor, 0, 1);
+      NodalIncrements d = sample_increments(motion, grid, anchor, 0, 1);
       for (const auto& [i, j] : {std::pair{6, 6}, {7, 6}, {2, 10}, {0, 0}}) {
         d.status[grid.node(i, j)] = VectorStatus::rejected;
         d.displacement[grid.node(i, j)] = {50, -70};  // must not be read
@@ -181,17 +181,17 @@ TEST(Shapes, LostNodesLeaveAffineMotionExactAndTheRestAlone) {
       d.status[grid.node(10, 3)] = VectorStatus::replaced;
       Tracker tracker(with(shape.name), block(grid, {-2.5, -2.5}, {3, 3}, 4), 0);
       tracker.step(d, 1);
-      std::size_t doubtful = 0;
+      std::size_t flagged = 0;
       for (std::size_t p = 0; p < tracker.state().size(); ++p) {
         const auto now = tracker.state()[p];
         const Vec2& X = tracker.particles().x0[p];
         ASSERT_NE(now.status, ParticleStatus::ended) << shape.name;
-        doubtful += now.status == ParticleStatus::doubtful;
+        flagged += now.status == ParticleStatus::flagged;
         EXPECT_LT((now.x - motion.position(X, 1)).norm(), 1e-12) << shape.name;
         EXPECT_LT((now.F - motion.deformation(X, 1)).norm(), 1e-11) << shape.name;
       }
-      EXPECT_GT(doubtful, 20u);
-      EXPECT_LT(doubtful, tracker.state().size() / 2);
+      EXPECT_GT(flagged, 20u);
+      EXPECT_LT(flagged, tracker.state().size() / 2);
     }
 }
 
@@ -213,7 +213,7 @@ TEST(Shapes, CovarianceOfAllIsABound) {
   RecordProperty("seed", 11);
   std::normal_distribution<double> normal(0, 0.01);
   for (const Shape& shape : shapes) {
-    Increments d = sampled([](const Vec2&) { return Vec2(0, 0); }, grid, Anchor::forward);
+    NodalIncrements d = sampled([](const Vec2&) { return Vec2(0, 0); }, grid, Anchor::forward);
     d.cov.assign(grid.node_count(), {1e-4f, 1e-4f, 0});
     std::vector<double> seen(places.size(), 0), claimed(places.size(), 0);
     for (int n = 0; n < runs; ++n) {
@@ -276,7 +276,7 @@ TEST(Scattered, RandomNodesFollowAnAffineMotionExactlyAndSmoothOnesToSecondOrder
   EXPECT_GT(std::log2(error[0] / error[1]) / 2, 1.8);  // 16 times the nodes: a quarter of the spacing
 }
 
-TEST(Scattered, LongTrianglesAreDoubtfulOrHoldNothing) {
+TEST(Scattered, LongTrianglesAreFlaggedOrHoldNothing) {
   Scattered nodes;
   for (const Vec2& x : {Vec2(0, 0), Vec2(1, 0), Vec2(0, 1), Vec2(1, 1), Vec2(4, 0.5)}) nodes.place.push_back(x);
   nodes.displacement.assign(5, {0.1, 0});
@@ -286,7 +286,7 @@ TEST(Scattered, LongTrianglesAreDoubtfulOrHoldNothing) {
   Tracker bridged({}, particles_at(places), 0), cut({}, particles_at(places), 0);
   bridged.step(nodes, 1.5, 10, 1);
   EXPECT_EQ(bridged.state()[0].status, ParticleStatus::active);
-  EXPECT_EQ(bridged.state()[1].status, ParticleStatus::doubtful);
+  EXPECT_EQ(bridged.state()[1].status, ParticleStatus::flagged);
   cut.step(nodes, 1.5, 2, 1);
   EXPECT_EQ(cut.state()[0].status, ParticleStatus::active);
   EXPECT_EQ(cut.particles().end_reason[1], EndReason::no_vectors);

@@ -20,10 +20,10 @@ const Grid grid{{-1, 2}, {0.5, 0.25}, 21, 17};
 const Vec2 middle = (grid.origin + grid.upper()) / 2;
 
 // Strong and rough: random nodal values up to a third of a spacing.
-Increments rough(Anchor anchor, unsigned seed, const Grid& on = grid) {
+NodalIncrements rough(Anchor anchor, unsigned seed, const Grid& on = grid) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> value(-1.0 / 3, 1.0 / 3);
-  Increments d;
+  NodalIncrements d;
   d.anchor = anchor;
   d.grid = on;
   for (std::size_t n = 0; n < on.node_count(); ++n)
@@ -38,7 +38,7 @@ struct Plain {
 };
 
 // The plain reference: core's locate and bilinear weights.
-Plain read_at(const Increments& field, const Vec2& x, bool centre = false) {
+Plain read_at(const NodalIncrements& field, const Vec2& x, bool centre = false) {
   ElementPoint point;
   EXPECT_TRUE(locate(field.grid, x, point));
   const auto nodes = bilinear_nodes(field.grid, point);
@@ -56,7 +56,7 @@ Plain read_at(const Increments& field, const Vec2& x, bool centre = false) {
 }
 
 TEST(Step, ForwardReadsWhereTheParticleIs) {
-  const Increments d = rough(Anchor::forward, 1);
+  const NodalIncrements d = rough(Anchor::forward, 1);
   for (const bool centre : {false, true}) {
     NpOptions options;
     options.gradient = centre ? "element" : "particle";
@@ -83,7 +83,7 @@ TEST(Step, CentralSolvesForTheMidPointAcrossElements) {
   // Gradients up to 4/3 and kinks at every element's border: the hardest the rule is made for.
   for (unsigned seed = 1; seed <= 5; ++seed) {
     SCOPED_TRACE(seed);
-    Increments d = rough(Anchor::central, seed);
+    NodalIncrements d = rough(Anchor::central, seed);
     for (auto& v : d.displacement) v = {v[0] + 0.7 * grid.spacing.x(), v[1] - 0.9 * grid.spacing.y()};
     const Vec2 inset = 2 * grid.spacing;
     Tracker tracker({}, block(grid, grid.origin + inset, grid.upper() - inset, 9), 0);
@@ -110,8 +110,8 @@ TEST(Step, CentralSolvesForTheMidPointAcrossElements) {
 }
 
 TEST(Step, CentralStepsUndoThemselves) {
-  const Increments there = rough(Anchor::central, 11);
-  Increments back = there;
+  const NodalIncrements there = rough(Anchor::central, 11);
+  NodalIncrements back = there;
   for (auto& d : back.displacement) d = {-d[0], -d[1]};
   const Vec2 inset = 2 * grid.spacing;
   Tracker tracker({}, block(grid, grid.origin + inset, grid.upper() - inset, 4), 0);
@@ -152,7 +152,7 @@ TEST(Step, SameBitsForAnyNumberOfThreads) {
     omp_set_num_threads(threads);
     Tracker tracker({}, block(large, large.origin, large.upper(), 1), 0);
     for (unsigned k = 0; k < 4; ++k) {
-      Increments d = rough(k % 2 == 0 ? Anchor::central : Anchor::forward, 100 + k, large);
+      NodalIncrements d = rough(k % 2 == 0 ? Anchor::central : Anchor::forward, 100 + k, large);
       for (auto& v : d.displacement) v = {v[0] / 4, v[1] / 4};
       d.cov.assign(large.node_count(), {1e-6f, 2e-6f, 5e-7f});
       for (std::size_t n = k; n < d.status.size(); n += 17) d.status[n] = VectorStatus::failed;
@@ -175,7 +175,7 @@ TEST(Step, SameBitsForAnyInstructionSet) {
     hwy::DisableTargets(disabled);
     Tracker tracker({}, particles, 0);
     for (unsigned k = 0; k < 4; ++k) {
-      Increments d = rough(k % 2 == 0 ? Anchor::central : Anchor::forward, 50 + k);
+      NodalIncrements d = rough(k % 2 == 0 ? Anchor::central : Anchor::forward, 50 + k);
       d.cov.assign(grid.node_count(), {1e-4f, 2e-4f, 3e-5f});
       for (std::size_t n = k; n < d.status.size(); n += 19) d.status[n] = VectorStatus::failed;
       tracker.step(vector_field(d, {0, 1}), k + 1);
@@ -197,7 +197,7 @@ TEST(Step, ManyAtATimeFollowTheSameF) {
       Tracker many(options, particles, 0), one(options, particles, 0);
       for (unsigned k = 0; k < 3; ++k) {
         const VectorField measured = vector_field(rough(anchor, 70 + k), {0, 1});
-        Increments given = rough(anchor, 70 + k);
+        NodalIncrements given = rough(anchor, 70 + k);
         for (std::size_t n = 0; n < grid.node_count(); ++n)
           given.displacement[n] = {double(measured.displacement[n][0]), double(measured.displacement[n][1])};
         many.step(measured, k + 1);
@@ -216,17 +216,17 @@ TEST(Step, ManyAtATimeFollowTheSameF) {
 }
 
 TEST(Step, RefusesWhatIsNoPair) {
-  const Increments d = rough(Anchor::central, 1);
+  const NodalIncrements d = rough(Anchor::central, 1);
   Tracker tracker({}, particles_at({middle}), 2);
   EXPECT_THROW(tracker.step(d, 2), InputError);
   EXPECT_THROW(tracker.step(d, std::nan("")), InputError);
-  Increments shorter = d;
+  NodalIncrements shorter = d;
   shorter.status.pop_back();
   EXPECT_THROW(tracker.step(shorter, 3), InputError);
-  Increments odd_cov = d;
+  NodalIncrements odd_cov = d;
   odd_cov.cov.resize(3);
   EXPECT_THROW(tracker.step(odd_cov, 3), InputError);
-  Increments line = d;
+  NodalIncrements line = d;
   line.grid.nx = 1;
   EXPECT_THROW(tracker.step(line, 3), InputError);
   EXPECT_EQ(tracker.time(), 2);

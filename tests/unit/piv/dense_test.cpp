@@ -8,10 +8,10 @@
 
 #include "pivnp/piv/dense/corrections.hpp"
 #include "pivnp/piv/dense/normal_sums.hpp"
-#include "pivnp/piv/sampling/presmoothing.hpp"
 #include "pivnp/piv/dense/quality.hpp"
 #include "pivnp/piv/dense/shrink.hpp"
 #include "pivnp/piv/dense/spline_field.hpp"
+#include "pivnp/piv/sampling/presmoothing.hpp"
 #include "tests/unit/piv/scene.hpp"
 
 namespace pivnp::piv {
@@ -178,7 +178,7 @@ TEST(Presmoothing, FinerTextureIsSmoothedMore) {
   }
 }
 
-TEST(DenseMethods, LightThatChangesIsTakenOut) {
+TEST(DenseMethods, IlluminationThatChangesIsCorrected) {
   const NodeLattice nodes = even_nodes(256, 256, 16, 40);
   const Errors e = errors(make_scene(sine(1, 64), 256, 256, {.light_slope = 0.4, .light_change = 0.1}), nodes,
                           measure(make_scene(sine(1, 64), 256, 256, {.light_slope = 0.4, .light_change = 0.1}), nodes));
@@ -217,7 +217,7 @@ TEST(DenseMethods, WrongMatchesAreSearchedAgain) {
   const Scene scene = make_scene(inclusion, 400, 400, {});
   const NodeLattice nodes = even_nodes(400, 400, 8, 48);
   PivOptions forward;
-  forward.anchor = "forward";
+  forward.anchor = Anchor::forward;
   const PixelVectors found = measure(scene, nodes, forward);
   int inside = 0, followed = 0;
   for (std::size_t k = 0; k < nodes.pixel.size(); ++k) {
@@ -258,7 +258,7 @@ TEST(Truncation, IsNothingForWavesOfTenPointsAndMuchForJumps) {
 
 struct Asked {
   const char* method;
-  const char* smoothing;
+  Smoothing smoothing;
   int order;
   double uniform, shear;  // rms, px
 };
@@ -268,11 +268,11 @@ class Methods : public testing::TestWithParam<Asked> {};
 TEST_P(Methods, FindPlainMotionsWithEitherAnchor) {
   const Asked asked = GetParam();
   const NodeLattice nodes = even_nodes(256, 256, 16, 48);
-  for (const char* anchor : {"central", "forward"}) {
+  for (const Anchor anchor : {Anchor::central, Anchor::forward}) {
     PivOptions options;
     options.method = asked.method, options.smoothing = asked.smoothing, options.order = asked.order;
     options.anchor = anchor;
-    SCOPED_TRACE(anchor);
+    SCOPED_TRACE(std::string(name_of(anchor)));
     const Scene even = make_scene(uniform(3.3, -1.6), 256, 256, {}),
                 sheared = make_scene(plain_shear(0.1, 127.5), 256, 256, {});
     const Errors u = errors(even, nodes, measure(even, nodes, options)),
@@ -286,13 +286,16 @@ TEST_P(Methods, FindPlainMotionsWithEitherAnchor) {
 
 INSTANTIATE_TEST_SUITE_P(
     All, Methods,
-    testing::Values(Asked{"default", "adaptive", 1, 0.003, 0.004}, Asked{"gn", "window", 0, 0.006, 0.010},
-                    Asked{"gn", "window", 1, 0.006, 0.010}, Asked{"gn", "window", 2, 0.006, 0.010},
-                    Asked{"fast", "adaptive", 1, 0.012, 0.015}, Asked{"fft", "adaptive", 1, 0.008, 0.012},
-                    Asked{"ncc", "adaptive", 1, 0.008, 0.012}, Asked{"dis", "adaptive", 1, 0.25, 0.35}),
+    testing::Values(Asked{"default", Smoothing::adaptive, 1, 0.003, 0.004},
+                    Asked{"gn", Smoothing::window, 0, 0.006, 0.010}, Asked{"gn", Smoothing::window, 1, 0.006, 0.010},
+                    Asked{"gn", Smoothing::window, 2, 0.006, 0.010},
+                    Asked{"fast", Smoothing::adaptive, 1, 0.012, 0.015},
+                    Asked{"fft", Smoothing::adaptive, 1, 0.008, 0.012},
+                    Asked{"ncc", Smoothing::adaptive, 1, 0.008, 0.012},
+                    Asked{"dis", Smoothing::adaptive, 1, 0.25, 0.35}),
     [](const auto& tested) {
       const Asked& a = tested.param;
-      return std::string(a.method) + "_" + a.smoothing + std::to_string(a.order);
+      return std::string(a.method) + "_" + std::string(name_of(a.smoothing)) + std::to_string(a.order);
     });
 
 }  // namespace

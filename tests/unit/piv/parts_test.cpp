@@ -6,14 +6,14 @@
 #include <cstring>
 #include <random>
 
-#include "pivnp/piv/window/correlate.hpp"
 #include "pivnp/piv/sampling/lattice.hpp"
-#include "pivnp/piv/multipass.hpp"
-#include "pivnp/piv/window/predictor.hpp"
 #include "pivnp/piv/sampling/spline_image.hpp"
-#include "pivnp/piv/window/subpixel.hpp"
 #include "pivnp/piv/validation/median_test.hpp"
 #include "pivnp/piv/validation/replacement.hpp"
+#include "pivnp/piv/window/correlate.hpp"
+#include "pivnp/piv/window/predictor.hpp"
+#include "pivnp/piv/window/subpixel.hpp"
+#include "pivnp/piv/window_passes.hpp"
 
 namespace pivnp::piv {
 namespace {
@@ -261,7 +261,7 @@ TEST(MedianTest, EqualsItsDefinition) {
     const VectorGrid given = grid;
     constexpr double threshold = 1.5, floor = 0.05;
     median_test(grid, threshold, floor, 1);
-    // Two rounds: what the first condemned is judged by the survivors. Points all of whose neighbours survived are as
+    // Two rounds: what failed the first is tested against the survivors. Points all of whose neighbours survived are as
     // after the first.
     for (int j = 2; j < 21; ++j)
       for (int i = 2; i < 39; ++i) {

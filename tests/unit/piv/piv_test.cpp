@@ -35,11 +35,11 @@ TEST(Piv, UniformShifts) {
 }
 
 TEST(Piv, Rotations) {
-  for (const char* anchor : {"central", "forward"}) {
+  for (const Anchor anchor : {Anchor::central, Anchor::forward}) {
     PivOptions options;
     options.anchor = anchor;
     for (const double degrees : {1.0, 3.0}) {
-      SCOPED_TRACE(std::string(anchor) + " " + std::to_string(degrees));
+      SCOPED_TRACE(std::string(name_of(anchor)) + " " + std::to_string(degrees));
       const Errors e = errors_of(rotation(degrees, middle, middle), {}, options);
       EXPECT_LE(e.rms, 0.01);
       EXPECT_EQ(e.valid, 1.0);
@@ -48,11 +48,11 @@ TEST(Piv, Rotations) {
 }
 
 TEST(Piv, PlainShears) {
-  for (const char* anchor : {"central", "forward"}) {
+  for (const Anchor anchor : {Anchor::central, Anchor::forward}) {
     PivOptions options;
     options.anchor = anchor;
     for (const double slope : {0.1, 0.2}) {
-      SCOPED_TRACE(std::string(anchor) + " " + std::to_string(slope));
+      SCOPED_TRACE(std::string(name_of(anchor)) + " " + std::to_string(slope));
       const Errors e = errors_of(plain_shear(slope, middle), {}, options);
       EXPECT_LE(e.rms, slope == 0.1 ? 0.01 : 0.02);
       EXPECT_GE(e.valid, 0.99);
@@ -77,7 +77,7 @@ TEST(Piv, AnchorsDifferAsDefined) {
   const Scene scene = make_scene(spin, side, side, {});
   const NodeLattice nodes = even_nodes(side, side, 32, 48);
   PivOptions forward;
-  forward.anchor = "forward";
+  forward.anchor = Anchor::forward;
   const PixelVectors f = measure(scene, nodes, forward), c = measure(scene, nodes);
   EXPECT_EQ(f.anchor, Anchor::forward);
   EXPECT_EQ(c.anchor, Anchor::central);
@@ -134,7 +134,7 @@ TEST(Piv, LostParticlesRaiseTheStatedError) {
   EXPECT_GE(e.within_two, 0.75);
 }
 
-TEST(Piv, UnevenAndChangingLightDoesNotMatter) {
+TEST(Piv, UnevenAndChangingIlluminationDoesNotMatter) {
   const Errors e = errors_of(uniform(1.4, 0.7), {.light_slope = 0.4, .light_change = 0.1});
   EXPECT_LE(e.rms, 0.01);
   EXPECT_EQ(e.valid, 1.0);
@@ -352,7 +352,6 @@ TEST(Piv, BadOptionsAndSizesAreRefusedInOneLine) {
   };
   PivOptions options;
   options.method = "magic", refused(options, "method");
-  options = {}, options.anchor = "backward", refused(options, "anchor");
   options = {}, options.window_px = 200, refused(options, "window_px");
   options = {}, options.first_window_px = 16, refused(options, "first_window_px");
   const Scene scene = make_scene(uniform(0, 0), 100, 128, {});

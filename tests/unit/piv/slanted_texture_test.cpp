@@ -37,12 +37,12 @@ Scene slanted(int sign, int seed) {
 
 TEST(SlantedTexture, TheCovarianceLeansAsErrorsDo) {
   const NodeLattice nodes = even_nodes(side, side, 16, 40);
-  for (const char* method : {"default", "window"})
+  for (const Smoothing smoothing : {Smoothing::adaptive, Smoothing::window})
     for (const int sign : {1, -1}) {
-      SCOPED_TRACE(method);
+      SCOPED_TRACE(std::string(name_of(smoothing)));
       SCOPED_TRACE(sign);
       PivOptions options;
-      if (method == std::string("window")) options.smoothing = "window";
+      options.smoothing = smoothing;
       double stated = 0, uv = 0, uu = 0, vv = 0;
       std::size_t count = 0;
       for (const int seed : {1, 2, 3}) {
@@ -59,8 +59,8 @@ TEST(SlantedTexture, TheCovarianceLeansAsErrorsDo) {
       ASSERT_GT(count, 100u);
       EXPECT_GT(sign * stated / double(count), 0.2);
       EXPECT_LT(sign * stated / double(count), 1.0);
-      // The default averages so widely that three frames hold a handful of independent errors.
-      if (method != std::string("default")) {
+      // Adaptive smoothing averages so widely that three frames hold a handful of independent errors.
+      if (smoothing == Smoothing::window) {
         EXPECT_GT(sign * uv / std::sqrt(uu * vv), 0.2);
       }
     }

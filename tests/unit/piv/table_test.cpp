@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/support/piv_judge.hpp"
+#include "tests/support/piv_results.hpp"
 #include "tests/support/verification.hpp"
 #include "tests/unit/piv/scene.hpp"
 
@@ -15,12 +15,12 @@ namespace {
 
 constexpr int side = 1024, seed = 4711;
 
-void measure_row(const Row& row, std::vector<Judged>& all) {
+void measure_row(const Row& row, std::vector<RowResult>& all) {
   image::TextureOptions texture = row.texture({});
   texture.seed = seed;
   const Scene scene = make_scene(row.motion, side, side, texture);
   const NodeLattice nodes = even_nodes(side, side, 8, 48);
-  judged(all, row).add({.e = errors(scene, nodes, measure(scene, nodes, {}, 2), row.scored)});
+  result_of(all, row).add({.e = errors(scene, nodes, measure(scene, nodes, {}, 2), row.scored)});
 }
 
 // The figures of a row that something is asked of.
@@ -35,10 +35,10 @@ std::string text(const RowLimits& asked, const RowLimits& figures) {
 
 // Criterion: every limit met, but for at most three rows that miss by at most a quarter (docs/limits.md says why).
 TEST(PivTable, DefaultMeetsTheLimits) {
-  std::vector<Judged> all;
+  std::vector<RowResult> all;
   for (const Row& row : piv_rows(side)) measure_row(row, all);
   int missed = 0;
-  for (Judged& j : all) {
+  for (RowResult& j : all) {
     resolve(j, all, 1);
     const std::string asked = text(j.limits, {j.limits.rms, j.limits.valid, j.limits.bias, j.limits.gain}),
                       reached = text(j.limits, {j.rms, j.valid, j.bias, j.gain});

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <filesystem>
 
+#include "apps/report/write.hpp"
 #include "tests/unit/report/synthetic.hpp"
 
 namespace pivnp::report {

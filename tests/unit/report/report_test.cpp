@@ -17,6 +17,7 @@
 
 #include <QImage>
 
+#include "apps/report/write.hpp"
 #include "pivnp/core/error.hpp"
 #include "tests/unit/report/synthetic.hpp"
 

@@ -84,7 +84,7 @@ std::shared_ptr<MotionMemory> make_motion(const SyntheticOptions& o, const Motio
       frame.u.push_back({float(u.x()), float(u.y())});
       frame.F.push_back({float(F(0, 0)), float(F(0, 1)), float(F(1, 0)), float(F(1, 1))});
       frame.status.push_back(ended         ? ParticleStatus::ended
-                             : p % 50 == 0 ? ParticleStatus::doubtful
+                             : p % 50 == 0 ? ParticleStatus::flagged
                                            : ParticleStatus::active);
       if (measured) frame.cov_u.push_back({float(sigma * sigma), float(sigma * sigma), 0});
     }

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/report/content.hpp"
+#include "apps/report/content/content.hpp"
 
 namespace pivnp::report {
 

@@ -1,49 +1,14 @@
-// Numbers and names as printed.
-#include "apps/report/words.hpp"
+// Names as printed, and text made safe.
+#include "apps/report/words/words.hpp"
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <limits>
+#include "apps/report/document/text.hpp"
 
 #include "pivnp/core/particles/fields.hpp"
 
 namespace pivnp::report {
 namespace {
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
-TEST(Words, UncertaintyHasTwoDigitsAndSetsTheValues) {
-  EXPECT_EQ(value_with_uncertainty(0.0123456, 0.00056), "0.01235 ± 0.00056");
-  EXPECT_EQ(value_with_uncertainty(12.3456, 1.04), "12.3 ± 1.0");
-  EXPECT_EQ(value_with_uncertainty(-1.8349, 0.62), "−1.83 ± 0.62");
-  EXPECT_EQ(value_with_uncertainty(0.0, 0.00996), "0.000 ± 0.010");  // 0.00996 rounds up to 0.010
-  EXPECT_EQ(value_with_uncertainty(1.234e-6, 5.6e-8), "(1.234 ± 0.056) × 10⁻⁶");
-  EXPECT_EQ(value_with_uncertainty(3.0e-9, 4.0e-7), "(0.0 ± 4.0) × 10⁻⁷");
-  EXPECT_EQ(value_with_uncertainty(2.5, nan), "2.50");
-  EXPECT_EQ(value_with_uncertainty(2.5, 0), "2.50");
-  EXPECT_EQ(value_with_uncertainty(nan, 1), "n/a");
-  EXPECT_EQ(value_with_uncertainty(std::numeric_limits<double>::infinity(), nan), "n/a");
-}
-
-TEST(Words, Numbers) {
-  EXPECT_EQ(number(0.5), "0.500");
-  EXPECT_EQ(number(0), "0");
-  EXPECT_EQ(number(99.96, 3), "100");
-  EXPECT_EQ(number(1.5e-7, 2), "1.5 × 10⁻⁷");
-  EXPECT_EQ(number(-30e6, 2), "−3.0 × 10⁷");
-  EXPECT_EQ(plain(0.5), "0.5");
-  EXPECT_EQ(plain(120), "120");
-  EXPECT_EQ(plain(-0.020004), "−0.02");
-  EXPECT_EQ(plain(2e-7), "2 × 10⁻⁷");
-  EXPECT_EQ(percent(1), "100 %");
-  EXPECT_EQ(percent(0.99999), "> 99.9 %");
-  EXPECT_EQ(percent(0.0001), "< 0.1 %");
-  EXPECT_EQ(percent(0.423), "42.3 %");
-  EXPECT_EQ(percent(nan), "n/a");
-  EXPECT_EQ(count(1, "particle"), "1 particle");
-  EXPECT_EQ(count(1234567, "particle"), "1\u202f234\u202f567 particles");
-}
 
 TEST(Words, Names) {
   EXPECT_EQ(metric_words("displacement_rms"), "Displacement, RMS");
@@ -68,14 +33,6 @@ TEST(Words, Names) {
   motion_fields().add({.name = "heat", .form = FieldForm::vector, .label = "flow of heat"});
   EXPECT_EQ(field_words("heat_x"), "flow of heat x");
   motion_fields().remove_last();
-}
-
-TEST(Words, UnitsSuitTheirNumbers) {
-  EXPECT_EQ(display_unit("m", 0.02).name, "mm");
-  EXPECT_EQ(display_unit("m", 20).name, "m");
-  EXPECT_EQ(display_unit("m", 0).name, "m");
-  EXPECT_EQ(display_unit("px", 0.02).name, "px");
-  EXPECT_DOUBLE_EQ(display_unit("m", 1e-5).factor, 1e6);
 }
 
 TEST(Words, HtmlIsEscapedAndClean) {

@@ -6,7 +6,8 @@
 #include <memory>
 #include <string>
 
-#include "apps/study/scene.hpp"
+#include "apps/study/pipeline/scene.hpp"
+#include "apps/study/studies/check.hpp"
 #include "pivnp/core/error.hpp"
 
 namespace pivnp::app {

@@ -2,15 +2,15 @@
 //   criterion: where the stated error is right (still light, rotation that speeds up) nothing is added; where something
 //     stands still before the moving texture, paths whose error the stated one covers in less than half of the
 //     particles are covered in 95 % within three standard deviations.
-#include "apps/study/closure.hpp"
+#include "apps/study/methods/closure.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "apps/study/measure.hpp"
-#include "apps/study/stages.hpp"
-#include "apps/study/truth.hpp"
+#include "apps/study/methods/stages.hpp"
+#include "apps/study/pipeline/measure.hpp"
+#include "apps/study/synth/truth.hpp"
 #include "pivnp/image/synthetic.hpp"
 
 namespace pivnp::app {

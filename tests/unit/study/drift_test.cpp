@@ -8,9 +8,9 @@
 #include <cmath>
 #include <cstring>
 
-#include "apps/study/drift.hpp"
-#include "apps/study/stages.hpp"
-#include "apps/study/truth.hpp"
+#include "apps/study/methods/drift.hpp"
+#include "apps/study/methods/stages.hpp"
+#include "apps/study/synth/truth.hpp"
 #include "pivnp/image/synthetic.hpp"
 
 namespace pivnp::app {
@@ -145,7 +145,7 @@ TEST_F(Drift, WhereImagesSayNothingNothingIsChanged) {
       EXPECT_EQ(r.end[p].F, none.end[p].F);
       EXPECT_EQ(r.end[p].cov, none.end[p].cov);
       EXPECT_EQ(r.end[p].status,
-                std::strcmp(scheme, "corrected") == 0 ? ParticleStatus::active : ParticleStatus::doubtful);
+                std::strcmp(scheme, "corrected") == 0 ? ParticleStatus::active : ParticleStatus::flagged);
     }
     for (const DriftRound& round : r.rounds) EXPECT_EQ(round.from_first + round.from_later, 0u);
   }

@@ -1,14 +1,14 @@
 // Levelling: a simulation that is right, measured like the experiment, differs from it by noise alone where the plain
 // comparison shows the measurement's filter.
-#include "apps/study/levelling.hpp"
+#include "apps/study/methods/levelling.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "apps/study/measure.hpp"
-#include "apps/study/stages.hpp"
-#include "apps/study/truth.hpp"
+#include "apps/study/methods/stages.hpp"
+#include "apps/study/pipeline/measure.hpp"
+#include "apps/study/synth/truth.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
 #include "pivnp/image/synthetic.hpp"

@@ -1,5 +1,5 @@
 // Peak locking is remarked on from vectors of the world as from pixels, through an oblique camera, for both anchors.
-#include "apps/study/peak_locking.hpp"
+#include "apps/study/methods/peak_locking.hpp"
 
 #include <gtest/gtest.h>
 

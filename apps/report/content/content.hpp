@@ -1,0 +1,48 @@
+// What a report is made of, wherever it came from: values and motions, no file and no Qt.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "compare/compare.hpp"
+#include "pivnp/core/image_view.hpp"
+#include "pivnp/core/math.hpp"
+#include "pivnp/core/particles/motion.hpp"
+#include "pivnp/core/record/energy.hpp"
+#include "pivnp/core/record/frames.hpp"
+#include "pivnp/core/record/strain_note.hpp"
+#include "pivnp/core/record/vectors.hpp"
+
+namespace pivnp::report {
+
+/// A frame to draw under vectors.
+struct Picture {
+  int frame = 0;
+  Image image;
+};
+
+/// Any part may be missing: the report then has no section on it.
+struct Content {
+  std::string name;
+  std::string command;                             // as typed
+  std::string case_text;                           // TOML with every default filled in
+  std::string length_unit = "m", time_unit = "s";  // of vectors, motions and the camera
+  Mat3 world_from_pixel = Mat3::Identity();
+  double camera_residual = 0;  // RMS of the targets, length unit
+  std::vector<Frame> frames;
+  std::size_t pair_count = 0;
+  std::function<VectorField(std::size_t)> pair;  // read one at a time, in order
+  std::shared_ptr<const MotionSource> measured, simulated;
+  std::optional<StrainNote> strain_note;          // of the measured motion
+  std::optional<compare::Comparison> comparison;  // simulated (second) minus measured (first)
+  std::vector<EnergyRow> energy;                  // J per metre of thickness
+  std::span<const Picture> pictures;
+  std::vector<std::string> remarks;  // what was flagged and why, one sentence each
+};
+
+}  // namespace pivnp::report

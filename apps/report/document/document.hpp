@@ -1,0 +1,46 @@
+// The report between its making and its writing: blocks that the HTML and the PDF both show. Plain text, no markup.
+#pragma once
+
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "apps/report/figures/figure.hpp"
+
+namespace pivnp::report {
+
+struct Heading {
+  int level = 1;  // 1: section, 2: subsection
+  std::string text;
+};
+
+struct Paragraph {
+  std::string text;
+  bool lead = false;  // the verdict: set off from the rest
+};
+
+struct List {
+  std::vector<std::string> items;
+};
+
+struct Code {
+  std::string text;
+};
+
+struct Table {
+  std::string caption;
+  std::vector<std::string> head;
+  std::vector<double> width;  // share of the measure, one a column
+  std::vector<char> align;    // 'l', 'r' or 'c', one a column
+  std::vector<std::vector<std::string>> rows;
+  std::vector<std::string> notes;  // below each row, across the whole width; empty: none
+};
+
+using Block = std::variant<Heading, Paragraph, List, Code, Table, Figure>;
+
+struct Document {
+  std::string title, subtitle;
+  std::vector<Block> blocks;
+};
+
+}  // namespace pivnp::report

@@ -1,0 +1,320 @@
+#include "apps/study/methods/drift.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <unordered_map>
+
+#include "pivnp/np/fusion.hpp"
+#include "pivnp/piv/window/subset.hpp"
+
+namespace pivnp::app {
+
+namespace {
+
+using Cov = std::array<double, 3>;
+
+constexpr double min_score = 0.6, good_score = 0.75;
+constexpr double share_that_fails = 0.1;
+constexpr double floor_px = 0.005;  // bias of the direct correlation itself: interpolation, affine subset
+
+double median(std::vector<double> v) {
+  if (v.empty()) return 0;
+  const auto middle = v.begin() + std::ptrdiff_t(v.size() / 2);
+  std::nth_element(v.begin(), middle, v.end());
+  return *middle;
+}
+
+Mat2 matrix_of(const Cov& c) {
+  Mat2 m;
+  m << c[0], c[2], c[2], c[1];
+  return m;
+}
+
+Cov carried(const Mat2& f, const Cov& c) {
+  const Mat2 m = f * matrix_of(c) * f.transpose();
+  return {m(0, 0), m(1, 1), m(0, 1)};
+}
+
+// What a key frame remembers.
+struct Key {
+  int frame = 0;
+  piv::SubsetImage image;
+  std::vector<Vec2> x;
+  std::vector<Mat2> F;
+  std::vector<Cov> cov;
+  std::vector<double> var_F;
+  std::vector<std::uint8_t> alive;
+};
+
+}  // namespace
+
+struct DriftCorrector::Impl {
+  Impl(const Case& c, const Setting& s, int thread_count)
+      : setting(s), options(c.np.value_or(np::NpOptions{})), threads(thread_count) {
+    const int window = c.piv.value_or(piv::PivOptions{}).window_px;
+    subset.side_px = std::max(window, 20) / 2 * 2 + 1;
+  }
+
+  const Setting& setting;
+  np::NpOptions options;
+  int threads;
+  piv::SubsetOptions subset;
+  std::shared_ptr<Key> first, kept, newest;
+  std::vector<double> var_F;  // variance of a component of F, summed
+  std::vector<Cov> cov_before;
+  std::vector<Mat2> F_before;
+  std::vector<DriftRound> rounds;
+
+  std::shared_ptr<Key> snapshot(const np::Tracker& tracker, int frame, const ImageView& image) const {
+    auto key = std::make_shared<Key>();
+    key->frame = frame;
+    key->image.assign(image, setting.mask.view(), threads);
+    const auto state = tracker.state();
+    for (std::size_t p = 0; p < state.size(); ++p) {
+      const auto now = state[p];
+      key->x.push_back(now.x);
+      key->F.push_back(now.F);
+      key->cov.push_back(now.cov);
+      key->alive.push_back(now.status == ParticleStatus::active || now.status == ParticleStatus::flagged);
+    }
+    key->var_F = var_F;
+    return key;
+  }
+
+  // The gradient's noise from that of the increments: independent errors s at the nodes give 4/3 (s/h)^2 on average
+  // over a bilinear element (less where neighbours err alike).
+  void grow_var_F(const np::Tracker& tracker) {
+    const auto state = tracker.state();
+    const double h = setting.grid.spacing.minCoeff();
+    for (std::size_t p = 0; p < state.size(); ++p) {
+      const auto now = state[p];
+      const Cov old = carried(now.F * F_before[p].inverse(), cov_before[p]);
+      const double growth = 0.5 * (now.cov[0] + now.cov[1] - old[0] - old[1]);
+      if (growth > 0) var_F[p] += 4.0 / 3 * growth / (h * h);
+      cov_before[p] = now.cov;
+      F_before[p] = now.F;
+    }
+  }
+
+  struct Direct {
+    Vec2 x;
+    Cov cov;          // of x, world
+    Mat2 f;           // deformation since the key frame
+    double var_f = 0;
+    double off_px = 0;
+  };
+
+  // Direct estimates of the particles `wanted` from `key`; those that do not count are left out of `found`.
+  void match(const np::Tracker& tracker, const Key& key, const piv::SubsetImage& now, int frame,
+             const std::vector<std::size_t>& wanted, double score,
+             std::unordered_map<std::size_t, Direct>& found) const {
+    const image::Camera& camera = setting.camera;
+    std::vector<std::size_t> asked;
+    std::vector<piv::AffinePrediction> predictions;
+    const auto state = tracker.state();
+    for (const std::size_t p : wanted) {
+      if (!key.alive[p]) continue;
+      const auto particle = state[p];
+      piv::AffinePrediction guess;
+      guess.from = camera.to_pixel(key.x[p]);
+      guess.to = camera.to_pixel(particle.x);
+      guess.A = camera.jacobian(guess.to).inverse() * particle.F * key.F[p].inverse() * camera.jacobian(guess.from);
+      asked.push_back(p);
+      predictions.push_back(guess);
+    }
+    const auto matches = piv::match_subsets(key.image, now, predictions, subset, threads);
+    std::vector<Vec2> off(asked.size());
+    std::vector<std::uint8_t> good(asked.size());
+    for (std::size_t k = 0; k < asked.size(); ++k) {
+      off[k] = matches[k].to - predictions[k].to;
+      // Room for drift: half a pixel, .02 px a frame, and the prediction's own scatter.
+      const Mat2 J = camera.jacobian(predictions[k].to);
+      const double pixel = std::sqrt(std::abs(J.determinant()));
+      const Cov& c = state[asked[k]].cov;
+      const double sigma = std::isfinite(c[0] + c[1]) ? std::sqrt(std::max(0.0, c[0] + c[1])) / pixel : 0;
+      const double room = 0.5 + 0.02 * (frame - key.frame) + 3 * sigma;
+      good[k] = matches[k].found && matches[k].score >= score && off[k].norm() <= room;
+    }
+    keep_those_in_line(predictions, off, good);
+    for (std::size_t k = 0; k < asked.size(); ++k) {
+      if (!good[k]) continue;
+      const Mat2 J0 = camera.jacobian(predictions[k].from), J1 = camera.jacobian(matches[k].to);
+      Direct d;
+      d.x = camera.to_world(matches[k].to);
+      Cov c = matches[k].cov;
+      c[0] += floor_px * floor_px, c[1] += floor_px * floor_px;
+      d.cov = carried(J1, c);
+      d.f = J1 * matches[k].A * J0.inverse();
+      const double edge = floor_px / (subset.side_px / 2);
+      d.var_f = matches[k].var_A + edge * edge;
+      d.off_px = off[k].norm();
+      if (d.f.determinant() > 0) found.emplace(asked[k], d);
+    }
+  }
+
+  // Drift is smooth: an estimate far from what its neighbours within a window say is a false match.
+  void keep_those_in_line(const std::vector<piv::AffinePrediction>& at, const std::vector<Vec2>& off,
+                          std::vector<std::uint8_t>& good) const {
+    const double size = subset.side_px;
+    const auto bin = [&](double v) { return std::int64_t(std::floor(v / size)); };
+    std::unordered_map<std::int64_t, std::vector<std::size_t>> bins;
+    const auto code = [](std::int64_t i, std::int64_t j) { return i * 1000003 + j; };
+    for (std::size_t k = 0; k < at.size(); ++k)
+      if (good[k]) bins[code(bin(at[k].to.x()), bin(at[k].to.y()))].push_back(k);
+    const std::vector<std::uint8_t> before = good;
+    for (std::size_t k = 0; k < at.size(); ++k) {
+      if (!before[k]) continue;
+      std::vector<double> u, v;
+      for (int dj = -1; dj <= 1; ++dj)
+        for (int di = -1; di <= 1; ++di) {
+          const auto there = bins.find(code(bin(at[k].to.x()) + di, bin(at[k].to.y()) + dj));
+          if (there == bins.end()) continue;
+          for (const std::size_t q : there->second)
+            if (q != k) u.push_back(off[q].x()), v.push_back(off[q].y());
+        }
+      if (u.size() < 4) continue;
+      const Vec2 mid(median(u), median(v));
+      for (double& a : u) a = std::abs(a - mid.x());
+      for (double& a : v) a = std::abs(a - mid.y());
+      const Vec2 apart = (off[k] - mid).cwiseAbs();
+      if (apart.x() > 0.3 + 4 * median(u) || apart.y() > 0.3 + 4 * median(v)) good[k] = 0;
+    }
+  }
+
+  void fuse_one(np::Tracker& tracker, const Key& key, std::size_t p, const Direct& d) {
+    const auto now = tracker.state()[p];
+    const Mat2 f = now.F * key.F[p].inverse();
+    const Cov since_birth = carried(f, key.cov[p]);
+    np::Estimate summed{now.x, {now.cov[0] - since_birth[0], now.cov[1] - since_birth[1], now.cov[2] - since_birth[2]}};
+    const bool known = summed.cov[0] > 0 && summed.cov[1] > 0 &&
+                       summed.cov[0] * summed.cov[1] > summed.cov[2] * summed.cov[2];
+    const np::Estimate fused = known ? np::fuse(summed, {d.x, d.cov}) : np::Estimate{d.x, d.cov};
+    const double since = var_F[p] - key.var_F[p];
+    const np::Weighted w = known && since > 0 ? np::fuse(since, d.var_f) : np::Weighted{1, d.var_f};
+    const Mat2 F = (f + w.weight * (d.f - f)) * key.F[p];
+    const Cov cov{since_birth[0] + fused.cov[0], since_birth[1] + fused.cov[1], since_birth[2] + fused.cov[2]};
+    set(tracker, p, fused.value, F, cov, key.var_F[p] + w.variance);
+  }
+
+  void replace_one(np::Tracker& tracker, const Key& key, std::size_t p, const Direct& d) {
+    const Cov base = carried(d.f, key.cov[p]);
+    set(tracker, p, d.x, d.f * key.F[p], {base[0] + d.cov[0], base[1] + d.cov[1], base[2] + d.cov[2]},
+        key.var_F[p] + d.var_f);
+  }
+
+  void set(np::Tracker& tracker, std::size_t p, const Vec2& x, const Mat2& F, const Cov& cov, double variance) {
+    if (!x.allFinite() || !F.allFinite() || !(F.determinant() > 0)) return;
+    tracker.correct(p, x, F, cov);
+    var_F[p] = variance;
+    cov_before[p] = cov;
+    F_before[p] = F;
+  }
+
+  std::vector<std::size_t> living(const np::Tracker& tracker) const {
+    std::vector<std::size_t> out;
+    const auto state = tracker.state();
+    for (std::size_t p = 0; p < state.size(); ++p) {
+      const ParticleStatus s = state[p].status;
+      if (s == ParticleStatus::active || s == ParticleStatus::flagged) out.push_back(p);
+    }
+    return out;
+  }
+
+  void correct(np::Tracker& tracker, int frame, const Image& image) {
+    const piv::SubsetImage now(image.view(), setting.mask.view(), threads);
+    DriftRound round{frame, 0, 0, 0, 0};
+    std::vector<std::size_t> wanted = living(tracker);
+    round.alive = wanted.size();
+    std::vector<double> off;
+    std::vector<std::shared_ptr<Key>> keys = {first};
+    if (kept) keys.push_back(kept);
+    if (newest && newest != kept) keys.push_back(newest);
+    std::size_t from_kept = 0, from_newest = 0;
+    for (const auto& key : keys) {
+      if (wanted.empty()) break;
+      std::unordered_map<std::size_t, Direct> found;
+      match(tracker, *key, now, frame, wanted, min_score, found);
+      std::vector<std::size_t> rest;
+      for (const std::size_t p : wanted) {
+        const auto it = found.find(p);
+        if (it == found.end()) {
+          rest.push_back(p);
+          continue;
+        }
+        fuse_one(tracker, *key, p, it->second);
+        off.push_back(it->second.off_px);
+      }
+      (key == first ? round.from_first : round.from_later) += found.size();
+      if (key == kept) from_kept += found.size();
+      else if (key == newest) from_newest += found.size();
+      wanted = std::move(rest);
+    }
+    // A key frame is given up for the newest one once more particles hold to that.
+    if (newest && (!kept || from_newest > from_kept)) kept = newest;
+    newest = snapshot(tracker, frame, image.view());
+    round.median_px = median(std::move(off));
+    rounds.push_back(round);
+  }
+
+  void follow_reference(np::Tracker& tracker, int frame, const Image& image, bool moves_on) {
+    const piv::SubsetImage now(image.view(), setting.mask.view(), threads);
+    const std::vector<std::size_t> wanted = living(tracker);
+    std::unordered_map<std::size_t, Direct> found;
+    match(tracker, *kept, now, frame, wanted, moves_on ? good_score : min_score, found);
+    if (moves_on && newest && newest != kept &&
+        double(wanted.size() - found.size()) > share_that_fails * double(wanted.size())) {
+      kept = newest;
+      found.clear();
+      match(tracker, *kept, now, frame, wanted, min_score, found);
+    }
+    DriftRound round{frame, wanted.size(), 0, 0, 0};
+    std::vector<double> off;
+    for (const std::size_t p : wanted) {
+      const auto it = found.find(p);
+      if (it == found.end()) {
+        tracker.flag(p);
+        continue;
+      }
+      replace_one(tracker, *kept, p, it->second);
+      off.push_back(it->second.off_px);
+    }
+    (kept == first ? round.from_first : round.from_later) = found.size();
+    round.median_px = median(std::move(off));
+    rounds.push_back(round);
+    if (moves_on) newest = snapshot(tracker, frame, image.view());
+  }
+};
+
+DriftCorrector::DriftCorrector(const Case& c, const Setting& setting, int threads)
+    : impl_(std::make_unique<Impl>(c, setting, threads)) {}
+DriftCorrector::~DriftCorrector() = default;
+
+const std::vector<DriftRound>& DriftCorrector::rounds() const { return impl_->rounds; }
+
+void DriftCorrector::start(const np::Tracker& tracker, const ImageView& image) {
+  Impl& s = *impl_;
+  const std::size_t count = tracker.state().size();
+  s.var_F.assign(count, 0);
+  s.cov_before.assign(count, {0, 0, 0});
+  s.F_before.assign(count, Mat2::Identity());
+  if (s.options.drift == "none") return;
+  s.first = s.snapshot(tracker, 0, image);
+  if (s.options.drift != "corrected") s.kept = s.first;
+}
+
+void DriftCorrector::after_step(np::Tracker& tracker, int frame, bool last, const std::function<Image()>& read) {
+  Impl& s = *impl_;
+  if (s.options.drift == "none") return;
+  const bool corrects = s.options.drift == "corrected";
+  if (corrects && frame % s.options.drift_interval != 0 && !last) return;
+  s.grow_var_F(tracker);
+  const Image image = read();
+  if (corrects)
+    s.correct(tracker, frame, image);
+  else
+    s.follow_reference(tracker, frame, image, s.options.drift == "reference_update");
+}
+
+}  // namespace pivnp::app

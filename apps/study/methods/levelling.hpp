@@ -1,0 +1,37 @@
+// Comparing like with like: what would have been measured, had the material moved as simulated.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "apps/study/pipeline/scene.hpp"
+#include "apps/study/pipeline/settings.hpp"
+#include "compare/compare.hpp"
+#include "pivnp/core/progress.hpp"
+#include "pivnp/io/record.hpp"
+
+namespace pivnp::app {
+
+/// Variance of the frames' random part, grey values squared: the median over the usable nodes of (1 - score) times the
+/// variance of the first frame in the node's window, since two frames with independent noise n correlate by
+/// 1 - n / (signal + n). Of all pairs the one with the best median score counts: motion can only lower it.
+double noise_variance(const ImageView& first, const std::vector<Vec2>& nodes_px, int window_px,
+                      const std::vector<VectorField>& pairs);
+
+/// Frames that carry the first frame's texture by `motion`. The first frame is freed of noise (adaptive Wiener filter
+/// over 3 x 3 pixels, Lee 1980), interpolated by cubic B-splines, and every frame receives noise of its own. A pixel
+/// shows the place where its material was at the first frame, by the triangles of the particles' present places;
+/// pixels outside the material keep what they show in the first frame, or the background's median grey where
+/// that was material. Frames later than the motion's last time are left out.
+std::unique_ptr<image::FrameSource> carried_frames(const Image& first, const std::vector<Frame>& frames, bool has_rate,
+                                                   const image::Camera& camera, const MotionSource& motion,
+                                                   double noise, std::uint64_t seed);
+
+/// Measures the simulation as the experiment was measured (record OUT/levelled), compares it with the measurement, and
+/// adds the metrics of displacement, velocity and strain to `comparison` under names that begin with "levelled_".
+void add_levelled(const Case& c, const Setting& setting, const RunSettings& settings, image::FrameSource& source,
+                  const std::vector<Frame>& frames, const io::RecordWriter& writer, const MotionSource& measured,
+                  const MotionSource& simulated, const StrainNote& note, const compare::CompareOptions& options,
+                  compare::Comparison& comparison, Progress& progress);
+
+}  // namespace pivnp::app

@@ -1,0 +1,56 @@
+#include "apps/study/methods/peak_locking.hpp"
+
+#include <Eigen/LU>
+
+#include "pivnp/core/text.hpp"
+#include "pivnp/piv/validation/peak_locking.hpp"
+
+namespace pivnp::app {
+
+namespace {
+
+// Vectors of the record back in pixels: the inverse of world_vectors.
+std::vector<std::array<float, 2>> pixel_displacements(const VectorField& field, const piv::NodeLattice& lattice,
+                                                      const image::Camera& camera) {
+  std::vector<std::array<float, 2>> pixels(field.displacement.size());
+  for (std::size_t n = 0; n < pixels.size(); ++n) {
+    const Vec2 at(double(lattice.pixel[n][0]), double(lattice.pixel[n][1]));
+    const Vec2 moved(double(field.displacement[n][0]), double(field.displacement[n][1]));
+    const Vec2 d = field.anchor == Anchor::forward
+                       ? Vec2(camera.to_pixel(camera.to_world(at) + moved) - at)
+                       : Vec2(camera.jacobian(at).inverse() * moved);  // about the middle: exact to second order
+    pixels[n] = {float(d.x()), float(d.y())};
+  }
+  return pixels;
+}
+
+}  // namespace
+
+std::vector<std::string> texture_remarks(const Setting& setting, const Image& frame) {
+  const double diameter = piv::blob_diameter(frame.view(), setting.mask.view());
+  if (!(diameter < piv::least_blob_px)) return {};
+  return {"The texture is too fine for the pixels: its blobs are about " + number(diameter, 2) +
+          " px wide, and below " + number(piv::least_blob_px, 2) +
+          " px displacements are drawn toward whole pixels by hundredths of a pixel (peak locking)."};
+}
+
+std::vector<std::string> fraction_remarks(const Setting& setting, std::size_t pairs,
+                                          const std::function<VectorField(std::size_t)>& pair) {
+  if (pairs == 0) return {};
+  const piv::NodeLattice lattice = node_lattice(setting);
+  piv::FractionStatistics statistics;
+  const std::size_t step = (pairs + 15) / 16;
+  for (std::size_t k = 0; k < pairs; k += step) {
+    const VectorField field = pair(k);
+    statistics.add(lattice.nx, pixel_displacements(field, lattice, setting.camera), field.status);
+  }
+  if (!statistics.locked()) return {};
+  const auto shares = statistics.histogram();
+  constexpr std::size_t middle = piv::FractionStatistics::bins / 2;
+  const double near = shares[middle - 2] + shares[middle - 1] + shares[middle] + shares[middle + 1];
+  return {"Displacements are drawn toward whole pixels (peak locking) by up to " + number(statistics.amplitude(), 2) +
+          " px, standard error " + number(statistics.amplitude_error(), 2) + " px; " + number(100 * near, 3) +
+          " % of them lie within .1 px of a whole pixel."};
+}
+
+}  // namespace pivnp::app

@@ -1,0 +1,104 @@
+#include "apps/study/pipeline/measure.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pivnp/core/error.hpp"
+
+namespace pivnp::app {
+
+namespace {
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+PairQuality quality_of(const VectorField& field) {
+  PairQuality q;
+  std::size_t asked = 0, valid = 0;
+  std::vector<double> scores, shifts;
+  for (std::size_t n = 0; n < field.status.size(); ++n) {
+    if (field.status[n] == VectorStatus::masked) continue;
+    ++asked;
+    if (std::isfinite(field.score[n])) scores.push_back(double(field.score[n]));
+    if (field.status[n] != VectorStatus::valid) continue;
+    ++valid;
+    shifts.push_back(std::hypot(double(field.displacement[n][0]), double(field.displacement[n][1])) /
+                     field.grid.spacing.x());
+  }
+  q.valid = asked > 0 ? double(valid) / double(asked) : 0;
+  q.median_score = median(std::move(scores));
+  q.median_shift = median(std::move(shifts));
+  return q;
+}
+
+void measure(const Case& c, const Setting& setting, image::FrameSource& source, io::RecordWriter& writer, int threads,
+             Progress& progress) {
+  const io::StageState done = writer.stage("piv");
+  if (done.complete) return;
+  const int frames = int(source.frames().size());
+  const piv::NodeLattice lattice = node_lattice(setting);
+  piv::PairCorrelator correlator(c.piv.value_or(piv::PivOptions{}), lattice, setting.width, setting.height, threads);
+  const int first_pair = int(done.items);
+  Image before;
+  if (first_pair + 1 < frames) before = source.read(first_pair);
+  for (int k = first_pair; k + 1 < frames; ++k) {
+    if (progress.stop_requested()) throw Interrupted();
+    Image after = source.read(k + 1);
+    const piv::PixelVectors pixels = correlator.correlate(before.view(), after.view(), setting.mask.view());
+    writer.add_pair(world_vectors(pixels, lattice, setting, {k, k + 1}));
+    if (writer.segment_full("piv")) writer.close_segment("piv", {});
+    before = std::move(after);
+    progress.update("PIV", k + 1, frames - 1);
+  }
+  writer.end_stage("piv", nullptr);
+}
+
+VectorField measure_pair(const Case& c, const Setting& setting, image::FrameSource& source, std::array<int, 2> pair,
+                         int threads) {
+  const piv::NodeLattice lattice = node_lattice(setting);
+  piv::PairCorrelator correlator(c.piv.value_or(piv::PivOptions{}), lattice, setting.width, setting.height, threads);
+  const Image first = source.read(pair[0]), second = source.read(pair[1]);
+  return world_vectors(correlator.correlate(first.view(), second.view(), setting.mask.view()), lattice, setting, pair);
+}
+
+std::vector<std::uint8_t> step_flags(const std::vector<PairQuality>& pairs) {
+  std::vector<double> valid, score;
+  for (const PairQuality& q : pairs) {
+    valid.push_back(q.valid);
+    score.push_back(q.median_score);
+  }
+  const double usual_valid = median(valid), usual_score = median(score);
+  constexpr double still = 0.01;  // spacings: less is no motion to compare
+  std::vector<std::uint8_t> flags(pairs.size(), frame_ok);
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const PairQuality& q = pairs[k];
+    if (q.valid < 0.5 * usual_valid || q.median_score < 0.6 * usual_score) {
+      flags[k] |= frame_decorrelated;
+      continue;
+    }
+    if (k == 0 || k + 1 == pairs.size()) continue;
+    const double before = pairs[k - 1].median_shift, after = pairs[k + 1].median_shift, mean = (before + after) / 2;
+    if (mean < still || std::abs(after - before) > 0.25 * mean) continue;
+    if (q.median_shift < 0.05 * mean)
+      flags[k] |= frame_repeated;
+    else if (std::abs(q.median_shift - mean) > 0.5 * mean)
+      flags[k] |= frame_jump;
+  }
+  return flags;
+}
+
+std::vector<Frame> flagged_frames(std::vector<Frame> frames, const io::RecordWriter& writer) {
+  std::vector<PairQuality> pairs;
+  for (std::size_t k = 0; k + 1 < frames.size(); ++k) pairs.push_back(quality_of(writer.pair(k)));
+  const std::vector<std::uint8_t> flags = step_flags(pairs);
+  for (std::size_t k = 0; k < flags.size(); ++k) frames[k + 1].flag |= flags[k];
+  return frames;
+}
+
+}  // namespace pivnp::app

@@ -1,0 +1,39 @@
+// The PIV stage: frames through the correlator, vectors to the world, pair by pair into the record.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "apps/study/pipeline/scene.hpp"
+#include "pivnp/core/progress.hpp"
+#include "pivnp/io/record.hpp"
+
+namespace pivnp::app {
+
+/// What one pair's vectors say of the pair as a whole.
+struct PairQuality {
+  double valid = 0;         // share of the vectors asked for (not masked) that are valid
+  double median_score = 0;  // of all that have one
+  double median_shift = 0;  // of |displacement| over the valid, grid spacings
+};
+PairQuality quality_of(const VectorField& field);
+
+/// Measures every pair that `writer` does not hold yet; at most two frames are in memory.
+void measure(const Case& c, const Setting& setting, image::FrameSource& source, io::RecordWriter& writer, int threads,
+             Progress& progress);
+
+/// The vectors of one pair of frames, `pair` = (first, second), any distance apart.
+VectorField measure_pair(const Case& c, const Setting& setting, image::FrameSource& source, std::array<int, 2> pair,
+                         int threads);
+
+/// Flags of the step that ends at each frame but the first, from the quality of all pairs in order. Decorrelated: less
+/// than half the usual share of vectors is valid, or their median score is below 0.6 of the usual. Jump: the steps
+/// before and after agree (within a quarter), this one differs from their mean by more than half of it, as where a
+/// frame is missing. Repeated: such a step that hardly moves.
+std::vector<std::uint8_t> step_flags(const std::vector<PairQuality>& pairs);
+
+/// The frames with their flags.
+std::vector<Frame> flagged_frames(std::vector<Frame> frames, const io::RecordWriter& writer);
+
+}  // namespace pivnp::app

@@ -1,0 +1,87 @@
+#include "apps/study/pipeline/outcome.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include "apps/study/pipeline/measure.hpp"
+#include "pivnp/core/text.hpp"
+
+namespace pivnp::app {
+
+namespace {
+
+void remark_on_steps(const io::RecordReader& record, std::vector<std::string>& remarks) {
+  const std::vector<Frame>& frames = record.frames();
+  double shift_before = 0;
+  for (std::size_t k = 0; k < record.pair_count(); ++k) {
+    const VectorField field = record.pair(k);
+    const double usual_shift = shift_before;
+    shift_before = quality_of(field).median_shift;
+    const Frame& before = frames.at(std::size_t(field.pair[0]));
+    const Frame& after = frames.at(std::size_t(field.pair[1]));
+    if (after.flag == frame_ok) continue;
+    const PairQuality q = quality_of(field);
+    const std::string step = "The step " + before.name + " -> " + after.name;
+    if (after.flag & frame_decorrelated)
+      remarks.push_back(step + " lost its correlation: " + number(100 * q.valid, 3) +
+                        " % of its vectors are valid, median score " + number(q.median_score, 2) + ".");
+    const std::string shifts = "median " + number(q.median_shift, 3) + " spacings, " + number(usual_shift, 3) +
+                               " in the step before";
+    if (after.flag & frame_repeated) remarks.push_back(step + " hardly moves (" + shifts + "): a repeated exposure?");
+    if (after.flag & frame_jump)
+      remarks.push_back(step + " moves out of line with its neighbours (" + shifts + "): a missing frame, or a shock?");
+  }
+}
+
+void remark_on_ends(const MotionSource& motion, std::vector<std::string>& remarks) {
+  const ParticleSet& set = motion.particles();
+  std::map<EndReason, std::size_t> ends;
+  for (const EndReason reason : set.end_reason)
+    if (reason != EndReason::none) ++ends[reason];
+  for (const auto& [reason, count] : ends)
+    remarks.push_back("Motion " + motion.name() + ": " + std::to_string(count) + " of " + std::to_string(set.size()) +
+                      " particles " + words(reason) + "; their histories are kept.");
+}
+
+}  // namespace
+
+std::vector<std::string> remarks_of(const io::RecordReader& record) {
+  std::vector<std::string> remarks;
+  remark_on_steps(record, remarks);
+  for (const std::string& name : record.motion_names()) remark_on_ends(*record.motion(name), remarks);
+  return remarks;
+}
+
+void add_camera(double residual, compare::CompareOptions& options) {
+  if (!options.measurement_uncertainty_m && residual > 0) options.measurement_uncertainty_m = residual;
+}
+
+io::ComparisonData comparison_data(const compare::Comparison& comparison, const std::string& first,
+                                   const std::string& second, const std::string& time_unit) {
+  io::ComparisonData data;
+  data.measured = first;
+  data.simulated = second;
+  data.metrics = comparison.metrics;
+  for (const compare::DifferenceField& field : comparison.fields)
+    data.fields.push_back(
+        {field.name, field.unit, field.definition, comparison.field_times(), comparison.id, field.values});
+  for (const compare::DifferenceField& field : comparison.over_time)
+    data.fields.push_back(
+        {field.name, field.unit, field.definition, {comparison.time.back()}, comparison.id, field.values});
+  io::ComparisonData::Table over_space{"over_space", "statistics over the particles, time by time; the definition of a "
+                                       "column is that of the metric of its name", {}};
+  over_space.columns.push_back({"time", time_unit, comparison.time});
+  for (const compare::Series& series : comparison.series)
+    over_space.columns.push_back({series.name, series.unit, series.values});
+  if (!comparison.series.empty()) data.tables.push_back(std::move(over_space));
+  for (const compare::ColumnTable& table : comparison.tables) {
+    io::ComparisonData::Table& out = data.tables.emplace_back();
+    out.name = table.name;
+    out.definition = table.definition;
+    for (const compare::ColumnTable::Column& column : table.columns)
+      out.columns.push_back({column.name, column.unit, column.values});
+  }
+  return data;
+}
+
+}  // namespace pivnp::app

@@ -1,0 +1,296 @@
+#include "apps/study/pipeline/scene.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "pivnp/core/error.hpp"
+#include "pivnp/core/particles/seeding.hpp"
+#include "pivnp/core/text.hpp"
+
+namespace pivnp::app {
+
+namespace {
+
+constexpr double round_off = 1e-9;  // of a cell
+
+struct Box {
+  Vec2 lower, upper;
+};
+
+std::string text(const Vec2& v) { return "(" + number(v.x()) + ", " + number(v.y()) + ")"; }
+
+std::string of_file(const Case& c) { return c.file.empty() ? c.name : c.file.string(); }
+
+// The largest upright rectangle whose corners come from those of the image less a margin: exact for a plain camera, on
+// the safe side for a homography.
+Box inner_box(const image::Camera& camera, int width, int height, double margin) {
+  const double left = margin, right = width - 1 - margin, top = margin, bottom = height - 1 - margin;
+  const Vec2 tl = camera.to_world({left, top}), tr = camera.to_world({right, top});
+  const Vec2 bl = camera.to_world({left, bottom}), br = camera.to_world({right, bottom});
+  return {{std::max(tl.x(), bl.x()), std::max(bl.y(), br.y())}, {std::min(tr.x(), br.x()), std::min(tl.y(), tr.y())}};
+}
+
+Box corners(const Points& points, const std::string& what) {
+  if (points.size() != 2)
+    throw InputError(what + ": found " + std::to_string(points.size()) + " points, expected two opposite corners");
+  const Vec2 a(points[0][0], points[0][1]), b(points[1][0], points[1][1]);
+  return {a.cwiseMin(b), a.cwiseMax(b)};
+}
+
+double spacing_of(const Case& c, const image::Camera& camera, int width, int height) {
+  if (c.grid.spacing_m) return *c.grid.spacing_m;
+  if (width == 0) throw InputError(of_file(c) + ": grid.spacing_m: expected the size of a cell, as there are no frames");
+  const double window = c.piv ? c.piv->window_px : piv::PivOptions{}.window_px;
+  const double px = c.grid.spacing_px.value_or(window / 2);
+  // A homography's scale differs over the image: the centre's counts.
+  return px * std::sqrt(std::abs(camera.jacobian({(width - 1) / 2.0, (height - 1) / 2.0}).determinant()));
+}
+
+int nodes_between(double extent, double spacing) { return int(std::floor(extent / spacing + round_off)) + 1; }
+
+// Nodes at whole multiples of the spacing from the world's (0, 0), so that a base or wall there falls on nodes.
+Grid grid_from_origin(const Box& box, double h) {
+  const int i0 = int(std::ceil(box.lower.x() / h - round_off)), i1 = int(std::floor(box.upper.x() / h + round_off));
+  const int j0 = int(std::ceil(box.lower.y() / h - round_off)), j1 = int(std::floor(box.upper.y() / h + round_off));
+  return {{i0 * h, j0 * h}, {h, h}, i1 - i0 + 1, j1 - j0 + 1};
+}
+
+Grid grid_from_corner(const Box& box, double h) {
+  const Vec2 extent = box.upper - box.lower;
+  return {box.lower, {h, h}, nodes_between(extent.x(), h), nodes_between(extent.y(), h)};
+}
+
+void require_inside(const Case& c, const Grid& grid, const image::Camera& camera, int width, int height) {
+  const Vec2 ends[4] = {grid.position(0, 0), grid.position(grid.nx - 1, 0), grid.position(0, grid.ny - 1), grid.upper()};
+  for (const Vec2& end : ends) {
+    const Vec2 px = camera.to_pixel(end);
+    constexpr double eps = 1e-6;
+    if (!(px.x() >= -eps && px.y() >= -eps && px.x() <= width - 1 + eps && px.y() <= height - 1 + eps))
+      throw InputError(of_file(c) + ": grid: its corner " + text(end) + " lies at pixel " + text(px) +
+                       ", outside the image of " + std::to_string(width) + " x " + std::to_string(height) + " px");
+  }
+}
+
+Polygon world_polygon(const RegionOptions& options, const image::Camera& camera, const std::string& what) {
+  std::vector<Vec2> vertices;
+  for (const Pair& p : options.polygon_m) vertices.emplace_back(p[0], p[1]);
+  for (const Pair& p : options.polygon_px) vertices.push_back(camera.to_world({p[0], p[1]}));
+  return Polygon(std::move(vertices), what);
+}
+
+Grid make_grid(const Case& c, const Setting& setting) {
+  const double h = spacing_of(c, setting.camera, setting.width, setting.height);
+  if (!c.grid.area_m.empty() && !c.grid.area_px.empty())
+    throw InputError(of_file(c) + ": grid: area_m and area_px are both given, expected one");
+  Grid grid;
+  if (!c.grid.area_m.empty()) {
+    grid = grid_from_corner(corners(c.grid.area_m, of_file(c) + ": grid.area_m"), h);
+  } else if (setting.width == 0) {
+    Box box{Vec2::Constant(std::numeric_limits<double>::infinity()),
+            Vec2::Constant(-std::numeric_limits<double>::infinity())};
+    if (c.mpm && !c.mpm->domain_m.empty()) {
+      box = corners(c.mpm->domain_m, of_file(c) + ": mpm.domain_m");
+    } else {
+      for (const Region& r : setting.regions) {
+        box.lower = box.lower.cwiseMin(r.polygon.lower());
+        box.upper = box.upper.cwiseMax(r.polygon.upper());
+      }
+      if (setting.regions.empty())
+        throw InputError(of_file(c) + ": grid.area_m: expected two corners, as there are neither frames nor regions");
+    }
+    grid = grid_from_corner(box, h);
+  } else if (!c.grid.area_px.empty()) {
+    const Box px = corners(c.grid.area_px, of_file(c) + ": grid.area_px");
+    const Vec2 a = setting.camera.to_world(px.lower), b = setting.camera.to_world(px.upper);
+    grid = grid_from_corner({a.cwiseMin(b), a.cwiseMax(b)}, h);
+  } else {
+    const double window = c.piv ? c.piv->window_px : piv::PivOptions{}.window_px;
+    const double margin = c.grid.margin_px.value_or(window / 2);
+    const Box box = inner_box(setting.camera, setting.width, setting.height, margin);
+    grid = setting.camera.plain() ? grid_from_origin(box, h) : grid_from_corner(box, h);
+  }
+  if (grid.nx < 2 || grid.ny < 2)
+    throw InputError(of_file(c) + ": grid: a spacing of " + number(h) + " " + setting.camera.length_unit() +
+                     " leaves " + std::to_string(std::max(grid.nx, 0)) + " x " + std::to_string(std::max(grid.ny, 0)) +
+                     " nodes, expected at least 2 x 2");
+  if (setting.width > 0) require_inside(c, grid, setting.camera, setting.width, setting.height);
+  return grid;
+}
+
+void keep_only(ParticleSet& set, const std::vector<bool>& keep) {
+  std::size_t out = 0;
+  for (std::size_t p = 0; p < set.size(); ++p) {
+    if (!keep[p]) continue;
+    set.id[out] = set.id[p];
+    set.label[out] = set.label[p];
+    set.x0[out] = set.x0[p];
+    set.area[out] = set.area[p];
+    set.born[out] = set.born[p];
+    set.end[out] = set.end[p];
+    set.end_reason[out] = set.end_reason[p];
+    ++out;
+  }
+  set.id.resize(out);
+  set.label.resize(out);
+  set.x0.resize(out);
+  set.area.resize(out);
+  set.born.resize(out);
+  set.end.resize(out);
+  set.end_reason.resize(out);
+}
+
+// The grid of a simulation: refined, then extended or cut to whole cells that cover the domain.
+Grid simulation_grid(const Case& c, const Grid& measured, const mpm::MpmOptions& options) {
+  const Grid fine = refined(measured, options.refine);
+  if (options.domain_m.empty()) return fine;
+  const Box box = corners(options.domain_m, of_file(c) + ": mpm.domain_m");
+  const Vec2 first = (box.lower - fine.origin).cwiseQuotient(fine.spacing);
+  const Vec2 last = (box.upper - fine.origin).cwiseQuotient(fine.spacing);
+  const int i0 = int(std::floor(first.x() + round_off)), j0 = int(std::floor(first.y() + round_off));
+  const int i1 = int(std::ceil(last.x() - round_off)), j1 = int(std::ceil(last.y() - round_off));
+  const Grid grid{fine.position(i0, j0), fine.spacing, i1 - i0 + 1, j1 - j0 + 1};
+  if (grid.nx < 2 || grid.ny < 2) throw InputError(of_file(c) + ": mpm.domain_m: it holds no cell of the grid");
+  return grid;
+}
+
+bool inside_body(const mpm::RigidOptions& body, const Vec2& x, const std::string& what) {
+  if (body.circle_m.size() == 3)
+    return (x - Vec2(body.circle_m[0], body.circle_m[1])).norm() < body.circle_m[2];
+  std::vector<Vec2> vertices;
+  for (const Pair& p : body.polygon_m) vertices.emplace_back(p[0], p[1]);
+  return Polygon(std::move(vertices), what).contains(x);
+}
+
+}  // namespace
+
+Setting make_setting(const Case& c, int width, int height) {
+  Setting setting;
+  setting.width = width;
+  setting.height = height;
+  const bool calibrated = c.camera.metres_per_pixel || !c.camera.points_px.empty();
+  if (width > 0 || calibrated)
+    setting.camera = image::make_camera(c.camera, width, height);
+  else
+    setting.camera = image::Camera(Mat3::Identity(), 0, c.camera.length_unit);  // simulation only: no pixels
+  if (width > 0) setting.mask = image::make_mask(c.masks, setting.camera, width, height, c.folder);
+  for (const auto& [name, options] : c.regions) {
+    const std::string what =
+        of_file(c) + ": region." + name + (options.polygon_px.empty() ? ".polygon_m" : ".polygon_px");
+    setting.regions.push_back({name, world_polygon(options, setting.camera, what)});
+  }
+  setting.grid = make_grid(c, setting);
+  if (setting.regions.empty()) {
+    const Vec2 a = setting.grid.origin, b = setting.grid.upper();
+    setting.regions.push_back({c.materials.size() == 1 ? c.materials.front().first : "all",
+                               Polygon({a, {b.x(), a.y()}, b, {a.x(), b.y()}}, "the grid")});
+  }
+  return setting;
+}
+
+piv::NodeLattice node_lattice(const Setting& setting) {
+  const Grid& g = setting.grid;
+  piv::NodeLattice lattice;
+  lattice.nx = g.nx;
+  lattice.ny = g.ny;
+  lattice.pixel.resize(g.node_count());
+  for (int j = 0; j < g.ny; ++j)
+    for (int i = 0; i < g.nx; ++i) {
+      const Vec2 px = setting.camera.to_pixel(g.position(i, j));
+      lattice.pixel[g.node(i, j)] = {float(px.x()), float(px.y())};
+    }
+  return lattice;
+}
+
+double node_spacing_px(const Setting& setting) {
+  const Mat2 J = setting.camera.jacobian({(setting.width - 1) / 2.0, (setting.height - 1) / 2.0});
+  return setting.grid.spacing.x() / std::sqrt(std::abs(J.determinant()));
+}
+
+VectorField world_vectors(const piv::PixelVectors& pixels, const piv::NodeLattice& lattice, const Setting& setting,
+                          std::array<int, 2> pair) {
+  VectorField out;
+  out.pair = pair;
+  out.anchor = pixels.anchor;
+  out.grid = setting.grid;
+  out.status = pixels.status;
+  out.score = pixels.score;
+  out.correlation_length = pixels.correlation_px * static_cast<float>(setting.grid.spacing.x() / node_spacing_px(setting));
+  const std::size_t count = setting.grid.node_count();
+  out.displacement.resize(count);
+  out.cov.resize(count);
+  for (std::size_t n = 0; n < count; ++n) {
+    const Vec2 at(double(lattice.pixel[n][0]), double(lattice.pixel[n][1]));
+    const Vec2 d(double(pixels.displacement[n][0]), double(pixels.displacement[n][1]));
+    const Vec2 start = pixels.anchor == Anchor::central ? Vec2(at - d / 2) : at;
+    const Vec2 moved = setting.camera.to_world(start + d) - setting.camera.to_world(start);
+    out.displacement[n] = {float(moved.x()), float(moved.y())};
+    Mat2 cov;
+    const auto& s = pixels.cov[n];
+    cov << double(s[0]), double(s[2]), double(s[2]), double(s[1]);
+    const Mat2 J = setting.camera.jacobian(at);
+    const Mat2 world = J * cov * J.transpose();
+    out.cov[n] = {float(world(0, 0)), float(world(1, 1)), float(world(0, 1))};
+  }
+  return out;
+}
+
+ParticleSet seed_particles(const Case& c, const Setting& setting) {
+  const np::NpOptions options = c.np.value_or(np::NpOptions{});
+  const SeedPattern pattern = options.seeding == "gauss" ? SeedPattern::gauss : SeedPattern::even;
+  ParticleSet set = seed(setting.grid, setting.regions, options.per_element, pattern, 0.0,
+                         of_file(c) + ": np.per_element");
+  if (setting.width == 0) return set;
+  const MaskView mask = setting.mask.view();
+  std::vector<bool> keep(set.size());
+  for (std::size_t p = 0; p < set.size(); ++p) {
+    const Vec2 px = setting.camera.to_pixel(set.x0[p]);
+    const int column = int(std::lround(px.x())), row = int(std::lround(px.y()));
+    keep[p] = column >= 0 && row >= 0 && column < setting.width && row < setting.height && mask.usable(column, row);
+  }
+  keep_only(set, keep);
+  if (set.size() == 0) throw InputError(of_file(c) + ": the masks leave no particle in any region");
+  return set;
+}
+
+mpm::Scene make_scene(const Case& c, const Setting& setting, const mpm::MpmOptions& options,
+                      const Named<mpm::MaterialOptions>& materials, const std::string& materials_table) {
+  mpm::Scene scene;
+  scene.grid = simulation_grid(c, setting.grid, options);
+  scene.particles = seed(scene.grid, setting.regions, options.per_element, SeedPattern::even, 0.0,
+                         of_file(c) + ": mpm.per_element");
+  for (const Region& region : setting.regions) {
+    std::string wanted = region.name;
+    for (const auto& [name, r] : c.regions)
+      if (name == region.name && !r.material.empty()) wanted = r.material;
+    const auto it = std::find_if(materials.begin(), materials.end(), [&](const auto& m) { return m.first == wanted; });
+    if (it == materials.end()) {
+      std::vector<std::string> known;
+      for (const auto& m : materials) known.push_back(m.first);
+      throw InputError(of_file(c) + ": region." + region.name + ": no [" + materials_table + wanted + "]" +
+                       did_you_mean(wanted, known));
+    }
+    scene.materials.push_back(it->second);
+  }
+  scene.boundaries = c.boundaries;
+  scene.bodies = c.bodies;
+  scene.contacts = c.contacts;
+  std::vector<bool> keep(scene.particles.size(), true);
+  for (const auto& [name, body] : c.bodies)
+    for (std::size_t p = 0; p < keep.size(); ++p)
+      if (inside_body(body, scene.particles.x0[p], of_file(c) + ": body." + name)) keep[p] = false;
+  keep_only(scene.particles, keep);
+  return scene;
+}
+
+mpm::Solver make_solver(const Case& c, const Setting& setting, int threads) {
+  mpm::Scene scene = make_scene(c, setting, *c.mpm, c.materials, "material.");
+  try {
+    return mpm::Solver(*c.mpm, std::move(scene), threads);
+  } catch (const InputError& error) {
+    throw InputError(of_file(c) + ": " + error.what());
+  }
+}
+
+}  // namespace pivnp::app

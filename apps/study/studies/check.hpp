@@ -1,0 +1,23 @@
+// `pivnp check`: does the case fit its frames, and does it mean what its author thinks?
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "apps/case/case.hpp"
+#include "apps/study/pipeline/settings.hpp"
+#include "pivnp/core/progress.hpp"
+
+namespace pivnp::app {
+
+struct CheckOutcome {
+  std::filesystem::path picture;
+  std::vector<std::string> remarks;  // on the first frame, one sentence each
+};
+
+/// Validates a case against its frames and what its simulation asks for, and draws OUT/check.png: the first frame with
+/// grid, masks, regions, boundaries and a scale bar. Without frames nothing is drawn (`picture` is empty).
+CheckOutcome check_case(const Case& c, const RunSettings& settings, Progress& progress);
+
+}  // namespace pivnp::app

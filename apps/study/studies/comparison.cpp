@@ -1,0 +1,32 @@
+#include "apps/study/studies/comparison.hpp"
+
+#include <utility>
+
+#include "apps/study/pipeline/outcome.hpp"
+#include "apps/study/pipeline/report_input.hpp"
+
+namespace pivnp::app {
+
+Case comparison_case(const CompareSources& sources, const compare::CompareOptions& options,
+                     const compare::LimitOptions& limits) {
+  Case c;
+  const auto short_name = [](const std::string& text) { return text.substr(text.find_last_of('/', text.find(':')) + 1); };
+  c.name = short_name(sources.first) + " against " + short_name(sources.second);
+  c.compare = options;
+  c.limits = limits;
+  return c;
+}
+
+RunOutcome finish_comparison(const Case& c, const Compared& compared, compare::Comparison comparison,
+                             io::RecordWriter& writer, const RunSettings& settings) {
+  writer.set_comparison(comparison_data(comparison, compared.first, compared.second, compared.time_unit));
+  writer.finish();
+  RunOutcome outcome;
+  outcome.over_limit = comparison.over_limit;
+  outcome.limits = comparison.limits;
+  outcome.record = settings.out / "record.h5";
+  write_report_of(c, outcome, std::move(comparison), nullptr, settings.out);
+  return outcome;
+}
+
+}  // namespace pivnp::app

@@ -1,0 +1,130 @@
+#include "apps/study/studies/histories.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "apps/study/pipeline/outcome.hpp"
+#include "compare/measures/history.hpp"
+#include "compare/metrics/metrics.hpp"
+#include "pivnp/core/error.hpp"
+#include "pivnp/io/import_format.hpp"
+#include "pivnp/io/record.hpp"
+
+namespace pivnp::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Side {
+  compare::History history;
+  std::string name, unit, time_unit;
+};
+
+// "FILE" or "FILE:rest"; a colon inside a path that exists belongs to the path.
+std::pair<std::string, std::string> file_and_rest(const std::string& text) {
+  if (fs::exists(text)) return {text, ""};
+  const std::size_t colon = text.find(':', text.find_last_of('/') == std::string::npos ? 0 : text.find_last_of('/'));
+  return colon == std::string::npos ? std::pair{text, std::string()}
+                                    : std::pair{text.substr(0, colon), text.substr(colon + 1)};
+}
+
+bool alive(ParticleStatus s) { return s == ParticleStatus::active || s == ParticleStatus::flagged; }
+
+// x within which 99.5 % of the followed particles' area lies, counted from the left (or from the right).
+double front(const ParticleSet& set, const MotionFrame& f, bool left) {
+  std::vector<std::pair<double, double>> x;
+  double area = 0;
+  for (std::size_t p = 0; p < set.size(); ++p) {
+    if (!alive(f.status[p])) continue;
+    const double a = p < set.area.size() && set.area[p] > 0 ? double(set.area[p]) : 1;
+    x.emplace_back((left ? -1 : 1) * (set.x0[p].x() + double(f.u[p][0])), a);
+    area += a;
+  }
+  std::sort(x.begin(), x.end());
+  double sum = 0;
+  for (const auto& [place, a] : x)
+    if ((sum += a) >= 0.995 * area) return left ? -place : place;
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+Side open_history(const std::string& text, double step_s) {
+  const std::size_t equals = text.find('=');
+  const std::string kind = text.substr(0, equals);
+  const auto [file, rest] = file_and_rest(text.substr(equals + 1));
+  if (const io::FileFormat* format = io::format_of(text)) {
+    const io::Curve curve = format->read_curve(file, rest, step_s);
+    return {{curve.time, curve.value}, curve.value_name, curve.value_unit, curve.time_unit};
+  }
+  const io::RecordReader record(fs::is_directory(file) ? fs::path(file) / "record.h5" : fs::path(file));
+  const std::vector<std::string> names = record.motion_names();
+  if (rest.empty() && names.size() != 1)
+    throw InputError(file + ": holds " + std::to_string(names.size()) + " motions; name one as FILE:motion");
+  const auto motion = record.motion(rest.empty() ? names.front() : rest);
+  Side side;
+  side.history.time = motion->times();
+  side.name = kind + " of " + motion->name();
+  side.unit = motion->length_unit(), side.time_unit = motion->time_unit();
+  for (std::size_t k = 0; k < motion->times().size(); ++k)
+    side.history.value.push_back(front(motion->particles(), motion->frame(k), kind == "front_left"));
+  return side;
+}
+
+// A column's unit stands in its head's brackets ("1" without). What differs must be converted by the options for it.
+void check_units(const char* what, const Side& first, const Side& second, std::string Side::*unit, double scale,
+                 const char* key) {
+  const std::string &a = first.*unit, &b = second.*unit;
+  if (a == b || a == "1" || b == "1" || scale != 1) return;
+  throw InputError("compare: the " + std::string(what) + " of '" + first.name + "' are in '" + a + "', those of '" +
+                   second.name + "' in '" + b + "'; expected the same, or " + key + " to convert the second's");
+}
+
+}  // namespace
+
+bool is_history(const std::string& text) {
+  const io::FileFormat* format = io::format_of(text);
+  return (format && format->curve()) || text.starts_with("front=") || text.starts_with("front_left=");
+}
+
+RunOutcome compare_histories(const CompareSources& sources, const compare::CompareOptions& options,
+                             const compare::LimitOptions& limits, const RunSettings& settings) {
+  for (const std::string* text : {&sources.first, &sources.second})
+    if (!is_history(*text))
+      throw InputError(*text + ": compared with a history, expected one too (" + io::formats_text(&io::FileFormat::curve) +
+                       "=FILE[:COLUMN], front=RECORD)");
+  const Side first = open_history(sources.first, sources.step_s);
+  Side second = open_history(sources.second, sources.step_s);
+  check_units("values", first, second, &Side::unit, options.second_scale, "compare.second_scale");
+  check_units("times", first, second, &Side::time_unit, options.second_time_scale, "compare.second_time_scale");
+  for (double& t : second.history.time) t = options.second_time_scale * t + options.time_offset_s;
+  for (double& v : second.history.value) v = options.second_scale * v + options.second_shift_m[0];
+
+  compare::Comparison comparison;
+  const double of_model = std::hypot(options.numerical_uncertainty_m, options.input_uncertainty_m);
+  const double of_one = options.measurement_uncertainty_m.value_or(0);
+  compare::HistoryErrors errors;
+  if (of_one > 0 || of_model > 0)
+    errors = {std::hypot(std::sqrt(2.0) * of_one, of_model), {of_one, std::hypot(of_one, of_model)}};
+  if (!compare::add_history_metrics("history", first.name, first.history, second.history, errors, first.unit,
+                                    first.time_unit, comparison.metrics))
+    throw InputError("compare: " + sources.first + " and " + sources.second + " have no time in common");
+  comparison.limits = compare::apply_limits(limits, comparison.metrics);
+  for (const compare::LimitResult& l : comparison.limits) comparison.over_limit = comparison.over_limit || !l.within;
+  const std::string where = " (scaled and shifted as compared)";
+  comparison.tables = {{"history_first", first.name + " of " + sources.first,
+                        {{"time", first.time_unit, first.history.time}, {"value", first.unit, first.history.value}}},
+                       {"history_second", second.name + " of " + sources.second + where,
+                        {{"time", first.time_unit, second.history.time}, {"value", first.unit, second.history.value}}}};
+  comparison.time = first.history.time;
+
+  const Case c = comparison_case(sources, options, limits);
+  io::RecordHead head;
+  head.command = settings.command;
+  head.case_text = write_case(c);
+  io::RecordWriter writer(settings.out, head, false);
+  return finish_comparison(c, {sources.first, sources.second, first.time_unit}, std::move(comparison), writer,
+                           settings);
+}
+
+}  // namespace pivnp::app

@@ -1,0 +1,148 @@
+#include "apps/study/studies/records.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/study/pipeline/outcome.hpp"
+#include "apps/study/pipeline/report_input.hpp"
+#include "apps/study/studies/histories.hpp"
+#include "compare/metrics/metrics.hpp"
+#include "pivnp/core/error.hpp"
+#include "pivnp/io/import_motion.hpp"
+#include "pivnp/io/record.hpp"
+
+namespace pivnp::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Side {
+  io::RecordHead head;  // of the record it comes from; units and grid of nothing for other programs' results
+  std::shared_ptr<MotionSource> motion;
+  std::optional<StrainNote> note;
+
+  /// Of the camera's targets, if this motion was measured (it then carries a covariance).
+  double residual() const {
+    const bool measured = !motion->times().empty() && !motion->frame(0).cov_u.empty();
+    return measured ? head.camera_residual : 0;
+  }
+};
+
+std::shared_ptr<MotionSource> motion_of(const io::RecordReader& record, const std::string& file,
+                                        const std::string& motion) {
+  const std::vector<std::string> names = record.motion_names();
+  std::string known;
+  for (const std::string& name : names) known += (known.empty() ? "" : ", ") + name;
+  if (motion.empty() && names.size() != 1)
+    throw InputError(file + ": holds " + std::to_string(names.size()) + " motions (" + known +
+                     "); name one as FILE:motion");
+  const std::string name = motion.empty() ? names.front() : motion;
+  if (std::find(names.begin(), names.end(), name) == names.end())
+    throw InputError(file + ": no motion '" + name + "'; it holds: " + known);
+  return record.motion(name);
+}
+
+// "FILE" or "FILE:motion"; a colon inside a path that exists belongs to the path.
+Side open_side(const std::string& text, const CompareSources& sources) {
+  if (io::is_import(text))
+    return {io::RecordHead{}, io::open_import(text, {.step = sources.step_s, .length_unit = sources.length_unit}), {}};
+  fs::path file = text;
+  std::string motion;
+  const std::size_t colon = text.rfind(':');
+  if (!fs::exists(file) && colon != std::string::npos) {
+    file = text.substr(0, colon);
+    motion = text.substr(colon + 1);
+  }
+  if (fs::is_directory(file)) file /= "record.h5";
+  const io::RecordReader record(file);
+  std::shared_ptr<MotionSource> found = motion_of(record, file.string(), motion);
+  std::optional<StrainNote> note = record.strain_note(found->name());
+  return {record.head(), std::move(found), std::move(note)};
+}
+
+void copy_motion(const MotionSource& motion, const std::string& name, io::RecordWriter& writer) {
+  const std::string stage = "motion/" + name;
+  writer.begin_motion(name, motion.particles());
+  for (std::size_t k = 0; k < motion.times().size(); ++k) {
+    writer.add_frame(name, motion.frame(k));
+    if (writer.segment_full(stage)) writer.close_segment(stage, {});
+  }
+  writer.end_stage(stage, &motion.particles());
+}
+
+}  // namespace
+
+RunOutcome compare_records(const CompareSources& sources, const compare::CompareOptions& given,
+                           const compare::LimitOptions& limits, const RunSettings& settings, Progress& progress) {
+  if (is_history(sources.first) || is_history(sources.second))
+    return compare_histories(sources, given, limits, settings);
+  const Side one = open_side(sources.first, sources), two = open_side(sources.second, sources);
+  std::vector<Side> coarser;
+  compare::Refinement refinement{{}, sources.refinement_ratio};
+  for (const std::string& text : sources.coarser) {
+    coarser.push_back(open_side(text, sources));
+    refinement.coarser.push_back(coarser.back().motion.get());
+  }
+  compare::CompareOptions options = given;
+  add_camera(std::hypot(one.residual(), two.residual()), options);
+  compare::Comparison comparison = compare::compare(*one.motion, *two.motion, options, limits, progress, refinement,
+                                                    {one.note, two.note});
+
+  const Case c = comparison_case(sources, options, limits);
+  const std::string first_name = one.motion->name();
+  const std::string second_name = two.motion->name() == first_name ? first_name + "_2" : two.motion->name();
+  io::RecordHead head = one.head;
+  head.length_unit = one.motion->length_unit();
+  head.time_unit = one.motion->time_unit();
+  head.command = settings.command;
+  head.case_text = write_case(c);
+  io::RecordWriter writer(settings.out, head, false, settings.threads);
+  copy_motion(*one.motion, first_name, writer);
+  copy_motion(*two.motion, second_name, writer);
+  if (one.note) writer.set_strain_note(first_name, *one.note);
+  if (two.note) writer.set_strain_note(second_name, *two.note);
+  return finish_comparison(c, {first_name, second_name, head.time_unit}, std::move(comparison), writer, settings);
+}
+
+RunOutcome report_record(const fs::path& given, const RunSettings& settings, Progress& progress) {
+  const fs::path file = fs::is_directory(given) ? given / "record.h5" : given;
+  RunOutcome outcome;
+  outcome.record = file;
+  Case c;
+  std::unique_ptr<image::FrameSource> source;
+  std::optional<compare::Comparison> comparison;
+  {
+    const io::RecordReader record(file);
+    c = parse_case(record.head().case_text, file.string() + " (its case)", file.parent_path());
+    if (settings.frames) {
+      if (!c.frames) c.frames = image::FrameOptions{};
+      c.frames->path = fs::absolute(*settings.frames).string();
+    }
+    if (c.frames && record.pair_count() > 0) {
+      try {
+        source = image::open_frames(*c.frames, c.folder);
+      } catch (const InputError&) {
+        outcome.remarks.push_back("The frames are not where the record says (" + c.frames->path +
+                                  "): vectors are drawn without a picture; --frames names their new place.");
+      }
+    }
+    if (const auto held = record.comparison(); held && !is_history(held->measured)) {
+      compare::CompareOptions options = c.compare;
+      if (record.pair_count() > 0) add_camera(record.head().camera_residual, options);  // else it is in the case
+      comparison = compare::compare(*record.motion(held->measured), *record.motion(held->simulated), options, c.limits,
+                                    progress, {}, {record.strain_note(held->measured), record.strain_note(held->simulated)});
+      // Outlines, fields and curves are found again; the numbers are the record's: coarser grids and frames, which some
+      // of them need, are not in it.
+      comparison->metrics = held->metrics;
+      comparison->limits = compare::apply_limits(c.limits, comparison->metrics);
+      for (const compare::LimitResult& l : comparison->limits) outcome.over_limit = outcome.over_limit || !l.within;
+      outcome.limits = comparison->limits;
+    }
+  }
+  const fs::path directory = settings.out.empty() ? file.parent_path() : settings.out;
+  write_report_of(c, outcome, std::move(comparison), source.get(), directory);
+  return outcome;
+}
+
+}  // namespace pivnp::app

@@ -1,0 +1,18 @@
+// Commands on finished records: compare two of them, report one again.
+#pragma once
+
+#include <filesystem>
+
+#include "apps/study/studies/comparison.hpp"
+#include "pivnp/core/progress.hpp"
+
+namespace pivnp::app {
+
+/// Compares two motions, writes a record with both and the comparison, and its report.
+RunOutcome compare_records(const CompareSources& sources, const compare::CompareOptions& options,
+                           const compare::LimitOptions& limits, const RunSettings& settings, Progress& progress);
+
+/// Writes the report of a finished record beside it (or into settings.out).
+RunOutcome report_record(const std::filesystem::path& record, const RunSettings& settings, Progress& progress);
+
+}  // namespace pivnp::app

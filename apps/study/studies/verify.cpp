@@ -1,0 +1,236 @@
+#include "apps/study/studies/verify.hpp"
+
+#include <Eigen/Core>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <functional>
+
+#include "apps/plot/chart.hpp"
+#include "apps/study/methods/stages.hpp"
+#include "apps/study/pipeline/measure.hpp"
+#include "apps/study/synth/synthesize.hpp"
+#include "apps/study/synth/truth.hpp"
+#include "pivnp/core/error.hpp"
+#include "pivnp/core/particles/strain.hpp"
+#include "pivnp/core/text.hpp"
+#include "pivnp/io/record.hpp"
+#include "pivnp/np/tracker.hpp"
+
+namespace pivnp::app {
+
+namespace {
+
+/// Where a particle truly is at the last frame, and its deformation gradient.
+using Truth = std::function<void(const ParticleSet&, std::size_t particle, Vec2& x, Mat2& F)>;
+
+struct Errors {
+  double displacement_rms = 0;  // length
+  double displacement_max = 0;
+  double mean_strain = 0;       // greatest component of the error of the mean log strain
+  double strain_max = 0;        // greatest component of any particle's error
+  double lost_share = 0;
+};
+
+double greatest(const Strain& e) { return std::max({std::abs(e.xx), std::abs(e.yy), std::abs(e.xy)}); }
+
+Errors errors_of(const np::Tracker& tracker, const Truth& truth) {
+  Errors e;
+  Strain mean;
+  std::size_t alive = 0;
+  double sum = 0;
+  for (std::size_t p = 0; p < tracker.state().size(); ++p) {
+    const np::Tracker::Particle& particle = tracker.state()[p];
+    if (particle.status == ParticleStatus::ended) continue;
+    ++alive;
+    Vec2 x;
+    Mat2 F;
+    truth(tracker.particles(), p, x, F);
+    const double miss = (particle.x - x).norm();
+    sum += miss * miss;
+    e.displacement_max = std::max(e.displacement_max, miss);
+    const Strain found = log_strain(particle.F), real = log_strain(F);
+    const Strain difference{found.xx - real.xx, found.yy - real.yy, found.xy - real.xy};
+    e.strain_max = std::max(e.strain_max, greatest(difference));
+    mean.xx += difference.xx;
+    mean.yy += difference.yy;
+    mean.xy += difference.xy;
+  }
+  const double n = std::max<double>(1, double(alive));
+  e.displacement_rms = std::sqrt(sum / n);
+  e.mean_strain = greatest({mean.xx / n, mean.yy / n, mean.xy / n});
+  e.lost_share = 1 - double(alive) / double(tracker.state().size());
+  return e;
+}
+
+// The increments of an affine motion at the nodes, exact for the forward anchor.
+VectorField nodal_increments(const AffineMotion& motion, const Grid& grid, int pair) {
+  VectorField field;
+  field.pair = {pair, pair + 1};
+  field.anchor = Anchor::forward;
+  field.grid = grid;
+  for (int j = 0; j < grid.ny; ++j)
+    for (int i = 0; i < grid.nx; ++i) {
+      const Vec2 x = grid.position(i, j), d = motion.next(x) - x;
+      field.displacement.push_back({float(d.x()), float(d.y())});
+    }
+  field.status.assign(grid.node_count(), VectorStatus::valid);
+  field.cov.assign(grid.node_count(), {0, 0, 0});
+  field.score.assign(grid.node_count(), 1);
+  return field;
+}
+
+// RMS error of the living particles' displacement, frame by frame, px.
+struct Curve {
+  std::string scheme;
+  std::vector<double> rms_px;
+  std::vector<DriftRound> rounds;
+};
+
+Curve drift_curve(const Case& c, const std::string& scheme, const Setting& setting, const std::vector<Frame>& frames,
+                  const Measured& measured, const MotionSource& truth, double pixel, int threads, Progress& progress) {
+  Case variant = c;
+  variant.np = c.np.value_or(np::NpOptions{});
+  variant.np->drift = scheme;
+  variant.np->reseed = false;
+  Curve curve;
+  curve.scheme = scheme == "none" ? "summed increments" : scheme == "reference_update" ? "reference update" : scheme;
+  curve.rounds = follow(variant, setting, frames, measured, threads, progress, [&](std::size_t k, const np::Tracker& now) {
+    const MotionFrame real = truth.frame(k);
+    double sum = 0;
+    std::size_t alive = 0;
+    for (std::size_t p = 0; p < now.state().size(); ++p) {
+      const np::Tracker::Particle particle = now.state()[p];
+      if (particle.status == ParticleStatus::ended) continue;
+      const Vec2 x = now.particles().x0[p] + Vec2(double(real.u[p][0]), double(real.u[p][1]));
+      sum += (particle.x - x).squaredNorm();
+      ++alive;
+    }
+    curve.rms_px.push_back(std::sqrt(sum / double(std::max<std::size_t>(1, alive))) / pixel);
+  });
+  return curve;
+}
+
+void write_curves(const std::vector<Curve>& curves, const std::filesystem::path& out) {
+  std::string table = "frame";
+  report::Chart chart{"frame", "RMS error of the displacement (px)", {}, true};
+  for (const Curve& curve : curves) {
+    table += "," + curve.scheme;
+    report::ChartCurve line{curve.scheme, {}, curve.rms_px};
+    for (std::size_t k = 0; k < curve.rms_px.size(); ++k) line.x.push_back(double(k));
+    chart.curves.push_back(std::move(line));
+  }
+  table += "\n";
+  for (std::size_t k = 0; k < curves.front().rms_px.size(); ++k) {
+    table += std::to_string(k);
+    for (const Curve& curve : curves) table += "," + number(curve.rms_px[k], 6);
+    table += "\n";
+  }
+  report::write_chart(chart, out / "drift");
+  std::ofstream file(out / "drift.csv", std::ios::binary);
+  file << table << std::flush;
+  if (!file) throw RunError((out / "drift.csv").string() + ": cannot be written");
+}
+
+struct Judge {
+  VerifyResult& result;
+  void at_most(const std::string& criterion, std::optional<double> limit, double reached) {
+    if (limit) result.items.push_back({criterion, *limit, reached, std::isfinite(reached) && reached <= *limit});
+  }
+};
+
+void judge_images(const Case& c, const RunSettings& settings, Progress& progress, VerifyResult& result) {
+  synthesize(c, settings, progress);
+  image::FrameOptions drawn;
+  drawn.path = (settings.out / "frames" / "frame_*.png").string();
+  drawn.rate_hz = c.frames && c.frames->rate_hz ? *c.frames->rate_hz : 1.0;
+  const auto source = image::open_frames(drawn, "");
+  const Setting setting = make_setting(c, source->width(), source->height());
+  const double pixel = setting.grid.spacing.x() / node_spacing_px(setting);
+
+  io::RecordHead head;
+  head.command = settings.command;
+  head.case_text = write_case(c);
+  head.length_unit = setting.camera.length_unit();
+  head.grid = setting.grid;
+  io::RecordWriter writer(settings.out, head, false, settings.threads);
+  measure(c, setting, *source, writer, settings.threads, progress);
+
+  const bool affine = c.synth->motion == "affine" || c.synth->motion == "none";
+  const int last = int(source->frames().size()) - 1;
+  const io::RecordReader record(settings.out / "truth" / "record.h5");
+  const std::unique_ptr<MotionSource> drawn_truth = record.motion("truth");
+  const MotionFrame end = drawn_truth->frame(drawn_truth->times().size() - 1);
+  const AffineMotion motion = affine_motion(*c.synth, setting);
+  const Truth truth = [&](const ParticleSet& set, std::size_t p, Vec2& x, Mat2& F) {
+    if (affine) {
+      x = motion.at(set.x0[p], last);
+      F = motion.F(last);
+    } else {  // the same seeds, in the same order
+      x = set.x0[p] + Vec2(double(end.u[p][0]), double(end.u[p][1]));
+      F = matrix(end.F[p]);
+    }
+  };
+
+  Judge judge{result};
+  if (c.verify.drift_px || c.verify.drift_ratio) {
+    const Measured measured{plan_steps(source->frames()),
+                            [&](const TrackStep& step) { return writer.pair(std::size_t(step.from)); },
+                            [&](int k) { return source->read(k); }};
+    std::vector<Curve> curves;
+    for (const char* scheme : {"none", "leapfrog", "reference_update", "corrected"})
+      curves.push_back(drift_curve(c, scheme, setting, source->frames(), measured, *drawn_truth, pixel,
+                                   settings.threads, progress));
+    write_curves(curves, settings.out);
+    const double summed = curves.front().rms_px.back(), corrected = curves.back().rms_px.back();
+    judge.at_most("drift: final RMS error, corrected (px)", c.verify.drift_px, corrected);
+    judge.at_most("drift: final RMS error, corrected over summed increments", c.verify.drift_ratio, corrected / summed);
+  }
+  const np::NpOptions own = c.np.value_or(np::NpOptions{});
+  const bool tracks = c.verify.displacement_rms_px || c.verify.strain_error || c.verify.nodal_error;
+  for (const int per_element : !tracks ? std::vector<int>{} : affine ? std::vector<int>{1, 4, 9} : std::vector<int>{own.per_element}) {
+    Case variant = c;
+    variant.np = own;
+    variant.np->per_element = per_element;
+    variant.np->reseed = false;  // the truth is known of the first frame's particles
+    const std::string with = ", " + std::to_string(per_element) + " per element";
+    np::Tracker images(*variant.np, seed_particles(variant, setting), 0);
+    for (int k = 0; k < last; ++k) images.step(writer.pair(std::size_t(k)), source->frames()[std::size_t(k) + 1].time);
+    const Errors e = errors_of(images, truth);
+    judge.at_most("images: final displacement, RMS error (px)" + with, c.verify.displacement_rms_px, e.displacement_rms / pixel);
+    judge.at_most("images: mean log strain, greatest error" + with, c.verify.strain_error, e.mean_strain);
+    judge.at_most("images: share of particles lost" + with, c.verify.lost_share, e.lost_share);
+    if (!affine || !c.verify.nodal_error) continue;
+    np::Tracker nodes(*variant.np, seed_particles(variant, setting), 0);
+    for (int k = 0; k < last; ++k) nodes.step(nodal_increments(motion, setting.grid, k), k + 1.0);
+    const Errors exact = errors_of(nodes, truth);
+    judge.at_most("nodal increments: log strain, greatest error" + with, c.verify.nodal_error, exact.strain_max);
+    judge.at_most("nodal increments: displacement over spacing, greatest error" + with, c.verify.nodal_error,
+                  exact.displacement_max / setting.grid.spacing.x());
+  }
+  writer.set_frames(source->frames());
+  writer.finish();
+}
+
+}  // namespace
+
+VerifyResult verify_case(const Case& c, const RunSettings& settings, Progress& progress) {
+  VerifyResult result;
+  result.name = c.name;
+  const auto start = std::chrono::steady_clock::now();
+  try {
+    if (!c.synth) throw InputError("no [synth] table: the truth is not known");
+    judge_images(c, settings, progress, result);
+    if (result.items.empty()) throw InputError("no threshold in [verify]");
+  } catch (const Interrupted&) {
+    throw;
+  } catch (const std::exception& e) {
+    result.failure = e.what();
+  }
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  result.passed = result.failure.empty();
+  for (const VerifyResult::Item& item : result.items) result.passed = result.passed && item.passed;
+  return result;
+}
+
+}  // namespace pivnp::app

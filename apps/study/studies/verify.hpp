@@ -1,0 +1,29 @@
+// `pivnp verify`: cases with known truth, judged.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/case/case.hpp"
+#include "apps/study/pipeline/settings.hpp"
+#include "pivnp/core/progress.hpp"
+
+namespace pivnp::app {
+
+struct VerifyResult {
+  struct Item {
+    std::string criterion;
+    double limit = 0, reached = 0;
+    bool passed = false;
+  };
+  std::string name;
+  bool passed = false;
+  double seconds = 0;
+  std::vector<Item> items;
+  std::string failure;  // why it could not be judged; empty otherwise
+};
+
+/// Runs a [synth] case through images and as nodal increments, and judges both by [verify].
+VerifyResult verify_case(const Case& c, const RunSettings& settings, Progress& progress);
+
+}  // namespace pivnp::app

@@ -1,0 +1,151 @@
+#include "apps/study/synth/truth.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "mpm/step/solver.hpp"
+#include "pivnp/core/error.hpp"
+
+namespace pivnp::app {
+
+namespace {
+
+// Pieces of time over which tracers are carried: short against any motion a frame can show, long against the solver's
+// own step.
+constexpr int pieces_per_frame = 100;
+
+Mat2 velocity_gradient(const mpm::Solver::VelocityAt& v, const Vec2& x, double d) {
+  Mat2 L;
+  L.col(0) = (v(x + Vec2(d, 0)) - v(x - Vec2(d, 0))) / (2 * d);
+  L.col(1) = (v(x + Vec2(0, d)) - v(x - Vec2(0, d))) / (2 * d);
+  return L;
+}
+
+void carry(Tracers& tracers, const mpm::Solver::VelocityAt& v, double dt, double difference) {
+  for (std::size_t p = 0; p < tracers.x.size(); ++p) {
+    const Vec2 x = tracers.x[p];
+    tracers.x[p] = x + dt * v(x);
+    if (!tracers.F.empty())
+      tracers.F[p] = (Mat2::Identity() + dt * velocity_gradient(v, x, difference)) * tracers.F[p];
+  }
+}
+
+}  // namespace
+
+AffineMotion affine_motion(const SynthOptions& synth, const Setting& setting) {
+  AffineMotion motion;
+  if (synth.motion == "none") return motion;
+  Mat2 G = Mat2::Zero();
+  if (!synth.gradient_per_frame.empty())
+    G << synth.gradient_per_frame[0], synth.gradient_per_frame[1], synth.gradient_per_frame[2],
+        synth.gradient_per_frame[3];
+  const double a = synth.rotation_deg_per_frame * std::numbers::pi / 180;
+  Mat2 R;
+  R << std::cos(a), -std::sin(a), std::sin(a), std::cos(a);
+  motion.A = R * (Mat2::Identity() + G);
+  motion.centre = setting.camera.to_world({synth.centre_px[0], synth.centre_px[1]});
+  const Mat2 scale = setting.camera.jacobian({synth.centre_px[0], synth.centre_px[1]});
+  motion.shift = scale * Vec2(synth.shift_px_per_frame[0], -synth.shift_px_per_frame[1]);  // rows run downward
+  return motion;
+}
+
+Vec2 StagedSlope::at(const Vec2& X, double time) const {
+  const auto stage = [time](int k) { return std::clamp(3 * time - k, 0.0, 1.0); };
+  const double Y = X.y() - base;
+  // Integral over the height of the share of material behind the front, (1 + tanh((f - y)/front))/2.
+  const auto log_cosh = [](double v) { return std::abs(v) + std::log1p(std::exp(-2 * std::abs(v))) - std::log(2.0); };
+  const double f = stage(1) * (height + 6 * front) - 3 * front;
+  const double wet = 0.5 * (Y + front * (log_cosh(f / front) - log_cosh((f - Y) / front)));
+  const Vec2 x(X.x(), base + Y * (1 - settlement * stage(0)) - collapse * (stage(1) > 0 ? wet : 0.0));
+  const Vec2 r = x - centre;
+  const double angle = turn * stage(2) * stage(2) * 0.5 * (1 - std::tanh((r.norm() - radius) / band));
+  const double c = std::cos(angle), s = std::sin(angle);
+  return centre + Vec2(c * r.x() - s * r.y(), s * r.x() + c * r.y());
+}
+
+Mat2 StagedSlope::F(const Vec2& X, double time) const {
+  const double h = 1e-4 * band;
+  Mat2 F;
+  F.col(0) = (at(X + Vec2(h, 0), time) - at(X - Vec2(h, 0), time)) / (2 * h);
+  F.col(1) = (at(X + Vec2(0, h), time) - at(X - Vec2(0, h), time)) / (2 * h);
+  return F;
+}
+
+StagedSlope staged_slope(const SynthOptions& synth, const Setting& setting) {
+  StagedSlope slope;
+  double lower = std::numeric_limits<double>::infinity(), upper = -lower;
+  for (const Region& region : setting.regions) {
+    lower = std::min(lower, region.polygon.lower().y());
+    upper = std::max(upper, region.polygon.upper().y());
+  }
+  const Vec2 px(synth.slip_centre_px[0], synth.slip_centre_px[1]);
+  const double pixel = std::sqrt(std::abs(setting.camera.jacobian(px).determinant()));
+  slope.base = lower;
+  slope.height = upper - lower;
+  slope.front = 0.08 * slope.height;
+  slope.settlement = synth.settlement;
+  slope.collapse = synth.collapse;
+  slope.centre = setting.camera.to_world(px);
+  slope.radius = synth.slip_radius_px * pixel;
+  slope.band = synth.slip_band_px * pixel;
+  slope.turn = synth.slip_deg * std::numbers::pi / 180;
+  return slope;
+}
+
+void carry_by_simulation(const Case& c, const Setting& setting, const std::vector<double>& times, Tracers texture,
+                         Tracers seeds, int threads, Progress& progress, const AtFrame& at_frame) {
+  mpm::Scene scene = make_scene(c, setting, *c.synth_mpm, c.synth_materials, "synth.material.");
+  const double difference = 0.05 * scene.grid.spacing.x();
+  mpm::Solver solver(*c.synth_mpm, std::move(scene), threads);
+  if (c.synth_mpm->settle) solver.settle(progress);
+
+  double pending = 0;                    // time since the tracers were carried last
+  double piece = 0;
+  bool last_step_of_frame = false;
+  solver.on_step([&](double dt, const mpm::Solver::VelocityAt& velocity) {
+    pending += dt;
+    if (pending < piece && !last_step_of_frame) return;
+    carry(texture, velocity, pending, difference);
+    carry(seeds, velocity, pending, difference);
+    pending = 0;
+  });
+
+  at_frame(0, texture, seeds);
+  for (std::size_t k = 1; k < times.size(); ++k) {
+    piece = (times[k] - times[k - 1]) / pieces_per_frame;
+    // All but the last piece of the frame, then the rest so that no time is pending when it is drawn.
+    last_step_of_frame = false;
+    solver.advance_to(times[k] - piece / 2, progress);
+    last_step_of_frame = true;
+    solver.advance_to(times[k], progress);
+    at_frame(int(k), texture, seeds);
+    progress.update("synthetic frames", std::int64_t(k), std::int64_t(times.size()) - 1);
+  }
+}
+
+double uniform(std::uint64_t seed, std::uint64_t index) {
+  std::uint64_t z = seed * 0xd1342543de82ef95ULL + (index + 1) * 0x9e3779b97f4a7c15ULL;
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
+  z ^= z >> 31;
+  return double(z >> 11) * 0x1p-53;
+}
+
+std::vector<Vec2> scatter(const std::vector<Region>& regions, double per_area, std::uint64_t seed) {
+  std::vector<Vec2> points;
+  std::uint64_t index = 0;
+  for (const Region& region : regions) {
+    const Vec2 lower = region.polygon.lower(), extent = region.polygon.upper() - lower;
+    const auto count = std::uint64_t(std::llround(extent.prod() * per_area));
+    for (std::uint64_t k = 0; k < count; ++k, ++index) {
+      const Vec2 x = lower + extent.cwiseProduct(Vec2(uniform(seed, 2 * index), uniform(seed, 2 * index + 1)));
+      if (region.polygon.contains(x)) points.push_back(x);
+    }
+  }
+  return points;
+}
+
+}  // namespace pivnp::app
