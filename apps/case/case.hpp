@@ -8,7 +8,8 @@
 #include <vector>
 
 #include "apps/report/content/options.hpp"
-#include "compare/compare.hpp"
+#include "compare/data/options.hpp"
+#include "compare/metrics/limits.hpp"
 #include "mpm/state/options.hpp"
 #include "pivnp/core/options.hpp"
 #include "pivnp/image/camera.hpp"

@@ -44,8 +44,8 @@ RunSettings settings_for(const Arguments& arguments, const Session& session, con
 /// "out/<name>".
 std::filesystem::path default_out(const Case& c);
 
-/// Prints where the results are, what was flagged and which limits were passed, and writes the JUnit XML that was asked
-/// for. Gives the exit code: 0, or 3 if a limit was passed.
+/// Prints where the results are, what was flagged and which limits were met or exceeded, and writes the JUnit XML that
+/// was asked for. Gives the exit code: 0, or 3 if a limit was exceeded.
 int print_outcome(const RunOutcome& outcome, const Arguments& arguments, const std::string& name,
                   const Session& session);
 

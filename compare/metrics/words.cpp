@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "compare/metrics/rows.hpp"
+
 namespace pivnp::compare {
 
 namespace {

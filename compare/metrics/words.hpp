@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "compare/metrics/rows.hpp"
+#include "compare/metrics/facts.hpp"
 
 namespace pivnp::compare {
 

@@ -46,6 +46,8 @@ struct LimitResult {
   std::string key;  // of [compare.limits]
   double limit = 0, reached = 0;
   bool met = false;
+
+  Verdict verdict() const { return met ? Verdict::met : Verdict::exceeded; }
 };
 
 inline bool any_exceeded(const std::vector<LimitResult>& limits) {

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "compare/metrics/metrics.hpp"
+#include "compare/metrics/judged.hpp"
 
 namespace pivnp::compare {
 namespace {
@@ -71,10 +71,10 @@ TEST(StillZone, TakesOnlyWhatCannotBeToldToMove) {
 }
 
 TEST(Verdict, Words) {
-  EXPECT_EQ(difference_metric("a", 1.9, "m", 1, "").verdict, not_distinguishable);
-  EXPECT_EQ(difference_metric("a", -1.9, "m", 1, "").verdict, not_distinguishable);
-  EXPECT_EQ(difference_metric("a", 2.1, "m", 1, "").verdict, "");
-  EXPECT_EQ(difference_metric("a", 0, "m", not_known, "").verdict, "");
+  EXPECT_EQ(difference(1.9, 1, "").verdict, Verdict::not_distinguishable);
+  EXPECT_EQ(difference(-1.9, 1, "").verdict, Verdict::not_distinguishable);
+  EXPECT_EQ(difference(2.1, 1, "").verdict, Verdict::none);
+  EXPECT_EQ(difference(0, not_known, "").verdict, Verdict::none);
 }
 
 }  // namespace
