@@ -9,7 +9,9 @@
 
 #include "apps/report/content/options.hpp"
 #include "compare/compare.hpp"
-#include "mpm/state/options.hpp"
+#include "mpm/constraint/options.hpp"
+#include "mpm/material/options.hpp"
+#include "mpm/step/options.hpp"
 #include "pivnp/core/options.hpp"
 #include "pivnp/image/camera.hpp"
 #include "pivnp/image/frames.hpp"

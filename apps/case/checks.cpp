@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "apps/case/values.hpp"
+#include "mpm/material/model.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/derived.hpp"
 #include "pivnp/core/particles/region.hpp"
@@ -176,8 +177,8 @@ class Checker {
       refuse(path + ".line_m", "the line's two ends are the same point");
     if (boundary.normal && *boundary.normal == Pair{0.0, 0.0})
       refuse(path + ".normal", "found [0.0, 0.0], expected a direction");
-    if (boundary.friction > 0 && boundary.type != "frictional")
-      refuse(path + ".friction", "given, but the type is \"" + boundary.type + "\"; expected type = \"frictional\"");
+    if (boundary.friction > 0 && boundary.type != mpm::BoundaryType::frictional)
+      refuse(path + ".friction", "given, but the type is \"" + std::string(name_of(boundary.type)) + "\"; expected type = \"frictional\"");
   }
 
   void materials() const {
@@ -185,24 +186,14 @@ class Checker {
     if (c_.synth_mpm) each_material("synth.material.", c_.synth_materials);
   }
 
-  static bool is_frictional(const std::string& model) {
-    return model == "mohr_coulomb" || model == "mohr_coulomb_smooth" || model == "drucker_prager" || model == "mu_i";
-  }
-
+  // The laws' own rules, with the place.
   void each_material(const std::string& prefix, const Named<mpm::MaterialOptions>& materials) const {
     for (const auto& [name, m] : materials) {
-      const std::string path = prefix + name;
-      if (!(m.density_kg_m3 > 0)) refuse(path + ".density_kg_m3", "missing; expected more than 0 (kg/m^3)");
-      if (m.model == "water" && !(m.bulk_pa > 0))
-        refuse(path + ".bulk_pa", "missing; water needs a bulk modulus of more than 0 (Pa)");
-      if (m.model != "water" && !(m.young_pa > 0)) refuse(path + ".young_pa", "missing; expected more than 0 (Pa)");
-      if ((m.model == "von_mises" || m.model == "tresca") && !(m.shear_strength_pa > 0))
-        refuse(path + ".shear_strength_pa", "missing; " + m.model + " needs a strength of more than 0 (Pa)");
-      if (is_frictional(m.model) && !(m.friction_deg > 0) && !(m.cohesion_pa > 0))
-        refuse_section(path, m.model + " has no strength; expected friction_deg or cohesion_pa of more than 0");
-      if (is_frictional(m.model) && m.dilatancy_deg > m.friction_deg)
-        refuse(path + ".dilatancy_deg", "found " + toml_text(m.dilatancy_deg) + ", expected at most friction_deg, " +
-                                            toml_text(m.friction_deg) + " (deg)");
+      try {
+        mpm::check_material(m);
+      } catch (const mpm::MaterialFault& fault) {
+        refuse(prefix + name + "." + fault.key, fault.text);
+      }
     }
   }
 

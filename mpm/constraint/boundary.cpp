@@ -30,19 +30,20 @@ std::uint8_t fold_along_grid(const Grid& grid, const Vec2& a, const Vec2& outwar
 }
 
 void check_motion(const std::string& key, const BoundaryOptions& o) {
+  const std::string type(name_of(o.type));
   const auto finite = [](const Pair& p) { return std::isfinite(p[0]) && std::isfinite(p[1]); };
-  if (o.velocity_m_s && (o.type != "fixed" || !finite(*o.velocity_m_s)))
-    throw InputError(key + ".velocity_m_s: given with type \"" + o.type + "\", expected a velocity and type = \"fixed\"");
+  if (o.velocity_m_s && (o.type != BoundaryType::fixed || !finite(*o.velocity_m_s)))
+    throw InputError(key + ".velocity_m_s: given with type \"" + type + "\", expected a velocity and type = \"fixed\"");
   if (o.withdraw_m_s && (!finite(*o.withdraw_m_s) || !(point(*o.withdraw_m_s).norm() > 0)))
     throw InputError(key + ".withdraw_m_s: expected a velocity other than 0");
-  if (o.withdraw_m_s && (o.type == "traction" || o.type == "absorbing"))
-    throw InputError(key + ".withdraw_m_s: given with type \"" + o.type + "\", expected fixed, roller or frictional");
-  if (o.across_m.has_value() != (o.type == "tied"))
-    throw InputError(key + ".across_m: " + (o.across_m ? "given with type \"" + o.type + "\", expected type = \"tied\"" : "missing beside type = \"tied\""));
-  if (o.type == "tied" && (o.line_m.empty() || o.withdraw_m_s))
+  if (o.withdraw_m_s && (o.type == BoundaryType::traction || o.type == BoundaryType::absorbing))
+    throw InputError(key + ".withdraw_m_s: given with type \"" + type + "\", expected fixed, roller or frictional");
+  if (o.across_m.has_value() != (o.type == BoundaryType::tied))
+    throw InputError(key + ".across_m: " + (o.across_m ? "given with type \"" + type + "\", expected type = \"tied\"" : "missing beside type = \"tied\""));
+  if (o.type == BoundaryType::tied && (o.line_m.empty() || o.withdraw_m_s))
     throw InputError(key + (o.line_m.empty() ? ".line_m: missing; one side of what is tied" : ".withdraw_m_s: given with type \"tied\", expected fixed, roller or frictional"));
-  if (o.traction_pa && (o.type != "traction" || !finite(*o.traction_pa)))
-    throw InputError(key + ".traction_pa: given with type \"" + o.type + "\", expected type = \"traction\"");
+  if (o.traction_pa && (o.type != BoundaryType::traction || !finite(*o.traction_pa)))
+    throw InputError(key + ".traction_pa: given with type \"" + type + "\", expected type = \"traction\"");
 }
 
 }  // namespace
@@ -56,25 +57,18 @@ Restraints::Restraints(const std::vector<std::pair<std::string, BoundaryOptions>
   for (const auto& [name, options] : boundaries) {
     check_motion("boundary." + name, options);
     all.emplace_back(name, options);
-    if (options.type != "tied") continue;
+    if (options.type != BoundaryType::tied) continue;
     all.push_back(all.back());
     for (Pair& end : all.back().second.line_m) end = {end[0] + (*options.across_m)[0], end[1] + (*options.across_m)[1]};
     all.back().second.across_m.reset();
   }
   for (const auto& [name, options] : all) {
     const std::string key = "boundary." + name;
-    if (options.type == "traction") continue;  // a load, no restraint (loading.hpp)
+    if (options.type == BoundaryType::traction) continue;  // a load, no restraint (loading.hpp)
     Wall wall;
-    wall.type = Type::fixed;
+    wall.type = options.type;
     wall.normal = Vec2::Zero();
     wall.friction = options.friction;
-    if (options.type == "roller") wall.type = Type::roller;
-    else if (options.type == "frictional") wall.type = Type::frictional;
-    else if (options.type == "absorbing") wall.type = Type::absorbing;
-    else if (options.type == "tied") wall.type = Type::tied;
-    else if (options.type != "fixed")
-      throw InputError(key + ".type: found '" + options.type + "', expected fixed, roller, frictional, absorbing, traction or tied" +
-                       did_you_mean(options.type, {"fixed", "roller", "frictional", "absorbing", "traction", "tied"}));
     if (!(options.friction >= 0)) throw InputError(key + ".friction: expected 0 or more");
     if (options.until_s) wall.until = *options.until_s;
     if (options.velocity_m_s) wall.velocity = point(*options.velocity_m_s);
@@ -220,7 +214,7 @@ void Restraints::add_nodes(const std::string& key, const BoundaryOptions& option
     if (options.normal)
       wall.normal = unit(*options.normal, key);
     else if (wall.type != Type::fixed)
-      throw InputError(key + ".normal: a " + options.type + " polygon needs its normal");
+      throw InputError(key + ".normal: a " + std::string(name_of(options.type)) + " polygon needs its normal");
     const double round_off = 1e-6 * grid.spacing.minCoeff();
     for (int j = 0; j < grid.ny; ++j)
       for (int i = 0; i < grid.nx; ++i) {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "mpm/grid/grid_state.hpp"
-#include "mpm/state/options.hpp"
+#include "mpm/constraint/options.hpp"
 
 namespace pivnp::mpm {
 
@@ -61,7 +61,7 @@ class Restraints {
   void carry_over(double time, Particles& p) const;
 
  private:
-  enum class Type : std::uint8_t { fixed, roller, frictional, absorbing, tied };
+  using Type = BoundaryType;  // but traction, which restrains nothing
   struct Wall {
     Type type;
     Vec2 velocity = Vec2::Zero();  // fixed: given to the nodes

@@ -22,7 +22,7 @@
 
 #include "mpm/constraint/boundary.hpp"
 #include "mpm/grid/grid_state.hpp"
-#include "mpm/state/options.hpp"
+#include "mpm/constraint/options.hpp"
 
 namespace pivnp::mpm {
 

@@ -8,7 +8,7 @@
 
 namespace pivnp::mpm {
 
-/// The arrays of Particles; those that a scheme does not use are null.
+/// The arrays of Particles; those that a case does not need are null.
 struct PointView {
   double *x, *y, *vx, *vy, *mass, *volume0;
   double *F_xx, *F_xy, *F_yx, *F_yy, *J;
@@ -16,7 +16,7 @@ struct PointView {
   double *C_xx, *C_xy, *C_yx, *C_yy;
   double* half;
   double *xi, *eta;  // null where no scheme asks for them (Where)
-  double* gap;
+  double* opening;  // null where no law opens
   double density;  // where `mass` is null
 };
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "mpm/grid/kernel.hpp"
+#include "mpm/material/model.hpp"
 #include "mpm/step/settle.hpp"
 #include "mpm/step/solver_impl.hpp"
 #include "mpm/step/time_step.hpp"
@@ -50,7 +51,6 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
                      ", expected none: what touches would not wake");
   state = initial_state(scene, scheme, g, materials, contacts, restraints.any_tied());
   place_tractions();
-  nonlocal.start(p);
   sleep.start(p, g);
   g.rebuild(p);
   p.sort_as(g.order, 1);
@@ -194,15 +194,15 @@ void Solver::settle(Progress& progress) {
   if (s.state.steps > 0) throw RunError("mpm: settle() was called after the first step");
   for (const auto& material : s.materials)
     if (material->from_deformation())
-      throw InputError("mpm.settle: found true beside neo_hookean, which takes no stress at the start; expected false");
+      throw InputError("mpm.settle: found true beside " + material->name() +
+                       ", which takes no stress at the start; expected false");
   // The average of three-node shapes leaves a point's own mean stress free to drift where points open one by one.
   Scheme scheme = s.scheme;
   if (scheme.shape != ShapeKind::bilinear) scheme.locking = Locking::none;
   settle_particles({s.loading.gravity(0), s.options.settle_damping, s.options.settle_tolerance, s.most_threads, s.options.k0}, scheme,
                    s.materials, s.restraints, s.contacts, s.density, s.bodies, s.p, s.g, progress);
   s.p.resize_increments(0);
-  for (auto* history : {&s.p.plastic_dev, &s.p.gap, &s.p.dissipated}) std::fill(history->begin(), history->end(), 0.0);
-  std::fill(s.p.opened.begin(), s.p.opened.end(), std::uint8_t{0});
+  s.p.history.reset();
   s.restart_books();
 }
 

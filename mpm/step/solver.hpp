@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "mpm/step/options.hpp"
 #include "mpm/step/scene.hpp"
 #include "pivnp/core/particles/motion.hpp"
 #include "pivnp/core/progress.hpp"

@@ -10,7 +10,7 @@
 #include "mpm/constraint/contact.hpp"
 #include "mpm/step/loading.hpp"
 #include "mpm/step/momentum.hpp"
-#include "mpm/material/nonlocal.hpp"
+#include "mpm/transfer/nonlocal.hpp"
 #include "mpm/constraint/rigid_body.hpp"
 #include "mpm/step/scene_setup.hpp"
 #include "mpm/step/sleep.hpp"

@@ -1,6 +1,7 @@
 // What a run changes by the case's will: body forces, tractions, densities, strengths, excavation, the start at rest.
 #include <cmath>
 
+#include "mpm/material/model.hpp"
 #include "mpm/step/settle.hpp"
 #include "mpm/step/solver_impl.hpp"
 #include "pivnp/core/error.hpp"
@@ -59,7 +60,7 @@ void Solver::Impl::change_strength(double time) {
     const double factor = loading.reduction(k, time);
     changed = changed || factor != reduction[k];
     reduction[k] = factor;
-    now[k] = Loading::reduced(now[k], factor);
+    now[k] = reduced(now[k], factor);
   }
   if (changed) materials = materials_of(scene, now);
 }

@@ -92,7 +92,8 @@ HWY_INLINE V mass_of(const PointView& p, const Tile& t) {
 // What F-bar averages over: V0 of the points that material connects; one that stands open keeps its own.
 template <class Tile>
 HWY_INLINE M stands_open(const PointView& p, const Tile& t) {
-  return hn::Gt(t.load(p.gap), zero());
+  if (!p.opening) return hn::FirstN(D(), 0);  // no law opens
+  return hn::Gt(t.load(p.opening), zero());
 }
 template <class Tile>
 HWY_INLINE V joined_volume(const PointView& p, const Tile& t) {

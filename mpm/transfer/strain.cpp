@@ -11,6 +11,7 @@ namespace {
 // The averages spread strain over the rim of what sleeps, which is not strained: V0 m theta there, J/m.
 double work_passed_to_sleepers(const Particles& p, GridState& g) {
   const CornerSums* corners = g.averages.view().corners;
+  const double* opening = p.view().opening;
   double work = 0;
   for (const SlotRange& slots : g.mapped.runs)
     for (std::size_t s = slots.begin; s < slots.end; ++s) {
@@ -19,7 +20,7 @@ double work_passed_to_sleepers(const Particles& p, GridState& g) {
       g.stencil_nodes(s, at);
       for (std::uint32_t q = g.slot_begin[s]; q < g.slot_begin[s + 1]; ++q) {
         const std::uint32_t k = g.order[q];
-        if (p.gap[k] > 0) continue;
+        if (opening && opening[k] > 0) continue;
         const Vec2 at_point = g.natural(p, k);
         const double hx[2] = {0.5 - at_point.x(), 0.5 + at_point.x()}, hy[2] = {0.5 - at_point.y(), 0.5 + at_point.y()};
         double theta = 0;

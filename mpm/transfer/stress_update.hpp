@@ -23,9 +23,6 @@ void update_stress(const Materials& materials, Particles& p, int threads, double
 double strain_and_update_stress(const Materials& materials, Particles& p, GridState& g, const Scheme& scheme, double dt,
                                 int threads, GatherSums* moved = nullptr);
 
-/// The points `begin` to `begin + size` as a law sees them.
-StressBatch batch_of(Particles& p, std::size_t begin, std::size_t size);
-
 /// The fastest compression wave as the points are now; densities at the start, one a material. m/s.
 double wave_speed(const Materials& materials, const std::vector<double>& density, Particles& p, int threads);
 

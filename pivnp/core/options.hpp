@@ -58,4 +58,10 @@ struct OptionInfo {
   std::vector<std::string> (*names)() = nullptr;          // strings: the same, from a registry
 };
 
+inline bool in_range(const OptionInfo& info, double value) {
+  return (info.above_min ? value > info.min : value >= info.min) && value <= info.max;
+}
+/// The range of a number in words, "8 to 256", "more than 0"; empty: any.
+std::string range_text(const OptionInfo& info);
+
 }  // namespace pivnp

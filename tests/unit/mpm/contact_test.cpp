@@ -261,7 +261,7 @@ TEST(Contact, DiscsMeetBounceAndPart) {
     for (const double offset : {0.0, 0.05}) {
       SCOPED_TRACE(std::string(flip ? "flip" : "default") + ", offset " + std::to_string(offset));
       MpmOptions o = flip ? conservative() : options();
-      if (flip) o.shape = "bspline";
+      if (flip) o.shape = ShapeKind::bspline;
       Solver solver(o, two_discs(offset, 1500), 1);
       const Vec2 before = solver.momentum();
       solver.advance_to(0.06, silent);

@@ -243,11 +243,11 @@ TEST(Lanes, TheOrderOfThePiecesDoesNotMatter) {
 class InScalarCode final : public Material {
  public:
   explicit InScalarCode(const MaterialOptions& o)
-      : Material(Elastic(o.young_pa, o.poisson)), strength_(o, "material.a", 0.1), tension_(o.tension_pa) {}
+      : Material(Elastic(o.young_pa, o.poisson)), strength_(o, 0.1), tension_(o.tension_pa) {}
   void update(const StressBatch& b) const override {
     for (std::size_t k = 0; k < b.size; ++k) {
       const double pressure = -(b.xx[k] + b.yy[k] + b.zz[k]) / (3 * b.J[k]);
-      MohrCoulomb(elastic_, strength_.at(b.plastic_dev[k], pressure), tension_).update_point(b, k);
+      MohrCoulomb(elastic_, strength_.at(b.history[plastic::strain][k], pressure), tension_).update_point(b, k);
     }
   }
 
@@ -278,10 +278,11 @@ struct Met {
   void count(const SmoothMohrCoulomb& law, const StressBatch& before, const std::vector<std::vector<double>>& after) {
     for (std::size_t k = 0; k < before.size; ++k) {
       const Tensor stress{before.xx[k], before.yy[k], before.zz[k], before.xy[k]};
-      const double yield = law.relative_yield(stress, before.plastic_dev[k], before.J[k]);
-      const bool flowed = after[10][k] > before.plastic_dev[k], open = before.gap[k] > 0, opens = after[11][k] > 0;
+      const double yield = law.relative_yield(stress, before.history[plastic::strain][k], before.J[k]);
+      const bool flowed = after[10][k] > before.history[plastic::strain][k], open = before.history[plastic::opening][k] > 0;
+      const bool opens = after[12][k] > 0;
       crossed += !open && !opens && flowed && yield < -1e-4;
-      had_opened += !open && !opens && flowed && before.opened[k];
+      had_opened += !open && !opens && flowed && before.flags[plastic::separated][k];
       stood_open += open && opens;
       closed += open && !opens;
     }
@@ -296,14 +297,14 @@ TEST(Lanes, ABatchIsItsPoints) {
     std::mt19937_64 random(seed_of_all);
     std::normal_distribution<double> normal(0, 1);
     std::vector<std::vector<double>> a(14, std::vector<double>(n));
-    std::vector<std::uint8_t> opened(n, 0);
+    std::vector<std::uint8_t> separated(n, 0);
     for (double& J : a[5]) J = 1;
     StressBatch b;
     b.size = n;
     b.de_xx = a[0].data(), b.de_yy = a[1].data(), b.de_zz = a[2].data(), b.de_xy = a[3].data();
     b.spin = a[4].data(), b.J = a[5].data();
     b.xx = a[6].data(), b.yy = a[7].data(), b.zz = a[8].data(), b.xy = a[9].data();
-    b.plastic_dev = a[10].data(), b.gap = a[11].data(), b.dissipated = a[12].data(), b.opened = opened.data();
+    b.history = {a[10].data(), a[11].data(), a[12].data()}, b.flags = {separated.data()};
     std::vector<std::uint32_t> place(n);  // some tiles lie together, others do not
     for (std::size_t k = 0; k < n; ++k) place[k] = std::uint32_t(way == by_places && k >= 16 ? 16 + (k - 16) * 5 % (n - 16) : k);
     if (way == by_places) b.places = place.data();
@@ -315,22 +316,22 @@ TEST(Lanes, ABatchIsItsPoints) {
         a[5][place[k]] = 1 + 0.01 * std::sin(double(step + int(k)));
       }
       auto before = a;
-      auto had_opened = opened;
+      auto had_separated = separated;
       if (way != singly) law.update(b);
       else
         for (std::size_t k = 0; k < n; ++k) law.update(b.part(k, 1));
       if (met) {
         StressBatch was = b;
         was.J = before[5].data(), was.xx = before[6].data(), was.yy = before[7].data(), was.zz = before[8].data();
-        was.xy = before[9].data(), was.plastic_dev = before[10].data(), was.gap = before[11].data();
-        was.opened = had_opened.data();
+        was.xy = before[9].data(), was.history = {before[10].data(), before[11].data(), before[12].data()};
+        was.flags = {had_separated.data()};
         met->count(*smooth, was, a);
       }
     }
     out.clear();
     for (std::size_t c = 6; c < 13; ++c)
       for (const std::uint32_t k : place) out.push_back(a[c][k]);
-    for (const std::uint32_t k : place) out.push_back(opened[k]);
+    for (const std::uint32_t k : place) out.push_back(separated[k]);
   };
   const Elastic stiffness(1e7, 0.3);
   std::vector<std::unique_ptr<Material>> laws;

@@ -208,12 +208,12 @@ TEST(Loading, NonsenseNamesItsKey) {
   });
   expect("material.soil.removed_s", [](auto&, auto& s) { s.materials[0].removed_s = 0.0; });
   expect("boundary.base.velocity_m_s", [](auto&, auto& s) {
-    s.boundaries[0].second.type = "roller";
+    s.boundaries[0].second.type = BoundaryType::roller;
     s.boundaries[0].second.velocity_m_s = Pair{1, 0};
   });
   expect("boundary.base.withdraw_m_s", [](auto&, auto& s) { s.boundaries[0].second.withdraw_m_s = Pair{0, 0}; });
   expect("boundary.base.traction_pa", [](auto&, auto& s) { s.boundaries[0].second.traction_pa = Pair{0, 1}; });
-  expect("boundary.base.traction_pa", [](auto&, auto& s) { s.boundaries[0].second.type = "traction"; });
+  expect("boundary.base.traction_pa", [](auto&, auto& s) { s.boundaries[0].second.type = BoundaryType::traction; });
   expect("boundary.left.line_m", [](auto&, auto& s) {
     s.boundaries[1].second = line({5, 5}, {6, 6}, "traction");
     s.boundaries[1].second.traction_pa = Pair{0, 1};

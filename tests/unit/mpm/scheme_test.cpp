@@ -32,10 +32,10 @@ std::string name_of(const testing::TestParamInfo<Choice>& info) {
 
 MpmOptions options_of(const Choice& c, Pair gravity = {0, 0}) {
   MpmOptions o = options(gravity);
-  o.shape = c.shape;
-  o.transfer = c.transfer;
-  o.stress_update = c.stress;
-  o.locking = c.locking;
+  o.shape = value_named<ShapeKind>(c.shape);
+  o.transfer = value_named<TransferKind>(c.transfer);
+  o.stress_update = value_named<StressUpdate>(c.stress);
+  o.locking = value_named<Locking>(c.locking);
   return o;
 }
 
@@ -84,11 +84,13 @@ TEST_P(Schemes, ForceAndStrainAreConjugate) {
   Particles& p = state.particles;
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> u(-1, 1);
+  p.history.declare({opening_strain}, p.size());
+  Array& opening = *p.history.find(opening_strain.name);
   for (std::size_t k = 0; k < p.size(); ++k) {
     p.x[k] += 0.02 * u(random);
     p.y[k] += 0.02 * u(random);
     for (auto* a : {&p.tau_xx, &p.tau_yy, &p.tau_zz, &p.tau_xy}) (*a)[k] = u(random);
-    p.gap[k] = k % 5 == 0 ? 0.1 : 0;
+    opening[k] = k % 5 == 0 ? 0.1 : 0;
   }
   if (scheme.locking == Locking::full)  // one stress an element is what it is about
     for (auto* a : {&p.tau_xx, &p.tau_yy, &p.tau_zz, &p.tau_xy}) std::fill(a->begin(), a->end(), u(random));
@@ -170,10 +172,11 @@ TEST(OpenPoints, KeepTheirOwnVolume) {
       GridState g(s.grid, scheme.shape);
       SolverState state = initial_state(s, scheme, g, materials_of(s));
       Particles& p = state.particles;
+      Array& opening = *p.history.find(opening_strain.name);
       for (std::size_t k = 0; k < p.size(); ++k) {
         const bool open = k % 3 == 0;
         p.tau_xx[k] = p.tau_yy[k] = p.tau_zz[k] = open ? 0 : -1000;
-        p.gap[k] = open ? 0.01 : 0;
+        opening[k] = open ? 0.01 : 0;
         if (open && without) p.volume0[k] = 0;
       }
       locate_all(p, g);
@@ -346,13 +349,11 @@ TEST(Options, WrongCombinationsNameTheirKey) {
   };
   MpmOptions o = options();
   EXPECT_EQ(message(o), "");
-  o.locking = "selective";
+  o.locking = Locking::selective;
   EXPECT_NE(message(o).find("mpm.locking"), std::string::npos);
-  o.shape = "bilinear";
+  o.shape = ShapeKind::bilinear;
   EXPECT_EQ(message(o), "");
-  o.transfer = "aplic";
-  EXPECT_NE(message(o).find("did you mean 'apic'"), std::string::npos);
-  o.transfer = "apic";
+  o.transfer = TransferKind::apic;
   o.pic_per_s = 1;
   EXPECT_NE(message(o).find("mpm.pic_per_s"), std::string::npos);
 }
@@ -375,7 +376,7 @@ TEST(Settling, FindsTheSameStateWhateverStrainsTheMaterialLater) {
     MotionFrame settled[2];
     for (int k = 0; k < 2; ++k) {
       MpmOptions o = options({0, -9.81});
-      o.stress_update = k ? "musl" : "usl";
+      o.stress_update = k ? StressUpdate::musl : StressUpdate::usl;
       Solver solver(o, s, 1);
       solver.settle(silent);
       settled[k] = solver.frame();

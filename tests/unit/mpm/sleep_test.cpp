@@ -30,7 +30,7 @@ Scene pressed(const MaterialOptions& material) {
 
 MpmOptions pressing(const std::string& scheme) {
   MpmOptions o = options({0, -9.81});
-  o.scheme = scheme;
+  o.scheme = *value_named<SchemeName>(scheme);
   o.k0 = 0.43;
   o.sleep_below_m_s = 0.01;
   return o;

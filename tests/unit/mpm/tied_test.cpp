@@ -27,7 +27,7 @@ TEST(TiedSides, CarryMaterialOver) {
     s.v0.assign(s.particles.size(), Vec2(0.8, 0.1));
     s.boundaries = {{"sides", tied({0.01, 0}, {0.01, 0.11}, {0.04, 0})}};
     MpmOptions o = flip ? conservative() : options();
-    if (flip) o.shape = "bspline";
+    if (flip) o.shape = ShapeKind::bspline;
     Solver solver(o, s, 1);
     solver.advance_to(0.04, silent);
     const std::vector<std::byte> half = solver.save();
@@ -79,7 +79,7 @@ TEST(TiedSides, BadOnesNameTheirKey) {
   EXPECT_EQ(message(tied({0, 0}, {0, 0.12}, {0.04, 0})), "");
   expect(line({0, 0}, {0, 0.12}, "tied"), "across_m: missing");
   BoundaryOptions roller = tied({0, 0}, {0, 0.12}, {0.04, 0});
-  roller.type = "roller";
+  roller.type = BoundaryType::roller;
   expect(roller, "expected type = \"tied\"");
   expect(tied({0, 0}, {0, 0.12}, {0.033, 0}), "along the grid");
   expect(tied({0, 0}, {0.01, 0.12}, {0.04, 0}), "along the grid");

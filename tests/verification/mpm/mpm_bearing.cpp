@@ -77,7 +77,7 @@ Resistance cylinder(double poisson, bool rough, int cells, double speed) {
   if (!rough) body.friction = 0;
   s.bodies = {{"cylinder", body}};
   MpmOptions o = options();
-  o.locking = "fbar";
+  o.locking = Locking::fbar;
   o.settle = false;
   Solver solver(o, s, 2);
   double sum = 0, squares = 0, last = 0;
@@ -127,7 +127,7 @@ double footing(int cells) {
   body.velocity_m_s = {0, -v};
   s.bodies = {{"footing", body}};
   MpmOptions o = options();
-  o.locking = "fbar";
+  o.locking = Locking::fbar;
   o.settle = false;
   Solver solver(o, s, 2);
   solver.advance_to(0.07 / v, silent);

@@ -40,7 +40,7 @@ Deposit collapse(double aspect, double across, const std::string& locking = "fba
                   {sand(30, 1e6)});
   s.boundaries = {{"base", line({0, 0}, {nx * h, 0}, "fixed")}, {"wall", line({0, 0}, {0, ny * h}, "roller")}};
   MpmOptions o = options({0, -9.81});
-  o.locking = locking;
+  o.locking = value_named<Locking>(locking);
   Solver solver(o, s, 1);
   solver.advance_to(8 * std::sqrt(h0 / 9.81), silent);
 

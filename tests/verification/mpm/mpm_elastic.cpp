@@ -87,10 +87,10 @@ TEST(MpmElastic, TwoDiscs) {
     for (const std::int32_t label : s.particles.label) s.v0.push_back((label == 0 ? 1 : -1) * Vec2(0.1, 0.1));
     MpmOptions o = options();
     if (flip) {
-      o.shape = kind;
-      o.transfer = "flip";
-      o.stress_update = "musl";
-      o.locking = "none";
+      o.shape = value_named<ShapeKind>(kind);
+      o.transfer = TransferKind::flip;
+      o.stress_update = StressUpdate::musl;
+      o.locking = Locking::none;
     }
     Solver solver(o, s, 1);
     const double kinetic = solver.energy().kinetic;

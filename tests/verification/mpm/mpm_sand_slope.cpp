@@ -88,7 +88,7 @@ Result rest(const Setup& setup) {
   if (friction >= 0)
     for (auto& [name, boundary] : c.boundaries)
       if (name == "base") {
-        boundary.type = "frictional";
+        boundary.type = mpm::BoundaryType::frictional;
         boundary.friction = friction;
       }
   const Setting setting = make_setting(c, 0, 0);
@@ -119,7 +119,7 @@ Result rest(const Setup& setup) {
   std::printf(
       "%s %s locking %s base %.2f: cen %.1f fit %.1f tc %.1f deg, x(99.5 %%) %.3f m, height %.3f m, residual %+.1f %%, "
       "wedge %.1f deg, kinetic %.1e, ended %zu, at rest after %.2f s, %.1f s CPU; %.1f s CPU\n",
-      setup.file.c_str(), options.scheme.c_str(), options.locking.value_or("-").c_str(), friction, a.cen, a.fit, a.tc,
+      setup.file.c_str(), name_of(options.scheme).data(), options.locking ? name_of(*options.locking).data() : "-", friction, a.cen, a.fit, a.tc,
       a.toe_x, a.height, 100 * out.residual, out.wedge, out.kinetic, out.ended, out.rest_s, out.rest_cpu_s, out.cpu_s);
   std::fflush(stdout);
   return out;
@@ -127,8 +127,8 @@ Result rest(const Setup& setup) {
 
 mpm::MpmOptions with(const std::string& scheme, const std::string& locking = "") {
   mpm::MpmOptions o;
-  o.scheme = scheme;
-  if (!locking.empty()) o.locking = locking;
+  o.scheme = *value_named<mpm::SchemeName>(scheme);
+  if (!locking.empty()) o.locking = value_named<mpm::Locking>(locking);
   return o;
 }
 

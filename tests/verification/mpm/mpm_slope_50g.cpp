@@ -56,10 +56,10 @@ Case scaled(const Setup& setup) {
     body.mass_until_s = *body.mass_until_s * setup.scale / setup.speed;
   }
   c.mpm->per_element = setup.per_element;
-  c.mpm->locking = setup.locking;
+  c.mpm->locking = value_named<mpm::Locking>(setup.locking);
   if (setup.flip) {
-    c.mpm->transfer = "flip";
-    c.mpm->stress_update = "musl";
+    c.mpm->transfer = mpm::TransferKind::flip;
+    c.mpm->stress_update = mpm::StressUpdate::musl;
   }
   if (!setup.softening.empty())
     for (auto& [name, soil] : c.materials) {  // still steeper than the slope
@@ -67,7 +67,7 @@ Case scaled(const Setup& setup) {
       soil.softening_shape = 20;
       if (setup.softening == "none") continue;
       soil.softening_length_m = 0.0032 * setup.scale;  // the larger cells
-      soil.softening_average = setup.softening;
+      soil.softening_average = *value_named<mpm::SofteningAverage>(setup.softening);
     }
   c.mpm->gravity_m_s2 = {0, c.mpm->gravity_m_s2[1] / setup.scale};
   c.mpm->end_s = *c.mpm->end_s * setup.scale / setup.speed;

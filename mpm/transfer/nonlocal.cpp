@@ -1,4 +1,4 @@
-#include "mpm/material/nonlocal.hpp"
+#include "mpm/transfer/nonlocal.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -100,10 +100,6 @@ NonlocalSoftening::NonlocalSoftening(const std::vector<std::unique_ptr<Material>
   for (auto* field : {&strain_, &volume_, &rows_}) field->assign(g.grid.node_count(), 0.0);
 }
 
-void NonlocalSoftening::start(Particles& p) const {
-  if (!filters_.empty()) p.softened_by.assign(p.size(), 0.0);
-}
-
 void NonlocalSoftening::average(Particles& p, const GridState& g, int threads) {
   if (filters_.empty() || g.slots() == 0) return;
   for (const Particles::Body& body : p.bodies) {
@@ -120,13 +116,14 @@ void NonlocalSoftening::map(const Particles& p, const Particles::Body& body, con
   std::fill(strain_.begin(), strain_.end(), 0.0);
   std::fill(volume_.begin(), volume_.end(), 0.0);
   const auto nx = std::size_t(g.grid.nx);
+  const Array& plastic_dev = *p.history.find(plastic_strain.name);
   const auto add = [&]<int W>(SlotRange slots) {
     for_points<W>(p, body, g, slots, [&](std::size_t k, std::size_t first, const double* wx, const double* wy) {
       for (std::size_t b = 0; b < W; ++b)
         for (std::size_t a = 0; a < W; ++a) {
           const double v = p.volume0[k] * p.J[k] * wx[a] * wy[b];
           volume_[first + b * nx + a] += v;
-          strain_[first + b * nx + a] += v * p.plastic_dev[k];
+          strain_[first + b * nx + a] += v * plastic_dev[k];
         }
     });
   };
@@ -170,12 +167,13 @@ void NonlocalSoftening::filter(const Filter& f, const GridState& g, int threads)
 
 void NonlocalSoftening::gather(Particles& p, const Particles::Body& body, const GridState& g, int threads) const {
   const auto nx = std::size_t(g.grid.nx);
+  const Array& plastic_dev = *p.history.find(plastic_strain.name);
   const auto take = [&]<int W>(SlotRange slots) {
     for_points<W>(p, body, g, slots, [&](std::size_t k, std::size_t first, const double* wx, const double* wy) {
       double mean = 0;
       for (std::size_t b = 0; b < W; ++b)
         for (std::size_t a = 0; a < W; ++a) mean += wx[a] * wy[b] * strain_[first + b * nx + a];
-      p.softened_by[k] = std::max(0.0, (1 - over) * p.plastic_dev[k] + over * mean);
+      p.softened_by[k] = std::max(0.0, (1 - over) * plastic_dev[k] + over * mean);
     });
   };
   for_pieces(g, threads, [&](SlotRange slots, std::size_t) {

@@ -27,9 +27,8 @@ class NonlocalSoftening {
  public:
   /// `materials`: one a label.
   NonlocalSoftening(const std::vector<std::unique_ptr<Material>>& materials, const GridState& g);
-  /// Makes room in Particles::softened_by, at zero, where a material needs it (so it settles with its peak strength).
-  void start(Particles& p) const;
-  /// Particles::softened_by from the accumulated plastic strain. Same bits for any number of threads.
+  /// Particles::softened_by from the accumulated plastic strain. (Before the first call it is zero: the initial
+  /// equilibrium is sought with the peak strength.) Same bits for any number of threads.
   void average(Particles& p, const GridState& g, int threads);
 
  private:
