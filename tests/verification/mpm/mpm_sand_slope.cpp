@@ -95,7 +95,7 @@ Result rest(const Setup& setup) {
   mpm::Solver solver(options, make_scene(c, setting, options, c.materials, "material."), 1);
   SilentProgress silent;
   const std::clock_t before = std::clock();
-  solver.settle(silent);
+  solver.find_initial_equilibrium(silent);
   Result out;
   for (double t = 0.05; t < *options.end_s + 0.01; t += 0.05) {
     solver.advance_to(t, silent);
