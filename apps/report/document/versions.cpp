@@ -1,15 +1,11 @@
 #include "apps/report/document/versions.hpp"
 
-#include <QtGlobal>
-#include <qcustomplot.h>
+#include "apps/plot/canvas.hpp"
 
 namespace pivnp::report {
 
 std::string program_version() { return PIVNP_VERSION; }
 
-std::string versions() {
-  return "pivnp " + program_version() + "; figures by QCustomPlot " QCUSTOMPLOT_VERSION_STR " on Qt " +
-         std::string(qVersion()) + ".";
-}
+std::string versions() { return "pivnp " + program_version() + "; figures by " + plot::drawing_libraries() + "."; }
 
 }  // namespace pivnp::report

@@ -2,22 +2,15 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "apps/plot/numbers.hpp"
-
-#include "pivnp/core/particles/derived.hpp"
+#include "pivnp/core/particles/fields.hpp"
 
 namespace pivnp::report {
 
-namespace {
-
-std::string capitalised(std::string s) {
-  if (!s.empty() && s[0] >= 'a' && s[0] <= 'z') s[0] = char(s[0] - 'a' + 'A');
-  return s;
-}
-
-}  // namespace
+using namespace plot;
 
 std::string field_words(std::string_view name) {
   for (const DerivedField& field : derived_fields())
@@ -27,10 +20,22 @@ std::string field_words(std::string_view name) {
   return s;
 }
 
+std::string field_unit(const DerivedField& field, const Content& content) {
+  std::string unit = unit_in(field.unit, content.length_unit, content.time_unit);
+  if (unit.ends_with("^2")) unit.replace(unit.size() - 2, 2, "\u00b2");
+  return unit;
+}
+
+std::string frame_words(const Content& content, int frame) {
+  const auto n = std::size_t(frame);
+  const bool named = frame >= 0 && n < content.frames.size() && !content.frames[n].name.empty();
+  return named ? content.frames[n].name : "frame " + std::to_string(frame);
+}
+
 namespace {
 
 struct Phrase {
-  const char* words;
+  std::string words;
   bool statistic = false;  // stands after the subject, set off by a comma
 };
 
@@ -86,30 +91,34 @@ const std::map<std::string, Phrase, std::less<>>& metric_phrases() {
       {"bias", {"mean difference", true}},
       {"bias_x", {"mean difference in x", true}},
       {"bias_y", {"mean difference in y", true}},
-      {"first", {"measured", true}},
-      {"second", {"simulated", true}},
       {"final", {"at the end", true}},
       {"relative", {"relative to the greatest displacement", true}},
-      {"over_u", {"in units of its uncertainty", true}},
-      {"difference", {"simulated \u2212 measured", true}}};
+      {"over_u", {"in units of its uncertainty", true}}};
   return phrases;
+}
+
+std::optional<Phrase> phrase_of(const std::string& part, const DataSetNames& names) {
+  if (part == "first") return Phrase{names.first, true};
+  if (part == "second") return Phrase{names.second, true};
+  if (part == "difference") return Phrase{names.second + " \u2212 " + names.first, true};
+  const auto found = metric_phrases().find(part);
+  return found == metric_phrases().end() ? std::nullopt : std::optional(found->second);
 }
 
 }  // namespace
 
-std::string metric_words(const std::string& name) {
+std::string metric_words(const std::string& name, const DataSetNames& names) {
   std::string rest = name, text, statistics;
   const bool levelled = rest.starts_with("levelled_");
   if (levelled) rest.erase(0, 9);
   while (!rest.empty()) {
     std::size_t to = rest.size();
-    auto found = metric_phrases().find(rest);
-    while (found == metric_phrases().end() && (to = rest.rfind('_', to - 1)) != std::string::npos && to > 0)
-      found = metric_phrases().find(rest.substr(0, to));
-    const bool known = found != metric_phrases().end();
-    if (!known) to = std::min(rest.find('_'), rest.size());
-    const std::string words = known ? found->second.words : rest.substr(0, to);
-    if (known && found->second.statistic) statistics += ", " + words;
+    std::optional<Phrase> found = phrase_of(rest, names);
+    while (!found && (to = rest.rfind('_', to - 1)) != std::string::npos && to > 0)
+      found = phrase_of(rest.substr(0, to), names);
+    if (!found) to = std::min(rest.find('_'), rest.size());
+    const std::string words = found ? found->words : rest.substr(0, to);
+    if (found && found->statistic) statistics += ", " + words;
     else if (!words.empty()) text += (text.empty() ? "" : " ") + words;
     rest.erase(0, to + 1);
   }
@@ -119,14 +128,14 @@ std::string metric_words(const std::string& name) {
 
 std::string strain_statement(const StrainNote& note, const std::string& length_unit) {
   const DisplayUnit unit = display_unit(length_unit, note.gauge_length);
-  std::string text = "Gauge length of measured strains: " + number(note.gauge_length * unit.factor, 3) +
+  std::string text = "Gauge length of measured strains: " + significant(note.gauge_length * unit.factor, 3) +
                      unit_suffix(unit.name) + " (shape function and interrogation window). ";
   if (note.floor_source == "not measured")
     return text + "Noise floor: not measured (np.still_zone_px, np.still_zone_m or np.still_frames would tell it).";
   return text + "Noise floor at the last frame, RMS, measured on " +
          (note.floor_source == "still zone" ? "a zone at rest" : "frames at rest, carried on by the square root of the steps") +
-         ": deviatoric " + number(note.floor_dev, 2) + ", volumetric " + number(note.floor_vol, 2) +
-         ", summed along the path " + number(note.floor_path, 2) + ".";
+         ": deviatoric " + significant(note.floor_dev, 2) + ", volumetric " + significant(note.floor_vol, 2) +
+         ", summed along the path " + significant(note.floor_path, 2) + ".";
 }
 
 }  // namespace pivnp::report
