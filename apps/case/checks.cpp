@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "apps/case/values.hpp"
+#include "mpm/material/model.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/derived.hpp"
 #include "pivnp/core/particles/region.hpp"
@@ -26,7 +27,7 @@ class Checker {
     simulation();
     contacts();
     synthetic();
-    judgement();
+    verification();
     for (const std::string& field : c_.output.fields_stored) known_field(field);
   }
 
@@ -161,9 +162,8 @@ class Checker {
       circle("compare.increments_outside_m", c_.compare.increments_outside_m);
     if (c_.compare.levelling && !(has_images() && c_.mpm))
       refuse("compare.levelling", "given, but there is nothing to level; expected frames and [mpm]");
-    if ((c_.limits.run_out_m || c_.limits.slope_angle_deg) && !c_.compare.slope_base_m)
-      refuse(std::string("compare.limits.") + (c_.limits.run_out_m ? "run_out_m" : "slope_angle_deg"),
-             "given, but compare.slope_base_m is not; expected both");
+    if (const compare::LimitRow* row = compare::limit_without_its_option(c_.limits, c_.compare))
+      refuse("compare.limits." + row->name, "given, but compare." + row->needs + " is not; expected both");
   }
 
   void boundary_shape(const std::string& path, const mpm::BoundaryOptions& boundary) const {
@@ -176,8 +176,8 @@ class Checker {
       refuse(path + ".line_m", "the line's two ends are the same point");
     if (boundary.normal && *boundary.normal == Pair{0.0, 0.0})
       refuse(path + ".normal", "found [0.0, 0.0], expected a direction");
-    if (boundary.friction > 0 && boundary.type != "frictional")
-      refuse(path + ".friction", "given, but the type is \"" + boundary.type + "\"; expected type = \"frictional\"");
+    if (boundary.friction > 0 && boundary.type != mpm::BoundaryType::frictional)
+      refuse(path + ".friction", "given, but the type is \"" + std::string(name_of(boundary.type)) + "\"; expected type = \"frictional\"");
   }
 
   void materials() const {
@@ -185,24 +185,14 @@ class Checker {
     if (c_.synth_mpm) each_material("synth.material.", c_.synth_materials);
   }
 
-  static bool is_frictional(const std::string& model) {
-    return model == "mohr_coulomb" || model == "mohr_coulomb_smooth" || model == "drucker_prager" || model == "mu_i";
-  }
-
+  // The laws' own rules, with the place.
   void each_material(const std::string& prefix, const Named<mpm::MaterialOptions>& materials) const {
     for (const auto& [name, m] : materials) {
-      const std::string path = prefix + name;
-      if (!(m.density_kg_m3 > 0)) refuse(path + ".density_kg_m3", "missing; expected more than 0 (kg/m^3)");
-      if (m.model == "water" && !(m.bulk_pa > 0))
-        refuse(path + ".bulk_pa", "missing; water needs a bulk modulus of more than 0 (Pa)");
-      if (m.model != "water" && !(m.young_pa > 0)) refuse(path + ".young_pa", "missing; expected more than 0 (Pa)");
-      if ((m.model == "von_mises" || m.model == "tresca") && !(m.shear_strength_pa > 0))
-        refuse(path + ".shear_strength_pa", "missing; " + m.model + " needs a strength of more than 0 (Pa)");
-      if (is_frictional(m.model) && !(m.friction_deg > 0) && !(m.cohesion_pa > 0))
-        refuse_section(path, m.model + " has no strength; expected friction_deg or cohesion_pa of more than 0");
-      if (is_frictional(m.model) && m.dilatancy_deg > m.friction_deg)
-        refuse(path + ".dilatancy_deg", "found " + toml_text(m.dilatancy_deg) + ", expected at most friction_deg, " +
-                                            toml_text(m.friction_deg) + " (deg)");
+      try {
+        mpm::check_material(m);
+      } catch (const mpm::MaterialFault& fault) {
+        refuse(prefix + name + "." + fault.key, fault.text);
+      }
     }
   }
 
@@ -254,13 +244,13 @@ class Checker {
     if (!synth.gradient_per_frame.empty() && synth.gradient_per_frame.size() != 4)
       refuse("synth.gradient_per_frame",
              "found " + std::to_string(synth.gradient_per_frame.size()) + " numbers, expected 4: xx xy yx yy");
-    if (moved && synth.motion != "affine")
-      refuse_section("synth", "an affine motion is described, but motion is \"" + synth.motion +
+    if (moved && synth.motion != SynthMotion::affine)
+      refuse_section("synth", "an affine motion is described, but motion is \"" + std::string(name_of(synth.motion)) +
                                   "\"; expected motion = \"affine\"");
-    if (synth.motion == "mpm" && !c_.synth_mpm)
+    if (synth.motion == SynthMotion::mpm && !c_.synth_mpm)
       refuse("synth.motion", "\"mpm\" needs the simulation that carries the texture; expected [synth.mpm]");
-    if (c_.synth_mpm && synth.motion != "mpm")
-      refuse_section("synth.mpm", "given, but synth.motion is \"" + synth.motion + "\"; expected motion = \"mpm\"");
+    if (c_.synth_mpm && synth.motion != SynthMotion::mpm)
+      refuse_section("synth.mpm", "given, but synth.motion is \"" + std::string(name_of(synth.motion)) + "\"; expected motion = \"mpm\"");
     if (c_.synth_mpm) materials_of_regions("synth.mpm", "synth.material", c_.synth_materials);
     if (c_.texture.peak_max < c_.texture.peak_min)
       refuse("synth.texture.peak_max", "found " + toml_text(c_.texture.peak_max) + ", expected at least peak_min, " +
@@ -269,7 +259,7 @@ class Checker {
       refuse("synth.texture.bits", "found " + std::to_string(c_.texture.bits) + ", expected 8, 12 or 16");
   }
 
-  void judgement() const {
+  void verification() const {
     if (!source_.given("verify")) return;
     if (!demands_anything(c_.verify))
       refuse_section("verify", "no threshold is given; expected displacement_rms_px, strain_error or nodal_error");

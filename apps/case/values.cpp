@@ -165,22 +165,4 @@ std::vector<std::string> choices_of(const OptionInfo& info) {
   return {info.choices.begin(), info.choices.end()};
 }
 
-std::string range_text(const OptionInfo& info) {
-  auto plain = [](double v) {  // 8, not 8.0
-    const std::string text = toml_text(v);
-    return text.ends_with(".0") ? text.substr(0, text.size() - 2) : text;
-  };
-  const bool low = std::isfinite(info.min), high = std::isfinite(info.max);
-  const std::string above = info.above_min ? "more than " : "at least ";
-  if (low && high && !info.above_min) return plain(info.min) + " to " + plain(info.max);
-  if (low && high) return above + plain(info.min) + " and at most " + plain(info.max);
-  if (low) return above + plain(info.min);
-  if (high) return "at most " + plain(info.max);
-  return "";
-}
-
-bool in_range(const OptionInfo& info, double value) {
-  return (info.above_min ? value > info.min : value >= info.min) && value <= info.max;
-}
-
 }  // namespace pivnp::app

@@ -100,10 +100,6 @@ std::vector<std::string> choices_of(const std::optional<E>&, const OptionInfo&) 
   return choice_names<E>();
 }
 
-/// The range of a number in words, "8 to 256", "more than 0"; empty: any.
-std::string range_text(const OptionInfo& info);
-bool in_range(const OptionInfo& info, double value);
-
 /// False for a number outside its own range: the mark of "not given" where a default cannot be named.
 inline bool writable(const OptionInfo& info, const int& value) { return in_range(info, value); }
 inline bool writable(const OptionInfo& info, const double& value) { return in_range(info, value); }

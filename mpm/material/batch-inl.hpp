@@ -103,12 +103,12 @@ constexpr double sine_series[] = {1,
                                   -1.0 / 121645100408832000};
 HWY_INLINE V sine(V x) { return x * polynomial<10>(x * x, sine_series); }
 
-// Points that have opened once carry no tension any more.
-HWY_INLINE M has_opened(const StressBatch& b, std::size_t k) {
+// Points that have separated once carry no tension any more.
+HWY_INLINE M has_separated(const StressBatch& b, std::size_t k) {
   HWY_ALIGN double flag[n_lanes];
   for (std::size_t l = 0; l < n_lanes; ++l) {
     const std::size_t at = k + l < b.size ? k + l : b.size - 1;
-    flag[l] = b.opened[b.places ? b.places[at] : at];
+    flag[l] = b.flags[plastic::separated][b.places ? b.places[at] : at];
   }
   return hn::Ne(hn::Load(D(), flag), zero());
 }

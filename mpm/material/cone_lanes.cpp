@@ -200,7 +200,7 @@ struct Returning {
     w.zz = hn::MulAdd(elastic.two_shear, dzz, turn.zz + volumetric);
     w.xy = hn::MulAdd(elastic.two_shear, step.load(b.de_xy), turn.xy);
     const Sorted at = sorted(w.mean, w.half, w.zz, w.xy);
-    if (!hn::AllTrue(D(), hn::Eq(t.load(b.gap), zero())) || !cones.surely_elastic(at.p.s[0], at.p.s[2], t.load(b.J)))
+    if (!hn::AllTrue(D(), hn::Eq(t.load(b.history[plastic::opening]), zero())) || !cones.surely_elastic(at.p.s[0], at.p.s[2], t.load(b.J)))
       return true;
     t.store(w.mean + w.half, b.xx);
     t.store(w.mean - w.half, b.yy);
@@ -212,13 +212,13 @@ struct Returning {
   // Open points that do not close in the step (`apart`) are free of stress.
   template <class Tile, class Step>
   HWY_INLINE M stay_open(const Tile& t, const Step& step) const {
-    const V gap = t.load(b.gap), left = gap + (step.load(b.de_xx) + step.load(b.de_yy) + step.load(b.de_zz));
-    const M apart = hn::And(hn::Gt(gap, zero()), hn::Gt(left, zero()));
+    const V opening = t.load(b.history[plastic::opening]), left = opening + (step.load(b.de_xx) + step.load(b.de_yy) + step.load(b.de_zz));
+    const M apart = hn::And(hn::Gt(opening, zero()), hn::Gt(left, zero()));
     const V xx = t.load(b.xx), yy = t.load(b.yy), zz = t.load(b.zz), xy = t.load(b.xy), sum = xx + yy + zz;
     const V squares = hn::MulAdd(xx, xx, yy * yy) + hn::MulAdd(zz, zz, set(2) * xy * xy);
     const V energy = set(0.5 / law.young) * hn::NegMulAdd(set(law.poisson) * sum, sum, set(1 + law.poisson) * squares);
-    t.store(t.load(b.dissipated) + hn::IfThenElseZero(apart, energy), b.dissipated);
-    t.store(hn::IfThenElse(apart, left, gap), b.gap);
+    t.store(t.load(b.history[plastic::work]) + hn::IfThenElseZero(apart, energy), b.history[plastic::work]);
+    t.store(hn::IfThenElse(apart, left, opening), b.history[plastic::opening]);
     return apart;
   }
 
@@ -231,7 +231,7 @@ struct Returning {
     const V radius = at.radius;
     const M across_high = at.across_high, across_low = at.across_low;
     const Principal& p = at.p;
-    M odd = hn::Ne(t.load(b.gap), zero()), apart = hn::FirstN(d, 0);
+    M odd = hn::Ne(t.load(b.history[plastic::opening]), zero()), apart = hn::FirstN(d, 0);
     if (HWY_UNLIKELY(!hn::AllFalse(d, odd))) apart = stay_open(t, step);
     LaneCone c = cones.of(w.strengths);
     const V cohesion = c.cohesion * J;
@@ -240,7 +240,7 @@ struct Returning {
     const V tension = c.tension * J;
     const M cut_off = c.cut_off();
     odd = hn::Or(odd, hn::AndNot(yields, hn::And(cut_off, hn::Gt(p.s[0], tension))));
-    if (c.opens) odd = hn::Or(odd, has_opened(b, k));
+    if (c.opens) odd = hn::Or(odd, has_separated(b, k));
     V new_mean = hn::IfThenZeroElse(apart, mean), new_half = hn::IfThenZeroElse(apart, half);
     V new_zz = hn::IfThenZeroElse(apart, zz), new_xy = hn::IfThenZeroElse(apart, xy);
     odd = hn::AndNot(apart, odd);
@@ -276,9 +276,9 @@ struct Returning {
       new_half = hn::IfThenElse(yields, hn::IfThenElse(hn::Gt(radius, zero()), half * ratio, new_radius), new_half);
       new_xy = hn::IfThenElse(yields, xy * ratio, new_xy);
       new_zz = hn::IfThenElse(yields, across, new_zz);
-      t.store(t.load(b.dissipated) + hn::IfThenElseZero(yields, work), b.dissipated);
+      t.store(t.load(b.history[plastic::work]) + hn::IfThenElseZero(yields, work), b.history[plastic::work]);
       const V amount = elastic.per_two_shear * hn::Sqrt(set(2.0 / 3) * square);
-      t.store(t.load(b.plastic_dev) + hn::IfThenElseZero(yields, amount), b.plastic_dev);
+      t.store(t.load(b.history[plastic::strain]) + hn::IfThenElseZero(yields, amount), b.history[plastic::strain]);
     }
     V xx = new_mean + new_half, yy = new_mean - new_half;
     if (HWY_UNLIKELY(!hn::AllFalse(d, odd))) {

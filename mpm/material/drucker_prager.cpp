@@ -5,13 +5,53 @@
 #include <limits>
 #include <numbers>
 
+#include "mpm/material/strength.hpp"
+
 namespace pivnp::mpm {
 
 namespace {
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
+std::unique_ptr<Material> make_drucker_prager(const MaterialOptions& o, double) {
+  return std::make_unique<DruckerPrager>(Elastic(o.young_pa, o.poisson), o.friction_deg, o.dilatancy_deg, o.cohesion_pa,
+                                         o.tension_pa, DruckerPrager::Flow{});
+}
+
+std::unique_ptr<Material> make_mu_i(const MaterialOptions& o, double) {
+  const DruckerPrager::Flow flow{*o.friction_flow_deg, o.inertial_number, o.grain_diameter_m, o.grain_density_kg_m3};
+  return std::make_unique<DruckerPrager>(Elastic(o.young_pa, o.poisson), o.friction_deg, 0, 0, 0, flow);
+}
+
+void check_mu_i(const MaterialOptions& o) {
+  require(o.friction_deg > 0, "friction_deg", o.friction_deg, "an angle above 0");
+  require(*o.friction_flow_deg >= o.friction_deg, "friction_flow_deg", *o.friction_flow_deg, "friction_deg or more");
+  require(o.cohesion_pa == 0, "cohesion_pa", o.cohesion_pa, "0 with mu_i");
+  require(o.dilatancy_deg == 0, "dilatancy_deg", o.dilatancy_deg, "0 with mu_i");
+}
+
 }  // namespace
+
+MaterialModel drucker_prager_model() {
+  return {.name = "drucker_prager",
+          .text = "the cone with Mohr-Coulomb's strength in plane strain",
+          .keys = cone_keys(),
+          .history = cone_history(),
+          .check = check_cone,
+          .make = make_drucker_prager,
+          .reduce = reduce_cone};
+}
+
+MaterialModel mu_i_model() {
+  return {.name = "mu_i",
+          .text = "dry granular flow, whose friction grows with the rate",
+          .keys = {{"friction_deg"}, {"friction_flow_deg", true, true}, {"inertial_number"}, {"grain_diameter_m", true},
+                   {"grain_density_kg_m3"}},
+          .history = cone_history(),
+          .check = check_mu_i,
+          .make = make_mu_i,
+          .reduce = reduce_cone};
+}
 
 DruckerPrager::DruckerPrager(const Elastic& elastic, double friction_deg, double dilatancy_deg, double cohesion_pa,
                              double tension_pa, const Flow& flow)
@@ -43,7 +83,7 @@ void DruckerPrager::return_point(const StressBatch& batch, std::size_t k, const 
   const double dxx = trial.xx - mean, dyy = trial.yy - mean, dzz = trial.zz - mean;
   const double bar = std::sqrt(0.5 * (dxx * dxx + dyy * dyy + dzz * dzz) + trial.xy * trial.xy);
   const double apex = alpha_ > 0 ? k_ * J / alpha_ : std::numeric_limits<double>::infinity();
-  const double most_mean = std::min(batch.opened[k] ? 0.0 : tension_ * J, apex);
+  const double most_mean = std::min(batch.flags[plastic::separated][k] ? 0.0 : tension_ * J, apex);
   const double excess = bar + alpha_ * mean - k_ * J;
   if (excess <= 0 && mean <= most_mean) return store(batch, k, trial);
 
@@ -63,25 +103,25 @@ void DruckerPrager::return_point(const StressBatch& batch, std::size_t k, const 
   const double keep = bar > 0 ? new_bar / bar : 0;
   const Stress to{new_mean + keep * dxx, new_mean + keep * dyy, new_mean + keep * dzz, keep * trial.xy};
   const double slip = (bar - new_bar) / (2 * elastic_.shear), volume = (mean - new_mean) / bulk_;
-  batch.plastic_dev[k] += 2 / std::numbers::sqrt3 * slip;
-  batch.dissipated[k] += 2 * new_bar * slip + new_mean * volume;
+  batch.history[plastic::strain][k] += 2 / std::numbers::sqrt3 * slip;
+  batch.history[plastic::work][k] += 2 * new_bar * slip + new_mean * volume;
   if (opens && volume > 0) {
-    batch.gap[k] = volume;
-    batch.opened[k] = 1;
+    batch.history[plastic::opening][k] = volume;
+    batch.flags[plastic::separated][k] = 1;
   }
   store(batch, k, to);
 }
 
 void DruckerPrager::update(const StressBatch& batch) const {
   for (std::size_t k = 0; k < batch.size; ++k) {
-    if (batch.gap[k] == 0) {
+    if (batch.history[plastic::opening][k] == 0) {
       return_point(batch, k, elastic_trial(elastic_, batch, k));
       continue;
     }
-    const double volumetric = batch.de_xx[k] + batch.de_yy[k] + batch.de_zz[k], left = batch.gap[k] + volumetric;
+    const double volumetric = batch.de_xx[k] + batch.de_yy[k] + batch.de_zz[k], left = batch.history[plastic::opening][k] + volumetric;
     Stress trial{0, 0, 0, 0};
-    batch.dissipated[k] += elastic_.energy(batch.xx[k], batch.yy[k], batch.zz[k], batch.xy[k]);
-    batch.gap[k] = std::max(0.0, left);
+    batch.history[plastic::work][k] += elastic_.energy(batch.xx[k], batch.yy[k], batch.zz[k], batch.xy[k]);
+    batch.history[plastic::opening][k] = std::max(0.0, left);
     if (left > 0) {
       store(batch, k, trial);
       continue;

@@ -7,13 +7,16 @@
 // mu_i: Jop, Forterre & Pouliquen 2006 (Nature 441:727): sqrt(J2) <= mu(I) p, mu = mu_s + (mu_2 - mu_s)/(1 + I0/I),
 // I = g d sqrt(rho_s/p), g = sqrt(2 e':e') the plastic shear rate; no volume change. mu_s = sin of friction_deg and mu_2
 // of friction_flow_deg (plane strain as above). The implicit return is the quadratic of Dunatunga & Kamrin 2015 (J.
-// Fluid Mech. 779:483). Without a step's length (settling) the friction is mu_s.
+// Fluid Mech. 779:483). Without a step's length (initial equilibrium) the friction is mu_s.
 // Both: mean stress at most min(tension, apex); beyond, the material stands open without stress (as in mohr_coulomb.hpp).
 #pragma once
 
-#include "mpm/material/material.hpp"
+#include "mpm/material/model.hpp"
 
 namespace pivnp::mpm {
+
+MaterialModel drucker_prager_model();
+MaterialModel mu_i_model();
 
 class DruckerPrager final : public Material {
  public:

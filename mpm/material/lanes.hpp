@@ -11,7 +11,7 @@ namespace pivnp::mpm {
 /// Most points that one call takes.
 constexpr std::size_t most_in_lanes = 1024;
 
-/// Hencky's law (linear_elastic.hpp) for elastic deviators up to 0.12 and steps up to 0.01. The places of the points
+/// Hencky's law (elastic.hpp) for elastic deviators up to 0.12 and steps up to 0.01. The places of the points
 /// beyond go to `rare`, which has room for the batch; they are not touched. Returns their number.
 std::size_t hencky_lanes(const Elastic& elastic, const StressBatch& batch, std::uint32_t* rare);
 

@@ -3,42 +3,15 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <string>
+#include <vector>
 
-#include "mpm/state/options.hpp"
+#include "mpm/state/stress_batch.hpp"
 
 namespace pivnp::mpm {
 
-/// One step of a run of points. Tensor components, tension positive; plane strain, but de_zz may differ
-/// from zero by the averaging against locking (transfer.hpp). With f = V R the step's deformation, the strain increment
-/// is ln V and the rotation R: a step that turns the point strains it by nothing, however far it turns. The stress is Kirchhoff's, tau = J sigma, Pa: its work per
-/// initial volume is tau : de, which lets the elastic energy close exactly. Strengths bound the Cauchy stress, so they
-/// enter multiplied by J.
-struct StressBatch {
-  std::size_t size = 0;
-  const std::uint32_t* places = nullptr;  // of the points in the arrays of state; null: they lie one after the other
-  const double *de_xx = nullptr, *de_yy = nullptr, *de_zz = nullptr, *de_xy = nullptr;  // log strain increment of the step
-  const double* spin = nullptr;                           // 2 tan(angle/2) of the step's rotation
-  const double* J = nullptr;                              // volume over initial volume, after the step
-  const double *F_xx = nullptr, *F_xy = nullptr, *F_yx = nullptr, *F_yy = nullptr;      // deformation gradient after the step
-  double *xx = nullptr, *yy = nullptr, *zz = nullptr, *xy = nullptr;                    // stress in and out
-  double* plastic_dev = nullptr;                          // sum of sqrt(2/3 dep:dep), dep the deviator of plastic strain
-  const double* softened_by = nullptr;                    // the strain that softens, where it is not plastic_dev (nonlocal.hpp)
-  double* gap = nullptr;                                  // volumetric strain by which the material stands open, >= 0
-  std::uint8_t* opened = nullptr;                         // 1 once it has opened: no tension any more
-  double* dissipated = nullptr;                           // plastic work per initial volume, J/m^3
-  double dt = 0;  // length of the step, s; 0: settling, nothing depends on rate
-
-  /// Points `begin` to `begin + n`.
-  StressBatch part(std::size_t begin, std::size_t n) const;
-  /// Point `k` by itself, with no `places`.
-  StressBatch point(std::size_t k) const;
-
- private:
-  void move_increments(std::size_t by);
-  void move_state(std::size_t by);
-};
+struct HistoryVariable;
+struct MaterialModel;
 
 /// Isotropic elastic constants.
 struct Elastic {
@@ -75,17 +48,28 @@ class Material {
   virtual bool takes_places() const { return false; }
   /// Is the stress a function of F alone (so that no stress can be given at the start)?
   virtual bool from_deformation() const { return false; }
-  /// Length of the weights with which the plastic strain that softens is averaged (nonlocal.hpp), m; 0: it is not.
+  /// Length of the weights with which the plastic strain that softens is averaged (transfer/nonlocal.hpp), m; 0: it is not.
   virtual double nonlocal_length() const { return 0; }
   const Elastic& elastic() const { return elastic_; }
+  /// What it remembers of a point, in the order in which a batch holds it, and its name: those of the row that it was made
+  /// from (nothing for one that make_material() has not made).
+  const std::vector<HistoryVariable>& history() const;
+  const std::string& name() const;
+  void made_as(const MaterialModel& model) { model_ = &model; }
 
  protected:
   Elastic elastic_;
+
+ private:
+  const MaterialModel* model_ = nullptr;
 };
 
-/// Throws InputError naming `key`.<constant> if a constant that the model needs is missing or out of range. `cell_m`:
-/// side of the cells (softening_length_m).
-std::unique_ptr<Material> make_material(const MaterialOptions& options, const std::string& key, double cell_m = 0);
+/// The history of laws with a yield surface: places among StressBatch::history and flags. Those that never open have the
+/// first two.
+namespace plastic {
+enum Number : std::size_t { strain, work, opening };
+enum Flag : std::size_t { separated };  // 1 once the point has opened: no tension any more
+}  // namespace plastic
 
 /// Stress of point `k`, turned by the step's rotation (Hughes & Winget 1980: tan(theta/2) = spin/2, so that the turn is
 /// a true rotation for any step) and advanced elastically by the step's strain: the trial state of every law.

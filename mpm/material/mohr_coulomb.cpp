@@ -37,7 +37,37 @@ bool solve(int n, double a[3][3], double* b) {
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
+std::unique_ptr<Material> make_mohr_coulomb(const MaterialOptions& o, double cell_m) {
+  const Elastic elastic(o.young_pa, o.poisson);
+  const StrengthLaw strength(o, cell_m);
+  if (!strength.constant()) return std::make_unique<VariableMohrCoulomb>(elastic, strength, o.tension_pa);
+  return std::make_unique<MohrCoulomb>(elastic, o.friction_deg, o.dilatancy_deg, o.cohesion_pa, o.tension_pa);
+}
+
 }  // namespace
+
+MaterialModel mohr_coulomb_model() {
+  return {.name = "mohr_coulomb",
+          .text = "friction and cohesion, the six planes returned to in closed form",
+          .keys = soil_keys(),
+          .history = cone_history(),
+          .check = check_soil,
+          .make = make_mohr_coulomb,
+          .reduce = reduce_cone};
+}
+
+// Mohr-Coulomb without friction and without a limit on tension.
+MaterialModel tresca_model() {
+  return {.name = "tresca",
+          .text = "undrained clay: half the greatest stress difference is bounded",
+          .keys = {{"shear_strength_pa", true}},
+          .history = cone_history(),
+          .make = [](const MaterialOptions& o, double) -> std::unique_ptr<Material> {
+            return std::make_unique<MohrCoulomb>(Elastic(o.young_pa, o.poisson), 0, 0, o.shear_strength_pa,
+                                                 std::numeric_limits<double>::max());
+          },
+          .reduce = [](MaterialOptions& o, double factor) { o.shear_strength_pa /= factor; }};
+}
 
 MohrCoulomb::MohrCoulomb(const Elastic& elastic, double friction_deg, double dilatancy_deg, double cohesion_pa,
                          double tension_pa)
@@ -156,7 +186,7 @@ MohrCoulomb::Return MohrCoulomb::return_to_surface(const Principal& trial, doubl
 void MohrCoulomb::return_point(const StressBatch& batch, std::size_t k, Stress trial) const {
   const double mean = 0.5 * (trial.xx + trial.yy), half = 0.5 * (trial.xx - trial.yy);
   const double radius = std::sqrt(half * half + trial.xy * trial.xy);
-  const double tension = batch.opened[k] ? 0.0 : tension_;
+  const double tension = batch.flags[plastic::separated][k] ? 0.0 : tension_;
   const double high = std::max(mean + radius, trial.zz), low = std::min(mean - radius, trial.zz);
   const double shear = (1 + sin_friction_) * high - (1 - sin_friction_) * low -
                        2 * cohesion_ * cos_friction_ * batch.J[k];
@@ -178,14 +208,14 @@ void MohrCoulomb::return_point(const StressBatch& batch, std::size_t k, Stress t
   const double trace = drop[0] + drop[1] + drop[2];
   for (int q = 0; q < 3; ++q) plastic[q] = ((1 + e.poisson) * drop[q] - e.poisson * trace) / e.young;
   const double volumetric = plastic[0] + plastic[1] + plastic[2];
-  batch.dissipated[k] += dot(stress, plastic);
+  batch.history[plastic::work][k] += dot(stress, plastic);
   for (double& p : plastic) p -= volumetric / 3;
-  batch.plastic_dev[k] += std::sqrt(2.0 / 3.0 * dot(plastic, plastic));
+  batch.history[plastic::strain][k] += std::sqrt(2.0 / 3.0 * dot(plastic, plastic));
   // Both stresses in the plane at the limit (the one across it may lag): the point has come apart.
   const double limit = back.limit - 1e-9 * (std::abs(sorted[0]) + std::abs(sorted[2]));
   if (volumetric > 0 && stress[0] >= limit && stress[1] >= limit) {
-    batch.gap[k] = volumetric;
-    batch.opened[k] = 1;
+    batch.history[plastic::opening][k] = volumetric;
+    batch.flags[plastic::separated][k] = 1;
   }
   const double new_mean = 0.5 * (stress[0] + stress[1]), new_radius = 0.5 * (stress[0] - stress[1]);
   const double c2 = radius > 0 ? half / radius : 1, s2 = radius > 0 ? trial.xy / radius : 0;
@@ -193,23 +223,23 @@ void MohrCoulomb::return_point(const StressBatch& batch, std::size_t k, Stress t
 }
 
 bool MohrCoulomb::stays_open(const Elastic& elastic, const StressBatch& batch, std::size_t k) {
-  const double left = batch.gap[k] + (batch.de_xx[k] + batch.de_yy[k] + batch.de_zz[k]);
-  if (!(batch.gap[k] > 0 && left > 0)) return false;
+  const double left = batch.history[plastic::opening][k] + (batch.de_xx[k] + batch.de_yy[k] + batch.de_zz[k]);
+  if (!(batch.history[plastic::opening][k] > 0 && left > 0)) return false;
   // Free of stress. (A limit above zero that was reached on opening is let go here.)
-  batch.dissipated[k] += elastic.energy(batch.xx[k], batch.yy[k], batch.zz[k], batch.xy[k]);
-  batch.gap[k] = left;
+  batch.history[plastic::work][k] += elastic.energy(batch.xx[k], batch.yy[k], batch.zz[k], batch.xy[k]);
+  batch.history[plastic::opening][k] = left;
   store(batch, k, {0, 0, 0, 0});
   return true;
 }
 
 void MohrCoulomb::update_point(const StressBatch& batch, std::size_t k) const {
-  if (batch.gap[k] == 0) return return_point(batch, k, elastic_trial(elastic_, batch, k));
+  if (batch.history[plastic::opening][k] == 0) return return_point(batch, k, elastic_trial(elastic_, batch, k));
   if (stays_open(elastic_, batch, k)) return;
   const double volumetric = batch.de_xx[k] + batch.de_yy[k] + batch.de_zz[k];
-  const double left = batch.gap[k] + volumetric;
+  const double left = batch.history[plastic::opening][k] + volumetric;
   Stress trial{0, 0, 0, 0};
-  batch.dissipated[k] += elastic_.energy(batch.xx[k], batch.yy[k], batch.zz[k], batch.xy[k]);
-  batch.gap[k] = 0;
+  batch.history[plastic::work][k] += elastic_.energy(batch.xx[k], batch.yy[k], batch.zz[k], batch.xy[k]);
+  batch.history[plastic::opening][k] = 0;
   // The part of the compression that is left over, and the distortion of that part of the step.
   const double share = volumetric < 0 ? left / volumetric : 0;
   add_elastic(elastic_, share * batch.de_xx[k], share * batch.de_yy[k], share * batch.de_zz[k], share * batch.de_xy[k],
@@ -230,6 +260,19 @@ ConeConstants MohrCoulomb::constants() const {
   c.cohesion_term = 2 * cohesion_ * cos_friction_;
   c.tension = tension_;
   return c;
+}
+
+void VariableMohrCoulomb::update(const StressBatch& batch) const {
+  const auto lanes = [&](const StressBatch& part, std::uint32_t* rare) {
+    const double* history = part.softened_by ? part.softened_by : part.history[plastic::strain];
+    return changing_cone_lanes(elastic_, strength_.constants(), tension_, history, part, rare);
+  };
+  update_in_lanes(batch, lanes, [&](const StressBatch& b, std::size_t k) {
+    if (MohrCoulomb::stays_open(elastic_, b, k)) return;
+    const double pressure = -(b.xx[k] + b.yy[k] + b.zz[k]) / (3 * b.J[k]);
+    const double history = b.softened_by ? b.softened_by[k] : b.history[plastic::strain][k];
+    MohrCoulomb(elastic_, strength_.at(history, pressure), tension_).update_point(b, k);
+  });
 }
 
 }  // namespace pivnp::mpm

@@ -9,17 +9,20 @@
 // are tried from the likely to the rare.
 //
 // Opening: material whose two stresses in the plane are returned to the limit under expansion has separated. Its
-// stress is zero, and the expansion is kept as `gap`; compression first closes the gap, and only what is left over
+// stress is zero, and the expansion is kept as opening strain; compression first closes it, and only what is left over
 // loads the material again. So it flies free and lands with the volume it left with. Once opened, tension stays zero.
 #pragma once
 
 #include <array>
 
 #include "mpm/material/lanes.hpp"
-#include "mpm/material/material.hpp"
+#include "mpm/material/model.hpp"
 #include "mpm/material/strength.hpp"
 
 namespace pivnp::mpm {
+
+MaterialModel mohr_coulomb_model();
+MaterialModel tresca_model();
 
 class MohrCoulomb final : public Material {
  public:
@@ -65,6 +68,22 @@ class MohrCoulomb final : public Material {
 
   double sin_friction_, cos_friction_, sin_dilatancy_, cohesion_, tension_;
   ConeConstants cone_;
+};
+
+/// The same with a strength that changes (strength.hpp): every point is returned with the strength of its history and
+/// pressure before the step. Explicit: the strength lags by one step, which is of the order of the step's plastic strain
+/// times the rate of softening.
+class VariableMohrCoulomb final : public Material {
+ public:
+  VariableMohrCoulomb(const Elastic& elastic, const StrengthLaw& strength, double tension_pa)
+      : Material(elastic), strength_(strength), tension_(tension_pa) {}
+  void update(const StressBatch& batch) const override;
+  bool takes_places() const override { return true; }
+  double nonlocal_length() const override { return strength_.nonlocal_length(); }
+
+ private:
+  StrengthLaw strength_;
+  double tension_;
 };
 
 }  // namespace pivnp::mpm

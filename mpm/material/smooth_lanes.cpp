@@ -16,11 +16,11 @@ struct LaneRate {
   LaneTensor stress;
   V history;
 };
-// A step of a tile's points: stress (turned by the step), history, gap and dissipation become what they are after it,
+// A step of a tile's points: stress (turned by the step), history, opening and dissipation become what they are after it,
 // except for those of `rare`.
 struct LaneState {
   LaneTensor stress;
-  V history, gap, dissipated;
+  V history, opening, dissipated;
   M rare;
 };
 
@@ -154,7 +154,7 @@ struct Smooth : SmoothSurface<constant> {
     const M within_it = inside(here);
     LaneFlow at = flow_at(here);
     M yields = hn::AndNot(within_it, hn::Ge(product(at.a, elastic), zero()));
-    LaneState end{here.stress, here.history, state.gap, zero(), rare};
+    LaneState end{here.stress, here.history, state.opening, zero(), rare};
     V share = zero(), work = zero();  // of the elastic part; at its end
     if (!hn::AllTrue(d, yields)) {
       const LanePlace there = place(plus(here.stress, elastic, set(1)), here.history, &here.strength);
@@ -206,8 +206,8 @@ struct Smooth : SmoothSurface<constant> {
     const LaneTensor elastic = times(deviator_of(de), set(2 * law.shear));
     const V distortion = length(elastic), start = energy_of(state.stress);
     const double bulk = law.lambda + 2.0 / 3 * law.shear;
-    V gap = hn::MulAdd(set(1.0 / (3 * bulk)), trace(state.stress), state.gap);
-    M rare = hn::Or(state.rare, hn::Le(gap, closed));
+    V opening = hn::MulAdd(set(1.0 / (3 * bulk)), trace(state.stress), state.opening);
+    M rare = hn::Or(state.rare, hn::Le(opening, closed));
     LanePlace here = open_place(deviator_of(state.stress), state.history);
     correct_open(here);
     V done = zero(), size = zero(), work = zero();
@@ -222,7 +222,7 @@ struct Smooth : SmoothSurface<constant> {
       const LaneFlow at = held_flow_at(here);
       const V along = product(at.a, elastic), way_in = within(here), dilates = here.strength.sin_dilatancy;
       const V all = amount_of(at, along * rest, way_in), way = length(plus(times(elastic, rest), at.Db, hn::Neg(all)));
-      rare = hn::Or(rare, hn::And(active, hn::Lt(gap + rest * volume, all * dilates)));  // closes
+      rare = hn::Or(rare, hn::And(active, hn::Lt(opening + rest * volume, all * dilates)));  // closes
       const M last = hn::Or(steady, hn::Le(way, right)), far = hn::Lt(here.F, hn::Neg(right));
       const M begins = hn::Eq(size, zero());
       const V radius = set(1.4142135623730951) * bar_on_surface(here);
@@ -254,8 +254,8 @@ struct Smooth : SmoothSurface<constant> {
       }
       const LaneTensor stress = plus(here.stress, mean, one);
       work = work + hn::IfThenElseZero(good, half * size * (product(here.stress, de) + product(stress, de)));
-      gap = hn::IfThenElse(good, gap + opens, gap);
-      rare = hn::Or(rare, hn::And(good, hn::Le(gap, closed)));
+      opening = hn::IfThenElse(good, opening + opens, opening);
+      rare = hn::Or(rare, hn::And(good, hn::Le(opening, closed)));
       here = open_place(choose(good, stress, here.stress), hn::IfThenElse(good, here.history + flows, here.history));
       correct_open(here);
       done = hn::IfThenElse(good, done_after(done, size), done);
@@ -264,7 +264,7 @@ struct Smooth : SmoothSurface<constant> {
       failed = hn::AndNot(good, active);
     }
     rare = hn::Or(rare, hn::Lt(done, one));
-    return {here.stress, here.history, gap, state.dissipated + (work - (energy_of(here.stress) - start)), rare};
+    return {here.stress, here.history, opening, state.dissipated + (work - (energy_of(here.stress) - start)), rare};
   }
 };
 
@@ -279,9 +279,9 @@ struct SmoothTiles {
     if (update.is_given) update.given = t.load(b.softened_by);
     const Turned turn = turned(b, t, step);
     return {{turn.mean + turn.half, turn.mean - turn.half, turn.zz, turn.xy},
-            t.load(b.plastic_dev),
-            t.load(b.gap),
-            t.load(b.dissipated),
+            t.load(b.history[plastic::strain]),
+            t.load(b.history[plastic::opening]),
+            t.load(b.history[plastic::work]),
             none()};
   }
   template <class Step>
@@ -295,8 +295,8 @@ struct SmoothTiles {
     t.store(stress.yy, b.yy);
     t.store(stress.zz, b.zz);
     t.store(stress.xy, b.xy);
-    t.store(hn::IfThenElse(end.rare, before.history, end.history), b.plastic_dev);
-    t.store(hn::IfThenElse(end.rare, before.dissipated, end.dissipated), b.dissipated);
+    t.store(hn::IfThenElse(end.rare, before.history, end.history), b.history[plastic::strain]);
+    t.store(hn::IfThenElse(end.rare, before.dissipated, end.dissipated), b.history[plastic::work]);
   }
 };
 
@@ -310,14 +310,14 @@ HWY_INLINE std::size_t advance_all(const Elastic& law, const SmoothConstants& s,
   std::size_t n = 0, n_open = 0;
   for_batch(b, [&](const auto& t, const auto& step, std::size_t k) PIVNP_TILE {
     LaneState state = tiles.load(t, step);
-    const M opened = has_opened(b, k), is_open = hn::Gt(state.gap, zero());
+    const M separated = has_separated(b, k), is_open = hn::Gt(state.opening, zero());
     if (HWY_UNLIKELY(!hn::AllFalse(D(), is_open))) {
-      list(hn::And(is_open, opened), k, b.size, open, n_open);
-      list(hn::AndNot(opened, is_open), k, b.size, rare, n);
+      list(hn::And(is_open, separated), k, b.size, open, n_open);
+      list(hn::AndNot(separated, is_open), k, b.size, rare, n);
       if (hn::AllTrue(D(), is_open)) return;
     }
     state.rare = is_open;
-    update.tension = hn::IfThenElseZero(hn::Not(opened), set(s.tension) * update.J);
+    update.tension = hn::IfThenElseZero(hn::Not(separated), set(s.tension) * update.J);
     const LaneState end = update.advance(state, tiles.strain(step));
     if (HWY_UNLIKELY(!hn::AllFalse(D(), end.rare))) list(hn::AndNot(is_open, end.rare), k, b.size, rare, n);
     tiles.store(t, state, end);
@@ -336,7 +336,7 @@ HWY_INLINE std::size_t advance_all(const Elastic& law, const SmoothConstants& s,
       for (std::size_t l = 0; l < n_left; ++l) rare[n++] = open[k + left[l]];
     }
     tiles.store(t, state, end);
-    t.store(hn::IfThenElse(end.rare, state.gap, end.gap), b.gap);
+    t.store(hn::IfThenElse(end.rare, state.opening, end.opening), b.history[plastic::opening]);
   }
   return n;
 }

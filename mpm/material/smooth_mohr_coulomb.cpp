@@ -30,6 +30,21 @@ double scale_of(const Strength& s, double mean, double J) { return std::max({s.c
 
 }  // namespace
 
+MaterialModel smooth_mohr_coulomb_model() {
+  std::vector<MaterialKey> keys = soil_keys();
+  keys.push_back({"apex_pa"});
+  return {.name = "mohr_coulomb_smooth",
+          .text = "friction and cohesion on Abbo & Sloan's smooth surface, by substeps",
+          .keys = keys,
+          .history = cone_history(),
+          .check = check_soil,
+          .make = [](const MaterialOptions& o, double cell_m) -> std::unique_ptr<Material> {
+            return std::make_unique<SmoothMohrCoulomb>(Elastic(o.young_pa, o.poisson), StrengthLaw(o, cell_m), o.tension_pa,
+                                                       o.apex_pa);
+          },
+          .reduce = reduce_cone};
+}
+
 struct SmoothMohrCoulomb::Here : AbboSloan::Place {
   double most_mean, tolerance, size;  // greatest mean stress; of F; Pa that count
 
@@ -39,12 +54,12 @@ struct SmoothMohrCoulomb::Here : AbboSloan::Place {
       : Here(law, p, Invariants(p.stress), law.strength_.by_pressure() ? nullptr : &other.strength) {}
   bool on_surface() const { return F >= -near_surface * size; }
   double within() const { return std::min(F, 0.0); }
-  bool at_limit(const Point& p) const { return p.gap > 0 || at.mean >= most_mean - tolerance; }
+  bool at_limit(const Point& p) const { return p.opening > 0 || at.mean >= most_mean - tolerance; }
 
  private:
   Here(const SmoothMohrCoulomb& law, const Point& p, const Invariants& of, const Strength* known = nullptr)
       : Place(law.surface_.place(of, known ? *known : law.strength_of(p, of.mean), p.J)),
-        most_mean(std::min(p.opened ? 0.0 : law.tension_ * p.J, AbboSloan::greatest_mean(*this))),
+        most_mean(std::min(p.separated ? 0.0 : law.tension_ * p.J, AbboSloan::greatest_mean(*this))),
         tolerance(yield_tolerance * scale_of(strength, at.mean, p.J)),
         size(scale_of(strength, at.mean, p.J)) {}
 };
@@ -104,7 +119,7 @@ SmoothMohrCoulomb::Rate SmoothMohrCoulomb::rate(const Point& p, const Here& here
                                                 bool flows) const {
   if (here.at_limit(p)) {
     const Rate held = yielding(here, de, true, way, flows);
-    if (p.gap > 0 || held.gap >= 0) return held;
+    if (p.opening > 0 || held.opening >= 0) return held;
   }
   return yielding(here, de, false, way, flows);
 }
@@ -167,7 +182,7 @@ double SmoothMohrCoulomb::elastic_leg(Point& p, const Here& here, const Tensor& 
 // then; `here`: where it is.
 SmoothMohrCoulomb::Here SmoothMohrCoulomb::correct(Point& p, Here here) const {
   for (int n = 0; n < most_corrections; ++n) {
-    if (here.at.mean > here.most_mean + here.tolerance || here.F <= here.tolerance || p.gap > 0) break;
+    if (here.at.mean > here.most_mean + here.tolerance || here.F <= here.tolerance || p.opening > 0) break;
     const Tensor a = surface_.gradient(here), b = surface_.flow(here), b_dev = deviator_of(b), Db = stiff(b);
     const double hardness = product(a, Db), per = std::sqrt(2.0 / 3 * product(b_dev, b_dev));
     if (!(hardness > 0)) break;
@@ -188,12 +203,12 @@ SmoothMohrCoulomb::Here SmoothMohrCoulomb::correct(Point& p, Here here) const {
   }
   const double over = here.at.mean - here.most_mean;
   if (over > 0) {
-    p.gap += over / bulk_;
+    p.opening += over / bulk_;
     for (std::size_t q = 0; q < 3; ++q) p.stress[q] -= over;
     here = Here(*this, p);
-  } else if (p.gap > 0) {
-    const double closed = std::min(p.gap, -over / bulk_);
-    p.gap -= closed;
+  } else if (p.opening > 0) {
+    const double closed = std::min(p.opening, -over / bulk_);
+    p.opening -= closed;
     for (std::size_t q = 0; q < 3; ++q) p.stress[q] += bulk_ * closed;
     here = Here(*this, p);
   }
@@ -215,12 +230,12 @@ double SmoothMohrCoulomb::open_leg(Point& p, Here& here, const Tensor& de, doubl
   const double distortion = 2 * elastic_.shear * length(deviator_of(de)), closed = 1e-9 * length(de);
   double done = 0, size = 0;
   bool failed = false, steady = false;
-  while (done < 1 && p.gap > 0) {
+  while (done < 1 && p.opening > 0) {
     const double right = stress_tolerance * here.size;
     double rest = 1 - done;
     Rate all = yielding(here, times(de, rest), true, here.within(), false);
-    if (p.gap + all.gap < 0) {  // closes on the way
-      rest *= p.gap / -all.gap;
+    if (p.opening + all.opening < 0) {  // closes on the way
+      rest *= p.opening / -all.opening;
       all = yielding(here, times(de, rest), true, here.within(), false);
     }
     const double way = length(all.stress);
@@ -253,15 +268,15 @@ double SmoothMohrCoulomb::open_leg(Point& p, Here& here, const Tensor& de, doubl
       const double way2 = product(first.stress, first.stress), shrunk = way2 - product(first.stress, second.stress);
       steady = shrunk > 0 && way2 * std::sqrt(way2) <= right * shrunk;
       mean = {times(plus(first.stress, second.stress), 0.5), 0.5 * (first.history + second.history),
-              0.5 * (first.gap + second.gap)};
+              0.5 * (first.opening + second.opening)};
     }
     end.stress = plus(p.stress, mean.stress);
     end.history += mean.history;
-    end.gap = std::max(0.0, p.gap + mean.gap);
+    end.opening = std::max(0.0, p.opening + mean.opening);
     work += 0.5 * size * (product(p.stress, de) + product(end.stress, de));
     here = correct(end, Here(*this, end));
     p = end;
-    if (p.gap <= closed) p.gap = 0;
+    if (p.opening <= closed) p.opening = 0;
     done = 1 - done - size < 1e-12 ? 1 : done + size;
     size = within ? 0 : size * std::min(failed ? 1.0 : 4.0, better);
     failed = false;
@@ -276,7 +291,7 @@ void SmoothMohrCoulomb::integrate(Point& p, Here here, const Tensor& de, double&
     work += 0.5 * share * (product(before, de) + product(after, de));
   };
   while (done < 1) {
-    if (p.gap > 0) {
+    if (p.opening > 0) {
       const double share = open_leg(p, here, times(de, 1 - done), work);
       done = share < 1 ? done + share * (1 - done) : 1;
       continue;
@@ -297,15 +312,15 @@ void SmoothMohrCoulomb::integrate(Point& p, Here here, const Tensor& de, double&
     Point middle = p;
     middle.stress = plus(p.stress, first.stress);
     middle.history += first.history;
-    middle.gap = std::max(0.0, p.gap + first.gap);
+    middle.opening = std::max(0.0, p.opening + first.opening);
     const Rate second = rate(middle, Here(*this, middle), part, here.within(), first.history > 0);
     Point end = p;
     end.stress = plus(p.stress, plus(first.stress, second.stress), 0.5);
     end.history += 0.5 * (first.history + second.history);
-    end.gap += 0.5 * (first.gap + second.gap);
-    if (end.gap < 0) {  // closed on the way: what is left over loads
-      for (std::size_t q = 0; q < 3; ++q) end.stress[q] += bulk_ * end.gap;
-      end.gap = 0;
+    end.opening += 0.5 * (first.opening + second.opening);
+    if (end.opening < 0) {  // closed on the way: what is left over loads
+      for (std::size_t q = 0; q < 3; ++q) end.stress[q] += bulk_ * end.opening;
+      end.opening = 0;
     }
     const double error =
         0.5 * length(plus(second.stress, first.stress, -1)) / std::max(length(end.stress), 0.1 * here.size);
@@ -328,20 +343,20 @@ void SmoothMohrCoulomb::integrate(Point& p, Here here, const Tensor& de, double&
 void SmoothMohrCoulomb::update_point(const StressBatch& batch, std::size_t k) const {
   const Stress turned = rotated(batch, k);
   Point p{{turned.xx, turned.yy, turned.zz, turned.xy},
-          batch.plastic_dev[k],
-          batch.gap[k],
+          batch.history[plastic::strain][k],
+          batch.history[plastic::opening][k],
           batch.J[k],
-          batch.opened[k] != 0,
+          batch.flags[plastic::separated][k] != 0,
           batch.softened_by ? batch.softened_by + k : nullptr};
   const double start = energy_of(p.stress);
   const Here here = correct(p, Here(*this, p));  // to this step's J and pressure
   const Tensor de{batch.de_xx[k], batch.de_yy[k], batch.de_zz[k], batch.de_xy[k]};
   double work = 0;
   integrate(p, here, de, work);
-  batch.dissipated[k] += work - (energy_of(p.stress) - start);
-  batch.plastic_dev[k] = p.history;
-  batch.gap[k] = p.gap;
-  if (p.gap > 0) batch.opened[k] = 1;
+  batch.history[plastic::work][k] += work - (energy_of(p.stress) - start);
+  batch.history[plastic::strain][k] = p.history;
+  batch.history[plastic::opening][k] = p.opening;
+  if (p.opening > 0) batch.flags[plastic::separated][k] = 1;
   store(batch, k, {p.stress[0], p.stress[1], p.stress[2], p.stress[3]});
 }
 

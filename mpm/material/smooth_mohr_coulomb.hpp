@@ -7,16 +7,18 @@
 // too, so that strength which falls faster than stress can is let down by it; tension, below.
 //
 // Tension: the mean stress is at most tension, and 0.9 of the apex (next to the surface's vertex). Expansion beyond it is
-// kept as `gap`: volume by which the material stands open; the deviator goes on yielding at that mean stress (Koiter), and
-// compression first closes the gap. Once open, the limit is zero. So sand without cohesion carries next to nothing while
+// kept as the opening strain: volume by which the material stands open; the deviator goes on yielding at that mean stress (Koiter), and
+// compression first closes it. Once open, the limit is zero. So sand without cohesion carries next to nothing while
 // it is open (the surface's floor), flies free and lands with the volume it left with. An open point's substeps err by
 // 1e-4 of max(c, p, 1 kPa), and end where its flow has become steady.
 #pragma once
 
 #include "mpm/material/abbo_sloan.hpp"
-#include "mpm/material/material.hpp"
+#include "mpm/material/model.hpp"
 
 namespace pivnp::mpm {
+
+MaterialModel smooth_mohr_coulomb_model();
 
 class SmoothMohrCoulomb final : public Material {
  public:
@@ -34,15 +36,15 @@ class SmoothMohrCoulomb final : public Material {
  private:
   struct Point {
     Tensor stress;
-    double history, gap;
+    double history, opening;
     double J;
-    bool opened;
+    bool separated;
     const double* softened_by = nullptr;  // the strain that softens, where given from outside: it stays in the step
   };
   struct Here;  // the surface at a point
   struct Rate {
     Tensor stress;
-    double history, gap;
+    double history, opening;
   };
   Tensor stiff(const Tensor& strain) const;
   double energy_of(const Tensor& stress) const;

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
 
 namespace pivnp::mpm {
@@ -13,62 +12,90 @@ namespace {
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
-[[noreturn]] void refuse(const std::string& key, const char* name, double found, const std::string& expected) {
-  throw InputError(key + "." + name + ": found " + number(found) + ", expected " + expected);
-}
-
 }  // namespace
 
-StrengthLaw::StrengthLaw(const MaterialOptions& o, const std::string& key, double cell_m)
+std::vector<MaterialKey> cone_keys() {
+  return {{"friction_deg"}, {"dilatancy_deg"}, {"cohesion_pa"}, {"tension_pa"}};
+}
+
+std::vector<HistoryVariable> cone_history() {
+  return {plastic_strain, plastic_work, opening_strain,
+          {.name = "separated", .definition = "1 once the point has opened: no tension any more", .form = FieldForm::code}};
+}
+
+void check_cone(const MaterialOptions& o) {
+  require(o.friction_deg > 0 || o.cohesion_pa > 0, "friction_deg", o.friction_deg, "more than 0, or cohesion_pa of more than 0");
+  require_order(o, "dilatancy_deg", "friction_deg");
+}
+
+void reduce_cone(MaterialOptions& o, double factor) {
+  constexpr double degree = std::numbers::pi / 180;
+  const auto angle = [&](double& deg) { deg = std::atan(std::tan(deg * degree) / factor) / degree; };
+  const auto maybe = [&](std::optional<double>& deg) {
+    if (deg) angle(*deg);
+  };
+  angle(o.friction_deg);
+  maybe(o.friction_residual_deg);
+  maybe(o.friction_low_stress_deg);
+  maybe(o.friction_flow_deg);
+  o.dilatancy_deg = std::min(o.dilatancy_deg, o.friction_deg);
+  o.cohesion_pa /= factor;
+  if (o.cohesion_residual_pa) *o.cohesion_residual_pa /= factor;
+  o.tension_pa /= factor;
+}
+
+std::vector<MaterialKey> soil_keys() {
+  std::vector<MaterialKey> keys = cone_keys();
+  for (const char* key : {"friction_residual_deg", "cohesion_residual_pa", "softening_shape", "softening_length_m",
+                          "softening_average", "friction_low_stress_deg", "friction_half_pa", "dilatancy_fade"})
+    keys.push_back({.name = key, .exclusive = true});
+  return keys;
+}
+
+void check_soil(const MaterialOptions& o) {
+  check_cone(o);
+  const bool softens = o.friction_residual_deg || o.cohesion_residual_pa;
+  require_order(o, "friction_residual_deg", "friction_deg");
+  require_order(o, "cohesion_residual_pa", "cohesion_pa");
+  require(!softens || o.softening_shape > 0, "softening_shape", o.softening_shape, "a rate above 0 beside a residual strength");
+  require(softens || o.softening_shape == 0, "softening_shape", o.softening_shape,
+          "friction_residual_deg or cohesion_residual_pa beside it");
+  if (o.softening_length_m) require(softens, "softening_length_m", *o.softening_length_m, "a residual strength beside it");
+  if (o.softening_average == SofteningAverage::nonlocal && !o.softening_length_m)
+    throw MaterialFault("softening_length_m", "missing beside softening_average = \"nonlocal\"");
+  if (o.friction_low_stress_deg.has_value() != o.friction_half_pa.has_value())
+    throw MaterialFault(o.friction_half_pa ? "friction_half_pa" : "friction_low_stress_deg",
+                        "given alone, expected friction_low_stress_deg and friction_half_pa");
+  if (!o.friction_low_stress_deg) return;
+  const double low = *o.friction_low_stress_deg, residual = o.friction_residual_deg.value_or(o.friction_deg);
+  require(low >= o.friction_deg, "friction_low_stress_deg", low, "friction_deg or more");
+  // Strength must grow with pressure: tan phi > |d phi / d ln p|, at most (phi_low - phi_high)/4.
+  require(std::tan(radians(residual)) > 0.25 * (radians(low) - radians(o.friction_deg)), "friction_low_stress_deg", low,
+          "less: strength would fall with growing pressure");
+}
+
+StrengthLaw::StrengthLaw(const MaterialOptions& o, double cell_m)
     : friction_(radians(o.friction_deg)),
       friction_low_(radians(o.friction_low_stress_deg.value_or(o.friction_deg))),
-      per_half_(0),
+      per_half_(o.friction_half_pa ? 1 / *o.friction_half_pa : 0),
       residual_friction_(radians(o.friction_residual_deg.value_or(o.friction_deg))),
       cohesion_(o.cohesion_pa),
       residual_cohesion_(o.cohesion_residual_pa.value_or(o.cohesion_pa)),
       rate_(o.softening_shape),
       dilatancy_(radians(o.dilatancy_deg)),
-      per_fade_(0),
+      per_fade_(o.dilatancy_fade ? 1 / *o.dilatancy_fade : 0),
       sin_dilatancy_(std::sin(dilatancy_)) {
-  const bool softens = o.friction_residual_deg || o.cohesion_residual_pa;
-  if (!(residual_friction_ >= 0 && residual_friction_ <= friction_))
-    refuse(key, "friction_residual_deg", *o.friction_residual_deg, "0 to friction_deg");
-  if (!(residual_cohesion_ >= 0 && residual_cohesion_ <= cohesion_))
-    refuse(key, "cohesion_residual_pa", *o.cohesion_residual_pa, "0 to cohesion_pa");
-  if (softens && !(rate_ > 0 && std::isfinite(rate_)))
-    refuse(key, "softening_shape", rate_, "a rate above 0 beside a residual strength");
-  if (!softens && rate_ != 0)
-    refuse(key, "softening_shape", rate_, "friction_residual_deg or cohesion_residual_pa beside it");
   if (o.softening_length_m) {
-    if (!softens) refuse(key, "softening_length_m", *o.softening_length_m, "a residual strength beside it");
-    if (!(*o.softening_length_m > 0 && cell_m > 0)) refuse(key, "softening_length_m", *o.softening_length_m, "above 0");
-    if (o.softening_average == "smeared") rate_ *= cell_m / *o.softening_length_m;
+    const double length = *o.softening_length_m;
+    if (o.softening_average == SofteningAverage::smeared) {
+      require(cell_m > 0, "softening_length_m", length, "cells to be smeared over");
+      rate_ *= cell_m / length;
+    } else {
+      require(length >= cell_m, "softening_length_m", length, "a cell (" + number(cell_m) + " m) or more, for the average");
+      nonlocal_length_ = length;
+    }
   }
-  if (o.softening_average == "nonlocal") {
-    if (!o.softening_length_m) throw InputError(key + ".softening_length_m: missing beside softening_average = \"nonlocal\"");
-    nonlocal_length_ = *o.softening_length_m;
-    if (nonlocal_length_ < cell_m)
-      refuse(key, "softening_length_m", nonlocal_length_, "a cell (" + number(cell_m) + " m) or more, for the average");
-  } else if (o.softening_average != "smeared") {
-    throw InputError(key + ".softening_average: found '" + o.softening_average + "', expected smeared or nonlocal");
-  }
-  if (o.friction_low_stress_deg.has_value() != o.friction_half_pa.has_value())
-    throw InputError(key + (o.friction_half_pa ? ".friction_half_pa" : ".friction_low_stress_deg") +
-                     ": given alone, expected friction_low_stress_deg and friction_half_pa");
-  if (o.friction_half_pa) {
-    if (!(*o.friction_half_pa > 0)) refuse(key, "friction_half_pa", *o.friction_half_pa, "above 0 Pa");
-    if (!(friction_low_ >= friction_ && friction_low_ <= radians(89)))
-      refuse(key, "friction_low_stress_deg", *o.friction_low_stress_deg, "friction_deg to 89");
-    // Strength must grow with pressure: tan phi > |d phi / d ln p|, at most (phi_low - phi_high)/4.
-    if (!(std::tan(residual_friction_) > 0.25 * (friction_low_ - friction_)))
-      refuse(key, "friction_low_stress_deg", *o.friction_low_stress_deg,
-             "less: strength would fall with growing pressure");
-    per_half_ = 1 / *o.friction_half_pa;
-  }
-  if (o.dilatancy_fade) {
-    if (!(*o.dilatancy_fade > 0)) refuse(key, "dilatancy_fade", *o.dilatancy_fade, "a strain above 0");
-    per_fade_ = 1 / *o.dilatancy_fade;
-  }
+  const bool softens = o.friction_residual_deg || o.cohesion_residual_pa;
   constant_ = !softens && per_half_ == 0 && (per_fade_ == 0 || dilatancy_ == 0);
   initial_ = changed(0, 0);
 }

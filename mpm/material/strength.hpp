@@ -13,7 +13,7 @@
 #pragma once
 
 #include "mpm/material/lanes.hpp"
-#include "mpm/state/options.hpp"
+#include "mpm/material/model.hpp"
 
 namespace pivnp::mpm {
 
@@ -26,10 +26,21 @@ struct Strength {
   double cohesion_by_history;
 };
 
+/// What soils with a cone share: friction, dilatancy, cohesion and tension, the rules between them, and what they remember.
+std::vector<MaterialKey> cone_keys();
+std::vector<HistoryVariable> cone_history();
+void check_cone(const MaterialOptions& options);
+/// Cohesion, tension and the tangents of all angles of friction; the dilatancy stays below the friction.
+void reduce_cone(MaterialOptions& options, double factor);
+/// The same for soils whose strength changes.
+std::vector<MaterialKey> soil_keys();
+void check_soil(const MaterialOptions& options);
+
 class StrengthLaw {
  public:
-  /// `cell_m`: side of the cells, for the regularised rate of softening. Throws InputError naming `key`.<constant>.
-  StrengthLaw(const MaterialOptions& options, const std::string& key, double cell_m);
+  /// Of constants that check_soil() accepts. `cell_m`: side of the cells, for the regularised rate of softening. Throws
+  /// MaterialFault.
+  StrengthLaw(const MaterialOptions& options, double cell_m);
 
   /// `history`: accumulated plastic deviatoric strain; `pressure`: mean Cauchy pressure, compression positive, Pa (below
   /// zero it counts as zero).

@@ -2,9 +2,11 @@
 // In plane strain at failure k equals the undrained strength s_u of a Tresca soil.
 #pragma once
 
-#include "mpm/material/material.hpp"
+#include "mpm/material/model.hpp"
 
 namespace pivnp::mpm {
+
+MaterialModel von_mises_model();
 
 class VonMises final : public Material {
  public:

@@ -1,6 +1,9 @@
 #include "mpm/state/particles.hpp"
 
 #include <algorithm>
+#include <type_traits>
+
+#include "mpm/state/particle_fields.hpp"
 
 #ifdef __linux__
 #include <sys/mman.h>
@@ -17,36 +20,51 @@ void ask_for_large_pages([[maybe_unused]] void* start, [[maybe_unused]] std::siz
 #endif
 }
 
-std::vector<Array*> Particles::state() {
-  return {&x,      &y,      &vx,     &vy,     &mass,        &volume0, &F_xx,       &F_xy, &F_yx, &F_yy, &J,   &tau_xx,
-          &tau_yy, &tau_zz, &tau_xy, &plastic_dev, &gap, &dissipated, &C_xx, &C_xy, &C_yx, &C_yy, &carried_x, &carried_y, &half};
+namespace {
+
+// Calls each(field, values) for the arrays of all components.
+template <class Particles_, class Each>
+void for_each_array(Particles_& p, Each&& each) {
+  for_each_particle_field([&](const ParticleField& field, const auto&... column) { (each(field, p.*column.values), ...); });
 }
 
-void Particles::resize(std::size_t n, bool several, bool affine, bool sized, bool tied, bool kept) {
-  for (auto* array : state()) {
-    const bool of_apic = array == &C_xx || array == &C_xy || array == &C_yx || array == &C_yy;
-    const bool of_ties = array == &carried_x || array == &carried_y;
-    const bool used = of_apic ? affine : of_ties ? tied : array == &half ? sized : array == &mass ? several : true;
-    *array = Array(used ? n : 0, 0.0);  // (emptied ones would keep their memory)
-  }
-  for (auto* array : {&xi, &eta}) *array = Array(kept ? n : 0, 0.0);
-  opened.assign(n, 0);
-  cell.assign(n, ended);
-  index.assign(n, 0);
+}  // namespace
+
+std::vector<Array*> Particles::state() {
+  std::vector<Array*> arrays;
+  for_each_array(*this, [&]<class T>(const ParticleField& field, T& values) {
+    if constexpr (std::is_same_v<T, Array>)
+      if (field.state) arrays.push_back(&values);
+  });
+  for (Array& values : history.numbers) arrays.push_back(&values);
+  return arrays;
+}
+
+void Particles::resize(std::size_t n, const ParticleNeeds& needs) {
+  for_each_array(*this, [&]<class T>(const ParticleField& field, T& values) {
+    values = T(!field.need || needs.*field.need ? n : 0, typename T::value_type{});  // (emptied ones would keep their memory)
+  });
+  std::fill(cell.begin(), cell.end(), ended);
 }
 
 void Particles::resize_increments(std::size_t n) {
-  for (auto* array : {&de_xx, &de_yy, &de_zz, &de_xy, &spin}) {
-    array->assign(n, 0.0);
-    array->shrink_to_fit();
-  }
+  for_each_array(*this, [&]<class T>(const ParticleField& field, T& values) {
+    if (field.need == &ParticleNeeds::increments) values = T(n, typename T::value_type{});
+  });
 }
 
 PointView Particles::view() const {
-  const auto at = [](const Array& a) { return a.empty() ? nullptr : const_cast<double*>(a.data()); };
-  return {at(x),      at(y),      at(vx),     at(vy),    at(mass),  at(volume0), at(F_xx),  at(F_xy),  at(F_yx), at(F_yy),
-          at(J),      at(tau_xx), at(tau_yy), at(tau_zz), at(tau_xy), at(C_xx),   at(C_xy),  at(C_yx),  at(C_yy), at(half),
-          at(xi),     at(eta),    at(gap), density};
+  PointView seen{};
+  for_each_particle_field([&](const ParticleField&, const auto&... column) {
+    const auto look = [&]<class T>(const Column<T>& c) {
+      if constexpr (std::is_same_v<T, Array>)
+        if (c.kernels && !(this->*c.values).empty()) seen.*c.kernels = const_cast<double*>((this->*c.values).data());
+    };
+    (look(column), ...);
+  });
+  if (const Array* opening = history.find(opening_strain.name)) seen.opening = const_cast<double*>(opening->data());
+  seen.density = density;
+  return seen;
 }
 
 void Particles::sort_as(std::vector<std::uint32_t>& order, int threads) {
@@ -70,18 +88,87 @@ void Particles::sort_as(std::vector<std::uint32_t>& order, int threads) {
     for (std::ptrdiff_t k = 0; k < n; ++k) room[std::size_t(k)] = array[from[std::size_t(k)]];
     array.swap(room);
   };
-  Array of_state;
-  for (auto* array : state()) permute(*array, of_state);
-  std::vector<std::uint8_t> of_opened;
+  Array of_numbers;
+  Flags of_flags;
   std::vector<std::int32_t> of_cell;
   std::vector<std::uint32_t> of_index;
-  permute(opened, of_opened);
-  permute(cell, of_cell);
-  permute(index, of_index);
+  const auto room_of = [&]<class T>(const T&) -> T& {
+    if constexpr (std::is_same_v<T, Array>) return of_numbers;
+    else if constexpr (std::is_same_v<T, std::vector<std::int32_t>>) return of_cell;
+    else return of_index;
+  };
+  for_each_array(*this, [&](const ParticleField& field, auto& values) {
+    if (field.state) permute(values, room_of(values));
+  });
+  for (Array& values : history.numbers) permute(values, of_numbers);
+  for (Flags& values : history.flags) permute(values, of_flags);
   std::vector<std::uint32_t>& to = of_index;
   to.resize(from.size());
   for (std::uint32_t k = 0; k < from.size(); ++k) to[from[k]] = k;
   for (std::uint32_t& k : order) k = to[k];
+}
+
+StressBatch batch_of(Particles& p, const Particles::Body& body, std::size_t begin, std::size_t size) {
+  StressBatch b;
+  b.size = size;
+  for_each_particle_field([&](const ParticleField&, const auto&... column) {
+    const auto look = [&]<class T>(const Column<T>& c) {
+      if constexpr (std::is_same_v<T, Array>) {
+        if (!c.laws && !c.laws_read) return;
+        double* first = (p.*c.values).empty() ? nullptr : (p.*c.values).data() + begin;
+        if (c.laws) b.*c.laws = first;
+        else b.*c.laws_read = first;
+      }
+    };
+    (look(column), ...);
+  });
+  for (std::size_t k = 0; k < body.history.numbers.size(); ++k) b.history[k] = p.history.numbers[body.history.numbers[k]].data() + begin;
+  for (std::size_t k = 0; k < body.history.flags.size(); ++k) b.flags[k] = p.history.flags[body.history.flags[k]].data() + begin;
+  return b;
+}
+
+StressBatch StressBatch::part(std::size_t begin, std::size_t n) const {
+  StressBatch b = *this;
+  b.size = n;
+  b.move_increments(begin);
+  if (places) b.places += begin;
+  else b.move_state(begin);
+  return b;
+}
+
+StressBatch StressBatch::point(std::size_t k) const {
+  StressBatch b = *this;
+  b.size = 1;
+  b.places = nullptr;
+  b.move_increments(k);
+  b.move_state(places ? places[k] : k);
+  return b;
+}
+
+void StressBatch::move_increments(std::size_t by) { move(by, true); }
+
+void StressBatch::move_state(std::size_t by) {
+  move(by, false);
+  for (double*& values : history) {
+    if (!values) break;
+    values += by;
+  }
+  for (std::uint8_t*& values : flags) {
+    if (!values) break;
+    values += by;
+  }
+}
+
+// The increments, or all else that laws see.
+void StressBatch::move(std::size_t by, bool increments) {
+  for_each_particle_field([&](const ParticleField& field, const auto&... column) {
+    if ((field.need == &ParticleNeeds::increments) != increments) return;
+    const auto shift = [&]<class T>(const Column<T>& c) {
+      if (c.laws && this->*c.laws) this->*c.laws += by;
+      if (c.laws_read && this->*c.laws_read) this->*c.laws_read += by;
+    };
+    (shift(column), ...);
+  });
 }
 
 }  // namespace pivnp::mpm

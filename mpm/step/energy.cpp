@@ -1,26 +1,36 @@
 #include "mpm/step/energy.hpp"
 
-#include "mpm/grid/kernel.hpp"
+#include "mpm/state/particle_fields.hpp"
 
 namespace pivnp::mpm {
 
 namespace {
 
+// Kinetic energy per mass of a point's affine field, 1/2 C D C^T with the spline's second moment D = h^2/4 I for every
+// shape: one number for the balance whatever the point's place in its cell.
+double affine_energy(const Particles& p, const Vec2& h, std::size_t k) {
+  if (p.C_xx.empty()) return 0;
+  return 0.125 * ((p.C_xx[k] * p.C_xx[k] + p.C_yx[k] * p.C_yx[k]) * h.x() * h.x() +
+                  (p.C_xy[k] * p.C_xy[k] + p.C_yy[k] * p.C_yy[k]) * h.y() * h.y());
+}
+
+// `all`: the points as the law sees them; `work`: what they have dissipated, null where no law dissipates.
 StoredEnergy of_point(const Particles& p, const GridState& g, const Material& material, const StressBatch& all,
-                      std::size_t k) {
+                      const Array* work, std::size_t k) {
   return {p.mass_of(k) * (0.5 * (p.vx[k] * p.vx[k] + p.vy[k] * p.vy[k]) + affine_energy(p, g.grid.spacing, k)),
-          p.volume0[k] * material.energy(all, k), p.volume0[k] * p.dissipated[k]};
+          p.volume0[k] * material.energy(all, k), work ? p.volume0[k] * (*work)[k] : 0};
 }
 
 }  // namespace
 
 StoredEnergy stored_energy(Particles& p, const GridState& g, const Materials& materials) {
   StoredEnergy sum;
-  const StressBatch all = batch_of(p, 0, p.size());
+  const Array* work = p.history.find(plastic_work.name);
   for (const Particles::Body& body : p.bodies) {
+    const StressBatch all = batch_of(p, body, 0, p.size());
     const Material& material = *materials[std::size_t(body.material)];
     for (std::size_t k = body.begin; k < body.end; ++k) {
-      const StoredEnergy point = of_point(p, g, material, all, k);
+      const StoredEnergy point = of_point(p, g, material, all, work, k);
       sum.plastic += point.plastic;
       if (p.cell[k] == Particles::ended) continue;
       sum.kinetic += point.kinetic;
@@ -37,25 +47,26 @@ double stored_kinetic(const Particles& p, const GridState& g, std::size_t k) {
 StoredEnergy stored_energy_of(Particles& p, const GridState& g, const Materials& materials, std::size_t k) {
   for (const Particles::Body& body : p.bodies)
     if (k >= body.begin && k < body.end)
-      return of_point(p, g, *materials[std::size_t(body.material)], batch_of(p, 0, p.size()), k);
+      return of_point(p, g, *materials[std::size_t(body.material)], batch_of(p, body, 0, p.size()),
+                      p.history.find(plastic_work.name), k);
   return {};
 }
 
-EnergyRow energy_row(double time, const StoredEnergy& stored, const EnergyBook& book) {
+EnergyRow energy_row(double time, const StoredEnergy& stored, const EnergyBalance& balance) {
   EnergyRow row;
   row.time = time;
   row.kinetic = stored.kinetic;
   row.elastic = stored.elastic;
   row.plastic = stored.plastic;
-  row.damping = book.damping;
-  row.contact = book.contact;
-  row.external = book.gravity + book.bodies - book.carried;
-  row.residual = row.kinetic + row.elastic + row.plastic + row.damping + row.contact - row.external - book.start;
+  row.damping = balance.damping;
+  row.contact = balance.contact;
+  row.external = balance.gravity + balance.bodies - balance.carried;
+  row.residual = row.kinetic + row.elastic + row.plastic + row.damping + row.contact - row.external - balance.start;
   return row;
 }
 
-double turnover(const EnergyRow& row, const EnergyBook& book) {
-  return row.plastic + row.damping + row.contact + std::abs(row.external) + book.start + book.moved;
+double turnover(const EnergyRow& row, const EnergyBalance& balance) {
+  return row.plastic + row.damping + row.contact + std::abs(row.external) + balance.start + balance.moved;
 }
 
 }  // namespace pivnp::mpm

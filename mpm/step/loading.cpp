@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
@@ -37,38 +36,19 @@ Loading::Loading(const MpmOptions& o, const Scene& scene)
     from_ = {(*o.gravity_from_m_s2)[0], (*o.gravity_from_m_s2)[1]};
     changes_.push_back(ramp_);
   }
-  for (std::size_t k = 0; k < materials_.size(); ++k) {
-    const MaterialOptions& m = materials_[k];
-    const auto& names = scene.particles.label_names;
-    const std::string key = "material." + (k < names.size() ? names[k] : std::to_string(k));
+  for (const MaterialOptions& m : materials_) {
     if (m.density_end_kg_m3) {
-      if (!(*m.density_end_kg_m3 > 0)) refuse(key + ".density_end_kg_m3", *m.density_end_kg_m3, "above 0 kg/m^3");
-      if (!m.density_until_s) throw InputError(key + ".density_until_s: missing beside density_end_kg_m3");
-      if (!(*m.density_until_s > m.density_from_s))
-        refuse(key + ".density_until_s", *m.density_until_s, "more than density_from_s");
       any_density_ = true;
       changes_.insert(changes_.end(), {m.density_from_s, *m.density_until_s});
-    } else if (m.density_until_s) {
-      refuse(key + ".density_until_s", *m.density_until_s, "density_end_kg_m3 beside it");
     }
     if (m.reduction_factor) {
-      if (!(*m.reduction_factor > 0)) refuse(key + ".reduction_factor", *m.reduction_factor, "above 0");
-      const double until = m.reduction_until_s.value_or(m.reduction_from_s);
-      if (!(until >= m.reduction_from_s)) refuse(key + ".reduction_until_s", until, "reduction_from_s or more");
-      if (m.model == "linear_elastic" || m.model == "neo_hookean" || m.model == "water")
-        throw InputError(key + ".reduction_factor: given with model \"" + m.model + "\", expected one with a strength");
       any_reduction_ = true;
-      changes_.insert(changes_.end(), {m.reduction_from_s, until});
-    } else if (m.reduction_until_s) {
-      refuse(key + ".reduction_until_s", *m.reduction_until_s, "reduction_factor beside it");
+      changes_.insert(changes_.end(), {m.reduction_from_s, m.reduction_until_s.value_or(m.reduction_from_s)});
     }
-    if (m.removed_s) {
-      if (!(*m.removed_s > 0)) refuse(key + ".removed_s", *m.removed_s, "a time above 0 s");
-      changes_.push_back(*m.removed_s);
-    }
+    if (m.removed_s) changes_.push_back(*m.removed_s);
   }
   for (const auto& [name, boundary] : scene.boundaries)
-    if (boundary.type == "traction") add_traction("boundary." + name, boundary, scene);
+    if (boundary.type == BoundaryType::traction) add_traction("boundary." + name, boundary, scene);
   std::sort(changes_.begin(), changes_.end());
   if (!changes_.empty()) last_ = changes_.back();
 }
@@ -116,24 +96,6 @@ double Loading::reduction(std::size_t material, double time) const {
   if (!m.reduction_factor) return 1;
   const double until = m.reduction_until_s.value_or(m.reduction_from_s);
   return 1 + (*m.reduction_factor - 1) * share_between(m.reduction_from_s, until, time);
-}
-
-MaterialOptions Loading::reduced(MaterialOptions m, double factor) {
-  constexpr double degree = std::numbers::pi / 180;
-  const auto angle = [&](double& deg) { deg = std::atan(std::tan(deg * degree) / factor) / degree; };
-  const auto maybe = [&](std::optional<double>& deg) {
-    if (deg) angle(*deg);
-  };
-  angle(m.friction_deg);
-  maybe(m.friction_residual_deg);
-  maybe(m.friction_low_stress_deg);
-  maybe(m.friction_flow_deg);
-  m.dilatancy_deg = std::min(m.dilatancy_deg, m.friction_deg);
-  m.cohesion_pa /= factor;
-  if (m.cohesion_residual_pa) *m.cohesion_residual_pa /= factor;
-  m.tension_pa /= factor;
-  m.shear_strength_pa /= factor;
-  return m;
 }
 
 double Loading::removal(std::size_t material) const { return materials_[material].removed_s.value_or(never); }

@@ -5,15 +5,15 @@
 
 #include <vector>
 
-#include "mpm/state/options.hpp"
 #include "mpm/state/particles.hpp"
+#include "mpm/step/options.hpp"
 #include "mpm/step/scene.hpp"
 
 namespace pivnp::mpm {
 
 class Loading {
  public:
-  /// Throws InputError naming the key.
+  /// Of materials that make_material() accepts. Throws InputError naming the key.
   Loading(const MpmOptions& options, const Scene& scene);
 
   /// Linear from gravity_from_m_s2 at time 0 to gravity_m_s2 at gravity_ramp_s.
@@ -26,8 +26,6 @@ class Loading {
   /// reduction_until_s on, linear between.
   double reduction(std::size_t material, double time) const;
   bool any_reduction() const { return any_reduction_; }
-  /// The material's constants with that division done; tension and residual strengths too.
-  static MaterialOptions reduced(MaterialOptions options, double factor);
   /// Time at which a material is taken out; infinite: never.
   double removal(std::size_t material) const;
   /// Tractions: acceleration of each loaded particle (index in the scene), to be multiplied by share(time).

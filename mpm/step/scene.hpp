@@ -8,7 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "mpm/state/options.hpp"
+#include "mpm/constraint/options.hpp"
+#include "mpm/material/options.hpp"
 #include "pivnp/core/grid/grid.hpp"
 #include "pivnp/core/particles/motion.hpp"
 

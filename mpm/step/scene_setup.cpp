@@ -4,54 +4,33 @@
 #include <cmath>
 #include <numeric>
 #include <sstream>
+#include <tuple>
+#include <type_traits>
 
+#include "mpm/material/model.hpp"
+#include "mpm/state/particle_fields.hpp"
+#include "mpm/state/scheme_rows.hpp"
 #include "pivnp/core/error.hpp"
-#include "pivnp/core/text.hpp"
 
 namespace pivnp::mpm {
 
-namespace {
-
-// Sets `value` to the one of `names` that the option names, if it is given.
-template <class Enum>
-void choose(const std::string& key, const std::optional<std::string>& option, const std::vector<std::string>& names,
-            Enum& value) {
-  if (!option) return;
-  const auto it = std::find(names.begin(), names.end(), *option);
-  if (it == names.end()) {
-    std::string all;
-    for (const std::string& n : names) all += (all.empty() ? "" : ", ") + n;
-    throw InputError(key + ": found '" + *option + "', expected one of " + all + did_you_mean(*option, names));
-  }
-  value = Enum(it - names.begin());
-}
-
-}  // namespace
-
 Scheme scheme_of(const MpmOptions& options) {
-  Scheme scheme;
-  if (options.scheme == "geopart")
-    scheme = {.shape = ShapeKind::bilinear,
-              .transfer = TransferKind::flip,
-              .stress = StressUpdate::musl,
-              .locking = Locking::selective,
-              .damping = 0.05};
-  else if (options.scheme != "default")
-    throw InputError("mpm.scheme: found '" + options.scheme + "', expected default or geopart" +
-                     did_you_mean(options.scheme, {"default", "geopart"}));
-  choose("mpm.shape", options.shape, {"bilinear", "gimp", "bspline"}, scheme.shape);
-  choose("mpm.transfer", options.transfer, {"flip", "apic", "xpic"}, scheme.transfer);
-  choose("mpm.stress_update", options.stress_update, {"musl", "usl", "usf"}, scheme.stress);
-  choose("mpm.locking", options.locking, {"none", "selective", "full", "fbar"}, scheme.locking);
-  if (options.shape && !options.locking && scheme.shape != ShapeKind::bilinear && scheme.locking == Locking::selective)
-    scheme.locking = Locking::fbar;
-  if (scheme.shape != ShapeKind::bilinear && (scheme.locking == Locking::selective || scheme.locking == Locking::full))
-    throw InputError("mpm.locking: found '" + options.locking.value_or("selective") +
-                     "' with three-node shapes, expected none or fbar (or shape = \"bilinear\")");
+  Scheme scheme = row_of(options.scheme).choices;
+  scheme.shape = options.shape.value_or(scheme.shape);
+  scheme.transfer = options.transfer.value_or(scheme.transfer);
+  scheme.stress = options.stress_update.value_or(scheme.stress);
+  scheme.locking = options.locking.value_or(scheme.locking);
+  const bool of_elements = row_of(scheme.locking).of_elements, two_nodes = row_of(scheme.shape).nodes == 2;
+  if (of_elements && !two_nodes) {
+    if (options.locking)
+      throw InputError("mpm.locking: found '" + std::string(name_of(scheme.locking)) +
+                       "' with three-node shapes, expected none or fbar (or shape = \"bilinear\")");
+    scheme.locking = Locking::fbar;  // the scheme's own cure does not go with the shape asked for
+  }
   scheme.xpic_order = options.xpic_order;
   if (options.damping) scheme.damping = *options.damping;
   if (options.pic_per_s) {
-    if (scheme.transfer != TransferKind::flip)
+    if (!row_of(scheme.transfer).blends)
       throw InputError("mpm.pic_per_s: given with another transfer, expected transfer = \"flip\"");
     scheme.pic_per_s = *options.pic_per_s;
   }
@@ -110,19 +89,24 @@ SolverState initial_state(const Scene& scene, const Scheme& scheme, const GridSt
   SolverState state;
   Particles& p = state.particles;
   const bool several = set.label[order.front()] != set.label[order.back()];
-  p.resize(n, several, scheme.transfer == TransferKind::apic, scheme.shape == ShapeKind::gimp, tied,
-           scheme.stress != StressUpdate::usf && !scheme.takes_updated());
+  p.resize(n, {.several_bodies = several,
+               .affine = row_of(scheme.transfer).affine,
+               .sized = row_of(scheme.shape).sized,
+               .tied = tied,
+               .kept = scheme.stress != StressUpdate::usf && !scheme.takes_updated(),
+               .averaged = std::any_of(materials.begin(), materials.end(), [](const auto& m) { return m->nonlocal_length() > 0; })});
   for (std::size_t k = 0; k < n; ++k) {
     const std::uint32_t from = order[k];
     const std::int32_t label = set.label[from];
     if (label < 0 || std::size_t(label) >= scene.materials.size())
       throw InputError("mpm: particle " + std::to_string(from) + " has label " +
                        std::to_string(label) + ", expected a material for it");
-    if (p.bodies.empty() || p.bodies.back().material != label) p.bodies.push_back({k, k, label});
+    if (p.bodies.empty() || p.bodies.back().material != label)
+      p.bodies.push_back({k, k, label, p.history.declare(materials[std::size_t(label)]->history(), n)});
     p.bodies.back().end = k + 1;
-    const int sheet = contacts.empty() ? 0 : contacts.sheet_of(std::size_t(label));
+    const int field = contacts.empty() ? 0 : contacts.field_of(std::size_t(label));
     double xi = 0, eta = 0;
-    if (!g.find(set.x0[from].x(), set.x0[from].y(), p.cell[k], xi, eta, sheet)) {
+    if (!g.find(set.x0[from].x(), set.x0[from].y(), p.cell[k], xi, eta, field)) {
       std::ostringstream text;
       text << "mpm.domain_m: particle " << from << " at (" << set.x0[from].x() << ", " << set.x0[from].y()
            << ") lies outside the simulation's grid";
@@ -138,7 +122,8 @@ SolverState initial_state(const Scene& scene, const Scheme& scheme, const GridSt
     }
     if (!scene.stress0.empty()) {
       if (materials[std::size_t(label)]->from_deformation())
-        throw InputError("mpm: neo_hookean takes no stress at the start, expected another model or none");
+        throw InputError("mpm: " + materials[std::size_t(label)]->name() +
+                         " takes no stress at the start, expected another model or none");
       p.tau_xx[k] = scene.stress0[from][0];
       p.tau_yy[k] = scene.stress0[from][1];
       p.tau_zz[k] = scene.stress0[from][2];
@@ -155,28 +140,52 @@ SolverState initial_state(const Scene& scene, const Scheme& scheme, const GridSt
   return state;
 }
 
+namespace {
+
+// A component of a motion field: the points' values, divided by J where it is given, at their places in the ParticleSet.
+void put(const Particles& p, const Array& values, const double* J, std::size_t component, std::size_t components, float* out) {
+  for (std::size_t k = 0; k < p.size(); ++k) out[components * p.index[k] + component] = float(J ? values[k] * (1 / J[k]) : values[k]);
+}
+
+void put_history(const History::Variable& variable, const Particles& p, MotionFrame& frame) {
+  const std::span<float> out = frame.add(variable.is.name, p.size());
+  if (variable.is.flag()) {
+    for (std::size_t k = 0; k < p.size(); ++k) out[p.index[k]] = float(p.history.flags[variable.first][k]);
+    return;
+  }
+  for (std::size_t c = 0; c < variable.count; ++c)
+    put(p, p.history.numbers[variable.first + c], nullptr, c, variable.count, out.data());
+}
+
+}  // namespace
+
 MotionFrame frame_of(const SolverState& state, const ParticleSet& set) {
   const Particles& p = state.particles;
   const std::size_t n = p.size();
   MotionFrame frame;
   frame.time = state.time;
   frame.u.resize(n);
-  frame.F.resize(n);
   frame.status.resize(n);
-  frame.v.resize(n);
-  const std::span<float> stress = frame.add("stress", n), plastic_dev = frame.add("plastic_dev", n);
   for (std::size_t k = 0; k < n; ++k) {
     const std::uint32_t to = p.index[k];
-    const double per_J = 1 / p.J[k];
     const Vec2 u = p.displacement(k, set.x0[to]);
     frame.u[to] = {float(u.x()), float(u.y())};
-    frame.F[to] = {float(p.F_xx[k]), float(p.F_xy[k]), float(p.F_yx[k]), float(p.F_yy[k])};
     frame.status[to] = p.cell[k] == Particles::ended ? ParticleStatus::ended : ParticleStatus::active;
-    frame.v[to] = {float(p.vx[k]), float(p.vy[k])};
-    const std::array<double, 4> tau = {p.tau_xx[k], p.tau_yy[k], p.tau_zz[k], p.tau_xy[k]};
-    for (std::size_t c = 0; c < 4; ++c) stress[4 * to + c] = float(tau[c] * per_J);
-    plastic_dev[to] = float(p.plastic_dev[k]);
   }
+  for_each_particle_field([&](const ParticleField& field, const auto&... column) {
+    if (field.recorded.empty() || (field.need && std::get<0>(std::tie(p.*column.values...)).empty())) return;
+    auto* out = static_cast<float*>(make_room(frame, motion_fields().at(field.recorded, "motion"), n));
+    std::size_t c = 0;
+    const auto put_column = [&]<class T>(const T& values) {
+      if constexpr (std::is_same_v<T, Array>) put(p, values, field.per_volume ? p.J.data() : nullptr, c++, sizeof...(column), out);
+    };
+    (put_column(p.*column.values), ...);
+  });
+  for (const MaterialModel& model : material_models())
+    for (const HistoryVariable& variable : model.history)
+      if (variable.recorded == Recorded::always) frame.add(variable.name, n);  // zeros
+  for (const History::Variable& variable : p.history.variables)
+    if (variable.is.recorded != Recorded::no) put_history(variable, p, frame);
   return frame;
 }
 

@@ -1,14 +1,16 @@
 #include "mpm/step/solver_state.hpp"
 
 #include <cstring>
+#include <string_view>
 
+#include "mpm/state/particle_fields.hpp"
 #include "pivnp/core/error.hpp"
 
 namespace pivnp::mpm {
 
 namespace {
 
-constexpr char magic[8] = {'p', 'i', 'v', 'm', 'p', 'm', '0', '5'};
+constexpr char magic[8] = {'p', 'i', 'v', 'm', 'p', 'm', '0', '6'};
 
 class Writer {
  public:
@@ -25,6 +27,7 @@ class Writer {
   void list(const std::vector<T>& a) {
     array(a);
   }
+  void name(std::string_view n) { list(std::vector<char>(n.begin(), n.end())); }
   std::vector<std::byte> bytes;
 
  private:
@@ -58,6 +61,12 @@ class Reader {
     a.resize(n);
     raw(a.data(), n * sizeof(T));
   }
+  void name(std::string_view n) {
+    std::vector<char> found;
+    list(found);
+    if (std::string_view(found.data(), found.size()) != n)
+      throw InputError("checkpoint: it holds another history than the laws of the scene");
+  }
   bool at_end() const { return at_ == bytes_.size(); }
 
  private:
@@ -73,13 +82,15 @@ class Reader {
 template <class Archive, class State>
 void visit(Archive& a, State& s) {
   auto& p = s.particles;
-  for (auto* array : const_cast<Particles&>(p).state()) a.array(*array);
-  a.array(p.opened);
-  a.array(p.cell);
-  a.array(p.index);
+  for_each_particle_field([&](const ParticleField& field, const auto&... column) {
+    if (field.state) (a.array(p.*column.values), ...);
+  });
+  for (const auto& variable : p.history.variables) a.name(variable.is.name);
+  for (auto& values : p.history.numbers) a.array(values);
+  for (auto& values : p.history.flags) a.array(values);
   a.value(p.density);
   a.list(s.ended);
-  a.value(s.book);
+  a.value(s.balance);
   a.value(s.time);
   a.value(s.fastest);
   a.value(s.wave_speed);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mpm/state/particle_fields.hpp"
 #include "mpm/transfer/transfer.hpp"
 
 namespace pivnp::mpm {
@@ -18,38 +19,13 @@ bool together(const std::uint32_t* places, std::size_t n) {
   return other == 0;
 }
 
-void update_batch(const Material& material, const Particles& p, std::size_t begin, StressBatch& batch) {
-  if (material.nonlocal_length() > 0) batch.softened_by = p.softened_by.data() + begin;
+// `softened_by` is there if any law averages: the others take their own strain.
+void update_batch(const Material& material, StressBatch& batch) {
+  if (!(material.nonlocal_length() > 0)) batch.softened_by = nullptr;
   material.update(batch);
 }
 
 }  // namespace
-
-StressBatch batch_of(Particles& p, std::size_t begin, std::size_t size) {
-  StressBatch b;
-  b.size = size;
-  if (!p.de_xx.empty()) {
-    b.de_xx = p.de_xx.data() + begin;
-    b.de_yy = p.de_yy.data() + begin;
-    b.de_zz = p.de_zz.data() + begin;
-    b.de_xy = p.de_xy.data() + begin;
-    b.spin = p.spin.data() + begin;
-  }
-  b.J = p.J.data() + begin;
-  b.F_xx = p.F_xx.data() + begin;
-  b.F_xy = p.F_xy.data() + begin;
-  b.F_yx = p.F_yx.data() + begin;
-  b.F_yy = p.F_yy.data() + begin;
-  b.xx = p.tau_xx.data() + begin;
-  b.yy = p.tau_yy.data() + begin;
-  b.zz = p.tau_zz.data() + begin;
-  b.xy = p.tau_xy.data() + begin;
-  b.plastic_dev = p.plastic_dev.data() + begin;
-  b.gap = p.gap.data() + begin;
-  b.opened = p.opened.data() + begin;
-  b.dissipated = p.dissipated.data() + begin;
-  return b;
-}
 
 void update_stress(const Materials& materials, Particles& p, int threads, double dt_s) {
   if (p.de_xx.size() != p.size()) p.resize_increments(p.size());
@@ -59,9 +35,9 @@ void update_stress(const Materials& materials, Particles& p, int threads, double
 #pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1 && runs > 1)
     for (std::ptrdiff_t r = 0; r < runs; ++r) {
       const std::size_t begin = body.begin + std::size_t(r) * run;
-      StressBatch batch = batch_of(p, begin, std::min(run, body.end - begin));
+      StressBatch batch = batch_of(p, body, begin, std::min(run, body.end - begin));
       batch.dt = dt_s;
-      update_batch(material, p, begin, batch);
+      update_batch(material, batch);
     }
   }
 }
@@ -72,24 +48,24 @@ double strain_and_update_stress(const Materials& materials, Particles& p, GridSt
       p, g, scheme, dt, true,
       [&](const Particles::Body& body, const std::uint32_t* places, const StressBatch& de) {
         const Material& material = *materials[std::size_t(body.material)];
-        const auto update = [&](std::size_t first, StressBatch batch, const StressBatch& steps) {
+        const auto update = [&](StressBatch batch, const StressBatch& steps) {
           batch.de_xx = steps.de_xx;
           batch.de_yy = steps.de_yy;
           batch.de_zz = steps.de_zz;
           batch.de_xy = steps.de_xy;
           batch.spin = steps.spin;
           batch.dt = dt;
-          update_batch(material, p, first, batch);
+          update_batch(material, batch);
         };
-        if (together(places, de.size)) return update(places[0], batch_of(p, places[0], de.size), de);
+        if (together(places, de.size)) return update(batch_of(p, body, places[0], de.size), de);
         if (material.takes_places()) {
-          StressBatch all = batch_of(p, 0, de.size);
+          StressBatch all = batch_of(p, body, 0, de.size);
           all.places = places;
-          return update(0, all, de);
+          return update(all, de);
         }
         for (std::size_t begin = 0, end = 0; begin < de.size; begin = end) {
           while (end < de.size && places[end] == places[begin] + (end - begin)) ++end;
-          update(places[begin], batch_of(p, places[begin], end - begin), de.part(begin, end - begin));
+          update(batch_of(p, body, places[begin], end - begin), de.part(begin, end - begin));
         }
       },
       threads, moved);
@@ -104,7 +80,7 @@ double wave_speed(const Materials& materials, const std::vector<double>& density
 #pragma omp parallel for num_threads(threads) schedule(static) reduction(max : stiffness) if (threads > 1 && runs > 1)
     for (std::ptrdiff_t r = 0; r < runs; ++r) {
       const std::size_t begin = body.begin + std::size_t(r) * run;
-      stiffness = std::max(stiffness, material.stiffness(batch_of(p, begin, std::min(run, body.end - begin))));
+      stiffness = std::max(stiffness, material.stiffness(batch_of(p, body, begin, std::min(run, body.end - begin))));
     }
     fastest2 = std::max(fastest2, stiffness / density[std::size_t(body.material)]);
   }

@@ -56,6 +56,13 @@ struct OptionInfo {
   bool above_min = false;                                 // min itself is not allowed
   Choices choices = {};                                   // strings: the values allowed; empty: any
   std::vector<std::string> (*names)() = nullptr;          // strings: the same, from a registry
+  std::string_view alias = "";                            // a former name of the key, still read
 };
+
+inline bool in_range(const OptionInfo& info, double value) {
+  return (info.above_min ? value > info.min : value >= info.min) && value <= info.max;
+}
+/// The range of a number in words, "8 to 256", "more than 0"; empty: any.
+std::string range_text(const OptionInfo& info);
 
 }  // namespace pivnp

@@ -1,12 +1,12 @@
 #include "apps/report/document/tables.hpp"
 
-#include <set>
 #include <string>
 #include <utility>
 
 #include "apps/plot/numbers.hpp"
 #include "apps/report/content/ends.hpp"
 #include "apps/report/words/words.hpp"
+#include "compare/metrics/words.hpp"
 
 namespace pivnp::report {
 
@@ -14,16 +14,9 @@ using namespace plot;
 
 namespace {
 
-// The metrics a reader asks for first; those with a limit are always among them.
+// Those with a limit are always among those that a reader asks for first.
 bool leading(const Metric& m) {
-  static const std::set<std::string> names = {
-      "displacement_rms", "displacement_p95", "displacement_max", "displacement_bias_x_final",
-      "displacement_bias_y_final", "displacement_rms_final", "displacement_rms_final_relative", "strain_dev_rms",
-      "strain_dev_rms_final", "increment_median", "increment_median_relative", "outline_iou", "run_out_x_first",
-      "run_out_x_second", "slope_angle_first", "slope_angle_second", "slope_angle_difference", "coverage_first_final", "u_val",
-      "velocity_rms", "strain_dev_p95", "run_out_x_difference", "crest_retreat_difference", "outline_hausdorff_95",
-      "area_metric_displacement", "levelled_displacement_rms", "levelled_strain_dev_rms", "history_bias", "history_rms"};
-  return names.contains(m.name) || m.verdict.ends_with("limit");
+  return compare::leads(m.name) || m.verdict == Verdict::met || m.verdict == Verdict::exceeded;
 }
 
 Table empty_metrics_table() {
@@ -35,9 +28,9 @@ Table empty_metrics_table() {
 }
 
 void add_row(Table& t, const Metric& m, const DataSetNames& names) {
-  t.rows.push_back({metric_words(m.name, names), value_with_uncertainty(m.value, m.uncertainty),
-                    unit_words(m.unit), m.verdict});
-  t.marked.push_back(m.verdict == "over limit" ? std::optional<std::size_t>(3) : std::nullopt);
+  t.rows.push_back({capitalised(metric_words(m.name, names)), value_with_uncertainty(m.value, m.uncertainty),
+                    unit_words(m.unit), std::string(name_of(m.verdict))});
+  t.marked.push_back(m.verdict == Verdict::exceeded ? std::optional<std::size_t>(3) : std::nullopt);
 }
 
 }  // namespace

@@ -1,11 +1,16 @@
 #include "apps/report/document/versions.hpp"
 
 #include "apps/plot/canvas.hpp"
+#include "pivnp/core/version.hpp"
 
 namespace pivnp::report {
 
-std::string program_version() { return PIVNP_VERSION; }
+std::string program_version() { return build_info().version; }
 
-std::string versions() { return "pivnp " + program_version() + "; figures by " + plot::drawing_libraries() + "."; }
+std::string versions() {
+  const BuildInfo& build = build_info();
+  return "pivnp " + build.version + " (commit " + build.commit + "), built with " + build.libraries + "; figures by " +
+         plot::drawing_libraries() + ".";
+}
 
 }  // namespace pivnp::report

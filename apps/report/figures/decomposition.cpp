@@ -21,21 +21,16 @@ struct Coefficients {
   double uncertainty = 0;
 };
 
-std::vector<Coefficients> coefficients(const compare::Comparison& comparison) {
+std::vector<Coefficients> coefficients(const Comparison& comparison) {
   std::vector<Coefficients> out;
-  for (const compare::ColumnTable& table : comparison.tables) {
+  for (const ComparisonTable& table : comparison.tables) {
     if (!table.name.starts_with(prefix)) continue;
-    Coefficients c{field_words(table.name.substr(prefix.size())), "", nullptr, nullptr, 0};
-    for (const auto& column : table.columns) {
-      if (column.values.empty()) continue;
-      if (column.name == "first") {
-        c.first = &column.values;
-        c.unit = column.unit;
-      }
-      if (column.name == "second") c.second = &column.values;
-      if (column.name == "uncertainty") c.uncertainty = column.values[0];
-    }
-    if (c.first && c.second && c.first->size() == c.second->size()) out.push_back(c);
+    const auto *first = find(table, name_of(DataSetRole::first)), *second = find(table, name_of(DataSetRole::second)),
+               *uncertainty = find(table, "uncertainty");
+    if (first == nullptr || second == nullptr || first->values.empty()) continue;
+    if (first->values.size() != second->values.size()) continue;
+    out.push_back({field_words(table.name.substr(prefix.size())), first->unit, &first->values, &second->values,
+                   uncertainty != nullptr && !uncertainty->values.empty() ? uncertainty->values[0] : 0});
   }
   return out;
 }

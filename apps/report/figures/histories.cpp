@@ -14,18 +14,14 @@ using namespace plot;
 namespace {
 
 struct TwoHistories {
-  const compare::ColumnTable *first = nullptr, *second = nullptr;
+  const ComparisonTable *first = nullptr, *second = nullptr;
+  bool known() const { return first && second && first->columns.size() == 2 && second->columns.size() == 2; }
 };
 
 TwoHistories histories_of(const Content& content) {
-  TwoHistories h;
-  if (content.measured || content.simulated || !content.comparison) return h;
-  for (const compare::ColumnTable& table : content.comparison->tables) {
-    if (table.columns.size() != 2) continue;
-    if (table.name == "history_first") h.first = &table;
-    if (table.name == "history_second") h.second = &table;
-  }
-  return h;
+  if (content.measured || content.simulated || !content.comparison) return {};
+  return {content.comparison->table(history_table(DataSetRole::first)),
+          content.comparison->table(history_table(DataSetRole::second))};
 }
 
 // "front of mpm of front=FILE" -> "front of mpm".
@@ -68,10 +64,7 @@ FigureRow histories_row() {
   return {.name = "curves",
           .shows = "the two histories that were compared",
           .section = Section::comparison,
-          .applies = [](const FigureInput& i) {
-            const TwoHistories h = histories_of(i.content);
-            return h.first != nullptr && h.second != nullptr;
-          },
+          .applies = [](const FigureInput& i) { return histories_of(i.content).known(); },
           .draw = draw};
 }
 

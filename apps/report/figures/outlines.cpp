@@ -20,10 +20,10 @@ Loops placed(const Panel& panel, Loops loops) {
 }
 
 std::vector<Figure> draw(const FigureInput& input) {
-  const Loops &first = input.content.comparison->outline_first, &second = input.content.comparison->outline_second;
+  const PerDataSet<Loops>& outlines = input.content.comparison->outlines;
   std::vector<const std::vector<Vec2>*> all;
-  for (const Loops* loops : {&first, &second})
-    for (const std::vector<Vec2>& loop : *loops) all.push_back(&loop);
+  for (const Loops& loops : outlines)
+    for (const std::vector<Vec2>& loop : loops) all.push_back(&loop);
   const Box box = box_around(all, 0);
   const double aspect = box.height() / box.width(), left = 15, head = 7, foot = 11;
   const double w = std::min(120.0, 80 / aspect), h = w * aspect, x = left + (figure_width_mm - left - 5 - w) / 2;
@@ -32,10 +32,10 @@ std::vector<Figure> draw(const FigureInput& input) {
   canvas->paint(panel, [=](Painter& p) {
     p.pen({ink, 1.2});
     p.fill({0xe4e4e4});
-    p.rings(placed(panel, first));
+    p.rings(placed(panel, outlines[0]));
     p.pen({vermilion, 1.2, Dash::dashed});
     p.no_fill();
-    p.rings(placed(panel, second));
+    p.rings(placed(panel, outlines[1]));
   });
   const double next = legend(*canvas, x, 3, Key::line, ink, input.names.first);
   legend(*canvas, next, 3, Key::dashed, vermilion, input.names.second);
@@ -52,7 +52,7 @@ FigureRow outlines_row() {
           .section = Section::comparison,
           .applies = [](const FigureInput& i) {
             return i.content.comparison &&
-                   !(i.content.comparison->outline_first.empty() && i.content.comparison->outline_second.empty());
+                   !(i.content.comparison->outlines[0].empty() && i.content.comparison->outlines[1].empty());
           },
           .draw = draw};
 }

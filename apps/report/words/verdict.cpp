@@ -1,7 +1,6 @@
 #include "apps/report/words/verdict.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 
 #include "apps/plot/numbers.hpp"
@@ -13,27 +12,17 @@ using namespace plot;
 
 namespace {
 
-const Metric* find(const std::vector<Metric>& metrics, const std::string& name) {
-  const auto it = std::find_if(metrics.begin(), metrics.end(), [&](const Metric& m) { return m.name == name; });
-  return it == metrics.end() ? nullptr : &*it;
-}
-
 std::string quantity(const Metric& m) { return value_with_uncertainty(m.value, m.uncertainty) + unit_suffix(m.unit); }
 
-// Limits that were stated, met or not.
+// Limits that were stated, met or exceeded.
 std::string limits_sentence(const std::vector<Metric>& metrics, const DataSetNames& names) {
-  std::string met, exceeded;
-  for (const Metric& m : metrics) {
-    if (m.verdict != "over limit" && m.verdict != "within limit") continue;
-    std::string& list = m.verdict == "over limit" ? exceeded : met;
-    std::string words = metric_words(m.name, names);
-    words[0] = char(std::tolower(static_cast<unsigned char>(words[0])));
-    list += (list.empty() ? "" : "; ") + words;
-  }
-  std::string text;
-  if (!exceeded.empty()) text += " Exceeds the stated limit: " + exceeded + ".";
-  if (!met.empty()) text += " Meets the stated limit: " + met + ".";
-  return text;
+  const auto list = [&](Verdict verdict, const char* what) {
+    std::string text;
+    for (const Metric& m : metrics)
+      if (m.verdict == verdict) text += (text.empty() ? "" : "; ") + metric_words(m.name, names);
+    return text.empty() ? "" : what + text + ".";
+  };
+  return list(Verdict::exceeded, " Limits exceeded: ") + list(Verdict::met, " Limits met: ");
 }
 
 std::string displacement_sentence(const Metric& rms, const DataSetNames& names) {
@@ -62,21 +51,23 @@ std::string strain_sentence(const Metric& rms) {
 }
 
 std::string compared_sentence(const Content& content, const DataSetNames& names) {
-  const compare::Comparison& c = *content.comparison;
-  const std::size_t particles = c.id.size();
+  const Comparison& c = *content.comparison;
+  const std::size_t particles = c.fields.empty() ? 0 : c.fields[0].id.size();
+  const std::vector<double>& times = c.times();
   std::string text = (names.alike ? "Two motions" : "Simulation and measurement") + std::string(" were compared");
   if (particles > 0) text += " at " + count(particles, "particle");
-  if (c.time.size() > 1)
-    text += " and " + count(c.time.size(), "time") + " between " + plain(c.time.front()) + " and " +
-            plain(c.time.back()) + unit_suffix(content.time_unit);
-  if (c.coverage_first > 0)
-    text += "; " + percent(c.coverage_first) + " of the " + names.first + " and " + percent(c.coverage_second) +
-            " of the " + names.second + " particles found a partner";
+  if (times.size() > 1)
+    text += " and " + count(times.size(), "time") + " between " + plain(times.front()) + " and " + plain(times.back()) +
+            unit_suffix(content.time_unit);
+  const Metric *first = find(c.metrics, "coverage_first"), *second = find(c.metrics, "coverage_second");
+  if (first != nullptr && second != nullptr)
+    text += "; " + percent(first->value) + " of the " + names.first + " and " + percent(second->value) + " of the " +
+            names.second + " particles found a partner";
   return text + ".";
 }
 
 std::string history_sentence(const Content& content, const Metric& rms) {
-  const std::vector<double>& t = content.comparison->time;
+  const std::vector<double>& t = content.comparison->times();
   std::string text = "Two histories were compared";
   if (t.size() > 1)
     text += " between " + plain(t.front()) + " and " + plain(t.back()) + unit_suffix(content.time_unit);
@@ -130,8 +121,7 @@ std::string verdict(const Content& content, const DataSetNames& names, const std
     if (const Metric* rms = find(metrics, "displacement_rms")) {
       text += displacement_sentence(*rms, names);
     } else if (!differences.rms.empty()) {
-      const Metric last{
-          "displacement_rms", differences.rms.back(), content.length_unit, differences.sigma.back(), "", ""};
+      const Metric last{"displacement_rms", differences.rms.back(), content.length_unit, differences.sigma.back(), ""};
       text += "At the last time: " + displacement_sentence(last, names);
     }
     if (const Metric* rms = find(metrics, "strain_dev_rms")) text += strain_sentence(*rms);

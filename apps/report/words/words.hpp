@@ -11,7 +11,7 @@
 
 namespace pivnp::report {
 
-/// displacement_rms -> "Displacement, RMS"; an unknown name keeps its words.
+/// displacement_rms -> "displacement, RMS"; an unknown name keeps its words.
 std::string metric_words(const std::string& name, const DataSetNames& names);
 
 /// The label of a computed field, "deviatoric strain" of strain_dev; an unknown name keeps its words.

@@ -14,10 +14,10 @@ using namespace pivnp;
 
 namespace {
 
-struct Choice {
+struct Scheme {
   const char *name, *shape, *transfer, *stress, *locking;
 };
-const Choice choices[] = {{"bilinear flip musl", "bilinear", "flip", "musl", "none"},
+const Scheme choices[] = {{"bilinear flip musl", "bilinear", "flip", "musl", "none"},
                           {"bilinear flip musl selective", "bilinear", "flip", "musl", "selective"},
                           {"gimp flip musl", "gimp", "flip", "musl", "none"},
                           {"bspline flip musl", "bspline", "flip", "musl", "none"},
@@ -39,7 +39,7 @@ mpm::Scene column(int cells) {
   base.line_m = {{0, 0}, {2, 0}};
   left.line_m = {{0, 0}, {0, 1.2}};
   right.line_m = {{2, 0}, {2, 1.2}};
-  left.type = right.type = "roller";
+  left.type = right.type = mpm::BoundaryType::roller;
   scene.boundaries = {{"base", base}, {"left", left}, {"right", right}};
   return scene;
 }
@@ -57,13 +57,13 @@ int main(int argc, char** argv) {
   }
   constexpr int windows = 8, looks = 40;
   std::printf("%-29s  kinetic, J/m: mean of each eighth of the run | at its end: last  elastic  external  transfer  residual  swing\n", "scheme");
-  for (const Choice& choice : choices) {
+  for (const Scheme& choice : choices) {
     mpm::MpmOptions options;
     options.courant = courant;
-    options.shape = choice.shape;
-    options.transfer = choice.transfer;
-    options.stress_update = choice.stress;
-    options.locking = choice.locking;
+    options.shape = value_named<mpm::ShapeKind>(choice.shape);
+    options.transfer = value_named<mpm::TransferKind>(choice.transfer);
+    options.stress_update = value_named<mpm::StressUpdate>(choice.stress);
+    options.locking = value_named<mpm::Locking>(choice.locking);
     options.settle = false;
     options.end_at_rest = false;
     options.energy_limit = 1e9;

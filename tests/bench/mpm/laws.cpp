@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "mpm/material/material.hpp"
+#include "mpm/material/model.hpp"
 #include "tests/bench/mpm/machine.hpp"
 #include "tests/bench/mpm/target.hpp"
 
@@ -44,7 +44,7 @@ Run measure(const Law& law, double strain) {
   constexpr std::size_t n = 1000;
   std::vector<double> a[13];
   for (auto& field : a) field.assign(n, 0.0);
-  std::vector<std::uint8_t> opened(n, 0);
+  std::vector<std::uint8_t> separated(n, 0);
   for (std::size_t k = 0; k < n; ++k) {
     const double angle = 2.399963 * double(k);  // the golden one
     a[0][k] = strain * std::cos(angle);
@@ -59,7 +59,7 @@ Run measure(const Law& law, double strain) {
   b.de_xx = a[0].data(), b.de_yy = a[1].data(), b.de_zz = a[2].data(), b.de_xy = a[3].data(), b.spin = a[4].data();
   b.J = a[5].data();
   b.xx = a[6].data(), b.yy = a[7].data(), b.zz = a[8].data(), b.xy = a[9].data();
-  b.plastic_dev = a[10].data(), b.gap = a[11].data(), b.dissipated = a[12].data(), b.opened = opened.data();
+  b.history = {a[10].data(), a[11].data(), a[12].data()}, b.flags = {separated.data()};
   for (double reached = 0; reached < 3e-3; reached += strain) material->update(b);  // to failure
   const std::vector<double> before = a[10];
   double updates = 0;

@@ -32,7 +32,7 @@ mpm::Scene bed(int columns, int rows, double speed) {
   base.line_m = {{0, 0}, {width, 0}};
   left.line_m = {{0, 0}, {0, depth + 0.08}};
   right.line_m = {{width, 0}, {width, depth + 0.08}};
-  left.type = right.type = "roller";
+  left.type = right.type = mpm::BoundaryType::roller;
   scene.boundaries = {{"base", base}, {"left", left}, {"right", right}};
   mpm::RigidOptions plate;
   plate.polygon_m = {{0.05, depth + 0.001}, {0.10, depth + 0.001}, {0.10, depth + 0.03}, {0.05, depth + 0.03}};
@@ -63,12 +63,12 @@ int main(int argc, char** argv) {
   Outcome outcome[2];
   for (int with = 0; with < 2; ++with) {
     mpm::MpmOptions options;
-    options.scheme = arg["scheme"];
+    options.scheme = value_named<mpm::SchemeName>(arg["scheme"]).value();
     options.k0 = 0.43;
     if (with) options.sleep_below_m_s = std::stod(arg["below"]);
     mpm::Solver solver(options, bed(std::stoi(arg["columns"]), std::stoi(arg["rows"]), std::stod(arg["speed"])),
                        std::stoi(arg["threads"]));
-    solver.settle(silent);
+    solver.find_initial_equilibrium(silent);
     if (!with) std::printf("%zu particles, step %.3g s\n", solver.particles().size(), solver.stable_step());
     const auto start = std::clock();
     double last = 0;

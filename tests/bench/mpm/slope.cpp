@@ -75,24 +75,28 @@ int run(int argc, char** argv) {
   scene.materials = {m};
   mpm::BoundaryOptions wall, base, gate;
   wall.line_m = {{0, 0}, {0, 0.3}};
-  wall.type = "roller";
+  wall.type = mpm::BoundaryType::roller;
   base.line_m = {{0, 0}, {0.9975, 0}};
   if (arg["base"] != "fixed") {
-    base.type = "frictional";
+    base.type = mpm::BoundaryType::frictional;
     base.friction = std::stod(arg["base"]);
   }
   gate.polygon_m = {{0.33, 0}, {0.36, 0}, {0.216, 0.25}, {0.186, 0.25}};
-  gate.type = "roller";
+  gate.type = mpm::BoundaryType::roller;
   gate.normal = Pair{std::sin(M_PI / 3), std::cos(M_PI / 3)};
   gate.until_s = std::stod(arg["gate"]);
   scene.boundaries = {{"wall", wall}, {"base", base}, {"gate", gate}};
   mpm::MpmOptions options;
-  options.scheme = arg["scheme"];
+  options.scheme = value_named<mpm::SchemeName>(arg["scheme"]).value();
   options.courant = std::stod(arg["courant"]);
   if (!arg["damping"].empty()) options.damping = std::stod(arg["damping"]);
-  for (const auto& [name, option] : {std::pair{"shape", &options.shape}, {"transfer", &options.transfer},
-                                     {"update", &options.stress_update}, {"locking", &options.locking}})
-    if (!arg[name].empty()) *option = arg[name];
+  const auto choose = [&]<Choice E>(const char* name, std::optional<E>& option) {
+    if (!arg[name].empty()) option = value_named<E>(arg[name]).value();
+  };
+  choose("shape", options.shape);
+  choose("transfer", options.transfer);
+  choose("update", options.stress_update);
+  choose("locking", options.locking);
   if (!arg["pic"].empty()) options.pic_per_s = std::stod(arg["pic"]);
 
   const auto now = [] {
@@ -101,7 +105,7 @@ int run(int argc, char** argv) {
   SilentProgress silent;
   mpm::Solver solver(options, scene, std::stoi(arg["threads"]));
   double t0 = now();
-  if (arg["settle"] == "1") solver.settle(silent);
+  if (arg["settle"] == "1") solver.find_initial_equilibrium(silent);
   std::printf("particles %zu  settle %.2f s  step %.3g s\n", scene.particles.size(), now() - t0, solver.stable_step());
   t0 = now();
   const double end = std::stod(arg["end"]);

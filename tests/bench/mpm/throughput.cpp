@@ -90,12 +90,12 @@ mpm::Scene column(int cells, const Kernel& kernel) {
   mpm::BoundaryOptions base, left, right;
   base.line_m = {{0, 0}, {2, 0}};
   if (std::string(kernel.extra) == "friction") {
-    base.type = "frictional";
+    base.type = mpm::BoundaryType::frictional;
     base.friction = 0.5;
   }
   left.line_m = {{0, 0}, {0, 1.2}};
   right.line_m = {{2, 0}, {2, 1.2}};
-  left.type = right.type = "roller";
+  left.type = right.type = mpm::BoundaryType::roller;
   scene.boundaries = {{"base", base}, {"left", left}, {"right", right}};
   if (kernel.motion == Kernel::thrown) scene.v0.assign(scene.particles.size(), Vec2(2.5, 0.0));
   if (kernel.motion == Kernel::sheared) {
@@ -134,10 +134,10 @@ struct Run {
 Run measure(const Kernel& kernel, int cells, int threads) {
   mpm::MpmOptions options;
   options.courant = 0.2;
-  options.shape = kernel.shape;
-  options.transfer = kernel.transfer;
-  options.stress_update = kernel.stress;
-  options.locking = kernel.locking;
+  options.shape = value_named<mpm::ShapeKind>(kernel.shape);
+  options.transfer = value_named<mpm::TransferKind>(kernel.transfer);
+  options.stress_update = value_named<mpm::StressUpdate>(kernel.stress);
+  options.locking = value_named<mpm::Locking>(kernel.locking);
   if (kernel.motion == Kernel::thrown) options.gravity_m_s2 = {0, 0};
   if (kernel.extra == std::string("sleeping")) options.sleep_below_m_s = 1e-9;  // on, and nothing falls asleep
   mpm::Solver solver(options, column(cells, kernel), threads);

@@ -26,7 +26,7 @@ Solver checkered_block(const char* locking) {
     s.v0.emplace_back((i + j) % 2 == 0 ? speed : -speed, 0);
   }
   MpmOptions o = conservative();
-  o.locking = locking;
+  o.locking = value_named<Locking>(locking);
   o.end_at_rest = false;
   return Solver(o, s, 1);
 }

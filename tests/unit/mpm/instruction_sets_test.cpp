@@ -57,10 +57,10 @@ TEST(InstructionSets, AllGiveTheSameRun) {
       m.dilatancy_deg = 8;
       m.dilatancy_fade = 0.1;
       MpmOptions o = test::options({2, -9.81});
-      o.shape = s.shape;
-      o.transfer = s.transfer;
-      o.stress_update = s.stress_update;
-      o.locking = s.locking;
+      o.shape = value_named<ShapeKind>(s.shape);
+      o.transfer = value_named<TransferKind>(s.transfer);
+      o.stress_update = value_named<StressUpdate>(s.stress_update);
+      o.locking = value_named<Locking>(s.locking);
       Scene scene = test::column(0.08, m);
       scene.boundaries.pop_back();  // it falls over
       scene.particles.x0[5] += Vec2(1e-3, -2e-3);

@@ -3,7 +3,8 @@
 
 #include <random>
 
-#include "mpm/material/nonlocal.hpp"
+#include "mpm/material/model.hpp"
+#include "mpm/transfer/nonlocal.hpp"
 #include "mpm/step/scene_setup.hpp"
 #include "mpm/transfer/transfer.hpp"
 #include "pivnp/core/error.hpp"
@@ -18,7 +19,7 @@ SilentProgress silent;
 MaterialOptions averaged(double length) {
   MaterialOptions m = softening_soil(20);
   m.softening_length_m = length;
-  m.softening_average = "nonlocal";
+  m.softening_average = SofteningAverage::nonlocal;
   return m;
 }
 
@@ -39,8 +40,8 @@ struct Block {
     scheme.shape = shape;
     p = initial_state(scene_, scheme, g, materials).particles;
     locate_all(p, g);
-    nonlocal.start(p);
   }
+  Array& plastic_dev() { return *p.history.find(plastic_strain.name); }
   std::size_t nearest(const Vec2& x) const {
     std::size_t best = 0;
     for (std::size_t k = 1; k < p.size(); ++k)
@@ -53,7 +54,7 @@ class Nonlocal : public testing::TestWithParam<ShapeKind> {};
 
 TEST_P(Nonlocal, AUniformStrainIsItsOwnAverage) {
   Block b(GetParam(), {averaged(0.03)});
-  std::fill(b.p.plastic_dev.begin(), b.p.plastic_dev.end(), 0.3);
+  std::fill(b.plastic_dev().begin(), b.plastic_dev().end(), 0.3);
   b.nonlocal.average(b.p, b.g, 1);
   for (std::size_t k = 0; k < b.p.size(); ++k) ASSERT_NEAR(b.p.softened_by[k], 0.3, 1e-13) << k;
 }
@@ -65,13 +66,13 @@ TEST_P(Nonlocal, ItsSecondMomentIsHalfTheSquaredLength) {
     for (const bool along_x : {true, false}) {
       for (std::size_t k = 0; k < b.p.size(); ++k) {
         const double x = (along_x ? b.p.x[k] : b.p.y[k]) - 0.02;
-        b.p.plastic_dev[k] = x * x;
+        b.plastic_dev()[k] = x * x;
       }
       b.nonlocal.average(b.p, b.g, 1);
       double sum = 0, n = 0;
       for (std::size_t k = 0; k < b.p.size(); ++k)
         if (std::abs(b.p.x[k] - 0.3) < 0.02 && std::abs(b.p.y[k] - 0.25) < 0.02) {
-          sum += b.p.softened_by[k] - b.p.plastic_dev[k];
+          sum += b.p.softened_by[k] - b.plastic_dev()[k];
           n += 1;
         }
       // (The two hats' share is h^2/3 for points anywhere in their cells, 3/8 h^2 a quarter of a cell from the nodes.)
@@ -84,8 +85,8 @@ TEST_P(Nonlocal, StaysWithinItsMaterial) {
   Block b(GetParam(), {averaged(0.03), softening_soil(20)});
   for (Particles::Body& body : b.p.bodies) body.end = b.p.size() / 2;
   b.p.bodies.push_back({b.p.size() / 2, b.p.size(), 1});
-  std::fill(b.p.plastic_dev.begin(), b.p.plastic_dev.begin() + std::ptrdiff_t(b.p.size() / 2), 0.1);
-  std::fill(b.p.plastic_dev.begin() + std::ptrdiff_t(b.p.size() / 2), b.p.plastic_dev.end(), 5.0);
+  std::fill(b.plastic_dev().begin(), b.plastic_dev().begin() + std::ptrdiff_t(b.p.size() / 2), 0.1);
+  std::fill(b.plastic_dev().begin() + std::ptrdiff_t(b.p.size() / 2), b.plastic_dev().end(), 5.0);
   b.nonlocal.average(b.p, b.g, 1);
   for (std::size_t k = 0; k < b.p.size(); ++k) ASSERT_NEAR(b.p.softened_by[k], k < b.p.size() / 2 ? 0.1 : 0, 1e-13);
 }
@@ -93,7 +94,7 @@ TEST_P(Nonlocal, StaysWithinItsMaterial) {
 // A line of slip counts less at its centre than at its sides: what keeps a band from narrowing.
 TEST_P(Nonlocal, ANarrowBandSoftensItsSides) {
   Block b(GetParam(), {averaged(0.04)});
-  for (std::size_t k = 0; k < b.p.size(); ++k) b.p.plastic_dev[k] = std::abs(b.p.y[k] - 0.255) < 0.005 ? 1 : 0;
+  for (std::size_t k = 0; k < b.p.size(); ++k) b.plastic_dev()[k] = std::abs(b.p.y[k] - 0.255) < 0.005 ? 1 : 0;
   b.nonlocal.average(b.p, b.g, 1);
   EXPECT_LT(b.p.softened_by[b.nearest({0.3, 0.255})], b.p.softened_by[b.nearest({0.3, 0.275})]);
   EXPECT_NEAR(b.p.softened_by[b.nearest({0.3, 0.44})], 0, 1e-6);
@@ -105,7 +106,7 @@ TEST_P(Nonlocal, BitsDoNotDependOnThreads) {
   Block one(GetParam(), {averaged(0.03)}), three(GetParam(), {averaged(0.03)});
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> strain(0, 1);
-  for (std::size_t k = 0; k < one.p.size(); ++k) one.p.plastic_dev[k] = three.p.plastic_dev[k] = strain(random);
+  for (std::size_t k = 0; k < one.p.size(); ++k) one.plastic_dev()[k] = three.plastic_dev()[k] = strain(random);
   one.nonlocal.average(one.p, one.g, 1);
   three.nonlocal.average(three.p, three.g, 3);
   EXPECT_TRUE(one.p.softened_by == three.p.softened_by);
@@ -113,16 +114,16 @@ TEST_P(Nonlocal, BitsDoNotDependOnThreads) {
 
 TEST_P(Nonlocal, SleepingPointsCountAsTheOthersDo) {
   Block all(GetParam(), {averaged(0.03)}), some(GetParam(), {averaged(0.03)});
-  std::vector<std::uint8_t> asleep(some.g.blocks(), 0);
+  std::vector<std::uint8_t> asleep(some.g.blocks.count(), 0);
   for (std::size_t b = 0; b < asleep.size(); b += 2) asleep[b] = 1;
   some.g.set_asleep(asleep);
   for (Block* block : {&all, &some}) {
-    for (std::size_t k = 0; k < block->p.size(); ++k) block->p.plastic_dev[k] = block->p.x[k] * block->p.y[k];
+    for (std::size_t k = 0; k < block->p.size(); ++k) block->plastic_dev()[k] = block->p.x[k] * block->p.y[k];
     block->nonlocal.average(block->p, block->g, 2);
   }
   std::size_t awake = 0;
   for (std::size_t k = 0; k < some.p.size(); ++k) {
-    if (some.g.sleeps(some.p.cell[k])) continue;
+    if (some.g.blocks.sleeps(some.p.cell[k])) continue;
     ++awake;
     ASSERT_NEAR(some.p.softened_by[k], all.p.softened_by[k], 1e-12) << k;
   }
@@ -169,7 +170,6 @@ TEST(NonlocalSoftening, NonsenseNamesItsKey) {
   };
   expect([](auto& m) { m.softening_length_m.reset(); }, "softening_length_m", "missing");
   expect([](auto& m) { m.softening_length_m = 0.015; }, "softening_length_m", "0.015");
-  expect([](auto& m) { m.softening_average = "none"; }, "softening_average", "none");
   expect([](auto& m) { m.model = "drucker_prager"; }, "", "drucker_prager");
 }
 

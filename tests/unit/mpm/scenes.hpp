@@ -53,7 +53,7 @@ inline Scene scene(const Grid& grid, const std::vector<Region>& regions, const s
 inline BoundaryOptions line(Pair a, Pair b, const std::string& type, double friction = 0) {
   BoundaryOptions o;
   o.line_m = {a, b};
-  o.type = type;
+  o.type = *value_named<BoundaryType>(type);
   o.friction = friction;
   return o;
 }
@@ -67,7 +67,7 @@ inline MpmOptions options(Pair gravity = {0, 0}) {
 /// The thesis' bilinear scheme without its damping: pure FLIP.
 inline MpmOptions conservative(Pair gravity = {0, 0}) {
   MpmOptions o = options(gravity);
-  o.scheme = "geopart";
+  o.scheme = SchemeName::geopart;
   o.damping = 0;
   return o;
 }

@@ -39,7 +39,7 @@ inline Scene sheared_layer(double h, const MaterialOptions& soil) {
   }
   BoundaryOptions level, top = line({0, side}, {side + 2 * margin, side}, "fixed");
   level.polygon_m = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
-  level.type = "roller";
+  level.type = BoundaryType::roller;
   level.normal = Pair{0, 1};
   top.velocity_m_s = Pair{speed, 0};
   s.boundaries = {{"level", level}, {"base", line({0, 0}, {side + 2 * margin, 0}, "fixed")}, {"top", top}};

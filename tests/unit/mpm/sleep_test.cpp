@@ -30,7 +30,7 @@ Scene pressed(const MaterialOptions& material) {
 
 MpmOptions pressing(const std::string& scheme) {
   MpmOptions o = options({0, -9.81});
-  o.scheme = scheme;
+  o.scheme = *value_named<SchemeName>(scheme);
   o.k0 = 0.43;
   o.sleep_below_m_s = 0.01;
   return o;
@@ -52,7 +52,7 @@ TEST_P(SleepingSchemes, WhatIsLeftOutIsBoundedAndBooked) {
   const MaterialOptions material = sand(35, 20e6);
   Solver with(pressing(GetParam()), pressed(material), 1), without(awake, pressed(material), 1);
   for (Solver* s : {&with, &without}) {
-    s->settle(silent);
+    s->find_initial_equilibrium(silent);
     s->advance_to(0.06, silent);
   }
   const Solver::Slept slept = with.slept();

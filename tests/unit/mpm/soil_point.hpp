@@ -5,14 +5,14 @@
 #include <string>
 
 #include "mpm/material/abbo_sloan.hpp"
-#include "mpm/material/material.hpp"
+#include "mpm/material/model.hpp"
 
 namespace pivnp::mpm::test {
 
 struct SoilPoint {
   Tensor stress{};
-  double plastic_dev = 0, gap = 0, dissipated = 0, J = 1;
-  std::uint8_t opened = 0;
+  double plastic_dev = 0, dissipated = 0, opening = 0, J = 1;
+  std::uint8_t separated = 0;
 
   void advance(const Material& law, Tensor de, double spin = 0, double dt = 0) {
     StressBatch b{};
@@ -27,10 +27,8 @@ struct SoilPoint {
     b.yy = &stress[1];
     b.zz = &stress[2];
     b.xy = &stress[3];
-    b.plastic_dev = &plastic_dev;
-    b.gap = &gap;
-    b.opened = &opened;
-    b.dissipated = &dissipated;
+    b.history = {&plastic_dev, &dissipated, &opening};
+    b.flags = {&separated};
     b.dt = dt;
     law.update(b);
   }

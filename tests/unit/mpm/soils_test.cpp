@@ -62,13 +62,13 @@ TEST(SmoothMohrCoulomb, OpenSandFliesFreeAndLandsWithItsVolume) {
   p.advance(*law, {-1e-4, -1e-4, 0, 0});
   const double loaded = p.mean();
   p.advance(*law, {5e-3, 5e-3, 0, 0});
-  EXPECT_NEAR(p.gap, 0.01 - 2e-4, 1e-9);
+  EXPECT_NEAR(p.opening, 0.01 - 2e-4, 1e-9);
   EXPECT_LT(std::abs(p.mean()), 1e-6);
   EXPECT_LT(p.bar(), 10);  // the floor
   p.advance(*law, {-3e-3, -3e-3, 0, 2e-3});
   EXPECT_LT(std::abs(p.mean()), 1e-6);
   p.advance(*law, {-2e-3, -2e-3, 0, 0});
-  EXPECT_EQ(p.gap, 0);
+  EXPECT_EQ(p.opening, 0);
   EXPECT_NEAR(p.mean(), loaded, 1e-6 * std::abs(loaded));
 }
 
@@ -95,21 +95,21 @@ TEST(SmoothMohrCoulomb, AnOpenPointsStepIsThatOfAThousand) {
         const int points = 40, steps = 400;
         for (int k = 0; k < points; ++k) {
           Point one;
-          one.opened = 1;
-          one.gap = 100 * radii * one_radius;
+          one.separated = 1;
+          one.opening = 100 * radii * one_radius;
           const auto strained = [&](double share) -> Tensor {
             Tensor de{n(random), n(random), 0.2 * n(random), n(random)};
             const double size = share * one_radius / std::sqrt(product(de, de));
             return {de[0] * size, de[1] * size, de[2] * size, de[3] * size};
           };
           for (int q = 0; q < 5; ++q) one.advance(*law, strained(2));
-          one.gap = 2 * radii * one_radius;
+          one.opening = 2 * radii * one_radius;
           Point many = one;
           const Tensor de = strained(radii);
           one.advance(*law, de);
           for (int q = 0; q < steps; ++q) many.advance(*law, {de[0] / steps, de[1] / steps, de[2] / steps, de[3] / steps});
-          ASSERT_GT(many.gap, 0);
-          EXPECT_NEAR(one.gap, many.gap, 0.01 * many.gap);
+          ASSERT_GT(many.opening, 0);
+          EXPECT_NEAR(one.opening, many.opening, 0.01 * many.opening);
           EXPECT_NEAR(one.mean(), 0, 1e-9 * scale);
           double error = 0;
           for (std::size_t c = 0; c < 4; ++c) error = std::max(error, std::abs(one.stress[c] - many.stress[c]) / scale);
@@ -130,14 +130,14 @@ TEST(SmoothMohrCoulomb, ClosesWithinAStepAsInAThousand) {
       o.dilatancy_deg = dilatancy;
       const auto law = make_material(o, "m");
       Point one;
-      one.opened = 1;
-      one.gap = 1e-3;
+      one.separated = 1;
+      one.opening = 1e-3;
       Point many = one;
       const Tensor de{-1.5e-3, -5e-4, 0, 4e-4};
       one.advance(*law, de);
       for (int q = 0; q < 1000; ++q) many.advance(*law, {de[0] / 1000, de[1] / 1000, 0, de[3] / 1000});
-      EXPECT_EQ(one.gap, 0);
-      EXPECT_EQ(many.gap, 0);
+      EXPECT_EQ(one.opening, 0);
+      EXPECT_EQ(many.opening, 0);
       const double scale = std::max({cohesion, -many.mean(), 1000.0});
       for (std::size_t c = 0; c < 4; ++c) EXPECT_NEAR(one.stress[c], many.stress[c], 1e-3 * scale) << c;
       EXPECT_NEAR(one.plastic_dev, many.plastic_dev, 0.01 * many.plastic_dev);
@@ -306,7 +306,7 @@ TEST(SoilOptions, NonsenseNamesItsKey) {
   expect([](auto& o) { o.apex_pa = 0; }, "apex_pa", "mohr_coulomb_smooth");
   expect([](auto& o) { o.friction_residual_deg = 25; }, "friction_residual_deg", "drucker_prager");
   expect([](auto& o) { o.friction_flow_deg = 40; }, "friction_flow_deg");
-  expect([](auto& o) { o.friction_flow_deg = 20; }, "friction_flow_deg", "mu_i");
+  expect([](auto& o) { o.friction_flow_deg = 20; o.grain_diameter_m = 1e-3; }, "friction_flow_deg", "mu_i");
   expect([](auto& o) { o.friction_flow_deg = 40; }, "grain_diameter_m", "mu_i");
   expect([](auto&) {}, "bulk_pa", "water");
 }

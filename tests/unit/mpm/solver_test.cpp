@@ -25,7 +25,7 @@ Scene flying_disc() {
 TEST(Solver, AFreeBodyKeepsItsMomentum) {
   for (const char* scheme : {"default", "geopart"}) {
     MpmOptions o = options();
-    o.scheme = scheme;
+    o.scheme = *value_named<SchemeName>(scheme);
     o.damping = 0;
     Solver solver(o, flying_disc(), 1);
     const Vec2 before = solver.momentum();
@@ -125,7 +125,7 @@ TEST(Solver, ARestartGoesOnWithTheSameBitsWhateverChangesOnTheWay) {
     for (const char* locking : {"fbar", "none"}) {
       SCOPED_TRACE(testing::Message() << s->materials[0].model << ' ' << s->materials.size() << ' ' << locking);
       MpmOptions o = options({0, s == &seam ? 0.0 : -9.81});
-      o.locking = locking;
+      o.locking = value_named<Locking>(locking);
       Solver whole(o, *s, 1);
       std::vector<std::vector<std::byte>> saved;
       const std::vector<double> times = {0.02, 0.05, 0.07, 0.1};
@@ -160,7 +160,7 @@ TEST(Solver, ABodyDrivenThroughTheMaterialClosesTheBooks) {
     pile.friction = 0.0;
     s.bodies = {{"pile", pile}};
     MpmOptions o = options();
-    o.locking = locking;
+    o.locking = value_named<Locking>(locking);
     Solver solver(o, s, 1);
     solver.advance_to(0.1, silent);
     const EnergyRow e = solver.energy();
@@ -255,7 +255,7 @@ TEST(Solver, ASettledColumnCarriesItsWeightAndStaysPut) {
   const double height = 0.4, rho = 2000, g = 9.81;
   Scene s = column(height, elastic(1e6, 0.3, rho));
   Solver solver(conservative({0, -g}), s, 2);
-  solver.settle(silent);
+  solver.find_initial_equilibrium(silent);
   const MotionFrame settled = solver.frame();
   for (std::size_t k = 0; k < settled.u.size(); ++k) {
     EXPECT_EQ(settled.u[k][1], 0.0f);
@@ -275,13 +275,13 @@ TEST(Solver, SandSettlesBehindAGateAndRunsWhenItGoes) {
   s.grid.nx = 41;
   BoundaryOptions gate;
   gate.polygon_m = {{0.1, 0}, {0.12, 0}, {0.12, 0.24}, {0.1, 0.24}};
-  gate.type = "roller";
+  gate.type = BoundaryType::roller;
   gate.normal = Pair{1, 0};
   gate.until_s = 0.02;
   s.boundaries = {
       {"base", line({0, 0}, {0.4, 0}, "fixed")}, {"left", line({0, 0}, {0, 0.24}, "roller")}, {"gate", gate}};
   Solver solver(options({0, -9.81}), s, 2);
-  solver.settle(silent);
+  solver.find_initial_equilibrium(silent);
   solver.advance_to(0.02, silent);
   for (const auto& u : solver.frame().u) EXPECT_LT(std::hypot(u[0], u[1]), 2e-5);
   solver.advance_to(0.1, silent);
@@ -298,7 +298,7 @@ TEST(Solver, WhatCannotStandDoesNotSettle) {
   s.boundaries = {{"base", line({0, 0}, {0.3, 0}, "fixed")}};
   Solver solver(options({0, -9.81}), s, 2);
   try {
-    solver.settle(silent);
+    solver.find_initial_equilibrium(silent);
     FAIL() << "expected a RunError";
   } catch (const RunError& e) {
     EXPECT_NE(std::string(e.what()).find("unbalanced"), std::string::npos);
@@ -345,8 +345,6 @@ TEST(Solver, BadScenesNameTheirKey) {
   EXPECT_NE(message(s).find("boundary.base"), std::string::npos);
   s.boundaries[0].second.polygon_m = {{0, 0}, {1, 0}, {0, 1}};
   EXPECT_NE(message(s).find("either line_m or polygon_m"), std::string::npos);
-  s.boundaries[0].second = line({0, 0.1}, {0.4, 0.1}, "rolle");
-  EXPECT_NE(message(s).find("did you mean 'roller'"), std::string::npos);
   s = good;
   RigidOptions body;
   body.circle_m = {0.2, 0.15, 0.03};
@@ -356,8 +354,8 @@ TEST(Solver, BadScenesNameTheirKey) {
   s.materials[0].young_pa = 0;
   EXPECT_NE(message(s).find("material.clay.young_pa"), std::string::npos);
   MpmOptions o = options();
-  o.scheme = "defualt";
-  EXPECT_NE(message(good, o).find("mpm.scheme"), std::string::npos);
+  o.locking = Locking::full;
+  EXPECT_NE(message(good, o).find("mpm.locking"), std::string::npos);
   s = good;
   s.grid.nx = 20;
   EXPECT_NE(message(s).find("outside"), std::string::npos);

@@ -27,7 +27,7 @@ TEST(TiedSides, CarryMaterialOver) {
     s.v0.assign(s.particles.size(), Vec2(0.8, 0.1));
     s.boundaries = {{"sides", tied({0.01, 0}, {0.01, 0.11}, {0.04, 0})}};
     MpmOptions o = flip ? conservative() : options();
-    if (flip) o.shape = "bspline";
+    if (flip) o.shape = ShapeKind::bspline;
     Solver solver(o, s, 1);
     solver.advance_to(0.04, silent);
     const std::vector<std::byte> half = solver.save();
@@ -51,7 +51,7 @@ TEST(TiedSides, HoldTheStressesOfAnEndlessSlope) {
       scene(Grid{{0, 0}, {0.01, 0.01}, 5, 14}, {rectangle("soil", 0, 0, 0.04, height)}, {elastic(5e6, 0.3, 1600)});
   s.boundaries = {{"base", line({0, 0}, {0.04, 0}, "fixed")}, {"sides", tied({0, 0}, {0, 0.12}, {0.04, 0})}};
   Solver solver(options({9.81 * std::sin(t), -9.81 * std::cos(t)}), s, 1);
-  solver.settle(silent);
+  solver.find_initial_equilibrium(silent);
   const MotionFrame frame = solver.frame();
   const double weight = 1600 * 9.81 * height;
   for (std::size_t k = 0; k < frame.u.size(); ++k) {
@@ -79,7 +79,7 @@ TEST(TiedSides, BadOnesNameTheirKey) {
   EXPECT_EQ(message(tied({0, 0}, {0, 0.12}, {0.04, 0})), "");
   expect(line({0, 0}, {0, 0.12}, "tied"), "across_m: missing");
   BoundaryOptions roller = tied({0, 0}, {0, 0.12}, {0.04, 0});
-  roller.type = "roller";
+  roller.type = BoundaryType::roller;
   expect(roller, "expected type = \"tied\"");
   expect(tied({0, 0}, {0, 0.12}, {0.033, 0}), "along the grid");
   expect(tied({0, 0}, {0.01, 0.12}, {0.04, 0}), "along the grid");

@@ -60,7 +60,8 @@ TEST_F(AddedMethod, IsOfferedAndReadByACase) {
       std::find_if(section->keys.begin(), section->keys.end(), [](const auto& k) { return k.key == "method"; });
   ASSERT_NE(key, section->keys.end());
   EXPECT_NE(key->allowed.find("constant"), std::string::npos);
-  const app::Case c = app::parse_case("[piv]\nmethod = \"constant\"\n", "case.toml", ".");
+  const app::Case c = app::parse_case("[frames]\npath = \"*.png\"\n[piv]\nmethod = \"constant\"\n", "case.toml",
+                                      ".");
   ASSERT_TRUE(c.piv);
   EXPECT_EQ(c.piv->method, "constant");
 }

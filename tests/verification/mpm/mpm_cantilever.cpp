@@ -69,7 +69,7 @@ double deflection(int cells, int per_cell) {
                   {elastic(young, poisson, density)}, per_cell);
   s.boundaries = {{"wall", line({0, -bottom}, {0, 0.25 * length}, "fixed")}};
   MpmOptions o = options({0, -gravity});
-  o.locking = "none";
+  o.locking = Locking::none;
   o.settle = false;
   o.damping = 0.5;
   Solver solver(o, s, 1);

@@ -87,10 +87,10 @@ TEST(MpmElastic, TwoDiscs) {
     for (const std::int32_t label : s.particles.label) s.v0.push_back((label == 0 ? 1 : -1) * Vec2(0.1, 0.1));
     MpmOptions o = options();
     if (flip) {
-      o.shape = kind;
-      o.transfer = "flip";
-      o.stress_update = "musl";
-      o.locking = "none";
+      o.shape = value_named<ShapeKind>(kind);
+      o.transfer = TransferKind::flip;
+      o.stress_update = StressUpdate::musl;
+      o.locking = Locking::none;
     }
     Solver solver(o, s, 1);
     const double kinetic = solver.energy().kinetic;
@@ -130,7 +130,7 @@ TEST(MpmElastic, ColumnCarriesItsWeight) {
     // Gravity turned by more than the column guess accepts starts from zero stress.
     const double gx = guess_is_exact ? 0.0 : 0.02;
     Solver solver(conservative({gx, -g}), s, 1);
-    solver.settle(silent);
+    solver.find_initial_equilibrium(silent);
     const MotionFrame frame = solver.frame();
     double sum = 0;
     for (std::size_t k = 0; k < frame.u.size(); ++k)

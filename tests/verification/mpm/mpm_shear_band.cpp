@@ -74,7 +74,7 @@ TEST(MpmShearBand, NonlocalSofteningDissipatesTheSameInABandOfTheSameWidth) {
   };
   const auto [wild, wild_area] = inclined();
   soil.softening_length_m = 0.01;
-  soil.softening_average = "nonlocal";
+  soil.softening_average = SofteningAverage::nonlocal;
   const auto [dissipation, area] = inclined();
   pivnp::test::verification_row("inclined shear band, cells 8 to 2 mm, no regularisation",
                                 "stated: dissipation and sheared area apart by", number(wild, 2) + " and " + number(wild_area, 2));

@@ -105,9 +105,9 @@ TEST(MpmSparse, AThousandRandomLayouts) {
     }
     const double omega = greatest_frequency(s.particles.x0, double(float(h * h / 4)));
     MpmOptions o = options();
-    o.transfer = "flip";
-    o.stress_update = "musl";
-    o.locking = "none";
+    o.transfer = TransferKind::flip;
+    o.stress_update = StressUpdate::musl;
+    o.locking = Locking::none;
     o.settle = false;
     o.energy_limit = 1e300;
     o.end_at_rest = false;

@@ -70,7 +70,7 @@ double column_error(int cells, bool spline, double& compressed) {
                   {"left", line({0, 0}, {0, height + 2 * h}, "roller")},
                   {"right", line({2 * h, 0}, {2 * h, height + 2 * h}, "roller")}};
   MpmOptions o = spline ? options({0, -g}) : conservative({0, -g});
-  if (spline) o.locking = "none";
+  if (spline) o.locking = Locking::none;
   o.damping = 0.2;
   o.settle = false;
   o.energy_limit = 10;
@@ -113,7 +113,7 @@ Solver model(double n, bool sand_column, const char* name) {
   s.boundaries = {{"base", line({0, 0}, {30 * h, 0}, "frictional", 0.4)},
                   {"left", line({0, 0}, {0, 24 * h}, "roller")}};
   MpmOptions o = options({0, -9.81 * n});
-  o.scheme = name;
+  o.scheme = *value_named<SchemeName>(name);
   o.settle = false;
   return Solver(o, s, 1);
 }

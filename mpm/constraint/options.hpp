@@ -1,0 +1,99 @@
+// What restraints, contact and rigid bodies can be told.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pivnp/core/choice.hpp"
+#include "pivnp/core/options.hpp"
+
+namespace pivnp::mpm {
+
+enum class BoundaryType : std::uint8_t { fixed, roller, frictional, absorbing, traction, tied };
+inline constexpr std::array boundary_type_names{
+    NamedValue{"fixed", BoundaryType::fixed},         NamedValue{"roller", BoundaryType::roller},
+    NamedValue{"frictional", BoundaryType::frictional}, NamedValue{"absorbing", BoundaryType::absorbing},
+    NamedValue{"traction", BoundaryType::traction},   NamedValue{"tied", BoundaryType::tied}};
+constexpr const auto& names_of(BoundaryType) { return boundary_type_names; }
+
+/// A restraint on nodes: along a line (within half a cell of it), or inside a polygon.
+struct BoundaryOptions {
+  Points line_m;
+  Points polygon_m;
+  BoundaryType type = BoundaryType::fixed;
+  std::optional<Pair> normal;
+  double friction = 0;
+  std::optional<double> until_s;
+  std::optional<Pair> velocity_m_s;
+  std::optional<Pair> withdraw_m_s;
+  double withdraw_from_s = 0;
+  std::optional<Pair> traction_pa;
+  double rise_s = 0;
+  std::optional<Pair> across_m;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit("line_m", self.line_m, OptionInfo{.unit = "m", .text = "two end points; nodes within half a cell are restrained"});
+    visit("polygon_m", self.polygon_m, OptionInfo{.unit = "m", .text = "nodes inside are restrained"});
+    visit("type", self.type,
+          OptionInfo{.text = "fixed: no motion; roller: none along the normal; frictional: a wall that pushes, and rubs; absorbing: lets waves out; traction: a load on the material's face along line_m; tied: nodes move as those of the opposite side, across_m away (a laminar box, or a piece of an endless slope; not beside a [contact.NAME])"});
+    visit("normal", self.normal, OptionInfo{.text = "direction out of the material (left out: across the line, away from the material)"});
+    visit("friction", self.friction, OptionInfo{.text = "Coulomb coefficient (frictional)", .min = 0});
+    visit("until_s", self.until_s, OptionInfo{.unit = "s", .text = "removed at this time (a gate; left out: stays)"});
+    visit("velocity_m_s", self.velocity_m_s, OptionInfo{.unit = "m/s", .text = "velocity given to the nodes, which stay the same ones (fixed; left out: none)"});
+    visit("withdraw_m_s", self.withdraw_m_s, OptionInfo{.unit = "m/s", .text = "velocity at which the line or polygon is drawn away: nodes are free once it has passed them (left out: it stays)"});
+    visit("withdraw_from_s", self.withdraw_from_s, OptionInfo{.unit = "s", .text = "start of the withdrawal", .min = 0});
+    visit("traction_pa", self.traction_pa, OptionInfo{.unit = "Pa", .text = "load on the face, x and y (traction); it moves with the particles next to the line"});
+    visit("rise_s", self.rise_s, OptionInfo{.unit = "s", .text = "time over which the traction rises from 0 (0: at once)", .min = 0});
+    visit("across_m", self.across_m, OptionInfo{.unit = "m", .text = "from line_m to the opposite side, x and y (tied)"});
+  }
+};
+
+/// How bodies of the simulated material meet: each list of regions is one body.
+struct ContactOptions {
+  std::vector<std::string> regions;
+  std::vector<std::string> against;
+  std::optional<double> friction;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit("regions", self.regions, OptionInfo{.text = "names of the regions that make up the body"});
+    visit("against", self.against, OptionInfo{.text = "names of those that make up the other (left out: all other bodies; regions in no list are one)"});
+    visit("friction", self.friction, OptionInfo{.text = "Coulomb coefficient; 0 is smooth (left out: rough, no slip while pressed)", .min = 0});
+  }
+};
+
+/// A rigid body with prescribed motion, or free with a mass.
+struct RigidOptions {
+  std::vector<double> circle_m;
+  Points polygon_m;
+  Pair velocity_m_s = {0.0, 0.0};
+  std::optional<double> friction;
+  double from_s = 0;
+  std::optional<double> until_s;
+  std::optional<double> mass_kg_m;
+  std::optional<double> mass_end_kg_m;
+  double mass_from_s = 0;
+  std::optional<double> mass_until_s;
+  bool turns = true;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit("circle_m", self.circle_m, OptionInfo{.unit = "m", .text = "centre x, y and radius"});
+    visit("polygon_m", self.polygon_m, OptionInfo{.unit = "m", .text = "outline at time 0"});
+    visit("velocity_m_s", self.velocity_m_s, OptionInfo{.unit = "m/s", .text = "velocity (x, y)"});
+    visit("friction", self.friction, OptionInfo{.text = "Coulomb coefficient; 0 is smooth (left out: rough, material sticks to it)", .min = 0});
+    visit("from_s", self.from_s, OptionInfo{.unit = "s", .text = "moves from this time on", .min = 0});
+    visit("until_s", self.until_s, OptionInfo{.unit = "s", .text = "stops at this time (left out: never)"});
+    visit("mass_kg_m", self.mass_kg_m, OptionInfo{.unit = "kg/m", .text = "mass a metre of thickness: the body is free, velocity_m_s is that at time 0 (left out: its motion is prescribed)", .min = 0, .above_min = true});
+    visit("mass_end_kg_m", self.mass_end_kg_m, OptionInfo{.unit = "kg/m", .text = "mass to which it rises or falls in time (left out: it stays)", .min = 0, .above_min = true});
+    visit("mass_from_s", self.mass_from_s, OptionInfo{.unit = "s", .text = "start of that change", .min = 0});
+    visit("mass_until_s", self.mass_until_s, OptionInfo{.unit = "s", .text = "its end; linear between", .min = 0, .above_min = true});
+    visit("turns", self.turns, OptionInfo{.text = "a free body may turn"});
+  }
+};
+
+}  // namespace pivnp::mpm

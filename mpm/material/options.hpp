@@ -1,0 +1,114 @@
+// What a material can be told.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pivnp/core/choice.hpp"
+#include "pivnp/core/options.hpp"
+
+namespace pivnp::mpm {
+
+/// The names of the laws that are listed (model.hpp).
+std::vector<std::string> material_model_names();
+/// A key that a law declares for itself (MaterialKey::own).
+struct OwnMaterialKey {
+  std::string_view name;
+  OptionInfo info;
+};
+/// Those of all laws.
+std::vector<OwnMaterialKey> own_material_keys();
+
+/// How softening_length_m regularises (strength.hpp).
+enum class SofteningAverage { smeared, nonlocal };
+inline constexpr std::array softening_average_names{NamedValue{"smeared", SofteningAverage::smeared},
+                                                    NamedValue{"nonlocal", SofteningAverage::nonlocal}};
+constexpr const auto& names_of(SofteningAverage) { return softening_average_names; }
+
+struct MaterialOptions {
+  std::string model = "mohr_coulomb";
+  double density_kg_m3 = 0;
+  double young_pa = 0;
+  double poisson = 0.3;
+  double friction_deg = 0;
+  double dilatancy_deg = 0;
+  double cohesion_pa = 0;
+  double tension_pa = 0;
+  double shear_strength_pa = 0;
+  std::optional<double> friction_residual_deg;
+  std::optional<double> cohesion_residual_pa;
+  double softening_shape = 0;
+  std::optional<double> softening_length_m;
+  SofteningAverage softening_average = SofteningAverage::smeared;
+  std::optional<double> friction_low_stress_deg;
+  std::optional<double> friction_half_pa;
+  std::optional<double> dilatancy_fade;
+  double apex_pa = 10;
+  std::optional<double> friction_flow_deg;
+  double inertial_number = 0.279;
+  double grain_diameter_m = 0;
+  double grain_density_kg_m3 = 2650;
+  double bulk_pa = 0;
+  double shear_pa = 0;
+  std::optional<double> density_end_kg_m3;
+  double density_from_s = 0;
+  std::optional<double> density_until_s;
+  std::optional<double> reduction_factor;
+  double reduction_from_s = 0;
+  std::optional<double> reduction_until_s;
+  std::optional<double> removed_s;
+  std::map<std::string, std::optional<double>, std::less<>> own;  // by own_material_keys(); what is not there is not given
+
+  /// Of a key of a law's own.
+  const std::optional<double>& own_value(std::string_view key) const {
+    static const std::optional<double> none;
+    const auto at = own.find(key);
+    return at == own.end() ? none : at->second;
+  }
+  std::optional<double>& own_value(std::string_view key) { return own[std::string(key)]; }
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit("model", self.model,
+          OptionInfo{.text = "constitutive law", .names = &material_model_names});
+    visit("density_kg_m3", self.density_kg_m3, OptionInfo{.unit = "kg/m^3", .text = "bulk density", .min = 0, .above_min = true});
+    visit("young_pa", self.young_pa, OptionInfo{.unit = "Pa", .text = "Young's modulus (left out with water)", .min = 0, .above_min = true});
+    visit("poisson", self.poisson, OptionInfo{.text = "Poisson's ratio", .min = 0, .max = 0.499});
+    visit("friction_deg", self.friction_deg, OptionInfo{.unit = "deg", .text = "friction angle, at its peak (mohr_coulomb, mohr_coulomb_smooth, drucker_prager, mu_i)", .min = 0, .max = 89});
+    visit("dilatancy_deg", self.dilatancy_deg, OptionInfo{.unit = "deg", .text = "dilatancy angle (mohr_coulomb, mohr_coulomb_smooth, drucker_prager)", .min = 0, .max = 89});
+    visit("cohesion_pa", self.cohesion_pa, OptionInfo{.unit = "Pa", .text = "cohesion, at its peak (mohr_coulomb, mohr_coulomb_smooth, drucker_prager)", .min = 0});
+    visit("tension_pa", self.tension_pa, OptionInfo{.unit = "Pa", .text = "greatest tension carried, a principal stress with mohr_coulomb, else the mean stress (never past the apex)", .min = 0});
+    visit("shear_strength_pa", self.shear_strength_pa,
+          OptionInfo{.unit = "Pa", .text = "undrained shear strength s_u: strength in pure shear (von_mises), half the greatest stress difference (tresca)", .min = 0});
+    visit("friction_residual_deg", self.friction_residual_deg, OptionInfo{.unit = "deg", .text = "friction angle after softening (both mohr_coulomb; left out: none)", .min = 0, .max = 89});
+    visit("cohesion_residual_pa", self.cohesion_residual_pa, OptionInfo{.unit = "Pa", .text = "cohesion after softening (both mohr_coulomb; left out: none)", .min = 0});
+    visit("softening_shape", self.softening_shape, OptionInfo{.text = "eta: strength falls as exp(-eta times the accumulated plastic deviatoric strain)", .min = 0});
+    visit("softening_length_m", self.softening_length_m, OptionInfo{.unit = "m", .text = "smeared: width of the band for which softening_shape holds; with cells of side h the rate is softening_shape h over it (left out: softening_shape, whatever the cells). nonlocal: length l of the weights exp(-r^2/l^2), at least a cell", .min = 0, .above_min = true});
+    visit("softening_average", self.softening_average, OptionInfo{.text = "how softening_length_m regularises: by the cells' size (smeared), or by the average of the plastic strain around each point, 2 average - own (nonlocal)"});
+    visit("friction_low_stress_deg", self.friction_low_stress_deg, OptionInfo{.unit = "deg", .text = "friction angle without confinement, friction_deg being that at large pressure (both mohr_coulomb; left out: one angle)", .min = 0, .max = 89});
+    visit("friction_half_pa", self.friction_half_pa, OptionInfo{.unit = "Pa", .text = "mean pressure at which the angle is half-way between the two", .min = 0, .above_min = true});
+    visit("dilatancy_fade", self.dilatancy_fade, OptionInfo{.text = "accumulated plastic deviatoric strain over which dilatancy falls to 1/e (both mohr_coulomb; left out: it stays)", .min = 0, .above_min = true});
+    visit("apex_pa", self.apex_pa, OptionInfo{.unit = "Pa", .text = "least distance of the cone's apex from zero stress (mohr_coulomb_smooth)", .min = 0, .above_min = true});
+    visit("friction_flow_deg", self.friction_flow_deg, OptionInfo{.unit = "deg", .text = "friction angle in rapid flow, friction_deg being that at rest (mu_i)", .min = 0, .max = 89});
+    visit("inertial_number", self.inertial_number, OptionInfo{.text = "I0 at which friction is half-way (mu_i)", .min = 0, .above_min = true});
+    visit("grain_diameter_m", self.grain_diameter_m, OptionInfo{.unit = "m", .text = "mean grain diameter (mu_i)", .min = 0});
+    visit("grain_density_kg_m3", self.grain_density_kg_m3, OptionInfo{.unit = "kg/m^3", .text = "density of the grains (mu_i)", .min = 0, .above_min = true});
+    visit("bulk_pa", self.bulk_pa, OptionInfo{.unit = "Pa", .text = "bulk modulus (water)", .min = 0});
+    visit("shear_pa", self.shear_pa, OptionInfo{.unit = "Pa", .text = "shear modulus, small against bulk_pa (water; 0: a millionth of it)", .min = 0});
+    visit("density_end_kg_m3", self.density_end_kg_m3, OptionInfo{.unit = "kg/m^3", .text = "density to which it rises or falls in time (left out: it stays)", .min = 0, .above_min = true});
+    visit("density_from_s", self.density_from_s, OptionInfo{.unit = "s", .text = "start of that change", .min = 0});
+    visit("density_until_s", self.density_until_s, OptionInfo{.unit = "s", .text = "its end; linear between", .min = 0, .above_min = true});
+    visit("reduction_factor", self.reduction_factor, OptionInfo{.text = "cohesion and tan(friction) are divided by it in time (left out: they stay)", .min = 0, .above_min = true});
+    visit("reduction_from_s", self.reduction_from_s, OptionInfo{.unit = "s", .text = "start of that change", .min = 0});
+    visit("reduction_until_s", self.reduction_until_s, OptionInfo{.unit = "s", .text = "its end; linear between (left out: at once)", .min = 0});
+    visit("removed_s", self.removed_s, OptionInfo{.unit = "s", .text = "taken out at this time, as in an excavation; one region a stage (left out: stays)", .min = 0, .above_min = true});
+    for (const OwnMaterialKey& key : own_material_keys()) visit(key.name, self.own_value(key.name), key.info);
+  }
+};
+
+}  // namespace pivnp::mpm

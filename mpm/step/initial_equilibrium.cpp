@@ -1,0 +1,184 @@
+#include "mpm/step/initial_equilibrium.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "mpm/step/energy.hpp"
+#include "mpm/step/thread_choice.hpp"
+#include "mpm/transfer/transfer.hpp"
+#include "pivnp/core/error.hpp"
+
+namespace pivnp::mpm {
+
+namespace {
+
+// A wave needs a few steps a cell, and some tens of crossings die out: ten times what was seen to suffice.
+int most_iterations(const Grid& grid) { return std::max(20000, 200 * std::max(grid.nx, grid.ny)); }
+
+// Gershgorin: the sum over a row of sum_p V0 M |grad N_i| |grad N_j| bounds the largest eigenvalue times the mass. (The
+// averages against locking only take stiffness away.)
+std::vector<double> fictitious_masses(const Particles& p, const Materials& materials, const GridState& g) {
+  std::vector<double> modulus(p.size());
+  for (const Particles::Body& body : p.bodies)
+    std::fill(modulus.begin() + std::ptrdiff_t(body.begin), modulus.begin() + std::ptrdiff_t(body.end),
+              materials[std::size_t(body.material)]->elastic().p_wave_modulus());
+  return stiffness_bound(p, g, modulus);
+}
+
+class Relaxation {
+ public:
+  Relaxation(const EquilibriumOptions& options, const StaticSystem& system)
+      : o_(options), s_(system), p_(system.particles), g_(system.grid), choice_(options.threads),
+        mass_(fictitious_masses(p_, system.materials, g_)), velocity_(g_.active.nodes.size(), Vec2::Zero()) {}
+
+  /// One pseudo-step; the ratio of unbalanced to applied force before it.
+  double iterate() {
+    choice_.begin_step();
+    g_.join_strain_velocities();
+    const int threads = choice_.threads();
+    average_mean_stress(p_, g_, s_.scheme, threads);
+    map_momentum(p_, g_, s_.scheme, true, threads);
+    if (!s_.contacts.empty() && !found_) s_.contacts.find(p_, g_, s_.density, 0, threads);  // points stay
+    found_ = true;
+    const double applied = propose();
+    reactions_.clear();
+    s_.restraints.apply(0, 0, g_, reactions_);
+    s_.contacts.apply(g_, s_.restraints, reactions_);
+    s_.bodies.apply(-1, 0, g_, reactions_);  // at rest
+    const double unbalanced = accelerate();
+    strain_points(p_, g_, s_.scheme, 1.0, false, threads);
+    std::fill(p_.spin.begin(), p_.spin.end(), 0.0);  // displacements are small against the rotations that would matter
+    update_stress(s_.materials, p_, threads);
+    choice_.end_step();
+    return applied > 0 ? unbalanced / applied : 0;
+  }
+
+  double kinetic() const { return kinetic_; }
+
+ private:
+  // Undamped velocities, to be restrained; returns the applied force.
+  double propose() {
+    double applied = 0;
+    for (std::size_t a = 0; a < g_.active.nodes.size(); ++a) {
+      Node& node = g_.node[g_.active.nodes[a]];
+      const Vec2 weight = node.mass * o_.gravity;
+      applied += weight.norm();
+      const double bound = mass_[g_.active.nodes[a]], per_mass = bound > 0 ? 1 / bound : 0;
+      node.mass = mass_[g_.active.nodes[a]];
+      node.nx = velocity_[a].x() + per_mass * (node.fx + weight.x());
+      node.ny = velocity_[a].y() + per_mass * (node.fy + weight.y());
+    }
+    return applied;
+  }
+
+  // Cundall's damping, but for velocities below a step's change, where it would depend on the sign of round-off: so the
+  // state that is found is a continuous function of the scene.
+  double damped(double change, double v) const {
+    const double most = std::abs(change);
+    return o_.damping * std::clamp(v, -most, most);
+  }
+
+  // What the restraints left of the acceleration is the unbalanced force; it is damped and applied.
+  double accelerate() {
+    double unbalanced = 0;
+    kinetic_ = 0;
+    for (std::size_t a = 0; a < g_.active.nodes.size(); ++a) {
+      Node& node = g_.node[g_.active.nodes[a]];
+      Vec2& v = velocity_[a];
+      const Vec2 change(node.nx - v.x(), node.ny - v.y());
+      unbalanced += node.mass * change.norm();
+      const Vec2 reached(node.nx, node.ny);
+      const GridState::StrainVelocity u = g_.strain_velocity(g_.active.nodes[a]);
+      u.x = reached.x() - damped(change.x(), v.x());
+      u.y = reached.y() - damped(change.y(), v.y());
+    }
+    s_.bodies.separate_strain_velocities(g_);
+    s_.restraints.apply_to_remapped(0, g_, true);
+    s_.contacts.apply_to_remapped(g_);
+    s_.bodies.apply_to_remapped(-1, g_);
+    for (std::size_t a = 0; a < g_.active.nodes.size(); ++a) {
+      velocity_[a] = std::as_const(g_).strain_velocity(g_.active.nodes[a]);
+      kinetic_ += 0.5 * g_.node[g_.active.nodes[a]].mass * velocity_[a].squaredNorm();
+    }
+    return unbalanced;
+  }
+
+  const EquilibriumOptions& o_;
+  const StaticSystem& s_;
+  Particles& p_;
+  GridState& g_;
+  ThreadChoice choice_;
+  std::vector<double> mass_;
+  std::vector<Vec2> velocity_;  // of the active nodes
+  std::vector<Reaction> reactions_;
+  double kinetic_ = 0;
+  bool found_ = false;
+};
+
+}  // namespace
+
+// Sums run down a column in storage order.
+void stress_from_columns(Particles& p, const Materials& materials, const GridState& g, double gravity_y,
+                         std::optional<double> k0) {
+  const auto across = std::size_t(g.domain.nx - 1);
+  std::vector<std::vector<std::uint32_t>> columns(across, std::vector<std::uint32_t>{});
+  for (const std::uint32_t k : g.cells.order)
+    columns[std::min(across - 1, std::size_t(std::max(0.0, (p.x[k] - g.domain.origin.x()) * g.per_hx)))].push_back(k);
+  std::vector<double> rest(p.size());
+  for (const Particles::Body& body : p.bodies) {
+    const double poisson = materials[std::size_t(body.material)]->elastic().poisson;
+    std::fill(rest.begin() + std::ptrdiff_t(body.begin), rest.begin() + std::ptrdiff_t(body.end),
+              k0.value_or(poisson / (1 - poisson)));
+  }
+  for (auto& column : columns) {
+    std::stable_sort(column.begin(), column.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return gravity_y < 0 ? p.y[a] > p.y[b] : p.y[a] < p.y[b];
+    });
+    double above = 0;
+    for (std::size_t a = 0; a < column.size();) {
+      std::size_t b = a;
+      double here = 0;
+      while (b < column.size() && p.y[column[b]] == p.y[column[a]]) here += p.mass_of(column[b++]);
+      const double vertical = -std::abs(gravity_y) * (above + 0.5 * here) * g.per_hx;
+      for (; a < b; ++a) {
+        const std::uint32_t k = column[a];
+        p.tau_yy[k] = vertical;
+        p.tau_xx[k] = p.tau_zz[k] = rest[k] * vertical;
+      }
+      above += here;
+    }
+  }
+}
+
+int relax_to_equilibrium(const EquilibriumOptions& options, const StaticSystem& system, Progress& progress) {
+  Particles& p = system.particles;
+  GridState& g = system.grid;
+  locate_all(p, g);
+  if (std::abs(options.gravity.x()) <= 1e-3 * std::abs(options.gravity.y()))
+    stress_from_columns(p, system.materials, g, options.gravity.y(), options.k0);
+  p.resize_increments(p.size());
+  update_stress(system.materials, p, options.threads);  // brings the first guess inside the yield surface
+
+  Relaxation relaxation(options, system);
+  const int most = most_iterations(g.grid);
+  double ratio = 0;
+  for (int n = 1; n <= most; ++n) {
+    ratio = relaxation.iterate();
+    if (!std::isfinite(ratio)) break;
+    if (ratio < options.tolerance && n > 10 &&
+        relaxation.kinetic() <= options.tolerance * stored_energy(p, g, system.materials).elastic)
+      return n;
+    if (n % 200 == 0) {
+      progress.update("initial equilibrium", n, most);
+      if (progress.stop_requested()) throw Interrupted();
+    }
+  }
+  std::ostringstream text;
+  text << "initial equilibrium: unbalanced over applied force is still " << ratio << " after " << most
+       << " iterations, expected below " << options.tolerance
+       << " (is the material held, and strong enough to carry its weight?)";
+  throw RunError(text.str());
+}
+
+}  // namespace pivnp::mpm

@@ -1,0 +1,48 @@
+// The quasi-static start: stresses that carry the weight, before time 0.
+#pragma once
+
+#include <optional>
+
+#include "mpm/constraint/boundary.hpp"
+#include "mpm/constraint/contact.hpp"
+#include "mpm/transfer/stress_update.hpp"
+#include "mpm/constraint/rigid_body.hpp"
+#include "mpm/state/scheme.hpp"
+#include "pivnp/core/progress.hpp"
+
+namespace pivnp::mpm {
+
+struct EquilibriumOptions {
+  Vec2 gravity;
+  double damping;    // Cundall's, of the pseudo-time
+  double tolerance;  // sum |unbalanced| / sum |weight|, and kinetic over elastic energy
+  int threads;
+  std::optional<double> k0 = {};  // horizontal over vertical stress of the first guess; nu/(1 - nu) without
+};
+
+/// What is brought to rest; its parts change.
+struct StaticSystem {
+  const Scheme& scheme;
+  const Materials& materials;
+  const std::vector<double>& density;  // of each material now, kg/m^3
+  Restraints& restraints;
+  Contacts& contacts;
+  RigidBodies& bodies;
+  Particles& particles;
+  GridState& grid;
+};
+
+/// Adaptive dynamic relaxation (Underwood 1983; Cundall's local damping) in the reference configuration: the points do
+/// not move, so their shape functions, the nodal masses and the equilibrium found are those of x0. Nodal masses are
+/// fictitious, from Gershgorin's bound of the stiffness, so that the pseudo-step 1 is stable in every cell. The force
+/// and strain transfers and the laws are those of the run: nothing is out of balance when the run starts, but for the
+/// tolerance. Starts from K0 stresses (stress_from_columns()) where gravity is vertical. Returns the number of iterations;
+/// throws RunError if `tolerance` is not met in a bounded number.
+int relax_to_equilibrium(const EquilibriumOptions& options, const StaticSystem& system, Progress& progress);
+
+/// Vertical stress from the mass above each point in its column of cells, the horizontal ones `k0` (nu/(1 - nu) without)
+/// times it. For vertical gravity.
+void stress_from_columns(Particles& particles, const Materials& materials, const GridState& grid, double gravity_y,
+                         std::optional<double> k0);
+
+}  // namespace pivnp::mpm

@@ -1,0 +1,68 @@
+// What a simulation can be told as a whole.
+#pragma once
+
+#include <optional>
+
+#include "mpm/state/scheme_rows.hpp"
+#include "pivnp/core/options.hpp"
+
+namespace pivnp::mpm {
+
+struct MpmOptions {
+  SchemeName scheme = SchemeName::standard;
+  int per_element = 4;
+  Pair gravity_m_s2 = {0.0, -9.81};
+  std::optional<Pair> gravity_from_m_s2;
+  std::optional<double> gravity_ramp_s;
+  bool settle = true;
+  std::optional<double> k0;
+  double settle_damping = 0.7;
+  double settle_tolerance = 1e-3;
+  std::optional<ShapeKind> shape;
+  std::optional<TransferKind> transfer;
+  std::optional<StressUpdate> stress_update;
+  std::optional<Locking> locking;
+  std::optional<double> damping;
+  std::optional<double> pic_per_s;
+  int xpic_order = 5;
+  double courant = 0.4;
+  double energy_limit = 0.25;
+  bool end_at_rest = true;
+  std::optional<double> sleep_below_m_s;
+  std::optional<double> end_displacement_m;
+  int refine = 1;
+  std::optional<double> end_s;
+  std::optional<double> output_rate_hz;
+  Points domain_m;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit("scheme", self.scheme, OptionInfo{.text = "set of numerical choices"});
+    visit("per_element", self.per_element, OptionInfo{.text = "material points per occupied element: 1, 4, 9 ...", .min = 1, .max = 100});
+    visit("gravity_m_s2", self.gravity_m_s2, OptionInfo{.unit = "m/s^2", .text = "gravity (x, y)"});
+    visit("gravity_from_m_s2", self.gravity_from_m_s2, OptionInfo{.unit = "m/s^2", .text = "gravity at time 0, where it changes (a centrifuge spinning up); settling is under this one"});
+    visit("gravity_ramp_s", self.gravity_ramp_s, OptionInfo{.unit = "s", .text = "time at which gravity_m_s2 is reached, linearly", .min = 0, .above_min = true});
+    visit("settle", self.settle, OptionInfo{.text = "bring the weight on quasi-statically, damped, before time 0 (strains and displacements then start at zero)"});
+    visit("k0", self.k0, OptionInfo{.text = "horizontal over vertical stress at the start: the stress at time 0 without settle, the first guess with it (left out: none; poisson/(1 - poisson))", .min = 0, .max = 10});
+    visit("settle_damping", self.settle_damping, OptionInfo{.text = "local damping while settling", .min = 0, .max = 1});
+    visit("settle_tolerance", self.settle_tolerance, OptionInfo{.text = "settled when unbalanced over applied force falls below this", .min = 0, .above_min = true});
+    visit("shape", self.shape, OptionInfo{.text = "shape functions (left out: by the scheme)"});
+    visit("transfer", self.transfer, OptionInfo{.text = "velocity transfer (left out: by the scheme)"});
+    visit("stress_update", self.stress_update, OptionInfo{.text = "when stress is updated: last with velocities mapped again, last, or first (left out: by the scheme)"});
+    visit("locking", self.locking, OptionInfo{.text = "against volumetric locking (left out: by the scheme; selective and full: bilinear only)"});
+    visit("damping", self.damping, OptionInfo{.text = "Cundall's local damping during the run (left out: 0; geopart: 0.05)", .min = 0, .max = 1});
+    visit("pic_per_s", self.pic_per_s, OptionInfo{.unit = "1/s", .text = "rate at which flip turns into PIC: a share 1 - exp(-rate dt) a step (left out: 0)", .min = 0});
+    visit("xpic_order", self.xpic_order, OptionInfo{.text = "order of xpic: 1 is PIC, higher ones filter less", .min = 1, .max = 20});
+    visit("courant", self.courant, OptionInfo{.text = "time step over the critical one", .min = 0, .max = 1, .above_min = true});
+    visit("energy_limit", self.energy_limit, OptionInfo{.text = "the run stops when the energy residual passes this share of what was turned over", .min = 0, .above_min = true});
+    visit("end_at_rest", self.end_at_rest, OptionInfo{.text = "stop stepping once motion has ended; the states that follow repeat the last one"});
+    visit("sleep_below_m_s", self.sleep_below_m_s, OptionInfo{.unit = "m/s", .text = "blocks of cells in which nothing moves half as fast are not stepped until something faster reaches them; what that leaves out is bounded and noted (not beside a [contact.NAME] or tied sides; left out: nothing sleeps)", .min = 0, .above_min = true});
+    visit("end_displacement_m", self.end_displacement_m, OptionInfo{.unit = "m", .text = "stop stepping once a particle or free body has moved this far, looked at every hundred steps (left out: never); the states that follow repeat the last one", .min = 0, .above_min = true});
+    visit("refine", self.refine, OptionInfo{.text = "cells per measured element and side", .min = 1, .max = 16});
+    visit("end_s", self.end_s, OptionInfo{.unit = "s", .text = "end of the simulation (left out: the last frame)", .min = 0, .above_min = true});
+    visit("output_rate_hz", self.output_rate_hz, OptionInfo{.unit = "Hz", .text = "states written per second (left out: at the frames' times)", .min = 0, .above_min = true});
+    visit("domain_m", self.domain_m, OptionInfo{.unit = "m", .text = "lower left and upper right corner that the simulation may use (left out: the measured grid)"});
+  }
+};
+
+}  // namespace pivnp::mpm
