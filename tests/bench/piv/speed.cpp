@@ -63,6 +63,11 @@ void threads_and_masks(const BenchOptions& o, const Setting& setting) {
   const double half =
       timed(o, setting.options, nodes, pair, 1, o.repeats, {use.data(), o.side, o.side, o.side}).seconds;
   std::printf("  half of the scene masked: %.0f %% of the time (asked: 60)\n", 100 * half / one);
+  NodeLattice corners = nodes;
+  corners.on.assign(nodes.pixel.size(), 0);
+  corners.on.front() = corners.on.back() = 1;
+  std::printf("  two opposite corners' nodes alone: %.0f %% of the time (asked of the default: 75)\n",
+              100 * timed(o, setting.options, corners, pair, 1, o.repeats).seconds / one);
   const image::SyntheticPair still = pair_of(o.side, o.texture, o.seeds[0], 0, image::uniform(0, 0));
   std::printf("  a still scene: %.0f %% of the time\n",
               100 * timed(o, setting.options, nodes, still, 1, o.repeats).seconds / one);

@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 
 #include <atomic>
+#include <chrono>
+#include <functional>
+#include <future>
 #include <thread>
 
 #include "scratch.hpp"
@@ -160,12 +163,14 @@ TEST_F(Frames, OnlyTheFirstFrameUsedIsReadAtOpening) {
 class Watched final : public FrameSource {
  public:
   explicit Watched(int frames) : frames_(std::size_t(frames)) {}
+  ~Watched() override { EXPECT_EQ(inside_, 0) << "dropped while a frame is being read"; }
   const std::vector<Frame>& frames() const override { return frames_; }
   bool has_rate() const override { return false; }
   int width() const override { return 1; }
   int height() const override { return 1; }
   Image read(int index) override {
     EXPECT_EQ(inside_.fetch_add(1), 0) << "two reads at a time";
+    if (begins_) begins_(index);
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
     reads_.push_back(index);
     inside_.fetch_sub(1);
@@ -176,6 +181,7 @@ class Watched final : public FrameSource {
   }
   std::vector<int> reads_;
   int failing_ = -1;
+  std::function<void(int)> begins_;  // is told of every frame whose reading begins
 
  private:
   std::vector<Frame> frames_;
@@ -196,13 +202,15 @@ TEST(Prefetched, ReadsEachFrameOnceWhenGoingForward) {
 
 TEST(Prefetched, ReadsAheadWhileTheCallerWorks) {
   auto watched = std::make_unique<Watched>(3);
-  Watched& inner = *watched;
+  std::promise<int> ahead;
+  watched->begins_ = [&](int index) {
+    if (index > 0) ahead.set_value(index);
+  };
   const auto source = prefetched(std::move(watched));
   source->read(0);
-  std::this_thread::sleep_for(std::chrono::milliseconds(500));
-  source->read(1);  // also orders this thread's look at reads_ after the background read of 1
-  EXPECT_GE(inner.reads_.size(), 2u);
-  EXPECT_EQ(inner.reads_[1], 1);
+  auto first_ahead = ahead.get_future();
+  ASSERT_EQ(first_ahead.wait_for(std::chrono::minutes(1)), std::future_status::ready) << "nothing is read ahead";
+  EXPECT_EQ(first_ahead.get(), 1);
 }
 
 TEST(Prefetched, GivesTheRightFrameInAnyOrder) {
@@ -227,7 +235,15 @@ TEST(Prefetched, MayBeDroppedWithAReadUnderWay) {
   for (int k = 0; k < 20; ++k) {
     auto watched = std::make_unique<Watched>(6);
     watched->failing_ = 1;
-    prefetched(std::move(watched))->read(0);
+    std::promise<void> under_way;
+    watched->begins_ = [&](int index) {
+      if (index == 1) under_way.set_value();
+    };
+    auto source = prefetched(std::move(watched));
+    EXPECT_EQ(value(source->read(0)), 0);
+    auto begun = under_way.get_future();
+    ASSERT_EQ(begun.wait_for(std::chrono::minutes(1)), std::future_status::ready) << "round " << k;
+    source.reset();  // Watched looks whether the read has ended
   }
 }
 

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <ctime>
 
 #include "pivnp/core/error.hpp"
 #include "tests/unit/piv/scene.hpp"
@@ -226,25 +225,6 @@ TEST(Piv, HalfTheSceneMaskedAndThenNot) {
   EXPECT_EQ(measured({}).displacement, before.displacement);
   std::fill(use.begin(), use.end(), 0);
   for (const VectorStatus s : measured({use.data(), side, side, side}).status) EXPECT_EQ(s, VectorStatus::masked);
-}
-
-TEST(Piv, WorkFollowsTheNodesThatAreOn) {
-  const Scene scene = make_scene(uniform(1.3, 0.2), 512, 512, {});
-  NodeLattice nodes = even_nodes(512, 512, 8, 32);
-  const auto seconds = [&] {
-    PairCorrelator correlator({}, nodes, 512, 512, 1);
-    double least = HUGE_VAL;
-    for (int n = 0; n < 3; ++n) {
-      const std::clock_t start = std::clock();  // the process's time
-      correlator.correlate(scene.first.view(), scene.second.view(), {});
-      least = std::min(least, static_cast<double>(std::clock() - start));
-    }
-    return least;
-  };
-  const double all = seconds();
-  nodes.on.assign(nodes.pixel.size(), 0);
-  nodes.on.front() = nodes.on.back() = 1;  // opposite corners
-  EXPECT_LE(seconds(), 0.75 * all);
 }
 
 TEST(Piv, NodesThatAreOffAreMaskedAndTheOthersUnchanged) {

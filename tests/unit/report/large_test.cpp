@@ -1,9 +1,8 @@
-// A hundred thousand particles and frames of twelve megapixels: quick, and a page that can be sent.
+// A hundred thousand particles and frames of twelve megapixels: a page that can be sent.
 #include <gtest/gtest.h>
 
 #include <unistd.h>
 
-#include <chrono>
 #include <filesystem>
 
 #include "apps/report/write.hpp"
@@ -12,7 +11,7 @@
 namespace pivnp::report {
 namespace {
 
-TEST(LargeReport, StaysQuickAndSmall) {
+TEST(LargeReport, StaysSmall) {
   SyntheticOptions o;
   o.spacing_m = 0.0008;
   o.frames = 4;
@@ -21,11 +20,7 @@ TEST(LargeReport, StaysQuickAndSmall) {
   const Synthetic s = make_synthetic(o);
   ASSERT_GT(s.content.measured->particles().size(), 95'000u);
   const auto folder = std::filesystem::temp_directory_path() / ("pivnp_report_large_" + std::to_string(::getpid()));
-  const auto start = std::chrono::steady_clock::now();
   write_content({}, s.content, folder);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  RecordProperty("seconds", std::to_string(seconds));
-  EXPECT_LT(seconds, 60);  // about 5 on one core; the bound is for a busy machine
   EXPECT_LT(std::filesystem::file_size(folder / "report.html"), 10'000'000u);
   EXPECT_LT(std::filesystem::file_size(folder / "report.pdf"), 15'000'000u);
   std::filesystem::remove_all(folder);

@@ -5,7 +5,9 @@
 // within which 99.5 % lies, by the front itself stated (docs/limits.md). (Prefactors are not asked for: the sides of an
 // experiment's channel rub, plane strain has none.) Profiles up to a = 3 as they were within 0.06 d0; the scheme gains no
 // energy (residual at most +1 %, at least -10 % of what was released). Every column has the same number of cells, 3136,
-// so that none is resolved worse.
+// so that none is resolved worse. In small, for every build, with a tenth of the cells (256): profiles of a = 0.5 and 1.7
+// within 0.06 d0 and a cell of the same heights, the exponent between their run-outs within 0.3 (1.26 was found: the
+// thinnest cell or two of the tip are not resolved, a sixth of the short run-out).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -97,11 +99,11 @@ const std::map<double, std::vector<double>> known_profiles{
            0.01}},
 };
 
-void expect_profile(double aspect, const Deposit& d) {
+void expect_profile(double aspect, const Deposit& d, double tolerance = 0.06) {
   const auto known = known_profiles.find(aspect);
   if (known == known_profiles.end()) return;
   for (std::size_t c = 0; c < known->second.size(); ++c)
-    EXPECT_NEAR(d.profile[4 * c], known->second[c], 0.06) << "a " << aspect << ", x/d0 " << 0.4 * double(c) + 0.05;
+    EXPECT_NEAR(d.profile[4 * c], known->second[c], tolerance) << "a " << aspect << ", x/d0 " << 0.4 * double(c) + 0.05;
 }
 
 // Slope of the regression of ln y against ln a.
@@ -118,6 +120,19 @@ void expect_exponent(const std::string& what, double law, const std::vector<std:
   const double found = exponent(points);
   pivnp::test::verification_row("column collapse, " + what, "exponent " + number(law, 3) + " +- 0.1", number(found, 3));
   EXPECT_NEAR(found, law, 0.1) << what;
+}
+
+TEST(MpmCollapseSmall, LowColumns) {
+  std::vector<std::pair<double, double>> run_out;
+  for (const double a : {0.5, 1.7}) {
+    const double across = 16;
+    const Deposit d = collapse(a, across);
+    expect_profile(a, d, 0.06 + std::sqrt(a) / across);
+    run_out.emplace_back(a, d.front - 1);
+  }
+  const double found = exponent(run_out);
+  std::printf("collapse, a of 0.5 and 1.7: exponent %.3f\n", found);
+  EXPECT_NEAR(found, 1, 0.3);
 }
 
 TEST(MpmCollapse, ExponentsAreThoseOfTheLaws) {

@@ -5,12 +5,11 @@
 // (APIC); the friction at which cen = 26 is stated. The wedge that stays at rest (u < 2 h) is bounded at 41 +- 4
 // degrees, and 8 degrees less friction change that by less than 4. The more local damping, the steeper (trial: 0 .05 .1
 // .2 -> 29, 30.5, 32, 34). On a sheet of glass, by contact, the slope ends as on a wall of the same friction: cen
-// within 1.5 degrees, x within 10 %. At rest in under 15 s of one thread.
+// within 1.5 degrees, x within 10 %. It comes to rest.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -29,9 +28,9 @@ namespace {
 
 struct Result {
   compare::SlopeAngles angles;
-  double wedge = 0;                             // deg
-  double residual = 0, kinetic = 0, cpu_s = 0;  // energies over what gravity did
-  double rest_s = 0, rest_cpu_s = 0;            // once what moves has less than 1e-4 of gravity's work
+  double wedge = 0;                  // deg
+  double residual = 0, kinetic = 0;  // energies over what gravity did
+  double rest_s = 0;                 // once what moves has less than 1e-4 of gravity's work
   std::size_t ended = 0;
 };
 
@@ -94,17 +93,13 @@ Result rest(const Setup& setup) {
   const Setting setting = make_setting(c, 0, 0);
   mpm::Solver solver(options, make_scene(c, setting, options, c.materials, "material."), 1);
   SilentProgress silent;
-  const std::clock_t before = std::clock();
   solver.find_initial_equilibrium(silent);
   Result out;
   for (double t = 0.05; t < *options.end_s + 0.01; t += 0.05) {
     solver.advance_to(t, silent);
     const EnergyRow now = solver.energy();
-    if (out.rest_s > 0 || now.kinetic > 1e-4 * now.external) continue;
-    out.rest_s = t;
-    out.rest_cpu_s = double(std::clock() - before) / CLOCKS_PER_SEC;
+    if (out.rest_s == 0 && now.kinetic <= 1e-4 * now.external) out.rest_s = t;
   }
-  out.cpu_s = double(std::clock() - before) / CLOCKS_PER_SEC;
   const EnergyRow e = solver.energy();
   out.residual = e.residual / e.external;
   out.kinetic = e.kinetic / e.external;
@@ -118,9 +113,9 @@ Result rest(const Setup& setup) {
   const auto& a = out.angles;
   std::printf(
       "%s %s locking %s base %.2f: cen %.1f fit %.1f tc %.1f deg, x(99.5 %%) %.3f m, height %.3f m, residual %+.1f %%, "
-      "wedge %.1f deg, kinetic %.1e, ended %zu, at rest after %.2f s, %.1f s CPU; %.1f s CPU\n",
-      setup.file.c_str(), name_of(options.scheme).data(), options.locking ? name_of(*options.locking).data() : "-", friction, a.cen, a.fit, a.tc,
-      a.toe_x, a.height, 100 * out.residual, out.wedge, out.kinetic, out.ended, out.rest_s, out.rest_cpu_s, out.cpu_s);
+      "wedge %.1f deg, kinetic %.1e, ended %zu, at rest after %.2f s\n",
+      setup.file.c_str(), name_of(options.scheme).data(), options.locking ? name_of(*options.locking).data() : "-",
+      friction, a.cen, a.fit, a.tc, a.toe_x, a.height, 100 * out.residual, out.wedge, out.kinetic, out.ended, out.rest_s);
   std::fflush(stdout);
   return out;
 }
@@ -135,8 +130,7 @@ mpm::MpmOptions with(const std::string& scheme, const std::string& locking = "")
 void state(const std::string& what, const std::string& criterion, const Result& r) {
   pivnp::test::verification_row("sand slope 1 g, " + what, criterion,
                                 "cen " + number(r.angles.cen, 3) + ", fit " + number(r.angles.fit, 3) + ", tc " +
-                                    number(r.angles.tc, 3) + " deg; x " + number(r.angles.toe_x, 3) + " m; " +
-                                    number(r.cpu_s, 2) + " s CPU");
+                                    number(r.angles.tc, 3) + " deg; x " + number(r.angles.toe_x, 3) + " m");
 }
 
 // Whatever the soil and the base.
@@ -191,10 +185,9 @@ TEST(MpmSandSlope, TheSlopeFallsWithTheFrictionOfTheBase) {
   EXPECT_NEAR(last.angles.fit, 29.5, 1.5);
   expect_wedge("default, sticky base", last);
   pivnp::test::verification_row("sand slope 1 g, default, sticky base",
-                                "to rest (kinetic energy 1e-4 of gravity's work) in under 15 s of one thread",
-                                number(last.rest_cpu_s, 3) + " s, at " + number(last.rest_s, 2) + " s");
+                                "comes to rest (kinetic energy 1e-4 of gravity's work) after .3 s, before the end",
+                                "at " + number(last.rest_s, 2) + " s");
   EXPECT_GT(last.rest_s, 0.3);
-  EXPECT_LT(last.rest_cpu_s, 15);
   const double sticky_x = last.angles.toe_x;
   std::vector<std::pair<double, compare::SlopeAngles>> angles;  // by friction
   Result on_wall;
