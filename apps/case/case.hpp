@@ -8,7 +8,8 @@
 #include <vector>
 
 #include "apps/report/content/options.hpp"
-#include "compare/compare.hpp"
+#include "compare/data/options.hpp"
+#include "compare/metrics/limits.hpp"
 #include "mpm/constraint/options.hpp"
 #include "mpm/material/options.hpp"
 #include "mpm/step/options.hpp"

@@ -162,9 +162,8 @@ class Checker {
       circle("compare.increments_outside_m", c_.compare.increments_outside_m);
     if (c_.compare.levelling && !(has_images() && c_.mpm))
       refuse("compare.levelling", "given, but there is nothing to level; expected frames and [mpm]");
-    if ((c_.limits.run_out_m || c_.limits.slope_angle_deg) && !c_.compare.slope_base_m)
-      refuse(std::string("compare.limits.") + (c_.limits.run_out_m ? "run_out_m" : "slope_angle_deg"),
-             "given, but compare.slope_base_m is not; expected both");
+    if (const compare::LimitRow* row = compare::limit_without_its_option(c_.limits, c_.compare))
+      refuse("compare.limits." + row->name, "given, but compare." + row->needs + " is not; expected both");
   }
 
   void boundary_shape(const std::string& path, const mpm::BoundaryOptions& boundary) const {

@@ -102,19 +102,19 @@ int print_outcome(const RunOutcome& outcome, const Arguments& arguments, const s
     for (const std::string& remark : outcome.remarks) session.out << "note: " << remark << "\n";
   VerifyResult limits;
   limits.name = name;
-  for (const compare::LimitResult& l : outcome.limits) {
-    limits.items.push_back({"compare.limits." + l.key, l.limit, l.reached, l.within});
-    session.out << "compare.limits." << l.key << (l.within ? ": met" : ": exceeded") << ": reached "
-                << number(l.reached, 6) << ", limit " << number(l.limit, 6) << "\n";
+  for (const LimitResult& l : outcome.limits) {
+    limits.items.push_back({"compare.limits." + l.key, l.limit, l.reached, l.met});
+    if (l.met && session.quiet) continue;
+    session.out << "compare.limits." << l.key << ": " << name_of(l.verdict()) << ": reached " << number(l.reached, 6)
+                << ", limit " << number(l.limit, 6) << "\n";
   }
-  if (outcome.over_limit) session.out << "a limit of [compare.limits] was exceeded\n";
   if (!arguments.junit.empty()) {
     std::ofstream stream(arguments.junit, std::ios::binary);
     stream << junit_xml({limits}, "pivnp limits") << std::flush;
     if (!stream) throw RunError(arguments.junit + ": cannot be written");
     session.out << arguments.junit << "\n";
   }
-  return outcome.over_limit ? 3 : 0;
+  return any_exceeded(outcome.limits) ? 3 : 0;
 }
 
 }  // namespace pivnp::app

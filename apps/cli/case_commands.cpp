@@ -15,14 +15,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-bool has_limits(const Case& c) {
-  bool given = false;
-  compare::LimitOptions::fields(c.limits, [&](std::string_view, const std::optional<double>& limit, const OptionInfo&) {
-    given = given || limit.has_value();
-  });
-  return given;
-}
-
 // What a stage needs and the case, together with the command line, does not give.
 void demand(const Case& c, const Arguments& arguments, Stages stages) {
   const bool named = c.frames && !c.frames->path.empty();
@@ -36,7 +28,7 @@ void demand(const Case& c, const Arguments& arguments, Stages stages) {
   if (stages != Stages::all) return;
   if (!images && !c.mpm)
     throw InputError(title_of(c) + ": there is nothing to do; expected [frames], [synth], [mpm] or --frames PATH");
-  if (has_limits(c) && !(images && c.mpm))
+  if (c.limits.any() && !(images && c.mpm))
     throw InputError(title_of(c) + ": [compare.limits]: given, but nothing is compared; expected frames and [mpm]");
 }
 

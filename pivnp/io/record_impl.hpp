@@ -52,7 +52,7 @@ struct RecordWriter::Impl {
   std::unique_ptr<RecordReader> finished;      // resumed, but there is nothing left to do
   std::vector<Frame> frames;
   std::optional<ClosureNote> closure;
-  std::optional<ComparisonData> comparison;
+  std::optional<Comparison> comparison;
   std::map<std::string, StrainNote> strain_notes;  // by motion
   std::vector<std::string> output_fields;
   std::unique_ptr<h5::OutputFile> packed;      // between pack() and finish()

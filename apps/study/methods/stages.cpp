@@ -193,7 +193,7 @@ std::vector<std::string> simulate(const Case& c, const Setting& setting, const s
   if (next > 0)
     solver.load(done.checkpoint);
   else if (c.mpm->settle)
-    solver.settle(progress);
+    solver.find_initial_equilibrium(progress);
   for (std::size_t k = next; k < times.size(); ++k) {
     solver.advance_to(times[k], progress);
     writer.add_frame("mpm", solver.frame());

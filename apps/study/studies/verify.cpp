@@ -96,7 +96,7 @@ Curve drift_curve(const Case& c, np::DriftScheme scheme, const Setting& setting,
   Curve curve;
   curve.scheme = scheme == np::DriftScheme::none             ? "summed increments"
                  : scheme == np::DriftScheme::reference_update ? "reference update"
-                                                               : std::string(np::name_of(scheme));
+                                                               : std::string(name_of(scheme));
   curve.rounds = follow(variant, setting, frames, measured, threads, progress, [&](std::size_t k, const np::Tracker& now) {
     const MotionFrame real = truth.frame(k);
     double sum = 0;

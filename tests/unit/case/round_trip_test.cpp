@@ -178,7 +178,7 @@ TEST(RoundTrip, CasesThatRunsWrite) {
   expect_fixed_point(write_case(drawn));
   Case compared;
   compared.name = "a against b";
-  compared.limits.displacement_rms_m = 0.1;
+  compared.limits["displacement_rms_m"] = 0.1;
   expect_fixed_point(write_case(compared));
 }
 
