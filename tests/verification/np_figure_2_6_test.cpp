@@ -29,7 +29,7 @@ struct Line {
 };
 
 // The displacement u_x that particles along y = 1/2 read from nodes at 0, 1/cells ... 1.
-Line read_line(const std::string& shape, int cells) {
+Line read_line(ShapeFunctions shape, int cells) {
   constexpr double size = 1e-3;  // of the displacement: any
   const Grid grid{{0, 0}, {1.0 / cells, 1.0 / cells}, cells + 1, cells + 1};
   NodalIncrements d;
@@ -55,24 +55,25 @@ Line read_line(const std::string& shape, int cells) {
 }
 
 TEST(Figure26, LinearQuadraticAndCubicThroughTheSameNodes) {
-  const Line linear = read_line("bilinear", 4), quadratic = read_line("quadratic", 4), fine = read_line("bilinear", 8);
+  const Line linear = read_line(ShapeFunctions::bilinear, 4), quadratic = read_line(ShapeFunctions::quadratic, 4), fine = read_line(ShapeFunctions::bilinear, 8);
   EXPECT_GT(linear.worst, 0.1);
   EXPECT_LT(quadratic.worst, 0.9 * linear.worst);
   EXPECT_GT(linear.worst / fine.worst, 3.0);  // 4 for small spacings
   // The cubic element: five nodes leave one group of three cells and one moved back. Both repeat the cubic.
-  for (const char* shape : {"cubic", "bspline3"}) EXPECT_LT(read_line(shape, 4).worst, 1e-11) << shape;
+  for (const ShapeFunctions shape : {ShapeFunctions::cubic, ShapeFunctions::bspline3})
+    EXPECT_LT(read_line(shape, 4).worst, 1e-11) << name_of(shape);
   pivnp::test::verification_row("figure 2.6: a cubic through nodes",
                                 "greatest error: quadratic below linear; halved spacing at least 3 times less",
                                 "linear " + number(linear.worst, 3) + ", quadratic " + number(quadratic.worst, 3) +
                                     ", linear, halved spacing " + number(fine.worst, 3));
   const char* folder = std::getenv("PIVNP_VERIFICATION_DIR");
   if (folder == nullptr || *folder == '\0') return;
-  report::Chart chart{"x", "displacement", {}, false};
-  report::ChartCurve exact{"cubic polynomial", {}, {}};
+  plot::Chart chart{"x", "displacement", {}, false};
+  plot::ChartCurve exact{"cubic polynomial", {}, {}};
   for (const double x : linear.x) exact.x.push_back(x), exact.y.push_back(polynomial(x));
   chart.curves = {exact, {"4 linear", linear.x, linear.read}, {"2 quadratic", quadratic.x, quadratic.read},
                   {"8 linear", fine.x, fine.read}};
-  report::write_chart(chart, std::filesystem::path(folder) / "figure_2_6");
+  plot::write_chart(chart, std::filesystem::path(folder) / "figure_2_6");
   EXPECT_GT(std::filesystem::file_size(std::filesystem::path(folder) / "figure_2_6.png"), 5000u);
 }
 

@@ -1,0 +1,109 @@
+// What is computed for the figures.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "apps/report/content/differences.hpp"
+#include "apps/report/content/fields.hpp"
+#include "apps/report/content/point_curves.hpp"
+#include "apps/report/content/quality.hpp"
+#include "apps/report/content/selection.hpp"
+#include "tests/unit/report/synthetic.hpp"
+
+namespace pivnp::report {
+namespace {
+
+TEST(Content, PointCurvesReproduceAffineMotion) {
+  ParticleSet set;
+  for (int j = 0; j < 5; ++j)
+    for (int i = 0; i < 5; ++i) {
+      set.id.push_back(j * 5 + i);
+      set.label.push_back(0);
+      set.x0.emplace_back(i, j);
+      set.area.push_back(1);
+      set.born.push_back(0);
+      set.end.push_back(NAN);
+      set.end_reason.push_back(EndReason::none);
+    }
+  Mat2 G;
+  G << 0.25, 0.5, -0.125, 0.0625;
+  MotionMemory motion("np", "m", "s", set);
+  for (int k = 0; k < 3; ++k) {
+    MotionFrame f;
+    f.time = k;
+    for (const Vec2& x : set.x0) {
+      const Vec2 u = k * (G * x + Vec2(1, 2));
+      f.u.push_back({float(u.x()), float(u.y())});
+      f.F.push_back({1, 0, 0, 1});
+      f.status.push_back(ParticleStatus::active);
+      f.cov_u.push_back({0.04f, 0.09f, 0});
+    }
+    motion.add(f);
+  }
+  const Vec2 inside(1.3, 2.6);
+  const auto h = point_curves(motion, {inside, Vec2(2, 2), Vec2(40, 40)});
+  ASSERT_EQ(h.size(), 3u);
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_NEAR(h[0].displacement[k], double(k) * (G * inside + Vec2(1, 2)).norm(), 1e-6);
+    EXPECT_NEAR(h[1].displacement[k], double(k) * (G * Vec2(2, 2) + Vec2(1, 2)).norm(), 1e-6);
+    EXPECT_TRUE(std::isnan(h[2].displacement[k]));
+  }
+  // u of particle (2, 2) points along (2.5, 1.875), that is (0.8, 0.6): variance 0.64 * 0.04 + 0.36 * 0.09.
+  EXPECT_NEAR(h[1].sigma[1], std::sqrt(0.64 * 0.04 + 0.36 * 0.09), 1e-6);
+}
+
+TEST(Content, TimesAndPoints) {
+  SyntheticOptions o;
+  o.spacing_m = 0.01;
+  const Synthetic s = make_synthetic(o);
+  const std::vector<double> times = chosen_times({}, s.content);
+  ASSERT_EQ(times.size(), 3u);
+  EXPECT_DOUBLE_EQ(times.back(), 0.5);
+  EXPECT_LT(times[0], times[1]);
+  const std::vector<Vec2> points = chosen_points({}, s.content);
+  ASSERT_EQ(points.size(), 3u);
+  for (std::size_t a = 0; a < 3; ++a)
+    for (std::size_t b = 0; b < a; ++b) EXPECT_GT((points[a] - points[b]).norm(), 0.01);
+  EXPECT_FALSE(frame_at(*s.content.measured, 0.7));
+  EXPECT_EQ(*frame_at(*s.content.measured, 0.301), 15u);
+}
+
+TEST(Content, PairsAreCounted) {
+  const Synthetic s = make_synthetic({});
+  const auto pairs = pair_quality(s.content);
+  ASSERT_EQ(pairs.size(), 25u);
+  for (const PairQuality& q : pairs) {
+    EXPECT_EQ(q.valid + q.replaced + q.rejected + q.failed, q.nodes);
+    EXPECT_NEAR(q.sigma, 4e-5, 1e-9);
+    EXPECT_LE(q.score_low, q.score_median);
+  }
+  EXPECT_NE(pairs[15].flag, 0);
+  EXPECT_EQ(pairs[14].flag, 0);
+  EXPECT_LT(pairs[15].share(pairs[15].valid), 0.5);
+}
+
+// |u| of the second minus |u| of the first, and the RMS against time, from fields worked by hand.
+TEST(Content, Differences) {
+  SyntheticOptions o;
+  o.spacing_m = 0.01;
+  const Synthetic s = make_synthetic(o);
+  const auto first = fields_at(*s.content.measured, "displacement_magnitude", true, {0.4});
+  const auto second = fields_at(*s.content.simulated, "displacement_magnitude", true, {0.4});
+  const auto d = field_difference(s.content, "displacement_magnitude", 0.4, first[0]);
+  ASSERT_EQ(d.size(), first[0].value.size());
+  std::size_t compared = 0;
+  for (std::size_t p = 0; p < d.size(); ++p) {
+    if (std::isnan(d[p])) continue;
+    EXPECT_NEAR(d[p], second[0].value[p] - first[0].value[p], 1e-6);
+    ++compared;
+  }
+  EXPECT_GT(compared, 100u);
+  EXPECT_TRUE(field_difference(s.content, "strain_vol", 0.4, first[0]).empty());
+  const DifferenceCurve h = difference_curve(s.content);
+  ASSERT_EQ(h.time.size(), 26u);
+  EXPECT_NEAR(h.sigma[4], std::sqrt(2.0) * 4e-5 * 2, 1e-9);
+  EXPECT_GT(h.rms.back(), h.median.back());
+}
+
+}  // namespace
+}  // namespace pivnp::report
