@@ -294,7 +294,7 @@ void Contacts::enforce(ContactNode& m, GridState& g) const {
   }
 }
 
-void Contacts::apply_to_remapped(GridState& g) const {
+void Contacts::apply_to_strain_velocity(GridState& g) const {
   for (const ContactNode& m : nodes_) {
     if (!(m.normal_impulse > 0)) continue;
     const GridState::StrainVelocity a = g.strain_velocity(m.node[0]), b = g.strain_velocity(m.node[1]);

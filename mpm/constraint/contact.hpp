@@ -20,7 +20,7 @@
 #include <utility>
 #include <vector>
 
-#include "mpm/constraint/boundary.hpp"
+#include "mpm/constraint/restraints.hpp"
 #include "mpm/grid/grid_state.hpp"
 #include "mpm/constraint/options.hpp"
 
@@ -44,7 +44,7 @@ class Contacts {
   void apply(GridState& g, const Restraints& restraints, std::vector<Reaction>& reactions);
   /// Corrects the strain-rate velocity where apply() found a normal impulse: the same relative motion
   /// along the normal, and none along the face where they stick.
-  void apply_to_remapped(GridState& g) const;
+  void apply_to_strain_velocity(GridState& g) const;
   /// Of what find() found and apply() did, for tests and figures.
   struct ContactNode {
     std::uint32_t node[2] = {0, 0};  // of the two bodies, at the same place

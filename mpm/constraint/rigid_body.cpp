@@ -311,7 +311,7 @@ void RigidBodies::separate_strain_velocities(GridState& g) const {
     for (std::size_t k = 0; k < std::size_t(g.stencil); ++k) g.separate_strain_velocities(std::uint32_t(c.node[k]));
 }
 
-void RigidBodies::apply_to_remapped(double time, GridState& g) const {
+void RigidBodies::apply_to_strain_velocity(double time, GridState& g) const {
   const auto stencil = std::size_t(g.stencil);
   for (int sweep = 0; sweep < sweeps; ++sweep)
     for (const Contact& c : contacts_) {

@@ -18,7 +18,7 @@
 #include <utility>
 #include <vector>
 
-#include "mpm/constraint/boundary.hpp"
+#include "mpm/constraint/restraints.hpp"
 #include "pivnp/core/particles/region.hpp"
 
 namespace pivnp::mpm {
@@ -41,7 +41,7 @@ class RigidBodies {
   void separate_strain_velocities(GridState& g) const;
   /// Corrects the strain-rate velocity at the points that apply() found in contact; there motion away from the body is not allowed either
   /// (taking only one sign of the scatter would part the material from the body).
-  void apply_to_remapped(double time, GridState& g) const;
+  void apply_to_strain_velocity(double time, GridState& g) const;
   /// The first time after `time` at which a body starts or stops.
   double next_change(double time) const;
   bool moving_after(double time) const;

@@ -55,7 +55,7 @@ inline void for_each_particle_field(Visit&& visit) {
         Column{&P::tau_zz, &K::tau_zz, &L::zz}, Column{&P::tau_xy, &K::tau_xy, &L::xy});
   visit(ParticleField{"affine velocity", "1/s", "affine velocity field of APIC", &N::affine}, Column{&P::C_xx, &K::C_xx},
         Column{&P::C_xy, &K::C_xy}, Column{&P::C_yx, &K::C_yx}, Column{&P::C_yy, &K::C_yy});
-  visit(ParticleField{"carried", "m", "by how much a tied side has set the point back (boundary.hpp)", &N::tied},
+  visit(ParticleField{"carried", "m", "by how much a tied side has set the point back (tied_sides.hpp)", &N::tied},
         Column{&P::carried_x}, Column{&P::carried_y});
   visit(ParticleField{"half", "1", "half side over the cell's (uGIMP)", &N::sized}, Column{&P::half, &K::half});
   visit(ParticleField{"cell", "", "lower left node of the stencil, or Particles::ended"}, Column{&P::cell});

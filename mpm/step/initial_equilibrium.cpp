@@ -94,9 +94,9 @@ class Relaxation {
       u.y = reached.y() - damped(change.y(), v.y());
     }
     s_.bodies.separate_strain_velocities(g_);
-    s_.restraints.apply_to_remapped(0, g_, true);
-    s_.contacts.apply_to_remapped(g_);
-    s_.bodies.apply_to_remapped(-1, g_);
+    s_.restraints.apply_to_strain_velocity(0, g_, true);
+    s_.contacts.apply_to_strain_velocity(g_);
+    s_.bodies.apply_to_strain_velocity(-1, g_);
     for (std::size_t a = 0; a < g_.active.nodes.size(); ++a) {
       velocity_[a] = std::as_const(g_).strain_velocity(g_.active.nodes[a]);
       kinetic_ += 0.5 * g_.node[g_.active.nodes[a]].mass * velocity_[a].squaredNorm();

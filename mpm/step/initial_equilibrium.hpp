@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "mpm/constraint/boundary.hpp"
+#include "mpm/constraint/restraints.hpp"
 #include "mpm/constraint/contact.hpp"
 #include "mpm/transfer/stress_update.hpp"
 #include "mpm/constraint/rigid_body.hpp"

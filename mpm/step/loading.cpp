@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "mpm/step/scene_setup.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
 
@@ -26,7 +27,8 @@ double share_between(double from, double until, double time) {
 }  // namespace
 
 Loading::Loading(const MpmOptions& o, const Scene& scene)
-    : from_(o.gravity_m_s2[0], o.gravity_m_s2[1]), to_(from_), materials_(scene.materials) {
+    : from_(o.gravity_m_s2[0], o.gravity_m_s2[1]), to_(from_), materials_(scene.materials),
+      tractions_(scene.boundaries, scene.particles, densities_of(scene)) {
   if (o.gravity_from_m_s2.has_value() != o.gravity_ramp_s.has_value())
     throw InputError(std::string("mpm.") + (o.gravity_ramp_s ? "gravity_ramp_s" : "gravity_from_m_s2") +
                      ": given alone, expected gravity_from_m_s2 and gravity_ramp_s");
@@ -47,38 +49,9 @@ Loading::Loading(const MpmOptions& o, const Scene& scene)
     }
     if (m.removed_s) changes_.push_back(*m.removed_s);
   }
-  for (const auto& [name, boundary] : scene.boundaries)
-    if (boundary.type == BoundaryType::traction) add_traction("boundary." + name, boundary, scene);
+  changes_.insert(changes_.end(), tractions_.changes().begin(), tractions_.changes().end());
   std::sort(changes_.begin(), changes_.end());
   if (!changes_.empty()) last_ = changes_.back();
-}
-
-// The particles next to the line, each with an equal share of the line's force.
-void Loading::add_traction(const std::string& key, const BoundaryOptions& o, const Scene& scene) {
-  if (!o.traction_pa) throw InputError(key + ".traction_pa: missing beside type = \"traction\"");
-  if (o.line_m.size() != 2) throw InputError(key + ".line_m: expected two end points of the loaded face");
-  const Vec2 a(o.line_m[0][0], o.line_m[0][1]), b(o.line_m[1][0], o.line_m[1][1]);
-  const double length = (b - a).norm();
-  if (!(length > 0)) throw InputError(key + ".line_m: expected two different end points");
-  const Vec2 along = (b - a) / length;
-  const double rise = o.rise_s, until = o.until_s.value_or(never);
-  if (!(rise >= 0)) refuse(key + ".rise_s", rise, "0 s or more");
-  std::vector<std::uint32_t> loaded;
-  for (std::size_t k = 0; k < scene.particles.size(); ++k) {
-    const Vec2 d = scene.particles.x0[k] - a;
-    const double side = std::sqrt(double(scene.particles.area[k])), on = d.dot(along);
-    if (on < 0 || on > length) continue;
-    if (std::abs(d.x() * along.y() - d.y() * along.x()) < 0.75 * side) loaded.push_back(std::uint32_t(k));
-  }
-  if (loaded.empty()) throw InputError(key + ".line_m: no particle lies along it, expected a face of the material");
-  const Vec2 force = Vec2((*o.traction_pa)[0], (*o.traction_pa)[1]) * length / double(loaded.size());
-  for (const std::uint32_t k : loaded) {
-    const double mass = double(scene.particles.area[k]) *
-                        scene.materials[std::size_t(scene.particles.label[k])].density_kg_m3;
-    pushed_.push_back({k, force / mass, rise, until});
-  }
-  if (rise > 0) changes_.push_back(rise);
-  if (std::isfinite(until)) changes_.push_back(until);
 }
 
 Vec2 Loading::gravity(double time) const {

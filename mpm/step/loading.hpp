@@ -1,5 +1,5 @@
 // What changes with time by the case's will: gravity (a centrifuge spinning up), densities, strengths, material taken
-// out, tractions. (Gates and moving plates are restraints: boundary.hpp.) Functions of time alone, so that a restart
+// out, tractions. (Gates and moving plates are restraints: constraint/restraints.hpp.) Functions of time alone, so that a restart
 // needs no more than the time.
 #pragma once
 
@@ -7,6 +7,7 @@
 
 #include "mpm/state/particles.hpp"
 #include "mpm/step/options.hpp"
+#include "mpm/constraint/tractions.hpp"
 #include "mpm/step/scene.hpp"
 
 namespace pivnp::mpm {
@@ -28,26 +29,17 @@ class Loading {
   bool any_reduction() const { return any_reduction_; }
   /// Time at which a material is taken out; infinite: never.
   double removal(std::size_t material) const;
-  /// Tractions: acceleration of each loaded particle (index in the scene), to be multiplied by share(time).
-  struct Pushed {
-    std::uint32_t particle;
-    Vec2 acceleration;
-    double rise, until;
-    double share(double time) const { return time >= until ? 0 : rise > 0 ? std::min(1.0, time / rise) : 1.0; }
-  };
-  const std::vector<Pushed>& pushed() const { return pushed_; }
+  const Tractions& tractions() const { return tractions_; }
 
   /// The first time after `time` at which something starts or ends.
   double next_change(double time) const;
   bool changing_after(double time) const { return time < last_; }
 
  private:
-  void add_traction(const std::string& key, const BoundaryOptions& options, const Scene& scene);
-
   Vec2 from_, to_;
   double ramp_ = 0;
   std::vector<MaterialOptions> materials_;
-  std::vector<Pushed> pushed_;
+  Tractions tractions_;
   std::vector<double> changes_;
   double last_ = 0;
   bool any_density_ = false, any_reduction_ = false;

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "mpm/constraint/boundary.hpp"
+#include "mpm/constraint/restraints.hpp"
 #include "mpm/grid/grid_state.hpp"
 
 namespace pivnp::mpm {

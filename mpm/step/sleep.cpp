@@ -120,7 +120,7 @@ void Sleep::hold(double per_mass, GridState& g) {
   }
 }
 
-void Sleep::hold_remapped(GridState& g) const {
+void Sleep::hold_strain_velocity(GridState& g) const {
   for (const std::uint32_t n : g.active.resting) {
     const GridState::StrainVelocity u = g.strain_velocity(n);
     u.x = u.y = 0;

@@ -20,7 +20,7 @@
 #include <utility>
 #include <vector>
 
-#include "mpm/constraint/boundary.hpp"
+#include "mpm/constraint/restraints.hpp"
 #include "mpm/grid/grid_state.hpp"
 #include "mpm/state/particles.hpp"
 
@@ -55,7 +55,7 @@ class Sleep {
   /// Stops Node::n of sleeping cells' nodes. `per_mass`: 1/(dt rho c h), m/kg.
   void hold(double per_mass, GridState& g);
   /// Stops the strain-rate velocity likewise.
-  void hold_remapped(GridState& g) const;
+  void hold_strain_velocity(GridState& g) const;
   /// After a step: how quiet the blocks are. `across`: time of a wave through the material, s.
   void look(double time, double per_mass, double across, const GridState& g, const std::vector<Reaction>& reactions);
   /// After a step: counts what was left out.

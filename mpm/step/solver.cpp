@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mpm/grid/sweeps.hpp"
 #include "mpm/material/model.hpp"
 #include "mpm/step/initial_equilibrium.hpp"
 #include "mpm/step/solver_impl.hpp"
@@ -14,11 +13,7 @@ namespace pivnp::mpm {
 
 namespace {
 
-constexpr std::int64_t check_every = 100;     // steps between looks at the energy balance
-constexpr std::int64_t stiffness_every = 8;   // steps between looks at the wave speed
-constexpr double sort_share = 0.05;            // of the points that may change cells between re-sorts of the storage
-constexpr double least_mass = 1e-5;           // of a full cell: lighter nodes move with a neighbour
-constexpr double touching = 0.25;             // of a full cell: mass around a body's outline in contact
+constexpr std::int64_t check_every = 100;  // steps between looks at the energy balance
 
 }  // namespace
 
@@ -44,13 +39,12 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
     throw InputError("mpm.stress_update: found 'usf' beside a free rigid body, expected musl or usl");
   if (o.initial_equilibrium && gravity.norm() > 0 && restraints.any_absorbing())
     throw InputError("mpm.initial_equilibrium: found true beside an absorbing wall, which carries no weight; expected initial_equilibrium = false");
-  if (restraints.any_tied() && !contacts.empty())
+  if (restraints.tied().any() && !contacts.empty())
     throw InputError("contact." + scene.contacts.front().first + ": given beside a tied boundary, expected one of them");
-  if (o.sleep_below_m_s && (restraints.any_tied() || !contacts.empty()))
+  if (o.sleep_below_m_s && (restraints.tied().any() || !contacts.empty()))
     throw InputError(std::string("mpm.sleep_below_m_s: given beside ") + (contacts.empty() ? "a tied boundary" : "a [contact.NAME]") +
                      ", expected none: what touches would not wake");
-  state = initial_state(scene, scheme, g, materials, contacts, restraints.any_tied());
-  place_tractions();
+  state = initial_state(scene, scheme, g, materials, contacts, restraints.tied().any());
   sleep.start(p, g);
   g.rebuild(p);
   p.sort_as(g.cells.order, 1);
@@ -60,120 +54,6 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
   change_strength(0);
   state.body_motion = bodies.motion();
   restart_balance();
-}
-
-// The cycle of appendix A; equation numbers are the thesis'.
-void Solver::Impl::step(double dt) {
-  const int threads = choice.threads();
-  choice.begin_step();
-  g.join_strain_velocities();
-  load(dt);
-  const Vec2 gravity = loading.gravity(state.time + 0.5 * dt);
-  const Vec2 moment = work_in_steps() ? moment_of_mass() : Vec2(0, 0);
-
-  find_cells(threads);                                           // A.1, A.2
-  nonlocal.average(p, g, threads);
-  update_nodes(gravity, dt, threads);                            // A.3-A.7
-  small_mass.join_momentum(g, scheme.damping, dt);
-  restrain_momentum(dt);
-  bodies.advance(dt);
-  if (scheme.stress == StressUpdate::usl) choose_strain_velocity(dt, threads);
-  if (moves_with_strain(g, scheme)) {
-    strain(dt, threads, &gather);                                // A.8-A.13, A.22, A.24
-  } else {
-    gather = gather_velocity(p, g, scheme, dt, filtered, threads);  // A.8-A.11
-    if (scheme.stress == StressUpdate::musl) choose_strain_velocity(dt, threads);
-    if (scheme.stress != StressUpdate::usf) strain(dt, threads);  // A.12, A.13, A.22, A.24
-  }
-  add_work(dt, threads);
-
-  if (!gather.good) fail("a particle is not finite or moved more than a cell in one step");
-  state.fastest = std::sqrt(gather.fastest2);
-  look_for_rest(dt);
-  if (work_in_steps()) state.balance.gravity += gravity.dot(moment_of_mass() - moment);
-  ++state.steps;
-  state.body_motion = bodies.motion();
-  choice.end_step();
-}
-
-void Solver::Impl::update_nodes(const Vec2& gravity, double dt, int threads) {
-  const double least = least_mass * least_density() * g.grid.spacing.prod();
-  const bool first = scheme.stress == StressUpdate::usf, filter = scheme.transfer == TransferKind::xpic;
-  if (!first) average_mean_stress(p, g, scheme, threads);
-  if (!first && !filter && contacts.empty() && !pushes())
-    return map_and_update(p, g, scheme, small_mass, least, gravity, dt, threads);  // A.3-A.7
-  map_momentum(p, g, scheme, !first, threads);                                // A.3, A.4
-  small_mass.find(g, least);
-  if (!contacts.empty()) contacts.find(p, g, density, dt, threads);
-  if (first) {
-    choose_strain_velocity(dt, threads);
-    strain(dt, threads);  // A.12, A.13, A.22, A.24
-    average_mean_stress(p, g, scheme, threads);
-    map_force(p, g, scheme, threads);  // A.4
-  }
-  if (filter) filtered_velocity(p, g, scheme.xpic_order, filtered, threads);
-  map_body_force(threads);
-  update_momentum(g, gravity, scheme.damping, dt, threads);  // A.5-A.7
-}
-
-void Solver::Impl::choose_strain_velocity(double dt, int threads) {
-  const bool first = scheme.stress == StressUpdate::usf;
-  if (first) {  // the mapped velocity, as walls and bodies let it be
-    for_nodes(g, threads, [](Node& node, std::uint32_t) {
-      node.nx = node.vx;
-      node.ny = node.vy;
-    });
-    restrain_momentum(dt);
-    for_nodes(g, threads, [this](Node& node, std::uint32_t n) {
-      const GridState::StrainVelocity u = g.strain_velocity(n);
-      u.x = node.nx;
-      u.y = node.ny;
-      node.held = false;
-    });
-  }
-  small_mass.join_velocity(g);
-  if (!first) restrain_velocity();
-}
-
-void Solver::Impl::strain(double dt, int threads, GatherSums* moved) {
-  state.balance.damping += strain_and_update_stress(materials, p, g, scheme, dt, threads, moved);
-  if (state.steps % stiffness_every == 0) state.wave_speed = wave_speed(materials, density, p, threads);
-}
-
-void Solver::Impl::find_cells(int threads) {
-  wake_what_moves();
-  if (restraints.any_tied()) {
-    restraints.carry_over(state.time, p);
-    g.relocation.done = false;
-  }
-  std::vector<std::uint32_t> left;
-  if (locate_points(p, g, left, threads)) {
-    for (const std::uint32_t k : left) end_particle(k, EndReason::left_grid);
-    g.follow(p, g.relocation.moves);
-    state.since_sort += std::int64_t(g.relocation.moves.size());
-    if (double(state.since_sort) > sort_share * double(p.size())) {
-      p.sort_as(g.cells.order, threads);
-      state.since_sort = 0;
-    }
-  }
-  let_sleep();
-}
-
-void Solver::Impl::restrain_momentum(double dt) {
-  reactions.clear();
-  restraints.apply(state.time, dt, g, reactions);
-  contacts.apply(g, restraints, reactions);
-  bodies.accelerate(state.time, dt, loading.gravity(state.time + 0.5 * dt));
-  bodies.apply(state.time, touching * least_density() * g.grid.spacing.prod(), g, reactions);
-  if (sleep.any()) sleep.hold(push_per_mass(dt), g);
-}
-
-void Solver::Impl::restrain_velocity() {
-  bodies.separate_strain_velocities(g);
-  restraints.apply_to_remapped(state.time, g);
-  if (scheme.stress == StressUpdate::musl) contacts.apply_to_remapped(g);
-  bodies.apply_to_remapped(state.time, g);
-  sleep.hold_remapped(g);
 }
 
 double Solver::Impl::longest_step() const {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "mpm/constraint/boundary.hpp"
+#include "mpm/constraint/restraints.hpp"
 #include "mpm/constraint/contact.hpp"
 #include "mpm/step/loading.hpp"
 #include "mpm/step/momentum.hpp"
@@ -31,17 +31,32 @@ struct LastGood {
 struct Solver::Impl {
   Impl(const MpmOptions& o, Scene s, int n_threads);
 
-  // solver.cpp: the cycle.
-  void step(double dt);
-  void find_cells(int threads);
-  void update_nodes(const Vec2& gravity, double dt, int threads);
-  void restrain_momentum(double dt);
-  void restrain_velocity();
-  void choose_strain_velocity(double dt, int threads);
-  void strain(double dt, int threads, GatherSums* moved = nullptr);
   double longest_step() const;
   double next_change(double time) const;
   double least_density() const { return *std::min_element(density.begin(), density.end()); }
+
+  // solver_step.cpp: the cycle.
+  struct Cycle {
+    double dt;
+    int threads;
+    Vec2 gravity;  // in its middle
+    Vec2 moment;   // moment_of_mass() at its start, where work_in_steps()
+  };
+  void step(double dt);
+  Cycle begin_step(double dt);
+  void find_cells(const Cycle& c);
+  void map_to_nodes(const Cycle& c);
+  void strain_first(const Cycle& c);
+  void advance_nodes(const Cycle& c);
+  void restrain_nodes(const Cycle& c);
+  void move_points(const Cycle& c);
+  void strain_last(const Cycle& c);
+  void end_step(const Cycle& c);
+  bool maps_and_advances() const;
+  void take_mapped_velocity(const Cycle& c);
+  void apply_restraints(const Cycle& c);
+  void restrain_strain_velocity();
+  void strain(const Cycle& c, GatherSums* moved = nullptr);
 
   // solver_loads.cpp: what changes by the case's will.
   void load(double dt);
@@ -50,8 +65,7 @@ struct Solver::Impl {
   void change_strength(double time);
   void remove_due();
   void start_at_rest(const Vec2& gravity);
-  void place_tractions();
-  bool pushes() const { return scene.body_force || !loading.pushed().empty(); }
+  bool pushes() const { return scene.body_force || loading.tractions().any(); }
   bool work_in_steps() const { return loading.gravity_changes() || loading.any_density(); }
   Vec2 moment_of_mass() const;
 
@@ -63,7 +77,7 @@ struct Solver::Impl {
   double push_per_mass(double dt) const { return 1 / (dt * state.wave_speed * least_density() * g.grid.spacing.maxCoeff()); }
 
   // solver_watch.cpp: energy, rest and failure.
-  void add_work(double dt, int threads);
+  void add_work(const Cycle& c);
   void end_particle(std::size_t k, EndReason reason);
   void watch_motion();
   bool moved_far() const;
@@ -87,7 +101,6 @@ struct Solver::Impl {
   RigidBodies bodies;
   Loading loading;
   std::vector<double> reduction;  // by which the materials' strengths are divided now
-  std::vector<std::int32_t> pushed_at;  // of every particle: its entry in Loading::pushed(); -1: none
   SolverState state;
   Sleep sleep{options.sleep_below_m_s, state.sleep};
   LastGood good;

@@ -21,11 +21,10 @@ void Solver::Impl::map_body_force(int threads) {
   for (std::size_t k = 0; k < p.size(); ++k) {
     Vec2 a(0, 0);
     if (scene.body_force && p.cell[k] != Particles::ended) a = scene.body_force(p.index[k], state.time);
-    const std::int32_t push = pushed_at.empty() ? -1 : pushed_at[p.index[k]];
-    if (push >= 0 && p.cell[k] != Particles::ended) {
-      const Loading::Pushed& load = loading.pushed()[std::size_t(push)];
+    const Traction* load = loading.tractions().of(p.index[k]);
+    if (load && p.cell[k] != Particles::ended) {
       const double mass_then = p.volume0[k] * scene.materials[std::size_t(scene.particles.label[p.index[k]])].density_kg_m3;
-      a += load.share(state.time) * mass_then / p.mass_of(k) * load.acceleration;
+      a += load->share(state.time) * mass_then / p.mass_of(k) * load->acceleration;
     }
     ax[k] = a.x();
     ay[k] = a.y();
@@ -82,16 +81,6 @@ void Solver::Impl::start_at_rest(const Vec2& gravity) {
   if (std::abs(gravity.x()) > 1e-3 * std::abs(gravity.y()))
     throw InputError("mpm.k0: given where gravity is not vertical, expected initial_equilibrium = true without it");
   stress_from_columns(p, materials, g, gravity.y(), options.k0);
-}
-
-void Solver::Impl::place_tractions() {
-  if (loading.pushed().empty()) return;
-  pushed_at.assign(scene.particles.size(), -1);
-  for (std::size_t k = 0; k < loading.pushed().size(); ++k) {
-    std::int32_t& at = pushed_at[loading.pushed()[k].particle];
-    if (at >= 0) throw InputError("boundary: two tractions load the same particle, expected faces apart");
-    at = std::int32_t(k);
-  }
 }
 
 Vec2 Solver::Impl::moment_of_mass() const {

@@ -18,9 +18,9 @@ constexpr double still = 0.01;                // cells that the fastest node may
 
 }  // namespace
 
-void Solver::Impl::add_work(double dt, int threads) {
+void Solver::Impl::add_work(const Cycle& c) {
   const bool strained = scheme.stress != StressUpdate::usf;
-  state.balance.add(nodal_work(g, reactions, scheme.damping, dt, strained, threads), gather.kinetic_loss);
+  state.balance.add(nodal_work(g, reactions, scheme.damping, c.dt, strained, c.threads), gather.kinetic_loss);
   for (const Reaction& r : reactions)
     if (r.body >= 0) {
       state.body_impulse[2 * std::size_t(r.body)] += r.impulse_x;
@@ -29,7 +29,7 @@ void Solver::Impl::add_work(double dt, int threads) {
   if (!pushes()) return;
   for (const std::uint32_t n : g.active.nodes) {
     const Vec2 w = working_velocity(g, n, strained);
-    const double work = dt * (pushed[2 * n] * w.x() + pushed[2 * n + 1] * w.y());
+    const double work = c.dt * (pushed[2 * n] * w.x() + pushed[2 * n + 1] * w.y());
     state.balance.bodies += work;
     state.balance.moved += std::abs(work);
   }

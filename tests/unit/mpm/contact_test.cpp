@@ -97,7 +97,7 @@ TEST(Contact, RandomStatesKeepMomentumAndCoulombsLaw) {
     }
     std::vector<Reaction> reactions;
     contacts.apply(g, none, reactions);
-    contacts.apply_to_remapped(g);
+    contacts.apply_to_strain_velocity(g);
     EXPECT_LT((momentum_of(g, updated) - before).norm(), 1e-13 * mass);
     EXPECT_LT((momentum_of(g, strain_velocity) - u_before).norm(), 1e-13 * mass);
     for (const std::uint32_t n : g.active.nodes)
@@ -173,7 +173,7 @@ TEST(Contact, RemappedVelocitiesKeepTheSameRelativeMotion) {
     contacts.find(state.particles, g, densities_of(s), 1e-4, 1);
     std::vector<Reaction> reactions;
     contacts.apply(g, none, reactions);
-    contacts.apply_to_remapped(g);
+    contacts.apply_to_strain_velocity(g);
     for (const auto& m : contacts.nodes()) {
       if (!(m.normal_impulse > 0)) continue;
       const Vec2 n = updated(g, m.node[0]) - updated(g, m.node[1]), u = strain_velocity(g, m.node[0]) - strain_velocity(g, m.node[1]);

@@ -1,7 +1,7 @@
-// The kernels in lanes against plain loops over points, on every instruction set.
+// The kernels in lanes: pieces that are done together, in another order or one by one, on every instruction set. (Against plain
+// loops: reference_test.cpp.)
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cmath>
 #include <random>
 
@@ -14,24 +14,13 @@
 #include "mpm/transfer/stress_update.hpp"
 #include "mpm/step/scene_setup.hpp"
 #include "mpm/transfer/transfer.hpp"
-#include "tests/support/instruction_sets.hpp"
 #include "tests/unit/mpm/disorder.hpp"
+#include "tests/unit/mpm/every_target.hpp"
 
 namespace pivnp::mpm {
 namespace {
 
 using namespace test;
-
-// Runs `body` on the best instruction set and on the plainer ones.
-template <class Body>
-void on_every_target(Body&& body) {
-  for (const std::int64_t set : pivnp::test::instruction_sets()) {
-    pivnp::test::choose_instruction_set(set);
-    SCOPED_TRACE(simd_target());
-    body();
-  }
-  pivnp::test::choose_best_instruction_set();
-}
 
 // uGIMP's functions have three pieces; the lanes form them without asking which. (By the vectors every processor of this kind
 // has; the other sets' are compared through the kernels.)
@@ -55,89 +44,6 @@ TEST(GimpLanes, AreTheShapesPiecesUpToTheirJoints) {
       }
   EXPECT_LT(most, 4e-16);
 }
-
-class InLanes : public testing::TestWithParam<std::tuple<ShapeKind, TransferKind>> {};
-
-TEST_P(InLanes, MapWhatAPlainLoopMaps) {
-  const auto [shape, transfer] = GetParam();
-  Case c(shape, transfer);
-  Particles& p = c.state.particles;
-  GridState& g = c.g;
-  std::vector<std::array<double, 5>> sum(g.grid.node_count(), std::array<double, 5>{});
-  Shapes::with(shape, [&](auto kind) {
-    using S = decltype(kind);
-    for_points<S>(p, g, {0, g.cells.size()}, [&](std::uint32_t k, const std::size_t* at, const auto& lx, const auto& ly) {
-      for (int n = 0; n < S::width * S::width; ++n) {
-        const int a = n % S::width, b = n / S::width;
-        const double w = lx.w[a] * ly.w[b], gx = lx.g[a] * ly.w[b] * g.per_hx, gy = lx.w[a] * ly.g[b] * g.per_hy;
-        const double dx = (a + S::first - g.natural(p, k).x()) * 0.1, dy = (b + S::first - g.natural(p, k).y()) * 0.08;
-        double vx = p.vx[k], vy = p.vy[k];
-        if (!p.C_xx.empty()) {
-          vx += p.C_xx[k] * dx + p.C_xy[k] * dy;
-          vy += p.C_yx[k] * dx + p.C_yy[k] * dy;
-        }
-        const double m = p.mass_of(k) * w, v = p.volume0[k];
-        const std::array<double, 5> part{m, m * vx, m * vy, -v * (p.tau_xx[k] * gx + p.tau_xy[k] * gy),
-                                         -v * (p.tau_xy[k] * gx + p.tau_yy[k] * gy)};
-        for (std::size_t i = 0; i < 5; ++i) sum[at[n]][i] += part[i];
-      }
-    });
-  });
-  on_every_target([&] {
-    map_momentum(p, g, c.scheme, true, 1);
-    for (const std::uint32_t n : g.active.nodes) {
-      const Node& node = g.node[n];
-      EXPECT_NEAR(node.mass, sum[n][0], 1e-14 * 10);
-      EXPECT_NEAR(node.vx * node.mass, sum[n][1], 1e-13);
-      EXPECT_NEAR(node.vy * node.mass, sum[n][2], 1e-13);
-      EXPECT_NEAR(node.fx, sum[n][3], 1e-11);
-      EXPECT_NEAR(node.fy, sum[n][4], 1e-11);
-    }
-  });
-}
-
-TEST_P(InLanes, StrainIsThatOfThePointsOneByOne) {
-  const auto [shape, transfer] = GetParam();
-  Case c(shape, transfer);
-  Particles& p = c.state.particles;
-  GridState& g = c.g;
-  std::mt19937_64 random(seed_of_all);
-  std::uniform_real_distribution<double> u(-1, 1);
-  for (const double size : {1e-5, 1e-3, 0.3}) {
-    for (const std::uint32_t n : g.active.nodes) {
-      g.strain_velocity(n).x = 0.1 * size * u(random);
-      g.strain_velocity(n).y = 0.1 * size * u(random);
-    }
-    on_every_target([&] {
-      strain_points(p, g, c.scheme, 1, false, 1);
-      Shapes::with(shape, [&](auto kind) {
-        using S = decltype(kind);
-        for_points<S>(p, g, {0, g.cells.size()}, [&](std::uint32_t k, const std::size_t* at, const auto& lx, const auto& ly) {
-          Gradient G;
-          for (int n = 0; n < S::width * S::width; ++n) {
-            const int a = n % S::width, b = n / S::width;
-            const double gx = lx.g[a] * ly.w[b] * g.per_hx, gy = lx.w[a] * ly.g[b] * g.per_hy;
-            G.xx += g.strain_velocity(at[n]).x * gx;
-            G.xy += g.strain_velocity(at[n]).x * gy;
-            G.yx += g.strain_velocity(at[n]).y * gx;
-            G.yy += g.strain_velocity(at[n]).y * gy;
-          }
-          const Polar e = polar(G);
-          EXPECT_NEAR(p.de_xx[k], e.xx, 1e-13 * size);
-          EXPECT_NEAR(p.de_yy[k], e.yy, 1e-13 * size);
-          EXPECT_NEAR(p.de_xy[k], e.xy, 1e-13 * size);
-          EXPECT_NEAR(p.spin[k], e.spin, 1e-13 * size);
-        });
-      });
-    });
-  }
-}
-
-INSTANTIATE_TEST_SUITE_P(All, InLanes,
-                         testing::Values(std::tuple{ShapeKind::bilinear, TransferKind::flip},
-                                         std::tuple{ShapeKind::gimp, TransferKind::apic},
-                                         std::tuple{ShapeKind::bspline, TransferKind::flip},
-                                         std::tuple{ShapeKind::bspline, TransferKind::apic}));
 
 // One sweep that moves the points and strains them does what two do, beside a node that strains them by a velocity of its own
 // too.

@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "mpm/constraint/boundary.hpp"
+#include "mpm/constraint/restraints.hpp"
 #include "mpm/step/scene_setup.hpp"
 #include "pivnp/core/error.hpp"
 #include "tests/unit/mpm/scenes.hpp"

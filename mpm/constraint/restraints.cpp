@@ -1,0 +1,166 @@
+#include "mpm/constraint/restraints.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace pivnp::mpm {
+
+using Type = BoundaryType;
+
+Restraints::Restraints(const std::vector<std::pair<std::string, BoundaryOptions>>& boundaries, const GridGeometry& g,
+                       const Vec2& centroid, const Impedance& impedance)
+    : walls_(walls_of(boundaries, g, centroid, impedance)) {
+  std::vector<RestrainedNode> at_node(g.field_grid.node_count());
+  for (std::size_t w = 0; w < walls_.size(); ++w)
+    for (std::size_t k = 0; k < walls_[w].nodes.size(); ++k) {
+      RestrainedNode& at = at_node[walls_[w].nodes[k]];
+      at.walls.push_back(std::uint16_t(w));
+      at.until.push_back(walls_[w].release[k]);
+    }
+  for (std::size_t w = 0; w < walls_.size(); ++w)
+    if (walls_[w].type == Type::tied) {
+      tied_.tie(walls_[w], walls_[w + 1], g);
+      ++w;
+    }
+  for (int field = 0; field < g.velocity_fields; ++field)
+    for (std::size_t n = 0; n < at_node.size(); ++n) {
+      if (at_node[n].walls.empty()) continue;
+      nodes_.push_back(at_node[n]);
+      nodes_.back().node = std::uint32_t(std::size_t(field) * g.field_nodes() + n);
+    }
+  for (const RestrainedNode& at : nodes_) changes_.insert(changes_.end(), at.until.begin(), at.until.end());
+  std::sort(changes_.begin(), changes_.end());
+  changes_.erase(std::unique(changes_.begin(), changes_.end()), changes_.end());
+}
+
+void Restraints::apply(double time, double dt, GridState& g, std::vector<Reaction>& reactions) {
+  tied_.apply(time, g, reactions);
+  for (RestrainedNode& at : nodes_) {
+    Node& node = g.node[at.node];
+    if (!(node.mass > 0)) continue;
+    at.stuck = false;
+    const Vec2 free(node.nx, node.ny);
+    const Vec2 v = restrain(at, time, absorbed(at, time, dt, g, free), true, at.stuck, dt == 0);
+    if (g.velocity_fields > 1) at.mobility = mobility_of(at, time, free, dt == 0);
+    if (v == free) continue;
+    const Vec2 wall = given_velocity(at, time, dt == 0);
+    reactions.push_back({at.node, node.mass * (v.x() - free.x()), node.mass * (v.y() - free.y()), wall.x(), wall.y()});
+    node.nx = v.x();
+    node.ny = v.y();
+    node.held = true;
+  }
+}
+
+void Restraints::apply_to_strain_velocity(double time, GridState& g, bool equilibrium) const {
+  tied_.apply_to_strain_velocity(time, g, equilibrium);
+  for (const RestrainedNode& at : nodes_) {
+    if (!(g.node[at.node].mass > 0 && (equilibrium || g.has_own_strain_velocity(at.node)))) continue;
+    bool unused = false;
+    const GridState::StrainVelocity u = g.strain_velocity(at.node);
+    const Vec2 v = at.stuck ? Vec2::Zero() : restrain(at, time, Vec2(u.x, u.y), false, unused, equilibrium);
+    u.x = v.x();
+    u.y = v.y();
+  }
+}
+
+Vec2 Restraints::restrain(const RestrainedNode& at, double time, Vec2 v, bool with_friction, bool& stuck,
+                          bool equilibrium) const {
+  const Vec2* roller = nullptr;
+  bool frictional = false;
+  for (std::size_t w = 0; w < at.walls.size(); ++w) {
+    const Wall& wall = walls_[at.walls[w]];
+    if (time >= at.until[w]) continue;
+    if (wall.type == Type::fixed) return equilibrium ? Vec2(0, 0) : wall.velocity;
+    if (equilibrium && wall.type == Type::absorbing) return Vec2::Zero();
+    if (wall.type == Type::frictional) frictional = true;
+    if (wall.type != Type::roller) continue;
+    // Two rollers that are not parallel leave no way to go.
+    if (roller && std::abs(roller->x() * wall.normal.y() - roller->y() * wall.normal.x()) > 1e-6) return Vec2::Zero();
+    roller = &wall.normal;
+  }
+  if (roller) v -= v.dot(*roller) * *roller;
+  if (!frictional) return v;
+  for (int pass = 0; pass < 2; ++pass) {  // twice, for corners of two walls
+    apply_friction(at, time, v, with_friction, stuck);
+    if (roller) v -= v.dot(*roller) * *roller;
+  }
+  return v;
+}
+
+// Coulomb's law at the frictional walls one after the other.
+void Restraints::apply_friction(const RestrainedNode& at, double time, Vec2& v, bool with_friction, bool& stuck) const {
+  for (std::size_t w = 0; w < at.walls.size(); ++w) {
+    const Wall& wall = walls_[at.walls[w]];
+    if (time >= at.until[w] || wall.type != Type::frictional) continue;
+    const double inward = v.dot(wall.normal);
+    if (!(inward > 0)) continue;
+    Vec2 tangential = v - inward * wall.normal;
+    if (with_friction) {
+      const double speed = tangential.norm(), most = wall.friction * inward;
+      stuck = speed <= most;
+      tangential *= stuck ? 0.0 : 1 - most / speed;
+    }
+    v = tangential;
+  }
+}
+
+// v / (1 + dt C / m), C the dashpots of the node's length of wall: half of it at a wall's ends.
+Vec2 Restraints::absorbed(const RestrainedNode& at, double time, double dt, const GridState& g, Vec2 v) const {
+  for (const std::uint16_t id : at.walls) {
+    const Wall& wall = walls_[id];
+    if (wall.type != Type::absorbing || time >= wall.until) continue;
+    const Vec2 x = g.position(at.node);
+    const double half = 0.5 * g.grid.spacing.minCoeff();
+    const double share = (x - wall.from).norm() < half || (x - wall.to).norm() < half ? 0.5 : 1;
+    const double per = share * dt / g.node[at.node].mass, across = v.dot(wall.normal);
+    const Vec2 along = v - across * wall.normal;
+    v = across / (1 + per * wall.impedance[0]) * wall.normal + along / (1 + per * wall.impedance[1]);
+  }
+  return v;
+}
+
+Mat2 Restraints::mobility_of(const RestrainedNode& at, double time, const Vec2& free, bool equilibrium) const {
+  if (at.stuck) return Mat2::Zero();
+  Mat2 left = Mat2::Identity();
+  for (std::size_t w = 0; w < at.walls.size(); ++w) {
+    const Wall& wall = walls_[at.walls[w]];
+    if (time >= at.until[w]) continue;
+    if (wall.type == Type::fixed || (equilibrium && wall.type == Type::absorbing)) return Mat2::Zero();
+    if (wall.type == Type::absorbing || wall.type == Type::tied || (wall.type == Type::frictional && !(free.dot(wall.normal) > 0))) continue;
+    const Vec2 normal = left * wall.normal;
+    if (normal.norm() > 1e-6) left -= normal.normalized() * normal.normalized().transpose();
+  }
+  return left;
+}
+
+Mat2 Restraints::mobility(std::size_t node) const {
+  const auto at = std::lower_bound(nodes_.begin(), nodes_.end(), node,
+                                   [](const RestrainedNode& a, std::size_t n) { return a.node < n; });
+  return at != nodes_.end() && at->node == node ? at->mobility : Mat2(Mat2::Identity());
+}
+
+Vec2 Restraints::given_velocity(const RestrainedNode& at, double time, bool equilibrium) const {
+  for (std::size_t w = 0; w < at.walls.size() && !equilibrium; ++w)
+    if (time < at.until[w] && walls_[at.walls[w]].type == Type::fixed) return walls_[at.walls[w]].velocity;
+  return Vec2::Zero();
+}
+
+double Restraints::next_change(double time) const {
+  const auto it = std::upper_bound(changes_.begin(), changes_.end(), time);
+  return it == changes_.end() ? std::numeric_limits<double>::infinity() : *it;
+}
+
+std::vector<std::uint8_t> Restraints::wall_sides(double time, const Grid& grid) const {
+  std::vector<std::uint8_t> sides(grid.node_count(), wall_none);
+  for (const RestrainedNode& at : nodes_)
+    for (std::size_t w = 0; w < at.walls.size(); ++w)
+      if (time < at.until[w]) sides[at.node] = std::uint8_t(sides[at.node] | walls_[at.walls[w]].side);
+  return sides;
+}
+
+bool Restraints::any_absorbing() const {
+  return std::any_of(walls_.begin(), walls_.end(), [](const Wall& w) { return w.type == Type::absorbing; });
+}
+
+}  // namespace pivnp::mpm

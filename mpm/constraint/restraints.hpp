@@ -1,0 +1,62 @@
+// Restraints on nodes: walls, bases, gates.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "mpm/constraint/reaction.hpp"
+#include "mpm/constraint/tied_sides.hpp"
+#include "mpm/constraint/wall.hpp"
+#include "mpm/grid/grid_state.hpp"
+
+namespace pivnp::mpm {
+
+/// fixed: no motion. roller: no motion along the normal, either way. frictional: no motion along the normal outward;
+/// the tangential impulse is at most friction times the normal one; separation is free (the nodal form of Coulomb's
+/// law, as in Bardenhagen, Brackbill & Sulsky 2000 for a wall at rest). absorbing: dashpots rho c_p across and rho c_s
+/// along the wall (Lysmer & Kuhlemeyer 1969), taken implicitly, so that they do not bound the step. tied: tied_sides.hpp.
+///
+/// A fixed restraint may give its nodes a velocity; any may be drawn away at a speed (withdrawal.hpp).
+class Restraints {
+ public:
+  /// Throws InputError naming boundary.<name>.<key> (walls_of()).
+  Restraints(const std::vector<std::pair<std::string, BoundaryOptions>>& boundaries, const GridGeometry& g,
+             const Vec2& centroid, const Impedance& impedance);
+
+  /// Restrains Node::nx, ny; the impulses are appended to `reactions`. With dt = 0 (initial equilibrium) absorbing walls
+  /// are fixed.
+  void apply(double time, double dt, GridState& g, std::vector<Reaction>& reactions);
+  /// The motion that apply() left a node, as a projection: the unit matrix where no wall holds it.
+  Mat2 mobility(std::size_t node) const;
+  /// Restrains the strain-rate velocity alike; nodes that stuck in apply() stay.
+  void apply_to_strain_velocity(double time, GridState& g, bool equilibrium = false) const;
+  /// The first time after `time` at which a restraint goes.
+  double next_change(double time) const;
+  /// Behind which walls nothing is, for every node of the grid (WallSide).
+  std::vector<std::uint8_t> wall_sides(double time, const Grid& grid) const;
+  bool any_absorbing() const;
+  const TiedSides& tied() const { return tied_; }
+
+ private:
+  struct RestrainedNode {
+    std::uint32_t node;
+    std::vector<std::uint16_t> walls;
+    std::vector<double> until;  // of each wall at this node
+    bool stuck = false;
+    Mat2 mobility = Mat2::Identity();
+  };
+  Mat2 mobility_of(const RestrainedNode& at, double time, const Vec2& free, bool equilibrium) const;
+  Vec2 given_velocity(const RestrainedNode& at, double time, bool equilibrium) const;
+  Vec2 absorbed(const RestrainedNode& at, double time, double dt, const GridState& g, Vec2 v) const;
+  Vec2 restrain(const RestrainedNode& at, double time, Vec2 v, bool with_friction, bool& stuck, bool equilibrium) const;
+  void apply_friction(const RestrainedNode& at, double time, Vec2& v, bool with_friction, bool& stuck) const;
+
+  std::vector<Wall> walls_;
+  TiedSides tied_;
+  std::vector<RestrainedNode> nodes_;  // in the order of their index
+  std::vector<double> changes_;        // times at which a restraint goes somewhere
+};
+
+}  // namespace pivnp::mpm

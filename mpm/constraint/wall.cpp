@@ -1,0 +1,140 @@
+#include "mpm/constraint/wall.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mpm/constraint/withdrawal.hpp"
+#include "pivnp/core/error.hpp"
+#include "pivnp/core/particles/region.hpp"
+
+namespace pivnp::mpm {
+
+namespace {
+
+using Type = BoundaryType;
+
+Vec2 point(const Pair& p) { return {p[0], p[1]}; }
+
+Vec2 unit(const Pair& p, const std::string& key) {
+  const Vec2 v = point(p);
+  if (!(v.norm() > 0) || !v.allFinite()) throw InputError(key + ".normal: expected a direction of non-zero length");
+  return v.normalized();
+}
+
+// The side on which a wall along the grid, through nodes, has nothing; wall_none for any other.
+std::uint8_t side_along_grid(const Grid& grid, const Vec2& a, const Vec2& outward) {
+  const Vec2 at = (a - grid.origin).cwiseQuotient(grid.spacing);
+  const auto on_nodes = [](double s) { return std::abs(s - std::round(s)) < 1e-6; };
+  if (std::abs(outward.y()) < 1e-9 && on_nodes(at.x())) return outward.x() < 0 ? wall_left : wall_right;
+  if (std::abs(outward.x()) < 1e-9 && on_nodes(at.y())) return outward.y() < 0 ? wall_down : wall_up;
+  return wall_none;
+}
+
+void check_motion(const std::string& key, const BoundaryOptions& o) {
+  const std::string type(name_of(o.type));
+  const auto finite = [](const Pair& p) { return std::isfinite(p[0]) && std::isfinite(p[1]); };
+  if (o.velocity_m_s && (o.type != Type::fixed || !finite(*o.velocity_m_s)))
+    throw InputError(key + ".velocity_m_s: given with type \"" + type + "\", expected a velocity and type = \"fixed\"");
+  if (o.withdraw_m_s && (!finite(*o.withdraw_m_s) || !(point(*o.withdraw_m_s).norm() > 0)))
+    throw InputError(key + ".withdraw_m_s: expected a velocity other than 0");
+  if (o.withdraw_m_s && (o.type == Type::traction || o.type == Type::absorbing))
+    throw InputError(key + ".withdraw_m_s: given with type \"" + type + "\", expected fixed, roller or frictional");
+  if (o.across_m.has_value() != (o.type == Type::tied))
+    throw InputError(key + ".across_m: " + (o.across_m ? "given with type \"" + type + "\", expected type = \"tied\"" : "missing beside type = \"tied\""));
+  if (o.type == Type::tied && (o.line_m.empty() || o.withdraw_m_s))
+    throw InputError(key + (o.line_m.empty() ? ".line_m: missing; one side of what is tied" : ".withdraw_m_s: given with type \"tied\", expected fixed, roller or frictional"));
+  if (o.traction_pa && (o.type != Type::traction || !finite(*o.traction_pa)))
+    throw InputError(key + ".traction_pa: given with type \"" + type + "\", expected type = \"traction\"");
+}
+
+void take_nodes_along_line(const BoundaryOptions& o, const GridGeometry& g, const Vec2& centroid, Wall& wall) {
+  const Grid& grid = g.field_grid;
+  if (o.line_m.size() != 2) throw InputError(wall.key + ".line_m: expected two end points");
+  const Vec2 a = point(o.line_m[0]), b = point(o.line_m[1]);
+  const double length = (b - a).norm();
+  if (!(length > 0)) throw InputError(wall.key + ".line_m: expected two different end points");
+  const Vec2 along = (b - a) / length;
+  Vec2 across(-along.y(), along.x());
+  if (across.dot(centroid - a) > 0) across = -across;
+  if (o.normal) {
+    wall.normal = unit(*o.normal, wall.key);
+    if (across.dot(wall.normal) < 0) across = -across;
+  } else {
+    wall.normal = across;
+  }
+  const double h = 1 / across.cwiseQuotient(grid.spacing).norm(), half = 0.5 * h, round_off = 1e-6 * h;
+  wall.from = a;
+  wall.to = b;
+  wall.side = side_along_grid(grid, a, across);
+  // Functions of three nodes that stay as they are reach one row further.
+  const double behind = g.centred && wall.side == wall_none ? half + h : half;
+  for (int j = 0; j < grid.ny; ++j)
+    for (int i = 0; i < grid.nx; ++i) {
+      const Vec2 from_a = grid.position(i, j) - a;
+      const double out = from_a.dot(across), on = std::clamp(from_a.dot(along), 0.0, length);
+      const double past = std::abs(from_a.dot(along) - on);
+      if (out > -half + round_off && out <= behind + round_off && std::hypot(past, std::min(out, half)) <= half + round_off)
+        wall.nodes.push_back(std::uint32_t(grid.node(i, j)));
+    }
+}
+
+void take_nodes_in_polygon(const BoundaryOptions& o, const Grid& grid, Wall& wall) {
+  std::vector<Vec2> vertices;
+  for (const Pair& p : o.polygon_m) vertices.push_back(point(p));
+  const Polygon polygon(vertices, wall.key + ".polygon_m");
+  if (o.normal)
+    wall.normal = unit(*o.normal, wall.key);
+  else if (wall.type != Type::fixed)
+    throw InputError(wall.key + ".normal: a " + std::string(name_of(o.type)) + " polygon needs its normal");
+  const double round_off = 1e-6 * grid.spacing.minCoeff();
+  for (int j = 0; j < grid.ny; ++j)
+    for (int i = 0; i < grid.nx; ++i) {
+      const Vec2 x = grid.position(i, j);
+      Vec2 unused;
+      if (polygon.contains(x) || polygon.distance(x, unused) <= round_off) wall.nodes.push_back(std::uint32_t(grid.node(i, j)));
+    }
+}
+
+Wall wall_of(const std::string& key, const BoundaryOptions& o, const GridGeometry& g, const Vec2& centroid,
+             const Impedance& impedance) {
+  Wall wall;
+  wall.key = key;
+  wall.type = o.type;
+  wall.friction = o.friction;
+  if (!(o.friction >= 0)) throw InputError(key + ".friction: expected 0 or more");
+  if (o.until_s) wall.until = *o.until_s;
+  if (o.velocity_m_s) wall.velocity = point(*o.velocity_m_s);
+  if (o.line_m.empty() == o.polygon_m.empty()) throw InputError(key + ": expected either line_m or polygon_m");
+  if (o.line_m.empty()) take_nodes_in_polygon(o, g.field_grid, wall);
+  else take_nodes_along_line(o, g, centroid, wall);
+  if (wall.nodes.empty()) throw InputError(key + ": restrains no node of the grid, expected at least one");
+  if (wall.type == Type::absorbing) {
+    if (wall.side == wall_none)
+      throw InputError(key + ".line_m: an absorbing wall must lie along the grid, on a line of nodes");
+    const bool upright = wall.side == wall_left || wall.side == wall_right;
+    wall.impedance = impedance(0.5 * (wall.from + wall.to));
+    for (double& c : wall.impedance) c *= upright ? g.grid.spacing.y() : g.grid.spacing.x();
+  }
+  for (const std::uint32_t n : wall.nodes)
+    wall.release.push_back(release_time(o, wall.until, g.position(n), g.grid.spacing.minCoeff()));
+  return wall;
+}
+
+}  // namespace
+
+std::vector<Wall> walls_of(const std::vector<std::pair<std::string, BoundaryOptions>>& boundaries, const GridGeometry& g,
+                           const Vec2& centroid, const Impedance& impedance) {
+  std::vector<Wall> walls;
+  for (const auto& [name, options] : boundaries) check_motion("boundary." + name, options);
+  for (const auto& [name, options] : boundaries) {
+    if (options.type == Type::traction) continue;  // a load (tractions.hpp)
+    walls.push_back(wall_of("boundary." + name, options, g, centroid, impedance));
+    if (options.type != Type::tied) continue;
+    BoundaryOptions opposite = options;
+    for (Pair& end : opposite.line_m) end = {end[0] + (*options.across_m)[0], end[1] + (*options.across_m)[1]};
+    walls.push_back(wall_of("boundary." + name, opposite, g, centroid, impedance));
+  }
+  return walls;
+}
+
+}  // namespace pivnp::mpm

@@ -1,0 +1,158 @@
+// The cycle of appendix A; equation numbers are the thesis'.
+#include <cmath>
+
+#include "mpm/grid/sweeps.hpp"
+#include "mpm/step/solver_impl.hpp"
+
+namespace pivnp::mpm {
+
+namespace {
+
+constexpr std::int64_t stiffness_every = 8;  // steps between looks at the wave speed
+constexpr double sort_share = 0.05;          // of the points that may change cells between re-sorts of the storage
+constexpr double least_mass = 1e-5;          // of a full cell: lighter nodes move with a neighbour
+constexpr double touching = 0.25;            // of a full cell: mass around a body's outline in contact
+
+}  // namespace
+
+void Solver::Impl::step(double dt) {
+  const Cycle c = begin_step(dt);
+  find_cells(c);                        // A.1, A.2: cells and natural coordinates of the points
+  nonlocal.average(p, g, c.threads);    //           (the strain around each that softens it)
+  map_to_nodes(c);                      // A.3, A.4: mass, velocity v and internal force of the nodes
+  strain_first(c);                      //           (usf: A.12, A.13, A.22-A.24 by v, then A.4)
+  advance_nodes(c);                     // A.5-A.7:  force and updated velocity n
+  restrain_nodes(c);                    //           walls, contact and bodies act on n
+  move_points(c);                       // A.8-A.11: velocity and place of the points
+  strain_last(c);                       // A.12, A.13, A.22-A.24: their strain increment and stress
+  end_step(c);
+}
+
+Solver::Impl::Cycle Solver::Impl::begin_step(double dt) {
+  Cycle c{dt, choice.threads(), Vec2(0, 0), Vec2(0, 0)};
+  choice.begin_step();
+  g.join_strain_velocities();
+  load(dt);
+  c.gravity = loading.gravity(state.time + 0.5 * dt);
+  if (work_in_steps()) c.moment = moment_of_mass();
+  return c;
+}
+
+void Solver::Impl::end_step(const Cycle& c) {
+  add_work(c);
+  if (!gather.good) fail("a particle is not finite or moved more than a cell in one step");
+  state.fastest = std::sqrt(gather.fastest2);
+  look_for_rest(c.dt);
+  if (work_in_steps()) state.balance.gravity += c.gravity.dot(moment_of_mass() - c.moment);
+  ++state.steps;
+  state.body_motion = bodies.motion();
+  choice.end_step();
+}
+
+void Solver::Impl::find_cells(const Cycle& c) {
+  wake_what_moves();
+  if (restraints.tied().any()) {
+    restraints.tied().carry_over(state.time, p);
+    g.relocation.done = false;
+  }
+  std::vector<std::uint32_t> left;
+  if (locate_points(p, g, left, c.threads)) {
+    for (const std::uint32_t k : left) end_particle(k, EndReason::left_grid);
+    g.follow(p, g.relocation.moves);
+    state.since_sort += std::int64_t(g.relocation.moves.size());
+    if (double(state.since_sort) > sort_share * double(p.size())) {
+      p.sort_as(g.cells.order, c.threads);
+      state.since_sort = 0;
+    }
+  }
+  let_sleep();
+}
+
+// Nothing asks for the mapped velocity before the momentum is updated: A.3-A.7 in one sweep.
+bool Solver::Impl::maps_and_advances() const {
+  return scheme.stress != StressUpdate::usf && scheme.transfer != TransferKind::xpic && contacts.empty() && !pushes();
+}
+
+void Solver::Impl::map_to_nodes(const Cycle& c) {
+  const double least = least_mass * least_density() * g.grid.spacing.prod();
+  const bool with_force = scheme.stress != StressUpdate::usf;
+  if (with_force) average_mean_stress(p, g, scheme, c.threads);
+  if (maps_and_advances()) return map_and_update(p, g, scheme, small_mass, least, c.gravity, c.dt, c.threads);
+  map_momentum(p, g, scheme, with_force, c.threads);
+  small_mass.find(g, least);
+  if (!contacts.empty()) contacts.find(p, g, density, c.dt, c.threads);
+}
+
+void Solver::Impl::strain_first(const Cycle& c) {
+  if (scheme.stress != StressUpdate::usf) return;
+  take_mapped_velocity(c);
+  small_mass.join_velocity(g);
+  strain(c);
+  average_mean_stress(p, g, scheme, c.threads);
+  map_force(p, g, scheme, c.threads);
+}
+
+// The mapped velocity, as walls and bodies let it be, gives the strain increments.
+void Solver::Impl::take_mapped_velocity(const Cycle& c) {
+  for_nodes(g, c.threads, [](Node& node, std::uint32_t) {
+    node.nx = node.vx;
+    node.ny = node.vy;
+  });
+  apply_restraints(c);
+  for_nodes(g, c.threads, [this](Node& node, std::uint32_t n) {
+    const GridState::StrainVelocity u = g.strain_velocity(n);
+    u.x = node.nx;
+    u.y = node.ny;
+    node.held = false;
+  });
+}
+
+void Solver::Impl::advance_nodes(const Cycle& c) {
+  if (!maps_and_advances()) {
+    if (scheme.transfer == TransferKind::xpic) filtered_velocity(p, g, scheme.xpic_order, filtered, c.threads);
+    map_body_force(c.threads);
+    update_momentum(g, c.gravity, scheme.damping, c.dt, c.threads);
+  }
+  small_mass.join_momentum(g, scheme.damping, c.dt);
+}
+
+void Solver::Impl::restrain_nodes(const Cycle& c) {
+  apply_restraints(c);
+  bodies.advance(c.dt);
+  if (scheme.stress == StressUpdate::usl) restrain_strain_velocity();
+}
+
+void Solver::Impl::apply_restraints(const Cycle& c) {
+  reactions.clear();
+  restraints.apply(state.time, c.dt, g, reactions);
+  contacts.apply(g, restraints, reactions);
+  bodies.accelerate(state.time, c.dt, c.gravity);
+  bodies.apply(state.time, touching * least_density() * g.grid.spacing.prod(), g, reactions);
+  if (sleep.any()) sleep.hold(push_per_mass(c.dt), g);
+}
+
+void Solver::Impl::restrain_strain_velocity() {
+  small_mass.join_velocity(g);
+  bodies.separate_strain_velocities(g);
+  restraints.apply_to_strain_velocity(state.time, g);
+  if (scheme.stress == StressUpdate::musl) contacts.apply_to_strain_velocity(g);
+  bodies.apply_to_strain_velocity(state.time, g);
+  sleep.hold_strain_velocity(g);
+}
+
+// (Where one sweep does both, strain_last() moves them.)
+void Solver::Impl::move_points(const Cycle& c) {
+  if (!moves_with_strain(g, scheme)) gather = gather_velocity(p, g, scheme, c.dt, filtered, c.threads);
+  if (scheme.stress == StressUpdate::musl) restrain_strain_velocity();
+}
+
+void Solver::Impl::strain_last(const Cycle& c) {
+  if (scheme.stress != StressUpdate::usf) strain(c, moves_with_strain(g, scheme) ? &gather : nullptr);
+}
+
+void Solver::Impl::strain(const Cycle& c, GatherSums* moved) {
+  state.balance.damping += strain_and_update_stress(materials, p, g, scheme, c.dt, c.threads, moved);
+  if (state.steps % stiffness_every == 0) state.wave_speed = wave_speed(materials, density, p, c.threads);
+}
+
+}  // namespace pivnp::mpm

@@ -1,0 +1,148 @@
+// The kernels in lanes against the plain loops of appendix A, on every instruction set: every shape, transfer and average.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <ostream>
+#include <random>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "mpm/state/particle_fields.hpp"
+#include "mpm/state/scheme_rows.hpp"
+#include "mpm/transfer/reference.hpp"
+#include "mpm/transfer/transfer.hpp"
+#include "tests/unit/mpm/disorder.hpp"
+#include "tests/unit/mpm/every_target.hpp"
+
+namespace pivnp::mpm {
+namespace {
+
+using namespace test;
+
+using Choice = std::tuple<ShapeKind, TransferKind, Locking>;
+
+std::vector<Choice> choices() {
+  std::vector<Choice> all;
+  for (const ShapeRow& shape : shape_rows)
+    for (const TransferRow& transfer : transfer_rows)
+      for (const LockingRow& locking : locking_rows)
+        if (!(shape.centred() && locking.of_elements)) all.emplace_back(shape.value, transfer.value, locking.value);
+  return all;
+}
+std::string name_of_choice(const testing::TestParamInfo<Choice>& info) {
+  const auto [shape, transfer, locking] = info.param;
+  return std::string(name_of(shape)) + "_" + std::string(name_of(transfer)) + "_" + std::string(name_of(locking));
+}
+
+// Points in no order, some of which stand apart, and nodes that move anyhow.
+struct Disorder : Case {
+  std::mt19937_64 random{seed_of_all + 1};
+
+  Disorder(const Choice& choice, StressUpdate stress) : Case(std::get<0>(choice), std::get<1>(choice), stress == StressUpdate::usl) {
+    scheme.stress = stress;
+    scheme.locking = std::get<2>(choice);
+    scheme.pic_per_s = scheme.transfer == TransferKind::flip ? 100 : 0;
+    scheme.xpic_order = 3;
+    Particles& p = state.particles;
+    p.history.declare({opening_strain}, p.size());
+    Array& opening = *p.history.find(opening_strain.name);
+    for (std::size_t k = 0; k < p.size(); k += 5) opening[k] = 0.1;
+  }
+  double u() { return std::uniform_real_distribution<double>(-1, 1)(random); }
+  void map() {
+    average_mean_stress(state.particles, g, scheme, 1);
+    map_momentum(state.particles, g, scheme, true, 1);
+  }
+  // Updated velocities, up to `most` m/s.
+  void move_nodes(double most) {
+    for (const std::uint32_t n : g.active.nodes) {
+      g.node[n].nx = most * u();
+      g.node[n].ny = most * u();
+    }
+  }
+};
+
+class AgainstReference : public testing::TestWithParam<Choice> {};
+
+TEST_P(AgainstReference, MassMomentumAndForceOfTheNodes) {
+  on_every_target([&] {
+    Disorder d(GetParam(), StressUpdate::musl);
+    const auto sums = reference::map_points(d.state.particles, d.g, d.scheme);
+    d.map();
+    for (const std::uint32_t n : d.g.active.nodes) {
+      const Node& node = d.g.node[n];
+      ASSERT_NEAR(node.mass, sums[n].mass, 1e-13);
+      ASSERT_NEAR(node.vx * node.mass, sums[n].momentum.x(), 1e-13);
+      ASSERT_NEAR(node.vy * node.mass, sums[n].momentum.y(), 1e-13);
+      ASSERT_NEAR(node.fx, sums[n].force.x(), 1e-11);
+      ASSERT_NEAR(node.fy, sums[n].force.y(), 1e-11);
+    }
+  });
+}
+
+TEST_P(AgainstReference, VelocityPlaceAndAffineFieldOfThePoints) {
+  on_every_target([&] {
+    for (const StressUpdate stress : {StressUpdate::musl, StressUpdate::usl}) {
+      Disorder d(GetParam(), stress);
+      Particles& p = d.state.particles;
+      d.map();
+      d.move_nodes(1);
+      const double dt = 1e-3;
+      const auto moved = reference::move_points(p, d.g, d.scheme, dt);
+      const auto again = reference::map_again(p, d.g, moved);
+      std::vector<double> filtered;
+      if (d.scheme.transfer == TransferKind::xpic) filtered_velocity(p, d.g, d.scheme.xpic_order, filtered, 1);
+      EXPECT_TRUE(gather_velocity(p, d.g, d.scheme, dt, filtered, 1).good);
+      for (std::size_t k = 0; k < p.size(); ++k) {
+        if (p.cell[k] == Particles::ended) continue;
+        ASSERT_NEAR(p.vx[k], moved[k].velocity.x(), 1e-13);
+        ASSERT_NEAR(p.vy[k], moved[k].velocity.y(), 1e-13);
+        ASSERT_NEAR(p.x[k], moved[k].place.x(), 1e-15);
+        ASSERT_NEAR(p.y[k], moved[k].place.y(), 1e-15);
+        if (d.scheme.transfer != TransferKind::apic) continue;
+        const std::array<double, 4> affine{p.C_xx[k], p.C_xy[k], p.C_yx[k], p.C_yy[k]};
+        for (int c = 0; c < 4; ++c) ASSERT_NEAR(affine[std::size_t(c)], moved[k].affine(c / 2, c % 2), 1e-11);
+      }
+      if (stress != StressUpdate::musl) continue;
+      for (const std::uint32_t n : d.g.active.nodes) {
+        const double scale = 1e-13 / d.g.node[n].mass;  // next to nothing may move in any way
+        ASSERT_NEAR(d.g.strain_velocity(n).x, again[n].x(), 1e-13 + scale);
+        ASSERT_NEAR(d.g.strain_velocity(n).y, again[n].y(), 1e-13 + scale);
+      }
+    }
+  });
+}
+
+TEST_P(AgainstReference, StrainIncrementsOfThePoints) {
+  on_every_target([&] {
+    for (const StressUpdate stress : {StressUpdate::musl, StressUpdate::usl})
+      for (const double size : {1e-5, 1e-3, 0.1}) {
+        Disorder d(GetParam(), stress);
+        Particles& p = d.state.particles;
+        d.move_nodes(0.1 * size);
+        for (const std::uint32_t n : d.g.active.nodes) {
+          if (stress == StressUpdate::usl && n % 7 == 0) d.g.separate_strain_velocities(n);
+          if (!d.g.has_own_strain_velocity(n)) continue;
+          d.g.strain_velocity(n).x = 0.1 * size * d.u();
+          d.g.strain_velocity(n).y = 0.1 * size * d.u();
+        }
+        const auto increments = reference::strain_points(p, d.g, d.scheme, 1);
+        strain_points(p, d.g, d.scheme, 1, false, 1);
+        for (std::size_t k = 0; k < p.size(); ++k) {
+          const reference::StrainIncrement& e = increments[k];
+          ASSERT_NEAR(p.de_xx[k], e.xx, 1e-12 * size);
+          ASSERT_NEAR(p.de_yy[k], e.yy, 1e-12 * size);
+          ASSERT_NEAR(p.de_zz[k], e.zz, 1e-12 * size);
+          ASSERT_NEAR(p.de_xy[k], e.xy, 1e-12 * size);
+          ASSERT_NEAR(p.spin[k], e.spin, 1e-12 * size);
+        }
+      }
+  });
+}
+
+INSTANTIATE_TEST_SUITE_P(All, AgainstReference, testing::ValuesIn(choices()), name_of_choice);
+
+}  // namespace
+}  // namespace pivnp::mpm
