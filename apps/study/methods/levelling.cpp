@@ -5,8 +5,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "apps/study/methods/stages.hpp"
+#include "apps/study/methods/tracking.hpp"
 #include "apps/study/pipeline/measure.hpp"
+#include "apps/study/pipeline/statistics.hpp"
 #include "apps/study/synth/truth.hpp"
 #include "compare/data/triangulation.hpp"
 #include "compare/metrics/words.hpp"
@@ -244,13 +245,6 @@ class CarriedFrames final : public image::FrameSource {
   float background_ = 0;
 };
 
-double median(std::vector<double> values) {
-  if (values.empty()) return std::nan("");
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace
 
 double noise_variance(const ImageView& first, const std::vector<Vec2>& nodes_px, int window_px,
@@ -267,10 +261,10 @@ double noise_variance(const ImageView& first, const std::vector<Vec2>& nodes_px,
       found.push_back(std::max(0.0, 1 - double(pair.score[n])) *
                       moments(g, c - half, c + half, r - half, r + half).variance);
     }
-    const double score = median(scores);
+    const double score = median(scores, std::nan(""));
     if (!(score > best_score)) continue;
     best_score = score;
-    noise = median(found);
+    noise = median(found, std::nan(""));
   }
   return noise;
 }

@@ -5,8 +5,9 @@
 
 #include "apps/study/methods/levelling.hpp"
 #include "apps/study/methods/peak_locking.hpp"
-#include "apps/study/methods/stages.hpp"
+#include "apps/study/methods/simulation.hpp"
 #include "apps/study/methods/strain_floor.hpp"
+#include "apps/study/methods/tracking.hpp"
 #include "apps/study/pipeline/measure.hpp"
 #include "apps/study/pipeline/outcome.hpp"
 #include "apps/study/pipeline/report_input.hpp"
@@ -43,7 +44,7 @@ std::vector<double> output_times(const Case& c, const std::vector<Frame>& frames
       if (frame.time <= end * (1 + 1e-12)) times.push_back(frame.time);
   }
   if (times.size() < 2)
-    throw InputError((c.file.empty() ? c.name : c.file.string()) +
+    throw InputError(of_file(c) +
                      ": mpm: nothing to simulate; give end_s and output_rate_hz, or frames");
   return times;
 }
@@ -69,7 +70,7 @@ RunOutcome run_case(const Case& given, const RunSettings& settings, Stages stage
   const bool tracks = measures && stages != Stages::piv;
   const bool simulates = c.mpm && (stages == Stages::all || stages == Stages::simulate);
   if (!measures && !simulates)
-    throw InputError((c.file.empty() ? c.name : c.file.string()) + ": nothing to do: neither frames nor [mpm]");
+    throw InputError(of_file(c) + ": nothing to do: neither frames nor [mpm]");
 
   std::error_code failed;
   fs::create_directories(settings.out, failed);
@@ -127,7 +128,7 @@ RunOutcome run_case(const Case& given, const RunSettings& settings, Stages stage
       outcome.limits = comparison->limits;
     } catch (const InputError& error) {
       not_compared = error.what();
-      outcome.remarks.push_back("Not compared: " + not_compared + ".");
+      outcome.remarks.push_back("Measurement and simulation were not compared: " + not_compared + ".");
     }
   }
   writer.finish();
