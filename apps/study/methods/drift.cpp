@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "apps/study/pipeline/statistics.hpp"
+#include "pivnp/core/particles/alive.hpp"
 #include "pivnp/np/fusion.hpp"
 #include "pivnp/piv/window/subset.hpp"
 
@@ -71,7 +72,7 @@ struct DriftCorrector::Impl {
       key->x.push_back(now.x);
       key->F.push_back(now.F);
       key->cov.push_back(now.cov);
-      key->alive.push_back(now.status == ParticleStatus::active || now.status == ParticleStatus::flagged);
+      key->alive.push_back(alive(now.status));
     }
     key->var_F = var_F;
     return key;
@@ -210,8 +211,7 @@ struct DriftCorrector::Impl {
     std::vector<std::size_t> out;
     const auto state = tracker.state();
     for (std::size_t p = 0; p < state.size(); ++p) {
-      const ParticleStatus s = state[p].status;
-      if (s == ParticleStatus::active || s == ParticleStatus::flagged) out.push_back(p);
+      if (alive(state[p].status)) out.push_back(p);
     }
     return out;
   }

@@ -11,6 +11,7 @@
 #include "compare/metrics/rows.hpp"
 #include "pivnp/core/choice.hpp"
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/particles/alive.hpp"
 #include "pivnp/io/import_format.hpp"
 #include "pivnp/io/record.hpp"
 
@@ -32,8 +33,6 @@ std::pair<std::string, std::string> file_and_rest(const std::string& text) {
   return colon == std::string::npos ? std::pair{text, std::string()}
                                     : std::pair{text.substr(0, colon), text.substr(colon + 1)};
 }
-
-bool alive(ParticleStatus s) { return s == ParticleStatus::active || s == ParticleStatus::flagged; }
 
 // x within which 99.5 % of the followed particles' area lies, counted from the left (or from the right).
 double front(const ParticleSet& set, const MotionFrame& f, bool left) {

@@ -12,6 +12,7 @@
 #include "apps/plot/files.hpp"
 #include "apps/study/methods/tracking.hpp"
 #include "apps/study/pipeline/measure.hpp"
+#include "apps/study/pipeline/record_head.hpp"
 #include "apps/study/synth/synthesize.hpp"
 #include "apps/study/synth/truth.hpp"
 #include "pivnp/core/error.hpp"
@@ -111,15 +112,6 @@ std::unique_ptr<image::FrameSource> open_drawn(const Case& c, const fs::path& fo
   drawn.path = (folder / "frame_*.png").string();
   drawn.rate_hz = c.frames && c.frames->rate_hz ? *c.frames->rate_hz : 1.0;
   return image::open_frames(drawn, "");
-}
-
-io::RecordHead record_head(const Case& c, const Setting& setting, const RunSettings& settings) {
-  io::RecordHead head;
-  head.command = settings.command;
-  head.case_text = write_case(c);
-  head.length_unit = setting.camera.length_unit();
-  head.grid = setting.grid;
-  return head;
 }
 
 Measurement draw_and_measure(const Case& c, const RunSettings& settings, Progress& progress) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "apps/study/pipeline/record_head.hpp"
 #include "apps/study/synth/truth.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/image/synthetic.hpp"
@@ -52,7 +53,7 @@ class Drawing {
         setting_(make_setting(c, synth_.width_px, synth_.height_px)),
         folder_(settings.out / "frames"),
         particles_(seed_particles(c, setting_)),
-        writer_(settings.out / "truth", record_head(settings), false, settings.threads),
+        writer_(settings.out / "truth", record_head(c, setting_, settings), false, settings.threads),
         renderer_(c.texture, synth_.width_px, synth_.height_px) {
     const double rate = c.frames && c.frames->rate_hz ? *c.frames->rate_hz : 1.0;
     for (int k = 0; k < synth_.frames; ++k) times_.push_back(k / rate);
@@ -75,16 +76,6 @@ class Drawing {
   }
 
  private:
-  io::RecordHead record_head(const RunSettings& settings) const {
-    io::RecordHead head;
-    head.command = settings.command;
-    head.case_text = write_case(c_);
-    head.length_unit = setting_.camera.length_unit();
-    head.grid = setting_.grid;
-    head.world_from_pixel = setting_.camera.world_from_pixel();
-    return head;
-  }
-
   std::uint64_t seed() const { return std::uint64_t(c_.texture.seed); }
   std::uint64_t seed_of(int frame) const { return seed() + 977 * std::uint64_t(frame); }
   double blobs_per_area() const { return c_.texture.density_per_px / (pixel_ * pixel_); }
