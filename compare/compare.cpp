@@ -93,7 +93,7 @@ std::string floor_source(const StrainNotes& notes, const MotionSource& first, co
   const std::array<const MotionSource*, 2> motions{&first, &second};
   for (std::size_t s = 0; s < 2; ++s)
     if (notes[s] && std::isfinite(notes[s]->floor_dev))
-      text += (text.empty() ? "" : " and ") + motions[s]->name() + " (" + notes[s]->floor_source + ")";
+      text += (text.empty() ? "" : " and ") + motions[s]->name() + " (" + std::string(name_of(notes[s]->floor_source)) + ")";
   return text;
 }
 

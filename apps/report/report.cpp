@@ -34,6 +34,7 @@ void write_report(const ReportOptions& options, const ReportInput& input, const 
   Content content;
   content.name = input.name;
   content.command = head.command;
+  content.written_by = record.written_by();
   content.case_text = head.case_text;
   content.length_unit = head.length_unit;
   content.time_unit = head.time_unit;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "compare/data/rigid.hpp"
+#include "pivnp/core/particles/alive.hpp"
 #include "pivnp/core/particles/region.hpp"
 
 namespace pivnp::compare {
@@ -77,8 +78,7 @@ class Seen {
     const std::vector<Vec2>& X = motion_.particles().x0;
     std::vector<Vec2> u(X.size(), Vec2::Constant(std::nan("")));
     for (std::size_t p = 0; p < u.size(); ++p)
-      if (f.status[p] == ParticleStatus::active || f.status[p] == ParticleStatus::flagged)
-        u[p] = Vec2(double(f.u[p][0]), double(f.u[p][1]));
+      if (alive(f.status[p])) u[p] = Vec2(double(f.u[p][0]), double(f.u[p][1]));
     std::vector<Vec2> from, to;
     for (const std::size_t p : members_) {
       if (!u[p].allFinite()) continue;

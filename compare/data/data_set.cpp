@@ -8,13 +8,12 @@
 
 #include "compare/data/triangulation.hpp"
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/particles/alive.hpp"
 #include "pivnp/core/particles/strain.hpp"
 
 namespace pivnp::compare {
 
 namespace {
-
-bool alive(ParticleStatus s) { return s == ParticleStatus::active || s == ParticleStatus::flagged; }
 
 bool usable(const MotionFrame& frame, std::size_t p) {
   return alive(frame.status[p]) && std::isfinite(frame.u[p][0]) && std::isfinite(frame.u[p][1]);

@@ -152,7 +152,7 @@ void pack_fields(h5::OutputFile& out, const MotionSource& motion, const std::vec
 void pack_strain_note(h5::OutputFile& out, const std::string& motion, const StrainNote& note) {
   const std::string group = "/motion/" + motion;
   out.attribute(group, "gauge_length", note.gauge_length);
-  out.attribute(group, "strain_floor_source", note.floor_source);
+  out.attribute(group, "strain_floor_source", std::string(name_of(note.floor_source)));
   if (!std::isfinite(note.floor_dev)) return;
   out.attribute(group, "strain_floor_dev", note.floor_dev);
   out.attribute(group, "strain_floor_vol", note.floor_vol);

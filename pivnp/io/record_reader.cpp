@@ -104,7 +104,8 @@ std::optional<StrainNote> RecordReader::strain_note(const std::string& motion) c
   if (!source.has(group) || !source.has_attribute(group, "gauge_length")) return std::nullopt;
   StrainNote note;
   note.gauge_length = source.attribute_number(group, "gauge_length");
-  note.floor_source = source.attribute_text(group, "strain_floor_source");
+  note.floor_source =
+      value_named<StrainFloor>(source.attribute_text(group, "strain_floor_source")).value_or(StrainFloor::not_measured);
   if (!source.has_attribute(group, "strain_floor_dev")) return note;
   note.floor_dev = source.attribute_number(group, "strain_floor_dev");
   note.floor_vol = source.attribute_number(group, "strain_floor_vol");

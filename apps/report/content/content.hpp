@@ -17,6 +17,7 @@
 #include "pivnp/core/record/frames.hpp"
 #include "pivnp/core/record/strain_note.hpp"
 #include "pivnp/core/record/vectors.hpp"
+#include "pivnp/core/version.hpp"
 
 namespace pivnp::report {
 
@@ -30,6 +31,7 @@ struct Picture {
 struct Content {
   std::string name;
   std::string command;                             // as typed
+  BuildInfo written_by;                            // what wrote the record; empty texts: not known
   std::string case_text;                           // TOML with every default filled in
   std::string length_unit = "m", time_unit = "s";  // of vectors, motions and the camera
   Mat3 world_from_pixel = Mat3::Identity();

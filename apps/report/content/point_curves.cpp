@@ -8,14 +8,13 @@
 #include <Eigen/Dense>
 
 #include "apps/report/content/selection.hpp"
+#include "pivnp/core/particles/alive.hpp"
 
 namespace pivnp::report {
 
 namespace {
 
 constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
-
-bool alive(ParticleStatus s) { return s == ParticleStatus::active || s == ParticleStatus::flagged; }
 
 // Particles and weights whose sum reproduces affine fields at a point.
 struct Stencil {

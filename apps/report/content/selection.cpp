@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "apps/plot/numbers.hpp"
+#include "pivnp/core/particles/alive.hpp"
 
 namespace pivnp::report {
 
@@ -89,8 +90,7 @@ std::vector<Vec2> chosen_points(const ReportOptions& options, const Content& con
   for (std::size_t p = 0; p < particles.size(); ++p) {
     if (!inside[p]) continue;
     const double d = std::hypot(double(last.u[p][0]), double(last.u[p][1]));
-    const bool alive = last.status[p] == ParticleStatus::active || last.status[p] == ParticleStatus::flagged;
-    if (alive && std::isfinite(d) && !(p < particles.born.size() && particles.born[p] > start))
+    if (alive(last.status[p]) && std::isfinite(d) && !(p < particles.born.size() && particles.born[p] > start))
       followed.push_back({d, particles.x0[p]});
   }
   std::vector<double> all;

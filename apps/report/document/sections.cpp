@@ -106,7 +106,7 @@ void appendix(Builder& b, const Content& content) {
     b.paragraph("Command:");
     b.add(Code{content.command});
   }
-  b.paragraph(versions() + " Written " + utc_now() + ".");
+  b.paragraph(versions(content.written_by) + " The report is of " + utc_now() + ".");
   b.heading(2, "How to cite");
   b.add(List{{"pivnp " + program_version() +
                   ": from lab video to verdict by PIV, numerical particles, MPM and comparison. Free software, "

@@ -7,10 +7,17 @@ namespace pivnp::report {
 
 std::string program_version() { return build_info().version; }
 
-std::string versions() {
-  const BuildInfo& build = build_info();
-  return "pivnp " + build.version + " (commit " + build.commit + "), built with " + build.libraries + "; figures by " +
-         plot::drawing_libraries() + ".";
+std::string versions(const BuildInfo& record) {
+  const auto words = [](const BuildInfo& b) {
+    return "pivnp " + b.version + " (commit " + b.commit + ") with " + b.libraries;
+  };
+  const BuildInfo& own = build_info();
+  const bool known = !record.version.empty();
+  const bool same = record.commit == own.commit && record.version == own.version && record.libraries == own.libraries;
+  std::string text;
+  if (known && !same) text = "The record was written by " + words(record) + ". ";
+  text += (known && same ? "Record and report were written by " : "This report was written by ") + words(own);
+  return text + "; figures are drawn by " + plot::drawing_libraries() + ".";
 }
 
 }  // namespace pivnp::report

@@ -3,10 +3,14 @@
 
 #include <string>
 
+#include "pivnp/core/version.hpp"
+
 namespace pivnp::report {
 
 std::string program_version();
-/// One sentence: version, commit and libraries of the program, and what draws the figures.
-std::string versions();
+
+/// Version, commit and libraries of the program that wrote the record, and of this one where it is another; what draws
+/// the figures.
+std::string versions(const BuildInfo& record);
 
 }  // namespace pivnp::report

@@ -5,6 +5,7 @@
 
 #include "apps/plot/numbers.hpp"
 #include "apps/report/words/words.hpp"
+#include "pivnp/core/particles/alive.hpp"
 
 namespace pivnp::report {
 
@@ -89,17 +90,17 @@ std::string motion_sentence(const MotionSource& motion, const std::string& verb)
     const MotionFrame last = motion.frame(t.size() - 1);
     std::vector<double> u;
     double variance = 0;
-    std::size_t alive = 0, known = 0;
+    std::size_t followed = 0, known = 0;
     for (std::size_t p = 0; p < last.u.size(); ++p) {
-      if (last.status[p] != ParticleStatus::active && last.status[p] != ParticleStatus::flagged) continue;
-      ++alive;
+      if (!alive(last.status[p])) continue;
+      ++followed;
       u.push_back(std::hypot(double(last.u[p][0]), double(last.u[p][1])));
       if (p >= last.cov_u.size()) continue;
       const double trace = double(last.cov_u[p][0]) + double(last.cov_u[p][1]);
       if (std::isfinite(trace)) variance += trace, ++known;
     }
-    text += "; " + percent(last.u.empty() ? 0 : double(alive) / double(last.u.size())) + " of them to the end";
-    if (alive > 0)
+    text += "; " + percent(last.u.empty() ? 0 : double(followed) / double(last.u.size())) + " of them to the end";
+    if (followed > 0)
       text += ", where the greatest displacement is " + significant(quantile(u, 1)) + unit_suffix(motion.length_unit());
     if (known > 0)
       text += " and the standard uncertainty of a displacement " + significant(std::sqrt(variance / double(known)), 2) +

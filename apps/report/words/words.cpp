@@ -45,10 +45,12 @@ std::string strain_statement(const StrainNote& note, const std::string& length_u
   const DisplayUnit unit = display_unit(length_unit, note.gauge_length);
   std::string text = "Gauge length of measured strains: " + significant(note.gauge_length * unit.factor, 3) +
                      unit_suffix(unit.name) + " (shape function and interrogation window). ";
-  if (note.floor_source == "not measured")
+  if (note.floor_source == StrainFloor::not_measured)
     return text + "Noise floor: not measured (np.still_zone_px, np.still_zone_m or np.still_frames would tell it).";
   return text + "Noise floor at the last frame, RMS, measured on " +
-         (note.floor_source == "still zone" ? "a zone at rest" : "frames at rest, carried on by the square root of the steps") +
+         (note.floor_source == StrainFloor::still_zone
+              ? "a zone at rest"
+              : "frames at rest, carried on by the square root of the steps") +
          ": deviatoric " + significant(note.floor_dev, 2) + ", volumetric " + significant(note.floor_vol, 2) +
          ", summed along the path " + significant(note.floor_path, 2) + ".";
 }

@@ -150,9 +150,11 @@ std::vector<std::string> closure_remarks(const ClosureNote& note, const Setting&
   for (const auto& chain : note.chains) longest = std::max(longest, std::int32_t(chain[1] - chain[0]));
   const auto at = [&](double q) { return number(sigma[std::size_t(q * double(sigma.size() - 1))] / pixel, 2); };
   return {
-      "Steps in turn miss direct correlation over up to " + std::to_string(longest) +
-      " of them by more than is stated: pairs repeat the same error at a place (standing light, dirt, reflections), " +
-      at(0.5) + " px in the median, " + at(0.95) + " px at the worst twentieth. The uncertainty of paths holds it."};
+      "Steps in turn differ from direct correlation over up to " + std::to_string(longest) +
+      " of them by more than their uncertainty explains: every pair repeats an error at the same place (standing light, "
+      "dirt, reflections), of " +
+      at(0.5) + " px in the median and of more than " + at(0.95) +
+      " px in the worst twentieth. The uncertainty of the paths includes it."};
 }
 
 }  // namespace pivnp::app

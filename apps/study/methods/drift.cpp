@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <unordered_map>
 
+#include "apps/study/pipeline/statistics.hpp"
+#include "pivnp/core/particles/alive.hpp"
 #include "pivnp/np/fusion.hpp"
 #include "pivnp/piv/window/subset.hpp"
 
@@ -19,13 +21,6 @@ constexpr double min_score = 0.6, good_score = 0.75;
 constexpr double share_that_fails = 0.1;
 constexpr double floor_px = 0.005;  // bias of the direct correlation itself: interpolation, affine subset
 
-double median(std::vector<double> v) {
-  if (v.empty()) return 0;
-  const auto middle = v.begin() + std::ptrdiff_t(v.size() / 2);
-  std::nth_element(v.begin(), middle, v.end());
-  return *middle;
-}
-
 Mat2 matrix_of(const Cov& c) {
   Mat2 m;
   m << c[0], c[2], c[2], c[1];
@@ -38,7 +33,7 @@ Cov carried(const Mat2& f, const Cov& c) {
 }
 
 // What a key frame remembers.
-struct Key {
+struct KeyFrame {
   int frame = 0;
   piv::SubsetImage image;
   std::vector<Vec2> x;
@@ -61,14 +56,14 @@ struct DriftCorrector::Impl {
   np::NpOptions options;
   int threads;
   piv::SubsetOptions subset;
-  std::shared_ptr<Key> first, kept, newest;
+  std::shared_ptr<KeyFrame> first, kept, newest;
   std::vector<double> var_F;  // variance of a component of F, summed
   std::vector<Cov> cov_before;
   std::vector<Mat2> F_before;
   std::vector<DriftRound> rounds;
 
-  std::shared_ptr<Key> snapshot(const np::Tracker& tracker, int frame, const ImageView& image) const {
-    auto key = std::make_shared<Key>();
+  std::shared_ptr<KeyFrame> key_frame(const np::Tracker& tracker, int frame, const ImageView& image) const {
+    auto key = std::make_shared<KeyFrame>();
     key->frame = frame;
     key->image.assign(image, setting.mask.view(), threads);
     const auto state = tracker.state();
@@ -77,7 +72,7 @@ struct DriftCorrector::Impl {
       key->x.push_back(now.x);
       key->F.push_back(now.F);
       key->cov.push_back(now.cov);
-      key->alive.push_back(now.status == ParticleStatus::active || now.status == ParticleStatus::flagged);
+      key->alive.push_back(alive(now.status));
     }
     key->var_F = var_F;
     return key;
@@ -107,7 +102,7 @@ struct DriftCorrector::Impl {
   };
 
   // Direct estimates of the particles `wanted` from `key`; those that do not count are left out of `found`.
-  void match(const np::Tracker& tracker, const Key& key, const piv::SubsetImage& now, int frame,
+  void match(const np::Tracker& tracker, const KeyFrame& key, const piv::SubsetImage& now, int frame,
              const std::vector<std::size_t>& wanted, double score,
              std::unordered_map<std::size_t, Direct>& found) const {
     const image::Camera& camera = setting.camera;
@@ -183,7 +178,7 @@ struct DriftCorrector::Impl {
     }
   }
 
-  void fuse_one(np::Tracker& tracker, const Key& key, std::size_t p, const Direct& d) {
+  void fuse_one(np::Tracker& tracker, const KeyFrame& key, std::size_t p, const Direct& d) {
     const auto now = tracker.state()[p];
     const Mat2 f = now.F * key.F[p].inverse();
     const Cov since_birth = carried(f, key.cov[p]);
@@ -198,7 +193,7 @@ struct DriftCorrector::Impl {
     set(tracker, p, fused.value, F, cov, key.var_F[p] + w.variance);
   }
 
-  void replace_one(np::Tracker& tracker, const Key& key, std::size_t p, const Direct& d) {
+  void replace_one(np::Tracker& tracker, const KeyFrame& key, std::size_t p, const Direct& d) {
     const Cov base = carried(d.f, key.cov[p]);
     set(tracker, p, d.x, d.f * key.F[p], {base[0] + d.cov[0], base[1] + d.cov[1], base[2] + d.cov[2]},
         key.var_F[p] + d.var_f);
@@ -216,8 +211,7 @@ struct DriftCorrector::Impl {
     std::vector<std::size_t> out;
     const auto state = tracker.state();
     for (std::size_t p = 0; p < state.size(); ++p) {
-      const ParticleStatus s = state[p].status;
-      if (s == ParticleStatus::active || s == ParticleStatus::flagged) out.push_back(p);
+      if (alive(state[p].status)) out.push_back(p);
     }
     return out;
   }
@@ -228,7 +222,7 @@ struct DriftCorrector::Impl {
     std::vector<std::size_t> wanted = living(tracker);
     round.alive = wanted.size();
     std::vector<double> off;
-    std::vector<std::shared_ptr<Key>> keys = {first};
+    std::vector<std::shared_ptr<KeyFrame>> keys = {first};
     if (kept) keys.push_back(kept);
     if (newest && newest != kept) keys.push_back(newest);
     std::size_t from_kept = 0, from_newest = 0;
@@ -253,7 +247,7 @@ struct DriftCorrector::Impl {
     }
     // A key frame is given up for the newest one once more particles hold to that.
     if (newest && (!kept || from_newest > from_kept)) kept = newest;
-    newest = snapshot(tracker, frame, image.view());
+    newest = key_frame(tracker, frame, image.view());
     round.median_px = median(std::move(off));
     rounds.push_back(round);
   }
@@ -283,7 +277,7 @@ struct DriftCorrector::Impl {
     (kept == first ? round.from_first : round.from_later) = found.size();
     round.median_px = median(std::move(off));
     rounds.push_back(round);
-    if (moves_on) newest = snapshot(tracker, frame, image.view());
+    if (moves_on) newest = key_frame(tracker, frame, image.view());
   }
 };
 
@@ -300,7 +294,7 @@ void DriftCorrector::start(const np::Tracker& tracker, const ImageView& image) {
   s.cov_before.assign(count, {0, 0, 0});
   s.F_before.assign(count, Mat2::Identity());
   if (s.options.drift == np::DriftScheme::none) return;
-  s.first = s.snapshot(tracker, 0, image);
+  s.first = s.key_frame(tracker, 0, image);
   if (s.options.drift != np::DriftScheme::corrected) s.kept = s.first;
 }
 

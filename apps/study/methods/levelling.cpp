@@ -5,12 +5,15 @@
 #include <cmath>
 #include <numbers>
 
-#include "apps/study/methods/stages.hpp"
+#include "apps/study/methods/tracking.hpp"
 #include "apps/study/pipeline/measure.hpp"
+#include "apps/study/pipeline/record_head.hpp"
+#include "apps/study/pipeline/statistics.hpp"
 #include "apps/study/synth/truth.hpp"
 #include "compare/data/triangulation.hpp"
 #include "compare/metrics/words.hpp"
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/particles/alive.hpp"
 #include "pivnp/core/particles/strain.hpp"
 #include "pivnp/core/text.hpp"
 
@@ -118,8 +121,6 @@ double sample(const Grey& spline, const Vec2& px) {
              double(spline.at(mirrored(int(fc) - 1 + i, spline.width), mirrored(int(fr) - 1 + j, spline.height)));
   return sum;
 }
-
-bool alive(ParticleStatus s) { return s == ParticleStatus::active || s == ParticleStatus::flagged; }
 
 // The material at one time, and where it came from.
 class Carried {
@@ -244,13 +245,6 @@ class CarriedFrames final : public image::FrameSource {
   float background_ = 0;
 };
 
-double median(std::vector<double> values) {
-  if (values.empty()) return std::nan("");
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace
 
 double noise_variance(const ImageView& first, const std::vector<Vec2>& nodes_px, int window_px,
@@ -267,10 +261,10 @@ double noise_variance(const ImageView& first, const std::vector<Vec2>& nodes_px,
       found.push_back(std::max(0.0, 1 - double(pair.score[n])) *
                       moments(g, c - half, c + half, r - half, r + half).variance);
     }
-    const double score = median(scores);
+    const double score = median(scores, std::nan(""));
     if (!(score > best_score)) continue;
     best_score = score;
-    noise = median(found);
+    noise = median(found, std::nan(""));
   }
   return noise;
 }
@@ -295,13 +289,8 @@ void add_levelled(const Case& c, const Setting& setting, const RunSettings& sett
   const double noise = noise_variance(first.view(), nodes, c.piv.value_or(piv::PivOptions{}).window_px, pairs);
   const auto carried = carried_frames(first, frames, source.has_rate(), setting.camera, simulated, noise, 1);
 
-  io::RecordHead head;
-  head.command = settings.command;
-  head.case_text = write_case(c);
-  head.length_unit = measured.length_unit();
+  io::RecordHead head = record_head(c, setting, settings);
   head.time_unit = measured.time_unit();
-  head.grid = setting.grid;
-  head.world_from_pixel = setting.camera.world_from_pixel();
   head.camera_residual = setting.camera.residual();
   RunSettings own = settings;
   own.out = settings.out / "levelled";

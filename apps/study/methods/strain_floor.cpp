@@ -24,8 +24,6 @@ std::vector<Vec2> zone(const Setting& setting, const np::NpOptions& options) {
   return vertices;
 }
 
-std::string of_file(const Case& c) { return c.file.empty() ? c.name : c.file.string(); }
-
 // RMS of a field over the particles chosen that have it.
 double rms(DerivedReader& reader, const char* field, std::size_t frame, const std::vector<bool>& chosen) {
   double sum = 0;
@@ -84,7 +82,7 @@ StrainNote strain_note(const Case& c, const Setting& setting, const MotionSource
   note.floor_dev = std::sqrt(growth) * rms(reader, "strain_dev", frame, chosen);
   note.floor_vol = std::sqrt(growth) * rms(reader, "strain_vol", frame, chosen);
   note.floor_path = growth * rms(reader, "strain_dev_path", frame, chosen);
-  if (std::isfinite(note.floor_dev)) note.floor_source = vertices.empty() ? "still frames" : "still zone";
+  if (std::isfinite(note.floor_dev)) note.floor_source = vertices.empty() ? StrainFloor::still_frames : StrainFloor::still_zone;
   return note;
 }
 

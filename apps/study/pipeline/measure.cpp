@@ -3,23 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/study/pipeline/statistics.hpp"
 #include "pivnp/core/error.hpp"
 
 namespace pivnp::app {
 
-namespace {
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-}  // namespace
-
-PairQuality quality_of(const VectorField& field) {
-  PairQuality q;
+StepQuality quality_of(const VectorField& field) {
+  StepQuality q;
   std::size_t asked = 0, valid = 0;
   std::vector<double> scores, shifts;
   for (std::size_t n = 0; n < field.status.size(); ++n) {
@@ -67,9 +57,9 @@ VectorField measure_pair(const Case& c, const Setting& setting, image::FrameSour
   return world_vectors(correlator.correlate(first.view(), second.view(), setting.mask.view()), lattice, setting, pair);
 }
 
-std::vector<std::uint8_t> step_flags(const std::vector<PairQuality>& pairs) {
+std::vector<std::uint8_t> step_flags(const std::vector<StepQuality>& pairs) {
   std::vector<double> valid, score;
-  for (const PairQuality& q : pairs) {
+  for (const StepQuality& q : pairs) {
     valid.push_back(q.valid);
     score.push_back(q.median_score);
   }
@@ -77,7 +67,7 @@ std::vector<std::uint8_t> step_flags(const std::vector<PairQuality>& pairs) {
   constexpr double still = 0.01;  // spacings: less is no motion to compare
   std::vector<std::uint8_t> flags(pairs.size(), frame_ok);
   for (std::size_t k = 0; k < pairs.size(); ++k) {
-    const PairQuality& q = pairs[k];
+    const StepQuality& q = pairs[k];
     if (q.valid < 0.5 * usual_valid || q.median_score < 0.6 * usual_score) {
       flags[k] |= frame_decorrelated;
       continue;
@@ -94,7 +84,7 @@ std::vector<std::uint8_t> step_flags(const std::vector<PairQuality>& pairs) {
 }
 
 std::vector<Frame> flagged_frames(std::vector<Frame> frames, const io::RecordWriter& writer) {
-  std::vector<PairQuality> pairs;
+  std::vector<StepQuality> pairs;
   for (std::size_t k = 0; k + 1 < frames.size(); ++k) pairs.push_back(quality_of(writer.pair(k)));
   const std::vector<std::uint8_t> flags = step_flags(pairs);
   for (std::size_t k = 0; k < flags.size(); ++k) frames[k + 1].flag |= flags[k];

@@ -12,12 +12,12 @@
 namespace pivnp::app {
 
 /// What one pair's vectors say of the pair as a whole.
-struct PairQuality {
+struct StepQuality {
   double valid = 0;         // share of the vectors asked for (not masked) that are valid
   double median_score = 0;  // of all that have one
   double median_shift = 0;  // of |displacement| over the valid, grid spacings
 };
-PairQuality quality_of(const VectorField& field);
+StepQuality quality_of(const VectorField& field);
 
 /// Measures every pair that `writer` does not hold yet; at most two frames are in memory.
 void measure(const Case& c, const Setting& setting, image::FrameSource& source, io::RecordWriter& writer, int threads,
@@ -31,7 +31,7 @@ VectorField measure_pair(const Case& c, const Setting& setting, image::FrameSour
 /// than half the usual share of vectors is valid, or their median score is below 0.6 of the usual. Jump: the steps
 /// before and after agree (within a quarter), this one differs from their mean by more than half of it, as where a
 /// frame is missing. Repeated: such a step that hardly moves.
-std::vector<std::uint8_t> step_flags(const std::vector<PairQuality>& pairs);
+std::vector<std::uint8_t> step_flags(const std::vector<StepQuality>& pairs);
 
 /// The frames with their flags.
 std::vector<Frame> flagged_frames(std::vector<Frame> frames, const io::RecordWriter& writer);

@@ -20,16 +20,17 @@ void remark_on_steps(const io::RecordReader& record, std::vector<std::string>& r
     const Frame& before = frames.at(std::size_t(field.pair[0]));
     const Frame& after = frames.at(std::size_t(field.pair[1]));
     if (after.flag == frame_ok) continue;
-    const PairQuality q = quality_of(field);
+    const StepQuality q = quality_of(field);
     const std::string step = "The step " + before.name + " -> " + after.name;
     if (after.flag & frame_decorrelated)
       remarks.push_back(step + " lost its correlation: " + number(100 * q.valid, 3) +
                         " % of its vectors are valid, median score " + number(q.median_score, 2) + ".");
     const std::string shifts = "median " + number(q.median_shift, 3) + " spacings, " + number(usual_shift, 3) +
                                " in the step before";
-    if (after.flag & frame_repeated) remarks.push_back(step + " hardly moves (" + shifts + "): a repeated exposure?");
+    if (after.flag & frame_repeated) remarks.push_back(step + " hardly moves (" + shifts + "); the exposure may be repeated.");
     if (after.flag & frame_jump)
-      remarks.push_back(step + " moves out of line with its neighbours (" + shifts + "): a missing frame, or a shock?");
+      remarks.push_back(step + " moves out of line with its neighbours (" + shifts +
+                        "); a frame may be missing, or the camera was shaken.");
   }
 }
 

@@ -13,30 +13,15 @@ namespace pivnp::app {
 
 namespace {
 
-constexpr double round_off = 1e-9;  // of a cell
-
-struct Box {
-  Vec2 lower, upper;
-};
-
 std::string text(const Vec2& v) { return "(" + number(v.x()) + ", " + number(v.y()) + ")"; }
-
-std::string of_file(const Case& c) { return c.file.empty() ? c.name : c.file.string(); }
 
 // The largest upright rectangle whose corners come from those of the image less a margin: exact for a plain camera, on
 // the safe side for a homography.
-Box inner_box(const image::Camera& camera, int width, int height, double margin) {
+Extent inner_box(const image::Camera& camera, int width, int height, double margin) {
   const double left = margin, right = width - 1 - margin, top = margin, bottom = height - 1 - margin;
   const Vec2 tl = camera.to_world({left, top}), tr = camera.to_world({right, top});
   const Vec2 bl = camera.to_world({left, bottom}), br = camera.to_world({right, bottom});
   return {{std::max(tl.x(), bl.x()), std::max(bl.y(), br.y())}, {std::min(tr.x(), br.x()), std::min(tl.y(), tr.y())}};
-}
-
-Box corners(const Points& points, const std::string& what) {
-  if (points.size() != 2)
-    throw InputError(what + ": found " + std::to_string(points.size()) + " points, expected two opposite corners");
-  const Vec2 a(points[0][0], points[0][1]), b(points[1][0], points[1][1]);
-  return {a.cwiseMin(b), a.cwiseMax(b)};
 }
 
 double spacing_of(const Case& c, const image::Camera& camera, int width, int height) {
@@ -51,13 +36,13 @@ double spacing_of(const Case& c, const image::Camera& camera, int width, int hei
 int nodes_between(double extent, double spacing) { return int(std::floor(extent / spacing + round_off)) + 1; }
 
 // Nodes at whole multiples of the spacing from the world's (0, 0), so that a base or wall there falls on nodes.
-Grid grid_from_origin(const Box& box, double h) {
+Grid grid_from_origin(const Extent& box, double h) {
   const int i0 = int(std::ceil(box.lower.x() / h - round_off)), i1 = int(std::floor(box.upper.x() / h + round_off));
   const int j0 = int(std::ceil(box.lower.y() / h - round_off)), j1 = int(std::floor(box.upper.y() / h + round_off));
   return {{i0 * h, j0 * h}, {h, h}, i1 - i0 + 1, j1 - j0 + 1};
 }
 
-Grid grid_from_corner(const Box& box, double h) {
+Grid grid_from_corner(const Extent& box, double h) {
   const Vec2 extent = box.upper - box.lower;
   return {box.lower, {h, h}, nodes_between(extent.x(), h), nodes_between(extent.y(), h)};
 }
@@ -88,7 +73,7 @@ Grid make_grid(const Case& c, const Setting& setting) {
   if (!c.grid.area_m.empty()) {
     grid = grid_from_corner(corners(c.grid.area_m, of_file(c) + ": grid.area_m"), h);
   } else if (setting.width == 0) {
-    Box box{Vec2::Constant(std::numeric_limits<double>::infinity()),
+    Extent box{Vec2::Constant(std::numeric_limits<double>::infinity()),
             Vec2::Constant(-std::numeric_limits<double>::infinity())};
     if (c.mpm && !c.mpm->domain_m.empty()) {
       box = corners(c.mpm->domain_m, of_file(c) + ": mpm.domain_m");
@@ -102,13 +87,13 @@ Grid make_grid(const Case& c, const Setting& setting) {
     }
     grid = grid_from_corner(box, h);
   } else if (!c.grid.area_px.empty()) {
-    const Box px = corners(c.grid.area_px, of_file(c) + ": grid.area_px");
+    const Extent px = corners(c.grid.area_px, of_file(c) + ": grid.area_px");
     const Vec2 a = setting.camera.to_world(px.lower), b = setting.camera.to_world(px.upper);
     grid = grid_from_corner({a.cwiseMin(b), a.cwiseMax(b)}, h);
   } else {
     const double window = c.piv ? c.piv->window_px : piv::PivOptions{}.window_px;
     const double margin = c.grid.margin_px.value_or(window / 2);
-    const Box box = inner_box(setting.camera, setting.width, setting.height, margin);
+    const Extent box = inner_box(setting.camera, setting.width, setting.height, margin);
     grid = setting.camera.plain() ? grid_from_origin(box, h) : grid_from_corner(box, h);
   }
   if (grid.nx < 2 || grid.ny < 2)
@@ -117,6 +102,17 @@ Grid make_grid(const Case& c, const Setting& setting) {
                      " nodes, expected at least 2 x 2");
   if (setting.width > 0) require_inside(c, grid, setting.camera, setting.width, setting.height);
   return grid;
+}
+
+}  // namespace
+
+std::string of_file(const Case& c) { return c.file.empty() ? c.name : c.file.string(); }
+
+Extent corners(const Points& points, const std::string& what) {
+  if (points.size() != 2)
+    throw InputError(what + ": found " + std::to_string(points.size()) + " points, expected two opposite corners");
+  const Vec2 a(points[0][0], points[0][1]), b(points[1][0], points[1][1]);
+  return {a.cwiseMin(b), a.cwiseMax(b)};
 }
 
 void keep_only(ParticleSet& set, const std::vector<bool>& keep) {
@@ -140,30 +136,6 @@ void keep_only(ParticleSet& set, const std::vector<bool>& keep) {
   set.end.resize(out);
   set.end_reason.resize(out);
 }
-
-// The grid of a simulation: refined, then extended or cut to whole cells that cover the domain.
-Grid simulation_grid(const Case& c, const Grid& measured, const mpm::MpmOptions& options) {
-  const Grid fine = refined(measured, options.refine);
-  if (options.domain_m.empty()) return fine;
-  const Box box = corners(options.domain_m, of_file(c) + ": mpm.domain_m");
-  const Vec2 first = (box.lower - fine.origin).cwiseQuotient(fine.spacing);
-  const Vec2 last = (box.upper - fine.origin).cwiseQuotient(fine.spacing);
-  const int i0 = int(std::floor(first.x() + round_off)), j0 = int(std::floor(first.y() + round_off));
-  const int i1 = int(std::ceil(last.x() - round_off)), j1 = int(std::ceil(last.y() - round_off));
-  const Grid grid{fine.position(i0, j0), fine.spacing, i1 - i0 + 1, j1 - j0 + 1};
-  if (grid.nx < 2 || grid.ny < 2) throw InputError(of_file(c) + ": mpm.domain_m: it holds no cell of the grid");
-  return grid;
-}
-
-bool inside_body(const mpm::RigidOptions& body, const Vec2& x, const std::string& what) {
-  if (body.circle_m.size() == 3)
-    return (x - Vec2(body.circle_m[0], body.circle_m[1])).norm() < body.circle_m[2];
-  std::vector<Vec2> vertices;
-  for (const Pair& p : body.polygon_m) vertices.emplace_back(p[0], p[1]);
-  return Polygon(std::move(vertices), what).contains(x);
-}
-
-}  // namespace
 
 Setting make_setting(const Case& c, int width, int height) {
   Setting setting;
@@ -251,45 +223,6 @@ ParticleSet seed_particles(const Case& c, const Setting& setting) {
   keep_only(set, keep);
   if (set.size() == 0) throw InputError(of_file(c) + ": the masks leave no particle in any region");
   return set;
-}
-
-mpm::Scene make_scene(const Case& c, const Setting& setting, const mpm::MpmOptions& options,
-                      const Named<mpm::MaterialOptions>& materials, const std::string& materials_table) {
-  mpm::Scene scene;
-  scene.grid = simulation_grid(c, setting.grid, options);
-  scene.particles = seed(scene.grid, setting.regions, options.per_element, SeedPattern::even, 0.0,
-                         of_file(c) + ": mpm.per_element");
-  for (const Region& region : setting.regions) {
-    std::string wanted = region.name;
-    for (const auto& [name, r] : c.regions)
-      if (name == region.name && !r.material.empty()) wanted = r.material;
-    const auto it = std::find_if(materials.begin(), materials.end(), [&](const auto& m) { return m.first == wanted; });
-    if (it == materials.end()) {
-      std::vector<std::string> known;
-      for (const auto& m : materials) known.push_back(m.first);
-      throw InputError(of_file(c) + ": region." + region.name + ": no [" + materials_table + wanted + "]" +
-                       did_you_mean(wanted, known));
-    }
-    scene.materials.push_back(it->second);
-  }
-  scene.boundaries = c.boundaries;
-  scene.bodies = c.bodies;
-  scene.contacts = c.contacts;
-  std::vector<bool> keep(scene.particles.size(), true);
-  for (const auto& [name, body] : c.bodies)
-    for (std::size_t p = 0; p < keep.size(); ++p)
-      if (inside_body(body, scene.particles.x0[p], of_file(c) + ": body." + name)) keep[p] = false;
-  keep_only(scene.particles, keep);
-  return scene;
-}
-
-mpm::Solver make_solver(const Case& c, const Setting& setting, int threads) {
-  mpm::Scene scene = make_scene(c, setting, *c.mpm, c.materials, "material.");
-  try {
-    return mpm::Solver(*c.mpm, std::move(scene), threads);
-  } catch (const InputError& error) {
-    throw InputError(of_file(c) + ": " + error.what());
-  }
 }
 
 }  // namespace pivnp::app

@@ -1,4 +1,4 @@
-// What a case's geometry comes to once the frames' size is known: camera, mask, grid, regions, seeds.
+// What a case's geometry comes to once the frames' size is known: camera, mask, grid, regions, numerical particles.
 #pragma once
 
 #include <array>
@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "apps/case/case.hpp"
-#include "mpm/step/solver.hpp"
 #include "pivnp/core/particles/motion.hpp"
 #include "pivnp/core/particles/region.hpp"
 #include "pivnp/core/record/vectors.hpp"
@@ -15,6 +14,20 @@
 #include "pivnp/piv/piv.hpp"
 
 namespace pivnp::app {
+
+/// What messages call a case: its file, or its name where it has none.
+std::string of_file(const Case& c);
+
+constexpr double round_off = 1e-9;  // of a cell
+
+struct Extent {
+  Vec2 lower, upper;
+};
+/// Of two opposite corners. Throws InputError "WHAT: found 3 points, expected two opposite corners".
+Extent corners(const Points& points, const std::string& what);
+
+/// Takes the particles off that are not to be kept.
+void keep_only(ParticleSet& set, const std::vector<bool>& keep);
 
 struct Setting {
   int width = 0, height = 0;  // of the frames, px; 0 without frames
@@ -40,13 +53,5 @@ VectorField world_vectors(const piv::PixelVectors& pixels, const piv::NodeLattic
 
 /// The numerical particles at the first frame: none under the mask.
 ParticleSet seed_particles(const Case& c, const Setting& setting);
-
-/// The simulation's scene on the same nodes: `options` refine, extend and seed; materials by region. Material points
-/// under the mask are kept (masks hide, they do not dig), those inside a rigid body are not seeded.
-mpm::Scene make_scene(const Case& c, const Setting& setting, const mpm::MpmOptions& options,
-                      const Named<mpm::MaterialOptions>& materials, const std::string& materials_table);
-
-/// The case's simulation of make_scene(). What the solver refuses is told with the case's file.
-mpm::Solver make_solver(const Case& c, const Setting& setting, int threads);
 
 }  // namespace pivnp::app

@@ -7,6 +7,7 @@
 #include "apps/report/figures/check_figure.hpp"
 #include "apps/study/methods/peak_locking.hpp"
 #include "apps/study/pipeline/scene.hpp"
+#include "apps/study/pipeline/simulation_scene.hpp"
 #include "apps/study/synth/case_frames.hpp"
 #include "pivnp/core/error.hpp"
 

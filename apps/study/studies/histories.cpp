@@ -1,6 +1,7 @@
 #include "apps/study/studies/histories.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -8,7 +9,9 @@
 #include "compare/measures/history.hpp"
 #include "compare/metrics/limits.hpp"
 #include "compare/metrics/rows.hpp"
+#include "pivnp/core/choice.hpp"
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/particles/alive.hpp"
 #include "pivnp/io/import_format.hpp"
 #include "pivnp/io/record.hpp"
 
@@ -31,8 +34,6 @@ std::pair<std::string, std::string> file_and_rest(const std::string& text) {
                                     : std::pair{text.substr(0, colon), text.substr(colon + 1)};
 }
 
-bool alive(ParticleStatus s) { return s == ParticleStatus::active || s == ParticleStatus::flagged; }
-
 // x within which 99.5 % of the followed particles' area lies, counted from the left (or from the right).
 double front(const ParticleSet& set, const MotionFrame& f, bool left) {
   std::vector<std::pair<double, double>> x;
@@ -50,14 +51,23 @@ double front(const ParticleSet& set, const MotionFrame& f, bool left) {
   return std::numeric_limits<double>::quiet_NaN();
 }
 
+// Curves that are taken from a motion: how far its material reaches, to the right or to the left.
+constexpr std::array fronts{NamedValue{"front", false}, NamedValue{"front_left", true}};
+
+// nullptr: the source is none of them.
+const NamedValue<bool>* front_of(const std::string& source) {
+  const std::string kind = source.substr(0, source.find('='));
+  const auto at = std::find_if(fronts.begin(), fronts.end(), [&](const auto& f) { return f.name == kind; });
+  return at == fronts.end() || kind.size() == source.size() ? nullptr : &*at;
+}
+
 NamedHistory open_history(const std::string& text, double step_s) {
-  const std::size_t equals = text.find('=');
-  const std::string kind = text.substr(0, equals);
-  const auto [file, rest] = file_and_rest(text.substr(equals + 1));
+  const auto [file, rest] = file_and_rest(text.substr(text.find('=') + 1));
   if (const io::FileFormat* format = io::format_of(text)) {
     const io::Curve curve = format->read_curve(file, rest, step_s);
     return {{curve.time, curve.value}, curve.value_name, curve.value_unit, curve.time_unit};
   }
+  const NamedValue<bool>& kind = *front_of(text);
   const io::RecordReader record(fs::is_directory(file) ? fs::path(file) / "record.h5" : fs::path(file));
   const std::vector<std::string> names = record.motion_names();
   if (rest.empty() && names.size() != 1)
@@ -65,10 +75,10 @@ NamedHistory open_history(const std::string& text, double step_s) {
   const auto motion = record.motion(rest.empty() ? names.front() : rest);
   NamedHistory found;
   found.history.time = motion->times();
-  found.name = kind + " of " + motion->name();
+  found.name = std::string(kind.name) + " of " + motion->name();
   found.unit = motion->length_unit(), found.time_unit = motion->time_unit();
   for (std::size_t k = 0; k < motion->times().size(); ++k)
-    found.history.value.push_back(front(motion->particles(), motion->frame(k), kind == "front_left"));
+    found.history.value.push_back(front(motion->particles(), motion->frame(k), kind.value));
   return found;
 }
 
@@ -85,7 +95,7 @@ void check_units(const char* what, const NamedHistory& first, const NamedHistory
 
 bool is_history(const std::string& text) {
   const io::FileFormat* format = io::format_of(text);
-  return (format && format->curve()) || text.starts_with("front=") || text.starts_with("front_left=");
+  return (format && format->curve()) || front_of(text) != nullptr;
 }
 
 RunOutcome compare_histories(const CompareSources& sources, const compare::CompareOptions& options,

@@ -2,13 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <utility>
 
 #include "apps/study/methods/levelling.hpp"
 #include "apps/study/methods/peak_locking.hpp"
-#include "apps/study/methods/stages.hpp"
+#include "apps/study/methods/simulation.hpp"
 #include "apps/study/methods/strain_floor.hpp"
+#include "apps/study/methods/tracking.hpp"
 #include "apps/study/pipeline/measure.hpp"
 #include "apps/study/pipeline/outcome.hpp"
+#include "apps/study/pipeline/record_head.hpp"
 #include "apps/study/pipeline/report_input.hpp"
 #include "apps/study/synth/case_frames.hpp"
 #include "pivnp/core/error.hpp"
@@ -18,19 +22,6 @@ namespace pivnp::app {
 namespace {
 
 namespace fs = std::filesystem;
-
-io::RecordHead head_of(const Case& c, const RunSettings& settings, const Setting& setting, bool seconds) {
-  io::RecordHead head;
-  head.command = settings.command;
-  head.case_text = write_case(c);
-  head.length_unit = setting.camera.length_unit();
-  head.time_unit = seconds ? "s" : "frame";
-  head.grid = setting.grid;
-  head.world_from_pixel = setting.camera.world_from_pixel();
-  head.camera_residual = setting.camera.residual();
-  if (c.camera.metres_per_pixel) head.metres_per_pixel = c.camera.metres_per_pixel;
-  return head;
-}
 
 std::vector<double> output_times(const Case& c, const std::vector<Frame>& frames) {
   std::vector<double> times;
@@ -43,101 +34,138 @@ std::vector<double> output_times(const Case& c, const std::vector<Frame>& frames
       if (frame.time <= end * (1 + 1e-12)) times.push_back(frame.time);
   }
   if (times.size() < 2)
-    throw InputError((c.file.empty() ? c.name : c.file.string()) +
-                     ": mpm: nothing to simulate; give end_s and output_rate_hz, or frames");
+    throw InputError(of_file(c) + ": mpm: there is nothing to simulate; give end_s and output_rate_hz, or frames");
   return times;
 }
 
-// Particles against material points, as the case asks.
-Comparison compare_motions(const Case& c, const Setting& setting, const RunSettings& settings,
-                           image::FrameSource& source, const std::vector<Frame>& frames,
-                           const io::RecordWriter& writer, const StrainNote& note, Progress& progress) {
-  compare::CompareOptions options = c.compare;
-  add_camera(setting.camera.residual(), options);
-  const auto np = writer.motion("np"), mpm = writer.motion("mpm");
-  Comparison comparison = compare::compare(*np, *mpm, options, c.limits, progress, {}, {note, {}});
-  if (c.compare.levelling)
-    add_levelled(c, setting, settings, source, frames, writer, *np, *mpm, note, options, comparison, progress);
-  return comparison;
+void append(std::vector<std::string> more, std::vector<std::string>& remarks) {
+  for (std::string& remark : more) remarks.push_back(std::move(remark));
 }
+
+// One run of a case: what its stages share, and the stages in their order.
+class Run {
+ public:
+  Run(const Case& given, const RunSettings& settings, Stages stages, Progress& progress)
+      : settings_(settings), progress_(progress), c_(given) {
+    measures = stages != Stages::simulate && (c_.frames || c_.synth || settings.frames);
+    tracks = measures && stages != Stages::piv;
+    simulates = c_.mpm && (stages == Stages::all || stages == Stages::simulate);
+    if (!measures && !simulates)
+      throw InputError(of_file(c_) + ": there is nothing to do, as there are neither frames nor [mpm]");
+    std::error_code failed;
+    fs::create_directories(settings.out, failed);
+    if (failed) throw RunError(settings.out.string() + ": " + failed.message());
+    if (measures || c_.frames) open_frames();
+    setting_ = make_setting(c_, source_ ? source_->width() : 0, source_ ? source_->height() : 0);
+    writer_ = std::make_unique<io::RecordWriter>(settings.out, head(), settings.resume, settings.threads);
+    if (tracks) check_strain_floor(c_, setting_, frames_.size());
+  }
+
+  bool measures = false, tracks = false, simulates = false;
+
+  void measure_vectors() {
+    measure(c_, setting_, *source_, *writer_, settings_.threads, progress_);
+    frames_ = flagged_frames(std::move(frames_), *writer_);
+    writer_->set_frames(frames_);
+    outcome_.remarks = texture_remarks(setting_, source_->read(0));
+    append(fraction_remarks(setting_, frames_.size() - 1, [&](std::size_t k) { return writer_->pair(k); }),
+           outcome_.remarks);
+    closure_ = check_closure(
+        c_, setting_, *source_, [&](int k) { return writer_->pair(std::size_t(k)); }, settings_.threads, progress_);
+    writer_->set_closure(closure_);
+    append(closure_remarks(closure_, setting_), outcome_.remarks);
+  }
+
+  void follow_particles() {
+    tracked_ = track(c_, setting_, frames_, *source_, closure_, *writer_, settings_.threads, progress_);
+  }
+
+  void simulate_motion() {
+    append(simulate(c_, setting_, output_times(c_, frames_), *writer_, settings_.threads, progress_), outcome_.remarks);
+  }
+
+  void pack() {
+    writer_->set_output_fields(c_.output.fields_stored);
+    writer_->pack();
+  }
+
+  void note_strains() {
+    const bool central = !c_.piv || c_.piv->anchor == Anchor::central;
+    note_ = strain_note(c_, setting_, *writer_->motion("np"), central);
+    writer_->set_strain_note("np", note_);
+  }
+
+  // Particles against material points, as the case asks. What cannot be compared is kept and reported all the same.
+  void compare_motions() {
+    compare::CompareOptions options = c_.compare;
+    add_camera(setting_.camera.residual(), options);
+    try {
+      const auto np = writer_->motion("np"), mpm = writer_->motion("mpm");
+      Comparison found = compare::compare(*np, *mpm, options, c_.limits, progress_, {}, {note_, {}});
+      if (c_.compare.levelling)
+        add_levelled(c_, setting_, settings_, *source_, frames_, *writer_, *np, *mpm, note_, options, found, progress_);
+      comparison_ = std::move(found);
+      writer_->set_comparison(*comparison_);
+      outcome_.limits = comparison_->limits;
+    } catch (const InputError& error) {
+      not_compared_ = error.what();
+      outcome_.remarks.push_back("Measurement and simulation were not compared: " + not_compared_ + ".");
+    }
+  }
+
+  RunOutcome finish() {
+    writer_->finish();
+    outcome_.record = settings_.out / "record.h5";
+    append(remarks_on_tracking(tracked_, frames_), outcome_.remarks);
+    write_report_of(c_, outcome_, std::move(comparison_), source_.get(), settings_.out);
+    if (!not_compared_.empty())
+      throw InputError(not_compared_ + " (" + outcome_.record.string() +
+                       " and its report are written without a comparison)");
+    return std::move(outcome_);
+  }
+
+ private:
+  void open_frames() {
+    source_ = image::prefetched(case_frames(c_, settings_, progress_));
+    frames_ = source_->frames();
+    if (measures && frames_.size() < 2)
+      throw InputError(c_.frames->path + ": found 1 frame, expected at least 2 to measure motion");
+  }
+
+  io::RecordHead head() const {
+    io::RecordHead head = record_head(c_, setting_, settings_);
+    head.time_unit = !source_ || source_->has_rate() ? "s" : "frame";
+    head.camera_residual = setting_.camera.residual();
+    if (c_.camera.metres_per_pixel) head.metres_per_pixel = c_.camera.metres_per_pixel;
+    return head;
+  }
+
+  const RunSettings& settings_;
+  Progress& progress_;
+  Case c_;
+  std::unique_ptr<image::FrameSource> source_;
+  std::vector<Frame> frames_;
+  Setting setting_;
+  std::unique_ptr<io::RecordWriter> writer_;
+  ClosureNote closure_;
+  TrackOutcome tracked_;
+  StrainNote note_;
+  std::optional<Comparison> comparison_;
+  std::string not_compared_;  // why
+  RunOutcome outcome_;
+};
 
 }  // namespace
 
-RunOutcome run_case(const Case& given, const RunSettings& settings, Stages stages, Progress& progress) {
-  Case c = given;
-  const bool measures = stages != Stages::simulate && (c.frames || c.synth || settings.frames);
-  const bool tracks = measures && stages != Stages::piv;
-  const bool simulates = c.mpm && (stages == Stages::all || stages == Stages::simulate);
-  if (!measures && !simulates)
-    throw InputError((c.file.empty() ? c.name : c.file.string()) + ": nothing to do: neither frames nor [mpm]");
-
-  std::error_code failed;
-  fs::create_directories(settings.out, failed);
-  if (failed) throw RunError(settings.out.string() + ": " + failed.message());
-
-  std::unique_ptr<image::FrameSource> source;
-  std::vector<Frame> frames;
-  if (measures || c.frames) {
-    source = image::prefetched(case_frames(c, settings, progress));
-    frames = source->frames();
-    if (measures && frames.size() < 2)
-      throw InputError(c.frames->path + ": found 1 frame, expected at least 2 to measure motion");
-  }
-  const Setting setting = make_setting(c, source ? source->width() : 0, source ? source->height() : 0);
-  io::RecordWriter writer(settings.out, head_of(c, settings, setting, !source || source->has_rate()),
-                          settings.resume, settings.threads);
-
-  if (tracks) check_strain_floor(c, setting, frames.size());
-
-  RunOutcome outcome;
-  TrackOutcome tracked;
-  if (measures) {
-    measure(c, setting, *source, writer, settings.threads, progress);
-    frames = flagged_frames(std::move(frames), writer);
-    writer.set_frames(frames);
-    outcome.remarks = texture_remarks(setting, source->read(0));
-    for (std::string& remark :
-         fraction_remarks(setting, frames.size() - 1, [&](std::size_t k) { return writer.pair(k); }))
-      outcome.remarks.push_back(std::move(remark));
-    const ClosureNote closure = check_closure(
-        c, setting, *source, [&](int k) { return writer.pair(std::size_t(k)); }, settings.threads, progress);
-    writer.set_closure(closure);
-    for (std::string& remark : closure_remarks(closure, setting)) outcome.remarks.push_back(std::move(remark));
-    if (tracks) tracked = track(c, setting, frames, *source, closure, writer, settings.threads, progress);
-  }
-  if (simulates)
-    for (std::string& remark : simulate(c, setting, output_times(c, frames), writer, settings.threads, progress))
-      outcome.remarks.push_back(std::move(remark));
-  writer.set_output_fields(c.output.fields_stored);
-
-  std::optional<Comparison> comparison;
-  StrainNote note;
-  writer.pack();
-  if (tracks) {
-    const auto motion = writer.motion("np");
-    const bool central = !c.piv || c.piv->anchor == Anchor::central;
-    note = strain_note(c, setting, *motion, central);
-    writer.set_strain_note("np", note);
-  }
-  std::string not_compared;  // why; what was measured and simulated is kept and reported all the same
-  if (tracks && simulates) {
-    try {
-      comparison = compare_motions(c, setting, settings, *source, frames, writer, note, progress);
-      writer.set_comparison(*comparison);
-      outcome.limits = comparison->limits;
-    } catch (const InputError& error) {
-      not_compared = error.what();
-      outcome.remarks.push_back("Not compared: " + not_compared + ".");
-    }
-  }
-  writer.finish();
-
-  outcome.record = settings.out / "record.h5";
-  for (std::string& remark : remarks_on_tracking(tracked, frames)) outcome.remarks.push_back(std::move(remark));
-  write_report_of(c, outcome, std::move(comparison), source.get(), settings.out);
-  if (!not_compared.empty())
-    throw InputError(not_compared + " (" + outcome.record.string() + " and its report are written without a comparison)");
-  return outcome;
+RunOutcome run_case(const Case& c, const RunSettings& settings, Stages stages, Progress& progress) {
+  Run run(c, settings, stages, progress);
+  if (run.measures) run.measure_vectors();
+  if (run.tracks) run.follow_particles();
+  if (run.simulates) run.simulate_motion();
+  run.pack();
+  if (run.tracks) run.note_strains();
+  if (run.tracks && run.simulates) run.compare_motions();
+  return run.finish();
 }
 
 }  // namespace pivnp::app

@@ -3,12 +3,16 @@
 #include <Eigen/Core>
 #include <chrono>
 #include <cmath>
-#include <fstream>
+#include <filesystem>
 #include <functional>
+#include <memory>
+#include <utility>
 
 #include "apps/plot/chart.hpp"
-#include "apps/study/methods/stages.hpp"
+#include "apps/plot/files.hpp"
+#include "apps/study/methods/tracking.hpp"
 #include "apps/study/pipeline/measure.hpp"
+#include "apps/study/pipeline/record_head.hpp"
 #include "apps/study/synth/synthesize.hpp"
 #include "apps/study/synth/truth.hpp"
 #include "pivnp/core/error.hpp"
@@ -18,6 +22,8 @@
 #include "pivnp/np/tracker.hpp"
 
 namespace pivnp::app {
+
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -84,21 +90,55 @@ VectorField nodal_increments(const AffineMotion& motion, const Grid& grid, int p
 struct Curve {
   std::string scheme;
   std::vector<double> rms_px;
-  std::vector<DriftRound> rounds;
 };
 
-Curve drift_curve(const Case& c, np::DriftScheme scheme, const Setting& setting, const std::vector<Frame>& frames,
-                  const Measured& measured, const MotionSource& truth, double pixel, int threads, Progress& progress) {
-  Case variant = c;
-  variant.np = c.np.value_or(np::NpOptions{});
+// A case whose frames are drawn and measured, and what is known of its motion.
+struct Measurement {
+  const Case& c;
+  const Setting setting;
+  const std::unique_ptr<image::FrameSource> source;
+  const std::unique_ptr<io::RecordWriter> writer;
+  const std::unique_ptr<MotionSource> drawn;  // the truth, at the seeds
+  const AffineMotion motion;                  // of every frame, where `affine`
+  bool affine = true;
+
+  const std::vector<Frame>& frames() const { return source->frames(); }
+  int last() const { return int(frames().size()) - 1; }
+  double pixel() const { return setting.grid.spacing.x() / node_spacing_px(setting); }
+};
+
+std::unique_ptr<image::FrameSource> open_drawn(const Case& c, const fs::path& folder) {
+  image::FrameOptions drawn;
+  drawn.path = (folder / "frame_*.png").string();
+  drawn.rate_hz = c.frames && c.frames->rate_hz ? *c.frames->rate_hz : 1.0;
+  return image::open_frames(drawn, "");
+}
+
+Measurement draw_and_measure(const Case& c, const RunSettings& settings, Progress& progress) {
+  synthesize(c, settings, progress);
+  std::unique_ptr<image::FrameSource> source = open_drawn(c, settings.out / "frames");
+  Setting setting = make_setting(c, source->width(), source->height());
+  auto writer =
+      std::make_unique<io::RecordWriter>(settings.out, record_head(c, setting, settings), false, settings.threads);
+  measure(c, setting, *source, *writer, settings.threads, progress);
+  const io::RecordReader truth(settings.out / "truth" / "record.h5");
+  const AffineMotion motion = affine_motion(*c.synth, setting);
+  return {c, std::move(setting), std::move(source), std::move(writer), truth.motion("truth"), motion,
+          c.synth->motion == SynthMotion::affine || c.synth->motion == SynthMotion::none};
+}
+
+Curve drift_curve(const Measurement& m, const Measured& measured, np::DriftScheme scheme, int threads,
+                  Progress& progress) {
+  Case variant = m.c;
+  variant.np = m.c.np.value_or(np::NpOptions{});
   variant.np->drift = scheme;
   variant.np->reseed = false;
   Curve curve;
-  curve.scheme = scheme == np::DriftScheme::none             ? "summed increments"
+  curve.scheme = scheme == np::DriftScheme::none               ? "summed increments"
                  : scheme == np::DriftScheme::reference_update ? "reference update"
                                                                : std::string(name_of(scheme));
-  curve.rounds = follow(variant, setting, frames, measured, threads, progress, [&](std::size_t k, const np::Tracker& now) {
-    const MotionFrame real = truth.frame(k);
+  follow(variant, m.setting, m.frames(), measured, threads, progress, [&](std::size_t k, const np::Tracker& now) {
+    const MotionFrame real = m.drawn->frame(k);
     double sum = 0;
     std::size_t alive = 0;
     for (std::size_t p = 0; p < now.state().size(); ++p) {
@@ -108,12 +148,12 @@ Curve drift_curve(const Case& c, np::DriftScheme scheme, const Setting& setting,
       sum += (particle.x - x).squaredNorm();
       ++alive;
     }
-    curve.rms_px.push_back(std::sqrt(sum / double(std::max<std::size_t>(1, alive))) / pixel);
+    curve.rms_px.push_back(std::sqrt(sum / double(std::max<std::size_t>(1, alive))) / m.pixel());
   });
   return curve;
 }
 
-void write_curves(const std::vector<Curve>& curves, const std::filesystem::path& out) {
+void write_curves(const std::vector<Curve>& curves, const fs::path& out) {
   std::string table = "frame";
   plot::Chart chart{"frame", "RMS error of the displacement (px)", {}, true};
   for (const Curve& curve : curves) {
@@ -129,90 +169,70 @@ void write_curves(const std::vector<Curve>& curves, const std::filesystem::path&
     table += "\n";
   }
   plot::write_chart(chart, out / "drift");
-  std::ofstream file(out / "drift.csv", std::ios::binary);
-  file << table << std::flush;
-  if (!file) throw RunError((out / "drift.csv").string() + ": cannot be written");
+  plot::write_file(out / "drift.csv", table);
 }
 
-struct Judge {
+struct Criteria {
   VerifyResult& result;
   void at_most(const std::string& criterion, std::optional<double> limit, double reached) {
     if (limit) result.items.push_back({criterion, *limit, reached, std::isfinite(reached) && reached <= *limit});
   }
 };
 
-void judge_images(const Case& c, const RunSettings& settings, Progress& progress, VerifyResult& result) {
-  synthesize(c, settings, progress);
-  image::FrameOptions drawn;
-  drawn.path = (settings.out / "frames" / "frame_*.png").string();
-  drawn.rate_hz = c.frames && c.frames->rate_hz ? *c.frames->rate_hz : 1.0;
-  const auto source = image::open_frames(drawn, "");
-  const Setting setting = make_setting(c, source->width(), source->height());
-  const double pixel = setting.grid.spacing.x() / node_spacing_px(setting);
+// All schemes of np.drift, the first without any and the last the one that is asked of.
+void verify_drift(const Measurement& m, const RunSettings& settings, Progress& progress, Criteria& criteria) {
+  const VerifyOptions& asked = m.c.verify;
+  if (!asked.drift_px && !asked.drift_ratio) return;
+  const Measured measured{plan_steps(m.frames()),
+                          [&](const TrackStep& step) { return m.writer->pair(std::size_t(step.from)); },
+                          [&](int k) { return m.source->read(k); }};
+  std::vector<Curve> curves;
+  for (const np::DriftScheme scheme : {np::DriftScheme::none, np::DriftScheme::leapfrog,
+                                       np::DriftScheme::reference_update, np::DriftScheme::corrected})
+    curves.push_back(drift_curve(m, measured, scheme, settings.threads, progress));
+  write_curves(curves, settings.out);
+  const double summed = curves.front().rms_px.back(), corrected = curves.back().rms_px.back();
+  criteria.at_most("drift: final RMS error, corrected (px)", asked.drift_px, corrected);
+  criteria.at_most("drift: final RMS error, corrected over summed increments", asked.drift_ratio, corrected / summed);
+}
 
-  io::RecordHead head;
-  head.command = settings.command;
-  head.case_text = write_case(c);
-  head.length_unit = setting.camera.length_unit();
-  head.grid = setting.grid;
-  io::RecordWriter writer(settings.out, head, false, settings.threads);
-  measure(c, setting, *source, writer, settings.threads, progress);
-
-  const bool affine = c.synth->motion == SynthMotion::affine || c.synth->motion == SynthMotion::none;
-  const int last = int(source->frames().size()) - 1;
-  const io::RecordReader record(settings.out / "truth" / "record.h5");
-  const std::unique_ptr<MotionSource> drawn_truth = record.motion("truth");
-  const MotionFrame end = drawn_truth->frame(drawn_truth->times().size() - 1);
-  const AffineMotion motion = affine_motion(*c.synth, setting);
+// Particles at the last frame against the truth, tracked through the images and through exact nodal increments.
+void verify_particles(const Measurement& m, Criteria& criteria) {
+  const VerifyOptions& asked = m.c.verify;
+  if (!asked.displacement_rms_px && !asked.strain_error && !asked.nodal_error) return;
+  const MotionFrame end = m.drawn->frame(m.drawn->times().size() - 1);
   const Truth truth = [&](const ParticleSet& set, std::size_t p, Vec2& x, Mat2& F) {
-    if (affine) {
-      x = motion.at(set.x0[p], last);
-      F = motion.F(last);
+    if (m.affine) {
+      x = m.motion.at(set.x0[p], m.last());
+      F = m.motion.F(m.last());
     } else {  // the same seeds, in the same order
       x = set.x0[p] + Vec2(double(end.u[p][0]), double(end.u[p][1]));
       F = matrix(end.F[p]);
     }
   };
-
-  Judge judge{result};
-  if (c.verify.drift_px || c.verify.drift_ratio) {
-    const Measured measured{plan_steps(source->frames()),
-                            [&](const TrackStep& step) { return writer.pair(std::size_t(step.from)); },
-                            [&](int k) { return source->read(k); }};
-    std::vector<Curve> curves;
-    for (const np::DriftScheme scheme : {np::DriftScheme::none, np::DriftScheme::leapfrog,
-                                         np::DriftScheme::reference_update, np::DriftScheme::corrected})
-      curves.push_back(drift_curve(c, scheme, setting, source->frames(), measured, *drawn_truth, pixel,
-                                   settings.threads, progress));
-    write_curves(curves, settings.out);
-    const double summed = curves.front().rms_px.back(), corrected = curves.back().rms_px.back();
-    judge.at_most("drift: final RMS error, corrected (px)", c.verify.drift_px, corrected);
-    judge.at_most("drift: final RMS error, corrected over summed increments", c.verify.drift_ratio, corrected / summed);
-  }
-  const np::NpOptions own = c.np.value_or(np::NpOptions{});
-  const bool tracks = c.verify.displacement_rms_px || c.verify.strain_error || c.verify.nodal_error;
-  for (const int per_element : !tracks ? std::vector<int>{} : affine ? std::vector<int>{1, 4, 9} : std::vector<int>{own.per_element}) {
-    Case variant = c;
+  const np::NpOptions own = m.c.np.value_or(np::NpOptions{});
+  for (const int per_element : m.affine ? std::vector<int>{1, 4, 9} : std::vector<int>{own.per_element}) {
+    Case variant = m.c;
     variant.np = own;
     variant.np->per_element = per_element;
     variant.np->reseed = false;  // the truth is known of the first frame's particles
     const std::string with = ", " + std::to_string(per_element) + " per element";
-    np::Tracker images(*variant.np, seed_particles(variant, setting), 0);
-    for (int k = 0; k < last; ++k) images.step(writer.pair(std::size_t(k)), source->frames()[std::size_t(k) + 1].time);
+    np::Tracker images(*variant.np, seed_particles(variant, m.setting), 0);
+    for (int k = 0; k < m.last(); ++k)
+      images.step(m.writer->pair(std::size_t(k)), m.frames()[std::size_t(k) + 1].time);
     const Errors e = errors_of(images, truth);
-    judge.at_most("images: final displacement, RMS error (px)" + with, c.verify.displacement_rms_px, e.displacement_rms / pixel);
-    judge.at_most("images: mean log strain, greatest error" + with, c.verify.strain_error, e.mean_strain);
-    judge.at_most("images: share of particles lost" + with, c.verify.lost_share, e.lost_share);
-    if (!affine || !c.verify.nodal_error) continue;
-    np::Tracker nodes(*variant.np, seed_particles(variant, setting), 0);
-    for (int k = 0; k < last; ++k) nodes.step(nodal_increments(motion, setting.grid, k), k + 1.0);
+    criteria.at_most("images: final displacement, RMS error (px)" + with, asked.displacement_rms_px,
+                     e.displacement_rms / m.pixel());
+    criteria.at_most("images: mean log strain, greatest error" + with, asked.strain_error, e.mean_strain);
+    criteria.at_most("images: share of particles lost" + with, asked.lost_share, e.lost_share);
+    if (!m.affine || !asked.nodal_error) continue;
+    np::Tracker nodes(*variant.np, seed_particles(variant, m.setting), 0);
+    for (int k = 0; k < m.last(); ++k) nodes.step(nodal_increments(m.motion, m.setting.grid, k), k + 1.0);
     const Errors exact = errors_of(nodes, truth);
-    judge.at_most("nodal increments: log strain, greatest error" + with, c.verify.nodal_error, exact.strain_max);
-    judge.at_most("nodal increments: displacement over spacing, greatest error" + with, c.verify.nodal_error,
-                  exact.displacement_max / setting.grid.spacing.x());
+    criteria.at_most("nodal increments: log strain, greatest error" + with, asked.nodal_error, exact.strain_max);
+    criteria.at_most("nodal increments: displacement over spacing, greatest error" + with, asked.nodal_error,
+                     exact.displacement_max / m.setting.grid.spacing.x());
   }
-  writer.set_frames(source->frames());
-  writer.finish();
 }
 
 }  // namespace
@@ -222,9 +242,14 @@ VerifyResult verify_case(const Case& c, const RunSettings& settings, Progress& p
   result.name = c.name;
   const auto start = std::chrono::steady_clock::now();
   try {
-    if (!c.synth) throw InputError("no [synth] table: the truth is not known");
-    judge_images(c, settings, progress, result);
-    if (result.items.empty()) throw InputError("no threshold in [verify]");
+    if (!c.synth) throw InputError("there is no [synth] table, so the truth is not known");
+    const Measurement measurement = draw_and_measure(c, settings, progress);
+    Criteria criteria{result};
+    verify_drift(measurement, settings, progress, criteria);
+    verify_particles(measurement, criteria);
+    measurement.writer->set_frames(measurement.frames());
+    measurement.writer->finish();
+    if (result.items.empty()) throw InputError("there is no threshold in [verify]");
   } catch (const Interrupted&) {
     throw;
   } catch (const std::exception& e) {

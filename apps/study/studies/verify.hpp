@@ -1,4 +1,4 @@
-// `pivnp verify`: cases with known truth, judged.
+// `pivnp verify`: cases with known truth, held against it.
 #pragma once
 
 #include <string>
@@ -20,10 +20,10 @@ struct VerifyResult {
   bool passed = false;
   double seconds = 0;
   std::vector<Item> items;
-  std::string failure;  // why it could not be judged; empty otherwise
+  std::string failure;  // why it could not be verified; empty otherwise
 };
 
-/// Runs a [synth] case through images and as nodal increments, and judges both by [verify].
+/// Runs a [synth] case through images and as nodal increments, and holds both against [verify].
 VerifyResult verify_case(const Case& c, const RunSettings& settings, Progress& progress);
 
 }  // namespace pivnp::app

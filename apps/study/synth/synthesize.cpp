@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "apps/study/pipeline/record_head.hpp"
 #include "apps/study/synth/truth.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/image/synthetic.hpp"
@@ -43,104 +44,145 @@ MotionFrame truth_frame(double time, const ParticleSet& set, const std::vector<V
   return frame;
 }
 
+// The frames of one case and their truth, as far as they are drawn.
+class Drawing {
+ public:
+  Drawing(const Case& c, const RunSettings& settings)
+      : c_(c),
+        synth_(*c.synth),
+        setting_(make_setting(c, synth_.width_px, synth_.height_px)),
+        folder_(settings.out / "frames"),
+        particles_(seed_particles(c, setting_)),
+        writer_(settings.out / "truth", record_head(c, setting_, settings), false, settings.threads),
+        renderer_(c.texture, synth_.width_px, synth_.height_px) {
+    const double rate = c.frames && c.frames->rate_hz ? *c.frames->rate_hz : 1.0;
+    for (int k = 0; k < synth_.frames; ++k) times_.push_back(k / rate);
+    const Mat2 J = setting_.camera.jacobian({synth_.width_px / 2.0, synth_.height_px / 2.0});
+    pixel_ = std::sqrt(std::abs(J.determinant()));
+    std::error_code failed;
+    fs::create_directories(folder_, failed);
+    if (failed) throw RunError(folder_.string() + ": " + failed.message());
+    writer_.begin_motion("truth", particles_);
+  }
+
+  void by_simulation(int threads, Progress& progress);
+  void by_stages(Progress& progress);
+  void by_increments(Progress& progress);
+
+  void finish() {
+    writer_.end_stage("motion/truth", &particles_);
+    writer_.set_frames(frames_);
+    writer_.finish();
+  }
+
+ private:
+  std::uint64_t seed() const { return std::uint64_t(c_.texture.seed); }
+  std::uint64_t seed_of(int frame) const { return seed() + 977 * std::uint64_t(frame); }
+  double blobs_per_area() const { return c_.texture.density_per_px / (pixel_ * pixel_); }
+
+  // Frame `k` and its truth. `seeds`: where the particles are, `F` their deformation gradients.
+  void put(int k, const std::vector<Vec2>& texture, const std::vector<Vec2>& seeds, const std::vector<Mat2>& F) {
+    char name[32];
+    std::snprintf(name, sizeof name, "frame_%05d.png", k);
+    image::write_image(renderer_.draw(to_pixels(texture, setting_.camera), k, synth_.frames).view(), folder_ / name);
+    frames_.push_back({name, times_[std::size_t(k)], frame_ok});
+    writer_.add_frame("truth", truth_frame(times_[std::size_t(k)], particles_, seeds, F));
+    if (writer_.segment_full("motion/truth")) writer_.close_segment("motion/truth", {});
+  }
+
+  // Between frames: asked to stop, and how far it has come.
+  void check(Progress& progress) const {
+    if (progress.stop_requested()) throw Interrupted();
+  }
+  void report(int k, Progress& progress) const { progress.update("synthetic frames", k, synth_.frames - 1); }
+
+  const Case& c_;
+  const SynthOptions& synth_;
+  const Setting setting_;
+  const fs::path folder_;
+  const ParticleSet particles_;
+  io::RecordWriter writer_;
+  const image::BlobRenderer renderer_;
+  std::vector<double> times_;
+  double pixel_ = 1;  // length of one in the image's middle
+  std::vector<Frame> frames_;
+};
+
+void Drawing::by_simulation(int threads, Progress& progress) {
+  Tracers texture{scatter(setting_.regions, blobs_per_area(), seed()), {}};
+  Tracers seeds{particles_.x0, std::vector<Mat2>(particles_.size(), Mat2::Identity())};
+  const double aside = 2 * c_.grid.spacing_px.value_or(16) * pixel_;
+  carry_by_simulation(c_, setting_, times_, std::move(texture), std::move(seeds), threads, progress,
+                      [&](int k, Tracers& blobs, const Tracers& truth) {
+                        replace_lost(blobs.x, renderer_.lost(blobs.x.size(), k), aside, seed_of(k));
+                        put(k, blobs.x, truth.x, truth.F);
+                      });
+}
+
+void Drawing::by_stages(Progress& progress) {
+  const StagedSlope slope = staged_slope(synth_, setting_);
+  std::vector<Vec2> material = scatter(setting_.regions, blobs_per_area(), seed());
+  for (int k = 0; k < synth_.frames; ++k) {
+    check(progress);
+    const double time = double(k) / (synth_.frames - 1);
+    // A lost blob is another one from then on, of other material.
+    replace_lost(material, renderer_.lost(material.size(), k), 32 * pixel_, seed_of(k));
+    std::vector<Vec2> texture, seeds;
+    std::vector<Mat2> F;
+    for (const Vec2& X : material) texture.push_back(slope.at(X, time));
+    for (const Vec2& X : particles_.x0) seeds.push_back(slope.at(X, time)), F.push_back(slope.F(X, time));
+    put(k, texture, seeds, F);
+    report(k, progress);
+  }
+}
+
+void Drawing::by_increments(Progress& progress) {
+  const AffineMotion motion = affine_motion(synth_, setting_);
+  // Everything the image ever shows: its own extent, and what the motion brings in from outside.
+  const Vec2 a = setting_.camera.to_world({0, synth_.height_px - 1.0}),
+             b = setting_.camera.to_world({synth_.width_px - 1.0, 0});
+  Vec2 lower = a.cwiseMin(b), upper = a.cwiseMax(b);
+  const Mat2 back = motion.A.inverse();
+  for (int corner = 0; corner < 4; ++corner) {
+    Vec2 x(corner & 1 ? b.x() : a.x(), corner & 2 ? b.y() : a.y());
+    for (int k = 1; k < synth_.frames; ++k) {
+      x = motion.centre + back * (x - motion.shift - motion.centre);
+      lower = lower.cwiseMin(x);
+      upper = upper.cwiseMax(x);
+    }
+  }
+  const Vec2 edge = Vec2::Constant(4 * c_.texture.blob_diameter_px * pixel_);
+  lower -= edge;
+  upper += edge;
+  const std::vector<Region> everywhere = {
+      {"all", Polygon({lower, {upper.x(), lower.y()}, upper, {lower.x(), upper.y()}}, "texture")}};
+  std::vector<Vec2> texture = scatter(everywhere, blobs_per_area(), seed());
+  const auto anywhere = [&](std::uint64_t from, std::size_t n) {
+    return Vec2(lower + (upper - lower).cwiseProduct(Vec2(uniform(from, 2 * n), uniform(from, 2 * n + 1))));
+  };
+  for (int k = 0; k < synth_.frames; ++k) {
+    check(progress);
+    if (k > 0)
+      for (Vec2& x : texture) x = motion.next(x);
+    if (const int since = k - synth_.lose_texture_at; synth_.lose_texture_at > 0 && since >= 0 && since < 10)
+      for (std::size_t n = std::size_t(since); n < texture.size(); n += 10) texture[n] = anywhere(seed() + 104729, n);
+    for (const std::size_t n : renderer_.lost(texture.size(), k)) texture[n] = anywhere(seed_of(k), n);
+    std::vector<Vec2> seeds;
+    for (const Vec2& x0 : particles_.x0) seeds.push_back(motion.at(x0, k));
+    put(k, texture, seeds, std::vector<Mat2>(particles_.size(), motion.F(k)));
+    report(k, progress);
+  }
+}
+
 }  // namespace
 
 void synthesize(const Case& c, const RunSettings& settings, Progress& progress) {
-  if (!c.synth) throw InputError((c.file.empty() ? c.name : c.file.string()) + ": no [synth] table: nothing to draw");
-  const SynthOptions& synth = *c.synth;
-  const Setting setting = make_setting(c, synth.width_px, synth.height_px);
-  const double rate = c.frames && c.frames->rate_hz ? *c.frames->rate_hz : 1.0;
-  std::vector<double> times;
-  for (int k = 0; k < synth.frames; ++k) times.push_back(k / rate);
-
-  const fs::path folder = settings.out / "frames";
-  std::error_code failed;
-  fs::create_directories(folder, failed);
-  if (failed) throw RunError(folder.string() + ": " + failed.message());
-
-  const ParticleSet particles = seed_particles(c, setting);
-  io::RecordHead head;
-  head.command = settings.command;
-  head.case_text = write_case(c);
-  head.length_unit = setting.camera.length_unit();
-  head.grid = setting.grid;
-  head.world_from_pixel = setting.camera.world_from_pixel();
-  io::RecordWriter writer(settings.out / "truth", head, false, settings.threads);
-  writer.begin_motion("truth", particles);
-
-  const image::BlobRenderer renderer(c.texture, synth.width_px, synth.height_px);
-  const auto seed = std::uint64_t(c.texture.seed);
-  const double pixel = std::sqrt(std::abs(setting.camera.jacobian({synth.width_px / 2.0, synth.height_px / 2.0}).determinant()));
-  std::vector<Frame> frames;
-  auto put = [&](int k, const std::vector<Vec2>& texture, const std::vector<Vec2>& seeds, const std::vector<Mat2>& F) {
-    char name[32];
-    std::snprintf(name, sizeof name, "frame_%05d.png", k);
-    image::write_image(renderer.draw(to_pixels(texture, setting.camera), k, synth.frames).view(), folder / name);
-    frames.push_back({name, times[std::size_t(k)], frame_ok});
-    writer.add_frame("truth", truth_frame(times[std::size_t(k)], particles, seeds, F));
-    if (writer.segment_full("motion/truth")) writer.close_segment("motion/truth", {});
-  };
-
-  if (synth.motion == SynthMotion::mpm) {
-    Tracers texture{scatter(setting.regions, c.texture.density_per_px / (pixel * pixel), seed), {}};
-    Tracers seeds{particles.x0, std::vector<Mat2>(particles.size(), Mat2::Identity())};
-    carry_by_simulation(c, setting, times, std::move(texture), std::move(seeds), settings.threads, progress,
-                        [&](int k, Tracers& blobs, const Tracers& truth) {
-                          replace_lost(blobs.x, renderer.lost(blobs.x.size(), k), 2 * c.grid.spacing_px.value_or(16) * pixel, seed + 977 * std::uint64_t(k));
-                          put(k, blobs.x, truth.x, truth.F);
-                        });
-  } else if (synth.motion == SynthMotion::slope) {
-    const StagedSlope slope = staged_slope(synth, setting);
-    std::vector<Vec2> material = scatter(setting.regions, c.texture.density_per_px / (pixel * pixel), seed);
-    for (int k = 0; k < synth.frames; ++k) {
-      if (progress.stop_requested()) throw Interrupted();
-      const double time = double(k) / (synth.frames - 1);
-      // A lost blob is another one from then on, of other material.
-      replace_lost(material, renderer.lost(material.size(), k), 32 * pixel, seed + 977 * std::uint64_t(k));
-      std::vector<Vec2> texture, seeds;
-      std::vector<Mat2> F;
-      for (const Vec2& X : material) texture.push_back(slope.at(X, time));
-      for (const Vec2& X : particles.x0) seeds.push_back(slope.at(X, time)), F.push_back(slope.F(X, time));
-      put(k, texture, seeds, F);
-      progress.update("synthetic frames", k, synth.frames - 1);
-    }
-  } else {
-    const AffineMotion motion = affine_motion(synth, setting);
-    // Everything the image ever shows: its own extent, and what the motion brings in from outside.
-    const Vec2 a = setting.camera.to_world({0, synth.height_px - 1.0}), b = setting.camera.to_world({synth.width_px - 1.0, 0});
-    Vec2 lower = a.cwiseMin(b), upper = a.cwiseMax(b);
-    const Mat2 back = motion.A.inverse();
-    for (int corner = 0; corner < 4; ++corner) {
-      Vec2 x(corner & 1 ? b.x() : a.x(), corner & 2 ? b.y() : a.y());
-      for (int k = 1; k < synth.frames; ++k) {
-        x = motion.centre + back * (x - motion.shift - motion.centre);
-        lower = lower.cwiseMin(x);
-        upper = upper.cwiseMax(x);
-      }
-    }
-    const Vec2 edge = Vec2::Constant(4 * c.texture.blob_diameter_px * pixel);
-    lower -= edge;
-    upper += edge;
-    const std::vector<Region> everywhere = {{"all", Polygon({lower, {upper.x(), lower.y()}, upper, {lower.x(), upper.y()}}, "texture")}};
-    std::vector<Vec2> texture = scatter(everywhere, c.texture.density_per_px / (pixel * pixel), seed);
-    for (int k = 0; k < synth.frames; ++k) {
-      if (progress.stop_requested()) throw Interrupted();
-      if (k > 0)
-        for (Vec2& x : texture) x = motion.next(x);
-      if (const int since = k - synth.lose_texture_at; synth.lose_texture_at > 0 && since >= 0 && since < 10)
-        for (std::size_t n = std::size_t(since); n < texture.size(); n += 10)
-          texture[n] = lower + (upper - lower).cwiseProduct(Vec2(uniform(seed + 104729, 2 * n), uniform(seed + 104729, 2 * n + 1)));
-      for (const std::size_t n : renderer.lost(texture.size(), k))
-        texture[n] = lower + (upper - lower).cwiseProduct(Vec2(uniform(seed + 977 * std::uint64_t(k), 2 * n), uniform(seed + 977 * std::uint64_t(k), 2 * n + 1)));
-      std::vector<Vec2> seeds;
-      for (const Vec2& x0 : particles.x0) seeds.push_back(motion.at(x0, k));
-      put(k, texture, seeds, std::vector<Mat2>(particles.size(), motion.F(k)));
-      progress.update("synthetic frames", k, synth.frames - 1);
-    }
-  }
-  writer.end_stage("motion/truth", &particles);
-  writer.set_frames(frames);
-  writer.finish();
+  if (!c.synth) throw InputError(of_file(c) + ": there is no [synth] table, so there is nothing to draw");
+  Drawing drawing(c, settings);
+  if (c.synth->motion == SynthMotion::mpm) drawing.by_simulation(settings.threads, progress);
+  else if (c.synth->motion == SynthMotion::slope) drawing.by_stages(progress);
+  else drawing.by_increments(progress);
+  drawing.finish();
 }
 
 }  // namespace pivnp::app

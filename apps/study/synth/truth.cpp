@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "mpm/step/solver.hpp"
+#include "apps/study/pipeline/simulation_scene.hpp"
 #include "pivnp/core/error.hpp"
 
 namespace pivnp::app {

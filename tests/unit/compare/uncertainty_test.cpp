@@ -105,7 +105,7 @@ TEST(Uncertainty, StrainFloorOfTheRecord) {
     return Vec2(x.x() > 20 ? t : 0, 0);
   });
   StrainNote note;
-  note.floor_source = "still frames";
+  note.floor_source = StrainFloor::still_frames;
   note.floor_dev = 0.003, note.floor_vol = 0.004, note.floor_path = 0.005;
   SilentProgress progress;
   const Comparison c = compare(a, b, {}, {}, progress, {}, {note, {}});

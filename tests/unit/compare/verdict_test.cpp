@@ -115,7 +115,7 @@ StrainNote floors_of_a_still_specimen() {
     path += along * along / n;
   }
   StrainNote note;
-  note.floor_source = "still frames";
+  note.floor_source = StrainFloor::still_frames;
   note.floor_dev = std::sqrt(dev), note.floor_vol = std::sqrt(vol), note.floor_path = std::sqrt(path);
   return note;
 }

@@ -200,7 +200,7 @@ TEST_F(RecordTest, ComputedFieldsAreThoseOfTheDerivedReader) {
 TEST_F(RecordTest, WhatGoesWithStrainsComesBack) {
   StrainNote unknown, known;
   unknown.gauge_length = 0.012;
-  known.gauge_length = 0.02, known.floor_source = "still zone";
+  known.gauge_length = 0.02, known.floor_source = StrainFloor::still_zone;
   known.floor_dev = 1e-3, known.floor_vol = 2e-4, known.floor_path = 0.03;
   for (const StrainNote& note : {unknown, known}) {
     {

@@ -196,11 +196,11 @@ TEST_F(Report, LikeWithLike) {
   EXPECT_TRUE(says("simulated minus measured") && says("Measurement and simulation compared"));
   EXPECT_FALSE(says("second minus first;"));
   const auto np = s.content.measured, mpm = s.content.simulated;
-  for (const auto& side : {mpm, np}) {
-    s.content.measured = s.content.simulated = side;
+  for (const auto& motion : {mpm, np}) {
+    s.content.measured = s.content.simulated = motion;
     write(s);
-    EXPECT_TRUE(says("Metrics, second minus first") && says("Two motions compared")) << side->name();
-    EXPECT_FALSE(says("Simulated") || says("simulated minus") || says("of the measured")) << side->name();
+    EXPECT_TRUE(says("Metrics, second minus first") && says("Two motions compared")) << motion->name();
+    EXPECT_FALSE(says("Simulated") || says("simulated minus") || says("of the measured")) << motion->name();
   }
 }
 

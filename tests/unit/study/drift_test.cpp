@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "apps/study/methods/drift.hpp"
-#include "apps/study/methods/stages.hpp"
+#include "apps/study/methods/tracking.hpp"
 #include "apps/study/synth/truth.hpp"
 #include "pivnp/image/synthetic.hpp"
 

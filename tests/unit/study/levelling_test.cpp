@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "apps/study/methods/stages.hpp"
+#include "apps/study/methods/tracking.hpp"
 #include "apps/study/pipeline/measure.hpp"
 #include "apps/study/synth/truth.hpp"
 #include "pivnp/core/error.hpp"

@@ -1,7 +1,7 @@
 // Which steps tracking takes past dropped frames.
 #include <gtest/gtest.h>
 
-#include "apps/study/methods/stages.hpp"
+#include "apps/study/methods/tracking.hpp"
 
 namespace pivnp::app {
 namespace {

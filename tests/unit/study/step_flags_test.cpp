@@ -6,8 +6,8 @@
 namespace pivnp::app {
 namespace {
 
-std::vector<PairQuality> moving(const std::vector<double>& shifts) {
-  std::vector<PairQuality> pairs;
+std::vector<StepQuality> moving(const std::vector<double>& shifts) {
+  std::vector<StepQuality> pairs;
   for (const double shift : shifts) pairs.push_back({0.99, 0.95, shift});
   return pairs;
 }
@@ -28,7 +28,7 @@ TEST(StepFlags, ARepeatedExposureStandsStill) {
 }
 
 TEST(StepFlags, LostCorrelation) {
-  std::vector<PairQuality> pairs = moving({0.5, 0.5, 0.5, 0.5});
+  std::vector<StepQuality> pairs = moving({0.5, 0.5, 0.5, 0.5});
   pairs[0].valid = 0.4;
   pairs[2].median_score = 0.3;
   EXPECT_EQ(step_flags(pairs), (Flags{frame_decorrelated, 0, frame_decorrelated, 0}));

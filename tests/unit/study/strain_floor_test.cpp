@@ -46,7 +46,7 @@ TEST(StrainFloor, NotMeasuredUnlessSomethingIsKnownToRest) {
   const Setting setting = make_setting(c, 256, 256);
   const StrainNote note = strain_note(c, setting, wandering(seed_particles(c, setting), 3, 1e-3), true);
   EXPECT_DOUBLE_EQ(note.gauge_length, 16 + 32);
-  EXPECT_EQ(note.floor_source, "not measured");
+  EXPECT_EQ(note.floor_source, StrainFloor::not_measured);
   EXPECT_TRUE(std::isnan(note.floor_dev));
   Case wide = c;
   wide.np->shape = np::ShapeFunctions::bspline3;
@@ -62,7 +62,7 @@ TEST(StrainFloor, OfAZoneAndOfFramesAtRest) {
   c.np->still_zone_px = {{0, 0}, {127, 0}, {127, 255}, {0, 255}};
   EXPECT_NO_THROW(check_strain_floor(c, setting, std::size_t(frames)));
   const StrainNote zone = strain_note(c, setting, motion, true);
-  EXPECT_EQ(zone.floor_source, "still zone");
+  EXPECT_EQ(zone.floor_source, StrainFloor::still_zone);
   // xx, yy of variance s^2, xy of s^2/2, s^2 = 25 noise^2: 2/3 e:e of the deviator comes to 14/9 s^2, tr to 2 s^2.
   const double s = std::sqrt(25.0) * noise;
   EXPECT_NEAR(zone.floor_vol, std::sqrt(2.0) * s, 0.05 * s);
@@ -72,7 +72,7 @@ TEST(StrainFloor, OfAZoneAndOfFramesAtRest) {
   Case early = plain_case();
   early.np->still_frames = 6;  // half of the material does move, so that this is more
   const StrainNote more = strain_note(early, setting, motion, true);
-  EXPECT_EQ(more.floor_source, "still frames");
+  EXPECT_EQ(more.floor_source, StrainFloor::still_frames);
   EXPECT_GT(more.floor_dev, 2 * zone.floor_dev);
   // Where nothing moves, what five steps show is carried on to what twenty-five do.
   const MotionMemory still = wandering(seed_particles(early, setting), frames, noise, 0);

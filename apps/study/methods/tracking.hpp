@@ -1,4 +1,4 @@
-// The stages after PIV, each into the record and able to go on from its last closed segment.
+// Numerical particles through the measured vectors, into the record; able to go on from its last closed segment.
 #pragma once
 
 #include <functional>
@@ -56,9 +56,5 @@ TrackOutcome track(const Case& c, const Setting& setting, const std::vector<Fram
 
 /// Dropped frames, and what drift correction came to.
 std::vector<std::string> remarks_on_tracking(const TrackOutcome& tracked, const std::vector<Frame>& frames);
-
-/// The simulation at `times` (the first is 0): motion "mpm", and its energy. Returns remarks: what sleeping left out.
-std::vector<std::string> simulate(const Case& c, const Setting& setting, const std::vector<double>& times,
-                                  io::RecordWriter& writer, int threads, Progress& progress);
 
 }  // namespace pivnp::app

@@ -1,11 +1,10 @@
-#include "apps/study/methods/stages.hpp"
+#include "apps/study/methods/tracking.hpp"
 
 #include <algorithm>
 #include <limits>
 #include <utility>
 
 #include "apps/study/pipeline/measure.hpp"
-#include "mpm/step/solver.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
 #include "pivnp/np/reseed.hpp"
@@ -37,8 +36,7 @@ ParticleSet all_particles(const Case& c, const Setting& setting, const std::vect
   const np::NpOptions options = c.np.value_or(np::NpOptions{});
   if (!options.reseed) return all;
   np::Tracker scout(options, all, frames.front().time);
-  np::Reseeder reseeder(setting.grid, options.per_element,
-                        options.seeding, scout);
+  np::Reseeder reseeder(setting.grid, options.per_element, options.seeding, scout);
   for (const TrackStep& step : measured.steps) {
     if (progress.stop_requested()) throw Interrupted();
     const VectorField field = measured.field(step);
@@ -160,7 +158,7 @@ std::vector<std::string> remarks_on_tracking(const TrackOutcome& tracked, const 
   for (const TrackStep& step : tracked.bridged)
     remarks.push_back("Between " + frames[std::size_t(step.from)].name + " and " + frames[std::size_t(step.to)].name +
                       (step.to - step.from == 2 ? " a frame was" : " frames were") +
-                      " dropped, as no vectors hold there: the particles go on by the longer pair.");
+                      " dropped, as no vectors there can be trusted; the particles go on by the longer pair.");
   const std::vector<DriftRound>& rounds = tracked.rounds;
   if (rounds.empty()) return remarks;
   std::size_t alive = 0, first = 0, later = 0;
@@ -180,33 +178,6 @@ std::vector<std::string> remarks_on_tracking(const TrackOutcome& tracked, const 
           " to a later one; the others went on by their increments. Greatest median correction: " +
           number(worst->median_px, 2) + " px, at frame " + std::to_string(worst->frame) + ".");
   return remarks;
-}
-
-std::vector<std::string> simulate(const Case& c, const Setting& setting, const std::vector<double>& times,
-                                  io::RecordWriter& writer, int threads, Progress& progress) {
-  const std::string stage = "motion/mpm";
-  const io::StageState done = writer.stage(stage);
-  if (done.complete) return {};
-  mpm::Solver solver = make_solver(c, setting, threads);
-  std::size_t next = done.items;
-  writer.begin_motion("mpm", solver.particles());
-  if (next > 0)
-    solver.load(done.checkpoint);
-  else if (c.mpm->initial_equilibrium)
-    solver.find_initial_equilibrium(progress);
-  for (std::size_t k = next; k < times.size(); ++k) {
-    solver.advance_to(times[k], progress);
-    writer.add_frame("mpm", solver.frame());
-    writer.add_energy("mpm", solver.energy());
-    if (writer.segment_full(stage)) writer.close_segment(stage, solver.save());
-    progress.update("simulation", std::int64_t(k), std::int64_t(times.size()) - 1);
-  }
-  writer.end_stage(stage, &solver.particles());
-  if (!c.mpm->sleep_below_m_s) return {};
-  const mpm::Solver::Slept slept = solver.slept();
-  return {"Sleeping: " + number(100 * slept.share, 3) +
-          " % of the particles' steps were left out; while asleep none missed more than " + number(slept.displacement_m, 2) + " m of displacement; " + number(slept.energy, 2) +
-          " J/m of kinetic energy were taken (part of damping)."};
 }
 
 }  // namespace pivnp::app
