@@ -20,14 +20,16 @@ Action declare_compare(CLI::App& app, Session& session) {
   };
   const auto c = std::make_shared<Compare>();
   app.add_option("FIRST", c->sources.first,
-                 "the side that is judged against: record, record:motion (np, mpm ...), or another program's results: "
+                 "data set D, as a rule the experiment: record, record:motion (np, mpm ...), or another program's results: "
                  "FORMAT=PATTERN with FORMAT " + io::formats_text(&io::FileFormat::motion) + "; or a curve: " +
                      io::formats_text(&io::FileFormat::curve) + "=FILE[:COLUMN], front=RECORD")
       ->required();
-  app.add_option("SECOND", c->sources.second, "the side that is judged, likewise")->required();
+  app.add_option("SECOND", c->sources.second,
+                 "data set S that is judged against it, as a rule the simulation; likewise")
+      ->required();
   app.add_option("--coarser", c->sources.coarser,
                  "the second on a coarser grid (twice: on one coarser still), for its numerical uncertainty")
-      ->type_name("SIDE")
+      ->type_name("SECOND")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--refinement", c->sources.refinement_ratio, "ratio of those grids' spacings (2)")
@@ -38,7 +40,7 @@ Action declare_compare(CLI::App& app, Session& session) {
       ->type_name("VALUE (s)")
       ->check(CLI::PositiveNumber);
   app.add_option("--length-unit", c->sources.length_unit,
-                 "unit of lengths in another program's files (m); its name is compared with the other side's")
+                 "unit of lengths in another program's files (m); its name is compared with the other data set's")
       ->type_name("NAME");
   app.add_option("--case", c->arguments.case_path, "takes [compare] and [compare.limits] from a case; flags win")
       ->type_name("CASE");
