@@ -64,9 +64,15 @@ void add_session(CLI::App& app, Session& session) {
   app.add_flag("--quiet", session.quiet, "no progress, no notes");
 }
 
-Case load_case(const Arguments& arguments) {
+void print_notes(const Case& c, const Session& session) {
+  if (session.quiet) return;
+  for (const std::string& note : c.notes) session.err << "pivnp: note: " << note << std::endl;
+}
+
+Case load_case(const Arguments& arguments, const Session& session) {
   Case c = arguments.case_path.empty() ? parse_case(embedded_case_text(), "built-in case", fs::current_path())
                                        : read_case(arguments.case_path);
+  print_notes(c, session);
   if (!arguments.frames.empty()) {
     if (!c.piv) c.piv.emplace();
     if (!c.np) c.np.emplace();

@@ -31,7 +31,10 @@ void add_junit(CLI::App& app, Arguments& arguments);
 void add_session(CLI::App& app, Session& session);
 
 /// The case named, or the embedded one. Given frames bring the measuring stages with them.
-Case load_case(const Arguments& arguments);
+Case load_case(const Arguments& arguments, const Session& session);
+
+/// What reading a case has to say, unless --quiet.
+void print_notes(const Case& c, const Session& session);
 
 /// What messages call a case: its file, or what it is.
 std::string title_of(const Case& c);

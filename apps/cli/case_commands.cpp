@@ -41,7 +41,7 @@ Action declare_stages(CLI::App& app, Session& session, Stages stages) {
   if (stages == Stages::all) add_junit(app, *arguments);
   add_session(app, session);
   return [arguments, stages, &session] {
-    const Case c = load_case(*arguments);
+    const Case c = load_case(*arguments, session);
     demand(c, *arguments, stages);
     RunOutcome outcome;
     {
@@ -114,7 +114,7 @@ Action declare_check(CLI::App& app, Session& session) {
   add_frames(app, *arguments);
   add_session(app, session);
   return [arguments, &session] {
-    const Case c = load_case(*arguments);
+    const Case c = load_case(*arguments, session);
     demand(c, *arguments, Stages::all);
     CheckOutcome checked;
     if (c.frames || c.synth || c.mpm || !arguments->frames.empty()) {
@@ -135,7 +135,7 @@ Action declare_synth(CLI::App& app, Session& session) {
   add_out(app, *arguments, "out/<name of the case's folder>");
   add_session(app, session);
   return [arguments, &session] {
-    const Case c = load_case(*arguments);
+    const Case c = load_case(*arguments, session);
     if (!c.synth) throw InputError(title_of(c) + ": there is nothing to draw; expected [synth]");
     const RunSettings settings = settings_for(*arguments, session, c, default_out(c));
     {

@@ -20,16 +20,14 @@ Action declare_compare(CLI::App& app, Session& session) {
   };
   const auto c = std::make_shared<Compare>();
   app.add_option("FIRST", c->sources.first,
-                 "data set D, as a rule the experiment: record, record:motion (np, mpm ...), or another program's results: "
+                 "the data set that is compared against: record, record:motion (np, mpm ...), or another program's results: "
                  "FORMAT=PATTERN with FORMAT " + io::formats_text(&io::FileFormat::motion) + "; or a curve: " +
                      io::formats_text(&io::FileFormat::curve) + "=FILE[:COLUMN], front=RECORD")
       ->required();
-  app.add_option("SECOND", c->sources.second,
-                 "data set S that is judged against it, as a rule the simulation; likewise")
-      ->required();
+  app.add_option("SECOND", c->sources.second, "the data set that is compared with it, likewise")->required();
   app.add_option("--coarser", c->sources.coarser,
                  "the second on a coarser grid (twice: on one coarser still), for its numerical uncertainty")
-      ->type_name("SECOND")
+      ->type_name("DATA")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--refinement", c->sources.refinement_ratio, "ratio of those grids' spacings (2)")
@@ -57,6 +55,7 @@ Action declare_compare(CLI::App& app, Session& session) {
   return [c, &session] {
     if (!c->arguments.case_path.empty()) {
       const Case given = read_case(c->arguments.case_path);
+      print_notes(given, session);
       c->options = given.compare;
       c->limits = given.limits;
     }

@@ -18,6 +18,7 @@
 #include "pivnp/core/record/frames.hpp"
 #include "pivnp/core/record/strain_note.hpp"
 #include "pivnp/core/record/vectors.hpp"
+#include "pivnp/core/version.hpp"
 
 namespace pivnp::io {
 
@@ -106,6 +107,8 @@ class RecordReader {
   ~RecordReader();
 
   const RecordHead& head() const;
+  /// The program that packed the record; empty texts where the record does not say (schema 1.1 and before).
+  BuildInfo written_by() const;
   const std::vector<Frame>& frames() const;
   std::size_t pair_count() const;
   VectorField pair(std::size_t index) const;

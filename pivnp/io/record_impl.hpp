@@ -66,6 +66,7 @@ struct RecordWriter::Impl {
 /// /, /case, /grid and /camera.
 void write_head(h5::OutputFile& file, const RecordHead& head, const std::string& created);
 RecordHead read_head(const h5::Source& source);
+BuildInfo read_written_by(const h5::Source& source);
 
 /// Throws InputError with a line that starts with `where` if a run of `there` cannot go on as `now`.
 void check_same_run(const RecordHead& there, const RecordHead& now, const std::string& where);

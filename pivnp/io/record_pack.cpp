@@ -216,10 +216,10 @@ void RecordWriter::Impl::pack_into(h5::OutputFile& out) const {
     out.group("/piv");
     for (const ItemArray& a : pair_arrays(head.grid, units, nullptr)) pack_array(out, "/piv", a, piv->second.files);
   }
-  const std::vector<const Stage*> sides = motions();
-  if (!sides.empty()) out.group("/motion");
+  const std::vector<const Stage*> moved = motions();
+  if (!moved.empty()) out.group("/motion");
   const bool central = central_anchor(out.source());
-  for (const Stage* stage : sides) {
+  for (const Stage* stage : moved) {
     const std::string group = "/" + stage->files.stage, name = stage->files.stage.substr(7);
     out.group(group);
     write_particles(out, group, read_particles(h5::Source(stage->files.end), ""), units);
@@ -228,7 +228,7 @@ void RecordWriter::Impl::pack_into(h5::OutputFile& out) const {
       pack_fields(out, *open_motion(out.source(), name, units, nullptr), output_fields, central, units);
   }
   std::vector<const StageFiles*> files;
-  for (const Stage* stage : sides) files.push_back(&stage->files);
+  for (const Stage* stage : moved) files.push_back(&stage->files);
   pack_energy(out, files, units);
 }
 

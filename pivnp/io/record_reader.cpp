@@ -64,6 +64,7 @@ RecordReader::~RecordReader() = default;
 
 const RecordHead& RecordReader::head() const { return impl_->head; }
 const std::vector<Frame>& RecordReader::frames() const { return impl_->frames; }
+BuildInfo RecordReader::written_by() const { return read_written_by(impl_->source); }
 std::size_t RecordReader::pair_count() const { return impl_->pairs; }
 std::vector<std::string> RecordReader::motion_names() const { return impl_->motions; }
 

@@ -12,6 +12,7 @@
 #include "apps/cli/commands.hpp"
 #include "apps/cli/signals.hpp"
 #include "pivnp/core/error.hpp"
+#include "pivnp/io/import_format.hpp"
 #include "tests/unit/cli/fake_study.hpp"
 
 namespace pivnp::app {
@@ -244,6 +245,14 @@ TEST_F(CommandLine, InitWritesACaseThatReads) {
                "FRAMES: found 2 files, expected one pattern; quote it, as in 'lab/*.png'\n");
   expect_error(run_program({"init", (folder.path / "none*.png").string()}), 2, "");
   expect_error(run_program({"init", frames, "--rate-hz", "-1"}), 2, "--rate-hz: ");
+}
+
+TEST_F(CommandLine, CompareNamesTheFormatsThatAreListed) {
+  const auto read = [](const std::vector<std::filesystem::path>&) { return io::ImportedState{}; };
+  io::file_formats().add({.name = "dots", .files = "dots_*.txt", .text = "points", .read_time = read});
+  EXPECT_THAT(run_program({"compare", "--help"}).out, HasSubstr("dots_*.txt"));
+  io::file_formats().remove_last();
+  EXPECT_THAT(run_program({"compare", "--help"}).out, testing::Not(HasSubstr("dots_*.txt")));
 }
 
 TEST_F(CommandLine, HelpShowsAnExampleForEveryCommand) {

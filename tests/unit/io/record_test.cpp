@@ -77,6 +77,9 @@ TEST_F(RecordTest, HeadFramesMotionsEnergyAndComparisonComeBack) {
   EXPECT_TRUE(h.world_from_pixel == expected.world_from_pixel);
   EXPECT_EQ(h.camera_residual, expected.camera_residual);
   EXPECT_EQ(h.metres_per_pixel, expected.metres_per_pixel);
+  EXPECT_EQ(r.written_by().version, build_info().version);
+  EXPECT_EQ(r.written_by().commit, build_info().commit);
+  EXPECT_EQ(r.written_by().libraries, build_info().libraries);
 
   const std::vector<Frame> frames = sample::frames(size);
   ASSERT_EQ(r.frames().size(), frames.size());
