@@ -8,8 +8,8 @@ namespace pivnp::compare {
 
 namespace {
 
-History known(const History& h) {
-  History out;
+TimeHistory known(const TimeHistory& h) {
+  TimeHistory out;
   for (std::size_t k = 0; k < h.time.size(); ++k)
     if (std::isfinite(h.value[k])) {
       out.time.push_back(h.time[k]);
@@ -18,14 +18,14 @@ History known(const History& h) {
   return out;
 }
 
-double range(const History& h) {
+double range(const TimeHistory& h) {
   const auto [least, most] = std::minmax_element(h.value.begin(), h.value.end());
   return h.value.empty() ? 0 : *most - *least;
 }
 
 }  // namespace
 
-double value_at(const History& h, double time) {
+double value_at(const TimeHistory& h, double time) {
   const auto after = std::lower_bound(h.time.begin(), h.time.end(), time);
   if (after == h.time.end()) return not_known;
   const std::size_t k = std::size_t(after - h.time.begin());
@@ -42,7 +42,7 @@ struct Reach {
   double time = not_known, interval = not_known;
 };
 
-Reach first_reach(const History& h, double level) {
+Reach first_reach(const TimeHistory& h, double level) {
   for (std::size_t k = 1; k < h.time.size(); ++k) {
     const double before = std::abs(h.value[k - 1] - h.value[0]), now = std::abs(h.value[k] - h.value[0]);
     if (now < level) continue;
@@ -56,8 +56,8 @@ constexpr double begun = 0.05;  // share of the range that counts as motion
 
 }  // namespace
 
-Estimate onset(const History& history, double sigma) {
-  const History h = known(history);
+Estimate onset(const TimeHistory& history, double sigma) {
+  const TimeHistory h = known(history);
   const double threshold = begun * range(h);
   if (!(threshold > 0)) return {};
   const Reach here = first_reach(h, threshold);
@@ -70,8 +70,8 @@ Estimate onset(const History& history, double sigma) {
   return out;
 }
 
-Estimate rest(const History& history, double sigma) {
-  History backwards = known(history);
+Estimate rest(const TimeHistory& history, double sigma) {
+  TimeHistory backwards = known(history);
   std::reverse(backwards.time.begin(), backwards.time.end());
   std::reverse(backwards.value.begin(), backwards.value.end());
   for (double& t : backwards.time) t = -t;
@@ -80,8 +80,8 @@ Estimate rest(const History& history, double sigma) {
   return out;
 }
 
-Estimate peak_rate(const History& history, double sigma) {
-  const History h = known(history);
+Estimate peak_rate(const TimeHistory& history, double sigma) {
+  const TimeHistory h = known(history);
   Estimate peak;
   for (std::size_t k = 1; k + 1 < h.time.size(); ++k) {
     const double a = h.time[k] - h.time[k - 1], b = h.time[k + 1] - h.time[k];
@@ -96,7 +96,7 @@ Estimate peak_rate(const History& history, double sigma) {
 bool HistoryMeasures::noise_known() const { return std::isfinite(errors.own[0]) || std::isfinite(errors.own[1]); }
 
 std::optional<HistoryMeasures> measure_histories(const std::string& subject, const std::string& what,
-                                                 const History& first, const History& second,
+                                                 const TimeHistory& first, const TimeHistory& second,
                                                  const HistoryErrors& errors, const std::string& unit,
                                                  const std::string& time_unit) {
   HistoryMeasures out;
@@ -110,7 +110,7 @@ std::optional<HistoryMeasures> measure_histories(const std::string& subject, con
   out.unit = unit;
   out.time_unit = time_unit;
   out.errors = errors;
-  const PerDataSet<const History*> histories{&first, &second};
+  const PerDataSet<const TimeHistory*> histories{&first, &second};
   for (std::size_t s = 0; s < 2; ++s) {
     const double own = out.noise_known() && std::isnan(errors.own[s]) ? 0 : errors.own[s];
     out.onset[s] = onset(*histories[s], own);

@@ -11,12 +11,12 @@
 
 namespace pivnp::compare {
 
-struct History {
+struct TimeHistory {
   std::vector<double> time, value;  // ascending times; NaN where the value is not known
 };
 
 /// Linear between its times; NaN outside them and beside unknown values.
-double value_at(const History& history, double time);
+double value_at(const TimeHistory& history, double time);
 
 /// A number read off a history. Standard uncertainties are of random, independent errors of the values, standard
 /// deviation `sigma`; NaN where they cannot be stated.
@@ -28,12 +28,12 @@ struct Estimate {
 /// never moves. u^2 = dt^2/12 + 2 sigma^2/slope^2: the interval in which it lies (rectangular), and the errors of the
 /// value there and at the start over the slope between 2.5 and 10 % of the range. Without sigma (NaN) the first part
 /// alone; not known where the noise reaches the threshold.
-Estimate onset(const History& history, double sigma);
+Estimate onset(const TimeHistory& history, double sigma);
 /// Greatest size of the central difference over the times (uneven steps: the parabola's slope), with what the errors of
 /// the three values make of it; NaN with fewer than three.
-Estimate peak_rate(const History& history, double sigma);
+Estimate peak_rate(const TimeHistory& history, double sigma);
 /// Last time at which the value is 5 % of its whole range from where it ends: the onset of the history read backwards.
-Estimate rest(const History& history, double sigma);
+Estimate rest(const TimeHistory& history, double sigma);
 
 /// Standard uncertainties, NaN if not known: of a difference of values, and of each data set's values alone.
 struct HistoryErrors {
@@ -58,7 +58,7 @@ struct HistoryMeasures {
 
 /// Nothing if no time is common. Where one data set has no error of its own and the other knows one, it counts as exact.
 std::optional<HistoryMeasures> measure_histories(const std::string& subject, const std::string& what,
-                                                 const History& first, const History& second,
+                                                 const TimeHistory& first, const TimeHistory& second,
                                                  const HistoryErrors& errors, const std::string& unit,
                                                  const std::string& time_unit);
 

@@ -76,7 +76,7 @@ PointMeasures PointHistories::measure(const std::string& unit, const std::string
   for (std::size_t k = 0; k < points_.size(); ++k) {
     const std::string name = "point_" + std::to_string(k + 1);
     const std::string where = "(" + number(points_[k].x()) + ", " + number(points_[k].y()) + ")";
-    PerDataSet<History> size;
+    PerDataSet<TimeHistory> size;
     HistoryErrors errors;
     double variance = given_ + shared_[k] / double(std::max<std::size_t>(1, time_.size())), greatest = 0;
     bool known = variance > 0;

@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct NamedHistory {
-  compare::History history;
+  compare::TimeHistory history;
   std::string name, unit, time_unit;
 };
 

@@ -103,9 +103,9 @@ TEST(Definitions, TheGaugesShareOfAPointIsOfItsGreatestDisplacement) {
 
 // The slope of the parabola through three uneven times: of t^2 at 1, between 0 and 3.
 TEST(Definitions, RatesHoldAtUnevenTimes) {
-  EXPECT_NEAR(peak_rate(History{{0, 1, 3}, {0, 1, 9}}, std::nan("")).value, 2, 1e-12);
+  EXPECT_NEAR(peak_rate(TimeHistory{{0, 1, 3}, {0, 1, 9}}, std::nan("")).value, 2, 1e-12);
   // Weights -2/3, 1/2, 1/6.
-  EXPECT_NEAR(peak_rate(History{{0, 1, 3}, {0, 1, 9}}, 0.6).uncertainty, 0.6 * std::sqrt(16.0 + 9 + 1) / 6, 1e-12);
+  EXPECT_NEAR(peak_rate(TimeHistory{{0, 1, 3}, {0, 1, 9}}, 0.6).uncertainty, 0.6 * std::sqrt(16.0 + 9 + 1) / 6, 1e-12);
 }
 
 TEST(Definitions, RelativeValuesAreKnownRelatively) {

@@ -225,8 +225,8 @@ TEST(Decomposition, SaysWhenWhatIsLocalIsLost) {
   EXPECT_EQ(d.outside(), 0);
 }
 
-TEST(History, ByHand) {
-  const History h{{0, 1, 2, 3, 4}, {0, 0, 10, 20, 20}};
+TEST(TimeHistory, ByHand) {
+  const TimeHistory h{{0, 1, 2, 3, 4}, {0, 0, 10, 20, 20}};
   const double unknown = std::nan("");
   EXPECT_NEAR(onset(h, unknown).value, 1.1, 1e-12);  // 5 % of 20
   EXPECT_NEAR(rest(h, unknown).value, 2.9, 1e-12);   // 19
@@ -239,8 +239,8 @@ TEST(History, ByHand) {
   EXPECT_TRUE(std::isnan(onset(h, 1).uncertainty));  // noise of sqrt(2) at a threshold of 1
   EXPECT_NEAR(value_at(h, 2.25), 12.5, 1e-12);
   EXPECT_TRUE(std::isnan(value_at(h, 4.1)));
-  EXPECT_TRUE(std::isnan(onset(History{{0, 1}, {2, 2}}, unknown).value));
-  const auto measures = measure_histories("point_7", "the front", h, History{{1, 5}, {1, 25}}, {}, "m", "s");
+  EXPECT_TRUE(std::isnan(onset(TimeHistory{{0, 1}, {2, 2}}, unknown).value));
+  const auto measures = measure_histories("point_7", "the front", h, TimeHistory{{1, 5}, {1, 25}}, {}, "m", "s");
   ASSERT_TRUE(measures);
   const std::vector<Metric> metrics = metrics_of(*measures);
   // Second minus first at 1, 2, 3, 4: 1, -3, -7, -1.
@@ -249,12 +249,12 @@ TEST(History, ByHand) {
   EXPECT_NEAR(value("rms"), std::sqrt(60.0 / 4), 1e-12);
   EXPECT_NEAR(value("max"), 7, 1e-12);
   EXPECT_NEAR(value("onset_difference"), 1.2 - 1.1, 1e-12);
-  EXPECT_FALSE(measure_histories("x", "x", h, History{{7, 8}, {1, 2}}, {}, "m", "s"));
+  EXPECT_FALSE(measure_histories("x", "x", h, TimeHistory{{7, 8}, {1, 2}}, {}, "m", "s"));
 }
 
 // Criterion: onset and time to rest of noisy histories scatter as stated (a factor 1.5 either way), sampled finely: the
 // part of the interval, which a straight rise does not need, is small then.
-TEST(History, OnsetAndRestScatterAsStated) {
+TEST(TimeHistory, OnsetAndRestScatterAsStated) {
   const unsigned seed = 42;
   SCOPED_TRACE(seed);
   std::mt19937 random(seed);
@@ -263,7 +263,7 @@ TEST(History, OnsetAndRestScatterAsStated) {
   const int runs = 400;
   double square_onset = 0, square_rest = 0, stated = 0;
   for (int run = 0; run < runs; ++run) {
-    History h;
+    TimeHistory h;
     for (int k = 0; k <= 200; ++k) {
       const double t = 0.02 * k;
       h.time.push_back(t);
