@@ -12,6 +12,7 @@
 #include "compare/data/rigid.hpp"
 #include "compare/measures/shapes.hpp"
 #include "compare/data/transformed.hpp"
+#include "pivnp/core/particles/fields.hpp"
 #include "tests/unit/compare/motions.hpp"
 
 namespace pivnp::compare {
@@ -146,6 +147,10 @@ TEST(Definitions, AMotionInOtherCoordinatesByHand) {
   f.v = {{4, 0}};
   f.cov_u = {{0.04f, 0.09f, 0.01f}};
   std::ranges::copy(std::array{-1.0f, -2.0f, -3.0f, 0.5f}, f.add("stress", 1).begin());
+  motion_fields().add({.name = "flux", .unit = "L/T", .form = FieldForm::vector});
+  motion_fields().add({.name = "width", .unit = "L"});
+  std::ranges::copy(std::array{4.0f, 0.0f}, f.add("flux", 1).begin());
+  f.add("width", 1)[0] = 3;
   motion.add(f);
   Transform by;
   by.scale = 2;
@@ -169,6 +174,10 @@ TEST(Definitions, AMotionInOtherCoordinatesByHand) {
   near(g.F[0], {0.9, 0, -0.3, 1.2});  // F of the turned axes: dx'/dY' of the old shear is -dy'/dX'
   near(g.cov_u[0], {0.36, 0.16, -0.04});
   near(g.field("stress").values, {-2, -1, -3, -0.5});
+  near(g.field("flux").values, {0, 2});  // as v
+  near(g.field("width").values, {6});
+  motion_fields().remove_last();
+  motion_fields().remove_last();
 }
 
 // What slows down later is read off its beginning: over 2 to 25 % of a smooth step the line's zero is early by .03 in a
