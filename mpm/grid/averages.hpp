@@ -26,11 +26,6 @@ namespace pivnp::mpm {
 
 enum class Averaging { of_stress, of_strain };  // Q and Q^*
 
-/// Along x and y.
-struct alignas(16) AlongAxes {
-  double x = 0, y = 0;
-};
-
 /// A cell and its lower left corner go by the cell's lower left node. Lengths in cells. Zero where no node is active.
 struct AverageArrays {
   CellEdges* edges;

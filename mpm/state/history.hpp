@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <string_view>
 #include <vector>
 
@@ -61,7 +60,7 @@ class History {
   };
 
   /// Makes room for these variables of `n` points, at zero, and tells where they are; those that are there already are
-  /// shared.
+  /// shared. What find() returned before is no longer valid.
   Places declare(const std::vector<HistoryVariable>& variables, std::size_t n);
   /// The first component of a variable's values; nullptr where no law declares it.
   Array* find(std::string_view name);
@@ -70,8 +69,8 @@ class History {
   void reset();
 
   std::vector<Variable> variables;
-  std::deque<Array> numbers;  // (a deque: addresses stay when more are declared)
-  std::deque<Flags> flags;
+  std::vector<Array> numbers;
+  std::vector<Flags> flags;
 };
 
 }  // namespace pivnp::mpm

@@ -37,6 +37,10 @@ struct alignas(32) CellEdges {
 struct alignas(16) CornerSums {
   double value = 0, volume = 0;
 };
+/// Along x and y.
+struct alignas(16) AlongAxes {
+  double x = 0, y = 0;
+};
 struct AverageView {
   CellEdges* edges;
   CornerSums* corners;

@@ -1,7 +1,7 @@
-// The fields of the nodes, listed once. All are of one step: none is state, none is recorded.
+// The fields of the nodes, listed once. All are of one step: none is state, none is recorded, and all are double precision but
+// for the marks. A field that a case does not need takes no memory, or no more than pages that nothing writes to.
 #pragma once
 
-#include <cstddef>
 #include <string_view>
 
 #include "mpm/state/node.hpp"
@@ -10,18 +10,40 @@ namespace pivnp::mpm {
 
 struct NodeField {
   std::string_view name, unit, definition;
+  std::string_view need = {};  // which scheme, load or law needs it; empty: every case does
 };
 
-/// What every node carries in its line (Node): calls visit(field, component, ...) with the members.
+/// In place of a component's member: a field that lies in an array of its own, an element T a node.
+template <class T>
+struct InArray {
+  using type = T;
+};
+
+/// Calls visit(field, component, ...): with the members of Node for what lies in a node's line, else with one InArray.
 template <class Visit>
 constexpr void for_each_node_field(Visit&& visit) {
   visit(NodeField{"mass", "kg/m", "mass mapped from the points"}, &Node::mass);
-  visit(NodeField{"velocity", "m/s", "velocity mapped from the points; while it is being mapped, momentum in N s/m"}, &Node::vx,
-        &Node::vy);
+  visit(NodeField{"velocity", "m/s", "velocity mapped from the points; while it is being mapped, momentum"}, &Node::vx, &Node::vy);
   visit(NodeField{"force", "N/m", "force without the damping"}, &Node::fx, &Node::fy);
   visit(NodeField{"updated velocity", "m/s", "velocity after the momentum update and the restraints"}, &Node::nx, &Node::ny);
-  visit(NodeField{"held", "", "by a wall or body"}, &Node::held);
-  visit(NodeField{"apart", "", "strains the material by a velocity of its own (NodeNeeds::strain_velocity)"}, &Node::apart);
+  visit(NodeField{"held", "", "held by a wall or body"}, &Node::held);
+  visit(NodeField{"apart", "", "strains the material by a velocity of its own"}, &Node::apart);
+  visit(NodeField{"strain-rate velocity", "m/s", "velocity that gives the strain increments, where it is not the updated one",
+                  "stress first or from velocities mapped again; small-mass nodes and restraints that act on it"},
+        InArray<NodeVelocity>{});
+  visit(NodeField{"edges", "m^2", "sums over a cell's points for its edges, then their shares", "fbar with shapes of three nodes"},
+        InArray<CellEdges>{});
+  visit(NodeField{"corners", "Pa m^2, m^2", "sums over a corner's points, then their average", "fbar with shapes of three nodes"},
+        InArray<CornerSums>{});
+  visit(NodeField{"shift", "1", "from the centre of a corner's points to the corner, in cells", "fbar with shapes of three nodes"},
+        InArray<AlongAxes>{});
+  visit(NodeField{"fluxes", "1", "what moves a corner's average to the corner", "fbar with shapes of three nodes"},
+        InArray<AlongAxes>{});
+  visit(NodeField{"filtered velocity", "m/s", "velocity, filtered to an order", "xpic"}, InArray<NodeVelocity>{});
+  visit(NodeField{"body force", "N/m", "force of body forces and tractions", "body forces, tractions"}, InArray<NodeVelocity>{});
+  visit(NodeField{"softening strain", "m^2", "plastic strain times volume, then its mean", "laws that average (transfer/nonlocal.hpp)"},
+        InArray<double>{});
+  visit(NodeField{"softening volume", "m^2", "volume, filtered alike", "laws that average (transfer/nonlocal.hpp)"}, InArray<double>{});
 }
 
 }  // namespace pivnp::mpm

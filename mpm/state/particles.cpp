@@ -145,22 +145,9 @@ StressBatch StressBatch::point(std::size_t k) const {
   return b;
 }
 
-void StressBatch::move_increments(std::size_t by) { move(by, true); }
-
-void StressBatch::move_state(std::size_t by) {
-  move(by, false);
-  for (double*& values : history) {
-    if (!values) break;
-    values += by;
-  }
-  for (std::uint8_t*& values : flags) {
-    if (!values) break;
-    values += by;
-  }
-}
-
 // The increments, or all else that laws see.
-void StressBatch::move(std::size_t by, bool increments) {
+template <bool increments>
+void StressBatch::move(std::size_t by) {
   for_each_particle_field([&](const ParticleField& field, const auto&... column) {
     if ((field.need == &ParticleNeeds::increments) != increments) return;
     const auto shift = [&]<class T>(const Column<T>& c) {
@@ -169,6 +156,20 @@ void StressBatch::move(std::size_t by, bool increments) {
     };
     (shift(column), ...);
   });
+}
+
+void StressBatch::move_increments(std::size_t by) { move<true>(by); }
+
+void StressBatch::move_state(std::size_t by) {
+  move<false>(by);
+  for (double*& values : history) {
+    if (!values) break;
+    values += by;
+  }
+  for (std::uint8_t*& values : flags) {
+    if (!values) break;
+    values += by;
+  }
 }
 
 }  // namespace pivnp::mpm

@@ -36,7 +36,8 @@ struct StressBatch {
  private:
   void move_increments(std::size_t by);
   void move_state(std::size_t by);
-  void move(std::size_t by, bool increments);
+  template <bool increments>
+  void move(std::size_t by);
 };
 
 }  // namespace pivnp::mpm

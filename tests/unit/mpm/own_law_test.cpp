@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <type_traits>
 
+#include "mpm/state/node_fields.hpp"
 #include "mpm/state/particle_fields.hpp"
 #include "mpm/step/scene_setup.hpp"
 #include "pivnp/core/error.hpp"
@@ -183,6 +185,29 @@ TEST(ParticleFields, EveryRecordedOneIsAMotionField) {
     ASSERT_NE(row, nullptr) << field.name;
     EXPECT_EQ(row->components(), sizeof...(column));
   });
+}
+
+// Every byte of a node's line but its end is a listed field's.
+TEST(NodeFields, TheLineHoldsNoOther) {
+  static const Node node;
+  std::size_t listed = 0, end = 0;
+  std::set<std::string_view> names;
+  for_each_node_field([&](const NodeField& field, const auto&... component) {
+    EXPECT_TRUE(names.insert(field.name).second);
+    const auto look = [&]<class T>(const T& c) {
+      if constexpr (std::is_member_pointer_v<T>) {
+        EXPECT_TRUE(field.need.empty()) << field.name;
+        const auto* at = reinterpret_cast<const char*>(&(node.*c));
+        listed += sizeof(node.*c);
+        end = std::max(end, std::size_t(at - reinterpret_cast<const char*>(&node)) + sizeof(node.*c));
+      } else {
+        EXPECT_FALSE(field.need.empty()) << field.name;
+      }
+    };
+    (look(component), ...);
+  });
+  EXPECT_EQ(listed, end);
+  EXPECT_LT(sizeof(Node) - end, sizeof(double));
 }
 
 }  // namespace
