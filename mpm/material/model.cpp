@@ -55,7 +55,7 @@ void check_key(const MaterialOptions& options, const MaterialKey& key) {
   if (key.required && !(found.given && found.value && *found.value != 0)) {
     OptionInfo info = found.info;
     info.above_min = true;
-    throw MaterialFault(key.name, "missing with model \"" + options.model + "\", expected " + expected_of(info));
+    throw MaterialFault(key.name, "missing; expected " + expected_of(info));
   }
   if (found.given && found.value && !(std::isfinite(*found.value) && in_range(found.info, *found.value)))
     refuse(key.name, *found.value, expected_of(found.info));

@@ -48,7 +48,7 @@ const MaterialModel& add_material_model(MaterialModel model);
 struct MaterialFault : InputError {
   MaterialFault(std::string_view of_key, const std::string& fault)
       : InputError(std::string(of_key) + ": " + fault), key(of_key), text(fault) {}
-  std::string key, text;  // "young_pa", "missing, expected more than 0 (Pa)"
+  std::string key, text;  // "young_pa", "missing; expected more than 0 (Pa)"
 };
 /// Throws MaterialFault "found FOUND, expected EXPECTED".
 [[noreturn]] void refuse(std::string_view key, double found, std::string_view expected);

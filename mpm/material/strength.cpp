@@ -24,7 +24,7 @@ std::vector<HistoryVariable> cone_history() {
 }
 
 void check_cone(const MaterialOptions& o) {
-  require(o.friction_deg > 0 || o.cohesion_pa > 0, "friction_deg", o.friction_deg, "an angle above 0 where cohesion_pa is 0");
+  require(o.friction_deg > 0 || o.cohesion_pa > 0, "friction_deg", o.friction_deg, "more than 0, or cohesion_pa of more than 0");
   require_order(o, "dilatancy_deg", "friction_deg");
 }
 

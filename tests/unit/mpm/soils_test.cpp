@@ -306,7 +306,7 @@ TEST(SoilOptions, NonsenseNamesItsKey) {
   expect([](auto& o) { o.apex_pa = 0; }, "apex_pa", "mohr_coulomb_smooth");
   expect([](auto& o) { o.friction_residual_deg = 25; }, "friction_residual_deg", "drucker_prager");
   expect([](auto& o) { o.friction_flow_deg = 40; }, "friction_flow_deg");
-  expect([](auto& o) { o.friction_flow_deg = 20; }, "friction_flow_deg", "mu_i");
+  expect([](auto& o) { o.friction_flow_deg = 20; o.grain_diameter_m = 1e-3; }, "friction_flow_deg", "mu_i");
   expect([](auto& o) { o.friction_flow_deg = 40; }, "grain_diameter_m", "mu_i");
   expect([](auto&) {}, "bulk_pa", "water");
 }
