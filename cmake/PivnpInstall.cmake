@@ -8,7 +8,7 @@ set(headers_dir ${CMAKE_INSTALL_INCLUDEDIR}/pivnp)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/pivnp)
 
 install(TARGETS pivnp RUNTIME)
-foreach(engine core image piv np io mpm compare)
+foreach(engine version core image piv np io mpm compare)
   set_target_properties(pivnp_${engine} PROPERTIES EXPORT_NAME ${engine})  # pivnp::core
   target_include_directories(pivnp_${engine} INTERFACE $<INSTALL_INTERFACE:${headers_dir}>)
   target_compile_features(pivnp_${engine} INTERFACE cxx_std_20)

@@ -13,15 +13,10 @@
 #include "compare/alignment/reference.hpp"
 #include "compare/data/data_set.hpp"
 #include "compare/data/transformed.hpp"
-#include "compare/measures/bands.hpp"
-#include "compare/measures/decomposition.hpp"
-#include "compare/measures/differences.hpp"
-#include "compare/measures/distribution.hpp"
-#include "compare/measures/numerics.hpp"
-#include "compare/measures/points.hpp"
-#include "compare/metrics/metrics.hpp"
+#include "compare/metrics/findings.hpp"
 #include "compare/metrics/remarks.hpp"
-#include "compare/metrics/shapes.hpp"
+#include "compare/metrics/rows.hpp"
+#include "compare/shapes/outline.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
 
@@ -50,23 +45,22 @@ void check_options(const CompareOptions& options, const LimitOptions& limits) {
   if (!options.increments_outside_m.empty() && options.increments_outside_m.size() != 3)
     throw InputError("compare.increments_outside_m: found " + std::to_string(options.increments_outside_m.size()) +
                      " numbers, expected 3: centre and radius");
-  if ((limits.run_out_m || limits.slope_angle_deg) && !options.slope_base_m)
-    throw InputError("compare.limits." + std::string(limits.run_out_m ? "run_out_m" : "slope_angle_deg") +
-                     ": needs compare.slope_base_m, which is not given");
+  if (const LimitRow* row = limit_without_its_option(limits, options))
+    throw InputError("compare.limits." + row->name + ": needs compare." + row->needs + ", which is not given");
 }
 
-// A side by name, and where its particles lie.
-std::string where(const Side& side) {
-  Vec2 lower = side.material_position().front(), upper = lower;
-  for (const Vec2& x : side.material_position()) {
+// A data set by name, and where its particles lie.
+std::string where(const DataSet& set) {
+  Vec2 lower = set.material_position().front(), upper = lower;
+  for (const Vec2& x : set.material_position()) {
     lower = lower.cwiseMin(x);
     upper = upper.cwiseMax(x);
   }
   const auto span = [&](int axis) { return number(lower[axis], 4) + " to " + number(upper[axis], 4); };
-  return quoted(side.motion()) + " (x " + span(0) + ", y " + span(1) + " " + side.motion().length_unit() + ")";
+  return quoted(set.motion()) + " (x " + span(0) + ", y " + span(1) + " " + set.motion().length_unit() + ")";
 }
 
-std::vector<std::size_t> paired_particles(const Alignment& alignment, const Side& first, const Side& second) {
+std::vector<std::size_t> paired_particles(const Alignment& alignment, const DataSet& first, const DataSet& second) {
   std::vector<std::size_t> paired;
   for (std::size_t p = 0; p < first.size(); ++p)
     if (has_partner(alignment.partners()[p])) paired.push_back(p);
@@ -76,7 +70,7 @@ std::vector<std::size_t> paired_particles(const Alignment& alignment, const Side
   return paired;
 }
 
-std::string covariance_source(const Differences& differences, const Side& first, const Side& second,
+std::string covariance_source(const Differences& differences, const DataSet& first, const DataSet& second,
                               bool given) {
   const bool a = differences.cov_known(0), b = differences.cov_known(1);
   const Tally& total = differences.total();
@@ -103,53 +97,30 @@ std::string floor_source(const StrainNotes& notes, const MotionSource& first, co
   return text;
 }
 
-void add_motion_metrics(const Differences& differences, const Wording& everywhere, const Wording& at_end,
-                        const std::string& speed_unit, Comparison& out) {
-  const Tally &total = differences.total(), &last = differences.last();
-  add_displacement_metrics(total, everywhere, total.peak_first, out.metrics);
-  add_displacement_metrics(last, at_end, total.peak_first, out.metrics);
-  add_peak_metrics(total, everywhere, out.metrics);
-  add_uncertainty_metrics(total, everywhere, out.metrics);
-  add_uncertainty_metrics(last, at_end, out.metrics);
-  add_velocity_metrics(differences.rates(), everywhere, speed_unit, out.metrics);
-  add_strain_metrics(total, everywhere, out.metrics);
-  add_strain_metrics(last, at_end, out.metrics);
-  if (!(total.peak_first > 0))
-    out.remarks.push_back("The first does not move: no metrics relative to its displacement.");
-  if (const std::size_t unknown = total.displacement.count_unknown();
-      unknown > 0 && unknown < total.displacement.count())
-    out.remarks.push_back(std::to_string(unknown) + " of " + std::to_string(total.displacement.count()) +
-                          " particle-times have no known uncertainty: none is stated for what holds them.");
-  if (const std::size_t lost = total.displacement.count() - total.strain_dev.count(); lost > 0)
-    out.remarks.push_back(std::to_string(lost) + " of " + std::to_string(total.displacement.count()) +
-                          " particle-times have no strain: a deformation gradient is not known, or not positive.");
-}
-
-// Adds every common time, in order, until one side has nothing left to compare.
-void walk_times(const CommonTimes& common, Side& first, Side& second, Alignment& alignment, const Reference& reference,
-                Numerics& numerics, Differences& differences, Bands& bands, PointHistories& points, Comparison& out,
-                Progress& progress) {
+// Adds every common time, in order, until one data set has nothing left to compare.
+void walk_times(const CommonTimes& common, DataSet& first, DataSet& second, Alignment& alignment, const Reference& reference,
+                Numerics& numerics, Differences& differences, Bands& bands, PointHistories& points,
+                std::vector<std::string>& remarks, Progress& progress) {
   for (double time : common.times) {
     if (progress.stop_requested()) throw Interrupted();
-    const SideState& a = first.at(time);
-    const SideState& b = second.at(time);
+    const DataSetState& a = first.at(time);
+    const DataSetState& b = second.at(time);
     alignment.update(b.followed);
     const auto frame = reference.fit(a, b);
     const std::vector<Vec2>& numerical = numerics.at(time, b, alignment.partners());
     if (!frame || !differences.add(a, b, alignment.partners(), *frame, numerical)) {
       const std::string what = (frame ? "o particle has a partner any more at " : "o reference particle is left at ") +
                                number(time) + " " + first.motion().time_unit();
-      if (out.time.size() == 1)
+      if (differences.times().size() == 1)
         throw InputError("compare: n" + what + ", the first time after the start, expected some");
-      out.remarks.push_back("N" + what + ": the comparison ends at the time before.");
+      remarks.push_back("N" + what + ": the comparison ends at the time before.");
       break;
     }
     bands.add(a, b);
     points.add(a, b, *frame, numerical);
-    out.time.push_back(time);
-    progress.update("compare", std::int64_t(out.time.size()), std::int64_t(common.times.size()));
+    progress.update("compare", std::int64_t(differences.times().size()), std::int64_t(common.times.size()));
   }
-  if (out.time.empty())
+  if (differences.times().empty())
     throw InputError("compare: no particle of motion " + quoted(first.motion()) + " has a partner in motion " +
                      quoted(second.motion()) + " at any common time, expected one at least");
 }
@@ -178,16 +149,34 @@ Onset find_offset(const MotionSource& first, const MotionSource& second, const C
 // The rigid motion that brings the second's outline at the common start onto the first's.
 RigidFit find_place(const MotionSource& first, const MotionSource& second, const CompareOptions& options) {
   const CommonTimes common = common_times(first, second);
-  const Side a(first, common), b(second, common);
-  return match_sides(a, b, options.fixed_zone_m);
+  const DataSet a(first, common), b(second, common);
+  return match_data_sets(a, b, options.fixed_zone_m);
 }
 
-// Sides are read anew where the walk has left them beyond what is wanted.
-Comparison compare_sides(const MotionSource& first_motion, const MotionSource& second_motion,
-                         const CompareOptions& options, const LimitOptions& limits, const Refinement& refinement,
-                         const StrainNotes& notes, Progress& progress) {
+// In the order of the record.
+std::vector<ComparisonTable> tables_of(const Findings& findings) {
+  std::vector<ComparisonTable> tables{findings.differences.over_space()};
+  for (ComparisonTable& table : findings.bands.tables(findings.length_unit, findings.time_unit))
+    tables.push_back(std::move(table));
+  tables.insert(tables.end(), findings.points.tables.begin(), findings.points.tables.end());
+  tables.push_back(distribution_table(findings.differences.last_particles(), findings.length_unit));
+  for (const FieldDecomposition& field : findings.decompositions)
+    tables.push_back(table_of(field, findings.length_unit));
+  return tables;
+}
+
+// What was given to the second's clock and coordinates.
+struct Offsets {
+  std::optional<Onset> time;
+  std::optional<RigidFit> place;
+};
+
+// Data sets are read anew where the walk has left them beyond what is wanted.
+Comparison compare_sets(const MotionSource& first_motion, const MotionSource& second_motion,
+                        const CompareOptions& options, const LimitOptions& limits, const Refinement& refinement,
+                        const StrainNotes& notes, const Offsets& offsets, Progress& progress) {
   const CommonTimes common = common_times(first_motion, second_motion);
-  Side first(first_motion, common), second(second_motion, common);
+  DataSet first(first_motion, common), second(second_motion, common);
   Alignment alignment(first, second);
   const bool turn = !options.fixed_zone_m.empty();
   const Reference reference(turn ? options.fixed_zone_m : options.reference_m, turn,
@@ -195,45 +184,48 @@ Comparison compare_sides(const MotionSource& first_motion, const MotionSource& s
   const MaterialMesh start_first = present_mesh(first, {}), start_second = present_mesh(second, {});
 
   Comparison out;
+  out.names = {first_motion.name(), second_motion.name()};
   remark_alignment(alignment, first, second, common, out.remarks);
-  const std::vector<std::size_t> paired = paired_particles(alignment, first, second);
-  for (std::size_t p : paired) out.id.push_back(first_motion.particles().id[p]);
-  Differences differences(paired, first.material_position(), common.times.size(), options, notes,
-                          first_motion.length_unit(), first_motion.time_unit());
+  Differences differences(paired_particles(alignment, first, second), first, common.times.size(), options, notes);
   Numerics numerics(refinement, first, second, common);
-
   Bands bands(options.band_strain, first, second);
   PointHistories points(options, first, second);
-
-  walk_times(common, first, second, alignment, reference, numerics, differences, bands, points, out, progress);
+  walk_times(common, first, second, alignment, reference, numerics, differences, bands, points, out.remarks, progress);
 
   const std::string &unit = first_motion.length_unit(), &time_unit = first_motion.time_unit();
-  const std::string at_end = "at the last common time (" + number(out.time.back()) + " " + time_unit + ")";
   const bool given = options.measurement_uncertainty_m.value_or(0) > 0 || options.gauge_uncertainty > 0 || turn;
-  const std::string covariance = covariance_source(differences, first, second, given);
-  const std::string floor = floor_source(notes, first_motion, second_motion);
-  out.coverage_first = alignment.coverage_first();
-  out.coverage_second = alignment.coverage_second();
-  add_motion_metrics(differences, {"", "over all common particles and times", covariance, unit, floor},
-                     {"_final", at_end, covariance, unit, floor}, unit + "/" + time_unit, out);
-  add_coverage(alignment, differences, first, at_end, out);
-  add_frame(reference, differences.last(), unit, at_end, out.metrics);
-  add_convergence(numerics, out);
-  // Where the comparison ended early, the sides stand one time further.
-  Side end_first(first_motion, common), end_second(second_motion, common);
-  end_first.at(out.time.back());
-  end_second.at(out.time.back());
-  add_shapes({start_first, start_second, end_first, end_second}, differences, options, out);
-  bands.finish(end_first, end_second, differences.last().frame, differences.last().floor_dev, unit, time_unit, out);
-  points.finish(unit, time_unit, out);
-  add_distributions(differences.snapshot(), differences.last().displacement.rms_uncertainty(),
-                    differences.last().floor_dev, unit, out);
-  add_decompositions(differences.snapshot(), differences.last().floor_dev, unit, out);
+  const double end = differences.times().back(), floor_dev = differences.last().floor_dev;
+  // Where the comparison ended early, the data sets stand one time further.
+  DataSet end_first(first_motion, common), end_second(second_motion, common);
+  end_first.at(end);
+  end_second.at(end);
+  Findings findings{.differences = differences,
+                    .length_unit = unit,
+                    .time_unit = time_unit,
+                    .at_end = "at the last common time (" + number(end) + " " + time_unit + ")",
+                    .covariance = covariance_source(differences, first, second, given),
+                    .floor = floor_source(notes, first_motion, second_motion),
+                    .coverage = {alignment.coverage_first(), alignment.coverage_second()},
+                    .particles = first.size(),
+                    .times = first_motion.times().size(),
+                    .reference_given = reference.given(),
+                    .reference_turns = reference.turns(),
+                    .convergence = numerics.given() ? std::optional(numerics.convergence()) : std::nullopt,
+                    .shapes = measure_shapes({start_first, start_second, end_first, end_second}, differences, options),
+                    .bands = bands.measure(end_first, end_second, differences.last().frame, floor_dev),
+                    .points = points.measure(unit, time_unit),
+                    .distributions = measure_distributions(differences.last_particles()),
+                    .decompositions = decompose_fields(differences.last_particles(), floor_dev),
+                    .time_offset = offsets.time,
+                    .place = offsets.place};
+  out.metrics = metrics_of(findings);
+  out.limits = apply_limits(limits, out.metrics);
+  remark_findings(findings, out.remarks);
   remark_units(options, limits, unit, out.remarks);
-  if (out.time.size() > 1)
-    differences.rates().add_increment_metrics(
-        differences.last().frame[0].motion.shift.norm() / double(out.time.size() - 1), unit, out.metrics);
-  differences.take(out);
+  remark_offsets(findings, out.remarks);
+  out.outlines = std::move(findings.shapes.outlines);
+  out.tables = tables_of(findings);
+  out.fields = differences.take_fields();
   return out;
 }
 
@@ -245,16 +237,15 @@ Comparison compare(const MotionSource& first, const MotionSource& given_second, 
   check_comparable(first, given_second);
   check_options(options, limits);
   Transform transform = transform_of(options);
-  std::optional<Onset> offset;
-  if (options.time_alignment == "onset") {
+  Offsets offsets;
+  if (options.time_alignment == TimeAlignment::onset) {
     const TransformedMotion second(given_second, transform);
-    offset = find_offset(first, second, options);
-    transform.time_offset += offset->time;
+    offsets.time = find_offset(first, second, options);
+    transform.time_offset += offsets.time->time;
   }
-  std::optional<RigidFit> place;
-  if (options.space_alignment == "outline") {
-    place = find_place(first, TransformedMotion(given_second, transform), options);
-    const RigidMotion& m = place->motion;
+  if (options.space_alignment == SpaceAlignment::outline) {
+    offsets.place = find_place(first, TransformedMotion(given_second, transform), options);
+    const RigidMotion& m = offsets.place->motion;
     transform.shift = m.apply(transform.shift);
     transform.angle += m.angle;
   }
@@ -268,13 +259,7 @@ Comparison compare(const MotionSource& first, const MotionSource& given_second, 
   const MotionSource& second = seen(given_second);
   Refinement refinement{{}, given_refinement.ratio};
   for (const MotionSource* coarser : given_refinement.coarser) refinement.coarser.push_back(&seen(*coarser));
-
-  Comparison out = compare_sides(first, second, options, limits, refinement, notes, progress);
-  if (offset) add_time_offset(*offset, first.time_unit(), out);
-  if (place) add_place(*place, first.length_unit(), out);
-  out.limits = apply_limits(limits, out.metrics);
-  out.over_limit = std::any_of(out.limits.begin(), out.limits.end(), [](const LimitResult& l) { return !l.within; });
-  return out;
+  return compare_sets(first, second, options, limits, refinement, notes, offsets, progress);
 }
 
 }  // namespace pivnp::compare

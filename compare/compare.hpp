@@ -2,11 +2,11 @@
 #pragma once
 
 #include "compare/data/options.hpp"
-#include "compare/measures/comparison.hpp"
-#include "compare/measures/differences.hpp"
-#include "compare/measures/numerics.hpp"
+#include "compare/data/sources.hpp"
+#include "compare/metrics/limits.hpp"
 #include "pivnp/core/particles/motion.hpp"
 #include "pivnp/core/progress.hpp"
+#include "pivnp/core/record/comparison.hpp"
 
 namespace pivnp::compare {
 
@@ -14,7 +14,7 @@ namespace pivnp::compare {
 /// later of the two first times. Material positions are aligned there; the second motion is interpolated between its
 /// particles (natural neighbours among material positions, no triangle that bridges a gap; within half a spacing of the
 /// material's edge from the nearest point of the edge) unless ids and positions agree, and linearly in time. A
-/// particle that ends on either side has no partner from then on. Options and limits named _m and _s are in the
+/// particle that ends in either data set has no partner from then on. Options and limits named _m and _s are in the
 /// motions' own units. Frames are read one by one, in order (twice where an onset is looked for); memory grows with the
 /// particles, not with the frames: of each field at most 2^23 values are kept. Throws InputError if a motion is empty,
 /// the units differ, no time is common, no particle finds a partner, or a limit cannot be judged for want of an option;

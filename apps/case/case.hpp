@@ -8,7 +8,8 @@
 #include <vector>
 
 #include "apps/report/content/options.hpp"
-#include "compare/compare.hpp"
+#include "compare/data/options.hpp"
+#include "compare/metrics/limits.hpp"
 #include "mpm/constraint/options.hpp"
 #include "mpm/material/options.hpp"
 #include "mpm/step/options.hpp"
@@ -17,7 +18,7 @@
 #include "pivnp/image/frames.hpp"
 #include "pivnp/image/mask.hpp"
 #include "pivnp/image/synthetic.hpp"
-#include "pivnp/np/tracker.hpp"
+#include "pivnp/np/options.hpp"
 #include "pivnp/piv/piv.hpp"
 
 namespace pivnp::app {
@@ -61,12 +62,17 @@ struct OutputOptions {
   }
 };
 
+enum class SynthMotion { none, affine, mpm, slope };
+inline constexpr std::array synth_motion_names{NamedValue{"none", SynthMotion::none}, NamedValue{"affine", SynthMotion::affine},
+                                               NamedValue{"mpm", SynthMotion::mpm}, NamedValue{"slope", SynthMotion::slope}};
+constexpr const auto& names_of(SynthMotion) { return synth_motion_names; }
+
 /// Frames with truth: what `pivnp synth` draws, and `pivnp run` when no frames are given.
 struct SynthOptions {
   int width_px = 512;
   int height_px = 512;
   int frames = 10;
-  std::string motion = "none";
+  SynthMotion motion = SynthMotion::none;
   std::vector<double> gradient_per_frame;
   Pair shift_px_per_frame = {0.0, 0.0};
   double rotation_deg_per_frame = 0;
@@ -84,7 +90,7 @@ struct SynthOptions {
     visit("width_px", self.width_px, OptionInfo{.unit = "px", .text = "width of the frames", .min = 16, .max = 20000});
     visit("height_px", self.height_px, OptionInfo{.unit = "px", .text = "height of the frames", .min = 16, .max = 20000});
     visit("frames", self.frames, OptionInfo{.text = "number of frames", .min = 2, .max = 100000});
-    visit("motion", self.motion, OptionInfo{.text = "none; affine: the same increment every frame; mpm: simulated by [synth.mpm] with [synth.material.*]; slope: three stages in closed form, gravity, wetting, slip", .choices = {"none", "affine", "mpm", "slope"}});
+    visit("motion", self.motion, OptionInfo{.text = "none; affine: the same increment every frame; mpm: simulated by [synth.mpm] with [synth.material.*]; slope: three stages in closed form, gravity, wetting, slip"});
     visit("gradient_per_frame", self.gradient_per_frame, OptionInfo{.text = "affine: xx xy yx yy of the displacement gradient of one frame, world axes"});
     visit("shift_px_per_frame", self.shift_px_per_frame, OptionInfo{.unit = "px", .text = "affine: shift of one frame (x, y up)"});
     visit("rotation_deg_per_frame", self.rotation_deg_per_frame, OptionInfo{.unit = "deg", .text = "affine: turn of one frame, counter-clockwise, after the gradient"});
@@ -129,6 +135,7 @@ struct Case {
   std::string name;
   std::filesystem::path file;    // empty for the embedded case
   std::filesystem::path folder;  // what relative paths are relative to
+  std::vector<std::string> notes;  // of reading it: keys by their former names; not written
 
   std::optional<image::FrameOptions> frames;  // [frames]
   image::CameraOptions camera;                // [camera]

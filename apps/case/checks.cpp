@@ -27,7 +27,7 @@ class Checker {
     simulation();
     contacts();
     synthetic();
-    judgement();
+    verification();
     for (const std::string& field : c_.output.fields_stored) known_field(field);
   }
 
@@ -162,9 +162,8 @@ class Checker {
       circle("compare.increments_outside_m", c_.compare.increments_outside_m);
     if (c_.compare.levelling && !(has_images() && c_.mpm))
       refuse("compare.levelling", "given, but there is nothing to level; expected frames and [mpm]");
-    if ((c_.limits.run_out_m || c_.limits.slope_angle_deg) && !c_.compare.slope_base_m)
-      refuse(std::string("compare.limits.") + (c_.limits.run_out_m ? "run_out_m" : "slope_angle_deg"),
-             "given, but compare.slope_base_m is not; expected both");
+    if (const compare::LimitRow* row = compare::limit_without_its_option(c_.limits, c_.compare))
+      refuse("compare.limits." + row->name, "given, but compare." + row->needs + " is not; expected both");
   }
 
   void boundary_shape(const std::string& path, const mpm::BoundaryOptions& boundary) const {
@@ -245,13 +244,13 @@ class Checker {
     if (!synth.gradient_per_frame.empty() && synth.gradient_per_frame.size() != 4)
       refuse("synth.gradient_per_frame",
              "found " + std::to_string(synth.gradient_per_frame.size()) + " numbers, expected 4: xx xy yx yy");
-    if (moved && synth.motion != "affine")
-      refuse_section("synth", "an affine motion is described, but motion is \"" + synth.motion +
+    if (moved && synth.motion != SynthMotion::affine)
+      refuse_section("synth", "an affine motion is described, but motion is \"" + std::string(name_of(synth.motion)) +
                                   "\"; expected motion = \"affine\"");
-    if (synth.motion == "mpm" && !c_.synth_mpm)
+    if (synth.motion == SynthMotion::mpm && !c_.synth_mpm)
       refuse("synth.motion", "\"mpm\" needs the simulation that carries the texture; expected [synth.mpm]");
-    if (c_.synth_mpm && synth.motion != "mpm")
-      refuse_section("synth.mpm", "given, but synth.motion is \"" + synth.motion + "\"; expected motion = \"mpm\"");
+    if (c_.synth_mpm && synth.motion != SynthMotion::mpm)
+      refuse_section("synth.mpm", "given, but synth.motion is \"" + std::string(name_of(synth.motion)) + "\"; expected motion = \"mpm\"");
     if (c_.synth_mpm) materials_of_regions("synth.mpm", "synth.material", c_.synth_materials);
     if (c_.texture.peak_max < c_.texture.peak_min)
       refuse("synth.texture.peak_max", "found " + toml_text(c_.texture.peak_max) + ", expected at least peak_min, " +
@@ -260,7 +259,7 @@ class Checker {
       refuse("synth.texture.bits", "found " + std::to_string(c_.texture.bits) + ", expected 8, 12 or 16");
   }
 
-  void judgement() const {
+  void verification() const {
     if (!source_.given("verify")) return;
     if (!demands_anything(c_.verify))
       refuse_section("verify", "no threshold is given; expected displacement_rms_px, strain_error or nodal_error");

@@ -14,16 +14,31 @@ namespace pivnp::app {
 void refuse_unknown_keys(const std::string& file, const std::string& path, const Node& table,
                          std::vector<std::string> known, const std::vector<std::string>& children);
 
-/// Reads the options of section `path` from `table`. Keys that are not there keep their value. Throws InputError.
+/// What the user should know of a case that reads all the same: one line each.
+using Notes = std::vector<std::string>;
+
+/// Notes that a key has a new name. Throws InputError if the new one is given too.
+void use_alias(const std::string& file, const std::string& path, const Node& table, std::string_view name,
+               const Entry& old, Notes& notes);
+
+/// Reads the options of section `path` from `table`. Keys that are not there keep their value; a key's former name
+/// (OptionInfo::alias) is read too, and noted. Throws InputError.
 template <class T>
 void read_fields(const std::string& file, const std::string& path, const Node& table,
-                 const std::vector<std::string>& children, T& options) {
+                 const std::vector<std::string>& children, T& options, Notes& notes) {
   std::vector<std::string> known;
-  T::fields(options, [&](std::string_view name, auto&, const OptionInfo&) { known.emplace_back(name); });
+  T::fields(options, [&](std::string_view name, auto&, const OptionInfo& info) {
+    known.emplace_back(name);
+    if (!info.alias.empty() && table.find(info.alias)) known.emplace_back(info.alias);
+  });
   refuse_unknown_keys(file, path, table, known, children);
   T::fields(options, [&](std::string_view name, auto& value, const OptionInfo& info) {
-    if (const Entry* entry = table.find(name))
-      read_value(Place{file, joined_key(path, name), entry->line}, entry->value, info, value);
+    const Entry* entry = table.find(name);
+    if (const Entry* old = info.alias.empty() ? nullptr : table.find(info.alias)) {
+      use_alias(file, path, table, name, *old, notes);
+      entry = old;
+    }
+    if (entry) read_value(Place{file, joined_key(path, entry->key), entry->line}, entry->value, info, value);
   });
 }
 

@@ -101,7 +101,7 @@ std::string simulation_sections() {
 # line_m = [[0.0, 0.0], [0.3, 0.0]]  # two ends; nodes within half a cell are held
 # type = "fixed"  # fixed, roller, frictional
 #
-# [compare.limits]  # a threshold that is missed ends the program with exit code 3
+# [compare.limits]  # a limit that is exceeded ends the program with exit code 3
 # displacement_rms_m = 0.005
 )";
 }

@@ -30,11 +30,20 @@ void refuse_unknown_keys(const std::string& file, const std::string& path, const
   }
 }
 
+void use_alias(const std::string& file, const std::string& path, const Node& table, std::string_view name,
+               const Entry& old, Notes& notes) {
+  const std::string at = file + ":" + std::to_string(old.line) + ": ";
+  const std::string now = joined_key(path, name), before = joined_key(path, old.key);
+  if (table.find(name)) throw InputError(at + before + ": given together with " + now + ", its new name; expected one of them");
+  notes.push_back(at + before + " is now called " + now + "; the old name will not be read for long");
+}
+
 namespace {
 
 struct ReadSections {
   const std::string& file;
   const Node& root;
+  Notes& notes;
 
   // The table of a section; nullptr if the file has none.
   const Node* table(const std::string& path, const std::string& shown) const {
@@ -58,12 +67,12 @@ struct ReadSections {
 
   template <class T>
   void always(const std::string& path, T& options, const char*) const {
-    if (const Node* node = table(path, "[" + path + "]")) read_fields(file, path, *node, child_sections(path), options);
+    if (const Node* node = table(path, "[" + path + "]")) read_fields(file, path, *node, child_sections(path), options, notes);
   }
   template <class T>
   void optional(const std::string& path, std::optional<T>& options, const char*) const {
     if (const Node* node = table(path, "[" + path + "]"))
-      read_fields(file, path, *node, child_sections(path), options.emplace());
+      read_fields(file, path, *node, child_sections(path), options.emplace(), notes);
   }
   template <class T>
   void named(const std::string& path, Named<T>& list, const char*) const {
@@ -76,7 +85,7 @@ struct ReadSections {
       if (entry.key.empty())
         throw InputError(file + ":" + std::to_string(entry.line) + ": [" + path + ".\"\"]: the name is empty");
       list.emplace_back(entry.key, T{});
-      read_fields(file, key, entry.value, {}, list.back().second);
+      read_fields(file, key, entry.value, {}, list.back().second, notes);
     }
   }
 };
@@ -101,7 +110,7 @@ Case parse_case(const std::string& text, const std::string& name, const std::fil
   Case c;
   c.folder = folder;
   if (const Entry* entry = root.find("name")) read_value(Place{name, "name", entry->line}, entry->value, {}, c.name);
-  for_each_section(c, ReadSections{name, root});
+  for_each_section(c, ReadSections{name, root, c.notes});
   check_given(c, source);
   if (c.frames || c.synth) {
     if (!c.piv) c.piv.emplace();

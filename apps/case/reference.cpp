@@ -90,7 +90,7 @@ constexpr const char* rules = R"(```
 - A region is made of the material it names, or of the one that bears its own name.
 - Without `[mpm]` a case measures only. Without `[frames]` and `[synth]` it simulates only: then `mpm.end_s`,
   `mpm.output_rate_hz` and `grid.spacing_m` must be given.
-- `compare.limits` are judged at the end of a run: one that is missed gives exit code 3.
+- `compare.limits` are checked at the end of a run: one that is exceeded gives exit code 3.
 
 ## Top level
 

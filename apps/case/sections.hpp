@@ -27,7 +27,7 @@ void for_each_section(C& c, Visitor&& visit) {
   visit.named("body", c.bodies, "Rigid bodies with prescribed motion; a circle or a polygon each.");
   visit.named("contact", c.contacts, "How bodies of the simulated material meet: with friction, free to part. Without any they stick together. Example: datasets/sand_slope_1g/glass.toml.");
   visit.always("compare", c.compare, "How measurement and simulation are compared.");
-  visit.always("compare.limits", c.limits, "Thresholds; one that is missed ends the program with exit code 3.");
+  visit.always("compare.limits", c.limits, "Limits; one that is exceeded ends the program with exit code 3.");
   visit.always("report", c.report, "What the report shows.");
   visit.always("output", c.output, "What the record stores.");
   visit.optional("synth", c.synth,

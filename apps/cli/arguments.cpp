@@ -64,9 +64,15 @@ void add_session(CLI::App& app, Session& session) {
   app.add_flag("--quiet", session.quiet, "no progress, no notes");
 }
 
-Case load_case(const Arguments& arguments) {
+void print_notes(const Case& c, const Session& session) {
+  if (session.quiet) return;
+  for (const std::string& note : c.notes) session.err << "pivnp: note: " << note << std::endl;
+}
+
+Case load_case(const Arguments& arguments, const Session& session) {
   Case c = arguments.case_path.empty() ? parse_case(embedded_case_text(), "built-in case", fs::current_path())
                                        : read_case(arguments.case_path);
+  print_notes(c, session);
   if (!arguments.frames.empty()) {
     if (!c.piv) c.piv.emplace();
     if (!c.np) c.np.emplace();
@@ -96,20 +102,19 @@ int print_outcome(const RunOutcome& outcome, const Arguments& arguments, const s
     for (const std::string& remark : outcome.remarks) session.out << "note: " << remark << "\n";
   VerifyResult limits;
   limits.name = name;
-  for (const compare::LimitResult& l : outcome.limits) {
-    limits.items.push_back({"compare.limits." + l.key, l.limit, l.reached, l.within});
-    if (!l.within)
-      session.out << "compare.limits." << l.key << ": missed: reached " << number(l.reached, 6) << ", limit "
-                  << number(l.limit, 6) << "\n";
+  for (const LimitResult& l : outcome.limits) {
+    limits.items.push_back({"compare.limits." + l.key, l.limit, l.reached, l.met});
+    if (l.met && session.quiet) continue;
+    session.out << "compare.limits." << l.key << ": " << name_of(l.verdict()) << ": reached " << number(l.reached, 6)
+                << ", limit " << number(l.limit, 6) << "\n";
   }
-  if (outcome.over_limit) session.out << "a limit of [compare.limits] was passed\n";
   if (!arguments.junit.empty()) {
     std::ofstream stream(arguments.junit, std::ios::binary);
     stream << junit_xml({limits}, "pivnp limits") << std::flush;
     if (!stream) throw RunError(arguments.junit + ": cannot be written");
     session.out << arguments.junit << "\n";
   }
-  return outcome.over_limit ? 3 : 0;
+  return any_exceeded(outcome.limits) ? 3 : 0;
 }
 
 }  // namespace pivnp::app

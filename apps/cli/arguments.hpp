@@ -31,7 +31,10 @@ void add_junit(CLI::App& app, Arguments& arguments);
 void add_session(CLI::App& app, Session& session);
 
 /// The case named, or the embedded one. Given frames bring the measuring stages with them.
-Case load_case(const Arguments& arguments);
+Case load_case(const Arguments& arguments, const Session& session);
+
+/// What reading a case has to say, unless --quiet.
+void print_notes(const Case& c, const Session& session);
 
 /// What messages call a case: its file, or what it is.
 std::string title_of(const Case& c);
@@ -44,8 +47,8 @@ RunSettings settings_for(const Arguments& arguments, const Session& session, con
 /// "out/<name>".
 std::filesystem::path default_out(const Case& c);
 
-/// Prints where the results are, what was flagged and which limits were passed, and writes the JUnit XML that was asked
-/// for. Gives the exit code: 0, or 3 if a limit was passed.
+/// Prints where the results are, what was flagged and which limits were met or exceeded, and writes the JUnit XML that
+/// was asked for. Gives the exit code: 0, or 3 if a limit was exceeded.
 int print_outcome(const RunOutcome& outcome, const Arguments& arguments, const std::string& name,
                   const Session& session);
 

@@ -15,14 +15,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-bool has_limits(const Case& c) {
-  bool given = false;
-  compare::LimitOptions::fields(c.limits, [&](std::string_view, const std::optional<double>& limit, const OptionInfo&) {
-    given = given || limit.has_value();
-  });
-  return given;
-}
-
 // What a stage needs and the case, together with the command line, does not give.
 void demand(const Case& c, const Arguments& arguments, Stages stages) {
   const bool named = c.frames && !c.frames->path.empty();
@@ -36,7 +28,7 @@ void demand(const Case& c, const Arguments& arguments, Stages stages) {
   if (stages != Stages::all) return;
   if (!images && !c.mpm)
     throw InputError(title_of(c) + ": there is nothing to do; expected [frames], [synth], [mpm] or --frames PATH");
-  if (has_limits(c) && !(images && c.mpm))
+  if (c.limits.any() && !(images && c.mpm))
     throw InputError(title_of(c) + ": [compare.limits]: given, but nothing is compared; expected frames and [mpm]");
 }
 
@@ -49,7 +41,7 @@ Action declare_stages(CLI::App& app, Session& session, Stages stages) {
   if (stages == Stages::all) add_junit(app, *arguments);
   add_session(app, session);
   return [arguments, stages, &session] {
-    const Case c = load_case(*arguments);
+    const Case c = load_case(*arguments, session);
     demand(c, *arguments, stages);
     RunOutcome outcome;
     {
@@ -122,7 +114,7 @@ Action declare_check(CLI::App& app, Session& session) {
   add_frames(app, *arguments);
   add_session(app, session);
   return [arguments, &session] {
-    const Case c = load_case(*arguments);
+    const Case c = load_case(*arguments, session);
     demand(c, *arguments, Stages::all);
     CheckOutcome checked;
     if (c.frames || c.synth || c.mpm || !arguments->frames.empty()) {
@@ -143,7 +135,7 @@ Action declare_synth(CLI::App& app, Session& session) {
   add_out(app, *arguments, "out/<name of the case's folder>");
   add_session(app, session);
   return [arguments, &session] {
-    const Case c = load_case(*arguments);
+    const Case c = load_case(*arguments, session);
     if (!c.synth) throw InputError(title_of(c) + ": there is nothing to draw; expected [synth]");
     const RunSettings settings = settings_for(*arguments, session, c, default_out(c));
     {

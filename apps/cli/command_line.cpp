@@ -12,6 +12,7 @@
 #include "apps/cli/session.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
+#include "pivnp/core/version.hpp"
 
 namespace pivnp::app {
 
@@ -103,7 +104,8 @@ int parse_and_run(int argc, const char* const* argv, Session& session) {
       "From lab video to verdict: PIV, numerical particles (PIV-NP), MPM on the same grid, and their comparison.",
       "pivnp"};
   describe(app);
-  app.set_version_flag("--version", "pivnp " PIVNP_VERSION, "the program's version");
+  app.set_version_flag("--version", "pivnp " + build_info().version + " (" + build_info().commit + ")",
+                       "the program's version and commit");
   app.require_subcommand(1);
   add_session(app, session);
   std::string examples = "Examples:\n";
@@ -117,7 +119,7 @@ int parse_and_run(int argc, const char* const* argv, Session& session) {
   }
   app.footer(examples +
              "\n'pivnp COMMAND --help' tells more. Exit codes: 0 done, 1 failed while running, 2 bad usage or "
-             "input,\n3 done but a stated threshold was missed, 130 interrupted.");
+             "input,\n3 done but a stated limit was exceeded, 130 interrupted.");
 
   const std::string word = command_word(argc, argv);
   const std::vector<std::string> names = command_names();

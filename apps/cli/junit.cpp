@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <numeric>
 
+#include "pivnp/core/record/metric.hpp"
 #include "pivnp/core/text.hpp"
 
 namespace pivnp::app {
@@ -56,7 +57,8 @@ std::string suite(const VerifyResult& result) {
       "  <testsuite" + attribute("name", result.name) +
       counts(result.items.size() + errors_of(result), failures_of(result), errors_of(result), result.seconds) + ">\n";
   for (const VerifyResult::Item& item : result.items) {
-    const std::string verdict = "reached " + number(item.reached, 6) + ", limit " + number(item.limit, 6);
+    const std::string verdict = std::string(name_of(item.passed ? Verdict::met : Verdict::exceeded)) + ": reached " +
+                                number(item.reached, 6) + ", limit " + number(item.limit, 6);
     xml += "    <testcase" + attribute("classname", result.name) + attribute("name", item.criterion) + ">\n";
     if (!item.passed) xml += "      <failure" + attribute("message", verdict) + "/>\n";
     xml += "      <system-out>" + xml_escaped(verdict) + "</system-out>\n    </testcase>\n";
@@ -115,7 +117,7 @@ std::string verify_table(const std::vector<VerifyResult>& results) {
     table += std::string(result.passed ? "passed" : "FAILED") + "  " + result.name + "  (" + number(result.seconds, 3) +
              " s)\n";
     for (const auto& item : result.items)
-      table += std::string("  ") + (item.passed ? "ok    " : "MISSED") + "  " + padded(item.criterion, width) +
+      table += std::string("  ") + (item.passed ? "met     " : "EXCEEDED") + "  " + padded(item.criterion, width) +
                "  reached " + padded(number(item.reached, 4), 10) + " limit " + number(item.limit, 4) + "\n";
     if (!result.failure.empty()) table += "  could not be judged: " + result.failure + "\n";
   }

@@ -20,14 +20,14 @@ Action declare_compare(CLI::App& app, Session& session) {
   };
   const auto c = std::make_shared<Compare>();
   app.add_option("FIRST", c->sources.first,
-                 "the side that is judged against: record, record:motion (np, mpm ...), or another program's results: "
+                 "the data set that is compared against: record, record:motion (np, mpm ...), or another program's results: "
                  "FORMAT=PATTERN with FORMAT " + io::formats_text(&io::FileFormat::motion) + "; or a curve: " +
                      io::formats_text(&io::FileFormat::curve) + "=FILE[:COLUMN], front=RECORD")
       ->required();
-  app.add_option("SECOND", c->sources.second, "the side that is judged, likewise")->required();
+  app.add_option("SECOND", c->sources.second, "the data set that is compared with it, likewise")->required();
   app.add_option("--coarser", c->sources.coarser,
                  "the second on a coarser grid (twice: on one coarser still), for its numerical uncertainty")
-      ->type_name("SIDE")
+      ->type_name("DATA")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--refinement", c->sources.refinement_ratio, "ratio of those grids' spacings (2)")
@@ -38,7 +38,7 @@ Action declare_compare(CLI::App& app, Session& session) {
       ->type_name("VALUE (s)")
       ->check(CLI::PositiveNumber);
   app.add_option("--length-unit", c->sources.length_unit,
-                 "unit of lengths in another program's files (m); its name is compared with the other side's")
+                 "unit of lengths in another program's files (m); its name is compared with the other data set's")
       ->type_name("NAME");
   app.add_option("--case", c->arguments.case_path, "takes [compare] and [compare.limits] from a case; flags win")
       ->type_name("CASE");
@@ -55,6 +55,7 @@ Action declare_compare(CLI::App& app, Session& session) {
   return [c, &session] {
     if (!c->arguments.case_path.empty()) {
       const Case given = read_case(c->arguments.case_path);
+      print_notes(given, session);
       c->options = given.compare;
       c->limits = given.limits;
     }

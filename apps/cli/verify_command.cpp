@@ -32,11 +32,12 @@ std::vector<fs::path> case_files(const fs::path& path) {
 }
 
 // All are read before the first is run: a mistake in the last shows at once.
-std::vector<Found> cases_with_thresholds(const std::vector<std::string>& paths) {
+std::vector<Found> cases_with_thresholds(const std::vector<std::string>& paths, const Session& session) {
   std::vector<Found> cases;
   for (const std::string& path : paths)
     for (const fs::path& file : case_files(path)) {
       Case c = read_case(file);
+      print_notes(c, session);
       if (!demands_anything(c.verify)) continue;
       const std::string name = short_name(c);
       const auto same =
@@ -80,7 +81,7 @@ Action declare_verify(CLI::App& app, Session& session) {
       ->type_name("FILE");
   add_session(app, session);
   return [v, &session] {
-    const std::vector<Found> cases = cases_with_thresholds(v->paths);
+    const std::vector<Found> cases = cases_with_thresholds(v->paths, session);
     std::vector<VerifyResult> results;
     RunSettings settings = settings_for(v->arguments, session, {}, "out/verify");
     const fs::path out = settings.out;

@@ -10,34 +10,11 @@ namespace pivnp::report {
 
 namespace {
 
-// A stored comparison lacks the outlines and the shares of partners; what it holds is enough for tables and fields.
-compare::Comparison from_record(const io::ComparisonData& data) {
-  compare::Comparison c;
-  c.metrics = data.metrics;
-  for (const io::ComparisonData::Field& f : data.fields) {
-    if (c.id.empty()) {
-      c.id = f.id;
-      c.time = f.time;
-    }
-    if (f.id == c.id && f.time == c.time) c.fields.push_back({f.name, f.unit, f.definition, f.values});
-  }
-  for (const io::ComparisonData::Table& t : data.tables) {
-    compare::ColumnTable& table = c.tables.emplace_back();
-    table.name = t.name;
-    table.definition = t.definition;
-    for (const io::ComparisonData::Table::Column& column : t.columns)
-      table.columns.push_back({column.name, column.unit, column.values});
-  }
-  c.over_limit =
-      std::any_of(c.metrics.begin(), c.metrics.end(), [](const Metric& m) { return m.verdict == "over limit"; });
-  return c;
-}
-
 // Which motion is the measured one: the comparison says so; else the customary names; else the order in the record.
-std::pair<std::string, std::string> sides(const std::vector<std::string>& names,
-                                          const std::optional<io::ComparisonData>& stored) {
+std::pair<std::string, std::string> compared_motions(const std::vector<std::string>& names,
+                                                     const std::optional<Comparison>& stored) {
   auto known = [&](const std::string& n) { return std::find(names.begin(), names.end(), n) != names.end(); };
-  if (stored && known(stored->measured) && known(stored->simulated)) return {stored->measured, stored->simulated};
+  if (stored && known(stored->names[0]) && known(stored->names[1])) return {stored->names[0], stored->names[1]};
   std::string measured = known("np") ? "np" : "", simulated = known("mpm") ? "mpm" : "";
   for (const std::string& n : names) {
     if (n == measured || n == simulated) continue;
@@ -52,7 +29,7 @@ std::pair<std::string, std::string> sides(const std::vector<std::string>& names,
 void write_report(const ReportOptions& options, const ReportInput& input, const std::filesystem::path& directory) {
   const io::RecordReader& record = *input.record;
   const io::RecordHead& head = record.head();
-  const std::optional<io::ComparisonData> stored = record.comparison();
+  const std::optional<Comparison> stored = record.comparison();
 
   Content content;
   content.name = input.name;
@@ -65,14 +42,13 @@ void write_report(const ReportOptions& options, const ReportInput& input, const 
   content.frames = record.frames();
   content.pair_count = record.pair_count();
   content.pair = [&record](std::size_t k) { return record.pair(k); };
-  const auto [measured, simulated] = sides(record.motion_names(), stored);
+  const auto [measured, simulated] = compared_motions(record.motion_names(), stored);
   if (!measured.empty()) {
     content.measured = record.motion(measured);
     content.strain_note = record.strain_note(measured);
   }
   if (!simulated.empty()) content.simulated = record.motion(simulated);
-  if (input.comparison) content.comparison = input.comparison;
-  else if (stored) content.comparison = from_record(*stored);
+  content.comparison = input.comparison ? input.comparison : stored;
   content.energy = record.energy();
   content.pictures = input.pictures;
   content.remarks = input.remarks;

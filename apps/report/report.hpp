@@ -8,7 +8,6 @@
 
 #include "apps/report/content/content.hpp"
 #include "apps/report/content/options.hpp"
-#include "compare/compare.hpp"
 #include "pivnp/io/record.hpp"
 
 namespace pivnp::report {
@@ -16,7 +15,7 @@ namespace pivnp::report {
 struct ReportInput {
   std::string name;
   const io::RecordReader* record = nullptr;
-  std::optional<compare::Comparison> comparison;  // left out: the metrics and fields that the record holds
+  std::optional<Comparison> comparison;  // left out: the metrics and fields that the record holds
   std::vector<Picture> pictures;         // frames to draw vectors on, one at least if there is PIV
   std::vector<std::string> remarks;      // what was flagged and why, one sentence each
 };

@@ -23,8 +23,8 @@ constexpr double print_dpi = 300;
 
 // Names that a report gives its figures.
 bool is_figure(const std::string& name) {
-  static const std::set<std::string> fixed = {"displacement", "deviatoric_strain", "histories", "difference",
-                                              "outline",      "quality",           "energy"};
+  static const std::set<std::string> fixed = {"displacement", "deviatoric_strain", "histories", "difference", "outline",
+                                              "decomposition", "curves",           "quality",   "energy"};
   if (fixed.count(name) > 0) return true;
   const std::string vectors = "vectors_";
   if (name.starts_with(vectors))

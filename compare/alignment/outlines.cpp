@@ -152,9 +152,9 @@ struct Shape {
   double cell = 0;
 };
 
-Shape shape_of(const Side& side) {
-  const MaterialMesh mesh = present_mesh(side, {});
-  const double spacing = side.median_spacing();
+Shape shape_of(const DataSet& set) {
+  const MaterialMesh mesh = present_mesh(set, {});
+  const double spacing = set.median_spacing();
   const Cover covered = cover(mesh, spacing / 2, lattice_around(mesh, mesh, spacing / 4, spacing / 2, std::nullopt));
   Shape shape{outline(covered), Vec2::Zero(), covered.lattice.cell};
   double area = 0;
@@ -170,7 +170,7 @@ Shape shape_of(const Side& side) {
 
 }  // namespace
 
-RigidFit match_sides(const Side& first, const Side& second, const Points& zone) {
+RigidFit match_data_sets(const DataSet& first, const DataSet& second, const Points& zone) {
   const Shape a = shape_of(first), b = shape_of(second);
   return match_outlines(a.outline, b.outline, std::max(a.cell, b.cell), zone,
                         zone.empty() ? Vec2(a.centre - b.centre) : Vec2(Vec2::Zero()));

@@ -1,4 +1,4 @@
-// An unknown offset between two sides' coordinates, found on the outlines they begin with.
+// An unknown offset between two data sets' coordinates, found on the outlines they begin with.
 #pragma once
 
 #include <vector>
@@ -19,8 +19,8 @@ using Rings = std::vector<std::vector<Vec2>>;
 RigidFit match_outlines(const Rings& first, const Rings& second, double step, const Points& zone,
                         const Vec2& start);
 
-/// The same for two sides as read at the common start; the search begins with the centres of their areas on each other,
+/// The same for two data sets as read at the common start; the search begins with the centres of their areas on each other,
 /// with a zone where the second stands.
-RigidFit match_sides(const Side& first, const Side& second, const Points& zone);
+RigidFit match_data_sets(const DataSet& first, const DataSet& second, const Points& zone);
 
 }  // namespace pivnp::compare

@@ -15,7 +15,7 @@ std::string label_name(const ParticleSet& set, std::size_t p) {
   return named ? set.label_names[std::size_t(label)] : std::string();
 }
 
-// Group of each label name that particles of both sides carry; every other name shares group 0.
+// Group of each label name that particles of both data sets carry; every other name shares group 0.
 std::unordered_map<std::string, int> shared_names(const ParticleSet& a, const ParticleSet& b) {
   std::unordered_map<std::string, int> names, shared;
   for (std::size_t p = 0; p < b.size(); ++p) names.emplace(label_name(b, p), 0);
@@ -35,16 +35,16 @@ std::vector<int> groups_of(const ParticleSet& set, const std::unordered_map<std:
   return group;
 }
 
-// Places every wanted particle of `side` among the followed particles of `other`, group by group.
-std::vector<Partner> interpolate(const Side& side, const std::vector<int>& group,
-                                 const std::vector<std::uint8_t>& wanted, const Side& other,
+// Places every wanted particle of `set` among the followed particles of `other`, group by group.
+std::vector<Partner> interpolate(const DataSet& set, const std::vector<int>& group,
+                                 const std::vector<std::uint8_t>& wanted, const DataSet& other,
                                  const std::vector<int>& other_group,
                                  const std::vector<std::uint8_t>& other_followed, int groups) {
-  std::vector<Partner> partners(side.size());
+  std::vector<Partner> partners(set.size());
   for (int g = 0; g < groups; ++g) {
     const auto asked = [&](std::size_t p) { return group[p] == g && wanted[p]; };
     bool any = false;
-    for (std::size_t p = 0; p < side.size() && !any; ++p) any = asked(p);
+    for (std::size_t p = 0; p < set.size() && !any; ++p) any = asked(p);
     if (!any) continue;
     std::vector<int> index;
     std::vector<Vec2> points;
@@ -57,9 +57,9 @@ std::vector<Partner> interpolate(const Side& side, const std::vector<int>& group
     }
     if (index.empty()) continue;
     const MaterialMesh mesh(std::move(points), std::move(spacing));
-    for (std::size_t p = 0; p < side.size(); ++p) {
+    for (std::size_t p = 0; p < set.size(); ++p) {
       if (!asked(p)) continue;
-      auto found = mesh.find_natural(side.material_position()[p]);
+      auto found = mesh.find_natural(set.material_position()[p]);
       if (!found) continue;
       partners[p] = std::move(*found);
       partners[p].renumber(index);
@@ -74,7 +74,7 @@ double share(const std::vector<Partner>& partners) {
 
 }  // namespace
 
-PartnerState partner_state(const Partner& partner, const SideState& state) {
+PartnerState partner_state(const Partner& partner, const DataSetState& state) {
   PartnerState out{Vec2::Zero(), Mat2::Zero(), {0, 0, 0}};
   Vec2 curved = Vec2::Zero();  // half of what each particle's own gradient makes of its distance
   for (const Natural::Share& share : partner.shares) {
@@ -90,13 +90,13 @@ PartnerState partner_state(const Partner& partner, const SideState& state) {
   Mat2 F = out.F;
   for (const Natural::Term& term : partner.curving) F += term.weight * state.F[std::size_t(term.point)];
   if (F.determinant() > 0) out.F = F;
-  // A side that knows no gradient there (too few neighbours) gives its displacements as they are.
+  // A data set that knows no gradient there (too few neighbours) gives its displacements as they are.
   if (curved.allFinite()) out.u += curved;
   if (partner.beyond != Vec2::Zero() && out.F.allFinite()) out.u += (out.F - Mat2::Identity()) * partner.beyond;
   return out;
 }
 
-Alignment::Alignment(const Side& first, const Side& second)
+Alignment::Alignment(const DataSet& first, const DataSet& second)
     : first_(first), second_(second), same_id_(first.size(), -1), second_followed_(second.state().followed) {
   const ParticleSet &a = first.motion().particles(), &b = second.motion().particles();
   const auto shared = shared_names(a, b);

@@ -10,12 +10,12 @@
 
 namespace pivnp::compare {
 
-/// Where a particle lies among the other side's: shares of its particles, none without a partner. By identity: one.
+/// Where a particle lies among the other data set's: shares of its particles, none without a partner. By identity: one.
 using Partner = Natural;
 
 inline bool has_partner(const Partner& partner) { return !partner.shares.empty(); }
 
-/// The other side's motion at a partner, with the gradient that the side itself carries:
+/// The other data set's motion at a partner, with the gradient that it carries itself:
 ///   u = sum w_i (u_i + (F_i - I)(X - X_i)/2) + (F - I) beyond,   F = sum w_i (F_i + grad F_i (X - X_i)/2)
 /// Any weights that reproduce X make u exact for motions of second degree and F for those of third (the halves cancel
 /// the curvature; without them natural neighbours, which reach further, would miss it by more than triangles do). The
@@ -26,15 +26,15 @@ struct PartnerState {
   Mat2 F;
   std::array<double, 3> cov;  // sum w cov_i: an upper bound, reached when neighbours' errors are the same
 };
-PartnerState partner_state(const Partner& partner, const SideState& state);
+PartnerState partner_state(const Partner& partner, const DataSetState& state);
 
 class Alignment {
  public:
-  /// Both sides as read at the common start.
-  /// Identity if at least half of the smaller side finds its id on the other side and every such pair has the same
+  /// Both sets as read at the common start.
+  /// Identity if at least half of the smaller data set finds its id in the other and every such pair has the same
   /// material position within 1e-6 of the spacing; else natural neighbours among the second's material positions
-  /// (MaterialMesh::find_natural). Label names that both sides know pair only with their own.
-  Alignment(const Side& first, const Side& second);
+  /// (MaterialMesh::find_natural). Label names that both data sets know pair only with their own.
+  Alignment(const DataSet& first, const DataSet& second);
 
   bool by_identity() const { return by_identity_; }
 
@@ -44,7 +44,7 @@ class Alignment {
   void update(const std::vector<std::uint8_t>& second_followed);
   const std::vector<Partner>& partners() const { return partners_; }
 
-  /// Share of each side's particles (of all it has) that have a partner at the common start.
+  /// Share of each data set's particles (of all it has) that have a partner at the common start.
   double coverage_first() const { return coverage_first_; }
   double coverage_second() const { return coverage_second_; }
 
@@ -54,11 +54,11 @@ class Alignment {
   std::vector<Partner> find_partners(const std::vector<std::uint8_t>& wanted) const;
   void measure_coverage();
 
-  const Side& first_;
-  const Side& second_;
+  const DataSet& first_;
+  const DataSet& second_;
   std::vector<int> group_first_, group_second_;  // particles pair within a group
   int groups_ = 1;
-  std::vector<int> same_id_;  // index on the second side, -1: none
+  std::vector<int> same_id_;  // index in the second data set, -1: none
   bool by_identity_ = false;
   std::vector<std::uint8_t> second_followed_;  // as of the last update
   std::vector<Partner> partners_;

@@ -58,7 +58,7 @@ CommonTimes common_times(const MotionSource& first, const MotionSource& second) 
   return common;
 }
 
-Side::Side(const MotionSource& motion, const CommonTimes& common)
+DataSet::DataSet(const MotionSource& motion, const CommonTimes& common)
     : motion_(&motion), tolerance_(common.tolerance), X_(motion.particles().x0) {
   for (const Vec2& x : X_)
     if (!x.allFinite())
@@ -73,7 +73,7 @@ Side::Side(const MotionSource& motion, const CommonTimes& common)
   find_spacing();
 }
 
-const MotionFrame& Side::frame(std::size_t index) {
+const MotionFrame& DataSet::frame(std::size_t index) {
   Held& held = held_[index % 2];  // neighbours never share a place
   if (!held.filled || held.index != index) {
     held.frame = motion_->frame(index);
@@ -86,7 +86,7 @@ const MotionFrame& Side::frame(std::size_t index) {
   return held.frame;
 }
 
-void Side::read(double time) {
+void DataSet::read(double time) {
   const std::vector<double>& t = motion_->times();
   const auto after = std::upper_bound(t.begin(), t.end(), time + tolerance_);
   const std::size_t lower = std::size_t(std::max<std::ptrdiff_t>(0, after - t.begin() - 1));
@@ -111,13 +111,13 @@ void Side::read(double time) {
   }
 }
 
-bool Side::has_moved() const {
+bool DataSet::has_moved() const {
   for (std::size_t p = 0; p < X_.size(); ++p)
     if (state_.followed[p] && (state_.u[p] != Vec2::Zero() || state_.F[p] != Mat2::Identity())) return true;
   return false;
 }
 
-void Side::count_anew() {
+void DataSet::count_anew() {
   u_start_ = state_.u;
   F_start_ = state_.F;
   for (std::size_t p = 0; p < X_.size(); ++p) {
@@ -126,7 +126,7 @@ void Side::count_anew() {
   }
 }
 
-const SideState& Side::at(double time) {
+const DataSetState& DataSet::at(double time) {
   read(time);
   if (counted_anew())
     for (std::size_t p = 0; p < X_.size(); ++p) {
@@ -138,7 +138,7 @@ const SideState& Side::at(double time) {
 }
 
 // Each particle's own area where the motion knows it; else one length for all.
-void Side::find_spacing() {
+void DataSet::find_spacing() {
   const std::vector<double>& area = motion_->particles().area;
   const bool known = area.size() == X_.size() &&
                      std::all_of(area.begin(), area.end(), [](double a) { return std::isfinite(a) && a > 0; });

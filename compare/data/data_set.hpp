@@ -1,4 +1,4 @@
-// One side of a comparison, read frame by frame and counted from the time at which both sides have begun.
+// One data set of a comparison, read frame by frame and counted from the time at which both data sets have begun.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@ namespace pivnp::compare {
 /// The first's times at which the second is known too.
 struct CommonTimes {
   double start = 0;           // the later of the two beginnings: displacements count from here
-  bool begin_together = true;  // else one side is under way at the start
+  bool begin_together = true;  // else one data set is under way at the start
   double tolerance = 0;       // times closer than this are the same instant
   std::vector<double> times;  // ascending
 };
@@ -21,8 +21,8 @@ struct CommonTimes {
 /// Throws InputError if times do not ascend or nothing is in common.
 CommonTimes common_times(const MotionSource& first, const MotionSource& second);
 
-/// A side at one time.
-struct SideState {
+/// A data set at one time.
+struct DataSetState {
   double time = 0;
   std::vector<std::uint8_t> followed;       // 1: without a break from the common start to this time
   std::vector<Vec2> u;                      // displacement since the common start; unset where not followed
@@ -32,13 +32,13 @@ struct SideState {
 
 /// Reads a motion in ascending time, holding two of its frames. Between frames u, F and the covariance are linear in
 /// time; a particle is followed there only if both frames have it. Once lost it stays lost.
-/// Where one motion begins before the other, a side that has moved at the common start is counted anew from its state
+/// Where one motion begins before the other, a data set that has moved at the common start is counted anew from its state
 /// there: X = x0 + u(s), u(t) - u(s), F(t) F(s)^-1; its covariance is kept whole, which bounds that of the difference of
 /// positively correlated errors. (A motion whose first frame holds displacements is as well under way as one that began
 /// earlier.) Motions that begin together are taken as they are.
-class Side {
+class DataSet {
  public:
-  Side(const MotionSource& motion, const CommonTimes& common);
+  DataSet(const MotionSource& motion, const CommonTimes& common);
 
   const MotionSource& motion() const { return *motion_; }
   std::size_t size() const { return X_.size(); }
@@ -50,8 +50,8 @@ class Side {
   std::size_t born_later() const { return born_later_; }
 
   /// `time` not before the one asked for last.
-  const SideState& at(double time);
-  const SideState& state() const { return state_; }  // as of the last call; `followed` also before the first
+  const DataSetState& at(double time);
+  const DataSetState& state() const { return state_; }  // as of the last call; `followed` also before the first
 
  private:
   struct Held {
@@ -68,7 +68,7 @@ class Side {
   const MotionSource* motion_;
   double tolerance_;
   std::array<Held, 2> held_;
-  SideState state_;
+  DataSetState state_;
   std::vector<Vec2> X_, u_start_;
   std::vector<Mat2> F_start_;  // empty: counted from its own beginning; else the inverse of F at the start
   std::vector<double> spacing_;

@@ -1,20 +1,31 @@
-// What a comparison can be told, and the limits it is held to.
+// What a comparison can be told.
 #pragma once
 
+#include <array>
 #include <optional>
-#include <string>
 #include <vector>
 
+#include "pivnp/core/choice.hpp"
 #include "pivnp/core/options.hpp"
 
 namespace pivnp::compare {
 
+enum class TimeAlignment { none, onset };
+inline constexpr std::array time_alignment_names{NamedValue{"none", TimeAlignment::none},
+                                                 NamedValue{"onset", TimeAlignment::onset}};
+constexpr const auto& names_of(TimeAlignment) { return time_alignment_names; }
+
+enum class SpaceAlignment { none, outline };
+inline constexpr std::array space_alignment_names{NamedValue{"none", SpaceAlignment::none},
+                                                  NamedValue{"outline", SpaceAlignment::outline}};
+constexpr const auto& names_of(SpaceAlignment) { return space_alignment_names; }
+
 struct CompareOptions {
   Points reference_m;
   Points fixed_zone_m;
-  std::string time_alignment = "none";
+  TimeAlignment time_alignment = TimeAlignment::none;
   double time_offset_s = 0;
-  std::string space_alignment = "none";
+  SpaceAlignment space_alignment = SpaceAlignment::none;
   Pair second_shift_m = {0.0, 0.0};
   double second_rotation_deg = 0;
   double second_scale = 1;
@@ -34,19 +45,17 @@ struct CompareOptions {
   static void fields(Self& self, Visitor&& visit) {
     visit("reference_m", self.reference_m,
           OptionInfo{.unit = "m",
-                     .text = "polygon of material whose mean motion is subtracted from both sides (the far soil)"});
+                     .text = "polygon of material whose mean motion is subtracted from both data sets (the far soil)"});
     visit("fixed_zone_m", self.fixed_zone_m,
           OptionInfo{.unit = "m",
                      .text = "polygon of material that stands still: the shift and rotation found there are taken off "
-                             "each side at each time"});
+                             "each data set at each time"});
     visit("time_alignment", self.time_alignment,
-          OptionInfo{.text = "onset: the second's clock is set so that both motions begin at the same time",
-                     .choices = {"none", "onset"}});
+          OptionInfo{.text = "onset: the second's clock is set so that both motions begin at the same time"});
     visit("time_offset_s", self.time_offset_s, OptionInfo{.unit = "s", .text = "added to the second's times"});
     visit("space_alignment", self.space_alignment,
           OptionInfo{.text = "outline: the second's coordinates are shifted and turned so that both outlines at the common "
-                             "start agree (within fixed_zone_m, where given)",
-                     .choices = {"none", "outline"}});
+                             "start agree (within fixed_zone_m, where given)"});
     visit("second_shift_m", self.second_shift_m,
           OptionInfo{.unit = "m", .text = "added to the second's positions, after scale and rotation"});
     visit("second_rotation_deg", self.second_rotation_deg,
@@ -91,57 +100,6 @@ struct CompareOptions {
     visit("levelling", self.levelling,
           OptionInfo{.text = "also measure the simulation: the first frame, carried by the simulated motion, goes "
                              "through the same PIV and particles"});
-  }
-};
-
-/// Thresholds; what is left out is not judged.
-struct LimitOptions {
-  std::optional<double> displacement_rms_m;
-  std::optional<double> displacement_p95_m;
-  std::optional<double> displacement_max_m;
-  std::optional<double> displacement_bias_m;
-  std::optional<double> velocity_rms_m_s;
-  std::optional<double> strain_rms;
-  std::optional<double> strain_p95;
-  std::optional<double> displacement_over_u;
-  std::optional<double> outline_iou_min;
-  std::optional<double> hausdorff_m;
-  std::optional<double> run_out_m;
-  std::optional<double> slope_angle_deg;
-  std::optional<double> coverage_min;
-  std::optional<double> history_rms;
-
-  template <class Self, class Visitor>
-  static void fields(Self& self, Visitor&& visit) {
-    visit("displacement_rms_m", self.displacement_rms_m,
-          OptionInfo{.unit = "m", .text = "greatest RMS displacement difference, over space and time", .min = 0});
-    visit("displacement_p95_m", self.displacement_p95_m,
-          OptionInfo{.unit = "m", .text = "greatest 95th percentile of the displacement difference", .min = 0});
-    visit("displacement_max_m", self.displacement_max_m,
-          OptionInfo{.unit = "m", .text = "greatest displacement difference of any particle and time", .min = 0});
-    visit("displacement_bias_m", self.displacement_bias_m,
-          OptionInfo{.unit = "m", .text = "greatest size of either component of the mean difference", .min = 0});
-    visit("velocity_rms_m_s", self.velocity_rms_m_s,
-          OptionInfo{.unit = "m/s", .text = "greatest RMS velocity difference", .min = 0});
-    visit("strain_rms", self.strain_rms,
-          OptionInfo{.text = "greatest RMS difference of deviatoric strain, over space and time", .min = 0});
-    visit("strain_p95", self.strain_p95,
-          OptionInfo{.text = "greatest 95th percentile of the difference of deviatoric strain", .min = 0});
-    visit("displacement_over_u", self.displacement_over_u,
-          OptionInfo{.text = "greatest RMS displacement difference in units of its standard uncertainty", .min = 0});
-    visit("outline_iou_min", self.outline_iou_min,
-          OptionInfo{.text = "least share that the final outlines have in common", .min = 0, .max = 1});
-    visit("hausdorff_m", self.hausdorff_m,
-          OptionInfo{.unit = "m", .text = "greatest Hausdorff distance (95 %) of the final outlines", .min = 0});
-    visit("run_out_m", self.run_out_m,
-          OptionInfo{.unit = "m", .text = "greatest difference of run-out (needs compare.slope_base_m)", .min = 0});
-    visit("slope_angle_deg", self.slope_angle_deg,
-          OptionInfo{.unit = "deg", .text = "greatest difference of the final slope angle (needs compare.slope_base_m)",
-                     .min = 0});
-    visit("coverage_min", self.coverage_min,
-          OptionInfo{.text = "least share of the first's particles that find a partner", .min = 0, .max = 1});
-    visit("history_rms", self.history_rms,
-          OptionInfo{.text = "greatest RMS difference of two histories, in their own unit", .min = 0});
   }
 };
 

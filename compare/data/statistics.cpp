@@ -50,7 +50,7 @@ double Quantile::at(double q) const {
   return middle_of(bin);
 }
 
-void DisplacementStatistics::add(const Vec2& difference, double cov_uu, double cov_vv) {
+void VectorStatistics::add(const Vec2& difference, double cov_uu, double cov_vv) {
   ++count_;
   sum_ += difference;
   sum_cov_ += Vec2(cov_uu, cov_vv);
@@ -69,12 +69,12 @@ void DisplacementStatistics::add(const Vec2& difference, double cov_uu, double c
   }
 }
 
-double DisplacementStatistics::rms() const { return root_mean(sum_square_, count_); }
-Vec2 DisplacementStatistics::bias_uncertainty() const {
+double VectorStatistics::rms() const { return root_mean(sum_square_, count_); }
+Vec2 VectorStatistics::bias_uncertainty() const {
   return {root_mean(sum_cov_.x(), count_), root_mean(sum_cov_.y(), count_)};
 }
-double DisplacementStatistics::p95_uncertainty() const { return unknown_ == 0 ? sigma_.at(0.95) : not_known; }
-double DisplacementStatistics::rms_uncertainty() const { return root_mean(sum_cov_.sum(), count_); }
+double VectorStatistics::p95_uncertainty() const { return unknown_ == 0 ? sigma_.at(0.95) : not_known; }
+double VectorStatistics::rms_uncertainty() const { return root_mean(sum_cov_.sum(), count_); }
 
 void ScalarStatistics::add(double difference) {
   ++count_;

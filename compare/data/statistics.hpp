@@ -47,8 +47,8 @@ class ScalarStatistics {
   Quantile magnitude_;
 };
 
-/// Differences of displacement of many particle-times, every one counted alike.
-class DisplacementStatistics {
+/// Differences of displacement, or of velocity, of many particle-times, every one counted alike.
+class VectorStatistics {
  public:
   /// `cov`: uu, vv of the difference (NaN if not known).
   void add(const Vec2& difference, double cov_uu, double cov_vv);
@@ -98,7 +98,7 @@ class OverTime {
   std::vector<float> top_;  // kept_ a particle: a heap with its least value first
 };
 
-/// What strain a side shows where it cannot be told to have moved: |u| < 2 sigma, sigma^2 = trace of its covariance.
+/// What strain a data set shows where it cannot be told to have moved: |u| < 2 sigma, sigma^2 = trace of its covariance.
 /// All of it is taken as error, so real strain there makes the floor too high, never too low.
 class StillZone {
  public:

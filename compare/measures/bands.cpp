@@ -1,248 +1,24 @@
 #include "compare/measures/bands.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
-#include <optional>
 
 #include "compare/data/statistics.hpp"
-#include "compare/data/triangulation.hpp"
-#include "compare/measures/judged.hpp"
-#include "compare/shapes/outline.hpp"
 #include "pivnp/core/particles/strain.hpp"
 #include "pivnp/core/text.hpp"
 
 namespace pivnp::compare {
 
-namespace {
-
-// The field on a lattice, NaN outside the material.
-struct Raster {
-  Lattice lattice;
-  std::vector<double> value;
-
-  double at(int i, int j) const {
-    if (i < 0 || j < 0 || i >= lattice.nx || j >= lattice.ny) return not_known;
-    return value[lattice.index(i, j)];
-  }
-  // Bilinear; NaN beside the outside.
-  double sample(const Vec2& x) const {
-    const Vec2 t = (x - lattice.first) / lattice.cell;
-    const int i = int(std::floor(t.x())), j = int(std::floor(t.y()));
-    const double a = t.x() - i, b = t.y() - j;
-    return (1 - a) * (1 - b) * at(i, j) + a * (1 - b) * at(i + 1, j) + (1 - a) * b * at(i, j + 1) +
-           a * b * at(i + 1, j + 1);
-  }
-};
-
-Raster rasterise(const MaterialMesh& mesh, const std::vector<double>& value, double cell) {
-  Raster r{lattice_around(mesh, mesh, cell, cell, std::nullopt), {}};
-  r.value.assign(std::size_t(r.lattice.nx) * std::size_t(r.lattice.ny), not_known);
-  for (int j = 0; j < r.lattice.ny; ++j)
-    for (int i = 0; i < r.lattice.nx; ++i) {
-      const auto place = mesh.find(r.lattice.centre(i, j));
-      if (!place) continue;
-      double sum = 0;
-      for (std::size_t k = 0; k < 3; ++k)
-        if (place->vertex[k] >= 0) sum += place->weight[k] * value[std::size_t(place->vertex[k])];
-      r.value[r.lattice.index(i, j)] = sum;
-    }
-  return r;
-}
-
-// Gaussian of `sigma` cells over what is known, row by row and column by column.
-Raster smoothed(const Raster& raw, double sigma) {
-  const int reach = int(std::ceil(3 * sigma));
-  std::vector<double> weight;
-  for (int d = 0; d <= reach; ++d) weight.push_back(std::exp(-0.5 * d * d / (sigma * sigma)));
-  Raster out = raw;
-  for (const bool rows : {true, false}) {
-    const Raster from = out;
-    for (int j = 0; j < raw.lattice.ny; ++j)
-      for (int i = 0; i < raw.lattice.nx; ++i) {
-        if (std::isnan(raw.at(i, j))) continue;
-        double sum = 0, total = 0;
-        for (int d = -reach; d <= reach; ++d) {
-          const double v = rows ? from.at(i + d, j) : from.at(i, j + d);
-          if (std::isnan(v)) continue;
-          sum += weight[std::size_t(std::abs(d))] * v;
-          total += weight[std::size_t(std::abs(d))];
-        }
-        out.value[out.lattice.index(i, j)] = sum / total;
-      }
-  }
-  return out;
-}
-
-struct RidgePoint {
-  int i = 0, j = 0;
-  Vec2 x = Vec2::Zero(), normal = Vec2::Zero();  // across the ridge
-  double value = 0;
-};
-
-std::optional<RidgePoint> ridge_point(const Raster& f, int i, int j, double threshold, double spacing) {
-  const double c = f.at(i, j);
-  if (!(c >= 0.5 * threshold)) return std::nullopt;
-  const double l = f.at(i - 1, j), r = f.at(i + 1, j), d = f.at(i, j - 1), u = f.at(i, j + 1);
-  const double cross = f.at(i + 1, j + 1) - f.at(i - 1, j + 1) - f.at(i + 1, j - 1) + f.at(i - 1, j - 1);
-  if (!std::isfinite(l + r + d + u + cross)) return std::nullopt;
-  const Vec2 g((r - l) / 2, (u - d) / 2);
-  Mat2 H;
-  H << r - 2 * c + l, cross / 4, cross / 4, u - 2 * c + d;
-  const Eigen::SelfAdjointEigenSolver<Mat2> solver(H);  // ascending
-  const double curvature = solver.eigenvalues()[0];
-  if (!(curvature < 0) || std::abs(solver.eigenvalues()[1]) > std::abs(curvature)) return std::nullopt;
-  const Vec2 n = solver.eigenvectors().col(0);
-  const Vec2 step = -(g.dot(n) / curvature) * n;  // cells
-  if (step.cwiseAbs().maxCoeff() > 0.6) return std::nullopt;
-  const double reach = 2 * spacing / f.lattice.cell;
-  const double top = c + 0.5 * g.dot(step);
-  if (-0.5 * curvature * reach * reach < 0.1 * top) return std::nullopt;
-  return RidgePoint{i, j, f.lattice.centre(i, j) + f.lattice.cell * step, n, top};
-}
-
-// Width at half height across the ridge, above the lower of both feet within eight spacings.
-double width_across(const Raster& raw, const RidgePoint& p, double spacing) {
-  const double step = raw.lattice.cell / 4;
-  const int reach = int(8 * spacing / step);
-  const double top = raw.sample(p.x);
-  std::array<double, 2> foot{top, top};
-  for (int side = 0; side < 2; ++side)
-    for (int k = 1; k <= reach; ++k) {
-      const double v = raw.sample(p.x + (side ? 1 : -1) * k * step * p.normal);
-      if (!std::isfinite(v)) break;
-      foot[std::size_t(side)] = std::min(foot[std::size_t(side)], v);
-    }
-  const double half = (top + std::min(foot[0], foot[1])) / 2;
-  double width = 0;
-  for (int side = 0; side < 2; ++side) {
-    double before = top;
-    int k = 1;
-    for (; k <= reach; ++k) {
-      const double v = raw.sample(p.x + (side ? 1 : -1) * k * step * p.normal);
-      if (!std::isfinite(v)) return not_known;
-      if (v <= half) {
-        width += step * (k - 1 + (before > v ? (before - half) / (before - v) : 0));
-        break;
-      }
-      before = v;
-    }
-    if (k > reach) return not_known;
-  }
-  return width;
-}
-
-double median(std::vector<double> values) {
-  std::erase_if(values, [](double v) { return !std::isfinite(v); });
-  if (values.empty()) return not_known;
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-// Connected ridge points of similar direction.
-std::vector<std::vector<RidgePoint>> groups_of(const std::vector<RidgePoint>& points, const Lattice& lattice) {
-  std::vector<int> at(std::size_t(lattice.nx) * std::size_t(lattice.ny), -1);
-  for (std::size_t k = 0; k < points.size(); ++k) at[lattice.index(points[k].i, points[k].j)] = int(k);
-  std::vector<char> taken(points.size(), 0);
-  std::vector<std::vector<RidgePoint>> groups;
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    if (taken[k]) continue;
-    std::vector<std::size_t> todo{k};
-    taken[k] = 1;
-    groups.emplace_back();
-    while (!todo.empty()) {
-      const RidgePoint& p = points[todo.back()];
-      todo.pop_back();
-      groups.back().push_back(p);
-      for (int dj = -2; dj <= 2; ++dj)
-        for (int di = -2; di <= 2; ++di) {
-          const int i = p.i + di, j = p.j + dj;
-          if (i < 0 || j < 0 || i >= lattice.nx || j >= lattice.ny) continue;
-          const int q = at[lattice.index(i, j)];
-          if (q < 0 || taken[std::size_t(q)] || std::abs(points[std::size_t(q)].normal.dot(p.normal)) < 0.8) continue;
-          taken[std::size_t(q)] = 1;
-          todo.push_back(std::size_t(q));
-        }
-    }
-  }
-  return groups;
-}
-
-ShearBand band_of(const std::vector<RidgePoint>& points, const Raster& raw, const MaterialMesh& mesh,
-                  const std::vector<double>& onset, double spacing) {
-  ShearBand band;
-  for (const RidgePoint& p : points) {
-    band.ridge.push_back(p.x);
-    band.centre += p.x / double(points.size());
-    const double here = raw.sample(p.x);
-    band.strain = std::max(band.strain, std::isfinite(here) ? here : p.value);
-  }
-  Mat2 spread = Mat2::Zero();
-  for (const Vec2& x : band.ridge) spread += (x - band.centre) * (x - band.centre).transpose();
-  const Vec2 along = Eigen::SelfAdjointEigenSolver<Mat2>(spread).eigenvectors().col(1);
-  double least = 0, most = 0;
-  std::vector<double> width, begin;
-  for (const RidgePoint& p : points) {
-    const double s = (p.x - band.centre).dot(along);
-    least = std::min(least, s);
-    most = std::max(most, s);
-    width.push_back(width_across(raw, p, spacing));
-    const auto place = mesh.find(p.x);
-    if (!place) continue;
-    const std::size_t k =
-        std::size_t(std::max_element(place->weight.begin(), place->weight.end()) - place->weight.begin());
-    begin.push_back(onset[std::size_t(place->vertex[k])]);
-  }
-  band.length = most - least;
-  band.inclination_deg = std::atan2(along.y(), along.x()) * 180 / std::numbers::pi;
-  if (band.inclination_deg > 90) band.inclination_deg -= 180;
-  if (band.inclination_deg <= -90) band.inclination_deg += 180;
-  band.thickness = median(width);
-  // Half of all its particles: those that never reached the threshold come last.
-  for (double& t : begin)
-    if (std::isnan(t)) t = std::numeric_limits<double>::infinity();
-  std::sort(begin.begin(), begin.end());
-  band.onset = begin.empty() ? not_known : begin[(begin.size() - 1) / 2];
-  if (std::isinf(band.onset)) band.onset = not_known;
-  return band;
-}
-
-}  // namespace
-
-std::vector<ShearBand> find_bands(const ScatteredField& field, double spacing, double threshold) {
-  if (field.x.size() < 3) return {};
-  const MaterialMesh mesh(field.x, field.spacing);
-  if (mesh.triangles().empty()) return {};
-  const Raster raw = rasterise(mesh, field.value, spacing / 2);
-  const Raster soft = smoothed(raw, spacing / raw.lattice.cell);
-  std::vector<RidgePoint> points;
-  for (int j = 1; j + 1 < raw.lattice.ny; ++j)
-    for (int i = 1; i + 1 < raw.lattice.nx; ++i) {
-      const auto p = ridge_point(soft, i, j, threshold, spacing);
-      if (p && raw.sample(p->x) >= threshold) points.push_back(*p);
-    }
-  std::vector<ShearBand> bands;
-  for (const auto& group : groups_of(points, raw.lattice)) {
-    ShearBand band = band_of(group, raw, mesh, field.onset, spacing);
-    if (band.length >= 4 * spacing) bands.push_back(std::move(band));
-  }
-  std::stable_sort(bands.begin(), bands.end(), [](const ShearBand& a, const ShearBand& b) {
-    return a.length * a.strain > b.length * b.strain;
-  });
-  return bands;
-}
-
-Bands::Bands(double threshold, const Side& first, const Side& second)
+Bands::Bands(double threshold, const DataSet& first, const DataSet& second)
     : threshold_(threshold), onset_{std::vector<double>(first.size(), not_known),
                                     std::vector<double>(second.size(), not_known)} {}
 
-void Bands::add(const SideState& first, const SideState& second) {
+void Bands::add(const DataSetState& first, const DataSetState& second) {
   if (std::isfinite(time_)) longest_step_ = std::max(longest_step_, first.time - time_);
   time_ = first.time;
-  const std::array<const SideState*, 2> states{&first, &second};
+  const PerDataSet<const DataSetState*> states{&first, &second};
   for (std::size_t s = 0; s < 2; ++s)
     for (std::size_t p = 0; p < onset_[s].size(); ++p)
       if (states[s]->followed[p] && std::isnan(onset_[s][p]) &&
@@ -252,17 +28,17 @@ void Bands::add(const SideState& first, const SideState& second) {
 
 namespace {
 
-ScatteredField present_field(const Side& side, const RigidMotion& frame, const std::vector<double>& onset) {
+ScatteredField present_field(const DataSet& set, const RigidMotion& frame, const std::vector<double>& onset) {
   ScatteredField f;
-  for (std::size_t p = 0; p < side.size(); ++p) {
-    const SideState& state = side.state();
+  for (std::size_t p = 0; p < set.size(); ++p) {
+    const DataSetState& state = set.state();
     if (!state.followed[p]) continue;
     const Strain e = log_strain(state.F[p]);
     const double dev = deviatoric(e);
     if (!std::isfinite(dev)) continue;
-    f.x.push_back(frame.undo(side.material_position()[p] + state.u[p]));
+    f.x.push_back(frame.undo(set.material_position()[p] + state.u[p]));
     f.value.push_back(dev);
-    f.spacing.push_back(side.spacing()[p] * std::clamp(std::exp(principal(e).first), 1.0, 4.0));
+    f.spacing.push_back(set.spacing()[p] * std::clamp(std::exp(principal(e).first), 1.0, 4.0));
     f.onset.push_back(onset[p]);
   }
   return f;
@@ -279,69 +55,67 @@ double mean_distance(const std::vector<Vec2>& from, const std::vector<Vec2>& to)
   return sum;
 }
 
-ColumnTable table_of(const std::string& side, const std::vector<ShearBand>& bands, const std::string& unit,
-                     const std::string& time_unit, const std::string& definition) {
-  ColumnTable t{"bands_" + side, definition, {{"x", unit, {}}, {"y", unit, {}}, {"inclination", "deg", {}},
-                {"length", unit, {}}, {"thickness", unit, {}}, {"strain_dev", "1", {}}, {"onset", time_unit, {}}}};
-  for (const ShearBand& b : bands) {
-    const std::array<double, 7> row{b.centre.x(), b.centre.y(), b.inclination_deg, b.length, b.thickness,
-                                    b.strain,     b.onset};
-    for (std::size_t c = 0; c < row.size(); ++c) t.columns[c].values.push_back(row[c]);
-  }
-  return t;
+BandMeasures::Difference difference_of(const ShearBand& a, const ShearBand& b, const PerDataSet<double>& spacing,
+                                       double longest_step) {
+  BandMeasures::Difference d;
+  d.offset = (mean_distance(a.ridge, b.ridge) + mean_distance(b.ridge, a.ridge)) / 2;
+  d.place_uncertainty = std::hypot(spacing[0], spacing[1]) / std::sqrt(12.0);
+  double turn = b.inclination_deg - a.inclination_deg;
+  turn -= 180 * std::round(turn / 180);
+  d.inclination_deg = turn;
+  d.inclination_uncertainty_deg = std::hypot(spacing[0] / a.length, spacing[1] / b.length) * 180 / std::numbers::pi /
+                                  std::sqrt(12.0);
+  d.thickness = b.thickness - a.thickness;
+  d.onset = b.onset - a.onset;
+  d.onset_uncertainty = longest_step / std::sqrt(6.0);
+  return d;
 }
 
 }  // namespace
 
-void Bands::finish(const Side& first, const Side& second, const std::array<RigidFit, 2>& frame, double floor_dev,
-                   const std::string& unit, const std::string& time_unit, Comparison& out) const {
-  const std::array<const Side*, 2> sides{&first, &second};
-  std::array<std::vector<ShearBand>, 2> bands;
-  std::array<double, 2> u{not_known, not_known};  // of their number
+BandMeasures Bands::measure(const DataSet& first, const DataSet& second, const PerDataSet<RigidFit>& frame,
+                            double floor_dev) const {
+  const PerDataSet<const DataSet*> sets{&first, &second};
+  BandMeasures out;
+  out.threshold = threshold_;
+  out.floor_dev = floor_dev;
   for (std::size_t s = 0; s < 2; ++s) {
-    const ScatteredField field = present_field(*sides[s], frame[s].motion, onset_[s]);
-    const auto with = [&](double threshold) { return find_bands(field, sides[s]->median_spacing(), threshold); };
-    bands[s] = with(threshold_);
+    const ScatteredField field = present_field(*sets[s], frame[s].motion, onset_[s]);
+    const auto with = [&](double threshold) { return find_bands(field, sets[s]->median_spacing(), threshold); };
+    out.bands[s] = with(threshold_);
+    out.number_uncertainty[s] = not_known;
     if (!std::isfinite(floor_dev)) continue;
     const auto count = [&](double threshold) { return double(with(std::max(threshold, 0.1 * threshold_)).size()); };
-    u[s] = std::abs(count(threshold_ - floor_dev) - count(threshold_ + floor_dev)) / 2;
+    out.number_uncertainty[s] = std::abs(count(threshold_ - floor_dev) - count(threshold_ + floor_dev)) / 2;
   }
-  const std::string what = "shear bands (ridges of deviatoric strain above " + number(threshold_) +
-                           " at the last common time, at least four spacings long)";
-  const double n1 = double(bands[0].size()), n2 = double(bands[1].size());
-  const std::string how = std::isfinite(floor_dev)
-                              ? "; uncertainty: half the change when the threshold moves by the noise floor both ways"
-                              : "; uncertainty not known: noise floor not measured";
-  out.metrics.push_back({"band_number_first", n1, "1", u[0], "number of " + what + ", first" + how, ""});
-  out.metrics.push_back({"band_number_second", n2, "1", u[1], "number of " + what + ", second" + how, ""});
-  out.metrics.push_back(difference_metric("band_number_difference", n2 - n1, "1", std::hypot(u[0], u[1]),
-                                          "number of " + what + ", second minus first" + how));
-  if (n1 > 0)
-    out.tables.push_back(table_of("first", bands[0], unit, time_unit, what + " of the first, strongest first"));
-  if (n2 > 0)
-    out.tables.push_back(table_of("second", bands[1], unit, time_unit, what + " of the second, strongest first"));
-  if (bands[0].empty() || bands[1].empty()) return;
-  const ShearBand &a = bands[0][0], &b = bands[1][0];
-  const double place = std::hypot(first.median_spacing(), second.median_spacing()) / std::sqrt(12.0);
-  const std::string of = " of the strongest shear band of each side (length times strain)";
-  const std::string half = "; uncertainty: half a particle spacing of each side (rectangular)";
-  out.metrics.push_back(difference_metric(
-      "band_offset", (mean_distance(a.ridge, b.ridge) + mean_distance(b.ridge, a.ridge)) / 2, unit, place,
-      "mean distance between the ridges" + of + half));
-  double turn = b.inclination_deg - a.inclination_deg;
-  turn -= 180 * std::round(turn / 180);
-  const double angle = std::hypot(first.median_spacing() / a.length, second.median_spacing() / b.length) * 180 /
-                       std::numbers::pi / std::sqrt(12.0);
-  out.metrics.push_back(difference_metric("band_inclination_difference", turn, "deg", angle,
-                                          "inclination, second minus first," + of +
-                                              "; uncertainty: half a spacing over its length (rectangular)"));
-  out.metrics.push_back(difference_metric("band_thickness_difference", b.thickness - a.thickness, unit, place,
-                                          "thickness (width at half height), second minus first," + of + half));
-  out.metrics.push_back(difference_metric("band_onset_difference", b.onset - a.onset, time_unit,
-                                          longest_step_ / std::sqrt(6.0),
-                                          "onset (half of its particles above the threshold), second minus first," +
-                                              of + "; uncertainty: the longest step between two times on each side "
-                                              "(rectangular)"));
+  if (!out.bands[0].empty() && !out.bands[1].empty())
+    out.strongest = difference_of(out.bands[0][0], out.bands[1][0], {first.median_spacing(), second.median_spacing()},
+                                  longest_step_);
+  return out;
+}
+
+std::string BandMeasures::words() const {
+  return "shear bands (ridges of deviatoric strain above " + number(threshold) +
+         " at the last common time, at least four spacings long)";
+}
+
+std::vector<ComparisonTable> BandMeasures::tables(const std::string& unit, const std::string& time_unit) const {
+  std::vector<ComparisonTable> out;
+  for (const DataSetRole role : data_set_roles) {
+    const std::vector<ShearBand>& list = bands[std::size_t(role)];
+    if (list.empty()) continue;
+    const std::string name(name_of(role));
+    ComparisonTable t{"bands_" + name, words() + " of the " + name + ", strongest first",
+                      {{"x", unit, {}}, {"y", unit, {}}, {"inclination", "deg", {}}, {"length", unit, {}},
+                       {"thickness", unit, {}}, {"strain_dev", "1", {}}, {"onset", time_unit, {}}}};
+    for (const ShearBand& b : list) {
+      const std::array<double, 7> row{b.centre.x(), b.centre.y(), b.inclination_deg, b.length, b.thickness,
+                                      b.strain,     b.onset};
+      for (std::size_t c = 0; c < row.size(); ++c) t.columns[c].values.push_back(row[c]);
+    }
+    out.push_back(std::move(t));
+  }
+  return out;
 }
 
 }  // namespace pivnp::compare

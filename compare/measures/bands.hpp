@@ -1,55 +1,51 @@
-// Shear bands: ridge lines of deviatoric strain.
+// Shear bands of both data sets, and how far the strongest are apart.
 #pragma once
 
-#include <array>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "compare/alignment/reference.hpp"
 #include "compare/data/data_set.hpp"
-#include "compare/measures/comparison.hpp"
+#include "compare/shapes/ridges.hpp"
+#include "pivnp/core/record/comparison.hpp"
 
 namespace pivnp::compare {
 
-/// One ridge line. Lengths in the motion's unit.
-struct ShearBand {
-  Vec2 centre = Vec2::Zero();
-  double inclination_deg = 0;  // of the line of least squares through the ridge, from x, (-90, 90]
-  double length = 0;           // along that line
-  double thickness = 0;  // width at half height of the strain across the ridge, median along it; NaN if not reached
-  double strain = 0;           // greatest deviatoric strain of the ridge
-  double onset = 0;            // time at which half of the particles along it had reached the threshold
-  std::vector<Vec2> ridge;
+struct BandMeasures {
+  double threshold = 0;                       // deviatoric strain
+  PerDataSet<std::vector<ShearBand>> bands;   // strongest (length times strain) first
+  PerDataSet<double> number_uncertainty{};    // half the change when the threshold moves by the noise floor; NaN: unknown
+  double floor_dev = 0;                       // that noise floor, NaN if it is not known
+
+  /// The strongest of each, second minus first; nothing where a data set has none. Uncertainties: half a particle
+  /// spacing of each (rectangular), over the length for the angle, and the longest step in time on each.
+  struct Difference {
+    double offset = 0;  // mean distance between the ridges
+    double inclination_deg = 0, thickness = 0, onset = 0;
+    double place_uncertainty = 0, inclination_uncertainty_deg = 0, onset_uncertainty = 0;
+  };
+  std::optional<Difference> strongest;
+
+  /// Tables bands_first and bands_second, a row a band; none where there is none.
+  std::vector<ComparisonTable> tables(const std::string& length_unit, const std::string& time_unit) const;
+  /// "shear bands (ridges ...)", for definitions.
+  std::string words() const;
 };
 
-/// A scalar on scattered particles, `spacing` their distance.
-struct ScatteredField {
-  std::vector<Vec2> x;
-  std::vector<double> value, spacing;
-  std::vector<double> onset;  // per particle, NaN: never
-};
-
-/// Ridges by the second derivatives of the field smoothed with a Gaussian of one spacing, on a lattice of half a
-/// spacing: where the slope across the direction of greatest negative curvature vanishes within the cell (Steger 1998,
-/// IEEE Trans. Pattern Anal. Mach. Intell. 20), the field is at least `threshold` there, and the curvature would bring
-/// it down by a tenth within two spacings. Neighbouring cells whose directions agree within 37 degrees are one band,
-/// from a length of four spacings on. Strongest (length times strain) first.
-std::vector<ShearBand> find_bands(const ScatteredField& field, double median_spacing, double threshold);
-
-/// Notes when each particle first reaches the threshold, and finds the bands of both sides at the end.
+/// Notes when each particle first reaches the threshold, and finds the bands of both data sets at the end.
 class Bands {
  public:
-  Bands(double threshold, const Side& first, const Side& second);
-  void add(const SideState& first, const SideState& second);
-  /// Sides as at the last common time. Adds the metrics band_* and the tables bands_first, bands_second. `floor_dev`:
-  /// the noise floor of strain, NaN if it is not known.
-  void finish(const Side& first, const Side& second, const std::array<RigidFit, 2>& frame, double floor_dev,
-              const std::string& length_unit, const std::string& time_unit, Comparison& out) const;
+  Bands(double threshold, const DataSet& first, const DataSet& second);
+  void add(const DataSetState& first, const DataSetState& second);
+  /// Data sets as at the last common time. `floor_dev`: the noise floor of strain, NaN if it is not known.
+  BandMeasures measure(const DataSet& first, const DataSet& second, const PerDataSet<RigidFit>& frame,
+                       double floor_dev) const;
 
  private:
   double threshold_;
-  std::array<std::vector<double>, 2> onset_;
+  PerDataSet<std::vector<double>> onset_;
   double time_ = std::numeric_limits<double>::quiet_NaN(), longest_step_ = 0;
 };
 

@@ -23,8 +23,8 @@ class Budget {
   /// `options`: the parts that are given as numbers.
   explicit Budget(const CompareOptions& options);
 
-  /// `cov_first`, `cov_second`: uu, vv of each side's random error, NaN where a side knows none. `frame`: of what was
-  /// taken off both sides (its own error). `numerical`: from grid refinement, zero without.
+  /// `cov_first`, `cov_second`: uu, vv of each data set's random error, NaN where one knows none. `frame`: of what was
+  /// taken off both data sets (its own error). `numerical`: from grid refinement, zero without.
   Variance at(const Vec2& cov_first, const Vec2& cov_second, const Vec2& u_first, const Vec2& frame,
               const Vec2& numerical) const;
 

@@ -7,7 +7,7 @@
 #include <unordered_map>
 
 #include "compare/data/statistics.hpp"
-#include "compare/measures/judged.hpp"
+#include "compare/data/units.hpp"
 
 namespace pivnp::compare {
 
@@ -150,62 +150,29 @@ Decomposition decompose(const OrthonormalBasis& basis, const std::vector<Vec2>& 
   return d;
 }
 
-namespace {
-
-struct Field {
-  const char* name;
-  const char* words;
-  std::string unit;
-  double u;
-  std::vector<double> first, second;
-};
-
-void add_decomposition(const Field& f, const OrthonormalBasis& basis, const std::vector<Vec2>& x, Comparison& out,
-                       std::string& inadequate) {
-  const double size = rms(f.first);
-  if (!(size > 0)) return;
-  const Decomposition d = decompose(basis, x, f.first, f.second, f.u, 0.02 * size);
-  const std::string prefix = "decomposition_" + std::string(f.name) + "_";
-  const std::string of = " of " + std::string(f.words) + " at the last common time, by polynomials orthonormal on the "
-                         "compared particles (CEN CWA 16799)";
-  const auto add = [&](const char* name, double value, const std::string& unit, const std::string& text,
-                       double u = not_known, const char* how = "") {
-    out.metrics.push_back({prefix + name, value, unit, u, text + of + how, ""});
-  };
-  add("terms", double(d.first.size()), "1", "number of coefficients");
-  add("outside", d.outside(), "1",
-      "share of the coefficients that leave the band s_second = s_first +- 2 u(s); u(s)^2 = u^2 + residual_first^2, u "
-      "the "
-      "field's own standard uncertainty where known",
-      (d.outside(1) - d.outside(3)) / 2, "; uncertainty: half the change when the band's edge moves by u(s) both ways");
-  double distance = 0;
-  for (std::size_t k = 0; k < d.first.size(); ++k) distance += (d.second[k] - d.first[k]) * (d.second[k] - d.first[k]);
-  const bool known = std::isfinite(f.u);
-  out.metrics.push_back(difference_metric(prefix + "distance", std::sqrt(distance), f.unit,
-                                          known ? d.uncertainty : not_known,
-                                          "distance of both sides' coefficients (root of the sum of squares)" + of +
-                                              (known ? "; uncertainty: u(s)" : "; uncertainty not known"),
-                                          greatest_factor(d.first.size())));
-  add("residual_first", d.residual_first, f.unit, "RMS of field minus reconstruction of the first,");
-  add("residual_second", d.residual_second, f.unit, "RMS of field minus reconstruction of the second,");
-  add("cluster_first", d.cluster_first, "1",
-      "largest share of neighbouring points that the first's reconstruction misses by more than three residuals (above "
-      "0.003 the reconstruction is not adequate)");
-  add("cluster_second", d.cluster_second, "1", "the same of the second's reconstruction,");
-  if (!d.adequate) inadequate += (inadequate.empty() ? "" : ", ") + std::string(f.words);
-  ColumnTable table{"decomposition_" + std::string(f.name),
-                    "coefficients" + of + "; band: 2 u(s)",
-                    {{"first", f.unit, d.first}, {"second", f.unit, d.second},
-                     {"uncertainty", f.unit, std::vector<double>(d.first.size(), d.uncertainty)}}};
-  out.tables.push_back(std::move(table));
+std::string definition_of(const DecomposedField& field) {
+  return " of " + std::string(field.symbol) +
+         " at the last common time, by polynomials orthonormal on the compared particles (CEN CWA 16799)";
 }
 
-}  // namespace
+ComparisonTable table_of(const FieldDecomposition& f, const std::string& length_unit) {
+  const std::string unit = unit_of(f.field.unit, length_unit, "");
+  return {"decomposition_" + std::string(f.field.name),
+          "coefficients" + definition_of(f.field) + "; band: 2 u(s)",
+          {{std::string(name_of(DataSetRole::first)), unit, f.of.first},
+           {std::string(name_of(DataSetRole::second)), unit, f.of.second},
+           {"uncertainty", unit, std::vector<double>(f.of.first.size(), f.of.uncertainty)}}};
+}
 
-void add_decompositions(const Snapshot& last, double floor_dev, const std::string& unit, Comparison& out) {
+std::vector<FieldDecomposition> decompose_fields(const ComparedParticles& last, double floor_dev) {
+  struct Values {
+    double u = 0;
+    std::vector<double> first, second;
+  };
   std::vector<Vec2> x;
-  Field ux{"displacement_x", "u_x", unit, 0, {}, {}}, uy{"displacement_y", "u_y", unit, 0, {}, {}},
-      dev{"strain_dev", "deviatoric strain", "1", floor_dev, {}, {}};
+  std::array<Values, decomposed_fields.size()> fields;
+  auto& [ux, uy, dev] = fields;  // in the order of decomposed_fields
+  dev.u = floor_dev;
   const std::size_t stride = last.X.size() / most_points + 1;
   Vec2 variance = Vec2::Zero();
   for (std::size_t k = 0; k < last.X.size(); k += stride) {
@@ -219,15 +186,18 @@ void add_decompositions(const Snapshot& last, double floor_dev, const std::strin
     dev.second.push_back(last.dev_second[k]);
     variance += last.variance[k];
   }
-  if (x.size() < 16) return;
+  std::vector<FieldDecomposition> out;
+  if (x.size() < 16) return out;
   ux.u = std::sqrt(variance.x() / double(x.size()));
   uy.u = std::sqrt(variance.y() / double(x.size()));
   const OrthonormalBasis basis(x);
-  std::string inadequate;
-  for (const Field* f : {&ux, &uy, &dev}) add_decomposition(*f, basis, x, out, inadequate);
-  if (!inadequate.empty())
-    out.remarks.push_back("Polynomials do not hold what is local (clusters of residuals beyond 3 of their RMS) in " +
-                          inadequate + ": the decomposition's coefficients are no basis for a verdict there.");
+  for (std::size_t f = 0; f < fields.size(); ++f) {
+    const Values& v = fields[f];
+    const double size = rms(v.first);
+    if (size > 0)
+      out.push_back({decomposed_fields[f], v.u, decompose(basis, x, v.first, v.second, v.u, 0.02 * size)});
+  }
+  return out;
 }
 
 }  // namespace pivnp::compare

@@ -1,11 +1,13 @@
 // Two fields as a few coefficients each: polynomials made orthonormal on the material's own shape (CEN CWA 16799:2014).
 #pragma once
 
+#include <array>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "compare/measures/comparison.hpp"
 #include "compare/measures/differences.hpp"
+#include "pivnp/core/record/comparison.hpp"
 
 namespace pivnp::compare {
 
@@ -30,7 +32,7 @@ class OrthonormalBasis {
   std::vector<int> degree_;
 };
 
-/// One field of both sides, by the least whole degrees whose reconstructions both miss their fields by at most
+/// One field of both data sets, by the least whole degrees whose reconstructions both miss their fields by at most
 /// `accepted` (RMS), or by all there are.
 struct Decomposition {
   std::vector<double> first, second;              // coefficients, in the field's unit
@@ -46,9 +48,28 @@ struct Decomposition {
 Decomposition decompose(const OrthonormalBasis& basis, const std::vector<Vec2>& x, const std::vector<double>& first,
                         const std::vector<double>& second, double u, double accepted);
 
-/// Adds decomposition_FIELD_outside, _distance, _residual_first, _residual_second, _terms and the tables of
-/// coefficients for displacement_x, displacement_y and strain_dev at the last common time. `floor_dev`: noise floor of
-/// strain.
-void add_decompositions(const Snapshot& last, double floor_dev, const std::string& length_unit, Comparison& out);
+/// Fields that are decomposed. L: the motions' unit of length.
+struct DecomposedField {
+  std::string_view name, symbol, words, unit;
+};
+inline constexpr std::array<DecomposedField, 3> decomposed_fields{
+    {{"displacement_x", "u_x", "displacement x", "L"},
+     {"displacement_y", "u_y", "displacement y", "L"},
+     {"strain_dev", "deviatoric strain", "deviatoric strain", "1"}}};
+
+struct FieldDecomposition {
+  DecomposedField field;
+  double u = 0;  // standard uncertainty of the field, NaN if not known
+  Decomposition of;
+};
+
+/// Those at the last common time that are not zero everywhere in the first data set, in their order; empty with fewer
+/// than 16 particles. `floor_dev`: noise floor of strain.
+std::vector<FieldDecomposition> decompose_fields(const ComparedParticles& last, double floor_dev);
+
+/// What is decomposed, and how, for definitions.
+std::string definition_of(const DecomposedField& field);
+/// The table decomposition_FIELD of coefficients.
+ComparisonTable table_of(const FieldDecomposition& decomposition, const std::string& length_unit);
 
 }  // namespace pivnp::compare

@@ -1,9 +1,9 @@
 // Second minus first, particle by particle, one common time after another.
 #pragma once
 
-#include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
@@ -12,39 +12,35 @@
 #include "compare/alignment/partners.hpp"
 #include "compare/data/data_set.hpp"
 #include "compare/data/rigid.hpp"
+#include "compare/data/sources.hpp"
 #include "compare/data/statistics.hpp"
 #include "compare/measures/budget.hpp"
-#include "compare/measures/comparison.hpp"
 #include "compare/measures/rates.hpp"
-#include "pivnp/core/record/strain_note.hpp"
+#include "pivnp/core/record/comparison.hpp"
 
 namespace pivnp::compare {
 
-/// What the records state with their strains, first and second side; nothing where they state nothing. A noise floor
-/// stated there is the side's; otherwise it is sought where the side stands still.
-using StrainNotes = std::array<std::optional<StrainNote>, 2>;
-
 /// What one common time, or all of them together, amount to.
 struct Tally {
-  DisplacementStatistics displacement;
+  VectorStatistics displacement;
   ScalarStatistics strain_dev, strain_vol, strain_path;
   double sum_first = 0, sum_second = 0;    // of |u|
   double peak_first = 0, peak_second = 0;  // greatest |u|
   double peak_first_sigma = not_known, peak_second_sigma = not_known;
-  std::array<double, 2> sum_cov_trace{0, 0};  // NaN where a side does not know its covariance
+  PerDataSet<double> sum_cov_trace{0, 0};  // NaN where a data set does not know its covariance
   double sum_measurement = 0, sum_numerical = 0, sum_input = 0;  // traces of the parts of u_val^2
   double floor_dev = not_known, floor_vol = not_known, floor_path = not_known;  // noise floors (StillZone)
-  std::array<RigidFit, 2> frame;  // what the reference took off, first and second
+  PerDataSet<RigidFit> frame;  // what the reference took off, first and second
 
-  /// RMS error of each side's displacements, of what is known; 0 if nothing is. Camera, gauge and frame of reference are
+  /// RMS error of each data set's displacements, of what is known; 0 if nothing is. Camera, gauge and frame of reference are
   /// the first's, numerics and inputs the second's.
-  std::array<double, 2> known_sigma() const;
+  PerDataSet<double> known_sigma() const;
   double rms_part(double sum) const { return std::sqrt(sum / double(displacement.count())); }
 };
 
-/// The particles compared at the last time, both sides in the frame of the comparison.
-struct Snapshot {
-  std::vector<std::size_t> particle;  // of the first side
+/// The particles compared at the last time, both data sets in the frame of the comparison.
+struct ComparedParticles {
+  std::vector<std::size_t> particle;  // of the first data set
   std::vector<Vec2> X, u_first, u_second;
   std::vector<double> dev_first, dev_second;  // deviatoric strain, NaN where F is not positive
   std::vector<Vec2> variance;                 // u_val^2, NaN if not known
@@ -54,49 +50,56 @@ class Differences {
  public:
   /// `paired`: the first's particles with a partner at the common start, in the order of the fields; `times`: how many
   /// common times there may be.
-  Differences(std::vector<std::size_t> paired, const std::vector<Vec2>& X, std::size_t times,
-              const CompareOptions& options, const StrainNotes& notes, const std::string& length_unit,
-              const std::string& time_unit);
+  Differences(std::vector<std::size_t> paired, const DataSet& first, std::size_t times, const CompareOptions& options,
+              const StrainNotes& notes);
 
   /// One more common time. Particles of the first that are no longer followed, or have lost their partner, are left
-  /// out; if that leaves none, nothing is added and the answer is false. A side's covariance enters where it is known.
-  bool add(const SideState& first, const SideState& second, const std::vector<Partner>& partners,
-           const std::array<RigidFit, 2>& frame, const std::vector<Vec2>& numerical);
+  /// out; if that leaves none, nothing is added and the answer is false. A data set's covariance enters where it is known.
+  bool add(const DataSetState& first, const DataSetState& second, const std::vector<Partner>& partners,
+           const PerDataSet<RigidFit>& frame, const std::vector<Vec2>& numerical);
 
   const Tally& total() const { return total_; }
   const Tally& last() const { return last_; }
-  const Snapshot& snapshot() const { return snapshot_; }
+  const ComparedParticles& last_particles() const { return last_particles_; }
   const Rates& rates() const { return rates_; }
-  bool cov_known(std::size_t side) const { return cov_known_[side]; }
+  bool cov_known(std::size_t set) const { return cov_known_[set]; }
   const std::vector<std::size_t>& paired() const { return paired_; }
 
-  /// Moves the fields, series and their times into `out`.
-  void take(Comparison& out);
+  /// The times added so far.
+  const std::vector<double>& times() const { return time_; }
+  /// Differences at the times for which fields are kept: difference_x, _y, _magnitude, _strain_dev. Then over the times
+  /// of each particle, one row of values at the last: over_time_displacement_bias_x, _bias_y, _rms, _p95, _max,
+  /// over_time_velocity_rms, _p95, _max, over_time_strain_dev_bias, _rms, _p95, _max. The former are moved out.
+  std::vector<ComparisonField> take_fields();
+  /// Statistics over the particles, time by time: the table over_space.
+  ComparisonTable over_space() const;
 
  private:
   struct Sample;
+  struct Field;
+  static const std::vector<Field>& difference_fields();
   void add_particle(std::size_t row, const Sample& a, const Sample& b, const Variance& variance);
   double path_step(std::vector<Mat2>& before, std::size_t row, const Mat2& F, std::vector<double>& path);
-  void add_series();
   bool keeps_fields() const;
 
   std::vector<std::size_t> paired_;
-  std::vector<Vec2> X_;  // of the paired
+  std::vector<std::int64_t> id_;  // of the paired
+  std::vector<Vec2> X_;
   std::string length_unit_, time_unit_;
-  std::size_t times_, time_index_ = 0, rows_kept_;
+  std::size_t most_times_, rows_kept_;
   Budget budget_;
   StrainNotes notes_;
   Tally total_, last_;
-  Snapshot snapshot_;
+  ComparedParticles last_particles_;
   Rates rates_;
   OverTime over_displacement_, over_strain_;
-  std::array<bool, 2> cov_known_{true, true};  // at every time so far
-  std::array<std::vector<Mat2>, 2> F_before_;
-  std::array<std::vector<double>, 2> path_;
+  PerDataSet<bool> cov_known_{true, true};  // at every time so far
+  PerDataSet<std::vector<Mat2>> F_before_;
+  PerDataSet<std::vector<double>> path_;
   std::vector<std::uint8_t> begun_;
-  std::vector<double> field_time_;
-  std::vector<DifferenceField> fields_;
-  std::vector<Series> series_;
+  std::vector<double> time_, field_time_;
+  std::vector<std::vector<float>> fields_;       // by the rows of difference_fields()
+  std::vector<std::vector<double>> statistics_;  // by the rows of statistics_over_space()
 };
 
 }  // namespace pivnp::compare

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "compare/data/statistics.hpp"
-#include "compare/measures/judged.hpp"
 
 namespace pivnp::compare {
 
@@ -43,36 +43,46 @@ double area_metric(std::vector<double> first, std::vector<double> second) {
   return area;
 }
 
-void add_distributions(const Snapshot& last, double u_displacement, double u_strain, const std::string& unit,
-                       Comparison& out) {
-  std::vector<double> u1, u2;
+namespace {
+
+PerDataSet<std::vector<double>> displacements(const ComparedParticles& last) {
+  PerDataSet<std::vector<double>> u;
   for (std::size_t k = 0; k < last.X.size(); ++k) {
-    u1.push_back(last.u_first[k].norm());
-    u2.push_back(last.u_second[k].norm());
+    u[0].push_back(last.u_first[k].norm());
+    u[1].push_back(last.u_second[k].norm());
   }
-  const std::string how =
-      ", over the compared particles at the last common time: area between the cumulative distributions of both sides";
-  const auto by = [](double u, const char* what) {
-    return std::isnan(u) ? std::string("; uncertainty not known")
-                         : "; uncertainty: " + std::string(what) + ", a bound (errors move the area by at most their "
-                           "mean size)";
+  return u;
+}
+
+}  // namespace
+
+DistributionMeasures measure_distributions(const ComparedParticles& last) {
+  PerDataSet<std::vector<double>> u = displacements(last);
+  return {area_metric(std::move(u[0]), std::move(u[1])), area_metric(last.dev_first, last.dev_second)};
+}
+
+ComparisonTable distribution_table(const ComparedParticles& last, const std::string& unit) {
+  PerDataSet<std::vector<double>> u = displacements(last);
+  struct Source {
+    std::string name, unit;
+    std::vector<double> values;
   };
-  out.metrics.push_back(difference_metric("area_metric_displacement", area_metric(u1, u2), unit, u_displacement,
-                                          "of |u|" + how + by(u_displacement, "u_val")));
-  if (const double strain = area_metric(last.dev_first, last.dev_second); std::isfinite(strain))
-    out.metrics.push_back(difference_metric("area_metric_strain_dev", strain, "1", u_strain,
-                                            "of deviatoric log strain" + how + by(u_strain, "the noise floor")));
-  ColumnTable table{"distribution", "values that a share of the compared particles does not exceed at the last common "
-                    "time (nearest rank)", {{"share", "1", {}}, {"displacement_first", unit, {}},
-                    {"displacement_second", unit, {}}, {"strain_dev_first", "1", {}}, {"strain_dev_second", "1", {}}}};
-  const std::vector<std::vector<double>> columns{sorted(u1), sorted(u2), sorted(last.dev_first),
-                                                 sorted(last.dev_second)};
-  for (int k = 0; k <= 100; ++k) {
-    table.columns[0].values.push_back(k / 100.0);
-    for (std::size_t c = 0; c < columns.size(); ++c)
-      table.columns[c + 1].values.push_back(level(columns[c], k / 100.0));
+  const std::vector<Source> sources{{"displacement_first", unit, sorted(std::move(u[0]))},
+                                    {"displacement_second", unit, sorted(std::move(u[1]))},
+                                    {"strain_dev_first", "1", sorted(last.dev_first)},
+                                    {"strain_dev_second", "1", sorted(last.dev_second)}};
+  ComparisonTable table{"distribution",
+                        "values that a share of the compared particles does not exceed at the last common time (nearest "
+                        "rank)",
+                        {{"share", "1", {}}}};
+  for (int k = 0; k <= 100; ++k) table.columns[0].values.push_back(k / 100.0);
+  for (const Source& source : sources) {
+    ComparisonTable::Column& column = table.columns.emplace_back();
+    column.name = source.name;
+    column.unit = source.unit;
+    for (int k = 0; k <= 100; ++k) column.values.push_back(level(source.values, k / 100.0));
   }
-  out.tables.push_back(std::move(table));
+  return table;
 }
 
 }  // namespace pivnp::compare

@@ -4,9 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "compare/data/statistics.hpp"
-#include "compare/measures/judged.hpp"
-
 namespace pivnp::compare {
 
 namespace {
@@ -96,48 +93,31 @@ Estimate peak_rate(const History& history, double sigma) {
   return peak;
 }
 
-bool add_history_metrics(const std::string& prefix, const std::string& what, const History& first,
-                         const History& second, const HistoryErrors& errors, const std::string& unit,
-                         const std::string& time_unit, std::vector<Metric>& metrics) {
-  ScalarStatistics difference;
+bool HistoryMeasures::noise_known() const { return std::isfinite(errors.own[0]) || std::isfinite(errors.own[1]); }
+
+std::optional<HistoryMeasures> measure_histories(const std::string& subject, const std::string& what,
+                                                 const History& first, const History& second,
+                                                 const HistoryErrors& errors, const std::string& unit,
+                                                 const std::string& time_unit) {
+  HistoryMeasures out;
   for (std::size_t k = 0; k < first.time.size(); ++k) {
     const double d = value_at(second, first.time[k]) - first.value[k];
-    if (std::isfinite(d)) difference.add(d);
+    if (std::isfinite(d)) out.difference.add(d);
   }
-  if (difference.count() == 0) return false;
-  const std::string at = " of the second minus that of the first, at the first's times that the second covers";
-  const double sigma = errors.difference;
-  const std::string how = std::isfinite(sigma) ? "; uncertainty: of one value, errors taken as one and the same"
-                                               : "; uncertainty not known";
-  const auto differ = [&](const char* name, double value, const std::string& words, double k) {
-    metrics.push_back(difference_metric(prefix + name, value, unit, sigma, words + what + at + how, k));
-  };
-  differ("_bias", difference.bias(), "mean of ", 2);
-  differ("_rms", difference.rms(), "root mean square of ", 2);
-  differ("_p95", difference.p95(), "95th percentile of the size of ", percentile_factor(difference.count()));
-  differ("_max", difference.max(), "greatest size of ", greatest_factor(difference.count()));
-  const bool noise = std::isfinite(errors.side[0]) || std::isfinite(errors.side[1]);
-  const std::string crossing = "; uncertainty: the interval between two times (rectangular)" +
-                               std::string(noise ? ", and the values' errors over the slope there" : " alone");
-  // A side without an error of its own adds none where the other knows one.
-  std::array<double, 2> side = errors.side;
-  for (double& s : side)
-    if (noise && std::isnan(s)) s = 0;
-  const auto both = [&](const char* name, auto&& read, const std::string& in, const std::string& definition,
-                        const std::string& by) {
-    const Estimate a = read(first, side[0]), b = read(second, side[1]);
-    metrics.push_back({prefix + name + "_first", a.value, in, a.uncertainty, definition + ", first" + by, ""});
-    metrics.push_back({prefix + name + "_second", b.value, in, b.uncertainty, definition + ", second" + by, ""});
-    metrics.push_back(difference_metric(prefix + name + "_difference", b.value - a.value, in,
-                                        std::hypot(a.uncertainty, b.uncertainty),
-                                        definition + ", second minus first" + by));
-  };
-  both("_onset", onset, time_unit, "time at which " + what + " has gone 5 % of its whole range", crossing);
-  both("_peak_rate", peak_rate, unit + "/" + time_unit, "greatest rate of " + what,
-       noise ? "; uncertainty: independent errors of three values" : "; uncertainty not known");
-  both("_rest", rest, time_unit, "last time at which " + what + " is 5 % of its whole range from its last value",
-       crossing);
-  return true;
+  if (out.difference.count() == 0) return std::nullopt;
+  out.subject = subject;
+  out.what = what;
+  out.unit = unit;
+  out.time_unit = time_unit;
+  out.errors = errors;
+  const PerDataSet<const History*> histories{&first, &second};
+  for (std::size_t s = 0; s < 2; ++s) {
+    const double own = out.noise_known() && std::isnan(errors.own[s]) ? 0 : errors.own[s];
+    out.onset[s] = onset(*histories[s], own);
+    out.peak_rate[s] = peak_rate(*histories[s], own);
+    out.rest[s] = rest(*histories[s], own);
+  }
+  return out;
 }
 
 }  // namespace pivnp::compare

@@ -1,12 +1,13 @@
-// One quantity against time, on two sides: a point's displacement, a front's place, a curve read off a figure.
+// One quantity against time, on two data sets: a point's displacement, a front's place, a curve read off a figure.
 #pragma once
 
-#include <array>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "pivnp/core/record/metric.hpp"
+#include "compare/data/statistics.hpp"
+#include "pivnp/core/record/comparison.hpp"
 
 namespace pivnp::compare {
 
@@ -34,17 +35,31 @@ Estimate peak_rate(const History& history, double sigma);
 /// Last time at which the value is 5 % of its whole range from where it ends: the onset of the history read backwards.
 Estimate rest(const History& history, double sigma);
 
-/// Standard uncertainties, NaN if not known: of a difference of values, and of each side's values alone.
+/// Standard uncertainties, NaN if not known: of a difference of values, and of each data set's values alone.
 struct HistoryErrors {
   double difference = std::numeric_limits<double>::quiet_NaN();
-  std::array<double, 2> side{difference, difference};
+  PerDataSet<double> own{difference, difference};
 };
 
-/// Adds PREFIX_bias, _rms, _p95, _max of the difference (second minus first) at the first's times that the second
-/// covers, and for _onset, _peak_rate and _rest both sides' values and their difference. `what` is the quantity in
-/// words. False if no time is common.
-bool add_history_metrics(const std::string& prefix, const std::string& what, const History& first,
-                         const History& second, const HistoryErrors& errors, const std::string& unit,
-                         const std::string& time_unit, std::vector<Metric>& metrics);
+/// What two histories of one quantity come to.
+struct HistoryMeasures {
+  std::string subject;            // begins the names of its metrics: "history", "point_1"
+  std::string what;               // the quantity in words
+  std::string unit, time_unit;
+  ScalarStatistics difference;    // second minus first, at the first's times that the second covers
+  HistoryErrors errors;
+  PerDataSet<Estimate> onset, peak_rate, rest;
+  // Of a vector: RMS over the times of the size of its difference; NaN for scalars.
+  double distance_rms = std::numeric_limits<double>::quiet_NaN();
+
+  /// Whether the error of one of both is known.
+  bool noise_known() const;
+};
+
+/// Nothing if no time is common. Where one data set has no error of its own and the other knows one, it counts as exact.
+std::optional<HistoryMeasures> measure_histories(const std::string& subject, const std::string& what,
+                                                 const History& first, const History& second,
+                                                 const HistoryErrors& errors, const std::string& unit,
+                                                 const std::string& time_unit);
 
 }  // namespace pivnp::compare

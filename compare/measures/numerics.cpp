@@ -23,11 +23,11 @@ GridConvergence grid_convergence(double change_fine, double change_coarse, doubl
 namespace {
 
 // The displacements of `motion` at the particles of the first, at `end`; NaN without a partner.
-std::vector<Vec2> displacements_at(const Side& first, const MotionSource& motion, const CommonTimes& common,
+std::vector<Vec2> displacements_at(const DataSet& first, const MotionSource& motion, const CommonTimes& common,
                                    double end) {
-  Side side(motion, common);
-  Alignment alignment(first, side);
-  const SideState& state = side.at(end);
+  DataSet set(motion, common);
+  Alignment alignment(first, set);
+  const DataSetState& state = set.at(end);
   alignment.update(state.followed);
   std::vector<Vec2> u(first.size(), Vec2::Constant(std::nan("")));
   for (std::size_t p = 0; p < first.size(); ++p)
@@ -37,7 +37,7 @@ std::vector<Vec2> displacements_at(const Side& first, const MotionSource& motion
 
 }  // namespace
 
-Numerics::Numerics(const Refinement& refinement, const Side& first, const Side& second, const CommonTimes& common) {
+Numerics::Numerics(const Refinement& refinement, const DataSet& first, const DataSet& second, const CommonTimes& common) {
   if (refinement.coarser.empty()) return;
   if (refinement.coarser.size() > 2)
     throw InputError("compare: found " + std::to_string(refinement.coarser.size()) +
@@ -50,9 +50,9 @@ Numerics::Numerics(const Refinement& refinement, const Side& first, const Side& 
         motion->times().front() > common.start + common.tolerance)
       throw InputError("compare: the coarser simulation '" + motion->name() + "' does not cover the times compared");
     u.push_back(displacements_at(first, *motion, common, end));
-    sides_.push_back({std::make_unique<Side>(*motion, common), nullptr});
-    sides_.back().alignment = std::make_unique<Alignment>(first, *sides_.back().side);
-    if (sides_.back().alignment->coverage_first() == 0)
+    sets_.push_back({std::make_unique<DataSet>(*motion, common), nullptr});
+    sets_.back().alignment = std::make_unique<Alignment>(first, *sets_.back().set);
+    if (sets_.back().alignment->coverage_first() == 0)
       throw InputError("compare: the coarser simulation '" + motion->name() + "' covers no particle of '" +
                        first.motion().name() + "'");
   }
@@ -67,15 +67,15 @@ Numerics::Numerics(const Refinement& refinement, const Side& first, const Side& 
   convergence_ = grid_convergence(std::sqrt(fine), three ? std::sqrt(coarse) : std::nan(""), refinement.ratio);
 }
 
-const std::vector<Vec2>& Numerics::at(double time, const SideState& second, const std::vector<Partner>& partners) {
-  if (sides_.empty()) return variance_;
-  const SideState& coarse = sides_[0].side->at(time);
-  sides_[0].alignment->update(coarse.followed);
+const std::vector<Vec2>& Numerics::at(double time, const DataSetState& second, const std::vector<Partner>& partners) {
+  if (sets_.empty()) return variance_;
+  const DataSetState& coarse = sets_[0].set->at(time);
+  sets_[0].alignment->update(coarse.followed);
   variance_.assign(partners.size(), Vec2::Constant(std::nan("")));
   Vec2 mean = Vec2::Zero();
   std::size_t known = 0;
   for (std::size_t p = 0; p < partners.size(); ++p) {
-    const Partner& other = sides_[0].alignment->partners()[p];
+    const Partner& other = sets_[0].alignment->partners()[p];
     if (!has_partner(partners[p]) || !has_partner(other)) continue;
     const Vec2 change = partner_state(partners[p], second).u - partner_state(other, coarse).u;
     variance_[p] = (convergence_.factor * change).cwiseAbs2();

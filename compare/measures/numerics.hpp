@@ -7,14 +7,9 @@
 
 #include "compare/alignment/partners.hpp"
 #include "compare/data/data_set.hpp"
+#include "compare/data/sources.hpp"
 
 namespace pivnp::compare {
-
-/// The simulation on coarser grids than the second side, for the numerical part of its uncertainty.
-struct Refinement {
-  std::vector<const MotionSource*> coarser;  // one or two: ratio, ratio^2 times the second's cell size
-  double ratio = 2;
-};
 
 /// What three (or two) grids say of one number (Celik et al. 2008, J. Fluids Eng. 130, 078001; Roache 1994).
 struct GridConvergence {
@@ -29,26 +24,26 @@ struct GridConvergence {
 /// errors that do not change sign).
 GridConvergence grid_convergence(double change_fine, double change_coarse, double ratio);
 
-/// Coarser simulations read beside the second side, at the first's particles.
+/// Coarser simulations read beside the second data set, at the first's particles.
 class Numerics {
  public:
   /// `first`, `second`: at the common start. The order of convergence is that of the displacements at the last common
-  /// time. Throws InputError as Side does, or if a coarser simulation covers none of the first or not all of its times.
-  Numerics(const Refinement& refinement, const Side& first, const Side& second, const CommonTimes& common);
+  /// time. Throws InputError as DataSet does, or if a coarser simulation covers none of the first or not all of its times.
+  Numerics(const Refinement& refinement, const DataSet& first, const DataSet& second, const CommonTimes& common);
 
-  bool given() const { return !sides_.empty(); }
+  bool given() const { return !sets_.empty(); }
   const GridConvergence& convergence() const { return convergence_; }
 
   /// Variances of u_num, x and y, of every particle of the first; the others' mean where the coarser grid has no
   /// partner. Empty without coarser grids. `time` not before the one asked for last.
-  const std::vector<Vec2>& at(double time, const SideState& second, const std::vector<Partner>& partners);
+  const std::vector<Vec2>& at(double time, const DataSetState& second, const std::vector<Partner>& partners);
 
  private:
   struct Coarser {
-    std::unique_ptr<Side> side;
+    std::unique_ptr<DataSet> set;
     std::unique_ptr<Alignment> alignment;
   };
-  std::vector<Coarser> sides_;
+  std::vector<Coarser> sets_;
   GridConvergence convergence_;
   std::vector<Vec2> variance_;
 };

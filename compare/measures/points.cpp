@@ -1,27 +1,26 @@
 #include "compare/measures/points.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "compare/data/statistics.hpp"
 #include "compare/data/triangulation.hpp"
-#include "compare/measures/history.hpp"
-#include "compare/measures/judged.hpp"
 #include "pivnp/core/text.hpp"
 
 namespace pivnp::compare {
 
 namespace {
 
-std::vector<Partner> places(const std::vector<Vec2>& points, const Side& side) {
+std::vector<Partner> places(const std::vector<Vec2>& points, const DataSet& set) {
   std::vector<int> index;
   std::vector<Vec2> x;
   std::vector<double> spacing;
-  for (std::size_t p = 0; p < side.size(); ++p) {
-    if (!side.state().followed[p]) continue;
+  for (std::size_t p = 0; p < set.size(); ++p) {
+    if (!set.state().followed[p]) continue;
     index.push_back(int(p));
-    x.push_back(side.material_position()[p]);
-    spacing.push_back(side.spacing()[p]);
+    x.push_back(set.material_position()[p]);
+    spacing.push_back(set.spacing()[p]);
   }
   const MaterialMesh mesh(std::move(x), std::move(spacing));
   std::vector<Partner> out;
@@ -35,27 +34,27 @@ std::vector<Partner> places(const std::vector<Vec2>& points, const Side& side) {
 
 }  // namespace
 
-PointHistories::PointHistories(const CompareOptions& options, const Side& first, const Side& second)
-    : sides_{&first, &second}, gauge_(options.gauge_uncertainty) {
+PointHistories::PointHistories(const CompareOptions& options, const DataSet& first, const DataSet& second)
+    : sets_{&first, &second}, gauge_(options.gauge_uncertainty) {
   for (const double u : {options.measurement_uncertainty_m.value_or(0), options.numerical_uncertainty_m,
                          options.input_uncertainty_m})
     given_ += 2 * u * u;  // both components
   for (const Pair& p : options.points_m) points_.emplace_back(p[0], p[1]);
   if (points_.empty()) return;
   for (std::size_t s = 0; s < 2; ++s)
-    for (const Partner& place : places(points_, *sides_[s])) tracks_[s].push_back({place, {}, 0, 0});
+    for (const Partner& place : places(points_, *sets_[s])) tracks_[s].push_back({place, {}, 0, 0});
   shared_.assign(points_.size(), 0);
 }
 
-void PointHistories::add(const SideState& first, const SideState& second, const std::array<RigidFit, 2>& frame,
+void PointHistories::add(const DataSetState& first, const DataSetState& second, const PerDataSet<RigidFit>& frame,
                          const std::vector<Vec2>& numerical) {
   if (points_.empty()) return;
   time_.push_back(first.time);
-  const std::array<const SideState*, 2> states{&first, &second};
+  const PerDataSet<const DataSetState*> states{&first, &second};
   for (std::size_t s = 0; s < 2; ++s)
     for (std::size_t k = 0; k < points_.size(); ++k) {
       Track& track = tracks_[s][k];
-      if (!track.place.rests_on(states[s]->followed)) track.place = places({points_[k]}, *sides_[s]).front();
+      if (!track.place.rests_on(states[s]->followed)) track.place = places({points_[k]}, *sets_[s]).front();
       if (!has_partner(track.place)) {
         track.u.push_back(Vec2::Constant(not_known));
         continue;
@@ -72,17 +71,19 @@ void PointHistories::add(const SideState& first, const SideState& second, const 
     }
 }
 
-void PointHistories::finish(const std::string& unit, const std::string& time_unit, Comparison& out) const {
+PointMeasures PointHistories::measure(const std::string& unit, const std::string& time_unit) const {
+  PointMeasures out;
   for (std::size_t k = 0; k < points_.size(); ++k) {
     const std::string name = "point_" + std::to_string(k + 1);
     const std::string where = "(" + number(points_[k].x()) + ", " + number(points_[k].y()) + ")";
-    std::array<History, 2> size;
+    PerDataSet<History> size;
     HistoryErrors errors;
     double variance = given_ + shared_[k] / double(std::max<std::size_t>(1, time_.size())), greatest = 0;
     bool known = variance > 0;
-    ColumnTable table{name, "displacement of the material point " + where + " on both sides",
-                      {{"time", time_unit, time_}}};
-    for (std::size_t s = 0; s < 2; ++s) {
+    ComparisonTable table{name, "displacement of the material point " + where + " on both data sets",
+                          {{"time", time_unit, time_}}};
+    for (const DataSetRole role : data_set_roles) {
+      const auto s = std::size_t(role);
       const Track& track = tracks_[s][k];
       size[s].time = time_;
       std::array<std::vector<double>, 2> component;
@@ -91,22 +92,21 @@ void PointHistories::finish(const std::string& unit, const std::string& time_uni
         component[0].push_back(u.x());
         component[1].push_back(u.y());
       }
-      const std::string side = s == 0 ? "first" : "second";
-      table.columns.push_back({"x_" + side, unit, std::move(component[0])});
-      table.columns.push_back({"y_" + side, unit, std::move(component[1])});
+      const std::string of(name_of(role));
+      table.columns.push_back({"x_" + of, unit, std::move(component[0])});
+      table.columns.push_back({"y_" + of, unit, std::move(component[1])});
       for (const Vec2& u : track.u)
-        if (s == 0 && u.norm() > greatest) greatest = u.norm();
+        if (role == DataSetRole::first && u.norm() > greatest) greatest = u.norm();
       if (track.known == 0) continue;
-      errors.side[s] = std::sqrt(track.variance / double(track.known));
+      errors.own[s] = std::sqrt(track.variance / double(track.known));
       variance += track.variance / double(track.known);
       known = true;
     }
     known = known || gauge_ > 0;
     if (known) errors.difference = std::sqrt(variance + gauge_ * gauge_ * greatest * greatest);
-    const double sigma = errors.difference;
-    if (!add_history_metrics(name, "|u| of the material point " + where, size[0], size[1], errors, unit, time_unit,
-                             out.metrics)) {
-      out.remarks.push_back("The material point " + where + " of compare.points_m is not followed on both sides.");
+    auto found = measure_histories(name, "|u| of the material point " + where, size[0], size[1], errors, unit, time_unit);
+    if (!found) {
+      out.lost.push_back(where);
       continue;
     }
     ScalarStatistics distance;
@@ -114,13 +114,11 @@ void PointHistories::finish(const std::string& unit, const std::string& time_uni
       const double d = (tracks_[1][k].u[t] - tracks_[0][k].u[t]).norm();
       if (std::isfinite(d)) distance.add(d);
     }
-    out.metrics.push_back(difference_metric(
-        name + "_distance_rms", distance.rms(), unit, sigma,
-        "root mean square over the times of |u_second - u_first| of the material point " + where +
-            "; uncertainty: root mean trace of the covariance of u, and what is known of camera, gauge, frame of "
-            "reference, numerics and inputs"));
+    found->distance_rms = distance.rms();
+    out.histories.push_back(std::move(*found));
     out.tables.push_back(std::move(table));
   }
+  return out;
 }
 
 }  // namespace pivnp::compare

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "pivnp/core/text.hpp"
-
 namespace pivnp::compare {
 
 namespace {
@@ -17,10 +15,30 @@ std::array<double, 3> slope_weights(double t0, double t1, double t2) {
   return {-h1 / (h0 * (h0 + h1)), (h1 - h0) / (h0 * h1), h0 / (h1 * (h0 + h1))};
 }
 
+// One statistic of velocity over the particles at one time.
+struct VelocityStatistic {
+  const char *name, *definition;
+  double (*value)(const VectorStatistics&);
+};
+
+const std::vector<VelocityStatistic>& velocity_statistics() {
+  static const std::vector<VelocityStatistic> rows{
+      {"velocity_bias_x", "mean of v_x of the second minus that of the first",
+       [](const VectorStatistics& d) { return d.bias().x(); }},
+      {"velocity_bias_y", "mean of v_y of the second minus that of the first",
+       [](const VectorStatistics& d) { return d.bias().y(); }},
+      {"velocity_rms", "RMS over the particles of |v_second - v_first|",
+       [](const VectorStatistics& d) { return d.rms(); }},
+      {"velocity_p95", "95th percentile of |v_second - v_first|", [](const VectorStatistics& d) { return d.p95(); }},
+      {"velocity_max", "greatest |v_second - v_first|", [](const VectorStatistics& d) { return d.max(); }}};
+  return rows;
+}
+
 }  // namespace
 
 Rates::Rates(const std::vector<Vec2>& X, std::vector<double> outside, std::size_t times)
-    : outside_(std::move(outside)), counted_(X.size(), 1), over_time_(X.size(), times), series_(5) {
+    : outside_(std::move(outside)), counted_(X.size(), 1), over_time_(X.size(), times),
+      statistics_(velocity_statistics().size()) {
   if (!outside_.empty())
     for (std::size_t p = 0; p < X.size(); ++p)
       counted_[p] = (X[p] - Vec2(outside_[0], outside_[1])).norm() > outside_[2];
@@ -44,13 +62,12 @@ void Rates::add_increments() {
     const double d = (now[p] - before[p]).norm();
     if (!std::isfinite(d)) continue;
     increments_.add(d);
-    any_increment_ = true;
   }
 }
 
 void Rates::add_velocities() {
   const std::array<double, 3> w = slope_weights(held_[0].time, held_[1].time, held_[2].time);
-  DisplacementStatistics here;
+  VectorStatistics here;
   for (std::size_t p = 0; p < counted_.size(); ++p) {
     const auto rate = [&](std::vector<Vec2> State::*values) -> Vec2 {
       return w[0] * (held_[0].*values)[p] + w[1] * (held_[1].*values)[p] + w[2] * (held_[2].*values)[p];
@@ -64,45 +81,21 @@ void Rates::add_velocities() {
     over_time_.add(p, d);
     peak_first_ = std::max(peak_first_, rate(&State::u_first).norm());
   }
-  const bool any = here.count() > 0;
-  const std::array<double, 5> row{any ? here.bias().x() : not_known, any ? here.bias().y() : not_known,
-                                  any ? here.rms() : not_known, any ? here.p95() : not_known,
-                                  any ? here.max() : not_known};
-  for (std::size_t s = 0; s < row.size(); ++s) series_[s].push_back(row[s]);
+  for (std::size_t s = 0; s < statistics_.size(); ++s)
+    statistics_[s].push_back(here.count() > 0 ? velocity_statistics()[s].value(here) : not_known);
 }
 
-std::vector<Series> Rates::velocity_series(const std::string& length_unit, const std::string& time_unit) const {
-  const std::string unit = length_unit + "/" + time_unit;
-  static const std::array<const char*, 5> names{"bias_x", "bias_y", "rms", "p95", "max"};
-  static const std::array<const char*, 5> words{"mean of v_x of the second minus that of the first",
-                                                "mean of v_y of the second minus that of the first",
-                                                "RMS over the particles of |v_second - v_first|",
-                                                "95th percentile of |v_second - v_first|",
-                                                "greatest |v_second - v_first|"};
-  std::vector<Series> out;
-  for (std::size_t s = 0; s < names.size(); ++s) {
+std::vector<ComparisonTable::Column> Rates::velocity_columns(const std::string& length_unit,
+                                                             const std::string& time_unit) const {
+  std::vector<ComparisonTable::Column> out;
+  for (std::size_t s = 0; s < statistics_.size(); ++s) {
+    const VelocityStatistic& row = velocity_statistics()[s];
     std::vector<double> values{not_known};
-    values.insert(values.end(), series_[s].begin(), series_[s].end());
+    values.insert(values.end(), statistics_[s].begin(), statistics_[s].end());
     values.push_back(not_known);
-    out.push_back({"velocity_" + std::string(names[s]), unit, words[s], std::move(values)});
+    out.push_back({row.name, length_unit + "/" + time_unit, std::move(values), row.definition});
   }
   return out;
-}
-
-void Rates::add_increment_metrics(double reference_increment, const std::string& unit,
-                                  std::vector<Metric>& metrics) const {
-  if (!any_increment_) return;
-  const std::string over =
-      "of |d(u_second - u_first)| over particles and steps between consecutive common times" +
-      (outside_.empty() ? std::string()
-                        : ", material positions further than " + number(outside_[2]) + " " + unit + " from (" +
-                              number(outside_[0]) + ", " + number(outside_[1]) + ")");
-  const double median = increments_.at(0.5);
-  metrics.push_back({"increment_median", median, unit, not_known, "median " + over, ""});
-  metrics.push_back({"increment_p95", increments_.at(0.95), unit, not_known, "95th percentile " + over, ""});
-  if (reference_increment > 0)
-    metrics.push_back({"increment_median_relative", median / reference_increment, "1", not_known,
-                       "increment_median over the mean increment of the reference material on the first side", ""});
 }
 
 }  // namespace pivnp::compare

@@ -1,4 +1,4 @@
-// What the sides do from one common time to the next: increments, and velocities as differences of displacement.
+// what the data sets do from one common time to the next: increments, and velocities as differences of displacement.
 #pragma once
 
 #include <cstdint>
@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "compare/data/statistics.hpp"
-#include "compare/measures/comparison.hpp"
+#include "pivnp/core/record/comparison.hpp"
 
 namespace pivnp::compare {
 
 /// Fed with one common time after another; holds three of them. Velocity is the derivative at the middle one of the
-/// parabola through all three, on both sides alike, whatever a side knows better: the same filter on both. It is known
+/// parabola through all three, on both data sets alike, whatever one of them knows better: the same filter on both. It is known
 /// at every common time but the first and the last.
 class Rates {
  public:
@@ -26,15 +26,16 @@ class Rates {
 
   // Differences of velocity over space and time, and one statistic a time (first and last: NaN). The variance is the
   // sum of that of the two outer differences over the time between them: a bound for errors that do not oppose.
-  const DisplacementStatistics& velocity() const { return velocity_; }
+  const VectorStatistics& velocity() const { return velocity_; }
   double peak_first() const { return peak_first_; }  // greatest speed of the first
-  std::vector<Series> velocity_series(const std::string& length_unit, const std::string& time_unit) const;
+  /// Columns velocity_bias_x, _bias_y, _rms, _p95, _max of the table over_space.
+  std::vector<ComparisonTable::Column> velocity_columns(const std::string& length_unit,
+                                                        const std::string& time_unit) const;
   const OverTime& over_time() const { return over_time_; }
 
-  /// Adds increment_median and increment_p95: median and 95th percentile, over particles and steps between consecutive
-  /// common times, of |d(u_second - u_first)|. With `reference_increment` > 0 (mean increment of the reference material
-  /// on the first side) also increment_median_relative.
-  void add_increment_metrics(double reference_increment, const std::string& unit, std::vector<Metric>& metrics) const;
+  /// Quantile over particles and steps between consecutive common times of |d(u_second - u_first)|; NaN without any.
+  double increment(double q) const { return increments_.at(q); }
+  const std::vector<double>& outside() const { return outside_; }
 
  private:
   struct State {
@@ -48,11 +49,10 @@ class Rates {
   std::vector<std::uint8_t> counted_;  // 1: takes part in the statistics of increments
   std::vector<State> held_;            // oldest first, at most three
   Quantile increments_;
-  bool any_increment_ = false;
-  DisplacementStatistics velocity_;
+  VectorStatistics velocity_;
   OverTime over_time_;
   double peak_first_ = 0;
-  std::vector<std::vector<double>> series_;  // bias_x, bias_y, rms, p95, max
+  std::vector<std::vector<double>> statistics_;  // by the rows of velocity_statistics()
 };
 
 }  // namespace pivnp::compare

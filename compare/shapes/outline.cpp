@@ -50,15 +50,15 @@ void cells_in(const Lattice& lattice, const Box& box, Visit&& visit) {
 
 }  // namespace
 
-MaterialMesh present_mesh(const Side& side, const RigidMotion& frame) {
+MaterialMesh present_mesh(const DataSet& set, const RigidMotion& frame) {
   std::vector<Vec2> x;
   std::vector<double> spacing;
   const bool moved = frame.angle != 0 || frame.shift != Vec2::Zero();
-  for (std::size_t p = 0; p < side.size(); ++p) {
-    if (!side.state().followed[p]) continue;
-    const Vec2 place = side.material_position()[p] + side.state().u[p];
+  for (std::size_t p = 0; p < set.size(); ++p) {
+    if (!set.state().followed[p]) continue;
+    const Vec2 place = set.material_position()[p] + set.state().u[p];
     x.push_back(moved ? frame.undo(place) : place);
-    spacing.push_back(present_spacing(side.spacing()[p], side.state().F[p]));
+    spacing.push_back(present_spacing(set.spacing()[p], set.state().F[p]));
   }
   return MaterialMesh(std::move(x), std::move(spacing));
 }
@@ -145,7 +145,7 @@ struct Squares {
 
   bool inside(int i, int j) const { return cover.level[cover.lattice.index(i, j)] > 0; }
 
-  // Side k of square (i, j): bottom, right, top, left.
+  // DataSet k of square (i, j): bottom, right, top, left.
   Crossing crossing(int i, int j, int k) const {
     const Lattice& l = cover.lattice;
     if (k == 0) return Crossing(2 * l.index(i, j));

@@ -1,4 +1,4 @@
-// The area a side covers: triangles of its particles, grown by half a spacing, on a fine lattice; and its outline.
+// The area a data set covers: triangles of its particles, grown by half a spacing, on a fine lattice; and its outline.
 #pragma once
 
 #include <cstddef>
@@ -12,8 +12,8 @@
 
 namespace pivnp::compare {
 
-/// A side's particles as a piece of material, where they are at its present state, in the frame of the comparison.
-MaterialMesh present_mesh(const Side& side, const RigidMotion& frame);
+/// A data set's particles as a piece of material, where they are at its present state, in the frame of the comparison.
+MaterialMesh present_mesh(const DataSet& set, const RigidMotion& frame);
 
 /// Square cells; cell (i, j) has its centre at first + (i, j) cell.
 struct Lattice {

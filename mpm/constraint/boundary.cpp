@@ -20,13 +20,13 @@ Vec2 unit(const Pair& p, const std::string& key) {
   return v.normalized();
 }
 
-// The side on which a wall along the grid, through nodes, has nothing; fold_none for any other.
-std::uint8_t fold_along_grid(const Grid& grid, const Vec2& a, const Vec2& outward) {
+// The side on which a wall along the grid, through nodes, has nothing; wall_none for any other.
+std::uint8_t side_along_grid(const Grid& grid, const Vec2& a, const Vec2& outward) {
   const Vec2 at = (a - grid.origin).cwiseQuotient(grid.spacing);
   const auto on_nodes = [](double s) { return std::abs(s - std::round(s)) < 1e-6; };
-  if (std::abs(outward.y()) < 1e-9 && on_nodes(at.x())) return outward.x() < 0 ? fold_left : fold_right;
-  if (std::abs(outward.x()) < 1e-9 && on_nodes(at.y())) return outward.y() < 0 ? fold_down : fold_up;
-  return fold_none;
+  if (std::abs(outward.y()) < 1e-9 && on_nodes(at.x())) return outward.x() < 0 ? wall_left : wall_right;
+  if (std::abs(outward.x()) < 1e-9 && on_nodes(at.y())) return outward.y() < 0 ? wall_down : wall_up;
+  return wall_none;
 }
 
 void check_motion(const std::string& key, const BoundaryOptions& o) {
@@ -50,7 +50,7 @@ void check_motion(const std::string& key, const BoundaryOptions& o) {
 
 Restraints::Restraints(const std::vector<std::pair<std::string, BoundaryOptions>>& boundaries, const GridState& g,
                        const Vec2& centroid, const Impedance& impedance) {
-  std::vector<std::vector<std::uint16_t>> walls_of_node(g.sheet.node_count());
+  std::vector<std::vector<std::uint16_t>> walls_of_node(g.field_grid.node_count());
   std::vector<const BoundaryOptions*> of_wall;
   // The other side of what is tied is a wall too.
   std::deque<std::pair<std::string, BoundaryOptions>> all;
@@ -76,9 +76,9 @@ Restraints::Restraints(const std::vector<std::pair<std::string, BoundaryOptions>
       throw InputError(key + ": expected either line_m or polygon_m");
     add_nodes(key, options, wall, g, centroid, walls_of_node);
     if (wall.type == Type::absorbing) {
-      if (wall.fold == fold_none)
+      if (wall.side == wall_none)
         throw InputError(key + ".line_m: an absorbing wall must lie along the grid, on a line of nodes");
-      const bool upright = wall.fold == fold_left || wall.fold == fold_right;
+      const bool upright = wall.side == wall_left || wall.side == wall_right;
       wall.impedance = impedance(0.5 * (wall.from + wall.to));
       for (double& c : wall.impedance) c *= upright ? g.grid.spacing.y() : g.grid.spacing.x();
     }
@@ -96,10 +96,10 @@ Restraints::Restraints(const std::vector<std::pair<std::string, BoundaryOptions>
     nodes_.push_back(std::move(at));
   }
   const std::size_t of_one = nodes_.size();
-  for (std::size_t sheet = 1; sheet < std::size_t(g.sheets); ++sheet)
+  for (std::size_t field = 1; field < std::size_t(g.velocity_fields); ++field)
     for (std::size_t k = 0; k < of_one; ++k) {
       nodes_.push_back(nodes_[k]);
-      nodes_.back().node += std::uint32_t(sheet * g.sheet_nodes());
+      nodes_.back().node += std::uint32_t(field * g.field_nodes());
     }
   std::sort(changes_.begin(), changes_.end());
   changes_.erase(std::unique(changes_.begin(), changes_.end()), changes_.end());
@@ -109,7 +109,7 @@ Restraints::Restraints(const std::vector<std::pair<std::string, BoundaryOptions>
 void Restraints::tie(const std::string& key, const GridState& g,
                      const std::vector<std::vector<std::uint16_t>>& walls_of_node) {
   const auto second = std::uint16_t(walls_.size() - 1), first = std::uint16_t(second - 1);
-  if (walls_[first].fold == fold_none || walls_[second].fold == fold_none || walls_[first].fold == walls_[second].fold)
+  if (walls_[first].side == wall_none || walls_[second].side == wall_none || walls_[first].side == walls_[second].side)
     throw InputError(key + ".across_m: expected both sides along the grid, on lines of nodes, with the material between");
   const Vec2 apart = (walls_[second].from - walls_[first].from).cwiseQuotient(g.grid.spacing);
   const auto offset = std::ptrdiff_t(std::lround(apart.x())) + std::ptrdiff_t(std::lround(apart.y())) * g.grid.nx;
@@ -124,8 +124,8 @@ void Restraints::tie(const std::string& key, const GridState& g,
     if (!on(n, first)) continue;
     if (n + offset < 0 || n + offset >= std::ptrdiff_t(walls_of_node.size()) || !on(n + offset, second))
       throw InputError(key + ".across_m: a node of line_m has none opposite in the grid, expected both sides inside it");
-    for (std::size_t sheet = 0; sheet < std::size_t(g.sheets); ++sheet) {
-      const auto from = std::ptrdiff_t(sheet * g.sheet_nodes());
+    for (std::size_t field = 0; field < std::size_t(g.velocity_fields); ++field) {
+      const auto from = std::ptrdiff_t(field * g.field_nodes());
       ties_.push_back({{std::uint32_t(from + n), std::uint32_t(from + n + offset)}, walls_[first].until});
     }
   }
@@ -172,7 +172,7 @@ double Restraints::release(const BoundaryOptions& o, const Wall& wall, const Vec
 
 void Restraints::add_nodes(const std::string& key, const BoundaryOptions& options, Wall& wall, const GridState& g,
                            const Vec2& centroid, std::vector<std::vector<std::uint16_t>>& walls_of_node) {
-  const Grid& grid = g.sheet;
+  const Grid& grid = g.field_grid;
   const auto id = static_cast<std::uint16_t>(walls_.size());
   bool any = false;
   const auto take = [&](int i, int j) {
@@ -196,9 +196,9 @@ void Restraints::add_nodes(const std::string& key, const BoundaryOptions& option
     const double h = 1 / across.cwiseQuotient(grid.spacing).norm(), half = 0.5 * h, round_off = 1e-6 * h;
     wall.from = a;
     wall.to = b;
-    wall.fold = fold_along_grid(grid, a, across);
-    // Without a fold, shapes of three nodes reach one row further.
-    const double behind = g.width == 3 && wall.fold == fold_none ? half + h : half;
+    wall.side = side_along_grid(grid, a, across);
+    // Shapes whose functions stay as they are reach one row further.
+    const double behind = g.centred && wall.side == wall_none ? half + h : half;
     for (int j = 0; j < grid.ny; ++j)
       for (int i = 0; i < grid.nx; ++i) {
         const Vec2 from_a = grid.position(i, j) - a;
@@ -227,14 +227,14 @@ void Restraints::add_nodes(const std::string& key, const BoundaryOptions& option
 }
 
 Vec2 Restraints::restrain(const RestrainedNode& at, double time, Vec2 v, bool with_friction, bool& stuck,
-                          bool settling) const {
+                          bool equilibrium) const {
   const Vec2* roller = nullptr;
   bool frictional = false;
   for (std::size_t w = 0; w < at.walls.size(); ++w) {
     const Wall& wall = walls_[at.walls[w]];
     if (time >= at.until[w]) continue;
-    if (wall.type == Type::fixed) return settling ? Vec2(0, 0) : wall.velocity;
-    if (settling && wall.type == Type::absorbing) return Vec2::Zero();
+    if (wall.type == Type::fixed) return equilibrium ? Vec2(0, 0) : wall.velocity;
+    if (equilibrium && wall.type == Type::absorbing) return Vec2::Zero();
     if (wall.type == Type::frictional) frictional = true;
     if (wall.type != Type::roller) continue;
     // Two rollers that are not parallel leave no way to go.
@@ -295,7 +295,7 @@ void Restraints::apply(double time, double dt, GridState& g, std::vector<Reactio
     at.stuck = false;
     const Vec2 free(node.nx, node.ny);
     const Vec2 v = restrain(at, time, absorbed(at, time, dt, g, free), true, at.stuck, dt == 0);
-    if (g.sheets > 1) at.mobility = mobility_of(at, time, free, dt == 0);
+    if (g.velocity_fields > 1) at.mobility = mobility_of(at, time, free, dt == 0);
     if (v == free) continue;
     const Vec2 wall = given_velocity(at, time, dt == 0);
     reactions.push_back({at.node, node.mass * (v.x() - free.x()), node.mass * (v.y() - free.y()), wall.x(), wall.y()});
@@ -305,33 +305,33 @@ void Restraints::apply(double time, double dt, GridState& g, std::vector<Reactio
   }
 }
 
-void Restraints::apply_to_remapped(double time, GridState& g, bool settling) const {
+void Restraints::apply_to_remapped(double time, GridState& g, bool equilibrium) const {
   for (const Tie& tie : ties_) {
     const Node &a = g.node[tie.node[0]], &b = g.node[tie.node[1]];
     if (time >= tie.until || !(a.mass > 0 && b.mass > 0)) continue;
     const double mass = a.mass + b.mass;
-    const GridState::Straining u = g.straining(tie.node[0]), w = g.straining(tie.node[1]);
+    const GridState::StrainVelocity u = g.strain_velocity(tie.node[0]), w = g.strain_velocity(tie.node[1]);
     const double x = (a.mass * u.x + b.mass * w.x) / mass, y = (a.mass * u.y + b.mass * w.y) / mass;
-    if (settling || g.strains_apart(tie.node[0])) u.x = x, u.y = y;
-    if (settling || g.strains_apart(tie.node[1])) w.x = x, w.y = y;
+    if (equilibrium || g.has_own_strain_velocity(tie.node[0])) u.x = x, u.y = y;
+    if (equilibrium || g.has_own_strain_velocity(tie.node[1])) w.x = x, w.y = y;
   }
   for (const RestrainedNode& at : nodes_) {
-    if (!(g.node[at.node].mass > 0 && (settling || g.strains_apart(at.node)))) continue;
+    if (!(g.node[at.node].mass > 0 && (equilibrium || g.has_own_strain_velocity(at.node)))) continue;
     bool unused = false;
-    const GridState::Straining u = g.straining(at.node);
-    const Vec2 v = at.stuck ? Vec2::Zero() : restrain(at, time, Vec2(u.x, u.y), false, unused, settling);
+    const GridState::StrainVelocity u = g.strain_velocity(at.node);
+    const Vec2 v = at.stuck ? Vec2::Zero() : restrain(at, time, Vec2(u.x, u.y), false, unused, equilibrium);
     u.x = v.x();
     u.y = v.y();
   }
 }
 
-Mat2 Restraints::mobility_of(const RestrainedNode& at, double time, const Vec2& free, bool settling) const {
+Mat2 Restraints::mobility_of(const RestrainedNode& at, double time, const Vec2& free, bool equilibrium) const {
   if (at.stuck) return Mat2::Zero();
   Mat2 left = Mat2::Identity();
   for (std::size_t w = 0; w < at.walls.size(); ++w) {
     const Wall& wall = walls_[at.walls[w]];
     if (time >= at.until[w]) continue;
-    if (wall.type == Type::fixed || (settling && wall.type == Type::absorbing)) return Mat2::Zero();
+    if (wall.type == Type::fixed || (equilibrium && wall.type == Type::absorbing)) return Mat2::Zero();
     if (wall.type == Type::absorbing || wall.type == Type::tied || (wall.type == Type::frictional && !(free.dot(wall.normal) > 0))) continue;
     const Vec2 normal = left * wall.normal;
     if (normal.norm() > 1e-6) left -= normal.normalized() * normal.normalized().transpose();
@@ -345,8 +345,8 @@ Mat2 Restraints::mobility(std::size_t node) const {
   return at != nodes_.end() && at->node == node ? at->mobility : Mat2(Mat2::Identity());
 }
 
-Vec2 Restraints::given_velocity(const RestrainedNode& at, double time, bool settling) const {
-  for (std::size_t w = 0; w < at.walls.size() && !settling; ++w)
+Vec2 Restraints::given_velocity(const RestrainedNode& at, double time, bool equilibrium) const {
+  for (std::size_t w = 0; w < at.walls.size() && !equilibrium; ++w)
     if (time < at.until[w] && walls_[at.walls[w]].type == Type::fixed) return walls_[at.walls[w]].velocity;
   return Vec2::Zero();
 }
@@ -356,12 +356,12 @@ double Restraints::next_change(double time) const {
   return it == changes_.end() ? std::numeric_limits<double>::infinity() : *it;
 }
 
-std::vector<std::uint8_t> Restraints::folds(double time, const Grid& grid) const {
-  std::vector<std::uint8_t> folds(grid.node_count(), fold_none);
+std::vector<std::uint8_t> Restraints::wall_sides(double time, const Grid& grid) const {
+  std::vector<std::uint8_t> sides(grid.node_count(), wall_none);
   for (const RestrainedNode& at : nodes_)
     for (std::size_t w = 0; w < at.walls.size(); ++w)
-      if (time < at.until[w]) folds[at.node] = std::uint8_t(folds[at.node] | walls_[at.walls[w]].fold);
-  return folds;
+      if (time < at.until[w]) sides[at.node] = std::uint8_t(sides[at.node] | walls_[at.walls[w]].side);
+  return sides;
 }
 
 bool Restraints::any_absorbing() const {

@@ -33,7 +33,7 @@ struct Reaction {
 /// A fixed restraint may give its nodes a velocity; any may be drawn away at a speed (a gate): each node is let go when
 /// the moving shape has passed it.
 ///
-/// A line along the grid through nodes restrains those nodes; shapes of three nodes fold away what lies behind it
+/// A line along the grid through nodes restrains those nodes; shapes of three nodes are modified beside it
 /// (shape.hpp), also under absorbing walls. Any other line restrains, for such shapes, the row of nodes behind it too.
 class Restraints {
  public:
@@ -45,16 +45,16 @@ class Restraints {
   Restraints(const std::vector<std::pair<std::string, BoundaryOptions>>& boundaries, const GridState& g,
              const Vec2& centroid, const Impedance& impedance);
 
-  /// Restrains Node::nx, ny; the impulses are appended to `reactions`. With dt = 0 (settling) absorbing walls are fixed.
+  /// Restrains Node::nx, ny; the impulses are appended to `reactions`. With dt = 0 (initial equilibrium) absorbing walls are fixed.
   void apply(double time, double dt, GridState& g, std::vector<Reaction>& reactions);
   /// The motion that apply() left a node, as a projection: the unit matrix where no wall holds it.
   Mat2 mobility(std::size_t node) const;
-  /// Restrains the straining velocity alike; nodes that stuck in apply() stay.
-  void apply_to_remapped(double time, GridState& g, bool settling = false) const;
+  /// Restrains the strain-rate velocity alike; nodes that stuck in apply() stay.
+  void apply_to_remapped(double time, GridState& g, bool equilibrium = false) const;
   /// The first time after `time` at which a restraint goes.
   double next_change(double time) const;
   /// Behind which walls nothing is, for every node of the grid (Fold).
-  std::vector<std::uint8_t> folds(double time, const Grid& grid) const;
+  std::vector<std::uint8_t> wall_sides(double time, const Grid& grid) const;
   bool any_absorbing() const;
   bool any_tied() const;
   /// Points that have passed a tied side come in by the opposite one; Particles::carried holds by how much.
@@ -68,7 +68,7 @@ class Restraints {
     Vec2 normal;  // out of the material
     double friction;
     double until = std::numeric_limits<double>::infinity();
-    std::uint8_t fold = fold_none;
+    std::uint8_t side = wall_none;  // on which nothing is
     std::array<double, 2> impedance{};  // times the length that belongs to a node, kg/(m s)
     Vec2 from = Vec2::Zero(), to = Vec2::Zero();
   };
@@ -82,10 +82,10 @@ class Restraints {
   void add_nodes(const std::string& key, const BoundaryOptions& options, Wall& wall, const GridState& g,
                  const Vec2& centroid, std::vector<std::vector<std::uint16_t>>& walls_of_node);
   double release(const BoundaryOptions& options, const Wall& wall, const Vec2& node, double spacing) const;
-  Mat2 mobility_of(const RestrainedNode& at, double time, const Vec2& free, bool settling) const;
-  Vec2 given_velocity(const RestrainedNode& at, double time, bool settling) const;
+  Mat2 mobility_of(const RestrainedNode& at, double time, const Vec2& free, bool equilibrium) const;
+  Vec2 given_velocity(const RestrainedNode& at, double time, bool equilibrium) const;
   Vec2 absorbed(const RestrainedNode& at, double time, double dt, const GridState& g, Vec2 v) const;
-  Vec2 restrain(const RestrainedNode& at, double time, Vec2 v, bool with_friction, bool& stuck, bool settling) const;
+  Vec2 restrain(const RestrainedNode& at, double time, Vec2 v, bool with_friction, bool& stuck, bool equilibrium) const;
 
   void tie(const std::string& key, const GridState& g,
            const std::vector<std::vector<std::uint16_t>>& walls_of_node);

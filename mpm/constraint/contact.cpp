@@ -6,7 +6,7 @@
 #include <limits>
 #include <set>
 
-#include "mpm/grid/kernel.hpp"
+#include "mpm/grid/sweeps.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
 
@@ -15,7 +15,7 @@ namespace pivnp::mpm {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
-constexpr double touching = 0.25;  // cells between bodies that settle in touch
+constexpr double touching = 0.25;  // cells between bodies that touch in the initial equilibrium
 constexpr double overlap = 0.02;   // cells by which points may stand across a face that is taken as found
 constexpr int sweeps = 10;         // where three bodies may meet at a node
 
@@ -43,7 +43,7 @@ std::set<std::size_t> labels_of(const std::string& key, const std::vector<std::s
 
 Contacts::Contacts(const std::vector<std::pair<std::string, ContactOptions>>& contacts,
                    const std::vector<std::string>& labels)
-    : sheet_of_label_(labels.size(), 0) {
+    : field_of_label_(labels.size(), 0) {
   if (contacts.empty()) return;
   std::vector<Stated> stated;
   std::vector<std::set<std::size_t>> bodies;
@@ -79,13 +79,13 @@ Contacts::Contacts(const std::vector<std::pair<std::string, ContactOptions>>& co
     bodies.insert(bodies.begin(), rest);
   }
   if (bodies.size() < 2) throw InputError(stated.front().key + ".regions: there is no other region to meet");
-  sheets_ = int(bodies.size());
+  velocity_fields_ = int(bodies.size());
   for (std::size_t b = 0; b < bodies.size(); ++b)
-    for (const std::size_t label : bodies[b]) sheet_of_label_[label] = int(b);
+    for (const std::size_t label : bodies[b]) field_of_label_[label] = int(b);
 
   // A law that names both bodies goes before one that names one.
-  for (int a = 0; a < sheets_; ++a)
-    for (int b = a + 1; b < sheets_; ++b) {
+  for (int a = 0; a < velocity_fields_; ++a)
+    for (int b = a + 1; b < velocity_fields_; ++b) {
       const auto &first = bodies[std::size_t(a)], &second = bodies[std::size_t(b)];
       std::vector<const Stated*> exact, general;
       for (const Stated& s : stated) {
@@ -107,15 +107,15 @@ namespace {
 
 // Outward from the body, over the mass of a full cell; per cell side.
 Vec2 mass_gradient(const GridState& g, std::size_t n, double per_mass) {
-  const std::size_t nx = std::size_t(g.grid.nx), in = n % g.sheet_nodes(), i = in % nx, j = in / nx;
-  const unsigned wall = g.fold[n];
+  const std::size_t nx = std::size_t(g.grid.nx), in = n % g.field_nodes(), i = in % nx, j = in / nx;
+  const unsigned wall = g.walls[n];
   const auto along = [&](bool low, bool high, std::size_t step, bool behind, bool ahead) {
     if (low || high) return 0.0;  // the mirror's value
     const double before = behind ? g.node[n - step].mass : 0, after = ahead ? g.node[n + step].mass : 0;
     return 0.5 * per_mass * (before - after);
   };
-  return {along(wall & fold_left, wall & fold_right, 1, i > 0, i + 1 < nx),
-          along(wall & fold_down, wall & fold_up, nx, j > 0, j + 1 < std::size_t(g.sheet.ny))};
+  return {along(wall & wall_left, wall & wall_right, 1, i > 0, i + 1 < nx),
+          along(wall & wall_down, wall & wall_up, nx, j > 0, j + 1 < std::size_t(g.field_grid.ny))};
 }
 
 // The points that a shared node sees of both bodies, and how they face each other there.
@@ -130,9 +130,9 @@ class View {
       const std::size_t i = node[side] % nx, j = node[side] / nx;
       for (std::size_t b = 0; b < width && b <= j; ++b)
         for (std::size_t a = 0; a < width && a <= i; ++a) {
-          const SlotRange points = g.points_in(std::int32_t(node[side] - b * nx - a));
+          const Range points = g.cells.points_in(std::int32_t(node[side] - b * nx - a));
           for (std::size_t q = points.begin; q < points.end; ++q) {
-            const std::size_t k = g.order[q];
+            const std::size_t k = g.cells.order[q];
             seen_[side].push_back({p.x[k] - at.x(), p.y[k] - at.y(), 0.5 * std::sqrt(p.volume0[k] * p.J[k])});
           }
         }
@@ -183,32 +183,32 @@ class View {
 }  // namespace
 
 void Contacts::find(const Particles& p, const GridState& g, const std::vector<double>& density, double dt, int threads) {
-  meetings_.clear();
+  nodes_.clear();
   dt_ = dt;
-  std::vector<double> per_mass(std::size_t(sheets_), 0.0);
+  std::vector<double> per_mass(std::size_t(velocity_fields_), 0.0);
   for (std::size_t label = 0; label < density.size(); ++label) {
-    double& full = per_mass[std::size_t(sheet_of_label_[label])];
+    double& full = per_mass[std::size_t(field_of_label_[label])];
     full = std::max(full, density[label] * g.grid.spacing.prod());
   }
   for (double& m : per_mass) m = 1 / m;
   const double near = (dt > 0 ? 1.0 : touching) * g.grid.spacing.minCoeff();
   for (const Law& law : laws_) {
-    const std::size_t from = law.sheet[0] * g.sheet_nodes(), apart = (law.sheet[1] - law.sheet[0]) * g.sheet_nodes();
-    std::vector<Meeting> found;
-    for (auto n = std::lower_bound(g.nodes.begin(), g.nodes.end(), from); n != g.nodes.end() && *n < from + g.sheet_nodes(); ++n)
+    const std::size_t from = law.field[0] * g.field_nodes(), apart = (law.field[1] - law.field[0]) * g.field_nodes();
+    std::vector<ContactNode> found;
+    for (auto n = std::lower_bound(g.active.nodes.begin(), g.active.nodes.end(), from); n != g.active.nodes.end() && *n < from + g.field_nodes(); ++n)
       if (g.node[*n].mass > 0 && g.node[*n + apart].mass > 0) {
-        Meeting m;
+        ContactNode m;
         m.node[0] = *n;
         m.node[1] = std::uint32_t(*n + apart);
         m.friction = law.friction;
         found.push_back(m);
       }
     for_each(found.size(), threads, [&](std::size_t k) {
-      Meeting& m = found[k];
+      ContactNode& m = found[k];
       static thread_local View view;
       view.look(p, g, m.node);
-      const Vec2 first = mass_gradient(g, m.node[0], per_mass[std::size_t(law.sheet[0])]);
-      const Vec2 second = -mass_gradient(g, m.node[1], per_mass[std::size_t(law.sheet[1])]);
+      const Vec2 first = mass_gradient(g, m.node[0], per_mass[std::size_t(law.field[0])]);
+      const Vec2 second = -mass_gradient(g, m.node[1], per_mass[std::size_t(law.field[1])]);
       m.gap = infinite;
       double widest = -infinite;
       for (const Vec2& direction : {Vec2(first + second), first, second}) {
@@ -233,23 +233,23 @@ void Contacts::find(const Particles& p, const GridState& g, const std::vector<do
         }
       m.gap = view.gap(m.normal);
     });
-    for (const Meeting& m : found)
-      if (m.gap < near) meetings_.push_back(m);
+    for (const ContactNode& m : found)
+      if (m.gap < near) nodes_.push_back(m);
   }
 }
 
 void Contacts::apply(GridState& g, const Restraints& restraints, std::vector<Reaction>& reactions) {
-  for (Meeting& m : meetings_) {
-    m.pressed = m.rubbed = m.closing = 0;
+  for (ContactNode& m : nodes_) {
+    m.normal_impulse = m.tangential_impulse = m.closing = 0;
     m.sticks = false;
     for (int side = 0; side < 2; ++side)
       m.mobility[side] = restraints.mobility(m.node[side]) / g.node[m.node[side]].mass;
   }
-  for (int sweep = 0; sweep < (sheets_ > 2 ? sweeps : 1); ++sweep)
-    for (Meeting& m : meetings_) press(m, g);
-  for (Meeting& m : meetings_) {
-    if (!(m.pressed > 0)) continue;
-    const Vec2 along(-m.normal.y(), m.normal.x()), impulse = m.pressed * m.normal + m.rubbed * along;
+  for (int sweep = 0; sweep < (velocity_fields_ > 2 ? sweeps : 1); ++sweep)
+    for (ContactNode& m : nodes_) enforce(m, g);
+  for (ContactNode& m : nodes_) {
+    if (!(m.normal_impulse > 0)) continue;
+    const Vec2 along(-m.normal.y(), m.normal.x()), impulse = m.normal_impulse * m.normal + m.tangential_impulse * along;
     for (int side = 0; side < 2; ++side) {
       Node& node = g.node[m.node[side]];
       node.held = true;
@@ -265,7 +265,7 @@ void Contacts::apply(GridState& g, const Restraints& restraints, std::vector<Rea
 }
 
 // Coulomb's law for the sums of a step's impulses.
-void Contacts::press(Meeting& m, GridState& g) const {
+void Contacts::enforce(ContactNode& m, GridState& g) const {
   Node &a = g.node[m.node[0]], &b = g.node[m.node[1]];
   const Mat2 both = m.mobility[0] + m.mobility[1];
   const Vec2 along(-m.normal.y(), m.normal.x());
@@ -280,24 +280,24 @@ void Contacts::press(Meeting& m, GridState& g) const {
   const double across = m.normal.dot(both * m.normal), beside = along.dot(both * along);
   const double free = dt_ > 0 ? std::max(0.0, m.gap) / dt_ : 0;
   if (across > 0) {
-    const double pressed = std::max(0.0, m.pressed + (relative().dot(m.normal) - free) / across);
-    give((pressed - m.pressed) * m.normal);
-    m.pressed = pressed;
+    const double impulse = std::max(0.0, m.normal_impulse + (relative().dot(m.normal) - free) / across);
+    give((impulse - m.normal_impulse) * m.normal);
+    m.normal_impulse = impulse;
   }
   if (beside > 0) {
-    const double wanted = m.rubbed + relative().dot(along) / beside;
-    const double most = m.pressed > 0 ? m.friction * m.pressed : 0;
-    m.sticks = m.pressed > 0 && std::abs(wanted) <= most;
-    const double rubbed = std::clamp(wanted, -most, most);
-    give((rubbed - m.rubbed) * along);
-    m.rubbed = rubbed;
+    const double wanted = m.tangential_impulse + relative().dot(along) / beside;
+    const double most = m.normal_impulse > 0 ? m.friction * m.normal_impulse : 0;
+    m.sticks = m.normal_impulse > 0 && std::abs(wanted) <= most;
+    const double impulse = std::clamp(wanted, -most, most);
+    give((impulse - m.tangential_impulse) * along);
+    m.tangential_impulse = impulse;
   }
 }
 
 void Contacts::apply_to_remapped(GridState& g) const {
-  for (const Meeting& m : meetings_) {
-    if (!(m.pressed > 0)) continue;
-    const GridState::Straining a = g.straining(m.node[0]), b = g.straining(m.node[1]);
+  for (const ContactNode& m : nodes_) {
+    if (!(m.normal_impulse > 0)) continue;
+    const GridState::StrainVelocity a = g.strain_velocity(m.node[0]), b = g.strain_velocity(m.node[1]);
     const Mat2 both = m.mobility[0] + m.mobility[1];
     const Vec2 along(-m.normal.y(), m.normal.x());
     const auto give = [&](const Vec2& direction, double left) {

@@ -28,48 +28,48 @@ namespace pivnp::mpm {
 
 class Contacts {
  public:
-  /// Every list of regions makes a body with a sheet of nodes (GridState) of its own; what no list names is one body.
+  /// Every list of regions makes a body with a velocity field (GridGeometry) of its own; what no list names is one body.
   /// Throws InputError naming contact.<name>.<key>: unknown or missing region, lists that share some regions and not
   /// all, a pair of bodies with no law or with two.
   Contacts(const std::vector<std::pair<std::string, ContactOptions>>& contacts, const std::vector<std::string>& labels);
 
   bool empty() const { return laws_.empty(); }
-  int sheets() const { return sheets_; }
-  int sheet_of(std::size_t label) const { return sheet_of_label_[label]; }
+  int velocity_fields() const { return velocity_fields_; }
+  int field_of(std::size_t label) const { return field_of_label_[label]; }
 
   /// The nodes at which bodies may touch, from Node::mass and the points' places; before a step of `dt`. `density`: of
-  /// each label now, kg/m^3. With dt = 0 (settling, where points stay) bodies up to a quarter of a cell apart touch.
+  /// each label now, kg/m^3. With dt = 0 (initial equilibrium, where points stay) bodies up to a quarter of a cell apart touch.
   void find(const Particles& p, const GridState& g, const std::vector<double>& density, double dt, int threads);
   /// Corrects Node::nx, ny after the restraints; the impulses are appended to `reactions`.
   void apply(GridState& g, const Restraints& restraints, std::vector<Reaction>& reactions);
-  /// Corrects the straining velocity of nodes that apply() found pressed: the same relative motion along the normal, and none along
-  /// the face where they stick.
+  /// Corrects the strain-rate velocity where apply() found a normal impulse: the same relative motion
+  /// along the normal, and none along the face where they stick.
   void apply_to_remapped(GridState& g) const;
   /// Of what find() found and apply() did, for tests and figures.
-  struct Meeting {
+  struct ContactNode {
     std::uint32_t node[2] = {0, 0};  // of the two bodies, at the same place
     Vec2 normal = Vec2::Zero();      // from the first to the second
     double gap = 0;                  // m
-    double pressed = 0, rubbed = 0;  // impulses on the second, along the normal and across it, N s/m
+    double normal_impulse = 0, tangential_impulse = 0;  // on the second, along the normal and across it, N s/m
     double friction = 0;             // Coulomb coefficient; infinite: rough
     double closing = 0;              // relative velocity along the normal that is left
     bool sticks = false;
     Mat2 mobility[2] = {Mat2::Identity(), Mat2::Identity()};  // velocity for a unit impulse
   };
-  const std::vector<Meeting>& meetings() const { return meetings_; }
+  const std::vector<ContactNode>& nodes() const { return nodes_; }
 
  private:
   struct Law {
-    int sheet[2];
+    int field[2];
     double friction;
   };
-  void press(Meeting& m, GridState& g) const;
+  void enforce(ContactNode& m, GridState& g) const;
 
   std::vector<Law> laws_;
-  std::vector<int> sheet_of_label_;
-  int sheets_ = 1;
+  std::vector<int> field_of_label_;
+  int velocity_fields_ = 1;
   double dt_ = 0;
-  std::vector<Meeting> meetings_;
+  std::vector<ContactNode> nodes_;
 };
 
 }  // namespace pivnp::mpm

@@ -207,7 +207,7 @@ void RigidBodies::find_contacts(double time, double least_mass, const GridState&
       std::int32_t cell = 0;
       double xi = 0, eta = 0;
       const Vec2 x = body.place(point.x, time);
-      for (int sheet = 0; sheet < g.sheets; ++sheet) {
+      for (int sheet = 0; sheet < g.velocity_fields; ++sheet) {
       if (!g.find(x.x(), x.y(), cell, xi, eta, sheet)) continue;
       Contact c;
       c.body = int(b);
@@ -306,9 +306,9 @@ void RigidBodies::apply(double time, double least_mass, GridState& g, std::vecto
   }
 }
 
-void RigidBodies::strain_apart(GridState& g) const {
+void RigidBodies::separate_strain_velocities(GridState& g) const {
   for (const Contact& c : contacts_)
-    for (std::size_t k = 0; k < std::size_t(g.stencil); ++k) g.strain_apart(std::uint32_t(c.node[k]));
+    for (std::size_t k = 0; k < std::size_t(g.stencil); ++k) g.separate_strain_velocities(std::uint32_t(c.node[k]));
 }
 
 void RigidBodies::apply_to_remapped(double time, GridState& g) const {
@@ -318,12 +318,12 @@ void RigidBodies::apply_to_remapped(double time, GridState& g) const {
       const Body& body = bodies_[std::size_t(c.body)];
       if (body.friction && !(c.along_normal > 0)) continue;
       Vec2 slip = -body.velocity_of(c.x, time);
-      for (std::size_t k = 0; k < stencil; ++k) slip += c.weight[k] * std::as_const(g).straining(c.node[k]);
+      for (std::size_t k = 0; k < stencil; ++k) slip += c.weight[k] * std::as_const(g).strain_velocity(c.node[k]);
       if (!c.sticks) slip = slip.dot(c.normal) * c.normal;
       const Vec2 impulse = -slip / c.per_mass;
       for (std::size_t k = 0; k < stencil; ++k) {
         if (!(c.weight[k] > 0)) continue;
-        const GridState::Straining u = g.straining(c.node[k]);
+        const GridState::StrainVelocity u = g.strain_velocity(c.node[k]);
         const double share = c.weight[k] / g.node[c.node[k]].mass;
         u.x += share * impulse.x();
         u.y += share * impulse.y();

@@ -35,11 +35,11 @@ class RigidBodies {
   /// Free bodies: to the end of the step; call once, after apply().
   void advance(double dt);
   /// Corrects Node::n and free bodies' velocities; appends the impulses. `least_mass`: of a point in contact, kg/m. Before
-  /// time 0 (settling) prescribed bodies are at rest and free ones are not there.
+  /// time 0 (initial equilibrium) prescribed bodies are at rest and free ones are not there.
   void apply(double time, double least_mass, GridState& g, std::vector<Reaction>& reactions);
-  /// The nodes in contact strain the material by velocities of their own (GridState::strain_apart()).
-  void strain_apart(GridState& g) const;
-  /// Corrects the straining velocity at the points that apply() found in contact; there motion away from the body is not allowed either
+  /// The nodes in contact strain the material by velocities of their own (GridState::separate_strain_velocities()).
+  void separate_strain_velocities(GridState& g) const;
+  /// Corrects the strain-rate velocity at the points that apply() found in contact; there motion away from the body is not allowed either
   /// (taking only one sign of the scatter would part the material from the body).
   void apply_to_remapped(double time, GridState& g) const;
   /// The first time after `time` at which a body starts or stops.

@@ -190,10 +190,10 @@ struct PartTile {
 // The cells of a tile's groups.
 struct TileCells {
   Node* base[groups];           // the lower left node of the stencil
-  std::size_t slot[groups];
+  std::size_t occupied[groups];  // place among the occupied cells
   std::uint32_t place[groups];  // of the group's first point in `order`
-  unsigned marks[groups];       // CellView::slot_marks
-  double i[groups], j[groups];  // the cell's origin, in nodes, on its sheet
+  unsigned marks[groups];       // CellView::marks
+  double i[groups], j[groups];  // the cell's origin, in nodes, in its velocity field
   std::ptrdiff_t nx;            // nodes in a row
 
   HWY_INLINE unsigned any_mark() const { return marks[0] | marks[groups - 1]; }
@@ -219,34 +219,34 @@ HWY_INLINE bool take_near(const std::uint32_t* order, std::uint32_t left, std::u
   return true;
 }
 
-// Calls body(tile, cells) for the points of some slots.
+// Calls body(tile, cells) for the points of some range.
 template <class Body>
-HWY_INLINE void for_tiles(const CellView& c, SlotRange slots, Body&& body) {
-  std::size_t s = slots.begin;
-  if (s == slots.end) return;
+HWY_INLINE void for_tiles(const CellView& c, Range range, Body&& body) {
+  std::size_t s = range.begin;
+  if (s == range.end) return;
   TileCells cells;
   cells.nx = c.nx;
-  std::uint32_t q = c.slot_begin[s];
+  std::uint32_t q = c.begin[s];
   std::uint32_t first[groups], size[groups];  // of a group's points
   std::uint8_t lanes[groups];
   bool near = true, full = true;  // does each group lie in a row, and fill it?
   std::int32_t row = 0, row_end = 0;  // the first cell of the row, and that of the next one
   double j = 0;
   const auto take = [&](std::size_t g) PIVNP_TILE {
-    const std::uint32_t left = c.slot_begin[s + 1] - q;
+    const std::uint32_t left = c.begin[s + 1] - q;
     std::uint32_t n = left < group_lanes ? left : std::uint32_t(group_lanes);
-    const std::int32_t cell = c.slot_cell[s];
+    const std::int32_t cell = c.index[s];
     if (HWY_UNLIKELY(cell >= row_end)) {
       row = cell / c.nx * c.nx;
       row_end = row + c.nx;
-      j = cell / c.nx % c.sheet_rows + c.origin;
+      j = cell / c.nx % c.field_rows + c.origin;
     }
     cells.i[g] = cell - row + c.origin;
     cells.j[g] = j;
     cells.base[g] = c.node + cell;
-    cells.slot[g] = s;
+    cells.occupied[g] = s;
     cells.place[g] = q;
-    cells.marks[g] = c.slot_marks[s];
+    cells.marks[g] = c.marks[s];
     first[g] = c.order[q];
     if (HWY_LIKELY(c.order[q + n - 1] == first[g] + (n - 1))) lanes[g] = std::uint8_t((1u << n) - 1);
     else near = take_near(c.order + q, left, n, lanes[g]) && near;
@@ -255,18 +255,18 @@ HWY_INLINE void for_tiles(const CellView& c, SlotRange slots, Body&& body) {
     q += n;
     s += n == left;
   };
-  while (s < slots.end) {
+  while (s < range.end) {
     near = full = true;
     take(0);
     if constexpr (groups == 2) {
-      if (HWY_LIKELY(s < slots.end)) {
+      if (HWY_LIKELY(s < range.end)) {
         take(1);
         full = full && first[1] == first[0] + group_lanes;
       } else {  // the first cell once more, with no points
         cells.base[1] = cells.base[0];
         cells.i[1] = cells.i[0];
         cells.j[1] = cells.j[0];
-        cells.slot[1] = cells.slot[0];
+        cells.occupied[1] = cells.occupied[0];
         cells.place[1] = cells.place[0] + size[0];
         cells.marks[1] = cells.marks[0];
         first[1] = first[0];

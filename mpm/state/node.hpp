@@ -18,7 +18,7 @@ struct alignas(64) Node {
   double fx = 0, fy = 0;    // force on the node without the damping, N/m
   double nx = 0, ny = 0;    // velocity after the momentum update and the restraints
   bool held = false;        // by a wall or body
-  bool apart = false;       // strains the material by a velocity of its own (GridState::strain_apart())
+  bool apart = false;       // strains the material by a velocity of its own (GridState::separate_strain_velocities())
 };
 static_assert(sizeof(Node) == 64 && std::is_trivially_copyable_v<Node>);
 

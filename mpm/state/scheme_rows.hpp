@@ -14,6 +14,9 @@ struct ShapeRow : NamedValue<ShapeKind> {
   std::string_view text;
   int nodes;           // of a point, along an axis
   bool sized = false;  // points have a size of their own (Particles::half)
+
+  /// Its cells are the squares around nodes; else elements between nodes.
+  constexpr bool centred() const { return nodes % 2 == 1; }
 };
 inline constexpr std::array shape_rows{
     ShapeRow{{"bilinear", ShapeKind::bilinear}, "the element's bilinear functions", 2},

@@ -22,22 +22,23 @@ struct PointView {
 
 /// The lists of GridState.
 struct CellView {
-  const std::uint32_t *order, *slot_begin;
-  const std::int32_t* slot_cell;
-  const std::uint8_t* slot_marks;  // Fold, strained_apart, at_edge
-  std::size_t points;  // of which `order` is made
+  const std::uint32_t *order, *begin;  // points, cell after cell; of each occupied cell, its first one's place
+  const std::int32_t* index;           // of each occupied cell
+  const std::uint8_t* marks;           // likewise: WallSide, strained_apart, at_edge
+  std::size_t points;                  // of which `order` is made
   Node* node;
-  double* straining;  // x, y of the velocity that strains the material; of the next node `to_next` behind
+  double* strain_velocity;  // x, y of the velocity that gives the strain increments; of the next node `to_next` behind
   std::ptrdiff_t to_next;
-  const double* apart;  // the same, side by side, where a slot is strained apart
+  const double* own_strain_velocity;  // the same, side by side, where a cell is strained apart
   AverageView average;
-  int nx, ny;      // nodes in a row, and rows of a sheet that count
-  int sheet_rows;  // from one sheet to the next
+  int nx, ny;      // nodes in a row, and rows of a velocity field that count
+  int field_rows;  // from one velocity field to the next
   int origin;      // of a cell, from its lower left node, in nodes
   double hx, hy, per_hx, per_hy, origin_x, origin_y;  // origin: of the nodes
 };
 
-struct SlotRange {
+/// Of a list: from `begin` to before `end`.
+struct Range {
   std::size_t begin = 0, end = 0;
 };
 

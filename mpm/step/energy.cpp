@@ -1,11 +1,18 @@
 #include "mpm/step/energy.hpp"
 
-#include "mpm/grid/kernel.hpp"
 #include "mpm/state/particle_fields.hpp"
 
 namespace pivnp::mpm {
 
 namespace {
+
+// Kinetic energy per mass of a point's affine field, 1/2 C D C^T with the spline's second moment D = h^2/4 I for every
+// shape: one number for the balance whatever the point's place in its cell.
+double affine_energy(const Particles& p, const Vec2& h, std::size_t k) {
+  if (p.C_xx.empty()) return 0;
+  return 0.125 * ((p.C_xx[k] * p.C_xx[k] + p.C_yx[k] * p.C_yx[k]) * h.x() * h.x() +
+                  (p.C_xy[k] * p.C_xy[k] + p.C_yy[k] * p.C_yy[k]) * h.y() * h.y());
+}
 
 // `all`: the points as the law sees them; `work`: what they have dissipated, null where no law dissipates.
 StoredEnergy of_point(const Particles& p, const GridState& g, const Material& material, const StressBatch& all,
@@ -45,21 +52,21 @@ StoredEnergy stored_energy_of(Particles& p, const GridState& g, const Materials&
   return {};
 }
 
-EnergyRow energy_row(double time, const StoredEnergy& stored, const EnergyBook& book) {
+EnergyRow energy_row(double time, const StoredEnergy& stored, const EnergyBalance& balance) {
   EnergyRow row;
   row.time = time;
   row.kinetic = stored.kinetic;
   row.elastic = stored.elastic;
   row.plastic = stored.plastic;
-  row.damping = book.damping;
-  row.contact = book.contact;
-  row.external = book.gravity + book.bodies - book.carried;
-  row.residual = row.kinetic + row.elastic + row.plastic + row.damping + row.contact - row.external - book.start;
+  row.damping = balance.damping;
+  row.contact = balance.contact;
+  row.external = balance.gravity + balance.bodies - balance.carried;
+  row.residual = row.kinetic + row.elastic + row.plastic + row.damping + row.contact - row.external - balance.start;
   return row;
 }
 
-double turnover(const EnergyRow& row, const EnergyBook& book) {
-  return row.plastic + row.damping + row.contact + std::abs(row.external) + book.start + book.moved;
+double turnover(const EnergyRow& row, const EnergyBalance& balance) {
+  return row.plastic + row.damping + row.contact + std::abs(row.external) + balance.start + balance.moved;
 }
 
 }  // namespace pivnp::mpm

@@ -11,7 +11,7 @@
 namespace pivnp::mpm {
 
 /// What was done since the start of the run, J/m.
-struct EnergyBook {
+struct EnergyBalance {
   double damping = 0;   // local damping, and the transfer between points and nodes
   double contact = 0;
   double bodies = 0;    // work of moving bodies
@@ -40,9 +40,9 @@ StoredEnergy stored_energy(Particles& p, const GridState& g, const Materials& ma
 double stored_kinetic(const Particles& p, const GridState& g, std::size_t k);
 StoredEnergy stored_energy_of(Particles& p, const GridState& g, const Materials& materials, std::size_t k);
 
-EnergyRow energy_row(double time, const StoredEnergy& stored, const EnergyBook& book);
+EnergyRow energy_row(double time, const StoredEnergy& stored, const EnergyBalance& balance);
 
 /// What the scheme turned over: the scale against which a residual is large.
-double turnover(const EnergyRow& row, const EnergyBook& book);
+double turnover(const EnergyRow& row, const EnergyBalance& balance);
 
 }  // namespace pivnp::mpm

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mpm/grid/kernel.hpp"
+#include "mpm/grid/sweeps.hpp"
 #include "mpm/transfer/transfer.hpp"
 
 namespace pivnp::mpm {
@@ -30,9 +30,9 @@ void advance(Node& node, double per_mass, const Vec2& gravity, double damping, d
 
 }  // namespace
 
-void LightNodes::find(const GridState& g, double least) { pair_up(g, least, g.nodes); }
+void SmallMassNodes::find(const GridState& g, double least) { pair_up(g, least, g.active.nodes); }
 
-void LightNodes::pair_up(const GridState& g, double least, const std::vector<std::uint32_t>& nodes) {
+void SmallMassNodes::pair_up(const GridState& g, double least, const std::vector<std::uint32_t>& nodes) {
   pairs.clear();
   const auto nx = std::ptrdiff_t(g.grid.nx), ny = std::ptrdiff_t(g.grid.ny);
   for (const std::uint32_t n : nodes) {
@@ -46,35 +46,35 @@ void LightNodes::pair_up(const GridState& g, double least, const std::vector<std
   }
 }
 
-void LightNodes::join_momentum(GridState& g, double damping, double dt) const {
-  // A heavy node may have several light ones: first all are added up, then all are told.
+void SmallMassNodes::join_momentum(GridState& g, double damping, double dt) const {
+  // A heavy node may have several small ones: first all are added up, then all are told.
   std::vector<double> mass_before;
   for (const Pair& p : pairs) {
-    Node &light = g.node[p.light], &heavy = g.node[p.heavy];
-    const double mass = heavy.mass + light.mass;
-    const Vec2 damped = damping_force(damping, light);
-    heavy.nx = (heavy.mass * heavy.nx + light.mass * light.vx + dt * (light.fx + damped.x())) / mass;
-    heavy.ny = (heavy.mass * heavy.ny + light.mass * light.vy + dt * (light.fy + damped.y())) / mass;
+    Node &small = g.node[p.small], &heavy = g.node[p.heavy];
+    const double mass = heavy.mass + small.mass;
+    const Vec2 damped = damping_force(damping, small);
+    heavy.nx = (heavy.mass * heavy.nx + small.mass * small.vx + dt * (small.fx + damped.x())) / mass;
+    heavy.ny = (heavy.mass * heavy.ny + small.mass * small.vy + dt * (small.fy + damped.y())) / mass;
     mass_before.push_back(heavy.mass);
     heavy.mass = mass;
   }
   for (std::size_t k = pairs.size(); k-- > 0;) {
-    g.node[pairs[k].light].nx = g.node[pairs[k].heavy].nx;
-    g.node[pairs[k].light].ny = g.node[pairs[k].heavy].ny;
+    g.node[pairs[k].small].nx = g.node[pairs[k].heavy].nx;
+    g.node[pairs[k].small].ny = g.node[pairs[k].heavy].ny;
     g.node[pairs[k].heavy].mass = mass_before[k];
   }
 }
 
-void LightNodes::join_velocity(GridState& g) const {
+void SmallMassNodes::join_velocity(GridState& g) const {
   for (std::size_t k = 0, n = 0; k < pairs.size(); k += n) {  // in runs along a row
-    const std::uint32_t first = pairs[k].light, left = std::uint32_t(g.grid.nx) - first % std::uint32_t(g.grid.nx);
-    for (n = 1; n < left && k + n < pairs.size() && pairs[k + n].light == first + n;) ++n;
-    g.strain_apart(first, int(n));
+    const std::uint32_t first = pairs[k].small, left = std::uint32_t(g.grid.nx) - first % std::uint32_t(g.grid.nx);
+    for (n = 1; n < left && k + n < pairs.size() && pairs[k + n].small == first + n;) ++n;
+    g.separate_strain_velocities(first, int(n));
   }
   for (const Pair& p : pairs) {
-    const GridState::Straining light = g.straining(p.light), heavy = g.straining(p.heavy);
-    light.x = heavy.x;
-    light.y = heavy.y;
+    const GridState::StrainVelocity small = g.strain_velocity(p.small), heavy = g.strain_velocity(p.heavy);
+    small.x = heavy.x;
+    small.y = heavy.y;
   }
 }
 
@@ -82,28 +82,28 @@ void update_momentum(GridState& g, const Vec2& gravity, double damping, double d
   for_nodes(g, threads, [&](Node& node, std::uint32_t) { advance(node, per_mass(node), gravity, damping, dt); });
 }
 
-void map_and_update(const Particles& p, GridState& g, const Scheme& scheme, LightNodes& light, double least,
+void map_and_update(const Particles& p, GridState& g, const Scheme& scheme, SmallMassNodes& small, double least,
                     const Vec2& gravity, double dt, int threads) {
-  std::vector<std::vector<std::uint32_t>> found(g.mapped.count());
-  map_sums(p, g, scheme, true, threads, [&](SlotRange nodes, std::size_t band) {
+  std::vector<std::vector<std::uint32_t>> found(g.active.mapped.count());
+  map_sums(p, g, scheme, true, threads, [&](Range nodes, std::size_t band) {
     for (std::size_t a = nodes.begin; a < nodes.end; ++a) {
-      Node& node = g.node[g.nodes[a]];
+      Node& node = g.node[g.active.nodes[a]];
       const double per = per_mass(node);
       node.vx *= per;
       node.vy *= per;
       advance(node, per, gravity, scheme.damping, dt);
-      if (node.mass < least) found[band].push_back(g.nodes[a]);
+      if (node.mass < least) found[band].push_back(g.active.nodes[a]);
     }
   });
   std::vector<std::uint32_t> all;
   for (const auto& of_band : found) all.insert(all.end(), of_band.begin(), of_band.end());
   std::sort(all.begin(), all.end());
-  light.pair_up(g, least, all);
+  small.pair_up(g, least, all);
 }
 
 Vec2 working_velocity(const GridState& g, std::size_t n, bool strained) {
   const Node& node = g.node[n];
-  const Vec2 after = strained ? g.straining(n) : Vec2(node.nx, node.ny);
+  const Vec2 after = strained ? g.strain_velocity(n) : Vec2(node.nx, node.ny);
   return node.held ? after : Vec2(0.5 * (node.vx + after.x()), 0.5 * (node.vy + after.y()));
 }
 
@@ -120,8 +120,8 @@ NodalWork nodal_work(const GridState& g, const std::vector<Reaction>& reactions,
   for_node_parts(g, threads, [&](std::size_t part, std::size_t begin, std::size_t end) {
     NodalWork sum;
     for (std::size_t a = begin; a < end; ++a) {
-      const Node& node = g.node[g.nodes[a]];
-      const Vec2 w = working_velocity(g, g.nodes[a], strained);
+      const Node& node = g.node[g.active.nodes[a]];
+      const Vec2 w = working_velocity(g, g.active.nodes[a], strained);
       sum.kinetic += node.mass * ((node.nx - node.vx) * w.x() + (node.ny - node.vy) * w.y());
       if (damping > 0) sum.damping -= dt * damping_force(damping, node).dot(w);
     }
@@ -136,7 +136,7 @@ NodalWork nodal_work(const GridState& g, const std::vector<Reaction>& reactions,
 
 NodalMotion nodal_motion(const GridState& g, double least) {
   NodalMotion out;
-  for (const std::uint32_t n : g.nodes) {
+  for (const std::uint32_t n : g.active.nodes) {
     const Node& node = g.node[n];
     const double speed2 = node.nx * node.nx + node.ny * node.ny;
     out.kinetic += 0.5 * node.mass * speed2;

@@ -10,9 +10,9 @@ namespace pivnp::mpm {
 
 /// A node with next to no mass moves with its heaviest neighbour: its force over its mass would be any number. Their
 /// momenta and forces add, so momentum is conserved; as a constraint on the motion it does no work.
-struct LightNodes {
+struct SmallMassNodes {
   struct Pair {
-    std::uint32_t light, heavy;
+    std::uint32_t small, heavy;
   };
   std::vector<Pair> pairs;
   /// Active nodes lighter than `least` (kg/m), each with the heaviest of its eight neighbours.
@@ -21,16 +21,16 @@ struct LightNodes {
   void pair_up(const GridState& g, double least, const std::vector<std::uint32_t>& nodes);
   /// After update_momentum(): the common velocity to Node::n of both.
   void join_momentum(GridState& g, double damping, double dt) const;
-  /// The straining velocity of the light ones is their neighbour's.
+  /// The strain-rate velocity of the small ones is their neighbour's.
   void join_velocity(GridState& g) const;
 };
 
 /// A.5-A.7: adds gravity, then Cundall's local damping -alpha |f| sign(v) by component, and advances Node::n.
 void update_momentum(GridState& g, const Vec2& gravity, double damping, double dt, int threads);
 
-/// A.3-A.7 together, each node as soon as its sums are complete, and the nodes lighter than `least` (kg/m) to `light`: for
+/// A.3-A.7 together, each node as soon as its sums are complete, and the nodes lighter than `least` (kg/m) to `small`: for
 /// steps in which nothing asks for the mapped velocity in between.
-void map_and_update(const Particles& p, GridState& g, const Scheme& scheme, LightNodes& light, double least,
+void map_and_update(const Particles& p, GridState& g, const Scheme& scheme, SmallMassNodes& small, double least,
                     const Vec2& gravity, double dt, int threads);
 
 /// Work of one step, J/m.
@@ -42,7 +42,7 @@ struct NodalWork {
 };
 
 /// The work of an impulse is impulse . w, where w is the mean of the mapped velocity v and the one that strains the
-/// material (`strained`: GridState::straining(); else Node::n), and at held nodes the latter alone: v there is what the
+/// material (`strained`: GridState::strain_velocity(); else Node::n), and at held nodes the latter alone: v there is what the
 /// points would do without the wall. With it the work of the stresses is what the points' energy changes by.
 NodalWork nodal_work(const GridState& g, const std::vector<Reaction>& reactions, double damping, double dt,
                      bool strained, int threads);

@@ -104,9 +104,9 @@ SolverState initial_state(const Scene& scene, const Scheme& scheme, const GridSt
     if (p.bodies.empty() || p.bodies.back().material != label)
       p.bodies.push_back({k, k, label, p.history.declare(materials[std::size_t(label)]->history(), n)});
     p.bodies.back().end = k + 1;
-    const int sheet = contacts.empty() ? 0 : contacts.sheet_of(std::size_t(label));
+    const int field = contacts.empty() ? 0 : contacts.field_of(std::size_t(label));
     double xi = 0, eta = 0;
-    if (!g.find(set.x0[from].x(), set.x0[from].y(), p.cell[k], xi, eta, sheet)) {
+    if (!g.find(set.x0[from].x(), set.x0[from].y(), p.cell[k], xi, eta, field)) {
       std::ostringstream text;
       text << "mpm.domain_m: particle " << from << " at (" << set.x0[from].x() << ", " << set.x0[from].y()
            << ") lies outside the simulation's grid";

@@ -14,7 +14,7 @@ namespace pivnp::mpm {
 namespace {
 
 constexpr double body_margin = 3;  // cells around a moving body that stay awake
-constexpr double light = 0.2;      // of the lightest point, which gives more than that to one of its nodes at least
+constexpr double small_mass = 0.2;     // of the lightest point, which gives more than that to one of its nodes at least
 
 double speed(const Node& n, double least) { return n.mass < least ? 0 : std::hypot(n.nx, n.ny); }
 
@@ -33,18 +33,18 @@ Sleep::Sleep(std::optional<double> below, SleepState& state) : state_(state) {
 void Sleep::start(const Particles& p, const GridState& g) {
   if (!on()) return;
   least_ = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < p.size(); ++k) least_ = std::min(least_, light * p.mass_of(k));
-  state_.asleep.assign(g.blocks(), 0);
-  state_.quiet_since.assign(g.blocks(), -1.0);
-  state_.speed.assign(g.blocks(), 0.0);
-  state_.foregone.assign(g.blocks(), 0.0);
+  for (std::size_t k = 0; k < p.size(); ++k) least_ = std::min(least_, small_mass * p.mass_of(k));
+  state_.asleep.assign(g.blocks.count(), 0);
+  state_.quiet_since.assign(g.blocks.count(), -1.0);
+  state_.speed.assign(g.blocks.count(), 0.0);
+  state_.foregone.assign(g.blocks.count(), 0.0);
 }
 
 template <class Each>
 void Sleep::for_blocks_of_node(const GridState& g, std::uint32_t node, Each&& each) const {
-  const int i = int(node) % g.grid.nx, j = int(node) / g.grid.nx, side = GridState::block_side, before = g.width - 1;
+  const int i = int(node) % g.grid.nx, j = int(node) / g.grid.nx, side = SleepingBlocks::side, before = g.width - 1;
   for (int b = std::max(0, j - before) / side; b <= j / side; ++b)
-    for (int a = std::max(0, i - before) / side; a <= i / side; ++a) each(std::size_t(b * g.blocks_x() + a));
+    for (int a = std::max(0, i - before) / side; a <= i / side; ++a) each(std::size_t(b * g.blocks.across() + a));
 }
 
 void Sleep::wake(std::size_t block) {
@@ -62,8 +62,8 @@ void Sleep::apply(GridState& g) {
   any_ = std::any_of(state_.asleep.begin(), state_.asleep.end(), [](std::uint8_t a) { return a != 0; });
   g.set_asleep(any_ ? state_.asleep : std::vector<std::uint8_t>{});
   sleepers_ = 0;
-  for (std::size_t s = 0; any_ && s < g.slots(); ++s)
-    if (g.sleeps(g.slot_cell[s])) sleepers_ += g.slot_begin[s + 1] - g.slot_begin[s];
+  for (std::size_t s = 0; any_ && s < g.cells.size(); ++s)
+    if (g.blocks.sleeps(g.cells.index[s])) sleepers_ += g.cells.begin[s + 1] - g.cells.begin[s];
 }
 
 void Sleep::begin_step(const std::vector<Corners>& moving, GridState& g) {
@@ -72,31 +72,31 @@ void Sleep::begin_step(const std::vector<Corners>& moving, GridState& g) {
       return int(std::clamp((x - origin) / spacing + margin, 0.0, double(n - 1)));
     };
     const Vec2 &o = g.grid.origin, &h = g.grid.spacing;
-    const int side = GridState::block_side;
+    const int side = SleepingBlocks::side;
     const int top = cell(high.y(), o.y(), h.y(), g.grid.ny, body_margin) / side;
     const int right = cell(high.x(), o.x(), h.x(), g.grid.nx, body_margin) / side;
     for (int j = cell(low.y(), o.y(), h.y(), g.grid.ny, -body_margin) / side; j <= top; ++j)
       for (int i = cell(low.x(), o.x(), h.x(), g.grid.nx, -body_margin) / side; i <= right; ++i)
-        wake(std::size_t(j * g.blocks_x() + i));
+        wake(std::size_t(j * g.blocks.across() + i));
   }
   if (changed_) apply(g);
 }
 
-double Sleep::settle_down(bool look_now, double time, double window, Particles& p, GridState& g) {
-  for (const auto& [cell, k] : g.arrivals)
-    if (state_.asleep[g.block_of(cell)]) wake(g.block_of(cell));
+double Sleep::fall_asleep(bool look_now, double time, double window, Particles& p, GridState& g) {
+  for (const auto& [cell, k] : g.cells.arrivals)
+    if (state_.asleep[g.blocks.of_cell(cell)]) wake(g.blocks.of_cell(cell));
   double taken = 0;
   if (look_now) {
     std::vector<std::uint8_t> falls(state_.asleep.size(), 0);
     for (std::size_t b = 0; b < falls.size(); ++b)
       falls[b] = !state_.asleep[b] && state_.quiet_since[b] >= 0 && time - state_.quiet_since[b] >= window;
-    for (std::size_t s = 0; s < g.slots(); ++s) {
-      const std::size_t b = g.block_of(g.slot_cell[s]);
+    for (std::size_t s = 0; s < g.cells.size(); ++s) {
+      const std::size_t b = g.blocks.of_cell(g.cells.index[s]);
       if (!falls[b]) continue;
       state_.asleep[b] = 1;
       changed_ = true;
-      for (std::uint32_t q = g.slot_begin[s]; q < g.slot_begin[s + 1]; ++q) {
-        const std::uint32_t k = g.order[q];
+      for (std::uint32_t q = g.cells.begin[s]; q < g.cells.begin[s + 1]; ++q) {
+        const std::uint32_t k = g.cells.order[q];
         taken += stored_kinetic(p, g, k);
         p.vx[k] = p.vy[k] = 0;
         if (!p.C_xx.empty()) p.C_xx[k] = p.C_xy[k] = p.C_yx[k] = p.C_yy[k] = 0;
@@ -109,20 +109,20 @@ double Sleep::settle_down(bool look_now, double time, double window, Particles& 
 }
 
 void Sleep::hold(double per_mass, GridState& g) {
-  for (const std::uint32_t n : g.border)
+  for (const std::uint32_t n : g.active.border)
     if (speed(g.node[n], least_) + push(g.node[n], per_mass) > below_)
       for_blocks_of_node(g, n, [&](std::size_t b) {
         if (state_.asleep[b]) wake(b);
       });
-  for (const std::uint32_t n : g.resting) {
+  for (const std::uint32_t n : g.active.resting) {
     g.node[n].nx = g.node[n].ny = 0;
     g.node[n].held = true;
   }
 }
 
 void Sleep::hold_remapped(GridState& g) const {
-  for (const std::uint32_t n : g.resting) {
-    const GridState::Straining u = g.straining(n);
+  for (const std::uint32_t n : g.active.resting) {
+    const GridState::StrainVelocity u = g.strain_velocity(n);
     u.x = u.y = 0;
   }
 }
@@ -132,9 +132,9 @@ void Sleep::look(double time, double per_mass, double across, const GridState& g
   unrest_.assign(state_.asleep.size(), 0.0);
   speed_.assign(state_.asleep.size(), 0.0);
   std::size_t r = 0;
-  for (const std::uint32_t n : g.nodes) {
-    while (r < g.resting.size() && g.resting[r] < n) ++r;
-    if (r < g.resting.size() && g.resting[r] == n) continue;
+  for (const std::uint32_t n : g.active.nodes) {
+    while (r < g.active.resting.size() && g.active.resting[r] < n) ++r;
+    if (r < g.active.resting.size() && g.active.resting[r] == n) continue;
     const Node& node = g.node[n];
     const double v = speed(node, least_), u = v + push(node, per_mass);
     for_blocks_of_node(g, n, [&](std::size_t b) {
@@ -158,7 +158,7 @@ void Sleep::look(double time, double per_mass, double across, const GridState& g
   if (any_) state_.held_back = std::max(state_.held_back, below_ * across);
 }
 
-void Sleep::book(double dt, std::size_t points) {
+void Sleep::count(double dt, std::size_t points) {
   state_.all += double(points);
   if (!any_) return;
   state_.skipped += double(sleepers_);

@@ -4,7 +4,7 @@
 // and h the cell, r = |n| + |m (n - v_i)|/(dt rho c h) is what the node does now, and what that force over h, as a
 // stress rho c r, would make the material do. A block falls asleep when r <= v/2 at all its nodes, at every look (each
 // tenth step), for twice the time a wave takes through the material (so that half a period of its slowest oscillation
-// is seen). Its points keep their places and stresses; their velocity is taken, its energy booked with the damping.
+// is seen). Its points keep their places and stresses; their velocity is taken, its energy counts as damped.
 //
 // The nodes of sleeping cells stand still, as on a fixed wall, which does no work. Those that awake cells share get force
 // and mass from both sides; where r (before they are stopped) passes v, the sleeping blocks there are woken. So are
@@ -26,7 +26,7 @@
 
 namespace pivnp::mpm {
 
-/// Part of a checkpoint; an entry a block of cells (GridState::block_of), none without the option.
+/// Part of a checkpoint; an entry a block of cells (SleepingBlocks::of_cell), none without the option.
 struct SleepState {
   std::vector<std::uint8_t> asleep;
   std::vector<double> quiet_since;  // s; below 0: it is not quiet
@@ -51,15 +51,15 @@ class Sleep {
   void begin_step(const std::vector<Corners>& moving, GridState& g);
   /// After they have been located: wakes what points have moved into and, `look_now`, puts to sleep what has been quiet
   /// for `window` seconds. Returns the kinetic energy taken, J/m.
-  double settle_down(bool look_now, double time, double window, Particles& p, GridState& g);
+  double fall_asleep(bool look_now, double time, double window, Particles& p, GridState& g);
   /// Stops Node::n of sleeping cells' nodes. `per_mass`: 1/(dt rho c h), m/kg.
   void hold(double per_mass, GridState& g);
-  /// Stops the straining velocity likewise.
+  /// Stops the strain-rate velocity likewise.
   void hold_remapped(GridState& g) const;
   /// After a step: how quiet the blocks are. `across`: time of a wave through the material, s.
   void look(double time, double per_mass, double across, const GridState& g, const std::vector<Reaction>& reactions);
-  /// After a step: books what was left out.
-  void book(double dt, std::size_t points);
+  /// After a step: counts what was left out.
+  void count(double dt, std::size_t points);
   /// After a restart.
   void resume(GridState& g);
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mpm/grid/kernel.hpp"
+#include "mpm/grid/sweeps.hpp"
 #include "mpm/material/model.hpp"
-#include "mpm/step/settle.hpp"
+#include "mpm/step/initial_equilibrium.hpp"
 #include "mpm/step/solver_impl.hpp"
 #include "mpm/step/time_step.hpp"
 #include "pivnp/core/error.hpp"
@@ -31,10 +31,10 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
       materials(materials_of(scene)),
       density(densities_of(scene)),
       contacts(scene.contacts, scene.particles.label_names),
-      g(scene.grid, scheme.shape, contacts.sheets(), scheme.stress == StressUpdate::usl),
+      g(scene.grid, scheme.shape, contacts.velocity_fields(), scheme.stress == StressUpdate::usl),
       restraints(scene.boundaries, g, centroid(scene.particles),
                  [this](const Vec2& x) { return impedance_near(scene, materials, x); }),
-      bodies(scene.bodies, g.sheet),
+      bodies(scene.bodies, g.field_grid),
       loading(o, scene),
       reduction(scene.materials.size(), 1.0),
       nonlocal(materials, g) {
@@ -53,20 +53,20 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
   place_tractions();
   sleep.start(p, g);
   g.rebuild(p);
-  p.sort_as(g.order, 1);
+  p.sort_as(g.cells.order, 1);
   state.wave_speed = wave_speed(materials, density, p, 1);
-  g.set_folds(restraints.folds(0, g.grid));
+  g.set_walls(restraints.wall_sides(0, g.grid));
   if (o.k0 && !o.settle) start_at_rest(gravity);
   change_strength(0);
   state.body_motion = bodies.motion();
-  restart_books();
+  restart_balance();
 }
 
 // The cycle of appendix A; equation numbers are the thesis'.
 void Solver::Impl::step(double dt) {
   const int threads = choice.threads();
   choice.begin_step();
-  g.strain_together();
+  g.join_strain_velocities();
   load(dt);
   const Vec2 gravity = loading.gravity(state.time + 0.5 * dt);
   const Vec2 moment = work_in_steps() ? moment_of_mass() : Vec2(0, 0);
@@ -74,7 +74,7 @@ void Solver::Impl::step(double dt) {
   find_cells(threads);                                           // A.1, A.2
   nonlocal.average(p, g, threads);
   update_nodes(gravity, dt, threads);                            // A.3-A.7
-  light.join_momentum(g, scheme.damping, dt);
+  small_mass.join_momentum(g, scheme.damping, dt);
   restrain_momentum(dt);
   bodies.advance(dt);
   if (scheme.stress == StressUpdate::usl) choose_strain_velocity(dt, threads);
@@ -85,12 +85,12 @@ void Solver::Impl::step(double dt) {
     if (scheme.stress == StressUpdate::musl) choose_strain_velocity(dt, threads);
     if (scheme.stress != StressUpdate::usf) strain(dt, threads);  // A.12, A.13, A.22, A.24
   }
-  book_work(dt, threads);
+  add_work(dt, threads);
 
   if (!gather.good) fail("a particle is not finite or moved more than a cell in one step");
   state.fastest = std::sqrt(gather.fastest2);
   look_for_rest(dt);
-  if (work_in_steps()) state.book.gravity += gravity.dot(moment_of_mass() - moment);
+  if (work_in_steps()) state.balance.gravity += gravity.dot(moment_of_mass() - moment);
   ++state.steps;
   state.body_motion = bodies.motion();
   choice.end_step();
@@ -101,9 +101,9 @@ void Solver::Impl::update_nodes(const Vec2& gravity, double dt, int threads) {
   const bool first = scheme.stress == StressUpdate::usf, filter = scheme.transfer == TransferKind::xpic;
   if (!first) average_mean_stress(p, g, scheme, threads);
   if (!first && !filter && contacts.empty() && !pushes())
-    return map_and_update(p, g, scheme, light, least, gravity, dt, threads);  // A.3-A.7
+    return map_and_update(p, g, scheme, small_mass, least, gravity, dt, threads);  // A.3-A.7
   map_momentum(p, g, scheme, !first, threads);                                // A.3, A.4
-  light.find(g, least);
+  small_mass.find(g, least);
   if (!contacts.empty()) contacts.find(p, g, density, dt, threads);
   if (first) {
     choose_strain_velocity(dt, threads);
@@ -125,18 +125,18 @@ void Solver::Impl::choose_strain_velocity(double dt, int threads) {
     });
     restrain_momentum(dt);
     for_nodes(g, threads, [this](Node& node, std::uint32_t n) {
-      const GridState::Straining u = g.straining(n);
+      const GridState::StrainVelocity u = g.strain_velocity(n);
       u.x = node.nx;
       u.y = node.ny;
       node.held = false;
     });
   }
-  light.join_velocity(g);
+  small_mass.join_velocity(g);
   if (!first) restrain_velocity();
 }
 
 void Solver::Impl::strain(double dt, int threads, GatherSums* moved) {
-  state.book.damping += strain_and_update_stress(materials, p, g, scheme, dt, threads, moved);
+  state.balance.damping += strain_and_update_stress(materials, p, g, scheme, dt, threads, moved);
   if (state.steps % stiffness_every == 0) state.wave_speed = wave_speed(materials, density, p, threads);
 }
 
@@ -144,15 +144,15 @@ void Solver::Impl::find_cells(int threads) {
   wake_what_moves();
   if (restraints.any_tied()) {
     restraints.carry_over(state.time, p);
-    g.located = false;
+    g.relocation.done = false;
   }
   std::vector<std::uint32_t> left;
   if (locate_points(p, g, left, threads)) {
     for (const std::uint32_t k : left) end_particle(k, EndReason::left_grid);
-    g.follow(p, g.moved);
-    state.since_sort += std::int64_t(g.moved.size());
+    g.follow(p, g.relocation.moves);
+    state.since_sort += std::int64_t(g.relocation.moves.size());
     if (double(state.since_sort) > sort_share * double(p.size())) {
-      p.sort_as(g.order, threads);
+      p.sort_as(g.cells.order, threads);
       state.since_sort = 0;
     }
   }
@@ -169,7 +169,7 @@ void Solver::Impl::restrain_momentum(double dt) {
 }
 
 void Solver::Impl::restrain_velocity() {
-  bodies.strain_apart(g);
+  bodies.separate_strain_velocities(g);
   restraints.apply_to_remapped(state.time, g);
   if (scheme.stress == StressUpdate::musl) contacts.apply_to_remapped(g);
   bodies.apply_to_remapped(state.time, g);
@@ -189,9 +189,9 @@ Solver::Solver(const MpmOptions& options, Scene scene, int threads)
     : impl_(std::make_unique<Impl>(options, std::move(scene), threads)) {}
 Solver::~Solver() = default;
 
-void Solver::settle(Progress& progress) {
+void Solver::find_initial_equilibrium(Progress& progress) {
   Impl& s = *impl_;
-  if (s.state.steps > 0) throw RunError("mpm: settle() was called after the first step");
+  if (s.state.steps > 0) throw RunError("mpm: find_initial_equilibrium() was called after the first step");
   for (const auto& material : s.materials)
     if (material->from_deformation())
       throw InputError("mpm.settle: found true beside " + material->name() +
@@ -199,11 +199,11 @@ void Solver::settle(Progress& progress) {
   // The average of three-node shapes leaves a point's own mean stress free to drift where points open one by one.
   Scheme scheme = s.scheme;
   if (scheme.shape != ShapeKind::bilinear) scheme.locking = Locking::none;
-  settle_particles({s.loading.gravity(0), s.options.settle_damping, s.options.settle_tolerance, s.most_threads, s.options.k0}, scheme,
-                   s.materials, s.restraints, s.contacts, s.density, s.bodies, s.p, s.g, progress);
+  relax_to_equilibrium({s.loading.gravity(0), s.options.settle_damping, s.options.settle_tolerance, s.most_threads, s.options.k0},
+                       {scheme, s.materials, s.density, s.restraints, s.contacts, s.bodies, s.p, s.g}, progress);
   s.p.resize_increments(0);
   s.p.history.reset();
-  s.restart_books();
+  s.restart_balance();
 }
 
 void Solver::advance_to(double time, Progress& progress) {
@@ -220,8 +220,8 @@ void Solver::advance_to(double time, Progress& progress) {
     s.step(dt);
     s.state.time = stop - s.state.time <= longest ? stop : s.state.time + dt;
     if (s.state.time == s.next_change(before)) s.sleep.wake_all();
-    if (s.state.time == s.restraints.next_change(before)) s.g.set_folds(s.restraints.folds(s.state.time, s.g.grid));
-    if (s.observer) s.observer(dt, [&s](const Vec2& x) { return s.g.velocity_at(x); });
+    if (s.state.time == s.restraints.next_change(before)) s.g.set_walls(s.restraints.wall_sides(s.state.time, s.g.grid));
+    if (s.observer) s.observer(dt, [&s](const Vec2& x) { return velocity_at(s.g, x); });
     if (s.state.steps % check_every == 0) {
       s.check_balance();
       s.watch_motion();
@@ -284,7 +284,7 @@ void Solver::load(const std::vector<std::byte>& checkpoint) {
   from_bytes(checkpoint, impl_->state);
   impl_->restore_ends(ended);
   impl_->g.rebuild(impl_->p);
-  impl_->g.set_folds(impl_->restraints.folds(impl_->state.time, impl_->g.grid));
+  impl_->g.set_walls(impl_->restraints.wall_sides(impl_->state.time, impl_->g.grid));
   impl_->bodies.set_motion(impl_->state.body_motion);
   impl_->change_densities(impl_->state.time, false);
   impl_->change_strength(impl_->state.time);

@@ -26,12 +26,12 @@ class Solver {
   Solver(const MpmOptions& options, Scene scene, int threads);
   ~Solver();
 
-  /// The damped quasi-static start (settle.hpp); call it before the first step, if MpmOptions::settle says so. The
+  /// The damped quasi-static start (initial_equilibrium.hpp); call it before the first step, if MpmOptions::settle says so. The
   /// particles stay where they are: equilibrium is sought in the reference configuration, so that x0 is the place of
   /// the loaded material. Afterwards velocities, displacements, F, plastic strain and the accumulated energies are
   /// zero and the stresses stay. Restraints with until_s > 0 count as in place. Throws RunError, naming the ratio
-  /// reached, if it does not settle.
-  void settle(Progress& progress);
+  /// reached, if none is found.
+  void find_initial_equilibrium(Progress& progress);
 
   /// Steps to `time` exactly (the last steps are trimmed). Throws RunError, with time and cause, on NaN or blow-up (a
   /// point that moves a cell in a step, or an energy residual beyond MpmOptions::energy_limit of what was turned over);
@@ -71,7 +71,7 @@ class Solver {
 
   /// Called after every step with the step's length and a function that gives the grid's velocity at a point (by the shape
   /// functions, of the step just made and the cells at its start; beyond material that of the nearest, two cells away at most, else
-  /// zero): what carries synthetic texture. Not called while settling.
+  /// zero): what carries synthetic texture. Not called for the initial equilibrium.
   using VelocityAt = std::function<Vec2(const Vec2&)>;
   void on_step(std::function<void(double dt, const VelocityAt&)> observer);
 

@@ -46,7 +46,7 @@ struct Solver::Impl {
   // solver_loads.cpp: what changes by the case's will.
   void load(double dt);
   void map_body_force(int threads);
-  void change_densities(double time, bool book);
+  void change_densities(double time, bool balance);
   void change_strength(double time);
   void remove_due();
   void start_at_rest(const Vec2& gravity);
@@ -63,7 +63,7 @@ struct Solver::Impl {
   double push_per_mass(double dt) const { return 1 / (dt * state.wave_speed * least_density() * g.grid.spacing.maxCoeff()); }
 
   // solver_watch.cpp: energy, rest and failure.
-  void book_work(double dt, int threads);
+  void add_work(double dt, int threads);
   void end_particle(std::size_t k, EndReason reason);
   void watch_motion();
   bool moved_far() const;
@@ -71,7 +71,7 @@ struct Solver::Impl {
   EnergyRow energy();
   void check_balance();
   [[noreturn]] void fail(const std::string& cause);
-  void restart_books();
+  void restart_balance();
   void restore_ends(const std::vector<SolverState::Ended>& before);
 
   MpmOptions options;
@@ -94,7 +94,7 @@ struct Solver::Impl {
   bool failed = false;  // only `good` is meant any more
   Particles& p = state.particles;
   GatherSums gather;
-  LightNodes light;
+  SmallMassNodes small_mass;
   NonlocalSoftening nonlocal;
   std::vector<double> filtered, pushed;  // x, y of every node: XPIC's velocity, Scene::body_force
   std::vector<Reaction> reactions;

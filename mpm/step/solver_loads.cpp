@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "mpm/material/model.hpp"
-#include "mpm/step/settle.hpp"
+#include "mpm/step/initial_equilibrium.hpp"
 #include "mpm/step/solver_impl.hpp"
 #include "pivnp/core/error.hpp"
 
@@ -34,20 +34,20 @@ void Solver::Impl::map_body_force(int threads) {
 }
 
 // Mass that comes moves as the point does: its kinetic energy is work done from outside.
-void Solver::Impl::change_densities(double time, bool book) {
+void Solver::Impl::change_densities(double time, bool balance) {
   if (!loading.any_density()) return;
   for (const Particles::Body& body : p.bodies) {
     const auto material = std::size_t(body.material);
     const double now = scene.materials[material].density_kg_m3 * loading.density_ratio(material, time);
     density[material] = now;
-    if (!book) continue;
+    if (!balance) continue;
     const double before = p.density;
     if (p.mass.empty()) p.density = now;
     for (std::size_t k = body.begin; k < body.end; ++k) {
       const double mass = now * p.volume0[k], mass_before = p.mass.empty() ? before * p.volume0[k] : p.mass[k];
       if (mass == mass_before || p.cell[k] == Particles::ended) continue;
       if (!p.mass.empty()) p.mass[k] = mass;
-      state.book.bodies += (1 - mass_before / mass) * stored_kinetic(p, g, k);
+      state.balance.bodies += (1 - mass_before / mass) * stored_kinetic(p, g, k);
     }
   }
 }

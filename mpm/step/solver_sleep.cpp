@@ -21,27 +21,27 @@ void Solver::Impl::wake_what_moves() {
 void Solver::Impl::let_sleep() {
   if (!sleep.on()) return;
   const bool look = state.steps % look_every == 0;
-  state.book.damping += sleep.settle_down(look, state.time, look ? watched * wave_across() : 0, p, g);
+  state.balance.damping += sleep.fall_asleep(look, state.time, look ? watched * wave_across() : 0, p, g);
 }
 
 void Solver::Impl::look_for_rest(double dt) {
   if (!sleep.on()) return;
-  sleep.book(dt, g.order.size());
+  sleep.count(dt, g.cells.order.size());
   if ((state.steps + 1) % look_every == 0)
     sleep.look(state.time, push_per_mass(dt), wave_across(), g, reactions);
 }
 
 // Time of a wave along the longer side of the material.
 double Solver::Impl::wave_across() const {
-  if (g.slots() == 0) return 0;
+  if (g.cells.size() == 0) return 0;
   const int nx = g.grid.nx;
   int low = nx, high = 0;
-  for (const std::int32_t c : g.slot_cell) {
+  for (const std::int32_t c : g.cells.index) {
     low = std::min(low, c % nx);
     high = std::max(high, c % nx);
   }
   const double width = (high - low + 1) * g.grid.spacing.x();
-  const double height = (g.slot_cell.back() / nx - g.slot_cell.front() / nx + 1) * g.grid.spacing.y();
+  const double height = (g.cells.index.back() / nx - g.cells.index.front() / nx + 1) * g.grid.spacing.y();
   return std::max(width, height) / state.wave_speed;
 }
 

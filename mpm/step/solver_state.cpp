@@ -90,7 +90,7 @@ void visit(Archive& a, State& s) {
   for (auto& values : p.history.flags) a.array(values);
   a.value(p.density);
   a.list(s.ended);
-  a.value(s.book);
+  a.value(s.balance);
   a.value(s.time);
   a.value(s.fastest);
   a.value(s.wave_speed);

@@ -14,7 +14,7 @@ namespace pivnp::mpm {
 
 struct SolverState {
   Particles particles;
-  EnergyBook book;
+  EnergyBalance balance;
   struct Ended {
     double time;
     std::uint32_t particle;  // in the ParticleSet

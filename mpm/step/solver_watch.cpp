@@ -18,20 +18,20 @@ constexpr double still = 0.01;                // cells that the fastest node may
 
 }  // namespace
 
-void Solver::Impl::book_work(double dt, int threads) {
+void Solver::Impl::add_work(double dt, int threads) {
   const bool strained = scheme.stress != StressUpdate::usf;
-  state.book.add(nodal_work(g, reactions, scheme.damping, dt, strained, threads), gather.kinetic_loss);
+  state.balance.add(nodal_work(g, reactions, scheme.damping, dt, strained, threads), gather.kinetic_loss);
   for (const Reaction& r : reactions)
     if (r.body >= 0) {
       state.body_impulse[2 * std::size_t(r.body)] += r.impulse_x;
       state.body_impulse[2 * std::size_t(r.body) + 1] += r.impulse_y;
     }
   if (!pushes()) return;
-  for (const std::uint32_t n : g.nodes) {
+  for (const std::uint32_t n : g.active.nodes) {
     const Vec2 w = working_velocity(g, n, strained);
     const double work = dt * (pushed[2 * n] * w.x() + pushed[2 * n + 1] * w.y());
-    state.book.bodies += work;
-    state.book.moved += std::abs(work);
+    state.balance.bodies += work;
+    state.balance.moved += std::abs(work);
   }
 }
 
@@ -40,7 +40,7 @@ void Solver::Impl::end_particle(std::size_t k, EndReason reason) {
   scene.particles.end[p.index[k]] = state.time;
   scene.particles.end_reason[p.index[k]] = reason;
   const StoredEnergy lost = stored_energy_of(p, g, materials, k);
-  state.book.carried += lost.kinetic + lost.elastic;
+  state.balance.carried += lost.kinetic + lost.elastic;
   p.cell[k] = Particles::ended;
 }
 
@@ -80,9 +80,9 @@ double Solver::Impl::work_of_gravity() const {
 }
 
 EnergyRow Solver::Impl::energy() {
-  EnergyBook book = state.book;
-  if (!work_in_steps()) book.gravity = work_of_gravity();
-  EnergyRow row = energy_row(state.time, stored_energy(p, g, materials), book);
+  EnergyBalance balance = state.balance;
+  if (!work_in_steps()) balance.gravity = work_of_gravity();
+  EnergyRow row = energy_row(state.time, stored_energy(p, g, materials), balance);
   if (scheme.shape == ShapeKind::bilinear) row.hourglass = hourglass_energy(p, g);
   return row;
 }
@@ -90,7 +90,7 @@ EnergyRow Solver::Impl::energy() {
 void Solver::Impl::check_balance() {
   const EnergyRow row = energy();
   if (!std::isfinite(row.residual)) fail("the energy is not finite");
-  const double turned_over = turnover(row, state.book);
+  const double turned_over = turnover(row, state.balance);
   if (std::abs(row.residual) > options.energy_limit * turned_over) {
     std::ostringstream text;
     text << "the energy residual is " << row.residual << " J/m, beyond " << options.energy_limit
@@ -108,10 +108,10 @@ void Solver::Impl::fail(const std::string& cause) {
   throw RunError(text.str());
 }
 
-void Solver::Impl::restart_books() {
-  state.book = EnergyBook{};
+void Solver::Impl::restart_balance() {
+  state.balance = EnergyBalance{};
   const StoredEnergy stored = stored_energy(p, g, materials);
-  state.book.start = stored.kinetic + stored.elastic;
+  state.balance.start = stored.kinetic + stored.elastic;
   failed = false;
   good = {energy(), state.steps};
 }

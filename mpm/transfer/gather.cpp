@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mpm/grid/kernel.hpp"
+#include "mpm/grid/sweeps.hpp"
 #include "mpm/transfer/transfer.hpp"
 
 namespace pivnp::mpm {
@@ -9,11 +9,11 @@ namespace pivnp::mpm {
 namespace {
 
 // The momentum mapped again becomes the velocity that strains the material.
-void over_mass(GridState& g, SlotRange nodes) {
+void over_mass(GridState& g, Range nodes) {
   for (std::size_t a = nodes.begin; a < nodes.end; ++a) {
-    const std::uint32_t n = g.nodes[a];
+    const std::uint32_t n = g.active.nodes[a];
     const double per_mass = g.node[n].mass > 0 ? 1 / g.node[n].mass : 0;
-    const GridState::Straining u = g.straining(n);
+    const GridState::StrainVelocity u = g.strain_velocity(n);
     u.x *= per_mass;
     u.y *= per_mass;
   }
@@ -47,10 +47,10 @@ GatherSums gather_velocity(Particles& p, GridState& g, const Scheme& scheme, dou
   job.filtered = filtered.data();
   const PointView points = p.view();
   const CellView cells = g.view();
-  std::vector<GatherSums> results(g.awake.runs.size());
-  const auto nothing = [](SlotRange, std::size_t) {};
-  const auto move = [&](SlotRange slots, std::size_t run) { results[run] = move_lanes(g.shape, job, points, cells, slots); };
-  for_bands(g.awake, threads, nothing, move, [&](SlotRange nodes, std::size_t) {
+  std::vector<GatherSums> results(g.active.awake.runs.size());
+  const auto nothing = [](Range, std::size_t) {};
+  const auto move = [&](Range range, std::size_t run) { results[run] = move_lanes(g.shape, job, points, cells, range); };
+  for_bands(g.active.awake, threads, nothing, move, [&](Range nodes, std::size_t) {
     if (job.remap) over_mass(g, nodes);
   });
   return sum_of(results);
@@ -59,16 +59,16 @@ GatherSums gather_velocity(Particles& p, GridState& g, const Scheme& scheme, dou
 void filtered_velocity(const Particles& p, GridState& g, int order, std::vector<double>& out, int threads) {
   out.assign(2 * g.grid.node_count(), 0.0);
   std::vector<double> rest(out.size(), 0.0), projected(out.size(), 0.0);
-  for (const std::uint32_t n : g.nodes) {
+  for (const std::uint32_t n : g.active.nodes) {
     rest[2 * n] = out[2 * n] = g.node[n].vx;
     rest[2 * n + 1] = out[2 * n + 1] = g.node[n].vy;
   }
   const PointView points = p.view();
   const CellView cells = g.view();
   for (int l = 1; l < order; ++l) {
-    for (const std::uint32_t n : g.nodes) projected[2 * n] = projected[2 * n + 1] = 0;
-    for_bands(g.mapped, threads, [&](SlotRange slots, std::size_t) {
-      project_lanes(g.shape, rest.data(), projected.data(), points, cells, slots);
+    for (const std::uint32_t n : g.active.nodes) projected[2 * n] = projected[2 * n + 1] = 0;
+    for_bands(g.active.mapped, threads, [&](Range range, std::size_t) {
+      project_lanes(g.shape, rest.data(), projected.data(), points, cells, range);
     });
     for_nodes(g, threads, [&](Node& node, std::uint32_t n) {
       const double per_mass = node.mass > 0 ? 1 / node.mass : 0;
@@ -81,15 +81,15 @@ void filtered_velocity(const Particles& p, GridState& g, int order, std::vector<
 }
 
 double hourglass_energy(const Particles& p, const GridState& g) {
-  if (g.width != 2) return 0;
+  if (g.shape != ShapeKind::bilinear) return 0;
   double sum = 0;
-  for (std::size_t s = 0; s < g.slots(); ++s) {
-    std::size_t at[9];
-    g.stencil_nodes(s, at);
+  for (std::size_t s = 0; s < g.cells.size(); ++s) {
+    std::size_t at[most_stencil_nodes];
+    g.stencil_nodes(g.cells.index[s], at);
     const Node &a = g.node[at[0]], &b = g.node[at[1]], &c = g.node[at[2]], &d = g.node[at[3]];
     const double x = 0.25 * (a.vx - b.vx - c.vx + d.vx), y = 0.25 * (a.vy - b.vy - c.vy + d.vy);
     double mass = 0;
-    for (std::uint32_t q = g.slot_begin[s]; q < g.slot_begin[s + 1]; ++q) mass += p.mass_of(g.order[q]);
+    for (std::uint32_t q = g.cells.begin[s]; q < g.cells.begin[s + 1]; ++q) mass += p.mass_of(g.cells.order[q]);
     sum += 0.5 * mass * (x * x + y * y);
   }
   return sum;

@@ -14,74 +14,16 @@
 HWY_BEFORE_NAMESPACE();
 namespace pivnp::mpm::HWY_NAMESPACE {
 
-// Shape functions as in shape.hpp.
-template <int width>
-struct LaneLine {
-  V w[width], g[width];
-};
-
-struct BilinearLanes {
-  static constexpr int W = 2, first = 0;
-  static constexpr bool linear = true, needs_size = false;
-  static HWY_INLINE LaneLine<2> line(V xi, V) { return {{set(1) - xi, xi}, {set(-1), set(1)}}; }
-};
-
-struct BSplineLanes {
-  static constexpr int W = 3, first = -1;
-  static constexpr bool linear = false, needs_size = false;
-  static HWY_INLINE LaneLine<3> line(V xi, V) {
-    const V a = set(0.5) - xi, b = set(0.5) + xi;
-    return {{set(0.5) * a * a, hn::NegMulAdd(xi, xi, set(0.75)), set(0.5) * b * b},
-            {hn::Neg(a), set(-2) * xi, b}};
-  }
-  static HWY_INLINE LaneLine<3> line_at_wall(V xi, V, bool low) {
-    const V one = set(1);
-    if (low) {
-      xi = hn::Max(xi, zero());
-      return {{zero(), one - xi, xi}, {zero(), set(-1), one}};
-    }
-    xi = hn::Min(xi, zero());
-    return {{hn::Neg(xi), one + xi, zero()}, {set(-1), one, zero()}};
-  }
-  static HWY_INLINE V per_moment(const LaneLine<3>&, const V*) { return set(4); }
-};
-
-struct GimpLanes {
-  static constexpr int W = 3, first = -1;
-  static constexpr bool linear = false, needs_size = true;
-  static HWY_INLINE LaneLine<3> line(V xi, V half) {
-    // A function's end, a parabola, and its side reach the nodes beside: by how far the point's square overlaps them. The
-    // three make up one.
-    const V per_size = set(0.5) / half, size = half + half;
-    const auto beside = [&](V reach, V& w, V& g) PIVNP_TILE {
-      reach = hn::Max(zero(), reach);  // (of the two the second where it is not a number)
-      const V end = hn::Min(size, reach);
-      g = end * per_size;
-      w = hn::MulAdd(set(0.5) * end, g, reach - end);
-    };
-    LaneLine<3> out;
-    V fall;
-    beside(half - xi, out.w[0], fall);
-    beside(half + xi, out.w[2], out.g[2]);
-    out.g[0] = hn::Neg(fall);
-    out.w[1] = (set(1) - out.w[0]) - out.w[2];
-    out.g[1] = fall - out.g[2];
-    return out;
-  }
-  static HWY_INLINE LaneLine<3> line_at_wall(V xi, V half, bool low) {
-    LaneLine<3> out = line(low ? hn::Max(xi, zero()) : hn::Min(xi, zero()), half);
-    const int behind = low ? 0 : 2, ahead = low ? 2 : 0;
-    out.w[1] = hn::MulAdd(set(2), out.w[behind], out.w[1]);
-    out.g[1] = hn::MulAdd(set(2), out.g[behind], out.g[1]);
-    out.w[ahead] = out.w[ahead] - out.w[behind];
-    out.g[ahead] = out.g[ahead] - out.g[behind];
-    out.w[behind] = out.g[behind] = zero();
-    return out;
-  }
-  static HWY_INLINE V per_moment(const LaneLine<3>& l, const V* arm) {
-    return set(1) / (l.w[0] * arm[0] * arm[0] + l.w[1] * arm[1] * arm[1] + l.w[2] * arm[2] * arm[2]);
-  }
-};
+// Shape functions in lanes (shape_functions-inl.hpp).
+template <class T>
+HWY_INLINE T constant(double value) {
+  return set(value);
+}
+#define PIVNP_NUMBERS HWY_INLINE
+#define PIVNP_NUMBERS_LAMBDA PIVNP_TILE
+#include "mpm/grid/shape_functions-inl.hpp"
+#undef PIVNP_NUMBERS
+#undef PIVNP_NUMBERS_LAMBDA
 
 // Where all are of one body, of its density.
 template <class Tile>
@@ -143,7 +85,7 @@ HWY_INLINE Natural natural(const PointView& p, const CellView& c, const TileCell
   }
   const Natural at = natural_of(c, cells, x, y);
   if constexpr (!Tile::marked) return at;
-  const V low = set(S::linear ? 0 : -0.5), high = set(S::linear ? 1 : 0.5);
+  const V low = set(S::centred ? -0.5 : 0), high = set(S::centred ? 0.5 : 1);
   return {hn::Min(hn::Max(at.xi, low), high), hn::Min(hn::Max(at.eta, low), high)};
 }
 
@@ -151,10 +93,10 @@ HWY_INLINE Natural natural(const PointView& p, const CellView& c, const TileCell
 template <class S, class Tile>
 struct TileLines {
   using Shape = S;
-  static constexpr int W = S::W;
-  static constexpr bool marked = Tile::marked, beside_walls = !S::linear && marked;
+  static constexpr int W = S::width;
+  static constexpr bool marked = Tile::marked, beside_walls = S::centred && marked;
   V xi, eta;
-  LaneLine<S::W> x, y;
+  Line<V, S::width> x, y;
 
   HWY_INLINE TileLines(const PointView& p, const TileCells& cells, const Tile& t, const Natural& at) : xi(at.xi), eta(at.eta) {
     V half = zero();
@@ -162,25 +104,25 @@ struct TileLines {
     x = S::line(xi, half);
     y = S::line(eta, half);
     if constexpr (beside_walls) {
-      at_wall(cells, xi, half, fold_left, fold_right, x);
-      at_wall(cells, eta, half, fold_down, fold_up, y);
+      at_wall(cells, xi, half, wall_left, wall_right, x);
+      at_wall(cells, eta, half, wall_down, wall_up, y);
     }
   }
   // Distances of the nodes from the points, in cells.
   HWY_INLINE void arms(V* ax, V* ay) const {
-    for (int a = 0; a < S::W; ++a) {
+    for (int a = 0; a < S::width; ++a) {
       ax[a] = set(a + S::first) - xi;
       ay[a] = set(a + S::first) - eta;
     }
   }
 
  private:
-  static HWY_INLINE void at_wall(const TileCells& cells, V place, V half, unsigned low, unsigned high, LaneLine<S::W>& line) {
+  static HWY_INLINE void at_wall(const TileCells& cells, V place, V half, unsigned low, unsigned high, Line<V, S::width>& line) {
     for (const unsigned wall : {low, high}) {
       if (!(cells.any_mark() & wall)) continue;
       const M beside = cells.beside(wall);
-      const LaneLine<S::W> other = S::line_at_wall(place, half, wall == low);
-      for (int a = 0; a < S::W; ++a) {
+      const Line<V, S::width> other = S::line_at_wall(place, half, wall == low);
+      for (int a = 0; a < S::width; ++a) {
         line.w[a] = hn::IfThenElse(beside, other.w[a], line.w[a]);
         line.g[a] = hn::IfThenElse(beside, other.g[a], line.g[a]);
       }
@@ -248,16 +190,6 @@ HWY_INLINE V averaged(const CellView& c, const TileCells& cells, V xi, V eta) {
   const auto at = [&](std::ptrdiff_t n) PIVNP_TILE { return of_groups(first[n].value, second[n].value); };
   const V low = hn::MulAdd(hx[1], at(1), hx[0] * at(0)), high = hn::MulAdd(hx[1], at(cells.nx + 1), hx[0] * at(cells.nx));
   return hn::MulAdd(hy[1], high, hy[0] * low);
-}
-
-/// Calls action with the lane form of the shape.
-template <class Action>
-HWY_INLINE auto with_lanes(ShapeKind kind, Action&& action) {
-  switch (kind) {
-    case ShapeKind::bilinear: return action(BilinearLanes{});
-    case ShapeKind::gimp: return action(GimpLanes{});
-    default: return action(BSplineLanes{});
-  }
 }
 
 }  // namespace pivnp::mpm::HWY_NAMESPACE

@@ -50,31 +50,31 @@ struct MoveJob {
 };
 
 /// Places in `order` of the points that are not in their cell, to `suspects`, whose number is returned.
-std::size_t locate_lanes(const PointView& p, const CellView& c, SlotRange slots, std::uint32_t* suspects);
+std::size_t locate_lanes(const PointView& p, const CellView& c, Range range, std::uint32_t* suspects);
 /// Adds mass, momentum and internal force to Node::mass, vx, vy, fx, fy. F-bar of three-node shapes: with the
 /// average of the mean stress.
 void map_lanes(ShapeKind shape, bool affine, bool momentum, bool force, Locking locking, const PointView& p,
-               const CellView& c, SlotRange slots);
+               const CellView& c, Range range);
 /// Adds V0 times the mean stress to CellView::average, and V0 and the edges' sums.
-void average_stress_lanes(const PointView& p, const CellView& c, SlotRange slots);
+void average_stress_lanes(const PointView& p, const CellView& c, Range range);
 /// Adds V0 times ln det of the step's deformation; with `volumes` what does not depend on it too.
 void average_strain_lanes(ShapeKind shape, Where where, double dt, bool volumes, const PointView& p, const CellView& c,
-                          SlotRange slots);
-/// A.8-A.11; `remap`: adds the updated momentum to CellView::straining.
-GatherSums move_lanes(ShapeKind shape, const MoveJob& job, const PointView& p, const CellView& c, SlotRange slots);
+                          Range range);
+/// A.8-A.11; `remap`: adds the updated momentum to CellView::strain_velocity.
+GatherSums move_lanes(ShapeKind shape, const MoveJob& job, const PointView& p, const CellView& c, Range range);
 /// A.12; F-bar of three-node shapes: with the averaged volumetric increment. With Where::before does what locate_lanes()
 /// does too.
-std::size_t strain_lanes(ShapeKind shape, const StrainJob& job, const PointView& p, const CellView& c, SlotRange slots,
+std::size_t strain_lanes(ShapeKind shape, const StrainJob& job, const PointView& p, const CellView& c, Range range,
                          const Increments& out, std::uint32_t* suspects);
-/// Both together, three-node shapes with usl and apic (`strain.locking` none): the straining velocity is the updated one.
+/// Both together, three-node shapes with usl and apic (`strain.locking` none): the strain-rate velocity is the updated one.
 /// Does what locate_lanes() does too.
 GatherSums move_strain_lanes(ShapeKind shape, const MoveJob& job, const StrainJob& strain, const PointView& p, const CellView& c,
-                             SlotRange slots, const Increments& out, std::uint32_t* suspects);
+                             Range range, const Increments& out, std::uint32_t* suspects);
 /// The same with F-bar, whose averages come first: adds what average_strain_lanes() does without `volumes`.
-GatherSums move_average_lanes(ShapeKind shape, const MoveJob& job, const PointView& p, const CellView& c, SlotRange slots);
+GatherSums move_average_lanes(ShapeKind shape, const MoveJob& job, const PointView& p, const CellView& c, Range range);
 /// P v of XPIC: from the nodes' `v` to the points and back, times the mass, added to `out`; x and y of every node.
 void project_lanes(ShapeKind shape, const double* v, double* out, const PointView& p, const CellView& c,
-                   SlotRange slots);
+                   Range range);
 /// The instruction set that the kernels run on.
 const char* simd_target();
 

@@ -13,9 +13,9 @@
 HWY_BEFORE_NAMESPACE();
 namespace pivnp::mpm::HWY_NAMESPACE {
 
-std::size_t locate_slots(const PointView& p, const CellView& c, SlotRange slots, std::uint32_t* suspects) {
+std::size_t locate_range(const PointView& p, const CellView& c, Range range, std::uint32_t* suspects) {
   std::size_t found = 0;
-  for_tiles(c, slots, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
+  for_tiles(c, range, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
     find_suspects(c, cells, t, natural_of(c, cells, t.load(p.x), t.load(p.y)), suspects, found);
   });
   return found;
@@ -41,24 +41,24 @@ struct ElementSums {
   HWY_INLINE void add(const TileCells& cells, std::size_t first, V v, double* to) {
     double sums[groups];
     group_sums(v, sums);
-    for (std::size_t g = 0; g < groups; ++g) to[cells.slot[g] - first] += sums[g];
+    for (std::size_t g = 0; g < groups; ++g) to[cells.occupied[g] - first] += sums[g];
   }
 };
 
 // The mean stress that F-bar puts in the place of the points' own, in `mean`; the others' force at the nodes.
-HWY_INLINE void average_elements(const PointView& p, const CellView& c, SlotRange slots, Locking locking, double* mean) {
+HWY_INLINE void average_elements(const PointView& p, const CellView& c, Range range, Locking locking, double* mean) {
   ElementSums sums;
-  for_tiles(c, slots, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
+  for_tiles(c, range, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
     const V v = t.live(locking == Locking::fbar ? joined_volume(p, t) : t.load(p.volume0));
-    sums.add(cells, slots.begin, v * t.load(p.tau_xx), sums.xx);
-    sums.add(cells, slots.begin, v * t.load(p.tau_yy), sums.yy);
-    sums.add(cells, slots.begin, v * t.load(p.tau_zz), sums.zz);
-    if (locking == Locking::full) sums.add(cells, slots.begin, v * t.load(p.tau_xy), sums.xy);
-    if (locking == Locking::fbar) sums.add(cells, slots.begin, v, sums.volume);
+    sums.add(cells, range.begin, v * t.load(p.tau_xx), sums.xx);
+    sums.add(cells, range.begin, v * t.load(p.tau_yy), sums.yy);
+    sums.add(cells, range.begin, v * t.load(p.tau_zz), sums.zz);
+    if (locking == Locking::full) sums.add(cells, range.begin, v * t.load(p.tau_xy), sums.xy);
+    if (locking == Locking::fbar) sums.add(cells, range.begin, v, sums.volume);
   });
-  for (std::size_t s = slots.begin; s < slots.end; ++s) {
-    const std::size_t at = s - slots.begin;
-    Node* base = c.node + c.slot_cell[s];
+  for (std::size_t s = range.begin; s < range.end; ++s) {
+    const std::size_t at = s - range.begin;
+    Node* base = c.node + c.index[s];
     const double third = (sums.xx[at] + sums.yy[at] + sums.zz[at]) / 3;
     mean[at] = sums.volume[at] > 0 ? third / sums.volume[at] : 0;  // 0: all its points stand open
     if (locking == Locking::full) add_centre_force(c, base, sums.xx[at], sums.yy[at], sums.xy[at]);
@@ -68,21 +68,21 @@ HWY_INLINE void average_elements(const PointView& p, const CellView& c, SlotRang
 
 template <class S, bool affine>
 struct Mapping {
-  static constexpr int W = S::W;
+  static constexpr int W = S::width;
   const PointView p;
   const CellView c;
   bool momentum;
   double force;  // 1 or 0
   Locking locking;
 
-  // What the mean stress of the tile's points changes by; `mean`: of F-bar's elements, from slot `first` on.
+  // What the mean stress of the tile's points changes by; `mean`: of F-bar's elements, from the occupied cell `first` on.
   template <class Lines, class Tile>
   HWY_INLINE V mean_change(const Lines& l, const Tile& t, const TileCells& cells, const double* mean,
                            std::size_t first, V xx, V yy) const {
     const V own = sum3(xx, yy, t.load(p.tau_zz)) * set(-1.0 / 3);
-    if constexpr (W == 2) {
+    if constexpr (!S::centred) {
       if (locking != Locking::fbar) return own;
-      const V element = of_groups(mean[cells.slot[0] - first], mean[cells.slot[groups - 1] - first]);
+      const V element = of_groups(mean[cells.occupied[0] - first], mean[cells.occupied[groups - 1] - first]);
       return hn::IfThenZeroElse(stands_open(p, t), own + element);
     } else {
       return hn::IfThenZeroElse(stands_open(p, t), own + averaged(c, cells, l.xi, l.eta));
@@ -134,46 +134,46 @@ struct Mapping {
     add_fives<W * W>(four, fy, [&](std::size_t g, int n) PIVNP_TILE { return &cells.base[g][n / W * cells.nx + n % W].mass; });
   }
 
-  HWY_INLINE void run(SlotRange slots) const {
+  HWY_INLINE void run(Range range) const {
     double mean[ElementSums::most];
-    const bool average = W == 2 && locking != Locking::none && force != 0;
+    const bool average = !S::centred && locking != Locking::none && force != 0;
     const double factor = average && locking == Locking::full ? 0 : force;
-    const std::size_t each = average ? ElementSums::most : slots.end - slots.begin;
-    while (slots.begin < slots.end) {
-      const SlotRange part{slots.begin, std::min(slots.end, slots.begin + each)};
+    const std::size_t each = average ? ElementSums::most : range.end - range.begin;
+    while (range.begin < range.end) {
+      const Range part{range.begin, std::min(range.end, range.begin + each)};
       if (average) average_elements(p, c, part, locking, mean);
       for_tiles(c, part, [&](const auto& t, const TileCells& cells) PIVNP_TILE { tile(t, cells, factor, mean, part.begin); });
-      slots.begin = part.end;
+      range.begin = part.end;
     }
   }
 };
 
-void map_slots(ShapeKind shape, bool affine, bool momentum, bool force, Locking locking, const PointView& p,
-               const CellView& c, SlotRange slots) {
-  with_lanes(shape, [&](auto kind) HWY_ATTR {
+void map_range(ShapeKind shape, bool affine, bool momentum, bool force, Locking locking, const PointView& p,
+               const CellView& c, Range range) {
+  Shapes::with(shape, [&](auto kind) HWY_ATTR {
     using S = decltype(kind);
     if (affine) {
-      Mapping<S, true>{p, c, momentum, force ? 1.0 : 0.0, locking}.run(slots);
+      Mapping<S, true>{p, c, momentum, force ? 1.0 : 0.0, locking}.run(range);
     } else {
-      Mapping<S, false>{p, c, momentum, force ? 1.0 : 0.0, locking}.run(slots);
+      Mapping<S, false>{p, c, momentum, force ? 1.0 : 0.0, locking}.run(range);
     }
   });
 }
 
-void average_stress_slots(const PointView& p, const CellView& c, SlotRange slots) {
-  for_tiles(c, slots, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
+void average_stress_range(const PointView& p, const CellView& c, Range range) {
+  for_tiles(c, range, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
     const V mean = sum3(t.load(p.tau_xx), t.load(p.tau_yy), t.load(p.tau_zz)) * set(1.0 / 3);
-    const Natural at = natural<BSplineLanes>(p, c, cells, t);
+    const Natural at = natural<BSplineShape>(p, c, cells, t);
     add_to_averages(c, cells, true, at.xi, at.eta, joined_volume(p, t), mean);
   });
 }
 
-void project_slots(ShapeKind shape, const double* v, double* out, const PointView& p, const CellView& c,
-                   SlotRange slots) {
-  with_lanes(shape, [&](auto kind) HWY_ATTR {
+void project_range(ShapeKind shape, const double* v, double* out, const PointView& p, const CellView& c,
+                   Range range) {
+  Shapes::with(shape, [&](auto kind) HWY_ATTR {
     using S = decltype(kind);
-    constexpr int W = S::W, N = W * W;
-    for_tiles(c, slots, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
+    constexpr int W = S::width, N = W * W;
+    for_tiles(c, range, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
       std::ptrdiff_t base[groups];
       for (std::size_t g = 0; g < groups; ++g) base[g] = cells.base[g] - c.node;
       const auto at = [&](std::size_t g, int n) PIVNP_TILE { return 2 * (base[g] + n / W * cells.nx + n % W); };
@@ -201,24 +201,24 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace pivnp::mpm {
 
-HWY_EXPORT(locate_slots);
-HWY_EXPORT(map_slots);
-HWY_EXPORT(average_stress_slots);
-HWY_EXPORT(project_slots);
+HWY_EXPORT(locate_range);
+HWY_EXPORT(map_range);
+HWY_EXPORT(average_stress_range);
+HWY_EXPORT(project_range);
 
-std::size_t locate_lanes(const PointView& p, const CellView& c, SlotRange slots, std::uint32_t* suspects) {
-  return HWY_DYNAMIC_DISPATCH(locate_slots)(p, c, slots, suspects);
+std::size_t locate_lanes(const PointView& p, const CellView& c, Range range, std::uint32_t* suspects) {
+  return HWY_DYNAMIC_DISPATCH(locate_range)(p, c, range, suspects);
 }
 void map_lanes(ShapeKind shape, bool affine, bool momentum, bool force, Locking locking, const PointView& p,
-               const CellView& c, SlotRange slots) {
-  HWY_DYNAMIC_DISPATCH(map_slots)(shape, affine, momentum, force, locking, p, c, slots);
+               const CellView& c, Range range) {
+  HWY_DYNAMIC_DISPATCH(map_range)(shape, affine, momentum, force, locking, p, c, range);
 }
-void average_stress_lanes(const PointView& p, const CellView& c, SlotRange slots) {
-  HWY_DYNAMIC_DISPATCH(average_stress_slots)(p, c, slots);
+void average_stress_lanes(const PointView& p, const CellView& c, Range range) {
+  HWY_DYNAMIC_DISPATCH(average_stress_range)(p, c, range);
 }
 void project_lanes(ShapeKind shape, const double* v, double* out, const PointView& p, const CellView& c,
-                   SlotRange slots) {
-  HWY_DYNAMIC_DISPATCH(project_slots)(shape, v, out, p, c, slots);
+                   Range range) {
+  HWY_DYNAMIC_DISPATCH(project_range)(shape, v, out, p, c, range);
 }
 
 }  // namespace pivnp::mpm

@@ -19,17 +19,17 @@ struct Velocity {
 template <class Lines>
 struct AffineWeights {
   using S = typename Lines::Shape;
-  static constexpr int W = S::W;
+  static constexpr int W = S::width;
   V x[W], y[W];
   HWY_INLINE AffineWeights(const Lines& l, const TileCells& cells, const CellView& c) {
     V ax[W], ay[W];
     l.arms(ax, ay);
-    along(l.x, ax, set(c.per_hx), cells, fold_left | fold_right, x);
-    along(l.y, ay, set(c.per_hy), cells, fold_down | fold_up, y);
+    along(l.x, ax, set(c.per_hx), cells, wall_left | wall_right, x);
+    along(l.y, ay, set(c.per_hy), cells, wall_down | wall_up, y);
   }
 
  private:
-  static HWY_INLINE void along(const LaneLine<S::W>& l, const V* arm, V per_h, const TileCells& cells, unsigned walls, V* out) {
+  static HWY_INLINE void along(const Line<V, S::width>& l, const V* arm, V per_h, const TileCells& cells, unsigned walls, V* out) {
     if constexpr (S::linear) {
       for (int a = 0; a < W; ++a) out[a] = l.g[a] * per_h;
     } else {
@@ -45,7 +45,7 @@ struct AffineWeights {
 
 template <class S, TransferKind transfer>
 struct Moving {
-  static constexpr int W = S::W, N = W * W;
+  static constexpr int W = S::width, N = W * W;
   const MoveJob job;
   const PointView p;
   const CellView c;
@@ -181,7 +181,7 @@ struct Moving {
       px[n] = mass * x;
       py[n] = mass * y;
     }
-    add_pairs<N>(px, py, [&](std::size_t g, int n) PIVNP_TILE { return c.straining + 2 * (cells.base[g] - c.node + n / W * cells.nx + n % W); });
+    add_pairs<N>(px, py, [&](std::size_t g, int n) PIVNP_TILE { return c.strain_velocity + 2 * (cells.base[g] - c.node + n / W * cells.nx + n % W); });
   }
 };
 

@@ -12,18 +12,18 @@ HWY_BEFORE_NAMESPACE();
 namespace pivnp::mpm::HWY_NAMESPACE {
 
 template <class S, TransferKind transfer>
-GatherSums move_all(const MoveJob& job, const PointView& p, const CellView& c, SlotRange slots) {
+GatherSums move_all(const MoveJob& job, const PointView& p, const CellView& c, Range range) {
   Moving<S, transfer> move{job, p, c};
-  for_tiles(c, slots, [&](const auto& t, const TileCells& cells) PIVNP_TILE { move.tile(t, cells); });
+  for_tiles(c, range, [&](const auto& t, const TileCells& cells) PIVNP_TILE { move.tile(t, cells); });
   return sums_of(move.fastest2, move.loss, move.good);
 }
 
-GatherSums move_slots(ShapeKind shape, const MoveJob& job, const PointView& p, const CellView& c, SlotRange slots) {
-  return with_lanes(shape, [&](auto kind) HWY_ATTR {
+GatherSums move_range(ShapeKind shape, const MoveJob& job, const PointView& p, const CellView& c, Range range) {
+  return Shapes::with(shape, [&](auto kind) HWY_ATTR {
     using S = decltype(kind);
-    return job.transfer == TransferKind::apic   ? move_all<S, TransferKind::apic>(job, p, c, slots)
-           : job.transfer == TransferKind::xpic ? move_all<S, TransferKind::xpic>(job, p, c, slots)
-                                                : move_all<S, TransferKind::flip>(job, p, c, slots);
+    return job.transfer == TransferKind::apic   ? move_all<S, TransferKind::apic>(job, p, c, range)
+           : job.transfer == TransferKind::xpic ? move_all<S, TransferKind::xpic>(job, p, c, range)
+                                                : move_all<S, TransferKind::flip>(job, p, c, range);
   });
 }
 
@@ -35,11 +35,11 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace pivnp::mpm {
 
-HWY_EXPORT(move_slots);
+HWY_EXPORT(move_range);
 HWY_EXPORT(target_name);
 
-GatherSums move_lanes(ShapeKind shape, const MoveJob& job, const PointView& p, const CellView& c, SlotRange slots) {
-  return HWY_DYNAMIC_DISPATCH(move_slots)(shape, job, p, c, slots);
+GatherSums move_lanes(ShapeKind shape, const MoveJob& job, const PointView& p, const CellView& c, Range range) {
+  return HWY_DYNAMIC_DISPATCH(move_range)(shape, job, p, c, range);
 }
 const char* simd_target() { return HWY_DYNAMIC_DISPATCH(target_name)(); }
 

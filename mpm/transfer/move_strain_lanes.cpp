@@ -15,7 +15,7 @@ namespace pivnp::mpm::HWY_NAMESPACE {
 
 template <class S>
 struct MovingStrain {
-  static constexpr int W = S::W;
+  static constexpr int W = S::width;
   using Move = Moving<S, TransferKind::apic>;
   Move move;
   double sx = move.job.dt * move.c.per_hx, sy = move.job.dt * move.c.per_hy;
@@ -51,16 +51,16 @@ struct MovingStrain {
   }
 };
 
-GatherSums move_strain_slots(ShapeKind shape, const MoveJob& job, const StrainJob& strain, const PointView& p, const CellView& c,
-                             SlotRange slots, const Increments& out, std::uint32_t* suspects) {
-  return with_lanes(shape, [&](auto kind) HWY_ATTR {
+GatherSums move_strain_range(ShapeKind shape, const MoveJob& job, const StrainJob& strain, const PointView& p, const CellView& c,
+                             Range range, const Increments& out, std::uint32_t* suspects) {
+  return Shapes::with(shape, [&](auto kind) HWY_ATTR {
     using S = decltype(kind);
-    if constexpr (S::W == 2) return GatherSums{};
+    if constexpr (!S::centred) return GatherSums{};
     else {
       MovingStrain<S> both{{job, p, c}};
       std::size_t found = 0;
-      const Straining<S> straining{strain, p, c, out, c.slot_begin[slots.begin]};
-      for_tiles(c, slots, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
+      const Straining<S> straining{strain, p, c, out, c.begin[range.begin]};
+      for_tiles(c, range, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
         const auto l = lines_of<S>(p, c, cells, t);
         straining.strain(t, l, cells, both.tile(t, l, cells), nullptr, 0);
         find_suspects(c, cells, t, natural_of(c, cells, t.again(p.x), t.again(p.y)), suspects, found);
@@ -72,13 +72,13 @@ GatherSums move_strain_slots(ShapeKind shape, const MoveJob& job, const StrainJo
   });
 }
 
-GatherSums move_average_slots(ShapeKind shape, const MoveJob& job, const PointView& p, const CellView& c, SlotRange slots) {
-  return with_lanes(shape, [&](auto kind) HWY_ATTR {
+GatherSums move_average_range(ShapeKind shape, const MoveJob& job, const PointView& p, const CellView& c, Range range) {
+  return Shapes::with(shape, [&](auto kind) HWY_ATTR {
     using S = decltype(kind);
-    if constexpr (S::W == 2) return GatherSums{};
+    if constexpr (!S::centred) return GatherSums{};
     else {
       MovingStrain<S> both{{job, p, c}};
-      for_tiles(c, slots, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
+      for_tiles(c, range, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
         const auto l = lines_of<S>(p, c, cells, t);
         const V theta = t.live(lane_log_det(both.tile(t, l, cells)));
         add_to_averages(c, cells, false, l.xi, l.eta, joined_volume(p, t), theta);
@@ -94,15 +94,15 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace pivnp::mpm {
 
-HWY_EXPORT(move_strain_slots);
-HWY_EXPORT(move_average_slots);
+HWY_EXPORT(move_strain_range);
+HWY_EXPORT(move_average_range);
 
 GatherSums move_strain_lanes(ShapeKind shape, const MoveJob& job, const StrainJob& strain, const PointView& p, const CellView& c,
-                             SlotRange slots, const Increments& out, std::uint32_t* suspects) {
-  return HWY_DYNAMIC_DISPATCH(move_strain_slots)(shape, job, strain, p, c, slots, out, suspects);
+                             Range range, const Increments& out, std::uint32_t* suspects) {
+  return HWY_DYNAMIC_DISPATCH(move_strain_range)(shape, job, strain, p, c, range, out, suspects);
 }
-GatherSums move_average_lanes(ShapeKind shape, const MoveJob& job, const PointView& p, const CellView& c, SlotRange slots) {
-  return HWY_DYNAMIC_DISPATCH(move_average_slots)(shape, job, p, c, slots);
+GatherSums move_average_lanes(ShapeKind shape, const MoveJob& job, const PointView& p, const CellView& c, Range range) {
+  return HWY_DYNAMIC_DISPATCH(move_average_range)(shape, job, p, c, range);
 }
 
 }  // namespace pivnp::mpm

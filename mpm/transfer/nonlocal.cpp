@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mpm/grid/kernel.hpp"
+#include "mpm/grid/sweeps.hpp"
 
 namespace pivnp::mpm {
 
@@ -32,31 +32,33 @@ std::vector<double> taps(double variance) {
   return half;
 }
 
-// Hats of a point's cell at its own nodes.
-template <int W>
+// Hats of a point's cell at its own nodes: those of its element, or (centred) the nearest one and those beside it.
+template <bool centred>
 void hats(double s, double* w) {
-  if constexpr (W == 2) {
-    w[0] = 1 - s;
-    w[1] = s;
-  } else {
+  if constexpr (centred) {
     w[0] = std::max(0.0, -s);
     w[1] = 1 - std::abs(s);
     w[2] = std::max(0.0, s);
+  } else {
+    w[0] = 1 - s;
+    w[1] = s;
   }
 }
+template <bool centred>
+constexpr std::size_t hat_nodes = centred ? 3 : 2;
 
-// Calls each(point, first node, weights along x, along y) for the points of a body in these slots.
-template <int W, class Each>
-void for_points(const Particles& p, const Particles::Body& body, const GridState& g, SlotRange slots, Each&& each) {
-  for (std::size_t s = slots.begin; s < slots.end; ++s)
-    for (std::uint32_t q = g.slot_begin[s]; q < g.slot_begin[s + 1]; ++q) {
-      const std::size_t k = g.order[q];
+// Calls each(point, first node, weights along x, along y) for the points of a body in these cells.
+template <bool centred, class Each>
+void for_body_points(const Particles& p, const Particles::Body& body, const GridState& g, Range range, Each&& each) {
+  for (std::size_t s = range.begin; s < range.end; ++s)
+    for (std::uint32_t q = g.cells.begin[s]; q < g.cells.begin[s + 1]; ++q) {
+      const std::size_t k = g.cells.order[q];
       if (k < body.begin || k >= body.end) continue;
-      double wx[W], wy[W];
+      double wx[hat_nodes<centred>], wy[hat_nodes<centred>];
       const Vec2 at = g.natural(p, k);
-      hats<W>(at.x(), wx);
-      hats<W>(at.y(), wy);
-      each(k, std::size_t(g.slot_cell[s]), wx, wy);
+      hats<centred>(at.x(), wx);
+      hats<centred>(at.y(), wy);
+      each(k, std::size_t(g.cells.index[s]), wx, wy);
     }
 }
 
@@ -101,7 +103,7 @@ NonlocalSoftening::NonlocalSoftening(const std::vector<std::unique_ptr<Material>
 }
 
 void NonlocalSoftening::average(Particles& p, const GridState& g, int threads) {
-  if (filters_.empty() || g.slots() == 0) return;
+  if (filters_.empty() || g.cells.size() == 0) return;
   for (const Particles::Body& body : p.bodies) {
     const Filter& f = filters_[std::size_t(body.material)];
     if (f.x.empty()) continue;
@@ -117,36 +119,36 @@ void NonlocalSoftening::map(const Particles& p, const Particles::Body& body, con
   std::fill(volume_.begin(), volume_.end(), 0.0);
   const auto nx = std::size_t(g.grid.nx);
   const Array& plastic_dev = *p.history.find(plastic_strain.name);
-  const auto add = [&]<int W>(SlotRange slots) {
-    for_points<W>(p, body, g, slots, [&](std::size_t k, std::size_t first, const double* wx, const double* wy) {
-      for (std::size_t b = 0; b < W; ++b)
-        for (std::size_t a = 0; a < W; ++a) {
+  const auto add = [&]<bool centred>(Range range) {
+    for_body_points<centred>(p, body, g, range, [&](std::size_t k, std::size_t first, const double* wx, const double* wy) {
+      for (std::size_t b = 0; b < hat_nodes<centred>; ++b)
+        for (std::size_t a = 0; a < hat_nodes<centred>; ++a) {
           const double v = p.volume0[k] * p.J[k] * wx[a] * wy[b];
           volume_[first + b * nx + a] += v;
           strain_[first + b * nx + a] += v * plastic_dev[k];
         }
     });
   };
-  const auto map_slots = [&](SlotRange slots, std::size_t = 0) {
-    g.width == 2 ? add.operator()<2>(slots) : add.operator()<3>(slots);
+  const auto map_range = [&](Range range, std::size_t = 0) {
+    g.centred ? add.operator()<true>(range) : add.operator()<false>(range);
   };
   std::size_t mapped = 0;
-  for (const SlotRange& run : g.mapped.runs) mapped += run.end - run.begin;
-  if (mapped == g.slots())
-    for_bands(g.mapped, threads, map_slots);
+  for (const Range& run : g.active.mapped.runs) mapped += run.end - run.begin;
+  if (mapped == g.cells.size())
+    for_bands(g.active.mapped, threads, map_range);
   else
-    map_slots({0, g.slots()});
+    map_range({0, g.cells.size()});
 }
 
 // Only the box of occupied cells' nodes holds anything.
 void NonlocalSoftening::filter(const Filter& f, const GridState& g, int threads) {
   const auto nx = std::ptrdiff_t(g.grid.nx);
   std::ptrdiff_t left = nx, right = -1;
-  for (const std::int32_t c : g.slot_cell) {
+  for (const std::int32_t c : g.cells.index) {
     left = std::min(left, c % nx);
     right = std::max(right, c % nx + g.width - 1);
   }
-  const std::ptrdiff_t low = g.slot_cell.front() / nx, high = g.slot_cell.back() / nx + g.width - 1;
+  const std::ptrdiff_t low = g.cells.index.front() / nx, high = g.cells.index.back() / nx + g.width - 1;
   const std::ptrdiff_t lines = high - low + 1, across = right - left + 1, first = low * nx + left;
   for (std::vector<double>* field : {&strain_, &volume_}) {
     double *values = field->data() + first, *rows = rows_.data() + first;
@@ -168,16 +170,16 @@ void NonlocalSoftening::filter(const Filter& f, const GridState& g, int threads)
 void NonlocalSoftening::gather(Particles& p, const Particles::Body& body, const GridState& g, int threads) const {
   const auto nx = std::size_t(g.grid.nx);
   const Array& plastic_dev = *p.history.find(plastic_strain.name);
-  const auto take = [&]<int W>(SlotRange slots) {
-    for_points<W>(p, body, g, slots, [&](std::size_t k, std::size_t first, const double* wx, const double* wy) {
+  const auto take = [&]<bool centred>(Range range) {
+    for_body_points<centred>(p, body, g, range, [&](std::size_t k, std::size_t first, const double* wx, const double* wy) {
       double mean = 0;
-      for (std::size_t b = 0; b < W; ++b)
-        for (std::size_t a = 0; a < W; ++a) mean += wx[a] * wy[b] * strain_[first + b * nx + a];
+      for (std::size_t b = 0; b < hat_nodes<centred>; ++b)
+        for (std::size_t a = 0; a < hat_nodes<centred>; ++a) mean += wx[a] * wy[b] * strain_[first + b * nx + a];
       p.softened_by[k] = std::max(0.0, (1 - over) * plastic_dev[k] + over * mean);
     });
   };
-  for_pieces(g, threads, [&](SlotRange slots, std::size_t) {
-    g.width == 2 ? take.operator()<2>(slots) : take.operator()<3>(slots);
+  for_pieces(g, threads, [&](Range range, std::size_t) {
+    g.centred ? take.operator()<true>(range) : take.operator()<false>(range);
   });
 }
 

@@ -106,17 +106,17 @@ HWY_INLINE LanePolar lane_polar(const LaneGradient& G, V change) {
   return {hn::Load(d, trace_of), hn::Load(d, half_lane), hn::Load(d, xy_of), hn::Load(d, spin_of)};
 }
 
-// The straining velocity of a tile's nodes.
+// The strain-rate velocity of a tile's nodes.
 template <bool marked>
-struct StrainingAt {
+struct StrainVelocityAt {
   const double* first[groups];
   std::ptrdiff_t next[groups];
 
-  HWY_INLINE StrainingAt(const CellView& c, const TileCells& cells) {
+  HWY_INLINE StrainVelocityAt(const CellView& c, const TileCells& cells) {
     for (std::size_t g = 0; g < groups; ++g) {
       const bool apart = marked && cells.marks[g] & strained_apart;
       next[g] = apart ? 2 : c.to_next;
-      first[g] = (apart ? c.apart : c.straining) + (cells.base[g] - c.node) * next[g];
+      first[g] = (apart ? c.own_strain_velocity : c.strain_velocity) + (cells.base[g] - c.node) * next[g];
     }
   }
   HWY_INLINE V operator()(std::ptrdiff_t n, int component) const {
@@ -126,10 +126,10 @@ struct StrainingAt {
 
 template <class Lines>
 HWY_INLINE LaneGradient gradient(const Lines& l, const CellView& view, const TileCells& cells, double sx, double sy) {
-  const StrainingAt<Lines::marked> u(view, cells);
+  const StrainVelocityAt<Lines::marked> u(view, cells);
   constexpr int W = Lines::W;
   const V x = set(sx), y = set(sy);
-  if constexpr (W == 2) {
+  if constexpr (Lines::Shape::linear) {
     // Linear along each axis, with the cross difference in common.
     const auto of = [&](int component, V& by_x, V& by_y) PIVNP_TILE {
       const V a = u(0, component), b = u(1, component), e = u(cells.nx, component), f = u(cells.nx + 1, component);
@@ -176,7 +176,7 @@ HWY_INLINE V dilation(const Tile& t, const Lines& l, const CellView& c, const Ti
 // The gradient at the elements' centres.
 template <bool marked>
 HWY_INLINE LaneGradient centre_gradient(const CellView& view, const TileCells& cells, double sx, double sy) {
-  const StrainingAt<marked> u(view, cells);
+  const StrainVelocityAt<marked> u(view, cells);
   const auto of = [&](int component, V& by_x, V& by_y) PIVNP_TILE {
     const V a = u(0, component), b = u(1, component), e = u(cells.nx, component), f = u(cells.nx + 1, component);
     by_x = set(0.5 * sx) * ((b - a) + (f - e));
@@ -215,26 +215,26 @@ struct Straining {
   }
 
   template <class Tile>
-  HWY_INLINE void tile(const Tile& t, const TileCells& cells, const double* averages, std::size_t first_slot) const {
+  HWY_INLINE void tile(const Tile& t, const TileCells& cells, const double* averages, std::size_t first_cell) const {
     const auto l = lines_of<S>(p, c, cells, t, job.where, job.dt);
-    strain(t, l, cells, of_own(t, gradient(l, c, cells, sx, sy)), averages, first_slot);
+    strain(t, l, cells, of_own(t, gradient(l, c, cells, sx, sy)), averages, first_cell);
   }
 
   // By a gradient of the step's displacement, `own`.
   template <class Tile, class Lines>
   HWY_INLINE void strain(const Tile& t, const Lines& l, const TileCells& cells, const LaneGradient& own, const double* averages,
-                         std::size_t first_slot) const {
+                         std::size_t first_cell) const {
     LaneGradient G = own;
-    if constexpr (S::W == 2)
+    if constexpr (!S::centred)
       if (job.locking == Locking::full) G = centre_gradient<Tile::marked>(c, cells, sx, sy);
     const V change = det_change(G);
     const LanePolar e = lane_polar(G, change);
     const V mean = set(0.5) * e.trace;
     V shift = zero(), theta = zero();
     if (job.locking != Locking::none) {
-      if constexpr (S::W == 2) {
+      if constexpr (!S::centred) {
         if (job.locking == Locking::fbar) {
-          theta = of_groups(averages[cells.slot[0] - first_slot], averages[cells.slot[groups - 1] - first_slot]);
+          theta = of_groups(averages[cells.occupied[0] - first_cell], averages[cells.occupied[groups - 1] - first_cell]);
           theta = hn::IfThenElse(stands_open(p, t), e.trace, theta);
         } else {
           theta = job.locking == Locking::full ? e.trace : lane_log_det(centre_gradient<Tile::marked>(c, cells, sx, sy));
@@ -262,36 +262,36 @@ struct Straining {
   }
 
   // Bilinear F-bar: the elements' means of ln det f, weights V0.
-  HWY_INLINE void average_elements(SlotRange slots, double* averages) const {
+  HWY_INLINE void average_elements(Range range, double* averages) const {
     double sum[most_elements] = {}, volume[most_elements] = {};
-    for_tiles(c, slots, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
+    for_tiles(c, range, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
       const auto l = lines_of<S>(p, c, cells, t, job.where, job.dt);
       const V v = joined_volume(p, t);
       double s[groups], w[groups];
       group_sums(v * dilation(t, l, c, cells, sx, sy), s);
       group_sums(v, w);
       for (std::size_t g = 0; g < groups; ++g) {
-        sum[cells.slot[g] - slots.begin] += s[g];
-        volume[cells.slot[g] - slots.begin] += w[g];
+        sum[cells.occupied[g] - range.begin] += s[g];
+        volume[cells.occupied[g] - range.begin] += w[g];
       }
     });
-    for (std::size_t s = 0; s < slots.end - slots.begin; ++s) averages[s] = volume[s] > 0 ? sum[s] / volume[s] : 0;
+    for (std::size_t s = 0; s < range.end - range.begin; ++s) averages[s] = volume[s] > 0 ? sum[s] / volume[s] : 0;
   }
 
-  HWY_INLINE std::size_t run(SlotRange slots, std::uint32_t* suspects) const {
+  HWY_INLINE std::size_t run(Range range, std::uint32_t* suspects) const {
     std::size_t found = 0;
     double averages[most_elements];
-    const bool average = S::W == 2 && job.locking == Locking::fbar;
-    const std::size_t each = average ? most_elements : slots.end - slots.begin;
-    while (slots.begin < slots.end) {
-      const SlotRange part{slots.begin, std::min(slots.end, slots.begin + each)};
-      if constexpr (S::W == 2)
+    const bool average = !S::centred && job.locking == Locking::fbar;
+    const std::size_t each = average ? most_elements : range.end - range.begin;
+    while (range.begin < range.end) {
+      const Range part{range.begin, std::min(range.end, range.begin + each)};
+      if constexpr (!S::centred)
         if (average) average_elements(part, averages);
       for_tiles(c, part, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
         tile(t, cells, averages, part.begin);
         if (job.where == Where::before) find_suspects(c, cells, t, natural_of(c, cells, t.again(p.x), t.again(p.y)), suspects, found);
       });
-      slots.begin = part.end;
+      range.begin = part.end;
     }
     return found;
   }

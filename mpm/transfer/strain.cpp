@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "mpm/grid/kernel.hpp"
+#include "mpm/grid/sweeps.hpp"
 #include "mpm/transfer/transfer.hpp"
 
 namespace pivnp::mpm {
@@ -13,13 +13,13 @@ double work_passed_to_sleepers(const Particles& p, GridState& g) {
   const CornerSums* corners = g.averages.view().corners;
   const double* opening = p.view().opening;
   double work = 0;
-  for (const SlotRange& slots : g.mapped.runs)
-    for (std::size_t s = slots.begin; s < slots.end; ++s) {
-      if (!g.sleeps(g.slot_cell[s])) continue;
-      std::size_t at[9];
-      g.stencil_nodes(s, at);
-      for (std::uint32_t q = g.slot_begin[s]; q < g.slot_begin[s + 1]; ++q) {
-        const std::uint32_t k = g.order[q];
+  for (const Range& range : g.active.mapped.runs)
+    for (std::size_t s = range.begin; s < range.end; ++s) {
+      if (!g.blocks.sleeps(g.cells.index[s])) continue;
+      std::size_t at[most_stencil_nodes];
+      g.stencil_nodes(g.cells.index[s], at);
+      for (std::uint32_t q = g.cells.begin[s]; q < g.cells.begin[s + 1]; ++q) {
+        const std::uint32_t k = g.cells.order[q];
         if (opening && opening[k] > 0) continue;
         const Vec2 at_point = g.natural(p, k);
         const double hx[2] = {0.5 - at_point.x(), 0.5 + at_point.x()}, hy[2] = {0.5 - at_point.y(), 0.5 + at_point.y()};
@@ -34,25 +34,25 @@ double work_passed_to_sleepers(const Particles& p, GridState& g) {
 // F-bar of three-node shapes: Averages. Returns the work passed to what sleeps, J/m.
 double average_strain(const Particles& p, GridState& g, const Scheme& scheme, Where where, double dt, bool volumes, int threads,
                       GatherSums* moved) {
-  if (g.width == 2 || scheme.locking != Locking::fbar) return 0;
+  if (!averages_at_corners(g, scheme)) return 0;
   const PointView points = p.view();
   const CellView cells = g.view();
   if (moved) {
     const MoveJob job = move_job(g, scheme, dt);
-    std::vector<GatherSums> results(g.mapped.runs.size());
-    average_at_corners(g, Averaging::of_strain, volumes, threads, [&](SlotRange slots, std::size_t run) {
-      results[run] = move_average_lanes(g.shape, job, points, cells, slots);
+    std::vector<GatherSums> results(g.active.mapped.runs.size());
+    average_at_corners(g, Averaging::of_strain, volumes, threads, [&](Range range, std::size_t run) {
+      results[run] = move_average_lanes(g.shape, job, points, cells, range);
     });
     *moved = sum_of(results);
   } else {
-    average_at_corners(g, Averaging::of_strain, volumes, threads, [&](SlotRange slots, std::size_t) {
-      average_strain_lanes(g.shape, where, dt, volumes, points, cells, slots);
+    average_at_corners(g, Averaging::of_strain, volumes, threads, [&](Range range, std::size_t) {
+      average_strain_lanes(g.shape, where, dt, volumes, points, cells, range);
     });
   }
-  return g.resting.empty() ? 0 : work_passed_to_sleepers(p, g);
+  return g.active.resting.empty() ? 0 : work_passed_to_sleepers(p, g);
 }
 
-// Increments of a run of slots.
+// Increments of a run of range.
 class Scratch {
  public:
   Increments room(std::size_t n) {
@@ -80,14 +80,14 @@ void for_bodies(const Particles& p, const std::vector<std::uint32_t>& order, std
   }
 }
 
-// Calls strain(slots, piece, increments) and then each(begin, end, increments) for runs of slots: places in `order`.
+// Calls strain(range, piece, increments) and then each(begin, end, increments) for runs of range: places in `order`.
 template <class Strain, class Each>
 void strain_runs(GridState& g, int threads, Strain&& strain, Each&& each) {
-  for_pieces(g, threads, [&](SlotRange slots, std::size_t piece) {
+  for_pieces(g, threads, [&](Range range, std::size_t piece) {
     static thread_local Scratch scratch;
-    const std::size_t begin = g.slot_begin[slots.begin], end = g.slot_begin[slots.end];
+    const std::size_t begin = g.cells.begin[range.begin], end = g.cells.begin[range.end];
     const Increments de = scratch.room(end - begin);
-    strain(slots, piece, de);
+    strain(range, piece, de);
     each(begin, end, de);
   });
 }
@@ -99,12 +99,12 @@ void strain_points(Particles& p, GridState& g, const Scheme& scheme, double dt, 
   average_strain(p, g, scheme, Where::now, dt, true, threads, nullptr);
   const PointView points = p.view();
   const CellView cells = g.view();
-  const auto strain = [&](SlotRange slots, std::size_t, const Increments& de) {
-    strain_lanes(g.shape, {scheme.locking, dt, record}, points, cells, slots, de, nullptr);
+  const auto strain = [&](Range range, std::size_t, const Increments& de) {
+    strain_lanes(g.shape, {scheme.locking, dt, record}, points, cells, range, de, nullptr);
   };
   strain_runs(g, threads, strain, [&](std::size_t begin, std::size_t end, const Increments& de) {
     for (std::size_t q = begin; q < end; ++q) {
-      const std::size_t k = g.order[q], from = q - begin;
+      const std::size_t k = g.cells.order[q], from = q - begin;
       p.de_xx[k] = de.xx[from];
       p.de_yy[k] = de.yy[from];
       p.de_zz[k] = de.zz[from];
@@ -124,26 +124,26 @@ double strain_and_update(Particles& p, GridState& g, const Scheme& scheme, doubl
   const StrainJob job{scheme.locking, dt, record, where};
   const MoveJob move = move_job(g, scheme, dt);
   const bool together = moved && scheme.locking == Locking::none;
-  std::vector<GatherSums> results(together ? g.pieces.size() : 0);
-  g.located = scheme.takes_updated();
-  if (g.located) {
-    g.scratch.resize(g.order.size());
-    g.suspects.resize(g.pieces.size());
+  std::vector<GatherSums> results(together ? g.active.pieces.size() : 0);
+  g.relocation.done = scheme.takes_updated();
+  if (g.relocation.done) {
+    g.relocation.suspects.resize(g.cells.order.size());
+    g.relocation.found.resize(g.active.pieces.size());
   }
-  const auto strain = [&](SlotRange slots, std::size_t piece, const Increments& de) {
-    const std::size_t first = g.slot_begin[slots.begin];
-    std::uint32_t* room = g.scratch.data() + first;
+  const auto strain = [&](Range range, std::size_t piece, const Increments& de) {
+    const std::size_t first = g.cells.begin[range.begin];
+    std::uint32_t* room = g.relocation.suspects.data() + first;
     std::size_t found = 0;
     if (together) {
-      results[piece] = move_strain_lanes(g.shape, move, job, points, cells, slots, de, room);
+      results[piece] = move_strain_lanes(g.shape, move, job, points, cells, range, de, room);
       found = results[piece].suspects;
     } else {
-      found = strain_lanes(g.shape, job, points, cells, slots, de, room);
+      found = strain_lanes(g.shape, job, points, cells, range, de, room);
     }
-    if (g.located) g.suspects[piece] = {first, first + found};
+    if (g.relocation.done) g.relocation.found[piece] = {first, first + found};
   };
   strain_runs(g, threads, strain, [&](std::size_t begin, std::size_t end, const Increments& de) {
-    for_bodies(p, g.order, begin, end, [&](const Particles::Body& body, std::size_t from, std::size_t to) {
+    for_bodies(p, g.cells.order, begin, end, [&](const Particles::Body& body, std::size_t from, std::size_t to) {
       const std::size_t at = from - begin;
       StressBatch batch;
       batch.size = to - from;
@@ -152,7 +152,7 @@ double strain_and_update(Particles& p, GridState& g, const Scheme& scheme, doubl
       batch.de_zz = de.zz + at;
       batch.de_xy = de.xy + at;
       batch.spin = de.spin + at;
-      update(body, g.order.data() + from, batch);
+      update(body, g.cells.order.data() + from, batch);
     });
   });
   if (together) *moved = sum_of(results);
@@ -160,8 +160,8 @@ double strain_and_update(Particles& p, GridState& g, const Scheme& scheme, doubl
 }
 
 bool moves_with_strain(const GridState& g, const Scheme& scheme) {
-  return g.width == 3 && scheme.takes_updated() &&
-         (scheme.locking == Locking::none || (scheme.locking == Locking::fbar && g.resting.empty()));
+  return g.centred && scheme.takes_updated() &&
+         (scheme.locking == Locking::none || (scheme.locking == Locking::fbar && g.active.resting.empty()));
 }
 
 }  // namespace pivnp::mpm

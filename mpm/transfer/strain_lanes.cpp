@@ -11,22 +11,22 @@
 HWY_BEFORE_NAMESPACE();
 namespace pivnp::mpm::HWY_NAMESPACE {
 
-void average_strain_slots(ShapeKind shape, Where where, double dt, bool volumes, const PointView& p, const CellView& c,
-                          SlotRange slots) {
-  with_lanes(shape, [&](auto kind) HWY_ATTR {
+void average_strain_range(ShapeKind shape, Where where, double dt, bool volumes, const PointView& p, const CellView& c,
+                          Range range) {
+  Shapes::with(shape, [&](auto kind) HWY_ATTR {
     using S = decltype(kind);
-    if constexpr (S::W == 3)
-      for_tiles(c, slots, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
+    if constexpr (S::centred)
+      for_tiles(c, range, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
         const auto l = lines_of<S>(p, c, cells, t, where, dt);
         add_to_averages(c, cells, volumes, l.xi, l.eta, joined_volume(p, t), dilation(t, l, c, cells, dt * c.per_hx, dt * c.per_hy));
       });
   });
 }
 
-std::size_t strain_slots(ShapeKind shape, const StrainJob& job, const PointView& p, const CellView& c, SlotRange slots,
+std::size_t strain_range(ShapeKind shape, const StrainJob& job, const PointView& p, const CellView& c, Range range,
                          const Increments& out, std::uint32_t* suspects) {
-  return with_lanes(shape, [&](auto kind) HWY_ATTR {
-    return Straining<decltype(kind)>{job, p, c, out, c.slot_begin[slots.begin]}.run(slots, suspects);
+  return Shapes::with(shape, [&](auto kind) HWY_ATTR {
+    return Straining<decltype(kind)>{job, p, c, out, c.begin[range.begin]}.run(range, suspects);
   });
 }
 
@@ -36,16 +36,16 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace pivnp::mpm {
 
-HWY_EXPORT(average_strain_slots);
-HWY_EXPORT(strain_slots);
+HWY_EXPORT(average_strain_range);
+HWY_EXPORT(strain_range);
 
 void average_strain_lanes(ShapeKind shape, Where where, double dt, bool volumes, const PointView& p, const CellView& c,
-                          SlotRange slots) {
-  HWY_DYNAMIC_DISPATCH(average_strain_slots)(shape, where, dt, volumes, p, c, slots);
+                          Range range) {
+  HWY_DYNAMIC_DISPATCH(average_strain_range)(shape, where, dt, volumes, p, c, range);
 }
-std::size_t strain_lanes(ShapeKind shape, const StrainJob& job, const PointView& p, const CellView& c, SlotRange slots,
+std::size_t strain_lanes(ShapeKind shape, const StrainJob& job, const PointView& p, const CellView& c, Range range,
                          const Increments& out, std::uint32_t* suspects) {
-  return HWY_DYNAMIC_DISPATCH(strain_slots)(shape, job, p, c, slots, out, suspects);
+  return HWY_DYNAMIC_DISPATCH(strain_range)(shape, job, p, c, range, out, suspects);
 }
 
 }  // namespace pivnp::mpm

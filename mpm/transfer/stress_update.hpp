@@ -15,7 +15,7 @@ namespace pivnp::mpm {
 using Materials = std::vector<std::unique_ptr<Material>>;
 
 /// A.20-A.24: stress of every point from its increments. Each law gets runs of at most 1024 points of its body. `dt_s`:
-/// length of the step; 0 while settling.
+/// length of the step; 0 for the initial equilibrium.
 void update_stress(const Materials& materials, Particles& p, int threads, double dt_s = 0);
 
 /// strain_points() and update_stress(), run by run of cells, without the arrays of increments in Particles. Returns the

@@ -28,25 +28,29 @@
 
 namespace pivnp::mpm {
 
-/// Cell of every point that is simulated, and the grid's lists (for settling; a step calls locate_points()).
+/// Cell of every point that is simulated, and the grid's lists (for the initial equilibrium; a step calls locate_points()).
 void locate_all(Particles& p, GridState& g);
 
 /// A.1: cell of every point; where the last sweep over the points has looked for it (GridState::located), what it found. True if
-/// any point changed its cell: their places in GridState::order
+/// any point changed its cell: their places in CellList::order
 /// are in GridState::moved, for GridState::follow(). Those that left the grid are marked Particles::ended and appended
 /// to `left`.
 bool locate_points(Particles& p, GridState& g, std::vector<std::uint32_t>& left, int threads);
 
 /// A.3 but for the quotient: mass and, as Node::v, momentum at the nodes. `force`: A.4 too, in the same sweep (else the
-/// force is zero). Calls finished() as soon as the sums of some nodes (places in GridState::nodes) are complete, on any
+/// force is zero). Calls finished() as soon as the sums of some nodes (places in ActiveCells::nodes) are complete, on any
 /// thread.
 void map_sums(const Particles& p, GridState& g, const Scheme& scheme, bool force, int threads,
-              const std::function<void(SlotRange nodes, std::size_t band)>& finished);
+              const std::function<void(Range nodes, std::size_t band)>& finished);
 /// The same with the velocity.
 void map_momentum(const Particles& p, GridState& g, const Scheme& scheme, bool force, int threads);
 /// A.4: internal force at the nodes.
 void map_force(const Particles& p, GridState& g, const Scheme& scheme, int threads);
-/// F-bar of three-node shapes: the average of the mean stress; call before the force is mapped.
+/// F-bar of cells around nodes averages at their corners (averages.hpp); elements' averages are formed where they are used.
+inline bool averages_at_corners(const GridState& g, const Scheme& scheme) {
+  return g.centred && scheme.locking == Locking::fbar;
+}
+/// Those of the mean stress, where there are any; call before the force is mapped.
 void average_mean_stress(const Particles& p, GridState& g, const Scheme& scheme, int threads);
 
 /// Adds the points' mass times an acceleration to the nodes' forces; `out` holds what was added, x and y of every node.
@@ -58,7 +62,7 @@ void map_acceleration(const Particles& p, GridState& g, const std::vector<double
 void filtered_velocity(const Particles& p, GridState& g, int order, std::vector<double>& out, int threads);
 
 /// A.8-A.11: velocity, affine field and position of the points from Node::v and Node::n (and, for XPIC, `filtered`).
-/// Under musl the straining velocity becomes, not yet restrained, the points' new velocity mapped back.
+/// Under musl the strain-rate velocity becomes, not yet restrained, the points' new velocity mapped back.
 GatherSums gather_velocity(Particles& p, GridState& g, const Scheme& scheme, double dt,
                            const std::vector<double>& filtered, int threads);
 
@@ -66,8 +70,8 @@ GatherSums gather_velocity(Particles& p, GridState& g, const Scheme& scheme, dou
 MoveJob move_job(const GridState& g, const Scheme& scheme, double dt);
 GatherSums sum_of(const std::vector<GatherSums>& parts);
 
-/// A.12: log strain and rotation increments of the points, and F and J, from the straining velocity. With `record` false (settling)
-/// F and J stay.
+/// A.12: log strain and rotation increments of the points, and F and J, from the strain-rate velocity. With `record` false (initial
+/// equilibrium)/// F and J stay.
 void strain_points(Particles& p, GridState& g, const Scheme& scheme, double dt, bool record, int threads);
 
 /// The same in runs of a few cells, each followed by its stress update while it is in the cache: update(body, places,
@@ -85,7 +89,7 @@ bool moves_with_strain(const GridState& g, const Scheme& scheme);
 /// (bilinear).
 double hourglass_energy(const Particles& p, const GridState& g);
 
-/// Gershgorin's bound for settling: at every node sum_p 1/2 V0 M |grad N_i| sum_j |grad N_j|; `modulus` of the points.
+/// Gershgorin's bound for the initial equilibrium: at every node sum_p 1/2 V0 M |grad N_i| sum_j |grad N_j|; `modulus` of the points.
 std::vector<double> stiffness_bound(const Particles& p, const GridState& g, const std::vector<double>& modulus);
 
 }  // namespace pivnp::mpm

@@ -56,6 +56,7 @@ struct OptionInfo {
   bool above_min = false;                                 // min itself is not allowed
   Choices choices = {};                                   // strings: the values allowed; empty: any
   std::vector<std::string> (*names)() = nullptr;          // strings: the same, from a registry
+  std::string_view alias = "";                            // a former name of the key, still read
 };
 
 inline bool in_range(const OptionInfo& info, double value) {

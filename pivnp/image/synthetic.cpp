@@ -149,7 +149,7 @@ double half_to_twice(double share) {
 
 TextureOptions soil_texture() {
   TextureOptions texture;
-  texture.kind = "soil";
+  texture.kind = TextureKind::soil;
   texture.density_per_px = 0.2;
   texture.background = 0.45;
   texture.peak_min = 0.08;
@@ -169,13 +169,11 @@ BlobRenderer::BlobRenderer(const TextureOptions& options, int width, int height)
                      ", expected 0.5 to 50");
   if (!(options.blur_px >= 0 && options.blur_px <= 10))
     throw InputError("texture blur_px: found " + std::to_string(options.blur_px) + ", expected 0 to 10");
-  if (options.kind != "blobs" && options.kind != "soil")
-    throw InputError("texture kind: found '" + options.kind + "', expected blobs or soil");
 }
 
 Image BlobRenderer::draw(std::span<const Vec2> centres_px, int frame, int frames) const {
   const double white = options_.bits == 8 ? 255.0 : options_.bits == 12 ? 4095.0 : 65535.0;
-  const bool soil = options_.kind == "soil";
+  const bool soil = options_.kind == TextureKind::soil;
   const std::uint64_t peaks = stream_key(options_.seed, Stream::peak, 0),
                       grains = stream_key(options_.seed, Stream::grain, 0);
 

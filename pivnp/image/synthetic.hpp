@@ -4,17 +4,22 @@
 
 #include <cstdint>
 #include <span>
-#include <string>
 #include <vector>
 
+#include "pivnp/core/choice.hpp"
 #include "pivnp/core/image_view.hpp"
 #include "pivnp/core/math.hpp"
 #include "pivnp/core/options.hpp"
 
 namespace pivnp::image {
 
+enum class TextureKind { blobs, soil };
+inline constexpr std::array texture_kind_names{NamedValue{"blobs", TextureKind::blobs},
+                                               NamedValue{"soil", TextureKind::soil}};
+constexpr const auto& names_of(TextureKind) { return texture_kind_names; }
+
 struct TextureOptions {
-  std::string kind = "blobs";
+  TextureKind kind = TextureKind::blobs;
   double density_per_px = 0.05;
   double blob_diameter_px = 3.0;
   double peak_min = 85.0 / 255.0;
@@ -32,8 +37,7 @@ struct TextureOptions {
   static void fields(Self& self, Visitor&& visit) {
     visit("kind", self.kind,
           OptionInfo{.text = "blobs: all of one size, brighter than the background; soil: grains of half to twice the "
-                             "diameter, brighter and darker",
-                     .choices = {"blobs", "soil"}});
+                             "diameter, brighter and darker"});
     visit("density_per_px", self.density_per_px,
           OptionInfo{.unit = "1/px^2", .text = "blobs per pixel", .min = 0, .above_min = true});
     visit("blob_diameter_px", self.blob_diameter_px,
@@ -56,7 +60,7 @@ struct TextureOptions {
 TextureOptions soil_texture();
 
 /// Draws blobs: each is a Gaussian of sigma = diameter/4 with its own peak (drawn from the seed and the blob's index),
-/// integrated over each pixel; overlapping blobs add, the sum is clipped at white. Of kind "soil", each has its own
+/// integrated over each pixel; overlapping blobs add, the sum is clipped at white. Of kind soil, each has its own
 /// diameter and sign too. Blur widens the blobs and keeps their light. Noise and light are added before rounding. Same
 /// seed, same bits.
 class BlobRenderer {

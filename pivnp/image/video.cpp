@@ -83,7 +83,7 @@ void check_complete(const Survey& survey, const fs::path& file, std::int64_t lim
   if (double(missing) <= slack) return;
   std::string remedy;
   if (survey.readable > 1)
-    remedy = "; frames.last = " + std::to_string(survey.readable - 2) + " leaves out the doubtful end";
+    remedy = "; frames.last = " + std::to_string(survey.readable - 2) + " leaves out the damaged end";
   throw InputError(what + ": '" + file.string() + "' ends too early: its container promises " +
                    std::to_string(survey.promised) + " frames, only " + std::to_string(survey.readable) +
                    " can be read (truncated, or trimmed without re-encoding)" + remedy);

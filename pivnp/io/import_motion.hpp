@@ -28,8 +28,8 @@ bool is_import(const std::string& text);
 /// The name of the motion is the format's. x and y are taken; a third coordinate is left out. Material positions: x - u
 /// of the first time a particle is there where its displacement is known, else its first position; the displacement is
 /// then counted from there. Particles that stop appearing have ended. Deformation gradients are fitted to the
-/// displacements (core/particles/displacement_gradient.hpp), whatever strain the program itself writes: one measure on
-/// both sides of a comparison. Frames are read when asked for (a table is held in memory).
+/// displacements (core/particles/displacement_gradient.hpp), whatever strain the program itself writes: one measure
+/// for both motions of a comparison. Frames are read when asked for (a table is held in memory).
 /// Throws InputError naming the file and what was found and expected.
 std::unique_ptr<MotionSource> open_import(const std::string& text, const ImportOptions& options);
 

@@ -13,11 +13,12 @@
 #include "pivnp/core/math.hpp"
 #include "pivnp/core/particles/motion.hpp"
 #include "pivnp/core/record/closure_note.hpp"
+#include "pivnp/core/record/comparison.hpp"
 #include "pivnp/core/record/energy.hpp"
 #include "pivnp/core/record/frames.hpp"
-#include "pivnp/core/record/metric.hpp"
 #include "pivnp/core/record/strain_note.hpp"
 #include "pivnp/core/record/vectors.hpp"
+#include "pivnp/core/version.hpp"
 
 namespace pivnp::io {
 
@@ -31,29 +32,6 @@ struct RecordHead {
   double camera_residual = 0;
   std::optional<double> metres_per_pixel;  // only if plain
   std::vector<double> distortion;          // coefficients of a lens model; empty: none
-};
-
-/// One comparison: metrics, and fields on particles to look at.
-struct ComparisonData {
-  std::string measured, simulated;  // names of the motions
-  std::vector<Metric> metrics;
-  struct Field {
-    std::string name, unit, definition;
-    std::vector<double> time;
-    std::vector<std::int64_t> id;
-    std::vector<float> values;  // [time][id], NaN where no partner
-  };
-  std::vector<Field> fields;
-  /// Columns of one length: histories, coefficients, distributions.
-  struct Table {
-    std::string name, definition;
-    struct Column {
-      std::string name, unit;
-      std::vector<double> values;
-    };
-    std::vector<Column> columns;
-  };
-  std::vector<Table> tables;
 };
 
 /// What a stage left behind in closed segments.
@@ -100,7 +78,7 @@ class RecordWriter {
   void set_frames(const std::vector<Frame>& frames);
   /// What closure said of the pairs. Throws std::logic_error where the repeated error is not of the grid's nodes.
   void set_closure(const ClosureNote& note);
-  void set_comparison(const ComparisonData& comparison);
+  void set_comparison(const Comparison& comparison);
   /// Fields of DerivedReader to store per motion (output.fields) when packing. Throws InputError for an unknown name.
   void set_output_fields(const std::vector<std::string>& names);
 
@@ -129,6 +107,8 @@ class RecordReader {
   ~RecordReader();
 
   const RecordHead& head() const;
+  /// The program that packed the record; empty texts where the record does not say (schema 1.1 and before).
+  BuildInfo written_by() const;
   const std::vector<Frame>& frames() const;
   std::size_t pair_count() const;
   VectorField pair(std::size_t index) const;
@@ -139,7 +119,7 @@ class RecordReader {
   /// Nothing where the record states none (a simulation, an older record).
   std::optional<StrainNote> strain_note(const std::string& motion) const;
   std::vector<EnergyRow> energy() const;
-  std::optional<ComparisonData> comparison() const;
+  std::optional<Comparison> comparison() const;
 
  private:
   struct Impl;

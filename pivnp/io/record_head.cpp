@@ -31,6 +31,9 @@ void write_head(h5::OutputFile& file, const RecordHead& head, const std::string&
   file.attribute("/", "schema_version", schema_version);
   file.attribute("/", "command", head.command);
   file.attribute("/", "created", created);
+  file.attribute("/", "version", build_info().version);
+  file.attribute("/", "commit", build_info().commit);
+  file.attribute("/", "libraries", build_info().libraries);
   file.attribute("/", "length_unit", head.length_unit);
   file.attribute("/", "time_unit", head.time_unit);
   file.write_text("/case", head.case_text);
@@ -47,6 +50,13 @@ void write_head(h5::OutputFile& file, const RecordHead& head, const std::string&
     file.attribute("/camera", "distortion", head.distortion.data(), {head.distortion.size()});
   file.attribute("/camera", "residual", head.camera_residual);
   file.attribute("/camera", "unit", head.length_unit);
+}
+
+BuildInfo read_written_by(const h5::Source& source) {
+  const auto text = [&](const char* name) {
+    return source.has_attribute("/", name) ? source.attribute_text("/", name) : std::string();
+  };
+  return {text("version"), text("commit"), text("libraries")};
 }
 
 RecordHead read_head(const h5::Source& source) {

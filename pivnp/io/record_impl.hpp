@@ -52,7 +52,7 @@ struct RecordWriter::Impl {
   std::unique_ptr<RecordReader> finished;      // resumed, but there is nothing left to do
   std::vector<Frame> frames;
   std::optional<ClosureNote> closure;
-  std::optional<ComparisonData> comparison;
+  std::optional<Comparison> comparison;
   std::map<std::string, StrainNote> strain_notes;  // by motion
   std::vector<std::string> output_fields;
   std::unique_ptr<h5::OutputFile> packed;      // between pack() and finish()
@@ -66,6 +66,7 @@ struct RecordWriter::Impl {
 /// /, /case, /grid and /camera.
 void write_head(h5::OutputFile& file, const RecordHead& head, const std::string& created);
 RecordHead read_head(const h5::Source& source);
+BuildInfo read_written_by(const h5::Source& source);
 
 /// Throws InputError with a line that starts with `where` if a run of `there` cannot go on as `now`.
 void check_same_run(const RecordHead& there, const RecordHead& now, const std::string& where);

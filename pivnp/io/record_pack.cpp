@@ -85,10 +85,10 @@ void pack_energy(h5::OutputFile& out, const std::vector<const StageFiles*>& moti
   }
 }
 
-void pack_comparison(h5::OutputFile& out, const ComparisonData& c, const Units& units) {
+void pack_comparison(h5::OutputFile& out, const Comparison& c, const Units& units) {
   out.group("/compare");
-  out.attribute("/compare", "measured", c.measured);
-  out.attribute("/compare", "simulated", c.simulated);
+  out.attribute("/compare", "measured", c.names[std::size_t(DataSetRole::first)]);
+  out.attribute("/compare", "simulated", c.names[std::size_t(DataSetRole::second)]);
   for (const Metric& m : c.metrics) {
     const std::string group = "/compare/" + m.name;
     out.group(group);
@@ -96,19 +96,21 @@ void pack_comparison(h5::OutputFile& out, const ComparisonData& c, const Units& 
     out.attribute(group, "unit", m.unit);
     out.attribute(group, "uncertainty", m.uncertainty);
     out.attribute(group, "definition", m.definition);
-    out.attribute(group, "verdict", m.verdict);
+    out.attribute(group, "verdict", std::string(name_of(m.verdict)));
   }
   if (!c.tables.empty()) out.group("/compare/tables");
-  for (const ComparisonData::Table& t : c.tables) {
+  for (const ComparisonTable& t : c.tables) {
     const std::string group = "/compare/tables/" + t.name;
     out.group(group);
     out.attribute(group, "definition", t.definition);
-    for (const ComparisonData::Table::Column& column : t.columns)
+    for (const ComparisonTable::Column& column : t.columns) {
       out.write(group + "/" + column.name, column.values, column.unit);
+      if (!column.definition.empty()) out.attribute(group + "/" + column.name, "definition", column.definition);
+    }
   }
   if (c.fields.empty()) return;
   out.group("/compare/fields");
-  for (const ComparisonData::Field& f : c.fields) {
+  for (const ComparisonField& f : c.fields) {
     const std::string group = "/compare/fields/" + f.name;
     out.group(group);
     out.attribute(group, "definition", f.definition);
@@ -214,10 +216,10 @@ void RecordWriter::Impl::pack_into(h5::OutputFile& out) const {
     out.group("/piv");
     for (const ItemArray& a : pair_arrays(head.grid, units, nullptr)) pack_array(out, "/piv", a, piv->second.files);
   }
-  const std::vector<const Stage*> sides = motions();
-  if (!sides.empty()) out.group("/motion");
+  const std::vector<const Stage*> moved = motions();
+  if (!moved.empty()) out.group("/motion");
   const bool central = central_anchor(out.source());
-  for (const Stage* stage : sides) {
+  for (const Stage* stage : moved) {
     const std::string group = "/" + stage->files.stage, name = stage->files.stage.substr(7);
     out.group(group);
     write_particles(out, group, read_particles(h5::Source(stage->files.end), ""), units);
@@ -226,7 +228,7 @@ void RecordWriter::Impl::pack_into(h5::OutputFile& out) const {
       pack_fields(out, *open_motion(out.source(), name, units, nullptr), output_fields, central, units);
   }
   std::vector<const StageFiles*> files;
-  for (const Stage* stage : sides) files.push_back(&stage->files);
+  for (const Stage* stage : moved) files.push_back(&stage->files);
   pack_energy(out, files, units);
 }
 

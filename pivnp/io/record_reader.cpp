@@ -64,6 +64,7 @@ RecordReader::~RecordReader() = default;
 
 const RecordHead& RecordReader::head() const { return impl_->head; }
 const std::vector<Frame>& RecordReader::frames() const { return impl_->frames; }
+BuildInfo RecordReader::written_by() const { return read_written_by(impl_->source); }
 std::size_t RecordReader::pair_count() const { return impl_->pairs; }
 std::vector<std::string> RecordReader::motion_names() const { return impl_->motions; }
 
@@ -135,31 +136,32 @@ std::vector<EnergyRow> RecordReader::energy() const {
   return rows;
 }
 
-std::optional<ComparisonData> RecordReader::comparison() const {
+std::optional<Comparison> RecordReader::comparison() const {
   const h5::Source& source = impl_->source;
   if (!source.has("/compare")) return std::nullopt;
-  ComparisonData c;
-  c.measured = source.attribute_text("/compare", "measured");
-  c.simulated = source.attribute_text("/compare", "simulated");
+  Comparison c;
+  c.names = {source.attribute_text("/compare", "measured"), source.attribute_text("/compare", "simulated")};
   for (const std::string& name : source.children("/compare")) {
     if (name == "fields" || name == "tables") continue;
     const std::string group = "/compare/" + name;
     c.metrics.push_back({name, source.attribute_number(group, "value"), source.attribute_text(group, "unit"),
                          source.attribute_number(group, "uncertainty"), source.attribute_text(group, "definition"),
-                         source.attribute_text(group, "verdict")});
+                         verdict_named(source.attribute_text(group, "verdict"))});
   }
   if (source.has("/compare/tables"))
     for (const std::string& name : source.children("/compare/tables")) {
       const std::string group = "/compare/tables/" + name;
-      ComparisonData::Table t{name, source.attribute_text(group, "definition"), {}};
-      for (const std::string& column : source.children(group))
-        t.columns.push_back({column, source.attribute_text(group + "/" + column, "unit"),
-                             source.dataset(group + "/" + column).all<double>()});
+      ComparisonTable t{name, source.attribute_text(group, "definition"), {}};
+      for (const std::string& column : source.children(group)) {
+        const std::string place = group + "/" + column;
+        t.columns.push_back({column, source.attribute_text(place, "unit"), source.dataset(place).all<double>(),
+                             source.has_attribute(place, "definition") ? source.attribute_text(place, "definition") : ""});
+      }
       c.tables.push_back(std::move(t));
     }
   for (const std::string& name : source.children("/compare/fields")) {
     const std::string group = "/compare/fields/" + name;
-    ComparisonData::Field f{name,
+    ComparisonField f{name,
                             source.attribute_text(group + "/value", "unit"),
                             source.attribute_text(group, "definition"),
                             source.dataset(group + "/time").all<double>(),

@@ -276,18 +276,18 @@ VectorField RecordWriter::pair(std::size_t index) const {
 
 void RecordWriter::set_frames(const std::vector<Frame>& frames) { impl_->frames = frames; }
 
-void RecordWriter::set_comparison(const ComparisonData& comparison) {
+void RecordWriter::set_comparison(const Comparison& comparison) {
   for (const Metric& m : comparison.metrics) {
     check_name(m.name, "metric");
     require(m.name != "fields", "a metric cannot be named 'fields'");
   }
-  for (const ComparisonData::Field& f : comparison.fields) {
+  for (const ComparisonField& f : comparison.fields) {
     check_name(f.name, "field of the comparison");
     require(f.values.size() == f.time.size() * f.id.size(), "comparison field '" + f.name + "' is not [time][id]");
   }
-  for (const ComparisonData::Table& t : comparison.tables) {
+  for (const ComparisonTable& t : comparison.tables) {
     check_name(t.name, "table of the comparison");
-    for (const ComparisonData::Table::Column& column : t.columns) {
+    for (const ComparisonTable::Column& column : t.columns) {
       check_name(column.name, "column of the comparison's table '" + t.name + "'");
       require(column.values.size() == t.columns.front().values.size(),
               "columns of the comparison's table '" + t.name + "' differ in length");

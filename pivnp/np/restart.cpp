@@ -46,7 +46,10 @@ std::uint64_t identity(const ParticleSet& set) {
   return checksum(set.x0.data(), set.x0.size() * sizeof(set.x0[0]), hash);
 }
 
-std::uint32_t code_of(const std::string& shape) { return std::uint32_t(checksum(shape.data(), shape.size())); }
+std::uint32_t code_of(ShapeFunctions shape) {
+  const std::string_view name = name_of(shape);
+  return std::uint32_t(checksum(name.data(), name.size()));
+}
 
 class Writer {
  public:
@@ -115,7 +118,7 @@ std::vector<std::byte> Tracker::save() const {
   h.particles = identity(particles_);
   h.time = time_;
   h.error_correlation = options_.error_correlation;
-  h.centre_gradient = options_.gradient == "element";
+  h.centre_gradient = options_.gradient == GradientPlace::element;
   h.cov_known = cov_known_;
   h.shape = code_of(options_.shape);
   Writer out(sizeof(Header) + x_.size() * bytes_per_particle + 8);
@@ -135,9 +138,9 @@ void Tracker::load(const std::vector<std::byte>& bytes) {
   const Header h = checked_header(bytes);
   if (h.count != x_.size()) refuse(std::to_string(h.count) + " particles", std::to_string(x_.size()));
   if (h.particles != identity(particles_)) refuse("other particles", "those of this run");
-  if (bool(h.centre_gradient) != (options_.gradient == "element"))
-    refuse("gradient " + std::string(h.centre_gradient ? "element" : "particle"), options_.gradient);
-  if (h.shape != code_of(options_.shape)) refuse("other shape functions", options_.shape);
+  if (bool(h.centre_gradient) != (options_.gradient == GradientPlace::element))
+    refuse("gradient " + std::string(h.centre_gradient ? "element" : "particle"), std::string(name_of(options_.gradient)));
+  if (h.shape != code_of(options_.shape)) refuse("other shape functions", std::string(name_of(options_.shape)));
   if (h.error_correlation != options_.error_correlation)
     refuse("error_correlation " + std::to_string(h.error_correlation), std::to_string(options_.error_correlation));
 

@@ -17,17 +17,6 @@ namespace pivnp::np {
 namespace {
 
 void check_options(const NpOptions& options) {
-  if (options.gradient != "particle" && options.gradient != "element")
-    throw InputError("np.gradient: found '" + options.gradient + "', expected particle or element");
-  static const std::vector<std::string> shapes = {"bilinear", "quadratic", "cubic",
-                                                  "bspline2", "bspline3",  "triangles"};
-  if (std::find(shapes.begin(), shapes.end(), options.shape) == shapes.end())
-    throw InputError("np.shape: found '" + options.shape +
-                     "', expected bilinear, quadratic, cubic, bspline2, bspline3 or triangles");
-  if (options.drift != "none" && options.drift != "corrected" && options.drift != "leapfrog" &&
-      options.drift != "reference_update")
-    throw InputError("np.drift: found '" + options.drift +
-                     "', expected none, corrected, leapfrog or reference_update");
   if (!(options.error_correlation >= 0 && options.error_correlation <= 1))
     throw InputError("np.error_correlation: found " + std::to_string(options.error_correlation) + ", expected 0 to 1");
 }
@@ -98,19 +87,19 @@ void Tracker::advance(const Nodes<Real>& nodes, double time) {
   if (!(time > time_))
     throw InputError("np: a step to time " + std::to_string(time) + ", expected one after " + std::to_string(time_));
   support_.build(nodes);
-  const bool centre = options_.gradient == "element", central = nodes.anchor == Anchor::central;
+  const bool centre = options_.gradient == GradientPlace::element, central = nodes.anchor == Anchor::central;
   const bool with_cov = nodes.cov != nullptr;
   const double correlation = options_.error_correlation;
   const auto with = [&](const auto& gather) { carry(gather, central, with_cov, time); };
-  if (options_.shape == "quadratic")
+  if (options_.shape == ShapeFunctions::quadratic)
     with(TensorGather<Lagrange<2>, Real>(nodes, support_, centre, correlation));
-  else if (options_.shape == "cubic")
+  else if (options_.shape == ShapeFunctions::cubic)
     with(TensorGather<Lagrange<3>, Real>(nodes, support_, centre, correlation));
-  else if (options_.shape == "bspline2")
+  else if (options_.shape == ShapeFunctions::bspline2)
     with(TensorGather<Spline<2>, Real>(nodes, support_, centre, correlation));
-  else if (options_.shape == "bspline3")
+  else if (options_.shape == ShapeFunctions::bspline3)
     with(TensorGather<Spline<3>, Real>(nodes, support_, centre, correlation));
-  else if (options_.shape == "triangles")
+  else if (options_.shape == ShapeFunctions::triangles)
     with(GridTriangles<Real>(nodes, support_, centre, correlation));
   else if constexpr (std::is_same_v<Real, float>)
     advance_fast(nodes, time);
@@ -125,7 +114,7 @@ void Tracker::advance_fast(const Nodes<float>& nodes, double time) {
   fast_.per_spacing_x = 1 / grid.spacing.x(), fast_.per_spacing_y = 1 / grid.spacing.y();
   fast_.nx = grid.nx, fast_.ny = grid.ny;
   fast_.central = nodes.anchor == Anchor::central;
-  fast_.centre_gradient = options_.gradient == "element";
+  fast_.centre_gradient = options_.gradient == GradientPlace::element;
   fast_.nodes.resize(grid.node_count());
   for (std::size_t n = 0; n < grid.node_count(); ++n) {
     std::array<float, 2> d = nodes.displacement[n];

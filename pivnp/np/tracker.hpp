@@ -3,68 +3,18 @@
 
 #include <array>
 #include <cstddef>
-#include <string>
 #include <vector>
 
-#include "pivnp/core/options.hpp"
 #include "pivnp/core/particles/motion.hpp"
 #include "pivnp/core/record/vectors.hpp"
 #include "pivnp/np/fast_step.hpp"
 #include "pivnp/np/increments.hpp"
+#include "pivnp/np/options.hpp"
 #include "pivnp/np/support.hpp"
 
 namespace pivnp::np {
 
 struct Scattered;  // triangle_gather.hpp
-
-struct NpOptions {
-  int per_element = 4;
-  std::string seeding = "even";
-  std::string shape = "bilinear";
-  std::string gradient = "particle";
-  double error_correlation = 1.0;
-  std::string drift = "none";
-  int drift_interval = 10;
-  bool reseed = false;
-  Points still_zone_px = {};
-  Points still_zone_m = {};
-  int still_frames = 0;
-
-  template <class Self, class Visitor>
-  static void fields(Self& self, Visitor&& visit) {
-    visit("per_element", self.per_element,
-          OptionInfo{.text = "numerical particles per occupied element: 1, 4, 9, 16 ...", .min = 1, .max = 400});
-    visit("seeding", self.seeding,
-          OptionInfo{.text = "pattern of the particles in an element", .choices = {"even", "gauss"}});
-    visit("shape", self.shape,
-          OptionInfo{.text = "shape functions: bilinear; quadratic and cubic elements of 9 and 16 nodes; B-splines "
-                             "through the nodes; Delaunay triangles",
-                     .choices = {"bilinear", "quadratic", "cubic", "bspline2", "bspline3", "triangles"}});
-    visit("gradient", self.gradient,
-          OptionInfo{.text = "where the gradient is taken: at the particle, or at the element's centre (the thesis)",
-                     .choices = {"particle", "element"}});
-    visit("error_correlation", self.error_correlation,
-          OptionInfo{.text = "correlation of the errors of neighbouring vectors: 1 a bound, 0 independent windows",
-                     .min = 0,
-                     .max = 1});
-    visit("drift", self.drift,
-          OptionInfo{.text = "what holds summed increments to the first frame: none; corrected: direct correlation with "
-                             "it at intervals, fused; leapfrog: the same in every frame, not fused; reference_update: "
-                             "leapfrog from a frame that moves on when texture is lost (Stanier et al. 2016)",
-                     .choices = {"none", "corrected", "leapfrog", "reference_update"}});
-    visit("drift_interval", self.drift_interval,
-          OptionInfo{.text = "frames from one correction to the next (drift = corrected)", .min = 1, .max = 100000});
-    visit("reseed", self.reseed,
-          OptionInfo{.text = "new particles where material enters and an element has run empty; their strains count from "
-                             "birth"});
-    visit("still_zone_px", self.still_zone_px,
-          OptionInfo{.unit = "px", .text = "polygon (column, row) of material that is at rest: the strains' noise floor"});
-    visit("still_zone_m", self.still_zone_m, OptionInfo{.unit = "m", .text = "the same in the world"});
-    visit("still_frames", self.still_frames,
-          OptionInfo{.text = "number of frames, from the first on, in which nothing moves yet: the strains' noise floor",
-                     .min = 0});
-  }
-};
 
 /// Follows particles through pairs of consecutive frames. State is double precision. Shape functions
 /// (thesis, equations 2.1-2.4, 2.3 as corrected in core/grid/shape.hpp): bilinear, or by NpOptions::shape of higher
@@ -72,7 +22,7 @@ struct NpOptions {
 class Tracker {
  public:
   /// `particles` are placed at x0 at `start_time` with F = I; those born later wait, unborn, until the first step that
-  /// reaches their time of birth. Throws InputError for an unknown option value, arrays of unequal length or a position
+  /// reaches their time of birth. Throws InputError for an option out of its range, arrays of unequal length or a position
   /// that is not finite.
   Tracker(const NpOptions& options, ParticleSet particles, double start_time);
 

@@ -34,7 +34,7 @@ struct Rate {
 };
 
 Rate measure(const ParticleSet& particles, const VectorField& there, const VectorField& back,
-             const std::string& shape, const std::string& gradient, int repeats) {
+             np::ShapeFunctions shape, np::GradientPlace gradient, int repeats) {
   constexpr int steps = 4;
   np::NpOptions options;
   options.shape = shape;
@@ -86,19 +86,19 @@ int main(int argc, char** argv) {
   const np::ReversingVortex motion({lo + side / 2.0, lo + side / 2.0}, side / 3.0, 3.5 / side, 2);
   std::printf("state: %zu bytes a particle; a frame in a record: %zu bytes a particle, %zu with covariance\n",
               sizeof(Vec2) + sizeof(Mat2) + 3 * sizeof(double) + 1, 6 * sizeof(float) + 1, 9 * sizeof(float) + 1);
-  for (const char* shape : {"bilinear", "quadratic", "cubic", "bspline2", "bspline3", "triangles"})
+  for (const auto& [shape_name, shape] : np::shape_functions_names)
     for (const Anchor anchor : {Anchor::forward, Anchor::central})
-      for (const char* gradient : {"particle", "element"})
+      for (const auto& [gradient_name, gradient] : np::gradient_place_names)
         for (const bool with_cov : {false, true}) {
-          const bool plain = std::string(shape) == "bilinear";
-          if (!plain && (with_cov || std::string(gradient) == "element")) continue;
+          const bool plain = shape == np::ShapeFunctions::bilinear;
+          if (!plain && (with_cov || gradient == np::GradientPlace::element)) continue;
           np::NodalIncrements there = np::sample_increments(motion, grid, anchor, 0, 1);
           np::NodalIncrements back = np::sample_increments(motion, grid, anchor, 1, 2);
           if (with_cov) there.cov.assign(grid.node_count(), {1e-6f, 1e-6f, 0});
           back.cov = there.cov;
           const Rate rate = measure(particles, np::vector_field(there, {0, 1}), np::vector_field(back, {1, 2}), shape,
                                     gradient, plain ? repeats : std::min(repeats, 3));
-          std::printf("%-9s %-9s %-9s %-4s %22.1f %22.1f\n", shape, anchor == Anchor::forward ? "forward" : "central",
-                      gradient, with_cov ? "yes" : "no", rate.best / 1e6, rate.median / 1e6);
+          std::printf("%-9s %-9s %-9s %-4s %22.1f %22.1f\n", shape_name.data(), anchor == Anchor::forward ? "forward" : "central",
+                      gradient_name.data(), with_cov ? "yes" : "no", rate.best / 1e6, rate.median / 1e6);
         }
 }

@@ -74,11 +74,11 @@ double peak_mebibytes() {
 void compare_within(const Formula& a, const Formula& b, const std::string& how) {
   SilentProgress progress;
   const Comparison c = compare(a, b, {}, {}, progress);
-  EXPECT_EQ(c.time.size(), 1000U);
-  EXPECT_LT(c.field_time.size(), 100U);  // of each field at most 2^23 values
-  EXPECT_EQ(c.field_time.front(), c.time.front());
-  EXPECT_EQ(c.field_time.back(), c.time.back());
-  EXPECT_EQ(c.fields[0].values.size(), c.field_time.size() * c.id.size());
+  EXPECT_EQ(c.times().size(), 1000U);
+  EXPECT_LT(c.fields[0].time.size(), 100U);  // of each field at most 2^23 values
+  EXPECT_EQ(c.fields[0].time.front(), c.times().front());
+  EXPECT_EQ(c.fields[0].time.back(), c.times().back());
+  EXPECT_EQ(c.fields[0].values.size(), c.fields[0].time.size() * c.fields[0].id.size());
   const double peak = peak_mebibytes();
   EXPECT_LT(peak, 2048);
   test::verification_row("1,000 frames of 100,000 particles, " + how, "2 GiB",

@@ -29,7 +29,7 @@ struct Line {
 };
 
 // The displacement u_x that particles along y = 1/2 read from nodes at 0, 1/cells ... 1.
-Line read_line(const std::string& shape, int cells) {
+Line read_line(ShapeFunctions shape, int cells) {
   constexpr double size = 1e-3;  // of the displacement: any
   const Grid grid{{0, 0}, {1.0 / cells, 1.0 / cells}, cells + 1, cells + 1};
   NodalIncrements d;
@@ -55,12 +55,13 @@ Line read_line(const std::string& shape, int cells) {
 }
 
 TEST(Figure26, LinearQuadraticAndCubicThroughTheSameNodes) {
-  const Line linear = read_line("bilinear", 4), quadratic = read_line("quadratic", 4), fine = read_line("bilinear", 8);
+  const Line linear = read_line(ShapeFunctions::bilinear, 4), quadratic = read_line(ShapeFunctions::quadratic, 4), fine = read_line(ShapeFunctions::bilinear, 8);
   EXPECT_GT(linear.worst, 0.1);
   EXPECT_LT(quadratic.worst, 0.9 * linear.worst);
   EXPECT_GT(linear.worst / fine.worst, 3.0);  // 4 for small spacings
   // The cubic element: five nodes leave one group of three cells and one moved back. Both repeat the cubic.
-  for (const char* shape : {"cubic", "bspline3"}) EXPECT_LT(read_line(shape, 4).worst, 1e-11) << shape;
+  for (const ShapeFunctions shape : {ShapeFunctions::cubic, ShapeFunctions::bspline3})
+    EXPECT_LT(read_line(shape, 4).worst, 1e-11) << name_of(shape);
   pivnp::test::verification_row("figure 2.6: a cubic through nodes",
                                 "greatest error: quadratic below linear; halved spacing at least 3 times less",
                                 "linear " + number(linear.worst, 3) + ", quadratic " + number(quadratic.worst, 3) +

@@ -27,7 +27,7 @@ ParticleSet square() { return block(mesh, {-1, -1}, {1, 1}, 4); }
 TEST(FiniteStrain, AFullTurnLeavesNothing) {
   const AffineMotion turn = AffineMotion::rotation(full_turn / 100, {0.25, -0.125});
   for (const Anchor anchor : {Anchor::forward, Anchor::central})
-    for (const char* gradient : {"particle", "element"}) {
+    for (const GradientPlace gradient : {GradientPlace::particle, GradientPlace::element}) {
       NpOptions options;
       options.gradient = gradient;
       Tracker tracker(options, square(), 0);

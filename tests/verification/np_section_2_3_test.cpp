@@ -54,9 +54,9 @@ void expect_exact(const Tracker& tracker, const AnalyticMotion& motion, double t
 TEST(Section23, EveryHomogeneousMotionIsExactForAnyNumberOfParticles) {
   for (const Sample& run : runs())
     for (const Anchor anchor : {Anchor::forward, Anchor::central})
-      for (const char* gradient : {"particle", "element"})
+      for (const GradientPlace gradient : {GradientPlace::particle, GradientPlace::element})
         for (const int per_element : {1, 4, 9}) {
-          SCOPED_TRACE(run.name + ", " + std::to_string(per_element) + ", gradient " + gradient);
+          SCOPED_TRACE(run.name + ", " + std::to_string(per_element) + ", gradient " + std::string(name_of(gradient)));
           NpOptions options;
           options.gradient = gradient;
           Tracker tracker(options, block(mesh, lower, upper, per_element), 0);

@@ -100,7 +100,7 @@ TEST(TBar, ParticlesCloseWithDirectCorrelation) {
   const piv::SubsetImage first(source->read(0).view(), setting.mask.view(), 0);
   const piv::SubsetImage last(source->read(12).view(), setting.mask.view(), 0);
   std::vector<double> medians;
-  for (const char* drift : {"none", "corrected"}) {
+  for (const np::DriftScheme drift : {np::DriftScheme::none, np::DriftScheme::corrected}) {
     Case variant = c;
     variant.np = np::NpOptions{};
     variant.np->drift = drift;
@@ -116,7 +116,7 @@ TEST(TBar, ParticlesCloseWithDirectCorrelation) {
       set = now.particles();
       for (std::size_t p = 0; p < now.state().size(); ++p) end.push_back(now.state()[p]);
     });
-    if (std::string(drift) == "none") {
+    if (drift == np::DriftScheme::none) {
       const piv::SubsetImage middle(source->read(6).view(), setting.mask.view(), 0);
       state_halves(errors(halves[0], halves[1], setting.camera, first, middle),
                    errors(halves[1], halves[2], setting.camera, middle, last));
@@ -148,11 +148,11 @@ TEST(TBar, ParticlesCloseWithDirectCorrelation) {
     }
     const double share = double(within) / double(std::max<std::size_t>(1, compared));
     std::printf("drift %s: %zu asked, %zu compared, %.4f within 3 sigma; apart %.3f px median, %.3f p95; sigma %.3f px\n",
-                drift, asked.size(), compared, share, quantile(apart, 0.5), quantile(apart, 0.95), quantile(sigmas, 0.5));
+                std::string(name_of(drift)).c_str(), asked.size(), compared, share, quantile(apart, 0.5), quantile(apart, 0.95), quantile(sigmas, 0.5));
     medians.push_back(quantile(apart, 0.5));
     EXPECT_GT(compared, asked.size() / 2);
     EXPECT_GE(share, 0.95);
-    pivnp::test::verification_row("T-bar, frames 0 to 12: particles against direct correlation, drift " + std::string(drift),
+    pivnp::test::verification_row("T-bar, frames 0 to 12: particles against direct correlation, drift " + std::string(name_of(drift)),
                                   "at least 95 % within three standard deviations, where it survives",
                                   number(100 * share, 3) + " % of " + std::to_string(compared) + "; median " +
                                       number(medians.back(), 2) + " px");

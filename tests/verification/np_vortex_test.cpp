@@ -51,7 +51,7 @@ struct Result {
   Errors wound, returned;
 };
 
-Result run(int elements, int steps, Anchor anchor, const std::string& gradient) {
+Result run(int elements, int steps, Anchor anchor, GradientPlace gradient) {
   NpOptions options;
   options.gradient = gradient;
   Tracker tracker(options, cloud(), 0);
@@ -72,7 +72,7 @@ TEST_P(Vortex, SecondOrderInSpaceAndTogetherWithTime) {
   for (const bool refine_time : {false, true}) {
     std::vector<Result> results;
     for (const int elements : {40, 80, 160})
-      results.push_back(run(elements, refine_time ? elements / 4 : 16, GetParam(), "particle"));
+      results.push_back(run(elements, refine_time ? elements / 4 : 16, GetParam(), GradientPlace::particle));
     for (std::size_t n = 0; n + 1 < results.size(); ++n) {
       const Result &coarse = results[n], &fine = results[n + 1];
       const double wound = order(coarse.wound.place, fine.wound.place), F = order(coarse.wound.F, fine.wound.F);
@@ -101,8 +101,8 @@ INSTANTIATE_TEST_SUITE_P(Anchors, Vortex, ::testing::Values(Anchor::forward, Anc
 TEST(VortexGradient, AtTheParticleOrAtTheCentre) {
   // The reason for the default: without noise the gradient at the particle is the better one.
   for (const int elements : {16, 32, 64}) {
-    const Result at = run(elements, 16, Anchor::central, "particle");
-    const Result centre = run(elements, 16, Anchor::central, "element");
+    const Result at = run(elements, 16, Anchor::central, GradientPlace::particle);
+    const Result centre = run(elements, 16, Anchor::central, GradientPlace::element);
     std::printf("%d elements: F at the particle %.3g, at the centre %.3g\n", elements, at.wound.F, centre.wound.F);
     EXPECT_LT(at.wound.F, centre.wound.F);
     EXPECT_EQ(at.wound.place, centre.wound.place);  // the gradient does not move particles

@@ -159,24 +159,21 @@ std::vector<Vec2> chosen_points(const ReportOptions& options, const Content& con
 DifferenceHistory difference_history(const Content& content) {
   DifferenceHistory out;
   if (!content.comparison) return out;
-  const compare::Comparison& c = *content.comparison;
-  const std::vector<float>*x = nullptr, *y = nullptr, *magnitude = nullptr;
-  for (const compare::DifferenceField& f : c.fields) {
-    if (f.name == "difference_x") x = &f.values;
-    if (f.name == "difference_y") y = &f.values;
-    if (f.name == "difference_magnitude") magnitude = &f.values;
-  }
-  const std::size_t n = c.id.size();
-  if (n == 0 || (magnitude == nullptr && (x == nullptr || y == nullptr))) return out;
+  const ComparisonField *x = content.comparison->field("difference_x"), *y = content.comparison->field("difference_y"),
+                        *magnitude = content.comparison->field("difference_magnitude");
+  const bool both = x != nullptr && y != nullptr;
+  if (!both && magnitude == nullptr) return out;
+  const ComparisonField& any = both ? *x : *magnitude;
+  const std::size_t n = any.id.size();
+  if (n == 0) return out;
 
   std::unordered_map<std::int64_t, std::size_t> index;
   if (content.measured)
     for (std::size_t p = 0; p < content.measured->particles().size(); ++p)
       index[content.measured->particles().id[p]] = p;
 
-  for (std::size_t k = 0; k < c.field_times().size(); ++k) {
-    const std::optional<std::size_t> at =
-        content.measured ? frame_at(*content.measured, c.field_times()[k]) : std::nullopt;
+  for (std::size_t k = 0; k < any.time.size(); ++k) {
+    const std::optional<std::size_t> at = content.measured ? frame_at(*content.measured, any.time[k]) : std::nullopt;
     const MotionFrame frame = at ? content.measured->frame(*at) : MotionFrame{};
     double sum = 0, variance = 0;
     std::size_t known = 0;
@@ -184,11 +181,11 @@ DifferenceHistory difference_history(const Content& content) {
     for (std::size_t p = 0; p < n; ++p) {
       const std::size_t v = k * n + p;
       const double d =
-          x != nullptr && y != nullptr ? std::hypot(double(x->at(v)), double(y->at(v))) : double(magnitude->at(v));
+          both ? std::hypot(double(x->values.at(v)), double(y->values.at(v))) : double(magnitude->values.at(v));
       if (!std::isfinite(d)) continue;
       sum += d * d;
       found.push_back(d);
-      const auto it = index.find(c.id[p]);
+      const auto it = index.find(any.id[p]);
       if (it == index.end() || it->second >= frame.cov_u.size()) continue;
       const auto& cov = frame.cov_u[it->second];
       const double trace = double(cov[0]) + double(cov[1]);
@@ -196,7 +193,7 @@ DifferenceHistory difference_history(const Content& content) {
       variance += trace;
       ++known;
     }
-    out.time.push_back(c.field_times()[k]);
+    out.time.push_back(any.time[k]);
     out.compared.push_back(found.size());
     out.rms.push_back(found.empty() ? nan_value : std::sqrt(sum / double(found.size())));
     out.median.push_back(quantile(found, 0.5));

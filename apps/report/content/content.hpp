@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "compare/compare.hpp"
 #include "pivnp/core/image_view.hpp"
 #include "pivnp/core/math.hpp"
 #include "pivnp/core/particles/motion.hpp"
+#include "pivnp/core/record/comparison.hpp"
 #include "pivnp/core/record/energy.hpp"
 #include "pivnp/core/record/frames.hpp"
 #include "pivnp/core/record/strain_note.hpp"
@@ -39,7 +39,7 @@ struct Content {
   std::function<VectorField(std::size_t)> pair;  // read one at a time, in order
   std::shared_ptr<const MotionSource> measured, simulated;
   std::optional<StrainNote> strain_note;          // of the measured motion
-  std::optional<compare::Comparison> comparison;  // simulated (second) minus measured (first)
+  std::optional<Comparison> comparison;  // simulated (second) minus measured (first)
   std::vector<EnergyRow> energy;                  // J per metre of thickness
   std::span<const Picture> pictures;
   std::vector<std::string> remarks;  // what was flagged and why, one sentence each

@@ -141,39 +141,36 @@ std::vector<Snapshot> snapshots(const MotionSource& motion, const std::string& f
 std::vector<double> field_difference(const Content& content, const std::string& field, double time,
                                      const Snapshot& first) {
   if (!content.comparison || !content.measured || first.position.empty()) return {};
-  const compare::Comparison& c = *content.comparison;
-  const std::vector<float>*x = nullptr, *y = nullptr, *direct = nullptr;
-  for (const compare::DifferenceField& f : c.fields) {
-    if (f.name == "difference_x") x = &f.values;
-    if (f.name == "difference_y") y = &f.values;
-    if (f.name == "difference_" + field) direct = &f.values;
-    if (f.name == "difference_x" && field == "displacement_x") direct = &f.values;
-    if (f.name == "difference_y" && field == "displacement_y") direct = &f.values;
-  }
+  const ComparisonField *x = content.comparison->field("difference_x"), *y = content.comparison->field("difference_y"),
+                        *direct = content.comparison->field("difference_" + field);
+  if (field == "displacement_x") direct = x;
+  if (field == "displacement_y") direct = y;
   const bool magnitude = field == "displacement_magnitude" && x != nullptr && y != nullptr;
-  if ((!magnitude && direct == nullptr) || c.field_times().empty()) return {};
+  if (!magnitude && direct == nullptr) return {};
+  const ComparisonField& any = magnitude ? *x : *direct;
+  const std::vector<double>& times = any.time;
+  if (times.empty()) return {};
   std::size_t row = 0;
-  for (std::size_t k = 1; k < c.field_times().size(); ++k)
-    if (std::abs(c.field_times()[k] - time) < std::abs(c.field_times()[row] - time)) row = k;
-  const double step = c.field_times().size() > 1
-                          ? (c.field_times().back() - c.field_times().front()) / double(c.field_times().size() - 1)
-                          : std::abs(time);
-  if (std::abs(c.field_times()[row] - time) > 0.51 * step + 1e-12) return {};
+  for (std::size_t k = 1; k < times.size(); ++k)
+    if (std::abs(times[k] - time) < std::abs(times[row] - time)) row = k;
+  const double step =
+      times.size() > 1 ? (times.back() - times.front()) / double(times.size() - 1) : std::abs(time);
+  if (std::abs(times[row] - time) > 0.51 * step + 1e-12) return {};
 
   const ParticleSet& particles = content.measured->particles();
   std::unordered_map<std::int64_t, std::size_t> column;
-  for (std::size_t p = 0; p < c.id.size(); ++p) column[c.id[p]] = p;
+  for (std::size_t p = 0; p < any.id.size(); ++p) column[any.id[p]] = p;
   std::vector<double> out(particles.size(), nan_value);
   for (std::size_t p = 0; p < particles.size(); ++p) {
     const auto it = column.find(particles.id[p]);
     if (it == column.end()) continue;
-    const std::size_t v = row * c.id.size() + it->second;
+    const std::size_t v = row * any.id.size() + it->second;
     if (!magnitude) {
-      out[p] = double(direct->at(v));
+      out[p] = double(direct->values.at(v));
       continue;
     }
     const Vec2 u = first.position[p] - particles.x0[p];
-    out[p] = (u + Vec2(double(x->at(v)), double(y->at(v)))).norm() - u.norm();
+    out[p] = (u + Vec2(double(x->values.at(v)), double(y->values.at(v)))).norm() - u.norm();
   }
   return out;
 }

@@ -7,6 +7,7 @@
 
 #include "apps/plot/canvas.hpp"
 #include "apps/report/words/words.hpp"
+#include "pivnp/core/record/metric.hpp"
 
 namespace pivnp::report {
 
@@ -129,7 +130,7 @@ class Writer {
     out_ += "\">\n<figcaption><b>" + label + "</b> " + escape_html(f.caption) + "</figcaption></figure>\n";
   }
   static std::string cell_class(const Table& t, std::size_t k, const std::string& text) {
-    if (text == "over limit") return " class=\"over\"";
+    if (text == name_of(Verdict::exceeded)) return " class=\"over\"";
     if (k < t.align.size() && t.align[k] != 'l') return std::string(" class=\"") + t.align[k] + "\"";
     return "";
   }

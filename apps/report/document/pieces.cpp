@@ -9,6 +9,7 @@
 
 #include "apps/plot/canvas.hpp"
 #include "apps/report/words/words.hpp"
+#include "pivnp/core/record/metric.hpp"
 
 namespace pivnp::report {
 
@@ -184,7 +185,7 @@ class Cutter {
     double x = 0, height = 0;
     for (std::size_t k = 0; k < cells.size(); ++k) {
       const double w = t.width[k] * width_ - (k + 1 < cells.size() ? between : 0);
-      const bool over = cells[k] == "over limit";
+      const bool over = cells[k] == name_of(Verdict::exceeded);
       texts.push_back(break_lines(qt_text(cells[k]), font(table_points, head || over), w,
                                   1.36 * table_points * units_per_point, 0,
                                   t.align[k] == 'r' ? Qt::AlignRight : Qt::AlignLeft, over ? 0xa40d24 : ink));

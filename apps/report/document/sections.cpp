@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <ctime>
-#include <set>
 #include <utility>
 
 #include "apps/report/content/analysis.hpp"
@@ -13,6 +12,7 @@
 #include "apps/report/words/data_sets.hpp"
 #include "apps/report/words/summary.hpp"
 #include "apps/report/words/words.hpp"
+#include "compare/metrics/words.hpp"
 
 namespace pivnp::report {
 
@@ -32,14 +32,7 @@ class Builder {
 
 // The metrics a reader asks for first; those with a limit are always among them.
 bool leading(const Metric& m) {
-  static const std::set<std::string> names = {
-      "displacement_rms", "displacement_p95", "displacement_max", "displacement_bias_x_final",
-      "displacement_bias_y_final", "displacement_rms_final", "displacement_rms_final_relative", "strain_dev_rms",
-      "strain_dev_rms_final", "increment_median", "increment_median_relative", "outline_iou", "run_out_x_first",
-      "run_out_x_second", "slope_angle_first", "slope_angle_second", "slope_angle_difference", "coverage_first_final", "u_val",
-      "velocity_rms", "strain_dev_p95", "run_out_x_difference", "crest_retreat_difference", "outline_hausdorff_95",
-      "area_metric_displacement", "levelled_displacement_rms", "levelled_strain_dev_rms", "history_bias", "history_rms"};
-  return names.contains(m.name) || m.verdict.ends_with("limit");
+  return compare::leads(m.name) || m.verdict == Verdict::met || m.verdict == Verdict::exceeded;
 }
 
 Table leading_table(const Content& content) {
@@ -53,7 +46,7 @@ Table leading_table(const Content& content) {
   for (const Metric& m : content.comparison->metrics)
     if (leading(m))
       t.rows.push_back({in_sides(content, metric_words(m.name)), value_with_uncertainty(m.value, m.uncertainty),
-                        m.unit == "1" ? "" : m.unit, m.verdict});
+                        m.unit == "1" ? "" : m.unit, std::string(name_of(m.verdict))});
   return t;
 }
 
@@ -67,7 +60,7 @@ Table metrics_table(const Content& content) {
   t.align = {'l', 'r', 'l', 'l'};
   for (const Metric& m : content.comparison->metrics) {
     t.rows.push_back({in_sides(content, metric_words(m.name)), value_with_uncertainty(m.value, m.uncertainty),
-                      m.unit == "1" ? "" : m.unit, m.verdict});
+                      m.unit == "1" ? "" : m.unit, std::string(name_of(m.verdict))});
     t.notes.push_back(m.name + ": " + m.definition);
   }
   return t;

@@ -3,9 +3,11 @@
 #include <QtGlobal>
 #include <qcustomplot.h>
 
+#include "pivnp/core/version.hpp"
+
 namespace pivnp::report {
 
-std::string program_version() { return PIVNP_VERSION; }
+std::string program_version() { return build_info().version; }
 
 std::string versions() {
   return "pivnp " + program_version() + "; figures by QCustomPlot " QCUSTOMPLOT_VERSION_STR " on Qt " +

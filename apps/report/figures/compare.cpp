@@ -19,22 +19,17 @@ struct Coefficients {
   double uncertainty = 0;
 };
 
-std::vector<Coefficients> coefficients(const compare::Comparison& comparison) {
+std::vector<Coefficients> coefficients(const Comparison& comparison) {
   static const std::string prefix = "decomposition_";
   std::vector<Coefficients> out;
-  for (const compare::ColumnTable& table : comparison.tables) {
+  for (const ComparisonTable& table : comparison.tables) {
     if (!table.name.starts_with(prefix)) continue;
-    Coefficients c{field_words(table.name.substr(prefix.size())), "", nullptr, nullptr, 0};
-    for (const auto& column : table.columns) {
-      if (column.values.empty()) continue;
-      if (column.name == "first") {
-        c.first = &column.values;
-        c.unit = column.unit;
-      }
-      if (column.name == "second") c.second = &column.values;
-      if (column.name == "uncertainty") c.uncertainty = column.values[0];
-    }
-    if (c.first && c.second && c.first->size() == c.second->size()) out.push_back(c);
+    const auto *first = find(table, name_of(DataSetRole::first)), *second = find(table, name_of(DataSetRole::second)),
+               *uncertainty = find(table, "uncertainty");
+    if (first == nullptr || second == nullptr || first->values.empty()) continue;
+    if (first->values.size() != second->values.size()) continue;
+    out.push_back({field_words(table.name.substr(prefix.size())), first->unit, &first->values, &second->values,
+                   uncertainty != nullptr && !uncertainty->values.empty() ? uncertainty->values[0] : 0});
   }
   return out;
 }
@@ -99,13 +94,9 @@ std::string curve_name(const std::string& definition) {
 
 std::optional<Figure> compared_curves_figure(const Content& content) {
   if (!content.comparison) return std::nullopt;
-  const compare::ColumnTable *first = nullptr, *second = nullptr;
-  for (const compare::ColumnTable& table : content.comparison->tables) {
-    if (table.columns.size() != 2) continue;
-    if (table.name == "history_first") first = &table;
-    if (table.name == "history_second") second = &table;
-  }
-  if (!first || !second) return std::nullopt;
+  const ComparisonTable *first = content.comparison->table(history_table(DataSetRole::first)),
+                        *second = content.comparison->table(history_table(DataSetRole::second));
+  if (!first || !second || first->columns.size() != 2 || second->columns.size() != 2) return std::nullopt;
   double left = std::numeric_limits<double>::infinity(), right = -left, low = left, high = -left;
   for (const auto* table : {first, second})
     for (std::size_t k = 0; k < table->columns[0].values.size(); ++k) {

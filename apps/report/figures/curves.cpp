@@ -230,11 +230,11 @@ std::optional<Figure> difference_figure(const Content& content, const Difference
 
 std::optional<Figure> outline_figure(const Content& content) {
   if (!content.comparison) return std::nullopt;
-  const auto &first = content.comparison->outline_first, &second = content.comparison->outline_second;
+  const auto& [first, second] = content.comparison->outlines;
   if (first.empty() && second.empty()) return std::nullopt;
   std::vector<const std::vector<Vec2>*> all;
-  for (const auto* side : {&first, &second})
-    for (const auto& loop : *side) all.push_back(&loop);
+  for (const auto& outline : content.comparison->outlines)
+    for (const auto& loop : outline) all.push_back(&loop);
   const Box box = box_around(all, 0);
   const double aspect = box.height() / box.width(), left = 15, head = 7, foot = 11;
   const double w = std::min(120.0, 80 / aspect), h = w * aspect, x = left + (figure_width_mm - left - 5 - w) / 2;
@@ -250,7 +250,7 @@ std::optional<Figure> outline_figure(const Content& content) {
     }
     return p;
   };
-  sheet->paint(panel, [=](QCPPainter& p) {
+  sheet->paint(panel, [=, first = first, second = second](QCPPainter& p) {
     p.setPen(pen(ink, 1.2));
     p.setBrush(QColor(0xe4, 0xe4, 0xe4));
     p.drawPath(path(first));

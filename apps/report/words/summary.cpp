@@ -1,24 +1,18 @@
 #include "apps/report/words/summary.hpp"
 
-#include "apps/plot/numbers.hpp"
-
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <utility>
 
+#include "apps/plot/numbers.hpp"
 #include "apps/report/words/data_sets.hpp"
 #include "apps/report/words/words.hpp"
+#include "compare/metrics/words.hpp"
 #include "pivnp/core/particles/derived.hpp"
 
 namespace pivnp::report {
 
 namespace {
-
-const Metric* find(const std::vector<Metric>& metrics, const std::string& name) {
-  const auto it = std::find_if(metrics.begin(), metrics.end(), [&](const Metric& m) { return m.name == name; });
-  return it == metrics.end() ? nullptr : &*it;
-}
 
 std::string quantity(const Metric& m) { return value_with_uncertainty(m.value, m.uncertainty) + unit_suffix(m.unit); }
 
@@ -28,21 +22,15 @@ std::string frame_name(const Content& content, int k) {
                                                                                 : "frame " + std::to_string(k);
 }
 
-// Limits that were stated, met or not.
+// Limits that were stated, met or exceeded.
 std::string limits_sentence(const std::vector<Metric>& metrics) {
-  std::string met, missed;
-  for (const Metric& m : metrics) {
-    std::string& list = m.verdict == "over limit" ? missed : met;
-    if (m.verdict == "over limit" || m.verdict == "within limit") {
-      std::string words = metric_words(m.name);
-      words[0] = char(std::tolower(static_cast<unsigned char>(words[0])));
-      list += (list.empty() ? "" : "; ") + words;
-    }
-  }
-  std::string text;
-  if (!missed.empty()) text += " Over the stated limit: " + missed + ".";
-  if (!met.empty()) text += " Within the stated limit: " + met + ".";
-  return text;
+  const auto list = [&](Verdict verdict, const char* what) {
+    std::string text;
+    for (const Metric& m : metrics)
+      if (m.verdict == verdict) text += (text.empty() ? "" : "; ") + compare::words_of(m.name);
+    return text.empty() ? "" : what + text + ".";
+  };
+  return list(Verdict::exceeded, " Limits exceeded: ") + list(Verdict::met, " Limits met: ");
 }
 
 std::string displacement_sentence(const Metric& rms) {
@@ -69,21 +57,23 @@ std::string strain_sentence(const Metric& rms) {
 }
 
 std::string compared_sentence(const Content& content) {
-  const compare::Comparison& c = *content.comparison;
-  const std::size_t particles = c.id.size();
+  const Comparison& c = *content.comparison;
+  const std::size_t particles = c.fields.empty() ? 0 : c.fields[0].id.size();
+  const std::vector<double>& times = c.times();
   std::string text = "Simulation and measurement were compared";
   if (particles > 0) text += " at " + count(particles, "particle");
-  if (c.time.size() > 1)
-    text += " and " + count(c.time.size(), "time") + " between " + plain(c.time.front()) + " and " +
-            plain(c.time.back()) + unit_suffix(content.time_unit);
-  if (c.coverage_first > 0)
-    text += "; " + percent(c.coverage_first) + " of the measured and " + percent(c.coverage_second) +
+  if (times.size() > 1)
+    text += " and " + count(times.size(), "time") + " between " + plain(times.front()) + " and " +
+            plain(times.back()) + unit_suffix(content.time_unit);
+  const Metric *measured = find(c.metrics, "coverage_first"), *simulated = find(c.metrics, "coverage_second");
+  if (measured != nullptr && simulated != nullptr)
+    text += "; " + percent(measured->value) + " of the measured and " + percent(simulated->value) +
             " of the simulated particles found a partner";
   return text + ".";
 }
 
 std::string history_sentence(const Content& content, const Metric& rms) {
-  const std::vector<double>& t = content.comparison->time;
+  const std::vector<double>& t = content.comparison->times();
   std::string text = "Two histories were compared";
   if (t.size() > 1)
     text += " between " + plain(t.front()) + " and " + plain(t.back()) + unit_suffix(content.time_unit);
@@ -137,8 +127,7 @@ std::string verdict(const Content& content, const std::vector<PairQuality>& pair
     if (const Metric* rms = find(metrics, "displacement_rms")) {
       text += displacement_sentence(*rms);
     } else if (!differences.rms.empty()) {
-      const Metric last{
-          "displacement_rms", differences.rms.back(), content.length_unit, differences.sigma.back(), "", ""};
+      const Metric last{"displacement_rms", differences.rms.back(), content.length_unit, differences.sigma.back(), ""};
       text += "At the last time: " + displacement_sentence(last);
     }
     if (const Metric* rms = find(metrics, "strain_dev_rms")) text += strain_sentence(*rms);

@@ -299,22 +299,22 @@ void DriftCorrector::start(const np::Tracker& tracker, const ImageView& image) {
   s.var_F.assign(count, 0);
   s.cov_before.assign(count, {0, 0, 0});
   s.F_before.assign(count, Mat2::Identity());
-  if (s.options.drift == "none") return;
+  if (s.options.drift == np::DriftScheme::none) return;
   s.first = s.snapshot(tracker, 0, image);
-  if (s.options.drift != "corrected") s.kept = s.first;
+  if (s.options.drift != np::DriftScheme::corrected) s.kept = s.first;
 }
 
 void DriftCorrector::after_step(np::Tracker& tracker, int frame, bool last, const std::function<Image()>& read) {
   Impl& s = *impl_;
-  if (s.options.drift == "none") return;
-  const bool corrects = s.options.drift == "corrected";
+  if (s.options.drift == np::DriftScheme::none) return;
+  const bool corrects = s.options.drift == np::DriftScheme::corrected;
   if (corrects && frame % s.options.drift_interval != 0 && !last) return;
   s.grow_var_F(tracker);
   const Image image = read();
   if (corrects)
     s.correct(tracker, frame, image);
   else
-    s.follow_reference(tracker, frame, image, s.options.drift == "reference_update");
+    s.follow_reference(tracker, frame, image, s.options.drift == np::DriftScheme::reference_update);
 }
 
 }  // namespace pivnp::app

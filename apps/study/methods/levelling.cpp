@@ -9,6 +9,7 @@
 #include "apps/study/pipeline/measure.hpp"
 #include "apps/study/synth/truth.hpp"
 #include "compare/data/triangulation.hpp"
+#include "compare/metrics/words.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/strain.hpp"
 #include "pivnp/core/text.hpp"
@@ -283,7 +284,7 @@ std::unique_ptr<image::FrameSource> carried_frames(const Image& first, const std
 void add_levelled(const Case& c, const Setting& setting, const RunSettings& settings, image::FrameSource& source,
                   const std::vector<Frame>& frames, const io::RecordWriter& writer, const MotionSource& measured,
                   const MotionSource& simulated, const StrainNote& note, const compare::CompareOptions& options,
-                  compare::Comparison& comparison, Progress& progress) {
+                  Comparison& comparison, Progress& progress) {
   std::vector<Vec2> nodes;
   for (int j = 0; j < setting.grid.ny; ++j)
     for (int i = 0; i < setting.grid.nx; ++i) nodes.push_back(setting.camera.to_pixel(setting.grid.position(i, j)));
@@ -314,13 +315,11 @@ void add_levelled(const Case& c, const Setting& setting, const RunSettings& sett
   levelled.pack();
   {
     const auto motion = levelled.motion("np");
-    const compare::Comparison like = compare::compare(measured, *motion, options, {}, progress, {}, {note, note});
+    const Comparison like = compare::compare(measured, *motion, options, {}, progress, {}, {note, note});
     for (Metric m : like.metrics) {
-      const bool wanted = m.name.starts_with("displacement_") || m.name.starts_with("velocity_") ||
-                          m.name.starts_with("strain_") || m.name.starts_with("u_val") ||
-                          m.name.starts_with("coverage_");
-      if (!wanted) continue;
-      m.name = "levelled_" + m.name;
+      const auto known = compare::known_metric(m.name);
+      if (!known || !known->facts->levelled) continue;
+      m.name.insert(0, compare::levelled_prefix);
       m.definition += "; second: the simulation as it would have been measured (first frame carried by its motion, "
                       "same PIV and particles)";
       comparison.metrics.push_back(std::move(m));

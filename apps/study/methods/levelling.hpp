@@ -32,6 +32,6 @@ std::unique_ptr<image::FrameSource> carried_frames(const Image& first, const std
 void add_levelled(const Case& c, const Setting& setting, const RunSettings& settings, image::FrameSource& source,
                   const std::vector<Frame>& frames, const io::RecordWriter& writer, const MotionSource& measured,
                   const MotionSource& simulated, const StrainNote& note, const compare::CompareOptions& options,
-                  compare::Comparison& comparison, Progress& progress);
+                  Comparison& comparison, Progress& progress);
 
 }  // namespace pivnp::app

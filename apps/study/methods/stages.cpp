@@ -38,7 +38,7 @@ ParticleSet all_particles(const Case& c, const Setting& setting, const std::vect
   if (!options.reseed) return all;
   np::Tracker scout(options, all, frames.front().time);
   np::Reseeder reseeder(setting.grid, options.per_element,
-                        options.seeding == "gauss" ? SeedPattern::gauss : SeedPattern::even, scout);
+                        options.seeding, scout);
   for (const TrackStep& step : measured.steps) {
     if (progress.stop_requested()) throw Interrupted();
     const VectorField field = measured.field(step);
@@ -111,7 +111,7 @@ std::vector<DriftRound> follow(const Case& c, const Setting& setting, const std:
   const np::NpOptions options = c.np.value_or(np::NpOptions{});
   np::Tracker tracker(options, all_particles(c, setting, frames, measured, progress), frames.front().time);
   DriftCorrector corrector(c, setting, threads);
-  if (options.drift != "none") corrector.start(tracker, measured.image(0).view());
+  if (options.drift != np::DriftScheme::none) corrector.start(tracker, measured.image(0).view());
   at_step(0, tracker);
   go_on(tracker, &corrector, frames, measured, 0, progress, at_step);
   return corrector.rounds();
@@ -141,7 +141,7 @@ TrackOutcome track(const Case& c, const Setting& setting, const std::vector<Fram
     writer.add_frame("np", now.frame());
     if (writer.segment_full(stage)) writer.close_segment(stage, now.save());
   };
-  const bool corrected = options.drift != "none";
+  const bool corrected = options.drift != np::DriftScheme::none;
   DriftCorrector corrector(c, setting, threads);
   if (corrected) corrector.start(tracker, source.read(0).view());
   const bool resumed = !corrected && done.items > 0;
@@ -193,7 +193,7 @@ std::vector<std::string> simulate(const Case& c, const Setting& setting, const s
   if (next > 0)
     solver.load(done.checkpoint);
   else if (c.mpm->settle)
-    solver.settle(progress);
+    solver.find_initial_equilibrium(progress);
   for (std::size_t k = next; k < times.size(); ++k) {
     solver.advance_to(times[k], progress);
     writer.add_frame("mpm", solver.frame());

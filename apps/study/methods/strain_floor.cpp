@@ -10,9 +10,10 @@ namespace pivnp::app {
 
 namespace {
 
-int cells_spanned(const std::string& shape) {
-  if (shape == "quadratic" || shape == "bspline2") return 2;
-  if (shape == "cubic" || shape == "bspline3") return 3;
+int cells_spanned(np::ShapeFunctions shape) {
+  using enum np::ShapeFunctions;
+  if (shape == quadratic || shape == bspline2) return 2;
+  if (shape == cubic || shape == bspline3) return 3;
   return 1;
 }
 

@@ -56,32 +56,4 @@ void add_camera(double residual, compare::CompareOptions& options) {
   if (!options.measurement_uncertainty_m && residual > 0) options.measurement_uncertainty_m = residual;
 }
 
-io::ComparisonData comparison_data(const compare::Comparison& comparison, const std::string& first,
-                                   const std::string& second, const std::string& time_unit) {
-  io::ComparisonData data;
-  data.measured = first;
-  data.simulated = second;
-  data.metrics = comparison.metrics;
-  for (const compare::DifferenceField& field : comparison.fields)
-    data.fields.push_back(
-        {field.name, field.unit, field.definition, comparison.field_times(), comparison.id, field.values});
-  for (const compare::DifferenceField& field : comparison.over_time)
-    data.fields.push_back(
-        {field.name, field.unit, field.definition, {comparison.time.back()}, comparison.id, field.values});
-  io::ComparisonData::Table over_space{"over_space", "statistics over the particles, time by time; the definition of a "
-                                       "column is that of the metric of its name", {}};
-  over_space.columns.push_back({"time", time_unit, comparison.time});
-  for (const compare::Series& series : comparison.series)
-    over_space.columns.push_back({series.name, series.unit, series.values});
-  if (!comparison.series.empty()) data.tables.push_back(std::move(over_space));
-  for (const compare::ColumnTable& table : comparison.tables) {
-    io::ComparisonData::Table& out = data.tables.emplace_back();
-    out.name = table.name;
-    out.definition = table.definition;
-    for (const compare::ColumnTable::Column& column : table.columns)
-      out.columns.push_back({column.name, column.unit, column.values});
-  }
-  return data;
-}
-
 }  // namespace pivnp::app

@@ -36,7 +36,7 @@ std::vector<report::Picture> pictures(const Case& c, const io::RecordReader& rec
 
 }  // namespace
 
-void write_report_of(const Case& c, RunOutcome& outcome, std::optional<compare::Comparison> comparison,
+void write_report_of(const Case& c, RunOutcome& outcome, std::optional<Comparison> comparison,
                      image::FrameSource* source, const fs::path& directory) {
   const io::RecordReader record(outcome.record);
   report::ReportInput input;

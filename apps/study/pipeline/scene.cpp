@@ -238,8 +238,7 @@ VectorField world_vectors(const piv::PixelVectors& pixels, const piv::NodeLattic
 
 ParticleSet seed_particles(const Case& c, const Setting& setting) {
   const np::NpOptions options = c.np.value_or(np::NpOptions{});
-  const SeedPattern pattern = options.seeding == "gauss" ? SeedPattern::gauss : SeedPattern::even;
-  ParticleSet set = seed(setting.grid, setting.regions, options.per_element, pattern, 0.0,
+  ParticleSet set = seed(setting.grid, setting.regions, options.per_element, options.seeding, 0.0,
                          of_file(c) + ": np.per_element");
   if (setting.width == 0) return set;
   const MaskView mask = setting.mask.view();

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "compare/compare.hpp"
+#include "pivnp/core/record/metric.hpp"
 
 namespace pivnp::app {
 
@@ -19,10 +19,9 @@ struct RunSettings {
 };
 
 struct RunOutcome {
-  bool over_limit = false;  // a limit of [compare.limits] was exceeded: exit code 3
   std::filesystem::path record, report_html, report_pdf;
-  std::vector<std::string> remarks;          // what was flagged and why, one sentence each
-  std::vector<compare::LimitResult> limits;  // one a limit of [compare.limits] that was given and judged
+  std::vector<std::string> remarks;  // what was flagged and why, one sentence each
+  std::vector<LimitResult> limits;   // one a limit of [compare.limits] that was given; one exceeded gives exit code 3
 };
 
 }  // namespace pivnp::app

@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "apps/study/pipeline/outcome.hpp"
 #include "apps/study/pipeline/report_input.hpp"
 
 namespace pivnp::app {
@@ -17,12 +16,11 @@ Case comparison_case(const CompareSources& sources, const compare::CompareOption
   return c;
 }
 
-RunOutcome finish_comparison(const Case& c, const Compared& compared, compare::Comparison comparison,
-                             io::RecordWriter& writer, const RunSettings& settings) {
-  writer.set_comparison(comparison_data(comparison, compared.first, compared.second, compared.time_unit));
+RunOutcome finish_comparison(const Case& c, Comparison comparison, io::RecordWriter& writer,
+                             const RunSettings& settings) {
+  writer.set_comparison(comparison);
   writer.finish();
   RunOutcome outcome;
-  outcome.over_limit = comparison.over_limit;
   outcome.limits = comparison.limits;
   outcome.record = settings.out / "record.h5";
   write_report_of(c, outcome, std::move(comparison), nullptr, settings.out);

@@ -25,11 +25,8 @@ struct CompareSources {
 Case comparison_case(const CompareSources& sources, const compare::CompareOptions& options,
                      const compare::LimitOptions& limits);
 
-struct Compared {
-  std::string first, second, time_unit;  // names of the two data sets
-};
 /// The common end of such a comparison: into the record, which is finished, and into the report.
-RunOutcome finish_comparison(const Case& c, const Compared& compared, compare::Comparison comparison,
-                             io::RecordWriter& writer, const RunSettings& settings);
+RunOutcome finish_comparison(const Case& c, Comparison comparison, io::RecordWriter& writer,
+                             const RunSettings& settings);
 
 }  // namespace pivnp::app

@@ -6,7 +6,8 @@
 
 #include "apps/study/pipeline/outcome.hpp"
 #include "compare/measures/history.hpp"
-#include "compare/metrics/metrics.hpp"
+#include "compare/metrics/limits.hpp"
+#include "compare/metrics/rows.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/io/import_format.hpp"
 #include "pivnp/io/record.hpp"
@@ -17,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Side {
+struct NamedHistory {
   compare::History history;
   std::string name, unit, time_unit;
 };
@@ -49,7 +50,7 @@ double front(const ParticleSet& set, const MotionFrame& f, bool left) {
   return std::numeric_limits<double>::quiet_NaN();
 }
 
-Side open_history(const std::string& text, double step_s) {
+NamedHistory open_history(const std::string& text, double step_s) {
   const std::size_t equals = text.find('=');
   const std::string kind = text.substr(0, equals);
   const auto [file, rest] = file_and_rest(text.substr(equals + 1));
@@ -62,17 +63,17 @@ Side open_history(const std::string& text, double step_s) {
   if (rest.empty() && names.size() != 1)
     throw InputError(file + ": holds " + std::to_string(names.size()) + " motions; name one as FILE:motion");
   const auto motion = record.motion(rest.empty() ? names.front() : rest);
-  Side side;
-  side.history.time = motion->times();
-  side.name = kind + " of " + motion->name();
-  side.unit = motion->length_unit(), side.time_unit = motion->time_unit();
+  NamedHistory found;
+  found.history.time = motion->times();
+  found.name = kind + " of " + motion->name();
+  found.unit = motion->length_unit(), found.time_unit = motion->time_unit();
   for (std::size_t k = 0; k < motion->times().size(); ++k)
-    side.history.value.push_back(front(motion->particles(), motion->frame(k), kind == "front_left"));
-  return side;
+    found.history.value.push_back(front(motion->particles(), motion->frame(k), kind == "front_left"));
+  return found;
 }
 
 // A column's unit stands in its head's brackets ("1" without). What differs must be converted by the options for it.
-void check_units(const char* what, const Side& first, const Side& second, std::string Side::*unit, double scale,
+void check_units(const char* what, const NamedHistory& first, const NamedHistory& second, std::string NamedHistory::*unit, double scale,
                  const char* key) {
   const std::string &a = first.*unit, &b = second.*unit;
   if (a == b || a == "1" || b == "1" || scale != 1) return;
@@ -93,38 +94,38 @@ RunOutcome compare_histories(const CompareSources& sources, const compare::Compa
     if (!is_history(*text))
       throw InputError(*text + ": compared with a history, expected one too (" + io::formats_text(&io::FileFormat::curve) +
                        "=FILE[:COLUMN], front=RECORD)");
-  const Side first = open_history(sources.first, sources.step_s);
-  Side second = open_history(sources.second, sources.step_s);
-  check_units("values", first, second, &Side::unit, options.second_scale, "compare.second_scale");
-  check_units("times", first, second, &Side::time_unit, options.second_time_scale, "compare.second_time_scale");
+  const NamedHistory first = open_history(sources.first, sources.step_s);
+  NamedHistory second = open_history(sources.second, sources.step_s);
+  check_units("values", first, second, &NamedHistory::unit, options.second_scale, "compare.second_scale");
+  check_units("times", first, second, &NamedHistory::time_unit, options.second_time_scale, "compare.second_time_scale");
   for (double& t : second.history.time) t = options.second_time_scale * t + options.time_offset_s;
   for (double& v : second.history.value) v = options.second_scale * v + options.second_shift_m[0];
 
-  compare::Comparison comparison;
   const double of_model = std::hypot(options.numerical_uncertainty_m, options.input_uncertainty_m);
   const double of_one = options.measurement_uncertainty_m.value_or(0);
   compare::HistoryErrors errors;
   if (of_one > 0 || of_model > 0)
     errors = {std::hypot(std::sqrt(2.0) * of_one, of_model), {of_one, std::hypot(of_one, of_model)}};
-  if (!compare::add_history_metrics("history", first.name, first.history, second.history, errors, first.unit,
-                                    first.time_unit, comparison.metrics))
-    throw InputError("compare: " + sources.first + " and " + sources.second + " have no time in common");
+  const auto measures = compare::measure_histories("history", first.name, first.history, second.history, errors,
+                                                   first.unit, first.time_unit);
+  if (!measures) throw InputError("compare: " + sources.first + " and " + sources.second + " have no time in common");
+  Comparison comparison;
+  comparison.names = {sources.first, sources.second};
+  comparison.metrics = compare::metrics_of(*measures);
   comparison.limits = compare::apply_limits(limits, comparison.metrics);
-  for (const compare::LimitResult& l : comparison.limits) comparison.over_limit = comparison.over_limit || !l.within;
-  const std::string where = " (scaled and shifted as compared)";
-  comparison.tables = {{"history_first", first.name + " of " + sources.first,
-                        {{"time", first.time_unit, first.history.time}, {"value", first.unit, first.history.value}}},
-                       {"history_second", second.name + " of " + sources.second + where,
-                        {{"time", first.time_unit, second.history.time}, {"value", first.unit, second.history.value}}}};
-  comparison.time = first.history.time;
+  const auto table = [&](DataSetRole role, const NamedHistory& h, const std::string& definition) {
+    return ComparisonTable{history_table(role), h.name + " of " + definition,
+                           {{"time", first.time_unit, h.history.time}, {"value", first.unit, h.history.value}}};
+  };
+  comparison.tables = {table(DataSetRole::first, first, sources.first),
+                       table(DataSetRole::second, second, sources.second + " (scaled and shifted as compared)")};
 
   const Case c = comparison_case(sources, options, limits);
   io::RecordHead head;
   head.command = settings.command;
   head.case_text = write_case(c);
   io::RecordWriter writer(settings.out, head, false);
-  return finish_comparison(c, {sources.first, sources.second, first.time_unit}, std::move(comparison), writer,
-                           settings);
+  return finish_comparison(c, std::move(comparison), writer, settings);
 }
 
 }  // namespace pivnp::app

@@ -6,7 +6,7 @@
 #include "apps/study/pipeline/outcome.hpp"
 #include "apps/study/pipeline/report_input.hpp"
 #include "apps/study/studies/histories.hpp"
-#include "compare/metrics/metrics.hpp"
+#include "compare/metrics/limits.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/io/import_motion.hpp"
 #include "pivnp/io/record.hpp"
@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Side {
+struct OpenedMotion {
   io::RecordHead head;  // of the record it comes from; units and grid of nothing for other programs' results
   std::shared_ptr<MotionSource> motion;
   std::optional<StrainNote> note;
@@ -44,7 +44,7 @@ std::shared_ptr<MotionSource> motion_of(const io::RecordReader& record, const st
 }
 
 // "FILE" or "FILE:motion"; a colon inside a path that exists belongs to the path.
-Side open_side(const std::string& text, const CompareSources& sources) {
+OpenedMotion open_motion(const std::string& text, const CompareSources& sources) {
   if (io::is_import(text))
     return {io::RecordHead{}, io::open_import(text, {.step = sources.step_s, .length_unit = sources.length_unit}), {}};
   fs::path file = text;
@@ -77,17 +77,17 @@ RunOutcome compare_records(const CompareSources& sources, const compare::Compare
                            const compare::LimitOptions& limits, const RunSettings& settings, Progress& progress) {
   if (is_history(sources.first) || is_history(sources.second))
     return compare_histories(sources, given, limits, settings);
-  const Side one = open_side(sources.first, sources), two = open_side(sources.second, sources);
-  std::vector<Side> coarser;
+  const OpenedMotion one = open_motion(sources.first, sources), two = open_motion(sources.second, sources);
+  std::vector<OpenedMotion> coarser;
   compare::Refinement refinement{{}, sources.refinement_ratio};
   for (const std::string& text : sources.coarser) {
-    coarser.push_back(open_side(text, sources));
+    coarser.push_back(open_motion(text, sources));
     refinement.coarser.push_back(coarser.back().motion.get());
   }
   compare::CompareOptions options = given;
   add_camera(std::hypot(one.residual(), two.residual()), options);
-  compare::Comparison comparison = compare::compare(*one.motion, *two.motion, options, limits, progress, refinement,
-                                                    {one.note, two.note});
+  Comparison comparison =
+      compare::compare(*one.motion, *two.motion, options, limits, progress, refinement, {one.note, two.note});
 
   const Case c = comparison_case(sources, options, limits);
   const std::string first_name = one.motion->name();
@@ -102,7 +102,8 @@ RunOutcome compare_records(const CompareSources& sources, const compare::Compare
   copy_motion(*two.motion, second_name, writer);
   if (one.note) writer.set_strain_note(first_name, *one.note);
   if (two.note) writer.set_strain_note(second_name, *two.note);
-  return finish_comparison(c, {first_name, second_name, head.time_unit}, std::move(comparison), writer, settings);
+  comparison.names = {first_name, second_name};
+  return finish_comparison(c, std::move(comparison), writer, settings);
 }
 
 RunOutcome report_record(const fs::path& given, const RunSettings& settings, Progress& progress) {
@@ -111,7 +112,7 @@ RunOutcome report_record(const fs::path& given, const RunSettings& settings, Pro
   outcome.record = file;
   Case c;
   std::unique_ptr<image::FrameSource> source;
-  std::optional<compare::Comparison> comparison;
+  std::optional<Comparison> comparison;
   {
     const io::RecordReader record(file);
     c = parse_case(record.head().case_text, file.string() + " (its case)", file.parent_path());
@@ -127,16 +128,20 @@ RunOutcome report_record(const fs::path& given, const RunSettings& settings, Pro
                                   "): vectors are drawn without a picture; --frames names their new place.");
       }
     }
-    if (const auto held = record.comparison(); held && !is_history(held->measured)) {
-      compare::CompareOptions options = c.compare;
-      if (record.pair_count() > 0) add_camera(record.head().camera_residual, options);  // else it is in the case
-      comparison = compare::compare(*record.motion(held->measured), *record.motion(held->simulated), options, c.limits,
-                                    progress, {}, {record.strain_note(held->measured), record.strain_note(held->simulated)});
-      // Outlines, fields and curves are found again; the numbers are the record's: coarser grids and frames, which some
-      // of them need, are not in it.
-      comparison->metrics = held->metrics;
+    if (auto held = record.comparison()) {
+      const auto& [first, second] = held->names;
+      if (is_history(first)) {
+        comparison = std::move(held);
+      } else {
+        compare::CompareOptions options = c.compare;
+        if (record.pair_count() > 0) add_camera(record.head().camera_residual, options);  // else it is in the case
+        comparison = compare::compare(*record.motion(first), *record.motion(second), options, c.limits, progress, {},
+                                      {record.strain_note(first), record.strain_note(second)});
+        // Outlines, fields and curves are found again; the numbers are the record's: coarser grids and frames, which
+        // some of them need, are not in it.
+        comparison->metrics = std::move(held->metrics);
+      }
       comparison->limits = compare::apply_limits(c.limits, comparison->metrics);
-      for (const compare::LimitResult& l : comparison->limits) outcome.over_limit = outcome.over_limit || !l.within;
       outcome.limits = comparison->limits;
     }
   }

@@ -49,13 +49,13 @@ std::vector<double> output_times(const Case& c, const std::vector<Frame>& frames
 }
 
 // Particles against material points, as the case asks.
-compare::Comparison compare_sides(const Case& c, const Setting& setting, const RunSettings& settings,
-                                  image::FrameSource& source, const std::vector<Frame>& frames,
-                                  const io::RecordWriter& writer, const StrainNote& note, Progress& progress) {
+Comparison compare_motions(const Case& c, const Setting& setting, const RunSettings& settings,
+                           image::FrameSource& source, const std::vector<Frame>& frames,
+                           const io::RecordWriter& writer, const StrainNote& note, Progress& progress) {
   compare::CompareOptions options = c.compare;
   add_camera(setting.camera.residual(), options);
   const auto np = writer.motion("np"), mpm = writer.motion("mpm");
-  compare::Comparison comparison = compare::compare(*np, *mpm, options, c.limits, progress, {}, {note, {}});
+  Comparison comparison = compare::compare(*np, *mpm, options, c.limits, progress, {}, {note, {}});
   if (c.compare.levelling)
     add_levelled(c, setting, settings, source, frames, writer, *np, *mpm, note, options, comparison, progress);
   return comparison;
@@ -110,7 +110,7 @@ RunOutcome run_case(const Case& given, const RunSettings& settings, Stages stage
       outcome.remarks.push_back(std::move(remark));
   writer.set_output_fields(c.output.fields_stored);
 
-  std::optional<compare::Comparison> comparison;
+  std::optional<Comparison> comparison;
   StrainNote note;
   writer.pack();
   if (tracks) {
@@ -122,9 +122,8 @@ RunOutcome run_case(const Case& given, const RunSettings& settings, Stages stage
   std::string not_compared;  // why; what was measured and simulated is kept and reported all the same
   if (tracks && simulates) {
     try {
-      comparison = compare_sides(c, setting, settings, *source, frames, writer, note, progress);
-      writer.set_comparison(comparison_data(*comparison, "np", "mpm", writer.motion("np")->time_unit()));
-      outcome.over_limit = comparison->over_limit;
+      comparison = compare_motions(c, setting, settings, *source, frames, writer, note, progress);
+      writer.set_comparison(*comparison);
       outcome.limits = comparison->limits;
     } catch (const InputError& error) {
       not_compared = error.what();

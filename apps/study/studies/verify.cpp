@@ -87,14 +87,16 @@ struct Curve {
   std::vector<DriftRound> rounds;
 };
 
-Curve drift_curve(const Case& c, const std::string& scheme, const Setting& setting, const std::vector<Frame>& frames,
+Curve drift_curve(const Case& c, np::DriftScheme scheme, const Setting& setting, const std::vector<Frame>& frames,
                   const Measured& measured, const MotionSource& truth, double pixel, int threads, Progress& progress) {
   Case variant = c;
   variant.np = c.np.value_or(np::NpOptions{});
   variant.np->drift = scheme;
   variant.np->reseed = false;
   Curve curve;
-  curve.scheme = scheme == "none" ? "summed increments" : scheme == "reference_update" ? "reference update" : scheme;
+  curve.scheme = scheme == np::DriftScheme::none             ? "summed increments"
+                 : scheme == np::DriftScheme::reference_update ? "reference update"
+                                                               : std::string(name_of(scheme));
   curve.rounds = follow(variant, setting, frames, measured, threads, progress, [&](std::size_t k, const np::Tracker& now) {
     const MotionFrame real = truth.frame(k);
     double sum = 0;
@@ -156,7 +158,7 @@ void judge_images(const Case& c, const RunSettings& settings, Progress& progress
   io::RecordWriter writer(settings.out, head, false, settings.threads);
   measure(c, setting, *source, writer, settings.threads, progress);
 
-  const bool affine = c.synth->motion == "affine" || c.synth->motion == "none";
+  const bool affine = c.synth->motion == SynthMotion::affine || c.synth->motion == SynthMotion::none;
   const int last = int(source->frames().size()) - 1;
   const io::RecordReader record(settings.out / "truth" / "record.h5");
   const std::unique_ptr<MotionSource> drawn_truth = record.motion("truth");
@@ -178,7 +180,8 @@ void judge_images(const Case& c, const RunSettings& settings, Progress& progress
                             [&](const TrackStep& step) { return writer.pair(std::size_t(step.from)); },
                             [&](int k) { return source->read(k); }};
     std::vector<Curve> curves;
-    for (const char* scheme : {"none", "leapfrog", "reference_update", "corrected"})
+    for (const np::DriftScheme scheme : {np::DriftScheme::none, np::DriftScheme::leapfrog,
+                                         np::DriftScheme::reference_update, np::DriftScheme::corrected})
       curves.push_back(drift_curve(c, scheme, setting, source->frames(), measured, *drawn_truth, pixel,
                                    settings.threads, progress));
     write_curves(curves, settings.out);

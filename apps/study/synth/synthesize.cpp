@@ -81,7 +81,7 @@ void synthesize(const Case& c, const RunSettings& settings, Progress& progress) 
     if (writer.segment_full("motion/truth")) writer.close_segment("motion/truth", {});
   };
 
-  if (synth.motion == "mpm") {
+  if (synth.motion == SynthMotion::mpm) {
     Tracers texture{scatter(setting.regions, c.texture.density_per_px / (pixel * pixel), seed), {}};
     Tracers seeds{particles.x0, std::vector<Mat2>(particles.size(), Mat2::Identity())};
     carry_by_simulation(c, setting, times, std::move(texture), std::move(seeds), settings.threads, progress,
@@ -89,7 +89,7 @@ void synthesize(const Case& c, const RunSettings& settings, Progress& progress) 
                           replace_lost(blobs.x, renderer.lost(blobs.x.size(), k), 2 * c.grid.spacing_px.value_or(16) * pixel, seed + 977 * std::uint64_t(k));
                           put(k, blobs.x, truth.x, truth.F);
                         });
-  } else if (synth.motion == "slope") {
+  } else if (synth.motion == SynthMotion::slope) {
     const StagedSlope slope = staged_slope(synth, setting);
     std::vector<Vec2> material = scatter(setting.regions, c.texture.density_per_px / (pixel * pixel), seed);
     for (int k = 0; k < synth.frames; ++k) {

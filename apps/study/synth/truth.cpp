@@ -37,7 +37,7 @@ void carry(Tracers& tracers, const mpm::Solver::VelocityAt& v, double dt, double
 
 AffineMotion affine_motion(const SynthOptions& synth, const Setting& setting) {
   AffineMotion motion;
-  if (synth.motion == "none") return motion;
+  if (synth.motion == SynthMotion::none) return motion;
   Mat2 G = Mat2::Zero();
   if (!synth.gradient_per_frame.empty())
     G << synth.gradient_per_frame[0], synth.gradient_per_frame[1], synth.gradient_per_frame[2],
@@ -100,7 +100,7 @@ void carry_by_simulation(const Case& c, const Setting& setting, const std::vecto
   mpm::Scene scene = make_scene(c, setting, *c.synth_mpm, c.synth_materials, "synth.material.");
   const double difference = 0.05 * scene.grid.spacing.x();
   mpm::Solver solver(*c.synth_mpm, std::move(scene), threads);
-  if (c.synth_mpm->settle) solver.settle(progress);
+  if (c.synth_mpm->settle) solver.find_initial_equilibrium(progress);
 
   double pending = 0;                    // time since the tracers were carried last
   double piece = 0;

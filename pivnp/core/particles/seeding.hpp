@@ -1,16 +1,14 @@
 // Where particles start: n per occupied element of the grid, inside a region.
 #pragma once
 
-#include <functional>
 #include <vector>
 
 #include "pivnp/core/grid/grid.hpp"
 #include "pivnp/core/particles/motion.hpp"
 #include "pivnp/core/particles/region.hpp"
+#include "pivnp/core/particles/seed_pattern.hpp"
 
 namespace pivnp {
-
-enum class SeedPattern { even, gauss };  // sub-cell centres, or Gauss-Legendre points
 
 /// Seeds `per_element` = k*k particles in every element of `grid` that a region occupies: the particle counts if its
 /// own point lies inside the region. Each stands for 1/per_element of its element. Ids are element * per_element + k,

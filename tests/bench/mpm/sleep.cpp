@@ -68,7 +68,7 @@ int main(int argc, char** argv) {
     if (with) options.sleep_below_m_s = std::stod(arg["below"]);
     mpm::Solver solver(options, bed(std::stoi(arg["columns"]), std::stoi(arg["rows"]), std::stod(arg["speed"])),
                        std::stoi(arg["threads"]));
-    solver.settle(silent);
+    solver.find_initial_equilibrium(silent);
     if (!with) std::printf("%zu particles, step %.3g s\n", solver.particles().size(), solver.stable_step());
     const auto start = std::clock();
     double last = 0;

@@ -105,7 +105,7 @@ int run(int argc, char** argv) {
   SilentProgress silent;
   mpm::Solver solver(options, scene, std::stoi(arg["threads"]));
   double t0 = now();
-  if (arg["settle"] == "1") solver.settle(silent);
+  if (arg["settle"] == "1") solver.find_initial_equilibrium(silent);
   std::printf("particles %zu  settle %.2f s  step %.3g s\n", scene.particles.size(), now() - t0, solver.stable_step());
   t0 = now();
   const double end = std::stod(arg["end"]);

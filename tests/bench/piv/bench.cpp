@@ -11,7 +11,7 @@
 namespace pivnp::bench {
 
 double BenchOptions::slack() const {
-  const bool usual = texture.kind == "blobs" && texture.blob_diameter_px == 3 && texture.density_per_px == 0.05 &&
+  const bool usual = texture.kind == image::TextureKind::blobs && texture.blob_diameter_px == 3 && texture.density_per_px == 0.05 &&
                      texture.blur_px == 0;
   return usual ? 1 : 2;
 }
@@ -20,7 +20,7 @@ void BenchOptions::print_head() const {
   std::printf("machine: %s, %u processors\nthreads %d, frames %d x %d px, %d bit, nodes %d px apart, margin %d px\n",
               machine().c_str(), std::thread::hardware_concurrency(), threads, side, side, texture.bits, spacing,
               margin);
-  std::printf("texture %s, blobs %.1f px, %.3f per px, blur %.1f px; seeds", texture.kind.c_str(),
+  std::printf("texture %s, blobs %.1f px, %.3f per px, blur %.1f px; seeds", std::string(name_of(texture.kind)).c_str(),
               texture.blob_diameter_px, texture.density_per_px, texture.blur_px);
   for (const int seed : seeds) std::printf(" %d", seed);
   std::printf(cpu_clock ? "\nspeed by the process's time, not by the wall clock\n" : "\n");

@@ -92,7 +92,7 @@ bool field_map(const BenchOptions& options, const Setting& setting) {
   std::vector<std::vector<Counts>> by_level;
   for (const Axis& axis : axes) by_level.emplace_back(axis.levels.size());
   Counts all;
-  const double density_ratio = options.texture.kind == "soil" ? 4 : 1;  // soil is denser throughout
+  const double density_ratio = options.texture.kind == image::TextureKind::soil ? 4 : 1;  // soil is denser throughout
   std::array<std::size_t, 5> at{};
   int scene = 0;
   for (bool more = true; more; ++scene) {

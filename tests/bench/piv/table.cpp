@@ -150,11 +150,11 @@ int table(const BenchOptions& options) {
         j.add(f);
         if (!csv.stream) continue;
         const PivOptions& o = options.settings[s].options;
-        const std::string anchor(name_of(o.anchor));
+        const std::string anchor(name_of(o.anchor)), kind(name_of(texture.kind));
         std::fprintf(csv.stream,
                      "%s,%s,%d,%s,%d,%d,%d,%s,%g,%d,%s,%d,%g,%.6f,%.6f,%.5f,%.5f,%.5f,%.3f,%.3f,%.4f,%.4f,%.6f,%.0f\n",
                      options.settings[s].name.c_str(), o.method.c_str(), o.window_px, anchor.c_str(),
-                     options.threads, options.side, options.spacing, texture.kind.c_str(), texture.blob_diameter_px,
+                     options.threads, options.side, options.spacing, kind.c_str(), texture.blob_diameter_px,
                      seed, row.name.c_str(), static_cast<int>(row.kind), row.clean_row.empty() ? row.limits.rms : NAN,
                      f.e.rms, f.e.bias, f.e.valid, 1 - f.e.valid, f.e.gain, f.width, j.true_width, f.e.within_one,
                      f.e.within_two, f.e.sigma, f.rate);

@@ -100,7 +100,7 @@ TEST(Init, EveryCommentedLineIsSoundWhenItsMarkIsTakenAway) {
   const std::string live = uncommented(text);
   EXPECT_EQ(refusal(live), "") << live;
   const Case c = parsed(live);
-  EXPECT_TRUE(c.mpm && c.frames->rate_hz && c.camera.metres_per_pixel && c.limits.displacement_rms_m);
+  EXPECT_TRUE(c.mpm && c.frames->rate_hz && c.camera.metres_per_pixel && c.limits["displacement_rms_m"]);
   EXPECT_EQ(c.masks.size(), 1u);
   EXPECT_EQ(c.boundaries.size(), 1u);
 }

@@ -90,7 +90,8 @@ struct RandomSections {
     T::fields(options, draw);
     const std::string text = write_fields(options);
     T back;
-    ASSERT_NO_THROW(read_fields("c.toml", path, parse_document(text, "c.toml"), {}, back)) << text;
+    Notes notes;
+    ASSERT_NO_THROW(read_fields("c.toml", path, parse_document(text, "c.toml"), {}, back, notes)) << text;
     EXPECT_EQ(values_of(back), values_of(options)) << text;
   }
   template <class T>
@@ -177,7 +178,7 @@ TEST(RoundTrip, CasesThatRunsWrite) {
   expect_fixed_point(write_case(drawn));
   Case compared;
   compared.name = "a against b";
-  compared.limits.displacement_rms_m = 0.1;
+  compared.limits["displacement_rms_m"] = 0.1;
   expect_fixed_point(write_case(compared));
 }
 
@@ -200,6 +201,38 @@ TEST(RoundTrip, EveryDefaultIsFilledIn) {
     EXPECT_NE(written.find(line), std::string::npos) << line << written;
   EXPECT_EQ(written.find("[synth"), std::string::npos);
   EXPECT_EQ(written.find("[verify"), std::string::npos);
+}
+
+struct Renamed {
+  bool level = true;
+  double damping = 0.5;
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit("level", self.level, OptionInfo{.text = "a switch"});
+    visit("damping", self.damping, OptionInfo{.text = "a share", .min = 0, .max = 1, .alias = "friction"});
+  }
+};
+
+TEST(FormerKeys, AreReadNotedAndWrittenByTheirNewNames) {
+  const auto read = [](const std::string& text, Notes& notes) {
+    Renamed options;
+    read_fields("c.toml", "part", parse_document(text, "c.toml"), {}, options, notes);
+    return options;
+  };
+  Notes notes;
+  EXPECT_EQ(read("damping = 0.25\n", notes).damping, 0.25);
+  EXPECT_TRUE(notes.empty());
+  const Renamed old = read("level = false\nfriction = 0.75\n", notes);
+  EXPECT_EQ(old.damping, 0.75);
+  EXPECT_FALSE(old.level);
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_NE(notes[0].find("c.toml:2: part.friction"), std::string::npos) << notes[0];
+  EXPECT_NE(notes[0].find("part.damping"), std::string::npos) << notes[0];
+  EXPECT_NE(write_fields(old).find("damping = 0.75"), std::string::npos);
+  EXPECT_EQ(write_fields(old).find("friction"), std::string::npos);
+  EXPECT_THROW(read("damping = 0.25\nfriction = 0.25\n", notes), InputError);  // both
+  EXPECT_THROW(read("friction = 2\n", notes), InputError);                     // held to the same range
+  EXPECT_THROW(read("frictiom = 0.5\n", notes), InputError);
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "apps/cli/commands.hpp"
 #include "apps/cli/signals.hpp"
 #include "pivnp/core/error.hpp"
+#include "pivnp/io/import_format.hpp"
 #include "tests/unit/cli/fake_study.hpp"
 
 namespace pivnp::app {
@@ -112,15 +113,20 @@ TEST_F(CommandLine, AFolderOfFramesStandsForTheCasesPattern) {
 }
 
 TEST_F(CommandLine, ResultsArePrinted) {
-  fake_study().outcome = {false, "o/record.h5", "o/report.html", "o/report.pdf", {"Frame 3 is bad."}, {}};
+  fake_study().outcome = {"o/record.h5", "o/report.html", "o/report.pdf", {"Frame 3 is bad."}, {}};
   const Ran ran = run_program({"run", measured});
   EXPECT_EQ(ran.code, 0);
   EXPECT_EQ(ran.out, "o/record.h5\no/report.html\no/report.pdf\nnote: Frame 3 is bad.\n");
   EXPECT_EQ(run_program({"run", measured, "--quiet"}).out, "o/record.h5\no/report.html\no/report.pdf\n");
-  fake_study().outcome.over_limit = true;
+  fake_study().outcome.limits = {{"strain_rms", 0.1, 0.05, true}, {"coverage_min", 0.9, 0.5, false}};
   const Ran over = run_program({"run", measured});
   EXPECT_EQ(over.code, 3);
-  EXPECT_THAT(over.out, HasSubstr("a limit of [compare.limits] was passed\n"));
+  const std::string met = "compare.limits.strain_rms: " + std::string(name_of(Verdict::met)),
+                    exceeded = "compare.limits.coverage_min: " + std::string(name_of(Verdict::exceeded));
+  EXPECT_THAT(over.out, AllOf(HasSubstr(met), HasSubstr(exceeded)));
+  const Ran quiet = run_program({"run", measured, "--quiet"});
+  EXPECT_EQ(quiet.code, 3);
+  EXPECT_THAT(quiet.out, AllOf(Not(HasSubstr(met)), HasSubstr(exceeded)));
 }
 
 TEST_F(CommandLine, FailuresBecomeExitCodes) {
@@ -210,8 +216,8 @@ TEST_F(CommandLine, CompareTakesItsOptionsFromFlagsAndCases) {
   EXPECT_EQ(study.second, "b.h5:mpm");
   EXPECT_EQ(study.options.slope_base_m, -0.5);
   EXPECT_EQ(study.options.reference_m.size(), 3u);
-  EXPECT_EQ(study.limits.strain_rms, 0.2);
-  EXPECT_EQ(study.limits.displacement_rms_m, 1e-3);
+  EXPECT_EQ(study.limits["strain_rms"], 0.2);
+  EXPECT_EQ(study.limits["displacement_rms_m"], 1e-3);
   EXPECT_EQ(study.settings.out, "out/compare");
   expect_error(run_program({"compare", "a", "b", "--slope-base-m", "low"}), 2,
                "command line: --slope-base-m: found a string \"low\", expected a number (m)\n");
@@ -239,6 +245,14 @@ TEST_F(CommandLine, InitWritesACaseThatReads) {
                "FRAMES: found 2 files, expected one pattern; quote it, as in 'lab/*.png'\n");
   expect_error(run_program({"init", (folder.path / "none*.png").string()}), 2, "");
   expect_error(run_program({"init", frames, "--rate-hz", "-1"}), 2, "--rate-hz: ");
+}
+
+TEST_F(CommandLine, CompareNamesTheFormatsThatAreListed) {
+  const auto read = [](const std::vector<std::filesystem::path>&) { return io::ImportedState{}; };
+  io::file_formats().add({.name = "dots", .files = "dots_*.txt", .text = "points", .read_time = read});
+  EXPECT_THAT(run_program({"compare", "--help"}).out, HasSubstr("dots_*.txt"));
+  io::file_formats().remove_last();
+  EXPECT_THAT(run_program({"compare", "--help"}).out, testing::Not(HasSubstr("dots_*.txt")));
 }
 
 TEST_F(CommandLine, HelpShowsAnExampleForEveryCommand) {

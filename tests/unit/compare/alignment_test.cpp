@@ -76,7 +76,7 @@ TEST(MaterialMesh, MedianNeighbourDistance) {
   EXPECT_EQ(median_neighbour_distance({Vec2(0, 0)}), 0);
 }
 
-// The motion is affine and large; both sides sample it at their own points and times.
+// The motion is affine and large; both data sets sample it at their own points and times.
 TEST(Alignment, AffineMotionBetweenTwoSeedingsIsExactIncludingTheEdge) {
   Mat2 A;
   A << 0.30, 0.20, -0.10, -0.15;
@@ -88,8 +88,8 @@ TEST(Alignment, AffineMotionBetweenTwoSeedingsIsExactIncludingTheEdge) {
       motion_of("coarse", particles_at(square_lattice(14, 7, 1.0 / 7), 1.0 / 7), {0, 0.5, 1}, u, F);
   for (const auto& [a, b] : {std::pair{&first, &second}, std::pair{&second, &first}}) {
     const Comparison c = compared(*a, *b);
-    EXPECT_EQ(c.coverage_first, 1);
-    EXPECT_EQ(c.coverage_second, 1);
+    EXPECT_EQ(metric(c, "coverage_first").value, 1);
+    EXPECT_EQ(metric(c, "coverage_second").value, 1);
     EXPECT_LT(metric(c, "displacement_max").value, 1e-6);  // float storage
     EXPECT_LT(metric(c, "strain_dev_max").value, 1e-6);
     EXPECT_LT(metric(c, "strain_vol_rms").value, 1e-6);
@@ -105,7 +105,7 @@ TEST(Alignment, RenewedPartnersAreThoseOfAFreshStart) {
   coarse.area.assign(coarse.size(), float(0.02));
   const MotionMemory a = motion_of("a", fine, {0, 1}, still), b = motion_of("b", coarse, {0, 1}, still);
   const CommonTimes common = common_times(a, b);
-  Side first(a, common), second(b, common);
+  DataSet first(a, common), second(b, common);
   first.at(0), second.at(0);
   Alignment kept(first, second);
   ASSERT_FALSE(kept.by_identity());
@@ -121,7 +121,7 @@ TEST(Alignment, RenewedPartnersAreThoseOfAFreshStart) {
   rest.add(f);
   f.time = 1;
   rest.add(f);
-  Side left(rest, common);
+  DataSet left(rest, common);
   left.at(0);
   const Alignment fresh(first, left);
   std::size_t partners = 0;
@@ -156,16 +156,16 @@ TEST(Alignment, IdentityNeedsNoOrderAndLeavesOutWhatTheOtherLacks) {
   part.label_names = {"soil"};
   const DisplacementLaw u = [](const Vec2& x, double t) -> Vec2 { return t * Vec2(x.x() * x.y(), x.y()); };
   const Comparison c = compared(motion_of("a", set, {0, 1}, u), motion_of("b", part, {0, 1}, u));
-  EXPECT_DOUBLE_EQ(c.coverage_first, 0.8);
-  EXPECT_DOUBLE_EQ(c.coverage_second, 1);
+  EXPECT_DOUBLE_EQ(metric(c, "coverage_first").value, 0.8);
+  EXPECT_DOUBLE_EQ(metric(c, "coverage_second").value, 1);
   EXPECT_EQ(metric(c, "displacement_max").value, 0);
-  ASSERT_EQ(c.id.size(), 20U);
-  EXPECT_EQ(c.id.back(), 19);
+  ASSERT_EQ(c.fields[0].id.size(), 20U);
+  EXPECT_EQ(c.fields[0].id.back(), 19);
   EXPECT_EQ(c.fields[0].values.size(), 40U);
 }
 
 TEST(Alignment, LabelsOfOneNamePairOnlyWithEachOther) {
-  // Two layers that touch; the second side numbers the names the other way round and is shifted by half a spacing.
+  // Two layers that touch; the second data set numbers the names the other way round and is shifted by half a spacing.
   ParticleSet a = particles_at(square_lattice(8, 8, 1), 1), b = particles_at(square_lattice(8, 8, 1, Vec2(0.5, 0)), 1);
   a.label_names = {"sand", "clay"};
   b.label_names = {"clay", "sand"};
@@ -191,7 +191,7 @@ TEST(Alignment, WithoutAreasTheSpacingIsMeasured) {
   a.area.assign(a.size(), 0);
   b.area.clear();
   const Comparison c = compared(motion_of("a", a, {0, 1}, still), motion_of("b", b, {0, 1}, still));
-  EXPECT_EQ(c.coverage_first, 1);
+  EXPECT_EQ(metric(c, "coverage_first").value, 1);
 }
 
 TEST(Alignment, NoPartnerAtAllIsAnError) {

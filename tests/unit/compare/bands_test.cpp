@@ -1,5 +1,5 @@
 // Shear bands drawn by formula come out where, how inclined and how thick they were drawn.
-#include "compare/measures/bands.hpp"
+#include "compare/shapes/ridges.hpp"
 
 #include <gtest/gtest.h>
 
@@ -73,7 +73,7 @@ TEST(Bands, NoneInUniformOrLinearStrain) {
   EXPECT_TRUE(find_bands(ramp, 1, 0.05).empty());
 }
 
-// Simple shear across a band: gamma = g(y), so that |strain_dev| peaks at the band's middle, on both sides.
+// Simple shear across a band: gamma = g(y), so that |strain_dev| peaks at the band's middle, in both data sets.
 TEST(Bands, OfTwoMotions) {
   const ParticleSet set = particles_at(square_lattice(40, 30, 1), 1);
   const auto sheared = [&](const std::string& name, double y0, double start) {
@@ -96,7 +96,7 @@ TEST(Bands, OfTwoMotions) {
   // A threshold just below the second's band, uncertain by more: it may be there or not.
   CompareOptions high;
   const auto table =
-      std::find_if(c.tables.begin(), c.tables.end(), [](const ColumnTable& t) { return t.name == "bands_second"; });
+      std::find_if(c.tables.begin(), c.tables.end(), [](const ComparisonTable& t) { return t.name == "bands_second"; });
   ASSERT_NE(table, c.tables.end());
   ASSERT_EQ(table->columns[5].name, "strain_dev");
   high.band_strain = 0.95 * table->columns[5].values[0];

@@ -109,7 +109,7 @@ TEST(ByHand, AreaMetrics) {
   }
 }
 
-// u_x = x on the first side, x + 0.05 (1 + 4 y') on the second, y' the coordinate with mean 0 and mean square 1:
+// u_x = x in the first data set, x + 0.05 (1 + 4 y') in the second, y' the coordinate with mean 0 and mean square 1:
 // linear, so three coefficients hold it; two of them differ, by 0.05 and 0.2.
 TEST(ByHand, Decomposition) {
   const ParticleSet set = particles_at(square_lattice(10, 10, 1), 1);
@@ -191,7 +191,7 @@ TEST(ByHand, CrestAndRunOut) {
   EXPECT_NEAR(metric(c, "outline_iou").value, 160.0 / 240, 0.02);
 }
 
-// A point between particles: on the first side it moves by t, on the second by t and 0.5 t across.
+// A point between particles: in the first data set it moves by t, in the second by t and 0.5 t across.
 TEST(ByHand, PointHistories) {
   CompareOptions options;
   options.points_m = {{2.2, 1.7}};

@@ -7,10 +7,10 @@
 #include <random>
 
 #include "compare/measures/history.hpp"
-#include "compare/metrics/metrics.hpp"
+#include "compare/metrics/judged.hpp"
 #include "compare/alignment/onset.hpp"
 #include "compare/data/rigid.hpp"
-#include "compare/metrics/shapes.hpp"
+#include "compare/measures/shapes.hpp"
 #include "compare/data/transformed.hpp"
 #include "tests/unit/compare/motions.hpp"
 
@@ -38,7 +38,7 @@ TEST(Definitions, TheCrestsEdgeIsAtNineTenthsOfTheHeight) {
   EXPECT_NEAR(metric(c, "crest_retreat_second").value, -1, 0.4);
 }
 
-// A ring far off that is 7 % of its side's outline counts, one of 3 % does not.
+// A ring far off that is 7 % of its data set's outline counts, one of 3 % does not.
 TEST(Definitions, HausdorffLeavesTheFurthestTwentiethOut) {
   const auto square = [](const Vec2& corner, double side) {
     return std::vector<Vec2>{corner, corner + Vec2(side, 0), corner + Vec2(side, side), corner + Vec2(0, side), corner};

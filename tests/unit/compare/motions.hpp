@@ -88,9 +88,9 @@ inline bool has_metric(const Comparison& comparison, const std::string& name) {
 
 inline const std::vector<double>& series(const Comparison& comparison, const std::string& name) {
   static const std::vector<double> none;
-  for (const Series& s : comparison.series)
-    if (s.name == name) return s.values;
-  return none;
+  const ComparisonTable* table = comparison.table(over_space_table);
+  const ComparisonTable::Column* column = table == nullptr ? nullptr : find(*table, name);
+  return column == nullptr ? none : column->values;
 }
 
 inline Comparison compared(const MotionSource& first, const MotionSource& second, const CompareOptions& options = {},

@@ -94,7 +94,7 @@ TEST(NaturalNeighbours, WithGradientsAreExactToTheSecondDegree) {
     return Vec2(0.1 * x.x() * x.x() - 0.03 * x.x() * x.y(), 0.2 * x.y() * x.y() + x.x());
   };
   const auto wave = [](const Vec2& x) { return Vec2(std::sin(0.7 * x.x() + 0.4 * x.y()), 0); };
-  SideState second, third;
+  DataSetState second, third;
   for (const Vec2& x : points) {
     second.u.push_back(u(x));
     Mat2 G;
@@ -130,10 +130,10 @@ TEST(NaturalNeighbours, StrainIsExactToTheSecondDegree) {
       f << 1 + 0.01 * x.x() * x.x() - 0.004 * x.x() * x.y(), 0.1, 0.02 * x.y() * x.y(), 1 + 0.003 * x.y();
       return f;
     };
-    SideState side;
+    DataSetState state;
     for (const Vec2& x : points) {
-      side.u.push_back(Vec2::Zero());
-      side.F.push_back(F(x));
+      state.u.push_back(Vec2::Zero());
+      state.F.push_back(F(x));
     }
     int read = 0;
     for (double px = 0.2; px < 10; px += 0.131)
@@ -141,7 +141,7 @@ TEST(NaturalNeighbours, StrainIsExactToTheSecondDegree) {
         const auto place = mesh.find_natural(Vec2(px, py));
         if (!place || place->curving.empty()) continue;
         const Vec2 x = Vec2(px, py) - place->beyond;
-        EXPECT_LT((partner_state(*place, side).F - F(x)).norm(), 1e-5) << x.transpose();
+        EXPECT_LT((partner_state(*place, state).F - F(x)).norm(), 1e-5) << x.transpose();
         ++read;
       }
     EXPECT_GT(read, 3500);
@@ -151,19 +151,19 @@ TEST(NaturalNeighbours, StrainIsExactToTheSecondDegree) {
 // A row of particles, or two, holds no gradient: F is then read linearly, not wrongly. Nor is it carried over a jump to
 // where no material would be left.
 TEST(NaturalNeighbours, StrainIsReadLinearlyWhereItMustBe) {
-  SideState side;
+  DataSetState state;
   const std::vector<Vec2> rows = square_lattice(8, 2, 1);
   for (const Vec2& x : rows) {
-    side.u.push_back(Vec2::Zero());
-    side.F.push_back(Vec2(1 + 0.1 * x.x(), 1).asDiagonal().toDenseMatrix());
+    state.u.push_back(Vec2::Zero());
+    state.F.push_back(Vec2(1 + 0.1 * x.x(), 1).asDiagonal().toDenseMatrix());
   }
   const auto place = MaterialMesh(rows, std::vector<double>(rows.size(), 1)).find_natural(Vec2(3.2, 1.1));
   ASSERT_TRUE(place);
   EXPECT_TRUE(place->curving.empty());
-  EXPECT_NEAR(partner_state(*place, side).F(0, 0), 1.32, 1e-9);
+  EXPECT_NEAR(partner_state(*place, state).F(0, 0), 1.32, 1e-9);
 
   const std::vector<Vec2> block = square_lattice(9, 9, 1);
-  SideState jump;
+  DataSetState jump;
   for (const Vec2& x : block) {
     jump.u.push_back(Vec2::Zero());
     jump.F.push_back(Vec2(x.x() < 4 ? 0.01 : 3, 1).asDiagonal().toDenseMatrix());
@@ -187,17 +187,17 @@ TEST(NaturalNeighbours, AWaveOfStrainIsKept) {
     for (const double length : {8.0, 6.0, 4.0}) {
       const double k = 2 * std::numbers::pi / length;
       const auto wave = [&](const Vec2& x) { return std::cos(k * (0.8 * x.x() + 0.6 * x.y())); };
-      SideState side;
+      DataSetState state;
       for (const Vec2& x : points) {
-        side.u.push_back(Vec2::Zero());
-        side.F.push_back(Vec2(1 + 0.01 * wave(x), 1).asDiagonal().toDenseMatrix());
+        state.u.push_back(Vec2::Zero());
+        state.F.push_back(Vec2(1 + 0.01 * wave(x), 1).asDiagonal().toDenseMatrix());
       }
       double kept = 0, whole = 0;
       for (double px = 4; px < 26; px += 0.217)
         for (double py = 4; py < 26; py += 0.253) {
           const auto place = mesh.find_natural(Vec2(px, py));
           ASSERT_TRUE(place);
-          kept += wave(Vec2(px, py)) * (partner_state(*place, side).F(0, 0) - 1) / 0.01;
+          kept += wave(Vec2(px, py)) * (partner_state(*place, state).F(0, 0) - 1) / 0.01;
           whole += wave(Vec2(px, py)) * wave(Vec2(px, py));
           if (length < 8) continue;
           std::vector<double> w = dense(*place, points.size());

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "compare/metrics/metrics.hpp"
+#include "compare/metrics/judged.hpp"
 
 namespace pivnp::compare {
 namespace {
@@ -30,8 +30,8 @@ TEST(Quantile, BinsAgreeWithExactValuesToTheirWidth) {
   }
 }
 
-TEST(DisplacementStatistics, WorkedByHand) {
-  DisplacementStatistics d;
+TEST(VectorStatistics, WorkedByHand) {
+  VectorStatistics d;
   d.add(Vec2(3, 4), 0.09, 0.16);   // |d| = 5, sigma 0.5
   d.add(Vec2(-3, 0), 0.01, 0.04);  // |d| = 3
   d.add(Vec2(0, -1), 0.02, 0.01);
@@ -71,10 +71,10 @@ TEST(StillZone, TakesOnlyWhatCannotBeToldToMove) {
 }
 
 TEST(Verdict, Words) {
-  EXPECT_EQ(difference_metric("a", 1.9, "m", 1, "").verdict, not_distinguishable);
-  EXPECT_EQ(difference_metric("a", -1.9, "m", 1, "").verdict, not_distinguishable);
-  EXPECT_EQ(difference_metric("a", 2.1, "m", 1, "").verdict, "");
-  EXPECT_EQ(difference_metric("a", 0, "m", not_known, "").verdict, "");
+  EXPECT_EQ(difference(1.9, 1, "").verdict, Verdict::not_distinguishable);
+  EXPECT_EQ(difference(-1.9, 1, "").verdict, Verdict::not_distinguishable);
+  EXPECT_EQ(difference(2.1, 1, "").verdict, Verdict::none);
+  EXPECT_EQ(difference(0, not_known, "").verdict, Verdict::none);
 }
 
 }  // namespace

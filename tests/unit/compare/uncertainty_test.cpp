@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "compare/metrics/metrics.hpp"
+#include "compare/metrics/judged.hpp"
 #include "tests/unit/compare/motions.hpp"
 
 namespace pivnp::compare {
@@ -37,19 +37,19 @@ TEST(Uncertainty, IndependentNoiseIsNotDistinguishedAndAGrossBiasIs) {
     SCOPED_TRACE(seed);
     const MotionMemory a = measured(seed, sigma, 0, "a"), b = measured(seed + 100, sigma, 0, "b");
     const Comparison same = compared(a, b);
-    // Two sides, two components: each difference has a trace of 4 sigma^2, at two of three times.
+    // Two data sets, two components: each difference has a trace of 4 sigma^2, at two of three times.
     EXPECT_NEAR(metric(same, "displacement_rms_final").uncertainty, 2 * sigma, 1e-7);
     EXPECT_NEAR(metric(same, "displacement_rms").uncertainty, 2 * sigma * std::sqrt(2.0 / 3), 1e-7);
     EXPECT_NEAR(metric(same, "displacement_bias_x_final").uncertainty, std::sqrt(2.0) * sigma, 1e-7);
     EXPECT_NEAR(metric(same, "displacement_rms_final").value, 2 * sigma, 0.1 * sigma);
     for (const char* name : {"displacement_bias_x", "displacement_bias_y", "displacement_rms", "displacement_p95"})
-      EXPECT_EQ(metric(same, name).verdict, not_distinguishable) << name;
+      EXPECT_EQ(metric(same, name).verdict, Verdict::not_distinguishable) << name;
     EXPECT_NEAR(series(same, "displacement_uncertainty")[2], 2 * sigma, 1e-7);
 
     const Comparison biased = compared(a, measured(seed + 100, sigma, 8 * sigma, "b"));
-    EXPECT_EQ(metric(biased, "displacement_bias_x").verdict, "");
-    EXPECT_EQ(metric(biased, "displacement_rms").verdict, "");
-    EXPECT_EQ(metric(biased, "displacement_bias_y").verdict, not_distinguishable);
+    EXPECT_EQ(metric(biased, "displacement_bias_x").verdict, Verdict::none);
+    EXPECT_EQ(metric(biased, "displacement_rms").verdict, Verdict::none);
+    EXPECT_EQ(metric(biased, "displacement_bias_y").verdict, Verdict::not_distinguishable);
   }
 }
 
@@ -59,10 +59,10 @@ TEST(Uncertainty, UnknownWithoutACovariance) {
   const Comparison c = compared(motion_of("a", set, {0, 1}, u), motion_of("b", set, {0, 1}, u));
   EXPECT_TRUE(std::isnan(metric(c, "displacement_rms").uncertainty));
   EXPECT_TRUE(std::isnan(metric(c, "strain_dev_rms").uncertainty));
-  EXPECT_EQ(metric(c, "displacement_rms").verdict, "");
+  EXPECT_EQ(metric(c, "displacement_rms").verdict, Verdict::none);
   EXPECT_NE(metric(c, "displacement_rms").definition.find("not known"), std::string::npos);
   EXPECT_EQ(metric(c, "decomposition_displacement_x_distance").value, 0);
-  EXPECT_EQ(metric(c, "decomposition_displacement_x_distance").verdict, "");  // its own residual alone says nothing
+  EXPECT_EQ(metric(c, "decomposition_displacement_x_distance").verdict, Verdict::none);  // its own residual alone says nothing
   EXPECT_NE(metric(c, "strain_dev_rms").definition.find("noise floor not measured"), std::string::npos);
 }
 
@@ -93,12 +93,12 @@ TEST(Uncertainty, StrainFloorIsWhatTheStillZoneShows) {
   const Comparison c = compared(strained, b);
   const double floor = 0.002 / std::sqrt(3.0);  // e_xy = 0.001: sqrt(2/3 2 e_xy^2)
   EXPECT_NEAR(metric(c, "strain_dev_rms").uncertainty, floor, 1e-6);
-  EXPECT_EQ(metric(c, "strain_dev_rms").verdict, not_distinguishable);
+  EXPECT_EQ(metric(c, "strain_dev_rms").verdict, Verdict::not_distinguishable);
   EXPECT_EQ(series(c, "strain_dev_uncertainty").size(), 3U);
   EXPECT_NEAR(series(c, "strain_dev_uncertainty")[2], floor, 1e-6);
 }
 
-// A floor that a record states is the side's, whatever its still particles show.
+// A floor that a record states is the data set's, whatever its still particles show.
 TEST(Uncertainty, StrainFloorOfTheRecord) {
   const MotionMemory a = measured(5, 0.01, 0, "np");
   const MotionMemory b = motion_of("mpm", a.particles(), {0, 1, 2}, [](const Vec2& x, double t) {
@@ -114,7 +114,7 @@ TEST(Uncertainty, StrainFloorOfTheRecord) {
   EXPECT_EQ(metric(c, "strain_dev_path_bias").uncertainty, 0.005);
   EXPECT_NE(metric(c, "strain_dev_rms").definition.find("np (still frames)"), std::string::npos);
   EXPECT_EQ(metric(c, "area_metric_strain_dev").uncertainty, 0.003);
-  // Both sides measured: in squares. A side that says "not measured" shows its own still zone.
+  // Both measured: in squares. A data set that says "not measured" shows its own still zone.
   EXPECT_NEAR(metric(compare(a, b, {}, {}, progress, {}, {note, note}), "strain_dev_rms").uncertainty,
               0.003 * std::sqrt(2.0), 1e-12);
   const Comparison own = compare(a, b, {}, {}, progress, {}, {StrainNote{}, {}});
@@ -122,7 +122,7 @@ TEST(Uncertainty, StrainFloorOfTheRecord) {
 }
 
 // A block of 30 x 30 whose last ten columns draw off by 2: two outlines of lengths 100 and 80, known to half a spacing
-// and the error of u. The other side is the same, or shifted by 6, and then both cover a width of 38.
+// and the error of u. The other data set is the same, or shifted by 6, and then both cover a width of 38.
 TEST(Uncertainty, OfTheOutlinesShareInCommon) {
   const double sigma = 0.3, length = 180;
   const MotionMemory a = measured(3, sigma, 0, "np");
@@ -134,7 +134,7 @@ TEST(Uncertainty, OfTheOutlinesShareInCommon) {
     const double either = shift == 0 ? 900 : 1140;
     const double half = 1 / std::sqrt(12.0), u_a = std::hypot(half, sigma * std::sqrt(2.0));
     EXPECT_NEAR(iou.uncertainty, length * std::hypot(u_a, half) / either, 0.1 * iou.uncertainty);
-    EXPECT_EQ(iou.verdict, shift == 0 ? not_distinguishable : "") << iou.value << " u " << iou.uncertainty;
+    EXPECT_EQ(iou.verdict, shift == 0 ? Verdict::not_distinguishable : Verdict::none) << iou.value << " u " << iou.uncertainty;
   }
 }
 
@@ -178,9 +178,9 @@ TEST(Uncertainty, OfTheAreaMetric) {
   const double sigma = 0.01;
   const MotionMemory a = measured(1, sigma, 0, "a"), b = measured(101, sigma, 0, "b");
   const Metric same = metric(compared(a, b), "area_metric_displacement");
-  EXPECT_NEAR(same.uncertainty, 2 * sigma, 1e-7);  // u_val at the end: two sides, two components
-  EXPECT_EQ(same.verdict, not_distinguishable);
-  EXPECT_EQ(metric(compared(a, measured(101, sigma, 20 * sigma, "b")), "area_metric_displacement").verdict, "");
+  EXPECT_NEAR(same.uncertainty, 2 * sigma, 1e-7);  // u_val at the end: two data sets, two components
+  EXPECT_EQ(same.verdict, Verdict::not_distinguishable);
+  EXPECT_EQ(metric(compared(a, measured(101, sigma, 20 * sigma, "b")), "area_metric_displacement").verdict, Verdict::none);
 }
 
 TEST(Limits, WithinAndOver) {
@@ -188,17 +188,17 @@ TEST(Limits, WithinAndOver) {
   const MotionMemory a = motion_of("a", set, {0, 1}, [](const Vec2&, double) { return Vec2(0, 0); });
   const MotionMemory b = motion_of("b", set, {0, 1}, [](const Vec2&, double) { return Vec2(0, 0.25); });
   LimitOptions limits;
-  limits.displacement_rms_m = 0.25;  // the limit itself is allowed
-  limits.strain_rms = 0.01;
+  limits["displacement_rms_m"] = 0.25;  // the limit itself is allowed
+  limits["strain_rms"] = 0.01;
   Comparison c = compared(a, b, {}, limits);
-  EXPECT_EQ(metric(c, "displacement_rms").verdict, within_limit);
-  EXPECT_EQ(metric(c, "strain_dev_rms").verdict, within_limit);
-  EXPECT_FALSE(c.over_limit);
-  limits.displacement_rms_m = 0.2;
+  EXPECT_EQ(metric(c, "displacement_rms").verdict, Verdict::met);
+  EXPECT_EQ(metric(c, "strain_dev_rms").verdict, Verdict::met);
+  EXPECT_FALSE(any_exceeded(c.limits));
+  limits["displacement_rms_m"] = 0.2;
   c = compared(a, b, {}, limits);
-  EXPECT_EQ(metric(c, "displacement_rms").verdict, over_limit);
-  EXPECT_EQ(metric(c, "strain_dev_rms").verdict, within_limit);
-  EXPECT_TRUE(c.over_limit);
+  EXPECT_EQ(metric(c, "displacement_rms").verdict, Verdict::exceeded);
+  EXPECT_EQ(metric(c, "strain_dev_rms").verdict, Verdict::met);
+  EXPECT_TRUE(any_exceeded(c.limits));
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "compare/measures/budget.hpp"
-#include "compare/metrics/metrics.hpp"
+#include "compare/metrics/judged.hpp"
 #include "compare/measures/numerics.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/strain.hpp"
@@ -131,7 +131,7 @@ CompareOptions everything() {
 bool judged(const Metric& m) {
   const auto has = [&](const char* part) { return m.name.find(part) != std::string::npos; };
   if (has("_first") || has("_second") || has("_outside")) return false;
-  return m.verdict == not_distinguishable || m.uncertainty > 0;
+  return m.verdict == Verdict::not_distinguishable || m.uncertainty > 0;
 }
 
 // Criterion: flagged at most 5 % of the time. Floors of strain: as records state them, or as
@@ -150,7 +150,7 @@ TEST(Verdict, TwoMeasurementsOfOneMotionAreRarelyFlagged) {
         const StrainNotes notes = record ? StrainNotes{stated, stated} : StrainNotes{};
         const Comparison c = compare(a, b, everything(), {}, progress, {}, notes);
         for (const Metric& m : c.metrics)
-          if (judged(m)) flagged[m.name] += m.verdict != not_distinguishable;
+          if (judged(m)) flagged[m.name] += m.verdict != Verdict::not_distinguishable;
       }
       for (const char* name : {"displacement_bias_x_final",
                                "displacement_max",
@@ -229,7 +229,7 @@ TEST(Verdict, ABiasOfFourUValIsFound) {
                                      progress, {}, {stated, stated});
         const Metric m = metric(c, a.metric);
         EXPECT_NEAR(m.uncertainty, a.uncertainty, 1e-6) << a.metric;
-        found += m.verdict != not_distinguishable;
+        found += m.verdict != Verdict::not_distinguishable;
       }
       EXPECT_GE(found, 0.95 * runs) << a.metric << ", " << words(errors);
       least = std::min(least, double(found) / runs);
@@ -242,8 +242,8 @@ TEST(Verdict, ABiasOfFourUValIsFound) {
 TEST(Verdict, TheGreatestOfManyErrorsIsNoDifference) {
   EXPECT_EQ(greatest_factor(0), std::sqrt(2 * std::log(20.0)));
   EXPECT_NEAR(greatest_factor(1000000), std::sqrt(2 * std::log(2e7)), 1e-12);
-  EXPECT_EQ(difference_metric("a", 4, "m", 1, "", greatest_factor(1000000)).verdict, not_distinguishable);
-  EXPECT_EQ(difference_metric("a", 6, "m", 1, "", greatest_factor(1000000)).verdict, "");
+  EXPECT_EQ(difference(4, 1, "", greatest_factor(1000000)).verdict, Verdict::not_distinguishable);
+  EXPECT_EQ(difference(6, 1, "", greatest_factor(1000000)).verdict, Verdict::none);
 }
 
 TEST(Budget, PartsByHand) {
@@ -281,7 +281,7 @@ TEST(Budget, UValStandsBesideItsParts) {
   EXPECT_NEAR(metric(c, "displacement_bias_y_final").uncertainty, 0.05, 1e-7);
   EXPECT_NEAR(metric(c, "displacement_bias_y_final_over_u").value, 1, 1e-5);
   EXPECT_NEAR(metric(c, "displacement_rms_final_over_u").value, 1 / std::sqrt(2.0), 1e-5);
-  EXPECT_EQ(metric(c, "displacement_bias_y_final").verdict, "not distinguishable at this u_val");
+  EXPECT_EQ(metric(c, "displacement_bias_y_final").verdict, Verdict::not_distinguishable);
 }
 
 // Celik et al. (2008), table 1, first column: phi = 6.063, 5.972, 5.863, r = 1.5 and 1.333; here with one ratio.
@@ -317,7 +317,7 @@ TEST(GridConvergence, CoarserSimulationsGiveTheNumericalPart) {
   EXPECT_NEAR(metric(r, "u_val_final").value, u, 1e-6);
   EXPECT_NEAR(metric(r, "point_1_distance_rms").uncertainty, u * std::sqrt(1.25 / 3), 1e-6);  // at 0, 1/2 and 1
   EXPECT_NEAR(metric(r, "displacement_bias_x_final").value, c, 1e-6);
-  EXPECT_EQ(metric(r, "displacement_bias_x_final").verdict, not_distinguishable);
+  EXPECT_EQ(metric(r, "displacement_bias_x_final").verdict, Verdict::not_distinguishable);
   const MotionMemory elsewhere = motion_of("elsewhere", particles_at(square_lattice(8, 8, 2, Vec2(90, 0)), 2),
                                            {0, 0.5, 1}, [](const Vec2&, double) { return Vec2(0, 0); });
   EXPECT_THROW(compare(lab, fine, {}, {}, progress, Refinement{{&elsewhere}, 2}), InputError);

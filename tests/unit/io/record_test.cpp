@@ -77,6 +77,9 @@ TEST_F(RecordTest, HeadFramesMotionsEnergyAndComparisonComeBack) {
   EXPECT_TRUE(h.world_from_pixel == expected.world_from_pixel);
   EXPECT_EQ(h.camera_residual, expected.camera_residual);
   EXPECT_EQ(h.metres_per_pixel, expected.metres_per_pixel);
+  EXPECT_EQ(r.written_by().version, build_info().version);
+  EXPECT_EQ(r.written_by().commit, build_info().commit);
+  EXPECT_EQ(r.written_by().libraries, build_info().libraries);
 
   const std::vector<Frame> frames = sample::frames(size);
   ASSERT_EQ(r.frames().size(), frames.size());
@@ -116,9 +119,8 @@ TEST_F(RecordTest, HeadFramesMotionsEnergyAndComparisonComeBack) {
     EXPECT_EQ(std::memcmp(&rows[k], &e, sizeof e), 0);
   }
 
-  const ComparisonData c = r.comparison().value(), d = sample::comparison(size);
-  EXPECT_EQ(c.measured, "np");
-  EXPECT_EQ(c.simulated, "mpm");
+  const Comparison c = r.comparison().value(), d = sample::comparison(size);
+  EXPECT_EQ(c.names, d.names);
   ASSERT_EQ(c.metrics.size(), d.metrics.size());
   for (std::size_t k = 0; k < c.metrics.size(); ++k) {
     EXPECT_EQ(c.metrics[k].name, d.metrics[k].name);
@@ -136,6 +138,24 @@ TEST_F(RecordTest, HeadFramesMotionsEnergyAndComparisonComeBack) {
   EXPECT_EQ(c.fields[0].time, d.fields[0].time);
   EXPECT_EQ(c.fields[0].id, d.fields[0].id);
   EXPECT_TRUE(same_bits(c.fields[0].values, d.fields[0].values));
+  ASSERT_EQ(c.tables.size(), 1u);
+  EXPECT_EQ(c.tables[0].definition, d.tables[0].definition);
+  ASSERT_EQ(c.tables[0].columns.size(), 2u);
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_EQ(c.tables[0].columns[k].name, d.tables[0].columns[k].name);
+    EXPECT_EQ(c.tables[0].columns[k].unit, d.tables[0].columns[k].unit);
+    EXPECT_EQ(c.tables[0].columns[k].definition, d.tables[0].columns[k].definition);
+    EXPECT_EQ(c.tables[0].columns[k].values, d.tables[0].columns[k].values);
+  }
+  EXPECT_EQ(c.times(), d.tables[0].columns[0].values);
+}
+
+// Words of schema 1.1 are understood, those of a later version are none.
+TEST(Verdicts, AreReadInTheWordsOfEveryVersion) {
+  EXPECT_EQ(verdict_named("within limit"), Verdict::met);
+  EXPECT_EQ(verdict_named("over limit"), Verdict::exceeded);
+  for (const auto& named : verdict_names) EXPECT_EQ(verdict_named(named.name), named.value);
+  EXPECT_EQ(verdict_named("words of a later version"), Verdict::none);
 }
 
 TEST_F(RecordTest, AMotionOutlivesItsReader) {

@@ -125,16 +125,17 @@ inline std::vector<Frame> frames(const Size& s) {
   return out;
 }
 
-inline ComparisonData comparison(const Size& s) {
-  ComparisonData c;
-  c.measured = "np";
-  c.simulated = "mpm";
-  c.metrics = {{"displacement_rms", 0.004, "m", 0.0001, "RMS of the difference", "within limit"},
-               {"bias_x", -0.001, "m", std::numeric_limits<double>::quiet_NaN(), "mean difference", ""}};
-  ComparisonData::Field f{"difference_x", "m", "simulated minus measured", {0.0, 0.02}, particles(s).id, {}};
+inline Comparison comparison(const Size& s) {
+  Comparison c;
+  c.names = {"np", "mpm"};
+  c.metrics = {{"displacement_rms", 0.004, "m", 0.0001, "RMS of the difference", Verdict::met},
+               {"bias_x", -0.001, "m", std::numeric_limits<double>::quiet_NaN(), "mean difference", Verdict::none}};
+  ComparisonField f{"difference_x", "m", "simulated minus measured", {0.0, 0.02}, particles(s).id, {}};
   for (std::size_t k = 0; k < 2 * s.particles; ++k) f.values.push_back(value(k, 0, 50));
   f.values[3] = std::numeric_limits<float>::quiet_NaN();
   c.fields.push_back(f);
+  c.tables = {{"over_space", "statistics over the particles, time by time",
+               {{"time", "s", {0.0, 0.02}}, {"displacement_rms", "m", {0.0, 0.004}, "RMS of the difference"}}}};
   return c;
 }
 

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "mpm/grid/kernel.hpp"
+#include "mpm/grid/sweeps.hpp"
 #include "mpm/step/scene_setup.hpp"
 #include "mpm/step/solver_state.hpp"
 #include "mpm/transfer/transfer.hpp"
@@ -55,7 +55,7 @@ struct Cut {
 
   std::vector<double> average(Averaging which, const std::vector<double>& a) {
     for (std::size_t k = 0; k < p.size(); ++k) p.tau_xx[k] = p.tau_yy[k] = p.tau_zz[k] = a[k];
-    average_at_corners(g, which, true, 1, [&](SlotRange slots, std::size_t) { average_stress_lanes(p.view(), g.view(), slots); });
+    average_at_corners(g, which, true, 1, [&](Range range, std::size_t) { average_stress_lanes(p.view(), g.view(), range); });
     std::vector<double> out(p.size(), 0.0);
     const CornerSums* corners = g.averages.view().corners;
     for (std::size_t k = 0; k < p.size(); ++k) {
@@ -174,7 +174,7 @@ TEST(Averages, ALinearPressureActsAsItDoesByItself) {
       if (!averaged) scheme.locking = Locking::none;
       average_mean_stress(cut.p, cut.g, scheme, 1);
       map_momentum(cut.p, cut.g, scheme, true, 1);
-      for (const std::uint32_t n : cut.g.nodes)
+      for (const std::uint32_t n : cut.g.active.nodes)
         for (const double f : {cut.g.node[n].fx, cut.g.node[n].fy}) {
           force[averaged].push_back(f);
           most = std::max(most, std::abs(f));
@@ -214,11 +214,11 @@ TEST(Averages, DoNotDependOnTheNumberOfThreads) {
   std::uniform_real_distribution<double> u(-1, 1);
   for (std::size_t k = 0; k < p.size(); ++k) p.tau_xx[k] = p.tau_yy[k] = p.tau_zz[k] = u(random);
   locate_all(p, g);
-  ASSERT_GT(g.nodes.size(), 2 * nodes_in_part);
+  ASSERT_GT(g.active.nodes.size(), 2 * nodes_in_part);
   std::vector<double> found[2];
   for (const int threads : {1, 3}) {
     average_mean_stress(p, g, scheme, threads);
-    for (const std::uint32_t n : g.nodes) found[threads == 3].push_back(g.averages.view().corners[n].value);
+    for (const std::uint32_t n : g.active.nodes) found[threads == 3].push_back(g.averages.view().corners[n].value);
   }
   EXPECT_TRUE(found[0] == found[1]);
 }

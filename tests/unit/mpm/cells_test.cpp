@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "mpm/grid/kernel.hpp"
+#include "mpm/grid/sweeps.hpp"
 #include "tests/unit/mpm/disorder.hpp"
 
 namespace pivnp::mpm {
@@ -23,17 +23,17 @@ TEST(Cells, AreFoundByTheirNumber) {
     const Scheme scheme{.shape = shape};
     const SolverState state = initial_state(s, scheme, g, materials_of(s));
     g.rebuild(state.particles);
-    std::size_t slot = 0;
+    std::size_t next = 0;
     for (std::int32_t cell = 0; cell < std::int32_t(g.grid.node_count()); ++cell) {
-      const SlotRange points = g.points_in(cell);
-      if (slot < g.slots() && g.slot_cell[slot] == cell) {
-        EXPECT_EQ(points.begin, g.slot_begin[slot]);
-        EXPECT_EQ(points.end, g.slot_begin[++slot]);
+      const Range points = g.cells.points_in(cell);
+      if (next < g.cells.size() && g.cells.index[next] == cell) {
+        EXPECT_EQ(points.begin, g.cells.begin[next]);
+        EXPECT_EQ(points.end, g.cells.begin[++next]);
       } else {
         EXPECT_EQ(points.begin, points.end);
       }
     }
-    EXPECT_EQ(slot, g.slots());
+    EXPECT_EQ(next, g.cells.size());
   }
 }
 
@@ -53,16 +53,16 @@ TEST(Cells, FollowWhatABuildFromScratchFinds) {
       }
       std::vector<std::uint32_t> left;
       if (!locate_points(p, c.g, left, 1)) continue;
-      c.g.follow(p, c.g.moved);
-      if (step % 20 == 10) p.sort_as(c.g.order, 1);
+      c.g.follow(p, c.g.relocation.moves);
+      if (step % 20 == 10) p.sort_as(c.g.cells.order, 1);
       other.rebuild(p);
-      ASSERT_EQ(c.g.order, other.order);
-      ASSERT_EQ(c.g.slot_begin, other.slot_begin);
-      ASSERT_EQ(c.g.slot_cell, other.slot_cell);
-      ASSERT_EQ(c.g.nodes, other.nodes);
+      ASSERT_EQ(c.g.cells.order, other.cells.order);
+      ASSERT_EQ(c.g.cells.begin, other.cells.begin);
+      ASSERT_EQ(c.g.cells.index, other.cells.index);
+      ASSERT_EQ(c.g.active.nodes, other.active.nodes);
       std::size_t next = 0;
       for (std::uint32_t n = 0; n < c.g.grid.node_count(); ++n) {
-        if (next < c.g.nodes.size() && c.g.nodes[next] == n) {
+        if (next < c.g.active.nodes.size() && c.g.active.nodes[next] == n) {
           ++next;
           c.g.node[n].mass = c.g.node[n].nx = 1;
         } else {  // nothing is left of what it carried
@@ -70,9 +70,9 @@ TEST(Cells, FollowWhatABuildFromScratchFinds) {
           ASSERT_EQ(c.g.node[n].nx, 0);
         }
       }
-      for (std::size_t s = 0; s < c.g.slots(); ++s)
-        for (std::uint32_t q = c.g.slot_begin[s]; q < c.g.slot_begin[s + 1]; ++q)
-          ASSERT_EQ(p.cell[c.g.order[q]], c.g.slot_cell[s]);
+      for (std::size_t s = 0; s < c.g.cells.size(); ++s)
+        for (std::uint32_t q = c.g.cells.begin[s]; q < c.g.cells.begin[s + 1]; ++q)
+          ASSERT_EQ(p.cell[c.g.cells.order[q]], c.g.cells.index[s]);
       for (std::size_t k = 0; k < p.size(); ++k) {
         if (p.cell[k] == Particles::ended) continue;
         std::int32_t cell = 0;
@@ -87,8 +87,8 @@ TEST(Cells, FollowWhatABuildFromScratchFinds) {
   }
 }
 
-// The slots that see one of the nodes, and no others; nodes in a row as one by one.
-TEST(Cells, SlotsThatSeeANodeAreStrainedApart) {
+// The cells that see one of the nodes, and no others; nodes in a row as one by one.
+TEST(Cells, CellsThatSeeANodeAreStrainedApart) {
   std::mt19937_64 random(seed_of_all);
   SCOPED_TRACE(seed_of_all);
   const auto number = [&](int low, int high) { return std::uniform_int_distribution<int>(low, high)(random); };
@@ -105,15 +105,15 @@ TEST(Cells, SlotsThatSeeANodeAreStrainedApart) {
     single.rebuild(p);
     const auto first = std::uint32_t(number(0, int(row.grid.node_count()) - 1));
     const int count = number(1, row.grid.nx - int(first) % row.grid.nx);
-    row.strain_apart(first, count);
-    for (int k = 0; k < count; ++k) single.strain_apart(first + std::uint32_t(k));
-    EXPECT_EQ(row.slot_marks, single.slot_marks);
+    row.separate_strain_velocities(first, count);
+    for (int k = 0; k < count; ++k) single.separate_strain_velocities(first + std::uint32_t(k));
+    EXPECT_EQ(row.marks, single.marks);
     for (std::size_t n = 0; n < row.grid.node_count(); ++n) EXPECT_EQ(row.node[n].apart, single.node[n].apart);
-    for (std::size_t s = 0; s < row.slots(); ++s) {
-      std::size_t at[9];
-      row.stencil_nodes(s, at);
+    for (std::size_t s = 0; s < row.cells.size(); ++s) {
+      std::size_t at[most_stencil_nodes];
+      row.stencil_nodes(row.cells.index[s], at);
       const bool sees = std::any_of(at, at + row.stencil, [&](std::size_t n) { return n >= first && n < first + std::size_t(count); });
-      EXPECT_EQ(sees, bool(row.slot_marks[s] & strained_apart));
+      EXPECT_EQ(sees, bool(row.marks[s] & strained_apart));
     }
   }
 }
@@ -134,23 +134,23 @@ TEST(Cells, ABandFindsItsNodesFreshOnceAndFinishesThemOnce) {
       for (std::size_t k = 0; k < p.size(); ++k)
         if (empty[std::size_t(p.y[k] / (trial % 3 ? 0.1 : 0.4))]) p.cell[k] = Particles::ended;
       g.rebuild(p);
-      if (g.slots() == 0) continue;
-      std::vector<int> fresh(g.nodes.size(), 0), added(g.nodes.size(), 0), finished(g.nodes.size(), 0);
+      if (g.cells.size() == 0) continue;
+      std::vector<int> fresh(g.active.nodes.size(), 0), added(g.active.nodes.size(), 0), finished(g.active.nodes.size(), 0);
       const auto place = [&](std::size_t node) {
-        return std::size_t(std::lower_bound(g.nodes.begin(), g.nodes.end(), std::uint32_t(node)) - g.nodes.begin());
+        return std::size_t(std::lower_bound(g.active.nodes.begin(), g.active.nodes.end(), std::uint32_t(node)) - g.active.nodes.begin());
       };
       for_bands(
-          g.mapped, 1,
-          [&](SlotRange nodes, std::size_t) {
+          g.active.mapped, 1,
+          [&](Range nodes, std::size_t) {
             for (std::size_t a = nodes.begin; a < nodes.end; ++a) {
               EXPECT_EQ(fresh[a]++, 0);
               EXPECT_EQ(added[a], 0);
             }
           },
-          [&](SlotRange slots, std::size_t) {
-            for (std::size_t s = slots.begin; s < slots.end; ++s) {
-              std::size_t at[9];
-              g.stencil_nodes(s, at);
+          [&](Range range, std::size_t) {
+            for (std::size_t s = range.begin; s < range.end; ++s) {
+              std::size_t at[most_stencil_nodes];
+              g.stencil_nodes(g.cells.index[s], at);
               for (int n = 0; n < g.stencil; ++n) {
                 const std::size_t a = place(at[n]);
                 EXPECT_EQ(fresh[a], 1);
@@ -159,10 +159,10 @@ TEST(Cells, ABandFindsItsNodesFreshOnceAndFinishesThemOnce) {
               }
             }
           },
-          [&](SlotRange nodes, std::size_t) {
+          [&](Range nodes, std::size_t) {
             for (std::size_t a = nodes.begin; a < nodes.end; ++a) EXPECT_EQ(finished[a]++, 0);
           });
-      for (std::size_t a = 0; a < g.nodes.size(); ++a) {
+      for (std::size_t a = 0; a < g.active.nodes.size(); ++a) {
         EXPECT_EQ(fresh[a], 1);
         EXPECT_EQ(finished[a], 1);
         EXPECT_GT(added[a], 0);

@@ -42,10 +42,10 @@ struct Case {
         if (!a->empty()) (*a)[k] = u(random);
     }
     locate_all(p, g);
-    std::vector<std::uint8_t> folds(g.grid.node_count(), fold_none);
+    std::vector<std::uint8_t> walls(g.grid.node_count(), wall_none);
     if (g.width == 3)
-      for (int j = 0; j < g.grid.ny; ++j) folds[g.grid.node(1, j)] = fold_left;
-    g.set_folds(folds);
+      for (int j = 0; j < g.grid.ny; ++j) walls[g.grid.node(1, j)] = wall_left;
+    g.set_walls(walls);
   }
 };
 

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "mpm/transfer/finite_strain.hpp"
-#include "mpm/grid/kernel.hpp"
+#include "mpm/grid/sweeps.hpp"
 #include "mpm/transfer/lanes-inl.hpp"
 #include "mpm/transfer/lanes.hpp"
 #include "mpm/material/mohr_coulomb.hpp"
@@ -43,8 +43,8 @@ TEST(GimpLanes, AreTheShapesPiecesUpToTheirJoints) {
       for (const double off : {-1e-13, 0.0, 1e-13}) {
         double xi = n % 4 == 0 ? (n / 4) * 0.05 : std::copysign(0.5 - half, n) + n * half / 39;  // along the cell; the joints
         xi = std::min(std::max(xi + off, -0.5), 0.5);
-        const Line<3> plain = GimpShape::line(xi, half, false, false);
-        const auto lane = simd::GimpLanes::line(simd::set(xi), simd::set(half));
+        const Line<double, 3> plain = GimpShape::line(xi, half);
+        const auto lane = simd::GimpShape::line(simd::set(xi), simd::set(half));
         for (int a = 0; a < 3; ++a) {
           most = std::max(most, std::abs(simd::hn::GetLane(lane.w[a]) - plain.w[a]));
           most = std::max(most, half * std::abs(simd::hn::GetLane(lane.g[a]) - plain.g[a]));  // (their slope is 1/half)
@@ -58,27 +58,15 @@ TEST(GimpLanes, AreTheShapesPiecesUpToTheirJoints) {
 
 class InLanes : public testing::TestWithParam<std::tuple<ShapeKind, TransferKind>> {};
 
-// Calls each(k, at, lx, ly) for every point: its nodes, and the values of its shape functions along both axes.
-template <class S, class Each>
-void for_points(const Particles& p, const GridState& g, Each&& each) {
-  for (std::size_t s = 0; s < g.slots(); ++s) {
-    const SlotLines<S> lines(g, s);
-    std::size_t at[9];
-    g.stencil_nodes(s, at);
-    for (std::uint32_t q = g.slot_begin[s]; q < g.slot_begin[s + 1]; ++q)
-      each(g.order[q], at, lines.x(p, g.order[q]), lines.y(p, g.order[q]));
-  }
-}
-
 TEST_P(InLanes, MapWhatAPlainLoopMaps) {
   const auto [shape, transfer] = GetParam();
   Case c(shape, transfer);
   Particles& p = c.state.particles;
   GridState& g = c.g;
   std::vector<std::array<double, 5>> sum(g.grid.node_count(), std::array<double, 5>{});
-  with_shape(shape, [&](auto kind) {
+  Shapes::with(shape, [&](auto kind) {
     using S = decltype(kind);
-    for_points<S>(p, g, [&](std::size_t k, const std::size_t* at, const auto& lx, const auto& ly) {
+    for_points<S>(p, g, {0, g.cells.size()}, [&](std::uint32_t k, const std::size_t* at, const auto& lx, const auto& ly) {
       for (int n = 0; n < S::width * S::width; ++n) {
         const int a = n % S::width, b = n / S::width;
         const double w = lx.w[a] * ly.w[b], gx = lx.g[a] * ly.w[b] * g.per_hx, gy = lx.w[a] * ly.g[b] * g.per_hy;
@@ -97,7 +85,7 @@ TEST_P(InLanes, MapWhatAPlainLoopMaps) {
   });
   on_every_target([&] {
     map_momentum(p, g, c.scheme, true, 1);
-    for (const std::uint32_t n : g.nodes) {
+    for (const std::uint32_t n : g.active.nodes) {
       const Node& node = g.node[n];
       EXPECT_NEAR(node.mass, sum[n][0], 1e-14 * 10);
       EXPECT_NEAR(node.vx * node.mass, sum[n][1], 1e-13);
@@ -116,23 +104,23 @@ TEST_P(InLanes, StrainIsThatOfThePointsOneByOne) {
   std::mt19937_64 random(seed_of_all);
   std::uniform_real_distribution<double> u(-1, 1);
   for (const double size : {1e-5, 1e-3, 0.3}) {
-    for (const std::uint32_t n : g.nodes) {
-      g.straining(n).x = 0.1 * size * u(random);
-      g.straining(n).y = 0.1 * size * u(random);
+    for (const std::uint32_t n : g.active.nodes) {
+      g.strain_velocity(n).x = 0.1 * size * u(random);
+      g.strain_velocity(n).y = 0.1 * size * u(random);
     }
     on_every_target([&] {
       strain_points(p, g, c.scheme, 1, false, 1);
-      with_shape(shape, [&](auto kind) {
+      Shapes::with(shape, [&](auto kind) {
         using S = decltype(kind);
-        for_points<S>(p, g, [&](std::size_t k, const std::size_t* at, const auto& lx, const auto& ly) {
+        for_points<S>(p, g, {0, g.cells.size()}, [&](std::uint32_t k, const std::size_t* at, const auto& lx, const auto& ly) {
           Gradient G;
           for (int n = 0; n < S::width * S::width; ++n) {
             const int a = n % S::width, b = n / S::width;
             const double gx = lx.g[a] * ly.w[b] * g.per_hx, gy = lx.w[a] * ly.g[b] * g.per_hy;
-            G.xx += g.straining(at[n]).x * gx;
-            G.xy += g.straining(at[n]).x * gy;
-            G.yx += g.straining(at[n]).y * gx;
-            G.yy += g.straining(at[n]).y * gy;
+            G.xx += g.strain_velocity(at[n]).x * gx;
+            G.xy += g.strain_velocity(at[n]).x * gy;
+            G.yx += g.strain_velocity(at[n]).y * gx;
+            G.yy += g.strain_velocity(at[n]).y * gy;
           }
           const Polar e = polar(G);
           EXPECT_NEAR(p.de_xx[k], e.xx, 1e-13 * size);
@@ -163,13 +151,13 @@ TEST(Lanes, MovingAndStrainingTogetherIsOneAfterTheOther) {
     map_momentum(p, c.g, c.scheme, true, threads);
     std::mt19937_64 random(seed_of_all);
     std::uniform_real_distribution<double> u(-1, 1);
-    for (const std::uint32_t n : c.g.nodes) {
+    for (const std::uint32_t n : c.g.active.nodes) {
       c.g.node[n].nx = u(random);
       c.g.node[n].ny = u(random);
     }
-    const std::uint32_t apart = c.g.nodes[c.g.nodes.size() / 2];
-    c.g.strain_apart(apart);
-    c.g.straining(apart).x += own;
+    const std::uint32_t apart = c.g.active.nodes[c.g.active.nodes.size() / 2];
+    c.g.separate_strain_velocities(apart);
+    c.g.strain_velocity(apart).x += own;
     GatherSums sums;
     EXPECT_TRUE(moves_with_strain(c.g, c.scheme));
     if (!together) sums = gather_velocity(p, c.g, c.scheme, dt, {}, threads);
@@ -205,7 +193,7 @@ TEST(Lanes, TheOrderOfThePiecesDoesNotMatter) {
     SolverState state = initial_state(s, scheme, g, materials);
     Particles& p = state.particles;
     g.rebuild(p);
-    p.sort_as(g.order, 1);
+    p.sort_as(g.cells.order, 1);
     for (std::size_t k = 0; k < p.size(); ++k) {
       p.x[k] += 0.04 * u(random);
       p.y[k] += 0.04 * u(random);
@@ -214,14 +202,14 @@ TEST(Lanes, TheOrderOfThePiecesDoesNotMatter) {
     average_mean_stress(p, g, scheme, 1);
     map_momentum(p, g, scheme, true, 1);
     const double size = trial % 2 ? 0.5 : 1;
-    for (const std::uint32_t n : g.nodes) {
+    for (const std::uint32_t n : g.active.nodes) {
       g.node[n].nx = 8 + size * u(random);
       g.node[n].ny = 8 + size * u(random);
     }
-    EXPECT_GT(g.pieces.size(), 4u);
+    EXPECT_GT(g.active.pieces.size(), 4u);
     if (reversed) {
-      std::reverse(g.pieces.begin(), g.pieces.end());
-      for (auto& parity : g.mapped.parity) std::reverse(parity.begin(), parity.end());
+      std::reverse(g.active.pieces.begin(), g.active.pieces.end());
+      for (auto& parity : g.active.mapped.parity) std::reverse(parity.begin(), parity.end());
     }
     const double dt = 1e-3 * (1 + trial % 5);
     GatherSums sums;

@@ -54,7 +54,7 @@ TEST(Loading, ADensityThatRisesIsCarriedByTheBase) {
   MpmOptions o = options({0, -10});
   o.damping = 0.3;
   Solver solver(o, column(0.2, m), 1);
-  solver.settle(silent);
+  solver.find_initial_equilibrium(silent);
   EXPECT_NEAR(mean_stress(solver, 1, 1), -1000 * 10 * 0.1, 20);
   solver.advance_to(0.7, silent);
   EXPECT_NEAR(mean_stress(solver, 1, 1), -2000 * 10 * 0.1, 40);
@@ -109,7 +109,7 @@ TEST(Loading, WhatIsExcavatedWeighsNoMore) {
   MpmOptions o = options({0, -10});
   o.damping = 0.3;
   Solver solver(o, s, 1);
-  solver.settle(silent);
+  solver.find_initial_equilibrium(silent);
   EXPECT_NEAR(mean_stress(solver, 1, 0.1), -1500, 20);
   solver.advance_to(0.5, silent);
   EXPECT_EQ(solver.ended(), s.particles.size() / 2);
@@ -130,7 +130,7 @@ TEST(Loading, ACutFailsWhenItsStrengthIsReduced) {
   Scene s = scene(Grid{{0, 0}, {0.02, 0.02}, 41, 13}, {rectangle("clay", 0, 0, 0.4, 0.2)}, {clay});
   s.boundaries = {{"base", line({0, 0}, {0.8, 0}, "fixed")}, {"left", line({0, 0}, {0, 0.24}, "roller")}};
   Solver solver(options({0, -10}), s, 1);
-  solver.settle(silent);
+  solver.find_initial_equilibrium(silent);
   const auto most = [&] {
     double u = 0;
     for (const auto& d : solver.frame().u) u = std::max(u, std::hypot(double(d[0]), double(d[1])));
@@ -168,14 +168,14 @@ TEST(Loading, AGateLetsGoNodeByNode) {
   const Restraints restraints({{"gate", gate}}, g, Vec2(0.05, 0.1), [](const Vec2&) { return std::array<double, 2>{}; });
   // Its foot is at 2 (t - 0.05): nodes below it, and a little more, are free.
   for (const double t : {0.04, 0.08, 0.1, 0.12, 0.2}) {
-    const auto folds = restraints.folds(t, grid);
+    const auto walls = restraints.wall_sides(t, grid);
     for (int j = 0; j <= 20; ++j) {
       const double foot = 2 * (t - 0.05), y = 0.01 * j;
       if (y < foot - 0.002) {
-        EXPECT_EQ(folds[grid.node(10, j)], 0) << t << " " << y;
+        EXPECT_EQ(walls[grid.node(10, j)], 0) << t << " " << y;
       }
       if (y > foot && t < 0.14) {
-        EXPECT_NE(folds[grid.node(10, j)], 0) << t << " " << y;
+        EXPECT_NE(walls[grid.node(10, j)], 0) << t << " " << y;
       }
     }
   }

@@ -114,7 +114,7 @@ TEST_P(Nonlocal, BitsDoNotDependOnThreads) {
 
 TEST_P(Nonlocal, SleepingPointsCountAsTheOthersDo) {
   Block all(GetParam(), {averaged(0.03)}), some(GetParam(), {averaged(0.03)});
-  std::vector<std::uint8_t> asleep(some.g.blocks(), 0);
+  std::vector<std::uint8_t> asleep(some.g.blocks.count(), 0);
   for (std::size_t b = 0; b < asleep.size(); b += 2) asleep[b] = 1;
   some.g.set_asleep(asleep);
   for (Block* block : {&all, &some}) {
@@ -123,7 +123,7 @@ TEST_P(Nonlocal, SleepingPointsCountAsTheOthersDo) {
   }
   std::size_t awake = 0;
   for (std::size_t k = 0; k < some.p.size(); ++k) {
-    if (some.g.sleeps(some.p.cell[k])) continue;
+    if (some.g.blocks.sleeps(some.p.cell[k])) continue;
     ++awake;
     ASSERT_NEAR(some.p.softened_by[k], all.p.softened_by[k], 1e-12) << k;
   }

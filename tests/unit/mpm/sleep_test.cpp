@@ -52,7 +52,7 @@ TEST_P(SleepingSchemes, WhatIsLeftOutIsBoundedAndBooked) {
   const MaterialOptions material = sand(35, 20e6);
   Solver with(pressing(GetParam()), pressed(material), 1), without(awake, pressed(material), 1);
   for (Solver* s : {&with, &without}) {
-    s->settle(silent);
+    s->find_initial_equilibrium(silent);
     s->advance_to(0.06, silent);
   }
   const Solver::Slept slept = with.slept();

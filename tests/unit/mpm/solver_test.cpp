@@ -255,7 +255,7 @@ TEST(Solver, ASettledColumnCarriesItsWeightAndStaysPut) {
   const double height = 0.4, rho = 2000, g = 9.81;
   Scene s = column(height, elastic(1e6, 0.3, rho));
   Solver solver(conservative({0, -g}), s, 2);
-  solver.settle(silent);
+  solver.find_initial_equilibrium(silent);
   const MotionFrame settled = solver.frame();
   for (std::size_t k = 0; k < settled.u.size(); ++k) {
     EXPECT_EQ(settled.u[k][1], 0.0f);
@@ -281,7 +281,7 @@ TEST(Solver, SandSettlesBehindAGateAndRunsWhenItGoes) {
   s.boundaries = {
       {"base", line({0, 0}, {0.4, 0}, "fixed")}, {"left", line({0, 0}, {0, 0.24}, "roller")}, {"gate", gate}};
   Solver solver(options({0, -9.81}), s, 2);
-  solver.settle(silent);
+  solver.find_initial_equilibrium(silent);
   solver.advance_to(0.02, silent);
   for (const auto& u : solver.frame().u) EXPECT_LT(std::hypot(u[0], u[1]), 2e-5);
   solver.advance_to(0.1, silent);
@@ -298,7 +298,7 @@ TEST(Solver, WhatCannotStandDoesNotSettle) {
   s.boundaries = {{"base", line({0, 0}, {0.3, 0}, "fixed")}};
   Solver solver(options({0, -9.81}), s, 2);
   try {
-    solver.settle(silent);
+    solver.find_initial_equilibrium(silent);
     FAIL() << "expected a RunError";
   } catch (const RunError& e) {
     EXPECT_NE(std::string(e.what()).find("unbalanced"), std::string::npos);

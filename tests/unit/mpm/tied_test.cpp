@@ -51,7 +51,7 @@ TEST(TiedSides, HoldTheStressesOfAnEndlessSlope) {
       scene(Grid{{0, 0}, {0.01, 0.01}, 5, 14}, {rectangle("soil", 0, 0, 0.04, height)}, {elastic(5e6, 0.3, 1600)});
   s.boundaries = {{"base", line({0, 0}, {0.04, 0}, "fixed")}, {"sides", tied({0, 0}, {0, 0.12}, {0.04, 0})}};
   Solver solver(options({9.81 * std::sin(t), -9.81 * std::cos(t)}), s, 1);
-  solver.settle(silent);
+  solver.find_initial_equilibrium(silent);
   const MotionFrame frame = solver.frame();
   const double weight = 1600 * 9.81 * height;
   for (std::size_t k = 0; k < frame.u.size(); ++k) {

@@ -92,7 +92,7 @@ TEST(Restart, RefusesTheStateOfAnotherRun) {
   const std::vector<std::byte> bytes = tracker.save();
 
   NpOptions options;
-  options.gradient = "element";
+  options.gradient = GradientPlace::element;
   Tracker centre(options, particles(), 0);
   EXPECT_THROW(centre.load(bytes), InputError);
   options = {};

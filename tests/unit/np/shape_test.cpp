@@ -18,14 +18,15 @@ namespace {
 using namespace testing;
 
 struct Shape {
-  std::string name;
+  ShapeFunctions shape;
   int degree;           // of the polynomials it repeats: values of order degree + 1, gradients of order degree
   bool tensor = true;   // all products x^a y^b, a, b <= degree; else total degree
 };
-const std::vector<Shape> shapes = {{"bilinear", 1}, {"quadratic", 2}, {"cubic", 3},
-                                   {"bspline2", 2}, {"bspline3", 3},  {"triangles", 1, false}};
+const std::vector<Shape> shapes = {{ShapeFunctions::bilinear, 1}, {ShapeFunctions::quadratic, 2},
+                                   {ShapeFunctions::cubic, 3},    {ShapeFunctions::bspline2, 2},
+                                   {ShapeFunctions::bspline3, 3}, {ShapeFunctions::triangles, 1, false}};
 
-NpOptions with(const std::string& shape, const std::string& gradient = "particle") {
+NpOptions with(ShapeFunctions shape, GradientPlace gradient = GradientPlace::particle) {
   NpOptions options;
   options.shape = shape;
   options.gradient = gradient;
@@ -75,7 +76,7 @@ TEST(Shapes, RepeatThePolynomialsOfTheirDegreeUpToTheBorder) {
         places.push_back(grid.origin + (grid.upper() - grid.origin).cwiseProduct(Vec2(unit(random), unit(random))));
       places.push_back(grid.position(3, 5));
       places.push_back(grid.origin);
-      Tracker tracker(with(shape.name), particles_at(places), 0);
+      Tracker tracker(with(shape.shape), particles_at(places), 0);
       tracker.step(sampled(d, grid, anchor), 1);
       std::size_t followed = 0;
       for (std::size_t p = 0; p < places.size(); ++p) {
@@ -84,11 +85,11 @@ TEST(Shapes, RepeatThePolynomialsOfTheirDegreeUpToTheBorder) {
         ++followed;
         EXPECT_EQ(now.status, ParticleStatus::active);
         const Vec2 at = anchor == Anchor::central ? Vec2((places[p] + now.x) / 2) : places[p];
-        EXPECT_LT((now.x - places[p] - d(at)).norm(), 3e-14) << shape.name << " " << p;
+        EXPECT_LT((now.x - places[p] - d(at)).norm(), 3e-14) << name_of(shape.shape) << " " << p;
         const Mat2 G = numeric_gradient(d, at), half = G / 2;
         const Mat2 left = anchor == Anchor::central ? Mat2((Mat2::Identity() - half) * now.F - Mat2::Identity() - half)
                                                     : Mat2(now.F - Mat2::Identity() - G);
-        EXPECT_LT(left.norm(), 2e-9) << shape.name << " " << p;
+        EXPECT_LT(left.norm(), 2e-9) << name_of(shape.shape) << " " << p;
       }
       EXPECT_GT(followed, 380u);
     }
@@ -106,7 +107,7 @@ TEST(Shapes, MeasuredOrderOnASmoothField) {
       std::vector<double> place, gradient;
       for (const int cells : {18, 36, 72}) {
         const Grid grid{{0, 0}, {1.0 / cells, 1.0 / cells}, cells + 1, cells + 1};
-        Tracker tracker(with(shape.name), cloud, 0);
+        Tracker tracker(with(shape.shape), cloud, 0);
         tracker.step(sampled(d, grid, anchor), 1);
         double sum = 0, sum_F = 0;
         for (std::size_t p = 0; p < cloud.size(); ++p) {
@@ -124,12 +125,12 @@ TEST(Shapes, MeasuredOrderOnASmoothField) {
         gradient.push_back(std::sqrt(sum_F / double(cloud.size())));
       }
       const double order = std::log2(place[0] / place[2]) / 2, order_F = std::log2(gradient[0] / gradient[2]) / 2;
-      std::printf("%-9s %-7s place %.2e -> %.2e (order %.2f), gradient %.2e -> %.2e (order %.2f)\n", shape.name.c_str(),
+      std::printf("%-9s %-7s place %.2e -> %.2e (order %.2f), gradient %.2e -> %.2e (order %.2f)\n", std::string(name_of(shape.shape)).c_str(),
                   anchor == Anchor::central ? "central" : "forward", place[0], place[2], order, gradient[0], gradient[2],
                   order_F);
-      EXPECT_GT(order, shape.degree + 1 - 0.15) << shape.name;
-      EXPECT_GT(order_F, shape.degree - 0.15) << shape.name;
-      pivnp::test::verification_row("shape functions, " + shape.name,
+      EXPECT_GT(order, shape.degree + 1 - 0.15) << name_of(shape.shape);
+      EXPECT_GT(order_F, shape.degree - 0.15) << name_of(shape.shape);
+      pivnp::test::verification_row("shape functions, " + std::string(name_of(shape.shape)),
                                     "order at least " + std::to_string(shape.degree + 1) + " in place, " +
                                         std::to_string(shape.degree) + " in the gradient (less .15)",
                                     number(order, 3) + ", " + number(order_F, 3));
@@ -143,7 +144,7 @@ TEST(Shapes, AtTheElementsCentreTheGradientGainsAnOrder) {
   for (const int cells : {20, 40}) {
     const Grid grid{{0, 0}, {1.0 / cells, 1.0 / cells}, cells + 1, cells + 1};
     const ParticleSet set = block(grid, {0.1, 0.1}, {0.9, 0.9}, 1);
-    Tracker tracker(with("bilinear", "element"), set, 0);
+    Tracker tracker(with(ShapeFunctions::bilinear, GradientPlace::element), set, 0);
     tracker.step(sampled(d, grid, Anchor::forward), 1);
     double most = 0;
     for (std::size_t p = 0; p < set.size(); ++p)
@@ -154,12 +155,12 @@ TEST(Shapes, AtTheElementsCentreTheGradientGainsAnOrder) {
   for (const Shape& shape : shapes) {  // the option is heard by all of them, and moves no particle
     const Grid grid{{0, 0}, {0.1, 0.1}, 13, 13};
     const ParticleSet set = particles_at({{0.512, 0.533}, {0.71, 0.44}});
-    Tracker a(with(shape.name), set, 0), b(with(shape.name, "element"), set, 0);
+    Tracker a(with(shape.shape), set, 0), b(with(shape.shape, GradientPlace::element), set, 0);
     a.step(sampled(d, grid, Anchor::central), 1);
     b.step(sampled(d, grid, Anchor::central), 1);
-    EXPECT_LT((a.state()[0].x - b.state()[0].x).norm(), 1e-13) << shape.name;
+    EXPECT_LT((a.state()[0].x - b.state()[0].x).norm(), 1e-13) << name_of(shape.shape);
     if (shape.tensor) {
-      EXPECT_GT((a.state()[0].F - b.state()[0].F).norm(), 1e-6) << shape.name;
+      EXPECT_GT((a.state()[0].F - b.state()[0].F).norm(), 1e-6) << name_of(shape.shape);
     }
   }
 }
@@ -179,16 +180,16 @@ TEST(Shapes, LostNodesLeaveAffineMotionExactAndTheRestAlone) {
         d.displacement[grid.node(i, j)] = {50, -70};  // must not be read
       }
       d.status[grid.node(10, 3)] = VectorStatus::replaced;
-      Tracker tracker(with(shape.name), block(grid, {-2.5, -2.5}, {3, 3}, 4), 0);
+      Tracker tracker(with(shape.shape), block(grid, {-2.5, -2.5}, {3, 3}, 4), 0);
       tracker.step(d, 1);
       std::size_t flagged = 0;
       for (std::size_t p = 0; p < tracker.state().size(); ++p) {
         const auto now = tracker.state()[p];
         const Vec2& X = tracker.particles().x0[p];
-        ASSERT_NE(now.status, ParticleStatus::ended) << shape.name;
+        ASSERT_NE(now.status, ParticleStatus::ended) << name_of(shape.shape);
         flagged += now.status == ParticleStatus::flagged;
-        EXPECT_LT((now.x - motion.position(X, 1)).norm(), 1e-12) << shape.name;
-        EXPECT_LT((now.F - motion.deformation(X, 1)).norm(), 1e-11) << shape.name;
+        EXPECT_LT((now.x - motion.position(X, 1)).norm(), 1e-12) << name_of(shape.shape);
+        EXPECT_LT((now.F - motion.deformation(X, 1)).norm(), 1e-11) << name_of(shape.shape);
       }
       EXPECT_GT(flagged, 20u);
       EXPECT_LT(flagged, tracker.state().size() / 2);
@@ -199,9 +200,9 @@ TEST(Shapes, AGridTooSmallForTheShapeIsReadBilinearly) {
   const Grid grid{{0, 0}, {1, 1}, 2, 2};
   const AffineMotion shear = AffineMotion::shear(0.1, 0);
   for (const Shape& shape : shapes) {
-    Tracker tracker(with(shape.name), particles_at({{0.3, 0.6}}), 0);
+    Tracker tracker(with(shape.shape), particles_at({{0.3, 0.6}}), 0);
     tracker.step(sample_increments(shear, grid, Anchor::forward, 0, 1), 1);
-    EXPECT_NEAR(tracker.state()[0].x.x(), 0.36, 1e-15) << shape.name;
+    EXPECT_NEAR(tracker.state()[0].x.x(), 0.36, 1e-15) << name_of(shape.shape);
   }
 }
 
@@ -218,7 +219,7 @@ TEST(Shapes, CovarianceOfAllIsABound) {
     std::vector<double> seen(places.size(), 0), claimed(places.size(), 0);
     for (int n = 0; n < runs; ++n) {
       for (auto& v : d.displacement) v = {normal(random), normal(random)};
-      Tracker tracker(with(shape.name), particles_at(places), 0);
+      Tracker tracker(with(shape.shape), particles_at(places), 0);
       tracker.step(d, 1);
       for (std::size_t p = 0; p < places.size(); ++p) {
         seen[p] += (tracker.state()[p].x - places[p]).squaredNorm() / 2 / runs;
@@ -226,8 +227,8 @@ TEST(Shapes, CovarianceOfAllIsABound) {
       }
     }
     for (std::size_t p = 0; p < places.size(); ++p) {
-      EXPECT_LT(seen[p], 1.3 * claimed[p]) << shape.name << " " << p;
-      EXPECT_LT(claimed[p], 20 * seen[p]) << shape.name << " " << p;
+      EXPECT_LT(seen[p], 1.3 * claimed[p]) << name_of(shape.shape) << " " << p;
+      EXPECT_LT(claimed[p], 20 * seen[p]) << name_of(shape.shape) << " " << p;
     }
   }
 }

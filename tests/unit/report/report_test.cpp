@@ -111,7 +111,7 @@ TEST_F(Report, Full) {
   EXPECT_LT(html_.size(), 10'000'000u);
   EXPECT_GE(pages_, 5u);
   EXPECT_NE(html_.find("Displacement, RMS"), std::string::npos);
-  EXPECT_NE(html_.find("over limit"), std::string::npos);
+  EXPECT_NE(html_.find(name_of(Verdict::exceeded)), std::string::npos);
   EXPECT_NE(html_.find("IMG_0015.png to IMG_0016.png: the pair lost its correlation"), std::string::npos);
   EXPECT_NE(html_.find("left the image or went under the mask"), std::string::npos);
   EXPECT_NE(html_.find("mohr_coulomb"), std::string::npos);
@@ -224,7 +224,7 @@ TEST_F(Report, NotANumber) {
     broken->add(f);
   }
   s.content.measured = broken;
-  for (compare::DifferenceField& f : s.content.comparison->fields) f.values.assign(f.values.size(), nan);
+  for (ComparisonField& f : s.content.comparison->fields) f.values.assign(f.values.size(), nan);
   for (Metric& m : s.content.comparison->metrics) m.value = m.uncertainty = std::numeric_limits<double>::quiet_NaN();
   for (EnergyRow& e : s.content.energy) e.residual = e.kinetic = std::numeric_limits<double>::quiet_NaN();
   const auto pair = s.content.pair;

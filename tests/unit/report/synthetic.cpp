@@ -93,19 +93,20 @@ std::shared_ptr<MotionMemory> make_motion(const SyntheticOptions& o, const Motio
   return result;
 }
 
-compare::Comparison make_comparison(const MotionSource& a, const MotionSource& b, const Motion& first,
-                                    const Motion& second) {
-  compare::Comparison c;
-  c.time = a.times();
-  c.id = a.particles().id;
-  c.coverage_first = 0.973;
-  c.coverage_second = 0.981;
-  compare::DifferenceField x{"difference_x", "m", "u_x, second minus first", {}}, y{"difference_y", "m", "u_y", {}},
-      magnitude{"difference_magnitude", "m", "|u2 - u1|", {}}, strain{"difference_strain_dev", "1", "strain_dev", {}};
+Comparison make_comparison(const MotionSource& a, const MotionSource& b, const Motion& first, const Motion& second) {
+  Comparison c;
+  c.names = {a.name(), b.name()};
+  c.tables = {{std::string(over_space_table), "statistics over the particles", {{"time", "s", a.times()}}}};
+  const auto field = [&](const char* name, const char* unit, const char* definition) {
+    return ComparisonField{name, unit, definition, a.times(), a.particles().id, {}};
+  };
+  ComparisonField x = field("difference_x", "m", "u_x, second minus first"), y = field("difference_y", "m", "u_y"),
+                  magnitude = field("difference_magnitude", "m", "|u2 - u1|"),
+                  strain = field("difference_strain_dev", "1", "strain_dev");
   double sum = 0, strain_sum = 0, n = 0, largest = 0;
-  for (std::size_t k = 0; k < c.time.size(); ++k) {
+  for (std::size_t k = 0; k < a.times().size(); ++k) {
     const MotionFrame fa = a.frame(k), fb = b.frame(k);
-    for (std::size_t p = 0; p < c.id.size(); ++p) {
+    for (std::size_t p = 0; p < a.particles().size(); ++p) {
       const bool ended = fa.status[p] == ParticleStatus::ended;
       const double dx = double(fb.u[p][0] - fa.u[p][0]), dy = double(fb.u[p][1] - fa.u[p][1]);
       const double ds = deviatoric(log_strain(matrix(fb.F[p]))) - deviatoric(log_strain(matrix(fa.F[p])));
@@ -122,19 +123,20 @@ compare::Comparison make_comparison(const MotionSource& a, const MotionSource& b
   }
   c.fields = {x, y, magnitude, strain};
   const double rms = std::sqrt(sum / n);
-  c.over_limit = rms > 0.002;
+  const double unknown = std::numeric_limits<double>::quiet_NaN();
   c.metrics = {
       {"displacement_rms", rms, "m", 0.000204, "root mean square of |u_second - u_first|, all times",
-       c.over_limit ? "over limit" : "within limit"},
-      {"displacement_max", largest, "m", 0.00031, "greatest |u_second - u_first|, all times", ""},
+       rms > 0.002 ? Verdict::exceeded : Verdict::met},
+      {"displacement_max", largest, "m", 0.00031, "greatest |u_second - u_first|, all times"},
       {"displacement_bias_x", 0.00011, "m", 0.0002, "mean of u_x of the second minus that of the first",
-       "below the measurement's uncertainty"},
+       Verdict::not_distinguishable},
       {"strain_dev_rms", std::sqrt(strain_sum / n), "1", 0.0043,
-       "root mean square of the difference of deviatoric log strain", ""},
-      {"slope_angle_difference", -1.83, "deg", 0.62, "angle of the line fitted to the final slope, second minus first",
-       ""},
+       "root mean square of the difference of deviatoric log strain"},
+      {"slope_angle_difference", -1.83, "deg", 0.62, "angle of the line fitted to the final slope, second minus first"},
+      {"coverage_first", 0.973, "1", unknown, "share of the first's particles that found a partner"},
+      {"coverage_second", 0.981, "1", unknown, "share of the second's particles that found a partner"},
   };
-  const double end = c.time.back();
+  const double end = a.times().back();
   auto outline = [&](const Motion& m) {
     std::vector<Vec2> loop;
     const std::vector<Vec2>& v = slope().vertices();
@@ -145,8 +147,7 @@ compare::Comparison make_comparison(const MotionSource& a, const MotionSource& b
       }
     return std::vector<std::vector<Vec2>>{loop};
   };
-  c.outline_first = outline(first);
-  c.outline_second = outline(second);
+  c.outlines = {outline(first), outline(second)};
   return c;
 }
 

@@ -78,7 +78,7 @@ type = "roller"
 line_m = [[1.0, 0.0], [1.0, 0.5]]
 type = "roller"
 )"));
-  solver->settle(silent);
+  solver->find_initial_equilibrium(silent);
   for (const double until : {0.0, 0.2}) {
     solver->advance_to(until, silent);
     const double weight = 1000 * 9.81;
@@ -169,7 +169,7 @@ type = "roller"
 line_m = [[0.1, 0.0], [0.1, 0.4]]
 type = "roller"
 )"));
-  solver->settle(silent);
+  solver->find_initial_equilibrium(silent);
   const std::size_t stage = solver->particles().size() / 3;
   for (int stages = 0; stages < 3; ++stages) {
     solver->advance_to(0.095 + 0.1 * stages, silent);
@@ -202,7 +202,7 @@ line_m = [[0.0, 0.0], [0.8, 0.0]]
 line_m = [[0.0, 0.0], [0.0, 0.24]]
 type = "roller"
 )"));
-  solver->settle(silent);
+  solver->find_initial_equilibrium(silent);
   solver->advance_to(0.1, silent);
   EXPECT_LT(farthest(*solver), 1e-3);
   solver->advance_to(0.3, silent);
@@ -268,7 +268,7 @@ line_m = [[0.0, 0.0], [0.0, 0.12]]
 type = "tied"
 across_m = [0.04, 0.0]
 )"));
-  solver->settle(silent);
+  solver->find_initial_equilibrium(silent);
   const double depth = 0.05, weight = 1600 * depth;
   EXPECT_NEAR(mean_stress(*solver, 3, {0, 0}, {0.04, 0.1}), 3.0 * weight, 0.02 * 3.0 * weight);
   EXPECT_NEAR(mean_stress(*solver, 1, {0, 0}, {0.04, 0.1}), -9.0 * weight, 0.02 * 9.0 * weight);

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "apps/study/methods/drift.hpp"
 #include "apps/study/methods/stages.hpp"
@@ -77,7 +76,7 @@ class Drift : public testing::Test {
     std::vector<DriftRound> rounds;
   };
 
-  Result tracked(const std::string& drift, Texture texture) const {
+  Result tracked(np::DriftScheme drift, Texture texture) const {
     Case c = base_;
     c.np->drift = drift;
     const Measured measured{plan_steps(frames_), [&](const TrackStep& step) { return vectors(step); },
@@ -108,7 +107,7 @@ class Drift : public testing::Test {
 };
 
 TEST_F(Drift, SummedIncrementsWanderAndDirectCorrelationHoldsThem) {
-  const Result none = tracked("none", Texture::kept), corrected = tracked("corrected", Texture::kept);
+  const Result none = tracked(np::DriftScheme::none, Texture::kept), corrected = tracked(np::DriftScheme::corrected, Texture::kept);
   const int steps = count - 1;
   EXPECT_NEAR(none.rms.back(), steps * bias, 0.1 * steps * bias);
   EXPECT_NEAR(none.rms_F.back(), steps * tilt, 0.1 * steps * tilt);
@@ -122,8 +121,8 @@ TEST_F(Drift, SummedIncrementsWanderAndDirectCorrelationHoldsThem) {
     EXPECT_LT(corrected.rms_F[std::size_t(round.frame)], 0.25 * none.rms_F.back());
   }
   for (const double rms : corrected.rms) EXPECT_LT(rms, 0.03 + (interval - 1) * bias);
-  for (const char* scheme : {"leapfrog", "reference_update"}) {
-    SCOPED_TRACE(scheme);
+  for (const np::DriftScheme scheme : {np::DriftScheme::leapfrog, np::DriftScheme::reference_update}) {
+    SCOPED_TRACE(name_of(scheme));
     const Result r = tracked(scheme, Texture::kept);
     ASSERT_EQ(r.rounds.size(), std::size_t(steps));
     for (const double rms : r.rms) EXPECT_LT(rms, 0.03);
@@ -136,16 +135,17 @@ TEST_F(Drift, SummedIncrementsWanderAndDirectCorrelationHoldsThem) {
 
 TEST_F(Drift, WhereImagesSayNothingNothingIsChanged) {
   frames_.resize(interval + 1);
-  const Result none = tracked("none", Texture::of_every_frame_its_own);
-  for (const char* scheme : {"corrected", "leapfrog", "reference_update"}) {
-    SCOPED_TRACE(scheme);
+  const Result none = tracked(np::DriftScheme::none, Texture::of_every_frame_its_own);
+  for (const np::DriftScheme scheme :
+       {np::DriftScheme::corrected, np::DriftScheme::leapfrog, np::DriftScheme::reference_update}) {
+    SCOPED_TRACE(name_of(scheme));
     const Result r = tracked(scheme, Texture::of_every_frame_its_own);
     for (std::size_t p = 0; p < none.end.size(); ++p) {
       EXPECT_EQ(r.end[p].x, none.end[p].x);
       EXPECT_EQ(r.end[p].F, none.end[p].F);
       EXPECT_EQ(r.end[p].cov, none.end[p].cov);
       EXPECT_EQ(r.end[p].status,
-                std::strcmp(scheme, "corrected") == 0 ? ParticleStatus::active : ParticleStatus::flagged);
+                scheme == np::DriftScheme::corrected ? ParticleStatus::active : ParticleStatus::flagged);
     }
     for (const DriftRound& round : r.rounds) EXPECT_EQ(round.from_first + round.from_later, 0u);
   }
@@ -154,11 +154,11 @@ TEST_F(Drift, WhereImagesSayNothingNothingIsChanged) {
 // Matches that correlate badly, or lie further off than the path can have wandered, do not count.
 TEST_F(Drift, PoorAndDistantMatchesAreNotBelieved) {
   frames_.resize(interval + 1);
-  const Result noisy = tracked("corrected", Texture::under_noise);
+  const Result noisy = tracked(np::DriftScheme::corrected, Texture::under_noise);
   ASSERT_EQ(noisy.rounds.size(), 1u);
   EXPECT_EQ(noisy.rounds[0].from_first, 0u);
   bias_ = 0.3;  // 1.5 px in five frames, where half a pixel, .02 a frame and three deviations are allowed: .7
-  const Result far = tracked("corrected", Texture::kept), none = tracked("none", Texture::kept);
+  const Result far = tracked(np::DriftScheme::corrected, Texture::kept), none = tracked(np::DriftScheme::none, Texture::kept);
   EXPECT_EQ(far.rounds[0].from_first, 0u);
   EXPECT_EQ(far.rms.back(), none.rms.back());
 }
@@ -168,7 +168,7 @@ TEST_F(Drift, AMatchOutOfLineWithItsNeighboursIsNotBelieved) {
   frames_.resize(interval + 1);
   base_.regions[0].second.polygon_px = {{40, 40}, {152, 40}, {152, 120}, {40, 120}};
   setting_ = make_setting(base_, width, height);
-  const Result r = tracked("corrected", Texture::with_a_patch_that_slips);
+  const Result r = tracked(np::DriftScheme::corrected, Texture::with_a_patch_that_slips);
   EXPECT_LT(r.rounds[0].from_first, r.rounds[0].alive);
   EXPECT_GT(r.rounds[0].from_first, r.rounds[0].alive / 2);
   double worst = 0;
@@ -179,8 +179,8 @@ TEST_F(Drift, AMatchOutOfLineWithItsNeighboursIsNotBelieved) {
 }
 
 TEST_F(Drift, AfterTextureIsLostALaterFrameHolds) {
-  const Result none = tracked("none", Texture::replaced_half_way),
-               corrected = tracked("corrected", Texture::replaced_half_way);
+  const Result none = tracked(np::DriftScheme::none, Texture::replaced_half_way),
+               corrected = tracked(np::DriftScheme::corrected, Texture::replaced_half_way);
   // Replaced at frame 10: what wandered since frame 5 stays, the rest is held to frame 10.
   EXPECT_NEAR(corrected.rms.back(), interval * bias, 0.4 * interval * bias);
   EXPECT_LT(corrected.rms.back(), 0.5 * none.rms.back());

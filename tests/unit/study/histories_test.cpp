@@ -32,7 +32,7 @@ class Histories : public testing::Test {
   }
   Metric held(const std::string& name) const {
     const io::RecordReader record(scratch.path / "out" / "record.h5");
-    const io::ComparisonData comparison = record.comparison().value();
+    const Comparison comparison = record.comparison().value();
     for (const Metric& m : comparison.metrics)
       if (m.name == name) return m;
     ADD_FAILURE() << "no metric " << name;
@@ -85,12 +85,12 @@ TEST_F(Histories, ATableAgainstAScaledOne) {
   compare::CompareOptions options;
   options.second_scale = 1e-3;
   compare::LimitOptions limits;
-  limits.history_rms = 0.2;
+  limits["history_rms"] = 0.2;
   const RunOutcome outcome =
       compared("history=" + (scratch.path / "lab.csv").string(),
                "history=" + (scratch.path / "sim.txt").string() + ":front (mm)", options, limits);
   EXPECT_NEAR(stored("history_rms"), std::sqrt((0.01 + 0.01 + 0.16) / 3), 1e-9);
-  EXPECT_TRUE(outcome.over_limit);
+  EXPECT_TRUE(any_exceeded(outcome.limits));
   EXPECT_TRUE(fs::exists(outcome.report_html));
   EXPECT_TRUE(fs::exists(scratch.path / "out" / "figures" / "curves.png"));
   EXPECT_THROW(compared("history=" + (scratch.path / "lab.csv").string(), "out/record.h5"), InputError);
@@ -146,7 +146,7 @@ TEST_F(Histories, AStatedErrorBecomesTheUncertaintyOfEveryMetric) {
   const double u = std::hypot(interval, 0.1 * std::sqrt(2.0) / slope);
   const Metric onset = held("history_onset_difference");
   EXPECT_NEAR(onset.uncertainty, u * std::sqrt(2.0), 1e-9);
-  EXPECT_EQ(onset.verdict, "not distinguishable at this u_val");
+  EXPECT_EQ(onset.verdict, Verdict::not_distinguishable);
   EXPECT_NEAR(held("history_rms").uncertainty, 0.1 * std::sqrt(2.0), 1e-12);
 }
 

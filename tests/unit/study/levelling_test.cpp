@@ -103,7 +103,7 @@ std::unique_ptr<io::RecordWriter> tracked(const Case& c, const Setting& setting,
   return writer;
 }
 
-double value(const compare::Comparison& c, const std::string& name) {
+double value(const Comparison& c, const std::string& name) {
   for (const Metric& m : c.metrics)
     if (m.name == name) return m.value;
   return std::nan("");

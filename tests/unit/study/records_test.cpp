@@ -5,8 +5,11 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <set>
 
 #include "apps/study/study.hpp"
+#include "compare/metrics/rows.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/io/record.hpp"
 #include "tests/support/scratch.hpp"
@@ -38,17 +41,17 @@ class Records : public testing::Test {
   }
 };
 
-// Without the coarser grid u_val would not be known, and the limit missed.
+// Without the coarser grid u_val would not be known, and the limit exceeded.
 TEST_F(Records, ReportedAgainHoldWhatCoarserGridsSaid) {
   CompareSources sources;
   sources.first = tracks("lab.csv", 8, 0.30), sources.second = tracks("sim.csv", 10, 0.31);
   sources.coarser = {tracks("coarse.csv", 5, 0.33)};
   compare::LimitOptions limits;
-  limits.displacement_over_u = 1;
+  limits["displacement_over_u"] = 1;
   const RunOutcome first = compare_records(sources, {}, limits, settings("out"), progress);
-  EXPECT_FALSE(first.over_limit);
+  EXPECT_FALSE(any_exceeded(first.limits));
   const RunOutcome again = report_record(scratch.path / "out", settings("again"), progress);
-  EXPECT_FALSE(again.over_limit);
+  EXPECT_FALSE(any_exceeded(again.limits));
   ASSERT_EQ(again.limits.size(), 1U);
   EXPECT_EQ(again.limits[0].reached, first.limits[0].reached);
   EXPECT_TRUE(fs::exists(again.report_html));
@@ -61,11 +64,59 @@ TEST_F(Records, LengthsOfOtherProgramsAreInTheUnitThatIsNamed) {
   compare_records(sources, {}, {}, settings("out"), progress);
   const io::RecordReader record(scratch.path / "out" / "record.h5");
   EXPECT_EQ(record.head().length_unit, "px");
-  const io::ComparisonData held = record.comparison().value();
+  const Comparison held = record.comparison().value();
   for (const Metric& m : held.metrics)
     if (m.name == "displacement_rms") {
       EXPECT_EQ(m.unit, "px");
     }
+}
+
+std::string text_of(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+TEST_F(Records, AMetricThatIsAddedIsRecordedAndReported) {
+  compare::limit_rows().add({.name = "slant_max", .unit = "", .text = "greatest slant"});
+  compare::metric_rows().add({{.name = "slant", .unit = "L", .definition = "made up by a test",
+                               .words = "slant of a test", .limit = "slant_max"},
+                              [](const compare::Findings&) { return compare::difference(3, 0.1, ""); }});
+  CompareSources sources;
+  sources.first = tracks("a.csv", 6, 0.1), sources.second = tracks("b.csv", 6, 0.2);
+  compare::LimitOptions limits;
+  limits["slant_max"] = 2;
+  const RunOutcome outcome = compare_records(sources, {}, limits, settings("out"), progress);
+  EXPECT_TRUE(any_exceeded(outcome.limits));
+  const Comparison held = io::RecordReader(outcome.record).comparison().value();
+  const Metric* found = find(held.metrics, "slant");
+  ASSERT_NE(found, nullptr);
+  EXPECT_EQ(found->value, 3);
+  EXPECT_EQ(found->unit, "m");
+  EXPECT_EQ(found->definition, "made up by a test");
+  EXPECT_EQ(found->verdict, Verdict::exceeded);
+  EXPECT_NE(text_of(outcome.report_html).find("Slant of a test"), std::string::npos);
+  EXPECT_TRUE(any_exceeded(report_record(outcome.record, settings("again"), progress).limits));  // from its case
+  compare::metric_rows().remove_last();
+  compare::limit_rows().remove_last();
+}
+
+// Of each kind of comparison into one folder: what is there afterwards is what the report shows.
+TEST_F(Records, AComparisonLeavesNoFiguresOfTheOneBefore) {
+  std::ofstream(scratch.path / "a.txt") << "t (s),x (m)\n0,0\n1,1\n2,3\n";
+  CompareSources motions, curves;
+  motions.first = tracks("a.csv", 8, 0.1), motions.second = tracks("b.csv", 8, 0.2);
+  curves.first = curves.second = "history=" + (scratch.path / "a.txt").string();
+  std::set<std::string> seen;
+  for (const CompareSources* sources : {&curves, &motions, &curves, &motions}) {
+    const RunOutcome outcome = compare_records(*sources, {}, {}, settings("out"), progress);
+    const std::string html = text_of(outcome.report_html);
+    for (const auto& entry : fs::directory_iterator(scratch.path / "out" / "figures")) {
+      const std::string name = entry.path().stem().string();
+      EXPECT_NE(html.find("<figure id=\"" + name + "\">"), std::string::npos) << name;
+      seen.insert(name);
+    }
+  }
+  EXPECT_TRUE(seen.contains("curves") && seen.contains("decomposition"));
 }
 
 // An onset is asked for and the simulated block does not move: what was measured and simulated is there all the same.

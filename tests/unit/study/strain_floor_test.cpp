@@ -49,7 +49,7 @@ TEST(StrainFloor, NotMeasuredUnlessSomethingIsKnownToRest) {
   EXPECT_EQ(note.floor_source, "not measured");
   EXPECT_TRUE(std::isnan(note.floor_dev));
   Case wide = c;
-  wide.np->shape = "bspline3";
+  wide.np->shape = np::ShapeFunctions::bspline3;
   EXPECT_DOUBLE_EQ(strain_note(wide, setting, wandering(seed_particles(c, setting), 3, 1e-3), true).gauge_length, 80);
 }
 

@@ -33,7 +33,7 @@ Vec2 path(const Scene& s, double slope_deg, double time, bool settle) {
   MpmOptions o = options(turned_gravity(slope_deg));
   o.end_at_rest = false;
   Solver solver(o, s, 1);
-  if (settle) solver.settle(silent);
+  if (settle) solver.find_initial_equilibrium(silent);
   solver.advance_to(time, silent);
   EXPECT_EQ(solver.ended(), 0u);
   const EnergyRow e = solver.energy();

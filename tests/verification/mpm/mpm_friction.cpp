@@ -27,7 +27,7 @@ double mean_displacement(double slope_deg, double friction, double time, bool se
   }
   s.boundaries = {{"plane", line({0, 0}, {0.8, 0}, "frictional", friction)}};
   Solver solver(options({9.81 * std::sin(t), -9.81 * std::cos(t)}), s, 1);
-  if (settle) solver.settle(silent);
+  if (settle) solver.find_initial_equilibrium(silent);
   solver.advance_to(time, silent);
   const MotionFrame frame = solver.frame();
   double sum = 0;

@@ -43,7 +43,7 @@ double safety(double dilatancy_deg, double cohesion_pa, int cells, double exact)
   MpmOptions o = options({g * std::sin(slope), -g * std::cos(slope)});
   o.end_at_rest = false;
   Solver solver(o, s, 1);
-  solver.settle(silent);
+  solver.find_initial_equilibrium(silent);
   solver.advance_to(0.9, silent);
   const double before = mean_velocity(solver);
   solver.advance_to(1.5, silent);

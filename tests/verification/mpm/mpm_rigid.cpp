@@ -20,7 +20,7 @@ double slide(double slope_deg, RigidOptions body, double time) {
   s.boundaries = {{"base", line({0, 0}, {0.7, 0}, "fixed")}};
   s.bodies = {{"body", body}};
   Solver solver(options({9.81 * std::sin(t), -9.81 * std::cos(t)}), s, 1);
-  solver.settle(silent);
+  solver.find_initial_equilibrium(silent);
   solver.advance_to(time, silent);
   return solver.body_displacement(0).x();
 }
@@ -51,7 +51,7 @@ TEST(MpmRigid, AStandingBlockWeighsOnItsBed) {
   MpmOptions o = options({0, -9.81});
   o.end_at_rest = false;
   Solver solver(o, s, 1);
-  solver.settle(silent);
+  solver.find_initial_equilibrium(silent);
   solver.advance_to(0.3, silent);
   const Vec2 before = solver.body_impulse(0);
   solver.advance_to(0.4, silent);

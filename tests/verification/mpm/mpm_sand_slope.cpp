@@ -93,7 +93,7 @@ Result rest(const Setup& setup) {
   const Setting setting = make_setting(c, 0, 0);
   mpm::Solver solver(options, make_scene(c, setting, options, c.materials, "material."), 1);
   SilentProgress silent;
-  solver.settle(silent);
+  solver.find_initial_equilibrium(silent);
   Result out;
   for (double t = 0.05; t < *options.end_s + 0.01; t += 0.05) {
     solver.advance_to(t, silent);

@@ -77,7 +77,7 @@ Loaded load(const Setup& setup, double share_of_time = 1) {
   const Case c = scaled(setup);
   const Setting setting = make_setting(c, 0, 0);
   mpm::Solver solver(*c.mpm, make_scene(c, setting, *c.mpm, c.materials, "material."), 1);
-  solver.settle(silent);
+  solver.find_initial_equilibrium(silent);
   Loaded out;
   const double to_prototype = 50 / setup.scale, end = *c.mpm->end_s * share_of_time;
   const auto force_kn = [&] {

@@ -1,4 +1,4 @@
-#include "mpm/step/settle.hpp"
+#include "mpm/step/initial_equilibrium.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -28,32 +28,28 @@ std::vector<double> fictitious_masses(const Particles& p, const Materials& mater
 
 class Relaxation {
  public:
-  Relaxation(const SettleOptions& options, const Scheme& scheme, const Materials& materials, Restraints& restraints,
-             Contacts& contacts, const std::vector<double>& density, RigidBodies& bodies, Particles& particles,
-             GridState& grid)
-      : o_(options), scheme_(scheme), materials_(materials), restraints_(restraints), contacts_(contacts),
-        density_(density), bodies_(bodies), p_(particles), g_(grid),
-        mass_(fictitious_masses(particles, materials, grid)),
-        velocity_(grid.nodes.size(), Vec2::Zero()) {}
+  Relaxation(const EquilibriumOptions& options, const StaticSystem& system)
+      : o_(options), s_(system), p_(system.particles), g_(system.grid), choice_(options.threads),
+        mass_(fictitious_masses(p_, system.materials, g_)), velocity_(g_.active.nodes.size(), Vec2::Zero()) {}
 
   /// One pseudo-step; the ratio of unbalanced to applied force before it.
   double iterate() {
     choice_.begin_step();
-    g_.strain_together();
+    g_.join_strain_velocities();
     const int threads = choice_.threads();
-    average_mean_stress(p_, g_, scheme_, threads);
-    map_momentum(p_, g_, scheme_, true, threads);
-    if (!contacts_.empty() && !found_) contacts_.find(p_, g_, density_, 0, threads);  // points stay
+    average_mean_stress(p_, g_, s_.scheme, threads);
+    map_momentum(p_, g_, s_.scheme, true, threads);
+    if (!s_.contacts.empty() && !found_) s_.contacts.find(p_, g_, s_.density, 0, threads);  // points stay
     found_ = true;
     const double applied = propose();
     reactions_.clear();
-    restraints_.apply(0, 0, g_, reactions_);
-    contacts_.apply(g_, restraints_, reactions_);
-    bodies_.apply(-1, 0, g_, reactions_);  // at rest
+    s_.restraints.apply(0, 0, g_, reactions_);
+    s_.contacts.apply(g_, s_.restraints, reactions_);
+    s_.bodies.apply(-1, 0, g_, reactions_);  // at rest
     const double unbalanced = accelerate();
-    strain_points(p_, g_, scheme_, 1.0, false, threads);
+    strain_points(p_, g_, s_.scheme, 1.0, false, threads);
     std::fill(p_.spin.begin(), p_.spin.end(), 0.0);  // displacements are small against the rotations that would matter
-    update_stress(materials_, p_, threads);
+    update_stress(s_.materials, p_, threads);
     choice_.end_step();
     return applied > 0 ? unbalanced / applied : 0;
   }
@@ -64,12 +60,12 @@ class Relaxation {
   // Undamped velocities, to be restrained; returns the applied force.
   double propose() {
     double applied = 0;
-    for (std::size_t a = 0; a < g_.nodes.size(); ++a) {
-      Node& node = g_.node[g_.nodes[a]];
+    for (std::size_t a = 0; a < g_.active.nodes.size(); ++a) {
+      Node& node = g_.node[g_.active.nodes[a]];
       const Vec2 weight = node.mass * o_.gravity;
       applied += weight.norm();
-      const double bound = mass_[g_.nodes[a]], per_mass = bound > 0 ? 1 / bound : 0;
-      node.mass = mass_[g_.nodes[a]];
+      const double bound = mass_[g_.active.nodes[a]], per_mass = bound > 0 ? 1 / bound : 0;
+      node.mass = mass_[g_.active.nodes[a]];
       node.nx = velocity_[a].x() + per_mass * (node.fx + weight.x());
       node.ny = velocity_[a].y() + per_mass * (node.fy + weight.y());
     }
@@ -77,7 +73,7 @@ class Relaxation {
   }
 
   // Cundall's damping, but for velocities below a step's change, where it would depend on the sign of round-off: so the
-  // state that settling finds is a continuous function of the scene.
+  // state that is found is a continuous function of the scene.
   double damped(double change, double v) const {
     const double most = std::abs(change);
     return o_.damping * std::clamp(v, -most, most);
@@ -87,37 +83,32 @@ class Relaxation {
   double accelerate() {
     double unbalanced = 0;
     kinetic_ = 0;
-    for (std::size_t a = 0; a < g_.nodes.size(); ++a) {
-      Node& node = g_.node[g_.nodes[a]];
+    for (std::size_t a = 0; a < g_.active.nodes.size(); ++a) {
+      Node& node = g_.node[g_.active.nodes[a]];
       Vec2& v = velocity_[a];
       const Vec2 change(node.nx - v.x(), node.ny - v.y());
       unbalanced += node.mass * change.norm();
       const Vec2 reached(node.nx, node.ny);
-      const GridState::Straining u = g_.straining(g_.nodes[a]);
+      const GridState::StrainVelocity u = g_.strain_velocity(g_.active.nodes[a]);
       u.x = reached.x() - damped(change.x(), v.x());
       u.y = reached.y() - damped(change.y(), v.y());
     }
-    bodies_.strain_apart(g_);
-    restraints_.apply_to_remapped(0, g_, true);
-    contacts_.apply_to_remapped(g_);
-    bodies_.apply_to_remapped(-1, g_);
-    for (std::size_t a = 0; a < g_.nodes.size(); ++a) {
-      velocity_[a] = std::as_const(g_).straining(g_.nodes[a]);
-      kinetic_ += 0.5 * g_.node[g_.nodes[a]].mass * velocity_[a].squaredNorm();
+    s_.bodies.separate_strain_velocities(g_);
+    s_.restraints.apply_to_remapped(0, g_, true);
+    s_.contacts.apply_to_remapped(g_);
+    s_.bodies.apply_to_remapped(-1, g_);
+    for (std::size_t a = 0; a < g_.active.nodes.size(); ++a) {
+      velocity_[a] = std::as_const(g_).strain_velocity(g_.active.nodes[a]);
+      kinetic_ += 0.5 * g_.node[g_.active.nodes[a]].mass * velocity_[a].squaredNorm();
     }
     return unbalanced;
   }
 
-  const SettleOptions& o_;
-  const Scheme& scheme_;
-  const Materials& materials_;
-  Restraints& restraints_;
-  Contacts& contacts_;
-  const std::vector<double>& density_;
-  RigidBodies& bodies_;
+  const EquilibriumOptions& o_;
+  const StaticSystem& s_;
   Particles& p_;
   GridState& g_;
-  ThreadChoice choice_{o_.threads};
+  ThreadChoice choice_;
   std::vector<double> mass_;
   std::vector<Vec2> velocity_;  // of the active nodes
   std::vector<Reaction> reactions_;
@@ -132,7 +123,7 @@ void stress_from_columns(Particles& p, const Materials& materials, const GridSta
                          std::optional<double> k0) {
   const auto across = std::size_t(g.domain.nx - 1);
   std::vector<std::vector<std::uint32_t>> columns(across, std::vector<std::uint32_t>{});
-  for (const std::uint32_t k : g.order)
+  for (const std::uint32_t k : g.cells.order)
     columns[std::min(across - 1, std::size_t(std::max(0.0, (p.x[k] - g.domain.origin.x()) * g.per_hx)))].push_back(k);
   std::vector<double> rest(p.size());
   for (const Particles::Body& body : p.bodies) {
@@ -160,30 +151,31 @@ void stress_from_columns(Particles& p, const Materials& materials, const GridSta
   }
 }
 
-int settle_particles(const SettleOptions& options, const Scheme& scheme, const Materials& materials, Restraints& restraints,
-                     Contacts& contacts, const std::vector<double>& density, RigidBodies& bodies, Particles& p, GridState& g, Progress& progress) {
+int relax_to_equilibrium(const EquilibriumOptions& options, const StaticSystem& system, Progress& progress) {
+  Particles& p = system.particles;
+  GridState& g = system.grid;
   locate_all(p, g);
   if (std::abs(options.gravity.x()) <= 1e-3 * std::abs(options.gravity.y()))
-    stress_from_columns(p, materials, g, options.gravity.y(), options.k0);
+    stress_from_columns(p, system.materials, g, options.gravity.y(), options.k0);
   p.resize_increments(p.size());
-  update_stress(materials, p, options.threads);  // brings the first guess inside the yield surface
+  update_stress(system.materials, p, options.threads);  // brings the first guess inside the yield surface
 
-  Relaxation relaxation(options, scheme, materials, restraints, contacts, density, bodies, p, g);
+  Relaxation relaxation(options, system);
   const int most = most_iterations(g.grid);
   double ratio = 0;
   for (int n = 1; n <= most; ++n) {
     ratio = relaxation.iterate();
     if (!std::isfinite(ratio)) break;
     if (ratio < options.tolerance && n > 10 &&
-        relaxation.kinetic() <= options.tolerance * stored_energy(p, g, materials).elastic)
+        relaxation.kinetic() <= options.tolerance * stored_energy(p, g, system.materials).elastic)
       return n;
     if (n % 200 == 0) {
-      progress.update("settle", n, most);
+      progress.update("initial equilibrium", n, most);
       if (progress.stop_requested()) throw Interrupted();
     }
   }
   std::ostringstream text;
-  text << "settle: unbalanced over applied force is still " << ratio << " after " << most
+  text << "initial equilibrium: unbalanced over applied force is still " << ratio << " after " << most
        << " iterations, expected below " << options.tolerance
        << " (is the material held, and strong enough to carry its weight?)";
   throw RunError(text.str());

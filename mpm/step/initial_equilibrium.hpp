@@ -12,7 +12,7 @@
 
 namespace pivnp::mpm {
 
-struct SettleOptions {
+struct EquilibriumOptions {
   Vec2 gravity;
   double damping;    // Cundall's, of the pseudo-time
   double tolerance;  // sum |unbalanced| / sum |weight|, and kinetic over elastic energy
@@ -20,18 +20,29 @@ struct SettleOptions {
   std::optional<double> k0 = {};  // horizontal over vertical stress of the first guess; nu/(1 - nu) without
 };
 
+/// What is brought to rest; its parts change.
+struct StaticSystem {
+  const Scheme& scheme;
+  const Materials& materials;
+  const std::vector<double>& density;  // of each material now, kg/m^3
+  Restraints& restraints;
+  Contacts& contacts;
+  RigidBodies& bodies;
+  Particles& particles;
+  GridState& grid;
+};
+
 /// Adaptive dynamic relaxation (Underwood 1983; Cundall's local damping) in the reference configuration: the points do
 /// not move, so their shape functions, the nodal masses and the equilibrium found are those of x0. Nodal masses are
 /// fictitious, from Gershgorin's bound of the stiffness, so that the pseudo-step 1 is stable in every cell. The force
 /// and strain transfers and the laws are those of the run: nothing is out of balance when the run starts, but for the
-/// tolerance. Starts from K0 stresses (weight of the column above; horizontal nu/(1 - nu) of it) where gravity is
-/// vertical. Returns the number of iterations; throws RunError if `tolerance` is not met in a bounded number.
+/// tolerance. Starts from K0 stresses (stress_from_columns()) where gravity is vertical. Returns the number of iterations;
+/// throws RunError if `tolerance` is not met in a bounded number.
+int relax_to_equilibrium(const EquilibriumOptions& options, const StaticSystem& system, Progress& progress);
+
 /// Vertical stress from the mass above each point in its column of cells, the horizontal ones `k0` (nu/(1 - nu) without)
 /// times it. For vertical gravity.
 void stress_from_columns(Particles& particles, const Materials& materials, const GridState& grid, double gravity_y,
                          std::optional<double> k0);
-
-int settle_particles(const SettleOptions& options, const Scheme& scheme, const Materials& materials, Restraints& restraints,
-                     Contacts& contacts, const std::vector<double>& density, RigidBodies& bodies, Particles& particles, GridState& grid, Progress& progress);
 
 }  // namespace pivnp::mpm

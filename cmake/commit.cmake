@@ -1,0 +1,22 @@
+# Writes the source that names the commit it is built from: cmake -DSOURCE=dir -DOUT=file -P commit.cmake
+# A tarball made by `git archive` carries it in commit.txt; without that and without git it is unknown.
+set(commit unknown)
+file(STRINGS ${CMAKE_CURRENT_LIST_DIR}/commit.txt archived LIMIT_COUNT 1)
+find_program(GIT git)
+if(GIT AND EXISTS ${SOURCE}/.git)
+  execute_process(COMMAND ${GIT} --no-optional-locks -C ${SOURCE} describe --always --dirty --tags --abbrev=12
+                  OUTPUT_VARIABLE found OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET RESULT_VARIABLE failed)
+  if(NOT failed)
+    set(commit ${found})
+  endif()
+elseif(NOT archived MATCHES "Format")
+  set(commit ${archived})
+endif()
+set(text "namespace pivnp {\nextern const char* const build_commit;\nconst char* const build_commit = \"${commit}\";\n}\n")
+set(before "")
+if(EXISTS ${OUT})
+  file(READ ${OUT} before)
+endif()
+if(NOT before STREQUAL text)
+  file(WRITE ${OUT} "${text}")
+endif()

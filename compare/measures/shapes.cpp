@@ -1,0 +1,159 @@
+#include "compare/measures/shapes.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "compare/data/nearest_edge.hpp"
+#include "compare/data/statistics.hpp"
+#include "compare/shapes/outline.hpp"
+
+namespace pivnp::compare {
+
+namespace {
+
+// Distances from points `step` apart on `rings` to the segments of `to`; at most about 10^8 pairs are looked at.
+Quantile distances(const std::vector<std::vector<Vec2>>& rings, const std::vector<std::vector<Vec2>>& to, double step) {
+  std::vector<Vec2> points;
+  for (const auto& ring : rings)
+    for (std::size_t k = 0; k + 1 < ring.size(); ++k) {
+      const Vec2 side = ring[k + 1] - ring[k];
+      const int pieces = std::max(1, int(std::ceil(side.norm() / step)));
+      for (int j = 0; j < pieces; ++j) points.push_back(ring[k] + (double(j) / pieces) * side);
+    }
+  std::size_t segments = 0;
+  for (const auto& ring : to) segments += ring.size();
+  const std::size_t stride = points.size() * segments / 100'000'000 + 1;
+  Quantile out;
+  for (std::size_t p = 0; p < points.size(); p += stride) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const auto& ring : to)
+      for (std::size_t k = 0; k + 1 < ring.size(); ++k) {
+        const Vec2 &a = ring[k], &b = ring[k + 1];
+        nearest = std::min(nearest, (points[p] - (a + nearest_parameter(a, b, points[p]) * (b - a))).squaredNorm());
+      }
+    const double distance = std::sqrt(nearest);
+    out.add(distance > 1e-9 * step ? distance : 0);  // less is rounding
+  }
+  return out;
+}
+
+struct MobilisedArea {
+  double area = 0, uncertainty = not_known;
+};
+
+MobilisedArea mobilised_area(const DataSet& set, const RigidMotion& frame, double threshold, double sigma) {
+  MobilisedArea m;
+  double lower = 0, upper = 0, variance = 0;
+  for (std::size_t p = 0; p < set.size(); ++p) {
+    if (!set.state().followed[p]) continue;
+    const Vec2& X = set.material_position()[p];
+    const double above = (frame.undo(X + set.state().u[p]) - X).norm() - threshold;
+    const double area = set.spacing()[p] * set.spacing()[p];
+    if (above > 0) m.area += area;
+    if (!(sigma > 0)) continue;
+    if (above > -sigma) lower += area;
+    if (above > sigma) upper += area;
+    const double share = 0.5 * std::erfc(-above / sigma / std::sqrt(2.0));
+    variance += area * area * share * (1 - share);
+  }
+  if (sigma > 0) m.uncertainty = std::hypot((lower - upper) / 2, std::sqrt(variance));
+  return m;
+}
+
+std::optional<ShapeMeasures::Mobilised> mobilised(const PerDataSet<const DataSet*>& sets, const Differences& differences,
+                                                  const CompareOptions& options, const PerDataSet<double>& sigma) {
+  ShapeMeasures::Mobilised m;
+  m.threshold = options.mobilised_m.value_or(0.05 * differences.total().peak_first);
+  if (!(m.threshold > 0)) return std::nullopt;
+  for (std::size_t s = 0; s < 2; ++s) {
+    const MobilisedArea found =
+        mobilised_area(*sets[s], differences.last().frame[s].motion, m.threshold, sigma[s]);
+    m.area[s] = found.area;
+    m.uncertainty[s] = found.uncertainty;
+  }
+  m.difference_uncertainty = not_known;
+  if (sigma[0] > 0 || sigma[1] > 0)
+    m.difference_uncertainty = std::hypot(sigma[0] > 0 ? m.uncertainty[0] : 0, sigma[1] > 0 ? m.uncertainty[1] : 0);
+  return m;
+}
+
+// Outermost place, on the side the slope faces, where the profile reaches `height`; NaN if it nowhere does.
+double crest_place(const Profile& profile, double height, int faces) {
+  const std::ptrdiff_t n = std::ptrdiff_t(profile.height.size());
+  for (std::ptrdiff_t k = faces > 0 ? n - 1 : 0; k >= 0 && k < n; k -= faces) {
+    const double here = profile.height[std::size_t(k)];
+    if (here < height) continue;
+    const std::ptrdiff_t out = k + faces;
+    const double beyond = out >= 0 && out < n ? profile.height[std::size_t(out)] : 0;
+    const double share = here > beyond ? (here - height) / (here - beyond) : 0;
+    return profile.x(std::size_t(k)) + faces * share * profile.width;
+  }
+  return not_known;
+}
+
+struct Covers {
+  Cover start, end;
+};
+
+ShapeMeasures::Slope slope(const PerDataSet<Covers>& covers, const PerDataSet<SlopeShape>& shape, double base) {
+  ShapeMeasures::Slope out;
+  out.shape = shape;
+  for (std::size_t s = 0; s < 2; ++s) {
+    const Profile start = profile_above(covers[s].start, base), end = profile_above(covers[s].end, base);
+    const double height = 0.9 * *std::max_element(start.height.begin(), start.height.end());
+    const int faces = shape[s].faces;
+    out.crest_retreat[s] = faces * (crest_place(start, height, faces) - crest_place(end, height, faces));
+  }
+  return out;
+}
+
+}  // namespace
+
+double hausdorff_95(const std::vector<std::vector<Vec2>>& first, const std::vector<std::vector<Vec2>>& second,
+                    double step) {
+  if (first.empty() || second.empty()) return not_known;
+  return std::max(distances(first, second, step).at(0.95), distances(second, first, step).at(0.95));
+}
+
+ShapeMeasures measure_shapes(const ShapeSources& sources, const Differences& differences,
+                             const CompareOptions& options) {
+  ShapeMeasures out;
+  const Tally& last = differences.last();
+  const PerDataSet<const DataSet*> sets{&sources.first, &sources.second};
+  const PerDataSet<const MaterialMesh*> start{&sources.start_first, &sources.start_second};
+  const PerDataSet<MaterialMesh> end{present_mesh(sources.first, last.frame[0].motion),
+                                     present_mesh(sources.second, last.frame[1].motion)};
+  const PerDataSet<double> spacing{sets[0]->median_spacing(), sets[1]->median_spacing()}, sigma = last.known_sigma();
+  const double cell = std::min(spacing[0], spacing[1]) / 4, grow = std::max(spacing[0], spacing[1]) / 2;
+  const Lattice lattice = lattice_around(end[0], end[1], cell, grow, options.slope_base_m);
+  const Cover first = cover(end[0], spacing[0] / 2, lattice), second = cover(end[1], spacing[1] / 2, lattice);
+  out.outlines = {outline(first), outline(second)};
+  out.mobilised = mobilised(sets, differences, options, sigma);
+  for (std::size_t s = 0; s < 2; ++s) out.place_uncertainty[s] = std::hypot(spacing[s] / std::sqrt(12.0), sigma[s]);
+  if (out.outlines[0].empty() || out.outlines[1].empty()) return out;
+
+  // An outline of length L that moves outwards by u everywhere changes either area by at most L u: so much is the share
+  // in common uncertain by, to first order, if an outline's errors are one and the same all along it.
+  const Overlap area = overlap(first, second);
+  const PerDataSet<double>& known_to = out.place_uncertainty;
+  ShapeMeasures::Outlines& between = out.between.emplace();
+  between.cell = lattice.cell;
+  between.iou_uncertainty =
+      std::hypot(length_of(out.outlines[0]) * known_to[0], length_of(out.outlines[1]) * known_to[1]) / area.either;
+  between.iou = area.common / area.either;
+  between.hausdorff_95 = hausdorff_95(out.outlines[0], out.outlines[1], lattice.cell);
+  between.hausdorff_uncertainty = std::hypot(known_to[0], known_to[1]);
+  if (!options.slope_base_m) return out;
+
+  const double base = *options.slope_base_m;
+  const PerDataSet<SlopeShape> shape{slope_shape(first, base, spacing[0]), slope_shape(second, base, spacing[1])};
+  out.nothing_above_base = shape[0].faces == 0 || shape[1].faces == 0;
+  if (out.nothing_above_base) return out;
+  const Lattice before = lattice_around(*start[0], *start[1], cell, grow, base);
+  out.slope = slope({Covers{cover(*start[0], spacing[0] / 2, before), first},
+                     Covers{cover(*start[1], spacing[1] / 2, before), second}},
+                    shape, base);
+  return out;
+}
+
+}  // namespace pivnp::compare

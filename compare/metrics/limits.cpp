@@ -1,0 +1,82 @@
+#include "compare/metrics/limits.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "compare/data/stated.hpp"
+#include "compare/data/statistics.hpp"
+#include "compare/metrics/words.hpp"
+
+namespace pivnp::compare {
+
+Registry<LimitRow>& limit_rows() {
+  static Registry<LimitRow> rows{
+      {"displacement_rms_m", "m", "greatest RMS displacement difference, over space and time"},
+      {"displacement_p95_m", "m", "greatest 95th percentile of the displacement difference"},
+      {"displacement_max_m", "m", "greatest displacement difference of any particle and time"},
+      {"displacement_bias_m", "m", "greatest size of either component of the mean difference"},
+      {"velocity_rms_m_s", "m/s", "greatest RMS velocity difference"},
+      {"strain_rms", "", "greatest RMS difference of deviatoric strain, over space and time"},
+      {"strain_p95", "", "greatest 95th percentile of the difference of deviatoric strain"},
+      {"displacement_over_u", "", "greatest RMS displacement difference in units of its standard uncertainty"},
+      {.name = "outline_iou_min", .unit = "", .text = "least share that the final outlines have in common",
+       .least = true, .max = 1},
+      {"hausdorff_m", "m", "greatest Hausdorff distance (95 %) of the final outlines"},
+      {.name = "run_out_m", .unit = "m", .text = "greatest difference of run-out (needs compare.slope_base_m)",
+       .needs = "slope_base_m"},
+      {.name = "slope_angle_deg", .unit = "deg",
+       .text = "greatest difference of the final slope angle (needs compare.slope_base_m)", .needs = "slope_base_m"},
+      {.name = "coverage_min", .unit = "", .text = "least share of the first's particles that find a partner",
+       .least = true, .max = 1},
+      {"history_rms", "", "greatest RMS difference of two histories, in their own unit"}};
+  return rows;
+}
+
+std::optional<double>& LimitOptions::operator[](std::string_view key) {
+  const LimitRow& row = limit_rows().at(key, "compare.limits");
+  return given_[row.name];
+}
+
+const std::optional<double>& LimitOptions::operator[](std::string_view key) const {
+  static const std::optional<double> none;
+  limit_rows().at(key, "compare.limits");
+  const auto at = given_.find(key);
+  return at == given_.end() ? none : at->second;
+}
+
+bool LimitOptions::any() const {
+  return std::any_of(given_.begin(), given_.end(), [](const auto& limit) { return limit.second.has_value(); });
+}
+
+const LimitRow* limit_without_its_option(const LimitOptions& limits, const CompareOptions& options) {
+  for (const LimitRow& row : limit_rows())
+    if (!row.needs.empty() && limits[row.name] && !is_stated(options, row.needs)) return &row;
+  return nullptr;
+}
+
+std::vector<LimitResult> apply_limits(const LimitOptions& limits, std::vector<Metric>& metrics) {
+  std::vector<LimitResult> results;
+  for (const LimitRow& row : limit_rows()) {
+    const std::optional<double>& limit = limits[row.name];
+    if (!limit) continue;
+    LimitResult result{row.name, *limit, row.least ? std::numeric_limits<double>::infinity() : 0.0, true};
+    std::size_t found = 0;
+    for (Metric& m : metrics) {
+      if (limit_of(m.name) != row.name) continue;
+      ++found;
+      const double size = row.least ? m.value : std::abs(m.value);
+      const bool met = row.least ? size >= *limit : size <= *limit;  // a value that is not a number exceeds it
+      m.verdict = met ? Verdict::met : Verdict::exceeded;
+      result.met = result.met && met;
+      if (std::isnan(size) || (row.least ? size < result.reached : size > result.reached)) result.reached = size;
+    }
+    if (found == 0) {
+      result.met = false;
+      result.reached = not_known;
+    }
+    results.push_back(std::move(result));
+  }
+  return results;
+}
+
+}  // namespace pivnp::compare

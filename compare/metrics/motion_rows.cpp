@@ -1,0 +1,310 @@
+// Metrics of displacement, velocity and strain over the particles, and of what they are uncertain by.
+#include <cmath>
+#include <map>
+
+#include "compare/metrics/rows.hpp"
+#include "pivnp/core/text.hpp"
+
+namespace pivnp::compare {
+
+namespace {
+
+// All times together, or the last alone.
+struct Span {
+  const char *suffix, *words;
+  bool last;
+
+  const Tally& tally(const Findings& f) const { return last ? f.last() : f.total(); }
+  std::string when(const Findings& f) const {
+    return ", " + (last ? f.at_end : std::string("over all common particles and times"));
+  }
+};
+constexpr Span all_times{"", "", false}, last_time{"_final", ", at the end", true};
+
+// What single members of the families below have beside their family's facts.
+void add_own(MetricFacts& facts) {
+  struct Own {
+    const char* limit;
+    Leads leads;
+  };
+  static const std::map<std::string, Own> own{
+      {"displacement_bias_x", {"displacement_bias_m", Leads::no}},
+      {"displacement_bias_y", {"displacement_bias_m", Leads::no}},
+      {"displacement_rms", {"displacement_rms_m", Leads::levelled_too}},
+      {"displacement_p95", {"displacement_p95_m", Leads::yes}},
+      {"displacement_max", {"displacement_max_m", Leads::yes}},
+      {"displacement_rms_over_u", {"displacement_over_u", Leads::no}},
+      {"displacement_bias_x_final", {"", Leads::yes}},
+      {"displacement_bias_y_final", {"", Leads::yes}},
+      {"displacement_rms_final", {"", Leads::yes}},
+      {"displacement_rms_final_relative", {"", Leads::yes}},
+      {"velocity_rms", {"velocity_rms_m_s", Leads::yes}},
+      {"strain_dev_rms", {"strain_rms", Leads::levelled_too}},
+      {"strain_dev_p95", {"strain_p95", Leads::yes}},
+      {"strain_dev_rms_final", {"", Leads::yes}},
+      {"u_val", {"", Leads::yes}}};
+  const auto at = own.find(facts.name);
+  if (at == own.end()) return;
+  facts.limit = at->second.limit;
+  facts.leads = at->second.leads;
+}
+
+template <class Value>
+void add(Registry<MetricRow>& rows, MetricFacts facts, Value value) {
+  add_own(facts);
+  rows.add({std::move(facts), std::move(value)});
+}
+
+double two(std::size_t) { return 2; }
+
+// One statistic of a vector's difference; '#' stands for the vector: u or v.
+struct VectorStatistic {
+  const char *name, *words, *definition;
+  double (*value)(const VectorStatistics&);
+  double (*uncertainty)(const VectorStatistics&);
+  const char* how;                            // the uncertainty is found
+  double (*factor)(std::size_t);              // so many uncertainties are told apart
+  double (*own_u)(const ScalarStatistics&);   // of sizes in units of the particles' own uncertainties; nullptr: none
+  const char* told_apart = "";                // goes on in `how` with the factor
+};
+
+constexpr VectorStatistic vector_statistics[] = {
+    {"bias_x", "mean difference in x", "mean of #_x of the second minus that of the first",
+     [](const VectorStatistics& d) { return d.bias().x(); },
+     [](const VectorStatistics& d) { return d.bias_uncertainty().x(); },
+     "root mean variance of #_x, all errors taken as one and the same", two, nullptr},
+    {"bias_y", "mean difference in y", "mean of #_y of the second minus that of the first",
+     [](const VectorStatistics& d) { return d.bias().y(); },
+     [](const VectorStatistics& d) { return d.bias_uncertainty().y(); },
+     "root mean variance of #_y, all errors taken as one and the same", two, nullptr},
+    {"rms", "RMS", "root mean square of |#_second - #_first|", [](const VectorStatistics& d) { return d.rms(); },
+     [](const VectorStatistics& d) { return d.rms_uncertainty(); }, "root mean trace of its variance", two,
+     [](const ScalarStatistics& s) { return s.rms(); }},
+    {"p95", "95th percentile", "95th percentile of |#_second - #_first| (nearest rank)",
+     [](const VectorStatistics& d) { return d.p95(); }, [](const VectorStatistics& d) { return d.p95_uncertainty(); },
+     "95th percentile of the root trace of its variance", percentile_factor,
+     [](const ScalarStatistics& s) { return s.p95(); }, "; told apart only beyond "},
+    {"max", "maximum", "greatest |#_second - #_first|", [](const VectorStatistics& d) { return d.max(); },
+     [](const VectorStatistics& d) { return d.max_uncertainty(); }, "root trace of its variance where it occurs",
+     greatest_factor, [](const ScalarStatistics& s) { return s.max(); },
+     "; of so many errors the greatest is told apart only beyond "}};
+
+// A vector whose differences are counted.
+struct VectorSubject {
+  std::string name, symbol, unit;
+  Span span;
+  std::string note;  // how it is found
+  std::function<const VectorStatistics&(const Findings&)> statistics;
+
+  std::string of(std::string text) const {
+    for (std::size_t at = text.find('#'); at != std::string::npos; at = text.find('#')) text.replace(at, 1, symbol);
+    return text;
+  }
+  std::string when(const Findings& f) const { return span.when(f) + note; }
+  std::string how(const VectorStatistic& s, const Findings& f, const std::string& over = "") const {
+    if (f.covariance.empty()) return "; uncertainty not known: neither motion carries a covariance";
+    std::string text = "; uncertainty: " + of(s.how);
+    if (*s.told_apart != 0) text += s.told_apart + number(s.factor(statistics(f).count()), 3) + " of them";
+    return text + over + ", " + f.covariance;
+  }
+  MetricFacts facts(const VectorStatistic& s) const {
+    return {.name = name + "_" + s.name + span.suffix, .unit = unit, .definition = of(s.definition),
+            .words = name + ", " + s.words + span.words, .levelled = true};
+  }
+};
+
+void add_values(Registry<MetricRow>& rows, const VectorSubject& subject) {
+  for (const VectorStatistic& s : vector_statistics)
+    add(rows, subject.facts(s), [=](const Findings& f) -> std::optional<MetricValue> {
+      const VectorStatistics& d = subject.statistics(f);
+      if (d.count() == 0) return std::nullopt;
+      return difference(s.value(d), s.uncertainty(d), subject.when(f) + subject.how(s, f), s.factor(d.count()));
+    });
+}
+
+void add_values_over_u(Registry<MetricRow>& rows, const VectorSubject& subject) {
+  for (const VectorStatistic& s : vector_statistics) {
+    MetricFacts facts = subject.facts(s);
+    facts.name += "_over_u";
+    facts.unit = "1";
+    facts.words += ", in units of its uncertainty";
+    add(rows, std::move(facts), [=](const Findings& f) -> std::optional<MetricValue> {
+      const VectorStatistics& d = subject.statistics(f);
+      const ScalarStatistics& scaled = d.over_uncertainty();
+      const double own = s.own_u && scaled.count() > 0 ? s.own_u(scaled) : not_known;
+      if (std::isfinite(own))
+        return MetricValue{own, not_known,
+                           subject.when(f) +
+                               ", each divided first by the particle's own standard uncertainty at that time"};
+      if (d.count() == 0 || !(s.uncertainty(d) > 0)) return std::nullopt;
+      return MetricValue{s.value(d) / s.uncertainty(d), not_known, subject.when(f) + ", over its standard uncertainty"};
+    });
+  }
+}
+
+void add_relative_values(Registry<MetricRow>& rows, const VectorSubject& subject) {
+  for (const VectorStatistic& s : vector_statistics) {
+    MetricFacts facts = subject.facts(s);
+    facts.name += "_relative";
+    facts.unit = "1";
+    facts.words += ", relative to the greatest displacement";
+    add(rows, std::move(facts), [=](const Findings& f) -> std::optional<MetricValue> {
+      const VectorStatistics& d = subject.statistics(f);
+      const double peak = f.total().peak_first;
+      if (!(peak > 0)) return std::nullopt;
+      return difference(s.value(d) / peak, s.uncertainty(d) / peak,
+                        subject.when(f) + ", over the greatest displacement of the first (displacement_peak_first)" +
+                            subject.how(s, f, ", over the same"),
+                        s.factor(d.count()));
+    });
+  }
+}
+
+void add_displacement(Registry<MetricRow>& rows, const Span& span) {
+  const VectorSubject u{"displacement", "u", "L", span, "",
+                        [span](const Findings& f) -> const VectorStatistics& { return span.tally(f).displacement; }};
+  add_values(rows, u);
+  add_values_over_u(rows, u);
+  add_relative_values(rows, u);
+}
+
+void add_velocity(Registry<MetricRow>& rows) {
+  const std::string note = ", velocities by central differences of u over the common times on both data sets";
+  const VectorSubject v{"velocity", "v", "L/T", all_times, note,
+                        [](const Findings& f) -> const VectorStatistics& { return f.rates().velocity(); }};
+  add_values(rows, v);
+  add_values_over_u(rows, v);
+  add(rows,
+      {.name = "velocity_peak_first", .unit = "L/T", .definition = "greatest |v| of the first",
+       .words = "velocity, greatest, measured", .levelled = true},
+      [=](const Findings& f) -> std::optional<MetricValue> {
+        if (f.rates().velocity().count() == 0) return std::nullopt;
+        return MetricValue{f.rates().peak_first(), not_known, v.when(f)};
+      });
+}
+
+void add_peaks(Registry<MetricRow>& rows) {
+  const auto note = [](const Findings& f) {
+    return all_times.when(f) + "; uncertainty: root trace of the covariance of u there, where known";
+  };
+  add(rows,
+      {.name = "displacement_peak_first", .unit = "L", .definition = "greatest |u| of the first",
+       .words = "displacement, greatest, measured", .levelled = true},
+      [=](const Findings& f) { return MetricValue{f.total().peak_first, f.total().peak_first_sigma, note(f)}; });
+  add(rows,
+      {.name = "displacement_peak_second", .unit = "L", .definition = "greatest |u| of the second",
+       .words = "displacement, greatest, simulated", .levelled = true},
+      [=](const Findings& f) { return MetricValue{f.total().peak_second, f.total().peak_second_sigma, note(f)}; });
+}
+
+void add_uncertainty(Registry<MetricRow>& rows, const Span& span) {
+  add(rows,
+      {.name = std::string("u_val") + span.suffix, .unit = "L",
+       .definition = "standard uncertainty of E = u_second - u_first (ASME V&V 20): u_val^2 = u_measurement^2 + "
+                     "u_numerical^2 + u_input^2, of those parts that are known; root mean square over particles of the "
+                     "root trace",
+       .words = std::string("uncertainty of a difference, u_val") + span.words, .levelled = true},
+      [span](const Findings& f) {
+        return MetricValue{span.tally(f).displacement.rms_uncertainty(), not_known, span.when(f)};
+      });
+  const auto part = [&](const char* name, const char* words, const char* definition, double Tally::*sum) {
+    add(rows,
+        {.name = std::string(name) + span.suffix, .unit = "L",
+         .definition = std::string(definition) + ", root mean square over particles of the root trace",
+         .words = std::string(words) + span.words},
+        [span, sum](const Findings& f) {
+          const Tally& tally = span.tally(f);
+          return MetricValue{tally.rms_part(tally.*sum), not_known, span.when(f)};
+        });
+  };
+  part("u_measurement", "part of u_val from the measurement",
+       "part of u_val from the measurements: random error of the displacements, camera, gauge and the frame of reference",
+       &Tally::sum_measurement);
+  part("u_numerical", "part of u_val from the numerics",
+       "part of u_val from the simulation's grid and time step: GCI / 1.15 by coarser grids, or as given; 0 where "
+       "neither was given",
+       &Tally::sum_numerical);
+  part("u_input", "part of u_val from the inputs",
+       "part of u_val from the model's inputs, as given; 0 where it was not", &Tally::sum_input);
+}
+
+struct ScalarStatistic {
+  const char *name, *words, *definition;
+  double (*value)(const ScalarStatistics&);
+  double (*factor)(std::size_t);
+};
+constexpr ScalarStatistic scalar_statistics[] = {
+    {"bias", "mean difference", "mean of ", [](const ScalarStatistics& s) { return s.bias(); }, two},
+    {"rms", "RMS", "root mean square of ", [](const ScalarStatistics& s) { return s.rms(); }, two},
+    {"p95", "95th percentile", "95th percentile (nearest rank) of the size of ",
+     [](const ScalarStatistics& s) { return s.p95(); }, percentile_factor},
+    {"max", "maximum", "greatest size of ", [](const ScalarStatistics& s) { return s.max(); }, greatest_factor}};
+
+struct StrainSubject {
+  const char *name, *words, *definition;
+  ScalarStatistics Tally::*statistics;
+  double Tally::*floor;
+};
+constexpr StrainSubject strains[] = {
+    {"strain_dev", "deviatoric strain", "deviatoric log strain of the second minus that of the first",
+     &Tally::strain_dev, &Tally::floor_dev},
+    {"strain_vol", "volumetric strain", "volumetric log strain ln J of the second minus that of the first",
+     &Tally::strain_vol, &Tally::floor_vol},
+    {"strain_dev_path", "deviatoric strain along the path",
+     "deviatoric strain along the path (sum of sqrt(2/3 de:de) over the common times) of the second minus that of the "
+     "first",
+     &Tally::strain_path, &Tally::floor_path}};
+
+std::string floor_text(const Findings& f, double floor, const Span& span) {
+  if (std::isnan(floor))
+    return "; uncertainty not known: noise floor not measured (no zone of known error that stayed still)";
+  if (f.floor.empty())
+    return "; uncertainty: root mean square of this strain where |u| is below 2 of its standard uncertainties, the "
+           "noise floor of the still zone" +
+           std::string(span.last ? "" : ", greatest over the times");
+  return "; uncertainty: noise floor at the last frame as the record states it for " + f.floor +
+         ", added in squares to that of the other data set's still zone, if it carries a covariance";
+}
+
+void add_strain(Registry<MetricRow>& rows, const Span& span) {
+  for (const StrainSubject& strain : strains) {
+    const auto facts = [&](const ScalarStatistic& s) {
+      return MetricFacts{.name = std::string(strain.name) + "_" + s.name + span.suffix, .unit = "1",
+                         .definition = s.definition + std::string(strain.definition),
+                         .words = std::string(strain.words) + ", " + s.words + span.words, .levelled = true};
+    };
+    for (const ScalarStatistic& s : scalar_statistics)
+      add(rows, facts(s), [=](const Findings& f) -> std::optional<MetricValue> {
+        const ScalarStatistics& d = span.tally(f).*strain.statistics;
+        const double floor = span.tally(f).*strain.floor;
+        if (d.count() == 0) return std::nullopt;
+        return difference(s.value(d), floor, span.when(f) + floor_text(f, floor, span), s.factor(d.count()));
+      });
+    for (const ScalarStatistic& s : scalar_statistics) {
+      MetricFacts over_u = facts(s);
+      over_u.name += "_over_u";
+      over_u.words += ", in units of its uncertainty";
+      add(rows, std::move(over_u), [=](const Findings& f) -> std::optional<MetricValue> {
+        const ScalarStatistics& d = span.tally(f).*strain.statistics;
+        const double floor = span.tally(f).*strain.floor;
+        if (d.count() == 0 || !(floor > 0)) return std::nullopt;
+        return MetricValue{s.value(d) / floor, not_known, span.when(f) + ", over the noise floor"};
+      });
+    }
+  }
+}
+
+}  // namespace
+
+void add_motion_rows(Registry<MetricRow>& rows) {
+  add_displacement(rows, all_times);
+  add_displacement(rows, last_time);
+  add_peaks(rows);
+  add_uncertainty(rows, all_times);
+  add_uncertainty(rows, last_time);
+  add_velocity(rows);
+  add_strain(rows, all_times);
+  add_strain(rows, last_time);
+}
+
+}  // namespace pivnp::compare

@@ -1,0 +1,172 @@
+// Metrics of the body's shape at the last common time, and of its shear bands.
+#include <cmath>
+
+#include "compare/metrics/rows.hpp"
+#include "pivnp/core/text.hpp"
+
+namespace pivnp::compare {
+
+namespace {
+
+using Values = std::vector<MetricValue>;
+
+void add_mobilised(Registry<MetricRow>& rows) {
+  add_for_both(rows, Variants::both_and_difference,
+               {.name = "mobilised_area", .unit = "L^2",
+                .definition = "area of the particles that are mobilised at the last common time",
+                .words = "mobilised area"},
+               Leads::no, [](const Findings& f) -> Values {
+                 const auto& m = f.shapes.mobilised;
+                 if (!m) return {};
+                 const std::string note =
+                     " (|u| above " + number(m->threshold) + " " + f.length_unit +
+                     "); uncertainty: half the change when the threshold moves by the RMS error of u both ways, and the "
+                     "scatter if every particle errs by itself, in squares";
+                 return {{m->area[0], m->uncertainty[0], note},
+                         {m->area[1], m->uncertainty[1], note},
+                         difference(m->area[1] - m->area[0], m->difference_uncertainty, note)};
+               });
+}
+
+std::string on_cells(const Findings& f) {
+  return ", at the last common time, on cells of " + number(f.shapes.between->cell) + " " + f.length_unit;
+}
+
+void add_outlines(Registry<MetricRow>& rows) {
+  rows.add({{.name = "outline_iou", .unit = "1", .definition = "area common to both outlines over the area of either",
+             .words = "outlines, share in common (IoU)", .limit = "outline_iou_min", .leads = Leads::yes},
+            [](const Findings& f) -> std::optional<MetricValue> {
+              if (!f.shapes.between) return std::nullopt;
+              const double iou = f.shapes.between->iou, u = f.shapes.between->iou_uncertainty;
+              return MetricValue{iou, u,
+                                 on_cells(f) +
+                                     "; uncertainty, a bound: length of each outline times what it is uncertain by "
+                                     "(half a particle spacing, rectangular, and the error of u, where known) over the "
+                                     "area of either",
+                                 1 - iou < 2 * u ? Verdict::not_distinguishable : Verdict::none};
+            }});
+  rows.add({{.name = "outline_hausdorff_95", .unit = "L",
+             .definition = "Hausdorff distance of the outlines, 95 %: of points a cell apart on each, the 95th percentile "
+                           "of the distance to the other, the greater of both ways",
+             .words = "outlines, Hausdorff distance (95 %)", .limit = "hausdorff_m", .leads = Leads::yes},
+            [](const Findings& f) -> std::optional<MetricValue> {
+              if (!f.shapes.between) return std::nullopt;
+              return difference(f.shapes.between->hausdorff_95, f.shapes.between->hausdorff_uncertainty,
+                                on_cells(f) + "; uncertainty: half a particle spacing of each data set (rectangular) and "
+                                              "the errors of u, where known");
+            }});
+}
+
+// Both, and their difference where the slopes can be compared. An outline is known to within half a particle spacing
+// (rectangular distribution), and as its particles are.
+Values placed(const Findings& f, const PerDataSet<double>& value, bool comparable) {
+  static const std::string how = "; uncertainty: half a particle spacing (rectangular) and the error of u, where known";
+  const PerDataSet<double>& u = f.shapes.place_uncertainty;
+  Values out{{value[0], u[0], how}, {value[1], u[1], how}};
+  if (comparable) out.push_back(difference(value[1] - value[0], std::hypot(u[0], u[1]), how));
+  return out;
+}
+
+void add_slope(Registry<MetricRow>& rows) {
+  add_for_both(rows, Variants::both_and_difference,
+               {.name = "run_out_x", .unit = "L",
+                .definition = "x within which 99.5 % of the area above the base lies, on the side the slope faces, at "
+                              "the last common time",
+                .words = "run-out", .limit = "run_out_m", .leads = Leads::yes},
+               Leads::yes, [](const Findings& f) -> Values {
+                 if (!f.shapes.slope) return {};
+                 const auto& [a, b] = f.shapes.slope->shape;
+                 return placed(f, {a.run_out_x, b.run_out_x}, f.shapes.slope->same_way());
+               });
+  add_for_both(rows, Variants::both_and_difference,
+               {.name = "crest_height", .unit = "L",
+                .definition = "height above the base below which 99.5 % of the area lies, at the last common time",
+                .words = "crest height"},
+               Leads::no, [](const Findings& f) -> Values {
+                 if (!f.shapes.slope) return {};
+                 const auto& [a, b] = f.shapes.slope->shape;
+                 return placed(f, {a.crest_height, b.crest_height}, true);
+               });
+  add_for_both(rows, Variants::both_and_difference,
+               {.name = "slope_angle", .unit = "deg",
+                .definition = "angle of the line fitted to the area-height profile (area of a column over its width) "
+                              "between 10 and 90 % of the crest height, on the side the slope faces, at the last common "
+                              "time",
+                .words = "slope angle", .limit = "slope_angle_deg", .leads = Leads::yes},
+               Leads::yes, [](const Findings& f) -> Values {
+                 if (!f.shapes.slope) return {};
+                 const auto& [a, b] = f.shapes.slope->shape;
+                 const std::string how =
+                     "; uncertainty: scatter about the line, one independent point a particle spacing";
+                 Values out{{a.angle_deg, a.angle_uncertainty_deg, how}, {b.angle_deg, b.angle_uncertainty_deg, how}};
+                 if (f.shapes.slope->same_way())
+                   out.push_back(difference(b.angle_deg - a.angle_deg,
+                                            std::hypot(a.angle_uncertainty_deg, b.angle_uncertainty_deg), how));
+                 return out;
+               });
+  add_for_both(rows, Variants::both_and_difference,
+               {.name = "crest_retreat", .unit = "L",
+                .definition = "how far the crest's edge drew back: the outermost place where the area-height profile "
+                              "reaches 90 % of its greatest value at the common start, then minus at the last common "
+                              "time (not a number: nowhere any more)",
+                .words = "crest retreat", .leads = Leads::yes},
+               Leads::no, [](const Findings& f) -> Values {
+                 if (!f.shapes.slope) return {};
+                 const PerDataSet<double>& retreat = f.shapes.slope->crest_retreat;
+                 return placed(f, retreat, std::isfinite(retreat[1] - retreat[0]) && f.shapes.slope->same_way());
+               });
+}
+
+void add_bands(Registry<MetricRow>& rows) {
+  add_for_both(rows, Variants::both_and_difference,
+               {.name = "band_number", .unit = "1", .definition = "number of shear bands",
+                .words = "number of shear bands"},
+               Leads::no, [](const Findings& f) -> Values {
+                 const BandMeasures& b = f.bands;
+                 const std::string note =
+                     ": " + b.words() +
+                     (std::isfinite(b.floor_dev)
+                          ? "; uncertainty: half the change when the threshold moves by the noise floor both ways"
+                          : "; uncertainty not known: noise floor not measured");
+                 const double n1 = double(b.bands[0].size()), n2 = double(b.bands[1].size());
+                 const PerDataSet<double>& u = b.number_uncertainty;
+                 return {{n1, u[0], note}, {n2, u[1], note}, difference(n2 - n1, std::hypot(u[0], u[1]), note)};
+               });
+  using Strongest = BandMeasures::Difference;
+  const auto of_strongest = [&](MetricFacts facts, const std::string& how, double Strongest::*value,
+                                double Strongest::*uncertainty) {
+    facts.definition += " of the strongest shear band of each data set (length times strain)" + how;
+    rows.add({std::move(facts), [=](const Findings& f) -> std::optional<MetricValue> {
+                if (!f.bands.strongest) return std::nullopt;
+                return difference((*f.bands.strongest).*value, (*f.bands.strongest).*uncertainty, "");
+              }});
+  };
+  const std::string half = "; uncertainty: half a particle spacing of each data set (rectangular)";
+  of_strongest({.name = "band_offset", .unit = "L", .definition = "mean distance between the ridges",
+                .words = "shear bands, distance of the ridges"},
+               half, &Strongest::offset, &Strongest::place_uncertainty);
+  of_strongest({.name = "band_inclination_difference", .unit = "deg", .definition = "inclination, second minus first,",
+                .words = "shear bands, inclination, simulated \u2212 measured"},
+               "; uncertainty: half a spacing over its length (rectangular)", &Strongest::inclination_deg,
+               &Strongest::inclination_uncertainty_deg);
+  of_strongest({.name = "band_thickness_difference", .unit = "L",
+                .definition = "thickness (width at half height), second minus first,",
+                .words = "shear bands, thickness, simulated \u2212 measured"},
+               half, &Strongest::thickness, &Strongest::place_uncertainty);
+  of_strongest({.name = "band_onset_difference", .unit = "T",
+                .definition = "onset (half of its particles above the threshold), second minus first,",
+                .words = "shear bands, onset, simulated \u2212 measured"},
+               "; uncertainty: the longest step between two times on each data set (rectangular)", &Strongest::onset,
+               &Strongest::onset_uncertainty);
+}
+
+}  // namespace
+
+void add_shape_rows(Registry<MetricRow>& rows) {
+  add_mobilised(rows);
+  add_outlines(rows);
+  add_slope(rows);
+  add_bands(rows);
+}
+
+}  // namespace pivnp::compare

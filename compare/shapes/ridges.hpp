@@ -1,0 +1,35 @@
+// Shear bands: ridge lines of deviatoric strain.
+#pragma once
+
+#include <vector>
+
+#include "pivnp/core/math.hpp"
+
+namespace pivnp::compare {
+
+/// One ridge line. Lengths in the motion's unit.
+struct ShearBand {
+  Vec2 centre = Vec2::Zero();
+  double inclination_deg = 0;  // of the line of least squares through the ridge, from x, (-90, 90]
+  double length = 0;           // along that line
+  double thickness = 0;  // width at half height of the strain across the ridge, median along it; NaN if not reached
+  double strain = 0;           // greatest deviatoric strain of the ridge
+  double onset = 0;            // time at which half of the particles along it had reached the threshold
+  std::vector<Vec2> ridge;
+};
+
+/// A scalar on scattered particles, `spacing` their distance.
+struct ScatteredField {
+  std::vector<Vec2> x;
+  std::vector<double> value, spacing;
+  std::vector<double> onset;  // per particle, NaN: never
+};
+
+/// Ridges by the second derivatives of the field smoothed with a Gaussian of one spacing, on a lattice of half a
+/// spacing: where the slope across the direction of greatest negative curvature vanishes within the cell (Steger 1998,
+/// IEEE Trans. Pattern Anal. Mach. Intell. 20), the field is at least `threshold` there, and the curvature would bring
+/// it down by a tenth within two spacings. Neighbouring cells whose directions agree within 37 degrees are one band,
+/// from a length of four spacings on. Strongest (length times strain) first.
+std::vector<ShearBand> find_bands(const ScatteredField& field, double median_spacing, double threshold);
+
+}  // namespace pivnp::compare
