@@ -1,87 +1,111 @@
-// A figure under construction: panels placed in millimetres, QCustomPlot's axes and curves in them, and free painting.
-// Internal to apps/report: includes Qt.
+// A figure canvas: panels placed in millimetres, axes, curves and symbols in them, and free painting. No Qt shows here.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
-#include <QByteArray>
-#include <QColor>
-#include <QFont>
-#include <QImage>
-#include <QString>
-#include <qcustomplot.h>
-
-#include "apps/plot/palette.hpp"
+#include "apps/plot/painter.hpp"
 #include "apps/plot/raster.hpp"
 
-namespace pivnp::report {
+class QCPAxis;
+class QCPAxisRect;
 
-/// Starts Qt once: offscreen, without a display or a home, the locale of the process left as it was.
+namespace pivnp::plot {
+
+/// Starts Qt once: offscreen, without a display or a home, the locale of the process left as it was. A canvas starts it
+/// too; all canvases must be made and drawn by the thread of the first.
 void start_qt();
 
-/// Sheet units: tenths of a millimetre. Everything on a sheet is measured in them.
-constexpr double units_per_mm = 10.0;
-constexpr double units_per_point = units_per_mm * 25.4 / 72.0;
+/// "QCustomPlot 2.1.1 on Qt 6.4.2": what draws the figures.
+std::string drawing_libraries();
 
-QColor colour(Rgb rgb, int alpha = 255);
-QFont font(double points, bool bold = false);
-QPen pen(Rgb rgb, double points, Qt::PenStyle style = Qt::SolidLine);
-QImage to_image(const Raster& raster);
+enum class Axis { x, y };
 
-constexpr double small_text = 7.0, normal_text = 7.5;  // points
-
-class Sheet {
+/// A panel of a canvas, with an x axis below and a y axis at the left. A handle: copies are the same panel, which lives
+/// as long as its canvas. Places are in canvas units (painter.hpp) and known once the canvas is being drawn.
+class Panel {
  public:
-  Sheet(double width_mm, double height_mm);
-  ~Sheet();
-  Sheet(const Sheet&) = delete;
-  Sheet& operator=(const Sheet&) = delete;
+  double x(double value) const;
+  double y(double value) const;
+  Vec2 at(const Vec2& value) const { return {x(value.x()), y(value.y())}; }
+  Rectangle frame() const;
+
+  /// Range, label ("x (m)") and number of ticks wanted; ticks at 1, 2 or 5 times a power of ten.
+  Panel& axis(Axis axis, double lower, double upper, const std::string& label, int ticks = 5);
+  /// A logarithmic scale from a range that axis() was told; `decimals` of the mantissas at the ticks.
+  Panel& logarithmic(Axis axis, double lower, double upper, int digits);
+  /// Small ticks between those with numbers.
+  Panel& small_ticks(Axis axis);
+  /// Ticks at the multiples of `step`.
+  Panel& step(Axis axis, double step);
+  /// Whether ticks have numbers.
+  Panel& numbers(Axis axis, bool shown);
+  Panel& ticks(Axis axis, bool shown);
+  /// Whether the line along the panel is drawn.
+  Panel& base_line(Axis axis, bool shown);
+  /// Line, ticks, numbers and label.
+  Panel& visible(Axis axis, bool shown);
+  /// Pale horizontal lines, which help to read values.
+  Panel& pale_grid();
+  double lower(Axis axis) const;
+
+ private:
+  friend class Canvas;
+  explicit Panel(QCPAxisRect* rect) : rect_(rect) {}
+  QCPAxis* of(Axis axis) const;
+
+  QCPAxisRect* rect_;
+};
+
+class Canvas {
+ public:
+  Canvas(double width_mm, double height_mm);
+  ~Canvas();
+  Canvas(const Canvas&) = delete;
+  Canvas& operator=(const Canvas&) = delete;
 
   double width_mm() const { return width_mm_; }
   double height_mm() const { return height_mm_; }
 
-  /// A panel whose inner rectangle has its top left corner at (x, y); thin left and bottom axes, ticks outward.
-  QCPAxisRect* panel(double x_mm, double y_mm, double width_mm, double height_mm);
-  /// Curves and points; the caller sets pen, brush and data.
-  QCPGraph* graph(QCPAxisRect* panel);
-  /// Paints below the axes, clipped to the panel. Panel coordinates by x_of, y_of.
-  void paint(QCPAxisRect* panel, std::function<void(QCPPainter&)> painting);
-  /// Paints above everything, on the whole sheet.
-  void paint_over(std::function<void(QCPPainter&)> painting);
-  /// `align` as in QPainter::drawText, about the point.
-  void text(double x_mm, double y_mm, const QString& words, int align, double points = normal_text, bool bold = false,
-            Rgb rgb = ink, double angle_deg = 0);
+  /// The inner rectangle's top left corner at (x, y); thin left and bottom axes, ticks outward.
+  Panel panel(double x_mm, double y_mm, double width_mm, double height_mm);
 
-  /// Draws at the painter's origin, which must be scaled to sheet units.
+  /// A line through the points in the order of x, and a symbol at each if given. Values that are not finite leave gaps.
+  void curve(const Panel& panel, const std::vector<double>& x, const std::vector<double>& y, const Pen& pen,
+             const std::optional<Symbol>& symbol = std::nullopt);
+  void points(const Panel& panel, const std::vector<double>& x, const std::vector<double>& y, const Symbol& symbol);
+  /// Covers the panel with a raster, below the axes.
+  void raster(const Panel& panel, const Raster& raster);
+  /// Covers a rectangle (mm) with one, above everything, its pixels left as they are.
+  void raster_over(double x_mm, double y_mm, double width_mm, double height_mm, const Raster& raster);
+
+  /// Paints below the axes, clipped to the panel.
+  void paint(const Panel& panel, std::function<void(Painter&)> painting);
+  /// Paints above everything, on the whole canvas.
+  void paint_over(std::function<void(Painter&)> painting);
+  void text(double x_mm, double y_mm, const std::string& words, Align align, const TextStyle& style = {});
+
+  /// Draws at the painter's origin, which must be scaled to canvas units.
   void draw(QCPPainter& painter) const;
-  QImage image(double dots_per_inch) const;
-  QByteArray png(double dots_per_inch) const;
-  QByteArray svg() const;
+  std::string png(double dots_per_inch) const;
+  std::string svg() const;
 
  private:
+  struct Plot;
   double width_mm_, height_mm_;
-  std::unique_ptr<QCustomPlot> plot_;
-  QCPLayoutInset* inset_ = nullptr;
+  std::unique_ptr<Plot> plot_;
 };
 
-inline double x_of(const QCPAxisRect* panel, double x) { return panel->axis(QCPAxis::atBottom)->coordToPixel(x); }
-inline double y_of(const QCPAxisRect* panel, double y) { return panel->axis(QCPAxis::atLeft)->coordToPixel(y); }
+/// Writes FILE.svg and FILE.png (`file` without suffix) and makes the folder. Throws RunError naming the file.
+void save(const Canvas& canvas, const std::filesystem::path& file, double dots_per_inch);
 
-/// Range, label ("x (m)") and number of ticks wanted.
-void set_axis(QCPAxis* axis, double lower, double upper, const QString& label, int ticks = 5);
 /// 1, 2 or 5 times a power of ten: nearest to range / count, so about `count` to the range.
 double nice_step(double range, int count);
 /// The greatest such number that is not above `length`.
 double nice_length(double length);
-/// Puts the ticks of an axis at multiples of `step`.
-void set_step(QCPAxis* axis, double step);
 
-/// A legend entry drawn by hand at (x, y), its text to the right; returns the x where the next may start, in mm.
-enum class Key { line, dashed, dotted, dash_dot, band, disc, circle, square, triangle, cross, tile };
-double draw_key(Sheet& sheet, double x_mm, double y_mm, Key key, Rgb rgb, const QString& words, double gap_mm = 5);
-
-/// Width of words in mm.
-double text_width(const QString& words, double points, bool bold = false);
-
-}  // namespace pivnp::report
+}  // namespace pivnp::plot

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace pivnp::report {
+namespace pivnp::plot {
 
 struct ChartCurve {
   std::string name;
@@ -21,4 +21,4 @@ struct Chart {
 /// Writes FILE.svg and FILE.png (`file` without suffix). Throws RunError naming the file.
 void write_chart(const Chart& chart, const std::filesystem::path& file);
 
-}  // namespace pivnp::report
+}  // namespace pivnp::plot

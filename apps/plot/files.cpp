@@ -11,7 +11,7 @@
 
 #include "pivnp/core/error.hpp"
 
-namespace pivnp::report {
+namespace pivnp::plot {
 
 void make_folder(const std::filesystem::path& folder) {
   std::error_code error;
@@ -48,4 +48,4 @@ void write_file(const std::filesystem::path& file, std::string_view bytes) {
   if (std::rename(temporary.c_str(), file.c_str()) != 0) fail(errno);
 }
 
-}  // namespace pivnp::report
+}  // namespace pivnp::plot

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string_view>
 
-namespace pivnp::report {
+namespace pivnp::plot {
 
 /// Makes the folder and its parents. Throws RunError naming it and the cause.
 void make_folder(const std::filesystem::path& folder);
@@ -13,4 +13,4 @@ void make_folder(const std::filesystem::path& folder);
 /// was there before is then untouched.
 void write_file(const std::filesystem::path& file, std::string_view bytes);
 
-}  // namespace pivnp::report
+}  // namespace pivnp::plot

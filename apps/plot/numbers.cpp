@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace pivnp::report {
+namespace pivnp::plot {
 
 namespace {
 
@@ -40,7 +40,7 @@ bool plain_range(int e) { return e >= -4 && e <= 5; }
 
 }  // namespace
 
-std::string number(double value, int digits) {
+std::string significant(double value, int digits) {
   if (!std::isfinite(value)) return "n/a";
   if (value == 0) return "0";
   const int e = exponent(value, digits);
@@ -50,7 +50,7 @@ std::string number(double value, int digits) {
 
 std::string value_with_uncertainty(double value, double uncertainty) {
   if (!std::isfinite(value)) return "n/a";
-  if (!std::isfinite(uncertainty) || uncertainty <= 0) return number(value);
+  if (!std::isfinite(uncertainty) || uncertainty <= 0) return significant(value);
   const int e_u = exponent(uncertainty, 2);
   const int e = std::max(exponent(value, 3), e_u);  // of the larger of the two
   if (plain_range(e) && e_u >= -6) return fixed(value, 1 - e_u) + " \u00b1 " + fixed(uncertainty, 1 - e_u);
@@ -61,7 +61,7 @@ std::string value_with_uncertainty(double value, double uncertainty) {
 }
 
 std::string plain(double value) {
-  std::string s = number(value, 4);
+  std::string s = significant(value, 4);
   if (s.find('.') == std::string::npos) return s;
   const std::size_t end = std::min(s.find(' '), s.size());  // before a power of ten
   std::size_t last = end;
@@ -89,7 +89,8 @@ std::string count(std::size_t n, std::string_view singular, std::string_view plu
   return grouped + " " + noun;
 }
 
-std::string unit_suffix(const std::string& unit) { return unit.empty() || unit == "1" ? "" : " " + unit; }
+std::string unit_words(const std::string& unit) { return unit == "1" ? "" : unit; }
+std::string unit_suffix(const std::string& unit) { return unit_words(unit).empty() ? "" : " " + unit; }
 
 DisplayUnit display_unit(const std::string& unit, double largest) {
   if (unit == "m" && largest > 0 && largest < 2e-4) return {1e6, "\u00b5m"};
@@ -105,4 +106,4 @@ double quantile(std::vector<double> values, double q) {
   return *at;
 }
 
-}  // namespace pivnp::report
+}  // namespace pivnp::plot

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace pivnp::report {
+namespace pivnp::plot {
 
 /// The value with as many digits as two significant digits of `uncertainty` support: "0.01234 ± 0.00056", or
 /// "(1.234 ± 0.056) × 10⁻⁵" away from 1. An uncertainty that is NaN or not positive leaves three significant
@@ -14,7 +14,7 @@ namespace pivnp::report {
 std::string value_with_uncertainty(double value, double uncertainty);
 
 /// `digits` significant digits, powers of ten written out, true minus sign. Not finite: "n/a".
-std::string number(double value, int digits = 3);
+std::string significant(double value, int digits = 3);
 
 /// A time or a coordinate: four significant digits at most, no zeros at the end.
 std::string plain(double value);
@@ -25,7 +25,9 @@ std::string percent(double share);
 /// "1 particle", "26 frames", "12 345 particles".
 std::string count(std::size_t n, std::string_view singular, std::string_view plural = "");
 
-/// `unit` as printed beside a number: "" and "1" vanish.
+/// `unit` as printed in a column of its own: "" and "1" vanish.
+std::string unit_words(const std::string& unit);
+/// The same beside a number, after a space.
 std::string unit_suffix(const std::string& unit);
 
 /// A unit that suits numbers up to `largest`: metres become mm or µm where they are small; other units stay.
@@ -38,4 +40,4 @@ DisplayUnit display_unit(const std::string& unit, double largest);
 /// Quantile q of the finite values; NaN if there is none.
 double quantile(std::vector<double> values, double q);
 
-}  // namespace pivnp::report
+}  // namespace pivnp::plot

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-namespace pivnp::report {
+namespace pivnp::plot {
 
 namespace {
 
@@ -36,4 +36,4 @@ Rgb colour_at(Colours map, double t) {
   return mixed;
 }
 
-}  // namespace pivnp::report
+}  // namespace pivnp::plot

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace pivnp::report {
+namespace pivnp::plot {
 
 using Rgb = std::uint32_t;  // 0xRRGGBB
 
@@ -28,4 +28,4 @@ constexpr Rgb purple = 0xa0528a;
 constexpr Rgb sky = 0x56b4e9;
 constexpr Rgb red = 0xc8102e;
 
-}  // namespace pivnp::report
+}  // namespace pivnp::plot

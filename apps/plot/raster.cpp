@@ -6,7 +6,7 @@
 
 #include <Eigen/LU>
 
-namespace pivnp::report {
+namespace pivnp::plot {
 
 namespace {
 
@@ -163,4 +163,4 @@ Raster draw_image(const ImageView& image, const Mat3& world_from_pixel, const Bo
   return out;
 }
 
-}  // namespace pivnp::report
+}  // namespace pivnp::plot

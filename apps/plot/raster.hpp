@@ -9,7 +9,7 @@
 #include "pivnp/core/image_view.hpp"
 #include "pivnp/core/math.hpp"
 
-namespace pivnp::report {
+namespace pivnp::plot {
 
 /// A rectangle of the world.
 struct Box {
@@ -41,4 +41,4 @@ Box image_box(int width, int height, const Mat3& world_from_pixel);
 /// percentile are spread over `dark` .. `light`. Outside the image alpha is 0.
 Raster draw_image(const ImageView& image, const Mat3& world_from_pixel, const Box& box, int width, int dark, int light);
 
-}  // namespace pivnp::report
+}  // namespace pivnp::plot

@@ -44,6 +44,13 @@ const std::optional<double>& LimitOptions::operator[](std::string_view key) cons
   return at == given_.end() ? none : at->second;
 }
 
+LimitOptions& LimitOptions::operator=(const LimitOptions& other) {
+  if (this == &other) return *this;
+  for (auto& [key, limit] : given_) limit.reset();
+  for (const auto& [key, limit] : other.given_) given_[key] = limit;
+  return *this;
+}
+
 bool LimitOptions::any() const {
   return std::any_of(given_.begin(), given_.end(), [](const auto& limit) { return limit.second.has_value(); });
 }

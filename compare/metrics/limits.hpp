@@ -28,6 +28,10 @@ Registry<LimitRow>& limit_rows();
 /// Thresholds by key; what is left out is not judged.
 class LimitOptions {
  public:
+  LimitOptions() = default;
+  LimitOptions(const LimitOptions&) = default;
+  /// Takes the other's limits; what operator[] has given out stays valid (a command's flags are set afterwards).
+  LimitOptions& operator=(const LimitOptions& other);
   /// Throws InputError for a key that no row has.
   std::optional<double>& operator[](std::string_view key);
   const std::optional<double>& operator[](std::string_view key) const;

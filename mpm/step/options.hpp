@@ -14,10 +14,10 @@ struct MpmOptions {
   Pair gravity_m_s2 = {0.0, -9.81};
   std::optional<Pair> gravity_from_m_s2;
   std::optional<double> gravity_ramp_s;
-  bool settle = true;
+  bool initial_equilibrium = true;
   std::optional<double> k0;
-  double settle_damping = 0.7;
-  double settle_tolerance = 1e-3;
+  double equilibrium_damping = 0.7;
+  double equilibrium_tolerance = 1e-3;
   std::optional<ShapeKind> shape;
   std::optional<TransferKind> transfer;
   std::optional<StressUpdate> stress_update;
@@ -42,10 +42,10 @@ struct MpmOptions {
     visit("gravity_m_s2", self.gravity_m_s2, OptionInfo{.unit = "m/s^2", .text = "gravity (x, y)"});
     visit("gravity_from_m_s2", self.gravity_from_m_s2, OptionInfo{.unit = "m/s^2", .text = "gravity at time 0, where it changes (a centrifuge spinning up); settling is under this one"});
     visit("gravity_ramp_s", self.gravity_ramp_s, OptionInfo{.unit = "s", .text = "time at which gravity_m_s2 is reached, linearly", .min = 0, .above_min = true});
-    visit("settle", self.settle, OptionInfo{.text = "bring the weight on quasi-statically, damped, before time 0 (strains and displacements then start at zero)"});
-    visit("k0", self.k0, OptionInfo{.text = "horizontal over vertical stress at the start: the stress at time 0 without settle, the first guess with it (left out: none; poisson/(1 - poisson))", .min = 0, .max = 10});
-    visit("settle_damping", self.settle_damping, OptionInfo{.text = "local damping while settling", .min = 0, .max = 1});
-    visit("settle_tolerance", self.settle_tolerance, OptionInfo{.text = "settled when unbalanced over applied force falls below this", .min = 0, .above_min = true});
+    visit("initial_equilibrium", self.initial_equilibrium, OptionInfo{.text = "bring the weight on quasi-statically, damped, before time 0 (strains and displacements then start at zero)", .alias = "settle"});
+    visit("k0", self.k0, OptionInfo{.text = "horizontal over vertical stress at the start: the stress at time 0 without initial_equilibrium, the first guess with it (left out: none; poisson/(1 - poisson))", .min = 0, .max = 10});
+    visit("equilibrium_damping", self.equilibrium_damping, OptionInfo{.text = "local damping while the initial equilibrium is sought", .min = 0, .max = 1, .alias = "settle_damping"});
+    visit("equilibrium_tolerance", self.equilibrium_tolerance, OptionInfo{.text = "it is found when unbalanced over applied force falls below this", .min = 0, .above_min = true, .alias = "settle_tolerance"});
     visit("shape", self.shape, OptionInfo{.text = "shape functions (left out: by the scheme)"});
     visit("transfer", self.transfer, OptionInfo{.text = "velocity transfer (left out: by the scheme)"});
     visit("stress_update", self.stress_update, OptionInfo{.text = "when stress is updated: last with velocities mapped again, last, or first (left out: by the scheme)"});

@@ -42,8 +42,8 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
   bodies.check_clear(scene.particles.x0);
   if (scheme.stress == StressUpdate::usf && bodies.any_free())
     throw InputError("mpm.stress_update: found 'usf' beside a free rigid body, expected musl or usl");
-  if (o.settle && gravity.norm() > 0 && restraints.any_absorbing())
-    throw InputError("mpm.settle: found true beside an absorbing wall, which carries no weight; expected settle = false");
+  if (o.initial_equilibrium && gravity.norm() > 0 && restraints.any_absorbing())
+    throw InputError("mpm.initial_equilibrium: found true beside an absorbing wall, which carries no weight; expected initial_equilibrium = false");
   if (restraints.any_tied() && !contacts.empty())
     throw InputError("contact." + scene.contacts.front().first + ": given beside a tied boundary, expected one of them");
   if (o.sleep_below_m_s && (restraints.any_tied() || !contacts.empty()))
@@ -56,7 +56,7 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
   p.sort_as(g.cells.order, 1);
   state.wave_speed = wave_speed(materials, density, p, 1);
   g.set_walls(restraints.wall_sides(0, g.grid));
-  if (o.k0 && !o.settle) start_at_rest(gravity);
+  if (o.k0 && !o.initial_equilibrium) start_at_rest(gravity);
   change_strength(0);
   state.body_motion = bodies.motion();
   restart_balance();
@@ -194,12 +194,12 @@ void Solver::find_initial_equilibrium(Progress& progress) {
   if (s.state.steps > 0) throw RunError("mpm: find_initial_equilibrium() was called after the first step");
   for (const auto& material : s.materials)
     if (material->from_deformation())
-      throw InputError("mpm.settle: found true beside " + material->name() +
+      throw InputError("mpm.initial_equilibrium: found true beside " + material->name() +
                        ", which takes no stress at the start; expected false");
   // The average of three-node shapes leaves a point's own mean stress free to drift where points open one by one.
   Scheme scheme = s.scheme;
   if (scheme.shape != ShapeKind::bilinear) scheme.locking = Locking::none;
-  relax_to_equilibrium({s.loading.gravity(0), s.options.settle_damping, s.options.settle_tolerance, s.most_threads, s.options.k0},
+  relax_to_equilibrium({s.loading.gravity(0), s.options.equilibrium_damping, s.options.equilibrium_tolerance, s.most_threads, s.options.k0},
                        {scheme, s.materials, s.density, s.restraints, s.contacts, s.bodies, s.p, s.g}, progress);
   s.p.resize_increments(0);
   s.p.history.reset();

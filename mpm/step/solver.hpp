@@ -26,7 +26,7 @@ class Solver {
   Solver(const MpmOptions& options, Scene scene, int threads);
   ~Solver();
 
-  /// The damped quasi-static start (initial_equilibrium.hpp); call it before the first step, if MpmOptions::settle says so. The
+  /// The damped quasi-static start (initial_equilibrium.hpp); call it before the first step, if MpmOptions::initial_equilibrium says so. The
   /// particles stay where they are: equilibrium is sought in the reference configuration, so that x0 is the place of
   /// the loaded material. Afterwards velocities, displacements, F, plastic strain and the accumulated energies are
   /// zero and the stresses stay. Restraints with until_s > 0 count as in place. Throws RunError, naming the ratio

@@ -80,7 +80,7 @@ void Solver::Impl::remove_due() {
 
 void Solver::Impl::start_at_rest(const Vec2& gravity) {
   if (std::abs(gravity.x()) > 1e-3 * std::abs(gravity.y()))
-    throw InputError("mpm.k0: given where gravity is not vertical, expected settle = true without it");
+    throw InputError("mpm.k0: given where gravity is not vertical, expected initial_equilibrium = true without it");
   stress_from_columns(p, materials, g, gravity.y(), options.k0);
 }
 

@@ -8,15 +8,7 @@
 
 namespace pivnp::io {
 
-std::string Units::of(std::string_view pattern) const {
-  std::string out;
-  for (const char c : pattern) {
-    if (c == 'L') out += length;
-    else if (c == 'T') out += time;
-    else out += c;
-  }
-  return out;
-}
+std::string Units::of(std::string_view pattern) const { return unit_in(pattern, length, time); }
 
 std::vector<ItemArray> pair_arrays(const Grid& grid, const Units& units, const VectorField* f) {
   using h5::Type;

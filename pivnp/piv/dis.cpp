@@ -80,7 +80,7 @@ class DenseInverseSearch final : public Method {
   }
 
   void validate(const ImageView& first, const ImageView& second, PixelVectors& vectors) {
-    constexpr float smoothing = 0.25f;  // averages over blocks of pixels hold what their own sampling folds
+    constexpr float smoothing = 0.25f;  // averages over blocks of pixels hold the aliases of their own sampling
     const float rounding = rounding_variance(first);
     level_.take(first, second, smoothing, threads_, nullptr);
     field_.interpolate(level_.lattice(), u_, v_, threads_);

@@ -81,8 +81,8 @@ void GaussNewton::correlate(const ImageView& first, const ImageView& second, Pix
   const PredictorField& predictor = windows_.find(first, second);
   const GnLevel* coarser = nullptr;
   for (GnLevel& level : levels_) {
-    // Averages over blocks of pixels hold what their own sampling folds: where they are the last word, smooth them
-    // fully.
+    // Averages over blocks of pixels hold the aliases of their own sampling: where the result rests on them, they are
+    // smoothed fully.
     const bool finest = &level == &levels_.back();
     const float smoothing = !finest ? 0.0f : level.decimation() == 1 ? presmoothing(first, second, threads_) : 0.25f;
     level.take(first, second, smoothing, threads_, finest ? nullptr : windows_.images(level.decimation()));
@@ -173,7 +173,7 @@ void GaussNewton::smooth(const GnLevel& level) {
     smooth_u_.variance = corrections_.variance_u, smooth_v_.variance = corrections_.variance_v;
     for (auto* s : {&smooth_u_, &smooth_v_}) s->area.assign(u_.size(), 16.0f);  // a window is four cells wide
   }
-  // Lost grains are told from misplaced ones only once the images are nearly in register.
+  // Lost grains can be distinguished from misplaced ones only once the images are nearly in register.
   if (level.decimation() <= 2) residual_scale(sums_, u_, v_, rounding_, noise_, tolerance_);
 }
 

@@ -7,7 +7,7 @@
 
 #include "pivnp/core/choice.hpp"
 #include "pivnp/core/options.hpp"
-#include "pivnp/core/record/vectors.hpp"
+#include "pivnp/core/record/vector_status.hpp"
 
 namespace pivnp::piv {
 

@@ -27,7 +27,7 @@ poisson = 0.3
 removed_s = 0.01
 [mpm]
 end_s = 0.02
-output_hz = 100.0
+output_rate_hz = 100.0
 [boundary.base]
 line_m = [[0.0, 0.0], [0.08, 0.0]]
 """

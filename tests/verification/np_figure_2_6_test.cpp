@@ -68,12 +68,12 @@ TEST(Figure26, LinearQuadraticAndCubicThroughTheSameNodes) {
                                     ", linear, halved spacing " + number(fine.worst, 3));
   const char* folder = std::getenv("PIVNP_VERIFICATION_DIR");
   if (folder == nullptr || *folder == '\0') return;
-  report::Chart chart{"x", "displacement", {}, false};
-  report::ChartCurve exact{"cubic polynomial", {}, {}};
+  plot::Chart chart{"x", "displacement", {}, false};
+  plot::ChartCurve exact{"cubic polynomial", {}, {}};
   for (const double x : linear.x) exact.x.push_back(x), exact.y.push_back(polynomial(x));
   chart.curves = {exact, {"4 linear", linear.x, linear.read}, {"2 quadratic", quadratic.x, quadratic.read},
                   {"8 linear", fine.x, fine.read}};
-  report::write_chart(chart, std::filesystem::path(folder) / "figure_2_6");
+  plot::write_chart(chart, std::filesystem::path(folder) / "figure_2_6");
   EXPECT_GT(std::filesystem::file_size(std::filesystem::path(folder) / "figure_2_6.png"), 5000u);
 }
 

@@ -1,6 +1,8 @@
 // The report between its making and its writing: blocks that the HTML and the PDF both show. Plain text, no markup.
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -34,6 +36,7 @@ struct Table {
   std::vector<char> align;    // 'l', 'r' or 'c', one a column
   std::vector<std::vector<std::string>> rows;
   std::vector<std::string> notes;  // below each row, across the whole width; empty: none
+  std::vector<std::optional<std::size_t>> marked;  // the cell of each row that is set off, if any
 };
 
 using Block = std::variant<Heading, Paragraph, List, Code, Table, Figure>;

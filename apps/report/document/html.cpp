@@ -5,9 +5,10 @@
 #include <cmath>
 #include <string_view>
 
+#include <QByteArray>
+
 #include "apps/plot/canvas.hpp"
 #include "apps/report/words/words.hpp"
-#include "pivnp/core/record/metric.hpp"
 
 namespace pivnp::report {
 
@@ -45,7 +46,7 @@ td { vertical-align: top; border-bottom: 1px solid #ececec; } tr:last-child td {
 tr.noted td { border-bottom: 0; padding-bottom: 0; }
 tr.note td { padding-top: 0; color: var(--faint); font-size: .68rem; overflow-wrap: anywhere; }
 .r { text-align: right; white-space: nowrap; } .c { text-align: center; }
-.over { color: #a40d24; font-weight: 600; }
+.marked { color: #a40d24; font-weight: 600; }
 pre { background: var(--tint); padding: .9rem 1.1rem; font-size: .72rem; line-height: 1.45; white-space: pre-wrap;
   overflow-wrap: anywhere; font-family: ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, monospace; }
 @page { size: A4; margin: 20mm; }
@@ -104,14 +105,14 @@ class Writer {
     for (double w : t.width) out_ += "<col style=\"width:" + std::to_string(int(std::lround(100 * w))) + "%\">";
     out_ += "</colgroup>\n<thead><tr>";
     for (std::size_t k = 0; k < t.head.size(); ++k)
-      out_ += "<th" + cell_class(t, k, "") + ">" + escape_html(t.head[k]) + "</th>";
+      out_ += "<th" + cell_class(t, k, false) + ">" + escape_html(t.head[k]) + "</th>";
     out_ += "</tr></thead>\n<tbody>\n";
     for (std::size_t r = 0; r < t.rows.size(); ++r) {
       const auto& row = t.rows[r];
       const bool noted = r < t.notes.size() && !t.notes[r].empty();
       out_ += noted ? "<tr class=\"noted\">" : "<tr>";
       for (std::size_t k = 0; k < row.size(); ++k)
-        out_ += "<td" + cell_class(t, k, row[k]) + ">" + escape_html(row[k]) + "</td>";
+        out_ += "<td" + cell_class(t, k, r < t.marked.size() && t.marked[r] == k) + ">" + escape_html(row[k]) + "</td>";
       out_ += "</tr>\n";
       if (noted)
         out_ += "<tr class=\"note\"><td colspan=\"" + std::to_string(row.size()) + "\">" + escape_html(t.notes[r]) +
@@ -123,14 +124,14 @@ class Writer {
     const std::string png = png_of_(f);
     const QByteArray base64 = QByteArray::fromRawData(png.data(), qsizetype(png.size())).toBase64();
     const std::string label = std::string("Figure ") + std::to_string(++figure_) + ".";
-    out_ += "<figure id=\"" + escape_html(f.name) + "\"><img alt=\"" + escape_html(label + " " + f.caption) +
-            "\" width=\"" + std::to_string(std::lround(f.sheet->width_mm() / 25.4 * 96)) + "\" height=\"" +
-            std::to_string(std::lround(f.sheet->height_mm() / 25.4 * 96)) + "\" src=\"data:image/png;base64,";
+    out_ += "<figure id=\"" + escape_html(f.name) + "\"><img alt=\"" + escape_html(label + " " + capitalised(f.shows)) +
+            "\" width=\"" + std::to_string(std::lround(f.canvas->width_mm() / 25.4 * 96)) + "\" height=\"" +
+            std::to_string(std::lround(f.canvas->height_mm() / 25.4 * 96)) + "\" src=\"data:image/png;base64,";
     out_.append(base64.constData(), std::size_t(base64.size()));
     out_ += "\">\n<figcaption><b>" + label + "</b> " + escape_html(f.caption) + "</figcaption></figure>\n";
   }
-  static std::string cell_class(const Table& t, std::size_t k, const std::string& text) {
-    if (text == name_of(Verdict::exceeded)) return " class=\"over\"";
+  static std::string cell_class(const Table& t, std::size_t k, bool marked) {
+    if (marked) return " class=\"marked\"";
     if (k < t.align.size() && t.align[k] != 'l') return std::string(" class=\"") + t.align[k] + "\"";
     return "";
   }

@@ -7,14 +7,16 @@
 #include <utility>
 #include <vector>
 
-#include <QBuffer>
-#include <QPdfWriter>
+#include <QFontMetricsF>
+#include <QPainter>
 
-#include "apps/plot/canvas.hpp"
+#include "apps/plot/qt.hpp"
 #include "apps/report/document/pieces.hpp"
 #include "apps/report/words/words.hpp"
 
 namespace pivnp::report {
+
+using namespace plot;
 
 namespace {
 
@@ -90,14 +92,14 @@ class Paginator {
   double y_ = margin;
 };
 
-void draw_footer(QCPPainter& painter, const QString& title, std::size_t page, std::size_t pages) {
-  painter.setFont(font(7));
-  painter.setPen(colour(faint));
+void draw_footer(QPainter& painter, const QString& title, std::size_t page, std::size_t pages) {
+  painter.setFont(qt_font(7));
+  painter.setPen(qt_colour(faint));
   const QRectF line(margin, page_height - 150, column, 50);
   const QString number = QString("%1 / %2").arg(page).arg(pages);
   painter.drawText(line, Qt::AlignRight | Qt::AlignVCenter, number);
   painter.drawText(line, Qt::AlignLeft | Qt::AlignVCenter,
-                   QFontMetricsF(font(7)).elidedText(title, Qt::ElideRight, column - 200));
+                   QFontMetricsF(qt_font(7)).elidedText(title, Qt::ElideRight, column - 200));
 }
 
 }  // namespace
@@ -106,31 +108,14 @@ std::string pdf(const Document& document) {
   start_qt();
   const Pieces pieces = cut(document, column);
   const std::vector<Page> pages = Paginator().paginate(pieces);
-
-  QByteArray bytes;
-  QBuffer buffer(&bytes);
-  buffer.open(QIODevice::WriteOnly);
-  {
-    QPdfWriter writer(&buffer);
-    writer.setResolution(1200);
-    writer.setPageSize(QPageSize(QPageSize::A4));
-    writer.setPageMargins(QMarginsF(0, 0, 0, 0));
-    const QString title = QString::fromStdString(clean_utf8(document.title));
-    writer.setTitle(title);
-    writer.setCreator(QStringLiteral("pivnp"));
-    QCPPainter painter(&writer);
-    painter.setRenderHint(QPainter::LosslessImageRendering);
-    painter.setMode(QCPPainter::pmVectorized);
-    painter.setMode(QCPPainter::pmNonCosmetic);
-    painter.scale(1200 / (25.4 * units_per_mm), 1200 / (25.4 * units_per_mm));
-    for (std::size_t k = 0; k < pages.size(); ++k) {
-      if (k > 0) writer.newPage();
-      for (const Placed& placed : pages[k]) placed.piece->draw(painter, margin, placed.y);
-      draw_footer(painter, title, k + 1, pages.size());
-    }
-    painter.end();
+  const std::string title = clean_utf8(document.title);
+  PdfPages out(title);
+  for (std::size_t k = 0; k < pages.size(); ++k) {
+    if (k > 0) out.next_page();
+    for (const Placed& placed : pages[k]) placed.piece->draw(out, margin, placed.y);
+    draw_footer(out.painter(), qt(title), k + 1, pages.size());
   }
-  return std::string(bytes.constData(), std::size_t(bytes.size()));
+  return out.finish();
 }
 
 }  // namespace pivnp::report

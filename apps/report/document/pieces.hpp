@@ -1,12 +1,11 @@
-// The document cut into what cannot be cut further: lines, table rows, figures with their captions. Internal: Qt.
+// The document cut into what cannot be cut further: lines, table rows, figures with their captions. Internal to this folder.
 #pragma once
 
 #include <functional>
 #include <memory>
 #include <vector>
 
-#include <qcustomplot.h>
-
+#include "apps/plot/pdf_pages.hpp"
 #include "apps/report/document/document.hpp"
 
 namespace pivnp::report {
@@ -14,15 +13,15 @@ namespace pivnp::report {
 struct Piece;
 using Pieces = std::vector<Piece>;
 
-/// Heights in sheet units (tenths of a millimetre).
+/// Heights in canvas units (tenths of a millimetre).
 struct Piece {
   double before = 0;  // free space above, dropped at the head of a page
   double height = 0;
   bool keep_next = false;  // must not end a page
   bool floats = false;     // may wait for the next page while text goes on
   bool barrier = false;    // a section starts: figures that wait come first
-  std::function<void(QCPPainter&, double x, double y)> draw;
-  std::shared_ptr<const Pieces> repeat;  // a table's head, drawn again where a page starts with this piece
+  std::function<void(plot::PdfPages&, double x, double y)> draw = {};
+  std::shared_ptr<const Pieces> repeat = {};  // a table's head, drawn again where a page starts with this piece
 };
 
 /// The whole document for a measure of `width`.

@@ -1,8 +1,6 @@
 #include "apps/report/document/versions.hpp"
 
-#include <QtGlobal>
-#include <qcustomplot.h>
-
+#include "apps/plot/canvas.hpp"
 #include "pivnp/core/version.hpp"
 
 namespace pivnp::report {
@@ -10,8 +8,9 @@ namespace pivnp::report {
 std::string program_version() { return build_info().version; }
 
 std::string versions() {
-  return "pivnp " + program_version() + "; figures by QCustomPlot " QCUSTOMPLOT_VERSION_STR " on Qt " +
-         std::string(qVersion()) + ".";
+  const BuildInfo& build = build_info();
+  return "pivnp " + build.version + " (commit " + build.commit + "), built with " + build.libraries + "; figures by " +
+         plot::drawing_libraries() + ".";
 }
 
 }  // namespace pivnp::report

@@ -6,7 +6,7 @@
 namespace pivnp::report {
 
 std::string program_version();
-/// One sentence: pivnp, Qt, QCustomPlot.
+/// One sentence: version, commit and libraries of the program, and what draws the figures.
 std::string versions();
 
 }  // namespace pivnp::report

@@ -1,41 +1,60 @@
 // Fields on particles, side by side at chosen times.
 #include <algorithm>
-#include <cctype>
+#include <array>
 #include <cmath>
+#include <utility>
 
+#include "apps/plot/marks.hpp"
 #include "apps/plot/numbers.hpp"
-#include "apps/plot/parts.hpp"
-#include "apps/report/figures/figures.hpp"
-#include "apps/report/words/data_sets.hpp"
+#include "apps/report/content/fields.hpp"
+#include "apps/report/figures/rows.hpp"
 #include "apps/report/words/words.hpp"
 #include "pivnp/core/particles/derived.hpp"
 
 namespace pivnp::report {
 
+using namespace plot;
+
 namespace {
 
-enum class Column { measured, simulated, difference };
+// The two fields that every report draws have files of shorter names; all others bear the field's own.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 2> file_names = {
+    {{"displacement_magnitude", "displacement"}, {"strain_dev", "deviatoric_strain"}}};
+
+std::string file_name(const std::string& field) {
+  for (const auto& [name, file] : file_names)
+    if (name == field) return std::string(file);
+  return field;
+}
+
+bool owns(std::string_view figure) {
+  const std::vector<DerivedField> fields = derived_fields();
+  return std::any_of(fields.begin(), fields.end(),
+                     [&](const DerivedField& f) { return f.name == figure || file_name(f.name) == figure; });
+}
+
+enum class Shown { measured, simulated, difference };
 
 struct Cell {
-  Column column;
-  const Snapshot* snapshot;  // where the particles are
+  Shown shown;
+  const FieldAtTime* at;  // where the particles are
   const std::vector<double>* value;
-  double time;
 };
 
-// Everything a field figure shows, before it is laid out.
-struct Fields {
-  std::vector<Snapshot> measured, simulated;
+// Everything that a figure of one field shows, before it is laid out.
+struct FieldFigure {
+  std::string field, label;
+  std::vector<FieldAtTime> measured, simulated;
   std::vector<std::vector<double>> difference;  // one a time, at the measured particles
   Scale scale, difference_scale;
   Box box;
-  std::size_t ended = 0, doubtful = 0, outside = 0;
+  std::size_t ended = 0, flagged = 0, outside = 0;
 };
 
-QImage draw_cell(const Cell& cell, const Scale& scale, const Box& box, double width_mm) {
-  const Snapshot& s = *cell.snapshot;
+Raster draw_cell(const Cell& cell, const Scale& scale, const Box& box, double width_mm) {
+  const FieldAtTime& s = *cell.at;
   // Where a difference is shown, an ended particle is one of those without a partner.
-  const Rgb ended_rgb = cell.column == Column::difference ? no_value : ended_colour;
+  const Rgb ended_rgb = cell.shown == Shown::difference ? no_value : ended_colour;
   std::vector<Tile> tiles;
   tiles.reserve(s.position.size());
   for (const bool ended : {true, false})  // those no longer followed lie below
@@ -44,28 +63,31 @@ QImage draw_cell(const Cell& cell, const Scale& scale, const Box& box, double wi
       const double v = p < cell.value->size() ? (*cell.value)[p] : std::nan("");
       tiles.push_back({s.position[p], s.half_x[p], s.half_y[p], ended ? ended_rgb : scale.at(v)});
     }
-  return to_image(draw_tiles(tiles, box, int(width_mm / 25.4 * 400)));
+  return draw_tiles(tiles, box, int(width_mm / 25.4 * 400));
 }
 
-Fields gather(const Content& content, const std::string& field, const std::vector<double>& times, bool central) {
-  Fields f;
+FieldFigure gather(const FigureInput& input, const std::string& field) {
+  const Content& content = input.content;
+  FieldFigure f;
+  f.field = field;
+  f.label = derived_field(field).label;
   std::vector<double> values, differences;
   std::vector<const std::vector<Vec2>*> positions;
-  auto add = [&](const MotionSource& motion, std::vector<Snapshot>& list) {
-    list = snapshots(motion, field, central, times);
-    for (const Snapshot& s : list) {
+  const auto add = [&](const MotionSource& motion, std::vector<FieldAtTime>& list) {
+    list = fields_at(motion, field, input.central, input.times);
+    for (const FieldAtTime& s : list) {
       values.insert(values.end(), s.value.begin(), s.value.end());
       positions.push_back(&s.position);
       f.ended += std::size_t(std::count(s.status.begin(), s.status.end(), ParticleStatus::ended));
-      f.doubtful += std::size_t(std::count(s.status.begin(), s.status.end(), ParticleStatus::flagged));
+      f.flagged += std::size_t(std::count(s.status.begin(), s.status.end(), ParticleStatus::flagged));
     }
     positions.push_back(&motion.particles().x0);
   };
   if (content.measured) add(*content.measured, f.measured);
   if (content.simulated) add(*content.simulated, f.simulated);
   if (content.measured)
-    for (std::size_t k = 0; k < times.size(); ++k) {
-      f.difference.push_back(field_difference(content, field, times[k], f.measured[k]));
+    for (std::size_t k = 0; k < input.times.size(); ++k) {
+      f.difference.push_back(field_difference(content, field, input.times[k], f.measured[k]));
       differences.insert(differences.end(), f.difference.back().begin(), f.difference.back().end());
     }
   if (!std::any_of(differences.begin(), differences.end(), [](double d) { return std::isfinite(d); }))
@@ -80,65 +102,52 @@ Fields gather(const Content& content, const std::string& field, const std::vecto
   return f;
 }
 
-std::string column_words(Column c) {
-  return c == Column::measured ? "Measured" : c == Column::simulated ? "Simulated" : "Simulated \u2212 measured";
+std::string heading(Shown shown, const DataSetNames& names) {
+  if (shown == Shown::difference) return capitalised(names.second) + " \u2212 " + names.first;
+  return capitalised(shown == Shown::measured ? names.first : names.second);
 }
 
-std::string figure_name(const std::string& field) {
-  return field == "displacement_magnitude" ? "displacement" : field == "strain_dev" ? "deviatoric_strain" : field;
-}
-
-std::string unit_of(const std::string& field, const Content& content) {
-  const std::string unit = derived_field(field).unit;
-  std::string out;
-  for (char c : unit) out += c == 'L' ? content.length_unit : c == 'T' ? content.time_unit : std::string(1, c);
-  if (out.ends_with("^2")) out.replace(out.size() - 2, 2, "\u00b2");
-  return out == "1" ? "" : out;
-}
-
-std::string caption(const Fields& f, const std::string& field, std::size_t columns, const Content& content) {
-  std::string what = field_words(field);
-  what[0] = char(std::toupper(static_cast<unsigned char>(what[0])));
-  std::string text;
-  if (columns == 1) text = what + " of the " + (content.measured ? "measured" : "simulated") + " motion.";
-  else
-    text =
-        what + ", measured and simulated, on one colour scale" +
-        (columns == 3 ? "; right: simulated minus measured, at the measured particles (blue: the simulation has less, "
-                        "red: more)."
-                      : ".");
+std::string caption(const FieldFigure& f, const std::vector<Shown>& columns, const FigureInput& input) {
+  const DataSetNames& names = input.names;
+  const bool compared = columns.size() == 3;
+  std::string text = capitalised(f.label);
+  if (columns.size() == 1) {
+    text += " of the " + (columns[0] == Shown::measured ? names.first : names.second) + " motion.";
+  } else {
+    text += ", " + names.first + " and " + names.second + ", on one colour scale";
+    text += compared ? "; right: " + names.difference() + ", at the " + names.first + " particles (blue: " +
+                           names.the_second + " has less, red: more)."
+                     : ".";
+  }
   text += " Particles are drawn where they are at each time, as their deformed squares.";
-  text = in_sides(content, text);
   if (f.ended > 0) text += " Pale grey: particles no longer followed, at their last place.";
-  if (columns == 3) text += " Darker grey in the right column: no partner to compare with.";
-  if (f.doubtful > 0) text += " Doubtful particles are shown like all others.";
-  if (f.scale.above || f.scale.below || (columns == 3 && (f.difference_scale.above || f.difference_scale.below)))
+  if (compared) text += " Darker grey in the right column: no partner to compare with.";
+  if (f.flagged > 0) text += " Flagged particles are shown like all others.";
+  if (f.scale.above || f.scale.below || (compared && (f.difference_scale.above || f.difference_scale.below)))
     text += " A pointed colour bar: the outermost 0.5 % of the values lie beyond its end.";
   if (f.outside > 0)
     text += " Outside the panels: " + count(f.outside, "place of a particle", "places of particles") + ".";
+  if (input.content.strain_note && input.content.measured && derived_field(f.field).strain)
+    text += " " + strain_statement(*input.content.strain_note, input.content.length_unit);
   return text;
 }
 
-}  // namespace
+Figure draw_field(const FigureInput& input, const std::string& field) {
+  const Content& content = input.content;
+  const FieldFigure f = gather(input, field);
+  std::vector<Shown> columns;
+  if (content.measured) columns.push_back(Shown::measured);
+  if (content.simulated) columns.push_back(Shown::simulated);
+  if (!f.difference.empty() && columns.size() == 2) columns.push_back(Shown::difference);
 
-std::optional<Figure> field_figure(const Content& content, const std::string& field, const std::vector<double>& times,
-                                   bool central) {
-  derived_field(field);
-  if (times.empty() || (!content.measured && !content.simulated)) return std::nullopt;
-  const Fields f = gather(content, field, times, central);
-  std::vector<Column> columns;
-  if (content.measured) columns.push_back(Column::measured);
-  if (content.simulated) columns.push_back(Column::simulated);
-  if (!f.difference.empty() && columns.size() == 2) columns.push_back(Column::difference);
-
-  // Cells in rows; a single side is laid out along the times instead.
+  // Cells in rows, a row a time; a single data set is laid out along the times instead.
   const bool along = columns.size() == 1;
-  const std::size_t per_row = along ? std::min<std::size_t>(3, times.size()) : columns.size();
+  const std::size_t per_row = along ? std::min<std::size_t>(3, input.times.size()) : columns.size();
   std::vector<Cell> cells;
-  for (std::size_t k = 0; k < times.size(); ++k)
-    for (const Column c : columns) {
-      const Snapshot& s = c == Column::simulated ? f.simulated[k] : f.measured.empty() ? f.simulated[k] : f.measured[k];
-      cells.push_back({c, &s, c == Column::difference ? &f.difference[k] : &s.value, times[k]});
+  for (std::size_t k = 0; k < input.times.size(); ++k)
+    for (const Shown c : columns) {
+      const FieldAtTime& s = c == Shown::simulated || f.measured.empty() ? f.simulated[k] : f.measured[k];
+      cells.push_back({c, &s, c == Shown::difference ? &f.difference[k] : &s.value});
     }
   const std::size_t rows = (cells.size() + per_row - 1) / per_row;
 
@@ -152,45 +161,62 @@ std::optional<Figure> field_figure(const Content& content, const std::string& fi
   const double used = left + double(per_row) * w + double(per_row - 1) * gap + right;
   const double x0 = left + std::max(0.0, (figure_width_mm - used) / 2);
   const double height = head + double(rows) * h + double(rows - 1) * row_gap + foot;
-  auto sheet = std::make_shared<Sheet>(figure_width_mm, height);
+  auto canvas = std::make_shared<Canvas>(figure_width_mm, height);
 
-  auto x_at = [&](std::size_t column) { return x0 + double(column) * (w + gap); };
+  const auto x_at = [&](std::size_t column) { return x0 + double(column) * (w + gap); };
   for (std::size_t n = 0; n < cells.size(); ++n) {
     const std::size_t row = n / per_row, column = n % per_row;
     const double x = x_at(column), y = head + double(row) * (h + row_gap);
     const bool last_row = n + per_row >= cells.size();
-    QCPAxisRect* panel = world_panel(*sheet, x, y, w, h, f.box, content.length_unit, last_row, column == 0);
-    const Scale& scale = cells[n].column == Column::difference ? f.difference_scale : f.scale;
-    const std::vector<Vec2>& places = cells[n].snapshot->position;
+    const Panel panel = world_panel(*canvas, x, y, w, h, f.box, content.length_unit, last_row, column == 0);
+    const Scale& scale = cells[n].shown == Shown::difference ? f.difference_scale : f.scale;
+    const std::vector<Vec2>& places = cells[n].at->position;
     if (std::none_of(places.begin(), places.end(), [](const Vec2& place) { return place.allFinite(); }))
-      sheet->text(x + w / 2, y + h / 2, "no data at this time", Qt::AlignCenter, small_text, false, faint);
-    else raster_in(*sheet, panel, draw_cell(cells[n], scale, f.box, w));
-    QString letter = QString("(%1)").arg(QChar('a' + int(n % 26)));
-    sheet->text(x, y - 0.8, letter, Qt::AlignLeft | Qt::AlignBottom, normal_text, true);
+      canvas->text(x + w / 2, y + h / 2, "no data at this time", Align::centre, {.points = small_text, .rgb = faint});
+    else canvas->raster(panel, draw_cell(cells[n], scale, f.box, w));
+    const std::string letter(1, char('a' + int(n % 26)));
+    canvas->text(x, y - 0.8, "(" + letter + ")", Align::bottom_left, {.bold = true});
     if (along || column == 0)
-      sheet->text(x + 6, y - 0.8, "t = " + qt(plain(cells[n].time) + unit_suffix(content.time_unit)),
-                  Qt::AlignLeft | Qt::AlignBottom, normal_text);
+      canvas->text(x + 6, y - 0.8, "t = " + plain(cells[n].at->time) + unit_suffix(content.time_unit),
+                   Align::bottom_left);
     if (row == 0 && !along)
-      sheet->text(x + w / 2, 0.8, qt(in_sides(content, column_words(cells[n].column))), Qt::AlignHCenter | Qt::AlignTop,
-                  normal_text + 0.5, true);
+      canvas->text(x + w / 2, 0.8, heading(cells[n].shown, input.names), Align::top,
+                   {.points = normal_text + 0.5, .bold = true});
   }
 
-  const std::string unit = unit_of(field, content);
+  const std::string unit = field_unit(derived_field(field), content);
   const DisplayUnit shown = display_unit(unit, std::max(std::abs(f.scale.lower), std::abs(f.scale.upper)));
   const double y_bar = height - foot + 12;
   const std::size_t shared = along ? per_row : std::min<std::size_t>(2, columns.size());
   const double span = double(shared) * w + double(shared - 1) * gap, bar = std::min(span * 0.6, 80.0);
-  colour_bar(*sheet, x0 + (span - bar) / 2, y_bar, bar, f.scale, shown.factor,
-             axis_label(qt(field_words(field)), shown.name));
+  colour_bar(*canvas, x0 + (span - bar) / 2, y_bar, bar, f.scale, shown.factor, axis_label(f.label, shown.name));
   if (columns.size() == 3) {
     const DisplayUnit other = display_unit(unit, f.difference_scale.upper);
-    colour_bar(*sheet, x_at(2) + 0.1 * w, y_bar, 0.8 * w, f.difference_scale, other.factor,
+    colour_bar(*canvas, x_at(2) + 0.1 * w, y_bar, 0.8 * w, f.difference_scale, other.factor,
                axis_label("difference", other.name));
   }
-  std::string words = caption(f, field, columns.size(), content);
-  if (content.strain_note && content.measured && (field.starts_with("strain_") || field == "J"))
-    words += " " + strain_statement(*content.strain_note, content.length_unit);
-  return Figure{figure_name(field), words, sheet};
+  return {caption(f, columns, input), canvas, file_name(field), f.label + " on the particles at chosen times"};
+}
+
+std::vector<Figure> draw(const FigureInput& input) {
+  std::vector<Figure> all;
+  for (const std::string& field : input.options.fields_drawn) {
+    derived_field(field);  // an unknown one is told of even where nothing is drawn
+    if (!input.times.empty()) all.push_back(draw_field(input, field));
+  }
+  return all;
+}
+
+}  // namespace
+
+FigureRow fields_row() {
+  return {.name = "fields",
+          .shows = "a field on the particles at chosen times",
+          .section = Section::comparison,
+          .tall = true,
+          .applies = [](const FigureInput& i) { return i.content.measured || i.content.simulated; },
+          .draw = draw,
+          .owns = owns};
 }
 
 }  // namespace pivnp::report

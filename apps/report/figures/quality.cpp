@@ -2,46 +2,27 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/plot/parts.hpp"
-#include "apps/report/figures/figures.hpp"
-#include "apps/report/words/words.hpp"
+#include "apps/plot/marks.hpp"
+#include "apps/report/figures/rows.hpp"
 
 namespace pivnp::report {
 
-std::optional<Figure> quality_figure(const Content&, const std::vector<PairQuality>& pairs) {
-  if (pairs.empty()) return std::nullopt;
-  auto sheet = std::make_shared<Sheet>(figure_width_mm, 100);
-  const double x = 17, w = 150;
-  QCPAxisRect* shares = sheet->panel(x, 9, w, 36);
-  QCPAxisRect* scores = sheet->panel(x, 53, w, 36);
-  const double first = pairs.front().frames[0] - 0.5,
-               last = std::max(pairs.back().frames[0], pairs.front().frames[0]) + 0.5;
-  for (QCPAxisRect* panel : {shares, scores}) {
-    QCPAxis* axis = panel->axis(QCPAxis::atBottom);
-    set_axis(axis, first, last, panel == scores ? "first frame of the pair" : "", 10);
-    set_step(axis, std::max(1.0, nice_step(last - first, 12)));
-    axis->setTickLabels(panel == scores);
-  }
-  set_axis(shares->axis(QCPAxis::atLeft), 0, 100, "share of nodes (%)", 5);
-  double low = 0;
-  for (const PairQuality& q : pairs)
-    if (std::isfinite(q.score_low)) low = std::min(low, q.score_low);
-  set_axis(scores->axis(QCPAxis::atLeft), low < 0 ? std::floor(low * 5) / 5 : 0, 1, "correlation score", 5);
-  pale_grid(scores);
+using namespace plot;
 
-  constexpr Rgb valid = 0xb9cfe4, replaced = orange, rejected = red, failed = 0x4a2545, flagged = 0xffd9d4;
-  bool any_flag = false;
-  for (const PairQuality& q : pairs) any_flag = any_flag || q.flag != 0;
-  sheet->paint(shares, [=](QCPPainter& p) {
-    p.setPen(Qt::NoPen);
+namespace {
+
+constexpr Rgb valid = 0xb9cfe4, replaced = orange, rejected = red, failed = 0x4a2545, flagged = 0xffd9d4;
+
+void draw_shares(Canvas& canvas, const Panel& panel, const std::vector<PairQuality>& pairs) {
+  canvas.paint(panel, [=](Painter& p) {
+    p.no_pen();
     for (const PairQuality& q : pairs) {
       const double at = q.frames[0];
       double base = 0;
-      auto bar = [&](std::size_t n, Rgb rgb) {
+      const auto bar = [&](std::size_t n, Rgb rgb) {
         const double top = base + 100 * q.share(n);
-        p.setBrush(colour(rgb));
-        p.drawRect(QRectF(QPointF(x_of(shares, at - 0.4), y_of(shares, top)),
-                          QPointF(x_of(shares, at + 0.4), y_of(shares, base))));
+        p.fill({rgb});
+        p.rectangle(between(panel.at({at - 0.4, top}), panel.at({at + 0.4, base})));
         base = top;
       };
       if (q.nodes == 0) continue;
@@ -51,25 +32,47 @@ std::optional<Figure> quality_figure(const Content&, const std::vector<PairQuali
       bar(q.failed, failed);
     }
   });
-  if (any_flag) {
-    sheet->paint(scores, [=](QCPPainter& p) {
-      p.setPen(Qt::NoPen);
-      p.setBrush(colour(flagged));
-      for (const PairQuality& q : pairs)
-        if (q.flag != 0)
-          p.drawRect(QRectF(QPointF(x_of(scores, q.frames[0] - 0.5), double(scores->top())),
-                            QPointF(x_of(scores, q.frames[0] + 0.5), double(scores->bottom()))));
-    });
-    sheet->paint_over([=](QCPPainter& p) {
-      p.setPen(Qt::NoPen);
-      p.setBrush(colour(red));
-      for (const PairQuality& q : pairs) {
-        if (q.flag == 0) continue;
-        const double at = x_of(shares, q.frames[0]), y = shares->top() - 3;
-        p.drawPolygon(QPolygonF({{at - 9, y - 16}, {at + 9, y - 16}, {at, y}}));
-      }
-    });
-  }
+}
+
+void mark_flags(Canvas& canvas, const Panel& shares, const Panel& scores, const std::vector<PairQuality>& pairs) {
+  canvas.paint(scores, [=](Painter& p) {
+    p.no_pen();
+    p.fill({flagged});
+    const Rectangle frame = scores.frame();
+    for (const PairQuality& q : pairs)
+      if (q.flag != 0)
+        p.rectangle(between({scores.x(q.frames[0] - 0.5), frame.top}, {scores.x(q.frames[0] + 0.5), frame.bottom()}));
+  });
+  canvas.paint_over([=](Painter& p) {
+    p.no_pen();
+    p.fill({red});
+    for (const PairQuality& q : pairs) {
+      if (q.flag == 0) continue;
+      const double at = shares.x(q.frames[0]), y = shares.frame().top - 3;
+      p.polygon({{at - 9, y - 16}, {at + 9, y - 16}, {at, y}});
+    }
+  });
+}
+
+std::vector<Figure> draw(const FigureInput& input) {
+  const std::vector<PairQuality>& pairs = input.pairs;
+  auto canvas = std::make_shared<Canvas>(figure_width_mm, 100);
+  const double x = 17, w = 150;
+  Panel shares = canvas->panel(x, 9, w, 36), scores = canvas->panel(x, 53, w, 36);
+  const double first = pairs.front().frames[0] - 0.5,
+               last = std::max(pairs.back().frames[0], pairs.front().frames[0]) + 0.5;
+  shares.axis(Axis::x, first, last, "").numbers(Axis::x, false);
+  scores.axis(Axis::x, first, last, "first frame of the pair");
+  for (Panel* panel : {&shares, &scores}) panel->step(Axis::x, std::max(1.0, nice_step(last - first, 12)));
+  shares.axis(Axis::y, 0, 100, "share of nodes (%)", 5);
+  double low = 0;
+  for (const PairQuality& q : pairs)
+    if (std::isfinite(q.score_low)) low = std::min(low, q.score_low);
+  scores.axis(Axis::y, low < 0 ? std::floor(low * 5) / 5 : 0, 1, "correlation score", 5).pale_grid();
+
+  const bool any_flag = std::any_of(pairs.begin(), pairs.end(), [](const PairQuality& q) { return q.flag != 0; });
+  draw_shares(*canvas, shares, pairs);
+  if (any_flag) mark_flags(*canvas, shares, scores, pairs);
   std::vector<double> at, median, lower, upper;
   for (const PairQuality& q : pairs) {
     at.push_back(q.frames[0]);
@@ -77,27 +80,36 @@ std::optional<Figure> quality_figure(const Content&, const std::vector<PairQuali
     lower.push_back(q.score_low);
     upper.push_back(q.score_high);
   }
-  band(*sheet, scores, at, lower, upper, blue, 45);
-  QCPGraph* g = curve(*sheet, scores, at, median, pen(blue, 1.2));
-  if (pairs.size() <= 60)
-    g->setScatterStyle(
-        QCPScatterStyle(QCPScatterStyle::ssCircle, pen(blue, 0.8), QBrush(Qt::white), 1.5 * units_per_mm));
+  band(*canvas, scores, at, lower, upper, {blue, 45});
+  std::optional<Symbol> symbol;
+  if (pairs.size() <= 60) symbol = Symbol{.marker = Marker::circle, .pen = {blue, 0.8}, .size_mm = 1.5};
+  canvas->curve(scores, at, median, {blue, 1.2}, symbol);
 
   double next = x;
-  next = draw_key(*sheet, next, 2.5, Key::tile, valid, "valid");
-  next = draw_key(*sheet, next, 2.5, Key::tile, replaced, "replaced");
-  next = draw_key(*sheet, next, 2.5, Key::tile, rejected, "rejected");
-  next = draw_key(*sheet, next, 2.5, Key::tile, failed, "failed");
-  if (any_flag) draw_key(*sheet, next, 2.5, Key::tile, flagged, "flagged step");
-  next = draw_key(*sheet, x, 49.5, Key::line, blue, "median");
-  draw_key(*sheet, next, 49.5, Key::band, blue, QString::fromUtf8("5th to 95th percentile"));
-  sheet->text(x - 15, 6, "(a)", Qt::AlignLeft | Qt::AlignTop, normal_text, true);
-  sheet->text(x - 15, 50, "(b)", Qt::AlignLeft | Qt::AlignTop, normal_text, true);
+  next = legend(*canvas, next, 2.5, Key::tile, valid, "valid");
+  next = legend(*canvas, next, 2.5, Key::tile, replaced, "replaced");
+  next = legend(*canvas, next, 2.5, Key::tile, rejected, "rejected");
+  next = legend(*canvas, next, 2.5, Key::tile, failed, "failed");
+  if (any_flag) legend(*canvas, next, 2.5, Key::tile, flagged, "flagged step");
+  next = legend(*canvas, x, 49.5, Key::line, blue, "median");
+  legend(*canvas, next, 49.5, Key::band, blue, "5th to 95th percentile");
+  canvas->text(x - 15, 6, "(a)", Align::top_left, {.bold = true});
+  canvas->text(x - 15, 50, "(b)", Align::top_left, {.bold = true});
   std::string caption =
       "Quality of the measurement, pair by pair: (a) status of the vectors at the nodes that were not masked; (b) "
       "correlation score of the valid ones.";
   if (any_flag) caption += " Marked steps are flagged as a whole.";
-  return Figure{"quality", caption, sheet};
+  return {{caption, canvas}};
+}
+
+}  // namespace
+
+FigureRow quality_row() {
+  return {.name = "quality",
+          .shows = "status and correlation score of the vectors, pair by pair",
+          .section = Section::measurement,
+          .applies = [](const FigureInput& i) { return !i.pairs.empty(); },
+          .draw = draw};
 }
 
 }  // namespace pivnp::report

@@ -2,59 +2,63 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/plot/marks.hpp"
 #include "apps/plot/numbers.hpp"
-#include "apps/plot/parts.hpp"
-#include "apps/report/figures/figures.hpp"
+#include "apps/plot/raster.hpp"
+#include "apps/report/figures/rows.hpp"
 #include "apps/report/words/words.hpp"
 
 namespace pivnp::report {
+
+using namespace plot;
 
 namespace {
 
 constexpr Rgb valid_colour = 0x0b3d91, replaced_colour = vermilion, rejected_colour = red, failed_colour = purple;
 
-// An arrow from tail to tip in sheet units; a dot if it is too short to have a head.
-void draw_arrow(QCPPainter& p, const QPointF& tail, const QPointF& tip, Rgb rgb) {
-  const QPointF d = tip - tail;
+// An arrow from tail to tip in canvas units; a dot if it is too short to have a head.
+void draw_arrow(Painter& p, const Vec2& tail, const Vec2& tip, Rgb rgb) {
+  const Vec2 d = tip - tail;
   const double length = std::hypot(d.x(), d.y());
   if (!std::isfinite(length)) return;
   if (length < 3) {
-    p.setPen(Qt::NoPen);
-    p.setBrush(colour(rgb));
-    p.drawEllipse((tail + tip) / 2, 1.8, 1.8);
+    p.no_pen();
+    p.fill({rgb});
+    p.ellipse((tail + tip) / 2, 1.8, 1.8);
     return;
   }
   const double head = std::min(11.0, 0.45 * length), half = 0.36 * head;
-  const QPointF e = d / length, n(-e.y(), e.x()), neck = tip - head * e;
+  const Vec2 e = d / length, n(-e.y(), e.x()), neck = tip - head * e;
   for (const bool halo : {true, false}) {
-    p.setPen(halo ? pen(0xffffff, 1.5) : pen(rgb, 0.75));
-    p.drawLine(QLineF(tail, neck));
-    p.setPen(halo ? pen(0xffffff, 0.7) : QPen(Qt::NoPen));
-    p.setBrush(halo ? QBrush(Qt::white) : QBrush(colour(rgb)));
-    p.drawPolygon(QPolygonF({tip, neck + half * n, neck - half * n}));
+    p.pen(halo ? Pen{0xffffff, 1.5} : Pen{rgb, 0.75});
+    p.line(tail, neck);
+    if (halo) p.pen({0xffffff, 0.7});
+    else p.no_pen();
+    p.fill({halo ? 0xffffff : rgb});
+    p.polygon({tip, neck + half * n, neck - half * n});
   }
 }
 
-void draw_cross(QCPPainter& p, const QPointF& c, Rgb rgb) {
-  const double r = 5.5;
+void draw_cross(Painter& p, const Vec2& c, Rgb rgb) {
+  const Vec2 falling(5.5, 5.5), rising(5.5, -5.5);
   for (const bool halo : {true, false}) {
-    p.setPen(halo ? pen(0xffffff, 1.8) : pen(rgb, 0.9));
-    p.drawLine(QLineF(c.x() - r, c.y() - r, c.x() + r, c.y() + r));
-    p.drawLine(QLineF(c.x() - r, c.y() + r, c.x() + r, c.y() - r));
+    p.pen(halo ? Pen{0xffffff, 1.8} : Pen{rgb, 0.9});
+    p.line(c - falling, c + falling);
+    p.line(c - rising, c + rising);
   }
 }
 
-void draw_ring(QCPPainter& p, const QPointF& c, Rgb rgb) {
-  p.setBrush(Qt::NoBrush);
+void draw_ring(Painter& p, const Vec2& c, Rgb rgb) {
+  p.no_fill();
   for (const bool halo : {true, false}) {
-    p.setPen(halo ? pen(0xffffff, 1.6) : pen(rgb, 0.8));
-    p.drawEllipse(c, 5.0, 5.0);
+    p.pen(halo ? Pen{0xffffff, 1.6} : Pen{rgb, 0.8});
+    p.ellipse(c, 5.0, 5.0);
   }
 }
 
 struct Plan {
   int stride = 1;         // every stride-th node in both directions
-  double units_each = 0;  // sheet units of arrow to one length unit; 0: nothing moves
+  double units_each = 0;  // canvas units of arrow to one length unit; 0: nothing moves
   double typical = 0;     // 95th percentile of the usable vectors
 };
 
@@ -72,22 +76,19 @@ Plan plan_arrows(const VectorField& field, double units_per_length) {
   return plan;
 }
 
-void draw_vectors(Sheet& sheet, QCPAxisRect* panel, const VectorField& field, const Plan& plan) {
-  sheet.paint(panel, [=](QCPPainter& p) {
-    auto place = [&](int i, int j) {
-      const Vec2 x = field.grid.position(i, j);
-      return QPointF(x_of(panel, x.x()), y_of(panel, x.y()));
-    };
+void draw_vectors(Canvas& canvas, const Panel& panel, const VectorField& field, const Plan& plan) {
+  canvas.paint(panel, [=](Painter& p) {
+    const auto place = [&](int i, int j) { return panel.at(field.grid.position(i, j)); };
     const int first_i = (field.grid.nx - 1) % plan.stride / 2, first_j = (field.grid.ny - 1) % plan.stride / 2;
     for (const VectorStatus wanted : {VectorStatus::valid, VectorStatus::replaced})
       for (int j = first_j; j < field.grid.ny; j += plan.stride)
         for (int i = first_i; i < field.grid.nx; i += plan.stride) {
           const std::size_t n = field.grid.node(i, j);
           if (field.status[n] != wanted) continue;
-          const QPointF at = place(i, j);
-          const QPointF d(double(field.displacement[n][0]) * plan.units_each,
-                          -double(field.displacement[n][1]) * plan.units_each);
-          const QPointF tail = field.anchor == Anchor::central ? at - d / 2 : at;
+          const Vec2 at = place(i, j);
+          const Vec2 d(double(field.displacement[n][0]) * plan.units_each,
+                       -double(field.displacement[n][1]) * plan.units_each);
+          const Vec2 tail = field.anchor == Anchor::central ? Vec2(at - d / 2) : at;
           draw_arrow(p, tail, tail + d, wanted == VectorStatus::valid ? valid_colour : replaced_colour);
         }
     // What was not measured is rare and matters: no node is left out.
@@ -100,93 +101,114 @@ void draw_vectors(Sheet& sheet, QCPAxisRect* panel, const VectorField& field, co
   });
 }
 
-void draw_legend(Sheet& sheet, double x, double right, const PairQuality& q, const Plan& plan,
+void draw_legend(Canvas& canvas, double x, double right, const PairQuality& q, const Plan& plan,
                  const std::string& unit) {
   struct Entry {
     const char* words;
     std::size_t n;
-    Rgb rgb;
-    int form;  // 0 arrow, 1 cross, 2 ring
+    void (*draw)(Painter&, const Vec2&);
   };
-  for (const Entry& e :
-       {Entry{"valid", q.valid, valid_colour, 0}, Entry{"replaced", q.replaced, replaced_colour, 0},
-        Entry{"rejected", q.rejected, rejected_colour, 1}, Entry{"failed", q.failed, failed_colour, 2}}) {
+  const Entry entries[] = {
+      {"valid", q.valid,
+       [](Painter& p, const Vec2& c) { draw_arrow(p, c - Vec2(27, 0), c + Vec2(27, 0), valid_colour); }},
+      {"replaced", q.replaced,
+       [](Painter& p, const Vec2& c) { draw_arrow(p, c - Vec2(27, 0), c + Vec2(27, 0), replaced_colour); }},
+      {"rejected", q.rejected, [](Painter& p, const Vec2& c) { draw_cross(p, c, rejected_colour); }},
+      {"failed", q.failed, [](Painter& p, const Vec2& c) { draw_ring(p, c, failed_colour); }}};
+  constexpr double y = 3.2;
+  const TextStyle small{.points = small_text};
+  for (const Entry& e : entries) {
     if (e.n == 0) continue;
-    const double at = x;
-    sheet.paint_over([=](QCPPainter& p) {
-      const QPointF c((at + 3) * units_per_mm, 3.2 * units_per_mm);
-      if (e.form == 0) draw_arrow(p, c - QPointF(27, 0), c + QPointF(27, 0), e.rgb);
-      if (e.form == 1) draw_cross(p, c, e.rgb);
-      if (e.form == 2) draw_ring(p, c, e.rgb);
-    });
-    const QString words = qt(std::string(e.words) + " " + percent(q.share(e.n)));
-    sheet.text(at + 7, 3.2, words, Qt::AlignLeft | Qt::AlignVCenter, small_text);
-    x = at + 7 + text_width(words, small_text) + 5;
+    canvas.paint_over([draw = e.draw, at = Vec2((x + 3) * units_per_mm, y * units_per_mm)](Painter& p) { draw(p, at); });
+    const std::string words = std::string(e.words) + " " + percent(q.share(e.n));
+    canvas.text(x + 7, y, words, Align::left, small);
+    x = x + 7 + text_width(words, small_text) + 5;
   }
   if (plan.units_each <= 0) {
-    sheet.text(right, 3.2, "no motion", Qt::AlignRight | Qt::AlignVCenter, small_text);
+    canvas.text(right, y, "no motion", Align::right, small);
     return;
   }
   const double reference = nice_length(plan.typical);
   const DisplayUnit shown = display_unit(unit, reference);
-  const QString words = qt(number(reference * shown.factor, 1) + unit_suffix(shown.name));
-  sheet.text(right, 3.2, words, Qt::AlignRight | Qt::AlignVCenter, small_text);
+  const std::string words = significant(reference * shown.factor, 1) + unit_suffix(shown.name);
+  canvas.text(right, y, words, Align::right, small);
   const double tip = right - text_width(words, small_text) - 2;
-  sheet.paint_over([=](QCPPainter& p) {
-    const QPointF end(tip * units_per_mm, 3.2 * units_per_mm);
-    draw_arrow(p, end - QPointF(reference * plan.units_each, 0), end, ink);
+  canvas.paint_over([=](Painter& p) {
+    const Vec2 end(tip * units_per_mm, y * units_per_mm);
+    draw_arrow(p, end - Vec2(reference * plan.units_each, 0), end, ink);
   });
 }
 
-}  // namespace
+std::string caption(const Content& content, const VectorField& field, const Picture& picture, const PairQuality& q,
+                    const Plan& plan) {
+  std::string text =
+      "Increments measured from " + frame_words(content, field.pair[0]) + " to " + frame_words(content, field.pair[1]);
+  if (const auto n = std::size_t(std::max(0, field.pair[0])); n < content.frames.size())
+    text += ", t = " + plain(content.frames[n].time) + unit_suffix(content.time_unit);
+  text += ", on " + frame_words(content, picture.frame) + " (contrast softened).";
+  if (plan.stride > 1)
+    text += " Arrows: every " +
+            std::string(plan.stride == 2   ? "second"
+                        : plan.stride == 3 ? "third"
+                                           : std::to_string(plan.stride) + "th") +
+            " node in both directions.";
+  text += " Shares in the legend are of all " + count(q.nodes, "node") + " that were not masked.";
+  if (q.rejected + q.failed > 0) text += " Rejected and failed nodes are all marked.";
+  if (q.flag != 0) text += " This step is flagged; its vectors are not to be trusted.";
+  return text;
+}
 
-std::vector<Figure> vector_figures(const Content& content, const std::vector<PairQuality>& pairs) {
+// The pair that starts with the frame, else the one that ends with it; the number of pairs if there is none.
+std::size_t pair_of(int frame, const std::vector<PairQuality>& pairs) {
+  for (const std::size_t end : {0u, 1u})
+    for (std::size_t k = 0; k < pairs.size(); ++k)
+      if (pairs[k].frames[end] == frame) return k;
+  return pairs.size();
+}
+
+std::vector<Figure> draw(const FigureInput& input) {
+  const Content& content = input.content;
   std::vector<Figure> figures;
   for (const Picture& picture : content.pictures) {
     if (picture.image.empty()) continue;
-    std::size_t at = pairs.size();
-    for (const std::size_t end : {0u, 1u})
-      for (std::size_t k = 0; k < pairs.size() && at == pairs.size(); ++k)
-        if (pairs[k].frames[end] == picture.frame) at = k;
-    if (at == pairs.size()) continue;
+    const std::size_t at = pair_of(picture.frame, input.pairs);
+    if (at == input.pairs.size()) continue;
     const VectorField field = content.pair(at);
 
     const Box box = image_box(picture.image.width(), picture.image.height(), content.world_from_pixel);
     const double left = 15, right = 3, head = 7, foot = 11, aspect = box.height() / box.width();
     const double w = std::min(figure_width_mm - left - right, (124 - head - foot) / aspect), h = w * aspect;
     const double x = left + (figure_width_mm - left - right - w) / 2;
-    auto sheet = std::make_shared<Sheet>(figure_width_mm, head + h + foot);
-    QCPAxisRect* panel = world_panel(*sheet, x, head, w, h, box, content.length_unit, true, true);
+    auto canvas = std::make_shared<Canvas>(figure_width_mm, head + h + foot);
+    const Panel panel = world_panel(*canvas, x, head, w, h, box, content.length_unit, true, true);
     const int pixels = std::clamp(int(w / 25.4 * 220), 64, 1400);
-    raster_in(*sheet, panel,
-              to_image(draw_image(picture.image.view(), content.world_from_pixel, box, pixels, 120, 252)));
+    canvas->raster(panel, draw_image(picture.image.view(), content.world_from_pixel, box, pixels, 120, 252));
     const Plan plan = plan_arrows(field, w * units_per_mm / box.width());
-    draw_vectors(*sheet, panel, field, plan);
-    draw_scale_bar(*sheet, panel, box, content.length_unit);
-    draw_legend(*sheet, x, x + w, pairs[at], plan, content.length_unit);
-
-    auto frame_words = [&](int k) {
-      const auto n = std::size_t(k);
-      return k >= 0 && n < content.frames.size() && !content.frames[n].name.empty() ? content.frames[n].name
-                                                                                    : "frame " + std::to_string(k);
-    };
-    std::string caption =
-        "Increments measured from " + frame_words(field.pair[0]) + " to " + frame_words(field.pair[1]);
-    if (const auto n = std::size_t(std::max(0, field.pair[0])); n < content.frames.size())
-      caption += ", t = " + plain(content.frames[n].time) + unit_suffix(content.time_unit);
-    caption += ", on " + frame_words(picture.frame) + " (contrast softened).";
-    if (plan.stride > 1)
-      caption += " Arrows: every " +
-                 std::string(plan.stride == 2   ? "second"
-                             : plan.stride == 3 ? "third"
-                                                : std::to_string(plan.stride) + "th") +
-                 " node in both directions.";
-    caption += " Shares in the legend are of all " + count(pairs[at].nodes, "node") + " that were not masked.";
-    if (pairs[at].rejected + pairs[at].failed > 0) caption += " Rejected and failed nodes are all marked.";
-    if (pairs[at].flag != 0) caption += " This step is flagged; its vectors are not to be trusted.";
-    figures.push_back({"vectors_" + std::to_string(figures.size() + 1), caption, sheet});
+    draw_vectors(*canvas, panel, field, plan);
+    scale_bar(*canvas, panel, box, content.length_unit);
+    draw_legend(*canvas, x, x + w, input.pairs[at], plan, content.length_unit);
+    figures.push_back({caption(content, field, picture, input.pairs[at], plan), canvas,
+                       "vectors_" + std::to_string(figures.size() + 1),
+                       "vectors of a pair on " + frame_words(content, picture.frame)});
   }
   return figures;
+}
+
+bool owns(std::string_view figure) {
+  constexpr std::string_view prefix = "vectors_";
+  return figure.starts_with(prefix) && figure.size() > prefix.size() &&
+         figure.find_first_not_of("0123456789", prefix.size()) == std::string_view::npos;
+}
+
+}  // namespace
+
+FigureRow vectors_row() {
+  return {.name = "vectors",
+          .shows = "the vectors of a pair on its frame",
+          .section = Section::measurement,
+          .applies = [](const FigureInput& i) { return !i.pairs.empty() && !i.content.pictures.empty(); },
+          .draw = draw,
+          .owns = owns};
 }
 
 }  // namespace pivnp::report

@@ -1,8 +1,5 @@
 #include "apps/report/words/data_sets.hpp"
 
-#include <array>
-#include <utility>
-
 namespace pivnp::report {
 
 namespace {
@@ -11,31 +8,6 @@ bool knows_its_error(const MotionSource& motion) {
   return !motion.times().empty() && !motion.frame(motion.times().size() - 1).cov_u.empty();
 }
 
-// Longer phrases before the words they hold.
-constexpr std::array<std::pair<const char*, const char*>, 12> neutral{{
-    {"Simulation and measurement were compared", "Two motions were compared"},
-    {"Simulation and measurement are not", "They are not"},
-    {"Measurement and simulation compared", "Two motions compared"},
-    {"The measurement\u2019s uncertainty is", "Their uncertainty is"},
-    {"the measurement\u2019s", "the first\u2019s"},
-    {"measurement\u2019s own", "the first\u2019s own"},
-    {"the measurement's", "the first's"},
-    {"the measurement is not what limits the comparison", "their uncertainty is not what limits the comparison"},
-    {"the measurement itself", "the first itself"},
-    {"the measurement", "the first"},
-    {"The measurement", "The first"},
-    {"the simulation", "the second"},
-}};
-constexpr std::array<std::pair<const char*, const char*>, 4> words{
-    {{"Measured", "First"}, {"measured", "first"}, {"Simulated", "Second"}, {"simulated", "second"}}};
-
-void replace_all(std::string& text, const std::string& from, const std::string& to) {
-  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
-    text.replace(at, from.size(), to);
-}
-
-}  // namespace
-
 bool like_with_like(const Content& content) {
   if (!content.comparison) return false;
   if (!content.measured || !content.simulated) return !content.measured && !content.simulated;
@@ -43,10 +15,15 @@ bool like_with_like(const Content& content) {
   return !knows_its_error(*content.measured) || knows_its_error(*content.simulated);
 }
 
-std::string in_sides(const Content& content, std::string text) {
-  if (!like_with_like(content)) return text;
-  for (const auto& [from, to] : neutral) replace_all(text, from, to);
-  for (const auto& [from, to] : words) replace_all(text, from, to);
+}  // namespace
+
+DataSetNames data_set_names(const Content& content) {
+  if (like_with_like(content)) return {true, "first", "second", "the first", "the second"};
+  return {false, "measured", "simulated", "the measurement", "the simulation"};
+}
+
+std::string capitalised(std::string text) {
+  if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] = char(text[0] - 'a' + 'A');
   return text;
 }
 

@@ -1,18 +1,27 @@
-// Names of fields and metrics as a reader expects them.
+// Names of fields, metrics and frames as a reader expects them.
 #pragma once
 
 #include <string>
 #include <string_view>
 
+#include "apps/report/content/content.hpp"
+#include "apps/report/words/data_sets.hpp"
+#include "pivnp/core/particles/derived.hpp"
 #include "pivnp/core/record/strain_note.hpp"
 
 namespace pivnp::report {
 
-/// displacement_rms -> "Displacement, RMS"; an unknown name keeps its words.
-std::string metric_words(const std::string& name);
+/// displacement_rms -> "displacement, RMS"; an unknown name keeps its words.
+std::string metric_words(const std::string& name, const DataSetNames& names);
 
-/// displacement_magnitude -> "displacement", strain_dev -> "deviatoric strain".
+/// The label of a computed field, "deviatoric strain" of strain_dev; an unknown name keeps its words.
 std::string field_words(std::string_view name);
+
+/// The unit of a field in those of the content: "m/s²".
+std::string field_unit(const DerivedField& field, const Content& content);
+
+/// The frame's name, or "frame 7".
+std::string frame_words(const Content& content, int frame);
 
 /// The sentence that goes with every measured strain: gauge length and noise floor, or that it was not measured.
 std::string strain_statement(const StrainNote& note, const std::string& length_unit);

@@ -192,7 +192,7 @@ std::vector<std::string> simulate(const Case& c, const Setting& setting, const s
   writer.begin_motion("mpm", solver.particles());
   if (next > 0)
     solver.load(done.checkpoint);
-  else if (c.mpm->settle)
+  else if (c.mpm->initial_equilibrium)
     solver.find_initial_equilibrium(progress);
   for (std::size_t k = next; k < times.size(); ++k) {
     solver.advance_to(times[k], progress);

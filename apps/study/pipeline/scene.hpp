@@ -9,6 +9,7 @@
 #include "mpm/step/solver.hpp"
 #include "pivnp/core/particles/motion.hpp"
 #include "pivnp/core/particles/region.hpp"
+#include "pivnp/core/record/vectors.hpp"
 #include "pivnp/image/camera.hpp"
 #include "pivnp/image/mask.hpp"
 #include "pivnp/piv/piv.hpp"

@@ -115,10 +115,10 @@ Curve drift_curve(const Case& c, np::DriftScheme scheme, const Setting& setting,
 
 void write_curves(const std::vector<Curve>& curves, const std::filesystem::path& out) {
   std::string table = "frame";
-  report::Chart chart{"frame", "RMS error of the displacement (px)", {}, true};
+  plot::Chart chart{"frame", "RMS error of the displacement (px)", {}, true};
   for (const Curve& curve : curves) {
     table += "," + curve.scheme;
-    report::ChartCurve line{curve.scheme, {}, curve.rms_px};
+    plot::ChartCurve line{curve.scheme, {}, curve.rms_px};
     for (std::size_t k = 0; k < curve.rms_px.size(); ++k) line.x.push_back(double(k));
     chart.curves.push_back(std::move(line));
   }
@@ -128,7 +128,7 @@ void write_curves(const std::vector<Curve>& curves, const std::filesystem::path&
     for (const Curve& curve : curves) table += "," + number(curve.rms_px[k], 6);
     table += "\n";
   }
-  report::write_chart(chart, out / "drift");
+  plot::write_chart(chart, out / "drift");
   std::ofstream file(out / "drift.csv", std::ios::binary);
   file << table << std::flush;
   if (!file) throw RunError((out / "drift.csv").string() + ": cannot be written");

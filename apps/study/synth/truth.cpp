@@ -100,7 +100,7 @@ void carry_by_simulation(const Case& c, const Setting& setting, const std::vecto
   mpm::Scene scene = make_scene(c, setting, *c.synth_mpm, c.synth_materials, "synth.material.");
   const double difference = 0.05 * scene.grid.spacing.x();
   mpm::Solver solver(*c.synth_mpm, std::move(scene), threads);
-  if (c.synth_mpm->settle) solver.find_initial_equilibrium(progress);
+  if (c.synth_mpm->initial_equilibrium) solver.find_initial_equilibrium(progress);
 
   double pending = 0;                    // time since the tracers were carried last
   double piece = 0;

@@ -51,6 +51,8 @@ std::vector<DerivedField> derived_fields() {
       {"acceleration_x", "L/T^2", "dv_x/dt, second-order differences over the frames"},
       {"acceleration_y", "L/T^2", "dv_y/dt, likewise"},
       {"acceleration_magnitude", "L/T^2", "|a|", "acceleration"},
+  };
+  std::vector<DerivedField> strains = {
       {"strain_xx", "1", "xx of the logarithmic strain 1/2 ln(F F^T)"},
       {"strain_yy", "1", "yy of the logarithmic strain"},
       {"strain_xy", "1", "xy of the logarithmic strain (tensor component)"},
@@ -75,8 +77,10 @@ std::vector<DerivedField> derived_fields() {
       {"strain_sum_yy", "1", "sum of small-strain increments"},
       {"strain_sum_xy", "1", "sum of small-strain increments"},
       {"strain_sum_dev", "1", "sqrt(2/3 e:e) of the deviator of the summed strain", "summed deviatoric strain"},
-      {"mean_stress", "Pa", "(s_xx + s_yy + s_zz)/3, tension positive", "mean stress", "stress"},
   };
+  for (DerivedField& field : strains) field.strain = true;
+  fields.insert(fields.end(), strains.begin(), strains.end());
+  fields.push_back({"mean_stress", "Pa", "(s_xx + s_yy + s_zz)/3, tension positive", "mean stress", "stress"});
   for (DerivedField& field : fields)
     if (field.label.empty()) {
       field.label = field.name;

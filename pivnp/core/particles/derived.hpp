@@ -17,6 +17,7 @@ struct DerivedField {
   std::string label = {};     // as a report says it
   std::string source = {};    // the recorded field that a motion must carry for it; empty: u and F are enough
   std::size_t component = 0;  // of `source`
+  bool strain = false;        // of F or its increments: stated with a gauge length and a noise floor
 };
 
 /// displacement_x _y _magnitude; velocity_x _y _magnitude; acceleration_x _y _magnitude;

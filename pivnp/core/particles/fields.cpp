@@ -107,4 +107,14 @@ std::span<float> MotionFrame::add(std::string_view name, std::size_t particles) 
   return to->values;
 }
 
+std::string unit_in(std::string_view pattern, const std::string& length, const std::string& time) {
+  std::string out;
+  for (const char c : pattern) {
+    if (c == 'L') out += length;
+    else if (c == 'T') out += time;
+    else out += c;
+  }
+  return out;
+}
+
 }  // namespace pivnp

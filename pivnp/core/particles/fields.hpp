@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "pivnp/core/particles/motion.hpp"
@@ -50,5 +51,8 @@ std::size_t particles_with(const MotionFrame& frame, const MotionField& field);
 
 /// Gives `frame` room for `field` of so many particles, and returns it. Valid until the frame or that field changes.
 void* make_room(MotionFrame& frame, const MotionField& field, std::size_t particles);
+
+/// A unit in terms of length L and time T ("L/T^2"), in those that are used: "m/s^2".
+std::string unit_in(std::string_view pattern, const std::string& length, const std::string& time);
 
 }  // namespace pivnp

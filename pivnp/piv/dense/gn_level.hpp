@@ -16,7 +16,7 @@ class GnLevel {
   /// Cells of a quarter of `window_px`, in pixels of the level, over the nodes and two cells beyond.
   GnLevel(const Extent& extent, int decimation, int window_px, int passes);
 
-  /// `shared`: the level's images where somebody has taken them already without smoothing, else null.
+  /// `shared`: the level's images where they have been taken already without smoothing, else null.
   void take(const ImageView& first, const ImageView& second, float smoothing, int threads, const Level* shared);
 
   const Level& images() const { return *images_; }
@@ -35,7 +35,7 @@ class GnLevel {
   EvenLattice even() const;
 
  private:
-  // Saturated pixels are told at the full resolution only.
+  // Saturated pixels are found at the full resolution only.
   const PixelFlags* flags(const PixelFlags& full) const {
     const PixelFlags& own = own_.decimation == 1 ? full : masked_;
     return own.empty() ? nullptr : &own;

@@ -240,7 +240,7 @@ std::vector<int> starts(int points, int side) {
 // What the kept terms' noise is of that of the fast ones, block by block. The texture's own noise in clean frames that
 // are deformed has less power at long wavelengths: its fall over one octave, as a mean over some blocks about, is
 // carried on by three octaves (where kept terms lie; by six in the largest blocks). Where structures hide the
-// fall, nothing is taken off.
+// fall, nothing is subtracted.
 static void find_slow_shares(int side, std::size_t across, std::vector<Shrinker::Block>& blocks, std::size_t count) {
   const float octaves = side >= 64 ? 6.0f : 3.0f;
   const int reach = side >= 32 ? 3 : 6, nx = static_cast<int>(across), ny = static_cast<int>(count / across);

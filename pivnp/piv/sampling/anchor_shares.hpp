@@ -1,7 +1,7 @@
 // How the frames share a displacement.
 #pragma once
 
-#include "pivnp/core/record/vectors.hpp"
+#include "pivnp/core/record/vector_status.hpp"
 
 namespace pivnp::piv {
 

@@ -8,7 +8,7 @@ namespace pivnp::piv {
 
 struct Extent {
   NodeLattice nodes;  // pixels of the region
-  MaskView mask;      // of the region; its data belong to somebody else
+  MaskView mask;      // of the region; its data belong to the caller
   int width, height;  // of the region
 };
 

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr int reach = 2;     // nodes to either side that are averaged over
-constexpr double most = 10;  // of a single place's strength: a few wild places decide nothing
+constexpr double most = 10;  // limit of a single place's strength, so that a few extreme places decide nothing
 constexpr double least_strength = 1, sure = 4;
 
 // Products of a node's differences, averaged over the pairs of chains that know it.

@@ -232,7 +232,7 @@ struct Neighbours {
   }
   static std::size_t at(int a, int b) { return std::size_t((b + reach) * (2 * reach + 1) + a + reach); }
 
-  // Median difference of adjacent neighbours along i (da = 1) or j (db = 1); 0 where too few say anything.
+  // Median difference of adjacent neighbours along i (da = 1) or j (db = 1); 0 where there are too few of them.
   float gradient(std::size_t component, int da, int db) const {
     Sample differences;
     for (int b = -reach; b + db <= reach; ++b)

@@ -58,7 +58,7 @@ bool cut(const ImageView& image, const MaskView& mask, int column, int row, std:
 double blob_diameter(const ImageView& image, const MaskView& mask) {
   Autocovariance sums;
   std::array<float, block * block> v{};
-  // a grid of at most 64 x 64 blocks says enough of any image
+  // A grid of at most 64 x 64 blocks describes any image well enough.
   const int across = std::max(1, image.width / block), down = std::max(1, image.height / block);
   const int step_x = std::max(1, across / 64), step_y = std::max(1, down / 64);
   for (int j = 0; (j + 1) * block <= image.height; j += step_y)
@@ -149,7 +149,7 @@ std::array<double, FractionStatistics::bins> FractionStatistics::histogram() con
 
 double FractionStatistics::amplitude_error() const {
   if (fits_ < 25 || !(square_ > 0)) return nan;
-  // neighbouring vectors share pixels: about four of them make one independent one
+  // Neighbouring vectors share pixels: about four of them make one independent one.
   const double error = 2 * std::sqrt(residual_ / static_cast<double>(fits_) / square_);
   return error <= 0.02 ? error : nan;
 }

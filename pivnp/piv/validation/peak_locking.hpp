@@ -7,13 +7,13 @@
 #include <vector>
 
 #include "pivnp/core/image_view.hpp"
-#include "pivnp/core/record/vectors.hpp"
+#include "pivnp/core/record/vector_status.hpp"
 
 namespace pivnp::piv {
 
 /// Diameter (four standard deviations) of the texture's blobs, px, at least about 0.9: from the autocorrelation's fall
-/// from one pixel of lag to two, which noise between pixels does not touch; the pixel's own width is taken off. Means
-/// of blocks of 32 px are taken off first: illumination and large shapes do not count. NaN without texture.
+/// from one pixel of lag to two, which noise between pixels does not affect; the pixel's own width is subtracted. Means
+/// of blocks of 32 px are subtracted first: illumination and large shapes do not count. NaN without texture.
 double blob_diameter(const ImageView& image, const MaskView& mask);
 
 /// Blobs smaller than this are warned of: uniform shifts of blobs of 2 / 1.5 / 1 px are measured to .009 / .017 / .039
@@ -21,7 +21,7 @@ double blob_diameter(const ImageView& image, const MaskView& mask);
 inline constexpr double least_blob_px = 1.7;
 
 /// Fits error = -a sin(2 pi d) to fields of vectors: what a vector deviates by from a cubic through its neighbours (5 x
-/// 5) against what that error would make it deviate by. An even field, at whatever fraction, says nothing.
+/// 5) against what that error would make it deviate by. An even field has nothing to tell, whatever its fraction.
 class FractionStatistics {
  public:
   static constexpr int bins = 20;

@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "pivnp/core/record/vectors.hpp"
+#include "pivnp/core/record/vector_status.hpp"
 
 namespace pivnp::piv {
 

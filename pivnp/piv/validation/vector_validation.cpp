@@ -12,7 +12,7 @@ namespace pivnp::piv {
 namespace {
 
 // Errors that no smoothing removes, px^2: interpolation of undersampled grains, clipped ones, rounding; measured on
-// evenly moved frames. Averages over blocks of pixels fold what they do not resolve: up to .006 px.
+// evenly moved frames. Averages over blocks of pixels alias what they do not resolve: up to .006 px.
 constexpr float systematic_variance(int decimation) { return decimation == 1 ? 0.32e-6f : 12e-6f; }
 
 // Share of the window about a node that the image holds, along one axis: hats seen through weights 1/4, 1/2, 1/4 reach

@@ -50,9 +50,9 @@ struct SubsetMatch {
 /// Matches every prediction: inverse compositional Gauss-Newton on an affine warp (Baker & Matthews 2004), criterion
 /// zero-normalised sum of squared differences (Pan, Li & Tong 2013), quintic spline interpolation in both images, so
 /// that `from` need not lie on a pixel. Converges from about a texture grain's size; the prediction must be that good.
-/// Covariance: residual variance times the inverse Hessian, times the factor by which the residuals of neighbouring
-/// pixels hang together (their products summed to 4 px), times the square of the share of the slopes that both images
-/// do not have in common (noise and lost texture steepen the Hessian without holding the minimum). Same bits for any
+/// Covariance: residual variance times the inverse Hessian, times the factor for the correlation of the residuals of
+/// neighbouring pixels (their products summed to 4 px), times the square of the factor by which slopes that both images
+/// do not have in common (noise, lost texture) steepen the Hessian without holding the minimum. Same bits for any
 /// number of threads. `threads` = 0: all cores. Throws InputError for images of different size or a side below 7 px.
 std::vector<SubsetMatch> match_subsets(const SubsetImage& first, const SubsetImage& second,
                                        std::span<const AffinePrediction> predictions, const SubsetOptions& options,

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "pivnp/core/record/vectors.hpp"
+#include "pivnp/core/record/vector_status.hpp"
 #include "pivnp/piv/sampling/lattice.hpp"
 #include "pivnp/piv/sampling/level.hpp"
 #include "pivnp/piv/window/predictor.hpp"

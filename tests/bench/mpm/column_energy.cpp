@@ -64,7 +64,7 @@ int main(int argc, char** argv) {
     options.transfer = value_named<mpm::TransferKind>(choice.transfer);
     options.stress_update = value_named<mpm::StressUpdate>(choice.stress);
     options.locking = value_named<mpm::Locking>(choice.locking);
-    options.settle = false;
+    options.initial_equilibrium = false;
     options.end_at_rest = false;
     options.energy_limit = 1e9;
     mpm::Solver solver(options, column(cells), 1);

@@ -9,19 +9,19 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
-#include <functional>
 #include <map>
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "apps/plot/parts.hpp"
-#include "apps/plot/canvas.hpp"
+#include "apps/plot/error_time.hpp"
 
 namespace {
 
-using namespace pivnp::report;
+using namespace pivnp::plot;
+using pivnp::Vec2;
 
 // A program or setting: its error by row, px, as far as it was measured and returned anything.
 struct Entry {
@@ -29,11 +29,6 @@ struct Entry {
   double microseconds = NAN;
   std::map<std::string, double> error;
   bool ours = false;
-};
-
-struct Point {
-  double microseconds, error, worst;  // worst: NaN if there is one row only
-  std::size_t entry;
 };
 
 using Rows = std::vector<std::map<std::string, std::string>>;
@@ -114,18 +109,41 @@ std::vector<Entry> peers(const Rows& table, std::vector<std::string>& rows) {
   return entries;
 }
 
-std::vector<Point> points_of(const std::vector<Entry>& entries, const std::string& row) {
-  std::vector<Point> points;
+constexpr double quickest = 0.5, slowest = 1000;  // microseconds
+
+// The entry's point, without its error.
+ErrorTimePoint point_of(const std::vector<Entry>& entries, std::size_t k, const std::vector<Symbol>& symbols) {
+  ErrorTimePoint point;
+  point.name = entries[k].name;
+  point.symbol = symbols[k];
+  point.own = entries[k].ours;
+  point.time = entries[k].microseconds;
+  return point;
+}
+
+std::vector<Symbol> symbols_of(const std::vector<Entry>& entries, double size_mm) {
+  std::vector<bool> own;
+  for (const Entry& e : entries) own.push_back(e.ours);
+  return entry_symbols(own, size_mm);
+}
+
+std::vector<ErrorTimePoint> points_of(const std::vector<Entry>& entries, const std::string& row, double size_mm) {
+  const std::vector<Symbol> symbols = symbols_of(entries, size_mm);
+  std::vector<ErrorTimePoint> points;
   for (std::size_t k = 0; k < entries.size(); ++k)
-    if (const auto at = entries[k].error.find(row); at != entries[k].error.end())
-      points.push_back({entries[k].microseconds, at->second, NAN, k});
+    if (const auto at = entries[k].error.find(row); at != entries[k].error.end()) {
+      points.push_back(point_of(entries, k, symbols));
+      points.back().error = at->second;
+    }
   return points;
 }
 
-// Over the rows that an entry has, if those are at least half of them.
-std::vector<Point> whole_table(const std::vector<Entry>& entries, const std::vector<std::string>& rows,
-                               const std::map<std::string, double>& asked) {
-  std::vector<Point> points;
+// Over the rows that an entry has, if those are at least half of them; `rest`: the others.
+std::vector<ErrorTimePoint> whole_table(const std::vector<Entry>& entries, const std::vector<std::string>& rows,
+                                        const std::map<std::string, double>& asked, double size_mm,
+                                        std::vector<std::size_t>& rest) {
+  const std::vector<Symbol> symbols = symbols_of(entries, size_mm);
+  std::vector<ErrorTimePoint> points;
   for (std::size_t k = 0; k < entries.size(); ++k) {
     double sum = 0, worst = 0, count = 0;
     for (const std::string& row : rows) {
@@ -134,198 +152,60 @@ std::vector<Point> whole_table(const std::vector<Entry>& entries, const std::vec
       const double share = std::max(at->second, 1e-6) / asked.at(row);
       sum += std::log(share), worst = std::max(worst, share), ++count;
     }
-    if (2 * count >= static_cast<double>(rows.size()))
-      points.push_back({entries[k].microseconds, std::exp(sum / count), worst, k});
+    if (2 * count < static_cast<double>(rows.size())) {
+      rest.push_back(k);
+      continue;
+    }
+    points.push_back(point_of(entries, k, symbols));
+    points.back().error = std::exp(sum / count);
+    points.back().worst = worst;
   }
   return points;
 }
 
-// Those that no other point beats in both, quickest first.
-std::vector<Point> front(std::vector<Point> points) {
-  std::sort(points.begin(), points.end(),
-            [](const Point& a, const Point& b) { return a.microseconds < b.microseconds; });
-  std::vector<Point> best;
-  for (const Point& p : points)
-    if (best.empty() || p.error < best.back().error) best.push_back(p);
-  return best;
+void draw_whole(Canvas& canvas, std::vector<ErrorTimePoint> points, std::size_t rows) {
+  constexpr double x = 17, y = 12, width = 152, height = 74;
+  canvas.text(x, y - 10.5, "The table's " + std::to_string(rows) + " rows that others were measured on", Align::top_left,
+              {.points = 9, .bold = true});
+  canvas.text(x, y - 5, "symbol: geometric mean of the rows; line: up to the worst row", Align::top_left,
+              {.points = small_text, .rgb = faint});
+  ErrorTimeChart chart{"time per vector (µs)", "error / what is asked"};
+  chart.quickest = quickest, chart.slowest = slowest;
+  chart.least = 0.1, chart.greatest = 100;
+  chart.names = true;
+  chart.asked = 1;
+  chart.points = std::move(points);
+  draw_error_time(canvas, x, y, width, height, chart);
+  canvas.text(x + width, y + height * 2 / 3.0 - 0.8, "met", Align::bottom_right, {.points = small_text, .rgb = faint});
 }
 
-void logarithmic(QCPAxis* axis, double lower, double upper, const char* label) {
-  set_axis(axis, lower, upper, QString::fromUtf8(label));
-  axis->setScaleType(QCPAxis::stLogarithmic);
-  axis->setTicker(QSharedPointer<QCPAxisTickerLog>::create());
-  axis->setSubTicks(true);
-  axis->setSubTickPen(pen(ink, 0.5));
-  axis->setSubTickLength(0, int(0.6 * units_per_mm));
-}
-
-constexpr double fastest = 0.5, slowest = 1000;  // microseconds
-constexpr Rgb pale = 0xe4e4e4;
-
-const QCPScatterStyle::ScatterShape shapes[] = {QCPScatterStyle::ssSquare,    QCPScatterStyle::ssDiamond,
-                                                QCPScatterStyle::ssTriangle,  QCPScatterStyle::ssTriangleInverted,
-                                                QCPScatterStyle::ssCross,     QCPScatterStyle::ssPlus,
-                                                QCPScatterStyle::ssStar,      QCPScatterStyle::ssCrossSquare,
-                                                QCPScatterStyle::ssPlusCircle};
-constexpr Rgb own_colours[] = {vermilion, blue, red, green, purple, orange, sky, ink};
-
-struct Look {
-  QCPScatterStyle::ScatterShape shape;
-  Rgb rgb;
-  bool filled;
-};
-
-// Entries: ours first, then the others.
-Look look_of(const std::vector<Entry>& entries, std::size_t k) {
-  if (entries[k].ours) return {QCPScatterStyle::ssDisc, own_colours[k % std::size(own_colours)], true};
-  std::size_t other = 0;
-  for (std::size_t n = 0; n < k; ++n) other += !entries[n].ours;
-  return {shapes[other % std::size(shapes)], faint, false};
-}
-
-void draw_symbol(QCPPainter& painter, const Look& look, double x, double y, double size_mm) {
-  QCPScatterStyle style(look.shape, pen(look.rgb, 0.9), look.filled ? QBrush(colour(look.rgb)) : QBrush(Qt::white),
-                        size_mm * units_per_mm);
-  style.applyTo(&painter, pen(look.rgb, 0.9));
-  style.drawShape(&painter, x, y);
-}
-
-// The front as stairs: what is possible lies right of and above it.
-void draw_front(Sheet& sheet, QCPAxisRect* panel, const std::vector<Point>& points, double top) {
-  const std::vector<Point> best = front(points);
-  sheet.paint(panel, [=](QCPPainter& p) {
-    p.setPen(pen(ink, 0.6, Qt::DashLine));
-    QPolygonF path;
-    const auto to = [&](double x, double y) { path << QPointF(x_of(panel, x), y_of(panel, y)); };
-    to(best.front().microseconds, top);
-    for (std::size_t n = 0; n < best.size(); ++n) {
-      to(best[n].microseconds, best[n].error);
-      to(n + 1 < best.size() ? best[n + 1].microseconds : slowest, best[n].error);
-    }
-    p.drawPolyline(path);
-  });
-}
-
-void draw_points(Sheet& sheet, QCPAxisRect* panel, const std::vector<Entry>& entries, const std::vector<Point>& points,
-                 double size_mm) {
-  sheet.paint_over([=, &entries](QCPPainter& painter) {
-    for (auto p = points.rbegin(); p != points.rend(); ++p)  // ours last: on top
-      draw_symbol(painter, look_of(entries, p->entry), x_of(panel, p->microseconds), y_of(panel, p->error), size_mm);
-  });
-}
-
-// Horizontal lines at the decades.
-void draw_decades(Sheet& sheet, QCPAxisRect* panel, double lower, double upper) {
-  sheet.paint(panel, [=](QCPPainter& p) {
-    p.setPen(pen(pale, 0.5));
-    for (double y = lower * 10; y < 0.99 * upper; y *= 10)
-      p.drawLine(QPointF(x_of(panel, fastest), y_of(panel, y)), QPointF(x_of(panel, slowest), y_of(panel, y)));
-  });
-}
-
-struct Patch {
-  double x, y, width, height;
-  bool meets(const Patch& o) const {
-    return x < o.x + o.width && o.x < x + width && y < o.y + o.height && o.y < y + height;
-  }
-};
-
-// Names beside the symbols, where nothing is in the way. Places in mm, within a panel at (x, y).
-void draw_names(Sheet& sheet, const std::vector<Entry>& entries, const std::vector<Point>& points,
-                const std::function<Patch(const Point&)>& place) {
-  std::vector<Patch> taken;
-  for (const Point& p : points) taken.push_back(place(p));
-  constexpr double line = 3.1;
-  for (const Point& p : points) {
-    const QString words = qt(entries[p.entry].name);
-    const bool ours = entries[p.entry].ours;
-    const double wide = text_width(words, small_text, ours);
-    const Patch at = place(p);
-    const double cx = at.x + at.width / 2, cy = at.y + at.height / 2, off = at.width / 2 + 0.8;
-    const double right = cx + off, left = cx - off - wide, above = cy - line - 0.5, below = cy + 0.5;
-    // Beside the symbol; ours, whose front is a line to the right, above that.
-    const Patch tries[] = {{right, ours ? above : cy - line / 2, wide, line},
-                           {left, cy - line / 2, wide, line},
-                           {right, below + 0.4, wide, line},
-                           {cx - wide / 2, cy + off, wide, line},
-                           {cx - wide / 2, cy - off - line, wide, line},
-                           {left, below, wide, line},
-                           {left, above, wide, line},
-                           {right, cy + off, wide, line}};
-    const auto free = std::find_if(std::begin(tries), std::end(tries), [&](const Patch& t) {
-      return std::none_of(taken.begin(), taken.end(), [&](const Patch& o) { return t.meets(o); });
-    });
-    const Patch* best = free == std::end(tries) ? tries : free;
-    taken.push_back(*best);
-    sheet.text(best->x, best->y + line / 2, words, Qt::AlignLeft | Qt::AlignVCenter, small_text, ours,
-               ours ? look_of(entries, p.entry).rgb : faint);
-  }
-}
-
-void draw_whole(Sheet& sheet, const std::vector<Entry>& entries, const std::vector<Point>& points, std::size_t rows) {
-  constexpr double x = 17, y = 12, width = 152, height = 74, lower = 0.1, upper = 100;
-  QCPAxisRect* panel = sheet.panel(x, y, width, height);
-  logarithmic(panel->axis(QCPAxis::atBottom), fastest, slowest, "time per vector (µs)");
-  logarithmic(panel->axis(QCPAxis::atLeft), lower, upper, "error / what is asked");
-  sheet.text(x, y - 10.5, qt("The table's " + std::to_string(rows) + " rows that others were measured on"),
-             Qt::AlignLeft | Qt::AlignTop, 9, true);
-  sheet.text(x, y - 5, "symbol: geometric mean of the rows; line: up to the worst row", Qt::AlignLeft | Qt::AlignTop,
-             small_text, false, faint);
-  draw_decades(sheet, panel, lower, upper);
-  sheet.paint(panel, [=, &entries](QCPPainter& p) {
-    p.setPen(pen(faint, 0.8));
-    p.drawLine(QPointF(x_of(panel, fastest), y_of(panel, 1)), QPointF(x_of(panel, slowest), y_of(panel, 1)));
-    for (const Point& at : points) {
-      const Look look = look_of(entries, at.entry);
-      p.setPen(QPen(colour(look.rgb, 110), 0.7 * units_per_point));
-      const double column = x_of(panel, at.microseconds), worst = y_of(panel, std::min(at.worst, upper));
-      p.drawLine(QPointF(column, y_of(panel, at.error)), QPointF(column, worst));
-      p.drawLine(QPointF(column - 0.8 * units_per_mm, worst), QPointF(column + 0.8 * units_per_mm, worst));
-    }
-  });
-  draw_front(sheet, panel, points, upper);
-  draw_points(sheet, panel, entries, points, 2.6);
-  const auto place = [=](const Point& p) {
-    const double across = std::log(p.microseconds / fastest) / std::log(slowest / fastest),
-                 up = std::log(p.error / lower) / std::log(upper / lower);
-    constexpr double half = 1.6;
-    return Patch{x + across * width - half, y + (1 - up) * height - half, 2 * half, 2 * half};
-  };
-  draw_names(sheet, entries, points, place);
-  sheet.text(x + width, y + height * 2 / 3.0 - 0.8, "met", Qt::AlignRight | Qt::AlignBottom, small_text, false, faint);
-}
-
-void draw_panel(Sheet& sheet, const std::string& name, std::size_t k, const std::vector<Entry>& entries) {
-  constexpr double width = 46, height = 40, lower = 0.001, upper = 1;
+void draw_panel(Canvas& canvas, const std::string& name, std::size_t k, const std::vector<Entry>& entries) {
+  constexpr double width = 46, height = 40;
   const double x = 17 + double(k % 3) * 53, y = 106 + double(k / 3) * 53;
-  QCPAxisRect* panel = sheet.panel(x, y, width, height);
-  logarithmic(panel->axis(QCPAxis::atBottom), fastest, slowest, k < 3 ? "" : "time per vector (µs)");
-  logarithmic(panel->axis(QCPAxis::atLeft), lower, upper, k % 3 == 0 ? "error, rms (px)" : "");
-  panel->axis(QCPAxis::atLeft)->setTickLabels(k % 3 == 0);  // one range for all
-  panel->axis(QCPAxis::atBottom)->setTickLabels(k >= 3);
-  sheet.text(x + width / 2, y - 5, qt(name), Qt::AlignHCenter | Qt::AlignTop, normal_text, true);
-  draw_decades(sheet, panel, lower, upper);
-  const std::vector<Point> points = points_of(entries, name);
-  draw_front(sheet, panel, points, upper);
-  draw_points(sheet, panel, entries, points, 2.1);
+  canvas.text(x + width / 2, y - 5, name, Align::top, {.bold = true});
+  ErrorTimeChart chart{k < 3 ? "" : "time per vector (µs)", k % 3 == 0 ? "error, rms (px)" : ""};
+  chart.quickest = quickest, chart.slowest = slowest;
+  chart.least = 0.001, chart.greatest = 1;
+  chart.time_numbers = k >= 3, chart.error_numbers = k % 3 == 0;  // one range for all
+  chart.points = points_of(entries, name, 2.1);
+  draw_error_time(canvas, x, y, width, height, chart);
 }
 
 // Programs that the large panel does not name: measured on few rows.
-void draw_rest(Sheet& sheet, const std::vector<Entry>& entries, const std::vector<Point>& named, double y) {
+void draw_rest(Canvas& canvas, const std::vector<Entry>& entries, const std::vector<std::size_t>& rest, double y) {
+  const std::vector<Symbol> symbols = symbols_of(entries, 2.1);
   double x = 17;
-  for (std::size_t k = 0; k < entries.size(); ++k) {
-    if (std::any_of(named.begin(), named.end(), [&](const Point& p) { return p.entry == k; })) continue;
-    const double at = x;
-    sheet.paint_over([=, &entries](QCPPainter& p) {
-      draw_symbol(p, look_of(entries, k), (at + 1.2) * units_per_mm, y * units_per_mm, 2.1);
+  for (const std::size_t k : rest) {
+    canvas.paint_over([symbol = symbols[k], at = Vec2((x + 1.2) * units_per_mm, y * units_per_mm)](Painter& p) {
+      p.symbol(symbol, at);
     });
-    const QString words = qt(entries[k].name) + " (on few rows)";
-    sheet.text(x + 3.4, y, words, Qt::AlignLeft | Qt::AlignVCenter, small_text, false, faint);
+    const std::string words = entries[k].name + " (on few rows)";
+    canvas.text(x + 3.4, y, words, Align::left, {.points = small_text, .rgb = faint});
     x += 9 + text_width(words, small_text);
   }
 }
 
-void draw_notes(Sheet& sheet, double y) {
+void draw_notes(Canvas& canvas, double y) {
   const char* notes[] = {
       "Dashed: the front; nothing is both quicker and more accurate. Colours: pivnp, over valid vectors; grey: other "
       "programs, over all",
@@ -335,13 +215,7 @@ void draw_notes(Sheet& sheet, double y) {
       "windows of 32 px unless named. Noise and loss rows move evenly: larger windows gain there what they lose in "
       "bands "
       "and waves."};
-  for (const char* note : notes) sheet.text(17, y += 3.9, note, Qt::AlignLeft | Qt::AlignTop, 6.5, false, faint);
-}
-
-void write(const std::string& file, const QByteArray& bytes) {
-  std::ofstream stream(file, std::ios::binary);
-  stream.write(bytes.constData(), bytes.size());
-  if (!stream.flush()) throw std::runtime_error(file + ": cannot be written");
+  for (const char* note : notes) canvas.text(17, y += 3.9, note, Align::top_left, {.points = 6.5, .rgb = faint});
 }
 
 }  // namespace
@@ -359,15 +233,13 @@ int main(int argc, char** argv) {
     for (const std::string& row : rows)
       if (!asked.contains(row))
         throw std::runtime_error(std::string(argv[1]) + ": found no row '" + row + "', expected it");
-    start_qt();
-    Sheet sheet(175, 226);
-    const std::vector<Point> whole = whole_table(entries, rows, asked);
-    draw_whole(sheet, entries, whole, rows.size());
-    for (std::size_t k = 0; k < panels.size(); ++k) draw_panel(sheet, panels[k], k, entries);
-    draw_rest(sheet, entries, whole, 211);
-    draw_notes(sheet, 210.5);
-    write(std::string(argv[3]) + ".svg", sheet.svg());
-    write(std::string(argv[3]) + ".png", sheet.png(150));
+    Canvas canvas(175, 226);
+    std::vector<std::size_t> rest;
+    draw_whole(canvas, whole_table(entries, rows, asked, 2.6, rest), rows.size());
+    for (std::size_t k = 0; k < panels.size(); ++k) draw_panel(canvas, panels[k], k, entries);
+    draw_rest(canvas, entries, rest, 211);
+    draw_notes(canvas, 210.5);
+    save(canvas, argv[3], 150);
   } catch (const std::exception& e) {
     std::fprintf(stderr, "piv_chart: %s\n", e.what());
     return 2;

@@ -1,20 +1,19 @@
 // What the settings of [piv] do, each on one telling scene: docs/pictures/piv_*.png. Usage: piv_pictures FOLDER
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <functional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "apps/plot/parts.hpp"
-#include "apps/plot/canvas.hpp"
+#include "apps/plot/files.hpp"
+#include "apps/plot/marks.hpp"
 #include "tests/support/piv_score.hpp"
 
 namespace {
 
 using namespace pivnp;
-using namespace pivnp::report;
+using namespace pivnp::plot;
 using piv::NodeLattice, piv::PivOptions, piv::PixelVectors;
 
 constexpr int side = 512;
@@ -37,22 +36,19 @@ PixelVectors measure(const image::SyntheticPair& pair, const NodeLattice& nodes,
       .correlate(pair.first.view(), pair.second.view(), {});
 }
 
-void write(const Sheet& sheet, const std::string& file) {
-  const QByteArray bytes = sheet.png(dots_per_inch);
-  std::ofstream stream(file, std::ios::binary);
-  stream.write(bytes.constData(), bytes.size());
-  if (!stream.flush()) throw std::runtime_error(file + ": cannot be written");
-  std::printf("%s, %lld bytes\n", file.c_str(), static_cast<long long>(bytes.size()));
+void write(const Canvas& canvas, const std::string& file) {
+  write_file(file, canvas.png(dots_per_inch));
+  std::printf("%s\n", file.c_str());
 }
 
-void title(Sheet& sheet, double x_mm, const char* words) {
-  sheet.text(x_mm, 2, words, Qt::AlignLeft | Qt::AlignTop, normal_text, true);
+void title(Canvas& canvas, double x_mm, const char* words) {
+  canvas.text(x_mm, 2, words, Align::top_left, {.bold = true});
 }
 
 // Names of lines below the panels, `across` of them in a row.
-void keys(Sheet& sheet, const std::vector<Line>& lines, double y_mm) {
-  double x = draw_key(sheet, 14, y_mm, Key::dashed, ink, "truth");
-  for (const Line& line : lines) x = draw_key(sheet, x, y_mm, Key::line, line.colour, qt(line.name));
+void keys(Canvas& canvas, const std::vector<Line>& lines, double y_mm) {
+  double x = legend(canvas, 14, y_mm, Key::dashed, ink, "truth");
+  for (const Line& line : lines) x = legend(canvas, x, y_mm, Key::line, line.colour, line.name);
 }
 
 // One column of nodes through the middle, 2 px apart: u against y.
@@ -65,12 +61,11 @@ NodeLattice column_of_nodes(double x, double half_length) {
 }
 
 // u of every setting along a column of nodes, beside the truth; values that are not trusted are left out.
-void profiles(Sheet& sheet, double x_mm, const image::SyntheticPair& pair, double half_length, double largest,
+void profiles(Canvas& canvas, double x_mm, const image::SyntheticPair& pair, double half_length, double largest,
               const std::vector<Line>& lines, std::size_t component = 0) {
-  QCPAxisRect* panel = sheet.panel(x_mm, 8, 62, 46);
-  set_axis(panel->axis(QCPAxis::atBottom), -half_length, half_length, "across (px)");
-  set_axis(panel->axis(QCPAxis::atLeft), -largest, largest, component == 0 ? "u (px)" : "v (px)");
-  pale_grid(panel);
+  Panel panel = canvas.panel(x_mm, 8, 62, 46);
+  panel.axis(Axis::x, -half_length, half_length, "across (px)");
+  panel.axis(Axis::y, -largest, largest, component == 0 ? "u (px)" : "v (px)").pale_grid();
   const NodeLattice nodes = column_of_nodes(0.5 * (side - 1), half_length);
   std::vector<double> at, truth;
   for (const auto& [x, y] : nodes.pixel) {
@@ -82,9 +77,9 @@ void profiles(Sheet& sheet, double x_mm, const image::SyntheticPair& pair, doubl
     std::vector<double> u;
     for (std::size_t k = 0; k < at.size(); ++k)
       u.push_back(found.status[k] == VectorStatus::valid ? double(found.displacement[k][component]) : NAN);
-    curve(sheet, panel, at, u, pen(line.colour, 1.1));
+    canvas.curve(panel, at, u, {line.colour, 1.1});
   }
-  curve(sheet, panel, at, truth, pen(ink, 0.7, Qt::DashLine));
+  canvas.curve(panel, at, truth, {ink, 0.7, Dash::dashed});
 }
 
 image::SyntheticPair pair_of(image::Motion motion, double noise, double loss = 0) {
@@ -96,75 +91,73 @@ image::SyntheticPair pair_of(image::Motion motion, double noise, double loss = 0
 constexpr double middle = 0.5 * (side - 1);
 
 void window_picture(const std::string& folder) {
-  Sheet sheet(164, 74);
+  Canvas canvas(164, 74);
   std::vector<Line> lines;
   const std::pair<int, Rgb> windows[] = {{16, blue}, {32, vermilion}, {64, green}};
   for (const auto& [window, rgb] : windows)
     lines.push_back({std::to_string(window) + " px", rgb, with([w = window](PivOptions& o) { o.window_px = w; })});
-  title(sheet, 14, "shear band, half-width 5 px, clean frames");
-  profiles(sheet, 14, pair_of(image::band(2, 5, middle, middle), 0), 40, 2.6, lines);
-  title(sheet, 94, "the same, 10 % of noise");
-  profiles(sheet, 94, pair_of(image::band(2, 5, middle, middle), 0.1), 40, 2.6, lines);
-  keys(sheet, lines, 69);
-  write(sheet, folder + "/piv_window.png");
+  title(canvas, 14, "shear band, half-width 5 px, clean frames");
+  profiles(canvas, 14, pair_of(image::band(2, 5, middle, middle), 0), 40, 2.6, lines);
+  title(canvas, 94, "the same, 10 % of noise");
+  profiles(canvas, 94, pair_of(image::band(2, 5, middle, middle), 0.1), 40, 2.6, lines);
+  keys(canvas, lines, 69);
+  write(canvas, folder + "/piv_window.png");
 }
 
 void smoothing_picture(const std::string& folder) {
-  Sheet sheet(164, 74);
+  Canvas canvas(164, 74);
   const std::vector<Line> lines = {{"adaptive", vermilion, {}},
-                                   {"window, order 1", blue,
-                                    with([](PivOptions& o) { o.smoothing = piv::Smoothing::window; })}};
-  title(sheet, 14, "wave of 128 px and .2 px, 5 % of noise");
-  profiles(sheet, 14, pair_of(image::sine(0.2, 128), 0.05), 128, 0.32, lines);
-  title(sheet, 94, "wave of 64 px and .06 px, 10 % of noise");
-  profiles(sheet, 94, pair_of(image::sine(0.06, 64), 0.1), 128, 0.32, lines);
-  keys(sheet, lines, 69);
-  write(sheet, folder + "/piv_smoothing.png");
+                                   {"window, order 1", blue, with([](PivOptions& o) { o.smoothing = piv::Smoothing::window; })}};
+  title(canvas, 14, "wave of 128 px and .2 px, 5 % of noise");
+  profiles(canvas, 14, pair_of(image::sine(0.2, 128), 0.05), 128, 0.32, lines);
+  title(canvas, 94, "wave of 64 px and .06 px, 10 % of noise");
+  profiles(canvas, 94, pair_of(image::sine(0.06, 64), 0.1), 128, 0.32, lines);
+  keys(canvas, lines, 69);
+  write(canvas, folder + "/piv_smoothing.png");
 }
 
 void method_picture(const std::string& folder) {
-  Sheet sheet(164, 80);
+  Canvas canvas(164, 80);
   const auto method = [](const char* name) { return with([=](PivOptions& o) { o.method = name; }); };
   const std::vector<Line> lines = {{"gn", vermilion, method("gn")},
                                    {"fast", green, method("fast")},
                                    {"fft", blue, method("fft")},
                                    {"dis", purple, method("dis")}};
-  title(sheet, 14, "wave of 48 px and 1 px, clean frames");
-  profiles(sheet, 14, pair_of(image::sine(1, 48), 0), 72, 1.5, lines);
-  title(sheet, 94, "wave of 96 px, 20 % of grains lost");
-  profiles(sheet, 94, pair_of(image::sine(1, 96), 0, 0.2), 72, 1.5, lines);
-  keys(sheet, lines, 69);
-  write(sheet, folder + "/piv_method.png");
+  title(canvas, 14, "wave of 48 px and 1 px, clean frames");
+  profiles(canvas, 14, pair_of(image::sine(1, 48), 0), 72, 1.5, lines);
+  title(canvas, 94, "wave of 96 px, 20 % of grains lost");
+  profiles(canvas, 94, pair_of(image::sine(1, 96), 0, 0.2), 72, 1.5, lines);
+  keys(canvas, lines, 69);
+  write(canvas, folder + "/piv_method.png");
 }
 
 void order_picture(const std::string& folder) {
-  Sheet sheet(164, 74);
+  Canvas canvas(164, 74);
   std::vector<Line> lines;
   const Rgb colours[] = {blue, green, vermilion};
   for (const int order : {0, 1, 2})
     lines.push_back({"order " + std::to_string(order), colours[order],
                      with([=](PivOptions& o) { o.smoothing = piv::Smoothing::window, o.order = order; })});
-  title(sheet, 14, "wave of 48 px and 1 px, clean frames");
-  profiles(sheet, 14, pair_of(image::sine(1, 48), 0), 72, 1.5, lines);
-  title(sheet, 94, "no motion, 10 % of noise");
-  profiles(sheet, 94, pair_of(image::uniform(0, 0), 0.1), 72, 0.5, lines);
-  keys(sheet, lines, 69);
-  write(sheet, folder + "/piv_order.png");
+  title(canvas, 14, "wave of 48 px and 1 px, clean frames");
+  profiles(canvas, 14, pair_of(image::sine(1, 48), 0), 72, 1.5, lines);
+  title(canvas, 94, "no motion, 10 % of noise");
+  profiles(canvas, 94, pair_of(image::uniform(0, 0), 0.1), 72, 0.5, lines);
+  keys(canvas, lines, 69);
+  write(canvas, folder + "/piv_order.png");
 }
 
 // Turned by 6 degrees about the middle: what belongs to the middle of the path and what to its start.
 void anchor_picture(const std::string& folder) {
-  Sheet sheet(164, 74);
+  Canvas canvas(164, 74);
   const image::SyntheticPair pair = pair_of(image::rotation(6, middle, middle), 0);
   const NodeLattice nodes = column_of_nodes(middle, 100);
   const char* titles[] = {"turned by 6 degrees: u", "and v, where only the anchors differ"};
   for (const int component : {0, 1}) {
     const double x = component == 0 ? 14 : 94, largest = component == 0 ? 13 : 1;
-    title(sheet, x, titles[component]);
-    QCPAxisRect* panel = sheet.panel(x, 8, 62, 46);
-    set_axis(panel->axis(QCPAxis::atBottom), -100, 100, "y, down from the centre (px)");
-    set_axis(panel->axis(QCPAxis::atLeft), -largest, largest, component == 0 ? "u (px)" : "v (px)");
-    pale_grid(panel);
+    title(canvas, x, titles[component]);
+    Panel panel = canvas.panel(x, 8, 62, 46);
+    panel.axis(Axis::x, -100, 100, "y, down from the centre (px)");
+    panel.axis(Axis::y, -largest, largest, component == 0 ? "u (px)" : "v (px)").pale_grid();
     for (const Anchor anchor : {Anchor::central, Anchor::forward}) {
       const PixelVectors found = measure(
           pair, nodes, with([=](PivOptions& o) { o.anchor = anchor; }));
@@ -176,17 +169,17 @@ void anchor_picture(const std::string& folder) {
         value.push_back(valid ? double(found.displacement[k][std::size_t(component)]) : NAN);
         truth.push_back(pair.truth({px, py}, anchor)[component]);
       }
-      curve(sheet, panel, at, value, pen(anchor == Anchor::central ? vermilion : blue, 1.4));
-      curve(sheet, panel, at, truth, pen(ink, 0.7, Qt::DashLine));
+      canvas.curve(panel, at, value, {anchor == Anchor::central ? vermilion : blue, 1.4});
+      canvas.curve(panel, at, truth, {ink, 0.7, Dash::dashed});
     }
   }
-  keys(sheet, {{"central", vermilion, {}}, {"forward", blue, {}}}, 69);
-  write(sheet, folder + "/piv_anchor.png");
+  keys(canvas, {{"central", vermilion, {}}, {"forward", blue, {}}}, 69);
+  write(canvas, folder + "/piv_anchor.png");
 }
 
 // A patch whose texture is another one in the second frame, amid 30 % of loss: what is valid, rebuilt, not trusted.
 void rejection_picture(const std::string& folder) {
-  Sheet sheet(164, 74);
+  Canvas canvas(164, 74);
   image::SyntheticPair pair = pair_of(image::sine(1, 128), 0, 0.3);
   image::TextureOptions texture;
   texture.seed = 77;
@@ -201,7 +194,7 @@ void rejection_picture(const std::string& folder) {
       {"max_sigma_px = .3", with([](PivOptions& o) { o.max_sigma_px = 0.3; })},
       {"min_score = .5", with([](PivOptions& o) { o.min_score = 0.5; })}};
   const auto colour_of = [](VectorStatus s) {
-    return s == VectorStatus::valid      ? 0xd9e6ef
+    return s == VectorStatus::valid      ? Rgb(0xd9e6ef)
            : s == VectorStatus::replaced ? orange
            : s == VectorStatus::rejected ? red
                                          : no_value;
@@ -209,36 +202,34 @@ void rejection_picture(const std::string& folder) {
   double x = 8;
   for (const auto& [name, options] : settings) {
     const PixelVectors found = measure(pair, nodes, options);
-    title(sheet, x, name);
-    QCPAxisRect* panel = sheet.panel(x, 8, 46, 46);
-    set_axis(panel->axis(QCPAxis::atBottom), 0, nodes.nx, "");
-    set_axis(panel->axis(QCPAxis::atLeft), 0, nodes.ny, "");
-    for (const auto at : {QCPAxis::atBottom, QCPAxis::atLeft})
-      panel->axis(at)->setTicks(false), panel->axis(at)->setTickLabels(false);
-    sheet.paint(panel, [=](QCPPainter& p) {
-      p.setPen(Qt::NoPen);
+    title(canvas, x, name);
+    Panel panel = canvas.panel(x, 8, 46, 46);
+    panel.axis(Axis::x, 0, nodes.nx, "").axis(Axis::y, 0, nodes.ny, "");
+    for (const Axis axis : {Axis::x, Axis::y}) panel.ticks(axis, false).numbers(axis, false);
+    canvas.paint(panel, [=](Painter& p) {
+      p.no_pen();
       for (int j = 0; j < nodes.ny; ++j)
         for (int i = 0; i < nodes.nx; ++i) {
-          const QPointF low(x_of(panel, i), y_of(panel, j)), high(x_of(panel, i + 1), y_of(panel, j + 1));
-          p.fillRect(QRectF(low, high).normalized().adjusted(0.4, 0.4, -0.4, -0.4),
-                     colour(colour_of(found.status[std::size_t(j * nodes.nx + i)])));
+          Rectangle tile = between(panel.at({double(i), double(j)}), panel.at({i + 1.0, j + 1.0}));
+          tile = {tile.left + 0.4, tile.top + 0.4, tile.width - 0.8, tile.height - 0.8};
+          p.fill({colour_of(found.status[std::size_t(j * nodes.nx + i)])});
+          p.rectangle(tile);
         }
       const double x0 = (first - 100) / 8.0, x1 = (end - 100) / 8.0, y0 = (side - 101 - end) / 8.0,
                    y1 = (side - 101 - first) / 8.0;
-      p.setPen(pen(ink, 0.9, Qt::DashLine));
-      p.setBrush(Qt::NoBrush);
-      p.drawRect(
-          QRectF(QPointF(x_of(panel, x0), y_of(panel, y0)), QPointF(x_of(panel, x1), y_of(panel, y1))).normalized());
+      p.pen({ink, 0.9, Dash::dashed});
+      p.no_fill();
+      p.rectangle(between(panel.at({x0, y0}), panel.at({x1, y1})));
     });
     x += 52;
   }
-  double at = draw_key(sheet, 8, 63, Key::tile, 0xd9e6ef, "valid");
-  at = draw_key(sheet, at, 63, Key::tile, orange, "replaced (rebuilt from neighbours)");
-  at = draw_key(sheet, at, 63, Key::tile, red, "rejected");
-  draw_key(sheet, at, 63, Key::dashed, ink, "texture exchanged here");
-  sheet.text(8, 68, "A shear wave with 30 % of its grains lost.", Qt::AlignLeft | Qt::AlignTop, small_text, false,
-             faint);
-  write(sheet, folder + "/piv_rejection.png");
+  double at = legend(canvas, 8, 63, Key::tile, 0xd9e6ef, "valid");
+  at = legend(canvas, at, 63, Key::tile, orange, "replaced (rebuilt from neighbours)");
+  at = legend(canvas, at, 63, Key::tile, red, "rejected");
+  legend(canvas, at, 63, Key::dashed, ink, "texture exchanged here");
+  canvas.text(8, 68, "A shear wave with 30 % of its grains lost.", Align::top_left,
+              {.points = small_text, .rgb = faint});
+  write(canvas, folder + "/piv_rejection.png");
 }
 
 }  // namespace
@@ -249,7 +240,6 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    start_qt();
     for (const auto picture :
          {method_picture, window_picture, smoothing_picture, order_picture, anchor_picture, rejection_picture})
       picture(argv[1]);

@@ -80,6 +80,17 @@ std::string uncommented(const std::string& text) {  // "# key = value" and "# [s
   return out;
 }
 
+TEST(Reading, TheInitialEquilibriumByItsFormerKeys) {
+  const Case old = parsed(whole_case + "settle = false\nsettle_damping = 0.5\nsettle_tolerance = 0.01\n");
+  EXPECT_FALSE(old.mpm->initial_equilibrium);
+  EXPECT_EQ(old.mpm->equilibrium_damping, 0.5);
+  EXPECT_EQ(old.mpm->equilibrium_tolerance, 0.01);
+  EXPECT_EQ(old.notes.size(), 3u);
+  EXPECT_TRUE(parsed(write_case(old)).notes.empty());
+  EXPECT_FALSE(parsed(write_case(old)).mpm->initial_equilibrium);
+  EXPECT_NE(refusal(whole_case + "settle = false\ninitial_equilibrium = false\n").find("c.toml:14: mpm.settle"), std::string::npos);
+}
+
 TEST(Init, TheFirstCaseReadsAsItIs) {
   for (const FrameFacts& facts : {FrameFacts{1920, 1080, 100, {}}, FrameFacts{40, 30, 2, 25.0}}) {
     const std::string text =

@@ -44,7 +44,7 @@ TEST(Junit, CountsSuitesCasesAndVerdicts) {
   EXPECT_NE(xml.find("<testsuites name=\"pivnp verify\" tests=\"5\" failures=\"2\" errors=\"1\" time=\"3.750\">"),
             std::string::npos)
       << xml;
-  EXPECT_NE(xml.find("message=\"reached 0.0002, limit 0.0001\""), std::string::npos) << xml;
+  EXPECT_NE(xml.find("message=\"exceeded: reached 0.0002, limit 0.0001\""), std::string::npos) << xml;
 }
 
 TEST(Junit, AnyBytesStayWellFormed) {
@@ -72,7 +72,7 @@ TEST(Junit, TheCheckerItselfFindsFaults) {
 TEST(VerifyTable, SaysWhatWasReachedAndWhatWasAllowed) {
   const std::string table = verify_table(results());
   EXPECT_NE(table.find("FAILED  shear"), std::string::npos) << table;
-  EXPECT_NE(table.find("  MISSED  strain <          reached 0.0002     limit 0.0001\n"), std::string::npos) << table;
+  EXPECT_NE(table.find("  EXCEEDED  strain <          reached 0.0002     limit 0.0001\n"), std::string::npos) << table;
   EXPECT_NE(table.find("  could not be judged: c.toml:3: unknown key"), std::string::npos) << table;
   EXPECT_NE(table.find("passed  good"), std::string::npos) << table;
 }

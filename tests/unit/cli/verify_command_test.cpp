@@ -57,7 +57,7 @@ TEST_F(VerifyCommand, AMissedThresholdEndsWithThree) {
   const Ran ran = verify({"--junit", junit.string()});
   EXPECT_EQ(ran.code, 3);
   EXPECT_EQ(fake_study().calls.size(), 2u) << "the others are judged all the same";
-  EXPECT_THAT(ran.out, HasSubstr("MISSED"));
+  EXPECT_THAT(ran.out, HasSubstr("EXCEEDED"));
   EXPECT_THAT(ran.out, HasSubstr("1 of 2 cases passed\n"));
   EXPECT_EQ(read_xml(text_of(junit)).count("failure"), 1);
   EXPECT_FALSE(std::filesystem::exists(out / "verify.xml"));

@@ -55,6 +55,8 @@ expected = {
     "piv/correlation_length": ("f4", (K,), L),
     "compare/fields/difference_x/time": ("f8", (2,), T), "compare/fields/difference_x/id": ("i8", (P,), ""),
     "compare/fields/difference_x/value": ("f4", (2, P), "m"),
+    "compare/tables/over_space/time": ("f8", (2,), "s"),
+    "compare/tables/over_space/displacement_rms": ("f8", (2,), "m"),
 }
 for term in ("kinetic", "elastic", "plastic", "damping", "contact", "external", "residual", "hourglass"):
     expected["energy/" + term] = ("f8", (steps,), "J/m")

@@ -152,7 +152,7 @@ TEST(Loading, ACutFailsWhenItsStrengthIsReduced) {
 
 TEST(Loading, StressStartsAtK0) {
   MpmOptions o = options({0, -10});
-  o.settle = false;
+  o.initial_equilibrium = false;
   o.k0 = 0.7;
   Solver solver(o, column(0.2, elastic(1e6, 0.3, 1000)), 1);
   EXPECT_NEAR(mean_stress(solver, 1, 1), -1000, 1);

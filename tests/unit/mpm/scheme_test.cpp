@@ -321,7 +321,7 @@ TEST(SmallMassNodes, MoveWithTheirHeaviestNeighbourAndKeepTheMomentum) {
 TEST(Motion, ARunEndsWhenMotionEnds) {
   MpmOptions o = options({0, -9.81});
   o.damping = 0.7;
-  o.settle = false;
+  o.initial_equilibrium = false;
   Solver solver(o, column(0.05, elastic(1e6, 0.3, 2000)), 1);
   solver.advance_to(0.6, silent);
   EXPECT_TRUE(solver.at_rest());

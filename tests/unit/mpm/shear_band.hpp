@@ -18,7 +18,7 @@ inline MaterialOptions softening_soil(double eta) {
 
 inline MpmOptions shear_options() {
   MpmOptions o = options();
-  o.settle = false;
+  o.initial_equilibrium = false;
   o.end_at_rest = false;
   return o;
 }

@@ -83,7 +83,7 @@ TEST(Sleep, AFallingBlockWakesTheBed) {
                     {"right", line({0.4, 0}, {0.4, 0.19}, "roller")}};
     for (const std::int32_t label : s.particles.label) s.v0.push_back(label == 1 ? Vec2(0, -1) : Vec2(0, 0));
     MpmOptions o = options({0, 0});
-    o.settle = false;
+    o.initial_equilibrium = false;
     if (with) o.sleep_below_m_s = 1e-3;
     Solver solver(o, s, 1);
     solver.advance_to(0.045, silent);  // the block has half a cell to go
@@ -106,7 +106,7 @@ TEST(Sleep, BitsDependOnNeitherThreadsNorRestart) {
   SilentProgress silent;
   for (const char* scheme : {"default", "geopart"}) {
     MpmOptions o = pressing(scheme);
-    o.settle = false;
+    o.initial_equilibrium = false;
     const auto start = [&](int threads) { return std::make_unique<Solver>(o, pressed(sand(35, 20e6)), threads); };
     const auto one = start(1), two = start(2), again = start(1);
     for (const auto& s : {one.get(), two.get()}) s->advance_to(0.03, silent);

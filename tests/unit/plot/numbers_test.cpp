@@ -5,7 +5,7 @@
 
 #include <limits>
 
-namespace pivnp::report {
+namespace pivnp::plot {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -24,11 +24,11 @@ TEST(Numbers, UncertaintyHasTwoDigitsAndSetsTheValues) {
 }
 
 TEST(Numbers, Numbers) {
-  EXPECT_EQ(number(0.5), "0.500");
-  EXPECT_EQ(number(0), "0");
-  EXPECT_EQ(number(99.96, 3), "100");
-  EXPECT_EQ(number(1.5e-7, 2), "1.5 × 10⁻⁷");
-  EXPECT_EQ(number(-30e6, 2), "−3.0 × 10⁷");
+  EXPECT_EQ(significant(0.5), "0.500");
+  EXPECT_EQ(significant(0), "0");
+  EXPECT_EQ(significant(99.96, 3), "100");
+  EXPECT_EQ(significant(1.5e-7, 2), "1.5 × 10⁻⁷");
+  EXPECT_EQ(significant(-30e6, 2), "−3.0 × 10⁷");
   EXPECT_EQ(plain(0.5), "0.5");
   EXPECT_EQ(plain(120), "120");
   EXPECT_EQ(plain(-0.020004), "−0.02");
@@ -51,4 +51,4 @@ TEST(Numbers, UnitsSuitTheirNumbers) {
 }
 
 }  // namespace
-}  // namespace pivnp::report
+}  // namespace pivnp::plot

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 
-namespace pivnp::report {
+namespace pivnp::plot {
 namespace {
 
 std::size_t covered(const Raster& r) {
@@ -85,4 +85,4 @@ TEST(Raster, ImageIsSeenThroughTheCamera) {
 }
 
 }  // namespace
-}  // namespace pivnp::report
+}  // namespace pivnp::plot

@@ -113,7 +113,7 @@ TEST_F(Report, Full) {
   EXPECT_NE(html_.find("Displacement, RMS"), std::string::npos);
   EXPECT_NE(html_.find(name_of(Verdict::exceeded)), std::string::npos);
   EXPECT_NE(html_.find("IMG_0015.png to IMG_0016.png: the pair lost its correlation"), std::string::npos);
-  EXPECT_NE(html_.find("left the image or went under the mask"), std::string::npos);
+  EXPECT_NE(html_.find(words(EndReason::left_image)), std::string::npos);
   EXPECT_NE(html_.find("mohr_coulomb"), std::string::npos);
   EXPECT_NE(html_.find("pivnp run datasets/gate_slope"), std::string::npos);
 }

@@ -11,24 +11,28 @@ namespace pivnp::report {
 namespace {
 
 TEST(Words, Names) {
-  EXPECT_EQ(metric_words("displacement_rms"), "Displacement, RMS");
-  EXPECT_EQ(metric_words("strain_dev_p95"), "Deviatoric strain, 95th percentile");
-  EXPECT_EQ(metric_words("displacement_bias_x_final"), "Displacement, mean difference in x, at the end");
-  EXPECT_EQ(metric_words("displacement_rms_final_over_u"), "Displacement, RMS, at the end, in units of its uncertainty");
-  EXPECT_EQ(metric_words("u_val_final"), "Uncertainty of a difference, u_val, at the end");
-  EXPECT_EQ(metric_words("outline_iou"), "Outlines, share in common (IoU)");
-  EXPECT_EQ(metric_words("outline_hausdorff_95"), "Outlines, Hausdorff distance (95 %)");
-  EXPECT_EQ(metric_words("run_out_x_second"), "Run-out, simulated");
-  EXPECT_EQ(metric_words("area_metric_strain_dev"), "Area metric of the deviatoric strain");
-  EXPECT_EQ(metric_words("decomposition_displacement_x_outside"),
+  const DataSetNames names = data_set_names({});
+  EXPECT_EQ(capitalised(metric_words("displacement_rms", names)), "Displacement, RMS");
+  EXPECT_EQ(capitalised(metric_words("strain_dev_p95", names)), "Deviatoric strain, 95th percentile");
+  EXPECT_EQ(capitalised(metric_words("displacement_bias_x_final", names)), "Displacement, mean difference in x, at the end");
+  EXPECT_EQ(capitalised(metric_words("displacement_rms_final_over_u", names)), "Displacement, RMS, at the end, in units of its uncertainty");
+  EXPECT_EQ(capitalised(metric_words("u_val_final", names)), "Uncertainty of a difference, u_val, at the end");
+  EXPECT_EQ(capitalised(metric_words("outline_iou", names)), "Outlines, share in common (IoU)");
+  EXPECT_EQ(capitalised(metric_words("outline_hausdorff_95", names)), "Outlines, Hausdorff distance (95 %)");
+  EXPECT_EQ(capitalised(metric_words("run_out_x_second", names)), "Run-out, simulated");
+  EXPECT_EQ(capitalised(metric_words("area_metric_strain_dev", names)), "Area metric of the deviatoric strain");
+  EXPECT_EQ(capitalised(metric_words("decomposition_displacement_x_outside", names)),
             "Decomposition of the displacement x, share of coefficients outside the band");
-  EXPECT_EQ(metric_words("levelled_strain_dev_path_rms"), "Deviatoric strain along the path, RMS, levelled");
-  EXPECT_EQ(metric_words("point_1_onset_difference"), "Point 1, onset, simulated − measured");
-  EXPECT_EQ(metric_words("history_rms"), "History, RMS");
-  EXPECT_EQ(metric_words("fixed_zone_shift_first_x"), "Fixed zone, shift x, measured");
-  EXPECT_EQ(metric_words("onset"), "Onset");
-  EXPECT_EQ(metric_words("something_new"), "Something new");
-  EXPECT_EQ(metric_words(""), "");
+  EXPECT_EQ(capitalised(metric_words("levelled_strain_dev_path_rms", names)), "Deviatoric strain along the path, RMS, levelled");
+  EXPECT_EQ(capitalised(metric_words("point_1_onset_difference", names)), "Point 1, onset, simulated − measured");
+  EXPECT_EQ(capitalised(metric_words("history_rms", names)), "History, RMS");
+  EXPECT_EQ(capitalised(metric_words("fixed_zone_shift_first_x", names)), "Fixed zone, shift x, measured");
+  EXPECT_EQ(capitalised(metric_words("onset", names)), "Onset");
+  EXPECT_EQ(capitalised(metric_words("something_new", names)), "Something new");
+  EXPECT_EQ(capitalised(metric_words("", names)), "");
+  const DataSetNames alike{true, "first", "second", "the first", "the second"};
+  EXPECT_EQ(metric_words("run_out_x_second", alike), "Run-out, second");
+  EXPECT_EQ(metric_words("point_1_onset_difference", alike), "Point 1, onset, second − first");
   EXPECT_EQ(field_words("strain_dev"), "deviatoric strain");
   motion_fields().add({.name = "heat", .form = FieldForm::vector, .label = "flow of heat"});
   EXPECT_EQ(field_words("heat_x"), "flow of heat x");

@@ -39,7 +39,7 @@ young_pa = 1e5
 [mpm]
 end_s = 0.02
 output_rate_hz = 100.0
-settle = false
+initial_equilibrium = false
 [boundary.base]
 line_m = [[0.0, 0.0], [0.4, 0.0]]
 [report]
@@ -132,7 +132,7 @@ removed_s = 0.02
 [mpm]
 end_s = 0.05
 output_rate_hz = 100.0
-settle = false
+initial_equilibrium = false
 k0 = 0.4
 [boundary.base]
 line_m = [[0.0, 0.0], [0.4, 0.0]]

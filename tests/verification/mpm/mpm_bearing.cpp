@@ -80,7 +80,7 @@ Resistance cylinder(double poisson, bool rough, int cells, double speed, double 
   s.bodies = {{"cylinder", body}};
   MpmOptions o = options();
   o.locking = Locking::fbar;
-  o.settle = false;
+  o.initial_equilibrium = false;
   Solver solver(o, s, 2);
   double sum = 0, squares = 0, last = 0;
   for (int k = 10; k <= 20; ++k) {
@@ -137,7 +137,7 @@ double footing(int cells) {
   s.bodies = {{"footing", body}};
   MpmOptions o = options();
   o.locking = Locking::fbar;
-  o.settle = false;
+  o.initial_equilibrium = false;
   Solver solver(o, s, 2);
   solver.advance_to(0.07 / v, silent);
   const double before = solver.body_impulse(0).y();

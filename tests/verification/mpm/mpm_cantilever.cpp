@@ -70,7 +70,7 @@ double deflection(int cells, int per_cell) {
   s.boundaries = {{"wall", line({0, -bottom}, {0, 0.25 * length}, "fixed")}};
   MpmOptions o = options({0, -gravity});
   o.locking = Locking::none;
-  o.settle = false;
+  o.initial_equilibrium = false;
   o.damping = 0.5;
   Solver solver(o, s, 1);
   solver.advance_to(8, silent);  // four swings

@@ -44,7 +44,7 @@ void add_particle(ParticleSet& set, const Vec2& x, double area) {
 MpmOptions scheme(bool spline) {
   MpmOptions o = spline ? options() : conservative();
   if (spline) o.locking = Locking::none;
-  o.settle = false;
+  o.initial_equilibrium = false;
   o.energy_limit = 1e9;  // bilinear functions fail here; by how much is the point
   return o;
 }

@@ -108,7 +108,7 @@ TEST(MpmSparse, AThousandRandomLayouts) {
     o.transfer = TransferKind::flip;
     o.stress_update = StressUpdate::musl;
     o.locking = Locking::none;
-    o.settle = false;
+    o.initial_equilibrium = false;
     o.energy_limit = 1e300;
     o.end_at_rest = false;
     const double chosen = Solver(o, s, 1).stable_step();

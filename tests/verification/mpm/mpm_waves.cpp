@@ -35,7 +35,7 @@ TEST(MpmWaves, APulseRunsAtItsSpeedAndLeavesThroughADashpot) {
                   {"high", line({0, 2 * h}, {length, 2 * h}, "roller")},
                   {"end", line({length, 0}, {length, 2 * h}, "absorbing")}};
   MpmOptions o = options();
-  o.settle = false;
+  o.initial_equilibrium = false;
   Solver solver(o, s, 1);
   const EnergyRow start = solver.energy();
   solver.advance_to(0.3 / c, silent);
@@ -72,7 +72,7 @@ double column_error(int cells, bool spline, double& compressed) {
   MpmOptions o = spline ? options({0, -g}) : conservative({0, -g});
   if (spline) o.locking = Locking::none;
   o.damping = 0.2;
-  o.settle = false;
+  o.initial_equilibrium = false;
   o.energy_limit = 10;
   Solver solver(o, s, 1);
   solver.advance_to(60 * height / std::sqrt(young / rho), silent);
@@ -114,7 +114,7 @@ Solver model(double n, bool sand_column, const char* name) {
                   {"left", line({0, 0}, {0, 24 * h}, "roller")}};
   MpmOptions o = options({0, -9.81 * n});
   o.scheme = *value_named<SchemeName>(name);
-  o.settle = false;
+  o.initial_equilibrium = false;
   return Solver(o, s, 1);
 }
 

@@ -1,16 +1,19 @@
 // What is computed for the figures.
-#include "apps/report/content/analysis.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "apps/report/content/differences.hpp"
+#include "apps/report/content/fields.hpp"
+#include "apps/report/content/point_curves.hpp"
+#include "apps/report/content/quality.hpp"
+#include "apps/report/content/selection.hpp"
 #include "tests/unit/report/synthetic.hpp"
 
 namespace pivnp::report {
 namespace {
 
-TEST(Analysis, HistoriesReproduceAffineMotion) {
+TEST(Content, PointCurvesReproduceAffineMotion) {
   ParticleSet set;
   for (int j = 0; j < 5; ++j)
     for (int i = 0; i < 5; ++i) {
@@ -38,7 +41,7 @@ TEST(Analysis, HistoriesReproduceAffineMotion) {
     motion.add(f);
   }
   const Vec2 inside(1.3, 2.6);
-  const auto h = histories(motion, {inside, Vec2(2, 2), Vec2(40, 40)});
+  const auto h = point_curves(motion, {inside, Vec2(2, 2), Vec2(40, 40)});
   ASSERT_EQ(h.size(), 3u);
   for (std::size_t k = 0; k < 3; ++k) {
     EXPECT_NEAR(h[0].displacement[k], double(k) * (G * inside + Vec2(1, 2)).norm(), 1e-6);
@@ -49,7 +52,7 @@ TEST(Analysis, HistoriesReproduceAffineMotion) {
   EXPECT_NEAR(h[1].sigma[1], std::sqrt(0.64 * 0.04 + 0.36 * 0.09), 1e-6);
 }
 
-TEST(Analysis, TimesAndPoints) {
+TEST(Content, TimesAndPoints) {
   SyntheticOptions o;
   o.spacing_m = 0.01;
   const Synthetic s = make_synthetic(o);
@@ -65,7 +68,7 @@ TEST(Analysis, TimesAndPoints) {
   EXPECT_EQ(*frame_at(*s.content.measured, 0.301), 15u);
 }
 
-TEST(Analysis, PairsAreCounted) {
+TEST(Content, PairsAreCounted) {
   const Synthetic s = make_synthetic({});
   const auto pairs = pair_quality(s.content);
   ASSERT_EQ(pairs.size(), 25u);
@@ -80,12 +83,12 @@ TEST(Analysis, PairsAreCounted) {
 }
 
 // |u| of the second minus |u| of the first, and the RMS against time, from fields worked by hand.
-TEST(Analysis, Differences) {
+TEST(Content, Differences) {
   SyntheticOptions o;
   o.spacing_m = 0.01;
   const Synthetic s = make_synthetic(o);
-  const auto first = snapshots(*s.content.measured, "displacement_magnitude", true, {0.4});
-  const auto second = snapshots(*s.content.simulated, "displacement_magnitude", true, {0.4});
+  const auto first = fields_at(*s.content.measured, "displacement_magnitude", true, {0.4});
+  const auto second = fields_at(*s.content.simulated, "displacement_magnitude", true, {0.4});
   const auto d = field_difference(s.content, "displacement_magnitude", 0.4, first[0]);
   ASSERT_EQ(d.size(), first[0].value.size());
   std::size_t compared = 0;
@@ -96,7 +99,7 @@ TEST(Analysis, Differences) {
   }
   EXPECT_GT(compared, 100u);
   EXPECT_TRUE(field_difference(s.content, "strain_vol", 0.4, first[0]).empty());
-  const DifferenceHistory h = difference_history(s.content);
+  const DifferenceCurve h = difference_curve(s.content);
   ASSERT_EQ(h.time.size(), 26u);
   EXPECT_NEAR(h.sigma[4], std::sqrt(2.0) * 4e-5 * 2, 1e-9);
   EXPECT_GT(h.rms.back(), h.median.back());

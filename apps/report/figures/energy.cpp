@@ -1,0 +1,87 @@
+// The energy balance of the simulation.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "apps/plot/marks.hpp"
+#include "apps/plot/numbers.hpp"
+#include "apps/report/figures/rows.hpp"
+
+namespace pivnp::report {
+
+using namespace plot;
+
+namespace {
+
+struct Term {
+  const char* words;
+  double EnergyRow::*value;
+  Rgb rgb;
+  Dash dash;
+  Key key;
+};
+constexpr std::array<Term, 6> terms = {
+    {{"kinetic", &EnergyRow::kinetic, blue, Dash::solid, Key::line},
+     {"elastic", &EnergyRow::elastic, green, Dash::dashed, Key::dashed},
+     {"plastic dissipation", &EnergyRow::plastic, vermilion, Dash::solid, Key::line},
+     {"damping", &EnergyRow::damping, purple, Dash::dash_dot, Key::dash_dot},
+     {"friction at contacts", &EnergyRow::contact, orange, Dash::dashed, Key::dashed},
+     {"external work", &EnergyRow::external, ink, Dash::dotted, Key::dotted}}};
+
+std::vector<double> column(const std::vector<EnergyRow>& rows, double EnergyRow::*value) {
+  std::vector<double> out;
+  for (const EnergyRow& row : rows) out.push_back(row.*value);
+  return out;
+}
+
+std::vector<Figure> draw(const FigureInput& input) {
+  const std::vector<EnergyRow>& rows = input.content.energy;
+  const std::vector<double> time = column(rows, &EnergyRow::time);
+  double low = 0, high = 0;
+  for (const Term& t : terms)
+    for (const double v : column(rows, t.value))
+      if (std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
+  const double size = std::max(high, -low), share = size > 0 ? 100 / size : 0;
+  auto canvas = std::make_shared<Canvas>(figure_width_mm, 84);
+  const double x = 17, w = 108, margin = high > low ? 0.04 * (high - low) : 1;
+  Panel upper = canvas->panel(x, 5, w, 42), lower = canvas->panel(x, 53, w, 20);
+  upper.pale_grid().axis(Axis::x, time.front(), time.back(), "", 6).numbers(Axis::x, false);
+  lower.pale_grid().axis(Axis::x, time.front(), time.back(), axis_label("time", input.content.time_unit), 6);
+  upper.axis(Axis::y, low - (low < 0 ? margin : 0), high + margin, "energy (J/m)", 5);
+  std::vector<double> residual = column(rows, &EnergyRow::residual);
+  double least = 0, most = 0;
+  for (double& r : residual) {
+    r *= share;
+    if (std::isfinite(r)) least = std::min(least, r), most = std::max(most, r);
+  }
+  const double spread = most > least ? 0.15 * (most - least) : 1;
+  lower.axis(Axis::y, least - spread, most + spread, "residual (%)", 3);
+  double key_y = 9;
+  for (const Term& t : terms) {
+    const std::vector<double> value = column(rows, t.value);
+    if (std::all_of(value.begin(), value.end(), [&](double v) { return !(std::abs(v) > 1e-6 * size); })) continue;
+    canvas->curve(upper, time, value, {t.rgb, 1.2, t.dash});
+    legend(*canvas, x + w + 5, key_y, t.key, t.rgb, t.words);
+    key_y += 5;
+  }
+  canvas->curve(lower, time, residual, {ink, 1.1});
+  canvas->text(x - 15, 2, "(a)", Align::top_left, {.bold = true});
+  canvas->text(x - 15, 50, "(b)", Align::top_left, {.bold = true});
+  const double at_end = residual.back();
+  return {{"Energy of the simulation, per metre of thickness: (a) its terms (those that stay zero are left out); (b) the "
+           "residual, what the scheme gained (+) or lost (\u2212), in per cent of the largest term; at the end " +
+               (std::isfinite(at_end) ? significant(at_end, 2) + " %." : std::string("not known.")),
+           canvas}};
+}
+
+}  // namespace
+
+FigureRow energy_row() {
+  return {.name = "energy",
+          .shows = "energy balance of the simulation",
+          .section = Section::simulation,
+          .applies = [](const FigureInput& i) { return i.content.energy.size() >= 2; },
+          .draw = draw};
+}
+
+}  // namespace pivnp::report

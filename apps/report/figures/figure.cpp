@@ -1,0 +1,51 @@
+#include "apps/report/figures/figure.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "apps/report/content/selection.hpp"
+#include "apps/report/figures/rows.hpp"
+
+namespace pivnp::report {
+
+Registry<FigureRow>& figures() {
+  static Registry<FigureRow> rows = {fields_row(),    point_curves_row(), differences_row(), outlines_row(), decomposition_row(),
+                                     histories_row(), quality_row(),      vectors_row(),     energy_row()};
+  return rows;
+}
+
+FigureInput figure_input(const ReportOptions& options, const Content& content) {
+  return {options,
+          content,
+          data_set_names(content),
+          pair_quality(content),
+          difference_curve(content),
+          chosen_times(options, content),
+          chosen_points(options, content),
+          content.pair_count == 0 || content.pair(0).anchor == Anchor::central};
+}
+
+const FigureRow* row_of(std::string_view figure) {
+  for (const FigureRow& row : figures())
+    if (row.owns != nullptr ? row.owns(figure) : row.name == figure) return &row;
+  return nullptr;
+}
+
+std::vector<Figure> draw_section(Section section, const FigureInput& input) {
+  std::vector<Figure> tall, low, ordered;
+  for (const FigureRow& row : figures()) {
+    if (row.section != section || !row.applies(input)) continue;
+    for (Figure& figure : row.draw(input)) {
+      if (figure.name.empty()) figure.name = row.name;
+      if (figure.shows.empty()) figure.shows = row.shows;
+      (row.tall ? tall : low).push_back(std::move(figure));
+    }
+  }
+  for (std::size_t k = 0; k < std::max(tall.size(), low.size()); ++k) {
+    if (k < tall.size()) ordered.push_back(std::move(tall[k]));
+    if (k < low.size()) ordered.push_back(std::move(low[k]));
+  }
+  return ordered;
+}
+
+}  // namespace pivnp::report

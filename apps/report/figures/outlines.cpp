@@ -1,0 +1,60 @@
+// Final outlines overlaid.
+#include <algorithm>
+
+#include "apps/plot/marks.hpp"
+#include "apps/report/content/fields.hpp"
+#include "apps/report/figures/rows.hpp"
+
+namespace pivnp::report {
+
+using namespace plot;
+
+namespace {
+
+using Loops = std::vector<std::vector<Vec2>>;
+
+Loops placed(const Panel& panel, Loops loops) {
+  for (std::vector<Vec2>& loop : loops)
+    for (Vec2& x : loop) x = panel.at(x);
+  return loops;
+}
+
+std::vector<Figure> draw(const FigureInput& input) {
+  const PerDataSet<Loops>& outlines = input.content.comparison->outlines;
+  std::vector<const std::vector<Vec2>*> all;
+  for (const Loops& loops : outlines)
+    for (const std::vector<Vec2>& loop : loops) all.push_back(&loop);
+  const Box box = box_around(all, 0);
+  const double aspect = box.height() / box.width(), left = 15, head = 7, foot = 11;
+  const double w = std::min(120.0, 80 / aspect), h = w * aspect, x = left + (figure_width_mm - left - 5 - w) / 2;
+  auto canvas = std::make_shared<Canvas>(figure_width_mm, head + h + foot);
+  const Panel panel = world_panel(*canvas, x, head, w, h, box, input.content.length_unit, true, true);
+  canvas->paint(panel, [=](Painter& p) {
+    p.pen({ink, 1.2});
+    p.fill({0xe4e4e4});
+    p.rings(placed(panel, outlines[0]));
+    p.pen({vermilion, 1.2, Dash::dashed});
+    p.no_fill();
+    p.rings(placed(panel, outlines[1]));
+  });
+  const double next = legend(*canvas, x, 3, Key::line, ink, input.names.first);
+  legend(*canvas, next, 3, Key::dashed, vermilion, input.names.second);
+  return {{"Outline of the material at the last compared time: " + input.names.first + " (filled) and " +
+               input.names.second + " (dashed).",
+           canvas}};
+}
+
+}  // namespace
+
+FigureRow outlines_row() {
+  return {.name = "outline",
+          .shows = "outlines of the material at the last compared time",
+          .section = Section::comparison,
+          .applies = [](const FigureInput& i) {
+            return i.content.comparison &&
+                   !(i.content.comparison->outlines[0].empty() && i.content.comparison->outlines[1].empty());
+          },
+          .draw = draw};
+}
+
+}  // namespace pivnp::report

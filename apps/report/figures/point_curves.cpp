@@ -1,0 +1,183 @@
+// Displacement of material points against time, and where they are.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "apps/plot/marks.hpp"
+#include "apps/plot/numbers.hpp"
+#include "apps/report/content/fields.hpp"
+#include "apps/report/content/point_curves.hpp"
+#include "apps/report/content/selection.hpp"
+#include "apps/report/figures/rows.hpp"
+
+namespace pivnp::report {
+
+using namespace plot;
+
+namespace {
+
+constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
+constexpr std::array<Rgb, 3> point_colours = {blue, vermilion, green};
+constexpr std::array<Marker, 3> point_markers = {Marker::circle, Marker::square, Marker::triangle};
+
+std::string letter(std::size_t point) { return std::string(1, char('A' + int(point % 26))); }
+
+std::vector<double> scaled(std::vector<double> values, double factor) {
+  for (double& v : values) v *= factor;
+  return values;
+}
+
+void draw_key_map(Canvas& canvas, const Content& content, const std::vector<Vec2>& points, double x, double y, double w,
+                  double h) {
+  const MotionSource& motion = content.measured ? *content.measured : *content.simulated;
+  const ParticleSet& particles = motion.particles();
+  Box box = box_around({&particles.x0}, 0);
+  for (const Vec2& p : points) {
+    box.lower = box.lower.cwiseMin(p);
+    box.upper = box.upper.cwiseMax(p);
+  }
+  const double shrink = std::min(1.0, h / (w * box.height() / box.width()));
+  const double width = w * shrink, height = width * box.height() / box.width();
+  Panel panel = canvas.panel(x + (w - width) / 2, y, width, height);
+  panel.axis(Axis::x, box.lower.x(), box.upper.x(), "").visible(Axis::x, false);
+  panel.axis(Axis::y, box.lower.y(), box.upper.y(), "").visible(Axis::y, false);
+  std::vector<Tile> tiles;
+  for (std::size_t p = 0; p < particles.size(); ++p) {
+    const double known = particle_spacing(particles, p);
+    const double edge = known > 0 ? known : std::sqrt(box.width() * box.height() / double(particles.size()));
+    tiles.push_back({particles.x0[p], Vec2(0.54 * edge, 0), Vec2(0, 0.54 * edge), 0xdcdcdc});
+  }
+  canvas.raster(panel, draw_tiles(tiles, box, int(width / 25.4 * 400)));
+  canvas.paint_over([=](Painter& p) {
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const Vec2 at = panel.at(points[k]);
+      const Rgb rgb = point_colours[k % 3];
+      p.pen({0xffffff, 0.8});
+      p.fill({rgb});
+      p.ellipse(at, 9, 9);
+      p.text({at.x() - 60, at.y() - 46, 120, 36}, letter(k), Align::bottom, {.bold = true, .rgb = rgb});
+    }
+  });
+  canvas.text(x + w / 2, y + height + 2, "at the first frame", Align::top, {.points = small_text, .rgb = faint});
+}
+
+// What the curves of both data sets cover.
+struct Extent {
+  double top = 0, first = std::numeric_limits<double>::infinity(), last = -first, sigma = 0;
+};
+
+Extent extent_of(const std::vector<PointCurve>& one, const std::vector<PointCurve>& other) {
+  Extent e;
+  for (const auto* curves : {&one, &other})
+    for (const PointCurve& c : *curves)
+      for (std::size_t k = 0; k < c.time.size(); ++k) {
+        e.first = std::min(e.first, c.time[k]);
+        e.last = std::max(e.last, c.time[k]);
+        const double sigma = c.sigma.empty() || !std::isfinite(c.sigma[k]) ? 0 : c.sigma[k];
+        e.sigma = std::max(e.sigma, sigma);
+        if (std::isfinite(c.displacement[k])) e.top = std::max(e.top, c.displacement[k] + 2 * sigma);
+      }
+  return e;
+}
+
+double last_known(const std::vector<double>& values) {
+  double found = nan_value;
+  for (const double v : values)
+    if (std::isfinite(v)) found = v;
+  return found;
+}
+
+void draw_uncertainty(Canvas& canvas, const Panel& panel, const PointCurve& curve, double factor, Rgb rgb) {
+  std::vector<double> low, high;
+  for (std::size_t k = 0; k < curve.time.size(); ++k) {
+    const double d = curve.displacement[k] * factor, two = 2 * curve.sigma[k] * factor;
+    low.push_back(std::max(0.0, d - two));
+    high.push_back(d + two);
+  }
+  band(canvas, panel, curve.time, low, high, {rgb, 70});
+}
+
+std::string caption(const FigureInput& input, const Extent& extent, const DisplayUnit& unit) {
+  const Content& content = input.content;
+  const DataSetNames& names = input.names;
+  std::string text = "Displacement of the material points ";
+  const std::size_t n = input.points.size();
+  for (std::size_t q = 0; q < n; ++q)
+    text += (q == 0 ? "" : q + 1 == n ? " and " : ", ") + letter(q) + " (" + plain(input.points[q].x()) + ", " +
+            plain(input.points[q].y()) + ")";
+  text += unit_suffix(content.length_unit) + " against time, ";
+  if (content.measured && content.simulated) text += names.first + " (markers) and " + names.second + " (lines).";
+  else text += (content.measured ? names.first : names.second) + ".";
+  if (extent.sigma > 0) {
+    text += " The band is twice " + names.the_first + "\u2019s standard uncertainty";
+    if (extent.sigma * 2 < 0.012 * extent.top)
+      text += ", here at most " + significant(2 * extent.sigma * unit.factor, 2) + unit_suffix(unit.name) +
+              " and hardly wider than the markers";
+    text += ".";
+  }
+  return text + " Where a curve stops, its point was followed no further.";
+}
+
+std::vector<Figure> draw(const FigureInput& input) {
+  const Content& content = input.content;
+  const std::vector<Vec2>& points = input.points;
+  std::vector<PointCurve> measured, simulated;
+  if (content.measured) measured = point_curves(*content.measured, points);
+  if (content.simulated) simulated = point_curves(*content.simulated, points);
+  const Extent extent = extent_of(measured, simulated);
+  const double top = extent.top, span = extent.last - extent.first;
+  const DisplayUnit unit = display_unit(content.length_unit, top);
+
+  auto canvas = std::make_shared<Canvas>(figure_width_mm, 74);
+  const double x = 15, y = 7, w = 103, h = 56;
+  Panel panel = canvas->panel(x, y, w, h);
+  panel.pale_grid();
+  panel.axis(Axis::x, extent.first - 0.015 * span, span > 0 ? extent.last + 0.03 * span : extent.last,
+             axis_label("time", content.time_unit), 6);
+  panel.axis(Axis::y, -0.025 * top * unit.factor, top > 0 ? 1.05 * top * unit.factor : 1,
+             axis_label("displacement", unit.name), 6);
+  for (std::size_t q = 0; q < points.size(); ++q) {
+    const Rgb rgb = point_colours[q % 3];
+    double label = nan_value;
+    if (q < simulated.size()) {
+      const std::vector<double> d = scaled(simulated[q].displacement, unit.factor);
+      canvas->curve(panel, simulated[q].time, d, {rgb, 1.3, q < 3 ? Dash::solid : Dash::dashed});
+      label = last_known(d);
+    }
+    if (q < measured.size()) {
+      const std::vector<double> d = scaled(measured[q].displacement, unit.factor);
+      if (!measured[q].sigma.empty()) draw_uncertainty(*canvas, panel, measured[q], unit.factor, rgb);
+      markers(*canvas, panel, measured[q].time, d, point_markers[q % 3], rgb);
+      label = last_known(d);
+    }
+    if (std::isfinite(label))
+      canvas->paint_over([=](Painter& p) {
+        p.text({panel.frame().right() + 7, panel.y(label) - 20, 60, 40}, letter(q), Align::left,
+               {.bold = true, .rgb = rgb});
+      });
+  }
+  double next = x;
+  if (!measured.empty()) {
+    next = legend(*canvas, next, 3, Key::circle, ink, input.names.first, 3);
+    if (extent.sigma > 0)
+      next = legend(*canvas, next, 3, Key::band, ink, "\u00b12\u03c3 of " + input.names.the_first);
+  }
+  if (!simulated.empty()) legend(*canvas, next, 3, Key::line, ink, input.names.second);
+  draw_key_map(*canvas, content, points, 132, y, 36, 48);
+  return {{caption(input, extent, unit), canvas}};
+}
+
+}  // namespace
+
+FigureRow point_curves_row() {
+  return {.name = "histories",
+          .shows = "displacement of material points against time",
+          .section = Section::comparison,
+          .applies = [](const FigureInput& i) {
+            return !i.points.empty() && (i.content.measured || i.content.simulated);
+          },
+          .draw = draw};
+}
+
+}  // namespace pivnp::report

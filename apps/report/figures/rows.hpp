@@ -1,0 +1,18 @@
+// The rows of the figures' list, one a source file of this folder.
+#pragma once
+
+#include "apps/report/figures/figure.hpp"
+
+namespace pivnp::report {
+
+FigureRow fields_row();
+FigureRow point_curves_row();
+FigureRow differences_row();
+FigureRow outlines_row();
+FigureRow decomposition_row();
+FigureRow histories_row();
+FigureRow quality_row();
+FigureRow vectors_row();
+FigureRow energy_row();
+
+}  // namespace pivnp::report

@@ -1,0 +1,18 @@
+// The verdict: how far the two data sets are apart.
+#pragma once
+
+#include <string>
+
+#include "apps/report/content/content.hpp"
+#include "apps/report/content/differences.hpp"
+#include "apps/report/content/quality.hpp"
+#include "apps/report/words/data_sets.hpp"
+
+namespace pivnp::report {
+
+/// A short paragraph on how far simulation and measurement are apart against what the measurement knows; without a
+/// comparison, on what was measured or simulated. Never says that a simulation is right.
+std::string verdict(const Content& content, const DataSetNames& names, const std::vector<PairQuality>& pairs,
+                    const DifferenceCurve& differences);
+
+}  // namespace pivnp::report

@@ -1,0 +1,114 @@
+// The list of figures: a row that is added arrives in the HTML, in the PDF and in figures/, and nowhere by hand.
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "apps/plot/canvas.hpp"
+#include "apps/report/figures/figure.hpp"
+#include "apps/report/write.hpp"
+#include "pivnp/core/particles/derived.hpp"
+#include "tests/unit/report/synthetic.hpp"
+
+namespace pivnp::report {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string read(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+class Figures : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("pivnp_figures_" + std::to_string(::getpid()));
+    fs::remove_all(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  bool file(const std::string& name) const { return fs::exists(folder_ / "figures" / name); }
+
+  fs::path folder_;
+};
+
+int times_drawn = 0;
+
+std::vector<Figure> draw_dummy(const FigureInput&) {
+  auto canvas = std::make_shared<plot::Canvas>(100, 30);
+  canvas->paint_over([](plot::Painter&) { ++times_drawn; });
+  return {{"A caption of its own.", canvas}};
+}
+
+TEST_F(Figures, ANewRowArrivesEverywhere) {
+  figures().add({.name = "dummy",
+                 .shows = "a figure that a test added",
+                 .section = Section::simulation,
+                 .applies = [](const FigureInput& i) { return !i.content.energy.empty(); },
+                 .draw = draw_dummy});
+  SyntheticOptions o;
+  o.measured = o.pairs = o.pictures = false;
+  o.spacing_m = 0.02;
+  o.frames = 3;
+  Synthetic s = make_synthetic(o);
+  times_drawn = 0;
+  write_content({}, s.content, folder_);
+  EXPECT_TRUE(file("dummy.png") && file("dummy.svg"));
+  EXPECT_EQ(times_drawn, 3);  // as PNG, as SVG, and on a page of the PDF
+  const std::string html = read(folder_ / "report.html");
+  EXPECT_NE(html.find("<figure id=\"dummy\"><img alt=\"Figure 5. A figure that a test added\""), std::string::npos);
+  EXPECT_NE(html.find("A caption of its own."), std::string::npos);
+
+  s.content.energy.clear();  // it no longer applies, and goes
+  write_content({}, s.content, folder_);
+  EXPECT_FALSE(file("dummy.png") || file("dummy.svg"));
+  EXPECT_TRUE(file("displacement.png"));
+  figures().remove_last();
+}
+
+TEST_F(Figures, EveryNameHasOneRow) {
+  for (const FigureRow& row : figures()) {
+    EXPECT_FALSE(row.shows.empty()) << row.name;
+    if (row.owns == nullptr) {
+      EXPECT_EQ(row_of(row.name), &row) << row.name;
+    }
+  }
+  for (const DerivedField& field : derived_fields()) {
+    const FigureRow* row = row_of(field.name);
+    ASSERT_NE(row, nullptr) << field.name;
+    EXPECT_EQ(row->name, "fields");
+  }
+  EXPECT_EQ(row_of("displacement")->name, "fields");
+  EXPECT_EQ(row_of("vectors_12")->name, "vectors");
+  for (const char* none : {"vectors_", "vectors_a", "mine", ""}) EXPECT_EQ(row_of(none), nullptr) << none;
+}
+
+// Two histories, then a report of a simulation in the same folder: what only the first had is gone.
+TEST_F(Figures, ThoseOfAnotherComparisonGo) {
+  Content histories;
+  histories.comparison.emplace();
+  histories.comparison->tables = {
+      {"history_first", "front of history=one.csv", {{"time", "s", {0, 1, 2}}, {"value", "m", {0, 1, 3}}}},
+      {"history_second", "front of history=two.csv", {{"time", "s", {0, 1, 2}}, {"value", "m", {0, 2, 3}}}},
+      {"decomposition_displacement_x",
+       "coefficients",
+       {{"first", "m", {1, 2}}, {"second", "m", {1, 3}}, {"uncertainty", "m", {0.1, 0.1}}}}};
+  write_content({}, histories, folder_);
+  EXPECT_TRUE(file("curves.png") && file("decomposition.svg"));
+  SyntheticOptions o;
+  o.measured = o.pairs = o.pictures = false;
+  o.spacing_m = 0.02;
+  o.frames = 3;
+  const Synthetic s = make_synthetic(o);
+  write_content({}, s.content, folder_);
+  for (const char* stale : {"curves.png", "curves.svg", "decomposition.png", "decomposition.svg"})
+    EXPECT_FALSE(file(stale)) << stale;
+  EXPECT_TRUE(file("energy.png"));
+}
+
+}  // namespace
+}  // namespace pivnp::report
