@@ -42,6 +42,10 @@ void read_fields(const std::string& file, const std::string& path, const Node& t
   });
 }
 
+/// A line of write_fields. `text`: the value; empty: it cannot be written.
+std::string field_line(std::string_view name, const OptionInfo& info, const std::string& text,
+                       const std::string& default_text);
+
 /// The options as lines "key = value". What is not given (an optional without value, an empty list or text that is
 /// empty by default, a number outside its own range) stands as a comment that says what it would be.
 template <class T>
@@ -53,15 +57,7 @@ std::string write_fields(const T& options) {
   std::string lines;
   std::size_t k = 0;
   T::fields(options, [&](std::string_view name, const auto& value, const OptionInfo& info) {
-    const std::string text = writable(info, value) ? toml_text(value) : "";
-    const bool empty_by_default = (text == "[]" || text == "\"\"") && text == defaults[k];
-    ++k;
-    if (!text.empty() && !empty_by_default) {
-      lines += std::string(name) + " = " + text + "\n";
-    } else {
-      const std::string unit = info.unit.empty() ? "" : " (" + std::string(info.unit) + ")";
-      lines += "# " + std::string(name) + " is not given" + unit + ": " + std::string(info.text) + "\n";
-    }
+    lines += field_line(name, info, writable(info, value) ? toml_text(value) : "", defaults[k++]);
   });
   return lines;
 }

@@ -42,6 +42,14 @@ struct WriteSections {
 
 }  // namespace
 
+std::string field_line(std::string_view name, const OptionInfo& info, const std::string& text,
+                       const std::string& default_text) {
+  const bool empty_by_default = (text == "[]" || text == "\"\"") && text == default_text;
+  if (!text.empty() && !empty_by_default) return std::string(name) + " = " + text + "\n";
+  const std::string unit = info.unit.empty() ? "" : " (" + std::string(info.unit) + ")";
+  return "# " + std::string(name) + " is not given" + unit + ": " + std::string(info.text) + "\n";
+}
+
 std::string write_case(const Case& c) {
   std::string text = "name = " + toml_text(c.name) + "\n";
   for_each_section(c, WriteSections{text});
