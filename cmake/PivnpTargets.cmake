@@ -20,7 +20,8 @@ if(PIVNP_WERROR)
 endif()
 if(PIVNP_SANITIZE)
   target_compile_options(pivnp_flags INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=undefined
-                                               -fno-omit-frame-pointer)
+                                               -fno-omit-frame-pointer
+                                               -Wno-maybe-uninitialized)  # false with sanitizers, as GCC's manual says
   target_link_options(pivnp_flags INTERFACE -fsanitize=address,undefined)
 endif()
 
@@ -29,6 +30,14 @@ function(pivnp_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
   target_link_libraries(${name} PUBLIC $<BUILD_INTERFACE:pivnp_flags> ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
+endfunction()
+
+# pivnp_test_headers(): what tests include, compiled once for all of them but those with threads of their own.
+function(pivnp_test_headers)
+  file(WRITE ${CMAKE_BINARY_DIR}/test_headers.cpp "")
+  add_library(pivnp_test_headers OBJECT ${CMAKE_BINARY_DIR}/test_headers.cpp)
+  target_link_libraries(pivnp_test_headers PRIVATE pivnp_flags Eigen3::Eigen GTest::gtest_main GTest::gmock)
+  pivnp_precompile(pivnp_test_headers HEADERS <gmock/gmock.h> <gtest/gtest.h>)
 endfunction()
 
 # pivnp_test(NAME LABEL quick|full SOURCES a.cpp ... LINK lib ... [TIMEOUT seconds])
@@ -42,6 +51,11 @@ function(pivnp_test name)
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE pivnp_flags ${ARG_LINK} GTest::gtest_main GTest::gmock)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  if("OpenMP::OpenMP_CXX" IN_LIST ARG_LINK)
+    pivnp_precompile(${name} HEADERS <gmock/gmock.h> <gtest/gtest.h>)
+  else()
+    pivnp_precompile(${name} AS pivnp_test_headers)
+  endif()
   if(ARG_LABEL STREQUAL full)
     gtest_discover_tests(${name} TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60 TEST_FILTER "*Small.*"
                          TEST_LIST ${name}_small PROPERTIES LABELS quick TIMEOUT 300)

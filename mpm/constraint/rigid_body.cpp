@@ -207,8 +207,8 @@ void RigidBodies::find_contacts(double time, double least_mass, const GridState&
       std::int32_t cell = 0;
       double xi = 0, eta = 0;
       const Vec2 x = body.place(point.x, time);
-      for (int sheet = 0; sheet < g.velocity_fields; ++sheet) {
-      if (!g.find(x.x(), x.y(), cell, xi, eta, sheet)) continue;
+      for (int field = 0; field < g.velocity_fields; ++field) {
+      if (!g.find(x.x(), x.y(), cell, xi, eta, field)) continue;
       Contact c;
       c.body = int(b);
       c.normal = body.turned(point.normal);

@@ -33,8 +33,9 @@ class Writer {
  private:
   void raw(const void* data, std::size_t n) {
     if (n == 0) return;
-    const auto* first = static_cast<const std::byte*>(data);
-    bytes.insert(bytes.end(), first, first + n);
+    const std::size_t at = bytes.size();
+    bytes.resize(at + n);
+    std::memcpy(bytes.data() + at, data, n);
   }
 };
 
