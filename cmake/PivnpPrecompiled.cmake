@@ -1,4 +1,4 @@
-# Headers that most sources include, compiled once for targets that share flags: a third of a cold build is spared. No source
+# Headers that most sources include, compiled once for all targets that share flags: a third of a cold build is spared. No source
 # needs them: with -DPIVNP_PRECOMPILE=OFF everything compiles by its own includes.
 option(PIVNP_PRECOMPILE "Compile common headers once" ON)
 
@@ -7,22 +7,41 @@ set(pivnp_common_headers
     <numbers> <numeric> <optional> <set> <span> <sstream> <stdexcept> <string> <string_view> <unordered_map> <utility>
     <variant> <vector> <Eigen/Core> <Eigen/LU>)
 
-# pivnp_precompile(TARGET [AS OTHER] [HEADERS <a.hpp> ...]): the common headers and those named; or those of a target whose flags
-# are the same. Kernels that Highway compiles once an instruction set are left out: nothing but Highway may be
-# in sight where they are compiled for more than the baseline.
+# pivnp_precompile(TARGET [HEADERS <a.hpp> ...]): the common headers, compiled once for all targets with the same headers beside
+# them and the same of those libraries that change how everything is compiled. Kernels that Highway compiles once an
+# instruction set are left out: nothing but Highway may be in sight where they are compiled for more than the baseline.
 function(pivnp_precompile target)
   if(NOT PIVNP_PRECOMPILE)
     return()
   endif()
-  cmake_parse_arguments(ARG "" "AS" "HEADERS" ${ARGN})
-  if(ARG_AS)
-    target_precompile_headers(${target} REUSE_FROM ${ARG_AS})
-  else()
-    target_precompile_headers(${target} PRIVATE ${pivnp_common_headers} ${ARG_HEADERS})
+  cmake_parse_arguments(ARG "" "" "HEADERS" ${ARGN})
+  get_target_property(linked ${target} LINK_LIBRARIES)
+  set(shared Eigen3::Eigen)
+  foreach(library OpenMP::OpenMP_CXX CGAL::CGAL Qt6::Widgets Qt6::PrintSupport QCustomPlotQt6::QCustomPlotQt6 CLI11::CLI11
+                  GTest::gmock)
+    if(library IN_LIST linked)
+      list(APPEND shared ${library})
+    endif()
+  endforeach()
+  string(MD5 key "${shared} ${ARG_HEADERS}")
+  string(SUBSTRING ${key} 0 6 key)
+  set(owner pivnp_headers_${key})
+  if(NOT TARGET ${owner})
+    set(source ${CMAKE_BINARY_DIR}/headers.cpp)
+    if(NOT EXISTS ${source})
+      file(WRITE ${source} "")
+    endif()
+    add_library(${owner} OBJECT ${source})
+    target_link_libraries(${owner} PRIVATE pivnp_flags ${shared})
+    target_precompile_headers(${owner} PRIVATE ${pivnp_common_headers} ${ARG_HEADERS})
   endif()
+  target_precompile_headers(${target} REUSE_FROM ${owner})
   get_target_property(sources ${target} SOURCES)
   foreach(source IN LISTS sources)
     file(REAL_PATH ${source} path BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR})
+    if(NOT EXISTS ${path})
+      continue()
+    endif()
     file(STRINGS ${path} dispatched REGEX "hwy/foreach_target.h" LIMIT_COUNT 1)
     if(dispatched)
       set_source_files_properties(${source} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)

@@ -208,32 +208,32 @@ void RigidBodies::find_contacts(double time, double least_mass, const GridState&
       double xi = 0, eta = 0;
       const Vec2 x = body.place(point.x, time);
       for (int field = 0; field < g.velocity_fields; ++field) {
-      if (!g.find(x.x(), x.y(), cell, xi, eta, field)) continue;
-      Contact c;
-      c.body = int(b);
-      c.normal = body.turned(point.normal);
-      c.x = x;
-      if (body.free) {
-        const Vec2 arm = x - body.centre - body.shift, tangent(-c.normal.y(), c.normal.x());
-        const double across = arm.x() * c.normal.y() - arm.y() * c.normal.x();
-        const double along = arm.x() * tangent.y() - arm.y() * tangent.x();
-        const double per_inertia = body.turns ? 1 / body.inertia_per_mass : 0;
-        c.body_normal = (1 + across * across * per_inertia) / body.mass_now;
-        c.body_along = (1 + along * along * per_inertia) / body.mass_now;
-      }
-      g.weights_at(cell, xi, eta, c.node, c.weight);
-      double mass = 0, weight = 0, per_mass = 0;
-      for (int k = 0; k < g.stencil; ++k) {
-        const double m = g.node[c.node[k]].mass;
-        if (!(m > 0)) c.weight[k] = 0;
-        else per_mass += c.weight[k] * c.weight[k] / m;
-        mass += c.weight[k] * m;
-        weight += c.weight[k];
-      }
-      if (!(mass > least) || !(per_mass > 0)) continue;
-      for (int k = 0; k < g.stencil; ++k) c.weight[k] /= weight;
-      c.per_mass = per_mass / (weight * weight);
-      contacts_.push_back(c);
+        if (!g.find(x.x(), x.y(), cell, xi, eta, field)) continue;
+        Contact c;
+        c.body = int(b);
+        c.normal = body.turned(point.normal);
+        c.x = x;
+        if (body.free) {
+          const Vec2 arm = x - body.centre - body.shift, tangent(-c.normal.y(), c.normal.x());
+          const double across = arm.x() * c.normal.y() - arm.y() * c.normal.x();
+          const double along = arm.x() * tangent.y() - arm.y() * tangent.x();
+          const double per_inertia = body.turns ? 1 / body.inertia_per_mass : 0;
+          c.body_normal = (1 + across * across * per_inertia) / body.mass_now;
+          c.body_along = (1 + along * along * per_inertia) / body.mass_now;
+        }
+        g.weights_at(cell, xi, eta, c.node, c.weight);
+        double mass = 0, weight = 0, per_mass = 0;
+        for (int k = 0; k < g.stencil; ++k) {
+          const double m = g.node[c.node[k]].mass;
+          if (!(m > 0)) c.weight[k] = 0;
+          else per_mass += c.weight[k] * c.weight[k] / m;
+          mass += c.weight[k] * m;
+          weight += c.weight[k];
+        }
+        if (!(mass > least) || !(per_mass > 0)) continue;
+        for (int k = 0; k < g.stencil; ++k) c.weight[k] /= weight;
+        c.per_mass = per_mass / (weight * weight);
+        contacts_.push_back(c);
       }
     }
   }
