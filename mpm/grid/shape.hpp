@@ -31,12 +31,11 @@ inline double Max(double a, double b) { return std::max(a, b); }
 #undef PIVNP_NUMBERS
 #undef PIVNP_NUMBERS_LAMBDA
 
-template <class S>
-constexpr bool is_as_listed(ShapeKind kind) {
-  return S::width == row_of(kind).nodes && S::centred == row_of(kind).centred() && S::needs_size == row_of(kind).sized;
-}
-static_assert(is_as_listed<BilinearShape>(ShapeKind::bilinear) && is_as_listed<GimpShape>(ShapeKind::gimp) &&
-              is_as_listed<BSplineShape>(ShapeKind::bspline));
+static_assert(std::all_of(shape_rows.begin(), shape_rows.end(), [](const ShapeRow& row) {
+  return Shapes::with(row.value, [&row]<class S>(S) {
+    return S::width == row.nodes && S::centred == row.centred() && S::needs_size == row.sized;
+  });
+}));
 
 constexpr int most_stencil_nodes = 9;  // of any shape
 
