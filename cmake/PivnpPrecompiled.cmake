@@ -17,7 +17,7 @@ function(pivnp_precompile target)
   cmake_parse_arguments(ARG "" "" "HEADERS" ${ARGN})
   get_target_property(linked ${target} LINK_LIBRARIES)
   set(shared Eigen3::Eigen)
-  foreach(library OpenMP::OpenMP_CXX CGAL::CGAL Qt6::Widgets Qt6::PrintSupport QCustomPlotQt6::QCustomPlotQt6 CLI11::CLI11
+  foreach(library OpenMP::OpenMP_CXX CGAL::CGAL Qt6::Gui Qt6::Widgets Qt6::PrintSupport QCustomPlotQt6::QCustomPlotQt6 CLI11::CLI11
                   GTest::gmock)
     if(library IN_LIST linked)
       list(APPEND shared ${library})

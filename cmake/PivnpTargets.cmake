@@ -9,7 +9,7 @@ target_include_directories(pivnp_flags INTERFACE ${CMAKE_SOURCE_DIR})
 target_compile_options(pivnp_flags INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -ffp-contract=off
                        -Wno-restrict)  # GCC 12 sees false overlaps in std::string (its bug 105329)
 # Vector kernels are compiled for AVX-512, AVX2 and the baseline; SSSE3 and SSE4 are no faster than what the kernels make of that
-# (docs/theory/mpm.md). Sanitizers take minutes over each set: eight lanes and four in pairs of vectors are enough to look at.
+# (docs/theory/mpm_speed.md). Sanitizers take minutes over each set: eight lanes and four in pairs of vectors are enough to look at.
 set(pivnp_unused_targets "HWY_SSSE3|HWY_SSE4")
 if(PIVNP_SANITIZE)
   string(APPEND pivnp_unused_targets "|HWY_AVX2")
