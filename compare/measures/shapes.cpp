@@ -14,13 +14,7 @@ namespace {
 
 // Distances from points `step` apart on `rings` to the segments of `to`; at most about 10^8 pairs are looked at.
 Quantile distances(const std::vector<std::vector<Vec2>>& rings, const std::vector<std::vector<Vec2>>& to, double step) {
-  std::vector<Vec2> points;
-  for (const auto& ring : rings)
-    for (std::size_t k = 0; k + 1 < ring.size(); ++k) {
-      const Vec2 side = ring[k + 1] - ring[k];
-      const int pieces = std::max(1, int(std::ceil(side.norm() / step)));
-      for (int j = 0; j < pieces; ++j) points.push_back(ring[k] + (double(j) / pieces) * side);
-    }
+  const std::vector<Vec2> points = points_along(rings, step);
   std::size_t segments = 0;
   for (const auto& ring : to) segments += ring.size();
   const std::size_t stride = points.size() * segments / 100'000'000 + 1;

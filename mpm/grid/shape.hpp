@@ -10,7 +10,7 @@ namespace pivnp::mpm {
 
 /// Which neighbours of a node lie behind a wall.
 enum WallSide : std::uint8_t { wall_none = 0, wall_left = 1, wall_right = 2, wall_down = 4, wall_up = 8 };
-/// Beside them among the marks of a cell: strained by velocities of its nodes' own (GridState::separate_strain()).
+/// Beside them among the marks of a cell: strained by velocities of its nodes' own (GridState::separate_strain_velocities()).
 constexpr std::uint8_t strained_apart = 16;
 /// The square around a node on the domain's edge, which ends there.
 constexpr std::uint8_t at_edge = 32;
@@ -27,7 +27,7 @@ inline double Max(double a, double b) { return std::max(a, b); }
 
 #define PIVNP_NUMBERS inline
 #define PIVNP_NUMBERS_LAMBDA
-#include "mpm/grid/shape_functions-inl.hpp"
+#include "mpm/grid/shape_functions.hpp"
 #undef PIVNP_NUMBERS
 #undef PIVNP_NUMBERS_LAMBDA
 
