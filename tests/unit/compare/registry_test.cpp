@@ -49,7 +49,7 @@ TEST(MetricRegistry, EveryMetricOfAComparisonHasItsRow) {
 
 TEST(MetricRegistry, ARowThatIsAddedArrives) {
   {
-    const test::Added limit(limit_rows(), {.name = "slant_max", .unit = "", .text = "greatest slant"});
+    const test::Added limit_row(limit_rows(), {.name = "slant_max", .unit = "", .text = "greatest slant"});
     const test::Added row(metric_rows(), MetricRow{{.name = "slant", .unit = "L/T", .definition = "made up by a test", .words = "slant of a test",
                         .limit = "slant_max", .leads = Leads::yes},
                        [](const Findings& f) { return difference(0.5 * f.total().peak_first, 0.1, ", with a note"); }});

@@ -58,7 +58,7 @@ fs::path record_of(const fs::path& folder, const std::vector<EndReason>& reasons
 }
 
 TEST(EndReasons, EveryOneIsTold) {
-  const test::Added row(end_reasons(), {"of_a_test", EndReason(200), "were ended by a test"});
+  const test::Added added(end_reasons(), {"of_a_test", EndReason(200), "were ended by a test"});
   std::vector<EndReason> reasons;
   for (const EndReasonRow& row : end_reasons()) reasons.push_back(row.value);
   reasons.push_back(EndReason(250));

@@ -78,7 +78,7 @@ std::string text_of(const fs::path& file) {
 }
 
 TEST_F(Records, AMetricThatIsAddedIsRecordedAndReported) {
-  const test::Added limit(compare::limit_rows(), {.name = "slant_max", .unit = "", .text = "greatest slant"});
+  const test::Added limit_row(compare::limit_rows(), {.name = "slant_max", .unit = "", .text = "greatest slant"});
   const test::Added row(compare::metric_rows(), compare::MetricRow{{.name = "slant", .unit = "L", .definition = "made up by a test",
                                .words = "slant of a test", .limit = "slant_max"},
                               [](const compare::Findings&) { return compare::difference(3, 0.1, ""); }});
