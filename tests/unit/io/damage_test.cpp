@@ -63,7 +63,7 @@ class Damage : public ::testing::Test {
 
 TEST_F(Damage, OfPartsIsDoneAgain) {
   ASSERT_GT(expected.size(), 100u);
-  for (int trial = 0; trial < 30; ++trial) {
+  for (int trial = 0; trial < 20; ++trial) {
     SCOPED_TRACE("seed " + std::to_string(seed) + ", trial " + std::to_string(trial));
     test::Scratch there;
     leave(there.path, size, int(20 + random() % 95));
