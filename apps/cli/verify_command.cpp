@@ -1,5 +1,5 @@
-// `pivnp verify`: every case with thresholds under the paths given, run and judged; records, read and held against their
-// checksums.
+// `pivnp verify`: every case with thresholds under the paths given, run and held against its thresholds; records, read and
+// held against their checksums.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <fstream>

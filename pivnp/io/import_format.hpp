@@ -66,10 +66,4 @@ std::string shown(std::string_view text);
 /// A text file in memory. Throws InputError.
 std::string read_text(const std::filesystem::path& file);
 
-// Readers of motions (import_csv.cpp, import_cbgeo.cpp, import_vtk.cpp).
-ImportedTable read_csv(const std::filesystem::path& file, double step);
-ImportedState read_cbgeo(const std::vector<std::filesystem::path>& files);
-ImportedState read_legacy_vtk(const std::vector<std::filesystem::path>& files);
-ImportedState read_vtu(const std::vector<std::filesystem::path>& files);
-
 }  // namespace pivnp::io
