@@ -36,10 +36,14 @@ std::string text_of(const fs::path& file) {
   return text.str();
 }
 
+// All of it or nothing, whenever the program is killed.
 void write_note(const fs::path& file, const std::string& text) {
-  std::ofstream out(file, std::ios::binary);
+  const fs::path temporary = file.string() + ".tmp";
+  std::ofstream out(temporary, std::ios::binary);
   out << text << std::flush;
   if (!out) throw RunError(file.string() + ": cannot be written");
+  out.close();
+  fs::rename(temporary, file);
 }
 
 // Wherever the frames come to lie, and whether or not the case speaks of them, they are drawn alike.
