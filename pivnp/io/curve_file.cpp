@@ -82,7 +82,8 @@ Curve read_curve(const std::filesystem::path& file, const std::string& column, d
       if (error != std::errc() || end != cells[k].data() + cells[k].size())
         throw InputError(at() + "column '" + shown(names[k]) + "': found '" + shown(cells[k]) + "', expected a number");
       if (!std::isfinite(v))
-        throw InputError(at() + "column '" + shown(names[k]) + "': found '" + shown(cells[k]) + "', expected a finite number, or nan");
+        throw InputError(at() + "column '" + shown(names[k]) + "': found '" + shown(cells[k]) +
+                         "', expected a finite number, or nan");
       return v;
     };
     const double time = value(0) * (counted ? step : 1);

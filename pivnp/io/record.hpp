@@ -54,11 +54,11 @@ class RecordWriter {
  public:
   /// Without `resume`, old parts in `directory` are removed and a finished record is replaced only at the end. With it,
   /// closed segments are kept if their case text, sources, grid, camera and units equal those of `head`, and this
-  /// program is the one that left them (else InputError saying what differs first); `command` and the time of creation stay those of the first start. A run that is already
-  /// finished (record.h5 of the same case, no parts) counts as complete in every stage: pair() reads from the record,
-  /// begin_motion, set_*, close_segment, end_stage and finish do nothing, add_* is wrong use. With nothing there to
-  /// resume it starts afresh. `threads` pack the record. `held`: the directory's lock, where the run took it before;
-  /// nullptr: taken here.
+  /// program is the one that left them (else InputError saying what differs first); `command` and the time of creation
+  /// stay those of the first start. A run that is already finished (record.h5 of the same case, no parts) counts as
+  /// complete in every stage: pair() reads from the record, begin_motion, set_*, close_segment, end_stage and finish do
+  /// nothing, add_* is wrong use. With nothing there to resume it starts afresh. `threads` pack the record. `held`: the
+  /// directory's lock, where the run took it before; nullptr: taken here.
   RecordWriter(const std::filesystem::path& directory, const RecordHead& head, bool resume, int threads = 1,
                std::shared_ptr<const DirectoryLock> held = nullptr);
   ~RecordWriter();  // what is in an open segment is lost: close it first if a resumed run is to go on from there
