@@ -168,6 +168,10 @@ Case read_case(const std::filesystem::path& path);
 /// The same from text; `name` stands in messages.
 Case parse_case(const std::string& text, const std::string& name, const std::filesystem::path& folder);
 
+/// The case of a record, which a later version may have written: sections, keys and values that this one does not know are
+/// left out, with a note each. Throws InputError where the text is no TOML, or where a section is none.
+Case parse_recorded_case(const std::string& text, const std::string& name, const std::filesystem::path& folder);
+
 /// The case as run: every default filled in, as TOML that reads back to the same case.
 std::string write_case(const Case& c);
 

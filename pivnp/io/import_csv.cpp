@@ -109,8 +109,11 @@ ImportedTable read_csv(const std::filesystem::path& file, double step) {
       const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), v);
       if (cell.empty() || lower(cell) == "nan") return std::nan("");
       if (error != std::errc() || end != cell.data() + cell.size())
-        throw InputError(at() + "column '" + header[std::size_t(k)] + "': found '" + std::string(cell) +
+        throw InputError(at() + "column '" + shown(header[std::size_t(k)]) + "': found '" + shown(cell) +
                          "', expected a number");
+      if (!std::isfinite(float(v)))
+        throw InputError(at() + "column '" + shown(header[std::size_t(k)]) + "': found '" + shown(cell) +
+                         "', expected a finite number (of single precision), or nan where nothing is known");
       return v;
     };
     const double time = c.time >= 0 ? value(c.time) : c.frame >= 0 ? value(c.frame) * step : 0;

@@ -42,6 +42,13 @@ const FileFormat* format_of(const std::string& text) {
   return at == std::string::npos ? nullptr : file_formats().find(text.substr(0, at));
 }
 
+std::string shown(std::string_view text) {
+  std::string out(text.substr(0, 40));
+  for (char& c : out)
+    if (static_cast<unsigned char>(c) < 32 || c == 127) c = '?';
+  return text.size() > out.size() ? out + "..." : out;
+}
+
 std::string read_text(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   if (!in) throw InputError(file.string() + ": cannot be opened");

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "pivnp/core/registry.hpp"
@@ -58,6 +59,9 @@ std::string formats_text(bool (FileFormat::*kind)() const);
 
 /// The format that "FORMAT=..." begins with; nullptr where it begins with none.
 const FileFormat* format_of(const std::string& text);
+
+/// What a message may quote of a file: at most 40 characters, those that print.
+std::string shown(std::string_view text);
 
 /// A text file in memory. Throws InputError.
 std::string read_text(const std::filesystem::path& file);
