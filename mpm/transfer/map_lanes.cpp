@@ -48,8 +48,9 @@ struct ElementSums {
 // The mean stress that F-bar puts in the place of the points' own, in `mean`; the others' force at the nodes.
 HWY_INLINE void average_elements(const PointView& p, const CellView& c, Range range, Locking locking, double* mean) {
   ElementSums sums;
+  const bool some_open = locking == Locking::fbar && p.opening;
   for_tiles(c, range, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
-    const V v = t.live(locking == Locking::fbar ? joined_volume(p, t) : t.load(p.volume0));
+    const V v = t.live(some_open ? joined_volume(p, t) : t.load(p.volume0));
     sums.add(cells, range.begin, v * t.load(p.tau_xx), sums.xx);
     sums.add(cells, range.begin, v * t.load(p.tau_yy), sums.yy);
     sums.add(cells, range.begin, v * t.load(p.tau_zz), sums.zz);
