@@ -108,15 +108,16 @@ RecordHead read_head(const h5::Source& source) {
   head.grid.origin = Vec2(numbers("/grid", "origin", 2).data());
   head.grid.spacing = Vec2(numbers("/grid", "spacing", 2).data());
   const std::vector<double> nodes = numbers("/grid", "nodes", 2);
+  const bool no_grid = nodes[0] == 0 && nodes[1] == 0;  // a comparison of histories, say
   for (const double n : nodes)
-    if (!(n >= 1 && n <= most_nodes) || n != std::floor(n) || nodes[0] * nodes[1] > most_nodes)
+    if (!no_grid && (!(n >= 1 && n <= most_nodes) || n != std::floor(n) || nodes[0] * nodes[1] > most_nodes))
       throw InputError(source.name() + ": /grid: attribute 'nodes' is " + std::to_string(nodes[0]) + ", " +
                        std::to_string(nodes[1]) + ", expected two whole numbers whose product is 1 to " +
                        std::to_string(most_nodes));
   head.grid.nx = static_cast<int>(nodes[0]);
   head.grid.ny = static_cast<int>(nodes[1]);
   for (const double h : {head.grid.spacing.x(), head.grid.spacing.y()})
-    if (!(h > 0) || !std::isfinite(h) || !head.grid.origin.allFinite())
+    if (!no_grid && (!(h > 0) || !std::isfinite(h) || !head.grid.origin.allFinite()))
       throw InputError(source.name() + ": /grid: spacing " + std::to_string(h) + " or the origin is no length, expected " +
                        "finite numbers, spacings above 0");
   if (source.has_attribute("/camera", "metres_per_pixel"))
