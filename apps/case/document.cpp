@@ -54,6 +54,26 @@ Node converted(const toml::node& from) {
   return to;
 }
 
+// The TOML library goes one level deeper for every part of a key and every bracket.
+constexpr std::size_t most_levels = 100;
+
+void refuse_deep(const std::string& text, const std::string& name) {
+  std::size_t line = 1, dots = 0, brackets = 0;
+  for (const char c : text) {
+    if (c == '\n') {
+      ++line;
+      dots = 0;
+    }
+    dots += c == '.';
+    if (c == '=' || c == ' ' || c == ',' || c == '"' || c == '\'') dots = 0;  // of one key
+    if (c == '[' || c == '{') ++brackets;
+    if ((c == ']' || c == '}') && brackets > 0) --brackets;
+    if (dots > most_levels || brackets > most_levels)
+      throw InputError(name + ":" + std::to_string(line) + ": found more than " + std::to_string(most_levels) +
+                       (dots > most_levels ? " parts in a key" : " open brackets") + ", expected fewer");
+  }
+}
+
 std::string one_line(std::string text) {
   for (char& c : text)
     if (c == '\n' || c == '\r' || c == '\t') c = ' ';
@@ -65,15 +85,14 @@ void forget_lines(Node& node) {
   for (Node& item : node.list) forget_lines(item);
 }
 
-// At most 60 bytes, cut between characters.
+}  // namespace
+
 std::string shortened(const std::string& text) {
   std::size_t end = 60;
   if (text.size() <= end) return text;
   while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;  // UTF-8 continuation bytes
   return text.substr(0, end) + "...";
 }
-
-}  // namespace
 
 const Entry* Node::find(std::string_view key) const {
   for (const Entry& entry : entries)
@@ -101,6 +120,7 @@ std::string Source::place(const std::string& key) const {
 }
 
 Node parse_document(const std::string& text, const std::string& name) {
+  refuse_deep(text, name);
   try {
     return converted(toml::parse(text));
   } catch (const toml::parse_error& error) {
