@@ -12,8 +12,11 @@
 #include "apps/study/methods/tracking.hpp"
 #include "apps/study/pipeline/measure.hpp"
 #include "apps/study/pipeline/outcome.hpp"
+#include "apps/study/pipeline/placed.hpp"
 #include "apps/study/pipeline/record_head.hpp"
 #include "apps/study/pipeline/report_input.hpp"
+#include "apps/study/pipeline/sizes.hpp"
+#include "apps/study/pipeline/zones.hpp"
 #include "apps/study/synth/case_frames.hpp"
 #include "pivnp/core/error.hpp"
 
@@ -57,8 +60,11 @@ class Run {
     if (failed) throw RunError(settings.out.string() + ": " + failed.message());
     if (measures || c_.frames) open_frames();
     setting_ = make_setting(c_, source_ ? source_->width() : 0, source_ ? source_->height() : 0);
-    writer_ = std::make_unique<io::RecordWriter>(settings.out, head(), settings.resume, settings.threads);
+    const CaseSize size = size_of(c_, setting_, frames_.size(), frames_.empty() ? 0.0 : frames_.back().time);
+    if (!settings.resume) require_room(c_, size, settings.out);
     if (tracks) check_strain_floor(c_, setting_, frames_.size());
+    if (tracks && simulates) check_compared_zones(c_, setting_);
+    writer_ = std::make_unique<io::RecordWriter>(settings.out, head(), settings.resume, settings.threads);
   }
 
   bool measures = false, tracks = false, simulates = false;
@@ -158,14 +164,16 @@ class Run {
 }  // namespace
 
 RunOutcome run_case(const Case& c, const RunSettings& settings, Stages stages, Progress& progress) {
-  Run run(c, settings, stages, progress);
-  if (run.measures) run.measure_vectors();
-  if (run.tracks) run.follow_particles();
-  if (run.simulates) run.simulate_motion();
-  run.pack();
-  if (run.tracks) run.note_strains();
-  if (run.tracks && run.simulates) run.compare_motions();
-  return run.finish();
+  return placed(c, [&] {
+    Run run(c, settings, stages, progress);
+    if (run.measures) run.measure_vectors();
+    if (run.tracks) run.follow_particles();
+    if (run.simulates) run.simulate_motion();
+    run.pack();
+    if (run.tracks) run.note_strains();
+    if (run.tracks && run.simulates) run.compare_motions();
+    return run.finish();
+  });
 }
 
 }  // namespace pivnp::app
