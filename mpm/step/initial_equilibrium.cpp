@@ -269,10 +269,11 @@ int relax_to_equilibrium(const EquilibriumOptions& options, const StaticSystem& 
     }
   }
   std::ostringstream text;
-  text << "initial equilibrium: after " << std::min(n, most) << " iterations ";
-  if (n <= most) text << "the material moves apart";
-  else text << "unbalanced over applied force is still " << ratio << ", expected below " << options.tolerance;
-  text << " (is it held on all sides, and strong enough to carry its weight? mpm.initial_equilibrium = false starts without)";
+  text << "initial equilibrium: unbalanced over applied force ";
+  if (std::isfinite(ratio)) text << "is still " << ratio;
+  else text << "is no number";
+  text << " after " << std::min(n, most) << " iterations, " << (n <= most ? "in which the material moves apart, " : "") << "expected below "
+       << options.tolerance << " (is it held on all sides, and strong enough to carry its weight? mpm.initial_equilibrium = false starts without)";
   throw RunError(text.str());
 }
 
