@@ -73,6 +73,17 @@ CheckOutcome checked(const Case& given, const RunSettings& settings, Progress& p
     c.synth->frames = std::min(c.synth->frames, 2);
   }
   const bool draws = c.synth && !settings.frames && (!c.frames || c.frames->path.empty());
+  if (draws && c.frames) {  // which of them are used is known without them
+    const image::FrameOptions& used = *c.frames;
+    const int last = used.last.value_or(frames_drawn - 1);
+    if (last >= frames_drawn || used.first >= frames_drawn)
+      throw InputError(std::string(last >= frames_drawn ? "frames.last" : "frames.first") + ": found " +
+                       std::to_string(last >= frames_drawn ? last : used.first) + ", but synth.frames is " + std::to_string(frames_drawn));
+    frames_drawn = (last - used.first) / used.stride + 1;
+    c.frames->first = 0;
+    c.frames->last.reset();
+    c.frames->stride = 1;
+  }
   const std::unique_ptr<image::FrameSource> source = case_frames(c, own, progress);
   const Setting setting = make_setting(c, source ? source->width() : 0, source ? source->height() : 0);
   const std::size_t frames = draws ? std::size_t(frames_drawn) : source ? source->frames().size() : 0;
@@ -114,7 +125,7 @@ CheckOutcome checked(const Case& given, const RunSettings& settings, Progress& p
 }  // namespace
 
 CheckOutcome check_case(const Case& given, const RunSettings& settings, Progress& progress) {
-  return placed(given, [&] { return checked(given, settings, progress); });
+  return placed(given, settings, [&] { return checked(given, settings, progress); });
 }
 
 }  // namespace pivnp::app

@@ -164,7 +164,7 @@ class Run {
 }  // namespace
 
 RunOutcome run_case(const Case& c, const RunSettings& settings, Stages stages, Progress& progress) {
-  return placed(c, [&] {
+  return placed(c, settings, [&] {
     Run run(c, settings, stages, progress);
     if (run.measures) run.measure_vectors();
     if (run.tracks) run.follow_particles();

@@ -182,7 +182,7 @@ void Drawing::by_increments(Progress& progress) {
 
 void synthesize(const Case& c, const RunSettings& settings, Progress& progress) {
   if (!c.synth) throw InputError(of_file(c) + ": there is no [synth] table, so there is nothing to draw");
-  placed(c, [&] {
+  placed(c, settings, [&] {
     require_drawable(*c.synth, c.texture);
     Drawing drawing(c, settings);
     if (c.synth->motion == SynthMotion::mpm) drawing.by_simulation(settings.threads, progress);
