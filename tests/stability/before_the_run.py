@@ -103,6 +103,12 @@ result = run(program, "check", there, "--out", there / "out")
 if result.returncode != 0 or "material points" not in result.stdout or (there / "out").exists():
     faults.append("size of a valid case: " + result.stdout + result.stderr)
 
+# Two frames are drawn for the check; those that a case uses are counted without them.
+(there / "later.toml").write_text(changed(LEAST, "[frames]", "[frames]\nlast = 2"))
+result = run(program, "check", there / "later.toml", "--out", there / "o")
+if result.returncode != 0:
+    faults.append("frames.last within synth.frames: " + result.stderr)
+
 # What is no file, and texts without measure.
 os.mkfifo(there / "pipe.png")
 os.mkfifo(there / "pipe.toml")
