@@ -20,7 +20,7 @@
 #include "pivnp/image/mask.hpp"
 #include "pivnp/image/synthetic.hpp"
 #include "pivnp/np/options.hpp"
-#include "pivnp/piv/piv.hpp"
+#include "pivnp/piv/options.hpp"
 
 namespace pivnp::app {
 
@@ -106,7 +106,7 @@ struct SynthOptions {
   }
 };
 
-/// What `pivnp verify` demands of a case with known truth.
+/// Thresholds that `pivnp verify` checks in a case with known truth.
 struct VerifyOptions {
   std::optional<double> displacement_rms_px;
   std::optional<double> strain_error;

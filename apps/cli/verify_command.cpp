@@ -1,4 +1,4 @@
-// `pivnp verify`: every case with thresholds under the paths given, run and judged.
+// `pivnp verify`: every case with thresholds under the paths given, run and held against its thresholds.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <fstream>

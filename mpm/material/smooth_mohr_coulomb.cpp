@@ -289,7 +289,7 @@ void SmoothMohrCoulomb::integrate(Point& p, Here here, const Tensor& de, double&
   double done = 0, size = 1;
   bool failed = false;
   int substeps = 0;
-  const auto book = [&](const Tensor& before, const Tensor& after, double share) {
+  const auto add_work = [&](const Tensor& before, const Tensor& after, double share) {
     work += 0.5 * share * (product(before, de) + product(after, de));
   };
   while (done < 1) {
@@ -302,7 +302,7 @@ void SmoothMohrCoulomb::integrate(Point& p, Here here, const Tensor& de, double&
       const Tensor before = p.stress;
       const double share = elastic_leg(p, here, times(de, 1 - done));
       if (share > 0) {
-        book(before, p.stress, share * (1 - done));
+        add_work(before, p.stress, share * (1 - done));
         here = Here(*this, p, here);
         if (share >= 1) break;
         done += share * (1 - done);
@@ -332,7 +332,7 @@ void SmoothMohrCoulomb::integrate(Point& p, Here here, const Tensor& de, double&
       failed = true;
       continue;
     }
-    book(p.stress, end.stress, size);
+    add_work(p.stress, end.stress, size);
     here = correct(end, Here(*this, end));  // at constant strain: no work
     p = end;
     done = 1 - done - size < 1e-12 ? 1 : done + size;

@@ -29,7 +29,7 @@ struct Particles {
   struct Body {
     std::size_t begin = 0, end = 0;
     int material = 0;
-    History::Places history = {};  // of its law's variables
+    HistoryVariables::Places history = {};  // of its law's variables
   };
   static constexpr std::int32_t ended = -1;  // as `cell`: no longer simulated
 
@@ -49,7 +49,7 @@ struct Particles {
   Array de_xx, de_yy, de_zz, de_xy, spin;
   Array softened_by;
 
-  History history;     // of the laws
+  HistoryVariables history;     // of the laws
   double density = 0;  // of one body, kg/m^3
   std::vector<Body> bodies;
 

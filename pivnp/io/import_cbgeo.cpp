@@ -1,4 +1,5 @@
-// CB-Geo MPM's particle tables: a compound data set /table whose members are read by name.
+// CB-Geo MPM's particle tables, particles<step>.h5: a compound data set /table whose members are read by name. Of an
+// MPI run all ranks' files of a step belong together.
 #include <cmath>
 
 #include "pivnp/core/error.hpp"

@@ -1,4 +1,7 @@
-// Tables of tracks: one row a particle and time.
+// Tables of tracks: one row a particle and time. Columns by name, in any order, separated by comma, semicolon or tab:
+// x, y; id (or particle, track, "Particle Id"); time or t (times) or frame or step (counted by `step`); where known ux,
+// uy (displacement), vx, vy (velocity), sigma_x, sigma_y (standard uncertainty of the position), area. Without a column
+// of times every file is one time.
 #include <algorithm>
 #include <charconv>
 #include <cmath>

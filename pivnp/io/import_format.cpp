@@ -8,6 +8,12 @@
 
 namespace pivnp::io {
 
+// Readers of motions: import_csv.cpp, import_cbgeo.cpp, import_vtk.cpp.
+ImportedTable read_csv(const std::filesystem::path& file, double step);
+ImportedState read_cbgeo(const std::vector<std::filesystem::path>& files);
+ImportedState read_legacy_vtk(const std::vector<std::filesystem::path>& files);
+ImportedState read_vtu(const std::vector<std::filesystem::path>& files);
+
 Registry<FileFormat>& file_formats() {
   static Registry<FileFormat> formats = {
       {.name = "csv", .files = "tracks.csv or step_*.csv", .text = "tables of tracks: id, x, y, and a time or one file a time",

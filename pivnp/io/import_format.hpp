@@ -62,10 +62,4 @@ const FileFormat* format_of(const std::string& text);
 /// A text file in memory. Throws InputError.
 std::string read_text(const std::filesystem::path& file);
 
-// Readers of motions (import_csv.cpp, import_cbgeo.cpp, import_vtk.cpp).
-ImportedTable read_csv(const std::filesystem::path& file, double step);
-ImportedState read_cbgeo(const std::vector<std::filesystem::path>& files);
-ImportedState read_legacy_vtk(const std::vector<std::filesystem::path>& files);
-ImportedState read_vtu(const std::vector<std::filesystem::path>& files);
-
 }  // namespace pivnp::io

@@ -129,7 +129,7 @@ class ImportedMotion final : public MotionSource {
     std::vector<std::int64_t> sorted = state.id;
     std::sort(sorted.begin(), sorted.end());
     if (const auto twice = std::adjacent_find(sorted.begin(), sorted.end()); twice != sorted.end())
-      throw InputError(file + ": id " + std::to_string(*twice) + " stands twice at one time");
+      throw InputError(file + ": id " + std::to_string(*twice) + " occurs twice at the same time");
   }
 
   // Everyone who ever appears, in order of appearance.

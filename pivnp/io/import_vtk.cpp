@@ -1,4 +1,5 @@
-// Legacy VTK, as Anura3D writes it, and VTK XML of unstructured grids in ASCII, as MPM-Geomechanics does.
+// Legacy VTK, ASCII or BINARY, as Anura3D writes it (<project>_MPVector_NNN.vtk with its siblings _MPScalar_, which
+// hold the ids), and VTK XML of unstructured grids in ASCII, as MPM-Geomechanics does (particles_N.vtu).
 #include <algorithm>
 #include <bit>
 #include <charconv>

