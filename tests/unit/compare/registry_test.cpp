@@ -83,13 +83,13 @@ TEST(MetricRegistry, ARowOfHistoriesThatIsAddedArrives) {
                                                                  .words = "sway of a test"},
                                                                 [](const HistoryMeasures&) { return difference(3, 0.1, ""); }});
   HistoryMeasures measures;
-  measures.subject = "tip";
+  measures.subject = "history";
   const std::vector<Metric> metrics = metrics_of(measures);
-  const Metric* found = find(metrics, "tip_sway");
+  const Metric* found = find(metrics, "history_sway");
   ASSERT_NE(found, nullptr);
   EXPECT_EQ(found->value, 3);
   EXPECT_EQ(found->definition, "made up by a test");
-  EXPECT_NE(words_of("tip_sway").find("sway of a test"), std::string::npos);
+  EXPECT_NE(words_of("history_sway").find("sway of a test"), std::string::npos);
 }
 
 TEST(Limits, AnUnknownKeyIsRefused) {
