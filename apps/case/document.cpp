@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <sstream>
+#include <string_view>
 #include <utility>
 
 #include "apps/case/values.hpp"
@@ -54,23 +55,35 @@ Node converted(const toml::node& from) {
   return to;
 }
 
-// The TOML library goes one level deeper for every part of a key and every bracket.
-constexpr std::size_t most_levels = 100;
+// The TOML library goes one level deeper for every part of a key, and has no bound (of brackets it has one).
+constexpr std::size_t most_parts = 100;
 
 void refuse_deep(const std::string& text, const std::string& name) {
-  std::size_t line = 1, dots = 0, brackets = 0;
-  for (const char c : text) {
-    if (c == '\n') {
-      ++line;
-      dots = 0;
+  std::size_t line = 1, dots = 0;
+  std::string_view quote;  // what ends the string that the place lies in
+  for (std::size_t k = 0; k < text.size(); ++k) {
+    const char c = text[k];
+    line += c == '\n';
+    const std::string_view rest = std::string_view(text).substr(k);
+    if (!quote.empty()) {
+      if (c == '\\' && quote[0] == '"') {
+        ++k;
+        line += k < text.size() && text[k] == '\n';
+      } else if (rest.starts_with(quote) || (c == '\n' && quote.size() == 1)) {
+        k += quote.size() - 1;
+        quote = {};
+      }
+    } else if (c == '#') {
+      k = std::min(text.find('\n', k), text.size()) - 1;
+    } else if (c == '"' || c == '\'') {
+      quote = rest.substr(0, rest.size() > 2 && rest[1] == c && rest[2] == c ? 3 : 1);
+      k += quote.size() - 1;
+    } else if (c == '\n' || c == '=' || c == ',' || c == '[' || c == '{') {
+      dots = 0;  // of one key
+    } else if (c == '.' && ++dots > most_parts) {
+      throw InputError(name + ":" + std::to_string(line) + ": found a key of more than " + std::to_string(most_parts) +
+                       " parts, expected fewer");
     }
-    dots += c == '.';
-    if (c == '=' || c == ' ' || c == ',' || c == '"' || c == '\'') dots = 0;  // of one key
-    if (c == '[' || c == '{') ++brackets;
-    if ((c == ']' || c == '}') && brackets > 0) --brackets;
-    if (dots > most_levels || brackets > most_levels)
-      throw InputError(name + ":" + std::to_string(line) + ": found more than " + std::to_string(most_levels) +
-                       (dots > most_levels ? " parts in a key" : " open brackets") + ", expected fewer");
   }
 }
 

@@ -52,7 +52,9 @@ std::string shortened(const std::string& line) {
   return line.size() <= most ? line : line.substr(0, most - end) + " ... " + line.substr(line.size() - end);
 }
 
-void print_error(std::ostream& err, const std::string& what) { err << "pivnp: error: " << shortened(one_line(what)) << std::endl; }
+void print_error(std::ostream& err, const std::string& what) {
+  err << "pivnp: error: " << shortened(one_line(what)) << std::endl;
+}
 
 std::string indented(std::string_view lines) {
   std::string text = "  ";
@@ -99,8 +101,8 @@ void describe(CLI::App& app) {
   app.get_formatter()->column_width(34);
 }
 
-// No more than there are processors, whatever is asked for (OMP_NUM_THREADS too): they would wait for one another, and a
-// million cannot be had.
+// No more than there are processors, whatever is asked for (OMP_NUM_THREADS too): they would wait for one another, and
+// a million cannot be had.
 void use_threads(Session& session) {
   const int processors = std::max(1, omp_get_num_procs());
   static const int all = std::min(omp_get_max_threads(), processors);

@@ -43,10 +43,10 @@ StoredEnergy stored_energy_of(Particles& p, const GridState& g, const Materials&
 
 EnergyRow energy_row(double time, const StoredEnergy& stored, const EnergyBalance& balance);
 
-/// What has been turned over, as it stands now: the energy there was at the start, the net work of gravity (less what left
-/// with points that ended), and all work of bodies and loads, either way. It is counted once, where it comes in. It may
-/// fall again (a block that swings back, one that falls out of the domain), so a residual is held against the greatest
-/// so far, and against least_turnover().
+/// What has been turned over, as it stands now: the energy there was at the start, the net work of gravity (less what
+/// left with points that ended), and all work of bodies and loads, either way. It is counted once, where it comes in.
+/// It may fall again (a block that swings back, one that falls out of the domain), so a residual is held against the
+/// greatest so far, and against least_turnover().
 double turnover(const EnergyRow& row, const EnergyBalance& balance);
 /// A scale of the scene below which no residual is large: the weight through a millionth of a cell, and strains of 1e-8
 /// everywhere. Round-off is far below it. `gravity`: the greatest, m/s^2.

@@ -151,12 +151,13 @@ class Pieces {
   std::vector<std::uint32_t> above_;
 };
 
-// The way along gravity that a piece is free to go: what is left of it without the directions in which its nodes are held,
-// the ranges of `held` (a sum of projections).
+// The way along gravity that a piece is free to go: what is left of it without the directions in which its nodes are
+// held, the ranges of `held` (a sum of projections).
 bool may_move(const Mat2& held, const Vec2& gravity) {
   const Eigen::SelfAdjointEigenSolver<Mat2> axes(held);
   for (int k = 0; k < 2; ++k)
-    if (axes.eigenvalues()[k] < 1e-6 && std::abs(axes.eigenvectors().col(k).dot(gravity)) > 1e-6 * gravity.norm()) return true;
+    if (axes.eigenvalues()[k] < 1e-6 && std::abs(axes.eigenvectors().col(k).dot(gravity)) > 1e-6 * gravity.norm())
+      return true;
   return false;
 }
 
@@ -270,10 +271,14 @@ int relax_to_equilibrium(const EquilibriumOptions& options, const StaticSystem& 
   }
   std::ostringstream text;
   text << "initial equilibrium: unbalanced over applied force ";
-  if (std::isfinite(ratio)) text << "is still " << ratio;
-  else text << "is no number";
-  text << " after " << std::min(n, most) << " iterations, " << (n <= most ? "in which the material moves apart, " : "") << "expected below "
-       << options.tolerance << " (is it held on all sides, and strong enough to carry its weight? mpm.initial_equilibrium = false starts without)";
+  if (std::isfinite(ratio))
+    text << "is still " << ratio;
+  else
+    text << "is no number";
+  text << " after " << std::min(n, most) << " iterations, " << (n <= most ? "in which the material moves apart, " : "")
+       << "expected below " << options.tolerance
+       << " (is it held on all sides, and strong enough to carry its weight? mpm.initial_equilibrium = false starts "
+          "without)";
   throw RunError(text.str());
 }
 

@@ -80,8 +80,10 @@ void Solver::find_initial_equilibrium(Progress& progress) {
   // The average of three-node shapes leaves a point's own mean stress free to drift where points open one by one.
   Scheme scheme = s.scheme;
   if (scheme.shape != ShapeKind::bilinear) scheme.locking = Locking::none;
-  relax_to_equilibrium({s.loading.gravity(0), s.options.equilibrium_damping, s.options.equilibrium_tolerance, s.most_threads, s.options.k0},
-                       {scheme, s.materials, s.density, s.restraints, s.contacts, s.bodies, s.p, s.g, s.scene.particles}, progress);
+  relax_to_equilibrium(
+      {s.loading.gravity(0), s.options.equilibrium_damping, s.options.equilibrium_tolerance, s.most_threads,
+       s.options.k0},
+      {scheme, s.materials, s.density, s.restraints, s.contacts, s.bodies, s.p, s.g, s.scene.particles}, progress);
   s.p.resize_increments(0);
   s.p.history.reset();
   s.restart_balance();

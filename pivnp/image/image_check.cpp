@@ -189,9 +189,11 @@ std::optional<std::string> image_defect(Bytes file) {
     case ImageFormat::unknown: break;
   }
   if (starts_with(file, "RIFF"sv) && file.size() >= 12 && std::memcmp(file.data() + 8, "WEBP", 4) == 0) {
-    const std::size_t length = 8 + (file[4] | std::size_t(file[5]) << 8 | std::size_t(file[6]) << 16 | std::size_t(file[7]) << 24);
+    const std::size_t length =
+        8 + (file[4] | std::size_t(file[5]) << 8 | std::size_t(file[6]) << 16 | std::size_t(file[7]) << 24);
     if (length > file.size())
-      return "truncated: the WebP has " + std::to_string(file.size()) + " bytes, its header asks for " + std::to_string(length);
+      return "truncated: the WebP has " + std::to_string(file.size()) + " bytes, its header asks for " +
+             std::to_string(length);
   }
   return std::nullopt;
 }

@@ -26,8 +26,8 @@ std::optional<std::string> image_defect(Bytes file);
 
 /// The part of image_defect() for TIFF.
 std::optional<std::string> tiff_defect(Bytes file);
-/// The first page's code of compression if it is none that every decoder knows (none, CCITT, LZW, JPEG, deflate, PackBits),
-/// else 0: of such a file some decoders make black without a word.
+/// The first page's code of compression if it is none that every decoder knows (none, CCITT, LZW, JPEG, deflate,
+/// PackBits), else 0: of such a file some decoders make black without a word.
 int rare_tiff_compression(Bytes file);
 /// Sets the orientation tag of the first page to "as stored", so that no decoder turns the picture.
 void tiff_clear_orientation(std::span<unsigned char> file);

@@ -8,8 +8,8 @@ namespace pivnp::image {
 
 namespace {
 
-constexpr int tag_subfile_type = 254, tag_compression = 259, tag_strip_offsets = 273, tag_orientation = 274, tag_strip_bytes = 279,
-              tag_tile_offsets = 324, tag_tile_bytes = 325;
+constexpr int tag_subfile_type = 254, tag_compression = 259, tag_strip_offsets = 273, tag_orientation = 274,
+              tag_strip_bytes = 279, tag_tile_offsets = 324, tag_tile_bytes = 325;
 
 struct Entry {
   int tag = 0, type = 0;

@@ -84,7 +84,8 @@ void check_complete(const Survey& survey, const fs::path& file, std::int64_t lim
   if (survey.readable > 1)
     remedy = "; frames.last = " + std::to_string(survey.readable - 2) + " leaves out the damaged end";
   if (double(missing) <= slack) {
-    if (const auto defect = video_defect(file)) throw InputError(what + ": '" + file.string() + "' is " + *defect + remedy);
+    if (const auto defect = video_defect(file))
+      throw InputError(what + ": '" + file.string() + "' is " + *defect + remedy);
     return;
   }
   throw InputError(what + ": '" + file.string() + "' ends too early: its container promises " +

@@ -18,7 +18,8 @@ std::uint64_t big(const unsigned char* at, int bytes) {
 }
 
 std::string beyond(const char* what, std::uint64_t end, std::uint64_t size) {
-  return std::string("truncated: the ") + what + " has " + std::to_string(size) + " bytes, its header asks for " + std::to_string(end);
+  return std::string("truncated: the ") + what + " has " + std::to_string(size) + " bytes, its header asks for " +
+         std::to_string(end);
 }
 
 // MP4 and MOV are boxes one after the other, each with its size; the last may say "to the end" (0).
@@ -49,7 +50,8 @@ std::optional<std::string> video_defect(const std::filesystem::path& file) {
   in.read(reinterpret_cast<char*>(head), sizeof head);
   if (failed || in.gcount() < std::streamsize(sizeof head)) return std::nullopt;
   const std::string_view begin(reinterpret_cast<const char*>(head), sizeof head);
-  if (begin.substr(4, 4) == "ftyp" || begin.substr(4, 4) == "wide" || begin.substr(4, 4) == "mdat") return boxes_defect(in, size);
+  if (begin.substr(4, 4) == "ftyp" || begin.substr(4, 4) == "wide" || begin.substr(4, 4) == "mdat")
+    return boxes_defect(in, size);
   if (begin.starts_with("RIFF")) {  // AVI, WebP; little-endian
     const std::uint64_t length = head[4] | head[5] << 8 | head[6] << 16 | std::uint64_t(head[7]) << 24;
     if (length + 8 > size) return beyond("file", length + 8, size);

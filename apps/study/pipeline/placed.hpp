@@ -10,8 +10,8 @@
 
 namespace pivnp::app {
 
-/// What `work` gives. An InputError of it that is about a key of the case comes on with the key's place; one about frames
-/// that the command line named does not.
+/// What `work` gives. An InputError of it that is about a key of the case comes on with the key's place; one about
+/// frames that the command line named does not.
 template <class Work>
 auto placed(const Case& c, const RunSettings& settings, Work&& work) {
   try {

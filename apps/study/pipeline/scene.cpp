@@ -38,7 +38,8 @@ double nodes_between(double extent, double spacing) { return std::floor(extent /
 
 Grid grid_of(const Case& c, const Vec2& origin, double h, double nx, double ny) {
   const GivenSpacing spacing = given_spacing(c);
-  require_at_most(std::max(nx, 0.0) * std::max(ny, 0.0), most_nodes, "nodes (" + number(nx) + " x " + number(ny) + ")", spacing.key, spacing.value);
+  require_at_most(std::max(nx, 0.0) * std::max(ny, 0.0), most_nodes, "nodes (" + number(nx) + " x " + number(ny) + ")",
+                  spacing.key, spacing.value);
   require_at_most(std::max(nx, ny), most_nodes, "nodes in a row", spacing.key, spacing.value);
   return {origin, {h, h}, int(nx), int(ny)};
 }

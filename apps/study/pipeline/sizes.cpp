@@ -61,9 +61,11 @@ void size_simulation(const Case& c, const Setting& setting, std::size_t frames, 
 
 }  // namespace
 
-void require_at_most(double count, double most, const std::string& what, const std::string& key, const std::string& value) {
+void require_at_most(double count, double most, const std::string& what, const std::string& key,
+                     const std::string& value) {
   if (count <= most) return;  // not NaN either
-  throw InputError(key + ": found " + value + ", which makes " + number(count, 3) + " " + what + ", expected at most " + number(most, 3));
+  throw InputError(key + ": found " + value + ", which makes " + number(count, 3) + " " + what + ", expected at most " +
+                   number(most, 3));
 }
 
 GivenSpacing given_spacing(const Case& c) {
@@ -103,18 +105,20 @@ void require_room(const Case& c, const CaseSize& size, const std::filesystem::pa
   if (failed || !c.mpm) return;
   const bool by_rate = c.mpm->output_rate_hz.has_value();
   const GivenSpacing spacing = given_spacing(c);
-  require_at_most(size.record_bytes / gigabyte, double(space.available) / gigabyte, "gigabytes of states, more than the disk has left",
-                  by_rate ? "mpm.output_rate_hz" : spacing.key, by_rate ? toml_text(c.mpm->output_rate_hz) : spacing.value);
+  require_at_most(size.record_bytes / gigabyte, double(space.available) / gigabyte,
+                  "gigabytes of states, more than the disk has left", by_rate ? "mpm.output_rate_hz" : spacing.key,
+                  by_rate ? toml_text(c.mpm->output_rate_hz) : spacing.value);
 }
 
 std::string text_of(const CaseSize& size) {
   std::ostringstream text;
   text << "Size:";
-  if (size.nodes > 0) text << " " << number(size.nodes, 12) << " nodes, about " << number(size.particles, 3) << " numerical particles";
+  if (size.nodes > 0)
+    text << " " << number(size.nodes, 12) << " nodes, about " << number(size.particles, 3) << " numerical particles";
   if (size.points > 0)
     text << (size.nodes > 0 ? ";" : "") << " simulation of " << number(size.simulated_nodes, 12) << " nodes, about "
-         << number(size.points, 3) << " material points and " << number(size.steps, 2) << " steps, " << number(size.states, 12) << " states ("
-         << number(size.record_bytes / 1e6, 2) << " MB)";
+         << number(size.points, 3) << " material points and " << number(size.steps, 2) << " steps, "
+         << number(size.states, 12) << " states (" << number(size.record_bytes / 1e6, 2) << " MB)";
   text << "; about " << number(size.memory_bytes / 1e6, 2) << " MB of memory beside the frames.";
   return text.str();
 }

@@ -10,7 +10,8 @@
 
 namespace pivnp::app {
 
-/// Most of each that a case may come to. (Indices of nodes and particles have 32 bits; a step takes some 0.1 ms at least.)
+/// Most of each that a case may come to. (Indices of nodes and particles have 32 bits; a step takes some 0.1 ms at
+/// least.)
 constexpr double most_nodes = 1 << 26, most_particles = 1 << 26, most_blobs = 1 << 26;
 constexpr double most_steps = 1e9, most_states = 1e7;
 
@@ -24,7 +25,8 @@ struct CaseSize {
 };
 
 /// Throws InputError "KEY: found VALUE, which makes COUNT WHAT, expected at most MOST" if there are more.
-void require_at_most(double count, double most, const std::string& what, const std::string& key, const std::string& value);
+void require_at_most(double count, double most, const std::string& what, const std::string& key,
+                     const std::string& value);
 
 /// The key that a case gives the grid's spacing by, and its value as the case has it.
 struct GivenSpacing {

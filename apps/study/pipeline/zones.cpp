@@ -22,7 +22,8 @@ void check_compared_zones(const Case& c, const Setting& setting) {
     std::size_t inside = 0;
     for (const Vec2& x : set.x0) inside += zone.contains(x);
     if (inside < least)
-      throw InputError(key + ": found " + std::to_string(inside) + " " + what + " in it, expected at least " + std::to_string(least));
+      throw InputError(key + ": found " + std::to_string(inside) + " " + what + " in it, expected at least " +
+                       std::to_string(least));
   };
   demand(seed_particles(c, setting), "numerical particles");
   demand(make_scene(c, setting, *c.mpm, c.materials, "material.").particles, "material points");

@@ -35,13 +35,14 @@ std::vector<Vec2> circle(const std::vector<double>& c) {
   return out;
 }
 
-// Frames that are drawn for the check alone, and the folders above them that were not there before: gone with it, unless
-// something else has come into them.
+// Frames that are drawn for the check alone, and the folders above them that were not there before: gone with it,
+// unless something else has come into them.
 class DrawnFrames {
  public:
   explicit DrawnFrames(const std::filesystem::path& out) : folder_(out / "check_frames") {
     std::error_code ignored;
-    for (std::filesystem::path p = std::filesystem::absolute(out, ignored); !p.empty() && !std::filesystem::exists(p, ignored); p = p.parent_path())
+    for (std::filesystem::path p = std::filesystem::absolute(out, ignored);
+         !p.empty() && !std::filesystem::exists(p, ignored); p = p.parent_path())
       made_.push_back(p);
   }
   ~DrawnFrames() {
@@ -78,7 +79,8 @@ CheckOutcome checked(const Case& given, const RunSettings& settings, Progress& p
     const int last = used.last.value_or(frames_drawn - 1);
     if (last >= frames_drawn || used.first >= frames_drawn)
       throw InputError(std::string(last >= frames_drawn ? "frames.last" : "frames.first") + ": found " +
-                       std::to_string(last >= frames_drawn ? last : used.first) + ", but synth.frames is " + std::to_string(frames_drawn));
+                       std::to_string(last >= frames_drawn ? last : used.first) + ", but synth.frames is " +
+                       std::to_string(frames_drawn));
     frames_drawn = (last - used.first) / used.stride + 1;
     c.frames->first = 0;
     c.frames->last.reset();

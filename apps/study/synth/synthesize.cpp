@@ -156,8 +156,8 @@ void Drawing::by_increments(Progress& progress) {
   const Vec2 edge = Vec2::Constant(4 * c_.texture.blob_diameter_px * pixel_);
   lower -= edge;
   upper += edge;
-  require_at_most((upper - lower).prod() * blobs_per_area(), most_blobs, "blobs over the ground that is seen", "synth.frames",
-                  std::to_string(synth_.frames));
+  require_at_most((upper - lower).prod() * blobs_per_area(), most_blobs, "blobs over the ground that is seen",
+                  "synth.frames", std::to_string(synth_.frames));
   const std::vector<Region> everywhere = {
       {"all", Polygon({lower, {upper.x(), lower.y()}, upper, {lower.x(), upper.y()}}, "texture")}};
   std::vector<Vec2> texture = scatter(everywhere, blobs_per_area(), seed());
@@ -185,9 +185,12 @@ void synthesize(const Case& c, const RunSettings& settings, Progress& progress) 
   placed(c, settings, [&] {
     require_drawable(*c.synth, c.texture);
     Drawing drawing(c, settings);
-    if (c.synth->motion == SynthMotion::mpm) drawing.by_simulation(settings.threads, progress);
-    else if (c.synth->motion == SynthMotion::slope) drawing.by_stages(progress);
-    else drawing.by_increments(progress);
+    if (c.synth->motion == SynthMotion::mpm)
+      drawing.by_simulation(settings.threads, progress);
+    else if (c.synth->motion == SynthMotion::slope)
+      drawing.by_stages(progress);
+    else
+      drawing.by_increments(progress);
     drawing.finish();
   });
 }

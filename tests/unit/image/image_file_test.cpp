@@ -222,7 +222,8 @@ TEST_F(ImageFile, TiffOrientationAndPages) {
 TEST_F(ImageFile, WhatTheDecoderLacksIsNoBlackImage) {
   write("odd.tif", picture(1));
   std::string file = bytes(at("odd.tif"));
-  const std::size_t tag = file.find(std::string("\x03\x01\x03\0\x01\0\0\0", 8));  // compression, one short, little-endian
+  const std::size_t tag =
+      file.find(std::string("\x03\x01\x03\0\x01\0\0\0", 8));  // compression, one short, little-endian
   ASSERT_NE(tag, std::string::npos);
   file[tag + 8] = '\x52';  // JPEG XL
   file[tag + 9] = '\xC3';

@@ -1,5 +1,5 @@
-// What a run watches: its energy balance, points that lose their meaning, material that nothing holds, and laws that might
-// take for ever.
+// What a run watches: its energy balance, points that lose their meaning, material that nothing holds, and laws that
+// might take for ever.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -40,7 +40,8 @@ TEST(EnergyGuard, LetsAnElasticBlockSwing) {
 
 // What falls out of the domain takes along what gravity gave it.
 TEST(EnergyGuard, LetsABlockFallOutOfTheDomain) {
-  Scene s = scene(Grid{{0, 0}, {0.01, 0.01}, 21, 41}, {rectangle("block", 0.05, 0.3, 0.15, 0.38)}, {elastic(1e6, 0.3, 1500)});
+  Scene s =
+      scene(Grid{{0, 0}, {0.01, 0.01}, 21, 41}, {rectangle("block", 0.05, 0.3, 0.15, 0.38)}, {elastic(1e6, 0.3, 1500)});
   s.boundaries = {{"left", line({0, 0}, {0, 0.4}, "roller")}};
   Solver solver(at_once({0, -9.81}), s, 1);
   ASSERT_NO_THROW(solver.advance_to(0.5, silent));
@@ -69,7 +70,8 @@ TEST(EnergyGuard, CountsTheWorkOfLoadsOnce) {
 
 TEST(EnergyGuard, TakesNoRoundOffForALoss) {
   for (const char* shape : {"bilinear", "gimp", "bspline"}) {
-    Scene s = scene(Grid{{0, 0}, {0.01, 0.01}, 21, 21}, {rectangle("block", 0.05, 0.05, 0.15, 0.15)}, {elastic(1e7, 0.3, 1500)});
+    Scene s = scene(Grid{{0, 0}, {0.01, 0.01}, 21, 21}, {rectangle("block", 0.05, 0.05, 0.15, 0.15)},
+                    {elastic(1e7, 0.3, 1500)});
     s.boundaries = {{"base", line({0, 0}, {0.2, 0}, "fixed")}};
     s.v0.assign(s.particles.size(), Vec2(1e-15, 0));
     MpmOptions o = at_once({0, 0});
@@ -169,7 +171,8 @@ TEST(SmoothMohrCoulomb, BoundsItsSubsteps) {
   const auto law = make_material(m, "soil");
   const auto start = std::chrono::steady_clock::now();
   for (const double strain : {0.3, 3.0, 30.0, 1e6})
-    for (const Tensor& way : {Tensor{1, -1, 0, 0.3}, Tensor{-1, -1, 0, 1}, Tensor{1, 1, 0, 1}, Tensor{-1, 0.2, 0, -2}}) {
+    for (const Tensor& way :
+         {Tensor{1, -1, 0, 0.3}, Tensor{-1, -1, 0, 1}, Tensor{1, 1, 0, 1}, Tensor{-1, 0.2, 0, -2}}) {
       SoilPoint point;
       point.stress = {-500, -1000, -500, 0};
       Tensor de = way;
