@@ -80,7 +80,7 @@ FIELDS = '["displacement_x", "strain_1", "strain_dev_path", "velocity_magnitude"
 LAWS = {"linear_elastic": {}, "neo_hookean": {"model": '"neo_hookean"'}, "von_mises": CLAY | {"model": '"von_mises"'},
         "tresca": CLAY, "mohr_coulomb": SAND, "mohr_coulomb_smooth": SAND | {"model": '"mohr_coulomb_smooth"'},
         "drucker_prager": SAND | {"model": '"drucker_prager"'}, "mu_i": MU_I, "water": WATER}
-NO_EQUILIBRIUM = ("neo_hookean", "water")
+NO_EQUILIBRIUM = ("neo_hookean", "water", "mu_i")  # the last, without cohesion, does not stand as a block
 
 # Of keys: values, or (value, what else the section holds, what other sections hold).
 MATERIAL = {
@@ -95,8 +95,8 @@ MATERIAL = {
     "friction_half_pa": [("600.0", SAND | {"friction_low_stress_deg": "38.0"})],
     "dilatancy_fade": [("0.1", SAND | {"dilatancy_deg": "5.0"})],
     "apex_pa": [("20.0", SAND | {"model": '"mohr_coulomb_smooth"'})],
-    "friction_flow_deg": [("34.0", MU_I)], "inertial_number": [("0.3", MU_I)], "grain_diameter_m": [("2e-3", MU_I)],
-    "grain_density_kg_m3": [("2700.0", MU_I)],
+    "friction_flow_deg": [("34.0", MU_I, AT_ONCE)], "inertial_number": [("0.3", MU_I, AT_ONCE)], "grain_diameter_m": [("2e-3", MU_I, AT_ONCE)],
+    "grain_density_kg_m3": [("2700.0", MU_I, AT_ONCE)],
     "bulk_pa": [("2e6", WATER, AT_ONCE)], "shear_pa": [("1e3", WATER, AT_ONCE)],
     "density_end_kg_m3": [("1650.0", DENSER)], "density_from_s": [("0.005", DENSER)], "density_until_s": [("0.015", DENSER)],
     "reduction_factor": [("1.2", SAND)], "reduction_from_s": [("0.005", WEAKER)], "reduction_until_s": [("0.015", WEAKER)],

@@ -33,10 +33,10 @@ double filled(const Setting& setting, const Grid& grid, int per_element) {
 }
 
 // Of the fastest compression wave in the case's materials, m/s.
-double fastest_wave(const Case& c) {
+double fastest_wave(const Case& c, double cell_m) {
   double fastest = 0;
   for (const auto& [name, material] : c.materials) {
-    const double modulus = mpm::make_material(material, "material." + name)->elastic().p_wave_modulus();
+    const double modulus = mpm::make_material(material, "material." + name, cell_m)->elastic().p_wave_modulus();
     fastest = std::max(fastest, std::sqrt(modulus / material.density_kg_m3));
   }
   return fastest;
@@ -52,7 +52,7 @@ void size_simulation(const Case& c, const Setting& setting, std::size_t frames, 
   const double end = o.end_s.value_or(end_s);
   size.states = o.output_rate_hz ? std::floor(end * *o.output_rate_hz) + 1 : double(frames);
   require_at_most(size.states, most_states, "states", "mpm.output_rate_hz", toml_text(o.output_rate_hz));
-  size.steps = end * fastest_wave(c) / (o.courant * grid.spacing.minCoeff());
+  size.steps = end * fastest_wave(c, std::sqrt(grid.spacing.prod())) / (o.courant * grid.spacing.minCoeff());
   const bool short_steps = o.courant < 0.01;
   require_at_most(size.steps, most_steps, "steps", short_steps ? "mpm.courant" : "mpm.end_s",
                   toml_text(short_steps ? o.courant : end));
