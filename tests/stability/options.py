@@ -90,7 +90,7 @@ MATERIAL = {
     "tension_pa": [("10.0", SAND)], "shear_strength_pa": [("9e4", CLAY)],
     "friction_residual_deg": [("30.0", SOFT, AT_ONCE)], "cohesion_residual_pa": [("500.0", SOFT, AT_ONCE)], "softening_shape": [("2.0", SOFT, AT_ONCE)],
     "softening_length_m": [("0.03", SOFT, AT_ONCE)],
-    "softening_average": [('"smeared"', SOFT | {"softening_length_m": "0.03"}), ('"nonlocal"', SOFT | {"softening_length_m": "0.03"})],
+    "softening_average": [('"smeared"', SOFT | {"softening_length_m": "0.03"}, AT_ONCE), ('"nonlocal"', SOFT | {"softening_length_m": "0.03"}, AT_ONCE)],
     "friction_low_stress_deg": [("38.0", SAND | {"friction_half_pa": "500.0"})],
     "friction_half_pa": [("600.0", SAND | {"friction_low_stress_deg": "38.0"})],
     "dilatancy_fade": [("0.1", SAND | {"dilatancy_deg": "5.0"})],
