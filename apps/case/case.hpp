@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "apps/case/document.hpp"
 #include "apps/report/content/options.hpp"
 #include "compare/data/options.hpp"
 #include "compare/metrics/limits.hpp"
@@ -136,6 +137,7 @@ struct Case {
   std::filesystem::path file;    // empty for the embedded case
   std::filesystem::path folder;  // what relative paths are relative to
   std::vector<std::string> notes;  // of reading it: keys by their former names; not written
+  std::optional<Source> source;    // where its keys stand; none for a case that was not read
 
   std::optional<image::FrameOptions> frames;  // [frames]
   image::CameraOptions camera;                // [camera]
@@ -174,6 +176,10 @@ Case parse_recorded_case(const std::string& text, const std::string& name, const
 
 /// The case as run: every default filled in, as TOML that reads back to the same case.
 std::string write_case(const Case& c);
+
+/// A message about a key of this case, "camera.origin_px: expected ...", with its place before it: "FILE:LINE: camera.
+/// origin_px: ..." (the line of its section where the key is left out). Other messages come back as they are.
+std::string with_place(const Case& c, const std::string& message);
 
 /// What a case's output folder is called: its folder's name (case.toml), else the file's; gate_slope if embedded.
 std::string short_name(const Case& c);

@@ -28,7 +28,8 @@ class Checker {
     contacts();
     synthetic();
     verification();
-    for (const std::string& field : c_.output.fields_stored) known_field(field);
+    for (const std::string& field : c_.output.fields_stored) known_field("output.fields", field);
+    for (const std::string& field : c_.report.fields_drawn) known_field("report.fields", field);
   }
 
  private:
@@ -266,11 +267,11 @@ class Checker {
     if (!c_.synth) refuse_section("verify", "the truth is not known without synthetic frames; expected [synth]");
   }
 
-  void known_field(const std::string& name) const {
+  void known_field(const std::string& key, const std::string& name) const {
     std::vector<std::string> known;
     for (const DerivedField& field : derived_fields()) known.emplace_back(field.name);
     if (std::find(known.begin(), known.end(), name) == known.end())
-      refuse("output.fields", "unknown field \"" + name + "\"" + did_you_mean(name, known));
+      refuse(key, "unknown field \"" + name + "\"" + did_you_mean(name, known));
   }
 
   const Case& c_;

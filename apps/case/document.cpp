@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <sstream>
+#include <string_view>
 #include <utility>
 
 #include "apps/case/values.hpp"
@@ -54,6 +55,38 @@ Node converted(const toml::node& from) {
   return to;
 }
 
+// The TOML library goes one level deeper for every part of a key, and has no bound (of brackets it has one).
+constexpr std::size_t most_parts = 100;
+
+void refuse_deep(const std::string& text, const std::string& name) {
+  std::size_t line = 1, dots = 0;
+  std::string_view quote;  // what ends the string that the place lies in
+  for (std::size_t k = 0; k < text.size(); ++k) {
+    const char c = text[k];
+    line += c == '\n';
+    const std::string_view rest = std::string_view(text).substr(k);
+    if (!quote.empty()) {
+      if (c == '\\' && quote[0] == '"') {
+        ++k;
+        line += k < text.size() && text[k] == '\n';
+      } else if (rest.starts_with(quote) || (c == '\n' && quote.size() == 1)) {
+        k += quote.size() - 1;
+        quote = {};
+      }
+    } else if (c == '#') {
+      k = std::min(text.find('\n', k), text.size()) - 1;
+    } else if (c == '"' || c == '\'') {
+      quote = rest.substr(0, rest.size() > 2 && rest[1] == c && rest[2] == c ? 3 : 1);
+      k += quote.size() - 1;
+    } else if (c == '\n' || c == '=' || c == ',' || c == '[' || c == '{') {
+      dots = 0;  // of one key
+    } else if (c == '.' && ++dots > most_parts) {
+      throw InputError(name + ":" + std::to_string(line) + ": found a key of more than " + std::to_string(most_parts) +
+                       " parts, expected fewer");
+    }
+  }
+}
+
 std::string one_line(std::string text) {
   for (char& c : text)
     if (c == '\n' || c == '\r' || c == '\t') c = ' ';
@@ -65,15 +98,14 @@ void forget_lines(Node& node) {
   for (Node& item : node.list) forget_lines(item);
 }
 
-// At most 60 bytes, cut between characters.
+}  // namespace
+
 std::string shortened(const std::string& text) {
   std::size_t end = 60;
   if (text.size() <= end) return text;
   while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;  // UTF-8 continuation bytes
   return text.substr(0, end) + "...";
 }
-
-}  // namespace
 
 const Entry* Node::find(std::string_view key) const {
   for (const Entry& entry : entries)
@@ -101,6 +133,7 @@ std::string Source::place(const std::string& key) const {
 }
 
 Node parse_document(const std::string& text, const std::string& name) {
+  refuse_deep(text, name);
   try {
     return converted(toml::parse(text));
   } catch (const toml::parse_error& error) {

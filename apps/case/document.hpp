@@ -55,6 +55,9 @@ Node parse_document(const std::string& text, const std::string& name);
 /// One value as a command line gives it, without lines: TOML where it is TOML, else the text itself as a string.
 Node parse_value(const std::string& text);
 
+/// A text as messages quote it: at most 60 bytes of it.
+std::string shortened(const std::string& text);
+
 /// What was found, in words: `a string "32"`, `2.5`, `true`, `a list`, `a section`.
 std::string describe(const Node& value);
 

@@ -18,7 +18,7 @@ void refuse_unknown_keys(const std::string& file, const std::string& path, const
   known.insert(known.end(), children.begin(), children.end());
   for (const Entry& entry : table.entries) {
     if (std::find(known.begin(), known.end(), entry.key) != known.end()) continue;
-    const std::string key = joined_key(path, entry.key);
+    const std::string key = joined_key(path, shortened(entry.key));
     const std::string at = file + ":" + std::to_string(entry.line) + ": unknown ";
     std::string hint = did_you_mean(entry.key, known);
     if (entry.value.kind == Node::Kind::table) throw InputError(at + "section [" + key + "]" + hint);
@@ -105,6 +105,7 @@ namespace {
 
 Case parsed(const Node& root, const std::string& name, const std::filesystem::path& folder, Reading reading) {
   Case c;
+  c.source = source;
   c.folder = folder;
   std::vector<std::string> top = child_sections("");
   top.insert(top.begin(), "name");
@@ -146,6 +147,17 @@ Case read_case(const std::filesystem::path& path) {
   c.file = file;
   if (c.name.empty()) c.name = short_name(c);
   return c;
+}
+
+std::string with_place(const Case& c, const std::string& message) {
+  if (!c.source) return message;
+  std::string text = message;
+  for (const std::string& before : {c.file.string(), c.name, c.source->file()})
+    if (!before.empty() && text.starts_with(before + ": ")) text.erase(0, before.size() + 2);
+  const std::string key = text.substr(0, text.find(':'));
+  const std::vector<std::string> top = child_sections("");
+  const bool of_case = std::find(top.begin(), top.end(), key.substr(0, key.find('.'))) != top.end();
+  return of_case ? c.source->place(key) + ": " + text : message;
 }
 
 std::string short_name(const Case& c) {

@@ -78,7 +78,7 @@ std::string read_choice(const Place& place, const Node& node, const OptionInfo& 
   std::string list;
   for (const std::string& choice : choices) list += (list.empty() ? "" : ", ") + choice;
   const std::string near = did_you_mean(node.text, choices);
-  refuse(place, place.line, toml_text(node.text),
+  refuse(place, place.line, toml_text(shortened(node.text)),
          (choices.size() > 1 ? "one of " : "") + list + (near.starts_with("; did") ? near : ""));
 }
 

@@ -35,7 +35,10 @@ TerminalProgress progress_for(const Session& session) {
 
 void add_case(CLI::App& app, Arguments& arguments) {
   app.add_option("CASE", arguments.case_path,
-                 "case file, or a folder with a case.toml (left out: the built-in slope behind a gate)");
+                 "case file, or a folder with a case.toml (left out: the built-in slope behind a gate)")
+      ->check([](const std::string& given) {
+        return given.empty() ? std::string("found an empty text, expected a file or a folder") : std::string();
+      });
 }
 
 void add_out(CLI::App& app, Arguments& arguments, const std::string& fallback) {

@@ -46,7 +46,15 @@ std::string one_line(std::string text) {
   return text;
 }
 
-void print_error(std::ostream& err, const std::string& what) { err << "pivnp: error: " << one_line(what) << std::endl; }
+// However long the names are that a message quotes.
+std::string shortened(const std::string& line) {
+  constexpr std::size_t most = 2000, end = 400;
+  return line.size() <= most ? line : line.substr(0, most - end) + " ... " + line.substr(line.size() - end);
+}
+
+void print_error(std::ostream& err, const std::string& what) {
+  err << "pivnp: error: " << shortened(one_line(what)) << std::endl;
+}
 
 std::string indented(std::string_view lines) {
   std::string text = "  ";
@@ -93,10 +101,13 @@ void describe(CLI::App& app) {
   app.get_formatter()->column_width(34);
 }
 
-// For the engines that take no number of threads of their own (tracking).
-void use_threads(int threads) {
-  static const int all = omp_get_max_threads();
-  omp_set_num_threads(threads > 0 ? threads : all);
+// No more than there are processors, whatever is asked for (OMP_NUM_THREADS too): they would wait for one another, and
+// a million cannot be had.
+void use_threads(Session& session) {
+  const int processors = std::max(1, omp_get_num_procs());
+  static const int all = std::min(omp_get_max_threads(), processors);
+  session.threads = std::min(session.threads, processors);
+  omp_set_num_threads(session.threads > 0 ? session.threads : all);  // for the engines that take no number of their own
 }
 
 int parse_and_run(int argc, const char* const* argv, Session& session) {
@@ -141,7 +152,7 @@ int parse_and_run(int argc, const char* const* argv, Session& session) {
     return bad_input;
   }
   const auto at = chosen();
-  use_threads(session.threads);
+  use_threads(session);
   try {
     return at->second();
   } catch (const Interrupted&) {

@@ -140,6 +140,23 @@ Mat2 Restraints::mobility(std::size_t node) const {
   return at != nodes_.end() && at->node == node ? at->mobility : Mat2(Mat2::Identity());
 }
 
+Mat2 Restraints::hold(std::size_t node, const Vec2& gravity) const {
+  const auto at = std::lower_bound(nodes_.begin(), nodes_.end(), node,
+                                   [](const RestrainedNode& a, std::size_t n) { return a.node < n; });
+  Mat2 held = Mat2::Zero();
+  if (at == nodes_.end() || at->node != node) return held;
+  for (std::size_t w = 0; w < at->walls.size(); ++w) {
+    const Wall& wall = walls_[at->walls[w]];
+    if (at->until[w] <= 0 || wall.type == Type::tied) continue;
+    const bool pulls_off = gravity.dot(wall.normal) < -1e-6 * gravity.norm();
+    if (wall.type == Type::roller || (wall.type == Type::frictional && wall.friction == 0 && !pulls_off))
+      held += wall.normal * wall.normal.transpose();
+    else if (wall.type != Type::frictional || !pulls_off)
+      held += Mat2::Identity();
+  }
+  return held;
+}
+
 Vec2 Restraints::given_velocity(const RestrainedNode& at, double time, bool equilibrium) const {
   for (std::size_t w = 0; w < at.walls.size() && !equilibrium; ++w)
     if (time < at.until[w] && walls_[at.walls[w]].type == Type::fixed) return walls_[at.walls[w]].velocity;

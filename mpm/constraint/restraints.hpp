@@ -30,6 +30,9 @@ class Restraints {
   void apply(double time, double dt, GridState& g, std::vector<Reaction>& reactions);
   /// The motion that apply() left a node, as a projection: the unit matrix where no wall holds it.
   Mat2 mobility(std::size_t node) const;
+  /// The directions in which walls hold a node at time 0 against gravity, as a sum of projections (walls with friction
+  /// hold along themselves too).
+  Mat2 hold(std::size_t node, const Vec2& gravity) const;
   /// Restrains the strain-rate velocity alike; nodes that stuck in apply() stay.
   void apply_to_strain_velocity(double time, GridState& g, bool equilibrium = false) const;
   /// The first time after `time` at which a restraint goes.

@@ -11,6 +11,7 @@ constexpr double stress_tolerance = 1e-4;  // of a substep, over the stress
 constexpr double yield_tolerance = 1e-9;   // over max(c, p, 1 kPa)
 constexpr double near_surface = 1e-5;      // the same; within it no elastic part is looked for
 constexpr double least_substep = 1e-5;     // of the step
+constexpr int most_substeps = 2000;  // a step; then the rest goes at once, back to the surface, whatever its error
 constexpr double least_hardness = 0.5;     // of a : D : b; steeper softening is left to the drift's correction
 constexpr int most_corrections = 12;
 constexpr double corner = 8;  // curvature of the surface's rounded corners times its radius
@@ -226,7 +227,7 @@ SmoothMohrCoulomb::Here SmoothMohrCoulomb::correct(Point& p, Here here) const {
 // no longer than stability allows. So they end when what is left of the way is below their tolerance: a way that
 // shrinks from `first` to `second` in one substep leaves first^2/(first - second) in all (Aitken). What counts for an
 // open point is the scale of the strength and of the yield function's tolerance (`size`), not its own few Pa.
-double SmoothMohrCoulomb::open_leg(Point& p, Here& here, const Tensor& de, double& work) const {
+double SmoothMohrCoulomb::open_leg(Point& p, Here& here, const Tensor& de, double& work, int& substeps) const {
   const double distortion = 2 * elastic_.shear * length(deviator_of(de)), closed = 1e-9 * length(de);
   double done = 0, size = 0;
   bool failed = false, steady = false;
@@ -239,7 +240,7 @@ double SmoothMohrCoulomb::open_leg(Point& p, Here& here, const Tensor& de, doubl
       all = yielding(here, times(de, rest), true, here.within(), false);
     }
     const double way = length(all.stress);
-    const bool last = steady || way <= right, within = here.F < -right;
+    const bool last = steady || way <= right || ++substeps > most_substeps, within = here.F < -right;
     if (size == 0) {  // to the surface; on it by the error that a corner makes
       const double along = 2 * elastic_.shear * product(surface_.gradient(here), deviator_of(de));
       const double radius = std::sqrt(2.0) * surface_.bar_on_surface(here);
@@ -287,12 +288,13 @@ double SmoothMohrCoulomb::open_leg(Point& p, Here& here, const Tensor& de, doubl
 void SmoothMohrCoulomb::integrate(Point& p, Here here, const Tensor& de, double& work) const {
   double done = 0, size = 1;
   bool failed = false;
+  int substeps = 0;
   const auto add_work = [&](const Tensor& before, const Tensor& after, double share) {
     work += 0.5 * share * (product(before, de) + product(after, de));
   };
   while (done < 1) {
     if (p.opening > 0) {
-      const double share = open_leg(p, here, times(de, 1 - done), work);
+      const double share = open_leg(p, here, times(de, 1 - done), work, substeps);
       done = share < 1 ? done + share * (1 - done) : 1;
       continue;
     }
@@ -306,7 +308,8 @@ void SmoothMohrCoulomb::integrate(Point& p, Here here, const Tensor& de, double&
         done += share * (1 - done);
       }
     }
-    size = std::min(size, 1 - done);
+    const bool enough = ++substeps > most_substeps;
+    size = enough ? 1 - done : std::min(size, 1 - done);
     const Tensor part = times(de, size);
     const Rate first = rate(p, here, part, here.within(), false);
     Point middle = p;
@@ -324,7 +327,7 @@ void SmoothMohrCoulomb::integrate(Point& p, Here here, const Tensor& de, double&
     }
     const double error =
         0.5 * length(plus(second.stress, first.stress, -1)) / std::max(length(end.stress), 0.1 * here.size);
-    if (error > stress_tolerance && size > least_substep) {
+    if (error > stress_tolerance && size > least_substep && !enough) {
       size = std::max(least_substep, size * std::max(0.1, 0.9 * std::sqrt(stress_tolerance / error)));
       failed = true;
       continue;

@@ -51,7 +51,7 @@ class SmoothMohrCoulomb final : public Material {
   Strength strength_of(const Point& p, double mean) const;
   Rate rate(const Point& p, const Here& at, const Tensor& de, double way, bool flows) const;
   Rate yielding(const Here& at, const Tensor& de, bool held, double way, bool flows) const;
-  double open_leg(Point& p, Here& at, const Tensor& de, double& work) const;
+  double open_leg(Point& p, Here& at, const Tensor& de, double& work, int& substeps) const;
   double elastic_leg(Point& p, const Here& at, const Tensor& rest) const;
   double crossing(const Point& p, const Here& at, const Tensor& ds, double low, double high) const;
   void integrate(Point& p, Here at, const Tensor& de, double& work) const;

@@ -1,5 +1,7 @@
 #include "mpm/step/energy.hpp"
 
+#include <algorithm>
+
 #include "mpm/state/particle_fields.hpp"
 
 namespace pivnp::mpm {
@@ -66,7 +68,19 @@ EnergyRow energy_row(double time, const StoredEnergy& stored, const EnergyBalanc
 }
 
 double turnover(const EnergyRow& row, const EnergyBalance& balance) {
-  return row.plastic + row.damping + row.contact + std::abs(row.external) + balance.start + balance.moved;
+  const double of_gravity = row.external - balance.bodies;
+  return balance.start + std::abs(of_gravity) + std::max(std::abs(balance.bodies), balance.moved);
+}
+
+double least_turnover(const Particles& p, const Materials& materials, double gravity, double cell_m) {
+  constexpr double cells = 1e-6, strain = 1e-8;
+  double sum = 0;
+  for (const Particles::Body& body : p.bodies) {
+    const double modulus = materials[std::size_t(body.material)]->elastic().p_wave_modulus();
+    for (std::size_t k = body.begin; k < body.end; ++k)
+      sum += p.mass_of(k) * gravity * cells * cell_m + 0.5 * modulus * strain * strain * p.volume0[k];
+  }
+  return sum;
 }
 
 }  // namespace pivnp::mpm

@@ -18,7 +18,8 @@ struct EnergyBalance {
   double gravity = 0;   // work of gravity
   double carried = 0;   // kinetic and elastic energy that left the grid with ended points
   double start = 0;     // kinetic + elastic at the start
-  double moved = 0;     // sum of |work of moving bodies| over the steps
+  double moved = 0;     // sum of |work of moving bodies and loads| over the steps
+  double turned_over = 0;  // greatest turnover() so far
 
   /// What the nodes gained and the points did not is the transfer's loss, exactly.
   void add(const NodalWork& work, double kinetic_loss_of_points) {
@@ -42,7 +43,13 @@ StoredEnergy stored_energy_of(Particles& p, const GridState& g, const Materials&
 
 EnergyRow energy_row(double time, const StoredEnergy& stored, const EnergyBalance& balance);
 
-/// What the scheme turned over: the scale against which a residual is large.
+/// What has been turned over, as it stands now: the energy there was at the start, the net work of gravity (less what
+/// left with points that ended), and all work of bodies and loads, either way. It is counted once, where it comes in.
+/// It may fall again (a block that swings back, one that falls out of the domain), so a residual is held against the
+/// greatest so far, and against least_turnover().
 double turnover(const EnergyRow& row, const EnergyBalance& balance);
+/// A scale of the scene below which no residual is large: the weight through a millionth of a cell, and strains of 1e-8
+/// everywhere. Round-off is far below it. `gravity`: the greatest, m/s^2.
+double least_turnover(const Particles& p, const Materials& materials, double gravity, double cell_m);
 
 }  // namespace pivnp::mpm

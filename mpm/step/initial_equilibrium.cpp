@@ -1,7 +1,10 @@
 #include "mpm/step/initial_equilibrium.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <numeric>
 #include <sstream>
 
 #include "mpm/step/energy.hpp"
@@ -15,6 +18,8 @@ namespace {
 
 // A wave needs a few steps a cell, and some tens of crossings die out: ten times what was seen to suffice.
 int most_iterations(const Grid& grid) { return std::max(20000, 200 * std::max(grid.nx, grid.ny)); }
+
+constexpr double most_strain = 0.5;  // of a point in one pseudo-step
 
 // Gershgorin: the sum over a row of sum_p V0 M |grad N_i| |grad N_j| bounds the largest eigenvalue times the mass. (The
 // averages against locking only take stiffness away.)
@@ -49,12 +54,21 @@ class Relaxation {
     const double unbalanced = accelerate();
     strain_points(p_, g_, s_.scheme, 1.0, false, threads);
     std::fill(p_.spin.begin(), p_.spin.end(), 0.0);  // displacements are small against the rotations that would matter
-    update_stress(s_.materials, p_, threads);
+    strained_too_far_ = any_beyond(most_strain);
+    if (!strained_too_far_) update_stress(s_.materials, p_, threads);
     choice_.end_step();
     return applied > 0 ? unbalanced / applied : 0;
   }
 
+  void require_held() const {
+    std::vector<std::uint32_t> gripped;
+    for (const Reaction& r : reactions_)
+      if (r.body >= 0) gripped.push_back(std::uint32_t(r.node));
+    mpm::require_held(p_, g_, s_.restraints, gripped, o_.gravity, s_.set);
+  }
   double kinetic() const { return kinetic_; }
+  /// Of the last pseudo-step: no equilibrium is near, and laws that work by substeps would take long over such strains.
+  bool strained_too_far() const { return strained_too_far_; }
 
  private:
   // Undamped velocities, to be restrained; returns the applied force.
@@ -77,6 +91,13 @@ class Relaxation {
   double damped(double change, double v) const {
     const double most = std::abs(change);
     return o_.damping * std::clamp(v, -most, most);
+  }
+
+  bool any_beyond(double strain) const {
+    double most = 0;
+    for (const Array* of : {&p_.de_xx, &p_.de_yy, &p_.de_xy})
+      for (const double e : *of) most = std::max(most, std::abs(e));
+    return most > strain;
   }
 
   // What the restraints left of the acceleration is the unbalanced force; it is damped and applied.
@@ -113,10 +134,82 @@ class Relaxation {
   std::vector<Vec2> velocity_;  // of the active nodes
   std::vector<Reaction> reactions_;
   double kinetic_ = 0;
-  bool found_ = false;
+  bool found_ = false, strained_too_far_ = false;
 };
 
+// Which nodes hang together.
+class Pieces {
+ public:
+  explicit Pieces(std::size_t nodes) : above_(nodes) { std::iota(above_.begin(), above_.end(), 0u); }
+  std::uint32_t of(std::uint32_t n) {
+    while (above_[n] != n) n = above_[n] = above_[above_[n]];
+    return n;
+  }
+  void join(std::uint32_t a, std::uint32_t b) { above_[of(b)] = of(a); }
+
+ private:
+  std::vector<std::uint32_t> above_;
+};
+
+// The way along gravity that a piece is free to go: what is left of it without the directions in which its nodes are
+// held, the ranges of `held` (a sum of projections).
+bool may_move(const Mat2& held, const Vec2& gravity) {
+  const Eigen::SelfAdjointEigenSolver<Mat2> axes(held);
+  for (int k = 0; k < 2; ++k)
+    if (axes.eigenvalues()[k] < 1e-6 && std::abs(axes.eigenvectors().col(k).dot(gravity)) > 1e-6 * gravity.norm())
+      return true;
+  return false;
+}
+
+struct Piece {
+  Mat2 held = Mat2::Zero();  // by walls and bodies: a sum of projections
+  std::size_t points = 0;
+  std::uint32_t lowest = 0;  // of them, in storage
+};
+
+std::map<std::uint32_t, Piece> pieces_of(const Particles& p, const GridState& g, const Restraints& restraints,
+                                         const std::vector<std::uint32_t>& gripped, const Vec2& gravity) {
+  Pieces joined(g.grid.node_count());
+  std::size_t at[most_stencil_nodes];
+  for (const std::int32_t cell : g.cells.index) {
+    g.stencil_nodes(cell, at);
+    for (int k = 1; k < g.stencil; ++k) joined.join(std::uint32_t(at[0]), std::uint32_t(at[k]));
+  }
+  const std::vector<std::uint32_t>& nodes = g.active.nodes;
+  for (const std::uint32_t n : nodes)  // bodies in contact lie on each other
+    if (const std::size_t first = n % g.field_nodes(); first != n)
+      for (std::size_t below = first; below < n; below += g.field_nodes())
+        if (std::binary_search(nodes.begin(), nodes.end(), std::uint32_t(below))) joined.join(std::uint32_t(below), n);
+  std::map<std::uint32_t, Piece> pieces;
+  for (const std::uint32_t n : nodes) pieces[joined.of(n)].held += restraints.hold(n, gravity);
+  for (const std::uint32_t n : gripped) pieces[joined.of(n)].held += Mat2::Identity();
+  for (std::size_t s = 0; s < g.cells.size(); ++s) {
+    g.stencil_nodes(g.cells.index[s], at);
+    Piece& of = pieces[joined.of(std::uint32_t(at[0]))];
+    for (std::uint32_t q = g.cells.begin[s]; q < g.cells.begin[s + 1]; ++q) {
+      const std::uint32_t k = g.cells.order[q];
+      if (of.points++ == 0 || p.y[k] < p.y[of.lowest]) of.lowest = k;
+    }
+  }
+  return pieces;
+}
+
 }  // namespace
+
+void require_held(const Particles& p, const GridState& g, const Restraints& restraints,
+                  const std::vector<std::uint32_t>& gripped, const Vec2& gravity, const ParticleSet& set) {
+  if (gravity.norm() == 0) return;
+  for (const auto& [node, piece] : pieces_of(p, g, restraints, gripped, gravity)) {
+    if (piece.points == 0 || !may_move(piece.held, gravity)) continue;
+    const auto label = std::size_t(set.label[p.index[piece.lowest]]);
+    std::ostringstream text;
+    text << "mpm.initial_equilibrium: found true, but nothing holds " << piece.points << " particles";
+    if (label < set.label_names.size()) text << " of '" << set.label_names[label] << "'";
+    text << " against gravity, the lowest at (" << p.x[piece.lowest] << ", " << p.y[piece.lowest]
+         << "); expected a boundary below them, or initial_equilibrium = false";
+    throw InputError(text.str());
+  }
+}
 
 // Sums run down a column in storage order.
 void stress_from_columns(Particles& p, const Materials& materials, const GridState& g, double gravity_y,
@@ -163,9 +256,11 @@ int relax_to_equilibrium(const EquilibriumOptions& options, const StaticSystem& 
   Relaxation relaxation(options, system);
   const int most = most_iterations(g.grid);
   double ratio = 0;
-  for (int n = 1; n <= most; ++n) {
+  int n = 1;
+  for (; n <= most; ++n) {
     ratio = relaxation.iterate();
-    if (!std::isfinite(ratio)) break;
+    if (n == 1) relaxation.require_held();
+    if (!std::isfinite(ratio) || relaxation.strained_too_far()) break;
     if (ratio < options.tolerance && n > 10 &&
         relaxation.kinetic() <= options.tolerance * stored_energy(p, g, system.materials).elastic)
       return n;
@@ -175,9 +270,15 @@ int relax_to_equilibrium(const EquilibriumOptions& options, const StaticSystem& 
     }
   }
   std::ostringstream text;
-  text << "initial equilibrium: unbalanced over applied force is still " << ratio << " after " << most
-       << " iterations, expected below " << options.tolerance
-       << " (is the material held, and strong enough to carry its weight?)";
+  text << "initial equilibrium: unbalanced over applied force ";
+  if (std::isfinite(ratio))
+    text << "is still " << ratio;
+  else
+    text << "is no number";
+  text << " after " << std::min(n, most) << " iterations, " << (n <= most ? "in which the material moves apart, " : "")
+       << "expected below " << options.tolerance
+       << " (is it held on all sides, and strong enough to carry its weight? mpm.initial_equilibrium = false starts "
+          "without)";
   throw RunError(text.str());
 }
 

@@ -1,13 +1,17 @@
 // The quasi-static start: stresses that carry the weight, before time 0.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <optional>
+#include <vector>
 
-#include "mpm/constraint/restraints.hpp"
 #include "mpm/constraint/contact.hpp"
-#include "mpm/transfer/stress_update.hpp"
+#include "mpm/constraint/restraints.hpp"
 #include "mpm/constraint/rigid_body.hpp"
 #include "mpm/state/scheme.hpp"
+#include "mpm/transfer/stress_update.hpp"
+#include "pivnp/core/particles/motion.hpp"
 #include "pivnp/core/progress.hpp"
 
 namespace pivnp::mpm {
@@ -30,15 +34,23 @@ struct StaticSystem {
   RigidBodies& bodies;
   Particles& particles;
   GridState& grid;
+  const ParticleSet& set;  // where the particles come from
 };
 
 /// Adaptive dynamic relaxation (Underwood 1983; Cundall's local damping) in the reference configuration: the points do
 /// not move, so their shape functions, the nodal masses and the equilibrium found are those of x0. Nodal masses are
 /// fictitious, from Gershgorin's bound of the stiffness, so that the pseudo-step 1 is stable in every cell. The force
 /// and strain transfers and the laws are those of the run: nothing is out of balance when the run starts, but for the
-/// tolerance. Starts from K0 stresses (stress_from_columns()) where gravity is vertical. Returns the number of iterations;
-/// throws RunError if `tolerance` is not met in a bounded number.
+/// tolerance. Starts from K0 stresses (stress_from_columns()) where gravity is vertical. Returns the number of
+/// iterations; throws InputError at once where material may move along gravity because nothing holds it
+/// (require_held()), RunError if `tolerance` is not met in a bounded number, or a pseudo-step strains a point by more
+/// than half.
 int relax_to_equilibrium(const EquilibriumOptions& options, const StaticSystem& system, Progress& progress);
+
+/// Throws InputError, with the lowest place, for material that hangs together through its nodes and that no wall or
+/// body keeps from moving along gravity. `gripped`: nodes that rigid bodies hold; `set`: where the particles come from.
+void require_held(const Particles& particles, const GridState& grid, const Restraints& restraints,
+                  const std::vector<std::uint32_t>& gripped, const Vec2& gravity, const ParticleSet& set);
 
 /// Vertical stress from the mass above each point in its column of cells, the horizontal ones `k0` (nu/(1 - nu) without)
 /// times it. For vertical gravity.

@@ -3,6 +3,7 @@
 // needs no more than the time.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "mpm/state/particles.hpp"
@@ -19,6 +20,7 @@ class Loading {
 
   /// Linear from gravity_from_m_s2 at time 0 to gravity_m_s2 at gravity_ramp_s.
   Vec2 gravity(double time) const;
+  double greatest_gravity() const { return std::max(from_.norm(), to_.norm()); }
   bool gravity_changes() const { return ramp_ > 0; }
   /// Density of a material over that at time 0: linear between density_from_s and density_until_s.
   double density_ratio(std::size_t material, double time) const;

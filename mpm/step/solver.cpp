@@ -45,6 +45,7 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
     throw InputError(std::string("mpm.sleep_below_m_s: given beside ") + (contacts.empty() ? "a tied boundary" : "a [contact.NAME]") +
                      ", expected none: what touches would not wake");
   state = initial_state(scene, scheme, g, materials, contacts, restraints.tied().any());
+  least_turned_over = least_turnover(p, materials, loading.greatest_gravity(), g.grid.spacing.minCoeff());
   sleep.start(p, g);
   g.rebuild(p);
   p.sort_as(g.cells.order, 1);
@@ -79,11 +80,19 @@ void Solver::find_initial_equilibrium(Progress& progress) {
   // The average of three-node shapes leaves a point's own mean stress free to drift where points open one by one.
   Scheme scheme = s.scheme;
   if (scheme.shape != ShapeKind::bilinear) scheme.locking = Locking::none;
-  relax_to_equilibrium({s.loading.gravity(0), s.options.equilibrium_damping, s.options.equilibrium_tolerance, s.most_threads, s.options.k0},
-                       {scheme, s.materials, s.density, s.restraints, s.contacts, s.bodies, s.p, s.g}, progress);
+  relax_to_equilibrium(
+      {s.loading.gravity(0), s.options.equilibrium_damping, s.options.equilibrium_tolerance, s.most_threads,
+       s.options.k0},
+      {scheme, s.materials, s.density, s.restraints, s.contacts, s.bodies, s.p, s.g, s.scene.particles}, progress);
   s.p.resize_increments(0);
   s.p.history.reset();
   s.restart_balance();
+}
+
+void Solver::require_held() const {
+  const Impl& s = *impl_;
+  if (s.bodies.size() == 0)  // what those hold is known once they have met it
+    mpm::require_held(s.p, s.g, s.restraints, {}, s.loading.gravity(0), s.scene.particles);
 }
 
 void Solver::advance_to(double time, Progress& progress) {

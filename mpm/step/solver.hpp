@@ -17,8 +17,9 @@ namespace pivnp::mpm {
 
 /// Plane strain, unit thickness; explicit; schemes in transfer.hpp, laws in material/. The bits of a run do not
 /// depend on `threads`, the most that are used (thread_choice.hpp: on a busy machine, fewer). A particle that leaves
-/// the grid is ended (EndReason::left_grid) with the values of its last good time; it is never fatal. Nodes on
-/// the grid's edge are free unless restrained.
+/// the grid is ended (EndReason::left_grid) with the values of its last good time; it is never fatal. So is one whose F
+/// is singular or stretched beyond a thousandfold (EndReason::bad_state). Nodes on the grid's edge are free unless
+/// restrained.
 class Solver {
  public:
   /// Throws InputError naming the key: missing stiffness or density, polygon and line both given or neither, no node
@@ -32,6 +33,9 @@ class Solver {
   /// zero and the stresses stay. Restraints with until_s > 0 count as in place. Throws RunError, naming the ratio
   /// reached, if none is found.
   void find_initial_equilibrium(Progress& progress);
+  /// Throws InputError for material that nothing holds against gravity, as find_initial_equilibrium() does (which sees
+  /// what rigid bodies hold too: beside them nothing is said here).
+  void require_held() const;
 
   /// Steps to `time` exactly (the last steps are trimmed). Throws RunError, with time and cause, on NaN or blow-up (a
   /// point that moves a cell in a step, or an energy residual beyond MpmOptions::energy_limit of what was turned over);

@@ -64,6 +64,7 @@ struct Solver::Impl {
   void change_densities(double time, bool balance);
   void change_strength(double time);
   void remove_due();
+  void end_bad_states();
   void start_at_rest(const Vec2& gravity);
   bool pushes() const { return scene.body_force || loading.tractions().any(); }
   bool work_in_steps() const { return loading.gravity_changes() || loading.any_density(); }
@@ -103,6 +104,7 @@ struct Solver::Impl {
   std::vector<double> reduction;  // by which the materials' strengths are divided now
   SolverState state;
   Sleep sleep{options.sleep_below_m_s, state.sleep};
+  double least_turned_over = 0;  // least_turnover()
   LastGood good;
   bool failed = false;  // only `good` is meant any more
   Particles& p = state.particles;

@@ -1,4 +1,5 @@
 // What a run changes by the case's will: body forces, tractions, densities, strengths, excavation, the start at rest.
+#include <algorithm>
 #include <cmath>
 
 #include "mpm/material/model.hpp"
@@ -8,11 +9,27 @@
 
 namespace pivnp::mpm {
 
+namespace {
+
+constexpr std::int64_t bad_states_every = 8;  // steps between looks for them
+// Greatest |F|^2 over the lesser of J and 1. A record keeps F in single precision: beyond some 2^22 the determinant of
+// what it keeps has no sign any more. It stays below that from one look to the next.
+constexpr double most_stretch2 = 1 << 20;
+
+// False for NaN too.
+bool sound(double xx, double xy, double yx, double yy, double J) {
+  const double squares = xx * xx + xy * xy + yx * yx + yy * yy;
+  return J > 0 && xx * yy - xy * yx > 0 && squares <= most_stretch2 * std::min(J, 1.0);
+}
+
+}  // namespace
+
 // What changes by the case's will, before a step: densities and strengths as at its end, material taken out by its start.
 void Solver::Impl::load(double dt) {
   if (loading.any_density()) change_densities(state.time + dt, true);
   change_strength(state.time + dt);
   remove_due();
+  if (state.steps % bad_states_every == 0) end_bad_states();
 }
 
 void Solver::Impl::map_body_force(int threads) {
@@ -73,6 +90,18 @@ void Solver::Impl::remove_due() {
       end_particle(k, EndReason::removed);
       any = true;
     }
+  }
+  if (any) g.rebuild(p);
+}
+
+// Points torn off alone are sheared and stretched without bound by their own nodes. (What is no number has gone through
+// the nodes within a step, and ends the run.)
+void Solver::Impl::end_bad_states() {
+  bool any = false;
+  for (std::size_t k = 0; k < p.size(); ++k) {
+    if (p.cell[k] == Particles::ended || sound(p.F_xx[k], p.F_xy[k], p.F_yx[k], p.F_yy[k], p.J[k])) continue;
+    end_particle(k, EndReason::bad_state);
+    any = true;
   }
   if (any) g.rebuild(p);
 }

@@ -90,11 +90,12 @@ EnergyRow Solver::Impl::energy() {
 void Solver::Impl::check_balance() {
   const EnergyRow row = energy();
   if (!std::isfinite(row.residual)) fail("the energy is not finite");
-  const double turned_over = turnover(row, state.balance);
-  if (std::abs(row.residual) > options.energy_limit * turned_over) {
+  double& turned_over = state.balance.turned_over;
+  turned_over = std::max(turned_over, turnover(row, state.balance));
+  if (std::abs(row.residual) > options.energy_limit * std::max(turned_over, least_turned_over)) {
     std::ostringstream text;
     text << "the energy residual is " << row.residual << " J/m, beyond " << options.energy_limit
-         << " of what was turned over (" << turned_over << " J/m; mpm.energy_limit)";
+         << " of what was turned over (" << std::max(turned_over, least_turned_over) << " J/m; mpm.energy_limit)";
     fail(text.str());
   }
   good = {row, state.steps};

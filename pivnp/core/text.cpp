@@ -36,8 +36,10 @@ std::string did_you_mean(const std::string& found, const std::vector<std::string
   const auto best = std::min_element(known.begin(), known.end(),
                                      [&](const std::string& a, const std::string& b) { return cost(a) < cost(b); });
   if (cost(*best) <= std::max<std::size_t>(2, found.size() / 3)) return "; did you mean '" + *best + "'?";
+  constexpr std::size_t most = 20;
   std::string list = "; known: ";
-  for (std::size_t k = 0; k < known.size(); ++k) list += (k ? ", " : "") + known[k];
+  for (std::size_t k = 0; k < std::min(most, known.size()); ++k) list += (k ? ", " : "") + known[k];
+  if (known.size() > most) list += " ... (" + std::to_string(known.size()) + ")";
   return list;
 }
 

@@ -31,7 +31,9 @@ void check_options(const FrameOptions& options) {
 
 std::unique_ptr<FrameSource> open_file(const FrameOptions& options, const fs::path& file, const fs::path& base) {
   std::error_code error;
-  if (fs::is_regular_file(file, error) && fs::file_size(file, error) == 0)
+  if (!fs::is_regular_file(file, error))  // a pipe would wait for its writer
+    throw InputError(key + ": '" + file.string() + "' is not a file");
+  if (fs::file_size(file, error) == 0)
     throw InputError(key + ": '" + file.string() + "' is empty: the file has 0 bytes");
   if (looks_like_image(file)) return image_sequence(options, FrameFiles{{{0, file}}}, base);
   return video_source(options, file);

@@ -177,6 +177,7 @@ ImageFormat image_format(Bytes file) {
 }
 
 std::optional<std::string> image_defect(Bytes file) {
+  using namespace std::string_view_literals;
   if (file.empty()) return "empty: the file has 0 bytes";
   if (file.size() < 8) return "truncated: no image has as few as " + std::to_string(file.size()) + " bytes";
   switch (image_format(file)) {
@@ -186,6 +187,13 @@ std::optional<std::string> image_defect(Bytes file) {
     case ImageFormat::tiff: return tiff_defect(file);
     case ImageFormat::pnm: return pnm_defect(file);
     case ImageFormat::unknown: break;
+  }
+  if (starts_with(file, "RIFF"sv) && file.size() >= 12 && std::memcmp(file.data() + 8, "WEBP", 4) == 0) {
+    const std::size_t length =
+        8 + (file[4] | std::size_t(file[5]) << 8 | std::size_t(file[6]) << 16 | std::size_t(file[7]) << 24);
+    if (length > file.size())
+      return "truncated: the WebP has " + std::to_string(file.size()) + " bytes, its header asks for " +
+             std::to_string(length);
   }
   return std::nullopt;
 }

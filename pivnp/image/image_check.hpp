@@ -20,11 +20,15 @@ ImageFormat image_format(Bytes file);
 ///  jpeg  marker segments and scans up to EOI (ITU-T T.81 annex B); a damaged scan with all its markers passes
 ///  bmp   the pixel array lies inside the file
 ///  tiff  tags and pixels of the first page lie inside the file (TIFF 6.0, BigTIFF); more full-size pages are refused
+///  webp  the length in its RIFF header
 ///  pnm   the raster of P2 to P6 lies inside the file
 std::optional<std::string> image_defect(Bytes file);
 
 /// The part of image_defect() for TIFF.
 std::optional<std::string> tiff_defect(Bytes file);
+/// The first page's code of compression if it is none that every decoder knows (none, CCITT, LZW, JPEG, deflate,
+/// PackBits), else 0: of such a file some decoders make black without a word.
+int rare_tiff_compression(Bytes file);
 /// Sets the orientation tag of the first page to "as stored", so that no decoder turns the picture.
 void tiff_clear_orientation(std::span<unsigned char> file);
 

@@ -97,9 +97,14 @@ Image read_image_file(const std::filesystem::path& file, const std::string& what
   const std::string place = what + ": '" + file.string() + "' ";
   std::vector<unsigned char> bytes = bytes_of(file, what);
   if (const auto defect = image_defect(bytes)) throw InputError(place + "is " + *defect);
-  const int maxval = pnm_maxval(bytes);
+  const int maxval = pnm_maxval(bytes),
+            compression = image_format(bytes) == ImageFormat::tiff ? rare_tiff_compression(bytes) : 0;
   const cv::Mat image = grey(decoded(bytes));
   if (image.empty()) throw InputError(place + "cannot be decoded; expected a png, tif, bmp, jpg or pgm image");
+
+  if (compression != 0 && cv::countNonZero(image) == 0)
+    throw InputError(place + "is a TIFF of compression " + std::to_string(compression) +
+                     " that came out black; expected none, LZW, deflate, PackBits or JPEG");
 
   PixelDepth depth = PixelDepth::u8;
   float white = 0;

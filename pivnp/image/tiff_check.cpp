@@ -8,8 +8,8 @@ namespace pivnp::image {
 
 namespace {
 
-constexpr int tag_subfile_type = 254, tag_strip_offsets = 273, tag_orientation = 274, tag_strip_bytes = 279,
-              tag_tile_offsets = 324, tag_tile_bytes = 325;
+constexpr int tag_subfile_type = 254, tag_compression = 259, tag_strip_offsets = 273, tag_orientation = 274,
+              tag_strip_bytes = 279, tag_tile_offsets = 324, tag_tile_bytes = 325;
 
 struct Entry {
   int tag = 0, type = 0;
@@ -128,6 +128,16 @@ std::optional<std::string> tiff_defect(Bytes file) {
     at = page.next;
   }
   return std::nullopt;
+}
+
+int rare_tiff_compression(Bytes file) {
+  if (file.size() < 16) return 0;
+  const Reader reader(file);
+  const std::vector<std::uint64_t> code = reader.values(reader.page(reader.first_page()), tag_compression);
+  if (code.empty()) return 0;
+  for (const std::uint64_t known : {1, 2, 3, 4, 5, 7, 8, 32773, 32946})
+    if (code[0] == known) return 0;
+  return int(code[0]);
 }
 
 void tiff_clear_orientation(std::span<unsigned char> file) {

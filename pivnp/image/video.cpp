@@ -76,14 +76,18 @@ Survey surveyed(const fs::path& file, std::int64_t limit) {
 // Throws if the file ends before its container says so; the last frame that came out may then be damaged too.
 void check_complete(const Survey& survey, const fs::path& file, std::int64_t limit) {
   if (survey.readable == 0) throw InputError(what + ": '" + file.string() + "' is a video without a readable frame");
-  if (survey.readable == limit || survey.promised == 0) return;
+  if (survey.readable == limit) return;
   const double slack =
       Header(file).counts_frames() ? 0 : std::max(2.0, 0.1 * survey.rate_hz);  // where the promise is a guess
-  const std::int64_t missing = survey.promised - survey.readable;
-  if (double(missing) <= slack) return;
+  const std::int64_t missing = survey.promised > 0 ? survey.promised - survey.readable : 0;
   std::string remedy;
   if (survey.readable > 1)
     remedy = "; frames.last = " + std::to_string(survey.readable - 2) + " leaves out the damaged end";
+  if (double(missing) <= slack) {
+    if (const auto defect = video_defect(file))
+      throw InputError(what + ": '" + file.string() + "' is " + *defect + remedy);
+    return;
+  }
   throw InputError(what + ": '" + file.string() + "' ends too early: its container promises " +
                    std::to_string(survey.promised) + " frames, only " + std::to_string(survey.readable) +
                    " can be read (truncated, or trimmed without re-encoding)" + remedy);

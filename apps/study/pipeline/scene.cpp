@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "apps/study/pipeline/sizes.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/seeding.hpp"
 #include "pivnp/core/text.hpp"
@@ -33,18 +34,26 @@ double spacing_of(const Case& c, const image::Camera& camera, int width, int hei
   return px * std::sqrt(std::abs(camera.jacobian({(width - 1) / 2.0, (height - 1) / 2.0}).determinant()));
 }
 
-int nodes_between(double extent, double spacing) { return int(std::floor(extent / spacing + round_off)) + 1; }
+double nodes_between(double extent, double spacing) { return std::floor(extent / spacing + round_off) + 1; }
 
-// Nodes at whole multiples of the spacing from the world's (0, 0), so that a base or wall there falls on nodes.
-Grid grid_from_origin(const Extent& box, double h) {
-  const int i0 = int(std::ceil(box.lower.x() / h - round_off)), i1 = int(std::floor(box.upper.x() / h + round_off));
-  const int j0 = int(std::ceil(box.lower.y() / h - round_off)), j1 = int(std::floor(box.upper.y() / h + round_off));
-  return {{i0 * h, j0 * h}, {h, h}, i1 - i0 + 1, j1 - j0 + 1};
+Grid grid_of(const Case& c, const Vec2& origin, double h, double nx, double ny) {
+  const GivenSpacing spacing = given_spacing(c);
+  require_at_most(std::max(nx, 0.0) * std::max(ny, 0.0), most_nodes, "nodes (" + number(nx) + " x " + number(ny) + ")",
+                  spacing.key, spacing.value);
+  require_at_most(std::max(nx, ny), most_nodes, "nodes in a row", spacing.key, spacing.value);
+  return {origin, {h, h}, int(nx), int(ny)};
 }
 
-Grid grid_from_corner(const Extent& box, double h) {
+// Nodes at whole multiples of the spacing from the world's (0, 0), so that a base or wall there falls on nodes.
+Grid grid_from_origin(const Case& c, const Extent& box, double h) {
+  const double i0 = std::ceil(box.lower.x() / h - round_off), i1 = std::floor(box.upper.x() / h + round_off);
+  const double j0 = std::ceil(box.lower.y() / h - round_off), j1 = std::floor(box.upper.y() / h + round_off);
+  return grid_of(c, {i0 * h, j0 * h}, h, i1 - i0 + 1, j1 - j0 + 1);
+}
+
+Grid grid_from_corner(const Case& c, const Extent& box, double h) {
   const Vec2 extent = box.upper - box.lower;
-  return {box.lower, {h, h}, nodes_between(extent.x(), h), nodes_between(extent.y(), h)};
+  return grid_of(c, box.lower, h, nodes_between(extent.x(), h), nodes_between(extent.y(), h));
 }
 
 void require_inside(const Case& c, const Grid& grid, const image::Camera& camera, int width, int height) {
@@ -71,7 +80,7 @@ Grid make_grid(const Case& c, const Setting& setting) {
     throw InputError(of_file(c) + ": grid: area_m and area_px are both given, expected one");
   Grid grid;
   if (!c.grid.area_m.empty()) {
-    grid = grid_from_corner(corners(c.grid.area_m, of_file(c) + ": grid.area_m"), h);
+    grid = grid_from_corner(c, corners(c.grid.area_m, of_file(c) + ": grid.area_m"), h);
   } else if (setting.width == 0) {
     Extent box{Vec2::Constant(std::numeric_limits<double>::infinity()),
             Vec2::Constant(-std::numeric_limits<double>::infinity())};
@@ -85,16 +94,16 @@ Grid make_grid(const Case& c, const Setting& setting) {
       if (setting.regions.empty())
         throw InputError(of_file(c) + ": grid.area_m: expected two corners, as there are neither frames nor regions");
     }
-    grid = grid_from_corner(box, h);
+    grid = grid_from_corner(c, box, h);
   } else if (!c.grid.area_px.empty()) {
     const Extent px = corners(c.grid.area_px, of_file(c) + ": grid.area_px");
     const Vec2 a = setting.camera.to_world(px.lower), b = setting.camera.to_world(px.upper);
-    grid = grid_from_corner({a.cwiseMin(b), a.cwiseMax(b)}, h);
+    grid = grid_from_corner(c, {a.cwiseMin(b), a.cwiseMax(b)}, h);
   } else {
     const double window = c.piv ? c.piv->window_px : piv::PivOptions{}.window_px;
     const double margin = c.grid.margin_px.value_or(window / 2);
     const Extent box = inner_box(setting.camera, setting.width, setting.height, margin);
-    grid = setting.camera.plain() ? grid_from_origin(box, h) : grid_from_corner(box, h);
+    grid = setting.camera.plain() ? grid_from_origin(c, box, h) : grid_from_corner(c, box, h);
   }
   if (grid.nx < 2 || grid.ny < 2)
     throw InputError(of_file(c) + ": grid: a spacing of " + number(h) + " " + setting.camera.length_unit() +

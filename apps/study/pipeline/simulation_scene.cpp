@@ -4,27 +4,36 @@
 #include <cmath>
 #include <utility>
 
+#include "apps/case/values.hpp"
+#include "apps/study/pipeline/sizes.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/seeding.hpp"
 #include "pivnp/core/text.hpp"
 
 namespace pivnp::app {
 
-namespace {
-
-// The grid of a simulation: refined, then extended or cut to whole cells that cover the domain.
 Grid simulation_grid(const Case& c, const Grid& measured, const mpm::MpmOptions& options) {
+  const double finer = double(options.refine) * double(options.refine);
+  require_at_most(finer * double(measured.nx) * double(measured.ny), most_nodes, "nodes", "mpm.refine",
+                  std::to_string(options.refine));
   const Grid fine = refined(measured, options.refine);
   if (options.domain_m.empty()) return fine;
   const Extent box = corners(options.domain_m, of_file(c) + ": mpm.domain_m");
   const Vec2 first = (box.lower - fine.origin).cwiseQuotient(fine.spacing);
   const Vec2 last = (box.upper - fine.origin).cwiseQuotient(fine.spacing);
+  const Vec2 counts = last - first;
+  require_at_most(counts.prod(), most_nodes, "nodes (" + number(counts.x()) + " x " + number(counts.y()) + ")",
+                  "mpm.domain_m", toml_text(options.domain_m));
+  require_at_most(std::max(first.cwiseAbs().maxCoeff(), last.cwiseAbs().maxCoeff()), most_nodes,
+                  "nodes from the measured grid on", "mpm.domain_m", toml_text(options.domain_m));
   const int i0 = int(std::floor(first.x() + round_off)), j0 = int(std::floor(first.y() + round_off));
   const int i1 = int(std::ceil(last.x() - round_off)), j1 = int(std::ceil(last.y() - round_off));
   const Grid grid{fine.position(i0, j0), fine.spacing, i1 - i0 + 1, j1 - j0 + 1};
   if (grid.nx < 2 || grid.ny < 2) throw InputError(of_file(c) + ": mpm.domain_m: it holds no cell of the grid");
   return grid;
 }
+
+namespace {
 
 bool inside_body(const mpm::RigidOptions& body, const Vec2& x, const std::string& what) {
   if (body.circle_m.size() == 3)

@@ -3,11 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "apps/report/figures/check_figure.hpp"
 #include "apps/study/methods/peak_locking.hpp"
+#include "apps/study/methods/strain_floor.hpp"
+#include "apps/study/pipeline/placed.hpp"
 #include "apps/study/pipeline/scene.hpp"
 #include "apps/study/pipeline/simulation_scene.hpp"
+#include "apps/study/pipeline/sizes.hpp"
+#include "apps/study/pipeline/zones.hpp"
 #include "apps/study/synth/case_frames.hpp"
 #include "pivnp/core/error.hpp"
 
@@ -30,27 +35,77 @@ std::vector<Vec2> circle(const std::vector<double>& c) {
   return out;
 }
 
-}  // namespace
+// Frames that are drawn for the check alone, and the folders above them that were not there before: gone with it,
+// unless something else has come into them.
+class DrawnFrames {
+ public:
+  explicit DrawnFrames(const std::filesystem::path& out) : folder_(out / "check_frames") {
+    std::error_code ignored;
+    for (std::filesystem::path p = std::filesystem::absolute(out, ignored);
+         !p.empty() && !std::filesystem::exists(p, ignored); p = p.parent_path())
+      made_.push_back(p);
+  }
+  ~DrawnFrames() {
+    std::error_code ignored;
+    std::filesystem::remove_all(folder_, ignored);
+    for (const auto& p : made_)
+      if (std::filesystem::is_empty(p, ignored)) std::filesystem::remove(p, ignored);
+  }
+  DrawnFrames(const DrawnFrames&) = delete;
+  DrawnFrames& operator=(const DrawnFrames&) = delete;
+  const std::filesystem::path& folder() const { return folder_; }
 
-CheckOutcome check_case(const Case& given, const RunSettings& settings, Progress& progress) {
+ private:
+  std::filesystem::path folder_;
+  std::vector<std::filesystem::path> made_;  // innermost first
+};
+
+CheckOutcome checked(const Case& given, const RunSettings& settings, Progress& progress) {
   Case c = given;
   // Of frames that are to be drawn two are enough, in a folder of their own: a run to be resumed must not find them.
   RunSettings own = settings;
+  const DrawnFrames drawn(settings.out);
+  int frames_drawn = 0;
   if (c.synth) {
-    own.out = settings.out / "check_frames";
+    require_drawable(*c.synth, c.texture);
+    own.out = drawn.folder();
     own.resume = false;
+    frames_drawn = c.synth->frames;
     c.synth->frames = std::min(c.synth->frames, 2);
+  }
+  const bool draws = c.synth && !settings.frames && (!c.frames || c.frames->path.empty());
+  if (draws && c.frames) {  // which of them are used is known without them
+    const image::FrameOptions& used = *c.frames;
+    const int last = used.last.value_or(frames_drawn - 1);
+    if (last >= frames_drawn || used.first >= frames_drawn)
+      throw InputError(std::string(last >= frames_drawn ? "frames.last" : "frames.first") + ": found " +
+                       std::to_string(last >= frames_drawn ? last : used.first) + ", but synth.frames is " +
+                       std::to_string(frames_drawn));
+    frames_drawn = (last - used.first) / used.stride + 1;
+    c.frames->first = 0;
+    c.frames->last.reset();
+    c.frames->stride = 1;
   }
   const std::unique_ptr<image::FrameSource> source = case_frames(c, own, progress);
   const Setting setting = make_setting(c, source ? source->width() : 0, source ? source->height() : 0);
-  if (source) seed_particles(c, setting);  // throws where a region holds none
-  if (c.mpm) make_solver(c, setting, 1);   // likewise
-  if (!source) return {};
+  const std::size_t frames = draws ? std::size_t(frames_drawn) : source ? source->frames().size() : 0;
+  const double rate = c.frames ? c.frames->rate_hz.value_or(1.0) : 1.0;
+  const double end_s = draws ? double(frames_drawn - 1) / rate : source ? source->frames().back().time : 0.0;
+  const CaseSize size = size_of(c, setting, frames, end_s);
+  if (source) {
+    seed_particles(c, setting);  // throws where a region holds none
+    check_strain_floor(c, setting, frames);
+  }
+  if (c.mpm) {
+    mpm::Solver solver = make_solver(c, setting, 1);  // likewise
+    if (c.mpm->initial_equilibrium) solver.require_held();
+  }
+  if (source && c.mpm) check_compared_zones(c, setting);
+  CheckOutcome outcome{{}, {text_of(size)}};
+  if (!source) return outcome;
 
   report::CheckInput input;
   const Image first = source->read(0);
-  std::error_code ignored;
-  if (c.synth) std::filesystem::remove_all(own.out, ignored);
   input.image = first.view();
   input.mask = setting.mask.view();
   input.world_from_pixel = setting.camera.world_from_pixel();
@@ -63,9 +118,16 @@ CheckOutcome check_case(const Case& given, const RunSettings& settings, Progress
     input.outlines.push_back({Kind::boundary, name, vertices(b.line_m.empty() ? b.polygon_m : b.line_m), b.line_m.empty()});
   for (const auto& [name, b] : c.bodies)
     input.outlines.push_back({Kind::body, name, b.circle_m.empty() ? vertices(b.polygon_m) : circle(b.circle_m), true});
-  const std::filesystem::path file = settings.out / "check.png";
-  report::write_check(input, file);
-  return {file, texture_remarks(setting, first)};
+  outcome.picture = settings.out / "check.png";
+  report::write_check(input, outcome.picture);
+  for (std::string& remark : texture_remarks(setting, first)) outcome.remarks.push_back(std::move(remark));
+  return outcome;
+}
+
+}  // namespace
+
+CheckOutcome check_case(const Case& given, const RunSettings& settings, Progress& progress) {
+  return placed(given, settings, [&] { return checked(given, settings, progress); });
 }
 
 }  // namespace pivnp::app

@@ -13,11 +13,12 @@ namespace pivnp::app {
 
 struct CheckOutcome {
   std::filesystem::path picture;
-  std::vector<std::string> remarks;  // on the first frame, one sentence each
+  std::vector<std::string> remarks;  // the case's size, and what the first frame shows, one sentence each
 };
 
 /// Validates a case against its frames and what its simulation asks for, and draws OUT/check.png: the first frame with
-/// grid, masks, regions, boundaries and a scale bar. Without frames nothing is drawn (`picture` is empty).
+/// grid, masks, regions, boundaries and a scale bar. Without frames nothing is drawn (`picture` is empty). A check that
+/// fails leaves no file or folder behind.
 CheckOutcome check_case(const Case& c, const RunSettings& settings, Progress& progress);
 
 }  // namespace pivnp::app

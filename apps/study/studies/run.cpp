@@ -12,9 +12,12 @@
 #include "apps/study/methods/tracking.hpp"
 #include "apps/study/pipeline/measure.hpp"
 #include "apps/study/pipeline/outcome.hpp"
+#include "apps/study/pipeline/placed.hpp"
 #include "apps/study/pipeline/record_head.hpp"
 #include "apps/study/pipeline/report_input.hpp"
+#include "apps/study/pipeline/sizes.hpp"
 #include "apps/study/pipeline/sources.hpp"
+#include "apps/study/pipeline/zones.hpp"
 #include "apps/study/synth/case_frames.hpp"
 #include "pivnp/core/error.hpp"
 
@@ -59,9 +62,12 @@ class Run {
     lock_ = std::make_shared<io::DirectoryLock>(settings.out);
     if (measures || c_.frames) open_frames();
     setting_ = make_setting(c_, source_ ? source_->width() : 0, source_ ? source_->height() : 0);
+    const CaseSize size = size_of(c_, setting_, frames_.size(), frames_.empty() ? 0.0 : frames_.back().time);
+    if (!settings.resume) require_room(c_, size, settings.out);
+    if (tracks) check_strain_floor(c_, setting_, frames_.size());
+    if (tracks && simulates) check_compared_zones(c_, setting_);
     setting_.sources = sources_of(c_, source_.get(), progress);
     writer_ = std::make_unique<io::RecordWriter>(settings.out, head(), settings.resume, settings.threads, lock_);
-    if (tracks) check_strain_floor(c_, setting_, frames_.size());
   }
 
   bool measures = false, tracks = false, simulates = false;
@@ -162,14 +168,16 @@ class Run {
 }  // namespace
 
 RunOutcome run_case(const Case& c, const RunSettings& settings, Stages stages, Progress& progress) {
-  Run run(c, settings, stages, progress);
-  if (run.measures) run.measure_vectors();
-  if (run.tracks) run.follow_particles();
-  if (run.simulates) run.simulate_motion();
-  run.pack();
-  if (run.tracks) run.note_strains();
-  if (run.tracks && run.simulates) run.compare_motions();
-  return run.finish();
+  return placed(c, settings, [&] {
+    Run run(c, settings, stages, progress);
+    if (run.measures) run.measure_vectors();
+    if (run.tracks) run.follow_particles();
+    if (run.simulates) run.simulate_motion();
+    run.pack();
+    if (run.tracks) run.note_strains();
+    if (run.tracks && run.simulates) run.compare_motions();
+    return run.finish();
+  });
 }
 
 }  // namespace pivnp::app

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <optional>
 
+#include "apps/study/pipeline/placed.hpp"
 #include "apps/study/pipeline/record_head.hpp"
+#include "apps/study/pipeline/sizes.hpp"
 #include "apps/study/synth/drawn_frames.hpp"
 #include "apps/study/synth/truth.hpp"
 #include "pivnp/core/error.hpp"
@@ -153,6 +155,8 @@ void Drawing::by_increments(Progress& progress) {
   const Vec2 edge = Vec2::Constant(4 * c_.texture.blob_diameter_px * pixel_);
   lower -= edge;
   upper += edge;
+  require_at_most((upper - lower).prod() * blobs_per_area(), most_blobs, "blobs over the ground that is seen",
+                  "synth.frames", std::to_string(synth_.frames));
   const std::vector<Region> everywhere = {
       {"all", Polygon({lower, {upper.x(), lower.y()}, upper, {lower.x(), upper.y()}}, "texture")}};
   std::vector<Vec2> texture = scatter(everywhere, blobs_per_area(), seed());
@@ -177,13 +181,19 @@ void Drawing::by_increments(Progress& progress) {
 
 void synthesize(const Case& c, const RunSettings& settings, Progress& progress, const io::DirectoryLock* held) {
   if (!c.synth) throw InputError(of_file(c) + ": there is no [synth] table, so there is nothing to draw");
-  std::optional<io::DirectoryLock> own;
-  if (held == nullptr) own.emplace(settings.out);
-  Drawing drawing(c, settings);
-  if (c.synth->motion == SynthMotion::mpm) drawing.by_simulation(settings.threads, progress);
-  else if (c.synth->motion == SynthMotion::slope) drawing.by_stages(progress);
-  else drawing.by_increments(progress);
-  drawing.finish();
+  placed(c, settings, [&] {
+    require_drawable(*c.synth, c.texture);
+    std::optional<io::DirectoryLock> own;
+    if (held == nullptr) own.emplace(settings.out);
+    Drawing drawing(c, settings);
+    if (c.synth->motion == SynthMotion::mpm)
+      drawing.by_simulation(settings.threads, progress);
+    else if (c.synth->motion == SynthMotion::slope)
+      drawing.by_stages(progress);
+    else
+      drawing.by_increments(progress);
+    drawing.finish();
+  });
 }
 
 }  // namespace pivnp::app

@@ -66,7 +66,6 @@ int main(int argc, char** argv) {
     options.locking = value_named<mpm::Locking>(choice.locking);
     options.initial_equilibrium = false;
     options.end_at_rest = false;
-    options.energy_limit = 1e9;
     mpm::Solver solver(options, column(cells), 1);
     SilentProgress silent;
     const double end = steps * solver.stable_step();

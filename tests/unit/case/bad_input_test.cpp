@@ -120,6 +120,29 @@ TEST(BadInput, SyntaxErrorsAndDuplicatesNameTheLine) {
   EXPECT_EQ(refusal("name = \"unclosed\n[piv]\n").rfind("c.toml:1: ", 0), 0u);
 }
 
+TEST(BadInput, DeepKeysAndLists) {
+  const auto repeated = [](const std::string& part, int count) {
+    std::string text;
+    for (int k = 0; k < count; ++k) text += part;
+    return text;
+  };
+  for (const std::string part : {"a.", "a . ", "\"a\".", "'#'."})
+    for (const std::string before : {"name = 'x'\n", "name = '''\n'a\n'''\n",
+                                     R"(name = "\"" # ')"
+                                     "\n",
+                                     "x = {", "#\n["}) {
+      const std::string said = refusal(before + repeated(part, 20000) + "b = 1\n");
+      EXPECT_EQ(said.rfind("c.toml:", 0), 0u) << part << before;
+      EXPECT_LT(said.size(), 300u);
+    }
+  EXPECT_EQ(refusal("x = " + repeated("[", 20000) + repeated("]", 20000) + "\n").rfind("c.toml:1: ", 0), 0u);
+  // Elsewhere dots and brackets are what they are.
+  const std::string dots = repeated("a.[", 500);
+  for (const std::string& text :
+       {"# " + dots, "name = \"" + dots + "\"", "name = '" + dots + "'", "name = '''\n" + dots + "'''"})
+    EXPECT_EQ(refusal(text + "\n" + changed("name = \"slope\"", "")), "") << text;
+}
+
 TEST(BadInput, FilesThatAreNone) {
   const std::filesystem::path folder = std::filesystem::temp_directory_path() / "pivnp case test";
   std::filesystem::create_directories(folder / "empty");

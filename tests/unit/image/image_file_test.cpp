@@ -219,6 +219,23 @@ TEST_F(ImageFile, TiffOrientationAndPages) {
   EXPECT_THAT(error_of([&] { read_image_file(at("stack.tif"), "t"); }), HasSubstr("several pages"));
 }
 
+TEST_F(ImageFile, WhatTheDecoderLacksIsNoBlackImage) {
+  write("odd.tif", picture(1));
+  std::string file = bytes(at("odd.tif"));
+  const std::size_t tag =
+      file.find(std::string("\x03\x01\x03\0\x01\0\0\0", 8));  // compression, one short, little-endian
+  ASSERT_NE(tag, std::string::npos);
+  file[tag + 8] = '\x52';  // JPEG XL
+  file[tag + 9] = '\xC3';
+  put(at("odd.tif"), file);
+  EXPECT_NE(error_of([&] { read_image_file(at("odd.tif"), "t"); }), "");
+}
+
+TEST_F(ImageFile, WebPIsHeldAgainstItsLength) {
+  put(at("cut.webp"), std::string("RIFF\0\x10\0\0WEBPVP8 ", 16) + std::string(100, 'x'));
+  EXPECT_THAT(error_of([&] { read_image_file(at("cut.webp"), "t"); }), HasSubstr("truncated"));
+}
+
 TEST_F(ImageFile, OtherFilesAreNotImages) {
   put(at("notes.png"), "these are notes, whatever the name says");
   EXPECT_THAT(error_of([&] { read_image_file(at("notes.png"), "t"); }), HasSubstr("cannot be decoded"));

@@ -114,6 +114,14 @@ TEST_F(Video, TruncationIsNamedAndTheRestUsableOnDemand) {
   EXPECT_EQ(number_in(source->read(10)), 10);
 }
 
+TEST_F(Video, TheLastBytesCount) {
+  for (const std::string name : {"v.avi", "v.mp4"}) {
+    ASSERT_TRUE(name == "v.mp4" ? write_video(name, 40, 25, "mp4v") : write_video(name, 40, 25, "MJPG"));
+    truncate(name, 0.999);
+    EXPECT_THAT(error_of([&] { open({.path = name}); }), HasSubstr("truncated")) << name;
+  }
+}
+
 TEST_F(Video, UnreadableFilesAreNamedInOneLine) {
   ASSERT_TRUE(write_video("v.mp4", 40, 25, "mp4v"));
   truncate("v.mp4", 0.6);  // an MP4 without its index, which comes last

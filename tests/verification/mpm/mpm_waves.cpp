@@ -73,7 +73,6 @@ double column_error(int cells, bool spline, double& compressed) {
   if (spline) o.locking = Locking::none;
   o.damping = 0.2;
   o.initial_equilibrium = false;
-  o.energy_limit = 10;
   Solver solver(o, s, 1);
   solver.advance_to(60 * height / std::sqrt(young / rho), silent);
   const MotionFrame f = solver.frame();

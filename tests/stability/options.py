@@ -1,0 +1,279 @@
+#!/usr/bin/python3
+"""Every key and every choice of the option lists in a small valid case of its own, run to its report.
+
+usage: options.py PIVNP CASE_REFERENCE [EACH]
+
+CASE_REFERENCE is docs/case.md, which is generated from the option lists (a test of its own holds it to them). A key whose
+value follows neither from its type and range nor from VALUES below fails the test: whoever adds one says here what a
+valid case with it looks like. EACH: only every so many of the cases, evenly.
+"""
+import concurrent.futures
+import copy
+import pathlib
+import re
+import sys
+
+from program import folder, run
+
+SAND = {"model": '"mohr_coulomb"', "density_kg_m3": "1500.0", "young_pa": "1e6", "friction_deg": "35.0", "cohesion_pa": "1000.0"}
+SIMULATION = {
+    "grid": {"spacing_m": "0.02", "area_m": "[[0.0, 0.0], [0.12, 0.16]]"},
+    "region.soil": {"polygon_m": "[[0.0, 0.0], [0.08, 0.0], [0.08, 0.08], [0.0, 0.08]]"},
+    "material.soil": {"model": '"linear_elastic"', "density_kg_m3": "1500.0", "young_pa": "1e6"},
+    "mpm": {"end_s": "0.02", "output_rate_hz": "100.0"},
+    "boundary.base": {"line_m": "[[0.0, 0.0], [0.12, 0.0]]"},
+}
+TWO_BODIES = SIMULATION | {
+    "region.soil": {"polygon_m": "[[0.0, 0.0], [0.08, 0.0], [0.08, 0.04], [0.0, 0.04]]"},
+    "region.above": {"polygon_m": "[[0.0, 0.04], [0.08, 0.04], [0.08, 0.08], [0.0, 0.08]]", "material": '"soil"'},
+}
+MEASUREMENT = {
+    "frames": {"rate_hz": "100.0"},
+    "camera": {"metres_per_pixel": "0.001"},
+    "grid": {"spacing_px": "8"},
+    "region.soil": {"polygon_px": "[[15, 79], [79, 79], [79, 31], [15, 31]]"},
+    "piv": {"window_px": "16"},
+    "np": {},
+    "synth": {"motion": '"affine"', "width_px": "96", "height_px": "96", "frames": "5", "shift_px_per_frame": "[0.5, 0.2]"},
+}
+STAGED = MEASUREMENT | {"synth": {"motion": '"slope"', "width_px": "96", "height_px": "96", "frames": "5",
+                                  "slip_centre_px": "[79, 15]", "slip_radius_px": "50.0", "slip_deg": "2.0"}}
+BOTH = MEASUREMENT | {
+    "material.soil": {"model": '"linear_elastic"', "density_kg_m3": "1500.0", "young_pa": "1e5"},
+    "mpm": {"initial_equilibrium": "false"},
+    "boundary.base": {"line_m": "[[0.0, 0.016], [0.095, 0.016]]"},
+}
+CARRIED = MEASUREMENT | {
+    "synth": {"motion": '"mpm"', "width_px": "96", "height_px": "96", "frames": "3"},
+    "synth.material.soil": {"model": '"linear_elastic"', "density_kg_m3": "1500.0", "young_pa": "1e6"},
+    "synth.mpm": {"end_s": "0.02", "output_rate_hz": "100.0"},
+    "boundary.base": {"line_m": "[[0.0, 0.016], [0.095, 0.016]]"},
+}
+# The case that a section's keys are tried in, and the section's name in it.
+BASES = {
+    "frames": MEASUREMENT, "camera": MEASUREMENT, "grid": MEASUREMENT, "region": SIMULATION, "mask": MEASUREMENT,
+    "piv": MEASUREMENT, "np": MEASUREMENT, "material": SIMULATION, "mpm": SIMULATION, "boundary": SIMULATION,
+    "body": SIMULATION, "contact": TWO_BODIES, "compare": BOTH, "compare.limits": BOTH, "report": SIMULATION,
+    "output": SIMULATION, "synth": MEASUREMENT, "synth.texture": MEASUREMENT, "synth.material": CARRIED,
+    "synth.mpm": CARRIED, "verify": MEASUREMENT,
+}
+NAMES = {"region": "region.soil", "mask": "mask.label", "material": "material.soil", "boundary": "boundary.side",
+         "body": "body.tool", "contact": "contact.joint", "synth.material": "synth.material.soil"}
+
+SIDE = {"line_m": "[[0.0, 0.0], [0.0, 0.16]]", "type": '"roller"'}
+TOP = {"line_m": "[[0.0, 0.08], [0.08, 0.08]]", "type": '"traction"', "traction_pa": "[0.0, -100.0]"}
+TIED = {"line_m": "[[0.0, 0.0], [0.0, 0.16]]", "type": '"tied"', "across_m": "[0.08, 0.0]"}
+BALL = {"circle_m": "[0.04, 0.115, 0.025]"}
+AT_ONCE = {"mpm": {"initial_equilibrium": "false"}}
+TARGETS = {"camera": {"metres_per_pixel": None, "points_px": "[[10, 10], [85, 10], [85, 85], [10, 85]]",
+                      "points_m": "[[0.01, 0.085], [0.085, 0.085], [0.085, 0.01], [0.01, 0.01]]"}}
+ZONE = "[[0.02, 0.02], [0.07, 0.02], [0.07, 0.06], [0.02, 0.06]]"
+RAMP = {"gravity_from_m_s2": "[0.0, -5.0]", "gravity_ramp_s": "0.01"}
+MU_I = SAND | {"model": '"mu_i"', "friction_deg": "25.0", "friction_flow_deg": "33.0", "grain_diameter_m": "1e-3", "cohesion_pa": None}
+CLAY = {"model": '"tresca"', "shear_strength_pa": "1e5"}
+WATER = {"model": '"water"', "young_pa": None, "bulk_pa": "1e6"}
+SOFT = SAND | {"softening_shape": "5.0", "friction_residual_deg": "30.0"}
+DENSER = {"density_end_kg_m3": "1600.0", "density_until_s": "0.02"}
+WEAKER = SAND | {"reduction_factor": "1.1"}
+FIELDS = '["displacement_x", "strain_1", "strain_dev_path", "velocity_magnitude", "J"]'
+
+LAWS = {"linear_elastic": {}, "neo_hookean": {"model": '"neo_hookean"'}, "von_mises": CLAY | {"model": '"von_mises"'},
+        "tresca": CLAY, "mohr_coulomb": SAND, "mohr_coulomb_smooth": SAND | {"model": '"mohr_coulomb_smooth"'},
+        "drucker_prager": SAND | {"model": '"drucker_prager"'}, "mu_i": MU_I, "water": WATER}
+NO_EQUILIBRIUM = ("neo_hookean", "water", "mu_i")  # the last, without cohesion, does not stand as a block
+
+# Of keys: values, or (value, what else the section holds, what other sections hold).
+MATERIAL = {
+    "model": [(f'"{law}"', keys, AT_ONCE if law in NO_EQUILIBRIUM else {}) for law, keys in LAWS.items()],
+    "density_kg_m3": ["1700.0"], "young_pa": ["2e6"], "poisson": ["0.2"],
+    "friction_deg": [("30.0", SAND)], "dilatancy_deg": [("5.0", SAND)], "cohesion_pa": [("900.0", SAND)],
+    "tension_pa": [("10.0", SAND)], "shear_strength_pa": [("9e4", CLAY)],
+    "friction_residual_deg": [("30.0", SOFT, AT_ONCE)], "cohesion_residual_pa": [("500.0", SOFT, AT_ONCE)], "softening_shape": [("2.0", SOFT, AT_ONCE)],
+    "softening_length_m": [("0.03", SOFT, AT_ONCE)],
+    "softening_average": [('"smeared"', SOFT | {"softening_length_m": "0.03"}, AT_ONCE), ('"nonlocal"', SOFT | {"softening_length_m": "0.03"}, AT_ONCE)],
+    "friction_low_stress_deg": [("38.0", SAND | {"friction_half_pa": "500.0"})],
+    "friction_half_pa": [("600.0", SAND | {"friction_low_stress_deg": "38.0"})],
+    "dilatancy_fade": [("0.1", SAND | {"dilatancy_deg": "5.0"})],
+    "apex_pa": [("20.0", SAND | {"model": '"mohr_coulomb_smooth"'})],
+    "friction_flow_deg": [("34.0", MU_I, AT_ONCE)], "inertial_number": [("0.3", MU_I, AT_ONCE)], "grain_diameter_m": [("2e-3", MU_I, AT_ONCE)],
+    "grain_density_kg_m3": [("2700.0", MU_I, AT_ONCE)],
+    "bulk_pa": [("2e6", WATER, AT_ONCE)], "shear_pa": [("1e3", WATER, AT_ONCE)],
+    "density_end_kg_m3": [("1650.0", DENSER)], "density_from_s": [("0.005", DENSER)], "density_until_s": [("0.015", DENSER)],
+    "reduction_factor": [("1.2", SAND)], "reduction_from_s": [("0.005", WEAKER)], "reduction_until_s": [("0.015", WEAKER)],
+    "removed_s": [("0.01", {}, {"region.soil": {"polygon_m": "[[0.0, 0.04], [0.08, 0.04], [0.08, 0.08], [0.0, 0.08]]"},
+                                "region.below": {"polygon_m": "[[0.0, 0.0], [0.08, 0.0], [0.08, 0.04], [0.0, 0.04]]"},
+                                "material.below": SIMULATION["material.soil"]})],
+}
+MPM = {
+    "gravity_m_s2": ["[0.1, -9.0]"], "gravity_from_m_s2": [("[0.0, -4.0]", RAMP)], "gravity_ramp_s": [("0.015", RAMP)],
+    "k0": ["0.5"], "equilibrium_damping": ["0.6"], "damping": ["0.05"],
+    "locking": ['"none"', '"fbar"', ('"selective"', {"shape": '"bilinear"'}), ('"full"', {"shape": '"bilinear"'})],
+    "pic_per_s": [("5.0", {"transfer": '"flip"'})], "xpic_order": [("3", {"transfer": '"xpic"'})],
+    "sleep_below_m_s": ["0.001"], "end_displacement_m": ["1.0"], "refine": ["2"], "end_s": ["0.01"], "output_rate_hz": ["200.0"],
+    "domain_m": ["[[0.0, 0.0], [0.12, 0.12]]"], "per_element": ["9"],
+}
+VALUES = {
+    "": {"name": ['"a name"']},
+    "frames": {"path": [("DRAWN", {}, {"synth": None})], "first": ["1"], "last": ["3"], "stride": ["2"]},
+    "camera": {"origin_px": ["[10.0, 80.0]"], "points_px": [(TARGETS["camera"]["points_px"], {}, TARGETS)],
+               "points_m": [(TARGETS["camera"]["points_m"], {}, TARGETS)], "length_unit": ['"ft"'], "metres_per_pixel": ["0.002"]},
+    "grid": {"spacing_px": ["6"], "spacing_m": [("0.008", {"spacing_px": None})], "margin_px": ["10"],
+             "area_px": ["[[8, 8], [88, 88]]"], "area_m": ["[[0.01, 0.01], [0.085, 0.085]]"]},
+    "region": {"polygon_m": ["[[0.0, 0.0], [0.06, 0.0], [0.06, 0.06], [0.0, 0.06]]"],
+               "polygon_px": [("[[15, 79], [79, 79], [79, 39], [15, 39]]", {"polygon_m": None}, MEASUREMENT)],
+               "material": [('"other"', {}, {"material.other": SAND})]},
+    "mask": {"polygon_px": ["[[2, 2], [20, 2], [20, 20]]"], "polygon_m": ["[[0.0, 0.0], [0.01, 0.0], [0.0, 0.01]]"],
+             "circle_px": ["[10, 10, 6]"], "image": ['"mask.pgm"'],
+             "invert": [("true", {"polygon_px": "[[4, 4], [91, 4], [91, 91], [4, 91]]"}), ("false", {"circle_px": "[10, 10, 6]"})]},
+    "piv": {"first_window_px": ["32"], "passes": ["2"], "window_px": ["24"], "order": [("0", {"smoothing": '"window"'}), ("2", {"smoothing": '"window"'})],
+            "closure": ["2"]},
+    "np": {"still_zone_px": ["[[20, 70], [60, 70], [60, 40], [20, 40]]"], "still_zone_m": [ZONE], "still_frames": ["2"],
+           "drift_interval": [("2", {"drift": '"corrected"'})], "per_element": ["9"]},
+    "material": MATERIAL,
+    "mpm": MPM,
+    "boundary": {"line_m": [(SIDE["line_m"], SIDE)], "polygon_m": ["[[-0.01, -0.01], [0.01, -0.01], [0.01, 0.13], [-0.01, 0.13]]"],
+                 "type": [('"fixed"', SIDE), ('"roller"', SIDE), ('"frictional"', SIDE), ('"absorbing"', SIDE, AT_ONCE),
+                          ('"traction"', TOP), ('"tied"', TIED)],
+                 "normal": [("[-1.0, 0.0]", SIDE)], "friction": [("0.3", SIDE | {"type": '"frictional"'})], "until_s": [("0.01", SIDE)],
+                 "velocity_m_s": [("[0.001, 0.0]", SIDE | {"type": '"fixed"'})], "withdraw_m_s": [("[0.0, 2.0]", SIDE)],
+                 "withdraw_from_s": [("0.01", SIDE | {"withdraw_m_s": "[0.0, 2.0]"})], "traction_pa": [("[0.0, -50.0]", TOP)],
+                 "rise_s": [("0.01", TOP)], "across_m": [("[0.08, 0.0]", TIED)]},
+    "body": {"circle_m": [BALL["circle_m"]], "polygon_m": ["[[0.01, 0.09], [0.07, 0.09], [0.07, 0.13], [0.01, 0.13]]"],
+             "velocity_m_s": [("[0.0, -0.2]", BALL)], "friction": [("0.3", BALL)], "from_s": [("0.01", BALL)], "until_s": [("0.01", BALL)],
+             "mass_kg_m": [("5.0", BALL)], "mass_end_kg_m": [("6.0", BALL | {"mass_kg_m": "5.0", "mass_until_s": "0.02"})],
+             "mass_from_s": [("0.01", BALL | {"mass_kg_m": "5.0", "mass_end_kg_m": "6.0", "mass_until_s": "0.02"})],
+             "mass_until_s": [("0.02", BALL | {"mass_kg_m": "5.0", "mass_end_kg_m": "6.0"})],
+             "turns": [("true", BALL | {"mass_kg_m": "5.0"}), ("false", BALL | {"mass_kg_m": "5.0"})]},
+    "contact": {"regions": ['["above"]'], "against": [('["soil"]', {"regions": '["above"]'})], "friction": [("0.3", {"regions": '["above"]'})]},
+    "compare": {"reference_m": [ZONE], "fixed_zone_m": [ZONE], "points_m": ["[[0.04, 0.04]]"], "increments_outside_m": ["[0.04, 0.04, 0.01]"],
+                "second_shift_m": ["[0.001, 0.0]"], "slope_base_m": ["0.016"], "mobilised_m": ["0.0001"], "measurement_uncertainty_m": ["1e-5"],
+                "second_rotation_deg": ["1.0"], "second_scale": ["1.01"], "second_time_scale": ["1.01"], "time_offset_s": ["0.001"]},
+    "compare.limits": {"run_out_m": [("1.0", {}, {"compare": {"slope_base_m": "0.016"}})],
+                       "slope_angle_deg": [("90.0", {}, {"compare": {"slope_base_m": "0.016"}})]},
+    "report": {"title": ['"A title"'], "times_s": ["[0.0, 0.01]"], "points_m": ["[[0.04, 0.04]]"], "fields": [FIELDS]},
+    "output": {"fields": [FIELDS]},
+    "synth": {"motion": [('"none"', {"shift_px_per_frame": None}), '"affine"', ('"mpm"', {}, CARRIED), ('"slope"', {}, STAGED)],
+              "gradient_per_frame": ["[0.001, 0.0, 0.0, -0.001]"], "shift_px_per_frame": ["[0.3, 0.1]"], "rotation_deg_per_frame": ["0.1"],
+              "centre_px": ["[48.0, 48.0]"], "lose_texture_at": ["2"], "width_px": ["112"], "height_px": ["112"], "frames": ["3"],
+              "settlement": [("0.01", {}, STAGED)], "collapse": [("0.02", {}, STAGED)], "slip_centre_px": [("[70, 20]", {}, STAGED)],
+              "slip_radius_px": [("45.0", {}, STAGED)], "slip_band_px": [("12.0", {}, STAGED)], "slip_deg": [("1.0", {}, STAGED)]},
+    "synth.texture": {"bits": ["8", "12", "16"], "peak_min": ["0.3"], "peak_max": ["0.7"], "noise": ["0.01"], "loss": ["0.05"],
+                      "light_slope": ["0.1"], "light_change": ["0.1"], "blur_px": ["0.5"], "density_per_px": ["0.06"]},
+    # The same lists as above, in another section.
+    "synth.material": {key: [(*item[:2], {"synth.mpm": AT_ONCE["mpm"]}) if AT_ONCE in tuple(item) else item for item in items]
+                       for key, items in MATERIAL.items()} |
+                      {"removed_s": [("0.01", {}, {"region.soil": {"polygon_px": "[[15, 55], [79, 55], [79, 31], [15, 31]]"},
+                                                   "region.below": {"polygon_px": "[[15, 79], [79, 79], [79, 55], [15, 55]]"},
+                                                   "synth.material.below": SIMULATION["material.soil"]})]},
+    "synth.mpm": MPM | {"domain_m": ["[[0.0, 0.0], [0.095, 0.095]]"]},
+    "verify": {"lost_share": [("0.5", {"displacement_rms_px": "5.0"})], "displacement_rms_px": ["5.0"], "strain_error": ["1.0"],
+               "nodal_error": ["1.0"], "drift_px": ["5.0"], "drift_ratio": ["5.0"]},
+}
+
+
+def rows(reference):
+    """(section, key, type, default, allowed) of every key."""
+    section = None
+    for line in reference.splitlines():
+        if found := re.fullmatch(r"## \[(.*)\]", line):
+            section = found[1].removesuffix(".NAME")
+        elif line == "## Top level":
+            section = ""
+        elif section is not None and line.startswith("| `"):
+            cells = [cell.strip() for cell in line.strip("|").split(" | ")]
+            kind, default, allowed = (cells[1], "", "") if section == "" else (cells[1], cells[3].strip("`"), cells[4])
+            yield section, cells[0].strip("` "), kind.strip(), default, allowed
+
+
+def values(section, key, kind, default, allowed):
+    known = VALUES.get(section, {}).get(key)
+    if known:
+        return known
+    if kind == "true or false":
+        return ["true", "false"]
+    if kind == "a string" and allowed:
+        return [f'"{choice}"' for choice in allowed.split(", ")]
+    if kind in ("a number", "a whole number"):
+        if default and not (float(default) == 0 and allowed.startswith("more")):
+            return [default]
+        whole = kind == "a whole number"
+        span = re.fullmatch(r"(\S+) to (\S+)", allowed)
+        if span:
+            low, high = float(span[1]), float(span[2])
+            return [str(int((low + high) / 2)) if whole else repr((low + high) / 2)]
+        return ["1" if whole else "1.0"]
+    return None
+
+
+def merge(case, more):
+    for section, keys in more.items():
+        if keys is None:
+            case.pop(section, None)
+            continue
+        into = case.setdefault(section, {})
+        for key, value in keys.items():
+            if value is None:
+                into.pop(key, None)
+            else:
+                into[key] = value
+
+
+def case_text(section, key, item, drawn):
+    value, here, elsewhere = (item, {}, {}) if isinstance(item, str) else (*item, {}, {})[:3]
+    if elsewhere and elsewhere.get("synth") and elsewhere.get("piv"):  # another case altogether
+        case, elsewhere = copy.deepcopy(elsewhere), {}
+        here = {k: v for k, v in here.items() if v is not None}
+    else:
+        case = copy.deepcopy(BASES.get(section, SIMULATION))
+    name = NAMES.get(section, section)
+    merge(case, {name: here} if name else {})
+    merge(case, elsewhere)
+    lines = [f'name = {value if section == "" else chr(34) + section + "." + key + chr(34)}']
+    if name:
+        case.setdefault(name, {})[key] = f'"{drawn}"' if value == "DRAWN" else value
+    for title, keys in case.items():
+        lines += ["", f"[{title}]"] + [f"{k} = {v}" for k, v in keys.items()]
+    return "\n".join(lines) + "\n"
+
+
+def main():
+    program, reference, each = sys.argv[1], pathlib.Path(sys.argv[2]).read_text(), int(sys.argv[3]) if len(sys.argv) > 3 else 1
+    scratch = folder()
+    faults, cases = [], []
+    drawn = scratch / "drawn"
+    drawn.mkdir()
+    (drawn / "case.toml").write_text(case_text("synth", "frames", "5", ""))
+    done = run(program, "synth", drawn, "--out", drawn / "out", "--quiet")
+    assert done.returncode == 0, done.stderr
+    for section, key, kind, default, allowed in rows(reference):
+        items = values(section, key, kind, default, allowed)
+        if not items:
+            faults.append(f"[{section}] {key}: say in VALUES what a valid case with it looks like")
+            continue
+        if kind == "a string" and allowed:
+            tried = {(item if isinstance(item, str) else item[0]).strip('"') for item in items}
+            if left := set(allowed.split(", ")) - tried:
+                faults.append(f"[{section}] {key}: no case for {', '.join(sorted(left))}")
+        cases += [(section, key, item) for item in items]
+    assert len(cases) > 250, len(cases)  # the reference has been understood
+
+    def attempt(number):
+        section, key, item = cases[number]
+        there = scratch / str(number)
+        there.mkdir()
+        (there / "mask.pgm").write_bytes(b"P5 96 96 255\n" + bytes([0] * 96 * 8 + [255] * 96 * 88))
+        text = case_text(section, key, item, drawn / "out" / "frames" / "*.png")
+        (there / "case.toml").write_text(text)
+        done = run(program, "run", there, "--out", there / "out", "--threads", "1", "--quiet")
+        good = done.returncode in (0, 3) and (there / "out" / "report.html").exists() and (there / "out" / "record.h5").exists()
+        return "" if good else f"[{section}] {key} = {item if isinstance(item, str) else item[0]}: exit {done.returncode}: {done.stderr.strip()[-400:]}\n{text}"
+
+    with concurrent.futures.ThreadPoolExecutor(2) as pool:
+        results = list(pool.map(attempt, range(0, len(cases), each)))
+    faults += [result for result in results if result]
+    print(f"{len(results)} of {len(cases)} cases run, {len(faults)} faults")
+    if faults:
+        sys.exit("\n".join(faults))
+
+
+main()

@@ -1,0 +1,188 @@
+// What a run watches: its energy balance, points that lose their meaning, material that nothing holds, and laws that
+// might take for ever.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <string>
+
+#include "mpm/step/energy.hpp"
+#include "pivnp/core/error.hpp"
+#include "tests/unit/mpm/scenes.hpp"
+#include "tests/unit/mpm/soil_point.hpp"
+
+namespace pivnp::mpm::test {
+namespace {
+
+SilentProgress silent;
+
+MpmOptions at_once(Pair gravity) {
+  MpmOptions o = options(gravity);
+  o.initial_equilibrium = false;
+  o.end_at_rest = false;
+  return o;
+}
+
+// The work of gravity returns to zero in every period; over the present one any residual is large.
+TEST(EnergyGuard, LetsAnElasticBlockSwing) {
+  for (const char* scheme : {"default", "geopart"})
+    for (const double young : {2e6, 2e7}) {
+      Scene s = column(0.2, elastic(young, 0.3, 2000));
+      MpmOptions o = at_once({0, -9.81});
+      o.scheme = *value_named<SchemeName>(scheme);
+      o.damping = 0;
+      Solver solver(o, s, 1);
+      const double period = 4 * 0.2 / std::sqrt(young * 1.35 / 2000);
+      EXPECT_NO_THROW(solver.advance_to(6.01 * period, silent)) << scheme << " " << young;
+    }
+}
+
+// What falls out of the domain takes along what gravity gave it.
+TEST(EnergyGuard, LetsABlockFallOutOfTheDomain) {
+  Scene s =
+      scene(Grid{{0, 0}, {0.01, 0.01}, 21, 41}, {rectangle("block", 0.05, 0.3, 0.15, 0.38)}, {elastic(1e6, 0.3, 1500)});
+  s.boundaries = {{"left", line({0, 0}, {0, 0.4}, "roller")}};
+  Solver solver(at_once({0, -9.81}), s, 1);
+  ASSERT_NO_THROW(solver.advance_to(0.5, silent));
+  EXPECT_EQ(solver.ended(), s.particles.size());
+  for (std::size_t p = 0; p < s.particles.size(); ++p) {
+    EXPECT_EQ(solver.particles().end_reason[p], EndReason::left_grid);
+    EXPECT_GT(solver.particles().end[p], 0.2);
+  }
+}
+
+// Once where it comes in: not again as work of either sign, nor as what dissipates.
+TEST(EnergyGuard, CountsTheWorkOfLoadsOnce) {
+  EnergyBalance balance;
+  balance.bodies = balance.moved = 2;
+  EnergyRow row;
+  row.external = 2;
+  row.plastic = row.damping = 0.5;
+  EXPECT_DOUBLE_EQ(turnover(row, balance), 2);
+  balance.start = 1;
+  row.external = 2 - 3;  // gravity has taken 3
+  EXPECT_DOUBLE_EQ(turnover(row, balance), 1 + 2 + 3);
+  balance.bodies = 0;  // to and fro
+  row.external = 0;
+  EXPECT_DOUBLE_EQ(turnover(row, balance), 1 + 2);
+}
+
+TEST(EnergyGuard, TakesNoRoundOffForALoss) {
+  for (const char* shape : {"bilinear", "gimp", "bspline"}) {
+    Scene s = scene(Grid{{0, 0}, {0.01, 0.01}, 21, 21}, {rectangle("block", 0.05, 0.05, 0.15, 0.15)},
+                    {elastic(1e7, 0.3, 1500)});
+    s.boundaries = {{"base", line({0, 0}, {0.2, 0}, "fixed")}};
+    s.v0.assign(s.particles.size(), Vec2(1e-15, 0));
+    MpmOptions o = at_once({0, 0});
+    o.shape = *value_named<ShapeKind>(shape);
+    Solver solver(o, s, 1);
+    EXPECT_NO_THROW(solver.advance_to(0.01, silent)) << shape;
+  }
+}
+
+// An endless layer of water between a base and a lid that goes on and on.
+TEST(BadState, EndsPointsShearedBeyondMeaning) {
+  const double h = 0.01;
+  MaterialOptions water;
+  water.model = "water";
+  water.density_kg_m3 = 1000;
+  water.bulk_pa = 1e5;
+  water.shear_pa = 0;
+  Scene s = scene(Grid{{0, 0}, {h, h}, 5, 5}, {rectangle("water", 0, 0, 4 * h, 2 * h)}, {water});
+  BoundaryOptions sides = line({0, 0}, {0, 4 * h}, "tied");
+  sides.across_m = Pair{4 * h, 0};
+  BoundaryOptions lid = line({0, 2 * h}, {4 * h, 2 * h}, "fixed");
+  lid.velocity_m_s = Pair{8.0, 0};
+  s.boundaries = {{"base", line({0, 0}, {4 * h, 0}, "fixed")}, {"sides", sides}, {"lid", lid}};
+  s.v0.clear();
+  for (const Vec2& x : s.particles.x0) s.v0.emplace_back(8.0 * x.y() / (2 * h), 0);
+  MpmOptions o = at_once({0, 0});
+  o.energy_limit = 1e9;
+  Solver solver(o, s, 1);
+  double most = 0;
+  std::size_t bad = 0;
+  for (int k = 1; k <= 80; ++k) {
+    solver.advance_to(0.05 * k, silent);
+    const MotionFrame f = solver.frame();
+    bad = 0;
+    for (std::size_t p = 0; p < f.status.size(); ++p) {
+      const auto& F = f.F[p];
+      for (const float value : F) ASSERT_TRUE(std::isfinite(value));
+      if (solver.particles().end_reason[p] == EndReason::bad_state) {
+        ++bad;
+        EXPECT_EQ(f.status[p], ParticleStatus::ended);
+        EXPECT_TRUE(std::isfinite(solver.particles().end[p]));
+      }
+      if (f.status[p] != ParticleStatus::active) continue;
+      EXPECT_GT(double(F[0]) * double(F[3]) - double(F[1]) * double(F[2]), 0);  // of what a record keeps
+      for (const float value : F) most = std::max(most, double(std::abs(value)));
+    }
+    if (bad > 0) break;
+  }
+  EXPECT_GT(bad, 0u);
+  EXPECT_GT(most, 500);  // ended no earlier than need be
+}
+
+std::string refusal(const Scene& s, Pair gravity) {
+  Solver solver(options(gravity), s, 1);
+  try {
+    solver.find_initial_equilibrium(silent);
+  } catch (const InputError& error) {
+    return error.what();
+  } catch (const RunError& error) {
+    return std::string("run: ") + error.what();
+  }
+  return "";
+}
+
+TEST(InitialEquilibrium, SaysAtOnceWhatNothingHolds) {
+  const MaterialOptions m = elastic(1e6, 0.3, 1500);
+  const auto of = [&](const std::vector<Region>& regions) {
+    Scene s = scene(Grid{{0, 0}, {0.01, 0.01}, 21, 41}, regions, std::vector<MaterialOptions>(regions.size(), m));
+    s.boundaries = {{"base", line({0, 0}, {0.2, 0}, "fixed")}, {"left", line({0, 0}, {0, 0.4}, "roller")}};
+    return s;
+  };
+  const Region low = rectangle("low", 0, 0, 0.1, 0.08), hung = rectangle("hung", 0, 0.2, 0.1, 0.28);
+  EXPECT_EQ(refusal(of({low}), {0, -9.81}), "");
+  const std::string said = refusal(of({low, hung}), {0, -9.81});
+  EXPECT_TRUE(said.starts_with("mpm.initial_equilibrium: ")) << said;
+  EXPECT_NE(said.find("'hung'"), std::string::npos) << said;  // a roller beside it does not carry it
+  EXPECT_NE(said.find("0.2"), std::string::npos) << said;
+  EXPECT_EQ(refusal(of({low, rectangle("upon", 0, 0.08, 0.1, 0.16)}), {0, -9.81}), "");
+  EXPECT_TRUE(refusal(of({hung}), {0, -9.81}).starts_with("mpm.initial_equilibrium: "));
+
+  Scene slope = of({low});  // a smooth plane that is steeper than level holds nothing
+  slope.boundaries = {{"base", line({0, 0}, {0.2, 0}, "roller")}};
+  EXPECT_TRUE(refusal(slope, {1, -9.81}).starts_with("mpm.initial_equilibrium: "));
+  EXPECT_EQ(refusal(slope, {0, -9.81}), "");
+
+  Solver hanging(options({0, -9.81}), of({hung}), 1);
+  EXPECT_THROW(hanging.require_held(), InputError);
+  Solver lying(options({0, -9.81}), of({low}), 1);
+  EXPECT_NO_THROW(lying.require_held());
+}
+
+// Strains that no step of a sound run has: the answer is on the surface, and soon there.
+TEST(SmoothMohrCoulomb, BoundsItsSubsteps) {
+  MaterialOptions m = soil("mohr_coulomb_smooth", 35, 0);
+  m.dilatancy_deg = 5;
+  m.young_pa = 1e9;
+  const auto law = make_material(m, "soil");
+  const auto start = std::chrono::steady_clock::now();
+  for (const double strain : {0.3, 3.0, 30.0, 1e6})
+    for (const Tensor& way :
+         {Tensor{1, -1, 0, 0.3}, Tensor{-1, -1, 0, 1}, Tensor{1, 1, 0, 1}, Tensor{-1, 0.2, 0, -2}}) {
+      SoilPoint point;
+      point.stress = {-500, -1000, -500, 0};
+      Tensor de = way;
+      for (double& e : de) e *= strain;
+      point.advance(*law, de);
+      for (const double s : point.stress) EXPECT_TRUE(std::isfinite(s)) << strain;
+    }
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  EXPECT_LT(seconds, 5);
+}
+
+}  // namespace
+}  // namespace pivnp::mpm::test
