@@ -81,6 +81,7 @@ Curve read_curve(const std::filesystem::path& file, const std::string& column, d
       const auto [end, error] = std::from_chars(cells[k].data(), cells[k].data() + cells[k].size(), v);
       if (error != std::errc() || end != cells[k].data() + cells[k].size())
         throw InputError(at() + "column '" + shown(names[k]) + "': found '" + shown(cells[k]) + "', expected a number");
+      if (std::isnan(v)) return v;  // "-nan", "NAN", as some programs write it
       if (!std::isfinite(v))
         throw InputError(at() + "column '" + shown(names[k]) + "': found '" + shown(cells[k]) +
                          "', expected a finite number, or nan");

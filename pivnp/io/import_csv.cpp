@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <string_view>
 
@@ -111,7 +112,8 @@ ImportedTable read_csv(const std::filesystem::path& file, double step) {
       if (error != std::errc() || end != cell.data() + cell.size())
         throw InputError(at() + "column '" + shown(header[std::size_t(k)]) + "': found '" + shown(cell) +
                          "', expected a number");
-      if (!std::isfinite(float(v)))
+      if (std::isnan(v)) return v;  // "-nan", as some programs write it
+      if (!(std::abs(v) <= double(std::numeric_limits<float>::max())))
         throw InputError(at() + "column '" + shown(header[std::size_t(k)]) + "': found '" + shown(cell) +
                          "', expected a finite number (of single precision), or nan where nothing is known");
       return v;

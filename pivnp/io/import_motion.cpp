@@ -169,7 +169,7 @@ class ImportedMotion final : public MotionSource {
           particles_.id.push_back(it->first);
           particles_.label.push_back(0);
           particles_.x0.push_back(from_u ? Vec2(x - Vec2(state.u[k][0], state.u[k][1])) : x);
-          particles_.area.push_back(state.area.empty() ? 0.0 : double(state.area[k]));
+          particles_.area.push_back(k < state.area.size() && std::isfinite(state.area[k]) ? double(state.area[k]) : 0.0);
           particles_.born.push_back(times_[t]);
           particles_.end.push_back(times_[t]);
           particles_.end_reason.push_back(EndReason::left_grid);

@@ -1,6 +1,7 @@
 #include "pivnp/io/probe.hpp"
 
 #include <fcntl.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -111,6 +112,8 @@ herr_t visit(hid_t root, const char* name, const H5O_info_t* info, void* data) {
   return read ? 0 : -1;
 }
 
+const std::string good = "good";  // what the child says of a file that it could read
+
 // The child's whole life: what is wrong with the file, or nothing.
 std::string fault_of(const std::string& file, double size) {
   h5::silence();
@@ -122,7 +125,12 @@ std::string fault_of(const std::string& file, double size) {
   if (!id) return "a truncated or damaged HDF5 file (" + h5::last_cause() + ")";
   Walk walk;
   walk.limit = std::max(least_limit, most_ratio * size);
-  if (H5Ovisit(id.get(), H5_INDEX_NAME, H5_ITER_NATIVE, visit, &walk) >= 0) return "";
+#if H5_VERSION_GE(1, 12, 0)
+  const herr_t visited = H5Ovisit(id.get(), H5_INDEX_NAME, H5_ITER_NATIVE, visit, &walk, H5O_INFO_BASIC);
+#else
+  const herr_t visited = H5Ovisit(id.get(), H5_INDEX_NAME, H5_ITER_NATIVE, visit, &walk);
+#endif
+  if (visited >= 0) return "";
   return "a damaged HDF5 file: /" + walk.fault + " cannot be read";
 }
 
@@ -134,6 +142,7 @@ void settle_child(double seconds) {
     ::dup2(nowhere, STDERR_FILENO);
   }
   for (const int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGALRM, SIGINT, SIGTERM}) ::signal(signal, SIG_DFL);
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // it holds the folder's lock as the parent does
   const rlimit none{0, 0};
   ::setrlimit(RLIMIT_CORE, &none);
   ::alarm(static_cast<unsigned>(seconds));
@@ -161,13 +170,18 @@ void probe_foreign_file(const std::filesystem::path& file) {
   std::array<int, 2> pipe{};
   if (::pipe2(pipe.data(), O_CLOEXEC) != 0) throw RunError(name + ": " + std::strerror(errno));
   const pid_t child = ::fork();
-  if (child < 0) throw RunError(name + ": cannot be looked at in a process of its own: " + std::strerror(errno));
+  if (child < 0) {
+    const std::string cause = std::strerror(errno);
+    ::close(pipe[0]);
+    ::close(pipe[1]);
+    throw RunError(name + ": cannot be looked at in a process of its own: " + cause);
+  }
   if (child == 0) {
     settle_child(seconds);
     int code = 1;
     try {
-      const std::string fault = fault_of(name, size);
-      if (fault.empty() || ::write(pipe[1], fault.data(), fault.size()) >= 0) code = fault.empty() ? 0 : 2;
+      const std::string fault = fault_of(name, size), said = fault.empty() ? good : fault;
+      if (::write(pipe[1], said.data(), said.size()) >= 0) code = fault.empty() ? 0 : 2;
     } catch (...) {
     }
     ::_exit(code);  // nothing of the parent's is shut down
@@ -176,13 +190,15 @@ void probe_foreign_file(const std::filesystem::path& file) {
   const std::string fault = rest_of(pipe[0]);
   ::close(pipe[0]);
   int status = 0;
-  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  pid_t ended = 0;
+  while ((ended = ::waitpid(child, &status, 0)) < 0 && errno == EINTR) {
   }
-  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return;
-  if (!fault.empty()) throw InputError(name + ": " + fault);
+  if (fault == good && (ended < 0 || (WIFEXITED(status) && WEXITSTATUS(status) == 0))) return;
+  if (WIFSIGNALED(status) && (WTERMSIG(status) == SIGINT || WTERMSIG(status) == SIGTERM)) throw Interrupted();
+  if (!fault.empty() && fault != good) throw InputError(name + ": " + fault);
   const bool late = WIFSIGNALED(status) && WTERMSIG(status) == SIGALRM;
   throw InputError(name + ": a damaged HDF5 file: " +
-                   (late                  ? "reading it does not end"
+                   (late                  ? "not read within " + std::to_string(int(seconds)) + " s"
                     : WIFSIGNALED(status) ? "the HDF5 library crashes on it (signal " + std::to_string(WTERMSIG(status)) + ")"
                                           : std::string("the HDF5 library fails on it")));
 }

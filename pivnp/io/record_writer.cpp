@@ -144,7 +144,12 @@ VectorField RecordWriter::Impl::read_back(const Stage& piv, std::size_t index) c
     return read_pair(piv.open->source(), "", head.grid, index - piv.open->first());
   const auto segment = std::find_if(piv.files.segments.begin(), piv.files.segments.end(),
                                     [&](const SegmentInfo& s) { return index < s.first + s.count; });
-  if (!last_read || last_read->first != segment->path) last_read.emplace(segment->path, h5::Source(segment->path));
+  if (!last_read || last_read->first != segment->path) {
+    // What is computed from a damaged segment would outlive it.
+    if (seal_of(segment->path) != Seal::intact)
+      throw RunError(segment->path.string() + ": was damaged since it was written; --resume computes it again");
+    last_read.emplace(segment->path, h5::Source(segment->path));
+  }
   return read_pair(last_read->second, "", head.grid, index - segment->first);
 }
 

@@ -3,12 +3,14 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
 #include <optional>
 #include <vector>
 
+#include "pivnp/core/error.hpp"
 #include "pivnp/core/hash.hpp"
 
 namespace pivnp::io {
@@ -61,14 +63,16 @@ std::optional<std::uint64_t> hash_of(int descriptor, off_t size) {
 
 Seal seal_of(const std::filesystem::path& file) {
   const Descriptor d{::open(file.c_str(), O_RDONLY | O_CLOEXEC)};
-  if (d.value < 0) return Seal::broken;
+  const auto unreadable = [&] { return RunError(file.string() + ": cannot be read: " + std::strerror(errno)); };
+  if (d.value < 0) throw unreadable();
   const off_t size = ::lseek(d.value, 0, SEEK_END) - static_cast<off_t>(seal_bytes);
   Bytes there{};
   if (size < 0 || ::pread(d.value, there.data(), there.size(), size) != static_cast<ssize_t>(there.size()) ||
       std::memcmp(there.data(), seal_letters, 8) != 0 || stated_end(d.value) > static_cast<std::uint64_t>(size))
     return Seal::none;
   const auto hash = hash_of(d.value, size);
-  return hash && seal_for(*hash) == there ? Seal::intact : Seal::broken;
+  if (!hash) throw unreadable();
+  return seal_for(*hash) == there ? Seal::intact : Seal::broken;
 }
 
 int append_seal(const std::filesystem::path& file) {

@@ -14,7 +14,7 @@ inline constexpr std::size_t seal_bytes = 16;
 /// the superblock states is that of the file), and somebody has changed the file who may.
 enum class Seal { none, intact, broken };
 
-/// Reads the whole file. A file that cannot be read is broken.
+/// Reads the whole file. Throws RunError if it cannot be read: that is no damage.
 Seal seal_of(const std::filesystem::path& file);
 
 /// Appends the seal and fsyncs. Returns errno, 0 if all went well.

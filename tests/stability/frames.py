@@ -57,6 +57,13 @@ refused(run(program, "run", here / "few.toml", "--out", others), "frame_00007.pn
 refused(run(program, "synth", here / "few.toml", "--out", others), "frame_00007.png")
 assert [f.name for f in (others / "frames").glob("*.png")] == ["frame_00007.png"]
 
+# Nor is a frame that somebody put beside those drawn here.
+beside = here / "out" / "frames" / "frame_lab_01.png"
+shutil.copy(here / "out" / "frames" / "frame_00000.png", beside)
+refused(run(program, "run", here / "few.toml", "--out", here / "out"), "frame_lab_01.png")
+assert beside.exists() and (here / "out" / "frames" / "frame_00004.png").exists()
+beside.unlink()
+
 # The lock covers the frames: while another run holds the folder none is drawn.
 before = {f: f.read_bytes() for f in (here / "out" / "frames").iterdir()}
 with open(here / "out" / ".lock", "w") as lock:

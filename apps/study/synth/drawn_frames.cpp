@@ -54,6 +54,15 @@ std::string drawn_from(Case c) {
   return write_case(c);
 }
 
+// Whether a note speaks of a frame: names it, or, where the drawing was not finished, would have come to draw it.
+bool speaks_of(const std::string& note, const std::string& name) {
+  if (note.find("\n" + name + " ") != std::string::npos) return true;
+  const std::size_t head_end = note.find('\n');
+  const bool unfinished = head_end != std::string::npos && note.compare(head_end + 1, case_line.size(), case_line) == 0;
+  const std::string number = name.size() > 10 ? name.substr(6, name.size() - 10) : "";  // frame_NUMBER.png
+  return unfinished && number.size() >= 5 && number.find_first_not_of("0123456789") == std::string::npos;
+}
+
 std::string line_of(const io::FileIdentity& file) {
   return file.name + " " + std::to_string(file.size) + " " + file.hash + "\n";
 }
@@ -95,9 +104,13 @@ void DrawnFrames::begin() const {
   fs::create_directories(folder_, failed);
   if (failed) throw RunError(folder_.string() + ": " + failed.message());
   const std::vector<fs::path> frames = frames_in(folder_);
-  if (!frames.empty() && !fs::exists(folder_ / note_name))
-    throw InputError(frames.front().string() + ": there before, and not drawn by this program (" + folder_.string() +
-                     " holds no " + note_name + "); expected a folder without such frames: choose another --out");
+  const std::string note = text_of(folder_ / note_name);
+  for (const fs::path& frame : frames)
+    if (!speaks_of(note, frame.filename().string()))
+      throw InputError(frame.string() + ": there before, and not drawn by this program (" +
+                       (note.empty() ? folder_.string() + " holds no " + note_name
+                                     : (folder_ / note_name).string() + " does not name it") +
+                       "); expected a folder without such frames: choose another --out, or move them away");
   write_note(folder_ / note_name, head() + case_line + case_text_);  // none is finished yet
   for (const fs::path& frame : frames) fs::remove(frame);
 }
