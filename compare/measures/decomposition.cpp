@@ -7,7 +7,7 @@
 #include <unordered_map>
 
 #include "compare/data/statistics.hpp"
-#include "compare/data/units.hpp"
+#include "pivnp/core/particles/fields.hpp"
 
 namespace pivnp::compare {
 
@@ -156,7 +156,7 @@ std::string definition_of(const DecomposedField& field) {
 }
 
 ComparisonTable table_of(const FieldDecomposition& f, const std::string& length_unit) {
-  const std::string unit = unit_of(f.field.unit, length_unit, "");
+  const std::string unit = unit_in(f.field.unit, length_unit, "");
   return {"decomposition_" + std::string(f.field.name),
           "coefficients" + definition_of(f.field) + "; band: 2 u(s)",
           {{std::string(name_of(DataSetRole::first)), unit, f.of.first},

@@ -5,7 +5,7 @@
 #include <functional>
 #include <utility>
 
-#include "compare/data/units.hpp"
+#include "pivnp/core/particles/fields.hpp"
 #include "pivnp/core/particles/strain.hpp"
 
 namespace pivnp::compare {
@@ -277,7 +277,7 @@ std::vector<ComparisonField> Differences::take_fields() {
   std::vector<ComparisonField> out;
   for (std::size_t f = 0; f < fields_.size(); ++f) {
     const Field& row = difference_fields()[f];
-    out.push_back({row.name, unit_of(row.unit, length_unit_, time_unit_), row.definition, field_time_, id_,
+    out.push_back({row.name, unit_in(row.unit, length_unit_, time_unit_), row.definition, field_time_, id_,
                    std::move(fields_[f])});
   }
   const auto add = [&](const std::string& name, const std::string& unit, const std::string& definition, auto&& value) {
@@ -309,7 +309,7 @@ ComparisonTable Differences::over_space() const {
   table.columns.push_back({"time", time_unit_, time_});
   for (std::size_t s = 0; s < statistics_.size(); ++s) {
     const StatisticOverSpace& row = statistics_over_space()[s];
-    table.columns.push_back({row.name, unit_of(row.unit, length_unit_, time_unit_), statistics_[s], row.definition});
+    table.columns.push_back({row.name, unit_in(row.unit, length_unit_, time_unit_), statistics_[s], row.definition});
   }
   for (ComparisonTable::Column& column : rates_.velocity_columns(length_unit_, time_unit_)) {
     column.values.resize(time_.size(), not_known);  // a comparison of one time has no room for two ends

@@ -1,6 +1,6 @@
 #include "compare/metrics/rows.hpp"
+#include "pivnp/core/particles/fields.hpp"
 
-#include "compare/data/units.hpp"
 
 namespace pivnp::compare {
 
@@ -25,8 +25,8 @@ std::vector<Metric> metrics_of(const HistoryMeasures& measures) {
     std::string definition = row.definition;
     if (const std::size_t at = definition.find("{}"); at != std::string::npos) definition.replace(at, 2, measures.what);
     std::string unit = row.unit;
-    if (unit.starts_with('V')) unit = measures.unit + unit_of(unit.substr(1), "", measures.time_unit);
-    else unit = unit_of(unit, "", measures.time_unit);
+    if (unit.starts_with('V')) unit = measures.unit + unit_in(unit.substr(1), "", measures.time_unit);
+    else unit = unit_in(unit, "", measures.time_unit);
     metrics.push_back({measures.subject + "_" + row.name, found->value, std::move(unit), found->uncertainty,
                        definition + found->note, found->verdict});
   }
@@ -37,7 +37,7 @@ std::vector<Metric> metrics_of(const Findings& findings) {
   std::vector<Metric> metrics;
   for (const MetricRow& row : metric_rows())
     if (const std::optional<MetricValue> found = row.value(findings))
-      metrics.push_back({row.name, found->value, unit_of(row.unit, findings.length_unit, findings.time_unit),
+      metrics.push_back({row.name, found->value, unit_in(row.unit, findings.length_unit, findings.time_unit),
                          found->uncertainty, row.definition + found->note, found->verdict});
   for (const HistoryMeasures& point : findings.points.histories)
     for (Metric& metric : metrics_of(point)) metrics.push_back(std::move(metric));

@@ -12,14 +12,6 @@ namespace pivnp::io {
 
 namespace {
 
-// Closes on leaving.
-struct Descriptor {
-  int value;
-  ~Descriptor() {
-    if (value >= 0) ::close(value);
-  }
-};
-
 void write_all(int descriptor, const std::string& text, const std::filesystem::path& path) {
   for (std::size_t done = 0; done < text.size();) {
     const ssize_t written = ::write(descriptor, text.data() + done, text.size() - done);

@@ -1,10 +1,20 @@
 // Files that either are there in full or not at all. Private to this folder's sources.
 #pragma once
 
+#include <unistd.h>
+
 #include <filesystem>
 #include <string>
 
 namespace pivnp::io {
+
+/// A file's descriptor, closed on leaving; below 0: none.
+struct Descriptor {
+  int value;
+  ~Descriptor() {
+    if (value >= 0) ::close(value);
+  }
+};
 
 /// What the operating system said of the first write to a file that failed (errno; 0: none did).
 struct WriteStatus {

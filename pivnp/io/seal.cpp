@@ -12,17 +12,11 @@
 
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/hash.hpp"
+#include "pivnp/io/files.hpp"
 
 namespace pivnp::io {
 
 namespace {
-
-struct Descriptor {
-  int value;
-  ~Descriptor() {
-    if (value >= 0) ::close(value);
-  }
-};
 
 using Bytes = std::array<unsigned char, seal_bytes>;
 
