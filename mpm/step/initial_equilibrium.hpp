@@ -8,6 +8,7 @@
 #include "mpm/transfer/stress_update.hpp"
 #include "mpm/constraint/rigid_body.hpp"
 #include "mpm/state/scheme.hpp"
+#include "mpm/water/pore_water.hpp"
 #include "pivnp/core/progress.hpp"
 
 namespace pivnp::mpm {
@@ -30,6 +31,7 @@ struct StaticSystem {
   RigidBodies& bodies;
   Particles& particles;
   GridState& grid;
+  const PoreWater* water = nullptr;
 };
 
 /// Adaptive dynamic relaxation (Underwood 1983; Cundall's local damping) in the reference configuration: the points do
@@ -41,8 +43,8 @@ struct StaticSystem {
 int relax_to_equilibrium(const EquilibriumOptions& options, const StaticSystem& system, Progress& progress);
 
 /// Vertical stress from the mass above each point in its column of cells, the horizontal ones `k0` (nu/(1 - nu) without)
-/// times it. For vertical gravity.
+/// times it. For vertical gravity. With water: effective stress, and the mass less that of the water displaced.
 void stress_from_columns(Particles& particles, const Materials& materials, const GridState& grid, double gravity_y,
-                         std::optional<double> k0);
+                         std::optional<double> k0, const PoreWater* water = nullptr);
 
 }  // namespace pivnp::mpm
