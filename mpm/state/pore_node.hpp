@@ -10,10 +10,11 @@ namespace pivnp::mpm {
 /// functions of the momentum.
 struct alignas(64) PoreNode {
   double volume = 0;      // of the points that hold water, by their hats, m^2
-  double mapped = 0;      // potential p - rho g . x, mean over that volume, Pa
-  double potential = 0;   // the same, or what a boundary gives
+  double potential = 0;   // p - rho g . x, the mean over that volume or what a boundary gives, Pa
+  double strained = 0;    // volumetric strain of the last step, mean over that volume
   double inflow = 0;      // volume of water that the gradients bring, m^2/s
-  double restore = 0;     // where a boundary gives the potential: mobility times what the points lack of it, Pa m^4/(Pa s)
+  double restore = 0;     // what the points' potentials lack to the field of the nodes, times mobility and volume, m^4/s
+  double unseen = 0;      // mean of what PoreWater::unseen() tells of the points
   double change = 0;      // of the water in a unit of volume, in this step
   std::uint8_t cell = 0;  // of the element up and to the right: PoreCell
   bool given = false;     // the potential, by a boundary or the material's own surface

@@ -79,8 +79,8 @@ bool Solver::Impl::maps_and_advances(const Cycle& c) const {
 void Solver::Impl::map_to_nodes(const Cycle& c) {
   const double least = least_mass * least_density() * g.grid.spacing.prod();
   const bool with_force = scheme.stress != StressUpdate::usf;
+  if (with_force) flow_water(c);
   if (with_force) average_mean_stress(p, g, scheme, c.threads);
-  if (water) flow_water(c);
   if (maps_and_advances(c)) return map_and_update(p, g, scheme, small_mass, least, c.gravity, c.dt, c.threads);
   map_momentum(p, g, scheme, with_force, c.threads);
   small_mass.find(g, least);
@@ -92,6 +92,7 @@ void Solver::Impl::strain_first(const Cycle& c) {
   take_mapped_velocity(c);
   small_mass.join_velocity(g);
   strain(c);
+  flow_water(c);
   average_mean_stress(p, g, scheme, c.threads);
   map_force(p, g, scheme, c.threads);
 }
@@ -157,7 +158,6 @@ void Solver::Impl::strain_last(const Cycle& c) {
 
 void Solver::Impl::strain(const Cycle& c, GatherSums* moved) {
   state.balance.damping += strain_and_update_stress(materials, p, g, scheme, c.dt, c.threads, moved);
-  if (water) water->refresh(p, c.gravity, c.threads);
   if (state.steps % stiffness_every == 0) take_wave_speed(c.threads);
 }
 

@@ -86,6 +86,7 @@ void Solver::Impl::end_water(std::size_t k) {
 }
 
 void Solver::Impl::flow_water(const Cycle& c) {
+  if (!water) return;
   const PoreFlow flow = water->flow(p, g, loading.tractions(), c.gravity, state.time, c.dt, c.threads);
   state.balance.inflow += scene.water->density_kg_m3 * flow.inflow;
   state.balance.bodies += flow.external;

@@ -25,15 +25,8 @@ InElement element_of(const Particles& p, const GridState& g, std::size_t k) {
   return {cell + row + 1 - left - below * row, at.x() + double(left), at.y() + double(below)};
 }
 
-// The element's nodes, with their hats at the point.
-struct Hats {
-  std::size_t at[4];
-  double w[4];
-
-  Hats(const InElement& e, std::size_t row)
-      : at{e.node, e.node + 1, e.node + row, e.node + row + 1},
-        w{(1 - e.s) * (1 - e.t), e.s * (1 - e.t), (1 - e.s) * e.t, e.s * e.t} {}
-};
+// Rate at which a cell's own water evens out, over the diffusivity, 1/m^2.
+double rate_in_cell(const GridState& g) { return 2 * (g.per_hx * g.per_hx + g.per_hy * g.per_hy); }
 
 // Calls each(k) for the points of some occupied cells.
 template <class Each>
@@ -49,11 +42,21 @@ void add(PoreFlow& to, const PoreFlow& more) {
 
 }  // namespace
 
+// The element's nodes, with their hats at the point.
+struct PoreWater::Hats {
+  std::size_t at[4];
+  double w[4];
+
+  Hats(const InElement& e, std::size_t row)
+      : at{e.node, e.node + 1, e.node + row, e.node + row + 1},
+        w{(1 - e.s) * (1 - e.t), e.s * (1 - e.t), (1 - e.s) * e.t, e.s * e.t} {}
+};
+
 PoreFlow PoreWater::flow(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, double dt,
                          int threads) {
   map_potential(p, g, tractions, gravity, time, threads);
   give_potentials(g, gravity, time, threads);
-  add_fluxes(p, g, gravity, threads);
+  add_fluxes(p, g, gravity, dt, threads);
   PoreFlow sums = change_nodes(g, time, dt, threads);
   add(sums, change_points(p, g, tractions, gravity, time, dt, threads));
   for_nodes(g, threads, [&](Node&, std::uint32_t n) { node_[n] = PoreNode{}; });
@@ -74,9 +77,13 @@ void PoreWater::map_potential(const Particles& p, GridState& g, const Tractions&
       }
       node_[in.node].cell |= holds_water;
       const double volume = p.volume0[k] * p.J[k], e = p.pressure[k] - head({p.x[k], p.y[k]}, gravity);
+      const double strain = strain_of(p, k);
       for (int c = 0; c < 4; ++c) {
-        node_[hats.at[c]].volume += hats.w[c] * volume;
-        node_[hats.at[c]].mapped += hats.w[c] * volume * e;
+        PoreNode& node = node_[hats.at[c]];
+        const double share = hats.w[c] * volume;
+        node.volume += share;
+        node.potential += share * e;
+        node.strained += share * strain;
       }
     });
   });
@@ -91,8 +98,8 @@ void PoreWater::give_potentials(const GridState& g, const Vec2& gravity, double 
     const std::size_t n = g.active.nodes[a];
     PoreNode& node = node_[n];
     if (!(node.volume > 0)) return;
-    node.mapped /= node.volume;
-    node.potential = node.mapped;
+    node.potential /= node.volume;
+    node.strained /= node.volume;
     const Vec2 x = g.position(n);
     const PoreCondition* condition = boundaries_.at(n, time);
     bool surface = false;
@@ -124,7 +131,23 @@ void PoreWater::give_potentials(const GridState& g, const Vec2& gravity, double 
   });
 }
 
-void PoreWater::add_fluxes(const Particles& p, GridState& g, const Vec2& gravity, int threads) {
+// What a point's potential lacks to the field that the nodes span.
+double PoreWater::lack_of(const Particles& p, std::size_t k, const Hats& hats, const Vec2& gravity) const {
+  double spanned = 0;
+  for (int c = 0; c < 4; ++c) spanned += hats.w[c] * node_[hats.at[c]].potential;
+  return spanned - (p.pressure[k] - head({p.x[k], p.y[k]}, gravity));
+}
+
+// What of a point the nodes do not see, in a unit of volume: strain beyond the mean around it, and the water that would bring
+// its potential to theirs at the rate of a cell.
+double PoreWater::unseen(const Particles& p, std::size_t k, const Hats& hats, double lack, double rate_dt) const {
+  double mean = 0;
+  for (int c = 0; c < 4; ++c) mean += hats.w[c] * node_[hats.at[c]].strained;
+  return strain_of(p, k) - mean + rate_dt * soil_of(p, k).mobility * lack;
+}
+
+void PoreWater::add_fluxes(const Particles& p, GridState& g, const Vec2& gravity, double dt, int threads) {
+  const double rate_dt = rate_in_cell(g) * dt;
   for_bands(g.active.mapped, threads, [&](Range range, std::size_t) {
     for_points_of(g, range, [&](std::uint32_t k) {
       if (!flows(p, k)) return;
@@ -134,15 +157,16 @@ void PoreWater::add_fluxes(const Particles& p, GridState& g, const Vec2& gravity
       for (int c = 0; c < 4; ++c) e[c] = node_[hats.at[c]].potential;
       const double along_x = ((1 - in.t) * (e[1] - e[0]) + in.t * (e[3] - e[2])) * g.per_hx;
       const double along_y = ((1 - in.s) * (e[2] - e[0]) + in.s * (e[3] - e[1])) * g.per_hy;
-      const double spanned = hats.w[0] * e[0] + hats.w[1] * e[1] + hats.w[2] * e[2] + hats.w[3] * e[3];
-      const double own = p.pressure[k] - head({p.x[k], p.y[k]}, gravity);
-      const double mobility = soil_of(p, k).mobility * p.volume0[k] * p.J[k];
-      const double qx = -mobility * along_x * g.per_hx, qy = -mobility * along_y * g.per_hy, lack = mobility * (spanned - own);
+      const double volume = p.volume0[k] * p.J[k], mobility = soil_of(p, k).mobility * volume;
+      const double qx = -mobility * along_x * g.per_hx, qy = -mobility * along_y * g.per_hy;
+      const double lack = lack_of(p, k, hats, gravity), more = volume * unseen(p, k, hats, lack, rate_dt);
       const double inflow[4] = {-qx * (1 - in.t) - qy * (1 - in.s), qx * (1 - in.t) - qy * in.s, -qx * in.t + qy * (1 - in.s),
                                 qx * in.t + qy * in.s};
       for (int c = 0; c < 4; ++c) {
-        node_[hats.at[c]].inflow += inflow[c];
-        node_[hats.at[c]].restore += hats.w[c] * lack;
+        PoreNode& node = node_[hats.at[c]];
+        node.inflow += inflow[c];
+        node.restore += hats.w[c] * mobility * lack;
+        node.unseen += hats.w[c] * more;
       }
     });
   });
@@ -163,7 +187,7 @@ double PoreWater::length_along(const GridState& g, std::size_t n, std::uint8_t s
 }
 
 PoreFlow PoreWater::change_nodes(const GridState& g, double time, double dt, int threads) {
-  const double rate = 2 * (g.per_hx * g.per_hx + g.per_hy * g.per_hy);
+  const double rate = rate_in_cell(g);
   std::vector<PoreFlow> parts(node_parts(g));
   for_node_parts(g, threads, [&](std::size_t part, std::size_t begin, std::size_t end) {
     PoreFlow sum;
@@ -181,6 +205,7 @@ PoreFlow PoreWater::change_nodes(const GridState& g, double time, double dt, int
           through = dt * condition->value * length_along(g, n, boundaries_.side(n, time));
         node.change = (dt * node.inflow + through) / node.volume;
       }
+      node.unseen /= node.volume;
       sum.inflow += through;
       sum.external += through * node.potential;
     }
@@ -201,26 +226,32 @@ double PoreWater::flux_of(const Particles& p, const Tractions& tractions, std::s
   return condition.kind == PoreCondition::flux ? condition.value * load->face : 0;
 }
 
-// What was neither stored in the water nor lost at the boundaries is dissipated.
+// Beside what nodes pass on, points exchange what the nodes do not see, less the mean of that around them: fields of few waves
+// stay (to the fourth order), and the means' weights conserve. Of the energy, what was neither stored in the water nor lost at
+// the boundaries is dissipated.
 PoreFlow PoreWater::change_points(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, double dt,
                                   int threads) {
+  const double rate_dt = rate_in_cell(g) * dt;
   std::vector<PoreFlow> parts(g.active.pieces.size());
   for_pieces(g, threads, [&](Range range, std::size_t piece) {
     PoreFlow sum;
     for_points_of(g, range, [&](std::uint32_t k) {
-      if (!flows(p, k)) return;
-      const Hats hats(element_of(p, g, k), std::size_t(g.grid.nx));
-      double change = 0;
-      for (int c = 0; c < 4; ++c) change += hats.w[c] * node_[hats.at[c]].change;
-      const double through = dt * flux_of(p, tractions, k, time), height = head({p.x[k], p.y[k]}, gravity);
-      const double more = p.J[k] * change + through / p.volume0[k];
-      const double pores = p.J[k] - (1 - soil_of(p, k).porosity);
-      const double stored = p.volume0[k] * more * (p.pressure[k] + 0.5 * options_.bulk_modulus_pa * more / pores);
-      const double external = p.volume0[k] * more * height + through * (p.pressure[k] - height);
-      sum.inflow += through;
-      sum.external += external;
-      sum.darcy += external - stored;
-      p.content[k] += more;
+      const PoreSoil& soil = soil_of(p, k);
+      if (flows(p, k)) {
+        const Hats hats(element_of(p, g, k), std::size_t(g.grid.nx));
+        double change = unseen(p, k, hats, lack_of(p, k, hats, gravity), rate_dt);
+        for (int c = 0; c < 4; ++c) change += hats.w[c] * (node_[hats.at[c]].change - node_[hats.at[c]].unseen);
+        const double through = dt * flux_of(p, tractions, k, time), height = head({p.x[k], p.y[k]}, gravity);
+        const double more = p.J[k] * change + through / p.volume0[k];
+        const double pores = pores_of(p, k, soil), before = options_.bulk_modulus_pa * (p.content[k] / pores - 1);
+        const double stored = p.volume0[k] * more * (before + 0.5 * options_.bulk_modulus_pa * more / pores);
+        const double external = p.volume0[k] * more * height + through * (before - height);
+        sum.inflow += through;
+        sum.external += external;
+        sum.darcy += external - stored;
+        p.content[k] += more;
+      }
+      refresh_point(p, k, soil, gravity);
     });
     parts[piece] = sum;
   });

@@ -11,7 +11,6 @@ namespace pivnp::mpm {
 
 namespace {
 
-constexpr double least_pores = 1e-6;  // of the initial volume: grains would touch everywhere
 constexpr std::size_t chunk = 1024;   // points
 
 // The sum of what of(k) returns, in an order that does not depend on `threads`.
@@ -57,6 +56,7 @@ void PoreWater::start(Particles& p, const GridState& g, const Vec2& gravity, int
     const Vec2 x(p.x[k], p.y[k]);
     const bool full = soil.has_pores() && (!level_ || x.y() < *level_);
     p.content[k] = full ? soil.porosity * (1 + outside_pressure(x, gravity) / options_.bulk_modulus_pa) : 0;
+    p.porosity[k] = soil.porosity;
     if (soil.has_pores()) p.mass[k] = p.volume0[k] * (soil.dry_density() + options_.density_kg_m3 * p.content[k]);
   }
   refresh(p, gravity, threads);
@@ -73,10 +73,9 @@ void PoreWater::refresh_point(Particles& p, std::size_t k, const PoreSoil& soil,
   if (!soil.has_pores()) {
     p.pressure[k] = 0;
   } else {
-    p.porosity[k] = 1 - (1 - soil.porosity) / J;
-    const double pores = std::max(least_pores, J - (1 - soil.porosity));
     const bool holds = p.content[k] > 0 && soil.holds_water();
-    p.pressure[k] = holds ? options_.bulk_modulus_pa * (p.content[k] / pores - 1) : outside;
+    p.porosity[k] = 1 - (1 - soil.porosity) / J;
+    p.pressure[k] = holds ? options_.bulk_modulus_pa * (p.content[k] / pores_of(p, k, soil) - 1) : outside;
   }
   const double excess = J * (p.pressure[k] - outside);
   p.total_xx[k] = p.tau_xx[k] - excess;
@@ -129,8 +128,7 @@ double PoreWater::potential_energy(const Particles& p, const Vec2& gravity, int 
 
 double PoreWater::stored(const Particles& p, std::size_t k) const {
   if (!flows(p, k)) return 0;
-  const double pores = p.J[k] - (1 - soil_of(p, k).porosity);
-  return p.volume0[k] * pores * p.pressure[k] * p.pressure[k] / (2 * options_.bulk_modulus_pa);
+  return p.volume0[k] * pores_of(p, k, soil_of(p, k)) * p.pressure[k] * p.pressure[k] / (2 * options_.bulk_modulus_pa);
 }
 
 PoreWater::Sums PoreWater::sums(const Particles& p) const {
@@ -153,7 +151,7 @@ PoreWater::Rates PoreWater::rates(const Particles& p) const {
     double least = 1;
     for (std::size_t k = body.begin; k < body.end; ++k) {
       if (p.cell[k] == Particles::ended || !(p.content[k] > 0)) continue;
-      const double pores = std::max(least_pores, p.J[k] - (1 - soil.porosity));
+      const double pores = pores_of(p, k, soil);
       stiffness = std::max(stiffness, options_.bulk_modulus_pa * p.J[k] * p.J[k] / pores);
       least = std::min(least, pores / p.J[k]);
     }

@@ -9,14 +9,18 @@
 // Flow: q = -(K/gamma) grad e, potential e = p - rho_w g . x. Points give nodes the mean of e by bilinear hats; its
 // gradient moves water; nodes give their points what came. Where a boundary, or the material's own surface, gives the
 // potential, the node has that, and its points are brought towards the field that the nodes span, at the rate of a
-// half cell: a field that is linear up to the surface is kept.
+// cell: a field that is linear up to the surface is kept. What of the points' potentials no node sees evens out at that rate too,
+// and what no node sees of their volumetric strain gives no pressure: points exchange water for it. Without that, nearly
+// incompressible mixtures checkerboard.
 //
 // Momentum sees the stress tau' - J (p - p_l) I, p_l the pressure of the water outside, at rest below a level
 // (`total_xx` ...), and the lift rho_w g of the volume below it: with the divergence theorem that is the load of the water
 // on the submerged surface, and soil and water at rest stay so exactly.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -47,9 +51,10 @@ class PoreWater {
   /// Contents, pressures and masses at time 0: hydrostatic below the level.
   void start(Particles& p, const GridState& g, const Vec2& gravity, int threads);
 
-  /// Moves water during a step, from the points' pressures and places at its start: changes Particles::content alone.
+  /// Between strain and momentum: moves water from where pressures as they were before the last strain drive it, evens that
+  /// strain out, and refreshes. (So a mode of wave and flow takes p' = p - K_w theta/n - lambda dt p.)
   PoreFlow flow(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, double dt, int threads);
-  /// Particles::pressure, porosity and the stress that momentum sees, once the skeleton's have changed.
+  /// Particles::pressure, porosity and the stress that momentum sees, of contents and skeleton as they are.
   void refresh(Particles& p, const Vec2& gravity, int threads) const;
   /// Is there a level, and gravity?
   bool lifts(const Vec2& gravity) const { return level_.has_value() && gravity.y() < 0; }
@@ -93,9 +98,20 @@ class PoreWater {
   double head(const Vec2& x, const Vec2& gravity) const { return options_.density_kg_m3 * gravity.dot(x - reference_); }
   void refresh_point(Particles& p, std::size_t k, const PoreSoil& soil, const Vec2& gravity) const;
 
+  struct Hats;
+  double lack_of(const Particles& p, std::size_t k, const Hats& hats, const Vec2& gravity) const;
+  double unseen(const Particles& p, std::size_t k, const Hats& hats, double lack, double rate_dt) const;
+  /// Volumetric strain of a point since the last flow, from its porosity then.
+  double strain_of(const Particles& p, std::size_t k) const {
+    return 1 - (1 - soil_of(p, k).porosity) / ((1 - p.porosity[k]) * p.J[k]);
+  }
+  static double pores_of(const Particles& p, std::size_t k, const PoreSoil& soil) {
+    return std::max(least_pores, p.J[k] - (1 - soil.porosity));
+  }
+  static constexpr double least_pores = 1e-6;  // of the initial volume: grains would touch everywhere
   void map_potential(const Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, int threads);
   void give_potentials(const GridState& g, const Vec2& gravity, double time, int threads);
-  void add_fluxes(const Particles& p, GridState& g, const Vec2& gravity, int threads);
+  void add_fluxes(const Particles& p, GridState& g, const Vec2& gravity, double dt, int threads);
   PoreFlow change_nodes(const GridState& g, double time, double dt, int threads);
   PoreFlow change_points(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, double dt, int threads);
   double flux_of(const Particles& p, const Tractions& tractions, std::size_t k, double time) const;
