@@ -8,8 +8,8 @@ set(pivnp_common_headers
     <variant> <vector> <Eigen/Core> <Eigen/LU>)
 
 # pivnp_precompile(TARGET [HEADERS <a.hpp> ...]): the common headers, compiled once for all targets with the same headers beside
-# them and the same of those libraries that change how everything is compiled. Kernels that Highway compiles once an
-# instruction set are left out: nothing but Highway may be in sight where they are compiled for more than the baseline.
+# them and the same of those libraries that change how everything is compiled. Kernels are left out: nothing but Highway may be
+# in sight where they are compiled for more than the baseline.
 function(pivnp_precompile target)
   if(NOT PIVNP_PRECOMPILE)
     return()
@@ -17,7 +17,7 @@ function(pivnp_precompile target)
   cmake_parse_arguments(ARG "" "" "HEADERS" ${ARGN})
   get_target_property(linked ${target} LINK_LIBRARIES)
   set(shared Eigen3::Eigen)
-  foreach(library OpenMP::OpenMP_CXX CGAL::CGAL Qt6::Widgets Qt6::PrintSupport QCustomPlotQt6::QCustomPlotQt6 CLI11::CLI11
+  foreach(library OpenMP::OpenMP_CXX CGAL::CGAL Qt6::Gui Qt6::Widgets Qt6::PrintSupport QCustomPlotQt6::QCustomPlotQt6 CLI11::CLI11
                   GTest::gmock)
     if(library IN_LIST linked)
       list(APPEND shared ${library})
@@ -36,15 +36,8 @@ function(pivnp_precompile target)
     target_precompile_headers(${owner} PRIVATE ${pivnp_common_headers} ${ARG_HEADERS})
   endif()
   target_precompile_headers(${target} REUSE_FROM ${owner})
-  get_target_property(sources ${target} SOURCES)
-  foreach(source IN LISTS sources)
-    file(REAL_PATH ${source} path BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR})
-    if(NOT EXISTS ${path})
-      continue()
-    endif()
-    file(STRINGS ${path} dispatched REGEX "hwy/foreach_target.h" LIMIT_COUNT 1)
-    if(dispatched)
-      set_source_files_properties(${source} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
-    endif()
-  endforeach()
+  pivnp_dispatched_sources(${target} dispatched)
+  if(dispatched)
+    set_source_files_properties(${dispatched} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
+  endif()
 endfunction()

@@ -9,7 +9,7 @@ target_include_directories(pivnp_flags INTERFACE ${CMAKE_SOURCE_DIR})
 target_compile_options(pivnp_flags INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -ffp-contract=off
                        -Wno-restrict)  # GCC 12 sees false overlaps in std::string (its bug 105329)
 # Vector kernels are compiled for AVX-512, AVX2 and the baseline; SSSE3 and SSE4 are no faster than what the kernels make of that
-# (docs/theory/mpm.md). Sanitizers take minutes over each set: eight lanes and four in pairs of vectors are enough to look at.
+# (docs/theory/mpm_speed.md). Sanitizers take minutes over each set: eight lanes and four in pairs of vectors are enough to look at.
 set(pivnp_unused_targets "HWY_SSSE3|HWY_SSE4")
 if(PIVNP_SANITIZE)
   string(APPEND pivnp_unused_targets "|HWY_AVX2")
@@ -25,6 +25,22 @@ if(PIVNP_SANITIZE)
   target_link_options(pivnp_flags INTERFACE -fsanitize=address,undefined)
 endif()
 
+# Those sources of a target that Highway compiles once an instruction set.
+function(pivnp_dispatched_sources target out)
+  get_target_property(sources ${target} SOURCES)
+  set(found)
+  foreach(source IN LISTS sources)
+    file(REAL_PATH ${source} path BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR})
+    if(EXISTS ${path})
+      file(STRINGS ${path} line REGEX "hwy/foreach_target.h" LIMIT_COUNT 1)
+      if(line)
+        list(APPEND found ${source})
+      endif()
+    endif()
+  endforeach()
+  set(${out} ${found} PARENT_SCOPE)
+endfunction()
+
 # pivnp_library(NAME SOURCES a.cpp ... [PUBLIC lib ...] [PRIVATE lib ...] [HEADERS <a.hpp> ...])
 # HEADERS: what its sources include and is worth compiling once for them.
 function(pivnp_library name)
@@ -32,6 +48,12 @@ function(pivnp_library name)
   add_library(${name} STATIC ${ARG_SOURCES})
   target_link_libraries(${name} PUBLIC $<BUILD_INTERFACE:pivnp_flags> ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
   pivnp_precompile(${name} HEADERS ${ARG_HEADERS})
+  pivnp_dispatched_sources(${name} dispatched)
+  if(PIVNP_SANITIZE AND dispatched)
+    # Three quarters of the time that their compilation takes; bounds, alignment and overflow are still looked at.
+    set_source_files_properties(${dispatched} PROPERTIES COMPILE_OPTIONS
+      "-fno-sanitize-address-use-after-scope;-fno-sanitize=null,object-size,vptr")
+  endif()
 endfunction()
 
 # pivnp_test(NAME LABEL quick|full SOURCES a.cpp ... LINK lib ... [TIMEOUT seconds])

@@ -17,7 +17,7 @@ namespace pivnp::compare {
 /// particle that ends in either data set has no partner from then on. Options and limits named _m and _s are in the
 /// motions' own units. Frames are read one by one, in order (twice where an onset is looked for); memory grows with the
 /// particles, not with the frames: of each field at most 2^23 values are kept. Throws InputError if a motion is empty,
-/// the units differ, no time is common, no particle finds a partner, or a limit cannot be judged for want of an option;
+/// the units differ, no time is common, no particle finds a partner, or a limit cannot be evaluated for want of an option;
 /// Interrupted if asked to stop. Every metric carries its definition; docs/theory/compare.md has the equations.
 Comparison compare(const MotionSource& first, const MotionSource& second, const CompareOptions& options,
                    const LimitOptions& limits, Progress& progress, const Refinement& refinement = {},

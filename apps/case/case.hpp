@@ -20,7 +20,7 @@
 #include "pivnp/image/mask.hpp"
 #include "pivnp/image/synthetic.hpp"
 #include "pivnp/np/options.hpp"
-#include "pivnp/piv/piv.hpp"
+#include "pivnp/piv/options.hpp"
 
 namespace pivnp::app {
 
@@ -106,7 +106,7 @@ struct SynthOptions {
   }
 };
 
-/// What `pivnp verify` demands of a case with known truth.
+/// Thresholds that `pivnp verify` checks in a case with known truth.
 struct VerifyOptions {
   std::optional<double> displacement_rms_px;
   std::optional<double> strain_error;
@@ -169,6 +169,10 @@ Case read_case(const std::filesystem::path& path);
 
 /// The same from text; `name` stands in messages.
 Case parse_case(const std::string& text, const std::string& name, const std::filesystem::path& folder);
+
+/// The case of a record, which a later version may have written: sections, keys and values that this one does not know are
+/// left out, with a note each. Throws InputError where the text is no TOML, or where a section is none.
+Case parse_recorded_case(const std::string& text, const std::string& name, const std::filesystem::path& folder);
 
 /// The case as run: every default filled in, as TOML that reads back to the same case.
 std::string write_case(const Case& c);

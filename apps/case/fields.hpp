@@ -3,10 +3,12 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "apps/case/document.hpp"
 #include "apps/case/values.hpp"
+#include "pivnp/core/error.hpp"
 
 namespace pivnp::app {
 
@@ -17,6 +19,21 @@ void refuse_unknown_keys(const std::string& file, const std::string& path, const
 /// What the user should know of a case that reads all the same: one line each.
 using Notes = std::vector<std::string>;
 
+/// What becomes of keys and sections that are not known, and of values that do not fit: refused, or noted and left out (the
+/// case of a record that a later version wrote).
+enum class Reading { strict, tolerant };
+
+/// Does `read`; a tolerant reading notes what it throws as InputError.
+template <class Read>
+void read_as(Reading reading, Notes& notes, const Read& read) {
+  if (reading == Reading::strict) return read();
+  try {
+    read();
+  } catch (const InputError& error) {
+    notes.push_back(error.what() + std::string(" (left out)"));
+  }
+}
+
 /// Notes that a key has a new name. Throws InputError if the new one is given too.
 void use_alias(const std::string& file, const std::string& path, const Node& table, std::string_view name,
                const Entry& old, Notes& notes);
@@ -25,20 +42,26 @@ void use_alias(const std::string& file, const std::string& path, const Node& tab
 /// (OptionInfo::alias) is read too, and noted. Throws InputError.
 template <class T>
 void read_fields(const std::string& file, const std::string& path, const Node& table,
-                 const std::vector<std::string>& children, T& options, Notes& notes) {
+                 const std::vector<std::string>& children, T& options, Notes& notes,
+                 Reading reading = Reading::strict) {
   std::vector<std::string> known;
   T::fields(options, [&](std::string_view name, auto&, const OptionInfo& info) {
     known.emplace_back(name);
     if (!info.alias.empty() && table.find(info.alias)) known.emplace_back(info.alias);
   });
-  refuse_unknown_keys(file, path, table, known, children);
+  read_as(reading, notes, [&] { refuse_unknown_keys(file, path, table, known, children); });
   T::fields(options, [&](std::string_view name, auto& value, const OptionInfo& info) {
     const Entry* entry = table.find(name);
     if (const Entry* old = info.alias.empty() ? nullptr : table.find(info.alias)) {
       use_alias(file, path, table, name, *old, notes);
       entry = old;
     }
-    if (entry) read_value(Place{file, joined_key(path, entry->key), entry->line}, entry->value, info, value);
+    if (!entry) return;
+    read_as(reading, notes, [&] {
+      auto found = value;
+      read_value(Place{file, joined_key(path, entry->key), entry->line}, entry->value, info, found);
+      value = std::move(found);
+    });
   });
 }
 

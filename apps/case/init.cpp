@@ -83,11 +83,18 @@ std::string region_sections(const FrameFacts& facts, int window) {
   return text;
 }
 
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
 std::string simulation_sections() {
   return R"(
 # The simulation. Remove the '# ' of the lines below to compare one with the measurement.
 # [material.soil]  # the region's name
-# model = "mohr_coulomb"  # linear_elastic, von_mises, mohr_coulomb
+# model = "mohr_coulomb"  # )" +
+         listed(mpm::material_model_names()) + R"(
 # density_kg_m3 = 1600.0
 # young_pa = 10e6
 # poisson = 0.3
@@ -99,7 +106,8 @@ std::string simulation_sections() {
          R"(#
 # [boundary.base]
 # line_m = [[0.0, 0.0], [0.3, 0.0]]  # two ends; nodes within half a cell are held
-# type = "fixed"  # fixed, roller, frictional
+# type = "fixed"  # )" +
+         listed(choice_names<mpm::BoundaryType>()) + R"(
 #
 # [compare.limits]  # a limit that is exceeded ends the program with exit code 3
 # displacement_rms_m = 0.005

@@ -2,6 +2,7 @@
 
 #include "apps/case/sections.hpp"
 #include "apps/case/values.hpp"
+#include "mpm/material/model.hpp"
 
 namespace pivnp::app {
 
@@ -14,7 +15,20 @@ std::string allowed_text(const T& value, const OptionInfo& info) {
   return text.empty() ? range_text(info) : text;
 }
 
+// What else is known of a section's key.
+template <class T>
+std::string note_on(const T&, std::string_view) {
+  return "";
+}
+std::string note_on(const mpm::MaterialOptions&, std::string_view key) {
+  std::string laws;
+  for (const std::string& model : mpm::models_with_key(key)) laws += (laws.empty() ? "; taken by " : ", ") + model;
+  return laws;
+}
+
+template <class Section>
 struct ListKeys {
+  const Section& section;
   std::vector<KeyRow>& rows;
 
   template <class T>
@@ -22,7 +36,7 @@ struct ListKeys {
     std::string fallback = writable(info, value) ? toml_text(value) : "";
     if (fallback == "[]" || fallback == "\"\"") fallback.clear();
     rows.push_back({std::string(name), type_text(value), std::string(info.unit), fallback, allowed_text(value, info),
-                    std::string(info.text)});
+                    std::string(info.text) + note_on(section, name)});
   }
 };
 
@@ -32,7 +46,7 @@ struct ListSections {
   template <class T>
   void add(const char* path, SectionRow::Kind kind, const char* text, const T& defaults) {
     rows.push_back({path, kind, text, {}});
-    T::fields(defaults, ListKeys{rows.back().keys});
+    T::fields(defaults, ListKeys<T>{defaults, rows.back().keys});
   }
   template <class T>
   void always(const char* path, const T&, const char* text) {

@@ -44,6 +44,7 @@ struct ReadSections {
   const std::string& file;
   const Node& root;
   Notes& notes;
+  Reading reading;
 
   // The table of a section; nullptr if the file has none.
   const Node* table(const std::string& path, const std::string& shown) const {
@@ -67,12 +68,12 @@ struct ReadSections {
 
   template <class T>
   void always(const std::string& path, T& options, const char*) const {
-    if (const Node* node = table(path, "[" + path + "]")) read_fields(file, path, *node, child_sections(path), options, notes);
+    if (const Node* node = table(path, "[" + path + "]")) read_fields(file, path, *node, child_sections(path), options, notes, reading);
   }
   template <class T>
   void optional(const std::string& path, std::optional<T>& options, const char*) const {
     if (const Node* node = table(path, "[" + path + "]"))
-      read_fields(file, path, *node, child_sections(path), options.emplace(), notes);
+      read_fields(file, path, *node, child_sections(path), options.emplace(), notes, reading);
   }
   template <class T>
   void named(const std::string& path, Named<T>& list, const char*) const {
@@ -85,7 +86,7 @@ struct ReadSections {
       if (entry.key.empty())
         throw InputError(file + ":" + std::to_string(entry.line) + ": [" + path + ".\"\"]: the name is empty");
       list.emplace_back(entry.key, T{});
-      read_fields(file, key, entry.value, {}, list.back().second, notes);
+      read_fields(file, key, entry.value, {}, list.back().second, notes, reading);
     }
   }
 };
@@ -100,18 +101,29 @@ std::string read_text(const std::filesystem::path& file) {
 
 }  // namespace
 
-Case parse_case(const std::string& text, const std::string& name, const std::filesystem::path& folder) {
-  const Node root = parse_document(text, name);
-  const Source source(name, root);
-  std::vector<std::string> top = child_sections("");
-  top.insert(top.begin(), "name");
-  refuse_unknown_keys(name, "", root, top, {});
+namespace {
 
+Case parsed(const Node& root, const std::string& name, const std::filesystem::path& folder, Reading reading) {
   Case c;
   c.folder = folder;
+  std::vector<std::string> top = child_sections("");
+  top.insert(top.begin(), "name");
+  read_as(reading, c.notes, [&] { refuse_unknown_keys(name, "", root, top, {}); });
   if (const Entry* entry = root.find("name")) read_value(Place{name, "name", entry->line}, entry->value, {}, c.name);
-  for_each_section(c, ReadSections{name, root, c.notes});
-  check_given(c, source);
+  for_each_section(c, ReadSections{name, root, c.notes, reading});
+  return c;
+}
+
+}  // namespace
+
+Case parse_recorded_case(const std::string& text, const std::string& name, const std::filesystem::path& folder) {
+  return parsed(parse_document(text, name), name, folder, Reading::tolerant);
+}
+
+Case parse_case(const std::string& text, const std::string& name, const std::filesystem::path& folder) {
+  const Node root = parse_document(text, name);
+  Case c = parsed(root, name, folder, Reading::strict);
+  check_given(c, Source(name, root));
   if (c.frames || c.synth) {
     if (!c.piv) c.piv.emplace();
     if (!c.np) c.np.emplace();

@@ -39,7 +39,7 @@ void for_each_section(C& c, Visitor&& visit) {
   visit.optional("synth.mpm", c.synth_mpm,
                  "The simulation that carries the texture (motion = \"mpm\"); it uses the "
                  "regions, boundaries and bodies of the case.");
-  visit.always("verify", c.verify, "What `pivnp verify` demands of a case with known truth.");
+  visit.always("verify", c.verify, "Thresholds that `pivnp verify` checks in a case with known truth.");
 }
 
 }  // namespace pivnp::app

@@ -161,8 +161,7 @@ std::string toml_key(const std::string& key) {
 }
 
 std::vector<std::string> choices_of(const OptionInfo& info) {
-  if (info.names) return info.names();
-  return {info.choices.begin(), info.choices.end()};
+  return info.names ? info.names() : std::vector<std::string>{};
 }
 
 }  // namespace pivnp::app

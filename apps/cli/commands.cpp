@@ -29,8 +29,10 @@ const std::vector<Command>& commands() {
        declare_report},
       {"synth", "draw the synthetic frames of a case, with their truth",
        "pivnp synth datasets/affine_shear --out out/shear", declare_synth},
-      {"verify", "run synthetic cases against their known truth and thresholds; writes JUnit XML",
-       "pivnp verify datasets/ --junit verify.xml", declare_verify},
+      {"verify", "run synthetic cases against their known truth and thresholds (JUnit XML); or check records for damage",
+       "pivnp verify datasets/ --junit verify.xml\n"
+       "pivnp verify out/lab/record.h5",
+       declare_verify},
   };
   return table;
 }

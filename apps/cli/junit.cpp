@@ -119,7 +119,7 @@ std::string verify_table(const std::vector<VerifyResult>& results) {
     for (const auto& item : result.items)
       table += std::string("  ") + (item.passed ? "met     " : "EXCEEDED") + "  " + padded(item.criterion, width) +
                "  reached " + padded(number(item.reached, 4), 10) + " limit " + number(item.limit, 4) + "\n";
-    if (!result.failure.empty()) table += "  could not be judged: " + result.failure + "\n";
+    if (!result.failure.empty()) table += "  could not be evaluated: " + result.failure + "\n";
   }
   return table;
 }

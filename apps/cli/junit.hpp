@@ -8,7 +8,7 @@
 
 namespace pivnp::app {
 
-/// One test suite a case, one test case a criterion; a case that could not be judged is an error.
+/// One test suite a case, one test case a criterion; a case that could not be evaluated is an error.
 std::string junit_xml(const std::vector<VerifyResult>& results, const std::string& name = "pivnp verify");
 
 /// One line a criterion: verdict, case, criterion, reached, limit.

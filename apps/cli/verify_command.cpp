@@ -1,4 +1,5 @@
-// `pivnp verify`: every case with thresholds under the paths given, run and judged.
+// `pivnp verify`: every case with thresholds under the paths given, run and held against its thresholds; records, read and
+// held against their checksums.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <fstream>
@@ -9,6 +10,7 @@
 #include "apps/cli/commands.hpp"
 #include "apps/cli/junit.hpp"
 #include "pivnp/core/error.hpp"
+#include "pivnp/io/record_check.hpp"
 
 namespace pivnp::app {
 
@@ -50,6 +52,19 @@ std::vector<Found> cases_with_thresholds(const std::vector<std::string>& paths, 
   throw InputError("nothing to verify: no case with a threshold in [verify] under " + where);
 }
 
+// Throws InputError for one that is not as it was written.
+void check_records(const std::vector<std::string>& paths, std::ostream& out) {
+  for (const std::string& path : paths) {
+    const io::RecordCheck found = io::check_record(path);
+    out << path << ": " << (found.has_checksum ? "intact, as it was written" : "can be read, but holds no checksum")
+        << (found.written_by.empty() ? "" : " by pivnp " + found.written_by) << ": " << found.bytes << " bytes, "
+        << found.frames << " frames, " << found.pairs << " pairs";
+    for (const io::RecordCheck::Motion& motion : found.motions)
+      out << ", " << motion.name << " with " << motion.particles << " particles at " << motion.times << " times";
+    out << "\n";
+  }
+}
+
 void write_file(const fs::path& file, const std::string& text) {
   if (file.has_parent_path()) fs::create_directories(file.parent_path());
   std::ofstream stream(file, std::ios::binary);
@@ -75,12 +90,17 @@ Action declare_verify(CLI::App& app, Session& session) {
     std::string junit;
   };
   const auto v = std::make_shared<Verify>();
-  app.add_option("PATH", v->paths, "cases, or folders that hold them")->required();
+  app.add_option("PATH", v->paths, "cases, or folders that hold them; or records (record.h5, or an output folder)")->required();
   add_out(app, v->arguments, "out/verify");
   app.add_option("--junit", v->junit, "the results as JUnit XML (left out: verify.xml in the output folder)")
       ->type_name("FILE");
   add_session(app, session);
   return [v, &session] {
+    const auto records = std::stable_partition(v->paths.begin(), v->paths.end(),
+                                               [](const std::string& path) { return !io::is_record(path); });
+    check_records({records, v->paths.end()}, session.out);
+    v->paths.erase(records, v->paths.end());
+    if (v->paths.empty()) return 0;
     const std::vector<Found> cases = cases_with_thresholds(v->paths, session);
     std::vector<VerifyResult> results;
     RunSettings settings = settings_for(v->arguments, session, {}, "out/verify");

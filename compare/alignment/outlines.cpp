@@ -27,15 +27,8 @@ std::vector<Vec2> points_on(const Rings& rings, double step, const Points& zone)
     inside.emplace(std::move(vertices), "compare.fixed_zone_m");
   }
   std::vector<Vec2> points;
-  for (const auto& ring : rings)
-    for (std::size_t k = 0; k + 1 < ring.size(); ++k) {
-      const Vec2 side = ring[k + 1] - ring[k];
-      const int pieces = std::max(1, int(std::ceil(side.norm() / step)));
-      for (int j = 0; j < pieces; ++j) {
-        const Vec2 x = ring[k] + (double(j) / pieces) * side;
-        if (!inside || inside->contains(x)) points.push_back(x);
-      }
-    }
+  for (const Vec2& x : points_along(rings, step))
+    if (!inside || inside->contains(x)) points.push_back(x);
   constexpr std::size_t most = 2000;
   const std::size_t stride = points.size() / most + 1;
   std::vector<Vec2> out;

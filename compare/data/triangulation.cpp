@@ -74,12 +74,13 @@ struct MaterialMesh::Impl {
     std::vector<char> has_triangle(points.size(), 0);
     for (const auto& corner : triangles)
       for (int v : corner) has_triangle[std::size_t(v)] = 1;
+    // Of the kept triangles' sides, anticlockwise, in the order of the triangles. (CGAL's own list of edges goes by the faces'
+    // addresses: with other memory it gives another order and other ends first, and last digits that follow.)
     if (mesh.dimension() == 2)
-      for (auto edge = mesh.finite_edges_begin(); edge != mesh.finite_edges_end(); ++edge) {
-        const auto [face, k] = *edge;
-        if ((face->info() >= 0) == (face->neighbor(k)->info() >= 0)) continue;
-        boundary.push_back({face->vertex(mesh.ccw(k))->info(), face->vertex(mesh.cw(k))->info()});
-      }
+      for (auto face = mesh.finite_faces_begin(); face != mesh.finite_faces_end(); ++face)
+        for (int k = 0; face->info() >= 0 && k < 3; ++k)
+          if (face->neighbor(k)->info() < 0)
+            boundary.push_back({face->vertex(mesh.ccw(k))->info(), face->vertex(mesh.cw(k))->info()});
     for (auto v = mesh.finite_vertices_begin(); v != mesh.finite_vertices_end(); ++v)
       if (!has_triangle[std::size_t(v->info())]) boundary.push_back({v->info(), v->info()});
   }

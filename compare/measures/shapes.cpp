@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "compare/data/nearest_edge.hpp"
 #include "compare/data/statistics.hpp"
@@ -13,13 +14,7 @@ namespace {
 
 // Distances from points `step` apart on `rings` to the segments of `to`; at most about 10^8 pairs are looked at.
 Quantile distances(const std::vector<std::vector<Vec2>>& rings, const std::vector<std::vector<Vec2>>& to, double step) {
-  std::vector<Vec2> points;
-  for (const auto& ring : rings)
-    for (std::size_t k = 0; k + 1 < ring.size(); ++k) {
-      const Vec2 side = ring[k + 1] - ring[k];
-      const int pieces = std::max(1, int(std::ceil(side.norm() / step)));
-      for (int j = 0; j < pieces; ++j) points.push_back(ring[k] + (double(j) / pieces) * side);
-    }
+  const std::vector<Vec2> points = points_along(rings, step);
   std::size_t segments = 0;
   for (const auto& ring : to) segments += ring.size();
   const std::size_t stride = points.size() * segments / 100'000'000 + 1;
@@ -39,6 +34,7 @@ Quantile distances(const std::vector<std::vector<Vec2>>& rings, const std::vecto
 
 struct MobilisedArea {
   double area = 0, uncertainty = not_known;
+  Vec2 moment = Vec2::Zero();  // sum of area times displacement
 };
 
 MobilisedArea mobilised_area(const DataSet& set, const RigidMotion& frame, double threshold, double sigma) {
@@ -47,9 +43,13 @@ MobilisedArea mobilised_area(const DataSet& set, const RigidMotion& frame, doubl
   for (std::size_t p = 0; p < set.size(); ++p) {
     if (!set.state().followed[p]) continue;
     const Vec2& X = set.material_position()[p];
-    const double above = (frame.undo(X + set.state().u[p]) - X).norm() - threshold;
+    const Vec2 u = frame.undo(X + set.state().u[p]) - X;
+    const double above = u.norm() - threshold;
     const double area = set.spacing()[p] * set.spacing()[p];
-    if (above > 0) m.area += area;
+    if (above > 0) {
+      m.area += area;
+      m.moment += area * u;
+    }
     if (!(sigma > 0)) continue;
     if (above > -sigma) lower += area;
     if (above > sigma) upper += area;
@@ -70,6 +70,13 @@ std::optional<ShapeMeasures::Mobilised> mobilised(const PerDataSet<const DataSet
         mobilised_area(*sets[s], differences.last().frame[s].motion, m.threshold, sigma[s]);
     m.area[s] = found.area;
     m.uncertainty[s] = found.uncertainty;
+    constexpr double degree = std::numbers::pi / 180;
+    const Vec2 travel = found.moment / found.area;  // not a number where nothing is mobilised
+    const bool moved = travel.norm() > 0;
+    m.travel_angle_deg[s] = moved ? std::atan2(-travel.y(), std::abs(travel.x())) / degree : not_known;
+    // An error across the path turns it; sigma is that of both components together.
+    m.travel_uncertainty_deg[s] =
+        moved && sigma[s] > 0 ? sigma[s] / std::sqrt(2.0) / travel.norm() / degree : not_known;
   }
   m.difference_uncertainty = not_known;
   if (sigma[0] > 0 || sigma[1] > 0)

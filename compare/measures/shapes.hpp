@@ -29,6 +29,9 @@ struct ShapeMeasures {
     double threshold = 0;
     PerDataSet<double> area{}, uncertainty{};
     double difference_uncertainty = 0;  // of those that are known; NaN if none is
+    /// Of the displacement of these particles' centre of area, in degrees below the horizontal (negative: it rises),
+    /// whichever way it goes; NaN where nothing is mobilised. Uncertainty: one error of u shared by all of them.
+    PerDataSet<double> travel_angle_deg{}, travel_uncertainty_deg{};
   };
   std::optional<Mobilised> mobilised;  // nothing where nothing moves
 

@@ -21,11 +21,11 @@ struct LimitRow {
   std::string text;       // one line, no full stop
   bool least = false;     // the value must not be below the limit; else its size must not be above
   double max = std::numeric_limits<double>::infinity();  // greatest limit that makes sense
-  std::string needs = "";  // key of [compare] without which nothing can be judged; empty: none
+  std::string needs = "";  // key of [compare] without which it cannot be evaluated; empty: none
 };
 Registry<LimitRow>& limit_rows();
 
-/// Thresholds by key; what is left out is not judged.
+/// Thresholds by key; what is left out is not evaluated.
 class LimitOptions {
  public:
   LimitOptions() = default;

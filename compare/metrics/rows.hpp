@@ -10,7 +10,7 @@
 #include "compare/measures/history.hpp"
 #include "compare/metrics/facts.hpp"
 #include "compare/metrics/findings.hpp"
-#include "compare/metrics/judged.hpp"
+#include "compare/metrics/significance.hpp"
 #include "pivnp/core/record/metric.hpp"
 #include "pivnp/core/registry.hpp"
 

@@ -26,6 +26,26 @@ void add_mobilised(Registry<MetricRow>& rows) {
                          {m->area[1], m->uncertainty[1], note},
                          difference(m->area[1] - m->area[0], m->difference_uncertainty, note)};
                });
+  add_for_both(
+      rows, Variants::both_and_difference,
+      {.name = "travel_angle",
+       .unit = "deg",
+       .definition = "angle below the horizontal of the displacement of the mobilised area's centre at the last "
+                     "common time; its tangent, fall over travel, is the apparent friction",
+       .words = "travel angle"},
+      Leads::no, [](const Findings& f) -> Values {
+        const auto& m = f.shapes.mobilised;
+        if (!m) return {};
+        const std::string note = " (|u| above " + number(m->threshold) + " " + f.length_unit +
+                                 "); uncertainty: RMS error of a component of u, shared by all particles, over "
+                                 "the centre's displacement";
+        const auto& [a, b] = m->travel_angle_deg;
+        const auto& [u_a, u_b] = m->travel_uncertainty_deg;
+        Values out{{a, u_a, note}, {b, u_b, note}};
+        const double u = std::isnan(u_a) ? u_b : std::isnan(u_b) ? u_a : std::hypot(u_a, u_b);
+        if (std::isfinite(b - a)) out.push_back(difference(b - a, u, note));
+        return out;
+      });
 }
 
 std::string on_cells(const Findings& f) {

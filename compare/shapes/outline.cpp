@@ -221,4 +221,15 @@ double length_of(const std::vector<std::vector<Vec2>>& rings) {
   return length;
 }
 
+std::vector<Vec2> points_along(const std::vector<std::vector<Vec2>>& rings, double step) {
+  std::vector<Vec2> points;
+  for (const auto& ring : rings)
+    for (std::size_t k = 0; k + 1 < ring.size(); ++k) {
+      const Vec2 side = ring[k + 1] - ring[k];
+      const int pieces = std::max(1, int(std::ceil(side.norm() / step)));
+      for (int j = 0; j < pieces; ++j) points.push_back(ring[k] + (double(j) / pieces) * side);
+    }
+  return points;
+}
+
 }  // namespace pivnp::compare

@@ -52,4 +52,7 @@ Overlap overlap(const Cover& first, const Cover& second);
 std::vector<std::vector<Vec2>> outline(const Cover& cover);
 double length_of(const std::vector<std::vector<Vec2>>& rings);
 
+/// Points on the rings, at most `step` apart, each side's first end included.
+std::vector<Vec2> points_along(const std::vector<std::vector<Vec2>>& rings, double step);
+
 }  // namespace pivnp::compare

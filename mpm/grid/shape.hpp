@@ -10,7 +10,7 @@ namespace pivnp::mpm {
 
 /// Which neighbours of a node lie behind a wall.
 enum WallSide : std::uint8_t { wall_none = 0, wall_left = 1, wall_right = 2, wall_down = 4, wall_up = 8 };
-/// Beside them among the marks of a cell: strained by velocities of its nodes' own (GridState::separate_strain()).
+/// Beside them among the marks of a cell: strained by velocities of its nodes' own (GridState::separate_strain_velocities()).
 constexpr std::uint8_t strained_apart = 16;
 /// The square around a node on the domain's edge, which ends there.
 constexpr std::uint8_t at_edge = 32;
@@ -27,16 +27,15 @@ inline double Max(double a, double b) { return std::max(a, b); }
 
 #define PIVNP_NUMBERS inline
 #define PIVNP_NUMBERS_LAMBDA
-#include "mpm/grid/shape_functions-inl.hpp"
+#include "mpm/grid/shape_functions.hpp"
 #undef PIVNP_NUMBERS
 #undef PIVNP_NUMBERS_LAMBDA
 
-template <class S>
-constexpr bool is_as_listed(ShapeKind kind) {
-  return S::width == row_of(kind).nodes && S::centred == row_of(kind).centred() && S::needs_size == row_of(kind).sized;
-}
-static_assert(is_as_listed<BilinearShape>(ShapeKind::bilinear) && is_as_listed<GimpShape>(ShapeKind::gimp) &&
-              is_as_listed<BSplineShape>(ShapeKind::bspline));
+static_assert(std::all_of(shape_rows.begin(), shape_rows.end(), [](const ShapeRow& row) {
+  return Shapes::with(row.value, [&row]<class S>(S) {
+    return S::width == row.nodes && S::centred == row.centred() && S::needs_size == row.sized;
+  });
+}));
 
 constexpr int most_stencil_nodes = 9;  // of any shape
 

@@ -6,12 +6,11 @@
 #include <numbers>
 
 #include "mpm/material/strength.hpp"
+#include "pivnp/core/math.hpp"
 
 namespace pivnp::mpm {
 
 namespace {
-
-double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
 std::unique_ptr<Material> make_drucker_prager(const MaterialOptions& o, double) {
   return std::make_unique<DruckerPrager>(Elastic(o.young_pa, o.poisson), o.friction_deg, o.dilatancy_deg, o.cohesion_pa,

@@ -19,7 +19,7 @@ std::size_t hencky_lanes(const Elastic& elastic, const StressBatch& batch, std::
 struct ConeConstants {
   double sin_friction, sin_dilatancy;
   double cohesion_term;  // 2 c cos phi, at J = 1
-  double tension;        // greatest tension of a point that has not opened; a cut-off where it is below the apex
+  double tension;        // greatest tension of a point that has not separated; a cut-off where it is below the apex
 };
 
 /// Elastic points, returns to the plane f_13 or one of its edges, and points that stay open. Points at the apex or the

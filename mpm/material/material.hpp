@@ -68,7 +68,7 @@ class Material {
 /// first two.
 namespace plastic {
 enum Number : std::size_t { strain, work, opening };
-enum Flag : std::size_t { separated };  // 1 once the point has opened: no tension any more
+enum Flag : std::size_t { separated };  // 1 once the point has separated: no tension any more
 }  // namespace plastic
 
 /// Stress of point `k`, turned by the step's rotation (Hughes & Winget 1980: tan(theta/2) = spin/2, so that the turn is

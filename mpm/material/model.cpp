@@ -165,6 +165,16 @@ std::vector<OwnMaterialKey> own_material_keys() {
   return own;
 }
 
+std::vector<std::string> models_with_key(std::string_view key) {
+  const bool elastic = key == "young_pa" || key == "poisson", strength = key == "reduction_factor";
+  std::vector<std::string> names;
+  const std::vector<MaterialKey>& all = keys_of_all();
+  if (!strength && std::any_of(all.begin(), all.end(), [&](const MaterialKey& k) { return k.name == key; })) return names;
+  for (const MaterialModel& model : material_models())
+    if (takes(model, key) || (elastic && model.elastic_keys) || (strength && model.reduce)) names.push_back(model.name);
+  return names;
+}
+
 void refuse(std::string_view key, double found, std::string_view expected) {
   throw MaterialFault(key, "found " + number(found) + ", expected " + std::string(expected));
 }

@@ -58,6 +58,9 @@ inline void require(bool good, std::string_view key, double found, std::string_v
 /// `lesser` is at most `greater`, if both are given.
 void require_order(const MaterialOptions& options, std::string_view lesser, std::string_view greater);
 
+/// The laws that take `key`; none where all do.
+std::vector<std::string> models_with_key(std::string_view key);
+
 /// All rules that need no cells. Throws MaterialFault.
 void check_material(const MaterialOptions& options);
 

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
+
+#include "pivnp/core/math.hpp"
 
 namespace pivnp::mpm {
 
@@ -34,8 +35,6 @@ bool solve(int n, double a[3][3], double* b) {
   }
   return true;
 }
-
-double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
 std::unique_ptr<Material> make_mohr_coulomb(const MaterialOptions& o, double cell_m) {
   const Elastic elastic(o.young_pa, o.poisson);

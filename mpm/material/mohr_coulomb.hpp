@@ -10,7 +10,7 @@
 //
 // Opening: material whose two stresses in the plane are returned to the limit under expansion has separated. Its
 // stress is zero, and the expansion is kept as opening strain; compression first closes it, and only what is left over
-// loads the material again. So it flies free and lands with the volume it left with. Once opened, tension stays zero.
+// loads the material again. So it flies free and lands with the volume it left with. Once separated, tension stays zero.
 #pragma once
 
 #include <array>

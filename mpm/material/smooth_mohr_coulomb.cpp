@@ -287,7 +287,7 @@ double SmoothMohrCoulomb::open_leg(Point& p, Here& here, const Tensor& de, doubl
 void SmoothMohrCoulomb::integrate(Point& p, Here here, const Tensor& de, double& work) const {
   double done = 0, size = 1;
   bool failed = false;
-  const auto book = [&](const Tensor& before, const Tensor& after, double share) {
+  const auto add_work = [&](const Tensor& before, const Tensor& after, double share) {
     work += 0.5 * share * (product(before, de) + product(after, de));
   };
   while (done < 1) {
@@ -300,7 +300,7 @@ void SmoothMohrCoulomb::integrate(Point& p, Here here, const Tensor& de, double&
       const Tensor before = p.stress;
       const double share = elastic_leg(p, here, times(de, 1 - done));
       if (share > 0) {
-        book(before, p.stress, share * (1 - done));
+        add_work(before, p.stress, share * (1 - done));
         here = Here(*this, p, here);
         if (share >= 1) break;
         done += share * (1 - done);
@@ -329,7 +329,7 @@ void SmoothMohrCoulomb::integrate(Point& p, Here here, const Tensor& de, double&
       failed = true;
       continue;
     }
-    book(p.stress, end.stress, size);
+    add_work(p.stress, end.stress, size);
     here = correct(end, Here(*this, end));  // at constant strain: no work
     p = end;
     done = 1 - done - size < 1e-12 ? 1 : done + size;

@@ -5,14 +5,9 @@
 #include <numbers>
 
 #include "pivnp/core/text.hpp"
+#include "pivnp/core/math.hpp"
 
 namespace pivnp::mpm {
-
-namespace {
-
-double radians(double degrees) { return degrees * std::numbers::pi / 180; }
-
-}  // namespace
 
 std::vector<MaterialKey> cone_keys() {
   return {{"friction_deg"}, {"dilatancy_deg"}, {"cohesion_pa"}, {"tension_pa"}};

@@ -15,7 +15,7 @@ MotionField HistoryVariable::field() const {
           .definition = std::string(definition)};
 }
 
-History::Places History::declare(const std::vector<HistoryVariable>& declared, std::size_t n) {
+HistoryVariables::Places HistoryVariables::declare(const std::vector<HistoryVariable>& declared, std::size_t n) {
   Places places;
   for (const HistoryVariable& variable : declared) {
     auto at = std::find_if(variables.begin(), variables.end(), [&](const Variable& v) { return v.is.name == variable.name; });
@@ -35,13 +35,13 @@ History::Places History::declare(const std::vector<HistoryVariable>& declared, s
   return places;
 }
 
-Array* History::find(std::string_view name) {
+Array* HistoryVariables::find(std::string_view name) {
   for (const Variable& v : variables)
     if (v.is.name == name && !v.is.flag()) return &numbers[v.first];
   return nullptr;
 }
 
-void History::reset() {
+void HistoryVariables::reset() {
   for (const Variable& v : variables) {
     if (!v.is.reset) continue;
     if (v.is.flag()) {

@@ -48,7 +48,7 @@ inline constexpr HistoryVariable plastic_strain{
     .label = "plastic deviatoric strain"};
 
 /// The values of a case's history variables.
-class History {
+class HistoryVariables {
  public:
   struct Variable {
     HistoryVariable is;
@@ -64,7 +64,7 @@ class History {
   Places declare(const std::vector<HistoryVariable>& variables, std::size_t n);
   /// The first component of a variable's values; nullptr where no law declares it.
   Array* find(std::string_view name);
-  const Array* find(std::string_view name) const { return const_cast<History*>(this)->find(name); }
+  const Array* find(std::string_view name) const { return const_cast<HistoryVariables*>(this)->find(name); }
   /// Zeros, where a variable asks for it.
   void reset();
 

@@ -30,7 +30,7 @@ struct Particles {
   struct Body {
     std::size_t begin = 0, end = 0;
     int material = 0;
-    History::Places history = {};  // of its law's variables
+    HistoryVariables::Places history = {};  // of its law's variables
   };
   static constexpr std::int32_t ended = -1;  // as `cell`: no longer simulated
 
@@ -51,7 +51,7 @@ struct Particles {
   Array softened_by;
   Array pressure, porosity, content, total_xx, total_yy, total_zz;
 
-  History history;     // of the laws
+  HistoryVariables history;     // of the laws
   double density = 0;  // of one body, kg/m^3
   std::vector<Body> bodies;
 

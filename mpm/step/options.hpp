@@ -42,7 +42,7 @@ struct MpmOptions {
     visit("scheme", self.scheme, OptionInfo{.text = "set of numerical choices"});
     visit("per_element", self.per_element, OptionInfo{.text = "material points per occupied element: 1, 4, 9 ...", .min = 1, .max = 100});
     visit("gravity_m_s2", self.gravity_m_s2, OptionInfo{.unit = "m/s^2", .text = "gravity (x, y)"});
-    visit("gravity_from_m_s2", self.gravity_from_m_s2, OptionInfo{.unit = "m/s^2", .text = "gravity at time 0, where it changes (a centrifuge spinning up); settling is under this one"});
+    visit("gravity_from_m_s2", self.gravity_from_m_s2, OptionInfo{.unit = "m/s^2", .text = "gravity at time 0, where it changes (a centrifuge spinning up); the initial equilibrium is found under this one"});
     visit("gravity_ramp_s", self.gravity_ramp_s, OptionInfo{.unit = "s", .text = "time at which gravity_m_s2 is reached, linearly", .min = 0, .above_min = true});
     visit("initial_equilibrium", self.initial_equilibrium, OptionInfo{.text = "bring the weight on quasi-statically, damped, before time 0 (strains and displacements then start at zero)", .alias = "settle"});
     visit("k0", self.k0, OptionInfo{.text = "horizontal over vertical stress at the start: the stress at time 0 without initial_equilibrium, the first guess with it (left out: none; poisson/(1 - poisson))", .min = 0, .max = 10});

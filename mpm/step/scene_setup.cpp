@@ -148,7 +148,7 @@ void put(const Particles& p, const Array& values, const double* J, std::size_t c
   for (std::size_t k = 0; k < p.size(); ++k) out[components * p.index[k] + component] = float(J ? values[k] * (1 / J[k]) : values[k]);
 }
 
-void put_history(const History::Variable& variable, const Particles& p, MotionFrame& frame) {
+void put_history(const HistoryVariables::Variable& variable, const Particles& p, MotionFrame& frame) {
   const std::span<float> out = frame.add(variable.is.name, p.size());
   if (variable.is.flag()) {
     for (std::size_t k = 0; k < p.size(); ++k) out[p.index[k]] = float(p.history.flags[variable.first][k]);
@@ -185,7 +185,7 @@ MotionFrame frame_of(const SolverState& state, const ParticleSet& set) {
   for (const MaterialModel& model : material_models())
     for (const HistoryVariable& variable : model.history)
       if (variable.recorded == Recorded::always) frame.add(variable.name, n);  // zeros
-  for (const History::Variable& variable : p.history.variables)
+  for (const HistoryVariables::Variable& variable : p.history.variables)
     if (variable.is.recorded != Recorded::no) put_history(variable, p, frame);
   return frame;
 }

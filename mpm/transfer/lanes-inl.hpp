@@ -14,14 +14,14 @@
 HWY_BEFORE_NAMESPACE();
 namespace pivnp::mpm::HWY_NAMESPACE {
 
-// Shape functions in lanes (shape_functions-inl.hpp).
+// Shape functions in lanes (shape_functions.hpp).
 template <class T>
 HWY_INLINE T constant(double value) {
   return set(value);
 }
 #define PIVNP_NUMBERS HWY_INLINE
 #define PIVNP_NUMBERS_LAMBDA PIVNP_TILE
-#include "mpm/grid/shape_functions-inl.hpp"
+#include "mpm/grid/shape_functions.hpp"
 #undef PIVNP_NUMBERS
 #undef PIVNP_NUMBERS_LAMBDA
 

@@ -29,7 +29,7 @@ struct GatherSums {
 enum class Where { now, before, kept };
 
 /// Increments of a run of points (material/material.hpp), in the order in which the cells list them; room for a tile more.
-struct Increments {
+struct StrainIncrements {
   double *xx, *yy, *zz, *xy, *spin;
 };
 
@@ -65,11 +65,11 @@ GatherSums move_lanes(ShapeKind shape, const MoveJob& job, const PointView& p, c
 /// A.12; F-bar of three-node shapes: with the averaged volumetric increment. With Where::before does what locate_lanes()
 /// does too.
 std::size_t strain_lanes(ShapeKind shape, const StrainJob& job, const PointView& p, const CellView& c, Range range,
-                         const Increments& out, std::uint32_t* suspects);
+                         const StrainIncrements& out, std::uint32_t* suspects);
 /// Both together, three-node shapes with usl and apic (`strain.locking` none): the strain-rate velocity is the updated one.
 /// Does what locate_lanes() does too.
 GatherSums move_strain_lanes(ShapeKind shape, const MoveJob& job, const StrainJob& strain, const PointView& p, const CellView& c,
-                             Range range, const Increments& out, std::uint32_t* suspects);
+                             Range range, const StrainIncrements& out, std::uint32_t* suspects);
 /// The same with F-bar, whose averages come first: adds what average_strain_lanes() does without `volumes`.
 GatherSums move_average_lanes(ShapeKind shape, const MoveJob& job, const PointView& p, const CellView& c, Range range);
 /// P v of XPIC: from the nodes' `v` to the points and back, times the mass, added to `out`; x and y of every node.

@@ -52,7 +52,7 @@ struct MovingStrain {
 };
 
 GatherSums move_strain_range(ShapeKind shape, const MoveJob& job, const StrainJob& strain, const PointView& p, const CellView& c,
-                             Range range, const Increments& out, std::uint32_t* suspects) {
+                             Range range, const StrainIncrements& out, std::uint32_t* suspects) {
   return Shapes::with(shape, [&](auto kind) HWY_ATTR {
     using S = decltype(kind);
     if constexpr (!S::centred) return GatherSums{};
@@ -98,7 +98,7 @@ HWY_EXPORT(move_strain_range);
 HWY_EXPORT(move_average_range);
 
 GatherSums move_strain_lanes(ShapeKind shape, const MoveJob& job, const StrainJob& strain, const PointView& p, const CellView& c,
-                             Range range, const Increments& out, std::uint32_t* suspects) {
+                             Range range, const StrainIncrements& out, std::uint32_t* suspects) {
   return HWY_DYNAMIC_DISPATCH(move_strain_range)(shape, job, strain, p, c, range, out, suspects);
 }
 GatherSums move_average_lanes(ShapeKind shape, const MoveJob& job, const PointView& p, const CellView& c, Range range) {

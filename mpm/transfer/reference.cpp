@@ -57,6 +57,12 @@ void for_point_nodes(const Particles& p, const GridState& g, Each&& each) {
   });
 }
 
+// Of the node's mass, that which comes from the point; zero at a node that no point weighs on.
+double share_of_mass(const Particles& p, const GridState& g, std::size_t k, const AtNode& i) {
+  const double mass = g.node[i.node].mass;
+  return mass > 0 ? p.mass_of(k) * i.weight / mass : 0;
+}
+
 // The gradient of a function of the four nodes at an element's centre, node by node.
 std::array<Vec2, 4> centre_gradient(const GridState& g) {
   const double x = 0.5 * g.per_hx, y = 0.5 * g.per_hy;
@@ -278,7 +284,7 @@ std::vector<Vec2> map_again(const Particles& p, const GridState& g, const std::v
   std::vector<Vec2> velocity(g.grid.node_count(), Vec2::Zero());
   for_point_nodes(p, g, [&](std::size_t k, const auto& nodes) {
     for (const AtNode& i : nodes)
-      velocity[i.node] += p.mass_of(k) * i.weight / g.node[i.node].mass * (moved[k].velocity + moved[k].affine * i.arm);
+      velocity[i.node] += share_of_mass(p, g, k, i) * (moved[k].velocity + moved[k].affine * i.arm);
   });
   return velocity;
 }
@@ -292,7 +298,7 @@ std::vector<Vec2> filtered_velocity(const Particles& p, const GridState& g, int 
     for_point_nodes(p, g, [&](std::size_t k, const auto& nodes) {
       Vec2 v(0, 0);
       for (const AtNode& i : nodes) v += i.weight * rest[i.node];
-      for (const AtNode& i : nodes) projected[i.node] += p.mass_of(k) * i.weight / g.node[i.node].mass * v;
+      for (const AtNode& i : nodes) projected[i.node] += share_of_mass(p, g, k, i) * v;
     });
     for (std::size_t n = 0; n < rest.size(); ++n) {
       rest[n] -= projected[n];

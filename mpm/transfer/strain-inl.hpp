@@ -195,7 +195,7 @@ struct Straining {
   const StrainJob job;
   const PointView p;
   const CellView c;
-  const Increments out;
+  const StrainIncrements out;
   std::uint32_t first;  // place in `order` of the first increment
   double sx = job.dt * c.per_hx, sy = job.dt * c.per_hy;
 

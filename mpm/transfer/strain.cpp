@@ -55,7 +55,7 @@ double average_strain(const Particles& p, GridState& g, const Scheme& scheme, Wh
 // Increments of a run of range.
 class Scratch {
  public:
-  Increments room(std::size_t n) {
+  StrainIncrements room(std::size_t n) {
     const std::size_t each = n + 8;  // and a tile more
     if (data_.size() < 5 * each) data_.resize(5 * each);
     double* at = data_.data();
@@ -86,7 +86,7 @@ void strain_runs(GridState& g, int threads, Strain&& strain, Each&& each) {
   for_pieces(g, threads, [&](Range range, std::size_t piece) {
     static thread_local Scratch scratch;
     const std::size_t begin = g.cells.begin[range.begin], end = g.cells.begin[range.end];
-    const Increments de = scratch.room(end - begin);
+    const StrainIncrements de = scratch.room(end - begin);
     strain(range, piece, de);
     each(begin, end, de);
   });
@@ -99,10 +99,10 @@ void strain_points(Particles& p, GridState& g, const Scheme& scheme, double dt, 
   average_strain(p, g, scheme, Where::now, dt, true, threads, nullptr);
   const PointView points = p.view();
   const CellView cells = g.view();
-  const auto strain = [&](Range range, std::size_t, const Increments& de) {
+  const auto strain = [&](Range range, std::size_t, const StrainIncrements& de) {
     strain_lanes(g.shape, {scheme.locking, dt, record}, points, cells, range, de, nullptr);
   };
-  strain_runs(g, threads, strain, [&](std::size_t begin, std::size_t end, const Increments& de) {
+  strain_runs(g, threads, strain, [&](std::size_t begin, std::size_t end, const StrainIncrements& de) {
     for (std::size_t q = begin; q < end; ++q) {
       const std::size_t k = g.cells.order[q], from = q - begin;
       p.de_xx[k] = de.xx[from];
@@ -130,7 +130,7 @@ double strain_and_update(Particles& p, GridState& g, const Scheme& scheme, doubl
     g.relocation.suspects.resize(g.cells.order.size());
     g.relocation.found.resize(g.active.pieces.size());
   }
-  const auto strain = [&](Range range, std::size_t piece, const Increments& de) {
+  const auto strain = [&](Range range, std::size_t piece, const StrainIncrements& de) {
     const std::size_t first = g.cells.begin[range.begin];
     std::uint32_t* room = g.relocation.suspects.data() + first;
     std::size_t found = 0;
@@ -142,7 +142,7 @@ double strain_and_update(Particles& p, GridState& g, const Scheme& scheme, doubl
     }
     if (g.relocation.done) g.relocation.found[piece] = {first, first + found};
   };
-  strain_runs(g, threads, strain, [&](std::size_t begin, std::size_t end, const Increments& de) {
+  strain_runs(g, threads, strain, [&](std::size_t begin, std::size_t end, const StrainIncrements& de) {
     for_bodies(p, g.cells.order, begin, end, [&](const Particles::Body& body, std::size_t from, std::size_t to) {
       const std::size_t at = from - begin;
       StressBatch batch;

@@ -24,7 +24,7 @@ void average_strain_range(ShapeKind shape, Where where, double dt, bool volumes,
 }
 
 std::size_t strain_range(ShapeKind shape, const StrainJob& job, const PointView& p, const CellView& c, Range range,
-                         const Increments& out, std::uint32_t* suspects) {
+                         const StrainIncrements& out, std::uint32_t* suspects) {
   return Shapes::with(shape, [&](auto kind) HWY_ATTR {
     return Straining<decltype(kind)>{job, p, c, out, c.begin[range.begin]}.run(range, suspects);
   });
@@ -44,7 +44,7 @@ void average_strain_lanes(ShapeKind shape, Where where, double dt, bool volumes,
   HWY_DYNAMIC_DISPATCH(average_strain_range)(shape, where, dt, volumes, p, c, range);
 }
 std::size_t strain_lanes(ShapeKind shape, const StrainJob& job, const PointView& p, const CellView& c, Range range,
-                         const Increments& out, std::uint32_t* suspects) {
+                         const StrainIncrements& out, std::uint32_t* suspects) {
   return HWY_DYNAMIC_DISPATCH(strain_range)(shape, job, p, c, range, out, suspects);
 }
 

@@ -31,10 +31,9 @@ namespace pivnp::mpm {
 /// Cell of every point that is simulated, and the grid's lists (for the initial equilibrium; a step calls locate_points()).
 void locate_all(Particles& p, GridState& g);
 
-/// A.1: cell of every point; where the last sweep over the points has looked for it (GridState::located), what it found. True if
-/// any point changed its cell: their places in CellList::order
-/// are in GridState::moved, for GridState::follow(). Those that left the grid are marked Particles::ended and appended
-/// to `left`.
+/// A.1: cell of every point; where the last sweep over the points has looked for it (GridState::relocation), what it found.
+/// True if any point changed its cell: their places in CellList::order are in GridState::relocation.moves, for
+/// GridState::follow(). Those that left the grid are marked Particles::ended and appended to `left`.
 bool locate_points(Particles& p, GridState& g, std::vector<std::uint32_t>& left, int threads);
 
 /// A.3 but for the quotient: mass and, as Node::v, momentum at the nodes. `force`: A.4 too, in the same sweep (else the

@@ -18,7 +18,6 @@
 
 #include <array>
 #include <cstddef>
-#include <initializer_list>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -29,24 +28,6 @@ namespace pivnp {
 using Pair = std::array<double, 2>;
 using Points = std::vector<Pair>;
 
-/// The values that a text may take, at most twelve. (A vector here would make every list of options compile slowly.)
-class Choices {
- public:
-  constexpr Choices() = default;
-  constexpr Choices(std::initializer_list<std::string_view> texts) {
-    for (const std::string_view text : texts) text_.at(size_++) = text;
-  }
-  constexpr bool empty() const { return size_ == 0; }
-  constexpr std::size_t size() const { return size_; }
-  constexpr const std::string_view* begin() const { return text_.data(); }
-  constexpr const std::string_view* end() const { return text_.data() + size_; }
-  constexpr std::string_view operator[](std::size_t k) const { return text_[k]; }
-
- private:
-  std::array<std::string_view, 12> text_{};
-  std::size_t size_ = 0;
-};
-
 /// What is known of one option beside its name, type and default.
 struct OptionInfo {
   std::string_view unit = "";  // SI symbol or px; empty for counts and choices
@@ -54,8 +35,7 @@ struct OptionInfo {
   double min = -std::numeric_limits<double>::infinity();  // numbers: least value allowed
   double max = std::numeric_limits<double>::infinity();   // numbers: greatest value allowed
   bool above_min = false;                                 // min itself is not allowed
-  Choices choices = {};                                   // strings: the values allowed; empty: any
-  std::vector<std::string> (*names)() = nullptr;          // strings: the same, from a registry
+  std::vector<std::string> (*names)() = nullptr;          // strings: the values allowed; left out: any
   std::string_view alias = "";                            // a former name of the key, still read
 };
 

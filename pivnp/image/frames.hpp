@@ -45,6 +45,8 @@ class FrameSource {
   virtual bool has_rate() const = 0;
   virtual int width() const = 0;
   virtual int height() const = 0;
+  /// What the frames are read from: one file each in their order, one video, or nothing (frames made in memory).
+  virtual std::vector<std::filesystem::path> files() const { return {}; }
   /// Grey image of frame `index` (colour: ITU-R BT.601 luma). 16-bit files stay u16. Throws InputError naming the file
   /// if it is missing, truncated, unreadable, or differs in size or depth from the first.
   virtual Image read(int index) = 0;

@@ -27,6 +27,7 @@ class ImageSequence final : public FrameSource {
   bool has_rate() const override { return has_rate_; }
   int width() const override { return width_; }
   int height() const override { return height_; }
+  std::vector<fs::path> files() const override { return files_; }
 
   Image read(int index) override {
     const fs::path& file = files_.at(std::size_t(index));

@@ -19,6 +19,7 @@ class Prefetched final : public FrameSource {
   bool has_rate() const override { return source_->has_rate(); }
   int width() const override { return source_->width(); }
   int height() const override { return source_->height(); }
+  std::vector<std::filesystem::path> files() const override { return source_->files(); }
 
   Image read(int index) override {
     const bool forward = index == last_ + 1 || index == last_;

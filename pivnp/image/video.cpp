@@ -123,6 +123,7 @@ class VideoSource final : public FrameSource {
   bool has_rate() const override { return has_rate_; }
   int width() const override { return width_; }
   int height() const override { return height_; }
+  std::vector<fs::path> files() const override { return {file_}; }
 
   Image read(int index) override {
     go_to(numbers_.at(std::size_t(index)), index);

@@ -80,7 +80,10 @@ Curve read_curve(const std::filesystem::path& file, const std::string& column, d
       double v = 0;
       const auto [end, error] = std::from_chars(cells[k].data(), cells[k].data() + cells[k].size(), v);
       if (error != std::errc() || end != cells[k].data() + cells[k].size())
-        throw InputError(at() + "column '" + names[k] + "': found '" + cells[k] + "', expected a number");
+        throw InputError(at() + "column '" + shown(names[k]) + "': found '" + shown(cells[k]) + "', expected a number");
+      if (!std::isfinite(v))
+        throw InputError(at() + "column '" + shown(names[k]) + "': found '" + shown(cells[k]) +
+                         "', expected a finite number, or nan");
       return v;
     };
     const double time = value(0) * (counted ? step : 1);

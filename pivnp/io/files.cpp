@@ -1,7 +1,6 @@
 #include "pivnp/io/files.hpp"
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -60,19 +59,5 @@ void write_text_file(const std::filesystem::path& path, const std::string& text)
   }
   rename_file(temporary, path);
 }
-
-DirectoryLock::DirectoryLock(const std::filesystem::path& directory) {
-  const std::filesystem::path file = directory / ".lock";
-  descriptor_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-  if (descriptor_ < 0) throw RunError(write_failure(file, errno));
-  if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
-  const int error = errno;
-  ::close(descriptor_);
-  if (error == EWOULDBLOCK)
-    throw InputError(directory.string() + ": another run is writing here (it holds .lock); expected a free directory");
-  throw RunError(file.string() + ": cannot be locked: " + std::strerror(error));
-}
-
-DirectoryLock::~DirectoryLock() { ::close(descriptor_); }
 
 }  // namespace pivnp::io

@@ -23,17 +23,4 @@ void rename_file(const std::filesystem::path& from, const std::filesystem::path&
 /// Writes a text file by way of PATH.tmp, fsynced and renamed. Throws RunError.
 void write_text_file(const std::filesystem::path& path, const std::string& text);
 
-/// Holds DIRECTORY/.lock while it lives. The lock dies with its process, so a file left behind is no obstacle.
-class DirectoryLock {
- public:
-  /// Throws InputError naming the directory if another process (or another lock of this one) holds it.
-  explicit DirectoryLock(const std::filesystem::path& directory);
-  ~DirectoryLock();
-  DirectoryLock(const DirectoryLock&) = delete;
-  DirectoryLock& operator=(const DirectoryLock&) = delete;
-
- private:
-  int descriptor_ = -1;
-};
-
 }  // namespace pivnp::io

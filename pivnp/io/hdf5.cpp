@@ -66,6 +66,8 @@ namespace {
   throw InputError(label + ": cannot be read (" + last_cause() + ")");
 }
 
+constexpr double most_values = 1e15;
+
 std::string shape_text(const Shape& shape) {
   std::string text = "[";
   for (std::size_t k = 0; k < shape.size(); ++k) text += (k ? ", " : "") + std::to_string(shape[k]);
@@ -162,7 +164,11 @@ Dataset Source::dataset(const std::string& path) const {
   Handle id(H5Dopen2(id_, path.c_str(), H5P_DEFAULT), H5Dclose);
   if (!id) unreadable(label);
   const Handle space(H5Dget_space(id.get()), H5Sclose);
-  return Dataset(std::move(id), shape_of(space.get()), label);
+  Shape shape = shape_of(space.get());
+  double values = 1;
+  for (const hsize_t n : shape) values *= double(n);
+  if (!(values < most_values)) throw InputError(label + ": has shape " + shape_text(shape) + ", more than can be read");
+  return Dataset(std::move(id), std::move(shape), label);
 }
 
 namespace {

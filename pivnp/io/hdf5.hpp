@@ -114,8 +114,8 @@ class Source {
 class ChunkPacker;
 enum class Packing { plain, deflated };
 
-/// A file being written under a temporary name (PATH.tmp). commit() closes, fsyncs and renames it and fsyncs the
-/// directory; without it the temporary file is removed. Every failure throws RunError naming file and cause; the file
+/// A file being written under a temporary name (PATH.tmp). commit() closes, seals (seal.hpp), fsyncs and renames it and
+/// fsyncs the directory; without it the temporary file is removed. Every failure throws RunError naming file and cause; the file
 /// is then lost, and nothing else is.
 class OutputFile {
  public:

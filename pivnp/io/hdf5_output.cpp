@@ -9,6 +9,7 @@
 #include "pivnp/io/hdf5_chunks.hpp"
 #include "pivnp/io/hdf5_driver.hpp"
 #include "pivnp/io/hdf5_internal.hpp"
+#include "pivnp/io/seal.hpp"
 
 namespace pivnp::io::h5 {
 
@@ -102,6 +103,7 @@ void OutputFile::commit() {
   const std::string cause = closed < 0 ? last_cause() : "";
   // Handles of datasets keep a file open under HDF5: the caller must have let go of them.
   file_ = Handle();
+  if (closed >= 0 && status_->error == 0) status_->error = append_seal(temporary_);
   if (closed < 0 || status_->error != 0) {
     ::unlink(temporary_.c_str());
     throw RunError(status_->error > 0 ? write_failure(temporary_, status_->error)

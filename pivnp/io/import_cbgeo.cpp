@@ -1,9 +1,11 @@
-// CB-Geo MPM's particle tables: a compound data set /table whose members are read by name.
+// CB-Geo MPM's particle tables, particles<step>.h5: a compound data set /table whose members are read by name. Of an
+// MPI run all ranks' files of a step belong together.
 #include <cmath>
 
 #include "pivnp/core/error.hpp"
 #include "pivnp/io/import_format.hpp"
 #include "pivnp/io/hdf5.hpp"
+#include "pivnp/io/probe.hpp"
 
 namespace pivnp::io {
 
@@ -39,6 +41,7 @@ ImportedState read_cbgeo(const std::vector<std::filesystem::path>& files) {
   ImportedState s;
   std::vector<double> stress;
   for (const std::filesystem::path& file : files) {
+    probe_foreign_file(file);
     const h5::Source source(file);
     const h5::Dataset table = source.dataset("/table");
     const std::vector<double> x = numbers(table, "coord_x"), y = numbers(table, "coord_y");

@@ -1,4 +1,7 @@
-// Tables of tracks: one row a particle and time.
+// Tables of tracks: one row a particle and time. Columns by name, in any order, separated by comma, semicolon or tab:
+// x, y; id (or particle, track, "Particle Id"); time or t (times) or frame or step (counted by `step`); where known ux,
+// uy (displacement), vx, vy (velocity), sigma_x, sigma_y (standard uncertainty of the position), area. Without a column
+// of times every file is one time.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -106,8 +109,11 @@ ImportedTable read_csv(const std::filesystem::path& file, double step) {
       const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), v);
       if (cell.empty() || lower(cell) == "nan") return std::nan("");
       if (error != std::errc() || end != cell.data() + cell.size())
-        throw InputError(at() + "column '" + header[std::size_t(k)] + "': found '" + std::string(cell) +
+        throw InputError(at() + "column '" + shown(header[std::size_t(k)]) + "': found '" + shown(cell) +
                          "', expected a number");
+      if (!std::isfinite(float(v)))
+        throw InputError(at() + "column '" + shown(header[std::size_t(k)]) + "': found '" + shown(cell) +
+                         "', expected a finite number (of single precision), or nan where nothing is known");
       return v;
     };
     const double time = c.time >= 0 ? value(c.time) : c.frame >= 0 ? value(c.frame) * step : 0;

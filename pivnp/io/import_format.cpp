@@ -8,6 +8,12 @@
 
 namespace pivnp::io {
 
+// Readers of motions: import_csv.cpp, import_cbgeo.cpp, import_vtk.cpp.
+ImportedTable read_csv(const std::filesystem::path& file, double step);
+ImportedState read_cbgeo(const std::vector<std::filesystem::path>& files);
+ImportedState read_legacy_vtk(const std::vector<std::filesystem::path>& files);
+ImportedState read_vtu(const std::vector<std::filesystem::path>& files);
+
 Registry<FileFormat>& file_formats() {
   static Registry<FileFormat> formats = {
       {.name = "csv", .files = "tracks.csv or step_*.csv", .text = "tables of tracks: id, x, y, and a time or one file a time",
@@ -34,6 +40,13 @@ std::string formats_text(bool (FileFormat::*kind)() const) {
 const FileFormat* format_of(const std::string& text) {
   const std::size_t at = text.find('=');
   return at == std::string::npos ? nullptr : file_formats().find(text.substr(0, at));
+}
+
+std::string shown(std::string_view text) {
+  std::string out(text.substr(0, 40));
+  for (char& c : out)
+    if (static_cast<unsigned char>(c) < 32 || c == 127) c = '?';
+  return text.size() > out.size() ? out + "..." : out;
 }
 
 std::string read_text(const std::filesystem::path& file) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "pivnp/core/registry.hpp"
@@ -59,13 +60,10 @@ std::string formats_text(bool (FileFormat::*kind)() const);
 /// The format that "FORMAT=..." begins with; nullptr where it begins with none.
 const FileFormat* format_of(const std::string& text);
 
+/// What a message may quote of a file: at most 40 characters, those that print.
+std::string shown(std::string_view text);
+
 /// A text file in memory. Throws InputError.
 std::string read_text(const std::filesystem::path& file);
-
-// Readers of motions (import_csv.cpp, import_cbgeo.cpp, import_vtk.cpp).
-ImportedTable read_csv(const std::filesystem::path& file, double step);
-ImportedState read_cbgeo(const std::vector<std::filesystem::path>& files);
-ImportedState read_legacy_vtk(const std::vector<std::filesystem::path>& files);
-ImportedState read_vtu(const std::vector<std::filesystem::path>& files);
 
 }  // namespace pivnp::io

@@ -90,8 +90,8 @@ class ImportedMotion final : public MotionSource {
     if (!state.sigma.empty()) f.cov_u.assign(count, {0, 0, 0});
     std::vector<std::uint8_t> usable(count, 0);
     for (std::size_t k = 0; k < state.x.size(); ++k) {
-      const std::size_t p = place(state, k);
-      if (!std::isfinite(state.x[k][0]) || !std::isfinite(state.x[k][1])) continue;
+      if (!known(state.x[k])) continue;
+      const std::size_t p = index_.at(id_of(state, k));
       if (f.status[p] == ParticleStatus::ended) continue;
       usable[p] = 1;
       f.status[p] = ParticleStatus::active;
@@ -123,16 +123,31 @@ class ImportedMotion final : public MotionSource {
   static std::int64_t id_of(const ImportedState& state, std::size_t k) {
     return state.id.empty() ? std::int64_t(k) : state.id[k];
   }
-  std::size_t place(const ImportedState& state, std::size_t k) const { return index_.at(id_of(state, k)); }
+
+  static bool known(const std::array<double, 2>& x) { return std::isfinite(x[0]) && std::isfinite(x[1]); }
+
+  // Frames hold single precision; nothing of a particle may be infinite there. (Not known is NaN.)
+  static void refuse_infinite(const ImportedState& state, const std::string& file) {
+    const auto check = [&](const char* what, const std::vector<std::array<double, 2>>& values) {
+      for (std::size_t k = 0; k < values.size(); ++k)
+        for (const double v : values[k])
+          if (std::isinf(float(v)))
+            throw InputError(file + ": " + what + " of the particle with id " + std::to_string(id_of(state, k)) +
+                             ": found " + std::to_string(v) + ", expected a finite number (of single precision)");
+    };
+    check("position", state.x);
+    check("displacement", state.u);
+    check("velocity", state.v);
+  }
 
   static void refuse_twins(const ImportedState& state, const std::string& file) {
     std::vector<std::int64_t> sorted = state.id;
     std::sort(sorted.begin(), sorted.end());
     if (const auto twice = std::adjacent_find(sorted.begin(), sorted.end()); twice != sorted.end())
-      throw InputError(file + ": id " + std::to_string(*twice) + " stands twice at one time");
+      throw InputError(file + ": id " + std::to_string(*twice) + " occurs twice at the same time");
   }
 
-  // Everyone who ever appears, in order of appearance.
+  // Everyone who ever appears, in order of appearance: born where the position is known first, ended where it is last.
   void find_particles(const std::string& pattern) {
     particles_.label_names = {"material"};
     std::size_t unnamed = 0;  // particles of the first time, where they have no ids
@@ -140,14 +155,16 @@ class ImportedMotion final : public MotionSource {
       const ImportedState state = read(t);
       const std::string file = files_.empty() ? pattern : files_[t][0].string();
       refuse_twins(state, file);
+      refuse_infinite(state, file);
       if (t == 0) unnamed = state.x.size();
       if (state.id.empty() && state.x.size() != unnamed)
         throw InputError(file + ": found " + std::to_string(state.x.size()) + " particles without ids, expected " +
                          std::to_string(unnamed) + " as at the first time (or ids, to tell them apart)");
       for (std::size_t k = 0; k < state.x.size(); ++k) {
+        if (!known(state.x[k])) continue;
         const auto [it, fresh] = index_.emplace(id_of(state, k), particles_.size());
         if (fresh) {
-          const bool from_u = !state.u.empty();
+          const bool from_u = !state.u.empty() && known(state.u[k]);
           const Vec2 x(state.x[k][0], state.x[k][1]);
           particles_.id.push_back(it->first);
           particles_.label.push_back(0);
@@ -161,7 +178,7 @@ class ImportedMotion final : public MotionSource {
         }
       }
     }
-    if (particles_.size() == 0) throw InputError(pattern + ": holds no particle");
+    if (particles_.size() == 0) throw InputError(pattern + ": holds no particle whose position is known");
     for (std::size_t p = 0; p < particles_.size(); ++p)
       if (particles_.end[p] == times_.back()) {
         particles_.end[p] = std::numeric_limits<double>::quiet_NaN();

@@ -1,4 +1,4 @@
-// Results of other programs as motions: CB-Geo MPM, Anura3D, MPM-Geomechanics, tables of tracks.
+// Results of other programs as motions; their formats are listed in import_format.cpp.
 #pragma once
 
 #include <memory>
@@ -17,20 +17,13 @@ struct ImportOptions {
 bool is_import(const std::string& text);
 
 /// Opens "FORMAT=PATTERN"; PATTERN is a file or a glob in one folder, files ordered by the last number in their names,
-/// which counts their steps (all files must belong to one run):
-///   csv    one row a particle and time; columns by name, in any order, separated by comma, semicolon or tab:
-///          x, y; id (or particle, track, "Particle Id"); time or t (times) or frame or step (counted by `step`); where
-///          known ux, uy (displacement), vx, vy (velocity), sigma_x, sigma_y (standard uncertainty of the position),
-///          area. Without a column of times every file is one time.
-///   cbgeo  CB-Geo MPM's particles<step>.h5, table /table; of an MPI run all ranks' files of a step together.
-///   vtk    Anura3D's legacy VTK, ASCII or BINARY: <project>_MPVector_NNN.vtk with its siblings _MPScalar_ (ids).
-///   vtu    MPM-Geomechanics' particles_N.vtu (ASCII).
-/// The name of the motion is the format's. x and y are taken; a third coordinate is left out. Material positions: x - u
-/// of the first time a particle is there where its displacement is known, else its first position; the displacement is
-/// then counted from there. Particles that stop appearing have ended. Deformation gradients are fitted to the
-/// displacements (core/particles/displacement_gradient.hpp), whatever strain the program itself writes: one measure
-/// for both motions of a comparison. Frames are read when asked for (a table is held in memory).
-/// Throws InputError naming the file and what was found and expected.
+/// which counts their steps (all files must belong to one run). The name of the motion is the format's. x and y are
+/// taken; a third coordinate is left out. Material positions: x - u of the first time a particle is there where its
+/// displacement is known, else its first position; the displacement is then counted from there. Particles that stop
+/// appearing have ended. Deformation gradients are fitted to the displacements
+/// (core/particles/displacement_gradient.hpp), whatever strain the program itself writes: one measure for both motions
+/// of a comparison. Frames are read when asked for (a table is held in memory). Throws InputError naming the file and
+/// what was found and expected.
 std::unique_ptr<MotionSource> open_import(const std::string& text, const ImportOptions& options);
 
 }  // namespace pivnp::io

@@ -1,4 +1,5 @@
-// Legacy VTK, as Anura3D writes it, and VTK XML of unstructured grids in ASCII, as MPM-Geomechanics does.
+// Legacy VTK, ASCII or BINARY, as Anura3D writes it (<project>_MPVector_NNN.vtk with its siblings _MPScalar_, which
+// hold the ids), and VTK XML of unstructured grids in ASCII, as MPM-Geomechanics does (particles_N.vtu).
 #include <algorithm>
 #include <bit>
 #include <charconv>
@@ -25,7 +26,9 @@ bool blank(char c) { return c == ' ' || c == '\n' || c == '\r' || c == '\t'; }
 // Walks through a file: words, lines, raw numbers.
 class Cursor {
  public:
-  Cursor(std::string_view text, std::string name) : text_(text), name_(std::move(name)) {}
+  /// `text` begins in line `line` of the file; `what`: the part of the file it is, for messages.
+  Cursor(std::string_view text, std::string file, std::size_t line = 1, std::string what = "")
+      : text_(text), name_(std::move(file)), what_(std::move(what)), first_line_(line) {}
 
   bool end() {
     skip_blanks();
@@ -35,7 +38,7 @@ class Cursor {
     skip_blanks();
     const std::size_t begin = at_;
     while (at_ < text_.size() && !blank(text_[at_])) ++at_;
-    if (begin == at_) throw InputError(name_ + ": ends too early");
+    if (begin == at_) fail("ends too early");
     return text_.substr(begin, at_ - begin);
   }
   std::string_view line() {
@@ -57,7 +60,7 @@ class Cursor {
     if (w.starts_with('+')) w.remove_prefix(1);
     double v = 0;
     const auto [stop, error] = std::from_chars(w.data(), w.data() + w.size(), v);
-    if (stop == w.data() + w.size() && error == std::errc()) return v;
+    if (stop == w.data() + w.size() && error == std::errc()) return finite(v, w);
     // Fortran drops the E of a three-digit exponent (1.0-100) and may write D.
     std::string repaired(w);
     for (std::size_t k = 1; k < repaired.size(); ++k) {
@@ -69,27 +72,37 @@ class Cursor {
     const auto [stop2, error2] = std::from_chars(repaired.data(), repaired.data() + repaired.size(), v);
     if (error2 == std::errc::result_out_of_range) return 0;
     if (error2 != std::errc() || stop2 != repaired.data() + repaired.size()) wrong(w, "a number");
-    return v;
+    return finite(v, w);
   }
   std::string_view bytes(std::size_t n) {
-    if (text_.size() - at_ < n) throw InputError(name_ + ": ends too early");
+    if (text_.size() - at_ < n) fail("ends too early");
     const std::string_view out = text_.substr(at_, n);
     at_ += n;
     return out;
   }
+  /// Bytes that are still to come: no more numbers can follow, whatever a count says.
+  std::size_t left() const { return text_.size() - at_; }
   [[noreturn]] void wrong(std::string_view found, const std::string& expected) const {
-    throw InputError(name_ + ": found '" + std::string(found.substr(0, 40)) + "', expected " + expected);
+    fail("found '" + shown(found) + "', expected " + expected);
+  }
+  [[noreturn]] void fail(const std::string& what) const {
+    const auto lines = std::count(text_.begin(), text_.begin() + std::ptrdiff_t(std::min(at_, text_.size())), '\n');
+    throw InputError(name_ + ":" + std::to_string(first_line_ + std::size_t(lines)) + ": " + what_ + what);
   }
   std::size_t place() const { return at_; }
   void go(std::size_t at) { at_ = at; }
 
  private:
+  double finite(double v, std::string_view found) const {
+    if (std::isinf(v)) wrong(found, "a finite number, or nan");
+    return v;
+  }
   void skip_blanks() {
     while (at_ < text_.size() && blank(text_[at_])) ++at_;
   }
   std::string_view text_;
-  std::string name_;
-  std::size_t at_ = 0;
+  std::string name_, what_;
+  std::size_t first_line_, at_ = 0;
 };
 
 std::size_t bytes_of(std::string_view type, const Cursor& in) {
@@ -119,9 +132,13 @@ double value_of(const char* raw, std::string_view type) {
   return double(static_cast<unsigned char>(raw[0]));
 }
 
-// Numbers after a keyword's line.
-std::vector<double> values(Cursor& in, std::size_t count, std::string type, bool binary) {
+// Numbers after a keyword's line, `tuples` times `components` of them.
+std::vector<double> values(Cursor& in, std::size_t components, std::size_t tuples, std::string type, bool binary) {
   for (char& c : type) c = char(std::tolower(static_cast<unsigned char>(c)));
+  if (components > 0 && tuples > in.left() / components)
+    in.fail("says that " + std::to_string(tuples) + " times " + std::to_string(components) +
+            " numbers follow, but the file has only " + std::to_string(in.left()) + " bytes more");
+  const std::size_t count = components * tuples;
   std::vector<double> out(count);
   if (!binary) {
     for (double& v : out) v = in.number();
@@ -154,16 +171,16 @@ Arrays parse_legacy(const std::string& text, const std::string& name) {
       points = in.count();
       const std::string type(in.word());
       rest_of_line();
-      arrays["points"] = {3, values(in, 3 * points, type, binary)};
+      arrays["points"] = {3, values(in, 3, points, type, binary)};
     } else if (key == "CELLS" || key == "VERTICES") {
       in.count();
       const std::size_t numbers = in.count();
       rest_of_line();
-      values(in, numbers, "int", binary);
+      values(in, 1, numbers, "int", binary);
     } else if (key == "CELL_TYPES") {
       const std::size_t numbers = in.count();
       rest_of_line();
-      values(in, numbers, "int", binary);
+      values(in, 1, numbers, "int", binary);
     } else if (key == "POINT_DATA" || key == "CELL_DATA") {
       data = in.count();
       rest_of_line();
@@ -176,15 +193,15 @@ Arrays parse_legacy(const std::string& text, const std::string& name) {
       const std::size_t before = in.place();
       if (!in.end() && in.word() == "LOOKUP_TABLE") rest_of_line();
       else in.go(before);
-      arrays[array] = {components, values(in, components * data, type, binary)};
+      arrays[array] = {components, values(in, components, data, type, binary)};
     } else if (key == "VECTORS" || key == "NORMALS") {
       const std::string array(in.word()), type(in.word());
       rest_of_line();
-      arrays[array] = {3, values(in, 3 * data, type, binary)};
+      arrays[array] = {3, values(in, 3, data, type, binary)};
     } else if (key == "TENSORS") {
       const std::string array(in.word()), type(in.word());
       rest_of_line();
-      arrays[array] = {9, values(in, 9 * data, type, binary)};
+      arrays[array] = {9, values(in, 9, data, type, binary)};
     } else if (key == "FIELD") {
       in.word();
       const std::size_t count = in.count();
@@ -193,7 +210,7 @@ Arrays parse_legacy(const std::string& text, const std::string& name) {
         const std::size_t components = in.count(), tuples = in.count();
         const std::string type(in.word());
         rest_of_line();
-        arrays[array] = {components, values(in, components * tuples, type, binary)};
+        arrays[array] = {components, values(in, components, tuples, type, binary)};
       }
     } else {
       in.wrong(key, "a keyword of the legacy VTK format");
@@ -217,9 +234,19 @@ std::vector<std::array<double, 2>> pairs(const Array& a) {
   return out;
 }
 
-void take_ids(const Array* a, ImportedState& s) {
+void take_ids(const Array* a, const std::string& file, ImportedState& s) {
   if (a == nullptr) return;
-  for (const double v : a->values) s.id.push_back(std::int64_t(std::llround(v)));
+  for (std::size_t k = 0; k < a->values.size(); k += a->components) {
+    const double v = a->values[k];
+    if (!(std::abs(v) < 9e15))
+      throw InputError(file + ": the id of particle " + std::to_string(k / a->components) + " is " + std::to_string(v) +
+                       ", expected a whole number");
+    s.id.push_back(std::int64_t(std::llround(v)));
+  }
+}
+
+std::size_t line_of(std::string_view text, std::size_t at) {
+  return 1 + std::size_t(std::count(text.begin(), text.begin() + std::ptrdiff_t(at), '\n'));
 }
 
 // Text of an attribute whatever the case of its name ("Format" for "format").
@@ -259,7 +286,7 @@ ImportedState read_legacy_vtk(const std::vector<std::filesystem::path>& files) {
   if (const Array* u = find(arrays, "displacement_solid", n, 2)) s.u = pairs(*u);
   else if (const Array* other = find(arrays, "displacement", n, 2)) s.u = pairs(*other);
   if (const Array* v = find(arrays, "velocity_solid", n, 2)) s.v = pairs(*v);
-  take_ids(find(arrays, "material_point_id", n, 1), s);
+  take_ids(find(arrays, "material_point_id", n, 1), file.string(), s);
   return s;
 }
 
@@ -282,11 +309,11 @@ ImportedState read_vtu(const std::vector<std::filesystem::path>& files) {
     const std::string name = points ? "points" : attribute(tag, "name");
     if (name == "connectivity" || name == "offsets" || name == "types") continue;
     if (!format.empty() && format != "ascii")
-      throw InputError(file.string() + ": array '" + name + "': format '" + format + "', expected ascii");
+      throw InputError(file.string() + ": array '" + shown(name) + "': format '" + shown(format) + "', expected ascii");
     Array array;
     if (const std::string c = attribute(tag, "numberofcomponents"); !c.empty())
-      array.components = std::size_t(std::max(1, std::atoi(c.c_str())));
-    Cursor in(all.substr(close + 1, end - close - 1), file.string() + ": array '" + name + "'");
+      array.components = std::size_t(std::clamp(std::atoi(c.c_str()), 1, 1000));
+    Cursor in(all.substr(close + 1, end - close - 1), file.string(), line_of(all, close), "array '" + shown(name) + "': ");
     while (!in.end()) array.values.push_back(in.number());
     arrays[name] = std::move(array);
   }
@@ -297,7 +324,7 @@ ImportedState read_vtu(const std::vector<std::filesystem::path>& files) {
   const std::size_t n = s.x.size();
   if (const Array* u = find(arrays, "Displacement", n, 2)) s.u = pairs(*u);
   if (const Array* v = find(arrays, "Velocity", n, 2)) s.v = pairs(*v);
-  take_ids(find(arrays, "Particle Id", n, 1), s);
+  take_ids(find(arrays, "Particle Id", n, 1), file.string(), s);
   const Array *xx = find(arrays, "Stress_XX", n, 1), *yy = find(arrays, "Stress_YY", n, 1),
               *zz = find(arrays, "Stress_ZZ", n, 1), *xy = find(arrays, "Stress_XY", n, 1);
   if (xx && yy && zz && xy && n > 0) {

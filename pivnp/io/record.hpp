@@ -19,6 +19,8 @@
 #include "pivnp/core/record/strain_note.hpp"
 #include "pivnp/core/record/vectors.hpp"
 #include "pivnp/core/version.hpp"
+#include "pivnp/io/directory_lock.hpp"
+#include "pivnp/io/file_identity.hpp"
 
 namespace pivnp::io {
 
@@ -32,6 +34,7 @@ struct RecordHead {
   double camera_residual = 0;
   std::optional<double> metres_per_pixel;  // only if plain
   std::vector<double> distortion;          // coefficients of a lens model; empty: none
+  std::vector<FileIdentity> sources;       // files that the run reads beside its case: frames, masks
 };
 
 /// What a stage left behind in closed segments.
@@ -50,12 +53,14 @@ struct StageState {
 class RecordWriter {
  public:
   /// Without `resume`, old parts in `directory` are removed and a finished record is replaced only at the end. With it,
-  /// closed segments are kept if their case text, grid, camera and units equal those of `head` (else InputError saying
-  /// what differs first); `command` and the time of creation stay those of the first start. A run that is already
-  /// finished (record.h5 of the same case, no parts) counts as complete in every stage: pair() reads from the record,
-  /// begin_motion, set_*, close_segment, end_stage and finish do nothing, add_* is wrong use. With nothing there to
-  /// resume it starts afresh. `threads` pack the record.
-  RecordWriter(const std::filesystem::path& directory, const RecordHead& head, bool resume, int threads = 1);
+  /// closed segments are kept if their case text, sources, grid, camera and units equal those of `head`, and this
+  /// program is the one that left them (else InputError saying what differs first); `command` and the time of creation
+  /// stay those of the first start. A run that is already finished (record.h5 of the same case, no parts) counts as
+  /// complete in every stage: pair() reads from the record, begin_motion, set_*, close_segment, end_stage and finish do
+  /// nothing, add_* is wrong use. With nothing there to resume it starts afresh. `threads` pack the record. `held`: the
+  /// directory's lock, where the run took it before; nullptr: taken here.
+  RecordWriter(const std::filesystem::path& directory, const RecordHead& head, bool resume, int threads = 1,
+               std::shared_ptr<const DirectoryLock> held = nullptr);
   ~RecordWriter();  // what is in an open segment is lost: close it first if a resumed run is to go on from there
 
   /// What a former run left, up to the last segment with a checkpoint.
@@ -99,17 +104,24 @@ class RecordWriter {
   std::unique_ptr<Impl> impl_;
 };
 
+/// Whether a record may be other than it was written.
+enum class Trust {
+  verify,  // its checksum is read first; a file without one is tried out in a child process
+  known,   // this process wrote or verified it
+};
+
 /// Reads a finished record; frames and pairs when they are asked for. Throws InputError naming the file and what is
-/// missing, of the wrong shape or of the wrong version. One thread only.
+/// damaged, missing, of the wrong shape or of the wrong version. Codes, sections and datasets that a later 1.y added
+/// are no errors. One thread only.
 class RecordReader {
  public:
-  explicit RecordReader(const std::filesystem::path& file);
+  explicit RecordReader(const std::filesystem::path& file, Trust trust = Trust::verify);
   ~RecordReader();
 
   const RecordHead& head() const;
   /// The program that packed the record; empty texts where the record does not say (schema 1.1 and before).
   BuildInfo written_by() const;
-  const std::vector<Frame>& frames() const;
+  const std::vector<Frame>& frames() const;  // none, or all that pairs are of
   std::size_t pair_count() const;
   VectorField pair(std::size_t index) const;
   /// Nothing where the record states none (no pairs, an older record).
@@ -125,6 +137,10 @@ class RecordReader {
   struct Impl;
   std::shared_ptr<Impl> impl_;  // shared with the motions it handed out
 };
+
+/// The first line by which two cases' texts differ, "first in line 12: 'window_px = 24' there, 'window_px = 32' now"; empty if
+/// they are equal.
+std::string difference_of_cases(const std::string& there, const std::string& now);
 
 /// Writes DIR/record.xdmf for DIR/record.h5: a temporal collection of the particles of every motion and one of the
 /// grid's vectors, for ParaView.

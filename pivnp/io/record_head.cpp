@@ -1,3 +1,4 @@
+#include <cmath>
 #include <sstream>
 
 #include "pivnp/core/error.hpp"
@@ -7,8 +8,40 @@ namespace pivnp::io {
 
 namespace {
 
-// "line 12: 'window_px = 24' there, 'window_px = 32' now", or empty if the texts are equal.
-std::string first_difference(const std::string& there, const std::string& now) {
+constexpr int most_nodes = 1'000'000'000;
+
+void write_sources(h5::OutputFile& file, const std::vector<FileIdentity>& sources) {
+  std::vector<std::string> names, hashes;
+  std::vector<std::int64_t> sizes;
+  for (const FileIdentity& source : sources) {
+    names.push_back(source.name);
+    sizes.push_back(static_cast<std::int64_t>(source.size));
+    hashes.push_back(source.hash);
+  }
+  file.group("/source");
+  file.write_texts("/source/name", names);
+  file.write("/source/size", sizes, "");
+  file.write_texts("/source/hash", hashes);
+}
+
+std::vector<FileIdentity> read_sources(const h5::Source& source) {
+  std::vector<FileIdentity> out;
+  if (!source.has("/source")) return out;
+  const std::vector<std::string> names = source.texts("/source/name"), hashes = source.texts("/source/hash");
+  const h5::Dataset size = source.dataset("/source/size");
+  size.expect({names.size()});
+  const std::vector<std::int64_t> sizes = size.all<std::int64_t>();
+  if (hashes.size() != names.size())
+    throw InputError(source.name() + ": /source/hash: has " + std::to_string(hashes.size()) + " texts, expected " +
+                     std::to_string(names.size()));
+  for (std::size_t k = 0; k < names.size(); ++k)
+    out.push_back({names[k], static_cast<std::uint64_t>(sizes[k]), hashes[k]});
+  return out;
+}
+
+}  // namespace
+
+std::string difference_of_cases(const std::string& there, const std::string& now) {
   if (there == now) return "";
   std::istringstream a(there), b(now);
   std::string line_a, line_b;
@@ -23,8 +56,6 @@ std::string first_difference(const std::string& there, const std::string& now) {
            quoted(has_b, line_b) + " now";
   }
 }
-
-}  // namespace
 
 void write_head(h5::OutputFile& file, const RecordHead& head, const std::string& created) {
   file.attribute("/", "schema", schema_name);
@@ -50,6 +81,7 @@ void write_head(h5::OutputFile& file, const RecordHead& head, const std::string&
     file.attribute("/camera", "distortion", head.distortion.data(), {head.distortion.size()});
   file.attribute("/camera", "residual", head.camera_residual);
   file.attribute("/camera", "unit", head.length_unit);
+  if (!head.sources.empty()) write_sources(file, head.sources);
 }
 
 BuildInfo read_written_by(const h5::Source& source) {
@@ -76,8 +108,17 @@ RecordHead read_head(const h5::Source& source) {
   head.grid.origin = Vec2(numbers("/grid", "origin", 2).data());
   head.grid.spacing = Vec2(numbers("/grid", "spacing", 2).data());
   const std::vector<double> nodes = numbers("/grid", "nodes", 2);
+  for (const double n : nodes)
+    if (!(n >= 1 && n <= most_nodes) || n != std::floor(n) || nodes[0] * nodes[1] > most_nodes)
+      throw InputError(source.name() + ": /grid: attribute 'nodes' is " + std::to_string(nodes[0]) + ", " +
+                       std::to_string(nodes[1]) + ", expected two whole numbers whose product is 1 to " +
+                       std::to_string(most_nodes));
   head.grid.nx = static_cast<int>(nodes[0]);
   head.grid.ny = static_cast<int>(nodes[1]);
+  for (const double h : {head.grid.spacing.x(), head.grid.spacing.y()})
+    if (!(h > 0) || !std::isfinite(h) || !head.grid.origin.allFinite())
+      throw InputError(source.name() + ": /grid: spacing " + std::to_string(h) + " or the origin is no length, expected " +
+                       "finite numbers, spacings above 0");
   if (source.has_attribute("/camera", "metres_per_pixel"))
     head.metres_per_pixel = source.attribute_number("/camera", "metres_per_pixel");
   head.world_from_pixel =
@@ -85,14 +126,31 @@ RecordHead read_head(const h5::Source& source) {
   if (source.has_attribute("/camera", "distortion"))
     head.distortion = source.attribute_numbers("/camera", "distortion");
   head.camera_residual = source.attribute_number("/camera", "residual");
+  head.sources = read_sources(source);
   return head;
+}
+
+void check_same_program(const BuildInfo& there, const std::string& where) {
+  const BuildInfo& now = build_info();
+  const auto check = [&](const char* what, const std::string& a, const std::string& b) {
+    if (a != b)
+      throw InputError(where + ": another program began the run to resume, with " + what + " " + a + "; this one has " +
+                       b + "; run without --resume to start again");
+  };
+  check("version", there.version, now.version);
+  check("commit", there.commit, now.commit);
+  check("libraries", there.libraries, now.libraries);
 }
 
 void check_same_run(const RecordHead& there, const RecordHead& now, const std::string& where) {
   const std::string advice = "; run without --resume to start again";
-  const std::string difference = first_difference(there.case_text, now.case_text);
+  const std::string difference = difference_of_cases(there.case_text, now.case_text);
   if (!difference.empty())
     throw InputError(where + ": the case differs from that of the run to resume, " + difference + advice);
+  // Records of before 1.3 do not tell; they are finished.
+  const std::string file = there.sources.empty() ? "" : first_difference(there.sources, now.sources);
+  if (!file.empty())
+    throw InputError(where + ": the frames (or masks) are not those of the run to resume: " + file + advice);
   if (!(there.grid == now.grid))
     throw InputError(where +
                      ": the grid differs from that of the run to resume, though the case is the same (other frames?)" +

@@ -27,13 +27,14 @@ struct RecordWriter::Impl {
     std::size_t items() const { return open ? open->first() + open->count() : files.items(); }
   };
 
-  Impl(const std::filesystem::path& dir, const RecordHead& h, bool resume);
+  Impl(const std::filesystem::path& dir, const RecordHead& h, bool resume, std::shared_ptr<const DirectoryLock> held);
 
   Stage& writable(const std::string& name);
   void add(const std::string& name, const std::vector<ItemArray>& arrays);
   void close(Stage& stage, const std::vector<std::byte>* checkpoint);
   VectorField read_back(const Stage& piv, std::size_t index) const;
   std::vector<const Stage*> motions() const;  // in the order of their beginning
+  std::int64_t free_order() const;            // the least that no motion has
   void pack();           // everything that the stages left, into `packed`
   void commit_packed();  // comparison and views added, closed, put in place
   void pack_into(h5::OutputFile& out) const;
@@ -45,7 +46,7 @@ struct RecordWriter::Impl {
   int threads = 1;  // for packing
   std::string created;
   Units units;
-  DirectoryLock lock;
+  std::shared_ptr<const DirectoryLock> lock;
   std::map<std::string, Stage> stages;
   std::string energy_motion;                   // the one whose energies are kept
   std::map<std::string, StageFiles> former;    // as found on disk
@@ -68,7 +69,8 @@ void write_head(h5::OutputFile& file, const RecordHead& head, const std::string&
 RecordHead read_head(const h5::Source& source);
 BuildInfo read_written_by(const h5::Source& source);
 
-/// Throws InputError with a line that starts with `where` if a run of `there` cannot go on as `now`.
+/// Throw InputError with a line that starts with `where` if a run of `there` cannot go on as `now`, or in this program.
+void check_same_program(const BuildInfo& there, const std::string& where);
 void check_same_run(const RecordHead& there, const RecordHead& now, const std::string& where);
 
 }  // namespace pivnp::io

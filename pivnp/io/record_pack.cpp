@@ -9,6 +9,7 @@
 #include "pivnp/core/particles/derived.hpp"
 #include "pivnp/io/motion_file.hpp"
 #include "pivnp/io/record_impl.hpp"
+#include "pivnp/io/seal.hpp"
 #include "pivnp/io/xdmf.hpp"
 
 namespace pivnp::io {
@@ -174,6 +175,17 @@ void pack_closure(h5::OutputFile& out, const ClosureNote& note, const Grid& grid
               units.length2(), Packing::deflated);
 }
 
+// What was damaged since it was closed must not enter the record.
+void check_seals(const StageFiles& files) {
+  std::vector<std::filesystem::path> paths;
+  for (const SegmentInfo& segment : files.segments) paths.push_back(segment.path);
+  for (const std::filesystem::path& path : {files.particles, files.end})
+    if (!path.empty()) paths.push_back(path);
+  for (const std::filesystem::path& path : paths)
+    if (seal_of(path) != Seal::intact)
+      throw RunError(path.string() + ": was damaged after it was written; --resume computes it again");
+}
+
 // The anchor of the measurement decides how increments are summed; without one, central.
 bool central_anchor(const h5::Source& record) {
   if (!record.has("/piv/anchor")) return true;
@@ -195,6 +207,7 @@ void RecordWriter::Impl::guarded(h5::OutputFile& out, const std::function<void()
 
 void RecordWriter::Impl::pack() {
   if (packed) return;
+  for (const auto& [name, stage] : stages) check_seals(stage.files);
   auto out = std::make_unique<h5::OutputFile>(directory / "record.h5", threads);
   guarded(*out, [&] { pack_into(*out); });
   packed = std::move(out);

@@ -3,11 +3,25 @@
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
 #include "pivnp/io/motion_file.hpp"
+#include "pivnp/io/probe.hpp"
 #include "pivnp/io/record_impl.hpp"
+#include "pivnp/io/seal.hpp"
 
 namespace pivnp::io {
 
 namespace {
+
+// The file to open, if it is what was written or at least no danger to read.
+const std::filesystem::path& checked(const std::filesystem::path& file, Trust trust) {
+  if (trust == Trust::known || !std::filesystem::is_regular_file(file)) return file;
+  const Seal seal = seal_of(file);
+  if (seal == Seal::broken)
+    throw InputError(file.string() +
+                     ": damaged: its content is not the one its checksum was made of; expected the file as it was "
+                     "written (a copy of it, or the run again)");
+  if (seal == Seal::none) probe_foreign_file(file);
+  return file;
+}
 
 void check_version(const h5::Source& source) {
   const std::string& file = source.name();
@@ -39,16 +53,30 @@ std::vector<Frame> read_frames(const h5::Source& source) {
   return frames;
 }
 
+// Whatever the file says, pairs are of frames that it holds (where it holds any).
+std::size_t read_pairs(const h5::Source& source, std::size_t frames) {
+  if (!source.has("/piv")) return 0;
+  const h5::Dataset pair = source.dataset("/piv/pair");
+  const std::size_t pairs = pair.shape().empty() ? 0 : pair.shape()[0];
+  pair.expect({pairs, 2});
+  const std::vector<std::int32_t> indices = pair.all<std::int32_t>();
+  for (std::size_t k = 0; k < indices.size(); ++k)
+    if (indices[k] < 0 || (frames > 0 && std::size_t(indices[k]) >= frames))
+      throw InputError(pair.label() + ": pair " + std::to_string(k / 2) + " is of frame " + std::to_string(indices[k]) +
+                       ", expected one of " + std::to_string(frames));
+  return pairs;
+}
+
 }  // namespace
 
 struct RecordReader::Impl {
-  explicit Impl(const std::filesystem::path& file) : source(file) {
+  Impl(const std::filesystem::path& file, Trust trust) : source(checked(file, trust)) {
     check_version(source);
     head = read_head(source);
     units = {head.length_unit, head.time_unit};
     frames = read_frames(source);
     motions = source.children("/motion");
-    if (source.has("/piv")) pairs = source.dataset("/piv/pair").shape().at(0);
+    pairs = read_pairs(source, frames.size());
   }
 
   h5::Source source;
@@ -59,7 +87,8 @@ struct RecordReader::Impl {
   std::size_t pairs = 0;
 };
 
-RecordReader::RecordReader(const std::filesystem::path& file) : impl_(std::make_shared<Impl>(file)) {}
+RecordReader::RecordReader(const std::filesystem::path& file, Trust trust)
+    : impl_(std::make_shared<Impl>(file, trust)) {}
 RecordReader::~RecordReader() = default;
 
 const RecordHead& RecordReader::head() const { return impl_->head; }
@@ -83,7 +112,7 @@ std::optional<ClosureNote> RecordReader::closure() const {
   }
   if (source.has("/piv/closure_chain")) {
     const h5::Dataset chains = source.dataset("/piv/closure_chain");
-    const std::size_t count = chains.shape().at(0);
+    const std::size_t count = chains.shape().empty() ? 0 : chains.shape()[0];
     chains.expect({count, 2});
     note.chains.resize(count);
     chains.read(h5::Type::i32, 0, count, note.chains.data());
@@ -125,7 +154,9 @@ std::unique_ptr<MotionSource> RecordReader::motion(const std::string& name) cons
 std::vector<EnergyRow> RecordReader::energy() const {
   std::vector<EnergyRow> rows;
   if (!impl_->source.has("/energy")) return rows;
-  rows.resize(impl_->source.dataset("/energy/time").shape().at(0));
+  const h5::Dataset time = impl_->source.dataset("/energy/time");
+  rows.resize(h5::product(time.shape()));
+  time.expect({rows.size()});
   for (const EnergyColumn& column : energy_table()) {
     const std::string name = std::string("/energy/") + column.name;
     if (!impl_->source.has(name) && column.since_minor > 0) continue;

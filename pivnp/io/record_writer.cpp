@@ -9,6 +9,7 @@
 #include "pivnp/core/particles/fields.hpp"
 #include "pivnp/io/motion_file.hpp"
 #include "pivnp/io/record_impl.hpp"
+#include "pivnp/io/seal.hpp"
 
 namespace pivnp::io {
 
@@ -21,15 +22,6 @@ std::string utc_now() {
   char text[32];
   std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
   return text;
-}
-
-const std::filesystem::path& made(const std::filesystem::path& directory) {
-  std::error_code error;
-  std::filesystem::create_directories(directory, error);
-  if (!std::filesystem::is_directory(directory))
-    throw InputError(directory.string() + ": cannot be made: " +
-                     (error ? error.message() : "a file of that name is there") + "; expected a directory to write to");
-  return directory;
 }
 
 // As the file holds them: areas in single precision.
@@ -45,8 +37,13 @@ void require(bool ok, const std::string& what) {
 
 }  // namespace
 
-RecordWriter::Impl::Impl(const std::filesystem::path& dir, const RecordHead& h, bool resume)
-    : directory(made(dir)), parts(dir / "parts"), head(h), units{h.length_unit, h.time_unit}, lock(dir) {
+RecordWriter::Impl::Impl(const std::filesystem::path& dir, const RecordHead& h, bool resume,
+                         std::shared_ptr<const DirectoryLock> held)
+    : directory(dir),
+      parts(dir / "parts"),
+      head(h),
+      units{h.length_unit, h.time_unit},
+      lock(held ? std::move(held) : std::make_shared<DirectoryLock>(dir)) {
   for (const char* left : {"record.h5.tmp", "record.xdmf.tmp", "parts.old"})
     std::filesystem::remove_all(directory / left);
   const std::filesystem::path record = directory / "record.h5";
@@ -69,7 +66,7 @@ void RecordWriter::Impl::remove_parts() {
 
 void RecordWriter::Impl::start_afresh() {
   remove_parts();
-  made(parts);
+  std::filesystem::create_directories(parts);
   created = utc_now();
   h5::OutputFile file(parts / "head.h5");
   write_head(file, head, created);
@@ -79,12 +76,15 @@ void RecordWriter::Impl::start_afresh() {
 
 void RecordWriter::Impl::take_up() {
   {
+    if (seal_of(parts / "head.h5") != Seal::intact)
+      throw InputError((parts / "head.h5").string() + ": is damaged; run without --resume to start again");
     const h5::Source source(parts / "head.h5");
     const std::string version = source.attribute_text("/", "schema_version");
     if (version != schema_version)
       throw InputError(parts.string() + ": segments of schema version " + version + ", expected " + schema_version +
                        "; run without --resume to start again");
     const RecordHead there = read_head(source);
+    check_same_program(read_written_by(source), parts.string());
     check_same_run(there, head, parts.string());
     head.command = there.command;  // the record tells how the run began
     created = source.attribute_text("/", "created");
@@ -156,8 +156,16 @@ std::vector<const RecordWriter::Impl::Stage*> RecordWriter::Impl::motions() cons
   return out;
 }
 
-RecordWriter::RecordWriter(const std::filesystem::path& directory, const RecordHead& head, bool resume, int threads)
-    : impl_(std::make_unique<Impl>(directory, head, resume)) {
+std::int64_t RecordWriter::Impl::free_order() const {
+  const std::vector<const Stage*> begun = motions();
+  std::int64_t order = 1;
+  for (const Stage* stage : begun) order += stage->order == order;
+  return order;
+}
+
+RecordWriter::RecordWriter(const std::filesystem::path& directory, const RecordHead& head, bool resume, int threads,
+                           std::shared_ptr<const DirectoryLock> held)
+    : impl_(std::make_unique<Impl>(directory, head, resume, std::move(held))) {
   impl_->threads = threads;
 }
 RecordWriter::~RecordWriter() = default;
@@ -202,7 +210,7 @@ void RecordWriter::begin_motion(const std::string& name, const ParticleSet& part
                        "' differ from those of the run to resume; run without --resume to start again");
     return;
   }
-  if (stage.order == 0) stage.order = static_cast<std::int64_t>(impl_->motions().size());
+  if (stage.order == 0) stage.order = impl_->free_order();
   stage.particles = particles.size();
   const std::filesystem::path path = impl_->parts / (stage_file_name(key) + ".particles.h5");
   h5::OutputFile file(path);
@@ -334,7 +342,7 @@ void RecordWriter::finish() {
   write_xdmf(impl_->directory / "record.h5");
   impl_->last_read.reset();
   impl_->remove_parts();
-  impl_->finished = std::make_unique<RecordReader>(impl_->directory / "record.h5");
+  impl_->finished = std::make_unique<RecordReader>(impl_->directory / "record.h5", Trust::known);
 }
 
 }  // namespace pivnp::io

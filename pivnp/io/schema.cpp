@@ -44,10 +44,10 @@ const std::vector<EnergyColumn>& energy_table() {
       {"plastic", &EnergyRow::plastic}, {"damping", &EnergyRow::damping}, {"contact", &EnergyRow::contact},
       {"external", &EnergyRow::external}, {"residual", &EnergyRow::residual},
       {"hourglass", &EnergyRow::hourglass, 1},
-      {"water", &EnergyRow::water, 3, true},
-      {"darcy", &EnergyRow::darcy, 3, true},
-      {"water_mass", &EnergyRow::water_mass, 3, true, "kg/m"},
-      {"water_inflow", &EnergyRow::water_inflow, 3, true, "kg/m"}};
+      {"water", &EnergyRow::water, 4, true},
+      {"darcy", &EnergyRow::darcy, 4, true},
+      {"water_mass", &EnergyRow::water_mass, 4, true, "kg/m"},
+      {"water_inflow", &EnergyRow::water_inflow, 4, true, "kg/m"}};
   return table;
 }
 

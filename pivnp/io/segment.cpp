@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/io/seal.hpp"
 
 namespace pivnp::io {
 
@@ -31,6 +32,11 @@ void cut_back(StageFiles& stage) {
   std::sort(stage.segments.begin(), stage.segments.end(),
             [](const SegmentInfo& a, const SegmentInfo& b) { return a.first < b.first; });
   std::size_t good = 0, next = 0;
+  if (stage.stage.starts_with("motion/") && stage.particles.empty()) {  // damaged: nothing to go on from
+    std::filesystem::remove(stage.end);
+    stage.end.clear();
+    return remove_from(stage, 0);
+  }
   while (good < stage.segments.size() && stage.segments[good].first == next) next += stage.segments[good++].count;
   if (!stage.end.empty()) {
     const bool whole = good == stage.segments.size() &&
@@ -93,6 +99,10 @@ std::vector<StageFiles> scan_parts(const std::filesystem::path& parts) {
     const std::filesystem::path& path = entry.path();
     if (path.extension() == ".tmp") unusable.push_back(path);
     if (path.extension() != ".h5" || path.filename() == "head.h5") continue;
+    if (seal_of(path) != Seal::intact) {
+      unusable.push_back(path);  // damaged: as if it had never been closed
+      continue;
+    }
     try {
       const h5::Source source(path);
       const std::string stage = source.attribute_text("/", "stage");
@@ -106,7 +116,7 @@ std::vector<StageFiles> scan_parts(const std::filesystem::path& parts) {
                                   static_cast<std::size_t>(source.attribute_number("/", "count")),
                                   source.has("/checkpoint")});
     } catch (const InputError&) {
-      unusable.push_back(path);  // damaged: as if it had never been closed
+      unusable.push_back(path);
     }
   }
   for (const auto& path : unusable) std::filesystem::remove(path);
@@ -184,18 +194,28 @@ ParticleSet read_particles(const h5::Source& source, const std::string& group) {
 VectorField read_pair(const h5::Source& source, const std::string& group, const Grid& grid, std::size_t index) {
   VectorField f;
   f.grid = grid;
+  std::vector<h5::Dataset> datasets;  // of the right shapes, before there is room for what they hold
+  for (const ItemArray& a : pair_arrays(grid, Units{}, nullptr)) {
+    h5::Dataset d = source.dataset(group + "/" + a.name);
+    h5::Shape expected{d.shape().empty() ? 0 : d.shape()[0]};
+    expected.insert(expected.end(), a.item.begin(), a.item.end());
+    d.expect(expected);
+    datasets.push_back(std::move(d));
+  }
   const std::size_t nodes = grid.node_count();
   f.displacement.resize(nodes);
   f.status.resize(nodes);
   f.cov.resize(nodes);
   f.score.resize(nodes);
-  for (const ItemArray& a : pair_arrays(grid, Units{}, &f)) {
-    const h5::Dataset d = source.dataset(group + "/" + a.name);
-    h5::Shape expected{d.shape().empty() ? 0 : d.shape()[0]};
-    expected.insert(expected.end(), a.item.begin(), a.item.end());
-    d.expect(expected);
-    d.read(a.type, index, 1, const_cast<void*>(a.data));  // `f`'s own arrays
-  }
+  const std::vector<ItemArray> arrays = pair_arrays(grid, Units{}, &f);
+  for (std::size_t k = 0; k < arrays.size(); ++k)
+    datasets[k].read(arrays[k].type, index, 1, const_cast<void*>(arrays[k].data));  // `f`'s own
+  if (f.anchor != Anchor::forward && f.anchor != Anchor::central)
+    throw InputError(source.name() + ": " + group + "/anchor: pair " + std::to_string(index) + " has anchor " +
+                     std::to_string(int(f.anchor)) + ", expected 0 or 1");
+  // What a later version calls a vector is not known to be of use.
+  for (VectorStatus& status : f.status)
+    if (status > VectorStatus::failed) status = VectorStatus::rejected;
   return f;
 }
 

@@ -13,6 +13,13 @@ inline constexpr std::array shape_functions_names{
     NamedValue{"cubic", ShapeFunctions::cubic},       NamedValue{"bspline2", ShapeFunctions::bspline2},
     NamedValue{"bspline3", ShapeFunctions::bspline3}, NamedValue{"triangles", ShapeFunctions::triangles}};
 constexpr const auto& names_of(ShapeFunctions) { return shape_functions_names; }
+/// Cells that a gradient is taken over, along an axis.
+constexpr int cells_spanned(ShapeFunctions shape) {
+  using enum ShapeFunctions;
+  if (shape == quadratic || shape == bspline2) return 2;
+  if (shape == cubic || shape == bspline3) return 3;
+  return 1;
+}
 
 /// Where the gradient of an increment is taken.
 enum class GradientPlace { particle, element };

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "pivnp/core/particles/alive.hpp"
+
 namespace pivnp::np {
 
 Reseeder::Reseeder(const Grid& grid, int per_element, SeedPattern pattern, const Tracker& tracker) : grid_(grid) {
@@ -20,7 +22,7 @@ std::vector<std::int32_t> Reseeder::labels(const Tracker& tracker) const {
   ElementPoint at;
   for (std::size_t p = 0; p < state.size(); ++p) {
     const auto now = state[p];
-    if (now.status != ParticleStatus::active && now.status != ParticleStatus::flagged) continue;
+    if (!alive(now.status)) continue;
     if (locate(grid_, now.x, at)) out[grid_.element(at.i, at.j)] = tracker.particles().label[p];
   }
   return out;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/particles/alive.hpp"
 #include "pivnp/np/carry.hpp"
 #include "pivnp/np/tensor_field.hpp"
 #include "pivnp/np/triangle_gather.hpp"
@@ -174,7 +175,7 @@ void Tracker::step(const Scattered& field, double usual, double longest, double 
 void Tracker::correct(std::size_t p, const Vec2& x, const Mat2& F, const std::array<double, 3>& cov) {
   if (!good_state(x.x(), x.y(), tensor(F)))
     throw InputError("np: particle " + std::to_string(particles_.id[p]) + ": a correction that is no state");
-  if (status_[p] != ParticleStatus::active && status_[p] != ParticleStatus::flagged) return;
+  if (!alive(status_[p])) return;
   x_[p] = x;
   F_[p] = F;
   cov_[p] = cov;

@@ -17,7 +17,7 @@ namespace pivnp::np {
 struct Scattered;  // triangle_gather.hpp
 
 /// Follows particles through pairs of consecutive frames. State is double precision. Shape functions
-/// (thesis, equations 2.1-2.4, 2.3 as corrected in core/grid/shape.hpp): bilinear, or by NpOptions::shape of higher
+/// (thesis, equations 2.1-2.4, 2.3 as corrected in docs/theory/particles.md): bilinear, or by NpOptions::shape of higher
 /// order (basis.hpp) or on triangles, on the same nodes. Same bits for any number of threads.
 class Tracker {
  public:

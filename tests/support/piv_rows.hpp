@@ -95,7 +95,7 @@ inline std::vector<Row> piv_rows(int side, bool more = false) {
   bad("sine 128 A=.2 noise 5 %", sine(.2, 128), .05, 0, {.rms = .020, .valid = .97, .gain = .93});
   bad("sine 64 loss 20 %", sine(1, 64), 0, .2, {.rms = .035, .valid = .95});
   bad("band w=8 loss 20 %", band(2, 8, c, c), 0, .2, {.rms = .045, .valid = .95}), banded(8, 2);
-  rows.push_back({.name = "sine 64 uneven light",
+  rows.push_back({.name = "sine 64 uneven illumination",
                   .kind = RowKind::illumination,
                   .motion = sine(1, 64),
                   .light_slope = .4,

@@ -151,7 +151,7 @@ std::vector<std::string> closure_remarks(const ClosureNote& note, const Setting&
   const auto at = [&](double q) { return number(sigma[std::size_t(q * double(sigma.size() - 1))] / pixel, 2); };
   return {
       "Steps in turn differ from direct correlation over up to " + std::to_string(longest) +
-      " of them by more than their uncertainty explains: every pair repeats an error at the same place (standing light, "
+      " of them by more than their uncertainty explains: every pair repeats an error at the same place (fixed illumination, "
       "dirt, reflections), of " +
       at(0.5) + " px in the median and of more than " + at(0.95) +
       " px in the worst twentieth. The uncertainty of the paths includes it."};

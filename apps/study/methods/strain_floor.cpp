@@ -10,13 +10,6 @@ namespace pivnp::app {
 
 namespace {
 
-int cells_spanned(np::ShapeFunctions shape) {
-  using enum np::ShapeFunctions;
-  if (shape == quadratic || shape == bspline2) return 2;
-  if (shape == cubic || shape == bspline3) return 3;
-  return 1;
-}
-
 std::vector<Vec2> zone(const Setting& setting, const np::NpOptions& options) {
   std::vector<Vec2> vertices;
   for (const Pair& p : options.still_zone_m) vertices.emplace_back(p[0], p[1]);
@@ -63,7 +56,7 @@ StrainNote strain_note(const Case& c, const Setting& setting, const MotionSource
   StrainNote note;
   const double window = c.piv.value_or(piv::PivOptions{}).window_px;
   const double pixel = setting.grid.spacing.x() / node_spacing_px(setting);
-  note.gauge_length = cells_spanned(options.shape) * setting.grid.spacing.maxCoeff() + window * pixel;
+  note.gauge_length = np::cells_spanned(options.shape) * setting.grid.spacing.maxCoeff() + window * pixel;
   const std::vector<Vec2> vertices = zone(setting, options);
   const std::size_t frames = motion.times().size();
   const ParticleSet& particles = motion.particles();

@@ -38,7 +38,7 @@ std::vector<report::Picture> pictures(const Case& c, const io::RecordReader& rec
 
 void write_report_of(const Case& c, RunOutcome& outcome, std::optional<Comparison> comparison,
                      image::FrameSource* source, const fs::path& directory) {
-  const io::RecordReader record(outcome.record);
+  const io::RecordReader record(outcome.record, io::Trust::known);  // just written, or read before
   report::ReportInput input;
   input.name = c.name;
   input.record = &record;

@@ -11,6 +11,7 @@
 #include "pivnp/core/record/vectors.hpp"
 #include "pivnp/image/camera.hpp"
 #include "pivnp/image/mask.hpp"
+#include "pivnp/io/file_identity.hpp"
 #include "pivnp/piv/piv.hpp"
 
 namespace pivnp::app {
@@ -35,6 +36,7 @@ struct Setting {
   image::Mask mask;
   Grid grid;                    // the shared nodes
   std::vector<Region> regions;  // in the world; the whole grid if the case names none
+  std::vector<io::FileIdentity> sources;  // of a run: the files its frames and masks come from (sources_of)
 };
 
 /// Throws InputError where grid, masks or regions do not fit the frames. `width` = 0: no frames; the grid then comes

@@ -61,6 +61,10 @@ OpenedMotion open_motion(const std::string& text, const CompareSources& sources)
   return {record.head(), std::move(found), std::move(note)};
 }
 
+bool same_names(const std::vector<Frame>& a, const std::vector<Frame>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Frame& x, const Frame& y) { return x.name == y.name; });
+}
+
 void copy_motion(const MotionSource& motion, const std::string& name, io::RecordWriter& writer) {
   const std::string stage = "motion/" + name;
   writer.begin_motion(name, motion.particles());
@@ -115,7 +119,11 @@ RunOutcome report_record(const fs::path& given, const RunSettings& settings, Pro
   std::optional<Comparison> comparison;
   {
     const io::RecordReader record(file);
-    c = parse_case(record.head().case_text, file.string() + " (its case)", file.parent_path());
+    if (record.pair_count() > 0 && record.frames().empty())
+      throw InputError(file.string() + ": /frames: is missing, but /piv holds " + std::to_string(record.pair_count()) +
+                       " pairs of frames");
+    c = parse_recorded_case(record.head().case_text, file.string() + " (its case)", file.parent_path());
+    for (const std::string& note : c.notes) outcome.remarks.push_back("Of the record's case: " + note + ".");
     if (settings.frames) {
       if (!c.frames) c.frames = image::FrameOptions{};
       c.frames->path = fs::absolute(*settings.frames).string();
@@ -123,6 +131,12 @@ RunOutcome report_record(const fs::path& given, const RunSettings& settings, Pro
     if (c.frames && record.pair_count() > 0) {
       try {
         source = image::open_frames(*c.frames, c.folder);
+        if (!same_names(source->frames(), record.frames())) {
+          source.reset();
+          outcome.remarks.push_back("The frames at " + c.frames->path +
+                                    " are not those that were measured: vectors are drawn without a picture; --frames "
+                                    "names their place.");
+        }
       } catch (const InputError&) {
         outcome.remarks.push_back("The frames are not where the record says (" + c.frames->path +
                                   "): vectors are drawn without a picture; --frames names their new place.");

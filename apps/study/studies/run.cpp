@@ -14,6 +14,7 @@
 #include "apps/study/pipeline/outcome.hpp"
 #include "apps/study/pipeline/record_head.hpp"
 #include "apps/study/pipeline/report_input.hpp"
+#include "apps/study/pipeline/sources.hpp"
 #include "apps/study/synth/case_frames.hpp"
 #include "pivnp/core/error.hpp"
 
@@ -55,9 +56,11 @@ class Run {
     std::error_code failed;
     fs::create_directories(settings.out, failed);
     if (failed) throw RunError(settings.out.string() + ": " + failed.message());
+    lock_ = std::make_shared<io::DirectoryLock>(settings.out);
     if (measures || c_.frames) open_frames();
     setting_ = make_setting(c_, source_ ? source_->width() : 0, source_ ? source_->height() : 0);
-    writer_ = std::make_unique<io::RecordWriter>(settings.out, head(), settings.resume, settings.threads);
+    setting_.sources = sources_of(c_, source_.get(), progress);
+    writer_ = std::make_unique<io::RecordWriter>(settings.out, head(), settings.resume, settings.threads, lock_);
     if (tracks) check_strain_floor(c_, setting_, frames_.size());
   }
 
@@ -126,7 +129,7 @@ class Run {
 
  private:
   void open_frames() {
-    source_ = image::prefetched(case_frames(c_, settings_, progress_));
+    source_ = image::prefetched(case_frames(c_, settings_, progress_, lock_.get()));
     frames_ = source_->frames();
     if (measures && frames_.size() < 2)
       throw InputError(c_.frames->path + ": found 1 frame, expected at least 2 to measure motion");
@@ -143,6 +146,7 @@ class Run {
   const RunSettings& settings_;
   Progress& progress_;
   Case c_;
+  std::shared_ptr<const io::DirectoryLock> lock_;  // of the output folder, drawn frames included
   std::unique_ptr<image::FrameSource> source_;
   std::vector<Frame> frames_;
   Setting setting_;

@@ -115,11 +115,12 @@ std::unique_ptr<image::FrameSource> open_drawn(const Case& c, const fs::path& fo
 }
 
 Measurement draw_and_measure(const Case& c, const RunSettings& settings, Progress& progress) {
-  synthesize(c, settings, progress);
+  const auto lock = std::make_shared<io::DirectoryLock>(settings.out);
+  synthesize(c, settings, progress, lock.get());
   std::unique_ptr<image::FrameSource> source = open_drawn(c, settings.out / "frames");
   Setting setting = make_setting(c, source->width(), source->height());
   auto writer =
-      std::make_unique<io::RecordWriter>(settings.out, record_head(c, setting, settings), false, settings.threads);
+      std::make_unique<io::RecordWriter>(settings.out, record_head(c, setting, settings), false, settings.threads, lock);
   measure(c, setting, *source, *writer, settings.threads, progress);
   const io::RecordReader truth(settings.out / "truth" / "record.h5");
   const AffineMotion motion = affine_motion(*c.synth, setting);

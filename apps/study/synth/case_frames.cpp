@@ -1,17 +1,20 @@
 #include "apps/study/synth/case_frames.hpp"
 
+#include "apps/study/synth/drawn_frames.hpp"
 #include "apps/study/synth/synthesize.hpp"
 
 namespace pivnp::app {
 
 namespace fs = std::filesystem;
 
-std::unique_ptr<image::FrameSource> case_frames(Case& c, const RunSettings& settings, Progress& progress) {
+std::unique_ptr<image::FrameSource> case_frames(Case& c, const RunSettings& settings, Progress& progress,
+                                                const io::DirectoryLock* held) {
   const bool drawn = c.synth && !settings.frames && (!c.frames || c.frames->path.empty());
   if (!c.frames && !drawn && !settings.frames) return nullptr;
   if (!c.frames) c.frames = image::FrameOptions{};
   if (drawn) {
-    if (!(settings.resume && fs::exists(settings.out / "truth" / "record.h5"))) synthesize(c, settings, progress);
+    const bool there = settings.resume && DrawnFrames(c, settings.out / "frames").complete();
+    if (!there) synthesize(c, settings, progress, held);
     c.frames->path = fs::absolute(settings.out / "frames" / "frame_*.png").string();
     if (!c.frames->rate_hz) c.frames->rate_hz = 1.0;
   } else if (settings.frames && fs::is_directory(*settings.frames) && !c.frames->path.empty()) {

@@ -2,9 +2,10 @@
 
 #include <Eigen/LU>
 #include <cmath>
-#include <cstdio>
+#include <optional>
 
 #include "apps/study/pipeline/record_head.hpp"
+#include "apps/study/synth/drawn_frames.hpp"
 #include "apps/study/synth/truth.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/image/synthetic.hpp"
@@ -51,7 +52,7 @@ class Drawing {
       : c_(c),
         synth_(*c.synth),
         setting_(make_setting(c, synth_.width_px, synth_.height_px)),
-        folder_(settings.out / "frames"),
+        drawn_(c, settings.out / "frames"),
         particles_(seed_particles(c, setting_)),
         writer_(settings.out / "truth", record_head(c, setting_, settings), false, settings.threads),
         renderer_(c.texture, synth_.width_px, synth_.height_px) {
@@ -59,9 +60,7 @@ class Drawing {
     for (int k = 0; k < synth_.frames; ++k) times_.push_back(k / rate);
     const Mat2 J = setting_.camera.jacobian({synth_.width_px / 2.0, synth_.height_px / 2.0});
     pixel_ = std::sqrt(std::abs(J.determinant()));
-    std::error_code failed;
-    fs::create_directories(folder_, failed);
-    if (failed) throw RunError(folder_.string() + ": " + failed.message());
+    drawn_.begin();
     writer_.begin_motion("truth", particles_);
   }
 
@@ -73,6 +72,7 @@ class Drawing {
     writer_.end_stage("motion/truth", &particles_);
     writer_.set_frames(frames_);
     writer_.finish();
+    drawn_.finish();
   }
 
  private:
@@ -82,9 +82,8 @@ class Drawing {
 
   // Frame `k` and its truth. `seeds`: where the particles are, `F` their deformation gradients.
   void put(int k, const std::vector<Vec2>& texture, const std::vector<Vec2>& seeds, const std::vector<Mat2>& F) {
-    char name[32];
-    std::snprintf(name, sizeof name, "frame_%05d.png", k);
-    image::write_image(renderer_.draw(to_pixels(texture, setting_.camera), k, synth_.frames).view(), folder_ / name);
+    const std::string name = DrawnFrames::name(k);
+    image::write_image(renderer_.draw(to_pixels(texture, setting_.camera), k, synth_.frames).view(), drawn_.folder() / name);
     frames_.push_back({name, times_[std::size_t(k)], frame_ok});
     writer_.add_frame("truth", truth_frame(times_[std::size_t(k)], particles_, seeds, F));
     if (writer_.segment_full("motion/truth")) writer_.close_segment("motion/truth", {});
@@ -99,7 +98,7 @@ class Drawing {
   const Case& c_;
   const SynthOptions& synth_;
   const Setting setting_;
-  const fs::path folder_;
+  const DrawnFrames drawn_;
   const ParticleSet particles_;
   io::RecordWriter writer_;
   const image::BlobRenderer renderer_;
@@ -176,8 +175,10 @@ void Drawing::by_increments(Progress& progress) {
 
 }  // namespace
 
-void synthesize(const Case& c, const RunSettings& settings, Progress& progress) {
+void synthesize(const Case& c, const RunSettings& settings, Progress& progress, const io::DirectoryLock* held) {
   if (!c.synth) throw InputError(of_file(c) + ": there is no [synth] table, so there is nothing to draw");
+  std::optional<io::DirectoryLock> own;
+  if (held == nullptr) own.emplace(settings.out);
   Drawing drawing(c, settings);
   if (c.synth->motion == SynthMotion::mpm) drawing.by_simulation(settings.threads, progress);
   else if (c.synth->motion == SynthMotion::slope) drawing.by_stages(progress);

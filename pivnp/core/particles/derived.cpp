@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <optional>
 
@@ -26,85 +27,14 @@ double parabola_slope(const std::array<double, 3>& t, const std::array<double, 3
   return a * f[0] + b * f[1] + c * f[2];
 }
 
-// Of a strain or of its rate; `which` is the end of the field's name.
-double component(const Strain& e, std::string_view which) {
-  if (which == "xx") return e.xx;
-  if (which == "yy") return e.yy;
-  if (which == "xy") return e.xy;
-  if (which == "vol") return volumetric(e);
-  if (which == "dev") return deviatoric(e);
-  const Principal q = principal(e);
-  return which == "1" ? q.first : which == "2" ? q.second : q.angle;
-}
+double xx(const Strain& e) { return e.xx; }
+double yy(const Strain& e) { return e.yy; }
+double xy(const Strain& e) { return e.xy; }
+double major(const Strain& e) { return principal(e).first; }
+double minor(const Strain& e) { return principal(e).second; }
+double direction(const Strain& e) { return principal(e).angle; }
 
 }  // namespace
-
-std::vector<DerivedField> derived_fields() {
-  std::vector<DerivedField> fields = {
-      {"displacement_x", "L", "u_x since the first frame", "displacement x"},
-      {"displacement_y", "L", "u_y since the first frame", "displacement y"},
-      {"displacement_magnitude", "L", "|u|", "displacement"},
-      {"velocity_x", "L/T", "du_x/dt, second-order differences over the frames, or the source's own"},
-      {"velocity_y", "L/T", "du_y/dt, likewise"},
-      {"velocity_magnitude", "L/T", "|v|", "velocity"},
-      {"acceleration_x", "L/T^2", "dv_x/dt, second-order differences over the frames"},
-      {"acceleration_y", "L/T^2", "dv_y/dt, likewise"},
-      {"acceleration_magnitude", "L/T^2", "|a|", "acceleration"},
-  };
-  std::vector<DerivedField> strains = {
-      {"strain_xx", "1", "xx of the logarithmic strain 1/2 ln(F F^T)"},
-      {"strain_yy", "1", "yy of the logarithmic strain"},
-      {"strain_xy", "1", "xy of the logarithmic strain (tensor component)"},
-      {"strain_vol", "1", "volumetric strain ln J", "volumetric strain"},
-      {"strain_dev", "1", "sqrt(2/3 e:e) of the deviator of the logarithmic strain, plane strain", "deviatoric strain"},
-      {"strain_1", "1", "greater principal logarithmic strain", "major principal strain"},
-      {"strain_2", "1", "smaller principal logarithmic strain", "minor principal strain"},
-      {"strain_angle", "rad", "direction of strain_1 from the x axis", "direction of the major principal strain"},
-      {"J", "1", "det F", "volume ratio J"},
-      {"strain_dev_path", "1", "sum over frames of sqrt(2/3 de:de), de the deviator of the strain increment",
-       "deviatoric strain along the path"},
-      {"strain_rate_xx", "1/T", "xx of the rate of deformation, the symmetric part of (dF/dt) F^-1; dF/dt by second-order "
-                                "differences over the frames"},
-      {"strain_rate_yy", "1/T", "yy of the rate of deformation"},
-      {"strain_rate_xy", "1/T", "xy of the rate of deformation (tensor component)"},
-      {"strain_rate_vol", "1/T", "rate of volume change, xx + yy of the rate of deformation"},
-      {"strain_rate_dev", "1/T", "sqrt(2/3 d:d) of the deviator of the rate of deformation, plane strain"},
-      {"strain_rate_1", "1/T", "greater principal rate of deformation"},
-      {"strain_rate_2", "1/T", "smaller principal rate of deformation"},
-      {"strain_rate_angle", "rad", "direction of strain_rate_1 from the x axis"},
-      {"strain_sum_xx", "1", "sum of small-strain increments (the thesis' measure; not objective)"},
-      {"strain_sum_yy", "1", "sum of small-strain increments"},
-      {"strain_sum_xy", "1", "sum of small-strain increments"},
-      {"strain_sum_dev", "1", "sqrt(2/3 e:e) of the deviator of the summed strain", "summed deviatoric strain"},
-  };
-  for (DerivedField& field : strains) field.strain = true;
-  fields.insert(fields.end(), strains.begin(), strains.end());
-  fields.push_back({"mean_stress", "Pa", "(s_xx + s_yy + s_zz)/3, tension positive", "mean stress", "stress"});
-  for (DerivedField& field : fields)
-    if (field.label.empty()) {
-      field.label = field.name;
-      std::replace(field.label.begin(), field.label.end(), '_', ' ');
-    }
-  for (const MotionField& row : motion_fields()) {
-    if (row.member) continue;
-    const std::vector<std::string> components = row.component_names();
-    for (std::size_t c = 0; c < components.size(); ++c) {
-      const std::string& which = components[c];
-      fields.push_back({which.empty() ? row.name : row.name + "_" + which, row.unit, row.definition,
-                        which.empty() ? row.label : row.label + " " + which, row.name, c});
-    }
-  }
-  return fields;
-}
-
-DerivedField derived_field(std::string_view name) {
-  std::vector<DerivedField> all = derived_fields();
-  const auto it = std::find_if(all.begin(), all.end(), [&](const DerivedField& f) { return f.name == name; });
-  if (it != all.end()) return *it;
-  std::vector<std::string> names;
-  for (const DerivedField& f : all) names.push_back(f.name);
-  throw InputError("unknown field '" + std::string(name) + "'" + did_you_mean(std::string(name), names));
-}
 
 struct DerivedReader::State {
   const MotionSource& motion;
@@ -190,54 +120,164 @@ struct DerivedReader::State {
   }
 };
 
+namespace {
+
+using State = DerivedReader::State;
+
+// Value of a living particle p at frame k, which `now` is.
+using Value = std::function<double(State&, const MotionFrame& now, std::size_t p, std::size_t k)>;
+
+struct Row {
+  DerivedField field;
+  Value value;
+  bool sums = false;  // of the path up to the frame
+};
+
+Value of_strain(double (*of)(const Strain&)) {
+  return [of](State&, const MotionFrame& now, std::size_t p, std::size_t) { return of(log_strain(matrix(now.F[p]))); };
+}
+Value of_rate(double (*of)(const Strain&)) {
+  return [of](State& s, const MotionFrame&, std::size_t p, std::size_t k) { return of(s.rate(p, k)); };
+}
+Value of_sum(double (*of)(const Strain&)) {
+  return [of](State& s, const MotionFrame&, std::size_t p, std::size_t) { return of(s.sum[p]); };
+}
+Value displacement(int axis) {
+  return [axis](State&, const MotionFrame& now, std::size_t p, std::size_t) { return double(now.u[p][std::size_t(axis)]); };
+}
+Value velocity(int axis) {
+  return [axis](State& s, const MotionFrame&, std::size_t p, std::size_t k) { return s.velocity(p, k, axis); };
+}
+Value acceleration(int axis) {
+  return [axis](State& s, const MotionFrame&, std::size_t p, std::size_t k) { return s.acceleration(p, k, axis); };
+}
+Value magnitude(const Value& x, const Value& y) {
+  return [x, y](State& s, const MotionFrame& now, std::size_t p, std::size_t k) {
+    return std::hypot(x(s, now, p, k), y(s, now, p, k));
+  };
+}
+
+std::vector<Row> rows_of_motion() {
+  return {
+      {{"displacement_x", "L", "u_x since the first frame", "displacement x"}, displacement(0)},
+      {{"displacement_y", "L", "u_y since the first frame", "displacement y"}, displacement(1)},
+      {{"displacement_magnitude", "L", "|u|", "displacement"},
+       [](State&, const MotionFrame& now, std::size_t p, std::size_t) { return double(std::hypot(now.u[p][0], now.u[p][1])); }},
+      {{"velocity_x", "L/T", "du_x/dt, second-order differences over the frames, or the source's own"}, velocity(0)},
+      {{"velocity_y", "L/T", "du_y/dt, likewise"}, velocity(1)},
+      {{"velocity_magnitude", "L/T", "|v|", "velocity"}, magnitude(velocity(0), velocity(1))},
+      {{"acceleration_x", "L/T^2", "dv_x/dt, second-order differences over the frames"}, acceleration(0)},
+      {{"acceleration_y", "L/T^2", "dv_y/dt, likewise"}, acceleration(1)},
+      {{"acceleration_magnitude", "L/T^2", "|a|", "acceleration"}, magnitude(acceleration(0), acceleration(1))},
+  };
+}
+
+std::vector<Row> rows_of_strain() {
+  std::vector<Row> rows = {
+      {{"strain_xx", "1", "xx of the logarithmic strain 1/2 ln(F F^T)"}, of_strain(xx)},
+      {{"strain_yy", "1", "yy of the logarithmic strain"}, of_strain(yy)},
+      {{"strain_xy", "1", "xy of the logarithmic strain (tensor component)"}, of_strain(xy)},
+      {{"strain_vol", "1", "volumetric strain ln J", "volumetric strain"}, of_strain(volumetric)},
+      {{"strain_dev", "1", "sqrt(2/3 e:e) of the deviator of the logarithmic strain, plane strain", "deviatoric strain"},
+       of_strain(deviatoric)},
+      {{"strain_1", "1", "greater principal logarithmic strain", "major principal strain"}, of_strain(major)},
+      {{"strain_2", "1", "smaller principal logarithmic strain", "minor principal strain"}, of_strain(minor)},
+      {{"strain_angle", "rad", "direction of strain_1 from the x axis", "direction of the major principal strain"},
+       of_strain(direction)},
+      {{"J", "1", "det F", "volume ratio J"},
+       [](State&, const MotionFrame& now, std::size_t p, std::size_t) { return matrix(now.F[p]).determinant(); }},
+      {{"strain_dev_path", "1", "sum over frames of sqrt(2/3 de:de), de the deviator of the strain increment",
+        "deviatoric strain along the path"},
+       [](State& s, const MotionFrame&, std::size_t p, std::size_t) { return s.path[p]; }, true},
+      {{"strain_rate_xx", "1/T", "xx of the rate of deformation, the symmetric part of (dF/dt) F^-1; dF/dt by second-order "
+                                 "differences over the frames"}, of_rate(xx)},
+      {{"strain_rate_yy", "1/T", "yy of the rate of deformation"}, of_rate(yy)},
+      {{"strain_rate_xy", "1/T", "xy of the rate of deformation (tensor component)"}, of_rate(xy)},
+      {{"strain_rate_vol", "1/T", "rate of volume change, xx + yy of the rate of deformation"}, of_rate(volumetric)},
+      {{"strain_rate_dev", "1/T", "sqrt(2/3 d:d) of the deviator of the rate of deformation, plane strain"},
+       of_rate(deviatoric)},
+      {{"strain_rate_1", "1/T", "greater principal rate of deformation"}, of_rate(major)},
+      {{"strain_rate_2", "1/T", "smaller principal rate of deformation"}, of_rate(minor)},
+      {{"strain_rate_angle", "rad", "direction of strain_rate_1 from the x axis"}, of_rate(direction)},
+      {{"strain_sum_xx", "1", "sum of small-strain increments (the thesis' measure; not objective)"}, of_sum(xx), true},
+      {{"strain_sum_yy", "1", "sum of small-strain increments"}, of_sum(yy), true},
+      {{"strain_sum_xy", "1", "sum of small-strain increments"}, of_sum(xy), true},
+      {{"strain_sum_dev", "1", "sqrt(2/3 e:e) of the deviator of the summed strain", "summed deviatoric strain"},
+       of_sum(deviatoric), true},
+  };
+  for (Row& row : rows) row.field.strain = true;
+  return rows;
+}
+
+// What a motion carries beyond u, F and v, component by component.
+std::vector<Row> rows_of_recorded() {
+  std::vector<Row> rows = {{{"mean_stress", "Pa", "(s_xx + s_yy + s_zz)/3, tension positive", "mean stress", "stress"},
+                            [](State&, const MotionFrame& now, std::size_t p, std::size_t) {
+                              const FieldValues& stress = now.field("stress");
+                              return (double(stress(p, 0)) + double(stress(p, 1)) + double(stress(p, 2))) / 3;
+                            }}};
+  for (const MotionField& recorded : motion_fields()) {
+    if (recorded.member) continue;
+    const std::vector<std::string> components = recorded.component_names();
+    for (std::size_t c = 0; c < components.size(); ++c) {
+      const std::string &name = recorded.name, &which = components[c];
+      rows.push_back({{which.empty() ? name : name + "_" + which, recorded.unit, recorded.definition,
+                       which.empty() ? recorded.label : recorded.label + " " + which, name},
+                      [name, c](State&, const MotionFrame& now, std::size_t p, std::size_t) {
+                        return double(now.field(name)(p, c));
+                      }});
+    }
+  }
+  return rows;
+}
+
+// All of them. (Made anew each time: fields may have been added to motion_fields().)
+std::vector<Row> all_rows() {
+  std::vector<Row> rows;
+  for (const auto& part : {rows_of_motion(), rows_of_strain(), rows_of_recorded()}) {
+    for (const Row& row : part) {
+      std::string& label = rows.emplace_back(row).field.label;
+      if (!label.empty()) continue;
+      label = row.field.name;
+      std::replace(label.begin(), label.end(), '_', ' ');
+    }
+  }
+  return rows;
+}
+
+Row row_of(std::string_view name) {
+  std::vector<Row> rows = all_rows();
+  const auto it = std::find_if(rows.begin(), rows.end(), [&](const Row& row) { return row.field.name == name; });
+  if (it != rows.end()) return *it;
+  std::vector<std::string> names;
+  for (const Row& row : rows) names.push_back(row.field.name);
+  throw InputError("unknown field '" + std::string(name) + "'" + did_you_mean(std::string(name), names));
+}
+
+}  // namespace
+
+std::vector<DerivedField> derived_fields() {
+  std::vector<DerivedField> fields;
+  for (const Row& row : all_rows()) fields.push_back(row.field);
+  return fields;
+}
+
+DerivedField derived_field(std::string_view name) { return row_of(name).field; }
+
 DerivedReader::DerivedReader(const MotionSource& motion, bool central)
     : state_(std::make_unique<State>(motion, central)) {}
 DerivedReader::~DerivedReader() = default;
 
 std::vector<double> DerivedReader::values(std::string_view name, std::size_t k) {
-  const DerivedField field = derived_field(name);
+  const Row row = row_of(name);
   State& s = *state_;
   const std::size_t count = s.motion.particles().size();
   std::vector<double> out(count, nan_value);
   const MotionFrame now = s.frame(k);
-
-  auto each = [&](const auto& value) {
-    for (std::size_t p = 0; p < count; ++p)
-      if (alive(now.status[p])) out[p] = value(p);
-  };
-  const int axis = name.ends_with("_y") ? 1 : 0;
-  const bool magnitude = name.ends_with("_magnitude");
-
-  if (!field.source.empty()) {
-    const FieldValues* values = now.find(field.source);
-    if (!values) return out;
-    if (name == "mean_stress")
-      each([&](std::size_t p) {
-        return (double((*values)(p, 0)) + double((*values)(p, 1)) + double((*values)(p, 2))) / 3;
-      });
-    else
-      each([&](std::size_t p) { return double((*values)(p, field.component)); });
-  } else if (name.starts_with("displacement_"))
-    each([&](std::size_t p) { return magnitude ? std::hypot(now.u[p][0], now.u[p][1]) : double(now.u[p][std::size_t(axis)]); });
-  else if (name.starts_with("velocity_"))
-    each([&](std::size_t p) { return magnitude ? std::hypot(s.velocity(p, k, 0), s.velocity(p, k, 1)) : s.velocity(p, k, axis); });
-  else if (name.starts_with("acceleration_"))
-    each([&](std::size_t p) { return magnitude ? std::hypot(s.acceleration(p, k, 0), s.acceleration(p, k, 1)) : s.acceleration(p, k, axis); });
-  else if (name == "strain_dev_path" || name.starts_with("strain_sum_")) {
-    s.sum_to(k);
-    each([&](std::size_t p) {
-      if (name == "strain_dev_path") return s.path[p];
-      if (name == "strain_sum_xx") return s.sum[p].xx;
-      if (name == "strain_sum_yy") return s.sum[p].yy;
-      if (name == "strain_sum_xy") return s.sum[p].xy;
-      return deviatoric(s.sum[p]);
-    });
-  } else if (name == "J")
-    each([&](std::size_t p) { return matrix(now.F[p]).determinant(); });
-  else if (name.starts_with("strain_rate_"))
-    each([&](std::size_t p) { return component(s.rate(p, k), name.substr(12)); });
-  else if (name.starts_with("strain_"))
-    each([&](std::size_t p) { return component(log_strain(matrix(now.F[p])), name.substr(7)); });
+  if (!row.field.source.empty() && !now.find(row.field.source)) return out;
+  if (row.sums) s.sum_to(k);
+  for (std::size_t p = 0; p < count; ++p)
+    if (alive(now.status[p])) out[p] = row.value(s, now, p, k);
   return out;
 }
 

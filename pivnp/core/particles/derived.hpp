@@ -14,10 +14,9 @@ struct DerivedField {
   std::string name;
   std::string unit;  // in terms of length L and time T: "1", "1/T", "L", "L/T", "L/T^2", "Pa", "rad"
   std::string definition;
-  std::string label = {};     // as a report says it
-  std::string source = {};    // the recorded field that a motion must carry for it; empty: u and F are enough
-  std::size_t component = 0;  // of `source`
-  bool strain = false;        // of F or its increments: stated with a gauge length and a noise floor
+  std::string label = {};   // as a report says it
+  std::string source = {};  // the recorded field that a motion must carry for it; empty: u and F are enough
+  bool strain = false;      // of F or its increments: stated with a gauge length and a noise floor
 };
 
 /// displacement_x _y _magnitude; velocity_x _y _magnitude; acceleration_x _y _magnitude;
@@ -44,8 +43,9 @@ class DerivedReader {
   /// One value a particle, NaN where it is not alive or the source lacks the quantity.
   std::vector<double> values(std::string_view name, std::size_t frame);
 
- private:
   struct State;
+
+ private:
   std::unique_ptr<State> state_;
 };
 

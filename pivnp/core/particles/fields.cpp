@@ -104,6 +104,7 @@ const FieldValues& MotionFrame::field(std::string_view name) const {
 std::span<float> MotionFrame::add(std::string_view name, std::size_t particles) {
   const MotionField* row = motion_fields().find(name);
   if (!row || row->member) throw std::logic_error("motion: '" + std::string(name) + "' is not listed as a field");
+  if (row->form == FieldForm::code) throw std::logic_error("motion: '" + row->name + "' is a code: only members are bytes");
   FieldValues* to = const_cast<FieldValues*>(find(name));
   if (!to) to = &fields.emplace_back(FieldValues{row, row->components(), {}});
   to->values.assign(particles * to->components, 0.0f);

@@ -55,7 +55,7 @@ int run(int argc, char** argv) {
   std::map<std::string, std::string> arg{{"phi", "43"},    {"E", "30e6"},  {"c", "0"},         {"scheme", "default"},
                                          {"damping", ""},  {"pic", ""},    {"courant", "0.4"}, {"base", "fixed"},
                                          {"threads", "2"}, {"end", "0.5"}, {"gate", "0.02"},   {"per", "4"},
-                                         {"psi", "0"},     {"settle", "1"}};
+                                         {"psi", "0"},     {"equilibrium", "1"}};
   for (int a = 1; a < argc; ++a) {
     const std::string text = argv[a];
     arg[text.substr(0, text.find('='))] = text.substr(text.find('=') + 1);
@@ -105,8 +105,8 @@ int run(int argc, char** argv) {
   SilentProgress silent;
   mpm::Solver solver(options, scene, std::stoi(arg["threads"]));
   double t0 = now();
-  if (arg["settle"] == "1") solver.find_initial_equilibrium(silent);
-  std::printf("particles %zu  settle %.2f s  step %.3g s\n", scene.particles.size(), now() - t0, solver.stable_step());
+  if (arg["equilibrium"] == "1") solver.find_initial_equilibrium(silent);
+  std::printf("particles %zu  equilibrium %.2f s  step %.3g s\n", scene.particles.size(), now() - t0, solver.stable_step());
   t0 = now();
   const double end = std::stod(arg["end"]);
   for (int f = 1; f <= 10; ++f) {

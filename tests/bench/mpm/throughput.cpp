@@ -226,7 +226,7 @@ Work work_of(const Kernel& k) {
   if (is(k.stress, "musl")) add(0, spline ? 70 : 30);           // momentum mapped again
   if (is(k.transfer, "xpic")) add(4 * 24, 4 * 110);             // four more maps there and back
   if (!is(k.locking, "none")) add(spline ? 96 : 24, spline ? 230 : 40);
-  add(sand ? 57 : 16, sand ? 150 : 110);                        // law, beyond the stress: J, gap, plastic strain, work
+  add(sand ? 57 : 16, sand ? 150 : 110);                        // law, beyond the stress: J, opening strain, plastic strain, work
   return w;
 }
 

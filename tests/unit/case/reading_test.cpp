@@ -1,4 +1,5 @@
 // What a sound case reads as.
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -146,6 +147,24 @@ TEST(Init, OpensTheFramesToLearnTheirSize) {
       init_case({.frames = (folder / "b*.pgm").string(), .folder = folder, .metres_per_pixel = {}, .rate_hz = {}}),
       InputError);
   std::filesystem::remove_all(folder);
+}
+
+// A later version's case, as a record of it holds: what is not known is left out and named, the rest is read.
+TEST(Reading, TheCaseOfARecordMayBeALaterVersions) {
+  const std::string later = whole_case +
+                            "[wetting]\nfront_m = 0.1\n[compare]\nlater_key = 3\n[compare.limits]\ndisplacement_rms_m = 0.5\n"
+                            "[report]\nlater = \"x\"\n[np]\nper_element = \"many\"\n";
+  EXPECT_THROW(parse_case(later, "c.toml", "."), InputError);
+  const Case c = parse_recorded_case(later, "c.toml", ".");
+  EXPECT_EQ(c.name, "slope");
+  EXPECT_EQ(c.limits["displacement_rms_m"], 0.5);
+  EXPECT_EQ(c.np->per_element, np::NpOptions{}.per_element);
+  for (const char* named : {"[wetting]", "later_key", "report.later", "np.per_element"}) {
+    const auto tells = [&](const std::string& note) { return note.find(named) != note.npos && note.starts_with("c.toml:"); };
+    EXPECT_EQ(std::count_if(c.notes.begin(), c.notes.end(), tells), 1) << named;
+  }
+  EXPECT_TRUE(parse_recorded_case(whole_case, "c.toml", ".").notes.empty());
+  EXPECT_THROW(parse_recorded_case("[piv\n", "c.toml", "."), InputError);
 }
 
 }  // namespace

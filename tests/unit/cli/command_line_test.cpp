@@ -14,6 +14,7 @@
 #include "pivnp/core/error.hpp"
 #include "pivnp/io/import_format.hpp"
 #include "tests/unit/cli/fake_study.hpp"
+#include "tests/support/added.hpp"
 
 namespace pivnp::app {
 namespace {
@@ -249,9 +250,10 @@ TEST_F(CommandLine, InitWritesACaseThatReads) {
 
 TEST_F(CommandLine, CompareNamesTheFormatsThatAreListed) {
   const auto read = [](const std::vector<std::filesystem::path>&) { return io::ImportedState{}; };
-  io::file_formats().add({.name = "dots", .files = "dots_*.txt", .text = "points", .read_time = read});
-  EXPECT_THAT(run_program({"compare", "--help"}).out, HasSubstr("dots_*.txt"));
-  io::file_formats().remove_last();
+  {
+    const test::Added dots(io::file_formats(), {.name = "dots", .files = "dots_*.txt", .text = "points", .read_time = read});
+    EXPECT_THAT(run_program({"compare", "--help"}).out, HasSubstr("dots_*.txt"));
+  }
   EXPECT_THAT(run_program({"compare", "--help"}).out, testing::Not(HasSubstr("dots_*.txt")));
 }
 

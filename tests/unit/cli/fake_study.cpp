@@ -40,7 +40,7 @@ RunOutcome compare_records(const CompareSources& sources, const compare::Compare
   return fake_study().outcome;
 }
 
-void synthesize(const Case& c, const RunSettings& settings, Progress& progress) {
+void synthesize(const Case& c, const RunSettings& settings, Progress& progress, const io::DirectoryLock*) {
   fake_study().c = c;
   called("synthesize", settings, progress);
 }

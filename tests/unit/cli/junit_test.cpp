@@ -73,7 +73,7 @@ TEST(VerifyTable, SaysWhatWasReachedAndWhatWasAllowed) {
   const std::string table = verify_table(results());
   EXPECT_NE(table.find("FAILED  shear"), std::string::npos) << table;
   EXPECT_NE(table.find("  EXCEEDED  strain <          reached 0.0002     limit 0.0001\n"), std::string::npos) << table;
-  EXPECT_NE(table.find("  could not be judged: c.toml:3: unknown key"), std::string::npos) << table;
+  EXPECT_NE(table.find("  could not be evaluated: c.toml:3: unknown key"), std::string::npos) << table;
   EXPECT_NE(table.find("passed  good"), std::string::npos) << table;
 }
 

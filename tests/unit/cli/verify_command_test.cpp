@@ -56,7 +56,7 @@ TEST_F(VerifyCommand, AMissedThresholdEndsWithThree) {
   const std::filesystem::path junit = folder.path / "deep" / "j.xml";
   const Ran ran = verify({"--junit", junit.string()});
   EXPECT_EQ(ran.code, 3);
-  EXPECT_EQ(fake_study().calls.size(), 2u) << "the others are judged all the same";
+  EXPECT_EQ(fake_study().calls.size(), 2u) << "the others are evaluated all the same";
   EXPECT_THAT(ran.out, HasSubstr("EXCEEDED"));
   EXPECT_THAT(ran.out, HasSubstr("1 of 2 cases passed\n"));
   EXPECT_EQ(read_xml(text_of(junit)).count("failure"), 1);
@@ -67,7 +67,7 @@ TEST_F(VerifyCommand, ACaseThatCouldNotBeJudgedIsAFailure) {
   fake_study().verdicts = {result("a", false), result("b", true, "out of memory")};
   const Ran ran = verify();
   EXPECT_EQ(ran.code, 1);
-  EXPECT_THAT(ran.out, HasSubstr("could not be judged: out of memory"));
+  EXPECT_THAT(ran.out, HasSubstr("could not be evaluated: out of memory"));
   EXPECT_EQ(read_xml(text_of(out / "verify.xml")).count("error"), 1);
 }
 

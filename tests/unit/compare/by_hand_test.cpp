@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "tests/unit/compare/motions.hpp"
 
@@ -165,6 +166,44 @@ TEST(ByHand, MobilisedArea) {
   EXPECT_TRUE(std::isnan(metric(c, "mobilised_area_second").uncertainty));
   EXPECT_EQ(metric(c, "mobilised_area_difference").value, -11);
   EXPECT_NEAR(metric(c, "mobilised_area_difference").uncertainty, m.uncertainty, 1e-12);
+}
+
+// Of twenty particles eight move, six by (3, -1) and two by (-1, -5): their centre by (2, -2). One goes by 0.5, less
+// than counts. In the second data set all go by (-2, -2 sqrt(3)), and nothing is known of their errors.
+TEST(ByHand, TravelAngle) {
+  const ParticleSet set = twenty();
+  const auto law = [](const Vec2& X, double t) -> Vec2 {
+    const double k = number_of(X);
+    return t * (k <= 6 ? Vec2(3, -1) : k <= 8 ? Vec2(-1, -5) : k == 9 ? Vec2(0, 0.5) : Vec2(0, 0));
+  };
+  const double sigma = 0.1;
+  MotionMemory a("a", "m", "s", set);
+  for (const double t : {0.0, 1.0}) {
+    MotionFrame f = frame_of(set, t, law, rigid);
+    f.cov_u.assign(set.size(), {float(sigma * sigma), float(sigma * sigma), 0});
+    a.add(f);
+  }
+  const auto goes = [&](const Vec2& u) {
+    return motion_of("b", set, {0, 1}, [=](const Vec2&, double t) -> Vec2 { return t * u; });
+  };
+  CompareOptions options;
+  options.mobilised_m = 1;
+  const Comparison c = compared(a, goes({-2, -2 * std::sqrt(3.0)}), options);
+  const Metric first = metric(c, "travel_angle_first"), apart = metric(c, "travel_angle_difference");
+  EXPECT_NEAR(first.value, 45, 1e-4);
+  EXPECT_NEAR(first.uncertainty, sigma / std::sqrt(8.0) * 180 / std::numbers::pi, 1e-4);
+  EXPECT_EQ(first.unit, "deg");
+  EXPECT_NEAR(metric(c, "travel_angle_second").value, 60, 1e-4);
+  EXPECT_TRUE(std::isnan(metric(c, "travel_angle_second").uncertainty));
+  EXPECT_NEAR(apart.value, 15, 1e-4);
+  EXPECT_NEAR(apart.uncertainty, first.uncertainty, 1e-12);
+  EXPECT_EQ(apart.verdict, Verdict::none);
+  EXPECT_EQ(metric(compared(a, a, options), "travel_angle_difference").verdict, Verdict::not_distinguishable);
+  EXPECT_NEAR(metric(compared(a, goes({0, 2}), options), "travel_angle_second").value, -90, 1e-9);  // it rises
+
+  const Comparison still = compared(a, goes({0, 0}), options);
+  EXPECT_TRUE(std::isnan(metric(still, "travel_angle_second").value));
+  EXPECT_FALSE(has_metric(still, "travel_angle_difference"));
 }
 
 // A block of 20 x 10 that sinks by 2 (J = 0.8) or spreads by a quarter: crest and run-out to half a percent of the

@@ -7,13 +7,14 @@
 #include <random>
 
 #include "compare/measures/history.hpp"
-#include "compare/metrics/judged.hpp"
+#include "compare/metrics/significance.hpp"
 #include "compare/alignment/onset.hpp"
 #include "compare/data/rigid.hpp"
 #include "compare/measures/shapes.hpp"
 #include "compare/data/transformed.hpp"
 #include "pivnp/core/particles/fields.hpp"
 #include "tests/unit/compare/motions.hpp"
+#include "tests/support/added.hpp"
 
 namespace pivnp::compare {
 namespace {
@@ -147,8 +148,8 @@ TEST(Definitions, AMotionInOtherCoordinatesByHand) {
   f.v = {{4, 0}};
   f.cov_u = {{0.04f, 0.09f, 0.01f}};
   std::ranges::copy(std::array{-1.0f, -2.0f, -3.0f, 0.5f}, f.add("stress", 1).begin());
-  motion_fields().add({.name = "flux", .unit = "L/T", .form = FieldForm::vector});
-  motion_fields().add({.name = "width", .unit = "L"});
+  const test::Added flux(motion_fields(), {.name = "flux", .unit = "L/T", .form = FieldForm::vector});
+  const test::Added width(motion_fields(), {.name = "width", .unit = "L"});
   std::ranges::copy(std::array{4.0f, 0.0f}, f.add("flux", 1).begin());
   f.add("width", 1)[0] = 3;
   motion.add(f);
@@ -176,8 +177,6 @@ TEST(Definitions, AMotionInOtherCoordinatesByHand) {
   near(g.field("stress").values, {-2, -1, -3, -0.5});
   near(g.field("flux").values, {0, 2});  // as v
   near(g.field("width").values, {6});
-  motion_fields().remove_last();
-  motion_fields().remove_last();
 }
 
 // What slows down later is read off its beginning: over 2 to 25 % of a smooth step the line's zero is early by .03 in a

@@ -321,7 +321,7 @@ TEST(Limits, EveryKeyJudgesItsMetric) {
   EXPECT_THROW(compared(pair.one(), pair.two(), {}, slope), InputError);  // without a base
   LimitOptions unknown;
   unknown["displacement_over_u"] = 1;
-  const Comparison u = compared(pair.one(), pair.two(), {}, unknown);  // no uncertainty: not judged means not met
+  const Comparison u = compared(pair.one(), pair.two(), {}, unknown);  // no uncertainty: no verdict means not met
   EXPECT_TRUE(any_exceeded(u.limits));
 }
 

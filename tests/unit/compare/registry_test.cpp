@@ -8,6 +8,7 @@
 #include "compare/metrics/words.hpp"
 #include "pivnp/core/error.hpp"
 #include "tests/unit/compare/motions.hpp"
+#include "tests/support/added.hpp"
 
 namespace pivnp::compare {
 namespace {
@@ -47,34 +48,48 @@ TEST(MetricRegistry, EveryMetricOfAComparisonHasItsRow) {
 }
 
 TEST(MetricRegistry, ARowThatIsAddedArrives) {
-  limit_rows().add({.name = "slant_max", .unit = "", .text = "greatest slant"});
-  metric_rows().add({{.name = "slant", .unit = "L/T", .definition = "made up by a test", .words = "slant of a test",
-                      .limit = "slant_max", .leads = Leads::yes},
-                     [](const Findings& f) { return difference(0.5 * f.total().peak_first, 0.1, ", with a note"); }});
-  LimitOptions limits;
-  bool listed = false;
-  LimitOptions::fields(limits, [&](std::string_view key, std::optional<double>& limit, const OptionInfo& info) {
-    if (key != "slant_max") return;
-    listed = info.text == "greatest slant";
-    limit = 0.2;
-  });
-  EXPECT_TRUE(listed);
-  const Comparison c = compared(motion_of("a", block(), {0, 1}, shear, shear_F), still, {}, limits);
-  const Metric* found = find(c.metrics, "slant");
-  ASSERT_NE(found, nullptr);
-  EXPECT_EQ(found->value, 0.5 * metric(c, "displacement_peak_first").value);
-  EXPECT_EQ(found->unit, "m/s");
-  EXPECT_EQ(found->uncertainty, 0.1);
-  EXPECT_EQ(found->definition, "made up by a test, with a note");
-  EXPECT_EQ(found->verdict, Verdict::exceeded);
-  ASSERT_EQ(c.limits.size(), 1U);
-  EXPECT_EQ(c.limits[0].key, "slant_max");
-  EXPECT_EQ(c.limits[0].reached, found->value);
-  EXPECT_EQ(words_of("slant"), "slant of a test");
-  EXPECT_TRUE(leads("slant"));
-  metric_rows().remove_last();
-  limit_rows().remove_last();
+  {
+    const test::Added limit_row(limit_rows(), {.name = "slant_max", .unit = "", .text = "greatest slant"});
+    const test::Added row(metric_rows(), MetricRow{{.name = "slant", .unit = "L/T", .definition = "made up by a test", .words = "slant of a test",
+                        .limit = "slant_max", .leads = Leads::yes},
+                       [](const Findings& f) { return difference(0.5 * f.total().peak_first, 0.1, ", with a note"); }});
+    LimitOptions limits;
+    bool listed = false;
+    LimitOptions::fields(limits, [&](std::string_view key, std::optional<double>& limit, const OptionInfo& info) {
+      if (key != "slant_max") return;
+      listed = info.text == "greatest slant";
+      limit = 0.2;
+    });
+    EXPECT_TRUE(listed);
+    const Comparison c = compared(motion_of("a", block(), {0, 1}, shear, shear_F), still, {}, limits);
+    const Metric* found = find(c.metrics, "slant");
+    ASSERT_NE(found, nullptr);
+    EXPECT_EQ(found->value, 0.5 * metric(c, "displacement_peak_first").value);
+    EXPECT_EQ(found->unit, "m/s");
+    EXPECT_EQ(found->uncertainty, 0.1);
+    EXPECT_EQ(found->definition, "made up by a test, with a note");
+    EXPECT_EQ(found->verdict, Verdict::exceeded);
+    ASSERT_EQ(c.limits.size(), 1U);
+    EXPECT_EQ(c.limits[0].key, "slant_max");
+    EXPECT_EQ(c.limits[0].reached, found->value);
+    EXPECT_EQ(words_of("slant"), "slant of a test");
+    EXPECT_TRUE(leads("slant"));
+  }
   EXPECT_FALSE(known_metric("slant"));
+}
+
+TEST(MetricRegistry, ARowOfHistoriesThatIsAddedArrives) {
+  const test::Added row(history_metric_rows(), HistoryMetricRow{{.name = "sway", .unit = "L", .definition = "made up by a test",
+                                                                 .words = "sway of a test"},
+                                                                [](const HistoryMeasures&) { return difference(3, 0.1, ""); }});
+  HistoryMeasures measures;
+  measures.subject = "history";
+  const std::vector<Metric> metrics = metrics_of(measures);
+  const Metric* found = find(metrics, "history_sway");
+  ASSERT_NE(found, nullptr);
+  EXPECT_EQ(found->value, 3);
+  EXPECT_EQ(found->definition, "made up by a test");
+  EXPECT_NE(words_of("history_sway").find("sway of a test"), std::string::npos);
 }
 
 TEST(Limits, AnUnknownKeyIsRefused) {

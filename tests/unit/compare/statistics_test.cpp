@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "compare/metrics/judged.hpp"
+#include "compare/metrics/significance.hpp"
 
 namespace pivnp::compare {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "compare/metrics/judged.hpp"
+#include "compare/metrics/significance.hpp"
 #include "tests/unit/compare/motions.hpp"
 
 namespace pivnp::compare {

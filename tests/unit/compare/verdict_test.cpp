@@ -8,7 +8,7 @@
 #include <random>
 
 #include "compare/measures/budget.hpp"
-#include "compare/metrics/judged.hpp"
+#include "compare/metrics/significance.hpp"
 #include "compare/measures/numerics.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/strain.hpp"
@@ -127,8 +127,8 @@ CompareOptions everything() {
   return options;
 }
 
-// Every metric that may be judged: a difference with an uncertainty.
-bool judged(const Metric& m) {
+// Every metric that has a verdict: a difference with an uncertainty.
+bool has_verdict(const Metric& m) {
   const auto has = [&](const char* part) { return m.name.find(part) != std::string::npos; };
   if (has("_first") || has("_second") || has("_outside")) return false;
   return m.verdict == Verdict::not_distinguishable || m.uncertainty > 0;
@@ -150,7 +150,7 @@ TEST(Verdict, TwoMeasurementsOfOneMotionAreRarelyFlagged) {
         const StrainNotes notes = record ? StrainNotes{stated, stated} : StrainNotes{};
         const Comparison c = compare(a, b, everything(), {}, progress, {}, notes);
         for (const Metric& m : c.metrics)
-          if (judged(m)) flagged[m.name] += m.verdict != Verdict::not_distinguishable;
+          if (has_verdict(m)) flagged[m.name] += m.verdict != Verdict::not_distinguishable;
       }
       for (const char* name : {"displacement_bias_x_final",
                                "displacement_max",
@@ -184,7 +184,7 @@ TEST(Verdict, TwoMeasurementsOfOneMotionAreRarelyFlagged) {
                                "point_1_rms",
                                "point_1_onset_difference",
                                "point_1_peak_rate_difference"})
-        EXPECT_TRUE(flagged.contains(name)) << name << " is not judged";
+        EXPECT_TRUE(flagged.contains(name)) << name << " has no verdict";
       double worst = 0;
       std::string where;
       for (const auto& [name, count] : flagged) {

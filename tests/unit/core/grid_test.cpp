@@ -6,8 +6,8 @@
 #include <random>
 
 #include "pivnp/core/grid/grid.hpp"
-#include "pivnp/core/grid/shape.hpp"
 #include "pivnp/core/text.hpp"
+#include "tests/support/shape.hpp"
 
 namespace pivnp {
 namespace {

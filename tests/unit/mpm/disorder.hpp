@@ -21,11 +21,12 @@ struct Case {
   Materials materials;
   SolverState state;
 
-  Case(ShapeKind shape, TransferKind transfer, bool by_updated = false)
+  Case(ShapeKind shape, TransferKind transfer, bool by_updated = false, StressUpdate stress = StressUpdate::usl,
+       Locking locking = Locking::none)
       : scene(test::scene(Grid{{0.1, -0.2}, {0.1, 0.08}, 9, 9},
                           {rectangle("a", 0.1, -0.2, 0.5, 0.2), rectangle("b", 0.5, -0.2, 0.7, 0.3)},
                           {elastic(1e5, 0.3, 1000), elastic(1e5, 0.2, 1300)})),
-        scheme{.shape = shape, .transfer = transfer, .stress = StressUpdate::usl, .locking = Locking::none},
+        scheme{.shape = shape, .transfer = transfer, .stress = stress, .locking = locking},
         g(scene.grid, shape, 1, by_updated),
         materials(materials_of(scene)),
         state(initial_state(scene, scheme, g, materials)) {

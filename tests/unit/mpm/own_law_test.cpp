@@ -188,6 +188,17 @@ TEST(ParticleFields, EveryRecordedOneIsAMotionField) {
   });
 }
 
+// What Particles holds but the laws' history is sized, sorted and saved by the list.
+TEST(ParticleFields, NoneIsForgotten) {
+  static const Particles p;
+  std::size_t listed = 0;
+  for_each_particle_field([&](const ParticleField&, const auto&... column) {
+    const auto add = [&](const auto& c) { listed += sizeof(p.*c.values); };
+    (add(column), ...);
+  });
+  EXPECT_EQ(listed, std::size_t(reinterpret_cast<const char*>(&p.history) - reinterpret_cast<const char*>(&p)));
+}
+
 // Every byte of a node's line but its end is a listed field's.
 TEST(NodeFields, TheLineHoldsNoOther) {
   static const Node node;

@@ -17,6 +17,11 @@
 #include "tests/unit/mpm/every_target.hpp"
 
 namespace pivnp::mpm {
+
+void PrintTo(ShapeKind value, std::ostream* out) { *out << name_of(value); }
+void PrintTo(TransferKind value, std::ostream* out) { *out << name_of(value); }
+void PrintTo(Locking value, std::ostream* out) { *out << name_of(value); }
+
 namespace {
 
 using namespace test;
@@ -40,9 +45,8 @@ std::string name_of_choice(const testing::TestParamInfo<Choice>& info) {
 struct Disorder : Case {
   std::mt19937_64 random{seed_of_all + 1};
 
-  Disorder(const Choice& choice, StressUpdate stress) : Case(std::get<0>(choice), std::get<1>(choice), stress == StressUpdate::usl) {
-    scheme.stress = stress;
-    scheme.locking = std::get<2>(choice);
+  Disorder(const Choice& choice, StressUpdate stress)
+      : Case(std::get<0>(choice), std::get<1>(choice), stress == StressUpdate::usl, stress, std::get<2>(choice)) {
     scheme.pic_per_s = scheme.transfer == TransferKind::flip ? 100 : 0;
     scheme.xpic_order = 3;
     Particles& p = state.particles;
@@ -107,6 +111,7 @@ TEST_P(AgainstReference, VelocityPlaceAndAffineFieldOfThePoints) {
       }
       if (stress != StressUpdate::musl) continue;
       for (const std::uint32_t n : d.g.active.nodes) {
+        if (!(d.g.node[n].mass > 0)) continue;
         const double scale = 1e-13 / d.g.node[n].mass;  // next to nothing may move in any way
         ASSERT_NEAR(d.g.strain_velocity(n).x, again[n].x(), 1e-13 + scale);
         ASSERT_NEAR(d.g.strain_velocity(n).y, again[n].y(), 1e-13 + scale);
@@ -123,8 +128,8 @@ TEST_P(AgainstReference, StrainIncrementsOfThePoints) {
         Particles& p = d.state.particles;
         d.move_nodes(0.1 * size);
         for (const std::uint32_t n : d.g.active.nodes) {
-          if (stress == StressUpdate::usl && n % 7 == 0) d.g.separate_strain_velocities(n);
-          if (!d.g.has_own_strain_velocity(n)) continue;
+          if (d.g.by_updated && n % 7 != 0) continue;
+          d.g.separate_strain_velocities(n);
           d.g.strain_velocity(n).x = 0.1 * size * d.u();
           d.g.strain_velocity(n).y = 0.1 * size * d.u();
         }

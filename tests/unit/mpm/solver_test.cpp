@@ -145,7 +145,7 @@ TEST(Solver, ARestartGoesOnWithTheSameBitsWhateverChangesOnTheWay) {
     }
 }
 
-TEST(Solver, ABodyDrivenThroughTheMaterialClosesTheBooks) {
+TEST(Solver, ABodyDrivenThroughTheMaterialKeepsTheEnergyBalance) {
   for (const char* locking : {"fbar", "none"}) {
     const Region soil{"soil", Polygon({{0, 0}, {0.4, 0}, {0.4, 0.3}, {0.22, 0.3}, {0.22, 0.13}, {0.18, 0.13}, {0.18, 0.3}, {0, 0.3}}, "soil")};
     Scene s = scene(Grid{{0, 0}, {0.01, 0.01}, 41, 41}, {soil}, {elastic(1e5, 0.3, 1600)});

@@ -8,8 +8,8 @@
 #include <random>
 
 #include "pivnp/core/error.hpp"
-#include "pivnp/core/grid/shape.hpp"
 #include "tests/verification/np_testing.hpp"
+#include "tests/support/shape.hpp"
 
 namespace pivnp::np {
 namespace {

@@ -13,6 +13,7 @@
 #include "apps/report/write.hpp"
 #include "pivnp/core/particles/derived.hpp"
 #include "tests/unit/report/synthetic.hpp"
+#include "tests/support/added.hpp"
 
 namespace pivnp::report {
 namespace {
@@ -45,11 +46,11 @@ std::vector<Figure> draw_dummy(const FigureInput&) {
 }
 
 TEST_F(Figures, ANewRowArrivesEverywhere) {
-  figures().add({.name = "dummy",
-                 .shows = "a figure that a test added",
-                 .section = Section::simulation,
-                 .applies = [](const FigureInput& i) { return !i.content.energy.empty(); },
-                 .draw = draw_dummy});
+  const test::Added row(figures(), {.name = "dummy",
+                                    .shows = "a figure that a test added",
+                                    .section = Section::simulation,
+                                    .applies = [](const FigureInput& i) { return !i.content.energy.empty(); },
+                                    .draw = draw_dummy});
   SyntheticOptions o;
   o.measured = o.pairs = o.pictures = false;
   o.spacing_m = 0.02;
@@ -67,7 +68,6 @@ TEST_F(Figures, ANewRowArrivesEverywhere) {
   write_content({}, s.content, folder_);
   EXPECT_FALSE(file("dummy.png") || file("dummy.svg"));
   EXPECT_TRUE(file("displacement.png"));
-  figures().remove_last();
 }
 
 TEST_F(Figures, EveryNameHasOneRow) {

@@ -6,6 +6,7 @@
 #include "apps/report/document/text.hpp"
 
 #include "pivnp/core/particles/fields.hpp"
+#include "tests/support/added.hpp"
 
 namespace pivnp::report {
 namespace {
@@ -31,12 +32,11 @@ TEST(Words, Names) {
   EXPECT_EQ(capitalised(metric_words("something_new", names)), "Something new");
   EXPECT_EQ(capitalised(metric_words("", names)), "");
   const DataSetNames alike{true, "first", "second", "the first", "the second"};
-  EXPECT_EQ(metric_words("run_out_x_second", alike), "Run-out, second");
-  EXPECT_EQ(metric_words("point_1_onset_difference", alike), "Point 1, onset, second − first");
+  EXPECT_EQ(metric_words("run_out_x_second", alike), "run-out, second");
+  EXPECT_EQ(metric_words("point_1_onset_difference", alike), "point 1, onset, second − first");
   EXPECT_EQ(field_words("strain_dev"), "deviatoric strain");
-  motion_fields().add({.name = "heat", .form = FieldForm::vector, .label = "flow of heat"});
+  const test::Added heat(motion_fields(), {.name = "heat", .form = FieldForm::vector, .label = "flow of heat"});
   EXPECT_EQ(field_words("heat_x"), "flow of heat x");
-  motion_fields().remove_last();
 }
 
 TEST(Words, HtmlIsEscapedAndClean) {

@@ -7,7 +7,9 @@
 #include <string>
 
 #include "apps/study/pipeline/scene.hpp"
+#include "apps/study/pipeline/simulation_scene.hpp"
 #include "apps/study/studies/check.hpp"
+#include "mpm/step/solver.hpp"
 #include "pivnp/core/error.hpp"
 
 namespace pivnp::app {

@@ -13,6 +13,7 @@
 #include "pivnp/core/particles/end_reason.hpp"
 #include "pivnp/io/record.hpp"
 #include "tests/support/scratch.hpp"
+#include "tests/support/added.hpp"
 
 namespace pivnp::app {
 namespace {
@@ -57,7 +58,7 @@ fs::path record_of(const fs::path& folder, const std::vector<EndReason>& reasons
 }
 
 TEST(EndReasons, EveryOneIsTold) {
-  end_reasons().add({"of_a_test", EndReason(200), "were ended by a test"});
+  const test::Added added(end_reasons(), {"of_a_test", EndReason(200), "were ended by a test"});
   std::vector<EndReason> reasons;
   for (const EndReasonRow& row : end_reasons()) reasons.push_back(row.value);
   reasons.push_back(EndReason(250));
@@ -78,7 +79,6 @@ TEST(EndReasons, EveryOneIsTold) {
     EXPECT_EQ(std::count_if(remarks.begin(), remarks.end(), told), 1) << words(reason);
     EXPECT_TRUE(told(html)) << words(reason);
   }
-  end_reasons().remove_last();
 }
 
 }  // namespace

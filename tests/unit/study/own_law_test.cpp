@@ -100,6 +100,8 @@ TEST(OwnLaw, ItsHistoryIsInTheRecordAndTheReport) {
   DerivedReader derived(*motion, true);
   EXPECT_NEAR(derived.values("volume_of_test", motion->times().size() - 1)[0], double(last.field("volume_of_test")(0)), 1e-12);
   EXPECT_EQ(report::field_words("volume_of_test"), "remembered volume");
+  EXPECT_TRUE(std::filesystem::exists(scratch.path / "figures" / "volume_of_test.png"));
+  EXPECT_NE(read(scratch.path / "report.html").find("emembered volume"), std::string::npos);
 }
 
 // What is taken out by the case is told in the record's ends, in the remarks and in the report.

@@ -13,6 +13,7 @@
 #include "pivnp/core/error.hpp"
 #include "pivnp/io/record.hpp"
 #include "tests/support/scratch.hpp"
+#include "tests/support/added.hpp"
 
 namespace pivnp::app {
 namespace {
@@ -77,8 +78,8 @@ std::string text_of(const fs::path& file) {
 }
 
 TEST_F(Records, AMetricThatIsAddedIsRecordedAndReported) {
-  compare::limit_rows().add({.name = "slant_max", .unit = "", .text = "greatest slant"});
-  compare::metric_rows().add({{.name = "slant", .unit = "L", .definition = "made up by a test",
+  const test::Added limit_row(compare::limit_rows(), {.name = "slant_max", .unit = "", .text = "greatest slant"});
+  const test::Added row(compare::metric_rows(), compare::MetricRow{{.name = "slant", .unit = "L", .definition = "made up by a test",
                                .words = "slant of a test", .limit = "slant_max"},
                               [](const compare::Findings&) { return compare::difference(3, 0.1, ""); }});
   CompareSources sources;
@@ -96,8 +97,6 @@ TEST_F(Records, AMetricThatIsAddedIsRecordedAndReported) {
   EXPECT_EQ(found->verdict, Verdict::exceeded);
   EXPECT_NE(text_of(outcome.report_html).find("Slant of a test"), std::string::npos);
   EXPECT_TRUE(any_exceeded(report_record(outcome.record, settings("again"), progress).limits));  // from its case
-  compare::metric_rows().remove_last();
-  compare::limit_rows().remove_last();
 }
 
 // Of each kind of comparison into one folder: what is there afterwards is what the report shows.

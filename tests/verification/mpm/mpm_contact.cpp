@@ -28,12 +28,12 @@ ContactOptions meets(const std::string& region, double friction) {
   return o;
 }
 
-// Mean displacement along x of the points of label 1; `settle`: first under its weight.
-Vec2 path(const Scene& s, double slope_deg, double time, bool settle) {
+// Mean displacement along x of the points of label 1; `in_equilibrium`: first under its weight.
+Vec2 path(const Scene& s, double slope_deg, double time, bool in_equilibrium) {
   MpmOptions o = options(turned_gravity(slope_deg));
   o.end_at_rest = false;
   Solver solver(o, s, 1);
-  if (settle) solver.find_initial_equilibrium(silent);
+  if (in_equilibrium) solver.find_initial_equilibrium(silent);
   solver.advance_to(time, silent);
   EXPECT_EQ(solver.ended(), 0u);
   const EnergyRow e = solver.energy();

@@ -1,6 +1,6 @@
 // Block on a frictional plane inclined by t (gravity turned instead of the plane): slides with
 // a = g (sin t - mu cos t), sticks where mu >= tan t. Criterion: acceleration within 2 %; a stuck block's mean
-// displacement below 0.1 % of that of a free one. The stuck block is settled first: gravity switched on at once makes
+// displacement below 0.1 % of that of a free one. The stuck block starts in equilibrium: gravity switched on at once makes
 // it bounce, and it slips while it is light.
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ namespace {
 using namespace test;
 SilentProgress silent;
 
-double mean_displacement(double slope_deg, double friction, double time, bool settle) {
+double mean_displacement(double slope_deg, double friction, double time, bool in_equilibrium) {
   const double t = slope_deg * M_PI / 180;
   Scene s =
       scene(Grid{{0, 0}, {0.01, 0.01}, 81, 12}, {rectangle("block", 0.05, 0, 0.15, 0.05)}, {elastic(2e6, 0.2, 2000)});
@@ -27,7 +27,7 @@ double mean_displacement(double slope_deg, double friction, double time, bool se
   }
   s.boundaries = {{"plane", line({0, 0}, {0.8, 0}, "frictional", friction)}};
   Solver solver(options({9.81 * std::sin(t), -9.81 * std::cos(t)}), s, 1);
-  if (settle) solver.find_initial_equilibrium(silent);
+  if (in_equilibrium) solver.find_initial_equilibrium(silent);
   solver.advance_to(time, silent);
   const MotionFrame frame = solver.frame();
   double sum = 0;

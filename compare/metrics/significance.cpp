@@ -1,4 +1,4 @@
-#include "compare/metrics/judged.hpp"
+#include "compare/metrics/significance.hpp"
 
 #include <algorithm>
 #include <cmath>

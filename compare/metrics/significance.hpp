@@ -17,7 +17,7 @@ struct MetricValue {
   Verdict verdict = Verdict::none;
 };
 
-/// A difference between the data sets, E = S - D, judged against its standard uncertainty u_val (V&V 20): less than `k`
+/// A difference between the data sets, E = S - D, held against its standard uncertainty u_val (V&V 20): less than `k`
 /// of them is not distinguishable. Beyond it no word is said: E is then the model's error to within u_val.
 MetricValue difference(double value, double uncertainty, std::string note, double k = 2);
 

@@ -124,7 +124,7 @@ struct GimpShape {
 struct Shapes {
   /// Calls `action` with an object of the shape's type: the one place where run time turns into compile time.
   template <class Action>
-  PIVNP_NUMBERS static decltype(auto) with(ShapeKind kind, Action&& action) {
+  PIVNP_NUMBERS static constexpr decltype(auto) with(ShapeKind kind, Action&& action) {
     switch (kind) {
       case ShapeKind::bilinear: return action(BilinearShape{});
       case ShapeKind::gimp: return action(GimpShape{});

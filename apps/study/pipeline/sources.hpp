@@ -1,0 +1,17 @@
+// The files a run reads beside its case.
+#pragma once
+
+#include <vector>
+
+#include "apps/case/case.hpp"
+#include "pivnp/core/progress.hpp"
+#include "pivnp/image/frames.hpp"
+#include "pivnp/io/file_identity.hpp"
+
+namespace pivnp::app {
+
+/// Names, sizes and content of the files of the frames (`source`, which may be nullptr) and of the masks, in this order;
+/// all are read once. Throws InputError where one cannot be read, Interrupted.
+std::vector<io::FileIdentity> sources_of(const Case& c, const image::FrameSource* source, Progress& progress);
+
+}  // namespace pivnp::app

@@ -1,0 +1,111 @@
+#include "apps/study/synth/drawn_frames.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <sstream>
+#include <utility>
+
+#include "pivnp/core/error.hpp"
+#include "pivnp/core/version.hpp"
+#include "pivnp/io/record.hpp"
+
+namespace pivnp::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const char* const note_name = "drawn.txt";
+const std::string case_line = "case\n";
+
+bool named_like_ours(const std::string& name) { return name.starts_with("frame_") && name.ends_with(".png"); }
+
+std::vector<fs::path> frames_in(const fs::path& folder) {
+  std::vector<fs::path> found;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (named_like_ours(entry.path().filename().string())) found.push_back(entry.path());
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+std::string text_of(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  if (in.peek() != std::ifstream::traits_type::eof()) text << in.rdbuf();
+  return text.str();
+}
+
+// All of it or nothing, whenever the program is killed.
+void write_note(const fs::path& file, const std::string& text) {
+  const fs::path temporary = file.string() + ".tmp";
+  std::ofstream out(temporary, std::ios::binary);
+  out << text << std::flush;
+  if (!out) throw RunError(file.string() + ": cannot be written");
+  out.close();
+  fs::rename(temporary, file);
+}
+
+// Wherever the frames come to lie, and whether or not the case speaks of them, they are drawn alike.
+std::string drawn_from(Case c) {
+  if (!c.frames) c.frames = image::FrameOptions{};
+  c.frames->path.clear();
+  if (!c.frames->rate_hz) c.frames->rate_hz = 1.0;
+  return write_case(c);
+}
+
+std::string line_of(const io::FileIdentity& file) {
+  return file.name + " " + std::to_string(file.size) + " " + file.hash + "\n";
+}
+
+}  // namespace
+
+DrawnFrames::DrawnFrames(const Case& c, fs::path folder)
+    : folder_(std::move(folder)), count_(c.synth->frames), case_text_(drawn_from(c)) {}
+
+std::string DrawnFrames::name(int frame) {
+  char text[32];
+  std::snprintf(text, sizeof text, "frame_%05d.png", frame);
+  return text;
+}
+
+std::string DrawnFrames::head() const {
+  return "frames drawn by pivnp " + build_info().version + " (" + build_info().commit + ")\n";
+}
+
+bool DrawnFrames::complete() const {
+  const std::string note = text_of(folder_ / note_name);
+  if (note.empty()) return false;
+  const std::string advice = "; run without --resume to draw them again";
+  if (!note.starts_with(head()))
+    throw InputError((folder_ / note_name).string() + ": another program drew these frames: '" +
+                     note.substr(0, note.find('\n')) + "'" + advice);
+  const std::size_t at = note.find("\n" + case_line);
+  const std::string there = at == std::string::npos ? "" : note.substr(at + 1 + case_line.size());
+  if (const std::string difference = io::difference_of_cases(there, case_text_); !difference.empty())
+    throw InputError((folder_ / note_name).string() + ": these frames were drawn from another case, " + difference +
+                     advice);
+  std::string now = head();
+  for (const fs::path& frame : frames_in(folder_)) now += line_of(io::identity_of(frame, frame.filename().string()));
+  return now + case_line + case_text_ == note && frames_in(folder_).size() == std::size_t(count_);
+}
+
+void DrawnFrames::begin() const {
+  std::error_code failed;
+  fs::create_directories(folder_, failed);
+  if (failed) throw RunError(folder_.string() + ": " + failed.message());
+  const std::vector<fs::path> frames = frames_in(folder_);
+  if (!frames.empty() && !fs::exists(folder_ / note_name))
+    throw InputError(frames.front().string() + ": there before, and not drawn by this program (" + folder_.string() +
+                     " holds no " + note_name + "); expected a folder without such frames: choose another --out");
+  write_note(folder_ / note_name, head() + case_line + case_text_);  // none is finished yet
+  for (const fs::path& frame : frames) fs::remove(frame);
+}
+
+void DrawnFrames::finish() const {
+  std::string note = head();
+  for (int k = 0; k < count_; ++k) note += line_of(io::identity_of(folder_ / name(k), name(k)));
+  write_note(folder_ / note_name, note + case_line + case_text_);
+}
+
+}  // namespace pivnp::app
