@@ -14,6 +14,7 @@
 #include "mpm/constraint/options.hpp"
 #include "mpm/material/options.hpp"
 #include "mpm/step/options.hpp"
+#include "mpm/water/options.hpp"
 #include "pivnp/core/options.hpp"
 #include "pivnp/image/camera.hpp"
 #include "pivnp/image/frames.hpp"
@@ -151,6 +152,7 @@ struct Case {
   Named<mpm::BoundaryOptions> boundaries;     // [boundary.NAME]
   Named<mpm::RigidOptions> bodies;            // [body.NAME]
   Named<mpm::ContactOptions> contacts;        // [contact.NAME]
+  std::optional<mpm::WaterOptions> water;     // [water]
   compare::CompareOptions compare;            // [compare]
   compare::LimitOptions limits;               // [compare.limits]
   report::ReportOptions report;               // [report]

@@ -25,6 +25,7 @@ class Checker {
     shapes();
     materials();
     simulation();
+    water();
     contacts();
     synthetic();
     verification();
@@ -221,6 +222,17 @@ class Checker {
       refuse("mpm.output_rate_hz", "missing; without frames the rate of the states written must be given (Hz)");
     if (!c_.grid.spacing_m && !c_.grid.spacing_px)
       refuse_section("mpm", "without frames the grid must be given; expected grid.spacing_m");
+  }
+
+  // What goes with water otherwise is the solver's to say; that there is some is known here.
+  void water() const {
+    if (c_.water || !c_.mpm) return;
+    for (const auto& [name, m] : c_.materials)
+      if (m.porosity) refuse("material." + name + ".porosity", "given without [water], expected both or neither");
+    if (c_.mpm->pressure) refuse("mpm.pressure", "given without [water], expected both or neither");
+    for (const auto& [name, b] : c_.boundaries)
+      for (const auto& [key, given] : {std::pair{".pressure_pa", b.pressure_pa.has_value()}, {".drained", b.drained}, {".flux_m_s", b.flux_m_s.has_value()}})
+        if (given) refuse("boundary." + name + key, "given without [water], expected both or neither");
   }
 
   // How bodies pair is the solver's to say; what they are made of is known here.

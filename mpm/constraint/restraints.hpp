@@ -41,6 +41,7 @@ class Restraints {
   std::vector<std::uint8_t> wall_sides(double time, const Grid& grid) const;
   bool any_absorbing() const;
   const TiedSides& tied() const { return tied_; }
+  const std::vector<Wall>& walls() const { return walls_; }
 
  private:
   struct RestrainedNode {

@@ -10,11 +10,12 @@ namespace pivnp::mpm {
 
 Tractions::Tractions(const std::vector<std::pair<std::string, BoundaryOptions>>& boundaries, const ParticleSet& particles,
                      const std::vector<double>& density) {
-  for (const auto& [name, options] : boundaries)
-    if (options.type == BoundaryType::traction) add("boundary." + name, options, particles, density);
+  for (std::size_t b = 0; b < boundaries.size(); ++b)
+    if (boundaries[b].second.type == BoundaryType::traction)
+      add("boundary." + boundaries[b].first, boundaries[b].second, b, particles, density);
 }
 
-void Tractions::add(const std::string& key, const BoundaryOptions& o, const ParticleSet& particles,
+void Tractions::add(const std::string& key, const BoundaryOptions& o, std::size_t boundary, const ParticleSet& particles,
                     const std::vector<double>& density) {
   if (!o.traction_pa) throw InputError(key + ".traction_pa: missing beside type = \"traction\"");
   if (o.line_m.size() != 2) throw InputError(key + ".line_m: expected two end points of the loaded face");
@@ -38,7 +39,7 @@ void Tractions::add(const std::string& key, const BoundaryOptions& o, const Part
     if (at_[k] >= 0) throw InputError("boundary: two tractions load the same particle, expected faces apart");
     at_[k] = std::int32_t(loads_.size());
     const double mass = double(particles.area[k]) * density[std::size_t(particles.label[k])];
-    loads_.push_back({force / mass, rise, until});
+    loads_.push_back({force / mass, rise, until, length / double(loaded.size()), std::uint16_t(boundary)});
   }
   if (rise > 0) changes_.push_back(rise);
   if (std::isfinite(until)) changes_.push_back(until);

@@ -16,6 +16,8 @@ namespace pivnp::mpm {
 struct Traction {
   Vec2 acceleration;  // of its mass at time 0, m/s^2; to be multiplied by share()
   double rise, until;
+  double face;             // of the loaded line, m
+  std::uint16_t boundary;  // its number in the scene
   double share(double time) const { return time >= until ? 0 : rise > 0 ? std::min(1.0, time / rise) : 1.0; }
 };
 
@@ -33,7 +35,7 @@ class Tractions {
   const std::vector<double>& changes() const { return changes_; }
 
  private:
-  void add(const std::string& key, const BoundaryOptions& options, const ParticleSet& particles,
+  void add(const std::string& key, const BoundaryOptions& options, std::size_t boundary, const ParticleSet& particles,
            const std::vector<double>& density);
 
   std::vector<Traction> loads_;

@@ -81,8 +81,8 @@ void check_exclusive(const MaterialOptions& options, const MaterialModel& model)
 
 const std::vector<MaterialKey>& keys_of_all() {
   static const std::vector<MaterialKey> keys = {
-      {"density_kg_m3", true}, {"density_end_kg_m3"}, {"density_from_s"},    {"density_until_s"}, {"reduction_factor"},
-      {"reduction_from_s"},    {"reduction_until_s"}, {"removed_s"}};
+      {"density_kg_m3"},    {"density_end_kg_m3"}, {"density_from_s"}, {"density_until_s"},  {"reduction_factor"},
+      {"reduction_from_s"}, {"reduction_until_s"}, {"removed_s"},      {"permeability_m_s"}, {"grain_density_kg_m3"}};
   return keys;
 }
 
@@ -97,6 +97,19 @@ void check_times(const MaterialOptions& o) {
   if (!o.reduction_until_s) return;
   require(o.reduction_factor.has_value(), "reduction_until_s", *o.reduction_until_s, "reduction_factor beside it");
   require(*o.reduction_until_s >= o.reduction_from_s, "reduction_until_s", *o.reduction_until_s, "reduction_from_s or more");
+}
+
+// What the pores hold (mpm/water).
+void check_pores(const MaterialOptions& o) {
+  if (!o.porosity) {
+    if (o.permeability_m_s) refuse("permeability_m_s", *o.permeability_m_s, "porosity beside it");
+    if (o.drained) throw MaterialFault("drained", "given without porosity, expected both or neither");
+    return;
+  }
+  require(*o.porosity > 0 && *o.porosity < 1, "porosity", *o.porosity, "more than 0 and less than 1");
+  if (o.density_kg_m3 != 0) refuse("density_kg_m3", o.density_kg_m3, "none beside porosity: grain_density_kg_m3 and water make the density");
+  if (o.density_end_kg_m3) refuse("density_end_kg_m3", *o.density_end_kg_m3, "none beside porosity");
+  if (!o.drained && !o.permeability_m_s) throw MaterialFault("permeability_m_s", "missing beside porosity; expected 0 or more (m/s), or drained = true");
 }
 
 void list_recorded(const MaterialModel& model) {
@@ -155,6 +168,8 @@ std::vector<OwnMaterialKey> own_material_keys() {
 std::vector<std::string> models_with_key(std::string_view key) {
   const bool elastic = key == "young_pa" || key == "poisson", strength = key == "reduction_factor";
   std::vector<std::string> names;
+  const std::vector<MaterialKey>& all = keys_of_all();
+  if (!strength && std::any_of(all.begin(), all.end(), [&](const MaterialKey& k) { return k.name == key; })) return names;
   for (const MaterialModel& model : material_models())
     if (takes(model, key) || (elastic && model.elastic_keys) || (strength && model.reduce)) names.push_back(model.name);
   return names;
@@ -177,7 +192,9 @@ void check_material(const MaterialOptions& o) {
     throw MaterialFault("model", "found '" + o.model + "', expected one of " + known +
                                      did_you_mean(o.model, material_models().names()));
   }
+  if (!o.porosity) check_key(o, {"density_kg_m3", true});
   for (const MaterialKey& key : keys_of_all()) check_key(o, key);
+  check_pores(o);
   check_exclusive(o, *model);
   if (model->elastic_keys)
     for (const MaterialKey& key : {MaterialKey{"young_pa", true}, MaterialKey{"poisson"}}) check_key(o, key);

@@ -62,6 +62,9 @@ struct MaterialOptions {
   double reduction_from_s = 0;
   std::optional<double> reduction_until_s;
   std::optional<double> removed_s;
+  std::optional<double> porosity;
+  std::optional<double> permeability_m_s;
+  bool drained = false;
   std::map<std::string, std::optional<double>, std::less<>> own;  // by own_material_keys(); what is not there is not given
 
   /// Of a key of a law's own.
@@ -76,7 +79,7 @@ struct MaterialOptions {
   static void fields(Self& self, Visitor&& visit) {
     visit("model", self.model,
           OptionInfo{.text = "constitutive law", .names = &material_model_names});
-    visit("density_kg_m3", self.density_kg_m3, OptionInfo{.unit = "kg/m^3", .text = "bulk density", .min = 0, .above_min = true});
+    visit("density_kg_m3", self.density_kg_m3, OptionInfo{.unit = "kg/m^3", .text = "bulk density (not beside porosity)", .min = 0, .above_min = true});
     visit("young_pa", self.young_pa, OptionInfo{.unit = "Pa", .text = "Young's modulus", .min = 0, .above_min = true});
     visit("poisson", self.poisson, OptionInfo{.text = "Poisson's ratio", .min = 0, .max = 0.499});
     visit("friction_deg", self.friction_deg, OptionInfo{.unit = "deg", .text = "friction angle, at its peak", .min = 0, .max = 89});
@@ -97,7 +100,7 @@ struct MaterialOptions {
     visit("friction_flow_deg", self.friction_flow_deg, OptionInfo{.unit = "deg", .text = "friction angle in rapid flow, friction_deg being that at rest", .min = 0, .max = 89});
     visit("inertial_number", self.inertial_number, OptionInfo{.text = "I0 at which friction is half-way", .min = 0, .above_min = true});
     visit("grain_diameter_m", self.grain_diameter_m, OptionInfo{.unit = "m", .text = "mean grain diameter", .min = 0});
-    visit("grain_density_kg_m3", self.grain_density_kg_m3, OptionInfo{.unit = "kg/m^3", .text = "density of the grains", .min = 0, .above_min = true});
+    visit("grain_density_kg_m3", self.grain_density_kg_m3, OptionInfo{.unit = "kg/m^3", .text = "density of the grains, which with porosity gives the density", .min = 0, .above_min = true});
     visit("bulk_pa", self.bulk_pa, OptionInfo{.unit = "Pa", .text = "bulk modulus", .min = 0});
     visit("shear_pa", self.shear_pa, OptionInfo{.unit = "Pa", .text = "shear modulus, small against bulk_pa (0: a millionth of it)", .min = 0});
     visit("density_end_kg_m3", self.density_end_kg_m3, OptionInfo{.unit = "kg/m^3", .text = "density to which it rises or falls in time (left out: it stays)", .min = 0, .above_min = true});
@@ -107,6 +110,9 @@ struct MaterialOptions {
     visit("reduction_from_s", self.reduction_from_s, OptionInfo{.unit = "s", .text = "start of that change", .min = 0});
     visit("reduction_until_s", self.reduction_until_s, OptionInfo{.unit = "s", .text = "its end; linear between (left out: at once)", .min = 0});
     visit("removed_s", self.removed_s, OptionInfo{.unit = "s", .text = "taken out at this time, as in an excavation; one region a stage (left out: stays)", .min = 0, .above_min = true});
+    visit("porosity", self.porosity, OptionInfo{.text = "share of the pores in the volume, which [water] fills (left out: no water in this material)", .min = 0, .max = 1, .above_min = true});
+    visit("permeability_m_s", self.permeability_m_s, OptionInfo{.unit = "m/s", .text = "hydraulic conductivity K of Darcy's law, as a laboratory measures it at 9.81 m/s^2", .min = 0});
+    visit("drained", self.drained, OptionInfo{.text = "its water never has another pressure than the hydrostatic one of water.level_m (zero without)"});
     for (const OwnMaterialKey& key : own_material_keys()) visit(key.name, self.own_value(key.name), key.info);
   }
 };

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "mpm/state/node.hpp"
+#include "mpm/state/pore_node.hpp"
 
 namespace pivnp::mpm {
 
@@ -41,6 +42,7 @@ constexpr void for_each_node_field(Visit&& visit) {
         InArray<AlongAxes>{});
   visit(NodeField{"filtered velocity", "m/s", "velocity, filtered to an order", "xpic"}, InArray<NodeVelocity>{});
   visit(NodeField{"body force", "N/m", "force of body forces and tractions", "body forces, tractions"}, InArray<NodeVelocity>{});
+  visit(NodeField{"pores", "", "what the flow of water needs of a node (pore_node.hpp)", "water"}, InArray<PoreNode>{});
   visit(NodeField{"softening strain", "m^2", "plastic strain times volume, then its mean", "laws that average (transfer/nonlocal.hpp)"},
         InArray<double>{});
   visit(NodeField{"softening volume", "m^2", "volume, filtered alike", "laws that average (transfer/nonlocal.hpp)"}, InArray<double>{});

@@ -42,7 +42,7 @@ inline void for_each_particle_field(Visit&& visit) {
   visit(ParticleField{.name = "velocity", .unit = "m/s", .definition = "velocity", .recorded = "v"}, Column{&P::vx, &K::vx},
         Column{&P::vy, &K::vy});
   visit(ParticleField{"volume0", "m^2", "volume at the start, per metre of thickness"}, Column{&P::volume0, &K::volume0});
-  visit(ParticleField{"mass", "kg/m", "mass; one body needs none (Particles::mass_of)", &N::several_bodies},
+  visit(ParticleField{"mass", "kg/m", "mass; one dry body needs none (Particles::mass_of)", &N::own_mass},
         Column{&P::mass, &K::mass});
   visit(ParticleField{.name = "F", .unit = "1", .definition = "deformation gradient, of the point's own velocity gradient",
                       .recorded = "F"},
@@ -53,6 +53,15 @@ inline void for_each_particle_field(Visit&& visit) {
                       .per_volume = true},
         Column{&P::tau_xx, &K::tau_xx, &L::xx}, Column{&P::tau_yy, &K::tau_yy, &L::yy},
         Column{&P::tau_zz, &K::tau_zz, &L::zz}, Column{&P::tau_xy, &K::tau_xy, &L::xy});
+  // (After the stress: where it has values, kernels see it in the place of that.)
+  visit(ParticleField{"outer stress", "Pa", "Kirchhoff stress with the pressure of the pores over that of water outside", &N::wet},
+        Column{&P::total_xx, &K::tau_xx}, Column{&P::total_yy, &K::tau_yy}, Column{&P::total_zz, &K::tau_zz});
+  visit(ParticleField{.name = "pressure", .unit = "Pa", .definition = "pressure of the water in the pores, compression positive",
+                      .need = &N::wet, .recorded = "pressure"},
+        Column{&P::pressure});
+  visit(ParticleField{.name = "porosity", .unit = "1", .definition = "share of the pores in the volume", .need = &N::wet, .recorded = "porosity"},
+        Column{&P::porosity});
+  visit(ParticleField{"content", "1", "volume of the water without pressure, in a unit of initial volume", &N::wet}, Column{&P::content});
   visit(ParticleField{"affine velocity", "1/s", "affine velocity field of APIC", &N::affine}, Column{&P::C_xx, &K::C_xx},
         Column{&P::C_xy, &K::C_xy}, Column{&P::C_yx, &K::C_yx}, Column{&P::C_yy, &K::C_yy});
   visit(ParticleField{"carried", "m", "by how much a tied side has set the point back (tied_sides.hpp)", &N::tied},

@@ -14,13 +14,14 @@ namespace pivnp::mpm {
 
 /// Who needs fields that not every case has (particle_fields.hpp).
 struct ParticleNeeds {
-  bool several_bodies = false;
+  bool own_mass = false;    // several bodies, or water
   bool affine = false;      // APIC
   bool sized = false;       // uGIMP
   bool tied = false;        // tied sides
   bool kept = false;        // Where::kept
   bool increments = false;  // stress follows strain in a sweep of its own
   bool averaged = false;    // a law's softening follows the strain around a point
+  bool wet = false;         // water in the pores
 };
 
 /// Points lie body after body (so that a material is called on a run of them), inside a body in the order of the last
@@ -36,7 +37,7 @@ struct Particles {
   // Listed, with what they are, in particle_fields.hpp.
   Array x, y, vx, vy;
   Array volume0;
-  Array mass;  // one body needs none, see mass_of()
+  Array mass;  // one dry body needs none, see mass_of()
   Array F_xx, F_xy, F_yx, F_yy;
   Array J;
   Array tau_xx, tau_yy, tau_zz, tau_xy;
@@ -48,6 +49,7 @@ struct Particles {
   Array xi, eta;
   Array de_xx, de_yy, de_zz, de_xy, spin;
   Array softened_by;
+  Array pressure, porosity, content, total_xx, total_yy, total_zz;
 
   HistoryVariables history;     // of the laws
   double density = 0;  // of one body, kg/m^3

@@ -63,7 +63,11 @@ EnergyRow energy_row(double time, const StoredEnergy& stored, const EnergyBalanc
   row.damping = balance.damping;
   row.contact = balance.contact;
   row.external = balance.gravity + balance.bodies - balance.carried;
-  row.residual = row.kinetic + row.elastic + row.plastic + row.damping + row.contact - row.external - balance.start;
+  row.water = stored.water;
+  row.darcy = balance.darcy;
+  row.water_inflow = balance.inflow;
+  row.residual = row.kinetic + row.elastic + row.plastic + row.damping + row.contact - row.external - balance.start +
+                 (row.water + row.darcy);
   return row;
 }
 

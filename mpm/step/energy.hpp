@@ -20,6 +20,8 @@ struct EnergyBalance {
   double start = 0;     // kinetic + elastic at the start
   double moved = 0;     // sum of |work of moving bodies and loads| over the steps
   double turned_over = 0;  // greatest turnover() so far
+  double darcy = 0;     // taken out by the flow of water
+  double inflow = 0;    // water that came in through boundaries, less what ended points took, kg/m
 
   /// What the nodes gained and the points did not is the transfer's loss, exactly.
   void add(const NodalWork& work, double kinetic_loss_of_points) {
@@ -31,7 +33,8 @@ struct EnergyBalance {
 };
 
 struct StoredEnergy {
-  double kinetic = 0, elastic = 0, plastic = 0;
+  double kinetic = 0, elastic = 0, plastic = 0, water = 0;
+  double sum() const { return kinetic + elastic + water; }
 };
 
 /// Kinetic and elastic energy of the points still simulated, and what all have dissipated.

@@ -44,6 +44,7 @@ class Relaxation {
     const int threads = choice_.threads();
     average_mean_stress(p_, g_, s_.scheme, threads);
     map_momentum(p_, g_, s_.scheme, true, threads);
+    if (s_.water && s_.water->lifts(o_.gravity)) s_.water->lift(p_, g_, o_.gravity, threads);
     if (!s_.contacts.empty() && !found_) s_.contacts.find(p_, g_, s_.density, 0, threads);  // points stay
     found_ = true;
     const double applied = propose();
@@ -55,7 +56,10 @@ class Relaxation {
     strain_points(p_, g_, s_.scheme, 1.0, false, threads);
     std::fill(p_.spin.begin(), p_.spin.end(), 0.0);  // displacements are small against the rotations that would matter
     strained_too_far_ = any_beyond(most_strain);
-    if (!strained_too_far_) update_stress(s_.materials, p_, threads);
+    if (!strained_too_far_) {
+      update_stress(s_.materials, p_, threads);
+      if (s_.water) s_.water->refresh(p_, o_.gravity, threads);
+    }
     choice_.end_step();
     return applied > 0 ? unbalanced / applied : 0;
   }
@@ -213,7 +217,8 @@ void require_held(const Particles& p, const GridState& g, const Restraints& rest
 
 // Sums run down a column in storage order.
 void stress_from_columns(Particles& p, const Materials& materials, const GridState& g, double gravity_y,
-                         std::optional<double> k0) {
+                         std::optional<double> k0, const PoreWater* water) {
+  const std::vector<double> displaced = water ? water->displaced_mass(p) : std::vector<double>{};
   const auto across = std::size_t(g.domain.nx - 1);
   std::vector<std::vector<std::uint32_t>> columns(across, std::vector<std::uint32_t>{});
   for (const std::uint32_t k : g.cells.order)
@@ -232,7 +237,10 @@ void stress_from_columns(Particles& p, const Materials& materials, const GridSta
     for (std::size_t a = 0; a < column.size();) {
       std::size_t b = a;
       double here = 0;
-      while (b < column.size() && p.y[column[b]] == p.y[column[a]]) here += p.mass_of(column[b++]);
+      while (b < column.size() && p.y[column[b]] == p.y[column[a]]) {
+        here += p.mass_of(column[b]) - (displaced.empty() ? 0 : displaced[column[b]]);
+        ++b;
+      }
       const double vertical = -std::abs(gravity_y) * (above + 0.5 * here) * g.per_hx;
       for (; a < b; ++a) {
         const std::uint32_t k = column[a];
@@ -249,9 +257,10 @@ int relax_to_equilibrium(const EquilibriumOptions& options, const StaticSystem& 
   GridState& g = system.grid;
   locate_all(p, g);
   if (std::abs(options.gravity.x()) <= 1e-3 * std::abs(options.gravity.y()))
-    stress_from_columns(p, system.materials, g, options.gravity.y(), options.k0);
+    stress_from_columns(p, system.materials, g, options.gravity.y(), options.k0, system.water);
   p.resize_increments(p.size());
   update_stress(system.materials, p, options.threads);  // brings the first guess inside the yield surface
+  if (system.water) system.water->refresh(p, options.gravity, options.threads);
 
   Relaxation relaxation(options, system);
   const int most = most_iterations(g.grid);

@@ -12,6 +12,7 @@
 #include "mpm/state/scheme.hpp"
 #include "mpm/transfer/stress_update.hpp"
 #include "pivnp/core/particles/motion.hpp"
+#include "mpm/water/pore_water.hpp"
 #include "pivnp/core/progress.hpp"
 
 namespace pivnp::mpm {
@@ -35,6 +36,7 @@ struct StaticSystem {
   Particles& particles;
   GridState& grid;
   const ParticleSet& set;  // where the particles come from
+  const PoreWater* water = nullptr;
 };
 
 /// Adaptive dynamic relaxation (Underwood 1983; Cundall's local damping) in the reference configuration: the points do
@@ -53,8 +55,8 @@ void require_held(const Particles& particles, const GridState& grid, const Restr
                   const std::vector<std::uint32_t>& gripped, const Vec2& gravity, const ParticleSet& set);
 
 /// Vertical stress from the mass above each point in its column of cells, the horizontal ones `k0` (nu/(1 - nu) without)
-/// times it. For vertical gravity.
+/// times it. For vertical gravity. With water: effective stress, and the mass less that of the water displaced.
 void stress_from_columns(Particles& particles, const Materials& materials, const GridState& grid, double gravity_y,
-                         std::optional<double> k0);
+                         std::optional<double> k0, const PoreWater* water = nullptr);
 
 }  // namespace pivnp::mpm

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "mpm/state/scheme_rows.hpp"
+#include "mpm/water/options.hpp"
 #include "pivnp/core/options.hpp"
 
 namespace pivnp::mpm {
@@ -34,6 +35,7 @@ struct MpmOptions {
   std::optional<double> end_s;
   std::optional<double> output_rate_hz;
   Points domain_m;
+  std::optional<PressureScheme> pressure;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
@@ -62,6 +64,7 @@ struct MpmOptions {
     visit("end_s", self.end_s, OptionInfo{.unit = "s", .text = "end of the simulation (left out: the last frame)", .min = 0, .above_min = true});
     visit("output_rate_hz", self.output_rate_hz, OptionInfo{.unit = "Hz", .text = "states written per second (left out: at the frames' times)", .min = 0, .above_min = true});
     visit("domain_m", self.domain_m, OptionInfo{.unit = "m", .text = "lower left and upper right corner that the simulation may use (left out: the measured grid)"});
+    visit("pressure", self.pressure, OptionInfo{.text = "how pore pressure is advanced, with [water]: explicit, in the steps of the undrained wave (left out: that)"});
   }
 };
 

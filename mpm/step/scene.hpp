@@ -4,12 +4,14 @@
 #include <array>
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "mpm/constraint/options.hpp"
 #include "mpm/material/options.hpp"
+#include "mpm/water/options.hpp"
 #include "pivnp/core/grid/grid.hpp"
 #include "pivnp/core/particles/motion.hpp"
 
@@ -23,6 +25,7 @@ struct Scene {
   std::vector<std::pair<std::string, BoundaryOptions>> boundaries;
   std::vector<std::pair<std::string, RigidOptions>> bodies;
   std::vector<std::pair<std::string, ContactOptions>> contacts;  // between labels, by ParticleSet::label_names
+  std::optional<WaterOptions> water;           // in the pores of materials that have a porosity
   std::vector<Vec2> v0;                        // velocity at time 0, one a particle; empty: at rest
   std::vector<std::array<double, 4>> stress0;  // Cauchy stress at time 0, xx yy zz xy; empty: none
   /// Acceleration of a particle (index in `particles`) at a time, beside gravity; empty: none. For manufactured

@@ -23,6 +23,7 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
       most_threads(std::max(1, n_threads)),
       choice(n_threads),
       scene(std::move(s)),
+      pores(take_pores(o, scene)),
       materials(materials_of(scene)),
       density(densities_of(scene)),
       contacts(scene.contacts, scene.particles.label_names),
@@ -49,8 +50,9 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
   sleep.start(p, g);
   g.rebuild(p);
   p.sort_as(g.cells.order, 1);
-  state.wave_speed = wave_speed(materials, density, p, 1);
   g.set_walls(restraints.wall_sides(0, g.grid));
+  fill_pores();
+  take_wave_speed(1);
   if (o.k0 && !o.initial_equilibrium) start_at_rest(gravity);
   change_strength(0);
   state.body_motion = bodies.motion();
@@ -58,6 +60,9 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
 }
 
 double Solver::Impl::longest_step() const {
+  if (water)
+    return stable_step_with_water(options.courant, g.grid.spacing.x(), g.grid.spacing.y(), state.wave_speed, state.fastest,
+                                  state.diffusivity);
   return mpm::stable_step(options.courant, g.grid.spacing.minCoeff(), state.wave_speed,
                      std::max(state.fastest, bodies.fastest()));
 }
@@ -83,7 +88,8 @@ void Solver::find_initial_equilibrium(Progress& progress) {
   relax_to_equilibrium(
       {s.loading.gravity(0), s.options.equilibrium_damping, s.options.equilibrium_tolerance, s.most_threads,
        s.options.k0},
-      {scheme, s.materials, s.density, s.restraints, s.contacts, s.bodies, s.p, s.g, s.scene.particles}, progress);
+      {scheme, s.materials, s.density, s.restraints, s.contacts, s.bodies, s.p, s.g, s.scene.particles,
+       s.water.get()}, progress);
   s.p.resize_increments(0);
   s.p.history.reset();
   s.restart_balance();

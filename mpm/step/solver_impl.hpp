@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,8 @@
 #include "mpm/step/solver_state.hpp"
 #include "mpm/step/thread_choice.hpp"
 #include "mpm/transfer/transfer.hpp"
+#include "mpm/material/model.hpp"
+#include "mpm/water/pore_water.hpp"
 
 namespace pivnp::mpm {
 
@@ -27,6 +30,9 @@ struct LastGood {
   EnergyRow energy;
   std::int64_t steps = 0;
 };
+
+/// What the water sees of the scene's materials, which become what dry laws see. Throws InputError for what does not go with it.
+std::vector<PoreSoil> take_pores(const MpmOptions& options, Scene& scene);
 
 struct Solver::Impl {
   Impl(const MpmOptions& o, Scene s, int n_threads);
@@ -52,7 +58,7 @@ struct Solver::Impl {
   void move_points(const Cycle& c);
   void strain_last(const Cycle& c);
   void end_step(const Cycle& c);
-  bool maps_and_advances() const;
+  bool maps_and_advances(const Cycle& c) const;
   void take_mapped_velocity(const Cycle& c);
   void apply_restraints(const Cycle& c);
   void restrain_strain_velocity();
@@ -67,8 +73,16 @@ struct Solver::Impl {
   void end_bad_states();
   void start_at_rest(const Vec2& gravity);
   bool pushes() const { return scene.body_force || loading.tractions().any(); }
-  bool work_in_steps() const { return loading.gravity_changes() || loading.any_density(); }
+  bool work_in_steps() const { return !water && (loading.gravity_changes() || loading.any_density()); }
   Vec2 moment_of_mass() const;
+
+  // solver_water.cpp: the water in the pores.
+  void fill_pores();
+  void carry_water(const Cycle& c);
+  void flow_water(const Cycle& c);
+  void end_water(std::size_t k);
+  bool lifts(const Vec2& gravity) const { return water && water->lifts(gravity); }
+  void take_wave_speed(int threads);
 
   // solver_sleep.cpp: what is not stepped while it rests.
   void wake_what_moves();
@@ -94,6 +108,7 @@ struct Solver::Impl {
   int most_threads;
   ThreadChoice choice;
   Scene scene;
+  std::vector<PoreSoil> pores;  // of the scene's materials
   Materials materials;
   std::vector<double> density;
   Contacts contacts;
@@ -108,6 +123,8 @@ struct Solver::Impl {
   LastGood good;
   bool failed = false;  // only `good` is meant any more
   Particles& p = state.particles;
+  std::unique_ptr<PoreWater> water;  // null without
+  double potential_energy = 0;       // with water: of the points at the step's start
   GatherSums gather;
   SmallMassNodes small_mass;
   NonlocalSoftening nonlocal;

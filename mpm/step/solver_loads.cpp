@@ -109,7 +109,8 @@ void Solver::Impl::end_bad_states() {
 void Solver::Impl::start_at_rest(const Vec2& gravity) {
   if (std::abs(gravity.x()) > 1e-3 * std::abs(gravity.y()))
     throw InputError("mpm.k0: given where gravity is not vertical, expected initial_equilibrium = true without it");
-  stress_from_columns(p, materials, g, gravity.y(), options.k0);
+  stress_from_columns(p, materials, g, gravity.y(), options.k0, water.get());
+  if (water) water->refresh(p, gravity, 1);
 }
 
 Vec2 Solver::Impl::moment_of_mass() const {

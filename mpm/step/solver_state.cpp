@@ -95,6 +95,7 @@ void visit(Archive& a, State& s) {
   a.value(s.time);
   a.value(s.fastest);
   a.value(s.wave_speed);
+  a.value(s.diffusivity);
   a.value(s.peak_kinetic);
   a.value(s.calm_since);
   a.value(s.calm_looks);

@@ -35,6 +35,7 @@ Solver::Impl::Cycle Solver::Impl::begin_step(double dt) {
   load(dt);
   c.gravity = loading.gravity(state.time + 0.5 * dt);
   if (work_in_steps()) c.moment = moment_of_mass();
+  if (water) carry_water(c);
   return c;
 }
 
@@ -44,6 +45,7 @@ void Solver::Impl::end_step(const Cycle& c) {
   state.fastest = std::sqrt(gather.fastest2);
   look_for_rest(c.dt);
   if (work_in_steps()) state.balance.gravity += c.gravity.dot(moment_of_mass() - c.moment);
+  if (water) state.balance.gravity += potential_energy - water->potential_energy(p, c.gravity, c.threads);
   ++state.steps;
   state.body_motion = bodies.motion();
   choice.end_step();
@@ -69,15 +71,17 @@ void Solver::Impl::find_cells(const Cycle& c) {
 }
 
 // Nothing asks for the mapped velocity before the momentum is updated: A.3-A.7 in one sweep.
-bool Solver::Impl::maps_and_advances() const {
-  return scheme.stress != StressUpdate::usf && scheme.transfer != TransferKind::xpic && contacts.empty() && !pushes();
+bool Solver::Impl::maps_and_advances(const Cycle& c) const {
+  return scheme.stress != StressUpdate::usf && scheme.transfer != TransferKind::xpic && contacts.empty() && !pushes() &&
+         !lifts(c.gravity);
 }
 
 void Solver::Impl::map_to_nodes(const Cycle& c) {
   const double least = least_mass * least_density() * g.grid.spacing.prod();
   const bool with_force = scheme.stress != StressUpdate::usf;
+  if (with_force) flow_water(c);
   if (with_force) average_mean_stress(p, g, scheme, c.threads);
-  if (maps_and_advances()) return map_and_update(p, g, scheme, small_mass, least, c.gravity, c.dt, c.threads);
+  if (maps_and_advances(c)) return map_and_update(p, g, scheme, small_mass, least, c.gravity, c.dt, c.threads);
   map_momentum(p, g, scheme, with_force, c.threads);
   small_mass.find(g, least);
   if (!contacts.empty()) contacts.find(p, g, density, c.dt, c.threads);
@@ -88,6 +92,7 @@ void Solver::Impl::strain_first(const Cycle& c) {
   take_mapped_velocity(c);
   small_mass.join_velocity(g);
   strain(c);
+  flow_water(c);
   average_mean_stress(p, g, scheme, c.threads);
   map_force(p, g, scheme, c.threads);
 }
@@ -108,9 +113,10 @@ void Solver::Impl::take_mapped_velocity(const Cycle& c) {
 }
 
 void Solver::Impl::advance_nodes(const Cycle& c) {
-  if (!maps_and_advances()) {
+  if (!maps_and_advances(c)) {
     if (scheme.transfer == TransferKind::xpic) filtered_velocity(p, g, scheme.xpic_order, filtered, c.threads);
     map_body_force(c.threads);
+    if (lifts(c.gravity)) water->lift(p, g, c.gravity, c.threads);
     update_momentum(g, c.gravity, scheme.damping, c.dt, c.threads);
   }
   small_mass.join_momentum(g, scheme.damping, c.dt);
@@ -152,7 +158,7 @@ void Solver::Impl::strain_last(const Cycle& c) {
 
 void Solver::Impl::strain(const Cycle& c, GatherSums* moved) {
   state.balance.damping += strain_and_update_stress(materials, p, g, scheme, c.dt, c.threads, moved);
-  if (state.steps % stiffness_every == 0) state.wave_speed = wave_speed(materials, density, p, c.threads);
+  if (state.steps % stiffness_every == 0) take_wave_speed(c.threads);
 }
 
 }  // namespace pivnp::mpm

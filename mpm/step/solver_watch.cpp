@@ -41,6 +41,7 @@ void Solver::Impl::end_particle(std::size_t k, EndReason reason) {
   scene.particles.end_reason[p.index[k]] = reason;
   const StoredEnergy lost = stored_energy_of(p, g, materials, k);
   state.balance.carried += lost.kinetic + lost.elastic;
+  if (water) end_water(k);
   p.cell[k] = Particles::ended;
 }
 
@@ -81,8 +82,12 @@ double Solver::Impl::work_of_gravity() const {
 
 EnergyRow Solver::Impl::energy() {
   EnergyBalance balance = state.balance;
-  if (!work_in_steps()) balance.gravity = work_of_gravity();
-  EnergyRow row = energy_row(state.time, stored_energy(p, g, materials), balance);
+  if (!work_in_steps() && !water) balance.gravity = work_of_gravity();
+  StoredEnergy stored = stored_energy(p, g, materials);
+  const PoreWater::Sums in_pores = water ? water->sums(p) : PoreWater::Sums{};
+  stored.water = in_pores.energy;
+  EnergyRow row = energy_row(state.time, stored, balance);
+  row.water_mass = in_pores.mass;
   if (scheme.shape == ShapeKind::bilinear) row.hourglass = hourglass_energy(p, g);
   return row;
 }
@@ -112,7 +117,7 @@ void Solver::Impl::fail(const std::string& cause) {
 void Solver::Impl::restart_balance() {
   state.balance = EnergyBalance{};
   const StoredEnergy stored = stored_energy(p, g, materials);
-  state.balance.start = stored.kinetic + stored.elastic;
+  state.balance.start = stored.kinetic + stored.elastic + (water ? water->sums(p).energy : 0);
   failed = false;
   good = {energy(), state.steps};
 }

@@ -71,7 +71,8 @@ double strain_and_update_stress(const Materials& materials, Particles& p, GridSt
       threads, moved);
 }
 
-double wave_speed(const Materials& materials, const std::vector<double>& density, Particles& p, int threads) {
+double wave_speed(const Materials& materials, const std::vector<double>& density, Particles& p, int threads,
+                  const std::vector<double>& added) {
   double fastest2 = 0;
   for (const Particles::Body& body : p.bodies) {
     const Material& material = *materials[std::size_t(body.material)];
@@ -82,6 +83,7 @@ double wave_speed(const Materials& materials, const std::vector<double>& density
       const std::size_t begin = body.begin + std::size_t(r) * run;
       stiffness = std::max(stiffness, material.stiffness(batch_of(p, body, begin, std::min(run, body.end - begin))));
     }
+    if (!added.empty()) stiffness += added[std::size_t(body.material)];
     fastest2 = std::max(fastest2, stiffness / density[std::size_t(body.material)]);
   }
   return std::sqrt(fastest2);

@@ -23,7 +23,9 @@ void update_stress(const Materials& materials, Particles& p, int threads, double
 double strain_and_update_stress(const Materials& materials, Particles& p, GridState& g, const Scheme& scheme, double dt,
                                 int threads, GatherSums* moved = nullptr);
 
-/// The fastest compression wave as the points are now; densities at the start, one a material. m/s.
-double wave_speed(const Materials& materials, const std::vector<double>& density, Particles& p, int threads);
+/// The fastest compression wave as the points are now; densities at the start, one a material. `added`: what water adds to
+/// each material's stiffness, Pa; may be empty. m/s.
+double wave_speed(const Materials& materials, const std::vector<double>& density, Particles& p, int threads,
+                  const std::vector<double>& added = {});
 
 }  // namespace pivnp::mpm

@@ -80,8 +80,10 @@ void pack_energy(h5::OutputFile& out, const std::vector<const StageFiles*>& moti
     for (const EnergyColumn& column : energy_table()) {
       std::vector<double> values;
       for (const EnergyRow& row : rows) values.push_back(row.*column.member);
+      if (column.optional && std::all_of(values.begin(), values.end(), [](double v) { return v == 0; })) continue;
+      const bool own_unit = *column.unit != '\0';
       out.write(std::string("/energy/") + column.name, values,
-                column.member == &EnergyRow::time ? units.time : units.energy());
+                own_unit ? column.unit : column.member == &EnergyRow::time ? units.time : units.energy());
     }
   }
 }

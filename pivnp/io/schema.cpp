@@ -43,7 +43,11 @@ const std::vector<EnergyColumn>& energy_table() {
       {"time", &EnergyRow::time},       {"kinetic", &EnergyRow::kinetic}, {"elastic", &EnergyRow::elastic},
       {"plastic", &EnergyRow::plastic}, {"damping", &EnergyRow::damping}, {"contact", &EnergyRow::contact},
       {"external", &EnergyRow::external}, {"residual", &EnergyRow::residual},
-      {"hourglass", &EnergyRow::hourglass, 1}};
+      {"hourglass", &EnergyRow::hourglass, 1},
+      {"water", &EnergyRow::water, 4, true},
+      {"darcy", &EnergyRow::darcy, 4, true},
+      {"water_mass", &EnergyRow::water_mass, 4, true, "kg/m"},
+      {"water_inflow", &EnergyRow::water_inflow, 4, true, "kg/m"}};
   return table;
 }
 

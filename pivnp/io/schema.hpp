@@ -13,7 +13,7 @@ namespace pivnp::io {
 
 inline constexpr const char* schema_name = "pivnp";
 inline constexpr int schema_major = 1;
-inline constexpr const char* schema_version = "1.3";
+inline constexpr const char* schema_version = "1.4";
 
 struct Units {
   std::string length = "m", time = "s";
@@ -47,6 +47,8 @@ struct EnergyColumn {
   const char* name;
   double EnergyRow::*member;
   int since_minor = 0;  // version 1.x that brought it; older records lack it
+  bool optional = false;     // left out where it is zero throughout
+  const char* unit = "";     // empty: an energy per thickness (the first: time)
 };
 const std::vector<EnergyColumn>& energy_table();
 

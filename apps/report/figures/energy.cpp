@@ -20,12 +20,14 @@ struct Term {
   Dash dash;
   Key key;
 };
-constexpr std::array<Term, 6> terms = {
+constexpr std::array<Term, 8> terms = {
     {{"kinetic", &EnergyRow::kinetic, blue, Dash::solid, Key::line},
      {"elastic", &EnergyRow::elastic, green, Dash::dashed, Key::dashed},
      {"plastic dissipation", &EnergyRow::plastic, vermilion, Dash::solid, Key::line},
      {"damping", &EnergyRow::damping, purple, Dash::dash_dot, Key::dash_dot},
      {"friction at contacts", &EnergyRow::contact, orange, Dash::dashed, Key::dashed},
+     {"water, elastic", &EnergyRow::water, blue, Dash::dotted, Key::dotted},
+     {"Darcy dissipation", &EnergyRow::darcy, green, Dash::dash_dot, Key::dash_dot},
      {"external work", &EnergyRow::external, ink, Dash::dotted, Key::dotted}}};
 
 std::vector<double> column(const std::vector<EnergyRow>& rows, double EnergyRow::*value) {

@@ -77,6 +77,7 @@ mpm::Scene make_scene(const Case& c, const Setting& setting, const mpm::MpmOptio
 
 mpm::Solver make_solver(const Case& c, const Setting& setting, int threads) {
   mpm::Scene scene = make_scene(c, setting, *c.mpm, c.materials, "material.");
+  scene.water = c.water;
   try {
     return mpm::Solver(*c.mpm, std::move(scene), threads);
   } catch (const InputError& error) {

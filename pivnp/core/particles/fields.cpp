@@ -60,6 +60,9 @@ Registry<MotionField>& motion_fields() {
        .definition = "stress, tension positive"},
       {.name = "plastic_dev", .label = "plastic deviatoric strain",
        .definition = "accumulated plastic deviatoric strain, where the source has it"},
+      {.name = "pressure", .unit = "Pa", .label = "pore pressure",
+       .definition = "pressure of the water in the pores, compression positive"},
+      {.name = "porosity", .label = "porosity", .definition = "share of the pores in the volume"},
   };
   return fields;
 }

@@ -3,8 +3,8 @@
 
 namespace pivnp {
 
-/// Joules per metre of thickness. residual = (kinetic + elastic + plastic + damping + contact) - external - (their sum
-/// at the start): what the scheme gained (+) or lost (-).
+/// Joules per metre of thickness. residual = (kinetic + elastic + plastic + damping + contact + water + darcy) - external -
+/// (their sum at the start): what the scheme gained (+) or lost (-).
 struct EnergyRow {
   double time = 0;
   double kinetic = 0;
@@ -15,6 +15,11 @@ struct EnergyRow {
   double external = 0;  // work of gravity and of moving bodies
   double residual = 0;
   double hourglass = 0;  // part of kinetic: in the hourglass modes of bilinear elements, else 0
+  // Where there is water in the pores, else 0; the first two count in the residual.
+  double water = 0;         // elastic, in the water
+  double darcy = 0;         // dissipated by its flow
+  double water_mass = 0;    // of the water that flows, kg per metre of thickness
+  double water_inflow = 0;  // what came in through boundaries since the start, less what points that ended took, likewise
 };
 
 }  // namespace pivnp

@@ -38,6 +38,21 @@ TEST(BadInput, UnknownSections) {
   EXPECT_EQ(refusal("[np.fine]\nx = 1\n").rfind("c.toml:1: unknown section [np.fine]; known: ", 0), 0u);
 }
 
+TEST(BadInput, WaterGoesWithPores) {
+  const std::string soil = "[mpm]\nend_s = 1\noutput_rate_hz = 1\n[grid]\nspacing_m = 0.1\n[region.a]\npolygon_m = [[0,0],[1,0],[1,1]]\n"
+                           "[material.a]\nmodel = 'linear_elastic'\nyoung_pa = 1e6\n", given = ": given without [water], expected both or neither";
+  const std::string wet = soil + "porosity = 0.3\npermeability_m_s = 1e-5\n", dry = soil + "density_kg_m3 = 1800\n";
+  EXPECT_EQ(refusal(wet + "[water]\nlevel_m = 1.0\n"), "");
+  EXPECT_EQ(refusal(wet), "c.toml:11: material.a.porosity" + given);
+  EXPECT_EQ(refusal(dry + "[boundary.b]\nline_m = [[0,0],[1,0]]\nflux_m_s = 1\n"), "c.toml:14: boundary.b.flux_m_s" + given);
+  EXPECT_EQ(refusal(soil + "porosity = 1.3\n[water]\n"), "c.toml:11: material.a.porosity: found 1.3, expected more than 0 and at most 1");
+  EXPECT_EQ(refusal(soil + "porosity = 0.3\n[water]\n"),
+            "c.toml:8: material.a.permeability_m_s: missing beside porosity; expected 0 or more (m/s), or drained = true");
+  EXPECT_EQ(refusal(wet + "density_kg_m3 = 1800\n[water]\n"),
+            "c.toml:13: material.a.density_kg_m3: found 1800, expected none beside porosity: grain_density_kg_m3 and water make the density");
+  EXPECT_EQ(refusal("[mpm]\npressure = 'projected'\n"), "c.toml:2: mpm.pressure: found \"projected\", expected explicit");
+}
+
 TEST(BadInput, SectionsThatAreNone) {
   EXPECT_EQ(refusal("piv = 3\n"), "c.toml:1: piv: found 3, expected a section [piv]");
   EXPECT_EQ(

@@ -170,12 +170,13 @@ TEST(ParticleFields, OnlyWhatIsNeededHasValues) {
   };
   const std::set<std::string> least = held({});
   EXPECT_EQ(least, (std::set<std::string>{"place", "velocity", "volume0", "F", "J", "stress", "cell", "index"}));
-  for (bool ParticleNeeds::*need : {&ParticleNeeds::several_bodies, &ParticleNeeds::affine, &ParticleNeeds::sized, &ParticleNeeds::tied,
+  for (bool ParticleNeeds::*need : {&ParticleNeeds::own_mass, &ParticleNeeds::affine, &ParticleNeeds::sized, &ParticleNeeds::tied,
                                     &ParticleNeeds::kept, &ParticleNeeds::increments, &ParticleNeeds::averaged}) {
     ParticleNeeds needs;
     needs.*need = true;
     EXPECT_EQ(held(needs).size(), least.size() + 1);
   }
+  EXPECT_EQ(held({.wet = true}).size(), least.size() + 4);
 }
 
 TEST(ParticleFields, EveryRecordedOneIsAMotionField) {

@@ -1,0 +1,106 @@
+// The water in the pores: where a step hands over to it, and what it refuses.
+#include <algorithm>
+
+#include "mpm/grid/sweeps.hpp"
+#include "mpm/step/solver_impl.hpp"
+#include "pivnp/core/error.hpp"
+
+namespace pivnp::mpm {
+
+namespace {
+
+void refuse_beside_water(bool found, const std::string& key, const std::string& what) {
+  if (found) throw InputError(key + ": " + what + " beside [water], which does not go together yet");
+}
+
+void check_boundaries(const Scene& scene) {
+  for (const auto& [name, b] : scene.boundaries) {
+    const std::string key = "boundary." + name;
+    if (!scene.water && (b.pressure_pa || b.drained || b.flux_m_s))
+      throw InputError(key + (b.pressure_pa ? ".pressure_pa" : b.drained ? ".drained" : ".flux_m_s") + ": given without [water], expected both or neither");
+    if (!scene.water) continue;
+    refuse_beside_water(b.type == BoundaryType::tied, key + ".type", "found 'tied'");
+    refuse_beside_water(b.type == BoundaryType::absorbing, key + ".type", "found 'absorbing'");
+  }
+}
+
+void check_gravity(const MpmOptions& o, const WaterOptions& water) {
+  const auto upright = [](const Pair& g) { return std::abs(g[0]) <= 1e-3 * std::abs(g[1]) && g[1] <= 0; };
+  const bool vertical = upright(o.gravity_m_s2) && (!o.gravity_from_m_s2 || upright(*o.gravity_from_m_s2));
+  if (water.level_m && !vertical) throw InputError("water.level_m: given where gravity is not downwards, expected vertical gravity or no level");
+  if (!water.level_m && o.initial_equilibrium && Vec2(o.gravity_m_s2[0], o.gravity_m_s2[1]).norm() > 0)
+    throw InputError("water.level_m: missing beside mpm.initial_equilibrium, expected a level (or initial_equilibrium = false)");
+}
+
+}  // namespace
+
+std::vector<PoreSoil> take_pores(const MpmOptions& options, Scene& scene) {
+  check_boundaries(scene);
+  if (!scene.water && options.pressure) throw InputError("mpm.pressure: given without [water], expected both or neither");
+  std::vector<PoreSoil> soils;
+  for (std::size_t k = 0; k < scene.materials.size(); ++k) {
+    const auto& names = scene.particles.label_names;
+    const std::string name = k < names.size() ? names[k] : std::to_string(k);
+    try {
+      if (scene.materials[k].porosity) check_material(scene.materials[k]);
+    } catch (const MaterialFault& fault) {
+      throw InputError("material." + name + "." + fault.what());
+    }
+    soils.push_back(pore_soil(scene.materials[k], name, scene.water ? &*scene.water : nullptr));
+    if (scene.water) scene.materials[k] = without_pores(scene.materials[k], *scene.water);
+  }
+  if (!scene.water) return soils;
+  check_gravity(options, *scene.water);
+  refuse_beside_water(!scene.contacts.empty(), "contact." + (scene.contacts.empty() ? "" : scene.contacts.front().first), "given");
+  refuse_beside_water(!scene.bodies.empty(), "body." + (scene.bodies.empty() ? "" : scene.bodies.front().first), "given");
+  refuse_beside_water(options.sleep_below_m_s.has_value(), "mpm.sleep_below_m_s", "given");
+  return soils;
+}
+
+void Solver::Impl::fill_pores() {
+  if (!scene.water) return;
+  water = std::make_unique<PoreWater>(*scene.water, pores, scene.particles, g,
+                                      PoreBoundaries(scene.boundaries, restraints.walls(), g));
+  water->start(p, g, loading.gravity(0), most_threads);
+  for (std::size_t k = 0; k < density.size(); ++k)
+    if (water->partly_dry(p, k)) density[k] = water->soil(k).dry_density();
+}
+
+// Water that has come or gone moved as its point does.
+void Solver::Impl::carry_water(const Cycle& c) {
+  for (std::size_t k = 0; k < p.size(); ++k) {
+    if (p.cell[k] == Particles::ended) continue;
+    const double mass = water->mass(p, k), before = p.mass[k];
+    if (mass == before) continue;
+    p.mass[k] = mass;
+    state.balance.bodies += (1 - before / mass) * stored_kinetic(p, g, k);
+  }
+  potential_energy = water->potential_energy(p, c.gravity, c.threads);
+}
+
+// Of a point that ends after the step began.
+void Solver::Impl::end_water(std::size_t k) {
+  potential_energy -= water->potential_energy(p, k, loading.gravity(state.time));
+  state.balance.carried += water->stored(p, k);
+  state.balance.inflow -= water->flowing_mass(p, k);
+}
+
+void Solver::Impl::flow_water(const Cycle& c) {
+  if (!water) return;
+  const PoreFlow flow = water->flow(p, g, loading.tractions(), c.gravity, state.time, c.dt, c.threads);
+  state.balance.inflow += scene.water->density_kg_m3 * flow.inflow;
+  state.balance.bodies += flow.external;
+  state.balance.darcy += flow.darcy;
+}
+
+void Solver::Impl::take_wave_speed(int threads) {
+  if (!water) {
+    state.wave_speed = wave_speed(materials, density, p, threads);
+    return;
+  }
+  const PoreWater::Rates rates = water->rates(p);
+  state.wave_speed = wave_speed(materials, density, p, threads, rates.stiffness);
+  state.diffusivity = rates.diffusivity;
+}
+
+}  // namespace pivnp::mpm

@@ -1,0 +1,30 @@
+// What the water in the soil can be told.
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "pivnp/core/choice.hpp"
+#include "pivnp/core/options.hpp"
+
+namespace pivnp::mpm {
+
+/// How pore pressure is advanced.
+enum class PressureScheme { in_steps };
+inline constexpr std::array pressure_scheme_names{NamedValue{"explicit", PressureScheme::in_steps}};
+constexpr const auto& names_of(PressureScheme) { return pressure_scheme_names; }
+
+struct WaterOptions {
+  double density_kg_m3 = 1000;
+  double bulk_modulus_pa = 2.2e9;
+  std::optional<double> level_m;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit("density_kg_m3", self.density_kg_m3, OptionInfo{.unit = "kg/m^3", .text = "density without pressure", .min = 0, .above_min = true});
+    visit("bulk_modulus_pa", self.bulk_modulus_pa, OptionInfo{.unit = "Pa", .text = "bulk modulus", .min = 0, .above_min = true});
+    visit("level_m", self.level_m, OptionInfo{.unit = "m", .text = "height of the water's surface, inside the material and over it: pressure is hydrostatic below it at the start, and the material above it holds none (left out: all pores are full, and pressure is zero at the start)"});
+  }
+};
+
+}  // namespace pivnp::mpm

@@ -1,0 +1,27 @@
+#include "mpm/water/pore_soil.hpp"
+
+#include "pivnp/core/error.hpp"
+
+namespace pivnp::mpm {
+
+PoreSoil pore_soil(const MaterialOptions& m, const std::string& name, const WaterOptions* water) {
+  PoreSoil soil;
+  if (!m.porosity) return soil;
+  if (!water) throw InputError("material." + name + ".porosity: given without [water], expected both or neither");
+  soil.porosity = *m.porosity;
+  soil.mobility = m.permeability_m_s.value_or(0) / (water->density_kg_m3 * laboratory_gravity);
+  soil.grain_density = m.grain_density_kg_m3;
+  soil.drained = m.drained;
+  return soil;
+}
+
+MaterialOptions without_pores(MaterialOptions m, const WaterOptions& water) {
+  if (!m.porosity) return m;
+  m.density_kg_m3 = (1 - *m.porosity) * m.grain_density_kg_m3 + *m.porosity * water.density_kg_m3;
+  m.porosity = std::nullopt;
+  m.permeability_m_s = std::nullopt;
+  m.drained = false;
+  return m;
+}
+
+}  // namespace pivnp::mpm

@@ -1,0 +1,32 @@
+// What of a material the water sees.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "mpm/material/options.hpp"
+#include "mpm/water/options.hpp"
+
+namespace pivnp::mpm {
+
+/// Permeability is what a laboratory measures under this gravity, whatever gravity acts in the simulation.
+inline constexpr double laboratory_gravity = 9.81;  // m/s^2
+
+struct PoreSoil {
+  double porosity = 0;       // at the start; 0: no pores
+  double mobility = 0;       // K/(rho_w g_laboratory), m^2/(Pa s)
+  double grain_density = 0;  // kg/m^3
+  bool drained = false;      // never another pressure than the hydrostatic one
+
+  bool has_pores() const { return porosity > 0; }
+  bool holds_water() const { return has_pores() && !drained; }
+  /// Mass of the grains in a unit of initial volume.
+  double dry_density() const { return (1 - porosity) * grain_density; }
+};
+
+/// Of materials that check_material() accepts. Throws InputError naming material.<name>.<key> where [water] lacks.
+PoreSoil pore_soil(const MaterialOptions& material, const std::string& name, const WaterOptions* water);
+/// The material as a dry law sees it, with the density of grains and water together.
+MaterialOptions without_pores(MaterialOptions material, const WaterOptions& water);
+
+}  // namespace pivnp::mpm

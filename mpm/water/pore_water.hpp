@@ -1,0 +1,130 @@
+// Water in the pores: one set of points carries skeleton and water (one-point two-phase, u-p). docs/theory/mpm_water.md.
+//
+// A point's state is its water: `content`, the volume that it would have without pressure, in a unit of initial volume.
+// Pores are what the grains leave of the volume, n J = J - (1 - n0), and pressure is what fits the one into the other:
+//   p = K_w (content/(n J) - 1),
+// with J of the averaged volumetric strain (transfer.hpp): so pressure feels the averages that cure locking. The content
+// changes by flow alone, which nodes pass on between points: its sum changes by what crosses the boundaries, to round-off.
+//
+// Flow: q = -(K/gamma) grad e, potential e = p - rho_w g . x. Points give nodes the mean of e by bilinear hats; its
+// gradient moves water; nodes give their points what came. Where a boundary, or the material's own surface, gives the
+// potential, the node has that, and its points are brought towards the field that the nodes span, at the rate of a
+// cell: a field that is linear up to the surface is kept. What of the points' potentials no node sees evens out at that rate too,
+// and what no node sees of their volumetric strain gives no pressure: points exchange water for it. Without that, nearly
+// incompressible mixtures checkerboard.
+//
+// Momentum sees the stress tau' - J (p - p_l) I, p_l the pressure of the water outside, at rest below a level
+// (`total_xx` ...), and the lift rho_w g of the volume below it: with the divergence theorem that is the load of the water
+// on the submerged surface, and soil and water at rest stay so exactly.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mpm/constraint/tractions.hpp"
+#include "mpm/grid/grid_state.hpp"
+#include "mpm/state/particles.hpp"
+#include "mpm/water/options.hpp"
+#include "mpm/water/pore_boundaries.hpp"
+#include "mpm/state/pore_node.hpp"
+#include "mpm/water/pore_soil.hpp"
+#include "pivnp/core/particles/motion.hpp"
+
+namespace pivnp::mpm {
+
+/// What a step's flow did, per metre of thickness.
+struct PoreFlow {
+  double inflow = 0;    // volume of water without pressure through the boundaries, m^2
+  double external = 0;  // work of gravity on the flow and of the pressures at the boundaries, J
+  double darcy = 0;     // dissipated, J
+};
+
+class PoreWater {
+ public:
+  /// `soils`: of each label of `particles`, which must outlive this. Throws InputError naming the key.
+  PoreWater(const WaterOptions& options, std::vector<PoreSoil> soils, const ParticleSet& particles, const GridState& g,
+            PoreBoundaries boundaries);
+
+  /// Contents, pressures and masses at time 0: hydrostatic below the level.
+  void start(Particles& p, const GridState& g, const Vec2& gravity, int threads);
+
+  /// Between strain and momentum: moves water from where pressures as they were before the last strain drive it, evens that
+  /// strain out, and refreshes. (So a mode of wave and flow takes p' = p - K_w theta/n - lambda dt p.)
+  PoreFlow flow(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, double dt, int threads);
+  /// Particles::pressure, porosity and the stress that momentum sees, of contents and skeleton as they are.
+  void refresh(Particles& p, const Vec2& gravity, int threads) const;
+  /// Is there a level, and gravity?
+  bool lifts(const Vec2& gravity) const { return level_.has_value() && gravity.y() < 0; }
+  /// Adds the lift of what is below the level to the nodes' forces.
+  void lift(const Particles& p, GridState& g, const Vec2& gravity, int threads) const;
+  /// Mass of the water that each point displaces below the level, kg/m.
+  std::vector<double> displaced_mass(const Particles& p) const;
+
+  /// Mass of a point with the water it holds now; what it has where the flow does not change it.
+  double mass(const Particles& p, std::size_t k) const;
+  /// Potential energy of a point in gravity and in the water outside, J/m.
+  double potential_energy(const Particles& p, std::size_t k, const Vec2& gravity) const;
+  double potential_energy(const Particles& p, const Vec2& gravity, int threads) const;
+  /// Elastic energy of the water in a point, J/m.
+  double stored(const Particles& p, std::size_t k) const;
+  /// Mass of the water in a point, where it flows; else 0. kg/m.
+  double flowing_mass(const Particles& p, std::size_t k) const {
+    return flows(p, k) ? options_.density_kg_m3 * p.volume0[k] * p.content[k] : 0;
+  }
+  /// Over the points still simulated: that energy, and the mass of the water that flows, kg/m.
+  struct Sums {
+    double energy = 0, mass = 0;
+  };
+  Sums sums(const Particles& p) const;
+
+  /// What the water adds to the stiffness against a compression wave, J K_w/n, the greatest of each material, Pa; and the
+  /// greatest diffusivity of pressure, K K_w/(gamma n), m^2/s.
+  struct Rates {
+    std::vector<double> stiffness;
+    double diffusivity = 0;
+  };
+  Rates rates(const Particles& p) const;
+  /// The material holds points above the level, which are dry.
+  bool partly_dry(const Particles& p, std::size_t material) const;
+  const PoreSoil& soil(std::size_t material) const { return soils_[material]; }
+
+ private:
+  const PoreSoil& soil_of(const Particles& p, std::size_t k) const { return soils_[std::size_t(set_->label[p.index[k]])]; }
+  bool flows(const Particles& p, std::size_t k) const { return p.content[k] > 0 && soil_of(p, k).holds_water(); }
+  double outside_pressure(const Vec2& x, const Vec2& gravity) const;
+  double head(const Vec2& x, const Vec2& gravity) const { return options_.density_kg_m3 * gravity.dot(x - reference_); }
+  void refresh_point(Particles& p, std::size_t k, const PoreSoil& soil, const Vec2& gravity) const;
+
+  struct Hats;
+  double lack_of(const Particles& p, std::size_t k, const Hats& hats, const Vec2& gravity) const;
+  double unseen(const Particles& p, std::size_t k, const Hats& hats, double lack, double rate_dt) const;
+  /// Volumetric strain of a point since the last flow, from its porosity then.
+  double strain_of(const Particles& p, std::size_t k) const {
+    return 1 - (1 - soil_of(p, k).porosity) / ((1 - p.porosity[k]) * p.J[k]);
+  }
+  static double pores_of(const Particles& p, std::size_t k, const PoreSoil& soil) {
+    return std::max(least_pores, p.J[k] - (1 - soil.porosity));
+  }
+  static constexpr double least_pores = 1e-6;  // of the initial volume: grains would touch everywhere
+  void map_potential(const Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, int threads);
+  void give_potentials(const GridState& g, const Vec2& gravity, double time, int threads);
+  void add_fluxes(const Particles& p, GridState& g, const Vec2& gravity, double dt, int threads);
+  PoreFlow change_nodes(const GridState& g, double time, double dt, int threads);
+  PoreFlow change_points(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, double dt, int threads);
+  double flux_of(const Particles& p, const Tractions& tractions, std::size_t k, double time) const;
+  double length_along(const GridState& g, std::size_t node, std::uint8_t side) const;
+
+  WaterOptions options_;
+  std::vector<PoreSoil> soils_;
+  const ParticleSet* set_;
+  PoreBoundaries boundaries_;
+  std::optional<double> level_;
+  Vec2 reference_;  // where the potential is the pressure
+  OfGrid<PoreNode> node_;
+  int first_i_, first_j_, last_i_, last_j_;  // nodes of the domain's corners
+};
+
+}  // namespace pivnp::mpm

@@ -1,0 +1,368 @@
+// Water in the pores: what flows where, what is conserved, what is refused.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <string>
+
+#include "mpm/material/model.hpp"
+#include "mpm/step/time_step.hpp"
+#include "mpm/water/pore_soil.hpp"
+#include "pivnp/core/error.hpp"
+#include "tests/verification/mpm/water_column.hpp"
+
+namespace pivnp::mpm {
+namespace {
+
+using namespace test;
+using ::testing::HasSubstr;
+SilentProgress silent;
+
+// A column with cells of 10 mm, its water soft enough for few steps.
+WaterColumn small_column() {
+  WaterColumn c;
+  c.young = 1e7;
+  c.bulk = 3e8;
+  c.permeability = 1e-5;
+  c.height = 0.06;
+  c.cells = 6;
+  return c;
+}
+
+double lost_mass(const EnergyRow& now, const EnergyRow& start) {
+  return (now.water_mass - start.water_mass - now.water_inflow) / start.water_mass;
+}
+
+std::string refusal(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(PoreWater, ACompressedBoxSharesTheLoadByStiffness) {
+  for (const ShapeKind shape : {ShapeKind::bilinear, ShapeKind::gimp, ShapeKind::bspline}) {
+    WaterColumn c = small_column();
+    c.shape = shape;
+    c.load = 0;
+    Scene s = scene_of(c);
+    BoundaryOptions top = line({0, c.height}, {2 * c.spacing(), c.height}, "fixed");
+    const double time = c.at(0.05), strain = 1e-6;
+    top.velocity_m_s = Pair{0, -strain * c.height / time};
+    s.boundaries.emplace_back("top", top);
+    Solver solver(options_of(c), s, 1);
+    solver.advance_to(time, silent);
+    const MotionFrame f = solver.frame();
+    const double pressure = c.bulk / c.porosity * strain, stress = -c.modulus() * strain;
+    for (std::size_t k = 0; k < f.u.size(); ++k) {
+      EXPECT_NEAR(double(f.field("pressure")(k, 0)), pressure, 0.005 * pressure);
+      EXPECT_NEAR(double(f.field("stress")(k, 1)), stress, 0.05 * -stress);
+      EXPECT_NEAR(double(f.field("porosity")(k, 0)), 0.3 - 0.7 * strain, 1e-7);
+    }
+    EXPECT_NEAR(solver.energy().water_inflow, 0, 1e-15);
+  }
+}
+
+TEST(PoreWater, SteadyFlowBetweenTwoPressures) {
+  WaterColumn c = small_column();
+  c.load = 0;
+  Scene s = scene_of(c);
+  const double width = 2 * c.spacing(), below = 5e3, above = 1e3;
+  s.boundaries[0].second.pressure_pa = below;
+  BoundaryOptions top = line({0, c.height}, {width, c.height}, "roller");
+  top.pressure_pa = above;
+  s.boundaries.emplace_back("top", top);
+  Solver solver(options_of(c), s, 1);
+  const EnergyRow start = solver.energy();
+  solver.advance_to(c.at(0.8), silent);
+  const MotionFrame f = solver.frame();
+  for (std::size_t k = 0; k < f.u.size(); ++k) {
+    const double y = s.particles.x0[k].y();
+    EXPECT_NEAR(double(f.field("pressure")(k, 0)), below + (above - below) * y / c.height, 2.0);
+  }
+  // K i A, i the gradient of the head; what comes in leaves.
+  const EnergyRow a = solver.energy();
+  EXPECT_LT(std::abs(lost_mass(a, start)), 1e-11);
+  solver.advance_to(c.at(1), silent);
+  const EnergyRow b = solver.energy();
+  const double discharge = c.permeability * (below - above) / (1000 * 9.81 * c.height) * width;
+  EXPECT_NEAR((b.darcy - a.darcy) / c.at(0.2), discharge * (below - above), 0.01 * discharge * (below - above));
+  EXPECT_NEAR((b.water_inflow - a.water_inflow) / c.at(0.2), 0, 1e-3 * 1000 * discharge);
+}
+
+TEST(PoreWater, AGivenFlowRaisesThePressureOfAClosedBox) {
+  for (const bool through_traction : {false, true}) {
+    WaterColumn c = small_column();
+    c.load = through_traction ? 1e-9 : 0;
+    Scene s = scene_of(c);
+    const double width = 2 * c.spacing(), flux = 1e-7;
+    if (through_traction) {
+      s.boundaries.back().second.drained = false;
+      s.boundaries.back().second.flux_m_s = flux;
+    } else {
+      s.boundaries[0].second.flux_m_s = flux;
+      s.boundaries.emplace_back("top", line({0, c.height}, {width, c.height}, "roller"));
+    }
+    Solver solver(options_of(c), s, 1);
+    const EnergyRow start = solver.energy();
+    const double time = c.at(0.1);
+    solver.advance_to(time, silent);
+    const EnergyRow e = solver.energy();
+    EXPECT_NEAR(e.water_inflow, 1000 * flux * width * time, 1e-9 * e.water_inflow);
+    EXPECT_LT(std::abs(lost_mass(e, start)), 1e-12);
+    EXPECT_LT(std::abs(e.residual), 0.02 * std::abs(e.external));
+    if (through_traction) continue;  // the top rises freely
+    double mean = 0;
+    const MotionFrame f = solver.frame();
+    for (std::size_t k = 0; k < f.u.size(); ++k) mean += double(f.field("pressure")(k, 0)) / double(f.u.size());
+    const double expected = c.bulk / c.porosity * flux * time / c.height;
+    EXPECT_NEAR(mean, expected, 0.01 * expected);
+  }
+}
+
+TEST(PoreWater, WhatIsBelowTheLevelIsFullAndHydrostaticAtTheStart) {
+  WaterColumn c = small_column();
+  c.load = 0;
+  c.gravity = 10;
+  Scene s = scene_of(c);
+  s.water->level_m = 0.04;
+  Solver solver(options_of(c), s, 1);
+  const MotionFrame f = solver.frame();
+  double mass = 0;
+  for (std::size_t k = 0; k < f.u.size(); ++k) {
+    const double depth = 0.04 - s.particles.x0[k].y(), p = std::max(0.0, depth) * 1000 * 10;
+    EXPECT_NEAR(double(f.field("pressure")(k, 0)), p, 1e-3);
+    EXPECT_NEAR(double(f.field("porosity")(k, 0)), 0.3, 1e-7);
+    if (depth > 0) mass += double(s.particles.area[k]) * 0.3 * 1000 * (1 + p / c.bulk);
+  }
+  EXPECT_NEAR(solver.energy().water_mass, mass, 1e-12 * mass);
+}
+
+// Soil and water at rest stay so, inside a slope and under a lake beside it, and the lake's load is there.
+TEST(PoreWater, ASlopeBesideALakeStaysAtRest) {
+  const double h = 0.1, level = 0.8;
+  for (const ShapeKind shape : {ShapeKind::bilinear, ShapeKind::gimp, ShapeKind::bspline}) {
+    Scene s = scene(Grid{{0, 0}, {h, h}, 26, 13}, {{"soil", Polygon({{0, 0}, {2.5, 0}, {2.5, 0.3}, {2, 0.3}, {1, 1}, {0, 1}}, "soil")}},
+                    {saturated(1e7, 0.3, 0.35, 1e-4)});
+    s.water.emplace();
+    s.water->bulk_modulus_pa = 1e9;
+    s.water->level_m = level;
+    s.boundaries = {{"base", line({0, 0}, {2.5, 0}, "fixed")},
+                    {"left", line({0, 0}, {0, 1.2}, "roller")},
+                    {"right", line({2.5, 0}, {2.5, 1.2}, "roller")}};
+    MpmOptions o = options({0, -9.81});
+    o.shape = shape;
+    o.transfer = shape == ShapeKind::bspline ? TransferKind::apic : TransferKind::flip;
+    o.locking = shape == ShapeKind::bilinear ? Locking::fbar : Locking::none;
+    o.equilibrium_tolerance = 1e-10;
+    o.end_at_rest = false;
+    Solver solver(o, s, 1);
+    solver.find_initial_equilibrium(silent);
+    const EnergyRow start = solver.energy();
+    solver.advance_to(0.005, silent);
+    const MotionFrame f = solver.frame();
+    double fastest = 0, weight = 0;
+    for (std::size_t k = 0; k < f.v.size(); ++k) {
+      fastest = std::max(fastest, std::hypot(double(f.v[k][0]), double(f.v[k][1])));
+      const double y = s.particles.x0[k].y();
+      EXPECT_NEAR(double(f.field("pressure")(k, 0)), 9810 * std::max(0.0, level - y), 1e-2);
+      if (s.particles.x0[k].x() > 2.2 && y < h) weight += double(f.field("stress")(k, 1));
+    }
+    EXPECT_LT(fastest, 1e-6 * std::sqrt(9.81));
+    EXPECT_LT(std::abs(lost_mass(solver.energy(), start)), 1e-13);
+    EXPECT_LT(weight, 0);
+  }
+}
+
+// Effective stress under a lake is that of the submerged weight, whatever its depth.
+TEST(PoreWater, ADeepLakeDoesNotLoadTheSkeleton) {
+  double stress[2];
+  for (const int k : {0, 1}) {
+    WaterColumn c = small_column();
+    c.load = 0;
+    c.gravity = 9.81;
+    Scene s = scene_of(c);
+    s.water->level_m = k == 0 ? c.height : 5.0;
+    MpmOptions o = options_of(c);
+    o.initial_equilibrium = true;
+    o.equilibrium_tolerance = 1e-9;
+    Solver solver(o, s, 1);
+    solver.find_initial_equilibrium(silent);
+    const MotionFrame f = solver.frame();
+    double sum = 0;
+    for (std::size_t n = 0; n < f.u.size(); ++n) sum += double(f.field("stress")(n, 1)) / double(f.u.size());
+    stress[k] = sum;
+    const double buoyant = (c.density() - 1000) * 9.81 * 0.5 * c.height;
+    EXPECT_NEAR(sum, -buoyant, 0.01 * buoyant);
+  }
+  EXPECT_NEAR(stress[0], stress[1], 1e-3 * std::abs(stress[0]));  // (the deeper water is denser)
+}
+
+TEST(PoreWater, DrainedMaterialHasNoExcessPressure) {
+  WaterColumn c = small_column();
+  Scene s = scene_of(c);
+  s.materials[0].drained = true;
+  s.materials[0].permeability_m_s.reset();
+  Solver solver(options_of(c), s, 1);
+  solver.advance_to(c.at(0.05), silent);
+  const MotionFrame f = solver.frame();
+  for (std::size_t k = 0; k < f.u.size(); ++k) EXPECT_EQ(double(f.field("pressure")(k, 0)), 0);
+  EXPECT_EQ(solver.energy().water_mass, 0);
+}
+
+TEST(PoreWater, BitsDoNotDependOnThreadsNorOnARestart) {
+  for (const ShapeKind shape : {ShapeKind::bilinear, ShapeKind::bspline}) {
+    WaterColumn c = small_column();
+    c.cells = 12;
+    c.gravity = 9.81;
+    c.shape = shape;
+    Scene s = scene_of(c);
+    s.water->level_m = c.height;
+    Solver one(options_of(c), s, 1), two(options_of(c), s, 3), again(options_of(c), s, 2);
+    const double time = 40 * one.stable_step();
+    one.advance_to(time, silent);
+    two.advance_to(time, silent);
+    EXPECT_TRUE(one.save() == two.save());
+    again.load(one.save());
+    one.advance_to(2 * time, silent);
+    again.advance_to(2 * time, silent);
+    EXPECT_TRUE(one.save() == again.save());
+  }
+}
+
+// The step is that of (dt/t_w)^2 + dt/t_d = 1.
+TEST(PoreWater, TheStepIsThatOfWaveAndFlowTogether) {
+  for (const double permeability : {1e-9, 1e-5, 1e-3}) {
+    WaterColumn c = small_column();
+    c.permeability = permeability;
+    c.courant = 1;
+    const Solver solver(options_of(c), scene_of(c), 1);
+    const double h = c.spacing(), speed = std::sqrt((c.modulus() + c.bulk / c.porosity) / c.density());
+    const double D = permeability * c.bulk / (1000 * 9.81 * c.porosity), dt = solver.stable_step();
+    EXPECT_NEAR(std::pow(dt * speed / h, 2) + dt * 4 * D / (h * h), 1, 1e-6);
+  }
+}
+
+// A closed box of random velocities, undamped: bounded below the limit, growing far above it.
+TEST(PoreWater, StepsBelowTheLimitAreBounded) {
+  const auto grows = [](ShapeKind shape, TransferKind transfer, double young, double permeability, double courant) {
+    const double h = 0.05;
+    const int n = 6;
+    Scene s = scene(Grid{{0, 0}, {h, h}, n + 1, n + 1}, {rectangle("soil", 0, 0, n * h, n * h)}, {saturated(young, 0.2, 0.3, permeability)});
+    s.water.emplace();
+    s.water->bulk_modulus_pa = 1e9;
+    s.boundaries = {{"base", line({0, 0}, {n * h, 0}, "roller")},
+                    {"top", line({0, n * h}, {n * h, n * h}, "roller")},
+                    {"left", line({0, 0}, {0, n * h}, "roller")},
+                    {"right", line({n * h, 0}, {n * h, n * h}, "roller")}};
+    std::uint32_t random = 12345;
+    const auto next = [&] {
+      random = random * 1664525u + 1013904223u;
+      return 1e-7 * (double(random >> 8) / double(1 << 24) - 0.5);
+    };
+    for (std::size_t k = 0; k < s.particles.size(); ++k) {
+      const double x = next();
+      s.v0.emplace_back(x, next());
+    }
+    MpmOptions o = options();
+    o.shape = shape;
+    o.transfer = transfer;
+    o.courant = courant;
+    o.end_at_rest = false;
+    o.initial_equilibrium = false;
+    o.energy_limit = 1e300;
+    Solver solver(o, s, 1);
+    const EnergyRow start = solver.energy();
+    try {
+      solver.advance_to(500 * solver.stable_step(), silent);
+      const EnergyRow e = solver.energy();
+      return !(e.kinetic + e.elastic + e.water < start.kinetic);
+    } catch (const RunError&) {
+      return true;
+    }
+  };
+  using enum ShapeKind;
+  using enum TransferKind;
+  for (const auto& [shape, transfer] : {std::pair{bspline, apic}, {gimp, apic}, {bilinear, apic}, {bilinear, flip}})
+    for (const double permeability : {1e-10, 1e-5, 1e-2})
+      for (const double young : {1e6, 1e8}) {
+        EXPECT_FALSE(grows(shape, transfer, young, permeability, 0.95)) << permeability << " " << young;
+        EXPECT_TRUE(grows(shape, transfer, young, permeability, 3.5)) << permeability << " " << young;
+      }
+}
+
+TEST(PoreWater, RefusesWhatDoesNotFit) {
+  const auto told = [](const std::function<void(Scene&, MpmOptions&)>& change) {
+    return refusal([&] {
+      const WaterColumn c = small_column();
+      Scene s = scene_of(c);
+      MpmOptions o = options_of(c);
+      change(s, o);
+      Solver(o, s, 1);
+    });
+  };
+  EXPECT_EQ(told([](Scene&, MpmOptions&) {}), "");
+  const std::string material = "material.soil.";
+  EXPECT_THAT(told([](Scene& s, MpmOptions&) { s.materials[0].porosity = 1; }), HasSubstr(material + "porosity"));
+  EXPECT_THAT(told([](Scene& s, MpmOptions&) { s.materials[0].permeability_m_s.reset(); }), HasSubstr(material + "permeability_m_s"));
+  EXPECT_THAT(told([](Scene& s, MpmOptions&) { s.materials[0].density_kg_m3 = 2000; }), HasSubstr(material + "density_kg_m3"));
+  EXPECT_THAT(told([](Scene& s, MpmOptions&) { s.materials[0].grain_density_kg_m3 = -1; }), HasSubstr(material + "grain_density_kg_m3"));
+  EXPECT_THAT(told([](Scene& s, MpmOptions&) { s.water.reset(); s.boundaries.pop_back(); }), HasSubstr(material + "porosity"));
+  EXPECT_THAT(told([](Scene& s, MpmOptions&) { s.materials[0] = elastic(1e6, 0.3, 2000); }), HasSubstr("water"));
+  EXPECT_THAT(told([](Scene& s, MpmOptions&) { s.materials[0] = elastic(1e6, 0.3, 2000), s.water.reset(); }), HasSubstr("boundary.load.drained"));
+  EXPECT_THAT(told([](Scene& s, MpmOptions& o) { s.materials[0] = elastic(1e6, 0.3, 2000), s.water.reset(), s.boundaries.pop_back(), o.pressure = PressureScheme::in_steps; }),
+              HasSubstr("mpm.pressure"));
+  EXPECT_THAT(told([](Scene& s, MpmOptions&) { s.boundaries.back().second.pressure_pa = 1; }), HasSubstr("boundary.load"));
+  EXPECT_THAT(told([](Scene& s, MpmOptions& o) { s.water->level_m = 1, o.gravity_m_s2 = {5, -5}; }), HasSubstr("water.level_m"));
+  EXPECT_THAT(told([](Scene&, MpmOptions& o) { o.gravity_m_s2 = {0, -9.81}, o.initial_equilibrium = true; }), HasSubstr("water.level_m"));
+  EXPECT_THAT(told([](Scene&, MpmOptions& o) { o.sleep_below_m_s = 1; }), HasSubstr("mpm.sleep_below_m_s"));
+  EXPECT_THAT(told([](Scene& s, MpmOptions&) { s.boundaries[1].second.type = BoundaryType::absorbing; }), HasSubstr("boundary.left.type"));
+  EXPECT_THAT(told([](Scene& s, MpmOptions&) {
+                ContactOptions contact;
+                contact.regions = {"soil"};
+                s.contacts.emplace_back("a", contact);
+              }),
+              HasSubstr("contact.a"));
+  EXPECT_THAT(told([](Scene& s, MpmOptions&) {
+                BoundaryOptions across = line({0, 0.03}, {0.02, 0.03}, "fixed");
+                across.drained = true;
+                s.boundaries.emplace_back("sieve", across);
+              }),
+              HasSubstr("boundary.sieve.drained"));
+  EXPECT_THAT(told([](Scene& s, MpmOptions&) {
+                BoundaryOptions oblique = line({0, 0}, {0.02, 0.001}, "fixed");
+                oblique.flux_m_s = 1;
+                s.boundaries.emplace_back("oblique", oblique);
+              }),
+              HasSubstr("boundary.oblique.flux_m_s"));
+}
+
+TEST(PoreWater, KeysOfAMaterialGoTogether) {
+  const auto fault = [](const std::function<void(MaterialOptions&)>& change) {
+    MaterialOptions m = saturated(1e6, 0.3, 0.3, 1e-5);
+    change(m);
+    try {
+      check_material(m);
+    } catch (const MaterialFault& found) {
+      return found.key;
+    }
+    return std::string();
+  };
+  EXPECT_EQ(fault([](auto&) {}), "");
+  EXPECT_EQ(fault([](auto& m) { m.permeability_m_s.reset(), m.drained = true; }), "");
+  EXPECT_EQ(fault([](auto& m) { m.porosity = 0; }), "porosity");
+  EXPECT_EQ(fault([](auto& m) { m.porosity = 1.5; }), "porosity");
+  EXPECT_EQ(fault([](auto& m) { m.porosity.reset(), m.density_kg_m3 = 2000; }), "permeability_m_s");
+  EXPECT_EQ(fault([](auto& m) { m.porosity.reset(), m.permeability_m_s.reset(), m.density_kg_m3 = 2000, m.drained = true; }), "drained");
+  EXPECT_EQ(fault([](auto& m) { m.permeability_m_s = -1; }), "permeability_m_s");
+  EXPECT_EQ(fault([](auto& m) { m.density_end_kg_m3 = 1, m.density_until_s = 1; }), "density_end_kg_m3");
+  const MaterialOptions dry = without_pores(saturated(1e6, 0.3, 0.25, 1e-5, 2600), WaterOptions{});
+  EXPECT_EQ(dry.density_kg_m3, 0.75 * 2600 + 250);
+  EXPECT_FALSE(dry.porosity);
+}
+
+}  // namespace
+}  // namespace pivnp::mpm

@@ -1,0 +1,252 @@
+// Water in the pores, explicit (docs/theory/mpm_water.md).
+//
+// 1. Terzaghi 1923 (with compressible water: p0 = q/(1 + n M/K_w), c_v = K/(gamma (1/M + n/K_w))): a load at once and self
+//    weight at once on a column drained at its top. Criterion: pressure within 1 % of p0 at T .1, .3, .7 at every point, E
+//    1e6 .. 1e8 Pa, K 1e-11 .. 1e-3 m/s, bilinear, uGIMP and B-spline; settlement within 1 %; water lost below 1e-12 of all.
+//    The columns are as high as makes flow and waves ask for the same step (and inertia small), and the water in the table over
+//    E and K is as soft as makes it a hundred times stiffer than the skeleton: one with K_w 2.2 GPa, M 10 MPa beside them.
+// 2. A footing, undrained: the same bearing capacity as dry soil of nu 0.499 on the same cells, within 3 %, and less of a
+//    checkerboard in the pressure than in the dry soil's mean stress: the part that alternates from cell to cell.
+// In small, for every build: one column a shape, both loads, and the footing on cells of B/8.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+#include "mpm/state/scheme_rows.hpp"
+#include "pivnp/core/text.hpp"
+#include "tests/support/verification.hpp"
+#include "tests/verification/mpm/water_column.hpp"
+
+namespace pivnp::mpm {
+namespace {
+
+using namespace test;
+SilentProgress silent;
+
+struct Deviation {
+  double pressure = 0, settlement = 0, water = 0;  // over p0; over the end's; over all
+
+  void raise(const Deviation& d) {
+    pressure = std::max(pressure, d.pressure);
+    settlement = std::max(settlement, d.settlement);
+    water = std::max(water, d.water);
+  }
+};
+
+// What a point at a depth has sunk: the strain below it is that of the load less the pressure.
+double settlement_below(const WaterColumn& c, double depth_over_height, double T) {
+  double left = 0;  // integral of p/p0 from the depth down to the base, over the height
+  for (int m = 1; m < 400; m += 2)
+    left += 8 / std::pow(m * M_PI, 2) * std::cos(m * M_PI * depth_over_height / 2) * std::exp(-std::pow(m * M_PI / 2, 2) * T);
+  const double all = 1 - depth_over_height, share = c.undrained_share();
+  return c.load * c.height / c.modulus() * (all - share * left);
+}
+
+Deviation step_load(const WaterColumn& c) {
+  const Scene s = scene_of(c);
+  Solver solver(options_of(c), s, 1);
+  const EnergyRow start = solver.energy();
+  const double p0 = c.undrained_share() * c.load;
+  Deviation worst;
+  for (const double T : {0.1, 0.3, 0.7}) {
+    solver.advance_to(c.at(T + 0.5 * c.rise), silent);
+    const MotionFrame f = solver.frame();
+    for (std::size_t k = 0; k < f.u.size(); ++k) {
+      const double depth = 1 - s.particles.x0[k].y() / c.height;
+      worst.pressure = std::max(worst.pressure, std::abs(double(f.field("pressure")(k, 0)) / p0 - terzaghi(depth, T)));
+      // (The traction acts on the first row of points: below it the column bears the whole of it.)
+      if (depth > 2.0 / c.cells && depth < 3.0 / c.cells)
+        worst.settlement = std::max(worst.settlement, std::abs(double(f.u[k][1]) + settlement_below(c, depth, T)) /
+                                                          settlement_below(c, depth, 10));
+    }
+    const EnergyRow e = solver.energy();
+    worst.water = std::max(worst.water, std::abs(e.water_mass - start.water_mass - e.water_inflow) / start.water_mass);
+    EXPECT_LT(std::abs(e.residual), 0.03 * std::abs(e.external));
+  }
+  return worst;
+}
+
+// (Under a gravity that strains every column alike.)
+Deviation self_weight(WaterColumn c) {
+  c.gravity = c.load / (c.density() * c.height);
+  c.load = 0;
+  const Scene s = scene_of(c);
+  Solver solver(options_of(c), s, 1);
+  const EnergyRow start = solver.energy();
+  const double hydrostatic = 1000 * c.gravity * c.height, excess = c.undrained_share() * c.density() * c.gravity * c.height - hydrostatic;
+  Deviation worst;
+  for (const double T : {0.1, 0.3, 0.7}) {
+    solver.advance_to(c.at(T), silent);
+    const MotionFrame f = solver.frame();
+    for (std::size_t k = 0; k < f.u.size(); ++k) {
+      const double depth = 1 - s.particles.x0[k].y() / c.height;
+      const double exact = hydrostatic * depth + excess * terzaghi_triangle(depth, T);
+      worst.pressure = std::max(worst.pressure, std::abs(double(f.field("pressure")(k, 0)) - exact) / excess);
+    }
+    const EnergyRow e = solver.energy();
+    worst.water = std::max(worst.water, std::abs(e.water_mass - start.water_mass - e.water_inflow) / start.water_mass);
+    EXPECT_LT(std::abs(e.residual), 0.03 * std::abs(e.external));
+  }
+  return worst;
+}
+
+WaterColumn column_of(ShapeKind shape, double young, double permeability, int cells) {
+  WaterColumn c;
+  c.shape = shape;
+  c.young = young;
+  c.permeability = permeability;
+  c.cells = cells;
+  c.bulk = std::min(2.2e9, 100 * c.porosity * c.modulus());
+  // High enough for waves to have died out long before water has left.
+  c.height = std::max(400 * permeability * cells, 500 * c.consolidation() / std::sqrt(c.modulus() / c.density()));
+  c.load = 1e-4 * c.modulus();
+  return c;
+}
+
+void expect_within(const Deviation& d, double pressure) {
+  EXPECT_LT(d.pressure, pressure);
+  EXPECT_LT(d.settlement, 0.01);
+  EXPECT_LT(d.water, 1e-12);
+}
+
+TEST(MpmTerzaghiSmall, StepLoadAndSelfWeight) {
+  for (const ShapeKind shape : {ShapeKind::bilinear, ShapeKind::gimp, ShapeKind::bspline}) {
+    const WaterColumn c = column_of(shape, 1e7, 1e-5, 8);
+    const Deviation load = step_load(c), weight = self_weight(c);
+    std::printf("%s, 8 cells: step load %.4f, settlement %.4f, self weight %.4f\n", std::string(name_of(shape)).c_str(), load.pressure,
+                load.settlement, weight.pressure);
+    expect_within(load, 0.01);
+    expect_within(weight, 0.01);
+  }
+}
+
+TEST(MpmTerzaghi, StepLoadAndSelfWeightOverDecades) {
+  for (const ShapeKind shape : {ShapeKind::bilinear, ShapeKind::gimp, ShapeKind::bspline}) {
+    Deviation load, weight;
+    for (const double young : {1e6, 1e7, 1e8})
+      for (const double permeability : {1e-11, 1e-9, 1e-7, 1e-5, 1e-3}) {
+        const WaterColumn c = column_of(shape, young, permeability, 10);
+        load.raise(step_load(c));
+        weight.raise(self_weight(c));
+      }
+    expect_within(load, 0.01);
+    expect_within(weight, 0.01);
+    pivnp::test::verification_row("Terzaghi, explicit, " + std::string(name_of(shape)) + ", E 1e6 .. 1e8, K 1e-11 .. 1e-3, 10 cells",
+                                  "pressure within 1 % of p0 at T .1, .3, .7, settlement within 1 %, water to 1e-12",
+                                  "load " + number(100 * load.pressure, 2) + " %, settlement " + number(100 * load.settlement, 2) +
+                                      " %, self weight " + number(100 * weight.pressure, 2) + " %, water " + number(std::max(load.water, weight.water), 2));
+  }
+}
+
+TEST(MpmTerzaghi, StiffWater) {
+  WaterColumn c;
+  c.young = 1e7;
+  c.poisson = 0;
+  c.load = 1e4;
+  c.permeability = 1e-5;
+  c.height = 0.1;
+  const Deviation d = step_load(c);
+  expect_within(d, 0.01);
+  pivnp::test::verification_row("Terzaghi, explicit, M 10 MPa, K_w 2.2 GPa, K 1e-5, H 0.1 m, 10 cells", "pressure within 1 % of p0, settlement within 1 %",
+                                number(100 * d.pressure, 2) + " %, " + number(100 * d.settlement, 2) + " %");
+}
+
+TEST(MpmTerzaghi, OrderInTheCell) {
+  for (const ShapeKind shape : {ShapeKind::bilinear, ShapeKind::bspline}) {
+    double error[3];
+    for (const int k : {0, 1, 2}) {
+      WaterColumn c = column_of(shape, 1e7, 1e-5, 5 << k);
+      c.height = 0.04;
+      error[k] = self_weight(c).pressure;
+    }
+    const double order = 0.5 * std::log2(error[0] / error[2]);
+    pivnp::test::verification_row("Terzaghi, explicit, " + std::string(name_of(shape)) + ", self weight, 5 to 20 cells", "stated: order in h; below 0.2 % with 20 cells",
+                                  number(order, 2) + ", " + number(100 * error[2], 2) + " % with 20 cells");
+    EXPECT_LT(error[2], error[0]);
+    EXPECT_LT(error[2], 0.002);
+  }
+}
+
+// Half of a rough footing of width 2 on clay 4 wide and 2.5 deep; its nodes sink at a speed.
+struct Bearing {
+  double capacity, checkerboard;  // mean over a settlement of 3.5 to 6 % of the width; over the mean, of pressure or mean stress
+};
+
+Bearing footing(int cells, ShapeKind shape, bool wet) {
+  const double h = 1.0 / cells, strength = 1000, poisson = wet ? 0.3 : 0.499, young = 5e5;
+  MaterialOptions m = wet ? saturated(young, poisson, 0.4, 0, 2667) : elastic(young, poisson, 2000);
+  m.model = "tresca";
+  m.shear_strength_pa = strength;
+  Scene s = scene(Grid{{0, 0}, {h, h}, 4 * cells + 1, 3 * cells + 1}, {rectangle("clay", 0, 0, 4, 2.5)}, {m});
+  const double shear = young / 2 / (1 + poisson);
+  if (wet) {
+    s.water.emplace();
+    s.water->bulk_modulus_pa = 0.4 * 2 * shear * 1.4993 / (3 * (1 - 2 * 0.4993));  // the mixture's nu is 0.4993
+  }
+  const double v = 0.0006 * std::sqrt(shear * 50 / 2000);
+  s.boundaries = {{"low", line({0, 0}, {4, 0}, "roller")},
+                  {"left", line({0, 0}, {0, 3}, "roller")},
+                  {"right", line({4, 0}, {4, 3}, "roller")},
+                  {"footing", line({0, 2.5}, {1, 2.5}, "fixed")}};
+  s.boundaries.back().second.velocity_m_s = Pair{0, -v};
+  MpmOptions o = options();
+  o.shape = shape;
+  o.locking = Locking::fbar;
+  if (shape == ShapeKind::bilinear) {
+    o.transfer = TransferKind::flip;
+    o.stress_update = StressUpdate::musl;
+  }
+  o.initial_equilibrium = false;
+  Solver solver(o, s, 2);
+  solver.advance_to(0.07 / v, silent);
+  const EnergyRow before = solver.energy();
+  solver.advance_to(0.12 / v, silent);
+  const EnergyRow after = solver.energy();
+  Bearing b{(after.external - before.external) / 0.05 / strength, 0};
+  // Means of cells; what alternates among four neighbours, below the footing.
+  std::map<std::pair<int, int>, std::pair<double, int>> of_cell;
+  const MotionFrame f = solver.frame();
+  for (std::size_t k = 0; k < f.u.size(); ++k) {
+    auto& [sum, n] = of_cell[{int(s.particles.x0[k].x() / h), int(s.particles.x0[k].y() / h)}];
+    sum += wet ? double(f.field("pressure")(k, 0))
+               : -double(f.field("stress")(k, 0) + f.field("stress")(k, 1) + f.field("stress")(k, 2)) / 3;
+    ++n;
+  }
+  const auto mean = [&](int i, int j) {
+    const auto& [sum, n] = of_cell.at({i, j});
+    return sum / n;
+  };
+  double alternating = 0, size = 0;
+  const int top = int(std::lround(2.5 / h)) - 2;
+  for (int j = top - cells; j < top; ++j)
+    for (int i = 0; i + 1 < cells; ++i) {
+      alternating += std::abs(mean(i, j) - mean(i + 1, j) - mean(i, j + 1) + mean(i + 1, j + 1)) / 4;
+      size += std::abs(mean(i, j));
+    }
+  b.checkerboard = alternating / size;
+  return b;
+}
+
+TEST(MpmUndrainedSmall, StripFooting) {
+  const Bearing dry = footing(4, ShapeKind::bilinear, false), wet = footing(4, ShapeKind::bilinear, true);
+  std::printf("strip footing, h = B/8: dry %.3f, undrained %.3f, checkerboard %.3f and %.3f\n", dry.capacity, wet.capacity,
+              dry.checkerboard, wet.checkerboard);
+  EXPECT_NEAR(wet.capacity, dry.capacity, 0.03 * dry.capacity);
+  EXPECT_LT(wet.checkerboard, 0.1);
+}
+
+TEST(MpmUndrained, StripFooting) {
+  for (const ShapeKind shape : {ShapeKind::bilinear, ShapeKind::bspline}) {
+    const Bearing dry = footing(8, shape, false), wet = footing(8, shape, true);
+    pivnp::test::verification_row("strip footing, undrained, " + std::string(name_of(shape)) + ", h = B/16",
+                                  "bearing capacity within 3 % of the dry soil's with nu .499, less of a checkerboard",
+                                  number(wet.capacity, 4) + " (dry " + number(dry.capacity, 4) + "), " + number(100 * wet.checkerboard, 2) +
+                                      " % (dry " + number(100 * dry.checkerboard, 2) + " %)");
+    EXPECT_NEAR(wet.capacity, dry.capacity, 0.03 * dry.capacity);
+    EXPECT_LT(wet.checkerboard, dry.checkerboard);
+  }
+}
+
+}  // namespace
+}  // namespace pivnp::mpm
