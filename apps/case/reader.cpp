@@ -105,7 +105,6 @@ namespace {
 
 Case parsed(const Node& root, const std::string& name, const std::filesystem::path& folder, Reading reading) {
   Case c;
-  c.source = source;
   c.folder = folder;
   std::vector<std::string> top = child_sections("");
   top.insert(top.begin(), "name");
@@ -124,7 +123,8 @@ Case parse_recorded_case(const std::string& text, const std::string& name, const
 Case parse_case(const std::string& text, const std::string& name, const std::filesystem::path& folder) {
   const Node root = parse_document(text, name);
   Case c = parsed(root, name, folder, Reading::strict);
-  check_given(c, Source(name, root));
+  c.source = Source(name, root);
+  check_given(c, *c.source);
   if (c.frames || c.synth) {
     if (!c.piv) c.piv.emplace();
     if (!c.np) c.np.emplace();
