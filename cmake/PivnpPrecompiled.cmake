@@ -1,5 +1,5 @@
-# Headers that most sources include, compiled once for all targets that share flags: a third of a cold build is spared. No source
-# needs them: with -DPIVNP_PRECOMPILE=OFF everything compiles by its own includes.
+# Headers that most sources include, compiled once for all targets that share flags, which helps where sources are compiled one by
+# one (PIVNP_UNITY off). No source needs them: with -DPIVNP_PRECOMPILE=OFF everything compiles by its own includes.
 option(PIVNP_PRECOMPILE "Compile common headers once" ON)
 
 set(pivnp_common_headers
@@ -11,7 +11,7 @@ set(pivnp_common_headers
 # them and the same of those libraries that change how everything is compiled. Kernels are left out: nothing but Highway may be
 # in sight where they are compiled for more than the baseline.
 function(pivnp_precompile target)
-  if(NOT PIVNP_PRECOMPILE)
+  if(NOT PIVNP_PRECOMPILE OR PIVNP_UNITY)
     return()
   endif()
   cmake_parse_arguments(ARG "" "" "HEADERS" ${ARGN})

@@ -31,11 +31,13 @@ install_packages() {
 }
 
 # build_preset release|dev [target ...]
+# From scratch, sources are compiled several at a time (half the work); a build folder that is there stays as it is.
 build_preset() {
-  local preset=$1
+  local preset=$1 together=()
   shift
+  [ -f "build/$preset/CMakeCache.txt" ] || together=(-DPIVNP_UNITY=ON)
   say "Building the $preset preset (build/$preset)"
-  cmake --preset "$preset" >"build-$preset.log" 2>&1 || { cat "build-$preset.log" >&2; die "configuration of the $preset preset failed"; }
+  cmake --preset "$preset" "${together[@]}" >"build-$preset.log" 2>&1 || { cat "build-$preset.log" >&2; die "configuration of the $preset preset failed"; }
   rm -f "build-$preset.log"
   if [ "$#" -gt 0 ]; then cmake --build "build/$preset" --target "$@"; else cmake --build "build/$preset"; fi
 }

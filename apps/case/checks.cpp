@@ -99,8 +99,7 @@ class Checker {
 
   // Outlines are held to be polygons here, where the line is known.
   void polygon(const std::string& key, const Points& points) const {
-    std::vector<Vec2> vertices;
-    for (const Pair& p : points) vertices.emplace_back(p[0], p[1]);
+    std::vector<Vec2> vertices = positions_of(points);
     Polygon(vertices, source_.at(key));
   }
 
@@ -226,13 +225,31 @@ class Checker {
 
   // What goes with water otherwise is the solver's to say; that there is some is known here.
   void water() const {
-    if (c_.water || !c_.mpm) return;
-    for (const auto& [name, m] : c_.materials)
-      if (m.porosity) refuse("material." + name + ".porosity", "given without [water], expected both or neither");
-    if (c_.mpm->pressure) refuse("mpm.pressure", "given without [water], expected both or neither");
-    for (const auto& [name, b] : c_.boundaries)
-      for (const auto& [key, given] : {std::pair{".pressure_pa", b.pressure_pa.has_value()}, {".drained", b.drained}, {".flux_m_s", b.flux_m_s.has_value()}})
-        if (given) refuse("boundary." + name + key, "given without [water], expected both or neither");
+    const bool porous = in_pores("material.", c_.materials), in_texture = in_pores("synth.material.", c_.synth_materials);
+    if (c_.water) {
+      if (!porous && !in_texture) refuse_section("water", "no material has a porosity, expected one that holds water");
+      return;
+    }
+    if (c_.mpm) without_water("mpm.pressure", c_.mpm->pressure.has_value());
+    if (c_.synth_mpm) without_water("synth.mpm.pressure", c_.synth_mpm->pressure.has_value());
+    for (const auto& [name, b] : c_.boundaries) {
+      without_water("boundary." + name + ".pressure_pa", b.pressure_pa.has_value());
+      without_water("boundary." + name + ".drained", b.drained);
+      without_water("boundary." + name + ".flux_m_s", b.flux_m_s.has_value());
+    }
+  }
+
+  void without_water(const std::string& key, bool given) const {
+    if (given) refuse(key, "given without [water], expected both or neither");
+  }
+
+  bool in_pores(const std::string& table, const Named<mpm::MaterialOptions>& materials) const {
+    bool any = false;
+    for (const auto& [name, m] : materials) {
+      if (!c_.water) without_water(table + name + ".porosity", m.porosity.has_value());
+      any |= m.porosity.has_value();
+    }
+    return any;
   }
 
   // How bodies pair is the solver's to say; what they are made of is known here.

@@ -65,8 +65,7 @@ class Seen {
  public:
   Seen(const MotionSource& motion, const Points& zone, bool turn) : motion_(motion), turn_(turn) {
     if (zone.empty()) return;
-    std::vector<Vec2> vertices;
-    for (const Pair& p : zone) vertices.emplace_back(p[0], p[1]);
+    std::vector<Vec2> vertices = positions_of(zone);
     const Polygon inside(std::move(vertices), "compare: the zone");
     for (std::size_t p = 0; p < motion.particles().size(); ++p)
       if (inside.contains(motion.particles().x0[p])) members_.push_back(p);

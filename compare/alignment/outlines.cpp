@@ -22,8 +22,7 @@ using Mat3 = Eigen::Matrix3d;
 std::vector<Vec2> points_on(const Rings& rings, double step, const Points& zone) {
   std::optional<Polygon> inside;
   if (!zone.empty()) {
-    std::vector<Vec2> vertices;
-    for (const Pair& p : zone) vertices.emplace_back(p[0], p[1]);
+    std::vector<Vec2> vertices = positions_of(zone);
     inside.emplace(std::move(vertices), "compare.fixed_zone_m");
   }
   std::vector<Vec2> points;

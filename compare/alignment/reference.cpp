@@ -14,8 +14,7 @@ std::size_t least(bool turn) { return turn ? 3 : 1; }
 Reference::Reference(const Points& polygon, bool turn, const std::string& key, const DataSet& first, const DataSet& second)
     : given_(!polygon.empty()), turn_(turn), sets_{&first, &second} {
   if (!given_) return;
-  std::vector<Vec2> vertices;
-  for (const Pair& p : polygon) vertices.emplace_back(p[0], p[1]);
+  std::vector<Vec2> vertices = positions_of(polygon);
   const Polygon inside(std::move(vertices), key);
   for (std::size_t s = 0; s < 2; ++s) {
     for (std::size_t p = 0; p < sets_[s]->size(); ++p)

@@ -14,6 +14,7 @@
 
 #include "compare/data/gradient_stencil.hpp"
 #include "compare/data/nearest_edge.hpp"
+#include "pivnp/core/math.hpp"
 
 namespace pivnp::compare {
 
@@ -33,8 +34,6 @@ Delaunay triangulate(const std::vector<Vec2>& points) {
   mesh.insert(numbered.begin(), numbered.end());
   return mesh;
 }
-
-double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 double circumradius(const Vec2& a, const Vec2& b, const Vec2& c) {
   const double twice_area = std::abs(cross(b - a, c - a));

@@ -6,6 +6,7 @@
 
 #include "compare/data/statistics.hpp"
 #include "compare/data/triangulation.hpp"
+#include "pivnp/core/particles/region.hpp"
 #include "pivnp/core/text.hpp"
 
 namespace pivnp::compare {
@@ -39,7 +40,7 @@ PointHistories::PointHistories(const CompareOptions& options, const DataSet& fir
   for (const double u : {options.measurement_uncertainty_m.value_or(0), options.numerical_uncertainty_m,
                          options.input_uncertainty_m})
     given_ += 2 * u * u;  // both components
-  for (const Pair& p : options.points_m) points_.emplace_back(p[0], p[1]);
+  points_ = positions_of(options.points_m);
   if (points_.empty()) return;
   for (std::size_t s = 0; s < 2; ++s)
     for (const Partner& place : places(points_, *sets_[s])) tracks_[s].push_back({place, {}, 0, 0});

@@ -9,13 +9,12 @@
 #include <unordered_map>
 
 #include "compare/data/nearest_edge.hpp"
+#include "pivnp/core/math.hpp"
 #include "pivnp/core/particles/strain.hpp"
 
 namespace pivnp::compare {
 
 namespace {
-
-double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 // Neighbours drift apart as the material stretches: by the greater principal stretch of F, followed up to four.
 double present_spacing(double spacing, const Mat2& F) {

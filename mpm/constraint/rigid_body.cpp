@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/particles/region.hpp"
 
 namespace pivnp::mpm {
 
@@ -22,8 +23,7 @@ RigidBodies::RigidBodies(const std::vector<std::pair<std::string, RigidOptions>>
       body.centre = {options.circle_m[0], options.circle_m[1]};
       body.radius = options.circle_m[2];
     } else {
-      std::vector<Vec2> vertices;
-      for (const Pair& p : options.polygon_m) vertices.emplace_back(p[0], p[1]);
+      std::vector<Vec2> vertices = positions_of(options.polygon_m);
       body.polygon.emplace(vertices, body.key + ".polygon_m");
     }
     body.velocity = {options.velocity_m_s[0], options.velocity_m_s[1]};
@@ -241,7 +241,7 @@ void RigidBodies::find_contacts(double time, double least_mass, const GridState&
 
 namespace {
 
-constexpr int sweeps = 20;
+constexpr int impulse_sweeps = 20;
 
 }  // namespace
 
@@ -265,7 +265,7 @@ void RigidBodies::apply(double time, double least_mass, GridState& g, std::vecto
     b.x = g.node[b.node].nx;
     b.y = g.node[b.node].ny;
   }
-  for (int sweep = 0; sweep < sweeps; ++sweep)
+  for (int sweep = 0; sweep < impulse_sweeps; ++sweep)
     for (Contact& c : contacts_) {
       Body& body = bodies_[std::size_t(c.body)];
       Vec2 slip = -body.velocity_of(c.x, time);
@@ -313,7 +313,7 @@ void RigidBodies::separate_strain_velocities(GridState& g) const {
 
 void RigidBodies::apply_to_strain_velocity(double time, GridState& g) const {
   const auto stencil = std::size_t(g.stencil);
-  for (int sweep = 0; sweep < sweeps; ++sweep)
+  for (int sweep = 0; sweep < impulse_sweeps; ++sweep)
     for (const Contact& c : contacts_) {
       const Body& body = bodies_[std::size_t(c.body)];
       if (body.friction && !(c.along_normal > 0)) continue;

@@ -11,8 +11,7 @@ namespace pivnp::mpm {
 namespace {
 
 std::vector<Vec2> points_of(const Points& pairs) {
-  std::vector<Vec2> points;
-  for (const Pair& p : pairs) points.emplace_back(p[0], p[1]);
+  std::vector<Vec2> points = positions_of(pairs);
   return points;
 }
 

@@ -20,7 +20,7 @@ double share_between(double from, double until, double time) {
   return time <= from ? 0 : (time - from) / (until - from);
 }
 
-[[noreturn]] void refuse(const std::string& key, double found, const std::string& expected) {
+[[noreturn]] void refuse_loading(const std::string& key, double found, const std::string& expected) {
   throw InputError(key + ": found " + number(found) + ", expected " + expected);
 }
 
@@ -34,7 +34,7 @@ Loading::Loading(const MpmOptions& o, const Scene& scene)
                      ": given alone, expected gravity_from_m_s2 and gravity_ramp_s");
   if (o.gravity_ramp_s) {
     ramp_ = *o.gravity_ramp_s;
-    if (!(ramp_ > 0)) refuse("mpm.gravity_ramp_s", ramp_, "a time above 0 s");
+    if (!(ramp_ > 0)) refuse_loading("mpm.gravity_ramp_s", ramp_, "a time above 0 s");
     from_ = {(*o.gravity_from_m_s2)[0], (*o.gravity_from_m_s2)[1]};
     changes_.push_back(ramp_);
   }

@@ -11,7 +11,7 @@ namespace {
 constexpr std::int64_t stiffness_every = 8;  // steps between looks at the wave speed
 constexpr double sort_share = 0.05;          // of the points that may change cells between re-sorts of the storage
 constexpr double least_mass = 1e-5;          // of a full cell: lighter nodes move with a neighbour
-constexpr double touching = 0.25;            // of a full cell: mass around a body's outline in contact
+constexpr double touched_share = 0.25;            // of a full cell: mass around a body's outline in contact
 
 }  // namespace
 
@@ -133,7 +133,7 @@ void Solver::Impl::apply_restraints(const Cycle& c) {
   restraints.apply(state.time, c.dt, g, reactions);
   contacts.apply(g, restraints, reactions);
   bodies.accelerate(state.time, c.dt, c.gravity);
-  bodies.apply(state.time, touching * least_density() * g.grid.spacing.prod(), g, reactions);
+  bodies.apply(state.time, touched_share * least_density() * g.grid.spacing.prod(), g, reactions);
   if (sleep.any()) sleep.hold(push_per_mass(c.dt), g);
 }
 

@@ -1,5 +1,6 @@
 #include "mpm/transfer/reference.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>

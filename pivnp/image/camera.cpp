@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/particles/region.hpp"
 #include "pivnp/image/homography.hpp"
 
 namespace pivnp::image {
@@ -31,12 +32,6 @@ Vec2 mapped(const Mat3& m, const Vec2& x) {
   const double w = m(2, 0) * x.x() + m(2, 1) * x.y() + m(2, 2);
   if (!(w > 0)) return Vec2::Constant(std::numeric_limits<double>::quiet_NaN());
   return Vec2(m(0, 0) * x.x() + m(0, 1) * x.y() + m(0, 2), m(1, 0) * x.x() + m(1, 1) * x.y() + m(1, 2)) / w;
-}
-
-std::vector<Vec2> vectors(const Points& points) {
-  std::vector<Vec2> out;
-  for (const Pair& p : points) out.emplace_back(p[0], p[1]);
-  return out;
 }
 
 Camera plain_camera(const CameraOptions& options, int height) {
@@ -85,7 +80,7 @@ Camera make_camera(const CameraOptions& options, int width, int height) {
     throw InputError("camera: metres_per_pixel and points_px are both given; expected one of the two");
   if (options.origin_px)
     throw InputError("camera: origin_px and points_px are both given; with targets the origin is that of points_m");
-  const Homography fit = fit_homography(vectors(options.points_px), vectors(options.points_m));
+  const Homography fit = fit_homography(positions_of(options.points_px), positions_of(options.points_m));
   return Camera(fit.world_from_pixel, fit.residual, options.length_unit);
 }
 

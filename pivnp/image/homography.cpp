@@ -1,7 +1,9 @@
 #include "pivnp/image/homography.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <cmath>
+#include <opencv2/core.hpp>
 #include <string>
 
 #include "pivnp/core/error.hpp"
@@ -9,9 +11,6 @@
 namespace pivnp::image {
 
 namespace {
-
-using Vec8 = Eigen::Matrix<double, 8, 1>;
-using Mat8 = Eigen::Matrix<double, 8, 8>;
 
 // Thickness over length below which targets count as lying on a line.
 constexpr double flat = 1e-3;
@@ -80,17 +79,20 @@ void check_four(const std::vector<Vec2>& p, const std::string& list) {
 
 // Direct linear transform between whitened points; [2][2] = 1.
 Mat3 linear_fit(const std::vector<Vec2>& pixel, const std::vector<Vec2>& world) {
-  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(Eigen::Index(std::max<std::size_t>(9, 2 * pixel.size())), 9);
+  cv::Mat a = cv::Mat::zeros(std::max(9, int(2 * pixel.size())), 9, CV_64F);
   for (std::size_t k = 0; k < pixel.size(); ++k) {
-    const Eigen::RowVector3d p = pixel[k].homogeneous().transpose();
-    const Eigen::Index row = Eigen::Index(2 * k);
-    a.row(row) << p, 0, 0, 0, -world[k].x() * p;
-    a.row(row + 1) << 0, 0, 0, p, -world[k].y() * p;
+    const double p[] = {pixel[k].x(), pixel[k].y(), 1};
+    double *in_x = a.ptr<double>(int(2 * k)), *in_y = a.ptr<double>(int(2 * k + 1));
+    for (int c = 0; c < 3; ++c) {
+      in_x[c] = in_y[3 + c] = p[c];
+      in_x[6 + c] = -world[k].x() * p[c];
+      in_y[6 + c] = -world[k].y() * p[c];
+    }
   }
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(a, Eigen::ComputeFullV);
-  if (!(svd.singularValues()[7] > flat * svd.singularValues()[0]))
+  const cv::SVD svd(a);
+  if (!(svd.w.at<double>(7) > flat * svd.w.at<double>(0)))
     fail("points_px and points_m do not fix a homography: too many targets lie on one line");
-  const Eigen::Matrix<double, 9, 1> h = svd.matrixV().col(8);
+  const double* h = svd.vt.ptr<double>(8);
   Mat3 m;
   m << h[0], h[1], h[2], h[3], h[4], h[5], h[6], h[7], h[8];
   // The third coordinate must not vanish in the middle of the targets, nor change its sign from one to the other.
@@ -118,25 +120,24 @@ double cost(const Mat3& m, const std::vector<Vec2>& pixel, const std::vector<Vec
 // One damped Gauss-Newton step over the eight entries beside [2][2].
 Mat3 step(const Mat3& m, const std::vector<Vec2>& pixel, const std::vector<Vec2>& world, const Mat2& unit,
           double damping) {
-  Mat8 normal = Mat8::Zero();
-  Vec8 right = Vec8::Zero();
+  using Jacobian = cv::Matx<double, 2, 8>;
+  const cv::Matx22d to_world(unit(0, 0), unit(0, 1), unit(1, 0), unit(1, 1));
+  cv::Matx<double, 8, 8> normal;
+  cv::Matx<double, 8, 1> right, d;
   for (std::size_t k = 0; k < pixel.size(); ++k) {
-    const Eigen::Vector3d p = pixel[k].homogeneous(), w = m * p;
+    const Vec2& p = pixel[k];
+    const Eigen::Vector3d w = m * p.homogeneous();
     const Vec2 x = w.head<2>() / w[2];
-    Eigen::Matrix<double, 2, 8> j = Eigen::Matrix<double, 2, 8>::Zero();
-    j.block<1, 3>(0, 0) = p.transpose() / w[2];
-    j.block<1, 3>(1, 3) = p.transpose() / w[2];
-    j.block<2, 2>(0, 6) = -x * pixel[k].transpose() / w[2];
-    j = unit * j;
-    normal += j.transpose() * j;
-    right += j.transpose() * (unit * (world[k] - x));
+    const Jacobian j = to_world * Jacobian(p.x(), p.y(), 1, 0, 0, 0, -x.x() * p.x(), -x.x() * p.y(),  //
+                                           0, 0, 0, p.x(), p.y(), 1, -x.y() * p.x(), -x.y() * p.y()) * (1 / w[2]);
+    const Vec2 off = unit * (world[k] - x);
+    normal += j.t() * j;
+    right += j.t() * cv::Matx21d(off.x(), off.y());
   }
-  normal.diagonal() *= 1 + damping;
-  const Vec8 d = normal.ldlt().solve(right);
+  for (int k = 0; k < 8; ++k) normal(k, k) *= 1 + damping;
+  cv::solve(normal, right, d, cv::DECOMP_CHOLESKY);
   Mat3 out = m;
-  out.row(0) += d.segment<3>(0).transpose();
-  out.row(1) += d.segment<3>(3).transpose();
-  out.row(2).head<2>() += d.segment<2>(6).transpose();
+  for (int k = 0; k < 8; ++k) out(k / 3, k % 3) += d(k);
   return out;
 }
 

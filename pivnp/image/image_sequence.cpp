@@ -11,13 +11,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const std::string what = "frames";
-
 class ImageSequence final : public FrameSource {
  public:
   ImageSequence(std::vector<fs::path> files, std::vector<Frame> frames, bool has_rate)
       : files_(std::move(files)), frames_(std::move(frames)), has_rate_(has_rate) {
-    const Image first = read_image_file(files_.front(), what);
+    const Image first = read_image_file(files_.front(), frames_key);
     width_ = first.width();
     height_ = first.height();
     depth_ = first.depth();
@@ -31,9 +29,9 @@ class ImageSequence final : public FrameSource {
 
   Image read(int index) override {
     const fs::path& file = files_.at(std::size_t(index));
-    Image image = read_image_file(file, what);
+    Image image = read_image_file(file, frames_key);
     if (image.width() != width_ || image.height() != height_ || image.depth() != depth_)
-      throw InputError(what + ": '" + file.string() + "' is " +
+      throw InputError(frames_key + ": '" + file.string() + "' is " +
                        describe(image.width(), image.height(), image.depth()) + ", but the first frame '" +
                        files_.front().string() + "' is " + describe(width_, height_, depth_));
     return image;
@@ -51,9 +49,9 @@ fs::path used_file(const FrameOptions& options, const FrameFiles& files, int num
   if (const fs::path* file = files.find(number)) return *file;
   const fs::path& first = files.files.front().path;
   const std::int64_t in_name = files.files.front().number + number;
-  const auto pattern = NumberedName::parse(fs::path(options.path).filename().string(), what);
+  const auto pattern = NumberedName::parse(fs::path(options.path).filename().string(), frames_key);
   const std::string name = pattern ? (first.parent_path() / pattern->name(in_name)).string() : std::to_string(in_name);
-  throw InputError(what + ": frame " + std::to_string(number) + " is missing: '" + name +
+  throw InputError(frames_key + ": frame " + std::to_string(number) + " is missing: '" + name +
                    "' does not exist (the sequence runs from '" + first.filename().string() + "' to '" +
                    files.files.back().path.filename().string() + "'; a glob takes what exists)");
 }

@@ -28,12 +28,6 @@ std::string which_shapes(const MaskOptions& o) {
   return out;
 }
 
-std::vector<Vec2> vectors(const Points& points) {
-  std::vector<Vec2> out;
-  for (const Pair& p : points) out.emplace_back(p[0], p[1]);
-  return out;
-}
-
 void mark(const std::vector<Run>& runs, std::uint8_t* covered) {
   for (const Run& run : runs) std::fill(covered + run.first, covered + run.last + 1, std::uint8_t{1});
 }
@@ -47,7 +41,7 @@ RowCover polygon_cover(std::vector<Vec2> vertices_px, int width) {
 
 RowCover world_polygon_cover(const Points& points, const Camera& camera, int width, const std::string& what) {
   // A homography takes straight sides to straight sides, so the vertices are enough.
-  std::vector<Vec2> vertices = Polygon(vectors(points), what).vertices();
+  std::vector<Vec2> vertices = Polygon(positions_of(points), what).vertices();
   for (Vec2& v : vertices) {
     v = camera.to_pixel(v);
     if (!v.allFinite()) throw InputError(what + ": a vertex lies beyond the camera's horizon");
@@ -99,7 +93,7 @@ RowCover cover_of(const MaskOptions& options, const Camera& camera, int width, i
     throw InputError(what + ": several shapes in one mask (" + shapes + "); expected one, give each a mask of its own");
   const std::string place = what + "." + shapes;
   if (!options.polygon_px.empty())
-    return polygon_cover(Polygon(vectors(options.polygon_px), place).vertices(), width);
+    return polygon_cover(Polygon(positions_of(options.polygon_px), place).vertices(), width);
   if (!options.polygon_m.empty()) return world_polygon_cover(options.polygon_m, camera, width, place);
   if (!options.circle_px.empty()) return circle_cover(options.circle_px, width, place);
   return image_cover(base / options.image, width, height, place);

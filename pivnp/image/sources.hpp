@@ -13,6 +13,8 @@
 
 namespace pivnp::image {
 
+inline const std::string frames_key = "frames";  // what messages about frames begin with
+
 /// Original frame numbers chosen by first, last and stride out of `count`. Throws InputError if none is left.
 std::vector<int> chosen_frames(const FrameOptions& options, std::int64_t count, const std::string& path);
 

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double tilt = 5 * std::numbers::pi / 180;
 
-std::uint64_t mix(std::uint64_t z) {
+std::uint64_t mix_bits(std::uint64_t z) {
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
   z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
   return z ^ (z >> 31);
@@ -20,7 +20,7 @@ std::uint64_t mix(std::uint64_t z) {
 
 // Number k of the places' random sequence: splitmix64 (Steele, Lea & Flood 2014).
 double random01(int seed, std::uint64_t k) {
-  return static_cast<double>(mix((static_cast<std::uint64_t>(seed) << 40) + (k + 1) * 0x9e3779b97f4a7c15ull) >> 11) *
+  return static_cast<double>(mix_bits((static_cast<std::uint64_t>(seed) << 40) + (k + 1) * 0x9e3779b97f4a7c15ull) >> 11) *
          0x1.0p-53;
 }
 

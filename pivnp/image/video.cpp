@@ -18,7 +18,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const std::string what = "frames";
 
 struct Header {
   char bytes[4096] = {};
@@ -46,7 +45,7 @@ cv::VideoCapture opened(const fs::path& file) {
     capture.release();
   }
   if (!capture.isOpened())
-    throw InputError(what + ": '" + file.string() + "' cannot be opened as a video or an image (another kind of file, "
+    throw InputError(frames_key + ": '" + file.string() + "' cannot be opened as a video or an image (another kind of file, "
                      "or truncated)");
   capture.set(cv::CAP_PROP_ORIENTATION_AUTO, 0);  // pixels as stored
   return capture;
@@ -75,7 +74,7 @@ Survey surveyed(const fs::path& file, std::int64_t limit) {
 
 // Throws if the file ends before its container says so; the last frame that came out may then be damaged too.
 void check_complete(const Survey& survey, const fs::path& file, std::int64_t limit) {
-  if (survey.readable == 0) throw InputError(what + ": '" + file.string() + "' is a video without a readable frame");
+  if (survey.readable == 0) throw InputError(frames_key + ": '" + file.string() + "' is a video without a readable frame");
   if (survey.readable == limit) return;
   const double slack =
       Header(file).counts_frames() ? 0 : std::max(2.0, 0.1 * survey.rate_hz);  // where the promise is a guess
@@ -85,10 +84,10 @@ void check_complete(const Survey& survey, const fs::path& file, std::int64_t lim
     remedy = "; frames.last = " + std::to_string(survey.readable - 2) + " leaves out the damaged end";
   if (double(missing) <= slack) {
     if (const auto defect = video_defect(file))
-      throw InputError(what + ": '" + file.string() + "' is " + *defect + remedy);
+      throw InputError(frames_key + ": '" + file.string() + "' is " + *defect + remedy);
     return;
   }
-  throw InputError(what + ": '" + file.string() + "' ends too early: its container promises " +
+  throw InputError(frames_key + ": '" + file.string() + "' ends too early: its container promises " +
                    std::to_string(survey.promised) + " frames, only " + std::to_string(survey.readable) +
                    " can be read (truncated, or trimmed without re-encoding)" + remedy);
 }
@@ -103,11 +102,11 @@ void check_rate(const Survey& survey, const fs::path& file) {
   if (!(step > 0)) return;
   const std::string remedy = "; frames.rate_hz overrides it if the frames are evenly spaced all the same";
   if (std::abs(step * survey.rate_hz - 1) > 0.01 + 0.5 / double(end))
-    throw InputError(what + ": '" + file.string() + "' claims " + std::to_string(survey.rate_hz) +
+    throw InputError(frames_key + ": '" + file.string() + "' claims " + std::to_string(survey.rate_hz) +
                      " frames per second, its time stamps say " + std::to_string(1 / step) + remedy);
   for (std::size_t k = 0; k < end; ++k)
     if (std::abs(t[k] - t[0] - double(k) * step) > 0.5 * step + 0.0015)  // stamps may be rounded to 1 ms
-      throw InputError(what + ": '" + file.string() + "' has no constant frame rate: frame " + std::to_string(k) +
+      throw InputError(frames_key + ": '" + file.string() + "' has no constant frame rate: frame " + std::to_string(k) +
                        " is stamped " + std::to_string(t[k] - t[0]) + " s, expected " +
                        std::to_string(double(k) * step) + " s" + remedy);
 }
@@ -132,7 +131,7 @@ class VideoSource final : public FrameSource {
   Image read(int index) override {
     go_to(numbers_.at(std::size_t(index)), index);
     const std::string& name = frames_[std::size_t(index)].name;
-    const std::string place = what + ": '" + (file_.parent_path() / name).string() + "'";
+    const std::string place = frames_key + ": '" + (file_.parent_path() / name).string() + "'";
     cv::Mat colour;
     if (!capture_.retrieve(colour) || colour.empty()) throw InputError(place + " cannot be decoded");
     if (colour.depth() != CV_8U) throw InputError(place + " is not an 8-bit frame");
@@ -157,7 +156,7 @@ class VideoSource final : public FrameSource {
       if (!capture_.grab()) {
         const int failed = at_ + 1;
         at_ = -1;
-        throw InputError(what + ": '" + file_.string() + "' ends at frame " + std::to_string(failed) + " before '" +
+        throw InputError(frames_key + ": '" + file_.string() + "' ends at frame " + std::to_string(failed) + " before '" +
                          frames_[std::size_t(index)].name + "'; was it changed while it was read?");
       }
   }

@@ -11,7 +11,7 @@ namespace pivnp::piv {
 
 namespace {
 
-constexpr int search_side = 32;        // pixels of a decimated image that a search window keeps at least
+constexpr int least_search_side = 32;        // pixels of a decimated image that a search window keeps at least
 constexpr float converged_px = 0.01f;  // root mean square change of the predictor's vectors
 constexpr float smoothing = 0.3f;      // standard deviation of the predictor's weights over the window's side
 
@@ -30,7 +30,7 @@ std::vector<int> window_sides(const PivOptions& options, int width, int height) 
 
 int decimation_of(int side, int last_side) {
   int decimation = 1;
-  while (side > last_side && side / (2 * decimation) >= search_side) decimation *= 2;
+  while (side > last_side && side / (2 * decimation) >= least_search_side) decimation *= 2;
   return decimation;
 }
 

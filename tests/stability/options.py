@@ -49,6 +49,9 @@ CARRIED = MEASUREMENT | {
     "synth.mpm": {"end_s": "0.02", "output_rate_hz": "100.0"},
     "boundary.base": {"line_m": "[[0.0, 0.016], [0.095, 0.016]]"},
 }
+POROUS = {"density_kg_m3": None, "porosity": "0.4", "permeability_m_s": "1e-3"}
+WET = SIMULATION | {"material.soil": {k: v for k, v in (SIMULATION["material.soil"] | POROUS).items() if v}, "water": {},
+                    "mpm": {"end_s": "0.005", "output_rate_hz": "400.0"}}
 # The case that a section's keys are tried in, and the section's name in it.
 BASES = {
     "frames": MEASUREMENT, "camera": MEASUREMENT, "grid": MEASUREMENT, "region": SIMULATION, "mask": MEASUREMENT,
@@ -56,6 +59,7 @@ BASES = {
     "body": SIMULATION, "contact": TWO_BODIES, "compare": BOTH, "compare.limits": BOTH, "report": SIMULATION,
     "output": SIMULATION, "synth": MEASUREMENT, "synth.texture": MEASUREMENT, "synth.material": CARRIED,
     "synth.mpm": CARRIED, "verify": MEASUREMENT,
+    "water": WET,
 }
 NAMES = {"region": "region.soil", "mask": "mask.label", "material": "material.soil", "boundary": "boundary.side",
          "body": "body.tool", "contact": "contact.joint", "synth.material": "synth.material.soil"}
@@ -67,6 +71,7 @@ BALL = {"circle_m": "[0.04, 0.115, 0.025]"}
 AT_ONCE = {"mpm": {"initial_equilibrium": "false"}}
 TARGETS = {"camera": {"metres_per_pixel": None, "points_px": "[[10, 10], [85, 10], [85, 85], [10, 85]]",
                       "points_m": "[[0.01, 0.085], [0.085, 0.085], [0.085, 0.01], [0.01, 0.01]]"}}
+FLOODED = {"water": {}, "material.soil": POROUS, "mpm": WET["mpm"]}
 ZONE = "[[0.02, 0.02], [0.07, 0.02], [0.07, 0.06], [0.02, 0.06]]"
 RAMP = {"gravity_from_m_s2": "[0.0, -5.0]", "gravity_ramp_s": "0.01"}
 MU_I = SAND | {"model": '"mu_i"', "friction_deg": "25.0", "friction_flow_deg": "33.0", "grain_diameter_m": "1e-3", "cohesion_pa": None}
@@ -103,6 +108,8 @@ MATERIAL = {
     "removed_s": [("0.01", {}, {"region.soil": {"polygon_m": "[[0.0, 0.04], [0.08, 0.04], [0.08, 0.08], [0.0, 0.08]]"},
                                 "region.below": {"polygon_m": "[[0.0, 0.0], [0.08, 0.0], [0.08, 0.04], [0.0, 0.04]]"},
                                 "material.below": SIMULATION["material.soil"]})],
+    "porosity": [("0.3", POROUS, {"water": {}})], "permeability_m_s": [("1e-4", POROUS, {"water": {}})],
+    "drained": [("true", POROUS, {"water": {}}), ("false", POROUS, {"water": {}})],
 }
 MPM = {
     "gravity_m_s2": ["[0.1, -9.0]"], "gravity_from_m_s2": [("[0.0, -4.0]", RAMP)], "gravity_ramp_s": [("0.015", RAMP)],
@@ -111,6 +118,7 @@ MPM = {
     "pic_per_s": [("5.0", {"transfer": '"flip"'})], "xpic_order": [("3", {"transfer": '"xpic"'})],
     "sleep_below_m_s": ["0.001"], "end_displacement_m": ["1.0"], "refine": ["2"], "end_s": ["0.01"], "output_rate_hz": ["200.0"],
     "domain_m": ["[[0.0, 0.0], [0.12, 0.12]]"], "per_element": ["9"],
+    "pressure": [('"explicit"', {}, {"water": {}, "material.soil": POROUS})],
 }
 VALUES = {
     "": {"name": ['"a name"']},
@@ -137,7 +145,9 @@ VALUES = {
                  "normal": [("[-1.0, 0.0]", SIDE)], "friction": [("0.3", SIDE | {"type": '"frictional"'})], "until_s": [("0.01", SIDE)],
                  "velocity_m_s": [("[0.001, 0.0]", SIDE | {"type": '"fixed"'})], "withdraw_m_s": [("[0.0, 2.0]", SIDE)],
                  "withdraw_from_s": [("0.01", SIDE | {"withdraw_m_s": "[0.0, 2.0]"})], "traction_pa": [("[0.0, -50.0]", TOP)],
-                 "rise_s": [("0.01", TOP)], "across_m": [("[0.08, 0.0]", TIED)]},
+                 "rise_s": [("0.01", TOP)], "across_m": [("[0.08, 0.0]", TIED)],
+                 "pressure_pa": [("100.0", SIDE, FLOODED)], "drained": [("true", SIDE, FLOODED), ("false", SIDE, FLOODED)],
+                 "flux_m_s": [("1e-5", SIDE, FLOODED)]},
     "body": {"circle_m": [BALL["circle_m"]], "polygon_m": ["[[0.01, 0.09], [0.07, 0.09], [0.07, 0.13], [0.01, 0.13]]"],
              "velocity_m_s": [("[0.0, -0.2]", BALL)], "friction": [("0.3", BALL)], "from_s": [("0.01", BALL)], "until_s": [("0.01", BALL)],
              "mass_kg_m": [("5.0", BALL)], "mass_end_kg_m": [("6.0", BALL | {"mass_kg_m": "5.0", "mass_until_s": "0.02"})],
@@ -162,10 +172,12 @@ VALUES = {
     # The same lists as above, in another section.
     "synth.material": {key: [(*item[:2], {"synth.mpm": AT_ONCE["mpm"]}) if AT_ONCE in tuple(item) else item for item in items]
                        for key, items in MATERIAL.items()} |
+                      {"porosity": [("0.3", POROUS, {"water": {}})], "permeability_m_s": [("1e-4", POROUS, {"water": {}})],
+                       "drained": [("true", POROUS, {"water": {}}), ("false", POROUS, {"water": {}})]} |
                       {"removed_s": [("0.01", {}, {"region.soil": {"polygon_px": "[[15, 55], [79, 55], [79, 31], [15, 31]]"},
                                                    "region.below": {"polygon_px": "[[15, 79], [79, 79], [79, 55], [15, 55]]"},
                                                    "synth.material.below": SIMULATION["material.soil"]})]},
-    "synth.mpm": MPM | {"domain_m": ["[[0.0, 0.0], [0.095, 0.095]]"]},
+    "synth.mpm": MPM | {"pressure": [('"explicit"', {}, {"water": {}, "synth.material.soil": POROUS})], "domain_m": ["[[0.0, 0.0], [0.095, 0.095]]"]},
     "verify": {"lost_share": [("0.5", {"displacement_rms_px": "5.0"})], "displacement_rms_px": ["5.0"], "strain_error": ["1.0"],
                "nodal_error": ["1.0"], "drift_px": ["5.0"], "drift_ratio": ["5.0"]},
 }

@@ -8,12 +8,11 @@
 
 #include "apps/plot/numbers.hpp"
 #include "apps/report/content/selection.hpp"
+#include "pivnp/core/math.hpp"
 
 namespace pivnp::report {
 
 namespace {
-
-constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
 
 // Of the displacement, component by component.
 struct Components {

@@ -8,13 +8,12 @@
 #include <Eigen/Dense>
 
 #include "apps/report/content/selection.hpp"
+#include "pivnp/core/math.hpp"
 #include "pivnp/core/particles/alive.hpp"
 
 namespace pivnp::report {
 
 namespace {
-
-constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
 
 // Particles and weights whose sum reproduces affine fields at a point.
 struct Stencil {

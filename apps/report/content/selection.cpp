@@ -9,6 +9,7 @@
 
 #include "apps/plot/numbers.hpp"
 #include "pivnp/core/particles/alive.hpp"
+#include "pivnp/core/particles/region.hpp"
 
 namespace pivnp::report {
 
@@ -73,8 +74,7 @@ std::vector<double> chosen_times(const ReportOptions& options, const Content& co
 }
 
 std::vector<Vec2> chosen_points(const ReportOptions& options, const Content& content) {
-  std::vector<Vec2> points;
-  for (const Pair& p : options.points_m) points.emplace_back(p[0], p[1]);
+  std::vector<Vec2> points = positions_of(options.points_m);
   const MotionSource* motion = content.measured ? content.measured.get() : content.simulated.get();
   if (!points.empty() || motion == nullptr || motion->times().empty()) return points;
 

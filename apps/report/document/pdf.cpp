@@ -21,7 +21,7 @@ using namespace plot;
 namespace {
 
 constexpr double page_width = 2100, page_height = 2970, margin = 200, foot = 230;
-constexpr double column = page_width - 2 * margin, bottom = page_height - foot;
+constexpr double column_width = page_width - 2 * margin, bottom = page_height - foot;
 
 struct Placed {
   const Piece* piece;
@@ -95,18 +95,18 @@ class Paginator {
 void draw_footer(QPainter& painter, const QString& title, std::size_t page, std::size_t pages) {
   painter.setFont(qt_font(7));
   painter.setPen(qt_colour(faint));
-  const QRectF line(margin, page_height - 150, column, 50);
+  const QRectF line(margin, page_height - 150, column_width, 50);
   const QString number = QString("%1 / %2").arg(page).arg(pages);
   painter.drawText(line, Qt::AlignRight | Qt::AlignVCenter, number);
   painter.drawText(line, Qt::AlignLeft | Qt::AlignVCenter,
-                   QFontMetricsF(qt_font(7)).elidedText(title, Qt::ElideRight, column - 200));
+                   QFontMetricsF(qt_font(7)).elidedText(title, Qt::ElideRight, column_width - 200));
 }
 
 }  // namespace
 
 std::string pdf(const Document& document) {
   start_qt();
-  const Pieces pieces = cut(document, column);
+  const Pieces pieces = cut(document, column_width);
   const std::vector<Page> pages = Paginator().paginate(pieces);
   const std::string title = clean_utf8(document.title);
   PdfPages out(title);

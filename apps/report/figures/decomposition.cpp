@@ -35,7 +35,7 @@ std::vector<Coefficients> coefficients(const Comparison& comparison) {
   return out;
 }
 
-std::vector<Figure> draw(const FigureInput& input) {
+std::vector<Figure> draw_decomposition(const FigureInput& input) {
   const std::vector<Coefficients> all = coefficients(*input.content.comparison);
   if (all.empty()) return {};
   const DataSetNames& names = input.names;
@@ -79,7 +79,7 @@ FigureRow decomposition_row() {
           .shows = "coefficients of the decomposition of both data sets",
           .section = Section::comparison,
           .applies = [](const FigureInput& i) { return i.content.comparison.has_value(); },
-          .draw = draw};
+          .draw = draw_decomposition};
 }
 
 }  // namespace pivnp::report

@@ -13,7 +13,7 @@ using namespace plot;
 
 namespace {
 
-std::vector<Figure> draw(const FigureInput& input) {
+std::vector<Figure> draw_differences(const FigureInput& input) {
   const DifferenceCurve& d = input.differences;
   const double largest = quantile(d.rms, 1), sigma = quantile(d.sigma, 1);
   if (!std::isfinite(largest)) return {};
@@ -70,7 +70,7 @@ FigureRow differences_row() {
           .shows = "difference of displacement against time",
           .section = Section::comparison,
           .applies = [](const FigureInput& i) { return i.differences.time.size() >= 2; },
-          .draw = draw};
+          .draw = draw_differences};
 }
 
 }  // namespace pivnp::report

@@ -36,7 +36,7 @@ std::vector<double> column(const std::vector<EnergyRow>& rows, double EnergyRow:
   return out;
 }
 
-std::vector<Figure> draw(const FigureInput& input) {
+std::vector<Figure> draw_energy(const FigureInput& input) {
   const std::vector<EnergyRow>& rows = input.content.energy;
   const std::vector<double> time = column(rows, &EnergyRow::time);
   double low = 0, high = 0;
@@ -83,7 +83,7 @@ FigureRow energy_row() {
           .shows = "energy balance of the simulation",
           .section = Section::simulation,
           .applies = [](const FigureInput& i) { return i.content.energy.size() >= 2; },
-          .draw = draw};
+          .draw = draw_energy};
 }
 
 }  // namespace pivnp::report

@@ -27,7 +27,7 @@ std::string file_name(const std::string& field) {
   return field;
 }
 
-bool owns(std::string_view figure) {
+bool owns_fields(std::string_view figure) {
   const std::vector<DerivedField> fields = derived_fields();
   return std::any_of(fields.begin(), fields.end(),
                      [&](const DerivedField& f) { return f.name == figure || file_name(f.name) == figure; });
@@ -198,7 +198,7 @@ Figure draw_field(const FigureInput& input, const std::string& field) {
   return {caption(f, columns, input), canvas, file_name(field), f.label + " on the particles at chosen times"};
 }
 
-std::vector<Figure> draw(const FigureInput& input) {
+std::vector<Figure> draw_fields(const FigureInput& input) {
   std::vector<Figure> all;
   for (const std::string& field : input.options.fields_drawn) {
     derived_field(field);  // an unknown one is told of even where nothing is drawn
@@ -215,8 +215,8 @@ FigureRow fields_row() {
           .section = Section::comparison,
           .tall = true,
           .applies = [](const FigureInput& i) { return i.content.measured || i.content.simulated; },
-          .draw = draw,
-          .owns = owns};
+          .draw = draw_fields,
+          .owns = owns_fields};
 }
 
 }  // namespace pivnp::report

@@ -29,7 +29,7 @@ std::string curve_name(const std::string& definition) {
   return definition.substr(0, definition.rfind(" of ", definition.find('=')));
 }
 
-std::vector<Figure> draw(const FigureInput& input) {
+std::vector<Figure> draw_histories(const FigureInput& input) {
   const auto [first, second] = histories_of(input.content);
   double left = std::numeric_limits<double>::infinity(), right = -left, low = left, high = -left;
   for (const auto* table : {first, second})
@@ -65,7 +65,7 @@ FigureRow histories_row() {
           .shows = "the two histories that were compared",
           .section = Section::comparison,
           .applies = [](const FigureInput& i) { return histories_of(i.content).known(); },
-          .draw = draw};
+          .draw = draw_histories};
 }
 
 }  // namespace pivnp::report

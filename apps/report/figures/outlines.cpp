@@ -19,7 +19,7 @@ Loops placed(const Panel& panel, Loops loops) {
   return loops;
 }
 
-std::vector<Figure> draw(const FigureInput& input) {
+std::vector<Figure> draw_outlines(const FigureInput& input) {
   const PerDataSet<Loops>& outlines = input.content.comparison->outlines;
   std::vector<const std::vector<Vec2>*> all;
   for (const Loops& loops : outlines)
@@ -54,7 +54,7 @@ FigureRow outlines_row() {
             return i.content.comparison &&
                    !(i.content.comparison->outlines[0].empty() && i.content.comparison->outlines[1].empty());
           },
-          .draw = draw};
+          .draw = draw_outlines};
 }
 
 }  // namespace pivnp::report

@@ -10,6 +10,7 @@
 #include "apps/report/content/point_curves.hpp"
 #include "apps/report/content/selection.hpp"
 #include "apps/report/figures/rows.hpp"
+#include "pivnp/core/math.hpp"
 
 namespace pivnp::report {
 
@@ -17,7 +18,6 @@ using namespace plot;
 
 namespace {
 
-constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
 constexpr std::array<Rgb, 3> point_colours = {blue, vermilion, green};
 constexpr std::array<Marker, 3> point_markers = {Marker::circle, Marker::square, Marker::triangle};
 
@@ -119,7 +119,7 @@ std::string caption(const FigureInput& input, const Extent& extent, const Displa
   return text + " Where a curve stops, its point was followed no further.";
 }
 
-std::vector<Figure> draw(const FigureInput& input) {
+std::vector<Figure> draw_point_curves(const FigureInput& input) {
   const Content& content = input.content;
   const std::vector<Vec2>& points = input.points;
   std::vector<PointCurve> measured, simulated;
@@ -177,7 +177,7 @@ FigureRow point_curves_row() {
           .applies = [](const FigureInput& i) {
             return !i.points.empty() && (i.content.measured || i.content.simulated);
           },
-          .draw = draw};
+          .draw = draw_point_curves};
 }
 
 }  // namespace pivnp::report

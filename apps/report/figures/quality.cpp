@@ -54,7 +54,7 @@ void mark_flags(Canvas& canvas, const Panel& shares, const Panel& scores, const 
   });
 }
 
-std::vector<Figure> draw(const FigureInput& input) {
+std::vector<Figure> draw_quality(const FigureInput& input) {
   const std::vector<PairQuality>& pairs = input.pairs;
   auto canvas = std::make_shared<Canvas>(figure_width_mm, 100);
   const double x = 17, w = 150;
@@ -109,7 +109,7 @@ FigureRow quality_row() {
           .shows = "status and correlation score of the vectors, pair by pair",
           .section = Section::measurement,
           .applies = [](const FigureInput& i) { return !i.pairs.empty(); },
-          .draw = draw};
+          .draw = draw_quality};
 }
 
 }  // namespace pivnp::report

@@ -166,7 +166,7 @@ std::size_t pair_of(int frame, const std::vector<PairQuality>& pairs) {
   return pairs.size();
 }
 
-std::vector<Figure> draw(const FigureInput& input) {
+std::vector<Figure> draw_vectors(const FigureInput& input) {
   const Content& content = input.content;
   std::vector<Figure> figures;
   for (const Picture& picture : content.pictures) {
@@ -194,7 +194,7 @@ std::vector<Figure> draw(const FigureInput& input) {
   return figures;
 }
 
-bool owns(std::string_view figure) {
+bool owns_vectors(std::string_view figure) {
   constexpr std::string_view prefix = "vectors_";
   return figure.starts_with(prefix) && figure.size() > prefix.size() &&
          figure.find_first_not_of("0123456789", prefix.size()) == std::string_view::npos;
@@ -207,8 +207,8 @@ FigureRow vectors_row() {
           .shows = "the vectors of a pair on its frame",
           .section = Section::measurement,
           .applies = [](const FigureInput& i) { return !i.pairs.empty() && !i.content.pictures.empty(); },
-          .draw = draw,
-          .owns = owns};
+          .draw = draw_vectors,
+          .owns = owns_vectors};
 }
 
 }  // namespace pivnp::report

@@ -6,6 +6,7 @@
 
 #include "apps/study/pipeline/measure.hpp"
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/math.hpp"
 #include "pivnp/core/text.hpp"
 #include "pivnp/np/tracker.hpp"
 #include "pivnp/piv/validation/closure.hpp"
@@ -14,8 +15,7 @@ namespace pivnp::app {
 
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr int most_steps = 8;
+constexpr int most_strides = 8;
 
 ParticleSet at_nodes(const Grid& grid) {
   ParticleSet set;
@@ -28,7 +28,7 @@ ParticleSet at_nodes(const Grid& grid) {
   set.label.assign(n, 0);
   set.area.assign(n, 0);
   set.born.assign(n, 0);
-  set.end.assign(n, nan);
+  set.end.assign(n, nan_value);
   set.end_reason.assign(n, EndReason::none);
   set.label_names = {"nodes"};
   return set;
@@ -68,7 +68,7 @@ Closed close_chain(const np::NpOptions& options, const Grid& grid, int first, in
   }
   at_once.step(direct);
   out.chain.steps = steps;
-  out.chain.off.assign(grid.node_count(), {nan, nan});
+  out.chain.off.assign(grid.node_count(), {nan_value, nan_value});
   out.chain.variance = out.chain.off;
   for (std::size_t n = 0; n < grid.node_count(); ++n) {
     if (!stepwise.good[n] || !at_once.good[n]) continue;
@@ -98,7 +98,7 @@ ClosureNote check_closure(const Case& c, const Setting& setting, image::FrameSou
   }
   const np::NpOptions options = c.np.value_or(np::NpOptions{});
   const int spacing = pairs / chains;
-  int steps = std::clamp(spacing, 2, most_steps);
+  int steps = std::clamp(spacing, 2, most_strides);
   std::vector<piv::ClosureChain> closed;
   std::vector<double> lengths;
   for (int k = 0; k < chains; ++k) {

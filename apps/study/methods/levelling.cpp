@@ -123,9 +123,9 @@ double sample(const Grey& spline, const Vec2& px) {
 }
 
 // The material at one time, and where it came from.
-class Carried {
+class CarriedPoints {
  public:
-  Carried(const MotionSource& motion, double time) {
+  CarriedPoints(const MotionSource& motion, double time) {
     const std::vector<double>& t = motion.times();
     const auto after = std::upper_bound(t.begin(), t.end(), time * (1 + 1e-12) + 1e-12);
     const std::size_t lower = std::size_t(std::max<std::ptrdiff_t>(0, after - t.begin() - 1));
@@ -180,7 +180,7 @@ class CarriedFrames final : public image::FrameSource {
     const Grey raw = grey_of(first.view());
     still_ = without_noise(raw, noise);
     spline_ = coefficients(still_);
-    const Carried start(motion, motion.times().front());
+    const CarriedPoints start(motion, motion.times().front());
     material_.resize(still_.value.size());
     std::vector<float> background;
     for (int r = 0; r < still_.height; ++r)
@@ -200,7 +200,7 @@ class CarriedFrames final : public image::FrameSource {
   int height() const override { return still_.height; }
 
   Image read(int index) override {
-    const Carried now(motion_, frames_.at(std::size_t(index)).time);
+    const CarriedPoints now(motion_, frames_.at(std::size_t(index)).time);
     Image image(still_.width, still_.height, depth_, white_);
     for (int r = 0; r < still_.height; ++r)
       for (int c = 0; c < still_.width; ++c) {

@@ -5,14 +5,14 @@
 
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/derived.hpp"
+#include "pivnp/core/particles/region.hpp"
 
 namespace pivnp::app {
 
 namespace {
 
 std::vector<Vec2> zone(const Setting& setting, const np::NpOptions& options) {
-  std::vector<Vec2> vertices;
-  for (const Pair& p : options.still_zone_m) vertices.emplace_back(p[0], p[1]);
+  std::vector<Vec2> vertices = positions_of(options.still_zone_m);
   for (const Pair& p : options.still_zone_px) vertices.push_back(setting.camera.to_world({p[0], p[1]}));
   return vertices;
 }

@@ -7,6 +7,7 @@
 
 #include "apps/study/pipeline/sizes.hpp"
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/particles/region.hpp"
 #include "pivnp/core/particles/seeding.hpp"
 #include "pivnp/core/text.hpp"
 
@@ -68,8 +69,7 @@ void require_inside(const Case& c, const Grid& grid, const image::Camera& camera
 }
 
 Polygon world_polygon(const RegionOptions& options, const image::Camera& camera, const std::string& what) {
-  std::vector<Vec2> vertices;
-  for (const Pair& p : options.polygon_m) vertices.emplace_back(p[0], p[1]);
+  std::vector<Vec2> vertices = positions_of(options.polygon_m);
   for (const Pair& p : options.polygon_px) vertices.push_back(camera.to_world({p[0], p[1]}));
   return Polygon(std::move(vertices), what);
 }

@@ -7,6 +7,7 @@
 #include "apps/case/values.hpp"
 #include "apps/study/pipeline/sizes.hpp"
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/particles/region.hpp"
 #include "pivnp/core/particles/seeding.hpp"
 #include "pivnp/core/text.hpp"
 
@@ -38,8 +39,7 @@ namespace {
 bool inside_body(const mpm::RigidOptions& body, const Vec2& x, const std::string& what) {
   if (body.circle_m.size() == 3)
     return (x - Vec2(body.circle_m[0], body.circle_m[1])).norm() < body.circle_m[2];
-  std::vector<Vec2> vertices;
-  for (const Pair& p : body.polygon_m) vertices.emplace_back(p[0], p[1]);
+  std::vector<Vec2> vertices = positions_of(body.polygon_m);
   return Polygon(std::move(vertices), what).contains(x);
 }
 
@@ -63,6 +63,7 @@ mpm::Scene make_scene(const Case& c, const Setting& setting, const mpm::MpmOptio
                        did_you_mean(wanted, known));
     }
     scene.materials.push_back(it->second);
+    if (it->second.porosity) scene.water = c.water;
   }
   scene.boundaries = c.boundaries;
   scene.bodies = c.bodies;
@@ -77,7 +78,6 @@ mpm::Scene make_scene(const Case& c, const Setting& setting, const mpm::MpmOptio
 
 mpm::Solver make_solver(const Case& c, const Setting& setting, int threads) {
   mpm::Scene scene = make_scene(c, setting, *c.mpm, c.materials, "material.");
-  scene.water = c.water;
   try {
     return mpm::Solver(*c.mpm, std::move(scene), threads);
   } catch (const InputError& error) {

@@ -9,6 +9,7 @@
 #include "apps/case/values.hpp"
 #include "apps/study/pipeline/simulation_scene.hpp"
 #include "mpm/material/model.hpp"
+#include "mpm/water/pore_soil.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
 
@@ -32,11 +33,13 @@ double filled(const Setting& setting, const Grid& grid, int per_element) {
   return area / grid.spacing.prod() * per_element;
 }
 
-// Of the fastest compression wave in the case's materials, m/s.
+// Of the fastest compression wave in the case's materials, m/s: undrained where water fills the pores.
 double fastest_wave(const Case& c, double cell_m) {
   double fastest = 0;
-  for (const auto& [name, material] : c.materials) {
-    const double modulus = mpm::make_material(material, "material." + name, cell_m)->elastic().p_wave_modulus();
+  for (const auto& [name, given] : c.materials) {
+    const mpm::MaterialOptions material = c.water ? mpm::without_pores(given, *c.water) : given;
+    double modulus = mpm::make_material(material, "material." + name, cell_m)->elastic().p_wave_modulus();
+    if (given.porosity && !given.drained) modulus += c.water->bulk_modulus_pa / *given.porosity;
     fastest = std::max(fastest, std::sqrt(modulus / material.density_kg_m3));
   }
   return fastest;

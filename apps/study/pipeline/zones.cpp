@@ -5,6 +5,7 @@
 
 #include "apps/study/pipeline/simulation_scene.hpp"
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/particles/region.hpp"
 
 namespace pivnp::app {
 
@@ -15,8 +16,7 @@ void check_compared_zones(const Case& c, const Setting& setting) {
   if (given.empty()) return;
   const std::string key = turns ? "compare.fixed_zone_m" : "compare.reference_m";
   const std::size_t least = turns ? 3 : 1;  // a shift, or a shift and a rotation
-  std::vector<Vec2> vertices;
-  for (const Pair& p : given) vertices.emplace_back(p[0], p[1]);
+  std::vector<Vec2> vertices = positions_of(given);
   const Polygon zone(std::move(vertices), key);
   const auto demand = [&](const ParticleSet& set, const char* what) {
     std::size_t inside = 0;

@@ -15,16 +15,11 @@
 #include "apps/study/pipeline/zones.hpp"
 #include "apps/study/synth/case_frames.hpp"
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/particles/region.hpp"
 
 namespace pivnp::app {
 
 namespace {
-
-std::vector<Vec2> vertices(const Points& points) {
-  std::vector<Vec2> out;
-  for (const Pair& p : points) out.emplace_back(p[0], p[1]);
-  return out;
-}
 
 std::vector<Vec2> circle(const std::vector<double>& c) {
   std::vector<Vec2> out;
@@ -115,9 +110,9 @@ CheckOutcome checked(const Case& given, const RunSettings& settings, Progress& p
   for (const Region& region : setting.regions)
     input.outlines.push_back({Kind::region, region.name, region.polygon.vertices(), true});
   for (const auto& [name, b] : c.boundaries)
-    input.outlines.push_back({Kind::boundary, name, vertices(b.line_m.empty() ? b.polygon_m : b.line_m), b.line_m.empty()});
+    input.outlines.push_back({Kind::boundary, name, positions_of(b.line_m.empty() ? b.polygon_m : b.line_m), b.line_m.empty()});
   for (const auto& [name, b] : c.bodies)
-    input.outlines.push_back({Kind::body, name, b.circle_m.empty() ? vertices(b.polygon_m) : circle(b.circle_m), true});
+    input.outlines.push_back({Kind::body, name, b.circle_m.empty() ? positions_of(b.polygon_m) : circle(b.circle_m), true});
   outcome.picture = settings.out / "check.png";
   report::write_check(input, outcome.picture);
   for (std::string& remark : texture_remarks(setting, first)) outcome.remarks.push_back(std::move(remark));

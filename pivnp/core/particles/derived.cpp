@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/math.hpp"
 #include "pivnp/core/particles/alive.hpp"
 #include "pivnp/core/particles/fields.hpp"
 #include "pivnp/core/particles/strain.hpp"
@@ -16,8 +17,6 @@
 namespace pivnp {
 
 namespace {
-
-constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
 
 // Derivative at t of the parabola through three points (Lagrange); any spacing, second order.
 double parabola_slope(const std::array<double, 3>& t, const std::array<double, 3>& f, double at) {

@@ -52,6 +52,13 @@ std::vector<Vec2> clipped(const std::vector<Vec2>& in, int axis, double limit, b
 
 }  // namespace
 
+std::vector<Vec2> positions_of(const Points& points) {
+  std::vector<Vec2> positions;
+  positions.reserve(points.size());
+  for (const Pair& p : points) positions.emplace_back(p[0], p[1]);
+  return positions;
+}
+
 Polygon::Polygon(std::vector<Vec2> vertices, const std::string& what) : vertices_(std::move(vertices)) {
   if (vertices_.size() > 1 && vertices_.front() == vertices_.back()) vertices_.pop_back();  // closed by hand
   if (vertices_.size() < 3)

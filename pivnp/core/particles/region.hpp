@@ -5,8 +5,12 @@
 #include <vector>
 
 #include "pivnp/core/grid/grid.hpp"
+#include "pivnp/core/options.hpp"
 
 namespace pivnp {
+
+/// Of a list of pairs (x, y), as options give them.
+std::vector<Vec2> positions_of(const Points& points);
 
 /// A simple polygon (no self-crossing, non-zero area), vertices in either sense, the last joined to the first.
 class Polygon {

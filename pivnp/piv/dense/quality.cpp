@@ -9,7 +9,7 @@ namespace pivnp::piv {
 
 namespace {
 
-struct Moments {
+struct WindowMoments {
   std::vector<float> n, f, g, ff, gg, fg;
 
   float variance_f(std::size_t k) const { return ff[k] - f[k] * f[k] / std::max(n[k], 1e-3f); }
@@ -25,17 +25,17 @@ struct Moments {
 void match_quality(const CellSums& sums, MatchQuality& quality) {
   constexpr int wide = 3;  // points on each side
   const CellLattice& lattice = sums.lattice;
-  Moments near, far;
-  const auto take = [&](CellSums::Plane plane, std::vector<float> Moments::*member) {
+  WindowMoments near, far;
+  const auto take = [&](CellSums::Plane plane, std::vector<float> WindowMoments::*member) {
     binomial_mean(lattice, sums[plane], near.*member);
     box_mean(lattice, near.*member, wide, far.*member);
   };
-  take(CellSums::usable, &Moments::n);
-  take(CellSums::f, &Moments::f);
-  take(CellSums::g, &Moments::g);
-  take(CellSums::ff, &Moments::ff);
-  take(CellSums::gg, &Moments::gg);
-  take(CellSums::fg, &Moments::fg);
+  take(CellSums::usable, &WindowMoments::n);
+  take(CellSums::f, &WindowMoments::f);
+  take(CellSums::g, &WindowMoments::g);
+  take(CellSums::ff, &WindowMoments::ff);
+  take(CellSums::gg, &WindowMoments::gg);
+  take(CellSums::fg, &WindowMoments::fg);
   std::vector<float> gxx, gxy, gyy;
   binomial_mean(lattice, sums[CellSums::gxx], gxx);
   binomial_mean(lattice, sums[CellSums::gxy], gxy);

@@ -4,12 +4,13 @@
 #include <cmath>
 #include <limits>
 
+#include "pivnp/core/math.hpp"
+
 namespace pivnp::piv {
 
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr int reach = 2;     // nodes to either side that are averaged over
+constexpr int mean_reach = 2;     // nodes to either side that are averaged over
 constexpr double most = 10;  // limit of a single place's strength, so that a few extreme places decide nothing
 constexpr double least_strength = 1, sure = 4;
 
@@ -46,8 +47,8 @@ bool mean_around(const Grid& grid, const std::vector<Products>& at, const std::v
                  int j, Products& out) {
   int count = 0;
   out = {};
-  for (int b = std::max(0, j - reach); b <= std::min(grid.ny - 1, j + reach); ++b)
-    for (int a = std::max(0, i - reach); a <= std::min(grid.nx - 1, i + reach); ++a) {
+  for (int b = std::max(0, j - mean_reach); b <= std::min(grid.ny - 1, j + mean_reach); ++b)
+    for (int a = std::max(0, i - mean_reach); a <= std::min(grid.nx - 1, i + mean_reach); ++a) {
       const std::size_t n = grid.node(a, b);
       if (!known[n]) continue;
       out.xx += at[n].xx, out.yy += at[n].yy, out.xy += at[n].xy;
@@ -97,7 +98,7 @@ RepeatedError repeated_error(const Grid& grid, double correlation_length, std::s
   const double nodes = double(std::count(known.begin(), known.end(), std::uint8_t(1)));
   if (nodes == 0) return out;
 
-  out.cov.assign(grid.node_count(), {static_cast<float>(nan), 0, 0});
+  out.cov.assign(grid.node_count(), {static_cast<float>(nan_value), 0, 0});
   for (int j = 0; j < grid.ny; ++j)
     for (int i = 0; i < grid.nx; ++i) {
       Products p;

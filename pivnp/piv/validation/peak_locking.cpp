@@ -6,12 +6,13 @@
 #include <numbers>
 #include <vector>
 
+#include "pivnp/core/math.hpp"
+
 namespace pivnp::piv {
 
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr int block = 32;
+constexpr int block_side = 32;
 
 float grey(const ImageView& image, int column, int row) {
   switch (image.depth) {
@@ -30,25 +31,25 @@ struct Autocovariance {
   double one = 0, two = 0;
   std::int64_t blocks = 0;
 
-  void add(const std::array<float, block * block>& v) {
-    for (int r = 0; r < block; ++r)
-      for (int c = 0; c + 2 < block; ++c) {
-        const float along = v[std::size_t(r * block + c)], across = v[std::size_t(c * block + r)];
-        one += double(along * v[std::size_t(r * block + c + 1)] + across * v[std::size_t((c + 1) * block + r)]);
-        two += double(along * v[std::size_t(r * block + c + 2)] + across * v[std::size_t((c + 2) * block + r)]);
+  void add(const std::array<float, block_side * block_side>& v) {
+    for (int r = 0; r < block_side; ++r)
+      for (int c = 0; c + 2 < block_side; ++c) {
+        const float along = v[std::size_t(r * block_side + c)], across = v[std::size_t(c * block_side + r)];
+        one += double(along * v[std::size_t(r * block_side + c + 1)] + across * v[std::size_t((c + 1) * block_side + r)]);
+        two += double(along * v[std::size_t(r * block_side + c + 2)] + across * v[std::size_t((c + 2) * block_side + r)]);
       }
     ++blocks;
   }
 };
 
-bool cut(const ImageView& image, const MaskView& mask, int column, int row, std::array<float, block * block>& v) {
+bool cut(const ImageView& image, const MaskView& mask, int column, int row, std::array<float, block_side * block_side>& v) {
   double sum = 0;
-  for (int r = 0; r < block; ++r)
-    for (int c = 0; c < block; ++c) {
+  for (int r = 0; r < block_side; ++r)
+    for (int c = 0; c < block_side; ++c) {
       if (!mask.usable(column + c, row + r)) return false;
-      sum += double(v[std::size_t(r * block + c)] = grey(image, column + c, row + r));
+      sum += double(v[std::size_t(r * block_side + c)] = grey(image, column + c, row + r));
     }
-  const float mean = static_cast<float>(sum / (block * block));
+  const float mean = static_cast<float>(sum / (block_side * block_side));
   for (float& value : v) value -= mean;
   return true;
 }
@@ -57,16 +58,16 @@ bool cut(const ImageView& image, const MaskView& mask, int column, int row, std:
 
 double blob_diameter(const ImageView& image, const MaskView& mask) {
   Autocovariance sums;
-  std::array<float, block * block> v{};
+  std::array<float, block_side * block_side> v{};
   // A grid of at most 64 x 64 blocks describes any image well enough.
-  const int across = std::max(1, image.width / block), down = std::max(1, image.height / block);
+  const int across = std::max(1, image.width / block_side), down = std::max(1, image.height / block_side);
   const int step_x = std::max(1, across / 64), step_y = std::max(1, down / 64);
-  for (int j = 0; (j + 1) * block <= image.height; j += step_y)
-    for (int i = 0; (i + 1) * block <= image.width; i += step_x)
-      if (cut(image, mask, i * block, j * block, v)) sums.add(v);
-  const double products = 2.0 * block * (block - 2) * static_cast<double>(std::max<std::int64_t>(sums.blocks, 1));
+  for (int j = 0; (j + 1) * block_side <= image.height; j += step_y)
+    for (int i = 0; (i + 1) * block_side <= image.width; i += step_x)
+      if (cut(image, mask, i * block_side, j * block_side, v)) sums.add(v);
+  const double products = 2.0 * block_side * (block_side - 2) * static_cast<double>(std::max<std::int64_t>(sums.blocks, 1));
   const double rounding = 1.0 / 12;  // variance of a grey value's rounding: less is no texture
-  if (!(sums.one / products > rounding * (image.depth == PixelDepth::f32 ? 1e-9 : 1.0))) return nan;
+  if (!(sums.one / products > rounding * (image.depth == PixelDepth::f32 ? 1e-9 : 1.0))) return nan_value;
   // Blobs of variance s^2 (their pixel's 1/12 in it): autocovariance ~ exp(-lag^2 / 4 s^2), less what the blocks' means
   // took off, its integral over a block's area.
   double variance = 0.75 / 0.003, taken = 0;
@@ -74,14 +75,14 @@ double blob_diameter(const ImageView& image, const MaskView& mask) {
     const double one = sums.one + taken, fall = std::log(one / std::max(sums.two + taken, 0.003 * one));
     if (!(fall > 0.003)) break;  // wider than a block could tell
     variance = 0.75 / fall;
-    taken = 4 * std::numbers::pi * variance / (block * block) * one * std::exp(0.25 / variance);
+    taken = 4 * std::numbers::pi * variance / (block_side * block_side) * one * std::exp(0.25 / variance);
   }
   return 4 * std::sqrt(std::max(variance - 1.0 / 12, 0.0));
 }
 
 namespace {
 
-constexpr int reach = 2, side = 2 * reach + 1;
+constexpr int fit_reach = 2, side = 2 * fit_reach + 1;
 
 // The plane through the 24 neighbours (all valid: the same weights everywhere), and their curvature: mean of the outer
 // ring less mean of the inner.
@@ -97,11 +98,11 @@ constexpr double moment = 10 * side;  // of a^2 over the 5 x 5
 template <class Value>
 Plane fit(const Value& value) {  // of (a, b), the middle left out
   Plane p;
-  for (int b = -reach; b <= reach; ++b)
-    for (int a = -reach; a <= reach; ++a) {
+  for (int b = -fit_reach; b <= fit_reach; ++b)
+    for (int a = -fit_reach; a <= fit_reach; ++a) {
       if (a == 0 && b == 0) continue;
       const double v = value(a, b);
-      const bool outer = std::max(std::abs(a), std::abs(b)) == reach;
+      const bool outer = std::max(std::abs(a), std::abs(b)) == fit_reach;
       p.mean += v / (side * side - 1), p.slope_i += v * a / moment, p.slope_j += v * b / moment;
       p.curvature += outer ? v / 16 : -v / 8;
     }
@@ -123,11 +124,11 @@ void FractionStatistics::add(int nx, const std::vector<std::array<float, 2>>& di
       ++counts_[std::size_t(std::clamp(int((fraction + 0.5) * bins), 0, bins - 1))];
     }
   }
-  for (int j = reach; j + reach < ny; ++j)
-    for (int i = reach; i + reach < nx; ++i) {
+  for (int j = fit_reach; j + fit_reach < ny; ++j)
+    for (int i = fit_reach; i + fit_reach < nx; ++i) {
       bool whole = true;
-      for (int b = -reach; b <= reach && whole; ++b)
-        for (int a = -reach; a <= reach && whole; ++a) whole = status[at(i + a, j + b)] == VectorStatus::valid;
+      for (int b = -fit_reach; b <= fit_reach && whole; ++b)
+        for (int a = -fit_reach; a <= fit_reach && whole; ++a) whole = status[at(i + a, j + b)] == VectorStatus::valid;
       if (!whole) continue;
       for (std::size_t c = 0; c < 2; ++c) {
         const Plane field = fit([&](int a, int b) { return double(displacement[at(i + a, j + b)][c]); });
@@ -148,13 +149,13 @@ std::array<double, FractionStatistics::bins> FractionStatistics::histogram() con
 }
 
 double FractionStatistics::amplitude_error() const {
-  if (fits_ < 25 || !(square_ > 0)) return nan;
+  if (fits_ < 25 || !(square_ > 0)) return nan_value;
   // Neighbouring vectors share pixels: about four of them make one independent one.
   const double error = 2 * std::sqrt(residual_ / static_cast<double>(fits_) / square_);
-  return error <= 0.02 ? error : nan;
+  return error <= 0.02 ? error : nan_value;
 }
 
-double FractionStatistics::amplitude() const { return std::isnan(amplitude_error()) ? nan : cross_ / square_; }
+double FractionStatistics::amplitude() const { return std::isnan(amplitude_error()) ? nan_value : cross_ / square_; }
 
 bool FractionStatistics::locked() const { return amplitude() > std::max(0.02, 4 * amplitude_error()); }
 
