@@ -49,8 +49,9 @@ CARRIED = MEASUREMENT | {
     "synth.mpm": {"end_s": "0.02", "output_rate_hz": "100.0"},
     "boundary.base": {"line_m": "[[0.0, 0.016], [0.095, 0.016]]"},
 }
+SUBMERGED = {"level_m": "0.1"}
 POROUS = {"density_kg_m3": None, "porosity": "0.4", "permeability_m_s": "1e-3"}
-WET = SIMULATION | {"material.soil": {k: v for k, v in (SIMULATION["material.soil"] | POROUS).items() if v}, "water": {},
+WET = SIMULATION | {"material.soil": {k: v for k, v in (SIMULATION["material.soil"] | POROUS).items() if v}, "water": SUBMERGED,
                     "mpm": {"end_s": "0.005", "output_rate_hz": "400.0"}}
 # The case that a section's keys are tried in, and the section's name in it.
 BASES = {
@@ -71,7 +72,7 @@ BALL = {"circle_m": "[0.04, 0.115, 0.025]"}
 AT_ONCE = {"mpm": {"initial_equilibrium": "false"}}
 TARGETS = {"camera": {"metres_per_pixel": None, "points_px": "[[10, 10], [85, 10], [85, 85], [10, 85]]",
                       "points_m": "[[0.01, 0.085], [0.085, 0.085], [0.085, 0.01], [0.01, 0.01]]"}}
-FLOODED = {"water": {}, "material.soil": POROUS, "mpm": WET["mpm"]}
+FLOODED = {"water": SUBMERGED, "material.soil": POROUS, "mpm": WET["mpm"]}
 ZONE = "[[0.02, 0.02], [0.07, 0.02], [0.07, 0.06], [0.02, 0.06]]"
 RAMP = {"gravity_from_m_s2": "[0.0, -5.0]", "gravity_ramp_s": "0.01"}
 MU_I = SAND | {"model": '"mu_i"', "friction_deg": "25.0", "friction_flow_deg": "33.0", "grain_diameter_m": "1e-3", "cohesion_pa": None}
@@ -108,8 +109,8 @@ MATERIAL = {
     "removed_s": [("0.01", {}, {"region.soil": {"polygon_m": "[[0.0, 0.04], [0.08, 0.04], [0.08, 0.08], [0.0, 0.08]]"},
                                 "region.below": {"polygon_m": "[[0.0, 0.0], [0.08, 0.0], [0.08, 0.04], [0.0, 0.04]]"},
                                 "material.below": SIMULATION["material.soil"]})],
-    "porosity": [("0.3", POROUS, {"water": {}})], "permeability_m_s": [("1e-4", POROUS, {"water": {}})],
-    "drained": [("true", POROUS, {"water": {}}), ("false", POROUS, {"water": {}})],
+    "porosity": [("0.3", POROUS, {"water": SUBMERGED})], "permeability_m_s": [("1e-4", POROUS, {"water": SUBMERGED})],
+    "drained": [("true", POROUS, {"water": SUBMERGED}), ("false", POROUS, {"water": SUBMERGED})],
 }
 MPM = {
     "gravity_m_s2": ["[0.1, -9.0]"], "gravity_from_m_s2": [("[0.0, -4.0]", RAMP)], "gravity_ramp_s": [("0.015", RAMP)],
@@ -118,7 +119,7 @@ MPM = {
     "pic_per_s": [("5.0", {"transfer": '"flip"'})], "xpic_order": [("3", {"transfer": '"xpic"'})],
     "sleep_below_m_s": ["0.001"], "end_displacement_m": ["1.0"], "refine": ["2"], "end_s": ["0.01"], "output_rate_hz": ["200.0"],
     "domain_m": ["[[0.0, 0.0], [0.12, 0.12]]"], "per_element": ["9"],
-    "pressure": [('"explicit"', {}, {"water": {}, "material.soil": POROUS})],
+    "pressure": [('"explicit"', {}, {"water": SUBMERGED, "material.soil": POROUS})],
 }
 VALUES = {
     "": {"name": ['"a name"']},
@@ -172,12 +173,12 @@ VALUES = {
     # The same lists as above, in another section.
     "synth.material": {key: [(*item[:2], {"synth.mpm": AT_ONCE["mpm"]}) if AT_ONCE in tuple(item) else item for item in items]
                        for key, items in MATERIAL.items()} |
-                      {"porosity": [("0.3", POROUS, {"water": {}})], "permeability_m_s": [("1e-4", POROUS, {"water": {}})],
-                       "drained": [("true", POROUS, {"water": {}}), ("false", POROUS, {"water": {}})]} |
+                      {"porosity": [("0.3", POROUS, {"water": SUBMERGED})], "permeability_m_s": [("1e-4", POROUS, {"water": SUBMERGED})],
+                       "drained": [("true", POROUS, {"water": SUBMERGED}), ("false", POROUS, {"water": SUBMERGED})]} |
                       {"removed_s": [("0.01", {}, {"region.soil": {"polygon_px": "[[15, 55], [79, 55], [79, 31], [15, 31]]"},
                                                    "region.below": {"polygon_px": "[[15, 79], [79, 79], [79, 55], [15, 55]]"},
                                                    "synth.material.below": SIMULATION["material.soil"]})]},
-    "synth.mpm": MPM | {"pressure": [('"explicit"', {}, {"water": {}, "synth.material.soil": POROUS})], "domain_m": ["[[0.0, 0.0], [0.095, 0.095]]"]},
+    "synth.mpm": MPM | {"pressure": [('"explicit"', {}, {"water": SUBMERGED, "synth.material.soil": POROUS})], "domain_m": ["[[0.0, 0.0], [0.095, 0.095]]"]},
     "verify": {"lost_share": [("0.5", {"displacement_rms_px": "5.0"})], "displacement_rms_px": ["5.0"], "strain_error": ["1.0"],
                "nodal_error": ["1.0"], "drift_px": ["5.0"], "drift_ratio": ["5.0"]},
 }
