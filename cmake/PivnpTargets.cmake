@@ -8,7 +8,8 @@ add_library(pivnp_flags INTERFACE)
 target_include_directories(pivnp_flags INTERFACE ${CMAKE_SOURCE_DIR})
 # No contraction: results must not depend on whether the compiler found a fused multiply-add.
 target_compile_options(pivnp_flags INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -ffp-contract=off
-                       -Wno-restrict)  # GCC 12 sees false overlaps in std::string (its bug 105329)
+                       # GCC 12 sees false overlaps, overflows and uninitialised parts in std::string (its bugs 105329, 105651, 105562).
+                       -Wno-restrict -Wno-stringop-overflow -Wno-maybe-uninitialized)
 # Vector kernels are compiled for AVX-512, AVX2 and the baseline; SSSE3 and SSE4 are no faster than what the kernels make of that
 # (docs/theory/mpm_speed.md). Sanitizers take minutes over each set: eight lanes and four in pairs of vectors are enough to look at.
 set(pivnp_unused_targets "HWY_SSSE3|HWY_SSE4")
@@ -21,8 +22,7 @@ if(PIVNP_WERROR)
 endif()
 if(PIVNP_SANITIZE)
   target_compile_options(pivnp_flags INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=undefined
-                                               -fno-omit-frame-pointer
-                                               -Wno-maybe-uninitialized)  # false with sanitizers, as GCC's manual says
+                                               -fno-omit-frame-pointer)
   target_link_options(pivnp_flags INTERFACE -fsanitize=address,undefined)
 endif()
 
@@ -42,21 +42,30 @@ function(pivnp_dispatched_sources target out)
   set(${out} ${found} PARENT_SCOPE)
 endfunction()
 
+# pivnp_compile_together(TARGET BATCH [a.cpp ...])
+# With PIVNP_UNITY: so many sources of a target at a time, but for those that Highway compiles and those named.
+function(pivnp_compile_together target batch)
+  if(NOT PIVNP_UNITY)
+    return()
+  endif()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${batch})
+  target_compile_options(${target} PRIVATE -Wno-shadow)  # of what another source keeps to itself
+  pivnp_dispatched_sources(${target} dispatched)
+  set(alone ${dispatched} ${ARGN})
+  if(alone)
+    set_source_files_properties(${alone} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  endif()
+endfunction()
+
 # pivnp_library(NAME SOURCES a.cpp ... [PUBLIC lib ...] [PRIVATE lib ...] [HEADERS <a.hpp> ...])
 # HEADERS: what its sources include and is worth compiling once for them.
 function(pivnp_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE;HEADERS" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
   target_link_libraries(${name} PUBLIC $<BUILD_INTERFACE:pivnp_flags> ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
+  pivnp_compile_together(${name} 24)
   pivnp_precompile(${name} HEADERS ${ARG_HEADERS})
   pivnp_dispatched_sources(${name} dispatched)
-  if(PIVNP_UNITY)
-    set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 24)
-    target_compile_options(${name} PRIVATE -Wno-shadow)  # of what another source keeps to itself
-    if(dispatched)
-      set_source_files_properties(${dispatched} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
-    endif()
-  endif()
   if(PIVNP_SANITIZE AND dispatched)
     # Three quarters of the time that their compilation takes; bounds, alignment and overflow are still looked at.
     set_source_files_properties(${dispatched} PROPERTIES COMPILE_OPTIONS
@@ -64,17 +73,19 @@ function(pivnp_library name)
   endif()
 endfunction()
 
-# pivnp_test(NAME LABEL quick|full SOURCES a.cpp ... LINK lib ... [TIMEOUT seconds])
+# pivnp_test(NAME LABEL quick|full SOURCES a.cpp ... LINK lib ... [TIMEOUT seconds] [ALONE a.cpp ...])
+# ALONE: sources that have names in common with others.
 # Of a full program, tests of suites that are called ...Small are quick: a coarse form of what the others verify, so that
 # the gate sees it.
 function(pivnp_test name)
-  cmake_parse_arguments(ARG "" "LABEL;TIMEOUT" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "" "LABEL;TIMEOUT" "SOURCES;LINK;ALONE" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 300)
   endif()
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE pivnp_flags ${ARG_LINK} GTest::gtest_main GTest::gmock)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  pivnp_compile_together(${name} 12 ${ARG_ALONE})
   pivnp_precompile(${name} HEADERS <gmock/gmock.h> <gtest/gtest.h>)
   if(ARG_LABEL STREQUAL full)
     gtest_discover_tests(${name} TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60 TEST_FILTER "*Small.*"

@@ -9,6 +9,7 @@
 #include "mpm/step/scene_setup.hpp"
 #include "mpm/transfer/transfer.hpp"
 #include "pivnp/core/error.hpp"
+#include "tests/support/silent.hpp"
 #include "tests/unit/mpm/scenes.hpp"
 
 namespace pivnp::mpm {
@@ -16,7 +17,6 @@ namespace {
 
 using namespace test;
 
-SilentProgress silent;
 const Grid box{{0, 0}, {0.01, 0.01}, 41, 31};
 
 ContactOptions between(const std::vector<std::string>& regions, std::optional<double> friction,

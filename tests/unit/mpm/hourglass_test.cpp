@@ -5,14 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/support/silent.hpp"
 #include "tests/unit/mpm/scenes.hpp"
 
 namespace pivnp::mpm {
 namespace {
 
 using namespace test;
-SilentProgress silent;
-
 constexpr double h = 0.1, speed = 1e-3, young = 1e6, density = 1000;
 
 // A free block of 6 x 6 cells whose points move left and right by turns. A point halfway between a node and the

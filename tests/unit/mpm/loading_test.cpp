@@ -8,14 +8,13 @@
 #include "mpm/constraint/restraints.hpp"
 #include "mpm/step/scene_setup.hpp"
 #include "pivnp/core/error.hpp"
+#include "tests/support/silent.hpp"
 #include "tests/unit/mpm/scenes.hpp"
 
 namespace pivnp::mpm {
 namespace {
 
 using namespace test;
-SilentProgress silent;
-
 // Mean of a stress component (0 xx, 1 yy) over the particles with y below `under` at the start.
 double mean_stress(const Solver& solver, std::size_t component, double under, double over = -1) {
   const MotionFrame frame = solver.frame();

@@ -8,14 +8,13 @@
 #include "mpm/step/scene_setup.hpp"
 #include "mpm/transfer/transfer.hpp"
 #include "pivnp/core/error.hpp"
+#include "tests/support/silent.hpp"
 #include "tests/unit/mpm/shear_band.hpp"
 
 namespace pivnp::mpm {
 namespace {
 
 using namespace test;
-SilentProgress silent;
-
 MaterialOptions averaged(double length) {
   MaterialOptions m = softening_soil(20);
   m.softening_length_m = length;

@@ -1,5 +1,6 @@
 // A law is a row: one that is added from outside is made, stepped, sorted, saved and recorded like those that are built in,
 // with its own keys, rules and history. And what no part of a case needs has no values.
+#include "tests/support/silent.hpp"
 #include "tests/unit/mpm/own_law.hpp"
 
 #include <gtest/gtest.h>
@@ -19,8 +20,6 @@ namespace pivnp::mpm {
 namespace {
 
 using namespace test;
-
-SilentProgress silent;
 
 MaterialOptions own(double scale = 1) {
   MaterialOptions m = elastic(1e5, 0.3, 1000);

@@ -11,14 +11,13 @@
 #include "mpm/step/scene_setup.hpp"
 #include "mpm/transfer/transfer.hpp"
 #include "pivnp/core/error.hpp"
+#include "tests/support/silent.hpp"
 #include "tests/unit/mpm/scenes.hpp"
 
 namespace pivnp::mpm {
 namespace {
 
 using namespace test;
-SilentProgress silent;
-
 struct Choice {
   const char *shape, *transfer, *stress, *locking;
 };

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "pivnp/core/error.hpp"
+#include "tests/support/silent.hpp"
 #include "tests/unit/mpm/scenes.hpp"
 
 namespace pivnp::mpm {
@@ -12,7 +13,6 @@ namespace {
 
 using namespace test;
 
-SilentProgress silent;
 const Grid box{{-0.03, 0.02}, {0.01, 0.01}, 61, 51};
 
 // A stressed, deforming elastic disc that flies: internal forces only.

@@ -4,14 +4,13 @@
 #include <cmath>
 
 #include "pivnp/core/error.hpp"
+#include "tests/support/silent.hpp"
 #include "tests/unit/mpm/scenes.hpp"
 
 namespace pivnp::mpm {
 namespace {
 
 using namespace test;
-
-SilentProgress silent;
 
 BoundaryOptions tied(Pair a, Pair b, Pair across) {
   BoundaryOptions o = line(a, b, "tied");

@@ -9,13 +9,12 @@
 
 #include "mpm/step/energy.hpp"
 #include "pivnp/core/error.hpp"
+#include "tests/support/silent.hpp"
 #include "tests/unit/mpm/scenes.hpp"
 #include "tests/unit/mpm/soil_point.hpp"
 
 namespace pivnp::mpm::test {
 namespace {
-
-SilentProgress silent;
 
 MpmOptions at_once(Pair gravity) {
   MpmOptions o = options(gravity);

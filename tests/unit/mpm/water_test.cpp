@@ -10,6 +10,7 @@
 #include "mpm/step/time_step.hpp"
 #include "mpm/water/pore_soil.hpp"
 #include "pivnp/core/error.hpp"
+#include "tests/support/silent.hpp"
 #include "tests/verification/mpm/water_column.hpp"
 
 namespace pivnp::mpm {
@@ -17,8 +18,6 @@ namespace {
 
 using namespace test;
 using ::testing::HasSubstr;
-SilentProgress silent;
-
 // A column with cells of 10 mm, its water soft enough for few steps.
 WaterColumn small_column() {
   WaterColumn c;

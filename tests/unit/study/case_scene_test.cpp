@@ -11,11 +11,10 @@
 #include "apps/study/studies/check.hpp"
 #include "mpm/step/solver.hpp"
 #include "pivnp/core/error.hpp"
+#include "tests/support/silent.hpp"
 
 namespace pivnp::app {
 namespace {
-
-SilentProgress silent;
 
 std::unique_ptr<mpm::Solver> solver_of(const std::string& text) {
   const Case c = parse_case(text, "case.toml", ".");

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "pivnp/core/text.hpp"
+#include "tests/support/silent.hpp"
 #include "tests/support/verification.hpp"
 #include "tests/unit/mpm/scenes.hpp"
 
@@ -20,8 +21,6 @@ namespace pivnp::mpm {
 namespace {
 
 using namespace test;
-SilentProgress silent;
-
 constexpr double length = 1, depth = 0.125, young = 1e6, poisson = 0.3, density = 1000, gravity = 6.0;
 
 struct Beam {

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "pivnp/core/text.hpp"
+#include "tests/support/silent.hpp"
 #include "tests/support/verification.hpp"
 #include "tests/unit/mpm/scenes.hpp"
 
@@ -24,8 +25,6 @@ namespace pivnp::mpm {
 namespace {
 
 using namespace test;
-SilentProgress silent;
-
 struct Deposit {
   double front = 0;             // where it ends, x/d0
   double mass_front = 0;        // x/d0 within which 99.5 % of it lies

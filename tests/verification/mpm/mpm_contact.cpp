@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "pivnp/core/text.hpp"
+#include "tests/support/silent.hpp"
 #include "tests/support/verification.hpp"
 #include "tests/unit/mpm/scenes.hpp"
 
@@ -16,7 +17,6 @@ namespace pivnp::mpm {
 namespace {
 
 using namespace test;
-SilentProgress silent;
 constexpr double g = 9.81, degree = M_PI / 180;
 
 Pair turned_gravity(double slope_deg) { return {g * std::sin(slope_deg * degree), -g * std::cos(slope_deg * degree)}; }

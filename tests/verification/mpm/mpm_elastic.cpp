@@ -11,6 +11,7 @@
 
 #include <cmath>
 
+#include "tests/support/silent.hpp"
 #include "tests/unit/mpm/scenes.hpp"
 #include "pivnp/core/text.hpp"
 #include "tests/support/verification.hpp"
@@ -19,8 +20,6 @@ namespace pivnp::mpm {
 namespace {
 
 using namespace test;
-SilentProgress silent;
-
 // Twice the time between the first two zeros of `value(t)`, by linear interpolation. (The start itself is half a step
 // off: the scheme's velocities belong to the middle of a step.)
 template <class Value>

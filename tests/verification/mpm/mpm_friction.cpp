@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "tests/support/silent.hpp"
 #include "tests/unit/mpm/scenes.hpp"
 #include "pivnp/core/text.hpp"
 #include "tests/support/verification.hpp"
@@ -14,8 +15,6 @@ namespace pivnp::mpm {
 namespace {
 
 using namespace test;
-SilentProgress silent;
-
 double mean_displacement(double slope_deg, double friction, double time, bool in_equilibrium) {
   const double t = slope_deg * M_PI / 180;
   Scene s =

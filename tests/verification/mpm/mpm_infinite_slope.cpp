@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "pivnp/core/text.hpp"
+#include "tests/support/silent.hpp"
 #include "tests/support/verification.hpp"
 #include "tests/unit/mpm/scenes.hpp"
 
@@ -14,7 +15,6 @@ namespace pivnp::mpm {
 namespace {
 
 using namespace test;
-SilentProgress silent;
 constexpr double g = 9.81, height = 1.0, rho = 1600, slope = 20 * M_PI / 180;
 
 double mean_velocity(const Solver& solver) {

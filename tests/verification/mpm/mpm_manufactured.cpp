@@ -18,6 +18,7 @@
 #include <cmath>
 
 #include "pivnp/core/text.hpp"
+#include "tests/support/silent.hpp"
 #include "tests/support/verification.hpp"
 #include "tests/unit/mpm/scenes.hpp"
 
@@ -25,8 +26,6 @@ namespace pivnp::mpm {
 namespace {
 
 using namespace test;
-SilentProgress silent;
-
 struct Errors {
   double displacement, stress;  // rms; stress over its greatest value
 };

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "pivnp/core/text.hpp"
+#include "tests/support/silent.hpp"
 #include "tests/support/verification.hpp"
 #include "tests/unit/mpm/scenes.hpp"
 
@@ -12,8 +13,6 @@ namespace pivnp::mpm {
 namespace {
 
 using namespace test;
-SilentProgress silent;
-
 double slide(double slope_deg, RigidOptions body, double time) {
   const double t = slope_deg * M_PI / 180;
   Scene s = scene(Grid{{0, 0}, {0.01, 0.01}, 71, 31}, {rectangle("bed", 0, 0, 0.7, 0.06)}, {elastic(5e6, 0.3, 2000)});

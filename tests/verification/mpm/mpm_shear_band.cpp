@@ -9,6 +9,7 @@
 #include <string>
 
 #include "pivnp/core/text.hpp"
+#include "tests/support/silent.hpp"
 #include "tests/support/verification.hpp"
 #include "tests/unit/mpm/shear_band.hpp"
 
@@ -16,8 +17,6 @@ namespace pivnp::mpm {
 namespace {
 
 using namespace test;
-SilentProgress silent;
-
 struct Band {
   double dissipated = 0;  // J/m
   double area = 0;        // sheared by more than 0.1, m^2

@@ -16,12 +16,11 @@
 #include "apps/study/pipeline/simulation_scene.hpp"
 #include "mpm/step/solver.hpp"
 #include "pivnp/core/text.hpp"
+#include "tests/support/silent.hpp"
 #include "tests/support/verification.hpp"
 
 namespace pivnp::app {
 namespace {
-
-SilentProgress silent;
 
 struct Setup {
   double cell_m = 0.0032, speed = 1, scale = 1;  // times 50: the prototype

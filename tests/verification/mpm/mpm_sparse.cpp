@@ -13,6 +13,7 @@
 
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
+#include "tests/support/silent.hpp"
 #include "tests/support/verification.hpp"
 #include "tests/unit/mpm/scenes.hpp"
 
@@ -20,8 +21,6 @@ namespace pivnp::mpm {
 namespace {
 
 using namespace test;
-SilentProgress silent;
-
 constexpr double h = 0.1, young = 1e6, poisson = 0.3, density = 1000;
 constexpr int ring = 8;  // nodes an axis: a domain of 6 x 6 cells and a ring
 

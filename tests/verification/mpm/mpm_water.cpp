@@ -15,6 +15,7 @@
 
 #include "mpm/state/scheme_rows.hpp"
 #include "pivnp/core/text.hpp"
+#include "tests/support/silent.hpp"
 #include "tests/support/verification.hpp"
 #include "tests/verification/mpm/water_column.hpp"
 
@@ -22,8 +23,6 @@ namespace pivnp::mpm {
 namespace {
 
 using namespace test;
-SilentProgress silent;
-
 struct Deviation {
   double pressure = 0, settlement = 0, water = 0;  // over p0; over the end's; over all
 

@@ -12,6 +12,7 @@
 #include <cmath>
 
 #include "pivnp/core/text.hpp"
+#include "tests/support/silent.hpp"
 #include "tests/support/verification.hpp"
 #include "tests/unit/mpm/scenes.hpp"
 
@@ -19,8 +20,6 @@ namespace pivnp::mpm {
 namespace {
 
 using namespace test;
-SilentProgress silent;
-
 TEST(MpmWaves, APulseRunsAtItsSpeedAndLeavesThroughADashpot) {
   const double h = 0.01, length = 1, young = 1e6, rho = 2000, c = std::sqrt(young * 0.7 / (1.3 * 0.4) / rho);
   Scene s = scene(Grid{{0, 0}, {h, h}, 101, 3}, {rectangle("bar", 0, 0, length, 2 * h)}, {elastic(young, 0.3, rho)});
