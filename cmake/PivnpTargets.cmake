@@ -2,7 +2,7 @@
 
 option(PIVNP_WERROR "Warnings are errors" OFF)
 option(PIVNP_SANITIZE "Build with the address and undefined-behaviour sanitizers" OFF)
-option(PIVNP_UNITY "Compile a library's sources several at a time: half the time from scratch, more after an edit" OFF)
+option(PIVNP_UNITY "Compile a target's sources several at a time: half the time from scratch, more after an edit" OFF)
 
 add_library(pivnp_flags INTERFACE)
 target_include_directories(pivnp_flags INTERFACE ${CMAKE_SOURCE_DIR})
@@ -17,6 +17,9 @@ if(PIVNP_SANITIZE)
   string(APPEND pivnp_unused_targets "|HWY_AVX2")
 endif()
 target_compile_definitions(pivnp_flags INTERFACE "HWY_DISABLED_TARGETS=(${pivnp_unused_targets})")
+if(PIVNP_UNITY)
+  target_compile_options(pivnp_flags INTERFACE -Wno-subobject-linkage)  # of what a source keeps to itself, included by another
+endif()
 if(PIVNP_WERROR)
   target_compile_options(pivnp_flags INTERFACE -Werror)
 endif()
@@ -49,7 +52,6 @@ function(pivnp_compile_together target batch)
     return()
   endif()
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${batch})
-  target_compile_options(${target} PRIVATE -Wno-shadow)  # of what another source keeps to itself
   pivnp_dispatched_sources(${target} dispatched)
   set(alone ${dispatched} ${ARGN})
   if(alone)

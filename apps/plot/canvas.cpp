@@ -35,7 +35,7 @@ class Painting final : public QCPLayerable {
   std::function<void(QCPPainter&)> painting_;
 };
 
-constexpr auto below = "grid", above = "overlay";  // QCustomPlot's layers under and over the axes
+constexpr auto layer_below = "grid", layer_above = "overlay";  // QCustomPlot's layers under and over the axes
 
 QImage image_of(const Raster& raster) {
   return QImage(reinterpret_cast<const uchar*>(raster.pixels.data()), raster.width, raster.height, 4 * raster.width,
@@ -128,33 +128,33 @@ void Canvas::points(const Panel& panel, const std::vector<double>& x, const std:
 
 void Canvas::raster(const Panel& panel, const Raster& raster) {
   QCPAxisRect* rect = panel.rect_;
-  plot_->paint(below, rect, [rect, image = image_of(raster)](QCPPainter& p) { p.drawImage(QRectF(rect->rect()), image); });
+  plot_->paint(layer_below, rect, [rect, image = image_of(raster)](QCPPainter& p) { p.drawImage(QRectF(rect->rect()), image); });
 }
 
 void Canvas::raster_over(double x_mm, double y_mm, double width_mm, double height_mm, const Raster& raster) {
   const QRectF place(x_mm * units_per_mm, y_mm * units_per_mm, width_mm * units_per_mm, height_mm * units_per_mm);
-  plot_->paint(above, nullptr, [place, image = image_of(raster)](QCPPainter& p) {
+  plot_->paint(layer_above, nullptr, [place, image = image_of(raster)](QCPPainter& p) {
     p.setRenderHint(QPainter::SmoothPixmapTransform, false);
     p.drawImage(place, image);
   });
 }
 
 void Canvas::paint(const Panel& panel, std::function<void(Painter&)> painting) {
-  plot_->paint(below, panel.rect_, [painting = std::move(painting)](QCPPainter& p) {
+  plot_->paint(layer_below, panel.rect_, [painting = std::move(painting)](QCPPainter& p) {
     Painter painter(p);
     painting(painter);
   });
 }
 
 void Canvas::paint_over(std::function<void(Painter&)> painting) {
-  plot_->paint(above, nullptr, [painting = std::move(painting)](QCPPainter& p) {
+  plot_->paint(layer_above, nullptr, [painting = std::move(painting)](QCPPainter& p) {
     Painter painter(p);
     painting(painter);
   });
 }
 
 void Canvas::text(double x_mm, double y_mm, const std::string& words, Align align, const TextStyle& style) {
-  plot_->paint(above, nullptr, [=](QCPPainter& p) {
+  plot_->paint(layer_above, nullptr, [=](QCPPainter& p) {
     p.save();
     p.translate(x_mm * units_per_mm, y_mm * units_per_mm);
     p.rotate(style.angle_deg);

@@ -10,6 +10,7 @@
 #include "mpm/material/model.hpp"
 #include "mpm/state/particle_fields.hpp"
 #include "mpm/state/scheme_rows.hpp"
+#include "mpm/step/memory.hpp"
 #include "pivnp/core/error.hpp"
 
 namespace pivnp::mpm {
@@ -89,13 +90,7 @@ SolverState initial_state(const Scene& scene, const Scheme& scheme, const GridSt
   SolverState state;
   Particles& p = state.particles;
   const bool several = set.label[order.front()] != set.label[order.back()];
-  p.resize(n, {.own_mass = several || scene.water,
-               .affine = row_of(scheme.transfer).affine,
-               .sized = row_of(scheme.shape).sized,
-               .tied = tied,
-               .kept = scheme.stress != StressUpdate::usf && !scheme.takes_updated(),
-               .averaged = std::any_of(materials.begin(), materials.end(), [](const auto& m) { return m->nonlocal_length() > 0; }),
-               .wet = scene.water.has_value()});
+  p.resize(n, particle_needs(scheme, materials, {.several = several, .water = scene.water.has_value(), .tied = tied}));
   for (std::size_t k = 0; k < n; ++k) {
     const std::uint32_t from = order[k];
     const std::int32_t label = set.label[from];

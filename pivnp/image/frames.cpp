@@ -13,11 +13,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const std::string key = "frames.path";
+const std::string path_key = "frames.path";
 
 void check_options(const FrameOptions& options) {
   if (options.path.empty())
-    throw InputError(key + ": nothing given; expected a glob, a printf pattern, a folder or a video file");
+    throw InputError(path_key + ": nothing given; expected a glob, a printf pattern, a folder or a video file");
   if (options.rate_hz && !(*options.rate_hz > 0 && std::isfinite(*options.rate_hz)))
     throw InputError("frames.rate_hz: found " + std::to_string(*options.rate_hz) + ", expected a number above 0");
   if (options.first < 0)
@@ -32,9 +32,9 @@ void check_options(const FrameOptions& options) {
 std::unique_ptr<FrameSource> open_file(const FrameOptions& options, const fs::path& file, const fs::path& base) {
   std::error_code error;
   if (!fs::is_regular_file(file, error))  // a pipe would wait for its writer
-    throw InputError(key + ": '" + file.string() + "' is not a file");
+    throw InputError(path_key + ": '" + file.string() + "' is not a file");
   if (fs::file_size(file, error) == 0)
-    throw InputError(key + ": '" + file.string() + "' is empty: the file has 0 bytes");
+    throw InputError(path_key + ": '" + file.string() + "' is empty: the file has 0 bytes");
   if (looks_like_image(file)) return image_sequence(options, FrameFiles{{{0, file}}}, base);
   return video_source(options, file);
 }
@@ -44,7 +44,7 @@ std::unique_ptr<FrameSource> open_file(const FrameOptions& options, const fs::pa
 std::vector<int> chosen_frames(const FrameOptions& options, std::int64_t count, const std::string& path) {
   const std::string has = "'" + path + "' has " + std::to_string(count) + (count == 1 ? " frame" : " frames") +
                           ", 0 to " + std::to_string(count - 1);
-  if (count > std::numeric_limits<int>::max() / 2) throw InputError(key + ": " + has + ": too many");
+  if (count > std::numeric_limits<int>::max() / 2) throw InputError(path_key + ": " + has + ": too many");
   if (options.first >= count) throw InputError("frames.first: found " + std::to_string(options.first) + ", but " + has);
   if (options.last && *options.last >= count)
     throw InputError("frames.last: found " + std::to_string(*options.last) + ", but " + has);
@@ -59,11 +59,11 @@ std::unique_ptr<FrameSource> open_frames(const FrameOptions& options, const fs::
   const fs::path given(options.path);
   const fs::path path = (base / given).lexically_normal();
   std::error_code error;
-  if (fs::is_directory(path, error)) return image_sequence(options, files_in_folder(path, key), base);
+  if (fs::is_directory(path, error)) return image_sequence(options, files_in_folder(path, path_key), base);
   if (fs::exists(path, error)) return open_file(options, path, base);
-  if (const auto numbered = NumberedName::parse(path.filename().string(), key))
-    return image_sequence(options, files_of_pattern(path.parent_path(), *numbered, key), base);
-  const FrameFiles files = files_of_glob(base, options.path, key);
+  if (const auto numbered = NumberedName::parse(path.filename().string(), path_key))
+    return image_sequence(options, files_of_pattern(path.parent_path(), *numbered, path_key), base);
+  const FrameFiles files = files_of_glob(base, options.path, path_key);
   if (files.files.size() == 1) return open_file(options, files.files.front().path, base);
   return image_sequence(options, files, base);
 }

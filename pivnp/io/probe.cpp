@@ -112,7 +112,7 @@ herr_t visit(hid_t root, const char* name, const H5O_info_t* info, void* data) {
   return read ? 0 : -1;
 }
 
-const std::string good = "good";  // what the child says of a file that it could read
+const std::string readable = "readable";  // what the child says of a file that it could read
 
 // The child's whole life: what is wrong with the file, or nothing.
 std::string fault_of(const std::string& file, double size) {
@@ -180,7 +180,7 @@ void probe_foreign_file(const std::filesystem::path& file) {
     settle_child(seconds);
     int code = 1;
     try {
-      const std::string fault = fault_of(name, size), said = fault.empty() ? good : fault;
+      const std::string fault = fault_of(name, size), said = fault.empty() ? readable : fault;
       if (::write(pipe[1], said.data(), said.size()) >= 0) code = fault.empty() ? 0 : 2;
     } catch (...) {
     }
@@ -193,9 +193,9 @@ void probe_foreign_file(const std::filesystem::path& file) {
   pid_t ended = 0;
   while ((ended = ::waitpid(child, &status, 0)) < 0 && errno == EINTR) {
   }
-  if (fault == good && (ended < 0 || (WIFEXITED(status) && WEXITSTATUS(status) == 0))) return;
+  if (fault == readable && (ended < 0 || (WIFEXITED(status) && WEXITSTATUS(status) == 0))) return;
   if (WIFSIGNALED(status) && (WTERMSIG(status) == SIGINT || WTERMSIG(status) == SIGTERM)) throw Interrupted();
-  if (!fault.empty() && fault != good) throw InputError(name + ": " + fault);
+  if (!fault.empty() && fault != readable) throw InputError(name + ": " + fault);
   const bool late = WIFSIGNALED(status) && WTERMSIG(status) == SIGALRM;
   throw InputError(name + ": a damaged HDF5 file: " +
                    (late                  ? "not read within " + std::to_string(int(seconds)) + " s"

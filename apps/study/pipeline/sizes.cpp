@@ -9,6 +9,8 @@
 #include "apps/case/values.hpp"
 #include "apps/study/pipeline/simulation_scene.hpp"
 #include "mpm/material/model.hpp"
+#include "mpm/step/memory.hpp"
+#include "mpm/step/scene_setup.hpp"
 #include "mpm/water/pore_soil.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
@@ -18,8 +20,9 @@ namespace pivnp::app {
 namespace {
 
 constexpr double gigabyte = 1e9;
-constexpr double bytes_a_node = 100, bytes_a_simulated_node = 250, bytes_a_particle = 200, bytes_a_point = 500;
+constexpr double bytes_a_node = 100, bytes_a_particle = 200;
 constexpr double bytes_a_state = 53;  // of a point: u, F, status, v, stress, plastic_dev
+constexpr double beside_points = 100, beside_nodes = 60;  // what lists of cells, the grid's particles and the states' copies take
 constexpr double most_frame_bytes = 1e13;
 
 // Particles that fill the regions.
@@ -33,16 +36,31 @@ double filled(const Setting& setting, const Grid& grid, int per_element) {
   return area / grid.spacing.prod() * per_element;
 }
 
-// Of the fastest compression wave in the case's materials, m/s: undrained where water fills the pores.
-double fastest_wave(const Case& c, double cell_m) {
-  double fastest = 0;
-  for (const auto& [name, given] : c.materials) {
-    const mpm::MaterialOptions material = c.water ? mpm::without_pores(given, *c.water) : given;
-    double modulus = mpm::make_material(material, "material." + name, cell_m)->elastic().p_wave_modulus();
-    if (given.porosity && !given.drained) modulus += c.water->bulk_modulus_pa / *given.porosity;
-    fastest = std::max(fastest, std::sqrt(modulus / material.density_kg_m3));
+// The case's materials, and the fastest compression wave in them, m/s: undrained where water fills the pores.
+struct Laws {
+  mpm::Materials laws;
+  double fastest_wave = 0;
+  bool wet = false;
+
+  Laws(const Case& c, double cell_m) {
+    for (const auto& [name, given] : c.materials) {
+      const mpm::MaterialOptions material = c.water ? mpm::without_pores(given, *c.water) : given;
+      laws.push_back(mpm::make_material(material, "material." + name, cell_m));
+      double modulus = laws.back()->elastic().p_wave_modulus();
+      if (given.porosity && !given.drained) modulus += c.water->bulk_modulus_pa / *given.porosity;
+      fastest_wave = std::max(fastest_wave, std::sqrt(modulus / material.density_kg_m3));
+      wet |= given.porosity.has_value();
+    }
   }
-  return fastest;
+};
+
+mpm::SceneNeeds needs_of(const Case& c, bool wet) {
+  mpm::SceneNeeds needs{.several = c.materials.size() > 1, .water = wet};
+  for (const auto& [name, boundary] : c.boundaries) {
+    needs.tied |= boundary.type == mpm::BoundaryType::tied;
+    needs.loads |= boundary.type == mpm::BoundaryType::traction;
+  }
+  return needs;
 }
 
 void size_simulation(const Case& c, const Setting& setting, std::size_t frames, double end_s, CaseSize& size) {
@@ -55,11 +73,17 @@ void size_simulation(const Case& c, const Setting& setting, std::size_t frames, 
   const double end = o.end_s.value_or(end_s);
   size.states = o.output_rate_hz ? std::floor(end * *o.output_rate_hz) + 1 : double(frames);
   require_at_most(size.states, most_states, "states", "mpm.output_rate_hz", toml_text(o.output_rate_hz));
-  size.steps = end * fastest_wave(c, std::sqrt(grid.spacing.prod())) / (o.courant * grid.spacing.minCoeff());
+  const Laws materials(c, std::sqrt(grid.spacing.prod()));
+  size.steps = end * materials.fastest_wave / (o.courant * grid.spacing.minCoeff());
   const bool short_steps = o.courant < 0.01;
   require_at_most(size.steps, most_steps, "steps", short_steps ? "mpm.courant" : "mpm.end_s",
                   toml_text(short_steps ? o.courant : end));
   size.record_bytes = size.states * size.points * bytes_a_state;
+  const mpm::Scheme scheme = mpm::scheme_of(o);
+  const mpm::SceneNeeds needs = needs_of(c, materials.wet);
+  const double a_point = mpm::bytes_a_point(mpm::particle_needs(scheme, materials.laws, needs), materials.laws);
+  const double a_node = mpm::bytes_a_node(mpm::node_needs(scheme, materials.laws, needs));
+  size.memory_bytes += (a_point + beside_points) * size.points + (a_node + beside_nodes) * size.simulated_nodes;
 }
 
 }  // namespace
@@ -93,9 +117,8 @@ CaseSize size_of(const Case& c, const Setting& setting, std::size_t frames, doub
     size.particles = filled(setting, setting.grid, c.np.value_or(np::NpOptions{}).per_element);
     require_at_most(size.particles, most_particles, "numerical particles", spacing.key, spacing.value);
   }
+  size.memory_bytes = bytes_a_node * size.nodes + bytes_a_particle * size.particles;
   if (c.mpm) size_simulation(c, setting, frames, end_s, size);
-  size.memory_bytes = bytes_a_node * size.nodes + bytes_a_particle * size.particles +
-                      bytes_a_simulated_node * size.simulated_nodes + bytes_a_point * size.points;
   const double memory = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGE_SIZE));
   if (size.memory_bytes > memory)
     require_at_most(size.memory_bytes / gigabyte, memory / gigabyte, "gigabytes of memory", spacing.key, spacing.value);

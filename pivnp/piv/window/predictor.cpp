@@ -11,7 +11,7 @@ namespace {
 
 using Vec2f = std::array<float, 2>;
 
-constexpr int reach = 2;  // 5 x 5 points
+constexpr int predictor_reach = 2;  // 5 x 5 points
 constexpr int most_terms = 6;
 using Moments = Eigen::Matrix<double, most_terms, most_terms>;
 using Sums = Eigen::Matrix<double, most_terms, 2>;
@@ -37,23 +37,23 @@ struct LocalFit {
   }
 };
 
-std::array<double, 2 * reach + 1> axis_weights(float sigma) {
-  std::array<double, 2 * reach + 1> w{};
-  for (int k = -reach; k <= reach; ++k) w[std::size_t(k + reach)] = std::exp(-0.5 * k * k / (double(sigma) * sigma));
+std::array<double, 2 * predictor_reach + 1> axis_weights(float sigma) {
+  std::array<double, 2 * predictor_reach + 1> w{};
+  for (int k = -predictor_reach; k <= predictor_reach; ++k) w[std::size_t(k + predictor_reach)] = std::exp(-0.5 * k * k / (double(sigma) * sigma));
   return w;
 }
 
 // A neighbourhood without gaps: the fit is the same linear combination of its vectors everywhere.
-std::array<double, (2 * reach + 1) * (2 * reach + 1)> full_kernel(const std::array<double, 2 * reach + 1>& weight) {
-  const auto product = [&](int a, int b) { return weight[std::size_t(a + reach)] * weight[std::size_t(b + reach)]; };
+std::array<double, (2 * predictor_reach + 1) * (2 * predictor_reach + 1)> full_kernel(const std::array<double, 2 * predictor_reach + 1>& weight) {
+  const auto product = [&](int a, int b) { return weight[std::size_t(a + predictor_reach)] * weight[std::size_t(b + predictor_reach)]; };
   Moments normal = Moments::Zero();
-  for (int b = -reach; b <= reach; ++b)
-    for (int a = -reach; a <= reach; ++a) normal += product(a, b) * terms(a, b) * terms(a, b).transpose();
+  for (int b = -predictor_reach; b <= predictor_reach; ++b)
+    for (int a = -predictor_reach; a <= predictor_reach; ++a) normal += product(a, b) * terms(a, b) * terms(a, b).transpose();
   const Terms first = normal.inverse().row(0).transpose();
-  std::array<double, (2 * reach + 1) * (2 * reach + 1)> kernel{};
+  std::array<double, (2 * predictor_reach + 1) * (2 * predictor_reach + 1)> kernel{};
   std::size_t k = 0;
-  for (int b = -reach; b <= reach; ++b)
-    for (int a = -reach; a <= reach; ++a) kernel[k++] = product(a, b) * first.dot(terms(a, b));
+  for (int b = -predictor_reach; b <= predictor_reach; ++b)
+    for (int a = -predictor_reach; a <= predictor_reach; ++a) kernel[k++] = product(a, b) * first.dot(terms(a, b));
   return kernel;
 }
 
@@ -66,7 +66,7 @@ void PredictorField::fit(const EvenLattice& lattice, const std::vector<Vec2f>& d
   std::vector<std::uint8_t> known(displacement.size(), 0);
   const auto weight = axis_weights(sigma);
 
-  constexpr int side = 2 * reach + 1;
+  constexpr int side = 2 * predictor_reach + 1;
   const auto full = full_kernel(weight);
 
 #pragma omp parallel for num_threads(threads) schedule(static)
@@ -75,14 +75,14 @@ void PredictorField::fit(const EvenLattice& lattice, const std::vector<Vec2f>& d
       const auto index = [&](int a, int b) {
         return std::size_t(j + b) * std::size_t(lattice.nx) + std::size_t(i + a);
       };
-      bool whole = i >= reach && j >= reach && i + reach < lattice.nx && j + reach < lattice.ny;
-      for (int b = -reach; whole && b <= reach; ++b)
-        for (int a = -reach; a <= reach; ++a) whole = whole && good[index(a, b)] != 0;
+      bool whole = i >= predictor_reach && j >= predictor_reach && i + predictor_reach < lattice.nx && j + predictor_reach < lattice.ny;
+      for (int b = -predictor_reach; whole && b <= predictor_reach; ++b)
+        for (int a = -predictor_reach; a <= predictor_reach; ++a) whole = whole && good[index(a, b)] != 0;
       if (whole) {
         double u = 0, v = 0;
-        for (int b = -reach; b <= reach; ++b)
-          for (int a = -reach; a <= reach; ++a) {
-            const double w = full[std::size_t((b + reach) * side + a + reach)];
+        for (int b = -predictor_reach; b <= predictor_reach; ++b)
+          for (int a = -predictor_reach; a <= predictor_reach; ++a) {
+            const double w = full[std::size_t((b + predictor_reach) * side + a + predictor_reach)];
             u += w * displacement[index(a, b)][0], v += w * displacement[index(a, b)][1];
           }
         value(i, j) = {static_cast<float>(u), static_cast<float>(v)};
@@ -91,16 +91,16 @@ void PredictorField::fit(const EvenLattice& lattice, const std::vector<Vec2f>& d
       }
       LocalFit fit;
       unsigned columns = 0, rows = 0;
-      for (int b = std::max(-reach, -j); b <= std::min(reach, lattice.ny - 1 - j); ++b)
-        for (int a = std::max(-reach, -i); a <= std::min(reach, lattice.nx - 1 - i); ++a) {
+      for (int b = std::max(-predictor_reach, -j); b <= std::min(predictor_reach, lattice.ny - 1 - j); ++b)
+        for (int a = std::max(-predictor_reach, -i); a <= std::min(predictor_reach, lattice.nx - 1 - i); ++a) {
           if (!good[index(a, b)]) continue;
-          const double w = weight[std::size_t(a + reach)] * weight[std::size_t(b + reach)];
+          const double w = weight[std::size_t(a + predictor_reach)] * weight[std::size_t(b + predictor_reach)];
           const Terms p = terms(a, b);
           fit.normal += w * p * p.transpose();
           fit.sums.col(0) += w * displacement[index(a, b)][0] * p;
           fit.sums.col(1) += w * displacement[index(a, b)][1] * p;
           ++fit.points;
-          columns |= 1u << (a + reach), rows |= 1u << (b + reach);
+          columns |= 1u << (a + predictor_reach), rows |= 1u << (b + predictor_reach);
         }
       fit.columns = __builtin_popcount(columns), fit.rows = __builtin_popcount(rows);
       Vec2f& out = value(i, j);

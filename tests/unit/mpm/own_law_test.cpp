@@ -12,8 +12,10 @@
 
 #include "mpm/state/node_fields.hpp"
 #include "mpm/state/particle_fields.hpp"
+#include "mpm/step/memory.hpp"
 #include "mpm/step/scene_setup.hpp"
 #include "pivnp/core/error.hpp"
+#include "tests/support/silent.hpp"
 #include "tests/unit/mpm/scenes.hpp"
 
 namespace pivnp::mpm {
@@ -198,6 +200,38 @@ TEST(ParticleFields, NoneIsForgotten) {
   EXPECT_EQ(listed, std::size_t(reinterpret_cast<const char*>(&p.history) - reinterpret_cast<const char*>(&p)));
 }
 
+// What a case does not need takes no memory: of Particles themselves, and as it is counted before there are any.
+TEST(ParticleFields, MemoryIsThatOfTheFieldsNeeded) {
+  const Materials none;
+  for (const ParticleNeeds& needs : {ParticleNeeds{}, ParticleNeeds{.affine = true}, ParticleNeeds{.affine = true, .wet = true}}) {
+    Particles p;
+    p.resize(10, needs);
+    std::size_t bytes = 0;
+    for_each_particle_field([&](const ParticleField&, const auto&... column) {
+      const auto add = [&](const auto& c) {
+        const auto& values = p.*c.values;
+        bytes += values.capacity() * sizeof(values[0]);
+      };
+      (add(column), ...);
+    });
+    EXPECT_EQ(double(bytes), 10 * bytes_a_point(needs, none));
+  }
+}
+
+TEST(NodeFields, MemoryIsThatOfTheFieldsNeeded) {
+  EXPECT_EQ(bytes_a_node({}), sizeof(Node));
+  EXPECT_EQ(bytes_a_node({.averages = true}), sizeof(Node) + sizeof(CellEdges) + sizeof(CornerSums) + 2 * sizeof(AlongAxes));
+  EXPECT_EQ(bytes_a_node({.wet = true}), sizeof(Node) + sizeof(PoreNode));
+  Scheme scheme;
+  EXPECT_TRUE(node_needs(scheme, {}, {}).averages);
+  EXPECT_FALSE(node_needs(scheme, {}, {}).filtered);
+  scheme.shape = ShapeKind::bilinear;
+  scheme.transfer = TransferKind::xpic;
+  EXPECT_FALSE(node_needs(scheme, {}, {.water = true}).averages);
+  EXPECT_TRUE(node_needs(scheme, {}, {.water = true}).filtered);
+  EXPECT_TRUE(node_needs(scheme, {}, {.water = true}).wet);
+}
+
 // Every byte of a node's line but its end is a listed field's.
 TEST(NodeFields, TheLineHoldsNoOther) {
   static const Node node;
@@ -207,12 +241,12 @@ TEST(NodeFields, TheLineHoldsNoOther) {
     EXPECT_TRUE(names.insert(field.name).second);
     const auto look = [&]<class T>(const T& c) {
       if constexpr (std::is_member_pointer_v<T>) {
-        EXPECT_TRUE(field.need.empty()) << field.name;
+        EXPECT_EQ(field.need, nullptr) << field.name;
         const auto* at = reinterpret_cast<const char*>(&(node.*c));
         listed += sizeof(node.*c);
         end = std::max(end, std::size_t(at - reinterpret_cast<const char*>(&node)) + sizeof(node.*c));
       } else {
-        EXPECT_FALSE(field.need.empty()) << field.name;
+        EXPECT_NE(field.need, nullptr) << field.name;
       }
     };
     (look(component), ...);

@@ -1,0 +1,59 @@
+#include "mpm/step/memory.hpp"
+
+#include <algorithm>
+#include <type_traits>
+
+#include "mpm/state/particle_fields.hpp"
+#include "mpm/state/scheme_rows.hpp"
+
+namespace pivnp::mpm {
+
+namespace {
+
+bool any_averages(const Materials& materials) {
+  return std::any_of(materials.begin(), materials.end(), [](const auto& m) { return m->nonlocal_length() > 0; });
+}
+
+}  // namespace
+
+ParticleNeeds particle_needs(const Scheme& scheme, const Materials& materials, const SceneNeeds& scene) {
+  return {.own_mass = scene.several || scene.water,
+          .affine = row_of(scheme.transfer).affine,
+          .sized = row_of(scheme.shape).sized,
+          .tied = scene.tied,
+          .kept = scheme.stress != StressUpdate::usf && !scheme.takes_updated(),
+          .averaged = any_averages(materials),
+          .wet = scene.water};
+}
+
+NodeNeeds node_needs(const Scheme& scheme, const Materials& materials, const SceneNeeds& scene) {
+  return {.own_strain_velocity = true,  // at nodes of small mass by every scheme
+          .averages = scheme.locking == Locking::fbar && row_of(scheme.shape).centred(),
+          .filtered = scheme.transfer == TransferKind::xpic,
+          .loads = scene.loads,
+          .wet = scene.water,
+          .averaged = any_averages(materials)};
+}
+
+double bytes_a_point(const ParticleNeeds& needs, const Materials& materials) {
+  std::size_t bytes = 0, history = 0;
+  for_each_particle_field([&](const ParticleField& field, const auto&... column) {
+    const auto add = [&]<class Values>(const Column<Values>&) { bytes += sizeof(typename Values::value_type); };
+    if (!field.need || needs.*field.need) (add(column), ...);
+  });
+  for (const auto& material : materials) history = std::max(history, material->history().size() * sizeof(double));
+  return double(bytes + history);
+}
+
+double bytes_a_node(const NodeNeeds& needs) {
+  std::size_t bytes = sizeof(Node);
+  for_each_node_field([&](const NodeField& field, const auto&... component) {
+    const auto add = [&]<class T>(const T&) {
+      if constexpr (!std::is_member_pointer_v<T>) bytes += sizeof(typename T::type);
+    };
+    if (field.need && needs.*field.need) (add(component), ...);
+  });
+  return double(bytes);
+}
+
+}  // namespace pivnp::mpm

@@ -1,0 +1,28 @@
+// What a simulation takes of memory, counted from the lists of fields before any of it is allocated.
+#pragma once
+
+#include "mpm/state/node_fields.hpp"
+#include "mpm/state/particles.hpp"
+#include "mpm/state/scheme.hpp"
+#include "mpm/transfer/stress_update.hpp"
+
+namespace pivnp::mpm {
+
+/// What of a scene asks for fields that not every scene has.
+struct SceneNeeds {
+  bool several = false;  // bodies of several materials
+  bool water = false;
+  bool tied = false;
+  bool loads = false;    // body forces, tractions
+};
+
+/// The fields that the points and the nodes of such a simulation have.
+ParticleNeeds particle_needs(const Scheme& scheme, const Materials& materials, const SceneNeeds& scene);
+NodeNeeds node_needs(const Scheme& scheme, const Materials& materials, const SceneNeeds& scene);
+
+/// Bytes that all fields of a point take; `materials`: the largest history of them.
+double bytes_a_point(const ParticleNeeds& needs, const Materials& materials);
+/// Bytes that all fields of a node take, where there is material.
+double bytes_a_node(const NodeNeeds& needs);
+
+}  // namespace pivnp::mpm
