@@ -6,7 +6,7 @@
 #include "apps/cli/commands.hpp"
 #include "apps/cli/option_flags.hpp"
 #include "pivnp/core/error.hpp"
-#include "pivnp/io/import_format.hpp"
+#include "pivnp/io/imports/import_format.hpp"
 
 namespace pivnp::app {
 

@@ -10,10 +10,10 @@
 #include <random>
 #include <sstream>
 
-#include "pivnp/io/curve_file.hpp"
-#include "pivnp/io/import_motion.hpp"
-#include "pivnp/io/seal.hpp"
-#include "tests/unit/io/sample.hpp"
+#include "pivnp/io/files/seal.hpp"
+#include "pivnp/io/imports/curve_file.hpp"
+#include "pivnp/io/imports/import_motion.hpp"
+#include "tests/unit/io/records/sample.hpp"
 
 namespace pivnp::io {
 namespace {

@@ -5,7 +5,7 @@
 #include "apps/report/report.hpp"
 #include "apps/study/pipeline/outcome.hpp"
 #include "pivnp/core/error.hpp"
-#include "pivnp/io/record.hpp"
+#include "pivnp/io/records/record.hpp"
 
 namespace pivnp::app {
 

@@ -11,7 +11,7 @@
 #include "pivnp/core/record/vectors.hpp"
 #include "pivnp/image/camera.hpp"
 #include "pivnp/image/mask.hpp"
-#include "pivnp/io/file_identity.hpp"
+#include "pivnp/io/files/file_identity.hpp"
 #include "pivnp/piv/piv.hpp"
 
 namespace pivnp::app {

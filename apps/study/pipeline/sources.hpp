@@ -6,7 +6,7 @@
 #include "apps/case/case.hpp"
 #include "pivnp/core/progress.hpp"
 #include "pivnp/image/frames.hpp"
-#include "pivnp/io/file_identity.hpp"
+#include "pivnp/io/files/file_identity.hpp"
 
 namespace pivnp::app {
 

@@ -8,8 +8,8 @@
 #include "apps/study/studies/histories.hpp"
 #include "compare/metrics/limits.hpp"
 #include "pivnp/core/error.hpp"
-#include "pivnp/io/import_motion.hpp"
-#include "pivnp/io/record.hpp"
+#include "pivnp/io/imports/import_motion.hpp"
+#include "pivnp/io/records/record.hpp"
 
 namespace pivnp::app {
 
