@@ -1,8 +1,6 @@
 #include "pivnp/io/imports/import_motion.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <fnmatch.h>
 #include <limits>
 #include <map>
 #include <unordered_map>
@@ -11,6 +9,7 @@
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/displacement_gradient.hpp"
 #include "pivnp/io/imports/import_format.hpp"
+#include "pivnp/io/imports/numbered_files.hpp"
 
 namespace pivnp::io {
 
@@ -18,41 +17,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// "particles-0_2-0100.h5" -> 100: the last run of digits of the name without its ending; -1 if there is none.
-std::int64_t step_number(const fs::path& file) {
-  const std::string stem = file.stem().string();
-  const std::size_t last = stem.find_last_of("0123456789");
-  if (last == std::string::npos) return -1;
-  std::size_t first = last;
-  while (first > 0 && std::isdigit(static_cast<unsigned char>(stem[first - 1]))) --first;
-  if (last - first > 15) return -1;
-  return std::stoll(stem.substr(first, last - first + 1));
-}
-
-// The files of a pattern by their step.
-std::map<std::int64_t, std::vector<fs::path>> files_of(const std::string& pattern) {
-  std::map<std::int64_t, std::vector<fs::path>> files;
-  const fs::path path = pattern;
-  std::error_code failed;
-  if (fs::is_regular_file(path, failed)) return {{std::max<std::int64_t>(0, step_number(path)), {path}}};
-  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  if (fs::is_directory(folder, failed))
-    for (const auto& entry : fs::directory_iterator(folder)) {
-      if (fnmatch(path.filename().c_str(), entry.path().filename().c_str(), 0) != 0) continue;
-      const std::int64_t number = step_number(entry.path());
-      if (number < 0) throw InputError(entry.path().string() + ": no number in the name, expected the step's");
-      files[number].push_back(entry.path());
-    }
-  if (files.empty()) throw InputError(pattern + ": no such file, and no file matches it as a pattern");
-  for (auto& [number, list] : files) std::sort(list.begin(), list.end());
-  return files;
-}
-
 class ImportedMotion final : public MotionSource {
  public:
   ImportedMotion(const FileFormat& format, const std::string& pattern, const ImportOptions& options)
       : format_(format), options_(options) {
-    const auto files = files_of(pattern);
+    const auto files = numbered_files(pattern);
     if (format_.read_table && files.size() == 1 && files.begin()->second.size() == 1) {
       table_ = format_.read_table(files.begin()->second[0], options.step);
       times_ = table_.time;
