@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "pivnp/core/error.hpp"
 #include "pivnp/np/options.hpp"
@@ -72,11 +73,13 @@ void import_vectors(const io::VectorFiles& vectors, const Setting& setting, io::
 }
 
 std::vector<std::string> remarks_on_import(const io::VectorFiles& vectors, const Case& c) {
-  std::vector<std::string> remarks = {"The vectors were measured by another program (" + c.vectors->format +
-                                      "): nothing here validated them, and the strains' gauge length does not hold its "
-                                      "window."};
+  std::vector<std::string> remarks;
+  std::string measured = "The vectors were measured by another program (";
+  measured += c.vectors->format;
+  measured += "): nothing here validated them, and the strains' gauge length does not hold its window.";
+  remarks.push_back(std::move(measured));
   if (!vectors.states_uncertainty())
-    remarks.push_back("The files of the vectors state no uncertainty: that of the particles is not known.");
+    remarks.emplace_back("The files of the vectors state no uncertainty: that of the particles is not known.");
   return remarks;
 }
 

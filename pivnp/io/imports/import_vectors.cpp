@@ -87,9 +87,6 @@ VectorFiles::VectorFiles(const VectorOptions& options, const fs::path& base, std
       states_uncertainty_ = !v.sigma.empty();
       const Axis x = axis_of(v, 0, files_[0]), y = axis_of(v, 1, files_[0]);
       const std::string first = at(files_[0], v.line.front());
-      if (std::abs(x.spacing - y.spacing) > 0.01 * std::min(x.spacing, y.spacing))
-        throw InputError(first + "found a spacing of " + number(x.spacing) + " along x and " + number(y.spacing) +
-                         " along y, expected the same");
       if (!(x.count * y.count <= 20 * double(count_)))
         throw InputError(first + "found " + std::to_string(count_) + " vectors on a grid of " + number(x.count, 12) +
                          " x " + number(y.count, 12) + " nodes, expected one at every twentieth at least");

@@ -26,10 +26,10 @@ constexpr const auto& names_of(VerticalAxis) { return vertical_axis_names; }
 
 /// What a case says about them: section [vectors].
 struct VectorOptions {
-  std::string path;
-  std::string format;
-  std::optional<double> rate_hz;
-  std::optional<Anchor> anchor;
+  std::string path = {};
+  std::string format = {};
+  std::optional<double> rate_hz = {};
+  std::optional<Anchor> anchor = {};
   VerticalAxis y_axis = VerticalAxis::format;
 
   template <class Self, class Visitor>
