@@ -39,18 +39,16 @@ Axis axis_of(const ImportedVectors& v, std::size_t c, const fs::path& file) {
   if (values.size() < 2)
     throw InputError(at(file, v.line.front()) + "all vectors have " + name + " = " + number(values.front().first) +
                      ", expected a grid of at least 2 x 2");
-  double least = std::numeric_limits<double>::infinity(), sum = 0, gaps = 0;
-  for (std::size_t k = 1; k < values.size(); ++k) least = std::min(least, values[k].first - values[k - 1].first);
-  for (std::size_t k = 1; k < values.size(); ++k) {
-    const double gap = values[k].first - values[k - 1].first;
-    if (gap > 1.25 * least) continue;
-    sum += gap;
-    ++gaps;
-  }
-  Axis axis{values.front().first, sum / gaps, 0};
+  // The usual gap, or the least one where columns are missing; then, where that comes to the same, the mean of all.
+  std::vector<double> gaps;
+  for (std::size_t k = 1; k < values.size(); ++k) gaps.push_back(values[k].first - values[k - 1].first);
+  std::sort(gaps.begin(), gaps.end());
+  const double usual = gaps[(gaps.size() - 1) / 2];
+  Axis axis{values.front().first, gaps.front() < 0.75 * usual ? gaps.front() : usual, 0};
   const double extent = values.back().first - axis.origin;
   axis.count = std::round(extent / axis.spacing) + 1;
-  axis.spacing = extent / (axis.count - 1);
+  const double mean = extent / (axis.count - 1);
+  if (std::abs(mean - axis.spacing) <= off_node * axis.spacing) axis.spacing = mean;
   for (const auto& [value, line] : values) {
     const double steps = (value - axis.origin) / axis.spacing;
     if (!(std::abs(steps - std::round(steps)) <= off_node))
