@@ -20,6 +20,7 @@
 #include "pivnp/image/frames.hpp"
 #include "pivnp/image/mask.hpp"
 #include "pivnp/image/synthetic.hpp"
+#include "pivnp/io/imports/import_vectors.hpp"
 #include "pivnp/np/options.hpp"
 #include "pivnp/piv/options.hpp"
 
@@ -141,12 +142,13 @@ struct Case {
   std::optional<Source> source;    // where its keys stand; none for a case that was not read
 
   std::optional<image::FrameOptions> frames;  // [frames]
+  std::optional<io::VectorOptions> vectors;   // [vectors]; then the grid is that of its files
   image::CameraOptions camera;                // [camera]
   Named<image::MaskOptions> masks;            // [mask.NAME]
   GridOptions grid;                           // [grid]
   Named<RegionOptions> regions;               // [region.NAME]
-  std::optional<piv::PivOptions> piv;         // [piv]; present by default when there are frames
-  std::optional<np::NpOptions> np;            // [np]; likewise
+  std::optional<piv::PivOptions> piv;         // [piv]; present by default when there are frames to measure
+  std::optional<np::NpOptions> np;            // [np]; present by default when there are frames or vectors
   Named<mpm::MaterialOptions> materials;      // [material.NAME]
   std::optional<mpm::MpmOptions> mpm;         // [mpm]
   Named<mpm::BoundaryOptions> boundaries;     // [boundary.NAME]

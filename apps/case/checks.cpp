@@ -20,6 +20,7 @@ class Checker {
 
   void all() const {
     stages();
+    vectors();
     camera();
     grid();
     shapes();
@@ -42,11 +43,13 @@ class Checker {
   }
 
   bool has_images() const { return c_.frames || c_.synth; }
+  bool measures() const { return has_images() || c_.vectors; }
 
   void stages() const {
-    for (const char* stage : {"piv", "np"})
-      if (source_.given(stage) && !has_images())
-        refuse_section(stage, "there are no frames to measure; expected [frames] or [synth]");
+    if (source_.given("piv") && !has_images())
+      refuse_section("piv", "there are no frames to measure; expected [frames] or [synth]");
+    if (source_.given("np") && !measures())
+      refuse_section("np", "there are no frames to measure; expected [frames], [vectors] or [synth]");
     if (c_.frames && c_.frames->last && *c_.frames->last < c_.frames->first)
       refuse("frames.last", "found " + std::to_string(*c_.frames->last) + ", expected at least frames.first, " +
                                 std::to_string(c_.frames->first));
@@ -57,6 +60,21 @@ class Checker {
     if (c_.np) square("np.per_element", c_.np->per_element);
     if (c_.mpm) square("mpm.per_element", c_.mpm->per_element);
     if (c_.synth_mpm) square("synth.mpm.per_element", c_.synth_mpm->per_element);
+  }
+
+  void vectors() const {
+    if (!c_.vectors) return;
+    if (c_.vectors->path.empty()) refuse("vectors.path", "missing; expected the files of the vectors");
+    if (c_.vectors->format.empty())
+      refuse("vectors.format", "missing; expected " + io::formats_text(&io::FileFormat::vectors));
+    if (c_.synth) refuse_section("vectors", "given together with [synth]; expected one of them");
+    if (c_.frames && c_.vectors->rate_hz)
+      refuse("vectors.rate_hz", "given together with [frames]; expected frames.rate_hz, which holds for both");
+    const GridOptions none;
+    GridOptions::fields(none, [&](std::string_view name, const auto&, const OptionInfo&) {
+      const std::string key = "grid." + std::string(name);
+      if (source_.given(key)) refuse(key, "given together with [vectors], whose files give the grid; expected one of them");
+    });
   }
 
   void square(const std::string& key, int count) const {
@@ -161,6 +179,9 @@ class Checker {
       refuse("compare.fixed_zone_m", "given together with reference_m; expected one of them");
     if (!c_.compare.increments_outside_m.empty())
       circle("compare.increments_outside_m", c_.compare.increments_outside_m);
+    if (c_.compare.levelling && c_.vectors)
+      refuse("compare.levelling", "given together with [vectors]; expected frames that are measured here, as the simulation "
+                                  "would be");
     if (c_.compare.levelling && !(has_images() && c_.mpm))
       refuse("compare.levelling", "given, but there is nothing to level; expected frames and [mpm]");
     if (const compare::LimitRow* row = compare::limit_without_its_option(c_.limits, c_.compare))
@@ -215,7 +236,7 @@ class Checker {
   void simulation() const {
     if (!c_.mpm) return;
     materials_of_regions("mpm", "material", c_.materials);
-    if (has_images()) return;
+    if (measures()) return;
     if (!c_.mpm->end_s) refuse("mpm.end_s", "missing; without frames the end of the simulation must be given (s)");
     if (!c_.mpm->output_rate_hz)
       refuse("mpm.output_rate_hz", "missing; without frames the rate of the states written must be given (Hz)");

@@ -64,14 +64,11 @@ struct ListSections {
 
 }  // namespace
 
-const std::vector<SectionRow>& case_sections() {
-  static const std::vector<SectionRow> sections = [] {
-    std::vector<SectionRow> rows;
-    const Case defaults;
-    for_each_section(defaults, ListSections{rows});
-    return rows;
-  }();
-  return sections;
+std::vector<SectionRow> case_sections() {
+  std::vector<SectionRow> rows;
+  const Case defaults;
+  for_each_section(defaults, ListSections{rows});
+  return rows;
 }
 
 std::vector<std::string> child_sections(const std::string& path) {

@@ -24,7 +24,7 @@ struct SectionRow {
 };
 
 /// All sections of a case in the order in which it is written.
-const std::vector<SectionRow>& case_sections();
+std::vector<SectionRow> case_sections();
 
 /// Names of the sections directly under `path` ("" : the top level).
 std::vector<std::string> child_sections(const std::string& path);

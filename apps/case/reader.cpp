@@ -125,10 +125,8 @@ Case parse_case(const std::string& text, const std::string& name, const std::fil
   Case c = parsed(root, name, folder, Reading::strict);
   c.source = Source(name, root);
   check_given(c, *c.source);
-  if (c.frames || c.synth) {
-    if (!c.piv) c.piv.emplace();
-    if (!c.np) c.np.emplace();
-  }
+  if ((c.frames || c.synth) && !c.vectors && !c.piv) c.piv.emplace();
+  if ((c.frames || c.synth || c.vectors) && !c.np) c.np.emplace();
   return c;
 }
 

@@ -13,14 +13,17 @@ namespace pivnp::app {
 template <class C, class Visitor>
 void for_each_section(C& c, Visitor&& visit) {
   visit.optional("frames", c.frames, "Images or a video of the experiment.");
+  visit.optional("vectors", c.vectors,
+                 "Displacement increments that another program measured, in place of [piv]; their grid is the grid of the "
+                 "case. With [frames] the report shows them on the pictures.");
   visit.always("camera", c.camera, "Between pixels and the world. Without a scale or targets, lengths are in pixels.");
   visit.always("grid", c.grid, "The one grid of PIV, numerical particles and simulation.");
   visit.named("region", c.regions,
               "Where material is at the first frame; one section a piece, one outline each. Without any region the "
               "whole grid is measured.");
   visit.named("mask", c.masks, "What must not be measured; one section a mask, one shape each.");
-  visit.optional("piv", c.piv, "Image correlation. There by default when there are frames.");
-  visit.optional("np", c.np, "Numerical particles. There by default when there are frames.");
+  visit.optional("piv", c.piv, "Image correlation. There by default when there are frames and no [vectors].");
+  visit.optional("np", c.np, "Numerical particles. There by default when there are frames or [vectors].");
   visit.named("material", c.materials, "What the regions are made of, for the simulation.");
   visit.optional("mpm", c.mpm, "The simulation; left out, the case only measures.");
   visit.named("boundary", c.boundaries, "Restraints on the simulation's nodes; a line or a polygon each.");

@@ -21,14 +21,15 @@ void demand(const Case& c, const Arguments& arguments, Stages stages) {
   const bool images = named || c.synth || !arguments.frames.empty();
   if (c.frames && !images && stages != Stages::simulate)
     throw InputError(title_of(c) + ": frames.path: missing; expected it in the case, or --frames PATH");
-  if ((stages == Stages::piv || stages == Stages::track) && !images)
-    throw InputError(title_of(c) + ": there are no frames to measure; expected [frames], [synth] or --frames PATH");
+  const bool measures = images || c.vectors;
+  if ((stages == Stages::piv || stages == Stages::track) && !measures)
+    throw InputError(title_of(c) + ": there are no frames to measure; expected [frames], [vectors], [synth] or --frames PATH");
   if (stages == Stages::simulate && !c.mpm)
     throw InputError(title_of(c) + ": there is nothing to simulate; expected [mpm]");
   if (stages != Stages::all) return;
-  if (!images && !c.mpm)
-    throw InputError(title_of(c) + ": there is nothing to do; expected [frames], [synth], [mpm] or --frames PATH");
-  if (c.limits.any() && !(images && c.mpm))
+  if (!measures && !c.mpm)
+    throw InputError(title_of(c) + ": there is nothing to do; expected [frames], [vectors], [synth], [mpm] or --frames PATH");
+  if (c.limits.any() && !(measures && c.mpm))
     throw InputError(title_of(c) + ": [compare.limits]: given, but nothing is compared; expected frames and [mpm]");
 }
 
@@ -117,7 +118,7 @@ Action declare_check(CLI::App& app, Session& session) {
     const Case c = load_case(*arguments, session);
     demand(c, *arguments, Stages::all);
     CheckOutcome checked;
-    if (c.frames || c.synth || c.mpm || !arguments->frames.empty()) {
+    if (c.frames || c.vectors || c.synth || c.mpm || !arguments->frames.empty()) {
       TerminalProgress progress = progress_for(session);
       checked = check_case(c, settings_for(*arguments, session, c, default_out(c)), progress);
     }

@@ -6,7 +6,7 @@
 #include "apps/cli/commands.hpp"
 #include "apps/cli/option_flags.hpp"
 #include "pivnp/core/error.hpp"
-#include "pivnp/io/import_format.hpp"
+#include "pivnp/io/imports/import_format.hpp"
 
 namespace pivnp::app {
 
@@ -49,7 +49,7 @@ Action declare_compare(CLI::App& app, Session& session) {
   add_session(app, session);
   std::string formats = "Formats of other programs (FORMAT=PATTERN):\n";
   for (const io::FileFormat& format : io::file_formats())
-    formats += "  " + format.name + std::string(format.name.size() < 8 ? 8 - format.name.size() : 1, ' ') + format.files +
+    if (format.motion() || format.curve()) formats += "  " + format.name + std::string(format.name.size() < 8 ? 8 - format.name.size() : 1, ' ') + format.files +
                ": " + format.text + "\n";
   app.footer(app.get_footer() + "\n" + formats);
   return [c, &session] {

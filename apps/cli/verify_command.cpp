@@ -10,7 +10,7 @@
 #include "apps/cli/commands.hpp"
 #include "apps/cli/junit.hpp"
 #include "pivnp/core/error.hpp"
-#include "pivnp/io/record_check.hpp"
+#include "pivnp/io/records/record_check.hpp"
 
 namespace pivnp::app {
 

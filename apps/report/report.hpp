@@ -8,7 +8,7 @@
 
 #include "apps/report/content/content.hpp"
 #include "apps/report/content/options.hpp"
-#include "pivnp/io/record.hpp"
+#include "pivnp/io/records/record.hpp"
 
 namespace pivnp::report {
 

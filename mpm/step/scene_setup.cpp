@@ -17,21 +17,23 @@ namespace pivnp::mpm {
 
 Scheme scheme_of(const MpmOptions& options) {
   Scheme scheme = row_of(options.scheme).choices;
-  scheme.shape = options.shape.value_or(scheme.shape);
-  scheme.transfer = options.transfer.value_or(scheme.transfer);
+  const ShapeRow& shape = row_of(options.shape.value_or(scheme.shape));
+  const TransferRow& transfer = row_of(options.transfer.value_or(scheme.transfer));
+  const LockingRow& locking = row_of(options.locking.value_or(scheme.locking));
+  scheme.shape = shape.runs();
+  scheme.transfer = transfer.runs();
   scheme.stress = options.stress_update.value_or(scheme.stress);
-  scheme.locking = options.locking.value_or(scheme.locking);
-  const bool of_elements = row_of(scheme.locking).of_elements, two_nodes = row_of(scheme.shape).nodes == 2;
-  if (of_elements && !two_nodes) {
+  scheme.locking = locking.runs();
+  if (locking.of_elements && shape.nodes != 2) {
     if (options.locking)
-      throw InputError("mpm.locking: found '" + std::string(name_of(scheme.locking)) +
+      throw InputError("mpm.locking: found '" + std::string(locking.name) +
                        "' with three-node shapes, expected none or fbar (or shape = \"bilinear\")");
     scheme.locking = Locking::fbar;  // the scheme's own cure does not go with the shape asked for
   }
   scheme.xpic_order = options.xpic_order;
   if (options.damping) scheme.damping = *options.damping;
   if (options.pic_per_s) {
-    if (!row_of(scheme.transfer).blends)
+    if (!transfer.blends)
       throw InputError("mpm.pic_per_s: given with another transfer, expected transfer = \"flip\"");
     scheme.pic_per_s = *options.pic_per_s;
   }

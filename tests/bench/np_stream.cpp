@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "pivnp/core/particles/seeding.hpp"
-#include "pivnp/io/record.hpp"
+#include "pivnp/io/records/record.hpp"
 #include "pivnp/np/analytic.hpp"
 #include "pivnp/np/tracker.hpp"
 

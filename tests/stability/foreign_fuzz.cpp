@@ -10,10 +10,11 @@
 #include <random>
 #include <sstream>
 
-#include "pivnp/io/curve_file.hpp"
-#include "pivnp/io/import_motion.hpp"
-#include "pivnp/io/seal.hpp"
-#include "tests/unit/io/sample.hpp"
+#include "pivnp/io/files/seal.hpp"
+#include "pivnp/io/imports/curve_file.hpp"
+#include "pivnp/io/imports/import_motion.hpp"
+#include "pivnp/io/imports/import_vectors.hpp"
+#include "tests/unit/io/records/sample.hpp"
 
 namespace pivnp::io {
 namespace {
@@ -141,6 +142,28 @@ const std::string xml = [] {
   return text.str();
 }();
 
+// Vectors at the nodes of a grid of 3 x 3, as each format has them.
+std::string rows(const std::string& head, const std::string& separator, const std::string& more) {
+  std::ostringstream text;
+  text << head;
+  for (int n = 0; n < 9; ++n)
+    text << 9 + 8 * (n % 3) << separator << 11 + 8 * (n / 3) << separator << 0.1 * n << separator << -1.5e-1 << more << "\n";
+  return text.str();
+}
+
+const std::string pivlab = rows("PIVlab, ASCII chart output - 23-Feb-2023\r\nFRAME: 1, filenames: A: a.png & B: b.png, conversion "
+                                "factor xy (px -> m): 0.01, conversion factor uv (px/frame -> m/s): 0.5\r\n"
+                                "x [m],y [m],u [m/s],v [m/s],Vector type [-]\r\n", ",", ",1\r");
+const std::string openpiv = rows("# x\ty\tu\tv\tflags\tmask\n", "\t", "\t0.0000e+00\t0.0000e+00");
+const std::string dice = rows("***\n*** Reference image: ./a.tif \n*** Deformed image: ./b.tif \n***\n"
+                              "COORDINATE_X,COORDINATE_Y,DISPLACEMENT_X,DISPLACEMENT_Y,SIGMA,MATCH\n", ",", ",1.0000E-02,0");
+const std::string vectors = rows("x_px;y_px;u_px;v_px;status;sigma_u;sigma_v;score\n", ";", ";valid;0.02;0.03;0.9");
+
+void read_vectors(const char* format, const fs::path& file) {
+  const VectorFiles files({.path = file.string(), .format = format}, "", {});
+  files.read(0);
+}
+
 void attack_texts(int runs) {
   const test::Scratch there;
   const auto file = [&](const char* name) { return there.path / name; };
@@ -148,6 +171,10 @@ void attack_texts(int runs) {
   attack(file("curve.csv"), curve, runs, [&] { read_curve(file("curve.csv"), "", 1); });
   attack(file("p1.vtk"), legacy(false), runs, [&] { read_motion("vtk", file("p1.vtk")); });
   attack(file("p2.vtk"), legacy(true), runs, [&] { read_motion("vtk", file("p2.vtk")); });
+  attack(file("v1.txt"), pivlab, runs, [&] { read_vectors("pivlab", file("v1.txt")); });
+  attack(file("v2.txt"), openpiv, runs, [&] { read_vectors("openpiv", file("v2.txt")); });
+  attack(file("v3.txt"), dice, runs, [&] { read_vectors("dice", file("v3.txt")); });
+  attack(file("v4.csv"), vectors, runs, [&] { read_vectors("csv", file("v4.csv")); });
   attack(file("p3.vtu"), xml, runs, [&] { read_motion("vtu", file("p3.vtu")); });
 }
 

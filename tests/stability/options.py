@@ -53,9 +53,17 @@ SUBMERGED = {"level_m": "0.1"}
 POROUS = {"density_kg_m3": None, "porosity": "0.4", "permeability_m_s": "1e-3"}
 WET = SIMULATION | {"material.soil": {k: v for k, v in (SIMULATION["material.soil"] | POROUS).items() if v}, "water": SUBMERGED,
                     "mpm": {"end_s": "0.005", "output_rate_hz": "400.0"}}
+# Vectors of the same shift at the nodes of a grid, as each format has them.
+VECTORS = {"vectors": {"path": '"csv_1.txt"', "format": '"csv"'}}
+VECTOR_FILES = {
+    "csv": ("x_px,y_px,u_px,v_px\n", "{},{},0.5,0.2\n"),
+    "pivlab": ("x [px],y [px],u [px/frame],v [px/frame],Vector type [-]\n", "{},{},0.5,0.2,1\n"),
+    "openpiv": ("# x\ty\tu\tv\tflags\tmask\n", "{}\t{}\t0.5\t0.2\t0\t0\n"),
+    "dice": ("***\nCOORDINATE_X,COORDINATE_Y,DISPLACEMENT_X,DISPLACEMENT_Y\n", "{},{},0.5,0.2\n"),
+}
 # The case that a section's keys are tried in, and the section's name in it.
 BASES = {
-    "frames": MEASUREMENT, "camera": MEASUREMENT, "grid": MEASUREMENT, "region": SIMULATION, "mask": MEASUREMENT,
+    "frames": MEASUREMENT, "vectors": VECTORS, "camera": MEASUREMENT, "grid": MEASUREMENT, "region": SIMULATION, "mask": MEASUREMENT,
     "piv": MEASUREMENT, "np": MEASUREMENT, "material": SIMULATION, "mpm": SIMULATION, "boundary": SIMULATION,
     "body": SIMULATION, "contact": TWO_BODIES, "compare": BOTH, "compare.limits": BOTH, "report": SIMULATION,
     "output": SIMULATION, "synth": MEASUREMENT, "synth.texture": MEASUREMENT, "synth.material": CARRIED,
@@ -124,6 +132,7 @@ MPM = {
 VALUES = {
     "": {"name": ['"a name"']},
     "frames": {"path": [("DRAWN", {}, {"synth": None})], "first": ["1"], "last": ["3"], "stride": ["2"]},
+    "vectors": {"path": ['"csv_1.txt"'], "format": [(f'"{name}"', {"path": f'"{name}_1.txt"'}) for name in VECTOR_FILES], "rate_hz": ["50.0"]},
     "camera": {"origin_px": ["[10.0, 80.0]"], "points_px": [(TARGETS["camera"]["points_px"], {}, TARGETS)],
                "points_m": [(TARGETS["camera"]["points_m"], {}, TARGETS)], "length_unit": ['"ft"'], "metres_per_pixel": ["0.002"]},
     "grid": {"spacing_px": ["6"], "spacing_m": [("0.008", {"spacing_px": None})], "margin_px": ["10"],
@@ -275,6 +284,8 @@ def main():
         there = scratch / str(number)
         there.mkdir()
         (there / "mask.pgm").write_bytes(b"P5 96 96 255\n" + bytes([0] * 96 * 8 + [255] * 96 * 88))
+        for name, (head, row) in VECTOR_FILES.items():
+            (there / f"{name}_1.txt").write_text(head + "".join(row.format(8 * i, 8 * j) for j in range(1, 7) for i in range(1, 7)))
         text = case_text(section, key, item, drawn / "out" / "frames" / "*.png")
         (there / "case.toml").write_text(text)
         done = run(program, "run", there, "--out", there / "out", "--threads", "1", "--quiet")

@@ -24,7 +24,7 @@ namespace pivnp::report {
 /// A frame to draw under vectors.
 struct Picture {
   int frame = 0;
-  Image image;
+  Image image;  // empty: the frame is not there
 };
 
 /// Any part may be missing: the report then has no section on it.

@@ -145,7 +145,7 @@ std::string caption(const Content& content, const VectorField& field, const Pict
       "Increments measured from " + frame_words(content, field.pair[0]) + " to " + frame_words(content, field.pair[1]);
   if (const auto n = std::size_t(std::max(0, field.pair[0])); n < content.frames.size())
     text += ", t = " + plain(content.frames[n].time) + unit_suffix(content.time_unit);
-  text += ", on " + frame_words(content, picture.frame) + " (contrast softened).";
+  text += picture.image.empty() ? "." : ", on " + frame_words(content, picture.frame) + " (contrast softened).";
   if (plan.stride > 1)
     text += " Arrows: every " +
             std::string(plan.stride == 2   ? "second"
@@ -170,26 +170,29 @@ std::vector<Figure> draw_vectors(const FigureInput& input) {
   const Content& content = input.content;
   std::vector<Figure> figures;
   for (const Picture& picture : content.pictures) {
-    if (picture.image.empty()) continue;
+    const bool pictured = !picture.image.empty();
     const std::size_t at = pair_of(picture.frame, input.pairs);
     if (at == input.pairs.size()) continue;
     const VectorField field = content.pair(at);
 
-    const Box box = image_box(picture.image.width(), picture.image.height(), content.world_from_pixel);
+    const Vec2 beside = field.grid.spacing;  // arrows of the outermost nodes
+    const Box box = pictured ? image_box(picture.image.width(), picture.image.height(), content.world_from_pixel)
+                             : Box{field.grid.origin - beside, field.grid.upper() + beside};
     const double left = 15, right = 3, head = 7, foot = 11, aspect = box.height() / box.width();
     const double w = std::min(figure_width_mm - left - right, (124 - head - foot) / aspect), h = w * aspect;
     const double x = left + (figure_width_mm - left - right - w) / 2;
     auto canvas = std::make_shared<Canvas>(figure_width_mm, head + h + foot);
     const Panel panel = world_panel(*canvas, x, head, w, h, box, content.length_unit, true, true);
     const int pixels = std::clamp(int(w / 25.4 * 220), 64, 1400);
-    canvas->raster(panel, draw_image(picture.image.view(), content.world_from_pixel, box, pixels, 120, 252));
+    if (pictured)
+      canvas->raster(panel, draw_image(picture.image.view(), content.world_from_pixel, box, pixels, 120, 252));
     const Plan plan = plan_arrows(field, w * units_per_mm / box.width());
     draw_vectors(*canvas, panel, field, plan);
     scale_bar(*canvas, panel, box, content.length_unit);
     draw_legend(*canvas, x, x + w, input.pairs[at], plan, content.length_unit);
     figures.push_back({caption(content, field, picture, input.pairs[at], plan), canvas,
                        "vectors_" + std::to_string(figures.size() + 1),
-                       "vectors of a pair on " + frame_words(content, picture.frame)});
+                       pictured ? "vectors of a pair on " + frame_words(content, picture.frame) : "vectors of a pair"});
   }
   return figures;
 }
@@ -204,7 +207,7 @@ bool owns_vectors(std::string_view figure) {
 
 FigureRow vectors_row() {
   return {.name = "vectors",
-          .shows = "the vectors of a pair on its frame",
+          .shows = "the vectors of a pair, on its frame where there is one",
           .section = Section::measurement,
           .applies = [](const FigureInput& i) { return !i.pairs.empty() && !i.content.pictures.empty(); },
           .draw = draw_vectors,

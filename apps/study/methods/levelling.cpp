@@ -300,7 +300,7 @@ void add_levelled(const Case& c, const Setting& setting, const RunSettings& sett
   io::RecordWriter levelled(own.out, head, settings.resume, settings.threads);
   measure(c, setting, *carried, levelled, settings.threads, progress);
   levelled.set_frames(carried->frames());
-  track(c, setting, carried->frames(), *carried, {}, levelled, settings.threads, progress);
+  track(c, setting, carried->frames(), carried.get(), {}, levelled, settings.threads, progress);
   levelled.pack();
   {
     const auto motion = levelled.motion("np");

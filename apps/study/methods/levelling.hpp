@@ -8,7 +8,7 @@
 #include "apps/study/pipeline/settings.hpp"
 #include "compare/compare.hpp"
 #include "pivnp/core/progress.hpp"
-#include "pivnp/io/record.hpp"
+#include "pivnp/io/records/record.hpp"
 
 namespace pivnp::app {
 

@@ -6,7 +6,7 @@
 
 #include "apps/study/pipeline/scene.hpp"
 #include "pivnp/core/progress.hpp"
-#include "pivnp/io/record.hpp"
+#include "pivnp/io/records/record.hpp"
 
 namespace pivnp::app {
 

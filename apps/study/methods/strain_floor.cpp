@@ -54,7 +54,8 @@ void check_strain_floor(const Case& c, const Setting& setting, std::size_t frame
 StrainNote strain_note(const Case& c, const Setting& setting, const MotionSource& motion, bool central) {
   const np::NpOptions options = c.np.value_or(np::NpOptions{});
   StrainNote note;
-  const double window = c.piv.value_or(piv::PivOptions{}).window_px;
+  // What other programs' vectors average over is not known.
+  const double window = setting.imported ? 0 : c.piv.value_or(piv::PivOptions{}).window_px;
   const double pixel = setting.grid.spacing.x() / node_spacing_px(setting);
   note.gauge_length = np::cells_spanned(options.shape) * setting.grid.spacing.maxCoeff() + window * pixel;
   const std::vector<Vec2> vertices = zone(setting, options);

@@ -7,7 +7,8 @@
 namespace pivnp::app {
 
 /// Gauge length: the cells that np.shape spans times the spacing, plus the PIV's window (the virtual strain gauge of
-/// the iDICs guide, 2018: span of the data points plus subset).
+/// the iDICs guide, 2018: span of the data points plus subset); that of other programs' vectors is not known, and is
+/// left out.
 /// Noise floor: RMS of the strains of particles that start in np.still_zone_px or _m and live, at the last frame; or,
 /// with np.still_frames = n, of all particles at frame n - 1, times sqrt((frames - 1)/(n - 1)) for strain_dev and
 /// strain_vol (random errors of the steps) and times that number itself for strain_dev_path (a sum of norms). Else it

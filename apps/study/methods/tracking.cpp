@@ -115,13 +115,17 @@ std::vector<DriftRound> follow(const Case& c, const Setting& setting, const std:
   return corrector.rounds();
 }
 
-TrackOutcome track(const Case& c, const Setting& setting, const std::vector<Frame>& frames, image::FrameSource& source,
+TrackOutcome track(const Case& c, const Setting& setting, const std::vector<Frame>& frames, image::FrameSource* source,
                    const ClosureNote& closure, io::RecordWriter& writer, int threads, Progress& progress) {
   const std::string stage = "motion/np";
   const io::StageState done = writer.stage(stage);
   if (done.complete) return {};
   const np::NpOptions options = c.np.value_or(np::NpOptions{});
-  const Bridges bridges = bridge(c, setting, frames, source, writer, threads);
+  Bridges bridges;
+  if (setting.imported)
+    for (int k = 0; k + 1 < int(frames.size()); ++k) bridges.steps.push_back({k, k + 1});
+  else
+    bridges = bridge(c, setting, frames, *source, writer, threads);
   const Measured measured{bridges.steps,
                           [&](const TrackStep& step) {
                             const auto at = std::find(bridges.bridged.begin(), bridges.bridged.end(), step);
@@ -129,7 +133,7 @@ TrackOutcome track(const Case& c, const Setting& setting, const std::vector<Fram
                                        ? writer.pair(std::size_t(step.from))
                                        : bridges.fields[std::size_t(at - bridges.bridged.begin())];
                           },
-                          [&](int k) { return source.read(k); }, closure};
+                          [&](int k) { return source->read(k); }, closure};
   TrackOutcome outcome;
   outcome.bridged = bridges.bridged;
   np::Tracker tracker(options, all_particles(c, setting, frames, measured, progress), frames.front().time);
@@ -141,7 +145,7 @@ TrackOutcome track(const Case& c, const Setting& setting, const std::vector<Fram
   };
   const bool corrected = options.drift != np::DriftScheme::none;
   DriftCorrector corrector(c, setting, threads);
-  if (corrected) corrector.start(tracker, source.read(0).view());
+  if (corrected) corrector.start(tracker, source->read(0).view());
   const bool resumed = !corrected && done.items > 0;
   if (resumed)
     tracker.load(done.checkpoint);

@@ -9,7 +9,7 @@
 #include "apps/study/methods/drift.hpp"
 #include "apps/study/pipeline/scene.hpp"
 #include "pivnp/core/progress.hpp"
-#include "pivnp/io/record.hpp"
+#include "pivnp/io/records/record.hpp"
 
 namespace pivnp::app {
 
@@ -48,10 +48,11 @@ struct TrackOutcome {
 };
 
 /// The same into the record: motion "np", without a time for dropped frames. A bridging pair is correlated here; it is
-/// used if at least half the usual share of its vectors is valid, else the frames are tracked one by one. Goes on from
+/// used if at least half the usual share of its vectors is valid, else the frames are tracked one by one, as they are
+/// where the vectors are another program's. `source`: nullptr where there are none, and drift is not held. Goes on from
 /// the last closed segment; where drift is corrected, what is already written is tracked again (the same bits) and not
 /// written.
-TrackOutcome track(const Case& c, const Setting& setting, const std::vector<Frame>& frames, image::FrameSource& source,
+TrackOutcome track(const Case& c, const Setting& setting, const std::vector<Frame>& frames, image::FrameSource* source,
                    const ClosureNote& closure, io::RecordWriter& writer, int threads, Progress& progress);
 
 /// Dropped frames, and what drift correction came to.

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "compare/data/options.hpp"
-#include "pivnp/io/record.hpp"
+#include "pivnp/io/records/record.hpp"
 
 namespace pivnp::app {
 

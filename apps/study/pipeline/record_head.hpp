@@ -3,7 +3,7 @@
 
 #include "apps/study/pipeline/scene.hpp"
 #include "apps/study/pipeline/settings.hpp"
-#include "pivnp/io/record.hpp"
+#include "pivnp/io/records/record.hpp"
 
 namespace pivnp::app {
 

@@ -5,7 +5,7 @@
 #include "apps/report/report.hpp"
 #include "apps/study/pipeline/outcome.hpp"
 #include "pivnp/core/error.hpp"
-#include "pivnp/io/record.hpp"
+#include "pivnp/io/records/record.hpp"
 
 namespace pivnp::app {
 
@@ -13,8 +13,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The pictures under vectors: the frames nearest to the report's times, at most three, never one twice.
-std::vector<report::Picture> pictures(const Case& c, const io::RecordReader& record, image::FrameSource& source) {
+// The pictures under vectors: the frames nearest to the report's times, at most three, never one twice; without images
+// where there is no source of them.
+std::vector<report::Picture> pictures(const Case& c, const io::RecordReader& record, image::FrameSource* source) {
   const std::vector<Frame>& frames = record.frames();
   std::vector<double> times = c.report.times_s;
   if (times.empty())
@@ -30,7 +31,7 @@ std::vector<report::Picture> pictures(const Case& c, const io::RecordReader& rec
   std::sort(chosen.begin(), chosen.end());
   if (chosen.size() > 3) chosen.resize(3);
   std::vector<report::Picture> out;
-  for (const int index : chosen) out.push_back({index, source.read(index)});
+  for (const int index : chosen) out.push_back({index, source ? source->read(index) : Image()});
   return out;
 }
 
@@ -45,7 +46,7 @@ void write_report_of(const Case& c, RunOutcome& outcome, std::optional<Compariso
   if (comparison) outcome.remarks.insert(outcome.remarks.end(), comparison->remarks.begin(), comparison->remarks.end());
   input.comparison = std::move(comparison);
   input.remarks = outcome.remarks;
-  if (source != nullptr && record.pair_count() > 0) input.pictures = pictures(c, record, *source);
+  if (record.pair_count() > 0) input.pictures = pictures(c, record, source);
   report::write_report(c.report, input, directory);
   outcome.report_html = directory / "report.html";
   outcome.report_pdf = directory / "report.pdf";

@@ -113,6 +113,42 @@ Grid make_grid(const Case& c, const Setting& setting) {
   return grid;
 }
 
+// The nodes of vectors that were read from files, in the world.
+Grid imported_grid(const Case& c, const Setting& setting, const Grid& given, bool pixels) {
+  if (!pixels) return given;
+  if (!setting.camera.plain())
+    throw InputError(of_file(c) + ": camera.points_px: given together with [vectors] in pixels, whose grid would not be "
+                                  "regular in the world; expected metres_per_pixel");
+  const double scale = setting.camera.jacobian({0, 0})(0, 0);  // of world = scale (column, -row) + shift
+  Grid grid = given;
+  grid.origin = setting.camera.to_world({given.origin.x(), -given.origin.y()});
+  grid.spacing = scale * given.spacing;
+  require_inside(c, grid, setting.camera, setting.width, setting.height);
+  return grid;
+}
+
+// What a case cannot say of vectors in lengths, which have no pixels.
+void check_lengths(const Case& c, bool pictured) {
+  const bool scaled = c.camera.metres_per_pixel || !c.camera.points_px.empty();
+  if (pictured && !scaled)
+    throw InputError(of_file(c) + ": camera.metres_per_pixel: left out, expected the scale of the frames, since the files "
+                                  "of [vectors] hold lengths");
+  if (pictured) return;
+  if (scaled)
+    throw InputError(of_file(c) + ": camera.metres_per_pixel: given, but there are no pixels: the files of [vectors] hold "
+                                  "lengths, and there are no frames");
+  for (const auto& [name, region] : c.regions)
+    if (!region.polygon_px.empty())
+      throw InputError(of_file(c) + ": region." + name + ".polygon_px: given, but there are no pixels: the files of "
+                                    "[vectors] hold lengths, and there are no frames");
+  if (c.np && !c.np->still_zone_px.empty())
+    throw InputError(of_file(c) + ": np.still_zone_px: given, but there are no pixels: the files of [vectors] hold lengths, "
+                                  "and there are no frames");
+  if (!c.masks.empty())
+    throw InputError(of_file(c) + ": mask." + c.masks.front().first + ": given, but there are no pixels: the files of "
+                                  "[vectors] hold lengths, and there are no frames");
+}
+
 }  // namespace
 
 std::string of_file(const Case& c) { return c.file.empty() ? c.name : c.file.string(); }
@@ -146,8 +182,15 @@ void keep_only(ParticleSet& set, const std::vector<bool>& keep) {
   set.end_reason.resize(out);
 }
 
-Setting make_setting(const Case& c, int width, int height) {
+Setting make_setting(const Case& c, int width, int height, const io::VectorFiles* measured) {
   Setting setting;
+  setting.imported = measured != nullptr;
+  if (measured && !measured->pixels()) check_lengths(c, width > 0);
+  if (measured && measured->pixels() && width == 0) {
+    const Grid& nodes = measured->grid();
+    width = int(std::ceil(nodes.upper().x())) + 1;
+    height = int(std::ceil(-nodes.origin.y())) + 1;
+  }
   setting.width = width;
   setting.height = height;
   const bool calibrated = c.camera.metres_per_pixel || !c.camera.points_px.empty();
@@ -161,7 +204,7 @@ Setting make_setting(const Case& c, int width, int height) {
         of_file(c) + ": region." + name + (options.polygon_px.empty() ? ".polygon_m" : ".polygon_px");
     setting.regions.push_back({name, world_polygon(options, setting.camera, what)});
   }
-  setting.grid = make_grid(c, setting);
+  setting.grid = measured ? imported_grid(c, setting, measured->grid(), measured->pixels()) : make_grid(c, setting);
   if (setting.regions.empty()) {
     const Vec2 a = setting.grid.origin, b = setting.grid.upper();
     setting.regions.push_back({c.materials.size() == 1 ? c.materials.front().first : "all",

@@ -11,7 +11,8 @@
 #include "pivnp/core/record/vectors.hpp"
 #include "pivnp/image/camera.hpp"
 #include "pivnp/image/mask.hpp"
-#include "pivnp/io/file_identity.hpp"
+#include "pivnp/io/files/file_identity.hpp"
+#include "pivnp/io/imports/import_vectors.hpp"
 #include "pivnp/piv/piv.hpp"
 
 namespace pivnp::app {
@@ -36,12 +37,15 @@ struct Setting {
   image::Mask mask;
   Grid grid;                    // the shared nodes
   std::vector<Region> regions;  // in the world; the whole grid if the case names none
+  bool imported = false;        // the nodes are those of other programs' vectors
   std::vector<io::FileIdentity> sources;  // of a run: the files its frames and masks come from (sources_of)
 };
 
 /// Throws InputError where grid, masks or regions do not fit the frames. `width` = 0: no frames; the grid then comes
-/// from [grid] area_m and spacing_m, or from the MPM domain or the regions' extent.
-Setting make_setting(const Case& c, int width, int height);
+/// from [grid] area_m and spacing_m, or from the MPM domain or the regions' extent. `measured`: other programs' vectors,
+/// whose nodes the grid then has; in pixels, and without frames, the image is taken to end with their last row and
+/// column.
+Setting make_setting(const Case& c, int width, int height, const io::VectorFiles* measured = nullptr);
 
 /// Where the grid's nodes are in the image.
 piv::NodeLattice node_lattice(const Setting& setting);

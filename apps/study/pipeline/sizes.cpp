@@ -98,6 +98,7 @@ void require_at_most(double count, double most, const std::string& what, const s
 GivenSpacing given_spacing(const Case& c) {
   if (c.grid.spacing_m) return {"grid.spacing_m", toml_text(c.grid.spacing_m)};
   if (c.grid.spacing_px) return {"grid.spacing_px", toml_text(c.grid.spacing_px)};
+  if (c.vectors) return {"vectors.path", toml_text(c.vectors->path)};
   return {"grid.spacing_px", "half the window"};
 }
 
@@ -112,7 +113,7 @@ void require_drawable(const SynthOptions& synth, const image::TextureOptions& te
 CaseSize size_of(const Case& c, const Setting& setting, std::size_t frames, double end_s) {
   CaseSize size;
   const GivenSpacing spacing = given_spacing(c);
-  if (setting.width > 0) {
+  if (setting.width > 0 || setting.imported) {
     size.nodes = double(setting.grid.nx) * double(setting.grid.ny);
     size.particles = filled(setting, setting.grid, c.np.value_or(np::NpOptions{}).per_element);
     require_at_most(size.particles, most_particles, "numerical particles", spacing.key, spacing.value);

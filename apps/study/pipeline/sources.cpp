@@ -6,7 +6,8 @@ namespace pivnp::app {
 
 namespace fs = std::filesystem;
 
-std::vector<io::FileIdentity> sources_of(const Case& c, const image::FrameSource* source, Progress& progress) {
+std::vector<io::FileIdentity> sources_of(const Case& c, const image::FrameSource* source, const io::VectorFiles* vectors,
+                                         Progress& progress) {
   std::vector<io::FileIdentity> sources;
   const std::vector<fs::path> files = source ? source->files() : std::vector<fs::path>{};
   for (std::size_t k = 0; k < files.size(); ++k) {
@@ -18,6 +19,11 @@ std::vector<io::FileIdentity> sources_of(const Case& c, const image::FrameSource
   if (source)
     for (const auto& [name, mask] : c.masks)
       if (!mask.image.empty()) sources.push_back(io::identity_of(c.folder / mask.image, mask.image));
+  if (vectors)
+    for (const fs::path& file : vectors->files()) {
+      if (progress.stop_requested()) throw Interrupted();
+      sources.push_back(io::identity_of(file, file.filename().string()));
+    }
   return sources;
 }
 

@@ -8,6 +8,7 @@
 #include "apps/report/figures/check_figure.hpp"
 #include "apps/study/methods/peak_locking.hpp"
 #include "apps/study/methods/strain_floor.hpp"
+#include "apps/study/pipeline/imported_vectors.hpp"
 #include "apps/study/pipeline/placed.hpp"
 #include "apps/study/pipeline/scene.hpp"
 #include "apps/study/pipeline/simulation_scene.hpp"
@@ -82,12 +83,16 @@ CheckOutcome checked(const Case& given, const RunSettings& settings, Progress& p
     c.frames->stride = 1;
   }
   const std::unique_ptr<image::FrameSource> source = case_frames(c, own, progress);
-  const Setting setting = make_setting(c, source ? source->width() : 0, source ? source->height() : 0);
-  const std::size_t frames = draws ? std::size_t(frames_drawn) : source ? source->frames().size() : 0;
+  const std::unique_ptr<io::VectorFiles> vectors = case_vectors(c, source.get());
+  const Setting setting =
+      make_setting(c, source ? source->width() : 0, source ? source->height() : 0, vectors.get());
+  const std::vector<Frame> listed = source ? source->frames() : vectors ? frames_of(*vectors, c) : std::vector<Frame>{};
+  const std::size_t frames = draws ? std::size_t(frames_drawn) : listed.size();
   const double rate = c.frames ? c.frames->rate_hz.value_or(1.0) : 1.0;
-  const double end_s = draws ? double(frames_drawn - 1) / rate : source ? source->frames().back().time : 0.0;
+  const double end_s = draws ? double(frames_drawn - 1) / rate : listed.empty() ? 0.0 : listed.back().time;
+  const bool measures = source || vectors;
   const CaseSize size = size_of(c, setting, frames, end_s);
-  if (source) {
+  if (measures) {
     seed_particles(c, setting);  // throws where a region holds none
     check_strain_floor(c, setting, frames);
   }
@@ -95,13 +100,16 @@ CheckOutcome checked(const Case& given, const RunSettings& settings, Progress& p
     mpm::Solver solver = make_solver(c, setting, 1);  // likewise
     if (c.mpm->initial_equilibrium) solver.require_held();
   }
-  if (source && c.mpm) check_compared_zones(c, setting);
+  if (measures && c.mpm) check_compared_zones(c, setting);
   CheckOutcome outcome{{}, {text_of(size)}};
-  if (!source) return outcome;
+  if (!measures) return outcome;
 
   report::CheckInput input;
-  const Image first = source->read(0);
-  input.image = first.view();
+  Image first;
+  if (source) {
+    first = source->read(0);
+    input.image = first.view();
+  }
   input.mask = setting.mask.view();
   input.world_from_pixel = setting.camera.world_from_pixel();
   input.length_unit = setting.camera.length_unit();
@@ -115,7 +123,8 @@ CheckOutcome checked(const Case& given, const RunSettings& settings, Progress& p
     input.outlines.push_back({Kind::body, name, b.circle_m.empty() ? positions_of(b.polygon_m) : circle(b.circle_m), true});
   outcome.picture = settings.out / "check.png";
   report::write_check(input, outcome.picture);
-  for (std::string& remark : texture_remarks(setting, first)) outcome.remarks.push_back(std::move(remark));
+  if (source && !vectors)
+    for (std::string& remark : texture_remarks(setting, first)) outcome.remarks.push_back(std::move(remark));
   return outcome;
 }
 

@@ -17,8 +17,8 @@ struct CheckOutcome {
 };
 
 /// Validates a case against its frames and what its simulation asks for, and draws OUT/check.png: the first frame with
-/// grid, masks, regions, boundaries and a scale bar. Without frames nothing is drawn (`picture` is empty). A check that
-/// fails leaves no file or folder behind.
+/// grid, masks, regions, boundaries and a scale bar; with [vectors] alone the same without a frame. Where nothing is
+/// measured nothing is drawn (`picture` is empty). A check that fails leaves no file or folder behind.
 CheckOutcome check_case(const Case& c, const RunSettings& settings, Progress& progress);
 
 }  // namespace pivnp::app

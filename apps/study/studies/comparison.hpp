@@ -7,12 +7,12 @@
 #include "apps/case/case.hpp"
 #include "apps/study/pipeline/settings.hpp"
 #include "compare/compare.hpp"
-#include "pivnp/io/record.hpp"
+#include "pivnp/io/records/record.hpp"
 
 namespace pivnp::app {
 
 /// What is compared, each "RECORD.h5" or "RECORD.h5:motion" (a record with one motion needs no name), or results of
-/// another program (pivnp/io/import_motion.hpp), or both of them histories (studies/histories.hpp).
+/// another program (pivnp/io/imports/import_motion.hpp), or both of them histories (studies/histories.hpp).
 struct CompareSources {
   std::string first, second;
   std::vector<std::string> coarser;  // the second on coarser grids, the finer one first

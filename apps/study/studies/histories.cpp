@@ -12,8 +12,8 @@
 #include "pivnp/core/choice.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/alive.hpp"
-#include "pivnp/io/import_format.hpp"
-#include "pivnp/io/record.hpp"
+#include "pivnp/io/imports/import_format.hpp"
+#include "pivnp/io/records/record.hpp"
 
 namespace pivnp::app {
 

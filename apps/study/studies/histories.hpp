@@ -7,7 +7,7 @@
 
 namespace pivnp::app {
 
-/// True for "FORMAT=FILE[:COLUMN]" with a FORMAT that reads curves (history; pivnp/io/import_format.hpp) and
+/// True for "FORMAT=FILE[:COLUMN]" with a FORMAT that reads curves (history; pivnp/io/imports/import_format.hpp) and
 /// "front=RECORD[:motion]", "front_left=RECORD[:motion]".
 bool is_history(const std::string& text);
 

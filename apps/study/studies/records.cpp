@@ -8,8 +8,8 @@
 #include "apps/study/studies/histories.hpp"
 #include "compare/metrics/limits.hpp"
 #include "pivnp/core/error.hpp"
-#include "pivnp/io/import_motion.hpp"
-#include "pivnp/io/record.hpp"
+#include "pivnp/io/imports/import_motion.hpp"
+#include "pivnp/io/records/record.hpp"
 
 namespace pivnp::app {
 
@@ -128,7 +128,7 @@ RunOutcome report_record(const fs::path& given, const RunSettings& settings, Pro
       if (!c.frames) c.frames = image::FrameOptions{};
       c.frames->path = fs::absolute(*settings.frames).string();
     }
-    if (c.frames && record.pair_count() > 0) {
+    if (c.frames && !c.frames->path.empty() && record.pair_count() > 0) {
       try {
         source = image::open_frames(*c.frames, c.folder);
         if (!same_names(source->frames(), record.frames())) {

@@ -10,6 +10,7 @@
 #include "apps/study/methods/simulation.hpp"
 #include "apps/study/methods/strain_floor.hpp"
 #include "apps/study/methods/tracking.hpp"
+#include "apps/study/pipeline/imported_vectors.hpp"
 #include "apps/study/pipeline/measure.hpp"
 #include "apps/study/pipeline/outcome.hpp"
 #include "apps/study/pipeline/placed.hpp"
@@ -51,7 +52,7 @@ class Run {
  public:
   Run(const Case& given, const RunSettings& settings, Stages stages, Progress& progress)
       : settings_(settings), progress_(progress), c_(given) {
-    measures = stages != Stages::simulate && (c_.frames || c_.synth || settings.frames);
+    measures = stages != Stages::simulate && (c_.frames || c_.vectors || c_.synth || settings.frames);
     tracks = measures && stages != Stages::piv;
     simulates = c_.mpm && (stages == Stages::all || stages == Stages::simulate);
     if (!measures && !simulates)
@@ -60,33 +61,41 @@ class Run {
     fs::create_directories(settings.out, failed);
     if (failed) throw RunError(settings.out.string() + ": " + failed.message());
     lock_ = std::make_shared<io::DirectoryLock>(settings.out);
-    if (measures || c_.frames) open_frames();
-    setting_ = make_setting(c_, source_ ? source_->width() : 0, source_ ? source_->height() : 0);
+    if (measures || c_.frames || c_.vectors) open_frames();
+    setting_ = make_setting(c_, source_ ? source_->width() : 0, source_ ? source_->height() : 0, vectors_.get());
     const CaseSize size = size_of(c_, setting_, frames_.size(), frames_.empty() ? 0.0 : frames_.back().time);
     if (!settings.resume) require_room(c_, size, settings.out);
     if (tracks) check_strain_floor(c_, setting_, frames_.size());
     if (tracks && simulates) check_compared_zones(c_, setting_);
-    setting_.sources = sources_of(c_, source_.get(), progress);
+    setting_.sources = sources_of(c_, source_.get(), vectors_.get(), progress);
     writer_ = std::make_unique<io::RecordWriter>(settings.out, head(), settings.resume, settings.threads, lock_);
   }
 
   bool measures = false, tracks = false, simulates = false;
 
   void measure_vectors() {
-    measure(c_, setting_, *source_, *writer_, settings_.threads, progress_);
+    if (vectors_)
+      import_vectors(*vectors_, setting_, *writer_, progress_);
+    else
+      measure(c_, setting_, *source_, *writer_, settings_.threads, progress_);
+    central_ = writer_->pair(0).anchor == Anchor::central;
     frames_ = flagged_frames(std::move(frames_), *writer_);
     writer_->set_frames(frames_);
-    outcome_.remarks = texture_remarks(setting_, source_->read(0));
-    append(fraction_remarks(setting_, frames_.size() - 1, [&](std::size_t k) { return writer_->pair(k); }),
-           outcome_.remarks);
-    closure_ = check_closure(
-        c_, setting_, *source_, [&](int k) { return writer_->pair(std::size_t(k)); }, settings_.threads, progress_);
+    outcome_.remarks = vectors_ ? remarks_on_import(*vectors_, c_) : texture_remarks(setting_, source_->read(0));
+    if (setting_.width > 0)
+      append(fraction_remarks(setting_, frames_.size() - 1, [&](std::size_t k) { return writer_->pair(k); }),
+             outcome_.remarks);
+    if (vectors_)
+      closure_.verdict = "not checked: the vectors are another program's";
+    else
+      closure_ = check_closure(
+          c_, setting_, *source_, [&](int k) { return writer_->pair(std::size_t(k)); }, settings_.threads, progress_);
     writer_->set_closure(closure_);
     append(closure_remarks(closure_, setting_), outcome_.remarks);
   }
 
   void follow_particles() {
-    tracked_ = track(c_, setting_, frames_, *source_, closure_, *writer_, settings_.threads, progress_);
+    tracked_ = track(c_, setting_, frames_, source_.get(), closure_, *writer_, settings_.threads, progress_);
   }
 
   void simulate_motion() {
@@ -99,8 +108,7 @@ class Run {
   }
 
   void note_strains() {
-    const bool central = !c_.piv || c_.piv->anchor == Anchor::central;
-    note_ = strain_note(c_, setting_, *writer_->motion("np"), central);
+    note_ = strain_note(c_, setting_, *writer_->motion("np"), central_);
     writer_->set_strain_note("np", note_);
   }
 
@@ -135,15 +143,16 @@ class Run {
 
  private:
   void open_frames() {
-    source_ = image::prefetched(case_frames(c_, settings_, progress_, lock_.get()));
-    frames_ = source_->frames();
+    if (auto frames = case_frames(c_, settings_, progress_, lock_.get())) source_ = image::prefetched(std::move(frames));
+    vectors_ = case_vectors(c_, source_.get());
+    frames_ = source_ ? source_->frames() : frames_of(*vectors_, c_);
     if (measures && frames_.size() < 2)
       throw InputError(c_.frames->path + ": found 1 frame, expected at least 2 to measure motion");
   }
 
   io::RecordHead head() const {
     io::RecordHead head = record_head(c_, setting_, settings_);
-    head.time_unit = !source_ || source_->has_rate() ? "s" : "frame";
+    head.time_unit = (!source_ && !vectors_) || has_rate(c_, source_.get()) ? "s" : "frame";
     head.camera_residual = setting_.camera.residual();
     if (c_.camera.metres_per_pixel) head.metres_per_pixel = c_.camera.metres_per_pixel;
     return head;
@@ -154,9 +163,11 @@ class Run {
   Case c_;
   std::shared_ptr<const io::DirectoryLock> lock_;  // of the output folder, drawn frames included
   std::unique_ptr<image::FrameSource> source_;
+  std::unique_ptr<io::VectorFiles> vectors_;
   std::vector<Frame> frames_;
   Setting setting_;
   std::unique_ptr<io::RecordWriter> writer_;
+  bool central_ = true;  // the vectors' anchor
   ClosureNote closure_;
   TrackOutcome tracked_;
   StrainNote note_;

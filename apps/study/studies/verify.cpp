@@ -18,7 +18,7 @@
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/strain.hpp"
 #include "pivnp/core/text.hpp"
-#include "pivnp/io/record.hpp"
+#include "pivnp/io/records/record.hpp"
 #include "pivnp/np/tracker.hpp"
 
 namespace pivnp::app {

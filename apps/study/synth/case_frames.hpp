@@ -7,7 +7,7 @@
 #include "apps/study/pipeline/settings.hpp"
 #include "pivnp/core/progress.hpp"
 #include "pivnp/image/frames.hpp"
-#include "pivnp/io/directory_lock.hpp"
+#include "pivnp/io/files/directory_lock.hpp"
 
 namespace pivnp::app {
 

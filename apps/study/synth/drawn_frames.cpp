@@ -8,7 +8,7 @@
 
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/version.hpp"
-#include "pivnp/io/record.hpp"
+#include "pivnp/io/records/record.hpp"
 
 namespace pivnp::app {
 

@@ -12,7 +12,7 @@
 #include "pivnp/core/error.hpp"
 #include "pivnp/image/synthetic.hpp"
 #include "pivnp/image/write.hpp"
-#include "pivnp/io/record.hpp"
+#include "pivnp/io/records/record.hpp"
 
 namespace pivnp::app {
 

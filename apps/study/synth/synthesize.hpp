@@ -4,7 +4,7 @@
 #include "apps/case/case.hpp"
 #include "apps/study/pipeline/settings.hpp"
 #include "pivnp/core/progress.hpp"
-#include "pivnp/io/directory_lock.hpp"
+#include "pivnp/io/files/directory_lock.hpp"
 
 namespace pivnp::app {
 

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <iterator>
 #include <random>
 
 #include "apps/case/fields.hpp"
@@ -48,7 +49,7 @@ class Draw {
   template <Choice E>
   void operator()(std::string_view, E& value, const OptionInfo&) {
     const auto& names = names_of(E{});
-    value = names[random_() % names.size()].value;
+    value = std::next(names.begin(), std::ptrdiff_t(random_() % names.size()))->value;
   }
   template <class T>
   void operator()(std::string_view name, std::optional<T>& value, const OptionInfo& info) {

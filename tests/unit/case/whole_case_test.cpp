@@ -109,7 +109,7 @@ TEST(WholeCase, MaterialConstants) {
 
 TEST(WholeCase, StagesWithoutFrames) {
   EXPECT_EQ(refusal("[np]\nper_element = 4\n"),
-            "c.toml:1: [np]: there are no frames to measure; expected [frames] or [synth]");
+            "c.toml:1: [np]: there are no frames to measure; expected [frames], [vectors] or [synth]");
   EXPECT_EQ(refusal("[piv]\n"), "c.toml:1: [piv]: there are no frames to measure; expected [frames] or [synth]");
   EXPECT_EQ(refusal(changed("[frames]\npath = \"frames/*.png\"\n", "")),
             "c.toml:10: mpm.end_s: missing; without frames the end of the simulation must be given (s)");

@@ -13,9 +13,9 @@
 #include "apps/cli/commands.hpp"
 #include "apps/cli/signals.hpp"
 #include "pivnp/core/error.hpp"
-#include "pivnp/io/import_format.hpp"
-#include "tests/unit/cli/fake_study.hpp"
+#include "pivnp/io/imports/import_format.hpp"
 #include "tests/support/added.hpp"
+#include "tests/unit/cli/fake_study.hpp"
 
 namespace pivnp::app {
 namespace {

@@ -31,8 +31,8 @@ using Choice = std::tuple<ShapeKind, TransferKind, Locking>;
 std::vector<Choice> choices() {
   std::vector<Choice> all;
   for (const ShapeRow& shape : shape_rows)
-    for (const TransferRow& transfer : transfer_rows)
-      for (const LockingRow& locking : locking_rows)
+    for (const TransferRow& transfer : transfers())
+      for (const LockingRow& locking : lockings())
         if (!(shape.centred() && locking.of_elements)) all.emplace_back(shape.value, transfer.value, locking.value);
   return all;
 }

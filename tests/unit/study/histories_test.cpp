@@ -8,7 +8,7 @@
 
 #include "apps/study/study.hpp"
 #include "pivnp/core/error.hpp"
-#include "pivnp/io/record.hpp"
+#include "pivnp/io/records/record.hpp"
 #include "tests/support/scratch.hpp"
 
 namespace pivnp::app {

@@ -11,9 +11,9 @@
 #include "apps/study/study.hpp"
 #include "compare/metrics/rows.hpp"
 #include "pivnp/core/error.hpp"
-#include "pivnp/io/record.hpp"
-#include "tests/support/scratch.hpp"
+#include "pivnp/io/records/record.hpp"
 #include "tests/support/added.hpp"
+#include "tests/support/scratch.hpp"
 
 namespace pivnp::app {
 namespace {

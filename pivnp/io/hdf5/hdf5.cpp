@@ -1,0 +1,234 @@
+#include "pivnp/io/hdf5/hdf5.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "pivnp/core/error.hpp"
+#include "pivnp/io/hdf5/hdf5_internal.hpp"
+
+namespace pivnp::io::h5 {
+
+hid_t memory_type(Type type) {
+  switch (type) {
+    case Type::f32: return H5T_NATIVE_FLOAT;
+    case Type::f64: return H5T_NATIVE_DOUBLE;
+    case Type::u8: return H5T_NATIVE_UINT8;
+    case Type::i32: return H5T_NATIVE_INT32;
+    case Type::i64: return H5T_NATIVE_INT64;
+  }
+  return -1;
+}
+
+std::size_t size_of(Type type) {
+  switch (type) {
+    case Type::u8: return 1;
+    case Type::f32:
+    case Type::i32: return 4;
+    case Type::f64:
+    case Type::i64: return 8;
+  }
+  return 0;
+}
+
+std::size_t product(const Shape& shape, std::size_t from) {
+  std::size_t n = 1;
+  for (std::size_t k = from; k < shape.size(); ++k) n *= shape[k];
+  return n;
+}
+
+void silence() {
+  static const bool done = [] { return H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr) >= 0; }();
+  (void)done;
+}
+
+Handle text_type() {
+  Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(type.get(), H5T_VARIABLE);
+  H5Tset_cset(type.get(), H5T_CSET_UTF8);
+  return type;
+}
+
+std::string last_cause() {
+  std::string text;
+  // Upward: the first entry is the innermost, which knows the cause.
+  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD,
+           [](unsigned n, const H5E_error2_t* e, void* out) -> herr_t {
+             if (n == 0 && e->desc) *static_cast<std::string*>(out) = e->desc;
+             return 0;
+           },
+           &text);
+  return text.empty() ? "unknown cause" : text;
+}
+
+namespace {
+
+[[noreturn]] void unreadable(const std::string& label) {
+  throw InputError(label + ": cannot be read (" + last_cause() + ")");
+}
+
+constexpr double most_values = 1e15;
+
+std::string shape_text(const Shape& shape) {
+  std::string text = "[";
+  for (std::size_t k = 0; k < shape.size(); ++k) text += (k ? ", " : "") + std::to_string(shape[k]);
+  return text + "]";
+}
+
+Shape shape_of(hid_t space) {
+  Shape shape(static_cast<std::size_t>(std::max(0, H5Sget_simple_extent_ndims(space))));
+  H5Sget_simple_extent_dims(space, shape.data(), nullptr);
+  return shape;
+}
+
+// Strings of an attribute or a dataset, variable-length or fixed, by the reading function given.
+std::vector<std::string> read_texts(hid_t space, hid_t file_type, const std::string& label, const auto& read) {
+  if (H5Tget_class(file_type) != H5T_STRING) throw InputError(label + ": is not text");
+  const auto count = static_cast<std::size_t>(std::max<hssize_t>(0, H5Sget_simple_extent_npoints(space)));
+  std::vector<std::string> out(count);
+  if (count == 0) return out;
+  if (H5Tis_variable_str(file_type) > 0) {
+    const Handle type = text_type();
+    H5Tset_cset(type.get(), H5Tget_cset(file_type));
+    std::vector<char*> raw(count, nullptr);
+    if (read(type.get(), raw.data()) < 0) unreadable(label);
+    for (std::size_t k = 0; k < count; ++k) out[k] = raw[k] ? raw[k] : "";
+    H5Dvlen_reclaim(type.get(), space, H5P_DEFAULT, raw.data());
+    return out;
+  }
+  const std::size_t width = H5Tget_size(file_type);
+  std::vector<char> raw(count * width);
+  if (read(file_type, raw.data()) < 0) unreadable(label);
+  for (std::size_t k = 0; k < count; ++k) {
+    out[k].assign(raw.data() + k * width, width);
+    out[k].erase(std::find(out[k].begin(), out[k].end(), '\0'), out[k].end());
+  }
+  return out;
+}
+
+}  // namespace
+
+void Dataset::expect(const Shape& expected) const {
+  if (shape_ != expected)
+    throw InputError(label_ + ": has shape " + shape_text(shape_) + ", expected " + shape_text(expected));
+}
+
+void Dataset::read(Type type, std::size_t first, std::size_t count, void* out) const {
+  if (shape_.empty()) {
+    if (H5Dread(id_.get(), memory_type(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, out) < 0) unreadable(label_);
+    return;
+  }
+  if (first + count > shape_[0])
+    throw InputError(label_ + ": has " + std::to_string(shape_[0]) + " items, item " +
+                     std::to_string(first + count - 1) + " was asked for");
+  if (count == 0 || product(shape_) == 0) return;
+  Shape start(shape_.size(), 0), extent = shape_;
+  start[0] = first;
+  extent[0] = count;
+  const Handle space(H5Dget_space(id_.get()), H5Sclose);
+  const Handle memory(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr), H5Sclose);
+  if (H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start.data(), nullptr, extent.data(), nullptr) < 0 ||
+      H5Dread(id_.get(), memory_type(type), memory.get(), space.get(), H5P_DEFAULT, out) < 0)
+    unreadable(label_);
+}
+
+Source::Source(const std::filesystem::path& path) : name_(path.string()) {
+  silence();
+  if (!std::filesystem::exists(path)) throw InputError(name_ + ": no such file");
+  if (std::filesystem::is_directory(path)) throw InputError(name_ + ": is a directory, expected an HDF5 file");
+  if (H5Fis_hdf5(name_.c_str()) <= 0) throw InputError(name_ + ": not an HDF5 file, expected a record of pivnp");
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+#if H5_VERSION_GE(1, 10, 7)
+  H5Pset_file_locking(access.get(), false, true);  // records are only ever replaced whole
+#endif
+  own_ = Handle(H5Fopen(name_.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose);
+  if (!own_) throw InputError(name_ + ": a truncated or damaged HDF5 file (" + last_cause() + ")");
+  id_ = own_.get();
+}
+
+bool Source::has(const std::string& path) const {
+  // Every group on the way must be there, or HDF5 calls the question an error.
+  for (std::size_t at = path.find('/', 1);; at = path.find('/', at + 1)) {
+    const std::string part = path.substr(0, at);
+    if (part != "/" && H5Lexists(id_, part.c_str(), H5P_DEFAULT) <= 0) return false;
+    if (at == std::string::npos) return true;
+  }
+}
+
+bool Source::has_attribute(const std::string& object, const std::string& name) const {
+  return has(object) && H5Aexists_by_name(id_, object.c_str(), name.c_str(), H5P_DEFAULT) > 0;
+}
+
+Dataset Source::dataset(const std::string& path) const {
+  const std::string label = name_ + ": " + path;
+  if (!has(path)) throw InputError(label + ": is missing");
+  Handle id(H5Dopen2(id_, path.c_str(), H5P_DEFAULT), H5Dclose);
+  if (!id) unreadable(label);
+  const Handle space(H5Dget_space(id.get()), H5Sclose);
+  Shape shape = shape_of(space.get());
+  double values = 1;
+  for (const hsize_t n : shape) values *= double(n);
+  if (!(values < most_values)) throw InputError(label + ": has shape " + shape_text(shape) + ", more than can be read");
+  return Dataset(std::move(id), std::move(shape), label);
+}
+
+namespace {
+
+Handle open_attribute(const Source& source, const std::string& object, const std::string& name, std::string& label) {
+  label = source.name() + ": " + object + ": attribute '" + name + "'";
+  if (!source.has_attribute(object, name)) throw InputError(label + " is missing");
+  Handle id(H5Aopen_by_name(source.id(), object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  if (!id) unreadable(label);
+  return id;
+}
+
+}  // namespace
+
+std::string Source::attribute_text(const std::string& object, const std::string& name) const {
+  std::string label;
+  const Handle id = open_attribute(*this, object, name, label);
+  const Handle space(H5Aget_space(id.get()), H5Sclose), type(H5Aget_type(id.get()), H5Tclose);
+  const auto texts =
+      read_texts(space.get(), type.get(), label, [&](hid_t t, void* out) { return H5Aread(id.get(), t, out); });
+  return texts.empty() ? "" : texts[0];
+}
+
+std::vector<double> Source::attribute_numbers(const std::string& object, const std::string& name) const {
+  std::string label;
+  const Handle id = open_attribute(*this, object, name, label);
+  const Handle space(H5Aget_space(id.get()), H5Sclose);
+  std::vector<double> out(static_cast<std::size_t>(std::max<hssize_t>(0, H5Sget_simple_extent_npoints(space.get()))));
+  if (!out.empty() && H5Aread(id.get(), H5T_NATIVE_DOUBLE, out.data()) < 0) unreadable(label);
+  return out;
+}
+
+double Source::attribute_number(const std::string& object, const std::string& name) const {
+  const std::vector<double> values = attribute_numbers(object, name);
+  if (values.size() != 1) throw InputError(name_ + ": " + object + ": attribute '" + name + "' is not one number");
+  return values[0];
+}
+
+std::vector<std::string> Source::texts(const std::string& path) const {
+  const Dataset d = dataset(path);
+  const Handle space(H5Dget_space(d.id()), H5Sclose), type(H5Dget_type(d.id()), H5Tclose);
+  return read_texts(space.get(), type.get(), d.label(),
+                    [&](hid_t t, void* out) { return H5Dread(d.id(), t, H5S_ALL, H5S_ALL, H5P_DEFAULT, out); });
+}
+
+std::vector<std::string> Source::children(const std::string& group) const {
+  std::vector<std::string> names;
+  if (!has(group)) return names;
+  const Handle id(H5Gopen2(id_, group.c_str(), H5P_DEFAULT), H5Gclose);
+  if (!id) unreadable(name_ + ": " + group);
+  const auto add = [](hid_t, const char* name, const H5L_info_t*, void* out) -> herr_t {
+    static_cast<std::vector<std::string>*>(out)->emplace_back(name);
+    return 0;
+  };
+  // Groups of other writers may know no order of creation.
+  if (H5Literate(id.get(), H5_INDEX_CRT_ORDER, H5_ITER_INC, nullptr, add, &names) < 0) {
+    names.clear();
+    if (H5Literate(id.get(), H5_INDEX_NAME, H5_ITER_INC, nullptr, add, &names) < 0) unreadable(name_ + ": " + group);
+  }
+  return names;
+}
+
+}  // namespace pivnp::io::h5

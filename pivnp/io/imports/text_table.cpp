@@ -1,0 +1,100 @@
+#include "pivnp/io/imports/text_table.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "pivnp/core/error.hpp"
+#include "pivnp/io/imports/import_format.hpp"
+
+namespace pivnp::io {
+
+namespace {
+
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view around = " \t\"\r";
+  const std::size_t first = text.find_first_not_of(around);
+  return first == text.npos ? std::string_view() : text.substr(first, text.find_last_not_of(around) - first + 1);
+}
+
+}  // namespace
+
+TextLines::TextLines(std::filesystem::path file) : file_(std::move(file)), text_(read_text(file_)), rest_(text_) {
+  if (rest_.starts_with("\xef\xbb\xbf")) rest_.remove_prefix(3);
+}
+
+bool TextLines::next(std::string_view& line) {
+  if (rest_.empty()) return false;
+  const std::size_t end = std::min(rest_.find('\n'), rest_.size());
+  line = rest_.substr(0, end);
+  rest_.remove_prefix(std::min(rest_.size(), end + 1));
+  if (line.ends_with('\r')) line.remove_suffix(1);
+  ++number_;
+  return true;
+}
+
+std::string TextLines::at(int line) const { return file_.string() + ":" + std::to_string(line) + ": "; }
+
+double TextLines::value(std::string_view cell, std::string_view column) const {
+  if (cell.empty() || column_name(cell) == "nan") return std::nan("");
+  const std::string_view digits = cell.starts_with('+') ? cell.substr(1) : cell;  // from_chars takes no plus
+  double v = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), v);
+  const std::string found = at() + "column '" + shown(column) + "': found '" + shown(cell) + "', expected ";
+  if (error != std::errc() || end != digits.data() + digits.size()) throw InputError(found + "a number");
+  if (std::isnan(v)) return v;  // "-nan", as some programs write it
+  if (!(std::abs(v) <= double(std::numeric_limits<float>::max())))
+    throw InputError(found + "a finite number (of single precision), or nan where nothing is known");
+  return v;
+}
+
+std::vector<std::string_view> cells_of(std::string_view line, char separator) {
+  std::vector<std::string_view> cells;
+  if (separator == ' ') {
+    constexpr std::string_view blanks = " \t";
+    for (std::size_t begin = line.find_first_not_of(blanks); begin != line.npos;) {
+      const std::size_t end = std::min(line.find_first_of(blanks, begin), line.size());
+      cells.push_back(trimmed(line.substr(begin, end - begin)));
+      begin = line.find_first_not_of(blanks, end);
+    }
+    return cells;
+  }
+  for (std::size_t begin = 0; begin <= line.size();) {
+    const std::size_t end = std::min(line.find(separator, begin), line.size());
+    cells.push_back(trimmed(line.substr(begin, end - begin)));
+    begin = end + 1;
+  }
+  return cells;
+}
+
+char separator_of(std::string_view line) {
+  for (const char separator : {';', '\t', ','})
+    if (line.find(separator) != line.npos) return separator;
+  return ' ';
+}
+
+std::string column_name(std::string_view text) {
+  std::string out;
+  for (const char c : text)
+    if (c != ' ' && c != '"') out += char(std::tolower(static_cast<unsigned char>(c)));
+  return out;
+}
+
+int column_of(const std::vector<std::string>& header, const std::vector<const char*>& names) {
+  for (const char* name : names)
+    for (std::size_t k = 0; k < header.size(); ++k)
+      if (header[k] == name) return int(k);
+  return -1;
+}
+
+std::string printable(std::string_view text, std::size_t most) {
+  std::string out(text.substr(0, most));
+  for (char& c : out)
+    if (static_cast<unsigned char>(c) < 32 || c == 127) c = '?';
+  return out;
+}
+
+}  // namespace pivnp::io

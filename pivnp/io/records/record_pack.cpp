@@ -1,0 +1,250 @@
+// From segments to DIR/record.h5.
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <functional>
+#include <stdexcept>
+
+#include "pivnp/core/error.hpp"
+#include "pivnp/core/particles/derived.hpp"
+#include "pivnp/io/files/seal.hpp"
+#include "pivnp/io/records/motion_file.hpp"
+#include "pivnp/io/records/record_impl.hpp"
+#include "pivnp/io/records/xdmf.hpp"
+
+namespace pivnp::io {
+
+namespace {
+
+using h5::Packing;
+using h5::Shape;
+using h5::Type;
+
+constexpr std::size_t copy_bytes = std::size_t{32} << 20;  // held in memory while copying
+
+// Copies one array of all segments to GROUP/NAME, a block of items at a time. Arrays that no segment has are left out;
+// items that lack an array others have are NaN.
+void pack_array(h5::OutputFile& out, const std::string& group, const ItemArray& a, const StageFiles& files) {
+  const std::size_t total = files.items();
+  const bool present = std::any_of(files.segments.begin(), files.segments.end(),
+                                   [&](const SegmentInfo& s) { return h5::Source(s.path).has("/" + a.name); });
+  if (!present && total > 0) return;
+  h5::Dataset to = out.series(group + "/" + a.name, a.type, a.item, total, false, a.unit, Packing::deflated);
+  const std::size_t block = std::clamp<std::size_t>(
+      std::bit_floor(copy_bytes / std::max<std::size_t>(1, a.bytes())), 1, segment_items);  // whole chunks
+  std::vector<std::byte> buffer;
+  for (const SegmentInfo& s : files.segments) {
+    const h5::Source source(s.path);
+    if (!source.has("/" + a.name)) continue;
+    const h5::Dataset from = source.dataset("/" + a.name);
+    Shape expected{s.count};
+    expected.insert(expected.end(), a.item.begin(), a.item.end());
+    from.expect(expected);
+    for (std::size_t k = 0; k < s.count; k += block) {
+      const std::size_t count = std::min(block, s.count - k);
+      buffer.resize(count * a.bytes());
+      from.read(a.type, k, count, buffer.data());
+      out.write_items(to, a.type, s.first + k, count, buffer.data());
+    }
+  }
+}
+
+void pack_frames(h5::OutputFile& out, const std::vector<Frame>& frames, const Units& units) {
+  std::vector<std::string> names;
+  std::vector<double> times;
+  std::vector<std::uint8_t> flags;
+  for (const Frame& f : frames) {
+    names.push_back(f.name);
+    times.push_back(f.time);
+    flags.push_back(f.flag);
+  }
+  out.group("/frames");
+  out.write_texts("/frames/name", names);
+  out.write("/frames/time", times, units.time);
+  out.write("/frames/flag", flags, "");
+}
+
+void pack_energy(h5::OutputFile& out, const std::vector<const StageFiles*>& motions, const Units& units) {
+  for (const StageFiles* files : motions) {
+    std::vector<EnergyRow> rows;
+    const auto append = [&](const std::filesystem::path& path) {
+      const std::vector<EnergyRow> more = read_energy(h5::Source(path));
+      rows.insert(rows.end(), more.begin(), more.end());
+    };
+    for (const SegmentInfo& s : files->segments) append(s.path);
+    append(files->end);
+    if (rows.empty()) continue;
+    if (out.source().has("/energy")) throw std::logic_error("record: energies of two motions");
+    out.group("/energy");
+    out.attribute("/energy", "motion", files->stage.substr(7));
+    for (const EnergyColumn& column : energy_table()) {
+      std::vector<double> values;
+      for (const EnergyRow& row : rows) values.push_back(row.*column.member);
+      if (column.optional && std::all_of(values.begin(), values.end(), [](double v) { return v == 0; })) continue;
+      const bool own_unit = *column.unit != '\0';
+      out.write(std::string("/energy/") + column.name, values,
+                own_unit ? column.unit : column.member == &EnergyRow::time ? units.time : units.energy());
+    }
+  }
+}
+
+void pack_comparison(h5::OutputFile& out, const Comparison& c, const Units& units) {
+  out.group("/compare");
+  out.attribute("/compare", "measured", c.names[std::size_t(DataSetRole::first)]);
+  out.attribute("/compare", "simulated", c.names[std::size_t(DataSetRole::second)]);
+  for (const Metric& m : c.metrics) {
+    const std::string group = "/compare/" + m.name;
+    out.group(group);
+    out.attribute(group, "value", m.value);
+    out.attribute(group, "unit", m.unit);
+    out.attribute(group, "uncertainty", m.uncertainty);
+    out.attribute(group, "definition", m.definition);
+    out.attribute(group, "verdict", std::string(name_of(m.verdict)));
+  }
+  if (!c.tables.empty()) out.group("/compare/tables");
+  for (const ComparisonTable& t : c.tables) {
+    const std::string group = "/compare/tables/" + t.name;
+    out.group(group);
+    out.attribute(group, "definition", t.definition);
+    for (const ComparisonTable::Column& column : t.columns) {
+      out.write(group + "/" + column.name, column.values, column.unit);
+      if (!column.definition.empty()) out.attribute(group + "/" + column.name, "definition", column.definition);
+    }
+  }
+  if (c.fields.empty()) return;
+  out.group("/compare/fields");
+  for (const ComparisonField& f : c.fields) {
+    const std::string group = "/compare/fields/" + f.name;
+    out.group(group);
+    out.attribute(group, "definition", f.definition);
+    out.write(group + "/time", f.time, units.time);
+    out.write(group + "/id", f.id, "");
+    out.write(group + "/value", Type::f32, {f.time.size(), f.id.size()}, f.values.data(), f.unit, Packing::deflated);
+  }
+}
+
+// Fields of output.fields, frame by frame. A field whose source this motion lacks is left out.
+void pack_fields(h5::OutputFile& out, const MotionSource& motion, const std::vector<std::string>& names, bool central,
+                 const Units& units) {
+  const std::size_t frames = motion.times().size(), particles = motion.particles().size();
+  if (frames == 0) return;
+  const MotionFrame first = motion.frame(0);
+  const std::string group = "/motion/" + motion.name() + "/fields";
+  std::vector<std::pair<std::string, h5::Dataset>> fields;
+  for (const std::string& name : names) {
+    const DerivedField field = derived_field(name);
+    if (!field.source.empty() && !first.find(field.source)) continue;
+    if (fields.empty()) out.group(group);
+    const std::string path = group + "/" + name;
+    if (out.source().has(path)) continue;  // named twice
+    fields.emplace_back(
+        name, out.series(path, Type::f32, {particles}, frames, false, units.of(field.unit), Packing::deflated));
+    out.attribute(path, "definition", field.definition);
+  }
+  if (fields.empty()) return;
+  DerivedReader reader(motion, central);
+  std::vector<float> values(particles);
+  for (std::size_t k = 0; k < frames; ++k)
+    for (auto& [name, dataset] : fields) {
+      const std::vector<double> exact = reader.values(name, k);
+      std::transform(exact.begin(), exact.end(), values.begin(), [](double v) { return static_cast<float>(v); });
+      out.write_items(dataset, Type::f32, k, 1, values.data());
+    }
+}
+
+void pack_strain_note(h5::OutputFile& out, const std::string& motion, const StrainNote& note) {
+  const std::string group = "/motion/" + motion;
+  out.attribute(group, "gauge_length", note.gauge_length);
+  out.attribute(group, "strain_floor_source", std::string(name_of(note.floor_source)));
+  if (!std::isfinite(note.floor_dev)) return;
+  out.attribute(group, "strain_floor_dev", note.floor_dev);
+  out.attribute(group, "strain_floor_vol", note.floor_vol);
+  out.attribute(group, "strain_floor_path", note.floor_path);
+}
+
+void pack_closure(h5::OutputFile& out, const ClosureNote& note, const Grid& grid, const Units& units) {
+  out.attribute("/piv", "closure", note.verdict);
+  if (note.threshold > 0) {
+    out.attribute("/piv", "closure_strength", note.strength);
+    out.attribute("/piv", "closure_threshold", note.threshold);
+  }
+  if (!note.chains.empty())
+    out.write("/piv/closure_chain", Type::i32, {note.chains.size(), 2}, note.chains.data(), "", Packing::plain);
+  if (!note.repeated.empty())
+    out.write("/piv/repeated_cov", Type::f32, {std::size_t(grid.ny), std::size_t(grid.nx), 3}, note.repeated.data(),
+              units.length2(), Packing::deflated);
+}
+
+// What was damaged since it was closed must not enter the record.
+void check_seals(const StageFiles& files) {
+  std::vector<std::filesystem::path> paths;
+  for (const SegmentInfo& segment : files.segments) paths.push_back(segment.path);
+  for (const std::filesystem::path& path : {files.particles, files.end})
+    if (!path.empty()) paths.push_back(path);
+  for (const std::filesystem::path& path : paths)
+    if (seal_of(path) != Seal::intact)
+      throw RunError(path.string() + ": was damaged after it was written; --resume computes it again");
+}
+
+// The anchor of the measurement decides how increments are summed; without one, central.
+bool central_anchor(const h5::Source& record) {
+  if (!record.has("/piv/anchor")) return true;
+  const auto anchors = record.dataset("/piv/anchor").all<std::uint8_t>();
+  return anchors.empty() || static_cast<Anchor>(anchors[0]) == Anchor::central;
+}
+
+}  // namespace
+
+// Reading back what we wrote ourselves is no matter of input.
+void RecordWriter::Impl::guarded(h5::OutputFile& out, const std::function<void()>& work) const {
+  try {
+    work();
+  } catch (const InputError& error) {
+    out.verify();
+    throw RunError(error.what());
+  }
+}
+
+void RecordWriter::Impl::pack() {
+  if (packed) return;
+  for (const auto& [name, stage] : stages) check_seals(stage.files);
+  auto out = std::make_unique<h5::OutputFile>(directory / "record.h5", threads);
+  guarded(*out, [&] { pack_into(*out); });
+  packed = std::move(out);
+}
+
+void RecordWriter::Impl::commit_packed() {
+  guarded(*packed, [&] {
+    if (closure && stages.contains("piv")) pack_closure(*packed, *closure, head.grid, units);
+    for (const auto& [motion, note] : strain_notes) pack_strain_note(*packed, motion, note);
+    if (comparison) pack_comparison(*packed, *comparison, units);
+    pack_views(*packed, head.grid, units);
+  });
+  packed->commit();
+  packed.reset();
+}
+
+void RecordWriter::Impl::pack_into(h5::OutputFile& out) const {
+  write_head(out, head, created);
+  if (!frames.empty()) pack_frames(out, frames, units);
+  if (const auto piv = stages.find("piv"); piv != stages.end()) {
+    out.group("/piv");
+    for (const ItemArray& a : pair_arrays(head.grid, units, nullptr)) pack_array(out, "/piv", a, piv->second.files);
+  }
+  const std::vector<const Stage*> moved = motions();
+  if (!moved.empty()) out.group("/motion");
+  const bool central = central_anchor(out.source());
+  for (const Stage* stage : moved) {
+    const std::string group = "/" + stage->files.stage, name = stage->files.stage.substr(7);
+    out.group(group);
+    write_particles(out, group, read_particles(h5::Source(stage->files.end), ""), units);
+    for (const ItemArray& a : frame_arrays(stage->particles, units, nullptr)) pack_array(out, group, a, stage->files);
+    if (!output_fields.empty() && stage->items() > 0)
+      pack_fields(out, *open_motion(out.source(), name, units, nullptr), output_fields, central, units);
+  }
+  std::vector<const StageFiles*> files;
+  for (const Stage* stage : moved) files.push_back(&stage->files);
+  pack_energy(out, files, units);
+}
+
+}  // namespace pivnp::io

@@ -1,0 +1,210 @@
+#include <charconv>
+
+#include "pivnp/core/error.hpp"
+#include "pivnp/core/text.hpp"
+#include "pivnp/io/files/seal.hpp"
+#include "pivnp/io/hdf5/probe.hpp"
+#include "pivnp/io/records/motion_file.hpp"
+#include "pivnp/io/records/record_impl.hpp"
+
+namespace pivnp::io {
+
+namespace {
+
+// The file to open, if it is what was written or at least no danger to read.
+const std::filesystem::path& checked(const std::filesystem::path& file, Trust trust) {
+  if (trust == Trust::known || !std::filesystem::is_regular_file(file)) return file;
+  const Seal seal = seal_of(file);
+  if (seal == Seal::broken)
+    throw InputError(file.string() +
+                     ": damaged: its content is not the one its checksum was made of; expected the file as it was "
+                     "written (a copy of it, or the run again)");
+  if (seal == Seal::none) probe_foreign_file(file);
+  return file;
+}
+
+void check_version(const h5::Source& source) {
+  const std::string& file = source.name();
+  if (!source.has_attribute("/", "schema"))
+    throw InputError(file + ": an HDF5 file without the attribute 'schema', expected a record of pivnp");
+  const std::string schema = source.attribute_text("/", "schema");
+  if (schema != schema_name) throw InputError(file + ": schema '" + schema + "', expected '" + schema_name + "'");
+  const std::string version = source.attribute_text("/", "schema_version");
+  int major = 0;
+  const auto [end, error] = std::from_chars(version.data(), version.data() + version.size(), major);
+  const bool whole = error == std::errc() && (end == version.data() + version.size() || *end == '.');
+  if (!whole || major < 1 || major > schema_major)
+    throw InputError(file + ": schema version '" + version + "', expected " + std::to_string(schema_major) +
+                     ".x (a newer program wrote it)");
+  if (source.has_attribute("/", "stage"))
+    throw InputError(file + ": a segment of a run at work, expected a finished record (record.h5)");
+}
+
+std::vector<Frame> read_frames(const h5::Source& source) {
+  std::vector<Frame> frames;
+  if (!source.has("/frames")) return frames;
+  const std::vector<std::string> names = source.texts("/frames/name");
+  const h5::Dataset time = source.dataset("/frames/time"), flag = source.dataset("/frames/flag");
+  time.expect({names.size()});
+  flag.expect({names.size()});
+  const std::vector<double> times = time.all<double>();
+  const std::vector<std::uint8_t> flags = flag.all<std::uint8_t>();
+  for (std::size_t k = 0; k < names.size(); ++k) frames.push_back({names[k], times[k], flags[k]});
+  return frames;
+}
+
+// Whatever the file says, pairs are of frames that it holds (where it holds any).
+std::size_t read_pairs(const h5::Source& source, std::size_t frames) {
+  if (!source.has("/piv")) return 0;
+  const h5::Dataset pair = source.dataset("/piv/pair");
+  const std::size_t pairs = pair.shape().empty() ? 0 : pair.shape()[0];
+  pair.expect({pairs, 2});
+  const std::vector<std::int32_t> indices = pair.all<std::int32_t>();
+  for (std::size_t k = 0; k < indices.size(); ++k)
+    if (indices[k] < 0 || (frames > 0 && std::size_t(indices[k]) >= frames))
+      throw InputError(pair.label() + ": pair " + std::to_string(k / 2) + " is of frame " + std::to_string(indices[k]) +
+                       ", expected one of " + std::to_string(frames));
+  return pairs;
+}
+
+}  // namespace
+
+struct RecordReader::Impl {
+  Impl(const std::filesystem::path& file, Trust trust) : source(checked(file, trust)) {
+    check_version(source);
+    head = read_head(source);
+    units = {head.length_unit, head.time_unit};
+    frames = read_frames(source);
+    motions = source.children("/motion");
+    pairs = read_pairs(source, frames.size());
+  }
+
+  h5::Source source;
+  RecordHead head;
+  Units units;
+  std::vector<Frame> frames;
+  std::vector<std::string> motions;
+  std::size_t pairs = 0;
+};
+
+RecordReader::RecordReader(const std::filesystem::path& file, Trust trust)
+    : impl_(std::make_shared<Impl>(file, trust)) {}
+RecordReader::~RecordReader() = default;
+
+const RecordHead& RecordReader::head() const { return impl_->head; }
+const std::vector<Frame>& RecordReader::frames() const { return impl_->frames; }
+BuildInfo RecordReader::written_by() const { return read_written_by(impl_->source); }
+std::size_t RecordReader::pair_count() const { return impl_->pairs; }
+std::vector<std::string> RecordReader::motion_names() const { return impl_->motions; }
+
+VectorField RecordReader::pair(std::size_t index) const {
+  return read_pair(impl_->source, "/piv", impl_->head.grid, index);
+}
+
+std::optional<ClosureNote> RecordReader::closure() const {
+  const h5::Source& source = impl_->source;
+  if (!source.has("/piv") || !source.has_attribute("/piv", "closure")) return std::nullopt;
+  ClosureNote note;
+  note.verdict = source.attribute_text("/piv", "closure");
+  if (source.has_attribute("/piv", "closure_strength")) {
+    note.strength = source.attribute_number("/piv", "closure_strength");
+    note.threshold = source.attribute_number("/piv", "closure_threshold");
+  }
+  if (source.has("/piv/closure_chain")) {
+    const h5::Dataset chains = source.dataset("/piv/closure_chain");
+    const std::size_t count = chains.shape().empty() ? 0 : chains.shape()[0];
+    chains.expect({count, 2});
+    note.chains.resize(count);
+    chains.read(h5::Type::i32, 0, count, note.chains.data());
+  }
+  if (source.has("/piv/repeated_cov")) {
+    const Grid& grid = impl_->head.grid;
+    const h5::Dataset repeated = source.dataset("/piv/repeated_cov");
+    repeated.expect({std::size_t(grid.ny), std::size_t(grid.nx), 3});
+    note.repeated.resize(grid.node_count());
+    repeated.read(h5::Type::f32, 0, std::size_t(grid.ny), note.repeated.data());
+  }
+  return note;
+}
+
+std::optional<StrainNote> RecordReader::strain_note(const std::string& motion) const {
+  const std::string group = "/motion/" + motion;
+  const h5::Source& source = impl_->source;
+  if (!source.has(group) || !source.has_attribute(group, "gauge_length")) return std::nullopt;
+  StrainNote note;
+  note.gauge_length = source.attribute_number(group, "gauge_length");
+  note.floor_source =
+      value_named<StrainFloor>(source.attribute_text(group, "strain_floor_source")).value_or(StrainFloor::not_measured);
+  if (!source.has_attribute(group, "strain_floor_dev")) return note;
+  note.floor_dev = source.attribute_number(group, "strain_floor_dev");
+  note.floor_vol = source.attribute_number(group, "strain_floor_vol");
+  note.floor_path = source.attribute_number(group, "strain_floor_path");
+  return note;
+}
+
+std::unique_ptr<MotionSource> RecordReader::motion(const std::string& name) const {
+  bool known = false;
+  for (const std::string& m : impl_->motions) known = known || m == name;
+  if (!known)
+    throw InputError(impl_->source.name() + ": no motion '" + name + "'" +
+                     (impl_->motions.empty() ? "; it holds none" : did_you_mean(name, impl_->motions)));
+  return open_motion(impl_->source, name, impl_->units, impl_);
+}
+
+std::vector<EnergyRow> RecordReader::energy() const {
+  std::vector<EnergyRow> rows;
+  if (!impl_->source.has("/energy")) return rows;
+  const h5::Dataset time = impl_->source.dataset("/energy/time");
+  rows.resize(h5::product(time.shape()));
+  time.expect({rows.size()});
+  for (const EnergyColumn& column : energy_table()) {
+    const std::string name = std::string("/energy/") + column.name;
+    if (!impl_->source.has(name) && column.since_minor > 0) continue;
+    const h5::Dataset d = impl_->source.dataset(name);
+    d.expect({rows.size()});
+    const std::vector<double> values = d.all<double>();
+    for (std::size_t r = 0; r < rows.size(); ++r) rows[r].*column.member = values[r];
+  }
+  return rows;
+}
+
+std::optional<Comparison> RecordReader::comparison() const {
+  const h5::Source& source = impl_->source;
+  if (!source.has("/compare")) return std::nullopt;
+  Comparison c;
+  c.names = {source.attribute_text("/compare", "measured"), source.attribute_text("/compare", "simulated")};
+  for (const std::string& name : source.children("/compare")) {
+    if (name == "fields" || name == "tables") continue;
+    const std::string group = "/compare/" + name;
+    c.metrics.push_back({name, source.attribute_number(group, "value"), source.attribute_text(group, "unit"),
+                         source.attribute_number(group, "uncertainty"), source.attribute_text(group, "definition"),
+                         verdict_named(source.attribute_text(group, "verdict"))});
+  }
+  if (source.has("/compare/tables"))
+    for (const std::string& name : source.children("/compare/tables")) {
+      const std::string group = "/compare/tables/" + name;
+      ComparisonTable t{name, source.attribute_text(group, "definition"), {}};
+      for (const std::string& column : source.children(group)) {
+        const std::string place = group + "/" + column;
+        t.columns.push_back({column, source.attribute_text(place, "unit"), source.dataset(place).all<double>(),
+                             source.has_attribute(place, "definition") ? source.attribute_text(place, "definition") : ""});
+      }
+      c.tables.push_back(std::move(t));
+    }
+  for (const std::string& name : source.children("/compare/fields")) {
+    const std::string group = "/compare/fields/" + name;
+    ComparisonField f{name,
+                            source.attribute_text(group + "/value", "unit"),
+                            source.attribute_text(group, "definition"),
+                            source.dataset(group + "/time").all<double>(),
+                            source.dataset(group + "/id").all<std::int64_t>(),
+                            {}};
+    const h5::Dataset values = source.dataset(group + "/value");
+    values.expect({f.time.size(), f.id.size()});
+    f.values = values.all<float>();
+    c.fields.push_back(std::move(f));
+  }
+  return c;
+}
+
+}  // namespace pivnp::io

@@ -1,0 +1,222 @@
+#include "pivnp/io/records/segment.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <map>
+#include <stdexcept>
+#include <system_error>
+
+#include "pivnp/core/error.hpp"
+#include "pivnp/io/files/seal.hpp"
+
+namespace pivnp::io {
+
+namespace {
+
+std::string segment_file_name(const std::string& stage, std::size_t first) {
+  char digits[32];
+  std::snprintf(digits, sizeof digits, ".%08zu.h5", first);
+  return stage_file_name(stage) + digits;
+}
+
+// Drops the segments from `from` on, the last first: what remains is without a gap at every moment.
+void remove_from(StageFiles& stage, std::size_t from) {
+  while (stage.segments.size() > from) {
+    std::filesystem::remove(stage.segments.back().path);
+    stage.segments.pop_back();
+  }
+}
+
+// Cuts a stage back to what a resumed engine can go on from.
+void cut_back(StageFiles& stage) {
+  std::sort(stage.segments.begin(), stage.segments.end(),
+            [](const SegmentInfo& a, const SegmentInfo& b) { return a.first < b.first; });
+  std::size_t good = 0, next = 0;
+  if (stage.stage.starts_with("motion/") && stage.particles.empty()) {  // damaged: nothing to go on from
+    std::filesystem::remove(stage.end);
+    stage.end.clear();
+    return remove_from(stage, 0);
+  }
+  while (good < stage.segments.size() && stage.segments[good].first == next) next += stage.segments[good++].count;
+  if (!stage.end.empty()) {
+    const bool whole = good == stage.segments.size() &&
+                       h5::Source(stage.end).attribute_number("/", "items") == static_cast<double>(next);
+    if (whole) return;
+    std::filesystem::remove(stage.end);
+    stage.end.clear();
+  }
+  while (good > 0 && !stage.segments[good - 1].has_checkpoint) --good;
+  remove_from(stage, good);
+}
+
+}  // namespace
+
+std::string stage_file_name(const std::string& stage) {
+  std::string name = stage;
+  std::replace(name.begin(), name.end(), '/', '.');
+  return name;
+}
+
+OpenSegment::OpenSegment(const std::filesystem::path& parts, const std::string& stage, std::size_t first)
+    : path_(parts / segment_file_name(stage, first)), stage_(stage), first_(first),
+      file_(std::make_unique<h5::OutputFile>(path_)) {}
+
+void OpenSegment::add(const std::vector<ItemArray>& arrays) {
+  for (const ItemArray& a : arrays) {
+    if (!a.data) continue;
+    auto it = std::find_if(series_.begin(), series_.end(), [&](const Series& s) { return s.name == a.name; });
+    if (it == series_.end()) {
+      series_.push_back({a.name, file_->series("/" + a.name, a.type, a.item, 0, true, a.unit, h5::Packing::plain)});
+      it = std::prev(series_.end());
+    }
+    file_->extend(it->dataset, count_ + 1);
+    file_->write_items(it->dataset, a.type, count_, 1, a.data);
+    bytes_ += a.bytes();
+  }
+  ++count_;
+}
+
+std::filesystem::path OpenSegment::close(const std::vector<EnergyRow>& energy,
+                                         const std::vector<std::byte>* checkpoint) {
+  for (Series& s : series_)
+    if (s.dataset.shape()[0] < count_) file_->extend(s.dataset, count_);
+  file_->attribute("/", "schema", schema_name);
+  file_->attribute("/", "schema_version", schema_version);
+  file_->attribute("/", "stage", stage_);
+  file_->attribute("/", "first", std::vector<std::int64_t>{static_cast<std::int64_t>(first_)}, true);
+  file_->attribute("/", "count", std::vector<std::int64_t>{static_cast<std::int64_t>(count_)}, true);
+  if (!energy.empty()) write_energy(*file_, energy);
+  if (checkpoint) file_->write("/checkpoint", *checkpoint, "", h5::Packing::plain);
+  series_.clear();
+  file_->commit();
+  return path_;
+}
+
+std::vector<StageFiles> scan_parts(const std::filesystem::path& parts) {
+  std::map<std::string, StageFiles> stages;
+  std::vector<std::filesystem::path> unusable;
+  for (const auto& entry : std::filesystem::directory_iterator(parts)) {
+    const std::filesystem::path& path = entry.path();
+    if (path.extension() == ".tmp") unusable.push_back(path);
+    if (path.extension() != ".h5" || path.filename() == "head.h5") continue;
+    if (seal_of(path) != Seal::intact) {
+      unusable.push_back(path);  // damaged: as if it had never been closed
+      continue;
+    }
+    try {
+      const h5::Source source(path);
+      const std::string stage = source.attribute_text("/", "stage");
+      StageFiles& files = stages[stage];
+      files.stage = stage;
+      const std::string part = path.stem().extension();  // ".00000064", ".particles", ".end"
+      if (part == ".particles") files.particles = path;
+      else if (part == ".end") files.end = path;
+      else
+        files.segments.push_back({path, static_cast<std::size_t>(source.attribute_number("/", "first")),
+                                  static_cast<std::size_t>(source.attribute_number("/", "count")),
+                                  source.has("/checkpoint")});
+    } catch (const InputError&) {
+      unusable.push_back(path);
+    }
+  }
+  for (const auto& path : unusable) std::filesystem::remove(path);
+  std::vector<StageFiles> out;
+  for (auto& [name, files] : stages) {
+    cut_back(files);
+    out.push_back(std::move(files));
+  }
+  return out;
+}
+
+void write_energy(h5::OutputFile& file, const std::vector<EnergyRow>& rows) {
+  std::vector<double> table;
+  for (const EnergyRow& row : rows)
+    for (const EnergyColumn& column : energy_table()) table.push_back(row.*column.member);
+  file.write("/energy", h5::Type::f64, {rows.size(), energy_table().size()}, table.data(), "", h5::Packing::plain);
+}
+
+std::vector<EnergyRow> read_energy(const h5::Source& source) {
+  std::vector<EnergyRow> rows;
+  if (!source.has("/energy")) return rows;
+  const h5::Dataset d = source.dataset("/energy");
+  const std::vector<double> table = d.all<double>();
+  const std::size_t columns = energy_table().size();
+  rows.resize(table.size() / columns);
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    for (std::size_t c = 0; c < columns; ++c) rows[r].*energy_table()[c].member = table[r * columns + c];
+  return rows;
+}
+
+void write_particles(h5::OutputFile& file, const std::string& group, const ParticleSet& p, const Units& units) {
+  const std::size_t n = p.size();
+  if (p.label.size() != n || p.x0.size() != n || p.area.size() != n || p.born.size() != n || p.end.size() != n ||
+      p.end_reason.size() != n)
+    throw std::logic_error("particles: arrays of different length");
+  const auto write = [&](const char* name, h5::Type type, const h5::Shape& shape, const void* data,
+                         const std::string& unit) {
+    file.write(group + "/" + name, type, shape, data, unit, h5::Packing::deflated);
+  };
+  static_assert(sizeof(Vec2) == 2 * sizeof(double));
+  write("id", h5::Type::i64, {n}, p.id.data(), "");
+  write("label", h5::Type::i32, {n}, p.label.data(), "");
+  file.write_texts(group + "/label_name", p.label_names);
+  write("x0", h5::Type::f64, {n, 2}, p.x0.data(), units.length);
+  const std::vector<float> area(p.area.begin(), p.area.end());
+  write("area", h5::Type::f32, {n}, area.data(), units.length2());
+  write("born", h5::Type::f64, {n}, p.born.data(), units.time);
+  write("end", h5::Type::f64, {n}, p.end.data(), units.time);
+  write("end_reason", h5::Type::u8, {n}, p.end_reason.data(), "");
+}
+
+ParticleSet read_particles(const h5::Source& source, const std::string& group) {
+  ParticleSet p;
+  const h5::Dataset ids = source.dataset(group + "/id");
+  p.id = ids.all<std::int64_t>();
+  const hsize_t n = p.id.size();
+  const auto open = [&](const char* name, const h5::Shape& shape) {
+    h5::Dataset d = source.dataset(group + "/" + name);
+    d.expect(shape);
+    return d;
+  };
+  p.label = open("label", {n}).all<std::int32_t>();
+  p.label_names = source.texts(group + "/label_name");
+  p.x0.resize(n);
+  open("x0", {n, 2}).read(h5::Type::f64, 0, n, p.x0.data());
+  const std::vector<float> area = open("area", {n}).all<float>();
+  p.area.assign(area.begin(), area.end());
+  p.born = open("born", {n}).all<double>();
+  p.end = open("end", {n}).all<double>();
+  p.end_reason.resize(n);
+  open("end_reason", {n}).read(h5::Type::u8, 0, n, p.end_reason.data());
+  return p;
+}
+
+VectorField read_pair(const h5::Source& source, const std::string& group, const Grid& grid, std::size_t index) {
+  VectorField f;
+  f.grid = grid;
+  std::vector<h5::Dataset> datasets;  // of the right shapes, before there is room for what they hold
+  for (const ItemArray& a : pair_arrays(grid, Units{}, nullptr)) {
+    h5::Dataset d = source.dataset(group + "/" + a.name);
+    h5::Shape expected{d.shape().empty() ? 0 : d.shape()[0]};
+    expected.insert(expected.end(), a.item.begin(), a.item.end());
+    d.expect(expected);
+    datasets.push_back(std::move(d));
+  }
+  const std::size_t nodes = grid.node_count();
+  f.displacement.resize(nodes);
+  f.status.resize(nodes);
+  f.cov.resize(nodes);
+  f.score.resize(nodes);
+  const std::vector<ItemArray> arrays = pair_arrays(grid, Units{}, &f);
+  for (std::size_t k = 0; k < arrays.size(); ++k)
+    datasets[k].read(arrays[k].type, index, 1, const_cast<void*>(arrays[k].data));  // `f`'s own
+  if (f.anchor != Anchor::forward && f.anchor != Anchor::central)
+    throw InputError(source.name() + ": " + group + "/anchor: pair " + std::to_string(index) + " has anchor " +
+                     std::to_string(int(f.anchor)) + ", expected 0 or 1");
+  // What a later version calls a vector is not known to be of use.
+  for (VectorStatus& status : f.status)
+    if (status > VectorStatus::failed) status = VectorStatus::rejected;
+  return f;
+}
+
+}  // namespace pivnp::io
