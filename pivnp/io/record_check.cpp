@@ -1,14 +1,27 @@
 #include "pivnp/io/record_check.hpp"
 
+#include <cstdlib>
 #include <fstream>
 #include <string_view>
 
+#include "pivnp/core/error.hpp"
 #include "pivnp/io/record.hpp"
 #include "pivnp/io/seal.hpp"
 
 namespace pivnp::io {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+constexpr int first_with_checksum = 3;  // version 1.3
+
+int minor_of(const std::string& version) {
+  const std::size_t dot = version.find('.');
+  return dot == std::string::npos ? 0 : std::atoi(version.c_str() + dot + 1);
+}
+
+}  // namespace
 
 bool is_record(const fs::path& path) {
   if (fs::is_directory(path)) return fs::exists(path / "record.h5") && !fs::exists(path / "case.toml");
@@ -23,6 +36,9 @@ RecordCheck check_record(const fs::path& path) {
   const RecordReader reader(file);
   RecordCheck check;
   check.has_checksum = seal_of(file) == Seal::intact;
+  if (const std::string version = reader.schema_version(); !check.has_checksum && minor_of(version) >= first_with_checksum)
+    throw InputError(file.string() + ": not as it was written: damaged, or changed by another program: it has no valid " +
+                     "checksum, expected one in a record of version " + version);
   check.bytes = fs::file_size(file);
   if (const BuildInfo by = reader.written_by(); !by.version.empty()) check.written_by = by.version + " (" + by.commit + ")";
   check.frames = reader.frames().size();
