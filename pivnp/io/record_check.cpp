@@ -26,6 +26,7 @@ int minor_of(const std::string& version) {
 bool is_record(const fs::path& path) {
   if (fs::is_directory(path)) return fs::exists(path / "record.h5") && !fs::exists(path / "case.toml");
   if (path.extension() == ".h5") return true;
+  if (!fs::is_regular_file(path)) return false;
   char beginning[8] = {};
   std::ifstream(path, std::ios::binary).read(beginning, sizeof beginning);
   return std::string_view(beginning, sizeof beginning) == "\x89HDF\r\n\x1a\n";

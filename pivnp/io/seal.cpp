@@ -59,7 +59,7 @@ std::optional<std::uint64_t> hash_of(int descriptor, off_t size) {
 }  // namespace
 
 Seal seal_of(const std::filesystem::path& file) {
-  const Descriptor d{::open(file.c_str(), O_RDONLY | O_CLOEXEC)};
+  const Descriptor d{::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};  // a pipe would wait for its writer
   const auto unreadable = [&] { return RunError(file.string() + ": cannot be read: " + std::strerror(errno)); };
   if (d.value < 0) throw unreadable();
   const off_t size = ::lseek(d.value, 0, SEEK_END) - static_cast<off_t>(seal_bytes);
