@@ -12,7 +12,7 @@
 
 namespace pivnp::app {
 
-/// Refuses keys of `table` that are neither in `known` nor in `children` (sections under this one).
+/// Refuses keys of `table` that are neither in `known` nor in `children` (sections under this one): all in one line, ten at most.
 void refuse_unknown_keys(const std::string& file, const std::string& path, const Node& table,
                          std::vector<std::string> known, const std::vector<std::string>& children);
 

@@ -15,19 +15,27 @@ namespace pivnp::app {
 
 void refuse_unknown_keys(const std::string& file, const std::string& path, const Node& table,
                          std::vector<std::string> known, const std::vector<std::string>& children) {
+  constexpr std::size_t most = 10;
   known.insert(known.end(), children.begin(), children.end());
+  std::string all;
+  std::size_t count = 0;
   for (const Entry& entry : table.entries) {
-    if (std::find(known.begin(), known.end(), entry.key) != known.end()) continue;
+    if (std::find(known.begin(), known.end(), entry.key) != known.end() || ++count > most) continue;
     const std::string key = joined_key(path, shortened(entry.key));
-    const std::string at = file + ":" + std::to_string(entry.line) + ": unknown ";
+    const bool section = entry.value.kind == Node::Kind::table;
     std::string hint = did_you_mean(entry.key, known);
-    if (entry.value.kind == Node::Kind::table) throw InputError(at + "section [" + key + "]" + hint);
-    if (const auto homes = sections_with_key(entry.key); !homes.empty() && !hint.starts_with("; did")) {
+    const bool near = hint.starts_with("; did");
+    if (const auto homes = sections_with_key(entry.key); !homes.empty() && !near && !section) {
       hint = "; it belongs to ";
       for (std::size_t k = 0; k < homes.size(); ++k) hint += (k ? " or " : "") + homes[k];
+    } else if (count > 1 && !near) {
+      hint.clear();  // what is known is said once
     }
-    throw InputError(at + "key '" + key + "'" + hint);
+    all += (count == 1 ? file + ":" : "; line ") + std::to_string(entry.line) + ": unknown " +
+           (section ? "section [" + key + "]" : "key '" + key + "'") + hint;
   }
+  if (count > most) all += "; and " + std::to_string(count - most) + " more";
+  if (count > 0) throw InputError(all);
 }
 
 void use_alias(const std::string& file, const std::string& path, const Node& table, std::string_view name,

@@ -47,13 +47,9 @@ std::string one_line(std::string text) {
 }
 
 // However long the names are that a message quotes.
-std::string shortened(const std::string& line) {
+std::string bounded(const std::string& line) {
   constexpr std::size_t most = 2000, end = 400;
   return line.size() <= most ? line : line.substr(0, most - end) + " ... " + line.substr(line.size() - end);
-}
-
-void print_error(std::ostream& err, const std::string& what) {
-  err << "pivnp: error: " << shortened(one_line(what)) << std::endl;
 }
 
 std::string indented(std::string_view lines) {
@@ -180,6 +176,10 @@ int guarded(int argc, const char* const* argv, Session& session) {
 }
 
 }  // namespace
+
+void print_error(std::ostream& err, const std::string& what) {
+  err << "pivnp: error: " << bounded(one_line(what)) << std::endl;
+}
 
 int run_command_line(int argc, const char* const* argv, std::ostream& out, std::ostream& err, bool err_is_terminal) {
   Session session{out, err, err_is_terminal, 0, false, quoted(argc, argv)};

@@ -17,6 +17,9 @@ struct Session {
   std::string typed;  // the command line, quoted for a shell
 };
 
+/// "pivnp: error: ..." as one line, however long the names are that it quotes.
+void print_error(std::ostream& err, const std::string& what);
+
 /// The progress display that suits the session.
 TerminalProgress progress_for(const Session& session);
 

@@ -52,17 +52,29 @@ std::vector<Found> cases_with_thresholds(const std::vector<std::string>& paths, 
   throw InputError("nothing to verify: no case with a threshold in [verify] under " + where);
 }
 
-// Throws InputError for one that is not as it was written.
-void check_records(const std::vector<std::string>& paths, std::ostream& out) {
-  for (const std::string& path : paths) {
-    const io::RecordCheck found = io::check_record(path);
-    out << path << ": " << (found.has_checksum ? "intact, as it was written" : "can be read, but holds no checksum")
-        << (found.written_by.empty() ? "" : " by pivnp " + found.written_by) << ": " << found.bytes << " bytes, "
-        << found.frames << " frames, " << found.pairs << " pairs";
-    for (const io::RecordCheck::Motion& motion : found.motions)
-      out << ", " << motion.name << " with " << motion.particles << " particles at " << motion.times << " times";
-    out << "\n";
-  }
+void check_record(const std::string& path, std::ostream& out) {
+  const io::RecordCheck found = io::check_record(path);
+  out << path << ": " << (found.has_checksum ? "intact, as it was written" : "can be read, but holds no checksum")
+      << (found.written_by.empty() ? "" : " by pivnp " + found.written_by) << ": " << found.bytes << " bytes, "
+      << found.frames << " frames, " << found.pairs << " pairs";
+  for (const io::RecordCheck::Motion& motion : found.motions)
+    out << ", " << motion.name << " with " << motion.particles << " particles at " << motion.times << " times";
+  out << std::endl;
+}
+
+// Each says its own: 2 if one is not as it was written, else 1 if one could not be read, else 0.
+int check_records(const std::vector<std::string>& paths, Session& session) {
+  int code = 0;
+  for (const std::string& path : paths) try {
+      check_record(path, session.out);
+    } catch (const InputError& error) {
+      print_error(session.err, error.what());
+      code = 2;
+    } catch (const RunError& error) {
+      print_error(session.err, error.what());
+      if (code == 0) code = 1;
+    }
+  return code;
 }
 
 void write_file(const fs::path& file, const std::string& text) {
@@ -98,9 +110,9 @@ Action declare_verify(CLI::App& app, Session& session) {
   return [v, &session] {
     const auto records = std::stable_partition(v->paths.begin(), v->paths.end(),
                                                [](const std::string& path) { return !io::is_record(path); });
-    check_records({records, v->paths.end()}, session.out);
+    const int code = check_records({records, v->paths.end()}, session);
     v->paths.erase(records, v->paths.end());
-    if (v->paths.empty()) return 0;
+    if (v->paths.empty() || code != 0) return code;
     const std::vector<Found> cases = cases_with_thresholds(v->paths, session);
     std::vector<VerifyResult> results;
     RunSettings settings = settings_for(v->arguments, session, {}, "out/verify");

@@ -198,6 +198,23 @@ std::optional<std::string> image_defect(Bytes file) {
   return std::nullopt;
 }
 
+void png_drop_ancillary_chunks(std::vector<unsigned char>& file) {
+  std::size_t at = 8, kept = 8;
+  while (at + 12 <= file.size()) {
+    const std::size_t length = 12 + big32(&file[at]);
+    if (length > file.size() - at) break;
+    const char* type = reinterpret_cast<const char*>(&file[at + 4]);
+    const bool needed = (type[0] & 0x20) == 0 || std::memcmp(type, "tRNS", 4) == 0, last = std::memcmp(type, "IEND", 4) == 0;
+    if (needed) {
+      std::memmove(&file[kept], &file[at], length);
+      kept += length;
+    }
+    if (last) break;
+    at += length;
+  }
+  file.resize(kept);
+}
+
 int pnm_maxval(Bytes file) { return image_format(file) == ImageFormat::pnm ? pnm_header(file).maxval : 0; }
 
 }  // namespace pivnp::image

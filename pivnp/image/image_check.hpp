@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace pivnp::image {
 
@@ -31,6 +32,10 @@ std::optional<std::string> tiff_defect(Bytes file);
 int rare_tiff_compression(Bytes file);
 /// Sets the orientation tag of the first page to "as stored", so that no decoder turns the picture.
 void tiff_clear_orientation(std::span<unsigned char> file);
+
+/// Leaves a whole PNG (image_defect() knows) without the chunks that are for viewers only (ISO/IEC 15948, 5.4: the type begins with a small
+/// letter; transparency is kept): of those libpng prints what it thinks.
+void png_drop_ancillary_chunks(std::vector<unsigned char>& file);
 
 /// Full scale of a PGM or PPM file (its "maxval"), 0 if it has none.
 int pnm_maxval(Bytes file);

@@ -33,6 +33,7 @@ std::vector<unsigned char> bytes_of(const std::filesystem::path& file, const std
 cv::Mat decoded(std::vector<unsigned char>& bytes) {
   const ImageFormat format = image_format(bytes);
   if (format == ImageFormat::tiff) tiff_clear_orientation(bytes);
+  if (format == ImageFormat::png) png_drop_ancillary_chunks(bytes);
   // A JPEG's luma channel is the BT.601 luma; other colour images are converted by one formula for all formats.
   const int flags =
       format == ImageFormat::jpeg ? cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION : cv::IMREAD_UNCHANGED;

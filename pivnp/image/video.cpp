@@ -74,7 +74,10 @@ Survey surveyed(const fs::path& file, std::int64_t limit) {
 
 // Throws if the file ends before its container says so; the last frame that came out may then be damaged too.
 void check_complete(const Survey& survey, const fs::path& file, std::int64_t limit) {
-  if (survey.readable == 0) throw InputError(frames_key + ": '" + file.string() + "' is a video without a readable frame");
+  if (survey.readable == 0) {
+    const auto defect = video_defect(file);
+    throw InputError(frames_key + ": '" + file.string() + "' is a video without a readable frame" + (defect ? ", " + *defect : ""));
+  }
   if (survey.readable == limit) return;
   const double slack =
       Header(file).counts_frames() ? 0 : std::max(2.0, 0.1 * survey.rate_hz);  // where the promise is a guess

@@ -112,6 +112,13 @@ if result.returncode != 0:
 # What is no file, and texts without measure.
 os.mkfifo(there / "pipe.png")
 os.mkfifo(there / "pipe.toml")
+for name in ("pipe.h5", "pipe_1.csv", "pipe_1.h5", "pipe_1.vtk"):
+    os.mkfifo(there / name)
+for name, arguments in (("report of a pipe", ["report", "pipe.h5"]), ("verify of a pipe", ["verify", "pipe.h5"]),
+                        ("compare of a pipe", ["compare", "pipe.h5", "pipe.h5"]), ("front of a pipe", ["compare", "front=pipe.h5", "pipe.h5"]),
+                        *((f"{kind} from a pipe", ["compare", f"{kind}=pipe_{which}.{ending}", "pipe.h5"])
+                          for kind, ending in (("csv", "csv"), ("cbgeo", "h5"), ("vtk", "vtk")) for which in "1*")):
+    expect(name, *timed(*arguments, cwd=there), "pipe")
 (there / "frames.toml").write_text(changed(LEAST, "[frames]", f'[frames]\npath = "pipe.png"'))
 for name, arguments in (("frames from a pipe", ["run", there / "frames.toml"]), ("case from a pipe", ["run", there / "pipe.toml"]),
                         ("empty name", ["run", ""])):

@@ -37,7 +37,7 @@ def folder():
     return pathlib.Path(tempfile.mkdtemp(prefix="pivnp-test-"))
 
 
-def run(program, *arguments, cwd=None, **more):
+def run(program, *arguments, cwd=None, timeout=300, **more):
     env = dict(os.environ, QT_QPA_PLATFORM="offscreen")
     return subprocess.run([program, *map(str, arguments)], capture_output=True, text=True, cwd=cwd, env=env,
-                          stdin=subprocess.DEVNULL, timeout=300, **more)
+                          stdin=subprocess.DEVNULL, timeout=timeout, **more)

@@ -11,19 +11,16 @@ std::vector<io::FileIdentity> sources_of(const Case& c, const image::FrameSource
   std::vector<io::FileIdentity> sources;
   const std::vector<fs::path> files = source ? source->files() : std::vector<fs::path>{};
   for (std::size_t k = 0; k < files.size(); ++k) {
-    if (progress.stop_requested()) throw Interrupted();
     const bool one_each = files.size() == source->frames().size();
-    sources.push_back(io::identity_of(files[k], one_each ? source->frames()[k].name : files[k].filename().string()));
+    sources.push_back(io::identity_of(files[k], one_each ? source->frames()[k].name : files[k].filename().string(), progress));
     progress.update("content of the frames", std::int64_t(k) + 1, std::int64_t(files.size()));
   }
   if (source)
     for (const auto& [name, mask] : c.masks)
-      if (!mask.image.empty()) sources.push_back(io::identity_of(c.folder / mask.image, mask.image));
+      if (!mask.image.empty()) sources.push_back(io::identity_of(c.folder / mask.image, mask.image, progress));
   if (vectors)
-    for (const fs::path& file : vectors->files()) {
-      if (progress.stop_requested()) throw Interrupted();
-      sources.push_back(io::identity_of(file, file.filename().string()));
-    }
+    for (const fs::path& file : vectors->files())
+      sources.push_back(io::identity_of(file, file.filename().string(), progress));
   return sources;
 }
 

@@ -86,23 +86,23 @@ DisplacementGradient::DisplacementGradient(const std::vector<Vec2>& X) : X_(X), 
 }
 
 std::vector<std::array<float, 4>> DisplacementGradient::gradients(const std::vector<std::array<float, 2>>& u,
-                                                                  const std::vector<std::uint8_t>& usable) const {
-  assert(u.size() == X_.size() && usable.size() == X_.size());
+                                                                  const std::vector<std::int32_t>& since) const {
+  assert(u.size() == X_.size() && since.size() == X_.size());
   constexpr float nan = std::numeric_limits<float>::quiet_NaN();
   std::vector<std::array<float, 4>> F(X_.size(), {nan, nan, nan, nan});
   for (std::size_t p = 0; p < X_.size(); ++p) {
-    if (!usable[p]) continue;
+    if (since[p] == 0) continue;
     double furthest = 0;
     int count = 0;
     for (const std::int32_t q : nearest_[p]) {
-      if (q < 0 || !usable[std::size_t(q)]) continue;
+      if (q < 0 || since[std::size_t(q)] != since[p]) continue;
       furthest = std::max(furthest, (X_[std::size_t(q)] - X_[p]).squaredNorm());
       ++count;
     }
     if (count < 3 || !(furthest > 0)) continue;
     Mat2 A = Mat2::Zero(), B = Mat2::Zero();  // sum w r r^T, sum w d r^T
     for (const std::int32_t q : nearest_[p]) {
-      if (q < 0 || !usable[std::size_t(q)]) continue;
+      if (q < 0 || since[std::size_t(q)] != since[p]) continue;
       const Vec2 r = X_[std::size_t(q)] - X_[p];
       const Vec2 d(double(u[std::size_t(q)][0]) - double(u[p][0]), double(u[std::size_t(q)][1]) - double(u[p][1]));
       const double w = std::exp(-2 * r.squaredNorm() / furthest);

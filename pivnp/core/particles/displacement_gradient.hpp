@@ -19,9 +19,10 @@ class DisplacementGradient {
 
   explicit DisplacementGradient(const std::vector<Vec2>& X);
 
-  /// `u`: displacements; `usable`: 1 where u is known (others take no part and get NaN). F: xx xy yx yy.
+  /// `u`: displacements; `since`: the time that u counts from, by a number above 0; 0 where u is not known (NaN there).
+  /// Only displacements since the same time are held against each other. F: xx xy yx yy.
   std::vector<std::array<float, 4>> gradients(const std::vector<std::array<float, 2>>& u,
-                                              const std::vector<std::uint8_t>& usable) const;
+                                              const std::vector<std::int32_t>& since) const;
 
  private:
   std::vector<Vec2> X_;

@@ -9,12 +9,13 @@
 
 namespace pivnp::io {
 
-FileIdentity identity_of(const std::filesystem::path& file, std::string name) {
+FileIdentity identity_of(const std::filesystem::path& file, std::string name, const Progress& progress) {
   FileIdentity identity{std::move(name), 0, ""};
   std::ifstream in(file, std::ios::binary);
   Hash64 hash;
   std::vector<char> block(std::size_t{1} << 18);
   while (in) {
+    if (progress.stop_requested()) throw Interrupted();
     in.read(block.data(), static_cast<std::streamsize>(block.size()));
     hash.add(block.data(), static_cast<std::size_t>(in.gcount()));
     identity.size += static_cast<std::uint64_t>(in.gcount());

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "pivnp/core/progress.hpp"
+
 namespace pivnp::io {
 
 /// The same name, size and hash: the same content (by accident, 1 in 2^64 differs).
@@ -17,8 +19,9 @@ struct FileIdentity {
   bool operator==(const FileIdentity&) const = default;
 };
 
-/// Reads the whole file. `name`: what it is to be called. Throws InputError if it cannot be read.
-FileIdentity identity_of(const std::filesystem::path& file, std::string name);
+/// Reads the whole file. `name`: what it is to be called. `progress` is asked between blocks whether to stop. Throws
+/// InputError if the file cannot be read, Interrupted.
+FileIdentity identity_of(const std::filesystem::path& file, std::string name, const Progress& progress = SilentProgress());
 
 /// What differs first between files as they were and as they are now ("frame_00003.png has other content"), or empty.
 std::string first_difference(const std::vector<FileIdentity>& there, const std::vector<FileIdentity>& now);

@@ -27,10 +27,13 @@ Bytes seal_for(std::uint64_t hash) {
   return bytes;
 }
 
-// The end of the file that HDF5's superblock states (HDF5 File Format Specification 3.0, II.A; addresses of 8 bytes).
+// The end of the file that HDF5's superblock states (HDF5 File Format Specification 3.0, II.A; addresses of 8 bytes); 0
+// if it is not one of HDF5's.
 std::uint64_t stated_end(int descriptor) {
   std::array<unsigned char, 64> block{};
-  if (::pread(descriptor, block.data(), block.size(), 0) != static_cast<ssize_t>(block.size())) return 0;
+  if (::pread(descriptor, block.data(), block.size(), 0) != static_cast<ssize_t>(block.size()) ||
+      std::memcmp(block.data(), "\x89HDF\r\n\x1a\n", 8) != 0)
+    return 0;
   const std::size_t at = block[8] == 0 ? 40 : block[8] == 1 ? 44 : 28;  // by the superblock's version
   std::uint64_t end = 0;
   for (std::size_t k = 8; k-- > 0;) end = end << 8 | block[at + k];
@@ -56,14 +59,16 @@ std::optional<std::uint64_t> hash_of(int descriptor, off_t size) {
 }  // namespace
 
 Seal seal_of(const std::filesystem::path& file) {
-  const Descriptor d{::open(file.c_str(), O_RDONLY | O_CLOEXEC)};
+  const Descriptor d{::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};  // a pipe would wait for its writer
   const auto unreadable = [&] { return RunError(file.string() + ": cannot be read: " + std::strerror(errno)); };
   if (d.value < 0) throw unreadable();
   const off_t size = ::lseek(d.value, 0, SEEK_END) - static_cast<off_t>(seal_bytes);
   Bytes there{};
-  if (size < 0 || ::pread(d.value, there.data(), there.size(), size) != static_cast<ssize_t>(there.size()) ||
-      std::memcmp(there.data(), seal_letters, 8) != 0 || stated_end(d.value) > static_cast<std::uint64_t>(size))
-    return Seal::none;
+  if (size < 0 || ::pread(d.value, there.data(), there.size(), size) != static_cast<ssize_t>(there.size())) return Seal::none;
+  const std::uint64_t end = stated_end(d.value), least = static_cast<std::uint64_t>(size);
+  if (std::memcmp(there.data(), seal_letters, 8) != 0)  // HDF5's part ends where it ends before a seal, or in what is left of one
+    return end > 0 && end >= least && end < least + seal_bytes ? Seal::broken : Seal::none;
+  if (end > least) return Seal::none;
   const auto hash = hash_of(d.value, size);
   if (!hash) throw unreadable();
   return seal_for(*hash) == there ? Seal::intact : Seal::broken;

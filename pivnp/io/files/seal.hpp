@@ -11,7 +11,8 @@ inline constexpr char seal_letters[] = "pivnpsum";
 inline constexpr std::size_t seal_bytes = 16;
 
 /// none: no seal, or HDF5 opened the file for writing since. It then takes the seal for a part of its own (the end that
-/// the superblock states is that of the file), and somebody has changed the file who may.
+/// the superblock states is that of the file), and somebody has changed the file who may. broken: the content is not what
+/// the seal was made of, or up to 16 bytes that are no seal follow HDF5's part.
 enum class Seal { none, intact, broken };
 
 /// Reads the whole file. Throws RunError if it cannot be read: that is no damage.

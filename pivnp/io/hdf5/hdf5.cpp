@@ -135,6 +135,7 @@ Source::Source(const std::filesystem::path& path) : name_(path.string()) {
   silence();
   if (!std::filesystem::exists(path)) throw InputError(name_ + ": no such file");
   if (std::filesystem::is_directory(path)) throw InputError(name_ + ": is a directory, expected an HDF5 file");
+  if (!std::filesystem::is_regular_file(path)) throw InputError(name_ + ": not a file, expected an HDF5 file");
   if (H5Fis_hdf5(name_.c_str()) <= 0) throw InputError(name_ + ": not an HDF5 file, expected a record of pivnp");
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
 #if H5_VERSION_GE(1, 10, 7)

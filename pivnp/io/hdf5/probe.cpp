@@ -11,7 +11,9 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <fstream>
 #include <limits>
+#include <new>
 #include <string>
 #include <vector>
 
@@ -26,12 +28,22 @@ constexpr std::size_t block_bytes = std::size_t{16} << 20, most_objects = 10'000
 constexpr double bytes_per_second = 5e6, least_seconds = 20;
 // A deflated byte holds 1032 at most; beyond both of these a shape is a damaged number.
 constexpr double most_ratio = 2000, least_limit = double(std::size_t{1} << 30);
+// What the child may ask for beyond what it has from the start: values are read in blocks, so a sound file needs little.
+constexpr double least_memory = double(std::size_t{2} << 30), memory_ratio = 4;
 
 struct Walk {
   double limit = 0;  // bytes of one dataset
   std::size_t objects = 0;
+  std::string why;    // where HDF5 does not say it
   std::string fault;  // of the first that cannot be read
+
+  bool refuse(const std::string& cause) {
+    why = cause;
+    return false;
+  }
 };
+
+const char too_large[] = "its size is beyond what the file can hold";
 
 // Bytes of a value in memory; 0 for kinds that records do not hold (their values are not read).
 std::size_t value_bytes(hid_t type) {
@@ -56,7 +68,7 @@ bool read_attribute(hid_t object, const char* name, Walk& walk) {
   const h5::Handle type(H5Aget_type(id.get()), H5Tclose), space(H5Aget_space(id.get()), H5Sclose);
   const std::size_t bytes = value_bytes(type.get());
   if (bytes == 0) return true;
-  if (!within(space.get(), bytes, walk.limit)) return false;
+  if (!within(space.get(), bytes, walk.limit)) return walk.refuse(too_large);
   const h5::Handle memory(H5Tget_native_type(type.get(), H5T_DIR_ASCEND), H5Tclose);
   const auto count = static_cast<std::size_t>(std::max<hssize_t>(0, H5Sget_simple_extent_npoints(space.get())));
   std::vector<char> values(count * std::max(bytes, H5Tget_size(memory.get())));
@@ -66,14 +78,33 @@ bool read_attribute(hid_t object, const char* name, Walk& walk) {
   return true;
 }
 
+// Values that are in another file, which nobody has looked at and nobody named.
+bool refuse_elsewhere(hid_t properties, Walk& walk) {
+  std::array<char, 200> name{};
+  if (H5Pget_external_count(properties) > 0) {
+    H5Pget_external(properties, 0, name.size() - 1, name.data(), nullptr, nullptr);
+    return walk.refuse("its values are in another file, '" + std::string(name.data()) + "'");
+  }
+  if (H5Pget_layout(properties) != H5D_VIRTUAL) return true;
+  std::size_t count = 0;
+  if (H5Pget_virtual_count(properties, &count) < 0) return false;
+  for (std::size_t k = 0; k < count; ++k) {
+    if (H5Pget_virtual_filename(properties, k, name.data(), name.size()) < 0) return false;
+    if (std::strcmp(name.data(), ".") != 0)
+      return walk.refuse("a virtual dataset that shows another file, '" + std::string(name.data()) + "'");
+  }
+  return true;
+}
+
 // A block of items at a time.
 bool read_values(hid_t id, Walk& walk) {
-  const h5::Handle type(H5Dget_type(id), H5Tclose), space(H5Dget_space(id), H5Sclose),
-      properties(H5Dget_create_plist(id), H5Pclose);
-  if (!type || !space || !properties) return false;
+  const h5::Handle properties(H5Dget_create_plist(id), H5Pclose);
+  if (!properties || !refuse_elsewhere(properties.get(), walk)) return false;
+  const h5::Handle type(H5Dget_type(id), H5Tclose), space(H5Dget_space(id), H5Sclose);
+  if (!type || !space) return false;
   const std::size_t bytes = value_bytes(type.get());
-  if (bytes == 0 || H5Pget_layout(properties.get()) == H5D_VIRTUAL) return true;  // the latter shows what is elsewhere
-  if (!within(space.get(), bytes, walk.limit)) return false;
+  if (bytes == 0 || H5Pget_layout(properties.get()) == H5D_VIRTUAL) return true;  // the latter shows what else is in here
+  if (!within(space.get(), bytes, walk.limit)) return walk.refuse(too_large);
   const h5::Handle memory_type(H5Tget_native_type(type.get(), H5T_DIR_ASCEND), H5Tclose);
   h5::Shape extent(static_cast<std::size_t>(std::max(0, H5Sget_simple_extent_ndims(space.get()))));
   H5Sget_simple_extent_dims(space.get(), extent.data(), nullptr);
@@ -108,8 +139,17 @@ herr_t visit(hid_t root, const char* name, const H5O_info_t* info, void* data) {
   const bool read = ++walk.objects <= most_objects && object &&
                     H5Aiterate2(object.get(), H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, visit_attribute, data) >= 0 &&
                     (info->type != H5O_TYPE_DATASET || read_values(object.get(), walk));
-  if (!read && walk.fault.empty()) walk.fault = std::string(std::strcmp(name, ".") == 0 ? "" : name);
+  if (!read && walk.fault.empty())
+    walk.fault.append("/").append(std::strcmp(name, ".") == 0 ? "" : name).append(" cannot be read (")
+        .append(walk.why.empty() ? h5::last_cause() : walk.why).append(")");
   return read ? 0 : -1;
+}
+
+// Links to other files are followed by whoever opens an object by its path.
+herr_t visit_link(hid_t, const char* name, const H5L_info_t* info, void* data) {
+  if (info->type == H5L_TYPE_HARD || info->type == H5L_TYPE_SOFT) return 0;
+  static_cast<Walk*>(data)->fault.append("/").append(name).append(" is a link to another file, which is not followed");
+  return -1;
 }
 
 const std::string readable = "readable";  // what the child says of a file that it could read
@@ -125,17 +165,29 @@ std::string fault_of(const std::string& file, double size) {
   if (!id) return "a truncated or damaged HDF5 file (" + h5::last_cause() + ")";
   Walk walk;
   walk.limit = std::max(least_limit, most_ratio * size);
+  if (H5Lvisit(id.get(), H5_INDEX_NAME, H5_ITER_NATIVE, visit_link, &walk) < 0 && !walk.fault.empty()) return walk.fault;
 #if H5_VERSION_GE(1, 12, 0)
   const herr_t visited = H5Ovisit(id.get(), H5_INDEX_NAME, H5_ITER_NATIVE, visit, &walk, H5O_INFO_BASIC);
 #else
   const herr_t visited = H5Ovisit(id.get(), H5_INDEX_NAME, H5_ITER_NATIVE, visit, &walk);
 #endif
-  if (visited >= 0) return "";
-  return "a damaged HDF5 file: /" + walk.fault + " cannot be read";
+  return visited >= 0 ? "" : "a damaged HDF5 file: " + (walk.fault.empty() ? h5::last_cause() : walk.fault);
+}
+
+// Bytes of this process that count against RLIMIT_DATA: what it has from its parent (much, under a sanitizer).
+double data_bytes() {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;)
+    if (word == "VmData:") {
+      double kilobytes = 0;
+      status >> kilobytes;
+      return 1024 * kilobytes;
+    }
+  return 0;
 }
 
 // Quietly: whatever goes wrong in there is told by the parent.
-void settle_child(double seconds) {
+void settle_child(double seconds, double size) {
   const int nowhere = ::open("/dev/null", O_RDWR);
   if (nowhere >= 0) {
     ::dup2(nowhere, STDOUT_FILENO);
@@ -145,6 +197,10 @@ void settle_child(double seconds) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // it holds the folder's lock as the parent does
   const rlimit none{0, 0};
   ::setrlimit(RLIMIT_CORE, &none);
+  rlimit memory{};
+  ::getrlimit(RLIMIT_DATA, &memory);
+  memory.rlim_cur = std::min(memory.rlim_cur, static_cast<rlim_t>(data_bytes() + least_memory + memory_ratio * size));
+  ::setrlimit(RLIMIT_DATA, &memory);
   ::alarm(static_cast<unsigned>(seconds));
 }
 
@@ -177,10 +233,16 @@ void probe_foreign_file(const std::filesystem::path& file) {
     throw RunError(name + ": cannot be looked at in a process of its own: " + cause);
   }
   if (child == 0) {
-    settle_child(seconds);
+    settle_child(seconds, size);
     int code = 1;
     try {
-      const std::string fault = fault_of(name, size), said = fault.empty() ? readable : fault;
+      std::string fault;
+      try {
+        fault = fault_of(name, size);
+      } catch (const std::bad_alloc&) {
+        fault = "a damaged HDF5 file: it asks for more memory than its size can need";
+      }
+      const std::string& said = fault.empty() ? readable : fault;
       if (::write(pipe[1], said.data(), said.size()) >= 0) code = fault.empty() ? 0 : 2;
     } catch (...) {
     }

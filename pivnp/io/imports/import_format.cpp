@@ -62,6 +62,9 @@ std::string shown(std::string_view text) {
 }
 
 std::string read_text(const std::filesystem::path& file) {
+  std::error_code ignored;
+  if (std::filesystem::exists(file, ignored) && !std::filesystem::is_regular_file(file, ignored))
+    throw InputError(file.string() + ": not a file");
   std::ifstream in(file, std::ios::binary);
   if (!in) throw InputError(file.string() + ": cannot be opened");
   return {std::istreambuf_iterator<char>(in), {}};

@@ -57,12 +57,12 @@ class ImportedMotion final : public MotionSource {
     std::vector<std::span<float>> rooms;
     for (const ImportedField& field : state.fields) rooms.push_back(f.add(field.name, count));
     if (!state.sigma.empty()) f.cov_u.assign(count, {0, 0, 0});
-    std::vector<std::uint8_t> usable(count, 0);
+    std::vector<std::int32_t> since(count, 0);
     for (std::size_t k = 0; k < state.x.size(); ++k) {
       if (!known(state.x[k])) continue;
       const std::size_t p = index_.at(id_of(state, k));
       if (f.status[p] == ParticleStatus::ended) continue;
-      usable[p] = 1;
+      since[p] = since_[p];
       f.status[p] = ParticleStatus::active;
       f.u[p] = {float(state.x[k][0] - particles_.x0[p].x()), float(state.x[k][1] - particles_.x0[p].y())};
       if (!state.v.empty()) f.v[p] = {float(state.v[k][0]), float(state.v[k][1])};
@@ -73,7 +73,7 @@ class ImportedMotion final : public MotionSource {
         for (std::size_t c = 0; c < n; ++c) rooms[i][p * n + c] = float(state.fields[i].values[k * n + c]);
       }
     }
-    f.F = gradient_->gradients(f.u, usable);
+    f.F = gradient_->gradients(f.u, since);
     return f;
   }
 
@@ -140,6 +140,7 @@ class ImportedMotion final : public MotionSource {
           particles_.x0.push_back(from_u ? Vec2(x - Vec2(state.u[k][0], state.u[k][1])) : x);
           particles_.area.push_back(k < state.area.size() && std::isfinite(state.area[k]) ? double(state.area[k]) : 0.0);
           particles_.born.push_back(times_[t]);
+          since_.push_back(from_u ? 1 : std::int32_t(t) + 1);
           particles_.end.push_back(times_[t]);
           particles_.end_reason.push_back(EndReason::left_grid);
         } else {
@@ -161,6 +162,7 @@ class ImportedMotion final : public MotionSource {
   ImportedTable table_;
   std::vector<double> times_;
   ParticleSet particles_;
+  std::vector<std::int32_t> since_;  // the time that a particle's u counts from: its place among the times, from 1
   std::unordered_map<std::int64_t, std::size_t> index_;
   std::unique_ptr<DisplacementGradient> gradient_;
 };

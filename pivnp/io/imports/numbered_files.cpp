@@ -35,6 +35,7 @@ std::map<std::int64_t, std::vector<fs::path>> numbered_files(const std::string& 
   if (fs::is_directory(folder, failed))
     for (const auto& entry : fs::directory_iterator(folder)) {
       if (fnmatch(path.filename().c_str(), entry.path().filename().c_str(), 0) != 0) continue;
+      if (!entry.is_regular_file(failed)) throw InputError(entry.path().string() + ": not a file");
       const std::int64_t number = step_number(entry.path());
       if (number < 0) throw InputError(entry.path().string() + ": no number in the name, expected the step's");
       files[number].push_back(entry.path());

@@ -119,6 +119,8 @@ class RecordReader {
   ~RecordReader();
 
   const RecordHead& head() const;
+  /// Of docs/format.md: "1.4".
+  std::string schema_version() const;
   /// The program that packed the record; empty texts where the record does not say (schema 1.1 and before).
   BuildInfo written_by() const;
   const std::vector<Frame>& frames() const;  // none, or all that pairs are of

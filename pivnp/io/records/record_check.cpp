@@ -1,8 +1,10 @@
 #include "pivnp/io/records/record_check.hpp"
 
+#include <cstdlib>
 #include <fstream>
 #include <string_view>
 
+#include "pivnp/core/error.hpp"
 #include "pivnp/io/files/seal.hpp"
 #include "pivnp/io/records/record.hpp"
 
@@ -10,9 +12,21 @@ namespace pivnp::io {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+constexpr int first_with_checksum = 3;  // version 1.3
+
+int minor_of(const std::string& version) {
+  const std::size_t dot = version.find('.');
+  return dot == std::string::npos ? 0 : std::atoi(version.c_str() + dot + 1);
+}
+
+}  // namespace
+
 bool is_record(const fs::path& path) {
   if (fs::is_directory(path)) return fs::exists(path / "record.h5") && !fs::exists(path / "case.toml");
   if (path.extension() == ".h5") return true;
+  if (!fs::is_regular_file(path)) return false;
   char beginning[8] = {};
   std::ifstream(path, std::ios::binary).read(beginning, sizeof beginning);
   return std::string_view(beginning, sizeof beginning) == "\x89HDF\r\n\x1a\n";
@@ -23,6 +37,9 @@ RecordCheck check_record(const fs::path& path) {
   const RecordReader reader(file);
   RecordCheck check;
   check.has_checksum = seal_of(file) == Seal::intact;
+  if (const std::string version = reader.schema_version(); !check.has_checksum && minor_of(version) >= first_with_checksum)
+    throw InputError(file.string() + ": not as it was written: damaged, or changed by another program: it has no valid " +
+                     "checksum, expected one in a record of version " + version);
   check.bytes = fs::file_size(file);
   if (const BuildInfo by = reader.written_by(); !by.version.empty()) check.written_by = by.version + " (" + by.commit + ")";
   check.frames = reader.frames().size();

@@ -10,7 +10,7 @@
 namespace pivnp::io {
 
 struct RecordCheck {
-  bool has_checksum = false;  // else another program changed it, or it was written before version 1.3
+  bool has_checksum = false;  // else it is of a version before 1.3
   std::string written_by;     // "0.1.0 (v0.1-3-gabc)"; empty: the record does not say
   std::uintmax_t bytes = 0;
   std::size_t frames = 0, pairs = 0;
@@ -25,7 +25,7 @@ struct RecordCheck {
 bool is_record(const std::filesystem::path& path);
 
 /// Reads all of a record (or of FOLDER/record.h5): its checksum, its structure, every pair, frame and table. Throws InputError
-/// of one line that names file and fault.
+/// of one line that names file and fault; a record of version 1.3 or later without a valid checksum is one, whoever changed it.
 RecordCheck check_record(const std::filesystem::path& path);
 
 }  // namespace pivnp::io

@@ -93,6 +93,7 @@ RecordReader::~RecordReader() = default;
 
 const RecordHead& RecordReader::head() const { return impl_->head; }
 const std::vector<Frame>& RecordReader::frames() const { return impl_->frames; }
+std::string RecordReader::schema_version() const { return impl_->source.attribute_text("/", "schema_version"); }
 BuildInfo RecordReader::written_by() const { return read_written_by(impl_->source); }
 std::size_t RecordReader::pair_count() const { return impl_->pairs; }
 std::vector<std::string> RecordReader::motion_names() const { return impl_->motions; }

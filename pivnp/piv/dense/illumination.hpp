@@ -8,7 +8,7 @@
 namespace pivnp::piv {
 
 /// Gain and offset of the second frame's grey values where the frames are matched: those that give both the same mean
-/// and standard deviation over about twenty cells of the pass they are taken from. Slowly varying over the image.
+/// and standard deviation over five by five cells of the pass they are taken from. Slowly varying over the image.
 class IlluminationCorrection {
  public:
   /// `sums` of a pass with scores on a level of `decimation`; `rounding`: variance of a grey value's rounding, grey^2.

@@ -31,6 +31,18 @@ TEST(BadInput, KeyInTheWrongSectionIsSentToItsOwn) {
   EXPECT_EQ(refusal("[mpm]\nwindow_px = 32\n"), "c.toml:2: unknown key 'mpm.window_px'; it belongs to [piv]");
 }
 
+TEST(BadInput, AllUnknownKeysOfASectionAreNamed) {
+  EXPECT_EQ(refusal("[piv]\nwindow = 32\nzzzzzz = 1\nmethod = 'fft'\nyoung_pa = 2\n"),
+            "c.toml:2: unknown key 'piv.window'; did you mean 'window_px'?; line 3: unknown key 'piv.zzzzzz'; line 5: unknown "
+            "key 'piv.young_pa'; it belongs to [material.NAME] or [synth.material.NAME]");
+  std::string many = "[output]\n";
+  for (int k = 0; k < 1000; ++k) many += "unknown_" + std::to_string(k) + " = 1\n";
+  const std::string line = refusal(many);
+  EXPECT_NE(line.find("unknown_9'"), line.npos);
+  EXPECT_NE(line.find("; and 990 more"), line.npos);
+  EXPECT_LT(line.size(), 1000u);
+}
+
 TEST(BadInput, UnknownSections) {
   EXPECT_EQ(refusal("[pivv]\nwindow_px = 32\n"), "c.toml:1: unknown section [pivv]; did you mean 'piv'?");
   EXPECT_EQ(refusal("[synth.textures]\nbits = 8\n"),

@@ -150,6 +150,19 @@ TEST_F(ImageFile, FlippedByteInPngIsNamed) {
   EXPECT_THAT(error_of([&] { read_image_file(at("f.png"), "frames"); }), HasSubstr("damaged"));
 }
 
+// libpng would say something of a chunk that no grey value depends on.
+TEST_F(ImageFile, WhatPngSaysToViewersIsNotRead) {
+  write("plain.png", picture(4, 61, 47));
+  std::string file = bytes(at("plain.png"));
+  file.insert(33, std::string("\0\0\0\0gAMA\xb2\xe1\xb7\x1f", 12));  // behind IHDR; empty, with its checksum
+  put(at("odd.png"), file);
+  ::testing::internal::CaptureStderr();
+  const Image plain = read_image_file(at("plain.png"), "t"), odd = read_image_file(at("odd.png"), "t");
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+  for (int r = 0; r < 47; ++r)
+    for (int c = 0; c < 61; ++c) ASSERT_EQ(odd.view().row<std::uint8_t>(r)[c], plain.view().row<std::uint8_t>(r)[c]);
+}
+
 // The JPEG with one more segment, of the kind that holds a camera's notes and its thumbnail.
 std::string with_app1(const std::string& jpeg, const std::string& payload) {
   const std::size_t length = payload.size() + 2;

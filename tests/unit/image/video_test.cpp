@@ -4,6 +4,7 @@
 #include <opencv2/videoio.hpp>
 
 #include "pivnp/image/frames.hpp"
+#include "pivnp/image/sources.hpp"
 #include "scratch.hpp"
 
 namespace pivnp::image {
@@ -34,7 +35,7 @@ class Video : public Scratch {
     return number;
   }
   // False if this OpenCV cannot write the codec.
-  bool write_video(const std::string& name, int frames, double rate, const char (&codec)[5]) const {
+  bool write_video(const std::string& name, int frames, double rate, const std::string& codec) const {
     cv::VideoWriter writer;
     const int fourcc = cv::VideoWriter::fourcc(codec[0], codec[1], codec[2], codec[3]);
     if (!writer.open(at(name).string(), cv::CAP_FFMPEG, fourcc, rate, cv::Size(width, height))) return false;
@@ -115,11 +116,26 @@ TEST_F(Video, TruncationIsNamedAndTheRestUsableOnDemand) {
 }
 
 TEST_F(Video, TheLastBytesCount) {
-  for (const std::string name : {"v.avi", "v.mp4"}) {
-    ASSERT_TRUE(name == "v.mp4" ? write_video(name, 40, 25, "mp4v") : write_video(name, 40, 25, "MJPG"));
+  for (const auto& [name, code] : {std::pair{"v.avi", "MJPG"}, {"v.mp4", "mp4v"}, {"v.mov", "mp4v"}, {"v.mpg", "PIM1"}}) {
+    ASSERT_TRUE(write_video(name, 40, 25, code)) << name;
+    EXPECT_EQ(open({.path = name})->frames().size(), 40u) << name;
     truncate(name, 0.999);
     EXPECT_THAT(error_of([&] { open({.path = name}); }), HasSubstr("truncated")) << name;
   }
+}
+
+// A program stream tells unless it is cut between two of its packets.
+TEST_F(Video, ProgramStreamsTellByTheirLastPacket) {
+  ASSERT_TRUE(write_video("v.mpg", 40, 25, "PIM1"));
+  const std::string whole = bytes(at("v.mpg"));
+  int silent = 0;
+  for (std::size_t cut = 1; cut < 4096; cut += 5) {
+    put(at("cut.mpg"), whole.substr(0, whole.size() - cut));
+    silent += !video_defect(at("cut.mpg"));
+  }
+  EXPECT_LE(silent, 8);
+  put(at("padded.mpg"), whole + std::string(3000, '\0'));
+  EXPECT_FALSE(video_defect(at("padded.mpg")));
 }
 
 TEST_F(Video, UnreadableFilesAreNamedInOneLine) {

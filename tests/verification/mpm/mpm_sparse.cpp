@@ -108,12 +108,16 @@ TEST(MpmSparse, AThousandRandomLayouts) {
     o.stress_update = StressUpdate::musl;
     o.locking = Locking::none;
     o.initial_equilibrium = false;
-    o.energy_limit = 1e300;  // at 0.9 of the critical step energies swing severalfold, and at 1.2 growth is the point
     o.end_at_rest = false;
     const double chosen = Solver(o, s, 1).stable_step();
     o.courant = 1e9;  // what the options' reader would refuse: the step is set by the times asked for
-    const auto energy_after = [&](double dt, int steps) {
-      Solver solver(o, s, 1);
+    const auto energy_after = [&](double share, int steps) {
+      const double dt = share * 2 / omega;
+      // Of a wave at this share of the greatest step leapfrog's energy swings up to 1/(1 - share^2) times the least (5.3 at
+      // 0.9; the solver's own steps are shorter): that much is no fault. Growth ends the run.
+      MpmOptions swinging = o;
+      if (share < 1) swinging.energy_limit = 1 / (1 - share * share);
+      Solver solver(swinging, s, 1);
       const EnergyRow start = solver.energy();
       double grown_by = 1;
       // Once it grows, enough is seen; later the points' speed would shorten the steps.
@@ -129,9 +133,9 @@ TEST(MpmSparse, AThousandRandomLayouts) {
       return grown_by;
     };
     ++total;
-    const double calm = energy_after(0.9 * 2 / omega, 100);
+    const double calm = energy_after(0.9, 100);
     stable += std::isfinite(calm) && calm < 100;
-    grown += energy_after(1.2 * 2 / omega, 40) > 1e3;
+    grown += energy_after(1.2, 40) > 1e3;
     bounded += chosen <= 2 / omega;
     least = std::min(least, 2 / omega / (h / std::sqrt(1.346153846 * young / density)));
   }

@@ -74,6 +74,10 @@ TEST_F(ImportTest, ATrackMayBeginAndEndUnknown) {
   EXPECT_EQ(m->frame(3).status[late], ParticleStatus::active);
   EXPECT_EQ(set.end[lost], 1);
   EXPECT_EQ(m->frame(2).status[lost], ParticleStatus::ended);
+  // All move alike: displacements that count from different times strain nothing.
+  const MotionFrame last = m->frame(3);
+  EXPECT_EQ(last.F[place(0)], (std::array<float, 4>{1, 0, 0, 1}));
+  EXPECT_TRUE(std::isnan(last.F[late][0]));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include "gmock/gmock.h"
 #include "pivnp/io/files/seal.hpp"
 #include "pivnp/io/hdf5/hdf5.hpp"
+#include "pivnp/io/records/record_check.hpp"
 #include "same_record.hpp"
 #include "sample.hpp"
 
@@ -115,7 +116,7 @@ TEST_F(Damage, OfARecordIsOneLine) {
       fs::resize_file(file, random() % (fs::file_size(file) - seal_bytes));
     else
       damage(file, random);
-    // Bytes of the seal's own letters leave a file without a seal, which is read with care.
+    // Where the superblock's word of the file's end is hit, the seal counts for nothing: such a file is read with care.
     if (seal_of(file) == Seal::none) {
       try {
         RecordReader reader(file);
@@ -128,10 +129,41 @@ TEST_F(Damage, OfARecordIsOneLine) {
   }
 }
 
+TEST_F(Damage, OfTheChecksumItselfIsDamage) {
+  const fs::path file = whole.path / "record.h5";
+  const auto bytes = fs::file_size(file);
+  for (std::size_t k = 0; k < seal_bytes; ++k) {
+    SCOPED_TRACE(k);
+    std::fstream stream(file, std::ios::in | std::ios::out | std::ios::binary);
+    const auto at = static_cast<std::streamoff>(bytes - seal_bytes + k);
+    const char before = char(stream.seekg(at).get());
+    stream.seekp(at).put(char(before ^ 1)).flush();
+    EXPECT_THAT(message_of<InputError>([&] { RecordReader reader(file); }), StartsWith(file.string() + ": damaged"));
+    stream.seekp(at).put(before).flush();
+  }
+  EXPECT_TRUE(check_record(file).has_checksum);
+  for (std::size_t cut = 1; cut < seal_bytes; cut += 5) {
+    fs::copy_file(file, whole.path / "cut.h5", fs::copy_options::overwrite_existing);
+    fs::resize_file(whole.path / "cut.h5", bytes - cut);
+    EXPECT_THROW(RecordReader(whole.path / "cut.h5"), InputError) << cut;
+  }
+}
+
+// Read with care; but it is not as it was written, unless it is older than checksums.
 TEST_F(Damage, ARecordWithoutAChecksumIsRead) {
   const fs::path file = whole.path / "record.h5";
   fs::resize_file(file, fs::file_size(file) - seal_bytes);
   EXPECT_EQ(RecordReader(file).pair_count(), size.pairs);
+  EXPECT_THAT(message_of<InputError>([&] { check_record(file); }), StartsWith(file.string()));
+  {
+    const h5::Handle id(H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
+    ASSERT_GE(H5Adelete(id.get(), "schema_version"), 0);
+    const h5::Handle type(H5Tcopy(H5T_C_S1), H5Tclose), space(H5Screate(H5S_SCALAR), H5Sclose);
+    H5Tset_size(type.get(), 3);
+    const h5::Handle a(H5Acreate2(id.get(), "schema_version", type.get(), space.get(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+    ASSERT_GE(H5Awrite(a.get(), type.get(), "1.2"), 0);
+  }
+  EXPECT_FALSE(check_record(file).has_checksum);
 }
 
 // Changed by a program that may, not by damage: as h5py does, in place or with more.
@@ -192,6 +224,19 @@ TEST_F(Identity, OfFramesIsThatOfTheRunToResume) {
   leave_pairs(10);
   expect_others_refused();
   EXPECT_EQ(RecordWriter(there.path, head, true).stage("piv").items, 10u);
+}
+
+// A long video is not read to its end first.
+TEST(FileIdentityStop, IsAskedBetweenBlocks) {
+  struct Stopped final : Progress {
+    void update(std::string_view, std::int64_t, std::int64_t) override {}
+    bool stop_requested() const override { return ++asked == 3; }
+    mutable int asked = 0;
+  } progress;
+  const test::Scratch there;
+  std::ofstream(there.path / "video.mp4") << std::string(5 << 20, 'v');
+  EXPECT_THROW(identity_of(there.path / "video.mp4", "video.mp4", progress), Interrupted);
+  EXPECT_EQ(progress.asked, 3);
 }
 
 TEST_F(Identity, OfFramesIsInTheRecordToo) {

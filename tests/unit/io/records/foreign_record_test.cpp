@@ -136,6 +136,62 @@ TEST_F(ForeignRecord, DamagedStructureIsOneLineOrHarmless) {
   EXPECT_GT(refused, 0);
 }
 
+// One item of 3.5 GB, never written, in a file that is large enough to be believed: it is not made room for.
+TEST_F(ForeignRecord, MemoryIsNotGivenOutOnTheWordOfANumber) {
+  {
+    const h5::Handle id(H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
+    const hsize_t known[2] = {1, 2 << 20}, absurd[2] = {1, 7ull << 29};
+    const std::vector<char> values(known[1], 'v');
+    for (const auto& [name, shape] : {std::pair{"/motion/np/known", known}, {"/motion/np/more", absurd}}) {
+      const h5::Handle space(H5Screate_simple(2, shape, nullptr), H5Sclose);
+      const h5::Handle dataset(H5Dcreate2(id.get(), name, H5T_STD_U8LE, space.get(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose);
+      ASSERT_TRUE(dataset);
+      if (shape == known) {
+        ASSERT_GE(H5Dwrite(dataset.get(), H5T_NATIVE_UINT8, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), 0);
+      }
+    }
+  }
+  const std::string line = fault();
+  EXPECT_THAT(line, StartsWith(file.string()));
+  EXPECT_EQ(line.find('\n'), line.npos);
+}
+
+// What it holds may not lie in other files, which it would have opened and shown as its own.
+class Elsewhere : public ForeignRecord {
+ protected:
+  void add(const char* kind) {
+    const h5::Handle id(H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
+    if (kind == std::string("link")) {
+      ASSERT_GE(H5Lcreate_external("other.h5", "/u", id.get(), "/motion/np/more", H5P_DEFAULT, H5P_DEFAULT), 0);
+      return;
+    }
+    const hsize_t four = 4;
+    const h5::Handle space(H5Screate_simple(1, &four, nullptr), H5Sclose), properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+    if (kind == std::string("virtual"))
+      ASSERT_GE(H5Pset_virtual(properties.get(), space.get(), "other.h5", "/u", space.get()), 0);
+    else
+      ASSERT_GE(H5Pset_external(properties.get(), "other.h5", 0, 32), 0);
+    const h5::Handle dataset(
+        H5Dcreate2(id.get(), "/motion/np/more", H5T_IEEE_F64LE, space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), H5Dclose);
+    ASSERT_TRUE(dataset);
+  }
+};
+
+TEST_F(Elsewhere, VirtualDatasetsAreRefusedByName) {
+  add("virtual");
+  EXPECT_THAT(fault(), AllOf(StartsWith(file.string()), HasSubstr("/motion/np/more"), HasSubstr("other.h5")));
+}
+
+TEST_F(Elsewhere, ExternalDatasetsAreRefusedByName) {
+  add("external");
+  EXPECT_THAT(fault(), AllOf(StartsWith(file.string()), HasSubstr("/motion/np/more"), HasSubstr("other.h5")));
+}
+
+TEST_F(Elsewhere, ExternalLinksAreRefusedByName) {
+  add("link");
+  EXPECT_THAT(fault(), AllOf(StartsWith(file.string()), HasSubstr("/motion/np/more")));
+}
+
 TEST_F(ForeignRecord, NumbersOfASizeBeyondTheFileAreRefused) {
   {
     const h5::Handle id(H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
