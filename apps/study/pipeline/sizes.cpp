@@ -9,6 +9,8 @@
 #include "apps/case/values.hpp"
 #include "apps/study/pipeline/simulation_scene.hpp"
 #include "mpm/material/model.hpp"
+#include "mpm/step/time_step.hpp"
+#include "mpm/water/pore_soil.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
 
@@ -32,14 +34,19 @@ double filled(const Setting& setting, const Grid& grid, int per_element) {
   return area / grid.spacing.prod() * per_element;
 }
 
-// Of the fastest compression wave in the case's materials, m/s.
-double fastest_wave(const Case& c, double cell_m) {
-  double fastest = 0;
-  for (const auto& [name, material] : c.materials) {
-    const double modulus = mpm::make_material(material, "material." + name, cell_m)->elastic().p_wave_modulus();
-    fastest = std::max(fastest, std::sqrt(modulus / material.density_kg_m3));
+// Of the step that the case's materials allow, with the water in their pores, s.
+double longest_step(const Case& c, const Grid& grid, double courant) {
+  double fastest = 0, diffusivity = 0;
+  for (const auto& [name, given] : c.materials) {
+    const mpm::MaterialOptions material = c.water ? mpm::without_pores(given, *c.water) : given;
+    const mpm::PoreSoil soil = mpm::pore_soil(given, name, c.water ? &*c.water : nullptr);
+    const double water = soil.holds_water() ? c.water->bulk_modulus_pa / soil.porosity : 0;
+    const double modulus =
+        mpm::make_material(material, "material." + name, std::sqrt(grid.spacing.prod()))->elastic().p_wave_modulus();
+    fastest = std::max(fastest, std::sqrt((modulus + water) / material.density_kg_m3));
+    diffusivity = std::max(diffusivity, soil.mobility * water);
   }
-  return fastest;
+  return mpm::stable_step_with_water(courant, grid.spacing.x(), grid.spacing.y(), fastest, 0, diffusivity);
 }
 
 void size_simulation(const Case& c, const Setting& setting, std::size_t frames, double end_s, CaseSize& size) {
@@ -52,7 +59,7 @@ void size_simulation(const Case& c, const Setting& setting, std::size_t frames, 
   const double end = o.end_s.value_or(end_s);
   size.states = o.output_rate_hz ? std::floor(end * *o.output_rate_hz) + 1 : double(frames);
   require_at_most(size.states, most_states, "states", "mpm.output_rate_hz", toml_text(o.output_rate_hz));
-  size.steps = end * fastest_wave(c, std::sqrt(grid.spacing.prod())) / (o.courant * grid.spacing.minCoeff());
+  size.steps = end / longest_step(c, grid, o.courant);
   const bool short_steps = o.courant < 0.01;
   require_at_most(size.steps, most_steps, "steps", short_steps ? "mpm.courant" : "mpm.end_s",
                   toml_text(short_steps ? o.courant : end));

@@ -72,14 +72,14 @@ TEST(Fields, AnAddedOneArrivesInTheRecordItsReadersAndItsViews) {
 TEST(Fields, AMotionWithoutOneGivesNaNAndStoresNone) {
   const sample::Size size;
   const test::Scratch directory;
-  const Listed porosity({.name = "porosity", .label = "porosity", .definition = "share of pores"});
-  sample::run(directory.path, size, false, 64, [] {}, {"porosity", "strain_dev"});
+  const Listed moisture({.name = "moisture", .label = "moisture", .definition = "share of water"});
+  sample::run(directory.path, size, false, 64, [] {}, {"moisture", "strain_dev"});
   const std::unique_ptr<MotionSource> motion = RecordReader(directory.path / "record.h5").motion("mpm");
-  EXPECT_EQ(motion->frame(1).find("porosity"), nullptr);
-  EXPECT_TRUE(std::isnan(DerivedReader(*motion, true).values("porosity", 1)[0]));
+  EXPECT_EQ(motion->frame(1).find("moisture"), nullptr);
+  EXPECT_TRUE(std::isnan(DerivedReader(*motion, true).values("moisture", 1)[0]));
   const h5::Source source(directory.path / "record.h5");
-  EXPECT_FALSE(source.has("/motion/mpm/porosity"));
-  EXPECT_FALSE(source.has("/motion/mpm/fields/porosity"));
+  EXPECT_FALSE(source.has("/motion/mpm/moisture"));
+  EXPECT_FALSE(source.has("/motion/mpm/fields/moisture"));
   EXPECT_TRUE(source.has("/motion/mpm/fields/strain_dev"));
 }
 
