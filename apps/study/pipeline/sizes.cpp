@@ -43,7 +43,7 @@ double longest_step(const Case& c, const Grid& grid, double courant) {
     const double water = soil.holds_water() ? c.water->bulk_modulus_pa / soil.porosity : 0;
     const double modulus =
         mpm::make_material(material, "material." + name, std::sqrt(grid.spacing.prod()))->elastic().p_wave_modulus();
-    fastest = std::max(fastest, std::sqrt((modulus + water) / material.density_kg_m3));
+    fastest = std::max(fastest, std::sqrt((modulus + mpm::water_in_short_waves * water) / material.density_kg_m3));
     diffusivity = std::max(diffusivity, soil.mobility * water);
   }
   return mpm::stable_step_with_water(courant, grid.spacing.x(), grid.spacing.y(), fastest, 0, diffusivity);
