@@ -14,7 +14,7 @@ struct alignas(64) PoreNode {
   double strained = 0;    // volumetric strain of the last step, mean over that volume
   double inflow = 0;      // volume of water that the gradients bring, m^2/s
   double restore = 0;     // what the points' potentials lack to the field of the nodes, times mobility and volume, m^4/s
-  double unseen = 0;      // mean of what PoreWater::unseen() tells of the points
+  double unseen = 0;      // mean of what the points exchange for the nodes' blindness (PoreWater::change_points)
   double change = 0;      // of the water in a unit of volume, in this step
   std::uint8_t cell = 0;  // of the element up and to the right: PoreCell
   bool given = false;     // the potential, by a boundary or the material's own surface

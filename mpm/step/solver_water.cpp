@@ -3,6 +3,7 @@
 
 #include "mpm/grid/sweeps.hpp"
 #include "mpm/step/solver_impl.hpp"
+#include "mpm/step/time_step.hpp"
 #include "pivnp/core/error.hpp"
 
 namespace pivnp::mpm {
@@ -98,7 +99,8 @@ void Solver::Impl::take_wave_speed(int threads) {
     state.wave_speed = wave_speed(materials, density, p, threads);
     return;
   }
-  const PoreWater::Rates rates = water->rates(p);
+  PoreWater::Rates rates = water->rates(p);
+  for (double& stiffness : rates.stiffness) stiffness *= water_in_short_waves;
   state.wave_speed = wave_speed(materials, density, p, threads, rates.stiffness);
   state.diffusivity = rates.diffusivity;
 }

@@ -56,8 +56,10 @@ PoreFlow PoreWater::flow(Particles& p, GridState& g, const Tractions& tractions,
                          int threads) {
   map_potential(p, g, tractions, gravity, time, threads);
   give_potentials(g, gravity, time, threads);
-  add_fluxes(p, g, gravity, dt, threads);
+  smooth(g, &PoreNode::strained, &PoreNode::change, threads);
+  add_fluxes(p, g, gravity, threads);
   PoreFlow sums = change_nodes(g, time, dt, threads);
+  smooth(g, &PoreNode::unseen, &PoreNode::restore, threads);
   add(sums, change_points(p, g, tractions, gravity, time, dt, threads));
   for_nodes(g, threads, [&](Node&, std::uint32_t n) { node_[n] = PoreNode{}; });
   return sums;
@@ -131,6 +133,24 @@ void PoreWater::give_potentials(const GridState& g, const Vec2& gravity, double 
   });
 }
 
+// (1, 2, 1)/4 along each axis, as what nodes exchange with their neighbours through the smaller of their volumes: the sum of V
+// times the value stays, and what alternates from node to node goes. Without it two waves of cells would pass that give no force.
+void PoreWater::smooth(const GridState& g, double PoreNode::*value, double PoreNode::*scratch, int threads) {
+  const auto along = [&](std::size_t step, double PoreNode::*from, double PoreNode::*to) {
+    for_each(g.active.nodes.size(), threads, [&](std::size_t a) {
+      const std::size_t n = g.active.nodes[a];
+      PoreNode& node = node_[n];
+      double gain = 0;
+      const auto take = [&](const PoreNode& other) { gain += std::min(node.volume, other.volume) * (other.*from - node.*from); };
+      if (n >= step) take(node_[n - step]);
+      if (n + step < node_.size()) take(node_[n + step]);
+      node.*to = node.*from + (node.volume > 0 ? 0.25 * gain / node.volume : 0.0);
+    });
+  };
+  along(1, value, scratch);
+  along(std::size_t(g.grid.nx), scratch, value);
+}
+
 // What a point's potential lacks to the field that the nodes span.
 double PoreWater::lack_of(const Particles& p, std::size_t k, const Hats& hats, const Vec2& gravity) const {
   double spanned = 0;
@@ -138,16 +158,14 @@ double PoreWater::lack_of(const Particles& p, std::size_t k, const Hats& hats, c
   return spanned - (p.pressure[k] - head({p.x[k], p.y[k]}, gravity));
 }
 
-// What of a point the nodes do not see, in a unit of volume: strain beyond the mean around it, and the water that would bring
-// its potential to theirs at the rate of a cell.
-double PoreWater::unseen(const Particles& p, std::size_t k, const Hats& hats, double lack, double rate_dt) const {
+// A point's strain beyond the mean around it, which the nodes do not see.
+double PoreWater::unseen_strain(const Particles& p, std::size_t k, const Hats& hats) const {
   double mean = 0;
   for (int c = 0; c < 4; ++c) mean += hats.w[c] * node_[hats.at[c]].strained;
-  return strain_of(p, k) - mean + rate_dt * soil_of(p, k).mobility * lack;
+  return strain_of(p, k) - mean;
 }
 
-void PoreWater::add_fluxes(const Particles& p, GridState& g, const Vec2& gravity, double dt, int threads) {
-  const double rate_dt = rate_in_cell(g) * dt;
+void PoreWater::add_fluxes(const Particles& p, GridState& g, const Vec2& gravity, int threads) {
   for_bands(g.active.mapped, threads, [&](Range range, std::size_t) {
     for_points_of(g, range, [&](std::uint32_t k) {
       if (!flows(p, k)) return;
@@ -159,14 +177,15 @@ void PoreWater::add_fluxes(const Particles& p, GridState& g, const Vec2& gravity
       const double along_y = ((1 - in.s) * (e[2] - e[0]) + in.s * (e[3] - e[1])) * g.per_hy;
       const double volume = p.volume0[k] * p.J[k], mobility = soil_of(p, k).mobility * volume;
       const double qx = -mobility * along_x * g.per_hx, qy = -mobility * along_y * g.per_hy;
-      const double lack = lack_of(p, k, hats, gravity), more = volume * unseen(p, k, hats, lack, rate_dt);
+      const double lack = lack_of(p, k, hats, gravity);
+      const double unseen = volume * unseen_strain(p, k, hats);
       const double inflow[4] = {-qx * (1 - in.t) - qy * (1 - in.s), qx * (1 - in.t) - qy * in.s, -qx * in.t + qy * (1 - in.s),
                                 qx * in.t + qy * in.s};
       for (int c = 0; c < 4; ++c) {
         PoreNode& node = node_[hats.at[c]];
         node.inflow += inflow[c];
         node.restore += hats.w[c] * mobility * lack;
-        node.unseen += hats.w[c] * more;
+        node.unseen += hats.w[c] * unseen;
       }
     });
   });
@@ -194,16 +213,17 @@ PoreFlow PoreWater::change_nodes(const GridState& g, double time, double dt, int
     for (std::size_t a = begin; a < end; ++a) {
       const std::size_t n = g.active.nodes[a];
       PoreNode& node = node_[n];
+      node.change = 0;
       if (!(node.volume > 0)) continue;
       double through = 0;  // volume of water through the boundary
+      const double by_points = dt * rate * node.restore;  // what they take by themselves, at the rate of a cell
       if (node.given) {
-        node.change = dt * rate * node.restore / node.volume;
-        through = node.change * node.volume - dt * node.inflow;
+        through = by_points - dt * node.inflow;
       } else {
         const PoreCondition* condition = boundaries_.at(n, time);
         if (condition && condition->kind == PoreCondition::flux)
           through = dt * condition->value * length_along(g, n, boundaries_.side(n, time));
-        node.change = (dt * node.inflow + through) / node.volume;
+        node.change = (dt * node.inflow + through - by_points) / node.volume;
       }
       node.unseen /= node.volume;
       sum.inflow += through;
@@ -227,8 +247,8 @@ double PoreWater::flux_of(const Particles& p, const Tractions& tractions, std::s
 }
 
 // Beside what nodes pass on, points exchange what the nodes do not see, less the mean of that around them: fields of few waves
-// stay (to the fourth order), and the means' weights conserve. Of the energy, what was neither stored in the water nor lost at
-// the boundaries is dissipated.
+// stay (to the fourth order), and the means' weights conserve. Of the flow's energy, what was neither stored in the water nor lost
+// at the boundaries is dissipated.
 PoreFlow PoreWater::change_points(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, double dt,
                                   int threads) {
   const double rate_dt = rate_in_cell(g) * dt;
@@ -239,15 +259,20 @@ PoreFlow PoreWater::change_points(Particles& p, GridState& g, const Tractions& t
       const PoreSoil& soil = soil_of(p, k);
       if (flows(p, k)) {
         const Hats hats(element_of(p, g, k), std::size_t(g.grid.nx));
-        double change = unseen(p, k, hats, lack_of(p, k, hats, gravity), rate_dt);
-        for (int c = 0; c < 4; ++c) change += hats.w[c] * (node_[hats.at[c]].change - node_[hats.at[c]].unseen);
+        const double by_cell = rate_dt * soil.mobility * lack_of(p, k, hats, gravity);
+        double evened = unseen_strain(p, k, hats), flowed = by_cell;
+        for (int c = 0; c < 4; ++c) {
+          evened -= hats.w[c] * node_[hats.at[c]].unseen;
+          flowed += hats.w[c] * node_[hats.at[c]].change;
+        }
+        p.content[k] += p.J[k] * evened;
         const double through = dt * flux_of(p, tractions, k, time), height = head({p.x[k], p.y[k]}, gravity);
-        const double more = p.J[k] * change + through / p.volume0[k];
+        const double more = p.J[k] * flowed + through / p.volume0[k];
         const double pores = pores_of(p, k, soil), before = options_.bulk_modulus_pa * (p.content[k] / pores - 1);
         const double stored = p.volume0[k] * more * (before + 0.5 * options_.bulk_modulus_pa * more / pores);
         const double external = p.volume0[k] * more * height + through * (before - height);
         sum.inflow += through;
-        sum.external += external;
+        sum.external += external + p.volume0[k] * p.J[k] * evened * height;
         sum.darcy += external - stored;
         p.content[k] += more;
       }

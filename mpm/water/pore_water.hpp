@@ -100,7 +100,7 @@ class PoreWater {
 
   struct Hats;
   double lack_of(const Particles& p, std::size_t k, const Hats& hats, const Vec2& gravity) const;
-  double unseen(const Particles& p, std::size_t k, const Hats& hats, double lack, double rate_dt) const;
+  double unseen_strain(const Particles& p, std::size_t k, const Hats& hats) const;
   /// Volumetric strain of a point since the last flow, from its porosity then.
   double strain_of(const Particles& p, std::size_t k) const {
     return 1 - (1 - soil_of(p, k).porosity) / ((1 - p.porosity[k]) * p.J[k]);
@@ -110,8 +110,9 @@ class PoreWater {
   }
   static constexpr double least_pores = 1e-6;  // of the initial volume: grains would touch everywhere
   void map_potential(const Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, int threads);
+  void smooth(const GridState& g, double PoreNode::*value, double PoreNode::*scratch, int threads);
   void give_potentials(const GridState& g, const Vec2& gravity, double time, int threads);
-  void add_fluxes(const Particles& p, GridState& g, const Vec2& gravity, double dt, int threads);
+  void add_fluxes(const Particles& p, GridState& g, const Vec2& gravity, int threads);
   PoreFlow change_nodes(const GridState& g, double time, double dt, int threads);
   PoreFlow change_points(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, double dt, int threads);
   double flux_of(const Particles& p, const Tractions& tractions, std::size_t k, double time) const;

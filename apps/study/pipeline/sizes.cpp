@@ -11,6 +11,7 @@
 #include "mpm/material/model.hpp"
 #include "mpm/step/memory.hpp"
 #include "mpm/step/scene_setup.hpp"
+#include "mpm/step/time_step.hpp"
 #include "mpm/water/pore_soil.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
@@ -36,20 +37,22 @@ double filled(const Setting& setting, const Grid& grid, int per_element) {
   return area / grid.spacing.prod() * per_element;
 }
 
-// The case's materials, and the fastest compression wave in them, m/s: undrained where water fills the pores.
+// The case's materials, and what bounds the step in them: the fastest compression wave, m/s, and the water's diffusivity, m^2/s.
 struct Laws {
   mpm::Materials laws;
-  double fastest_wave = 0;
+  double fastest = 0, diffusivity = 0;
   bool wet = false;
 
   Laws(const Case& c, double cell_m) {
     for (const auto& [name, given] : c.materials) {
       const mpm::MaterialOptions material = c.water ? mpm::without_pores(given, *c.water) : given;
       laws.push_back(mpm::make_material(material, "material." + name, cell_m));
-      double modulus = laws.back()->elastic().p_wave_modulus();
-      if (given.porosity && !given.drained) modulus += c.water->bulk_modulus_pa / *given.porosity;
-      fastest_wave = std::max(fastest_wave, std::sqrt(modulus / material.density_kg_m3));
-      wet |= given.porosity.has_value();
+      const mpm::PoreSoil soil = mpm::pore_soil(given, name, c.water ? &*c.water : nullptr);
+      const double water = soil.holds_water() ? c.water->bulk_modulus_pa / soil.porosity : 0;
+      const double modulus = laws.back()->elastic().p_wave_modulus() + mpm::water_in_short_waves * water;
+      fastest = std::max(fastest, std::sqrt(modulus / material.density_kg_m3));
+      diffusivity = std::max(diffusivity, soil.mobility * water);
+      wet |= soil.has_pores();
     }
   }
 };
@@ -74,7 +77,8 @@ void size_simulation(const Case& c, const Setting& setting, std::size_t frames, 
   size.states = o.output_rate_hz ? std::floor(end * *o.output_rate_hz) + 1 : double(frames);
   require_at_most(size.states, most_states, "states", "mpm.output_rate_hz", toml_text(o.output_rate_hz));
   const Laws materials(c, std::sqrt(grid.spacing.prod()));
-  size.steps = end * materials.fastest_wave / (o.courant * grid.spacing.minCoeff());
+  size.steps = end / mpm::stable_step_with_water(o.courant, grid.spacing.x(), grid.spacing.y(), materials.fastest, 0,
+                                                 materials.diffusivity);
   const bool short_steps = o.courant < 0.01;
   require_at_most(size.steps, most_steps, "steps", short_steps ? "mpm.courant" : "mpm.end_s",
                   toml_text(short_steps ? o.courant : end));

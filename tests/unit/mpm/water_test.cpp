@@ -112,7 +112,7 @@ TEST(PoreWater, AGivenFlowRaisesThePressureOfAClosedBox) {
     const EnergyRow e = solver.energy();
     EXPECT_NEAR(e.water_inflow, 1000 * flux * width * time, 1e-9 * e.water_inflow);
     EXPECT_LT(std::abs(lost_mass(e, start)), 1e-12);
-    EXPECT_LT(std::abs(e.residual), 0.02 * std::abs(e.external));
+    EXPECT_LT(std::abs(e.residual), (through_traction ? 0.04 : 0.01) * std::abs(e.external));
     if (through_traction) continue;  // the top rises freely
     double mean = 0;
     const MotionFrame f = solver.frame();
@@ -239,7 +239,7 @@ TEST(PoreWater, TheStepIsThatOfWaveAndFlowTogether) {
     c.permeability = permeability;
     c.courant = 1;
     const Solver solver(options_of(c), scene_of(c), 1);
-    const double h = c.spacing(), speed = std::sqrt((c.modulus() + c.bulk / c.porosity) / c.density());
+    const double h = c.spacing(), speed = std::sqrt((c.modulus() + water_in_short_waves * c.bulk / c.porosity) / c.density());
     const double D = permeability * c.bulk / (1000 * 9.81 * c.porosity), dt = solver.stable_step();
     EXPECT_NEAR(std::pow(dt * speed / h, 2) + dt * 4 * D / (h * h), 1, 1e-6);
   }
@@ -247,7 +247,8 @@ TEST(PoreWater, TheStepIsThatOfWaveAndFlowTogether) {
 
 // A closed box of random velocities, undamped: bounded below the limit, growing far above it.
 TEST(PoreWater, StepsBelowTheLimitAreBounded) {
-  const auto grows = [](ShapeKind shape, TransferKind transfer, double young, double permeability, double courant) {
+  // `spread`: 1: the points are at quarters of the cells; towards 2: on nodes.
+  const auto grows = [](ShapeKind shape, TransferKind transfer, double young, double permeability, double courant, double spread) {
     const double h = 0.05;
     const int n = 6;
     Scene s = scene(Grid{{0, 0}, {h, h}, n + 1, n + 1}, {rectangle("soil", 0, 0, n * h, n * h)}, {saturated(young, 0.2, 0.3, permeability)});
@@ -257,6 +258,10 @@ TEST(PoreWater, StepsBelowTheLimitAreBounded) {
                     {"top", line({0, n * h}, {n * h, n * h}, "roller")},
                     {"left", line({0, 0}, {0, n * h}, "roller")},
                     {"right", line({n * h, 0}, {n * h, n * h}, "roller")}};
+    for (Vec2& x : s.particles.x0) {
+      const Vec2 cell = (x / h).array().floor() + 0.5;
+      x = h * (cell + spread * (x / h - cell));
+    }
     std::uint32_t random = 12345;
     const auto next = [&] {
       random = random * 1664525u + 1013904223u;
@@ -288,9 +293,12 @@ TEST(PoreWater, StepsBelowTheLimitAreBounded) {
   for (const auto& [shape, transfer] : {std::pair{bspline, apic}, {gimp, apic}, {bilinear, apic}, {bilinear, flip}})
     for (const double permeability : {1e-10, 1e-5, 1e-2})
       for (const double young : {1e6, 1e8}) {
-        EXPECT_FALSE(grows(shape, transfer, young, permeability, 0.95)) << permeability << " " << young;
-        EXPECT_TRUE(grows(shape, transfer, young, permeability, 3.5)) << permeability << " " << young;
+        EXPECT_FALSE(grows(shape, transfer, young, permeability, 0.95, 1)) << permeability << " " << young;
+        EXPECT_TRUE(grows(shape, transfer, young, permeability, permeability < 1e-2 ? 1.7 : 2.05, 1)) << permeability << " " << young;
       }
+  EXPECT_TRUE(grows(bilinear, apic, 1e6, 1e-10, 1.15, 1));  // where waves rule
+  EXPECT_FALSE(grows(bspline, apic, 1e6, 1e-2, 0.95, 1.98));  // where flow rules, and points lie on nodes
+  EXPECT_TRUE(grows(bspline, apic, 1e6, 1e-2, 1.15, 1.98));
 }
 
 TEST(PoreWater, RefusesWhatDoesNotFit) {

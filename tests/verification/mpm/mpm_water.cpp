@@ -10,6 +10,7 @@
 // In small, for every build: one column a shape, both loads, and the footing on cells of B/8.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -169,7 +170,7 @@ TEST(MpmTerzaghi, OrderInTheCell) {
 
 // Half of a rough footing of width 2 on clay 4 wide and 2.5 deep; its nodes sink at a speed.
 struct Bearing {
-  double capacity, checkerboard;  // mean over a settlement of 3.5 to 6 % of the width; over the mean, of pressure or mean stress
+  double capacity, checkerboard;  // mean over a settlement of 2.5 to 4 % of the width; over the mean, of pressure or mean stress
 };
 
 Bearing footing(int cells, ShapeKind shape, bool wet) {
@@ -198,33 +199,36 @@ Bearing footing(int cells, ShapeKind shape, bool wet) {
   }
   o.initial_equilibrium = false;
   Solver solver(o, s, 2);
-  solver.advance_to(0.07 / v, silent);
-  const EnergyRow before = solver.energy();
-  solver.advance_to(0.12 / v, silent);
-  const EnergyRow after = solver.energy();
-  Bearing b{(after.external - before.external) / 0.05 / strength, 0};
-  // Means of cells; what alternates among four neighbours, below the footing.
-  std::map<std::pair<int, int>, std::pair<double, int>> of_cell;
-  const MotionFrame f = solver.frame();
-  for (std::size_t k = 0; k < f.u.size(); ++k) {
-    auto& [sum, n] = of_cell[{int(s.particles.x0[k].x() / h), int(s.particles.x0[k].y() / h)}];
-    sum += wet ? double(f.field("pressure")(k, 0))
-               : -double(f.field("stress")(k, 0) + f.field("stress")(k, 1) + f.field("stress")(k, 2)) / 3;
-    ++n;
-  }
-  const auto mean = [&](int i, int j) {
-    const auto& [sum, n] = of_cell.at({i, j});
-    return sum / n;
-  };
-  double alternating = 0, size = 0;
-  const int top = int(std::lround(2.5 / h)) - 2;
-  for (int j = top - cells; j < top; ++j)
-    for (int i = 0; i + 1 < cells; ++i) {
-      alternating += std::abs(mean(i, j) - mean(i + 1, j) - mean(i, j + 1) + mean(i + 1, j + 1)) / 4;
-      size += std::abs(mean(i, j));
+  // Before the first row of points has left the footing's cells; the mean over some times, as undamped waves pass.
+  const std::array<double, 4> times = {0.05, 0.06, 0.07, 0.08};
+  double external[2] = {0, 0}, alternating = 0, size = 0;
+  for (const double time : times) {
+    solver.advance_to(time / v, silent);
+    external[time > times.front()] = solver.energy().external;
+    std::map<std::pair<int, int>, std::pair<double, int>> of_cell;
+    const MotionFrame f = solver.frame();
+    for (std::size_t k = 0; k < f.u.size(); ++k) {
+      auto& [sum, n] = of_cell[{int(s.particles.x0[k].x() / h), int(s.particles.x0[k].y() / h)}];
+      sum += wet ? double(f.field("pressure")(k, 0))
+                 : -double(f.field("stress")(k, 0) + f.field("stress")(k, 1) + f.field("stress")(k, 2)) / 3;
+      ++n;
     }
-  b.checkerboard = alternating / size;
-  return b;
+    const auto mean = [&](int i, int j) {
+      const auto& [sum, n] = of_cell.at({i, j});
+      return sum / n;
+    };
+    // What alternates along both axes: (1, -2, 1)/4 along each, which linear and quadratic fields leave at zero.
+    const int top = int(std::lround(2.5 / h)) - 2;
+    for (int j = top - cells; j < top; ++j)
+      for (int i = 1; i + 1 < cells; ++i) {
+        double q = 0;
+        for (int a = -1; a < 2; ++a)
+          for (int b = -1; b < 2; ++b) q += (a ? 1 : -2) * (b ? 1 : -2) * mean(i + a, j + b) / 16;
+        alternating += std::abs(q);
+        size += std::abs(mean(i, j));
+      }
+  }
+  return {(external[1] - external[0]) / (times.back() - times.front()) / strength, alternating / size};
 }
 
 TEST(MpmUndrainedSmall, StripFooting) {
@@ -232,18 +236,18 @@ TEST(MpmUndrainedSmall, StripFooting) {
   std::printf("strip footing, h = B/8: dry %.3f, undrained %.3f, checkerboard %.3f and %.3f\n", dry.capacity, wet.capacity,
               dry.checkerboard, wet.checkerboard);
   EXPECT_NEAR(wet.capacity, dry.capacity, 0.03 * dry.capacity);
-  EXPECT_LT(wet.checkerboard, 0.1);
+  EXPECT_LT(wet.checkerboard, 0.03);
 }
 
 TEST(MpmUndrained, StripFooting) {
-  for (const ShapeKind shape : {ShapeKind::bilinear, ShapeKind::bspline}) {
+  for (const ShapeKind shape : {ShapeKind::bilinear, ShapeKind::gimp, ShapeKind::bspline}) {
     const Bearing dry = footing(8, shape, false), wet = footing(8, shape, true);
     pivnp::test::verification_row("strip footing, undrained, " + std::string(name_of(shape)) + ", h = B/16",
-                                  "bearing capacity within 3 % of the dry soil's with nu .499, less of a checkerboard",
+                                  "bearing capacity within 3 % of the dry soil's with nu .499, checkerboard below 3 %",
                                   number(wet.capacity, 4) + " (dry " + number(dry.capacity, 4) + "), " + number(100 * wet.checkerboard, 2) +
                                       " % (dry " + number(100 * dry.checkerboard, 2) + " %)");
     EXPECT_NEAR(wet.capacity, dry.capacity, 0.03 * dry.capacity);
-    EXPECT_LT(wet.checkerboard, dry.checkerboard);
+    EXPECT_LT(wet.checkerboard, 0.03);
   }
 }
 
