@@ -18,7 +18,7 @@ namespace pivnp::app {
 
 namespace {
 
-constexpr int done = 0, failed = 1, bad_input = 2, interrupted = 130;
+constexpr int success = 0, failed = 1, bad_input = 2, interrupted = 130;
 
 // The command line as a shell would take it again.
 std::string quoted(int argc, const char* const* argv) {
@@ -187,7 +187,7 @@ int run_command_line(int argc, const char* const* argv, std::ostream& out, std::
   out.flush();
   if (out) return code;
   print_error(err, "standard output cannot be written");
-  return code == done ? failed : code;
+  return code == success ? failed : code;
 }
 
 }  // namespace pivnp::app

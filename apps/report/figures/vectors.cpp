@@ -198,9 +198,9 @@ std::vector<Figure> draw_vectors(const FigureInput& input) {
 }
 
 bool owns_vectors(std::string_view figure) {
-  constexpr std::string_view prefix = "vectors_";
-  return figure.starts_with(prefix) && figure.size() > prefix.size() &&
-         figure.find_first_not_of("0123456789", prefix.size()) == std::string_view::npos;
+  constexpr std::string_view vectors_prefix = "vectors_";
+  return figure.starts_with(vectors_prefix) && figure.size() > vectors_prefix.size() &&
+         figure.find_first_not_of("0123456789", vectors_prefix.size()) == std::string_view::npos;
 }
 
 }  // namespace

@@ -68,7 +68,7 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
-std::string number(double value) {
+std::string exact_number(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.17g", value);
   return text;
@@ -96,7 +96,7 @@ class Xml {
     text_ << "<Grid Name=\"" << escaped(name) << "\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
   }
   void begin_grid(const std::string& name, double time) {
-    text_ << "<Grid Name=\"" << escaped(name) << "\" GridType=\"Uniform\">\n<Time Value=\"" << number(time) << "\"/>\n";
+    text_ << "<Grid Name=\"" << escaped(name) << "\" GridType=\"Uniform\">\n<Time Value=\"" << exact_number(time) << "\"/>\n";
   }
   void end_grid() { text_ << "</Grid>\n"; }
   void item(const std::string& path, const Shape& shape, const char* type, int bytes) {
@@ -165,9 +165,9 @@ void describe_vectors(Xml& xml, const h5::Source& record, const Grid& grid) {
     xml.raw() << "<Topology TopologyType=\"3DCoRectMesh\" Dimensions=\"1 " << ny << " " << nx << "\"/>\n"
               << "<Geometry GeometryType=\"ORIGIN_DXDYDZ\">"
               << "<DataItem Dimensions=\"3\" NumberType=\"Float\" Precision=\"8\" Format=\"XML\">0 "
-              << number(grid.origin.y()) << " " << number(grid.origin.x()) << "</DataItem>"
+              << exact_number(grid.origin.y()) << " " << exact_number(grid.origin.x()) << "</DataItem>"
               << "<DataItem Dimensions=\"3\" NumberType=\"Float\" Precision=\"8\" Format=\"XML\">1 "
-              << number(grid.spacing.y()) << " " << number(grid.spacing.x()) << "</DataItem></Geometry>\n";
+              << exact_number(grid.spacing.y()) << " " << exact_number(grid.spacing.x()) << "</DataItem></Geometry>\n";
     const std::string view = "/xdmf/piv/";
     xml.attribute("displacement", view + "displacement/" + item_name(k), {1, ny, nx, 2}, 2, "Float", 4);
     xml.attribute("status", view + "status/" + item_name(k), {1, ny, nx}, 1, "UChar", 1);

@@ -99,7 +99,7 @@ std::unique_ptr<io::RecordWriter> tracked(const Case& c, const Setting& setting,
   auto writer = std::make_unique<io::RecordWriter>(folder, head, false);
   SilentProgress progress;
   measure(c, setting, source, *writer, 1, progress);
-  track(c, setting, source.frames(), source, {}, *writer, 1, progress);
+  track(c, setting, source.frames(), &source, {}, *writer, 1, progress);
   return writer;
 }
 
