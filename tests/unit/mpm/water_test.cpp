@@ -217,22 +217,20 @@ TEST(PoreWater, PermeabilityFollowsThePorosityWhereItIsAskedTo) {
     WaterColumn c = small_column();
     c.load = 0;
     c.young = 1e5;
+    c.permeability = 1e-4;
     c.bulk = 3e6;
     Scene s = scene_of(c);
     if (follows) s.materials[0].permeability = PermeabilityLaw::kozeny_carman;
-    s.boundaries[0].second.pressure_pa = -1e4;  // suction at the base compresses
-    BoundaryOptions top = line({0, c.height}, {2 * c.spacing(), c.height}, "roller");
-    top.pressure_pa = -8e3;
-    s.boundaries.emplace_back("top", top);
+    s.boundaries[0].second.pressure_pa = -4e3;  // suction at the base compresses
     Solver solver(options_of(c), s, 1);
-    solver.advance_to(c.at(0.5), silent);
+    solver.advance_to(c.at(1.5), silent);
     const MotionFrame f = solver.frame();
     double ratio = 0;
     for (std::size_t k = 0; k < f.u.size(); ++k) ratio += soil.mobility_at(double(f.field("porosity")(k, 0))) / soil.mobility / double(f.u.size());
     double sum = 0;
     for (std::size_t k = 0; k < f.u.size(); ++k) sum += double(f.field("water_flow")(k, 1)) / double(f.u.size());
     flow[follows] = follows ? sum / ratio : sum;
-    EXPECT_GT(std::abs(ratio - 1), 1e-3);
+    EXPECT_LT(ratio, 0.95);
   }
   EXPECT_NEAR(flow[1], flow[0], 0.02 * std::abs(flow[0]));
 }
