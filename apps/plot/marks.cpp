@@ -107,6 +107,28 @@ void markers(Canvas& canvas, const Panel& panel, const std::vector<double>& x, c
   canvas.points(panel, some_x, some_y, {.marker = marker, .pen = {rgb, 0.8}, .size_mm = 1.6});
 }
 
+void arrow(Painter& p, const Vec2& tail, const Vec2& tip, Rgb rgb) {
+  const Vec2 d = tip - tail;
+  const double length = std::hypot(d.x(), d.y());
+  if (!std::isfinite(length)) return;
+  if (length < 3) {
+    p.no_pen();
+    p.fill({rgb});
+    p.ellipse((tail + tip) / 2, 1.8, 1.8);
+    return;
+  }
+  const double head = std::min(11.0, 0.45 * length), half = 0.36 * head;
+  const Vec2 e = d / length, n(-e.y(), e.x()), neck = tip - head * e;
+  for (const bool halo : {true, false}) {
+    p.pen(halo ? Pen{0xffffff, 1.5} : Pen{rgb, 0.75});
+    p.line(tail, neck);
+    if (halo) p.pen({0xffffff, 0.7});
+    else p.no_pen();
+    p.fill({halo ? 0xffffff : rgb});
+    p.polygon({tip, neck + half * n, neck - half * n});
+  }
+}
+
 double legend(Canvas& canvas, double x_mm, double y_mm, Key key, Rgb rgb, const std::string& words, double gap_mm) {
   const bool wide =
       key == Key::line || key == Key::dashed || key == Key::dotted || key == Key::dash_dot || key == Key::band;

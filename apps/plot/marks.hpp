@@ -32,6 +32,9 @@ void band(Canvas& canvas, const Panel& panel, const std::vector<double>& x, cons
 void markers(Canvas& canvas, const Panel& panel, const std::vector<double>& x, const std::vector<double>& y,
              Marker marker, Rgb rgb);
 
+/// From tail to tip in canvas units; a dot if it is too short to have a head.
+void arrow(Painter& p, const Vec2& tail, const Vec2& tip, Rgb rgb);
+
 /// A legend entry drawn by hand at (x, y), its text to the right; returns the x where the next may start, in mm.
 enum class Key { line, dashed, dotted, dash_dot, band, disc, circle, square, triangle, cross, tile };
 double legend(Canvas& canvas, double x_mm, double y_mm, Key key, Rgb rgb, const std::string& words, double gap_mm = 5);

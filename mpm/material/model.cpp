@@ -103,6 +103,7 @@ void check_times(const MaterialOptions& o) {
 void check_pores(const MaterialOptions& o) {
   if (!o.porosity) {
     if (o.permeability_m_s) refuse("permeability_m_s", *o.permeability_m_s, "porosity beside it");
+    if (o.permeability != PermeabilityLaw::constant) throw MaterialFault("permeability", "given without porosity, expected both or neither");
     if (o.drained) throw MaterialFault("drained", "given without porosity, expected both or neither");
     return;
   }

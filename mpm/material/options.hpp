@@ -24,6 +24,12 @@ struct OwnMaterialKey {
 /// Those of all laws.
 std::vector<OwnMaterialKey> own_material_keys();
 
+/// How permeability follows porosity: not at all, or K n^3/(1 - n)^2 over what that is at the start.
+enum class PermeabilityLaw { constant, kozeny_carman };
+inline constexpr std::array permeability_law_names{NamedValue{"constant", PermeabilityLaw::constant},
+                                                   NamedValue{"kozeny_carman", PermeabilityLaw::kozeny_carman}};
+constexpr const auto& names_of(PermeabilityLaw) { return permeability_law_names; }
+
 /// How softening_length_m regularises (strength.hpp).
 enum class SofteningAverage { smeared, nonlocal };
 inline constexpr std::array softening_average_names{NamedValue{"smeared", SofteningAverage::smeared},
@@ -64,6 +70,7 @@ struct MaterialOptions {
   std::optional<double> removed_s;
   std::optional<double> porosity;
   std::optional<double> permeability_m_s;
+  PermeabilityLaw permeability = PermeabilityLaw::constant;
   bool drained = false;
   std::map<std::string, std::optional<double>, std::less<>> own;  // by own_material_keys(); what is not there is not given
 
@@ -112,6 +119,7 @@ struct MaterialOptions {
     visit("removed_s", self.removed_s, OptionInfo{.unit = "s", .text = "taken out at this time, as in an excavation; one region a stage (left out: stays)", .min = 0, .above_min = true});
     visit("porosity", self.porosity, OptionInfo{.text = "share of the pores in the volume, which [water] fills (left out: no water in this material)", .min = 0, .max = 1, .above_min = true});
     visit("permeability_m_s", self.permeability_m_s, OptionInfo{.unit = "m/s", .text = "hydraulic conductivity K of Darcy's law, as a laboratory measures it at 9.81 m/s^2", .min = 0});
+    visit("permeability", self.permeability, OptionInfo{.text = "constant: permeability_m_s; kozeny_carman: permeability_m_s at the start, and in proportion to n^3/(1 - n)^2 as the porosity n changes"});
     visit("drained", self.drained, OptionInfo{.text = "its water never has another pressure than the hydrostatic one of water.level_m (zero without)"});
     for (const OwnMaterialKey& key : own_material_keys()) visit(key.name, self.own_value(key.name), key.info);
   }

@@ -61,6 +61,8 @@ inline void for_each_particle_field(Visit&& visit) {
         Column{&P::pressure});
   visit(ParticleField{.name = "porosity", .unit = "1", .definition = "share of the pores in the volume", .need = &N::wet, .recorded = "porosity"},
         Column{&P::porosity});
+  visit(ParticleField{.name = "water flow", .unit = "m/s", .definition = "Darcy's flow", .need = &N::wet, .recorded = "water_flow"},
+        Column{&P::flow_x}, Column{&P::flow_y});
   visit(ParticleField{"content", "1", "volume of the water without pressure, in a unit of initial volume", &N::wet}, Column{&P::content});
   visit(ParticleField{"affine velocity", "1/s", "affine velocity field of APIC", &N::affine}, Column{&P::C_xx, &K::C_xx},
         Column{&P::C_xy, &K::C_xy}, Column{&P::C_yx, &K::C_yx}, Column{&P::C_yy, &K::C_yy});

@@ -49,7 +49,7 @@ struct Particles {
   Array xi, eta;
   Array de_xx, de_yy, de_zz, de_xy, spin;
   Array softened_by;
-  Array pressure, porosity, content, total_xx, total_yy, total_zz;
+  Array pressure, porosity, content, flow_x, flow_y, total_xx, total_yy, total_zz;
 
   HistoryVariables history;     // of the laws
   double density = 0;  // of one body, kg/m^3

@@ -35,7 +35,10 @@ Solver::Impl::Cycle Solver::Impl::begin_step(double dt) {
   load(dt);
   c.gravity = loading.gravity(state.time + 0.5 * dt);
   if (work_in_steps()) c.moment = moment_of_mass();
-  if (water) carry_water(c);
+  if (water) {
+    water->set_time(state.time + 0.5 * dt);
+    carry_water(c);
+  }
   return c;
 }
 

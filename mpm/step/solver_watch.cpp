@@ -57,7 +57,8 @@ void Solver::Impl::watch_motion() {
   state.far = moved_far();
   state.at_rest = is_calm && ++state.calm_looks > calm_looks && !scene.body_force &&
                   state.time - state.calm_since > calm_share * state.time &&
-                  std::isinf(restraints.next_change(state.time)) && !loading.changing_after(state.time) && !bodies.moving_after(state.time);
+                  std::isinf(restraints.next_change(state.time)) && !loading.changing_after(state.time) &&
+                  !(water && water->moves_after(state.time)) && !bodies.moving_after(state.time);
 }
 
 bool Solver::Impl::moved_far() const {

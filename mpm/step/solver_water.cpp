@@ -28,8 +28,10 @@ void check_boundaries(const Scene& scene) {
 void check_gravity(const MpmOptions& o, const WaterOptions& water) {
   const auto upright = [](const Pair& g) { return std::abs(g[0]) <= 1e-3 * std::abs(g[1]) && g[1] <= 0; };
   const bool vertical = upright(o.gravity_m_s2) && (!o.gravity_from_m_s2 || upright(*o.gravity_from_m_s2));
-  if (water.level_m && !vertical) throw InputError("water.level_m: given where gravity is not downwards, expected vertical gravity or no level");
-  if (!water.level_m && o.initial_equilibrium && Vec2(o.gravity_m_s2[0], o.gravity_m_s2[1]).norm() > 0)
+  const bool level = water.level_m || !water.level_history.empty();
+  if (level && !vertical)
+    throw InputError(std::string("water.") + (water.level_m ? "level_m" : "level_history") + ": given where gravity is not downwards, expected vertical gravity or no level");
+  if (!level && o.initial_equilibrium && Vec2(o.gravity_m_s2[0], o.gravity_m_s2[1]).norm() > 0)
     throw InputError("water.level_m: missing beside mpm.initial_equilibrium, expected a level (or initial_equilibrium = false)");
 }
 

@@ -128,7 +128,8 @@ void PoreWater::give_potentials(const GridState& g, const Vec2& gravity, double 
     } else if (surface) {
       // With a level, the water's surface is at it, and not at the node that is next above.
       node.given = true;
-      node.potential = level_ ? options_.density_kg_m3 * -gravity.y() * std::max(0.0, x.y() - hy - *level_) : -head(x, gravity);
+      node.potential = level_ ? options_.density_kg_m3 * -gravity.y() * (std::max(0.0, x.y() - hy - *level_) + *level_ - reference_.y())
+                              : -head(x, gravity);
     }
   });
 }
@@ -165,7 +166,7 @@ double PoreWater::unseen_strain(const Particles& p, std::size_t k, const Hats& h
   return strain_of(p, k) - mean;
 }
 
-void PoreWater::add_fluxes(const Particles& p, GridState& g, const Vec2& gravity, int threads) {
+void PoreWater::add_fluxes(Particles& p, GridState& g, const Vec2& gravity, int threads) {
   for_bands(g.active.mapped, threads, [&](Range range, std::size_t) {
     for_points_of(g, range, [&](std::uint32_t k) {
       if (!flows(p, k)) return;
@@ -175,8 +176,10 @@ void PoreWater::add_fluxes(const Particles& p, GridState& g, const Vec2& gravity
       for (int c = 0; c < 4; ++c) e[c] = node_[hats.at[c]].potential;
       const double along_x = ((1 - in.t) * (e[1] - e[0]) + in.t * (e[3] - e[2])) * g.per_hx;
       const double along_y = ((1 - in.s) * (e[2] - e[0]) + in.s * (e[3] - e[1])) * g.per_hy;
-      const double volume = p.volume0[k] * p.J[k], mobility = soil_of(p, k).mobility * volume;
-      const double qx = -mobility * along_x * g.per_hx, qy = -mobility * along_y * g.per_hy;
+      const double volume = p.volume0[k] * p.J[k], mobility = mobility_of(p, k) * volume;
+      p.flow_x[k] = -mobility_of(p, k) * along_x;
+      p.flow_y[k] = -mobility_of(p, k) * along_y;
+      const double qx = volume * p.flow_x[k] * g.per_hx, qy = volume * p.flow_y[k] * g.per_hy;
       const double lack = lack_of(p, k, hats, gravity);
       const double unseen = volume * unseen_strain(p, k, hats);
       const double inflow[4] = {-qx * (1 - in.t) - qy * (1 - in.s), qx * (1 - in.t) - qy * in.s, -qx * in.t + qy * (1 - in.s),
@@ -259,7 +262,7 @@ PoreFlow PoreWater::change_points(Particles& p, GridState& g, const Tractions& t
       const PoreSoil& soil = soil_of(p, k);
       if (flows(p, k)) {
         const Hats hats(element_of(p, g, k), std::size_t(g.grid.nx));
-        const double by_cell = rate_dt * soil.mobility * lack_of(p, k, hats, gravity);
+        const double by_cell = rate_dt * mobility_of(p, k) * lack_of(p, k, hats, gravity);
         double evened = unseen_strain(p, k, hats), flowed = by_cell;
         for (int c = 0; c < 4; ++c) {
           evened -= hats.w[c] * node_[hats.at[c]].unseen;

@@ -10,6 +10,7 @@ PoreSoil pore_soil(const MaterialOptions& m, const std::string& name, const Wate
   if (!water) throw InputError("material." + name + ".porosity: given without [water], expected both or neither");
   soil.porosity = *m.porosity;
   soil.mobility = m.permeability_m_s.value_or(0) / (water->density_kg_m3 * laboratory_gravity);
+  soil.kozeny_carman = m.permeability == PermeabilityLaw::kozeny_carman;
   soil.grain_density = m.grain_density_kg_m3;
   soil.drained = m.drained;
   return soil;
@@ -20,6 +21,7 @@ MaterialOptions without_pores(MaterialOptions m, const WaterOptions& water) {
   m.density_kg_m3 = (1 - *m.porosity) * m.grain_density_kg_m3 + *m.porosity * water.density_kg_m3;
   m.porosity = std::nullopt;
   m.permeability_m_s = std::nullopt;
+  m.permeability = PermeabilityLaw::constant;
   m.drained = false;
   return m;
 }

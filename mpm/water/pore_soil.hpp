@@ -14,12 +14,18 @@ inline constexpr double laboratory_gravity = 9.81;  // m/s^2
 
 struct PoreSoil {
   double porosity = 0;       // at the start; 0: no pores
-  double mobility = 0;       // K/(rho_w g_laboratory), m^2/(Pa s)
+  double mobility = 0;       // K/(rho_w g_laboratory) at the start, m^2/(Pa s)
+  bool kozeny_carman = false;
   double grain_density = 0;  // kg/m^3
   bool drained = false;      // never another pressure than the hydrostatic one
 
   bool has_pores() const { return porosity > 0; }
   bool holds_water() const { return has_pores() && !drained; }
+  double mobility_at(double n) const {
+    if (!kozeny_carman) return mobility;
+    const double ratio = n / porosity, grains = (1 - porosity) / (1 - n);
+    return mobility * ratio * ratio * ratio * grains * grains;
+  }
   /// Mass of the grains in a unit of initial volume.
   double dry_density() const { return (1 - porosity) * grain_density; }
 };

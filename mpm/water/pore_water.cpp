@@ -44,6 +44,22 @@ PoreWater::PoreWater(const WaterOptions& options, std::vector<PoreSoil> soils, c
       last_j_(first_j_ + g.domain.ny - 1) {
   if (std::none_of(soils_.begin(), soils_.end(), [](const PoreSoil& s) { return s.has_pores(); }))
     throw InputError("water: no material has a porosity, expected one that holds water");
+  const Points& at = options.level_history;
+  if (!at.empty() && options.level_m) throw InputError("water.level_history: given beside water.level_m, expected one of them");
+  for (std::size_t k = 0; k < at.size(); ++k)
+    if (!std::isfinite(at[k][0]) || !std::isfinite(at[k][1]) || (k > 0 && !(at[k][0] > at[k - 1][0])))
+      throw InputError("water.level_history: entry " + std::to_string(k + 1) + " is not finite or not later than the one before, expected rising times");
+  set_time(0);
+  if (level_) reference_.y() = *level_;
+}
+
+void PoreWater::set_time(double time) {
+  const Points& at = options_.level_history;
+  if (at.empty()) return;
+  std::size_t k = 0;
+  while (k < at.size() && at[k][0] <= time) ++k;
+  if (k == 0 || k == at.size()) level_ = at[k == 0 ? 0 : k - 1][1];
+  else level_ = at[k - 1][1] + (at[k][1] - at[k - 1][1]) * (time - at[k - 1][0]) / (at[k][0] - at[k - 1][0]);
 }
 
 double PoreWater::outside_pressure(const Vec2& x, const Vec2& gravity) const {
@@ -148,14 +164,15 @@ PoreWater::Rates PoreWater::rates(const Particles& p) const {
     const PoreSoil& soil = soils_[std::size_t(body.material)];
     if (!soil.holds_water()) continue;
     double& stiffness = rates.stiffness[std::size_t(body.material)];
-    double least = 1;
+    double least = 1, mobility = 0;
     for (std::size_t k = body.begin; k < body.end; ++k) {
       if (p.cell[k] == Particles::ended || !(p.content[k] > 0)) continue;
       const double pores = pores_of(p, k, soil);
       stiffness = std::max(stiffness, options_.bulk_modulus_pa * p.J[k] * p.J[k] / pores);
       least = std::min(least, pores / p.J[k]);
+      mobility = std::max(mobility, mobility_of(p, k));
     }
-    if (stiffness > 0) rates.diffusivity = std::max(rates.diffusivity, soil.mobility * options_.bulk_modulus_pa / least);
+    if (stiffness > 0) rates.diffusivity = std::max(rates.diffusivity, mobility * options_.bulk_modulus_pa / least);
   }
   return rates;
 }

@@ -48,6 +48,11 @@ class PoreWater {
   PoreWater(const WaterOptions& options, std::vector<PoreSoil> soils, const ParticleSet& particles, const GridState& g,
             PoreBoundaries boundaries);
 
+  /// The water outside as it is at a time: call before what follows, at each step.
+  void set_time(double time);
+  /// Does the level move after that time?
+  bool moves_after(double time) const { return !options_.level_history.empty() && time < options_.level_history.back()[0]; }
+
   /// Contents, pressures and masses at time 0: hydrostatic below the level.
   void start(Particles& p, const GridState& g, const Vec2& gravity, int threads);
 
@@ -95,6 +100,7 @@ class PoreWater {
   const PoreSoil& soil_of(const Particles& p, std::size_t k) const { return soils_[std::size_t(set_->label[p.index[k]])]; }
   bool flows(const Particles& p, std::size_t k) const { return p.content[k] > 0 && soil_of(p, k).holds_water(); }
   double outside_pressure(const Vec2& x, const Vec2& gravity) const;
+  double mobility_of(const Particles& p, std::size_t k) const { return soil_of(p, k).mobility_at(p.porosity[k]); }
   double head(const Vec2& x, const Vec2& gravity) const { return options_.density_kg_m3 * gravity.dot(x - reference_); }
   void refresh_point(Particles& p, std::size_t k, const PoreSoil& soil, const Vec2& gravity) const;
 
@@ -112,7 +118,7 @@ class PoreWater {
   void map_potential(const Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, int threads);
   void smooth(const GridState& g, double PoreNode::*value, double PoreNode::*scratch, int threads);
   void give_potentials(const GridState& g, const Vec2& gravity, double time, int threads);
-  void add_fluxes(const Particles& p, GridState& g, const Vec2& gravity, int threads);
+  void add_fluxes(Particles& p, GridState& g, const Vec2& gravity, int threads);
   PoreFlow change_nodes(const GridState& g, double time, double dt, int threads);
   PoreFlow change_points(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, double dt, int threads);
   double flux_of(const Particles& p, const Tractions& tractions, std::size_t k, double time) const;
@@ -122,7 +128,7 @@ class PoreWater {
   std::vector<PoreSoil> soils_;
   const ParticleSet* set_;
   PoreBoundaries boundaries_;
-  std::optional<double> level_;
+  std::optional<double> level_;  // now
   Vec2 reference_;  // where the potential is the pressure
   OfGrid<PoreNode> node_;
   int first_i_, first_j_, last_i_, last_j_;  // nodes of the domain's corners

@@ -2,11 +2,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
+#include <optional>
 #include <utility>
 
 #include "apps/plot/marks.hpp"
 #include "apps/plot/numbers.hpp"
 #include "apps/report/content/fields.hpp"
+#include "apps/report/content/selection.hpp"
 #include "apps/report/figures/rows.hpp"
 #include "apps/report/words/words.hpp"
 #include "pivnp/core/particles/derived.hpp"
@@ -102,6 +105,40 @@ FieldFigure gather(const FigureInput& input, const std::string& field) {
   return f;
 }
 
+// Arrows of a motion's flow of water at a time, where the particles are: means over squares of some 5 mm, the longest as long as
+// one. Returns the flow that it stands for; 0 where there is none.
+double draw_flow(Canvas& canvas, const Panel& panel, const MotionSource& motion, const FieldAtTime& at, const Box& box, double width_mm) {
+  const std::optional<std::size_t> frame = frame_at(motion, at.time);
+  const MotionFrame state = frame ? motion.frame(*frame) : MotionFrame{};
+  const FieldValues* flow = state.find("water_flow");
+  if (!flow || at.position.size() * 2 != flow->values.size()) return 0;
+  const double side = box.width() * std::max(0.07, 5 / width_mm);
+  struct Mean {
+    Vec2 place = Vec2::Zero(), flow = Vec2::Zero();
+    double n = 0;
+  };
+  std::map<std::pair<int, int>, Mean> squares;
+  for (std::size_t p = 0; p < at.position.size(); ++p) {
+    const Vec2 q(double(flow->values[2 * p]), double(flow->values[2 * p + 1]));
+    if (at.status[p] != ParticleStatus::active || !q.allFinite() || !at.position[p].allFinite()) continue;
+    const Vec2 from = (at.position[p] - box.lower) / side;
+    Mean& mean = squares[{int(std::floor(from.x())), int(std::floor(from.y()))}];
+    mean.place += at.position[p];
+    mean.flow += q;
+    ++mean.n;
+  }
+  double most = 0;
+  for (const auto& [square, mean] : squares) most = std::max(most, mean.flow.norm() / mean.n);
+  if (!(most > 0)) return 0;
+  canvas.paint(panel, [panel, squares, per = side / most](Painter& p) {
+    for (const auto& [square, mean] : squares) {
+      const Vec2 centre = mean.place / mean.n, half = 0.5 * per * mean.flow / mean.n;
+      arrow(p, panel.at(centre - half), panel.at(centre + half), ink);
+    }
+  });
+  return most;
+}
+
 std::string heading(Shown shown, const DataSetNames& names) {
   if (shown == Shown::difference) return capitalised(names.second) + " \u2212 " + names.first;
   return capitalised(shown == Shown::measured ? names.first : names.second);
@@ -164,6 +201,7 @@ Figure draw_field(const FigureInput& input, const std::string& field) {
   auto canvas = std::make_shared<Canvas>(figure_width_mm, height);
 
   const auto x_at = [&](std::size_t column) { return x0 + double(column) * (w + gap); };
+  double flow = 0;
   for (std::size_t n = 0; n < cells.size(); ++n) {
     const std::size_t row = n / per_row, column = n % per_row;
     const double x = x_at(column), y = head + double(row) * (h + row_gap);
@@ -173,7 +211,11 @@ Figure draw_field(const FigureInput& input, const std::string& field) {
     const std::vector<Vec2>& places = cells[n].at->position;
     if (std::none_of(places.begin(), places.end(), [](const Vec2& place) { return place.allFinite(); }))
       canvas->text(x + w / 2, y + h / 2, "no data at this time", Align::centre, {.points = small_text, .rgb = faint});
-    else canvas->raster(panel, draw_cell(cells[n], scale, f.box, w));
+    else {
+      canvas->raster(panel, draw_cell(cells[n], scale, f.box, w));
+      if (field == "pressure" && cells[n].shown == Shown::simulated)
+        flow = std::max(flow, draw_flow(*canvas, panel, *content.simulated, *cells[n].at, f.box, w));
+    }
     const std::string letter(1, char('a' + int(n % 26)));
     canvas->text(x, y - 0.8, "(" + letter + ")", Align::bottom_left, {.bold = true});
     if (along || column == 0)
@@ -195,7 +237,11 @@ Figure draw_field(const FigureInput& input, const std::string& field) {
     colour_bar(*canvas, x_at(2) + 0.1 * w, y_bar, 0.8 * w, f.difference_scale, other.factor,
                axis_label("difference", other.name));
   }
-  return {caption(f, columns, input), canvas, file_name(field), f.label + " on the particles at chosen times"};
+  std::string words = caption(f, columns, input);
+  if (flow > 0)
+    words += " Arrows: Darcy's flow of the water, means over squares, the longest of each panel as long as a square; the greatest is " +
+             significant(flow, 2) + unit_suffix(content.length_unit + "/" + content.time_unit) + ".";
+  return {words, canvas, file_name(field), f.label + " on the particles at chosen times"};
 }
 
 std::vector<Figure> draw_fields(const FigureInput& input) {
@@ -204,6 +250,10 @@ std::vector<Figure> draw_fields(const FigureInput& input) {
     derived_field(field);  // an unknown one is told of even where nothing is drawn
     if (!input.times.empty()) all.push_back(draw_field(input, field));
   }
+  // Water in the pores belongs to what every report draws.
+  if (!input.times.empty() && input.options.fields_drawn == ReportOptions{}.fields_drawn && input.content.simulated &&
+      !input.content.simulated->times().empty() && input.content.simulated->frame(0).find("pressure"))
+    all.push_back(draw_field(input, "pressure"));
   return all;
 }
 

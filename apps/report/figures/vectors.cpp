@@ -16,29 +16,6 @@ namespace {
 
 constexpr Rgb valid_colour = 0x0b3d91, replaced_colour = vermilion, rejected_colour = red, failed_colour = purple;
 
-// An arrow from tail to tip in canvas units; a dot if it is too short to have a head.
-void draw_arrow(Painter& p, const Vec2& tail, const Vec2& tip, Rgb rgb) {
-  const Vec2 d = tip - tail;
-  const double length = std::hypot(d.x(), d.y());
-  if (!std::isfinite(length)) return;
-  if (length < 3) {
-    p.no_pen();
-    p.fill({rgb});
-    p.ellipse((tail + tip) / 2, 1.8, 1.8);
-    return;
-  }
-  const double head = std::min(11.0, 0.45 * length), half = 0.36 * head;
-  const Vec2 e = d / length, n(-e.y(), e.x()), neck = tip - head * e;
-  for (const bool halo : {true, false}) {
-    p.pen(halo ? Pen{0xffffff, 1.5} : Pen{rgb, 0.75});
-    p.line(tail, neck);
-    if (halo) p.pen({0xffffff, 0.7});
-    else p.no_pen();
-    p.fill({halo ? 0xffffff : rgb});
-    p.polygon({tip, neck + half * n, neck - half * n});
-  }
-}
-
 void draw_cross(Painter& p, const Vec2& c, Rgb rgb) {
   const Vec2 falling(5.5, 5.5), rising(5.5, -5.5);
   for (const bool halo : {true, false}) {
@@ -89,7 +66,7 @@ void draw_vectors(Canvas& canvas, const Panel& panel, const VectorField& field, 
           const Vec2 d(double(field.displacement[n][0]) * plan.units_each,
                        -double(field.displacement[n][1]) * plan.units_each);
           const Vec2 tail = field.anchor == Anchor::central ? Vec2(at - d / 2) : at;
-          draw_arrow(p, tail, tail + d, wanted == VectorStatus::valid ? valid_colour : replaced_colour);
+          arrow(p, tail, tail + d, wanted == VectorStatus::valid ? valid_colour : replaced_colour);
         }
     // What was not measured is rare and matters: no node is left out.
     for (int j = 0; j < field.grid.ny; ++j)
@@ -110,9 +87,9 @@ void draw_legend(Canvas& canvas, double x, double right, const PairQuality& q, c
   };
   const Entry entries[] = {
       {"valid", q.valid,
-       [](Painter& p, const Vec2& c) { draw_arrow(p, c - Vec2(27, 0), c + Vec2(27, 0), valid_colour); }},
+       [](Painter& p, const Vec2& c) { arrow(p, c - Vec2(27, 0), c + Vec2(27, 0), valid_colour); }},
       {"replaced", q.replaced,
-       [](Painter& p, const Vec2& c) { draw_arrow(p, c - Vec2(27, 0), c + Vec2(27, 0), replaced_colour); }},
+       [](Painter& p, const Vec2& c) { arrow(p, c - Vec2(27, 0), c + Vec2(27, 0), replaced_colour); }},
       {"rejected", q.rejected, [](Painter& p, const Vec2& c) { draw_cross(p, c, rejected_colour); }},
       {"failed", q.failed, [](Painter& p, const Vec2& c) { draw_ring(p, c, failed_colour); }}};
   constexpr double y = 3.2;
@@ -135,7 +112,7 @@ void draw_legend(Canvas& canvas, double x, double right, const PairQuality& q, c
   const double tip = right - text_width(words, small_text) - 2;
   canvas.paint_over([=](Painter& p) {
     const Vec2 end(tip * units_per_mm, y * units_per_mm);
-    draw_arrow(p, end - Vec2(reference * plan.units_each, 0), end, ink);
+    arrow(p, end - Vec2(reference * plan.units_each, 0), end, ink);
   });
 }
 

@@ -63,6 +63,8 @@ Registry<MotionField>& motion_fields() {
       {.name = "pressure", .unit = "Pa", .label = "pore pressure",
        .definition = "pressure of the water in the pores, compression positive"},
       {.name = "porosity", .label = "porosity", .definition = "share of the pores in the volume"},
+      {.name = "water_flow", .unit = "L/T", .form = FieldForm::vector, .label = "flow of the water",
+       .definition = "Darcy's flow of the water relative to the skeleton, a volume per area and time"},
   };
   return fields;
 }

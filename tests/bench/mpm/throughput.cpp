@@ -31,7 +31,7 @@ namespace {
 struct Kernel {
   const char *name, *shape, *transfer, *stress, *locking, *model;
   enum Motion { rest, sheared, thrown } motion;
-  const char* extra = "";  // a wall with friction, a softening material; contact: a face between two halves
+  const char* extra = "";  // a wall with friction, a softening material, water in the pores; contact: a face between two halves
 };
 
 // sheared: the block flows sideways so that sand yields; thrown: it flies through the box at a tenth of the wave speed.
@@ -59,6 +59,10 @@ const Kernel kernels[] = {
     {"bspline apic substepping", "bspline", "apic", "usl", "none", "mohr_coulomb_smooth", Kernel::sheared, "softening"},
     {"bspline apic fbar sleeping", "bspline", "apic", "usl", "fbar", "linear_elastic", Kernel::rest, "sleeping"},
     {"default elastic friction", "bspline", "apic", "usl", "fbar", "linear_elastic", Kernel::rest, "friction"},
+    {"bilinear musl elastic wet", "bilinear", "flip", "musl", "none", "linear_elastic", Kernel::rest, "wet"},
+    {"bilinear musl sand yielding wet", "bilinear", "flip", "musl", "none", "mohr_coulomb", Kernel::sheared, "wet"},
+    {"bspline apic elastic wet", "bspline", "apic", "usl", "none", "linear_elastic", Kernel::rest, "wet"},
+    {"bspline apic sand yielding wet", "bspline", "apic", "usl", "none", "mohr_coulomb", Kernel::sheared, "wet"},
     {"default elastic contact", "bspline", "apic", "usl", "fbar", "linear_elastic", Kernel::rest, "contact"},
 };
 
@@ -79,6 +83,13 @@ mpm::Scene column(int cells, const Kernel& kernel) {
   if (std::string(kernel.extra) == "softening") {
     m.friction_residual_deg = 15;
     m.softening_shape = 10;
+  }
+  if (std::string(kernel.extra) == "wet") {
+    m.density_kg_m3 = 0;
+    m.porosity = 0.4;
+    m.grain_density_kg_m3 = 2667;
+    m.permeability_m_s = 1e-5;
+    scene.water.emplace();
   }
   scene.materials.assign(regions.size(), m);
   if (halves) {
@@ -138,6 +149,7 @@ Run measure(const Kernel& kernel, int cells, int threads) {
   options.transfer = value_named<mpm::TransferKind>(kernel.transfer);
   options.stress_update = value_named<mpm::StressUpdate>(kernel.stress);
   options.locking = value_named<mpm::Locking>(kernel.locking);
+  if (kernel.extra == std::string("wet")) options.initial_equilibrium = false;
   if (kernel.motion == Kernel::thrown) options.gravity_m_s2 = {0, 0};
   if (kernel.extra == std::string("sleeping")) options.sleep_below_m_s = 1e-9;  // on, and nothing falls asleep
   mpm::Solver solver(options, column(cells, kernel), threads);

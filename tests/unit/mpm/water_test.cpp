@@ -70,6 +70,7 @@ TEST(PoreWater, SteadyFlowBetweenTwoPressures) {
   c.load = 0;
   Scene s = scene_of(c);
   const double width = 2 * c.spacing(), below = 5e3, above = 1e3;
+  const double flow = c.permeability * (below - above) / (1000 * 9.81 * c.height);
   s.boundaries[0].second.pressure_pa = below;
   BoundaryOptions top = line({0, c.height}, {width, c.height}, "roller");
   top.pressure_pa = above;
@@ -81,6 +82,8 @@ TEST(PoreWater, SteadyFlowBetweenTwoPressures) {
   for (std::size_t k = 0; k < f.u.size(); ++k) {
     const double y = s.particles.x0[k].y();
     EXPECT_NEAR(double(f.field("pressure")(k, 0)), below + (above - below) * y / c.height, 2.0);
+    EXPECT_NEAR(double(f.field("water_flow")(k, 1)), flow, 0.01 * flow);
+    EXPECT_NEAR(double(f.field("water_flow")(k, 0)), 0, 0.001 * flow);
   }
   // K i A, i the gradient of the head; what comes in leaves.
   const EnergyRow a = solver.energy();
@@ -198,6 +201,64 @@ TEST(PoreWater, ADeepLakeDoesNotLoadTheSkeleton) {
     EXPECT_NEAR(sum, -buoyant, 0.01 * buoyant);
   }
   EXPECT_NEAR(stress[0], stress[1], 1e-3 * std::abs(stress[0]));  // (the deeper water is denser)
+}
+
+// Kozeny and Carman's K, in proportion to n^3/(1 - n)^2: of the soil, and of the flow through one that was compressed.
+TEST(PoreWater, PermeabilityFollowsThePorosityWhereItIsAskedTo) {
+  const WaterOptions water;
+  MaterialOptions m = saturated(1e7, 0.2, 0.3, 1e-5);
+  EXPECT_EQ(pore_soil(m, "soil", &water).mobility_at(0.2), pore_soil(m, "soil", &water).mobility);
+  m.permeability = PermeabilityLaw::kozeny_carman;
+  const PoreSoil soil = pore_soil(m, "soil", &water);
+  EXPECT_NEAR(soil.mobility_at(0.2) / soil.mobility, 8.0 / 27 * 0.49 / 0.64, 1e-12);
+  double flow[2];
+  for (const bool follows : {false, true}) {
+    WaterColumn c = small_column();
+    c.load = 0;
+    c.young = 1e5;
+    c.permeability = 1e-4;
+    c.bulk = 3e6;
+    Scene s = scene_of(c);
+    if (follows) s.materials[0].permeability = PermeabilityLaw::kozeny_carman;
+    s.boundaries[0].second.pressure_pa = -4e3;  // suction at the base compresses
+    Solver solver(options_of(c), s, 1);
+    solver.advance_to(c.at(1.5), silent);
+    const MotionFrame f = solver.frame();
+    double ratio = 0;
+    for (std::size_t k = 0; k < f.u.size(); ++k) ratio += soil.mobility_at(double(f.field("porosity")(k, 0))) / soil.mobility / double(f.u.size());
+    double sum = 0;
+    for (std::size_t k = 0; k < f.u.size(); ++k) sum += double(f.field("water_flow")(k, 1)) / double(f.u.size());
+    flow[follows] = follows ? sum / ratio : sum;
+    EXPECT_LT(ratio, 0.95);
+  }
+  EXPECT_NEAR(flow[1], flow[0], 0.02 * std::abs(flow[0]));
+}
+
+// The level's height between its times, and the pressure of what it drives.
+TEST(PoreWater, TheLevelOutsideMovesAsItIsTold) {
+  WaterColumn c = small_column();
+  c.load = 0;
+  c.gravity = 9.81;
+  c.permeability = 1e-3;
+  Scene s = scene_of(c);
+  const double end = c.at(4);
+  s.water->level_history = {{0.1 * end, 0.3}, {0.5 * end, 0.2}, {0.6 * end, 0.26}};
+  MpmOptions o = options_of(c);
+  o.initial_equilibrium = true;
+  Solver solver(o, s, 1);
+  solver.find_initial_equilibrium(silent);
+  const EnergyRow start = solver.energy();
+  const auto head = [&] {
+    const MotionFrame f = solver.frame();
+    double sum = 0;
+    for (std::size_t k = 0; k < f.u.size(); ++k)
+      sum += (double(f.field("pressure")(k, 0)) / 9810 + s.particles.x0[k].y()) / double(f.u.size());
+    return sum;
+  };
+  EXPECT_NEAR(head(), 0.3, 1e-5);
+  solver.advance_to(end, silent);
+  EXPECT_NEAR(head(), 0.26, 1e-3);
+  EXPECT_LT(std::abs(lost_mass(solver.energy(), start)), 1e-11);
 }
 
 TEST(PoreWater, DrainedMaterialHasNoExcessPressure) {
@@ -323,6 +384,9 @@ TEST(PoreWater, RefusesWhatDoesNotFit) {
   EXPECT_THAT(told([](Scene& s, MpmOptions& o) { s.materials[0] = elastic(1e6, 0.3, 2000), s.water.reset(), s.boundaries.pop_back(), o.pressure = PressureScheme::in_steps; }),
               HasSubstr("mpm.pressure"));
   EXPECT_THAT(told([](Scene& s, MpmOptions&) { s.boundaries.back().second.pressure_pa = 1; }), HasSubstr("boundary.load"));
+  EXPECT_THAT(told([](Scene& s, MpmOptions&) { s.water->level_m = 1, s.water->level_history = {{0, 1}}; }), HasSubstr("water.level_history"));
+  EXPECT_THAT(told([](Scene& s, MpmOptions&) { s.water->level_history = {{1, 1}, {1, 2}}; }), HasSubstr("water.level_history: entry 2"));
+  EXPECT_THAT(told([](Scene& s, MpmOptions& o) { s.water->level_history = {{0, 1}}, o.gravity_m_s2 = {5, -5}; }), HasSubstr("water.level_history"));
   EXPECT_THAT(told([](Scene& s, MpmOptions& o) { s.water->level_m = 1, o.gravity_m_s2 = {5, -5}; }), HasSubstr("water.level_m"));
   EXPECT_THAT(told([](Scene&, MpmOptions& o) { o.gravity_m_s2 = {0, -9.81}, o.initial_equilibrium = true; }), HasSubstr("water.level_m"));
   EXPECT_THAT(told([](Scene&, MpmOptions& o) { o.sleep_below_m_s = 1; }), HasSubstr("mpm.sleep_below_m_s"));

@@ -8,6 +8,7 @@
 
 #include "apps/study/pipeline/scene.hpp"
 #include "apps/study/pipeline/simulation_scene.hpp"
+#include "apps/study/pipeline/sizes.hpp"
 #include "apps/study/studies/check.hpp"
 #include "mpm/step/solver.hpp"
 #include "pivnp/core/error.hpp"
@@ -45,6 +46,27 @@ double farthest(const mpm::Solver& solver) {
   double most = 0;
   for (const auto& u : solver.frame().u) most = std::max(most, std::hypot(double(u[0]), double(u[1])));
   return most;
+}
+
+// The steps told of before a run are those of the mixture, water included.
+TEST(CaseScene, TheSizeCountsTheStepsThatWaterAsksFor) {
+  const Case c = parse_case(case_of(R"(
+[grid]
+spacing_m = 0.01
+area_m = [[0.0, 0.0], [0.04, 0.12]]
+[region.sample]
+polygon_m = [[0.0, 0.0], [0.04, 0.0], [0.04, 0.1], [0.0, 0.1]]
+[material.sample]
+model = "linear_elastic"
+young_pa = 10e6
+porosity = 0.3
+permeability_m_s = 1e-5
+grain_density_kg_m3 = 2650.0
+[water]
+)", "gravity_m_s2 = [0.0, 0.0]\ninitial_equilibrium = false\n", ""), "case.toml", ".");
+  const Setting setting = make_setting(c, 0, 0);
+  const double step = make_solver(c, setting, 1).stable_step();
+  EXPECT_NEAR(size_of(c, setting, 0, 1).steps, 1 / step, 1e-6 / step);
 }
 
 // Chapter 5: a reservoir as a nearly shear-free elastic body that presses on the bank it stands against, at the start

@@ -168,6 +168,59 @@ TEST(MpmTerzaghi, OrderInTheCell) {
   }
 }
 
+// A lake over a saturated sample falls. Total stress and pressure outside fall by the same; of that, soft water takes a part at
+// once, and the rest leaves as in Terzaghi's consolidation. The largest deviation of the pressure at T .1, .3, .7, over what the
+// lake's pressure fell by.
+double drawdown(ShapeKind shape, int cells, double share) {
+  WaterColumn c;
+  c.young = 1e7;
+  c.poisson = 0.2;
+  c.permeability = 1e-5;
+  c.height = 0.06;
+  c.cells = cells;
+  c.shape = shape;
+  c.load = 0;
+  c.gravity = 9.81;
+  c.bulk = c.porosity * c.modulus() * share / (1 - share);
+  Scene s = scene_of(c);
+  const double fall = 0.05, low = 0.1;
+  s.water->level_history = {{0, low + fall}, {c.at(2e-3), low}};
+  MpmOptions o = options_of(c);
+  o.initial_equilibrium = true;
+  Solver solver(o, s, 1);
+  solver.find_initial_equilibrium(silent);
+  const double fallen = 1000 * c.gravity * fall;
+  double worst = 0;
+  for (const double T : {0.1, 0.3, 0.7}) {
+    solver.advance_to(c.at(T), silent);
+    const MotionFrame f = solver.frame();
+    for (std::size_t k = 0; k < f.u.size(); ++k) {
+      const double y = s.particles.x0[k].y();
+      const double expected = 1000 * c.gravity * (low - y) + (1 - share) * fallen * terzaghi(1 - y / c.height, T);
+      worst = std::max(worst, std::abs(double(f.field("pressure")(k, 0)) - expected) / fallen);
+    }
+  }
+  return worst;
+}
+
+TEST(MpmDrawdownSmall, ALakeThatFallsOverASample) {
+  for (const ShapeKind shape : {ShapeKind::bilinear, ShapeKind::bspline}) {
+    const double d = drawdown(shape, 8, 0.5);
+    std::printf("lake that falls, %s, 8 cells: %.4f\n", std::string(name_of(shape)).c_str(), d);
+    EXPECT_LT(d, 0.01);
+  }
+}
+
+TEST(MpmDrawdown, ALakeThatFallsOverASample) {
+  for (const ShapeKind shape : {ShapeKind::bilinear, ShapeKind::gimp, ShapeKind::bspline}) {
+    double worst = 0;
+    for (const double share : {0.3, 0.6}) worst = std::max(worst, drawdown(shape, 10, share));
+    EXPECT_LT(worst, 0.01);
+    pivnp::test::verification_row("lake that falls over a saturated sample, " + std::string(name_of(shape)) + ", 10 cells, water that takes 0.3 and 0.6 of it at once",
+                                  "pressure within 1 % of what the lake's fell by at T .1, .3, .7", number(100 * worst, 2) + " %");
+  }
+}
+
 // Half of a rough footing of width 2 on clay 4 wide and 2.5 deep; its nodes sink at a speed.
 struct Bearing {
   double capacity, checkerboard;  // mean over a settlement of 2.5 to 4 % of the width; over the mean, of pressure or mean stress
