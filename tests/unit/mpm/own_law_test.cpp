@@ -177,7 +177,7 @@ TEST(ParticleFields, OnlyWhatIsNeededHasValues) {
     needs.*need = true;
     EXPECT_EQ(held(needs).size(), least.size() + 1);
   }
-  EXPECT_EQ(held({.wet = true}).size(), least.size() + 4);
+  EXPECT_EQ(held({.wet = true}).size(), least.size() + 5);
 }
 
 TEST(ParticleFields, EveryRecordedOneIsAMotionField) {
