@@ -52,7 +52,7 @@ CARRIED = MEASUREMENT | {
     "boundary.base": {"line_m": "[[0.0, 0.016], [0.095, 0.016]]"},
 }
 SUBMERGED = {"level_m": "0.1"}
-POROUS = {"density_kg_m3": None, "porosity": "0.4", "permeability_m_s": "1e-3"}
+POROUS = {"density_kg_m3": None, "porosity": "0.4", "permeability_m_s": "1e-6"}
 WET = SIMULATION | {"material.soil": {k: v for k, v in (SIMULATION["material.soil"] | POROUS).items() if v}, "water": SUBMERGED,
                     "mpm": {"end_s": "0.005", "output_rate_hz": "400.0"}}
 # Vectors of the same shift at the nodes of a grid, as each format has them.
@@ -123,7 +123,8 @@ MATERIAL = {
     "removed_s": [("0.01", {}, {"region.soil": {"polygon_m": "[[0.0, 0.04], [0.08, 0.04], [0.08, 0.08], [0.0, 0.08]]"},
                                 "region.below": {"polygon_m": "[[0.0, 0.0], [0.08, 0.0], [0.08, 0.04], [0.0, 0.04]]"},
                                 "material.below": SIMULATION["material.soil"]})],
-    "porosity": [("0.3", POROUS, {"water": SUBMERGED})], "permeability_m_s": [("1e-4", POROUS, {"water": SUBMERGED})],
+    "porosity": [("0.3", POROUS, {"water": SUBMERGED})], "permeability_m_s": [("1e-7", POROUS, {"water": SUBMERGED})],
+    "permeability": [('"constant"', POROUS, {"water": SUBMERGED}), ('"kozeny_carman"', POROUS, {"water": SUBMERGED})],
     "drained": [("true", POROUS, {"water": SUBMERGED}), ("false", POROUS, {"water": SUBMERGED})],
 }
 MPM = {
@@ -188,12 +189,14 @@ VALUES = {
     # The same lists as above, in another section.
     "synth.material": {key: [(*item[:2], {"synth.mpm": AT_ONCE["mpm"]}) if AT_ONCE in tuple(item) else item for item in items]
                        for key, items in MATERIAL.items()} |
-                      {"porosity": [("0.3", POROUS, {"water": SUBMERGED})], "permeability_m_s": [("1e-4", POROUS, {"water": SUBMERGED})],
+                      {"porosity": [("0.3", POROUS, {"water": SUBMERGED})], "permeability_m_s": [("1e-7", POROUS, {"water": SUBMERGED})],
+    "permeability": [('"constant"', POROUS, {"water": SUBMERGED}), ('"kozeny_carman"', POROUS, {"water": SUBMERGED})],
                        "drained": [("true", POROUS, {"water": SUBMERGED}), ("false", POROUS, {"water": SUBMERGED})]} |
                       {"removed_s": [("0.01", {}, {"region.soil": {"polygon_px": "[[15, 55], [79, 55], [79, 31], [15, 31]]"},
                                                    "region.below": {"polygon_px": "[[15, 79], [79, 79], [79, 55], [15, 55]]"},
                                                    "synth.material.below": SIMULATION["material.soil"]})]},
     "synth.mpm": MPM | {"pressure": [('"explicit"', {}, {"water": SUBMERGED, "synth.material.soil": POROUS})], "domain_m": ["[[0.0, 0.0], [0.095, 0.095]]"]},
+    "water": {"level_history": [("[[0.0, 0.1], [0.02, 0.12]]", {"level_m": None})]},
     "verify": {"lost_share": [("0.5", {"displacement_rms_px": "5.0"})], "displacement_rms_px": ["5.0"], "strain_error": ["1.0"],
                "nodal_error": ["1.0"], "drift_px": ["5.0"], "drift_ratio": ["5.0"]},
 }
