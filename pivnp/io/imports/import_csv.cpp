@@ -42,8 +42,7 @@ ImportedTable read_csv(const std::filesystem::path& file, double step) {
     if (!lines.next(line)) throw InputError(file.string() + ": is empty, expected a line of column names");
   } while (line.empty() || line.starts_with('#'));
   const char separator = line.find(';') != line.npos ? ';' : line.find('\t') != line.npos ? '\t' : ',';
-  std::vector<std::string> header;
-  for (const std::string_view cell : cells_of(line, separator)) header.push_back(column_name(cell));
+  const std::vector<std::string> header = header_of(line, separator);
   const Columns c = find_columns(header);
   if (c.x < 0 || c.y < 0)
     throw InputError(lines.at() + "no column '" + (c.x < 0 ? "x" : "y") + "' among the names, expected x and y");

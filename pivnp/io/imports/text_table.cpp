@@ -83,6 +83,19 @@ std::string column_name(std::string_view text) {
   return out;
 }
 
+std::vector<std::string> header_of(std::string_view line, char separator) {
+  std::vector<std::string> names;
+  for (const std::string_view cell : cells_of(line, separator)) names.push_back(column_name(cell));
+  return names;
+}
+
+std::vector<std::string_view> row_of(const TextLines& lines, std::string_view line, char separator, std::size_t columns) {
+  std::vector<std::string_view> cells = cells_of(line, separator);
+  if (cells.size() != columns)
+    throw InputError(lines.at() + "found " + std::to_string(cells.size()) + " values, expected " + std::to_string(columns));
+  return cells;
+}
+
 int column_of(const std::vector<std::string>& header, const std::vector<const char*>& names) {
   for (const char* name : names)
     for (std::size_t k = 0; k < header.size(); ++k)

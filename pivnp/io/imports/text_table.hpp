@@ -42,6 +42,11 @@ char separator_of(std::string_view line);
 /// A column's name as it is looked for: small letters, no blanks, no quotation marks.
 std::string column_name(std::string_view text);
 
+/// The names of the columns in a line.
+std::vector<std::string> header_of(std::string_view line, char separator);
+/// The cells of the line that was given last. Throws InputError with the line if there are not `columns` of them.
+std::vector<std::string_view> row_of(const TextLines& lines, std::string_view line, char separator, std::size_t columns);
+
 /// Place of the first of `names` among the columns; -1 if none is there.
 int column_of(const std::vector<std::string>& header, const std::vector<const char*>& names);
 

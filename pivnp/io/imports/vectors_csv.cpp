@@ -35,8 +35,7 @@ ImportedVectors read_csv_vectors(const std::filesystem::path& file, std::optiona
     if (!lines.next(line)) throw InputError(file.string() + ": is empty, expected a line of column names");
   } while (line.empty() || line.starts_with('#'));
   const char separator = separator_of(line);
-  std::vector<std::string> header;
-  for (const std::string_view cell : cells_of(line, separator)) header.push_back(column_name(cell));
+  const std::vector<std::string> header = header_of(line, separator);
   ImportedVectors out;
   out.pixels = column_of(header, {"x_px", "y_px", "u_px", "v_px"}) >= 0;
   out.y_up = !out.pixels;
@@ -55,10 +54,7 @@ ImportedVectors read_csv_vectors(const std::filesystem::path& file, std::optiona
     throw InputError(lines.at() + "found '" + (su < 0 ? "sigma_v" : "sigma_u") + "' alone, expected sigma_u and sigma_v");
   while (lines.next(line)) {
     if (line.empty() || line.starts_with('#')) continue;
-    const std::vector<std::string_view> cells = cells_of(line, separator);
-    if (cells.size() != header.size())
-      throw InputError(lines.at() + "found " + std::to_string(cells.size()) + " values, expected " +
-                       std::to_string(header.size()));
+    const std::vector<std::string_view> cells = row_of(lines, line, separator, header.size());
     const auto value = [&](std::size_t k) { return lines.value(cells[k], header[k]); };
     out.line.push_back(lines.number());
     out.x.push_back({value(x), value(y)});

@@ -38,8 +38,7 @@ ImportedVectors read_dice(const std::filesystem::path& file, std::optional<doubl
     if (const std::string name = named_image(line, "Deformed image:"); !name.empty()) out.second = name;
   } while (line.empty() || line.starts_with("***"));
   const char separator = separator_of(line);
-  std::vector<std::string> header;
-  for (const std::string_view cell : cells_of(line, separator)) header.push_back(column_name(cell));
+  const std::vector<std::string> header = header_of(line, separator);
   const auto needed = [&](const char* name, const char* printed) {
     const int at = column_of(header, {name});
     if (at < 0)
@@ -52,10 +51,7 @@ ImportedVectors read_dice(const std::filesystem::path& file, std::optional<doubl
   const int sigma = column_of(header, {"sigma"}), match = column_of(header, {"match"});
   while (lines.next(line)) {
     if (line.empty()) continue;
-    const std::vector<std::string_view> cells = cells_of(line, separator);
-    if (cells.size() != header.size())
-      throw InputError(lines.at() + "found " + std::to_string(cells.size()) + " values, expected " +
-                       std::to_string(header.size()));
+    const std::vector<std::string_view> cells = row_of(lines, line, separator, header.size());
     const auto value = [&](std::size_t k) { return lines.value(cells[k], header[k]); };
     out.line.push_back(lines.number());
     out.x.push_back({value(x), value(y)});

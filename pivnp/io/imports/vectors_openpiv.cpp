@@ -23,8 +23,7 @@ ImportedVectors read_openpiv(const std::filesystem::path& file, std::optional<do
   if (!line.starts_with('#'))
     throw InputError(lines.at() + "found '" + shown(line) + "', expected the line of column names, '# x y u v flags mask'");
   const char separator = separator_of(line);
-  std::vector<std::string> header;
-  for (const std::string_view cell : cells_of(line.substr(1), separator)) header.push_back(column_name(cell));
+  const std::vector<std::string> header = header_of(line.substr(1), separator);
   const auto needed = [&](const char* name) {
     const int at = column_of(header, {name});
     if (at < 0) throw InputError(lines.at() + "no column '" + name + "' among the names, expected x, y, u and v");
@@ -35,10 +34,7 @@ ImportedVectors read_openpiv(const std::filesystem::path& file, std::optional<do
   ImportedVectors out;
   while (lines.next(line)) {
     if (line.empty() || line.starts_with('#')) continue;
-    const std::vector<std::string_view> cells = cells_of(line, separator);
-    if (cells.size() != header.size())
-      throw InputError(lines.at() + "found " + std::to_string(cells.size()) + " values, expected " +
-                       std::to_string(header.size()));
+    const std::vector<std::string_view> cells = row_of(lines, line, separator, header.size());
     const auto value = [&](std::size_t k) { return lines.value(cells[k], header[k]); };
     const auto code = [&](int k, double most) {
       if (k < 0) return 0.0;
