@@ -17,10 +17,8 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 #include "mpm/state/node.hpp"
-#include "pivnp/core/grid/grid.hpp"
 
 namespace pivnp::mpm {
 
@@ -34,25 +32,16 @@ struct AverageArrays {
   AlongAxes* fluxes;  // first the sums of the corner's edges to the right and up, of both cells beside them; then S^-1 F^T
                       // of the corners' means
   std::ptrdiff_t row;  // from a cell to the one above
-};
 
-class Averages {
- public:
-  /// Of a grid of nodes; takes no memory before it is used.
-  explicit Averages(const Grid& nodes);
-
-  AverageArrays arrays();
   /// What the kernels add to and read.
-  AverageView view();
+  AverageView view() const { return {edges, corners}; }
   /// This node is active no more.
-  void forget(std::uint32_t node);
-  bool used = false;
-
- private:
-  std::ptrdiff_t row_;
-  OfGrid<CellEdges> edges_;
-  OfGrid<CornerSums> corners_;
-  OfGrid<AlongAxes> shift_, fluxes_;
+  void forget(std::uint32_t node) const {
+    edges[node] = {};
+    corners[node] = {};
+    shift[node] = {};
+    fluxes[node] = {};
+  }
 };
 
 /// For nodes of the list whose sums, and those of their cells, are complete: CornerSums::volume becomes 1/L (0 for

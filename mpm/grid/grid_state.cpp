@@ -4,14 +4,20 @@
 
 namespace pivnp::mpm {
 
-GridState::GridState(const Grid& d, ShapeKind kind, int n_fields, bool updated)
+GridState::GridState(const Grid& d, ShapeKind kind, int n_fields, bool updated, const NodeNeeds& needs)
     : GridGeometry(d, kind, n_fields),
       by_updated(updated),
       cells(grid),
       blocks(grid),
-      node(grid.node_count()),
-      averages(grid),
-      own_strain_velocity_(grid.node_count()) {}
+      node(grid.node_count()) {
+  arrays.allocate(grid.node_count() + 3 * std::size_t(grid.nx) + 8, needs);
+}
+
+AverageArrays GridState::averages() {
+  const std::size_t first = std::size_t(grid.nx) + 1;
+  return {arrays.edges.data() + first, arrays.corners.data() + first, arrays.shift.data() + first, arrays.fluxes.data() + first,
+          grid.nx};
+}
 
 void GridState::rebuild(const Particles& p) {
   relocation.done = false;
@@ -52,9 +58,9 @@ void GridState::mark_cells() {
 void GridState::list_active() {
   active.rebuild(cells, *this, blocks);
   for (const std::uint32_t n : active.left) {
-    if (has_own_strain_velocity(n)) own_strain_velocity_[n] = {};
+    if (has_own_strain_velocity(n)) arrays.own_strain_velocity[n] = {};
     node[n] = Node{};
-    if (averages.used) averages.forget(n);
+    if (averaged) averages().forget(n);
   }
 }
 
@@ -67,7 +73,7 @@ void GridState::separate_strain_velocities(std::uint32_t n, int count) {
       const std::size_t m = grid.node(a, b);
       if (node[m].apart) continue;
       node[m].apart = true;
-      own_strain_velocity_[m] = {node[m].nx, node[m].ny};
+      arrays.own_strain_velocity[m] = {node[m].nx, node[m].ny};
       nodes_apart_.push_back(std::uint32_t(m));
     }
     if (b > j) continue;
@@ -83,7 +89,7 @@ void GridState::separate_strain_velocities(std::uint32_t n, int count) {
 void GridState::join_strain_velocities() {
   for (const std::uint32_t n : nodes_apart_) {
     node[n].apart = false;
-    own_strain_velocity_[n] = {};
+    arrays.own_strain_velocity[n] = {};
   }
   for (const std::uint32_t s : cells_apart_) marks[s] &= std::uint8_t(~strained_apart);
   nodes_apart_.clear();
@@ -98,10 +104,10 @@ CellView GridState::view() {
           .marks = marks.data(),
           .points = cells.order.size(),
           .node = node.data(),
-          .strain_velocity = shared ? &node.data()->nx : &own_strain_velocity_.data()->x,
+          .strain_velocity = shared ? &node.data()->nx : &arrays.own_strain_velocity.data()->x,
           .to_next = std::ptrdiff_t((shared ? sizeof(Node) : sizeof(NodeVelocity)) / sizeof(double)),
-          .own_strain_velocity = &own_strain_velocity_.data()->x,
-          .average = averages.view(),
+          .own_strain_velocity = &arrays.own_strain_velocity.data()->x,
+          .average = averages().view(),
           .nx = grid.nx,
           .ny = field_grid.ny,
           .field_rows = field_rows,

@@ -9,7 +9,7 @@
 #include "mpm/grid/cell_list.hpp"
 #include "mpm/grid/grid_geometry.hpp"
 #include "mpm/grid/sleeping_blocks.hpp"
-#include "mpm/state/node.hpp"
+#include "mpm/state/node_fields.hpp"
 #include "mpm/state/particles.hpp"
 #include "mpm/state/views.hpp"
 
@@ -27,7 +27,8 @@ struct Relocation {
 class GridState : public GridGeometry {
  public:
   /// `by_updated`: the updated velocity Node::n gives the strain increments, not one of its own.
-  GridState(const Grid& domain, ShapeKind shape, int velocity_fields = 1, bool by_updated = false);
+  GridState(const Grid& domain, ShapeKind shape, int velocity_fields = 1, bool by_updated = false,
+            const NodeNeeds& needs = {.own_strain_velocity = true, .averages = true});
 
   const bool by_updated;
   CellList cells;
@@ -35,7 +36,8 @@ class GridState : public GridGeometry {
   SleepingBlocks blocks;
   ActiveCells active;
   Nodes node;                       // of the whole grid; zero where not active
-  Averages averages;                // of cells around nodes
+  NodeArrays arrays;                // what else nodes carry, as far as it is needed
+  bool averaged = false;            // at the corners of cells, since the start
   Relocation relocation;
 
   /// Builds the lists of cells and active nodes from Particles::cell.
@@ -52,11 +54,11 @@ class GridState : public GridGeometry {
     double &x, &y;
   };
   StrainVelocity strain_velocity(std::size_t n) {
-    return has_own_strain_velocity(n) ? StrainVelocity{own_strain_velocity_[n].x, own_strain_velocity_[n].y}
+    return has_own_strain_velocity(n) ? StrainVelocity{arrays.own_strain_velocity[n].x, arrays.own_strain_velocity[n].y}
                                       : StrainVelocity{node[n].nx, node[n].ny};
   }
   Vec2 strain_velocity(std::size_t n) const {
-    return has_own_strain_velocity(n) ? Vec2(own_strain_velocity_[n].x, own_strain_velocity_[n].y)
+    return has_own_strain_velocity(n) ? Vec2(arrays.own_strain_velocity[n].x, arrays.own_strain_velocity[n].y)
                                       : Vec2(node[n].nx, node[n].ny);
   }
   bool has_own_strain_velocity(std::size_t n) const { return !by_updated || node[n].apart; }
@@ -65,6 +67,8 @@ class GridState : public GridGeometry {
   void separate_strain_velocities(std::uint32_t node, int count = 1);
   void join_strain_velocities();
 
+  /// Of the averages at the cells' corners. (A row and one more are read before the grid, two rows and some after.)
+  AverageArrays averages();
   /// As the kernels see it.
   CellView view();
 
@@ -72,7 +76,6 @@ class GridState : public GridGeometry {
   void mark_cells();
   void list_active();
 
-  OfGrid<NodeVelocity> own_strain_velocity_;  // takes no memory where it is not used
   std::vector<std::uint32_t> cells_apart_, nodes_apart_;
 };
 

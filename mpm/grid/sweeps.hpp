@@ -100,8 +100,8 @@ void for_node_parts(const GridState& g, int threads, Body&& body) {
 /// the last averages left it: the points have not moved since, and the same ones stand open.
 template <class Add>
 void average_at_corners(GridState& g, Averaging which, bool volumes, int threads, Add&& add) {
-  g.averages.used = true;
-  const AverageArrays a = g.averages.arrays();
+  g.averaged = true;
+  const AverageArrays a = g.averages();
   const auto clear = [&](Range nodes, std::size_t) {
     for (std::size_t k = nodes.begin; k < nodes.end; ++k) {
       const std::uint32_t n = g.active.nodes[k];

@@ -51,6 +51,8 @@ struct AverageView {
 template <class T>
 class OfGrid {
  public:
+  using value_type = T;
+  OfGrid() = default;
   explicit OfGrid(std::size_t n) : memory_(std::calloc(n + alignof(T) / sizeof(T) + 1, sizeof(T))), size_(n) {
     if (!memory_) throw std::bad_alloc();
     const auto at = reinterpret_cast<std::uintptr_t>(memory_.get());
@@ -59,6 +61,7 @@ class OfGrid {
   T& operator[](std::size_t n) { return first_[n]; }
   const T& operator[](std::size_t n) const { return first_[n]; }
   T* data() { return first_; }
+  const T* data() const { return first_; }
   std::size_t size() const { return size_; }
 
  private:
@@ -66,8 +69,8 @@ class OfGrid {
     void operator()(void* p) const { std::free(p); }
   };
   std::unique_ptr<void, Free> memory_;
-  std::size_t size_;
-  T* first_;
+  std::size_t size_ = 0;
+  T* first_ = nullptr;
 };
 using Nodes = OfGrid<Node>;
 

@@ -1,9 +1,11 @@
-// The fields of the nodes, listed once: what a node takes of memory is counted from the list (step/memory.hpp). All are of one
-// step: none is state, none is recorded, and all are double precision but for the marks. A field that a case does not need
-// takes no memory, or no more than pages that nothing writes to.
+// The fields of the nodes, listed once: arrays are allocated by the list, and what a node takes of memory is counted from it
+// (step/memory.hpp). All are of one step: none is state, none is recorded, and all are double precision but for the marks. A
+// field that a case does not need takes no memory.
 #pragma once
 
+#include <cstddef>
 #include <string_view>
+#include <type_traits>
 
 #include "mpm/state/node.hpp"
 #include "mpm/state/pore_node.hpp"
@@ -25,13 +27,21 @@ struct NodeField {
   bool NodeNeeds::*need = nullptr;  // without it the field takes no memory; null: every case has it
 };
 
-/// In place of a component's member: a field that lies in an array of its own, an element T a node.
-template <class T>
-struct InArray {
-  using type = T;
+/// What does not lie in a node's line: arrays of their own, an element a node; empty where a case does not need them.
+struct NodeArrays {
+  OfGrid<NodeVelocity> own_strain_velocity;
+  OfGrid<CellEdges> edges;
+  OfGrid<CornerSums> corners;
+  OfGrid<AlongAxes> shift, fluxes;
+  OfGrid<NodeVelocity> filtered, loads;
+  OfGrid<PoreNode> pores;
+  OfGrid<double> softening_strain, softening_volume, softening_rows;
+
+  /// Those that are needed, all zero, of so many elements.
+  void allocate(std::size_t size, const NodeNeeds& needs);
 };
 
-/// Calls visit(field, component, ...): with the members of Node for what lies in a node's line, else with one InArray.
+/// Calls visit(field, member, ...): with the members of Node for what lies in a node's line, else with one of NodeArrays.
 template <class Visit>
 constexpr void for_each_node_field(Visit&& visit) {
   using N = NodeNeeds;
@@ -43,21 +53,32 @@ constexpr void for_each_node_field(Visit&& visit) {
   visit(NodeField{"apart", "", "strains the material by a velocity of its own"}, &Node::apart);
   visit(NodeField{"strain-rate velocity", "m/s", "velocity that gives the strain increments, where it is not the updated one",
                   &N::own_strain_velocity},
-        InArray<NodeVelocity>{});
+        &NodeArrays::own_strain_velocity);
   visit(NodeField{"edges", "m^2", "sums over a cell's points for its edges, then their shares", &N::averages},
-        InArray<CellEdges>{});
+        &NodeArrays::edges);
   visit(NodeField{"corners", "Pa m^2, m^2", "sums over a corner's points, then their average", &N::averages},
-        InArray<CornerSums>{});
+        &NodeArrays::corners);
   visit(NodeField{"shift", "1", "from the centre of a corner's points to the corner, in cells", &N::averages},
-        InArray<AlongAxes>{});
+        &NodeArrays::shift);
   visit(NodeField{"fluxes", "1", "what moves a corner's average to the corner", &N::averages},
-        InArray<AlongAxes>{});
-  visit(NodeField{"filtered velocity", "m/s", "velocity, filtered to an order", &N::filtered}, InArray<NodeVelocity>{});
-  visit(NodeField{"body force", "N/m", "force of body forces and tractions", &N::loads}, InArray<NodeVelocity>{});
-  visit(NodeField{"pores", "", "what the flow of water needs of a node (pore_node.hpp)", &N::wet}, InArray<PoreNode>{});
+        &NodeArrays::fluxes);
+  visit(NodeField{"filtered velocity", "m/s", "velocity, filtered to an order", &N::filtered}, &NodeArrays::filtered);
+  visit(NodeField{"body force", "N/m", "force of body forces and tractions", &N::loads}, &NodeArrays::loads);
+  visit(NodeField{"pores", "", "what the flow of water needs of a node (pore_node.hpp)", &N::wet}, &NodeArrays::pores);
   visit(NodeField{"softening strain", "m^2", "plastic strain times volume, then its mean", &N::averaged},
-        InArray<double>{});
-  visit(NodeField{"softening volume", "m^2", "volume, filtered alike", &N::averaged}, InArray<double>{});
+        &NodeArrays::softening_strain);
+  visit(NodeField{"softening volume", "m^2", "volume, filtered alike", &N::averaged}, &NodeArrays::softening_volume);
+  visit(NodeField{"softening rows", "m^2", "one of them, filtered along the rows", &N::averaged}, &NodeArrays::softening_rows);
+}
+
+inline void NodeArrays::allocate(std::size_t size, const NodeNeeds& needs) {
+  for_each_node_field([&](const NodeField& field, const auto&... member) {
+    const auto make = [&]<class Values, class Owner>(Values Owner::*values) {
+      if constexpr (std::is_same_v<Owner, NodeArrays>)
+        if (needs.*field.need) this->*values = Values(size);
+    };
+    (make(member), ...);
+  });
 }
 
 }  // namespace pivnp::mpm

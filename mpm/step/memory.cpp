@@ -16,6 +16,17 @@ bool any_averages(const Materials& materials) {
 
 }  // namespace
 
+SceneNeeds needs_of(const Scene& scene) {
+  const auto& label = scene.particles.label;
+  const auto any = [&](BoundaryType type) {
+    return std::any_of(scene.boundaries.begin(), scene.boundaries.end(), [&](const auto& b) { return b.second.type == type; });
+  };
+  return {.several = std::any_of(label.begin(), label.end(), [&](auto l) { return l != label.front(); }),
+          .water = scene.water.has_value(),
+          .tied = any(BoundaryType::tied),
+          .loads = scene.body_force || any(BoundaryType::traction)};
+}
+
 ParticleNeeds particle_needs(const Scheme& scheme, const Materials& materials, const SceneNeeds& scene) {
   return {.own_mass = scene.several || scene.water,
           .affine = row_of(scheme.transfer).affine,
@@ -47,11 +58,12 @@ double bytes_a_point(const ParticleNeeds& needs, const Materials& materials) {
 
 double bytes_a_node(const NodeNeeds& needs) {
   std::size_t bytes = sizeof(Node);
-  for_each_node_field([&](const NodeField& field, const auto&... component) {
-    const auto add = [&]<class T>(const T&) {
-      if constexpr (!std::is_member_pointer_v<T>) bytes += sizeof(typename T::type);
+  for_each_node_field([&](const NodeField& field, const auto&... member) {
+    const auto add = [&]<class Values, class Owner>(Values Owner::*) {
+      if constexpr (std::is_same_v<Owner, NodeArrays>)
+        if (needs.*field.need) bytes += sizeof(typename Values::value_type);
     };
-    if (field.need && needs.*field.need) (add(component), ...);
+    (add(member), ...);
   });
   return double(bytes);
 }

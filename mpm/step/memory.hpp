@@ -4,17 +4,20 @@
 #include "mpm/state/node_fields.hpp"
 #include "mpm/state/particles.hpp"
 #include "mpm/state/scheme.hpp"
+#include "mpm/step/scene.hpp"
 #include "mpm/transfer/stress_update.hpp"
 
 namespace pivnp::mpm {
 
 /// What of a scene asks for fields that not every scene has.
 struct SceneNeeds {
-  bool several = false;  // bodies of several materials
+  bool several = false;  // particles of several materials
   bool water = false;
   bool tied = false;
   bool loads = false;    // body forces, tractions
 };
+
+SceneNeeds needs_of(const Scene& scene);
 
 /// The fields that the points and the nodes of such a simulation have.
 ParticleNeeds particle_needs(const Scheme& scheme, const Materials& materials, const SceneNeeds& scene);

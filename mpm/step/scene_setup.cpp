@@ -77,7 +77,7 @@ std::array<double, 2> impedance_near(const Scene& scene, const Materials& materi
 }
 
 SolverState initial_state(const Scene& scene, const Scheme& scheme, const GridState& g, const Materials& materials,
-                          const Contacts& contacts, bool tied) {
+                          const Contacts& contacts) {
   const ParticleSet& set = scene.particles;
   const std::size_t n = set.size();
   if (n == 0) throw InputError("mpm: the scene holds no particle");
@@ -91,8 +91,7 @@ SolverState initial_state(const Scene& scene, const Scheme& scheme, const GridSt
   std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return set.label[a] < set.label[b]; });
   SolverState state;
   Particles& p = state.particles;
-  const bool several = set.label[order.front()] != set.label[order.back()];
-  p.resize(n, particle_needs(scheme, materials, {.several = several, .water = scene.water.has_value(), .tied = tied}));
+  p.resize(n, particle_needs(scheme, materials, needs_of(scene)));
   for (std::size_t k = 0; k < n; ++k) {
     const std::uint32_t from = order[k];
     const std::int32_t label = set.label[from];

@@ -24,7 +24,7 @@ std::array<double, 2> impedance_near(const Scene& scene, const Materials& materi
 
 /// Throws InputError for arrays of unequal length and for a particle outside the grid.
 SolverState initial_state(const Scene& scene, const Scheme& scheme, const GridState& g, const Materials& materials,
-                          const Contacts& contacts = Contacts({}, {}), bool tied = false);
+                          const Contacts& contacts = Contacts({}, {}));
 
 MotionFrame frame_of(const SolverState& state, const ParticleSet& particles);
 

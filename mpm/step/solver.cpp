@@ -5,6 +5,7 @@
 
 #include "mpm/material/model.hpp"
 #include "mpm/step/initial_equilibrium.hpp"
+#include "mpm/step/memory.hpp"
 #include "mpm/step/solver_impl.hpp"
 #include "mpm/step/time_step.hpp"
 #include "pivnp/core/error.hpp"
@@ -27,7 +28,8 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
       materials(materials_of(scene)),
       density(densities_of(scene)),
       contacts(scene.contacts, scene.particles.label_names),
-      g(scene.grid, scheme.shape, contacts.velocity_fields(), scheme.stress == StressUpdate::usl),
+      g(scene.grid, scheme.shape, contacts.velocity_fields(), scheme.stress == StressUpdate::usl,
+        node_needs(scheme, materials, needs_of(scene))),
       restraints(scene.boundaries, g, centroid(scene.particles),
                  [this](const Vec2& x) { return impedance_near(scene, materials, x); }),
       bodies(scene.bodies, g.field_grid),
@@ -45,7 +47,7 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
   if (o.sleep_below_m_s && (restraints.tied().any() || !contacts.empty()))
     throw InputError(std::string("mpm.sleep_below_m_s: given beside ") + (contacts.empty() ? "a tied boundary" : "a [contact.NAME]") +
                      ", expected none: what touches would not wake");
-  state = initial_state(scene, scheme, g, materials, contacts, restraints.tied().any());
+  state = initial_state(scene, scheme, g, materials, contacts);
   least_turned_over = least_turnover(p, materials, loading.greatest_gravity(), g.grid.spacing.minCoeff());
   sleep.start(p, g);
   g.rebuild(p);

@@ -128,7 +128,6 @@ struct Solver::Impl {
   GatherSums gather;
   SmallMassNodes small_mass;
   NonlocalSoftening nonlocal;
-  std::vector<double> filtered, pushed;  // x, y of every node: XPIC's velocity, Scene::body_force
   std::vector<Reaction> reactions;
   std::function<void(double, const VelocityAt&)> observer;
 };

@@ -46,7 +46,7 @@ void Solver::Impl::map_body_force(int threads) {
     ax[k] = a.x();
     ay[k] = a.y();
   }
-  map_acceleration(p, g, ax, ay, pushed, threads);
+  map_acceleration(p, g, ax, ay, threads);
 }
 
 // Mass that comes moves as the point does: its kinetic energy is work done from outside.

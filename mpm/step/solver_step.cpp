@@ -117,7 +117,7 @@ void Solver::Impl::take_mapped_velocity(const Cycle& c) {
 
 void Solver::Impl::advance_nodes(const Cycle& c) {
   if (!maps_and_advances(c)) {
-    if (scheme.transfer == TransferKind::xpic) filtered_velocity(p, g, scheme.xpic_order, filtered, c.threads);
+    if (scheme.transfer == TransferKind::xpic) filtered_velocity(p, g, scheme.xpic_order, c.threads);
     map_body_force(c.threads);
     if (lifts(c.gravity)) water->lift(p, g, c.gravity, c.threads);
     update_momentum(g, c.gravity, scheme.damping, c.dt, c.threads);
@@ -151,7 +151,7 @@ void Solver::Impl::restrain_strain_velocity() {
 
 // (Where one sweep does both, strain_last() moves them.)
 void Solver::Impl::move_points(const Cycle& c) {
-  if (!moves_with_strain(g, scheme)) gather = gather_velocity(p, g, scheme, c.dt, filtered, c.threads);
+  if (!moves_with_strain(g, scheme)) gather = gather_velocity(p, g, scheme, c.dt, c.threads);
   if (scheme.stress == StressUpdate::musl) restrain_strain_velocity();
 }
 

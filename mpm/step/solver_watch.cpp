@@ -29,7 +29,7 @@ void Solver::Impl::add_work(const Cycle& c) {
   if (!pushes()) return;
   for (const std::uint32_t n : g.active.nodes) {
     const Vec2 w = working_velocity(g, n, strained);
-    const double work = c.dt * (pushed[2 * n] * w.x() + pushed[2 * n + 1] * w.y());
+    const double work = c.dt * (g.arrays.loads[n].x * w.x() + g.arrays.loads[n].y * w.y());
     state.balance.bodies += work;
     state.balance.moved += std::abs(work);
   }

@@ -25,7 +25,7 @@ MoveJob move_job(const GridState& g, const Scheme& scheme, double dt) {
   return {dt,
           scheme.pic_per_s > 0 ? 1 - std::exp(-scheme.pic_per_s * dt) : 0,
           std::pow(g.grid.spacing.minCoeff() / dt, 2),
-          nullptr,
+          scheme.transfer == TransferKind::xpic ? &g.arrays.filtered.data()->x : nullptr,
           scheme.transfer,
           scheme.stress == StressUpdate::musl,
           scheme.stress != StressUpdate::usf && !scheme.takes_updated()};
@@ -41,10 +41,8 @@ GatherSums sum_of(const std::vector<GatherSums>& parts) {
   return sums;
 }
 
-GatherSums gather_velocity(Particles& p, GridState& g, const Scheme& scheme, double dt,
-                           const std::vector<double>& filtered, int threads) {
-  MoveJob job = move_job(g, scheme, dt);
-  job.filtered = filtered.data();
+GatherSums gather_velocity(Particles& p, GridState& g, const Scheme& scheme, double dt, int threads) {
+  const MoveJob job = move_job(g, scheme, dt);
   const PointView points = p.view();
   const CellView cells = g.view();
   std::vector<GatherSums> results(g.active.awake.runs.size());
@@ -56,12 +54,12 @@ GatherSums gather_velocity(Particles& p, GridState& g, const Scheme& scheme, dou
   return sum_of(results);
 }
 
-void filtered_velocity(const Particles& p, GridState& g, int order, std::vector<double>& out, int threads) {
-  out.assign(2 * g.grid.node_count(), 0.0);
-  std::vector<double> rest(out.size(), 0.0), projected(out.size(), 0.0);
+void filtered_velocity(const Particles& p, GridState& g, int order, int threads) {
+  OfGrid<NodeVelocity>& out = g.arrays.filtered;
+  std::vector<double> rest(2 * g.grid.node_count(), 0.0), projected(rest.size(), 0.0);
   for (const std::uint32_t n : g.active.nodes) {
-    rest[2 * n] = out[2 * n] = g.node[n].vx;
-    rest[2 * n + 1] = out[2 * n + 1] = g.node[n].vy;
+    rest[2 * n] = out[n].x = g.node[n].vx;
+    rest[2 * n + 1] = out[n].y = g.node[n].vy;
   }
   const PointView points = p.view();
   const CellView cells = g.view();
@@ -72,10 +70,9 @@ void filtered_velocity(const Particles& p, GridState& g, int order, std::vector<
     });
     for_nodes(g, threads, [&](Node& node, std::uint32_t n) {
       const double per_mass = node.mass > 0 ? 1 / node.mass : 0;
-      for (const std::size_t c : {2 * std::size_t(n), 2 * std::size_t(n) + 1}) {
-        rest[c] -= per_mass * projected[c];
-        out[c] += rest[c];
-      }
+      const std::size_t c = 2 * std::size_t(n);
+      out[n].x += rest[c] -= per_mass * projected[c];
+      out[n].y += rest[c + 1] -= per_mass * projected[c + 1];
     });
   }
 }

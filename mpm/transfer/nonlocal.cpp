@@ -99,33 +99,46 @@ NonlocalSoftening::NonlocalSoftening(const std::vector<std::unique_ptr<Material>
         *taps_of = taps(0.5 * l * l * per_h * per_h - 1.0 / 3);
     filters_.push_back(std::move(f));
   }
-  for (auto* field : {&strain_, &volume_, &rows_}) field->assign(g.grid.node_count(), 0.0);
 }
 
-void NonlocalSoftening::average(Particles& p, const GridState& g, int threads) {
+void NonlocalSoftening::average(Particles& p, GridState& g, int threads) {
   if (filters_.empty() || g.cells.size() == 0) return;
+  const Box box = box_of(g);
   for (const Particles::Body& body : p.bodies) {
     const Filter& f = filters_[std::size_t(body.material)];
     if (f.x.empty()) continue;
-    map(p, body, g, threads);
-    filter(f, g, threads);
+    map(p, body, box, g, threads);
+    filter(f, box, g, threads);
     gather(p, body, g, threads);
   }
 }
 
+// Only the nodes of the box around the occupied cells hold anything.
+NonlocalSoftening::Box NonlocalSoftening::box_of(const GridState& g) {
+  const auto nx = std::ptrdiff_t(g.grid.nx);
+  std::ptrdiff_t left = nx, right = -1;
+  for (const std::int32_t c : g.cells.index) {
+    left = std::min(left, c % nx);
+    right = std::max(right, c % nx + g.width - 1);
+  }
+  const std::ptrdiff_t low = g.cells.index.front() / nx, high = g.cells.index.back() / nx + g.width - 1;
+  return {low * nx + left, high - low + 1, right - left + 1};
+}
+
 // Sleeping points count as all others do; where some sleep, one thread maps.
-void NonlocalSoftening::map(const Particles& p, const Particles::Body& body, const GridState& g, int threads) {
-  std::fill(strain_.begin(), strain_.end(), 0.0);
-  std::fill(volume_.begin(), volume_.end(), 0.0);
+void NonlocalSoftening::map(const Particles& p, const Particles::Body& body, const Box& box, GridState& g, int threads) {
   const auto nx = std::size_t(g.grid.nx);
+  double *strain = g.arrays.softening_strain.data(), *volume = g.arrays.softening_volume.data();
+  for (double* field : {strain, volume})
+    for (std::ptrdiff_t j = 0; j < box.lines; ++j) std::fill_n(field + box.first + j * std::ptrdiff_t(nx), box.across, 0.0);
   const Array& plastic_dev = *p.history.find(plastic_strain.name);
   const auto add = [&]<bool centred>(Range range) {
     for_body_points<centred>(p, body, g, range, [&](std::size_t k, std::size_t first, const double* wx, const double* wy) {
       for (std::size_t b = 0; b < hat_nodes<centred>; ++b)
         for (std::size_t a = 0; a < hat_nodes<centred>; ++a) {
           const double v = p.volume0[k] * p.J[k] * wx[a] * wy[b];
-          volume_[first + b * nx + a] += v;
-          strain_[first + b * nx + a] += v * plastic_dev[k];
+          volume[first + b * nx + a] += v;
+          strain[first + b * nx + a] += v * plastic_dev[k];
         }
     });
   };
@@ -140,18 +153,12 @@ void NonlocalSoftening::map(const Particles& p, const Particles::Body& body, con
     map_range({0, g.cells.size()});
 }
 
-// Only the box of occupied cells' nodes holds anything.
-void NonlocalSoftening::filter(const Filter& f, const GridState& g, int threads) {
+void NonlocalSoftening::filter(const Filter& f, const Box& box, GridState& g, int threads) {
   const auto nx = std::ptrdiff_t(g.grid.nx);
-  std::ptrdiff_t left = nx, right = -1;
-  for (const std::int32_t c : g.cells.index) {
-    left = std::min(left, c % nx);
-    right = std::max(right, c % nx + g.width - 1);
-  }
-  const std::ptrdiff_t low = g.cells.index.front() / nx, high = g.cells.index.back() / nx + g.width - 1;
-  const std::ptrdiff_t lines = high - low + 1, across = right - left + 1, first = low * nx + left;
-  for (std::vector<double>* field : {&strain_, &volume_}) {
-    double *values = field->data() + first, *rows = rows_.data() + first;
+  const auto [first, lines, across] = box;
+  double *strain = g.arrays.softening_strain.data(), *volume = g.arrays.softening_volume.data();
+  for (double* field : {strain, volume}) {
+    double *values = field + first, *rows = g.arrays.softening_rows.data() + first;
     for_each(std::size_t(lines), threads, [&](std::size_t j) {
       filter_along(f.x, values + std::ptrdiff_t(j) * nx, rows + std::ptrdiff_t(j) * nx, across);
     });
@@ -160,21 +167,20 @@ void NonlocalSoftening::filter(const Filter& f, const GridState& g, int threads)
     });
   }
   for_each(std::size_t(lines), threads, [&](std::size_t j) {
-    for (std::ptrdiff_t n = first + std::ptrdiff_t(j) * nx, end = n + across; n < end; ++n) {
-      const auto at = std::size_t(n);
-      strain_[at] = volume_[at] > 0 ? strain_[at] / volume_[at] : 0;
-    }
+    for (std::ptrdiff_t n = first + std::ptrdiff_t(j) * nx, end = n + across; n < end; ++n)
+      strain[n] = volume[n] > 0 ? strain[n] / volume[n] : 0;
   });
 }
 
 void NonlocalSoftening::gather(Particles& p, const Particles::Body& body, const GridState& g, int threads) const {
   const auto nx = std::size_t(g.grid.nx);
+  const double* strain = g.arrays.softening_strain.data();
   const Array& plastic_dev = *p.history.find(plastic_strain.name);
   const auto take = [&]<bool centred>(Range range) {
     for_body_points<centred>(p, body, g, range, [&](std::size_t k, std::size_t first, const double* wx, const double* wy) {
       double mean = 0;
       for (std::size_t b = 0; b < hat_nodes<centred>; ++b)
-        for (std::size_t a = 0; a < hat_nodes<centred>; ++a) mean += wx[a] * wy[b] * strain_[first + b * nx + a];
+        for (std::size_t a = 0; a < hat_nodes<centred>; ++a) mean += wx[a] * wy[b] * strain[first + b * nx + a];
       p.softened_by[k] = std::max(0.0, (1 - over) * plastic_dev[k] + over * mean);
     });
   };

@@ -14,6 +14,7 @@
 // of the start of the step, so k* is no state: a restart finds it again from k.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <vector>
 
@@ -29,18 +30,21 @@ class NonlocalSoftening {
   NonlocalSoftening(const std::vector<std::unique_ptr<Material>>& materials, const GridState& g);
   /// Particles::softened_by from the accumulated plastic strain. (Before the first call it is zero: the initial
   /// equilibrium is sought with the peak strength.) Same bits for any number of threads.
-  void average(Particles& p, const GridState& g, int threads);
+  void average(Particles& p, GridState& g, int threads);
 
  private:
   struct Filter {
     std::vector<double> x, y;  // one side: the middle first; empty: this material is not averaged
   };
-  void map(const Particles& p, const Particles::Body& body, const GridState& g, int threads);
-  void filter(const Filter& f, const GridState& g, int threads);
+  struct Box {
+    std::ptrdiff_t first, lines, across;  // its first node, rows, nodes of a row
+  };
+  static Box box_of(const GridState& g);
+  void map(const Particles& p, const Particles::Body& body, const Box& box, GridState& g, int threads);
+  void filter(const Filter& f, const Box& box, GridState& g, int threads);
   void gather(Particles& p, const Particles::Body& body, const GridState& g, int threads) const;
 
   std::vector<Filter> filters_;  // one a material; empty: none is averaged
-  std::vector<double> strain_, volume_, rows_;  // of the nodes
 };
 
 }  // namespace pivnp::mpm

@@ -98,8 +98,9 @@ void average_mean_stress(const Particles& p, GridState& g, const Scheme& scheme,
 }
 
 void map_acceleration(const Particles& p, GridState& g, const std::vector<double>& ax, const std::vector<double>& ay,
-                      std::vector<double>& out, int threads) {
-  out.assign(2 * g.grid.node_count(), 0.0);
+                      int threads) {
+  OfGrid<NodeVelocity>& out = g.arrays.loads;
+  for (const std::uint32_t n : g.active.nodes) out[n] = {};
   Shapes::with(g.shape, [&](auto kind) {
     using S = decltype(kind);
     constexpr int W = S::width;
@@ -107,15 +108,15 @@ void map_acceleration(const Particles& p, GridState& g, const std::vector<double
       for_points<S>(p, g, range, [&](std::uint32_t k, const std::size_t* at, const auto& x, const auto& y) {
         for (int c = 0; c < W * W; ++c) {
           const double m = p.mass_of(k) * x.w[c % W] * y.w[c / W];
-          out[2 * at[c]] += m * ax[k];
-          out[2 * at[c] + 1] += m * ay[k];
+          out[at[c]].x += m * ax[k];
+          out[at[c]].y += m * ay[k];
         }
       });
     });
   });
   for_nodes(g, threads, [&](Node& node, std::uint32_t n) {
-    node.fx += out[2 * n];
-    node.fy += out[2 * n + 1];
+    node.fx += out[n].x;
+    node.fy += out[n].y;
   });
 }
 

@@ -10,7 +10,7 @@ namespace {
 
 // The averages spread strain over the rim of what sleeps, which is not strained: V0 m theta there, J/m.
 double work_passed_to_sleepers(const Particles& p, GridState& g) {
-  const CornerSums* corners = g.averages.view().corners;
+  const CornerSums* corners = g.averages().view().corners;
   const double* opening = p.view().opening;
   double work = 0;
   for (const Range& range : g.active.mapped.runs)

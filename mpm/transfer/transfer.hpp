@@ -52,18 +52,16 @@ inline bool averages_at_corners(const GridState& g, const Scheme& scheme) {
 /// Those of the mean stress, where there are any; call before the force is mapped.
 void average_mean_stress(const Particles& p, GridState& g, const Scheme& scheme, int threads);
 
-/// Adds the points' mass times an acceleration to the nodes' forces; `out` holds what was added, x and y of every node.
-void map_acceleration(const Particles& p, GridState& g, const std::vector<double>& ax, const std::vector<double>& ay,
-                      std::vector<double>& out, int threads);
+/// Adds the points' mass times an acceleration to the nodes' forces; NodeArrays::loads holds what was added.
+void map_acceleration(const Particles& p, GridState& g, const std::vector<double>& ax, const std::vector<double>& ay, int threads);
 
 /// XPIC of order k: the points' velocity, filtered, at the nodes: sum over l < k of (I - P)^l v, P from nodes to points
-/// and back; `out` holds x, y of every active node.
-void filtered_velocity(const Particles& p, GridState& g, int order, std::vector<double>& out, int threads);
+/// and back, into NodeArrays::filtered.
+void filtered_velocity(const Particles& p, GridState& g, int order, int threads);
 
-/// A.8-A.11: velocity, affine field and position of the points from Node::v and Node::n (and, for XPIC, `filtered`).
+/// A.8-A.11: velocity, affine field and position of the points from Node::v and Node::n (and, for XPIC, NodeArrays::filtered).
 /// Under musl the strain-rate velocity becomes, not yet restrained, the points' new velocity mapped back.
-GatherSums gather_velocity(Particles& p, GridState& g, const Scheme& scheme, double dt,
-                           const std::vector<double>& filtered, int threads);
+GatherSums gather_velocity(Particles& p, GridState& g, const Scheme& scheme, double dt, int threads);
 
 /// What a sweep that moves the points is told, and what its parts saw together.
 MoveJob move_job(const GridState& g, const Scheme& scheme, double dt);

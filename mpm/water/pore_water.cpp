@@ -30,14 +30,14 @@ double sum_over(std::size_t size, int threads, Of&& of) {
 }  // namespace
 
 PoreWater::PoreWater(const WaterOptions& options, std::vector<PoreSoil> soils, const ParticleSet& particles,
-                     const GridState& g, PoreBoundaries boundaries)
+                     GridState& g, PoreBoundaries boundaries)
     : options_(options),
       soils_(std::move(soils)),
       set_(&particles),
       boundaries_(std::move(boundaries)),
       level_(options.level_m),
       reference_(g.domain.origin.x(), options.level_m.value_or(g.domain.origin.y())),
-      node_(g.grid.node_count()),
+      node_(g.arrays.pores),
       first_i_(int(std::lround((g.domain.origin.x() - g.field_grid.origin.x()) * g.per_hx))),
       first_j_(int(std::lround((g.domain.origin.y() - g.field_grid.origin.y()) * g.per_hy))),
       last_i_(first_i_ + g.domain.nx - 1),

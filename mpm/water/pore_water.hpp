@@ -44,8 +44,8 @@ struct PoreFlow {
 
 class PoreWater {
  public:
-  /// `soils`: of each label of `particles`, which must outlive this. Throws InputError naming the key.
-  PoreWater(const WaterOptions& options, std::vector<PoreSoil> soils, const ParticleSet& particles, const GridState& g,
+  /// `soils`: of each label of `particles`, which must outlive this, as must `g`. Throws InputError naming the key.
+  PoreWater(const WaterOptions& options, std::vector<PoreSoil> soils, const ParticleSet& particles, GridState& g,
             PoreBoundaries boundaries);
 
   /// The water outside as it is at a time: call before what follows, at each step.
@@ -130,7 +130,7 @@ class PoreWater {
   PoreBoundaries boundaries_;
   std::optional<double> level_;  // now
   Vec2 reference_;  // where the potential is the pressure
-  OfGrid<PoreNode> node_;
+  OfGrid<PoreNode>& node_;  // NodeArrays::pores
   int first_i_, first_j_, last_i_, last_j_;  // nodes of the domain's corners
 };
 

@@ -57,7 +57,7 @@ struct Cut {
     for (std::size_t k = 0; k < p.size(); ++k) p.tau_xx[k] = p.tau_yy[k] = p.tau_zz[k] = a[k];
     average_at_corners(g, which, true, 1, [&](Range range, std::size_t) { average_stress_lanes(p.view(), g.view(), range); });
     std::vector<double> out(p.size(), 0.0);
-    const CornerSums* corners = g.averages.view().corners;
+    const CornerSums* corners = g.averages().view().corners;
     for (std::size_t k = 0; k < p.size(); ++k) {
       if (p.cell[k] == Particles::ended) continue;
       const Vec2 at = g.natural(p, k);
@@ -218,7 +218,7 @@ TEST(Averages, DoNotDependOnTheNumberOfThreads) {
   std::vector<double> found[2];
   for (const int threads : {1, 3}) {
     average_mean_stress(p, g, scheme, threads);
-    for (const std::uint32_t n : g.active.nodes) found[threads == 3].push_back(g.averages.view().corners[n].value);
+    for (const std::uint32_t n : g.active.nodes) found[threads == 3].push_back(g.averages().view().corners[n].value);
   }
   EXPECT_TRUE(found[0] == found[1]);
 }

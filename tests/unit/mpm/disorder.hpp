@@ -27,7 +27,8 @@ struct Case {
                           {rectangle("a", 0.1, -0.2, 0.5, 0.2), rectangle("b", 0.5, -0.2, 0.7, 0.3)},
                           {elastic(1e5, 0.3, 1000), elastic(1e5, 0.2, 1300)})),
         scheme{.shape = shape, .transfer = transfer, .stress = stress, .locking = locking},
-        g(scene.grid, shape, 1, by_updated),
+        g(scene.grid, shape, 1, by_updated,
+          {.own_strain_velocity = true, .averages = true, .filtered = transfer == TransferKind::xpic}),
         materials(materials_of(scene)),
         state(initial_state(scene, scheme, g, materials)) {
     std::mt19937_64 random(seed_of_all);

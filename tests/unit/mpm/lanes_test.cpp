@@ -66,7 +66,7 @@ TEST(Lanes, MovingAndStrainingTogetherIsOneAfterTheOther) {
     c.g.strain_velocity(apart).x += own;
     GatherSums sums;
     EXPECT_TRUE(moves_with_strain(c.g, c.scheme));
-    if (!together) sums = gather_velocity(p, c.g, c.scheme, dt, {}, threads);
+    if (!together) sums = gather_velocity(p, c.g, c.scheme, dt, threads);
     strain_and_update_stress(c.materials, p, c.g, c.scheme, dt, threads, together ? &sums : nullptr);
     std::vector<double> all{sums.fastest2, sums.kinetic_loss, double(sums.good)};
     for (const Array* a : p.state()) all.insert(all.end(), a->begin(), a->end());
@@ -119,7 +119,7 @@ TEST(Lanes, TheOrderOfThePiecesDoesNotMatter) {
     }
     const double dt = 1e-3 * (1 + trial % 5);
     GatherSums sums;
-    if (!together) sums = gather_velocity(p, g, scheme, dt, {}, 1);
+    if (!together) sums = gather_velocity(p, g, scheme, dt, 1);
     strain_and_update_stress(materials, p, g, scheme, dt, 1, together ? &sums : nullptr);
     std::vector<double> all;
     for (const Array* a : p.state()) all.insert(all.end(), a->begin(), a->end());

@@ -33,7 +33,7 @@ struct Block {
 
   explicit Block(ShapeKind shape, std::vector<MaterialOptions> soils)
       : scene_(scene(Grid{{0, 0}, {0.01, 0.01}, 61, 51}, {rectangle("a", 0.1, 0.05, 0.5, 0.45)}, soils)),
-        g(scene_.grid, shape),
+        g(scene_.grid, shape, 1, false, {.own_strain_velocity = true, .averages = true, .averaged = true}),
         materials(materials_of(scene_)),
         nonlocal(materials, g) {
     scheme.shape = shape;

@@ -218,7 +218,25 @@ TEST(ParticleFields, MemoryIsThatOfTheFieldsNeeded) {
   }
 }
 
+// What a case does not need takes no memory: of the arrays themselves, and as it is counted before there are any.
 TEST(NodeFields, MemoryIsThatOfTheFieldsNeeded) {
+  for (const NodeNeeds& needs : {NodeNeeds{}, NodeNeeds{.averages = true}, NodeNeeds{.filtered = true, .loads = true},
+                                 NodeNeeds{.own_strain_velocity = true, .wet = true, .averaged = true}}) {
+    const Grid grid{{0, 0}, {1, 1}, 5, 5};
+    GridState g(grid, ShapeKind::bilinear, 1, true, needs);
+    double bytes = sizeof(Node);
+    for_each_node_field([&](const NodeField& field, const auto&... member) {
+      const auto add = [&]<class Values, class Owner>(Values Owner::*values) {
+        if constexpr (std::is_same_v<Owner, NodeArrays>) {
+          const Values& array = g.arrays.*values;
+          EXPECT_TRUE(array.size() == 0 || array.size() >= g.grid.node_count()) << field.name;
+          if (array.size() > 0) bytes += sizeof(array[0]);
+        }
+      };
+      (add(member), ...);
+    });
+    EXPECT_EQ(bytes, bytes_a_node(needs));
+  }
   EXPECT_EQ(bytes_a_node({}), sizeof(Node));
   EXPECT_EQ(bytes_a_node({.averages = true}), sizeof(Node) + sizeof(CellEdges) + sizeof(CornerSums) + 2 * sizeof(AlongAxes));
   EXPECT_EQ(bytes_a_node({.wet = true}), sizeof(Node) + sizeof(PoreNode));
@@ -239,8 +257,8 @@ TEST(NodeFields, TheLineHoldsNoOther) {
   std::set<std::string_view> names;
   for_each_node_field([&](const NodeField& field, const auto&... component) {
     EXPECT_TRUE(names.insert(field.name).second);
-    const auto look = [&]<class T>(const T& c) {
-      if constexpr (std::is_member_pointer_v<T>) {
+    const auto look = [&]<class Values, class Owner>(Values Owner::*c) {
+      if constexpr (std::is_same_v<Owner, Node>) {
         EXPECT_EQ(field.need, nullptr) << field.name;
         const auto* at = reinterpret_cast<const char*>(&(node.*c));
         listed += sizeof(node.*c);
