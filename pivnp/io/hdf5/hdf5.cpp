@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/io/files/quoting.hpp"
 #include "pivnp/io/hdf5/hdf5_internal.hpp"
 
 namespace pivnp::io::h5 {
@@ -229,6 +230,9 @@ std::vector<std::string> Source::children(const std::string& group) const {
     names.clear();
     if (H5Literate(id.get(), H5_INDEX_NAME, H5_ITER_INC, nullptr, add, &names) < 0) unreadable(name_ + ": " + group);
   }
+  for (const std::string& name : names)
+    if (printable(name, name.size()) != name)
+      throw InputError(name_ + ": " + group + ": holds '" + shown(name) + "', expected a name that prints");
   return names;
 }
 

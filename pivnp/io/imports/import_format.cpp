@@ -57,10 +57,6 @@ const FileFormat* format_of(const std::string& text) {
   return at == std::string::npos ? nullptr : file_formats().find(text.substr(0, at));
 }
 
-std::string shown(std::string_view text) {
-  return printable(text, 40) + (text.size() > 40 ? "..." : "");
-}
-
 std::string read_text(const std::filesystem::path& file) {
   std::error_code ignored;
   if (std::filesystem::exists(file, ignored) && !std::filesystem::is_regular_file(file, ignored))

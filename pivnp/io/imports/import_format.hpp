@@ -82,9 +82,6 @@ std::string formats_text(bool (FileFormat::*kind)() const);
 /// The format that "FORMAT=..." begins with; nullptr where it begins with none.
 const FileFormat* format_of(const std::string& text);
 
-/// What a message may quote of a file: at most 40 characters, those that print.
-std::string shown(std::string_view text);
-
 /// A text file in memory. Throws InputError.
 std::string read_text(const std::filesystem::path& file);
 

@@ -7,6 +7,7 @@
 
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
+#include "pivnp/io/files/quoting.hpp"
 #include "pivnp/io/imports/numbered_files.hpp"
 
 namespace pivnp::io {

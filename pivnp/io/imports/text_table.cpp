@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/io/files/quoting.hpp"
 #include "pivnp/io/imports/import_format.hpp"
 
 namespace pivnp::io {
@@ -101,13 +102,6 @@ int column_of(const std::vector<std::string>& header, const std::vector<const ch
     for (std::size_t k = 0; k < header.size(); ++k)
       if (header[k] == name) return int(k);
   return -1;
-}
-
-std::string printable(std::string_view text, std::size_t most) {
-  std::string out(text.substr(0, most));
-  for (char& c : out)
-    if (static_cast<unsigned char>(c) < 32 || c == 127) c = '?';
-  return out;
 }
 
 }  // namespace pivnp::io

@@ -50,7 +50,4 @@ std::vector<std::string_view> row_of(const TextLines& lines, std::string_view li
 /// Place of the first of `names` among the columns; -1 if none is there.
 int column_of(const std::vector<std::string>& header, const std::vector<const char*>& names);
 
-/// The first `most` bytes of a text, with question marks for what does not print.
-std::string printable(std::string_view text, std::size_t most);
-
 }  // namespace pivnp::io

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/io/files/quoting.hpp"
 #include "pivnp/io/imports/import_format.hpp"
 #include "pivnp/io/imports/text_table.hpp"
 

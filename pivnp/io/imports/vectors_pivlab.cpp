@@ -12,6 +12,7 @@
 
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
+#include "pivnp/io/files/quoting.hpp"
 #include "pivnp/io/imports/import_format.hpp"
 #include "pivnp/io/imports/text_table.hpp"
 

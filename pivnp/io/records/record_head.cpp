@@ -2,6 +2,7 @@
 #include <sstream>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/io/files/quoting.hpp"
 #include "pivnp/io/records/record_impl.hpp"
 
 namespace pivnp::io {
@@ -135,7 +136,7 @@ void check_same_program(const BuildInfo& there, const std::string& where) {
   const BuildInfo& now = build_info();
   const auto check = [&](const char* what, const std::string& a, const std::string& b) {
     if (a != b)
-      throw InputError(where + ": another program began the run to resume, with " + what + " " + a + "; this one has " +
+      throw InputError(where + ": another program began the run to resume, with " + what + " " + shown(a) + "; this one has " +
                        b + "; run without --resume to start again");
   };
   check("version", there.version, now.version);

@@ -2,6 +2,7 @@
 
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
+#include "pivnp/io/files/quoting.hpp"
 #include "pivnp/io/files/seal.hpp"
 #include "pivnp/io/hdf5/probe.hpp"
 #include "pivnp/io/records/motion_file.hpp"
@@ -28,13 +29,13 @@ void check_version(const h5::Source& source) {
   if (!source.has_attribute("/", "schema"))
     throw InputError(file + ": an HDF5 file without the attribute 'schema', expected a record of pivnp");
   const std::string schema = source.attribute_text("/", "schema");
-  if (schema != schema_name) throw InputError(file + ": schema '" + schema + "', expected '" + schema_name + "'");
+  if (schema != schema_name) throw InputError(file + ": schema '" + shown(schema) + "', expected '" + schema_name + "'");
   const std::string version = source.attribute_text("/", "schema_version");
   int major = 0;
   const auto [end, error] = std::from_chars(version.data(), version.data() + version.size(), major);
   const bool whole = error == std::errc() && (end == version.data() + version.size() || *end == '.');
   if (!whole || major < 1 || major > schema_major)
-    throw InputError(file + ": schema version '" + version + "', expected " + std::to_string(schema_major) +
+    throw InputError(file + ": schema version '" + shown(version) + "', expected " + std::to_string(schema_major) +
                      ".x (a newer program wrote it)");
   if (source.has_attribute("/", "stage"))
     throw InputError(file + ": a segment of a run at work, expected a finished record (record.h5)");

@@ -7,6 +7,7 @@
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/derived.hpp"
 #include "pivnp/core/particles/fields.hpp"
+#include "pivnp/io/files/quoting.hpp"
 #include "pivnp/io/files/seal.hpp"
 #include "pivnp/io/records/motion_file.hpp"
 #include "pivnp/io/records/record_impl.hpp"
@@ -81,7 +82,7 @@ void RecordWriter::Impl::take_up() {
     const h5::Source source(parts / "head.h5");
     const std::string version = source.attribute_text("/", "schema_version");
     if (version != schema_version)
-      throw InputError(parts.string() + ": segments of schema version " + version + ", expected " + schema_version +
+      throw InputError(parts.string() + ": segments of schema version " + shown(version) + ", expected " + schema_version +
                        "; run without --resume to start again");
     const RecordHead there = read_head(source);
     check_same_program(read_written_by(source), parts.string());

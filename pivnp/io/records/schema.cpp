@@ -5,6 +5,7 @@
 
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/fields.hpp"
+#include "pivnp/io/files/quoting.hpp"
 
 namespace pivnp::io {
 
@@ -55,7 +56,7 @@ void check_name(const std::string& name, const std::string& what) {
   const bool good = !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
     return std::isalnum(c) || c == '_' || c == '-';
   });
-  if (!good) throw InputError(what + ": name '" + name + "', expected letters, digits, '_' and '-'");
+  if (!good) throw InputError(what + ": name '" + shown(name) + "', expected letters, digits, '_' and '-'");
 }
 
 }  // namespace pivnp::io

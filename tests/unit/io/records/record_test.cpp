@@ -333,10 +333,21 @@ TEST_F(RecordTest, FilesThatAreNoRecordsAreRefusedInOneLine) {
   };
   EXPECT_THAT(with(nullptr, nullptr), HasSubstr("without the attribute 'schema'"));
   EXPECT_THAT(with("plainer", "1.0"), HasSubstr("schema 'plainer', expected 'pivnp'"));
+  EXPECT_THAT(with("two\nlines", "1.0"), HasSubstr("schema 'two?lines', expected 'pivnp'"));
+  EXPECT_THAT(with(std::string(1000, 'x').c_str(), "1.0").size(), testing::Lt(300u));
   EXPECT_THAT(with("pivnp", "2.0"), HasSubstr("schema version '2.0', expected 1.x"));
   EXPECT_THAT(with("pivnp", "old"), HasSubstr("schema version 'old'"));
   EXPECT_THAT(with("pivnp", nullptr), HasSubstr("'schema_version' is missing"));
   EXPECT_THAT(with("pivnp", "1.7"), HasSubstr("'command' is missing"));  // a later minor version is read
+}
+
+TEST_F(RecordTest, NamesThatDoNotPrintAreRefusedInOneLine) {
+  h5::OutputFile f(directory.path / "other.h5");
+  for (const char* group : {"/compare", "/compare/metrics", "/compare/metrics/a\nb"}) f.group(group);
+  f.commit();
+  const h5::Source source(directory.path / "other.h5");
+  EXPECT_THAT(message_of<InputError>([&] { source.children("/compare/metrics"); }),
+              AllOf(HasSubstr("/compare/metrics: holds 'a?b'"), Not(HasSubstr("\n"))));
 }
 
 TEST_F(RecordTest, ATruncatedRecordIsRefusedAtEveryLength) {
