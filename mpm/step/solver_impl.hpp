@@ -45,7 +45,7 @@ struct Solver::Impl {
   struct Cycle {
     double dt;
     int threads;
-    Vec2 gravity;  // in its middle
+    Vec2 gravity;  // at its start, as the other forces: velocities are those between two states
     Vec2 moment;   // moment_of_mass() at its start, where work_in_steps()
   };
   void step(double dt);
@@ -66,7 +66,7 @@ struct Solver::Impl {
 
   // solver_loads.cpp: what changes by the case's will.
   void load(double dt);
-  void map_body_force(int threads);
+  void map_loads(int threads);
   void change_densities(double time, bool balance);
   void change_strength(double time);
   void remove_due();

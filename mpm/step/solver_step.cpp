@@ -33,7 +33,7 @@ Solver::Impl::Cycle Solver::Impl::begin_step(double dt) {
   choice.begin_step();
   g.join_strain_velocities();
   load(dt);
-  c.gravity = loading.gravity(state.time + 0.5 * dt);
+  c.gravity = loading.gravity(state.time);
   if (work_in_steps()) c.moment = moment_of_mass();
   if (water) {
     water->set_time(state.time + 0.5 * dt);
@@ -118,7 +118,7 @@ void Solver::Impl::take_mapped_velocity(const Cycle& c) {
 void Solver::Impl::advance_nodes(const Cycle& c) {
   if (!maps_and_advances(c)) {
     if (scheme.transfer == TransferKind::xpic) filtered_velocity(p, g, scheme.xpic_order, c.threads);
-    map_body_force(c.threads);
+    map_loads(c.threads);
     if (lifts(c.gravity)) water->lift(p, g, c.gravity, c.threads);
     update_momentum(g, c.gravity, scheme.damping, c.dt, c.threads);
   }
