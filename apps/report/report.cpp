@@ -51,6 +51,7 @@ void write_report(const ReportOptions& options, const ReportInput& input, const 
   if (!simulated.empty()) content.simulated = record.motion(simulated);
   content.comparison = input.comparison ? input.comparison : stored;
   content.energy = record.energy();
+  content.reactions = record.reactions();
   content.pictures = input.pictures;
   content.remarks = input.remarks;
   write_content(options, content, directory);

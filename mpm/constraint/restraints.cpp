@@ -34,7 +34,7 @@ Restraints::Restraints(const std::vector<std::pair<std::string, BoundaryOptions>
   changes_.erase(std::unique(changes_.begin(), changes_.end()), changes_.end());
 }
 
-void Restraints::apply(double time, double dt, GridState& g, std::vector<Reaction>& reactions) {
+void Restraints::apply(double time, double dt, GridState& g, std::vector<Reaction>& reactions, std::span<Impulse> of_walls) {
   tied_.apply(time, g, reactions);
   for (RestrainedNode& at : nodes_) {
     Node& node = g.node[at.node];
@@ -46,6 +46,7 @@ void Restraints::apply(double time, double dt, GridState& g, std::vector<Reactio
     if (v == free) continue;
     const Vec2 wall = given_velocity(at, time, dt == 0);
     reactions.push_back({at.node, node.mass * (v.x() - free.x()), node.mass * (v.y() - free.y()), wall.x(), wall.y()});
+    if (!of_walls.empty()) add_impulse(at, time, node.mass * (v - free), g.position(at.node), of_walls);
     node.nx = v.x();
     node.ny = v.y();
     node.held = true;
@@ -155,6 +156,27 @@ Mat2 Restraints::hold(std::size_t node, const Vec2& gravity) const {
       held += Mat2::Identity();
   }
   return held;
+}
+
+// In the corner of two walls each takes what is along its normal; a fixed one takes all.
+void Restraints::add_impulse(const RestrainedNode& at, double time, const Vec2& impulse, const Vec2& place,
+                             std::span<Impulse> of_walls) const {
+  const Wall* first = nullptr;
+  for (std::size_t w = 0; w < at.walls.size(); ++w) {
+    const Wall& wall = walls_[at.walls[w]];
+    if (time >= at.until[w] || wall.type == Type::tied) continue;
+    if (wall.type == Type::fixed) return of_walls[at.walls[w]].add(impulse, place);
+    if (!first) {
+      first = &wall;
+      continue;
+    }
+    const double across = first->normal.x() * wall.normal.y() - first->normal.y() * wall.normal.x();
+    if (std::abs(across) < 1e-6) continue;
+    const double second = (first->normal.x() * impulse.y() - first->normal.y() * impulse.x()) / across;
+    of_walls[at.walls[w]].add(second * wall.normal, place);
+    return of_walls[std::size_t(first - walls_.data())].add(impulse - second * wall.normal, place);
+  }
+  if (first) of_walls[std::size_t(first - walls_.data())].add(impulse, place);
 }
 
 Vec2 Restraints::given_velocity(const RestrainedNode& at, double time, bool equilibrium) const {

@@ -28,7 +28,6 @@ Tractions::Tractions(const std::vector<std::pair<std::string, BoundaryOptions>>&
     std::int32_t& first = over_[pieces_[k].particle];
     pieces_[k].next = first;
     first = std::int32_t(k);
-    any_follows_ = any_follows_ || pieces_[k].follows;
   }
   std::stable_sort(layers.begin(), layers.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   first_.assign(particles.size() + 1, 0);
@@ -111,16 +110,17 @@ const Traction* Tractions::of(std::size_t particle) const {
   return over_.empty() || over_[particle] < 0 ? nullptr : &pieces_[std::size_t(over_[particle])];
 }
 
-void Tractions::add_to_loads(const Particles& p, GridState& g, double time, int threads) const {
+void Tractions::add_to_loads(const Particles& p, GridState& g, double time, double dt, std::span<Impulse> of_boundaries,
+                             int threads) const {
   const auto gradient = [&](std::size_t k) { return Mat2{{p.F_xx[k], p.F_xy[k]}, {p.F_yx[k], p.F_yy[k]}}; };
   std::vector<Vec2> traction(pieces_.size());
-  for (std::size_t a = 0; a < pieces_.size(); ++a) traction[a] = pieces_[a].share(time) * pieces_[a].traction;
-  if (any_follows_)
-    for (std::size_t k = 0; k < p.size(); ++k)
-      for (std::int32_t a = over_[p.index[k]]; a >= 0; a = pieces_[std::size_t(a)].next) {
-        const Traction& piece = pieces_[std::size_t(a)];
-        traction[std::size_t(a)] = piece.share(time) * piece.traction_now(gradient(k));
-      }
+  for (std::size_t k = 0; k < p.size(); ++k)
+    for (std::int32_t a = over_[p.index[k]]; a >= 0; a = pieces_[std::size_t(a)].next) {
+      const Traction& piece = pieces_[std::size_t(a)];
+      const Vec2 t = piece.share(time) * piece.traction_now(gradient(k));
+      traction[std::size_t(a)] = t;
+      if (p.cell[k] != Particles::ended) of_boundaries[piece.boundary].add(dt * piece.face * t, {p.x[k], p.y[k]});
+    }
   Shapes::with(g.shape, [&](auto kind) {
     using S = decltype(kind);
     const auto loaded = [&](std::uint32_t k) { return !layers(p.index[k]).empty(); };

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "mpm/constraint/options.hpp"
+#include "mpm/constraint/reaction.hpp"
 #include "mpm/grid/grid_state.hpp"
 #include "pivnp/core/particles/motion.hpp"
 
@@ -51,8 +52,9 @@ class Tractions {
   bool any() const { return !pieces_.empty(); }
   /// The piece of a face over a particle of the set (the first, where two meet); null: none.
   const Traction* of(std::size_t particle) const;
-  /// Adds the forces at a time to NodeArrays::loads. Same bits for any number of threads.
-  void add_to_loads(const Particles& p, GridState& g, double time, int threads) const;
+  /// Adds the forces at a time to NodeArrays::loads, and their impulses over dt to those of their boundaries. Same bits for
+  /// any number of threads.
+  void add_to_loads(const Particles& p, GridState& g, double time, double dt, std::span<Impulse> of_boundaries, int threads) const;
   /// Times at which one is complete or ends, in no order.
   const std::vector<double>& changes() const { return changes_; }
 
@@ -74,7 +76,6 @@ class Tractions {
   std::vector<InLayer> layers_;       // particle after particle
   std::vector<std::uint32_t> first_;  // of every particle, and one more: its first among them
   std::vector<double> changes_;
-  bool any_follows_ = false;
 };
 
 }  // namespace pivnp::mpm

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -66,12 +67,18 @@ struct Solver::Impl {
 
   // solver_loads.cpp: what changes by the case's will.
   void load(double dt);
-  void map_loads(int threads);
+  void map_loads(double dt, int threads);
   void change_densities(double time, bool balance);
   void change_strength(double time);
   void remove_due();
   void end_bad_states();
   void start_at_rest(const Vec2& gravity);
+  // SolverState::impulses: of the walls, of every boundary as far as it is a traction, of the bodies.
+  std::span<Impulse> impulses_of_walls() { return {state.impulses.data(), restraints.walls().size()}; }
+  std::span<Impulse> impulses_of_tractions() {
+    return {state.impulses.data() + restraints.walls().size(), scene.boundaries.size()};
+  }
+  std::span<Impulse> impulses_of_bodies() { return {state.impulses.data() + state.impulses.size() - bodies.size(), bodies.size()}; }
   bool pushes() const { return scene.body_force || loading.tractions().any(); }
   bool work_in_steps() const { return !water && (loading.gravity_changes() || loading.any_density()); }
   Vec2 moment_of_mass() const;

@@ -33,7 +33,7 @@ void Solver::Impl::load(double dt) {
   if (state.steps % bad_states_every == 0) end_bad_states();
 }
 
-void Solver::Impl::map_loads(int threads) {
+void Solver::Impl::map_loads(double dt, int threads) {
   if (!pushes()) return;
   for_nodes(g, threads, [&](Node&, std::uint32_t n) { g.arrays.loads[n] = {}; });
   if (scene.body_force) {
@@ -46,7 +46,7 @@ void Solver::Impl::map_loads(int threads) {
     }
     map_acceleration(p, g, ax, ay, threads);
   }
-  if (loading.tractions().any()) loading.tractions().add_to_loads(p, g, state.time, threads);
+  if (loading.tractions().any()) loading.tractions().add_to_loads(p, g, state.time, dt, impulses_of_tractions(), threads);
   for_nodes(g, threads, [&](Node& node, std::uint32_t n) {
     node.fx += g.arrays.loads[n].x;
     node.fy += g.arrays.loads[n].y;

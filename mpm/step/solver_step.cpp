@@ -118,7 +118,7 @@ void Solver::Impl::take_mapped_velocity(const Cycle& c) {
 void Solver::Impl::advance_nodes(const Cycle& c) {
   if (!maps_and_advances(c)) {
     if (scheme.transfer == TransferKind::xpic) filtered_velocity(p, g, scheme.xpic_order, c.threads);
-    map_loads(c.threads);
+    map_loads(c.dt, c.threads);
     if (lifts(c.gravity)) water->lift(p, g, c.gravity, c.threads);
     update_momentum(g, c.gravity, scheme.damping, c.dt, c.threads);
   }
@@ -133,7 +133,7 @@ void Solver::Impl::restrain_nodes(const Cycle& c) {
 
 void Solver::Impl::apply_restraints(const Cycle& c) {
   reactions.clear();
-  restraints.apply(state.time, c.dt, g, reactions);
+  restraints.apply(state.time, c.dt, g, reactions, impulses_of_walls());
   contacts.apply(g, restraints, reactions);
   bodies.accelerate(state.time, c.dt, c.gravity);
   bodies.apply(state.time, touched_share * least_density() * g.grid.spacing.prod(), g, reactions);

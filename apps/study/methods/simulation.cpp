@@ -21,6 +21,7 @@ std::vector<std::string> simulate(const Case& c, const Setting& setting, const s
     solver.advance_to(times[k], progress);
     writer.add_frame("mpm", solver.frame());
     writer.add_energy("mpm", solver.energy());
+    if (const auto names = solver.reaction_names(); !names.empty()) writer.add_reactions("mpm", names, solver.reactions());
     if (writer.segment_full(stage)) writer.close_segment(stage, solver.save());
     progress.update("simulation", std::int64_t(k), std::int64_t(times.size()) - 1);
   }

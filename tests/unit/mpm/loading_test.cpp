@@ -171,6 +171,37 @@ TEST(Loading, ACellPressureStaysWhileTheSpecimenStrains) {
   }
 }
 
+// A loaded column on its base between smooth walls: what each does to it, in force and moment.
+TEST(Loading, ReactionsAreWhatBoundariesBear) {
+  Scene s = column(0.1, elastic(1e6, 0.3, 2000));
+  s.boundaries[0].second.type = BoundaryType::roller;
+  BoundaryOptions load = line({0, 0.1}, {0.1, 0.1}, "traction");
+  load.traction_pa = Pair{0, -500};
+  load.rise_s = 0.2;
+  s.boundaries.push_back({"load", load});
+  Solver solver(options({0, -10}), s, 1);
+  solver.find_initial_equilibrium(silent);
+  const std::vector<std::string> names = solver.reaction_names();
+  EXPECT_EQ(names, (std::vector<std::string>{"boundary.base", "boundary.left", "boundary.right", "boundary.load"}));
+  std::vector<ReactionRow> rows{solver.reactions()};
+  solver.advance_to(0.3, silent);
+  rows.push_back(solver.reactions());
+  solver.advance_to(0.5, silent);
+  rows.push_back(solver.reactions());
+  const Reactions r = reactions_of(names, rows);
+  const double weight = 2000 * 10 * 0.01, q = 50;
+  const auto force = [&](std::size_t k) { return r.series[k].force.back(); };
+  EXPECT_NEAR(force(3).y(), -q, 1e-6);
+  EXPECT_NEAR(r.series[3].moment.back(), -q * 0.05, 1e-4);
+  EXPECT_NEAR(force(0).y(), weight + q, 0.01 * (weight + q));
+  EXPECT_NEAR(force(0).x(), 0, 1e-6);
+  EXPECT_NEAR(r.series[0].moment.back(), (weight + q) * 0.05, 0.01 * (weight + q) * 0.05);
+  const double k0 = 0.3 / 0.7;  // lateral over vertical stress
+  EXPECT_NEAR(force(1).x(), k0 * (0.5 * weight + q), 0.03 * k0 * (0.5 * weight + q));
+  EXPECT_NEAR(force(1).x() + force(2).x(), 0, 1e-3 * force(1).x());
+  EXPECT_NEAR(force(1).y(), 0, 1e-6);
+}
+
 TEST(Loading, WhatIsExcavatedWeighsNoMore) {
   Scene s = scene(Grid{{0, 0}, {0.01, 0.01}, 11, 25},
                   {rectangle("below", 0, 0, 0.1, 0.1), rectangle("above", 0, 0.1, 0.1, 0.2)},
