@@ -57,7 +57,7 @@ class Field:
     def to_xarray(self) -> Any:
         """An xarray.DataArray over time and particle, with x, y and status as coordinates."""
         xarray = _needed("xarray", "python3-xarray")
-        more = [f"component_{k}" for k in range(self.values.ndim - 2)]
+        more = [f"{self.name}_{k}" for k in range(self.values.ndim - 2)]
         coordinates = {"time": self.time, "particle": self.id, "x": (("time", "particle"), self.position[..., 0]),
                        "y": (("time", "particle"), self.position[..., 1]), "status": (("time", "particle"), self.status)}
         array = xarray.DataArray(self.values, dims=["time", "particle", *more], coords=coordinates, name=self.name,

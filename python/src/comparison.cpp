@@ -3,7 +3,6 @@
 
 #include <cmath>
 
-#include "apps/case/case.hpp"
 #include "apps/study/pipeline/outcome.hpp"
 #include "compare/compare.hpp"
 #include "python/src/guard.hpp"
@@ -46,7 +45,7 @@ py::dict in_python(const Comparison& c) {
 namespace {
 
 py::dict compare(const Motion& first, const Motion& second, const std::string& toml, const std::vector<std::shared_ptr<Motion>>& coarser, double ratio) {
-  const app::Case c = app::parse_case(toml, "options", ".");
+  const app::Case c = case_of(toml);
   compare::CompareOptions options = c.compare;
   app::add_camera(std::hypot(first.residual, second.residual), options);
   compare::Refinement refinement{{}, ratio};

@@ -4,6 +4,21 @@
 #include "pivnp/image/image_file.hpp"
 #include "python/src/parts.hpp"
 
+namespace pivnp::python {
+
+app::Case case_of(const std::string& toml, const std::vector<std::string>& given) {
+  const std::string name = "options";
+  try {
+    return app::parse_case(toml, name, ".", given);
+  } catch (const InputError& error) {
+    const std::string text = error.what();
+    const std::size_t end = text.starts_with(name + ":") ? text.find(": ") : std::string::npos;
+    throw InputError(end == std::string::npos ? text : text.substr(end + 2));
+  }
+}
+
+}  // namespace pivnp::python
+
 PYBIND11_MODULE(_core, m) {
   namespace py = pybind11;
   using namespace pivnp;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/case/case.hpp"
 #include "pivnp/core/particles/motion.hpp"
 #include "pivnp/core/record/comparison.hpp"
 #include "pivnp/core/record/strain_note.hpp"
@@ -13,6 +14,9 @@
 #include "python/src/arrays.hpp"
 
 namespace pivnp::python {
+
+/// The case that options given as TOML come to; messages name their keys, without a line. Throws InputError.
+app::Case case_of(const std::string& toml, const std::vector<std::string>& given = {});
 
 struct Vectors {
   VectorField field;

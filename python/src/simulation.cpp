@@ -13,7 +13,7 @@ namespace {
 class Solver {
  public:
   Solver(const std::string& toml, const std::string& file, const std::vector<std::string>& given, int threads)
-      : case_(file.empty() ? app::parse_case(toml, "case", ".", given) : app::read_case(file, given)) {
+      : case_(file.empty() ? case_of(toml, given) : app::read_case(file, given)) {
     if (case_.frames || case_.vectors || case_.synth)
       throw InputError(app::of_file(case_) + ": found [frames], [vectors] or [synth], expected a case that only simulates (pivnp.run measures too)");
     if (!case_.mpm) throw InputError(app::of_file(case_) + ": there is nothing to simulate; expected [mpm]");

@@ -1,7 +1,6 @@
 // Numerical particles through vectors that are given pair by pair.
 #include <pybind11/stl.h>
 
-#include "apps/case/case.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/seeding.hpp"
 #include "pivnp/np/tracker.hpp"
@@ -33,7 +32,7 @@ class Tracker {
   Tracker(const std::string& toml, const Vectors& vectors, const std::vector<std::pair<std::string, Points>>& regions,
           const std::optional<Points>& x0, double time, std::string time_unit)
       : length_unit_(vectors.length_unit), time_unit_(std::move(time_unit)), central_(vectors.field.anchor == Anchor::central) {
-    const np::NpOptions options = app::parse_case(toml, "options", ".").np.value_or(np::NpOptions{});
+    const np::NpOptions options = case_of(toml).np.value_or(np::NpOptions{});
     ParticleSet set;
     if (x0) {
       set = at_points(positions(*x0, "x0"), time);

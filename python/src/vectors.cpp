@@ -19,7 +19,7 @@ namespace {
 class Correlator {
  public:
   Correlator(const std::string& toml, int width, int height, const py::object& mask, int threads) {
-    const app::Case c = app::parse_case(toml, "options", ".");
+    const app::Case c = case_of(toml);
     setting_ = app::make_setting(c, width, height);
     lattice_ = app::node_lattice(setting_);
     if (!mask.is_none()) mask_ = std::make_unique<BorrowedImage>(mask.cast<py::buffer>(), "mask", 0);
