@@ -61,7 +61,7 @@ string(APPEND pc_libraries " -lmpfr -lgmp -lgomp -pthread")
 configure_file(cmake/pivnp.pc.in ${CMAKE_BINARY_DIR}/pivnp.pc @ONLY)
 install(FILES ${CMAKE_BINARY_DIR}/pivnp.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT dev)
 
-# The Python module, where Debian's python3 finds it (a wheel has a place of its own: packaging/wheel.py).
+# The Python module, where Debian's python3 finds it (a wheel has a place of its own: packaging/pivnp_wheel.py).
 set(PIVNP_PYTHON_DIR lib/python3/dist-packages CACHE STRING "Where the Python package is installed, under the prefix")
 if(TARGET pivnp_core_module)
   install(TARGETS pivnp_core_module LIBRARY DESTINATION ${PIVNP_PYTHON_DIR}/pivnp COMPONENT python)

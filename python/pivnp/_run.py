@@ -6,6 +6,7 @@ import pathlib
 import shutil
 import signal
 import subprocess
+import sys
 from typing import Any, Optional, Union
 
 from ._options import settings as _settings
@@ -71,3 +72,8 @@ def run(case: Union[None, str, os.PathLike[str]] = None, *, command: str = "run"
     record = open_record(next(line for line in said.splitlines() if line.endswith("record.h5")))
     record.limits_exceeded = child.returncode == 3
     return record
+
+
+def main() -> None:
+    """The command `pivnp` of a wheel: the program that lies in it."""
+    os.execv(program(), ["pivnp", *sys.argv[1:]])

@@ -9,7 +9,9 @@ namespace pivnp::python {
 app::Case case_of(const std::string& toml, const std::vector<std::string>& given) {
   const std::string name = "options";
   try {
-    return app::parse_case(toml, name, ".", given);
+    app::Case c = app::parse_case(toml, name, ".", given);
+    if (c.name.empty()) c.name = "the case";  // as later messages call it
+    return c;
   } catch (const InputError& error) {
     const std::string text = error.what();
     const std::size_t end = text.starts_with(name + ":") ? text.find(": ") : std::string::npos;
