@@ -29,7 +29,7 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
       contacts(scene.contacts, scene.particles.label_names),
       g(scene.grid, scheme.shape, contacts.velocity_fields(), scheme.stress == StressUpdate::usl),
       restraints(scene.boundaries, g, centroid(scene.particles),
-                 [this](const Vec2& x) { return impedance_near(scene, materials, x); }),
+                 [this](const Vec2& x) { return impedance_near(scene, materials, undrained_stiffness(), x); }),
       bodies(scene.bodies, g.field_grid),
       loading(o, scene),
       reduction(scene.materials.size(), 1.0),
@@ -60,11 +60,10 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
 }
 
 double Solver::Impl::longest_step() const {
+  const double fastest = std::max(state.fastest, bodies.fastest());
   if (water)
-    return stable_step_with_water(options.courant, g.grid.spacing.x(), g.grid.spacing.y(), state.wave_speed, state.fastest,
-                                  state.diffusivity);
-  return mpm::stable_step(options.courant, g.grid.spacing.minCoeff(), state.wave_speed,
-                     std::max(state.fastest, bodies.fastest()));
+    return stable_step_with_water(options.courant, g.grid.spacing.x(), g.grid.spacing.y(), state.wave_speed, fastest, state.diffusivity);
+  return mpm::stable_step(options.courant, g.grid.spacing.minCoeff(), state.wave_speed, fastest);
 }
 
 double Solver::Impl::next_change(double time) const {

@@ -78,6 +78,7 @@ struct Solver::Impl {
 
   // solver_water.cpp: the water in the pores.
   void fill_pores();
+  std::vector<double> undrained_stiffness() const;
   void carry_water(const Cycle& c);
   void flow_water(const Cycle& c);
   void end_water(std::size_t k);

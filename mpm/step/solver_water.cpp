@@ -10,18 +10,14 @@ namespace pivnp::mpm {
 
 namespace {
 
-void refuse_beside_water(bool found, const std::string& key, const std::string& what) {
-  if (found) throw InputError(key + ": " + what + " beside [water], which does not go together yet");
-}
-
 void check_boundaries(const Scene& scene) {
   for (const auto& [name, b] : scene.boundaries) {
     const std::string key = "boundary." + name;
     if (!scene.water && (b.pressure_pa || b.drained || b.flux_m_s))
       throw InputError(key + (b.pressure_pa ? ".pressure_pa" : b.drained ? ".drained" : ".flux_m_s") + ": given without [water], expected both or neither");
     if (!scene.water) continue;
-    refuse_beside_water(b.type == BoundaryType::tied, key + ".type", "found 'tied'");
-    refuse_beside_water(b.type == BoundaryType::absorbing, key + ".type", "found 'absorbing'");
+    if (b.type == BoundaryType::tied && (b.pressure_pa || b.drained || b.flux_m_s))
+      throw InputError(key + (b.pressure_pa ? ".pressure_pa" : b.drained ? ".drained" : ".flux_m_s") + ": given with type \"tied\", through which water passes to the other side; expected none");
   }
 }
 
@@ -54,16 +50,22 @@ std::vector<PoreSoil> take_pores(const MpmOptions& options, Scene& scene) {
   }
   if (!scene.water) return soils;
   check_gravity(options, *scene.water);
-  refuse_beside_water(!scene.contacts.empty(), "contact." + (scene.contacts.empty() ? "" : scene.contacts.front().first), "given");
-  refuse_beside_water(!scene.bodies.empty(), "body." + (scene.bodies.empty() ? "" : scene.bodies.front().first), "given");
-  refuse_beside_water(options.sleep_below_m_s.has_value(), "mpm.sleep_below_m_s", "given");
+  if (options.sleep_below_m_s)
+    throw InputError("mpm.sleep_below_m_s: given beside [water], expected none: water goes on flowing in what rests");
   return soils;
+}
+
+// K_w/n of each material, which waves that are long to the cells feel besides the skeleton's; 0 without water.
+std::vector<double> Solver::Impl::undrained_stiffness() const {
+  std::vector<double> stiffness;
+  for (const PoreSoil& soil : pores) stiffness.push_back(soil.holds_water() ? scene.water->bulk_modulus_pa / soil.porosity : 0);
+  return stiffness;
 }
 
 void Solver::Impl::fill_pores() {
   if (!scene.water) return;
   water = std::make_unique<PoreWater>(*scene.water, pores, scene.particles, g,
-                                      PoreBoundaries(scene.boundaries, restraints.walls(), g));
+                                      PoreBoundaries(scene.boundaries, restraints.walls(), g), restraints.tied(), bodies);
   water->start(p, g, loading.gravity(0), most_threads);
   for (std::size_t k = 0; k < density.size(); ++k)
     if (water->partly_dry(p, k)) density[k] = water->soil(k).dry_density();
@@ -101,8 +103,7 @@ void Solver::Impl::take_wave_speed(int threads) {
     state.wave_speed = wave_speed(materials, density, p, threads);
     return;
   }
-  PoreWater::Rates rates = water->rates(p);
-  for (double& stiffness : rates.stiffness) stiffness *= water_in_short_waves;
+  const PoreWater::Rates rates = water->rates(p);
   state.wave_speed = wave_speed(materials, density, p, threads, rates.stiffness);
   state.diffusivity = rates.diffusivity;
 }

@@ -25,7 +25,7 @@ PoreCondition condition_of(const std::string& key, const BoundaryOptions& o) {
 
 PoreBoundaries::PoreBoundaries(const std::vector<std::pair<std::string, BoundaryOptions>>& boundaries,
                                const std::vector<Wall>& walls, const GridGeometry& g)
-    : first_(g.grid.node_count(), -1) {
+    : first_(g.field_nodes(), -1) {
   for (std::size_t b = 0; b < boundaries.size(); ++b) {
     const std::string key = "boundary." + boundaries[b].first;
     keys_.push_back(key);
@@ -49,6 +49,7 @@ PoreBoundaries::PoreBoundaries(const std::vector<std::pair<std::string, Boundary
 }
 
 const PoreBoundaries::AtNode* PoreBoundaries::standing(std::size_t node, double time) const {
+  node %= first_.size();
   if (first_[node] < 0) return nullptr;
   for (auto k = std::size_t(first_[node]); k < nodes_.size() && nodes_[k].node == node; ++k)
     if (time < nodes_[k].until) return &nodes_[k];

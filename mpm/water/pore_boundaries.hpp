@@ -29,7 +29,7 @@ class PoreBoundaries {
   const PoreCondition& of_boundary(std::size_t boundary) const { return conditions_[boundary]; }
   bool any_flux_on_tractions() const { return flux_on_tractions_; }
 
-  /// Of a wall's node now; null: the node is at no wall, or only at walls along the grid that let nothing through (what lies
+  /// Of a wall's node now, of any velocity field; null: the node is at no wall, or only at walls along the grid that let nothing through (what lies
   /// behind those is told by GridGeometry::walls). Others hold the water back wherever they hold a node.
   const PoreCondition* at(std::size_t node, double time) const;
   /// The side on which the same wall has nothing (WallSide); wall_none where it is not along the grid.
@@ -60,7 +60,7 @@ class PoreBoundaries {
   std::vector<std::string> keys_;
   std::vector<PoreCondition> conditions_;
   std::vector<AtNode> nodes_;        // what lets water through first, then by node
-  std::vector<std::int32_t> first_;  // of every node of the grid: its first place among them; -1: none
+  std::vector<std::int32_t> first_;  // of every node of the first velocity field: its first place among them; -1: none
   bool flux_on_tractions_ = false;
 };
 

@@ -34,12 +34,6 @@ void for_points_of(const GridState& g, Range cells, Each&& each) {
   for (std::uint32_t q = g.cells.begin[cells.begin]; q < g.cells.begin[cells.end]; ++q) each(g.cells.order[q]);
 }
 
-void add(PoreFlow& to, const PoreFlow& more) {
-  to.inflow += more.inflow;
-  to.external += more.external;
-  to.darcy += more.darcy;
-}
-
 }  // namespace
 
 // The element's nodes, with their hats at the point.
@@ -55,12 +49,15 @@ struct PoreWater::Hats {
 PoreFlow PoreWater::flow(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, double dt,
                          int threads) {
   map_potential(p, g, tractions, gravity, time, threads);
+  tie_means(g, gravity, time);
   give_potentials(g, gravity, time, threads);
+  tie_given(g, gravity);
   smooth(g, &PoreNode::strained, &PoreNode::change, threads);
   add_fluxes(p, g, gravity, threads);
   PoreFlow sums = change_nodes(g, time, dt, threads);
+  sums.add(tie_changes(g, gravity));
   smooth(g, &PoreNode::unseen, &PoreNode::restore, threads);
-  add(sums, change_points(p, g, tractions, gravity, time, dt, threads));
+  sums.add(change_points(p, g, tractions, gravity, time, dt, threads));
   for_nodes(g, threads, [&](Node&, std::uint32_t n) { node_[n] = PoreNode{}; });
   return sums;
 }
@@ -91,7 +88,7 @@ void PoreWater::map_potential(const Particles& p, GridState& g, const Tractions&
   });
 }
 
-// An element beside a node counts unless it is beyond the domain or behind a wall along the grid; the material's surface is
+// An element beside a node counts unless it is beyond the domain, behind a wall along the grid, or sealed; the material's surface is
 // where one is empty.
 void PoreWater::give_potentials(const GridState& g, const Vec2& gravity, double time, int threads) {
   const auto row = std::size_t(g.grid.nx);
@@ -106,15 +103,18 @@ void PoreWater::give_potentials(const GridState& g, const Vec2& gravity, double 
     const PoreCondition* condition = boundaries_.at(n, time);
     bool surface = false;
     if (!condition) {
-      const int i = int(n % row), j = int(n / row);
+      const int i = int(n % row), j = int(n % g.field_nodes() / row);
       const std::uint8_t walls = g.walls[n];
       int open = 0;
       for (int c = 0; c < 4; ++c) {
         const int left = 1 - c % 2, below = 1 - c / 2, ei = i - left, ej = j - below;
         if (ei < first_i_ || ei >= last_i_ || ej < first_j_ || ej >= last_j_) continue;
         if (walls & ((left ? wall_left : wall_right) | (below ? wall_down : wall_up))) continue;
+        const std::size_t element = n - std::size_t(left) - std::size_t(below) * row;
+        const bool empty = node_[element].cell == 0;
+        if (empty && sealed(g, element, time)) continue;
         ++open;
-        surface = surface || node_[n - std::size_t(left) - std::size_t(below) * row].cell == 0;
+        surface = surface || empty;
       }
       surface = surface || node.volume * per_volume < least_share * 0.25 * open;
       if (surface && node.loaded > 0) condition = &boundaries_.of_boundary(std::size_t(node.loaded - 1));
@@ -149,7 +149,9 @@ void PoreWater::smooth(const GridState& g, double PoreNode::*value, double PoreN
     });
   };
   along(1, value, scratch);
+  tie_gains(g, 1, value, scratch);
   along(std::size_t(g.grid.nx), scratch, value);
+  tie_gains(g, std::size_t(g.grid.nx), scratch, value);
 }
 
 // What a point's potential lacks to the field that the nodes span.
@@ -235,7 +237,7 @@ PoreFlow PoreWater::change_nodes(const GridState& g, double time, double dt, int
     parts[part] = sum;
   });
   PoreFlow all;
-  for (const PoreFlow& part : parts) add(all, part);
+  for (const PoreFlow& part : parts) all.add(part);
   all.darcy = all.external;
   return all;
 }
@@ -284,7 +286,7 @@ PoreFlow PoreWater::change_points(Particles& p, GridState& g, const Tractions& t
     parts[piece] = sum;
   });
   PoreFlow all;
-  for (const PoreFlow& part : parts) add(all, part);
+  for (const PoreFlow& part : parts) all.add(part);
   return all;
 }
 

@@ -30,7 +30,7 @@ double sum_over(std::size_t size, int threads, Of&& of) {
 }  // namespace
 
 PoreWater::PoreWater(const WaterOptions& options, std::vector<PoreSoil> soils, const ParticleSet& particles,
-                     const GridState& g, PoreBoundaries boundaries)
+                     const GridState& g, PoreBoundaries boundaries, const TiedSides& ties, const RigidBodies& bodies)
     : options_(options),
       soils_(std::move(soils)),
       set_(&particles),
@@ -41,7 +41,9 @@ PoreWater::PoreWater(const WaterOptions& options, std::vector<PoreSoil> soils, c
       first_i_(int(std::lround((g.domain.origin.x() - g.field_grid.origin.x()) * g.per_hx))),
       first_j_(int(std::lround((g.domain.origin.y() - g.field_grid.origin.y()) * g.per_hy))),
       last_i_(first_i_ + g.domain.nx - 1),
-      last_j_(first_j_ + g.domain.ny - 1) {
+      last_j_(first_j_ + g.domain.ny - 1),
+      ties_(&ties),
+      bodies_(&bodies) {
   if (std::none_of(soils_.begin(), soils_.end(), [](const PoreSoil& s) { return s.has_pores(); }))
     throw InputError("water: no material has a porosity, expected one that holds water");
   const Points& at = options.level_history;
@@ -134,8 +136,7 @@ double PoreWater::mass(const Particles& p, std::size_t k) const {
 }
 
 double PoreWater::potential_energy(const Particles& p, std::size_t k, const Vec2& gravity) const {
-  const Vec2 x(p.x[k], p.y[k]);
-  return p.volume0[k] * p.J[k] * outside_pressure(x, gravity) - p.mass[k] * gravity.dot(x - reference_);
+  return p.volume0[k] * p.J[k] * outside_pressure({p.x[k], p.y[k]}, gravity) - p.mass[k] * gravity.dot(p.displacement(k, reference_));
 }
 
 double PoreWater::potential_energy(const Particles& p, const Vec2& gravity, int threads) const {

@@ -24,6 +24,8 @@
 #include <string>
 #include <vector>
 
+#include "mpm/constraint/rigid_body.hpp"
+#include "mpm/constraint/tied_sides.hpp"
 #include "mpm/constraint/tractions.hpp"
 #include "mpm/grid/grid_state.hpp"
 #include "mpm/state/particles.hpp"
@@ -40,13 +42,19 @@ struct PoreFlow {
   double inflow = 0;    // volume of water without pressure through the boundaries, m^2
   double external = 0;  // work of gravity on the flow and of the pressures at the boundaries, J
   double darcy = 0;     // dissipated, J
+
+  void add(const PoreFlow& more) {
+    inflow += more.inflow;
+    external += more.external;
+    darcy += more.darcy;
+  }
 };
 
 class PoreWater {
  public:
-  /// `soils`: of each label of `particles`, which must outlive this. Throws InputError naming the key.
+  /// `soils`: of each label of `particles`, which must outlive this, as must `ties` and `bodies`. Throws InputError naming the key.
   PoreWater(const WaterOptions& options, std::vector<PoreSoil> soils, const ParticleSet& particles, const GridState& g,
-            PoreBoundaries boundaries);
+            PoreBoundaries boundaries, const TiedSides& ties, const RigidBodies& bodies);
 
   /// The water outside as it is at a time: call before what follows, at each step.
   void set_time(double time);
@@ -116,6 +124,12 @@ class PoreWater {
   }
   static constexpr double least_pores = 1e-6;  // of the initial volume: grains would touch everywhere
   void map_potential(const Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, int threads);
+  bool sealed(const GridState& g, std::size_t element, double time) const;
+  double head_across(const GridState& g, const TiedSides::Tie& tie, const Vec2& gravity) const;
+  void tie_means(const GridState& g, const Vec2& gravity, double time);
+  void tie_given(const GridState& g, const Vec2& gravity);
+  void tie_gains(const GridState& g, std::size_t step, double PoreNode::*from, double PoreNode::*to);
+  PoreFlow tie_changes(const GridState& g, const Vec2& gravity);
   void smooth(const GridState& g, double PoreNode::*value, double PoreNode::*scratch, int threads);
   void give_potentials(const GridState& g, const Vec2& gravity, double time, int threads);
   void add_fluxes(Particles& p, GridState& g, const Vec2& gravity, int threads);
@@ -132,6 +146,13 @@ class PoreWater {
   Vec2 reference_;  // where the potential is the pressure
   OfGrid<PoreNode> node_;
   int first_i_, first_j_, last_i_, last_j_;  // nodes of the domain's corners
+  const TiedSides* ties_;
+  const RigidBodies* bodies_;
+  struct Joined {
+    const TiedSides::Tie* tie;
+    double share[2];  // of each node in the volume of both
+  };
+  std::vector<Joined> joined_;  // in this step
 };
 
 }  // namespace pivnp::mpm

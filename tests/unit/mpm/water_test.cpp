@@ -300,16 +300,17 @@ TEST(PoreWater, TheStepIsThatOfWaveAndFlowTogether) {
     c.permeability = permeability;
     c.courant = 1;
     const Solver solver(options_of(c), scene_of(c), 1);
-    const double h = c.spacing(), speed = std::sqrt((c.modulus() + water_in_short_waves * c.bulk / c.porosity) / c.density());
+    const double h = c.spacing(), speed = std::sqrt((c.modulus() + c.bulk / c.porosity) / c.density());
     const double D = permeability * c.bulk / (1000 * 9.81 * c.porosity), dt = solver.stable_step();
     EXPECT_NEAR(std::pow(dt * speed / h, 2) + dt * 4 * D / (h * h), 1, 1e-6);
   }
 }
 
-// A closed box of random velocities, undamped: bounded below the limit, growing far above it.
+// A closed box of random velocities and one without a lid, undamped: bounded below the limit, growing above it: without a lid, where
+// waves rule, soon. (In the closed box all short waves strain without pressure.)
 TEST(PoreWater, StepsBelowTheLimitAreBounded) {
   // `spread`: 1: the points are at quarters of the cells; towards 2: on nodes.
-  const auto grows = [](ShapeKind shape, TransferKind transfer, double young, double permeability, double courant, double spread) {
+  const auto grows = [](ShapeKind shape, TransferKind transfer, double young, double permeability, double courant, double spread, bool lid = true) {
     const double h = 0.05;
     const int n = 6;
     Scene s = scene(Grid{{0, 0}, {h, h}, n + 1, n + 1}, {rectangle("soil", 0, 0, n * h, n * h)}, {saturated(young, 0.2, 0.3, permeability)});
@@ -319,6 +320,10 @@ TEST(PoreWater, StepsBelowTheLimitAreBounded) {
                     {"top", line({0, n * h}, {n * h, n * h}, "roller")},
                     {"left", line({0, 0}, {0, n * h}, "roller")},
                     {"right", line({n * h, 0}, {n * h, n * h}, "roller")}};
+    if (!lid) {
+      s.grid.ny += 2;
+      s.boundaries.erase(s.boundaries.begin() + 1);
+    }
     for (Vec2& x : s.particles.x0) {
       const Vec2 cell = (x / h).array().floor() + 0.5;
       x = h * (cell + spread * (x / h - cell));
@@ -354,10 +359,11 @@ TEST(PoreWater, StepsBelowTheLimitAreBounded) {
   for (const auto& [shape, transfer] : {std::pair{bspline, apic}, {gimp, apic}, {bilinear, apic}, {bilinear, flip}})
     for (const double permeability : {1e-10, 1e-5, 1e-2})
       for (const double young : {1e6, 1e8}) {
-        EXPECT_FALSE(grows(shape, transfer, young, permeability, 0.95, 1)) << permeability << " " << young;
-        EXPECT_TRUE(grows(shape, transfer, young, permeability, permeability < 1e-2 ? 1.7 : 2.05, 1)) << permeability << " " << young;
+        EXPECT_FALSE(grows(shape, transfer, young, permeability, 0.95, 1, false)) << permeability << " " << young;
+        EXPECT_TRUE(grows(shape, transfer, young, permeability, permeability < 1e-2 ? 1.55 : 2.05, 1, false)) << permeability << " " << young;
       }
-  EXPECT_TRUE(grows(bilinear, apic, 1e6, 1e-10, 1.15, 1));  // where waves rule
+  EXPECT_TRUE(grows(bilinear, flip, 1e6, 1e-10, 1.15, 1, false));  // where waves rule
+  EXPECT_FALSE(grows(bilinear, apic, 1e6, 1e-10, 0.95, 1));
   EXPECT_FALSE(grows(bspline, apic, 1e6, 1e-2, 0.95, 1.98));  // where flow rules, and points lie on nodes
   EXPECT_TRUE(grows(bspline, apic, 1e6, 1e-2, 1.15, 1.98));
 }
@@ -390,13 +396,6 @@ TEST(PoreWater, RefusesWhatDoesNotFit) {
   EXPECT_THAT(told([](Scene& s, MpmOptions& o) { s.water->level_m = 1, o.gravity_m_s2 = {5, -5}; }), HasSubstr("water.level_m"));
   EXPECT_THAT(told([](Scene&, MpmOptions& o) { o.gravity_m_s2 = {0, -9.81}, o.initial_equilibrium = true; }), HasSubstr("water.level_m"));
   EXPECT_THAT(told([](Scene&, MpmOptions& o) { o.sleep_below_m_s = 1; }), HasSubstr("mpm.sleep_below_m_s"));
-  EXPECT_THAT(told([](Scene& s, MpmOptions&) { s.boundaries[1].second.type = BoundaryType::absorbing; }), HasSubstr("boundary.left.type"));
-  EXPECT_THAT(told([](Scene& s, MpmOptions&) {
-                ContactOptions contact;
-                contact.regions = {"soil"};
-                s.contacts.emplace_back("a", contact);
-              }),
-              HasSubstr("contact.a"));
   EXPECT_THAT(told([](Scene& s, MpmOptions&) {
                 BoundaryOptions across = line({0, 0.03}, {0.02, 0.03}, "fixed");
                 across.drained = true;
