@@ -161,7 +161,9 @@ const ParticleSet& Solver::particles() const {
 
 MotionFrame Solver::frame() const {
   if (impl_->failed) throw RunError("mpm: frame() was called after the run had failed");
-  return frame_of(impl_->state, impl_->scene.particles);
+  MotionFrame frame = frame_of(impl_->state, impl_->scene.particles);
+  if (impl_->water) impl_->put_water(frame);
+  return frame;
 }
 
 void Solver::on_step(std::function<void(double dt, const VelocityAt&)> observer) {

@@ -10,6 +10,8 @@ namespace pivnp::mpm {
 
 namespace {
 
+constexpr std::size_t chunk = 1024;  // points
+
 void check_boundaries(const Scene& scene) {
   for (const auto& [name, b] : scene.boundaries) {
     const std::string key = "boundary." + name;
@@ -73,19 +75,26 @@ void Solver::Impl::fill_pores() {
 
 // Water that has come or gone moved as its point does.
 void Solver::Impl::carry_water(const Cycle& c) {
-  for (std::size_t k = 0; k < p.size(); ++k) {
-    if (p.cell[k] == Particles::ended) continue;
-    const double mass = water->mass(p, k), before = p.mass[k];
-    if (mass == before) continue;
-    p.mass[k] = mass;
-    state.balance.bodies += (1 - before / mass) * stored_kinetic(p, g, k);
-  }
-  potential_energy = water->potential_energy(p, c.gravity, c.threads);
+  std::vector<double> parts((p.size() + chunk - 1) / chunk, 0.0);
+  for_each(parts.size(), c.threads, [&](std::size_t part) {
+    double sum = 0;
+    for (std::size_t k = part * chunk; k < std::min(p.size(), (part + 1) * chunk); ++k) {
+      if (p.cell[k] == Particles::ended) continue;
+      const double mass = water->mass(p, k), before = p.mass[k];
+      if (mass == before) continue;
+      p.mass[k] = mass;
+      sum += (1 - before / mass) * stored_kinetic(p, g, k);
+    }
+    parts[part] = sum;
+  });
+  for (const double part : parts) state.balance.bodies += part;
 }
 
-// Of a point that ends after the step began.
+// Of a point that ends: in the step's course, or between steps.
 void Solver::Impl::end_water(std::size_t k) {
-  potential_energy -= water->potential_energy(p, k, loading.gravity(state.time));
+  const double potential = water->potential_energy(p, k, loading.gravity(state.time));
+  potential_energy -= potential;
+  state.balance.potential -= potential;
   state.balance.carried += water->stored(p, k);
   state.balance.inflow -= water->flowing_mass(p, k);
 }
@@ -96,6 +105,15 @@ void Solver::Impl::flow_water(const Cycle& c) {
   state.balance.inflow += scene.water->density_kg_m3 * flow.inflow;
   state.balance.bodies += flow.external;
   state.balance.darcy += flow.darcy;
+}
+
+void Solver::Impl::put_water(MotionFrame& frame) {
+  const std::vector<Vec2> flow = water->flow_at_points(p, g, loading.tractions(), loading.gravity(state.time), state.time, most_threads);
+  const std::span<float> of_flow = frame.add("water_flow", p.size());
+  for (std::size_t k = 0; k < p.size(); ++k)
+    for (int c = 0; c < 2; ++c) of_flow[2 * p.index[k] + std::size_t(c)] = float(flow[k][c]);
+  const std::span<float> porosity = frame.add("porosity", p.size());
+  for (std::size_t k = 0; k < p.size(); ++k) porosity[p.index[k]] = float(water->porosity(p, k));
 }
 
 void Solver::Impl::take_wave_speed(int threads) {

@@ -13,8 +13,10 @@ constexpr double sealed_margin = 0.5;  // cells: material that touches a body ma
 
 // Of an element that a body's own points leave empty: another body of material, or a rigid one, lets no water through.
 bool PoreWater::sealed(const GridState& g, std::size_t element, double time) const {
-  for (std::size_t other = element % g.field_nodes(); g.velocity_fields > 1 && other < node_.size(); other += g.field_nodes())
-    if (node_[other].cell != 0) return true;
+  for (int field = 0; g.velocity_fields > 1 && field < g.velocity_fields; ++field) {
+    const std::size_t other = element % g.field_nodes() + std::size_t(field) * g.field_nodes();
+    if (sums_[other].inside > 0 || marks_[other].solid) return true;
+  }
   if (bodies_->empty()) return false;
   const Vec2& h = g.grid.spacing;
   return bodies_->cover(g.position(element) + 0.5 * h, time, sealed_margin * h.minCoeff());
@@ -25,55 +27,76 @@ double PoreWater::head_across(const GridState& g, const TiedSides::Tie& tie, con
   return head(g.position(tie.node[0]), gravity) - head(g.position(tie.node[1]), gravity);
 }
 
-// Tied nodes are one node of the flow: each has the sums of both, and its own frame of the potential.
-void PoreWater::tie_means(const GridState& g, const Vec2& gravity, double time) {
+// Tied nodes are one node of the flow: each has the sums of both, and its own frame of the potential. Edges and elements are one
+// side's alone.
+void PoreWater::tie_sums(const GridState& g, const Vec2& gravity, double time) {
   joined_.clear();
   for (const TiedSides::Tie& tie : ties_->ties()) {
-    PoreNode &a = node_[tie.node[0]], &b = node_[tie.node[1]];
+    PoreNode &a = sums_[tie.node[0]], &b = sums_[tie.node[1]];
     const double volume = a.volume + b.volume;
     if (time >= tie.until || !(a.volume > 0 && b.volume > 0)) continue;
-    joined_.push_back({&tie, {a.volume / volume, b.volume / volume}});
-    const double across = head_across(g, tie, gravity);
-    const double potential = a.potential + b.potential - across * b.volume;
+    joined_.push_back({&tie, {a.volume / volume, b.volume / volume}, {a.potential / a.volume, b.potential / b.volume}, 0, 0});
+    const double across = head_across(g, tie, gravity), potential = a.potential + b.potential - across * b.volume;
     a.volume = b.volume = volume;
     a.potential = potential;
     b.potential = potential + across * volume;
     a.strained = b.strained = a.strained + b.strained;
+    a.mobile = b.mobile = a.mobile + b.mobile;
   }
 }
 
+// Where one of them has a given potential, so has the other.
 void PoreWater::tie_given(const GridState& g, const Vec2& gravity) {
   for (const Joined& joined : joined_) {
-    PoreNode &a = node_[joined.tie->node[0]], &b = node_[joined.tie->node[1]];
-    if (!a.given && !b.given) continue;
-    const double across = head_across(g, *joined.tie, gravity);
-    if (a.given) b.potential = a.potential + across;
-    else a.potential = b.potential - across;
-    a.given = b.given = true;
+    const auto found = [&](int side) {
+      return std::find_if(given_.begin(), given_.end(), [&](const Given& at) { return at.node == joined.tie->node[side]; });
+    };
+    for (const int side : {0, 1}) {
+      const auto here = found(side), there = found(1 - side);
+      if (here == given_.end()) continue;
+      here->share = joined.share[side];
+      here->mean = joined.potential[side];
+      if (there != given_.end()) continue;
+      const double across = (side == 0 ? 1 : -1) * head_across(g, *joined.tie, gravity);
+      const std::uint32_t other = joined.tie->node[1 - side];
+      const Given opposite{other, here->mobility, joined.potential[1 - side], joined.share[1 - side]};
+      field_.potential[other] = field_.potential[here->node] + across;
+      std::erase_if(through_, [&](const Through& through) { return through.node == other; });
+      given_.push_back(opposite);
+      break;
+    }
   }
 }
 
-// Of exchange along an axis: what each of them gained inwards. (Along the seam both have gained the same.)
-void PoreWater::tie_gains(const GridState& g, std::size_t step, double PoreNode::*from, double PoreNode::*to) {
-  const auto row = std::size_t(g.grid.nx);
+// Each has gained from its own side.
+void PoreWater::tie_smoothed(const double* from, double* to) const {
   for (const Joined& joined : joined_) {
-    const std::size_t n = joined.tie->node[0], m = joined.tie->node[1];
-    const std::size_t across = (std::max(n, m) - std::min(n, m)) % row == 0 ? row : 1;
-    if (step != across) continue;
-    PoreNode &a = node_[n], &b = node_[m];
-    a.*to = b.*to = a.*to + b.*to - a.*from;
+    const std::uint32_t a = joined.tie->node[0], b = joined.tie->node[1];
+    to[a] = to[b] = to[a] + to[b] - from[a];
+  }
+}
+
+void PoreWater::keep_means() {
+  for (Joined& joined : joined_) {
+    joined.mean = field_.mean[joined.tie->node[0]];
+    joined.even = field_.even[joined.tie->node[0]];
   }
 }
 
 // Water that passes the seam changes its height: its potential energy is work from outside.
-PoreFlow PoreWater::tie_changes(const GridState& g, const Vec2& gravity) {
+PoreFlow PoreWater::tie_exchanged(const GridState& g, const Vec2& gravity, double rate) {
   PoreFlow sum;
+  const PoreFields& f = field_;
   for (const Joined& joined : joined_) {
-    PoreNode &a = node_[joined.tie->node[0]], &b = node_[joined.tie->node[1]];
-    const double volume = a.volume, gained = a.change, other = b.change;
-    sum.external += head_across(g, *joined.tie, gravity) * volume * (joined.share[1] * gained - joined.share[0] * other);
-    a.change = b.change = gained + other;
-    a.unseen = b.unseen = a.unseen + b.unseen;
+    const std::uint32_t a = joined.tie->node[0], b = joined.tie->node[1];
+    f.mean[a] = f.mean[b] = f.mean[a] + f.mean[b] - 2 * joined.mean + joined.even;
+    if (marks_[a].given) continue;
+    const double own = rate * (alike_.own ? f.rate[a] : alike_.mobility);
+    const double to_a = f.change[a] - own * f.potential[a], to_b = f.change[b] - own * f.potential[b];
+    const double passed = joined.share[0] * (to_b + own * (f.potential[a] - joined.potential[0])) - joined.share[1] * to_a;  // from b to a
+    sum.external -= head_across(g, *joined.tie, gravity) * f.volume[a] * passed;
+    f.change[a] += to_b;
+    f.change[b] += to_a;
   }
   sum.darcy = sum.external;
   return sum;

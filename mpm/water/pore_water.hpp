@@ -6,15 +6,15 @@
 // with J of the averaged volumetric strain (transfer.hpp): so pressure feels the averages that cure locking. The content
 // changes by flow alone, which nodes pass on between points: its sum changes by what crosses the boundaries, to round-off.
 //
-// Flow: q = -(K/gamma) grad e, potential e = p - rho_w g . x. Points give nodes the mean of e by bilinear hats; its
-// gradient moves water; nodes give their points what came. Where a boundary, or the material's own surface, gives the
-// potential, the node has that, and its points are brought towards the field that the nodes span, at the rate of a
-// cell: a field that is linear up to the surface is kept. What of the points' potentials no node sees evens out at that rate too,
-// and what no node sees of their volumetric strain gives no pressure: points exchange water for it. Without that, nearly
+// Flow: q = -(K/gamma) grad e, potential e = p - rho_w g . x. Points give nodes the mean of e by bilinear hats; along the
+// edges between nodes, its differences move water; nodes give their points what came. Where a boundary, or the material's own
+// surface, gives the potential, the node has that, and its points are brought towards the field that the nodes span, at the rate
+// of a cell: a field that is linear up to the surface is kept. What of the points' potentials no node sees evens out at that rate
+// too, and what no node sees of their volumetric strain gives no pressure: points exchange water for it. Without that, nearly
 // incompressible mixtures checkerboard.
 //
-// Momentum sees the stress tau' - J (p - p_l) I, p_l the pressure of the water outside, at rest below a level
-// (`total_xx` ...), and the lift rho_w g of the volume below it: with the divergence theorem that is the load of the water
+// Momentum sees the normal stress tau' - J (p - p_l), p_l the pressure of the water outside, at rest below a level
+// (Particles::excess), and the lift rho_w g of the volume below it: with the divergence theorem that is the load of the water
 // on the submerged surface, and soil and water at rest stay so exactly.
 #pragma once
 
@@ -31,6 +31,7 @@
 #include "mpm/state/particles.hpp"
 #include "mpm/water/options.hpp"
 #include "mpm/water/pore_boundaries.hpp"
+#include "mpm/water/pore_lanes.hpp"
 #include "mpm/state/pore_node.hpp"
 #include "mpm/water/pore_soil.hpp"
 #include "pivnp/core/particles/motion.hpp"
@@ -40,7 +41,7 @@ namespace pivnp::mpm {
 /// What a step's flow did, per metre of thickness.
 struct PoreFlow {
   double inflow = 0;    // volume of water without pressure through the boundaries, m^2
-  double external = 0;  // work of gravity on the flow and of the pressures at the boundaries, J
+  double external = 0;  // work at the boundaries, by the potentials, J
   double darcy = 0;     // dissipated, J
 
   void add(const PoreFlow& more) {
@@ -58,6 +59,7 @@ class PoreWater {
 
   /// The water outside as it is at a time: call before what follows, at each step.
   void set_time(double time);
+  bool level_moves() const { return !options_.level_history.empty(); }
   /// Does the level move after that time?
   bool moves_after(double time) const { return !options_.level_history.empty() && time < options_.level_history.back()[0]; }
 
@@ -67,17 +69,17 @@ class PoreWater {
   /// Between strain and momentum: moves water from where pressures as they were before the last strain drive it, evens that
   /// strain out, and refreshes. (So a mode of wave and flow takes p' = p - K_w theta/n - lambda dt p.)
   PoreFlow flow(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, double dt, int threads);
-  /// Particles::pressure, porosity and the stress that momentum sees, of contents and skeleton as they are.
+  /// What points pass on and have passed on now, m/s: Darcy's flow of each, x and y in turn.
+  std::vector<Vec2> flow_at_points(const Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time,
+                                   int threads);
+  /// Particles::pressure and the stress that momentum sees, of contents and skeleton as they are.
   void refresh(Particles& p, const Vec2& gravity, int threads) const;
-  /// Is there a level, and gravity?
-  bool lifts(const Vec2& gravity) const { return level_.has_value() && gravity.y() < 0; }
-  /// Adds the lift of what is below the level to the nodes' forces.
-  void lift(const Particles& p, GridState& g, const Vec2& gravity, int threads) const;
   /// Mass of the water that each point displaces below the level, kg/m.
   std::vector<double> displaced_mass(const Particles& p) const;
 
   /// Mass of a point with the water it holds now; what it has where the flow does not change it.
   double mass(const Particles& p, std::size_t k) const;
+  double porosity(const Particles& p, std::size_t k) const;
   /// Potential energy of a point in gravity and in the water outside, J/m.
   double potential_energy(const Particles& p, std::size_t k, const Vec2& gravity) const;
   double potential_energy(const Particles& p, const Vec2& gravity, int threads) const;
@@ -108,35 +110,38 @@ class PoreWater {
   const PoreSoil& soil_of(const Particles& p, std::size_t k) const { return soils_[std::size_t(set_->label[p.index[k]])]; }
   bool flows(const Particles& p, std::size_t k) const { return p.content[k] > 0 && soil_of(p, k).holds_water(); }
   double outside_pressure(const Vec2& x, const Vec2& gravity) const;
-  double mobility_of(const Particles& p, std::size_t k) const { return soil_of(p, k).mobility_at(p.porosity[k]); }
   double head(const Vec2& x, const Vec2& gravity) const { return options_.density_kg_m3 * gravity.dot(x - reference_); }
+  double mobility_of(const Particles& p, std::size_t k) const { return p.mobility.empty() ? alike_.mobility : p.mobility[k]; }
   void refresh_point(Particles& p, std::size_t k, const PoreSoil& soil, const Vec2& gravity) const;
-
-  struct Hats;
-  double lack_of(const Particles& p, std::size_t k, const Hats& hats, const Vec2& gravity) const;
-  double unseen_strain(const Particles& p, std::size_t k, const Hats& hats) const;
-  /// Volumetric strain of a point since the last flow, from its porosity then.
-  double strain_of(const Particles& p, std::size_t k) const {
-    return 1 - (1 - soil_of(p, k).porosity) / ((1 - p.porosity[k]) * p.J[k]);
-  }
   static double pores_of(const Particles& p, std::size_t k, const PoreSoil& soil) {
     return std::max(least_pores, p.J[k] - (1 - soil.porosity));
   }
-  static constexpr double least_pores = 1e-6;  // of the initial volume: grains would touch everywhere
-  void map_potential(const Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, int threads);
+  void set_outside(Particles& p, const Vec2& gravity) const;
+  void take_soils(Particles& p);
+  void follow_porosity(Particles& p, int threads) const;
+  PoreView view(const Particles& p, const Vec2& gravity) const;
+
+  // pore_flow.cpp
+  void forget_nodes(const GridState& g);
+  void map_points(const Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, int threads);
+  void mark_elements(const Particles& p, GridState& g, const Tractions& tractions, double time, int threads);
+  void take_means(const GridState& g, const Vec2& gravity, double time, double dt, int threads);
+  bool give_potential(const GridState& g, std::size_t node, const Vec2& gravity, double time);
+  double flux_into(const GridState& g, std::size_t node, double time) const;
+  void take_edges(const GridState& g, std::size_t node, double dt);
+  void mark_given(bool given);
+  PoreFlow at_given_nodes(double rate);
+  PoreFlow flow_through_tractions(Particles& p, const Tractions& tractions, double time, double dt) const;
+  double length_along(const GridState& g, std::size_t node, std::uint8_t side) const;
+
+  // pore_neighbours.cpp
   bool sealed(const GridState& g, std::size_t element, double time) const;
   double head_across(const GridState& g, const TiedSides::Tie& tie, const Vec2& gravity) const;
-  void tie_means(const GridState& g, const Vec2& gravity, double time);
+  void tie_sums(const GridState& g, const Vec2& gravity, double time);
   void tie_given(const GridState& g, const Vec2& gravity);
-  void tie_gains(const GridState& g, std::size_t step, double PoreNode::*from, double PoreNode::*to);
-  PoreFlow tie_changes(const GridState& g, const Vec2& gravity);
-  void smooth(const GridState& g, double PoreNode::*value, double PoreNode::*scratch, int threads);
-  void give_potentials(const GridState& g, const Vec2& gravity, double time, int threads);
-  void add_fluxes(Particles& p, GridState& g, const Vec2& gravity, int threads);
-  PoreFlow change_nodes(const GridState& g, double time, double dt, int threads);
-  PoreFlow change_points(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, double dt, int threads);
-  double flux_of(const Particles& p, const Tractions& tractions, std::size_t k, double time) const;
-  double length_along(const GridState& g, std::size_t node, std::uint8_t side) const;
+  void tie_smoothed(const double* from, double* to) const;
+  void keep_means();
+  PoreFlow tie_exchanged(const GridState& g, const Vec2& gravity, double rate);
 
   WaterOptions options_;
   std::vector<PoreSoil> soils_;
@@ -144,15 +149,39 @@ class PoreWater {
   PoreBoundaries boundaries_;
   std::optional<double> level_;  // now
   Vec2 reference_;  // where the potential is the pressure
+  struct Alike {
+    double mobility = 0, solid = 0;
+    bool own = false;
+  } alike_;  // of all points; own: each has its own instead
   OfGrid<PoreNode> node_;
-  int first_i_, first_j_, last_i_, last_j_;  // nodes of the domain's corners
+  OfGrid<PoreMark> mark_;
+  PoreNode* sums_;  // by node; a row and more before the first is zero
+  PoreMark* marks_;
+  std::vector<OfGrid<double>> fields_;
+  PoreFields field_;
+  std::vector<std::uint32_t> nodes_;  // of the last flow
+  struct Given {
+    std::uint32_t node;
+    double mobility, mean;  // of its points
+    double share = 1;       // of the node's volume that is its own (tied)
+  };
+  std::vector<Given> given_;  // of this one, with given potentials
+  struct Through {
+    std::uint32_t node;
+    double volume;
+  };
+  std::vector<Through> through_;  // of this one, by flow that is given
+  bool marked_ = false;
   const TiedSides* ties_;
   const RigidBodies* bodies_;
   struct Joined {
     const TiedSides::Tie* tie;
-    double share[2];  // of each node in the volume of both
+    double share[2];      // of each node in the volume of both
+    double potential[2];  // mean of each one's own points
+    double mean, even;    // before the exchange
   };
   std::vector<Joined> joined_;  // in this step
+  int first_i_, first_j_, last_i_, last_j_;  // nodes of the domain's corners
 };
 
 }  // namespace pivnp::mpm

@@ -120,7 +120,7 @@ TEST(WaterBeside, SeepageAlongAnEndlessSlope) {
     const EnergyRow last = solver.energy();
     EXPECT_LT(lost(last, start), 1e-12);
     const double rate = permeability / 9810 * std::pow(9810 * std::sin(angle), 2) * width * height;
-    EXPECT_NEAR((last.darcy - middle.darcy) / (0.2 * end), rate, 0.01 * rate);
+    EXPECT_NEAR((last.darcy - middle.darcy) / (0.2 * end), rate, 0.03 * rate);
     EXPECT_NEAR((last.external - middle.external) / (0.2 * end), rate, 0.04 * rate);
   }
 }

@@ -1,0 +1,39 @@
+// The kernels of the flow, in lanes (transfer/lanes.hpp): over points, and over nodes. Nothing here may include Eigen.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "mpm/state/pore_node.hpp"
+#include "mpm/state/views.hpp"
+
+namespace pivnp::mpm {
+
+/// Of a material that holds no water of its own, in the place of its mobility.
+inline constexpr double drained_mobility = -1, no_pores_mobility = -2;
+inline constexpr double least_pores = 1e-6;  // of the initial volume: grains would touch everywhere
+
+/// The water of the points, and what it knows.
+struct PoreView {
+  double *pressure, *content, *J_flow, *excess;
+  const double *mobility, *solid;   // K/gamma, and the grains' share of the initial volume; null: as the next two everywhere
+  double mobility_all, solid_all;
+  double bulk;                      // Pa
+  double head_x, head_y, head_0;    // e = p - (head_x x + head_y y + head_0)
+  double outside, level;            // weight of the water outside, N/m^3, and its height; 0: none
+};
+
+/// Adds to the nodes and elements. `centred`: cells are squares around nodes (three-node shapes).
+void map_pores_lanes(bool centred, const PointView& p, const PoreView& w, const CellView& c, PoreNode* node, Range range);
+/// From PoreFields::change and `even` to the points: content, pressure and what follows. `rate`: by which a cell's own water
+/// evens out, over the mobility, times the step. Returns the potential energy that the water lost, J/m.
+double change_points_lanes(bool centred, double rate, const PointView& p, const PoreView& w, const CellView& c,
+                             const PoreFields& f, Range range);
+
+/// Of some nodes: the mean over the elements around each of what their four nodes have, (1, 2, 1)/4 along both axes.
+void smooth_pores_lanes(const PoreFields& f, const double* from, double* to, const std::uint32_t* nodes, std::size_t size);
+/// 2 m - M' s of the mean m and the smooth s, M' what points pass from node to node, in the place of m; and the change, with the
+/// rate of a cell where potentials are not given.
+void exchange_pores_lanes(const PoreFields& f, double rate, double mobility_all, const std::uint32_t* nodes, std::size_t size);
+
+}  // namespace pivnp::mpm

@@ -1,0 +1,80 @@
+// What nodes exchange with their neighbours, as many at a time as lie together in a row and the processor has lanes.
+#include "mpm/water/pore_lanes.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "mpm/water/pore_node_lanes.cpp"
+#include <hwy/foreach_target.h>  // compiles this file once for every instruction set
+#include <hwy/highway.h>
+
+#include "mpm/simd/rows-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace pivnp::mpm::HWY_NAMESPACE {
+
+template <class Tag>
+struct AtNodes {
+  using V = hn::Vec<Tag>;
+  const Tag d;
+  const PoreFields& f;
+  const std::ptrdiff_t n;
+
+  HWY_INLINE V at(const double* values, std::ptrdiff_t from = 0) const { return hn::LoadU(d, values + n + from); }
+  HWY_INLINE V per_volume(V sum, V volume) const {
+    const V zero = hn::Zero(d);
+    return hn::IfThenElseZero(hn::Gt(volume, zero), sum / hn::IfThenElse(hn::Gt(volume, zero), volume, hn::Set(d, 1.0)));
+  }
+
+  // What the element that goes by the node `from` further on passes to this node, which is one of its four.
+  HWY_INLINE V of_element(const double* of, V own, std::ptrdiff_t from) const {
+    const auto least = [&](std::ptrdiff_t a, std::ptrdiff_t b) HWY_ATTR { return hn::Min(at(f.share, from + a), at(f.share, from + b)); };
+    const V sum = (at(of, from) + at(of, from + 1)) + (at(of, from + f.row) + at(of, from + f.row + 1));
+    return at(f.inside, from) * hn::Min(least(0, 1), least(f.row, f.row + 1)) * (sum - hn::Set(d, 4.0) * own);
+  }
+  HWY_INLINE void smooth(const double* from, double* to) const {
+    const V own = at(from);
+    const V gain = (of_element(from, own, 0) + of_element(from, own, -1)) +
+                   (of_element(from, own, -f.row) + of_element(from, own, -f.row - 1));
+    hn::StoreU(hn::MulAdd(hn::Set(d, 1.0 / 16), per_volume(gain, at(f.volume)), own), d, to + n);
+  }
+
+  // Over the edges, their exchange times the difference of what is beyond them.
+  HWY_INLINE V exchanged(const double* x, const double* y, const double* of) const {
+    const V own = at(of);
+    const V along_x = at(x) * (at(of, 1) - own) + at(x, -1) * (at(of, -1) - own);
+    const V along_y = at(y) * (at(of, f.row) - own) + at(y, -f.row) * (at(of, -f.row) - own);
+    return along_x + along_y;
+  }
+  HWY_INLINE void exchange(double rate, double mobility_all) const {
+    const V v = at(f.volume), smooth = at(f.even), mean = at(f.mean);
+    const V passed = smooth + per_volume(exchanged(f.strain_x, f.strain_y, f.even), v);
+    hn::StoreU((mean + mean) - passed, d, f.mean + n);
+    const V own = hn::Set(d, rate) * (f.rate ? at(f.rate) : hn::Set(d, mobility_all)) * at(f.potential);
+    hn::StoreU(own + per_volume(exchanged(f.flow_x, f.flow_y, f.potential), v), d, f.change + n);
+  }
+};
+
+void smooth_range(const PoreFields& f, const double* from, double* to, const std::uint32_t* nodes, std::size_t size) {
+  for_runs(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR { AtNodes<decltype(d)>{d, f, n}.smooth(from, to); });
+}
+void exchange_range(const PoreFields& f, double rate, double mobility_all, const std::uint32_t* nodes, std::size_t size) {
+  for_runs(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR { AtNodes<decltype(d)>{d, f, n}.exchange(rate, mobility_all); });
+}
+
+}  // namespace pivnp::mpm::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace pivnp::mpm {
+
+HWY_EXPORT(smooth_range);
+HWY_EXPORT(exchange_range);
+
+void smooth_pores_lanes(const PoreFields& f, const double* from, double* to, const std::uint32_t* nodes, std::size_t size) {
+  HWY_DYNAMIC_DISPATCH(smooth_range)(f, from, to, nodes, size);
+}
+void exchange_pores_lanes(const PoreFields& f, double rate, double mobility_all, const std::uint32_t* nodes, std::size_t size) {
+  HWY_DYNAMIC_DISPATCH(exchange_range)(f, rate, mobility_all, nodes, size);
+}
+
+}  // namespace pivnp::mpm
+#endif
