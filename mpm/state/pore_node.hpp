@@ -45,4 +45,19 @@ struct PoreFields {
   std::ptrdiff_t row;
 };
 
+/// Of a node, where pores are not full (pore_front.cpp); all zero between steps. S: the share of a point's pores that is full.
+struct PoreFrontNode {
+  double all = 0;        // volume of the points whose pores may hold water, by their hats
+  double wet = 0;        // of that, times S
+  double potential = 0;  // mean over what is wet, or given
+  double strained = 0;   // volumetric strain of the last step, likewise
+  double inflow = 0, restore = 0, unseen = 0, change = 0;
+  double room = 0;       // volume that gains reach
+  std::uint16_t loaded = 0;
+  bool holds = false;    // the element up and to the right: material
+  bool given = false, seeps = false;
+
+  bool known() const { return wet > 0 || given; }
+};
+
 }  // namespace pivnp::mpm

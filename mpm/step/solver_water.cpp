@@ -15,11 +15,13 @@ constexpr std::size_t chunk = 1024;  // points
 void check_boundaries(const Scene& scene) {
   for (const auto& [name, b] : scene.boundaries) {
     const std::string key = "boundary." + name;
-    if (!scene.water && (b.pressure_pa || b.drained || b.flux_m_s))
-      throw InputError(key + (b.pressure_pa ? ".pressure_pa" : b.drained ? ".drained" : ".flux_m_s") + ": given without [water], expected both or neither");
+    const char* given = b.pressure_pa ? ".pressure_pa" : b.water_level_m ? ".water_level_m" : b.drained ? ".drained" : b.flux_m_s ? ".flux_m_s" : nullptr;
+    if (!scene.water && given) throw InputError(key + given + ": given without [water], expected both or neither");
     if (!scene.water) continue;
-    if (b.type == BoundaryType::tied && (b.pressure_pa || b.drained || b.flux_m_s))
-      throw InputError(key + (b.pressure_pa ? ".pressure_pa" : b.drained ? ".drained" : ".flux_m_s") + ": given with type \"tied\", through which water passes to the other side; expected none");
+    if (b.type == BoundaryType::tied && (scene.water->level_m || !scene.water->level_history.empty()))
+      throw InputError(key + ".type: found 'tied' beside a level of the water, expected one of them: the water's surface inside does not pass");
+    if (b.type == BoundaryType::tied && given)
+      throw InputError(key + given + ": given with type \"tied\", through which water passes to the other side; expected none");
   }
 }
 

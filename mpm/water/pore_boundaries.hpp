@@ -15,8 +15,10 @@ namespace pivnp::mpm {
 
 /// Impervious, unless the boundary gives the pressure or the flow.
 struct PoreCondition {
-  enum Kind : std::uint8_t { impervious, drained, pressure, flux } kind = impervious;
-  double value = 0;  // pressure, Pa; flux, m/s
+  enum Kind : std::uint8_t { impervious, drained, pressure, flux, level } kind = impervious;
+  double value = 0;  // pressure, Pa; flux, m/s; height of the water's surface, m
+
+  bool gives_pressure() const { return kind == drained || kind == pressure || kind == level; }
 };
 
 class PoreBoundaries {
@@ -28,6 +30,7 @@ class PoreBoundaries {
   /// Of a boundary by its number: of the faces of tractions.
   const PoreCondition& of_boundary(std::size_t boundary) const { return conditions_[boundary]; }
   bool any_flux_on_tractions() const { return flux_on_tractions_; }
+  bool any_level() const { return level_; }
 
   /// Of a wall's node now, of any velocity field; null: the node is at no wall, or only at walls along the grid that let nothing through (what lies
   /// behind those is told by GridGeometry::walls). Others hold the water back wherever they hold a node.
@@ -61,7 +64,7 @@ class PoreBoundaries {
   std::vector<PoreCondition> conditions_;
   std::vector<AtNode> nodes_;        // what lets water through first, then by node
   std::vector<std::int32_t> first_;  // of every node of the first velocity field: its first place among them; -1: none
-  bool flux_on_tractions_ = false;
+  bool flux_on_tractions_ = false, level_ = false;
 };
 
 }  // namespace pivnp::mpm

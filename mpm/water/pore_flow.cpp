@@ -3,36 +3,12 @@
 #include <cmath>
 
 #include "mpm/grid/sweeps.hpp"
+#include "mpm/water/pore_elements.hpp"
 #include "mpm/water/pore_water.hpp"
 
 namespace pivnp::mpm {
 
 namespace {
-
-constexpr double least_share = 0.25;  // of a node's volume inside the material: with less its potential is that of a surface
-
-// The element between nodes that a point is in: its lower left node, and the point's place from there, in cells.
-struct InElement {
-  std::size_t node;
-  double s, t;
-};
-
-InElement element_of(const Particles& p, const GridState& g, std::size_t k) {
-  const Vec2 at = g.natural(p, k);
-  const auto cell = std::size_t(p.cell[k]);
-  if (!g.centred) return {cell, std::clamp(at.x(), 0.0, 1.0), std::clamp(at.y(), 0.0, 1.0)};
-  const std::size_t left = at.x() < 0, below = at.y() < 0, row = std::size_t(g.grid.nx);
-  return {cell + row + 1 - left - below * row, at.x() + double(left), at.y() + double(below)};
-}
-
-// Rate at which a cell's own water evens out, over the diffusivity, 1/m^2.
-double rate_in_cell(const GridState& g) { return 2 * (g.per_hx * g.per_hx + g.per_hy * g.per_hy); }
-
-// Calls each(k) for the points of some occupied cells.
-template <class Each>
-void for_points_of(const GridState& g, Range cells, Each&& each) {
-  for (std::uint32_t q = g.cells.begin[cells.begin]; q < g.cells.begin[cells.end]; ++q) each(g.cells.order[q]);
-}
 
 // Calls sweep(nodes, size) for parts of the active nodes.
 template <class Sweep>
@@ -45,6 +21,7 @@ void for_node_lists(const GridState& g, int threads, Sweep&& sweep) {
 PoreFlow PoreWater::flow(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, double dt,
                          int threads) {
   set_outside(p, gravity);
+  if (has_front(p, gravity, threads)) return flow_with_front(p, g, tractions, gravity, time, dt, threads);
   PoreFlow sums = flow_through_tractions(p, tractions, time, dt);
   map_points(p, g, tractions, gravity, time, threads);
   take_means(g, gravity, time, dt, threads);
@@ -76,6 +53,7 @@ PoreFlow PoreWater::flow(Particles& p, GridState& g, const Tractions& tractions,
 
 std::vector<Vec2> PoreWater::flow_at_points(const Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity,
                                             double time, int threads) {
+  if (has_front(p, gravity, threads)) return flow_in_front(p, g, tractions, gravity, time, threads);
   map_points(p, g, tractions, gravity, time, threads);
   take_means(g, gravity, time, 0, threads);
   std::vector<Vec2> flow(p.size(), Vec2::Zero());
@@ -168,7 +146,7 @@ void PoreWater::take_means(const GridState& g, const Vec2& gravity, double time,
       if (!alike) f.rate[n] = mobility;
       if (given) {
         parts[part].given.push_back({n, mobility, node.potential * per_volume});
-      } else if (const double flux = flux_into(g, n, time); flux != 0) {
+      } else if (const double flux = flux_into(g, n, time, [this](std::ptrdiff_t element) { return sums_[element].inside > 0; }); flux != 0) {
         parts[part].through.push_back({n, dt * flux});
       }
     }
@@ -203,56 +181,24 @@ void PoreWater::take_edges(const GridState& g, std::size_t n, double dt) {
   edge(*before, here[f.row], &PoreNode::along_y, g.per_hy, f.flow_y[n], f.strain_y[n]);
 }
 
-// An element beside a node counts unless it is beyond the domain, behind a wall along the grid, or sealed; the material's surface is
-// where one is empty.
 bool PoreWater::give_potential(const GridState& g, std::size_t n, const Vec2& gravity, double time) {
-  const auto row = std::ptrdiff_t(g.grid.nx);
   const PoreCondition* condition = boundaries_.at(n, time);
   if (!condition) {
-    const int i = int(std::ptrdiff_t(n) % row), j = int(std::ptrdiff_t(n % g.field_nodes()) / row);
-    const std::uint8_t walls = g.walls[n];
-    int open = 0;
-    bool surface = false;
-    for (int c = 0; c < 4; ++c) {
-      const int left = 1 - c % 2, below = 1 - c / 2, ei = i - left, ej = j - below;
-      if (ei < first_i_ || ei >= last_i_ || ej < first_j_ || ej >= last_j_) continue;
-      if (walls & ((left ? wall_left : wall_right) | (below ? wall_down : wall_up))) continue;
-      const std::ptrdiff_t element = std::ptrdiff_t(n) - left - below * row;
-      const bool empty = !(sums_[element].inside > 0) && !marks_[element].solid;
-      if (empty && sealed(g, std::size_t(element), time)) continue;
-      ++open;
-      surface = surface || empty;
-    }
-    surface = surface || sums_[n].volume * g.per_hx * g.per_hy < least_share * 0.25 * open;
+    const auto holds = [this](std::size_t element) { return sums_[element].inside > 0 || marks_[element].solid; };
+    const bool surface = at_surface(g, n, sums_[n].volume, time, holds);
     if (!surface) return false;
     if (marks_[n].loaded > 0) condition = &boundaries_.of_boundary(std::size_t(marks_[n].loaded - 1));
   }
   const Vec2 x = g.position(n);
   if (condition) {
-    if (condition->kind != PoreCondition::pressure && condition->kind != PoreCondition::drained) return false;
-    const double pressure = condition->kind == PoreCondition::pressure ? condition->value : outside_pressure(x, gravity);
-    field_.potential[n] = pressure - head(x, gravity);
+    if (!condition->gives_pressure()) return false;
+    field_.potential[n] = given_pressure(*condition, x, gravity) - head(x, gravity);
   } else {
     // With a level, the water's surface is at it, and not at the node that is next above.
     const double above = level_ ? std::max(0.0, x.y() - g.grid.spacing.y() - *level_) + *level_ - reference_.y() : 0;
     field_.potential[n] = level_ ? options_.density_kg_m3 * -gravity.y() * above : -head(x, gravity);
   }
   return true;
-}
-
-double PoreWater::flux_into(const GridState& g, std::size_t n, double time) const {
-  const PoreCondition* condition = boundaries_.at(n, time);
-  return condition && condition->kind == PoreCondition::flux ? condition->value * length_along(g, n, boundaries_.side(n, time)) : 0;
-}
-
-double PoreWater::length_along(const GridState& g, std::size_t n, std::uint8_t side) const {
-  const auto beside = [&](int left, int below) { return (sums_ + n)[-left - below * field_.row].inside > 0 ? 0.5 : 0.0; };
-  switch (side) {
-    case wall_left: return (beside(0, 0) + beside(0, 1)) * g.grid.spacing.y();
-    case wall_right: return (beside(1, 0) + beside(1, 1)) * g.grid.spacing.y();
-    case wall_down: return (beside(0, 0) + beside(1, 0)) * g.grid.spacing.x();
-    default: return (beside(0, 1) + beside(1, 1)) * g.grid.spacing.x();
-  }
 }
 
 void PoreWater::mark_given(bool given) {

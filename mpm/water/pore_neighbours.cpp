@@ -11,12 +11,7 @@ constexpr double sealed_margin = 0.5;  // cells: material that touches a body ma
 
 }  // namespace
 
-// Of an element that a body's own points leave empty: another body of material, or a rigid one, lets no water through.
-bool PoreWater::sealed(const GridState& g, std::size_t element, double time) const {
-  for (int field = 0; g.velocity_fields > 1 && field < g.velocity_fields; ++field) {
-    const std::size_t other = element % g.field_nodes() + std::size_t(field) * g.field_nodes();
-    if (sums_[other].inside > 0 || marks_[other].solid) return true;
-  }
+bool PoreWater::covered(const GridState& g, std::size_t element, double time) const {
   if (bodies_->empty()) return false;
   const Vec2& h = g.grid.spacing;
   return bodies_->cover(g.position(element) + 0.5 * h, time, sealed_margin * h.minCoeff());

@@ -89,6 +89,8 @@ void PoreWater::start(Particles& p, const GridState& g, const Vec2& gravity, int
     const Vec2 x(p.x[k], p.y[k]);
     const bool full = soil.has_pores() && (!level_ || x.y() < *level_);
     p.content[k] = full ? soil.porosity * (1 + outside_pressure(x, gravity) / options_.bulk_modulus_pa) : 0;
+    if (!full && soil.holds_water() && sees_air(gravity))  // what the surface cuts
+      p.content[k] = soil.porosity * std::max(0.0, 1 - (x.y() - *level_) / std::sqrt(p.volume0[k]));
     if (soil.has_pores()) p.mass[k] = p.volume0[k] * (soil.dry_density() + options_.density_kg_m3 * p.content[k]);
   }
   take_soils(p);
@@ -138,8 +140,9 @@ double PoreWater::porosity(const Particles& p, std::size_t k) const {
 
 void PoreWater::refresh_point(Particles& p, std::size_t k, const PoreSoil& soil, const Vec2& gravity) const {
   const double J = p.J[k], outside = outside_pressure({p.x[k], p.y[k]}, gravity);
-  const bool holds = p.content[k] > 0 && soil.holds_water();
+  const bool air = sees_air(gravity), holds = (air || p.content[k] > 0) && soil.holds_water();
   p.pressure[k] = holds ? options_.bulk_modulus_pa * (p.content[k] / pores_of(p, k, soil) - 1) : soil.has_pores() ? outside : 0;
+  if (air && holds) p.pressure[k] = std::max(0.0, p.pressure[k]);
   p.J_flow[k] = J;
   p.excess[k] = J * (p.pressure[k] - outside);
 }

@@ -108,7 +108,7 @@ class PoreWater {
 
  private:
   const PoreSoil& soil_of(const Particles& p, std::size_t k) const { return soils_[std::size_t(set_->label[p.index[k]])]; }
-  bool flows(const Particles& p, std::size_t k) const { return p.content[k] > 0 && soil_of(p, k).holds_water(); }
+  bool flows(const Particles& p, std::size_t k) const { return (p.content[k] > 0 || !front_.empty()) && soil_of(p, k).holds_water(); }
   double outside_pressure(const Vec2& x, const Vec2& gravity) const;
   double head(const Vec2& x, const Vec2& gravity) const { return options_.density_kg_m3 * gravity.dot(x - reference_); }
   double mobility_of(const Particles& p, std::size_t k) const { return p.mobility.empty() ? alike_.mobility : p.mobility[k]; }
@@ -127,15 +127,38 @@ class PoreWater {
   void mark_elements(const Particles& p, GridState& g, const Tractions& tractions, double time, int threads);
   void take_means(const GridState& g, const Vec2& gravity, double time, double dt, int threads);
   bool give_potential(const GridState& g, std::size_t node, const Vec2& gravity, double time);
-  double flux_into(const GridState& g, std::size_t node, double time) const;
+  /// Water that a wall's flow brings to a node, m^2/s.
+  template <class Holds>
+  double flux_into(const GridState& g, std::size_t n, double time, Holds&& holds) const {
+    const PoreCondition* condition = boundaries_.at(n, time);
+    return condition && condition->kind == PoreCondition::flux ? condition->value * length_along(g, n, boundaries_.side(n, time), holds) : 0;
+  }
   void take_edges(const GridState& g, std::size_t node, double dt);
   void mark_given(bool given);
   PoreFlow at_given_nodes(double rate);
   PoreFlow flow_through_tractions(Particles& p, const Tractions& tractions, double time, double dt) const;
-  double length_along(const GridState& g, std::size_t node, std::uint8_t side) const;
+  /// `holds`: does an element hold water?
+  template <class Holds>
+  double length_along(const GridState& g, std::size_t n, std::uint8_t side, Holds&& holds) const {
+    const auto beside = [&](int left, int below) { return holds(std::ptrdiff_t(n) - left - below * std::ptrdiff_t(g.grid.nx)) ? 0.5 : 0.0; };
+    switch (side) {
+      case wall_left: return (beside(0, 0) + beside(0, 1)) * g.grid.spacing.y();
+      case wall_right: return (beside(1, 0) + beside(1, 1)) * g.grid.spacing.y();
+      case wall_down: return (beside(0, 0) + beside(1, 0)) * g.grid.spacing.x();
+      default: return (beside(0, 1) + beside(1, 1)) * g.grid.spacing.x();
+    }
+  }
+  double given_pressure(const PoreCondition& condition, const Vec2& x, const Vec2& gravity) const {
+    if (condition.kind == PoreCondition::pressure) return condition.value;
+    if (condition.kind == PoreCondition::level) return std::max(0.0, options_.density_kg_m3 * -gravity.y() * (condition.value - x.y()));
+    return outside_pressure(x, gravity);
+  }
+  /// Is a node at the material's own surface? `holds`: does an element hold material? `volume`: around the node, of that.
+  template <class Holds>
+  bool at_surface(const GridState& g, std::size_t n, double volume, double time, Holds&& holds) const;
 
   // pore_neighbours.cpp
-  bool sealed(const GridState& g, std::size_t element, double time) const;
+  bool covered(const GridState& g, std::size_t element, double time) const;  // by a rigid body
   double head_across(const GridState& g, const TiedSides::Tie& tie, const Vec2& gravity) const;
   void tie_sums(const GridState& g, const Vec2& gravity, double time);
   void tie_given(const GridState& g, const Vec2& gravity);
@@ -181,7 +204,56 @@ class PoreWater {
     double mean, even;    // before the exchange
   };
   std::vector<Joined> joined_;  // in this step
+
+  // pore_front.cpp
+  struct FrontPoint;
+  bool sees_air(const Vec2& gravity) const { return gravity.y() < 0 && (level_ || boundaries_.any_level()); }
+  double fringe(const Particles& p, std::size_t k, const Vec2& gravity) const;
+  double filled(const Particles& p, std::size_t k) const;
+  double potential_in_pores(const Particles& p, std::size_t k, const Vec2& gravity) const;
+  bool has_front(const Particles& p, const Vec2& gravity, int threads) const;
+  FrontPoint front_point(const Particles& p, const GridState& g, std::size_t k, const Vec2& gravity) const;
+  double lack_in_front(const FrontPoint& at, double& may) const;
+  Vec2 darcy_in_front(const FrontPoint& at, const GridState& g) const;
+  std::vector<Vec2> flow_in_front(const Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, int threads);
+  PoreFlow flow_with_front(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, double dt, int threads);
+  void map_front(const Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, int threads);
+  void give_front(const GridState& g, const Vec2& gravity, double time, int threads);
+  void smooth_front(const GridState& g, double PoreFrontNode::*value, double PoreFrontNode::*scratch, int threads);
+  void add_front(const Particles& p, GridState& g, const Vec2& gravity, int threads);
+  PoreFlow change_front(const GridState& g, double time, double dt, int threads);
+  double change_behind_front(Particles& p, GridState& g, const Vec2& gravity, double dt, int threads);
+  std::vector<PoreFrontNode> front_;  // of the whole grid; zero between steps; empty until there is a front
   int first_i_, first_j_, last_i_, last_j_;  // nodes of the domain's corners
 };
+
+inline constexpr double least_share = 0.25;  // of a node's volume inside the material: with less it is at a surface
+
+// An element beside a node counts unless it is beyond the domain, behind a wall along the grid, or sealed: what another body of
+// material or a rigid one fills lets no water through. The material's surface is where one of those that count is empty.
+template <class Holds>
+bool PoreWater::at_surface(const GridState& g, std::size_t n, double volume, double time, Holds&& holds) const {
+  const auto row = std::size_t(g.grid.nx);
+  const int i = int(n % row), j = int(n % g.field_nodes() / row);
+  const std::uint8_t walls = g.walls[n];
+  const auto sealed = [&](std::size_t element) {
+    for (int field = 0; g.velocity_fields > 1 && field < g.velocity_fields; ++field)
+      if (holds(element % g.field_nodes() + std::size_t(field) * g.field_nodes())) return true;
+    return covered(g, element, time);
+  };
+  int open = 0;
+  bool surface = false;
+  for (int c = 0; c < 4; ++c) {
+    const int left = 1 - c % 2, below = 1 - c / 2, ei = i - left, ej = j - below;
+    if (ei < first_i_ || ei >= last_i_ || ej < first_j_ || ej >= last_j_) continue;
+    if (walls & ((left ? wall_left : wall_right) | (below ? wall_down : wall_up))) continue;
+    const std::size_t element = n - std::size_t(left) - std::size_t(below) * row;
+    const bool empty = !holds(element);
+    if (empty && sealed(element)) continue;
+    ++open;
+    surface = surface || empty;
+  }
+  return surface || volume * g.per_hx * g.per_hy < least_share * 0.25 * open;
+}
 
 }  // namespace pivnp::mpm

@@ -138,7 +138,9 @@ TEST(PoreWater, WhatIsBelowTheLevelIsFullAndHydrostaticAtTheStart) {
     const double depth = 0.04 - s.particles.x0[k].y(), p = std::max(0.0, depth) * 1000 * 10;
     EXPECT_NEAR(double(f.field("pressure")(k, 0)), p, 1e-3);
     EXPECT_NEAR(double(f.field("porosity")(k, 0)), 0.3, 1e-7);
-    if (depth > 0) mass += double(s.particles.area[k]) * 0.3 * 1000 * (1 + p / c.bulk);
+    // (What the surface cuts holds a part.)
+    const double full = depth > 0 ? 1 + p / c.bulk : std::max(0.0, 1 + depth / (0.5 * c.spacing()));
+    mass += double(s.particles.area[k]) * 0.3 * 1000 * full;
   }
   EXPECT_NEAR(solver.energy().water_mass, mass, 1e-12 * mass);
 }
@@ -170,7 +172,7 @@ TEST(PoreWater, ASlopeBesideALakeStaysAtRest) {
     for (std::size_t k = 0; k < f.v.size(); ++k) {
       fastest = std::max(fastest, std::hypot(double(f.v[k][0]), double(f.v[k][1])));
       const double y = s.particles.x0[k].y();
-      EXPECT_NEAR(double(f.field("pressure")(k, 0)), 9810 * std::max(0.0, level - y), 1e-2);
+      EXPECT_NEAR(double(f.field("pressure")(k, 0)), 9810 * std::max(0.0, level - y), 2e-2);
       if (s.particles.x0[k].x() > 2.2 && y < h) weight += double(f.field("stress")(k, 1));
     }
     EXPECT_LT(fastest, 1e-6 * std::sqrt(9.81));
