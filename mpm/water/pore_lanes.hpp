@@ -24,12 +24,23 @@ struct PoreView {
 };
 
 /// Adds to the nodes and elements. `centred`: cells are squares around nodes (three-node shapes).
-void map_pores_lanes(bool centred, const PointView& p, const PoreView& w, const CellView& c, PoreNode* node, Range range);
+void map_pores_lanes(bool centred, const PointView& p, const PoreView& w, const CellView& c, const PoreSumsView& sums, Range range);
 /// From PoreFields::change and `even` to the points: content, pressure and what follows. `rate`: by which a cell's own water
 /// evens out, over the mobility, times the step. Returns the potential energy that the water lost, J/m.
 double change_points_lanes(bool centred, double rate, const PointView& p, const PoreView& w, const CellView& c,
                              const PoreFields& f, Range range);
 
+/// Of a step: what the edges' exchange follows from.
+struct PoreEdges {
+  double rate;            // of change_points_lanes()
+  double through_x, through_y;  // the step over hx^2, hy^2
+  double mobility_all;    // where PoreFields::rate is null
+  double least_volume;    // of a node, inside the material
+};
+/// From the sums of some nodes to their means and edges. Those that may have an empty element beside them, and some beside those,
+/// to `special`, whose number is returned.
+std::size_t take_means_lanes(const PoreSumsView& sums, const PoreFields& f, const PoreEdges& edges, const std::uint32_t* nodes,
+                             std::size_t size, std::uint32_t* special);
 /// Of some nodes: the mean over the elements around each of what their four nodes have, (1, 2, 1)/4 along both axes.
 void smooth_pores_lanes(const PoreFields& f, const double* from, double* to, const std::uint32_t* nodes, std::size_t size);
 /// 2 m - M' s of the mean m and the smooth s, M' what points pass from node to node, in the place of m; and the change, with the

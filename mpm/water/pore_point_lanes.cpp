@@ -58,7 +58,7 @@ HWY_INLINE M holds_water(const Tile& t, V content, V mobility) {
 }
 
 template <bool centred>
-void map_run(const PointView& p, const PoreView& w, const CellView& c, PoreNode* node, Range range) {
+void map_run(const PointView& p, const PoreView& w, const CellView& c, const PoreSumsView& sums_of, Range range) {
   constexpr int W = centred ? 3 : 2;
   for_tiles(c, range, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
     const Hats<centred> hats = hats_of<centred>(p, c, cells, t);
@@ -67,17 +67,17 @@ void map_run(const PointView& p, const PoreView& w, const CellView& c, PoreNode*
     const V v = v0 * J, e = t.load(w.pressure) - head_of(p, w, t);
     const V mobile = w.mobility ? v * mobility : v;
     const V sums[] = {v, v * e, v0 * (J - t.load(w.J_flow)), mobile};
-    const auto at = [&](std::size_t g, std::ptrdiff_t n) PIVNP_TILE { return node + (cells.base[g] - c.node) + n; };
+    const auto at = [&](std::size_t g, std::ptrdiff_t n) PIVNP_TILE { return (cells.base[g] - c.node) + n; };
     for (int b = 0; b < W; ++b) {
       V of_row[4];
       for (int k = 0; k < 4; ++k) of_row[k] = sums[k] * hats.y[b];
       for (int a = 0; a < W; ++a)
         Four{of_row[0] * hats.x[a], of_row[1] * hats.x[a], of_row[2] * hats.x[a], of_row[3] * hats.x[a]}.add_to(
-            [&](std::size_t g) PIVNP_TILE { return &at(g, b * c.nx + a)->volume; });
+            [&](std::size_t g) PIVNP_TILE { return &sums_of.node[at(g, b * c.nx + a)].volume; });
     }
     const auto add_to_element = [&](V part, std::ptrdiff_t n) PIVNP_TILE {
       Four{part, part * hats.across_x, part * hats.across_y, w.mobility ? part * mobility : part}.add_to(
-          [&](std::size_t g) PIVNP_TILE { return &at(g, n)->inside; });
+          [&](std::size_t g) PIVNP_TILE { return &sums_of.element[at(g, n)].inside; });
     };
     if constexpr (centred) {
       const V none = zero(), left = hn::IfThenElseZero(hn::Gt(hats.x[0], none), v), right = v - left;
@@ -133,9 +133,9 @@ double change_run(double rate, const PointView& p, const PoreView& w, const Cell
   return sum_of(lost);
 }
 
-void map_range(bool centred, const PointView& p, const PoreView& w, const CellView& c, PoreNode* node, Range range) {
-  if (centred) map_run<true>(p, w, c, node, range);
-  else map_run<false>(p, w, c, node, range);
+void map_range(bool centred, const PointView& p, const PoreView& w, const CellView& c, const PoreSumsView& sums_of, Range range) {
+  if (centred) map_run<true>(p, w, c, sums_of, range);
+  else map_run<false>(p, w, c, sums_of, range);
 }
 
 double change_range(bool centred, double rate, const PointView& p, const PoreView& w, const CellView& c, const PoreFields& f, Range range) {
@@ -151,8 +151,8 @@ namespace pivnp::mpm {
 HWY_EXPORT(map_range);
 HWY_EXPORT(change_range);
 
-void map_pores_lanes(bool centred, const PointView& p, const PoreView& w, const CellView& c, PoreNode* node, Range range) {
-  HWY_DYNAMIC_DISPATCH(map_range)(centred, p, w, c, node, range);
+void map_pores_lanes(bool centred, const PointView& p, const PoreView& w, const CellView& c, const PoreSumsView& sums_of, Range range) {
+  HWY_DYNAMIC_DISPATCH(map_range)(centred, p, w, c, sums_of, range);
 }
 double change_points_lanes(bool centred, double rate, const PointView& p, const PoreView& w, const CellView& c,
                            const PoreFields& f, Range range) {

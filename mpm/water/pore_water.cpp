@@ -45,7 +45,8 @@ PoreWater::PoreWater(const WaterOptions& options, std::vector<PoreSoil> soils, c
       boundaries_(std::move(boundaries)),
       level_(options.level_m),
       reference_(g.domain.origin.x(), options.level_m.value_or(g.domain.origin.y())),
-      node_(g.grid.node_count() + before_nodes(g)),
+      node_(g.grid.node_count() + 2 * before_nodes(g)),
+      element_(g.grid.node_count() + 2 * before_nodes(g)),
       mark_(g.grid.node_count() + before_nodes(g)),
       first_i_(int(std::lround((g.domain.origin.x() - g.field_grid.origin.x()) * g.per_hx))),
       first_j_(int(std::lround((g.domain.origin.y() - g.field_grid.origin.y()) * g.per_hy))),
@@ -62,7 +63,7 @@ PoreWater::PoreWater(const WaterOptions& options, std::vector<PoreSoil> soils, c
   for (int k = 0; k < 12; ++k) fields_.emplace_back(g.grid.node_count() + 2 * before);
   const auto field = [&](int k) { return fields_[std::size_t(k)].data() + before; };
   field_ = {field(0), field(1), field(2), field(3), field(4), field(5), field(6), field(7), field(8), field(9), field(10), field(11), g.grid.nx};
-  sums_ = node_.data() + before;
+  sums_ = {node_.data() + before, element_.data() + before};
   marks_ = mark_.data() + before;
   set_time(0);
   if (level_) reference_.y() = *level_;

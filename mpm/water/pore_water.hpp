@@ -126,7 +126,6 @@ class PoreWater {
   void take_means(const GridState& g, const Vec2& gravity, double time, double dt, int threads);
   bool give_potential(const GridState& g, std::size_t node, const Vec2& gravity, double time);
   double flux_into(const GridState& g, std::size_t node, double time) const;
-  void take_edges(const GridState& g, std::size_t node, double dt);
   void mark_given(bool given);
   PoreFlow at_given_nodes(double rate);
   PoreFlow flow_through_tractions(Particles& p, const Tractions& tractions, double time, double dt) const;
@@ -143,8 +142,9 @@ class PoreWater {
     bool own = false;
   } alike_;  // of all points; own: each has its own instead
   OfGrid<PoreNode> node_;
+  OfGrid<PoreElement> element_;
   OfGrid<PoreMark> mark_;
-  PoreNode* sums_;  // by node; a row and more before the first is zero
+  PoreSumsView sums_;  // by node; a row and more before the first is zero
   PoreMark* marks_;
   std::vector<OfGrid<double>> fields_;
   PoreFields field_;
