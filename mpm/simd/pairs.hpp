@@ -197,6 +197,7 @@ HWY_INLINE double Neg(double a) { return -a; }
 HWY_INLINE double Max(double a, double b) { return a > b ? a : b; }
 HWY_INLINE double Min(double a, double b) { return a < b ? a : b; }
 HWY_INLINE double MulAdd(double a, double b, double c) { return a * b + c; }
+HWY_INLINE double NegMulAdd(double a, double b, double c) { return c - a * b; }
 HWY_INLINE Double4 operator+(Double4 a, Double4 b) { return {a.low + b.low, a.high + b.high}; }
 HWY_INLINE Double4 operator-(Double4 a, Double4 b) { return {a.low - b.low, a.high - b.high}; }
 HWY_INLINE Double4 operator*(Double4 a, Double4 b) { return {a.low * b.low, a.high * b.high}; }

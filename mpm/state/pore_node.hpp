@@ -13,7 +13,7 @@ struct alignas(32) PoreNode {  // by the hats
   double volume = 0;      // V, m^2
   double potential = 0;   // V e, e = p - rho g . x
   double strained = 0;    // V times the volumetric strain of the last step
-  double mobile = 0;      // V times the mobility; where that is the same everywhere, V
+  double mobile = 0;      // V times the mobility, or, where that is the same everywhere or pressure is projected, the pores' volume
 };
 /// Of the element up and to the right of a node.
 struct alignas(32) PoreElement {
@@ -48,6 +48,7 @@ struct PoreFields {
   // Of the edges to the right and up.
   double *flow_x, *flow_y;      // exchange of water for a difference of potential, in this step
   double *strain_x, *strain_y;  // V s (1 - s), V t (1 - t) of both elements beside it, half
+  double *inert_x = nullptr, *inert_y = nullptr;  // projected: the same for pressures, with what the skeleton yields to them
   std::ptrdiff_t row;
 };
 

@@ -66,6 +66,7 @@ void Solver::Impl::fill_pores() {
   if (!scene.water) return;
   water = std::make_unique<PoreWater>(*scene.water, pores, scene.particles, g,
                                       PoreBoundaries(scene.boundaries, restraints.walls(), g));
+  if (options.pressure == PressureScheme::projected) water->project(g, foreseen_share);
   water->start(p, g, loading.gravity(0), most_threads);
   for (std::size_t k = 0; k < density.size(); ++k)
     if (water->partly_dry(p, k)) density[k] = water->soil(k).dry_density();
@@ -99,10 +100,13 @@ void Solver::Impl::end_water(std::size_t k) {
 
 void Solver::Impl::flow_water(const Cycle& c) {
   if (!water) return;
-  const PoreFlow flow = water->flow(p, g, loading.tractions(), c.gravity, state.time, c.dt, c.threads);
+  const PoreFlow flow = water->projected()
+                            ? water->flow_projected(p, g, loading.tractions(), c.gravity, state.time, c.dt, state.pressure_change, c.threads)
+                            : water->flow(p, g, loading.tractions(), c.gravity, state.time, c.dt, c.threads);
   state.balance.inflow += scene.water->density_kg_m3 * flow.inflow;
   state.balance.bodies += flow.external;
   state.balance.darcy += flow.darcy;
+  state.balance.damping += flow.yielded;
 }
 
 void Solver::Impl::put_water(MotionFrame& frame) {
@@ -117,6 +121,10 @@ void Solver::Impl::put_water(MotionFrame& frame) {
 void Solver::Impl::take_wave_speed(int threads) {
   if (!water) {
     state.wave_speed = wave_speed(materials, density, p, threads);
+    return;
+  }
+  if (water->projected()) {
+    state.wave_speed = wave_speed(materials, density, p, threads) / projected_step_share();
     return;
   }
   PoreWater::Rates rates = water->rates(p);

@@ -92,8 +92,8 @@ void PoreWater::forget_nodes(const GridState& g) {
   for (const std::uint32_t n : nodes_) {
     sums_.node[n] = {};
     sums_.element[n] = {};
-    for (double* values : {field_.volume, field_.potential, field_.inside, field_.share, field_.flow_x, field_.flow_y, field_.strain_x, field_.strain_y})
-      values[n] = 0;
+    for (double* values : {field_.volume, field_.potential, field_.inside, field_.share, field_.flow_x, field_.flow_y, field_.strain_x, field_.strain_y, field_.inert_x, field_.inert_y})
+      if (values) values[n] = 0;
   }
   nodes_ = g.active.nodes;
 }
@@ -138,8 +138,10 @@ void PoreWater::mark_elements(const Particles& p, GridState& g, const Tractions&
 void PoreWater::take_means(const GridState& g, const Vec2& gravity, double time, double dt, int threads) {
   PoreFields f = field_;
   if (!alike_.own) f.rate = nullptr;
-  const PoreEdges edges{rate_in_cell(g) * dt, dt * g.per_hx * g.per_hx, dt * g.per_hy * g.per_hy, alike_.mobility,
-                        least_share * g.grid.spacing.prod()};
+  const double yields = projected() ? dt * dt / inertia_ : 0;
+  const PoreEdges edges{projected() ? 0 : rate_in_cell(g) * dt, dt * g.per_hx * g.per_hx, dt * g.per_hy * g.per_hy, alike_.mobility,
+                        least_share * g.grid.spacing.prod(), yields * g.per_hx * g.per_hx,
+                        yields * g.per_hy * g.per_hy};
   std::vector<std::vector<std::uint32_t>> parts(node_parts(g));
   for_node_parts(g, threads, [&](std::size_t part, std::size_t begin, std::size_t end) {
     std::uint32_t special[nodes_in_part];
@@ -151,11 +153,14 @@ void PoreWater::take_means(const GridState& g, const Vec2& gravity, double time,
   std::sort(special.begin(), special.end());
   special.erase(std::unique(special.begin(), special.end()), special.end());
   given_.clear();
+  free_.clear();
   through_.clear();
   for (const std::uint32_t n : special) {
     const double mean = field_.potential[n];
     if (!(sums_.node[n].volume > 0)) continue;
-    if (give_potential(g, n, gravity, time)) given_.push_back({n, alike_.own ? field_.rate[n] : alike_.mobility, mean});
+    const Surface surface = give_potential(g, n, gravity, time);
+    if (surface == Surface::free) free_.push_back(n);
+    if (surface == Surface::given) given_.push_back({n, alike_.own ? field_.rate[n] : alike_.mobility, mean});
     else if (const double flux = flux_into(g, n, time); flux != 0) through_.push_back({n, dt * flux});
   }
   mark_given(true);
@@ -163,9 +168,10 @@ void PoreWater::take_means(const GridState& g, const Vec2& gravity, double time,
 
 // An element beside a node counts unless it is beyond the domain or behind a wall along the grid; the material's surface is
 // where one is empty.
-bool PoreWater::give_potential(const GridState& g, std::size_t n, const Vec2& gravity, double time) {
+PoreWater::Surface PoreWater::give_potential(const GridState& g, std::size_t n, const Vec2& gravity, double time) {
   const auto row = std::ptrdiff_t(g.grid.nx);
   const PoreCondition* condition = boundaries_.at(n, time);
+  bool beside_solid = false, by_load = false;
   if (!condition) {
     const int i = int(std::ptrdiff_t(n) % row), j = int(std::ptrdiff_t(n) / row);
     const std::uint8_t walls = g.walls[n];
@@ -177,15 +183,18 @@ bool PoreWater::give_potential(const GridState& g, std::size_t n, const Vec2& gr
       if (walls & ((left ? wall_left : wall_right) | (below ? wall_down : wall_up))) continue;
       ++open;
       const std::ptrdiff_t element = std::ptrdiff_t(n) - left - below * row;
+      beside_solid = beside_solid || marks_[element].solid;
       surface = surface || (!(sums_.element[element].inside > 0) && !marks_[element].solid);
     }
     surface = surface || sums_.node[n].volume * g.per_hx * g.per_hy < least_share * 0.25 * open;
-    if (!surface) return false;
-    if (marks_[n].loaded > 0) condition = &boundaries_.of_boundary(std::size_t(marks_[n].loaded - 1));
+    if (!surface) return beside_solid ? Surface::free : Surface::none;
+    by_load = marks_[n].loaded > 0;
+    if (by_load) condition = &boundaries_.of_boundary(std::size_t(marks_[n].loaded - 1));
   }
   const Vec2 x = g.position(n);
   if (condition) {
-    if (condition->kind != PoreCondition::pressure && condition->kind != PoreCondition::drained) return false;
+    if (condition->kind != PoreCondition::pressure && condition->kind != PoreCondition::drained)
+      return by_load ? Surface::free : Surface::none;
     const double pressure = condition->kind == PoreCondition::pressure ? condition->value : outside_pressure(x, gravity);
     field_.potential[n] = pressure - head(x, gravity);
   } else {
@@ -193,7 +202,7 @@ bool PoreWater::give_potential(const GridState& g, std::size_t n, const Vec2& gr
     const double above = level_ ? std::max(0.0, x.y() - g.grid.spacing.y() - *level_) + *level_ - reference_.y() : 0;
     field_.potential[n] = level_ ? options_.density_kg_m3 * -gravity.y() * above : -head(x, gravity);
   }
-  return true;
+  return Surface::given;
 }
 
 double PoreWater::flux_into(const GridState& g, std::size_t n, double time) const {

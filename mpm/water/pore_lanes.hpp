@@ -21,6 +21,7 @@ struct PoreView {
   double bulk;                      // Pa
   double head_x, head_y, head_0;    // e = p - (head_x x + head_y y + head_0)
   double outside, level;            // weight of the water outside, N/m^3, and its height; 0: none
+  bool projected = false;
 };
 
 /// Adds to the nodes and elements. `centred`: cells are squares around nodes (three-node shapes).
@@ -30,12 +31,21 @@ void map_pores_lanes(bool centred, const PointView& p, const PoreView& w, const 
 double change_points_lanes(bool centred, double rate, const PointView& p, const PoreView& w, const CellView& c,
                              const PoreFields& f, Range range);
 
+/// What points lost of the work that the skeleton did on their water and of its potential energy, J/m: all, and by flow.
+struct PoreLosses {
+  double all = 0, by_flow = 0;
+};
+/// Projected: pressures from `even` (what they gain, with what they are brought to) and `share` (by how much), contents from `change`.
+PoreLosses project_points_lanes(bool centred, const PointView& p, const PoreView& w, const CellView& c, const PoreFields& f,
+                                const double* share, Range range);
+
 /// Of a step: what the edges' exchange follows from.
 struct PoreEdges {
   double rate;            // of change_points_lanes()
   double through_x, through_y;  // the step over hx^2, hy^2
   double mobility_all;    // where PoreFields::rate is null
   double least_volume;    // of a node, inside the material
+  double inert_x = 0, inert_y = 0;  // projected: the step's square over the density, over hx^2, hy^2
 };
 /// From the sums of some nodes to their means and edges. Those that may have an empty element beside them, and some beside those,
 /// to `special`, whose number is returned.

@@ -48,6 +48,13 @@ struct FromSums {
     put(hn::IfThenElseZero(there, number(0.5) * (across_one + across_other)), strain);
   }
 
+  // The same for pressures: what flows, and what the skeleton yields.
+  HWY_INLINE void inert(const Four& one, const Four& other, V end, V volume, double through, double yields, double* to) const {
+    const V none = hn::Zero(d);
+    const auto of = [&](const Four& e) HWY_ATTR { return (mobility(e) * number(through) + number(yields)) * e.a; };
+    put(hn::IfThenElseZero(hn::And(hn::Gt(volume, none), hn::Gt(end, none)), number(0.5) * (of(one) + of(other))), to);
+  }
+
   // True if no element beside them is empty, and none has little around it.
   HWY_INLINE bool take() const {
     const Four here = node(), e = element(0), left = element(-1), below = element(-f.row), across = element(-f.row - 1);
@@ -57,10 +64,14 @@ struct FromSums {
     put(e.a, f.inside);
     put(here.b * per_volume, f.potential);
     put(here.c * per_volume, f.mean);
-    if (f.rate) put(here.e * per_volume, f.rate);
+    if (f.rate) put(f.inert_x ? number(0.25) * ((mobility(e) + mobility(left)) + (mobility(below) + mobility(across))) : here.e * per_volume, f.rate);
     put(hn::Min(number(1), quotient(number(4) * v, (e.a + left.a) + (below.a + across.a))), f.share);
     edge(e, e.b, below, below.b, node(1).a, v, edges.through_x, f.flow_x, f.strain_x);
     edge(e, e.c, left, left.c, node(f.row).a, v, edges.through_y, f.flow_y, f.strain_y);
+    if (f.inert_x) {
+      inert(e, below, node(1).a, v, edges.through_x, edges.inert_x, f.inert_x);
+      inert(e, left, node(f.row).a, v, edges.through_y, edges.inert_y, f.inert_y);
+    }
     const auto full = hn::And(hn::And(hn::Gt(e.a, none), hn::Gt(left.a, none)), hn::And(hn::Gt(below.a, none), hn::Gt(across.a, none)));
     return hn::AllTrue(d, hn::And(full, hn::Ge(v, number(edges.least_volume))));
   }

@@ -41,11 +41,13 @@ struct PoreFlow {
   double inflow = 0;    // volume of water without pressure through the boundaries, m^2
   double external = 0;  // work at the boundaries, by the potentials, J
   double darcy = 0;     // dissipated, J
+  double yielded = 0;   // projected: taken by the strain that pressures foresee, J
 
   void add(const PoreFlow& more) {
     inflow += more.inflow;
     external += more.external;
     darcy += more.darcy;
+    yielded += more.yielded;
   }
 };
 
@@ -67,6 +69,13 @@ class PoreWater {
   /// Between strain and momentum: moves water from where pressures as they were before the last strain drive it, evens that
   /// strain out, and refreshes. (So a mode of wave and flow takes p' = p - K_w theta/n - lambda dt p.)
   PoreFlow flow(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, double dt, int threads);
+  /// From here on pressure is projected: flow_projected() in the place of flow().
+  void project(const GridState& g, double foreseen_share);
+  bool projected() const { return !system_.empty(); }
+  /// The same, stable in the steps of the drained wave: pressures change by what they themselves will do to strain and flow.
+  /// `guess`: of the nodes, what they changed by in the last step. Throws RunError.
+  PoreFlow flow_projected(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, double dt,
+                          std::vector<double>& guess, int threads);
   /// What points pass on and have passed on now, m/s: Darcy's flow of each, x and y in turn.
   std::vector<Vec2> flow_at_points(const Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time,
                                    int threads);
@@ -124,7 +133,8 @@ class PoreWater {
   void map_points(const Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, int threads);
   void mark_elements(const Particles& p, GridState& g, const Tractions& tractions, double time, int threads);
   void take_means(const GridState& g, const Vec2& gravity, double time, double dt, int threads);
-  bool give_potential(const GridState& g, std::size_t node, const Vec2& gravity, double time);
+  enum class Surface { none, given, free };
+  Surface give_potential(const GridState& g, std::size_t node, const Vec2& gravity, double time);
   double flux_into(const GridState& g, std::size_t node, double time) const;
   void mark_given(bool given);
   PoreFlow at_given_nodes(double rate);
@@ -159,6 +169,9 @@ class PoreWater {
     double volume;
   };
   std::vector<Through> through_;  // of this one, by flow that is given
+  std::vector<std::uint32_t> free_;  // at a surface that is not held and lets no water through
+  std::vector<OfGrid<double>> system_;  // projected
+  double inertia_ = 0;  // the least density over the share of its own effect that a pressure foresees
   bool marked_ = false;
   int first_i_, first_j_, last_i_, last_j_;  // nodes of the domain's corners
 };
