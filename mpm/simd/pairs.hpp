@@ -197,6 +197,7 @@ HWY_INLINE double Neg(double a) { return -a; }
 HWY_INLINE double Max(double a, double b) { return a > b ? a : b; }
 HWY_INLINE double Min(double a, double b) { return a < b ? a : b; }
 HWY_INLINE double MulAdd(double a, double b, double c) { return a * b + c; }
+HWY_INLINE double NegMulAdd(double a, double b, double c) { return c - a * b; }
 HWY_INLINE Double4 operator+(Double4 a, Double4 b) { return {a.low + b.low, a.high + b.high}; }
 HWY_INLINE Double4 operator-(Double4 a, Double4 b) { return {a.low - b.low, a.high - b.high}; }
 HWY_INLINE Double4 operator*(Double4 a, Double4 b) { return {a.low * b.low, a.high * b.high}; }
@@ -220,6 +221,9 @@ HWY_INLINE Double4 Exp(Tag4, Double4 x) {
 // ---- Masks; what is not a number is unequal, and neither less nor greater.
 HWY_INLINE bool Gt(double a, double b) { return a > b; }
 HWY_INLINE bool Le(double a, double b) { return a <= b; }
+HWY_INLINE bool Ge(double a, double b) { return a >= b; }
+HWY_INLINE bool And(bool a, bool b) { return a && b; }
+HWY_INLINE bool AllTrue(Tag<1>, bool m) { return m; }
 HWY_INLINE Mask4 Eq(Double4 a, Double4 b) { return {a.low == b.low, a.high == b.high}; }
 HWY_INLINE Mask4 Ne(Double4 a, Double4 b) { return {a.low != b.low, a.high != b.high}; }
 HWY_INLINE Mask4 Lt(Double4 a, Double4 b) { return {a.low < b.low, a.high < b.high}; }

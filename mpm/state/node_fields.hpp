@@ -54,7 +54,7 @@ constexpr void for_each_node_field(Visit&& visit) {
         InArray<AlongAxes>{});
   visit(NodeField{"filtered velocity", "m/s", "velocity, filtered to an order", &N::filtered}, InArray<NodeVelocity>{});
   visit(NodeField{"body force", "N/m", "force of body forces and tractions", &N::loads}, InArray<NodeVelocity>{});
-  visit(NodeField{"pores", "", "what the flow of water needs of a node (pore_node.hpp)", &N::wet}, InArray<PoreNode>{}, InArray<PoreMark>{});
+  visit(NodeField{"pores", "", "what the flow of water needs of a node (pore_node.hpp)", &N::wet}, InArray<PoreNode>{}, InArray<PoreElement>{}, InArray<PoreMark>{});
   visit(NodeField{"flow", "", "means, and what nodes pass on of the water (PoreFields)", &N::wet}, InArray<double>{}, InArray<double>{},
         InArray<double>{}, InArray<double>{}, InArray<double>{}, InArray<double>{}, InArray<double>{}, InArray<double>{}, InArray<double>{},
         InArray<double>{}, InArray<double>{});

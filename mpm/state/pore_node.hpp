@@ -7,20 +7,26 @@
 
 namespace pivnp::mpm {
 
-/// Sums over points that hold water, one line of the caches; all zero between steps. The functions of the flow are hats between
-/// nodes, whatever the shape functions of the momentum. V: the points' volumes; s, t: their places in the element, in cells.
-struct alignas(64) PoreNode {
-  // Of the node, by the hats.
+/// Sums over points that hold water; all zero between steps. The functions of the flow are hats between nodes, whatever the shape
+/// functions of the momentum. V: the points' volumes; s, t: their places in the element, in cells.
+struct alignas(32) PoreNode {  // by the hats
   double volume = 0;      // V, m^2
   double potential = 0;   // V e, e = p - rho g . x
   double strained = 0;    // V times the volumetric strain of the last step
-  double mobile = 0;      // V times the mobility; where that is the same everywhere, V
-  // Of the element up and to the right of it.
+  double mobile = 0;      // V times the mobility, or, where that is the same everywhere or pressure is projected, the pores' volume
+};
+/// Of the element up and to the right of a node.
+struct alignas(32) PoreElement {
   double inside = 0;      // V
   double along_x = 0, along_y = 0;  // V s (1 - s), V t (1 - t)
   double conducting = 0;  // V times the mobility, or V
 };
-static_assert(sizeof(PoreNode) == 64 && std::is_trivially_copyable_v<PoreNode>);
+static_assert(sizeof(PoreNode) == 32 && std::is_trivially_copyable_v<PoreNode>);
+static_assert(sizeof(PoreElement) == 32 && std::is_trivially_copyable_v<PoreElement>);
+struct PoreSumsView {
+  PoreNode* node;
+  PoreElement* element;
+};
 
 /// What is known of a node, and of the element up and to the right of it, beside the sums.
 struct PoreMark {
@@ -42,6 +48,7 @@ struct PoreFields {
   // Of the edges to the right and up.
   double *flow_x, *flow_y;      // exchange of water for a difference of potential, in this step
   double *strain_x, *strain_y;  // V s (1 - s), V t (1 - t) of both elements beside it, half
+  double *inert_x = nullptr, *inert_y = nullptr;  // projected: the same for pressures, with what the skeleton yields to them
   std::ptrdiff_t row;
 };
 

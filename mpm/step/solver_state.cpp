@@ -10,7 +10,7 @@ namespace pivnp::mpm {
 
 namespace {
 
-constexpr char magic[8] = {'p', 'i', 'v', 'm', 'p', 'm', '0', '7'};
+constexpr char magic[8] = {'p', 'i', 'v', 'm', 'p', 'm', '0', '8'};
 
 class Writer {
  public:
@@ -101,6 +101,7 @@ void visit(Archive& a, State& s) {
   a.value(s.calm_looks);
   a.value(s.at_rest);
   a.value(s.far);
+  a.list(s.pressure_change);
   a.array(s.body_motion);
   a.array(s.body_impulse);
   a.array(s.sleep.asleep);

@@ -25,6 +25,19 @@ void check_boundaries(const Scene& scene) {
   }
 }
 
+// Where pressure is projected nodes are solved for together; what they meet there is not in that system yet.
+void check_projected(const Scene& scene) {
+  const auto refuse = [](const std::string& key) {
+    throw InputError(key + ": given beside mpm.pressure = \"projected\", expected \"explicit\"");
+  };
+  if (!scene.contacts.empty()) refuse("contact." + scene.contacts.front().first);
+  if (!scene.bodies.empty()) refuse("body." + scene.bodies.front().first);
+  for (const auto& [name, b] : scene.boundaries) {
+    if (b.type == BoundaryType::tied) refuse("boundary." + name + ".type");
+    if (b.water_level_m) refuse("boundary." + name + ".water_level_m");
+  }
+}
+
 void check_gravity(const MpmOptions& o, const WaterOptions& water) {
   const auto upright = [](const Pair& g) { return std::abs(g[0]) <= 1e-3 * std::abs(g[1]) && g[1] <= 0; };
   const bool vertical = upright(o.gravity_m_s2) && (!o.gravity_from_m_s2 || upright(*o.gravity_from_m_s2));
@@ -54,6 +67,7 @@ std::vector<PoreSoil> take_pores(const MpmOptions& options, Scene& scene) {
   }
   if (!scene.water) return soils;
   check_gravity(options, *scene.water);
+  if (options.pressure == PressureScheme::projected) check_projected(scene);
   if (options.sleep_below_m_s)
     throw InputError("mpm.sleep_below_m_s: given beside [water], expected none: water goes on flowing in what rests");
   return soils;
@@ -70,6 +84,7 @@ void Solver::Impl::fill_pores() {
   if (!scene.water) return;
   water = std::make_unique<PoreWater>(*scene.water, pores, scene.particles, g,
                                       PoreBoundaries(scene.boundaries, restraints.walls(), g), restraints.tied(), bodies);
+  if (options.pressure == PressureScheme::projected) water->project(g, foreseen_share);
   water->start(p, g, loading.gravity(0), most_threads);
   for (std::size_t k = 0; k < density.size(); ++k)
     if (water->partly_dry(p, k)) density[k] = water->soil(k).dry_density();
@@ -103,10 +118,13 @@ void Solver::Impl::end_water(std::size_t k) {
 
 void Solver::Impl::flow_water(const Cycle& c) {
   if (!water) return;
-  const PoreFlow flow = water->flow(p, g, loading.tractions(), c.gravity, state.time, c.dt, c.threads);
+  const PoreFlow flow = water->projected()
+                            ? water->flow_projected(p, g, loading.tractions(), c.gravity, state.time, c.dt, state.pressure_change, c.threads)
+                            : water->flow(p, g, loading.tractions(), c.gravity, state.time, c.dt, c.threads);
   state.balance.inflow += scene.water->density_kg_m3 * flow.inflow;
   state.balance.bodies += flow.external;
   state.balance.darcy += flow.darcy;
+  state.balance.damping += flow.yielded;
 }
 
 void Solver::Impl::put_water(MotionFrame& frame) {
@@ -121,6 +139,10 @@ void Solver::Impl::put_water(MotionFrame& frame) {
 void Solver::Impl::take_wave_speed(int threads) {
   if (!water) {
     state.wave_speed = wave_speed(materials, density, p, threads);
+    return;
+  }
+  if (water->projected()) {
+    state.wave_speed = wave_speed(materials, density, p, threads) / projected_step_share();
     return;
   }
   const PoreWater::Rates rates = water->rates(p);

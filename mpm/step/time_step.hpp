@@ -13,6 +13,11 @@ inline double stable_step(double courant, double h, double wave_speed, double fa
   return courant * h / (wave_speed + fastest);
 }
 
+/// Where pressure is projected: share of the strain by its own change that a pressure foresees. That change then is at most a
+/// force of (dt omega)^2 = 1/share, and the skeleton keeps the rest of 4: the step is that of its wave times sqrt(1 - 1/(4 share)).
+inline constexpr double foreseen_share = 0.4;
+inline double projected_step_share() { return std::sqrt(1 - 1 / (4 * foreseen_share)); }
+
 /// With water: courant times what (dt/t_w)^2 + dt/t_d = 1 gives, t_w = h/(c + |v|) with c of the undrained mixture and t_d =
 /// 1/(2 D (1/hx^2 + 1/hy^2)), D the diffusivity of pressure. docs/theory/mpm_water.md#step.
 inline double stable_step_with_water(double courant, double hx, double hy, double wave_speed, double fastest, double diffusivity) {

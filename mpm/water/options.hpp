@@ -10,8 +10,9 @@
 namespace pivnp::mpm {
 
 /// How pore pressure is advanced.
-enum class PressureScheme { in_steps };
-inline constexpr std::array pressure_scheme_names{NamedValue{"explicit", PressureScheme::in_steps}};
+enum class PressureScheme { in_steps, projected };
+inline constexpr std::array pressure_scheme_names{NamedValue{"explicit", PressureScheme::in_steps},
+                                                     NamedValue{"projected", PressureScheme::projected}};
 constexpr const auto& names_of(PressureScheme) { return pressure_scheme_names; }
 
 struct WaterOptions {

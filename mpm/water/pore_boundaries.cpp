@@ -49,6 +49,8 @@ PoreBoundaries::PoreBoundaries(const std::vector<std::pair<std::string, Boundary
     return (conditions_[a.boundary].kind != PoreCondition::impervious) > (conditions_[b.boundary].kind != PoreCondition::impervious);
   });
   for (std::size_t k = nodes_.size(); k-- > 0;) first_[nodes_[k].node] = std::int32_t(k);
+  for (const AtNode& at : nodes_)
+    if (conditions_[at.boundary].kind != PoreCondition::impervious) let_through_.push_back(at.node);
 }
 
 const PoreBoundaries::AtNode* PoreBoundaries::standing(std::size_t node, double time) const {

@@ -35,6 +35,8 @@ class PoreBoundaries {
   /// Of a wall's node now, of any velocity field; null: the node is at no wall, or only at walls along the grid that let nothing through (what lies
   /// behind those is told by GridGeometry::walls). Others hold the water back wherever they hold a node.
   const PoreCondition* at(std::size_t node, double time) const;
+  /// Nodes of walls that let water through, at any time.
+  const std::vector<std::uint32_t>& let_through() const { return let_through_; }
   /// The side on which the same wall has nothing (WallSide); wall_none where it is not along the grid.
   std::uint8_t side(std::size_t node, double time) const;
   /// Throws InputError if one that lets water through has material on both sides. `full`: does the element up and to the right
@@ -64,6 +66,7 @@ class PoreBoundaries {
   std::vector<PoreCondition> conditions_;
   std::vector<AtNode> nodes_;        // what lets water through first, then by node
   std::vector<std::int32_t> first_;  // of every node of the first velocity field: its first place among them; -1: none
+  std::vector<std::uint32_t> let_through_;
   bool flux_on_tractions_ = false, level_ = false;
 };
 

@@ -74,9 +74,10 @@ std::vector<Vec2> PoreWater::flow_at_points(const Particles& p, GridState& g, co
 void PoreWater::forget_nodes(const GridState& g) {
   if (nodes_ == g.active.nodes) return;
   for (const std::uint32_t n : nodes_) {
-    sums_[n] = {};
-    for (double* values : {field_.volume, field_.potential, field_.inside, field_.share, field_.flow_x, field_.flow_y, field_.strain_x, field_.strain_y})
-      values[n] = 0;
+    sums_.node[n] = {};
+    sums_.element[n] = {};
+    for (double* values : {field_.volume, field_.potential, field_.inside, field_.share, field_.flow_x, field_.flow_y, field_.strain_x, field_.strain_y, field_.inert_x, field_.inert_y})
+      if (values) values[n] = 0;
   }
   nodes_ = g.active.nodes;
 }
@@ -88,7 +89,10 @@ void PoreWater::map_points(const Particles& p, GridState& g, const Tractions& tr
   const PoreView pores = view(p, gravity);
   const CellView cells = g.view();
   const auto clear = [&](Range nodes, std::size_t) {
-    for (std::size_t a = nodes.begin; a < nodes.end; ++a) sums_[g.active.nodes[a]] = {};
+    for (std::size_t a = nodes.begin; a < nodes.end; ++a) {
+      sums_.node[g.active.nodes[a]] = {};
+      sums_.element[g.active.nodes[a]] = {};
+    }
   };
   const auto add = [&](Range range, std::size_t) { map_pores_lanes(g.centred, points, pores, cells, sums_, range); };
   for_bands(g.active.mapped, threads, clear, add, [](Range, std::size_t) {});
@@ -117,88 +121,61 @@ void PoreWater::mark_elements(const Particles& p, GridState& g, const Tractions&
 }
 
 void PoreWater::take_means(const GridState& g, const Vec2& gravity, double time, double dt, int threads) {
-  struct Found {
-    std::vector<Given> given;
-    std::vector<Through> through;
-  };
-  std::vector<Found> parts(node_parts(g));
-  const PoreFields& f = field_;
-  const bool alike = !alike_.own;
+  PoreFields f = field_;
+  if (!alike_.own) f.rate = nullptr;
+  const double yields = projected() ? dt * dt / inertia_ : 0;
+  const PoreEdges edges{projected() ? 0 : rate_in_cell(g) * dt, dt * g.per_hx * g.per_hx, dt * g.per_hy * g.per_hy, alike_.mobility,
+                        least_share * g.grid.spacing.prod(), yields * g.per_hx * g.per_hx,
+                        yields * g.per_hy * g.per_hy};
+  std::vector<std::vector<std::uint32_t>> parts(node_parts(g));
   for_node_parts(g, threads, [&](std::size_t part, std::size_t begin, std::size_t end) {
-    for (std::size_t a = begin; a < end; ++a) {
-      const std::uint32_t n = g.active.nodes[a];
-      const PoreNode& node = sums_[n];
-      f.volume[n] = node.volume;
-      f.inside[n] = node.inside;
-      take_edges(g, n, dt);
-      if (!(node.volume > 0)) {
-        f.potential[n] = f.mean[n] = f.share[n] = 0;
-        if (!alike) f.rate[n] = 0;
-        continue;
-      }
-      const double per_volume = 1 / node.volume;
-      const double mobility = alike ? alike_.mobility : node.mobile * per_volume;
-      const double around = (sums_[n].inside + (sums_ + n)[-1].inside) + ((sums_ + n)[-f.row].inside + (sums_ + n)[-f.row - 1].inside);
-      f.potential[n] = node.potential * per_volume;
-      f.mean[n] = node.strained * per_volume;
-      f.share[n] = std::min(1.0, 4 * node.volume / around);
-      const bool given = give_potential(g, n, gravity, time);
-      if (!alike) f.rate[n] = mobility;
-      if (given) {
-        parts[part].given.push_back({n, mobility, node.potential * per_volume});
-      } else if (const double flux = flux_into(g, n, time, [this](std::ptrdiff_t element) { return sums_[element].inside > 0; }); flux != 0) {
-        parts[part].through.push_back({n, dt * flux});
-      }
-    }
+    std::uint32_t special[nodes_in_part];
+    const std::size_t found = take_means_lanes(sums_, f, edges, g.active.nodes.data() + begin, end - begin, special);
+    parts[part].assign(special, special + found);
   });
+  std::vector<std::uint32_t> special;
+  for (int field = 0; field < g.velocity_fields; ++field)
+    for (const std::uint32_t n : boundaries_.let_through()) special.push_back(std::uint32_t(n + std::size_t(field) * g.field_nodes()));
+  for (const auto& part : parts) special.insert(special.end(), part.begin(), part.end());
+  std::sort(special.begin(), special.end());
+  special.erase(std::unique(special.begin(), special.end()), special.end());
   given_.clear();
+  free_.clear();
   through_.clear();
-  for (const Found& part : parts) {
-    given_.insert(given_.end(), part.given.begin(), part.given.end());
-    through_.insert(through_.end(), part.through.begin(), part.through.end());
+  for (const std::uint32_t n : special) {
+    const double mean = field_.potential[n];
+    if (!(sums_.node[n].volume > 0)) continue;
+    const Surface surface = give_potential(g, n, gravity, time);
+    if (surface == Surface::free) free_.push_back(n);
+    if (surface == Surface::given) given_.push_back({n, alike_.own ? field_.rate[n] : alike_.mobility, mean});
+    else if (const double flux = flux_into(g, n, time, [this](std::ptrdiff_t element) { return sums_.element[element].inside > 0; }); flux != 0) through_.push_back({n, dt * flux});
   }
   tie_given(g, gravity);
   mark_given(true);
 }
 
-// Of the edges to the right and up: what the elements beside each let through for a difference of potential, and what their points
-// pass on between its nodes. What passes between points' means at the rate of a cell is exchanged back (exchange_pores_lanes()).
-void PoreWater::take_edges(const GridState& g, std::size_t n, double dt) {
-  const PoreFields& f = field_;
-  const PoreNode *here = sums_ + n, *below = here - f.row, *before = here - 1;
-  const double rate = rate_in_cell(g) * dt;
-  const auto mobility = [&](const PoreNode& e) {
-    return !alike_.own ? alike_.mobility : e.inside > 0 ? e.conducting / e.inside : 0;
-  };
-  const double of_here = 0.5 * mobility(*here);
-  const auto edge = [&](const PoreNode& other, const PoreNode& end, double PoreNode::*across, double per_h, double& flow, double& strain) {
-    const bool there = here->volume > 0 && end.volume > 0;
-    const double by_other = 0.5 * mobility(other), conductance = dt * per_h * per_h;
-    flow = there ? of_here * (conductance * here->inside - rate * here->*across) + by_other * (conductance * other.inside - rate * other.*across) : 0;
-    strain = there ? 0.5 * (here->*across + other.*across) : 0;
-  };
-  edge(*below, here[1], &PoreNode::along_x, g.per_hx, f.flow_x[n], f.strain_x[n]);
-  edge(*before, here[f.row], &PoreNode::along_y, g.per_hy, f.flow_y[n], f.strain_y[n]);
-}
-
-bool PoreWater::give_potential(const GridState& g, std::size_t n, const Vec2& gravity, double time) {
+PoreWater::Surface PoreWater::give_potential(const GridState& g, std::size_t n, const Vec2& gravity, double time) {
   const PoreCondition* condition = boundaries_.at(n, time);
+  bool by_load = false;
   if (!condition) {
-    const auto holds = [this](std::size_t element) { return sums_[element].inside > 0 || marks_[element].solid; };
-    const bool surface = at_surface(g, n, sums_[n].volume, time, holds);
-    if (!surface) return false;
-    if (marks_[n].loaded > 0) condition = &boundaries_.of_boundary(std::size_t(marks_[n].loaded - 1));
+    const auto holds = [this](std::size_t element) { return sums_.element[element].inside > 0 || marks_[element].solid; };
+    if (!at_surface(g, n, sums_.node[n].volume, time, holds)) {
+      const PoreMark *here = marks_ + n, *below = here - field_.row;
+      return here->solid || here[-1].solid || below->solid || below[-1].solid ? Surface::free : Surface::none;
+    }
+    by_load = marks_[n].loaded > 0;
+    if (by_load) condition = &boundaries_.of_boundary(std::size_t(marks_[n].loaded - 1));
   }
   const Vec2 x = g.position(n);
   if (condition) {
-    if (!condition->gives_pressure()) return false;
+    if (!condition->gives_pressure()) return by_load ? Surface::free : Surface::none;
     field_.potential[n] = given_pressure(*condition, x, gravity) - head(x, gravity);
   } else {
     // With a level, the water's surface is at it, and not at the node that is next above.
     const double above = level_ ? std::max(0.0, x.y() - g.grid.spacing.y() - *level_) + *level_ - reference_.y() : 0;
     field_.potential[n] = level_ ? options_.density_kg_m3 * -gravity.y() * above : -head(x, gravity);
   }
-  return true;
+  return Surface::given;
 }
 
 void PoreWater::mark_given(bool given) {

@@ -27,7 +27,7 @@ double PoreWater::head_across(const GridState& g, const TiedSides::Tie& tie, con
 void PoreWater::tie_sums(const GridState& g, const Vec2& gravity, double time) {
   joined_.clear();
   for (const TiedSides::Tie& tie : ties_->ties()) {
-    PoreNode &a = sums_[tie.node[0]], &b = sums_[tie.node[1]];
+    PoreNode &a = sums_.node[tie.node[0]], &b = sums_.node[tie.node[1]];
     const double volume = a.volume + b.volume;
     if (time >= tie.until || !(a.volume > 0 && b.volume > 0)) continue;
     joined_.push_back({&tie, {a.volume / volume, b.volume / volume}, {a.potential / a.volume, b.potential / b.volume}, 0, 0});

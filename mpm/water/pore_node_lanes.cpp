@@ -11,6 +11,72 @@
 HWY_BEFORE_NAMESPACE();
 namespace pivnp::mpm::HWY_NAMESPACE {
 
+// From the sums of as many nodes as the tag has lanes.
+template <class Tag>
+struct FromSums {
+  using V = hn::Vec<Tag>;
+  const Tag d;
+  const PoreSumsView& sums;
+  const PoreFields& f;
+  const PoreEdges& edges;
+  const std::ptrdiff_t n;
+
+  struct Four {
+    V a, b, c, e;
+  };
+  HWY_INLINE Four four(const double* first) const {
+    Four s;
+    hn::LoadInterleaved4(d, first, s.a, s.b, s.c, s.e);
+    return s;
+  }
+  HWY_INLINE Four node(std::ptrdiff_t from = 0) const { return four(&sums.node[n + from].volume); }
+  HWY_INLINE Four element(std::ptrdiff_t from) const { return four(&sums.element[n + from].inside); }
+  HWY_INLINE V number(double value) const { return hn::Set(d, value); }
+  HWY_INLINE V quotient(V a, V b) const {
+    const V none = hn::Zero(d);
+    return hn::IfThenElseZero(hn::Gt(b, none), a / hn::IfThenElse(hn::Gt(b, none), b, number(1)));
+  }
+  HWY_INLINE void put(V v, double* to) const { hn::StoreU(v, d, to + n); }
+  HWY_INLINE V mobility(const Four& e) const { return f.rate ? quotient(e.e, e.a) : number(edges.mobility_all); }
+  // What two elements let through along the edge between them, less what their points pass on at the rate of a cell; and half of what these do.
+  HWY_INLINE void edge(const Four& one, V across_one, const Four& other, V across_other, V end, V volume, double through, double* flow,
+                       double* strain) const {
+    const V none = hn::Zero(d);
+    const auto of = [&](const Four& e, V across) HWY_ATTR { return mobility(e) * (number(through) * e.a - number(edges.rate) * across); };
+    const auto there = hn::And(hn::Gt(volume, none), hn::Gt(end, none));
+    put(hn::IfThenElseZero(there, number(0.5) * (of(one, across_one) + of(other, across_other))), flow);
+    put(hn::IfThenElseZero(there, number(0.5) * (across_one + across_other)), strain);
+  }
+
+  // The same for pressures: what flows, and what the skeleton yields.
+  HWY_INLINE void inert(const Four& one, const Four& other, V end, V volume, double through, double yields, double* to) const {
+    const V none = hn::Zero(d);
+    const auto of = [&](const Four& e) HWY_ATTR { return (mobility(e) * number(through) + number(yields)) * e.a; };
+    put(hn::IfThenElseZero(hn::And(hn::Gt(volume, none), hn::Gt(end, none)), number(0.5) * (of(one) + of(other))), to);
+  }
+
+  // True if no element beside them is empty, and none has little around it.
+  HWY_INLINE bool take() const {
+    const Four here = node(), e = element(0), left = element(-1), below = element(-f.row), across = element(-f.row - 1);
+    const V v = here.a, none = hn::Zero(d);
+    const V per_volume = quotient(number(1), v);
+    put(v, f.volume);
+    put(e.a, f.inside);
+    put(here.b * per_volume, f.potential);
+    put(here.c * per_volume, f.mean);
+    if (f.rate) put(f.inert_x ? number(0.25) * ((mobility(e) + mobility(left)) + (mobility(below) + mobility(across))) : here.e * per_volume, f.rate);
+    put(hn::Min(number(1), quotient(number(4) * v, (e.a + left.a) + (below.a + across.a))), f.share);
+    edge(e, e.b, below, below.b, node(1).a, v, edges.through_x, f.flow_x, f.strain_x);
+    edge(e, e.c, left, left.c, node(f.row).a, v, edges.through_y, f.flow_y, f.strain_y);
+    if (f.inert_x) {
+      inert(e, below, node(1).a, v, edges.through_x, edges.inert_x, f.inert_x);
+      inert(e, left, node(f.row).a, v, edges.through_y, edges.inert_y, f.inert_y);
+    }
+    const auto full = hn::And(hn::And(hn::Gt(e.a, none), hn::Gt(left.a, none)), hn::And(hn::Gt(below.a, none), hn::Gt(across.a, none)));
+    return hn::AllTrue(d, hn::And(full, hn::Ge(v, number(edges.least_volume))));
+  }
+};
+
 template <class Tag>
 struct AtNodes {
   using V = hn::Vec<Tag>;
@@ -53,6 +119,16 @@ struct AtNodes {
   }
 };
 
+std::size_t take_range(const PoreSumsView& sums, const PoreFields& f, const PoreEdges& edges, const std::uint32_t* nodes, std::size_t size,
+                       std::uint32_t* special) {
+  std::size_t found = 0;
+  for_runs(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR {
+    const FromSums<decltype(d)> here{d, sums, f, edges, n};
+    if (here.take()) return;
+    for (std::size_t l = 0; l < hn::Lanes(d); ++l) special[found++] = std::uint32_t(n) + std::uint32_t(l);
+  });
+  return found;
+}
 void smooth_range(const PoreFields& f, const double* from, double* to, const std::uint32_t* nodes, std::size_t size) {
   for_runs(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR { AtNodes<decltype(d)>{d, f, n}.smooth(from, to); });
 }
@@ -66,9 +142,14 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace pivnp::mpm {
 
+HWY_EXPORT(take_range);
 HWY_EXPORT(smooth_range);
 HWY_EXPORT(exchange_range);
 
+std::size_t take_means_lanes(const PoreSumsView& sums, const PoreFields& f, const PoreEdges& edges, const std::uint32_t* nodes,
+                             std::size_t size, std::uint32_t* special) {
+  return HWY_DYNAMIC_DISPATCH(take_range)(sums, f, edges, nodes, size, special);
+}
 void smooth_pores_lanes(const PoreFields& f, const double* from, double* to, const std::uint32_t* nodes, std::size_t size) {
   HWY_DYNAMIC_DISPATCH(smooth_range)(f, from, to, nodes, size);
 }

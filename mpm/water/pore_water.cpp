@@ -45,7 +45,8 @@ PoreWater::PoreWater(const WaterOptions& options, std::vector<PoreSoil> soils, c
       boundaries_(std::move(boundaries)),
       level_(options.level_m),
       reference_(g.domain.origin.x(), options.level_m.value_or(g.domain.origin.y())),
-      node_(g.grid.node_count() + before_nodes(g)),
+      node_(g.grid.node_count() + 2 * before_nodes(g)),
+      element_(g.grid.node_count() + 2 * before_nodes(g)),
       mark_(g.grid.node_count() + before_nodes(g)),
       ties_(&ties),
       bodies_(&bodies),
@@ -63,8 +64,8 @@ PoreWater::PoreWater(const WaterOptions& options, std::vector<PoreSoil> soils, c
   const std::size_t before = before_nodes(g);
   for (int k = 0; k < 12; ++k) fields_.emplace_back(g.grid.node_count() + 2 * before);
   const auto field = [&](int k) { return fields_[std::size_t(k)].data() + before; };
-  field_ = {field(0), field(1), field(2), field(3), field(4), field(5), field(6), field(7), field(8), field(9), field(10), field(11), g.grid.nx};
-  sums_ = node_.data() + before;
+  field_ = {field(0), field(1), field(2), field(3), field(4), field(5), field(6), field(7), field(8), field(9), field(10), field(11), nullptr, nullptr, g.grid.nx};
+  sums_ = {node_.data() + before, element_.data() + before};
   marks_ = mark_.data() + before;
   set_time(0);
   if (level_) reference_.y() = *level_;
@@ -130,7 +131,7 @@ PoreView PoreWater::view(const Particles& p, const Vec2& gravity) const {
   const auto at = [](const Array& values) { return values.empty() ? nullptr : const_cast<double*>(values.data()); };
   const double density = options_.density_kg_m3;
   return {at(p.pressure), at(p.content), at(p.J_flow), at(p.excess), at(p.mobility), at(p.solid), alike_.mobility, alike_.solid,
-          options_.bulk_modulus_pa, density * gravity.x(), density * gravity.y(), -density * gravity.dot(reference_), p.outside, p.level};
+          options_.bulk_modulus_pa, density * gravity.x(), density * gravity.y(), -density * gravity.dot(reference_), p.outside, p.level, projected()};
 }
 
 double PoreWater::porosity(const Particles& p, std::size_t k) const {

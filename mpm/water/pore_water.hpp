@@ -43,11 +43,13 @@ struct PoreFlow {
   double inflow = 0;    // volume of water without pressure through the boundaries, m^2
   double external = 0;  // work at the boundaries, by the potentials, J
   double darcy = 0;     // dissipated, J
+  double yielded = 0;   // projected: taken by the strain that pressures foresee, J
 
   void add(const PoreFlow& more) {
     inflow += more.inflow;
     external += more.external;
     darcy += more.darcy;
+    yielded += more.yielded;
   }
 };
 
@@ -69,6 +71,13 @@ class PoreWater {
   /// Between strain and momentum: moves water from where pressures as they were before the last strain drive it, evens that
   /// strain out, and refreshes. (So a mode of wave and flow takes p' = p - K_w theta/n - lambda dt p.)
   PoreFlow flow(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, double dt, int threads);
+  /// From here on pressure is projected: flow_projected() in the place of flow().
+  void project(const GridState& g, double foreseen_share);
+  bool projected() const { return !system_.empty(); }
+  /// The same, stable in the steps of the drained wave: pressures change by what they themselves will do to strain and flow.
+  /// `guess`: of the nodes, what they changed by in the last step. Throws RunError.
+  PoreFlow flow_projected(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, double dt,
+                          std::vector<double>& guess, int threads);
   /// What points pass on and have passed on now, m/s: Darcy's flow of each, x and y in turn.
   std::vector<Vec2> flow_at_points(const Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time,
                                    int threads);
@@ -126,14 +135,14 @@ class PoreWater {
   void map_points(const Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, int threads);
   void mark_elements(const Particles& p, GridState& g, const Tractions& tractions, double time, int threads);
   void take_means(const GridState& g, const Vec2& gravity, double time, double dt, int threads);
-  bool give_potential(const GridState& g, std::size_t node, const Vec2& gravity, double time);
+  enum class Surface { none, given, free };
+  Surface give_potential(const GridState& g, std::size_t node, const Vec2& gravity, double time);
   /// Water that a wall's flow brings to a node, m^2/s.
   template <class Holds>
   double flux_into(const GridState& g, std::size_t n, double time, Holds&& holds) const {
     const PoreCondition* condition = boundaries_.at(n, time);
     return condition && condition->kind == PoreCondition::flux ? condition->value * length_along(g, n, boundaries_.side(n, time), holds) : 0;
   }
-  void take_edges(const GridState& g, std::size_t node, double dt);
   void mark_given(bool given);
   PoreFlow at_given_nodes(double rate);
   PoreFlow flow_through_tractions(Particles& p, const Tractions& tractions, double time, double dt) const;
@@ -177,8 +186,9 @@ class PoreWater {
     bool own = false;
   } alike_;  // of all points; own: each has its own instead
   OfGrid<PoreNode> node_;
+  OfGrid<PoreElement> element_;
   OfGrid<PoreMark> mark_;
-  PoreNode* sums_;  // by node; a row and more before the first is zero
+  PoreSumsView sums_;  // by node; a row and more before the first is zero
   PoreMark* marks_;
   std::vector<OfGrid<double>> fields_;
   PoreFields field_;
@@ -194,6 +204,9 @@ class PoreWater {
     double volume;
   };
   std::vector<Through> through_;  // of this one, by flow that is given
+  std::vector<std::uint32_t> free_;  // at a surface that is not held and lets no water through
+  std::vector<OfGrid<double>> system_;  // projected
+  double inertia_ = 0;  // the least density over the share of its own effect that a pressure foresees
   bool marked_ = false;
   const TiedSides* ties_;
   const RigidBodies* bodies_;
@@ -207,7 +220,7 @@ class PoreWater {
 
   // pore_front.cpp
   struct FrontPoint;
-  bool sees_air(const Vec2& gravity) const { return gravity.y() < 0 && (level_ || boundaries_.any_level()); }
+  bool sees_air(const Vec2& gravity) const { return !projected() && gravity.y() < 0 && (level_ || boundaries_.any_level()); }
   double fringe(const Particles& p, std::size_t k, const Vec2& gravity) const;
   double filled(const Particles& p, std::size_t k) const;
   double potential_in_pores(const Particles& p, std::size_t k, const Vec2& gravity) const;
