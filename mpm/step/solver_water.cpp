@@ -1,5 +1,6 @@
 // The water in the pores: where a step hands over to it, and what it refuses.
 #include <algorithm>
+#include <sstream>
 
 #include "mpm/grid/sweeps.hpp"
 #include "mpm/step/solver_impl.hpp"
@@ -11,6 +12,7 @@ namespace pivnp::mpm {
 namespace {
 
 constexpr std::size_t chunk = 1024;  // points
+constexpr double longer_steps = 8;   // from which on pressure is projected where nothing is said
 
 void refuse_beside_water(bool found, const std::string& key, const std::string& what) {
   if (found) throw InputError(key + ": " + what + " beside [water], which does not go together yet");
@@ -66,8 +68,9 @@ void Solver::Impl::fill_pores() {
   if (!scene.water) return;
   water = std::make_unique<PoreWater>(*scene.water, pores, scene.particles, g,
                                       PoreBoundaries(scene.boundaries, restraints.walls(), g));
-  if (options.pressure == PressureScheme::projected) water->project(g, foreseen_share);
   water->start(p, g, loading.gravity(0), most_threads);
+  if (!options.pressure) choose_pressure();
+  if (options.pressure == PressureScheme::projected) water->project(g, foreseen_share);
   for (std::size_t k = 0; k < density.size(); ++k)
     if (water->partly_dry(p, k)) density[k] = water->soil(k).dry_density();
 }
@@ -116,6 +119,23 @@ void Solver::Impl::put_water(MotionFrame& frame) {
     for (int c = 0; c < 2; ++c) of_flow[2 * p.index[k] + std::size_t(c)] = float(flow[k][c]);
   const std::span<float> porosity = frame.add("porosity", p.size());
   for (std::size_t k = 0; k < p.size(); ++k) porosity[p.index[k]] = float(water->porosity(p, k));
+}
+
+// Projected steps cost three times as much at most, and show no waves in the water: what is chosen without being asked for has to
+// pay.
+void Solver::Impl::choose_pressure() {
+  PoreWater::Rates rates = water->rates(p);
+  for (double& stiffness : rates.stiffness) stiffness *= water_in_short_waves;
+  const double hx = g.grid.spacing.x(), hy = g.grid.spacing.y();
+  const double in_steps = stable_step_with_water(1, hx, hy, wave_speed(materials, density, p, 1, rates.stiffness), 0, rates.diffusivity);
+  const double projected = mpm::stable_step(1, std::min(hx, hy), wave_speed(materials, density, p, 1) / projected_step_share(), 0);
+  const double ratio = projected / in_steps;
+  options.pressure = ratio >= longer_steps ? PressureScheme::projected : PressureScheme::in_steps;
+  std::ostringstream text;
+  text.precision(2);
+  text << "Pore pressure is " << (ratio >= longer_steps ? "projected" : "explicit") << ": projected steps are " << ratio
+       << " times as long as explicit ones, and are taken from " << longer_steps << " times on (mpm.pressure).";
+  pressure_choice = text.str();
 }
 
 void Solver::Impl::take_wave_speed(int threads) {

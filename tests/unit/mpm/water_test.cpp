@@ -330,6 +330,20 @@ TEST(PoreWater, TheProjectedStepIsThatOfTheSkeleton) {
   }
 }
 
+TEST(PoreWater, TheSchemeIsChosenByTheStepsAndSaidSo) {
+  for (const double bulk : {2.2e9, 2e7}) {
+    WaterColumn c = small_column();
+    c.bulk = bulk;
+    MpmOptions o = options_of(c);
+    const Solver given(o, scene_of(c), 1);
+    EXPECT_EQ(given.pressure_choice(), "");
+    o.pressure.reset();
+    const Solver chosen(o, scene_of(c), 1);
+    EXPECT_THAT(chosen.pressure_choice(), HasSubstr(bulk > 1e9 ? "projected" : "explicit"));
+    EXPECT_EQ(chosen.stable_step() > 2 * given.stable_step(), bulk > 1e9);
+  }
+}
+
 // A closed box of random velocities, undamped: bounded below the limit, growing far above it.
 TEST(PoreWater, StepsBelowTheLimitAreBounded) {
   // `spread`: 1: the points are at quarters of the cells; towards 2: on nodes.
