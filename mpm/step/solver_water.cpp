@@ -1,5 +1,6 @@
 // The water in the pores: where a step hands over to it, and what it refuses.
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 
 #include "mpm/grid/sweeps.hpp"
@@ -110,6 +111,7 @@ void Solver::Impl::flow_water(const Cycle& c) {
   state.balance.bodies += flow.external;
   state.balance.darcy += flow.darcy;
   state.balance.damping += flow.yielded;
+  state.balance.moved += std::abs(flow.yielded);
 }
 
 void Solver::Impl::put_water(MotionFrame& frame) {

@@ -258,6 +258,7 @@ Bearing footing(int cells, ShapeKind shape, bool wet, PressureScheme pressure = 
   o.shape = shape;
   o.locking = Locking::fbar;
   if (wet) o.pressure = pressure;
+  if (pressure == PressureScheme::projected) o.energy_limit = 1e9;  // (a wall that starts at once, and waves that nothing damps)
   if (shape == ShapeKind::bilinear) {
     o.transfer = TransferKind::flip;
     o.stress_update = StressUpdate::musl;
