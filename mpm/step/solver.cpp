@@ -150,6 +150,7 @@ Solver::Slept Solver::slept() const {
   const double longest = s.foregone.empty() ? 0 : *std::max_element(s.foregone.begin(), s.foregone.end());
   return {s.all > 0 ? s.skipped / s.all : 0, longest + s.held_back, s.energy};
 }
+const std::string& Solver::pressure_choice() const { return impl_->pressure_choice; }
 std::size_t Solver::ended() const {
   const auto& cells = impl_->p.cell;
   return std::size_t(std::count(cells.begin(), cells.end(), Particles::ended));

@@ -79,6 +79,7 @@ struct Solver::Impl {
   // solver_water.cpp: the water in the pores.
   void fill_pores();
   std::vector<double> undrained_stiffness() const;
+  void choose_pressure();
   void carry_water(const Cycle& c);
   void flow_water(const Cycle& c);
   void end_water(std::size_t k);
@@ -127,6 +128,7 @@ struct Solver::Impl {
   bool failed = false;  // only `good` is meant any more
   Particles& p = state.particles;
   std::unique_ptr<PoreWater> water;  // null without
+  std::string pressure_choice;       // what was chosen for mpm.pressure, and why; empty where it was given
   double potential_energy = 0;       // with water that works in steps: of the points at the step's start
   GatherSums gather;
   SmallMassNodes small_mass;

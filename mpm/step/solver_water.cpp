@@ -1,5 +1,7 @@
 // The water in the pores: where a step hands over to it, and what it refuses.
 #include <algorithm>
+#include <cmath>
+#include <sstream>
 
 #include "mpm/grid/sweeps.hpp"
 #include "mpm/step/solver_impl.hpp"
@@ -11,6 +13,7 @@ namespace pivnp::mpm {
 namespace {
 
 constexpr std::size_t chunk = 1024;  // points
+constexpr double longer_steps = 8;   // from which on pressure is projected where nothing is said
 
 void check_boundaries(const Scene& scene) {
   for (const auto& [name, b] : scene.boundaries) {
@@ -86,6 +89,10 @@ void Solver::Impl::fill_pores() {
                                       PoreBoundaries(scene.boundaries, restraints.walls(), g), restraints.tied(), bodies);
   if (options.pressure == PressureScheme::projected) water->project(g, foreseen_share);
   water->start(p, g, loading.gravity(0), most_threads);
+  if (!options.pressure) {
+    choose_pressure();
+    if (options.pressure == PressureScheme::projected) water->project(g, foreseen_share);
+  }
   for (std::size_t k = 0; k < density.size(); ++k)
     if (water->partly_dry(p, k)) density[k] = water->soil(k).dry_density();
 }
@@ -125,6 +132,7 @@ void Solver::Impl::flow_water(const Cycle& c) {
   state.balance.bodies += flow.external;
   state.balance.darcy += flow.darcy;
   state.balance.damping += flow.yielded;
+  state.balance.moved += std::abs(flow.yielded);
 }
 
 void Solver::Impl::put_water(MotionFrame& frame) {
@@ -134,6 +142,29 @@ void Solver::Impl::put_water(MotionFrame& frame) {
     for (int c = 0; c < 2; ++c) of_flow[2 * p.index[k] + std::size_t(c)] = float(flow[k][c]);
   const std::span<float> porosity = frame.add("porosity", p.size());
   for (std::size_t k = 0; k < p.size(); ++k) porosity[p.index[k]] = float(water->porosity(p, k));
+}
+
+// Projected steps cost three times as much at most, and show no waves in the water: what is chosen without being asked for has to
+// pay.
+void Solver::Impl::choose_pressure() {
+  const PoreWater::Rates rates = water->rates(p);
+  const double hx = g.grid.spacing.x(), hy = g.grid.spacing.y();
+  const double in_steps = stable_step_with_water(1, hx, hy, wave_speed(materials, density, p, 1, rates.stiffness), 0, rates.diffusivity);
+  const double projected = mpm::stable_step(1, std::min(hx, hy), wave_speed(materials, density, p, 1) / projected_step_share(), 0);
+  const double ratio = projected / in_steps;
+  const bool surface = water->surface_may_move(p), beside = !scene.contacts.empty() || !scene.bodies.empty() || restraints.tied().any();
+  if (surface || beside) {
+    options.pressure = PressureScheme::in_steps;
+    pressure_choice = std::string("Pore pressure is explicit: ") +
+                      (surface ? "the water has a surface inside the material" : "there are tied sides, bodies or contact") + " (mpm.pressure).";
+    return;
+  }
+  options.pressure = ratio >= longer_steps ? PressureScheme::projected : PressureScheme::in_steps;
+  std::ostringstream text;
+  text.precision(2);
+  text << "Pore pressure is " << (ratio >= longer_steps ? "projected" : "explicit") << ": projected steps are " << ratio
+       << " times as long as explicit ones, and are taken from " << longer_steps << " times on (mpm.pressure).";
+  pressure_choice = text.str();
 }
 
 void Solver::Impl::take_wave_speed(int threads) {

@@ -218,6 +218,7 @@ PoreFlow PoreWater::flow_through_tractions(Particles& p, const Tractions& tracti
     p.content[k] += through / p.volume0[k];
     sum.inflow += through;
     sum.external += through * (p.pressure[k] + 0.5 * stiffness * through / p.volume0[k]);
+    if (projected()) p.pressure[k] += stiffness * through / p.volume0[k];
   }
   return sum;
 }

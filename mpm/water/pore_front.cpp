@@ -56,6 +56,13 @@ bool PoreWater::has_front(const Particles& p, const Vec2& gravity, int threads) 
   return found;
 }
 
+bool PoreWater::surface_may_move(const Particles& p) const {
+  if (boundaries_.any_level() || level_moves()) return true;
+  for (std::size_t k = 0; k < p.size(); ++k)
+    if (soil_of(p, k).holds_water() && filled(p, k) < 1 - full_but_for) return true;
+  return false;
+}
+
 PoreWater::FrontPoint PoreWater::front_point(const Particles& p, const GridState& g, std::size_t k, const Vec2& gravity) const {
   const InElement in = element_of(p, g, k);
   const std::size_t row = std::size_t(g.grid.nx);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double small_residual = 1e-4;   // of the residual, over that of the guess zero
 constexpr int iterations_at_most = 2000;
-constexpr double at_free_surface = 4;  // over h^2: what lets an impervious surface yield to the pressure
+constexpr double at_free_surface = 16;  // over h^2: what lets an impervious surface yield to the pressure
 
 template <class Part>
 double sum_parts(const GridState& g, int threads, Part&& of_part) {
@@ -73,18 +73,18 @@ PoreFlow PoreWater::flow_projected(Particles& p, GridState& g, const Tractions& 
   guess.resize(g.grid.node_count());
   const PoreSystem s{f.inert_x, f.inert_y, field(2), field(3), field(4), field(5), field(6), field(7), f.row};
   double* added = s.product;  // until it is one
-  for (const Through& through : through_) f.change[through.node] = 0;
   const auto for_all = [&](auto&& each) {
     for_node_parts(g, threads, [&](std::size_t, std::size_t begin, std::size_t end) {
       for (std::size_t a = begin; a < end; ++a) each(g.active.nodes[a]);
     });
   };
   for_all([&](std::size_t n) {
-    added[n] = s.direction[n] = 0;
+    added[n] = s.direction[n] = f.change[n] = 0;
     s.solution[n] = f.volume[n] > 0 && !marks_[n].given ? guess[n] : 0;
   });
   const double inertia = dt * dt / inertia_;
   for (const std::uint32_t n : free_) added[n] = at_free_surface * inertia * f.volume[n] * std::max(g.per_hx * g.per_hx, g.per_hy * g.per_hy);
+  for (const Through& through : through_) f.change[through.node] = through.volume;
   double of_zero = 0;
   const double left = [&] {
     std::vector<std::array<double, 2>> parts(node_parts(g));
@@ -97,7 +97,7 @@ PoreFlow PoreWater::flow_projected(Particles& p, GridState& g, const Tractions& 
         const bool open = f.volume[n] > 0 && !marks_[n].given && diagonal > 0;
         s.diagonal[n] = diagonal;
         s.inverse[n] = open ? 1 / diagonal : 0;
-        const double load = exchanged(f.flow_x + n, f.flow_y + n, f.potential + n, f.row) - sums_.node[n].strained;
+        const double load = exchanged(f.flow_x + n, f.flow_y + n, f.potential + n, f.row) + f.change[n] - sums_.node[n].strained;
         const double* x = s.solution + n;
         const double product = diagonal * x[0] - (s.along_x[n] * x[1] + (s.along_x + n)[-1] * x[-1] + s.along_y[n] * x[f.row] + (s.along_y + n)[-f.row] * x[-f.row]);
         s.residual[n] = load - product;
@@ -113,7 +113,6 @@ PoreFlow PoreWater::flow_projected(Particles& p, GridState& g, const Tractions& 
     }
     return sum;
   }();
-  for (const Through& through : through_) s.residual[through.node] += through.volume;
   if (!solve(s, g, small_residual * small_residual * of_zero, left, threads))
     throw RunError("mpm: the projected pressure was not found in " + std::to_string(iterations_at_most) + " iterations");
   // The potential after the step; then what the points take.
@@ -144,7 +143,9 @@ PoreFlow PoreWater::flow_projected(Particles& p, GridState& g, const Tractions& 
   }
   for (const Given& at : given_) {
     const std::uint32_t n = at.node;
-    const double fits = sums_.node[n].mobile / options_.bulk_modulus_pa * s.direction[n] * (f.potential[n] - at.mean) + sums_.node[n].strained;
+    // Its points' pressures change by the mean of what they are brought to, and take the water that fits.
+    const double brought = f.even[n] + exchanged(f.strain_x + n, f.strain_y + n, f.even + n, f.row) / f.volume[n];
+    const double fits = sums_.node[n].mobile / options_.bulk_modulus_pa * (brought - s.direction[n] * at.mean) + sums_.node[n].strained;
     f.change[n] = fits / f.volume[n];
     double from_others = 0;
     const auto from = [&](std::ptrdiff_t other, double exchange) {

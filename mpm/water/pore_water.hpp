@@ -111,6 +111,8 @@ class PoreWater {
     double diffusivity = 0;
   };
   Rates rates(const Particles& p) const;
+  /// Pores are not all full, or a level moves.
+  bool surface_may_move(const Particles& p) const;
   /// The material holds points above the level, which are dry.
   bool partly_dry(const Particles& p, std::size_t material) const;
   const PoreSoil& soil(std::size_t material) const { return soils_[material]; }
