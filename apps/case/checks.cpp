@@ -255,6 +255,7 @@ class Checker {
     if (c_.synth_mpm) without_water("synth.mpm.pressure", c_.synth_mpm->pressure.has_value());
     for (const auto& [name, b] : c_.boundaries) {
       without_water("boundary." + name + ".pressure_pa", b.pressure_pa.has_value());
+      without_water("boundary." + name + ".water_level_m", b.water_level_m.has_value());
       without_water("boundary." + name + ".drained", b.drained);
       without_water("boundary." + name + ".flux_m_s", b.flux_m_s.has_value());
     }

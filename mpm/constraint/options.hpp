@@ -35,6 +35,7 @@ struct BoundaryOptions {
   double rise_s = 0;
   std::optional<Pair> across_m;
   std::optional<double> pressure_pa;
+  std::optional<double> water_level_m;
   bool drained = false;
   std::optional<double> flux_m_s;
 
@@ -55,6 +56,7 @@ struct BoundaryOptions {
     visit("rise_s", self.rise_s, OptionInfo{.unit = "s", .text = "time over which the traction rises from 0 (0: at once)", .min = 0});
     visit("across_m", self.across_m, OptionInfo{.unit = "m", .text = "from line_m to the opposite side, x and y (tied)"});
     visit("pressure_pa", self.pressure_pa, OptionInfo{.unit = "Pa", .text = "pressure of the water there, with [water] (any type but tied; without it, drained and flux_m_s no water passes)"});
+    visit("water_level_m", self.water_level_m, OptionInfo{.unit = "m", .text = "the water beyond it stands at this height: hydrostatic pressure below, and above, water that seeps out"});
     visit("drained", self.drained, OptionInfo{.text = "water passes freely: its pressure is zero there, or that of the water outside"});
     visit("flux_m_s", self.flux_m_s, OptionInfo{.unit = "m/s", .text = "water that enters there, a volume per area and time; less than 0: that leaves"});
   }

@@ -95,6 +95,13 @@ Vec2 RigidBodies::Body::place(const Vec2& x, double time) const {
   return free ? Vec2(centre + shift + turned(x - centre)) : Vec2(x + offset(time));
 }
 
+Vec2 RigidBodies::Body::place_at_time_0(const Vec2& x, double time) const {
+  if (!free) return x - offset(time);
+  const Vec2 d = x - centre - shift;
+  const double cos = std::cos(angle), sin = std::sin(angle);
+  return centre + Vec2(cos * d.x() + sin * d.y(), cos * d.y() - sin * d.x());
+}
+
 Vec2 RigidBodies::Body::velocity_of(const Vec2& x, double time) const {
   if (!free) return velocity_at(time);
   if (time < 0) return Vec2::Zero();
@@ -157,6 +164,14 @@ Vec2 RigidBodies::Body::velocity_at(double time) const {
 
 bool RigidBodies::Body::contains(const Vec2& x) const {
   return polygon ? polygon->contains(x) : (x - centre).squaredNorm() <= radius * radius;
+}
+
+bool RigidBodies::cover(const Vec2& x, double time, double margin) const {
+  return std::any_of(bodies_.begin(), bodies_.end(), [&](const Body& body) {
+    const Vec2 at = body.place_at_time_0(x, time);
+    Vec2 unused;
+    return body.polygon ? body.contains(at) || body.polygon->distance(at, unused) < margin : (at - body.centre).norm() < body.radius + margin;
+  });
 }
 
 void RigidBodies::check_clear(const std::vector<Vec2>& points) const {

@@ -42,6 +42,8 @@ class RigidBodies {
   /// Corrects the strain-rate velocity at the points that apply() found in contact; there motion away from the body is not allowed either
   /// (taking only one sign of the scatter would part the material from the body).
   void apply_to_strain_velocity(double time, GridState& g) const;
+  /// Is a place inside a body, or less than `margin` from its outline?
+  bool cover(const Vec2& x, double time, double margin) const;
   /// The first time after `time` at which a body starts or stops.
   double next_change(double time) const;
   bool moving_after(double time) const;
@@ -80,6 +82,7 @@ class RigidBodies {
     double mass_at(double time) const;
     Vec2 place(const Vec2& x_at_time_0, double time) const;
     Vec2 turned(const Vec2& direction) const;
+    Vec2 place_at_time_0(const Vec2& x, double time) const;
     /// Velocity of the body's material at a place.
     Vec2 velocity_of(const Vec2& x, double time) const;
     void set_free(const RigidOptions& options);

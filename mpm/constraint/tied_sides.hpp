@@ -27,11 +27,13 @@ class TiedSides {
   /// Points that have passed a side come in by the opposite one; Particles::carried holds by how much.
   void carry_over(double time, Particles& p) const;
 
- private:
   struct Tie {
     std::uint32_t node[2];
     double until;
   };
+  const std::vector<Tie>& ties() const { return ties_; }
+
+ private:
   struct Seam {
     Vec2 from, across;
     double until;

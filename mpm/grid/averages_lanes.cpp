@@ -6,26 +6,10 @@
 #include <hwy/foreach_target.h>  // compiles this file once for every instruction set
 #include <hwy/highway.h>
 
-#include "mpm/simd/vectors-inl.hpp"
+#include "mpm/simd/rows-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace pivnp::mpm::HWY_NAMESPACE {
-
-// Calls body(tag, n) for the nodes of a list, n the first of as many as the tag has lanes.
-template <class Body>
-HWY_INLINE void for_runs(const std::uint32_t* nodes, std::size_t size, Body&& body) {
-  const hn::CappedTag<double, 4> all;
-  const hn::CappedTag<double, 1> one;
-  const std::size_t lanes = hn::Lanes(all);
-  for (std::size_t k = 0; k < size;) {
-    if (k + lanes <= size && nodes[k + lanes - 1] == nodes[k] + (lanes - 1)) {
-      body(all, std::ptrdiff_t(nodes[k]));
-      k += lanes;
-    } else {
-      body(one, std::ptrdiff_t(nodes[k++]));
-    }
-  }
-}
 
 template <class Tag>
 struct Cells {

@@ -10,7 +10,7 @@ GridState::GridState(const Grid& d, ShapeKind kind, int n_fields, bool updated, 
       cells(grid),
       blocks(grid),
       node(grid.node_count()) {
-  arrays.allocate(grid.node_count() + 3 * std::size_t(grid.nx) + 8, needs);
+  arrays.allocate(grid.node_count() + 3 * std::size_t(grid.nx) + 24, needs);
 }
 
 AverageArrays GridState::averages() {

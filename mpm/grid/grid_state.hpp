@@ -36,7 +36,7 @@ class GridState : public GridGeometry {
   SleepingBlocks blocks;
   ActiveCells active;
   Nodes node;                       // of the whole grid; zero where not active
-  NodeArrays arrays;                // what else nodes carry, as far as it is needed
+  NodeArrays arrays;                // what else nodes carry, as far as it is needed; with room for a row and more beyond both ends
   bool averaged = false;            // at the corners of cells, since the start
   Relocation relocation;
 

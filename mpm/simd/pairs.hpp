@@ -90,6 +90,8 @@ HWY_INLINE Double2 LoadU(Tag2, const double* p) {
   std::memcpy(&v, p, sizeof v);
   return v;
 }
+HWY_INLINE double LoadU(Tag<1>, const double* p) { return *p; }
+HWY_INLINE void StoreU(double v, Tag<1>, double* p) { *p = v; }
 HWY_INLINE Double4 LoadU(Tag4, const double* p) { return {LoadU(Tag2(), p), LoadU(Tag2(), p + 2)}; }
 HWY_INLINE Double4 Load(Tag4 d, const double* p) { return LoadU(d, p); }
 HWY_INLINE void StoreU(Double2 v, Tag2, double* p) { std::memcpy(p, &v, sizeof v); }
@@ -193,6 +195,9 @@ HWY_INLINE Double2 root(Double2 a) {
 HWY_INLINE double Sqrt(double a) { return std::sqrt(a); }
 HWY_INLINE double Neg(double a) { return -a; }
 HWY_INLINE double Max(double a, double b) { return a > b ? a : b; }
+HWY_INLINE double Min(double a, double b) { return a < b ? a : b; }
+HWY_INLINE double MulAdd(double a, double b, double c) { return a * b + c; }
+HWY_INLINE double NegMulAdd(double a, double b, double c) { return c - a * b; }
 HWY_INLINE Double4 operator+(Double4 a, Double4 b) { return {a.low + b.low, a.high + b.high}; }
 HWY_INLINE Double4 operator-(Double4 a, Double4 b) { return {a.low - b.low, a.high - b.high}; }
 HWY_INLINE Double4 operator*(Double4 a, Double4 b) { return {a.low * b.low, a.high * b.high}; }
@@ -216,6 +221,9 @@ HWY_INLINE Double4 Exp(Tag4, Double4 x) {
 // ---- Masks; what is not a number is unequal, and neither less nor greater.
 HWY_INLINE bool Gt(double a, double b) { return a > b; }
 HWY_INLINE bool Le(double a, double b) { return a <= b; }
+HWY_INLINE bool Ge(double a, double b) { return a >= b; }
+HWY_INLINE bool And(bool a, bool b) { return a && b; }
+HWY_INLINE bool AllTrue(Tag<1>, bool m) { return m; }
 HWY_INLINE Mask4 Eq(Double4 a, Double4 b) { return {a.low == b.low, a.high == b.high}; }
 HWY_INLINE Mask4 Ne(Double4 a, Double4 b) { return {a.low != b.low, a.high != b.high}; }
 HWY_INLINE Mask4 Lt(Double4 a, Double4 b) { return {a.low < b.low, a.high < b.high}; }

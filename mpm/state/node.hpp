@@ -1,6 +1,7 @@
 // What a node of the grid carries during a step.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -71,6 +72,21 @@ class OfGrid {
   std::unique_ptr<void, Free> memory_;
   std::size_t size_ = 0;
   T* first_ = nullptr;
+};
+/// Several such arrays.
+template <class T, std::size_t count>
+class SeveralOfGrid {
+ public:
+  using value_type = std::array<T, count>;
+  SeveralOfGrid() = default;
+  explicit SeveralOfGrid(std::size_t n) {
+    for (auto& array : arrays_) array = OfGrid<T>(n);
+  }
+  OfGrid<T>& operator[](std::size_t k) { return arrays_[k]; }
+  std::size_t size() const { return arrays_[0].size(); }
+
+ private:
+  std::array<OfGrid<T>, count> arrays_;
 };
 using Nodes = OfGrid<Node>;
 

@@ -35,6 +35,9 @@ struct NodeArrays {
   OfGrid<AlongAxes> shift, fluxes;
   OfGrid<NodeVelocity> filtered, loads;
   OfGrid<PoreNode> pores;
+  OfGrid<PoreElement> pore_elements;
+  OfGrid<PoreMark> pore_marks;
+  SeveralOfGrid<double, 12> flow;
   OfGrid<double> softening_strain, softening_volume, softening_rows;
 
   /// Those that are needed, all zero, of so many elements.
@@ -64,7 +67,9 @@ constexpr void for_each_node_field(Visit&& visit) {
         &NodeArrays::fluxes);
   visit(NodeField{"filtered velocity", "m/s", "velocity, filtered to an order", &N::filtered}, &NodeArrays::filtered);
   visit(NodeField{"body force", "N/m", "force of body forces and tractions", &N::loads}, &NodeArrays::loads);
-  visit(NodeField{"pores", "", "what the flow of water needs of a node (pore_node.hpp)", &N::wet}, &NodeArrays::pores);
+  visit(NodeField{"pores", "", "what the flow of water needs of a node (pore_node.hpp)", &N::wet}, &NodeArrays::pores, &NodeArrays::pore_elements,
+        &NodeArrays::pore_marks);
+  visit(NodeField{"flow", "", "means, and what nodes pass on of the water (PoreFields)", &N::wet}, &NodeArrays::flow);
   visit(NodeField{"softening strain", "m^2", "plastic strain times volume, then its mean", &N::averaged},
         &NodeArrays::softening_strain);
   visit(NodeField{"softening volume", "m^2", "volume, filtered alike", &N::averaged}, &NodeArrays::softening_volume);

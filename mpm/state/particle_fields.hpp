@@ -53,16 +53,13 @@ inline void for_each_particle_field(Visit&& visit) {
                       .per_volume = true},
         Column{&P::tau_xx, &K::tau_xx, &L::xx}, Column{&P::tau_yy, &K::tau_yy, &L::yy},
         Column{&P::tau_zz, &K::tau_zz, &L::zz}, Column{&P::tau_xy, &K::tau_xy, &L::xy});
-  // (After the stress: where it has values, kernels see it in the place of that.)
-  visit(ParticleField{"outer stress", "Pa", "Kirchhoff stress with the pressure of the pores over that of water outside", &N::wet},
-        Column{&P::total_xx, &K::tau_xx}, Column{&P::total_yy, &K::tau_yy}, Column{&P::total_zz, &K::tau_zz});
   visit(ParticleField{.name = "pressure", .unit = "Pa", .definition = "pressure of the water in the pores, compression positive",
                       .need = &N::wet, .recorded = "pressure"},
         Column{&P::pressure});
-  visit(ParticleField{.name = "porosity", .unit = "1", .definition = "share of the pores in the volume", .need = &N::wet, .recorded = "porosity"},
-        Column{&P::porosity});
-  visit(ParticleField{.name = "water flow", .unit = "m/s", .definition = "Darcy's flow", .need = &N::wet, .recorded = "water_flow"},
-        Column{&P::flow_x}, Column{&P::flow_y});
+  visit(ParticleField{"excess", "Pa", "J times the pressure over that of the water outside", &N::wet}, Column{&P::excess, &K::excess});
+  visit(ParticleField{"J at the flow", "1", "J when water last flowed", &N::wet}, Column{&P::J_flow});
+  visit(ParticleField{"soil", "m^2/(Pa s), 1", "mobility of the water, and the share of the grains in the initial volume", &N::soils},
+        Column{&P::mobility}, Column{&P::solid});
   visit(ParticleField{"content", "1", "volume of the water without pressure, in a unit of initial volume", &N::wet}, Column{&P::content});
   visit(ParticleField{"affine velocity", "1/s", "affine velocity field of APIC", &N::affine}, Column{&P::C_xx, &K::C_xx},
         Column{&P::C_xy, &K::C_xy}, Column{&P::C_yx, &K::C_yx}, Column{&P::C_yy, &K::C_yy});

@@ -64,6 +64,8 @@ PointView Particles::view() const {
   });
   if (const Array* opening = history.find(opening_strain.name)) seen.opening = const_cast<double*>(opening->data());
   seen.density = density;
+  seen.outside = outside;
+  seen.level = level;
   return seen;
 }
 

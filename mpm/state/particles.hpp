@@ -22,6 +22,7 @@ struct ParticleNeeds {
   bool increments = false;  // stress follows strain in a sweep of its own
   bool averaged = false;    // a law's softening follows the strain around a point
   bool wet = false;         // water in the pores
+  bool soils = false;       // of more than one soil
 };
 
 /// Points lie body after body (so that a material is called on a run of them), inside a body in the order of the last
@@ -49,10 +50,12 @@ struct Particles {
   Array xi, eta;
   Array de_xx, de_yy, de_zz, de_xy, spin;
   Array softened_by;
-  Array pressure, porosity, content, flow_x, flow_y, total_xx, total_yy, total_zz;
+  Array pressure, content, J_flow, excess;
+  Array mobility, solid;  // where they vary (water/pore_water.hpp)
 
   HistoryVariables history;     // of the laws
   double density = 0;  // of one body, kg/m^3
+  double outside = 0, level = 0;  // weight of the water outside now, N/m^3 (0: none), and the height of its surface
   std::vector<Body> bodies;
 
   std::size_t size() const { return x.size(); }

@@ -1,30 +1,70 @@
-// What a node of the grid carries of the water during a step.
+// What the nodes of the grid carry of the water during a step.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <type_traits>
 
 namespace pivnp::mpm {
 
-/// One line of the caches; all zero between steps. The functions of the flow are hats between nodes, whatever the shape
-/// functions of the momentum.
-struct alignas(64) PoreNode {
-  double volume = 0;      // of the points that hold water, by their hats, m^2
-  double potential = 0;   // p - rho g . x, the mean over that volume or what a boundary gives, Pa
-  double strained = 0;    // volumetric strain of the last step, mean over that volume
-  double inflow = 0;      // volume of water that the gradients bring, m^2/s
-  double restore = 0;     // what the points' potentials lack to the field of the nodes, times mobility and volume, m^4/s
-  double unseen = 0;      // mean of what the points exchange for the nodes' blindness (PoreWater::change_points)
-  double change = 0;      // of the water in a unit of volume, in this step
-  std::uint8_t cell = 0;  // of the element up and to the right: PoreCell
-  bool given = false;     // the potential, by a boundary or the material's own surface
-  std::uint16_t loaded = 0;  // one more than the number of a traction's boundary whose points are in an element beside it
+/// Sums over points that hold water; all zero between steps. The functions of the flow are hats between nodes, whatever the shape
+/// functions of the momentum. V: the points' volumes; s, t: their places in the element, in cells.
+struct alignas(32) PoreNode {  // by the hats
+  double volume = 0;      // V, m^2
+  double potential = 0;   // V e, e = p - rho g . x
+  double strained = 0;    // V times the volumetric strain of the last step
+  double mobile = 0;      // V times the mobility, or, where that is the same everywhere or pressure is projected, the pores' volume
 };
-static_assert(sizeof(PoreNode) == 64 && std::is_trivially_copyable_v<PoreNode>);
+/// Of the element up and to the right of a node.
+struct alignas(32) PoreElement {
+  double inside = 0;      // V
+  double along_x = 0, along_y = 0;  // V s (1 - s), V t (1 - t)
+  double conducting = 0;  // V times the mobility, or V
+};
+static_assert(sizeof(PoreNode) == 32 && std::is_trivially_copyable_v<PoreNode>);
+static_assert(sizeof(PoreElement) == 32 && std::is_trivially_copyable_v<PoreElement>);
+struct PoreSumsView {
+  PoreNode* node;
+  PoreElement* element;
+};
 
-enum PoreCell : std::uint8_t {
-  holds_water = 1,
-  holds_solid = 2,  // material without pores
+/// What is known of a node, and of the element up and to the right of it, beside the sums.
+struct PoreMark {
+  std::uint16_t loaded = 0;  // one more than the number of a traction's boundary whose points are in an element beside it
+  bool solid = false;        // the element holds material without pores
+  bool given = false;        // the potential, by a boundary or the material's own surface
+};
+
+/// Of the nodes: means, and what they pass on to their points. Numbers of a row lie side by side, a row and more before the first.
+struct PoreFields {
+  double* volume;    // V; 0: no water
+  double* potential; // the mean of e, or what is given, Pa
+  double* mean;      // of the strain, then what takes its successor
+  double* even;      // of the same without waves of two cells; then the strain that feeds pressure
+  double* change;    // of the water in a unit of volume, in this step
+  double* rate;      // mobility, where it varies
+  double* inside;    // V of the element up and to the right
+  double* share;     // V of a node over a quarter of that of the elements around it; 1 at most
+  // Of the edges to the right and up.
+  double *flow_x, *flow_y;      // exchange of water for a difference of potential, in this step
+  double *strain_x, *strain_y;  // V s (1 - s), V t (1 - t) of both elements beside it, half
+  double *inert_x = nullptr, *inert_y = nullptr;  // projected: the same for pressures, with what the skeleton yields to them
+  std::ptrdiff_t row;
+};
+
+/// Of a node, where pores are not full (pore_front.cpp); all zero between steps. S: the share of a point's pores that is full.
+struct PoreFrontNode {
+  double all = 0;        // volume of the points whose pores may hold water, by their hats
+  double wet = 0;        // of that, times S
+  double potential = 0;  // mean over what is wet, or given
+  double strained = 0;   // volumetric strain of the last step, likewise
+  double inflow = 0, restore = 0, unseen = 0, change = 0;
+  double room = 0;       // volume that gains reach
+  std::uint16_t loaded = 0;
+  bool holds = false;    // the element up and to the right: material
+  bool given = false, seeps = false;
+
+  bool known() const { return wet > 0 || given; }
 };
 
 }  // namespace pivnp::mpm

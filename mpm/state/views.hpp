@@ -17,7 +17,9 @@ struct PointView {
   double* half;
   double *xi, *eta;  // null where no scheme asks for them (Where)
   double* opening;  // null where no law opens
+  double* excess;   // J times the pressure of the pores over that of the water outside; null without water
   double density;  // where `mass` is null
+  double outside, level;  // weight of the water outside, N/m^3 (0: none), and the height of its surface
 };
 
 /// The lists of GridState.

@@ -18,9 +18,10 @@ struct EnergyBalance {
   double gravity = 0;   // work of gravity
   double carried = 0;   // kinetic and elastic energy that left the grid with ended points
   double start = 0;     // kinetic + elastic at the start
-  double moved = 0;     // sum of |work of moving bodies and loads| over the steps
+  double moved = 0;     // sum of |work of moving bodies and loads, and what projected pressures foresee| over the steps
   double turned_over = 0;  // greatest turnover() so far
   double darcy = 0;     // taken out by the flow of water
+  double potential = 0; // with water: energy in gravity and in the water outside at the start, less that of ended points
   double inflow = 0;    // water that came in through boundaries, less what ended points took, kg/m
 
   /// What the nodes gained and the points did not is the transfer's loss, exactly.

@@ -44,7 +44,6 @@ class Relaxation {
     const int threads = choice_.threads();
     average_mean_stress(p_, g_, s_.scheme, threads);
     map_momentum(p_, g_, s_.scheme, true, threads);
-    if (s_.water && s_.water->lifts(o_.gravity)) s_.water->lift(p_, g_, o_.gravity, threads);
     if (!s_.contacts.empty() && !found_) s_.contacts.find(p_, g_, s_.density, 0, threads);  // points stay
     found_ = true;
     const double applied = propose();

@@ -34,7 +34,8 @@ ParticleNeeds particle_needs(const Scheme& scheme, const Materials& materials, c
           .tied = scene.tied,
           .kept = scheme.stress != StressUpdate::usf && !scheme.takes_updated(),
           .averaged = any_averages(materials),
-          .wet = scene.water};
+          .wet = scene.water,
+          .soils = scene.water && scene.several};
 }
 
 NodeNeeds node_needs(const Scheme& scheme, const Materials& materials, const SceneNeeds& scene) {

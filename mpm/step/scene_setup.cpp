@@ -66,14 +66,14 @@ std::vector<double> densities_of(const Scene& scene) {
   return densities;
 }
 
-std::array<double, 2> impedance_near(const Scene& scene, const Materials& materials, const Vec2& x) {
+std::array<double, 2> impedance_near(const Scene& scene, const Materials& materials, const std::vector<double>& more, const Vec2& x) {
   std::size_t best = 0;
   for (std::size_t k = 1; k < scene.particles.size(); ++k)
     if ((scene.particles.x0[k] - x).squaredNorm() < (scene.particles.x0[best] - x).squaredNorm()) best = k;
   const auto label = std::size_t(scene.particles.label[best]);
   const double rho = scene.materials[label].density_kg_m3;
   const Elastic& elastic = materials[label]->elastic();
-  return {std::sqrt(rho * elastic.p_wave_modulus()), std::sqrt(rho * elastic.shear)};
+  return {std::sqrt(rho * (elastic.p_wave_modulus() + more[label])), std::sqrt(rho * elastic.shear)};
 }
 
 SolverState initial_state(const Scene& scene, const Scheme& scheme, const GridState& g, const Materials& materials,

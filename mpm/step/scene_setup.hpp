@@ -19,8 +19,9 @@ inline Materials materials_of(const Scene& scene) { return materials_of(scene, s
 Vec2 centroid(const ParticleSet& particles);
 /// Densities of the materials.
 std::vector<double> densities_of(const Scene& scene);
-/// rho c_p and rho c_s of the material of the particle nearest to a point.
-std::array<double, 2> impedance_near(const Scene& scene, const Materials& materials, const Vec2& x);
+/// rho c_p and rho c_s of the material of the particle nearest to a point; `more`: of each material, what its water adds to the
+/// stiffness against compression, Pa.
+std::array<double, 2> impedance_near(const Scene& scene, const Materials& materials, const std::vector<double>& more, const Vec2& x);
 
 /// Throws InputError for arrays of unequal length and for a particle outside the grid.
 SolverState initial_state(const Scene& scene, const Scheme& scheme, const GridState& g, const Materials& materials,

@@ -31,7 +31,7 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
       g(scene.grid, scheme.shape, contacts.velocity_fields(), scheme.stress == StressUpdate::usl,
         node_needs(scheme, materials, needs_of(scene))),
       restraints(scene.boundaries, g, centroid(scene.particles),
-                 [this](const Vec2& x) { return impedance_near(scene, materials, x); }),
+                 [this](const Vec2& x) { return impedance_near(scene, materials, undrained_stiffness(), x); }),
       bodies(scene.bodies, g.field_grid),
       loading(o, scene),
       reduction(scene.materials.size(), 1.0),
@@ -63,11 +63,10 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
 }
 
 double Solver::Impl::longest_step() const {
+  const double fastest = std::max(state.fastest, bodies.fastest());
   if (water)
-    return stable_step_with_water(options.courant, g.grid.spacing.x(), g.grid.spacing.y(), state.wave_speed, state.fastest,
-                                  state.diffusivity);
-  return mpm::stable_step(options.courant, g.grid.spacing.minCoeff(), state.wave_speed,
-                     std::max(state.fastest, bodies.fastest()));
+    return stable_step_with_water(options.courant, g.grid.spacing.x(), g.grid.spacing.y(), state.wave_speed, fastest, state.diffusivity);
+  return mpm::stable_step(options.courant, g.grid.spacing.minCoeff(), state.wave_speed, fastest);
 }
 
 double Solver::Impl::next_change(double time) const {
@@ -184,6 +183,7 @@ Solver::Slept Solver::slept() const {
   const double longest = s.foregone.empty() ? 0 : *std::max_element(s.foregone.begin(), s.foregone.end());
   return {s.all > 0 ? s.skipped / s.all : 0, longest + s.held_back, s.energy};
 }
+const std::string& Solver::pressure_choice() const { return impl_->pressure_choice; }
 std::size_t Solver::ended() const {
   const auto& cells = impl_->p.cell;
   return std::size_t(std::count(cells.begin(), cells.end(), Particles::ended));
@@ -195,7 +195,9 @@ const ParticleSet& Solver::particles() const {
 
 MotionFrame Solver::frame() const {
   if (impl_->failed) throw RunError("mpm: frame() was called after the run had failed");
-  return frame_of(impl_->state, impl_->scene.particles);
+  MotionFrame frame = frame_of(impl_->state, impl_->scene.particles);
+  if (impl_->water) impl_->put_water(frame);
+  return frame;
 }
 
 void Solver::on_step(std::function<void(double dt, const VelocityAt&)> observer) {

@@ -74,6 +74,8 @@ class Solver {
     double energy = 0;          // kinetic energy taken, J/m; part of `damping`
   };
   Slept slept() const;
+  /// How pore pressure is advanced, and why, where the options leave it open and there is water; else empty.
+  const std::string& pressure_choice() const;
   /// Particles that have left the grid.
   std::size_t ended() const;
   Vec2 momentum() const;       // of the particles still simulated, kg m/s per metre of thickness

@@ -59,7 +59,7 @@ struct Solver::Impl {
   void move_points(const Cycle& c);
   void strain_last(const Cycle& c);
   void end_step(const Cycle& c);
-  bool maps_and_advances(const Cycle& c) const;
+  bool maps_and_advances() const;
   void take_mapped_velocity(const Cycle& c);
   void apply_restraints(const Cycle& c, std::span<Impulse> of_walls);
   void restrain_strain_velocity();
@@ -85,10 +85,14 @@ struct Solver::Impl {
 
   // solver_water.cpp: the water in the pores.
   void fill_pores();
+  std::vector<double> undrained_stiffness() const;
+  void choose_pressure();
   void carry_water(const Cycle& c);
   void flow_water(const Cycle& c);
   void end_water(std::size_t k);
-  bool lifts(const Vec2& gravity) const { return water && water->lifts(gravity); }
+  void put_water(MotionFrame& frame);
+  bool water_works_in_steps() const { return loading.gravity_changes() || water->level_moves(); }
+  double potential_of_water() const { return water->potential_energy(p, loading.gravity(state.time), most_threads); }
   void take_wave_speed(int threads);
 
   // solver_sleep.cpp: what is not stepped while it rests.
@@ -131,7 +135,8 @@ struct Solver::Impl {
   bool failed = false;  // only `good` is meant any more
   Particles& p = state.particles;
   std::unique_ptr<PoreWater> water;  // null without
-  double potential_energy = 0;       // with water: of the points at the step's start
+  std::string pressure_choice;       // what was chosen for mpm.pressure, and why; empty where it was given
+  double potential_energy = 0;       // with water that works in steps: of the points at the step's start
   GatherSums gather;
   SmallMassNodes small_mass;
   NonlocalSoftening nonlocal;

@@ -101,6 +101,7 @@ void visit(Archive& a, State& s) {
   a.value(s.calm_looks);
   a.value(s.at_rest);
   a.value(s.far);
+  a.list(s.pressure_change);
   a.array(s.body_motion);
   a.array(s.impulses);
   a.array(s.sleep.asleep);

@@ -9,6 +9,7 @@ namespace pivnp::mpm {
 namespace {
 
 constexpr std::int64_t stiffness_every = 8;  // steps between looks at the wave speed
+constexpr std::int64_t mass_every = 8;       // steps between looks at the mass of the water
 constexpr double sort_share = 0.05;          // of the points that may change cells between re-sorts of the storage
 constexpr double least_mass = 1e-5;          // of a full cell: lighter nodes move with a neighbour
 constexpr double touched_share = 0.25;            // of a full cell: mass around a body's outline in contact
@@ -37,7 +38,8 @@ Solver::Impl::Cycle Solver::Impl::begin_step(double dt) {
   if (work_in_steps()) c.moment = moment_of_mass();
   if (water) {
     water->set_time(state.time + 0.5 * dt);
-    carry_water(c);
+    if (state.steps % mass_every == 0) carry_water(c);
+    if (water_works_in_steps()) potential_energy = water->potential_energy(p, c.gravity, c.threads);
   }
   return c;
 }
@@ -48,7 +50,7 @@ void Solver::Impl::end_step(const Cycle& c) {
   state.fastest = std::sqrt(gather.fastest2);
   look_for_rest(c.dt);
   if (work_in_steps()) state.balance.gravity += c.gravity.dot(moment_of_mass() - c.moment);
-  if (water) state.balance.gravity += potential_energy - water->potential_energy(p, c.gravity, c.threads);
+  if (water && water_works_in_steps()) state.balance.gravity += potential_energy - water->potential_energy(p, c.gravity, c.threads);
   ++state.steps;
   state.body_motion = bodies.motion();
   choice.end_step();
@@ -57,7 +59,10 @@ void Solver::Impl::end_step(const Cycle& c) {
 void Solver::Impl::find_cells(const Cycle& c) {
   wake_what_moves();
   if (restraints.tied().any()) {
+    // (What is carried has its height again: no work of gravity.)
+    const double before = water ? water->potential_energy(p, c.gravity, c.threads) : 0;
     restraints.tied().carry_over(state.time, p);
+    if (water) state.balance.bodies += water->potential_energy(p, c.gravity, c.threads) - before;
     g.relocation.done = false;
   }
   std::vector<std::uint32_t> left;
@@ -74,9 +79,8 @@ void Solver::Impl::find_cells(const Cycle& c) {
 }
 
 // Nothing asks for the mapped velocity before the momentum is updated: A.3-A.7 in one sweep.
-bool Solver::Impl::maps_and_advances(const Cycle& c) const {
-  return scheme.stress != StressUpdate::usf && scheme.transfer != TransferKind::xpic && contacts.empty() && !pushes() &&
-         !lifts(c.gravity);
+bool Solver::Impl::maps_and_advances() const {
+  return scheme.stress != StressUpdate::usf && scheme.transfer != TransferKind::xpic && contacts.empty() && !pushes();
 }
 
 void Solver::Impl::map_to_nodes(const Cycle& c) {
@@ -84,7 +88,7 @@ void Solver::Impl::map_to_nodes(const Cycle& c) {
   const bool with_force = scheme.stress != StressUpdate::usf;
   if (with_force) flow_water(c);
   if (with_force) average_mean_stress(p, g, scheme, c.threads);
-  if (maps_and_advances(c)) return map_and_update(p, g, scheme, small_mass, least, c.gravity, c.dt, c.threads);
+  if (maps_and_advances()) return map_and_update(p, g, scheme, small_mass, least, c.gravity, c.dt, c.threads);
   map_momentum(p, g, scheme, with_force, c.threads);
   small_mass.find(g, least);
   if (!contacts.empty()) contacts.find(p, g, density, c.dt, c.threads);
@@ -116,10 +120,9 @@ void Solver::Impl::take_mapped_velocity(const Cycle& c) {
 }
 
 void Solver::Impl::advance_nodes(const Cycle& c) {
-  if (!maps_and_advances(c)) {
+  if (!maps_and_advances()) {
     if (scheme.transfer == TransferKind::xpic) filtered_velocity(p, g, scheme.xpic_order, c.threads);
     map_loads(c.dt, c.threads);
-    if (lifts(c.gravity)) water->lift(p, g, c.gravity, c.threads);
     update_momentum(g, c.gravity, scheme.damping, c.dt, c.threads);
   }
   small_mass.join_momentum(g, scheme.damping, c.dt);

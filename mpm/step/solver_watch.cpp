@@ -81,6 +81,7 @@ double Solver::Impl::work_of_gravity() const {
 EnergyRow Solver::Impl::energy() {
   EnergyBalance balance = state.balance;
   if (!work_in_steps() && !water) balance.gravity = work_of_gravity();
+  if (water && !water_works_in_steps()) balance.gravity = balance.potential - potential_of_water();
   StoredEnergy stored = stored_energy(p, g, materials);
   const PoreWater::Sums in_pores = water ? water->sums(p) : PoreWater::Sums{};
   stored.water = in_pores.energy;
@@ -116,6 +117,7 @@ void Solver::Impl::restart_balance() {
   state.balance = EnergyBalance{};
   const StoredEnergy stored = stored_energy(p, g, materials);
   state.balance.start = stored.kinetic + stored.elastic + (water ? water->sums(p).energy : 0);
+  if (water) state.balance.potential = potential_of_water();
   failed = false;
   good = {energy(), state.steps};
 }

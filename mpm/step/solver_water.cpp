@@ -1,5 +1,7 @@
 // The water in the pores: where a step hands over to it, and what it refuses.
 #include <algorithm>
+#include <cmath>
+#include <sstream>
 
 #include "mpm/grid/sweeps.hpp"
 #include "mpm/step/solver_impl.hpp"
@@ -10,18 +12,32 @@ namespace pivnp::mpm {
 
 namespace {
 
-void refuse_beside_water(bool found, const std::string& key, const std::string& what) {
-  if (found) throw InputError(key + ": " + what + " beside [water], which does not go together yet");
-}
+constexpr std::size_t chunk = 1024;  // points
+constexpr double longer_steps = 8;   // from which on pressure is projected where nothing is said
 
 void check_boundaries(const Scene& scene) {
   for (const auto& [name, b] : scene.boundaries) {
     const std::string key = "boundary." + name;
-    if (!scene.water && (b.pressure_pa || b.drained || b.flux_m_s))
-      throw InputError(key + (b.pressure_pa ? ".pressure_pa" : b.drained ? ".drained" : ".flux_m_s") + ": given without [water], expected both or neither");
+    const char* given = b.pressure_pa ? ".pressure_pa" : b.water_level_m ? ".water_level_m" : b.drained ? ".drained" : b.flux_m_s ? ".flux_m_s" : nullptr;
+    if (!scene.water && given) throw InputError(key + given + ": given without [water], expected both or neither");
     if (!scene.water) continue;
-    refuse_beside_water(b.type == BoundaryType::tied, key + ".type", "found 'tied'");
-    refuse_beside_water(b.type == BoundaryType::absorbing, key + ".type", "found 'absorbing'");
+    if (b.type == BoundaryType::tied && (scene.water->level_m || !scene.water->level_history.empty()))
+      throw InputError(key + ".type: found 'tied' beside a level of the water, expected one of them: the water's surface inside does not pass");
+    if (b.type == BoundaryType::tied && given)
+      throw InputError(key + given + ": given with type \"tied\", through which water passes to the other side; expected none");
+  }
+}
+
+// Where pressure is projected nodes are solved for together; what they meet there is not in that system yet.
+void check_projected(const Scene& scene) {
+  const auto refuse = [](const std::string& key) {
+    throw InputError(key + ": given beside mpm.pressure = \"projected\", expected \"explicit\"");
+  };
+  if (!scene.contacts.empty()) refuse("contact." + scene.contacts.front().first);
+  if (!scene.bodies.empty()) refuse("body." + scene.bodies.front().first);
+  for (const auto& [name, b] : scene.boundaries) {
+    if (b.type == BoundaryType::tied) refuse("boundary." + name + ".type");
+    if (b.water_level_m) refuse("boundary." + name + ".water_level_m");
   }
 }
 
@@ -54,46 +70,101 @@ std::vector<PoreSoil> take_pores(const MpmOptions& options, Scene& scene) {
   }
   if (!scene.water) return soils;
   check_gravity(options, *scene.water);
-  refuse_beside_water(!scene.contacts.empty(), "contact." + (scene.contacts.empty() ? "" : scene.contacts.front().first), "given");
-  refuse_beside_water(!scene.bodies.empty(), "body." + (scene.bodies.empty() ? "" : scene.bodies.front().first), "given");
-  refuse_beside_water(options.sleep_below_m_s.has_value(), "mpm.sleep_below_m_s", "given");
+  if (options.pressure == PressureScheme::projected) check_projected(scene);
+  if (options.sleep_below_m_s)
+    throw InputError("mpm.sleep_below_m_s: given beside [water], expected none: water goes on flowing in what rests");
   return soils;
+}
+
+// K_w/n of each material, which waves that are long to the cells feel besides the skeleton's; 0 without water.
+std::vector<double> Solver::Impl::undrained_stiffness() const {
+  std::vector<double> stiffness;
+  for (const PoreSoil& soil : pores) stiffness.push_back(soil.holds_water() ? scene.water->bulk_modulus_pa / soil.porosity : 0);
+  return stiffness;
 }
 
 void Solver::Impl::fill_pores() {
   if (!scene.water) return;
   water = std::make_unique<PoreWater>(*scene.water, pores, scene.particles, g,
-                                      PoreBoundaries(scene.boundaries, restraints.walls(), g));
+                                      PoreBoundaries(scene.boundaries, restraints.walls(), g), restraints.tied(), bodies);
+  if (options.pressure == PressureScheme::projected) water->project(g, foreseen_share);
   water->start(p, g, loading.gravity(0), most_threads);
+  if (!options.pressure) {
+    choose_pressure();
+    if (options.pressure == PressureScheme::projected) water->project(g, foreseen_share);
+  }
   for (std::size_t k = 0; k < density.size(); ++k)
     if (water->partly_dry(p, k)) density[k] = water->soil(k).dry_density();
 }
 
 // Water that has come or gone moved as its point does.
 void Solver::Impl::carry_water(const Cycle& c) {
-  for (std::size_t k = 0; k < p.size(); ++k) {
-    if (p.cell[k] == Particles::ended) continue;
-    const double mass = water->mass(p, k), before = p.mass[k];
-    if (mass == before) continue;
-    p.mass[k] = mass;
-    state.balance.bodies += (1 - before / mass) * stored_kinetic(p, g, k);
-  }
-  potential_energy = water->potential_energy(p, c.gravity, c.threads);
+  std::vector<double> parts((p.size() + chunk - 1) / chunk, 0.0);
+  for_each(parts.size(), c.threads, [&](std::size_t part) {
+    double sum = 0;
+    for (std::size_t k = part * chunk; k < std::min(p.size(), (part + 1) * chunk); ++k) {
+      if (p.cell[k] == Particles::ended) continue;
+      const double mass = water->mass(p, k), before = p.mass[k];
+      if (mass == before) continue;
+      p.mass[k] = mass;
+      sum += (1 - before / mass) * stored_kinetic(p, g, k);
+    }
+    parts[part] = sum;
+  });
+  for (const double part : parts) state.balance.bodies += part;
 }
 
-// Of a point that ends after the step began.
+// Of a point that ends: in the step's course, or between steps.
 void Solver::Impl::end_water(std::size_t k) {
-  potential_energy -= water->potential_energy(p, k, loading.gravity(state.time));
+  const double potential = water->potential_energy(p, k, loading.gravity(state.time));
+  potential_energy -= potential;
+  state.balance.potential -= potential;
   state.balance.carried += water->stored(p, k);
   state.balance.inflow -= water->flowing_mass(p, k);
 }
 
 void Solver::Impl::flow_water(const Cycle& c) {
   if (!water) return;
-  const PoreFlow flow = water->flow(p, g, loading.tractions(), c.gravity, state.time, c.dt, c.threads);
+  const PoreFlow flow = water->projected()
+                            ? water->flow_projected(p, g, loading.tractions(), c.gravity, state.time, c.dt, state.pressure_change, c.threads)
+                            : water->flow(p, g, loading.tractions(), c.gravity, state.time, c.dt, c.threads);
   state.balance.inflow += scene.water->density_kg_m3 * flow.inflow;
   state.balance.bodies += flow.external;
   state.balance.darcy += flow.darcy;
+  state.balance.damping += flow.yielded;
+  state.balance.moved += std::abs(flow.yielded);
+}
+
+void Solver::Impl::put_water(MotionFrame& frame) {
+  const std::vector<Vec2> flow = water->flow_at_points(p, g, loading.tractions(), loading.gravity(state.time), state.time, most_threads);
+  const std::span<float> of_flow = frame.add("water_flow", p.size());
+  for (std::size_t k = 0; k < p.size(); ++k)
+    for (int c = 0; c < 2; ++c) of_flow[2 * p.index[k] + std::size_t(c)] = float(flow[k][c]);
+  const std::span<float> porosity = frame.add("porosity", p.size());
+  for (std::size_t k = 0; k < p.size(); ++k) porosity[p.index[k]] = float(water->porosity(p, k));
+}
+
+// Projected steps cost three times as much at most, and show no waves in the water: what is chosen without being asked for has to
+// pay.
+void Solver::Impl::choose_pressure() {
+  const PoreWater::Rates rates = water->rates(p);
+  const double hx = g.grid.spacing.x(), hy = g.grid.spacing.y();
+  const double in_steps = stable_step_with_water(1, hx, hy, wave_speed(materials, density, p, 1, rates.stiffness), 0, rates.diffusivity);
+  const double projected = mpm::stable_step(1, std::min(hx, hy), wave_speed(materials, density, p, 1) / projected_step_share(), 0);
+  const double ratio = projected / in_steps;
+  const bool surface = water->surface_may_move(p), beside = !scene.contacts.empty() || !scene.bodies.empty() || restraints.tied().any();
+  if (surface || beside) {
+    options.pressure = PressureScheme::in_steps;
+    pressure_choice = std::string("Pore pressure is explicit: ") +
+                      (surface ? "the water has a surface inside the material" : "there are tied sides, bodies or contact") + " (mpm.pressure).";
+    return;
+  }
+  options.pressure = ratio >= longer_steps ? PressureScheme::projected : PressureScheme::in_steps;
+  std::ostringstream text;
+  text.precision(2);
+  text << "Pore pressure is " << (ratio >= longer_steps ? "projected" : "explicit") << ": projected steps are " << ratio
+       << " times as long as explicit ones, and are taken from " << longer_steps << " times on (mpm.pressure).";
+  pressure_choice = text.str();
 }
 
 void Solver::Impl::take_wave_speed(int threads) {
@@ -101,8 +172,11 @@ void Solver::Impl::take_wave_speed(int threads) {
     state.wave_speed = wave_speed(materials, density, p, threads);
     return;
   }
-  PoreWater::Rates rates = water->rates(p);
-  for (double& stiffness : rates.stiffness) stiffness *= water_in_short_waves;
+  if (water->projected()) {
+    state.wave_speed = wave_speed(materials, density, p, threads) / projected_step_share();
+    return;
+  }
+  const PoreWater::Rates rates = water->rates(p);
   state.wave_speed = wave_speed(materials, density, p, threads, rates.stiffness);
   state.diffusivity = rates.diffusivity;
 }

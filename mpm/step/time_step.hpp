@@ -13,12 +13,13 @@ inline double stable_step(double courant, double h, double wave_speed, double fa
   return courant * h / (wave_speed + fastest);
 }
 
-/// Share of the water's stiffness that the shortest waves feel: strain that alternates between cells or nodes gives no pressure
-/// (docs/theory/mpm_water.md#step).
-inline constexpr double water_in_short_waves = 0.3;
+/// Where pressure is projected: share of the strain by its own change that a pressure foresees. That change then is at most a
+/// force of (dt omega)^2 = 1/share, and the skeleton keeps the rest of 4: the step is that of its wave times sqrt(1 - 1/(4 share)).
+inline constexpr double foreseen_share = 0.4;
+inline double projected_step_share() { return std::sqrt(1 - 1 / (4 * foreseen_share)); }
 
-/// With water: courant times what (dt/t_w)^2 + dt/t_d = 1 gives, t_w = h/(c + |v|) with c of the mixture in short waves and t_d =
-/// 1/(2 D (1/hx^2 + 1/hy^2)), D the diffusivity of pressure.
+/// With water: courant times what (dt/t_w)^2 + dt/t_d = 1 gives, t_w = h/(c + |v|) with c of the undrained mixture and t_d =
+/// 1/(2 D (1/hx^2 + 1/hy^2)), D the diffusivity of pressure. docs/theory/mpm_water.md#step.
 inline double stable_step_with_water(double courant, double hx, double hy, double wave_speed, double fastest, double diffusivity) {
   const double per_wave = (wave_speed + fastest) / std::min(hx, hy), per_flow = 2 * diffusivity * (1 / (hx * hx) + 1 / (hy * hy));
   return courant * 2 / (per_flow + std::sqrt(per_flow * per_flow + 4 * per_wave * per_wave));

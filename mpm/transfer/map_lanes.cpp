@@ -33,6 +33,18 @@ HWY_INLINE void add_centre_force(const CellView& c, Node* base, double sxx, doub
 
 HWY_INLINE V sum3(V a, V b, V c) { return a + b + c; }
 
+// A normal stress as momentum sees it: less the pressure of the pores over that of the water outside.
+template <class Tile>
+HWY_INLINE V normal_stress(const PointView& p, const Tile& t, const double* tau) {
+  return p.excess ? t.load(tau) - t.load(p.excess) : t.load(tau);
+}
+// Weight of the water that a point displaces.
+template <class Tile>
+HWY_INLINE V lift_of(const PointView& p, const Tile& t) {
+  const V weight = set(p.outside) * t.live(t.load(p.volume0)) * t.load(p.J);
+  return hn::IfThenElseZero(hn::Lt(t.load(p.y), set(p.level)), weight);
+}
+
 // Sums over a run of elements of V0 times stress: what `selective`, `full` and F-bar of bilinear shapes average.
 struct ElementSums {
   static constexpr std::size_t most = 32;  // elements
@@ -51,9 +63,9 @@ HWY_INLINE void average_elements(const PointView& p, const CellView& c, Range ra
   const bool some_open = locking == Locking::fbar && p.opening;
   for_tiles(c, range, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
     const V v = t.live(some_open ? joined_volume(p, t) : t.load(p.volume0));
-    sums.add(cells, range.begin, v * t.load(p.tau_xx), sums.xx);
-    sums.add(cells, range.begin, v * t.load(p.tau_yy), sums.yy);
-    sums.add(cells, range.begin, v * t.load(p.tau_zz), sums.zz);
+    sums.add(cells, range.begin, v * normal_stress(p, t, p.tau_xx), sums.xx);
+    sums.add(cells, range.begin, v * normal_stress(p, t, p.tau_yy), sums.yy);
+    sums.add(cells, range.begin, v * normal_stress(p, t, p.tau_zz), sums.zz);
     if (locking == Locking::full) sums.add(cells, range.begin, v * t.load(p.tau_xy), sums.xy);
     if (locking == Locking::fbar) sums.add(cells, range.begin, v, sums.volume);
   });
@@ -80,7 +92,7 @@ struct Mapping {
   template <class Lines, class Tile>
   HWY_INLINE V mean_change(const Lines& l, const Tile& t, const TileCells& cells, const double* mean,
                            std::size_t first, V xx, V yy) const {
-    const V own = sum3(xx, yy, t.load(p.tau_zz)) * set(-1.0 / 3);
+    const V own = sum3(xx, yy, normal_stress(p, t, p.tau_zz)) * set(-1.0 / 3);
     if constexpr (!S::centred) {
       if (locking != Locking::fbar) return own;
       const V element = of_groups(mean[cells.occupied[0] - first], mean[cells.occupied[groups - 1] - first]);
@@ -109,7 +121,7 @@ struct Mapping {
       }
     }
     const V v = t.live(p.mass ? t.load(p.volume0) : t.again(p.volume0)) * set(-volume_factor);
-    V xx = t.load(p.tau_xx), yy = t.load(p.tau_yy);
+    V xx = normal_stress(p, t, p.tau_xx), yy = normal_stress(p, t, p.tau_yy);
     if (locking != Locking::none && volume_factor != 0) {
       const V change = mean_change(l, t, cells, mean, first, xx, yy);
       xx = xx + change;
@@ -123,6 +135,10 @@ struct Mapping {
       fxw[a] = sxy_y * l.x.w[a];
       fyg[a] = sxy_x * l.x.g[a];
       fyw[a] = syy * l.x.w[a];
+    }
+    if (p.outside != 0 && force != 0) {
+      const V lift = lift_of(p, t);
+      for (int a = 0; a < W; ++a) fyg[a] = hn::MulAdd(lift, l.x.w[a], fyg[a]);
     }
     const auto fy = [&](int n) PIVNP_TILE { return hn::MulAdd(fyg[n % W], l.y.w[n / W], fyw[n % W] * l.y.g[n / W]); };
     const auto four = [&](int n) PIVNP_TILE {
@@ -163,7 +179,7 @@ void map_range(ShapeKind shape, bool affine, bool momentum, bool force, Locking 
 
 void average_stress_range(const PointView& p, const CellView& c, Range range) {
   for_tiles(c, range, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
-    const V mean = sum3(t.load(p.tau_xx), t.load(p.tau_yy), t.load(p.tau_zz)) * set(1.0 / 3);
+    const V mean = sum3(normal_stress(p, t, p.tau_xx), normal_stress(p, t, p.tau_yy), normal_stress(p, t, p.tau_zz)) * set(1.0 / 3);
     const Natural at = natural<BSplineShape>(p, c, cells, t);
     add_to_averages(c, cells, true, at.xi, at.eta, joined_volume(p, t), mean);
   });

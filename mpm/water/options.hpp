@@ -10,8 +10,9 @@
 namespace pivnp::mpm {
 
 /// How pore pressure is advanced.
-enum class PressureScheme { in_steps };
-inline constexpr std::array pressure_scheme_names{NamedValue{"explicit", PressureScheme::in_steps}};
+enum class PressureScheme { in_steps, projected };
+inline constexpr std::array pressure_scheme_names{NamedValue{"explicit", PressureScheme::in_steps},
+                                                     NamedValue{"projected", PressureScheme::projected}};
 constexpr const auto& names_of(PressureScheme) { return pressure_scheme_names; }
 
 struct WaterOptions {
@@ -24,7 +25,7 @@ struct WaterOptions {
   static void fields(Self& self, Visitor&& visit) {
     visit("density_kg_m3", self.density_kg_m3, OptionInfo{.unit = "kg/m^3", .text = "density without pressure", .min = 0, .above_min = true});
     visit("bulk_modulus_pa", self.bulk_modulus_pa, OptionInfo{.unit = "Pa", .text = "bulk modulus", .min = 0, .above_min = true});
-    visit("level_m", self.level_m, OptionInfo{.unit = "m", .text = "height of the water's surface, inside the material and over it: pressure is hydrostatic below it at the start, and the material above it holds none (left out: all pores are full, and pressure is zero at the start)"});
+    visit("level_m", self.level_m, OptionInfo{.unit = "m", .text = "height of the water's surface, inside the material and over it: pressure is hydrostatic below it at the start, and the material above it holds none; the surface inside then moves as the water flows, and pressure is nowhere below zero (left out: all pores are full and stay so, and pressure is zero at the start)"});
     visit("level_history", self.level_history, OptionInfo{.unit = "s, m", .text = "times and heights of that surface, linear between and constant beyond (in the place of level_m): the first height is the one inside the material, too; later the water outside follows, and the water inside flows"});
   }
 };

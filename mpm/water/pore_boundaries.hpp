@@ -15,8 +15,10 @@ namespace pivnp::mpm {
 
 /// Impervious, unless the boundary gives the pressure or the flow.
 struct PoreCondition {
-  enum Kind : std::uint8_t { impervious, drained, pressure, flux } kind = impervious;
-  double value = 0;  // pressure, Pa; flux, m/s
+  enum Kind : std::uint8_t { impervious, drained, pressure, flux, level } kind = impervious;
+  double value = 0;  // pressure, Pa; flux, m/s; height of the water's surface, m
+
+  bool gives_pressure() const { return kind == drained || kind == pressure || kind == level; }
 };
 
 class PoreBoundaries {
@@ -28,10 +30,13 @@ class PoreBoundaries {
   /// Of a boundary by its number: of the faces of tractions.
   const PoreCondition& of_boundary(std::size_t boundary) const { return conditions_[boundary]; }
   bool any_flux_on_tractions() const { return flux_on_tractions_; }
+  bool any_level() const { return level_; }
 
-  /// Of a wall's node now; null: the node is at no wall, or only at walls along the grid that let nothing through (what lies
+  /// Of a wall's node now, of any velocity field; null: the node is at no wall, or only at walls along the grid that let nothing through (what lies
   /// behind those is told by GridGeometry::walls). Others hold the water back wherever they hold a node.
   const PoreCondition* at(std::size_t node, double time) const;
+  /// Nodes of walls that let water through, at any time.
+  const std::vector<std::uint32_t>& let_through() const { return let_through_; }
   /// The side on which the same wall has nothing (WallSide); wall_none where it is not along the grid.
   std::uint8_t side(std::size_t node, double time) const;
   /// Throws InputError if one that lets water through has material on both sides. `full`: does the element up and to the right
@@ -60,8 +65,9 @@ class PoreBoundaries {
   std::vector<std::string> keys_;
   std::vector<PoreCondition> conditions_;
   std::vector<AtNode> nodes_;        // what lets water through first, then by node
-  std::vector<std::int32_t> first_;  // of every node of the grid: its first place among them; -1: none
-  bool flux_on_tractions_ = false;
+  std::vector<std::int32_t> first_;  // of every node of the first velocity field: its first place among them; -1: none
+  std::vector<std::uint32_t> let_through_;
+  bool flux_on_tractions_ = false, level_ = false;
 };
 
 }  // namespace pivnp::mpm

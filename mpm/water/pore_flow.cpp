@@ -3,289 +3,224 @@
 #include <cmath>
 
 #include "mpm/grid/sweeps.hpp"
+#include "mpm/water/pore_elements.hpp"
 #include "mpm/water/pore_water.hpp"
 
 namespace pivnp::mpm {
 
 namespace {
 
-constexpr double least_share = 0.25;  // of a node's volume inside the material: with less its potential is that of a surface
-
-// The element between nodes that a point is in: its lower left node, and the point's place from there, in cells.
-struct InElement {
-  std::size_t node;
-  double s, t;
-};
-
-InElement element_of(const Particles& p, const GridState& g, std::size_t k) {
-  const Vec2 at = g.natural(p, k);
-  const auto cell = std::size_t(p.cell[k]);
-  if (!g.centred) return {cell, std::clamp(at.x(), 0.0, 1.0), std::clamp(at.y(), 0.0, 1.0)};
-  const std::size_t left = at.x() < 0, below = at.y() < 0, row = std::size_t(g.grid.nx);
-  return {cell + row + 1 - left - below * row, at.x() + double(left), at.y() + double(below)};
-}
-
-// Rate at which a cell's own water evens out, over the diffusivity, 1/m^2.
-double rate_in_cell(const GridState& g) { return 2 * (g.per_hx * g.per_hx + g.per_hy * g.per_hy); }
-
-// Calls each(k) for the points of some occupied cells.
-template <class Each>
-void for_points_of(const GridState& g, Range cells, Each&& each) {
-  for (std::uint32_t q = g.cells.begin[cells.begin]; q < g.cells.begin[cells.end]; ++q) each(g.cells.order[q]);
-}
-
-void add(PoreFlow& to, const PoreFlow& more) {
-  to.inflow += more.inflow;
-  to.external += more.external;
-  to.darcy += more.darcy;
+// Calls sweep(nodes, size) for parts of the active nodes.
+template <class Sweep>
+void for_node_lists(const GridState& g, int threads, Sweep&& sweep) {
+  for_node_parts(g, threads, [&](std::size_t, std::size_t begin, std::size_t end) { sweep(g.active.nodes.data() + begin, end - begin); });
 }
 
 }  // namespace
 
-// The element's nodes, with their hats at the point.
-struct PoreWater::Hats {
-  std::size_t at[4];
-  double w[4];
-
-  Hats(const InElement& e, std::size_t row)
-      : at{e.node, e.node + 1, e.node + row, e.node + row + 1},
-        w{(1 - e.s) * (1 - e.t), e.s * (1 - e.t), (1 - e.s) * e.t, e.s * e.t} {}
-};
-
 PoreFlow PoreWater::flow(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, double dt,
                          int threads) {
-  map_potential(p, g, tractions, gravity, time, threads);
-  give_potentials(g, gravity, time, threads);
-  smooth(g, &PoreNode::strained, &PoreNode::change, threads);
-  add_fluxes(p, g, gravity, threads);
-  PoreFlow sums = change_nodes(g, time, dt, threads);
-  smooth(g, &PoreNode::unseen, &PoreNode::restore, threads);
-  add(sums, change_points(p, g, tractions, gravity, time, dt, threads));
-  for_nodes(g, threads, [&](Node&, std::uint32_t n) { node_[n] = PoreNode{}; });
+  set_outside(p, gravity);
+  if (has_front(p, gravity, threads)) return flow_with_front(p, g, tractions, gravity, time, dt, threads);
+  PoreFlow sums = flow_through_tractions(p, tractions, time, dt);
+  map_points(p, g, tractions, gravity, time, threads);
+  take_means(g, gravity, time, dt, threads);
+  const double rate = rate_in_cell(g) * dt;
+  PoreFields f = field_;
+  if (p.mobility.empty()) f.rate = nullptr;
+  const auto smooth = [&] {
+    for_node_lists(g, threads, [&](const std::uint32_t* nodes, std::size_t size) { smooth_pores_lanes(f, f.mean, f.even, nodes, size); });
+    tie_smoothed(f.mean, f.even);
+  };
+  smooth();
+  keep_means();
+  for_node_lists(g, threads, [&](const std::uint32_t* nodes, std::size_t size) { exchange_pores_lanes(f, rate, alike_.mobility, nodes, size); });
+  sums.add(at_given_nodes(rate));
+  sums.add(tie_exchanged(g, gravity, rate));
+  smooth();
+  const PointView points = p.view();
+  const PoreView pores = view(p, gravity);
+  const CellView cells = g.view();
+  std::vector<double> parts(g.active.pieces.size());
+  for_pieces(g, threads, [&](Range range, std::size_t piece) {
+    parts[piece] = change_points_lanes(g.centred, rate, points, pores, cells, f, range);
+  });
+  for (const double part : parts) sums.darcy += part;
+  mark_given(false);
+  follow_porosity(p, threads);
   return sums;
 }
 
-void PoreWater::map_potential(const Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, int threads) {
-  for_bands(g.active.mapped, threads, [&](Range range, std::size_t) {
-    for_points_of(g, range, [&](std::uint32_t k) {
-      const InElement in = element_of(p, g, k);
-      const Hats hats(in, std::size_t(g.grid.nx));
-      const Traction* load = tractions.of(p.index[k]);
-      if (load && time < load->until)
-        for (const std::size_t n : hats.at) node_[n].loaded = std::max(node_[n].loaded, std::uint16_t(load->boundary + 1));
-      if (!flows(p, k)) {
-        if (!soil_of(p, k).has_pores()) node_[in.node].cell |= holds_solid;
-        return;
-      }
-      node_[in.node].cell |= holds_water;
-      const double volume = p.volume0[k] * p.J[k], e = p.pressure[k] - head({p.x[k], p.y[k]}, gravity);
-      const double strain = strain_of(p, k);
-      for (int c = 0; c < 4; ++c) {
-        PoreNode& node = node_[hats.at[c]];
-        const double share = hats.w[c] * volume;
-        node.volume += share;
-        node.potential += share * e;
-        node.strained += share * strain;
-      }
-    });
-  });
-}
-
-// An element beside a node counts unless it is beyond the domain or behind a wall along the grid; the material's surface is
-// where one is empty.
-void PoreWater::give_potentials(const GridState& g, const Vec2& gravity, double time, int threads) {
-  const auto row = std::size_t(g.grid.nx);
-  const double per_volume = g.per_hx * g.per_hy, hy = g.grid.spacing.y();
-  for_each(g.active.nodes.size(), threads, [&](std::size_t a) {
-    const std::size_t n = g.active.nodes[a];
-    PoreNode& node = node_[n];
-    if (!(node.volume > 0)) return;
-    node.potential /= node.volume;
-    node.strained /= node.volume;
-    const Vec2 x = g.position(n);
-    const PoreCondition* condition = boundaries_.at(n, time);
-    bool surface = false;
-    if (!condition) {
-      const int i = int(n % row), j = int(n / row);
-      const std::uint8_t walls = g.walls[n];
-      int open = 0;
-      for (int c = 0; c < 4; ++c) {
-        const int left = 1 - c % 2, below = 1 - c / 2, ei = i - left, ej = j - below;
-        if (ei < first_i_ || ei >= last_i_ || ej < first_j_ || ej >= last_j_) continue;
-        if (walls & ((left ? wall_left : wall_right) | (below ? wall_down : wall_up))) continue;
-        ++open;
-        surface = surface || node_[n - std::size_t(left) - std::size_t(below) * row].cell == 0;
-      }
-      surface = surface || node.volume * per_volume < least_share * 0.25 * open;
-      if (surface && node.loaded > 0) condition = &boundaries_.of_boundary(std::size_t(node.loaded - 1));
-    }
-    if (condition) {
-      if (condition->kind == PoreCondition::pressure || condition->kind == PoreCondition::drained) {
-        node.given = true;
-        const double pressure = condition->kind == PoreCondition::pressure ? condition->value : outside_pressure(x, gravity);
-        node.potential = pressure - head(x, gravity);
-      }
-    } else if (surface) {
-      // With a level, the water's surface is at it, and not at the node that is next above.
-      node.given = true;
-      node.potential = level_ ? options_.density_kg_m3 * -gravity.y() * (std::max(0.0, x.y() - hy - *level_) + *level_ - reference_.y())
-                              : -head(x, gravity);
-    }
-  });
-}
-
-// (1, 2, 1)/4 along each axis, as what nodes exchange with their neighbours through the smaller of their volumes: the sum of V
-// times the value stays, and what alternates from node to node goes. Without it two waves of cells would pass that give no force.
-void PoreWater::smooth(const GridState& g, double PoreNode::*value, double PoreNode::*scratch, int threads) {
-  const auto along = [&](std::size_t step, double PoreNode::*from, double PoreNode::*to) {
-    for_each(g.active.nodes.size(), threads, [&](std::size_t a) {
-      const std::size_t n = g.active.nodes[a];
-      PoreNode& node = node_[n];
-      double gain = 0;
-      const auto take = [&](const PoreNode& other) { gain += std::min(node.volume, other.volume) * (other.*from - node.*from); };
-      if (n >= step) take(node_[n - step]);
-      if (n + step < node_.size()) take(node_[n + step]);
-      node.*to = node.*from + (node.volume > 0 ? 0.25 * gain / node.volume : 0.0);
-    });
-  };
-  along(1, value, scratch);
-  along(std::size_t(g.grid.nx), scratch, value);
-}
-
-// What a point's potential lacks to the field that the nodes span.
-double PoreWater::lack_of(const Particles& p, std::size_t k, const Hats& hats, const Vec2& gravity) const {
-  double spanned = 0;
-  for (int c = 0; c < 4; ++c) spanned += hats.w[c] * node_[hats.at[c]].potential;
-  return spanned - (p.pressure[k] - head({p.x[k], p.y[k]}, gravity));
-}
-
-// A point's strain beyond the mean around it, which the nodes do not see.
-double PoreWater::unseen_strain(const Particles& p, std::size_t k, const Hats& hats) const {
-  double mean = 0;
-  for (int c = 0; c < 4; ++c) mean += hats.w[c] * node_[hats.at[c]].strained;
-  return strain_of(p, k) - mean;
-}
-
-void PoreWater::add_fluxes(Particles& p, GridState& g, const Vec2& gravity, int threads) {
-  for_bands(g.active.mapped, threads, [&](Range range, std::size_t) {
+std::vector<Vec2> PoreWater::flow_at_points(const Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity,
+                                            double time, int threads) {
+  if (has_front(p, gravity, threads)) return flow_in_front(p, g, tractions, gravity, time, threads);
+  map_points(p, g, tractions, gravity, time, threads);
+  take_means(g, gravity, time, 0, threads);
+  std::vector<Vec2> flow(p.size(), Vec2::Zero());
+  for_pieces(g, threads, [&](Range range, std::size_t) {
     for_points_of(g, range, [&](std::uint32_t k) {
       if (!flows(p, k)) return;
       const InElement in = element_of(p, g, k);
-      const Hats hats(in, std::size_t(g.grid.nx));
-      double e[4];
-      for (int c = 0; c < 4; ++c) e[c] = node_[hats.at[c]].potential;
-      const double along_x = ((1 - in.t) * (e[1] - e[0]) + in.t * (e[3] - e[2])) * g.per_hx;
-      const double along_y = ((1 - in.s) * (e[2] - e[0]) + in.s * (e[3] - e[1])) * g.per_hy;
-      const double volume = p.volume0[k] * p.J[k], mobility = mobility_of(p, k) * volume;
-      p.flow_x[k] = -mobility_of(p, k) * along_x;
-      p.flow_y[k] = -mobility_of(p, k) * along_y;
-      const double qx = volume * p.flow_x[k] * g.per_hx, qy = volume * p.flow_y[k] * g.per_hy;
-      const double lack = lack_of(p, k, hats, gravity);
-      const double unseen = volume * unseen_strain(p, k, hats);
-      const double inflow[4] = {-qx * (1 - in.t) - qy * (1 - in.s), qx * (1 - in.t) - qy * in.s, -qx * in.t + qy * (1 - in.s),
-                                qx * in.t + qy * in.s};
-      for (int c = 0; c < 4; ++c) {
-        PoreNode& node = node_[hats.at[c]];
-        node.inflow += inflow[c];
-        node.restore += hats.w[c] * mobility * lack;
-        node.unseen += hats.w[c] * unseen;
-      }
+      const double *low = field_.potential + in.node, *high = low + field_.row;
+      flow[k] = -mobility_of(p, k) * Vec2(((1 - in.t) * (low[1] - low[0]) + in.t * (high[1] - high[0])) * g.per_hx,
+                                          ((1 - in.s) * (high[0] - low[0]) + in.s * (high[1] - low[1])) * g.per_hy);
     });
   });
+  mark_given(false);
+  return flow;
 }
 
-double PoreWater::length_along(const GridState& g, std::size_t n, std::uint8_t side) const {
-  const int i = int(n % std::size_t(g.grid.nx)), j = int(n / std::size_t(g.grid.nx));
-  const auto beside = [&](int left, int below) {
-    const bool inside = i >= left && j >= below;
-    return inside && (node_[g.grid.node(i - left, j - below)].cell & holds_water) ? 0.5 : 0.0;
-  };
-  switch (side) {
-    case wall_left: return (beside(0, 0) + beside(0, 1)) * g.grid.spacing.y();
-    case wall_right: return (beside(1, 0) + beside(1, 1)) * g.grid.spacing.y();
-    case wall_down: return (beside(0, 0) + beside(1, 0)) * g.grid.spacing.x();
-    default: return (beside(0, 1) + beside(1, 1)) * g.grid.spacing.x();
+// What is not active any more is zero again.
+void PoreWater::forget_nodes(const GridState& g) {
+  if (nodes_ == g.active.nodes) return;
+  for (const std::uint32_t n : nodes_) {
+    sums_.node[n] = {};
+    sums_.element[n] = {};
+    for (double* values : {field_.volume, field_.potential, field_.inside, field_.share, field_.flow_x, field_.flow_y, field_.strain_x, field_.strain_y, field_.inert_x, field_.inert_y})
+      if (values) values[n] = 0;
   }
+  nodes_ = g.active.nodes;
 }
 
-PoreFlow PoreWater::change_nodes(const GridState& g, double time, double dt, int threads) {
-  const double rate = rate_in_cell(g);
-  std::vector<PoreFlow> parts(node_parts(g));
-  for_node_parts(g, threads, [&](std::size_t part, std::size_t begin, std::size_t end) {
-    PoreFlow sum;
-    for (std::size_t a = begin; a < end; ++a) {
-      const std::size_t n = g.active.nodes[a];
-      PoreNode& node = node_[n];
-      node.change = 0;
-      if (!(node.volume > 0)) continue;
-      double through = 0;  // volume of water through the boundary
-      const double by_points = dt * rate * node.restore;  // what they take by themselves, at the rate of a cell
-      if (node.given) {
-        through = by_points - dt * node.inflow;
-      } else {
-        const PoreCondition* condition = boundaries_.at(n, time);
-        if (condition && condition->kind == PoreCondition::flux)
-          through = dt * condition->value * length_along(g, n, boundaries_.side(n, time));
-        node.change = (dt * node.inflow + through - by_points) / node.volume;
-      }
-      node.unseen /= node.volume;
-      sum.inflow += through;
-      sum.external += through * node.potential;
+void PoreWater::map_points(const Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, int threads) {
+  forget_nodes(g);
+  mark_elements(p, g, tractions, time, threads);
+  const PointView points = p.view();
+  const PoreView pores = view(p, gravity);
+  const CellView cells = g.view();
+  const auto clear = [&](Range nodes, std::size_t) {
+    for (std::size_t a = nodes.begin; a < nodes.end; ++a) {
+      sums_.node[g.active.nodes[a]] = {};
+      sums_.element[g.active.nodes[a]] = {};
     }
-    parts[part] = sum;
-  });
-  PoreFlow all;
-  for (const PoreFlow& part : parts) add(all, part);
-  all.darcy = all.external;
-  return all;
+  };
+  const auto add = [&](Range range, std::size_t) { map_pores_lanes(g.centred, points, pores, cells, sums_, range); };
+  for_bands(g.active.mapped, threads, clear, add, [](Range, std::size_t) {});
+  tie_sums(g, gravity, time);
 }
 
-// Water that flows through the loaded face of a point, m^2/s.
-double PoreWater::flux_of(const Particles& p, const Tractions& tractions, std::size_t k, double time) const {
-  if (!boundaries_.any_flux_on_tractions()) return 0;
-  const Traction* load = tractions.of(p.index[k]);
-  if (!load || time >= load->until) return 0;
-  const PoreCondition& condition = boundaries_.of_boundary(load->boundary);
-  return condition.kind == PoreCondition::flux ? condition.value * load->face : 0;
-}
-
-// Beside what nodes pass on, points exchange what the nodes do not see, less the mean of that around them: fields of few waves
-// stay (to the fourth order), and the means' weights conserve. Of the flow's energy, what was neither stored in the water nor lost
-// at the boundaries is dissipated.
-PoreFlow PoreWater::change_points(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, double dt,
-                                  int threads) {
-  const double rate_dt = rate_in_cell(g) * dt;
-  std::vector<PoreFlow> parts(g.active.pieces.size());
-  for_pieces(g, threads, [&](Range range, std::size_t piece) {
-    PoreFlow sum;
+// Where loaded points and those without pores are.
+void PoreWater::mark_elements(const Particles& p, GridState& g, const Tractions& tractions, double time, int threads) {
+  const bool solids = std::any_of(soils_.begin(), soils_.end(), [](const PoreSoil& s) { return !s.has_pores(); });
+  if (marked_)
+    for_nodes(g, threads, [&](Node&, std::uint32_t n) { marks_[n] = {}; });
+  marked_ = solids || tractions.any();
+  if (!marked_) return;
+  for_bands(g.active.mapped, threads, [&](Range range, std::size_t) {
     for_points_of(g, range, [&](std::uint32_t k) {
-      const PoreSoil& soil = soil_of(p, k);
-      if (flows(p, k)) {
-        const Hats hats(element_of(p, g, k), std::size_t(g.grid.nx));
-        const double by_cell = rate_dt * mobility_of(p, k) * lack_of(p, k, hats, gravity);
-        double evened = unseen_strain(p, k, hats), flowed = by_cell;
-        for (int c = 0; c < 4; ++c) {
-          evened -= hats.w[c] * node_[hats.at[c]].unseen;
-          flowed += hats.w[c] * node_[hats.at[c]].change;
-        }
-        p.content[k] += p.J[k] * evened;
-        const double through = dt * flux_of(p, tractions, k, time), height = head({p.x[k], p.y[k]}, gravity);
-        const double more = p.J[k] * flowed + through / p.volume0[k];
-        const double pores = pores_of(p, k, soil), before = options_.bulk_modulus_pa * (p.content[k] / pores - 1);
-        const double stored = p.volume0[k] * more * (before + 0.5 * options_.bulk_modulus_pa * more / pores);
-        const double external = p.volume0[k] * more * height + through * (before - height);
-        sum.inflow += through;
-        sum.external += external + p.volume0[k] * p.J[k] * evened * height;
-        sum.darcy += external - stored;
-        p.content[k] += more;
-      }
-      refresh_point(p, k, soil, gravity);
+      const Traction* load = tractions.any() ? tractions.of(p.index[k]) : nullptr;
+      if (load && time >= load->until) load = nullptr;
+      if (!load && !solids) return;
+      const std::size_t n = element_of(p, g, k).node;
+      if (solids && !soil_of(p, k).has_pores()) marks_[n].solid = true;
+      if (!load) return;
+      for (const std::size_t at : {n, n + 1, n + std::size_t(g.grid.nx), n + std::size_t(g.grid.nx) + 1})
+        marks_[at].loaded = std::max(marks_[at].loaded, std::uint16_t(load->boundary + 1));
     });
-    parts[piece] = sum;
   });
-  PoreFlow all;
-  for (const PoreFlow& part : parts) add(all, part);
-  return all;
+}
+
+void PoreWater::take_means(const GridState& g, const Vec2& gravity, double time, double dt, int threads) {
+  PoreFields f = field_;
+  if (!alike_.own) f.rate = nullptr;
+  const double yields = projected() ? dt * dt / inertia_ : 0;
+  const PoreEdges edges{projected() ? 0 : rate_in_cell(g) * dt, dt * g.per_hx * g.per_hx, dt * g.per_hy * g.per_hy, alike_.mobility,
+                        least_share * g.grid.spacing.prod(), yields * g.per_hx * g.per_hx,
+                        yields * g.per_hy * g.per_hy};
+  std::vector<std::vector<std::uint32_t>> parts(node_parts(g));
+  for_node_parts(g, threads, [&](std::size_t part, std::size_t begin, std::size_t end) {
+    std::uint32_t special[nodes_in_part];
+    const std::size_t found = take_means_lanes(sums_, f, edges, g.active.nodes.data() + begin, end - begin, special);
+    parts[part].assign(special, special + found);
+  });
+  std::vector<std::uint32_t> special;
+  for (int field = 0; field < g.velocity_fields; ++field)
+    for (const std::uint32_t n : boundaries_.let_through()) special.push_back(std::uint32_t(n + std::size_t(field) * g.field_nodes()));
+  for (const auto& part : parts) special.insert(special.end(), part.begin(), part.end());
+  std::sort(special.begin(), special.end());
+  special.erase(std::unique(special.begin(), special.end()), special.end());
+  given_.clear();
+  free_.clear();
+  through_.clear();
+  for (const std::uint32_t n : special) {
+    const double mean = field_.potential[n];
+    if (!(sums_.node[n].volume > 0)) continue;
+    const Surface surface = give_potential(g, n, gravity, time);
+    if (surface == Surface::free) free_.push_back(n);
+    if (surface == Surface::given) given_.push_back({n, alike_.own ? field_.rate[n] : alike_.mobility, mean});
+    else if (const double flux = flux_into(g, n, time, [this](std::ptrdiff_t element) { return sums_.element[element].inside > 0; }); flux != 0) through_.push_back({n, dt * flux});
+  }
+  tie_given(g, gravity);
+  mark_given(true);
+}
+
+PoreWater::Surface PoreWater::give_potential(const GridState& g, std::size_t n, const Vec2& gravity, double time) {
+  const PoreCondition* condition = boundaries_.at(n, time);
+  bool by_load = false;
+  if (!condition) {
+    const auto holds = [this](std::size_t element) { return sums_.element[element].inside > 0 || marks_[element].solid; };
+    if (!at_surface(g, n, sums_.node[n].volume, time, holds)) {
+      const PoreMark *here = marks_ + n, *below = here - field_.row;
+      return here->solid || here[-1].solid || below->solid || below[-1].solid ? Surface::free : Surface::none;
+    }
+    by_load = marks_[n].loaded > 0;
+    if (by_load) condition = &boundaries_.of_boundary(std::size_t(marks_[n].loaded - 1));
+  }
+  const Vec2 x = g.position(n);
+  if (condition) {
+    if (!condition->gives_pressure()) return by_load ? Surface::free : Surface::none;
+    field_.potential[n] = given_pressure(*condition, x, gravity) - head(x, gravity);
+  } else {
+    // With a level, the water's surface is at it, and not at the node that is next above.
+    const double above = level_ ? std::max(0.0, x.y() - g.grid.spacing.y() - *level_) + *level_ - reference_.y() : 0;
+    field_.potential[n] = level_ ? options_.density_kg_m3 * -gravity.y() * above : -head(x, gravity);
+  }
+  return Surface::given;
+}
+
+void PoreWater::mark_given(bool given) {
+  for (const Given& at : given_) marks_[at.node].given = given;
+}
+
+// There the potential is not the mean, to which the node's points are brought, and what flows comes from outside; and the flow that
+// is given where potentials are not.
+PoreFlow PoreWater::at_given_nodes(double rate) {
+  PoreFlow sum;
+  const PoreFields& f = field_;
+  const auto count = [&](double volume, double potential) { sum.add({volume, volume * potential, volume * potential}); };
+  for (const Given& at : given_) {
+    const std::uint32_t n = at.node;
+    const double potential = f.potential[n];
+    const auto to = [&](std::ptrdiff_t other, double exchange) {
+      return (marks_ + n)[other].given ? 0 : exchange * (potential - (f.potential + n)[other]);
+    };
+    const double passed = to(1, f.flow_x[n]) + to(-1, (f.flow_x + n)[-1]) + to(f.row, f.flow_y[n]) + to(-f.row, (f.flow_y + n)[-f.row]);
+    count(passed + rate * at.mobility * at.share * f.volume[n] * (potential - at.mean), potential);
+    f.change[n] = rate * at.mobility * potential;
+  }
+  for (const Through& through : through_) {
+    f.change[through.node] += through.volume / f.volume[through.node];
+    count(through.volume, f.potential[through.node]);
+  }
+  return sum;
+}
+
+// Through the loaded faces of points.
+PoreFlow PoreWater::flow_through_tractions(Particles& p, const Tractions& tractions, double time, double dt) const {
+  PoreFlow sum;
+  if (!boundaries_.any_flux_on_tractions()) return sum;
+  for (std::size_t k = 0; k < p.size(); ++k) {
+    const Traction* load = p.cell[k] == Particles::ended ? nullptr : tractions.of(p.index[k]);
+    if (!load || time >= load->until || !flows(p, k)) continue;
+    const PoreCondition& condition = boundaries_.of_boundary(load->boundary);
+    if (condition.kind != PoreCondition::flux) continue;
+    const double through = dt * condition.value * load->face, stiffness = options_.bulk_modulus_pa / pores_of(p, k, soil_of(p, k));
+    p.content[k] += through / p.volume0[k];
+    sum.inflow += through;
+    sum.external += through * (p.pressure[k] + 0.5 * stiffness * through / p.volume0[k]);
+    if (projected()) p.pressure[k] += stiffness * through / p.volume0[k];
+  }
+  return sum;
 }
 
 }  // namespace pivnp::mpm

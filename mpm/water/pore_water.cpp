@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "mpm/grid/sweeps.hpp"
 #include "pivnp/core/error.hpp"
@@ -27,17 +28,25 @@ double sum_over(std::size_t size, int threads, Of&& of) {
   return sum;
 }
 
+// Room before the first node, and for fields behind the last one: a row and more is read there.
+std::size_t before_nodes(const GridState& g) { return std::size_t(g.grid.nx) + 8; }
+
+double mobility_in_kernels(const PoreSoil& soil) {
+  return soil.holds_water() ? soil.mobility : soil.has_pores() ? drained_mobility : no_pores_mobility;
+}
+
 }  // namespace
 
 PoreWater::PoreWater(const WaterOptions& options, std::vector<PoreSoil> soils, const ParticleSet& particles,
-                     GridState& g, PoreBoundaries boundaries)
+                     GridState& g, PoreBoundaries boundaries, const TiedSides& ties, const RigidBodies& bodies)
     : options_(options),
       soils_(std::move(soils)),
       set_(&particles),
       boundaries_(std::move(boundaries)),
       level_(options.level_m),
       reference_(g.domain.origin.x(), options.level_m.value_or(g.domain.origin.y())),
-      node_(g.arrays.pores),
+      ties_(&ties),
+      bodies_(&bodies),
       first_i_(int(std::lround((g.domain.origin.x() - g.field_grid.origin.x()) * g.per_hx))),
       first_j_(int(std::lround((g.domain.origin.y() - g.field_grid.origin.y()) * g.per_hy))),
       last_i_(first_i_ + g.domain.nx - 1),
@@ -49,6 +58,11 @@ PoreWater::PoreWater(const WaterOptions& options, std::vector<PoreSoil> soils, c
   for (std::size_t k = 0; k < at.size(); ++k)
     if (!std::isfinite(at[k][0]) || !std::isfinite(at[k][1]) || (k > 0 && !(at[k][0] > at[k - 1][0])))
       throw InputError("water.level_history: entry " + std::to_string(k + 1) + " is not finite or not later than the one before, expected rising times");
+  const std::size_t before = before_nodes(g);
+  const auto field = [&](std::size_t k) { return g.arrays.flow[k].data() + before; };
+  field_ = {field(0), field(1), field(2), field(3), field(4), field(5), field(6), field(7), field(8), field(9), field(10), field(11), nullptr, nullptr, g.grid.nx};
+  sums_ = {g.arrays.pores.data() + before, g.arrays.pore_elements.data() + before};
+  marks_ = g.arrays.pore_marks.data() + before;
   set_time(0);
   if (level_) reference_.y() = *level_;
 }
@@ -72,9 +86,11 @@ void PoreWater::start(Particles& p, const GridState& g, const Vec2& gravity, int
     const Vec2 x(p.x[k], p.y[k]);
     const bool full = soil.has_pores() && (!level_ || x.y() < *level_);
     p.content[k] = full ? soil.porosity * (1 + outside_pressure(x, gravity) / options_.bulk_modulus_pa) : 0;
-    p.porosity[k] = soil.porosity;
+    if (!full && soil.holds_water() && sees_air(gravity))  // what the surface cuts
+      p.content[k] = soil.porosity * std::max(0.0, 1 - (x.y() - *level_) / std::sqrt(p.volume0[k]));
     if (soil.has_pores()) p.mass[k] = p.volume0[k] * (soil.dry_density() + options_.density_kg_m3 * p.content[k]);
   }
+  take_soils(p);
   refresh(p, gravity, threads);
   std::vector<std::uint8_t> full(g.grid.node_count(), 0);
   for (std::size_t k = 0; k < p.size(); ++k) {
@@ -84,22 +100,52 @@ void PoreWater::start(Particles& p, const GridState& g, const Vec2& gravity, int
   boundaries_.check_outside(g, [&](std::size_t n) { return full[n] != 0; });
 }
 
+// Kernels see one soil, or what every point has of its own.
+void PoreWater::take_soils(Particles& p) {
+  const bool varied = p.bodies.size() > 1 || std::any_of(soils_.begin(), soils_.end(), [](const PoreSoil& s) { return s.kozeny_carman; });
+  alike_ = {mobility_in_kernels(soil_of(p, 0)), 1 - soil_of(p, 0).porosity, varied};
+  p.mobility.assign(varied ? p.size() : 0, 0.0);
+  p.solid.assign(varied ? p.size() : 0, 0.0);
+  for (std::size_t k = 0; k < p.mobility.size(); ++k) {
+    const PoreSoil& soil = soil_of(p, k);
+    p.mobility[k] = mobility_in_kernels(soil);
+    p.solid[k] = 1 - soil.porosity;
+  }
+}
+
+void PoreWater::follow_porosity(Particles& p, int threads) const {
+  for (const Particles::Body& body : p.bodies) {
+    const PoreSoil& soil = soils_[std::size_t(body.material)];
+    if (!soil.kozeny_carman || !soil.holds_water()) continue;
+    for_each(body.end - body.begin, threads, [&](std::size_t k) {
+      p.mobility[body.begin + k] = soil.mobility_at(1 - (1 - soil.porosity) / p.J_flow[body.begin + k]);
+    });
+  }
+}
+
+PoreView PoreWater::view(const Particles& p, const Vec2& gravity) const {
+  const auto at = [](const Array& values) { return values.empty() ? nullptr : const_cast<double*>(values.data()); };
+  const double density = options_.density_kg_m3;
+  return {at(p.pressure), at(p.content), at(p.J_flow), at(p.excess), at(p.mobility), at(p.solid), alike_.mobility, alike_.solid,
+          options_.bulk_modulus_pa, density * gravity.x(), density * gravity.y(), -density * gravity.dot(reference_), p.outside, p.level, projected()};
+}
+
+double PoreWater::porosity(const Particles& p, std::size_t k) const {
+  const PoreSoil& soil = soil_of(p, k);
+  return soil.has_pores() ? 1 - (1 - soil.porosity) / p.J[k] : 0;
+}
+
 void PoreWater::refresh_point(Particles& p, std::size_t k, const PoreSoil& soil, const Vec2& gravity) const {
   const double J = p.J[k], outside = outside_pressure({p.x[k], p.y[k]}, gravity);
-  if (!soil.has_pores()) {
-    p.pressure[k] = 0;
-  } else {
-    const bool holds = p.content[k] > 0 && soil.holds_water();
-    p.porosity[k] = 1 - (1 - soil.porosity) / J;
-    p.pressure[k] = holds ? options_.bulk_modulus_pa * (p.content[k] / pores_of(p, k, soil) - 1) : outside;
-  }
-  const double excess = J * (p.pressure[k] - outside);
-  p.total_xx[k] = p.tau_xx[k] - excess;
-  p.total_yy[k] = p.tau_yy[k] - excess;
-  p.total_zz[k] = p.tau_zz[k] - excess;
+  const bool air = sees_air(gravity), holds = (air || p.content[k] > 0) && soil.holds_water();
+  p.pressure[k] = holds ? options_.bulk_modulus_pa * (p.content[k] / pores_of(p, k, soil) - 1) : soil.has_pores() ? outside : 0;
+  if (air && holds) p.pressure[k] = std::max(0.0, p.pressure[k]);
+  p.J_flow[k] = J;
+  p.excess[k] = J * (p.pressure[k] - outside);
 }
 
 void PoreWater::refresh(Particles& p, const Vec2& gravity, int threads) const {
+  set_outside(p, gravity);
   for (const Particles::Body& body : p.bodies) {
     const PoreSoil& soil = soils_[std::size_t(body.material)];
     for_each(body.end - body.begin, threads, [&](std::size_t k) {
@@ -108,18 +154,9 @@ void PoreWater::refresh(Particles& p, const Vec2& gravity, int threads) const {
   }
 }
 
-void PoreWater::lift(const Particles& p, GridState& g, const Vec2& gravity, int threads) const {
-  const double weight = options_.density_kg_m3 * -gravity.y();
-  Shapes::with(g.shape, [&](auto kind) {
-    using S = decltype(kind);
-    for_bands(g.active.mapped, threads, [&](Range range, std::size_t) {
-      for_points<S>(p, g, range, [&](std::uint32_t k, const std::size_t* at, const auto& x, const auto& y) {
-        if (p.y[k] >= *level_) return;
-        const double up = p.volume0[k] * p.J[k] * weight;
-        for (int c = 0; c < S::width * S::width; ++c) g.node[at[c]].fy += up * x.w[c % S::width] * y.w[c / S::width];
-      });
-    });
-  });
+void PoreWater::set_outside(Particles& p, const Vec2& gravity) const {
+  p.outside = level_ ? options_.density_kg_m3 * -gravity.y() : 0;
+  p.level = level_.value_or(0);
 }
 
 std::vector<double> PoreWater::displaced_mass(const Particles& p) const {
@@ -135,7 +172,7 @@ double PoreWater::mass(const Particles& p, std::size_t k) const {
 
 double PoreWater::potential_energy(const Particles& p, std::size_t k, const Vec2& gravity) const {
   const Vec2 x(p.x[k], p.y[k]);
-  return p.volume0[k] * p.J[k] * outside_pressure(x, gravity) - p.mass[k] * gravity.dot(x - reference_);
+  return p.volume0[k] * p.J[k] * outside_pressure(x, gravity) - mass(p, k) * gravity.dot(x - reference_);
 }
 
 double PoreWater::potential_energy(const Particles& p, const Vec2& gravity, int threads) const {
@@ -163,16 +200,20 @@ PoreWater::Rates PoreWater::rates(const Particles& p) const {
   for (const Particles::Body& body : p.bodies) {
     const PoreSoil& soil = soils_[std::size_t(body.material)];
     if (!soil.holds_water()) continue;
-    double& stiffness = rates.stiffness[std::size_t(body.material)];
-    double least = 1, mobility = 0;
+    double least = std::numeric_limits<double>::max(), most = 0, mobility = soil.mobility;
     for (std::size_t k = body.begin; k < body.end; ++k) {
       if (p.cell[k] == Particles::ended || !(p.content[k] > 0)) continue;
-      const double pores = pores_of(p, k, soil);
-      stiffness = std::max(stiffness, options_.bulk_modulus_pa * p.J[k] * p.J[k] / pores);
-      least = std::min(least, pores / p.J[k]);
-      mobility = std::max(mobility, mobility_of(p, k));
+      least = std::min(least, p.J[k]);
+      most = std::max(most, p.J[k]);
     }
-    if (stiffness > 0) rates.diffusivity = std::max(rates.diffusivity, mobility * options_.bulk_modulus_pa / least);
+    if (!(most > 0)) continue;
+    if (soil.kozeny_carman) mobility = *std::max_element(p.mobility.begin() + std::ptrdiff_t(body.begin), p.mobility.begin() + std::ptrdiff_t(body.end));
+    // J^2/(J - solid) and 1 - solid/J are greatest and least where J is.
+    const auto pores = [&](double J) { return std::max(least_pores, J - (1 - soil.porosity)); };
+    const double stiffness = options_.bulk_modulus_pa * std::max(least * least / pores(least), most * most / pores(most));
+    double& of_material = rates.stiffness[std::size_t(body.material)];
+    of_material = std::max(of_material, stiffness);
+    rates.diffusivity = std::max(rates.diffusivity, mobility * options_.bulk_modulus_pa * least / pores(least));
   }
   return rates;
 }

@@ -6,15 +6,15 @@
 // with J of the averaged volumetric strain (transfer.hpp): so pressure feels the averages that cure locking. The content
 // changes by flow alone, which nodes pass on between points: its sum changes by what crosses the boundaries, to round-off.
 //
-// Flow: q = -(K/gamma) grad e, potential e = p - rho_w g . x. Points give nodes the mean of e by bilinear hats; its
-// gradient moves water; nodes give their points what came. Where a boundary, or the material's own surface, gives the
-// potential, the node has that, and its points are brought towards the field that the nodes span, at the rate of a
-// cell: a field that is linear up to the surface is kept. What of the points' potentials no node sees evens out at that rate too,
-// and what no node sees of their volumetric strain gives no pressure: points exchange water for it. Without that, nearly
+// Flow: q = -(K/gamma) grad e, potential e = p - rho_w g . x. Points give nodes the mean of e by bilinear hats; along the
+// edges between nodes, its differences move water; nodes give their points what came. Where a boundary, or the material's own
+// surface, gives the potential, the node has that, and its points are brought towards the field that the nodes span, at the rate
+// of a cell: a field that is linear up to the surface is kept. What of the points' potentials no node sees evens out at that rate
+// too, and what no node sees of their volumetric strain gives no pressure: points exchange water for it. Without that, nearly
 // incompressible mixtures checkerboard.
 //
-// Momentum sees the stress tau' - J (p - p_l) I, p_l the pressure of the water outside, at rest below a level
-// (`total_xx` ...), and the lift rho_w g of the volume below it: with the divergence theorem that is the load of the water
+// Momentum sees the normal stress tau' - J (p - p_l), p_l the pressure of the water outside, at rest below a level
+// (Particles::excess), and the lift rho_w g of the volume below it: with the divergence theorem that is the load of the water
 // on the submerged surface, and soil and water at rest stay so exactly.
 #pragma once
 
@@ -24,11 +24,14 @@
 #include <string>
 #include <vector>
 
+#include "mpm/constraint/rigid_body.hpp"
+#include "mpm/constraint/tied_sides.hpp"
 #include "mpm/constraint/tractions.hpp"
 #include "mpm/grid/grid_state.hpp"
 #include "mpm/state/particles.hpp"
 #include "mpm/water/options.hpp"
 #include "mpm/water/pore_boundaries.hpp"
+#include "mpm/water/pore_lanes.hpp"
 #include "mpm/state/pore_node.hpp"
 #include "mpm/water/pore_soil.hpp"
 #include "pivnp/core/particles/motion.hpp"
@@ -38,18 +41,27 @@ namespace pivnp::mpm {
 /// What a step's flow did, per metre of thickness.
 struct PoreFlow {
   double inflow = 0;    // volume of water without pressure through the boundaries, m^2
-  double external = 0;  // work of gravity on the flow and of the pressures at the boundaries, J
+  double external = 0;  // work at the boundaries, by the potentials, J
   double darcy = 0;     // dissipated, J
+  double yielded = 0;   // projected: taken by the strain that pressures foresee, J
+
+  void add(const PoreFlow& more) {
+    inflow += more.inflow;
+    external += more.external;
+    darcy += more.darcy;
+    yielded += more.yielded;
+  }
 };
 
 class PoreWater {
  public:
-  /// `soils`: of each label of `particles`, which must outlive this, as must `g`. Throws InputError naming the key.
+  /// `soils`: of each label of `particles`, which must outlive this, as must `g`, `ties` and `bodies`. Throws InputError naming the key.
   PoreWater(const WaterOptions& options, std::vector<PoreSoil> soils, const ParticleSet& particles, GridState& g,
-            PoreBoundaries boundaries);
+            PoreBoundaries boundaries, const TiedSides& ties, const RigidBodies& bodies);
 
   /// The water outside as it is at a time: call before what follows, at each step.
   void set_time(double time);
+  bool level_moves() const { return !options_.level_history.empty(); }
   /// Does the level move after that time?
   bool moves_after(double time) const { return !options_.level_history.empty() && time < options_.level_history.back()[0]; }
 
@@ -59,17 +71,24 @@ class PoreWater {
   /// Between strain and momentum: moves water from where pressures as they were before the last strain drive it, evens that
   /// strain out, and refreshes. (So a mode of wave and flow takes p' = p - K_w theta/n - lambda dt p.)
   PoreFlow flow(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, double dt, int threads);
-  /// Particles::pressure, porosity and the stress that momentum sees, of contents and skeleton as they are.
+  /// From here on pressure is projected: flow_projected() in the place of flow().
+  void project(const GridState& g, double foreseen_share);
+  bool projected() const { return !system_.empty(); }
+  /// The same, stable in the steps of the drained wave: pressures change by what they themselves will do to strain and flow.
+  /// `guess`: of the nodes, what they changed by in the last step. Throws RunError.
+  PoreFlow flow_projected(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, double dt,
+                          std::vector<double>& guess, int threads);
+  /// What points pass on and have passed on now, m/s: Darcy's flow of each, x and y in turn.
+  std::vector<Vec2> flow_at_points(const Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time,
+                                   int threads);
+  /// Particles::pressure and the stress that momentum sees, of contents and skeleton as they are.
   void refresh(Particles& p, const Vec2& gravity, int threads) const;
-  /// Is there a level, and gravity?
-  bool lifts(const Vec2& gravity) const { return level_.has_value() && gravity.y() < 0; }
-  /// Adds the lift of what is below the level to the nodes' forces.
-  void lift(const Particles& p, GridState& g, const Vec2& gravity, int threads) const;
   /// Mass of the water that each point displaces below the level, kg/m.
   std::vector<double> displaced_mass(const Particles& p) const;
 
   /// Mass of a point with the water it holds now; what it has where the flow does not change it.
   double mass(const Particles& p, std::size_t k) const;
+  double porosity(const Particles& p, std::size_t k) const;
   /// Potential energy of a point in gravity and in the water outside, J/m.
   double potential_energy(const Particles& p, std::size_t k, const Vec2& gravity) const;
   double potential_energy(const Particles& p, const Vec2& gravity, int threads) const;
@@ -92,37 +111,71 @@ class PoreWater {
     double diffusivity = 0;
   };
   Rates rates(const Particles& p) const;
+  /// Pores are not all full, or a level moves.
+  bool surface_may_move(const Particles& p) const;
   /// The material holds points above the level, which are dry.
   bool partly_dry(const Particles& p, std::size_t material) const;
   const PoreSoil& soil(std::size_t material) const { return soils_[material]; }
 
  private:
   const PoreSoil& soil_of(const Particles& p, std::size_t k) const { return soils_[std::size_t(set_->label[p.index[k]])]; }
-  bool flows(const Particles& p, std::size_t k) const { return p.content[k] > 0 && soil_of(p, k).holds_water(); }
+  bool flows(const Particles& p, std::size_t k) const { return (p.content[k] > 0 || !front_.empty()) && soil_of(p, k).holds_water(); }
   double outside_pressure(const Vec2& x, const Vec2& gravity) const;
-  double mobility_of(const Particles& p, std::size_t k) const { return soil_of(p, k).mobility_at(p.porosity[k]); }
   double head(const Vec2& x, const Vec2& gravity) const { return options_.density_kg_m3 * gravity.dot(x - reference_); }
+  double mobility_of(const Particles& p, std::size_t k) const { return p.mobility.empty() ? alike_.mobility : p.mobility[k]; }
   void refresh_point(Particles& p, std::size_t k, const PoreSoil& soil, const Vec2& gravity) const;
-
-  struct Hats;
-  double lack_of(const Particles& p, std::size_t k, const Hats& hats, const Vec2& gravity) const;
-  double unseen_strain(const Particles& p, std::size_t k, const Hats& hats) const;
-  /// Volumetric strain of a point since the last flow, from its porosity then.
-  double strain_of(const Particles& p, std::size_t k) const {
-    return 1 - (1 - soil_of(p, k).porosity) / ((1 - p.porosity[k]) * p.J[k]);
-  }
   static double pores_of(const Particles& p, std::size_t k, const PoreSoil& soil) {
     return std::max(least_pores, p.J[k] - (1 - soil.porosity));
   }
-  static constexpr double least_pores = 1e-6;  // of the initial volume: grains would touch everywhere
-  void map_potential(const Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, int threads);
-  void smooth(const GridState& g, double PoreNode::*value, double PoreNode::*scratch, int threads);
-  void give_potentials(const GridState& g, const Vec2& gravity, double time, int threads);
-  void add_fluxes(Particles& p, GridState& g, const Vec2& gravity, int threads);
-  PoreFlow change_nodes(const GridState& g, double time, double dt, int threads);
-  PoreFlow change_points(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, double dt, int threads);
-  double flux_of(const Particles& p, const Tractions& tractions, std::size_t k, double time) const;
-  double length_along(const GridState& g, std::size_t node, std::uint8_t side) const;
+  void set_outside(Particles& p, const Vec2& gravity) const;
+  void take_soils(Particles& p);
+  void follow_porosity(Particles& p, int threads) const;
+  PoreView view(const Particles& p, const Vec2& gravity) const;
+
+  // pore_flow.cpp
+  void forget_nodes(const GridState& g);
+  void map_points(const Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, int threads);
+  void mark_elements(const Particles& p, GridState& g, const Tractions& tractions, double time, int threads);
+  void take_means(const GridState& g, const Vec2& gravity, double time, double dt, int threads);
+  enum class Surface { none, given, free };
+  Surface give_potential(const GridState& g, std::size_t node, const Vec2& gravity, double time);
+  /// Water that a wall's flow brings to a node, m^2/s.
+  template <class Holds>
+  double flux_into(const GridState& g, std::size_t n, double time, Holds&& holds) const {
+    const PoreCondition* condition = boundaries_.at(n, time);
+    return condition && condition->kind == PoreCondition::flux ? condition->value * length_along(g, n, boundaries_.side(n, time), holds) : 0;
+  }
+  void mark_given(bool given);
+  PoreFlow at_given_nodes(double rate);
+  PoreFlow flow_through_tractions(Particles& p, const Tractions& tractions, double time, double dt) const;
+  /// `holds`: does an element hold water?
+  template <class Holds>
+  double length_along(const GridState& g, std::size_t n, std::uint8_t side, Holds&& holds) const {
+    const auto beside = [&](int left, int below) { return holds(std::ptrdiff_t(n) - left - below * std::ptrdiff_t(g.grid.nx)) ? 0.5 : 0.0; };
+    switch (side) {
+      case wall_left: return (beside(0, 0) + beside(0, 1)) * g.grid.spacing.y();
+      case wall_right: return (beside(1, 0) + beside(1, 1)) * g.grid.spacing.y();
+      case wall_down: return (beside(0, 0) + beside(1, 0)) * g.grid.spacing.x();
+      default: return (beside(0, 1) + beside(1, 1)) * g.grid.spacing.x();
+    }
+  }
+  double given_pressure(const PoreCondition& condition, const Vec2& x, const Vec2& gravity) const {
+    if (condition.kind == PoreCondition::pressure) return condition.value;
+    if (condition.kind == PoreCondition::level) return std::max(0.0, options_.density_kg_m3 * -gravity.y() * (condition.value - x.y()));
+    return outside_pressure(x, gravity);
+  }
+  /// Is a node at the material's own surface? `holds`: does an element hold material? `volume`: around the node, of that.
+  template <class Holds>
+  bool at_surface(const GridState& g, std::size_t n, double volume, double time, Holds&& holds) const;
+
+  // pore_neighbours.cpp
+  bool covered(const GridState& g, std::size_t element, double time) const;  // by a rigid body
+  double head_across(const GridState& g, const TiedSides::Tie& tie, const Vec2& gravity) const;
+  void tie_sums(const GridState& g, const Vec2& gravity, double time);
+  void tie_given(const GridState& g, const Vec2& gravity);
+  void tie_smoothed(const double* from, double* to) const;
+  void keep_means();
+  PoreFlow tie_exchanged(const GridState& g, const Vec2& gravity, double rate);
 
   WaterOptions options_;
   std::vector<PoreSoil> soils_;
@@ -130,8 +183,88 @@ class PoreWater {
   PoreBoundaries boundaries_;
   std::optional<double> level_;  // now
   Vec2 reference_;  // where the potential is the pressure
-  OfGrid<PoreNode>& node_;  // NodeArrays::pores
+  struct Alike {
+    double mobility = 0, solid = 0;
+    bool own = false;
+  } alike_;  // of all points; own: each has its own instead
+  PoreSumsView sums_;  // NodeArrays::pores by node; a row and more before the first is zero
+  PoreMark* marks_;
+  PoreFields field_;  // NodeArrays::flow
+  std::vector<std::uint32_t> nodes_;  // of the last flow
+  struct Given {
+    std::uint32_t node;
+    double mobility, mean;  // of its points
+    double share = 1;       // of the node's volume that is its own (tied)
+  };
+  std::vector<Given> given_;  // of this one, with given potentials
+  struct Through {
+    std::uint32_t node;
+    double volume;
+  };
+  std::vector<Through> through_;  // of this one, by flow that is given
+  std::vector<std::uint32_t> free_;  // at a surface that is not held and lets no water through
+  std::vector<OfGrid<double>> system_;  // projected
+  double inertia_ = 0;  // the least density over the share of its own effect that a pressure foresees
+  bool marked_ = false;
+  const TiedSides* ties_;
+  const RigidBodies* bodies_;
+  struct Joined {
+    const TiedSides::Tie* tie;
+    double share[2];      // of each node in the volume of both
+    double potential[2];  // mean of each one's own points
+    double mean, even;    // before the exchange
+  };
+  std::vector<Joined> joined_;  // in this step
+
+  // pore_front.cpp
+  struct FrontPoint;
+  bool sees_air(const Vec2& gravity) const { return !projected() && gravity.y() < 0 && (level_ || boundaries_.any_level()); }
+  double fringe(const Particles& p, std::size_t k, const Vec2& gravity) const;
+  double filled(const Particles& p, std::size_t k) const;
+  double potential_in_pores(const Particles& p, std::size_t k, const Vec2& gravity) const;
+  bool has_front(const Particles& p, const Vec2& gravity, int threads) const;
+  FrontPoint front_point(const Particles& p, const GridState& g, std::size_t k, const Vec2& gravity) const;
+  double lack_in_front(const FrontPoint& at, double& may) const;
+  Vec2 darcy_in_front(const FrontPoint& at, const GridState& g) const;
+  std::vector<Vec2> flow_in_front(const Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, int threads);
+  PoreFlow flow_with_front(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, double dt, int threads);
+  void map_front(const Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, int threads);
+  void give_front(const GridState& g, const Vec2& gravity, double time, int threads);
+  void smooth_front(const GridState& g, double PoreFrontNode::*value, double PoreFrontNode::*scratch, int threads);
+  void add_front(const Particles& p, GridState& g, const Vec2& gravity, int threads);
+  PoreFlow change_front(const GridState& g, double time, double dt, int threads);
+  double change_behind_front(Particles& p, GridState& g, const Vec2& gravity, double dt, int threads);
+  std::vector<PoreFrontNode> front_;  // of the whole grid; zero between steps; empty until there is a front
   int first_i_, first_j_, last_i_, last_j_;  // nodes of the domain's corners
 };
+
+inline constexpr double least_share = 0.25;  // of a node's volume inside the material: with less it is at a surface
+
+// An element beside a node counts unless it is beyond the domain, behind a wall along the grid, or sealed: what another body of
+// material or a rigid one fills lets no water through. The material's surface is where one of those that count is empty.
+template <class Holds>
+bool PoreWater::at_surface(const GridState& g, std::size_t n, double volume, double time, Holds&& holds) const {
+  const auto row = std::size_t(g.grid.nx);
+  const int i = int(n % row), j = int(n % g.field_nodes() / row);
+  const std::uint8_t walls = g.walls[n];
+  const auto sealed = [&](std::size_t element) {
+    for (int field = 0; g.velocity_fields > 1 && field < g.velocity_fields; ++field)
+      if (holds(element % g.field_nodes() + std::size_t(field) * g.field_nodes())) return true;
+    return covered(g, element, time);
+  };
+  int open = 0;
+  bool surface = false;
+  for (int c = 0; c < 4; ++c) {
+    const int left = 1 - c % 2, below = 1 - c / 2, ei = i - left, ej = j - below;
+    if (ei < first_i_ || ei >= last_i_ || ej < first_j_ || ej >= last_j_) continue;
+    if (walls & ((left ? wall_left : wall_right) | (below ? wall_down : wall_up))) continue;
+    const std::size_t element = n - std::size_t(left) - std::size_t(below) * row;
+    const bool empty = !holds(element);
+    if (empty && sealed(element)) continue;
+    ++open;
+    surface = surface || empty;
+  }
+  return surface || volume * g.per_hx * g.per_hy < least_share * 0.25 * open;
+}
 
 }  // namespace pivnp::mpm

@@ -164,6 +164,7 @@ VALUES = {
                  "withdraw_from_s": [("0.01", SIDE | {"withdraw_m_s": "[0.0, 2.0]"})], "traction_pa": [("[0.0, -50.0]", TOP)], "follows_face": [("true", TOP)],
                  "rise_s": [("0.01", TOP)], "across_m": [("[0.08, 0.0]", TIED)],
                  "pressure_pa": [("100.0", SIDE, FLOODED)], "drained": [("true", SIDE, FLOODED), ("false", SIDE, FLOODED)],
+                 "water_level_m": [("0.05", SIDE, FLOODED)],
                  "flux_m_s": [("1e-5", SIDE, FLOODED)]},
     "body": {"circle_m": [BALL["circle_m"]], "polygon_m": ["[[0.01, 0.09], [0.07, 0.09], [0.07, 0.13], [0.01, 0.13]]"],
              "velocity_m_s": [("[0.0, -0.2]", BALL)], "friction": [("0.3", BALL)], "from_s": [("0.01", BALL)], "until_s": [("0.01", BALL)],

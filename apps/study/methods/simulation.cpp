@@ -26,11 +26,14 @@ std::vector<std::string> simulate(const Case& c, const Setting& setting, const s
     progress.update("simulation", std::int64_t(k), std::int64_t(times.size()) - 1);
   }
   writer.end_stage(stage, &solver.particles());
-  if (!c.mpm->sleep_below_m_s) return {};
+  std::vector<std::string> notes;
+  if (!solver.pressure_choice().empty()) notes.push_back(solver.pressure_choice());
+  if (!c.mpm->sleep_below_m_s) return notes;
   const mpm::Solver::Slept slept = solver.slept();
-  return {"Sleeping left out " + number(100 * slept.share, 3) +
-          " % of the particles' steps. While asleep no particle missed more than " + number(slept.displacement_m, 2) +
-          " m of displacement, and " + number(slept.energy, 2) + " J/m of kinetic energy was taken (part of damping)."};
+  notes.push_back("Sleeping left out " + number(100 * slept.share, 3) +
+                  " % of the particles' steps. While asleep no particle missed more than " + number(slept.displacement_m, 2) +
+                  " m of displacement, and " + number(slept.energy, 2) + " J/m of kinetic energy was taken (part of damping).");
+  return notes;
 }
 
 }  // namespace pivnp::app

@@ -49,7 +49,7 @@ struct Laws {
       laws.push_back(mpm::make_material(material, "material." + name, cell_m));
       const mpm::PoreSoil soil = mpm::pore_soil(given, name, c.water ? &*c.water : nullptr);
       const double water = soil.holds_water() ? c.water->bulk_modulus_pa / soil.porosity : 0;
-      const double modulus = laws.back()->elastic().p_wave_modulus() + mpm::water_in_short_waves * water;
+      const double modulus = laws.back()->elastic().p_wave_modulus() + water;
       fastest = std::max(fastest, std::sqrt(modulus / material.density_kg_m3));
       diffusivity = std::max(diffusivity, soil.mobility * water);
       wet |= soil.has_pores();

@@ -230,7 +230,7 @@ TEST(NodeFields, MemoryIsThatOfTheFieldsNeeded) {
         if constexpr (std::is_same_v<Owner, NodeArrays>) {
           const Values& array = g.arrays.*values;
           EXPECT_TRUE(array.size() == 0 || array.size() >= g.grid.node_count()) << field.name;
-          if (array.size() > 0) bytes += sizeof(array[0]);
+          if (array.size() > 0) bytes += sizeof(typename Values::value_type);
         }
       };
       (add(member), ...);

@@ -29,6 +29,8 @@ WaterColumn small_column() {
   return c;
 }
 
+constexpr PressureScheme schemes[] = {PressureScheme::in_steps, PressureScheme::projected};
+
 double lost_mass(const EnergyRow& now, const EnergyRow& start) {
   return (now.water_mass - start.water_mass - now.water_inflow) / start.water_mass;
 }
@@ -65,8 +67,12 @@ TEST(PoreWater, ACompressedBoxSharesTheLoadByStiffness) {
   }
 }
 
-TEST(PoreWater, SteadyFlowBetweenTwoPressures) {
+class PoreWaterBy : public testing::TestWithParam<PressureScheme> {};
+INSTANTIATE_TEST_SUITE_P(Schemes, PoreWaterBy, testing::ValuesIn(schemes), [](const auto& row) { return std::string(name_of(row.param)); });
+
+TEST_P(PoreWaterBy, SteadyFlowBetweenTwoPressures) {
   WaterColumn c = small_column();
+  c.pressure = GetParam();
   c.load = 0;
   Scene s = scene_of(c);
   const double width = 2 * c.spacing(), below = 5e3, above = 1e3;
@@ -95,9 +101,10 @@ TEST(PoreWater, SteadyFlowBetweenTwoPressures) {
   EXPECT_NEAR((b.water_inflow - a.water_inflow) / c.at(0.2), 0, 1e-3 * 1000 * discharge);
 }
 
-TEST(PoreWater, AGivenFlowRaisesThePressureOfAClosedBox) {
+TEST_P(PoreWaterBy, AGivenFlowRaisesThePressureOfAClosedBox) {
   for (const bool through_traction : {false, true}) {
     WaterColumn c = small_column();
+    c.pressure = GetParam();
     c.load = through_traction ? 1e-9 : 0;
     Scene s = scene_of(c);
     const double width = 2 * c.spacing(), flux = 1e-7;
@@ -115,7 +122,9 @@ TEST(PoreWater, AGivenFlowRaisesThePressureOfAClosedBox) {
     const EnergyRow e = solver.energy();
     EXPECT_NEAR(e.water_inflow, 1000 * flux * width * time, 1e-9 * e.water_inflow);
     EXPECT_LT(std::abs(lost_mass(e, start)), 1e-12);
-    EXPECT_LT(std::abs(e.residual), (through_traction ? 0.04 : 0.01) * std::abs(e.external));
+    // (A projected top that rises freely is shaken when the flow begins.)
+    const double shaken = GetParam() == PressureScheme::projected ? 0.25 : 0.04;
+    EXPECT_LT(std::abs(e.residual), (through_traction ? shaken : 0.01) * std::abs(e.external));
     if (through_traction) continue;  // the top rises freely
     double mean = 0;
     const MotionFrame f = solver.frame();
@@ -138,13 +147,15 @@ TEST(PoreWater, WhatIsBelowTheLevelIsFullAndHydrostaticAtTheStart) {
     const double depth = 0.04 - s.particles.x0[k].y(), p = std::max(0.0, depth) * 1000 * 10;
     EXPECT_NEAR(double(f.field("pressure")(k, 0)), p, 1e-3);
     EXPECT_NEAR(double(f.field("porosity")(k, 0)), 0.3, 1e-7);
-    if (depth > 0) mass += double(s.particles.area[k]) * 0.3 * 1000 * (1 + p / c.bulk);
+    // (What the surface cuts holds a part.)
+    const double full = depth > 0 ? 1 + p / c.bulk : std::max(0.0, 1 + depth / (0.5 * c.spacing()));
+    mass += double(s.particles.area[k]) * 0.3 * 1000 * full;
   }
   EXPECT_NEAR(solver.energy().water_mass, mass, 1e-12 * mass);
 }
 
 // Soil and water at rest stay so, inside a slope and under a lake beside it, and the lake's load is there.
-TEST(PoreWater, ASlopeBesideALakeStaysAtRest) {
+TEST_P(PoreWaterBy, ASlopeBesideALakeStaysAtRest) {
   const double h = 0.1, level = 0.8;
   for (const ShapeKind shape : {ShapeKind::bilinear, ShapeKind::gimp, ShapeKind::bspline}) {
     Scene s = scene(Grid{{0, 0}, {h, h}, 26, 13}, {{"soil", Polygon({{0, 0}, {2.5, 0}, {2.5, 0.3}, {2, 0.3}, {1, 1}, {0, 1}}, "soil")}},
@@ -161,6 +172,7 @@ TEST(PoreWater, ASlopeBesideALakeStaysAtRest) {
     o.locking = shape == ShapeKind::bilinear ? Locking::fbar : Locking::none;
     o.equilibrium_tolerance = 1e-10;
     o.end_at_rest = false;
+    o.pressure = GetParam();
     Solver solver(o, s, 1);
     solver.find_initial_equilibrium(silent);
     const EnergyRow start = solver.energy();
@@ -170,7 +182,7 @@ TEST(PoreWater, ASlopeBesideALakeStaysAtRest) {
     for (std::size_t k = 0; k < f.v.size(); ++k) {
       fastest = std::max(fastest, std::hypot(double(f.v[k][0]), double(f.v[k][1])));
       const double y = s.particles.x0[k].y();
-      EXPECT_NEAR(double(f.field("pressure")(k, 0)), 9810 * std::max(0.0, level - y), 1e-2);
+      EXPECT_NEAR(double(f.field("pressure")(k, 0)), 9810 * std::max(0.0, level - y), 2e-2);
       if (s.particles.x0[k].x() > 2.2 && y < h) weight += double(f.field("stress")(k, 1));
     }
     EXPECT_LT(fastest, 1e-6 * std::sqrt(9.81));
@@ -235,8 +247,9 @@ TEST(PoreWater, PermeabilityFollowsThePorosityWhereItIsAskedTo) {
 }
 
 // The level's height between its times, and the pressure of what it drives.
-TEST(PoreWater, TheLevelOutsideMovesAsItIsTold) {
+TEST_P(PoreWaterBy, TheLevelOutsideMovesAsItIsTold) {
   WaterColumn c = small_column();
+  c.pressure = GetParam();
   c.load = 0;
   c.gravity = 9.81;
   c.permeability = 1e-3;
@@ -273,12 +286,13 @@ TEST(PoreWater, DrainedMaterialHasNoExcessPressure) {
   EXPECT_EQ(solver.energy().water_mass, 0);
 }
 
-TEST(PoreWater, BitsDoNotDependOnThreadsNorOnARestart) {
+TEST_P(PoreWaterBy, BitsDoNotDependOnThreadsNorOnARestart) {
   for (const ShapeKind shape : {ShapeKind::bilinear, ShapeKind::bspline}) {
     WaterColumn c = small_column();
     c.cells = 12;
     c.gravity = 9.81;
     c.shape = shape;
+    c.pressure = GetParam();
     Scene s = scene_of(c);
     s.water->level_m = c.height;
     Solver one(options_of(c), s, 1), two(options_of(c), s, 3), again(options_of(c), s, 2);
@@ -300,16 +314,44 @@ TEST(PoreWater, TheStepIsThatOfWaveAndFlowTogether) {
     c.permeability = permeability;
     c.courant = 1;
     const Solver solver(options_of(c), scene_of(c), 1);
-    const double h = c.spacing(), speed = std::sqrt((c.modulus() + water_in_short_waves * c.bulk / c.porosity) / c.density());
+    const double h = c.spacing(), speed = std::sqrt((c.modulus() + c.bulk / c.porosity) / c.density());
     const double D = permeability * c.bulk / (1000 * 9.81 * c.porosity), dt = solver.stable_step();
     EXPECT_NEAR(std::pow(dt * speed / h, 2) + dt * 4 * D / (h * h), 1, 1e-6);
   }
 }
 
-// A closed box of random velocities, undamped: bounded below the limit, growing far above it.
+// Projected: that of the skeleton's wave, whatever the permeability.
+TEST(PoreWater, TheProjectedStepIsThatOfTheSkeleton) {
+  for (const double permeability : {1e-9, 1e-3}) {
+    WaterColumn c = small_column();
+    c.permeability = permeability;
+    c.pressure = PressureScheme::projected;
+    const Solver solver(options_of(c), scene_of(c), 1);
+    const double expected = c.courant * c.spacing() / std::sqrt(c.modulus() / c.density()) * projected_step_share();
+    EXPECT_NEAR(solver.stable_step(), expected, 1e-6 * expected);
+  }
+}
+
+TEST(PoreWater, TheSchemeIsChosenByTheStepsAndSaidSo) {
+  for (const double bulk : {2.2e9, 2e7}) {
+    WaterColumn c = small_column();
+    c.bulk = bulk;
+    MpmOptions o = options_of(c);
+    const Solver given(o, scene_of(c), 1);
+    EXPECT_EQ(given.pressure_choice(), "");
+    o.pressure.reset();
+    const Solver chosen(o, scene_of(c), 1);
+    EXPECT_THAT(chosen.pressure_choice(), HasSubstr(bulk > 1e9 ? "projected" : "explicit"));
+    EXPECT_EQ(chosen.stable_step() > 2 * given.stable_step(), bulk > 1e9);
+  }
+}
+
+// A closed box of random velocities and one without a lid, undamped: bounded below the limit, growing above it: without a lid, where
+// waves rule, soon. (In the closed box all short waves strain without pressure.)
 TEST(PoreWater, StepsBelowTheLimitAreBounded) {
   // `spread`: 1: the points are at quarters of the cells; towards 2: on nodes.
-  const auto grows = [](ShapeKind shape, TransferKind transfer, double young, double permeability, double courant, double spread) {
+  const auto grows = [](ShapeKind shape, TransferKind transfer, double young, double permeability, double courant, double spread, bool lid = true,
+                         PressureScheme pressure = PressureScheme::in_steps) {
     const double h = 0.05;
     const int n = 6;
     Scene s = scene(Grid{{0, 0}, {h, h}, n + 1, n + 1}, {rectangle("soil", 0, 0, n * h, n * h)}, {saturated(young, 0.2, 0.3, permeability)});
@@ -319,6 +361,10 @@ TEST(PoreWater, StepsBelowTheLimitAreBounded) {
                     {"top", line({0, n * h}, {n * h, n * h}, "roller")},
                     {"left", line({0, 0}, {0, n * h}, "roller")},
                     {"right", line({n * h, 0}, {n * h, n * h}, "roller")}};
+    if (!lid) {
+      s.grid.ny += 2;
+      s.boundaries.erase(s.boundaries.begin() + 1);
+    }
     for (Vec2& x : s.particles.x0) {
       const Vec2 cell = (x / h).array().floor() + 0.5;
       x = h * (cell + spread * (x / h - cell));
@@ -336,6 +382,7 @@ TEST(PoreWater, StepsBelowTheLimitAreBounded) {
     o.shape = shape;
     o.transfer = transfer;
     o.courant = courant;
+    o.pressure = pressure;
     o.end_at_rest = false;
     o.initial_equilibrium = false;
     o.energy_limit = 1e300;
@@ -354,10 +401,14 @@ TEST(PoreWater, StepsBelowTheLimitAreBounded) {
   for (const auto& [shape, transfer] : {std::pair{bspline, apic}, {gimp, apic}, {bilinear, apic}, {bilinear, flip}})
     for (const double permeability : {1e-10, 1e-5, 1e-2})
       for (const double young : {1e6, 1e8}) {
-        EXPECT_FALSE(grows(shape, transfer, young, permeability, 0.95, 1)) << permeability << " " << young;
-        EXPECT_TRUE(grows(shape, transfer, young, permeability, permeability < 1e-2 ? 1.7 : 2.05, 1)) << permeability << " " << young;
+        EXPECT_FALSE(grows(shape, transfer, young, permeability, 0.95, 1, false)) << permeability << " " << young;
+        for (const double spread : {1.0, 1.5, 1.98})
+          EXPECT_FALSE(grows(shape, transfer, young, permeability, 0.95, spread, true, PressureScheme::projected))
+              << name_of(shape) << " " << name_of(transfer) << " " << permeability << " " << young << " " << spread;
+        EXPECT_TRUE(grows(shape, transfer, young, permeability, permeability < 1e-2 ? 1.55 : 2.05, 1, false)) << permeability << " " << young;
       }
-  EXPECT_TRUE(grows(bilinear, apic, 1e6, 1e-10, 1.15, 1));  // where waves rule
+  EXPECT_TRUE(grows(bilinear, flip, 1e6, 1e-10, 1.3, 1, false));  // where waves rule
+  EXPECT_FALSE(grows(bilinear, apic, 1e6, 1e-10, 0.95, 1));
   EXPECT_FALSE(grows(bspline, apic, 1e6, 1e-2, 0.95, 1.98));  // where flow rules, and points lie on nodes
   EXPECT_TRUE(grows(bspline, apic, 1e6, 1e-2, 1.15, 1.98));
 }
@@ -378,9 +429,9 @@ TEST(PoreWater, RefusesWhatDoesNotFit) {
   EXPECT_THAT(told([](Scene& s, MpmOptions&) { s.materials[0].permeability_m_s.reset(); }), HasSubstr(material + "permeability_m_s"));
   EXPECT_THAT(told([](Scene& s, MpmOptions&) { s.materials[0].density_kg_m3 = 2000; }), HasSubstr(material + "density_kg_m3"));
   EXPECT_THAT(told([](Scene& s, MpmOptions&) { s.materials[0].grain_density_kg_m3 = -1; }), HasSubstr(material + "grain_density_kg_m3"));
-  EXPECT_THAT(told([](Scene& s, MpmOptions&) { s.water.reset(); s.boundaries.pop_back(); }), HasSubstr(material + "porosity"));
+  EXPECT_THAT(told([](Scene& s, MpmOptions& o) { s.water.reset(), o.pressure.reset(); s.boundaries.pop_back(); }), HasSubstr(material + "porosity"));
   EXPECT_THAT(told([](Scene& s, MpmOptions&) { s.materials[0] = elastic(1e6, 0.3, 2000); }), HasSubstr("water"));
-  EXPECT_THAT(told([](Scene& s, MpmOptions&) { s.materials[0] = elastic(1e6, 0.3, 2000), s.water.reset(); }), HasSubstr("boundary.load.drained"));
+  EXPECT_THAT(told([](Scene& s, MpmOptions& o) { s.materials[0] = elastic(1e6, 0.3, 2000), s.water.reset(), o.pressure.reset(); }), HasSubstr("boundary.load.drained"));
   EXPECT_THAT(told([](Scene& s, MpmOptions& o) { s.materials[0] = elastic(1e6, 0.3, 2000), s.water.reset(), s.boundaries.pop_back(), o.pressure = PressureScheme::in_steps; }),
               HasSubstr("mpm.pressure"));
   EXPECT_THAT(told([](Scene& s, MpmOptions&) { s.boundaries.back().second.pressure_pa = 1; }), HasSubstr("boundary.load"));
@@ -390,13 +441,6 @@ TEST(PoreWater, RefusesWhatDoesNotFit) {
   EXPECT_THAT(told([](Scene& s, MpmOptions& o) { s.water->level_m = 1, o.gravity_m_s2 = {5, -5}; }), HasSubstr("water.level_m"));
   EXPECT_THAT(told([](Scene&, MpmOptions& o) { o.gravity_m_s2 = {0, -9.81}, o.initial_equilibrium = true; }), HasSubstr("water.level_m"));
   EXPECT_THAT(told([](Scene&, MpmOptions& o) { o.sleep_below_m_s = 1; }), HasSubstr("mpm.sleep_below_m_s"));
-  EXPECT_THAT(told([](Scene& s, MpmOptions&) { s.boundaries[1].second.type = BoundaryType::absorbing; }), HasSubstr("boundary.left.type"));
-  EXPECT_THAT(told([](Scene& s, MpmOptions&) {
-                ContactOptions contact;
-                contact.regions = {"soil"};
-                s.contacts.emplace_back("a", contact);
-              }),
-              HasSubstr("contact.a"));
   EXPECT_THAT(told([](Scene& s, MpmOptions&) {
                 BoundaryOptions across = line({0, 0.03}, {0.02, 0.03}, "fixed");
                 across.drained = true;

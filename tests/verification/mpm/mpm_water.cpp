@@ -1,4 +1,4 @@
-// Water in the pores, explicit (docs/theory/mpm_water.md).
+// Water in the pores, explicit and projected (docs/theory/mpm_water.md).
 //
 // 1. Terzaghi 1923 (with compressible water: p0 = q/(1 + n M/K_w), c_v = K/(gamma (1/M + n/K_w))): a load at once and self
 //    weight at once on a column drained at its top. Criterion: pressure within 1 % of p0 at T .1, .3, .7 at every point, E
@@ -43,6 +43,9 @@ double settlement_below(const WaterColumn& c, double depth_over_height, double T
   return c.load * c.height / c.modulus() * (all - share * left);
 }
 
+// (What comes at once shakes a projected column for the few steps that a wave takes through it.)
+double residual_of(const WaterColumn& c) { return c.pressure == PressureScheme::projected ? 0.25 : 0.03; }
+
 Deviation step_load(const WaterColumn& c) {
   const Scene s = scene_of(c);
   Solver solver(options_of(c), s, 1);
@@ -60,7 +63,7 @@ Deviation step_load(const WaterColumn& c) {
     }
     const EnergyRow e = solver.energy();
     worst.water = std::max(worst.water, std::abs(e.water_mass - start.water_mass - e.water_inflow) / start.water_mass);
-    EXPECT_LT(std::abs(e.residual), 0.03 * std::abs(e.external));
+    EXPECT_LT(std::abs(e.residual), residual_of(c) * std::abs(e.external));
   }
   return worst;
 }
@@ -84,14 +87,17 @@ Deviation self_weight(WaterColumn c) {
     }
     const EnergyRow e = solver.energy();
     worst.water = std::max(worst.water, std::abs(e.water_mass - start.water_mass - e.water_inflow) / start.water_mass);
-    EXPECT_LT(std::abs(e.residual), 0.03 * std::abs(e.external));
+    EXPECT_LT(std::abs(e.residual), residual_of(c) * std::abs(e.external));
   }
   return worst;
 }
 
-WaterColumn column_of(ShapeKind shape, double young, double permeability, int cells) {
+constexpr PressureScheme schemes[] = {PressureScheme::in_steps, PressureScheme::projected};
+
+WaterColumn column_of(ShapeKind shape, PressureScheme pressure, double young, double permeability, int cells) {
   WaterColumn c;
   c.shape = shape;
+  c.pressure = pressure;
   c.young = young;
   c.permeability = permeability;
   c.cells = cells;
@@ -109,52 +115,57 @@ void expect_within(const Deviation& d, double pressure) {
 }
 
 TEST(MpmTerzaghiSmall, StepLoadAndSelfWeight) {
-  for (const ShapeKind shape : {ShapeKind::bilinear, ShapeKind::gimp, ShapeKind::bspline}) {
-    const WaterColumn c = column_of(shape, 1e7, 1e-5, 8);
-    const Deviation load = step_load(c), weight = self_weight(c);
-    std::printf("%s, 8 cells: step load %.4f, settlement %.4f, self weight %.4f\n", std::string(name_of(shape)).c_str(), load.pressure,
-                load.settlement, weight.pressure);
-    expect_within(load, 0.01);
-    expect_within(weight, 0.01);
-  }
+  for (const PressureScheme pressure : schemes)
+    for (const ShapeKind shape : {ShapeKind::bilinear, ShapeKind::gimp, ShapeKind::bspline}) {
+      const WaterColumn c = column_of(shape, pressure, 1e7, 1e-5, 8);
+      const Deviation load = step_load(c), weight = self_weight(c);
+      std::printf("%s, %s, 8 cells: step load %.4f, settlement %.4f, self weight %.4f\n", std::string(name_of(pressure)).c_str(),
+                  std::string(name_of(shape)).c_str(), load.pressure, load.settlement, weight.pressure);
+      expect_within(load, 0.01);
+      expect_within(weight, 0.01);
+    }
 }
 
 TEST(MpmTerzaghi, StepLoadAndSelfWeightOverDecades) {
-  for (const ShapeKind shape : {ShapeKind::bilinear, ShapeKind::gimp, ShapeKind::bspline}) {
-    Deviation load, weight;
-    for (const double young : {1e6, 1e7, 1e8})
-      for (const double permeability : {1e-11, 1e-9, 1e-7, 1e-5, 1e-3}) {
-        const WaterColumn c = column_of(shape, young, permeability, 10);
-        load.raise(step_load(c));
-        weight.raise(self_weight(c));
-      }
-    expect_within(load, 0.01);
-    expect_within(weight, 0.01);
-    pivnp::test::verification_row("Terzaghi, explicit, " + std::string(name_of(shape)) + ", E 1e6 .. 1e8, K 1e-11 .. 1e-3, 10 cells",
-                                  "pressure within 1 % of p0 at T .1, .3, .7, settlement within 1 %, water to 1e-12",
-                                  "load " + number(100 * load.pressure, 2) + " %, settlement " + number(100 * load.settlement, 2) +
-                                      " %, self weight " + number(100 * weight.pressure, 2) + " %, water " + number(std::max(load.water, weight.water), 2));
-  }
+  for (const PressureScheme pressure : schemes)
+    for (const ShapeKind shape : {ShapeKind::bilinear, ShapeKind::gimp, ShapeKind::bspline}) {
+      Deviation load, weight;
+      for (const double young : {1e6, 1e7, 1e8})
+        for (const double permeability : {1e-11, 1e-9, 1e-7, 1e-5, 1e-3}) {
+          const WaterColumn c = column_of(shape, pressure, young, permeability, 10);
+          load.raise(step_load(c));
+          weight.raise(self_weight(c));
+        }
+      expect_within(load, 0.01);
+      expect_within(weight, 0.01);
+      pivnp::test::verification_row("Terzaghi, " + std::string(name_of(pressure)) + ", " + std::string(name_of(shape)) + ", E 1e6 .. 1e8, K 1e-11 .. 1e-3, 10 cells",
+                                    "pressure within 1 % of p0 at T .1, .3, .7, settlement within 1 %, water to 1e-12",
+                                    "load " + number(100 * load.pressure, 2) + " %, settlement " + number(100 * load.settlement, 2) +
+                                        " %, self weight " + number(100 * weight.pressure, 2) + " %, water " + number(std::max(load.water, weight.water), 2));
+    }
 }
 
 TEST(MpmTerzaghi, StiffWater) {
-  WaterColumn c;
-  c.young = 1e7;
-  c.poisson = 0;
-  c.load = 1e4;
-  c.permeability = 1e-5;
-  c.height = 0.1;
-  const Deviation d = step_load(c);
-  expect_within(d, 0.01);
-  pivnp::test::verification_row("Terzaghi, explicit, M 10 MPa, K_w 2.2 GPa, K 1e-5, H 0.1 m, 10 cells", "pressure within 1 % of p0, settlement within 1 %",
-                                number(100 * d.pressure, 2) + " %, " + number(100 * d.settlement, 2) + " %");
+  for (const PressureScheme pressure : schemes) {
+    WaterColumn c;
+    c.pressure = pressure;
+    c.young = 1e7;
+    c.poisson = 0;
+    c.load = 1e4;
+    c.permeability = 1e-5;
+    c.height = 0.1;
+    const Deviation d = step_load(c);
+    expect_within(d, 0.01);
+    pivnp::test::verification_row("Terzaghi, " + std::string(name_of(pressure)) + ", M 10 MPa, K_w 2.2 GPa, K 1e-5, H 0.1 m, 10 cells",
+                                  "pressure within 1 % of p0, settlement within 1 %", number(100 * d.pressure, 2) + " %, " + number(100 * d.settlement, 2) + " %");
+  }
 }
 
 TEST(MpmTerzaghi, OrderInTheCell) {
   for (const ShapeKind shape : {ShapeKind::bilinear, ShapeKind::bspline}) {
     double error[3];
     for (const int k : {0, 1, 2}) {
-      WaterColumn c = column_of(shape, 1e7, 1e-5, 5 << k);
+      WaterColumn c = column_of(shape, PressureScheme::in_steps, 1e7, 1e-5, 5 << k);
       c.height = 0.04;
       error[k] = self_weight(c).pressure;
     }
@@ -224,7 +235,7 @@ struct Bearing {
   double capacity, checkerboard;  // mean over a settlement of 2.5 to 4 % of the width; over the mean, of pressure or mean stress
 };
 
-Bearing footing(int cells, ShapeKind shape, bool wet) {
+Bearing footing(int cells, ShapeKind shape, bool wet, PressureScheme pressure = PressureScheme::in_steps) {
   const double h = 1.0 / cells, strength = 1000, poisson = wet ? 0.3 : 0.499, young = 5e5;
   MaterialOptions m = wet ? saturated(young, poisson, 0.4, 0, 2667) : elastic(young, poisson, 2000);
   m.model = "tresca";
@@ -244,6 +255,8 @@ Bearing footing(int cells, ShapeKind shape, bool wet) {
   MpmOptions o = options();
   o.shape = shape;
   o.locking = Locking::fbar;
+  if (wet) o.pressure = pressure;
+  if (pressure == PressureScheme::projected) o.energy_limit = 1e9;  // (a wall that starts at once, and waves that nothing damps)
   if (shape == ShapeKind::bilinear) {
     o.transfer = TransferKind::flip;
     o.stress_update = StressUpdate::musl;
@@ -283,22 +296,28 @@ Bearing footing(int cells, ShapeKind shape, bool wet) {
 }
 
 TEST(MpmUndrainedSmall, StripFooting) {
-  const Bearing dry = footing(4, ShapeKind::bilinear, false), wet = footing(4, ShapeKind::bilinear, true);
-  std::printf("strip footing, h = B/8: dry %.3f, undrained %.3f, checkerboard %.3f and %.3f\n", dry.capacity, wet.capacity,
-              dry.checkerboard, wet.checkerboard);
-  EXPECT_NEAR(wet.capacity, dry.capacity, 0.03 * dry.capacity);
-  EXPECT_LT(wet.checkerboard, 0.03);
+  const Bearing dry = footing(4, ShapeKind::bilinear, false);
+  for (const PressureScheme pressure : schemes) {
+    const Bearing wet = footing(4, ShapeKind::bilinear, true, pressure);
+    std::printf("strip footing, %s, h = B/8: dry %.3f, undrained %.3f, checkerboard %.3f and %.3f\n", std::string(name_of(pressure)).c_str(),
+                dry.capacity, wet.capacity, dry.checkerboard, wet.checkerboard);
+    EXPECT_NEAR(wet.capacity, dry.capacity, 0.03 * dry.capacity);
+    EXPECT_LT(wet.checkerboard, 0.03);
+  }
 }
 
 TEST(MpmUndrained, StripFooting) {
   for (const ShapeKind shape : {ShapeKind::bilinear, ShapeKind::gimp, ShapeKind::bspline}) {
-    const Bearing dry = footing(8, shape, false), wet = footing(8, shape, true);
-    pivnp::test::verification_row("strip footing, undrained, " + std::string(name_of(shape)) + ", h = B/16",
-                                  "bearing capacity within 3 % of the dry soil's with nu .499, checkerboard below 3 %",
-                                  number(wet.capacity, 4) + " (dry " + number(dry.capacity, 4) + "), " + number(100 * wet.checkerboard, 2) +
-                                      " % (dry " + number(100 * dry.checkerboard, 2) + " %)");
-    EXPECT_NEAR(wet.capacity, dry.capacity, 0.03 * dry.capacity);
-    EXPECT_LT(wet.checkerboard, 0.03);
+    const Bearing dry = footing(8, shape, false);
+    for (const PressureScheme pressure : schemes) {
+      const Bearing wet = footing(8, shape, true, pressure);
+      pivnp::test::verification_row("strip footing, undrained, " + std::string(name_of(pressure)) + ", " + std::string(name_of(shape)) + ", h = B/16",
+                                    "bearing capacity within 3 % of the dry soil's with nu .499, checkerboard below 3 %",
+                                    number(wet.capacity, 4) + " (dry " + number(dry.capacity, 4) + "), " + number(100 * wet.checkerboard, 2) +
+                                        " % (dry " + number(100 * dry.checkerboard, 2) + " %)");
+      EXPECT_NEAR(wet.capacity, dry.capacity, 0.03 * dry.capacity);
+      EXPECT_LT(wet.checkerboard, 0.03);
+    }
   }
 }
 

@@ -18,6 +18,7 @@ struct WaterColumn {
   TransferKind transfer = TransferKind::apic;
   StressUpdate stress = StressUpdate::usl;
   Locking locking = Locking::fbar;
+  PressureScheme pressure = PressureScheme::in_steps;
   double courant = 0.8;
   double damping = 0.3;
   double rise = 2e-3;     // of the load, in T
@@ -69,6 +70,7 @@ inline MpmOptions options_of(const WaterColumn& c) {
   o.transfer = c.transfer;
   o.stress_update = c.stress;
   o.locking = c.locking;
+  o.pressure = c.pressure;
   o.courant = c.courant;
   o.damping = c.damping;
   o.initial_equilibrium = false;

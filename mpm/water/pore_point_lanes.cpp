@@ -1,0 +1,202 @@
+// The flow's sums over points, and what the points get of it.
+#include "mpm/water/pore_lanes.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "mpm/water/pore_point_lanes.cpp"
+#include <hwy/foreach_target.h>  // compiles this file once for every instruction set
+#include <hwy/highway.h>
+
+#include "mpm/transfer/lanes-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace pivnp::mpm::HWY_NAMESPACE {
+
+// The hats of a tile's points, and s (1 - s), t (1 - t) in their elements.
+template <bool centred>
+struct Hats {
+  static constexpr int W = centred ? 3 : 2;
+  V x[W], y[W], across_x, across_y;
+
+  HWY_INLINE explicit Hats(const Natural& at) {
+    along(at.xi, x, across_x);
+    along(at.eta, y, across_y);
+  }
+
+ private:
+  static HWY_INLINE void along(V at, V* w, V& across) {
+    if constexpr (centred) {
+      const V far = hn::Abs(at), near = set(1) - far;
+      w[0] = hn::Max(zero(), hn::Neg(at));
+      w[1] = near;
+      w[2] = hn::Max(zero(), at);
+      across = far * near;
+    } else {
+      w[0] = set(1) - at;
+      w[1] = at;
+      across = w[0] * w[1];
+    }
+  }
+};
+
+template <bool centred, class Tile>
+HWY_INLINE Hats<centred> hats_of(const PointView& p, const CellView& c, const TileCells& cells, const Tile& t) {
+  if constexpr (centred) return Hats<centred>(natural<BSplineShape>(p, c, cells, t));
+  else return Hats<centred>(natural<BilinearShape>(p, c, cells, t));
+}
+
+template <class Tile>
+HWY_INLINE V head_of(const PointView& p, const PoreView& w, const Tile& t) {
+  return hn::MulAdd(set(w.head_x), t.load(p.x), hn::MulAdd(set(w.head_y), t.load(p.y), set(w.head_0)));
+}
+template <class Tile>
+HWY_INLINE V mobility_of(const PoreView& w, const Tile& t) {
+  return w.mobility ? t.load(w.mobility) : set(w.mobility_all);
+}
+template <class Tile>
+HWY_INLINE M holds_water(const Tile& t, V content, V mobility) {
+  return hn::And(hn::Gt(t.own(content), zero()), hn::Ge(mobility, zero()));
+}
+
+template <bool centred>
+void map_run(const PointView& p, const PoreView& w, const CellView& c, const PoreSumsView& sums_of, Range range) {
+  constexpr int W = centred ? 3 : 2;
+  for_tiles(c, range, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
+    const Hats<centred> hats = hats_of<centred>(p, c, cells, t);
+    const V mobility = mobility_of(w, t), J = t.load(p.J);
+    const V v0 = hn::IfThenElseZero(holds_water(t, t.load(w.content), mobility), t.live(t.load(p.volume0)));
+    const V v = v0 * J, e = t.load(w.pressure) - head_of(p, w, t);
+    const V mobile = w.mobility && !w.projected ? v * mobility : v0 * (J - (w.solid ? t.load(w.solid) : set(w.solid_all)));
+    const V sums[] = {v, v * e, v0 * (J - t.load(w.J_flow)), mobile};
+    const auto at = [&](std::size_t g, std::ptrdiff_t n) PIVNP_TILE { return (cells.base[g] - c.node) + n; };
+    for (int b = 0; b < W; ++b) {
+      V of_row[4];
+      for (int k = 0; k < 4; ++k) of_row[k] = sums[k] * hats.y[b];
+      for (int a = 0; a < W; ++a)
+        Four{of_row[0] * hats.x[a], of_row[1] * hats.x[a], of_row[2] * hats.x[a], of_row[3] * hats.x[a]}.add_to(
+            [&](std::size_t g) PIVNP_TILE { return &sums_of.node[at(g, b * c.nx + a)].volume; });
+    }
+    const auto add_to_element = [&](V part, std::ptrdiff_t n) PIVNP_TILE {
+      Four{part, part * hats.across_x, part * hats.across_y, w.mobility ? part * mobility : part}.add_to(
+          [&](std::size_t g) PIVNP_TILE { return &sums_of.element[at(g, n)].inside; });
+    };
+    if constexpr (centred) {
+      const V none = zero(), left = hn::IfThenElseZero(hn::Gt(hats.x[0], none), v), right = v - left;
+      const M below = hn::Gt(hats.y[0], none);
+      add_to_element(hn::IfThenElseZero(below, left), 0);
+      add_to_element(hn::IfThenElseZero(below, right), 1);
+      add_to_element(hn::IfThenZeroElse(below, left), c.nx);
+      add_to_element(hn::IfThenZeroElse(below, right), c.nx + 1);
+    } else {
+      add_to_element(v, 0);
+    }
+  });
+}
+
+// Of the nodes' numbers what the hats span at the points.
+template <bool centred>
+HWY_INLINE V spanned(const Hats<centred>& hats, const CellView& c, const TileCells& cells, const double* values) {
+  constexpr int W = centred ? 3 : 2;
+  const double *first = values + (cells.base[0] - c.node), *second = values + (cells.base[groups - 1] - c.node);
+  V sum = zero();
+  for (int b = 0; b < W; ++b) {
+    const auto of = [&](int a) PIVNP_TILE { return of_groups(first[b * c.nx + a], second[b * c.nx + a]); };
+    V row = hats.x[0] * of(0);
+    for (int a = 1; a < W; ++a) row = hn::MulAdd(hats.x[a], of(a), row);
+    sum = hn::MulAdd(hats.y[b], row, sum);
+  }
+  return sum;
+}
+
+// What a tile's points hold from here on.
+template <class Tile>
+HWY_INLINE void keep(const PointView& p, const PoreView& w, const Tile& t, M holds, V mobility, V J, V content, V pressure) {
+  const V outside = set(w.outside) * hn::Max(zero(), set(w.level) - t.load(p.y));
+  V seen = hn::IfThenElse(holds, pressure, outside);
+  if (w.mobility) seen = hn::IfThenZeroElse(hn::Eq(mobility, set(no_pores_mobility)), seen);
+  t.store(content, w.content);
+  t.store(seen, w.pressure);
+  t.store(J, w.J_flow);
+  t.store(J * (seen - outside), w.excess);
+}
+
+template <bool centred>
+double change_run(double rate, const PointView& p, const PoreView& w, const CellView& c, const PoreFields& f, Range range) {
+  V lost = zero();
+  for_tiles(c, range, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
+    const Hats<centred> hats = hats_of<centred>(p, c, cells, t);
+    const V mobility = mobility_of(w, t), J = t.load(p.J), content = t.load(w.content), head = head_of(p, w, t);
+    const V solid = w.solid ? t.load(w.solid) : set(w.solid_all);
+    const M holds = holds_water(t, content, mobility);
+    const V v0 = hn::IfThenElseZero(holds, t.live(t.load(p.volume0)));
+    const V e = t.load(w.pressure) - head, per_step = set(rate);
+    const V flowed_in = spanned(hats, c, cells, f.change);
+    const V own = w.mobility ? spanned(hats, c, cells, f.rate) : mobility;
+    const V flowed = hn::NegMulAdd(per_step * own, e, flowed_in);
+    const V fed = J * spanned(hats, c, cells, f.even);
+    const V evened = content + ((J - t.load(w.J_flow)) - fed), more = J * flowed;
+    const V bulk = set(w.bulk), pores = hn::Max(set(least_pores), J - solid), per_pores = bulk / pores;
+    const V before = hn::MulSub(per_pores, evened, bulk), mean = hn::MulAdd(set(0.5) * per_pores, more, before);
+    lost = lost - v0 * more * (mean - head);
+    const V after = evened + more;
+    keep(p, w, t, holds, mobility, J, hn::IfThenElse(holds, after, content), hn::MulSub(per_pores, after, bulk));
+  });
+  return sum_of(lost);
+}
+
+template <bool centred>
+PoreLosses project_run(const PointView& p, const PoreView& w, const CellView& c, const PoreFields& f, const double* share, Range range) {
+  V all = zero(), by_flow = zero();
+  for_tiles(c, range, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
+    const Hats<centred> hats = hats_of<centred>(p, c, cells, t);
+    const V mobility = mobility_of(w, t), J = t.load(p.J), content = t.load(w.content), pressure = t.load(w.pressure);
+    const M holds = holds_water(t, content, mobility);
+    const V v0 = hn::IfThenElseZero(holds, t.live(t.load(p.volume0)));
+    const V head = head_of(p, w, t), e = pressure - head, strain = J - t.load(w.J_flow);
+    const V gained = hn::NegMulAdd(spanned(hats, c, cells, share), e, spanned(hats, c, cells, f.even));
+    const V more = J * spanned(hats, c, cells, f.change);
+    const V after = content + (strain - J * spanned(hats, c, cells, f.mean)) + more;
+    const V half = set(0.5) * gained, pores = hn::Max(set(least_pores), J - (w.solid ? t.load(w.solid) : set(w.solid_all)));
+    by_flow = by_flow - v0 * more * (half + e);
+    all = all + v0 * ((after - content) * head - (half + pressure) * strain - pores * set(1 / w.bulk) * gained * (half + pressure));
+    keep(p, w, t, holds, mobility, J, hn::IfThenElse(holds, after, content), pressure + gained);
+  });
+  return {sum_of(all), sum_of(by_flow)};
+}
+
+PoreLosses project_range(bool centred, const PointView& p, const PoreView& w, const CellView& c, const PoreFields& f, const double* share,
+                     Range range) {
+  return centred ? project_run<true>(p, w, c, f, share, range) : project_run<false>(p, w, c, f, share, range);
+}
+void map_range(bool centred, const PointView& p, const PoreView& w, const CellView& c, const PoreSumsView& sums_of, Range range) {
+  if (centred) map_run<true>(p, w, c, sums_of, range);
+  else map_run<false>(p, w, c, sums_of, range);
+}
+
+double change_range(bool centred, double rate, const PointView& p, const PoreView& w, const CellView& c, const PoreFields& f, Range range) {
+  return centred ? change_run<true>(rate, p, w, c, f, range) : change_run<false>(rate, p, w, c, f, range);
+}
+
+}  // namespace pivnp::mpm::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace pivnp::mpm {
+
+HWY_EXPORT(map_range);
+HWY_EXPORT(change_range);
+HWY_EXPORT(project_range);
+
+void map_pores_lanes(bool centred, const PointView& p, const PoreView& w, const CellView& c, const PoreSumsView& sums_of, Range range) {
+  HWY_DYNAMIC_DISPATCH(map_range)(centred, p, w, c, sums_of, range);
+}
+PoreLosses project_points_lanes(bool centred, const PointView& p, const PoreView& w, const CellView& c, const PoreFields& f,
+                            const double* share, Range range) {
+  return HWY_DYNAMIC_DISPATCH(project_range)(centred, p, w, c, f, share, range);
+}
+double change_points_lanes(bool centred, double rate, const PointView& p, const PoreView& w, const CellView& c,
+                           const PoreFields& f, Range range) {
+  return HWY_DYNAMIC_DISPATCH(change_range)(centred, rate, p, w, c, f, range);
+}
+
+}  // namespace pivnp::mpm
+#endif

@@ -1,0 +1,180 @@
+// The flow of a step with pressure implicit (docs/theory/mpm_water.md#projected).
+#include <algorithm>
+#include <cmath>
+
+#include "mpm/grid/sweeps.hpp"
+#include "mpm/water/pore_projection_lanes.hpp"
+#include "mpm/water/pore_water.hpp"
+#include "pivnp/core/error.hpp"
+
+namespace pivnp::mpm {
+
+namespace {
+
+constexpr double small_residual = 1e-4;   // of the residual, over that of the guess zero
+constexpr int iterations_at_most = 2000;
+constexpr double at_free_surface = 16;  // over h^2: what lets an impervious surface yield to the pressure
+
+template <class Part>
+double sum_parts(const GridState& g, int threads, Part&& of_part) {
+  std::vector<double> parts(node_parts(g));
+  for_node_parts(g, threads, [&](std::size_t part, std::size_t begin, std::size_t end) {
+    parts[part] = of_part(g.active.nodes.data() + begin, end - begin);
+  });
+  double sum = 0;
+  for (const double part : parts) sum += part;
+  return sum;
+}
+
+// What nodes n exchange by `x` and `y` of the edges for differences of `of`.
+double exchanged(const double* x, const double* y, const double* of, std::ptrdiff_t row) {
+  return x[0] * (of[1] - of[0]) + x[-1] * (of[-1] - of[0]) + y[0] * (of[row] - of[0]) + y[-row] * (of[-row] - of[0]);
+}
+
+// From the guess in s.solution; true if it has become small enough.
+bool solve(const PoreSystem& s, const GridState& g, double enough, double left, int threads) {
+  double before = left;
+  for (int n = 0; n < iterations_at_most && left > enough; ++n) {
+    for_node_parts(g, threads, [&](std::size_t, std::size_t begin, std::size_t end) {
+      turn_lanes(s, n == 0 ? 0 : left / before, g.active.nodes.data() + begin, end - begin);
+    });
+    const double curvature = sum_parts(g, threads, [&](const std::uint32_t* nodes, std::size_t size) { return product_lanes(s, nodes, size); });
+    if (!(curvature > 0)) return false;
+    const double step = left / curvature;
+    before = left;
+    left = sum_parts(g, threads, [&](const std::uint32_t* nodes, std::size_t size) { return advance_lanes(s, step, nodes, size); });
+  }
+  return left <= enough;
+}
+
+}  // namespace
+
+void PoreWater::project(const GridState& g, double foreseen_share) {
+  const std::size_t before = std::size_t(g.grid.nx) + 8;
+  for (int k = 0; k < 8; ++k) system_.emplace_back(g.grid.node_count() + 2 * before);
+  const auto field = [&](int k) { return system_[std::size_t(k)].data() + before; };
+  field_.inert_x = field(0);
+  field_.inert_y = field(1);
+  inertia_ = std::numeric_limits<double>::max();
+  for (const PoreSoil& soil : soils_)
+    if (soil.holds_water()) inertia_ = std::min(inertia_, (soil.dry_density() + options_.density_kg_m3 * soil.porosity) / foreseen_share);
+}
+
+PoreFlow PoreWater::flow_projected(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, double dt,
+                                   std::vector<double>& guess, int threads) {
+  set_outside(p, gravity);
+  const PoreFlow by_tractions = flow_through_tractions(p, tractions, time, dt);
+  PoreFlow sums;
+  map_points(p, g, tractions, gravity, time, threads);
+  take_means(g, gravity, time, dt, threads);
+  const PoreFields& f = field_;
+  const std::size_t before = std::size_t(g.grid.nx) + 8;
+  const auto field = [&](int k) { return system_[std::size_t(k)].data() + before; };
+  guess.resize(g.grid.node_count());
+  const PoreSystem s{f.inert_x, f.inert_y, field(2), field(3), field(4), field(5), field(6), field(7), f.row};
+  double* added = s.product;  // until it is one
+  const auto for_all = [&](auto&& each) {
+    for_node_parts(g, threads, [&](std::size_t, std::size_t begin, std::size_t end) {
+      for (std::size_t a = begin; a < end; ++a) each(g.active.nodes[a]);
+    });
+  };
+  for_all([&](std::size_t n) {
+    added[n] = s.direction[n] = f.change[n] = 0;
+    s.solution[n] = f.volume[n] > 0 && !marks_[n].given ? guess[n] : 0;
+  });
+  const double inertia = dt * dt / inertia_;
+  for (const std::uint32_t n : free_) added[n] = at_free_surface * inertia * f.volume[n] * std::max(g.per_hx * g.per_hx, g.per_hy * g.per_hy);
+  for (const Through& through : through_) f.change[through.node] = through.volume;
+  double of_zero = 0;
+  const double left = [&] {
+    std::vector<std::array<double, 2>> parts(node_parts(g));
+    for_node_parts(g, threads, [&](std::size_t part, std::size_t begin, std::size_t end) {
+      std::array<double, 2> sum{};
+      for (std::size_t a = begin; a < end; ++a) {
+        const std::size_t n = g.active.nodes[a];
+        const double edges = (f.inert_x[n] + (f.inert_x + n)[-1]) + (f.inert_y[n] + (f.inert_y + n)[-f.row]);
+        const double diagonal = sums_.node[n].mobile / options_.bulk_modulus_pa + edges + added[n];
+        const bool open = f.volume[n] > 0 && !marks_[n].given && diagonal > 0;
+        s.diagonal[n] = diagonal;
+        s.inverse[n] = open ? 1 / diagonal : 0;
+        const double load = exchanged(f.flow_x + n, f.flow_y + n, f.potential + n, f.row) + f.change[n] - sums_.node[n].strained;
+        const double* x = s.solution + n;
+        const double product = diagonal * x[0] - (s.along_x[n] * x[1] + (s.along_x + n)[-1] * x[-1] + s.along_y[n] * x[f.row] + (s.along_y + n)[-f.row] * x[-f.row]);
+        s.residual[n] = load - product;
+        sum[0] += load * load * s.inverse[n];
+        sum[1] += s.residual[n] * s.residual[n] * s.inverse[n];
+      }
+      parts[part] = sum;
+    });
+    double sum = 0;
+    for (const auto& part : parts) {
+      of_zero += part[0];
+      sum += part[1];
+    }
+    return sum;
+  }();
+  if (!solve(s, g, small_residual * small_residual * of_zero, left, threads))
+    throw RunError("mpm: the projected pressure was not found in " + std::to_string(iterations_at_most) + " iterations");
+  // The potential after the step; then what the points take.
+  for_all([&](std::size_t n) {
+    guess[n] = s.solution[n];
+    s.residual[n] = f.potential[n] + s.solution[n];
+  });
+  const double rate = 2 * (g.per_hx * g.per_hx + g.per_hy * g.per_hy) * dt;
+  for_all([&](std::size_t n) {
+    const double volume = f.volume[n];
+    f.change[n] = f.even[n] = s.direction[n] = 0;
+    if (!(volume > 0)) return;
+    const double mobility = alike_.own ? f.rate[n] : alike_.mobility;
+    const double storage = sums_.node[n].mobile / (options_.bulk_modulus_pa * volume), by_cell = rate * mobility / storage;
+    const double share = by_cell / (1 + by_cell), per_volume = 1 / volume;
+    s.direction[n] = share;
+    if (marks_[n].given) {
+      f.even[n] = share * f.potential[n];
+      return;
+    }
+    const auto beyond = [&](const double* of) { return of[n] - per_volume * exchanged(f.strain_x + n, f.strain_y + n, of + n, f.row); };
+    f.even[n] = beyond(s.solution) + share * beyond(f.potential);
+    f.change[n] = per_volume * exchanged(f.flow_x + n, f.flow_y + n, s.residual + n, f.row);
+  });
+  for (const Through& through : through_) {
+    f.change[through.node] += through.volume / f.volume[through.node];
+    sums.add({through.volume, through.volume * s.residual[through.node], through.volume * s.residual[through.node]});
+  }
+  for (const Given& at : given_) {
+    const std::uint32_t n = at.node;
+    // Its points' pressures change by the mean of what they are brought to, and take the water that fits.
+    const double brought = f.even[n] + exchanged(f.strain_x + n, f.strain_y + n, f.even + n, f.row) / f.volume[n];
+    const double fits = sums_.node[n].mobile / options_.bulk_modulus_pa * (brought - s.direction[n] * at.mean) + sums_.node[n].strained;
+    f.change[n] = fits / f.volume[n];
+    double from_others = 0;
+    const auto from = [&](std::ptrdiff_t other, double exchange) {
+      if (!(marks_ + n)[other].given) from_others += exchange * ((s.residual + n)[other] - s.residual[n]);
+    };
+    from(1, f.flow_x[n]);
+    from(-1, (f.flow_x + n)[-1]);
+    from(f.row, f.flow_y[n]);
+    from(-f.row, (f.flow_y + n)[-f.row]);
+    const double through = fits - from_others;
+    sums.add({through, through * f.potential[n], through * f.potential[n]});
+  }
+  const PointView points = p.view();
+  const PoreView pores = view(p, gravity);
+  const CellView cells = g.view();
+  std::vector<PoreLosses> parts(g.active.pieces.size());
+  for_pieces(g, threads, [&](Range range, std::size_t piece) {
+    parts[piece] = project_points_lanes(g.centred, points, pores, cells, f, s.direction, range);
+  });
+  sums.yielded = sums.external;
+  for (const PoreLosses& part : parts) {
+    sums.darcy += part.by_flow;
+    sums.yielded += part.all;
+  }
+  sums.yielded -= sums.darcy;
+  mark_given(false);
+  sums.add(by_tractions);
+  follow_porosity(p, threads);
+  return sums;
+}
+
+}  // namespace pivnp::mpm
