@@ -265,9 +265,9 @@ TEST(PoreLanes, WhatThePointsTake) {
         if (p.cell[k] == Particles::ended) continue;
         const double outside = c.w.outside * std::max(0.0, c.w.level - p.y[k]);
         ASSERT_NEAR(c.content[k], content[k], 1e-14);
-        ASSERT_NEAR(c.pressure[k], pressure[k], projected ? 1e-7 : 1e-4);
+        ASSERT_NEAR(c.pressure[k], pressure[k], projected ? 1e-5 : 1e-4);
         ASSERT_EQ(c.J_flow[k], p.J[k]);
-        ASSERT_NEAR(c.excess[k], p.J[k] * (c.pressure[k] - outside), 1e-7);
+        ASSERT_NEAR(c.excess[k], p.J[k] * (c.pressure[k] - outside), 1e-5);
       }
     }
   });
