@@ -158,25 +158,30 @@ Mat2 Restraints::hold(std::size_t node, const Vec2& gravity) const {
   return held;
 }
 
-// In the corner of two walls each takes what is along its normal; a fixed one takes all.
+// A fixed wall takes all. In the corner of two others each takes what is along its normal, if that is what it can do.
 void Restraints::add_impulse(const RestrainedNode& at, double time, const Vec2& impulse, const Vec2& place,
                              std::span<Impulse> of_walls) const {
-  const Wall* first = nullptr;
+  constexpr double corner = 0.5;  // sine of the least angle between two walls that share an impulse
+  const Wall* found[2] = {nullptr, nullptr};
   for (std::size_t w = 0; w < at.walls.size(); ++w) {
     const Wall& wall = walls_[at.walls[w]];
     if (time >= at.until[w] || wall.type == Type::tied) continue;
     if (wall.type == Type::fixed) return of_walls[at.walls[w]].add(impulse, place);
-    if (!first) {
-      first = &wall;
-      continue;
-    }
-    const double across = first->normal.x() * wall.normal.y() - first->normal.y() * wall.normal.x();
-    if (std::abs(across) < 1e-6) continue;
-    const double second = (first->normal.x() * impulse.y() - first->normal.y() * impulse.x()) / across;
-    of_walls[at.walls[w]].add(second * wall.normal, place);
-    return of_walls[std::size_t(first - walls_.data())].add(impulse - second * wall.normal, place);
+    if (!found[0]) found[0] = &wall;
+    else if (!found[1]) found[1] = &wall;
   }
-  if (first) of_walls[std::size_t(first - walls_.data())].add(impulse, place);
+  if (!found[0]) return;
+  Vec2 of_second(0, 0);
+  if (found[1]) {
+    const Vec2 &first = found[0]->normal, &second = found[1]->normal;
+    const double across = first.x() * second.y() - first.y() * second.x();
+    if (std::abs(across) >= corner) of_second = (first.x() * impulse.y() - first.y() * impulse.x()) / across * second;
+    const auto cannot = [](const Wall& wall, const Vec2& i) { return wall.type == Type::frictional && i.dot(wall.normal) > 0; };
+    if (cannot(*found[1], of_second)) of_second = Vec2(0, 0);
+    else if (cannot(*found[0], impulse - of_second)) of_second = impulse;
+    of_walls[std::size_t(found[1] - walls_.data())].add(of_second, place);
+  }
+  of_walls[std::size_t(found[0] - walls_.data())].add(impulse - of_second, place);
 }
 
 Vec2 Restraints::given_velocity(const RestrainedNode& at, double time, bool equilibrium) const {

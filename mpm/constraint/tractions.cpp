@@ -13,6 +13,7 @@ namespace {
 
 constexpr double upper_part = 1.5, whole_layer = 4.5;  // cells: where f = 1, and where it ends
 constexpr double beside_face = 0.75;  // of a point's side: the points next to a face are nearer to it
+constexpr double gap = 1.6;           // sides between a point and the next below: the material ends there
 
 }  // namespace
 
@@ -50,57 +51,76 @@ void Tractions::add(const std::string& key, const BoundaryOptions& o, std::size_
 
   struct Near {
     std::size_t particle;
-    double on, off;  // along the line; to its left
+    double on, off, side;  // along the line; to its left, later under the face; of the point
   };
   const Vec2 left(-along.y(), along.x());
-  double depth = whole_layer * (std::abs(left.x()) * cell.x() + std::abs(left.y()) * cell.y());
+  const double most_depth = whole_layer * (std::abs(left.x()) * cell.x() + std::abs(left.y()) * cell.y());
   std::vector<Near> near;
-  std::vector<Near> beside[2];  // to its left and right
+  std::vector<std::int32_t> labels;  // of what has the face
   for (std::size_t k = 0; k < particles.size(); ++k) {
     const Vec2 d = particles.x0[k] - a;
-    const Near n{k, d.dot(along), d.dot(left)};
-    if (n.on < 0 || n.on > length || std::abs(n.off) >= depth) continue;
+    const Near n{k, d.dot(along), d.dot(left), std::sqrt(double(particles.area[k]))};
+    if (n.on < 0 || n.on > length || std::abs(n.off) >= most_depth) continue;
     near.push_back(n);
-    if (std::abs(n.off) < beside_face * std::sqrt(double(particles.area[k]))) beside[n.off < 0].push_back(n);
+    if (std::abs(n.off) < beside_face * n.side) labels.push_back(particles.label[k]);
   }
-  if (beside[0].empty() && beside[1].empty())
-    throw InputError(key + ".line_m: no particle lies along it, expected a face of the material");
-  const bool right = beside[1].size() > beside[0].size();
-  if (2 * beside[!right].size() > beside[right].size())
+  if (labels.empty()) throw InputError(key + ".line_m: no particle lies along it, expected a face of the material");
+  std::erase_if(near, [&](const Near& n) { return std::find(labels.begin(), labels.end(), particles.label[n.particle]) == labels.end(); });
+  const auto beyond = [&](double sign) {
+    return std::count_if(near.begin(), near.end(), [&](const Near& n) { return sign * n.off >= beside_face * n.side; });
+  };
+  const auto to_left = beyond(1), to_right = beyond(-1);
+  if (2 * std::min(to_left, to_right) > std::max(to_left, to_right))
     throw InputError(key + ".line_m: material lies on both sides of it, expected a face of the material");
-  std::vector<Near>& face = beside[right];
-  std::sort(face.begin(), face.end(), [](const Near& m, const Near& n) { return m.on < n.on; });
-  const std::size_t first_piece = pieces_.size();
-  for (const Near& n : face)
-    pieces_.push_back({.particle = n.particle,
-                       .face = length / double(face.size()),
+  const bool right = to_right > to_left;
+  const Vec2 normal = right ? left : Vec2(-left);
+  if (right)
+    for (Near& n : near) n.off = -n.off;
+  std::erase_if(near, [](const Near& n) { return n.off < -beside_face * n.side; });
+
+  // A piece of the face over each of the outermost points, and the column under it down to the first gap.
+  std::sort(near.begin(), near.end(), [](const Near& m, const Near& n) { return m.off < n.off; });
+  std::vector<std::vector<Near>> columns;
+  const auto column_of = [&](double on) {
+    const auto closer = [&](const auto& m, const auto& n) { return std::abs(m.front().on - on) < std::abs(n.front().on - on); };
+    return std::min_element(columns.begin(), columns.end(), closer);
+  };
+  for (const Near& n : near) {
+    const auto nearest = column_of(n.on);
+    if (n.off < beside_face * n.side && (nearest == columns.end() || std::abs(nearest->front().on - n.on) > 0.5 * n.side))
+      columns.push_back({n});
+  }
+  std::sort(columns.begin(), columns.end(), [](const auto& m, const auto& n) { return m.front().on < n.front().on; });
+  for (const Near& n : near) {
+    auto& column = *column_of(n.on);
+    if (column.front().particle != n.particle && n.off - column.back().off <= gap * n.side) column.push_back(n);
+  }
+  const double face = length / double(columns.size());
+  for (const auto& column : columns) {
+    const auto piece = std::uint32_t(pieces_.size());
+    pieces_.push_back({.particle = column.front().particle,
+                       .face = face,
                        .along = along,
+                       .out = column.front().off * normal,
                        .traction = Vec2((*o.traction_pa)[0], (*o.traction_pa)[1]),
                        .follows = o.follows_face,
                        .rise = o.rise_s,
                        .until = o.until_s.value_or(std::numeric_limits<double>::infinity()),
                        .boundary = std::uint16_t(boundary),
                        .next = -1});
-
-  const Vec2 normal = right ? left : Vec2(-left);
-  const auto under = [&](const Near& n) { return right ? -n.off : n.off; };
-  double volume = 0;
-  for (const Near& n : near)
-    if (under(n) > 0) volume += double(particles.area[n.particle]);
-  depth = std::min(depth, volume / length);  // of a thin slab all
-  const double upper = upper_part / whole_layer * depth;
-  // f = 1 - 3 s^2 + 2 s^3, s from 0 to 1 where it falls.
-  const auto fallen = [&](const Near& n) { return std::clamp((under(n) - upper) / (depth - upper), 0.0, 1.0); };
-  const auto slope = [](double s) { return s * (1 - s); };
-  double slopes = 0;
-  for (const Near& n : near) slopes += double(particles.area[n.particle]) * slope(fallen(n));
-  for (const Near& n : near) {
-    if (under(n) >= depth || under(n) < -beside_face * std::sqrt(double(particles.area[n.particle]))) continue;
-    const auto after = std::lower_bound(face.begin(), face.end(), n.on, [](const Near& m, double on) { return m.on < on; });
-    auto piece = std::size_t(after - face.begin());
-    if (after == face.end() || (piece > 0 && n.on - face[piece - 1].on < after->on - n.on)) --piece;
-    const double s = fallen(n);
-    layers.push_back({n.particle, {std::uint32_t(first_piece + piece), 1 - s * s * (3 - 2 * s), length * slope(s) / slopes, normal}});
+    // f = 1 - 3 s^2 + 2 s^3, s from 0 to 1 where it falls; to the end of what is thinner.
+    const double depth = std::min(most_depth, column.back().off + 0.5 * column.back().side), upper = upper_part / whole_layer * depth;
+    const auto fallen = [&](const Near& n) { return std::clamp((n.off - upper) / (depth - upper), 0.0, 1.0); };
+    double slopes = 0, area = 0;
+    for (const Near& n : column) {
+      area += n.side * n.side;
+      slopes += n.side * n.side * fallen(n) * (1 - fallen(n));
+    }
+    for (const Near& n : column) {
+      const double s = fallen(n);
+      if (slopes > 0) layers.push_back({n.particle, {piece, 1 - s * s * (3 - 2 * s), face * s * (1 - s) / slopes, normal}});
+      else layers.push_back({n.particle, {piece, 0, face / area, normal}});  // of a single row: at its centre
+    }
   }
   if (o.rise_s > 0) changes_.push_back(o.rise_s);
   if (o.until_s) changes_.push_back(*o.until_s);
@@ -113,13 +133,14 @@ const Traction* Tractions::of(std::size_t particle) const {
 void Tractions::add_to_loads(const Particles& p, GridState& g, double time, double dt, std::span<Impulse> of_boundaries,
                              int threads) const {
   const auto gradient = [&](std::size_t k) { return Mat2{{p.F_xx[k], p.F_xy[k]}, {p.F_yx[k], p.F_yy[k]}}; };
-  std::vector<Vec2> traction(pieces_.size());
+  std::vector<Vec2> traction(pieces_.size(), Vec2(0, 0));
   for (std::size_t k = 0; k < p.size(); ++k)
     for (std::int32_t a = over_[p.index[k]]; a >= 0; a = pieces_[std::size_t(a)].next) {
       const Traction& piece = pieces_[std::size_t(a)];
+      if (p.cell[k] == Particles::ended) continue;  // its face has gone
       const Vec2 t = piece.share(time) * piece.traction_now(gradient(k));
       traction[std::size_t(a)] = t;
-      if (p.cell[k] != Particles::ended) of_boundaries[piece.boundary].add(dt * piece.face * t, {p.x[k], p.y[k]});
+      of_boundaries[piece.boundary].add(dt * piece.face * t, Vec2(p.x[k], p.y[k]) + gradient(k) * piece.out);
     }
   Shapes::with(g.shape, [&](auto kind) {
     using S = decltype(kind);

@@ -1,7 +1,7 @@
 // Loads on faces of the material.
 //
 // A face lies beyond the centres of the points next to it. Its load t enters the balance of momentum through a layer of
-// material under it: with f equal to 1 near the face and falling to 0 at the layer's end, N the face's normal, all of time 0,
+// material under it, column by column under pieces of the face: with f equal to 1 near the face and falling to 0 at the layer's end, N the face's normal, all of time 0,
 // the divergence theorem gives
 //   int_face t N_i dA = int_layer (f t (F N) . grad N_i + t N_i df/dN) dV,
 // a stress and a body force. Both are summed over the points as the internal force is, so that a uniform stress under the
@@ -29,6 +29,7 @@ struct Traction {
   std::size_t particle;
   double face;    // its length at time 0, m
   Vec2 along;     // of unit length, at time 0
+  Vec2 out;       // from the particle to it, at time 0, m
   Vec2 traction;  // at time 0, Pa; to be multiplied by share()
   bool follows;
   double rise, until;
@@ -62,7 +63,7 @@ class Tractions {
   struct InLayer {
     std::uint32_t piece;  // over it
     double share;         // f
-    double change;        // df/dN, 1/m, scaled so that the body forces add up to the load
+    double change;        // df/dN, 1/m, scaled so that a column's body forces add up to its piece's load
     Vec2 normal;
   };
   void add(const std::string& key, const BoundaryOptions& options, std::size_t boundary, const ParticleSet& particles,

@@ -109,6 +109,7 @@ void Solver::advance_to(double time, Progress& progress) {
   if (s.failed) throw RunError("mpm: advance_to() was called after the run had failed");
   while (s.state.time < time) {
     if ((s.state.at_rest && s.options.end_at_rest) || s.state.far) {
+      s.state.not_stepped += time - s.state.time;
       s.state.time = time;
       return;
     }
@@ -161,7 +162,7 @@ std::vector<std::string> Solver::reaction_names() const {
 
 ReactionRow Solver::reactions() const {
   Impl& s = *impl_;
-  ReactionRow row{.time = s.state.time, .of = {}};
+  ReactionRow row{.time = s.state.time, .stepped = s.state.time - s.state.not_stepped, .of = {}};
   const auto add = [&](const Impulse& i, const Vec2& displacement, double turn) {
     row.of.push_back({{i.x, i.y}, i.moment, displacement, turn});
   };

@@ -61,7 +61,7 @@ struct Solver::Impl {
   void end_step(const Cycle& c);
   bool maps_and_advances(const Cycle& c) const;
   void take_mapped_velocity(const Cycle& c);
-  void apply_restraints(const Cycle& c);
+  void apply_restraints(const Cycle& c, std::span<Impulse> of_walls);
   void restrain_strain_velocity();
   void strain(const Cycle& c, GatherSums* moved = nullptr);
 

@@ -110,6 +110,7 @@ void visit(Archive& a, State& s) {
   a.value(s.sleep.skipped);
   a.value(s.sleep.all);
   a.value(s.steps);
+  a.value(s.not_stepped);
   a.value(s.since_sort);
 }
 

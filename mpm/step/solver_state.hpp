@@ -36,6 +36,7 @@ struct SolverState {
   std::vector<double> body_motion;   // RigidBodies::motion()
   std::vector<Impulse> impulses;     // on the material, of each wall, traction's boundary and rigid body (Solver::Impl)
   std::int64_t steps = 0;
+  double not_stepped = 0;  // time that went on without steps, at rest or far, s
   SleepState sleep;
   std::int64_t since_sort = 0;  // points that changed cells since the storage was last sorted
 };

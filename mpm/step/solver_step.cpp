@@ -106,7 +106,7 @@ void Solver::Impl::take_mapped_velocity(const Cycle& c) {
     node.nx = node.vx;
     node.ny = node.vy;
   });
-  apply_restraints(c);
+  apply_restraints(c, {});  // (what walls do to the momentum is counted below)
   for_nodes(g, c.threads, [this](Node& node, std::uint32_t n) {
     const GridState::StrainVelocity u = g.strain_velocity(n);
     u.x = node.nx;
@@ -126,14 +126,14 @@ void Solver::Impl::advance_nodes(const Cycle& c) {
 }
 
 void Solver::Impl::restrain_nodes(const Cycle& c) {
-  apply_restraints(c);
+  apply_restraints(c, impulses_of_walls());
   bodies.advance(c.dt);
   if (scheme.stress == StressUpdate::usl) restrain_strain_velocity();
 }
 
-void Solver::Impl::apply_restraints(const Cycle& c) {
+void Solver::Impl::apply_restraints(const Cycle& c, std::span<Impulse> of_walls) {
   reactions.clear();
-  restraints.apply(state.time, c.dt, g, reactions, impulses_of_walls());
+  restraints.apply(state.time, c.dt, g, reactions, of_walls);
   contacts.apply(g, restraints, reactions);
   bodies.accelerate(state.time, c.dt, c.gravity);
   bodies.apply(state.time, touched_share * least_density() * g.grid.spacing.prod(), g, reactions);

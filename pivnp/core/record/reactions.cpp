@@ -13,10 +13,15 @@ Reactions reactions_of(const std::vector<std::string>& names, const std::vector<
     const bool body = s.name.starts_with("body.");
     for (std::size_t r = 0; r < rows.size(); ++r) {
       const ReactionRow::Of& now = rows[r].of[k];
-      const double dt = r > 0 ? rows[r].time - rows[r - 1].time : 0;
-      const ReactionRow::Of before = r > 0 ? rows[r - 1].of[k] : ReactionRow::Of{};
-      s.force.push_back(dt > 0 ? Vec2((now.impulse - before.impulse) / dt) : Vec2(unknown, unknown));
-      s.moment.push_back(dt > 0 ? (now.moment - before.moment) / dt : unknown);
+      const double dt = r > 0 ? rows[r].stepped - rows[r - 1].stepped : 0;
+      if (dt > 0) {
+        const ReactionRow::Of& before = rows[r - 1].of[k];
+        s.force.push_back((now.impulse - before.impulse) / dt);
+        s.moment.push_back((now.moment - before.moment) / dt);
+      } else {
+        s.force.push_back(r > 0 ? s.force.back() : Vec2(unknown, unknown));
+        s.moment.push_back(r > 0 ? s.moment.back() : unknown);
+      }
       if (!body) continue;
       s.displacement.push_back(now.displacement);
       s.turn.push_back(now.turn);

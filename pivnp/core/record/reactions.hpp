@@ -18,13 +18,15 @@ struct ReactionRow {
     double turn = 0;                   // of a body, rad
   };
   double time = 0;
+  double stepped = 0;  // of that time, what was simulated: less once a run has come to rest
   std::vector<Of> of;
 };
 
 /// The series of one of them, one value a row.
 struct ReactionSeries {
   std::string name;                // "boundary.NAME" or "body.NAME"
-  std::vector<Vec2> force;         // on the material per metre of thickness, mean since the row before, N/m; the first: NaN
+  // On the material per metre of thickness, mean since the row before, N/m; the first: NaN; after the last step: as before.
+  std::vector<Vec2> force;
   std::vector<double> moment;      // likewise, about the origin of coordinates, N
   std::vector<Vec2> displacement;  // of a body; empty for a boundary
   std::vector<double> turn;        // likewise

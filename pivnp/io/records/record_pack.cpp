@@ -74,7 +74,8 @@ void pack_reactions(h5::OutputFile& out, const Reactions& reactions, const Units
   };
   for (const ReactionSeries& s : reactions.series) {
     std::string name = s.name;
-    std::replace(name.begin(), name.end(), '/', '_');  // HDF5's own separator
+    for (char& c : name)
+      if (c == '/' || static_cast<unsigned char>(c) < 32 || c == 127) c = '_';  // HDF5's own separator, and what does not print
     while (out.source().has("/reactions/" + name)) name += '_';
     const std::string group = "/reactions/" + name;
     out.group(group);

@@ -136,7 +136,7 @@ void write_rows(h5::OutputFile& file, const SegmentRows& rows) {
     for (const EnergyColumn& column : energy_table()) energy.push_back(row.*column.member);
   write("/energy", rows.energy.size(), energy);
   for (const ReactionRow& row : rows.reactions) {
-    reactions.push_back(row.time);
+    reactions.insert(reactions.end(), {row.time, row.stepped});
     for (const ReactionRow::Of& r : row.of)
       reactions.insert(reactions.end(), {r.impulse.x(), r.impulse.y(), r.moment, r.displacement.x(), r.displacement.y(), r.turn});
   }
@@ -154,12 +154,15 @@ void read_rows(const h5::Source& source, SegmentRows& rows) {
     }
   }
   if (source.has("/reactions")) {
-    rows.reaction_names = source.texts("/reaction_names");
+    std::vector<std::string> names = source.texts("/reaction_names");
+    if (!rows.reactions.empty() && names != rows.reaction_names)
+      throw InputError(source.name() + ": /reaction_names: not those of the segment before");
+    rows.reaction_names = std::move(names);
     const std::vector<double> table = source.dataset("/reactions").all<double>();
-    const std::size_t columns = 1 + 6 * rows.reaction_names.size();
+    const std::size_t columns = 2 + 6 * rows.reaction_names.size();
     for (std::size_t at = 0; at + columns <= table.size(); at += columns) {
-      rows.reactions.push_back({.time = table[at], .of = {}});
-      for (std::size_t c = at + 1; c < at + columns; c += 6)
+      rows.reactions.push_back({.time = table[at], .stepped = table[at + 1], .of = {}});
+      for (std::size_t c = at + 2; c < at + columns; c += 6)
         rows.reactions.back().of.push_back({{table[c], table[c + 1]}, table[c + 2], {table[c + 3], table[c + 4]}, table[c + 5]});
     }
   }

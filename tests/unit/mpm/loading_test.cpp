@@ -1,6 +1,7 @@
 // What changes with time: gravity, gates, densities, moving plates, tractions, excavation, strength; initial stress by K0.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <string>
@@ -202,6 +203,79 @@ TEST(Loading, ReactionsAreWhatBoundariesBear) {
   EXPECT_NEAR(force(1).y(), 0, 1e-6);
 }
 
+// A load on a thin slab that lies on another in contact: the slab bears it, and passes it on. On its first row of points, on a
+// line a little off its face, and on a lift that goes, it is neither lost nor kept.
+TEST(Loading, ALoadStaysWithTheBodyThatHasItsFace) {
+  const auto base_force = [](double line_y, double removed, bool contact) {
+    Scene s = scene(Grid{{0, 0}, {0.01, 0.01}, 11, 15}, {rectangle("soil", 0, 0, 0.1, 0.08), rectangle("slab", 0, 0.08, 0.1, 0.1)},
+                    {elastic(1e6, 0.3, 1000), elastic(1e6, 0.3, 1000)});
+    s.boundaries = column(0.1, s.materials[0]).boundaries;
+    BoundaryOptions load = line({0, line_y}, {0.1, line_y}, "traction");
+    load.traction_pa = Pair{0, -500};
+    load.rise_s = 0.05;
+    s.boundaries.push_back({"load", load});
+    if (removed > 0) s.materials[1].removed_s = removed;
+    if (contact) {
+      ContactOptions smooth;
+      smooth.regions = {"slab"};
+      smooth.friction = 0;
+      s.contacts = {{"face", smooth}};
+    }
+    MpmOptions o = options();
+    o.damping = 0.2;
+    o.end_at_rest = false;
+    Solver solver(o, s, 1);
+    solver.advance_to(0.25, silent);
+    std::vector<ReactionRow> rows{solver.reactions()};
+    solver.advance_to(0.45, silent);
+    rows.push_back(solver.reactions());
+    double slab = 0, n = 0;
+    const MotionFrame f = solver.frame();
+    for (std::size_t k = 0; k < f.u.size(); ++k)
+      if (solver.particles().label[k] == 1) slab += double(f.field("stress")(k, 1)), ++n;
+    const Reactions r = reactions_of(solver.reaction_names(), rows);
+    return std::array{r.series[0].force.back().y(), r.series.back().force.back().y(), slab / n};
+  };
+  for (const double off : {0.0, 0.001, -0.001, -0.0025}) {
+    const auto [base, load, slab] = base_force(0.1 + off, 0, false);
+    EXPECT_NEAR(load, -50, 1e-6) << off;
+    EXPECT_NEAR(base, 50, 1) << off;
+    EXPECT_NEAR(slab, -500, 100) << off;
+  }
+  const auto [base, load, slab] = base_force(0.1, 0, true);
+  EXPECT_NEAR(base, 50, 1.5);
+  EXPECT_NEAR(slab, -500, 50);
+  const auto gone = base_force(0.1, 0.1, false);
+  EXPECT_NEAR(gone[0], 0, 1);
+  EXPECT_NEAR(gone[1], 0, 1e-6);
+}
+
+TEST(Loading, ReactionsStayOnceARunHasComeToRest) {
+  std::vector<ReactionRow> rows;
+  for (const auto& [time, stepped, impulse] : {std::array{0.0, 0.0, 0.0}, {1.0, 1.0, 5.0}, {2.0, 1.5, 8.0}, {3.0, 1.5, 8.0}})
+    rows.push_back({time, stepped, {{{0, impulse}, 0, {0, 0}, 0}}});
+  const ReactionSeries s = reactions_of({"boundary.base"}, rows).series[0];
+  EXPECT_TRUE(std::isnan(s.force[0].y()));
+  EXPECT_EQ(s.force[1].y(), 5);
+  EXPECT_EQ(s.force[2].y(), 6);
+  EXPECT_EQ(s.force[3].y(), 6);
+}
+
+// Stress first maps the velocity twice; a wall acts once.
+TEST(Loading, AWallIsCountedOnceByEveryStressUpdate) {
+  for (const StressUpdate stress : {StressUpdate::usf, StressUpdate::musl, StressUpdate::usl}) {
+    Scene s = scene(Grid{{0, 0}, {0.01, 0.01}, 31, 8}, {rectangle("bar", 0, 0, 0.2, 0.05)}, {elastic(1e6, 0.0, 1000)});
+    s.boundaries = {{"push", line({0, 0}, {0, 0.06}, "fixed")}};
+    s.boundaries[0].second.velocity_m_s = Pair{0.1, 0};
+    MpmOptions o = conservative();
+    o.stress_update = stress;
+    o.energy_limit = 10;
+    Solver solver(o, s, 1);
+    solver.advance_to(0.008, silent);
+    EXPECT_NEAR(solver.reactions().of[0].impulse.x(), solver.momentum().x(), 0.02 * solver.momentum().x()) << int(stress);
+  }
+}
+
 TEST(Loading, WhatIsExcavatedWeighsNoMore) {
   Scene s = scene(Grid{{0, 0}, {0.01, 0.01}, 11, 25},
                   {rectangle("below", 0, 0, 0.1, 0.1), rectangle("above", 0, 0.1, 0.1, 0.2)},
@@ -315,6 +389,7 @@ TEST(Loading, NonsenseNamesItsKey) {
   });
   expect("boundary.base.withdraw_m_s", [](auto&, auto& s) { s.boundaries[0].second.withdraw_m_s = Pair{0, 0}; });
   expect("boundary.base.traction_pa", [](auto&, auto& s) { s.boundaries[0].second.traction_pa = Pair{0, 1}; });
+  expect("boundary.base.follows_face", [](auto&, auto& s) { s.boundaries[0].second.follows_face = true; });
   expect("boundary.base.traction_pa", [](auto&, auto& s) { s.boundaries[0].second.type = BoundaryType::traction; });
   expect("boundary.left.line_m", [](auto&, auto& s) {
     s.boundaries[1].second = line({5, 5}, {6, 6}, "traction");

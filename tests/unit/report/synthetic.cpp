@@ -243,7 +243,7 @@ Synthetic make_synthetic(const SyntheticOptions& o) {
     std::vector<ReactionRow> rows;
     for (int k = 0; k < o.frames; ++k) {
       const double t = k / rate_hz;
-      rows.push_back({t, {{{0, 900 * t}, 40 * t, {0, 0}, 0}, {{-300 * t * t, 20 * t}, 5 * t, {-0.1 * t, 0}, 0}}});
+      rows.push_back({t, t, {{{0, 900 * t}, 40 * t, {0, 0}, 0}, {{-300 * t * t, 20 * t}, 5 * t, {-0.1 * t, 0}, 0}}});
     }
     c.reactions = reactions_of({"boundary.base", "body.plate"}, rows);
   }

@@ -120,7 +120,7 @@ inline EnergyRow energy(std::size_t k) {
 
 inline const std::vector<std::string> reaction_names = {"boundary.base/left", "body.plate"};
 inline ReactionRow reactions(std::size_t k) {
-  ReactionRow r{.time = time(k), .of = {}};
+  ReactionRow r{.time = time(k), .stepped = time(k), .of = {}};
   r.of.push_back({{0.5 * double(k), -3.0 * double(k)}, 0.25 * double(k), {0, 0}, 0});
   r.of.push_back({{double(k * k), 0}, -1.0, {0.01 * double(k), 0}, 0.125});
   return r;
