@@ -29,10 +29,12 @@ GivenKey parse_given_key(const std::string& text, int ordinal) {
   for (std::size_t begin = 0; begin <= key.size();) {
     const std::size_t end = std::min(key.find('.', begin), key.size());
     given.path.push_back(key.substr(begin, end - begin));
-    if (given.path.back().empty()) throw InputError(where + "found the key \"" + shortened(key) + "\", expected names between its dots");
+    if (given.path.back().empty())
+      throw InputError(where + "found the key \"" + shortened(key) + "\", expected names between its dots");
     begin = end + 1;
   }
-  if (given.path.size() > 4) throw InputError(where + "found a key of " + std::to_string(given.path.size()) + " parts, expected at most 4");
+  if (given.path.size() > 4)
+    throw InputError(where + "found a key of " + std::to_string(given.path.size()) + " parts, expected at most 4");
   given.value = parse_value(text.substr(equals + 1));
   set_line(given.value, ordinal);
   return given;

@@ -19,8 +19,8 @@ GivenKey parse_given_key(const std::string& text, int ordinal);
 /// A case that holds this key and no other, with the key's ordinal for a line.
 Node alone(const GivenKey& key);
 
-/// Puts the key into the case `root` of file `name`, in place of what it had; it takes over the line of that. Throws InputError
-/// where a part of the key is no section there.
+/// Puts the key into the case `root` of file `name`, in place of what it had; it takes over the line of that. Throws
+/// InputError where a part of the key is no section there.
 void put(const GivenKey& key, Node& root, const std::string& name);
 
 }  // namespace pivnp::app

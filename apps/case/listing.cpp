@@ -27,12 +27,14 @@ std::string quoted_list(const std::vector<std::string>& choices) {
 // A bound of the range; a case's numbers are finite.
 std::string bounds(const OptionInfo& info) {
   std::string text;
-  if (std::isfinite(info.min)) text += std::string(info.above_min ? ", \"exclusiveMinimum\": " : ", \"minimum\": ") + number(info.min, 15);
+  if (std::isfinite(info.min))
+    text += std::string(info.above_min ? ", \"exclusiveMinimum\": " : ", \"minimum\": ") + number(info.min, 15);
   if (std::isfinite(info.max)) text += ", \"maximum\": " + number(info.max, 15);
   return text;
 }
 
-const char* const json_pair = "\"type\": \"array\", \"items\": {\"type\": \"number\"}, \"minItems\": 2, \"maxItems\": 2";
+const char* const json_pair =
+    "\"type\": \"array\", \"items\": {\"type\": \"number\"}, \"minItems\": 2, \"maxItems\": 2";
 
 std::string value_schema(const bool&, const OptionInfo&) { return "\"type\": \"boolean\""; }
 std::string value_schema(const int&, const OptionInfo& info) { return "\"type\": \"integer\"" + bounds(info); }

@@ -45,7 +45,8 @@ std::string object_schema(const std::string& path, const SectionRow* row, const 
 
 std::string case_schema() {
   const std::string body = object_schema("", nullptr, case_sections(), "");
-  return "{\n  \"$schema\": \"http://json-schema.org/draft-07/schema#\",\n  \"title\": \"A case of pivnp\"," + body.substr(1) + "\n";
+  return "{\n  \"$schema\": \"http://json-schema.org/draft-07/schema#\",\n  \"title\": \"A case of pivnp\"," +
+         body.substr(1) + "\n";
 }
 
 }  // namespace pivnp::app

@@ -15,9 +15,11 @@ std::string extents(const std::vector<py::ssize_t>& shape) {
 
 }  // namespace
 
-BorrowedImage::BorrowedImage(const py::buffer& buffer, const std::string& what, double white) : info_(buffer.request()) {
+BorrowedImage::BorrowedImage(const py::buffer& buffer, const std::string& what, double white)
+    : info_(buffer.request()) {
   const std::string& f = info_.format;
-  if (info_.ndim != 2) throw InputError(what + ": found an array of " + extents(info_.shape) + ", expected rows x columns of grey values");
+  if (info_.ndim != 2)
+    throw InputError(what + ": found an array of " + extents(info_.shape) + ", expected rows x columns of grey values");
   if (f == "B" || f == "?") {
     view_.depth = PixelDepth::u8;
   } else if (f == "H") {
@@ -43,9 +45,11 @@ MaskView BorrowedImage::mask() const {
   return {reinterpret_cast<const std::uint8_t*>(view_.data), view_.width, view_.height, view_.stride};
 }
 
-std::vector<Vec2> positions(const py::array_t<double, py::array::c_style | py::array::forcecast>& array, const std::string& what) {
+std::vector<Vec2> positions(const py::array_t<double, py::array::c_style | py::array::forcecast>& array,
+                            const std::string& what) {
   if (array.ndim() != 2 || array.shape(1) != 2)
-    throw InputError(what + ": found an array of " + extents({array.shape(), array.shape() + array.ndim()}) + ", expected n x 2");
+    throw InputError(what + ": found an array of " + extents({array.shape(), array.shape() + array.ndim()}) +
+                     ", expected n x 2");
   std::vector<Vec2> out;
   const auto at = array.unchecked<2>();
   for (py::ssize_t k = 0; k < array.shape(0); ++k) out.emplace_back(at(k, 0), at(k, 1));

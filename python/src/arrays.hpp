@@ -51,6 +51,7 @@ class BorrowedImage {
 };
 
 /// Positions from an array [n][2].
-std::vector<Vec2> positions(const py::array_t<double, py::array::c_style | py::array::forcecast>& array, const std::string& what);
+std::vector<Vec2> positions(const py::array_t<double, py::array::c_style | py::array::forcecast>& array,
+                            const std::string& what);
 
 }  // namespace pivnp::python

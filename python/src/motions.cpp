@@ -16,8 +16,11 @@ namespace pivnp::python {
 
 KeptMotion::KeptMotion(std::string name, std::string length_unit, std::string time_unit, ParticleSet particles,
                        std::vector<std::shared_ptr<const MotionFrame>> frames)
-    : name_(std::move(name)), length_unit_(std::move(length_unit)), time_unit_(std::move(time_unit)),
-      particles_(std::move(particles)), frames_(std::move(frames)) {
+    : name_(std::move(name)),
+      length_unit_(std::move(length_unit)),
+      time_unit_(std::move(time_unit)),
+      particles_(std::move(particles)),
+      frames_(std::move(frames)) {
   for (const auto& frame : frames_) times_.push_back(frame->time);
 }
 
@@ -49,7 +52,8 @@ std::vector<std::string> names_in(const MotionFrame& frame) {
 [[noreturn]] void refuse_field(const std::string& name, const std::vector<std::string>& held) {
   std::string list;
   for (const std::string& n : held) list += (list.empty() ? "" : ", ") + n;
-  throw InputError("field: found \"" + name + "\", which this motion does not hold; it holds " + list + ", and what follows from u and F");
+  throw InputError("field: found \"" + name + "\", which this motion does not hold; it holds " + list +
+                   ", and what follows from u and F");
 }
 
 py::array instant_values(const std::shared_ptr<Instant>& instant, const std::string& name) {
@@ -193,8 +197,8 @@ class Record {
 
 py::dict energy_columns(const std::vector<EnergyRow>& rows) {
   const std::pair<const char*, double EnergyRow::*> columns[] = {
-      {"time", &EnergyRow::time}, {"kinetic", &EnergyRow::kinetic}, {"elastic", &EnergyRow::elastic},
-      {"plastic", &EnergyRow::plastic}, {"damping", &EnergyRow::damping}, {"contact", &EnergyRow::contact},
+      {"time", &EnergyRow::time},         {"kinetic", &EnergyRow::kinetic},  {"elastic", &EnergyRow::elastic},
+      {"plastic", &EnergyRow::plastic},   {"damping", &EnergyRow::damping},  {"contact", &EnergyRow::contact},
       {"external", &EnergyRow::external}, {"residual", &EnergyRow::residual}};
   py::dict out;
   for (const auto& [name, member] : columns) {
@@ -207,30 +211,77 @@ py::dict energy_columns(const std::vector<EnergyRow>& rows) {
 }
 
 void bind_motion(py::module_& m) {
-  const auto particles = [](const std::shared_ptr<Motion>& motion) -> const ParticleSet& { return motion->source->particles(); };
+  const auto particles = [](const std::shared_ptr<Motion>& motion) -> const ParticleSet& {
+    return motion->source->particles();
+  };
   py::class_<Motion, std::shared_ptr<Motion>>(m, "Motion")
       .def_property_readonly("name", [](const Motion& v) { return v.source->name(); })
       .def_property_readonly("length_unit", [](const Motion& v) { return v.source->length_unit(); })
       .def_property_readonly("time_unit", [](const Motion& v) { return v.source->time_unit(); })
-      .def_property_readonly("time", [](const std::shared_ptr<Motion>& v) { return view<double>(v->source->times().data(), {py::ssize_t(v->source->times().size())}, py::cast(v)); })
-      .def_property_readonly("id", [=](const std::shared_ptr<Motion>& v) { return view<std::int64_t>(particles(v).id.data(), {py::ssize_t(particles(v).size())}, py::cast(v)); })
-      .def_property_readonly("label", [=](const std::shared_ptr<Motion>& v) { return view<std::int32_t>(particles(v).label.data(), {py::ssize_t(particles(v).size())}, py::cast(v)); })
+      .def_property_readonly("time",
+                             [](const std::shared_ptr<Motion>& v) {
+                               return view<double>(v->source->times().data(), {py::ssize_t(v->source->times().size())},
+                                                   py::cast(v));
+                             })
+      .def_property_readonly("id",
+                             [=](const std::shared_ptr<Motion>& v) {
+                               return view<std::int64_t>(particles(v).id.data(), {py::ssize_t(particles(v).size())},
+                                                         py::cast(v));
+                             })
+      .def_property_readonly("label",
+                             [=](const std::shared_ptr<Motion>& v) {
+                               return view<std::int32_t>(particles(v).label.data(), {py::ssize_t(particles(v).size())},
+                                                         py::cast(v));
+                             })
       .def_property_readonly("label_names", [=](const std::shared_ptr<Motion>& v) { return particles(v).label_names; })
-      .def_property_readonly("x0", [=](const std::shared_ptr<Motion>& v) { return view<double>(particles(v).x0.data(), {py::ssize_t(particles(v).size()), 2}, py::cast(v)); })
-      .def_property_readonly("area", [=](const std::shared_ptr<Motion>& v) { return view<double>(particles(v).area.data(), {py::ssize_t(particles(v).size())}, py::cast(v)); })
-      .def_property_readonly("born", [=](const std::shared_ptr<Motion>& v) { return view<double>(particles(v).born.data(), {py::ssize_t(particles(v).size())}, py::cast(v)); })
-      .def_property_readonly("end", [=](const std::shared_ptr<Motion>& v) { return view<double>(particles(v).end.data(), {py::ssize_t(particles(v).size())}, py::cast(v)); })
-      .def_property_readonly("end_reason", [=](const std::shared_ptr<Motion>& v) { return view<std::uint8_t>(particles(v).end_reason.data(), {py::ssize_t(particles(v).size())}, py::cast(v)); })
+      .def_property_readonly(
+          "x0",
+          [=](const std::shared_ptr<Motion>& v) {
+            return view<double>(particles(v).x0.data(), {py::ssize_t(particles(v).size()), 2}, py::cast(v));
+          })
+      .def_property_readonly("area",
+                             [=](const std::shared_ptr<Motion>& v) {
+                               return view<double>(particles(v).area.data(), {py::ssize_t(particles(v).size())},
+                                                   py::cast(v));
+                             })
+      .def_property_readonly("born",
+                             [=](const std::shared_ptr<Motion>& v) {
+                               return view<double>(particles(v).born.data(), {py::ssize_t(particles(v).size())},
+                                                   py::cast(v));
+                             })
+      .def_property_readonly("end",
+                             [=](const std::shared_ptr<Motion>& v) {
+                               return view<double>(particles(v).end.data(), {py::ssize_t(particles(v).size())},
+                                                   py::cast(v));
+                             })
+      .def_property_readonly("end_reason",
+                             [=](const std::shared_ptr<Motion>& v) {
+                               return view<std::uint8_t>(particles(v).end_reason.data(),
+                                                         {py::ssize_t(particles(v).size())}, py::cast(v));
+                             })
       .def("values", &values, py::arg("name"), py::arg("frames"))
-      .def("recorded", [](const Motion& v) { return v.source->times().empty() ? std::vector<std::string>{} : names_in(read_from(v, [&](Progress&) { return v.source->frame(0); })); })
-      .def("computed", [](const Motion&, const std::vector<std::string>& held) { return computed_names(held); }, py::arg("recorded"))
-      .def("unit", [](const Motion& v, const std::string& name) { return note_on(v, name).unit; }, py::arg("name"))
-      .def("definition", [](const Motion& v, const std::string& name) { return note_on(v, name).definition; }, py::arg("name"));
+      .def("recorded",
+           [](const Motion& v) {
+             return v.source->times().empty() ? std::vector<std::string>{}
+                                              : names_in(read_from(v, [&](Progress&) { return v.source->frame(0); }));
+           })
+      .def(
+          "computed", [](const Motion&, const std::vector<std::string>& held) { return computed_names(held); },
+          py::arg("recorded"))
+      .def(
+          "unit", [](const Motion& v, const std::string& name) { return note_on(v, name).unit; }, py::arg("name"))
+      .def(
+          "definition", [](const Motion& v, const std::string& name) { return note_on(v, name).definition; },
+          py::arg("name"));
 
-  py::class_<Instant, std::shared_ptr<Instant>>(m, "Frame", R"(One instant of a motion: frame["u"] and so on, [P, ...], sharing the engine's memory, read-only.)")
-      .def_property_readonly("time", [](const Instant& v) { return v.frame.time; }, "Time, in the motion's unit.")
-      .def_property_readonly("names", [](const Instant& v) { return names_in(v.frame); }, "Fields that it holds.")
-      .def("__getitem__", &instant_values, py::arg("name"), "Values [P, ...] of a recorded field; ValueError where it is not held.");
+  py::class_<Instant, std::shared_ptr<Instant>>(
+      m, "Frame", R"(One instant of a motion: frame["u"] and so on, [P, ...], sharing the engine's memory, read-only.)")
+      .def_property_readonly(
+          "time", [](const Instant& v) { return v.frame.time; }, "Time, in the motion's unit.")
+      .def_property_readonly(
+          "names", [](const Instant& v) { return names_in(v.frame); }, "Fields that it holds.")
+      .def("__getitem__", &instant_values, py::arg("name"),
+           "Values [P, ...] of a recorded field; ValueError where it is not held.");
 }
 
 }  // namespace
@@ -244,37 +295,54 @@ void bind_motions(py::module_& m) {
       .def_property_readonly("case", [](const Record& r) { return r.head().case_text; })
       .def_property_readonly("length_unit", [](const Record& r) { return r.head().length_unit; })
       .def_property_readonly("time_unit", [](const Record& r) { return r.head().time_unit; })
-      .def_property_readonly("schema_version", [](const Record& r) { return r.read([](const auto& reader) { return reader.schema_version(); }); })
-      .def_property_readonly("pair_count", [](const Record& r) { return r.read([](const auto& reader) { return reader.pair_count(); }); })
-      .def_property_readonly("motion_names", [](const Record& r) { return r.read([](const auto& reader) { return reader.motion_names(); }); })
-      .def_property_readonly("energy", [](const Record& r) { return energy_columns(r.read([](const auto& reader) { return reader.energy(); })); })
-      .def_property_readonly("comparison", [](const Record& r) -> py::object {
-        const std::optional<Comparison> found = r.read([](const auto& reader) { return reader.comparison(); });
-        if (!found) return py::none();
-        return in_python(*found);
-      })
-      .def("frames", [](const Record& r) {
-        py::list names, times, flags;
-        for (const Frame& frame : r.read([](const auto& reader) { return std::vector<Frame>(reader.frames()); })) {
-          names.append(frame.name);
-          times.append(frame.time);
-          flags.append(int(frame.flag));
-        }
-        return py::make_tuple(names, times, flags);
-      })
-      .def("pair", [](const Record& r, std::size_t k) {
-        return r.read([&](const auto& reader) {
-          if (k >= reader.pair_count()) throw py::index_error("pair " + std::to_string(k) + " of " + std::to_string(reader.pair_count()));
-          return Vectors{reader.pair(k), reader.head().length_unit};
-        });
-      }, py::arg("index"))
+      .def_property_readonly(
+          "schema_version",
+          [](const Record& r) { return r.read([](const auto& reader) { return reader.schema_version(); }); })
+      .def_property_readonly(
+          "pair_count", [](const Record& r) { return r.read([](const auto& reader) { return reader.pair_count(); }); })
+      .def_property_readonly(
+          "motion_names",
+          [](const Record& r) { return r.read([](const auto& reader) { return reader.motion_names(); }); })
+      .def_property_readonly(
+          "energy",
+          [](const Record& r) { return energy_columns(r.read([](const auto& reader) { return reader.energy(); })); })
+      .def_property_readonly("comparison",
+                             [](const Record& r) -> py::object {
+                               const std::optional<Comparison> found =
+                                   r.read([](const auto& reader) { return reader.comparison(); });
+                               if (!found) return py::none();
+                               return in_python(*found);
+                             })
+      .def("frames",
+           [](const Record& r) {
+             py::list names, times, flags;
+             for (const Frame& frame : r.read([](const auto& reader) { return std::vector<Frame>(reader.frames()); })) {
+               names.append(frame.name);
+               times.append(frame.time);
+               flags.append(int(frame.flag));
+             }
+             return py::make_tuple(names, times, flags);
+           })
+      .def(
+          "pair",
+          [](const Record& r, std::size_t k) {
+            return r.read([&](const auto& reader) {
+              if (k >= reader.pair_count())
+                throw py::index_error("pair " + std::to_string(k) + " of " + std::to_string(reader.pair_count()));
+              return Vectors{reader.pair(k), reader.head().length_unit};
+            });
+          },
+          py::arg("index"))
       .def("motion", &Record::motion, py::arg("name"));
-  m.def("open_motion", [](const std::string& text, double step, const std::string& length_unit) {
-    return unlocked([&](Progress&) {
-      const std::lock_guard lock(hdf5_mutex());
-      return opened(app::open_motion(text, {.step = step, .length_unit = length_unit}), true);
-    });
-  }, py::arg("text"), py::arg("step"), py::arg("length_unit"));
+  m.def(
+      "open_motion",
+      [](const std::string& text, double step, const std::string& length_unit) {
+        return unlocked([&](Progress&) {
+          const std::lock_guard lock(hdf5_mutex());
+          return opened(app::open_motion(text, {.step = step, .length_unit = length_unit}), true);
+        });
+      },
+      py::arg("text"), py::arg("step"), py::arg("length_unit"));
 }
 
 }  // namespace pivnp::python

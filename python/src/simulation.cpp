@@ -15,7 +15,9 @@ class Solver {
   Solver(const std::string& toml, const std::string& file, const std::vector<std::string>& given, int threads)
       : case_(file.empty() ? case_of(toml, given) : app::read_case(file, given)) {
     if (case_.frames || case_.vectors || case_.synth)
-      throw InputError(app::of_file(case_) + ": found [frames], [vectors] or [synth], expected a case that only simulates (pivnp.run measures too)");
+      throw InputError(
+          app::of_file(case_) +
+          ": found [frames], [vectors] or [synth], expected a case that only simulates (pivnp.run measures too)");
     if (!case_.mpm) throw InputError(app::of_file(case_) + ": there is nothing to simulate; expected [mpm]");
     setting_ = app::make_setting(case_, 0, 0);
     solver_.reset(new mpm::Solver(app::make_solver(case_, setting_, threads)));  // not one that could be moved
@@ -40,7 +42,8 @@ class Solver {
         solver_->advance_to(time, progress);
         frames.push_back(std::make_shared<MotionFrame>(solver_->frame()));
       }
-      motion->source = std::make_shared<KeptMotion>("mpm", setting_.camera.length_unit(), "s", solver_->particles(), std::move(frames));
+      motion->source = std::make_shared<KeptMotion>("mpm", setting_.camera.length_unit(), "s", solver_->particles(),
+                                                    std::move(frames));
     });
     return motion;
   }
@@ -86,7 +89,8 @@ class Solver {
 
 void bind_simulation(py::module_& m) {
   py::class_<Solver>(m, "Solver")
-      .def(py::init<const std::string&, const std::string&, const std::vector<std::string>&, int>(), py::arg("toml"), py::arg("file"), py::arg("given"), py::arg("threads"))
+      .def(py::init<const std::string&, const std::string&, const std::vector<std::string>&, int>(), py::arg("toml"),
+           py::arg("file"), py::arg("given"), py::arg("threads"))
       .def("advance_to", &Solver::advance_to, py::arg("time"))
       .def("frame", &Solver::frame)
       .def("run", &Solver::run, py::arg("times"))

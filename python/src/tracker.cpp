@@ -31,7 +31,9 @@ class Tracker {
  public:
   Tracker(const std::string& toml, const Vectors& vectors, const std::vector<std::pair<std::string, Points>>& regions,
           const std::optional<Points>& x0, double time, std::string time_unit)
-      : length_unit_(vectors.length_unit), time_unit_(std::move(time_unit)), central_(vectors.field.anchor == Anchor::central) {
+      : length_unit_(vectors.length_unit),
+        time_unit_(std::move(time_unit)),
+        central_(vectors.field.anchor == Anchor::central) {
     const np::NpOptions options = case_of(toml).np.value_or(np::NpOptions{});
     ParticleSet set;
     if (x0) {
@@ -39,7 +41,8 @@ class Tracker {
     } else {
       const Grid& grid = vectors.field.grid;
       std::vector<Region> all;
-      for (const auto& [name, outline] : regions) all.push_back({name, Polygon(positions(outline, "regions." + name), "regions." + name)});
+      for (const auto& [name, outline] : regions)
+        all.push_back({name, Polygon(positions(outline, "regions." + name), "regions." + name)});
       const Vec2 a = grid.origin, b = grid.upper();
       if (all.empty()) all.push_back({"all", Polygon({a, {b.x(), a.y()}, b, {a.x(), b.y()}}, "the grid")});
       set = seed(grid, all, options.per_element, options.seeding, time, "np.per_element");
@@ -75,8 +78,10 @@ class Tracker {
 
 void bind_tracker(py::module_& m) {
   py::class_<Tracker>(m, "Tracker")
-      .def(py::init<const std::string&, const Vectors&, const std::vector<std::pair<std::string, Points>>&, const std::optional<Points>&, double, std::string>(),
-           py::arg("toml"), py::arg("vectors"), py::arg("regions"), py::arg("x0"), py::arg("time"), py::arg("time_unit"))
+      .def(py::init<const std::string&, const Vectors&, const std::vector<std::pair<std::string, Points>>&,
+                    const std::optional<Points>&, double, std::string>(),
+           py::arg("toml"), py::arg("vectors"), py::arg("regions"), py::arg("x0"), py::arg("time"),
+           py::arg("time_unit"))
       .def("step", &Tracker::step, py::arg("vectors"), py::arg("time"))
       .def("frame", &Tracker::frame)
       .def("motion", &Tracker::motion)

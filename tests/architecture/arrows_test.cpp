@@ -62,10 +62,17 @@ const std::map<std::pair<std::string, std::string>, std::string> only = {
 
 // Vendor headers, and the folders that may see them.
 const std::map<std::string, Folders> vendors = {
-    {"opencv2/", {"pivnp/image", "pivnp/piv"}}, {"CGAL/", {"pivnp/core", "pivnp/np", "compare"}}, {"hdf5", {"pivnp/io"}},
-    {"H5", {"pivnp/io"}},          {"Q", {"apps/plot", "apps/report"}},  {"qcustomplot", {"apps/plot"}},
-    {"CLI/", {"apps/cli"}},        {"toml++", {"apps/case"}},            {"fftw3", {"pivnp/piv"}},
-    {"hwy/", {"pivnp/np", "pivnp/piv", "mpm"}}, {"pybind11/", {"python/src"}},
+    {"opencv2/", {"pivnp/image", "pivnp/piv"}},
+    {"CGAL/", {"pivnp/core", "pivnp/np", "compare"}},
+    {"hdf5", {"pivnp/io"}},
+    {"H5", {"pivnp/io"}},
+    {"Q", {"apps/plot", "apps/report"}},
+    {"qcustomplot", {"apps/plot"}},
+    {"CLI/", {"apps/cli"}},
+    {"toml++", {"apps/case"}},
+    {"fftw3", {"pivnp/piv"}},
+    {"hwy/", {"pivnp/np", "pivnp/piv", "mpm"}},
+    {"pybind11/", {"python/src"}},
 };
 
 std::string folder_of(const std::string& path) {
