@@ -144,8 +144,8 @@ void Solver::Impl::put_water(MotionFrame& frame) {
   for (std::size_t k = 0; k < p.size(); ++k) porosity[p.index[k]] = float(water->porosity(p, k));
 }
 
-// Projected steps cost three times as much at most, and show no waves in the water: what is chosen without being asked for has to
-// pay.
+// Projected steps cost three times as much at most, show no waves in the water, and with shapes of three nodes bear too little
+// undrained (docs/limits.md): what is chosen without being asked for has to pay, and to be right.
 void Solver::Impl::choose_pressure() {
   const PoreWater::Rates rates = water->rates(p);
   const double hx = g.grid.spacing.x(), hy = g.grid.spacing.y();
@@ -159,11 +159,13 @@ void Solver::Impl::choose_pressure() {
                       (surface ? "the water has a surface inside the material" : "there are tied sides, bodies or contact") + " (mpm.pressure).";
     return;
   }
-  options.pressure = ratio >= longer_steps ? PressureScheme::projected : PressureScheme::in_steps;
+  const bool pays = ratio >= longer_steps, project = pays && !g.centred;
+  options.pressure = project ? PressureScheme::projected : PressureScheme::in_steps;
   std::ostringstream text;
   text.precision(2);
-  text << "Pore pressure is " << (ratio >= longer_steps ? "projected" : "explicit") << ": projected steps are " << ratio
-       << " times as long as explicit ones, and are taken from " << longer_steps << " times on (mpm.pressure).";
+  text << "Pore pressure is " << (project ? "projected" : "explicit") << ": projected steps are " << ratio << " times as long as explicit ones";
+  if (pays && !project) text << ", but with this shape an undrained material would bear too little (mpm.pressure).";
+  else text << ", and are taken from " << longer_steps << " times on (mpm.pressure).";
   pressure_choice = text.str();
 }
 

@@ -91,7 +91,7 @@ double PoreWater::lack_in_front(const FrontPoint& at, double& may) const {
 
 PoreFlow PoreWater::flow_with_front(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, double dt,
                                     int threads) {
-  front_.resize(node_.size());
+  front_.resize(g.arrays.pores.size());
   PoreFlow sums = flow_through_tractions(p, tractions, time, dt);
   map_front(p, g, tractions, gravity, time, threads);
   give_front(g, gravity, time, threads);
@@ -107,7 +107,7 @@ PoreFlow PoreWater::flow_with_front(Particles& p, GridState& g, const Tractions&
 
 std::vector<Vec2> PoreWater::flow_in_front(const Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time,
                                            int threads) {
-  front_.resize(node_.size());
+  front_.resize(g.arrays.pores.size());
   map_front(p, g, tractions, gravity, time, threads);
   give_front(g, gravity, time, threads);
   std::vector<Vec2> flow(p.size(), Vec2::Zero());

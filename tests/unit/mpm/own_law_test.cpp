@@ -239,7 +239,7 @@ TEST(NodeFields, MemoryIsThatOfTheFieldsNeeded) {
   }
   EXPECT_EQ(bytes_a_node({}), sizeof(Node));
   EXPECT_EQ(bytes_a_node({.averages = true}), sizeof(Node) + sizeof(CellEdges) + sizeof(CornerSums) + 2 * sizeof(AlongAxes));
-  EXPECT_EQ(bytes_a_node({.wet = true}), sizeof(Node) + sizeof(PoreNode) + sizeof(PoreElement) + sizeof(PoreMark) + 11 * sizeof(double));
+  EXPECT_EQ(bytes_a_node({.wet = true}), sizeof(Node) + sizeof(PoreNode) + sizeof(PoreElement) + sizeof(PoreMark) + 12 * sizeof(double));
   Scheme scheme;
   EXPECT_TRUE(node_needs(scheme, {}, {}).averages);
   EXPECT_FALSE(node_needs(scheme, {}, {}).filtered);
