@@ -257,13 +257,10 @@ constexpr StrainSubject strains[] = {
 
 std::string floor_text(const Findings& f, double floor, const Span& span) {
   if (std::isnan(floor))
-    return "; uncertainty not known: noise floor not measured (no zone of known error that stayed still)";
-  if (f.floor.empty())
-    return "; uncertainty: root mean square of this strain where |u| is below 2 of its standard uncertainties, the "
-           "noise floor of the still zone" +
-           std::string(span.last ? "" : ", greatest over the times");
-  return "; uncertainty: noise floor at the last frame as the record states it for " + f.floor +
-         ", added in squares to that of the other data set's still zone, if it carries a covariance";
+    return "; uncertainty not known: noise floor not measured (np.still_zone_m, np.still_frames or compare.fixed_zone_m "
+           "would tell it)";
+  return "; uncertainty: noise floor, the root mean square of this strain where nothing moves, of " + f.floor +
+         (span.last ? "" : ", greatest over the times");
 }
 
 void add_strain(Registry<MetricRow>& rows, const Span& span) {
