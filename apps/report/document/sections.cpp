@@ -29,10 +29,11 @@ class Builder {
 };
 
 std::string measurement_text(const Content& content, const std::vector<PairQuality>& pairs) {
-  std::size_t nodes = 0, valid = 0, replaced = 0, rejected = 0, failed = 0;
+  std::size_t nodes = 0, valid = 0, replaced = 0, rejected = 0, failed = 0, outside = 0;
   std::vector<double> sigma;
   for (const PairQuality& q : pairs) {
     nodes += q.nodes;
+    outside += q.outside;
     valid += q.valid;
     replaced += q.replaced;
     rejected += q.rejected;
@@ -42,9 +43,13 @@ std::string measurement_text(const Content& content, const std::vector<PairQuali
   if (nodes == 0) return "No node was measured: all are masked.";
   auto share = [&](std::size_t n) { return percent(double(n) / double(nodes)); };
   std::string text = count(pairs.size(), "pair of frames was", "pairs of frames were") + " correlated, " +
-                     count(nodes, "vector") + " in all: " + share(valid) + " valid, " + share(replaced) +
+                     count(nodes, "vector") +
+                     (pairs.front().material_known ? " in the material: " : " in all: ") + share(valid) + " valid, " + share(replaced) +
                      " rejected and replaced from valid neighbours, " + share(rejected) + " rejected, " +
                      share(failed) + " failed.";
+  if (outside > 0)
+    text += " The " + count(outside, "node") + " in front of no material " + (outside == 1 ? "is" : "are") +
+            " left out here and in the figures.";
   const double typical = quantile(sigma, 0.5);
   if (typical > 0)
     text += " Standard uncertainty of a valid vector, one component: " + significant(typical, 2) +
@@ -70,8 +75,7 @@ void measurement_section(Builder& b, const FigureInput& input) {
   if (input.pairs.empty()) return;
   b.heading(1, "Measurement");
   b.paragraph(measurement_text(input.content, input.pairs));
-  if (input.content.strain_note)
-    b.paragraph(strain_statement(*input.content.strain_note, input.content.length_unit));
+  if (input.content.strain_note) b.paragraph(strain_statement(input.content));
   b.add(draw_section(Section::measurement, input));
 }
 

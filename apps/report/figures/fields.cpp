@@ -157,6 +157,7 @@ std::string caption(const FieldFigure& f, const std::vector<Shown>& columns, con
                      : ".";
   }
   text += " Particles are drawn where they are at each time, as their deformed squares.";
+  if (!input.content.alignment.empty()) text += " " + input.content.alignment;
   if (f.ended > 0) text += " Pale grey: particles no longer followed, at their last place.";
   if (compared) text += " Darker grey in the right column: no partner to compare with.";
   if (f.flagged > 0) text += " Flagged particles are shown like all others.";
@@ -165,7 +166,7 @@ std::string caption(const FieldFigure& f, const std::vector<Shown>& columns, con
   if (f.outside > 0)
     text += " Outside the panels: " + count(f.outside, "place of a particle", "places of particles") + ".";
   if (input.content.strain_note && input.content.measured && derived_field(f.field).strain)
-    text += " " + strain_statement(*input.content.strain_note, input.content.length_unit);
+    text += " " + strain_statement(input.content);
   return text;
 }
 

@@ -116,6 +116,7 @@ std::string caption(const FigureInput& input, const Extent& extent, const Displa
               " and hardly wider than the markers";
     text += ".";
   }
+  if (!content.alignment.empty()) text += " " + content.alignment;
   return text + " Where a curve stops, its point was followed no further.";
 }
 

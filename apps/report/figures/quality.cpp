@@ -96,8 +96,9 @@ std::vector<Figure> draw_quality(const FigureInput& input) {
   canvas->text(x - 15, 6, "(a)", Align::top_left, {.bold = true});
   canvas->text(x - 15, 50, "(b)", Align::top_left, {.bold = true});
   std::string caption =
-      "Quality of the measurement, pair by pair: (a) status of the vectors at the nodes that were not masked; (b) "
-      "correlation score of the valid ones.";
+      "Quality of the measurement, pair by pair: (a) status of the vectors at the nodes " +
+      std::string(pairs.front().material_known ? "in the material" : "that were not masked") +
+      "; (b) correlation score of the valid ones.";
   if (any_flag) caption += " Marked steps are flagged as a whole.";
   return {{caption, canvas}};
 }

@@ -138,7 +138,8 @@ std::string verdict(const Content& content, const DataSetNames& names, const std
   if (nodes > 0) {
     if (!text.empty()) text += " ";
     text += count(pairs.size(), "pair of frames was", "pairs of frames were") + " measured; " +
-            percent(double(valid) / double(nodes)) + " of the vectors are valid.";
+            percent(double(valid) / double(nodes)) + " of the vectors" + (pairs.front().material_known ? " in the material" : "") +
+            " are valid.";
   }
   if (text.empty()) return "The record holds neither vectors nor a motion.";
   if (content.measured && content.simulated) text += " The two were not compared.";
