@@ -69,11 +69,11 @@ struct VectorStatistic {
 };
 
 constexpr VectorStatistic vector_statistics[] = {
-    {"bias_x", "mean difference in x", "mean of #_x of the second minus that of the first",
+    {"bias_x", "mean in x", "mean of #_x of the second minus that of the first",
      [](const VectorStatistics& d) { return d.bias().x(); },
      [](const VectorStatistics& d) { return d.bias_uncertainty().x(); },
      "root mean variance of #_x, all errors taken as one and the same", two, nullptr},
-    {"bias_y", "mean difference in y", "mean of #_y of the second minus that of the first",
+    {"bias_y", "mean in y", "mean of #_y of the second minus that of the first",
      [](const VectorStatistics& d) { return d.bias().y(); },
      [](const VectorStatistics& d) { return d.bias_uncertainty().y(); },
      "root mean variance of #_y, all errors taken as one and the same", two, nullptr},
@@ -109,7 +109,7 @@ struct VectorSubject {
   }
   MetricFacts facts(const VectorStatistic& s) const {
     return {.name = name + "_" + s.name + span.suffix, .unit = unit, .definition = of(s.definition),
-            .words = name + ", " + s.words + span.words, .levelled = true};
+            .words = name + " difference, " + s.words + span.words, .levelled = true};
   }
 };
 
@@ -234,7 +234,7 @@ struct ScalarStatistic {
   double (*factor)(std::size_t);
 };
 constexpr ScalarStatistic scalar_statistics[] = {
-    {"bias", "mean difference", "mean of ", [](const ScalarStatistics& s) { return s.bias(); }, two},
+    {"bias", "mean", "mean of ", [](const ScalarStatistics& s) { return s.bias(); }, two},
     {"rms", "RMS", "root mean square of ", [](const ScalarStatistics& s) { return s.rms(); }, two},
     {"p95", "95th percentile", "95th percentile (nearest rank) of the size of ",
      [](const ScalarStatistics& s) { return s.p95(); }, percentile_factor},
@@ -268,7 +268,7 @@ void add_strain(Registry<MetricRow>& rows, const Span& span) {
     const auto facts = [&](const ScalarStatistic& s) {
       return MetricFacts{.name = std::string(strain.name) + "_" + s.name + span.suffix, .unit = "1",
                          .definition = s.definition + std::string(strain.definition),
-                         .words = std::string(strain.words) + ", " + s.words + span.words, .levelled = true};
+                         .words = std::string(strain.words) + ", difference, " + s.words + span.words, .levelled = true};
     };
     for (const ScalarStatistic& s : scalar_statistics)
       add(rows, facts(s), [=](const Findings& f) -> std::optional<MetricValue> {

@@ -90,9 +90,8 @@ void flags_section(Builder& b, const FigureInput& input) {
   b.heading(1, "What was flagged");
   const std::vector<std::string> list = flags(input.content, input.names, input.pairs);
   if (list.empty())
-    b.paragraph("Nothing was flagged: no step, no shortage of valid vectors, no particle that ended early.");
+    b.paragraph("Nothing was flagged: no limit missed, no step, no shortage of valid vectors, no particle that ended early.");
   else b.add(List{list});
-  if (auto table = ends_table(input.content, input.names)) b.add(std::move(*table));
 }
 
 std::string utc_now() {
@@ -143,10 +142,17 @@ Document make_document(const ReportOptions& options, const Content& content) {
   if (b.document.title.empty()) b.document.title = "Report";
   b.document.subtitle = subtitle(content, input.names);
   b.paragraph(verdict(content, input.names, input.pairs, input.differences), true);
+  b.add(draw_section(Section::summary, input));
+  if (auto table = summary_table(content, input.names)) b.add(std::move(*table));
+  if (const std::string text = basis(content, input.names); !text.empty()) b.paragraph(text);
+  flags_section(b, input);
   comparison_section(b, input);
   measurement_section(b, input);
   simulation_section(b, input);
-  flags_section(b, input);
+  if (auto table = ends_table(content, input.names)) {
+    b.heading(1, "Particles that ended early");
+    b.add(std::move(*table));
+  }
   if (content.comparison && !content.comparison->metrics.empty()) {
     b.heading(1, "All metrics");
     b.add(metrics_table(content, input.names));

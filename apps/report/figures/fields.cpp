@@ -11,6 +11,7 @@
 #include "apps/report/content/fields.hpp"
 #include "apps/report/content/selection.hpp"
 #include "apps/report/figures/rows.hpp"
+#include "apps/report/words/summary.hpp"
 #include "apps/report/words/words.hpp"
 #include "pivnp/core/particles/derived.hpp"
 
@@ -259,6 +260,28 @@ std::vector<Figure> draw_fields(const FigureInput& input) {
 }
 
 }  // namespace
+
+// The picture that carries the verdict: displacement of both and their difference, where that is greatest.
+FigureRow summary_row() {
+  return {.name = "verdict",
+          .shows = "displacement of both data sets and their difference, at the time of the greatest difference",
+          .section = Section::summary,
+          .applies = [](const FigureInput& i) {
+            return i.content.comparison && i.content.measured && i.content.simulated &&
+                   std::isfinite(worst_of(i.content, i.differences).rms);
+          },
+          .draw = [](const FigureInput& i) -> std::vector<Figure> {
+            FigureInput one = i;
+            one.times = {worst_of(i.content, i.differences).time};
+            Figure figure = draw_field(one, "displacement_magnitude");
+            figure.name.clear();
+            figure.shows.clear();
+            figure.caption = "Displacement at " + plain(one.times[0]) + unit_suffix(i.content.time_unit) +
+                             ", when the difference is largest: " + i.names.first + ", " + i.names.second + " and " +
+                             i.names.difference() + " (blue: less, red: more). " + i.content.alignment;
+            return {figure};
+          }};
+}
 
 FigureRow fields_row() {
   return {.name = "fields",

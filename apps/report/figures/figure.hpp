@@ -43,7 +43,7 @@ struct Figure {
   std::string shows = {};  // for readers who cannot see it; left out: the row's
 };
 
-enum class Section { comparison, measurement, simulation };
+enum class Section { summary, comparison, measurement, simulation };
 
 struct FigureRow {
   std::string name;  // of the figure's files, as long as it is one
