@@ -102,7 +102,7 @@ struct CompareOptions {
           OptionInfo{.text = "also measure the simulation: the first frame, carried by the simulated motion, goes "
                              "through the same PIV and particles"});
     visit("mesh_study", self.mesh_study,
-          OptionInfo{.text = "of a case: simulate it on so many coarser grids too (cells 1.5 and 2.25 times as large), which "
+          OptionInfo{.text = "of a case: simulate it on so many coarser grids too (cells 1.3 and 1.69 times as large), which "
                              "tells the numerical part of u_val",
                      .min = 0,
                      .max = 2});

@@ -243,7 +243,17 @@ Figure draw_field(const FigureInput& input, const std::string& field) {
   if (flow > 0)
     words += " Arrows: Darcy's flow of the water, means over squares, the longest of each panel as long as a square; the greatest is " +
              significant(flow, 2) + unit_suffix(content.length_unit + "/" + content.time_unit) + ".";
-  return {words, canvas, file_name(field), f.label + " on the particles at chosen times"};
+  std::vector<ComparisonTable::Column> data;
+  for (const Cell& cell : cells) {
+    const std::string which = heading(cell.shown, input.names) + " at " + plain(cell.at->time) + unit_suffix(content.time_unit);
+    std::array<std::vector<double>, 2> place;
+    for (const Vec2& at : cell.at->position)
+      for (const int a : {0, 1}) place[std::size_t(a)].push_back(at[a]);
+    data.push_back({which + ", x", content.length_unit, std::move(place[0])});
+    data.push_back({which + ", y", content.length_unit, std::move(place[1])});
+    data.push_back({which + ", " + f.label, unit, *cell.value});
+  }
+  return {words, canvas, file_name(field), f.label + " on the particles at chosen times", std::move(data)};
 }
 
 std::vector<Figure> draw_fields(const FigureInput& input) {

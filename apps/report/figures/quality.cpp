@@ -100,7 +100,16 @@ std::vector<Figure> draw_quality(const FigureInput& input) {
       std::string(pairs.front().material_known ? "in the material" : "that were not masked") +
       "; (b) correlation score of the valid ones.";
   if (any_flag) caption += " Marked steps are flagged as a whole.";
-  return {{caption, canvas}};
+  const auto shares_of = [&](std::size_t PairQuality::*count) {
+    std::vector<double> list;
+    for (const PairQuality& q : pairs) list.push_back(q.share(q.*count));
+    return list;
+  };
+  return {{caption, canvas, {}, {},
+           {{"first frame", "", at}, {"valid", "", shares_of(&PairQuality::valid)},
+            {"replaced", "", shares_of(&PairQuality::replaced)}, {"rejected", "", shares_of(&PairQuality::rejected)},
+            {"failed", "", shares_of(&PairQuality::failed)}, {"score, median", "", median},
+            {"score, 5th percentile", "", lower}, {"score, 95th percentile", "", upper}}}};
 }
 
 }  // namespace

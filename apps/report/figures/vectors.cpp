@@ -182,9 +182,20 @@ std::vector<Figure> draw_vectors(const FigureInput& input) {
     draw_vectors(*canvas, panel, field, plan);
     scale_bar(*canvas, panel, box, content.length_unit);
     draw_legend(*canvas, x, x + w, input.pairs[at], plan, content.length_unit);
+    const std::string& length = content.length_unit;
+    std::vector<ComparisonTable::Column> data{{"x", length, {}}, {"y", length, {}}, {"u_x", length, {}}, {"u_y", length, {}}, {"status", "", {}}};
+    for (int j = 0; j < field.grid.ny; ++j)
+      for (int i = 0; i < field.grid.nx; ++i) {
+        const std::size_t n = field.grid.node(i, j);
+        if (field.status[n] == VectorStatus::masked) continue;
+        const Vec2 at_node = field.grid.position(i, j);
+        const double row[] = {at_node.x(), at_node.y(), double(field.displacement[n][0]), double(field.displacement[n][1]),
+                              double(field.status[n])};
+        for (std::size_t c = 0; c < 5; ++c) data[c].values.push_back(row[c]);
+      }
     figures.push_back({caption(content, field, picture, input.pairs[at], plan), canvas,
                        "vectors_" + std::to_string(figures.size() + 1),
-                       pictured ? "vectors of a pair on " + frame_words(content, picture.frame) : "vectors of a pair"});
+                       pictured ? "vectors of a pair on " + frame_words(content, picture.frame) : "vectors of a pair", std::move(data)});
   }
   return figures;
 }

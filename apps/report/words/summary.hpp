@@ -32,7 +32,7 @@ struct SummaryRow {
 /// Eight at most, of those that the comparison knows: displacement, strain, run-out, slope, crest, outline, onset, speed.
 std::vector<SummaryRow> summary_rows(const Content& content);
 
-/// When and where the displacements are furthest apart: the time of the greatest RMS, and the middle of the twentieth of
+/// When and where the displacements are furthest apart: the time of the greatest RMS, and the thick of the twentieth of
 /// the particles that differ most then.
 struct Worst {
   double time = 0, rms = 0;

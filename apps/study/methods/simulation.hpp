@@ -19,6 +19,6 @@ std::vector<std::string> simulate(const Case& c, const Setting& setting, const s
 void simulate_coarser(const Case& c, const Setting& setting, int level, const std::vector<double>& times,
                       io::RecordWriter& writer, int threads, Progress& progress);
 std::string coarser_motion(int level);
-constexpr double mesh_study_ratio = 1.5;
+constexpr double mesh_study_ratio = 1.3;
 
 }  // namespace pivnp::app

@@ -75,6 +75,7 @@ class Report : public testing::Test {
   bool has_figure(const std::string& name) const {
     return std::filesystem::exists(folder_ / "figures" / (name + ".png")) &&
            std::filesystem::exists(folder_ / "figures" / (name + ".svg")) &&
+           std::filesystem::exists(folder_ / "figures" / (name + ".csv")) &&
            html_.find("<figure id=\"" + name + "\">") != std::string::npos;
   }
   std::size_t colours_of(const std::string& figure) const {

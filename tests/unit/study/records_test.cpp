@@ -61,6 +61,21 @@ TEST_F(Records, ReportedAgainHoldWhatCoarserGridsSaid) {
   EXPECT_TRUE(fs::exists(again.report_html));
 }
 
+TEST_F(Records, ReportedAgainAsIsAskedFor) {
+  CompareSources sources;
+  sources.first = tracks("lab.csv", 6, 0.30), sources.second = tracks("sim.csv", 6, 0.31);
+  compare_records(sources, {}, {}, settings("out"), progress);
+  const RunOutcome again = report_record(scratch.path / "out", settings("again"), progress, [](report::ReportOptions& o) {
+    o.title = "asked for";
+    o.fields_drawn = {"velocity_x"};
+  });
+  std::ifstream in(again.report_html, std::ios::binary);
+  const std::string html{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  EXPECT_NE(html.find("<h1>asked for</h1>"), std::string::npos);
+  EXPECT_TRUE(fs::exists(scratch.path / "again" / "figures" / "velocity_x.svg"));
+  EXPECT_FALSE(fs::exists(scratch.path / "again" / "figures" / "deviatoric_strain.svg"));
+}
+
 TEST_F(Records, LengthsOfOtherProgramsAreInTheUnitThatIsNamed) {
   CompareSources sources;
   sources.first = tracks("a.csv", 6, 0.1), sources.second = tracks("b.csv", 6, 0.1);
