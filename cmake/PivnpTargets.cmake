@@ -63,11 +63,21 @@ function(pivnp_compile_together target batch)
   endif()
 endfunction()
 
+# For libraries, so that shared ones can be made of them (python/). Their own functions are called, and inlined, as those of the
+# program are: nobody may put others in their place.
+function(pivnp_position_independent target)
+  if(NOT PIVNP_SANITIZE)
+    set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+    target_compile_options(${target} PRIVATE -fno-semantic-interposition)
+  endif()
+endfunction()
+
 # pivnp_library(NAME SOURCES a.cpp ... [PUBLIC lib ...] [PRIVATE lib ...] [HEADERS <a.hpp> ...])
 # HEADERS: what its sources include and is worth compiling once for them.
 function(pivnp_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE;HEADERS" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
+  pivnp_position_independent(${name})
   target_link_libraries(${name} PUBLIC $<BUILD_INTERFACE:pivnp_flags> ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
   pivnp_compile_together(${name} 24)
   pivnp_precompile(${name} HEADERS ${ARG_HEADERS})

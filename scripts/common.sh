@@ -4,17 +4,17 @@
 say() { printf '\n== %s\n' "$*"; }
 die() { printf 'error: %s\n' "$*" >&2; exit 1; }
 
-# The packages of scripts/packages.txt that are not installed.
+# missing_packages [LIST ...]: the packages of scripts/packages.txt, and of further lists, that are not installed.
 missing_packages() {
-  grep -vE '^(#|$)' scripts/packages.txt | while read -r package; do
+  grep -hvE '^(#|$)' scripts/packages.txt "$@" | while read -r package; do
     dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' || printf '%s ' "$package"
   done
 }
 
-install_packages() {
+install_packages() {  # [LIST ...]
   command -v apt-get >/dev/null || die "apt-get not found: these scripts are for Debian 12; elsewhere install what scripts/packages.txt lists and use the CMake presets"
   local missing
-  missing=$(missing_packages)
+  missing=$(missing_packages "$@")
   if [ -z "$missing" ]; then
     echo "All Debian packages are installed."
     return
@@ -28,6 +28,13 @@ install_packages() {
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get update -q
   # shellcheck disable=SC2086
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends $missing
+}
+
+# Where scripts/test-packages keeps its trees, if all of them are there and this user may use them.
+package_trees() {
+  local trees=${PIVNP_TREES:-$HOME/.cache/pivnp-trees}
+  [ "$(id -u)" -eq 0 ] && [ -f "$trees/bookworm/.made" ] && [ -f "$trees/trixie/.made" ] && ls -d "$trees"/needs-* >/dev/null 2>&1 && echo "$trees"
+  return 0
 }
 
 # build_preset release|dev [target ...]

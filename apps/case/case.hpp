@@ -169,10 +169,12 @@ struct Case {
 /// Reads a case. `path` is a TOML file or a folder with case.toml. Throws InputError of one line:
 /// "FILE:LINE: unknown key 'piv.window'; did you mean 'window_px'?", wrong type, out of range, unknown choice,
 /// duplicate key, syntax error, and what only the whole case shows (a region without a material, np without piv ...).
-Case read_case(const std::filesystem::path& path);
+/// `given`: keys given beside the file, "piv.window_px=24" each, which win over it (given_keys.hpp).
+Case read_case(const std::filesystem::path& path, const std::vector<std::string>& given = {});
 
 /// The same from text; `name` stands in messages.
-Case parse_case(const std::string& text, const std::string& name, const std::filesystem::path& folder);
+Case parse_case(const std::string& text, const std::string& name, const std::filesystem::path& folder,
+                const std::vector<std::string>& given = {});
 
 /// The case of a record, which a later version may have written: sections, keys and values that this one does not know are
 /// left out, with a note each. Throws InputError where the text is no TOML, or where a section is none.
@@ -193,5 +195,8 @@ std::string embedded_case_text();
 
 /// The reference of all keys (docs/case.md), made from the option lists.
 std::string case_reference();
+
+/// The JSON schema (draft 7) of a case's TOML, for editors (docs/case.schema.json), made from the same lists.
+std::string case_schema();
 
 }  // namespace pivnp::app

@@ -125,7 +125,7 @@ void Source::collect(const Node& table, const std::string& prefix) {
 
 std::string Source::place(const std::string& key) const {
   for (std::string k = key; !k.empty();) {
-    if (const auto found = lines_.find(k); found != lines_.end()) return file_ + ":" + std::to_string(found->second);
+    if (const auto found = lines_.find(k); found != lines_.end() && found->second > 0) return file_ + ":" + std::to_string(found->second);
     const std::size_t dot = k.rfind('.');
     k = dot == std::string::npos ? "" : k.substr(0, dot);
   }

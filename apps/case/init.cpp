@@ -146,7 +146,8 @@ std::string simulation_sections(const InitOptions& options, const FrameFacts& fa
 
 std::string initial_case(const InitOptions& options, const FrameFacts& facts) {
   const int window = window_for(facts);
-  std::string text =
+  std::string text = options.schema.empty() ? "" : "#:schema " + options.schema + "\n";
+  text +=
       "# A case for pivnp. Lines that begin with '#' show what is chosen when nothing is said.\n"
       "# pivnp check FILE draws grid, masks and regions on the first frame; docs/case.md lists all keys.\n\n";
   const std::string folder = fs::absolute(options.folder / "x").lexically_normal().parent_path().filename().string();

@@ -1,8 +1,11 @@
 #include "apps/case/listing.hpp"
 
+#include <cmath>
+
 #include "apps/case/sections.hpp"
 #include "apps/case/values.hpp"
 #include "mpm/material/model.hpp"
+#include "pivnp/core/text.hpp"
 
 namespace pivnp::app {
 
@@ -13,6 +16,48 @@ std::string allowed_text(const T& value, const OptionInfo& info) {
   std::string text;
   for (const std::string& choice : choices_of(value, info)) text += (text.empty() ? "" : ", ") + choice;
   return text.empty() ? range_text(info) : text;
+}
+
+std::string quoted_list(const std::vector<std::string>& choices) {
+  std::string text;
+  for (const std::string& choice : choices) text += (text.empty() ? "" : ", ") + toml_text(choice);
+  return "[" + text + "]";
+}
+
+// A bound of the range; a case's numbers are finite.
+std::string bounds(const OptionInfo& info) {
+  std::string text;
+  if (std::isfinite(info.min)) text += std::string(info.above_min ? ", \"exclusiveMinimum\": " : ", \"minimum\": ") + number(info.min, 15);
+  if (std::isfinite(info.max)) text += ", \"maximum\": " + number(info.max, 15);
+  return text;
+}
+
+const char* const json_pair = "\"type\": \"array\", \"items\": {\"type\": \"number\"}, \"minItems\": 2, \"maxItems\": 2";
+
+std::string value_schema(const bool&, const OptionInfo&) { return "\"type\": \"boolean\""; }
+std::string value_schema(const int&, const OptionInfo& info) { return "\"type\": \"integer\"" + bounds(info); }
+std::string value_schema(const double&, const OptionInfo& info) { return "\"type\": \"number\"" + bounds(info); }
+std::string value_schema(const std::string&, const OptionInfo& info) {
+  const std::vector<std::string> choices = choices_of(info);
+  return choices.empty() ? "\"type\": \"string\"" : "\"enum\": " + quoted_list(choices);
+}
+std::string value_schema(const Pair&, const OptionInfo&) { return json_pair; }
+std::string value_schema(const Points&, const OptionInfo&) {
+  return std::string("\"type\": \"array\", \"items\": {") + json_pair + "}";
+}
+std::string value_schema(const std::vector<double>&, const OptionInfo& info) {
+  return "\"type\": \"array\", \"items\": {\"type\": \"number\"" + bounds(info) + "}";
+}
+std::string value_schema(const std::vector<std::string>&, const OptionInfo&) {
+  return "\"type\": \"array\", \"items\": {\"type\": \"string\"}";
+}
+template <Choice E>
+std::string value_schema(const E&, const OptionInfo&) {
+  return "\"enum\": " + quoted_list(choice_names<E>());
+}
+template <class T>
+std::string value_schema(const std::optional<T>&, const OptionInfo& info) {
+  return value_schema(T{}, info);
 }
 
 // What else is known of a section's key.
@@ -36,7 +81,7 @@ struct ListKeys {
     std::string fallback = writable(info, value) ? toml_text(value) : "";
     if (fallback == "[]" || fallback == "\"\"") fallback.clear();
     rows.push_back({std::string(name), type_text(value), std::string(info.unit), fallback, allowed_text(value, info),
-                    std::string(info.text) + note_on(section, name)});
+                    std::string(info.text) + note_on(section, name), value_schema(value, info)});
   }
 };
 

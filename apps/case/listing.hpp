@@ -13,6 +13,7 @@ struct KeyRow {
   std::string fallback;  // default as TOML; empty: none
   std::string allowed;   // range or choices; empty: any
   std::string text;
+  std::string schema;    // JSON schema of its value, without braces
 };
 
 struct SectionRow {

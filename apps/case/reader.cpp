@@ -6,6 +6,7 @@
 
 #include "apps/case/checks.hpp"
 #include "apps/case/fields.hpp"
+#include "apps/case/given_keys.hpp"
 #include "apps/case/listing.hpp"
 #include "apps/case/sections.hpp"
 #include "pivnp/core/error.hpp"
@@ -128,8 +129,14 @@ Case parse_recorded_case(const std::string& text, const std::string& name, const
   return parsed(parse_document(text, name), name, folder, Reading::tolerant);
 }
 
-Case parse_case(const std::string& text, const std::string& name, const std::filesystem::path& folder) {
-  const Node root = parse_document(text, name);
+Case parse_case(const std::string& text, const std::string& name, const std::filesystem::path& folder,
+                const std::vector<std::string>& given) {
+  Node root = parse_document(text, name);
+  for (std::size_t k = 0; k < given.size(); ++k) {
+    const GivenKey key = parse_given_key(given[k], int(k) + 1);
+    parsed(alone(key), "--set", folder, Reading::strict);  // tells what is wrong with it
+    put(key, root, name);
+  }
   Case c = parsed(root, name, folder, Reading::strict);
   c.source = Source(name, root);
   check_given(c, *c.source);
@@ -138,7 +145,7 @@ Case parse_case(const std::string& text, const std::string& name, const std::fil
   return c;
 }
 
-Case read_case(const std::filesystem::path& path) {
+Case read_case(const std::filesystem::path& path, const std::vector<std::string>& given) {
   namespace fs = std::filesystem;
   std::error_code ignored;
   fs::path file = path;
@@ -149,7 +156,7 @@ Case read_case(const std::filesystem::path& path) {
   if (!fs::exists(file, ignored)) throw InputError(file.string() + ": no such file");
   if (!fs::is_regular_file(file, ignored)) throw InputError(file.string() + ": not a file");
   const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
-  Case c = parse_case(read_text(file), file.string(), folder);
+  Case c = parse_case(read_text(file), file.string(), folder, given);
   c.file = file;
   if (c.name.empty()) c.name = short_name(c);
   return c;

@@ -1,19 +1,25 @@
-// Writes the reference of a case's keys to the file given: a build tool, not part of the program.
+// Writes the reference of a case's keys and their JSON schema to the files given: a build tool, not part of the program.
 #include <fstream>
 #include <iostream>
+#include <string>
 
 #include "apps/case/case.hpp"
 
+namespace {
+
+bool written(const char* name, const std::string& text) {
+  std::ofstream file(name, std::ios::binary);
+  file << text << std::flush;
+  if (!file) std::cerr << "cannot write " << name << "\n";
+  return bool(file);
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
-  if (argc != 2) {
-    std::cerr << "usage: pivnp_case_reference FILE\n";
+  if (argc != 3) {
+    std::cerr << "usage: pivnp_case_reference REFERENCE SCHEMA\n";
     return 2;
   }
-  std::ofstream file(argv[1], std::ios::binary);
-  file << pivnp::app::case_reference() << std::flush;
-  if (!file) {
-    std::cerr << "cannot write " << argv[1] << "\n";
-    return 1;
-  }
-  return 0;
+  return written(argv[1], pivnp::app::case_reference()) && written(argv[2], pivnp::app::case_schema()) ? 0 : 1;
 }

@@ -39,6 +39,10 @@ void add_case(CLI::App& app, Arguments& arguments) {
       ->check([](const std::string& given) {
         return given.empty() ? std::string("found an empty text, expected a file or a folder") : std::string();
       });
+  app.add_option("--set", arguments.given, "a key of the case that wins over the file's, as in --set piv.window_px=24 (may be repeated)")
+      ->type_name("KEY=VALUE")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 }
 
 void add_out(CLI::App& app, Arguments& arguments, const std::string& fallback) {
@@ -73,8 +77,8 @@ void print_notes(const Case& c, const Session& session) {
 }
 
 Case load_case(const Arguments& arguments, const Session& session) {
-  Case c = arguments.case_path.empty() ? parse_case(embedded_case_text(), "built-in case", fs::current_path())
-                                       : read_case(arguments.case_path);
+  Case c = arguments.case_path.empty() ? parse_case(embedded_case_text(), "built-in case", fs::current_path(), arguments.given)
+                                       : read_case(arguments.case_path, arguments.given);
   print_notes(c, session);
   if (!arguments.frames.empty()) {
     if (!c.piv) c.piv.emplace();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "apps/case/case.hpp"
 #include "apps/cli/session.hpp"
@@ -17,6 +18,7 @@ struct Arguments {
   std::string case_path;  // empty: the embedded case
   std::string out;        // empty: the command's default
   std::string frames;     // empty: the case's
+  std::vector<std::string> given;  // keys of the case, "piv.window_px=24" each, that win over the file's
   bool resume = false;
   std::string junit;      // file for the limits' verdicts; empty: none
 };

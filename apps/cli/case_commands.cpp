@@ -53,6 +53,14 @@ Action declare_stages(CLI::App& app, Session& session, Stages stages) {
   };
 }
 
+// The JSON schema of cases that lies with this program; empty: the program was copied without it.
+std::string schema_file() {
+  std::error_code failed;
+  const fs::path program = fs::read_symlink("/proc/self/exe", failed);
+  const fs::path schema = program.parent_path().parent_path() / "share" / "pivnp" / "case.schema.json";
+  return fs::exists(schema, failed) ? schema.string() : "";
+}
+
 // Writes a file that does not exist yet, unless `force`.
 void write_new(const fs::path& file, const std::string& text, bool force) {
   if (!force && fs::exists(file)) throw InputError(file.string() + ": is there already; --force replaces it");
@@ -95,6 +103,7 @@ Action declare_init(CLI::App& app, Session& session) {
     const fs::path file = fs::path(init->out) / "case.toml";
     // Printed, the case may come to lie anywhere: only a full path holds then.
     options.frames = init->out.empty() ? fs::absolute(init->frames[0]).lexically_normal().string() : init->frames[0];
+    options.schema = schema_file();
     options.folder = init->out.empty() ? fs::current_path() : fs::path(init->out);
     const std::string text = init_case(options);
     if (init->out.empty()) {

@@ -76,6 +76,7 @@ Content content_of(const ReportInput& input) {
     content.simulated = seen.second;
   }
   content.energy = record.energy();
+  content.reactions = record.reactions();
   content.pictures = input.pictures;
   content.remarks = input.remarks;
   return content;

@@ -31,6 +31,7 @@ struct BoundaryOptions {
   std::optional<Pair> withdraw_m_s;
   double withdraw_from_s = 0;
   std::optional<Pair> traction_pa;
+  bool follows_face = false;
   double rise_s = 0;
   std::optional<Pair> across_m;
   std::optional<double> pressure_pa;
@@ -49,7 +50,8 @@ struct BoundaryOptions {
     visit("velocity_m_s", self.velocity_m_s, OptionInfo{.unit = "m/s", .text = "velocity given to the nodes, which stay the same ones (fixed; left out: none)"});
     visit("withdraw_m_s", self.withdraw_m_s, OptionInfo{.unit = "m/s", .text = "velocity at which the line or polygon is drawn away: nodes are free once it has passed them (left out: it stays)"});
     visit("withdraw_from_s", self.withdraw_from_s, OptionInfo{.unit = "s", .text = "start of the withdrawal", .min = 0});
-    visit("traction_pa", self.traction_pa, OptionInfo{.unit = "Pa", .text = "load on the face, x and y (traction); it moves with the particles next to the line"});
+    visit("traction_pa", self.traction_pa, OptionInfo{.unit = "Pa", .text = "load on the face, x and y, per length at time 0 (traction); it moves with the particles next to the line"});
+    visit("follows_face", self.follows_face, OptionInfo{.text = "the traction turns with the face and acts on its present length, as a cell pressure does (left out: a dead load)"});
     visit("rise_s", self.rise_s, OptionInfo{.unit = "s", .text = "time over which the traction rises from 0 (0: at once)", .min = 0});
     visit("across_m", self.across_m, OptionInfo{.unit = "m", .text = "from line_m to the opposite side, x and y (tied)"});
     visit("pressure_pa", self.pressure_pa, OptionInfo{.unit = "Pa", .text = "pressure of the water there, with [water] (any type but tied; without it, drained and flux_m_s no water passes)"});

@@ -3,7 +3,21 @@
 
 #include <cstdint>
 
+#include "pivnp/core/math.hpp"
+
 namespace pivnp::mpm {
+
+/// What a boundary or body has done to the material since time 0.
+struct Impulse {
+  double x = 0, y = 0;  // N s/m
+  double moment = 0;    // about the origin of coordinates, N s
+
+  void add(const Vec2& impulse, const Vec2& at) {
+    x += impulse.x();
+    y += impulse.y();
+    moment += at.x() * impulse.y() - at.y() * impulse.x();
+  }
+};
 
 /// Of a wall or body in a step: impulse on the material (N s/m) and the wall's own velocity.
 struct Reaction {

@@ -34,7 +34,7 @@ Restraints::Restraints(const std::vector<std::pair<std::string, BoundaryOptions>
   changes_.erase(std::unique(changes_.begin(), changes_.end()), changes_.end());
 }
 
-void Restraints::apply(double time, double dt, GridState& g, std::vector<Reaction>& reactions) {
+void Restraints::apply(double time, double dt, GridState& g, std::vector<Reaction>& reactions, std::span<Impulse> of_walls) {
   tied_.apply(time, g, reactions);
   for (RestrainedNode& at : nodes_) {
     Node& node = g.node[at.node];
@@ -46,6 +46,7 @@ void Restraints::apply(double time, double dt, GridState& g, std::vector<Reactio
     if (v == free) continue;
     const Vec2 wall = given_velocity(at, time, dt == 0);
     reactions.push_back({at.node, node.mass * (v.x() - free.x()), node.mass * (v.y() - free.y()), wall.x(), wall.y()});
+    if (!of_walls.empty()) add_impulse(at, time, node.mass * (v - free), g.position(at.node), of_walls);
     node.nx = v.x();
     node.ny = v.y();
     node.held = true;
@@ -155,6 +156,32 @@ Mat2 Restraints::hold(std::size_t node, const Vec2& gravity) const {
       held += Mat2::Identity();
   }
   return held;
+}
+
+// A fixed wall takes all. In the corner of two others each takes what is along its normal, if that is what it can do.
+void Restraints::add_impulse(const RestrainedNode& at, double time, const Vec2& impulse, const Vec2& place,
+                             std::span<Impulse> of_walls) const {
+  constexpr double corner = 0.5;  // sine of the least angle between two walls that share an impulse
+  const Wall* found[2] = {nullptr, nullptr};
+  for (std::size_t w = 0; w < at.walls.size(); ++w) {
+    const Wall& wall = walls_[at.walls[w]];
+    if (time >= at.until[w] || wall.type == Type::tied) continue;
+    if (wall.type == Type::fixed) return of_walls[at.walls[w]].add(impulse, place);
+    if (!found[0]) found[0] = &wall;
+    else if (!found[1]) found[1] = &wall;
+  }
+  if (!found[0]) return;
+  Vec2 of_second(0, 0);
+  if (found[1]) {
+    const Vec2 &first = found[0]->normal, &second = found[1]->normal;
+    const double across = first.x() * second.y() - first.y() * second.x();
+    if (std::abs(across) >= corner) of_second = (first.x() * impulse.y() - first.y() * impulse.x()) / across * second;
+    const auto cannot = [](const Wall& wall, const Vec2& i) { return wall.type == Type::frictional && i.dot(wall.normal) > 0; };
+    if (cannot(*found[1], of_second)) of_second = Vec2(0, 0);
+    else if (cannot(*found[0], impulse - of_second)) of_second = impulse;
+    of_walls[std::size_t(found[1] - walls_.data())].add(of_second, place);
+  }
+  of_walls[std::size_t(found[0] - walls_.data())].add(impulse - of_second, place);
 }
 
 Vec2 Restraints::given_velocity(const RestrainedNode& at, double time, bool equilibrium) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -25,9 +26,9 @@ class Restraints {
   Restraints(const std::vector<std::pair<std::string, BoundaryOptions>>& boundaries, const GridGeometry& g,
              const Vec2& centroid, const Impedance& impedance);
 
-  /// Restrains Node::nx, ny; the impulses are appended to `reactions`. With dt = 0 (initial equilibrium) absorbing walls
-  /// are fixed.
-  void apply(double time, double dt, GridState& g, std::vector<Reaction>& reactions);
+  /// Restrains Node::nx, ny; the impulses are appended to `reactions`, and added to those of their walls, where `of_walls` has
+  /// one for each of walls(). With dt = 0 (initial equilibrium) absorbing walls are fixed.
+  void apply(double time, double dt, GridState& g, std::vector<Reaction>& reactions, std::span<Impulse> of_walls = {});
   /// The motion that apply() left a node, as a projection: the unit matrix where no wall holds it.
   Mat2 mobility(std::size_t node) const;
   /// The directions in which walls hold a node at time 0 against gravity, as a sum of projections (walls with friction
@@ -52,6 +53,7 @@ class Restraints {
     Mat2 mobility = Mat2::Identity();
   };
   Mat2 mobility_of(const RestrainedNode& at, double time, const Vec2& free, bool equilibrium) const;
+  void add_impulse(const RestrainedNode& at, double time, const Vec2& impulse, const Vec2& place, std::span<Impulse> of_walls) const;
   Vec2 given_velocity(const RestrainedNode& at, double time, bool equilibrium) const;
   Vec2 absorbed(const RestrainedNode& at, double time, double dt, const GridState& g, Vec2 v) const;
   Vec2 restrain(const RestrainedNode& at, double time, Vec2 v, bool with_friction, bool& stuck, bool equilibrium) const;

@@ -3,51 +3,164 @@
 #include <cmath>
 #include <limits>
 
+#include "mpm/grid/sweeps.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
 
 namespace pivnp::mpm {
 
+namespace {
+
+constexpr double upper_part = 1.5, whole_layer = 4.5;  // cells: where f = 1, and where it ends
+constexpr double beside_face = 0.75;  // of a point's side: the points next to a face are nearer to it
+constexpr double gap = 1.6;           // sides between a point and the next below: the material ends there
+
+}  // namespace
+
 Tractions::Tractions(const std::vector<std::pair<std::string, BoundaryOptions>>& boundaries, const ParticleSet& particles,
-                     const std::vector<double>& density) {
+                     const Vec2& cell) {
+  std::vector<std::pair<std::size_t, InLayer>> layers;
   for (std::size_t b = 0; b < boundaries.size(); ++b)
     if (boundaries[b].second.type == BoundaryType::traction)
-      add("boundary." + boundaries[b].first, boundaries[b].second, b, particles, density);
+      add("boundary." + boundaries[b].first, boundaries[b].second, b, particles, cell, layers);
+  if (pieces_.empty()) return;
+  over_.assign(particles.size(), -1);
+  for (std::size_t k = pieces_.size(); k-- > 0;) {
+    std::int32_t& first = over_[pieces_[k].particle];
+    pieces_[k].next = first;
+    first = std::int32_t(k);
+  }
+  std::stable_sort(layers.begin(), layers.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  first_.assign(particles.size() + 1, 0);
+  for (const auto& [particle, in_layer] : layers) {
+    layers_.push_back(in_layer);
+    ++first_[particle + 1];
+  }
+  for (std::size_t k = 1; k < first_.size(); ++k) first_[k] += first_[k - 1];
 }
 
 void Tractions::add(const std::string& key, const BoundaryOptions& o, std::size_t boundary, const ParticleSet& particles,
-                    const std::vector<double>& density) {
+                    const Vec2& cell, std::vector<std::pair<std::size_t, InLayer>>& layers) {
   if (!o.traction_pa) throw InputError(key + ".traction_pa: missing beside type = \"traction\"");
   if (o.line_m.size() != 2) throw InputError(key + ".line_m: expected two end points of the loaded face");
   const Vec2 a(o.line_m[0][0], o.line_m[0][1]), b(o.line_m[1][0], o.line_m[1][1]);
   const double length = (b - a).norm();
   if (!(length > 0)) throw InputError(key + ".line_m: expected two different end points");
   const Vec2 along = (b - a) / length;
-  const double rise = o.rise_s, until = o.until_s.value_or(std::numeric_limits<double>::infinity());
-  if (!(rise >= 0)) throw InputError(key + ".rise_s: found " + number(rise) + ", expected 0 s or more");
-  std::vector<std::size_t> loaded;
+  if (!(o.rise_s >= 0)) throw InputError(key + ".rise_s: found " + number(o.rise_s) + ", expected 0 s or more");
+
+  struct Near {
+    std::size_t particle;
+    double on, off, side;  // along the line; to its left, later under the face; of the point
+  };
+  const Vec2 left(-along.y(), along.x());
+  const double most_depth = whole_layer * (std::abs(left.x()) * cell.x() + std::abs(left.y()) * cell.y());
+  std::vector<Near> near;
+  std::vector<std::int32_t> labels;  // of what has the face
   for (std::size_t k = 0; k < particles.size(); ++k) {
     const Vec2 d = particles.x0[k] - a;
-    const double side = std::sqrt(double(particles.area[k])), on = d.dot(along);
-    if (on < 0 || on > length) continue;
-    if (std::abs(d.x() * along.y() - d.y() * along.x()) < 0.75 * side) loaded.push_back(k);
+    const Near n{k, d.dot(along), d.dot(left), std::sqrt(double(particles.area[k]))};
+    if (n.on < 0 || n.on > length || std::abs(n.off) >= most_depth) continue;
+    near.push_back(n);
+    if (std::abs(n.off) < beside_face * n.side) labels.push_back(particles.label[k]);
   }
-  if (loaded.empty()) throw InputError(key + ".line_m: no particle lies along it, expected a face of the material");
-  const Vec2 force = Vec2((*o.traction_pa)[0], (*o.traction_pa)[1]) * length / double(loaded.size());
-  at_.resize(particles.size(), -1);
-  for (const std::size_t k : loaded) {
-    if (at_[k] >= 0) throw InputError("boundary: two tractions load the same particle, expected faces apart");
-    at_[k] = std::int32_t(loads_.size());
-    const double mass = double(particles.area[k]) * density[std::size_t(particles.label[k])];
-    loads_.push_back({force / mass, rise, until, length / double(loaded.size()), std::uint16_t(boundary)});
+  if (labels.empty()) throw InputError(key + ".line_m: no particle lies along it, expected a face of the material");
+  std::erase_if(near, [&](const Near& n) { return std::find(labels.begin(), labels.end(), particles.label[n.particle]) == labels.end(); });
+  const auto beyond = [&](double sign) {
+    return std::count_if(near.begin(), near.end(), [&](const Near& n) { return sign * n.off >= beside_face * n.side; });
+  };
+  const auto to_left = beyond(1), to_right = beyond(-1);
+  if (2 * std::min(to_left, to_right) > std::max(to_left, to_right))
+    throw InputError(key + ".line_m: material lies on both sides of it, expected a face of the material");
+  const bool right = to_right > to_left;
+  const Vec2 normal = right ? left : Vec2(-left);
+  if (right)
+    for (Near& n : near) n.off = -n.off;
+  std::erase_if(near, [](const Near& n) { return n.off < -beside_face * n.side; });
+
+  // A piece of the face over each of the outermost points, and the column under it down to the first gap.
+  std::sort(near.begin(), near.end(), [](const Near& m, const Near& n) { return m.off < n.off; });
+  std::vector<std::vector<Near>> columns;
+  const auto column_of = [&](double on) {
+    const auto closer = [&](const auto& m, const auto& n) { return std::abs(m.front().on - on) < std::abs(n.front().on - on); };
+    return std::min_element(columns.begin(), columns.end(), closer);
+  };
+  for (const Near& n : near) {
+    const auto nearest = column_of(n.on);
+    if (n.off < beside_face * n.side && (nearest == columns.end() || std::abs(nearest->front().on - n.on) > 0.5 * n.side))
+      columns.push_back({n});
   }
-  if (rise > 0) changes_.push_back(rise);
-  if (std::isfinite(until)) changes_.push_back(until);
+  std::sort(columns.begin(), columns.end(), [](const auto& m, const auto& n) { return m.front().on < n.front().on; });
+  for (const Near& n : near) {
+    auto& column = *column_of(n.on);
+    if (column.front().particle != n.particle && n.off - column.back().off <= gap * n.side) column.push_back(n);
+  }
+  const double face = length / double(columns.size());
+  for (const auto& column : columns) {
+    const auto piece = std::uint32_t(pieces_.size());
+    pieces_.push_back({.particle = column.front().particle,
+                       .face = face,
+                       .along = along,
+                       .out = column.front().off * normal,
+                       .traction = Vec2((*o.traction_pa)[0], (*o.traction_pa)[1]),
+                       .follows = o.follows_face,
+                       .rise = o.rise_s,
+                       .until = o.until_s.value_or(std::numeric_limits<double>::infinity()),
+                       .boundary = std::uint16_t(boundary),
+                       .next = -1});
+    // f = 1 - 3 s^2 + 2 s^3, s from 0 to 1 where it falls; to the end of what is thinner.
+    const double depth = std::min(most_depth, column.back().off + 0.5 * column.back().side), upper = upper_part / whole_layer * depth;
+    const auto fallen = [&](const Near& n) { return std::clamp((n.off - upper) / (depth - upper), 0.0, 1.0); };
+    double slopes = 0, area = 0;
+    for (const Near& n : column) {
+      area += n.side * n.side;
+      slopes += n.side * n.side * fallen(n) * (1 - fallen(n));
+    }
+    for (const Near& n : column) {
+      const double s = fallen(n);
+      if (slopes > 0) layers.push_back({n.particle, {piece, 1 - s * s * (3 - 2 * s), face * s * (1 - s) / slopes, normal}});
+      else layers.push_back({n.particle, {piece, 0, face / area, normal}});  // of a single row: at its centre
+    }
+  }
+  if (o.rise_s > 0) changes_.push_back(o.rise_s);
+  if (o.until_s) changes_.push_back(*o.until_s);
 }
 
 const Traction* Tractions::of(std::size_t particle) const {
-  if (loads_.empty() || at_[particle] < 0) return nullptr;
-  return &loads_[std::size_t(at_[particle])];
+  return over_.empty() || over_[particle] < 0 ? nullptr : &pieces_[std::size_t(over_[particle])];
+}
+
+void Tractions::add_to_loads(const Particles& p, GridState& g, double time, double dt, std::span<Impulse> of_boundaries,
+                             int threads) const {
+  const auto gradient = [&](std::size_t k) { return Mat2{{p.F_xx[k], p.F_xy[k]}, {p.F_yx[k], p.F_yy[k]}}; };
+  std::vector<Vec2> traction(pieces_.size(), Vec2(0, 0));
+  for (std::size_t k = 0; k < p.size(); ++k)
+    for (std::int32_t a = over_[p.index[k]]; a >= 0; a = pieces_[std::size_t(a)].next) {
+      const Traction& piece = pieces_[std::size_t(a)];
+      if (p.cell[k] == Particles::ended) continue;  // its face has gone
+      const Vec2 t = piece.share(time) * piece.traction_now(gradient(k));
+      traction[std::size_t(a)] = t;
+      of_boundaries[piece.boundary].add(dt * piece.face * t, Vec2(p.x[k], p.y[k]) + gradient(k) * piece.out);
+    }
+  Shapes::with(g.shape, [&](auto kind) {
+    using S = decltype(kind);
+    const auto loaded = [&](std::uint32_t k) { return !layers(p.index[k]).empty(); };
+    for_bands(g.active.mapped, threads, [&](Range range, std::size_t) {
+      for_points<S>(p, g, range, loaded, [&](std::uint32_t k, const std::size_t* at, const auto& x, const auto& y) {
+        const Mat2 F = gradient(k);
+        for (const InLayer& l : layers(p.index[k])) {
+          const Vec2 t = p.volume0[k] * traction[l.piece], normal = F * l.normal;
+          for (int c = 0; c < S::width * S::width; ++c) {
+            const int i = c % S::width, j = c / S::width;
+            const double across = normal.x() * g.per_hx * x.g[i] * y.w[j] + normal.y() * g.per_hy * x.w[i] * y.g[j];
+            const double by = l.share * across + l.change * x.w[i] * y.w[j];
+            g.arrays.loads[at[c]].x += by * t.x();
+            g.arrays.loads[at[c]].y += by * t.y();
+          }
+        }
+      });
+    });
+  });
 }
 
 }  // namespace pivnp::mpm

@@ -43,6 +43,8 @@ void check_motion(const std::string& key, const BoundaryOptions& o) {
     throw InputError(key + ".across_m: " + (o.across_m ? "given with type \"" + type + "\", expected type = \"tied\"" : "missing beside type = \"tied\""));
   if (o.type == Type::tied && (o.line_m.empty() || o.withdraw_m_s))
     throw InputError(key + (o.line_m.empty() ? ".line_m: missing; one side of what is tied" : ".withdraw_m_s: given with type \"tied\", expected fixed, roller or frictional"));
+  if (o.follows_face && o.type != Type::traction)
+    throw InputError(key + ".follows_face: given with type \"" + type + "\", expected type = \"traction\"");
   if (o.traction_pa && (o.type != Type::traction || !finite(*o.traction_pa)))
     throw InputError(key + ".traction_pa: given with type \"" + type + "\", expected type = \"traction\"");
 }

@@ -14,6 +14,7 @@ GridState::GridState(const Grid& d, ShapeKind kind, int n_fields, bool updated, 
 }
 
 AverageArrays GridState::averages() {
+  if (arrays.edges.size() == 0) return {};
   const std::size_t first = std::size_t(grid.nx) + 1;
   return {arrays.edges.data() + first, arrays.corners.data() + first, arrays.shift.data() + first, arrays.fluxes.data() + first,
           grid.nx};

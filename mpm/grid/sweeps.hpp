@@ -128,22 +128,28 @@ void average_at_corners(GridState& g, Averaging which, bool volumes, int threads
   if (threads > 1) for_all([&](const std::uint32_t* nodes, std::size_t size) { take_means(a, nodes, size); });
 }
 
-/// Calls each(k, nodes, x, y) for the points of some occupied cells: the indices of their nodes, and their shape functions along
-/// both axes (Line).
-template <class S, class Each>
-void for_points(const Particles& p, const GridState& g, Range cells, Each&& each) {
+/// Calls each(k, nodes, x, y) for those points of some occupied cells of which wanted(k) holds: the indices of their nodes, and
+/// their shape functions along both axes (Line).
+template <class S, class Wanted, class Each>
+void for_points(const Particles& p, const GridState& g, Range cells, Wanted&& wanted, Each&& each) {
   for (std::size_t s = cells.begin; s < cells.end; ++s) {
     std::size_t at[most_stencil_nodes];
     g.stencil_nodes(g.cells.index[s], at);
     const unsigned walls = g.marks[s];
     for (std::uint32_t q = g.cells.begin[s]; q < g.cells.begin[s + 1]; ++q) {
       const std::uint32_t k = g.cells.order[q];
+      if (!wanted(k)) continue;
       const Vec2 place = g.natural(p, k);
       const double half = S::needs_size ? p.half[k] : 0;
       each(k, at, line_of<S>(place.x(), half, walls & wall_left, walls & wall_right),
            line_of<S>(place.y(), half, walls & wall_down, walls & wall_up));
     }
   }
+}
+/// The same for all points.
+template <class S, class Each>
+void for_points(const Particles& p, const GridState& g, Range cells, Each&& each) {
+  for_points<S>(p, g, cells, [](std::uint32_t) { return true; }, each);
 }
 
 }  // namespace pivnp::mpm

@@ -66,12 +66,11 @@ struct SchemeRow : NamedValue<SchemeName> {
 inline constexpr std::array scheme_rows{
     SchemeRow{{"default", SchemeName::standard}, "B-splines, APIC, stress last, F-bar", {}},
     SchemeRow{{"geopart", SchemeName::geopart},
-              "the thesis' program",
+              "the thesis' program, without its damping",
               {.shape = ShapeKind::bilinear,
                .transfer = TransferKind::flip,
                .stress = StressUpdate::musl,
-               .locking = Locking::selective,
-               .damping = 0.05}}};
+               .locking = Locking::selective}}};
 constexpr const auto& names_of(SchemeName) { return scheme_rows; }
 
 /// The row of a value.

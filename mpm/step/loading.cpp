@@ -28,7 +28,7 @@ double share_between(double from, double until, double time) {
 
 Loading::Loading(const MpmOptions& o, const Scene& scene)
     : from_(o.gravity_m_s2[0], o.gravity_m_s2[1]), to_(from_), materials_(scene.materials),
-      tractions_(scene.boundaries, scene.particles, densities_of(scene)) {
+      tractions_(scene.boundaries, scene.particles, scene.grid.spacing) {
   if (o.gravity_from_m_s2.has_value() != o.gravity_ramp_s.has_value())
     throw InputError(std::string("mpm.") + (o.gravity_ramp_s ? "gravity_ramp_s" : "gravity_from_m_s2") +
                      ": given alone, expected gravity_from_m_s2 and gravity_ramp_s");

@@ -52,7 +52,7 @@ struct MpmOptions {
     visit("transfer", self.transfer, OptionInfo{.text = "velocity transfer (left out: by the scheme)"});
     visit("stress_update", self.stress_update, OptionInfo{.text = "when stress is updated: last with velocities mapped again, last, or first (left out: by the scheme)"});
     visit("locking", self.locking, OptionInfo{.text = "against volumetric locking (left out: by the scheme; selective and full: bilinear only)"});
-    visit("damping", self.damping, OptionInfo{.text = "Cundall's local damping during the run (left out: 0; geopart: 0.05)", .min = 0, .max = 1});
+    visit("damping", self.damping, OptionInfo{.text = "Cundall's local damping during the run (left out: 0; the thesis' program has 0.05)", .min = 0, .max = 1});
     visit("pic_per_s", self.pic_per_s, OptionInfo{.unit = "1/s", .text = "rate at which flip turns into PIC: a share 1 - exp(-rate dt) a step (left out: 0)", .min = 0});
     visit("xpic_order", self.xpic_order, OptionInfo{.text = "order of xpic: 1 is PIC, higher ones filter less", .min = 1, .max = 20});
     visit("courant", self.courant, OptionInfo{.text = "time step over the critical one", .min = 0, .max = 1, .above_min = true});

@@ -133,7 +133,6 @@ SolverState initial_state(const Scene& scene, const Scheme& scheme, const GridSt
     if (!p.half.empty()) p.half[k] = std::min(0.5, 0.5 * std::sqrt(p.volume0[k] * g.per_hx * g.per_hy));
   }
   state.body_motion.assign(6 * scene.bodies.size(), 0.0);
-  state.body_impulse.assign(2 * scene.bodies.size(), 0.0);
   return state;
 }
 

@@ -58,6 +58,7 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
   if (o.k0 && !o.initial_equilibrium) start_at_rest(gravity);
   change_strength(0);
   state.body_motion = bodies.motion();
+  state.impulses.assign(restraints.walls().size() + scene.boundaries.size() + bodies.size(), {});
   restart_balance();
 }
 
@@ -108,6 +109,7 @@ void Solver::advance_to(double time, Progress& progress) {
   if (s.failed) throw RunError("mpm: advance_to() was called after the run had failed");
   while (s.state.time < time) {
     if ((s.state.at_rest && s.options.end_at_rest) || s.state.far) {
+      s.state.not_stepped += time - s.state.time;
       s.state.time = time;
       return;
     }
@@ -146,7 +148,36 @@ Vec2 Solver::body_displacement(std::size_t body) const {
 }
 double Solver::body_mass(std::size_t body) const { return impl_->bodies.mass(body, impl_->state.time); }
 Vec2 Solver::body_impulse(std::size_t body) const {
-  return {impl_->state.body_impulse.at(2 * body), impl_->state.body_impulse.at(2 * body + 1)};
+  const Impulse& impulse = impl_->impulses_of_bodies()[body];
+  return {impulse.x, impulse.y};
+}
+
+std::vector<std::string> Solver::reaction_names() const {
+  std::vector<std::string> names;
+  for (const auto& [name, boundary] : impl_->scene.boundaries)
+    if (boundary.type != BoundaryType::tied) names.push_back("boundary." + name);
+  for (const auto& [name, body] : impl_->scene.bodies) names.push_back("body." + name);
+  return names;
+}
+
+ReactionRow Solver::reactions() const {
+  Impl& s = *impl_;
+  ReactionRow row{.time = s.state.time, .stepped = s.state.time - s.state.not_stepped, .of = {}};
+  const auto add = [&](const Impulse& i, const Vec2& displacement, double turn) {
+    row.of.push_back({{i.x, i.y}, i.moment, displacement, turn});
+  };
+  const std::vector<Wall>& walls = s.restraints.walls();
+  for (std::size_t b = 0; b < s.scene.boundaries.size(); ++b) {
+    const auto& [name, boundary] = s.scene.boundaries[b];
+    if (boundary.type == BoundaryType::tied) continue;
+    Impulse impulse = s.impulses_of_tractions()[b];
+    for (std::size_t w = 0; w < walls.size(); ++w)
+      if (walls[w].key == "boundary." + name) impulse = s.impulses_of_walls()[w];
+    add(impulse, Vec2::Zero(), 0);
+  }
+  for (std::size_t b = 0; b < s.bodies.size(); ++b)
+    add(s.impulses_of_bodies()[b], s.bodies.displacement(b, s.state.time), s.bodies.turn(b));
+  return row;
 }
 Solver::Slept Solver::slept() const {
   const SleepState& s = impl_->state.sleep;

@@ -12,6 +12,7 @@
 #include "pivnp/core/particles/motion.hpp"
 #include "pivnp/core/progress.hpp"
 #include "pivnp/core/record/energy.hpp"
+#include "pivnp/core/record/reactions.hpp"
 
 namespace pivnp::mpm {
 
@@ -59,6 +60,10 @@ class Solver {
   EnergyRow energy() const;
   /// Impulse on the material by a body since time 0, N s/m; index in Scene::bodies.
   Vec2 body_impulse(std::size_t body) const;
+  /// What boundaries (but tied ones) and bodies have done, and the names of those, "boundary.NAME" and "body.NAME". Tractions count
+  /// as given; walls as they act on what is awake.
+  std::vector<std::string> reaction_names() const;
+  ReactionRow reactions() const;
   /// Of a body's centre since time 0, m; its mass now, kg/m (0: its motion is prescribed).
   Vec2 body_displacement(std::size_t body) const;
   double body_mass(std::size_t body) const;

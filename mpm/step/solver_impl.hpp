@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -45,7 +46,7 @@ struct Solver::Impl {
   struct Cycle {
     double dt;
     int threads;
-    Vec2 gravity;  // in its middle
+    Vec2 gravity;  // at its start, as the other forces: velocities are those between two states
     Vec2 moment;   // moment_of_mass() at its start, where work_in_steps()
   };
   void step(double dt);
@@ -60,18 +61,24 @@ struct Solver::Impl {
   void end_step(const Cycle& c);
   bool maps_and_advances(const Cycle& c) const;
   void take_mapped_velocity(const Cycle& c);
-  void apply_restraints(const Cycle& c);
+  void apply_restraints(const Cycle& c, std::span<Impulse> of_walls);
   void restrain_strain_velocity();
   void strain(const Cycle& c, GatherSums* moved = nullptr);
 
   // solver_loads.cpp: what changes by the case's will.
   void load(double dt);
-  void map_body_force(int threads);
+  void map_loads(double dt, int threads);
   void change_densities(double time, bool balance);
   void change_strength(double time);
   void remove_due();
   void end_bad_states();
   void start_at_rest(const Vec2& gravity);
+  // SolverState::impulses: of the walls, of every boundary as far as it is a traction, of the bodies.
+  std::span<Impulse> impulses_of_walls() { return {state.impulses.data(), restraints.walls().size()}; }
+  std::span<Impulse> impulses_of_tractions() {
+    return {state.impulses.data() + restraints.walls().size(), scene.boundaries.size()};
+  }
+  std::span<Impulse> impulses_of_bodies() { return {state.impulses.data() + state.impulses.size() - bodies.size(), bodies.size()}; }
   bool pushes() const { return scene.body_force || loading.tractions().any(); }
   bool work_in_steps() const { return !water && (loading.gravity_changes() || loading.any_density()); }
   Vec2 moment_of_mass() const;

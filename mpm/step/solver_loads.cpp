@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mpm/grid/sweeps.hpp"
 #include "mpm/material/model.hpp"
 #include "mpm/step/initial_equilibrium.hpp"
 #include "mpm/step/solver_impl.hpp"
@@ -32,21 +33,24 @@ void Solver::Impl::load(double dt) {
   if (state.steps % bad_states_every == 0) end_bad_states();
 }
 
-void Solver::Impl::map_body_force(int threads) {
+void Solver::Impl::map_loads(double dt, int threads) {
   if (!pushes()) return;
-  std::vector<double> ax(p.size()), ay(p.size());
-  for (std::size_t k = 0; k < p.size(); ++k) {
-    Vec2 a(0, 0);
-    if (scene.body_force && p.cell[k] != Particles::ended) a = scene.body_force(p.index[k], state.time);
-    const Traction* load = loading.tractions().of(p.index[k]);
-    if (load && p.cell[k] != Particles::ended) {
-      const double mass_then = p.volume0[k] * scene.materials[std::size_t(scene.particles.label[p.index[k]])].density_kg_m3;
-      a += load->share(state.time) * mass_then / p.mass_of(k) * load->acceleration;
+  for_nodes(g, threads, [&](Node&, std::uint32_t n) { g.arrays.loads[n] = {}; });
+  if (scene.body_force) {
+    std::vector<double> ax(p.size(), 0.0), ay(p.size(), 0.0);
+    for (std::size_t k = 0; k < p.size(); ++k) {
+      if (p.cell[k] == Particles::ended) continue;
+      const Vec2 a = scene.body_force(p.index[k], state.time);
+      ax[k] = a.x();
+      ay[k] = a.y();
     }
-    ax[k] = a.x();
-    ay[k] = a.y();
+    map_acceleration(p, g, ax, ay, threads);
   }
-  map_acceleration(p, g, ax, ay, threads);
+  if (loading.tractions().any()) loading.tractions().add_to_loads(p, g, state.time, dt, impulses_of_tractions(), threads);
+  for_nodes(g, threads, [&](Node& node, std::uint32_t n) {
+    node.fx += g.arrays.loads[n].x;
+    node.fy += g.arrays.loads[n].y;
+  });
 }
 
 // Mass that comes moves as the point does: its kinetic energy is work done from outside.

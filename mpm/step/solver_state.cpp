@@ -10,7 +10,7 @@ namespace pivnp::mpm {
 
 namespace {
 
-constexpr char magic[8] = {'p', 'i', 'v', 'm', 'p', 'm', '0', '7'};
+constexpr char magic[8] = {'p', 'i', 'v', 'm', 'p', 'm', '0', '8'};
 
 class Writer {
  public:
@@ -102,7 +102,7 @@ void visit(Archive& a, State& s) {
   a.value(s.at_rest);
   a.value(s.far);
   a.array(s.body_motion);
-  a.array(s.body_impulse);
+  a.array(s.impulses);
   a.array(s.sleep.asleep);
   for (auto* of_block : {&s.sleep.quiet_since, &s.sleep.speed, &s.sleep.foregone}) a.array(*of_block);
   a.value(s.sleep.held_back);
@@ -110,6 +110,7 @@ void visit(Archive& a, State& s) {
   a.value(s.sleep.skipped);
   a.value(s.sleep.all);
   a.value(s.steps);
+  a.value(s.not_stepped);
   a.value(s.since_sort);
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "mpm/constraint/reaction.hpp"
 #include "mpm/step/energy.hpp"
 #include "mpm/state/particles.hpp"
 #include "mpm/step/sleep.hpp"
@@ -33,8 +34,9 @@ struct SolverState {
   bool at_rest = false;     // motion has ended: nothing is stepped any more
   bool far = false;         // MpmOptions::end_displacement_m is reached: likewise
   std::vector<double> body_motion;   // RigidBodies::motion()
-  std::vector<double> body_impulse;  // on each rigid body, x and y, N s/m
+  std::vector<Impulse> impulses;     // on the material, of each wall, traction's boundary and rigid body (Solver::Impl)
   std::int64_t steps = 0;
+  double not_stepped = 0;  // time that went on without steps, at rest or far, s
   SleepState sleep;
   std::int64_t since_sort = 0;  // points that changed cells since the storage was last sorted
 };

@@ -33,7 +33,7 @@ Solver::Impl::Cycle Solver::Impl::begin_step(double dt) {
   choice.begin_step();
   g.join_strain_velocities();
   load(dt);
-  c.gravity = loading.gravity(state.time + 0.5 * dt);
+  c.gravity = loading.gravity(state.time);
   if (work_in_steps()) c.moment = moment_of_mass();
   if (water) {
     water->set_time(state.time + 0.5 * dt);
@@ -106,7 +106,7 @@ void Solver::Impl::take_mapped_velocity(const Cycle& c) {
     node.nx = node.vx;
     node.ny = node.vy;
   });
-  apply_restraints(c);
+  apply_restraints(c, {});  // (what walls do to the momentum is counted below)
   for_nodes(g, c.threads, [this](Node& node, std::uint32_t n) {
     const GridState::StrainVelocity u = g.strain_velocity(n);
     u.x = node.nx;
@@ -118,7 +118,7 @@ void Solver::Impl::take_mapped_velocity(const Cycle& c) {
 void Solver::Impl::advance_nodes(const Cycle& c) {
   if (!maps_and_advances(c)) {
     if (scheme.transfer == TransferKind::xpic) filtered_velocity(p, g, scheme.xpic_order, c.threads);
-    map_body_force(c.threads);
+    map_loads(c.dt, c.threads);
     if (lifts(c.gravity)) water->lift(p, g, c.gravity, c.threads);
     update_momentum(g, c.gravity, scheme.damping, c.dt, c.threads);
   }
@@ -126,14 +126,14 @@ void Solver::Impl::advance_nodes(const Cycle& c) {
 }
 
 void Solver::Impl::restrain_nodes(const Cycle& c) {
-  apply_restraints(c);
+  apply_restraints(c, impulses_of_walls());
   bodies.advance(c.dt);
   if (scheme.stress == StressUpdate::usl) restrain_strain_velocity();
 }
 
-void Solver::Impl::apply_restraints(const Cycle& c) {
+void Solver::Impl::apply_restraints(const Cycle& c, std::span<Impulse> of_walls) {
   reactions.clear();
-  restraints.apply(state.time, c.dt, g, reactions);
+  restraints.apply(state.time, c.dt, g, reactions, of_walls);
   contacts.apply(g, restraints, reactions);
   bodies.accelerate(state.time, c.dt, c.gravity);
   bodies.apply(state.time, touched_share * least_density() * g.grid.spacing.prod(), g, reactions);

@@ -22,10 +22,7 @@ void Solver::Impl::add_work(const Cycle& c) {
   const bool strained = scheme.stress != StressUpdate::usf;
   state.balance.add(nodal_work(g, reactions, scheme.damping, c.dt, strained, c.threads), gather.kinetic_loss);
   for (const Reaction& r : reactions)
-    if (r.body >= 0) {
-      state.body_impulse[2 * std::size_t(r.body)] += r.impulse_x;
-      state.body_impulse[2 * std::size_t(r.body) + 1] += r.impulse_y;
-    }
+    if (r.body >= 0) impulses_of_bodies()[std::size_t(r.body)].add({r.impulse_x, r.impulse_y}, g.position(r.node));
   if (!pushes()) return;
   for (const std::uint32_t n : g.active.nodes) {
     const Vec2 w = working_velocity(g, n, strained);

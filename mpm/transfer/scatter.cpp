@@ -100,7 +100,6 @@ void average_mean_stress(const Particles& p, GridState& g, const Scheme& scheme,
 void map_acceleration(const Particles& p, GridState& g, const std::vector<double>& ax, const std::vector<double>& ay,
                       int threads) {
   OfGrid<NodeVelocity>& out = g.arrays.loads;
-  for (const std::uint32_t n : g.active.nodes) out[n] = {};
   Shapes::with(g.shape, [&](auto kind) {
     using S = decltype(kind);
     constexpr int W = S::width;
@@ -113,10 +112,6 @@ void map_acceleration(const Particles& p, GridState& g, const std::vector<double
         }
       });
     });
-  });
-  for_nodes(g, threads, [&](Node& node, std::uint32_t n) {
-    node.fx += out[n].x;
-    node.fy += out[n].y;
   });
 }
 

@@ -52,7 +52,7 @@ inline bool averages_at_corners(const GridState& g, const Scheme& scheme) {
 /// Those of the mean stress, where there are any; call before the force is mapped.
 void average_mean_stress(const Particles& p, GridState& g, const Scheme& scheme, int threads);
 
-/// Adds the points' mass times an acceleration to the nodes' forces; NodeArrays::loads holds what was added.
+/// Adds the points' mass times an acceleration to NodeArrays::loads.
 void map_acceleration(const Particles& p, GridState& g, const std::vector<double>& ax, const std::vector<double>& ay, int threads);
 
 /// XPIC of order k: the points' velocity, filtered, at the nodes: sum over l < k of (I - P)^l v, P from nodes to points

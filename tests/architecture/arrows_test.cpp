@@ -36,6 +36,7 @@ const std::map<std::string, Folders> allowed = {
     {"apps/report", {"compare", "pivnp/io", "pivnp/core", "apps/plot"}},
     {"apps/case", with(engines, {"apps/report"})},  // the report's options alone: see `only`
     {"apps/study", with(engines, {"apps/case", "apps/plot", "apps/report"})},
+    {"python/src", with(engines, {"apps/case", "apps/study"})},  // without charts and reports: see `below`
     {"apps/cli", with(engines, {"apps/case", "apps/study", "apps/report"})},
 };
 
@@ -49,6 +50,11 @@ const std::map<std::string, std::vector<std::string>> floors = {
     {"apps/study", {"pipeline", "synth", "methods", "studies"}},
 };
 
+// Of another folder, one floor only.
+const std::map<std::pair<std::string, std::string>, std::string> below = {
+    {{"python/src", "apps/study"}, "apps/study/pipeline/"},
+};
+
 // Of another folder, one header only.
 const std::map<std::pair<std::string, std::string>, std::string> only = {
     {{"apps/case", "apps/report"}, "apps/report/content/options.hpp"},
@@ -59,7 +65,7 @@ const std::map<std::string, Folders> vendors = {
     {"opencv2/", {"pivnp/image", "pivnp/piv"}}, {"CGAL/", {"pivnp/core", "pivnp/np", "compare"}}, {"hdf5", {"pivnp/io"}},
     {"H5", {"pivnp/io"}},          {"Q", {"apps/plot", "apps/report"}},  {"qcustomplot", {"apps/plot"}},
     {"CLI/", {"apps/cli"}},        {"toml++", {"apps/case"}},            {"fftw3", {"pivnp/piv"}},
-    {"hwy/", {"pivnp/np", "pivnp/piv", "mpm"}},
+    {"hwy/", {"pivnp/np", "pivnp/piv", "mpm"}}, {"pybind11/", {"python/src"}},
 };
 
 std::string folder_of(const std::string& path) {
@@ -76,7 +82,7 @@ struct Include {
 std::vector<Include> includes() {
   std::vector<Include> found;
   const fs::path root = PIVNP_SOURCE_DIR;
-  for (const char* top : {"pivnp", "mpm", "compare", "apps"})
+  for (const char* top : {"pivnp", "mpm", "compare", "apps", "python"})
     for (const auto& entry : fs::recursive_directory_iterator(root / top)) {
       const std::string suffix = entry.path().extension().string();
       if (suffix != ".cpp" && suffix != ".hpp") continue;
@@ -105,6 +111,9 @@ TEST(Architecture, IncludesFollowTheArrows) {
     EXPECT_TRUE(allowed.at(i.folder).contains(target)) << i.file << " includes " << i.target;
     if (const auto one = only.find({i.folder, target}); one != only.end()) {
       EXPECT_EQ(i.target, one->second) << i.file;
+    }
+    if (const auto floor = below.find({i.folder, target}); floor != below.end()) {
+      EXPECT_TRUE(i.target.starts_with(floor->second)) << i.file << " includes " << i.target;
     }
   }
   EXPECT_GT(arrows, 50);  // the scan found something

@@ -161,7 +161,7 @@ VALUES = {
                           ('"traction"', TOP), ('"tied"', TIED)],
                  "normal": [("[-1.0, 0.0]", SIDE)], "friction": [("0.3", SIDE | {"type": '"frictional"'})], "until_s": [("0.01", SIDE)],
                  "velocity_m_s": [("[0.001, 0.0]", SIDE | {"type": '"fixed"'})], "withdraw_m_s": [("[0.0, 2.0]", SIDE)],
-                 "withdraw_from_s": [("0.01", SIDE | {"withdraw_m_s": "[0.0, 2.0]"})], "traction_pa": [("[0.0, -50.0]", TOP)],
+                 "withdraw_from_s": [("0.01", SIDE | {"withdraw_m_s": "[0.0, 2.0]"})], "traction_pa": [("[0.0, -50.0]", TOP)], "follows_face": [("true", TOP)],
                  "rise_s": [("0.01", TOP)], "across_m": [("[0.08, 0.0]", TIED)],
                  "pressure_pa": [("100.0", SIDE, FLOODED)], "drained": [("true", SIDE, FLOODED), ("false", SIDE, FLOODED)],
                  "flux_m_s": [("1e-5", SIDE, FLOODED)]},

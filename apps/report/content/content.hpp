@@ -14,6 +14,7 @@
 #include "pivnp/core/particles/motion.hpp"
 #include "pivnp/core/record/comparison.hpp"
 #include "pivnp/core/record/energy.hpp"
+#include "pivnp/core/record/reactions.hpp"
 #include "pivnp/core/record/frames.hpp"
 #include "pivnp/core/record/strain_note.hpp"
 #include "pivnp/core/record/vectors.hpp"
@@ -45,6 +46,7 @@ struct Content {
   std::optional<StrainNote> strain_note;          // of the measured motion
   std::optional<Comparison> comparison;  // simulated (second) minus measured (first)
   std::vector<EnergyRow> energy;                  // J per metre of thickness
+  Reactions reactions;                            // of the simulation's boundaries, loads and bodies
   std::span<const Picture> pictures;
   std::vector<std::string> remarks;  // what was flagged and why, one sentence each
 };

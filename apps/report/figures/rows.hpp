@@ -15,5 +15,6 @@ FigureRow histories_row();
 FigureRow quality_row();
 FigureRow vectors_row();
 FigureRow energy_row();
+FigureRow reactions_row();
 
 }  // namespace pivnp::report

@@ -49,7 +49,10 @@ std::optional<mpm::Solver::Slept> advance(const Case& c, const Setting& setting,
     steps.next = times[k];
     solver.advance_to(times[k], steps);
     writer.add_frame(motion, solver.frame());
-    if (motion == "mpm") writer.add_energy(motion, solver.energy());
+    if (motion == "mpm") {
+      writer.add_energy(motion, solver.energy());
+      if (const auto names = solver.reaction_names(); !names.empty()) writer.add_reactions(motion, names, solver.reactions());
+    }
     if (writer.segment_full(stage)) writer.close_segment(stage, solver.save());
   }
   progress.update(what, solver.steps(), solver.steps());

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/study/pipeline/opened_motion.hpp"
 #include "apps/study/pipeline/outcome.hpp"
 #include "apps/study/pipeline/report_input.hpp"
 #include "apps/study/studies/histories.hpp"
 #include "compare/metrics/limits.hpp"
 #include "pivnp/core/error.hpp"
-#include "pivnp/io/imports/import_motion.hpp"
 #include "pivnp/io/records/record.hpp"
 
 namespace pivnp::app {
@@ -16,50 +16,6 @@ namespace pivnp::app {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct OpenedMotion {
-  io::RecordHead head;  // of the record it comes from; units and grid of nothing for other programs' results
-  std::shared_ptr<MotionSource> motion;
-  std::optional<StrainNote> note;
-
-  /// Of the camera's targets, if this motion was measured (it then carries a covariance).
-  double residual() const {
-    const bool measured = !motion->times().empty() && !motion->frame(0).cov_u.empty();
-    return measured ? head.camera_residual : 0;
-  }
-};
-
-std::shared_ptr<MotionSource> motion_of(const io::RecordReader& record, const std::string& file,
-                                        const std::string& motion) {
-  const std::vector<std::string> names = record.motion_names();
-  std::string known;
-  for (const std::string& name : names) known += (known.empty() ? "" : ", ") + name;
-  if (motion.empty() && names.size() != 1)
-    throw InputError(file + ": holds " + std::to_string(names.size()) + " motions (" + known +
-                     "); name one as FILE:motion");
-  const std::string name = motion.empty() ? names.front() : motion;
-  if (std::find(names.begin(), names.end(), name) == names.end())
-    throw InputError(file + ": no motion '" + name + "'; it holds: " + known);
-  return record.motion(name);
-}
-
-// "FILE" or "FILE:motion"; a colon inside a path that exists belongs to the path.
-OpenedMotion open_motion(const std::string& text, const CompareSources& sources) {
-  if (io::is_import(text))
-    return {io::RecordHead{}, io::open_import(text, {.step = sources.step_s, .length_unit = sources.length_unit}), {}};
-  fs::path file = text;
-  std::string motion;
-  const std::size_t colon = text.rfind(':');
-  if (!fs::exists(file) && colon != std::string::npos) {
-    file = text.substr(0, colon);
-    motion = text.substr(colon + 1);
-  }
-  if (fs::is_directory(file)) file /= "record.h5";
-  const io::RecordReader record(file);
-  std::shared_ptr<MotionSource> found = motion_of(record, file.string(), motion);
-  std::optional<StrainNote> note = record.strain_note(found->name());
-  return {record.head(), std::move(found), std::move(note)};
-}
 
 bool same_names(const std::vector<Frame>& a, const std::vector<Frame>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Frame& x, const Frame& y) { return x.name == y.name; });
@@ -81,11 +37,12 @@ RunOutcome compare_records(const CompareSources& sources, const compare::Compare
                            const compare::LimitOptions& limits, const RunSettings& settings, Progress& progress) {
   if (is_history(sources.first) || is_history(sources.second))
     return compare_histories(sources, given, limits, settings);
-  const OpenedMotion one = open_motion(sources.first, sources), two = open_motion(sources.second, sources);
+  const io::ImportOptions foreign{.step = sources.step_s, .length_unit = sources.length_unit};
+  const OpenedMotion one = open_motion(sources.first, foreign), two = open_motion(sources.second, foreign);
   std::vector<OpenedMotion> coarser;
   compare::Refinement refinement{{}, sources.refinement_ratio};
   for (const std::string& text : sources.coarser) {
-    coarser.push_back(open_motion(text, sources));
+    coarser.push_back(open_motion(text, foreign));
     refinement.coarser.push_back(coarser.back().motion.get());
   }
   compare::CompareOptions options = given;

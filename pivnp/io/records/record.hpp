@@ -16,6 +16,7 @@
 #include "pivnp/core/record/comparison.hpp"
 #include "pivnp/core/record/energy.hpp"
 #include "pivnp/core/record/frames.hpp"
+#include "pivnp/core/record/reactions.hpp"
 #include "pivnp/core/record/strain_note.hpp"
 #include "pivnp/core/record/vectors.hpp"
 #include "pivnp/core/version.hpp"
@@ -72,6 +73,8 @@ class RecordWriter {
   void add_frame(const std::string& name, const MotionFrame& frame);  // arrays that a frame lacks are NaN
   /// To be called before the segment with the frame of that time is closed. One motion only.
   void add_energy(const std::string& motion, const EnergyRow& row);
+  /// Likewise; the same names each time.
+  void add_reactions(const std::string& motion, const std::vector<std::string>& names, const ReactionRow& row);
   /// True when the stage's open segment is full: the caller should then hand over its checkpoint and close it. If it
   /// does not, the next item closes it without one, and a resumed run does those items again.
   bool segment_full(const std::string& stage) const;
@@ -133,6 +136,7 @@ class RecordReader {
   /// Nothing where the record states none (a simulation, an older record).
   std::optional<StrainNote> strain_note(const std::string& motion) const;
   std::vector<EnergyRow> energy() const;
+  Reactions reactions() const;  // empty where the record has none (an older record)
   std::optional<Comparison> comparison() const;
 
  private:

@@ -53,6 +53,7 @@ RecordCheck check_record(const fs::path& path) {
     reader.strain_note(name);
   }
   reader.energy();
+  reader.reactions();
   reader.comparison();
   return check;
 }

@@ -18,7 +18,7 @@ struct RecordWriter::Impl {
   struct Stage {
     StageFiles files;
     std::unique_ptr<OpenSegment> open;
-    std::vector<EnergyRow> energy;  // of items that are not yet in a closed segment
+    SegmentRows rows;               // of items that are not yet in a closed segment
     bool complete = false;
     bool failed = false;            // a write failed: nothing more is taken
     std::size_t particles = 0;
@@ -48,7 +48,7 @@ struct RecordWriter::Impl {
   Units units;
   std::shared_ptr<const DirectoryLock> lock;
   std::map<std::string, Stage> stages;
-  std::string energy_motion;                   // the one whose energies are kept
+  std::string energy_motion;                   // the one whose energies and reactions are kept
   std::map<std::string, StageFiles> former;    // as found on disk
   std::unique_ptr<RecordReader> finished;      // resumed, but there is nothing left to do
   std::vector<Frame> frames;

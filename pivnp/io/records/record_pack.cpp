@@ -7,6 +7,7 @@
 
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/derived.hpp"
+#include "pivnp/core/record/reactions.hpp"
 #include "pivnp/io/files/seal.hpp"
 #include "pivnp/io/records/motion_file.hpp"
 #include "pivnp/io/records/record_impl.hpp"
@@ -64,15 +65,35 @@ void pack_frames(h5::OutputFile& out, const std::vector<Frame>& frames, const Un
   out.write("/frames/flag", flags, "");
 }
 
+void pack_reactions(h5::OutputFile& out, const Reactions& reactions, const Units& units) {
+  if (reactions.series.empty()) return;
+  out.group("/reactions");
+  out.write("/reactions/time", reactions.time, units.time);
+  const auto pairs = [&](const std::string& path, const std::vector<Vec2>& values, const std::string& unit) {
+    out.write(path, h5::Type::f64, {values.size(), 2}, values.data(), unit, h5::Packing::plain);
+  };
+  for (const ReactionSeries& s : reactions.series) {
+    std::string name = s.name;
+    for (char& c : name)
+      if (c == '/' || static_cast<unsigned char>(c) < 32 || c == 127) c = '_';  // HDF5's own separator, and what does not print
+    while (out.source().has("/reactions/" + name)) name += '_';
+    const std::string group = "/reactions/" + name;
+    out.group(group);
+    pairs(group + "/force", s.force, units.force());
+    out.write(group + "/moment", s.moment, units.moment());
+    if (s.displacement.empty()) continue;
+    pairs(group + "/displacement", s.displacement, units.length);
+    out.write(group + "/turn", s.turn, "rad");
+  }
+}
+
 void pack_energy(h5::OutputFile& out, const std::vector<const StageFiles*>& motions, const Units& units) {
   for (const StageFiles* files : motions) {
-    std::vector<EnergyRow> rows;
-    const auto append = [&](const std::filesystem::path& path) {
-      const std::vector<EnergyRow> more = read_energy(h5::Source(path));
-      rows.insert(rows.end(), more.begin(), more.end());
-    };
-    for (const SegmentInfo& s : files->segments) append(s.path);
-    append(files->end);
+    SegmentRows all;
+    for (const SegmentInfo& s : files->segments) read_rows(h5::Source(s.path), all);
+    read_rows(h5::Source(files->end), all);
+    pack_reactions(out, reactions_of(all.reaction_names, all.reactions), units);
+    const std::vector<EnergyRow>& rows = all.energy;
     if (rows.empty()) continue;
     if (out.source().has("/energy")) throw std::logic_error("record: energies of two motions");
     out.group("/energy");

@@ -170,6 +170,39 @@ std::vector<EnergyRow> RecordReader::energy() const {
   return rows;
 }
 
+Reactions RecordReader::reactions() const {
+  Reactions out;
+  const h5::Source& source = impl_->source;
+  if (!source.has("/reactions")) return out;
+  const h5::Dataset time = source.dataset("/reactions/time");
+  out.time = time.all<double>();
+  const std::size_t n = out.time.size();
+  time.expect({n});
+  const auto numbers = [&](const std::string& path, const h5::Shape& shape) {
+    const h5::Dataset d = source.dataset(path);
+    d.expect(shape);
+    return d.all<double>();
+  };
+  const auto pairs = [&](const std::string& path) {
+    const std::vector<double> values = numbers(path, {n, 2});
+    std::vector<Vec2> all;
+    for (std::size_t k = 0; k < n; ++k) all.emplace_back(values[2 * k], values[2 * k + 1]);
+    return all;
+  };
+  for (const std::string& name : source.children("/reactions")) {
+    if (name == "time") continue;
+    const std::string group = "/reactions/" + name;
+    ReactionSeries s{.name = name, .force = pairs(group + "/force"), .moment = numbers(group + "/moment", {n}),
+                     .displacement = {}, .turn = {}};
+    if (source.has(group + "/displacement")) {
+      s.displacement = pairs(group + "/displacement");
+      s.turn = numbers(group + "/turn", {n});
+    }
+    out.series.push_back(std::move(s));
+  }
+  return out;
+}
+
 std::optional<Comparison> RecordReader::comparison() const {
   const h5::Source& source = impl_->source;
   if (!source.has("/compare")) return std::nullopt;

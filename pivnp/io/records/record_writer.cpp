@@ -129,7 +129,7 @@ void RecordWriter::Impl::close(Stage& stage, const std::vector<std::byte>* check
   if (!stage.open) return;
   try {
     SegmentInfo info{{}, stage.open->first(), stage.open->count(), checkpoint != nullptr};
-    info.path = stage.open->close(stage.energy, checkpoint);
+    info.path = stage.open->close(stage.rows, checkpoint);
     stage.files.segments.push_back(std::move(info));
   } catch (...) {
     stage.open.reset();
@@ -137,7 +137,7 @@ void RecordWriter::Impl::close(Stage& stage, const std::vector<std::byte>* check
     throw;
   }
   stage.open.reset();
-  stage.energy.clear();
+  stage.rows = {};
 }
 
 VectorField RecordWriter::Impl::read_back(const Stage& piv, std::size_t index) const {
@@ -244,7 +244,17 @@ void RecordWriter::add_frame(const std::string& name, const MotionFrame& frame) 
 void RecordWriter::add_energy(const std::string& motion, const EnergyRow& row) {
   require(impl_->energy_motion.empty() || impl_->energy_motion == motion, "energies of two motions");
   impl_->energy_motion = motion;
-  impl_->writable("motion/" + motion).energy.push_back(row);
+  impl_->writable("motion/" + motion).rows.energy.push_back(row);
+}
+
+void RecordWriter::add_reactions(const std::string& motion, const std::vector<std::string>& names, const ReactionRow& row) {
+  require(impl_->energy_motion.empty() || impl_->energy_motion == motion, "reactions of two motions");
+  require(row.of.size() == names.size(), "a row of reactions does not fit the names");
+  impl_->energy_motion = motion;
+  SegmentRows& rows = impl_->writable("motion/" + motion).rows;
+  require(rows.reactions.empty() || rows.reaction_names == names, "reactions of other names");
+  rows.reaction_names = names;
+  rows.reactions.push_back(row);
 }
 
 bool RecordWriter::segment_full(const std::string& stage) const {
@@ -271,7 +281,7 @@ void RecordWriter::end_stage(const std::string& name, const ParticleSet* particl
   file.attribute("/", "stage", name);
   file.attribute("/", "items", std::vector<std::int64_t>{static_cast<std::int64_t>(stage.items())}, true);
   if (particles) write_particles(file, "", *particles, impl_->units);
-  if (!stage.energy.empty()) write_energy(file, stage.energy);
+  write_rows(file, stage.rows);
   file.commit();
   stage.files.end = path;
   stage.complete = true;

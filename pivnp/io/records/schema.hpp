@@ -13,7 +13,7 @@ namespace pivnp::io {
 
 inline constexpr const char* schema_name = "pivnp";
 inline constexpr int schema_major = 1;
-inline constexpr const char* schema_version = "1.4";
+inline constexpr const char* schema_version = "1.5";
 
 struct Units {
   std::string length = "m", time = "s";
@@ -21,6 +21,9 @@ struct Units {
   std::string velocity() const { return length + "/" + time; }
   /// Energy per unit of thickness.
   std::string energy() const { return length == "m" ? "J/m" : "Pa " + length2(); }
+  /// Force and moment per unit of thickness.
+  std::string force() const { return length == "m" ? "N/m" : "Pa " + length; }
+  std::string moment() const { return length == "m" ? "N" : "Pa " + length2(); }
   /// "L/T^2" and the like with the record's own units.
   std::string of(std::string_view pattern) const;
 };

@@ -76,8 +76,7 @@ void OpenSegment::add(const std::vector<ItemArray>& arrays) {
   ++count_;
 }
 
-std::filesystem::path OpenSegment::close(const std::vector<EnergyRow>& energy,
-                                         const std::vector<std::byte>* checkpoint) {
+std::filesystem::path OpenSegment::close(const SegmentRows& rows, const std::vector<std::byte>* checkpoint) {
   for (Series& s : series_)
     if (s.dataset.shape()[0] < count_) file_->extend(s.dataset, count_);
   file_->attribute("/", "schema", schema_name);
@@ -85,7 +84,7 @@ std::filesystem::path OpenSegment::close(const std::vector<EnergyRow>& energy,
   file_->attribute("/", "stage", stage_);
   file_->attribute("/", "first", std::vector<std::int64_t>{static_cast<std::int64_t>(first_)}, true);
   file_->attribute("/", "count", std::vector<std::int64_t>{static_cast<std::int64_t>(count_)}, true);
-  if (!energy.empty()) write_energy(*file_, energy);
+  write_rows(*file_, rows);
   if (checkpoint) file_->write("/checkpoint", *checkpoint, "", h5::Packing::plain);
   series_.clear();
   file_->commit();
@@ -128,23 +127,45 @@ std::vector<StageFiles> scan_parts(const std::filesystem::path& parts) {
   return out;
 }
 
-void write_energy(h5::OutputFile& file, const std::vector<EnergyRow>& rows) {
-  std::vector<double> table;
-  for (const EnergyRow& row : rows)
-    for (const EnergyColumn& column : energy_table()) table.push_back(row.*column.member);
-  file.write("/energy", h5::Type::f64, {rows.size(), energy_table().size()}, table.data(), "", h5::Packing::plain);
+void write_rows(h5::OutputFile& file, const SegmentRows& rows) {
+  const auto write = [&](const char* name, std::size_t count, const std::vector<double>& table) {
+    if (count > 0) file.write(name, h5::Type::f64, {count, table.size() / count}, table.data(), "", h5::Packing::plain);
+  };
+  std::vector<double> energy, reactions;
+  for (const EnergyRow& row : rows.energy)
+    for (const EnergyColumn& column : energy_table()) energy.push_back(row.*column.member);
+  write("/energy", rows.energy.size(), energy);
+  for (const ReactionRow& row : rows.reactions) {
+    reactions.insert(reactions.end(), {row.time, row.stepped});
+    for (const ReactionRow::Of& r : row.of)
+      reactions.insert(reactions.end(), {r.impulse.x(), r.impulse.y(), r.moment, r.displacement.x(), r.displacement.y(), r.turn});
+  }
+  write("/reactions", rows.reactions.size(), reactions);
+  if (!rows.reactions.empty()) file.write_texts("/reaction_names", rows.reaction_names);
 }
 
-std::vector<EnergyRow> read_energy(const h5::Source& source) {
-  std::vector<EnergyRow> rows;
-  if (!source.has("/energy")) return rows;
-  const h5::Dataset d = source.dataset("/energy");
-  const std::vector<double> table = d.all<double>();
-  const std::size_t columns = energy_table().size();
-  rows.resize(table.size() / columns);
-  for (std::size_t r = 0; r < rows.size(); ++r)
-    for (std::size_t c = 0; c < columns; ++c) rows[r].*energy_table()[c].member = table[r * columns + c];
-  return rows;
+void read_rows(const h5::Source& source, SegmentRows& rows) {
+  if (source.has("/energy")) {
+    const std::vector<double> table = source.dataset("/energy").all<double>();
+    const std::size_t columns = energy_table().size();
+    for (std::size_t at = 0; at + columns <= table.size(); at += columns) {
+      rows.energy.emplace_back();
+      for (std::size_t c = 0; c < columns; ++c) rows.energy.back().*energy_table()[c].member = table[at + c];
+    }
+  }
+  if (source.has("/reactions")) {
+    std::vector<std::string> names = source.texts("/reaction_names");
+    if (!rows.reactions.empty() && names != rows.reaction_names)
+      throw InputError(source.name() + ": /reaction_names: not those of the segment before");
+    rows.reaction_names = std::move(names);
+    const std::vector<double> table = source.dataset("/reactions").all<double>();
+    const std::size_t columns = 2 + 6 * rows.reaction_names.size();
+    for (std::size_t at = 0; at + columns <= table.size(); at += columns) {
+      rows.reactions.push_back({.time = table[at], .stepped = table[at + 1], .of = {}});
+      for (std::size_t c = at + 2; c < at + columns; c += 6)
+        rows.reactions.back().of.push_back({{table[c], table[c + 1]}, table[c + 2], {table[c + 3], table[c + 4]}, table[c + 5]});
+    }
+  }
 }
 
 void write_particles(h5::OutputFile& file, const std::string& group, const ParticleSet& p, const Units& units) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "pivnp/core/record/reactions.hpp"
 #include "pivnp/io/records/schema.hpp"
 
 namespace pivnp::io {
@@ -16,6 +17,13 @@ inline constexpr std::size_t segment_bytes = std::size_t{256} << 20;  // large i
 
 /// "motion/np" -> "motion.np": the beginning of the stage's file names.
 std::string stage_file_name(const std::string& stage);
+
+/// What a simulation tells at its output times beside the particles.
+struct SegmentRows {
+  std::vector<EnergyRow> energy;
+  std::vector<std::string> reaction_names;
+  std::vector<ReactionRow> reactions;
+};
 
 /// The segment a stage is writing. Items go straight into the (temporary) file, uncompressed.
 class OpenSegment {
@@ -27,7 +35,7 @@ class OpenSegment {
   std::size_t count() const { return count_; }
   bool full() const { return count_ >= segment_items || bytes_ >= segment_bytes; }
   /// Closed, fsynced, renamed. `checkpoint`: nullptr if there is none. Throws RunError; the segment is then lost.
-  std::filesystem::path close(const std::vector<EnergyRow>& energy, const std::vector<std::byte>* checkpoint);
+  std::filesystem::path close(const SegmentRows& rows, const std::vector<std::byte>* checkpoint);
   h5::Source source() const { return file_->source(); }
 
  private:
@@ -62,9 +70,10 @@ struct StageFiles {
 /// stage that is not complete, those after the last one with a checkpoint: a resumed engine could not go on from them.
 std::vector<StageFiles> scan_parts(const std::filesystem::path& parts);
 
-/// Energies are kept as rows of the columns of energy_table().
-void write_energy(h5::OutputFile& file, const std::vector<EnergyRow>& rows);
-std::vector<EnergyRow> read_energy(const h5::Source& source);
+/// Energies are kept as rows of the columns of energy_table(), reactions as rows of the time and six numbers for each name.
+void write_rows(h5::OutputFile& file, const SegmentRows& rows);
+/// Appends those of a segment.
+void read_rows(const h5::Source& source, SegmentRows& rows);
 
 /// The constants of a motion's particles below `group` ("" in a file of parts, "/motion/NAME" in a record).
 void write_particles(h5::OutputFile& file, const std::string& group, const ParticleSet& particles, const Units& units);

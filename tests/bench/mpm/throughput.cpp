@@ -4,7 +4,8 @@
 //                                              (default: all, 10000 100000, the best instruction set)
 //   mpm_throughput scale [particles ...]       set-up time, memory, proportion
 // Each figure is the median of `runs` runs, those with one and two threads taken in turn; one thread by its own
-// processor time, two by the clock (so on an idle machine only).
+// processor time, two by the clock (so on an idle machine only). "times plain" is the rate on one thread over that of a plain
+// kernel (plain_kernel.hpp) of the same size, run in turn with it.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -22,6 +23,7 @@
 #include "mpm/step/solver.hpp"
 #include "pivnp/core/particles/seeding.hpp"
 #include "tests/bench/mpm/machine.hpp"
+#include "tests/bench/mpm/plain_kernel.hpp"
 #include "tests/bench/mpm/target.hpp"
 
 using namespace pivnp;
@@ -273,27 +275,28 @@ int main(int argc, char** argv) {
   const double cached = bench::update_rate(4 << 20), memory = bench::update_rate(256 << 20), flops = bench::flop_rate();
   std::printf("one thread now: updates in place %.0f GB/s in 4 MiB, %.0f GB/s in 256 MiB; %.0f GFlop/s with four lanes\n", cached,
               memory, flops);
-  std::printf("%-33s %9s %9s %6s %9s  %14s  %16s %18s\n", "kernel", "particles", "yielding", "fill", "movers",
-              "M/s, 1, 2 thr.", "bytes (of limit)", "flops (of limit)");
+  std::printf("%-33s %9s %9s %6s %9s  %14s %11s  %16s %18s\n", "kernel", "particles", "yielding", "fill", "movers",
+              "M/s, 1, 2 thr.", "times plain", "bytes (of limit)", "flops (of limit)");
   for (const Kernel& kernel : kernels) {
     bool wanted = words.empty();
     for (const std::string& word : words) wanted = wanted || std::string(kernel.name).starts_with(word);
     if (!wanted) continue;
     for (const int size : sizes) {
       const int cells = std::max(2, int(std::lround(std::sqrt(size / 4.0))));
-      std::vector<double> one, two;
+      std::vector<double> one, two, plain;
       Run state{};
       for (int r = 0; r < runs; ++r) {
         state = measure(kernel, cells, 1);
         one.push_back(state.rate);
+        plain.push_back(bench::plain_rate(cells, std::max(20.0, std::min(500.0, 1e6 / state_size(cells)))));
         if (most > 1) two.push_back(measure(kernel, cells, most).rate);
       }
       const Work work = work_of(kernel);
       const double limit = 250.0 * state_size(cells) < 16 << 20 ? cached : memory, rate = median(one);
       const double of_bytes = rate * work.bytes / 1e3 / limit, of_flops = flops > 0 ? rate * work.flops / 1e3 / flops : 0;
-      std::printf("%-33s %9d %8.0f%% %6.2f %8.2f%%  %6.1f %6.1f   %6.0f (%3.0f %%)  %7.0f (%3.0f %%)  %s\n", kernel.name,
+      std::printf("%-33s %9d %8.0f%% %6.2f %8.2f%%  %6.1f %6.1f %11.2f   %6.0f (%3.0f %%)  %7.0f (%3.0f %%)  %s\n", kernel.name,
                   4 * cells * cells, 100 * state.yielding, state.fill, 100 * state.movers, rate,
-                  most > 1 ? median(two) : 0.0, work.bytes, 100 * of_bytes, work.flops, 100 * of_flops,
+                  most > 1 ? median(two) : 0.0, rate / median(plain), work.bytes, 100 * of_bytes, work.flops, 100 * of_flops,
                   of_bytes > 0.7 ? "memory" : of_flops > 0.7 ? "arithmetic" : "issue and latency");
       std::fflush(stdout);
     }

@@ -63,6 +63,12 @@ TEST(Reference, TheCommittedFileIsTheGeneratedOne) {
   EXPECT_TRUE(text == case_reference()) << "write it anew: cmake --build build/release --target case_reference";
 }
 
+TEST(Reference, TheCommittedSchemaIsTheGeneratedOne) {
+  std::ifstream file(PIVNP_SOURCE_DIR "/docs/case.schema.json", std::ios::binary);
+  const std::string text((std::istreambuf_iterator<char>(file)), {});
+  EXPECT_TRUE(text == case_schema()) << "write it anew: cmake --build build/release --target case_reference";
+}
+
 TEST(Reference, ItsExampleReads) {
   const std::string text = case_reference();
   const std::size_t begin = text.find("```toml\n") + 8;

@@ -216,6 +216,14 @@ TEST_F(CommandLine, ACaseThatLacksWhatTheCommandNeeds) {
   EXPECT_EQ(run_program({"track", x}).code, 0) << "no comparison is asked for";
 }
 
+TEST_F(CommandLine, SetWinsOverTheCase) {
+  const std::string x = folder.write("set.toml", "[frames]\npath = 'a'\n[piv]\nwindow_px = 64\n").string();
+  EXPECT_EQ(run_program({"track", x, "--set", "piv.window_px=24", "--set", "np.per_element=9"}).code, 0);
+  EXPECT_EQ(fake_study().c.piv->window_px, 24);
+  EXPECT_EQ(fake_study().c.np->per_element, 9);
+  expect_error(run_program({"track", x, "--set", "piv.window_px=7"}), 2, "--set:1: piv.window_px: found 7, ");
+}
+
 TEST_F(CommandLine, CompareTakesItsOptionsFromFlagsAndCases) {
   const std::string c =
       folder.write("c.toml", "[compare]\nslope_base_m = 0.1\n[compare.limits]\nstrain_rms = 0.2\n").string();
@@ -250,6 +258,10 @@ TEST_F(CommandLine, InitWritesACaseThatReads) {
   expect_error(run_program({"init", frames, "--out", lab}), 2,
                lab + "/case.toml: is there already; --force replaces it\n");
   EXPECT_EQ(run_program({"init", frames, "--out", lab, "--force"}).code, 0);
+  std::ifstream written(lab + "/case.toml");
+  const std::string text((std::istreambuf_iterator<char>(written)), {});
+  EXPECT_TRUE(text.starts_with("#:schema /")) << text.substr(0, 80);
+  EXPECT_TRUE(std::filesystem::exists(text.substr(9, text.find('\n') - 9)));
   const Ran printed = run_program({"init", frames});
   EXPECT_EQ(parse_case(printed.out, "printed", ".").frames->path, frames);
   expect_error(run_program({"init", "lab/a.png", "lab/b.png"}), 2,

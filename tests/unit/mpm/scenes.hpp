@@ -64,11 +64,10 @@ inline MpmOptions options(Pair gravity = {0, 0}) {
   return o;
 }
 
-/// The thesis' bilinear scheme without its damping: pure FLIP.
+/// The thesis' bilinear scheme: pure FLIP.
 inline MpmOptions conservative(Pair gravity = {0, 0}) {
   MpmOptions o = options(gravity);
   o.scheme = SchemeName::geopart;
-  o.damping = 0;
   return o;
 }
 

@@ -385,5 +385,10 @@ TEST(InitialEquilibrium, FindsTheSameStateWhateverStrainsTheMaterialLater) {
   }
 }
 
+// Damping that suits the search for an equilibrium is no part of a run unless the case says so.
+TEST(SchemeRows, NoneDamps) {
+  for (const SchemeRow& row : scheme_rows) EXPECT_EQ(row.choices.damping, 0) << row.name;
+}
+
 }  // namespace
 }  // namespace pivnp::mpm

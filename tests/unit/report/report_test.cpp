@@ -134,8 +134,10 @@ TEST_F(Report, SimulationOnly) {
   SyntheticOptions o;
   o.measured = o.pairs = o.pictures = false;
   o.spacing_m = 0.01;
+  o.reactions = true;
   write(make_synthetic(o));
-  EXPECT_TRUE(has_figure("displacement") && has_figure("energy"));
+  EXPECT_TRUE(has_figure("displacement") && has_figure("energy") && has_figure("reactions"));
+  EXPECT_GT(colours_of("reactions"), 20u);
   EXPECT_FALSE(has_figure("quality") || has_figure("vectors_1"));
   EXPECT_EQ(html_.find(">Measurement</h2>"), std::string::npos);
   EXPECT_NE(html_.find("Nothing was flagged"), std::string::npos);

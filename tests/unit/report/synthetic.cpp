@@ -239,6 +239,14 @@ Synthetic make_synthetic(const SyntheticOptions& o) {
       e.residual = -0.05 * e.time * e.external;
       c.energy.push_back(e);
     }
+  if (o.reactions && o.simulated) {
+    std::vector<ReactionRow> rows;
+    for (int k = 0; k < o.frames; ++k) {
+      const double t = k / rate_hz;
+      rows.push_back({t, t, {{{0, 900 * t}, 40 * t, {0, 0}, 0}, {{-300 * t * t, 20 * t}, 5 * t, {-0.1 * t, 0}, 0}}});
+    }
+    c.reactions = reactions_of({"boundary.base", "body.plate"}, rows);
+  }
   if (o.measured && o.pairs)
     c.remarks = {"The node column nearest to the gate is masked where the gate's shadow falls."};
   return s;

@@ -13,7 +13,7 @@ struct SyntheticOptions {
   double spacing_m = 0.0055;  // of the particles: about 2000
   int frames = 26;
   int width_px = 720, height_px = 540;
-  bool measured = true, simulated = true, comparison = true, pictures = true, pairs = true, energy = true;
+  bool measured = true, simulated = true, comparison = true, pictures = true, pairs = true, energy = true, reactions = false;
   double amplitude = 1;  // of the motion; 0: nothing moves
 };
 

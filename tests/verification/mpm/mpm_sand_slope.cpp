@@ -120,9 +120,11 @@ Result rest(const Setup& setup) {
   return out;
 }
 
+// (The thesis' program damps its runs.)
 mpm::MpmOptions with(const std::string& scheme, const std::string& locking = "") {
   mpm::MpmOptions o;
   o.scheme = *value_named<mpm::SchemeName>(scheme);
+  if (o.scheme == mpm::SchemeName::geopart) o.damping = 0.05;
   if (!locking.empty()) o.locking = value_named<mpm::Locking>(locking);
   return o;
 }

@@ -119,6 +119,21 @@ TEST_F(RecordTest, HeadFramesMotionsEnergyAndComparisonComeBack) {
     EXPECT_EQ(std::memcmp(&rows[k], &e, sizeof e), 0);
   }
 
+  const Reactions reactions = r.reactions();
+  ASSERT_EQ(reactions.time.size(), size.pairs + 1);
+  ASSERT_EQ(reactions.series.size(), 2u);
+  EXPECT_EQ(reactions.series[0].name, "boundary.base_left");  // '/' is HDF5's
+  EXPECT_TRUE(reactions.series[0].displacement.empty());
+  EXPECT_TRUE(std::isnan(reactions.series[0].force[0].x()));
+  const ReactionSeries& plate = reactions.series[1];
+  for (std::size_t k = 1; k <= size.pairs; ++k) {
+    EXPECT_NEAR(reactions.series[0].force[k].y(), -3.0 / 0.02, 1e-9);
+    EXPECT_NEAR(reactions.series[0].moment[k], 0.25 / 0.02, 1e-9);
+    EXPECT_NEAR(plate.force[k].x(), double(2 * k - 1) / 0.02, 1e-9);
+    EXPECT_EQ(plate.displacement[k].x(), 0.01 * double(k));
+    EXPECT_EQ(plate.turn[k], 0.125);
+  }
+
   const Comparison c = r.comparison().value(), d = sample::comparison(size);
   EXPECT_EQ(c.names, d.names);
   ASSERT_EQ(c.metrics.size(), d.metrics.size());

@@ -118,6 +118,14 @@ inline EnergyRow energy(std::size_t k) {
   return r;
 }
 
+inline const std::vector<std::string> reaction_names = {"boundary.base/left", "body.plate"};
+inline ReactionRow reactions(std::size_t k) {
+  ReactionRow r{.time = time(k), .stepped = time(k), .of = {}};
+  r.of.push_back({{0.5 * double(k), -3.0 * double(k)}, 0.25 * double(k), {0, 0}, 0});
+  r.of.push_back({{double(k * k), 0}, -1.0, {0.01 * double(k), 0}, 0.125});
+  return r;
+}
+
 inline std::vector<Frame> frames(const Size& s) {
   std::vector<Frame> out;
   for (std::size_t k = 0; k <= s.pairs; ++k)
@@ -181,6 +189,7 @@ inline void run(
       sum += f.u[1][0];
       f.u[0][0] = static_cast<float>(sum);
       if (simulated) w.add_energy(name, energy(k));
+      if (simulated) w.add_reactions(name, reaction_names, reactions(k));
       w.add_frame(name, f);
       if (w.segment_full(stage) || (k + 1) % close_every == 0) w.close_segment(stage, store(sum));
     }

@@ -1,0 +1,29 @@
+// One motion as a command line names it: of a record, or of another program's files.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "pivnp/core/particles/motion.hpp"
+#include "pivnp/core/record/strain_note.hpp"
+#include "pivnp/io/imports/import_motion.hpp"
+#include "pivnp/io/records/record.hpp"
+
+namespace pivnp::app {
+
+struct OpenedMotion {
+  io::RecordHead head;  // of the record it comes from; units and grid of nothing for other programs' results
+  std::shared_ptr<MotionSource> motion;
+  std::optional<StrainNote> note;
+
+  /// Of the camera's targets, if this motion was measured (it then carries a covariance).
+  double residual() const;
+};
+
+/// "RECORD.h5" or a folder that holds it (a record with one motion needs no name), "RECORD.h5:motion", or
+/// "FORMAT=PATTERN" (pivnp/io/imports/import_motion.hpp). A colon inside a path that exists belongs to the path. Throws
+/// InputError naming the file and what it holds.
+OpenedMotion open_motion(const std::string& text, const io::ImportOptions& foreign);
+
+}  // namespace pivnp::app

@@ -1,0 +1,61 @@
+// Long work without the interpreter's lock, that Ctrl-C can stop.
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include <chrono>
+#include <mutex>
+
+#include "pivnp/core/error.hpp"
+#include "pivnp/core/progress.hpp"
+
+namespace pivnp::python {
+
+namespace py = pybind11;
+
+/// Looks for signals twenty times a second; where Python's handler of one raises, work is asked to stop.
+class PythonProgress final : public Progress {
+ public:
+  void update(std::string_view, std::int64_t, std::int64_t) override {}
+  bool stop_requested() const override {
+    const auto now = std::chrono::steady_clock::now();
+    if (raised_ || now - looked_ < std::chrono::milliseconds(50)) return raised_;
+    looked_ = now;
+    const py::gil_scoped_acquire lock;
+    raised_ = PyErr_CheckSignals() != 0;
+    if (raised_) PyErr_Fetch(&type_, &value_, &trace_);
+    return raised_;
+  }
+  /// With the interpreter's lock: raises what the handler raised.
+  void raise() const {
+    if (!raised_) return;
+    PyErr_Restore(type_, value_, trace_);
+    throw py::error_already_set();
+  }
+
+ private:
+  mutable std::chrono::steady_clock::time_point looked_{};
+  mutable bool raised_ = false;
+  mutable PyObject *type_ = nullptr, *value_ = nullptr, *trace_ = nullptr;
+};
+
+/// Calls work(progress) without the interpreter's lock.
+template <class Work>
+auto unlocked(const Work& work) {
+  PythonProgress progress;
+  try {
+    const py::gil_scoped_release release;
+    return work(progress);
+  } catch (const Interrupted&) {
+    progress.raise();
+    throw;
+  }
+}
+
+/// HDF5 takes one thread at a time. To be held without the interpreter's lock.
+inline std::mutex& hdf5_mutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+
+}  // namespace pivnp::python
