@@ -3,16 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <utility>
 
-#include "compare/alignment/onset.hpp"
-#include "compare/alignment/outlines.hpp"
+#include "compare/alignment/bring_together.hpp"
 #include "compare/alignment/partners.hpp"
 #include "compare/alignment/reference.hpp"
 #include "compare/data/data_set.hpp"
-#include "compare/data/transformed.hpp"
 #include "compare/metrics/findings.hpp"
 #include "compare/metrics/remarks.hpp"
 #include "compare/metrics/rows.hpp"
@@ -87,13 +84,20 @@ std::string covariance_source(const Differences& differences, const DataSet& fir
   return text;
 }
 
-// Whose noise floor is the record's own; empty: nobody's.
-std::string floor_source(const StrainNotes& notes, const MotionSource& first, const MotionSource& second) {
+// Whose noise floor is known, and from what; empty: nobody's.
+std::string floor_source(const Differences& differences, const StrainNotes& notes, const CompareOptions& options,
+                         const MotionSource& first, const MotionSource& second) {
   std::string text;
   const std::array<const MotionSource*, 2> motions{&first, &second};
-  for (std::size_t s = 0; s < 2; ++s)
+  const auto add = [&](std::size_t s, const std::string& from, const char* when) {
+    text += (text.empty() ? "" : " and ") + motions[s]->name() + " (" + from + ")" + when;
+  };
+  for (std::size_t s = 0; s < 2; ++s) {
     if (notes[s] && std::isfinite(notes[s]->floor_dev))
-      text += (text.empty() ? "" : " and ") + motions[s]->name() + " (" + std::string(name_of(notes[s]->floor_source)) + ")";
+      add(s, std::string(name_of(notes[s]->floor_source)), " at its last frame");
+    else if (differences.floor_in_zone(s))
+      add(s, options.fixed_zone_m.empty() ? "compare.reference_m" : "compare.fixed_zone_m", "");
+  }
   return text;
 }
 
@@ -125,34 +129,6 @@ void walk_times(const CommonTimes& common, DataSet& first, DataSet& second, Alig
                      quoted(second.motion()) + " at any common time, expected one at least");
 }
 
-Transform transform_of(const CompareOptions& options) {
-  Transform t;
-  t.scale = options.second_scale;
-  t.angle = options.second_rotation_deg * std::numbers::pi / 180;
-  t.shift = Vec2(options.second_shift_m[0], options.second_shift_m[1]);
-  t.time_scale = options.second_time_scale;
-  t.time_offset = options.time_offset_s;
-  return t;
-}
-
-// The offset to add to the second's times, with what it is uncertain by.
-Onset find_offset(const MotionSource& first, const MotionSource& second, const CompareOptions& options) {
-  const bool turn = !options.fixed_zone_m.empty();
-  const Points& zone = turn ? options.fixed_zone_m : options.reference_m;
-  const Onset offset = onset_offset(participation(first, zone, turn), participation(second, zone, turn));
-  if (!std::isfinite(offset.time))
-    throw InputError("compare.time_alignment: \"onset\", but motion " + quoted(first) + " or " + quoted(second) +
-                     " shows no onset, expected both to move from rest");
-  return offset;
-}
-
-// The rigid motion that brings the second's outline at the common start onto the first's.
-RigidFit find_place(const MotionSource& first, const MotionSource& second, const CompareOptions& options) {
-  const CommonTimes common = common_times(first, second);
-  const DataSet a(first, common), b(second, common);
-  return match_data_sets(a, b, options.fixed_zone_m);
-}
-
 // In the order of the record.
 std::vector<ComparisonTable> tables_of(const Findings& findings) {
   std::vector<ComparisonTable> tables{findings.differences.over_space()};
@@ -165,16 +141,10 @@ std::vector<ComparisonTable> tables_of(const Findings& findings) {
   return tables;
 }
 
-// What was given to the second's clock and coordinates.
-struct Offsets {
-  std::optional<Onset> time;
-  std::optional<RigidFit> place;
-};
-
 // Data sets are read anew where the walk has left them beyond what is wanted.
 Comparison compare_sets(const MotionSource& first_motion, const MotionSource& second_motion,
                         const CompareOptions& options, const LimitOptions& limits, const Refinement& refinement,
-                        const StrainNotes& notes, const Offsets& offsets, Progress& progress) {
+                        const StrainNotes& notes, const Together& together, Progress& progress) {
   const CommonTimes common = common_times(first_motion, second_motion);
   DataSet first(first_motion, common), second(second_motion, common);
   Alignment alignment(first, second);
@@ -204,7 +174,7 @@ Comparison compare_sets(const MotionSource& first_motion, const MotionSource& se
                     .time_unit = time_unit,
                     .at_end = "at the last common time (" + number(end) + " " + time_unit + ")",
                     .covariance = covariance_source(differences, first, second, given),
-                    .floor = floor_source(notes, first_motion, second_motion),
+                    .floor = floor_source(differences, notes, options, first_motion, second_motion),
                     .coverage = {alignment.coverage_first(), alignment.coverage_second()},
                     .particles = first.size(),
                     .times = first_motion.times().size(),
@@ -216,8 +186,8 @@ Comparison compare_sets(const MotionSource& first_motion, const MotionSource& se
                     .points = points.measure(unit, time_unit),
                     .distributions = measure_distributions(differences.last_particles()),
                     .decompositions = decompose_fields(differences.last_particles(), floor_dev),
-                    .time_offset = offsets.time,
-                    .place = offsets.place};
+                    .time_offset = together.time,
+                    .place = together.place};
   out.metrics = metrics_of(findings);
   out.limits = apply_limits(limits, out.metrics);
   remark_findings(findings, out.remarks);
@@ -236,30 +206,18 @@ Comparison compare(const MotionSource& first, const MotionSource& given_second, 
                    const StrainNotes& notes) {
   check_comparable(first, given_second);
   check_options(options, limits);
-  Transform transform = transform_of(options);
-  Offsets offsets;
-  if (options.time_alignment == TimeAlignment::onset) {
-    const TransformedMotion second(given_second, transform);
-    offsets.time = find_offset(first, second, options);
-    transform.time_offset += offsets.time->time;
-  }
-  if (options.space_alignment == SpaceAlignment::outline) {
-    offsets.place = find_place(first, TransformedMotion(given_second, transform), options);
-    const RigidMotion& m = offsets.place->motion;
-    transform.shift = m.apply(transform.shift);
-    transform.angle += m.angle;
-  }
+  const Together together = bring_together(first, given_second, options);
   // Coarser grids share the second's coordinates and clock.
   std::vector<std::unique_ptr<TransformedMotion>> moved;
   const auto seen = [&](const MotionSource& motion) -> const MotionSource& {
-    if (transform.identity()) return motion;
-    moved.push_back(std::make_unique<TransformedMotion>(motion, transform));
+    if (together.second.identity()) return motion;
+    moved.push_back(std::make_unique<TransformedMotion>(motion, together.second));
     return *moved.back();
   };
   const MotionSource& second = seen(given_second);
   Refinement refinement{{}, given_refinement.ratio};
   for (const MotionSource* coarser : given_refinement.coarser) refinement.coarser.push_back(&seen(*coarser));
-  return compare_sets(first, second, options, limits, refinement, notes, offsets, progress);
+  return compare_sets(first, second, options, limits, refinement, notes, together, progress);
 }
 
 }  // namespace pivnp::compare

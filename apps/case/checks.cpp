@@ -84,7 +84,12 @@ class Checker {
 
   void camera() const {
     const auto& camera = c_.camera;
-    if (camera.points_px.empty() && camera.points_m.empty()) return;
+    constexpr double largest = 0.1;  // m a pixel: a view of a hundred metres and more is no laboratory
+    const bool plain = camera.points_px.empty() && camera.points_m.empty();
+    if (plain && camera.metres_per_pixel && camera.length_unit == "m" && *camera.metres_per_pixel > largest)
+      refuse("camera.metres_per_pixel", "found " + toml_text(*camera.metres_per_pixel) + ", expected at most " +
+                                            toml_text(largest) + " (m), or another camera.length_unit");
+    if (plain) return;
     if (camera.metres_per_pixel)
       refuse("camera.metres_per_pixel", "given together with targets (points_px, points_m); expected one of them");
     if (camera.points_px.size() != camera.points_m.size())
@@ -184,6 +189,8 @@ class Checker {
                                   "would be");
     if (c_.compare.levelling && !(has_images() && c_.mpm))
       refuse("compare.levelling", "given, but there is nothing to level; expected frames and [mpm]");
+    if (c_.compare.mesh_study > 0 && !(measures() && c_.mpm))
+      refuse("compare.mesh_study", "given, but nothing is compared; expected frames and [mpm]");
     if (const compare::LimitRow* row = compare::limit_without_its_option(c_.limits, c_.compare))
       refuse("compare.limits." + row->name, "given, but compare." + row->needs + " is not; expected both");
   }

@@ -89,9 +89,29 @@ std::string listed(const std::vector<std::string>& names) {
   return text;
 }
 
-std::string simulation_sections() {
+// Comments within what is itself commented out; keys without a default stay comments when it no longer is.
+std::string keys_to_uncomment(const std::string& path, const std::vector<std::string>& skip) {
+  std::string lines, text = commented_keys(path, skip);
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = text.find('\n', at);
+    const std::string line = text.substr(at, end - at);
+    lines += (line.find(" = ...") != std::string::npos ? "# " : "") + line + "\n";
+    at = end + 1;
+  }
+  return lines;
+}
+
+// The base lies under the region that the template names, walls stand at its sides: it rests until one is taken away.
+std::string simulation_sections(const InitOptions& options, const FrameFacts& facts, int window) {
+  const double scale = options.metres_per_pixel.value_or(2.0e-4);
+  const auto metres = [&](double px) { return std::round(px * scale * 1e9) / 1e9; };
+  const double left = metres(window), right = metres(std::max(facts.width - 1.0 - window, window + 1.0));
+  const double base = metres(std::max(0.0, facts.height - 1.0 - std::max(facts.height - 1.0 - window, window + 1.0)));
+  const double top = metres(facts.height - 1.0 - window);
+  const auto line = [](double x0, double y0, double x1, double y1) { return toml_text(Points{{x0, y0}, {x1, y1}}); };
   return R"(
-# The simulation. Remove the '# ' of the lines below to compare one with the measurement.
+# The simulation. To compare one with the measurement give frames.rate_hz and camera.metres_per_pixel above, then remove
+# the first '# ' of every line below.
 # [material.soil]  # the region's name
 # model = "mohr_coulomb"  # )" +
          listed(mpm::material_model_names()) + R"(
@@ -102,12 +122,20 @@ std::string simulation_sections() {
 # cohesion_pa = 0.0
 #
 # [mpm]
-)" + commented_keys("mpm", {"end_s", "output_rate_hz", "domain_m"}) +
+)" + keys_to_uncomment("mpm", {"end_s", "output_rate_hz", "domain_m"}) +
          R"(#
 # [boundary.base]
-# line_m = [[0.0, 0.0], [0.3, 0.0]]  # two ends; nodes within half a cell are held
+# line_m = )" + line(left, base, right, base) + R"(  # two ends; nodes within half a cell are held
 # type = "fixed"  # )" +
          listed(choice_names<mpm::BoundaryType>()) + R"(
+#
+# [boundary.left]  # walls at both sides; until_s takes one away
+# line_m = )" + line(left, base, left, top) + R"(
+# type = "roller"
+#
+# [boundary.right]
+# line_m = )" + line(right, base, right, top) + R"(
+# type = "roller"
 #
 # [compare.limits]  # a limit that is exceeded ends the program with exit code 3
 # displacement_rms_m = 0.005
@@ -132,7 +160,7 @@ std::string initial_case(const InitOptions& options, const FrameFacts& facts) {
           "  # side of the last window; about 8 or more grains or blobs should fall into it\n" +
           commented_keys("piv", {"window_px"});
   text += "\n[np]\n" + commented_keys("np", {});
-  return text + simulation_sections();
+  return text + simulation_sections(options, facts, window);
 }
 
 std::string init_case(const InitOptions& options) {

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <functional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "apps/case/values.hpp"
@@ -13,19 +15,38 @@ namespace pivnp::app {
 /// Settings given on the command line, to be made once the options they change have been read from elsewhere.
 using Setters = std::vector<std::function<void()>>;
 
-/// Adds one flag an option of `options`, which must outlive the setters.
+/// A list may be given without its brackets, and names without quotes: 0.1,0.2 or strain_dev,velocity_x.
+template <class V>
+std::string as_list(const std::string& text, const V&) {
+  constexpr bool names = std::is_same_v<V, std::vector<std::string>>;
+  if ((!names && !std::is_same_v<V, std::vector<double>>) || text.starts_with("[")) return text;
+  std::string list = "[";
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t end = std::min(text.find(',', at), text.size());
+    const std::string item = text.substr(at, end - at);
+    list += (at > 0 ? ", " : "") + (names ? toml_text(item) : item);
+    at = end + 1;
+  }
+  return list + "]";
+}
+
+/// Adds one flag an option of `options`, which must outlive the setters; `short_names`: also without the unit at the name's
+/// end (--times for times_s).
 template <class T>
-void add_option_flags(CLI::App& app, T& options, Setters& setters) {
+void add_option_flags(CLI::App& app, T& options, Setters& setters, bool short_names = false) {
   T::fields(options, [&](std::string_view name, auto& value, const OptionInfo& info) {
     std::string flag = "--" + std::string(name);
     for (char& c : flag)
       if (c == '_') c = '-';
     const auto set = [flag, info, &value](const std::string& text) {
       static const std::string where = "command line";
-      read_value(Place{where, flag, 0}, parse_value(text), info, value);
+      read_value(Place{where, flag, 0}, parse_value(as_list(text, value)), info, value);
     };
+    std::string names = flag;
+    if (const std::string ending = "-" + std::string(info.unit); short_names && flag.ends_with(ending) && ending.size() > 1)
+      names += "," + flag.substr(0, flag.size() - ending.size());
     app.add_option_function<std::string>(
-           flag, [set, &setters](const std::string& text) { setters.push_back([set, text] { set(text); }); },
+           names, [set, &setters](const std::string& text) { setters.push_back([set, text] { set(text); }); },
            std::string(info.text))
         ->type_name(info.unit.empty() ? "VALUE" : "VALUE (" + std::string(info.unit) + ")");
   });

@@ -74,17 +74,25 @@ Action declare_report(CLI::App& app, Session& session) {
   struct Report {
     Arguments arguments;
     std::string record;
+    report::ReportOptions options;
+    Setters setters;
   };
   const auto r = std::make_shared<Report>();
   app.add_option("RECORD", r->record, "record.h5, or the folder that holds it")->required();
   add_out(app, r->arguments, "beside the record");
   add_frames(app, r->arguments);
+  add_option_flags(app, r->options, r->setters, true);
   add_session(app, session);
   return [r, &session] {
+    const auto change = [&r](report::ReportOptions& options) {
+      r->options = options;
+      for (const auto& set : r->setters) set();
+      options = r->options;
+    };
     RunOutcome outcome;
     {
       TerminalProgress progress = progress_for(session);
-      outcome = report_record(r->record, settings_for(r->arguments, session, {}, ""), progress);
+      outcome = report_record(r->record, settings_for(r->arguments, session, {}, ""), progress, change);
     }
     return print_outcome(outcome, r->arguments, r->record, session);
   };

@@ -43,9 +43,15 @@ TerminalProgress::~TerminalProgress() { end_line(); }
 
 void TerminalProgress::begin(std::string_view stage, std::int64_t done, double now) {
   end_line();
+  if (!ended_ && stage != stage_) interrupted_[stage_] = {first_, done_, began_};
   stage_ = stage;
   first_ = done;
   began_ = now;
+  // One that goes on after a stage within it keeps its clock.
+  if (const auto before = interrupted_.find(stage); before != interrupted_.end()) {
+    if (done >= before->second.done) first_ = before->second.first, began_ = before->second.began;
+    interrupted_.erase(before);
+  }
   shown_ = -1e300;
   ended_ = false;
   if (style_ == ProgressStyle::lines) shown_ = now;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <iosfwd>
 #include <string>
 
@@ -37,6 +38,11 @@ class TerminalProgress final : public Progress {
   std::function<bool()> stop_;
   std::function<double()> clock_;
   std::string stage_;
+  struct Interrupted {  // by a stage within it
+    std::int64_t first, done;
+    double began;
+  };
+  std::map<std::string, Interrupted, std::less<>> interrupted_;
   std::int64_t first_ = 0;  // done when the stage began: a resumed stage begins in the middle
   std::int64_t done_ = 0, total_ = 0;
   double began_ = 0, shown_ = 0;

@@ -4,7 +4,9 @@
 #include <memory>
 #include <utility>
 
+#include "apps/plot/numbers.hpp"
 #include "apps/report/write.hpp"
+#include "compare/alignment/as_compared.hpp"
 
 namespace pivnp::report {
 
@@ -24,9 +26,24 @@ std::pair<std::string, std::string> compared_motions(const std::vector<std::stri
   return {measured, simulated};
 }
 
+// What a reader must know of how the motions are drawn.
+std::string alignment_words(const compare::CompareOptions& o, const Comparison& comparison, bool first_as_it_is,
+                            bool second_as_it_is) {
+  if (first_as_it_is && second_as_it_is) return "";
+  std::string text;
+  const auto add = [&](const std::string& what) { text += (text.empty() ? "" : ", ") + what; };
+  if (!o.fixed_zone_m.empty()) add("without the shift and rotation of compare.fixed_zone_m");
+  else if (!o.reference_m.empty()) add("without the mean motion of compare.reference_m");
+  if (const Metric* offset = find(comparison.metrics, "time_offset"); offset != nullptr || o.time_offset_s != 0)
+    add("the second " + plot::plain(o.time_offset_s + (offset != nullptr ? offset->value : 0)) + " " +
+        "later than on its own clock");
+  if (find(comparison.metrics, "coordinate_shift_x") != nullptr) add("the second laid on the first's outline");
+  return "Drawn as compared: " + (text.empty() ? std::string("counted from the common start, at common times") : text) + ".";
+}
+
 }  // namespace
 
-void write_report(const ReportOptions& options, const ReportInput& input, const std::filesystem::path& directory) {
+Content content_of(const ReportInput& input) {
   const io::RecordReader& record = *input.record;
   const io::RecordHead& head = record.head();
   const std::optional<Comparison> stored = record.comparison();
@@ -49,12 +66,24 @@ void write_report(const ReportOptions& options, const ReportInput& input, const 
     content.strain_note = record.strain_note(measured);
   }
   if (!simulated.empty()) content.simulated = record.motion(simulated);
+  content.tracked = content.measured;
   content.comparison = input.comparison ? input.comparison : stored;
+  if (content.comparison && content.measured && content.simulated) {
+    const compare::ComparedMotions seen = compare::as_compared(content.measured, content.simulated, input.compared);
+    content.alignment = alignment_words(input.compared, *content.comparison, seen.first == content.measured,
+                                        seen.second == content.simulated);
+    content.measured = seen.first;
+    content.simulated = seen.second;
+  }
   content.energy = record.energy();
   content.reactions = record.reactions();
   content.pictures = input.pictures;
   content.remarks = input.remarks;
-  write_content(options, content, directory);
+  return content;
+}
+
+void write_report(const ReportOptions& options, const ReportInput& input, const std::filesystem::path& directory) {
+  write_content(options, content_of(input), directory);
 }
 
 }  // namespace pivnp::report

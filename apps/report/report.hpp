@@ -8,6 +8,7 @@
 
 #include "apps/report/content/content.hpp"
 #include "apps/report/content/options.hpp"
+#include "compare/data/options.hpp"
 #include "pivnp/io/records/record.hpp"
 
 namespace pivnp::report {
@@ -16,9 +17,13 @@ struct ReportInput {
   std::string name;
   const io::RecordReader* record = nullptr;
   std::optional<Comparison> comparison;  // left out: the metrics and fields that the record holds
+  compare::CompareOptions compared;      // what the comparison was told: motions are drawn as it sees them
   std::vector<Picture> pictures;         // frames to draw vectors on, one at least if there is PIV
   std::vector<std::string> remarks;      // what was flagged and why, one sentence each
 };
+
+/// What the report is made from. `input.record` and the pictures must outlive it.
+Content content_of(const ReportInput& input);
 
 /// Writes report.html, report.pdf and figures/*.png, *.svg into `directory`. Throws RunError if it cannot.
 void write_report(const ReportOptions& options, const ReportInput& input, const std::filesystem::path& directory);

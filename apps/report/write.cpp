@@ -25,7 +25,7 @@ void remove_stale(const fs::path& folder, const std::map<std::string, std::strin
   std::vector<fs::path> stale;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     const std::string name = entry.path().stem().string(), kind = entry.path().extension().string();
-    if ((kind == ".png" || kind == ".svg") && row_of(name) != nullptr && !kept.contains(name))
+    if ((kind == ".png" || kind == ".svg" || kind == ".csv") && row_of(name) != nullptr && !kept.contains(name))
       stale.push_back(entry.path());
   }
   for (const fs::path& file : stale) fs::remove(file, error);
@@ -46,6 +46,7 @@ void write_content(const ReportOptions& options, const Content& content, const f
       bytes = figure->canvas->png(print_dpi);
       plot::write_file(folder / (figure->name + ".png"), bytes);
       plot::write_file(folder / (figure->name + ".svg"), figure->canvas->svg());
+      plot::write_file(folder / (figure->name + ".csv"), csv(figure->data));
       // A photograph at print resolution would make the page heavy.
       if (bytes.size() > 1'200'000) bytes = figure->canvas->png(190);
     }

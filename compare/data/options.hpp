@@ -40,6 +40,7 @@ struct CompareOptions {
   Points points_m;
   std::vector<double> increments_outside_m;
   bool levelling = false;
+  int mesh_study = 0;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
@@ -100,6 +101,11 @@ struct CompareOptions {
     visit("levelling", self.levelling,
           OptionInfo{.text = "also measure the simulation: the first frame, carried by the simulated motion, goes "
                              "through the same PIV and particles"});
+    visit("mesh_study", self.mesh_study,
+          OptionInfo{.text = "of a case: simulate it on so many coarser grids too (cells 1.3 and 1.69 times as large), which "
+                             "tells the numerical part of u_val",
+                     .min = 0,
+                     .max = 2});
   }
 };
 

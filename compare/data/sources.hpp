@@ -17,7 +17,7 @@ struct Refinement {
 };
 
 /// What the records state with their strains, first and second data set; nothing where they state nothing. A noise floor
-/// stated there is the data set's; otherwise it is sought where it stands still.
+/// stated there is the data set's; otherwise it is what the zone shows that the comparison declares, if it does.
 using StrainNotes = PerDataSet<std::optional<StrainNote>>;
 
 }  // namespace pivnp::compare

@@ -128,15 +128,16 @@ double OverTime::max(std::size_t particle) const {
   return double(*std::max_element(first, first + std::ptrdiff_t(std::min(n, kept_))));
 }
 
-void StillZone::add(const Vec2& u, double cov_trace, double strain_dev, double strain_vol) {
-  // Without an error of its own a particle does not show that it is still.
-  if (!(cov_trace > 0) || !(u.squaredNorm() < 4 * cov_trace) || !std::isfinite(strain_dev)) return;
+void StillZone::add(double dev, double vol, double path) {
+  if (!std::isfinite(dev) || !std::isfinite(vol) || !std::isfinite(path)) return;
   ++count_;
-  dev_square_ += strain_dev * strain_dev;
-  vol_square_ += strain_vol * strain_vol;
+  dev_square_ += dev * dev;
+  vol_square_ += vol * vol;
+  path_square_ += path * path;
 }
 
-double StillZone::dev() const { return count_ >= least ? root_mean(dev_square_, count_) : not_known; }
-double StillZone::vol() const { return count_ >= least ? root_mean(vol_square_, count_) : not_known; }
+double StillZone::root_mean(double square_sum) const {
+  return count_ >= least ? std::sqrt(square_sum / double(count_)) : not_known;
+}
 
 }  // namespace pivnp::compare

@@ -98,20 +98,24 @@ class OverTime {
   std::vector<float> top_;  // kept_ a particle: a heap with its least value first
 };
 
-/// What strain a data set shows where it cannot be told to have moved: |u| < 2 sigma, sigma^2 = trace of its covariance.
-/// All of it is taken as error, so real strain there makes the floor too high, never too low.
+/// What strain a data set shows in a zone that is declared to stand still. All of it is taken as error, so real strain
+/// there makes the floor too high, never too low.
 class StillZone {
  public:
   static constexpr std::size_t least = 20;  // particles that make a zone
 
-  void add(const Vec2& u, double cov_trace, double strain_dev, double strain_vol);
-  /// Root mean square; NaN with fewer than `least` particles.
-  double dev() const;
-  double vol() const;
+  /// Deviatoric, volumetric, along the path. A particle without strain is left out.
+  void add(double dev, double vol, double path);
+  /// Root mean squares; NaN with fewer than `least` particles.
+  double dev() const { return root_mean(dev_square_); }
+  double vol() const { return root_mean(vol_square_); }
+  double path() const { return root_mean(path_square_); }
 
  private:
+  double root_mean(double square_sum) const;
+
   std::size_t count_ = 0;
-  double dev_square_ = 0, vol_square_ = 0;
+  double dev_square_ = 0, vol_square_ = 0, path_square_ = 0;
 };
 
 }  // namespace pivnp::compare

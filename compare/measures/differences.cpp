@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "pivnp/core/particles/fields.hpp"
+#include "pivnp/core/particles/region.hpp"
 #include "pivnp/core/particles/strain.hpp"
 
 namespace pivnp::compare {
@@ -20,7 +21,8 @@ void raise_peak(double magnitude, double sigma, bool begins, double& peak, doubl
   peak_sigma = sigma;
 }
 
-// Both data sets' floors together, of those that know their error: as the record states it, else as found.
+// Both data sets' floors together, of those that know their error: as the record states it, else as the declared zone
+// shows it. One that is not known leaves the whole unknown.
 double combined(const PerDataSet<bool>& known, const StrainNotes& notes, double StrainNote::*stated,
                 const PerDataSet<double>& found) {
   double sum = 0;
@@ -35,7 +37,18 @@ double combined(const PerDataSet<bool>& known, const StrainNotes& notes, double 
   return any ? std::sqrt(sum) : not_known;
 }
 
-double larger_known(double a, double b) { return std::isnan(a) ? b : std::isnan(b) ? a : std::max(a, b); }
+// Of a floor that grows with the times: unknown at one of them is unknown.
+double larger(double a, double b) { return std::isnan(a) || std::isnan(b) ? not_known : std::max(a, b); }
+
+// Which of the places lie in the zone that stands still, or moves as one piece.
+std::vector<std::uint8_t> in_zone(const CompareOptions& options, const std::vector<Vec2>& places) {
+  const Points& given = options.fixed_zone_m.empty() ? options.reference_m : options.fixed_zone_m;
+  if (given.empty()) return {};
+  const Polygon zone(positions_of(given), options.fixed_zone_m.empty() ? "compare.reference_m" : "compare.fixed_zone_m");
+  std::vector<std::uint8_t> inside;
+  for (const Vec2& x : places) inside.push_back(zone.contains(x));
+  return inside;
+}
 
 double rms_or_none(const ScalarStatistics& s) { return s.count() > 0 ? s.rms() : not_known; }
 
@@ -101,7 +114,7 @@ const std::vector<StatisticOverSpace>& statistics_over_space() {
         {"strain_dev_rms", "1", "RMS over the particles of the difference of deviatoric strain",
          [](const Tally& t) { return rms_or_none(t.strain_dev); }},
         {"strain_dev_uncertainty", "1",
-         "noise floor: as the records state it, else RMS deviatoric strain where |u| is below 2 standard uncertainties",
+         "noise floor: as the records state it, else RMS deviatoric strain in compare.fixed_zone_m or compare.reference_m",
          [](const Tally& t) { return t.floor_dev; }},
         {"particles_compared", "1", "particles of the first that have a partner", count},
         {"displacement_bias_x", "L", "mean of u_x of the second minus that of the first",
@@ -146,6 +159,7 @@ Differences::Differences(std::vector<std::size_t> paired, const DataSet& first, 
     X_.push_back(first.material_position()[p]);
   }
   rates_ = Rates(X_, options.increments_outside_m, times);
+  zone_ = in_zone(options, X_);
   for (std::size_t s = 0; s < 2; ++s) {
     F_before_[s].assign(paired_.size(), Mat2::Identity());
     path_[s].assign(paired_.size(), 0.0);
@@ -176,7 +190,6 @@ bool Differences::add(const DataSetState& first, const DataSetState& second, con
   const bool keep = keeps_fields();
   const PerDataSet<Mat2> back{frame[0].motion.rotation().transpose(), frame[1].motion.rotation().transpose()};
   PerDataSet<StillZone> still;
-  PerDataSet<ScalarStatistics> path_floor;
   std::vector<Vec2> u_first(paired_.size(), no_vector), difference(paired_.size(), no_vector),
       variances(paired_.size(), no_vector);
   if (keep) field_time_.push_back(first.time);
@@ -212,12 +225,9 @@ bool Differences::add(const DataSetState& first, const DataSetState& second, con
     // A data set that measures, but not the error of this particle.
     if ((known[0] && a.cov.hasNaN()) || (known[1] && b.cov.hasNaN())) variance.measurement = no_vector;
     add_particle(row, a, b, variance);
-    still[0].add(a.u, a.trace(), a.dev, a.vol);
-    still[1].add(b.u, b.trace(), b.dev, b.vol);
-    for (std::size_t s = 0; s < 2; ++s) {
-      const Sample& own = s == 0 ? a : b;
-      if (own.trace() > 0 && own.u.squaredNorm() < 4 * own.trace() && std::isfinite(own.path))
-        path_floor[s].add(own.path);
+    if (!zone_.empty() && zone_[row]) {
+      still[0].add(a.dev, a.vol, a.path);
+      still[1].add(b.dev, b.vol, b.path);
     }
     const Vec2 d = b.u - a.u;
     u_first[row] = a.u;
@@ -226,15 +236,14 @@ bool Differences::add(const DataSetState& first, const DataSetState& second, con
     if (!keep) continue;
     for (std::size_t f = 0; f < fields_.size(); ++f) fields_[f].push_back(float(difference_fields()[f].value(a, b)));
   }
-  const auto path_dev = [&](std::size_t s) {
-    return path_floor[s].count() >= StillZone::least ? path_floor[s].rms() : not_known;
-  };
   last_.floor_dev = combined(known, notes_, &StrainNote::floor_dev, {still[0].dev(), still[1].dev()});
   last_.floor_vol = combined(known, notes_, &StrainNote::floor_vol, {still[0].vol(), still[1].vol()});
-  last_.floor_path = combined(known, notes_, &StrainNote::floor_path, {path_dev(0), path_dev(1)});
-  total_.floor_dev = larger_known(total_.floor_dev, last_.floor_dev);
-  total_.floor_vol = larger_known(total_.floor_vol, last_.floor_vol);
-  total_.floor_path = larger_known(total_.floor_path, last_.floor_path);
+  last_.floor_path = combined(known, notes_, &StrainNote::floor_path, {still[0].path(), still[1].path()});
+  const bool begins = time_.empty();
+  for (double Tally::*floor : {&Tally::floor_dev, &Tally::floor_vol, &Tally::floor_path})
+    total_.*floor = begins ? last_.*floor : larger(total_.*floor, last_.*floor);
+  for (std::size_t s = 0; s < 2; ++s)
+    floor_in_zone_[s] = known[s] && std::isfinite(still[s].dev()) && !(notes_[s] && std::isfinite(notes_[s]->floor_dev));
   for (std::size_t s = 0; s < 2; ++s) cov_known_[s] = cov_known_[s] && known[s];
   rates_.add(first.time, u_first, difference, variances);
   for (std::size_t s = 0; s < statistics_.size(); ++s)

@@ -29,7 +29,7 @@ struct Tally {
   double peak_first_sigma = not_known, peak_second_sigma = not_known;
   PerDataSet<double> sum_cov_trace{0, 0};  // NaN where a data set does not know its covariance
   double sum_measurement = 0, sum_numerical = 0, sum_input = 0;  // traces of the parts of u_val^2
-  double floor_dev = not_known, floor_vol = not_known, floor_path = not_known;  // noise floors (StillZone)
+  double floor_dev = not_known, floor_vol = not_known, floor_path = not_known;  // noise floors of strain
   PerDataSet<RigidFit> frame;  // what the reference took off, first and second
 
   /// RMS error of each data set's displacements, of what is known; 0 if nothing is. Camera, gauge and frame of reference are
@@ -63,6 +63,8 @@ class Differences {
   const ComparedParticles& last_particles() const { return last_particles_; }
   const Rates& rates() const { return rates_; }
   bool cov_known(std::size_t set) const { return cov_known_[set]; }
+  /// Whether a data set's noise floor was taken in the zone that the comparison declares.
+  bool floor_in_zone(std::size_t set) const { return floor_in_zone_[set]; }
   const std::vector<std::size_t>& paired() const { return paired_; }
 
   /// The times added so far.
@@ -94,6 +96,8 @@ class Differences {
   Rates rates_;
   OverTime over_displacement_, over_strain_;
   PerDataSet<bool> cov_known_{true, true};  // at every time so far
+  std::vector<std::uint8_t> zone_;          // 1: in the zone that is declared to stand still; empty: none is
+  PerDataSet<bool> floor_in_zone_{false, false};
   PerDataSet<std::vector<Mat2>> F_before_;
   PerDataSet<std::vector<double>> path_;
   std::vector<std::uint8_t> begun_;

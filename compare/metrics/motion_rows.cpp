@@ -69,11 +69,11 @@ struct VectorStatistic {
 };
 
 constexpr VectorStatistic vector_statistics[] = {
-    {"bias_x", "mean difference in x", "mean of #_x of the second minus that of the first",
+    {"bias_x", "mean in x", "mean of #_x of the second minus that of the first",
      [](const VectorStatistics& d) { return d.bias().x(); },
      [](const VectorStatistics& d) { return d.bias_uncertainty().x(); },
      "root mean variance of #_x, all errors taken as one and the same", two, nullptr},
-    {"bias_y", "mean difference in y", "mean of #_y of the second minus that of the first",
+    {"bias_y", "mean in y", "mean of #_y of the second minus that of the first",
      [](const VectorStatistics& d) { return d.bias().y(); },
      [](const VectorStatistics& d) { return d.bias_uncertainty().y(); },
      "root mean variance of #_y, all errors taken as one and the same", two, nullptr},
@@ -109,7 +109,7 @@ struct VectorSubject {
   }
   MetricFacts facts(const VectorStatistic& s) const {
     return {.name = name + "_" + s.name + span.suffix, .unit = unit, .definition = of(s.definition),
-            .words = name + ", " + s.words + span.words, .levelled = true};
+            .words = name + " difference, " + s.words + span.words, .levelled = true};
   }
 };
 
@@ -234,7 +234,7 @@ struct ScalarStatistic {
   double (*factor)(std::size_t);
 };
 constexpr ScalarStatistic scalar_statistics[] = {
-    {"bias", "mean difference", "mean of ", [](const ScalarStatistics& s) { return s.bias(); }, two},
+    {"bias", "mean", "mean of ", [](const ScalarStatistics& s) { return s.bias(); }, two},
     {"rms", "RMS", "root mean square of ", [](const ScalarStatistics& s) { return s.rms(); }, two},
     {"p95", "95th percentile", "95th percentile (nearest rank) of the size of ",
      [](const ScalarStatistics& s) { return s.p95(); }, percentile_factor},
@@ -257,13 +257,10 @@ constexpr StrainSubject strains[] = {
 
 std::string floor_text(const Findings& f, double floor, const Span& span) {
   if (std::isnan(floor))
-    return "; uncertainty not known: noise floor not measured (no zone of known error that stayed still)";
-  if (f.floor.empty())
-    return "; uncertainty: root mean square of this strain where |u| is below 2 of its standard uncertainties, the "
-           "noise floor of the still zone" +
-           std::string(span.last ? "" : ", greatest over the times");
-  return "; uncertainty: noise floor at the last frame as the record states it for " + f.floor +
-         ", added in squares to that of the other data set's still zone, if it carries a covariance";
+    return "; uncertainty not known: noise floor not measured (np.still_zone_m, np.still_frames or compare.fixed_zone_m "
+           "would tell it)";
+  return "; uncertainty: noise floor, the root mean square of this strain where nothing moves, of " + f.floor +
+         (span.last ? "" : ", greatest over the times");
 }
 
 void add_strain(Registry<MetricRow>& rows, const Span& span) {
@@ -271,7 +268,7 @@ void add_strain(Registry<MetricRow>& rows, const Span& span) {
     const auto facts = [&](const ScalarStatistic& s) {
       return MetricFacts{.name = std::string(strain.name) + "_" + s.name + span.suffix, .unit = "1",
                          .definition = s.definition + std::string(strain.definition),
-                         .words = std::string(strain.words) + ", " + s.words + span.words, .levelled = true};
+                         .words = std::string(strain.words) + ", difference, " + s.words + span.words, .levelled = true};
     };
     for (const ScalarStatistic& s : scalar_statistics)
       add(rows, facts(s), [=](const Findings& f) -> std::optional<MetricValue> {

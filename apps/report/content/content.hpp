@@ -40,7 +40,9 @@ struct Content {
   std::vector<Frame> frames;
   std::size_t pair_count = 0;
   std::function<VectorField(std::size_t)> pair;  // read one at a time, in order
-  std::shared_ptr<const MotionSource> measured, simulated;
+  std::shared_ptr<const MotionSource> measured, simulated;  // where they are compared: as the comparison sees them
+  std::shared_ptr<const MotionSource> tracked;              // the measured one as it is in the frames
+  std::string alignment;  // what was done to them before, for captions: one sentence; empty: nothing
   std::optional<StrainNote> strain_note;          // of the measured motion
   std::optional<Comparison> comparison;  // simulated (second) minus measured (first)
   std::vector<EnergyRow> energy;                  // J per metre of thickness

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "apps/plot/numbers.hpp"
+#include "apps/report/content/material.hpp"
 
 namespace pivnp::report {
 
@@ -13,12 +14,19 @@ std::vector<PairQuality> pair_quality(const Content& content) {
     const VectorField field = content.pair(k);
     PairQuality q;
     q.frames = field.pair;
+    const std::vector<std::uint8_t> material = nodes_in_material(content, field);
+    q.material_known = !material.empty();
     std::vector<double> score;
     double variance = 0;
     std::size_t known = 0;
     for (std::size_t n = 0; n < field.status.size(); ++n) {
+      if (field.status[n] == VectorStatus::masked) continue;
+      if (q.material_known && !material[n]) {
+        ++q.outside;
+        continue;
+      }
       switch (field.status[n]) {
-        case VectorStatus::masked: continue;
+        case VectorStatus::masked: break;
         case VectorStatus::valid: ++q.valid; break;
         case VectorStatus::replaced: ++q.replaced; break;
         case VectorStatus::rejected: ++q.rejected; break;

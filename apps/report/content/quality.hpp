@@ -10,10 +10,13 @@
 
 namespace pivnp::report {
 
-/// Quality of one pair; shares are of the nodes that are not masked.
+/// Quality of one pair; shares are of the nodes in material that are not masked (of all that are not masked where the
+/// material's place is not known).
 struct PairQuality {
   std::array<int, 2> frames{0, 1};
-  std::size_t nodes = 0;  // not masked
+  std::size_t nodes = 0;       // in material and not masked
+  std::size_t outside = 0;     // not masked, but in front of no material
+  bool material_known = false;
   std::size_t valid = 0, replaced = 0, rejected = 0, failed = 0;
   double score_median = 0, score_low = 0, score_high = 0;  // of the valid; low, high: 5th and 95th percentile; NaN if none
   double sigma = 0;                                        // RMS standard uncertainty of a valid vector's component

@@ -64,7 +64,9 @@ std::vector<double> chosen_times(const ReportOptions& options, const Content& co
   if (motion == nullptr || motion->times().empty()) return {};
   std::vector<double> times = options.times_s;
   if (times.empty()) {
-    const std::vector<double>& t = motion->times();
+    // Where they are compared: of the times at which both are known.
+    const bool compared = content.comparison && !content.comparison->times().empty();
+    const std::vector<double>& t = compared ? content.comparison->times() : motion->times();
     for (std::size_t k = 1; k <= 3; ++k) times.push_back(t[(k * (t.size() - 1) + 1) / 3]);
     if (t.size() == 2) times = {t.back()};
   }

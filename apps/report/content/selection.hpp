@@ -16,7 +16,7 @@ double particle_spacing(const ParticleSet& particles, std::size_t p);
 /// Index of the frame nearest to `time`; none if it lies outside the motion's times by more than half a step.
 std::optional<std::size_t> frame_at(const MotionSource& motion, double time);
 
-/// The times asked for, or up to three that part the recorded time evenly, the last one included.
+/// The times asked for, or up to three that part the compared (else the recorded) time evenly, the last one included.
 std::vector<double> chosen_times(const ReportOptions& options, const Content& content);
 
 /// The material points asked for, or up to three spread over the moving part: particles followed to the end whose final

@@ -29,10 +29,11 @@ class Builder {
 };
 
 std::string measurement_text(const Content& content, const std::vector<PairQuality>& pairs) {
-  std::size_t nodes = 0, valid = 0, replaced = 0, rejected = 0, failed = 0;
+  std::size_t nodes = 0, valid = 0, replaced = 0, rejected = 0, failed = 0, outside = 0;
   std::vector<double> sigma;
   for (const PairQuality& q : pairs) {
     nodes += q.nodes;
+    outside += q.outside;
     valid += q.valid;
     replaced += q.replaced;
     rejected += q.rejected;
@@ -42,9 +43,13 @@ std::string measurement_text(const Content& content, const std::vector<PairQuali
   if (nodes == 0) return "No node was measured: all are masked.";
   auto share = [&](std::size_t n) { return percent(double(n) / double(nodes)); };
   std::string text = count(pairs.size(), "pair of frames was", "pairs of frames were") + " correlated, " +
-                     count(nodes, "vector") + " in all: " + share(valid) + " valid, " + share(replaced) +
+                     count(nodes, "vector") +
+                     (pairs.front().material_known ? " in the material: " : " in all: ") + share(valid) + " valid, " + share(replaced) +
                      " rejected and replaced from valid neighbours, " + share(rejected) + " rejected, " +
                      share(failed) + " failed.";
+  if (outside > 0)
+    text += " The " + count(outside, "node") + " in front of no material " + (outside == 1 ? "is" : "are") +
+            " left out here and in the figures.";
   const double typical = quantile(sigma, 0.5);
   if (typical > 0)
     text += " Standard uncertainty of a valid vector, one component: " + significant(typical, 2) +
@@ -70,8 +75,7 @@ void measurement_section(Builder& b, const FigureInput& input) {
   if (input.pairs.empty()) return;
   b.heading(1, "Measurement");
   b.paragraph(measurement_text(input.content, input.pairs));
-  if (input.content.strain_note)
-    b.paragraph(strain_statement(*input.content.strain_note, input.content.length_unit));
+  if (input.content.strain_note) b.paragraph(strain_statement(input.content));
   b.add(draw_section(Section::measurement, input));
 }
 
@@ -86,9 +90,8 @@ void flags_section(Builder& b, const FigureInput& input) {
   b.heading(1, "What was flagged");
   const std::vector<std::string> list = flags(input.content, input.names, input.pairs);
   if (list.empty())
-    b.paragraph("Nothing was flagged: no step, no shortage of valid vectors, no particle that ended early.");
+    b.paragraph("Nothing was flagged: no limit missed, no step, no shortage of valid vectors, no particle that ended early.");
   else b.add(List{list});
-  if (auto table = ends_table(input.content, input.names)) b.add(std::move(*table));
 }
 
 std::string utc_now() {
@@ -139,10 +142,17 @@ Document make_document(const ReportOptions& options, const Content& content) {
   if (b.document.title.empty()) b.document.title = "Report";
   b.document.subtitle = subtitle(content, input.names);
   b.paragraph(verdict(content, input.names, input.pairs, input.differences), true);
+  b.add(draw_section(Section::summary, input));
+  if (auto table = summary_table(content, input.names)) b.add(std::move(*table));
+  if (const std::string text = basis(content, input.names); !text.empty()) b.paragraph(text);
+  flags_section(b, input);
   comparison_section(b, input);
   measurement_section(b, input);
   simulation_section(b, input);
-  flags_section(b, input);
+  if (auto table = ends_table(content, input.names)) {
+    b.heading(1, "Particles that ended early");
+    b.add(std::move(*table));
+  }
   if (content.comparison && !content.comparison->metrics.empty()) {
     b.heading(1, "All metrics");
     b.add(metrics_table(content, input.names));

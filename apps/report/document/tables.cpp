@@ -1,10 +1,13 @@
 #include "apps/report/document/tables.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
 
 #include "apps/plot/numbers.hpp"
 #include "apps/report/content/ends.hpp"
+#include "apps/report/words/summary.hpp"
 #include "apps/report/words/words.hpp"
 #include "compare/metrics/words.hpp"
 
@@ -34,6 +37,32 @@ void add_row(Table& t, const Metric& m, const DataSetNames& names) {
 }
 
 }  // namespace
+
+std::optional<Table> summary_table(const Content& content, const DataSetNames& names) {
+  const std::vector<SummaryRow> rows = summary_rows(content);
+  if (rows.empty()) return std::nullopt;
+  Table t;
+  t.caption = capitalised(names.difference()) +
+              ". By chance: twice the standard uncertainty of the difference. In the row of the displacement both data sets "
+              "show their means over the particles.";
+  t.head = {"", capitalised(names.first), capitalised(names.second), "Difference", "By chance", "Verdict"};
+  t.width = {0.32, 0.13, 0.13, 0.13, 0.11, 0.18};
+  t.align = {'l', 'r', 'r', 'r', 'r', 'l'};
+  for (const SummaryRow& row : rows) {
+    double largest = std::abs(row.difference);
+    for (const double v : {row.first, row.second})
+      if (std::isfinite(v)) largest = std::max(largest, std::abs(v));
+    const DisplayUnit unit = display_unit(row.unit, largest);
+    const auto cell = [&](double v, int digits) {
+      return std::isfinite(v) ? significant(v * unit.factor, digits) + unit_suffix(unit.name) : std::string("\u2013");
+    };
+    const bool known = row.judgement() != Told::not_known;
+    t.rows.push_back({row.quantity, cell(row.first, 3), cell(row.second, 3), cell(row.difference, 3),
+                      known ? cell(2 * row.uncertainty, 2) : "not known", row.verdict()});
+    t.marked.push_back(row.limit == Verdict::exceeded ? std::optional<std::size_t>(5) : std::nullopt);
+  }
+  return t;
+}
 
 Table leading_metrics_table(const Content& content, const DataSetNames& names) {
   Table t = empty_metrics_table();

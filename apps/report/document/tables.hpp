@@ -9,6 +9,9 @@
 
 namespace pivnp::report {
 
+/// What the comparison comes to, in eight rows at most; none where nothing is known.
+std::optional<Table> summary_table(const Content& content, const DataSetNames& names);
+
 /// The metrics that a reader asks for first, and those with a limit.
 Table leading_metrics_table(const Content& content, const DataSetNames& names);
 

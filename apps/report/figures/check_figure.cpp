@@ -6,6 +6,7 @@
 
 #include "apps/plot/files.hpp"
 #include "apps/plot/marks.hpp"
+#include "apps/plot/numbers.hpp"
 #include "apps/report/figures/figure.hpp"
 
 namespace pivnp::report {
@@ -83,6 +84,30 @@ void draw_outline(Canvas& canvas, const Panel& panel, const Outline& outline) {
   });
 }
 
+// Columns above and rows at the right, as masks and regions name them.
+void draw_pixel_axes(Canvas& canvas, const Panel& panel, const CheckInput& input) {
+  const auto world = [m = input.world_from_pixel](double column, double row) {
+    const Eigen::Vector3d v = m * Eigen::Vector3d(column, row, 1);
+    return Vec2(v.x() / v.z(), v.y() / v.z());
+  };
+  const int width = input.image.width, height = input.image.height;
+  canvas.paint_over([=](Painter& p) {
+    const Rectangle frame = panel.frame();
+    p.pen({faint, 0.6});
+    const double apart = nice_step(double(std::max(width, height)), 8);
+    for (double c = 0; c < width; c += apart) {
+      const double at = panel.at(world(c, 0)).x();
+      p.line({at, frame.top}, {at, frame.top - 12});
+      p.text({at - 100, frame.top - 46, 200, 32}, plain(c), Align::bottom, {.points = small_text, .rgb = faint});
+    }
+    for (double r = 0; r < height; r += apart) {
+      const double at = panel.at(world(width - 1, r)).y(), right = frame.left + frame.width;
+      p.line({right, at}, {right + 12, at});
+      p.text({right + 18, at - 20, 120, 40}, plain(r), Align::left, {.points = small_text, .rgb = faint});
+    }
+  });
+}
+
 void draw_legend(Canvas& canvas, double x, const CheckInput& input) {
   x = legend(canvas, x, 3.2, Key::disc, node_colour,
              std::to_string(input.grid.nx) + " x " + std::to_string(input.grid.ny) + " nodes");
@@ -101,7 +126,7 @@ void write_check(const CheckInput& input, const std::filesystem::path& file) {
   const bool pictured = input.image.data != nullptr;
   const Box box = grown(pictured ? image_box(input.image.width, input.image.height, input.world_from_pixel)
                                  : Box{input.grid.origin, input.grid.upper()}, input);
-  const double left = 15, right = 3, head = 7, foot = 11, aspect = box.height() / box.width();
+  const double left = 15, right = pictured ? 12 : 3, head = pictured ? 15 : 7, foot = 11, aspect = box.height() / box.width();
   const double w = std::min(figure_width_mm - left - right, (figure_height_mm - head - foot) / aspect), h = w * aspect;
   const double x = left + (figure_width_mm - left - right - w) / 2;
   Canvas canvas(figure_width_mm, head + h + foot);
@@ -112,6 +137,10 @@ void write_check(const CheckInput& input, const std::filesystem::path& file) {
   draw_nodes(canvas, panel, input.grid);
   for (const Outline& outline : input.outlines) draw_outline(canvas, panel, outline);
   scale_bar(canvas, panel, box, input.length_unit);
+  if (pictured) {
+    draw_pixel_axes(canvas, panel, input);
+    canvas.text(x, head - 5.2, "column (px); rows at the right", Align::bottom_left, {.points = small_text, .rgb = faint});
+  }
   draw_legend(canvas, x, input);
   const std::string png = canvas.png(300);
   make_folder(file.parent_path());

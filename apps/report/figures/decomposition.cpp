@@ -65,11 +65,16 @@ std::vector<Figure> draw_decomposition(const FigureInput& input) {
     }
     canvas->points(panel, x, y, {.marker = Marker::circle, .pen = {blue, 0.8}, .size_mm = 1.5});
   }
+  std::vector<ComparisonTable::Column> data;
+  for (const Coefficients& c : all) {
+    data.push_back({names.first + ", " + c.words, c.unit, *c.first});
+    data.push_back({names.second + ", " + c.words, c.unit, *c.second});
+  }
   const double next = legend(*canvas, left, 3, Key::circle, blue, "coefficients");
   legend(*canvas, next, 3, Key::band, ink, "acceptance band");
   return {{"Coefficients of both data sets at the last compared time, by polynomials orthonormal on the material (CEN CWA "
            "16799). Grey: twice the " + names.first + " coefficients\u2019 uncertainty about equality.",
-           canvas}};
+           canvas, {}, {}, std::move(data)}};
 }
 
 }  // namespace

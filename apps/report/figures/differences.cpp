@@ -60,7 +60,9 @@ std::vector<Figure> draw_differences(const FigureInput& input) {
                          "no meaning."
                    : " " + capitalised(input.names.the_first) + " states no uncertainty.";
   if (log) caption += " Logarithmic scale.";
-  return {{caption, canvas}};
+  const std::string &length = input.content.length_unit, &clock = input.content.time_unit;
+  return {{caption, canvas, {}, {}, {{"time", clock, d.time}, {"RMS", length, d.rms}, {"median", length, d.median},
+                                     {"standard uncertainty", length, d.sigma}}}};
 }
 
 }  // namespace

@@ -69,11 +69,14 @@ std::vector<Figure> draw_energy(const FigureInput& input) {
   canvas->curve(lower, time, residual, {ink, 1.1});
   canvas->text(x - 15, 2, "(a)", Align::top_left, {.bold = true});
   canvas->text(x - 15, 50, "(b)", Align::top_left, {.bold = true});
+  std::vector<ComparisonTable::Column> data{{"time", input.content.time_unit, time}};
+  for (const Term& t : terms) data.push_back({t.words, "J/m", column(rows, t.value)});
+  data.push_back({"residual", "J/m", column(rows, &EnergyRow::residual)});
   const double at_end = residual.back();
   return {{"Energy of the simulation, per metre of thickness: (a) its terms (those that stay zero are left out); (b) the "
            "residual, what the scheme gained (+) or lost (\u2212), in per cent of the largest term; at the end " +
                (std::isfinite(at_end) ? significant(at_end, 2) + " %." : std::string("not known.")),
-           canvas}};
+           canvas, {}, {}, std::move(data)}};
 }
 
 }  // namespace

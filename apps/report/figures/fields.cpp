@@ -11,6 +11,7 @@
 #include "apps/report/content/fields.hpp"
 #include "apps/report/content/selection.hpp"
 #include "apps/report/figures/rows.hpp"
+#include "apps/report/words/summary.hpp"
 #include "apps/report/words/words.hpp"
 #include "pivnp/core/particles/derived.hpp"
 
@@ -157,6 +158,7 @@ std::string caption(const FieldFigure& f, const std::vector<Shown>& columns, con
                      : ".";
   }
   text += " Particles are drawn where they are at each time, as their deformed squares.";
+  if (!input.content.alignment.empty()) text += " " + input.content.alignment;
   if (f.ended > 0) text += " Pale grey: particles no longer followed, at their last place.";
   if (compared) text += " Darker grey in the right column: no partner to compare with.";
   if (f.flagged > 0) text += " Flagged particles are shown like all others.";
@@ -165,7 +167,7 @@ std::string caption(const FieldFigure& f, const std::vector<Shown>& columns, con
   if (f.outside > 0)
     text += " Outside the panels: " + count(f.outside, "place of a particle", "places of particles") + ".";
   if (input.content.strain_note && input.content.measured && derived_field(f.field).strain)
-    text += " " + strain_statement(*input.content.strain_note, input.content.length_unit);
+    text += " " + strain_statement(input.content);
   return text;
 }
 
@@ -241,7 +243,17 @@ Figure draw_field(const FigureInput& input, const std::string& field) {
   if (flow > 0)
     words += " Arrows: Darcy's flow of the water, means over squares, the longest of each panel as long as a square; the greatest is " +
              significant(flow, 2) + unit_suffix(content.length_unit + "/" + content.time_unit) + ".";
-  return {words, canvas, file_name(field), f.label + " on the particles at chosen times"};
+  std::vector<ComparisonTable::Column> data;
+  for (const Cell& cell : cells) {
+    const std::string which = heading(cell.shown, input.names) + " at " + plain(cell.at->time) + unit_suffix(content.time_unit);
+    std::array<std::vector<double>, 2> place;
+    for (const Vec2& at : cell.at->position)
+      for (const int a : {0, 1}) place[std::size_t(a)].push_back(at[a]);
+    data.push_back({which + ", x", content.length_unit, std::move(place[0])});
+    data.push_back({which + ", y", content.length_unit, std::move(place[1])});
+    data.push_back({which + ", " + f.label, unit, *cell.value});
+  }
+  return {words, canvas, file_name(field), f.label + " on the particles at chosen times", std::move(data)};
 }
 
 std::vector<Figure> draw_fields(const FigureInput& input) {
@@ -258,6 +270,28 @@ std::vector<Figure> draw_fields(const FigureInput& input) {
 }
 
 }  // namespace
+
+// The picture that carries the verdict: displacement of both and their difference, where that is greatest.
+FigureRow summary_row() {
+  return {.name = "verdict",
+          .shows = "displacement of both data sets and their difference, at the time of the greatest difference",
+          .section = Section::summary,
+          .applies = [](const FigureInput& i) {
+            return i.content.comparison && i.content.measured && i.content.simulated &&
+                   std::isfinite(worst_of(i.content, i.differences).rms);
+          },
+          .draw = [](const FigureInput& i) -> std::vector<Figure> {
+            FigureInput one = i;
+            one.times = {worst_of(i.content, i.differences).time};
+            Figure figure = draw_field(one, "displacement_magnitude");
+            figure.name.clear();
+            figure.shows.clear();
+            figure.caption = "Displacement at " + plain(one.times[0]) + unit_suffix(i.content.time_unit) +
+                             ", when the difference is largest: " + i.names.first + ", " + i.names.second + " and " +
+                             i.names.difference() + " (blue: less, red: more). " + i.content.alignment;
+            return {figure};
+          }};
+}
 
 FigureRow fields_row() {
   return {.name = "fields",

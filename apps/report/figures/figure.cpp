@@ -1,18 +1,39 @@
 #include "apps/report/figures/figure.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "apps/report/content/selection.hpp"
 #include "apps/report/figures/rows.hpp"
+#include "pivnp/core/text.hpp"
 
 namespace pivnp::report {
 
 Registry<FigureRow>& figures() {
-  static Registry<FigureRow> rows = {fields_row(),    point_curves_row(), differences_row(), outlines_row(), decomposition_row(),
-                                     histories_row(), quality_row(),      vectors_row(),     energy_row(),
-                                     reactions_row()};
+  static Registry<FigureRow> rows = {summary_row(),   fields_row(),    point_curves_row(), differences_row(), outlines_row(), decomposition_row(),
+                                     histories_row(), quality_row(),   vectors_row(),      energy_row(),      reactions_row()};
   return rows;
+}
+
+std::string csv(const std::vector<ComparisonTable::Column>& data) {
+  std::string text;
+  std::size_t rows = 0;
+  for (std::size_t c = 0; c < data.size(); ++c) {
+    std::string head = data[c].name + (data[c].unit.empty() || data[c].unit == "1" ? "" : " (" + data[c].unit + ")");
+    std::replace(head.begin(), head.end(), '"', '\'');
+    text += (c > 0 ? "," : "") + (head.find(',') == std::string::npos ? head : "\"" + head + "\"");
+    rows = std::max(rows, data[c].values.size());
+  }
+  text += "\n";
+  for (std::size_t r = 0; r < rows; ++r) {
+    for (std::size_t c = 0; c < data.size(); ++c) {
+      if (c > 0) text += ",";
+      if (r < data[c].values.size() && std::isfinite(data[c].values[r])) text += number(data[c].values[r], 7);
+    }
+    text += "\n";
+  }
+  return text;
 }
 
 FigureInput figure_input(const ReportOptions& options, const Content& content) {

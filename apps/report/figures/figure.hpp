@@ -41,9 +41,13 @@ struct Figure {
   std::shared_ptr<const plot::Canvas> canvas;
   std::string name = {};   // of its files; left out: the row's
   std::string shows = {};  // for readers who cannot see it; left out: the row's
+  std::vector<ComparisonTable::Column> data = {};  // what it draws, in the content's units; NaN: not known
 };
 
-enum class Section { comparison, measurement, simulation };
+/// The data as CSV, a column each with "name (unit)" at its head; shorter columns end in empty cells.
+std::string csv(const std::vector<ComparisonTable::Column>& data);
+
+enum class Section { summary, comparison, measurement, simulation };
 
 struct FigureRow {
   std::string name;  // of the figure's files, as long as it is one

@@ -55,7 +55,8 @@ std::vector<Figure> draw_histories(const FigureInput& input) {
   canvas->curve(panel, second->columns[0].values, scaled(second->columns[1].values), {vermilion, 1.2, Dash::dashed});
   const double next = legend(*canvas, x, 3, Key::line, ink, "first: " + curve_name(first->definition));
   legend(*canvas, next, 3, Key::dashed, vermilion, "second: " + curve_name(second->definition));
-  return {{"The two histories. First: " + first->definition + ". Second: " + second->definition + ".", canvas}};
+  return {{"The two histories. First: " + first->definition + ". Second: " + second->definition + ".", canvas, {}, {},
+           {first->columns[0], first->columns[1], second->columns[0], second->columns[1]}}};
 }
 
 }  // namespace

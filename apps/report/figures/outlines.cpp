@@ -1,5 +1,6 @@
 // Final outlines overlaid.
 #include <algorithm>
+#include <utility>
 
 #include "apps/plot/marks.hpp"
 #include "apps/report/content/fields.hpp"
@@ -39,9 +40,22 @@ std::vector<Figure> draw_outlines(const FigureInput& input) {
   });
   const double next = legend(*canvas, x, 3, Key::line, ink, input.names.first);
   legend(*canvas, next, 3, Key::dashed, vermilion, input.names.second);
+  std::vector<ComparisonTable::Column> data;
+  for (const std::size_t s : {0u, 1u}) {
+    const std::string who = s == 0 ? input.names.first : input.names.second;
+    ComparisonTable::Column ring{who + " ring", "", {}}, across{who + " x", input.content.length_unit, {}},
+        up{who + " y", input.content.length_unit, {}};
+    for (std::size_t k = 0; k < outlines[s].size(); ++k)
+      for (const Vec2& at : outlines[s][k]) {
+        ring.values.push_back(double(k + 1));
+        across.values.push_back(at.x());
+        up.values.push_back(at.y());
+      }
+    for (auto* column : {&ring, &across, &up}) data.push_back(std::move(*column));
+  }
   return {{"Outline of the material at the last compared time: " + input.names.first + " (filled) and " +
                input.names.second + " (dashed).",
-           canvas}};
+           canvas, {}, {}, std::move(data)}};
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "apps/plot/marks.hpp"
 #include "apps/plot/numbers.hpp"
@@ -116,6 +117,7 @@ std::string caption(const FigureInput& input, const Extent& extent, const Displa
               " and hardly wider than the markers";
     text += ".";
   }
+  if (!content.alignment.empty()) text += " " + content.alignment;
   return text + " Where a curve stops, its point was followed no further.";
 }
 
@@ -165,7 +167,15 @@ std::vector<Figure> draw_point_curves(const FigureInput& input) {
   }
   if (!simulated.empty()) legend(*canvas, next, 3, Key::line, ink, input.names.second);
   draw_key_map(*canvas, content, points, 132, y, 36, 48);
-  return {{caption(input, extent, unit), canvas}};
+  std::vector<ComparisonTable::Column> data;
+  for (const auto& [curves, who] : {std::pair{&measured, input.names.first}, {&simulated, input.names.second}})
+    for (std::size_t q = 0; q < curves->size(); ++q) {
+      const PointCurve& c = (*curves)[q];
+      data.push_back({who + " " + letter(q) + ", time", content.time_unit, c.time});
+      data.push_back({who + " " + letter(q) + ", displacement", content.length_unit, c.displacement});
+      if (!c.sigma.empty()) data.push_back({who + " " + letter(q) + ", standard uncertainty", content.length_unit, c.sigma});
+    }
+  return {{caption(input, extent, unit), canvas, {}, {}, std::move(data)}};
 }
 
 }  // namespace

@@ -96,10 +96,20 @@ std::vector<Figure> draw_quality(const FigureInput& input) {
   canvas->text(x - 15, 6, "(a)", Align::top_left, {.bold = true});
   canvas->text(x - 15, 50, "(b)", Align::top_left, {.bold = true});
   std::string caption =
-      "Quality of the measurement, pair by pair: (a) status of the vectors at the nodes that were not masked; (b) "
-      "correlation score of the valid ones.";
+      "Quality of the measurement, pair by pair: (a) status of the vectors at the nodes " +
+      std::string(pairs.front().material_known ? "in the material" : "that were not masked") +
+      "; (b) correlation score of the valid ones.";
   if (any_flag) caption += " Marked steps are flagged as a whole.";
-  return {{caption, canvas}};
+  const auto shares_of = [&](std::size_t PairQuality::*count) {
+    std::vector<double> list;
+    for (const PairQuality& q : pairs) list.push_back(q.share(q.*count));
+    return list;
+  };
+  return {{caption, canvas, {}, {},
+           {{"first frame", "", at}, {"valid", "", shares_of(&PairQuality::valid)},
+            {"replaced", "", shares_of(&PairQuality::replaced)}, {"rejected", "", shares_of(&PairQuality::rejected)},
+            {"failed", "", shares_of(&PairQuality::failed)}, {"score, median", "", median},
+            {"score, 5th percentile", "", lower}, {"score, 95th percentile", "", upper}}}};
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 namespace pivnp::report {
 
+FigureRow summary_row();
 FigureRow fields_row();
 FigureRow point_curves_row();
 FigureRow differences_row();

@@ -5,6 +5,7 @@
 #include "apps/plot/marks.hpp"
 #include "apps/plot/numbers.hpp"
 #include "apps/plot/raster.hpp"
+#include "apps/report/content/material.hpp"
 #include "apps/report/figures/rows.hpp"
 #include "apps/report/words/words.hpp"
 
@@ -51,6 +52,14 @@ Plan plan_arrows(const VectorField& field, double units_per_length) {
   if (std::isfinite(plan.typical) && plan.typical > 0)
     plan.units_each = std::clamp(1.6 * plan.stride * node, 40.0, 90.0) / plan.typical;
   return plan;
+}
+
+// Status as a reader sees it: nodes in front of no material are masked.
+VectorField within_material(const Content& content, VectorField field) {
+  const std::vector<std::uint8_t> material = nodes_in_material(content, field);
+  for (std::size_t n = 0; n < material.size(); ++n)
+    if (!material[n]) field.status[n] = VectorStatus::masked;
+  return field;
 }
 
 void draw_vectors(Canvas& canvas, const Panel& panel, const VectorField& field, const Plan& plan) {
@@ -129,9 +138,15 @@ std::string caption(const Content& content, const VectorField& field, const Pict
                         : plan.stride == 3 ? "third"
                                            : std::to_string(plan.stride) + "th") +
             " node in both directions.";
-  text += " Shares in the legend are of all " + count(q.nodes, "node") + " that were not masked.";
+  text += " Shares in the legend are of the " + count(q.nodes, "node") +
+          (q.material_known ? " in the material; the others are not drawn." : " that were not masked.");
   if (q.rejected + q.failed > 0) text += " Rejected and failed nodes are all marked.";
-  if (q.flag != 0) text += " This step is flagged; its vectors are not to be trusted.";
+  if (q.flag & frame_decorrelated)
+    text += " This step is flagged, as it lost its correlation: the particles step over it where one longer step can take its place.";
+  else if (q.flag & frame_repeated)
+    text += " This step is flagged, as the second exposure repeats the first; it is summed as it is.";
+  else if (q.flag & frame_jump)
+    text += " This step is flagged, as its motion is out of line with the steps beside it; it is summed as it is.";
   return text;
 }
 
@@ -150,7 +165,7 @@ std::vector<Figure> draw_vectors(const FigureInput& input) {
     const bool pictured = !picture.image.empty();
     const std::size_t at = pair_of(picture.frame, input.pairs);
     if (at == input.pairs.size()) continue;
-    const VectorField field = content.pair(at);
+    const VectorField field = within_material(content, content.pair(at));
 
     const Vec2 beside = field.grid.spacing;  // arrows of the outermost nodes
     const Box box = pictured ? image_box(picture.image.width(), picture.image.height(), content.world_from_pixel)
@@ -167,9 +182,20 @@ std::vector<Figure> draw_vectors(const FigureInput& input) {
     draw_vectors(*canvas, panel, field, plan);
     scale_bar(*canvas, panel, box, content.length_unit);
     draw_legend(*canvas, x, x + w, input.pairs[at], plan, content.length_unit);
+    const std::string& length = content.length_unit;
+    std::vector<ComparisonTable::Column> data{{"x", length, {}}, {"y", length, {}}, {"u_x", length, {}}, {"u_y", length, {}}, {"status", "", {}}};
+    for (int j = 0; j < field.grid.ny; ++j)
+      for (int i = 0; i < field.grid.nx; ++i) {
+        const std::size_t n = field.grid.node(i, j);
+        if (field.status[n] == VectorStatus::masked) continue;
+        const Vec2 at_node = field.grid.position(i, j);
+        const double row[] = {at_node.x(), at_node.y(), double(field.displacement[n][0]), double(field.displacement[n][1]),
+                              double(field.status[n])};
+        for (std::size_t c = 0; c < 5; ++c) data[c].values.push_back(row[c]);
+      }
     figures.push_back({caption(content, field, picture, input.pairs[at], plan), canvas,
                        "vectors_" + std::to_string(figures.size() + 1),
-                       pictured ? "vectors of a pair on " + frame_words(content, picture.frame) : "vectors of a pair"});
+                       pictured ? "vectors of a pair on " + frame_words(content, picture.frame) : "vectors of a pair", std::move(data)});
   }
   return figures;
 }

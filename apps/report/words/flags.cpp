@@ -5,6 +5,7 @@
 
 #include "apps/plot/numbers.hpp"
 #include "apps/report/content/ends.hpp"
+#include "apps/report/words/summary.hpp"
 #include "apps/report/words/words.hpp"
 
 namespace pivnp::report {
@@ -12,7 +13,8 @@ namespace pivnp::report {
 using namespace plot;
 
 std::vector<std::string> flags(const Content& content, const DataSetNames& names, const std::vector<PairQuality>& pairs) {
-  std::vector<std::string> list = content.remarks;
+  std::vector<std::string> list = missed_limits(content);
+  list.insert(list.end(), content.remarks.begin(), content.remarks.end());
   const bool many = std::count_if(pairs.begin(), pairs.end(), [](const PairQuality& q) { return q.flag != 0; }) > 12;
   std::size_t flagged = 0;
   for (const PairQuality& q : pairs) {
@@ -53,7 +55,7 @@ std::vector<std::string> flags(const Content& content, const DataSetNames& names
     for (const Ends& e : ends_by_reason(motion->particles())) ended += e.particles;
     if (ended > 0)
       list.push_back(count(ended, "particle") + " of " + std::to_string(motion->particles().size()) + " in the " + name +
-                     " motion ended before the last frame (the table below gives the reasons).");
+                     " motion ended before the last frame (a table gives the reasons).");
   }
   return list;
 }

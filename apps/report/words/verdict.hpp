@@ -12,6 +12,9 @@ namespace pivnp::report {
 
 /// A short paragraph on how far simulation and measurement are apart against what the measurement knows; without a
 /// comparison, on what was measured or simulated. Never says that a simulation is right.
+/// What was compared, and how much of it: one sentence; empty where no motions were compared.
+std::string basis(const Content& content, const DataSetNames& names);
+
 std::string verdict(const Content& content, const DataSetNames& names, const std::vector<PairQuality>& pairs,
                     const DifferenceCurve& differences);
 

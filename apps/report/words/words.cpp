@@ -41,10 +41,17 @@ std::string metric_words(const std::string& name, const DataSetNames& names) {
   return text;
 }
 
-std::string strain_statement(const StrainNote& note, const std::string& length_unit) {
-  const DisplayUnit unit = display_unit(length_unit, note.gauge_length);
+std::string strain_statement(const Content& content) {
+  if (!content.strain_note) return "";
+  const StrainNote& note = *content.strain_note;
+  const DisplayUnit unit = display_unit(content.length_unit, note.gauge_length);
   std::string text = "Gauge length of measured strains: " + significant(note.gauge_length * unit.factor, 3) +
                      unit_suffix(unit.name) + " (shape function and interrogation window). ";
+  const Metric* compared = content.comparison ? find(content.comparison->metrics, "strain_dev_rms") : nullptr;
+  if (note.floor_source == StrainFloor::not_measured && compared != nullptr && compared->uncertainty > 0 &&
+      compared->definition.find("compare.") != std::string::npos)
+    return text + "Noise floor, RMS, in the zone that the comparison declares to stand still: deviatoric " +
+           significant(compared->uncertainty, 2) + ".";
   if (note.floor_source == StrainFloor::not_measured)
     return text + "Noise floor: not measured (np.still_zone_px, np.still_zone_m or np.still_frames would tell it).";
   return text + "Noise floor at the last frame, RMS, measured on " +

@@ -7,7 +7,6 @@
 #include "apps/report/content/content.hpp"
 #include "apps/report/words/data_sets.hpp"
 #include "pivnp/core/particles/derived.hpp"
-#include "pivnp/core/record/strain_note.hpp"
 
 namespace pivnp::report {
 
@@ -23,7 +22,8 @@ std::string field_unit(const DerivedField& field, const Content& content);
 /// The frame's name, or "frame 7".
 std::string frame_words(const Content& content, int frame);
 
-/// The sentence that goes with every measured strain: gauge length and noise floor, or that it was not measured.
-std::string strain_statement(const StrainNote& note, const std::string& length_unit);
+/// The sentence that goes with every measured strain: gauge length and noise floor (the record's own, else that of the
+/// comparison), or that it was not measured. Empty where the content has no note.
+std::string strain_statement(const Content& content);
 
 }  // namespace pivnp::report

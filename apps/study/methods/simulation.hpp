@@ -14,4 +14,11 @@ namespace pivnp::app {
 std::vector<std::string> simulate(const Case& c, const Setting& setting, const std::vector<double>& times,
                                   io::RecordWriter& writer, int threads, Progress& progress);
 
+/// The same on a grid whose cells are mesh_study_ratio times as large (`level` 1), or the square of that (2), with as many
+/// particles a cell: motion coarser_motion(level), for the numerical uncertainty of the other.
+void simulate_coarser(const Case& c, const Setting& setting, int level, const std::vector<double>& times,
+                      io::RecordWriter& writer, int threads, Progress& progress);
+std::string coarser_motion(int level);
+constexpr double mesh_study_ratio = 1.3;
+
 }  // namespace pivnp::app

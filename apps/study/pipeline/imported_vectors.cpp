@@ -15,6 +15,15 @@ bool has_rate(const Case& c, const image::FrameSource* source) {
   return source ? source->has_rate() : c.vectors && c.vectors->rate_hz;
 }
 
+void require_time_and_scale(const Case& c, const Setting& setting, const image::FrameSource* source) {
+  if (!has_rate(c, source))
+    throw InputError(of_file(c) + (source ? ": frames.rate_hz" : ": vectors.rate_hz") +
+                     ": missing, expected the frames per second: a simulation runs in seconds");
+  if (setting.camera.length_unit() == "px")
+    throw InputError(of_file(c) + ": camera.metres_per_pixel: missing, expected the scale of the frames: a simulation runs "
+                                  "in metres");
+}
+
 std::unique_ptr<io::VectorFiles> case_vectors(Case& c, const image::FrameSource* source) {
   if (!c.vectors) return nullptr;
   c.vectors->path = fs::absolute(c.folder / c.vectors->path).lexically_normal().string();

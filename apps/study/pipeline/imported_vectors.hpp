@@ -24,6 +24,10 @@ std::vector<Frame> frames_of(const io::VectorFiles& vectors, const Case& c);
 /// True if their times are in s.
 bool has_rate(const Case& c, const image::FrameSource* source);
 
+/// Before anything is computed: a simulation beside a measurement needs the frames' rate (their times are the
+/// simulation's) and their scale. Throws InputError naming the key.
+void require_time_and_scale(const Case& c, const Setting& setting, const image::FrameSource* source);
+
 /// One pair in the world; nodes under a mask are masked.
 VectorField imported_pair(const io::VectorFiles& vectors, const Setting& setting, std::size_t index);
 

@@ -45,6 +45,7 @@ void write_report_of(const Case& c, RunOutcome& outcome, std::optional<Compariso
   input.record = &record;
   if (comparison) outcome.remarks.insert(outcome.remarks.end(), comparison->remarks.begin(), comparison->remarks.end());
   input.comparison = std::move(comparison);
+  input.compared = c.compare;
   input.remarks = outcome.remarks;
   if (record.pair_count() > 0) input.pictures = pictures(c, record, source);
   report::write_report(c.report, input, directory);

@@ -113,6 +113,18 @@ Grid make_grid(const Case& c, const Setting& setting) {
   return grid;
 }
 
+// A vertex further outside than the image is large is a slip of the pen, or of the scale.
+void require_near(const Polygon& polygon, const Setting& setting, const std::string& what) {
+  const double most = std::max(setting.width, setting.height);
+  for (const Vec2& x : polygon.vertices()) {
+    const Vec2 px = setting.camera.to_pixel(x);
+    const double off = std::max({-px.x(), -px.y(), px.x() - setting.width, px.y() - setting.height});
+    if (off > most)
+      throw InputError(what + ": found a vertex " + text(x) + " at pixel " + text(px) + ", expected it near the image of " +
+                       std::to_string(setting.width) + " x " + std::to_string(setting.height) + " px");
+  }
+}
+
 // The nodes of vectors that were read from files, in the world.
 Grid imported_grid(const Case& c, const Setting& setting, const Grid& given, bool pixels) {
   if (!pixels) return given;
@@ -203,6 +215,7 @@ Setting make_setting(const Case& c, int width, int height, const io::VectorFiles
     const std::string what =
         of_file(c) + ": region." + name + (options.polygon_px.empty() ? ".polygon_m" : ".polygon_px");
     setting.regions.push_back({name, world_polygon(options, setting.camera, what)});
+    if (width > 0) require_near(setting.regions.back().polygon, setting, what);
   }
   setting.grid = measured ? imported_grid(c, setting, measured->grid(), measured->pixels()) : make_grid(c, setting);
   if (setting.regions.empty()) {

@@ -1,6 +1,7 @@
 #include "apps/study/studies/check.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -9,6 +10,7 @@
 #include "apps/study/methods/peak_locking.hpp"
 #include "apps/study/methods/strain_floor.hpp"
 #include "apps/study/pipeline/imported_vectors.hpp"
+#include "apps/study/pipeline/measure.hpp"
 #include "apps/study/pipeline/placed.hpp"
 #include "apps/study/pipeline/scene.hpp"
 #include "apps/study/pipeline/simulation_scene.hpp"
@@ -17,6 +19,7 @@
 #include "apps/study/synth/case_frames.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/region.hpp"
+#include "pivnp/core/text.hpp"
 
 namespace pivnp::app {
 
@@ -55,6 +58,50 @@ class DrawnFrames {
   std::filesystem::path folder_;
   std::vector<std::filesystem::path> made_;  // innermost first
 };
+
+// Measured on a few steps and one pair: what a run takes beside reading frames, following particles and drawing.
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+double simulation_seconds(mpm::Solver& solver, const CaseSize& size, double end_s) {
+  if (!(size.steps > 0) || !(end_s > 0)) return 0;
+  SilentProgress silent;
+  const auto start = std::chrono::steady_clock::now();
+  double spent = 0;
+  try {
+    for (double steps = 2; spent < 0.1 && double(solver.steps()) < size.steps; steps *= 2) {
+      solver.advance_to(std::min(end_s, solver.time() + steps * end_s / size.steps), silent);
+      spent = seconds_since(start);
+    }
+  } catch (const RunError&) {
+    return 0;  // a run that blows up at once says so itself
+  }
+  return solver.steps() > 0 ? spent / double(solver.steps()) * size.steps : 0;
+}
+
+double measuring_seconds(const Case& c, const Setting& setting, image::FrameSource& source, std::size_t frames,
+                         int threads) {
+  const auto start = std::chrono::steady_clock::now();
+  measure_pair(c, setting, source, {0, 1}, threads);
+  return seconds_since(start) * double(frames - 1);
+}
+
+std::string duration_words(double seconds) {
+  const std::string about = seconds < 90     ? number(seconds, 2) + " s"
+                            : seconds < 5400 ? number(seconds / 60, 2) + " minutes"
+                                             : number(seconds / 3600, 2) + " hours";
+  return "Expected time: about " + about + " on this machine (steps and a pair were timed; an initial equilibrium comes on top).";
+}
+
+std::string view_of(const Setting& setting) {
+  const Vec2 across = setting.camera.to_world({double(setting.width), 0}) - setting.camera.to_world({0, 0});
+  const Vec2 up = setting.camera.to_world({0, 0}) - setting.camera.to_world({0, double(setting.height)});
+  const std::string unit = setting.camera.length_unit();
+  std::string text = "View: " + std::to_string(setting.width) + " x " + std::to_string(setting.height) + " px";
+  if (unit != "px") text += ", " + number(across.norm(), 3) + " x " + number(up.norm(), 3) + " " + unit;
+  return text + "; nodes " + number(setting.grid.spacing.x(), 3) + " " + unit + " apart.";
+}
 
 CheckOutcome checked(const Case& given, const RunSettings& settings, Progress& progress) {
   Case c = given;
@@ -96,12 +143,18 @@ CheckOutcome checked(const Case& given, const RunSettings& settings, Progress& p
     seed_particles(c, setting);  // throws where a region holds none
     check_strain_floor(c, setting, frames);
   }
+  if (measures && c.mpm) require_time_and_scale(c, setting, source.get());
+  double seconds = 0;
   if (c.mpm) {
-    mpm::Solver solver = make_solver(c, setting, 1);  // likewise
+    mpm::Solver solver = make_solver(c, setting, settings.threads);  // likewise
     if (c.mpm->initial_equilibrium) solver.require_held();
+    seconds += simulation_seconds(solver, size, c.mpm->end_s.value_or(end_s));
   }
+  if (source && !vectors && frames > 1) seconds += measuring_seconds(c, setting, *source, frames, settings.threads);
   if (measures && c.mpm) check_compared_zones(c, setting);
   CheckOutcome outcome{{}, {text_of(size)}};
+  if (setting.width > 0) outcome.remarks.insert(outcome.remarks.begin(), view_of(setting));
+  if (seconds > 0) outcome.remarks.push_back(duration_words(seconds));
   if (!measures) return outcome;
 
   report::CheckInput input;

@@ -12,6 +12,7 @@ Case comparison_case(const CompareSources& sources, const compare::CompareOption
   const auto short_name = [](const std::string& text) { return text.substr(text.find_last_of('/', text.find(':')) + 1); };
   c.name = short_name(sources.first) + " against " + short_name(sources.second);
   c.compare = options;
+  c.compare.mesh_study = 0;  // of a case that simulates
   c.limits = limits;
   return c;
 }

@@ -67,7 +67,8 @@ RunOutcome compare_records(const CompareSources& sources, const compare::Compare
   return finish_comparison(c, std::move(comparison), writer, settings);
 }
 
-RunOutcome report_record(const fs::path& given, const RunSettings& settings, Progress& progress) {
+RunOutcome report_record(const fs::path& given, const RunSettings& settings, Progress& progress,
+                         const std::function<void(report::ReportOptions&)>& change) {
   const fs::path file = fs::is_directory(given) ? given / "record.h5" : given;
   RunOutcome outcome;
   outcome.record = file;
@@ -80,6 +81,7 @@ RunOutcome report_record(const fs::path& given, const RunSettings& settings, Pro
       throw InputError(file.string() + ": /frames: is missing, but /piv holds " + std::to_string(record.pair_count()) +
                        " pairs of frames");
     c = parse_recorded_case(record.head().case_text, file.string() + " (its case)", file.parent_path());
+    if (change) change(c.report);
     for (const std::string& note : c.notes) outcome.remarks.push_back("Of the record's case: " + note + ".");
     if (settings.frames) {
       if (!c.frames) c.frames = image::FrameOptions{};

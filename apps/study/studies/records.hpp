@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 
 #include "apps/study/studies/comparison.hpp"
 #include "pivnp/core/progress.hpp"
@@ -12,7 +13,9 @@ namespace pivnp::app {
 RunOutcome compare_records(const CompareSources& sources, const compare::CompareOptions& options,
                            const compare::LimitOptions& limits, const RunSettings& settings, Progress& progress);
 
-/// Writes the report of a finished record beside it (or into settings.out).
-RunOutcome report_record(const std::filesystem::path& record, const RunSettings& settings, Progress& progress);
+/// Writes the report of a finished record beside it (or into settings.out). `change`: what is to be drawn otherwise than
+/// the record's case says.
+RunOutcome report_record(const std::filesystem::path& record, const RunSettings& settings, Progress& progress,
+                         const std::function<void(report::ReportOptions&)>& change = {});
 
 }  // namespace pivnp::app

@@ -66,6 +66,8 @@ class Run {
     const CaseSize size = size_of(c_, setting_, frames_.size(), frames_.empty() ? 0.0 : frames_.back().time);
     if (!settings.resume) require_room(c_, size, settings.out);
     if (tracks) check_strain_floor(c_, setting_, frames_.size());
+    if (simulates && (measures || !c_.mpm->end_s || !c_.mpm->output_rate_hz) && !frames_.empty())
+      require_time_and_scale(c_, setting_, source_.get());
     if (tracks && simulates) check_compared_zones(c_, setting_);
     setting_.sources = sources_of(c_, source_.get(), vectors_.get(), progress);
     writer_ = std::make_unique<io::RecordWriter>(settings.out, head(), settings.resume, settings.threads, lock_);
@@ -100,6 +102,15 @@ class Run {
 
   void simulate_motion() {
     append(simulate(c_, setting_, output_times(c_, frames_), *writer_, settings_.threads, progress_), outcome_.remarks);
+    for (int level = 1; tracks && level <= c_.compare.mesh_study; ++level) try {
+        simulate_coarser(c_, setting_, level, output_times(c_, frames_), *writer_, settings_.threads, progress_);
+        coarser_grids_ = level;
+      } catch (const Interrupted&) {
+        throw;
+      } catch (const std::exception& error) {
+        outcome_.remarks.push_back("The mesh study ended at grid " + std::to_string(level) + ": " + error.what() + ".");
+        break;
+      }
   }
 
   void pack() {
@@ -118,7 +129,13 @@ class Run {
     add_camera(setting_.camera.residual(), options);
     try {
       const auto np = writer_->motion("np"), mpm = writer_->motion("mpm");
-      Comparison found = compare::compare(*np, *mpm, options, c_.limits, progress_, {}, {note_, {}});
+      std::vector<std::unique_ptr<MotionSource>> coarser;
+      compare::Refinement refinement{{}, mesh_study_ratio};
+      for (int level = 1; level <= coarser_grids_; ++level) {
+        coarser.push_back(writer_->motion(coarser_motion(level)));
+        refinement.coarser.push_back(coarser.back().get());
+      }
+      Comparison found = compare::compare(*np, *mpm, options, c_.limits, progress_, refinement, {note_, {}});
       if (c_.compare.levelling)
         add_levelled(c_, setting_, settings_, *source_, frames_, *writer_, *np, *mpm, note_, options, found, progress_);
       comparison_ = std::move(found);
@@ -170,6 +187,7 @@ class Run {
   bool central_ = true;  // the vectors' anchor
   ClosureNote closure_;
   TrackOutcome tracked_;
+  int coarser_grids_ = 0;  // of the mesh study
   StrainNote note_;
   std::optional<Comparison> comparison_;
   std::string not_compared_;  // why

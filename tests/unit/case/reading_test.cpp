@@ -114,7 +114,7 @@ TEST(Init, EveryCommentedLineIsSoundWhenItsMarkIsTakenAway) {
   const Case c = parsed(live);
   EXPECT_TRUE(c.mpm && c.frames->rate_hz && c.camera.metres_per_pixel && c.limits["displacement_rms_m"]);
   EXPECT_EQ(c.masks.size(), 1u);
-  EXPECT_EQ(c.boundaries.size(), 1u);
+  EXPECT_EQ(c.boundaries.size(), 3u);
 }
 
 TEST(Init, WhatIsKnownIsWritten) {

@@ -102,6 +102,12 @@ TEST_F(CommandLine, EachCommandCallsItsFunction) {
     EXPECT_EQ(fake_study().stages, stages) << command;
   }
   EXPECT_EQ(run_program({"report", "r.h5"}).code, 0);
+  EXPECT_EQ(run_program({"report", "r.h5", "--title", "My sand, 1 g", "--times", "0.1,0.2", "--fields",
+                         "strain_dev,velocity_x", "--points", "[[0.1, 0.2]]"}).code, 0);
+  EXPECT_EQ(fake_study().report.title, "My sand, 1 g");
+  EXPECT_EQ(fake_study().report.times_s, (std::vector<double>{0.1, 0.2}));
+  EXPECT_EQ(fake_study().report.fields_drawn, (std::vector<std::string>{"strain_dev", "velocity_x"}));
+  EXPECT_EQ(fake_study().report.points_m.size(), 1u);
   EXPECT_EQ(fake_study().first, "r.h5");
   EXPECT_EQ(fake_study().settings.out, "");
 }

@@ -45,7 +45,10 @@ void synthesize(const Case& c, const RunSettings& settings, Progress& progress, 
   called("synthesize", settings, progress);
 }
 
-RunOutcome report_record(const std::filesystem::path& record, const RunSettings& settings, Progress& progress) {
+RunOutcome report_record(const std::filesystem::path& record, const RunSettings& settings, Progress& progress,
+                         const std::function<void(report::ReportOptions&)>& change) {
+  fake_study().report = {};
+  if (change) change(fake_study().report);
   fake_study().first = record.string();
   called("report_record", settings, progress);
   return fake_study().outcome;

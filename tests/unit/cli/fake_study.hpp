@@ -19,6 +19,7 @@ struct FakeStudy {
   std::string first, second;
   compare::CompareOptions options;
   compare::LimitOptions limits;
+  report::ReportOptions report;
   std::function<void(Progress&)> work;  // what every call does: throw, report progress, wait for a stop
   RunOutcome outcome;
   std::vector<VerifyResult> verdicts;  // handed out one after the other

@@ -45,6 +45,15 @@ TEST(Progress, AResumedStageCountsItsRateFromWhereItBegan) {
   EXPECT_EQ(d.out.str().substr(0, 26), "piv 95/100, 1/s, 5 s left\n");
 }
 
+TEST(Progress, AStageKeepsItsClockThroughOneWithinIt) {
+  Display d(ProgressStyle::lines);
+  for (int k = 1; k <= 4; ++k) {
+    for (int n = 0; n < 3; ++n, d.now += 5) d.progress.update("steps", n, 100);
+    d.progress.update("states", k, 4);
+  }
+  EXPECT_NE(d.out.str().find("states 4/4, done in 45 s"), std::string::npos) << d.out.str();
+}
+
 TEST(Progress, AnUnfinishedLineIsEndedBeforeOtherText) {
   std::ostringstream out;
   {

@@ -59,15 +59,15 @@ TEST(ScalarStatistics, SignedBiasUnsignedRest) {
   EXPECT_EQ(s.max(), 2);
 }
 
-TEST(StillZone, TakesOnlyWhatCannotBeToldToMove) {
+TEST(StillZone, NeedsEnoughParticlesThatHaveStrain) {
   StillZone zone;
-  for (std::size_t k = 0; k < StillZone::least - 1; ++k) zone.add(Vec2(0.01, 0), 1e-4, 0.003, -0.002);
-  zone.add(Vec2(0.03, 0), 1e-4, 1, 1);  // 3 sigma: moves
-  zone.add(Vec2(0, 0), 0, 1, 1);        // no error known
+  for (std::size_t k = 0; k < StillZone::least - 1; ++k) zone.add(0.003, -0.002, 0.005);
+  zone.add(not_known, 1, 1);
   EXPECT_TRUE(std::isnan(zone.dev()));
-  zone.add(Vec2(0, 0.019), 1e-4, 0.003, -0.002);
+  zone.add(0.003, -0.002, 0.005);
   EXPECT_NEAR(zone.dev(), 0.003, 1e-15);
   EXPECT_NEAR(zone.vol(), 0.002, 1e-15);
+  EXPECT_NEAR(zone.path(), 0.005, 1e-15);
 }
 
 TEST(Verdict, Words) {

@@ -77,25 +77,36 @@ TEST(Uncertainty, OneSideMayKnowItsError) {
   }
 }
 
-TEST(Uncertainty, StrainFloorIsWhatTheStillZoneShows) {
-  MotionMemory a = measured(5, 0.01, 0, "np");
+// Particles that happen to stand still deform as others do: a floor comes from a zone that is declared, or it is not known.
+TEST(Uncertainty, StrainFloorIsWhatTheDeclaredZoneShows) {
+  const MotionMemory a = measured(5, 0.01, 0, "np");
   const ParticleSet set = a.particles();
   MotionMemory strained("np", "m", "s", set);
+  const auto still = [](const Vec2& x) { return x.x() > 20; };
   for (std::size_t k = 0; k < 3; ++k) {
     MotionFrame f = a.frame(k);
-    // Alternating false shear of one size at every later time.
-    for (std::size_t p = 0; p < set.size() && k > 0; ++p) f.F[p][1] = p % 2 == 0 ? 0.002f : -0.002f;
+    // False shear of alternating sign in the strip; ten times as much where the block stands still, and deforms.
+    for (std::size_t p = 0; p < set.size() && k > 0; ++p)
+      f.F[p][1] = (p % 2 == 0 ? 0.002f : -0.002f) * (still(set.x0[p]) ? 1 : 10);
     strained.add(f);
   }
-  const MotionMemory b = motion_of("mpm", set, {0, 1, 2}, [](const Vec2& x, double t) {
-    return Vec2(x.x() > 20 ? t : 0, 0);
+  const MotionMemory b = motion_of("mpm", set, {0, 1, 2}, [&](const Vec2& x, double t) {
+    return Vec2(still(x) ? t : 0, 0);
   });
-  const Comparison c = compared(strained, b);
+  const Comparison undeclared = compared(strained, b);
+  EXPECT_TRUE(std::isnan(metric(undeclared, "strain_dev_rms").uncertainty));
+  EXPECT_EQ(metric(undeclared, "strain_dev_rms").verdict, Verdict::none);
   const double floor = 0.002 / std::sqrt(3.0);  // e_xy = 0.001: sqrt(2/3 2 e_xy^2)
-  EXPECT_NEAR(metric(c, "strain_dev_rms").uncertainty, floor, 1e-6);
-  EXPECT_EQ(metric(c, "strain_dev_rms").verdict, Verdict::not_distinguishable);
-  EXPECT_EQ(series(c, "strain_dev_uncertainty").size(), 3U);
-  EXPECT_NEAR(series(c, "strain_dev_uncertainty")[2], floor, 1e-6);
+  for (const bool turns : {false, true}) {  // the strip moves as one piece: in its own frame it is still
+    CompareOptions options;
+    (turns ? options.fixed_zone_m : options.reference_m) = {{20.1, -1}, {31, -1}, {31, 31}, {20.1, 31}};
+    const Comparison c = compared(strained, b, options);
+    EXPECT_NEAR(metric(c, "strain_dev_rms").uncertainty, floor, 1e-6);
+    EXPECT_EQ(metric(c, "strain_dev_rms").verdict, Verdict::none);  // ten times the floor in most of the block
+    EXPECT_NE(metric(c, "strain_dev_rms").definition.find(turns ? "fixed_zone_m" : "reference_m"), std::string::npos);
+    ASSERT_EQ(series(c, "strain_dev_uncertainty").size(), 3U);
+    EXPECT_NEAR(series(c, "strain_dev_uncertainty")[2], floor, 1e-6);
+  }
 }
 
 // A floor that a record states is the data set's, whatever its still particles show.
@@ -114,11 +125,13 @@ TEST(Uncertainty, StrainFloorOfTheRecord) {
   EXPECT_EQ(metric(c, "strain_dev_path_bias").uncertainty, 0.005);
   EXPECT_NE(metric(c, "strain_dev_rms").definition.find("np (still frames)"), std::string::npos);
   EXPECT_EQ(metric(c, "area_metric_strain_dev").uncertainty, 0.003);
-  // Both measured: in squares. A data set that says "not measured" shows its own still zone.
+  // Both measured: in squares. Where one says "not measured" and no zone is declared, nothing is known.
   EXPECT_NEAR(metric(compare(a, b, {}, {}, progress, {}, {note, note}), "strain_dev_rms").uncertainty,
               0.003 * std::sqrt(2.0), 1e-12);
   const Comparison own = compare(a, b, {}, {}, progress, {}, {StrainNote{}, {}});
-  EXPECT_EQ(metric(own, "strain_dev_rms").uncertainty, 0);  // F is the identity there
+  EXPECT_TRUE(std::isnan(metric(own, "strain_dev_rms").uncertainty));
+  const Comparison half = compare(a, measured(6, 0.01, 0, "b"), {}, {}, progress, {}, {note, {}});
+  EXPECT_TRUE(std::isnan(metric(half, "strain_dev_rms").uncertainty));
 }
 
 // A block of 30 x 30 whose last ten columns draw off by 2: two outlines of lengths 100 and 80, known to half a spacing

@@ -6,6 +6,7 @@
 #include "apps/report/content/differences.hpp"
 #include "apps/report/content/fields.hpp"
 #include "apps/report/content/point_curves.hpp"
+#include "apps/report/content/material.hpp"
 #include "apps/report/content/quality.hpp"
 #include "apps/report/content/selection.hpp"
 #include "tests/unit/report/synthetic.hpp"
@@ -80,6 +81,46 @@ TEST(Content, PairsAreCounted) {
   EXPECT_NE(pairs[15].flag, 0);
   EXPECT_EQ(pairs[14].flag, 0);
   EXPECT_LT(pairs[15].share(pairs[15].valid), 0.5);
+}
+
+// A grid that reaches far beyond the material: what windows in front of the background gave is neither here nor there.
+TEST(Content, SharesAreOfTheMaterial) {
+  SyntheticOptions o;
+  o.frames = 4;
+  o.spacing_m = 0.01;
+  Synthetic s = make_synthetic(o);
+  s.content.tracked = s.content.measured;
+  const VectorField real = s.content.pair(1);
+  const auto inside = nodes_in_material(s.content, real);
+  ASSERT_EQ(inside.size(), real.status.size());
+  const MotionFrame at = s.content.tracked->frame(1);
+  const auto distance = [&](const Vec2& x) {
+    double least = 1;
+    for (std::size_t p = 0; p < at.u.size(); ++p)
+      least = std::min(least, (s.content.tracked->particles().x0[p] + Vec2(double(at.u[p][0]), double(at.u[p][1])) - x).norm());
+    return least;
+  };
+  std::size_t material = 0, outside = 0;
+  s.content.pair = [&](std::size_t) {
+    VectorField f = real;
+    for (std::size_t n = 0; n < f.status.size(); ++n)
+      f.status[n] = inside[n] ? VectorStatus::valid : n % 2 ? VectorStatus::valid : VectorStatus::rejected;
+    return f;
+  };
+  for (int j = 0; j < real.grid.ny; ++j)
+    for (int i = 0; i < real.grid.nx; ++i) {
+      const bool in = inside[real.grid.node(i, j)];
+      const double d = distance(real.grid.position(i, j));
+      EXPECT_FALSE(in && d > 0.0100) << i << ", " << j;  // a particle's spacing from all of them
+      EXPECT_FALSE(!in && d < 0.0049) << i << ", " << j;
+      ++(in ? material : outside);
+    }
+  ASSERT_GT(material, 50u);
+  ASSERT_GT(outside, 50u);
+  const PairQuality q = pair_quality(s.content).at(1);
+  EXPECT_EQ(q.nodes, material);
+  EXPECT_EQ(q.outside, outside);
+  EXPECT_EQ(q.share(q.valid), 1.0);
 }
 
 // |u| of the second minus |u| of the first, and the RMS against time, from fields worked by hand.

@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -108,6 +109,29 @@ TEST_F(Figures, ThoseOfAnotherComparisonGo) {
   for (const char* stale : {"curves.png", "curves.svg", "decomposition.png", "decomposition.svg"})
     EXPECT_FALSE(file(stale)) << stale;
   EXPECT_TRUE(file("energy.png"));
+}
+
+// What a figure draws, for those who draw it again.
+TEST_F(Figures, TheirDataAreWritten) {
+  SyntheticOptions o;
+  o.frames = 4;
+  o.spacing_m = 0.02;
+  const Synthetic s = make_synthetic(o);
+  const ReportOptions options;
+  const FigureInput input = figure_input(options, s.content);
+  std::size_t drawn = 0;
+  for (const Section section : {Section::summary, Section::comparison, Section::measurement, Section::simulation})
+    for (const Figure& figure : draw_section(section, input)) {
+      SCOPED_TRACE(figure.name);
+      const std::string text = csv(figure.data);
+      EXPECT_GT(std::count(text.begin(), text.end(), '\n'), 2) << text.substr(0, 200);
+      ++drawn;
+      if (figure.name != "difference") continue;
+      ASSERT_EQ(figure.data.size(), 4u);
+      EXPECT_EQ(figure.data[1].values, input.differences.rms);
+      EXPECT_TRUE(text.starts_with("time (s),RMS (m),median (m),standard uncertainty (m)\n0,0,0,"));
+    }
+  EXPECT_GE(drawn, 8u);
 }
 
 }  // namespace

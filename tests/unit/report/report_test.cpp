@@ -75,6 +75,7 @@ class Report : public testing::Test {
   bool has_figure(const std::string& name) const {
     return std::filesystem::exists(folder_ / "figures" / (name + ".png")) &&
            std::filesystem::exists(folder_ / "figures" / (name + ".svg")) &&
+           std::filesystem::exists(folder_ / "figures" / (name + ".csv")) &&
            html_.find("<figure id=\"" + name + "\">") != std::string::npos;
   }
   std::size_t colours_of(const std::string& figure) const {
@@ -96,7 +97,7 @@ TEST_F(Report, Full) {
   write(make_synthetic({}));
   EXPECT_EQ(std::setlocale(LC_ALL, nullptr), locale);  // Qt would set the user's
   for (const char* name :
-       {"vectors_1", "displacement", "deviatoric_strain", "histories", "difference", "outline", "energy", "quality"}) {
+       {"verdict", "vectors_1", "displacement", "deviatoric_strain", "histories", "difference", "outline", "energy", "quality"}) {
     EXPECT_TRUE(has_figure(name)) << name;
     EXPECT_GT(colours_of(name), 20u) << name;  // black and white alone have 256 with their smoothing; blank has 1
     const QImage image(QString::fromStdString((folder_ / "figures" / (std::string(name) + ".png")).string()));
@@ -107,10 +108,10 @@ TEST_F(Report, Full) {
   for (const char* section :
        {"Comparison", "Measurement", "Simulation", "What was flagged", "How this was made", "Settings"})
     EXPECT_NE(html_.find(std::string(">") + section + "</h2>"), std::string::npos) << section;
-  EXPECT_EQ(occurrences(html_, "data:image/png;base64,"), 8u);
+  EXPECT_EQ(occurrences(html_, "data:image/png;base64,"), 9u);
   EXPECT_LT(html_.size(), 10'000'000u);
   EXPECT_GE(pages_, 5u);
-  EXPECT_NE(html_.find("Displacement, RMS"), std::string::npos);
+  EXPECT_NE(html_.find("Displacement difference, RMS"), std::string::npos);
   EXPECT_NE(html_.find(name_of(Verdict::exceeded)), std::string::npos);
   EXPECT_NE(html_.find("IMG_0015.png to IMG_0016.png: the pair lost its correlation"), std::string::npos);
   EXPECT_NE(html_.find(words(EndReason::left_image)), std::string::npos);

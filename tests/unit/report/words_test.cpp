@@ -13,10 +13,10 @@ namespace {
 
 TEST(Words, Names) {
   const DataSetNames names = data_set_names({});
-  EXPECT_EQ(capitalised(metric_words("displacement_rms", names)), "Displacement, RMS");
-  EXPECT_EQ(capitalised(metric_words("strain_dev_p95", names)), "Deviatoric strain, 95th percentile");
-  EXPECT_EQ(capitalised(metric_words("displacement_bias_x_final", names)), "Displacement, mean difference in x, at the end");
-  EXPECT_EQ(capitalised(metric_words("displacement_rms_final_over_u", names)), "Displacement, RMS, at the end, in units of its uncertainty");
+  EXPECT_EQ(capitalised(metric_words("displacement_rms", names)), "Displacement difference, RMS");
+  EXPECT_EQ(capitalised(metric_words("strain_dev_p95", names)), "Deviatoric strain, difference, 95th percentile");
+  EXPECT_EQ(capitalised(metric_words("displacement_bias_x_final", names)), "Displacement difference, mean in x, at the end");
+  EXPECT_EQ(capitalised(metric_words("displacement_rms_final_over_u", names)), "Displacement difference, RMS, at the end, in units of its uncertainty");
   EXPECT_EQ(capitalised(metric_words("u_val_final", names)), "Uncertainty of a difference, u_val, at the end");
   EXPECT_EQ(capitalised(metric_words("outline_iou", names)), "Outlines, share in common (IoU)");
   EXPECT_EQ(capitalised(metric_words("outline_hausdorff_95", names)), "Outlines, Hausdorff distance (95 %)");
@@ -24,7 +24,7 @@ TEST(Words, Names) {
   EXPECT_EQ(capitalised(metric_words("area_metric_strain_dev", names)), "Area metric of the deviatoric strain");
   EXPECT_EQ(capitalised(metric_words("decomposition_displacement_x_outside", names)),
             "Decomposition of the displacement x, share of coefficients outside the band");
-  EXPECT_EQ(capitalised(metric_words("levelled_strain_dev_path_rms", names)), "Deviatoric strain along the path, RMS, levelled");
+  EXPECT_EQ(capitalised(metric_words("levelled_strain_dev_path_rms", names)), "Deviatoric strain along the path, difference, RMS, levelled");
   EXPECT_EQ(capitalised(metric_words("point_1_onset_difference", names)), "Point 1, onset, simulated − measured");
   EXPECT_EQ(capitalised(metric_words("history_rms", names)), "History, RMS");
   EXPECT_EQ(capitalised(metric_words("fixed_zone_shift_first_x", names)), "Fixed zone, shift x, measured");

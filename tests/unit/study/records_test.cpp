@@ -8,6 +8,9 @@
 #include <iterator>
 #include <set>
 
+#include "apps/report/content/differences.hpp"
+#include "apps/report/content/selection.hpp"
+#include "apps/report/report.hpp"
 #include "apps/study/study.hpp"
 #include "compare/metrics/rows.hpp"
 #include "pivnp/core/error.hpp"
@@ -58,6 +61,21 @@ TEST_F(Records, ReportedAgainHoldWhatCoarserGridsSaid) {
   EXPECT_TRUE(fs::exists(again.report_html));
 }
 
+TEST_F(Records, ReportedAgainAsIsAskedFor) {
+  CompareSources sources;
+  sources.first = tracks("lab.csv", 6, 0.30), sources.second = tracks("sim.csv", 6, 0.31);
+  compare_records(sources, {}, {}, settings("out"), progress);
+  const RunOutcome again = report_record(scratch.path / "out", settings("again"), progress, [](report::ReportOptions& o) {
+    o.title = "asked for";
+    o.fields_drawn = {"velocity_x"};
+  });
+  std::ifstream in(again.report_html, std::ios::binary);
+  const std::string html{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  EXPECT_NE(html.find("<h1>asked for</h1>"), std::string::npos);
+  EXPECT_TRUE(fs::exists(scratch.path / "again" / "figures" / "velocity_x.svg"));
+  EXPECT_FALSE(fs::exists(scratch.path / "again" / "figures" / "deviatoric_strain.svg"));
+}
+
 TEST_F(Records, LengthsOfOtherProgramsAreInTheUnitThatIsNamed) {
   CompareSources sources;
   sources.first = tracks("a.csv", 6, 0.1), sources.second = tracks("b.csv", 6, 0.1);
@@ -70,6 +88,31 @@ TEST_F(Records, LengthsOfOtherProgramsAreInTheUnitThatIsNamed) {
     if (m.name == "displacement_rms") {
       EXPECT_EQ(m.unit, "px");
     }
+}
+
+// Column by column: the first, the second and their difference, whatever was done to bring them together.
+TEST_F(Records, FieldsAreDrawnAsTheyWereCompared) {
+  CompareSources sources;
+  sources.first = tracks("lab.csv", 6, 0.30), sources.second = tracks("sim.csv", 6, 0.50);
+  compare::CompareOptions options;
+  options.time_offset_s = 0.5;
+  const RunOutcome outcome = compare_records(sources, options, {}, settings("out"), progress);
+  const io::RecordReader record(outcome.record);
+  report::ReportInput input;
+  input.record = &record;
+  input.compared = options;
+  const report::Content content = report::content_of(input);
+  EXPECT_FALSE(content.alignment.empty());
+  const std::vector<double> times = report::chosen_times({}, content);
+  EXPECT_EQ(times.back(), 2.0);
+  for (const double t : times) {
+    const auto first = report::fields_at(*content.measured, "displacement_magnitude", true, {t});
+    const auto second = report::fields_at(*content.simulated, "displacement_magnitude", true, {t});
+    const std::vector<double> apart = report::field_difference(content, "displacement_magnitude", t, first[0]);
+    ASSERT_EQ(apart.size(), 36U);
+    for (std::size_t p = 0; p < apart.size(); ++p)
+      EXPECT_NEAR(apart[p], second[0].value[p] - first[0].value[p], 1e-5) << t;
+  }
 }
 
 std::string text_of(const fs::path& file) {

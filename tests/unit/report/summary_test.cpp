@@ -1,0 +1,172 @@
+// Words agree with numbers: 200 comparisons are made up, and what their reports say is read back.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+#include <regex>
+
+#include "apps/report/document/tables.hpp"
+#include "apps/report/words/flags.hpp"
+#include "apps/report/words/summary.hpp"
+#include "tests/unit/report/synthetic.hpp"
+
+namespace pivnp::report {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+// "14.0 mm", "1.2 × 10⁻⁴ m": the number in m, or as it stands without a unit of length.
+double number_in(std::string text) {
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from)) text.replace(at, from.size(), to);
+  };
+  replace("\u2212", "-");
+  const char* const digits[] = {"\u2070", "\u00b9", "\u00b2", "\u00b3", "\u2074", "\u2075", "\u2076", "\u2077", "\u2078", "\u2079"};
+  replace("\u207b", "-");
+  for (int d = 0; d < 10; ++d) replace(digits[d], std::to_string(d));
+  replace(" \u00d7 10", "e");
+  std::size_t used = 0;
+  const double value = std::stod(text, &used);
+  const std::string unit = text.substr(used);
+  return unit.starts_with(" mm") ? value * 1e-3 : unit.starts_with(" \u00b5m") || unit.starts_with(" \u03bcm") ? value * 1e-6 : value;
+}
+
+std::string after(const std::string& text, const std::string& words) {
+  const std::size_t at = text.find(words);
+  return at == std::string::npos ? "" : text.substr(at + words.size());
+}
+
+std::size_t count_of(const std::string& text, const std::string& part) {
+  std::size_t n = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + part.size())) ++n;
+  return n;
+}
+
+struct Drawn {
+  Content content;
+  double rms, u, strain, floor;
+  std::size_t limits = 0, missed = 0;
+};
+
+Drawn draw(std::mt19937& random) {
+  std::uniform_real_distribution<double> share(0, 1);
+  const auto log_between = [&](double low, double high) { return low * std::pow(high / low, share(random)); };
+  // A third near the edge of two, some not known.
+  const auto uncertainty = [&](double value) {
+    const double kind = share(random);
+    if (kind < 0.15) return nan;
+    if (kind < 0.2) return 0.0;
+    return value / (kind < 0.5 ? 1.9 + 0.2 * share(random) : log_between(0.05, 300));
+  };
+  Drawn d;
+  d.rms = log_between(2e-5, 0.5), d.u = uncertainty(d.rms);
+  d.strain = log_between(1e-4, 0.9), d.floor = uncertainty(d.strain);
+  Comparison c;
+  const auto add = [&](const char* name, double value, const char* unit, double u) {
+    c.metrics.push_back({name, value, unit, u, ""});
+  };
+  add("displacement_rms", d.rms, "m", d.u);
+  add("displacement_peak_first", d.rms * log_between(1, 100), "m", nan);
+  add("displacement_rms_final", d.rms * 1.5, "m", d.u * 1.5);
+  add("strain_dev_rms", d.strain, "1", d.floor);
+  add("strain_dev_rms_final", 2 * d.strain, "1", d.floor);
+  add("u_numerical", share(random) < 0.5 ? 0 : d.rms / 10, "m", nan);
+  for (const char* name : {"run_out_x", "slope_angle", "crest_retreat"}) {
+    if (share(random) < 0.3) continue;
+    const double first = log_between(0.01, 40), apart = (share(random) < 0.5 ? -1 : 1) * log_between(1e-3, 1) * first;
+    const char* unit = name == std::string("slope_angle") ? "deg" : "m";
+    add((std::string(name) + "_first").c_str(), first, unit, nan);
+    add((std::string(name) + "_second").c_str(), first + apart, unit, nan);
+    add((std::string(name) + "_difference").c_str(), apart, unit, uncertainty(std::abs(apart)));
+  }
+  for (const char* key : {"displacement_rms_m", "strain_rms", "run_out_m"}) {
+    if (share(random) < 0.5) continue;
+    const bool met = share(random) < 0.5;
+    c.limits.push_back({key, 0.02, met ? 0.01 : 0.03, met});
+    ++d.limits;
+    d.missed += !met;
+  }
+  d.content.comparison = std::move(c);
+  return d;
+}
+
+void expect_judgement(const std::string& sentence, double value, double u) {
+  const bool known = std::isfinite(u) && u > 0;
+  EXPECT_EQ(sentence.find("not known") != std::string::npos, !known) << sentence;
+  EXPECT_EQ(sentence.find("real") != std::string::npos && known, known && value >= 2 * u) << sentence << value / u;
+  EXPECT_EQ(sentence.find("within chance") != std::string::npos, known && value < 2 * u) << sentence << value / u;
+}
+
+TEST(Summary, SentencesSayWhatTheNumbersSay) {
+  std::mt19937 random(20261123);
+  const DataSetNames names{false, "measured", "simulated", "the measurement", "the simulation"};
+  for (int run = 0; run < 200; ++run) {
+    const Drawn d = draw(random);
+    const std::string text = summary(d.content, names, {});
+    SCOPED_TRACE(std::to_string(run) + ": " + text);
+    EXPECT_NEAR(number_in(after(text, "differ by ")), d.rms, 0.006 * d.rms);
+    const std::size_t strain_at = text.find(" The deviatoric strains"), end = text.find("Not in these");
+    ASSERT_NE(strain_at, std::string::npos);
+    expect_judgement(text.substr(0, strain_at), d.rms, d.u);
+    std::string strain = text.substr(strain_at, (end == std::string::npos ? text.find("limit", strain_at) : end) - strain_at);
+    expect_judgement(strain, d.strain, d.floor);
+    EXPECT_NEAR(number_in(after(strain, "differ by ")), d.strain, 0.006 * d.strain);
+    if (const std::string less = after(text.substr(0, strain_at), "alone give "); !less.empty()) {
+      EXPECT_NEAR(number_in(less), d.u, 0.06 * d.u);
+    }
+    const bool numerics = find(d.content.comparison->metrics, "u_numerical")->value > 0;
+    EXPECT_EQ(text.find("compare.mesh_study") == std::string::npos, numerics);
+    EXPECT_NE(text.find("compare.input_uncertainty_m"), std::string::npos);
+    EXPECT_EQ(text.find("No limit was stated") != std::string::npos, d.limits == 0);
+    EXPECT_EQ(text.find(" missed.") != std::string::npos, d.missed > 0);
+    if (d.missed > 0) {
+      EXPECT_NE(text.find(" " + std::to_string(d.missed) + " of " + std::to_string(d.limits) + " limit"), std::string::npos);
+    }
+    std::size_t flagged = 0;
+    for (const std::string& flag : flags(d.content, names, {})) flagged += count_of(flag, "is missed");
+    EXPECT_EQ(flagged, d.missed);
+  }
+}
+
+TEST(Summary, TheTablesVerdictsFollowItsCells) {
+  std::mt19937 random(20261124);
+  const DataSetNames names{false, "measured", "simulated", "the measurement", "the simulation"};
+  std::size_t rows = 0;
+  for (int run = 0; run < 200; ++run) {
+    const Drawn d = draw(random);
+    const auto table = summary_table(d.content, names);
+    ASSERT_TRUE(table);
+    EXPECT_LE(table->rows.size(), 8u);
+    for (const std::vector<std::string>& row : table->rows) {
+      ++rows;
+      SCOPED_TRACE(row[0] + " | " + row[3] + " | " + row[4] + " | " + row[5]);
+      if (row[4] == "not known") {
+        EXPECT_TRUE(row[5].starts_with("not known"));
+        continue;
+      }
+      const double apart = std::abs(number_in(row[3])), chance = number_in(row[4]);
+      if (std::abs(apart / chance - 1) < 0.07) continue;  // two digits do not show on which side it lies
+      EXPECT_TRUE(row[5].starts_with(apart < chance ? "within chance" : "real"));
+      if (row[1] != "\u2013" && row[0] != table->rows[0][0]) {
+        EXPECT_NEAR(number_in(row[2]) - number_in(row[1]), number_in(row[3]), 0.011 * (std::abs(number_in(row[1])) + std::abs(number_in(row[2]))));
+      }
+    }
+  }
+  EXPECT_GT(rows, 800u);
+}
+
+// One curve ends before the other: only what both cover was compared.
+TEST(Summary, HistoriesAreComparedWhereBothAreKnown) {
+  Content content;
+  Comparison c;
+  c.metrics.push_back({"history_rms", 0.01, "m", nan, ""});
+  c.tables = {{history_table(DataSetRole::first), "a", {{"time", "s", {0.43, 1.0, 1.929}}, {"value", "m", {0, 1, 2}}}},
+              {history_table(DataSetRole::second), "b", {{"time", "s", {0.1, 1.2}}, {"value", "m", {0, 1}}}}};
+  content.comparison = c;
+  const std::string text = histories_summary(content);
+  EXPECT_NE(text.find("between 0.43 and 1.2 s"), std::string::npos) << text;
+}
+
+}  // namespace
+}  // namespace pivnp::report
