@@ -91,7 +91,7 @@ for key in ("reference_m", "fixed_zone_m"):
     refused(key, LEAST + f"[compare]\n{key} = [[5.0, 5.0], [5.1, 5.0], [5.1, 5.1]]\n", key, "compare." + key, "particles")
 refused("still zone", LEAST + "[np]\nstill_zone_m = [[5.0, 5.0], [5.1, 5.0], [5.1, 5.1]]\n", "still_zone_m", "np.still_zone_m", "particle")
 refused("empty region", changed(LEAST, "[[0.03, 0.03], [0.13, 0.03], [0.13, 0.09], [0.03, 0.09]]", "[[3.0, 3.0], [4.0, 3.0], [4.0, 4.0]]"),
-        "[region.soil]", "region.soil")
+        "polygon_m = [[3.0", "region.soil")
 refused("mask over all", LEAST + "[mask.all]\ncircle_px = [80.0, 64.0, 900.0]\n", "[mask", "mask")
 refused("held by nothing", changed(COLUMN, "[[0.0, 0.0], [0.08, 0.0], [0.08, 0.12], [0.0, 0.12]]",
                                    "[[0.0, 0.06], [0.08, 0.06], [0.08, 0.12], [0.0, 0.12]]"), "[mpm]", "mpm.initial_equilibrium", "soil")

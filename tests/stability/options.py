@@ -134,7 +134,7 @@ MPM = {
     "pic_per_s": [("5.0", {"transfer": '"flip"'})], "xpic_order": [("3", {"transfer": '"xpic"'})],
     "sleep_below_m_s": ["0.001"], "end_displacement_m": ["1.0"], "refine": ["2"], "end_s": ["0.01"], "output_rate_hz": ["200.0"],
     "domain_m": ["[[0.0, 0.0], [0.12, 0.12]]"], "per_element": ["9"],
-    "pressure": [('"explicit"', {}, {"water": SUBMERGED, "material.soil": POROUS})],
+    "pressure": [(scheme, {}, {"water": SUBMERGED, "material.soil": POROUS}) for scheme in ('"explicit"', '"projected"')],
 }
 VALUES = {
     "": {"name": ['"a name"']},
@@ -196,7 +196,7 @@ VALUES = {
                       {"removed_s": [("0.01", {}, {"region.soil": {"polygon_px": "[[15, 55], [79, 55], [79, 31], [15, 31]]"},
                                                    "region.below": {"polygon_px": "[[15, 79], [79, 79], [79, 55], [15, 55]]"},
                                                    "synth.material.below": SIMULATION["material.soil"]})]},
-    "synth.mpm": MPM | {"pressure": [('"explicit"', {}, {"water": SUBMERGED, "synth.material.soil": POROUS})], "domain_m": ["[[0.0, 0.0], [0.095, 0.095]]"]},
+    "synth.mpm": MPM | {"pressure": [(scheme, {}, {"water": SUBMERGED, "synth.material.soil": POROUS}) for scheme in ('"explicit"', '"projected"')], "domain_m": ["[[0.0, 0.0], [0.095, 0.095]]"]},
     "water": {"level_history": [("[[0.0, 0.1], [0.02, 0.12]]", {"level_m": None})]},
     "verify": {"lost_share": [("0.5", {"displacement_rms_px": "5.0"})], "displacement_rms_px": ["5.0"], "strain_error": ["1.0"],
                "nodal_error": ["1.0"], "drift_px": ["5.0"], "drift_ratio": ["5.0"]},

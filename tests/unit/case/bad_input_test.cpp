@@ -62,7 +62,7 @@ TEST(BadInput, WaterGoesWithPores) {
             "c.toml:8: material.a.permeability_m_s: missing beside porosity; expected 0 or more (m/s), or drained = true");
   EXPECT_EQ(refusal(wet + "density_kg_m3 = 1800\n[water]\n"),
             "c.toml:13: material.a.density_kg_m3: found 1800, expected none beside porosity: grain_density_kg_m3 and water make the density");
-  EXPECT_EQ(refusal("[mpm]\npressure = 'implicit'\n"), "c.toml:2: mpm.pressure: found \"implicit\", expected explicit or projected");
+  EXPECT_EQ(refusal("[mpm]\npressure = 'implicit'\n"), "c.toml:2: mpm.pressure: found \"implicit\", expected one of explicit, projected; did you mean 'explicit'?");
 }
 
 TEST(BadInput, SectionsThatAreNone) {

@@ -20,7 +20,7 @@ def check(ok, what):
 
 f = h5py.File(record_path)
 check(f.attrs["schema"] == "pivnp", "schema")
-check(f.attrs["schema_version"] == "1.4", "schema_version")
+check(f.attrs["schema_version"] == "1.5", "schema_version")
 check(re.fullmatch(r"\d+\.\d+\.\d+", f.attrs["version"]), "version")
 check(f.attrs["commit"] and "HDF5" in f.attrs["libraries"], "commit and libraries")
 check(re.fullmatch(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ", f.attrs["created"]), "created")
@@ -61,6 +61,12 @@ expected = {
 for term in ("kinetic", "elastic", "plastic", "damping", "contact", "external", "residual", "hourglass"):
     expected["energy/" + term] = ("f8", (steps,), "J/m")
 expected["energy/time"] = ("f8", (steps,), T)
+expected["reactions/time"] = ("f8", (steps,), T)
+for name in ("boundary.base_left", "body.plate"):
+    expected[f"reactions/{name}/force"] = ("f8", (steps, 2), "N/m")
+    expected[f"reactions/{name}/moment"] = ("f8", (steps,), "N")
+expected["reactions/body.plate/displacement"] = ("f8", (steps, 2), L)
+expected["reactions/body.plate/turn"] = ("f8", (steps,), "rad")
 common = {
     "time": ("f8", (steps,), T), "id": ("i8", (P,), ""), "label": ("i4", (P,), ""), "label_name": (text, (2,), ""),
     "x0": ("f8", (P, 2), L), "area": ("f4", (P,), L + "^2"), "born": ("f8", (P,), T), "end": ("f8", (P,), T),
