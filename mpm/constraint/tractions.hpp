@@ -53,6 +53,8 @@ class Tractions {
   bool any() const { return !pieces_.empty(); }
   /// The piece of a face over a particle of the set (the first, where two meet); null: none.
   const Traction* of(std::size_t particle) const;
+  /// The next over the same particle; null: none.
+  const Traction* after(const Traction& piece) const { return piece.next < 0 ? nullptr : &pieces_[std::size_t(piece.next)]; }
   /// Adds the forces at a time to NodeArrays::loads, and their impulses over dt to those of their boundaries. Same bits for
   /// any number of threads.
   void add_to_loads(const Particles& p, GridState& g, double time, double dt, std::span<Impulse> of_boundaries, int threads) const;

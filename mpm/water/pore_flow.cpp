@@ -210,15 +210,16 @@ PoreFlow PoreWater::flow_through_tractions(Particles& p, const Tractions& tracti
   PoreFlow sum;
   if (!boundaries_.any_flux_on_tractions()) return sum;
   for (std::size_t k = 0; k < p.size(); ++k) {
-    const Traction* load = p.cell[k] == Particles::ended ? nullptr : tractions.of(p.index[k]);
-    if (!load || time >= load->until || !flows(p, k)) continue;
-    const PoreCondition& condition = boundaries_.of_boundary(load->boundary);
-    if (condition.kind != PoreCondition::flux) continue;
-    const double through = dt * condition.value * load->face, stiffness = options_.bulk_modulus_pa / pores_of(p, k, soil_of(p, k));
-    p.content[k] += through / p.volume0[k];
-    sum.inflow += through;
-    sum.external += through * (p.pressure[k] + 0.5 * stiffness * through / p.volume0[k]);
-    if (projected()) p.pressure[k] += stiffness * through / p.volume0[k];
+    if (p.cell[k] == Particles::ended || !flows(p, k)) continue;
+    for (const Traction* load = tractions.of(p.index[k]); load; load = tractions.after(*load)) {
+      const PoreCondition& condition = boundaries_.of_boundary(load->boundary);
+      if (time >= load->until || condition.kind != PoreCondition::flux) continue;
+      const double through = dt * condition.value * load->face, stiffness = options_.bulk_modulus_pa / pores_of(p, k, soil_of(p, k));
+      p.content[k] += through / p.volume0[k];
+      sum.inflow += through;
+      sum.external += through * (p.pressure[k] + 0.5 * stiffness * through / p.volume0[k]);
+      if (projected()) p.pressure[k] += stiffness * through / p.volume0[k];
+    }
   }
   return sum;
 }

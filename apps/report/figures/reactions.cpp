@@ -39,13 +39,14 @@ double greatest(const std::vector<double>& values) {
   return most;
 }
 
+std::vector<double> component(const std::vector<Vec2>& all, int axis) {
+  std::vector<double> out;
+  for (const Vec2& v : all) out.push_back(v[axis]);
+  return out;
+}
+
 // The component that is the greater over the run.
 Curve curve_of(const ReactionSeries& s) {
-  const auto component = [](const std::vector<Vec2>& all, int axis) {
-    std::vector<double> out;
-    for (const Vec2& v : all) out.push_back(v[axis]);
-    return out;
-  };
   const std::vector<double> x = component(s.force, 0), y = component(s.force, 1);
   const int axis = greatest(x) > greatest(y) ? 0 : 1;
   Curve out{s.name.substr(s.name.find('.') + 1) + (axis == 0 ? ", x" : ", y"), axis == 0 ? x : y, {}};
@@ -104,7 +105,18 @@ std::vector<Figure> draw_reactions(const FigureInput& input) {
     caption += ", (a) against time, (b) of bodies that move against their displacement along it";
   }
   if (all > curves.size()) caption += "; the " + std::to_string(curves.size()) + " greatest of " + std::to_string(all);
-  return {{caption + ".", canvas}};
+  const std::string& length = input.content.length_unit;
+  std::vector<ComparisonTable::Column> data{{"time", input.content.time_unit, reactions.time}};
+  for (const ReactionSeries& s : reactions.series) {
+    data.push_back({s.name + " force x", "N/m", component(s.force, 0)});
+    data.push_back({s.name + " force y", "N/m", component(s.force, 1)});
+    data.push_back({s.name + " moment", "N", s.moment});
+    if (s.displacement.empty()) continue;
+    data.push_back({s.name + " displacement x", length, component(s.displacement, 0)});
+    data.push_back({s.name + " displacement y", length, component(s.displacement, 1)});
+    data.push_back({s.name + " turn", "rad", s.turn});
+  }
+  return {{caption + ".", canvas, {}, {}, std::move(data)}};
 }
 
 }  // namespace

@@ -138,6 +138,7 @@ TEST_F(Report, SimulationOnly) {
   write(make_synthetic(o));
   EXPECT_TRUE(has_figure("displacement") && has_figure("energy") && has_figure("reactions"));
   EXPECT_GT(colours_of("reactions"), 20u);
+  EXPECT_NE(read(folder_ / "figures" / "reactions.csv").find("body.plate displacement x (m)"), std::string::npos);
   EXPECT_FALSE(has_figure("quality") || has_figure("vectors_1"));
   EXPECT_EQ(html_.find(">Measurement</h2>"), std::string::npos);
   EXPECT_NE(html_.find("Nothing was flagged"), std::string::npos);
