@@ -81,4 +81,17 @@ inline Scene column(double height, const MaterialOptions& material) {
   return s;
 }
 
+/// Mean of a stress component (0 xx, 1 yy) over the particles with y below `under` at the start.
+inline double mean_stress(const Solver& solver, std::size_t component, double under, double over = -1) {
+  const MotionFrame frame = solver.frame();
+  double sum = 0, n = 0;
+  for (std::size_t k = 0; k < frame.u.size(); ++k) {
+    const double y = solver.particles().x0[k].y();
+    if (y > under || y < over || frame.status[k] == ParticleStatus::ended) continue;
+    sum += double(frame.field("stress")(k, component));
+    ++n;
+  }
+  return sum / n;
+}
+
 }  // namespace pivnp::mpm::test

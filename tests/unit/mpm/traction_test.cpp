@@ -1,0 +1,189 @@
+// Loads on faces, and what boundaries, loads and bodies do to the material.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+
+#include "tests/support/silent.hpp"
+#include "tests/unit/mpm/scenes.hpp"
+
+namespace pivnp::mpm {
+namespace {
+
+using namespace test;
+
+TEST(Tractions, ATractionIsTheStressUnderIt) {
+  Scene s = column(0.2, elastic(1e6, 0.3, 1000));
+  BoundaryOptions load = line({0, 0.2}, {0.1, 0.2}, "traction");
+  load.traction_pa = Pair{0, -500};
+  load.rise_s = 0.2;
+  s.boundaries.push_back({"load", load});
+  MpmOptions o = options();
+  o.damping = 0.3;
+  Solver solver(o, s, 1);
+  solver.advance_to(0.1, silent);
+  EXPECT_NEAR(mean_stress(solver, 1, 0.15), -250, 20);  // half-way up its ramp
+  solver.advance_to(0.5, silent);
+  EXPECT_NEAR(mean_stress(solver, 1, 0.15), -500, 5);
+  const EnergyRow e = solver.energy();
+  EXPECT_LT(std::abs(e.residual), 0.02 * e.external);
+}
+
+// Rows of stress under a load q: each bears q, not what is left between the points' centres and the face.
+TEST(Tractions, EveryRowBearsTheTraction) {
+  for (const ShapeKind shape : {ShapeKind::bilinear, ShapeKind::gimp, ShapeKind::bspline}) {
+    Scene s = column(0.1, elastic(1e6, 0.3, 1000));
+    BoundaryOptions load = line({0, 0.1}, {0.1, 0.1}, "traction");
+    load.traction_pa = Pair{0, -500};
+    load.rise_s = 0.05;
+    s.boundaries.push_back({"load", load});
+    MpmOptions o = options();
+    o.damping = 0.3;
+    o.shape = shape;
+    Solver solver(o, s, 1);
+    solver.advance_to(0.3, silent);
+    for (int row = 0; row < 20; ++row) {
+      const double y = 0.1 - 0.005 * (row + 0.5);
+      const double q = -mean_stress(solver, 1, y + 0.002, y - 0.002);
+      EXPECT_NEAR(q, 500, 0.012 * 500) << "row " << row << " of shape " << int(shape);
+    }
+  }
+}
+
+// A specimen in a cell: its pressure on all free faces, which meet at a corner, while it is pressed by a fifth.
+TEST(Tractions, ACellPressureStaysWhileTheSpecimenStrains) {
+  for (const ShapeKind shape : {ShapeKind::gimp, ShapeKind::bspline}) {
+    Scene s = scene(Grid{{0, 0}, {0.01, 0.01}, 17, 15}, {rectangle("specimen", 0, 0, 0.1, 0.1)}, {elastic(1e6, 0.3, 1000)});
+    s.boundaries = {{"base", line({0, 0}, {0.16, 0}, "roller")}, {"left", line({0, 0}, {0, 0.14}, "roller")}};
+    const auto load = [&](const char* name, Pair from, Pair to, Pair q, double rise) {
+      BoundaryOptions t = line(from, to, "traction");
+      t.traction_pa = q;
+      t.rise_s = rise;
+      t.follows_face = true;
+      s.boundaries.push_back({name, t});
+    };
+    load("top", {0, 0.1}, {0.1, 0.1}, {0, -2.5e5}, 0.4);
+    load("side", {0.1, 0}, {0.1, 0.1}, {-2e4, 0}, 0.1);
+    MpmOptions o = options();
+    o.damping = 0.3;
+    o.shape = shape;
+    Solver solver(o, s, 1);
+    solver.advance_to(0.6, silent);
+    const MotionFrame frame = solver.frame();
+    double shortest = 1;
+    for (std::size_t k = 0; k < frame.u.size(); ++k) shortest = std::min(shortest, 1 + double(frame.u[k][1]) / solver.particles().x0[k].y());
+    EXPECT_LT(shortest, 0.825);
+    EXPECT_NEAR(mean_stress(solver, 0, 1), -2e4, 0.01 * 2e4) << int(shape);
+    EXPECT_NEAR(mean_stress(solver, 1, 1), -2.5e5, 0.01 * 2.5e5) << int(shape);
+    EXPECT_LT(std::abs(solver.energy().residual), 0.02 * solver.energy().external) << int(shape);
+  }
+}
+
+// A loaded column on its base between smooth walls: what each does to it, in force and moment.
+TEST(Reactions, AreWhatBoundariesBear) {
+  Scene s = column(0.1, elastic(1e6, 0.3, 2000));
+  s.boundaries[0].second.type = BoundaryType::roller;
+  BoundaryOptions load = line({0, 0.1}, {0.1, 0.1}, "traction");
+  load.traction_pa = Pair{0, -500};
+  load.rise_s = 0.2;
+  s.boundaries.push_back({"load", load});
+  Solver solver(options({0, -10}), s, 1);
+  solver.find_initial_equilibrium(silent);
+  const std::vector<std::string> names = solver.reaction_names();
+  EXPECT_EQ(names, (std::vector<std::string>{"boundary.base", "boundary.left", "boundary.right", "boundary.load"}));
+  std::vector<ReactionRow> rows{solver.reactions()};
+  solver.advance_to(0.3, silent);
+  rows.push_back(solver.reactions());
+  solver.advance_to(0.5, silent);
+  rows.push_back(solver.reactions());
+  const Reactions r = reactions_of(names, rows);
+  const double weight = 2000 * 10 * 0.01, q = 50;
+  const auto force = [&](std::size_t k) { return r.series[k].force.back(); };
+  EXPECT_NEAR(force(3).y(), -q, 1e-6);
+  EXPECT_NEAR(r.series[3].moment.back(), -q * 0.05, 1e-4);
+  EXPECT_NEAR(force(0).y(), weight + q, 0.01 * (weight + q));
+  EXPECT_NEAR(force(0).x(), 0, 1e-6);
+  EXPECT_NEAR(r.series[0].moment.back(), (weight + q) * 0.05, 0.01 * (weight + q) * 0.05);
+  const double k0 = 0.3 / 0.7;  // lateral over vertical stress
+  EXPECT_NEAR(force(1).x(), k0 * (0.5 * weight + q), 0.03 * k0 * (0.5 * weight + q));
+  EXPECT_NEAR(force(1).x() + force(2).x(), 0, 1e-3 * force(1).x());
+  EXPECT_NEAR(force(1).y(), 0, 1e-6);
+}
+
+// A load on a thin slab that lies on another in contact: the slab bears it, and passes it on. On its first row of points, on a
+// line a little off its face, and on a lift that goes, it is neither lost nor kept.
+TEST(Tractions, ALoadStaysWithTheBodyThatHasItsFace) {
+  const auto base_force = [](double line_y, double removed, bool contact) {
+    Scene s = scene(Grid{{0, 0}, {0.01, 0.01}, 11, 15}, {rectangle("soil", 0, 0, 0.1, 0.08), rectangle("slab", 0, 0.08, 0.1, 0.1)},
+                    {elastic(1e6, 0.3, 1000), elastic(1e6, 0.3, 1000)});
+    s.boundaries = column(0.1, s.materials[0]).boundaries;
+    BoundaryOptions load = line({0, line_y}, {0.1, line_y}, "traction");
+    load.traction_pa = Pair{0, -500};
+    load.rise_s = 0.05;
+    s.boundaries.push_back({"load", load});
+    if (removed > 0) s.materials[1].removed_s = removed;
+    if (contact) {
+      ContactOptions smooth;
+      smooth.regions = {"slab"};
+      smooth.friction = 0;
+      s.contacts = {{"face", smooth}};
+    }
+    MpmOptions o = options();
+    o.damping = 0.2;
+    o.end_at_rest = false;
+    Solver solver(o, s, 1);
+    solver.advance_to(0.25, silent);
+    std::vector<ReactionRow> rows{solver.reactions()};
+    solver.advance_to(0.45, silent);
+    rows.push_back(solver.reactions());
+    double slab = 0, n = 0;
+    const MotionFrame f = solver.frame();
+    for (std::size_t k = 0; k < f.u.size(); ++k)
+      if (solver.particles().label[k] == 1) slab += double(f.field("stress")(k, 1)), ++n;
+    const Reactions r = reactions_of(solver.reaction_names(), rows);
+    return std::array{r.series[0].force.back().y(), r.series.back().force.back().y(), slab / n};
+  };
+  for (const double off : {0.0, 0.001, -0.001, -0.0025}) {
+    const auto [base, load, slab] = base_force(0.1 + off, 0, false);
+    EXPECT_NEAR(load, -50, 1e-6) << off;
+    EXPECT_NEAR(base, 50, 1) << off;
+    EXPECT_NEAR(slab, -500, 100) << off;
+  }
+  const auto [base, load, slab] = base_force(0.1, 0, true);
+  EXPECT_NEAR(base, 50, 1.5);
+  EXPECT_NEAR(slab, -500, 50);
+  const auto gone = base_force(0.1, 0.1, false);
+  EXPECT_NEAR(gone[0], 0, 1);
+  EXPECT_NEAR(gone[1], 0, 1e-6);
+}
+
+TEST(Reactions, StayOnceARunHasComeToRest) {
+  std::vector<ReactionRow> rows;
+  for (const auto& [time, stepped, impulse] : {std::array{0.0, 0.0, 0.0}, {1.0, 1.0, 5.0}, {2.0, 1.5, 8.0}, {3.0, 1.5, 8.0}})
+    rows.push_back({time, stepped, {{{0, impulse}, 0, {0, 0}, 0}}});
+  const ReactionSeries s = reactions_of({"boundary.base"}, rows).series[0];
+  EXPECT_TRUE(std::isnan(s.force[0].y()));
+  EXPECT_EQ(s.force[1].y(), 5);
+  EXPECT_EQ(s.force[2].y(), 6);
+  EXPECT_EQ(s.force[3].y(), 6);
+}
+
+// Stress first maps the velocity twice; a wall acts once.
+TEST(Reactions, AWallIsCountedOnceByEveryStressUpdate) {
+  for (const StressUpdate stress : {StressUpdate::usf, StressUpdate::musl, StressUpdate::usl}) {
+    Scene s = scene(Grid{{0, 0}, {0.01, 0.01}, 31, 8}, {rectangle("bar", 0, 0, 0.2, 0.05)}, {elastic(1e6, 0.0, 1000)});
+    s.boundaries = {{"push", line({0, 0}, {0, 0.06}, "fixed")}};
+    s.boundaries[0].second.velocity_m_s = Pair{0.1, 0};
+    MpmOptions o = conservative();
+    o.stress_update = stress;
+    o.energy_limit = 10;
+    Solver solver(o, s, 1);
+    solver.advance_to(0.008, silent);
+    EXPECT_NEAR(solver.reactions().of[0].impulse.x(), solver.momentum().x(), 0.02 * solver.momentum().x()) << int(stress);
+  }
+}
+
+}  // namespace
+}  // namespace pivnp::mpm
