@@ -13,7 +13,6 @@ namespace pivnp::mpm {
 namespace {
 
 constexpr std::size_t chunk = 1024;  // points
-constexpr double longer_steps = 8;   // from which on pressure is projected where nothing is said
 
 void check_boundaries(const Scene& scene) {
   for (const auto& [name, b] : scene.boundaries) {
@@ -144,28 +143,21 @@ void Solver::Impl::put_water(MotionFrame& frame) {
   for (std::size_t k = 0; k < p.size(); ++k) porosity[p.index[k]] = float(water->porosity(p, k));
 }
 
-// Projected steps cost three times as much at most, show no waves in the water, and with shapes of three nodes bear too little
-// undrained (docs/limits.md): what is chosen without being asked for has to pay, and to be right.
+// Projected pressure shows no waves in the water, and is less accurate undrained and just after a load at once
+// (docs/limits.md): it is not taken without being asked for, but what it would save is said.
 void Solver::Impl::choose_pressure() {
   const PoreWater::Rates rates = water->rates(p);
   const double hx = g.grid.spacing.x(), hy = g.grid.spacing.y();
   const double in_steps = stable_step_with_water(1, hx, hy, wave_speed(materials, density, p, 1, rates.stiffness), 0, rates.diffusivity);
   const double projected = mpm::stable_step(1, std::min(hx, hy), wave_speed(materials, density, p, 1) / projected_step_share(), 0);
-  const double ratio = projected / in_steps;
   const bool surface = water->surface_may_move(p), beside = !scene.contacts.empty() || !scene.bodies.empty() || restraints.tied().any();
-  if (surface || beside) {
-    options.pressure = PressureScheme::in_steps;
-    pressure_choice = std::string("Pore pressure is explicit: ") +
-                      (surface ? "the water has a surface inside the material" : "there are tied sides, bodies or contact") + " (mpm.pressure).";
-    return;
-  }
-  const bool pays = ratio >= longer_steps, project = pays && !g.centred;
-  options.pressure = project ? PressureScheme::projected : PressureScheme::in_steps;
+  options.pressure = PressureScheme::in_steps;
   std::ostringstream text;
   text.precision(2);
-  text << "Pore pressure is " << (project ? "projected" : "explicit") << ": projected steps are " << ratio << " times as long as explicit ones";
-  if (pays && !project) text << ", but with this shape an undrained material would bear too little (mpm.pressure).";
-  else text << ", and are taken from " << longer_steps << " times on (mpm.pressure).";
+  text << "Pore pressure is explicit: ";
+  if (surface || beside) text << (surface ? "the water has a surface inside the material" : "there are tied sides, bodies or contact");
+  else text << "projected steps would be " << projected / in_steps << " times as long, but it is the more accurate";
+  text << " (mpm.pressure).";
   pressure_choice = text.str();
 }
 
