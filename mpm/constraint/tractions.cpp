@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "mpm/grid/sweeps.hpp"
 #include "pivnp/core/error.hpp"
@@ -14,6 +15,61 @@ namespace {
 constexpr double upper_part = 1.5, whole_layer = 4.5;  // cells: where f = 1, and where it ends
 constexpr double beside_face = 0.75;  // of a point's side: the points next to a face are nearer to it
 constexpr double gap = 1.6;           // sides between a point and the next below: the material ends there
+
+// A point near a line: its place along it, its depth under the face (at first: to the line's left), and its side.
+struct Near {
+  std::size_t particle;
+  double on, off, side;
+  bool beside() const { return std::abs(off) < beside_face * side; }
+};
+
+// The points of the material that has a face, from the face down; `normal`: out of it.
+std::vector<Near> points_under(const std::string& key, const Vec2& from, const Vec2& along, double length, double depth,
+                               const ParticleSet& particles, Vec2& normal) {
+  const Vec2 left(-along.y(), along.x());
+  std::vector<Near> near;
+  std::set<std::int32_t> labels;  // of what has the face
+  for (std::size_t k = 0; k < particles.size(); ++k) {
+    const Vec2 d = particles.x0[k] - from;
+    const Near n{k, d.dot(along), d.dot(left), std::sqrt(double(particles.area[k]))};
+    if (n.on < 0 || n.on > length || std::abs(n.off) >= depth) continue;
+    near.push_back(n);
+    if (n.beside()) labels.insert(particles.label[k]);
+  }
+  if (labels.empty()) throw InputError(key + ".line_m: no particle lies along it, expected a face of the material");
+  std::erase_if(near, [&](const Near& n) { return !labels.contains(particles.label[n.particle]); });
+  const auto beyond = [&](double sign) {
+    return std::count_if(near.begin(), near.end(), [&](const Near& n) { return sign * n.off > 0 && !n.beside(); });
+  };
+  const auto to_left = beyond(1), to_right = beyond(-1);
+  if (2 * std::min(to_left, to_right) > std::max(to_left, to_right))
+    throw InputError(key + ".line_m: material lies on both sides of it, expected a face of the material");
+  const bool right = to_right > to_left;
+  normal = right ? left : Vec2(-left);
+  for (Near& n : near) n.off = right ? -n.off : n.off;
+  std::erase_if(near, [](const Near& n) { return n.off < 0 && !n.beside(); });
+  std::stable_sort(near.begin(), near.end(), [](const Near& m, const Near& n) { return m.off < n.off; });
+  return near;
+}
+
+// Under each of the outermost points, from it down to the first gap; along the face.
+std::vector<std::vector<Near>> columns_of(const std::vector<Near>& near) {
+  std::vector<std::vector<Near>> columns;
+  const auto nearest = [&](double on) {
+    const auto closer = [&](const auto& m, const auto& n) { return std::abs(m.front().on - on) < std::abs(n.front().on - on); };
+    return std::min_element(columns.begin(), columns.end(), closer);
+  };
+  for (const Near& n : near) {
+    const auto column = nearest(n.on);
+    if (n.beside() && (column == columns.end() || std::abs(column->front().on - n.on) > 0.5 * n.side)) columns.push_back({n});
+  }
+  std::sort(columns.begin(), columns.end(), [](const auto& m, const auto& n) { return m.front().on < n.front().on; });
+  for (const Near& n : near) {
+    auto& column = *nearest(n.on);
+    if (column.front().particle != n.particle && n.off - column.back().off <= gap * n.side) column.push_back(n);
+  }
+  return columns;
+}
 
 }  // namespace
 
@@ -49,52 +105,9 @@ void Tractions::add(const std::string& key, const BoundaryOptions& o, std::size_
   const Vec2 along = (b - a) / length;
   if (!(o.rise_s >= 0)) throw InputError(key + ".rise_s: found " + number(o.rise_s) + ", expected 0 s or more");
 
-  struct Near {
-    std::size_t particle;
-    double on, off, side;  // along the line; to its left, later under the face; of the point
-  };
-  const Vec2 left(-along.y(), along.x());
-  const double most_depth = whole_layer * (std::abs(left.x()) * cell.x() + std::abs(left.y()) * cell.y());
-  std::vector<Near> near;
-  std::vector<std::int32_t> labels;  // of what has the face
-  for (std::size_t k = 0; k < particles.size(); ++k) {
-    const Vec2 d = particles.x0[k] - a;
-    const Near n{k, d.dot(along), d.dot(left), std::sqrt(double(particles.area[k]))};
-    if (n.on < 0 || n.on > length || std::abs(n.off) >= most_depth) continue;
-    near.push_back(n);
-    if (std::abs(n.off) < beside_face * n.side) labels.push_back(particles.label[k]);
-  }
-  if (labels.empty()) throw InputError(key + ".line_m: no particle lies along it, expected a face of the material");
-  std::erase_if(near, [&](const Near& n) { return std::find(labels.begin(), labels.end(), particles.label[n.particle]) == labels.end(); });
-  const auto beyond = [&](double sign) {
-    return std::count_if(near.begin(), near.end(), [&](const Near& n) { return sign * n.off >= beside_face * n.side; });
-  };
-  const auto to_left = beyond(1), to_right = beyond(-1);
-  if (2 * std::min(to_left, to_right) > std::max(to_left, to_right))
-    throw InputError(key + ".line_m: material lies on both sides of it, expected a face of the material");
-  const bool right = to_right > to_left;
-  const Vec2 normal = right ? left : Vec2(-left);
-  if (right)
-    for (Near& n : near) n.off = -n.off;
-  std::erase_if(near, [](const Near& n) { return n.off < -beside_face * n.side; });
-
-  // A piece of the face over each of the outermost points, and the column under it down to the first gap.
-  std::sort(near.begin(), near.end(), [](const Near& m, const Near& n) { return m.off < n.off; });
-  std::vector<std::vector<Near>> columns;
-  const auto column_of = [&](double on) {
-    const auto closer = [&](const auto& m, const auto& n) { return std::abs(m.front().on - on) < std::abs(n.front().on - on); };
-    return std::min_element(columns.begin(), columns.end(), closer);
-  };
-  for (const Near& n : near) {
-    const auto nearest = column_of(n.on);
-    if (n.off < beside_face * n.side && (nearest == columns.end() || std::abs(nearest->front().on - n.on) > 0.5 * n.side))
-      columns.push_back({n});
-  }
-  std::sort(columns.begin(), columns.end(), [](const auto& m, const auto& n) { return m.front().on < n.front().on; });
-  for (const Near& n : near) {
-    auto& column = *column_of(n.on);
-    if (column.front().particle != n.particle && n.off - column.back().off <= gap * n.side) column.push_back(n);
-  }
+  const double most_depth = whole_layer * (std::abs(along.y()) * cell.x() + std::abs(along.x()) * cell.y());
+  Vec2 normal;
+  const auto columns = columns_of(points_under(key, a, along, length, most_depth, particles, normal));
   const double face = length / double(columns.size());
   for (const auto& column : columns) {
     const auto piece = std::uint32_t(pieces_.size());

@@ -14,12 +14,16 @@ namespace {
 
 using namespace test;
 
+BoundaryOptions load_on(Pair from, Pair to, Pair traction, double rise) {
+  BoundaryOptions o = line(from, to, "traction");
+  o.traction_pa = traction;
+  o.rise_s = rise;
+  return o;
+}
+
 TEST(Tractions, ATractionIsTheStressUnderIt) {
   Scene s = column(0.2, elastic(1e6, 0.3, 1000));
-  BoundaryOptions load = line({0, 0.2}, {0.1, 0.2}, "traction");
-  load.traction_pa = Pair{0, -500};
-  load.rise_s = 0.2;
-  s.boundaries.push_back({"load", load});
+  s.boundaries.push_back({"load", load_on({0, 0.2}, {0.1, 0.2}, {0, -500}, 0.2)});
   MpmOptions o = options();
   o.damping = 0.3;
   Solver solver(o, s, 1);
@@ -35,10 +39,7 @@ TEST(Tractions, ATractionIsTheStressUnderIt) {
 TEST(Tractions, EveryRowBearsTheTraction) {
   for (const ShapeKind shape : {ShapeKind::bilinear, ShapeKind::gimp, ShapeKind::bspline}) {
     Scene s = column(0.1, elastic(1e6, 0.3, 1000));
-    BoundaryOptions load = line({0, 0.1}, {0.1, 0.1}, "traction");
-    load.traction_pa = Pair{0, -500};
-    load.rise_s = 0.05;
-    s.boundaries.push_back({"load", load});
+    s.boundaries.push_back({"load", load_on({0, 0.1}, {0.1, 0.1}, {0, -500}, 0.05)});
     MpmOptions o = options();
     o.damping = 0.3;
     o.shape = shape;
@@ -58,9 +59,7 @@ TEST(Tractions, ACellPressureStaysWhileTheSpecimenStrains) {
     Scene s = scene(Grid{{0, 0}, {0.01, 0.01}, 17, 15}, {rectangle("specimen", 0, 0, 0.1, 0.1)}, {elastic(1e6, 0.3, 1000)});
     s.boundaries = {{"base", line({0, 0}, {0.16, 0}, "roller")}, {"left", line({0, 0}, {0, 0.14}, "roller")}};
     const auto load = [&](const char* name, Pair from, Pair to, Pair q, double rise) {
-      BoundaryOptions t = line(from, to, "traction");
-      t.traction_pa = q;
-      t.rise_s = rise;
+      BoundaryOptions t = load_on(from, to, q, rise);
       t.follows_face = true;
       s.boundaries.push_back({name, t});
     };
@@ -85,10 +84,7 @@ TEST(Tractions, ACellPressureStaysWhileTheSpecimenStrains) {
 TEST(Reactions, AreWhatBoundariesBear) {
   Scene s = column(0.1, elastic(1e6, 0.3, 2000));
   s.boundaries[0].second.type = BoundaryType::roller;
-  BoundaryOptions load = line({0, 0.1}, {0.1, 0.1}, "traction");
-  load.traction_pa = Pair{0, -500};
-  load.rise_s = 0.2;
-  s.boundaries.push_back({"load", load});
+  s.boundaries.push_back({"load", load_on({0, 0.1}, {0.1, 0.1}, {0, -500}, 0.2)});
   Solver solver(options({0, -10}), s, 1);
   solver.find_initial_equilibrium(silent);
   const std::vector<std::string> names = solver.reaction_names();
@@ -119,10 +115,7 @@ TEST(Tractions, ALoadStaysWithTheBodyThatHasItsFace) {
     Scene s = scene(Grid{{0, 0}, {0.01, 0.01}, 11, 15}, {rectangle("soil", 0, 0, 0.1, 0.08), rectangle("slab", 0, 0.08, 0.1, 0.1)},
                     {elastic(1e6, 0.3, 1000), elastic(1e6, 0.3, 1000)});
     s.boundaries = column(0.1, s.materials[0]).boundaries;
-    BoundaryOptions load = line({0, line_y}, {0.1, line_y}, "traction");
-    load.traction_pa = Pair{0, -500};
-    load.rise_s = 0.05;
-    s.boundaries.push_back({"load", load});
+    s.boundaries.push_back({"load", load_on({0, line_y}, {0.1, line_y}, {0, -500}, 0.05)});
     if (removed > 0) s.materials[1].removed_s = removed;
     if (contact) {
       ContactOptions smooth;
