@@ -14,6 +14,7 @@ namespace {
 
 constexpr double upper_part = 1.5, whole_layer = 4.5;  // cells: where f = 1, and where it ends
 constexpr double beside_face = 0.75;  // of a point's side: the points next to a face are nearer to it
+constexpr double whole = 6, torn = 12;  // |F|^2 of a column's points: the stress is that of f up to one, and gone from the other on
 constexpr double gap = 1.6;           // sides between a point and the next below: the material ends there
 
 // A point near a line: its place along it, its depth under the face (at first: to the line's left), and its side.
@@ -131,8 +132,8 @@ void Tractions::add(const std::string& key, const BoundaryOptions& o, std::size_
     }
     for (const Near& n : column) {
       const double s = fallen(n);
-      if (slopes > 0) layers.push_back({n.particle, {piece, 1 - s * s * (3 - 2 * s), face * s * (1 - s) / slopes, normal}});
-      else layers.push_back({n.particle, {piece, 0, face / area, normal}});  // of a single row: at its centre
+      if (slopes > 0) layers.push_back({n.particle, {piece, 1 - s * s * (3 - 2 * s), face * s * (1 - s) / slopes, face / area, normal}});
+      else layers.push_back({n.particle, {piece, 0, face / area, face / area, normal}});  // of a single row: at its centre
     }
   }
   if (o.rise_s > 0) changes_.push_back(o.rise_s);
@@ -155,6 +156,11 @@ void Tractions::add_to_loads(const Particles& p, GridState& g, double time, doub
       traction[std::size_t(a)] = t;
       of_boundaries[piece.boundary].add(dt * piece.face * t, Vec2(p.x[k], p.y[k]) + gradient(k) * piece.out);
     }
+  // In material that fails under its load the stress would grow with F: its column goes over to a body force.
+  std::vector<double> stretch(pieces_.size(), 0.0);
+  for (std::size_t k = 0; k < p.size(); ++k)
+    for (const InLayer& l : layers(p.index[k]))
+      if (p.cell[k] != Particles::ended) stretch[l.piece] = std::max(stretch[l.piece], gradient(k).squaredNorm());
   Shapes::with(g.shape, [&](auto kind) {
     using S = decltype(kind);
     const auto loaded = [&](std::uint32_t k) { return !layers(p.index[k]).empty(); };
@@ -163,10 +169,11 @@ void Tractions::add_to_loads(const Particles& p, GridState& g, double time, doub
         const Mat2 F = gradient(k);
         for (const InLayer& l : layers(p.index[k])) {
           const Vec2 t = p.volume0[k] * traction[l.piece], normal = F * l.normal;
+          const double w = std::clamp((torn - stretch[l.piece]) / (torn - whole), 0.0, 1.0), body = w * l.change + (1 - w) * l.even;
           for (int c = 0; c < S::width * S::width; ++c) {
             const int i = c % S::width, j = c / S::width;
             const double across = normal.x() * g.per_hx * x.g[i] * y.w[j] + normal.y() * g.per_hy * x.w[i] * y.g[j];
-            const double by = l.share * across + l.change * x.w[i] * y.w[j];
+            const double by = w * l.share * across + body * x.w[i] * y.w[j];
             g.arrays.loads[at[c]].x += by * t.x();
             g.arrays.loads[at[c]].y += by * t.y();
           }

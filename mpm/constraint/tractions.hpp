@@ -66,6 +66,7 @@ class Tractions {
     std::uint32_t piece;  // over it
     double share;         // f
     double change;        // df/dN, 1/m, scaled so that a column's body forces add up to its piece's load
+    double even;          // what takes the place of df/dN where the column is torn: the load on its points' centres, 1/m
     Vec2 normal;
   };
   void add(const std::string& key, const BoundaryOptions& options, std::size_t boundary, const ParticleSet& particles,

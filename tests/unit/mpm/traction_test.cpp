@@ -152,6 +152,27 @@ TEST(Tractions, ALoadStaysWithTheBodyThatHasItsFace) {
   EXPECT_NEAR(gone[1], 0, 1e-6);
 }
 
+// A strip beyond what softening soil bears: it sinks on, and the sums of its load stay what they are told.
+TEST(Tractions, ALoadBeyondTheCapacityRunsOn) {
+  MaterialOptions soil = elastic(1.924e6, 0.3, 1996);
+  soil.model = "mohr_coulomb";
+  soil.friction_deg = 20;
+  soil.cohesion_pa = 3000;
+  soil.cohesion_residual_pa = 500;
+  soil.softening_shape = 5;
+  soil.softening_length_m = 0.05;
+  soil.softening_average = SofteningAverage::nonlocal;
+  Scene s = scene(Grid{{0, 0}, {0.02, 0.02}, 61, 31}, {rectangle("lower", 0.18, 0, 0.76, 0.38)}, {soil});
+  s.boundaries = {{"base", line({0, 0}, {1.2, 0}, "fixed")}, {"top", load_on({0.3, 0.38}, {0.5, 0.38}, {0, -15000}, 0)}};
+  MpmOptions o = options({0, -9.81});
+  o.transfer = TransferKind::xpic;
+  o.energy_limit = 10;
+  Solver solver(o, s, 1);
+  ASSERT_NO_THROW(solver.advance_to(0.4, silent));
+  const ReactionRow row = solver.reactions();
+  EXPECT_NEAR(row.of[1].impulse.y(), -15000 * 0.2 * row.stepped, 0.02 * 15000 * 0.2 * row.stepped);
+}
+
 TEST(Reactions, StayOnceARunHasComeToRest) {
   std::vector<ReactionRow> rows;
   for (const auto& [time, stepped, impulse] : {std::array{0.0, 0.0, 0.0}, {1.0, 1.0, 5.0}, {2.0, 1.5, 8.0}, {3.0, 1.5, 8.0}})
