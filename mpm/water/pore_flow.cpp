@@ -141,12 +141,14 @@ void PoreWater::take_means(const GridState& g, const Vec2& gravity, double time,
   special.erase(std::unique(special.begin(), special.end()), special.end());
   given_.clear();
   free_.clear();
+  surface_.clear();
   through_.clear();
   for (const std::uint32_t n : special) {
     const double mean = field_.potential[n];
     if (!(sums_.node[n].volume > 0)) continue;
     const Surface surface = give_potential(g, n, gravity, time);
     if (surface == Surface::free) free_.push_back(n);
+    if (projected() && surface != Surface::none && !boundaries_.at(n, time)) surface_.push_back(n);
     if (surface == Surface::given) given_.push_back({n, alike_.own ? field_.rate[n] : alike_.mobility, mean});
     else if (const double flux = flux_into(g, n, time, [this](std::ptrdiff_t element) { return sums_.element[element].inside > 0; }); flux != 0) through_.push_back({n, dt * flux});
   }

@@ -168,6 +168,9 @@ class PoreWater {
   template <class Holds>
   bool at_surface(const GridState& g, std::size_t n, double volume, double time, Holds&& holds) const;
 
+  // pore_projection.cpp
+  void yield_beside_surface(const GridState& g, double inertia, double* added) const;
+
   // pore_neighbours.cpp
   bool covered(const GridState& g, std::size_t element, double time) const;  // by a rigid body
   double head_across(const GridState& g, const TiedSides::Tie& tie, const Vec2& gravity) const;
@@ -203,6 +206,7 @@ class PoreWater {
   };
   std::vector<Through> through_;  // of this one, by flow that is given
   std::vector<std::uint32_t> free_;  // at a surface that is not held and lets no water through
+  std::vector<std::uint32_t> surface_;  // of the material itself, where no wall is
   std::vector<OfGrid<double>> system_;  // projected
   double inertia_ = 0;  // the least density over the share of its own effect that a pressure foresees
   bool marked_ = false;
