@@ -145,6 +145,7 @@ class PoreWater {
     const PoreCondition* condition = boundaries_.at(n, time);
     return condition && condition->kind == PoreCondition::flux ? condition->value * length_along(g, n, boundaries_.side(n, time), holds) : 0;
   }
+  void conduct_to_surface(const GridState& g, double dt);
   void mark_given(bool given);
   PoreFlow at_given_nodes(double rate);
   PoreFlow flow_through_tractions(Particles& p, const Tractions& tractions, double time, double dt) const;

@@ -92,8 +92,6 @@ Deviation self_weight(WaterColumn c) {
   return worst;
 }
 
-constexpr PressureScheme schemes[] = {PressureScheme::in_steps, PressureScheme::projected};
-
 WaterColumn column_of(ShapeKind shape, PressureScheme pressure, double young, double permeability, int cells) {
   WaterColumn c;
   c.shape = shape;
