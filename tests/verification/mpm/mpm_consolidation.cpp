@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 #include "mpm/state/scheme_rows.hpp"
 #include "pivnp/core/text.hpp"
@@ -74,11 +75,11 @@ MandelFound mandel(ShapeKind shape, PressureScheme pressure, double young, doubl
   s.water->bulk_modulus_pa = c.bulk;
   BoundaryOptions top = line({0, 3 * half}, {half, 3 * half}, "traction");
   top.traction_pa = {0, -load};
-  top.rise_s = 0.01 * unit;
+  top.rise_s = 0.02 * unit;
   s.boundaries = {{"base", line({0, 0}, {half + 2 * h, 0}, "roller")}, {"left", line({0, 0}, {0, 3 * half + 2 * h}, "roller")}, {"load", top}};
   Solver solver(options_of(c), s, 1);
   const auto centre = [&](double T) {
-    solver.advance_to((T + 0.005) * unit, silent);
+    solver.advance_to((T + 0.01) * unit, silent);
     const MotionFrame f = solver.frame();
     double sum = 0, n = 0;
     for (std::size_t k = 0; k < f.u.size(); ++k)
@@ -92,7 +93,7 @@ MandelFound mandel(ShapeKind shape, PressureScheme pressure, double young, doubl
   for (int step = 1; passed < 2 && T < 1.3; ++step) {
     T = step < 50 ? 0.004 * step : 0.2 + 0.02 * (step - 50);
     const double p = centre(T), last = step < 51 ? T - 0.004 : T - 0.02;
-    if (T > 0.02) found.rise = std::max(found.rise, p);  // (once the waves of the load have died out)
+    if (T > 0.04) found.rise = std::max(found.rise, p);  // (once the waves of the load have died out)
     found.expected = std::max(found.expected, exact.pressure(at, T));
     const double end = passed == 0 ? 0.2 : 1.0, value = exact.pressure(at, end);
     if (T > 0.08 && before >= value && p < value) found.late[passed++] = (last + (before - value) / (before - p) * (T - last)) / end;
@@ -109,8 +110,8 @@ void expect_mandel(const MandelFound& m) {
 TEST(MpmMandelSmall, RisesBeforeItFalls) {
   EXPECT_NEAR((Mandel{1e7, 0.2, 0.4 / 2.2e9}.pressure(0, 0.072)), 1.1067, 1e-4);
   EXPECT_NEAR((Mandel{1e7, 0.2, 0.4 / 2.2e9}.pressure(0, 1)), 0.2585, 1e-4);
-  const MandelFound m = mandel(ShapeKind::bilinear, PressureScheme::projected, 1e7, 0.2, 1e-6, 200, 8);
-  std::printf("Mandel, projected, 8 cells: rise %.4f (%.4f), times %.3f %.3f\n", m.rise, m.expected, m.late[0], m.late[1]);
+  const MandelFound m = mandel(ShapeKind::bilinear, PressureScheme::projected, 1e7, 0.2, 1e-6, 100, 10);
+  std::printf("Mandel, projected, 10 cells: rise %.4f (%.4f), times %.3f %.3f\n", m.rise, m.expected, m.late[0], m.late[1]);
   expect_mandel(m);
 }
 
@@ -131,7 +132,7 @@ struct LargeStrain {
 };
 
 LargeStrain large_strain(ShapeKind shape, PressureScheme pressure, double young, double poisson, double porosity, double permeability,
-                         double stiff, int cells) {
+                         double stiff, int cells, const std::vector<double>& times) {
   WaterColumn c;
   c.young = young;
   c.poisson = poisson;
@@ -139,6 +140,8 @@ LargeStrain large_strain(ShapeKind shape, PressureScheme pressure, double young,
   c.permeability = permeability;
   c.cells = cells;
   c.shape = shape;
+  // (A column does not lock, and with B-splines and F-bar the rows under a load that has sunk by cells strain unevenly.)
+  if (shape == ShapeKind::bspline) c.locking = Locking::none;
   c.pressure = pressure;
   c.bulk = stiff * porosity * c.modulus();
   if (shape == ShapeKind::bilinear) c.transfer = TransferKind::flip, c.stress = StressUpdate::musl;
@@ -149,7 +152,7 @@ LargeStrain large_strain(ShapeKind shape, PressureScheme pressure, double young,
   const pivnp::test::FiniteConsolidation exact{c.height, c.modulus(), porosity, c.bulk, c.load, permeability / 9810};
   Solver solver(options_of(c), s, 1);
   LargeStrain worst{0, 0, 1 - exact.end()};
-  for (const double T : {0.1, 0.3, 0.7}) {
+  for (const double T : times) {
     solver.advance_to(c.at(T + 0.5 * c.rise), silent);
     const auto state = exact.at(c.at(T));
     const MotionFrame f = solver.frame();
@@ -179,17 +182,16 @@ void expect_within(const LargeStrain& d) {
 
 // (Projected, points that have lost a third of their volume run dry: docs/limits.md.)
 TEST(MpmLargeConsolidationSmall, CompressedByAThird) {
-  const LargeStrain d = large_strain(ShapeKind::bspline, PressureScheme::in_steps, 1e6, 0.3, 0.5, 1e-6, 10, 16);
-  std::printf("large-strain consolidation, 16 cells: pressure %.4f, settlement %.4f\n", d.pressure, d.settlement);
-  EXPECT_LT(d.pressure, 0.03);
-  EXPECT_LT(d.settlement, 0.03);
+  const LargeStrain d = large_strain(ShapeKind::bspline, PressureScheme::in_steps, 1e6, 0.3, 0.5, 1e-6, 10, 12, {0.1});
+  std::printf("large-strain consolidation, 12 cells, T .1: pressure %.4f, settlement %.4f\n", d.pressure, d.settlement);
+  expect_within(d);
 }
 
 TEST(MpmLargeConsolidation, CompressedByAThird) {
   for (const ShapeKind shape : {ShapeKind::gimp, ShapeKind::bspline})
     for (const double porosity : {0.5, 0.65}) {
-      const LargeStrain d = large_strain(shape, PressureScheme::in_steps, porosity < 0.6 ? 1e6 : 3e5, 0.3, porosity, porosity < 0.6 ? 1e-6 : 1e-8, 10, 20);
-      pivnp::test::verification_row("consolidation with compression by a third, " + std::string(name_of(shape)) + ", porosity " + number(porosity, 2) + ", 20 cells",
+      const LargeStrain d = large_strain(shape, PressureScheme::in_steps, porosity < 0.6 ? 1e6 : 3e5, 0.3, porosity, porosity < 0.6 ? 1e-6 : 1e-8, 10, 12, {0.1, 0.3, 0.7});
+      pivnp::test::verification_row("consolidation with compression by a third, " + std::string(name_of(shape)) + ", porosity " + number(porosity, 2) + (shape == ShapeKind::bspline ? ", without averages, 12 cells" : ", 12 cells"),
                                     "pressure within 2 % of the load, settlement within 2 % of the one-dimensional finite-strain solution at T .1, .3, .7",
                                     number(100 * d.pressure, 2) + " %, " + number(100 * d.settlement, 2) + " %");
       expect_within(d);
