@@ -33,6 +33,11 @@ const std::vector<Command>& commands() {
        "pivnp verify datasets/ --junit verify.xml\n"
        "pivnp verify out/lab/record.h5",
        declare_verify},
+      {"frontier", "chart the speed of settings against their accuracy, on drawn texture or on a scene of your own",
+       "pivnp frontier\n"
+       "pivnp frontier lab/case.toml --stages piv --threads 1\n"
+       "pivnp frontier --frames \"lab/frames/*.png\"",
+       declare_frontier},
   };
   return table;
 }

@@ -64,12 +64,6 @@ std::optional<Simulated> advance(const Case& c, const Setting& setting, const st
   return Simulated{solver.slept(), solver.pressure_choice()};
 }
 
-// The measured grid with cells so many times as large; it reaches at least as far.
-Grid coarsened(const Grid& grid, double factor) {
-  const auto nodes = [&](int count) { return int(std::ceil((count - 1) / factor - 1e-9)) + 1; };
-  return {grid.origin, factor * grid.spacing, nodes(grid.nx), nodes(grid.ny)};
-}
-
 }  // namespace
 
 std::vector<std::string> simulate(const Case& c, const Setting& setting, const std::vector<double>& times,
@@ -83,6 +77,11 @@ std::vector<std::string> simulate(const Case& c, const Setting& setting, const s
                     " % of the particles' steps. While asleep no particle missed more than " + number(run->slept.displacement_m, 2) +
                     " m of displacement, and " + number(run->slept.energy, 2) + " J/m of kinetic energy was taken (part of damping).");
   return notes;
+}
+
+Grid coarsened(const Grid& grid, double factor) {
+  const auto nodes = [&](int count) { return int(std::ceil((count - 1) / factor - 1e-9)) + 1; };
+  return {grid.origin, factor * grid.spacing, nodes(grid.nx), nodes(grid.ny)};
 }
 
 std::string coarser_motion(int level) { return "mpm_coarser_" + std::to_string(level); }

@@ -14,6 +14,9 @@ namespace pivnp::app {
 std::vector<std::string> simulate(const Case& c, const Setting& setting, const std::vector<double>& times,
                                   io::RecordWriter& writer, int threads, Progress& progress);
 
+/// The measured grid with cells so many times as large; it reaches at least as far.
+Grid coarsened(const Grid& grid, double factor);
+
 /// The same on a grid whose cells are mesh_study_ratio times as large (`level` 1), or the square of that (2), with as many
 /// particles a cell: motion coarser_motion(level), for the numerical uncertainty of the other.
 void simulate_coarser(const Case& c, const Setting& setting, int level, const std::vector<double>& times,

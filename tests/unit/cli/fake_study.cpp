@@ -84,4 +84,11 @@ std::filesystem::path Folder::write(const std::string& name, const std::string& 
   return file;
 }
 
+FrontierOutcome frontier(const Case* c, const FrontierOptions& options, const RunSettings& settings, Progress& progress) {
+  if (c) fake_study().c = *c;
+  fake_study().frontier = options;
+  called(c ? "frontier of a case" : "frontier", settings, progress);
+  return {{}, {settings.out / "frontier.html"}, {"Twice as fast."}, {"Seen."}};
+}
+
 }  // namespace pivnp::app

@@ -20,6 +20,7 @@ struct FakeStudy {
   compare::CompareOptions options;
   compare::LimitOptions limits;
   report::ReportOptions report;
+  FrontierOptions frontier;
   std::function<void(Progress&)> work;  // what every call does: throw, report progress, wait for a stop
   RunOutcome outcome;
   std::vector<VerifyResult> verdicts;  // handed out one after the other
