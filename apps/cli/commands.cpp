@@ -38,6 +38,11 @@ const std::vector<Command>& commands() {
        "pivnp frontier lab/case.toml --stages piv --threads 1\n"
        "pivnp frontier --frames \"lab/frames/*.png\"",
        declare_frontier},
+      {"stress", "map where methods are right, where they say that they are not, and where they are wrong without a word",
+       "pivnp stress\n"
+       "pivnp stress lab/case.toml --stages piv --seeds 4\n"
+       "pivnp stress --stages piv --set piv.method=fft",
+       declare_stress},
   };
   return table;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "apps/study/frontier/frontier.hpp"
+#include "apps/study/stress/stress.hpp"
 #include "apps/study/studies/check.hpp"
 #include "apps/study/studies/records.hpp"
 #include "apps/study/studies/run.hpp"

@@ -47,7 +47,7 @@ const std::map<std::string, std::vector<std::string>> floors = {
     {"mpm", {"state", "simd", "grid", "material", "transfer", "constraint", "water", "scene", "step"}},
     {"compare", {"data", "shapes", "alignment", "measures", "metrics"}},
     {"apps/report", {"content", "words", "figures", "document"}},
-    {"apps/study", {"pipeline", "synth", "methods", "frontier", "studies"}},
+    {"apps/study", {"pipeline", "synth", "methods", "frontier", "stress", "studies"}},
 };
 
 // Of another folder, one floor only.

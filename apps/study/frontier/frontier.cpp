@@ -2,18 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <optional>
 #include <thread>
 
-#include "apps/plot/canvas.hpp"
-#include "apps/plot/files.hpp"
-#include "apps/report/document/html.hpp"
-#include "apps/report/document/pdf.hpp"
 #include "apps/study/frontier/known_pairs.hpp"
 #include "apps/study/frontier/mpm_frontier.hpp"
 #include "apps/study/frontier/pages.hpp"
 #include "apps/study/frontier/piv_frontier.hpp"
+#include "apps/study/frontier/written_pages.hpp"
 #include "apps/study/pipeline/scene.hpp"
 #include "apps/study/synth/case_frames.hpp"
 #include "pivnp/core/error.hpp"
@@ -97,32 +92,16 @@ FrontierOutcome frontier(const Case* given, const FrontierOptions& options, cons
       outcome.stages.push_back(mpm_frontier(c, setting, end, threads, progress));
     }
   }
-  const report::Document document = frontier_document(outcome.stages, subject, threads);
-  plot::make_folder(settings.out);
-  std::map<std::string, std::string> png;
+  std::vector<std::pair<std::string, std::string>> texts;
   std::vector<io::NamedTable> tables;
-  for (const report::Block& block : document.blocks)
-    if (const auto* figure = std::get_if<report::Figure>(&block)) png[figure->name] = figure->canvas->png(200);
-  const auto write = [&](const std::string& name, const std::string& bytes) {
-    plot::write_file(settings.out / name, bytes);
-    outcome.files.push_back(settings.out / name);
-  };
-  write("frontier.html", report::html(document, [&](const report::Figure& f) { return png.at(f.name); }));
-  write("frontier.pdf", report::pdf(document));
-  for (const report::Block& block : document.blocks)
-    if (const auto* figure = std::get_if<report::Figure>(&block)) {
-      write(figure->name + ".png", png.at(figure->name));
-      write(figure->name + ".svg", figure->canvas->svg());
-    }
   for (const FrontierStage& stage : outcome.stages) {
-    write(stage.name + ".csv", csv(stage));
+    texts.push_back({stage.name + ".csv", csv(stage)});
     tables.push_back(table_of(stage));
     for (std::string& sentence : what_to_change(stage)) outcome.sentences.push_back(std::move(sentence));
     outcome.remarks.insert(outcome.remarks.end(), stage.remarks.begin(), stage.remarks.end());
     for (const std::string& left : stage.left_out) outcome.remarks.push_back("Not measured: " + left);
   }
-  io::write_tables(settings.out / "frontier.h5", tables);
-  outcome.files.push_back(settings.out / "frontier.h5");
+  outcome.files = write_pages(frontier_document(outcome.stages, subject, threads), "frontier", texts, tables, settings.out);
   return outcome;
 }
 

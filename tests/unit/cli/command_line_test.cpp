@@ -300,6 +300,19 @@ TEST_F(CommandLine, FrontierTakesACaseFramesOrNeither) {
   expect_error(run_program({"frontier", "--stages", "np"}), 2, "");
 }
 
+TEST_F(CommandLine, StressTakesSettingsOrNone) {
+  const Ran plain = run_program({"stress", "--seeds", "3", "--stages", "piv"});
+  EXPECT_EQ(plain.code, 0);
+  EXPECT_EQ(plain.out, "out/stress/stress.html\nAll is flagged.\n");
+  EXPECT_EQ(fake_study().calls.back(), "stress");
+  EXPECT_EQ(fake_study().stress.seeds, 3);
+  EXPECT_FALSE(fake_study().stress.mpm);
+  EXPECT_EQ(run_program({"stress", "--set", "piv.method=fft"}).code, 0);
+  EXPECT_EQ(fake_study().calls.back(), "stress of a case");
+  EXPECT_EQ(fake_study().c.piv->method, "fft");
+  expect_error(run_program({"stress", "--seeds", "0"}), 2, "");
+}
+
 TEST_F(CommandLine, HelpShowsAnExampleForEveryCommand) {
   const Ran all = run_program({"--help"});
   EXPECT_EQ(all.code, 0);

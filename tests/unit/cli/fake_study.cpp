@@ -91,4 +91,11 @@ FrontierOutcome frontier(const Case* c, const FrontierOptions& options, const Ru
   return {{}, {settings.out / "frontier.html"}, {"Twice as fast."}, {"Seen."}};
 }
 
+StressOutcome stress(const Case* c, const StressOptions& options, const RunSettings& settings, Progress& progress) {
+  if (c) fake_study().c = *c;
+  fake_study().stress = options;
+  called(c ? "stress of a case" : "stress", settings, progress);
+  return {{}, {settings.out / "stress.html"}, {"All is flagged."}};
+}
+
 }  // namespace pivnp::app

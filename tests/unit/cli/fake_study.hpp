@@ -21,6 +21,7 @@ struct FakeStudy {
   compare::LimitOptions limits;
   report::ReportOptions report;
   FrontierOptions frontier;
+  StressOptions stress;
   std::function<void(Progress&)> work;  // what every call does: throw, report progress, wait for a stop
   RunOutcome outcome;
   std::vector<VerifyResult> verdicts;  // handed out one after the other
