@@ -79,6 +79,7 @@ Content content_of(const ReportInput& input) {
   content.reactions = record.reactions();
   content.pictures = input.pictures;
   content.remarks = input.remarks;
+  content.notes = input.notes;
   return content;
 }
 

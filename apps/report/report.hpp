@@ -20,6 +20,7 @@ struct ReportInput {
   compare::CompareOptions compared;      // what the comparison was told: motions are drawn as it sees them
   std::vector<Picture> pictures;         // frames to draw vectors on, one at least if there is PIV
   std::vector<std::string> remarks;      // what was flagged and why, one sentence each
+  std::vector<std::string> notes;        // how the comparison was made, likewise
 };
 
 /// What the report is made from. `input.record` and the pictures must outlive it.

@@ -49,6 +49,7 @@ struct Content {
   Reactions reactions;                            // of the simulation's boundaries, loads and bodies
   std::span<const Picture> pictures;
   std::vector<std::string> remarks;  // what was flagged and why, one sentence each
+  std::vector<std::string> notes;    // how the comparison was made, likewise
 };
 
 }  // namespace pivnp::report

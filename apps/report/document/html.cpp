@@ -99,6 +99,11 @@ class Writer {
     out_ += "</ul>\n";
   }
   void add(const Code& code) { out_ += "<pre>" + escape_html(code.text) + "</pre>\n"; }
+  void add(const Definitions& d) {
+    out_ += "<dl>\n";
+    for (const auto& [name, text] : d.items) out_ += "<dt>" + escape_html(name) + "</dt><dd>" + escape_html(text) + "</dd>\n";
+    out_ += "</dl>\n";
+  }
   void add(const Table& t) {
     out_ += "<div class=\"scroll\"><table>\n<caption><b>Table " + std::to_string(++table_) + ".</b> " +
             escape_html(t.caption) + "</caption>\n<colgroup>";

@@ -1,6 +1,8 @@
 #include "apps/report/document/sections.hpp"
 
+#include <algorithm>
 #include <ctime>
+#include <string>
 #include <utility>
 
 #include "apps/plot/numbers.hpp"
@@ -63,11 +65,8 @@ std::string measurement_text(const Content& content, const std::vector<PairQuali
 void comparison_section(Builder& b, const FigureInput& input) {
   const Content& content = input.content;
   std::vector<Figure> figures = draw_section(Section::comparison, input);
-  const bool motions = content.measured || content.simulated;
-  if (!motions && figures.empty()) return;
+  if (figures.empty()) return;
   b.heading(1, content.comparison ? "Comparison" : "Motion");
-  if (motions && content.comparison && !content.comparison->metrics.empty())
-    b.add(leading_metrics_table(content, input.names));
   b.add(std::move(figures));
 }
 
@@ -103,6 +102,20 @@ std::string utc_now() {
   return text;
 }
 
+// Keys that are not given are comments of the case: they tell what could be given, not what was run.
+std::string without_comments(const std::string& text) {
+  std::string out;
+  for (std::size_t from = 0; from < text.size();) {
+    const std::size_t end = std::min(text.find('\n', from), text.size());
+    const std::string line = text.substr(from, end - from);
+    const bool empty = line.find_first_not_of(" \t") == std::string::npos;
+    if (!line.starts_with("#") && !(empty && (out.empty() || out.ends_with("\n\n")))) out += line + "\n";
+    from = end + 1;
+  }
+  while (out.ends_with("\n")) out.pop_back();
+  return out;
+}
+
 void appendix(Builder& b, const Content& content) {
   b.heading(1, "How this was made");
   if (!content.command.empty()) {
@@ -110,6 +123,10 @@ void appendix(Builder& b, const Content& content) {
     b.add(Code{content.command});
   }
   b.paragraph(versions(content.written_by) + " The report is of " + utc_now() + ".");
+  if (!content.notes.empty()) {
+    b.heading(2, "How it was compared");
+    b.add(List{content.notes});
+  }
   b.heading(2, "How to cite");
   b.add(List{{"pivnp " + program_version() +
                   ": from lab video to verdict by PIV, numerical particles, MPM and comparison. Free software, "
@@ -122,8 +139,8 @@ void appendix(Builder& b, const Content& content) {
               "Polit\u00e8cnica de Catalunya."}});
   if (content.case_text.empty()) return;
   b.heading(1, "Settings");
-  b.paragraph("The case as run, with every default filled in.");
-  b.add(Code{content.case_text});
+  b.paragraph("The case as run, with every default filled in. Keys that were left out and have no default stand in the record.");
+  b.add(Code{without_comments(content.case_text), 3});
 }
 
 std::string subtitle(const Content& content, const DataSetNames& names) {
@@ -146,8 +163,8 @@ Document make_document(const ReportOptions& options, const Content& content) {
   if (auto table = summary_table(content, input.names)) b.add(std::move(*table));
   if (const std::string text = basis(content, input.names); !text.empty()) b.paragraph(text);
   flags_section(b, input);
-  comparison_section(b, input);
   measurement_section(b, input);
+  comparison_section(b, input);
   simulation_section(b, input);
   if (auto table = ends_table(content, input.names)) {
     b.heading(1, "Particles that ended early");
@@ -155,7 +172,9 @@ Document make_document(const ReportOptions& options, const Content& content) {
   }
   if (content.comparison && !content.comparison->metrics.empty()) {
     b.heading(1, "All metrics");
-    b.add(metrics_table(content, input.names));
+    for (Table& table : metrics_tables(content, input.names)) b.add(std::move(table));
+    b.heading(2, "Definitions");
+    b.add(metric_definitions(content));
   }
   appendix(b, content);
   return std::move(b.document);

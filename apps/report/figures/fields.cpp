@@ -98,6 +98,10 @@ FieldFigure gather(const FigureInput& input, const std::string& field) {
     f.difference.clear();
   f.scale = scale_for(values, false);
   f.difference_scale = scale_for(differences, true);
+  // A simulation that reaches far beyond what was measured is shown where the two can be compared.
+  const Metric* shared = content.comparison ? find(content.comparison->metrics, "coverage_second") : nullptr;
+  if (shared != nullptr && shared->value < 0.7 && content.measured && content.simulated)
+    positions.resize(f.measured.size() + 1);
   f.box = box_around(positions, 0.001);
   for (const auto* list : positions)
     f.outside += std::size_t(std::count_if(list->begin(), list->end(), [&](const Vec2& x) {
@@ -194,8 +198,10 @@ Figure draw_field(const FigureInput& input, const std::string& field) {
   const double aspect = f.box.height() / f.box.width();
   double w = (figure_width_mm - left - right - gap * double(per_row - 1)) / double(per_row);
   w = std::min(w, 80.0);
-  const double room = figure_height_mm - head - foot - row_gap * double(rows - 1);
+  // Two such figures fit a page, where the panels do not become too small to read.
+  const double between_rows = head + foot + row_gap * double(rows - 1), room = figure_height_mm - between_rows;
   w = std::min(w, room / double(rows) / aspect);
+  w = std::min(w, std::max(36.0, (112 - between_rows) / double(rows) / aspect));
   const double h = w * aspect;
   const double used = left + double(per_row) * w + double(per_row - 1) * gap + right;
   const double x0 = left + std::max(0.0, (figure_width_mm - used) / 2);
@@ -297,7 +303,6 @@ FigureRow fields_row() {
   return {.name = "fields",
           .shows = "a field on the particles at chosen times",
           .section = Section::comparison,
-          .tall = true,
           .applies = [](const FigureInput& i) { return i.content.measured || i.content.simulated; },
           .draw = draw_fields,
           .owns = owns_fields};

@@ -43,10 +43,13 @@ void write_report_of(const Case& c, RunOutcome& outcome, std::optional<Compariso
   report::ReportInput input;
   input.name = c.name;
   input.record = &record;
-  if (comparison) outcome.remarks.insert(outcome.remarks.end(), comparison->remarks.begin(), comparison->remarks.end());
+  input.remarks = outcome.remarks;
+  if (comparison) {
+    input.notes = comparison->remarks;
+    outcome.remarks.insert(outcome.remarks.end(), comparison->remarks.begin(), comparison->remarks.end());
+  }
   input.comparison = std::move(comparison);
   input.compared = c.compare;
-  input.remarks = outcome.remarks;
   if (record.pair_count() > 0) input.pictures = pictures(c, record, source);
   report::write_report(c.report, input, directory);
   outcome.report_html = directory / "report.html";

@@ -2,11 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
 
 #include "apps/report/content/differences.hpp"
 #include "apps/report/content/fields.hpp"
 #include "apps/report/content/point_curves.hpp"
 #include "apps/report/content/material.hpp"
+#include "apps/report/content/metric_layout.hpp"
 #include "apps/report/content/quality.hpp"
 #include "apps/report/content/selection.hpp"
 #include "tests/unit/report/synthetic.hpp"
@@ -144,6 +146,36 @@ TEST(Content, Differences) {
   ASSERT_EQ(h.time.size(), 26u);
   EXPECT_NEAR(h.sigma[4], std::sqrt(2.0) * 4e-5 * 2, 1e-9);
   EXPECT_GT(h.rms.back(), h.median.back());
+}
+
+// Every metric has one place, whatever its name; a family has two members at least.
+TEST(Content, EveryMetricIsLaidOutOnce) {
+  std::vector<Metric> metrics;
+  for (const char* name : {"displacement_bias_x", "displacement_rms", "displacement_max", "displacement_rms_final_over_u", "displacement_max_final_over_u",
+                           "strain_dev_bias", "strain_dev_rms", "run_out_x_first", "run_out_x_second", "run_out_x_difference", "coverage_first",
+                           "coverage_second", "coverage_first_final", "u_val", "history_rms", "velocity_peak_first", "rms", "biased_x"})
+    metrics.push_back({name, 1, "m", 0.1, "", Verdict::none});
+  const MetricLayout layout = layout_of(metrics);
+  std::set<const Metric*> seen(layout.single.begin(), layout.single.end());
+  std::size_t places = layout.single.size();
+  const auto take = [&](const Metric* m) {
+    if (m == nullptr) return;
+    seen.insert(m);
+    ++places;
+  };
+  for (const StatisticsRow& row : layout.statistics)
+    for (const Metric* m : row.members) take(m);
+  for (const BothRow& row : layout.both) take(row.first), take(row.second), take(row.difference);
+  EXPECT_EQ(places, metrics.size());
+  EXPECT_EQ(seen.size(), metrics.size());
+  ASSERT_EQ(layout.statistics.size(), 3u);
+  EXPECT_EQ(layout.statistics[1].stem, "displacement_final_over_u");
+  EXPECT_EQ(layout.statistics[0].members[1], nullptr);
+  EXPECT_EQ(layout.statistics[2].members[2]->name, "strain_dev_rms");
+  ASSERT_EQ(layout.both.size(), 2u);
+  EXPECT_EQ(layout.both[0].difference->name, "run_out_x_difference");
+  EXPECT_EQ(&layout.both[1].any(), layout.both[1].first);
+  EXPECT_EQ(layout.single.size(), 6u);
 }
 
 }  // namespace

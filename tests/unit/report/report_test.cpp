@@ -101,7 +101,8 @@ TEST_F(Report, Full) {
     EXPECT_TRUE(has_figure(name)) << name;
     EXPECT_GT(colours_of(name), 20u) << name;  // black and white alone have 256 with their smoothing; blank has 1
     const QImage image(QString::fromStdString((folder_ / "figures" / (std::string(name) + ".png")).string()));
-    EXPECT_NEAR(image.width(), 170 / 25.4 * 300, 2) << name;
+    const double width = 25.4 * image.width() / 300;
+    EXPECT_TRUE(std::abs(width - 170) < 0.2 || std::abs(width - 82) < 0.2) << name << ": " << width << " mm";
     EXPECT_NE(read(folder_ / "figures" / (std::string(name) + ".svg")).find("<svg"), std::string::npos) << name;
   }
   EXPECT_GT(colours_of("displacement"), 300u);  // a whole colour map
@@ -110,8 +111,9 @@ TEST_F(Report, Full) {
     EXPECT_NE(html_.find(std::string(">") + section + "</h2>"), std::string::npos) << section;
   EXPECT_EQ(occurrences(html_, "data:image/png;base64,"), 9u);
   EXPECT_LT(html_.size(), 10'000'000u);
-  EXPECT_GE(pages_, 5u);
-  EXPECT_NE(html_.find("Displacement difference, RMS"), std::string::npos);
+  EXPECT_GE(pages_, 4u);
+  EXPECT_LE(pages_, 7u);
+  EXPECT_NE(html_.find("<dt>displacement</dt>"), std::string::npos);
   EXPECT_NE(html_.find(name_of(Verdict::exceeded)), std::string::npos);
   EXPECT_NE(html_.find("IMG_0015.png to IMG_0016.png: the pair lost its correlation"), std::string::npos);
   EXPECT_NE(html_.find(words(EndReason::left_image)), std::string::npos);
@@ -198,12 +200,12 @@ TEST_F(Report, LikeWithLike) {
   Synthetic s = make_synthetic(o);
   write(s);
   EXPECT_TRUE(says("simulated minus measured") && says("Measurement and simulation compared"));
-  EXPECT_FALSE(says("second minus first;"));
+  EXPECT_FALSE(says("Second minus first"));
   const auto np = s.content.measured, mpm = s.content.simulated;
   for (const auto& motion : {mpm, np}) {
     s.content.measured = s.content.simulated = motion;
     write(s);
-    EXPECT_TRUE(says("Metrics, second minus first") && says("Two motions compared")) << motion->name();
+    EXPECT_TRUE(says("Second minus first. By chance") && says("Two motions compared")) << motion->name();
     EXPECT_FALSE(says("Simulated") || says("simulated minus") || says("of the measured")) << motion->name();
   }
 }
