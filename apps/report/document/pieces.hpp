@@ -13,7 +13,7 @@ namespace pivnp::report {
 struct Piece;
 using Pieces = std::vector<Piece>;
 
-constexpr double least_scale = 0.8;
+constexpr double least_scale = 0.78;
 
 /// Heights in canvas units (tenths of a millimetre).
 struct Piece {

@@ -30,38 +30,6 @@ class Builder {
   }
 };
 
-std::string measurement_text(const Content& content, const std::vector<PairQuality>& pairs) {
-  std::size_t nodes = 0, valid = 0, replaced = 0, rejected = 0, failed = 0, outside = 0;
-  std::vector<double> sigma;
-  for (const PairQuality& q : pairs) {
-    nodes += q.nodes;
-    outside += q.outside;
-    valid += q.valid;
-    replaced += q.replaced;
-    rejected += q.rejected;
-    failed += q.failed;
-    sigma.push_back(q.sigma);
-  }
-  if (nodes == 0) return "No node was measured: all are masked.";
-  auto share = [&](std::size_t n) { return percent(double(n) / double(nodes)); };
-  std::string text = count(pairs.size(), "pair of frames was", "pairs of frames were") + " correlated, " +
-                     count(nodes, "vector") +
-                     (pairs.front().material_known ? " in the material: " : " in all: ") + share(valid) + " valid, " + share(replaced) +
-                     " rejected and replaced from valid neighbours, " + share(rejected) + " rejected, " +
-                     share(failed) + " failed.";
-  if (outside > 0)
-    text += " The " + count(outside, "node") + " in front of no material " + (outside == 1 ? "is" : "are") +
-            " left out here and in the figures.";
-  const double typical = quantile(sigma, 0.5);
-  if (typical > 0)
-    text += " Standard uncertainty of a valid vector, one component: " + significant(typical, 2) +
-            unit_suffix(content.length_unit) + " (random error; median over the pairs).";
-  if (content.camera_residual > 0)
-    text += " The camera\u2019s targets are met with a residual of " + significant(content.camera_residual, 2) +
-            unit_suffix(content.length_unit) + " (RMS).";
-  return text;
-}
-
 void comparison_section(Builder& b, const FigureInput& input) {
   const Content& content = input.content;
   std::vector<Figure> figures = draw_section(Section::comparison, input);
@@ -73,8 +41,7 @@ void comparison_section(Builder& b, const FigureInput& input) {
 void measurement_section(Builder& b, const FigureInput& input) {
   if (input.pairs.empty()) return;
   b.heading(1, "Measurement");
-  b.paragraph(measurement_text(input.content, input.pairs));
-  if (input.content.strain_note) b.paragraph(strain_statement(input.content));
+  b.add(measurement_table(input.content, input.pairs));
   b.add(draw_section(Section::measurement, input));
 }
 
@@ -118,29 +85,22 @@ std::string without_comments(const std::string& text) {
 
 void appendix(Builder& b, const Content& content) {
   b.heading(1, "How this was made");
-  if (!content.command.empty()) {
-    b.paragraph("Command:");
-    b.add(Code{content.command});
-  }
+  if (!content.command.empty()) b.add(Code{content.command});
   b.paragraph(versions(content.written_by) + " The report is of " + utc_now() + ".");
-  if (!content.notes.empty()) {
-    b.heading(2, "How it was compared");
-    b.add(List{content.notes});
-  }
-  b.heading(2, "How to cite");
-  b.add(List{{"pivnp " + program_version() +
-                  ": from lab video to verdict by PIV, numerical particles, MPM and comparison. Free software, "
-                  "GPL-3.0-or-later.",
-              "N. M. Pinyol and M. Alvarado (2017). Novel analysis for large strains based on particle image "
-              "velocimetry. Canadian "
-              "Geotechnical Journal 54(7), 933\u2013944.",
-              "M. Alvarado (2018). Landslide motion assessment including thermal interaction: an MPM approach. PhD "
-              "thesis, Universitat "
-              "Polit\u00e8cnica de Catalunya."}});
+  Definitions more;
+  for (const std::string& note : content.notes) more.items.emplace_back("Comparison", note);
+  more.items.emplace_back("How to cite", "pivnp " + program_version() +
+                                             ": from lab video to verdict by PIV, numerical particles, MPM and comparison. Free "
+                                             "software, GPL-3.0-or-later.");
+  more.items.emplace_back("Numerical particles", "N. M. Pinyol and M. Alvarado (2017). Novel analysis for large strains based on particle "
+                                                 "image velocimetry. Canadian Geotechnical Journal 54(7), 933\u2013944.");
+  more.items.emplace_back("Both methods", "M. Alvarado (2018). Landslide motion assessment including thermal interaction: an MPM approach. "
+                                          "PhD thesis, Universitat Polit\u00e8cnica de Catalunya.");
+  b.add(more);
   if (content.case_text.empty()) return;
   b.heading(1, "Settings");
   b.paragraph("The case as run, with every default filled in. Keys that were left out and have no default stand in the record.");
-  b.add(Code{without_comments(content.case_text), 3});
+  b.add(Code{without_comments(content.case_text), 4});
 }
 
 std::string subtitle(const Content& content, const DataSetNames& names) {

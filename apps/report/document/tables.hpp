@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "apps/report/content/content.hpp"
+#include "apps/report/content/quality.hpp"
 #include "apps/report/document/document.hpp"
 #include "apps/report/words/data_sets.hpp"
 
@@ -12,6 +13,9 @@ namespace pivnp::report {
 
 /// What the comparison comes to, in eight rows at most; none where nothing is known.
 std::optional<Table> summary_table(const Content& content, const DataSetNames& names);
+
+/// Camera, correlation, noise and strain gauge of the measurement.
+Table measurement_table(const Content& content, const std::vector<PairQuality>& pairs);
 
 /// All metrics: statistics of differences, quantities of both data sets, and what remains.
 std::vector<Table> metrics_tables(const Content& content, const DataSetNames& names);

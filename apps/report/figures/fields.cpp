@@ -94,6 +94,10 @@ FieldFigure gather(const FigureInput& input, const std::string& field) {
       f.difference.push_back(field_difference(content, field, input.times[k], f.measured[k]));
       differences.insert(differences.end(), f.difference.back().begin(), f.difference.back().end());
     }
+  if (content.gauge && derived_field(field).strain) {
+    differences.clear();  // that of the comparison is over the record's gauge, not over this one
+    f.difference.clear();
+  }
   if (!std::any_of(differences.begin(), differences.end(), [](double d) { return std::isfinite(d); }))
     f.difference.clear();
   f.scale = scale_for(values, false);
@@ -170,8 +174,13 @@ std::string caption(const FieldFigure& f, const std::vector<Shown>& columns, con
     text += " A pointed colour bar: the outermost 0.5 % of the values lie beyond its end.";
   if (f.outside > 0)
     text += " Outside the panels: " + count(f.outside, "place of a particle", "places of particles") + ".";
-  if (input.content.strain_note && input.content.measured && derived_field(f.field).strain)
+  if (input.content.gauge && derived_field(f.field).strain) {
+    const DisplayUnit unit = display_unit(input.content.length_unit, *input.content.gauge);
+    text += " Strains over circles of " + significant(*input.content.gauge * unit.factor, 3) + unit_suffix(unit.name) +
+            ", fitted to the particles\u2019 displacements.";
+  } else if (input.content.strain_note && input.content.measured && derived_field(f.field).strain) {
     text += " " + strain_statement(input.content);
+  }
   return text;
 }
 
@@ -201,7 +210,7 @@ Figure draw_field(const FigureInput& input, const std::string& field) {
   // Two such figures fit a page, where the panels do not become too small to read.
   const double between_rows = head + foot + row_gap * double(rows - 1), room = figure_height_mm - between_rows;
   w = std::min(w, room / double(rows) / aspect);
-  w = std::min(w, std::max(36.0, (112 - between_rows) / double(rows) / aspect));
+  w = std::min(w, std::max(36.0, (104 - between_rows) / double(rows) / aspect));
   const double h = w * aspect;
   const double used = left + double(per_row) * w + double(per_row - 1) * gap + right;
   const double x0 = left + std::max(0.0, (figure_width_mm - used) / 2);

@@ -11,7 +11,7 @@ using namespace plot;
 
 namespace {
 
-constexpr Rgb valid = 0xb9cfe4, replaced = orange, rejected = red, failed = 0x4a2545, flagged = 0xffd9d4;
+constexpr Rgb valid_bar = 0xb9cfe4, replaced_bar = orange, rejected_bar = red, failed_bar = 0x4a2545, flagged_bar = 0xffd9d4;
 
 void draw_shares(Canvas& canvas, const Panel& panel, const std::vector<PairQuality>& pairs) {
   canvas.paint(panel, [=](Painter& p) {
@@ -26,10 +26,10 @@ void draw_shares(Canvas& canvas, const Panel& panel, const std::vector<PairQuali
         base = top;
       };
       if (q.nodes == 0) continue;
-      bar(q.valid, valid);
-      bar(q.replaced, replaced);
-      bar(q.rejected, rejected);
-      bar(q.failed, failed);
+      bar(q.valid, valid_bar);
+      bar(q.replaced, replaced_bar);
+      bar(q.rejected, rejected_bar);
+      bar(q.failed, failed_bar);
     }
   });
 }
@@ -37,7 +37,7 @@ void draw_shares(Canvas& canvas, const Panel& panel, const std::vector<PairQuali
 void mark_flags(Canvas& canvas, const Panel& shares, const Panel& scores, const std::vector<PairQuality>& pairs) {
   canvas.paint(scores, [=](Painter& p) {
     p.no_pen();
-    p.fill({flagged});
+    p.fill({flagged_bar});
     const Rectangle frame = scores.frame();
     for (const PairQuality& q : pairs)
       if (q.flag != 0)
@@ -86,11 +86,11 @@ std::vector<Figure> draw_quality(const FigureInput& input) {
   canvas->curve(scores, at, median, {blue, 1.2}, symbol);
 
   double next = x;
-  next = legend(*canvas, next, 2.5, Key::tile, valid, "valid");
-  next = legend(*canvas, next, 2.5, Key::tile, replaced, "replaced");
-  next = legend(*canvas, next, 2.5, Key::tile, rejected, "rejected");
-  next = legend(*canvas, next, 2.5, Key::tile, failed, "failed");
-  if (any_flag) legend(*canvas, next, 2.5, Key::tile, flagged, "flagged step");
+  next = legend(*canvas, next, 2.5, Key::tile, valid_bar, "valid");
+  next = legend(*canvas, next, 2.5, Key::tile, replaced_bar, "replaced");
+  next = legend(*canvas, next, 2.5, Key::tile, rejected_bar, "rejected");
+  next = legend(*canvas, next, 2.5, Key::tile, failed_bar, "failed");
+  if (any_flag) legend(*canvas, next, 2.5, Key::tile, flagged_bar, "flagged step");
   next = legend(*canvas, x, 33.5, Key::line, blue, "median");
   legend(*canvas, next, 33.5, Key::band, blue, "5th to 95th percentile");
   canvas->text(x - 15, 2, "(a)", Align::top_left, {.bold = true});

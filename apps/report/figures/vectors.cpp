@@ -43,14 +43,14 @@ struct Plan {
 Plan plan_arrows(const VectorField& field, double units_per_length) {
   Plan plan;
   const double node = std::min(field.grid.spacing.x(), field.grid.spacing.y()) * units_per_length;
-  if (node > 0) plan.stride = std::max(1, int(std::ceil(31 / node)));
+  if (node > 0) plan.stride = std::max(1, int(std::ceil(23 / node)));
   std::vector<double> magnitude;
   for (std::size_t n = 0; n < field.status.size(); ++n)
     if (usable(field.status[n]))
       magnitude.push_back(std::hypot(double(field.displacement[n][0]), double(field.displacement[n][1])));
   plan.typical = quantile(magnitude, 0.95);
   if (std::isfinite(plan.typical) && plan.typical > 0)
-    plan.units_each = std::clamp(1.6 * plan.stride * node, 40.0, 90.0) / plan.typical;
+    plan.units_each = std::clamp(1.7 * plan.stride * node, 36.0, 80.0) / plan.typical;
   return plan;
 }
 

@@ -109,7 +109,7 @@ TEST_F(Report, Full) {
   for (const char* section :
        {"Comparison", "Measurement", "Simulation", "What was flagged", "How this was made", "Settings"})
     EXPECT_NE(html_.find(std::string(">") + section + "</h2>"), std::string::npos) << section;
-  EXPECT_EQ(occurrences(html_, "data:image/png;base64,"), 9u);
+  EXPECT_EQ(occurrences(html_, "data:image/png;base64,"), 11u);
   EXPECT_LT(html_.size(), 10'000'000u);
   EXPECT_GE(pages_, 4u);
   EXPECT_LE(pages_, 7u);
@@ -287,6 +287,27 @@ TEST_F(Report, OptionsAreFollowed) {
   EXPECT_FALSE(has_figure("displacement"));
   options.fields_drawn = {"strain_deviatoric"};
   EXPECT_THROW(write_content(options, s.content, folder_), InputError);
+}
+
+// What only the owner of the camera knows is in the table as given; lines are figures of their own, and go again.
+TEST_F(Report, HardwareLinesAndGauge) {
+  SyntheticOptions o;
+  o.spacing_m = 0.01;
+  Synthetic s = make_synthetic(o);
+  s.content.hardware = {{"Camera", "an old <film> camera"}};
+  s.content.setup = {{"Interpolant of the images", "quintic B-spline"}};
+  s.content.gauge = 0.03;
+  ReportOptions options;
+  options.lines = {{"crest", {LineType::extensometer, Pair{0.05, 0.2}, Pair{0.15, 0.2}, "displacement_magnitude"}},
+                   {"toe", {LineType::section, Pair{0.0, 0.05}, Pair{0.3, 0.05}, "strain_dev"}},
+                   {"nowhere", {LineType::section, Pair{7.0, 7.0}, Pair{8.0, 8.0}, "strain_dev"}}};
+  write(s, options);
+  EXPECT_TRUE(has_figure("line_crest") && has_figure("line_toe") && has_figure("uncertainty") && has_figure("geometry"));
+  EXPECT_FALSE(has_figure("line_nowhere"));
+  for (const char* text : {"an old &lt;film&gt; camera", "quintic B-spline", "0.500 mm a pixel", "0.080 px = 40 \u00b5m", "Strains over circles of 30.0 mm"})
+    EXPECT_NE(html_.find(text), std::string::npos) << text;
+  write(s);
+  EXPECT_FALSE(has_figure("line_crest"));
 }
 
 TEST_F(Report, FiguresOfAnEarlierReportGo) {
