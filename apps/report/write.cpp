@@ -67,7 +67,7 @@ void write_content(const ReportOptions& options, const Content& content, const f
       if (bytes.size() > 1'200'000) bytes = figure->canvas->png(190);
     }
   remove_stale(folder, png);
-  const fs::path metrics = folder / "metrics.csv";
+  const fs::path metrics = directory / "metrics.csv";
   std::error_code error;
   if (content.comparison) plot::write_file(metrics, metrics_csv(content.comparison->metrics));
   else fs::remove(metrics, error);

@@ -47,7 +47,12 @@ struct Table {
   bool fine = false;          // small print: an appendix
 };
 
-using Block = std::variant<Heading, Paragraph, List, Code, Definitions, Table, Figure>;
+/// For a screen alone: paper has the figures.
+struct OnScreen {
+  std::string html;
+};
+
+using Block = std::variant<Heading, Paragraph, List, Code, Definitions, Table, Figure, OnScreen>;
 
 struct Document {
   std::string title, subtitle;

@@ -160,6 +160,8 @@ class Cutter {
 
   void operator()(const Figure& f) { figures({&f}); }
 
+  void operator()(const OnScreen&) {}
+
   /// Side by side, if there are two.
   void figures(const std::vector<const Figure*>& row) {
     struct Part {

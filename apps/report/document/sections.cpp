@@ -7,6 +7,7 @@
 
 #include "apps/plot/numbers.hpp"
 #include "apps/report/content/ends.hpp"
+#include "apps/report/document/player.hpp"
 #include "apps/report/document/tables.hpp"
 #include "apps/report/document/versions.hpp"
 #include "apps/report/words/flags.hpp"
@@ -35,6 +36,7 @@ void comparison_section(Builder& b, const FigureInput& input) {
   std::vector<Figure> figures = draw_section(Section::comparison, input);
   if (figures.empty()) return;
   b.heading(1, content.comparison ? "Comparison" : "Motion");
+  if (const auto player = player_of(input.options, content, input.names, input.central)) b.add(OnScreen{html_of(*player)});
   b.add(std::move(figures));
 }
 
