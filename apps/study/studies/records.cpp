@@ -127,4 +127,14 @@ RunOutcome report_record(const fs::path& given, const RunSettings& settings, Pro
   return outcome;
 }
 
+std::vector<fs::path> export_record(const fs::path& given, const fs::path& out, bool vtkhdf, const io::ExportOptions& options) {
+  const fs::path file = fs::is_directory(given) ? given / "record.h5" : given;
+  const io::RecordReader record(file);
+  const fs::path directory = out.empty() ? file.parent_path() / "export" : out;
+  std::error_code failed;
+  fs::create_directories(directory, failed);
+  if (failed) throw RunError(directory.string() + ": " + failed.message());
+  return vtkhdf ? io::export_vtkhdf(record, options, directory) : io::export_csv(record, options, directory);
+}
+
 }  // namespace pivnp::app
