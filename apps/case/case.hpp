@@ -13,7 +13,7 @@
 #include "compare/metrics/limits.hpp"
 #include "mpm/constraint/options.hpp"
 #include "mpm/material/options.hpp"
-#include "mpm/step/options.hpp"
+#include "mpm/scene/options.hpp"
 #include "mpm/water/options.hpp"
 #include "pivnp/core/options.hpp"
 #include "pivnp/image/camera.hpp"

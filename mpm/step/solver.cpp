@@ -4,8 +4,9 @@
 #include <cmath>
 
 #include "mpm/material/model.hpp"
+#include "mpm/scene/memory.hpp"
+#include "mpm/step/frames.hpp"
 #include "mpm/step/initial_equilibrium.hpp"
-#include "mpm/step/memory.hpp"
 #include "mpm/step/solver_impl.hpp"
 #include "mpm/step/time_step.hpp"
 #include "pivnp/core/error.hpp"

@@ -8,19 +8,19 @@
 #include <string>
 #include <vector>
 
-#include "mpm/constraint/restraints.hpp"
 #include "mpm/constraint/contact.hpp"
-#include "mpm/step/loading.hpp"
-#include "mpm/step/momentum.hpp"
-#include "mpm/transfer/nonlocal.hpp"
+#include "mpm/constraint/restraints.hpp"
 #include "mpm/constraint/rigid_body.hpp"
-#include "mpm/step/scene_setup.hpp"
+#include "mpm/material/model.hpp"
+#include "mpm/scene/loading.hpp"
+#include "mpm/scene/scene_setup.hpp"
+#include "mpm/step/momentum.hpp"
 #include "mpm/step/sleep.hpp"
 #include "mpm/step/solver.hpp"
 #include "mpm/step/solver_state.hpp"
 #include "mpm/step/thread_choice.hpp"
+#include "mpm/transfer/nonlocal.hpp"
 #include "mpm/transfer/transfer.hpp"
-#include "mpm/material/model.hpp"
 #include "mpm/water/pore_water.hpp"
 
 namespace pivnp::mpm {

@@ -1,4 +1,4 @@
-#include "mpm/step/memory.hpp"
+#include "mpm/scene/memory.hpp"
 
 #include <algorithm>
 #include <type_traits>
