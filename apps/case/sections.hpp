@@ -33,6 +33,8 @@ void for_each_section(C& c, Visitor&& visit) {
   visit.always("compare", c.compare, "How measurement and simulation are compared.");
   visit.always("compare.limits", c.limits, "Limits; one that is exceeded ends the program with exit code 3.");
   visit.always("report", c.report, "What the report shows.");
+  visit.always("report.hardware", c.report.hardware, "Camera and specimen as the report's table of the measurement states them; free text.");
+  visit.named("report.line", c.report.lines, "Cross-sections and virtual extensometers that the report draws; one section a line.");
   visit.always("output", c.output, "What the record stores.");
   visit.optional("synth", c.synth,
                  "Synthetic frames with known truth: drawn by `pivnp synth`, and by `pivnp run` when "

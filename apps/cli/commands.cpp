@@ -27,6 +27,10 @@ const std::vector<Command>& commands() {
        declare_compare},
       {"report", "write the report of a finished record again", "pivnp report out/lab/record.h5 --out out/again",
        declare_report},
+      {"export", "write a record's fields as CSV, or as VTKHDF for ParaView",
+       "pivnp export out/lab/record.h5 --motions np --fields strain_dev,velocity_x --times 0.2,0.4\n"
+       "pivnp export out/lab/record.h5 --format vtkhdf --out out/paraview",
+       declare_export},
       {"synth", "draw the synthetic frames of a case, with their truth",
        "pivnp synth datasets/affine_shear --out out/shear", declare_synth},
       {"verify", "run synthetic cases against their known truth and thresholds (JUnit XML); or check records for damage",

@@ -110,6 +110,20 @@ TEST_F(CommandLine, EachCommandCallsItsFunction) {
   EXPECT_EQ(fake_study().report.points_m.size(), 1u);
   EXPECT_EQ(fake_study().first, "r.h5");
   EXPECT_EQ(fake_study().settings.out, "");
+  EXPECT_EQ(run_program({"report", "r.h5", "--gauge", "0.05", "--data-sets", "np"}).code, 0);
+  EXPECT_EQ(fake_study().report.gauge_m, 0.05);
+  EXPECT_EQ(fake_study().report.data_sets, std::vector<std::string>{"np"});
+}
+
+TEST_F(CommandLine, ExportHandsOnWhatIsAskedFor) {
+  const auto ran = run_program({"export", "r.h5", "--motions", "np,piv", "--fields", "strain_dev", "--times", "0.2,0.4", "--format", "vtkhdf", "--out", "o"});
+  EXPECT_EQ(ran.code, 0);
+  EXPECT_NE(ran.out.find("np.csv"), std::string::npos);
+  EXPECT_EQ(fake_study().first, "r.h5");
+  EXPECT_TRUE(fake_study().vtkhdf);
+  EXPECT_EQ(fake_study().exported.motions, (std::vector<std::string>{"np", "piv"}));
+  EXPECT_EQ(fake_study().exported.times, (std::vector<double>{0.2, 0.4}));
+  expect_error(run_program({"export", "r.h5", "--format", "xls"}), 2, "");
 }
 
 TEST_F(CommandLine, AFolderOfFramesStandsForTheCasesPattern) {

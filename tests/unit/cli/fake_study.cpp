@@ -54,6 +54,14 @@ RunOutcome report_record(const std::filesystem::path& record, const RunSettings&
   return fake_study().outcome;
 }
 
+std::vector<std::filesystem::path> export_record(const std::filesystem::path& record, const std::filesystem::path& out, bool vtkhdf,
+                                                 const io::ExportOptions& options) {
+  fake_study().first = record.string();
+  fake_study().exported = options;
+  fake_study().vtkhdf = vtkhdf;
+  return {out / "np.csv"};
+}
+
 CheckOutcome check_case(const Case& c, const RunSettings& settings, Progress& progress) {
   fake_study().c = c;
   called("check_case", settings, progress);
