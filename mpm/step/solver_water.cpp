@@ -129,7 +129,7 @@ void Solver::Impl::end_water(std::size_t k) {
   const double potential = water->potential_energy(p, k, loading.gravity(state.time));
   potential_energy -= potential;
   state.balance.potential -= potential;
-  state.balance.carried += water->stored(p, k);
+  state.balance.carried += water->stored(p, k, loading.gravity(state.time));
   state.balance.inflow -= water->flowing_mass(p, k);
 }
 
@@ -150,6 +150,10 @@ void Solver::Impl::put_water(MotionFrame& frame) {
   const std::span<float> of_flow = frame.add("water_flow", p.size());
   for (std::size_t k = 0; k < p.size(); ++k)
     for (int c = 0; c < 2; ++c) of_flow[2 * p.index[k] + std::size_t(c)] = float(flow[k][c]);
+  if (scene.water->level_m || !scene.water->level_history.empty()) {
+    const std::span<float> excess = frame.add("excess_pressure", p.size());
+    for (std::size_t k = 0; k < p.size(); ++k) excess[p.index[k]] = float(p.excess[k] / p.J[k]);
+  }
   const std::span<float> porosity = frame.add("porosity", p.size());
   for (std::size_t k = 0; k < p.size(); ++k) porosity[p.index[k]] = float(water->porosity(p, k));
 }

@@ -60,6 +60,7 @@ void PoreWater::start(Particles& p, GridState& g, const Tractions& tractions, co
   p.wetted.assign(collapses ? p.size() : 0, 0.0);
   for (std::size_t k = 0; k < p.wetted.size(); ++k)
     if (soil_of(p, k).has_pores()) p.wetted[k] = std::min(1.0, filled(p, k));
+  if (has_front(p, gravity, threads)) front_.resize(g.arrays.pores.size());  // (from then on dry points count, too)
   refresh(p, gravity, threads);
 }
 

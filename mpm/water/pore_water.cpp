@@ -163,16 +163,18 @@ double PoreWater::potential_energy(const Particles& p, const Vec2& gravity, int 
   return sum_over(p.size(), threads, [&](std::size_t k) { return p.cell[k] == Particles::ended ? 0 : potential_energy(p, k, gravity); });
 }
 
-double PoreWater::stored(const Particles& p, std::size_t k) const {
+double PoreWater::stored(const Particles& p, std::size_t k, const Vec2& gravity) const {
   if (!flows(p, k)) return 0;
+  if (const double lack = 1 - filled(p, k); lack > 0 && sees_air(gravity))
+    return p.volume0[k] * pores_of(p, k, soil_of(p, k)) * fringe(p, k, gravity) * lack * lack / 2;
   return p.volume0[k] * pores_of(p, k, soil_of(p, k)) * p.pressure[k] * p.pressure[k] / (2 * options_.bulk_modulus_pa);
 }
 
-PoreWater::Sums PoreWater::sums(const Particles& p) const {
+PoreWater::Sums PoreWater::sums(const Particles& p, const Vec2& gravity) const {
   Sums all;
   for (std::size_t k = 0; k < p.size(); ++k) {
     if (p.cell[k] == Particles::ended || !flows(p, k)) continue;
-    all.energy += stored(p, k);
+    all.energy += stored(p, k, gravity);
     all.mass += flowing_mass(p, k);
   }
   return all;

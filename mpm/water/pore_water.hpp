@@ -99,8 +99,8 @@ class PoreWater {
   /// Potential energy of a point in gravity and in the water outside, J/m.
   double potential_energy(const Particles& p, std::size_t k, const Vec2& gravity) const;
   double potential_energy(const Particles& p, const Vec2& gravity, int threads) const;
-  /// Elastic energy of the water in a point, J/m.
-  double stored(const Particles& p, std::size_t k) const;
+  /// Energy of the water in a point, J/m: elastic, and where pores are not full what filling the fringe gives.
+  double stored(const Particles& p, std::size_t k, const Vec2& gravity) const;
   /// Mass of the water in a point, where it flows; else 0. kg/m.
   double flowing_mass(const Particles& p, std::size_t k) const {
     return flows(p, k) ? options_.density_kg_m3 * p.volume0[k] * p.content[k] : 0;
@@ -109,7 +109,7 @@ class PoreWater {
   struct Sums {
     double energy = 0, mass = 0;
   };
-  Sums sums(const Particles& p) const;
+  Sums sums(const Particles& p, const Vec2& gravity) const;
 
   /// What the water adds to the stiffness against a compression wave, J K_w/n, the greatest of each material, Pa; and the
   /// greatest diffusivity of pressure, K K_w/(gamma n), m^2/s.

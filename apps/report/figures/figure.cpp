@@ -11,7 +11,7 @@
 namespace pivnp::report {
 
 Registry<FigureRow>& figures() {
-  static Registry<FigureRow> rows = {summary_row(),   fields_row(),    point_curves_row(), differences_row(), outlines_row(), decomposition_row(),
+  static Registry<FigureRow> rows = {summary_row(),   fields_row(),    point_curves_row(), point_pressures_row(), differences_row(), outlines_row(), decomposition_row(),
                                      histories_row(), quality_row(),   vectors_row(),      energy_row(),      reactions_row()};
   return rows;
 }
