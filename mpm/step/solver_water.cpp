@@ -117,7 +117,8 @@ void Solver::Impl::carry_water(const Cycle& c) {
       const double mass = water->mass(p, k), before = p.mass[k];
       if (mass == before) continue;
       p.mass[k] = mass;
-      sum += (1 - before / mass) * stored_kinetic(p, g, k) + water->brought(p, k, mass - before, c.gravity);
+      sum += (1 - before / mass) * stored_kinetic(p, g, k);
+      if (!water_works_in_steps()) sum += water->brought(p, k, mass - before, c.gravity);
     }
     parts[part] = sum;
   });

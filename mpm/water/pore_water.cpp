@@ -156,7 +156,7 @@ double PoreWater::mass(const Particles& p, std::size_t k) const {
 
 double PoreWater::potential_energy(const Particles& p, std::size_t k, const Vec2& gravity) const {
   const Vec2 x(p.x[k], p.y[k]);
-  return p.volume0[k] * p.J[k] * outside_pressure(x, gravity) - mass(p, k) * gravity.dot(x - reference_);
+  return p.volume0[k] * p.J[k] * outside_pressure(x, gravity) - (flows(p, k) ? mass(p, k) : p.mass[k]) * gravity.dot(x - reference_);
 }
 
 double PoreWater::potential_energy(const Particles& p, const Vec2& gravity, int threads) const {
