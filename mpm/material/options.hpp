@@ -72,6 +72,7 @@ struct MaterialOptions {
   std::optional<double> permeability_m_s;
   PermeabilityLaw permeability = PermeabilityLaw::constant;
   bool drained = false;
+  double wetting_collapse = 0;
   std::map<std::string, std::optional<double>, std::less<>> own;  // by own_material_keys(); what is not there is not given
 
   /// Of a key of a law's own.
@@ -121,6 +122,7 @@ struct MaterialOptions {
     visit("permeability_m_s", self.permeability_m_s, OptionInfo{.unit = "m/s", .text = "hydraulic conductivity K of Darcy's law, as a laboratory measures it at 9.81 m/s^2", .min = 0});
     visit("permeability", self.permeability, OptionInfo{.text = "constant: permeability_m_s; kozeny_carman: permeability_m_s at the start, and in proportion to n^3/(1 - n)^2 as the porosity n changes"});
     visit("drained", self.drained, OptionInfo{.text = "its water never has another pressure than the hydrostatic one of water.level_m (zero without)"});
+    visit("wetting_collapse", self.wetting_collapse, OptionInfo{.text = "volumetric strain by which an unloaded skeleton would shrink as its pores fill for the first time (loose soil that loses its suction): in proportion to the share that is full; confined soil settles by (1 + poisson)/(3 (1 - poisson)) of it", .min = 0, .max = 0.5});
     for (const OwnMaterialKey& key : own_material_keys()) visit(key.name, self.own_value(key.name), key.info);
   }
 };

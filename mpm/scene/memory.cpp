@@ -35,7 +35,8 @@ ParticleNeeds particle_needs(const Scheme& scheme, const Materials& materials, c
           .kept = scheme.stress != StressUpdate::usf && !scheme.takes_updated(),
           .averaged = any_averages(materials),
           .wet = scene.water,
-          .soils = scene.water && scene.several};
+          .soils = scene.water && scene.several,
+          .collapses = scene.collapses};
 }
 
 NodeNeeds node_needs(const Scheme& scheme, const Materials& materials, const SceneNeeds& scene) {

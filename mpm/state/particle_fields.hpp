@@ -60,6 +60,7 @@ inline void for_each_particle_field(Visit&& visit) {
   visit(ParticleField{"J at the flow", "1", "J when water last flowed", &N::wet}, Column{&P::J_flow});
   visit(ParticleField{"soil", "m^2/(Pa s), 1", "mobility of the water, and the share of the grains in the initial volume", &N::soils},
         Column{&P::mobility}, Column{&P::solid});
+  visit(ParticleField{"wetted", "1", "greatest share of the pores that was full so far", &N::collapses}, Column{&P::wetted});
   visit(ParticleField{"content", "1", "volume of the water without pressure, in a unit of initial volume", &N::wet}, Column{&P::content});
   visit(ParticleField{"affine velocity", "1/s", "affine velocity field of APIC", &N::affine}, Column{&P::C_xx, &K::C_xx},
         Column{&P::C_xy, &K::C_xy}, Column{&P::C_yx, &K::C_yx}, Column{&P::C_yy, &K::C_yy});

@@ -83,7 +83,7 @@ EnergyRow Solver::Impl::energy() {
   if (!work_in_steps() && !water) balance.gravity = work_of_gravity();
   if (water && !water_works_in_steps()) balance.gravity = balance.potential - potential_of_water();
   StoredEnergy stored = stored_energy(p, g, materials);
-  const PoreWater::Sums in_pores = water ? water->sums(p) : PoreWater::Sums{};
+  const PoreWater::Sums in_pores = water ? water->sums(p, loading.gravity(state.time)) : PoreWater::Sums{};
   stored.water = in_pores.energy;
   EnergyRow row = energy_row(state.time, stored, balance);
   row.water_mass = in_pores.mass;
@@ -116,7 +116,7 @@ void Solver::Impl::fail(const std::string& cause) {
 void Solver::Impl::restart_balance() {
   state.balance = EnergyBalance{};
   const StoredEnergy stored = stored_energy(p, g, materials);
-  state.balance.start = stored.kinetic + stored.elastic + (water ? water->sums(p).energy : 0);
+  state.balance.start = stored.kinetic + stored.elastic + (water ? water->sums(p, loading.gravity(state.time)).energy : 0);
   if (water) state.balance.potential = potential_of_water();
   failed = false;
   good = {energy(), state.steps};

@@ -280,7 +280,8 @@ std::vector<Figure> draw_fields(const FigureInput& input) {
   // Water in the pores belongs to what every report draws.
   if (!input.times.empty() && input.options.fields_drawn == ReportOptions{}.fields_drawn && input.content.simulated &&
       !input.content.simulated->times().empty() && input.content.simulated->frame(0).find("pressure"))
-    all.push_back(draw_field(input, "pressure"));
+    for (const char* field : {"pressure", "excess_pressure"})
+      if (input.content.simulated->frame(0).find(field)) all.push_back(draw_field(input, field));
   return all;
 }
 

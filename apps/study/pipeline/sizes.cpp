@@ -59,6 +59,7 @@ struct Laws {
 
 mpm::SceneNeeds needs_of(const Case& c, bool wet) {
   mpm::SceneNeeds needs{.several = c.materials.size() > 1, .water = wet};
+  for (const auto& item : c.materials) needs.collapses |= item.second.wetting_collapse > 0;
   for (const auto& [name, boundary] : c.boundaries) {
     needs.tied |= boundary.type == mpm::BoundaryType::tied;
     needs.loads |= boundary.type == mpm::BoundaryType::traction;

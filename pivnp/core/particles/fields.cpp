@@ -62,6 +62,8 @@ Registry<MotionField>& motion_fields() {
        .definition = "accumulated plastic deviatoric strain, where the source has it"},
       {.name = "pressure", .unit = "Pa", .label = "pore pressure",
        .definition = "pressure of the water in the pores, compression positive"},
+      {.name = "excess_pressure", .unit = "Pa", .label = "excess pore pressure",
+       .definition = "pore pressure over that of the water outside, at rest below its level"},
       {.name = "porosity", .label = "porosity", .definition = "share of the pores in the volume"},
       {.name = "water_flow", .unit = "L/T", .form = FieldForm::vector, .label = "flow of the water",
        .definition = "Darcy's flow of the water relative to the skeleton, a volume per area and time"},
