@@ -33,6 +33,7 @@ class GaussNewton final : public Method {
   void smooth(const GnLevel& level);
   void run_passes(const GnLevel& level);
   void recorrelate(const GnLevel& level);
+  void estimate_illumination(const GnLevel& level);
 
   PivOptions options_;
   Extent extent_;
@@ -87,10 +88,12 @@ void GaussNewton::correlate(const ImageView& first, const ImageView& second, Pix
     const float smoothing = !finest ? 0.0f : level.decimation() == 1 ? presmoothing(first, second, threads_) : 0.25f;
     level.take(first, second, smoothing, threads_, finest ? nullptr : windows_.images(level.decimation()));
     coarser == nullptr ? start_from(level, predictor) : start_from(level, *coarser);
+    // Before anything is matched by it, and again once it is matched.
+    if (coarser == nullptr) estimate_illumination(level);
     run_passes(level);
     if (!finest) recorrelate(level);
     field_.interpolate(level.lattice(), u_, v_, threads_);
-    if (coarser == nullptr && levels_.size() > 1) illumination_.take(sums_, level.decimation(), rounding_);
+    if (coarser == nullptr && levels_.size() > 1) illumination_.take(sums_, level.decimation(), threads_, rounding_);
     coarser = &level;
   }
   const GnLevel& finest = levels_.back();
@@ -142,6 +145,14 @@ void GaussNewton::pass(const GnLevel& level, bool scores) {
   if (!level.wanted().empty()) input.active = &level.wanted();
   input.scores = scores;
   accumulate_sums(input, threads_, sums_);
+}
+
+// From the frames as the predictor brings them together: without it a change of light is taken for motion, which no
+// later pass undoes.
+void GaussNewton::estimate_illumination(const GnLevel& level) {
+  noise_.clear();
+  pass(level, true);
+  illumination_.take(sums_, level.decimation(), threads_, rounding_);
 }
 
 // All passes of a level from the field of now, at first without robust weights. A field that a pass has hardly moved
