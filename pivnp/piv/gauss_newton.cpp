@@ -25,6 +25,9 @@ class GaussNewton final : public Method {
  public:
   GaussNewton(const PivOptions& options, const Extent& extent, int threads, int finest);
   void correlate(const ImageView& first, const ImageView& second, PixelVectors& vectors) override;
+  const DenseField* field() const override {
+    return options_.smoothing == Smoothing::adaptive && !windows_.empty() ? &dense_ : nullptr;
+  }
 
  private:
   void start_from(const GnLevel& level, const PredictorField& predictor);
@@ -47,6 +50,7 @@ class GaussNewton final : public Method {
   // The field at the level in work, and what its last pass left.
   std::vector<float> u_, v_, before_u_, before_v_, noise_, tolerance_, gain_, offset_;
   SplineField field_;
+  DenseField dense_;
   CellSums sums_;
   Corrections corrections_;
   SmoothedField smooth_u_, smooth_v_;
@@ -99,7 +103,9 @@ void GaussNewton::correlate(const ImageView& first, const ImageView& second, Pix
   const GnLevel& finest = levels_.back();
   validate_vectors({limits_of(options_), extent_.nodes, extent_.width, extent_.height, finest.decimation(), threads_,
                     rounding_},
-                   field_, sums_, u_, v_, smooth_u_, smooth_v_, vectors);
+                   field_, sums_, u_, v_, smooth_u_, smooth_v_, vectors, dense_.trusted);
+  dense_.lattice = finest.lattice(), dense_.decimation = finest.decimation(), dense_.wanted = &finest.wanted();
+  dense_.smooth_u = u_, dense_.smooth_v = v_;
 }
 
 void GaussNewton::start_from(const GnLevel& level, const PredictorField& predictor) {
@@ -176,6 +182,7 @@ void GaussNewton::smooth(const GnLevel& level) {
     for (std::size_t k = 0; k < u_.size(); ++k) u_[k] += corrections_.u[k], v_[k] += corrections_.v[k];
     level.shrinker().run(u_, level.wanted(), threads_, smooth_u_);
     level.shrinker().run(v_, level.wanted(), threads_, smooth_v_);
+    dense_.u.swap(u_), dense_.v.swap(v_);
     u_ = smooth_u_.value, v_ = smooth_v_.value;
   } else {
     window_corrections(sums_, options_.order, static_cast<float>(options_.window_px), level.wanted(), threads_,

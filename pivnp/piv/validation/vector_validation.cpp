@@ -86,7 +86,7 @@ std::vector<std::uint8_t> trusted_points(const ValidationInput& input, const Cel
 
 void validate_vectors(const ValidationInput& input, const SplineField& field, const CellSums& sums,
                       const std::vector<float>& u, const std::vector<float>& v, const SmoothedField& smooth_u,
-                      const SmoothedField& smooth_v, PixelVectors& vectors) {
+                      const SmoothedField& smooth_v, PixelVectors& vectors, std::vector<std::uint8_t>& trusted) {
   const CellLattice& lattice = sums.lattice;
   const auto d = static_cast<float>(input.decimation), cell = static_cast<float>(lattice.step);
   MatchQuality quality;
@@ -99,7 +99,7 @@ void validate_vectors(const ValidationInput& input, const SplineField& field, co
     variance_v[k] = d * d * (smooth_v.variance[k] + variance_v[k]) + systematic_variance(input.decimation);
   }
   const auto measured = measured_points(sums, quality, input.rounding);
-  const auto trusted = trusted_points(input, lattice, quality, measured, u, v, variance_u, variance_v);
+  trusted = trusted_points(input, lattice, quality, measured, u, v, variance_u, variance_v);
   const auto least_usable = static_cast<float>(input.limits.min_usable);
   for (std::size_t k = 0; k < input.nodes.pixel.size(); ++k) {
     if (vectors.status[k] == VectorStatus::masked) continue;

@@ -24,9 +24,10 @@ struct ValidationInput {
 };
 
 /// `field` the result, `sums` the last pass' with scores, `u`, `v` the field at the lattice's points, `smooth_*` what
-/// smoothing left of their errors. Nodes already masked stay so.
+/// smoothing left of their errors. Nodes already masked stay so. `trusted`: of the
+/// lattice's points.
 void validate_vectors(const ValidationInput& input, const SplineField& field, const CellSums& sums,
                       const std::vector<float>& u, const std::vector<float>& v, const SmoothedField& smooth_u,
-                      const SmoothedField& smooth_v, PixelVectors& vectors);
+                      const SmoothedField& smooth_v, PixelVectors& vectors, std::vector<std::uint8_t>& trusted);
 
 }  // namespace pivnp::piv
