@@ -98,7 +98,7 @@ class DenseInverseSearch final : public Method {
     error_of(corrections_.u, error_u);
     error_of(corrections_.v, error_v);
     validate_vectors({limits_of(options_), extent_.nodes, extent_.width, extent_.height, dis_decimation, threads_,
-                      rounding},
+                      rounding, extent_.mask},
                      field_, sums_, u_, v_, error_u, error_v, vectors, trusted_);
   }
 

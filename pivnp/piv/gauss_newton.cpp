@@ -102,10 +102,11 @@ void GaussNewton::correlate(const ImageView& first, const ImageView& second, Pix
   }
   const GnLevel& finest = levels_.back();
   validate_vectors({limits_of(options_), extent_.nodes, extent_.width, extent_.height, finest.decimation(), threads_,
-                    rounding_},
+                    rounding_, extent_.mask},
                    field_, sums_, u_, v_, smooth_u_, smooth_v_, vectors, dense_.trusted);
   dense_.lattice = finest.lattice(), dense_.decimation = finest.decimation(), dense_.wanted = &finest.wanted();
   dense_.smooth_u = u_, dense_.smooth_v = v_;
+  dense_.variance_u = smooth_u_.variance, dense_.variance_v = smooth_v_.variance;
 }
 
 void GaussNewton::start_from(const GnLevel& level, const PredictorField& predictor) {

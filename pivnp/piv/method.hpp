@@ -15,6 +15,7 @@ struct DenseField {
   int decimation = 1;
   std::vector<float> u, v;                // as measured, cell by cell
   std::vector<float> smooth_u, smooth_v;  // what smoothing made of it
+  std::vector<float> variance_u, variance_v;  // that smoothing leaves
   std::vector<std::uint8_t> trusted;
   const std::vector<std::uint8_t>* wanted = nullptr;  // points near nodes that are on; empty: all
 };

@@ -23,9 +23,14 @@ struct Components {
   void resize(std::size_t count) { u.resize(count), v.resize(count); }
 };
 
+// A field of a group of pairs and what it adds to the variance of each of them.
+struct GroupField {
+  Components value, variance;
+};
+
 struct HeldPair {
   PixelVectors vectors;
-  Components measured, smooth;
+  Components measured, smooth, variance;
   std::vector<std::uint8_t> trusted;
   Components on_paths;               // `measured` where the material of the reference lattice is
   std::vector<std::uint8_t> known;   // of these
@@ -72,6 +77,7 @@ struct SequenceCorrelator::Impl {
     }
     together = together && same(lattice, field->lattice) && origin == pairs.field_origin() && wanted == *field->wanted;
     pair.measured = {field->u, field->v}, pair.smooth = {field->smooth_u, field->smooth_v};
+    pair.variance = {field->variance_u, field->variance_v};
     pair.trusted = field->trusted;
   }
 
@@ -122,21 +128,25 @@ struct SequenceCorrelator::Impl {
     });
   }
 
-  // base + shrunk (value - base)
-  Components shrunk(const Components& value, const Components& base, float caution) const {
-    Components out = base;
+  // Adds what is left of value - base after shrinkage to the base, and `pairs` times its variance to the variance: an
+  // error that as many pairs share adds up along paths, and their errors are summed as if independent.
+  GroupField shrunk(const Components& value, const GroupField& base, float caution, float pairs_sharing) const {
+    GroupField out = base;
     SmoothedField smooth;
     std::vector<float> off(lattice.size());
     for (const auto part : {&Components::u, &Components::v}) {
-      for (std::size_t k = 0; k < off.size(); ++k) off[k] = (value.*part)[k] - (base.*part)[k];
+      for (std::size_t k = 0; k < off.size(); ++k) off[k] = (value.*part)[k] - (base.value.*part)[k];
       shrinker->run(off, wanted, threads, smooth, caution);
-      for (std::size_t k = 0; k < off.size(); ++k) (out.*part)[k] += smooth.value[k];
+      for (std::size_t k = 0; k < off.size(); ++k) {
+        (out.value.*part)[k] += smooth.value[k];
+        (out.variance.*part)[k] += pairs_sharing * smooth.variance[k];
+      }
     }
     return out;
   }
 
   // Pairs begin ... end - 1, of which `base` is known on the reference lattice.
-  void divide(std::size_t begin, std::size_t end, const Components& base) {
+  void divide(std::size_t begin, std::size_t end, const GroupField& base) {
     if (end - begin == 1) {
       finish_pair(held[begin], base);
       return;
@@ -147,44 +157,61 @@ struct SequenceCorrelator::Impl {
       float u = 0, v = 0, count = 0;
       for (std::size_t n = begin; n < end; ++n)
         if (held[n].known[k]) u += held[n].on_paths.u[k], v += held[n].on_paths.v[k], ++count;
-      mean.u[k] = count > 0 ? u / count : base.u[k], mean.v[k] = count > 0 ? v / count : base.v[k];
+      mean.u[k] = count > 0 ? u / count : base.value.u[k], mean.v[k] = count > 0 ? v / count : base.value.v[k];
     });
-    const Components field = shrunk(mean, base, end - begin == held.size() ? group_caution : 1.0f);
+    const GroupField field = shrunk(mean, base, end - begin == held.size() ? group_caution : 1.0f,
+                                    static_cast<float>(end - begin));
     const std::size_t parts = std::min<std::size_t>(branches, end - begin);
     for (std::size_t part = 0; part < parts; ++part)
       divide(begin + (end - begin) * part / parts, begin + (end - begin) * (part + 1) / parts, field);
   }
 
   // The pair's own departure from what its group says, on its own lattice.
-  void finish_pair(HeldPair& pair, const Components& group_field) {
+  void finish_pair(HeldPair& pair, const GroupField& group_field) {
     constexpr int iterations = 6;
     Components carried;
     carried.resize(lattice.size());
     each_point([&](int i, int j, std::size_t k) {
       carried.u[k] = pair.path.u[k] - column(lattice, i), carried.v[k] = pair.path.v[k] - row(lattice, j);
     });
-    const SplineField way = spline(carried), known = spline(group_field);
-    Components base;
-    base.resize(lattice.size());
+    const SplineField way = spline(carried), known = spline(group_field.value), spread = spline(group_field.variance);
+    GroupField base;
+    base.value.resize(lattice.size()), base.variance.resize(lattice.size());
     each_point([&](int i, int j, std::size_t k) {
       float x = column(lattice, i), y = row(lattice, j);
       for (int n = 0; n < iterations; ++n) {
         const auto d = way.at(x, y);
         x = column(lattice, i) - d[0], y = row(lattice, j) - d[1];
       }
-      const auto value = known.at(x, y);
-      base.u[k] = value[0], base.v[k] = value[1];
+      const auto value = known.at(x, y), variance = spread.at(x, y);
+      base.value.u[k] = value[0], base.value.v[k] = value[1];
+      base.variance.u[k] = std::max(variance[0], 0.0f), base.variance.v[k] = std::max(variance[1], 0.0f);
     });
-    Components change = shrunk(pair.measured, base, 1);
-    for (std::size_t k = 0; k < lattice.size(); ++k)
-      change.u[k] -= pair.smooth.u[k], change.v[k] -= pair.smooth.v[k];
-    const SplineField by = spline(change);
+    GroupField change = shrunk(pair.measured, base, 1, 1);
+    for (std::size_t k = 0; k < lattice.size(); ++k) {
+      change.value.u[k] -= pair.smooth.u[k], change.value.v[k] -= pair.smooth.v[k];
+      change.variance.u[k] -= pair.variance.u[k], change.variance.v[k] -= pair.variance.v[k];
+    }
+    const SplineField by = spline(change.value);
     const auto d = static_cast<float>(decimation);
     for (std::size_t n = 0; n < nodes.pixel.size(); ++n) {
-      if (!std::isfinite(pair.vectors.displacement[n][0])) continue;
-      const float x = nodes.pixel[n][0] - static_cast<float>(origin[0]), y = nodes.pixel[n][1] - static_cast<float>(origin[1]);
-      const auto more = by.at((x - 0.5f * (d - 1)) / d, (y - 0.5f * (d - 1)) / d);
-      pair.vectors.displacement[n][0] += d * more[0], pair.vectors.displacement[n][1] += d * more[1];
+      auto& displacement = pair.vectors.displacement[n];
+      if (!std::isfinite(displacement[0])) continue;
+      const auto on_level = [&](std::size_t c) {
+        return (nodes.pixel[n][c] - static_cast<float>(origin[c]) - 0.5f * (d - 1)) / d;
+      };
+      const float x = on_level(0), y = on_level(1);
+      const auto more = by.at(x, y);
+      displacement[0] += d * more[0], displacement[1] += d * more[1];
+      const auto nearest = [&](float at, float first, int points) {
+        return std::clamp(static_cast<int>(std::lround((at - first) / static_cast<float>(lattice.step))), 0, points - 1);
+      };
+      const std::size_t k = lattice.index(nearest(x, column(lattice, 0), lattice.nx), nearest(y, row(lattice, 0), lattice.ny));
+      auto& cov = pair.vectors.cov[n];
+      const std::array<float, 2> before{cov[0], cov[1]};
+      // What else the covariance holds (truncation, interpolation) stays.
+      cov[0] += d * d * change.variance.u[k], cov[1] += d * d * change.variance.v[k];
+      cov[2] *= std::sqrt(cov[0] / before[0] * (cov[1] / before[1]));
     }
   }
 };
@@ -207,9 +234,8 @@ int SequenceCorrelator::held() const { return static_cast<int>(impl_->held.size(
 std::vector<PixelVectors> SequenceCorrelator::finish() {
   if (impl_->together && impl_->held.size() > 1) {
     impl_->find_paths();
-    Components nothing;
-    nothing.u.assign(impl_->lattice.size(), 0.0f), nothing.v = nothing.u;
-    impl_->divide(0, impl_->held.size(), nothing);
+    const std::vector<float> zero(impl_->lattice.size(), 0.0f);
+    impl_->divide(0, impl_->held.size(), {{zero, zero}, {zero, zero}});
   }
   std::vector<PixelVectors> out;
   for (HeldPair& pair : impl_->held) out.push_back(std::move(pair.vectors));

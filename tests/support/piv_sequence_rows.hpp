@@ -305,7 +305,7 @@ inline std::vector<SequenceRow> sequence_rows() {
   using namespace sequence;
   std::vector<SequenceRow> rows;
   for (const int steps : {7, 20, 60})
-    for (const double step : {.05, .2, .5}) rows.push_back(band_row(steps, step, .03));
+    for (const double step : {.05, .2, .5}) rows.push_back(band_row(steps, step, .03, steps == 7 && step == .2));
   rows.push_back(band_row(20, .05, .01));
   rows.push_back(band_row(20, .2, .05));
 

@@ -62,6 +62,24 @@ float inside_share(float place, int pixels, float cell) {
   return cumulated(static_cast<float>(pixels - 1) - place) - cumulated(-place);
 }
 
+// Share of the pixels about a node that the mask leaves, over an even window of `width` px: what is missing beside it,
+// the motion has carried out of the frame.
+float mask_share(const MaskView& mask, float column, float row, float width) {
+  if (mask.data == nullptr) return 1;
+  constexpr int samples = 9;
+  int usable = 0, inside = 0;
+  for (int b = 0; b < samples; ++b)
+    for (int a = 0; a < samples; ++a) {
+      const auto place = [&](float centre, int k) {
+        return static_cast<int>(std::lround(centre + width * ((float(k) + 0.5f) / float(samples) - 0.5f)));
+      };
+      const int c = place(column, a), r = place(row, b);
+      if (c < 0 || r < 0 || c >= mask.width || r >= mask.height) continue;
+      ++inside, usable += mask.usable(c, r);
+    }
+  return inside > 0 ? static_cast<float>(usable) / static_cast<float>(inside) : 0.0f;
+}
+
 // What is trusted at the lattice's points: measured by texture of its own, matched well enough, of a small enough error,
 // and in line with its neighbours. Tested there and not at the nodes, which may lie far apart for the field's curvature.
 std::vector<std::uint8_t> trusted_points(const ValidationInput& input, const CellLattice& lattice,
@@ -111,7 +129,7 @@ void validate_vectors(const ValidationInput& input, const SplineField& field, co
     const std::size_t q = lattice.index(i, j);
     if (quality.usable[q] < least_usable) {
       const float inside = inside_share(column, input.width, cell * d) * inside_share(row, input.height, cell * d);
-      if (inside >= least_usable)
+      if (inside >= least_usable && inside * mask_share(input.mask, column, row, 3 * cell * d) < least_usable)
         vectors.status[k] = VectorStatus::masked;  // it is the mask that takes the window away
       continue;
     }

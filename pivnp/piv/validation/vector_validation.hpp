@@ -1,6 +1,7 @@
 // From the field of a dense method to vectors at the nodes: value, covariance, score and status.
 #pragma once
 
+#include "pivnp/core/image_view.hpp"
 #include "pivnp/piv/dense/quality.hpp"
 #include "pivnp/piv/sampling/lattice.hpp"
 #include "pivnp/piv/validation/pixel_vectors.hpp"
@@ -21,6 +22,7 @@ struct ValidationInput {
   int decimation;     // of the level that the field lives on
   int threads;
   float rounding;  // variance of a grey value's rounding, grey^2
+  MaskView mask;   // of the full image
 };
 
 /// `field` the result, `sums` the last pass' with scores, `u`, `v` the field at the lattice's points, `smooth_*` what

@@ -46,5 +46,52 @@ TEST(Sequences, MapsAreTurnedBack) {
   }
 }
 
+// A pair alone, and methods without a field of their own, yield what the pair correlator yields.
+TEST(Sequences, APairAloneIsAPair) {
+  Sequence s{.frames = 3, .seed = seed, .noise = .02};
+  s.width = s.height = 192;
+  s.place = sequence::vortex(s, 1.5, 50);
+  for (const char* method : {"gn", "fft"}) {
+    PivOptions options;
+    options.method = method;
+    const bool alone = options.method == "gn";
+    const sequence::Measured m = sequence::measure(s, options, 2, alone);
+    NodeLattice nodes{.nx = m.grid.nx, .ny = m.grid.ny, .pixel = {}, .on = {}};
+    for (int j = 0; j < nodes.ny; ++j)
+      for (int i = 0; i < nodes.nx; ++i)
+        nodes.pixel.push_back({float(m.grid.position(i, j).x()), float(m.grid.position(i, j).y())});
+    PairCorrelator pairs(options, nodes, s.width, s.height, 1);
+    for (int k = 0; k < 2; ++k)
+      EXPECT_EQ(pairs.correlate(draw(s, k).view(), draw(s, k + 1).view(), {}).displacement,
+                m.pairs[std::size_t(k)].displacement)
+          << method;
+  }
+}
+
+TEST(Sequences, GroupsGiveTheSameBitsForAnyNumberOfThreads) {
+  Sequence s{.frames = 6, .seed = seed, .noise = .02};
+  s.width = s.height = 192;
+  s.place = sequence::band(s, .2, 8);
+  const sequence::Measured one = sequence::measure(s, {}, 1), five = sequence::measure(s, {}, 5);
+  for (std::size_t k = 0; k < one.pairs.size(); ++k) {
+    EXPECT_EQ(one.pairs[k].displacement, five.pairs[k].displacement);
+    EXPECT_EQ(one.pairs[k].cov, five.pairs[k].cov);
+  }
+}
+
+// What a frame's second view no longer holds has failed; nothing was masked.
+TEST(Sequences, ContentThatLeavesTheFrameHasFailed) {
+  Sequence s{.frames = 2, .seed = seed};
+  s.width = s.height = 256;
+  s.place = sequence::uniform(28, 0);
+  int failed = 0;
+  const sequence::Measured m = sequence::measure(s, {}, 2);
+  for (const VectorStatus status : m.pairs[0].status) {
+    EXPECT_NE(status, VectorStatus::masked);
+    failed += status == VectorStatus::failed;
+  }
+  EXPECT_GT(failed, 0);
+}
+
 }  // namespace
 }  // namespace pivnp::piv
