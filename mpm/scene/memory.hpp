@@ -15,6 +15,8 @@ struct SceneNeeds {
   bool water = false;
   bool tied = false;
   bool loads = false;    // body forces, tractions
+  bool heat = false;
+  bool bands = false;    // embedded
 };
 
 SceneNeeds needs_of(const Scene& scene);

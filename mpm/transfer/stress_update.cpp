@@ -22,7 +22,17 @@ bool together(const std::uint32_t* places, std::size_t n) {
 // `softened_by` is there if any law averages: the others take their own strain.
 void update_batch(const Material& material, StressBatch& batch) {
   if (!(material.nonlocal_length() > 0)) batch.softened_by = nullptr;
+  if (!batch.shift) return material.update(batch);
+  const auto shift = [&](double sign) {
+    for (std::size_t q = 0; q < batch.size; ++q) {
+      const std::size_t k = batch.places ? batch.places[q] : q;
+      if (batch.shift[k] == 0) continue;
+      for (double* stress : {batch.xx, batch.yy, batch.zz}) stress[k] += sign * batch.shift[k];
+    }
+  };
+  shift(1);
   material.update(batch);
+  shift(-1);
 }
 
 }  // namespace
