@@ -16,7 +16,6 @@ constexpr std::int64_t look_every = 4;   // passes between looks at the width of
 constexpr double pass_share = 0.5;       // of the longest step of conduction
 constexpr double cross_share = 0.25;     // of a cell that the flow may pass between two
 constexpr double forgotten = 0.1;        // of the shear that a zone's width is found from, at each look
-constexpr double least_left = 0.005;     // of the mean stress, of what strength may lose to a band's pressure
 constexpr std::size_t points_in_part = 1024;      // points
 
 }  // namespace
@@ -169,7 +168,6 @@ void Heat::look_at_zones(Particles& p, const GridState& g, double time) {
   zone_->look(p, g, work_, time);
 }
 
-// Never so much that nothing is left: beyond that a band opens, which is none of these equations (heat_limit of the record).
 void Heat::shift_strength(Particles& p, const HeatState& state, int threads) const {
   for (const Particles::Body& body : p.bodies) {
     const HeatSoil& soil = soils_[std::size_t(body.material)];
@@ -179,11 +177,7 @@ void Heat::shift_strength(Particles& p, const HeatState& state, int threads) con
       const std::int32_t slot = state.band_of[p.index[k]];
       if (slot < 0 || p.cell[k] == Particles::ended) return;
       const ShearBand& band = state.bands[std::size_t(slot)];
-      double over = soil.exchange == BandExchange::printed ? std::max(0.0, band.pressure[0] - p.pressure[k]) : band.over_pressure(soil.band);
-      const double half = 0.5 * (p.tau_xx[k] - p.tau_yy[k]), mean = 0.5 * (p.tau_xx[k] + p.tau_yy[k]);
-      const double radius = std::sqrt(half * half + p.tau_xy[k] * p.tau_xy[k]);
-      const double greatest = std::max(mean + radius, p.tau_zz[k]), share = (1 - least_left);
-      p.shift[k] = std::min(p.J[k] * over, std::max(0.0, -share * greatest));
+      p.shift[k] = p.J[k] * (soil.exchange == BandExchange::printed ? std::max(0.0, band.pressure[0] - p.pressure[k]) : band.over_pressure(soil.band));
     });
   }
 }
