@@ -26,6 +26,9 @@ TEST(ThermalSlide, Trial) {
   if (std::getenv("PIVNP_SCHEME")) o.scheme = *value_named<SchemeName>(std::getenv("PIVNP_SCHEME"));
   o.bands = exchange < 3;
   o.exchange = BandExchange(exchange < 3 ? exchange : 0);
+  if (std::getenv("PIVNP_TRANSFER")) o.transfer = *value_named<TransferKind>(std::getenv("PIVNP_TRANSFER"));
+  if (std::getenv("PIVNP_SHAPE")) o.shape = *value_named<ShapeKind>(std::getenv("PIVNP_SHAPE"));
+  if (std::getenv("PIVNP_PIC")) o.pic_per_s = std::atof(std::getenv("PIVNP_PIC"));
   PlanarSlide slide(of);
   slide.mass = 2020 * (std::round(o.above / o.cell) + 0.5 * o.rows) * o.cell;
   const PlanarSlide::State r = slide.after(50);

@@ -22,6 +22,9 @@ struct SlideOptions {
   BandExchange exchange = BandExchange::deviation;
   bool bands = true;
   SchemeName scheme = SchemeName::standard;
+  std::optional<ShapeKind> shape;
+  std::optional<TransferKind> transfer = TransferKind::flip;
+  std::optional<double> pic_per_s;
   double courant = 0.8;
   int threads = 1;
 };
@@ -83,6 +86,9 @@ inline SlideState run_slide(const PlanarSlide& slide, const SlideOptions& o, dou
   options.initial_equilibrium = false;
   options.end_at_rest = false;
   options.scheme = o.scheme;
+  options.shape = o.shape;
+  options.transfer = o.transfer;
+  options.pic_per_s = o.pic_per_s;
   options.courant = o.courant;
   options.energy_limit = 1e9;
   options.pressure = PressureScheme::in_steps;
