@@ -82,7 +82,9 @@ void check_exclusive(const MaterialOptions& options, const MaterialModel& model)
 const std::vector<MaterialKey>& keys_of_all() {
   static const std::vector<MaterialKey> keys = {
       {"density_kg_m3"},    {"density_end_kg_m3"}, {"density_from_s"}, {"density_until_s"},  {"reduction_factor"},
-      {"reduction_from_s"}, {"reduction_until_s"}, {"removed_s"},      {"permeability_m_s"}, {"grain_density_kg_m3"}};
+      {"reduction_from_s"}, {"reduction_until_s"}, {"removed_s"},      {"permeability_m_s"}, {"grain_density_kg_m3"},
+      {"grain_thermal_expansion_1_k"}, {"skeleton_thermal_expansion_1_k"}, {"grain_specific_heat_j_kg_k"},
+      {"conductivity_w_m_k"}, {"band_thickness_m"}, {"band_compressibility_1_pa"}};
   return keys;
 }
 

@@ -16,6 +16,8 @@ struct SceneNeeds {
   bool collapses = false;  // as water comes
   bool tied = false;
   bool loads = false;    // body forces, tractions
+  bool heat = false;
+  bool bands = false;    // embedded
 };
 
 SceneNeeds needs_of(const Scene& scene);

@@ -87,6 +87,7 @@ void Solver::Impl::map_to_nodes(const Cycle& c) {
   const double least = least_mass * least_density() * g.grid.spacing.prod();
   const bool with_force = scheme.stress != StressUpdate::usf;
   if (with_force) flow_water(c);
+  if (with_force) heat_points(c);
   if (with_force) average_mean_stress(p, g, scheme, c.threads);
   if (maps_and_advances()) return map_and_update(p, g, scheme, small_mass, least, c.gravity, c.dt, c.threads);
   map_momentum(p, g, scheme, with_force, c.threads);
@@ -100,6 +101,7 @@ void Solver::Impl::strain_first(const Cycle& c) {
   small_mass.join_velocity(g);
   strain(c);
   flow_water(c);
+  heat_points(c);
   average_mean_stress(p, g, scheme, c.threads);
   map_force(p, g, scheme, c.threads);
 }

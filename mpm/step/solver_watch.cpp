@@ -39,6 +39,7 @@ void Solver::Impl::end_particle(std::size_t k, EndReason reason) {
   const StoredEnergy lost = stored_energy_of(p, g, materials, k);
   state.balance.carried += lost.kinetic + lost.elastic;
   if (water) end_water(k);
+  if (heat) end_heat(k);
   p.cell[k] = Particles::ended;
 }
 
@@ -52,7 +53,7 @@ void Solver::Impl::watch_motion() {
     state.calm_looks = 0;
   }
   state.far = moved_far();
-  state.at_rest = is_calm && ++state.calm_looks > calm_looks && !scene.body_force &&
+  state.at_rest = is_calm && !heat && ++state.calm_looks > calm_looks && !scene.body_force &&
                   state.time - state.calm_since > calm_share * state.time &&
                   std::isinf(restraints.next_change(state.time)) && !loading.changing_after(state.time) &&
                   !(water && water->moves_after(state.time)) && !bodies.moving_after(state.time);
@@ -87,6 +88,7 @@ EnergyRow Solver::Impl::energy() {
   stored.water = in_pores.energy;
   EnergyRow row = energy_row(state.time, stored, balance);
   row.water_mass = in_pores.mass;
+  if (heat) row.heat = heat->contained(p);
   if (scheme.shape == ShapeKind::bilinear) row.hourglass = hourglass_energy(p, g);
   return row;
 }

@@ -108,7 +108,7 @@ PoreView PoreWater::view(const Particles& p, const Vec2& gravity) const {
   const auto at = [](const Array& values) { return values.empty() ? nullptr : const_cast<double*>(values.data()); };
   const double density = options_.density_kg_m3;
   return {at(p.pressure), at(p.content), at(p.J_flow), at(p.excess), at(p.mobility), at(p.solid), alike_.mobility, alike_.solid,
-          options_.bulk_modulus_pa, density * gravity.x(), density * gravity.y(), -density * gravity.dot(reference_), p.outside, p.level, projected()};
+          options_.bulk_modulus_pa, density * gravity.x(), density * gravity.y(), -density * gravity.dot(reference_), p.outside, p.level, projected(), p.swelling.empty() ? nullptr : p.swelling.data()};
 }
 
 double PoreWater::porosity(const Particles& p, std::size_t k) const {
@@ -119,7 +119,7 @@ double PoreWater::porosity(const Particles& p, std::size_t k) const {
 void PoreWater::refresh_point(Particles& p, std::size_t k, const PoreSoil& soil, const Vec2& gravity) const {
   const double J = p.J[k], outside = outside_pressure({p.x[k], p.y[k]}, gravity);
   const bool air = sees_air(gravity), holds = (air || p.content[k] > 0) && soil.holds_water();
-  p.pressure[k] = holds ? options_.bulk_modulus_pa * (p.content[k] / pores_of(p, k, soil) - 1) : soil.has_pores() ? outside : 0;
+  p.pressure[k] = holds ? options_.bulk_modulus_pa * ((p.swelling.empty() ? p.content[k] : p.content[k] + p.swelling[k]) / pores_of(p, k, soil) - 1) : soil.has_pores() ? outside : 0;
   if (air && holds) p.pressure[k] = std::max(0.0, p.pressure[k]);
   p.J_flow[k] = J;
   p.excess[k] = J * (p.pressure[k] - outside);
@@ -168,6 +168,15 @@ double PoreWater::stored(const Particles& p, std::size_t k, const Vec2& gravity)
   if (const double lack = 1 - filled(p, k); lack > 0 && sees_air(gravity))
     return p.volume0[k] * pores_of(p, k, soil_of(p, k)) * fringe(p, k, gravity) * lack * lack / 2;
   return p.volume0[k] * pores_of(p, k, soil_of(p, k)) * p.pressure[k] * p.pressure[k] / (2 * options_.bulk_modulus_pa);
+}
+
+double PoreWater::swell(Particles& p, std::size_t k, double by) const {
+  if (!flows(p, k)) return 0;
+  const double before = stored(p, k), more = options_.bulk_modulus_pa / pores_of(p, k, soil_of(p, k)) * by;
+  p.swelling[k] += by;
+  p.pressure[k] += more;
+  p.excess[k] += p.J[k] * more;
+  return stored(p, k) - before;
 }
 
 PoreWater::Sums PoreWater::sums(const Particles& p, const Vec2& gravity) const {

@@ -105,6 +105,13 @@ class PoreWater {
   double flowing_mass(const Particles& p, std::size_t k) const {
     return flows(p, k) ? options_.density_kg_m3 * p.volume0[k] * p.content[k] : 0;
   }
+  /// Water and grains of a point swell by this share of the initial volume (heat). The energy that its water gains, J/m.
+  double swell(Particles& p, std::size_t k, double by) const;
+  /// Darcy's flow in the last step from a node to the next one along x and y, m^2/s, and what it dissipated, W/m.
+  struct EdgeFlow {
+    double x = 0, y = 0, heat_x = 0, heat_y = 0;
+  };
+  EdgeFlow edge_flow(const GridState& g, std::size_t node) const;
   /// Over the points still simulated: that energy, and the mass of the water that flows, kg/m.
   struct Sums {
     double energy = 0, mass = 0;
