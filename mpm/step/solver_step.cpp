@@ -141,7 +141,7 @@ void Solver::Impl::apply_restraints(const Cycle& c, std::span<Impulse> of_walls)
   restraints.apply(state.time, c.dt, g, reactions, of_walls);
   contacts.apply(g, restraints, reactions);
   bodies.accelerate(state.time, c.dt, c.gravity);
-  bodies.apply(state.time, touched_share * least_density() * g.grid.spacing.prod(), g, reactions);
+  bodies.apply(state.time, c.dt, touched_share * least_density() * g.grid.spacing.prod(), small_mass.pairs, p, g, reactions);
   if (sleep.any()) sleep.hold(push_per_mass(c.dt), g);
 }
 
