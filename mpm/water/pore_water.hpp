@@ -166,6 +166,7 @@ class PoreWater {
     const PoreCondition* condition = boundaries_.at(n, time);
     return condition && condition->kind == PoreCondition::flux ? condition->value * length_along(g, n, boundaries_.side(n, time), holds) : 0;
   }
+  void conduct_to_surface(const GridState& g, double dt);
   void mark_given(bool given);
   PoreFlow at_given_nodes(double rate);
   PoreFlow flow_through_tractions(Particles& p, const Tractions& tractions, double time, double dt) const;
@@ -188,6 +189,9 @@ class PoreWater {
   /// Is a node at the material's own surface? `holds`: does an element hold material? `volume`: around the node, of that.
   template <class Holds>
   bool at_surface(const GridState& g, std::size_t n, double volume, double time, Holds&& holds) const;
+
+  // pore_projection.cpp
+  void yield_beside_surface(const GridState& g, double inertia, double* added) const;
 
   // pore_neighbours.cpp
   bool covered(const GridState& g, std::size_t element, double time) const;  // by a rigid body
@@ -224,6 +228,7 @@ class PoreWater {
   };
   std::vector<Through> through_;  // of this one, by flow that is given
   std::vector<std::uint32_t> free_;  // at a surface that is not held and lets no water through
+  std::vector<std::uint32_t> surface_;  // of the material itself, where no wall is
   std::vector<OfGrid<double>> system_;  // projected
   double inertia_ = 0;  // the least density over the share of its own effect that a pressure foresees
   bool marked_ = false;
