@@ -172,11 +172,11 @@ double PoreWater::stored(const Particles& p, std::size_t k, const Vec2& gravity)
 
 double PoreWater::swell(Particles& p, std::size_t k, double by) const {
   if (!flows(p, k)) return 0;
-  const double before = stored(p, k), more = options_.bulk_modulus_pa / pores_of(p, k, soil_of(p, k)) * by;
+  const double before = stored(p, k, Vec2::Zero()), more = options_.bulk_modulus_pa / pores_of(p, k, soil_of(p, k)) * by;
   p.swelling[k] += by;
   p.pressure[k] += more;
   p.excess[k] += p.J[k] * more;
-  return stored(p, k) - before;
+  return stored(p, k, Vec2::Zero()) - before;
 }
 
 PoreWater::Sums PoreWater::sums(const Particles& p, const Vec2& gravity) const {
