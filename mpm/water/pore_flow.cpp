@@ -72,6 +72,21 @@ std::vector<Vec2> PoreWater::flow_at_points(const Particles& p, GridState& g, co
   return flow;
 }
 
+PoreWater::EdgeFlow PoreWater::edge_flow(const GridState& g, std::size_t n) const {
+  const auto conducting = [&](std::size_t element) {
+    const PoreElement& e = sums_.element[element];
+    return alike_.own ? e.conducting : alike_.mobility * e.inside;
+  };
+  const auto drop = [&](std::size_t next) {
+    return field_.volume[n] > 0 && field_.volume[next] > 0 ? field_.potential[n] - field_.potential[next] : 0;
+  };
+  const auto row = std::size_t(field_.row);
+  const double x = drop(n + 1), y = drop(n + row), here = conducting(n);
+  const double flow_x = 0.5 * (here + conducting(n - row)) * g.per_hx * g.per_hx * x;
+  const double flow_y = 0.5 * (here + conducting(n - 1)) * g.per_hy * g.per_hy * y;
+  return {flow_x, flow_y, flow_x * x, flow_y * y};
+}
+
 // What is not active any more is zero again.
 void PoreWater::forget_nodes(const GridState& g) {
   if (nodes_ == g.active.nodes) return;
