@@ -43,7 +43,7 @@ const std::map<std::string, Folders> allowed = {
 // Floors from the lowest to the highest. What lies in the folder itself stands on all of them.
 const std::map<std::string, std::vector<std::string>> floors = {
     {"pivnp/piv", {"sampling", "window", "dense", "validation"}},
-    {"pivnp/io", {"files", "hdf5", "records", "imports"}},
+    {"pivnp/io", {"files", "hdf5", "records", "imports", "exports"}},
     {"mpm", {"state", "simd", "grid", "material", "transfer", "constraint", "water", "heat", "scene", "step"}},
     {"compare", {"data", "shapes", "alignment", "measures", "metrics"}},
     {"apps/report", {"content", "words", "figures", "document"}},
