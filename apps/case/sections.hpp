@@ -30,6 +30,7 @@ void for_each_section(C& c, Visitor&& visit) {
   visit.named("body", c.bodies, "Rigid bodies with prescribed motion; a circle or a polygon each.");
   visit.named("contact", c.contacts, "How bodies of the simulated material meet: with friction, free to part. Without any they stick together. Example: datasets/sand_slope_1g/glass.toml.");
   visit.optional("water", c.water, "Water in the pores of materials that have a porosity. Example: datasets/terzaghi.");
+  visit.optional("heat", c.heat, "Temperature: plastic work and the flow of the water become heat, which swells water and soil. Materials then have a specific heat and a conductivity.");
   visit.always("compare", c.compare, "How measurement and simulation are compared.");
   visit.always("compare.limits", c.limits, "Limits; one that is exceeded ends the program with exit code 3.");
   visit.always("report", c.report, "What the report shows.");

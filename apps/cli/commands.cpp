@@ -37,6 +37,16 @@ const std::vector<Command>& commands() {
        "pivnp verify datasets/ --junit verify.xml\n"
        "pivnp verify out/lab/record.h5",
        declare_verify},
+      {"frontier", "chart the speed of settings against their accuracy, on drawn texture or on a scene of your own",
+       "pivnp frontier\n"
+       "pivnp frontier lab/case.toml --stages piv --threads 1\n"
+       "pivnp frontier --frames \"lab/frames/*.png\"",
+       declare_frontier},
+      {"stress", "map where methods are right, where they say that they are not, and where they are wrong without a word",
+       "pivnp stress\n"
+       "pivnp stress lab/case.toml --stages piv --seeds 4\n"
+       "pivnp stress --stages piv --set piv.method=fft",
+       declare_stress},
   };
   return table;
 }

@@ -13,8 +13,11 @@ namespace pivnp::mpm {
 struct SceneNeeds {
   bool several = false;  // particles of several materials
   bool water = false;
+  bool collapses = false;  // as water comes
   bool tied = false;
   bool loads = false;    // body forces, tractions
+  bool heat = false;
+  bool bands = false;    // embedded
 };
 
 SceneNeeds needs_of(const Scene& scene);

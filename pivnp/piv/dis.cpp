@@ -98,8 +98,8 @@ class DenseInverseSearch final : public Method {
     error_of(corrections_.u, error_u);
     error_of(corrections_.v, error_v);
     validate_vectors({limits_of(options_), extent_.nodes, extent_.width, extent_.height, dis_decimation, threads_,
-                      rounding},
-                     field_, sums_, u_, v_, error_u, error_v, vectors);
+                      rounding, extent_.mask},
+                     field_, sums_, u_, v_, error_u, error_v, vectors, trusted_);
   }
 
   void error_of(const std::vector<float>& correction, SmoothedField& error) const {
@@ -121,6 +121,7 @@ class DenseInverseSearch final : public Method {
   SplineField field_;
   CellSums sums_;
   Corrections corrections_;
+  std::vector<std::uint8_t> trusted_;
   std::vector<float> u_, v_;  // the flow at the level's lattice, level pixels
 };
 

@@ -25,6 +25,9 @@ class GaussNewton final : public Method {
  public:
   GaussNewton(const PivOptions& options, const Extent& extent, int threads, int finest);
   void correlate(const ImageView& first, const ImageView& second, PixelVectors& vectors) override;
+  const DenseField* field() const override {
+    return options_.smoothing == Smoothing::adaptive && !windows_.empty() ? &dense_ : nullptr;
+  }
 
  private:
   void start_from(const GnLevel& level, const PredictorField& predictor);
@@ -33,6 +36,7 @@ class GaussNewton final : public Method {
   void smooth(const GnLevel& level);
   void run_passes(const GnLevel& level);
   void recorrelate(const GnLevel& level);
+  void estimate_illumination(const GnLevel& level);
 
   PivOptions options_;
   Extent extent_;
@@ -46,6 +50,7 @@ class GaussNewton final : public Method {
   // The field at the level in work, and what its last pass left.
   std::vector<float> u_, v_, before_u_, before_v_, noise_, tolerance_, gain_, offset_;
   SplineField field_;
+  DenseField dense_;
   CellSums sums_;
   Corrections corrections_;
   SmoothedField smooth_u_, smooth_v_;
@@ -87,16 +92,21 @@ void GaussNewton::correlate(const ImageView& first, const ImageView& second, Pix
     const float smoothing = !finest ? 0.0f : level.decimation() == 1 ? presmoothing(first, second, threads_) : 0.25f;
     level.take(first, second, smoothing, threads_, finest ? nullptr : windows_.images(level.decimation()));
     coarser == nullptr ? start_from(level, predictor) : start_from(level, *coarser);
+    // Before anything is matched by it, and again once it is matched.
+    if (coarser == nullptr) estimate_illumination(level);
     run_passes(level);
     if (!finest) recorrelate(level);
     field_.interpolate(level.lattice(), u_, v_, threads_);
-    if (coarser == nullptr && levels_.size() > 1) illumination_.take(sums_, level.decimation(), rounding_);
+    if (coarser == nullptr && levels_.size() > 1) illumination_.take(sums_, level.decimation(), threads_, rounding_);
     coarser = &level;
   }
   const GnLevel& finest = levels_.back();
   validate_vectors({limits_of(options_), extent_.nodes, extent_.width, extent_.height, finest.decimation(), threads_,
-                    rounding_},
-                   field_, sums_, u_, v_, smooth_u_, smooth_v_, vectors);
+                    rounding_, extent_.mask},
+                   field_, sums_, u_, v_, smooth_u_, smooth_v_, vectors, dense_.trusted);
+  dense_.lattice = finest.lattice(), dense_.decimation = finest.decimation(), dense_.wanted = &finest.wanted();
+  dense_.smooth_u = u_, dense_.smooth_v = v_;
+  dense_.variance_u = smooth_u_.variance, dense_.variance_v = smooth_v_.variance;
 }
 
 void GaussNewton::start_from(const GnLevel& level, const PredictorField& predictor) {
@@ -144,6 +154,14 @@ void GaussNewton::pass(const GnLevel& level, bool scores) {
   accumulate_sums(input, threads_, sums_);
 }
 
+// From the frames as the predictor brings them together: without it a change of light is taken for motion, which no
+// later pass undoes.
+void GaussNewton::estimate_illumination(const GnLevel& level) {
+  noise_.clear();
+  pass(level, true);
+  illumination_.take(sums_, level.decimation(), threads_, rounding_);
+}
+
 // All passes of a level from the field of now, at first without robust weights. A field that a pass has hardly moved
 // has converged: the last pass alone, which also scores, is left.
 void GaussNewton::run_passes(const GnLevel& level) {
@@ -165,6 +183,7 @@ void GaussNewton::smooth(const GnLevel& level) {
     for (std::size_t k = 0; k < u_.size(); ++k) u_[k] += corrections_.u[k], v_[k] += corrections_.v[k];
     level.shrinker().run(u_, level.wanted(), threads_, smooth_u_);
     level.shrinker().run(v_, level.wanted(), threads_, smooth_v_);
+    dense_.u.swap(u_), dense_.v.swap(v_);
     u_ = smooth_u_.value, v_ = smooth_v_.value;
   } else {
     window_corrections(sums_, options_.order, static_cast<float>(options_.window_px), level.wanted(), threads_,

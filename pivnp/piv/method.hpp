@@ -2,11 +2,23 @@
 // PairCorrelator makes it anew for every other mask.
 #pragma once
 
+#include "pivnp/piv/dense/spline_field.hpp"
 #include "pivnp/piv/piv.hpp"
 #include "pivnp/piv/sampling/anchor_shares.hpp"
 #include "pivnp/piv/validation/vector_validation.hpp"
 
 namespace pivnp::piv {
+
+/// The field that a pair's vectors were taken from, at a lattice of cells in pixels of a level of its method's frames.
+struct DenseField {
+  CellLattice lattice;
+  int decimation = 1;
+  std::vector<float> u, v;                // as measured, cell by cell
+  std::vector<float> smooth_u, smooth_v;  // what smoothing made of it
+  std::vector<float> variance_u, variance_v;  // that smoothing leaves
+  std::vector<std::uint8_t> trusted;
+  const std::vector<std::uint8_t>* wanted = nullptr;  // points near nodes that are on; empty: all
+};
 
 class Method {
  public:
@@ -14,6 +26,8 @@ class Method {
   /// Fills displacement, status, cov, score and correlation_px. As it gets them nothing is measured: values NaN, status
   /// masked where a node is off, failed elsewhere.
   virtual void correlate(const ImageView& first, const ImageView& second, PixelVectors& vectors) = 0;
+  /// Of the last pair, of methods that smooth as far as noise asks for; null of others.
+  virtual const DenseField* field() const { return nullptr; }
 };
 
 inline ValidationLimits limits_of(const PivOptions& options) {

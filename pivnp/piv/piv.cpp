@@ -114,6 +114,10 @@ PairCorrelator::PairCorrelator(const PivOptions& options, NodeLattice lattice, i
 
 PairCorrelator::~PairCorrelator() = default;
 
+const DenseField* PairCorrelator::field() const { return impl_->method->field(); }
+
+std::array<int, 2> PairCorrelator::field_origin() const { return {impl_->box.x0, impl_->box.y0}; }
+
 PixelVectors PairCorrelator::correlate(const ImageView& first, const ImageView& second, const MaskView& mask) {
   for (const ImageView* view : {&first, &second})
     if (view->width != impl_->width || view->height != impl_->height)

@@ -1,6 +1,7 @@
 // Eulerian cross-correlation: displacement of the image at fixed nodes, from one pair of frames.
 #pragma once
 
+#include <array>
 #include <memory>
 
 #include "pivnp/core/image_view.hpp"
@@ -9,6 +10,8 @@
 #include "pivnp/piv/validation/pixel_vectors.hpp"
 
 namespace pivnp::piv {
+
+struct DenseField;
 
 /// Correlates pairs of frames of one size on one lattice. Keeps plans and buffers; `correlate` uses `threads` threads
 /// and gives the same bits for any number of them.
@@ -26,6 +29,10 @@ class PairCorrelator {
   PairCorrelator(const PivOptions& options, NodeLattice lattice, int width, int height, int threads);
   ~PairCorrelator();
   PixelVectors correlate(const ImageView& first, const ImageView& second, const MaskView& mask);
+  /// The field that the last pair's vectors are from, and the place in the frames of its (0, 0); null where the method
+  /// has none.
+  const DenseField* field() const;
+  std::array<int, 2> field_origin() const;
 
  private:
   struct Impl;

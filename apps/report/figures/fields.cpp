@@ -277,10 +277,13 @@ std::vector<Figure> draw_fields(const FigureInput& input) {
     derived_field(field);  // an unknown one is told of even where nothing is drawn
     if (!input.times.empty()) all.push_back(draw_field(input, field));
   }
-  // Water in the pores belongs to what every report draws.
+  // Water in the pores, temperature and embedded bands belong to what every report draws.
   if (!input.times.empty() && input.options.fields_drawn == ReportOptions{}.fields_drawn && input.content.simulated &&
-      !input.content.simulated->times().empty() && input.content.simulated->frame(0).find("pressure"))
-    all.push_back(draw_field(input, "pressure"));
+      !input.content.simulated->times().empty()) {
+    const MotionFrame first = input.content.simulated->frame(0);
+    for (const char* field : {"pressure", "excess_pressure", "temperature", "band_pressure", "band_temperature", "band_width"})
+      if (first.find(field)) all.push_back(draw_field(input, field));
+  }
   return all;
 }
 

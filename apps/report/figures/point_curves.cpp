@@ -1,4 +1,4 @@
-// Displacement of material points against time, and where they are.
+// Displacement of material points against time, and where they are; and the pressure of their water.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -189,7 +189,53 @@ std::vector<Figure> draw_point_curves(const FigureInput& input) {
   return {{caption(input, extent, unit), canvas, {}, {}, std::move(data)}};
 }
 
+bool has_pressure(const FigureInput& input) {
+  const MotionSource* motion = input.content.simulated.get();
+  return !input.points.empty() && motion && !motion->times().empty() && motion->frame(0).find("pressure");
+}
+
+std::vector<Figure> draw_point_pressures(const FigureInput& input) {
+  const std::vector<PointCurve> curves = point_curves(*input.content.simulated, input.points);
+  double low = 0, high = 0;
+  for (const PointCurve& c : curves)
+    for (const double p : c.pressure)
+      if (std::isfinite(p)) low = std::min(low, p), high = std::max(high, p);
+  const DisplayUnit unit = display_unit("Pa", std::max(high, -low));
+  const double margin = high > low ? 0.04 * (high - low) : 1, span = curves[0].time.back() - curves[0].time.front();
+  auto canvas = std::make_shared<Canvas>(figure_width_mm, 74);
+  const double x = 15, y = 7, w = 103, h = 56;
+  Panel panel = canvas->panel(x, y, w, h);
+  panel.pale_grid();
+  panel.axis(Axis::x, curves[0].time.front() - 0.015 * span, curves[0].time.back() + 0.03 * span, axis_label("time", input.content.time_unit), 6);
+  panel.axis(Axis::y, (low - margin) * unit.factor, (high + margin) * unit.factor, axis_label("pore pressure", unit.name), 6);
+  std::vector<ComparisonTable::Column> data;
+  std::string names;
+  for (std::size_t q = 0; q < curves.size(); ++q) {
+    const Rgb rgb = point_colours[q % 3];
+    const std::vector<double> p = scaled(curves[q].pressure, unit.factor);
+    canvas->curve(panel, curves[q].time, p, {rgb, 1.3, q < 3 ? Dash::solid : Dash::dashed});
+    if (const double label = last_known(p); std::isfinite(label))
+      canvas->paint_over([=](Painter& painter) {
+        painter.text({panel.frame().right() + 7, panel.y(label) - 20, 60, 40}, letter(q), Align::left, {.bold = true, .rgb = rgb});
+      });
+    data.push_back({letter(q) + ", time", input.content.time_unit, curves[q].time});
+    data.push_back({letter(q) + ", pore pressure", "Pa", curves[q].pressure});
+    names += (q == 0 ? "" : q + 1 == curves.size() ? " and " : ", ") + letter(q);
+  }
+  draw_key_map(*canvas, input.content, input.points, 132, y, 36, 48);
+  return {{"Pore pressure of the material points " + names + " against time, " + input.names.second + ".", canvas, "pressure_histories",
+           "pore pressure of material points against time", std::move(data)}};
+}
+
 }  // namespace
+
+FigureRow point_pressures_row() {
+  return {.name = "pressure_histories",
+          .shows = "pore pressure of material points against time",
+          .section = Section::comparison,
+          .applies = has_pressure,
+          .draw = draw_point_pressures};
+}
 
 FigureRow point_curves_row() {
   return {.name = "histories",

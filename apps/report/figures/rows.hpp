@@ -8,6 +8,7 @@ namespace pivnp::report {
 FigureRow summary_row();
 FigureRow fields_row();
 FigureRow point_curves_row();
+FigureRow point_pressures_row();
 FigureRow differences_row();
 FigureRow outlines_row();
 FigureRow decomposition_row();

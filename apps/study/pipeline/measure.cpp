@@ -5,6 +5,7 @@
 
 #include "apps/study/pipeline/statistics.hpp"
 #include "pivnp/core/error.hpp"
+#include "pivnp/piv/sequence.hpp"
 
 namespace pivnp::app {
 
@@ -33,18 +34,27 @@ void measure(const Case& c, const Setting& setting, image::FrameSource& source, 
   if (done.complete) return;
   const int frames = int(source.frames().size());
   const piv::NodeLattice lattice = node_lattice(setting);
-  piv::PairCorrelator correlator(c.piv.value_or(piv::PivOptions{}), lattice, setting.width, setting.height, threads);
+  piv::SequenceCorrelator correlator(c.piv.value_or(piv::PivOptions{}), lattice, setting.width, setting.height,
+                                     threads);
+  // Pairs are smoothed in groups: those of a group that was begun are measured again, with the same bits.
   const int first_pair = int(done.items);
+  int from = first_pair - first_pair % piv::SequenceCorrelator::group;
   Image before;
-  if (first_pair + 1 < frames) before = source.read(first_pair);
-  for (int k = first_pair; k + 1 < frames; ++k) {
+  if (first_pair + 1 < frames) before = source.read(from);
+  for (int k = from; first_pair + 1 < frames && k + 1 < frames; ++k) {
     if (progress.stop_requested()) throw Interrupted();
     Image after = source.read(k + 1);
-    const piv::PixelVectors pixels = correlator.correlate(before.view(), after.view(), setting.mask.view());
-    writer.add_pair(world_vectors(pixels, lattice, setting, {k, k + 1}));
-    if (writer.segment_full("piv")) writer.close_segment("piv", {});
+    correlator.add(before.view(), after.view(), setting.mask.view());
     before = std::move(after);
     progress.update("PIV", k + 1, frames - 1);
+    if (correlator.held() < piv::SequenceCorrelator::group && k + 2 < frames) continue;
+    for (const piv::PixelVectors& pixels : correlator.finish()) {
+      if (from >= first_pair) {
+        writer.add_pair(world_vectors(pixels, lattice, setting, {from, from + 1}));
+        if (writer.segment_full("piv")) writer.close_segment("piv", {});
+      }
+      ++from;
+    }
   }
   writer.end_stage("piv", nullptr);
 }

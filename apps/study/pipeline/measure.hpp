@@ -19,7 +19,7 @@ struct StepQuality {
 };
 StepQuality quality_of(const VectorField& field);
 
-/// Measures every pair that `writer` does not hold yet; at most two frames are in memory.
+/// Measures every pair that `writer` does not hold yet; two frames and the fields of a group of pairs are in memory.
 void measure(const Case& c, const Setting& setting, image::FrameSource& source, io::RecordWriter& writer, int threads,
              Progress& progress);
 

@@ -58,7 +58,11 @@ struct Laws {
 };
 
 mpm::SceneNeeds needs_of(const Case& c, bool wet) {
-  mpm::SceneNeeds needs{.several = c.materials.size() > 1, .water = wet};
+  mpm::SceneNeeds needs{.several = c.materials.size() > 1, .water = wet, .heat = c.heat.has_value()};
+  for (const auto& [name, material] : c.materials) {
+    needs.collapses |= material.wetting_collapse > 0;
+    needs.bands |= c.heat && material.band_thickness_m;
+  }
   for (const auto& [name, boundary] : c.boundaries) {
     needs.tied |= boundary.type == mpm::BoundaryType::tied;
     needs.loads |= boundary.type == mpm::BoundaryType::traction;

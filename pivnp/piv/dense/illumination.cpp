@@ -7,9 +7,11 @@
 
 namespace pivnp::piv {
 
-void IlluminationCorrection::take(const CellSums& sums, int decimation, float rounding) {
+void IlluminationCorrection::take(const CellSums& sums, int decimation, int threads, float rounding) {
   constexpr int reach = 2;  // cells
   constexpr float most_gain = 4;
+  std::vector<float> before, offset_before;  // what the sums' second frame has been corrected by
+  if (known()) at(sums.lattice, decimation, threads, before, offset_before);
   lattice_ = sums.lattice;
   decimation_ = decimation;
   using Plane = CellSums::Plane;
@@ -23,10 +25,16 @@ void IlluminationCorrection::take(const CellSums& sums, int decimation, float ro
   gain_.assign(lattice_.size(), 1.0f);
   offset_.assign(lattice_.size(), 0.0f);
   for (std::size_t k = 0; k < lattice_.size(); ++k) {
-    if (n[k] < 1) continue;
+    if (n[k] < 1) {
+      if (!before.empty()) gain_[k] = before[k], offset_[k] = offset_before[k];
+      continue;
+    }
     const float mf = f[k] / n[k], mg = g[k] / n[k], vf = ff[k] / n[k] - mf * mf, vg = gg[k] / n[k] - mg * mg;
     if (std::min(vf, vg) > rounding) gain_[k] = std::clamp(std::sqrt(vf / vg), 1 / most_gain, most_gain);
     offset_[k] = mf - gain_[k] * mg;
+    if (before.empty()) continue;
+    offset_[k] += gain_[k] * offset_before[k];
+    gain_[k] *= before[k];
   }
 }
 

@@ -11,8 +11,9 @@ namespace pivnp::piv {
 /// and standard deviation over five by five cells of the pass they are taken from. Slowly varying over the image.
 class IlluminationCorrection {
  public:
-  /// `sums` of a pass with scores on a level of `decimation`; `rounding`: variance of a grey value's rounding, grey^2.
-  void take(const CellSums& sums, int decimation, float rounding);
+  /// `sums` of a pass with scores on a level of `decimation`, in which the second frame was corrected by what is known
+  /// so far: the new correction is of the frame as it is. `rounding`: variance of a grey value's rounding, grey^2.
+  void take(const CellSums& sums, int decimation, int threads, float rounding);
   void clear() { lattice_ = {}; }
   bool known() const { return lattice_.nx > 0; }
   /// At the points of another level's lattice.

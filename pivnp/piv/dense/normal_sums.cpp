@@ -170,6 +170,15 @@ HWY_INLINE void add_strip(int c, int first_slot, int rows, RowStore& store) {
       product[CellSums::ff] = hn::Mul(product[CellSums::f], f);
       product[CellSums::gg] = hn::Mul(product[CellSums::g], g);
       product[CellSums::fg] = hn::Mul(product[CellSums::f], g);
+      const float* d0 = store.row(store.difference, slot(k)) + c;
+      const auto off = [&](int dy) { return hn::LoadU(d, store.row(store.difference, slot(k + store.slots + dy)) + c); };
+      const V ex = hn::MulAdd(d1, hn::Sub(hn::LoadU(d, d0 + 1), hn::LoadU(d, d0 - 1)),
+                              hn::Mul(d2, hn::Sub(hn::LoadU(d, d0 + 2), hn::LoadU(d, d0 - 2))));
+      const V ey = hn::MulAdd(d1, hn::Sub(off(1), off(-1)), hn::Mul(d2, hn::Sub(off(2), off(-2))));
+      const V wex = hn::Mul(w, ex);
+      product[CellSums::exx] = hn::Mul(wex, ex);
+      product[CellSums::exy] = hn::Mul(wex, ey);
+      product[CellSums::eyy] = hn::Mul(hn::Mul(w, ey), ey);
     }
     const float share = static_cast<float>(k) / static_cast<float>(rows);
     const V below = hn::Set(d, share), above = hn::Set(d, 1 - share);

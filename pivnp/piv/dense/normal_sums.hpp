@@ -32,9 +32,10 @@ struct SumsInput {
 };
 
 /// Sums over the pixels x about each lattice point with hat weights (1 - |dx|/step)(1 - |dy|/step), w the robust
-/// weight: of w gx gx, w gx gy, w gy gy, w gx e, w gy e, w e e, w, and usable pixels (1); for scores f, g, ff, gg, fg.
+/// weight: of w gx gx, w gx gy, w gy gy, w gx e, w gy e, w e e, w, and usable pixels (1); for scores f, g, ff, gg, fg and
+/// w ex ex, w ex ey, w ey ey, (ex, ey) the gradient of e.
 struct CellSums {
-  enum Plane { gxx, gxy, gyy, gxe, gye, wee, weight, usable, f, g, ff, gg, fg, planes };
+  enum Plane { gxx, gxy, gyy, gxe, gye, wee, weight, usable, f, g, ff, gg, fg, exx, exy, eyy, planes };
   static constexpr int basic = f;
   CellLattice lattice;
   std::vector<float> plane[planes];

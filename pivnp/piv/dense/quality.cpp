@@ -58,6 +58,45 @@ void match_quality(const CellSums& sums, MatchQuality& quality) {
   for (std::size_t k = 0; k < count; ++k) quality.contrast[k] = quality.variance[k] / mean;
 }
 
+void own_variance(const CellSums& sums, bool window, float rounding, std::vector<float>& variance) {
+  // Hats average noise like an even window of one and a half cells a side, seen through weights 1/4, 1/2, 1/4 of three.
+  const float even_cells = window ? 3.0f : 1.5f;
+  constexpr float kept = 0.733f;  // of the variance of normal residuals under robust weights
+  const CellLattice& lattice = sums.lattice;
+  const auto step = static_cast<float>(lattice.step);
+  // Products of both frames' gradients, in which noise cancels: those of the mean less a quarter of the difference's.
+  std::vector<float> common(lattice.size()), xx, xy, yy, wee, weight, grey(lattice.size());
+  const auto both = [&](CellSums::Plane mean, CellSums::Plane difference, std::vector<float>& out) {
+    for (std::size_t k = 0; k < common.size(); ++k) common[k] = sums[mean][k] - 0.25f * sums[difference][k];
+    window ? binomial_mean(lattice, common, out) : out.assign(common.begin(), common.end());
+  };
+  both(CellSums::gxx, CellSums::exx, xx);
+  both(CellSums::gxy, CellSums::exy, xy);
+  both(CellSums::gyy, CellSums::eyy, yy);
+  if (window) {
+    binomial_mean(lattice, sums[CellSums::wee], wee);
+    binomial_mean(lattice, sums[CellSums::weight], weight);
+  } else {
+    wee = sums[CellSums::wee], weight = sums[CellSums::weight];
+  }
+  for (std::size_t k = 0; k < grey.size(); ++k)
+    grey[k] = 0.5f * (sums[CellSums::f][k] + sums[CellSums::g][k]) / std::max(sums[CellSums::usable][k], 1e-3f);
+  variance.resize(lattice.size());
+  for (int j = 0; j < lattice.ny; ++j)
+    for (int i = 0; i < lattice.nx; ++i) {
+      const std::size_t k = lattice.index(i, j);
+      const int left = std::max(i - 1, 0), right = std::min(i + 1, lattice.nx - 1);
+      const int above = std::max(j - 1, 0), below = std::min(j + 1, lattice.ny - 1);
+      // Shading has gradients too, but nothing to hold on to.
+      const float shade_x = (grey[lattice.index(right, j)] - grey[lattice.index(left, j)]) / (step * float(right - left));
+      const float shade_y = (grey[lattice.index(i, below)] - grey[lattice.index(i, above)]) / (step * float(below - above));
+      const float w = std::max(weight[k], 1e-3f), residual = wee[k] / (kept * w) + rounding;
+      const float a = xx[k] / w - shade_x * shade_x, c = yy[k] / w - shade_y * shade_y, b = xy[k] / w - shade_x * shade_y;
+      const float least = 0.5f * (a + c) - std::sqrt(0.25f * (a - c) * (a - c) + b * b);
+      variance[k] = least > 0 ? residual / (even_cells * even_cells * w * least) : HUGE_VALF;
+    }
+}
+
 void truncation_variance(const CellLattice& lattice, const std::vector<float>& u, int threads,
                          std::vector<float>& variance) {
   constexpr float share = 0.15f;

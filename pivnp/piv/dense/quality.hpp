@@ -21,6 +21,12 @@ struct MatchQuality {
 
 void match_quality(const CellSums& sums, MatchQuality& quality);
 
+/// Square of the error that a vector would have by the texture about the point alone, whatever smoothing makes of its
+/// surroundings: least squares over the window of `score` (`window`) or the point's own cell, in the worse direction;
+/// level pixels squared, infinite where the frames have no gradients in common but shading's. Noise is the matched
+/// frames' own residual about the point. `rounding`: variance of a grey value's rounding, grey^2.
+void own_variance(const CellSums& sums, bool window, float rounding, std::vector<float>& variance);
+
 /// Square of what a lattice of this spacing may miss of a field that changes this fast (truncation), from its sixth
 /// differences: nothing for waves of ten points, all for jumps. Level pixels.
 void truncation_variance(const CellLattice& lattice, const std::vector<float>& u, int threads,

@@ -128,7 +128,7 @@ float octave_ratio(const float (*power)[n]) {
 }
 
 template <int n>
-void shrink_block(const float* values, std::ptrdiff_t stride, Shrinker::Block& out) {
+void shrink_block(const float* values, std::ptrdiff_t stride, float caution, Shrinker::Block& out) {
   static const Cosines<n> cosines;
   const Tag<n> d;
   const int lanes = static_cast<int>(hn::Lanes(d));
@@ -184,7 +184,8 @@ void shrink_block(const float* values, std::ptrdiff_t stride, Shrinker::Block& o
                 smooth[r] + c);
     }
 
-  const auto one = hn::Set(d, 1.0f), zero = hn::Zero(d), force = hn::Set(d, strength), limit = hn::Set(d, clear<n>);
+  const auto one = hn::Set(d, 1.0f), zero = hn::Zero(d), force = hn::Set(d, caution * strength),
+             limit = hn::Set(d, caution * clear<n>);
   const auto tiny = hn::Set(d, 1e-6f);
   for (int r = 0; r < n; ++r)
     for (int c = 0; c < n; c += lanes) {
@@ -207,15 +208,15 @@ void shrink_block(const float* values, std::ptrdiff_t stride, Shrinker::Block& o
   out.terms = plane_terms + kept;
 }
 
-void shrink(int side, const float* values, std::ptrdiff_t stride, Shrinker::Block& out) {
+void shrink(int side, const float* values, std::ptrdiff_t stride, float caution, Shrinker::Block& out) {
   if (side == 8)
-    shrink_block<8>(values, stride, out);
+    shrink_block<8>(values, stride, caution, out);
   else if (side == 16)
-    shrink_block<16>(values, stride, out);
+    shrink_block<16>(values, stride, caution, out);
   else if (side == 32)
-    shrink_block<32>(values, stride, out);
+    shrink_block<32>(values, stride, caution, out);
   else
-    shrink_block<64>(values, stride, out);
+    shrink_block<64>(values, stride, caution, out);
 }
 
 }  // namespace pivnp::piv::HWY_NAMESPACE
@@ -272,7 +273,7 @@ Shrinker::Shrinker(const CellLattice& lattice) : lattice_(lattice) {
 }
 
 void Shrinker::run(const std::vector<float>& value, const std::vector<std::uint8_t>& wanted, int threads,
-                   SmoothedField& out) const {
+                   SmoothedField& out, float caution) const {
   const std::size_t points = lattice_.size();
   for (auto* v : {&out.value, &out.variance, &out.area}) v->assign(points, 0.0f);
   std::vector<float> weight(points, 0.0f);
@@ -288,7 +289,8 @@ void Shrinker::run(const std::vector<float>& value, const std::vector<std::uint8
       for (int r = 0; r < side && !any; ++r)
         for (int c = 0; c < side && !any; ++c) any = wanted[lattice_.index(x0 + c, y0 + r)] != 0;
       blocks[b].terms = 0;
-      if (any) HWY_DYNAMIC_DISPATCH(shrink)(side, value.data() + lattice_.index(x0, y0), lattice_.nx, blocks[b]);
+      if (any) HWY_DYNAMIC_DISPATCH(shrink)(side, value.data() + lattice_.index(x0, y0), lattice_.nx, caution,
+                                               blocks[b]);
     }
     find_slow_shares(side, across, blocks, count);
     for (std::size_t b = 0; b < count; ++b) {  // in a fixed order

@@ -27,8 +27,9 @@ class Shrinker {
  public:
   explicit Shrinker(const CellLattice& lattice);
   /// `wanted`: blocks without any such point are left out, their values pass unchanged (empty: all are wanted).
-  void run(const std::vector<float>& value, const std::vector<std::uint8_t>& wanted, int threads,
-           SmoothedField& out) const;
+  /// `caution`: factor on the powers over noise that shrinkage and significance ask for.
+  void run(const std::vector<float>& value, const std::vector<std::uint8_t>& wanted, int threads, SmoothedField& out,
+           float caution = 1) const;
 
   /// What one block yields.
   struct Block {

@@ -1,6 +1,7 @@
 // From the field of a dense method to vectors at the nodes: value, covariance, score and status.
 #pragma once
 
+#include "pivnp/core/image_view.hpp"
 #include "pivnp/piv/dense/quality.hpp"
 #include "pivnp/piv/sampling/lattice.hpp"
 #include "pivnp/piv/validation/pixel_vectors.hpp"
@@ -21,12 +22,14 @@ struct ValidationInput {
   int decimation;     // of the level that the field lives on
   int threads;
   float rounding;  // variance of a grey value's rounding, grey^2
+  MaskView mask;   // of the full image
 };
 
 /// `field` the result, `sums` the last pass' with scores, `u`, `v` the field at the lattice's points, `smooth_*` what
-/// smoothing left of their errors. Nodes already masked stay so.
+/// smoothing left of their errors. Nodes already masked stay so. `trusted`: of the
+/// lattice's points.
 void validate_vectors(const ValidationInput& input, const SplineField& field, const CellSums& sums,
                       const std::vector<float>& u, const std::vector<float>& v, const SmoothedField& smooth_u,
-                      const SmoothedField& smooth_v, PixelVectors& vectors);
+                      const SmoothedField& smooth_v, PixelVectors& vectors, std::vector<std::uint8_t>& trusted);
 
 }  // namespace pivnp::piv

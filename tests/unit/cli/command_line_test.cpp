@@ -294,6 +294,40 @@ TEST_F(CommandLine, CompareNamesTheFormatsThatAreListed) {
   EXPECT_THAT(run_program({"compare", "--help"}).out, testing::Not(HasSubstr("dots_*.txt")));
 }
 
+TEST_F(CommandLine, FrontierTakesACaseFramesOrNeither) {
+  const Folder folder;
+  const Ran drawn = run_program({"frontier", "--repeats", "2"});
+  EXPECT_EQ(drawn.code, 0);
+  EXPECT_EQ(drawn.out, "out/frontier/frontier.html\nTwice as fast.\nnote: Seen.\n");
+  EXPECT_EQ(fake_study().calls.back(), "frontier");
+  EXPECT_EQ(fake_study().frontier.repeats, 2);
+
+  folder.write("case.toml", "name = \"lab\"\n[mpm]\nend_s = 1.0\noutput_rate_hz = 1.0\n[grid]\nspacing_m = 0.1\n[region.a]\npolygon_m = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]\n[material.a]\nmodel = \"linear_elastic\"\ndensity_kg_m3 = 1.0\nyoung_pa = 1.0\n");
+  EXPECT_EQ(run_program({"frontier", folder.path.string(), "--stages", "mpm", "--out", "x", "--quiet"}).out, "x/frontier.html\nTwice as fast.\n");
+  EXPECT_EQ(fake_study().calls.back(), "frontier of a case");
+  EXPECT_FALSE(fake_study().frontier.piv);
+  EXPECT_TRUE(fake_study().frontier.mpm);
+
+  EXPECT_EQ(run_program({"frontier", "--frames", "lab/*.png", "--set", "piv.window_px=24"}).code, 0);
+  EXPECT_EQ(fake_study().c.piv->window_px, 24);
+  EXPECT_TRUE(fake_study().frontier.piv);
+  expect_error(run_program({"frontier", "--set", "piv.window_px=24"}), 2, "--set: given without a case, expected CASE or --frames");
+  expect_error(run_program({"frontier", "--stages", "np"}), 2, "");
+}
+
+TEST_F(CommandLine, StressTakesSettingsOrNone) {
+  const Ran plain = run_program({"stress", "--seeds", "3", "--stages", "piv"});
+  EXPECT_EQ(plain.code, 0);
+  EXPECT_EQ(plain.out, "out/stress/stress.html\nAll is flagged.\n");
+  EXPECT_EQ(fake_study().calls.back(), "stress");
+  EXPECT_EQ(fake_study().stress.seeds, 3);
+  EXPECT_FALSE(fake_study().stress.mpm);
+  EXPECT_EQ(run_program({"stress", "--set", "piv.method=fft"}).code, 0);
+  EXPECT_EQ(fake_study().calls.back(), "stress of a case");
+  EXPECT_EQ(fake_study().c.piv->method, "fft");
+  expect_error(run_program({"stress", "--seeds", "0"}), 2, "");
+}
+
 TEST_F(CommandLine, HelpShowsAnExampleForEveryCommand) {
   const Ran all = run_program({"--help"});
   EXPECT_EQ(all.code, 0);

@@ -92,4 +92,18 @@ std::filesystem::path Folder::write(const std::string& name, const std::string& 
   return file;
 }
 
+FrontierOutcome frontier(const Case* c, const FrontierOptions& options, const RunSettings& settings, Progress& progress) {
+  if (c) fake_study().c = *c;
+  fake_study().frontier = options;
+  called(c ? "frontier of a case" : "frontier", settings, progress);
+  return {{}, {settings.out / "frontier.html"}, {"Twice as fast."}, {"Seen."}};
+}
+
+StressOutcome stress(const Case* c, const StressOptions& options, const RunSettings& settings, Progress& progress) {
+  if (c) fake_study().c = *c;
+  fake_study().stress = options;
+  called(c ? "stress of a case" : "stress", settings, progress);
+  return {{}, {settings.out / "stress.html"}, {"All is flagged."}};
+}
+
 }  // namespace pivnp::app

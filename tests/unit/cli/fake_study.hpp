@@ -21,6 +21,8 @@ struct FakeStudy {
   compare::CompareOptions options;
   compare::LimitOptions limits;
   report::ReportOptions report;
+  FrontierOptions frontier;
+  StressOptions stress;
   io::ExportOptions exported;
   bool vtkhdf = false;
   std::function<void(Progress&)> work;  // what every call does: throw, report progress, wait for a stop

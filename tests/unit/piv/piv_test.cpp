@@ -112,10 +112,10 @@ TEST(Piv, StatedErrorFollowsTheNoise) {
   EXPECT_GE(five.valid, 0.99);
   EXPECT_LE(ten.rms, 0.06);
   EXPECT_NEAR(ten.sigma / five.sigma, 2.0, 0.25);
-  // Errors of neighbours are alike over most of so small a frame: the shares are means over eight frames.
+  // Errors of neighbours are alike over most of so small a frame: the shares are means over sixteen frames.
   for (const double noise : {0.05, 0.10}) {
     double one = 0, two = 0;
-    constexpr int frames = 8;
+    constexpr int frames = 16;
     for (int seed = 1; seed <= frames; ++seed) {
       const Errors e = errors_of(uniform(2.3, -1.4), {.noise = noise, .seed = seed});
       one += e.within_one / frames, two += e.within_two / frames;

@@ -1,0 +1,247 @@
+#include "pivnp/piv/sequence.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+#include "pivnp/piv/dense/shrink.hpp"
+#include "pivnp/piv/method.hpp"
+
+namespace pivnp::piv {
+
+namespace {
+
+constexpr int branches = 4;  // parts that a group of pairs is divided into, and these again
+// Of the whole group's mean less is asked than of a pair: what it loses, every pair loses, while its noise partly
+// cancels along the sum, consecutive pairs sharing a frame. Measured on bands of .05 to .5 px a step.
+constexpr float group_caution = 0.45f;
+
+// Two components at the points of a lattice.
+struct Components {
+  std::vector<float> u, v;
+  void resize(std::size_t count) { u.resize(count), v.resize(count); }
+};
+
+// A field of a group of pairs and what it adds to the variance of each of them.
+struct GroupField {
+  Components value, variance;
+};
+
+struct HeldPair {
+  PixelVectors vectors;
+  Components measured, smooth, variance;
+  std::vector<std::uint8_t> trusted;
+  Components on_paths;               // `measured` where the material of the reference lattice is
+  std::vector<std::uint8_t> known;   // of these
+  Components path;                   // place of that material at the vectors' instant, pixels of the level
+};
+
+bool same(const CellLattice& a, const CellLattice& b) {
+  return a.nx == b.nx && a.ny == b.ny && a.x0 == b.x0 && a.y0 == b.y0 && a.step == b.step;
+}
+
+float column(const CellLattice& lattice, int i) { return static_cast<float>(lattice.x0 + i * lattice.step); }
+float row(const CellLattice& lattice, int j) { return static_cast<float>(lattice.y0 + j * lattice.step); }
+
+}  // namespace
+
+struct SequenceCorrelator::Impl {
+  PairCorrelator pairs;
+  NodeLattice nodes;
+  Anchor anchor;
+  int threads;
+  std::vector<HeldPair> held;
+  CellLattice lattice;
+  int decimation = 1;
+  std::array<int, 2> origin{0, 0};
+  std::vector<std::uint8_t> wanted;
+  bool together = true;  // all pairs held have fields on one lattice
+  std::unique_ptr<Shrinker> shrinker;
+
+  Impl(const PivOptions& options, NodeLattice given, int width, int height, int thread_count)
+      : pairs(options, given, width, height, thread_count),
+        nodes(std::move(given)),
+        anchor(options.anchor),
+        threads(std::max(1, thread_count)) {}
+
+  void take_field(HeldPair& pair) {
+    const DenseField* field = pairs.field();
+    if (field == nullptr) {
+      together = false;
+      return;
+    }
+    if (held.empty()) {
+      if (shrinker == nullptr || !same(lattice, field->lattice)) shrinker = std::make_unique<Shrinker>(field->lattice);
+      lattice = field->lattice, decimation = field->decimation, origin = pairs.field_origin(), wanted = *field->wanted;
+    }
+    together = together && same(lattice, field->lattice) && origin == pairs.field_origin() && wanted == *field->wanted;
+    pair.measured = {field->u, field->v}, pair.smooth = {field->smooth_u, field->smooth_v};
+    pair.variance = {field->variance_u, field->variance_v};
+    pair.trusted = field->trusted;
+  }
+
+  template <class Function>
+  void each_point(Function function) const {
+#pragma omp parallel for num_threads(threads) schedule(static)
+    for (int j = 0; j < lattice.ny; ++j)
+      for (int i = 0; i < lattice.nx; ++i) function(i, j, lattice.index(i, j));
+  }
+
+  SplineField spline(const Components& values) const {
+    SplineField field;
+    field.interpolate(lattice, values.u, values.v, threads);
+    return field;
+  }
+
+  // Places of the reference lattice's material in every pair, from the middle of the group outward.
+  void find_paths() {
+    const int middle = static_cast<int>(held.size()) / 2;
+    for (const int direction : {1, -1}) {
+      Components place;
+      place.resize(lattice.size());
+      each_point([&](int i, int j, std::size_t k) { place.u[k] = column(lattice, i), place.v[k] = row(lattice, j); });
+      for (int n = direction > 0 ? middle : middle - 1; n >= 0 && n < static_cast<int>(held.size()); n += direction)
+        follow(held[std::size_t(n)], static_cast<float>(direction), place);
+    }
+  }
+
+  // One pair from its first frame to its second (sign 1) or back (-1).
+  void follow(HeldPair& pair, float sign, Components& place) const {
+    constexpr int iterations = 3;
+    const SplineField smooth = spline(pair.smooth), measured = spline(pair.measured);
+    const float to_anchor = anchor == Anchor::central ? 0.5f * sign : sign > 0 ? 0.0f : -1.0f;
+    pair.path.resize(lattice.size()), pair.on_paths.resize(lattice.size()), pair.known.resize(lattice.size());
+    each_point([&](int, int, std::size_t k) {
+      float x = place.u[k], y = place.v[k];
+      std::array<float, 2> d = smooth.at(x, y);
+      for (int n = 0; n < iterations && to_anchor != 0; ++n)
+        x = place.u[k] + to_anchor * d[0], y = place.v[k] + to_anchor * d[1], d = smooth.at(x, y);
+      pair.path.u[k] = x, pair.path.v[k] = y;
+      const auto value = measured.at(x, y);
+      pair.on_paths.u[k] = value[0], pair.on_paths.v[k] = value[1];
+      const auto i = std::lround((x - column(lattice, 0)) / static_cast<float>(lattice.step)),
+                 j = std::lround((y - row(lattice, 0)) / static_cast<float>(lattice.step));
+      pair.known[k] = i >= 0 && j >= 0 && i < lattice.nx && j < lattice.ny &&
+                      pair.trusted[lattice.index(static_cast<int>(i), static_cast<int>(j))] != 0;
+      place.u[k] += sign * d[0], place.v[k] += sign * d[1];
+    });
+  }
+
+  // Adds what is left of value - base after shrinkage to the base, and `pairs` times its variance to the variance: an
+  // error that as many pairs share adds up along paths, and their errors are summed as if independent.
+  GroupField shrunk(const Components& value, const GroupField& base, float caution, float pairs_sharing) const {
+    GroupField out = base;
+    SmoothedField smooth;
+    std::vector<float> off(lattice.size());
+    for (const auto part : {&Components::u, &Components::v}) {
+      for (std::size_t k = 0; k < off.size(); ++k) off[k] = (value.*part)[k] - (base.value.*part)[k];
+      shrinker->run(off, wanted, threads, smooth, caution);
+      for (std::size_t k = 0; k < off.size(); ++k) {
+        (out.value.*part)[k] += smooth.value[k];
+        (out.variance.*part)[k] += pairs_sharing * smooth.variance[k];
+      }
+    }
+    return out;
+  }
+
+  // Pairs begin ... end - 1, of which `base` is known on the reference lattice.
+  void divide(std::size_t begin, std::size_t end, const GroupField& base) {
+    if (end - begin == 1) {
+      finish_pair(held[begin], base);
+      return;
+    }
+    Components mean;
+    mean.resize(lattice.size());
+    each_point([&](int, int, std::size_t k) {
+      float u = 0, v = 0, count = 0;
+      for (std::size_t n = begin; n < end; ++n)
+        if (held[n].known[k]) u += held[n].on_paths.u[k], v += held[n].on_paths.v[k], ++count;
+      mean.u[k] = count > 0 ? u / count : base.value.u[k], mean.v[k] = count > 0 ? v / count : base.value.v[k];
+    });
+    const GroupField field = shrunk(mean, base, end - begin == held.size() ? group_caution : 1.0f,
+                                    static_cast<float>(end - begin));
+    const std::size_t parts = std::min<std::size_t>(branches, end - begin);
+    for (std::size_t part = 0; part < parts; ++part)
+      divide(begin + (end - begin) * part / parts, begin + (end - begin) * (part + 1) / parts, field);
+  }
+
+  // The pair's own departure from what its group says, on its own lattice.
+  void finish_pair(HeldPair& pair, const GroupField& group_field) {
+    constexpr int iterations = 6;
+    Components carried;
+    carried.resize(lattice.size());
+    each_point([&](int i, int j, std::size_t k) {
+      carried.u[k] = pair.path.u[k] - column(lattice, i), carried.v[k] = pair.path.v[k] - row(lattice, j);
+    });
+    const SplineField way = spline(carried), known = spline(group_field.value), spread = spline(group_field.variance);
+    GroupField base;
+    base.value.resize(lattice.size()), base.variance.resize(lattice.size());
+    each_point([&](int i, int j, std::size_t k) {
+      float x = column(lattice, i), y = row(lattice, j);
+      for (int n = 0; n < iterations; ++n) {
+        const auto d = way.at(x, y);
+        x = column(lattice, i) - d[0], y = row(lattice, j) - d[1];
+      }
+      const auto value = known.at(x, y), variance = spread.at(x, y);
+      base.value.u[k] = value[0], base.value.v[k] = value[1];
+      base.variance.u[k] = std::max(variance[0], 0.0f), base.variance.v[k] = std::max(variance[1], 0.0f);
+    });
+    GroupField change = shrunk(pair.measured, base, 1, 1);
+    for (std::size_t k = 0; k < lattice.size(); ++k) {
+      change.value.u[k] -= pair.smooth.u[k], change.value.v[k] -= pair.smooth.v[k];
+      change.variance.u[k] -= pair.variance.u[k], change.variance.v[k] -= pair.variance.v[k];
+    }
+    const SplineField by = spline(change.value);
+    const auto d = static_cast<float>(decimation);
+    for (std::size_t n = 0; n < nodes.pixel.size(); ++n) {
+      auto& displacement = pair.vectors.displacement[n];
+      if (!std::isfinite(displacement[0])) continue;
+      const auto on_level = [&](std::size_t c) {
+        return (nodes.pixel[n][c] - static_cast<float>(origin[c]) - 0.5f * (d - 1)) / d;
+      };
+      const float x = on_level(0), y = on_level(1);
+      const auto more = by.at(x, y);
+      displacement[0] += d * more[0], displacement[1] += d * more[1];
+      const auto nearest = [&](float at, float first, int points) {
+        return std::clamp(static_cast<int>(std::lround((at - first) / static_cast<float>(lattice.step))), 0, points - 1);
+      };
+      const std::size_t k = lattice.index(nearest(x, column(lattice, 0), lattice.nx), nearest(y, row(lattice, 0), lattice.ny));
+      auto& cov = pair.vectors.cov[n];
+      const std::array<float, 2> before{cov[0], cov[1]};
+      // What else the covariance holds (truncation, interpolation) stays.
+      cov[0] += d * d * change.variance.u[k], cov[1] += d * d * change.variance.v[k];
+      cov[2] *= std::sqrt(cov[0] / before[0] * (cov[1] / before[1]));
+    }
+  }
+};
+
+SequenceCorrelator::SequenceCorrelator(const PivOptions& options, NodeLattice lattice, int width, int height,
+                                       int threads)
+    : impl_(std::make_unique<Impl>(options, std::move(lattice), width, height, threads)) {}
+
+SequenceCorrelator::~SequenceCorrelator() = default;
+
+void SequenceCorrelator::add(const ImageView& first, const ImageView& second, const MaskView& mask) {
+  HeldPair pair;
+  pair.vectors = impl_->pairs.correlate(first, second, mask);
+  impl_->take_field(pair);
+  impl_->held.push_back(std::move(pair));
+}
+
+int SequenceCorrelator::held() const { return static_cast<int>(impl_->held.size()); }
+
+std::vector<PixelVectors> SequenceCorrelator::finish() {
+  if (impl_->together && impl_->held.size() > 1) {
+    impl_->find_paths();
+    const std::vector<float> zero(impl_->lattice.size(), 0.0f);
+    impl_->divide(0, impl_->held.size(), {{zero, zero}, {zero, zero}});
+  }
+  std::vector<PixelVectors> out;
+  for (HeldPair& pair : impl_->held) out.push_back(std::move(pair.vectors));
+  impl_->held.clear();
+  impl_->together = true;
+  return out;
+}
+
+}  // namespace pivnp::piv

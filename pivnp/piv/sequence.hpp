@@ -1,0 +1,36 @@
+// Pairs of one sequence, smoothed with what their neighbours in time know.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "pivnp/piv/piv.hpp"
+
+namespace pivnp::piv {
+
+/// Correlates the pairs of consecutive frames. A pair by itself cannot tell structure below its noise from noise, and
+/// smooths it away; particles sum over many pairs, where that bias grows as their number and noise as its root. Here
+/// the measured fields of a group of pairs are averaged along the material's paths and shrunk together first, then the
+/// halves' and quarters' departures from that, at last each pair's own (docs/theory/piv.md). Methods without a field of
+/// their own, and a group of one pair, yield what PairCorrelator yields.
+class SequenceCorrelator {
+ public:
+  /// Pairs that go together. Where vectors must not depend on where a run was taken up again, groups begin at
+  /// multiples of it.
+  static constexpr int group = 64;
+
+  SequenceCorrelator(const PivOptions& options, NodeLattice lattice, int width, int height, int threads);
+  ~SequenceCorrelator();
+  /// The next pair: its first frame is the second of the pair before. Throws as PairCorrelator::correlate.
+  void add(const ImageView& first, const ImageView& second, const MaskView& mask);
+  int held() const;
+  /// The vectors of the pairs held, in order; then none is held.
+  std::vector<PixelVectors> finish();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace pivnp::piv

@@ -1,0 +1,99 @@
+// The short form of the table of sequences; `sequence_table` prints all of it.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+
+#include "tests/support/piv_sequence_rows.hpp"
+#include "tests/support/verification.hpp"
+
+namespace pivnp::piv {
+namespace {
+
+constexpr int seed = 4711;
+
+TEST(Sequences, TheDefaultMeetsTheShortForm) {
+  for (const SequenceRow& row : sequence_rows()) {
+    if (!row.brief) continue;
+    for (const SequenceFigure& f : row.measure({}, seed, 2)) {
+      char asked[32], reached[32];
+      std::snprintf(asked, sizeof asked, "%s %.4f", f.at_least ? ">=" : "<=", f.limit);
+      std::snprintf(reached, sizeof reached, "%.4f", f.value);
+      test::verification_row("sequence, " + row.name + ": " + f.name, asked, reached);
+      EXPECT_TRUE(f.met()) << row.name << ": " << f.name << ": asked " << asked << ", reached " << reached;
+    }
+  }
+}
+
+// The generator by itself: what it draws is where its map says.
+TEST(Sequences, TextureIsDrawnWhereTheMapCarriesIt) {
+  Sequence s{.frames = 3, .seed = seed};
+  s.width = s.height = 96;
+  s.place = sequence::uniform(3, -2);
+  const Image before = draw(s, 0), after = draw(s, 2);
+  for (int r = 10; r < 80; ++r)
+    for (int c = 0; c < 80; ++c)
+      ASSERT_NEAR(after.view().row<std::uint8_t>(r - 4)[c + 6], before.view().row<std::uint8_t>(r)[c], 1);
+}
+
+TEST(Sequences, MapsAreTurnedBack) {
+  Sequence s;
+  for (const auto& map : {std::function<Vec2(const Vec2&, int)>(sequence::band(s, .5, 8)),
+                          std::function<Vec2(const Vec2&, int)>(sequence::vortex(s, 2, 80)),
+                          std::function<Vec2(const Vec2&, int)>(sequence::extension(s, .003))}) {
+    s.place = map;
+    const Vec2 X(300, 231);
+    EXPECT_LT((sequence::origin(s, s.place(X, 12), 12) - X).norm(), 1e-6);
+  }
+}
+
+// A pair alone, and methods without a field of their own, yield what the pair correlator yields.
+TEST(Sequences, APairAloneIsAPair) {
+  Sequence s{.frames = 3, .seed = seed, .noise = .02};
+  s.width = s.height = 192;
+  s.place = sequence::vortex(s, 1.5, 50);
+  for (const char* method : {"gn", "fft"}) {
+    PivOptions options;
+    options.method = method;
+    const bool alone = options.method == "gn";
+    const sequence::Measured m = sequence::measure(s, options, 2, alone);
+    NodeLattice nodes{.nx = m.grid.nx, .ny = m.grid.ny, .pixel = {}, .on = {}};
+    for (int j = 0; j < nodes.ny; ++j)
+      for (int i = 0; i < nodes.nx; ++i)
+        nodes.pixel.push_back({float(m.grid.position(i, j).x()), float(m.grid.position(i, j).y())});
+    PairCorrelator pairs(options, nodes, s.width, s.height, 1);
+    for (int k = 0; k < 2; ++k)
+      EXPECT_EQ(pairs.correlate(draw(s, k).view(), draw(s, k + 1).view(), {}).displacement,
+                m.pairs[std::size_t(k)].displacement)
+          << method;
+  }
+}
+
+TEST(Sequences, GroupsGiveTheSameBitsForAnyNumberOfThreads) {
+  Sequence s{.frames = 6, .seed = seed, .noise = .02};
+  s.width = s.height = 192;
+  s.place = sequence::band(s, .2, 8);
+  const sequence::Measured one = sequence::measure(s, {}, 1), five = sequence::measure(s, {}, 5);
+  for (std::size_t k = 0; k < one.pairs.size(); ++k) {
+    EXPECT_EQ(one.pairs[k].displacement, five.pairs[k].displacement);
+    EXPECT_EQ(one.pairs[k].cov, five.pairs[k].cov);
+  }
+}
+
+// What a frame's second view no longer holds has failed; nothing was masked.
+TEST(Sequences, ContentThatLeavesTheFrameHasFailed) {
+  Sequence s{.frames = 2, .seed = seed};
+  s.width = s.height = 256;
+  s.place = sequence::uniform(28, 0);
+  int failed = 0;
+  PivOptions options;
+  options.anchor = Anchor::forward;
+  const sequence::Measured m = sequence::measure(s, options, 2);
+  for (const VectorStatus status : m.pairs[0].status) {
+    EXPECT_NE(status, VectorStatus::masked);
+    failed += status == VectorStatus::failed;
+  }
+  EXPECT_GT(failed, 0);
+}
+
+}  // namespace
+}  // namespace pivnp::piv
