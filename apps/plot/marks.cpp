@@ -15,7 +15,7 @@ void colour_bar(Canvas& canvas, double x_mm, double y_mm, double width_mm, const
                 const std::string& label) {
   constexpr double thickness = 2.6;
   Panel bar = canvas.panel(x_mm, y_mm, width_mm, thickness);
-  bar.axis(Axis::x, scale.lower * factor, scale.upper * factor, label, 4).base_line(Axis::x, false);
+  bar.axis(Axis::x, scale.lower * factor, scale.upper * factor, label, int(std::clamp(width_mm / 11, 2.0, 4.0))).base_line(Axis::x, false);
   bar.visible(Axis::y, false);
   Raster strip{512, 1, {}};
   for (int k = 0; k < strip.width; ++k)

@@ -113,6 +113,7 @@ Content content_of(const ReportOptions& options, const ReportInput& input) {
     if (const Metric* peak = find(content.comparison->metrics, "displacement_peak_first")) content.mobilised = 0.05 * peak->value;
   content.hardware = hardware_rows(options.hardware);
   content.setup = input.setup;
+  content.runs = input.runs;
   content.last_picture = input.last_picture;
   content.energy = record.energy();
   content.reactions = record.reactions();

@@ -29,6 +29,14 @@ struct Picture {
   Image image;  // empty: the frame is not there
 };
 
+/// Another run to show beside this one, or this one.
+struct Run {
+  std::string name;
+  bool measured = false;                  // its curve is a measurement's
+  std::vector<double> time, displacement;  // 95th percentile of |u| over the particles followed; length unit
+  std::vector<Metric> metrics;            // of its comparison; empty: it has none
+};
+
 /// Any part may be missing: the report then has no section on it.
 struct Content {
   std::string name;
@@ -53,6 +61,7 @@ struct Content {
   std::vector<std::pair<std::string, std::string>> hardware, setup;  // rows on the camera as given, and on the correlation
   std::optional<double> gauge;             // over which strains are drawn, where it is not the record's; length unit
   double mobilised = 0;                    // displacement above which material counts as mobilised; 0: not known
+  std::vector<Run> runs;             // the record's own first; empty: no others were asked for
   std::vector<std::string> remarks;  // what was flagged and why, one sentence each
   std::vector<std::string> notes;    // how the comparison was made, likewise
 };

@@ -57,6 +57,8 @@ struct ReportOptions {
   std::vector<std::string> fields_drawn = {"displacement_magnitude", "strain_dev"};
   std::optional<double> gauge_m;
   std::vector<std::string> data_sets;
+  bool animation = false;
+  std::vector<std::string> compare_runs;
 
   // Sections of their own in a case.
   HardwareOptions hardware;                                 // [report.hardware]
@@ -70,6 +72,8 @@ struct ReportOptions {
     visit("fields", self.fields_drawn, OptionInfo{.text = "fields drawn side by side, by their names in docs/format.md (where none but these are asked for and there is water or heat: pressure, temperature and those of embedded bands, too)"});
     visit("gauge_m", self.gauge_m, OptionInfo{.unit = "m", .text = "draws strains over circles of this diameter, fitted to the particles' displacements (left out: the record's own gauge); numbers of the comparison stay those of the record", .min = 0, .above_min = true});
     visit("data_sets", self.data_sets, OptionInfo{.text = "one or two motions of the record to show, by name (left out: those compared, else np and mpm)"});
+    visit("compare_runs", self.compare_runs, OptionInfo{.text = "records of other runs, files or folders, to show beside this one: their numbers in a table, their displacement in a figure"});
+    visit("animation", self.animation, OptionInfo{.text = "writes animation.mp4 beside the report: the frame with vectors, particles by strain, the simulation beside them"});
   }
 };
 

@@ -89,7 +89,7 @@ class Paginator {
     // Figures that wait may fill several pages before text has room again.
     while (!fits(chain) && !(empty() && waiting_.empty())) new_page();
     for (const Piece& piece : chain) {
-      if (!empty() && y_ + piece.before + piece.height > bottom) new_page();  // a chain longer than a page
+      if (!empty() && !fits({&piece, 1})) new_page();  // a chain longer than a page
       put(piece);
     }
   }

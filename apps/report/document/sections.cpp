@@ -38,6 +38,7 @@ void comparison_section(Builder& b, const FigureInput& input) {
   b.heading(1, content.comparison ? "Comparison" : "Motion");
   if (const auto player = player_of(input.options, content, input.names, input.central)) b.add(OnScreen{html_of(*player)});
   b.add(std::move(figures));
+  if (auto table = runs_table(content)) b.add(std::move(*table));
 }
 
 void measurement_section(Builder& b, const FigureInput& input) {

@@ -89,6 +89,39 @@ std::optional<Table> summary_table(const Content& content, const DataSetNames& n
   return t;
 }
 
+std::optional<Table> runs_table(const Content& content) {
+  std::vector<const Run*> runs;
+  for (const Run& run : content.runs)
+    if (!run.metrics.empty() && runs.size() < 5) runs.push_back(&run);
+  if (runs.size() < 2) return std::nullopt;
+  Table t;
+  t.caption = "Runs beside each other: of each, its second data set minus its first. \u00b1: standard uncertainty.";
+  t.head = {"Difference"};
+  t.width = {0.25};
+  t.align = {'l'};
+  std::vector<std::string> quantities, units;
+  std::vector<std::vector<SummaryRow>> rows;
+  for (const Run* run : runs) {
+    t.head.push_back(run->name);
+    t.width.push_back(0.75 / double(runs.size()));
+    t.align.push_back('r');
+    Content alone;
+    alone.comparison.emplace().metrics = run->metrics;
+    rows.push_back(summary_rows(alone));
+    for (const SummaryRow& row : rows.back())
+      if (std::find(quantities.begin(), quantities.end(), row.quantity) == quantities.end())
+        quantities.push_back(row.quantity), units.push_back(row.unit);
+  }
+  for (std::size_t q = 0; q < quantities.size(); ++q) {
+    t.rows.push_back({unit_words(units[q]).empty() ? quantities[q] : quantities[q] + " (" + units[q] + ")"});
+    for (const auto& list : rows) {
+      const auto at = std::find_if(list.begin(), list.end(), [&](const SummaryRow& row) { return row.quantity == quantities[q]; });
+      t.rows.back().push_back(at == list.end() ? "\u2013" : value_with_uncertainty(at->difference, at->uncertainty));
+    }
+  }
+  return t;
+}
+
 std::vector<Table> metrics_tables(const Content& content, const DataSetNames& names) {
   const MetricLayout layout = layout_of(content.comparison->metrics);
   std::vector<Table> tables;

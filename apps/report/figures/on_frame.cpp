@@ -17,7 +17,7 @@ using namespace plot;
 
 namespace {
 
-constexpr double left_mm = 12, right_mm = 1, head_mm = 8;
+constexpr double left_mm = 12, right_mm = 1, head_mm = 10;
 
 struct FramePanel {
   std::shared_ptr<Canvas> canvas;
@@ -36,7 +36,7 @@ FramePanel frame_panel(const Content& content, const Picture& picture, const Box
   const Panel panel = world_panel(*canvas, x, head_mm, w, h, box, content.length_unit, true, true);
   if (pictured)
     canvas->raster(panel, draw_image(picture.image.view(), content.world_from_pixel, box, std::clamp(int(w / 25.4 * 300), 64, 1400), 120, 252));
-  scale_bar(*canvas, x + w, 5, panel, box, content.length_unit);
+  scale_bar(*canvas, x + w, 7, panel, box, content.length_unit);
   return {canvas, panel, box, x, head_mm, w, h};
 }
 

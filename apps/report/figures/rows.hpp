@@ -19,6 +19,7 @@ FigureRow uncertainty_row();
 FigureRow geometry_row();
 FigureRow bands_row();
 FigureRow lines_row();
+FigureRow runs_row();
 FigureRow energy_row();
 FigureRow reactions_row();
 

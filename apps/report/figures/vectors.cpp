@@ -7,6 +7,7 @@
 #include "apps/plot/raster.hpp"
 #include "apps/report/content/material.hpp"
 #include "apps/report/figures/rows.hpp"
+#include "apps/report/figures/vector_layer.hpp"
 #include "apps/report/words/words.hpp"
 
 namespace pivnp::report {
@@ -206,6 +207,11 @@ bool owns_vectors(std::string_view figure) {
 }
 
 }  // namespace
+
+void lay_vectors(Canvas& canvas, const Panel& panel, const Content& content, const VectorField& field, double units_per_length) {
+  const VectorField inside = within_material(content, field);
+  draw_vectors(canvas, panel, inside, plan_arrows(inside, units_per_length));
+}
 
 FigureRow vectors_row() {
   return {.name = "vectors",

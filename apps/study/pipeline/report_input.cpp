@@ -6,10 +6,13 @@
 #include <string>
 #include <utility>
 
+#include "apps/report/animation.hpp"
 #include "apps/report/report.hpp"
 #include "apps/study/pipeline/outcome.hpp"
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/particles/alive.hpp"
 #include "pivnp/core/text.hpp"
+#include "pivnp/image/video_writer.hpp"
 #include "pivnp/io/records/record.hpp"
 
 namespace pivnp::app {
@@ -68,6 +71,62 @@ std::vector<std::pair<std::string, std::string>> setup_of(const Case& c, const i
   return rows;
 }
 
+// The displacement that 95 % of a motion's particles do not exceed, against time.
+report::Run run_of(const std::string& name, const MotionSource& motion, bool measured) {
+  report::Run run{name, measured, motion.times(), {}, {}};
+  for (std::size_t k = 0; k < motion.times().size(); ++k) {
+    const MotionFrame frame = motion.frame(k);
+    std::vector<double> u;
+    for (std::size_t p = 0; p < frame.u.size(); ++p)
+      if (alive(frame.status[p])) u.push_back(std::hypot(double(frame.u[p][0]), double(frame.u[p][1])));
+    std::erase_if(u, [](double v) { return !std::isfinite(v); });
+    if (!u.empty()) std::nth_element(u.begin(), u.begin() + std::ptrdiff_t(u.size() * 95 / 100), u.end());
+    run.displacement.push_back(u.empty() ? nan_value : u[u.size() * 95 / 100]);
+  }
+  return run;
+}
+
+// Of a record: its measurement if `with_measured`, and its last motion, which is the simulation where there is one.
+void add_runs(const std::string& name, const io::RecordReader& record, bool with_measured, std::vector<report::Run>& runs) {
+  const std::vector<std::string> motions = record.motion_names();
+  if (motions.empty()) throw InputError("report.compare_runs: " + name + " holds no motion");
+  const auto comparison = record.comparison();
+  const std::string second = comparison && std::find(motions.begin(), motions.end(), comparison->names[1]) != motions.end() ? comparison->names[1]
+                             : std::find(motions.begin(), motions.end(), "mpm") != motions.end()                             ? "mpm"
+                                                                                                                             : motions.back();
+  if (with_measured && record.pair_count() > 0 && second != "np") runs.push_back(run_of("measured", *record.motion("np"), true));
+  runs.push_back(run_of(name, *record.motion(second), false));
+  if (comparison) runs.back().metrics = comparison->metrics;
+}
+
+std::vector<report::Run> runs_of(const Case& c, const io::RecordReader& own) {
+  std::vector<report::Run> runs;
+  if (c.report.compare_runs.empty()) return runs;
+  add_runs("this run", own, true, runs);
+  for (const std::string& text : c.report.compare_runs) {
+    const fs::path given(text), file = fs::is_directory(given) ? given / "record.h5" : given;
+    const io::RecordReader other(file);
+    if (other.head().length_unit != own.head().length_unit || other.head().time_unit != own.head().time_unit)
+      throw InputError("report.compare_runs: " + text + " is in " + other.head().length_unit + " and " + other.head().time_unit + ", expected " +
+                       own.head().length_unit + " and " + own.head().time_unit);
+    const fs::path folder = fs::absolute(file).parent_path();
+    add_runs(fs::is_directory(given) || given.filename() == "record.h5" ? folder.filename().string() : given.stem().string(), other, false, runs);
+  }
+  return runs;
+}
+
+void write_animation(const report::Content& content, image::FrameSource* source, const fs::path& file) {
+  const report::Animation animation(content);
+  if (animation.size() < 2) return;
+  constexpr double least = 2, most = 25, length_s = 8;  // frames a second; about so long
+  image::VideoWriter video(file, std::clamp(double(animation.size()) / length_s, least, most));
+  for (std::size_t k = 0; k < animation.size(); ++k) {
+    const int frame = source != nullptr ? animation.frame_of(k) : -1;
+    video.add_png(animation.png(k, frame >= 0 ? source->read(frame) : Image()));
+  }
+  video.finish();
+}
+
 }  // namespace
 
 void write_report_of(const Case& c, RunOutcome& outcome, std::optional<Comparison> comparison,
@@ -84,6 +143,7 @@ void write_report_of(const Case& c, RunOutcome& outcome, std::optional<Compariso
   input.comparison = std::move(comparison);
   input.compared = c.compare;
   input.setup = setup_of(c, record);
+  input.runs = runs_of(c, record);
   if (record.pair_count() > 0) {
     input.pictures = pictures(c, record, source);
     const std::vector<double> times = input.comparison ? input.comparison->times() : std::vector<double>{};
@@ -97,6 +157,7 @@ void write_report_of(const Case& c, RunOutcome& outcome, std::optional<Compariso
     }
   }
   report::write_report(c.report, input, directory);
+  if (c.report.animation) write_animation(report::content_of(c.report, input), source, directory / "animation.mp4");
   outcome.report_html = directory / "report.html";
   outcome.report_pdf = directory / "report.pdf";
   const std::vector<std::string> flagged = remarks_of(record);  // the report finds these itself

@@ -110,9 +110,10 @@ TEST_F(CommandLine, EachCommandCallsItsFunction) {
   EXPECT_EQ(fake_study().report.points_m.size(), 1u);
   EXPECT_EQ(fake_study().first, "r.h5");
   EXPECT_EQ(fake_study().settings.out, "");
-  EXPECT_EQ(run_program({"report", "r.h5", "--gauge", "0.05", "--data-sets", "np"}).code, 0);
+  EXPECT_EQ(run_program({"report", "r.h5", "--gauge", "0.05", "--data-sets", "np", "--compare-runs", "a,b"}).code, 0);
   EXPECT_EQ(fake_study().report.gauge_m, 0.05);
   EXPECT_EQ(fake_study().report.data_sets, std::vector<std::string>{"np"});
+  EXPECT_EQ(fake_study().report.compare_runs, (std::vector<std::string>{"a", "b"}));
 }
 
 TEST_F(CommandLine, ExportHandsOnWhatIsAskedFor) {

@@ -14,6 +14,7 @@
 #include "apps/study/study.hpp"
 #include "compare/metrics/rows.hpp"
 #include "pivnp/core/error.hpp"
+#include "pivnp/image/frames.hpp"
 #include "pivnp/io/records/record.hpp"
 #include "tests/support/added.hpp"
 #include "tests/support/scratch.hpp"
@@ -89,9 +90,34 @@ TEST_F(Records, ReportedOfTheDataSetsAskedFor) {
   of({names[1]});
   EXPECT_FALSE(fs::exists(scratch.path / "again" / "figures" / "verdict.svg"));
   EXPECT_TRUE(fs::exists(scratch.path / "again" / "figures" / "displacement.svg"));
+  report_record(scratch.path / "out", settings("moving"), progress, [](report::ReportOptions& o) { o.animation = true; });
+  const fs::path video = scratch.path / "moving" / "animation.mp4";
+  ASSERT_TRUE(fs::exists(video));
+  image::FrameOptions frames;
+  frames.path = video.string();
+  const auto shown = image::open_frames(frames, scratch.path);
+  EXPECT_EQ(shown->frames().size(), io::RecordReader(first.record).comparison()->times().size());
+  EXPECT_GT(shown->width(), 700);
   of({names[0], names[1]});
   EXPECT_TRUE(fs::exists(scratch.path / "again" / "figures" / "verdict.svg"));
   EXPECT_THROW(of({"nobody"}), InputError);
+}
+
+// Other runs stand beside this one: a curve each, and their numbers in a table.
+TEST_F(Records, RunsStandBesideEachOther) {
+  CompareSources sources;
+  sources.first = tracks("lab.csv", 6, 0.30), sources.second = tracks("sim.csv", 6, 0.31);
+  compare_records(sources, {}, {}, settings("out"), progress);
+  sources.second = tracks("worse.csv", 6, 0.4);
+  compare_records(sources, {}, {}, settings("worse"), progress);
+  const auto beside = [&](const std::string& other) {
+    return report_record(scratch.path / "out", settings("again"), progress, [&](report::ReportOptions& o) { o.compare_runs = {other}; });
+  };
+  std::ifstream in(beside((scratch.path / "worse").string()).report_html, std::ios::binary);
+  const std::string html{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  EXPECT_NE(html.find("<figure id=\"runs\">"), std::string::npos);
+  EXPECT_NE(html.find(">worse</th>"), std::string::npos);
+  EXPECT_THROW(beside((scratch.path / "nothing").string()), InputError);
 }
 
 TEST_F(Records, LengthsOfOtherProgramsAreInTheUnitThatIsNamed) {
