@@ -51,6 +51,8 @@ void Solver::Impl::end_step(const Cycle& c) {
   look_for_rest(c.dt);
   if (work_in_steps()) state.balance.gravity += c.gravity.dot(moment_of_mass() - c.moment);
   if (water && water_works_in_steps()) state.balance.gravity += potential_energy - water->potential_energy(p, c.gravity, c.threads);
+  if (water && loading.gravity_changes())  // the fringe's energy goes with gravity
+    state.balance.bodies += water->sums(p, loading.gravity(state.time + c.dt)).energy - water->sums(p, loading.gravity(state.time)).energy;
   ++state.steps;
   state.body_motion = bodies.motion();
   choice.end_step();

@@ -156,7 +156,9 @@ double PoreWater::mass(const Particles& p, std::size_t k) const {
 
 double PoreWater::potential_energy(const Particles& p, std::size_t k, const Vec2& gravity) const {
   const Vec2 x(p.x[k], p.y[k]);
-  return p.volume0[k] * p.J[k] * outside_pressure(x, gravity) - (flows(p, k) ? mass(p, k) : p.mass[k]) * gravity.dot(x - reference_);
+  // (Drained pores change places with the water outside at its pressure: that takes no work but the lift's.)
+  const double volume = p.volume0[k] * (soil_of(p, k).drained ? 1 : p.J[k]);
+  return volume * outside_pressure(x, gravity) - (flows(p, k) ? mass(p, k) : p.mass[k]) * gravity.dot(x - reference_);
 }
 
 double PoreWater::potential_energy(const Particles& p, const Vec2& gravity, int threads) const {
