@@ -13,7 +13,8 @@
 #include "compare/metrics/limits.hpp"
 #include "mpm/constraint/options.hpp"
 #include "mpm/material/options.hpp"
-#include "mpm/step/options.hpp"
+#include "mpm/scene/options.hpp"
+#include "mpm/heat/options.hpp"
 #include "mpm/water/options.hpp"
 #include "pivnp/core/options.hpp"
 #include "pivnp/image/camera.hpp"
@@ -155,6 +156,7 @@ struct Case {
   Named<mpm::RigidOptions> bodies;            // [body.NAME]
   Named<mpm::ContactOptions> contacts;        // [contact.NAME]
   std::optional<mpm::WaterOptions> water;     // [water]
+  std::optional<mpm::HeatOptions> heat;       // [heat]
   compare::CompareOptions compare;            // [compare]
   compare::LimitOptions limits;               // [compare.limits]
   report::ReportOptions report;               // [report]

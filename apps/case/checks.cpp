@@ -32,6 +32,7 @@ class Checker {
     verification();
     for (const std::string& field : c_.output.fields_stored) known_field("output.fields", field);
     for (const std::string& field : c_.report.fields_drawn) known_field("report.fields", field);
+    lines();
   }
 
  private:
@@ -40,6 +41,17 @@ class Checker {
   }
   [[noreturn]] void refuse_section(const std::string& path, const std::string& what) const {
     throw InputError(source_.place(path) + ": [" + path + "]: " + what);
+  }
+
+  void lines() const {
+    for (const auto& [name, line] : c_.report.lines) {
+      const std::string section = "report.line." + name;
+      if (!line.from_m || !line.to_m) refuse_section(section, std::string(line.from_m ? "to_m" : "from_m") + ": missing, expected [x, y]");
+      if (*line.from_m == *line.to_m) refuse(section + ".to_m", "found from_m again, expected another point");
+      if (name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") != std::string::npos)
+        refuse_section(section, "the name is that of a file; expected letters, digits, _ and -");
+      known_field(section + ".field", line.field);
+    }
   }
 
   bool has_images() const { return c_.frames || c_.synth; }

@@ -30,9 +30,12 @@ void for_each_section(C& c, Visitor&& visit) {
   visit.named("body", c.bodies, "Rigid bodies with prescribed motion; a circle or a polygon each.");
   visit.named("contact", c.contacts, "How bodies of the simulated material meet: with friction, free to part. Without any they stick together. Example: datasets/sand_slope_1g/glass.toml.");
   visit.optional("water", c.water, "Water in the pores of materials that have a porosity. Example: datasets/terzaghi.");
+  visit.optional("heat", c.heat, "Temperature: plastic work and the flow of the water become heat, which swells water and soil. Materials then have a specific heat and a conductivity.");
   visit.always("compare", c.compare, "How measurement and simulation are compared.");
   visit.always("compare.limits", c.limits, "Limits; one that is exceeded ends the program with exit code 3.");
   visit.always("report", c.report, "What the report shows.");
+  visit.always("report.hardware", c.report.hardware, "Camera and specimen as the report's table of the measurement states them; free text.");
+  visit.named("report.line", c.report.lines, "Cross-sections and virtual extensometers that the report draws; one section a line.");
   visit.always("output", c.output, "What the record stores.");
   visit.optional("synth", c.synth,
                  "Synthetic frames with known truth: drawn by `pivnp synth`, and by `pivnp run` when "

@@ -33,9 +33,8 @@ TerminalProgress progress_for(const Session& session) {
   return TerminalProgress(session.err, style, stop_signalled);
 }
 
-void add_case(CLI::App& app, Arguments& arguments) {
-  app.add_option("CASE", arguments.case_path,
-                 "case file, or a folder with a case.toml (left out: the built-in slope behind a gate)")
+void add_case(CLI::App& app, Arguments& arguments, const std::string& left_out) {
+  app.add_option("CASE", arguments.case_path, "case file, or a folder with a case.toml (left out: " + left_out + ")")
       ->check([](const std::string& given) {
         return given.empty() ? std::string("found an empty text, expected a file or a folder") : std::string();
       });

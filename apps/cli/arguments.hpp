@@ -23,7 +23,8 @@ struct Arguments {
   std::string junit;      // file for the limits' verdicts; empty: none
 };
 
-void add_case(CLI::App& app, Arguments& arguments);
+/// `left_out`: what is taken where no case is given.
+void add_case(CLI::App& app, Arguments& arguments, const std::string& left_out = "the built-in slope behind a gate");
 void add_out(CLI::App& app, Arguments& arguments, const std::string& fallback);
 void add_frames(CLI::App& app, Arguments& arguments);
 void add_resume(CLI::App& app, Arguments& arguments);

@@ -27,12 +27,26 @@ const std::vector<Command>& commands() {
        declare_compare},
       {"report", "write the report of a finished record again", "pivnp report out/lab/record.h5 --out out/again",
        declare_report},
+      {"export", "write a record's fields as CSV, or as VTKHDF for ParaView",
+       "pivnp export out/lab/record.h5 --motions np --fields strain_dev,velocity_x --times 0.2,0.4\n"
+       "pivnp export out/lab/record.h5 --format vtkhdf --out out/paraview",
+       declare_export},
       {"synth", "draw the synthetic frames of a case, with their truth",
        "pivnp synth datasets/affine_shear --out out/shear", declare_synth},
       {"verify", "run synthetic cases against their known truth and thresholds (JUnit XML); or check records for damage",
        "pivnp verify datasets/ --junit verify.xml\n"
        "pivnp verify out/lab/record.h5",
        declare_verify},
+      {"frontier", "chart the speed of settings against their accuracy, on drawn texture or on a scene of your own",
+       "pivnp frontier\n"
+       "pivnp frontier lab/case.toml --stages piv --threads 1\n"
+       "pivnp frontier --frames \"lab/frames/*.png\"",
+       declare_frontier},
+      {"stress", "map where methods are right, where they say that they are not, and where they are wrong without a word",
+       "pivnp stress\n"
+       "pivnp stress lab/case.toml --stages piv --seeds 4\n"
+       "pivnp stress --stages piv --set piv.method=fft",
+       declare_stress},
   };
   return table;
 }

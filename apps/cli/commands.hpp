@@ -35,9 +35,14 @@ Action declare_track(CLI::App& app, Session& session);
 Action declare_simulate(CLI::App& app, Session& session);
 Action declare_synth(CLI::App& app, Session& session);
 
+// Speed against accuracy, and where methods fail (chart_commands.cpp).
+Action declare_frontier(CLI::App& app, Session& session);
+Action declare_stress(CLI::App& app, Session& session);
+
 // On finished records, and on many cases (record_commands.cpp, verify_command.cpp).
 Action declare_compare(CLI::App& app, Session& session);
 Action declare_report(CLI::App& app, Session& session);
+Action declare_export(CLI::App& app, Session& session);
 Action declare_verify(CLI::App& app, Session& session);
 
 }  // namespace pivnp::app

@@ -1,4 +1,4 @@
-// Commands on finished records: compare, report.
+// Commands on finished records: compare, report, export.
 #include <CLI/CLI.hpp>
 #include <memory>
 
@@ -95,6 +95,31 @@ Action declare_report(CLI::App& app, Session& session) {
       outcome = report_record(r->record, settings_for(r->arguments, session, {}, ""), progress, change);
     }
     return print_outcome(outcome, r->arguments, r->record, session);
+  };
+}
+
+Action declare_export(CLI::App& app, Session& session) {
+  struct Export {
+    Arguments arguments;
+    std::string record, format = "csv";
+    io::ExportOptions options;
+  };
+  const auto e = std::make_shared<Export>();
+  app.add_option("RECORD", e->record, "record.h5, or the folder that holds it")->required();
+  app.add_option("--format", e->format, "csv: a table a motion, and one of the vectors; vtkhdf: one file a motion, for ParaView (csv)")
+      ->type_name("NAME")
+      ->check(CLI::IsMember({"csv", "vtkhdf"}));
+  app.add_option("--motions", e->options.motions, "motions to write, and piv for the vectors (all)")->type_name("NAMES")->delimiter(',');
+  app.add_option("--fields", e->options.fields, "fields to write, by their names in docs/format.md (displacement and strain)")
+      ->type_name("NAMES")
+      ->delimiter(',');
+  app.add_option("--times", e->options.times, "times to write, each the nearest there is (all)")->type_name("VALUES")->delimiter(',');
+  add_out(app, e->arguments, "export/ beside the record");
+  add_session(app, session);
+  return [e, &session] {
+    for (const std::filesystem::path& file : export_record(e->record, e->arguments.out, e->format == "vtkhdf", e->options))
+      session.out << file.string() << "\n";
+    return 0;
   };
 }
 

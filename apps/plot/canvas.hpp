@@ -105,6 +105,8 @@ void save(const Canvas& canvas, const std::filesystem::path& file, double dots_p
 
 /// 1, 2 or 5 times a power of ten: nearest to range / count, so about `count` to the range.
 double nice_step(double range, int count);
+/// The step, or a lower one where fewer than two of its multiples lie between `lower` and `upper`: one tick tells no scale.
+double step_with_ticks(double lower, double upper, double step);
 /// The greatest such number that is not above `length`.
 double nice_length(double length);
 

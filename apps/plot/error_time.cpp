@@ -17,7 +17,7 @@ constexpr Rgb pale = 0xe4e4e4;
 void draw_decades(Canvas& canvas, const Panel& panel, const ErrorTimeChart& chart) {
   canvas.paint(panel, [=](Painter& p) {
     p.pen({pale, 0.5});
-    for (double e = chart.least * 10; e < 0.99 * chart.greatest; e *= 10)
+    for (double e = std::pow(10, std::floor(std::log10(chart.least) + 1e-9) + 1); e < 0.99 * chart.greatest; e *= 10)
       p.line(panel.at({chart.quickest, e}), panel.at({chart.slowest, e}));
   });
 }
@@ -59,14 +59,16 @@ struct Patch {
   bool meets(const Patch& o) const {
     return x < o.x + o.width && o.x < x + width && y < o.y + o.height && o.y < y + height;
   }
+  bool holds(const Patch& o) const { return o.x >= x && o.x + o.width <= x + width && o.y >= y && o.y + o.height <= y + height; }
 };
 
 // Names where nothing is in the way; `symbols`: the patches that the points take.
-void draw_names(Canvas& canvas, const std::vector<ErrorTimePoint>& points, const std::vector<Patch>& symbols) {
+void draw_names(Canvas& canvas, const Patch& frame, const std::vector<ErrorTimePoint>& points, const std::vector<Patch>& symbols) {
   std::vector<Patch> taken = symbols;
   constexpr double line = 3.1;
   for (std::size_t k = 0; k < points.size(); ++k) {
     const ErrorTimePoint& point = points[k];
+    if (point.name.empty()) continue;
     const double wide = text_width(point.name, small_text, point.own);
     const Patch& at = symbols[k];
     const double cx = at.x + at.width / 2, cy = at.y + at.height / 2, off = at.width / 2 + 0.8;
@@ -81,7 +83,7 @@ void draw_names(Canvas& canvas, const std::vector<ErrorTimePoint>& points, const
                            {left, above, wide, line},
                            {right, cy + off, wide, line}};
     const auto free = std::find_if(std::begin(tries), std::end(tries), [&](const Patch& t) {
-      return std::none_of(taken.begin(), taken.end(), [&](const Patch& o) { return t.meets(o); });
+      return frame.holds(t) && std::none_of(taken.begin(), taken.end(), [&](const Patch& o) { return t.meets(o); });
     });
     const Patch& best = free == std::end(tries) ? tries[0] : *free;
     taken.push_back(best);
@@ -139,7 +141,7 @@ void draw_error_time(Canvas& canvas, double x_mm, double y_mm, double width_mm, 
     const double y = y_mm + (1 - share_of(p.error, chart.least, chart.greatest)) * height_mm;
     symbols.push_back({x - half, y - half, 2 * half, 2 * half});
   }
-  draw_names(canvas, chart.points, symbols);
+  draw_names(canvas, {x_mm, y_mm, width_mm, height_mm}, chart.points, symbols);
 }
 
 }  // namespace pivnp::plot

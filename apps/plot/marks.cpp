@@ -49,8 +49,9 @@ Panel world_panel(Canvas& canvas, double x_mm, double y_mm, double width_mm, dou
                   const std::string& unit, bool label_x, bool label_y) {
   Panel panel = canvas.panel(x_mm, y_mm, width_mm, height_mm);
   // One tick distance for both axes, so that the eye can compare lengths.
-  const double step =
+  double step =
       nice_step(std::max(box.width() / width_mm, box.height() / height_mm) * std::clamp(width_mm / 4, 12.0, 24.0), 1);
+  step = std::min(step_with_ticks(box.lower.x(), box.upper.x(), step), step_with_ticks(box.lower.y(), box.upper.y(), step));
   panel.axis(Axis::x, box.lower.x(), box.upper.x(), label_x ? axis_label("x", unit) : "");
   panel.axis(Axis::y, box.lower.y(), box.upper.y(), label_y ? axis_label("y", unit) : "");
   panel.step(Axis::x, step).numbers(Axis::x, label_x);
@@ -58,21 +59,18 @@ Panel world_panel(Canvas& canvas, double x_mm, double y_mm, double width_mm, dou
   return panel;
 }
 
-void scale_bar(Canvas& canvas, const Panel& panel, const Box& box, const std::string& unit) {
+void scale_bar(Canvas& canvas, double right_mm, double y_mm, const Panel& panel, const Box& box, const std::string& unit) {
   const double length = nice_length(0.25 * box.width());
   const DisplayUnit shown = display_unit(unit, length);
   const std::string label = plain(length * shown.factor) + unit_suffix(shown.name);
-  canvas.paint(panel, [=](Painter& p) {
+  canvas.text(right_mm, y_mm, label, Align::right, {.points = small_text});
+  const double end = (right_mm - text_width(label, small_text) - 1.5) * units_per_mm, y = y_mm * units_per_mm;
+  canvas.paint_over([=](Painter& p) {
     const double w = panel.x(box.lower.x() + length) - panel.x(box.lower.x());
-    const Rectangle r = panel.frame();
-    const double text = text_width(label, small_text) * units_per_mm, wide = std::max(w, text) + 40;
-    const Rectangle plate{r.right() - wide - 20, r.bottom() - 82, wide, 62};
     p.no_pen();
-    p.fill({0xffffff, 225});
-    p.rectangle(plate);
     p.fill({ink});
-    p.rectangle({plate.centre().x() - w / 2, plate.bottom() - 19, w, 7});
-    p.text({plate.left, plate.top + 3, plate.width, 36}, label, Align::centre, {.points = small_text});
+    p.rectangle({end - w, y - 3.5, w, 7});
+    for (const double at : {end - w, end}) p.rectangle({at - 1.5, y - 9, 3, 18});
   });
 }
 

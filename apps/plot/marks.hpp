@@ -21,8 +21,9 @@ void colour_bar(Canvas& canvas, double x_mm, double y_mm, double width_mm, const
 Panel world_panel(Canvas& canvas, double x_mm, double y_mm, double width_mm, double height_mm, const Box& box,
                   const std::string& unit, bool label_x, bool label_y);
 
-/// A scale bar with its length, lower right.
-void scale_bar(Canvas& canvas, const Panel& panel, const Box& box, const std::string& unit);
+/// A scale bar of the panel, a quarter of it at most, with its length at its right, beside the picture so that it hides
+/// nothing: it ends at (`right_mm`, `y_mm`).
+void scale_bar(Canvas& canvas, double right_mm, double y_mm, const Panel& panel, const Box& box, const std::string& unit);
 
 /// Polygon between two curves, broken where a value is not finite.
 void band(Canvas& canvas, const Panel& panel, const std::vector<double>& x, const std::vector<double>& lower,

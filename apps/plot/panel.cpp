@@ -42,7 +42,7 @@ Panel& Panel::axis(Axis axis, double lower, double upper, const std::string& lab
   }
   of(axis)->setRange(lower, upper);
   of(axis)->setLabel(qt(label));
-  return step(axis, nice_step(upper - lower, ticks));
+  return step(axis, step_with_ticks(lower, upper, nice_step(upper - lower, ticks)));
 }
 
 Panel& Panel::logarithmic(Axis axis, double lower, double upper, int digits) {
@@ -94,6 +94,12 @@ Panel& Panel::pale_grid() {
   grid->setPen(qt_pen({.rgb = 0xe6e6e6, .points = 0.4}));
   grid->setZeroLinePen(qt_pen({.rgb = 0xc4c4c4, .points = 0.4}));
   return *this;
+}
+
+double step_with_ticks(double lower, double upper, double step) {
+  const auto ticks = [&](double s) { return std::floor(upper / s * (1 + 1e-12)) - std::ceil(lower / s * (1 - 1e-12)) + 1; };
+  for (int tries = 0; tries < 3 && upper > lower && ticks(step) < 2; ++tries) step = nice_step(step / 2, 1);
+  return step;
 }
 
 double nice_step(double range, int count) {

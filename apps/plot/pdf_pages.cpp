@@ -38,9 +38,10 @@ PdfPages::~PdfPages() = default;
 
 QPainter& PdfPages::painter() { return writer_->painter; }
 
-void PdfPages::draw(const Canvas& canvas, double x, double y) {
+void PdfPages::draw(const Canvas& canvas, double x, double y, double scale) {
   writer_->painter.save();
   writer_->painter.translate(x, y);
+  writer_->painter.scale(scale, scale);
   canvas.draw(writer_->painter);
   writer_->painter.restore();
 }

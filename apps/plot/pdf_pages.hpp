@@ -19,8 +19,8 @@ class PdfPages {
   PdfPages& operator=(const PdfPages&) = delete;
 
   QPainter& painter();
-  /// Draws a canvas with its top left corner at (x, y).
-  void draw(const Canvas& canvas, double x, double y);
+  /// Draws a canvas with its top left corner at (x, y), so many times as large.
+  void draw(const Canvas& canvas, double x, double y, double scale = 1);
   void next_page();
   /// The file's bytes. Nothing can be drawn after it.
   std::string finish();

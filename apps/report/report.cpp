@@ -1,12 +1,15 @@
 #include "apps/report/report.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <memory>
 #include <utility>
 
 #include "apps/plot/numbers.hpp"
+#include "apps/report/content/gauge.hpp"
 #include "apps/report/write.hpp"
 #include "compare/alignment/as_compared.hpp"
+#include "pivnp/core/error.hpp"
 
 namespace pivnp::report {
 
@@ -26,6 +29,30 @@ std::pair<std::string, std::string> compared_motions(const std::vector<std::stri
   return {measured, simulated};
 }
 
+// One or two motions by name: the first takes the measurement's place.
+std::pair<std::string, std::string> asked_motions(const std::vector<std::string>& names, const std::vector<std::string>& asked) {
+  std::string known;
+  for (const std::string& name : names) known += (known.empty() ? "" : ", ") + name;
+  if (asked.size() > 2) throw InputError("report.data_sets: found " + std::to_string(asked.size()) + " names, expected one or two");
+  for (const std::string& name : asked)
+    if (std::find(names.begin(), names.end(), name) == names.end())
+      throw InputError("report.data_sets: found '" + name + "', expected motions of the record (" + known + ")");
+  if (asked.size() == 1) return asked[0] == "mpm" ? std::pair(std::string(), asked[0]) : std::pair(asked[0], std::string());
+  return {asked[0], asked[1]};
+}
+
+std::vector<std::pair<std::string, std::string>> hardware_rows(const HardwareOptions& hardware) {
+  std::vector<std::pair<std::string, std::string>> rows;
+  HardwareOptions::fields(hardware, [&](std::string_view name, const std::string& text, const OptionInfo&) {
+    if (text.empty()) return;
+    std::string words(name);
+    std::replace(words.begin(), words.end(), '_', ' ');
+    words[0] = char(std::toupper(static_cast<unsigned char>(words[0])));
+    rows.emplace_back(std::move(words), text);
+  });
+  return rows;
+}
+
 // What a reader must know of how the motions are drawn.
 std::string alignment_words(const compare::CompareOptions& o, const Comparison& comparison, bool first_as_it_is,
                             bool second_as_it_is) {
@@ -43,7 +70,7 @@ std::string alignment_words(const compare::CompareOptions& o, const Comparison& 
 
 }  // namespace
 
-Content content_of(const ReportInput& input) {
+Content content_of(const ReportOptions& options, const ReportInput& input) {
   const io::RecordReader& record = *input.record;
   const io::RecordHead& head = record.head();
   const std::optional<Comparison> stored = record.comparison();
@@ -60,14 +87,15 @@ Content content_of(const ReportInput& input) {
   content.frames = record.frames();
   content.pair_count = record.pair_count();
   content.pair = [&record](std::size_t k) { return record.pair(k); };
-  const auto [measured, simulated] = compared_motions(record.motion_names(), stored);
+  const auto compared = compared_motions(record.motion_names(), stored);
+  const auto [measured, simulated] = options.data_sets.empty() ? compared : asked_motions(record.motion_names(), options.data_sets);
   if (!measured.empty()) {
     content.measured = record.motion(measured);
     content.strain_note = record.strain_note(measured);
   }
   if (!simulated.empty()) content.simulated = record.motion(simulated);
   content.tracked = content.measured;
-  content.comparison = input.comparison ? input.comparison : stored;
+  if (std::pair(measured, simulated) == compared) content.comparison = input.comparison ? input.comparison : stored;
   if (content.comparison && content.measured && content.simulated) {
     const compare::ComparedMotions seen = compare::as_compared(content.measured, content.simulated, input.compared);
     content.alignment = alignment_words(input.compared, *content.comparison, seen.first == content.measured,
@@ -75,15 +103,27 @@ Content content_of(const ReportInput& input) {
     content.measured = seen.first;
     content.simulated = seen.second;
   }
+  if (options.gauge_m) {
+    content.gauge = options.gauge_m;
+    if (content.measured) content.measured = with_gauge(content.measured, *options.gauge_m);
+    if (content.simulated) content.simulated = with_gauge(content.simulated, *options.gauge_m);
+  }
+  if (input.compared.mobilised_m) content.mobilised = *input.compared.mobilised_m;
+  else if (content.comparison)
+    if (const Metric* peak = find(content.comparison->metrics, "displacement_peak_first")) content.mobilised = 0.05 * peak->value;
+  content.hardware = hardware_rows(options.hardware);
+  content.setup = input.setup;
+  content.last_picture = input.last_picture;
   content.energy = record.energy();
   content.reactions = record.reactions();
   content.pictures = input.pictures;
   content.remarks = input.remarks;
+  content.notes = input.notes;
   return content;
 }
 
 void write_report(const ReportOptions& options, const ReportInput& input, const std::filesystem::path& directory) {
-  write_content(options, content_of(input), directory);
+  write_content(options, content_of(options, input), directory);
 }
 
 }  // namespace pivnp::report

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "apps/report/content/content.hpp"
@@ -19,11 +21,15 @@ struct ReportInput {
   std::optional<Comparison> comparison;  // left out: the metrics and fields that the record holds
   compare::CompareOptions compared;      // what the comparison was told: motions are drawn as it sees them
   std::vector<Picture> pictures;         // frames to draw vectors on, one at least if there is PIV
+  std::shared_ptr<const Picture> last_picture;  // the frame at the last compared time, if it is to be had (nullptr: it is not)
+  std::vector<std::pair<std::string, std::string>> setup;  // of the measurement: what, and how it was
   std::vector<std::string> remarks;      // what was flagged and why, one sentence each
+  std::vector<std::string> notes;        // how the comparison was made, likewise
 };
 
-/// What the report is made from. `input.record` and the pictures must outlive it.
-Content content_of(const ReportInput& input);
+/// What the report is made from. `input.record` and the pictures must outlive it. Throws InputError "report.data_sets: ..."
+/// where the record lacks a motion that is asked for.
+Content content_of(const ReportOptions& options, const ReportInput& input);
 
 /// Writes report.html, report.pdf and figures/*.png, *.svg into `directory`. Throws RunError if it cannot.
 void write_report(const ReportOptions& options, const ReportInput& input, const std::filesystem::path& directory);

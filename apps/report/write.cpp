@@ -1,5 +1,6 @@
 #include "apps/report/write.hpp"
 
+#include <cmath>
 #include <map>
 #include <string>
 #include <system_error>
@@ -10,6 +11,7 @@
 #include "apps/report/document/html.hpp"
 #include "apps/report/document/pdf.hpp"
 #include "apps/report/document/sections.hpp"
+#include "pivnp/core/text.hpp"
 
 namespace pivnp::report {
 
@@ -18,6 +20,20 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double print_dpi = 300;
+
+std::string quoted(std::string text) {
+  for (std::size_t at = text.find('"'); at != std::string::npos; at = text.find('"', at + 2)) text.insert(at, 1, '"');
+  return "\"" + text + "\"";
+}
+
+std::string metrics_csv(const std::vector<Metric>& metrics) {
+  std::string text = "name,value,unit,standard uncertainty,verdict,definition\n";
+  const auto cell = [](double v) { return std::isfinite(v) ? number(v, 12) : std::string(); };
+  for (const Metric& m : metrics)
+    text += m.name + "," + cell(m.value) + "," + m.unit + "," + cell(m.uncertainty) + "," + quoted(std::string(name_of(m.verdict))) +
+            "," + quoted(m.definition) + "\n";
+  return text;
+}
 
 // Figures of an earlier report that this one does not have would be taken for its own.
 void remove_stale(const fs::path& folder, const std::map<std::string, std::string>& kept) {
@@ -51,6 +67,10 @@ void write_content(const ReportOptions& options, const Content& content, const f
       if (bytes.size() > 1'200'000) bytes = figure->canvas->png(190);
     }
   remove_stale(folder, png);
+  const fs::path metrics = directory / "metrics.csv";
+  std::error_code error;
+  if (content.comparison) plot::write_file(metrics, metrics_csv(content.comparison->metrics));
+  else fs::remove(metrics, error);
   plot::write_file(directory / "report.pdf", pdf(document));
   plot::write_file(directory / "report.html", html(document, [&](const Figure& f) { return png.at(f.name); }));
 }

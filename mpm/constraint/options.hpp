@@ -38,6 +38,9 @@ struct BoundaryOptions {
   std::optional<double> water_level_m;
   bool drained = false;
   std::optional<double> flux_m_s;
+  std::optional<double> temperature_c;
+  std::optional<double> heat_flux_w_m2;
+  std::optional<double> heat_transfer_w_m2_k;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
@@ -59,6 +62,9 @@ struct BoundaryOptions {
     visit("water_level_m", self.water_level_m, OptionInfo{.unit = "m", .text = "the water beyond it stands at this height: hydrostatic pressure below, and above, water that seeps out"});
     visit("drained", self.drained, OptionInfo{.text = "water passes freely: its pressure is zero there, or that of the water outside"});
     visit("flux_m_s", self.flux_m_s, OptionInfo{.unit = "m/s", .text = "water that enters there, a volume per area and time; less than 0: that leaves"});
+    visit("temperature_c", self.temperature_c, OptionInfo{.unit = "degC", .text = "temperature there, with [heat] (a wall along the grid; without it and heat_flux_w_m2 no heat passes); beside heat_transfer_w_m2_k, that of what lies beyond"});
+    visit("heat_flux_w_m2", self.heat_flux_w_m2, OptionInfo{.unit = "W/m^2", .text = "heat that enters there; less than 0: that leaves"});
+    visit("heat_transfer_w_m2_k", self.heat_transfer_w_m2_k, OptionInfo{.unit = "W/(m^2 K)", .text = "heat that passes for a degree between the material there and temperature_c (convection)", .min = 0});
   }
 };
 

@@ -19,6 +19,11 @@ struct Impulse {
   }
 };
 
+/// A node with next to no mass, and the one that it moves with.
+struct JoinedNode {
+  std::uint32_t small, heavy;
+};
+
 /// Of a wall or body in a step: impulse on the material (N s/m) and the wall's own velocity.
 struct Reaction {
   std::uint32_t node;

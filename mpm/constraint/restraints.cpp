@@ -28,6 +28,7 @@ Restraints::Restraints(const std::vector<std::pair<std::string, BoundaryOptions>
       if (at_node[n].walls.empty()) continue;
       nodes_.push_back(at_node[n]);
       nodes_.back().node = std::uint32_t(std::size_t(field) * g.field_nodes() + n);
+      nodes_.back().place = g.position(n);
     }
   for (const RestrainedNode& at : nodes_) changes_.insert(changes_.end(), at.until.begin(), at.until.end());
   std::sort(changes_.begin(), changes_.end());
@@ -46,7 +47,7 @@ void Restraints::apply(double time, double dt, GridState& g, std::vector<Reactio
     if (v == free) continue;
     const Vec2 wall = given_velocity(at, time, dt == 0);
     reactions.push_back({at.node, node.mass * (v.x() - free.x()), node.mass * (v.y() - free.y()), wall.x(), wall.y()});
-    if (!of_walls.empty()) add_impulse(at, time, node.mass * (v - free), g.position(at.node), of_walls);
+    if (!of_walls.empty()) add_impulse(at, time, node.mass * (v - free), of_walls);
     node.nx = v.x();
     node.ny = v.y();
     node.held = true;
@@ -111,9 +112,8 @@ Vec2 Restraints::absorbed(const RestrainedNode& at, double time, double dt, cons
   for (const std::uint16_t id : at.walls) {
     const Wall& wall = walls_[id];
     if (wall.type != Type::absorbing || time >= wall.until) continue;
-    const Vec2 x = g.position(at.node);
     const double half = 0.5 * g.grid.spacing.minCoeff();
-    const double share = (x - wall.from).norm() < half || (x - wall.to).norm() < half ? 0.5 : 1;
+    const double share = (at.place - wall.from).norm() < half || (at.place - wall.to).norm() < half ? 0.5 : 1;
     const double per = share * dt / g.node[at.node].mass, across = v.dot(wall.normal);
     const Vec2 along = v - across * wall.normal;
     v = across / (1 + per * wall.impedance[0]) * wall.normal + along / (1 + per * wall.impedance[1]);
@@ -159,14 +159,14 @@ Mat2 Restraints::hold(std::size_t node, const Vec2& gravity) const {
 }
 
 // A fixed wall takes all. In the corner of two others each takes what is along its normal, if that is what it can do.
-void Restraints::add_impulse(const RestrainedNode& at, double time, const Vec2& impulse, const Vec2& place,
+void Restraints::add_impulse(const RestrainedNode& at, double time, const Vec2& impulse,
                              std::span<Impulse> of_walls) const {
   constexpr double corner = 0.5;  // sine of the least angle between two walls that share an impulse
   const Wall* found[2] = {nullptr, nullptr};
   for (std::size_t w = 0; w < at.walls.size(); ++w) {
     const Wall& wall = walls_[at.walls[w]];
     if (time >= at.until[w] || wall.type == Type::tied) continue;
-    if (wall.type == Type::fixed) return of_walls[at.walls[w]].add(impulse, place);
+    if (wall.type == Type::fixed) return of_walls[at.walls[w]].add(impulse, at.place);
     if (!found[0]) found[0] = &wall;
     else if (!found[1]) found[1] = &wall;
   }
@@ -179,9 +179,9 @@ void Restraints::add_impulse(const RestrainedNode& at, double time, const Vec2& 
     const auto cannot = [](const Wall& wall, const Vec2& i) { return wall.type == Type::frictional && i.dot(wall.normal) > 0; };
     if (cannot(*found[1], of_second)) of_second = Vec2(0, 0);
     else if (cannot(*found[0], impulse - of_second)) of_second = impulse;
-    of_walls[std::size_t(found[1] - walls_.data())].add(of_second, place);
+    of_walls[std::size_t(found[1] - walls_.data())].add(of_second, at.place);
   }
-  of_walls[std::size_t(found[0] - walls_.data())].add(impulse - of_second, place);
+  of_walls[std::size_t(found[0] - walls_.data())].add(impulse - of_second, at.place);
 }
 
 Vec2 Restraints::given_velocity(const RestrainedNode& at, double time, bool equilibrium) const {

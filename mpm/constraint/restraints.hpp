@@ -47,13 +47,14 @@ class Restraints {
  private:
   struct RestrainedNode {
     std::uint32_t node;
+    Vec2 place;  // of the node, m
     std::vector<std::uint16_t> walls;
     std::vector<double> until;  // of each wall at this node
     bool stuck = false;
     Mat2 mobility = Mat2::Identity();
   };
   Mat2 mobility_of(const RestrainedNode& at, double time, const Vec2& free, bool equilibrium) const;
-  void add_impulse(const RestrainedNode& at, double time, const Vec2& impulse, const Vec2& place, std::span<Impulse> of_walls) const;
+  void add_impulse(const RestrainedNode& at, double time, const Vec2& impulse, std::span<Impulse> of_walls) const;
   Vec2 given_velocity(const RestrainedNode& at, double time, bool equilibrium) const;
   Vec2 absorbed(const RestrainedNode& at, double time, double dt, const GridState& g, Vec2 v) const;
   Vec2 restrain(const RestrainedNode& at, double time, Vec2 v, bool with_friction, bool& stuck, bool equilibrium) const;

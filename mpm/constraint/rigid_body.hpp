@@ -14,10 +14,12 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "mpm/constraint/contact_layer.hpp"
 #include "mpm/constraint/restraints.hpp"
 #include "pivnp/core/particles/region.hpp"
 
@@ -34,9 +36,11 @@ class RigidBodies {
   void accelerate(double time, double dt, const Vec2& gravity);
   /// Free bodies: to the end of the step; call once, after apply().
   void advance(double dt);
-  /// Corrects Node::n and free bodies' velocities; appends the impulses. `least_mass`: of a point in contact, kg/m. Before
-  /// time 0 (initial equilibrium) prescribed bodies are at rest and free ones are not there.
-  void apply(double time, double least_mass, GridState& g, std::vector<Reaction>& reactions);
+  /// Corrects Node::n and free bodies' velocities in a step of `dt`; appends the impulses. `least_mass`: of a point in contact,
+  /// kg/m. `joined`: nodes that move with another, ascending. Before time 0 (initial equilibrium) prescribed bodies are at rest and
+  /// free ones are not there.
+  void apply(double time, double dt, double least_mass, std::span<const JoinedNode> joined, const Particles& p, GridState& g,
+             std::vector<Reaction>& reactions);
   /// The nodes in contact strain the material by velocities of their own (GridState::separate_strain_velocities()).
   void separate_strain_velocities(GridState& g) const;
   /// Corrects the strain-rate velocity at the points that apply() found in contact; there motion away from the body is not allowed either
@@ -64,12 +68,19 @@ class RigidBodies {
   struct SurfacePoint {
     Vec2 x, normal;  // at time 0; out of the body
   };
+  // A straight side of the outline, at time 0, and its points: `count` of them from `first` on, each in the middle of its piece.
+  struct Side {
+    Vec2 start, along, normal;
+    double length;
+    std::size_t first, count;
+  };
   struct Body {
     std::string key;
     std::optional<Polygon> polygon;
     Vec2 centre = Vec2::Zero();
     double radius = 0;
     std::vector<SurfacePoint> surface;
+    std::vector<Side> sides;  // of a polygon
     Vec2 velocity = Vec2::Zero();
     double from = 0, until = 0;
     std::optional<double> friction;
@@ -90,21 +101,33 @@ class RigidBodies {
     Vec2 velocity_at(double time) const;
     bool contains(const Vec2& x_at_time_0) const;
     void sample_surface(double spacing);
+    /// The pieces of the outline that a place (at time 0) is under, no more than `deepest` below.
+    void pieces_over(const Vec2& x, double deepest, std::vector<UnderPiece>& list) const;
+    /// A place on the outline near a point of it, at time 0.
+    Vec2 on_outline(std::size_t point, double along) const;
   };
   struct Contact {
-    int body;
+    int body = 0;
     Vec2 x, normal;
+    bool layer = false;    // of material under its face; else the nodes around a point of the outline
+    bool pulls = false;
+    double part = 0;       // velocity at which the face may come nearer the body, m/s
     double body_normal = 0, body_along = 0;  // velocity of a free body there for a unit impulse
-    std::size_t node[9];
-    double weight[9];
-    double per_mass;                   // sum of weight^2 / mass
-    double along_normal = 0, along = 0;  // impulses
+    std::size_t begin = 0, end = 0;          // in shares_: what a unit impulse gives to nodes, and what of their velocities is the face's
+    double per_mass = 0;                     // sum of share^2 / mass
+    double along_normal = 0, along = 0;      // impulses
     bool sticks = true;
   };
-  void find_contacts(double time, double least_mass, const GridState& g);
+  void find_contacts(double time, double dt, double least_mass, std::span<const JoinedNode> joined, const Particles& p,
+                     const GridState& g);
+  void find_points_under(const Body& body, double time, const Particles& p, const GridState& g);
+  bool take_shares(Contact& c, std::span<const JoinedNode> joined, const GridState& g);
+  void add_nodes_around(const Vec2& x, int field, const GridState& g, double& mass);
 
   std::vector<Body> bodies_;
   std::vector<Contact> contacts_;
+  std::vector<NodeShare> shares_;
+  ContactLayer layer_;
   double spacing_;
 };
 

@@ -4,6 +4,7 @@
 #include <limits>
 #include <set>
 
+#include "mpm/constraint/face_layer.hpp"
 #include "mpm/grid/sweeps.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
@@ -12,10 +13,8 @@ namespace pivnp::mpm {
 
 namespace {
 
-constexpr double upper_part = 1.5, whole_layer = 4.5;  // cells: where f = 1, and where it ends
 constexpr double beside_face = 0.75;  // of a point's side: the points next to a face are nearer to it
 constexpr double whole = 6, torn = 12;  // |F|^2 of a column's points: the stress is that of f up to one, and gone from the other on
-constexpr double gap = 1.6;           // sides between a point and the next below: the material ends there
 
 // A point near a line: its place along it, its depth under the face (at first: to the line's left), and its side.
 struct Near {
@@ -67,7 +66,7 @@ std::vector<std::vector<Near>> columns_of(const std::vector<Near>& near) {
   std::sort(columns.begin(), columns.end(), [](const auto& m, const auto& n) { return m.front().on < n.front().on; });
   for (const Near& n : near) {
     auto& column = *nearest(n.on);
-    if (column.front().particle != n.particle && n.off - column.back().off <= gap * n.side) column.push_back(n);
+    if (column.front().particle != n.particle && n.off - column.back().off <= FaceLayer::gap * n.side) column.push_back(n);
   }
   return columns;
 }
@@ -106,7 +105,7 @@ void Tractions::add(const std::string& key, const BoundaryOptions& o, std::size_
   const Vec2 along = (b - a) / length;
   if (!(o.rise_s >= 0)) throw InputError(key + ".rise_s: found " + number(o.rise_s) + ", expected 0 s or more");
 
-  const double most_depth = whole_layer * (std::abs(along.y()) * cell.x() + std::abs(along.x()) * cell.y());
+  const double most_depth = FaceLayer::cells * (std::abs(along.y()) * cell.x() + std::abs(along.x()) * cell.y());
   Vec2 normal;
   const auto columns = columns_of(points_under(key, a, along, length, most_depth, particles, normal));
   const double face = length / double(columns.size());
@@ -122,17 +121,16 @@ void Tractions::add(const std::string& key, const BoundaryOptions& o, std::size_
                        .until = o.until_s.value_or(std::numeric_limits<double>::infinity()),
                        .boundary = std::uint16_t(boundary),
                        .next = -1});
-    // f = 1 - 3 s^2 + 2 s^3, s from 0 to 1 where it falls; to the end of what is thinner.
-    const double depth = std::min(most_depth, column.back().off + 0.5 * column.back().side), upper = upper_part / whole_layer * depth;
-    const auto fallen = [&](const Near& n) { return std::clamp((n.off - upper) / (depth - upper), 0.0, 1.0); };
+    // To the end of what is thinner.
+    const FaceLayer layer{std::min(most_depth, column.back().off + 0.5 * column.back().side)};
     double slopes = 0, area = 0;
     for (const Near& n : column) {
       area += n.side * n.side;
-      slopes += n.side * n.side * fallen(n) * (1 - fallen(n));
+      slopes += n.side * n.side * layer.fallen(n.off) * (1 - layer.fallen(n.off));
     }
     for (const Near& n : column) {
-      const double s = fallen(n);
-      if (slopes > 0) layers.push_back({n.particle, {piece, 1 - s * s * (3 - 2 * s), face * s * (1 - s) / slopes, face / area, normal}});
+      const double s = layer.fallen(n.off);
+      if (slopes > 0) layers.push_back({n.particle, {piece, FaceLayer::share(s), face * s * (1 - s) / slopes, face / area, normal}});
       else layers.push_back({n.particle, {piece, 0, face / area, face / area, normal}});  // of a single row: at its centre
     }
   }

@@ -82,7 +82,9 @@ void check_exclusive(const MaterialOptions& options, const MaterialModel& model)
 const std::vector<MaterialKey>& keys_of_all() {
   static const std::vector<MaterialKey> keys = {
       {"density_kg_m3"},    {"density_end_kg_m3"}, {"density_from_s"}, {"density_until_s"},  {"reduction_factor"},
-      {"reduction_from_s"}, {"reduction_until_s"}, {"removed_s"},      {"permeability_m_s"}, {"grain_density_kg_m3"}};
+      {"reduction_from_s"}, {"reduction_until_s"}, {"removed_s"},      {"permeability_m_s"}, {"grain_density_kg_m3"},
+      {"grain_thermal_expansion_1_k"}, {"skeleton_thermal_expansion_1_k"}, {"grain_specific_heat_j_kg_k"},
+      {"conductivity_w_m_k"}, {"band_thickness_m"}, {"band_compressibility_1_pa"}};
   return keys;
 }
 
@@ -105,11 +107,13 @@ void check_pores(const MaterialOptions& o) {
     if (o.permeability_m_s) refuse("permeability_m_s", *o.permeability_m_s, "porosity beside it");
     if (o.permeability != PermeabilityLaw::constant) throw MaterialFault("permeability", "given without porosity, expected both or neither");
     if (o.drained) throw MaterialFault("drained", "given without porosity, expected both or neither");
+    if (o.wetting_collapse != 0) throw MaterialFault("wetting_collapse", "given without porosity, expected both or neither");
     return;
   }
   require(*o.porosity > 0 && *o.porosity < 1, "porosity", *o.porosity, "more than 0 and less than 1");
   if (o.density_kg_m3 != 0) refuse("density_kg_m3", o.density_kg_m3, "none beside porosity: grain_density_kg_m3 and water make the density");
   if (o.density_end_kg_m3) refuse("density_end_kg_m3", *o.density_end_kg_m3, "none beside porosity");
+  if (o.drained && o.wetting_collapse != 0) throw MaterialFault("wetting_collapse", "given beside drained = true, expected one of them");
   if (!o.drained && !o.permeability_m_s) throw MaterialFault("permeability_m_s", "missing beside porosity; expected 0 or more (m/s), or drained = true");
 }
 

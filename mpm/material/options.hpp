@@ -36,6 +36,12 @@ inline constexpr std::array softening_average_names{NamedValue{"smeared", Soften
                                                     NamedValue{"nonlocal", SofteningAverage::nonlocal}};
 constexpr const auto& names_of(SofteningAverage) { return softening_average_names; }
 
+/// What an embedded band of a point that yields exchanges with its surroundings (heat/bands.hpp).
+enum class BandExchange { deviation, printed, none };
+inline constexpr std::array band_exchange_names{NamedValue{"deviation", BandExchange::deviation}, NamedValue{"printed", BandExchange::printed},
+                                                NamedValue{"none", BandExchange::none}};
+constexpr const auto& names_of(BandExchange) { return band_exchange_names; }
+
 struct MaterialOptions {
   std::string model = "mohr_coulomb";
   double density_kg_m3 = 0;
@@ -72,6 +78,14 @@ struct MaterialOptions {
   std::optional<double> permeability_m_s;
   PermeabilityLaw permeability = PermeabilityLaw::constant;
   bool drained = false;
+  double wetting_collapse = 0;
+  double grain_thermal_expansion_1_k = 0;
+  std::optional<double> skeleton_thermal_expansion_1_k;
+  std::optional<double> grain_specific_heat_j_kg_k;
+  std::optional<double> conductivity_w_m_k;
+  std::optional<double> band_thickness_m;
+  std::optional<double> band_compressibility_1_pa;
+  BandExchange band_exchange = BandExchange::deviation;
   std::map<std::string, std::optional<double>, std::less<>> own;  // by own_material_keys(); what is not there is not given
 
   /// Of a key of a law's own.
@@ -121,6 +135,14 @@ struct MaterialOptions {
     visit("permeability_m_s", self.permeability_m_s, OptionInfo{.unit = "m/s", .text = "hydraulic conductivity K of Darcy's law, as a laboratory measures it at 9.81 m/s^2", .min = 0});
     visit("permeability", self.permeability, OptionInfo{.text = "constant: permeability_m_s; kozeny_carman: permeability_m_s at the start, and in proportion to n^3/(1 - n)^2 as the porosity n changes"});
     visit("drained", self.drained, OptionInfo{.text = "its water never has another pressure than the hydrostatic one of water.level_m (zero without)"});
+    visit("wetting_collapse", self.wetting_collapse, OptionInfo{.text = "volumetric strain by which an unloaded skeleton would shrink as its pores fill for the first time (loose soil that loses its suction): in proportion to the share that is full; confined soil settles by (1 + poisson)/(3 (1 - poisson)) of it", .min = 0, .max = 0.5});
+    visit("grain_thermal_expansion_1_k", self.grain_thermal_expansion_1_k, OptionInfo{.unit = "1/K", .text = "thermal expansion of the grains' volume, with [heat]", .min = 0, .max = 0.01});
+    visit("skeleton_thermal_expansion_1_k", self.skeleton_thermal_expansion_1_k, OptionInfo{.unit = "1/K", .text = "thermal expansion of the skeleton's volume, with [heat] (left out: that of the grains; 0: none, as in Alvarado 2018)", .min = 0, .max = 0.01});
+    visit("grain_specific_heat_j_kg_k", self.grain_specific_heat_j_kg_k, OptionInfo{.unit = "J/(kg K)", .text = "specific heat of the grains, with [heat]", .min = 0, .above_min = true});
+    visit("conductivity_w_m_k", self.conductivity_w_m_k, OptionInfo{.unit = "W/(m K)", .text = "thermal conductivity of the whole, with [heat]", .min = 0});
+    visit("band_thickness_m", self.band_thickness_m, OptionInfo{.unit = "m", .text = "thickness of the shear band in which all of a yielding point's plastic work becomes heat, with [heat]; its temperature and pressure over the mean do not depend on the cells (left out: no bands)", .min = 0, .above_min = true});
+    visit("band_compressibility_1_pa", self.band_compressibility_1_pa, OptionInfo{.unit = "1/Pa", .text = "one-dimensional compressibility of the band as its pressure rises (left out: that of the elastic skeleton)", .min = 0});
+    visit("band_exchange", self.band_exchange, OptionInfo{.text = "of bands with their surroundings. deviation: heat and water spread over the width into which the cells localise; printed: by Alvarado 2018's 4.25 to 4.34, which depends on the cells; none: what is in a band stays"});
     for (const OwnMaterialKey& key : own_material_keys()) visit(key.name, self.own_value(key.name), key.info);
   }
 };

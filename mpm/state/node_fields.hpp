@@ -7,6 +7,7 @@
 #include <string_view>
 #include <type_traits>
 
+#include "mpm/state/heat_node.hpp"
 #include "mpm/state/node.hpp"
 #include "mpm/state/pore_node.hpp"
 
@@ -19,6 +20,7 @@ struct NodeNeeds {
   bool filtered = false;             // XPIC
   bool loads = false;                // body forces, tractions
   bool wet = false;                  // water in the pores
+  bool heated = false;               // temperature
   bool averaged = false;             // a law's softening follows the strain around a point (transfer/nonlocal.hpp)
 };
 
@@ -38,6 +40,7 @@ struct NodeArrays {
   OfGrid<PoreElement> pore_elements;
   OfGrid<PoreMark> pore_marks;
   SeveralOfGrid<double, 12> flow;
+  OfGrid<HeatNode> heat;
   OfGrid<double> softening_strain, softening_volume, softening_rows;
 
   /// Those that are needed, all zero, of so many elements.
@@ -70,6 +73,7 @@ constexpr void for_each_node_field(Visit&& visit) {
   visit(NodeField{"pores", "", "what the flow of water needs of a node (pore_node.hpp)", &N::wet}, &NodeArrays::pores, &NodeArrays::pore_elements,
         &NodeArrays::pore_marks);
   visit(NodeField{"flow", "", "means, and what nodes pass on of the water (PoreFields)", &N::wet}, &NodeArrays::flow);
+  visit(NodeField{"heat", "", "what conduction needs of a node (heat_node.hpp)", &N::heated}, &NodeArrays::heat);
   visit(NodeField{"softening strain", "m^2", "plastic strain times volume, then its mean", &N::averaged},
         &NodeArrays::softening_strain);
   visit(NodeField{"softening volume", "m^2", "volume, filtered alike", &N::averaged}, &NodeArrays::softening_volume);

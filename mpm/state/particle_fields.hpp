@@ -60,7 +60,21 @@ inline void for_each_particle_field(Visit&& visit) {
   visit(ParticleField{"J at the flow", "1", "J when water last flowed", &N::wet}, Column{&P::J_flow});
   visit(ParticleField{"soil", "m^2/(Pa s), 1", "mobility of the water, and the share of the grains in the initial volume", &N::soils},
         Column{&P::mobility}, Column{&P::solid});
+  visit(ParticleField{"wetted", "1", "greatest share of the pores that was full so far", &N::collapses}, Column{&P::wetted});
   visit(ParticleField{"content", "1", "volume of the water without pressure, in a unit of initial volume", &N::wet}, Column{&P::content});
+  visit(ParticleField{.name = "temperature", .unit = "degC", .definition = "temperature, degrees Celsius", .need = &N::heated,
+                      .recorded = "temperature"},
+        Column{&P::temperature});
+  visit(ParticleField{"heated by", "J/m^3", "plastic work that has become heat, per initial volume", &N::heated}, Column{&P::heated_by});
+  visit(ParticleField{"swelling", "1", "volume by which water and grains have swollen, in a unit of initial volume", &N::swells},
+        Column{&P::swelling});
+  visit(ParticleField{"shift", "Pa", "by how much strength sees less compression than the mean, as a Kirchhoff stress", &N::banded},
+        Column{&P::shift, nullptr, nullptr, &L::shift});
+  visit(ParticleField{"sheared", "1", "plastic strain at the last look at the width of bands' surroundings", &N::banded}, Column{&P::sheared});
+  visit(ParticleField{"band work", "J/m^3", "plastic work that the band has not taken yet, per initial volume", &N::banded}, Column{&P::band_work});
+  visit(ParticleField{.name = "band width", .unit = "L", .definition = "width into which the cells localise", .need = &N::banded,
+                      .recorded = "band_width"},
+        Column{&P::band_width});
   visit(ParticleField{"affine velocity", "1/s", "affine velocity field of APIC", &N::affine}, Column{&P::C_xx, &K::C_xx},
         Column{&P::C_xy, &K::C_xy}, Column{&P::C_yx, &K::C_yx}, Column{&P::C_yy, &K::C_yy});
   visit(ParticleField{"carried", "m", "by how much a tied side has set the point back (tied_sides.hpp)", &N::tied},

@@ -152,11 +152,11 @@ template <bool increments>
 void StressBatch::move(std::size_t by) {
   for_each_particle_field([&](const ParticleField& field, const auto&... column) {
     if ((field.need == &ParticleNeeds::increments) != increments) return;
-    const auto shift = [&]<class T>(const Column<T>& c) {
+    const auto move_by = [&]<class T>(const Column<T>& c) {
       if (c.laws && this->*c.laws) this->*c.laws += by;
       if (c.laws_read && this->*c.laws_read) this->*c.laws_read += by;
     };
-    (shift(column), ...);
+    (move_by(column), ...);
   });
 }
 

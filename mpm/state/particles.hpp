@@ -23,6 +23,10 @@ struct ParticleNeeds {
   bool averaged = false;    // a law's softening follows the strain around a point
   bool wet = false;         // water in the pores
   bool soils = false;       // of more than one soil
+  bool collapses = false;   // as water comes
+  bool heated = false;      // temperature
+  bool swells = false;      // temperature, and water in the pores
+  bool banded = false;      // embedded bands
 };
 
 /// Points lie body after body (so that a material is called on a run of them), inside a body in the order of the last
@@ -52,6 +56,9 @@ struct Particles {
   Array softened_by;
   Array pressure, content, J_flow, excess;
   Array mobility, solid;  // where they vary (water/pore_water.hpp)
+  Array wetted;           // where soil collapses
+  Array temperature, heated_by, swelling;  // heat/heat.hpp
+  Array shift, sheared, band_width, band_work;
 
   HistoryVariables history;     // of the laws
   double density = 0;  // of one body, kg/m^3

@@ -22,6 +22,7 @@ struct StressBatch {
   const double* J = nullptr;                                                            // volume over initial volume, after the step
   const double *F_xx = nullptr, *F_xy = nullptr, *F_yx = nullptr, *F_yy = nullptr;      // deformation gradient after the step
   double *xx = nullptr, *yy = nullptr, *zz = nullptr, *xy = nullptr;                    // stress in and out
+  const double* shift = nullptr;        // of the normal stresses, as strength sees them (heat/bands.hpp); null: none
   const double* softened_by = nullptr;  // the strain that softens, where it is not the point's own (transfer/nonlocal.hpp)
   // The law's history variables in the order in which it declares them, component by component; null after the last.
   std::array<double*, most_numbers> history{};

@@ -66,6 +66,8 @@ EnergyRow energy_row(double time, const StoredEnergy& stored, const EnergyBalanc
   row.water = stored.water;
   row.darcy = balance.darcy;
   row.water_inflow = balance.inflow;
+  row.heat_made = balance.heat_made;
+  row.heat_inflow = balance.heat_inflow;
   row.residual = row.kinetic + row.elastic + row.plastic + row.damping + row.contact - row.external - balance.start +
                  (row.water + row.darcy);
   return row;

@@ -22,6 +22,7 @@ struct EnergyBalance {
   double turned_over = 0;  // greatest turnover() so far
   double darcy = 0;     // taken out by the flow of water
   double potential = 0; // with water: energy in gravity and in the water outside at the start, less that of ended points
+  double heat_made = 0, heat_inflow = 0;  // heat (EnergyRow)
   double inflow = 0;    // water that came in through boundaries, less what ended points took, kg/m
 
   /// What the nodes gained and the points did not is the transfer's loss, exactly.

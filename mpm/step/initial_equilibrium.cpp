@@ -50,7 +50,7 @@ class Relaxation {
     reactions_.clear();
     s_.restraints.apply(0, 0, g_, reactions_);
     s_.contacts.apply(g_, s_.restraints, reactions_);
-    s_.bodies.apply(-1, 0, g_, reactions_);  // at rest
+    s_.bodies.apply(-1, 0, 0, {}, p_, g_, reactions_);  // at rest
     const double unbalanced = accelerate();
     strain_points(p_, g_, s_.scheme, 1.0, false, threads);
     std::fill(p_.spin.begin(), p_.spin.end(), 0.0);  // displacements are small against the rotations that would matter

@@ -11,10 +11,8 @@ namespace pivnp::mpm {
 /// A node with next to no mass moves with its heaviest neighbour: its force over its mass would be any number. Their
 /// momenta and forces add, so momentum is conserved; as a constraint on the motion it does no work.
 struct SmallMassNodes {
-  struct Pair {
-    std::uint32_t small, heavy;
-  };
-  std::vector<Pair> pairs;
+  using Pair = JoinedNode;
+  std::vector<Pair> pairs;  // ascending by `small`
   /// Active nodes lighter than `least` (kg/m), each with the heaviest of its eight neighbours.
   void find(const GridState& g, double least);
   /// The same of those listed, if they are lighter.

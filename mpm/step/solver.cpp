@@ -4,8 +4,9 @@
 #include <cmath>
 
 #include "mpm/material/model.hpp"
+#include "mpm/scene/memory.hpp"
+#include "mpm/step/frames.hpp"
 #include "mpm/step/initial_equilibrium.hpp"
-#include "mpm/step/memory.hpp"
 #include "mpm/step/solver_impl.hpp"
 #include "mpm/step/time_step.hpp"
 #include "pivnp/core/error.hpp"
@@ -24,6 +25,7 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
       most_threads(std::max(1, n_threads)),
       choice(n_threads),
       scene(std::move(s)),
+      warm(take_heat(o, scene)),
       pores(take_pores(o, scene)),
       materials(materials_of(scene)),
       density(densities_of(scene)),
@@ -54,6 +56,7 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
   p.sort_as(g.cells.order, 1);
   g.set_walls(restraints.wall_sides(0, g.grid));
   fill_pores();
+  start_heat();
   take_wave_speed(1);
   if (o.k0 && !o.initial_equilibrium) start_at_rest(gravity);
   change_strength(0);
@@ -64,9 +67,9 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
 
 double Solver::Impl::longest_step() const {
   const double fastest = std::max(state.fastest, bodies.fastest());
-  if (water)
-    return stable_step_with_water(options.courant, g.grid.spacing.x(), g.grid.spacing.y(), state.wave_speed, fastest, state.diffusivity);
-  return mpm::stable_step(options.courant, g.grid.spacing.minCoeff(), state.wave_speed, fastest);
+  const double of_waves = water ? stable_step_with_water(options.courant, g.grid.spacing.x(), g.grid.spacing.y(), state.wave_speed, fastest, state.diffusivity)
+                                : mpm::stable_step(options.courant, g.grid.spacing.minCoeff(), state.wave_speed, fastest);
+  return heat ? std::min(of_waves, options.courant * heat->longest_step(g)) : of_waves;
 }
 
 double Solver::Impl::next_change(double time) const {
@@ -115,6 +118,7 @@ void Solver::advance_to(double time, Progress& progress) {
     const double stop = std::min(time, s.next_change(s.state.time));
     const double longest = s.longest_step(), dt = trimmed_step(s.state.time, stop, longest);
     const double before = s.state.time;
+    s.heat_due = stop == time && time - s.state.time <= longest;
     s.step(dt);
     s.state.time = stop - s.state.time <= longest ? stop : s.state.time + dt;
     if (s.state.time == s.next_change(before)) s.sleep.wake_all();
@@ -127,6 +131,7 @@ void Solver::advance_to(double time, Progress& progress) {
       if (progress.stop_requested()) throw Interrupted();
     }
   }
+  s.take_work();
   s.check_balance();
 }
 
@@ -197,6 +202,7 @@ MotionFrame Solver::frame() const {
   if (impl_->failed) throw RunError("mpm: frame() was called after the run had failed");
   MotionFrame frame = frame_of(impl_->state, impl_->scene.particles);
   if (impl_->water) impl_->put_water(frame);
+  if (impl_->heat) impl_->put_heat(frame);
   return frame;
 }
 

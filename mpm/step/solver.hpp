@@ -7,8 +7,8 @@
 #include <memory>
 #include <vector>
 
-#include "mpm/step/options.hpp"
-#include "mpm/step/scene.hpp"
+#include "mpm/scene/options.hpp"
+#include "mpm/scene/scene.hpp"
 #include "pivnp/core/particles/motion.hpp"
 #include "pivnp/core/progress.hpp"
 #include "pivnp/core/record/energy.hpp"

@@ -8,19 +8,20 @@
 #include <string>
 #include <vector>
 
-#include "mpm/constraint/restraints.hpp"
 #include "mpm/constraint/contact.hpp"
-#include "mpm/step/loading.hpp"
-#include "mpm/step/momentum.hpp"
-#include "mpm/transfer/nonlocal.hpp"
+#include "mpm/constraint/restraints.hpp"
 #include "mpm/constraint/rigid_body.hpp"
-#include "mpm/step/scene_setup.hpp"
+#include "mpm/heat/heat.hpp"
+#include "mpm/material/model.hpp"
+#include "mpm/scene/loading.hpp"
+#include "mpm/scene/scene_setup.hpp"
+#include "mpm/step/momentum.hpp"
 #include "mpm/step/sleep.hpp"
 #include "mpm/step/solver.hpp"
 #include "mpm/step/solver_state.hpp"
 #include "mpm/step/thread_choice.hpp"
+#include "mpm/transfer/nonlocal.hpp"
 #include "mpm/transfer/transfer.hpp"
-#include "mpm/material/model.hpp"
 #include "mpm/water/pore_water.hpp"
 
 namespace pivnp::mpm {
@@ -34,6 +35,9 @@ struct LastGood {
 
 /// What the water sees of the scene's materials, which become what dry laws see. Throws InputError for what does not go with it.
 std::vector<PoreSoil> take_pores(const MpmOptions& options, Scene& scene);
+
+/// What heat sees of the scene's materials; call before take_pores(). Throws InputError for what does not go with it.
+std::vector<HeatSoil> take_heat(const MpmOptions& options, const Scene& scene);
 
 struct Solver::Impl {
   Impl(const MpmOptions& o, Scene s, int n_threads);
@@ -95,6 +99,14 @@ struct Solver::Impl {
   double potential_of_water() const { return water->potential_energy(p, loading.gravity(state.time), most_threads); }
   void take_wave_speed(int threads);
 
+  // solver_heat.cpp: temperature.
+  void start_heat();
+  void heat_points(const Cycle& c);
+  void take_work();
+  void end_heat(std::size_t k);
+  void count(const HeatSums& sums);
+  void put_heat(MotionFrame& frame) const;
+
   // solver_sleep.cpp: what is not stepped while it rests.
   void wake_what_moves();
   void let_sleep();
@@ -119,6 +131,7 @@ struct Solver::Impl {
   int most_threads;
   ThreadChoice choice;
   Scene scene;
+  std::vector<HeatSoil> warm;   // of the scene's materials; empty without heat
   std::vector<PoreSoil> pores;  // of the scene's materials
   Materials materials;
   std::vector<double> density;
@@ -135,6 +148,8 @@ struct Solver::Impl {
   bool failed = false;  // only `good` is meant any more
   Particles& p = state.particles;
   std::unique_ptr<PoreWater> water;  // null without
+  std::unique_ptr<Heat> heat;        // likewise
+  bool heat_due = false;             // in this step, as a state is written after it
   std::string pressure_choice;       // what was chosen for mpm.pressure, and why; empty where it was given
   double potential_energy = 0;       // with water that works in steps: of the points at the step's start
   GatherSums gather;

@@ -10,7 +10,7 @@ namespace pivnp::mpm {
 
 namespace {
 
-constexpr char magic[8] = {'p', 'i', 'v', 'm', 'p', 'm', '0', '9'};
+constexpr char magic[8] = {'p', 'i', 'v', 'm', 'p', 'm', '1', '0'};
 
 class Writer {
  public:
@@ -110,6 +110,12 @@ void visit(Archive& a, State& s) {
   a.value(s.sleep.energy);
   a.value(s.sleep.skipped);
   a.value(s.sleep.all);
+  a.list(s.heat.band_of);
+  a.list(s.heat.bands);
+  a.value(s.heat.since);
+  a.value(s.heat.crossing);
+  a.value(s.heat.steps);
+  a.value(s.heat.passes);
   a.value(s.steps);
   a.value(s.not_stepped);
   a.value(s.since_sort);

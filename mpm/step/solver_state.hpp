@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mpm/constraint/reaction.hpp"
+#include "mpm/heat/heat.hpp"
 #include "mpm/step/energy.hpp"
 #include "mpm/state/particles.hpp"
 #include "mpm/step/sleep.hpp"
@@ -39,6 +40,7 @@ struct SolverState {
   std::int64_t steps = 0;
   double not_stepped = 0;  // time that went on without steps, at rest or far, s
   SleepState sleep;
+  HeatState heat;
   std::int64_t since_sort = 0;  // points that changed cells since the storage was last sorted
 };
 

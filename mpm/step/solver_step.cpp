@@ -87,6 +87,7 @@ void Solver::Impl::map_to_nodes(const Cycle& c) {
   const double least = least_mass * least_density() * g.grid.spacing.prod();
   const bool with_force = scheme.stress != StressUpdate::usf;
   if (with_force) flow_water(c);
+  if (with_force) heat_points(c);
   if (with_force) average_mean_stress(p, g, scheme, c.threads);
   if (maps_and_advances()) return map_and_update(p, g, scheme, small_mass, least, c.gravity, c.dt, c.threads);
   map_momentum(p, g, scheme, with_force, c.threads);
@@ -100,6 +101,7 @@ void Solver::Impl::strain_first(const Cycle& c) {
   small_mass.join_velocity(g);
   strain(c);
   flow_water(c);
+  heat_points(c);
   average_mean_stress(p, g, scheme, c.threads);
   map_force(p, g, scheme, c.threads);
 }
@@ -139,7 +141,7 @@ void Solver::Impl::apply_restraints(const Cycle& c, std::span<Impulse> of_walls)
   restraints.apply(state.time, c.dt, g, reactions, of_walls);
   contacts.apply(g, restraints, reactions);
   bodies.accelerate(state.time, c.dt, c.gravity);
-  bodies.apply(state.time, touched_share * least_density() * g.grid.spacing.prod(), g, reactions);
+  bodies.apply(state.time, c.dt, touched_share * least_density() * g.grid.spacing.prod(), small_mass.pairs, p, g, reactions);
   if (sleep.any()) sleep.hold(push_per_mass(c.dt), g);
 }
 

@@ -39,6 +39,7 @@ void Solver::Impl::end_particle(std::size_t k, EndReason reason) {
   const StoredEnergy lost = stored_energy_of(p, g, materials, k);
   state.balance.carried += lost.kinetic + lost.elastic;
   if (water) end_water(k);
+  if (heat) end_heat(k);
   p.cell[k] = Particles::ended;
 }
 
@@ -52,7 +53,7 @@ void Solver::Impl::watch_motion() {
     state.calm_looks = 0;
   }
   state.far = moved_far();
-  state.at_rest = is_calm && ++state.calm_looks > calm_looks && !scene.body_force &&
+  state.at_rest = is_calm && !heat && ++state.calm_looks > calm_looks && !scene.body_force &&
                   state.time - state.calm_since > calm_share * state.time &&
                   std::isinf(restraints.next_change(state.time)) && !loading.changing_after(state.time) &&
                   !(water && water->moves_after(state.time)) && !bodies.moving_after(state.time);
@@ -83,10 +84,11 @@ EnergyRow Solver::Impl::energy() {
   if (!work_in_steps() && !water) balance.gravity = work_of_gravity();
   if (water && !water_works_in_steps()) balance.gravity = balance.potential - potential_of_water();
   StoredEnergy stored = stored_energy(p, g, materials);
-  const PoreWater::Sums in_pores = water ? water->sums(p) : PoreWater::Sums{};
+  const PoreWater::Sums in_pores = water ? water->sums(p, loading.gravity(state.time)) : PoreWater::Sums{};
   stored.water = in_pores.energy;
   EnergyRow row = energy_row(state.time, stored, balance);
   row.water_mass = in_pores.mass;
+  if (heat) row.heat = heat->contained(p);
   if (scheme.shape == ShapeKind::bilinear) row.hourglass = hourglass_energy(p, g);
   return row;
 }
@@ -116,7 +118,7 @@ void Solver::Impl::fail(const std::string& cause) {
 void Solver::Impl::restart_balance() {
   state.balance = EnergyBalance{};
   const StoredEnergy stored = stored_energy(p, g, materials);
-  state.balance.start = stored.kinetic + stored.elastic + (water ? water->sums(p).energy : 0);
+  state.balance.start = stored.kinetic + stored.elastic + (water ? water->sums(p, loading.gravity(state.time)).energy : 0);
   if (water) state.balance.potential = potential_of_water();
   failed = false;
   good = {energy(), state.steps};

@@ -13,6 +13,7 @@ namespace pivnp::mpm {
 namespace {
 
 constexpr std::size_t chunk = 1024;  // points
+constexpr double closed_pores = 0.02;  // of those at the start
 
 void check_boundaries(const Scene& scene) {
   for (const auto& [name, b] : scene.boundaries) {
@@ -46,7 +47,8 @@ void check_gravity(const MpmOptions& o, const WaterOptions& water) {
   const bool level = water.level_m || !water.level_history.empty();
   if (level && !vertical)
     throw InputError(std::string("water.") + (water.level_m ? "level_m" : "level_history") + ": given where gravity is not downwards, expected vertical gravity or no level");
-  if (!level && o.initial_equilibrium && Vec2(o.gravity_m_s2[0], o.gravity_m_s2[1]).norm() > 0)
+  const bool known = level || !water.surface_m.empty() || water.start == WaterStart::seepage;
+  if (!known && o.initial_equilibrium && Vec2(o.gravity_m_s2[0], o.gravity_m_s2[1]).norm() > 0)
     throw InputError("water.level_m: missing beside mpm.initial_equilibrium, expected a level (or initial_equilibrium = false)");
 }
 
@@ -84,10 +86,19 @@ std::vector<double> Solver::Impl::undrained_stiffness() const {
 
 void Solver::Impl::fill_pores() {
   if (!scene.water) return;
+  for (std::size_t k = 0; k < pores.size(); ++k) {
+    const auto& names = scene.particles.label_names;
+    if (!(pores[k].collapse > 0)) continue;
+    if (materials[k]->from_deformation())
+      throw InputError("material." + (k < names.size() ? names[k] : std::to_string(k)) + ".wetting_collapse: given beside " + materials[k]->name() +
+                       ", whose stress follows the deformation alone; expected another model");
+    const Elastic& elastic = materials[k]->elastic();
+    pores[k].bulk_modulus = elastic.p_wave_modulus() - 4 * elastic.shear / 3;
+  }
   water = std::make_unique<PoreWater>(*scene.water, pores, scene.particles, g,
                                       PoreBoundaries(scene.boundaries, restraints.walls(), g), restraints.tied(), bodies);
   if (options.pressure == PressureScheme::projected) water->project(g, foreseen_share);
-  water->start(p, g, loading.gravity(0), most_threads);
+  water->start(p, g, loading.tractions(), loading.gravity(0), most_threads);
   if (!options.pressure) {
     choose_pressure();
     if (options.pressure == PressureScheme::projected) water->project(g, foreseen_share);
@@ -107,6 +118,7 @@ void Solver::Impl::carry_water(const Cycle& c) {
       if (mass == before) continue;
       p.mass[k] = mass;
       sum += (1 - before / mass) * stored_kinetic(p, g, k);
+      if (!water_works_in_steps()) sum += water->brought(p, k, mass - before, c.gravity);
     }
     parts[part] = sum;
   });
@@ -118,7 +130,7 @@ void Solver::Impl::end_water(std::size_t k) {
   const double potential = water->potential_energy(p, k, loading.gravity(state.time));
   potential_energy -= potential;
   state.balance.potential -= potential;
-  state.balance.carried += water->stored(p, k);
+  state.balance.carried += water->stored(p, k, loading.gravity(state.time));
   state.balance.inflow -= water->flowing_mass(p, k);
 }
 
@@ -130,7 +142,7 @@ void Solver::Impl::flow_water(const Cycle& c) {
   state.balance.inflow += scene.water->density_kg_m3 * flow.inflow;
   state.balance.bodies += flow.external;
   state.balance.darcy += flow.darcy;
-  state.balance.damping += flow.yielded;
+  state.balance.damping += flow.yielded + flow.collapsed;
   state.balance.moved += std::abs(flow.yielded);
 }
 
@@ -139,6 +151,10 @@ void Solver::Impl::put_water(MotionFrame& frame) {
   const std::span<float> of_flow = frame.add("water_flow", p.size());
   for (std::size_t k = 0; k < p.size(); ++k)
     for (int c = 0; c < 2; ++c) of_flow[2 * p.index[k] + std::size_t(c)] = float(flow[k][c]);
+  if (scene.water->level_m || !scene.water->level_history.empty()) {
+    const std::span<float> excess = frame.add("excess_pressure", p.size());
+    for (std::size_t k = 0; k < p.size(); ++k) excess[p.index[k]] = float(p.excess[k] / p.J[k]);
+  }
   const std::span<float> porosity = frame.add("porosity", p.size());
   for (std::size_t k = 0; k < p.size(); ++k) porosity[p.index[k]] = float(water->porosity(p, k));
 }
@@ -171,6 +187,12 @@ void Solver::Impl::take_wave_speed(int threads) {
     return;
   }
   const PoreWater::Rates rates = water->rates(p);
+  if (rates.least_pores < closed_pores) {
+    std::ostringstream text;
+    text << "the pores of a particle have closed: " << rates.least_pores << " of them is left, expected more than " << closed_pores
+         << " (grains do not give way, and steps would become ever shorter)";
+    fail(text.str());
+  }
   state.wave_speed = wave_speed(materials, density, p, threads, rates.stiffness);
   state.diffusivity = rates.diffusivity;
 }

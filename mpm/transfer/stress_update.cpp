@@ -19,10 +19,35 @@ bool together(const std::uint32_t* places, std::size_t n) {
   return other == 0;
 }
 
+// Strength sees the stress shifted (StressBatch::shift), but never so far that the trial would leave its cone by the apex: a band
+// that pressure opens is none of these equations.
+void update_shifted(const Material& material, const StressBatch& batch) {
+  constexpr double most = 0.995;  // of the trial's mean stress
+  const Elastic& elastic = material.elastic();
+  const double bulk = elastic.lambda + 2 * elastic.shear / 3;
+  static thread_local std::vector<double> by;
+  by.resize(batch.size);
+  const auto add = [&](double sign) {
+    for (std::size_t q = 0; q < batch.size; ++q) {
+      const std::size_t k = batch.places ? batch.places[q] : q;
+      if (by[q] == 0) continue;
+      for (double* stress : {batch.xx, batch.yy, batch.zz}) stress[k] += sign * by[q];
+    }
+  };
+  for (std::size_t q = 0; q < batch.size; ++q) {
+    const std::size_t k = batch.places ? batch.places[q] : q;
+    const double trial = (batch.xx[k] + batch.yy[k] + batch.zz[k]) / 3 + bulk * (batch.de_xx[q] + batch.de_yy[q] + batch.de_zz[q]);
+    by[q] = std::min(batch.shift[k], most * std::max(0.0, -trial));
+  }
+  add(1);
+  material.update(batch);
+  add(-1);
+}
+
 // `softened_by` is there if any law averages: the others take their own strain.
 void update_batch(const Material& material, StressBatch& batch) {
   if (!(material.nonlocal_length() > 0)) batch.softened_by = nullptr;
-  material.update(batch);
+  batch.shift ? update_shifted(material, batch) : material.update(batch);
 }
 
 }  // namespace

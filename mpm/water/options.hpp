@@ -15,11 +15,21 @@ inline constexpr std::array pressure_scheme_names{NamedValue{"explicit", Pressur
                                                      NamedValue{"projected", PressureScheme::projected}};
 constexpr const auto& names_of(PressureScheme) { return pressure_scheme_names; }
 
+/// Pressure at time 0.
+enum class WaterStart { hydrostatic, seepage, zero };
+inline constexpr std::array water_start_names{NamedValue{"hydrostatic", WaterStart::hydrostatic}, NamedValue{"seepage", WaterStart::seepage},
+                                              NamedValue{"zero", WaterStart::zero}};
+constexpr const auto& names_of(WaterStart) { return water_start_names; }
+
 struct WaterOptions {
   double density_kg_m3 = 1000;
   double bulk_modulus_pa = 2.2e9;
   std::optional<double> level_m;
   Points level_history;
+  std::optional<WaterStart> start;
+  Points surface_m;
+  double thermal_expansion_1_k = 3.4e-4;
+  double specific_heat_j_kg_k = 4186;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
@@ -27,6 +37,10 @@ struct WaterOptions {
     visit("bulk_modulus_pa", self.bulk_modulus_pa, OptionInfo{.unit = "Pa", .text = "bulk modulus", .min = 0, .above_min = true});
     visit("level_m", self.level_m, OptionInfo{.unit = "m", .text = "height of the water's surface, inside the material and over it: pressure is hydrostatic below it at the start, and the material above it holds none; the surface inside then moves as the water flows, and pressure is nowhere below zero (left out: all pores are full and stay so, and pressure is zero at the start)"});
     visit("level_history", self.level_history, OptionInfo{.unit = "s, m", .text = "times and heights of that surface, linear between and constant beyond (in the place of level_m): the first height is the one inside the material, too; later the water outside follows, and the water inside flows"});
+    visit("start", self.start, OptionInfo{.text = "pressure at time 0: hydrostatic, below the level or surface_m; seepage, that of the steady flow between what the boundaries and the level give, with its surface and seepage faces; zero, in full pores (left out: hydrostatic with a level or surface_m, else zero)"});
+    visit("surface_m", self.surface_m, OptionInfo{.unit = "m", .text = "the water's surface inside the material at time 0, points x, y from left to right, linear between and level beyond: pressure is hydrostatic below it, and the material above holds no water (left out: at the level)"});
+    visit("thermal_expansion_1_k", self.thermal_expansion_1_k, OptionInfo{.unit = "1/K", .text = "thermal expansion of its volume, with [heat]", .min = 0, .max = 0.01});
+    visit("specific_heat_j_kg_k", self.specific_heat_j_kg_k, OptionInfo{.unit = "J/(kg K)", .text = "specific heat, with [heat]", .min = 0, .above_min = true});
   }
 };
 

@@ -10,6 +10,8 @@ namespace pivnp::mpm {
 
 namespace {
 
+constexpr double least_distance_inverse = 2;  // from a node to a surface in a cut element, in cells: nearer, it would shorten the step
+
 // Calls sweep(nodes, size) for parts of the active nodes.
 template <class Sweep>
 void for_node_lists(const GridState& g, int threads, Sweep&& sweep) {
@@ -68,6 +70,21 @@ std::vector<Vec2> PoreWater::flow_at_points(const Particles& p, GridState& g, co
   });
   mark_given(false);
   return flow;
+}
+
+PoreWater::EdgeFlow PoreWater::edge_flow(const GridState& g, std::size_t n) const {
+  const auto conducting = [&](std::size_t element) {
+    const PoreElement& e = sums_.element[element];
+    return alike_.own ? e.conducting : alike_.mobility * e.inside;
+  };
+  const auto drop = [&](std::size_t next) {
+    return field_.volume[n] > 0 && field_.volume[next] > 0 ? field_.potential[n] - field_.potential[next] : 0;
+  };
+  const auto row = std::size_t(field_.row);
+  const double x = drop(n + 1), y = drop(n + row), here = conducting(n);
+  const double flow_x = 0.5 * (here + conducting(n - row)) * g.per_hx * g.per_hx * x;
+  const double flow_y = 0.5 * (here + conducting(n - 1)) * g.per_hy * g.per_hy * y;
+  return {flow_x, flow_y, flow_x * x, flow_y * y};
 }
 
 // What is not active any more is zero again.
@@ -141,17 +158,43 @@ void PoreWater::take_means(const GridState& g, const Vec2& gravity, double time,
   special.erase(std::unique(special.begin(), special.end()), special.end());
   given_.clear();
   free_.clear();
+  surface_.clear();
   through_.clear();
   for (const std::uint32_t n : special) {
     const double mean = field_.potential[n];
     if (!(sums_.node[n].volume > 0)) continue;
     const Surface surface = give_potential(g, n, gravity, time);
     if (surface == Surface::free) free_.push_back(n);
+    if (surface != Surface::none && !boundaries_.at(n, time)) surface_.push_back(n);
     if (surface == Surface::given) given_.push_back({n, alike_.own ? field_.rate[n] : alike_.mobility, mean});
     else if (const double flux = flux_into(g, n, time, [this](std::ptrdiff_t element) { return sums_.element[element].inside > 0; }); flux != 0) through_.push_back({n, dt * flux});
   }
   tie_given(g, gravity);
   mark_given(true);
+  conduct_to_surface(g, dt);
+}
+
+// An element that the surface cuts holds less than it conducts: what is given is not a cell away, but as far as the element is full.
+void PoreWater::conduct_to_surface(const GridState& g, double dt) {
+  const double cell = 1 / (g.per_hx * g.per_hy);
+  for (const std::uint32_t n : surface_) {
+    if (!marks_[n].given) continue;
+    const auto edge = [&](std::ptrdiff_t first, std::ptrdiff_t other, std::ptrdiff_t beside, double per_h, double* flow, double* inert) {
+      if ((marks_ + other)->given || !(field_.volume[other] > 0)) return;
+      const double held = field_.inside[first] + field_.inside[beside];
+      const double full = ((field_.inside[first] > 0) + (field_.inside[beside] > 0)) * cell;
+      if (!(held > 0) || held >= full) return;
+      const double mobility = alike_.own ? field_.rate[other] : alike_.mobility;
+      const double more = 0.5 * dt * mobility * per_h * per_h * (std::min(least_distance_inverse * full, full * full / held) - held);
+      flow[first] += more;
+      if (inert) inert[first] += more;
+    };
+    const std::ptrdiff_t at = n, row = field_.row;
+    edge(at, at + 1, at - row, g.per_hx, field_.flow_x, field_.inert_x);
+    edge(at - 1, at - 1, at - 1 - row, g.per_hx, field_.flow_x, field_.inert_x);
+    edge(at, at + row, at - 1, g.per_hy, field_.flow_y, field_.inert_y);
+    edge(at - row, at - row, at - row - 1, g.per_hy, field_.flow_y, field_.inert_y);
+  }
 }
 
 PoreWater::Surface PoreWater::give_potential(const GridState& g, std::size_t n, const Vec2& gravity, double time) {

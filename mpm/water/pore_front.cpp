@@ -22,15 +22,6 @@ constexpr double off_edge = 1e-9;       // cells: so that every node of an eleme
 
 }  // namespace
 
-// A point between its four nodes.
-struct PoreWater::FrontPoint {
-  std::size_t at[4];
-  double w[4], s, t;
-  double volume, share, potential, bottom, height, mobility, strain;
-
-  double reached(double e) const { return std::max(share, std::clamp((e - bottom) / height, 0.0, 1.0)); }
-};
-
 // rho g b of a point, Pa.
 double PoreWater::fringe(const Particles& p, std::size_t k, const Vec2& gravity) const {
   return options_.density_kg_m3 * -gravity.y() * std::sqrt(p.volume0[k] * p.J[k]);
@@ -99,7 +90,7 @@ PoreFlow PoreWater::flow_with_front(Particles& p, GridState& g, const Tractions&
   add_front(p, g, gravity, threads);
   sums.add(change_front(g, time, dt, threads));
   smooth_front(g, &PoreFrontNode::unseen, &PoreFrontNode::restore, threads);
-  sums.darcy += change_behind_front(p, g, gravity, dt, threads);
+  sums.add(change_behind_front(p, g, gravity, dt, threads));
   for_nodes(g, threads, [&](Node&, std::uint32_t n) { front_[n] = {}; });
   follow_porosity(p, threads);
   return sums;
@@ -141,9 +132,20 @@ void PoreWater::map_front(const Particles& p, GridState& g, const Tractions& tra
   });
 }
 
+std::optional<PoreWater::Opening> PoreWater::opening(const GridState& g, std::size_t n, const Vec2& gravity, double time) const {
+  const PoreCondition* condition = boundaries_.at(n, time);
+  if (!condition) {
+    if (!at_surface(g, n, front_[n].all, time, [this](std::size_t element) { return front_[element].holds; })) return std::nullopt;
+    if (front_[n].loaded > 0) condition = &boundaries_.of_boundary(std::size_t(front_[n].loaded - 1));
+  }
+  if (condition && !condition->gives_pressure()) return std::nullopt;
+  const Vec2 x = g.position(n);
+  const double pressure = condition ? given_pressure(*condition, x, gravity) : outside_pressure(x, gravity);
+  return Opening{pressure, pressure > 0 || (condition && condition->kind == PoreCondition::pressure)};
+}
+
 // Water stands at the surfaces below a level; above it, it seeps out where it would stand higher.
 void PoreWater::give_front(const GridState& g, const Vec2& gravity, double time, int threads) {
-  const auto holds = [this](std::size_t element) { return front_[element].holds; };
   for_each(g.active.nodes.size(), threads, [&](std::size_t a) {
     const std::size_t n = g.active.nodes[a];
     PoreFrontNode& node = front_[n];
@@ -152,18 +154,12 @@ void PoreWater::give_front(const GridState& g, const Vec2& gravity, double time,
       node.potential /= node.wet;
       node.strained /= node.wet;
     }
-    const PoreCondition* condition = boundaries_.at(n, time);
-    if (!condition) {
-      if (!at_surface(g, n, node.all, time, holds)) return;
-      if (node.loaded > 0) condition = &boundaries_.of_boundary(std::size_t(node.loaded - 1));
-    }
-    if (condition && !condition->gives_pressure()) return;
-    const Vec2 x = g.position(n);
-    const double pressure = condition ? given_pressure(*condition, x, gravity) : outside_pressure(x, gravity);
-    const bool stands = pressure > 0 || (condition && condition->kind == PoreCondition::pressure);
-    node.seeps = !stands && node.wet > 0 && node.potential > -head(x, gravity);
-    node.given = stands || node.seeps;
-    if (node.given) node.potential = pressure - head(x, gravity);
+    const std::optional<Opening> open = opening(g, n, gravity, time);
+    if (!open) return;
+    const double height = -head(g.position(n), gravity);
+    node.seeps = !open->stands && node.wet > 0 && node.potential > height;
+    node.given = open->stands || node.seeps;
+    if (node.given) node.potential = open->pressure + height;
   });
 }
 
@@ -246,12 +242,23 @@ PoreFlow PoreWater::change_front(const GridState& g, double time, double dt, int
   return all;
 }
 
-// Returns the potential energy that the water lost.
-double PoreWater::change_behind_front(Particles& p, GridState& g, const Vec2& gravity, double dt, int threads) {
+// Skeleton whose pores fill for the first time shrinks: held where it is, it loses the stress of that.
+double PoreWater::collapse(Particles& p, std::size_t k, const PoreSoil& soil) const {
+  const double more = std::min(1.0, filled(p, k)) - p.wetted[k];
+  if (!(soil.collapse > 0 && more > 0)) return 0;
+  p.wetted[k] += more;
+  const double strain = soil.collapse * more, change = soil.bulk_modulus * strain;
+  const double mean = (p.tau_xx[k] + p.tau_yy[k] + p.tau_zz[k]) / 3 + 0.5 * change;
+  for (Array* stress : {&p.tau_xx, &p.tau_yy, &p.tau_zz}) (*stress)[k] += change;
+  return -p.volume0[k] * strain * mean;
+}
+
+// What the water lost of its potential energy, and the skeleton by collapse.
+PoreFlow PoreWater::change_behind_front(Particles& p, GridState& g, const Vec2& gravity, double dt, int threads) {
   const double rate_dt = rate_in_cell(g) * dt;
-  std::vector<double> parts(g.active.pieces.size());
+  std::vector<PoreFlow> parts(g.active.pieces.size());
   for_pieces(g, threads, [&](Range range, std::size_t piece) {
-    double lost = 0;
+    PoreFlow sum;
     for_points_of(g, range, [&](std::uint32_t k) {
       if (flows(p, k)) {
         const FrontPoint at = front_point(p, g, k, gravity);
@@ -267,15 +274,16 @@ double PoreWater::change_behind_front(Particles& p, GridState& g, const Vec2& gr
         p.content[k] += p.J[k] * at.share * (at.strain - fed);
         const double before = potential_in_pores(p, k, gravity), more = p.J[k] * flowed;
         p.content[k] += more;
-        lost -= p.volume0[k] * more * 0.5 * (before + potential_in_pores(p, k, gravity));
+        sum.darcy -= p.volume0[k] * more * 0.5 * (before + potential_in_pores(p, k, gravity));
+        if (!p.wetted.empty()) sum.collapsed += collapse(p, k, soil_of(p, k));
       }
       refresh_point(p, k, soil_of(p, k), gravity);
     });
-    parts[piece] = lost;
+    parts[piece] = sum;
   });
-  double sum = 0;
-  for (const double part : parts) sum += part;
-  return sum;
+  PoreFlow all;
+  for (const PoreFlow& part : parts) all.add(part);
+  return all;
 }
 
 }  // namespace pivnp::mpm

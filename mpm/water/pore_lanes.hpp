@@ -22,6 +22,7 @@ struct PoreView {
   double head_x, head_y, head_0;    // e = p - (head_x x + head_y y + head_0)
   double outside, level;            // weight of the water outside, N/m^3, and its height; 0: none
   bool projected = false;
+  const double* swelling = nullptr;  // adds to the volume of the water (heat); null: none
 };
 
 /// Adds to the nodes and elements. `centred`: cells are squares around nodes (three-node shapes).

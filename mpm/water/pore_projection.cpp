@@ -14,6 +14,8 @@ namespace {
 constexpr double small_residual = 1e-4;   // of the residual, over that of the guess zero
 constexpr int iterations_at_most = 2000;
 constexpr double at_free_surface = 16;  // over h^2: what lets an impervious surface yield to the pressure
+constexpr double per_light = 3;         // of what the light nodes of a surface foresee beside it
+constexpr double per_lack = 8;          // over h^2: of what an element lacks that the surface cuts
 
 template <class Part>
 double sum_parts(const GridState& g, int threads, Part&& of_part) {
@@ -60,6 +62,38 @@ void PoreWater::project(const GridState& g, double foreseen_share) {
     if (soil.holds_water()) inertia_ = std::min(inertia_, (soil.dry_density() + options_.density_kg_m3 * soil.porosity) / foreseen_share);
 }
 
+// The strain of an element beside the surface follows a pressure on its other nodes the more, the lighter the surface's nodes are
+// and the less the element holds: what the edges to the surface do not foresee of it.
+void PoreWater::yield_beside_surface(const GridState& g, double inertia, double* added) const {
+  std::vector<std::ptrdiff_t> beside;
+  const auto around = [&](std::ptrdiff_t n) { return std::array{n, n - 1, n - field_.row, n - field_.row - 1}; };
+  const auto at_surface = [&](std::ptrdiff_t n) { return std::binary_search(surface_.begin(), surface_.end(), std::uint32_t(n)); };
+  for (const std::uint32_t n : surface_)
+    for (const std::ptrdiff_t e : around(n))
+      if (field_.inside[e] > 0) beside.push_back(e);
+  std::sort(beside.begin(), beside.end());
+  beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
+  const double cell = 1 / (g.per_hx * g.per_hy), per_area = inertia * std::max(g.per_hx * g.per_hx, g.per_hy * g.per_hy);
+  for (const std::ptrdiff_t e : beside) {
+    double of_surface = 0;  // of the element's volume
+    int others = 0;
+    for (const std::ptrdiff_t n : {e, e + 1, e + field_.row, e + field_.row + 1}) {
+      if (!at_surface(n)) {
+        ++others;
+        continue;
+      }
+      const auto elements = around(n);
+      of_surface += field_.volume[n] / double(std::count_if(elements.begin(), elements.end(), [&](std::ptrdiff_t k) { return field_.inside[k] > 0; }));
+    }
+    if (others == 0) continue;
+    const double rest = std::max(0.0, field_.inside[e] - of_surface);
+    const double light = std::max(0.0, per_light * rest * rest / std::max(of_surface, 1e-4 * cell) - 0.5 * cell) / others;
+    const double lacks = per_lack * std::max(0.0, 1 - field_.inside[e] / cell);
+    for (const std::ptrdiff_t n : {e, e + 1, e + field_.row, e + field_.row + 1})
+      if (!at_surface(n)) added[n] += per_area * (light + lacks * field_.volume[n]);
+  }
+}
+
 PoreFlow PoreWater::flow_projected(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, double dt,
                                    std::vector<double>& guess, int threads) {
   set_outside(p, gravity);
@@ -84,6 +118,7 @@ PoreFlow PoreWater::flow_projected(Particles& p, GridState& g, const Tractions& 
   });
   const double inertia = dt * dt / inertia_;
   for (const std::uint32_t n : free_) added[n] = at_free_surface * inertia * f.volume[n] * std::max(g.per_hx * g.per_hx, g.per_hy * g.per_hy);
+  yield_beside_surface(g, inertia, added);
   for (const Through& through : through_) f.change[through.node] = through.volume;
   double of_zero = 0;
   const double left = [&] {

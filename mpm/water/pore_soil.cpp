@@ -13,6 +13,7 @@ PoreSoil pore_soil(const MaterialOptions& m, const std::string& name, const Wate
   soil.kozeny_carman = m.permeability == PermeabilityLaw::kozeny_carman;
   soil.grain_density = m.grain_density_kg_m3;
   soil.drained = m.drained;
+  soil.collapse = m.wetting_collapse;
   return soil;
 }
 
@@ -23,6 +24,7 @@ MaterialOptions without_pores(MaterialOptions m, const WaterOptions& water) {
   m.permeability_m_s = std::nullopt;
   m.permeability = PermeabilityLaw::constant;
   m.drained = false;
+  m.wetting_collapse = 0;
   return m;
 }
 

@@ -17,6 +17,8 @@ struct PoreSoil {
   double mobility = 0;       // K/(rho_w g_laboratory) at the start, m^2/(Pa s)
   bool kozeny_carman = false;
   double grain_density = 0;  // kg/m^3
+  double collapse = 0;       // volumetric strain as the pores fill
+  double bulk_modulus = 0;   // of the skeleton, Pa; where it collapses
   bool drained = false;      // never another pressure than the hydrostatic one
 
   bool has_pores() const { return porosity > 0; }

@@ -65,6 +65,7 @@ PoreWater::PoreWater(const WaterOptions& options, std::vector<PoreSoil> soils, c
   marks_ = g.arrays.pore_marks.data() + before;
   set_time(0);
   if (level_) reference_.y() = *level_;
+  else if (!options.surface_m.empty()) reference_.y() = surface_at(reference_.x());
 }
 
 void PoreWater::set_time(double time) {
@@ -78,26 +79,6 @@ void PoreWater::set_time(double time) {
 
 double PoreWater::outside_pressure(const Vec2& x, const Vec2& gravity) const {
   return level_ ? options_.density_kg_m3 * -gravity.y() * std::max(0.0, *level_ - x.y()) : 0.0;
-}
-
-void PoreWater::start(Particles& p, const GridState& g, const Vec2& gravity, int threads) {
-  for (std::size_t k = 0; k < p.size(); ++k) {
-    const PoreSoil& soil = soil_of(p, k);
-    const Vec2 x(p.x[k], p.y[k]);
-    const bool full = soil.has_pores() && (!level_ || x.y() < *level_);
-    p.content[k] = full ? soil.porosity * (1 + outside_pressure(x, gravity) / options_.bulk_modulus_pa) : 0;
-    if (!full && soil.holds_water() && sees_air(gravity))  // what the surface cuts
-      p.content[k] = soil.porosity * std::max(0.0, 1 - (x.y() - *level_) / std::sqrt(p.volume0[k]));
-    if (soil.has_pores()) p.mass[k] = p.volume0[k] * (soil.dry_density() + options_.density_kg_m3 * p.content[k]);
-  }
-  take_soils(p);
-  refresh(p, gravity, threads);
-  std::vector<std::uint8_t> full(g.grid.node_count(), 0);
-  for (std::size_t k = 0; k < p.size(); ++k) {
-    const Vec2 at = (Vec2(p.x[k], p.y[k]) - g.field_grid.origin).cwiseQuotient(g.field_grid.spacing);
-    full[g.field_grid.node(std::min(int(at.x()), g.field_grid.nx - 2), std::min(int(at.y()), g.field_grid.ny - 2))] = 1;
-  }
-  boundaries_.check_outside(g, [&](std::size_t n) { return full[n] != 0; });
 }
 
 // Kernels see one soil, or what every point has of its own.
@@ -127,7 +108,7 @@ PoreView PoreWater::view(const Particles& p, const Vec2& gravity) const {
   const auto at = [](const Array& values) { return values.empty() ? nullptr : const_cast<double*>(values.data()); };
   const double density = options_.density_kg_m3;
   return {at(p.pressure), at(p.content), at(p.J_flow), at(p.excess), at(p.mobility), at(p.solid), alike_.mobility, alike_.solid,
-          options_.bulk_modulus_pa, density * gravity.x(), density * gravity.y(), -density * gravity.dot(reference_), p.outside, p.level, projected()};
+          options_.bulk_modulus_pa, density * gravity.x(), density * gravity.y(), -density * gravity.dot(reference_), p.outside, p.level, projected(), p.swelling.empty() ? nullptr : p.swelling.data()};
 }
 
 double PoreWater::porosity(const Particles& p, std::size_t k) const {
@@ -138,7 +119,7 @@ double PoreWater::porosity(const Particles& p, std::size_t k) const {
 void PoreWater::refresh_point(Particles& p, std::size_t k, const PoreSoil& soil, const Vec2& gravity) const {
   const double J = p.J[k], outside = outside_pressure({p.x[k], p.y[k]}, gravity);
   const bool air = sees_air(gravity), holds = (air || p.content[k] > 0) && soil.holds_water();
-  p.pressure[k] = holds ? options_.bulk_modulus_pa * (p.content[k] / pores_of(p, k, soil) - 1) : soil.has_pores() ? outside : 0;
+  p.pressure[k] = holds ? options_.bulk_modulus_pa * ((p.swelling.empty() ? p.content[k] : p.content[k] + p.swelling[k]) / pores_of(p, k, soil) - 1) : soil.has_pores() ? outside : 0;
   if (air && holds) p.pressure[k] = std::max(0.0, p.pressure[k]);
   p.J_flow[k] = J;
   p.excess[k] = J * (p.pressure[k] - outside);
@@ -167,28 +148,42 @@ std::vector<double> PoreWater::displaced_mass(const Particles& p) const {
 }
 
 double PoreWater::mass(const Particles& p, std::size_t k) const {
-  return flows(p, k) ? p.volume0[k] * (soil_of(p, k).dry_density() + options_.density_kg_m3 * p.content[k]) : p.mass[k];
+  const PoreSoil& soil = soil_of(p, k);
+  if (flows(p, k)) return p.volume0[k] * (soil.dry_density() + options_.density_kg_m3 * p.content[k]);
+  if (!soil.drained || !level_) return p.mass[k];
+  return p.volume0[k] * (soil.dry_density() + (p.y[k] < *level_ ? options_.density_kg_m3 * soil.porosity : 0));
 }
 
 double PoreWater::potential_energy(const Particles& p, std::size_t k, const Vec2& gravity) const {
   const Vec2 x(p.x[k], p.y[k]);
-  return p.volume0[k] * p.J[k] * outside_pressure(x, gravity) - mass(p, k) * gravity.dot(x - reference_);
+  return p.volume0[k] * p.J[k] * outside_pressure(x, gravity) - (flows(p, k) ? mass(p, k) : p.mass[k]) * gravity.dot(x - reference_);
 }
 
 double PoreWater::potential_energy(const Particles& p, const Vec2& gravity, int threads) const {
   return sum_over(p.size(), threads, [&](std::size_t k) { return p.cell[k] == Particles::ended ? 0 : potential_energy(p, k, gravity); });
 }
 
-double PoreWater::stored(const Particles& p, std::size_t k) const {
+double PoreWater::stored(const Particles& p, std::size_t k, const Vec2& gravity) const {
   if (!flows(p, k)) return 0;
+  if (const double lack = 1 - filled(p, k); lack > 0 && sees_air(gravity))
+    return p.volume0[k] * pores_of(p, k, soil_of(p, k)) * fringe(p, k, gravity) * lack * lack / 2;
   return p.volume0[k] * pores_of(p, k, soil_of(p, k)) * p.pressure[k] * p.pressure[k] / (2 * options_.bulk_modulus_pa);
 }
 
-PoreWater::Sums PoreWater::sums(const Particles& p) const {
+double PoreWater::swell(Particles& p, std::size_t k, double by) const {
+  if (!flows(p, k)) return 0;
+  const double before = stored(p, k, Vec2::Zero()), more = options_.bulk_modulus_pa / pores_of(p, k, soil_of(p, k)) * by;
+  p.swelling[k] += by;
+  p.pressure[k] += more;
+  p.excess[k] += p.J[k] * more;
+  return stored(p, k, Vec2::Zero()) - before;
+}
+
+PoreWater::Sums PoreWater::sums(const Particles& p, const Vec2& gravity) const {
   Sums all;
   for (std::size_t k = 0; k < p.size(); ++k) {
     if (p.cell[k] == Particles::ended || !flows(p, k)) continue;
-    all.energy += stored(p, k);
+    all.energy += stored(p, k, gravity);
     all.mass += flowing_mass(p, k);
   }
   return all;
@@ -207,6 +202,7 @@ PoreWater::Rates PoreWater::rates(const Particles& p) const {
       most = std::max(most, p.J[k]);
     }
     if (!(most > 0)) continue;
+    rates.least_pores = std::min(rates.least_pores, (least - (1 - soil.porosity)) / soil.porosity);
     if (soil.kozeny_carman) mobility = *std::max_element(p.mobility.begin() + std::ptrdiff_t(body.begin), p.mobility.begin() + std::ptrdiff_t(body.end));
     // J^2/(J - solid) and 1 - solid/J are greatest and least where J is.
     const auto pores = [&](double J) { return std::max(least_pores, J - (1 - soil.porosity)); };

@@ -44,12 +44,14 @@ struct PoreFlow {
   double external = 0;  // work at the boundaries, by the potentials, J
   double darcy = 0;     // dissipated, J
   double yielded = 0;   // projected: taken by the strain that pressures foresee, J
+  double collapsed = 0; // work of the skeleton's stress on what it collapsed by, J
 
   void add(const PoreFlow& more) {
     inflow += more.inflow;
     external += more.external;
     darcy += more.darcy;
     yielded += more.yielded;
+    collapsed += more.collapsed;
   }
 };
 
@@ -65,8 +67,9 @@ class PoreWater {
   /// Does the level move after that time?
   bool moves_after(double time) const { return !options_.level_history.empty() && time < options_.level_history.back()[0]; }
 
-  /// Contents, pressures and masses at time 0: hydrostatic below the level.
-  void start(Particles& p, const GridState& g, const Vec2& gravity, int threads);
+  /// Contents, pressures and masses at time 0: hydrostatic below the level or a given surface, or of the steady flow. Throws InputError,
+  /// and RunError where no steady flow is found. (pore_start.cpp)
+  void start(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, int threads);
 
   /// Between strain and momentum: moves water from where pressures as they were before the last strain drive it, evens that
   /// strain out, and refreshes. (So a mode of wave and flow takes p' = p - K_w theta/n - lambda dt p.)
@@ -88,27 +91,39 @@ class PoreWater {
 
   /// Mass of a point with the water it holds now; what it has where the flow does not change it.
   double mass(const Particles& p, std::size_t k) const;
+  /// Potential energy with which a mass of water comes into a drained point, which follows the level; J/m, 0 for others.
+  double brought(const Particles& p, std::size_t k, double mass, const Vec2& gravity) const {
+    return flows(p, k) || !level_ ? 0 : mass * -gravity.dot(Vec2(p.x[k], *level_) - Vec2(p.x[k], reference_.y()));
+  }
   double porosity(const Particles& p, std::size_t k) const;
   /// Potential energy of a point in gravity and in the water outside, J/m.
   double potential_energy(const Particles& p, std::size_t k, const Vec2& gravity) const;
   double potential_energy(const Particles& p, const Vec2& gravity, int threads) const;
-  /// Elastic energy of the water in a point, J/m.
-  double stored(const Particles& p, std::size_t k) const;
+  /// Energy of the water in a point, J/m: elastic, and where pores are not full what filling the fringe gives.
+  double stored(const Particles& p, std::size_t k, const Vec2& gravity) const;
   /// Mass of the water in a point, where it flows; else 0. kg/m.
   double flowing_mass(const Particles& p, std::size_t k) const {
     return flows(p, k) ? options_.density_kg_m3 * p.volume0[k] * p.content[k] : 0;
   }
+  /// Water and grains of a point swell by this share of the initial volume (heat). The energy that its water gains, J/m.
+  double swell(Particles& p, std::size_t k, double by) const;
+  /// Darcy's flow in the last step from a node to the next one along x and y, m^2/s, and what it dissipated, W/m.
+  struct EdgeFlow {
+    double x = 0, y = 0, heat_x = 0, heat_y = 0;
+  };
+  EdgeFlow edge_flow(const GridState& g, std::size_t node) const;
   /// Over the points still simulated: that energy, and the mass of the water that flows, kg/m.
   struct Sums {
     double energy = 0, mass = 0;
   };
-  Sums sums(const Particles& p) const;
+  Sums sums(const Particles& p, const Vec2& gravity) const;
 
   /// What the water adds to the stiffness against a compression wave, J K_w/n, the greatest of each material, Pa; and the
   /// greatest diffusivity of pressure, K K_w/(gamma n), m^2/s.
   struct Rates {
     std::vector<double> stiffness;
     double diffusivity = 0;
+    double least_pores = 1;  // of a point, over those at the start
   };
   Rates rates(const Particles& p) const;
   /// Pores are not all full, or a level moves.
@@ -121,6 +136,12 @@ class PoreWater {
   const PoreSoil& soil_of(const Particles& p, std::size_t k) const { return soils_[std::size_t(set_->label[p.index[k]])]; }
   bool flows(const Particles& p, std::size_t k) const { return (p.content[k] > 0 || !front_.empty()) && soil_of(p, k).holds_water(); }
   double outside_pressure(const Vec2& x, const Vec2& gravity) const;
+  bool has_surface() const { return level_ || !options_.surface_m.empty(); }
+  double surface_at(double x) const;  // at the start
+  void check_start(const Vec2& gravity) const;
+  void fill_below_surface(Particles& p, const Vec2& gravity) const;
+  class Seepage;
+  void fill_by_seepage(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, int threads);
   double head(const Vec2& x, const Vec2& gravity) const { return options_.density_kg_m3 * gravity.dot(x - reference_); }
   double mobility_of(const Particles& p, std::size_t k) const { return p.mobility.empty() ? alike_.mobility : p.mobility[k]; }
   void refresh_point(Particles& p, std::size_t k, const PoreSoil& soil, const Vec2& gravity) const;
@@ -145,6 +166,7 @@ class PoreWater {
     const PoreCondition* condition = boundaries_.at(n, time);
     return condition && condition->kind == PoreCondition::flux ? condition->value * length_along(g, n, boundaries_.side(n, time), holds) : 0;
   }
+  void conduct_to_surface(const GridState& g, double dt);
   void mark_given(bool given);
   PoreFlow at_given_nodes(double rate);
   PoreFlow flow_through_tractions(Particles& p, const Tractions& tractions, double time, double dt) const;
@@ -167,6 +189,9 @@ class PoreWater {
   /// Is a node at the material's own surface? `holds`: does an element hold material? `volume`: around the node, of that.
   template <class Holds>
   bool at_surface(const GridState& g, std::size_t n, double volume, double time, Holds&& holds) const;
+
+  // pore_projection.cpp
+  void yield_beside_surface(const GridState& g, double inertia, double* added) const;
 
   // pore_neighbours.cpp
   bool covered(const GridState& g, std::size_t element, double time) const;  // by a rigid body
@@ -203,6 +228,7 @@ class PoreWater {
   };
   std::vector<Through> through_;  // of this one, by flow that is given
   std::vector<std::uint32_t> free_;  // at a surface that is not held and lets no water through
+  std::vector<std::uint32_t> surface_;  // of the material itself, where no wall is
   std::vector<OfGrid<double>> system_;  // projected
   double inertia_ = 0;  // the least density over the share of its own effect that a pressure foresees
   bool marked_ = false;
@@ -217,8 +243,14 @@ class PoreWater {
   std::vector<Joined> joined_;  // in this step
 
   // pore_front.cpp
-  struct FrontPoint;
-  bool sees_air(const Vec2& gravity) const { return !projected() && gravity.y() < 0 && (level_ || boundaries_.any_level()); }
+  struct FrontPoint {  // between its four nodes
+    std::size_t at[4];
+    double w[4], s, t;
+    double volume, share, potential, bottom, height, mobility, strain;
+
+    double reached(double e) const { return std::max(share, std::clamp((e - bottom) / height, 0.0, 1.0)); }
+  };
+  bool sees_air(const Vec2& gravity) const { return !projected() && gravity.y() < 0 && (has_surface() || boundaries_.any_level()); }
   double fringe(const Particles& p, std::size_t k, const Vec2& gravity) const;
   double filled(const Particles& p, std::size_t k) const;
   double potential_in_pores(const Particles& p, std::size_t k, const Vec2& gravity) const;
@@ -229,11 +261,18 @@ class PoreWater {
   std::vector<Vec2> flow_in_front(const Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, int threads);
   PoreFlow flow_with_front(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, double dt, int threads);
   void map_front(const Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, int threads);
+  /// At a node's boundary or the material's surface, where water may pass: its pressure, and whether water stands there.
+  struct Opening {
+    double pressure;
+    bool stands;
+  };
+  std::optional<Opening> opening(const GridState& g, std::size_t n, const Vec2& gravity, double time) const;
   void give_front(const GridState& g, const Vec2& gravity, double time, int threads);
   void smooth_front(const GridState& g, double PoreFrontNode::*value, double PoreFrontNode::*scratch, int threads);
   void add_front(const Particles& p, GridState& g, const Vec2& gravity, int threads);
   PoreFlow change_front(const GridState& g, double time, double dt, int threads);
-  double change_behind_front(Particles& p, GridState& g, const Vec2& gravity, double dt, int threads);
+  PoreFlow change_behind_front(Particles& p, GridState& g, const Vec2& gravity, double dt, int threads);
+  double collapse(Particles& p, std::size_t k, const PoreSoil& soil) const;
   std::vector<PoreFrontNode> front_;  // of the whole grid; zero between steps; empty until there is a front
   int first_i_, first_j_, last_i_, last_j_;  // nodes of the domain's corners
 };

@@ -44,10 +44,10 @@ const std::map<std::string, Folders> allowed = {
 const std::map<std::string, std::vector<std::string>> floors = {
     {"pivnp/piv", {"sampling", "window", "dense", "validation"}},
     {"pivnp/io", {"files", "hdf5", "records", "imports"}},
-    {"mpm", {"state", "simd", "grid", "material", "transfer", "constraint", "water", "step"}},
+    {"mpm", {"state", "simd", "grid", "material", "transfer", "constraint", "water", "heat", "scene", "step"}},
     {"compare", {"data", "shapes", "alignment", "measures", "metrics"}},
     {"apps/report", {"content", "words", "figures", "document"}},
-    {"apps/study", {"pipeline", "synth", "methods", "studies"}},
+    {"apps/study", {"pipeline", "synth", "methods", "frontier", "stress", "studies"}},
 };
 
 // Of another folder, one floor only.

@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pivnp/core/image_view.hpp"
@@ -48,7 +49,12 @@ struct Content {
   std::vector<EnergyRow> energy;                  // J per metre of thickness
   Reactions reactions;                            // of the simulation's boundaries, loads and bodies
   std::span<const Picture> pictures;
+  std::shared_ptr<const Picture> last_picture;  // the frame at the last compared time, to draw shear bands on; nullptr: none
+  std::vector<std::pair<std::string, std::string>> hardware, setup;  // rows on the camera as given, and on the correlation
+  std::optional<double> gauge;             // over which strains are drawn, where it is not the record's; length unit
+  double mobilised = 0;                    // displacement above which material counts as mobilised; 0: not known
   std::vector<std::string> remarks;  // what was flagged and why, one sentence each
+  std::vector<std::string> notes;    // how the comparison was made, likewise
 };
 
 }  // namespace pivnp::report

@@ -69,14 +69,18 @@ std::vector<PointCurve> point_curves(const MotionSource& motion, const std::vect
   for (const Vec2& x : points) stencils.push_back(stencil(motion.particles(), x, start));
   for (std::size_t k = 0; k < motion.times().size() && !points.empty(); ++k) {
     const MotionFrame frame = motion.frame(k);
+    const FieldValues* pressures = frame.find("pressure");
     for (std::size_t q = 0; q < points.size(); ++q) {
       const Stencil& s = stencils[q];
       Vec2 u = s.particle.empty() ? Vec2(nan_value, nan_value) : Vec2(0, 0);
+      double pressure = u.x();
       for (std::size_t j = 0; j < s.particle.size(); ++j) {
         const std::size_t p = s.particle[j];
         u += alive(frame.status[p]) ? Vec2(s.weight[j] * Vec2(double(frame.u[p][0]), double(frame.u[p][1])))
                                     : Vec2(nan_value, nan_value);
+        if (pressures) pressure += alive(frame.status[p]) ? s.weight[j] * double((*pressures)(p, 0)) : nan_value;
       }
+      if (pressures) out[q].pressure.push_back(pressure);
       out[q].time.push_back(motion.times()[k]);
       out[q].displacement.push_back(u.norm());
       if (!s.particle.empty() && s.particle[0] < frame.cov_u.size())

@@ -1,4 +1,4 @@
-// How far material points moved, against time.
+// How far material points moved, and the pressure of their water, against time.
 #pragma once
 
 #include <vector>
@@ -12,6 +12,7 @@ namespace pivnp::report {
 struct PointCurve {
   std::vector<double> time, displacement;
   std::vector<double> sigma;  // standard uncertainty of |u|; empty if the source knows none
+  std::vector<double> pressure;  // of the pores, Pa; empty if the source knows none
 };
 
 /// The particle at the point, or the affine fit through the six nearest in the material configuration; the covariance

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -27,6 +28,12 @@ struct List {
 
 struct Code {
   std::string text;
+  int columns = 1;  // on paper
+};
+
+/// Terms and what they mean, in small print.
+struct Definitions {
+  std::vector<std::pair<std::string, std::string>> items;
 };
 
 struct Table {
@@ -37,9 +44,15 @@ struct Table {
   std::vector<std::vector<std::string>> rows;
   std::vector<std::string> notes;  // below each row, across the whole width; empty: none
   std::vector<std::optional<std::size_t>> marked;  // the cell of each row that is set off, if any
+  bool fine = false;          // small print: an appendix
 };
 
-using Block = std::variant<Heading, Paragraph, List, Code, Table, Figure>;
+/// For a screen alone: paper has the figures.
+struct OnScreen {
+  std::string html;
+};
+
+using Block = std::variant<Heading, Paragraph, List, Code, Definitions, Table, Figure, OnScreen>;
 
 struct Document {
   std::string title, subtitle;

@@ -2,6 +2,7 @@
 
 #include "apps/report/document/text.hpp"
 
+#include <algorithm>
 #include <deque>
 #include <span>
 #include <utility>
@@ -26,6 +27,7 @@ constexpr double column_width = page_width - 2 * margin, bottom = page_height - 
 struct Placed {
   const Piece* piece;
   double y;
+  double scale = 1;
 };
 using Page = std::vector<Placed>;
 
@@ -53,7 +55,10 @@ class Paginator {
     return h;
   }
   bool empty() const { return pages_.empty() || pages_.back().empty(); }
-  bool fits(std::span<const Piece> chain) const { return y_ + height(chain) <= bottom; }
+  bool fits(std::span<const Piece> chain) const {
+    const double least = chain.size() == 1 ? chain[0].shrinks * (1 - least_scale) : 0;
+    return y_ + height(chain) - least <= bottom;
+  }
 
   void new_page() {
     pages_.emplace_back();
@@ -73,8 +78,10 @@ class Paginator {
         pages_.back().push_back({&head, y_});
         y_ += head.height;
       }
-    pages_.back().push_back({&piece, y_});
-    y_ += piece.height;
+    const double over = y_ + piece.height - bottom;
+    const double scale = over > 0 && piece.shrinks > 0 ? std::max(least_scale, 1 - over / piece.shrinks) : 1;
+    pages_.back().push_back({&piece, y_, scale});
+    y_ += piece.height - piece.shrinks * (1 - scale);
   }
 
   void place(std::span<const Piece> chain) {
@@ -112,7 +119,9 @@ std::string pdf(const Document& document) {
   PdfPages out(title);
   for (std::size_t k = 0; k < pages.size(); ++k) {
     if (k > 0) out.next_page();
-    for (const Placed& placed : pages[k]) placed.piece->draw(out, margin, placed.y);
+    for (const Placed& placed : pages[k])
+      if (placed.piece->draw_scaled) placed.piece->draw_scaled(out, margin, placed.y, placed.scale);
+      else placed.piece->draw(out, margin, placed.y);
     draw_footer(out.painter(), qt(title), k + 1, pages.size());
   }
   return out.finish();

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include <QPainter>
@@ -18,7 +19,8 @@ using namespace plot;
 
 namespace {
 
-constexpr double body_points = 8.5, caption_points = 7.5, table_points = 7.0, note_points = 6.0, code_points = 6.6;
+constexpr double body_points = 8.5, caption_points = 7.5, table_points = 7.0, note_points = 6.0, code_points = 6.6,
+                 narrow_code_points = 5.2, fine_points = 6.2;
 
 constexpr Rgb tint = 0xf4f6f8;
 
@@ -113,35 +115,79 @@ class Cutter {
   }
 
   void operator()(const Code& code) {
-    QFont f = qt_font(code_points);
+    const int columns = std::max(1, code.columns);
+    const double points = columns > 1 ? narrow_code_points : code_points;
+    QFont f = qt_font(points);
     f.setFamily(QStringLiteral("DejaVu Sans Mono"));
-    double before = gap(30);
-    const double width = width_, line_height = 1.35 * code_points * units_per_point;
+    const double width = width_, line_height = 1.35 * points * units_per_point, column = width_ / columns;
+    struct Line {
+      Lines text;
+      int line;
+    };
+    std::vector<Line> all;
     for (const QString& row : qt_text(code.text).split('\n')) {
-      const Lines lines = break_lines(row.isEmpty() ? QStringLiteral(" ") : row, f, width_ - 60, line_height);
-      for (int k = 0; k < lines.count(); ++k) {
-        pieces_.push_back({.before = before, .height = line_height, .draw = [=](PdfPages& pages, double x, double y) {
+      const Lines lines = break_lines(row.isEmpty() ? QStringLiteral(" ") : row, f, column - 60, line_height);
+      for (int k = 0; k < lines.count(); ++k) all.push_back({lines, k});
+    }
+    // Columns are read downwards, in bands that fit what is left of a page.
+    const std::size_t at_most = columns > 1 ? 40 : all.size();
+    double before = gap(30);
+    for (std::size_t from = 0; from < all.size();) {
+      const std::size_t left = all.size() - from, rows = std::min(at_most, (left + std::size_t(columns) - 1) / std::size_t(columns));
+      for (std::size_t r = 0; r < rows; ++r) {
+        std::vector<Line> row;
+        for (std::size_t c = 0; c < std::size_t(columns) && from + c * rows + r < all.size(); ++c) row.push_back(all[from + c * rows + r]);
+        pieces_.push_back({.before = before, .height = line_height, .keep_next = columns > 1 && r + 1 < rows,
+                           .draw = [=](PdfPages& pages, double x, double y) {
                              pages.painter().fillRect(QRectF(x, y, width, line_height + 0.5), qt_colour(tint));
-                             lines.draw(pages, x + 30, y, k);
+                             for (std::size_t c = 0; c < row.size(); ++c)
+                               row[c].text.draw(pages, x + 30 + double(c) * column, y, row[c].line);
                            }});
         before = 0;
       }
+      from += rows * std::size_t(columns);
     }
     after_heading_ = false;
   }
 
-  void operator()(const Figure& f) {
-    const QString label = QString("Figure %1.").arg(++figure_);
-    const Lines caption = break_lines(label + " " + qt_text(f.caption), qt_font(caption_points), width_,
-                                      leading(caption_points), int(label.size()));
-    const auto canvas = f.canvas;
-    const double drawn = canvas->height_mm() * units_per_mm;
-    pieces_.push_back({.before = gap(60),
-                       .height = drawn + 25 + caption.height() + 30,
-                       .floats = true,
-                       .draw = [=](PdfPages& pages, double x, double y) {
-                         pages.draw(*canvas, x, y);
-                         caption.draw_all(pages, x, y + drawn + 25);
+  void operator()(const Definitions& d) {
+    for (const auto& [name, text] : d.items) {
+      const QString label = qt_text(name) + ":";
+      flow(break_lines(label + " " + qt_text(text), qt_font(note_points), width_, 1.28 * note_points * units_per_point, int(label.size()),
+                       Qt::AlignLeft, 0x404040), 0, gap(3));
+    }
+  }
+
+  void operator()(const Figure& f) { figures({&f}); }
+
+  void operator()(const OnScreen&) {}
+
+  /// Side by side, if there are two.
+  void figures(const std::vector<const Figure*>& row) {
+    struct Part {
+      std::shared_ptr<const Canvas> canvas;
+      Lines caption;
+      double left, width;
+    };
+    std::vector<Part> parts;
+    const double gap_between = units_per_mm * (figure_width_mm - 2 * half_figure_mm);
+    double left = 0, drawn = 0, words = 0;
+    for (const Figure* f : row) {
+      const double width = f->canvas->width_mm() > half_figure_mm ? width_ : (width_ - gap_between) / 2;
+      const QString label = QString("Figure %1.").arg(++figure_);
+      parts.push_back({f->canvas, break_lines(label + " " + qt_text(f->caption), qt_font(caption_points), width,
+                                               leading(caption_points), int(label.size())), left, width});
+      left += width + gap_between;
+      drawn = std::max(drawn, f->canvas->height_mm() * units_per_mm);
+      words = std::max(words, parts.back().caption.height());
+    }
+    pieces_.push_back({.before = gap(45), .height = drawn + 15 + words + 20, .floats = true, .shrinks = drawn,
+                       .draw_scaled = [=](PdfPages& pages, double x, double y, double scale) {
+                         for (const Part& p : parts) {
+                           const double own = p.canvas->height_mm() * units_per_mm;  // the lower edges are in line
+                           pages.draw(*p.canvas, x + p.left + p.width * (1 - scale) / 2, y + (drawn - own) * scale, scale);
+                           p.caption.draw_all(pages, x + p.left, y + drawn * scale + 15);
+                         }
                        }});
   }
 
@@ -183,14 +229,14 @@ class Cutter {
   // `marked`: the cell that is set off, if any.
   Piece row(const Table& t, const std::vector<std::string>& cells, bool head, bool last,
             const std::string& remark = "", std::optional<std::size_t> marked = std::nullopt) const {
-    const double pad = 9, between = 26, width = width_;
+    const double pad = t.fine ? 4.5 : 9, between = 26, width = width_, points = t.fine ? fine_points : table_points;
     std::vector<Lines> texts;
     std::vector<double> at;
     double x = 0, height = 0;
     for (std::size_t k = 0; k < cells.size(); ++k) {
       const double w = t.width[k] * width_ - (k + 1 < cells.size() ? between : 0);
-      texts.push_back(break_lines(qt_text(cells[k]), qt_font(table_points, head || marked == k), w,
-                                  1.36 * table_points * units_per_point, 0,
+      texts.push_back(break_lines(qt_text(cells[k]), qt_font(points, head || marked == k), w,
+                                  1.36 * points * units_per_point, 0,
                                   t.align[k] == 'r' ? Qt::AlignRight : Qt::AlignLeft, marked == k ? 0xa40d24 : ink));
       at.push_back(x);
       x += t.width[k] * width_;
@@ -226,7 +272,14 @@ Pieces cut(const Document& document, double width) {
   Pieces pieces;
   Cutter cutter(pieces, width);
   cutter.title(document);
-  for (const Block& block : document.blocks) std::visit(cutter, block);
+  const auto half = [&](std::size_t k) {
+    const Figure* f = k < document.blocks.size() ? std::get_if<Figure>(&document.blocks[k]) : nullptr;
+    return f != nullptr && f->canvas->width_mm() <= half_figure_mm ? f : nullptr;
+  };
+  for (std::size_t k = 0; k < document.blocks.size(); ++k) {
+    if (half(k) && half(k + 1)) cutter.figures({half(k), half(k + 1)}), ++k;
+    else std::visit(cutter, document.blocks[k]);
+  }
   return pieces;
 }
 

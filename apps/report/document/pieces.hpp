@@ -13,6 +13,8 @@ namespace pivnp::report {
 struct Piece;
 using Pieces = std::vector<Piece>;
 
+constexpr double least_scale = 0.78;
+
 /// Heights in canvas units (tenths of a millimetre).
 struct Piece {
   double before = 0;  // free space above, dropped at the head of a page
@@ -21,6 +23,8 @@ struct Piece {
   bool floats = false;     // may wait for the next page while text goes on
   bool barrier = false;    // a section starts: figures that wait come first
   std::function<void(plot::PdfPages&, double x, double y)> draw = {};
+  double shrinks = 0;  // the part of the height that may be drawn down to `least_scale`, where a page has no room for all
+  std::function<void(plot::PdfPages&, double x, double y, double scale)> draw_scaled = {};  // in place of draw
   std::shared_ptr<const Pieces> repeat = {};  // a table's head, drawn again where a page starts with this piece
 };
 

@@ -1,10 +1,13 @@
 #include "apps/report/document/sections.hpp"
 
+#include <algorithm>
 #include <ctime>
+#include <string>
 #include <utility>
 
 #include "apps/plot/numbers.hpp"
 #include "apps/report/content/ends.hpp"
+#include "apps/report/document/player.hpp"
 #include "apps/report/document/tables.hpp"
 #include "apps/report/document/versions.hpp"
 #include "apps/report/words/flags.hpp"
@@ -28,54 +31,19 @@ class Builder {
   }
 };
 
-std::string measurement_text(const Content& content, const std::vector<PairQuality>& pairs) {
-  std::size_t nodes = 0, valid = 0, replaced = 0, rejected = 0, failed = 0, outside = 0;
-  std::vector<double> sigma;
-  for (const PairQuality& q : pairs) {
-    nodes += q.nodes;
-    outside += q.outside;
-    valid += q.valid;
-    replaced += q.replaced;
-    rejected += q.rejected;
-    failed += q.failed;
-    sigma.push_back(q.sigma);
-  }
-  if (nodes == 0) return "No node was measured: all are masked.";
-  auto share = [&](std::size_t n) { return percent(double(n) / double(nodes)); };
-  std::string text = count(pairs.size(), "pair of frames was", "pairs of frames were") + " correlated, " +
-                     count(nodes, "vector") +
-                     (pairs.front().material_known ? " in the material: " : " in all: ") + share(valid) + " valid, " + share(replaced) +
-                     " rejected and replaced from valid neighbours, " + share(rejected) + " rejected, " +
-                     share(failed) + " failed.";
-  if (outside > 0)
-    text += " The " + count(outside, "node") + " in front of no material " + (outside == 1 ? "is" : "are") +
-            " left out here and in the figures.";
-  const double typical = quantile(sigma, 0.5);
-  if (typical > 0)
-    text += " Standard uncertainty of a valid vector, one component: " + significant(typical, 2) +
-            unit_suffix(content.length_unit) + " (random error; median over the pairs).";
-  if (content.camera_residual > 0)
-    text += " The camera\u2019s targets are met with a residual of " + significant(content.camera_residual, 2) +
-            unit_suffix(content.length_unit) + " (RMS).";
-  return text;
-}
-
 void comparison_section(Builder& b, const FigureInput& input) {
   const Content& content = input.content;
   std::vector<Figure> figures = draw_section(Section::comparison, input);
-  const bool motions = content.measured || content.simulated;
-  if (!motions && figures.empty()) return;
+  if (figures.empty()) return;
   b.heading(1, content.comparison ? "Comparison" : "Motion");
-  if (motions && content.comparison && !content.comparison->metrics.empty())
-    b.add(leading_metrics_table(content, input.names));
+  if (const auto player = player_of(input.options, content, input.names, input.central)) b.add(OnScreen{html_of(*player)});
   b.add(std::move(figures));
 }
 
 void measurement_section(Builder& b, const FigureInput& input) {
   if (input.pairs.empty()) return;
   b.heading(1, "Measurement");
-  b.paragraph(measurement_text(input.content, input.pairs));
-  if (input.content.strain_note) b.paragraph(strain_statement(input.content));
+  b.add(measurement_table(input.content, input.pairs));
   b.add(draw_section(Section::measurement, input));
 }
 
@@ -103,27 +71,38 @@ std::string utc_now() {
   return text;
 }
 
+// Keys that are not given are comments of the case: they tell what could be given, not what was run.
+std::string without_comments(const std::string& text) {
+  std::string out;
+  for (std::size_t from = 0; from < text.size();) {
+    const std::size_t end = std::min(text.find('\n', from), text.size());
+    const std::string line = text.substr(from, end - from);
+    const bool empty = line.find_first_not_of(" \t") == std::string::npos;
+    if (!line.starts_with("#") && !(empty && (out.empty() || out.ends_with("\n\n")))) out += line + "\n";
+    from = end + 1;
+  }
+  while (out.ends_with("\n")) out.pop_back();
+  return out;
+}
+
 void appendix(Builder& b, const Content& content) {
   b.heading(1, "How this was made");
-  if (!content.command.empty()) {
-    b.paragraph("Command:");
-    b.add(Code{content.command});
-  }
+  if (!content.command.empty()) b.add(Code{content.command});
   b.paragraph(versions(content.written_by) + " The report is of " + utc_now() + ".");
-  b.heading(2, "How to cite");
-  b.add(List{{"pivnp " + program_version() +
-                  ": from lab video to verdict by PIV, numerical particles, MPM and comparison. Free software, "
-                  "GPL-3.0-or-later.",
-              "N. M. Pinyol and M. Alvarado (2017). Novel analysis for large strains based on particle image "
-              "velocimetry. Canadian "
-              "Geotechnical Journal 54(7), 933\u2013944.",
-              "M. Alvarado (2018). Landslide motion assessment including thermal interaction: an MPM approach. PhD "
-              "thesis, Universitat "
-              "Polit\u00e8cnica de Catalunya."}});
+  Definitions more;
+  for (const std::string& note : content.notes) more.items.emplace_back("Comparison", note);
+  more.items.emplace_back("How to cite", "pivnp " + program_version() +
+                                             ": from lab video to verdict by PIV, numerical particles, MPM and comparison. Free "
+                                             "software, GPL-3.0-or-later.");
+  more.items.emplace_back("Numerical particles", "N. M. Pinyol and M. Alvarado (2017). Novel analysis for large strains based on particle "
+                                                 "image velocimetry. Canadian Geotechnical Journal 54(7), 933\u2013944.");
+  more.items.emplace_back("Both methods", "M. Alvarado (2018). Landslide motion assessment including thermal interaction: an MPM approach. "
+                                          "PhD thesis, Universitat Polit\u00e8cnica de Catalunya.");
+  b.add(more);
   if (content.case_text.empty()) return;
   b.heading(1, "Settings");
-  b.paragraph("The case as run, with every default filled in.");
-  b.add(Code{content.case_text});
+  b.paragraph("The case as run, with every default filled in. Keys that were left out and have no default stand in the record.");
+  b.add(Code{without_comments(content.case_text), 4});
 }
 
 std::string subtitle(const Content& content, const DataSetNames& names) {
@@ -146,8 +125,8 @@ Document make_document(const ReportOptions& options, const Content& content) {
   if (auto table = summary_table(content, input.names)) b.add(std::move(*table));
   if (const std::string text = basis(content, input.names); !text.empty()) b.paragraph(text);
   flags_section(b, input);
-  comparison_section(b, input);
   measurement_section(b, input);
+  comparison_section(b, input);
   simulation_section(b, input);
   if (auto table = ends_table(content, input.names)) {
     b.heading(1, "Particles that ended early");
@@ -155,7 +134,9 @@ Document make_document(const ReportOptions& options, const Content& content) {
   }
   if (content.comparison && !content.comparison->metrics.empty()) {
     b.heading(1, "All metrics");
-    b.add(metrics_table(content, input.names));
+    for (Table& table : metrics_tables(content, input.names)) b.add(std::move(table));
+    b.heading(2, "Definitions");
+    b.add(metric_definitions(content));
   }
   appendix(b, content);
   return std::move(b.document);

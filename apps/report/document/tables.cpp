@@ -1,15 +1,18 @@
 #include "apps/report/document/tables.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "apps/plot/numbers.hpp"
 #include "apps/report/content/ends.hpp"
+#include "apps/report/content/metric_layout.hpp"
 #include "apps/report/words/summary.hpp"
 #include "apps/report/words/words.hpp"
-#include "compare/metrics/words.hpp"
 
 namespace pivnp::report {
 
@@ -17,23 +20,45 @@ using namespace plot;
 
 namespace {
 
-// Those with a limit are always among those that a reader asks for first.
-bool leading(const Metric& m) {
-  return compare::leads(m.name) || m.verdict == Verdict::met || m.verdict == Verdict::exceeded;
+// The words of a family: those of a member without what tells it from the others.
+std::string family_words(const std::string& member, const DataSetNames& names, const std::vector<std::string>& parts) {
+  std::string text = metric_words(member, names);
+  for (const std::string& part : parts)
+    if (const std::size_t at = text.find(", " + part); at != std::string::npos) {
+      text.erase(at, part.size() + 2);
+      break;
+    }
+  for (const auto& [from, to] : {std::pair<std::string_view, std::string_view>{", in units of its uncertainty", " \u00f7 u"},
+                                 {", relative to the greatest displacement", ", relative"}, {", difference", ""}, {" difference", ""}})
+    if (const std::size_t at = text.find(from); at != std::string::npos) text.replace(at, from.size(), to);
+  return capitalised(text);
 }
 
-Table empty_metrics_table() {
-  Table t;
-  t.head = {"Metric", "Value", "Unit", "Verdict"};
-  t.width = {0.44, 0.22, 0.06, 0.28};
-  t.align = {'l', 'r', 'l', 'l'};
-  return t;
+std::string with_unit(const std::string& words, const Metric& m) {
+  return unit_words(m.unit).empty() ? words : words + " (" + m.unit + ")";
 }
 
-void add_row(Table& t, const Metric& m, const DataSetNames& names) {
-  t.rows.push_back({capitalised(metric_words(m.name, names)), value_with_uncertainty(m.value, m.uncertainty),
-                    unit_words(m.unit), std::string(name_of(m.verdict))});
-  t.marked.push_back(m.verdict == Verdict::exceeded ? std::optional<std::size_t>(3) : std::nullopt);
+// The value, and what is said of it: a ring where it is not distinguishable, the limit's fate in words.
+std::string cell(const Metric* m) {
+  if (m == nullptr) return "";
+  std::string text = value_with_uncertainty(m->value, m->uncertainty);
+  if (m->verdict == Verdict::not_distinguishable) text += " \u00b0";
+  if (m->verdict == Verdict::met || m->verdict == Verdict::exceeded) text += " (limit " + std::string(name_of(m->verdict)) + ")";
+  return text;
+}
+
+template <class Members>
+std::optional<std::size_t> exceeded(const Members& members) {
+  for (std::size_t k = 0; k < members.size(); ++k)
+    if (members[k] != nullptr && members[k]->verdict == Verdict::exceeded) return k + 1;
+  return std::nullopt;
+}
+
+constexpr std::string_view signs = " \u00b1: standard uncertainty of the value; \u00b0: not distinguishable from 0 by it.";
+
+std::string without(std::string text, const std::string& part) {
+  const std::size_t at = text.find(part);
+  return at == std::string::npos ? text : text.erase(at, part.size());
 }
 
 }  // namespace
@@ -64,26 +89,83 @@ std::optional<Table> summary_table(const Content& content, const DataSetNames& n
   return t;
 }
 
-Table leading_metrics_table(const Content& content, const DataSetNames& names) {
-  Table t = empty_metrics_table();
-  t.caption = "Metrics, " + names.difference() +
-              "; \u00b1: standard uncertainty of the value. All metrics and their definitions stand at the end of the "
-              "report.";
-  for (const Metric& m : content.comparison->metrics)
-    if (leading(m)) add_row(t, m, names);
-  return t;
+std::vector<Table> metrics_tables(const Content& content, const DataSetNames& names) {
+  const MetricLayout layout = layout_of(content.comparison->metrics);
+  std::vector<Table> tables;
+  if (!layout.statistics.empty()) {
+    Table t;
+    t.fine = true;
+    t.caption = "Differences over the particles, " + names.difference() +
+                ". \u00f7 u: each divided by its own standard uncertainty; relative: by the greatest displacement. Without \u201cat the end\u201d: over all times." +
+                std::string(signs);
+    t.head = {"Difference of", "Mean (in x)", "Mean in y", "RMS", "95th percentile", "Maximum"};
+    t.width = {0.28, 0.144, 0.144, 0.144, 0.144, 0.144};
+    t.align = {'l', 'r', 'r', 'r', 'r', 'r'};
+    for (const StatisticsRow& row : layout.statistics) {
+      const Metric& any = row.any();
+      t.rows.push_back({with_unit(family_words(any.name, names, {"RMS", "mean in x", "mean in y", "mean", "95th percentile", "maximum"}), any)});
+      for (const Metric* m : row.members) t.rows.back().push_back(cell(m));
+      t.marked.push_back(exceeded(row.members));
+    }
+    tables.push_back(std::move(t));
+  }
+  if (!layout.both.empty()) {
+    Table t;
+    t.fine = true;
+    t.caption = "Quantities of both data sets." + std::string(signs);
+    t.head = {"Quantity", capitalised(names.first), capitalised(names.second), capitalised(names.difference())};
+    t.width = {0.46, 0.18, 0.18, 0.18};
+    t.align = {'l', 'r', 'r', 'r'};
+    for (const BothRow& row : layout.both) {
+      const Metric& any = row.any();
+      t.rows.push_back({with_unit(family_words(any.name, names, {names.second + " \u2212 " + names.first, names.first, names.second}), any),
+                        cell(row.first), cell(row.second), cell(row.difference)});
+      t.marked.push_back(exceeded(std::array{row.first, row.second, row.difference}));
+    }
+    tables.push_back(std::move(t));
+  }
+  if (!layout.single.empty()) {  // in two columns, read downwards
+    Table t;
+    t.fine = true;
+    t.caption = "What remains, one by one." + std::string(signs);
+    t.head = {"Metric", "Value", "Metric", "Value"};
+    t.width = {0.36, 0.14, 0.36, 0.14};
+    t.align = {'l', 'r', 'l', 'r'};
+    const std::size_t n = layout.single.size(), rows = (n + 1) / 2;
+    for (std::size_t r = 0; r < rows; ++r) {
+      t.rows.emplace_back();
+      t.marked.push_back(std::nullopt);
+      for (const std::size_t k : {r, r + rows}) {
+        const Metric* m = k < n ? layout.single[k] : nullptr;
+        t.rows.back().push_back(m != nullptr ? with_unit(capitalised(metric_words(m->name, names)), *m) : "");
+        t.rows.back().push_back(cell(m));
+        if (m != nullptr && m->verdict == Verdict::exceeded) t.marked.back() = k == r ? 1u : 3u;
+      }
+    }
+    tables.push_back(std::move(t));
+  }
+  return tables;
 }
 
-Table metrics_table(const Content& content, const DataSetNames& names) {
-  Table t = empty_metrics_table();
-  t.caption = "Metrics of the comparison with their definitions, under the names of the record" +
-              std::string(names.alike ? "" : "; first: measured, second: simulated") +
-              ". \u00b1: standard uncertainty of the value.";
-  for (const Metric& m : content.comparison->metrics) {
-    add_row(t, m, names);
-    t.notes.push_back(m.name + ": " + m.definition);
+Definitions metric_definitions(const Content& content) {
+  const MetricLayout layout = layout_of(content.comparison->metrics);
+  Definitions d;
+  std::set<std::string> told;
+  const auto tell = [&](const std::string& name, const std::string& definition) {
+    if (told.insert(name).second) d.items.emplace_back(name, definition);
+  };
+  for (const StatisticsRow& row : layout.statistics) {
+    const std::string base = without(without(without(row.stem, "_over_u"), "_relative"), "_final");
+    tell(base, row.any().definition);
   }
-  return t;
+  for (const BothRow& row : layout.both) tell(row.stem, row.any().definition);
+  for (const Metric* m : layout.single) tell(without(m->name, "_final"), m->definition);
+  // Of the three decomposed fields the first stands for all.
+  std::set<std::string> kinds;
+  std::erase_if(d.items, [&](const auto& item) {
+    return item.first.starts_with("decomposition_") && !kinds.insert(item.first.substr(item.first.rfind('_'))).second;
+  });
+  return d;
 }
 
 std::optional<Table> ends_table(const Content& content, const DataSetNames& names) {

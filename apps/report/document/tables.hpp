@@ -2,8 +2,10 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "apps/report/content/content.hpp"
+#include "apps/report/content/quality.hpp"
 #include "apps/report/document/document.hpp"
 #include "apps/report/words/data_sets.hpp"
 
@@ -12,11 +14,14 @@ namespace pivnp::report {
 /// What the comparison comes to, in eight rows at most; none where nothing is known.
 std::optional<Table> summary_table(const Content& content, const DataSetNames& names);
 
-/// The metrics that a reader asks for first, and those with a limit.
-Table leading_metrics_table(const Content& content, const DataSetNames& names);
+/// Camera, correlation, noise and strain gauge of the measurement.
+Table measurement_table(const Content& content, const std::vector<PairQuality>& pairs);
 
-/// All of them with their definitions.
-Table metrics_table(const Content& content, const DataSetNames& names);
+/// All metrics: statistics of differences, quantities of both data sets, and what remains.
+std::vector<Table> metrics_tables(const Content& content, const DataSetNames& names);
+
+/// What each of them means, families once.
+Definitions metric_definitions(const Content& content);
 
 /// Particles that ended, by reason; none if none did.
 std::optional<Table> ends_table(const Content& content, const DataSetNames& names);

@@ -126,7 +126,7 @@ void write_check(const CheckInput& input, const std::filesystem::path& file) {
   const bool pictured = input.image.data != nullptr;
   const Box box = grown(pictured ? image_box(input.image.width, input.image.height, input.world_from_pixel)
                                  : Box{input.grid.origin, input.grid.upper()}, input);
-  const double left = 15, right = pictured ? 12 : 3, head = pictured ? 15 : 7, foot = 11, aspect = box.height() / box.width();
+  const double left = 15, right = pictured ? 12 : 3, head = pictured ? 19 : 11, foot = 11, aspect = box.height() / box.width();
   const double w = std::min(figure_width_mm - left - right, (figure_height_mm - head - foot) / aspect), h = w * aspect;
   const double x = left + (figure_width_mm - left - right - w) / 2;
   Canvas canvas(figure_width_mm, head + h + foot);
@@ -136,7 +136,7 @@ void write_check(const CheckInput& input, const std::filesystem::path& file) {
   if (input.mask.data != nullptr) canvas.raster(panel, mask_raster(input, box, pixels));
   draw_nodes(canvas, panel, input.grid);
   for (const Outline& outline : input.outlines) draw_outline(canvas, panel, outline);
-  scale_bar(canvas, panel, box, input.length_unit);
+  scale_bar(canvas, x + w, 7.4, panel, box, input.length_unit);
   if (pictured) {
     draw_pixel_axes(canvas, panel, input);
     canvas.text(x, head - 5.2, "column (px); rows at the right", Align::bottom_left, {.points = small_text, .rgb = faint});

@@ -39,7 +39,7 @@ std::vector<Figure> draw_decomposition(const FigureInput& input) {
   const std::vector<Coefficients> all = coefficients(*input.content.comparison);
   if (all.empty()) return {};
   const DataSetNames& names = input.names;
-  const double left = 15, gap = 17, head = 7, edge = (figure_width_mm - left - 3 - 2 * gap) / 3;
+  const double left = 15, gap = 17, head = 7, edge = 40;
   auto canvas = std::make_shared<Canvas>(figure_width_mm, head + edge + 12);
   for (std::size_t k = 0; k < std::min<std::size_t>(3, all.size()); ++k) {
     const Coefficients& c = all[k];

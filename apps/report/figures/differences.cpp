@@ -26,12 +26,12 @@ std::vector<Figure> draw_differences(const FigureInput& input) {
   };
   const std::vector<double> rms = shown(d.rms), median = shown(d.median), own = shown(d.sigma);
 
-  auto canvas = std::make_shared<Canvas>(figure_width_mm, 70);
-  const double x = 17, y = 7, w = 150, h = 52;
+  auto canvas = std::make_shared<Canvas>(half_figure_mm, 60);
+  const double x = 15, y = 10, w = 65, h = 39;
   Panel panel = canvas->panel(x, y, w, h);
   panel.pale_grid();
   const double pad = 0.012 * (d.time.back() - d.time.front());
-  panel.axis(Axis::x, d.time.front() - pad, d.time.back() + pad, axis_label("time", input.content.time_unit), 8);
+  panel.axis(Axis::x, d.time.front() - pad, d.time.back() + pad, axis_label("time", input.content.time_unit), 5);
   panel.axis(Axis::y, 0, top > 0 ? 1.08 * top * unit.factor : 1, axis_label("displacement difference", unit.name), 5);
   if (log) {
     const double low = quantile(median, 0.05);
@@ -49,9 +49,8 @@ std::vector<Figure> draw_differences(const FigureInput& input) {
   double next = legend(*canvas, x, 3, Key::line, blue, "RMS");
   next = legend(*canvas, next, 3, Key::dashed, sky, "median");
   if (known)
-    legend(*canvas, next, 3, Key::band, ink,
-           (input.names.alike ? input.names.the_first : std::string("measurement")) +
-               "\u2019s own standard uncertainty (RMS)");
+    legend(*canvas, x, 7, Key::band, ink,
+           "uncertainty of " + input.names.the_first);
 
   std::string caption =
       "Difference of displacement, " + input.names.difference() + ", over the compared particles against time.";

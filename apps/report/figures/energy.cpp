@@ -44,9 +44,9 @@ std::vector<Figure> draw_energy(const FigureInput& input) {
     for (const double v : column(rows, t.value))
       if (std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
   const double size = std::max(high, -low), share = size > 0 ? 100 / size : 0;
-  auto canvas = std::make_shared<Canvas>(figure_width_mm, 84);
+  auto canvas = std::make_shared<Canvas>(figure_width_mm, 68);
   const double x = 17, w = 108, margin = high > low ? 0.04 * (high - low) : 1;
-  Panel upper = canvas->panel(x, 5, w, 42), lower = canvas->panel(x, 53, w, 20);
+  Panel upper = canvas->panel(x, 5, w, 32), lower = canvas->panel(x, 42, w, 15);
   upper.pale_grid().axis(Axis::x, time.front(), time.back(), "", 6).numbers(Axis::x, false);
   lower.pale_grid().axis(Axis::x, time.front(), time.back(), axis_label("time", input.content.time_unit), 6);
   upper.axis(Axis::y, low - (low < 0 ? margin : 0), high + margin, "energy (J/m)", 5);
@@ -64,11 +64,11 @@ std::vector<Figure> draw_energy(const FigureInput& input) {
     if (std::all_of(value.begin(), value.end(), [&](double v) { return !(std::abs(v) > 1e-6 * size); })) continue;
     canvas->curve(upper, time, value, {t.rgb, 1.2, t.dash});
     legend(*canvas, x + w + 5, key_y, t.key, t.rgb, t.words);
-    key_y += 5;
+    key_y += 4.5;
   }
   canvas->curve(lower, time, residual, {ink, 1.1});
   canvas->text(x - 15, 2, "(a)", Align::top_left, {.bold = true});
-  canvas->text(x - 15, 50, "(b)", Align::top_left, {.bold = true});
+  canvas->text(x - 15, 39, "(b)", Align::top_left, {.bold = true});
   std::vector<ComparisonTable::Column> data{{"time", input.content.time_unit, time}};
   for (const Term& t : terms) data.push_back({t.words, "J/m", column(rows, t.value)});
   data.push_back({"residual", "J/m", column(rows, &EnergyRow::residual)});

@@ -94,10 +94,18 @@ FieldFigure gather(const FigureInput& input, const std::string& field) {
       f.difference.push_back(field_difference(content, field, input.times[k], f.measured[k]));
       differences.insert(differences.end(), f.difference.back().begin(), f.difference.back().end());
     }
+  if (content.gauge && derived_field(field).strain) {
+    differences.clear();  // that of the comparison is over the record's gauge, not over this one
+    f.difference.clear();
+  }
   if (!std::any_of(differences.begin(), differences.end(), [](double d) { return std::isfinite(d); }))
     f.difference.clear();
   f.scale = scale_for(values, false);
   f.difference_scale = scale_for(differences, true);
+  // A simulation that reaches far beyond what was measured is shown where the two can be compared.
+  const Metric* shared = content.comparison ? find(content.comparison->metrics, "coverage_second") : nullptr;
+  if (shared != nullptr && shared->value < 0.7 && content.measured && content.simulated)
+    positions.resize(f.measured.size() + 1);
   f.box = box_around(positions, 0.001);
   for (const auto* list : positions)
     f.outside += std::size_t(std::count_if(list->begin(), list->end(), [&](const Vec2& x) {
@@ -166,8 +174,13 @@ std::string caption(const FieldFigure& f, const std::vector<Shown>& columns, con
     text += " A pointed colour bar: the outermost 0.5 % of the values lie beyond its end.";
   if (f.outside > 0)
     text += " Outside the panels: " + count(f.outside, "place of a particle", "places of particles") + ".";
-  if (input.content.strain_note && input.content.measured && derived_field(f.field).strain)
+  if (input.content.gauge && derived_field(f.field).strain) {
+    const DisplayUnit unit = display_unit(input.content.length_unit, *input.content.gauge);
+    text += " Strains over circles of " + significant(*input.content.gauge * unit.factor, 3) + unit_suffix(unit.name) +
+            ", fitted to the particles\u2019 displacements.";
+  } else if (input.content.strain_note && input.content.measured && derived_field(f.field).strain) {
     text += " " + strain_statement(input.content);
+  }
   return text;
 }
 
@@ -194,8 +207,10 @@ Figure draw_field(const FigureInput& input, const std::string& field) {
   const double aspect = f.box.height() / f.box.width();
   double w = (figure_width_mm - left - right - gap * double(per_row - 1)) / double(per_row);
   w = std::min(w, 80.0);
-  const double room = figure_height_mm - head - foot - row_gap * double(rows - 1);
+  // Two such figures fit a page, where the panels do not become too small to read.
+  const double between_rows = head + foot + row_gap * double(rows - 1), room = figure_height_mm - between_rows;
   w = std::min(w, room / double(rows) / aspect);
+  w = std::min(w, std::max(36.0, (104 - between_rows) / double(rows) / aspect));
   const double h = w * aspect;
   const double used = left + double(per_row) * w + double(per_row - 1) * gap + right;
   const double x0 = left + std::max(0.0, (figure_width_mm - used) / 2);
@@ -262,10 +277,13 @@ std::vector<Figure> draw_fields(const FigureInput& input) {
     derived_field(field);  // an unknown one is told of even where nothing is drawn
     if (!input.times.empty()) all.push_back(draw_field(input, field));
   }
-  // Water in the pores belongs to what every report draws.
+  // Water in the pores, temperature and embedded bands belong to what every report draws.
   if (!input.times.empty() && input.options.fields_drawn == ReportOptions{}.fields_drawn && input.content.simulated &&
-      !input.content.simulated->times().empty() && input.content.simulated->frame(0).find("pressure"))
-    all.push_back(draw_field(input, "pressure"));
+      !input.content.simulated->times().empty()) {
+    const MotionFrame first = input.content.simulated->frame(0);
+    for (const char* field : {"pressure", "excess_pressure", "temperature", "band_pressure", "band_temperature", "band_width"})
+      if (first.find(field)) all.push_back(draw_field(input, field));
+  }
   return all;
 }
 
@@ -297,7 +315,6 @@ FigureRow fields_row() {
   return {.name = "fields",
           .shows = "a field on the particles at chosen times",
           .section = Section::comparison,
-          .tall = true,
           .applies = [](const FigureInput& i) { return i.content.measured || i.content.simulated; },
           .draw = draw_fields,
           .owns = owns_fields};

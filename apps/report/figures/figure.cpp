@@ -11,8 +11,9 @@
 namespace pivnp::report {
 
 Registry<FigureRow>& figures() {
-  static Registry<FigureRow> rows = {summary_row(),   fields_row(),    point_curves_row(), differences_row(), outlines_row(), decomposition_row(),
-                                     histories_row(), quality_row(),   vectors_row(),      energy_row(),      reactions_row()};
+  static Registry<FigureRow> rows = {summary_row(),  quality_row(),  uncertainty_row(),   vectors_row(),  fields_row(),
+                                     point_curves_row(), point_pressures_row(), differences_row(), outlines_row(), geometry_row(), bands_row(),
+                                     lines_row(),    decomposition_row(), histories_row(),  energy_row(),   reactions_row()};
   return rows;
 }
 
@@ -54,18 +55,14 @@ const FigureRow* row_of(std::string_view figure) {
 }
 
 std::vector<Figure> draw_section(Section section, const FigureInput& input) {
-  std::vector<Figure> tall, low, ordered;
+  std::vector<Figure> ordered;
   for (const FigureRow& row : figures()) {
     if (row.section != section || !row.applies(input)) continue;
     for (Figure& figure : row.draw(input)) {
       if (figure.name.empty()) figure.name = row.name;
       if (figure.shows.empty()) figure.shows = row.shows;
-      (row.tall ? tall : low).push_back(std::move(figure));
+      ordered.push_back(std::move(figure));
     }
-  }
-  for (std::size_t k = 0; k < std::max(tall.size(), low.size()); ++k) {
-    if (k < tall.size()) ordered.push_back(std::move(tall[k]));
-    if (k < low.size()) ordered.push_back(std::move(low[k]));
   }
   return ordered;
 }

@@ -21,6 +21,7 @@ class Canvas;
 namespace pivnp::report {
 
 constexpr double figure_width_mm = 170;   // the measure of an A4 page
+constexpr double half_figure_mm = 82;     // two of them stand side by side
 constexpr double figure_height_mm = 205;  // at most, so that a caption fits below
 
 /// What figures are drawn from: the content, and what is computed of it once.
@@ -47,13 +48,12 @@ struct Figure {
 /// The data as CSV, a column each with "name (unit)" at its head; shorter columns end in empty cells.
 std::string csv(const std::vector<ComparisonTable::Column>& data);
 
-enum class Section { summary, comparison, measurement, simulation };
+enum class Section { summary, measurement, comparison, simulation };
 
 struct FigureRow {
   std::string name;  // of the figure's files, as long as it is one
   std::string shows;
   Section section = Section::comparison;
-  bool tall = false;  // fills most of a page: where a section has both, tall and low figures take turns
   bool (*applies)(const FigureInput& input) = nullptr;
   /// Draws and captions: one figure, several, or none where the content has nothing to show after all.
   std::vector<Figure> (*draw)(const FigureInput& input) = nullptr;

@@ -26,9 +26,9 @@ std::vector<Figure> draw_outlines(const FigureInput& input) {
   for (const Loops& loops : outlines)
     for (const std::vector<Vec2>& loop : loops) all.push_back(&loop);
   const Box box = box_around(all, 0);
-  const double aspect = box.height() / box.width(), left = 15, head = 7, foot = 11;
-  const double w = std::min(120.0, 80 / aspect), h = w * aspect, x = left + (figure_width_mm - left - 5 - w) / 2;
-  auto canvas = std::make_shared<Canvas>(figure_width_mm, head + h + foot);
+  const double aspect = box.height() / box.width(), left = 12, head = 7, foot = 10;
+  const double w = std::min(half_figure_mm - left - 2, 75 / aspect), h = w * aspect, x = left + (half_figure_mm - left - 2 - w) / 2;
+  auto canvas = std::make_shared<Canvas>(half_figure_mm, head + h + foot);
   const Panel panel = world_panel(*canvas, x, head, w, h, box, input.content.length_unit, true, true);
   canvas->paint(panel, [=](Painter& p) {
     p.pen({ink, 1.2});

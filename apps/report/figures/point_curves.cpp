@@ -1,4 +1,4 @@
-// Displacement of material points against time, and where they are.
+// Displacement of material points against time, and where they are; and the pressure of their water.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -131,14 +131,15 @@ std::vector<Figure> draw_point_curves(const FigureInput& input) {
   const double top = extent.top, span = extent.last - extent.first;
   const DisplayUnit unit = display_unit(content.length_unit, top);
 
-  auto canvas = std::make_shared<Canvas>(figure_width_mm, 74);
-  const double x = 15, y = 7, w = 103, h = 56;
+  auto canvas = std::make_shared<Canvas>(figure_width_mm, 64);
+  const double x = 15, y = 7, w = 103, h = 46;
   Panel panel = canvas->panel(x, y, w, h);
   panel.pale_grid();
   panel.axis(Axis::x, extent.first - 0.015 * span, span > 0 ? extent.last + 0.03 * span : extent.last,
              axis_label("time", content.time_unit), 6);
   panel.axis(Axis::y, -0.025 * top * unit.factor, top > 0 ? 1.05 * top * unit.factor : 1,
              axis_label("displacement", unit.name), 6);
+  std::vector<double> ends;
   for (std::size_t q = 0; q < points.size(); ++q) {
     const Rgb rgb = point_colours[q % 3];
     double label = nan_value;
@@ -153,12 +154,22 @@ std::vector<Figure> draw_point_curves(const FigureInput& input) {
       markers(*canvas, panel, measured[q].time, d, point_markers[q % 3], rgb);
       label = last_known(d);
     }
-    if (std::isfinite(label))
-      canvas->paint_over([=](Painter& p) {
-        p.text({panel.frame().right() + 7, panel.y(label) - 20, 60, 40}, letter(q), Align::left,
-               {.bold = true, .rgb = rgb});
-      });
+    ends.push_back(label);
   }
+  // Letters at the curves' ends, moved apart where curves end close together.
+  canvas->paint_over([=](Painter& p) {
+    constexpr double line = 30;
+    std::vector<std::size_t> order;
+    for (std::size_t q = 0; q < ends.size(); ++q)
+      if (std::isfinite(ends[q])) order.push_back(q);
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return ends[a] < ends[b]; });
+    double last = std::numeric_limits<double>::infinity();
+    for (const std::size_t q : order) {
+      last = std::min(panel.y(ends[q]), last - line);
+      p.text({panel.frame().right() + 7, last - 20, 60, 40}, letter(q), Align::left,
+             {.bold = true, .rgb = point_colours[q % 3]});
+    }
+  });
   double next = x;
   if (!measured.empty()) {
     next = legend(*canvas, next, 3, Key::circle, ink, input.names.first, 3);
@@ -166,7 +177,7 @@ std::vector<Figure> draw_point_curves(const FigureInput& input) {
       next = legend(*canvas, next, 3, Key::band, ink, "\u00b12\u03c3 of " + input.names.the_first);
   }
   if (!simulated.empty()) legend(*canvas, next, 3, Key::line, ink, input.names.second);
-  draw_key_map(*canvas, content, points, 132, y, 36, 48);
+  draw_key_map(*canvas, content, points, 132, y, 36, 40);
   std::vector<ComparisonTable::Column> data;
   for (const auto& [curves, who] : {std::pair{&measured, input.names.first}, {&simulated, input.names.second}})
     for (std::size_t q = 0; q < curves->size(); ++q) {
@@ -178,7 +189,53 @@ std::vector<Figure> draw_point_curves(const FigureInput& input) {
   return {{caption(input, extent, unit), canvas, {}, {}, std::move(data)}};
 }
 
+bool has_pressure(const FigureInput& input) {
+  const MotionSource* motion = input.content.simulated.get();
+  return !input.points.empty() && motion && !motion->times().empty() && motion->frame(0).find("pressure");
+}
+
+std::vector<Figure> draw_point_pressures(const FigureInput& input) {
+  const std::vector<PointCurve> curves = point_curves(*input.content.simulated, input.points);
+  double low = 0, high = 0;
+  for (const PointCurve& c : curves)
+    for (const double p : c.pressure)
+      if (std::isfinite(p)) low = std::min(low, p), high = std::max(high, p);
+  const DisplayUnit unit = display_unit("Pa", std::max(high, -low));
+  const double margin = high > low ? 0.04 * (high - low) : 1, span = curves[0].time.back() - curves[0].time.front();
+  auto canvas = std::make_shared<Canvas>(figure_width_mm, 74);
+  const double x = 15, y = 7, w = 103, h = 56;
+  Panel panel = canvas->panel(x, y, w, h);
+  panel.pale_grid();
+  panel.axis(Axis::x, curves[0].time.front() - 0.015 * span, curves[0].time.back() + 0.03 * span, axis_label("time", input.content.time_unit), 6);
+  panel.axis(Axis::y, (low - margin) * unit.factor, (high + margin) * unit.factor, axis_label("pore pressure", unit.name), 6);
+  std::vector<ComparisonTable::Column> data;
+  std::string names;
+  for (std::size_t q = 0; q < curves.size(); ++q) {
+    const Rgb rgb = point_colours[q % 3];
+    const std::vector<double> p = scaled(curves[q].pressure, unit.factor);
+    canvas->curve(panel, curves[q].time, p, {rgb, 1.3, q < 3 ? Dash::solid : Dash::dashed});
+    if (const double label = last_known(p); std::isfinite(label))
+      canvas->paint_over([=](Painter& painter) {
+        painter.text({panel.frame().right() + 7, panel.y(label) - 20, 60, 40}, letter(q), Align::left, {.bold = true, .rgb = rgb});
+      });
+    data.push_back({letter(q) + ", time", input.content.time_unit, curves[q].time});
+    data.push_back({letter(q) + ", pore pressure", "Pa", curves[q].pressure});
+    names += (q == 0 ? "" : q + 1 == curves.size() ? " and " : ", ") + letter(q);
+  }
+  draw_key_map(*canvas, input.content, input.points, 132, y, 36, 48);
+  return {{"Pore pressure of the material points " + names + " against time, " + input.names.second + ".", canvas, "pressure_histories",
+           "pore pressure of material points against time", std::move(data)}};
+}
+
 }  // namespace
+
+FigureRow point_pressures_row() {
+  return {.name = "pressure_histories",
+          .shows = "pore pressure of material points against time",
+          .section = Section::comparison,
+          .applies = has_pressure,
+          .draw = draw_point_pressures};
+}
 
 FigureRow point_curves_row() {
   return {.name = "histories",

@@ -11,7 +11,7 @@ using namespace plot;
 
 namespace {
 
-constexpr Rgb valid = 0xb9cfe4, replaced = orange, rejected = red, failed = 0x4a2545, flagged = 0xffd9d4;
+constexpr Rgb valid_bar = 0xb9cfe4, replaced_bar = orange, rejected_bar = red, failed_bar = 0x4a2545, flagged_bar = 0xffd9d4;
 
 void draw_shares(Canvas& canvas, const Panel& panel, const std::vector<PairQuality>& pairs) {
   canvas.paint(panel, [=](Painter& p) {
@@ -26,10 +26,10 @@ void draw_shares(Canvas& canvas, const Panel& panel, const std::vector<PairQuali
         base = top;
       };
       if (q.nodes == 0) continue;
-      bar(q.valid, valid);
-      bar(q.replaced, replaced);
-      bar(q.rejected, rejected);
-      bar(q.failed, failed);
+      bar(q.valid, valid_bar);
+      bar(q.replaced, replaced_bar);
+      bar(q.rejected, rejected_bar);
+      bar(q.failed, failed_bar);
     }
   });
 }
@@ -37,7 +37,7 @@ void draw_shares(Canvas& canvas, const Panel& panel, const std::vector<PairQuali
 void mark_flags(Canvas& canvas, const Panel& shares, const Panel& scores, const std::vector<PairQuality>& pairs) {
   canvas.paint(scores, [=](Painter& p) {
     p.no_pen();
-    p.fill({flagged});
+    p.fill({flagged_bar});
     const Rectangle frame = scores.frame();
     for (const PairQuality& q : pairs)
       if (q.flag != 0)
@@ -56,19 +56,19 @@ void mark_flags(Canvas& canvas, const Panel& shares, const Panel& scores, const 
 
 std::vector<Figure> draw_quality(const FigureInput& input) {
   const std::vector<PairQuality>& pairs = input.pairs;
-  auto canvas = std::make_shared<Canvas>(figure_width_mm, 100);
+  auto canvas = std::make_shared<Canvas>(figure_width_mm, 68);
   const double x = 17, w = 150;
-  Panel shares = canvas->panel(x, 9, w, 36), scores = canvas->panel(x, 53, w, 36);
+  Panel shares = canvas->panel(x, 8, w, 20), scores = canvas->panel(x, 37, w, 20);
   const double first = pairs.front().frames[0] - 0.5,
                last = std::max(pairs.back().frames[0], pairs.front().frames[0]) + 0.5;
   shares.axis(Axis::x, first, last, "").numbers(Axis::x, false);
   scores.axis(Axis::x, first, last, "first frame of the pair");
   for (Panel* panel : {&shares, &scores}) panel->step(Axis::x, std::max(1.0, nice_step(last - first, 12)));
-  shares.axis(Axis::y, 0, 100, "share of nodes (%)", 5);
+  shares.axis(Axis::y, 0, 100, "share (%)", 4);
   double low = 0;
   for (const PairQuality& q : pairs)
     if (std::isfinite(q.score_low)) low = std::min(low, q.score_low);
-  scores.axis(Axis::y, low < 0 ? std::floor(low * 5) / 5 : 0, 1, "correlation score", 5).pale_grid();
+  scores.axis(Axis::y, low < 0 ? std::floor(low * 5) / 5 : 0, 1, "score", 4).pale_grid();
 
   const bool any_flag = std::any_of(pairs.begin(), pairs.end(), [](const PairQuality& q) { return q.flag != 0; });
   draw_shares(*canvas, shares, pairs);
@@ -86,15 +86,15 @@ std::vector<Figure> draw_quality(const FigureInput& input) {
   canvas->curve(scores, at, median, {blue, 1.2}, symbol);
 
   double next = x;
-  next = legend(*canvas, next, 2.5, Key::tile, valid, "valid");
-  next = legend(*canvas, next, 2.5, Key::tile, replaced, "replaced");
-  next = legend(*canvas, next, 2.5, Key::tile, rejected, "rejected");
-  next = legend(*canvas, next, 2.5, Key::tile, failed, "failed");
-  if (any_flag) legend(*canvas, next, 2.5, Key::tile, flagged, "flagged step");
-  next = legend(*canvas, x, 49.5, Key::line, blue, "median");
-  legend(*canvas, next, 49.5, Key::band, blue, "5th to 95th percentile");
-  canvas->text(x - 15, 6, "(a)", Align::top_left, {.bold = true});
-  canvas->text(x - 15, 50, "(b)", Align::top_left, {.bold = true});
+  next = legend(*canvas, next, 2.5, Key::tile, valid_bar, "valid");
+  next = legend(*canvas, next, 2.5, Key::tile, replaced_bar, "replaced");
+  next = legend(*canvas, next, 2.5, Key::tile, rejected_bar, "rejected");
+  next = legend(*canvas, next, 2.5, Key::tile, failed_bar, "failed");
+  if (any_flag) legend(*canvas, next, 2.5, Key::tile, flagged_bar, "flagged step");
+  next = legend(*canvas, x, 33.5, Key::line, blue, "median");
+  legend(*canvas, next, 33.5, Key::band, blue, "5th to 95th percentile");
+  canvas->text(x - 15, 2, "(a)", Align::top_left, {.bold = true});
+  canvas->text(x - 15, 32, "(b)", Align::top_left, {.bold = true});
   std::string caption =
       "Quality of the measurement, pair by pair: (a) status of the vectors at the nodes " +
       std::string(pairs.front().material_known ? "in the material" : "that were not masked") +

@@ -1,4 +1,4 @@
-// The rows of the figures' list, one a source file of this folder.
+// The rows of the figures' list, by their source files in this folder.
 #pragma once
 
 #include "apps/report/figures/figure.hpp"
@@ -8,12 +8,17 @@ namespace pivnp::report {
 FigureRow summary_row();
 FigureRow fields_row();
 FigureRow point_curves_row();
+FigureRow point_pressures_row();
 FigureRow differences_row();
 FigureRow outlines_row();
 FigureRow decomposition_row();
 FigureRow histories_row();
 FigureRow quality_row();
 FigureRow vectors_row();
+FigureRow uncertainty_row();
+FigureRow geometry_row();
+FigureRow bands_row();
+FigureRow lines_row();
 FigureRow energy_row();
 FigureRow reactions_row();
 

@@ -43,14 +43,14 @@ struct Plan {
 Plan plan_arrows(const VectorField& field, double units_per_length) {
   Plan plan;
   const double node = std::min(field.grid.spacing.x(), field.grid.spacing.y()) * units_per_length;
-  if (node > 0) plan.stride = std::max(1, int(std::ceil(31 / node)));
+  if (node > 0) plan.stride = std::max(1, int(std::ceil(23 / node)));
   std::vector<double> magnitude;
   for (std::size_t n = 0; n < field.status.size(); ++n)
     if (usable(field.status[n]))
       magnitude.push_back(std::hypot(double(field.displacement[n][0]), double(field.displacement[n][1])));
   plan.typical = quantile(magnitude, 0.95);
   if (std::isfinite(plan.typical) && plan.typical > 0)
-    plan.units_each = std::clamp(1.6 * plan.stride * node, 40.0, 90.0) / plan.typical;
+    plan.units_each = std::clamp(1.7 * plan.stride * node, 36.0, 80.0) / plan.typical;
   return plan;
 }
 
@@ -87,7 +87,7 @@ void draw_vectors(Canvas& canvas, const Panel& panel, const VectorField& field, 
   });
 }
 
-void draw_legend(Canvas& canvas, double x, double right, const PairQuality& q, const Plan& plan,
+void draw_legend(Canvas& canvas, double left, const PairQuality& q, const Plan& plan,
                  const std::string& unit) {
   struct Entry {
     const char* words;
@@ -101,28 +101,27 @@ void draw_legend(Canvas& canvas, double x, double right, const PairQuality& q, c
        [](Painter& p, const Vec2& c) { arrow(p, c - Vec2(27, 0), c + Vec2(27, 0), replaced_colour); }},
       {"rejected", q.rejected, [](Painter& p, const Vec2& c) { draw_cross(p, c, rejected_colour); }},
       {"failed", q.failed, [](Painter& p, const Vec2& c) { draw_ring(p, c, failed_colour); }}};
-  constexpr double y = 3.2;
+  constexpr double y = 2.6;
+  double x = left;
   const TextStyle small{.points = small_text};
   for (const Entry& e : entries) {
     if (e.n == 0) continue;
     canvas.paint_over([draw = e.draw, at = Vec2((x + 3) * units_per_mm, y * units_per_mm)](Painter& p) { draw(p, at); });
     const std::string words = std::string(e.words) + " " + percent(q.share(e.n));
     canvas.text(x + 7, y, words, Align::left, small);
-    x = x + 7 + text_width(words, small_text) + 5;
+    x = x + 7 + text_width(words, small_text) + 3;
   }
+  constexpr double below = y + 4.4;
   if (plan.units_each <= 0) {
-    canvas.text(right, y, "no motion", Align::right, small);
+    canvas.text(left, below, "no motion", Align::left, small);
     return;
   }
   const double reference = nice_length(plan.typical);
   const DisplayUnit shown = display_unit(unit, reference);
   const std::string words = significant(reference * shown.factor, 1) + unit_suffix(shown.name);
-  canvas.text(right, y, words, Align::right, small);
-  const double tip = right - text_width(words, small_text) - 2;
-  canvas.paint_over([=](Painter& p) {
-    const Vec2 end(tip * units_per_mm, y * units_per_mm);
-    arrow(p, end - Vec2(reference * plan.units_each, 0), end, ink);
-  });
+  const double from = left * units_per_mm, length = reference * plan.units_each;
+  canvas.text(left + length / units_per_mm + 1.5, below, words, Align::left, small);
+  canvas.paint_over([=](Painter& p) { arrow(p, {from, below * units_per_mm}, {from + length, below * units_per_mm}, ink); });
 }
 
 std::string caption(const Content& content, const VectorField& field, const Picture& picture, const PairQuality& q,
@@ -170,18 +169,18 @@ std::vector<Figure> draw_vectors(const FigureInput& input) {
     const Vec2 beside = field.grid.spacing;  // arrows of the outermost nodes
     const Box box = pictured ? image_box(picture.image.width(), picture.image.height(), content.world_from_pixel)
                              : Box{field.grid.origin - beside, field.grid.upper() + beside};
-    const double left = 15, right = 3, head = 7, foot = 11, aspect = box.height() / box.width();
-    const double w = std::min(figure_width_mm - left - right, (124 - head - foot) / aspect), h = w * aspect;
-    const double x = left + (figure_width_mm - left - right - w) / 2;
-    auto canvas = std::make_shared<Canvas>(figure_width_mm, head + h + foot);
+    const double left = 12, right = 1, head = 10, foot = 10, aspect = box.height() / box.width();
+    const double w = std::min(half_figure_mm - left - right, (110 - head - foot) / aspect), h = w * aspect;
+    const double x = left + (half_figure_mm - left - right - w) / 2;
+    auto canvas = std::make_shared<Canvas>(half_figure_mm, head + h + foot);
     const Panel panel = world_panel(*canvas, x, head, w, h, box, content.length_unit, true, true);
-    const int pixels = std::clamp(int(w / 25.4 * 220), 64, 1400);
+    const int pixels = std::clamp(int(w / 25.4 * 300), 64, 1400);
     if (pictured)
-      canvas->raster(panel, draw_image(picture.image.view(), content.world_from_pixel, box, pixels, 120, 252));
+      canvas->raster(panel, draw_image(picture.image.view(), content.world_from_pixel, box, pixels, 150, 254));
     const Plan plan = plan_arrows(field, w * units_per_mm / box.width());
     draw_vectors(*canvas, panel, field, plan);
-    scale_bar(*canvas, panel, box, content.length_unit);
-    draw_legend(*canvas, x, x + w, input.pairs[at], plan, content.length_unit);
+    scale_bar(*canvas, x + w, 7, panel, box, content.length_unit);
+    draw_legend(*canvas, x, input.pairs[at], plan, content.length_unit);
     const std::string& length = content.length_unit;
     std::vector<ComparisonTable::Column> data{{"x", length, {}}, {"y", length, {}}, {"u_x", length, {}}, {"u_y", length, {}}, {"status", "", {}}};
     for (int j = 0; j < field.grid.ny; ++j)

@@ -12,15 +12,8 @@
 
 namespace pivnp::app {
 
-/// Variance of the frames' random part, grey values squared: the median over the usable nodes of (1 - score) times the
-/// variance of the first frame in the node's window, since two frames with independent noise n correlate by
-/// 1 - n / (signal + n). Of all pairs the one with the best median score counts: motion can only lower it.
-double noise_variance(const ImageView& first, const std::vector<Vec2>& nodes_px, int window_px,
-                      const std::vector<VectorField>& pairs);
-
-/// Frames that carry the first frame's texture by `motion`. The first frame is freed of noise (adaptive Wiener filter
-/// over 3 x 3 pixels, Lee 1980), interpolated by cubic B-splines, and every frame receives noise of its own. A pixel
-/// shows the place where its material was at the first frame, by the triangles of the particles' present places;
+/// Frames that carry the first frame's texture by `motion`. The first frame is freed of noise, and every frame receives noise of its own
+/// (methods/texture.hpp). A pixel shows the place where its material was at the first frame, by the triangles of the particles' present places;
 /// pixels outside the material keep what they show in the first frame, or the background's median grey where
 /// that was material. Frames later than the motion's last time are left out.
 std::unique_ptr<image::FrameSource> carried_frames(const Image& first, const std::vector<Frame>& frames, bool has_rate,

@@ -10,9 +10,15 @@
 
 namespace pivnp::app {
 
-/// The simulation at `times` (the first is 0): motion "mpm", and its energy. Returns remarks: what sleeping left out.
+/// What a simulation with these options is known to get wrong, a sentence each (pivnp stress maps it).
+std::vector<std::string> doubts(const mpm::MpmOptions& options);
+
+/// The simulation at `times` (the first is 0): motion "mpm", and its energy. Returns remarks: its doubts, and what sleeping left out.
 std::vector<std::string> simulate(const Case& c, const Setting& setting, const std::vector<double>& times,
                                   io::RecordWriter& writer, int threads, Progress& progress);
+
+/// The measured grid with cells so many times as large; it reaches at least as far.
+Grid coarsened(const Grid& grid, double factor);
 
 /// The same on a grid whose cells are mesh_study_ratio times as large (`level` 1), or the square of that (2), with as many
 /// particles a cell: motion coarser_motion(level), for the numerical uncertainty of the other.

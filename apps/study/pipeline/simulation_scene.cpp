@@ -65,6 +65,7 @@ mpm::Scene make_scene(const Case& c, const Setting& setting, const mpm::MpmOptio
     scene.materials.push_back(it->second);
     if (it->second.porosity) scene.water = c.water;
   }
+  scene.heat = c.heat;
   scene.boundaries = c.boundaries;
   scene.bodies = c.bodies;
   scene.contacts = c.contacts;

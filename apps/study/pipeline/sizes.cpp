@@ -9,8 +9,8 @@
 #include "apps/case/values.hpp"
 #include "apps/study/pipeline/simulation_scene.hpp"
 #include "mpm/material/model.hpp"
-#include "mpm/step/memory.hpp"
-#include "mpm/step/scene_setup.hpp"
+#include "mpm/scene/memory.hpp"
+#include "mpm/scene/scene_setup.hpp"
 #include "mpm/step/time_step.hpp"
 #include "mpm/water/pore_soil.hpp"
 #include "pivnp/core/error.hpp"
@@ -58,7 +58,11 @@ struct Laws {
 };
 
 mpm::SceneNeeds needs_of(const Case& c, bool wet) {
-  mpm::SceneNeeds needs{.several = c.materials.size() > 1, .water = wet};
+  mpm::SceneNeeds needs{.several = c.materials.size() > 1, .water = wet, .heat = c.heat.has_value()};
+  for (const auto& [name, material] : c.materials) {
+    needs.collapses |= material.wetting_collapse > 0;
+    needs.bands |= c.heat && material.band_thickness_m;
+  }
   for (const auto& [name, boundary] : c.boundaries) {
     needs.tied |= boundary.type == mpm::BoundaryType::tied;
     needs.loads |= boundary.type == mpm::BoundaryType::traction;

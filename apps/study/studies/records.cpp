@@ -82,7 +82,11 @@ RunOutcome report_record(const fs::path& given, const RunSettings& settings, Pro
                        " pairs of frames");
     c = parse_recorded_case(record.head().case_text, file.string() + " (its case)", file.parent_path());
     if (change) change(c.report);
-    for (const std::string& note : c.notes) outcome.remarks.push_back("Of the record's case: " + note + ".");
+    // A reader of the report need not know how keys were called when it was run: one line for all.
+    if (c.notes.size() == 1) outcome.remarks.push_back("Of the record's case: " + c.notes[0] + ".");
+    else if (!c.notes.empty())
+      outcome.remarks.push_back("The record's case has " + std::to_string(c.notes.size()) +
+                                " keys under former names, which were read as what they are called now.");
     if (settings.frames) {
       if (!c.frames) c.frames = image::FrameOptions{};
       c.frames->path = fs::absolute(*settings.frames).string();
@@ -121,6 +125,16 @@ RunOutcome report_record(const fs::path& given, const RunSettings& settings, Pro
   const fs::path directory = settings.out.empty() ? file.parent_path() : settings.out;
   write_report_of(c, outcome, std::move(comparison), source.get(), directory);
   return outcome;
+}
+
+std::vector<fs::path> export_record(const fs::path& given, const fs::path& out, bool vtkhdf, const io::ExportOptions& options) {
+  const fs::path file = fs::is_directory(given) ? given / "record.h5" : given;
+  const io::RecordReader record(file);
+  const fs::path directory = out.empty() ? file.parent_path() / "export" : out;
+  std::error_code failed;
+  fs::create_directories(directory, failed);
+  if (failed) throw RunError(directory.string() + ": " + failed.message());
+  return vtkhdf ? io::export_vtkhdf(record, options, directory) : io::export_csv(record, options, directory);
 }
 
 }  // namespace pivnp::app

@@ -3,9 +3,11 @@
 
 #include <filesystem>
 #include <functional>
+#include <vector>
 
 #include "apps/study/studies/comparison.hpp"
 #include "pivnp/core/progress.hpp"
+#include "pivnp/io/exports/exports.hpp"
 
 namespace pivnp::app {
 
@@ -17,5 +19,9 @@ RunOutcome compare_records(const CompareSources& sources, const compare::Compare
 /// the record's case says.
 RunOutcome report_record(const std::filesystem::path& record, const RunSettings& settings, Progress& progress,
                          const std::function<void(report::ReportOptions&)>& change = {});
+
+/// Writes fields of a finished record into `out` (empty: export/ beside it), as CSV or VTKHDF. Returns the files.
+std::vector<std::filesystem::path> export_record(const std::filesystem::path& record, const std::filesystem::path& out, bool vtkhdf,
+                                                 const io::ExportOptions& options);
 
 }  // namespace pivnp::app

@@ -62,9 +62,20 @@ Registry<MotionField>& motion_fields() {
        .definition = "accumulated plastic deviatoric strain, where the source has it"},
       {.name = "pressure", .unit = "Pa", .label = "pore pressure",
        .definition = "pressure of the water in the pores, compression positive"},
+      {.name = "excess_pressure", .unit = "Pa", .label = "excess pore pressure",
+       .definition = "pore pressure over that of the water outside, at rest below its level"},
       {.name = "porosity", .label = "porosity", .definition = "share of the pores in the volume"},
       {.name = "water_flow", .unit = "L/T", .form = FieldForm::vector, .label = "flow of the water",
        .definition = "Darcy's flow of the water relative to the skeleton, a volume per area and time"},
+      {.name = "temperature", .unit = "degC", .label = "temperature", .definition = "temperature of the whole, degrees Celsius"},
+      {.name = "band_width", .unit = "L", .label = "width of the shear zone",
+       .definition = "width into which the cells localise, around points with an embedded band; 0 elsewhere"},
+      {.name = "band_temperature", .unit = "degC", .label = "temperature of the band",
+       .definition = "temperature inside the embedded band; where there is none, of the whole"},
+      {.name = "band_pressure", .unit = "Pa", .label = "pore pressure in the band",
+       .definition = "pressure of the water inside the embedded band; where there is none, in the pores"},
+      {.name = "heat_limit", .label = "beyond the equations of heat",
+       .definition = "0 inside; 1 hotter than 100 C, 2 pressure above the total mean stress, 3 both, of the band where there is one"},
   };
   return fields;
 }

@@ -20,6 +20,10 @@ struct EnergyRow {
   double darcy = 0;         // dissipated by its flow
   double water_mass = 0;    // of the water that flows, kg per metre of thickness
   double water_inflow = 0;  // what came in through boundaries since the start, less what points that ended took, likewise
+  // Where there is heat, else 0; not in the residual. heat less that of the start is heat_made + heat_inflow.
+  double heat = 0;          // from the reference temperature
+  double heat_made = 0;     // of plastic work and Darcy's, since the start
+  double heat_inflow = 0;   // through boundaries and carried by the water's flow since the start, less what points that ended took
 };
 
 }  // namespace pivnp

@@ -136,6 +136,8 @@ class OutputFile {
   void attribute(const std::string& object, const std::string& name, const char* text) {
     attribute(object, name, std::string(text));
   }
+  /// ASCII of fixed length, which VTK demands.
+  void attribute_ascii(const std::string& object, const std::string& name, const std::string& text);
   void attribute(const std::string& object, const std::string& name, const double* values, const Shape& shape);
   void attribute(const std::string& object, const std::string& name, double value) {
     attribute(object, name, &value, {});

@@ -127,6 +127,15 @@ void OutputFile::attribute(const std::string& object, const std::string& name, c
   check(id && H5Awrite(id.get(), type.get(), &raw) >= 0, "attribute " + object + "@" + name);
 }
 
+void OutputFile::attribute_ascii(const std::string& object, const std::string& name, const std::string& text) {
+  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose), space(H5Screate(H5S_SCALAR), H5Sclose);
+  H5Tset_size(type.get(), text.size());
+  H5Tset_strpad(type.get(), H5T_STR_NULLPAD);
+  const Handle id(H5Acreate_by_name(file_.get(), object.c_str(), name.c_str(), type.get(), space.get(), H5P_DEFAULT,
+                                    H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  check(id && H5Awrite(id.get(), type.get(), text.data()) >= 0, "attribute " + object + "@" + name);
+}
+
 void OutputFile::attribute(const std::string& object, const std::string& name, const double* values,
                            const Shape& shape) {
   const Handle space(shape.empty() ? H5Screate(H5S_SCALAR)

@@ -48,7 +48,10 @@ const std::vector<EnergyColumn>& energy_table() {
       {"water", &EnergyRow::water, 4, true},
       {"darcy", &EnergyRow::darcy, 4, true},
       {"water_mass", &EnergyRow::water_mass, 4, true, "kg/m"},
-      {"water_inflow", &EnergyRow::water_inflow, 4, true, "kg/m"}};
+      {"water_inflow", &EnergyRow::water_inflow, 4, true, "kg/m"},
+      {"heat", &EnergyRow::heat, 6, true},
+      {"heat_made", &EnergyRow::heat_made, 6, true},
+      {"heat_inflow", &EnergyRow::heat_inflow, 6, true}};
   return table;
 }
 

@@ -50,6 +50,16 @@ TEST(BadInput, UnknownSections) {
   EXPECT_EQ(refusal("[np.fine]\nx = 1\n").rfind("c.toml:1: unknown section [np.fine]; known: ", 0), 0u);
 }
 
+TEST(BadInput, LinesOfTheReport) {
+  const std::string frames = "[frames]\npath = 'a'\n";
+  EXPECT_EQ(refusal(frames + "[report.line.crest]\nfrom_m = [0, 1]\nto_m = [1, 1]\n"), "");
+  EXPECT_EQ(refusal(frames + "[report.line.crest]\nfrom_m = [0, 1]\n"), "c.toml:3: [report.line.crest]: to_m: missing, expected [x, y]");
+  EXPECT_EQ(refusal(frames + "[report.line.crest]\nfrom_m = [0, 1]\nto_m = [0, 1]\n"),
+            "c.toml:5: report.line.crest.to_m: found from_m again, expected another point");
+  EXPECT_EQ(refusal(frames + "[report.line.\"a/b\"]\nfrom_m = [0, 1]\nto_m = [1, 1]\n").rfind("c.toml:3: [report.line.", 0), 0u);
+  EXPECT_EQ(refusal(frames + "[report.line.crest]\nfrom_m = [0, 1]\nto_m = [1, 1]\nfield = 'strain_dve'\n").rfind("c.toml:6: report.line.crest.field: ", 0), 0u);
+}
+
 TEST(BadInput, WaterGoesWithPores) {
   const std::string soil = "[mpm]\nend_s = 1\noutput_rate_hz = 1\n[grid]\nspacing_m = 0.1\n[region.a]\npolygon_m = [[0,0],[1,0],[1,1]]\n"
                            "[material.a]\nmodel = 'linear_elastic'\nyoung_pa = 1e6\n", given = ": given without [water], expected both or neither";

@@ -110,6 +110,20 @@ TEST_F(CommandLine, EachCommandCallsItsFunction) {
   EXPECT_EQ(fake_study().report.points_m.size(), 1u);
   EXPECT_EQ(fake_study().first, "r.h5");
   EXPECT_EQ(fake_study().settings.out, "");
+  EXPECT_EQ(run_program({"report", "r.h5", "--gauge", "0.05", "--data-sets", "np"}).code, 0);
+  EXPECT_EQ(fake_study().report.gauge_m, 0.05);
+  EXPECT_EQ(fake_study().report.data_sets, std::vector<std::string>{"np"});
+}
+
+TEST_F(CommandLine, ExportHandsOnWhatIsAskedFor) {
+  const auto ran = run_program({"export", "r.h5", "--motions", "np,piv", "--fields", "strain_dev", "--times", "0.2,0.4", "--format", "vtkhdf", "--out", "o"});
+  EXPECT_EQ(ran.code, 0);
+  EXPECT_NE(ran.out.find("np.csv"), std::string::npos);
+  EXPECT_EQ(fake_study().first, "r.h5");
+  EXPECT_TRUE(fake_study().vtkhdf);
+  EXPECT_EQ(fake_study().exported.motions, (std::vector<std::string>{"np", "piv"}));
+  EXPECT_EQ(fake_study().exported.times, (std::vector<double>{0.2, 0.4}));
+  expect_error(run_program({"export", "r.h5", "--format", "xls"}), 2, "");
 }
 
 TEST_F(CommandLine, AFolderOfFramesStandsForTheCasesPattern) {
@@ -277,6 +291,40 @@ TEST_F(CommandLine, CompareNamesTheFormatsThatAreListed) {
     EXPECT_THAT(run_program({"compare", "--help"}).out, HasSubstr("dots_*.txt"));
   }
   EXPECT_THAT(run_program({"compare", "--help"}).out, testing::Not(HasSubstr("dots_*.txt")));
+}
+
+TEST_F(CommandLine, FrontierTakesACaseFramesOrNeither) {
+  const Folder folder;
+  const Ran drawn = run_program({"frontier", "--repeats", "2"});
+  EXPECT_EQ(drawn.code, 0);
+  EXPECT_EQ(drawn.out, "out/frontier/frontier.html\nTwice as fast.\nnote: Seen.\n");
+  EXPECT_EQ(fake_study().calls.back(), "frontier");
+  EXPECT_EQ(fake_study().frontier.repeats, 2);
+
+  folder.write("case.toml", "name = \"lab\"\n[mpm]\nend_s = 1.0\noutput_rate_hz = 1.0\n[grid]\nspacing_m = 0.1\n[region.a]\npolygon_m = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]\n[material.a]\nmodel = \"linear_elastic\"\ndensity_kg_m3 = 1.0\nyoung_pa = 1.0\n");
+  EXPECT_EQ(run_program({"frontier", folder.path.string(), "--stages", "mpm", "--out", "x", "--quiet"}).out, "x/frontier.html\nTwice as fast.\n");
+  EXPECT_EQ(fake_study().calls.back(), "frontier of a case");
+  EXPECT_FALSE(fake_study().frontier.piv);
+  EXPECT_TRUE(fake_study().frontier.mpm);
+
+  EXPECT_EQ(run_program({"frontier", "--frames", "lab/*.png", "--set", "piv.window_px=24"}).code, 0);
+  EXPECT_EQ(fake_study().c.piv->window_px, 24);
+  EXPECT_TRUE(fake_study().frontier.piv);
+  expect_error(run_program({"frontier", "--set", "piv.window_px=24"}), 2, "--set: given without a case, expected CASE or --frames");
+  expect_error(run_program({"frontier", "--stages", "np"}), 2, "");
+}
+
+TEST_F(CommandLine, StressTakesSettingsOrNone) {
+  const Ran plain = run_program({"stress", "--seeds", "3", "--stages", "piv"});
+  EXPECT_EQ(plain.code, 0);
+  EXPECT_EQ(plain.out, "out/stress/stress.html\nAll is flagged.\n");
+  EXPECT_EQ(fake_study().calls.back(), "stress");
+  EXPECT_EQ(fake_study().stress.seeds, 3);
+  EXPECT_FALSE(fake_study().stress.mpm);
+  EXPECT_EQ(run_program({"stress", "--set", "piv.method=fft"}).code, 0);
+  EXPECT_EQ(fake_study().calls.back(), "stress of a case");
+  EXPECT_EQ(fake_study().c.piv->method, "fft");
+  expect_error(run_program({"stress", "--seeds", "0"}), 2, "");
 }
 
 TEST_F(CommandLine, HelpShowsAnExampleForEveryCommand) {

@@ -54,6 +54,14 @@ RunOutcome report_record(const std::filesystem::path& record, const RunSettings&
   return fake_study().outcome;
 }
 
+std::vector<std::filesystem::path> export_record(const std::filesystem::path& record, const std::filesystem::path& out, bool vtkhdf,
+                                                 const io::ExportOptions& options) {
+  fake_study().first = record.string();
+  fake_study().exported = options;
+  fake_study().vtkhdf = vtkhdf;
+  return {out / "np.csv"};
+}
+
 CheckOutcome check_case(const Case& c, const RunSettings& settings, Progress& progress) {
   fake_study().c = c;
   called("check_case", settings, progress);
@@ -82,6 +90,20 @@ std::filesystem::path Folder::write(const std::string& name, const std::string& 
   std::filesystem::create_directories(file.parent_path());
   std::ofstream(file, std::ios::binary) << text;
   return file;
+}
+
+FrontierOutcome frontier(const Case* c, const FrontierOptions& options, const RunSettings& settings, Progress& progress) {
+  if (c) fake_study().c = *c;
+  fake_study().frontier = options;
+  called(c ? "frontier of a case" : "frontier", settings, progress);
+  return {{}, {settings.out / "frontier.html"}, {"Twice as fast."}, {"Seen."}};
+}
+
+StressOutcome stress(const Case* c, const StressOptions& options, const RunSettings& settings, Progress& progress) {
+  if (c) fake_study().c = *c;
+  fake_study().stress = options;
+  called(c ? "stress of a case" : "stress", settings, progress);
+  return {{}, {settings.out / "stress.html"}, {"All is flagged."}};
 }
 
 }  // namespace pivnp::app

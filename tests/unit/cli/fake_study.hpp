@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apps/study/study.hpp"
+#include "pivnp/io/exports/exports.hpp"
 #include "tests/support/scratch.hpp"
 
 namespace pivnp::app {
@@ -20,6 +21,10 @@ struct FakeStudy {
   compare::CompareOptions options;
   compare::LimitOptions limits;
   report::ReportOptions report;
+  FrontierOptions frontier;
+  StressOptions stress;
+  io::ExportOptions exported;
+  bool vtkhdf = false;
   std::function<void(Progress&)> work;  // what every call does: throw, report progress, wait for a stop
   RunOutcome outcome;
   std::vector<VerifyResult> verdicts;  // handed out one after the other

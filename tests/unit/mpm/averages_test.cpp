@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "mpm/grid/sweeps.hpp"
-#include "mpm/step/scene_setup.hpp"
+#include "mpm/scene/scene_setup.hpp"
+#include "mpm/step/frames.hpp"
 #include "mpm/step/solver_state.hpp"
 #include "mpm/transfer/transfer.hpp"
 #include "tests/unit/mpm/scenes.hpp"

@@ -5,8 +5,9 @@
 #include <random>
 
 #include "mpm/constraint/contact.hpp"
+#include "mpm/scene/scene_setup.hpp"
+#include "mpm/step/frames.hpp"
 #include "mpm/step/momentum.hpp"
-#include "mpm/step/scene_setup.hpp"
 #include "mpm/transfer/transfer.hpp"
 #include "pivnp/core/error.hpp"
 #include "tests/support/silent.hpp"

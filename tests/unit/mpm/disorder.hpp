@@ -6,7 +6,8 @@
 #include <random>
 #include <vector>
 
-#include "mpm/step/scene_setup.hpp"
+#include "mpm/scene/scene_setup.hpp"
+#include "mpm/step/frames.hpp"
 #include "mpm/transfer/transfer.hpp"
 #include "tests/unit/mpm/scenes.hpp"
 

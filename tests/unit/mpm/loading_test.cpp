@@ -6,7 +6,7 @@
 #include <string>
 
 #include "mpm/constraint/restraints.hpp"
-#include "mpm/step/scene_setup.hpp"
+#include "mpm/scene/scene_setup.hpp"
 #include "pivnp/core/error.hpp"
 #include "tests/support/silent.hpp"
 #include "tests/unit/mpm/scenes.hpp"

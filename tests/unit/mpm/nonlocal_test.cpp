@@ -4,8 +4,9 @@
 #include <random>
 
 #include "mpm/material/model.hpp"
+#include "mpm/scene/scene_setup.hpp"
+#include "mpm/step/frames.hpp"
 #include "mpm/transfer/nonlocal.hpp"
-#include "mpm/step/scene_setup.hpp"
 #include "mpm/transfer/transfer.hpp"
 #include "pivnp/core/error.hpp"
 #include "tests/support/silent.hpp"

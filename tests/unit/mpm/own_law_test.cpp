@@ -10,10 +10,11 @@
 #include <set>
 #include <type_traits>
 
+#include "mpm/scene/memory.hpp"
+#include "mpm/scene/scene_setup.hpp"
 #include "mpm/state/node_fields.hpp"
 #include "mpm/state/particle_fields.hpp"
-#include "mpm/step/memory.hpp"
-#include "mpm/step/scene_setup.hpp"
+#include "mpm/step/frames.hpp"
 #include "pivnp/core/error.hpp"
 #include "tests/support/silent.hpp"
 #include "tests/unit/mpm/scenes.hpp"

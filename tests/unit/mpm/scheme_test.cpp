@@ -6,9 +6,10 @@
 #include <ostream>
 #include <random>
 
-#include "mpm/transfer/stress_update.hpp"
+#include "mpm/scene/scene_setup.hpp"
+#include "mpm/step/frames.hpp"
 #include "mpm/step/momentum.hpp"
-#include "mpm/step/scene_setup.hpp"
+#include "mpm/transfer/stress_update.hpp"
 #include "mpm/transfer/transfer.hpp"
 #include "pivnp/core/error.hpp"
 #include "tests/support/silent.hpp"

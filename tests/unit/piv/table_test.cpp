@@ -33,7 +33,7 @@ std::string text(const RowLimits& asked, const RowLimits& figures) {
   return all;
 }
 
-// Criterion: every limit met, but for at most three rows that miss by at most a quarter (docs/limits.md says why).
+// Criterion: every limit met, but for at most three rows that miss by at most a quarter (docs/tried.md says why).
 TEST(PivTable, DefaultMeetsTheLimits) {
   std::vector<RowResult> all;
   for (const Row& row : piv_rows(side)) measure_row(row, all);

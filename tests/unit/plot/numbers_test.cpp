@@ -1,8 +1,11 @@
 // Numbers and units as printed.
+#include "apps/plot/canvas.hpp"
 #include "apps/plot/numbers.hpp"
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
 #include <limits>
 
 namespace pivnp::plot {
@@ -48,6 +51,16 @@ TEST(Numbers, UnitsSuitTheirNumbers) {
   EXPECT_EQ(display_unit("m", 0).name, "m");
   EXPECT_EQ(display_unit("px", 0.02).name, "px");
   EXPECT_DOUBLE_EQ(display_unit("m", 1e-5).factor, 1e6);
+}
+
+// One tick tells no scale: whatever the range, two multiples of the step lie in it at least.
+TEST(Numbers, AxesHaveTwoTicks) {
+  for (const auto& [lower, upper, wanted] : {std::array{-2.9, 2.9, 5.0}, {0.01, 0.26, 0.2}, {0.9, 1.1, 0.5}, {-0.03, 0.56, 0.1}, {3.0, 3.4, 1.0}}) {
+    const double step = step_with_ticks(lower, upper, wanted);
+    EXPECT_LE(step, wanted);
+    EXPECT_GE(std::floor(upper / step) - std::ceil(lower / step) + 1, 2) << lower << " to " << upper << " by " << step;
+  }
+  EXPECT_EQ(step_with_ticks(0, 10, 2), 2);
 }
 
 }  // namespace

@@ -2,13 +2,20 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
+#include <random>
+#include <set>
 
 #include "apps/report/content/differences.hpp"
 #include "apps/report/content/fields.hpp"
+#include "apps/report/content/gauge.hpp"
+#include "apps/report/content/line_curves.hpp"
 #include "apps/report/content/point_curves.hpp"
 #include "apps/report/content/material.hpp"
+#include "apps/report/content/metric_layout.hpp"
 #include "apps/report/content/quality.hpp"
 #include "apps/report/content/selection.hpp"
+#include "pivnp/core/particles/strain.hpp"
 #include "tests/unit/report/synthetic.hpp"
 
 namespace pivnp::report {
@@ -144,6 +151,107 @@ TEST(Content, Differences) {
   ASSERT_EQ(h.time.size(), 26u);
   EXPECT_NEAR(h.sigma[4], std::sqrt(2.0) * 4e-5 * 2, 1e-9);
   EXPECT_GT(h.rms.back(), h.median.back());
+}
+
+// Every metric has one place, whatever its name; a family has two members at least.
+TEST(Content, EveryMetricIsLaidOutOnce) {
+  std::vector<Metric> metrics;
+  for (const char* name : {"displacement_bias_x", "displacement_rms", "displacement_max", "displacement_rms_final_over_u", "displacement_max_final_over_u",
+                           "strain_dev_bias", "strain_dev_rms", "run_out_x_first", "run_out_x_second", "run_out_x_difference", "coverage_first",
+                           "coverage_second", "coverage_first_final", "u_val", "history_rms", "velocity_peak_first", "rms", "biased_x"})
+    metrics.push_back({name, 1, "m", 0.1, "", Verdict::none});
+  const MetricLayout layout = layout_of(metrics);
+  std::set<const Metric*> seen(layout.single.begin(), layout.single.end());
+  std::size_t places = layout.single.size();
+  const auto take = [&](const Metric* m) {
+    if (m == nullptr) return;
+    seen.insert(m);
+    ++places;
+  };
+  for (const StatisticsRow& row : layout.statistics)
+    for (const Metric* m : row.members) take(m);
+  for (const BothRow& row : layout.both) take(row.first), take(row.second), take(row.difference);
+  EXPECT_EQ(places, metrics.size());
+  EXPECT_EQ(seen.size(), metrics.size());
+  ASSERT_EQ(layout.statistics.size(), 3u);
+  EXPECT_EQ(layout.statistics[1].stem, "displacement_final_over_u");
+  EXPECT_EQ(layout.statistics[0].members[1], nullptr);
+  EXPECT_EQ(layout.statistics[2].members[2]->name, "strain_dev_rms");
+  ASSERT_EQ(layout.both.size(), 2u);
+  EXPECT_EQ(layout.both[0].difference->name, "run_out_x_difference");
+  EXPECT_EQ(&layout.both[1].any(), layout.both[1].first);
+  EXPECT_EQ(layout.single.size(), 6u);
+}
+
+// A sheared and stretched square whose displacements carry noise of their own.
+std::shared_ptr<MotionMemory> noisy(const Mat2& F, double noise) {
+  ParticleSet set;
+  MotionFrame first, last;
+  last.time = 1;
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  for (int j = 0; j < 30; ++j)
+    for (int i = 0; i < 30; ++i) {
+      const Vec2 x(0.01 * i, 0.01 * j), u = (F - Mat2::Identity()) * x + noise * Vec2(normal(random), normal(random));
+      set.id.push_back(set.id.size());
+      set.label.push_back(0);
+      set.x0.push_back(x);
+      set.area.push_back(1e-4);
+      set.born.push_back(0);
+      set.end.push_back(nan_value);
+      set.end_reason.push_back(EndReason::none);
+      first.u.push_back({0, 0});
+      last.u.push_back({float(u.x()), float(u.y())});
+      for (MotionFrame* f : {&first, &last}) {
+        f->F.push_back({1, 0, 0, 1});
+        f->status.push_back(ParticleStatus::active);
+        f->cov_u.push_back({1e-8f, 1e-8f, 0});
+      }
+    }
+  auto motion = std::make_shared<MotionMemory>("np", "m", "s", set);
+  motion->add(first);
+  motion->add(last);
+  return motion;
+}
+
+// An affine motion has one strain over any gauge; noise goes with the gauge, as 1 / length^2 in two dimensions.
+TEST(Content, StrainOverAnotherGauge) {
+  Mat2 F;
+  F << 1.1, 0.2, -0.05, 0.9;
+  const MotionFrame exact = with_gauge(noisy(F, 0), 0.05)->frame(1);
+  for (const auto& f : exact.F) EXPECT_LT((matrix(f) - F).cwiseAbs().maxCoeff(), 1e-5);
+  const auto scatter = [&](double gauge) {
+    const MotionFrame frame = with_gauge(noisy(F, 1e-4), gauge)->frame(1);
+    double sum = 0, n = 0;
+    for (const auto& f : frame.F) sum += (matrix(f) - F).squaredNorm(), ++n;
+    return std::sqrt(sum / n);
+  };
+  const double ratio = scatter(0.045) / scatter(0.09);
+  EXPECT_GT(ratio, 2.5);  // 4 where a gauge holds many particles
+  EXPECT_LT(ratio, 5.5);
+  EXPECT_TRUE(std::isnan(with_gauge(noisy(F, 0), 0.015)->frame(1).F[40][0]));  // no neighbour within it
+}
+
+TEST(Content, ExtensometersAndSections) {
+  Mat2 F;
+  F << 1.1, 0, 0, 0.9;
+  const auto motion = noisy(F, 0);
+  const ExtensometerCurve along = extensometer(*motion, {0.05, 0.1}, {0.25, 0.1}), up = extensometer(*motion, {0.1, 0.05}, {0.1, 0.25});
+  EXPECT_NEAR(along.strain.at(1), 0.1, 1e-6);
+  EXPECT_NEAR(up.strain.at(1), -0.1, 1e-6);
+  EXPECT_EQ(along.strain.at(0), 0);
+  EXPECT_NEAR(along.sigma.at(1), std::sqrt(2.0) * 1e-4 / 0.2, 1e-7);
+  EXPECT_TRUE(std::isnan(extensometer(*motion, {0.05, 0.1}, {2, 2}).strain.at(1)));
+  // u_x = 0.1 X = 0.1 x / 1.1, of the particle nearest to the place.
+  const SectionCurve curve = section(*motion, "displacement_x", true, 1, {0.0, 0.1}, {0.5, 0.1});
+  for (std::size_t k = 0; k < curve.distance.size(); ++k) {
+    if (curve.distance[k] < 0.3) {
+      EXPECT_NEAR(curve.value[k], 0.1 * curve.distance[k] / 1.1, 0.1 * 0.0051);
+    }
+    if (curve.distance[k] > 0.34) {
+      EXPECT_TRUE(std::isnan(curve.value[k]));
+    }
+  }
 }
 
 }  // namespace

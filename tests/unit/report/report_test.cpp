@@ -67,7 +67,7 @@ class Report : public testing::Test {
         const std::string target = html_.substr(at + std::string(attribute).size(), 5);
         EXPECT_TRUE(target == "data:" || target[0] == '#') << target;
       }
-    for (const char* foreign : {"url(", "<script", "@import", "http:", "https:", "<link"})
+    for (const char* foreign : {"url(", "<script src", "@import", "http:", "https:", "<link"})
       EXPECT_EQ(html_.find(foreign), std::string::npos) << foreign;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_))
       EXPECT_EQ(entry.path().filename().string().find(".tmp"), std::string::npos) << entry.path();
@@ -101,17 +101,19 @@ TEST_F(Report, Full) {
     EXPECT_TRUE(has_figure(name)) << name;
     EXPECT_GT(colours_of(name), 20u) << name;  // black and white alone have 256 with their smoothing; blank has 1
     const QImage image(QString::fromStdString((folder_ / "figures" / (std::string(name) + ".png")).string()));
-    EXPECT_NEAR(image.width(), 170 / 25.4 * 300, 2) << name;
+    const double width = 25.4 * image.width() / 300;
+    EXPECT_TRUE(std::abs(width - 170) < 0.2 || std::abs(width - 82) < 0.2) << name << ": " << width << " mm";
     EXPECT_NE(read(folder_ / "figures" / (std::string(name) + ".svg")).find("<svg"), std::string::npos) << name;
   }
   EXPECT_GT(colours_of("displacement"), 300u);  // a whole colour map
   for (const char* section :
        {"Comparison", "Measurement", "Simulation", "What was flagged", "How this was made", "Settings"})
     EXPECT_NE(html_.find(std::string(">") + section + "</h2>"), std::string::npos) << section;
-  EXPECT_EQ(occurrences(html_, "data:image/png;base64,"), 9u);
+  EXPECT_EQ(occurrences(html_, "data:image/png;base64,"), 11u);
   EXPECT_LT(html_.size(), 10'000'000u);
-  EXPECT_GE(pages_, 5u);
-  EXPECT_NE(html_.find("Displacement difference, RMS"), std::string::npos);
+  EXPECT_GE(pages_, 4u);
+  EXPECT_LE(pages_, 7u);
+  EXPECT_NE(html_.find("<dt>displacement</dt>"), std::string::npos);
   EXPECT_NE(html_.find(name_of(Verdict::exceeded)), std::string::npos);
   EXPECT_NE(html_.find("IMG_0015.png to IMG_0016.png: the pair lost its correlation"), std::string::npos);
   EXPECT_NE(html_.find(words(EndReason::left_image)), std::string::npos);
@@ -198,12 +200,12 @@ TEST_F(Report, LikeWithLike) {
   Synthetic s = make_synthetic(o);
   write(s);
   EXPECT_TRUE(says("simulated minus measured") && says("Measurement and simulation compared"));
-  EXPECT_FALSE(says("second minus first;"));
+  EXPECT_FALSE(says("Second minus first"));
   const auto np = s.content.measured, mpm = s.content.simulated;
   for (const auto& motion : {mpm, np}) {
     s.content.measured = s.content.simulated = motion;
     write(s);
-    EXPECT_TRUE(says("Metrics, second minus first") && says("Two motions compared")) << motion->name();
+    EXPECT_TRUE(says("Second minus first. By chance") && says("Two motions compared")) << motion->name();
     EXPECT_FALSE(says("Simulated") || says("simulated minus") || says("of the measured")) << motion->name();
   }
 }
@@ -248,6 +250,15 @@ TEST_F(Report, NotANumber) {
     text += html_.substr(from, picture - from);
     from = picture == html_.size() ? picture : html_.find('"', picture);
   }
+  for (const char* id : {"player-values", "player-data"}) {
+    const std::size_t at = text.find(std::string("id=\"") + id), end = text.find("</script>", at);
+    ASSERT_NE(at, std::string::npos);
+    const std::string data = text.substr(at, end - at);
+    if (std::string(id) == "player-data") {
+      EXPECT_EQ(data.find("nan"), std::string::npos);
+    }
+    text.erase(at, end - at);
+  }
   EXPECT_LT(text.size(), 100'000u);
   EXPECT_EQ(text.find("nan"), std::string::npos);
 }
@@ -285,6 +296,27 @@ TEST_F(Report, OptionsAreFollowed) {
   EXPECT_FALSE(has_figure("displacement"));
   options.fields_drawn = {"strain_deviatoric"};
   EXPECT_THROW(write_content(options, s.content, folder_), InputError);
+}
+
+// What only the owner of the camera knows is in the table as given; lines are figures of their own, and go again.
+TEST_F(Report, HardwareLinesAndGauge) {
+  SyntheticOptions o;
+  o.spacing_m = 0.01;
+  Synthetic s = make_synthetic(o);
+  s.content.hardware = {{"Camera", "an old <film> camera"}};
+  s.content.setup = {{"Interpolant of the images", "quintic B-spline"}};
+  s.content.gauge = 0.03;
+  ReportOptions options;
+  options.lines = {{"crest", {LineType::extensometer, Pair{0.05, 0.2}, Pair{0.15, 0.2}, "displacement_magnitude"}},
+                   {"toe", {LineType::section, Pair{0.0, 0.05}, Pair{0.3, 0.05}, "strain_dev"}},
+                   {"nowhere", {LineType::section, Pair{7.0, 7.0}, Pair{8.0, 8.0}, "strain_dev"}}};
+  write(s, options);
+  EXPECT_TRUE(has_figure("line_crest") && has_figure("line_toe") && has_figure("uncertainty") && has_figure("geometry"));
+  EXPECT_FALSE(has_figure("line_nowhere"));
+  for (const char* text : {"an old &lt;film&gt; camera", "quintic B-spline", "0.500 mm a pixel", "0.080 px = 40 \u00b5m", "Strains over circles of 30.0 mm"})
+    EXPECT_NE(html_.find(text), std::string::npos) << text;
+  write(s);
+  EXPECT_FALSE(has_figure("line_crest"));
 }
 
 TEST_F(Report, FiguresOfAnEarlierReportGo) {

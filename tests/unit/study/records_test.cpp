@@ -76,6 +76,24 @@ TEST_F(Records, ReportedAgainAsIsAskedFor) {
   EXPECT_FALSE(fs::exists(scratch.path / "again" / "figures" / "deviatoric_strain.svg"));
 }
 
+// One motion alone, by name, is shown without the comparison; one that the record lacks is refused.
+TEST_F(Records, ReportedOfTheDataSetsAskedFor) {
+  CompareSources sources;
+  sources.first = tracks("lab.csv", 6, 0.30), sources.second = tracks("sim.csv", 6, 0.31);
+  const RunOutcome first = compare_records(sources, {}, {}, settings("out"), progress);
+  const std::vector<std::string> names = io::RecordReader(first.record).motion_names();
+  ASSERT_EQ(names.size(), 2u);
+  const auto of = [&](std::vector<std::string> wanted) {
+    return report_record(scratch.path / "out", settings("again"), progress, [&](report::ReportOptions& o) { o.data_sets = wanted; });
+  };
+  of({names[1]});
+  EXPECT_FALSE(fs::exists(scratch.path / "again" / "figures" / "verdict.svg"));
+  EXPECT_TRUE(fs::exists(scratch.path / "again" / "figures" / "displacement.svg"));
+  of({names[0], names[1]});
+  EXPECT_TRUE(fs::exists(scratch.path / "again" / "figures" / "verdict.svg"));
+  EXPECT_THROW(of({"nobody"}), InputError);
+}
+
 TEST_F(Records, LengthsOfOtherProgramsAreInTheUnitThatIsNamed) {
   CompareSources sources;
   sources.first = tracks("a.csv", 6, 0.1), sources.second = tracks("b.csv", 6, 0.1);
@@ -101,7 +119,7 @@ TEST_F(Records, FieldsAreDrawnAsTheyWereCompared) {
   report::ReportInput input;
   input.record = &record;
   input.compared = options;
-  const report::Content content = report::content_of(input);
+  const report::Content content = report::content_of({}, input);
   EXPECT_FALSE(content.alignment.empty());
   const std::vector<double> times = report::chosen_times({}, content);
   EXPECT_EQ(times.back(), 2.0);

@@ -182,7 +182,7 @@ TEST(MpmSlope50g, FailsInOneBandUnderTheBlock) {
     pivnp::test::verification_row(cells + ", loaded twice as fast", "stated: load at onset and at 0.4 m, prototype kN/m",
                                   number(fast.onset_kn, 3) + " and " + number(fast.end_kn, 3));
     // 0.1 was asked, and is met without averaging (0.04): sand that does not lock gives way more slowly, and the load has
-    // grown further when the block has sunk by 20 mm (docs/limits.md). Held as it is.
+    // grown further when the block has sunk by 20 mm (docs/tried.md). Held as it is.
     const double faster = fast.onset_kn / slow.onset_kn - 1;
     pivnp::test::verification_row(cells + ", loaded twice as fast", "stated: load at onset grows by (0.1 was asked)", number(faster, 2));
     EXPECT_GT(faster, 0);

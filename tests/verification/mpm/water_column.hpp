@@ -1,12 +1,17 @@
-// A saturated column drained at its top, and Terzaghi's solution of it.
+// A saturated column drained at its top, Terzaghi's solution of it, and a saturated block of random velocities.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
+#include "pivnp/core/error.hpp"
+#include "tests/support/silent.hpp"
 #include "tests/unit/mpm/scenes.hpp"
 
 namespace pivnp::mpm::test {
+
+inline constexpr PressureScheme schemes[] = {PressureScheme::in_steps, PressureScheme::projected};
 
 struct WaterColumn {
   double young = 8e6, poisson = 0.2, porosity = 0.3, permeability = 1e-3, height = 1;
@@ -99,6 +104,61 @@ inline double terzaghi_triangle(double depth_over_height, double T) {
     sum += 8 * ((m / 2) % 2 ? -1 : 1) / std::pow(m * M_PI, 2) * std::sin(m * M_PI * depth_over_height / 2) *
            std::exp(-std::pow(m * M_PI / 2, 2) * T);
   return sum;
+}
+
+/// A block of 6 by 6 cells with random velocities, undamped.
+struct RandomBlock {
+  ShapeKind shape = ShapeKind::bspline;
+  TransferKind transfer = TransferKind::apic;
+  PressureScheme pressure = PressureScheme::in_steps;
+  double young = 1e7, permeability = 1e-5, spacing = 0.05, bulk = 1e9;
+  double spread = 1;  // 1: the points are at quarters of the cells; towards 2: on nodes
+  bool lid = true;    // a closed box; or open above
+  double lift = 0;    // off its base, in cells: then it is held at its sides alone
+};
+
+/// Has the energy grown after 500 steps?
+inline bool grows_in(const RandomBlock& b, double courant) {
+  const double h = b.spacing, high = (6 + std::ceil(b.lift)) * h;
+  Scene s = scene(Grid{{0, 0}, {h, h}, 7, b.lid ? 7 : 9 + int(std::ceil(b.lift))}, {rectangle("soil", 0, 0, 6 * h, 6 * h)},
+                  {saturated(b.young, 0.2, 0.3, b.permeability)});
+  s.water.emplace();
+  s.water->bulk_modulus_pa = b.bulk;
+  s.boundaries = {{"base", line({0, 0}, {6 * h, 0}, "roller")},
+                  {"left", line({0, 0}, {0, high}, "roller")},
+                  {"right", line({6 * h, 0}, {6 * h, high}, "roller")}};
+  if (b.lid) s.boundaries.insert(s.boundaries.begin() + 1, {"top", line({0, 6 * h}, {6 * h, 6 * h}, "roller")});
+  for (Vec2& x : s.particles.x0) {
+    const Vec2 cell = (x / h).array().floor() + 0.5;
+    x = h * (cell + b.spread * (x / h - cell));
+    x.y() += b.lift * h;
+  }
+  std::uint32_t random = 12345;
+  const auto next = [&] {
+    random = random * 1664525u + 1013904223u;
+    return 2e-6 * h * (double(random >> 8) / double(1 << 24) - 0.5);
+  };
+  for (std::size_t k = 0; k < s.particles.size(); ++k) {
+    const double x = next();
+    s.v0.emplace_back(x, next());
+  }
+  MpmOptions o = options();
+  o.shape = b.shape;
+  o.transfer = b.transfer;
+  o.courant = courant;
+  o.pressure = b.pressure;
+  o.end_at_rest = false;
+  o.initial_equilibrium = false;
+  o.energy_limit = 1e300;
+  Solver solver(o, s, 1);
+  const EnergyRow start = solver.energy();
+  try {
+    solver.advance_to(500 * solver.stable_step(), silent);
+    const EnergyRow e = solver.energy();
+    return !(e.kinetic + e.elastic + e.water < start.kinetic);
+  } catch (const RunError&) {
+    return true;
+  }
 }
 
 }  // namespace pivnp::mpm::test

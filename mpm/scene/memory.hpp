@@ -1,10 +1,10 @@
 // What a simulation takes of memory, counted from the lists of fields before any of it is allocated.
 #pragma once
 
+#include "mpm/scene/scene.hpp"
 #include "mpm/state/node_fields.hpp"
 #include "mpm/state/particles.hpp"
 #include "mpm/state/scheme.hpp"
-#include "mpm/step/scene.hpp"
 #include "mpm/transfer/stress_update.hpp"
 
 namespace pivnp::mpm {
@@ -13,8 +13,11 @@ namespace pivnp::mpm {
 struct SceneNeeds {
   bool several = false;  // particles of several materials
   bool water = false;
+  bool collapses = false;  // as water comes
   bool tied = false;
   bool loads = false;    // body forces, tractions
+  bool heat = false;
+  bool bands = false;    // embedded
 };
 
 SceneNeeds needs_of(const Scene& scene);

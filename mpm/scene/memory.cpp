@@ -1,4 +1,4 @@
-#include "mpm/step/memory.hpp"
+#include "mpm/scene/memory.hpp"
 
 #include <algorithm>
 #include <type_traits>
@@ -24,7 +24,9 @@ SceneNeeds needs_of(const Scene& scene) {
   return {.several = std::any_of(label.begin(), label.end(), [&](auto l) { return l != label.front(); }),
           .water = scene.water.has_value(),
           .tied = any(BoundaryType::tied),
-          .loads = scene.body_force || any(BoundaryType::traction)};
+          .loads = scene.body_force || any(BoundaryType::traction),
+          .heat = scene.heat.has_value(),
+          .bands = scene.heat && std::any_of(scene.materials.begin(), scene.materials.end(), [](const auto& m) { return m.band_thickness_m.has_value(); })};
 }
 
 ParticleNeeds particle_needs(const Scheme& scheme, const Materials& materials, const SceneNeeds& scene) {
@@ -35,7 +37,11 @@ ParticleNeeds particle_needs(const Scheme& scheme, const Materials& materials, c
           .kept = scheme.stress != StressUpdate::usf && !scheme.takes_updated(),
           .averaged = any_averages(materials),
           .wet = scene.water,
-          .soils = scene.water && scene.several};
+          .soils = scene.water && scene.several,
+          .collapses = scene.collapses,
+          .heated = scene.heat,
+          .swells = scene.heat && scene.water,
+          .banded = scene.bands};
 }
 
 NodeNeeds node_needs(const Scheme& scheme, const Materials& materials, const SceneNeeds& scene) {
@@ -44,6 +50,7 @@ NodeNeeds node_needs(const Scheme& scheme, const Materials& materials, const Sce
           .filtered = scheme.transfer == TransferKind::xpic,
           .loads = scene.loads,
           .wet = scene.water,
+          .heated = scene.heat,
           .averaged = any_averages(materials)};
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "mpm/constraint/options.hpp"
+#include "mpm/heat/options.hpp"
 #include "mpm/material/options.hpp"
 #include "mpm/water/options.hpp"
 #include "pivnp/core/grid/grid.hpp"
@@ -26,8 +27,10 @@ struct Scene {
   std::vector<std::pair<std::string, RigidOptions>> bodies;
   std::vector<std::pair<std::string, ContactOptions>> contacts;  // between labels, by ParticleSet::label_names
   std::optional<WaterOptions> water;           // in the pores of materials that have a porosity
+  std::optional<HeatOptions> heat;             // temperature
   std::vector<Vec2> v0;                        // velocity at time 0, one a particle; empty: at rest
   std::vector<std::array<double, 4>> stress0;  // Cauchy stress at time 0, xx yy zz xy; empty: none
+  std::vector<double> temperature0;            // at time 0, one a particle; empty: HeatOptions::initial_c
   /// Acceleration of a particle (index in `particles`) at a time, beside gravity; empty: none. For manufactured
   /// solutions; not part of a checkpoint.
   std::function<Vec2(std::size_t particle, double time)> body_force;

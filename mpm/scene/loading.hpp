@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <vector>
 
-#include "mpm/state/particles.hpp"
-#include "mpm/step/options.hpp"
 #include "mpm/constraint/tractions.hpp"
-#include "mpm/step/scene.hpp"
+#include "mpm/scene/options.hpp"
+#include "mpm/scene/scene.hpp"
+#include "mpm/state/particles.hpp"
 
 namespace pivnp::mpm {
 

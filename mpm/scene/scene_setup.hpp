@@ -1,12 +1,13 @@
-// From options and scene to what the solver works on, and back to a frame.
+// From options and scene to what the solver works on.
 #pragma once
 
-#include "mpm/constraint/contact.hpp"
-#include "mpm/grid/grid_state.hpp"
-#include "mpm/transfer/stress_update.hpp"
+#include <array>
+#include <vector>
+
+#include "mpm/scene/options.hpp"
+#include "mpm/scene/scene.hpp"
 #include "mpm/state/scheme.hpp"
-#include "mpm/step/solver.hpp"
-#include "mpm/step/solver_state.hpp"
+#include "mpm/transfer/stress_update.hpp"
 
 namespace pivnp::mpm {
 
@@ -22,11 +23,5 @@ std::vector<double> densities_of(const Scene& scene);
 /// rho c_p and rho c_s of the material of the particle nearest to a point; `more`: of each material, what its water adds to the
 /// stiffness against compression, Pa.
 std::array<double, 2> impedance_near(const Scene& scene, const Materials& materials, const std::vector<double>& more, const Vec2& x);
-
-/// Throws InputError for arrays of unequal length and for a particle outside the grid.
-SolverState initial_state(const Scene& scene, const Scheme& scheme, const GridState& g, const Materials& materials,
-                          const Contacts& contacts = Contacts({}, {}));
-
-MotionFrame frame_of(const SolverState& state, const ParticleSet& particles);
 
 }  // namespace pivnp::mpm

@@ -1,10 +1,10 @@
-#include "mpm/step/loading.hpp"
+#include "mpm/scene/loading.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "mpm/step/scene_setup.hpp"
+#include "mpm/scene/scene_setup.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
 

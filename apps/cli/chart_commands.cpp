@@ -1,0 +1,108 @@
+// Speed against accuracy, and where methods fail: frontier, stress.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <ostream>
+
+#include "apps/case/values.hpp"
+#include "apps/cli/arguments.hpp"
+#include "apps/cli/commands.hpp"
+#include "apps/study/frontier/frontier.hpp"
+#include "apps/study/stress/stress.hpp"
+#include "pivnp/core/error.hpp"
+
+namespace pivnp::app {
+
+namespace {
+
+// The case, or one of nothing but frames; none: drawn texture.
+std::optional<Case> scene(const Arguments& arguments, const Session& session) {
+  if (!arguments.case_path.empty()) return load_case(arguments, session);
+  if (!arguments.frames.empty())
+    return parse_case("[frames]\npath = " + toml_text(arguments.frames) + "\n", "--frames", std::filesystem::current_path(), arguments.given);
+  if (!arguments.given.empty()) throw InputError("--set: given without a case, expected CASE or --frames");
+  return std::nullopt;
+}
+
+// What stages are measured.
+class StageNames {
+ public:
+  void add(CLI::App& app) {
+    app.add_option("--stages", names_, "what is measured: piv, mpm (left out: all that there is)")
+        ->type_name("STAGE,...")
+        ->delimiter(',')
+        ->check(CLI::IsMember({"piv", "mpm"}));
+  }
+  bool asked(const char* stage) const { return names_.empty() || std::find(names_.begin(), names_.end(), stage) != names_.end(); }
+
+ private:
+  std::vector<std::string> names_;
+};
+
+}  // namespace
+
+Action declare_frontier(CLI::App& app, Session& session) {
+  struct Frontier {
+    Arguments arguments;
+    FrontierOptions options;
+    StageNames stages;
+  };
+  const auto f = std::make_shared<Frontier>();
+  add_case(app, f->arguments, "image correlation on drawn texture, or on --frames");
+  add_out(app, f->arguments, "out/frontier, or out/<name of the case's folder>/frontier");
+  add_frames(app, f->arguments);
+  f->stages.add(app);
+  app.add_option("--repeats", f->options.repeats, "times that each pair of frames is measured by each setting (3)")
+      ->type_name("N")
+      ->check(CLI::Range(1, 100));
+  add_session(app, session);
+  return [f, &session] {
+    f->options.piv = f->stages.asked("piv");
+    f->options.mpm = f->stages.asked("mpm");
+    const std::optional<Case> c = scene(f->arguments, session);
+    FrontierOutcome outcome;
+    {
+      TerminalProgress progress = progress_for(session);
+      const std::filesystem::path fallback = f->arguments.case_path.empty() ? "out/frontier" : default_out(*c) / "frontier";
+      outcome = frontier(c ? &*c : nullptr, f->options, settings_for(f->arguments, session, c ? *c : Case{}, fallback), progress);
+    }
+    for (const std::filesystem::path& file : outcome.files) session.out << file.string() << "\n";
+    for (const std::string& sentence : outcome.sentences) session.out << sentence << "\n";
+    if (!session.quiet)
+      for (const std::string& remark : outcome.remarks) session.out << "note: " << remark << "\n";
+    return 0;
+  };
+}
+
+Action declare_stress(CLI::App& app, Session& session) {
+  struct Stress {
+    Arguments arguments;
+    StressOptions options;
+    StageNames stages;
+  };
+  const auto s = std::make_shared<Stress>();
+  add_case(app, s->arguments, "the default settings");
+  add_out(app, s->arguments, "out/stress, or out/<name of the case's folder>/stress");
+  s->stages.add(app);
+  app.add_option("--seeds", s->options.seeds, "pairs of frames that are drawn for each combination (1)")->type_name("N")->check(CLI::Range(1, 100));
+  add_session(app, session);
+  return [s, &session] {
+    s->options.piv = s->stages.asked("piv");
+    s->options.mpm = s->stages.asked("mpm");
+    std::optional<Case> c;
+    if (!s->arguments.case_path.empty()) c = load_case(s->arguments, session);
+    else if (!s->arguments.given.empty()) c = parse_case("[frames]\npath = \"\"\n", "--set", std::filesystem::current_path(), s->arguments.given);
+    StressOutcome outcome;
+    {
+      TerminalProgress progress = progress_for(session);
+      const std::filesystem::path fallback = s->arguments.case_path.empty() ? "out/stress" : default_out(*c) / "stress";
+      outcome = stress(c ? &*c : nullptr, s->options, settings_for(s->arguments, session, c ? *c : Case{}, fallback), progress);
+    }
+    for (const std::filesystem::path& file : outcome.files) session.out << file.string() << "\n";
+    for (const std::string& sentence : outcome.sentences) session.out << sentence << "\n";
+    return 0;
+  };
+}
+
+}  // namespace pivnp::app

@@ -1,0 +1,191 @@
+#include "apps/study/frontier/known_pairs.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "apps/study/methods/texture.hpp"
+#include "apps/study/pipeline/measure.hpp"
+#include "apps/study/pipeline/statistics.hpp"
+#include "pivnp/core/error.hpp"
+#include "pivnp/core/text.hpp"
+#include "pivnp/image/synthetic_pair.hpp"
+
+namespace pivnp::app {
+
+namespace {
+
+constexpr int wavelengths[] = {256, 128, 64, 32};  // px
+constexpr double band_half_width = 8;              // px
+
+struct Field {
+  std::string name;
+  image::Motion motion;  // displacement by the place
+  double wavelength = 0;
+  double noise = 0, loss = 0;  // of drawn texture
+};
+
+// Fields of a greatest displacement `shift` px and gradient `slope` about the image's middle.
+std::vector<Field> fields(double shift, double slope, double cx, double cy) {
+  const double whole = std::floor(shift);
+  std::vector<Field> all = {{"shift", image::uniform(whole + 0.3, -0.6 * whole - 0.4)}};
+  for (const int length : wavelengths)
+    all.push_back({"wave " + std::to_string(length) + " px", image::sine(slope * length / (2 * M_PI), length), double(length)});
+  all.push_back({"shear " + number(100 * slope, 2) + " %", image::triangle_shear(slope)});
+  all.push_back({"band " + number(2 * band_half_width, 2) + " px", image::band(slope * band_half_width, band_half_width, cx, cy)});
+  return all;
+}
+
+// Displacement as a function of the mid-point's place: where a pixel of the first (side -1) or second (+1) frame is in the middle.
+Vec2 middle_of(const image::Motion& motion, const Vec2& px, int side) {
+  Vec2 x = px;
+  for (int k = 0; k < 30; ++k) x = px - 0.5 * side * motion(x);  // slopes are far below 2: it converges
+  return x;
+}
+
+double percentile(std::vector<double> values, double share) {
+  const auto at = values.begin() + std::ptrdiff_t(share * double(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+// What the frames show: 95th percentiles over valid nodes.
+struct Shown {
+  double shift = 0, slope = 0;  // px, px/px
+  std::size_t valid = 0;
+};
+
+Shown shown(const piv::PixelVectors& found, const piv::NodeLattice& nodes) {
+  const auto ok = [&](std::size_t k) { return found.status[k] == VectorStatus::valid; };
+  const auto at = [&](const std::array<float, 2>& a) { return Vec2(double(a[0]), double(a[1])); };
+  std::vector<double> shifts, slopes;
+  for (int j = 0; j < nodes.ny; ++j)
+    for (int i = 0; i < nodes.nx; ++i) {
+      const std::size_t k = std::size_t(j) * std::size_t(nodes.nx) + std::size_t(i);
+      if (!ok(k)) continue;
+      shifts.push_back(at(found.displacement[k]).norm());
+      for (const std::size_t next : {i + 2 < nodes.nx ? k + 2 : k, j + 2 < nodes.ny ? k + 2 * std::size_t(nodes.nx) : k})
+        if (next != k && ok(next))
+          slopes.push_back((at(found.displacement[next]) - at(found.displacement[k])).norm() / (at(nodes.pixel[next]) - at(nodes.pixel[k])).norm());
+    }
+  Shown out;
+  out.valid = shifts.size();
+  if (!shifts.empty()) out.shift = percentile(std::move(shifts), 0.95);
+  if (!slopes.empty()) out.slope = percentile(std::move(slopes), 0.95);
+  return out;
+}
+
+// Median over the valid nodes of what does not correlate.
+double unlike_share(const KnownPairs& known, const std::vector<float>& score, const std::vector<VectorStatus>& status) {
+  std::vector<double> all;
+  for (std::size_t k = 0; k < score.size(); ++k)
+    if (known.scored[k] && status[k] == VectorStatus::valid) all.push_back(1 - double(score[k]));
+  return median(std::move(all), 0);
+}
+
+}  // namespace
+
+KnownPairs drawn_pairs(int side, int seed) {
+  constexpr double spacing = 8, margin = 48;
+  KnownPairs known;
+  known.made_of = "Drawn texture: blobs of 3 px, 0.05 a pixel, frames of " + std::to_string(side) + " x " + std::to_string(side) +
+                  " px, nodes 8 px apart; noise is in percent of white, loss the share of blobs without a partner.";
+  known.width = known.height = side;
+  known.nodes.nx = known.nodes.ny = int((side - 1 - 2 * margin) / spacing) + 1;
+  for (int j = 0; j < known.nodes.ny; ++j)
+    for (int i = 0; i < known.nodes.nx; ++i)
+      known.nodes.pixel.push_back({float(margin + i * spacing), float(side - 1 - margin - j * spacing)});
+  known.scored.assign(known.nodes.pixel.size(), 1);
+  const double middle = 0.5 * (side - 1);
+  std::vector<Field> all = fields(2, 0.1, middle, middle);
+  for (const int length : wavelengths)
+    all.push_back({"wave " + std::to_string(length) + " px, noise 5 %", image::sine(0.1 * length / (2 * M_PI), length), 0, 0.05, 0});
+  all.push_back({"shift, noise 5 %", image::uniform(2.3, -1.4), 0, 0.05, 0});
+  all.push_back({"shift, loss 20 %", image::uniform(2.3, -1.4), 0, 0, 0.2});
+  image::TextureOptions texture;
+  for (Field& field : all) {
+    texture.seed = seed++;
+    texture.noise = field.noise;
+    texture.loss = field.loss;
+    auto scene = std::make_shared<image::SyntheticPair>(image::synthetic_pair(field.motion, side, side, texture));
+    known.pairs.push_back({field.name, std::move(scene->first), std::move(scene->second),
+                           [scene](const Vec2& place, Anchor anchor) { return scene->truth(place, anchor); }, field.wavelength});
+  }
+  return known;
+}
+
+KnownPairs carried_pairs(const Case& c, const Setting& setting, image::FrameSource& source, int threads, Progress& progress) {
+  const std::size_t frames = source.frames().size();
+  if (frames < 2) throw InputError(of_file(c) + ": found one frame, expected two or more to see how it moves");
+  KnownPairs known;
+  known.width = setting.width;
+  known.height = setting.height;
+  known.mask = setting.mask;
+  known.nodes = node_lattice(setting);
+  // Of three pairs the one that moves most says what is to be measured.
+  Shown most;
+  VectorField field;
+  int from = 0;
+  piv::PairCorrelator correlator(*c.piv, known.nodes, known.width, known.height, threads);
+  for (const std::size_t at : {std::size_t(0), (frames - 1) / 2, frames - 2}) {
+    progress.update("looking at the frames", std::int64_t(at), std::int64_t(frames));
+    if (progress.stop_requested()) throw Interrupted();
+    const Image first = source.read(int(at)), second = source.read(int(at) + 1);
+    const piv::PixelVectors found = correlator.correlate(first.view(), second.view(), known.mask.view());
+    const Shown here = shown(found, known.nodes);
+    if (at > 0 && here.shift <= most.shift) continue;
+    most = here;
+    from = int(at);
+    field.score = found.score;
+    field.status = found.status;
+  }
+  if (most.valid < 20)
+    throw InputError(of_file(c) + ": found " + std::to_string(most.valid) + " valid vectors between frames " + std::to_string(from) + " and " +
+                     std::to_string(from + 1) + ", expected 20 or more; 'pivnp check' shows grid and masks");
+  for (const VectorStatus s : field.status) known.scored.push_back(s == VectorStatus::valid);
+  std::vector<Vec2> places;
+  for (const auto& p : known.nodes.pixel) places.emplace_back(double(p[0]), double(p[1]));
+  const Image frame = source.read(from);
+  const double shift = std::clamp(most.shift, 0.5, 20.0), slope = std::clamp(most.slope, 0.01, 0.2);
+  const auto pair_of = [&](const CarriedTexture& texture, const image::Motion& motion, std::uint64_t number) {
+    const auto draw = [&](int side) {
+      return texture.draw([&](int column, int row) { return texture.at(middle_of(motion, {double(column), double(row)}, side)); }, 1,
+                          2 * number + (side > 0 ? 1 : 0));
+    };
+    return std::pair(draw(-1), draw(1));
+  };
+  // The noise that lowers correlation as much as the frames' does. (Methods that smooth frames see less of it than windows of raw frames
+  // would, so it is found by trial.)
+  double noise = noise_variance(frame.view(), places, c.piv->window_px, {field});
+  const double unlike = unlike_share(known, field.score, field.status);
+  for (int round = 0; round < 3 && noise > 0; ++round) {
+    const auto [one, two] = pair_of(CarriedTexture(frame, noise), image::uniform(0.3, -0.4), 0);
+    const piv::PixelVectors found = correlator.correlate(one.view(), two.view(), known.mask.view());
+    const double share = unlike_share(known, found.score, found.status);
+    if (!(share > 0)) break;
+    noise *= std::clamp(unlike / share, 0.25, 4.0);
+  }
+  known.made_of = "Frame " + std::to_string(from) + " of " + std::to_string(frames) + ", carried by known fields like those of the frames (up to " +
+                  number(shift, 2) + " px and " + number(100 * slope, 2) + " % from frame to frame), with noise of " +
+                  number(std::sqrt(noise), 2) + " grey values in both images.";
+  const CarriedTexture texture(frame, noise);
+  double cx = 0, cy = 0;  // the middle of what is scored
+  for (std::size_t k = 0; k < places.size(); ++k)
+    if (known.scored[k]) cx += places[k].x() / double(most.valid), cy += places[k].y() / double(most.valid);
+  const std::vector<Field> all = fields(shift, slope, cx, cy);
+  for (std::size_t f = 0; f < all.size(); ++f) {
+    progress.update("drawing pairs", std::int64_t(f), std::int64_t(all.size()));
+    if (progress.stop_requested()) throw Interrupted();
+    const image::Motion& motion = all[f].motion;
+    auto [one, two] = pair_of(texture, motion, f + 1);
+    known.pairs.push_back({all[f].name, std::move(one), std::move(two),
+                           [motion](const Vec2& place, Anchor anchor) {
+                             return motion(anchor == Anchor::central ? place : middle_of(motion, place, -1));
+                           },
+                           all[f].wavelength});
+  }
+  return known;
+}
+
+}  // namespace pivnp::app

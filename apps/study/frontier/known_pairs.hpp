@@ -1,0 +1,41 @@
+// Pairs of frames whose displacement is known: what settings of [piv] are judged by.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "apps/study/pipeline/scene.hpp"
+#include "pivnp/core/progress.hpp"
+#include "pivnp/image/frames.hpp"
+#include "pivnp/piv/piv.hpp"
+
+namespace pivnp::app {
+
+struct KnownPair {
+  std::string name;  // "shear 5 %"
+  Image first, second;
+  std::function<Vec2(const Vec2& place, Anchor)> truth;  // displacement at a place (column, row), px
+  double wavelength = 0;  // of a wave, px; 0: no wave
+};
+
+/// Pairs, and where they are measured.
+struct KnownPairs {
+  std::string made_of;  // one sentence, for readers
+  int width = 0, height = 0;
+  image::Mask mask;
+  piv::NodeLattice nodes;
+  std::vector<std::uint8_t> scored;  // of each node
+  std::vector<KnownPair> pairs;      // the first is an even shift; waves follow, from long to short
+};
+
+/// Drawn texture of the usual kind (3 px blobs, .05 a pixel), frames of `side` x `side` px, nodes 8 px apart.
+KnownPairs drawn_pairs(int side, int seed);
+
+/// Made of a case's own frames: one frame, freed of its noise, is carried half a step back and half a step on by fields like those
+/// that the frames show (their 95th percentiles of displacement and of its gradient), and both images get independent noise of the measured
+/// strength. Scored are the nodes that are valid between the frames themselves. Throws InputError where there are fewer
+/// than two frames, or hardly a vector between them is valid.
+KnownPairs carried_pairs(const Case& c, const Setting& setting, image::FrameSource& source, int threads, Progress& progress);
+
+}  // namespace pivnp::app

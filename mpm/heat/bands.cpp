@@ -1,0 +1,95 @@
+#include "mpm/heat/bands.hpp"
+
+#include <cmath>
+
+namespace pivnp::mpm {
+
+namespace {
+
+constexpr std::size_t N = ShearBand::volumes, outside = N - ShearBand::inside;
+using Row = std::array<double, N>;
+
+// The volume at the band's edge, on both sides; inside each is twice the one further out.
+double edge_volume(double thickness) { return 0.5 * thickness / double((1 << ShearBand::inside) - 1); }
+
+double sum_outside(double growth) {
+  double sum = 0, term = 1;
+  for (std::size_t k = 0; k < outside; ++k, term *= growth) sum += term;
+  return sum;
+}
+
+void keep_mean_zero(Row& of, const Row& volume) {
+  double sum = 0, all = 0;
+  for (std::size_t k = 0; k < N; ++k) sum += of[k] * volume[k], all += volume[k];
+  for (double& value : of) value -= sum / all;
+}
+
+// (storage volume) (x - x0) = dt (flow between volumes) + source volume: backward Euler, in place; `source` per volume.
+void diffuse(Row& x, const Row& volume, double storage, double conductance, double dt, const Row& source) {
+  Row off{}, diagonal, right;
+  for (std::size_t k = 0; k + 1 < N; ++k) off[k] = dt * conductance / (0.5 * (volume[k] + volume[k + 1]));
+  for (std::size_t k = 0; k < N; ++k) {
+    diagonal[k] = storage * volume[k] + off[k] + (k > 0 ? off[k - 1] : 0);
+    right[k] = volume[k] * (storage * x[k] + source[k]);
+  }
+  for (std::size_t k = 1; k < N; ++k) {
+    const double factor = off[k - 1] / diagonal[k - 1];
+    diagonal[k] -= factor * off[k - 1];
+    right[k] += factor * right[k - 1];
+  }
+  x[N - 1] = right[N - 1] / diagonal[N - 1];
+  for (std::size_t k = N - 1; k-- > 0;) x[k] = (right[k] + off[k] * x[k + 1]) / diagonal[k];
+}
+
+}  // namespace
+
+double growth_of(double thickness, double width) {
+  const double wanted = 0.5 * (width - thickness) / edge_volume(thickness);
+  double low = 0.01, high = 1;
+  while (sum_outside(high) < wanted) high *= 2;
+  for (int k = 0; k < 60; ++k) {
+    const double middle = 0.5 * (low + high);
+    (sum_outside(middle) < wanted ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+Row volumes_of(double thickness, double width, double growth) {
+  Row volume;
+  const double edge = edge_volume(thickness);
+  for (std::size_t k = 0; k < ShearBand::inside; ++k) volume[k] = edge * double(1 << (ShearBand::inside - 1 - k));
+  double size = 0.5 * (width - thickness) / sum_outside(growth);
+  for (std::size_t k = ShearBand::inside; k < N; ++k, size *= growth) volume[k] = size;
+  return volume;
+}
+
+double ShearBand::mean(const Row& of, double thickness) const {
+  double sum = 0;
+  const double edge = edge_volume(thickness);
+  for (std::size_t k = 0; k < inside; ++k) sum += of[k] * edge * double(1 << (inside - 1 - k));
+  return sum / (0.5 * thickness);
+}
+
+void advance_band(ShearBand& band, const HeatSoil& soil, double width, double work, double dt) {
+  if (!(width > soil.band)) {
+    band = {};
+    return;
+  }
+  if (width != band.width) {
+    band.width = width;
+    band.growth = growth_of(soil.band, width);
+    const Row volume = volumes_of(soil.band, width, band.growth);
+    keep_mean_zero(band.temperature, volume);
+    keep_mean_zero(band.pressure, volume);
+  }
+  const Row volume = volumes_of(soil.band, width, band.growth);
+  const bool open = soil.exchange == BandExchange::deviation;
+  Row source, heated = band.temperature;
+  for (std::size_t k = 0; k < N; ++k) source[k] = work * ((k < ShearBand::inside ? width / soil.band : 0) - 1);
+  diffuse(band.temperature, volume, soil.capacity, open ? soil.conductivity : 0, dt, source);
+  if (!(soil.storage > 0)) return;
+  for (std::size_t k = 0; k < N; ++k) heated[k] = soil.pressurising() * (band.temperature[k] - heated[k]);
+  diffuse(band.pressure, volume, soil.storage, open ? soil.mobility : 0, dt, heated);
+}
+
+}  // namespace pivnp::mpm

@@ -1,0 +1,41 @@
+// Embedded shear bands, thinner than any cell. docs/theory/mpm_heat.md.
+//
+// Temperature and pressure are split into the mean, which the points carry, and a deviation across the width w into which the cells
+// localise, zero in the mean: T = mean + t(y), p = mean + d(y), |y| <= w/2,
+//   C dt/dt = Gamma t'' + h(y) - mean h,   S dd/dt = (K/gamma) d'' + beta dt/dt,   no flux at 0 and w/2,
+// h the plastic work of the point times w/L_B inside the band, S = m + n/K_w. Means exchange nothing with bands: heat and water are
+// conserved whatever a band does, and bands may start, stop and change their width freely. Strength sees mean plus deviation.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "mpm/heat/heat_soil.hpp"
+
+namespace pivnp::mpm {
+
+/// What a band carries: of the volumes from its middle outward, temperature (K) and pressure (Pa) over the mean. Of a band that
+/// exchanges as printed, the first of each alone: its own temperature over that at the start of its surroundings', and its pressure.
+struct ShearBand {
+  static constexpr std::size_t inside = 3, volumes = 16;  // in the half band, and in half the width
+  std::array<double, volumes> temperature{}, pressure{};
+  double width = 0, growth = 0;  // of the zone; of the volumes, one over the one before
+
+  /// Over the mean, inside the band.
+  double hotter(double thickness) const { return mean(temperature, thickness); }
+  double over_pressure(double thickness) const { return mean(pressure, thickness); }
+
+ private:
+  double mean(const std::array<double, volumes>& of, double thickness) const;
+};
+
+/// A step of the deviation in a zone of this width, in which a unit of volume has taken `work` (J/m^3).
+void advance_band(ShearBand& band, const HeatSoil& soil, double width, double work, double dt);
+/// The widths of the volumes, the thickness's half first, then the rest of the zone's half.
+std::array<double, ShearBand::volumes> volumes_of(double thickness, double width, double growth);
+/// Growth of the volumes outside that fills the zone.
+double growth_of(double thickness, double width);
+
+}  // namespace pivnp::mpm

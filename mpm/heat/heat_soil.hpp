@@ -1,0 +1,36 @@
+// What of a material heat sees.
+#pragma once
+
+#include <string>
+
+#include "mpm/material/material.hpp"
+#include "mpm/material/options.hpp"
+#include "mpm/water/options.hpp"
+
+namespace pivnp::mpm {
+
+/// Capacities and expansions are those at the start: porosity changes by thousandths where heat matters.
+struct HeatSoil {
+  double capacity = 0;      // of a unit of initial volume, J/(m^3 K)
+  double conductivity = 0;  // W/(m K)
+  double swelling = 0;      // of the water and the grains in the pores, n beta_w + (1 - n) beta_s, 1/K; 0 without water
+  double skeleton = 0;      // thermal expansion of the skeleton's volume, 1/K
+  // Of embedded bands.
+  double band = 0;          // thickness, m; 0: none
+  BandExchange exchange = BandExchange::deviation;
+  double storage = 0;       // of the band, m + n/K_w, 1/Pa; 0 without water
+  double unloaded = 0;      // n/K_w alone, 1/Pa
+  double mobility = 0;      // K/gamma, m^2/(Pa s)
+  double carried = 0;       // capacity of the water that flows, J/(m^3 K)
+
+  double diffusivity() const { return conductivity / capacity; }
+  /// What heats the band's water into pressure: the skeleton's own growth makes room.
+  double pressurising() const { return swelling - skeleton; }
+};
+
+/// Of materials that check_material() accepts. `water`: null without. Throws InputError naming material.<name>.<key>.
+HeatSoil heat_soil(const MaterialOptions& material, const std::string& name, const WaterOptions* water);
+/// Throws InputError naming material.<name>.<key> where heat's keys are given without [heat].
+void refuse_heat_keys(const MaterialOptions& material, const std::string& name);
+
+}  // namespace pivnp::mpm

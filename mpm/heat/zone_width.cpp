@@ -1,0 +1,143 @@
+#include "mpm/heat/zone_width.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "mpm/water/pore_elements.hpp"
+
+namespace pivnp::mpm {
+
+namespace {
+
+constexpr double cells = 4;       // l
+constexpr double least_width = 0.5;  // cells
+
+// The weights exp(-r^2/l^2) between nodes with what the hats at both ends spread (a third of a cell's square) taken off, of sum 1.
+std::vector<double> taps_of(double variance) {
+  const auto far = std::ptrdiff_t(std::ceil(4.5 * std::sqrt(variance)));
+  std::vector<double> f;
+  double sum = 0;
+  for (std::ptrdiff_t t = 0; t <= far; ++t) {
+    f.push_back(std::exp(-0.5 * double(t * t) / variance));
+    sum += (t > 0 ? 2 : 1) * f.back();
+  }
+  for (double& tap : f) tap /= sum;
+  return f;
+}
+
+// sum f[t] (in(i + t) + sign in(i - t)); beyond the line nothing, or what is a period away.
+template <class In>
+double filtered(const std::vector<double>& f, double sign, std::ptrdiff_t i, std::ptrdiff_t n, std::ptrdiff_t period, In&& in) {
+  double sum = sign > 0 ? f[0] * in(i) : 0;
+  for (std::ptrdiff_t t = 1; t < std::ptrdiff_t(f.size()); ++t)
+    for (const int side : {1, -1}) {
+      std::ptrdiff_t at = i + side * t;
+      if (period > 0) at = (at % period + period) % period;
+      else if (at < 0 || at >= n) continue;
+      sum += (side > 0 ? 1 : sign) * f[std::size_t(t)] * in(at);
+    }
+  return sum;
+}
+
+}  // namespace
+
+ZoneWidth::ZoneWidth(const GridState& g, const TiedSides& ties) : ties_(&ties), length_(cells * std::sqrt(g.grid.spacing.prod())) {
+  for (const auto& [of, per_h] : {std::pair{of_x_, g.per_hx}, {of_y_, g.per_hy}}) {
+    of[0] = taps_of(0.5 * length_ * length_ * per_h * per_h - 1.0 / 3);
+    for (int power : {1, 2}) {
+      of[power] = of[0];
+      for (std::size_t t = 0; t < of[0].size(); ++t) of[power][t] *= std::pow(double(t) / per_h, power);
+    }
+  }
+}
+
+void ZoneWidth::look(Particles& p, const GridState& g, const std::vector<double>& shear, double time) {
+  const auto row = std::ptrdiff_t(g.grid.nx);
+  struct Sheared {
+    std::uint32_t k;
+    std::ptrdiff_t i, j;
+    double s, t;
+  };
+  std::vector<Sheared> points;
+  std::ptrdiff_t left = row, right = -1, low = std::ptrdiff_t(g.grid.ny), high = -1;
+  for (const std::uint32_t k : g.cells.order) {
+    if (!(shear[k] > 0)) continue;
+    const InElement in = element_of(p, g, k);
+    const std::ptrdiff_t i = std::ptrdiff_t(in.node) % row, j = std::ptrdiff_t(in.node) / row;
+    points.push_back({k, i, j, in.s, in.t});
+    left = std::min(left, i), right = std::max(right, i + 1), low = std::min(low, j), high = std::max(high, j + 1);
+  }
+  if (points.empty()) return;
+  period_x_ = period_y_ = 0;
+  for (const TiedSides::Tie& tie : ties_->ties()) {
+    if (time >= tie.until) continue;
+    const std::ptrdiff_t a = std::min(tie.node[0], tie.node[1]), b = std::max(tie.node[0], tie.node[1]);
+    if (a / row == b / row) left = std::min(a % row, left), right = std::max(b % row, right), period_x_ = b - a;
+    else if (a % row == b % row) low = std::min(a / row, low), high = std::max(b / row, high), period_y_ = (b - a) / row;
+  }
+  box_ = {left, low, right - left + 1, high - low + 1};
+  const auto at = [&](std::ptrdiff_t i, std::ptrdiff_t j) {
+    if (period_x_ > 0) i %= period_x_;
+    if (period_y_ > 0) j %= period_y_;
+    return std::size_t(j * box_.nx + i);
+  };
+  const auto size = std::size_t(box_.nx * box_.ny);
+  std::vector<double> sum(size, 0.0), square(size, 0.0);
+  const double per_cell = g.per_hx * g.per_hy;
+  const auto for_hats = [&](const Sheared& of, auto&& each) {
+    for (int b = 0; b < 2; ++b)
+      for (int a = 0; a < 2; ++a) each(at(of.i - box_.i + a, of.j - box_.j + b), (a ? of.s : 1 - of.s) * (b ? of.t : 1 - of.t), a, b);
+  };
+  for (const Sheared& of : points) {
+    const double v = per_cell * p.volume0[of.k] * p.J[of.k], gamma = shear[of.k];
+    for_hats(of, [&](std::size_t n, double w, int, int) {
+      sum[n] += w * v * gamma;
+      square[n] += w * v * gamma * gamma;
+    });
+  }
+  // Moments 0, 1 along x, 1 along y, 2, and of the square.
+  std::vector<double> moment[5], part(size);
+  filter(of_x_[0], of_y_[0], square, moment[4]);
+  filter(of_x_[0], of_y_[0], sum, moment[0]);
+  filter(of_x_[1], of_y_[0], sum, moment[1]);
+  filter(of_x_[0], of_y_[1], sum, moment[2]);
+  filter(of_x_[2], of_y_[0], sum, moment[3]);
+  filter(of_x_[0], of_y_[2], sum, part);
+  for (std::size_t n = 0; n < size; ++n) moment[3][n] += part[n];
+  const double l2 = length_ * length_, hx = g.grid.spacing.x(), hy = g.grid.spacing.y();
+  for (const Sheared& of : points) {
+    double m[5] = {};
+    for_hats(of, [&](std::size_t n, double w, int a, int b) {
+      const double x = (a - of.s) * hx, y = (b - of.t) * hy;  // from the point to the node
+      m[0] += w * moment[0][n];
+      m[1] += w * (moment[1][n] + x * moment[0][n]);
+      m[2] += w * (moment[2][n] + y * moment[0][n]);
+      m[3] += w * (moment[3][n] + 2 * (x * moment[1][n] + y * moment[2][n]) + (x * x + y * y) * moment[0][n]);
+      m[4] += w * moment[4][n];
+    });
+    if (!(m[0] > 0 && m[4] > 0)) continue;
+    const double c2 = (m[1] * m[1] + m[2] * m[2]) / (m[0] * m[0]);
+    const double across2 = std::max(0.0, m[3] / m[0] - c2 - 0.5 * l2);
+    // (The weights per area are the taps over l sqrt(pi) along the zone: so the quotient is a length.)
+    const double width = std::sqrt(std::numbers::pi) * length_ * m[0] * m[0] / m[4] * std::exp(std::min(1.0, c2 / l2)) * (1 + std::min(1.0, across2 / l2));
+    p.band_width[of.k] = std::max(width, least_width * std::sqrt(hx * hy));
+  }
+}
+
+void ZoneWidth::filter(const std::vector<double>& x_taps, const std::vector<double>& y_taps, const std::vector<double>& in,
+                       std::vector<double>& out) {
+  const auto odd = [](const std::vector<double>& f, const std::vector<double>& first) { return &f == &first ? -1.0 : 1.0; };
+  const double sign_x = odd(x_taps, of_x_[1]), sign_y = odd(y_taps, of_y_[1]);
+  std::vector<double> rows(in.size(), 0.0);
+  out.assign(in.size(), 0.0);
+  const std::ptrdiff_t nx = period_x_ > 0 ? period_x_ : box_.nx, ny = period_y_ > 0 ? period_y_ : box_.ny;
+  for (std::ptrdiff_t j = 0; j < ny; ++j)
+    for (std::ptrdiff_t i = 0; i < nx; ++i)
+      rows[std::size_t(j * box_.nx + i)] = filtered(x_taps, sign_x, i, nx, period_x_, [&](std::ptrdiff_t k) { return in[std::size_t(j * box_.nx + k)]; });
+  for (std::ptrdiff_t j = 0; j < ny; ++j)
+    for (std::ptrdiff_t i = 0; i < nx; ++i)
+      out[std::size_t(j * box_.nx + i)] = filtered(y_taps, sign_y, j, ny, period_y_, [&](std::ptrdiff_t k) { return rows[std::size_t(k * box_.nx + i)]; });
+}
+
+}  // namespace pivnp::mpm

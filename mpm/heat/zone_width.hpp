@@ -1,0 +1,35 @@
+// The width into which the cells localise, of the points of a shear zone, found without its direction.
+//
+// Across a zone with the plastic shear g(n) it is (integral g dn)^2/integral g^2 dn. With averages weighted by exp(-r^2/l^2) that is
+// sqrt(pi) l <g>^2/<g^2>, as the zone is long against l. Corrected for what the weights lose of a zone of some width and of points off
+// its middle: exp(c^2/l^2) (1 + s^2/l^2), c the distance of the sheared neighbours' centre, s^2 their variance across the zone.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "mpm/constraint/tied_sides.hpp"
+#include "mpm/grid/grid_state.hpp"
+
+namespace pivnp::mpm {
+
+class ZoneWidth {
+ public:
+  ZoneWidth(const GridState& g, const TiedSides& ties);
+  /// A look at the points with shear[k] > 0: Particles::band_width of those.
+  void look(Particles& p, const GridState& g, const std::vector<double>& shear, double time);
+
+ private:
+  struct Box {
+    std::ptrdiff_t i, j, nx, ny;
+  };
+  void filter(const std::vector<double>& x_taps, const std::vector<double>& y_taps, const std::vector<double>& in, std::vector<double>& out);
+
+  const TiedSides* ties_;
+  double length_;  // l
+  std::vector<double> of_x_[3], of_y_[3];  // taps, and those times the distance and its square
+  Box box_{};
+  std::ptrdiff_t period_x_ = 0, period_y_ = 0;  // of tied sides, in nodes
+};
+
+}  // namespace pivnp::mpm

@@ -1,0 +1,103 @@
+// A shear band resolved by finite volumes, in double precision and independent of the solver: temperature and pressure across a band
+// and its surroundings, symmetric about its middle,
+//   C dT/dt = Gamma T'' + h(y),   S dp/dt = (K/gamma) p'' + beta dT/dt,
+// h = tau v/L in the band, tau = (sigma - p_B) tan(phi), p_B the mean over the band; by backward Euler on volumes that grow from its edge.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+namespace pivnp::test {
+
+struct HeatedBand {
+  // Alvarado 2018, table 4.1; the conductivity is assumed.
+  double thickness = 0.01, capacity = 3.03032e6, beta = 1.54e-4, conductivity = 1.4, permeability = 1e-11;
+  double skeleton = 1.5e-9, of_water = 0.4 / 2.2e9;  // compressibility, 1/Pa
+  double stress = 1e6, friction_deg = 28, depth = 20;
+
+  double storage() const { return skeleton + of_water; }
+  double mobility() const { return permeability / 9810; }
+  double tan_friction() const { return std::tan(friction_deg * M_PI / 180); }
+};
+
+class ResolvedBand {
+ public:
+  explicit ResolvedBand(const HeatedBand& of, std::size_t inside = 24, double growth = 1.06) : of_(of) {
+    const double ratio = 1.15, half = 0.5 * of.thickness;
+    double sum = 0, term = 1;
+    for (std::size_t k = 0; k < inside; ++k, term *= ratio) sum += term;
+    double size = half / sum;
+    for (std::size_t k = 0; k < inside; ++k, size *= ratio) volume_.insert(volume_.begin(), size);
+    inside_ = inside;
+    size = half / sum;
+    for (double y = half; y < of.depth; y += volume_.back(), size *= growth) volume_.push_back(size);
+    hot_.assign(volume_.size(), 0.0);
+    pressure_.assign(volume_.size(), 0.0);
+  }
+
+  /// Slips at this speed for a step.
+  void slip(double speed, double dt) {
+    const double work = speed * shear_stress() / of_.thickness;
+    std::vector<double> before = hot_, source(hot_.size(), 0.0);
+    for (std::size_t k = 0; k < inside_; ++k) source[k] = dt * work;
+    diffuse(hot_, of_.capacity, of_.conductivity, dt, source);
+    for (std::size_t k = 0; k < hot_.size(); ++k) source[k] = of_.beta * (hot_[k] - before[k]);
+    diffuse(pressure_, of_.storage(), of_.mobility(), dt, source);
+  }
+  double shear_stress() const { return std::max(0.0, of_.stress - pressure()) * of_.tan_friction(); }
+  double pressure() const { return mean(pressure_); }
+  double temperature() const { return mean(hot_); }
+
+ private:
+  double mean(const std::vector<double>& of) const {
+    double sum = 0;
+    for (std::size_t k = 0; k < inside_; ++k) sum += volume_[k] * of[k];
+    return sum / (0.5 * of_.thickness);
+  }
+  void diffuse(std::vector<double>& x, double storage, double conductance, double dt, const std::vector<double>& source) const {
+    const std::size_t n = x.size();
+    std::vector<double> upper(n, 0.0), right(n);
+    double left = 0;
+    for (std::size_t k = 0; k < n; ++k) {
+      const double next = k + 1 < n ? dt * conductance * 2 / (volume_[k] + volume_[k + 1]) : 0;
+      const double diagonal = storage * volume_[k] + left + next - (k > 0 ? left * upper[k - 1] : 0);
+      upper[k] = next / diagonal;
+      right[k] = (volume_[k] * (storage * x[k] + source[k]) + (k > 0 ? left * right[k - 1] : 0)) / diagonal;
+      left = next;
+    }
+    x[n - 1] = right[n - 1];
+    for (std::size_t k = n - 1; k-- > 0;) x[k] = right[k] + upper[k] * x[k + 1];
+  }
+
+  HeatedBand of_;
+  std::size_t inside_;
+  std::vector<double> volume_, hot_, pressure_;
+};
+
+/// The planar slide of Alvarado 2018's figure 4.6 as this project assumes it: an endless slope of 20 degrees.
+struct PlanarSlide {
+  HeatedBand band;
+  double drive = 127.38e3, mass = 37964;
+
+  explicit PlanarSlide(HeatedBand of) : band(of) { band.stress = 238.69e3; }
+  struct State {
+    double time = 0, slip = 0, speed = 0, pressure = 0, temperature = 0;
+  };
+  /// The state once it has slipped so far.
+  State after(double slip, double dt = 2e-3) const {
+    ResolvedBand resolved(band);
+    State s;
+    while (s.slip < slip) {
+      s.speed += dt * (drive - resolved.shear_stress()) / mass;
+      resolved.slip(s.speed, dt);
+      s.slip += dt * s.speed;
+      s.time += dt;
+    }
+    s.pressure = resolved.pressure();
+    s.temperature = resolved.temperature();
+    return s;
+  }
+};
+
+}  // namespace pivnp::test

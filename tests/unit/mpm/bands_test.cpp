@@ -1,0 +1,165 @@
+// Embedded bands: the deviation across a zone, and with the means of the zone the whole band, against one resolved by finite volumes
+// and against Alvarado 2018's 4.24.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "mpm/heat/bands.hpp"
+#include "tests/support/heated_band.hpp"
+
+namespace pivnp::mpm {
+namespace {
+
+using pivnp::test::HeatedBand;
+using pivnp::test::PlanarSlide;
+using pivnp::test::ResolvedBand;
+
+TEST(Bands, VolumesFillTheZone) {
+  for (const double width : {0.011, 0.02, 0.5, 50.0}) {
+    const auto volume = volumes_of(0.01, width, growth_of(0.01, width));
+    double sum = 0;
+    for (const double v : volume) sum += v;
+    EXPECT_NEAR(sum, 0.5 * width, 1e-12 * width);
+    EXPECT_GT(volume.back(), 0);
+  }
+}
+
+// The reference itself: reference figures of an earlier, independent solution, and 4.24.
+TEST(Bands, TheResolvedBandIsThatOfTheTrial) {
+  const struct {
+    double thickness, at_1, at_5, at_30, hot;
+  } rows[] = {{0.001, 399.6, 628.9, 822.4, 19.61}, {0.01, 137.0, 469.8, 830.9, 14.41}, {0.1, 15.9, 76.3, 368.4, 6.63}};
+  for (const auto& row : rows) {
+    HeatedBand of;
+    of.thickness = row.thickness;
+    ResolvedBand band(of);
+    const double dt = 2e-3;
+    for (int k = 1; k <= 30000; ++k) {
+      band.slip(0.1, dt);
+      const double expected = 1e3 * (k == 500 ? row.at_1 : k == 2500 ? row.at_5 : k == 15000 ? row.at_30 : 0);
+      if (expected > 0) {
+        EXPECT_NEAR(band.pressure(), expected, 1e-2 * expected);
+      }
+    }
+    EXPECT_NEAR(band.temperature(), row.hot, 5e-3 * row.hot);
+  }
+  HeatedBand of;
+  of.conductivity = of.permeability = 0;
+  ResolvedBand sealed(of);
+  for (int k = 0; k < 10000; ++k) sealed.slip(0.1, 1e-3);
+  const double rate = of.beta * of.tan_friction() * 0.1 / (of.storage() * of.capacity * of.thickness);
+  EXPECT_NEAR(sealed.pressure(), 1e6 * (1 - std::exp(-10 * rate)), 300);
+}
+
+// A zone of cells of a size, with means in a column of them, and its band.
+class EmbeddedBand {
+ public:
+  EmbeddedBand(const HeatedBand& of, double cell) : of_(of), cell_(cell), hot_(std::size_t(of.depth / cell) + 1, 0.0), pressure_(hot_) {
+    soil_.capacity = of.capacity;
+    soil_.conductivity = of.conductivity;
+    soil_.swelling = of.beta;
+    soil_.band = of.thickness;
+    soil_.storage = of.storage();
+    soil_.mobility = of.mobility();
+  }
+  void slip(double speed, double dt) {
+    const double work = dt * speed * shear_stress() / cell_;  // in the zone, the column's first half cell and its mirror
+    const double each = dt / (cell_ * cell_);
+    std::vector<double> old = hot_;
+    const auto gain = [&](const std::vector<double>& x, std::size_t k) {
+      return (k == 0 ? 2 * (x[1] - x[0]) : (k + 1 < x.size() ? x[k + 1] - x[k] : 0) + x[k - 1] - x[k]);
+    };
+    for (std::size_t k = 0; k < hot_.size(); ++k) hot_[k] += of_.conductivity / of_.capacity * each * gain(old, k) + (k == 0 ? work / of_.capacity : 0);
+    const std::vector<double> was = pressure_;
+    for (std::size_t k = 0; k < hot_.size(); ++k)
+      pressure_[k] += of_.mobility() / of_.storage() * each * gain(was, k) + of_.beta / of_.storage() * (hot_[k] - old[k]);
+    advance_band(band_, soil_, cell_, work, dt);
+  }
+  double shear_stress() const { return std::max(0.0, of_.stress - pressure()) * of_.tan_friction(); }
+  double pressure() const { return pressure_[0] + band_.over_pressure(of_.thickness); }
+  double temperature() const { return hot_[0] + band_.hotter(of_.thickness); }
+
+ private:
+  HeatedBand of_;
+  HeatSoil soil_;
+  double cell_;
+  ShearBand band_;
+  std::vector<double> hot_, pressure_;
+};
+
+TEST(Bands, ASealedBlockFollows424) {
+  for (const double friction : {11.0, 28.0})
+    for (const double speed : {0.1, 3.0})
+      for (const double thickness : {0.001, 0.01, 0.1})
+        for (const double skeleton : {0.0, 1.5e-9, 3.375e-8}) {
+          HeatedBand of;
+          of.friction_deg = friction, of.thickness = thickness, of.skeleton = skeleton;
+          of.conductivity = of.permeability = 0;
+          const double rate = of.beta * of.tan_friction() * speed / (of.storage() * of.capacity * thickness);
+          EmbeddedBand band(of, 0.5);
+          const int steps = 4000;
+          for (int k = 1; k <= steps; ++k) {
+            band.slip(speed, 2 / rate / steps);
+            if (k % 1000 == 0) {
+              EXPECT_NEAR(band.pressure(), 1e6 * (1 - std::exp(-2.0 * k / steps)), 1e3);
+            }
+          }
+        }
+}
+
+// The block of figure 4.4 with diffusion: whatever the cell.
+TEST(Bands, ABlockWithDiffusionIsTheResolvedOne) {
+  for (const double permeability : {1e-11, 1e-9, 1e-7})
+    for (const double cell : {0.5, 1.0, 2.0}) {
+      HeatedBand of;
+      of.permeability = permeability;
+      ResolvedBand resolved(of);
+      EmbeddedBand band(of, cell);
+      double worst = 0;
+      for (int k = 0; k < 15000; ++k) {
+        resolved.slip(0.1, 2e-3);
+        band.slip(0.1, 2e-3);
+        worst = std::max(worst, std::abs(band.pressure() - resolved.pressure()));
+      }
+      EXPECT_LT(worst, 0.018e6) << permeability << ' ' << cell;
+      EXPECT_NEAR(band.temperature(), resolved.temperature(), 0.05 * resolved.temperature()) << permeability << ' ' << cell;
+      RecordProperty("worst", std::to_string(worst));
+      std::printf("%g %g: %g of 1e6, %g of %g K\n", permeability, cell, worst, band.temperature(), resolved.temperature());
+    }
+}
+
+// Figure 4.6: reference figures of the trial.
+TEST(Bands, TheResolvedSlideIsThatOfTheTrial) {
+  HeatedBand of;
+  const PlanarSlide::State s = PlanarSlide(of).after(50);
+  EXPECT_NEAR(s.time, 8.07, 0.02);
+  EXPECT_NEAR(s.speed, 18.16, 0.05);
+  EXPECT_NEAR(s.temperature, 2.97, 0.03);
+}
+
+// Whatever is done to its width, the deviation has no mean: no heat, no water.
+TEST(Bands, TheDeviationHasNoMean) {
+  HeatedBand of;
+  HeatSoil soil;
+  soil.capacity = of.capacity, soil.conductivity = of.conductivity, soil.swelling = of.beta;
+  soil.band = of.thickness, soil.storage = of.storage(), soil.mobility = 1e-9 / 9810;
+  ShearBand band;
+  double hottest = 0;
+  for (int k = 0; k < 400; ++k) {
+    const double width = 0.5 * (1 + 0.3 * std::sin(0.1 * k));
+    advance_band(band, soil, width, k < 300 ? 1e3 : 0, 0.01);
+    const auto volume = volumes_of(of.thickness, width, band.growth);
+    double heat = 0, water = 0;
+    for (std::size_t v = 0; v < ShearBand::volumes; ++v) heat += volume[v] * band.temperature[v], water += volume[v] * band.pressure[v];
+    hottest = std::max(hottest, band.hotter(of.thickness));
+    EXPECT_NEAR(heat, 0, 1e-12 * (1 + hottest));
+    EXPECT_NEAR(water, 0, 1e-7);
+  }
+  EXPECT_GT(hottest, 1);
+  advance_band(band, soil, 0.005, 1e3, 0.01);
+  EXPECT_EQ(band.hotter(of.thickness), 0) << "narrower than the band: no deviation";
+}
+
+}  // namespace
+}  // namespace pivnp::mpm

@@ -1,0 +1,127 @@
+// The planar slide of Alvarado 2018's figure 4.6 on tied sides: a row of clay that yields between blocks that do not, seen along the
+// slope. The seepage's pressure is left out and gravity with it, so that the clay's effective stress and the drive are the slide's.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/support/heated_band.hpp"
+#include "tests/support/silent.hpp"
+#include "tests/unit/mpm/scenes.hpp"
+
+namespace pivnp::mpm::test {
+
+using pivnp::test::HeatedBand;
+using pivnp::test::PlanarSlide;
+
+struct SlideOptions {
+  double cell = 1, above = 18, below = 4;  // m
+  int per_element = 4, rows = 3;           // rows of clay
+  BandExchange exchange = BandExchange::deviation;
+  bool bands = true;
+  double young = 4.5e8;  // of which 1.5e-9 1/Pa is the compressibility
+  std::optional<ShapeKind> shape = ShapeKind::gimp;
+  std::optional<TransferKind> transfer = TransferKind::flip;
+  double pic_per_s = 0, damping = 0, courant = 0.8;
+  int threads = 1;
+};
+
+struct SlideState {
+  double time = 0, speed = 0, pressure = 0, temperature = 0, width = 0;
+  double heat_lost = 0, water_lost = 0, residual = 0;
+  std::int64_t steps = 0;
+};
+
+inline Scene slide_scene(const PlanarSlide& slide, const SlideOptions& o) {
+  const HeatedBand& of = slide.band;
+  const double h = o.cell, low = std::round(o.below / h) * h, clay = o.rows * h, high = low + clay + std::round(o.above / h) * h;
+  MaterialOptions block = elastic(1, 0.33, 0);
+  block.young_pa = o.young;
+  block.porosity = 0.4;
+  block.permeability_m_s = of.permeability;
+  block.grain_density_kg_m3 = 2700;
+  block.grain_specific_heat_j_kg_k = 837;
+  block.conductivity_w_m_k = of.conductivity;
+  block.grain_thermal_expansion_1_k = 3e-5;
+  block.skeleton_thermal_expansion_1_k = 0;
+  MaterialOptions soil = block;
+  soil.model = "mohr_coulomb";
+  // A layer that shears without dilatancy has the strength sin(phi) along itself.
+  soil.friction_deg = std::asin(of.tan_friction()) * 180 / M_PI;
+  if (o.bands) {
+    soil.band_thickness_m = of.thickness;
+    soil.band_compressibility_1_pa = of.skeleton;
+    soil.band_exchange = o.exchange;
+  }
+  Scene s = scene(Grid{{0, 0}, {h, h}, 3, int(std::lround(high / h)) + 3},
+                  {rectangle("base", 0, 0, 2 * h, low), rectangle("clay", 0, low, 2 * h, low + clay), rectangle("slide", 0, low + clay, 2 * h, high)},
+                  {block, soil, block}, o.per_element);
+  s.water.emplace();
+  s.heat.emplace();
+  BoundaryOptions sides = line({0, 0}, {0, high + 2 * h}, "tied");
+  sides.across_m = Pair{2 * h, 0};
+  s.boundaries = {{"floor", line({0, 0}, {2 * h, 0}, "fixed")}, {"sides", sides}};
+  // The stress that the slide would have above the middle of the clay.
+  const double middle = low + 0.5 * clay, density = 2020;
+  const double push = slide.drive / (density * (high - middle)), weight = of.stress / (density * (high - middle));
+  for (std::size_t k = 0; k < s.particles.size(); ++k) {
+    const double over = density * (high - s.particles.x0[k].y());
+    s.stress0.push_back({-weight * over, -weight * over, -weight * over, push * over});
+  }
+  return s;
+}
+
+inline Pair slide_gravity(const PlanarSlide& slide, const SlideOptions& o) {
+  const double over = 2020 * (std::round(o.above / o.cell) + 0.5 * o.rows) * o.cell;
+  return {slide.drive / over, -slide.band.stress / over};
+}
+
+/// Until the slide has moved `slip`. Its mass is that of the slide above the clay's middle only where the column is as high.
+inline SlideState run_slide(const PlanarSlide& slide, const SlideOptions& o, double slip, double most_time) {
+  MpmOptions options = test::options(slide_gravity(slide, o));
+  options.initial_equilibrium = false;
+  options.end_at_rest = false;
+  options.shape = o.shape;
+  options.transfer = o.transfer;
+  if (o.pic_per_s > 0) options.pic_per_s = o.pic_per_s;
+  if (o.damping > 0) options.damping = o.damping;
+  options.courant = o.courant;
+  options.energy_limit = 1e9;
+  options.pressure = PressureScheme::in_steps;
+  Solver solver(options, slide_scene(slide, o), o.threads);
+  const EnergyRow start = solver.energy();
+  SlideState s;
+  std::size_t top = 0;
+  for (std::size_t k = 0; k < solver.particles().size(); ++k)
+    if (solver.particles().x0[k].y() > solver.particles().x0[top].y()) top = k;
+  double before = 0, at = 0;
+  const double every = most_time / 400;
+  for (double t = every; t <= most_time; t += every) {
+    solver.advance_to(t, silent);
+    const MotionFrame f = solver.frame();
+    const double now = double(f.u[top][0]);
+    s.speed = double(f.v[top][0]);
+    before = at, at = now;
+    if (at < slip) continue;
+    s.time = t - every * (at - slip) / (at - before);
+    const FieldValues &p = f.field(o.bands ? "band_pressure" : "pressure"), &hot = f.field(o.bands ? "band_temperature" : "temperature");
+    double all = 0;  // means over the sheared points, by their shear
+    for (std::size_t k = 0; k < f.u.size(); ++k) {
+      const double g = double(f.field("plastic_dev")(k, 0));
+      all += g;
+      s.pressure += g * double(p(k, 0));
+      s.temperature += g * (double(hot(k, 0)) - 20);
+      if (o.bands) s.width += g * double(f.field("band_width")(k, 0));
+    }
+    for (double* value : {&s.pressure, &s.temperature, &s.width}) *value /= all;
+    break;
+  }
+  const EnergyRow e = solver.energy();
+  s.heat_lost = (e.heat - start.heat - e.heat_made - e.heat_inflow) / e.heat_made;
+  s.water_lost = (e.water_mass - start.water_mass - e.water_inflow) / start.water_mass;
+  s.residual = e.residual / e.external;
+  s.steps = solver.steps();
+  return s;
+}
+
+}  // namespace pivnp::mpm::test
