@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "pivnp/piv/dense/lattice_filter.hpp"
 #include "pivnp/piv/dense/shrink.hpp"
 #include "pivnp/piv/method.hpp"
 
@@ -166,6 +167,23 @@ struct SequenceCorrelator::Impl {
       divide(begin + (end - begin) * part / parts, begin + (end - begin) * (part + 1) / parts, field);
   }
 
+  // How far a pair is to be believed to move as its group does, 0 ... 1: where it departs by more than the noise of its
+  // own cells, it knows better by itself (onset and arrest, flow that is not steady, paths that are wrong).
+  std::vector<float> steady_share(const HeldPair& pair, const GroupField& base, const GroupField& own) const {
+    constexpr int reach = 2;
+    std::vector<float> departure(lattice.size()), noise(lattice.size()), departures, noises;
+    const auto square = [](float x) { return x * x; };
+    for (std::size_t k = 0; k < lattice.size(); ++k) {
+      departure[k] = square(own.value.u[k] - base.value.u[k]) + square(own.value.v[k] - base.value.v[k]);
+      noise[k] = square(pair.measured.u[k] - pair.smooth.u[k]) + square(pair.measured.v[k] - pair.smooth.v[k]);
+    }
+    box_mean(lattice, departure, reach, departures);
+    box_mean(lattice, noise, reach, noises);
+    for (std::size_t k = 0; k < lattice.size(); ++k)
+      departures[k] = 1 / (1 + square(departures[k] / std::max(noises[k], 1e-8f)));
+    return departures;
+  }
+
   // The pair's own departure from what its group says, on its own lattice.
   void finish_pair(HeldPair& pair, const GroupField& group_field) {
     constexpr int iterations = 6;
@@ -188,9 +206,12 @@ struct SequenceCorrelator::Impl {
       base.variance.u[k] = std::max(variance[0], 0.0f), base.variance.v[k] = std::max(variance[1], 0.0f);
     });
     GroupField change = shrunk(pair.measured, base, 1, 1);
+    const std::vector<float> share = steady_share(pair, base, change);
     for (std::size_t k = 0; k < lattice.size(); ++k) {
-      change.value.u[k] -= pair.smooth.u[k], change.value.v[k] -= pair.smooth.v[k];
-      change.variance.u[k] -= pair.variance.u[k], change.variance.v[k] -= pair.variance.v[k];
+      change.value.u[k] = share[k] * (change.value.u[k] - pair.smooth.u[k]);
+      change.value.v[k] = share[k] * (change.value.v[k] - pair.smooth.v[k]);
+      change.variance.u[k] = share[k] * (change.variance.u[k] - pair.variance.u[k]);
+      change.variance.v[k] = share[k] * (change.variance.v[k] - pair.variance.v[k]);
     }
     const SplineField by = spline(change.value);
     const auto d = static_cast<float>(decimation);
