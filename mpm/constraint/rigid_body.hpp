@@ -101,10 +101,8 @@ class RigidBodies {
     Vec2 velocity_at(double time) const;
     bool contains(const Vec2& x_at_time_0) const;
     void sample_surface(double spacing);
-    /// The pieces of the outline that a place (at time 0) is under, no more than `deepest` below.
-    void pieces_over(const Vec2& x, double deepest, std::vector<UnderPiece>& list) const;
-    /// A place on the outline near a point of it, at time 0.
-    Vec2 on_outline(std::size_t point, double along) const;
+    /// The pieces of a polygon's sides that a point is under (place and halves of its sides at time 0), no more than `deepest`.
+    void pieces_over(const Vec2& x, const Mat2& halves, double deepest, std::vector<UnderPiece>& list) const;
   };
   struct Contact {
     int body = 0;
