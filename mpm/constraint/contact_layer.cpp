@@ -11,7 +11,7 @@ namespace pivnp::mpm {
 namespace {
 
 constexpr double least_depth = 1.2;   // cells of material that a layer needs
-constexpr double most_half = 0.75;    // of the root of a point's volume: what is sheared much reaches no farther
+constexpr double most_stretch2 = 6;   // |F|^2, beyond which material has flowed, and its points lie anyhow
 constexpr double most_uneven = 0.15;  // of a layer's depth, by which its points may lie other than their volumes say
 
 }  // namespace
@@ -41,16 +41,13 @@ void ContactLayer::add(const Particles& p, const GridState& g, const Vec2& low, 
         const std::size_t from = g.cells.first_from(std::int32_t(g.grid.node(left, j)));
         const std::size_t to = g.cells.first_from(std::int32_t(g.grid.node(right, j)) + 1);
         for_points<S>(p, g, {from, to}, [&](std::uint32_t k, const std::size_t* at, const auto& x, const auto& y) {
-          list.clear();
-          under({p.x[k], p.y[k]}, list);
-          if (list.empty()) return;
           const Mat2 F{{p.F_xx[k], p.F_xy[k]}, {p.F_yx[k], p.F_yy[k]}};
-          const double volume = p.volume0[k] * (F(0, 0) * F(1, 1) - F(0, 1) * F(1, 0)), side = std::sqrt(p.volume0[k]);
-          for (const UnderPiece& u : list) {
-            const Vec2 across = F.transpose() * u.normal;
-            const double half = std::min(0.5 * side * across.lpNorm<1>(), most_half * std::sqrt(volume));
-            members_[u.piece * std::size_t(fields_) + std::size_t(field)].push_back({points_.size(), u.share * volume, half, u});
-          }
+          list.clear();
+          under({p.x[k], p.y[k]}, 0.5 * std::sqrt(p.volume0[k]) * F, list);
+          if (list.empty()) return;
+          const double volume = p.volume0[k] * (F(0, 0) * F(1, 1) - F(0, 1) * F(1, 0));
+          for (const UnderPiece& u : list)
+            members_[u.piece * std::size_t(fields_) + std::size_t(field)].push_back({points_.size(), u.share * volume, F.squaredNorm(), u});
           Point point;
           std::copy(at, at + S::width * S::width, point.node);
           for (int a = 0; a < S::width; ++a) {
@@ -72,24 +69,25 @@ MaterialFace ContactLayer::face(const GridState& g, std::size_t piece, int field
   std::stable_sort(members.begin(), members.end(), [](const Member& m, const Member& n) { return m.at.depth < n.at.depth; });
 
   // Where the outermost points end: their mean, of others the less the deeper they lie.
-  double outermost = members.front().at.depth - members.front().half, weight = 0, sum = 0;
-  for (const Member& m : members) outermost = std::min(outermost, m.at.depth - m.half);
+  double outermost = members.front().at.depth - members.front().at.half, weight = 0, sum = 0;
+  for (const Member& m : members) outermost = std::min(outermost, m.at.depth - m.at.half);
   for (const Member& m : members) {
-    const double below = (m.at.depth - m.half - outermost) / (2 * m.half);
+    const double below = (m.at.depth - m.at.half - outermost) / (2 * m.at.half);
     if (below >= 1) continue;
     const double w = m.volume * (1 - below) * (1 - below);
     weight += w;
-    sum += w * (m.at.depth - m.half);
+    sum += w * (m.at.depth - m.at.half);
   }
   out.gap = sum / weight;
 
   std::size_t size = 1;
-  while (size < members.size() && members[size].at.depth - members[size - 1].at.depth <= FaceLayer::gap * 2 * members[size].half) ++size;
+  while (size < members.size() && members[size].at.depth - members[size - 1].at.depth <= FaceLayer::gap * 2 * members[size].at.half) ++size;
   members.resize(size);
   const Vec2 normal = members.front().at.normal.cwiseAbs();
-  const double h = normal.dot(g.grid.spacing), end = members.back().at.depth + members.back().half - out.gap;
+  const double h = normal.dot(g.grid.spacing), end = members.back().at.depth + members.back().at.half - out.gap;
   out.state = MaterialFace::State::thin;
-  if (end < least_depth * h) return out;
+  if (end < least_depth * h || std::any_of(members.begin(), members.end(), [](const Member& m) { return m.stretch2 > most_stretch2; }))
+    return out;
   const FaceLayer layer{std::min(FaceLayer::cells * h, end)};  // to the end of what is thinner
   const auto fallen = [&](const Member& m) { return layer.fallen(m.at.depth - out.gap); };
   // Body forces that make up 1, and the stress whose end is where the points' volumes say.
@@ -97,7 +95,7 @@ MaterialFace ContactLayer::face(const GridState& g, std::size_t piece, int field
   for (Member& m : members) {
     const double s = fallen(m);
     m.stress = m.volume * FaceLayer::share(s);
-    m.body = m.volume * 6 * s * (1 - s) / (layer.depth - layer.upper) - m.stress * m.at.per_radius;
+    m.body = m.volume * 6 * s * (1 - s) / (layer.depth - layer.upper);
     area += m.body;
     falling += m.volume * s * (1 - s);
   }

@@ -22,12 +22,12 @@ struct NodeShare {
   double share;
 };
 
-/// A place under a piece of an outline: the piece's share of it, its depth below and its place along, in m.
+/// A point under a piece of an outline: the piece's share of it, its depth below and its place along, in m.
 struct UnderPiece {
   std::size_t piece;
   double share, depth, along;
-  Vec2 normal;      // e there
-  double per_radius;  // div e, 1/m
+  double half;  // of the point's extent across the face, m
+  Vec2 normal;  // e
 };
 
 /// A face of the material under a piece.
@@ -41,8 +41,8 @@ class ContactLayer {
  public:
   /// Forgets all points, for so many pieces.
   void begin(std::size_t pieces, int velocity_fields);
-  /// Adds to a list the pieces that a place is under.
-  using Under = std::function<void(const Vec2& x, std::vector<UnderPiece>& list)>;
+  /// Adds to a list the pieces that a point is under: a parallelogram, the columns of `halves` half its sides.
+  using Under = std::function<void(const Vec2& x, const Mat2& halves, std::vector<UnderPiece>& list)>;
   /// Takes the points in and around a box, as far away as a layer is deep.
   void add(const Particles& p, const GridState& g, const Vec2& low, const Vec2& high, const Under& under);
   /// The face under a piece, and what an impulse on it gives to nodes (appended).
@@ -55,7 +55,7 @@ class ContactLayer {
   };
   struct Member {
     std::size_t point;
-    double volume, half;  // of the piece's share of it; half its extent across the face
+    double volume, stretch2;  // of the piece's share of it; |F|^2
     UnderPiece at;
     double body = 0, stress = 0;  // of an impulse: as a body force, and as a stress, m
   };

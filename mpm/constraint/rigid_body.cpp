@@ -205,56 +205,32 @@ void RigidBodies::Body::sample_surface(double spacing) {
   }
 }
 
-void RigidBodies::Body::pieces_over(const Vec2& x, double deepest, std::vector<UnderPiece>& list) const {
-  if (!polygon) {
-    const Vec2 d = x - centre;
-    const double r = d.norm();
-    if (r - radius > deepest || r < 0.5 * radius) return;
-    const auto n = std::size_t(surface.size());
-    const double polar = std::atan2(d.y(), d.x()), at = (polar < 0 ? polar + 2 * M_PI : polar) / (2 * M_PI) * double(n) - 0.5;
-    const double before = std::floor(at), share = at - before;
-    const std::size_t k = std::size_t(before + double(n)) % n;
-    const double piece = 2 * M_PI * radius / double(n);
-    list.push_back({k, 1 - share, r - radius, share * piece, d / r, 1 / r});
-    list.push_back({(k + 1) % n, share, r - radius, (share - 1) * piece, d / r, 1 / r});
-    return;
-  }
-  // Inside, it is under the nearest side.
+// Of a point the part that lies under a side, hats along the side: the first and last piece's are even to its ends.
+void RigidBodies::Body::pieces_over(const Vec2& x, const Mat2& halves, double deepest, std::vector<UnderPiece>& list) const {
+  const Side* inside = nullptr;  // where the point is in the body: the nearest
   double nearest = -std::numeric_limits<double>::infinity();
-  const Side* inside = nullptr;
-  const auto take = [&](const Side& s) {
-    const Vec2 d = x - s.start;
-    const double piece = s.length / double(s.count), at = d.dot(s.along) / piece - 0.5, depth = d.dot(s.normal);
-    const double before = std::clamp(std::floor(at), -1.0, double(s.count) - 1), share = std::clamp(at - before, 0.0, 1.0);
-    const double last = double(s.count) - 1;
-    if (before >= 0 && (share < 1 || before == last)) {
-      const double mine = before == last ? 1 : 1 - share;
-      list.push_back({s.first + std::size_t(before), mine, depth, (at - before) * piece, s.normal, 0});
-    }
-    if (before < last && share > 0) {
-      const double mine = before < 0 ? 1 : share;
-      list.push_back({s.first + std::size_t(before + 1), mine, depth, (at - before - 1) * piece, s.normal, 0});
-    }
+  const auto take = [&](const Side& s, double depth) {
+    const double half = (halves.transpose() * s.along).lpNorm<1>(), on = (x - s.start).dot(s.along);
+    const double low = std::max(on - half, 0.0), high = std::min(on + half, s.length);
+    if (!(low < high)) return;
+    const double piece = s.length / double(s.count), at = 0.5 * (low + high) / piece - 0.5, part = (high - low) / (2 * half);
+    const double across = (halves.transpose() * s.normal).lpNorm<1>(), before = std::floor(at);
+    const auto add = [&](double number, double share) {
+      if (number < 0 || number >= double(s.count) || share == 0) return;
+      list.push_back({s.first + std::size_t(number), share * part, depth, (at - number) * piece, across, s.normal});
+    };
+    const double second = before < 0 ? 1 : before + 1 >= double(s.count) ? 0 : at - before;
+    add(before, 1 - second);
+    add(before + 1, second);
   };
   for (const Side& s : sides) {
-    const Vec2 d = x - s.start;
-    const double on = d.dot(s.along), depth = d.dot(s.normal);
-    if (on < 0 || on > s.length || depth > deepest) continue;
-    if (depth >= 0) {
-      take(s);
-    } else if (depth > nearest) {
-      nearest = depth;
-      inside = &s;
-    }
+    const double depth = (x - s.start).dot(s.normal);
+    if (depth >= 0 && depth <= deepest) take(s, depth);
+    if (depth >= 0 || depth <= nearest) continue;
+    nearest = depth;
+    inside = &s;
   }
-  if (inside && contains(x)) take(*inside);
-}
-
-Vec2 RigidBodies::Body::on_outline(std::size_t point, double along) const {
-  const SurfacePoint& s = surface[point];
-  if (polygon) return s.x + along * Vec2(-s.normal.y(), s.normal.x());
-  const double turn = along / radius, cos = std::cos(turn), sin = std::sin(turn);
-  return centre + radius * Vec2(cos * s.normal.x() - sin * s.normal.y(), sin * s.normal.x() + cos * s.normal.y());
+  if (inside && contains(x)) take(*inside, nearest);
 }
 
 namespace {
@@ -262,15 +238,10 @@ namespace {
 // Of the least mass: half a cell above a surface a quarter of a cell's mass is still felt, and the sides of a body that
 // stands there would plough; at the surface itself it is a half.
 constexpr double closer_when_free = 1.6;
-constexpr double deepest_layer = 6;      // cells from an outline to the points that are looked at
-constexpr double touching_at_rest = 0.25;  // cells between a body and a face that lie on each other at the start
-constexpr double sticking = 0.02;        // cells, by which a rough body may be off and still pulls
-
+constexpr double deepest_layer = 6;       // cells from an outline to the points that are looked at
+constexpr double touching_at_rest = 0.1;  // cells between a body and a face that lie on each other at the start
+constexpr double sticking = 0.02;         // cells by which a rough body may be off and still pulls
 constexpr int impulse_sweeps = 20;
-
-}  // namespace
-
-namespace {
 
 auto pair_of(std::span<const JoinedNode> joined, std::uint32_t node) {
   const auto at = std::lower_bound(joined.begin(), joined.end(), node, [](const JoinedNode& j, std::uint32_t n) { return j.small < n; });
@@ -287,8 +258,9 @@ void RigidBodies::find_points_under(const Body& body, double time, const Particl
     high = high.cwiseMax(x);
   }
   layer_.begin(body.surface.size(), g.velocity_fields);
-  layer_.add(p, g, low, high, [&](const Vec2& x, std::vector<UnderPiece>& list) {
-    body.pieces_over(body.place_at_time_0(x, time), deepest_layer * spacing_, list);
+  const Mat2 back{{std::cos(body.angle), std::sin(body.angle)}, {-std::sin(body.angle), std::cos(body.angle)}};
+  layer_.add(p, g, low, high, [&](const Vec2& x, const Mat2& halves, std::vector<UnderPiece>& list) {
+    body.pieces_over(body.place_at_time_0(x, time), back * halves, deepest_layer * spacing_, list);
     for (UnderPiece& u : list) u.normal = body.turned(u.normal);
   });
 }
@@ -345,7 +317,7 @@ void RigidBodies::find_contacts(double time, double dt, double least_mass, std::
     const Body& body = bodies_[b];
     if (body.free && time < 0) continue;
     const double least = body.free ? closer_when_free * least_mass : least_mass;
-    find_points_under(body, time, p, g);
+    if (body.polygon) find_points_under(body, time, p, g);
     for (std::size_t s = 0; s < body.surface.size(); ++s) {
       const SurfacePoint& point = body.surface[s];
       for (int field = 0; field < g.velocity_fields; ++field) {
@@ -354,15 +326,15 @@ void RigidBodies::find_contacts(double time, double dt, double least_mass, std::
         c.x = body.place(point.x, time);
         c.normal = body.turned(point.normal);
         c.begin = shares_.size();
-        const MaterialFace face = layer_.face(g, s, field, shares_);
+        const MaterialFace face = body.polygon ? layer_.face(g, s, field, shares_) : MaterialFace{};
+        if (body.polygon && face.state == MaterialFace::State::none) continue;
         if (face.state == MaterialFace::State::found) {
           const double gap = time < 0 ? 0 : face.gap;
           if (face.gap > (time < 0 ? touching_at_rest : 1.0) * spacing_) {
             shares_.resize(c.begin);
             continue;
           }
-          c.layer = true;
-          c.x = body.place(body.on_outline(s, face.along), time);
+          c.x += face.along * Vec2(-c.normal.y(), c.normal.x());
           if (gap > 0) c.part = gap / dt;
           c.pulls = !body.friction && gap <= sticking * spacing_;
           if (c.pulls) c.part = 0;
@@ -441,8 +413,7 @@ void RigidBodies::apply(double time, double dt, double least_mass, std::span<con
       if (s.share == 0) continue;
       const Vec2 v = bodies_[std::size_t(c.body)].velocity_of(g.position(s.node), time);
       reactions.push_back({s.node, s.share * impulse.x(), s.share * impulse.y(), v.x(), v.y(), c.body});
-      // (In a layer the points of the material itself bear the impulse.)
-      if (!c.layer) g.node[s.node].held = true;
+      g.node[s.node].held = true;
     }
   }
   // Of a body and node one.

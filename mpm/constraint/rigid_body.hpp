@@ -1,12 +1,14 @@
 // Rigid bodies: with prescribed motion, or free with a mass.
 //
-// Contact is held at points of the outline, at most a cell apart: the material's velocity there, interpolated with the
-// shape functions, meets that of the body; the impulses go to the nodes through the same functions (Lagrange multipliers
-// on an embedded surface, lumped masses, Gauss-Seidel with projection as in contact dynamics, Jean 1999).
-// So the surface is where the outline is, not where the next nodes are. Rough: no relative motion. With a friction
-// coefficient mu (0: smooth): no motion into the body, the tangential impulse at most mu times the normal one. A point
-// of the outline is in contact where the mass that its nodes give it is a quarter of a full cell's or more (next to a
-// half-space it is a half).
+// Contact is held at pieces of the outline, at most a cell long: the material's velocity there meets that of the body, and
+// impulses go to the nodes through the same numbers by which the velocity comes from them (Lagrange multipliers on an embedded
+// surface, lumped masses, Gauss-Seidel with projection as in contact dynamics, Jean 1999). Rough: no relative motion. With a friction
+// coefficient mu (0: smooth): no motion into the body, the tangential impulse at most mu times the normal one.
+//
+// Under a polygon's sides these numbers are those of a layer of the material (contact_layer.hpp). Contact begins where the
+// outermost points end: a gap may close in a step, and no more. On circles, and where there is no layer (few points, material that
+// has flowed), they are the shape functions at the piece's middle; it is in contact where the mass that its nodes give it is a quarter
+// of a full cell's or more (next to a half-space it is a half).
 //
 // A free body moves under gravity and these impulses: its velocity and turn are unknowns of the same sweeps (with its
 // inverse mass and moment of inertia beside those of the nodes), advanced by symplectic Euler. It meets material only,
@@ -101,15 +103,12 @@ class RigidBodies {
     Vec2 velocity_at(double time) const;
     bool contains(const Vec2& x_at_time_0) const;
     void sample_surface(double spacing);
-    /// The pieces of the outline that a place (at time 0) is under, no more than `deepest` below.
-    void pieces_over(const Vec2& x, double deepest, std::vector<UnderPiece>& list) const;
-    /// A place on the outline near a point of it, at time 0.
-    Vec2 on_outline(std::size_t point, double along) const;
+    /// The pieces of a polygon's sides that a point is under (place and halves of its sides at time 0), no more than `deepest`.
+    void pieces_over(const Vec2& x, const Mat2& halves, double deepest, std::vector<UnderPiece>& list) const;
   };
   struct Contact {
     int body = 0;
     Vec2 x, normal;
-    bool layer = false;    // of material under its face; else the nodes around a point of the outline
     bool pulls = false;
     double part = 0;       // velocity at which the face may come nearer the body, m/s
     double body_normal = 0, body_along = 0;  // velocity of a free body there for a unit impulse

@@ -13,7 +13,7 @@ namespace pivnp::mpm {
 
 namespace {
 
-constexpr double body_margin = 3;  // cells around a moving body that stay awake
+constexpr double body_margin = 6;  // cells around a moving body that stay awake
 constexpr double small_mass = 0.2;     // of the lightest point, which gives more than that to one of its nodes at least
 
 double speed(const Node& n, double least) { return n.mass < least ? 0 : std::hypot(n.nx, n.ny); }

@@ -357,11 +357,19 @@ TEST(Contact, ARigidPlatePushesABlockOverItsBed) {
     solver.find_initial_equilibrium(silent);
     solver.advance_to(0.08, silent);
     const double mass = 2000 * 0.1 * 0.06, first = solver.body_impulse(0).x();
+    const auto place = [&] {
+      const MotionFrame frame = solver.frame();
+      double sum = 0, n = 0;
+      for (std::size_t k = 0; k < frame.u.size(); ++k)
+        if (s.particles.label[k] == 1) sum += double(frame.u[k][0]), ++n;
+      return sum / n;
+    };
+    const double before = place();
     solver.advance_to(0.2, silent);
     // Between two times at which it moves alike: friction alone.
     const double force = (solver.body_impulse(0).x() - first) / 0.12;
     EXPECT_NEAR(std::abs(force), friction * mass * 9.81, 0.05 * mass * 9.81) << friction;
-    const double v = mean_velocity(solver, 1).x();
+    const double v = (place() - before) / 0.12;  // (it is struck again and again)
     EXPECT_GT(v, friction > 0 ? 0.18 : 0.25);
     EXPECT_LT(v, friction > 0 ? 0.22 : 0.4);
   }

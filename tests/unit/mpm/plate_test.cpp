@@ -1,0 +1,108 @@
+// Rigid plates meet the material at its face.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/silent.hpp"
+#include "tests/unit/mpm/scenes.hpp"
+
+namespace pivnp::mpm {
+namespace {
+
+using namespace test;
+
+constexpr double plate_cell = 0.01, column_height = 0.16;
+
+// A plate of no friction above a column between smooth walls, so many cells above it; it goes down by so many and stops.
+Scene plate_on_column(double above, double travel, double speed) {
+  MaterialOptions m = elastic(1e6, 0, 1000);
+  m.model = "neo_hookean";
+  Scene s = scene(Grid{{0, 0}, {plate_cell, plate_cell}, 5, 22}, {rectangle("soil", 0, 0, 0.04, column_height)}, {m});
+  s.boundaries = {{"base", line({0, 0}, {0.04, 0}, "fixed")},
+                  {"left", line({0, 0}, {0, 0.21}, "roller")},
+                  {"right", line({0.04, 0}, {0.04, 0.21}, "roller")}};
+  RigidOptions plate;
+  const double low = column_height + above * plate_cell;
+  plate.polygon_m = {{-0.02, low}, {0.06, low}, {0.06, low + 0.025}, {-0.02, low + 0.025}};
+  plate.velocity_m_s = {0, -speed};
+  plate.until_s = (above + travel) * plate_cell / speed;
+  plate.friction = 0;
+  s.bodies = {{"plate", plate}};
+  return s;
+}
+
+struct PlateRun {
+  double lost;                 // cells between the plate's face and the column's
+  double least = 1e9, most = 0;  // stress of the rows but for those at the base, over that of the strain
+  EnergyRow energy;
+};
+
+PlateRun run_plate(ShapeKind shape, double above, double travel, double speed) {
+  Scene s = plate_on_column(above, travel, speed);
+  MpmOptions o = options();
+  o.shape = shape;
+  o.damping = 0.2;
+  if (shape == ShapeKind::bilinear) o.transfer = TransferKind::flip, o.stress_update = StressUpdate::musl;
+  o.end_at_rest = false;
+  Solver solver(o, s, 1);
+  solver.advance_to(*s.bodies[0].second.until_s + 0.3, silent);
+  const MotionFrame frame = solver.frame();
+  const auto top = [&] {
+    double sum = 0, n = 0;
+    for (std::size_t k = 0; k < frame.u.size(); ++k) {
+      const double y = solver.particles().x0[k].y();
+      if (y > column_height - 0.5 * plate_cell) sum += y + double(frame.u[k][1]) + 0.25 * plate_cell * double(frame.F[k][3]), ++n;
+    }
+    return sum / n;
+  };
+  PlateRun out;
+  const double now = column_height - travel * plate_cell, strain = std::log(now / column_height);
+  out.lost = std::abs(top() - now) / plate_cell;
+  for (double y = 0.25 * column_height; y < column_height; y += 0.5 * plate_cell) {
+    const double q = mean_stress(solver, 1, y + 0.5 * plate_cell, y) / (1e6 * strain * column_height / now);
+    out.least = std::min(out.least, q);
+    out.most = std::max(out.most, q);
+  }
+  out.energy = solver.energy();
+  return out;
+}
+
+TEST(Plates, AColumnLosesNothingUnderAPlate) {
+  for (const ShapeKind shape : {ShapeKind::bspline, ShapeKind::gimp, ShapeKind::bilinear}) {
+    const PlateRun found = run_plate(shape, 0, 0.48, 0.02);
+    EXPECT_LT(found.lost, 0.02) << int(shape);
+    if (shape == ShapeKind::bilinear) continue;  // (its rows alternate wherever points cross cells)
+    EXPECT_GT(found.least, 0.97) << int(shape);
+    EXPECT_LT(found.most, 1.03) << int(shape);
+    EXPECT_LT(std::abs(found.energy.residual), 0.01 * found.energy.external) << int(shape);
+  }
+}
+
+// From anywhere above the face, and through the places of several nodes.
+TEST(Plates, ContactBeginsAtTheFaceAndDoesNotDrift) {
+  for (const ShapeKind shape : {ShapeKind::bspline, ShapeKind::gimp})
+    for (const double above : {0.0, 0.37}) {
+      const PlateRun found = run_plate(shape, above, 2.3, 0.05);
+      EXPECT_LT(found.lost, 0.02) << int(shape) << " from " << above;
+      EXPECT_GT(found.least, 0.97) << int(shape) << " from " << above;
+      EXPECT_LT(found.most, 1.03) << int(shape) << " from " << above;
+      EXPECT_LT(std::abs(found.energy.residual), 0.01 * found.energy.external) << int(shape) << " from " << above;
+    }
+}
+
+TEST(Plates, BitsDependOnNeitherThreadsNorRestarts) {
+  const Scene s = plate_on_column(0.1, 0.4, 0.05);
+  Solver one(options(), s, 1), two(options(), s, 2), again(options(), s, 2);
+  one.advance_to(0.06, silent);
+  again.load(one.save());
+  one.advance_to(0.09, silent);
+  two.advance_to(0.06, silent);
+  two.advance_to(0.09, silent);
+  again.advance_to(0.09, silent);
+  EXPECT_GT(std::abs(one.body_impulse(0).y()), 0);
+  EXPECT_TRUE(one.save() == two.save());
+  EXPECT_TRUE(one.save() == again.save());
+}
+
+}  // namespace
+}  // namespace pivnp::mpm
