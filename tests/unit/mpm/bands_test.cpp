@@ -124,8 +124,6 @@ TEST(Bands, ABlockWithDiffusionIsTheResolvedOne) {
       }
       EXPECT_LT(worst, 0.018e6) << permeability << ' ' << cell;
       EXPECT_NEAR(band.temperature(), resolved.temperature(), 0.05 * resolved.temperature()) << permeability << ' ' << cell;
-      RecordProperty("worst", std::to_string(worst));
-      std::printf("%g %g: %g of 1e6, %g of %g K\n", permeability, cell, worst, band.temperature(), resolved.temperature());
     }
 }
 
