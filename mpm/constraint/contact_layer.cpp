@@ -11,6 +11,7 @@ namespace pivnp::mpm {
 namespace {
 
 constexpr double least_depth = 1.2;   // cells of material that a layer needs
+constexpr double least_area = 0.1;    // cells of a piece that have material under them: a sliver beside an edge would plough
 constexpr double most_stretch2 = 6;   // |F|^2, beyond which material has flowed, and its points lie anyhow
 constexpr double most_uneven = 0.15;  // of a layer's depth, by which its points may lie other than their volumes say
 
@@ -100,6 +101,10 @@ MaterialFace ContactLayer::face(const GridState& g, std::size_t piece, int field
     falling += m.volume * s * (1 - s);
   }
   if (!(area > 0) || !(falling > 0)) return out;
+  if (area < least_area * h) {
+    out.state = MaterialFace::State::none;
+    return out;
+  }
   for (Member& m : members) {
     m.body /= area;
     m.stress /= area;

@@ -334,6 +334,7 @@ void RigidBodies::find_contacts(double time, double dt, double least_mass, std::
             shares_.resize(c.begin);
             continue;
           }
+          c.layer = true;
           c.x += face.along * Vec2(-c.normal.y(), c.normal.x());
           if (gap > 0) c.part = gap / dt;
           c.pulls = !body.friction && gap <= sticking * spacing_;
@@ -413,7 +414,8 @@ void RigidBodies::apply(double time, double dt, double least_mass, std::span<con
       if (s.share == 0) continue;
       const Vec2 v = bodies_[std::size_t(c.body)].velocity_of(g.position(s.node), time);
       reactions.push_back({s.node, s.share * impulse.x(), s.share * impulse.y(), v.x(), v.y(), c.body});
-      g.node[s.node].held = true;
+      // (In a layer the points of the material itself bear the impulse.)
+      if (!c.layer) g.node[s.node].held = true;
     }
   }
   // Of a body and node one.

@@ -109,6 +109,7 @@ class RigidBodies {
   struct Contact {
     int body = 0;
     Vec2 x, normal;
+    bool layer = false;    // of material under its face; else the nodes around a point of the outline
     bool pulls = false;
     double part = 0;       // velocity at which the face may come nearer the body, m/s
     double body_normal = 0, body_along = 0;  // velocity of a free body there for a unit impulse

@@ -80,8 +80,7 @@ TEST(WaterBeside, ARigidBodyHoldsTheWaterBack) {
     const MotionFrame f = solver.frame();
     double mean = 0;
     for (std::size_t k = 0; k < f.u.size(); ++k) mean += double(f.field("pressure")(k, 0)) / double(f.u.size());
-    // (B-splines let the skeleton give way in the row beside a body.)
-    EXPECT_NEAR(mean, c.bulk / c.porosity * 1e-5, (shape == ShapeKind::bilinear ? 0.01 : 0.15) * c.bulk / c.porosity * 1e-5);
+    EXPECT_NEAR(mean, c.bulk / c.porosity * 1e-5, 0.01 * c.bulk / c.porosity * 1e-5);
   }
 }
 
