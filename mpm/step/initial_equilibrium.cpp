@@ -263,15 +263,20 @@ int relax_to_equilibrium(const EquilibriumOptions& options, const StaticSystem& 
 
   Relaxation relaxation(options, system);
   const int most = most_iterations(g.grid);
+  // Points free to drift keep a little motion under forces that have long been balanced.
+  constexpr int long_balanced = 2000;  // iterations
+  constexpr double well_balanced = 0.1;  // of the tolerance
   double ratio = 0;
-  int n = 1;
+  int n = 1, balanced = 0;
   for (; n <= most; ++n) {
     ratio = relaxation.iterate();
+    balanced = ratio < well_balanced * options.tolerance ? balanced + 1 : 0;
     if (n == 1) relaxation.require_held();
     if (!std::isfinite(ratio) || relaxation.strained_too_far()) break;
     if (ratio < options.tolerance && n > 10 &&
         relaxation.kinetic() <= options.tolerance * stored_energy(p, g, system.materials).elastic)
       return n;
+    if (balanced >= long_balanced) return n;
     if (n % 200 == 0) {
       progress.update("initial equilibrium", n, most);
       if (progress.stop_requested()) throw Interrupted();

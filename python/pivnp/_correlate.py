@@ -8,7 +8,8 @@ from ._options import to_toml
 
 
 class Correlator:
-    """Correlates pairs of images of one size; keeps plans and buffers, so that a sequence costs less than single calls.
+    """Correlates pairs of images of one size; keeps plans and buffers, so that many cost less than single calls. Of the frames of
+    one sequence, `sequence` tells more.
 
     shape             (rows, columns) of the images
     window            side of the last interrogation window, px (8 to 256)
@@ -40,6 +41,14 @@ class Correlator:
         found = self._core.correlate(first, second, white, (self._pairs, self._pairs + 1))
         self._pairs += 1
         return found
+
+    def sequence(self, frames: Any, *, white: float = 0.0) -> list[_core.Vectors]:
+        """Vectors of all pairs of consecutive frames, as `pivnp run` measures them: the dense methods smooth pairs with what their
+        neighbours in time know (docs/theory/piv.md), which single calls cannot.
+
+        frames: images as the call takes them, all in memory; not copied. ValueError for an image of another size.
+        """
+        return self._core.sequence(list(frames), white)
 
 
 def correlate(first: Any, second: Any, *, window: int = 32, spacing: Optional[float] = None, method: str = "default",

@@ -8,6 +8,7 @@
 #include "pivnp/core/error.hpp"
 #include "pivnp/image/image_file.hpp"
 #include "pivnp/piv/piv.hpp"
+#include "pivnp/piv/sequence.hpp"
 #include "python/src/guard.hpp"
 #include "python/src/parts.hpp"
 
@@ -26,17 +27,38 @@ class Correlator {
     if (mask_ && (mask_->view().width != width || mask_->view().height != height))
       throw InputError("mask: found " + image::describe(mask_->view().width, mask_->view().height, PixelDepth::u8) +
                        ", expected " + image::describe(width, height, PixelDepth::u8));
-    correlator_ =
-        std::make_unique<piv::PairCorrelator>(c.piv.value_or(piv::PivOptions{}), lattice_, width, height, threads);
+    options_ = c.piv.value_or(piv::PivOptions{});
+    threads_ = threads;
+    correlator_ = std::make_unique<piv::PairCorrelator>(options_, lattice_, width, height, threads);
+  }
+
+  // Frames one after the other; vectors come group by group, as `pivnp run` makes them.
+  std::vector<Vectors> sequence(const std::vector<py::buffer>& frames, double white) {
+    std::vector<std::unique_ptr<BorrowedImage>> images;
+    for (const py::buffer& frame : frames) {
+      images.push_back(std::make_unique<BorrowedImage>(frame, "frame", white));
+      demand_size(*images.back(), "frame");
+    }
+    return unlocked([&](Progress& progress) {
+      piv::SequenceCorrelator correlator(options_, lattice_, setting_.width, setting_.height, threads_);
+      std::vector<Vectors> all;
+      for (std::size_t k = 0; k + 1 < images.size(); ++k) {
+        if (progress.stop_requested()) throw Interrupted();
+        correlator.add(images[k]->view(), images[k + 1]->view(), mask_ ? mask_->mask() : setting_.mask.view());
+        if (correlator.held() < piv::SequenceCorrelator::group && k + 2 < images.size()) continue;
+        for (const piv::PixelVectors& pixels : correlator.finish()) {
+          const int first = int(all.size());
+          all.push_back(Vectors{app::world_vectors(pixels, lattice_, setting_, {first, first + 1}), setting_.camera.length_unit()});
+        }
+      }
+      return all;
+    });
   }
 
   Vectors correlate(const py::buffer& first, const py::buffer& second, double white, std::array<int, 2> pair) {
     const BorrowedImage a(first, "first", white), b(second, "second", white);
-    for (const auto& [image, what] : {std::pair{&a, "first"}, std::pair{&b, "second"}})
-      if (image->view().width != setting_.width || image->view().height != setting_.height)
-        throw InputError(std::string(what) + ": found " +
-                         image::describe(image->view().width, image->view().height, image->view().depth) +
-                         ", expected " + std::to_string(setting_.width) + "x" + std::to_string(setting_.height));
+    demand_size(a, "first");
+    demand_size(b, "second");
     return unlocked([&](Progress&) {
       const piv::PixelVectors pixels =
           correlator_->correlate(a.view(), b.view(), mask_ ? mask_->mask() : setting_.mask.view());
@@ -45,8 +67,16 @@ class Correlator {
   }
 
  private:
+  void demand_size(const BorrowedImage& image, const char* what) const {
+    if (image.view().width == setting_.width && image.view().height == setting_.height) return;
+    throw InputError(std::string(what) + ": found " + image::describe(image.view().width, image.view().height, image.view().depth) + ", expected " +
+                     std::to_string(setting_.width) + "x" + std::to_string(setting_.height));
+  }
+
   app::Setting setting_;
   piv::NodeLattice lattice_;
+  piv::PivOptions options_;
+  int threads_ = 0;
   std::unique_ptr<BorrowedImage> mask_;
   std::unique_ptr<piv::PairCorrelator> correlator_;
 };
@@ -183,7 +213,8 @@ are read-only.)")
       "Correlates pairs of images of one size with a case's [piv], [camera] and [grid]; keeps plans and buffers.")
       .def(py::init<const std::string&, int, int, const py::object&, int>(), py::arg("toml"), py::arg("width"),
            py::arg("height"), py::arg("mask"), py::arg("threads"))
-      .def("correlate", &Correlator::correlate, py::arg("first"), py::arg("second"), py::arg("white"), py::arg("pair"));
+      .def("correlate", &Correlator::correlate, py::arg("first"), py::arg("second"), py::arg("white"), py::arg("pair"))
+      .def("sequence", &Correlator::sequence, py::arg("frames"), py::arg("white"));
 
   m.def("read_image", &image_array, py::arg("file"),
         R"(Grey values of an image file as pivnp reads them: [rows, columns] of uint8, uint16 or float32 (0 to 1).

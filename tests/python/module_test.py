@@ -81,7 +81,7 @@ class Module(unittest.TestCase):
 
     def measured(self):
         correlate = pivnp.Correlator(self.images[0].shape, window=32, spacing=16, metres_per_pixel=0.001, closure=0, threads=1)
-        return [correlate(a, b) for a, b in zip(self.images, self.images[1:])]
+        return correlate.sequence(self.images)
 
     def test_vectors_have_the_program_s_bits(self):
         self.assertEqual(len(self.images), 4)
@@ -91,8 +91,13 @@ class Module(unittest.TestCase):
                 self.same(getattr(vectors, name), getattr(expected, name))
             self.assertEqual(vectors.pair, expected.pair)
         self.assertTrue((vectors.status == 1).sum() > 20)
-        single = pivnp.correlate(self.images[0], self.images[1], window=32, spacing=16, metres_per_pixel=0.001)
-        self.same(single.displacement, self.record.vectors(0).displacement)
+        # One pair by itself is that of a sequence of two frames.
+        alone = pivnp.run(self.folder / "case.toml", out=self.folder / "two", threads=1, synth={"frames": 2}).vectors(0)
+        two = [pivnp.read_image(str(f)) for f in sorted((self.folder / "two" / "frames").glob("*.png"))]
+        self.same(pivnp.correlate(*two, window=32, spacing=16, metres_per_pixel=0.001).displacement, alone.displacement)
+        correlator = pivnp.Correlator(self.images[0].shape, window=32, spacing=16)
+        with self.assertRaisesRegex(ValueError, "^frame: found "):
+            correlator.sequence([self.images[0], self.images[0][:64]])
 
     def test_particles_have_the_program_s_bits(self):
         vectors = self.measured()
@@ -151,7 +156,7 @@ class Module(unittest.TestCase):
         for array, again in ((vectors.displacement, vectors.displacement), (vectors.cov, vectors.cov)):
             self.assertTrue(np.shares_memory(array, again))
             self.assertFalse(array.flags.writeable)
-        self.same(pivnp.Correlator((160, 128)[::-1], spacing=16, metres_per_pixel=0.001)(*self.images[:2]).displacement, vectors.displacement)
+        self.same(pivnp.Correlator((160, 128)[::-1], spacing=16, metres_per_pixel=0.001).sequence(self.images)[0].displacement, vectors.displacement)
         kept = vectors.displacement
         before = kept.copy()
         del vectors

@@ -55,6 +55,8 @@ SUBMERGED = {"level_m": "0.1"}
 POROUS = {"density_kg_m3": None, "porosity": "0.4", "permeability_m_s": "1e-6"}
 WET = SIMULATION | {"material.soil": {k: v for k, v in (SIMULATION["material.soil"] | POROUS).items() if v}, "water": SUBMERGED,
                     "mpm": {"end_s": "0.005", "output_rate_hz": "400.0"}}
+THERMAL = {"grain_specific_heat_j_kg_k": "900.0", "conductivity_w_m_k": "2.0"}
+HEATED = SIMULATION | {"material.soil": SIMULATION["material.soil"] | THERMAL, "heat": {}}
 # Vectors of the same shift at the nodes of a grid, as each format has them.
 VECTORS = {"vectors": {"path": '"csv_1.txt"', "format": '"csv"'}}
 VECTOR_FILES = {
@@ -74,10 +76,10 @@ BASES = {
     "body": SIMULATION, "contact": TWO_BODIES, "compare": BOTH, "compare.limits": BOTH, "report": SIMULATION,
     "output": SIMULATION, "synth": MEASUREMENT, "synth.texture": MEASUREMENT, "synth.material": CARRIED,
     "synth.mpm": CARRIED, "verify": MEASUREMENT,
-    "water": WET,
+    "water": WET, "heat": HEATED, "report.hardware": SIMULATION, "report.line": SIMULATION,
 }
 NAMES = {"region": "region.soil", "mask": "mask.label", "material": "material.soil", "boundary": "boundary.side",
-         "body": "body.tool", "contact": "contact.joint", "synth.material": "synth.material.soil"}
+         "body": "body.tool", "contact": "contact.joint", "report.line": "report.line.middle", "synth.material": "synth.material.soil"}
 
 SIDE = {"line_m": "[[0.0, 0.0], [0.0, 0.16]]", "type": '"roller"'}
 TOP = {"line_m": "[[0.0, 0.08], [0.08, 0.08]]", "type": '"traction"', "traction_pa": "[0.0, -100.0]"}
@@ -95,6 +97,7 @@ WATER = {"model": '"water"', "young_pa": None, "bulk_pa": "1e6"}
 SOFT = SAND | {"softening_shape": "5.0", "friction_residual_deg": "30.0"}
 DENSER = {"density_end_kg_m3": "1600.0", "density_until_s": "0.02"}
 WEAKER = SAND | {"reduction_factor": "1.1"}
+LINE = {"from_m": "[0.01, 0.04]", "to_m": "[0.07, 0.04]"}
 FIELDS = '["displacement_x", "strain_1", "strain_dev_path", "velocity_magnitude", "J"]'
 
 LAWS = {"linear_elastic": {}, "neo_hookean": {"model": '"neo_hookean"'}, "von_mises": CLAY | {"model": '"von_mises"'},
@@ -126,6 +129,16 @@ MATERIAL = {
     "porosity": [("0.3", POROUS, {"water": SUBMERGED})], "permeability_m_s": [("1e-7", POROUS, {"water": SUBMERGED})],
     "permeability": [('"constant"', POROUS, {"water": SUBMERGED}), ('"kozeny_carman"', POROUS, {"water": SUBMERGED})],
     "drained": [("true", POROUS, {"water": SUBMERGED}), ("false", POROUS, {"water": SUBMERGED})],
+}
+# With [heat]: of the points, and of bands in soil that yields.
+HEAT = {"heat": {}}
+BAND = SAND | THERMAL | {"band_thickness_m": "0.01"}
+MATERIAL |= {
+    "grain_thermal_expansion_1_k": [("3e-5", THERMAL, HEAT)], "skeleton_thermal_expansion_1_k": [("3e-5", THERMAL, HEAT)],
+    "grain_specific_heat_j_kg_k": [("800.0", THERMAL, HEAT)], "conductivity_w_m_k": [("1.5", THERMAL, HEAT)],
+    "band_thickness_m": [("0.02", BAND, HEAT)], "band_compressibility_1_pa": [("1e-9", BAND, HEAT)],
+    "band_exchange": [(f'"{exchange}"', BAND, HEAT) for exchange in ("deviation", "printed", "none")],
+    "wetting_collapse": [("0.01", POROUS, {"water": SUBMERGED})],
 }
 MPM = {
     "gravity_m_s2": ["[0.1, -9.0]"], "gravity_from_m_s2": [("[0.0, -4.0]", RAMP)], "gravity_ramp_s": [("0.015", RAMP)],
@@ -165,7 +178,9 @@ VALUES = {
                  "rise_s": [("0.01", TOP)], "across_m": [("[0.08, 0.0]", TIED)],
                  "pressure_pa": [("100.0", SIDE, FLOODED)], "drained": [("true", SIDE, FLOODED), ("false", SIDE, FLOODED)],
                  "water_level_m": [("0.05", SIDE, FLOODED)],
-                 "flux_m_s": [("1e-5", SIDE, FLOODED)]},
+                 "flux_m_s": [("1e-5", SIDE, FLOODED)],
+                 **{key: [(value, SIDE | more, HEAT | {"material.soil": THERMAL})] for key, value, more in (
+                     ("temperature_c", "25.0", {}), ("heat_flux_w_m2", "10.0", {}), ("heat_transfer_w_m2_k", "5.0", {"temperature_c": "25.0"}))}},
     "body": {"circle_m": [BALL["circle_m"]], "polygon_m": ["[[0.01, 0.09], [0.07, 0.09], [0.07, 0.13], [0.01, 0.13]]"],
              "velocity_m_s": [("[0.0, -0.2]", BALL)], "friction": [("0.3", BALL)], "from_s": [("0.01", BALL)], "until_s": [("0.01", BALL)],
              "mass_kg_m": [("5.0", BALL)], "mass_end_kg_m": [("6.0", BALL | {"mass_kg_m": "5.0", "mass_until_s": "0.02"})],
@@ -178,7 +193,12 @@ VALUES = {
                 "second_rotation_deg": ["1.0"], "second_scale": ["1.01"], "second_time_scale": ["1.01"], "time_offset_s": ["0.001"]},
     "compare.limits": {"run_out_m": [("1.0", {}, {"compare": {"slope_base_m": "0.016"}})],
                        "slope_angle_deg": [("90.0", {}, {"compare": {"slope_base_m": "0.016"}})]},
-    "report": {"title": ['"A title"'], "times_s": ["[0.0, 0.01]"], "points_m": ["[[0.04, 0.04]]"], "fields": [FIELDS]},
+    "report": {"title": ['"A title"'], "times_s": ["[0.0, 0.01]"], "points_m": ["[[0.04, 0.04]]"], "fields": [FIELDS],
+               "data_sets": ['["mpm"]'], "compare_runs": ['["TRUTH"]'], "gauge_m": ["0.03"]},
+    "report.hardware": {key: ['"as written"'] for key in ("camera", "lens", "aperture", "exposure", "stand_off", "lighting", "pattern",
+                                                          "feature_size", "other")},
+    "report.line": {"type": [(f'"{kind}"', LINE) for kind in ("section", "extensometer")], "from_m": [(LINE["from_m"], LINE)], "to_m": [(LINE["to_m"], LINE)],
+                    "field": [('"strain_dev"', LINE)]},
     "output": {"fields": [FIELDS]},
     "synth": {"motion": [('"none"', {"shift_px_per_frame": None}), '"affine"', ('"mpm"', {}, CARRIED), ('"slope"', {}, STAGED)],
               "gradient_per_frame": ["[0.001, 0.0, 0.0, -0.001]"], "shift_px_per_frame": ["[0.3, 0.1]"], "rotation_deg_per_frame": ["0.1"],
@@ -197,7 +217,10 @@ VALUES = {
                                                    "region.below": {"polygon_px": "[[15, 79], [79, 79], [79, 55], [15, 55]]"},
                                                    "synth.material.below": SIMULATION["material.soil"]})]},
     "synth.mpm": MPM | {"pressure": [(scheme, {}, {"water": SUBMERGED, "synth.material.soil": POROUS}) for scheme in ('"explicit"', '"projected"')], "domain_m": ["[[0.0, 0.0], [0.095, 0.095]]"]},
-    "water": {"level_history": [("[[0.0, 0.1], [0.02, 0.12]]", {"level_m": None})]},
+    "water": {"level_history": [("[[0.0, 0.1], [0.02, 0.12]]", {"level_m": None})], "surface_m": ["[[0.0, 0.1], [0.12, 0.09]]"],
+              "start": [(f'"{start}"', {} if start != "zero" else {"level_m": None}) for start in ("hydrostatic", "seepage", "zero")],
+              **{key: [(value, {}, HEAT | {"material.soil": THERMAL, "water": {"level_m": None}})] for key, value in (
+                  ("thermal_expansion_1_k", "2e-4"), ("specific_heat_j_kg_k", "4200.0"))}},
     "verify": {"lost_share": [("0.5", {"displacement_rms_px": "5.0"})], "displacement_rms_px": ["5.0"], "strain_error": ["1.0"],
                "nodal_error": ["1.0"], "drift_px": ["5.0"], "drift_ratio": ["5.0"]},
 }
@@ -262,7 +285,8 @@ def case_text(section, key, item, drawn):
     merge(case, elsewhere)
     lines = [f'name = {value if section == "" else chr(34) + section + "." + key + chr(34)}']
     if name:
-        case.setdefault(name, {})[key] = f'"{drawn}"' if value == "DRAWN" else value
+        truth = pathlib.Path(drawn).parent.parent / "truth" / "record.h5"
+        case.setdefault(name, {})[key] = f'"{drawn}"' if value == "DRAWN" else value.replace("TRUTH", str(truth))
     for title, keys in case.items():
         lines += ["", f"[{title}]"] + [f"{k} = {v}" for k, v in keys.items()]
     return "\n".join(lines) + "\n"

@@ -9,11 +9,11 @@ namespace pivnp::app {
 
 namespace {
 
-bool measured(const FrontierPoint& p) { return std::isfinite(p.seconds) && std::isfinite(p.error); }
+bool measured(const FrontierPoint& p) { return p.complete && std::isfinite(p.seconds) && std::isfinite(p.error); }
 
 std::string compared(const FrontierPoint& p, const FrontierPoint& with) {
-  return p.name + " (" + p.keys + ") takes " + number(p.seconds / with.seconds, 2) + " of the time, with " + number(p.error / with.error, 2) +
-         " of the error";
+  const auto times = [](double ratio, const char* of) { return number(ratio, 2) + (ratio < 1 ? " of the " : " times the ") + of; };
+  return p.name + " (" + p.keys + ") takes " + times(p.seconds / with.seconds, "time") + ", with " + times(p.error / with.error, "error");
 }
 
 }  // namespace
@@ -45,15 +45,17 @@ std::vector<std::string> what_to_change(const FrontierStage& stage) {
   const FrontierPoint* faster = best([&](const FrontierPoint& p) { return p.seconds <= 0.5 * from->seconds; }, error);
   words.push_back(faster ? "Twice as fast as " + whose + ": " + compared(*faster, *from) + "."
                          : "Nothing measured is twice as fast as " + whose + ".");
-  const FrontierPoint* better = best([&](const FrontierPoint& p) { return p.error <= 0.5 * from->error; }, seconds);
-  if (better) {
+  const FrontierPoint* better = best([&](const FrontierPoint& p) { return p.error <= 0.5 * from->error && p.error > stage.floor; }, seconds);
+  if (0.5 * from->error <= stage.floor) {
+    words.push_back("Twice as accurate as " + whose + " is more than the truth can tell: its own error is about " + number(stage.floor, 2) + ".");
+  } else if (better) {
     words.push_back("Twice as accurate as " + whose + ": " + compared(*better, *from) + ".");
   } else {
     const FrontierPoint* least = best([](const FrontierPoint&) { return true; }, error);
     words.push_back("Nothing measured is twice as accurate as " + whose +
                     (least == &*from ? ", which has the least error of all." : "; the least error: " + compared(*least, *from) + "."));
   }
-  if (!from->on_front)
+  if (!from->on_front && from->error > 2 * stage.floor)
     if (const FrontierPoint* beats = best([&](const FrontierPoint& p) { return p.seconds <= from->seconds && p.error <= from->error && &p != &*from; }, error))
       words.push_back(std::string(own ? "The case's setting" : "The default") + " is not on the front: " + compared(*beats, *from) + ".");
   return words;

@@ -19,6 +19,7 @@ struct FrontierPoint {
   std::vector<double> columns;
   bool standard = false;  // what a case gets that says nothing
   bool own = false;       // the case's
+  bool complete = true;   // it gives as much as the others: else it is on no front
   bool on_front = false;  // no other is both quicker and more accurate
 };
 
@@ -35,6 +36,7 @@ struct FrontierStage {
   std::string error_label;  // "error, rms (px)"
   std::string time_label;   // "time per pair of frames (ms)"
   double time_unit = 1;     // seconds, of the label's unit
+  double floor = 0;         // the truth's own error: nothing below it is told apart
   std::vector<FrontierColumn> columns;  // of FrontierPoint::columns
   std::vector<FrontierPoint> points;
   std::vector<std::string> remarks;   // what else the points say, a sentence each

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <thread>
 
+#include "apps/plot/files.hpp"
 #include "apps/study/frontier/known_pairs.hpp"
 #include "apps/study/frontier/mpm_frontier.hpp"
 #include "apps/study/frontier/pages.hpp"
@@ -73,15 +74,18 @@ FrontierOutcome frontier(const Case* given, const FrontierOptions& options, cons
   FrontierOutcome outcome;
   const int threads = settings.threads > 0 ? settings.threads : int(std::max(1u, std::thread::hardware_concurrency()));
   std::string subject = "drawn texture";
+  plot::make_folder(settings.out);  // before the work
+  if (!given && !options.piv) throw InputError("--stages: found mpm without a case, expected CASE");
   if (!given) {
     outcome.stages.push_back(piv_frontier(drawn_pairs(drawn_side, drawn_seed), {}, false, options.repeats, threads, progress));
   } else {
     Case c = *given;
     subject = c.name.empty() ? of_file(c) : c.name;
-    const std::unique_ptr<image::FrameSource> source = case_frames(c, settings, progress);
+    const bool wants_frames = options.piv || (c.mpm && !c.mpm->end_s);
+    const std::unique_ptr<image::FrameSource> source = wants_frames ? case_frames(c, settings, progress) : nullptr;
     const bool measures = options.piv && source && c.piv, simulates = options.mpm && c.mpm;
     if (!measures && !simulates)
-      throw InputError(of_file(c) + ": there is nothing to measure; expected frames ([frames], [synth] or --frames) or [mpm]");
+      throw InputError((of_file(c).empty() ? "" : of_file(c) + ": ") + "there is nothing to measure; expected frames ([frames], [synth] or --frames) or [mpm]");
     const Setting setting = make_setting(c, source ? source->width() : 0, source ? source->height() : 0);
     if (measures)
       outcome.stages.push_back(

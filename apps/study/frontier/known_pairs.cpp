@@ -18,6 +18,8 @@ namespace {
 
 constexpr int wavelengths[] = {256, 128, 64, 32};  // px
 constexpr double band_half_width = 8;              // px
+constexpr double carried_blur = 0.7;               // px
+constexpr int most_px = 1200;                      // side of the part of a frame that is carried
 
 struct Field {
   std::string name;
@@ -76,6 +78,41 @@ Shown shown(const piv::PixelVectors& found, const piv::NodeLattice& nodes) {
   return out;
 }
 
+// Of a large frame the part about what is scored: the pairs, their nodes and their mask are of that part from here on.
+Image cropped(KnownPairs& known, const Image& frame) {
+  const int width = std::min(frame.width(), most_px), height = std::min(frame.height(), most_px);
+  if (width == frame.width() && height == frame.height()) {
+    Image copy(width, height, frame.depth(), frame.white());
+    std::copy_n(frame.view().data, frame.stride() * height, reinterpret_cast<std::byte*>(copy.row<std::uint8_t>(0)));
+    return copy;
+  }
+  double cx = 0, cy = 0, n = 0;
+  for (std::size_t k = 0; k < known.scored.size(); ++k)
+    if (known.scored[k]) cx += double(known.nodes.pixel[k][0]), cy += double(known.nodes.pixel[k][1]), ++n;
+  const int left = std::clamp(int(cx / n) - width / 2, 0, frame.width() - width), top = std::clamp(int(cy / n) - height / 2, 0, frame.height() - height);
+  Image part(width, height, frame.depth(), frame.white());
+  const std::size_t pixel = bytes_per_pixel(frame.depth());
+  for (int r = 0; r < height; ++r)
+    std::copy_n(frame.view().data + (top + r) * frame.stride() + std::ptrdiff_t(pixel) * left, pixel * std::size_t(width),
+                reinterpret_cast<std::byte*>(part.row<std::uint8_t>(r)));
+  if (!known.mask.empty()) {
+    image::Mask mask(width, height);
+    for (int r = 0; r < height; ++r) std::copy_n(known.mask.row(top + r) + left, width, mask.row(r));
+    known.mask = std::move(mask);
+  }
+  constexpr float rim = 32;
+  if (known.nodes.on.empty()) known.nodes.on.assign(known.nodes.pixel.size(), 1);
+  for (std::size_t k = 0; k < known.nodes.pixel.size(); ++k) {
+    float &x = known.nodes.pixel[k][0], &y = known.nodes.pixel[k][1];
+    x -= float(left), y -= float(top);
+    if (x >= rim && y >= rim && x <= float(width) - 1 - rim && y <= float(height) - 1 - rim) continue;
+    known.nodes.on[k] = known.scored[k] = 0;
+  }
+  known.width = width;
+  known.height = height;
+  return part;
+}
+
 // Median over the valid nodes of what does not correlate.
 double unlike_share(const KnownPairs& known, const std::vector<float>& score, const std::vector<VectorStatus>& status) {
   std::vector<double> all;
@@ -117,7 +154,7 @@ KnownPairs drawn_pairs(int side, int seed) {
 
 KnownPairs carried_pairs(const Case& c, const Setting& setting, image::FrameSource& source, int threads, Progress& progress) {
   const std::size_t frames = source.frames().size();
-  if (frames < 2) throw InputError(of_file(c) + ": found one frame, expected two or more to see how it moves");
+  if (frames < 2) throw InputError(of_file(c) + (of_file(c).empty() ? "" : ": ") + "frames: found one, expected two or more to see how it moves");
   KnownPairs known;
   known.width = setting.width;
   known.height = setting.height;
@@ -144,9 +181,12 @@ KnownPairs carried_pairs(const Case& c, const Setting& setting, image::FrameSour
     throw InputError(of_file(c) + ": found " + std::to_string(most.valid) + " valid vectors between frames " + std::to_string(from) + " and " +
                      std::to_string(from + 1) + ", expected 20 or more; 'pivnp check' shows grid and masks");
   for (const VectorStatus s : field.status) known.scored.push_back(s == VectorStatus::valid);
+  const Image frame = cropped(known, source.read(from));
   std::vector<Vec2> places;
   for (const auto& p : known.nodes.pixel) places.emplace_back(double(p[0]), double(p[1]));
-  const Image frame = source.read(from);
+  const double scored = double(std::count(known.scored.begin(), known.scored.end(), 1));
+  for (std::size_t k = 0; k < known.scored.size(); ++k)
+    if (!known.scored[k]) field.status[k] = VectorStatus::masked;
   const double shift = std::clamp(most.shift, 0.5, 20.0), slope = std::clamp(most.slope, 0.01, 0.2);
   const auto pair_of = [&](const CarriedTexture& texture, const image::Motion& motion, std::uint64_t number) {
     const auto draw = [&](int side) {
@@ -159,20 +199,22 @@ KnownPairs carried_pairs(const Case& c, const Setting& setting, image::FrameSour
   // would, so it is found by trial.)
   double noise = noise_variance(frame.view(), places, c.piv->window_px, {field});
   const double unlike = unlike_share(known, field.score, field.status);
+  piv::PairCorrelator on_part(*c.piv, known.nodes, known.width, known.height, threads);
   for (int round = 0; round < 3 && noise > 0; ++round) {
-    const auto [one, two] = pair_of(CarriedTexture(frame, noise), image::uniform(0.3, -0.4), 0);
-    const piv::PixelVectors found = correlator.correlate(one.view(), two.view(), known.mask.view());
+    const auto [one, two] = pair_of(CarriedTexture(frame, noise, carried_blur), image::uniform(0.3, -0.4), 0);
+    const piv::PixelVectors found = on_part.correlate(one.view(), two.view(), known.mask.view());
     const double share = unlike_share(known, found.score, found.status);
     if (!(share > 0)) break;
     noise *= std::clamp(unlike / share, 0.25, 4.0);
   }
-  known.made_of = "Frame " + std::to_string(from) + " of " + std::to_string(frames) + ", carried by known fields like those of the frames (up to " +
-                  number(shift, 2) + " px and " + number(100 * slope, 2) + " % from frame to frame), with noise of " +
+  known.made_of = "Frame " + std::to_string(from) + " of " + std::to_string(frames) + ", carried by known fields of up to " +
+                  number(shift, 2) + " px and " + number(100 * slope, 2) + " % (the frames' own: " + number(most.shift, 2) + " px and " +
+                  number(100 * most.slope, 2) + " % from one to the next), with noise of " +
                   number(std::sqrt(noise), 2) + " grey values in both images.";
-  const CarriedTexture texture(frame, noise);
+  const CarriedTexture texture(frame, noise, carried_blur);
   double cx = 0, cy = 0;  // the middle of what is scored
   for (std::size_t k = 0; k < places.size(); ++k)
-    if (known.scored[k]) cx += places[k].x() / double(most.valid), cy += places[k].y() / double(most.valid);
+    if (known.scored[k]) cx += places[k].x() / scored, cy += places[k].y() / scored;
   const std::vector<Field> all = fields(shift, slope, cx, cy);
   for (std::size_t f = 0; f < all.size(); ++f) {
     progress.update("drawing pairs", std::int64_t(f), std::int64_t(all.size()));

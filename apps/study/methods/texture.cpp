@@ -106,8 +106,30 @@ double CarriedTexture::at(const Vec2& px) const {
   return sum;
 }
 
-CarriedTexture::CarriedTexture(const Image& frame, double noise)
-    : still_(without_noise(grey_of(frame.view()), noise)), spline_(coefficients(still_)), noise_(std::sqrt(noise)),
+CarriedTexture::Grey CarriedTexture::blurred(const Grey& g, double sigma) {
+  if (!(sigma > 0)) return g;
+  const int reach = int(std::ceil(4 * sigma));
+  std::vector<double> weight;
+  double sum = 0;
+  for (int k = -reach; k <= reach; ++k) sum += weight.emplace_back(std::exp(-0.5 * k * k / (sigma * sigma)));
+  Grey rows = g, out = g;
+  for (int r = 0; r < g.height; ++r)
+    for (int c = 0; c < g.width; ++c) {
+      double value = 0;
+      for (int k = -reach; k <= reach; ++k) value += weight[std::size_t(k + reach)] * double(g.at(mirrored(c + k, g.width), r));
+      rows.at(c, r) = float(value / sum);
+    }
+  for (int r = 0; r < g.height; ++r)
+    for (int c = 0; c < g.width; ++c) {
+      double value = 0;
+      for (int k = -reach; k <= reach; ++k) value += weight[std::size_t(k + reach)] * double(rows.at(c, mirrored(r + k, g.height)));
+      out.at(c, r) = float(value / sum);
+    }
+  return out;
+}
+
+CarriedTexture::CarriedTexture(const Image& frame, double noise, double blur)
+    : still_(blurred(without_noise(grey_of(frame.view()), noise), blur)), spline_(coefficients(still_)), noise_(std::sqrt(noise)),
       depth_(frame.depth()), white_(frame.white()) {}
 
 Image CarriedTexture::draw(const std::function<double(int, int)>& grey, std::uint64_t seed, std::uint64_t number) const {

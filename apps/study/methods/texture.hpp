@@ -21,8 +21,9 @@ double noise_variance(const ImageView& first, const std::vector<Vec2>& nodes_px,
 class CarriedTexture {
  public:
   /// `noise`: variance of the frame's random part, grey values squared. The frame is freed of it (adaptive Wiener filter over 3 x 3
-  /// pixels, Lee 1980) and interpolated by cubic B-splines.
-  CarriedTexture(const Image& frame, double noise);
+  /// pixels, Lee 1980) and interpolated by cubic B-splines. `blur`: standard deviation of a Gaussian that takes off before what
+  /// interpolation cannot move, px; texture as sharp as its pixels would be found to lag.
+  CarriedTexture(const Image& frame, double noise, double blur = 0);
 
   int width() const { return still_.width; }
   int height() const { return still_.height; }
@@ -45,6 +46,7 @@ class CarriedTexture {
   static Grey grey_of(const ImageView& image);
   static Moments moments(const Grey& g, int c0, int c1, int r0, int r1);
   static Grey without_noise(const Grey& g, double noise);
+  static Grey blurred(const Grey& g, double sigma);
   static Grey coefficients(const Grey& g);
 
   Grey still_, spline_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <thread>
 
+#include "apps/plot/files.hpp"
 #include "apps/study/frontier/written_pages.hpp"
 #include "apps/study/pipeline/scene.hpp"
 #include "apps/study/stress/mpm_stress.hpp"
@@ -67,10 +68,11 @@ std::string csv(const SurvivalMap& map) {
 StressOutcome stress(const Case* c, const StressOptions& options, const RunSettings& settings, Progress& progress) {
   const int threads = settings.threads > 0 ? settings.threads : int(std::max(1u, std::thread::hardware_concurrency()));
   StressOutcome outcome;
+  plot::make_folder(settings.out);  // before the work
   if (options.piv) outcome.maps = piv_stress(c && c->piv ? *c->piv : piv::PivOptions{}, stress_side, options.seeds, threads, progress);
   if (options.mpm)
     for (SurvivalMap& map : mpm_stress(threads, progress)) outcome.maps.push_back(std::move(map));
-  const report::Document document = stress_document(outcome.maps, c ? (c->name.empty() ? of_file(*c) : c->name) + ", its settings" : "the default");
+  const report::Document document = stress_document(outcome.maps, c ? (c->name.empty() ? of_file(*c) : c->name) + ", [piv] as it says" : "the default");
   std::vector<std::pair<std::string, std::string>> tables;
   std::vector<io::NamedTable> numbers;
   for (const SurvivalMap& map : outcome.maps) {

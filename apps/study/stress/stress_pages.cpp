@@ -125,10 +125,9 @@ std::string map_sentence(const SurvivalMap& map) {
 }  // namespace
 
 std::string flags_sentence(const Survival& s) {
-  std::string text;
-  if (s.wrong_values > 0) text = "Of what is wrong, " + percent(s.wrong_flagged, s.wrong_values) + " is flagged";
-  if (s.right_values > 0) text += (text.empty() ? "Of what is right, " : "; of what is right, ") + percent(s.right_flagged, s.right_values) + " is";
-  return text.empty() ? "Nothing is wrong." : text + ".";
+  const std::string wrong = s.wrong_values > 0 ? "of what is wrong, " + percent(s.wrong_flagged, s.wrong_values) + " is flagged" : "nothing has a wrong value";
+  const std::string right = s.right_values > 0 ? "of what is right, " + percent(s.right_flagged, s.right_values) + " is flagged" : "nothing has a right value";
+  return wrong + "; " + right + ".";
 }
 
 report::Document stress_document(const std::vector<SurvivalMap>& maps, const std::string& subject) {

@@ -53,7 +53,7 @@ TEST(Stress, PagesHoldEveryMap) {
                       "0.1,\"two\",0,0,1,0,1,1,0,0\n0.2,\"two\",0,0,0,1,1,0,0,0\n");
   const report::Document document = stress_document({map, map}, "a subject");
   EXPECT_EQ(std::count_if(document.blocks.begin(), document.blocks.end(), [](const auto& b) { return std::holds_alternative<report::Figure>(b); }), 2);
-  EXPECT_EQ(flags_sentence(map.total()), "Of what is wrong, 50 % is flagged; of what is right, 0 % is.");
+  EXPECT_EQ(flags_sentence(map.total()), "of what is wrong, 50 % is flagged; of what is right, 0 % is flagged.");
 }
 
 }  // namespace
