@@ -25,6 +25,18 @@ std::optional<Case> scene(const Arguments& arguments, const Session& session) {
   return std::nullopt;
 }
 
+// Where the charts go: beside the case's other results, or in out/NAME.
+RunSettings charts_in(const Arguments& arguments, const Session& session, const std::optional<Case>& c, const std::string& name) {
+  const std::filesystem::path fallback = (arguments.case_path.empty() ? std::filesystem::path("out") : default_out(*c)) / name;
+  return settings_for(arguments, session, c ? *c : Case{}, fallback);
+}
+
+int print_charts(const std::vector<std::filesystem::path>& files, const std::vector<std::string>& sentences, const Session& session) {
+  for (const std::filesystem::path& file : files) session.out << file.string() << "\n";
+  for (const std::string& sentence : sentences) session.out << sentence << "\n";
+  return 0;
+}
+
 // What stages are measured.
 class StageNames {
  public:
@@ -64,14 +76,12 @@ Action declare_frontier(CLI::App& app, Session& session) {
     FrontierOutcome outcome;
     {
       TerminalProgress progress = progress_for(session);
-      const std::filesystem::path fallback = f->arguments.case_path.empty() ? "out/frontier" : default_out(*c) / "frontier";
-      outcome = frontier(c ? &*c : nullptr, f->options, settings_for(f->arguments, session, c ? *c : Case{}, fallback), progress);
+      outcome = frontier(c ? &*c : nullptr, f->options, charts_in(f->arguments, session, c, "frontier"), progress);
     }
-    for (const std::filesystem::path& file : outcome.files) session.out << file.string() << "\n";
-    for (const std::string& sentence : outcome.sentences) session.out << sentence << "\n";
+    const int code = print_charts(outcome.files, outcome.sentences, session);
     if (!session.quiet)
       for (const std::string& remark : outcome.remarks) session.out << "note: " << remark << "\n";
-    return 0;
+    return code;
   };
 }
 
@@ -96,12 +106,9 @@ Action declare_stress(CLI::App& app, Session& session) {
     StressOutcome outcome;
     {
       TerminalProgress progress = progress_for(session);
-      const std::filesystem::path fallback = s->arguments.case_path.empty() ? "out/stress" : default_out(*c) / "stress";
-      outcome = stress(c ? &*c : nullptr, s->options, settings_for(s->arguments, session, c ? *c : Case{}, fallback), progress);
+      outcome = stress(c ? &*c : nullptr, s->options, charts_in(s->arguments, session, c, "stress"), progress);
     }
-    for (const std::filesystem::path& file : outcome.files) session.out << file.string() << "\n";
-    for (const std::string& sentence : outcome.sentences) session.out << sentence << "\n";
-    return 0;
+    return print_charts(outcome.files, outcome.sentences, session);
   };
 }
 

@@ -123,16 +123,21 @@ double unlike_share(const KnownPairs& known, const std::vector<float>& score, co
 
 }  // namespace
 
+piv::NodeLattice even_nodes(int side, double spacing, double rim) {
+  piv::NodeLattice nodes;
+  nodes.nx = nodes.ny = int((side - 1 - 2 * rim) / spacing) + 1;
+  for (int j = 0; j < nodes.ny; ++j)
+    for (int i = 0; i < nodes.nx; ++i) nodes.pixel.push_back({float(rim + i * spacing), float(side - 1 - rim - j * spacing)});
+  return nodes;
+}
+
 KnownPairs drawn_pairs(int side, int seed) {
   constexpr double spacing = 8, margin = 48;
   KnownPairs known;
   known.made_of = "Drawn texture: blobs of 3 px, 0.05 a pixel, frames of " + std::to_string(side) + " x " + std::to_string(side) +
                   " px, nodes 8 px apart; noise is in percent of white, loss the share of blobs without a partner.";
   known.width = known.height = side;
-  known.nodes.nx = known.nodes.ny = int((side - 1 - 2 * margin) / spacing) + 1;
-  for (int j = 0; j < known.nodes.ny; ++j)
-    for (int i = 0; i < known.nodes.nx; ++i)
-      known.nodes.pixel.push_back({float(margin + i * spacing), float(side - 1 - margin - j * spacing)});
+  known.nodes = even_nodes(side, spacing, margin);
   known.scored.assign(known.nodes.pixel.size(), 1);
   const double middle = 0.5 * (side - 1);
   std::vector<Field> all = fields(2, 0.1, middle, middle);

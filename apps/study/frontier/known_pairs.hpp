@@ -29,6 +29,9 @@ struct KnownPairs {
   std::vector<KnownPair> pairs;      // the first is an even shift; waves follow, from long to short
 };
 
+/// Nodes `spacing` apart over a square frame but for a rim, px; j upward in the world.
+piv::NodeLattice even_nodes(int side, double spacing, double rim);
+
 /// Drawn texture of the usual kind (3 px blobs, .05 a pixel), frames of `side` x `side` px, nodes 8 px apart.
 KnownPairs drawn_pairs(int side, int seed);
 

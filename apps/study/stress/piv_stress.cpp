@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 
+#include "apps/study/frontier/known_pairs.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
 #include "pivnp/image/synthetic_pair.hpp"
@@ -99,10 +100,7 @@ Survival survival(const image::SyntheticPair& pair, const piv::NodeLattice& node
 }  // namespace
 
 std::vector<SurvivalMap> piv_stress(const piv::PivOptions& options, int side, int seeds, int threads, Progress& progress) {
-  piv::NodeLattice nodes;
-  nodes.nx = nodes.ny = int((side - 1 - 2 * rim_px) / node_px) + 1;
-  for (int j = 0; j < nodes.ny; ++j)
-    for (int i = 0; i < nodes.nx; ++i) nodes.pixel.push_back({float(rim_px + i * node_px), float(side - 1 - rim_px - j * node_px)});
+  const piv::NodeLattice nodes = even_nodes(side, node_px, rim_px);
   std::vector<MapPlan> all = plans(options);
   std::int64_t total = 0, done = 0;
   for (const MapPlan& plan : all) total += std::int64_t(plan.map.x.size() * plan.map.y.size());

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "pivnp/core/error.hpp"
+#include "tests/support/refusal.hpp"
 #include "tests/support/silent.hpp"
 #include "tests/verification/mpm/water_column.hpp"
 
@@ -14,6 +15,7 @@ namespace pivnp::mpm {
 namespace {
 
 using namespace test;
+using pivnp::test::refusal;
 using ::testing::HasSubstr;
 
 // Conducts so well, and is so soft, that heat passes its cells in few steps.
@@ -47,15 +49,6 @@ double temperature(const MotionFrame& f, std::size_t k) { return double(f.field(
 // What is not in heat's books, over what is.
 double lost_heat(const EnergyRow& now, const EnergyRow& start) {
   return (now.heat - start.heat - now.heat_made - now.heat_inflow) / std::max({std::abs(now.heat), std::abs(now.heat_made), std::abs(now.heat_inflow), 1e-300});
-}
-
-std::string refusal(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
 }
 
 // Error of a column, 20 degrees at first, whose base is at 30 from time 0, at diffusivity t/H^2 = 0.1.

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "pivnp/core/error.hpp"
+#include "tests/support/refusal.hpp"
 #include "tests/support/silent.hpp"
 #include "tests/verification/mpm/water_column.hpp"
 
@@ -14,16 +15,8 @@ namespace pivnp::mpm {
 namespace {
 
 using namespace test;
+using pivnp::test::refusal;
 using ::testing::HasSubstr;
-
-std::string refusal_at_start(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
 
 WaterColumn still_column() {
   WaterColumn c;
@@ -174,7 +167,7 @@ TEST(WaterStart, WhatDoesNotGoTogetherIsRefused) {
     Scene s = scene_of(Dam{});
     MpmOptions o = still_options();
     change(s, o);
-    return refusal_at_start([&] { Solver(o, s, 1); });
+    return refusal([&] { Solver(o, s, 1); });
   };
   const auto closed = [](Scene& s, MpmOptions&) {
     for (auto& [name, b] : s.boundaries) b.water_level_m.reset();

@@ -10,6 +10,7 @@
 #include "mpm/step/time_step.hpp"
 #include "mpm/water/pore_soil.hpp"
 #include "pivnp/core/error.hpp"
+#include "tests/support/refusal.hpp"
 #include "tests/support/silent.hpp"
 #include "tests/verification/mpm/water_column.hpp"
 
@@ -17,6 +18,7 @@ namespace pivnp::mpm {
 namespace {
 
 using namespace test;
+using pivnp::test::refusal;
 using ::testing::HasSubstr;
 // A column with cells of 10 mm, its water soft enough for few steps.
 WaterColumn small_column() {
@@ -33,15 +35,6 @@ constexpr PressureScheme schemes[] = {PressureScheme::in_steps, PressureScheme::
 
 double lost_mass(const EnergyRow& now, const EnergyRow& start) {
   return (now.water_mass - start.water_mass - now.water_inflow) / start.water_mass;
-}
-
-std::string refusal(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
 }
 
 TEST(PoreWater, ACompressedBoxSharesTheLoadByStiffness) {
