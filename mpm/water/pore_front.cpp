@@ -29,8 +29,8 @@ double PoreWater::fringe(const Particles& p, std::size_t k, const Vec2& gravity)
 
 double PoreWater::filled(const Particles& p, std::size_t k) const { return p.content[k] / pores_of(p, k, soil_of(p, k)); }
 
-double PoreWater::potential_in_pores(const Particles& p, std::size_t k, const Vec2& gravity) const {
-  const double beyond = filled(p, k) - 1;
+double PoreWater::potential_in_pores(const Particles& p, std::size_t k, double filled, const Vec2& gravity) const {
+  const double beyond = filled - 1;
   return (beyond < 0 ? fringe(p, k, gravity) : options_.bulk_modulus_pa) * beyond - head({p.x[k], p.y[k]}, gravity);
 }
 
@@ -58,10 +58,11 @@ PoreWater::FrontPoint PoreWater::front_point(const Particles& p, const GridState
   const InElement in = element_of(p, g, k);
   const std::size_t row = std::size_t(g.grid.nx);
   const double s = std::clamp(in.s, off_edge, 1 - off_edge), t = std::clamp(in.t, off_edge, 1 - off_edge);
-  const double height = fringe(p, k, gravity);
+  // As they were before the last strain: what of it no node sees must not drive water, which would push against nothing.
+  const double height = fringe(p, k, gravity), filled = p.content[k] / std::max(least_pores, p.J_flow[k] - (1 - soil_of(p, k).porosity));
   return {{in.node, in.node + 1, in.node + row, in.node + row + 1},
           {(1 - s) * (1 - t), s * (1 - t), (1 - s) * t, s * t}, s, t,
-          p.volume0[k] * p.J[k], std::clamp(filled(p, k), 0.0, 1.0), potential_in_pores(p, k, gravity),
+          p.volume0[k] * p.J[k], std::clamp(filled, 0.0, 1.0), potential_in_pores(p, k, filled, gravity),
           -height - head({p.x[k], p.y[k]}, gravity), height, mobility_of(p, k), 1 - p.J_flow[k] / p.J[k]};
 }
 
@@ -272,9 +273,9 @@ PoreFlow PoreWater::change_behind_front(Particles& p, GridState& g, const Vec2& 
           flowed += at.w[c] * reach * node.change;
         }
         p.content[k] += p.J[k] * at.share * (at.strain - fed);
-        const double before = potential_in_pores(p, k, gravity), more = p.J[k] * flowed;
+        const double before = potential_in_pores(p, k, filled(p, k), gravity), more = p.J[k] * flowed;
         p.content[k] += more;
-        sum.darcy -= p.volume0[k] * more * 0.5 * (before + potential_in_pores(p, k, gravity));
+        sum.darcy -= p.volume0[k] * more * 0.5 * (before + potential_in_pores(p, k, filled(p, k), gravity));
         if (!p.wetted.empty()) sum.collapsed += collapse(p, k, soil_of(p, k));
       }
       refresh_point(p, k, soil_of(p, k), gravity);

@@ -253,7 +253,7 @@ class PoreWater {
   bool sees_air(const Vec2& gravity) const { return !projected() && gravity.y() < 0 && (has_surface() || boundaries_.any_level()); }
   double fringe(const Particles& p, std::size_t k, const Vec2& gravity) const;
   double filled(const Particles& p, std::size_t k) const;
-  double potential_in_pores(const Particles& p, std::size_t k, const Vec2& gravity) const;
+  double potential_in_pores(const Particles& p, std::size_t k, double filled, const Vec2& gravity) const;
   bool has_front(const Particles& p, const Vec2& gravity, int threads) const;
   FrontPoint front_point(const Particles& p, const GridState& g, std::size_t k, const Vec2& gravity) const;
   double lack_in_front(const FrontPoint& at, double& may) const;
