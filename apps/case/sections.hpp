@@ -26,6 +26,7 @@ void for_each_section(C& c, Visitor&& visit) {
   visit.optional("np", c.np, "Numerical particles. There by default when there are frames or [vectors].");
   visit.named("material", c.materials, "What the regions are made of, for the simulation.");
   visit.optional("mpm", c.mpm, "The simulation; left out, the case only measures.");
+  visit.named("initial", c.initial, "What the simulation of a region starts with; one section a region, of the region's name. Left out: at rest, with the stress of mpm.initial_equilibrium or mpm.k0.");
   visit.named("boundary", c.boundaries, "Restraints on the simulation's nodes; a line or a polygon each.");
   visit.named("body", c.bodies, "Rigid bodies with prescribed motion; a circle or a polygon each.");
   visit.named("contact", c.contacts, "How bodies of the simulated material meet: with friction, free to part. Without any they stick together. Example: datasets/sand_slope_1g/glass.toml.");
