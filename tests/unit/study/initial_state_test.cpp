@@ -14,6 +14,7 @@
 
 namespace pivnp::app {
 namespace {
+namespace initial_state {
 
 std::string case_of(const std::string& mpm, const std::string& more, const std::string& model = "linear_elastic") {
   return R"(
@@ -150,5 +151,6 @@ TEST(InitialState, WhatDoesNotFitIsRefused) {
   expect("[initial.soil]\nstress_pa = [-1.0, -1.0, -1.0, 0.0]\n", "takes no stress at the start", without, "neo_hookean");
 }
 
+}  // namespace initial_state
 }  // namespace
 }  // namespace pivnp::app
