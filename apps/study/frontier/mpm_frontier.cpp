@@ -179,7 +179,7 @@ FrontierStage mpm_frontier(const Case& c, const Setting& setting, double end, in
   const Result finest = run(c, setting, finer_cells, end, threads, progress);
   const Truth truth(finest);
   stage.made_of = "The case's own setting on cells " + number(finer_cells, 2) + " times as large (" + std::to_string(finest.particles.size()) +
-                  " material points, " + number(finest.seconds, 3) + " s) is the reference at t = " + number(end, 4) +
+                  " material points, " + number(finest.seconds, 3) + " s) stands for the truth at t = " + number(end, 4) +
                   " s; each setting ran on cells of the case's size and twice that.";
   std::vector<std::pair<double, double>> own;  // cells and errors of the case's setting
   for (const Variant& v : all)
@@ -213,7 +213,7 @@ FrontierStage mpm_frontier(const Case& c, const Setting& setting, double end, in
   if (found.order) {
     stage.floor = found.truth;
     stage.remarks.push_back("Observed order in the cell of the case's setting: " + number(*found.order, 2) + "; by it the case's cells leave an error of " +
-                            number(found.left, 2) + " " + unit + " rms, and the truth's " + number(found.truth, 2) + ": smaller differences are not significant.");
+                            number(found.left, 2) + " " + unit + " rms, and the truth's " + number(found.truth, 2) + ": smaller differences than that say nothing.");
   } else if (own.size() == 1) {
     stage.floor = own.front().second;
     stage.remarks.push_back("On cells twice as large the case's setting does not run: the error of the reference itself is not known.");
