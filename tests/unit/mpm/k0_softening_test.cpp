@@ -69,27 +69,29 @@ TEST(K0Softening, TheLawsFollowThePath) {
   }
 }
 
+// A cell wide: wider ones leave that path, because softening soil gathers its strain in bands (8 % more lateral stress at ten).
 TEST(K0Softening, SoDoesAColumnUnderAPlate) {
-  Scene s = scene(Grid{{0, 0}, {0.01, 0.01}, 11, 17}, {rectangle("soil", 0, 0, 0.1, 0.1)}, {softening_soil("mohr_coulomb")});
-  s.boundaries = {{"base", line({0, 0}, {0.1, 0}, "roller")},
+  Scene s = scene(Grid{{0, 0}, {0.01, 0.01}, 2, 17}, {rectangle("soil", 0, 0, 0.01, 0.1)}, {softening_soil("mohr_coulomb")});
+  s.boundaries = {{"base", line({0, 0}, {0.01, 0}, "roller")},
                   {"left", line({0, 0}, {0, 0.16}, "roller")},
-                  {"right", line({0.1, 0}, {0.1, 0.16}, "roller")}};
+                  {"right", line({0.01, 0}, {0.01, 0.16}, "roller")}};
   const double aside = 1000 * poisson / (1 - poisson);
   s.stress0.assign(s.particles.size(), {-aside, -1000, -aside, 0});
   RigidOptions plate;
-  plate.polygon_m = {{-0.01, 0.1}, {0.11, 0.1}, {0.11, 0.13}, {-0.01, 0.13}};
+  plate.polygon_m = {{-0.01, 0.1}, {0.02, 0.1}, {0.02, 0.13}, {-0.01, 0.13}};
   plate.velocity_m_s = Pair{0.0, -0.02};
   plate.friction = 0.0;
   s.bodies = {{"plate", plate}};
   MpmOptions o = options();
   o.initial_equilibrium = false;
+  o.locking = Locking::none;
   Solver solver(o, s, 1);
   const double strain = 0.02;
   solver.advance_to(0.1 * (1 - std::exp(-strain)) / 0.02, silent);
   const Path exact = compressed(-1000, strain);
   const double down = mean_stress(solver, 1, 0.1), across = mean_stress(solver, 0, 0.1), J = std::exp(-strain);
-  EXPECT_NEAR(down, exact.down / J, 0.01 * std::abs(exact.down));  // laws work with tau = J sigma
-  EXPECT_NEAR(across, exact.across / J, 0.015 * std::abs(exact.across));
+  EXPECT_NEAR(down, exact.down / J, 2e-3 * std::abs(exact.down));  // laws work with tau = J sigma
+  EXPECT_NEAR(across, exact.across / J, 2e-3 * std::abs(exact.across));
 }
 
 }  // namespace k0_softening
