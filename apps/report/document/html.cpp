@@ -139,6 +139,7 @@ class Writer {
     out_ += "</ul>\n";
   }
   void add(const Code& code) { out_ += "<pre>" + escape_html(code.text) + "</pre>\n"; }
+  void add(const CaseText& c) { out_ += "<pre>" + escape_html(c.toml) + "</pre>\n"; }
   void add(const OnScreen& screen) { out_ += screen.html; }
   void add(const Definitions& d) {
     out_ += "<dl>\n";

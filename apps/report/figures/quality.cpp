@@ -56,19 +56,19 @@ void mark_flags(Canvas& canvas, const Panel& shares, const Panel& scores, const 
 
 std::vector<Figure> draw_quality(const FigureInput& input) {
   const std::vector<PairQuality>& pairs = input.pairs;
-  auto canvas = std::make_shared<Canvas>(figure_width_mm, 68);
+  auto canvas = std::make_shared<Canvas>(figure_width_mm, 53);
   const double x = 17, w = 150;
-  Panel shares = canvas->panel(x, 8, w, 20), scores = canvas->panel(x, 37, w, 20);
+  Panel shares = canvas->panel(x, 6, w, 14), scores = canvas->panel(x, 28, w, 14);
   const double first = pairs.front().frames[0] - 0.5,
                last = std::max(pairs.back().frames[0], pairs.front().frames[0]) + 0.5;
   shares.axis(Axis::x, first, last, "").numbers(Axis::x, false);
   scores.axis(Axis::x, first, last, "first frame of the pair");
   for (Panel* panel : {&shares, &scores}) panel->step(Axis::x, std::max(1.0, nice_step(last - first, 12)));
-  shares.axis(Axis::y, 0, 100, "share (%)", 4);
+  shares.axis(Axis::y, 0, 100, "share (%)", 3);
   double low = 0;
   for (const PairQuality& q : pairs)
     if (std::isfinite(q.score_low)) low = std::min(low, q.score_low);
-  scores.axis(Axis::y, low < 0 ? std::floor(low * 5) / 5 : 0, 1, "score", 4).pale_grid();
+  scores.axis(Axis::y, low < 0 ? std::floor(low * 5) / 5 : 0, 1, "score", 3).pale_grid();
 
   const bool any_flag = std::any_of(pairs.begin(), pairs.end(), [](const PairQuality& q) { return q.flag != 0; });
   draw_shares(*canvas, shares, pairs);
@@ -91,10 +91,10 @@ std::vector<Figure> draw_quality(const FigureInput& input) {
   next = legend(*canvas, next, 2.5, Key::tile, rejected_bar, "rejected");
   next = legend(*canvas, next, 2.5, Key::tile, failed_bar, "failed");
   if (any_flag) legend(*canvas, next, 2.5, Key::tile, flagged_bar, "flagged step");
-  next = legend(*canvas, x, 33.5, Key::line, blue, "median");
-  legend(*canvas, next, 33.5, Key::band, blue, "5th to 95th percentile");
+  next = legend(*canvas, x, 24.5, Key::line, blue, "median");
+  legend(*canvas, next, 24.5, Key::band, blue, "5th to 95th percentile");
   canvas->text(x - 15, 2, "(a)", Align::top_left, {.bold = true});
-  canvas->text(x - 15, 32, "(b)", Align::top_left, {.bold = true});
+  canvas->text(x - 15, 23, "(b)", Align::top_left, {.bold = true});
   std::string caption =
       "Quality of the measurement, pair by pair: (a) status of the vectors at the nodes " +
       std::string(pairs.front().material_known ? "in the material" : "that were not masked") +
