@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <limits>
 #include <span>
 #include <utility>
 #include <vector>
@@ -34,6 +35,9 @@ struct Page {
 // of the next page while the text goes on.
 class Paginator {
  public:
+  /// `largest`: the scale of figures where there is room.
+  explicit Paginator(double largest) : largest_(largest) {}
+
   std::vector<Page> paginate(const Pieces& pieces) {
     for (std::size_t from = 0; from < pieces.size();) {
       std::size_t to = from;
@@ -87,7 +91,7 @@ class Paginator {
     page.pieces.push_back(&piece);
     page.fixed += (first ? 0 : piece.before) + piece.height - piece.shrinks;
     page.shrinks += piece.shrinks;
-    if (page.shrinks > 0) page.scale = std::clamp((room - page.fixed) / page.shrinks, least_scale, 1.0);
+    if (page.shrinks > 0) page.scale = std::clamp((room - page.fixed) / page.shrinks, least_scale, largest_);
   }
 
   void put_columns(const Piece& piece) {
@@ -124,6 +128,7 @@ class Paginator {
     }
   }
 
+  double largest_;
   std::vector<Page> pages_;
   std::deque<const Piece*> waiting_;
   std::deque<Piece> blocks_;  // of columns; the pages point to them
@@ -155,7 +160,12 @@ void draw_footer(QPainter& painter, const QString& title, std::size_t page, std:
 std::string pdf(const Document& document) {
   start_qt();
   const Pieces pieces = cut(document, column_width);
-  Paginator paginator;
+  // Figures as large as the fewest pages allow.
+  std::size_t fewest = std::numeric_limits<std::size_t>::max();
+  double chosen = 1;
+  for (const double largest : {1.0, 0.95, 0.9, 0.85, 0.8})
+    if (const std::size_t n = Paginator(largest).paginate(pieces).size(); n < fewest) fewest = n, chosen = largest;
+  Paginator paginator(chosen);
   const std::vector<Page> pages = paginator.paginate(pieces);
   const std::string title = clean_utf8(document.title);
   PdfPages out(title);

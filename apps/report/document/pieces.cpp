@@ -19,7 +19,7 @@ using namespace plot;
 
 namespace {
 
-constexpr double body_points = 8.5, caption_points = 7.5, table_points = 7.0, note_points = 5.8, code_points = 6.6,
+constexpr double body_points = 8.5, caption_points = 7.5, table_points = 7.0, note_points = 5.6, code_points = 6.6,
                  fine_points = 6.0, between_columns = 50;
 
 constexpr Rgb tint = 0xf4f6f8;
@@ -175,14 +175,17 @@ class Cutter {
                                       leading(caption_points), int(label.size()));
     flow(caption, 0, gap(60), true);
     auto head = std::make_shared<Pieces>();
-    head->push_back(row(t, t.head, true, false));
-    head->front().before = 14;
-    pieces_.push_back(head->front());
-    pieces_.back().keep_next = true;
+    const bool headed = std::any_of(t.head.begin(), t.head.end(), [](const std::string& text) { return !text.empty(); });
+    if (headed) {
+      head->push_back(row(t, t.head, true, false));
+      head->front().before = 14;
+      pieces_.push_back(head->front());
+      pieces_.back().keep_next = true;
+    }
     for (std::size_t k = 0; k < t.rows.size(); ++k) {
       pieces_.push_back(
           row(t, t.rows[k], false, k + 1 == t.rows.size(), k < t.notes.size() ? t.notes[k] : std::string(),
-              k < t.marked.size() ? t.marked[k] : std::nullopt));
+              k < t.marked.size() ? t.marked[k] : std::nullopt, !headed && k == 0));
       pieces_.back().repeat = head;
       // Neither the first row nor the last stands alone.
       pieces_.back().keep_next = k + 1 < t.rows.size() && (k == 0 || k + 2 == t.rows.size());
@@ -222,9 +225,9 @@ class Cutter {
                          .draw = [=](PdfPages& pages, double x, double y) { lines.draw(pages, x + indent, y, k); }});
   }
 
-  // `marked`: the cell that is set off, if any.
+  // `marked`: the cell that is set off, if any; `first`: of a table without a head.
   Piece row(const Table& t, const std::vector<std::string>& cells, bool head, bool last,
-            const std::string& remark = "", std::optional<std::size_t> marked = std::nullopt) const {
+            const std::string& remark = "", std::optional<std::size_t> marked = std::nullopt, bool first = false) const {
     const double pad = t.fine ? 3 : 8, between = 26, width = width_, points = t.fine ? fine_points : table_points;
     std::vector<Lines> texts;
     std::vector<double> at;
@@ -243,7 +246,7 @@ class Cutter {
                                    1.3 * note_points * units_per_point, 0, Qt::AlignLeft, faint);
     if (!remark.empty()) height += 3 + note.height();
     height += 2 * pad;
-    const bool noted = !remark.empty();
+    const bool noted = !remark.empty(), opens = first;
     return {.height = height, .draw = [=](PdfPages& pages, double left, double y) {
               for (std::size_t k = 0; k < texts.size(); ++k) texts[k].draw_all(pages, left + at[k], y + pad);
               if (noted) note.draw_all(pages, left, y + pad + above + 3);
@@ -251,7 +254,7 @@ class Cutter {
                 pages.painter().setPen(qt_pen(pen));
                 pages.painter().drawLine(QLineF(left, at_y, left + width, at_y));
               };
-              if (head) rule(y, {ink, 0.9});
+              if (head || opens) rule(y, {ink, 0.9});
               rule(y + height, head ? Pen{ink, 0.5} : last ? Pen{ink, 0.9} : Pen{0xe2e2e2, 0.4});
             }};
   }

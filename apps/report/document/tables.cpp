@@ -29,13 +29,15 @@ std::string family_words(const std::string& member, const DataSetNames& names, c
       break;
     }
   for (const auto& [from, to] : {std::pair<std::string_view, std::string_view>{", in units of its uncertainty", " \u00f7 u"},
-                                 {", relative to the greatest displacement", ", relative"}, {", difference", ""}, {" difference", ""}})
+                                 {", relative to the greatest displacement", ", relative"}, {"decomposition of the ", "decomposed "}, {", difference", ""}, {" difference", ""}})
     if (const std::size_t at = text.find(from); at != std::string::npos) text.replace(at, from.size(), to);
   return capitalised(text);
 }
 
 std::string with_unit(const std::string& words, const Metric& m) {
-  return unit_words(m.unit).empty() ? words : words + " (" + m.unit + ")";
+  std::string unit = unit_words(m.unit);
+  if (const std::size_t at = unit.find("^2"); at != std::string::npos) unit.replace(at, 2, "\u00b2");
+  return unit.empty() ? words : words + " (" + unit + ")";
 }
 
 // The value, and what is said of it: a ring where it is not distinguishable, the limit's fate in words.

@@ -50,8 +50,8 @@ std::vector<Figure> draw_energy(const FigureInput& input) {
   };
   const double keys = std::ceil(double(std::count_if(terms.begin(), terms.end(), [&](const Term& t) { return !stays_zero(t); })) / 2) * 4.5;
   const double x = 17, w = 62, margin = high > low ? 0.04 * (high - low) : 1, top = keys + 3;
-  auto canvas = std::make_shared<Canvas>(half_figure_mm, top + 60);
-  Panel upper = canvas->panel(x, top, w, 30), lower = canvas->panel(x, top + 35, w, 14);
+  auto canvas = std::make_shared<Canvas>(half_figure_mm, top + 65);
+  Panel upper = canvas->panel(x, top, w, 30), lower = canvas->panel(x, top + 35, w, 19);
   upper.pale_grid().axis(Axis::x, time.front(), time.back(), "", 4).numbers(Axis::x, false);
   lower.pale_grid().axis(Axis::x, time.front(), time.back(), axis_label("time", input.content.time_unit), 4);
   upper.axis(Axis::y, low - (low < 0 ? margin : 0), high + margin, "energy (J/m)", 5);
