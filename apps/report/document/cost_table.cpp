@@ -12,8 +12,8 @@ using namespace plot;
 
 namespace {
 
-std::string seconds(double s) { return std::isfinite(s) ? significant(s, 2) + " s" : std::string("\u2013"); }
-std::string megabytes(double bytes) { return std::isfinite(bytes) ? significant(bytes / 1e6, 2) + " MB" : std::string("not known"); }
+std::string seconds(double s) { return std::isfinite(s) ? significant(s, s < 10 ? 2 : 3) + " s" : std::string("\u2013"); }
+std::string megabytes(double bytes) { return std::isfinite(bytes) ? significant(bytes / 1e6, 3) + " MB" : std::string("not known"); }
 
 }  // namespace
 
@@ -24,7 +24,7 @@ std::optional<Table> cost_table(const Content& content) {
   t.fine = true;
   t.caption = "What the run took, without this report" + (cost.machine.empty() ? std::string() : ", on " + cost.machine) +
               ". Expected: by the first pairs or steps of the stage and the number that pivnp check tells. Peak: the most that the whole program "
-              "held meanwhile; before the run " + megabytes(cost.before_bytes) + ", expected on top of that and of the frames " +
+              "held meanwhile; before the run " + megabytes(cost.before_bytes) + ", expected on top of that " +
               megabytes(cost.expected_bytes) + ".";
   t.head = {"Stage", "Time", "Expected", "Processor time", "Peak of memory"};
   t.width = {0.28, 0.18, 0.18, 0.18, 0.18};

@@ -127,8 +127,8 @@ class Cutter {
     std::vector<Lines> items;
     const double line_height = 1.26 * note_points * units_per_point;
     for (const auto& [name, text] : d.items) {
-      const QString label = qt_text(name) + (d.run_in ? "" : ":");
-      items.push_back(break_lines(label + " " + qt_text(text), qt_font(note_points), (width_ - between_columns) / 2, line_height, int(label.size()),
+      const QString label = name.empty() ? QString() : qt_text(name) + (d.run_in ? " " : ": ");
+      items.push_back(break_lines(label + qt_text(text), qt_font(note_points), (width_ - between_columns) / 2, line_height, int(label.size()),
                                   Qt::AlignLeft, 0x404040));
     }
     columns(items, 2, gap(14), false);

@@ -114,7 +114,8 @@ void appendix(Builder& b, const Content& content) {
   b.add(more);
   if (auto table = cost_table(content)) b.add(std::move(*table));
   if (content.case_text.empty()) return;
-  b.heading(1, "The case as run, with every default filled in");
+  b.heading(1, "Settings");
+  b.paragraph("The case as run, with every default filled in. Keys that were left out and have no default stand in the record.");
   b.add(CaseText{without_comments(content.case_text)});
 }
 

@@ -20,7 +20,7 @@ struct StageCost {
 struct RunCost {
   std::vector<StageCost> stages;
   double before_bytes = std::numeric_limits<double>::quiet_NaN();    // held when it began
-  double expected_bytes = std::numeric_limits<double>::quiet_NaN();  // beside that and the frames, as `pivnp check` says
+  double expected_bytes = std::numeric_limits<double>::quiet_NaN();  // on top of that, as `pivnp check` says
   std::string machine;                                               // "2 processors, Intel(R) Xeon(R) ..."; empty: not known
 };
 

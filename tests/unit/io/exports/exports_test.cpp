@@ -109,7 +109,9 @@ TEST_F(Exported, VtkReadsTheRecordsNumbers) {
   std::size_t points = 0, cells = 0, steps = 0;
   in >> points >> cells >> steps;
   EXPECT_EQ(points, motion->particles().size() * motion->times().size()) << text;
-  if (steps > 1) EXPECT_EQ(steps, motion->times().size()) << text;  // VTK before 9.3 shows all times at once
+  if (steps > 1) {  // VTK before 9.3 shows all times at once
+    EXPECT_EQ(steps, motion->times().size()) << text;
+  }
   EXPECT_EQ(cells, points);
   std::string name;
   int components = 0;
