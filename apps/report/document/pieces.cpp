@@ -187,8 +187,8 @@ class Cutter {
           row(t, t.rows[k], false, k + 1 == t.rows.size(), k < t.notes.size() ? t.notes[k] : std::string(),
               k < t.marked.size() ? t.marked[k] : std::nullopt, !headed && k == 0));
       pieces_.back().repeat = head;
-      // Neither the first row nor the last stands alone.
-      pieces_.back().keep_next = k + 1 < t.rows.size() && (k == 0 || k + 2 == t.rows.size());
+      // Neither the first row nor the last stands alone; a short table stands whole.
+      pieces_.back().keep_next = k + 1 < t.rows.size() && (k == 0 || k + 2 == t.rows.size() || t.rows.size() <= 10);
     }
     after_heading_ = false;
   }

@@ -12,10 +12,10 @@ namespace {
 
 constexpr double enlarged = 1.3, most_stretch = 3;  // F of a torn particle says nothing about its extent
 
-// The square of a particle: world offsets to shares of its half edges.
-Mat2 to_square(const Mat2& F, double h) {
+// The square of a particle, or the rectangle where cells are none: world offsets to shares of its half edges.
+Mat2 to_square(const Mat2& F, const Vec2& edges) {
   const bool sound = F.allFinite() && F.determinant() > 0 && F.norm() < most_stretch * std::sqrt(2.0);
-  return (sound ? Mat2(F.inverse()) : Mat2(Mat2::Identity())) * (2 / (enlarged * h));
+  return (2 / (enlarged * edges.array())).matrix().asDiagonal() * (sound ? Mat2(F.inverse()) : Mat2(Mat2::Identity()));
 }
 
 // The frame nearest to a time (some may have been dropped); -1: the motion does not reach there.
@@ -34,13 +34,15 @@ std::vector<std::uint8_t> covered_nodes(const MotionSource& motion, double time,
   const ParticleSet& particles = motion.particles();
   const MotionFrame frame = motion.frame(std::size_t(at));
   std::vector<std::uint8_t> inside(grid.node_count(), 0);
+  const double aspect = std::sqrt(grid.spacing.x() / grid.spacing.y());
+  const Vec2 shape(aspect, 1 / aspect);  // particles part a cell evenly along both axes
   for (std::size_t p = 0; p < particles.size(); ++p) {
     const double h = std::sqrt(particles.area[p]);
     if (!(h > 0)) return {};
     if (frame.status[p] == ParticleStatus::unborn) continue;
     const Vec2 centre = particles.x0[p] + Vec2(double(frame.u[p][0]), double(frame.u[p][1]));
     if (!centre.allFinite()) continue;
-    const Mat2 square = to_square(matrix(frame.F[p]), h);
+    const Mat2 square = to_square(matrix(frame.F[p]), h * shape);
     const Vec2 reach = square.inverse().cwiseAbs().rowwise().sum();
     const auto index = [&](double from, int axis, int count) {
       return int(std::clamp(from / grid.spacing[axis], -1.0, double(count)));
