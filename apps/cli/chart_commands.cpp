@@ -41,7 +41,7 @@ int print_charts(const std::vector<std::filesystem::path>& files, const std::vec
 class StageNames {
  public:
   void add(CLI::App& app) {
-    app.add_option("--stages", names_, "what is measured: piv, mpm (left out: all that there is)")
+    app.add_option("--stages", names_, "stages to measure: piv, mpm (left out: all)")
         ->type_name("STAGE,...")
         ->delimiter(',')
         ->check(CLI::IsMember({"piv", "mpm"}));
@@ -65,7 +65,7 @@ Action declare_frontier(CLI::App& app, Session& session) {
   add_out(app, f->arguments, "out/frontier, or out/<name of the case's folder>/frontier");
   add_frames(app, f->arguments);
   f->stages.add(app);
-  app.add_option("--repeats", f->options.repeats, "times that each pair of frames is measured by each setting (3)")
+  app.add_option("--repeats", f->options.repeats, "number of times that each setting measures each pair of frames (3)")
       ->type_name("N")
       ->check(CLI::Range(1, 100));
   add_session(app, session);
@@ -95,7 +95,7 @@ Action declare_stress(CLI::App& app, Session& session) {
   add_case(app, s->arguments, "the default settings");
   add_out(app, s->arguments, "out/stress, or out/<name of the case's folder>/stress");
   s->stages.add(app);
-  app.add_option("--seeds", s->options.seeds, "pairs of frames that are drawn for each combination (1)")->type_name("N")->check(CLI::Range(1, 100));
+  app.add_option("--seeds", s->options.seeds, "number of pairs of frames drawn for each combination (1)")->type_name("N")->check(CLI::Range(1, 100));
   add_session(app, session);
   return [s, &session] {
     s->options.piv = s->stages.asked("piv");

@@ -23,8 +23,8 @@ std::optional<Table> cost_table(const Content& content) {
   Table t;
   t.fine = true;
   t.caption = "What the run took, without this report" + (cost.machine.empty() ? std::string() : ", on " + cost.machine) +
-              ". Expected: by the first pairs or steps of the stage and the number that pivnp check tells. Peak: the most that the whole program "
-              "held meanwhile; before the run " + megabytes(cost.before_bytes) + ", expected on top of that " +
+              ". Expected: the time of the stage\u2019s first pairs or steps, times their number, as pivnp check states it. Peak: the most memory that the "
+              "whole program held during the stage; before the run " + megabytes(cost.before_bytes) + ", expected on top of that " +
               megabytes(cost.expected_bytes) + ".";
   t.head = {"Stage", "Time", "Expected", "Processor time", "Peak of memory"};
   t.width = {0.28, 0.18, 0.18, 0.18, 0.18};

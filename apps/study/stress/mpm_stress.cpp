@@ -134,7 +134,7 @@ std::vector<SurvivalMap> mpm_stress(int threads, Progress& progress) {
     map.title = plan.title;
     map.made_of = "A column of sand, 0.3 m wide and 0.4 m high on cells of 40 mm, 0.35 s into its collapse; a run a combination. Right: within " +
                   number(100 * right_share) + " % of the greatest displacement, rms, of the default scheme on cells half as large; wrong: more than " +
-                  number(100 * wrong_share) + " % without a word. A run that stops with its reason, or is doubted beforehand, is flagged.";
+                  number(100 * wrong_share) + " % without a warning. A run that stops with its reason, or is doubted beforehand, is flagged.";
     map.x = {plan.label, plan.levels, {}};
     map.y.label = "shape functions, transfer";
     for (const NamedScheme& s : schemes) map.y.names.emplace_back(s.name);
