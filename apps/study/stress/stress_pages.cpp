@@ -58,7 +58,7 @@ class MapDrawing {
         double bottom = y(double(j)) - gap;
         for (const auto& [count, colour] : {std::pair(s.wrong, wrong_colour), std::pair(s.flagged, flagged_colour), std::pair(s.fair, fair_colour),
                                             std::pair(s.good, good_colour)}) {
-          const double part = high * count / s.all();
+          const double part = s.all() > 0 ? high * count / s.all() : 0;
           p.fill({colour});
           p.rectangle({(x(double(i)) + gap) * mm, (bottom - part) * mm, (x(double(i) + 1) - x(double(i)) - 2 * gap) * mm, part * mm});
           bottom -= part;
@@ -107,7 +107,9 @@ class MapDrawing {
   double left_, width_, top_, height_;
 };
 
-std::string percent(double part, double all) { return number(100 * part / all, 3) + " %"; }
+std::string percent(double part, double all) { return number(all > 0 ? 100 * part / all : 0, 3) + " %"; }
+
+double wrong_share(const Survival& s) { return s.all() > 0 ? s.wrong / s.all() : 0; }
 
 std::string map_sentence(const SurvivalMap& map) {
   const Survival s = map.total();
@@ -115,7 +117,7 @@ std::string map_sentence(const SurvivalMap& map) {
                      percent(s.wrong, s.all()) + " wrong and not flagged";
   std::size_t worst = 0;
   for (std::size_t k = 1; k < map.cells.size(); ++k)
-    if (map.cells[k].wrong / map.cells[k].all() > map.cells[worst].wrong / map.cells[worst].all()) worst = k;
+    if (wrong_share(map.cells[k]) > wrong_share(map.cells[worst])) worst = k;
   if (map.cells[worst].wrong > 0)
     text += "; most of that at " + map.x.label + " " + level_text(map.x, worst % map.x.size()) + ", " + map.y.label + " " + level_text(map.y, worst / map.x.size()) + " (" +
             percent(map.cells[worst].wrong, map.cells[worst].all()) + ")";
@@ -130,16 +132,25 @@ std::string flags_sentence(const Survival& s) {
   return wrong + "; " + right + ".";
 }
 
+Survival total_of(const std::vector<SurvivalMap>& maps, const std::string& stage) {
+  Survival sum;
+  for (const SurvivalMap& map : maps)
+    if (map.name.starts_with(stage + "_")) sum.add(map.total());
+  return sum;
+}
+
 report::Document stress_document(const std::vector<SurvivalMap>& maps, const std::string& subject) {
   constexpr double width = 170;
   report::Document document;
   document.title = "Where it holds, and where it fails: " + subject;
   document.subtitle = "A result that is wrong and not flagged is the defect to look for.";
-  Survival piv, mpm;
-  for (const SurvivalMap& map : maps) (map.name.starts_with("piv") ? piv : mpm).add(map.total());
   std::string lead;
-  if (piv.all() > 0) lead += "Image correlation, over all maps: " + flags_sentence(piv) + " ";
-  if (mpm.all() > 0) lead += "Simulation, over all maps: " + flags_sentence(mpm);
+  for (const auto& [stage, words] : {std::pair("piv", "Image correlation"), std::pair("np", "Particles"), std::pair("mpm", "Simulation")}) {
+    const Survival s = total_of(maps, stage);
+    if (s.all() > 0) lead += (lead.empty() ? "" : " ") + std::string(words) + ", over all maps: " + flags_sentence(s);
+  }
+  if (const Survival s = total_of(maps, "compare"); s.all() > 0)
+    lead += (lead.empty() ? "" : " ") + ("Comparison, over all maps: " + percent(s.wrong, s.all())) + " of its verdicts are wrong, and " + percent(s.flagged, s.all()) + " are withheld or doubted.";
   document.blocks.push_back(report::Paragraph{lead, true});
   for (const SurvivalMap& map : maps) {
     document.blocks.push_back(report::Heading{1, map.title});

@@ -157,7 +157,7 @@ CheckOutcome checked(const Case& given, const RunSettings& settings, Progress& p
   if (setting.width > 0) outcome.remarks.insert(outcome.remarks.begin(), view_of(setting));
   if (seconds > 0) outcome.remarks.push_back(duration_words(seconds));
   if (c.mpm)
-    for (std::string& doubt : doubts(*c.mpm)) outcome.remarks.push_back(std::move(doubt));
+    for (std::string& doubt : doubts(c)) outcome.remarks.push_back(std::move(doubt));
   if (!measures) return outcome;
 
   report::CheckInput input;
