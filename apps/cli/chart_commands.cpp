@@ -99,6 +99,7 @@ Action declare_stress(CLI::App& app, Session& session) {
   add_out(app, s->arguments, "out/stress, or out/<name of the case's folder>/stress");
   s->stages.add(app, {stress_stages.begin(), stress_stages.end()});
   app.add_option("--seeds", s->options.seeds, "pairs of frames that are drawn for each combination (1)")->type_name("N")->check(CLI::Range(1, 100));
+  app.add_option("--maps", s->options.maps, "maps that are made, by their names: mpm_step,piv_jpeg_window (left out: all of the stages)")->type_name("NAME,...")->delimiter(',');
   app.add_flag("--short", s->options.in_short, "every second level and smaller frames: in a minute");
   add_session(app, session);
   return [s, &session] {

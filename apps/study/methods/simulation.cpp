@@ -5,6 +5,7 @@
 #include <optional>
 #include <string_view>
 
+#include "apps/study/methods/doubts.hpp"
 #include "apps/study/pipeline/simulation_scene.hpp"
 #include "pivnp/core/text.hpp"
 
@@ -87,27 +88,11 @@ std::optional<Simulated> advance(const Case& c, const Setting& setting, const st
 
 }  // namespace
 
-std::vector<std::string> doubts(const mpm::MpmOptions& options, const std::vector<mpm::MaterialOptions>& materials) {
-  std::vector<std::string> all;
-  if (std::any_of(materials.begin(), materials.end(), [](const mpm::MaterialOptions& m) { return m.softening_shape > 0 && !m.softening_length_m; }))
-    all.push_back("Soil softens without softening_length_m: a shear band is as wide as the cells let it be, and what fails depends on them.");
-  if (options.per_element < 4)
-    all.push_back("With " + std::to_string(options.per_element) + " material point" + (options.per_element == 1 ? "" : "s") +
-                  " per element gaps open where material stretches: a column that collapses is wrong by more than a fifth (mpm.per_element; 4 is the least for large strain).");
-  return all;
-}
-
-std::vector<std::string> doubts(const Case& c) {
-  std::vector<mpm::MaterialOptions> materials;
-  for (const auto& [name, material] : c.materials) materials.push_back(material);
-  return doubts(*c.mpm, materials);
-}
-
 std::vector<std::string> simulate(const Case& c, const Setting& setting, const std::vector<double>& times,
                                   io::RecordWriter& writer, int threads, Progress& progress) {
   const std::optional<Simulated> run = advance(c, setting, "mpm", times, writer, threads, progress, "simulation");
   if (!run) return {};
-  std::vector<std::string> notes = doubts(c);
+  std::vector<std::string> notes = doubts(c, setting);
   if (!run->pressure_choice.empty()) notes.push_back(run->pressure_choice);
   if (run->beyond.hot > 0)
     notes.push_back("Up to " + std::to_string(run->beyond.hot) + " particles are hotter than 100 C in one of the states: water would boil, and their temperatures and pressures are not to be counted on (heat_limit).");

@@ -94,6 +94,12 @@ std::vector<MapPlan> plans_of(const Case* given, const StressOptions& options, c
   if (asked("np")) take(np_maps(given && given->np ? *given->np : np::NpOptions{}));
   if (asked("mpm")) take(mpm_maps());
   if (asked("compare")) take(compare_maps());
+  if (options.maps.empty()) return all;
+  std::vector<std::string> names;
+  for (const MapPlan& plan : all) names.push_back(plan.map.name);
+  for (const std::string& name : options.maps)
+    if (std::find(names.begin(), names.end(), name) == names.end()) throw InputError("--maps: found '" + name + "'" + did_you_mean(name, names));
+  std::erase_if(all, [&](const MapPlan& plan) { return std::find(options.maps.begin(), options.maps.end(), plan.map.name) == options.maps.end(); });
   return all;
 }
 
@@ -123,7 +129,7 @@ StressOutcome stress(const Case* c, const StressOptions& options, const RunSetti
   std::filesystem::remove(part, ignored);  // all of it is in the files now
   for (const report::Block& block : document.blocks) {
     if (const auto* lead = std::get_if<report::Paragraph>(&block); lead && lead->lead) outcome.sentences.push_back(lead->text);
-    if (const auto* figure = std::get_if<report::Figure>(&block)) outcome.sentences.push_back(figure->caption.substr(0, figure->caption.find(". ") + 1));
+    if (const auto* figure = std::get_if<report::Figure>(&block); figure && !figure->name.starts_with("stress_")) outcome.sentences.push_back(figure->caption.substr(0, figure->caption.find(". ") + 1));
   }
   return outcome;
 }

@@ -75,7 +75,7 @@ Trial impact(double mach, std::size_t finer) {
   t.options = bare_options();
   t.options.gravity_m_s2 = {0, 0};
   t.end_s = 3 * height / wave;  // it has left again after 2 heights of a slow one's wave
-  t.scene.grid = cells_to({0.6, 0.8}, 0.04 / double(finer));
+  t.scene.grid = cells_to({0.6, 0.8}, 0.02 / double(finer));
   t.scene.particles = seed(t.scene.grid, {box_region("block", 0.2, 0, 0.4, height)}, t.options.per_element, SeedPattern::even, 0, "per_element");
   t.scene.materials = {elastic_soil(young, 0, density)};
   t.scene.boundaries = {{"base", line_boundary({0, 0}, {0.6, 0}, mpm::BoundaryType::frictional)}};
@@ -117,10 +117,10 @@ TrialMap body_map(const char* name, const char* title, const char* words, const 
 std::vector<TrialMap> body_trials() {
   std::vector<TrialMap> all = {
       body_map("mpm_crossing", "Cells that are crossed", "An elastic bar of 20 cells that swings in its first mode, after two and three quarters of its periods", "amplitude of its end (cells)",
-               {0.1, 0.25, 0.5, 1, 2, 4}, &swinging_bar, 0.05),
+               {0.05, 0.1, 0.25, 0.5, 1, 2}, &swinging_bar, 0.05),
       body_map("mpm_sliver", "Tiny nodal mass", "An elastic block under sudden gravity whose outermost points lie just beyond a cell's edge", "distance beyond the edge (cells)",
                {1e-9, 1e-6, 1e-3, 0.01, 0.1, 0.25}, &sliver_block, 0.05),
-      body_map("mpm_impact", "Contact at speed", "An elastic block of five cells that meets a smooth wall", "speed over that of its compression wave", {0.01, 0.03, 0.1, 0.2, 0.4, 0.8}, &impact, 0.04),
+      body_map("mpm_impact", "Contact at speed", "An elastic block of ten cells that meets a smooth wall", "speed over that of its compression wave", {0.01, 0.03, 0.1, 0.2, 0.4, 0.8}, &impact, 0.04),
       body_map("mpm_contrast", "Stiffness contrast", "Two elastic layers of four cells each under sudden gravity", "stiffness of the lower over that of the upper", {1, 10, 100, 1e3, 1e4}, &two_layers,
                0.05)};
   TrialMap flight = body_map("mpm_flight", "Free flight", "An elastic block of five cells that flies over twelve cells and turns meanwhile", "turn (degrees)", {0, 30, 90, 180, 360}, nullptr, 0.04);

@@ -9,7 +9,7 @@
 #include <optional>
 #include <utility>
 
-#include "apps/study/methods/simulation.hpp"
+#include "apps/study/methods/doubts.hpp"
 #include "mpm/step/solver.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/alive.hpp"
@@ -24,6 +24,7 @@ struct Moved {
 };
 
 Moved moved(const Trial& trial, Progress& progress) {
+  if (progress.stop_requested()) throw Interrupted();
   mpm::Solver solver(trial.options, trial.scene, 1);
   solver.advance_to(trial.end_s, progress);
   const MotionFrame frame = solver.frame();
@@ -103,12 +104,14 @@ MapPlan plan_of(TrialMap map) {
     const Trial trial = map.trial(x, j);
     const Moved reference = map.truth ? known_motion(trial.scene.particles.x0, [&](const Vec2& x0) { return map.truth(x, x0); })
                                       : references->at({map.reference_by_x ? i : 0, map.reference_by_row ? j : 0}, [&] { return moved(map.reference(x, j), progress); });
-    const bool doubted = !doubts(trial.options, trial.scene.materials).empty();
+    const bool doubted = !doubts(trial.options, trial.scene).empty();
     Survival s;
     try {
       s.count(difference_of(moved(trial, progress), reference, map.square_m), motion_bounds, !doubted);
-    } catch (const RunError&) {
+    } catch (const RunError& e) {
       s.count(std::numeric_limits<double>::infinity(), motion_bounds, false);
+    } catch (const InputError&) {  // refused
+      s.count_none();
     }
     return s;
   };

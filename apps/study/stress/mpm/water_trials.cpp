@@ -40,7 +40,7 @@ Trial loaded_block(double permeability, double width, double loaded, double cell
   return t;
 }
 
-constexpr double permeabilities[] = {1e-6, 1e-4, 1e-2, 1};
+constexpr double permeabilities[] = {1e-6, 1e-4, 1e-3, 1e-2};
 constexpr double column_cell = 0.04, block_cell = 0.05;
 
 struct WetScheme {
@@ -60,7 +60,7 @@ std::vector<TrialMap> water_trials() {
   step.name = "mpm_wet_step";
   step.title = "Wet: permeability and step";
   step.scene_words = "A saturated column of ten cells, drained at its top, 30 ms into a load there";
-  step.x = {"time step over the critical one", {0.4, 0.8, 0.95, 1.05, 1.2, 1.5, 2}};
+  step.x = {"time step over the critical one", {0.4, 0.7, 0.9, 1.05, 1.2, 1.5, 2}};
   step.y = {"permeability (m/s)", {std::begin(permeabilities), std::end(permeabilities)}};
   step.theory = {{"the critical step", {{1, permeabilities[0]}, {1, permeabilities[3]}}}};
   step.square_m = column_cell;
@@ -82,7 +82,7 @@ std::vector<TrialMap> water_trials() {
   undrained.name = "mpm_undrained";
   undrained.title = "Wet: undrained";
   undrained.scene_words = "A saturated block of 8 by 8 cells, loaded on half of its top, after 30 ms";
-  undrained.x = {"permeability (m/s)", {1e-8, 1e-6, 1e-4, 1e-3, 1e-2, 0.1}};
+  undrained.x = {"permeability (m/s)", {1e-8, 1e-5, 1e-4, 1e-3, 1e-2}};
   undrained.y = {"shape functions, pressure", {}, {}};
   for (const WetScheme& s : wet_schemes) undrained.y.names.emplace_back(s.name);
   undrained.square_m = block_cell;

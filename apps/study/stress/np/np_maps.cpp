@@ -116,9 +116,9 @@ std::vector<MapPlan> np_maps(const np::NpOptions& options) {
              const double k = 2 * M_PI / (y * element_px);
              p.frames = 1;
              p.anchor = Anchor::forward;
-             const auto by = [=](double at) { return x / k * std::sin(k * (at - middle)); };
+             const auto by = [=](double at) { return -x / k * std::sin(k * (at - middle)); };
              p.increment = [=](const Vec2& at, int) -> Vec2 { return {by(at.x()), 0}; };
-             p.position = [=](const Vec2& x0, double) -> Vec2 { return {1 + x * std::cos(k * (x0.x() - middle)) > 0 ? x0.x() + by(x0.x()) : no_place, x0.y()}; };
+             p.position = [=](const Vec2& x0, double) -> Vec2 { return {1 - x * std::cos(k * (x0.x() - middle)) > 0 ? x0.x() + by(x0.x()) : no_place, x0.y()}; };
            });
   maps.add("np_leave", "Leaving the view", "Material that moves out of the grid, with a shear wave of .5 % a frame", {"elements a frame", {0.02, 0.05, 0.1, 0.25, 0.5, 1, 2}}, {"frames", {5, 10, 20, 40}},
            {{"half of it has left", {{2, 5}, {1, 10}, {0.5, 20}, {0.25, 40}}}}, whole, [](KnownPaths& p, double x, double y) {

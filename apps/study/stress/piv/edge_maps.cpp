@@ -6,6 +6,7 @@
 #include "apps/study/stress/piv/vectors.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
+#include "pivnp/image/mask.hpp"
 #include "pivnp/image/synthetic_pair.hpp"
 
 namespace pivnp::app {
@@ -15,7 +16,7 @@ namespace {
 constexpr int width_px = 512, height_px = 256, node_step_px = 16, columns_rim_px = 64;
 constexpr double edge_row = 128, depth_px = 64, slip_px = 2;  // the material lies below the row
 
-enum class Edge { surface, wall };
+enum class Edge { surface, wall, masked_wall };
 
 // The material slides by slip_px; beside a wall faster with the distance, under a surface faster towards it; along the rows alone, so
 // that the edge stays where it is.
@@ -23,7 +24,7 @@ image::Motion motion_beside(Edge edge, double slope) {
   return [=](const Vec2& p) -> Vec2 {
     const double depth = p.y() - edge_row;
     if (depth < 0) return {0, 0};
-    return {slip_px + slope * (edge == Edge::wall ? std::min(depth, depth_px) : std::max(depth_px - depth, 0.0)), 0};
+    return {slip_px + slope * (edge != Edge::surface ? std::min(depth, depth_px) : std::max(depth_px - depth, 0.0)), 0};
   };
 }
 
@@ -44,6 +45,8 @@ piv::NodeLattice nodes_beside(double distance, std::vector<std::uint8_t>& scored
 Survival beside(Edge edge, const piv::PivOptions& options, double distance, double slope, int seeds, std::size_t cell, const Progress& progress) {
   std::vector<std::uint8_t> scored;
   const piv::NodeLattice nodes = nodes_beside(distance, scored);
+  image::Mask mask(width_px, height_px);
+  for (int r = 0; r < height_px; ++r) std::fill_n(mask.row(r), width_px, std::uint8_t(r >= int(edge_row)));
   Survival sum;
   for (int seed = 1; seed <= seeds; ++seed) {
     if (progress.stop_requested()) throw Interrupted();
@@ -59,7 +62,7 @@ Survival beside(Edge edge, const piv::PivOptions& options, double distance, doub
         std::memcpy(pair.second.row<std::byte>(r), air.second.view().row<std::byte>(r), std::size_t(pair.second.stride()));
       }
     }
-    sum.add(measured(options, nodes, {pair.first, pair.second, [&](const Vec2& place, Anchor anchor) { return pair.truth(place, anchor); }}, scored));
+    sum.add(measured(options, nodes, {pair.first, pair.second, [&](const Vec2& place, Anchor anchor) { return pair.truth(place, anchor); }, edge == Edge::masked_wall ? mask.view() : MaskView{}}, scored));
   }
   return sum;
 }
@@ -68,14 +71,14 @@ Survival beside(Edge edge, const piv::PivOptions& options, double distance, doub
 
 std::vector<MapPlan> piv_edge_maps(const piv::PivOptions& options, int seeds) {
   std::vector<MapPlan> all;
-  for (const Edge edge : {Edge::surface, Edge::wall}) {
+  for (const Edge edge : {Edge::surface, Edge::wall, Edge::masked_wall}) {
     MapPlan plan;
     SurvivalMap& map = plan.map;
-    const bool wall = edge == Edge::wall;
-    map.name = wall ? "piv_wall_shear" : "piv_surface_shear";
-    map.title = wall ? "Distance to a wall, and shear" : "Distance to a free surface, and shear";
+    const bool wall = edge != Edge::surface, masked = edge == Edge::masked_wall;
+    map.name = masked ? "piv_masked_wall_shear" : wall ? "piv_wall_shear" : "piv_surface_shear";
+    map.title = masked ? "Distance to a wall under a mask, and shear" : wall ? "Distance to a wall, and shear" : "Distance to a free surface, and shear";
     map.made_of = std::string("Drawn texture that slides by 2 px ") +
-                  (wall ? "along a wall with a texture of its own, and faster away from it" : "under air without texture, and faster towards its surface") + ", " +
+                  (wall ? std::string("along a wall with a texture of its own") + (masked ? " that is masked" : "") + ", and faster away from it" : "under air without texture, and faster towards its surface") + ", " +
                   std::to_string(2 * seeds) + " pairs of 25 vectors a combination. Right: less than " + number(vector_bounds.right) + " px off; wrong: more than " +
                   number(vector_bounds.wrong) + " px.";
     map.x = {wall ? "distance to the wall (px)" : "distance to the surface (px)", {1, 2, 4, 8, 12, 16, 24, 32}};
