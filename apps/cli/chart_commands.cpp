@@ -43,7 +43,7 @@ class StageNames {
   void add(CLI::App& app, const std::vector<std::string>& all) {
     std::string names;
     for (const std::string& name : all) names += (names.empty() ? "" : ", ") + name;
-    app.add_option("--stages", names_, "what is measured: " + names + " (left out: all that there is)")
+    app.add_option("--stages", names_, "stages to measure: " + names + " (left out: all)")
         ->type_name("STAGE,...")
         ->delimiter(',')
         ->check(CLI::IsMember(all));
@@ -98,9 +98,9 @@ Action declare_stress(CLI::App& app, Session& session) {
   add_case(app, s->arguments, "the default settings");
   add_out(app, s->arguments, "out/stress, or out/<name of the case's folder>/stress");
   s->stages.add(app, {stress_stages.begin(), stress_stages.end()});
-  app.add_option("--seeds", s->options.seeds, "pairs of frames that are drawn for each combination (1)")->type_name("N")->check(CLI::Range(1, 100));
-  app.add_option("--maps", s->options.maps, "maps that are made, by their names: mpm_step,piv_jpeg_window (left out: all of the stages)")->type_name("NAME,...")->delimiter(',');
-  app.add_flag("--short", s->options.in_short, "every second level and smaller frames: in a minute");
+  app.add_option("--seeds", s->options.seeds, "number of pairs of frames drawn for each combination (1)")->type_name("N")->check(CLI::Range(1, 100));
+  app.add_option("--maps", s->options.maps, "maps to make, by name, for example mpm_step,piv_jpeg_window (left out: all of the stages)")->type_name("NAME,...")->delimiter(',');
+  app.add_flag("--short", s->options.in_short, "every second level and smaller frames: under a minute");
   add_session(app, session);
   return [s, &session] {
     s->options.stages = s->stages.given();

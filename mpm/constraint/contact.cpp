@@ -78,7 +78,7 @@ Contacts::Contacts(const std::vector<std::pair<std::string, ContactOptions>>& co
       if (std::none_of(bodies.begin(), bodies.end(), [&](const auto& b) { return b.count(label) > 0; })) rest.insert(label);
     bodies.insert(bodies.begin(), rest);
   }
-  if (bodies.size() < 2) throw InputError(stated.front().key + ".regions: there is no other region to meet");
+  if (bodies.size() < 2) throw InputError(stated.front().key + ".regions: there is no other region to be in contact with");
   velocity_fields_ = int(bodies.size());
   for (std::size_t b = 0; b < bodies.size(); ++b)
     for (const std::size_t label : bodies[b]) field_of_label_[label] = int(b);
@@ -97,8 +97,8 @@ Contacts::Contacts(const std::vector<std::pair<std::string, ContactOptions>>& co
         throw InputError(laws[1]->key + ": '" + labels[*first.begin()] + "' and '" + labels[*second.begin()] +
                          "' meet by " + laws[0]->key + " already, expected one law for them");
       if (laws.empty())
-        throw InputError(stated.front().key + ": no law says how '" + labels[*first.begin()] + "' and '" +
-                         labels[*second.begin()] + "' meet, expected a [contact.NAME] for them");
+        throw InputError(stated.front().key + ": no law states the contact of '" + labels[*first.begin()] + "' and '" +
+                         labels[*second.begin()] + "', expected a [contact.NAME] for them");
       laws_.push_back({{a, b}, laws[0]->friction});
     }
 }

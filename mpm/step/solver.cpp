@@ -48,7 +48,7 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
     throw InputError("contact." + scene.contacts.front().first + ": given beside a tied boundary, expected one of them");
   if (o.sleep_below_m_s && (restraints.tied().any() || !contacts.empty()))
     throw InputError(std::string("mpm.sleep_below_m_s: given beside ") + (contacts.empty() ? "a tied boundary" : "a [contact.NAME]") +
-                     ", expected none: what touches would not wake");
+                     ", expected none: bodies in contact would not wake");
   state = initial_state(scene, scheme, g, materials, contacts);
   least_turned_over = least_turnover(p, materials, loading.greatest_gravity(), g.grid.spacing.minCoeff());
   sleep.start(p, g);

@@ -39,7 +39,7 @@ class Solver {
   void require_held() const;
 
   /// Steps to `time` exactly (the last steps are trimmed). Throws RunError, with time and cause, on NaN or blow-up (a
-  /// point that moves a cell in a step, or an energy residual beyond MpmOptions::energy_limit of what was turned over);
+  /// point that moves a cell in a step, or an energy residual beyond MpmOptions::energy_limit of the energy supplied);
   /// time(), steps() and energy() are then of the last state whose balance was sound, at most 100 steps old; frame() and
   /// what goes on from the state throw RunError: the frames given out before are the caller's. Once motion has ended (at_rest) and
   /// MpmOptions::end_at_rest is set, only the time goes on.

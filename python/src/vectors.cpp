@@ -158,7 +158,7 @@ are read-only.)")
       .def_readonly("length_unit", &Vectors::length_unit, "Unit of displacement, x and y.")
       .def_property_readonly(
           "anchor", [](const Vectors& v) { return std::string(name_of(v.field.anchor)); },
-          "Instant that a vector's place belongs to: central (middle of the pair) or forward (first frame).")
+          "Instant to which a vector's place belongs: central (middle of the pair) or forward (first frame).")
       .def_property_readonly(
           "pair", [](const Vectors& v) { return py::make_tuple(v.field.pair[0], v.field.pair[1]); }, "The two frames.")
       .def_property_readonly(

@@ -68,7 +68,7 @@ void add_vectors(const Content& content, const std::vector<PairQuality>& pairs, 
                        percent(double(valid) / double(nodes)) + " of " + count(nodes, "vector") + " in " + count(pairs.size(), "pair"));
   if (nodes > 0 && replaced + lost > 0)
     items.emplace_back("Replaced; rejected or failed", percent(double(replaced) / double(nodes)) + "; " + percent(double(lost) / double(nodes)));
-  if (outside > 0) items.emplace_back("Nodes in front of no material", std::to_string(outside) + ", left out here and in the figures");
+  if (outside > 0) items.emplace_back("Nodes outside the material", std::to_string(outside) + ", left out here and in the figures");
   const double typical = quantile(sigma, 0.5);
   if (typical > 0)
     items.emplace_back("Noise floor of a vector, one component",
@@ -84,7 +84,7 @@ void add_strain(const Content& content, Items& items) {
   items.emplace_back("Strain", "logarithmic, ln V, of the deformation gradient");
   items.emplace_back("Noise floor of the strain, RMS",
                      note.floor_source == StrainFloor::not_measured
-                         ? "not measured (np.still_zone_m or np.still_frames would tell it)"
+                         ? "not measured (np.still_zone_m or np.still_frames would give it)"
                          : "deviatoric " + significant(note.floor_dev, 2) + ", volumetric " + significant(note.floor_vol, 2) + " (" +
                                std::string(name_of(note.floor_source)) + ")");
 }

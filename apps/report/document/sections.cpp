@@ -59,7 +59,7 @@ void flags_section(Builder& b, const FigureInput& input) {
   b.heading(1, "What was flagged");
   const std::vector<std::string> list = flags(input.content, input.names, input.pairs);
   if (list.empty())
-    b.paragraph("Nothing was flagged: no limit missed, no step, no shortage of valid vectors, no particle that ended early.");
+    b.paragraph("Nothing was flagged: no limit exceeded, no step, no shortage of valid vectors, no particle that ended early.");
   else b.add(List{list});
 }
 

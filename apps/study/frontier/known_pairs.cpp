@@ -166,7 +166,7 @@ KnownPair CarriedFrame::pair(const std::string& name, const image::Motion& motio
 
 CarriedFrame carried_frame(const Case& c, const Setting& setting, image::FrameSource& source, int threads, Progress& progress) {
   const std::size_t frames = source.frames().size();
-  if (frames < 2) throw InputError(of_file(c) + (of_file(c).empty() ? "" : ": ") + "frames: found one, expected two or more to see how it moves");
+  if (frames < 2) throw InputError(of_file(c) + (of_file(c).empty() ? "" : ": ") + "frames: found one, expected two or more to show how the material moves");
   KnownPairs known;
   known.width = setting.width;
   known.height = setting.height;

@@ -31,7 +31,7 @@ std::vector<std::string> texture_remarks(const Setting& setting, const Image& fr
   if (!(diameter < piv::least_blob_px)) return {};
   return {"The texture is too fine for the pixels: its blobs are about " + number(diameter, 2) +
           " px wide, and below " + number(piv::least_blob_px, 2) +
-          " px displacements are drawn toward whole pixels by hundredths of a pixel (peak locking)."};
+          " px displacements are drawn towards whole pixels by hundredths of a pixel (peak locking)."};
 }
 
 std::vector<std::string> fraction_remarks(const Setting& setting, std::size_t pairs,
@@ -48,7 +48,7 @@ std::vector<std::string> fraction_remarks(const Setting& setting, std::size_t pa
   const auto shares = statistics.histogram();
   constexpr std::size_t middle = piv::FractionStatistics::bins / 2;
   const double near = shares[middle - 2] + shares[middle - 1] + shares[middle] + shares[middle + 1];
-  return {"Displacements are drawn toward whole pixels (peak locking) by up to " + number(statistics.amplitude(), 2) +
+  return {"Displacements are drawn towards whole pixels (peak locking) by up to " + number(statistics.amplitude(), 2) +
           " px, standard error " + number(statistics.amplitude_error(), 2) + " px; " + number(100 * near, 3) +
           " % of them lie within .1 px of a whole pixel."};
 }

@@ -14,7 +14,7 @@ namespace pivnp::app {
 /// One sentence if the texture of a frame is too fine for its pixels; else none.
 std::vector<std::string> texture_remarks(const Setting& setting, const Image& frame);
 
-/// One sentence if displacements are drawn toward whole pixels, judged on at most 16 of the `pairs` that `pair` reads
+/// One sentence if displacements are drawn towards whole pixels, judged on at most 16 of the `pairs` that `pair` reads
 /// (in the world, at the setting's nodes); else none.
 std::vector<std::string> fraction_remarks(const Setting& setting, std::size_t pairs,
                                           const std::function<VectorField(std::size_t)>& pair);

@@ -95,13 +95,13 @@ std::vector<std::string> simulate(const Case& c, const Setting& setting, const s
   std::vector<std::string> notes = doubts(c, setting);
   if (!run->pressure_choice.empty()) notes.push_back(run->pressure_choice);
   if (run->beyond.hot > 0)
-    notes.push_back("Up to " + std::to_string(run->beyond.hot) + " particles are hotter than 100 C in one of the states: water would boil, and their temperatures and pressures are not to be counted on (heat_limit).");
+    notes.push_back("Up to " + std::to_string(run->beyond.hot) + " particles are hotter than 100 C in one of the states: water would boil, so their temperatures and pressures are not reliable (heat_limit).");
   if (run->beyond.open > 0)
-    notes.push_back("Up to " + std::to_string(run->beyond.open) + " particles have a pressure of the water, in the band where there is one, above the total mean stress in one of the states: the soil would open (heat_limit).");
+    notes.push_back("Up to " + std::to_string(run->beyond.open) + " particles have a water pressure (in the band, where there is one) above the total mean stress in one of the states: the soil would open (heat_limit).");
   if (c.mpm->sleep_below_m_s)
     notes.push_back("Sleeping left out " + number(100 * run->slept.share, 3) +
                     " % of the particles' steps. While asleep no particle missed more than " + number(run->slept.displacement_m, 2) +
-                    " m of displacement, and " + number(run->slept.energy, 2) + " J/m of kinetic energy was taken (part of damping).");
+                    " m of displacement, and " + number(run->slept.energy, 2) + " J/m of kinetic energy was removed (part of damping).");
   return notes;
 }
 

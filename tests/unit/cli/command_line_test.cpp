@@ -168,7 +168,7 @@ TEST_F(CommandLine, FailuresBecomeExitCodes) {
   expect_error(run_with([](Progress&) { throw 3; }), 1, "an unknown failure\n");
   const Ran stopped = run_with([](Progress&) { throw Interrupted(); });
   EXPECT_EQ(stopped.code, 130);
-  EXPECT_EQ(stopped.err, "pivnp: interrupted; what was finished is kept, --resume goes on from there\n");
+  EXPECT_EQ(stopped.err, "pivnp: interrupted; what was finished is kept, --resume continues from there\n");
 }
 
 TEST_F(CommandLine, CtrlCAsksTheWorkToStop) {

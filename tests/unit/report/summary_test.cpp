@@ -119,12 +119,12 @@ TEST(Summary, SentencesSayWhatTheNumbersSay) {
     EXPECT_EQ(text.find("compare.mesh_study") == std::string::npos, numerics);
     EXPECT_NE(text.find("compare.input_uncertainty_m"), std::string::npos);
     EXPECT_EQ(text.find("No limit was stated") != std::string::npos, d.limits == 0);
-    EXPECT_EQ(text.find(" missed.") != std::string::npos, d.missed > 0);
+    EXPECT_EQ(text.find(" exceeded.") != std::string::npos, d.missed > 0);
     if (d.missed > 0) {
       EXPECT_NE(text.find(" " + std::to_string(d.missed) + " of " + std::to_string(d.limits) + " limit"), std::string::npos);
     }
     std::size_t flagged = 0;
-    for (const std::string& flag : flags(d.content, names, {})) flagged += count_of(flag, "is missed");
+    for (const std::string& flag : flags(d.content, names, {})) flagged += count_of(flag, "is exceeded");
     EXPECT_EQ(flagged, d.missed);
   }
 }

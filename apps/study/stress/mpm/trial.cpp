@@ -96,7 +96,7 @@ MapPlan plan_of(TrialMap map) {
   plan.map = {map.name, map.title,
               map.scene_words + ". A run a combination. Right: within " + number(100 * motion_bounds.right) + " % of the greatest displacement, rms, of " +
                   (map.truth ? "what is known" : "the default scheme on finer cells") + "; wrong: more than " + number(100 * motion_bounds.wrong) +
-                  " % without a word. A run that stops with its reason, or is doubted beforehand, is flagged.",
+                  " % without a warning. A run that stops with its reason, or is doubted beforehand, is flagged.",
               map.x, map.y, {}, map.theory};
   const auto references = std::make_shared<References>();
   plan.result = [map = std::move(map), references](std::size_t i, std::size_t j, Progress& progress) {
