@@ -32,7 +32,7 @@ std::string map_sentence(const SurvivalMap& map) {
 struct Stage {
   const char *name, *words;
 };
-constexpr Stage stages[] = {{"piv", "Image correlation"}, {"np", "Particles"}, {"mpm", "Simulation"}, {"compare", "Comparison"}};
+constexpr Stage stage_words[] = {{"piv", "Image correlation"}, {"np", "Particles"}, {"mpm", "Simulation"}, {"compare", "Comparison"}};
 constexpr double page_mm = 170;
 
 // All maps of a stage in two columns.
@@ -82,7 +82,7 @@ report::Document stress_document(const std::vector<SurvivalMap>& maps, const std
   document.title = "Where it holds, and where it fails: " + subject;
   document.subtitle = "A result that is wrong and not flagged is the defect to look for.";
   std::string lead;
-  for (const Stage& stage : stages) {
+  for (const Stage& stage : stage_words) {
     const Survival s = total_of(maps, stage.name);
     if (s.all() == 0) continue;
     lead += (lead.empty() ? "" : " ") + std::string(stage.words) + ", over all maps: ";
@@ -91,7 +91,7 @@ report::Document stress_document(const std::vector<SurvivalMap>& maps, const std
     else lead += percent(s.wrong, s.all()) + " of its verdicts are wrong, and " + percent(s.flagged, s.all()) + " are withheld or doubted.";
   }
   document.blocks.push_back(report::Paragraph{lead, true});
-  for (const Stage& stage : stages)
+  for (const Stage& stage : stage_words)
     if (total_of(maps, stage.name).all() > 0) document.blocks.push_back(glance(maps, stage));
   for (const SurvivalMap& map : maps) {
     document.blocks.push_back(report::Heading{1, map.title});

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "apps/study/methods/doubts.hpp"
+#include "apps/study/methods/peak_locking.hpp"
 #include "apps/study/stress/cells.hpp"
 #include "apps/study/stress/compare/compare_maps.hpp"
 #include "apps/study/stress/mpm/mpm_maps.hpp"
@@ -17,6 +18,8 @@
 #include "apps/study/stress/stress_pages.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/seeding.hpp"
+#include "pivnp/image/synthetic_pair.hpp"
+#include "pivnp/image/write.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/silent.hpp"
 
@@ -66,6 +69,22 @@ TEST(Stress, TheDefaultFlagsWhatIsWrongOverAllMaps) {
   const SurvivalMap& jpeg = named(maps, "piv_jpeg_window");
   EXPECT_GT(jpeg.cells.back().good, 0.99 * jpeg.cells.back().all());  // quality 90, 64 px
   EXPECT_LT(jpeg.at(0, 0).good, 0.9 * jpeg.at(0, 0).all());           // quality 5, 16 px
+}
+
+TEST(Stress, FramesOfWhichBlocksAreLeftAreWarnedOf) {
+  image::TextureOptions texture;
+  texture.noise = 0.01;
+  Setting setting;
+  const auto blocks = [&](int quality) {
+    const image::SyntheticPair pair = image::synthetic_pair(image::uniform(0, 0), 320, 320, texture);
+    const Image frame = image::through_jpeg(pair.first.view(), quality);
+    const std::vector<std::string> remarks = texture_remarks(setting, frame);
+    return std::any_of(remarks.begin(), remarks.end(), [](const std::string& r) { return r.find("blocks") != std::string::npos; });
+  };
+  EXPECT_FALSE(blocks(5));  // strong texture outlives it
+  texture.peak_min = 0.05, texture.peak_max = 0.12;
+  EXPECT_FALSE(blocks(40));
+  EXPECT_TRUE(blocks(5));
 }
 
 TEST(Stress, AMaskKeepsAWallOutOfVectors) {

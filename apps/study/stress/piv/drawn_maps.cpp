@@ -16,7 +16,7 @@ namespace pivnp::app {
 namespace {
 
 constexpr double node_px = 16, rim_px = 80;
-constexpr double speed_px = 1, grains_lost = 0.01;  // a frame
+constexpr double speed_px = 2, grains_lost = 0.01;  // a frame
 
 // One combination: texture, motion and settings.
 struct Stressed {

@@ -23,7 +23,8 @@ struct KnownFrames {
   MaskView mask = {};
 };
 
-/// Measures on one thread; of nodes that are not `scored` (empty: all are) nothing is counted.
+/// Measures on one thread; of nodes that are not `scored` (empty: all are) nothing is counted. Of frames in which the
+/// blocks of a compression show no vector is trusted.
 Survival measured(const piv::PivOptions& options, const piv::NodeLattice& nodes, const KnownFrames& frames, const std::vector<std::uint8_t>& scored = {});
 
 }  // namespace pivnp::app
