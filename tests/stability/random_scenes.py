@@ -5,7 +5,7 @@ of a particle that is followed is NaN, no deformation gradient has lost its mean
 usage: random_scenes.py PIVNP RANDOM_SCENE COUNT [FIRST] [--wet]
 
 --wet: with water in the pores. Then water is where it was or went through a boundary (1e-9 of it). A scene in which energy comes from
-nothing (more than 1 % of what was turned over) is run with drained pores, too: it is the water's fault if then none does. At most a
+nothing (more than 1 % of the energy supplied) is run with drained pores, too: it is the water's fault if then none does. At most a
 fiftieth of the scenes may be of that kind (docs/limits.md). Every third scene is not as the generator makes it: what holds it is taken away, or gravity is fifty times as large.
 """
 import collections
@@ -79,7 +79,7 @@ def nonsense(record):
 
 
 def out_of_books(energy):
-    """Energy from nothing, over what was turned over; and what is wrong with the water."""
+    """Energy from nothing, over the energy supplied; and what is wrong with the water."""
     of = collections.defaultdict(float, {name: energy[name][:].astype("f8") for name in energy})  # (no water: all of it is drained)
     stored = of["kinetic"] + of["elastic"] + of["water"]
     turned_over = np.maximum.accumulate(stored[0] + np.abs(of["external"]) + of["plastic"] + of["darcy"] + np.abs(of["damping"]))

@@ -105,7 +105,7 @@ report::Document frontier_document(const std::vector<FrontierStage>& stages, con
   report::Document document;
   document.title = "Speed against accuracy: " + subject;
   document.subtitle = "Measured on " + processor() + ", " + std::to_string(threads) + (threads == 1 ? " thread" : " threads") +
-                      ". Times are those of this machine; only their ratios travel.";
+                      ". Times are those of this machine; only their ratios hold on others.";
   for (const FrontierStage& stage : stages) {
     document.blocks.push_back(report::Heading{1, stage.title});
     std::string lead;
