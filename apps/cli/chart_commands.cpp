@@ -4,6 +4,8 @@
 #include <memory>
 #include <optional>
 #include <ostream>
+#include <string>
+#include <vector>
 
 #include "apps/case/values.hpp"
 #include "apps/cli/arguments.hpp"
@@ -40,11 +42,13 @@ int print_charts(const std::vector<std::filesystem::path>& files, const std::vec
 // What stages are measured.
 class StageNames {
  public:
-  void add(CLI::App& app) {
-    app.add_option("--stages", names_, "what is measured: piv, mpm (left out: all that there is)")
+  void add(CLI::App& app, const std::vector<std::string>& stages) {
+    std::string all;
+    for (const std::string& stage : stages) all += (all.empty() ? "" : ", ") + stage;
+    app.add_option("--stages", names_, "what is measured: " + all + " (left out: all that there is)")
         ->type_name("STAGE,...")
         ->delimiter(',')
-        ->check(CLI::IsMember({"piv", "mpm"}));
+        ->check(CLI::IsMember(stages));
   }
   bool asked(const char* stage) const { return names_.empty() || std::find(names_.begin(), names_.end(), stage) != names_.end(); }
 
@@ -61,17 +65,19 @@ Action declare_frontier(CLI::App& app, Session& session) {
     StageNames stages;
   };
   const auto f = std::make_shared<Frontier>();
-  add_case(app, f->arguments, "image correlation on drawn texture, or on --frames");
+  add_case(app, f->arguments, "drawn scenes, or --frames");
   add_out(app, f->arguments, "out/frontier, or out/<name of the case's folder>/frontier");
   add_frames(app, f->arguments);
-  f->stages.add(app);
-  app.add_option("--repeats", f->options.repeats, "times that each pair of frames is measured by each setting (3)")
+  f->stages.add(app, {"piv", "np", "mpm", "chain"});
+  app.add_option("--repeats", f->options.repeats, "times that what takes less than a second is measured (3)")
       ->type_name("N")
       ->check(CLI::Range(1, 100));
   add_session(app, session);
   return [f, &session] {
     f->options.piv = f->stages.asked("piv");
+    f->options.np = f->stages.asked("np");
     f->options.mpm = f->stages.asked("mpm");
+    f->options.chain = f->stages.asked("chain");
     const std::optional<Case> c = scene(f->arguments, session);
     FrontierOutcome outcome;
     {
@@ -94,7 +100,7 @@ Action declare_stress(CLI::App& app, Session& session) {
   const auto s = std::make_shared<Stress>();
   add_case(app, s->arguments, "the default settings");
   add_out(app, s->arguments, "out/stress, or out/<name of the case's folder>/stress");
-  s->stages.add(app);
+  s->stages.add(app, {"piv", "mpm"});
   app.add_option("--seeds", s->options.seeds, "pairs of frames that are drawn for each combination (1)")->type_name("N")->check(CLI::Range(1, 100));
   add_session(app, session);
   return [s, &session] {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <functional>
 
-#include "apps/study/frontier/known_pairs.hpp"
+#include "apps/study/frontier/piv/known_pairs.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
 #include "pivnp/image/synthetic_pair.hpp"
