@@ -98,6 +98,7 @@ class Frontier {
       Case simulated = column;
       simulated.frames.reset();
       simulated.synth.reset();
+      simulated.camera = {};
       stages.push_back(mpm_frontier(simulated, make_setting(simulated, 0, 0), double(drawn_frames - 1) / *column.frames->rate_hz, threads_, progress_));
       for (FrontierPoint& p : stages.back().points) p.own = false;  // nobody's
     }
@@ -144,7 +145,7 @@ class Frontier {
  private:
   void particles(const np::NpOptions& base, const piv::PivOptions& piv, const Followed& followed) {
     for (FrontierStage& stage : np_frontier(base, followed, options_.repeats, threads_, progress_)) stages.push_back(std::move(stage));
-    stages.push_back(drift_frontier(base, piv, followed, threads_, progress_));
+    stages.push_back(drift_frontier(base, piv, followed, options_.repeats, threads_, progress_));
   }
 
   const FrontierOptions& options_;

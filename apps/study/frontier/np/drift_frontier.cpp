@@ -99,7 +99,7 @@ std::vector<DriftChoice> drift_choices(const np::NpOptions& base) {
 
 }  // namespace
 
-FrontierStage drift_frontier(const np::NpOptions& base, const piv::PivOptions& piv, const Followed& followed, int threads, Progress& progress) {
+FrontierStage drift_frontier(const np::NpOptions& base, const piv::PivOptions& piv, const Followed& followed, int repeats, int threads, Progress& progress) {
   DriftScene s = draw(base, piv, followed);
   const piv::NodeLattice nodes = node_lattice(s.setting);
   piv::PairCorrelator correlator(piv, nodes, side_px, side_px, threads);
@@ -120,7 +120,10 @@ FrontierStage drift_frontier(const np::NpOptions& base, const piv::PivOptions& p
   stage.time_unit = 1e-3;
   stage.columns = {{"greatest_px", "greatest (px)", "greatest error of any particle"}, {"followed", "followed", "share of the particles followed to the end"}};
   const np::NpOptions plain;
-  for (const DriftChoice& choice : drift_choices(base)) {
+  const std::vector<DriftChoice> all_choices = drift_choices(base);
+  const std::int64_t total = std::int64_t(all_choices.size()) * repeats;
+  std::int64_t done = 0;
+  for (const DriftChoice& choice : all_choices) {
     Case c = s.c;
     c.np->drift = choice.scheme;
     c.np->drift_interval = choice.interval;
@@ -144,7 +147,8 @@ FrontierStage drift_frontier(const np::NpOptions& base, const piv::PivOptions& p
     };
     const Work work = measured(threads, [&] { follow_it(true); });
     std::vector<double> seconds;
-    for (int again = 0; again < 3; ++again) {
+    for (int again = 0; again < repeats; ++again) {
+      progress.update("schemes of np.drift", done++, total);
       if (progress.stop_requested()) throw Interrupted();
       seconds.push_back(seconds_of([&] { follow_it(false); }) / (drift_frames - 1));
     }

@@ -22,7 +22,7 @@ struct Followed {
 
 /// Every shape function, gradient and number of particles an element, through nodal vectors of a vortex that winds up, a shear band
 /// (half width: a spacing and a half) and a rotation with these gradients from frame to frame, with independent noise. Two stages with the
-/// same points, "np" for paths and "np_strain" for strains: rms over places of the material, nine an element, for each of which the
+/// same points, "np" for paths and "np_strain" for strains: rms over places of the material, 25 an element, for each of which the
 /// nearest particle of its element stands (its displacement carried on by its F, its logarithmic strain as it is). `base`: the
 /// case's, marked where `followed.of_case`. Time is the median of `repeats`, settings in turn.
 std::vector<FrontierStage> np_frontier(const np::NpOptions& base, const Followed& followed, int repeats, int threads, Progress& progress);
