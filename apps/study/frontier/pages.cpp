@@ -67,7 +67,7 @@ report::Figure chart_of(const FrontierStage& stage) {
   figure.name = stage.name;
   figure.canvas = canvas;
   figure.caption = stage.title + ": error against time. Dashed: the front; nothing measured is both quicker and more accurate. Named are the settings on it, "
-                   "the default (blue) and the case's (orange). Open: settings that give less, or are beaten." +
+                   "the default (blue) and the case's (orange). Grey: settings that give less, or are beaten." +
                    std::string(std::any_of(shown.begin(), shown.end(), [](auto p) { return p->elsewhere; }) ? " Squares: other programs, measured on another machine." : "");
   figure.shows = "Error against time of every setting, both on logarithmic scales, with the front.";
   return figure;

@@ -7,8 +7,6 @@
 #include <vector>
 
 #include "apps/study/frontier/frontier.hpp"
-#include "apps/study/frontier/mpm/vortex_frontier.hpp"
-#include "apps/study/frontier/np/drift_frontier.hpp"
 #include "apps/study/frontier/np/np_frontier.hpp"
 #include "apps/study/frontier/piv/known_pairs.hpp"
 #include "apps/study/frontier/piv/piv_frontier.hpp"
@@ -54,49 +52,26 @@ TEST(FrontierStages, ParticlesAreJudgedByShapeAndNumber) {
   Followed clean;
   clean.noise = 0;
   clean.steps = 8;
-  const std::vector<FrontierStage> stages = np_frontier({}, clean, 1, 1, silent);
+  clean.of_case = true;
+  np::NpOptions mine;
+  mine.per_element = 9;
+  const std::vector<FrontierStage> stages = np_frontier(mine, clean, 1, 1, silent);
   ASSERT_EQ(stages.size(), 2u);
   const FrontierStage &paths = stages[0], &strains = stages[1];
-  EXPECT_TRUE(at(paths, "bilinear, 4 an element").standard);
+  EXPECT_TRUE(at(paths, "bilinear, 4 an element").standard && !at(paths, "bilinear, 4 an element").own);
+  EXPECT_TRUE(at(paths, "bilinear, 9 an element").own && at(strains, "bilinear, 9 an element").own);
   EXPECT_LT(at(paths, "bspline3, 4 an element").error, 0.3 * at(paths, "bilinear, 4 an element").error);
-  EXPECT_LT(at(strains, "bspline3, 4 an element").error, 0.5 * at(strains, "bilinear, 4 an element").error);
+  EXPECT_LT(at(strains, "bspline3, 16 an element").error, 0.5 * at(strains, "bilinear, 16 an element").error);
   EXPECT_LT(at(strains, "bspline3, 16 an element").error, at(strains, "bspline3, 1 an element").error);
   EXPECT_GT(at(paths, "bilinear, 16 an element").seconds, 2 * at(paths, "bilinear, 1 an element").seconds);
   for (const FrontierPoint& p : paths.points) EXPECT_TRUE(p.complete) << p.name;
   Followed noisy = clean;
   noisy.noise = 0.1;
-  const std::vector<FrontierStage> worse = np_frontier({}, noisy, 1, 1, silent);
+  const std::vector<FrontierStage> worse = np_frontier(mine, noisy, 1, 1, silent);
   // Eight independent steps of .1 px in two components, averaged over the nodes of a point: between .5 and 1 of that.
   const double floor = 0.1 * std::sqrt(2.0 * clean.steps);
   EXPECT_GT(at(worse[0], "bilinear, 4 an element").error, 0.4 * floor);
   EXPECT_LT(at(worse[0], "bilinear, 4 an element").error, 1.1 * floor);
-}
-
-TEST(FrontierStages, DriftIsHeldByDirectCorrelation) {
-  Followed followed;
-  followed.of_case = true;
-  np::NpOptions mine;
-  mine.drift = np::DriftScheme::corrected;
-  mine.drift_interval = 7;
-  const FrontierStage stage = drift_frontier(mine, {}, followed, 1, 1, silent);
-  const FrontierPoint &summed = at(stage, "summed increments"), &own = at(stage, "corrected every 7 frames");
-  EXPECT_TRUE(summed.standard && own.own && !own.standard);
-  EXPECT_LT(own.error, 0.8 * summed.error);
-  EXPECT_LT(summed.error, 1);
-  EXPECT_GT(own.seconds, summed.seconds);
-  EXPECT_TRUE(std::any_of(stage.points.begin(), stage.points.end(), [](const FrontierPoint& p) { return p.on_front && !p.standard; }));
-}
-
-TEST(FrontierStages, TheVortexConverges) {
-  const FrontierStage stage = vortex_frontier(1, 1, silent);
-  EXPECT_TRUE(stage.left_out.empty());
-  const auto standard = std::find_if(stage.points.begin(), stage.points.end(), [](const FrontierPoint& p) { return p.standard; });
-  ASSERT_NE(standard, stage.points.end());
-  const auto of_cells = [&](double cell) {
-    return std::find_if(stage.points.begin(), stage.points.end(), [&](const FrontierPoint& p) { return p.keys == standard->keys && p.columns[0] == cell; })->error;
-  };
-  EXPECT_GT(std::log2(of_cells(0.1) / of_cells(0.05)), 1.5);
-  EXPECT_GT(std::log2(of_cells(0.05) / of_cells(0.025)), 1.5);
 }
 
 // The command without a case, every stage as small as it can be.
@@ -107,7 +82,7 @@ TEST(FrontierStages, AllInSmall) {
   settings.threads = 1;
   FrontierOptions options;
   options.repeats = 1;
-  options.drawn_px = 192;
+  options.drawn_px = 160;
   options.column_cell_px = 20;
   const FrontierOutcome outcome = frontier(nullptr, options, settings, silent);
   std::vector<std::string> names;
@@ -127,6 +102,21 @@ TEST(FrontierStages, AllInSmall) {
   }
   EXPECT_EQ(names, (std::vector<std::string>{"piv", "peers", "np", "np_strain", "drift", "vortex", "mpm", "chain"}));
   EXPECT_EQ(std::count_if(outcome.stages[1].points.begin(), outcome.stages[1].points.end(), [](const FrontierPoint& p) { return p.elsewhere; }), 8);
+  // Direct correlation holds what summed increments let drift.
+  const FrontierStage& drift = outcome.stages[4];
+  EXPECT_TRUE(at(drift, "summed increments").standard);
+  EXPECT_LT(at(drift, "summed increments").error, 1);
+  EXPECT_LT(at(drift, "corrected every 10 frames").error, 0.8 * at(drift, "summed increments").error);
+  EXPECT_GT(at(drift, "corrected every 10 frames").seconds, at(drift, "summed increments").seconds);
+  // The vortex converges; bilinear functions do not get through it.
+  const FrontierStage& vortex = outcome.stages[5];
+  const auto standard = std::find_if(vortex.points.begin(), vortex.points.end(), [](const FrontierPoint& p) { return p.standard; });
+  const auto of_cells = [&](double cell) {
+    return std::find_if(vortex.points.begin(), vortex.points.end(), [&](const FrontierPoint& p) { return p.keys == standard->keys && p.columns[0] == cell; })->error;
+  };
+  EXPECT_GT(std::log2(of_cells(0.1) / of_cells(0.05)), 1.5);
+  EXPECT_GT(std::log2(of_cells(0.05) / of_cells(0.025)), 1.5);
+  for (const std::string& left : vortex.left_out) EXPECT_TRUE(left.starts_with("bilinear")) << left;
   // The whole chain: a verdict's numbers are right to a part of the motion, and a fine measurement does not make them worse than a quick one.
   const FrontierStage& chain = outcome.stages.back();
   EXPECT_LT(at(chain, "default + default scheme").error, 40);
