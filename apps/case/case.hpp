@@ -36,9 +36,9 @@ struct GridOptions {
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
-    visit("spacing_px", self.spacing_px, OptionInfo{.unit = "px", .text = "distance of the nodes (left out, and spacing_m: half the window)", .min = 1});
-    visit("spacing_m", self.spacing_m, OptionInfo{.unit = "m", .text = "distance of the nodes in the world", .min = 0, .above_min = true});
-    visit("margin_px", self.margin_px, OptionInfo{.unit = "px", .text = "distance of the outermost nodes from the image's edge (left out: half the window)", .min = 0});
+    visit("spacing_px", self.spacing_px, OptionInfo{.unit = "px", .text = "distance between nodes (left out, as spacing_m: half the window)", .min = 1});
+    visit("spacing_m", self.spacing_m, OptionInfo{.unit = "m", .text = "distance between nodes in the world", .min = 0, .above_min = true});
+    visit("margin_px", self.margin_px, OptionInfo{.unit = "px", .text = "distance from the outermost nodes to the image's edge (left out: half the window)", .min = 0});
     visit("area_px", self.area_px, OptionInfo{.unit = "px", .text = "two opposite corners (column, row) of the grid (left out: the whole image)"});
     visit("area_m", self.area_m, OptionInfo{.unit = "m", .text = "two opposite corners of the grid in the world"});
   }
@@ -54,6 +54,26 @@ struct RegionOptions {
     visit("polygon_m", self.polygon_m, OptionInfo{.unit = "m", .text = "outline of the material at the first frame"});
     visit("polygon_px", self.polygon_px, OptionInfo{.unit = "px", .text = "the same in pixels (column, row)"});
     visit("material", self.material, OptionInfo{.text = "name of its material (left out: the region's own name)"});
+  }
+};
+
+/// What the simulation of a region starts with, [initial.REGION].
+struct InitialOptions {
+  Pair velocity_m_s = {0.0, 0.0};
+  double spin_rad_s = 0;
+  std::vector<double> stress_pa;
+  std::vector<double> stress_gradient_pa_m;
+  double stress_level_m = 0;
+  std::string stress_file;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit("velocity_m_s", self.velocity_m_s, OptionInfo{.unit = "m/s", .text = "velocity (x, y) at time 0"});
+    visit("spin_rad_s", self.spin_rad_s, OptionInfo{.unit = "rad/s", .text = "angular velocity at time 0 about the region's centre of mass, counter-clockwise"});
+    visit("stress_pa", self.stress_pa, OptionInfo{.unit = "Pa", .text = "stress xx, yy, zz, xy at stress_level_m, tension positive; effective stress where there is water. With mpm.initial_equilibrium the state from which the equilibrium is sought, else that at time 0"});
+    visit("stress_gradient_pa_m", self.stress_gradient_pa_m, OptionInfo{.unit = "Pa/m", .text = "its change a metre upwards, xx, yy, zz, xy (left out: uniform)"});
+    visit("stress_level_m", self.stress_level_m, OptionInfo{.unit = "m", .text = "height y of stress_pa"});
+    visit("stress_file", self.stress_file, OptionInfo{.text = "in place of stress_pa: a CSV file with the columns x_m, y_m, stress_xx_pa, stress_yy_pa, stress_zz_pa and stress_xy_pa, in any order of rows; linear between"});
   }
 };
 
@@ -97,7 +117,7 @@ struct SynthOptions {
     visit("motion", self.motion, OptionInfo{.text = "none; affine: the same increment every frame; mpm: simulated by [synth.mpm] with [synth.material.*]; slope: three stages in closed form, gravity, wetting, slip"});
     visit("gradient_per_frame", self.gradient_per_frame, OptionInfo{.text = "affine: xx xy yx yy of the displacement gradient of one frame, world axes"});
     visit("shift_px_per_frame", self.shift_px_per_frame, OptionInfo{.unit = "px", .text = "affine: shift of one frame (x, y up)"});
-    visit("rotation_deg_per_frame", self.rotation_deg_per_frame, OptionInfo{.unit = "deg", .text = "affine: turn of one frame, counter-clockwise, after the gradient"});
+    visit("rotation_deg_per_frame", self.rotation_deg_per_frame, OptionInfo{.unit = "deg", .text = "affine: rotation of one frame, anticlockwise, after the gradient"});
     visit("centre_px", self.centre_px, OptionInfo{.unit = "px", .text = "affine: the fixed point (column, row)"});
     visit("lose_texture_at", self.lose_texture_at, OptionInfo{.text = "affine: from this frame on a tenth of the texture is replaced in each of ten frames (0: never)", .min = 0});
     visit("settlement", self.settlement, OptionInfo{.text = "slope: vertical strain under the weight, first third of the frames", .min = 0, .max = 0.5});
@@ -105,7 +125,7 @@ struct SynthOptions {
     visit("slip_centre_px", self.slip_centre_px, OptionInfo{.unit = "px", .text = "slope: centre (column, row) of the slip circle"});
     visit("slip_radius_px", self.slip_radius_px, OptionInfo{.unit = "px", .text = "slope: radius of the slip circle", .min = 0});
     visit("slip_band_px", self.slip_band_px, OptionInfo{.unit = "px", .text = "slope: half width of the shear band along it", .min = 0, .above_min = true});
-    visit("slip_deg", self.slip_deg, OptionInfo{.unit = "deg", .text = "slope: turn of the body that slips, counter-clockwise, last third of the frames, accelerating"});
+    visit("slip_deg", self.slip_deg, OptionInfo{.unit = "deg", .text = "slope: rotation of the body that slips, anticlockwise, accelerating over the last third of the frames"});
   }
 };
 
@@ -125,7 +145,7 @@ struct VerifyOptions {
     visit("nodal_error", self.nodal_error, OptionInfo{.text = "affine: greatest error of log strain, and of displacement over the spacing, through exact nodal increments", .min = 0});
     visit("lost_share", self.lost_share, OptionInfo{.text = "greatest share of particles not followed to the end", .min = 0, .max = 1});
     visit("drift_px", self.drift_px, OptionInfo{.unit = "px", .text = "all four schemes of np.drift are run; greatest RMS error of the corrected final displacement", .min = 0});
-    visit("drift_ratio", self.drift_ratio, OptionInfo{.text = "the same; that error over the one of summed increments, at most", .min = 0});
+    visit("drift_ratio", self.drift_ratio, OptionInfo{.text = "the same; greatest ratio of that error to the one of summed increments", .min = 0});
   }
 };
 
@@ -151,6 +171,7 @@ struct Case {
   std::optional<piv::PivOptions> piv;         // [piv]; present by default when there are frames to measure
   std::optional<np::NpOptions> np;            // [np]; present by default when there are frames or vectors
   Named<mpm::MaterialOptions> materials;      // [material.NAME]
+  Named<InitialOptions> initial;              // [initial.REGION]
   std::optional<mpm::MpmOptions> mpm;         // [mpm]
   Named<mpm::BoundaryOptions> boundaries;     // [boundary.NAME]
   Named<mpm::RigidOptions> bodies;            // [body.NAME]

@@ -69,7 +69,7 @@ std::string note_on(const T&, std::string_view) {
 }
 std::string note_on(const mpm::MaterialOptions&, std::string_view key) {
   std::string laws;
-  for (const std::string& model : mpm::models_with_key(key)) laws += (laws.empty() ? "; taken by " : ", ") + model;
+  for (const std::string& model : mpm::models_with_key(key)) laws += (laws.empty() ? "; used by " : ", ") + model;
   return laws;
 }
 

@@ -19,23 +19,24 @@ void for_each_section(C& c, Visitor&& visit) {
   visit.always("camera", c.camera, "Between pixels and the world. Without a scale or targets, lengths are in pixels.");
   visit.always("grid", c.grid, "The one grid of PIV, numerical particles and simulation.");
   visit.named("region", c.regions,
-              "Where material is at the first frame; one section a piece, one outline each. Without any region the "
+              "Where material is at the first frame; one section per piece, with one outline. Without any region the "
               "whole grid is measured.");
-  visit.named("mask", c.masks, "What must not be measured; one section a mask, one shape each.");
+  visit.named("mask", c.masks, "What must not be measured; one section per mask, with one shape.");
   visit.optional("piv", c.piv, "Image correlation. There by default when there are frames and no [vectors].");
   visit.optional("np", c.np, "Numerical particles. There by default when there are frames or [vectors].");
   visit.named("material", c.materials, "What the regions are made of, for the simulation.");
   visit.optional("mpm", c.mpm, "The simulation; left out, the case only measures.");
-  visit.named("boundary", c.boundaries, "Restraints on the simulation's nodes; a line or a polygon each.");
-  visit.named("body", c.bodies, "Rigid bodies with prescribed motion; a circle or a polygon each.");
-  visit.named("contact", c.contacts, "How bodies of the simulated material meet: with friction, free to part. Without any they stick together. Example: datasets/sand_slope_1g/glass.toml.");
+  visit.named("initial", c.initial, "What the simulation of a region starts with; one section a region, of the region's name. Left out: at rest, with the stress of mpm.initial_equilibrium or mpm.k0.");
+  visit.named("boundary", c.boundaries, "Restraints on the simulation's nodes; each with a line or a polygon.");
+  visit.named("body", c.bodies, "Rigid bodies with prescribed motion; each a circle or a polygon.");
+  visit.named("contact", c.contacts, "Contact between bodies of the simulated material, which may slide with friction and separate. Without any they stick together. Example: datasets/sand_slope_1g/glass.toml.");
   visit.optional("water", c.water, "Water in the pores of materials that have a porosity. Example: datasets/terzaghi.");
-  visit.optional("heat", c.heat, "Temperature: plastic work and the flow of the water become heat, which swells water and soil. Materials then have a specific heat and a conductivity.");
+  visit.optional("heat", c.heat, "Temperature: plastic work and the flow of the water produce heat, which expands water and soil. Materials then need a specific heat and a conductivity.");
   visit.always("compare", c.compare, "How measurement and simulation are compared.");
   visit.always("compare.limits", c.limits, "Limits; one that is exceeded ends the program with exit code 3.");
   visit.always("report", c.report, "What the report shows.");
   visit.always("report.hardware", c.report.hardware, "Camera and specimen as the report's table of the measurement states them; free text.");
-  visit.named("report.line", c.report.lines, "Cross-sections and virtual extensometers that the report draws; one section a line.");
+  visit.named("report.line", c.report.lines, "Cross-sections and virtual extensometers that the report draws; one section per line.");
   visit.always("output", c.output, "What the record stores.");
   visit.optional("synth", c.synth,
                  "Synthetic frames with known truth: drawn by `pivnp synth`, and by `pivnp run` when "

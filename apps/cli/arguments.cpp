@@ -57,11 +57,11 @@ void add_frames(CLI::App& app, Arguments& arguments) {
 }
 
 void add_resume(CLI::App& app, Arguments& arguments) {
-  app.add_flag("--resume", arguments.resume, "go on from what a stopped run left in the output folder");
+  app.add_flag("--resume", arguments.resume, "continue the interrupted run in the output folder");
 }
 
 void add_junit(CLI::App& app, Arguments& arguments) {
-  app.add_option("--junit", arguments.junit, "writes what became of [compare.limits] as JUnit XML")->type_name("FILE");
+  app.add_option("--junit", arguments.junit, "writes the results of [compare.limits] as JUnit XML")->type_name("FILE");
 }
 
 void add_session(CLI::App& app, Session& session) {
@@ -108,6 +108,7 @@ int print_outcome(const RunOutcome& outcome, const Arguments& arguments, const s
     if (!file.empty()) session.out << file.string() << "\n";
   if (!session.quiet)
     for (const std::string& remark : outcome.remarks) session.out << "note: " << remark << "\n";
+  if (const std::string cost = text_of(outcome.cost); !session.quiet && !cost.empty()) session.out << "note: " << cost << "\n";
   VerifyResult limits;
   limits.name = name;
   for (const LimitResult& l : outcome.limits) {

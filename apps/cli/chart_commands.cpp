@@ -42,14 +42,15 @@ int print_charts(const std::vector<std::filesystem::path>& files, const std::vec
 // What stages are measured.
 class StageNames {
  public:
-  void add(CLI::App& app, const std::vector<std::string>& stages) {
-    std::string all;
-    for (const std::string& stage : stages) all += (all.empty() ? "" : ", ") + stage;
-    app.add_option("--stages", names_, "what is measured: " + all + " (left out: all that there is)")
+  void add(CLI::App& app, const std::vector<std::string>& all) {
+    std::string names;
+    for (const std::string& name : all) names += (names.empty() ? "" : ", ") + name;
+    app.add_option("--stages", names_, "stages to measure: " + names + " (left out: all)")
         ->type_name("STAGE,...")
         ->delimiter(',')
-        ->check(CLI::IsMember(stages));
+        ->check(CLI::IsMember(all));
   }
+  const std::vector<std::string>& given() const { return names_; }
   bool asked(const char* stage) const { return names_.empty() || std::find(names_.begin(), names_.end(), stage) != names_.end(); }
 
  private:
@@ -100,12 +101,13 @@ Action declare_stress(CLI::App& app, Session& session) {
   const auto s = std::make_shared<Stress>();
   add_case(app, s->arguments, "the default settings");
   add_out(app, s->arguments, "out/stress, or out/<name of the case's folder>/stress");
-  s->stages.add(app, {"piv", "mpm"});
-  app.add_option("--seeds", s->options.seeds, "pairs of frames that are drawn for each combination (1)")->type_name("N")->check(CLI::Range(1, 100));
+  s->stages.add(app, {stress_stages.begin(), stress_stages.end()});
+  app.add_option("--seeds", s->options.seeds, "number of pairs of frames drawn for each combination (1)")->type_name("N")->check(CLI::Range(1, 100));
+  app.add_option("--maps", s->options.maps, "maps to make, by name, for example mpm_step,piv_jpeg_window (left out: all of the stages)")->type_name("NAME,...")->delimiter(',');
+  app.add_flag("--short", s->options.in_short, "every second level and smaller frames: under a minute");
   add_session(app, session);
   return [s, &session] {
-    s->options.piv = s->stages.asked("piv");
-    s->options.mpm = s->stages.asked("mpm");
+    s->options.stages = s->stages.given();
     std::optional<Case> c;
     if (!s->arguments.case_path.empty()) c = load_case(s->arguments, session);
     else if (!s->arguments.given.empty()) c = parse_case("[frames]\npath = \"\"\n", "--set", std::filesystem::current_path(), s->arguments.given);
@@ -114,7 +116,10 @@ Action declare_stress(CLI::App& app, Session& session) {
       TerminalProgress progress = progress_for(session);
       outcome = stress(c ? &*c : nullptr, s->options, charts_in(s->arguments, session, c, "stress"), progress);
     }
-    return print_charts(outcome.files, outcome.sentences, session);
+    const int code = print_charts(outcome.files, outcome.sentences, session);
+    if (!session.quiet && outcome.kept > 0)
+      session.out << "note: " << outcome.kept << " of " << outcome.combinations << " combinations are those of a run that was stopped\n";
+    return code;
   };
 }
 

@@ -153,7 +153,7 @@ int parse_and_run(int argc, const char* const* argv, Session& session) {
     return at->second();
   } catch (const Interrupted&) {
     const bool resumable = at->first->get_option_no_throw("--resume") != nullptr;
-    session.err << "pivnp: interrupted" << (resumable ? "; what was finished is kept, --resume goes on from there" : "")
+    session.err << "pivnp: interrupted" << (resumable ? "; what was finished is kept, --resume continues from there" : "")
                 << std::endl;
     return interrupted;
   }

@@ -4,7 +4,7 @@ namespace pivnp::app {
 
 const std::vector<Command>& commands() {
   static const std::vector<Command> table = {
-      {"run", "the whole chain of a case: frames, PIV, particles, simulation, comparison, report",
+      {"run", "run the whole chain of a case: frames, PIV, particles, simulation, comparison, report",
        "pivnp run\n"
        "pivnp run lab/case.toml --out out/lab\n"
        "pivnp run datasets/tbar --frames \"/data/tbar/IMG_*.jpg\" --threads 2",
@@ -18,7 +18,7 @@ const std::vector<Command>& commands() {
       {"piv", "measure a case's frames by image correlation, and stop there", "pivnp piv lab/case.toml", declare_piv},
       {"track", "measure, and follow numerical particles through the measurement", "pivnp track lab/case.toml --resume",
        declare_track},
-      {"simulate", "the simulation of a case alone", "pivnp simulate lab/case.toml --threads 4", declare_simulate},
+      {"simulate", "run the simulation of a case alone", "pivnp simulate lab/case.toml --threads 4", declare_simulate},
       {"compare", "compare two motions, of one record or of two",
        "pivnp compare out/lab/record.h5:np out/lab/record.h5:mpm --slope-base-m 0.0\n"
        "pivnp compare out/a/record.h5:np out/b/record.h5:np --displacement-rms-m 1e-3 --out out/a_against_b\n"
@@ -42,7 +42,7 @@ const std::vector<Command>& commands() {
        "pivnp frontier lab/case.toml --stages piv --threads 1\n"
        "pivnp frontier --frames \"lab/frames/*.png\"",
        declare_frontier},
-      {"stress", "map where methods are right, where they say that they are not, and where they are wrong without a word",
+      {"stress", "map where methods are right, where they warn that they are not, and where they are wrong without a warning",
        "pivnp stress\n"
        "pivnp stress lab/case.toml --stages piv --seeds 4\n"
        "pivnp stress --stages piv --set piv.method=fft",

@@ -34,7 +34,7 @@ Action declare_compare(CLI::App& app, Session& session) {
       ->type_name("RATIO")
       ->check(CLI::Range(1.01, 100.0));
   app.add_option("--step-s", c->sources.step_s,
-                 "time from one file's number to the next, where files of another program only count (1)")
+                 "time from one file's number to the next, where files of another program state no times (1)")
       ->type_name("VALUE (s)")
       ->check(CLI::PositiveNumber);
   app.add_option("--length-unit", c->sources.length_unit,
@@ -106,14 +106,14 @@ Action declare_export(CLI::App& app, Session& session) {
   };
   const auto e = std::make_shared<Export>();
   app.add_option("RECORD", e->record, "record.h5, or the folder that holds it")->required();
-  app.add_option("--format", e->format, "csv: a table a motion, and one of the vectors; vtkhdf: one file a motion, for ParaView (csv)")
+  app.add_option("--format", e->format, "csv: one table per motion, and one of the vectors; vtkhdf: one file per motion, for ParaView (csv)")
       ->type_name("NAME")
       ->check(CLI::IsMember({"csv", "vtkhdf"}));
   app.add_option("--motions", e->options.motions, "motions to write, and piv for the vectors (all)")->type_name("NAMES")->delimiter(',');
   app.add_option("--fields", e->options.fields, "fields to write, by their names in docs/format.md (displacement and strain)")
       ->type_name("NAMES")
       ->delimiter(',');
-  app.add_option("--times", e->options.times, "times to write, each the nearest there is (all)")->type_name("VALUES")->delimiter(',');
+  app.add_option("--times", e->options.times, "times to write; the nearest recorded ones are taken (all)")->type_name("VALUES")->delimiter(',');
   add_out(app, e->arguments, "export/ beside the record");
   add_session(app, session);
   return [e, &session] {

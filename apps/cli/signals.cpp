@@ -14,7 +14,7 @@ static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may only
 
 extern "C" void on_stop_signal(int) {
   if (stop.exchange(true)) _exit(130);
-  constexpr char note[] = "\npivnp: stopping; once more ends at once\n";
+  constexpr char note[] = "\npivnp: stopping; Ctrl-C once more ends at once\n";
   [[maybe_unused]] const auto written = write(STDERR_FILENO, note, sizeof note - 1);
 }
 

@@ -102,14 +102,14 @@ RigidFit match_outlines(const Rings& first, const Rings& second, double step, co
     for (const Sight& s : sights) normal.add(s);
     const Vec3 held = Eigen::SelfAdjointEigenSolver<Mat3>(normal.matrix).eigenvalues();
     if (!(held.minCoeff() > 1e-3 * double(sights.size())))
-      throw InputError("compare.space_alignment: the outline does not hold a shift in both directions and a turn, "
+      throw InputError("compare.space_alignment: the outline does not fix a shift in both directions and a rotation, "
                        "expected edges or corners that do");
     const Vec3 change = normal.solve();
     there.shift += Vec2(change.x(), change.y());
     there.angle += change.z() / radius;
     last = change.norm();
   }
-  if (!(last <= 1e-3 * step)) throw InputError("compare.space_alignment: the outlines do not come to rest on each other");
+  if (!(last <= 1e-3 * step)) throw InputError("compare.space_alignment: the fit of the outlines does not converge");
 
   Vec3 mean = Vec3::Zero(), square = Vec3::Zero();
   constexpr std::size_t pieces = 16;

@@ -49,8 +49,8 @@ struct CompareOptions {
                      .text = "polygon of material whose mean motion is subtracted from both data sets (the far soil)"});
     visit("fixed_zone_m", self.fixed_zone_m,
           OptionInfo{.unit = "m",
-                     .text = "polygon of material that stands still: the shift and rotation found there are taken off "
-                             "each data set at each time"});
+                     .text = "polygon of material that stands still: the shift and rotation found there are removed "
+                             "from each data set at each time"});
     visit("time_alignment", self.time_alignment,
           OptionInfo{.text = "onset: the second's clock is set so that both motions begin at the same time"});
     visit("time_offset_s", self.time_offset_s, OptionInfo{.unit = "s", .text = "added to the second's times"});
@@ -60,7 +60,7 @@ struct CompareOptions {
     visit("second_shift_m", self.second_shift_m,
           OptionInfo{.unit = "m", .text = "added to the second's positions, after scale and rotation"});
     visit("second_rotation_deg", self.second_rotation_deg,
-          OptionInfo{.unit = "deg", .text = "turns the second about its origin, counter-clockwise"});
+          OptionInfo{.unit = "deg", .text = "rotates the second about its origin, anticlockwise"});
     visit("second_scale", self.second_scale,
           OptionInfo{.text = "multiplies the second's lengths (a model's scale)", .min = 0, .above_min = true});
     visit("second_time_scale", self.second_time_scale,
@@ -102,8 +102,8 @@ struct CompareOptions {
           OptionInfo{.text = "also measure the simulation: the first frame, carried by the simulated motion, goes "
                              "through the same PIV and particles"});
     visit("mesh_study", self.mesh_study,
-          OptionInfo{.text = "of a case: simulate it on so many coarser grids too (cells 1.3 and 1.69 times as large), which "
-                             "tells the numerical part of u_val",
+          OptionInfo{.text = "number of coarser grids on which a case is simulated as well (cells 1.3 and 1.69 times as "
+                             "large), for the numerical part of u_val",
                      .min = 0,
                      .max = 2});
   }

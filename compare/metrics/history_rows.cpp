@@ -17,7 +17,7 @@ void add_differences(Registry<HistoryMetricRow>& rows) {
               [=](const HistoryMeasures& h) {
                 const double sigma = h.errors.difference;
                 return difference(value(h.difference), sigma,
-                                  std::isfinite(sigma) ? "; uncertainty: of one value, errors taken as one and the same"
+                                  std::isfinite(sigma) ? "; uncertainty: of one value, all errors assumed to be equal"
                                                        : "; uncertainty not known",
                                   factor(h.difference.count()));
               }});

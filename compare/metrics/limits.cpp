@@ -19,7 +19,7 @@ Registry<LimitRow>& limit_rows() {
       {"strain_rms", "", "greatest RMS difference of deviatoric strain, over space and time"},
       {"strain_p95", "", "greatest 95th percentile of the difference of deviatoric strain"},
       {"displacement_over_u", "", "greatest RMS displacement difference in units of its standard uncertainty"},
-      {.name = "outline_iou_min", .unit = "", .text = "least share that the final outlines have in common",
+      {.name = "outline_iou_min", .unit = "", .text = "least share of area that the final outlines have in common",
        .least = true, .max = 1},
       {"hausdorff_m", "m", "greatest Hausdorff distance (95 %) of the final outlines"},
       {.name = "run_out_m", .unit = "m", .text = "greatest difference of run-out (needs compare.slope_base_m)",

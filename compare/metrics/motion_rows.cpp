@@ -72,22 +72,22 @@ constexpr VectorStatistic vector_statistics[] = {
     {"bias_x", "mean in x", "mean of #_x of the second minus that of the first",
      [](const VectorStatistics& d) { return d.bias().x(); },
      [](const VectorStatistics& d) { return d.bias_uncertainty().x(); },
-     "root mean variance of #_x, all errors taken as one and the same", two, nullptr},
+     "root mean variance of #_x, all errors assumed to be equal", two, nullptr},
     {"bias_y", "mean in y", "mean of #_y of the second minus that of the first",
      [](const VectorStatistics& d) { return d.bias().y(); },
      [](const VectorStatistics& d) { return d.bias_uncertainty().y(); },
-     "root mean variance of #_y, all errors taken as one and the same", two, nullptr},
+     "root mean variance of #_y, all errors assumed to be equal", two, nullptr},
     {"rms", "RMS", "root mean square of |#_second - #_first|", [](const VectorStatistics& d) { return d.rms(); },
      [](const VectorStatistics& d) { return d.rms_uncertainty(); }, "root mean trace of its variance", two,
      [](const ScalarStatistics& s) { return s.rms(); }},
     {"p95", "95th percentile", "95th percentile of |#_second - #_first| (nearest rank)",
      [](const VectorStatistics& d) { return d.p95(); }, [](const VectorStatistics& d) { return d.p95_uncertainty(); },
      "95th percentile of the root trace of its variance", percentile_factor,
-     [](const ScalarStatistics& s) { return s.p95(); }, "; told apart only beyond "},
+     [](const ScalarStatistics& s) { return s.p95(); }, "; distinguishable only beyond "},
     {"max", "maximum", "greatest |#_second - #_first|", [](const VectorStatistics& d) { return d.max(); },
      [](const VectorStatistics& d) { return d.max_uncertainty(); }, "root trace of its variance where it occurs",
      greatest_factor, [](const ScalarStatistics& s) { return s.max(); },
-     "; of so many errors the greatest is told apart only beyond "}};
+     "; the greatest of so many errors is distinguishable only beyond "}};
 
 // A vector whose differences are counted.
 struct VectorSubject {

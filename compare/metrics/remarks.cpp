@@ -23,7 +23,7 @@ void remark_motion(const Findings& f, std::vector<std::string>& remarks) {
     remarks.push_back("The first does not move: no metrics relative to its displacement.");
   if (const std::size_t unknown = total.displacement.count_unknown(); unknown > 0 && unknown < all)
     remarks.push_back(std::to_string(unknown) + " of " + std::to_string(all) +
-                      " particle-times have no known uncertainty: none is stated for what holds them.");
+                      " particle-times have no known uncertainty: metrics that contain them have none.");
   if (const std::size_t lost = all - total.strain_dev.count(); lost > 0)
     remarks.push_back(std::to_string(lost) + " of " + std::to_string(all) +
                       " particle-times have no strain: a deformation gradient is not known, or not positive.");
@@ -46,7 +46,7 @@ void remark_decompositions(const std::vector<FieldDecomposition>& decompositions
   for (const FieldDecomposition& d : decompositions)
     if (!d.of.adequate) inadequate += (inadequate.empty() ? "" : ", ") + std::string(d.field.symbol);
   if (!inadequate.empty())
-    remarks.push_back("Polynomials do not hold what is local (clusters of residuals beyond 3 of their RMS) in " +
+    remarks.push_back("Polynomials do not represent local features (clusters of residuals beyond 3 times their RMS) in " +
                       inadequate + ": the decomposition's coefficients are no basis for a verdict there.");
 }
 

@@ -47,24 +47,24 @@ struct BoundaryOptions {
     visit("line_m", self.line_m, OptionInfo{.unit = "m", .text = "two end points; nodes within half a cell are restrained"});
     visit("polygon_m", self.polygon_m, OptionInfo{.unit = "m", .text = "nodes inside are restrained"});
     visit("type", self.type,
-          OptionInfo{.text = "fixed: no motion; roller: none along the normal; frictional: a wall that pushes, and rubs; absorbing: lets waves out; traction: a load on the material's face along line_m; tied: nodes move as those of the opposite side, across_m away (a laminar box, or a piece of an endless slope; not beside a [contact.NAME])"});
+          OptionInfo{.text = "fixed: no motion; roller: none along the normal; frictional: a wall with friction, from which material may separate; absorbing: lets waves out; traction: a load on the material's face along line_m; tied: nodes move as those of the opposite side, across_m away (a laminar box, or a piece of an endless slope; not beside a [contact.NAME])"});
     visit("normal", self.normal, OptionInfo{.text = "direction out of the material (left out: across the line, away from the material)"});
     visit("friction", self.friction, OptionInfo{.text = "Coulomb coefficient (frictional)", .min = 0});
-    visit("until_s", self.until_s, OptionInfo{.unit = "s", .text = "removed at this time (a gate; left out: stays)"});
-    visit("velocity_m_s", self.velocity_m_s, OptionInfo{.unit = "m/s", .text = "velocity given to the nodes, which stay the same ones (fixed; left out: none)"});
-    visit("withdraw_m_s", self.withdraw_m_s, OptionInfo{.unit = "m/s", .text = "velocity at which the line or polygon is drawn away: nodes are free once it has passed them (left out: it stays)"});
+    visit("until_s", self.until_s, OptionInfo{.unit = "s", .text = "time at which it is removed (a gate; left out: it stays)"});
+    visit("velocity_m_s", self.velocity_m_s, OptionInfo{.unit = "m/s", .text = "velocity of the nodes; the restrained nodes remain the same (fixed; left out: none)"});
+    visit("withdraw_m_s", self.withdraw_m_s, OptionInfo{.unit = "m/s", .text = "velocity at which the line or polygon is withdrawn: nodes are free once it has passed them (left out: it stays)"});
     visit("withdraw_from_s", self.withdraw_from_s, OptionInfo{.unit = "s", .text = "start of the withdrawal", .min = 0});
     visit("traction_pa", self.traction_pa, OptionInfo{.unit = "Pa", .text = "load on the face, x and y, per length at time 0 (traction); it moves with the particles next to the line"});
     visit("follows_face", self.follows_face, OptionInfo{.text = "the traction turns with the face and acts on its present length, as a cell pressure does (left out: a dead load)"});
     visit("rise_s", self.rise_s, OptionInfo{.unit = "s", .text = "time over which the traction rises from 0 (0: at once)", .min = 0});
     visit("across_m", self.across_m, OptionInfo{.unit = "m", .text = "from line_m to the opposite side, x and y (tied)"});
-    visit("pressure_pa", self.pressure_pa, OptionInfo{.unit = "Pa", .text = "pressure of the water there, with [water] (any type but tied; without it, drained and flux_m_s no water passes)"});
-    visit("water_level_m", self.water_level_m, OptionInfo{.unit = "m", .text = "the water beyond it stands at this height: hydrostatic pressure below, and above, water that seeps out"});
+    visit("pressure_pa", self.pressure_pa, OptionInfo{.unit = "Pa", .text = "pressure of the water there, with [water] (any type but tied; without this key, drained or flux_m_s no water passes)"});
+    visit("water_level_m", self.water_level_m, OptionInfo{.unit = "m", .text = "level of the water beyond it: hydrostatic pressure below this height, a seepage face above"});
     visit("drained", self.drained, OptionInfo{.text = "water passes freely: its pressure is zero there, or that of the water outside"});
-    visit("flux_m_s", self.flux_m_s, OptionInfo{.unit = "m/s", .text = "water that enters there, a volume per area and time; less than 0: that leaves"});
-    visit("temperature_c", self.temperature_c, OptionInfo{.unit = "degC", .text = "temperature there, with [heat] (a wall along the grid; without it and heat_flux_w_m2 no heat passes); beside heat_transfer_w_m2_k, that of what lies beyond"});
-    visit("heat_flux_w_m2", self.heat_flux_w_m2, OptionInfo{.unit = "W/m^2", .text = "heat that enters there; less than 0: that leaves"});
-    visit("heat_transfer_w_m2_k", self.heat_transfer_w_m2_k, OptionInfo{.unit = "W/(m^2 K)", .text = "heat that passes for a degree between the material there and temperature_c (convection)", .min = 0});
+    visit("flux_m_s", self.flux_m_s, OptionInfo{.unit = "m/s", .text = "water that enters there, a volume per area and time; negative: it leaves"});
+    visit("temperature_c", self.temperature_c, OptionInfo{.unit = "degC", .text = "temperature there, with [heat] (a wall along the grid; without this key or heat_flux_w_m2 no heat passes); with heat_transfer_w_m2_k, the temperature beyond the wall"});
+    visit("heat_flux_w_m2", self.heat_flux_w_m2, OptionInfo{.unit = "W/m^2", .text = "heat that enters there; negative: it leaves"});
+    visit("heat_transfer_w_m2_k", self.heat_transfer_w_m2_k, OptionInfo{.unit = "W/(m^2 K)", .text = "heat transfer coefficient between the material there and temperature_c (convection)", .min = 0});
   }
 };
 
@@ -104,11 +104,11 @@ struct RigidOptions {
     visit("friction", self.friction, OptionInfo{.text = "Coulomb coefficient; 0 is smooth (left out: rough, material sticks to it)", .min = 0});
     visit("from_s", self.from_s, OptionInfo{.unit = "s", .text = "moves from this time on", .min = 0});
     visit("until_s", self.until_s, OptionInfo{.unit = "s", .text = "stops at this time (left out: never)"});
-    visit("mass_kg_m", self.mass_kg_m, OptionInfo{.unit = "kg/m", .text = "mass a metre of thickness: the body is free, velocity_m_s is that at time 0 (left out: its motion is prescribed)", .min = 0, .above_min = true});
-    visit("mass_end_kg_m", self.mass_end_kg_m, OptionInfo{.unit = "kg/m", .text = "mass to which it rises or falls in time (left out: it stays)", .min = 0, .above_min = true});
+    visit("mass_kg_m", self.mass_kg_m, OptionInfo{.unit = "kg/m", .text = "mass per metre of thickness: the body is free, and velocity_m_s is its velocity at time 0 (left out: its motion is prescribed)", .min = 0, .above_min = true});
+    visit("mass_end_kg_m", self.mass_end_kg_m, OptionInfo{.unit = "kg/m", .text = "mass to which it rises or falls in time (left out: constant)", .min = 0, .above_min = true});
     visit("mass_from_s", self.mass_from_s, OptionInfo{.unit = "s", .text = "start of that change", .min = 0});
     visit("mass_until_s", self.mass_until_s, OptionInfo{.unit = "s", .text = "its end; linear between", .min = 0, .above_min = true});
-    visit("turns", self.turns, OptionInfo{.text = "a free body may turn"});
+    visit("turns", self.turns, OptionInfo{.text = "a free body may rotate"});
   }
 };
 

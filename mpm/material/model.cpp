@@ -111,7 +111,7 @@ void check_pores(const MaterialOptions& o) {
     return;
   }
   require(*o.porosity > 0 && *o.porosity < 1, "porosity", *o.porosity, "more than 0 and less than 1");
-  if (o.density_kg_m3 != 0) refuse("density_kg_m3", o.density_kg_m3, "none beside porosity: grain_density_kg_m3 and water make the density");
+  if (o.density_kg_m3 != 0) refuse("density_kg_m3", o.density_kg_m3, "none beside porosity: the density follows from grain_density_kg_m3 and the water");
   if (o.density_end_kg_m3) refuse("density_end_kg_m3", *o.density_end_kg_m3, "none beside porosity");
   if (o.drained && o.wetting_collapse != 0) throw MaterialFault("wetting_collapse", "given beside drained = true, expected one of them");
   if (!o.drained && !o.permeability_m_s) throw MaterialFault("permeability_m_s", "missing beside porosity; expected 0 or more (m/s), or drained = true");

@@ -39,7 +39,7 @@ class Solver {
   void require_held() const;
 
   /// Steps to `time` exactly (the last steps are trimmed). Throws RunError, with time and cause, on NaN or blow-up (a
-  /// point that moves a cell in a step, or an energy residual beyond MpmOptions::energy_limit of what was turned over);
+  /// point that moves a cell in a step, or an energy residual beyond MpmOptions::energy_limit of the energy supplied);
   /// time(), steps() and energy() are then of the last state whose balance was sound, at most 100 steps old; frame() and
   /// what goes on from the state throw RunError: the frames given out before are the caller's. Once motion has ended (at_rest) and
   /// MpmOptions::end_at_rest is set, only the time goes on.
@@ -60,8 +60,8 @@ class Solver {
   EnergyRow energy() const;
   /// Impulse on the material by a body since time 0, N s/m; index in Scene::bodies.
   Vec2 body_impulse(std::size_t body) const;
-  /// What boundaries (but tied ones) and bodies have done, and the names of those, "boundary.NAME" and "body.NAME". Tractions count
-  /// as given; walls as they act on what is awake.
+  /// What boundaries (but tied ones), bodies and contacts have done, and the names of those, "boundary.NAME", "body.NAME" and
+  /// "contact.NAME". Tractions count as given; walls as they act on what is awake; contacts on the regions that they list.
   std::vector<std::string> reaction_names() const;
   ReactionRow reactions() const;
   /// Of a body's centre since time 0, m; its mass now, kg/m (0: its motion is prescribed).

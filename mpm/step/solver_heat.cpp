@@ -20,7 +20,7 @@ std::vector<HeatSoil> take_heat(const MpmOptions& options, const Scene& scene) {
     else soils.push_back(heat_soil(scene.materials[k], name, scene.water ? &*scene.water : nullptr));
   }
   if (!scene.heat) return soils;
-  if (options.sleep_below_m_s) throw InputError("mpm.sleep_below_m_s: given beside [heat], expected none: heat goes on in what rests");
+  if (options.sleep_below_m_s) throw InputError("mpm.sleep_below_m_s: given beside [heat], expected none: heat also flows in material at rest");
   if (!scene.water) return soils;
   const char* level = scene.water->level_m ? ".level_m" : !scene.water->level_history.empty() ? ".level_history" : nullptr;
   if (level) throw InputError(std::string("water") + level + ": given beside [heat], expected none: all pores are full");

@@ -101,7 +101,7 @@ void Solver::Impl::check_balance() {
   if (std::abs(row.residual) > options.energy_limit * std::max(turned_over, least_turned_over)) {
     std::ostringstream text;
     text << "the energy residual is " << row.residual << " J/m, beyond " << options.energy_limit
-         << " of what was turned over (" << std::max(turned_over, least_turned_over) << " J/m; mpm.energy_limit)";
+         << " of the energy supplied (" << std::max(turned_over, least_turned_over) << " J/m; mpm.energy_limit)";
     fail(text.str());
   }
   good = {row, state.steps};

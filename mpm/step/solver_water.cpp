@@ -73,7 +73,7 @@ std::vector<PoreSoil> take_pores(const MpmOptions& options, Scene& scene) {
   check_gravity(options, *scene.water);
   if (options.pressure == PressureScheme::projected) check_projected(scene);
   if (options.sleep_below_m_s)
-    throw InputError("mpm.sleep_below_m_s: given beside [water], expected none: water goes on flowing in what rests");
+    throw InputError("mpm.sleep_below_m_s: given beside [water], expected none: water also flows in material at rest");
   return soils;
 }
 

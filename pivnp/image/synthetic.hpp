@@ -50,7 +50,7 @@ struct TextureOptions {
     visit("noise", self.noise, OptionInfo{.text = "standard deviation of the noise, share of white", .min = 0, .max = 1});
     visit("loss", self.loss, OptionInfo{.text = "share of blobs replaced by others from frame to frame", .min = 0, .max = 1});
     visit("light_slope", self.light_slope, OptionInfo{.text = "fall of the illumination across the image's width, share", .min = 0, .max = 1});
-    visit("light_change", self.light_change, OptionInfo{.text = "swing of the illumination in time, share", .min = 0, .max = 1});
+    visit("light_change", self.light_change, OptionInfo{.text = "variation of the illumination in time, share", .min = 0, .max = 1});
     visit("bits", self.bits, OptionInfo{.text = "bits per pixel: 8, 12 or 16", .min = 8, .max = 16});
     visit("seed", self.seed, OptionInfo{.text = "seed of the random numbers"});
   }

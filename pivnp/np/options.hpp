@@ -63,19 +63,19 @@ struct NpOptions {
                      .min = 0,
                      .max = 1});
     visit("drift", self.drift,
-          OptionInfo{.text = "what holds summed increments to the first frame: none; corrected: direct correlation with "
-                             "it at intervals, fused; leapfrog: the same in every frame, not fused; reference_update: "
-                             "leapfrog from a frame that moves on when texture is lost (Stanier et al. 2016)"});
+          OptionInfo{.text = "how the drift of summed increments is limited: none; corrected: direct correlation with "
+                             "the first frame at intervals, fused; leapfrog: the same in every frame, not fused; "
+                             "reference_update: leapfrog from a frame that is replaced when texture is lost (Stanier et al. 2016)"});
     visit("drift_interval", self.drift_interval,
           OptionInfo{.text = "frames from one correction to the next (drift = corrected)", .min = 1, .max = 100000});
     visit("reseed", self.reseed,
-          OptionInfo{.text = "new particles where material enters and an element has run empty; their strains count from "
-                             "birth"});
+          OptionInfo{.text = "new particles where material enters an element that has become empty; their strains count "
+                             "from birth"});
     visit("still_zone_px", self.still_zone_px,
-          OptionInfo{.unit = "px", .text = "polygon (column, row) of material that is at rest: the strains' noise floor"});
+          OptionInfo{.unit = "px", .text = "polygon (column, row) of material that is at rest, for the noise floor of strain"});
     visit("still_zone_m", self.still_zone_m, OptionInfo{.unit = "m", .text = "the same in the world"});
     visit("still_frames", self.still_frames,
-          OptionInfo{.text = "number of frames, from the first on, in which nothing moves yet: the strains' noise floor",
+          OptionInfo{.text = "number of frames, from the first on, in which nothing moves yet, for the noise floor of strain",
                      .min = 0});
   }
 };

@@ -42,8 +42,8 @@ struct PivOptions {
           OptionInfo{.text = "correlation method (default: the one recommended, at present gn)",
                      .names = &piv_method_names});
     visit("smoothing", self.smoothing,
-          OptionInfo{.text = "gn, fast: adaptive, as much as the field's own noise allows (weak structures are lost "
-                             "with it); window, subsets of window_px and no more"});
+          OptionInfo{.text = "gn, fast: adaptive, as far as the field's own noise requires (structures weaker than "
+                             "the noise are lost); window, subsets of window_px and no more"});
     visit("order", self.order,
           OptionInfo{.text = "gn with smoothing = window: order of the subsets' deformation", .min = 0, .max = 2});
     visit("window_px", self.window_px,
@@ -58,11 +58,11 @@ struct PivOptions {
                      .max = 512});
     visit("passes", self.passes, OptionInfo{.text = "passes with the last window (0: chosen)", .min = 0, .max = 20});
     visit("anchor", self.anchor,
-          OptionInfo{.text = "instant that a vector's place belongs to: middle of the pair, or its first frame"});
+          OptionInfo{.text = "instant to which a vector's place belongs: middle of the pair, or its first frame"});
     visit("median_threshold", self.median_threshold,
           OptionInfo{.text = "normalised median test: residual over neighbours' scatter", .min = 0, .above_min = true});
     visit("median_floor_px", self.median_floor_px,
-          OptionInfo{.unit = "px", .text = "scatter that the median test grants everywhere", .min = 0});
+          OptionInfo{.unit = "px", .text = "scatter that the median test allows everywhere", .min = 0});
     visit("min_score", self.min_score,
           OptionInfo{.text = "correlation coefficient below which a vector is rejected", .min = -1, .max = 1});
     visit("max_sigma_px", self.max_sigma_px,
@@ -76,8 +76,8 @@ struct PivOptions {
     visit("replace", self.replace,
           OptionInfo{.text = "rebuild rejected vectors from valid neighbours (marked as replaced)"});
     visit("closure", self.closure,
-          OptionInfo{.text = "chains of steps, over the sequence, held against direct pairs of their ends (one pair more "
-                             "a chain): what the uncertainty of paths must hold beside random error (below 2: none)",
+          OptionInfo{.text = "number of chains of steps that are compared with direct pairs of their ends, for the error "
+                             "of paths that every pair repeats (each costs one more pair; below 2: none)",
                      .min = 0,
                      .max = 100});
   }

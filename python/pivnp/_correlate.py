@@ -8,8 +8,8 @@ from ._options import to_toml
 
 
 class Correlator:
-    """Correlates pairs of images of one size; keeps plans and buffers, so that many cost less than single calls. Of the frames of
-    one sequence, `sequence` tells more.
+    """Correlates pairs of images of one size; keeps plans and buffers, so that many pairs cost less than single calls. For the
+    frames of one sequence, `sequence` is more accurate.
 
     shape             (rows, columns) of the images
     window            side of the last interrogation window, px (8 to 256)
@@ -43,8 +43,8 @@ class Correlator:
         return found
 
     def sequence(self, frames: Any, *, white: float = 0.0) -> list[_core.Vectors]:
-        """Vectors of all pairs of consecutive frames, as `pivnp run` measures them: the dense methods smooth pairs with what their
-        neighbours in time know (docs/theory/piv.md), which single calls cannot.
+        """Vectors of all pairs of consecutive frames, as `pivnp run` measures them: the dense methods smooth pairs together with
+        their neighbours in time (docs/theory/piv.md), which single calls cannot.
 
         frames: images as the call takes them, all in memory; not copied. ValueError for an image of another size.
         """
@@ -69,7 +69,7 @@ def correlate(first: Any, second: Any, *, window: int = 32, spacing: Optional[fl
 
 
 def _to_pandas(self: _core.Vectors) -> Any:
-    """A pandas.DataFrame, one row a node."""
+    """A pandas.DataFrame, one row per node."""
     import numpy as np
 
     from ._motion import _needed

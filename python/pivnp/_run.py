@@ -34,12 +34,12 @@ def run(case: Union[None, str, os.PathLike[str]] = None, *, command: str = "run"
     command   "run" for the whole chain, or a stage: "piv", "track", "simulate"
     out       folder for the results (left out: out/<name of the case's folder>)
     frames    frames in place of the case's
-    resume    go on from what a stopped run left in `out`
+    resume    continue the interrupted run in `out`
     progress  show the program's progress and notes on standard error
     settings  keys that win over the case's: piv={"window_px": 24}, or **{"piv.window_px": 24}
 
     ValueError for bad input and RuntimeError for a run that failed, with the program's line. Ctrl-C lets the program close what
-    it writes (resume=True goes on from there). A limit that is exceeded is no error: see Record.limits_exceeded.
+    it writes (resume=True continues from there). A limit that is exceeded is no error: see Record.limits_exceeded.
     """
     words = [program(), command] + ([os.fspath(case)] if case is not None else [])
     for key in _settings(settings):

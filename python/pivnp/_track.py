@@ -12,7 +12,7 @@ from ._options import to_toml
 
 
 class Tracker:
-    """Numerical particles (Pinyol & Alvarado 2017) that ride through measured increments, pair by pair.
+    """Numerical particles (Pinyol & Alvarado 2017) that are carried through measured increments, pair by pair.
 
     vectors   those of the first pair: their grid is seeded. They are not applied yet: call step() with them
     regions   outlines [n, 2] of material at the first frame by name; left out, the whole grid
@@ -33,7 +33,7 @@ class Tracker:
 
     @property
     def time(self) -> float:
-        """Of the last frame reached."""
+        """The time of the last frame reached."""
         return self._core.time
 
     def __len__(self) -> int:

@@ -50,22 +50,22 @@ class Solver:
 
     @property
     def time(self) -> float:
-        """s."""
+        """The present time, s."""
         return self._core.time
 
     @property
     def steps(self) -> int:
-        """Made so far."""
+        """The number of steps made so far."""
         return self._core.steps
 
     @property
     def stable_step(self) -> float:
-        """The step in use, s."""
+        """The time step in use, s."""
         return self._core.stable_step
 
     @property
     def at_rest(self) -> bool:
-        """Motion has ended."""
+        """Whether motion has ended."""
         return self._core.at_rest
 
     @property

@@ -5,7 +5,7 @@ of a particle that is followed is NaN, no deformation gradient has lost its mean
 usage: random_scenes.py PIVNP RANDOM_SCENE COUNT [FIRST] [--wet]
 
 --wet: with water in the pores. Then water is where it was or went through a boundary (1e-9 of it), and scenes in which energy comes from
-nothing (more than 1 % of what was turned over) are counted: at most a third may (docs/limits.md). Every third scene is not as the generator makes it: what holds it is taken away, or gravity is fifty times as large.
+nothing (more than 1 % of the energy supplied) are counted: at most a third may (docs/limits.md). Every third scene is not as the generator makes it: what holds it is taken away, or gravity is fifty times as large.
 """
 import collections
 import concurrent.futures
@@ -71,7 +71,7 @@ def nonsense(record):
 
 
 def out_of_books(energy):
-    """Energy from nothing, over what was turned over; and what is wrong with the water."""
+    """Energy from nothing, over the energy supplied; and what is wrong with the water."""
     of = {name: energy[name][:].astype("f8") for name in energy}
     if "water" not in of:  # (all of it drained)
         return 0, ""

@@ -127,7 +127,7 @@ inline RealFigures dice_rigid_shift(const fs::path& data, const PivOptions& opti
     const Image def = read(data / ("dice_rigid_shift/def_" + shift + ".tif"));
     const Field f = summarise(correlate(ref, def, nodes, options, options.anchor, threads));
     const double off = std::max(std::abs(f.mean[0] - k), std::abs(f.mean[1] - k));
-    figures.push_back({"whole-pixel shift " + shift + ": field mean off, px", off, 0.005});
+    figures.push_back({"whole-pixel shift " + shift + ": error of the field's mean, px", off, 0.005});
     figures.push_back({"whole-pixel shift " + shift + ": valid", f.valid, 0.98, true});
   }
   return figures;
@@ -154,7 +154,7 @@ inline RealFigures speckle_affine(const fs::path& data, const PivOptions& option
     const Eigen::Matrix<double, 3, 2> fit = normal.ldlt().solve(sums);
     const double off = std::max({std::abs(fit(1, 0) - truth[0]), std::abs(fit(2, 0) - truth[1]),
                                  std::abs(fit(1, 1) - truth[2]), std::abs(fit(2, 1) - truth[3])});
-    figures.push_back({"speckle pattern, " + std::string(name) + ": gradients off", off, 2e-4});
+    figures.push_back({"speckle pattern, " + std::string(name) + ": error of the gradients", off, 2e-4});
     figures.push_back({"speckle pattern, " + std::string(name) + ": valid", summarise(found).valid, 0.98, true});
   }
   return figures;
@@ -173,7 +173,7 @@ inline RealFigures test14(const fs::path& data, const PivOptions& options, int t
       const double off =
           std::max(std::abs(std::abs(f.median_of[0]) - shift), std::abs(std::abs(f.median_of[1]) - shift));
       const std::string title = "test14 " + std::string(name) + ", " + std::string(name_of(anchor));
-      figures.push_back({title + ": median off, px", off, 0.02});
+      figures.push_back({title + ": error of the median, px", off, 0.02});
       figures.push_back({title + ": valid", f.valid, 0.95, true});
     }
   return figures;

@@ -22,7 +22,7 @@ struct HardwareOptions {
     visit("camera", self.camera, OptionInfo{.text = "maker, model and sensor"});
     visit("lens", self.lens, OptionInfo{.text = "lens and focal length"});
     visit("aperture", self.aperture, OptionInfo{.text = "aperture"});
-    visit("exposure", self.exposure, OptionInfo{.text = "time of exposure, with its unit"});
+    visit("exposure", self.exposure, OptionInfo{.text = "exposure time, with its unit"});
     visit("stand_off", self.stand_off, OptionInfo{.text = "distance from the specimen, with its unit"});
     visit("lighting", self.lighting, OptionInfo{.text = "kind and place of the lights"});
     visit("pattern", self.pattern, OptionInfo{.text = "what gives the texture: sand grains, flock, spray ..."});
@@ -69,11 +69,11 @@ struct ReportOptions {
     visit("title", self.title, OptionInfo{.text = "title of the report (left out: the case's name)"});
     visit("times_s", self.times_s, OptionInfo{.unit = "s", .text = "times at which fields are drawn (left out: three, evenly)"});
     visit("points_m", self.points_m, OptionInfo{.unit = "m", .text = "material points whose histories are drawn (left out: three)"});
-    visit("fields", self.fields_drawn, OptionInfo{.text = "fields drawn side by side, by their names in docs/format.md (where none but these are asked for and there is water or heat: pressure, temperature and those of embedded bands, too)"});
+    visit("fields", self.fields_drawn, OptionInfo{.text = "fields drawn side by side, by their names in docs/format.md (by default, with water or heat, also pressure, temperature and those of embedded bands)"});
     visit("gauge_m", self.gauge_m, OptionInfo{.unit = "m", .text = "draws strains over circles of this diameter, fitted to the particles' displacements (left out: the record's own gauge); numbers of the comparison stay those of the record", .min = 0, .above_min = true});
     visit("data_sets", self.data_sets, OptionInfo{.text = "one or two motions of the record to show, by name (left out: those compared, else np and mpm)"});
     visit("compare_runs", self.compare_runs, OptionInfo{.text = "records of other runs, files or folders, to show beside this one: their numbers in a table, their displacement in a figure"});
-    visit("animation", self.animation, OptionInfo{.text = "writes animation.mp4 beside the report: the frame with vectors, particles by strain, the simulation beside them"});
+    visit("animation", self.animation, OptionInfo{.text = "writes animation.mp4 beside the report: the frame with vectors, the particles coloured by strain, and the simulation"});
   }
 };
 

@@ -146,7 +146,7 @@ std::string caption(const Content& content, const VectorField& field, const Pict
   else if (q.flag & frame_repeated)
     text += " This step is flagged, as the second exposure repeats the first; it is summed as it is.";
   else if (q.flag & frame_jump)
-    text += " This step is flagged, as its motion is out of line with the steps beside it; it is summed as it is.";
+    text += " This step is flagged, as its motion does not agree with the steps beside it; it is summed as it is.";
   return text;
 }
 

@@ -27,7 +27,7 @@ std::vector<std::string> flags(const Content& content, const DataSetNames& names
     if (q.flag & frame_repeated)
       list.push_back(step + "the second exposure repeats the first; no motion can be read from it.");
     if (q.flag & frame_jump)
-      list.push_back(step + "the motion is out of line with the steps before and after: a frame may be missing, or "
+      list.push_back(step + "the motion does not agree with the steps before and after: a frame may be missing, or "
                             "the camera was shaken.");
   }
   if (many)

@@ -33,7 +33,7 @@ constexpr Source sources[] = {
     {"Run-out", "run_out_x_difference", "run_out_x_first", "run_out_x_second"},
     {"Slope angle", "slope_angle_difference", "slope_angle_first", "slope_angle_second"},
     {"Crest retreat", "crest_retreat_difference", "crest_retreat_first", "crest_retreat_second"},
-    {"Outline, distance (95 % of it is nearer)", "outline_hausdorff_95", nullptr, nullptr},
+    {"Outline, distance (95th percentile)", "outline_hausdorff_95", nullptr, nullptr},
     {"Onset of motion, first point", "point_1_onset_difference", "point_1_onset_first", "point_1_onset_second"},
     {"Velocity, RMS difference", "velocity_rms", nullptr, nullptr}};
 
@@ -73,8 +73,8 @@ std::string could_tell(const Metric& rms, const DataSetNames& names) {
              amount(2 * rms.uncertainty, rms.unit, 2) + " would not be seen.";
     case Told::not_known: break;
   }
-  return " Whether it is real is not known, as " +
-         (names.alike ? std::string("their uncertainty") : "the uncertainty of " + names.the_first) + " is not.";
+  return " Whether it is real is not known, since " +
+         (names.alike ? std::string("their uncertainty") : "the uncertainty of " + names.the_first) + " is unknown.";
 }
 
 std::string strains(const Metric& rms) {
@@ -85,8 +85,8 @@ std::string strains(const Metric& rms) {
     case Told::by_chance: return text + "within chance, the noise floor is " + significant(rms.uncertainty, 2) + ".";
     case Told::not_known: break;
   }
-  return text + "whether that is real is not known, as the noise floor of the strain is not (np.still_zone_m, "
-                "np.still_frames or compare.fixed_zone_m in the case would tell it).";
+  return text + "whether that is real is not known, since the noise floor of the strain is unknown (np.still_zone_m, "
+                "np.still_frames or compare.fixed_zone_m in the case would give it).";
 }
 
 // Parts of u_val that nobody gave, with what would give them.
@@ -102,7 +102,7 @@ std::string not_included(const std::vector<Metric>& metrics, const DataSetNames&
             "--coarser, adds it)";
   if (missing("u_input"))
     text += std::string(text.empty() ? "" : " and ") +
-            "what the model\u2019s inputs are uncertain by (compare.input_uncertainty_m)";
+            "the uncertainty of the model\u2019s inputs (compare.input_uncertainty_m)";
   return text.empty() ? "" : " Not in these uncertainties: " + text + ".";
 }
 
@@ -110,24 +110,24 @@ std::string not_included(const std::vector<Metric>& metrics, const DataSetNames&
 std::vector<std::pair<std::string, bool>> limits_of(const Comparison& c) {
   std::vector<std::pair<std::string, bool>> list;
   for (const LimitResult& limit : c.limits)
-    list.emplace_back("compare.limits." + limit.key + " is missed: found " + significant(limit.reached, 3) +
+    list.emplace_back("compare.limits." + limit.key + " is exceeded: found " + significant(limit.reached, 3) +
                           ", the limit is " + significant(limit.limit, 3), limit.met);
   if (list.empty())
     for (const Metric& m : c.metrics)
       if (m.verdict == Verdict::met || m.verdict == Verdict::exceeded)
-        list.emplace_back("of " + m.name + " is missed: found " + amount(m.value, m.unit), m.verdict == Verdict::met);
+        list.emplace_back("of " + m.name + " is exceeded: found " + amount(m.value, m.unit), m.verdict == Verdict::met);
   return list;
 }
 
 std::string limits(const Comparison& c) {
   const auto list = limits_of(c);
-  if (list.empty()) return " No limit was stated that the difference should keep ([compare.limits]).";
+  if (list.empty()) return " No limit was stated for the difference ([compare.limits]).";
   const auto missed = std::count_if(list.begin(), list.end(), [](const auto& l) { return !l.second; });
   if (missed == 0 && list.size() < 3)
     return list.size() == 1 ? " The limit that was stated is met." : " Both limits that were stated are met.";
   if (missed == 0) return " All " + std::to_string(list.size()) + " limits that were stated are met.";
   return " " + std::to_string(missed) + " of " + count(list.size(), "limit") + " that were stated " +
-         (missed == 1 ? "is" : "are") + " missed.";
+         (missed == 1 ? "is" : "are") + " exceeded.";
 }
 
 // The place with most others within a fifth of their extent: in the thick of them, where they lie in several groups.
@@ -161,7 +161,7 @@ std::string words_of(Told judgement) {
 
 std::string SummaryRow::verdict() const {
   const std::string text = words_of(judgement());
-  return limit == Verdict::met ? text + "; limit met" : limit == Verdict::exceeded ? text + "; limit missed" : text;
+  return limit == Verdict::met ? text + "; limit met" : limit == Verdict::exceeded ? text + "; limit exceeded" : text;
 }
 
 std::vector<SummaryRow> summary_rows(const Content& content) {

@@ -49,7 +49,7 @@ std::string histories_summary(const Content& content);
 /// The times that two histories have in common; {} where there are none.
 std::vector<double> common_span(const Comparison& histories);
 
-/// "The limit displacement_rms_m is missed: 0.03 m, ..." for each limit that is exceeded.
+/// "The limit displacement_rms_m is exceeded: 0.03 m, ..." for each limit that is exceeded.
 std::vector<std::string> missed_limits(const Content& content);
 
 }  // namespace pivnp::report

@@ -53,11 +53,11 @@ std::string strain_statement(const Content& content) {
     return text + "Noise floor, RMS, in the zone that the comparison declares to stand still: deviatoric " +
            significant(compared->uncertainty, 2) + ".";
   if (note.floor_source == StrainFloor::not_measured)
-    return text + "Noise floor: not measured (np.still_zone_px, np.still_zone_m or np.still_frames would tell it).";
+    return text + "Noise floor: not measured (np.still_zone_px, np.still_zone_m or np.still_frames would give it).";
   return text + "Noise floor at the last frame, RMS, measured on " +
          (note.floor_source == StrainFloor::still_zone
               ? "a zone at rest"
-              : "frames at rest, carried on by the square root of the steps") +
+              : "frames at rest, extrapolated by the square root of the number of steps") +
          ": deviatoric " + significant(note.floor_dev, 2) + ", volumetric " + significant(note.floor_vol, 2) +
          ", summed along the path " + significant(note.floor_path, 2) + ".";
 }

@@ -47,7 +47,7 @@ std::vector<std::string> what_to_change(const FrontierStage& stage) {
                          : "Nothing measured is twice as fast as " + whose + ".");
   const FrontierPoint* better = best([&](const FrontierPoint& p) { return p.error <= 0.5 * from->error && p.error > stage.floor; }, seconds);
   if (0.5 * from->error <= stage.floor) {
-    words.push_back("Twice as accurate as " + whose + " is more than the truth can tell: its own error is about " + number(stage.floor, 2) + ".");
+    words.push_back("Twice as accurate as " + whose + " cannot be shown: the error of the reference itself is about " + number(stage.floor, 2) + ".");
   } else if (better) {
     words.push_back("Twice as accurate as " + whose + ": " + compared(*better, *from) + ".");
   } else {

@@ -114,7 +114,7 @@ report::Document frontier_document(const std::vector<FrontierStage>& stages, con
   report::Document document;
   document.title = "Speed against accuracy: " + subject;
   document.subtitle = "Measured on " + processor() + ", " + std::to_string(threads) + (threads == 1 ? " thread" : " threads") +
-                      ". Times are those of this machine, medians of repeats; only their ratios travel. Memory is the high-water mark of the resident set "
+                      ". Times are those of this machine, medians of repeats; only their ratios hold on others. Memory is the high-water mark of the resident set "
                       "(VmHWM) while a setting works, less what was resident before; a dash where the system does not say.";
   for (const FrontierStage& stage : stages) {
     document.blocks.push_back(report::Heading{1, stage.title});

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string_view>
 
+#include "apps/study/methods/doubts.hpp"
 #include "apps/study/pipeline/simulation_scene.hpp"
 #include "pivnp/core/text.hpp"
 
@@ -87,26 +88,20 @@ std::optional<Simulated> advance(const Case& c, const Setting& setting, const st
 
 }  // namespace
 
-std::vector<std::string> doubts(const mpm::MpmOptions& options) {
-  if (options.per_element >= 4) return {};
-  return {"With " + std::to_string(options.per_element) + " material point" + (options.per_element == 1 ? "" : "s") +
-          " per element gaps open where material stretches: a column that collapses is wrong by more than a fifth (mpm.per_element; 4 is the least for large strain)."};
-}
-
 std::vector<std::string> simulate(const Case& c, const Setting& setting, const std::vector<double>& times,
                                   io::RecordWriter& writer, int threads, Progress& progress) {
   const std::optional<Simulated> run = advance(c, setting, "mpm", times, writer, threads, progress, "simulation");
   if (!run) return {};
-  std::vector<std::string> notes = doubts(*c.mpm);
+  std::vector<std::string> notes = doubts(c, setting);
   if (!run->pressure_choice.empty()) notes.push_back(run->pressure_choice);
   if (run->beyond.hot > 0)
-    notes.push_back("Up to " + std::to_string(run->beyond.hot) + " particles are hotter than 100 C in one of the states: water would boil, and their temperatures and pressures are not to be counted on (heat_limit).");
+    notes.push_back("Up to " + std::to_string(run->beyond.hot) + " particles are hotter than 100 C in one of the states: water would boil, so their temperatures and pressures are not reliable (heat_limit).");
   if (run->beyond.open > 0)
-    notes.push_back("Up to " + std::to_string(run->beyond.open) + " particles have a pressure of the water, in the band where there is one, above the total mean stress in one of the states: the soil would open (heat_limit).");
+    notes.push_back("Up to " + std::to_string(run->beyond.open) + " particles have a water pressure (in the band, where there is one) above the total mean stress in one of the states: the soil would open (heat_limit).");
   if (c.mpm->sleep_below_m_s)
     notes.push_back("Sleeping left out " + number(100 * run->slept.share, 3) +
                     " % of the particles' steps. While asleep no particle missed more than " + number(run->slept.displacement_m, 2) +
-                    " m of displacement, and " + number(run->slept.energy, 2) + " J/m of kinetic energy was taken (part of damping).");
+                    " m of displacement, and " + number(run->slept.energy, 2) + " J/m of kinetic energy was removed (part of damping).");
   return notes;
 }
 

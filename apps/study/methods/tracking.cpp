@@ -162,7 +162,7 @@ std::vector<std::string> remarks_on_tracking(const TrackOutcome& tracked, const 
   for (const TrackStep& step : tracked.bridged)
     remarks.push_back("Between " + frames[std::size_t(step.from)].name + " and " + frames[std::size_t(step.to)].name +
                       (step.to - step.from == 2 ? " a frame was" : " frames were") +
-                      " dropped, as no vectors there can be trusted; the particles go on by the longer pair.");
+                      " dropped, as no vectors there can be trusted; the particles continue with the longer pair.");
   const std::vector<DriftRound>& rounds = tracked.rounds;
   if (rounds.empty()) return remarks;
   std::size_t alive = 0, first = 0, later = 0;

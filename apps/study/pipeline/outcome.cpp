@@ -29,7 +29,7 @@ void remark_on_steps(const io::RecordReader& record, std::vector<std::string>& r
                                " in the step before";
     if (after.flag & frame_repeated) remarks.push_back(step + " hardly moves (" + shifts + "); the exposure may be repeated.");
     if (after.flag & frame_jump)
-      remarks.push_back(step + " moves out of line with its neighbours (" + shifts +
+      remarks.push_back(step + " does not agree with its neighbours (" + shifts +
                         "); a frame may be missing, or the camera was shaken.");
   }
 }

@@ -86,7 +86,7 @@ RunOutcome report_record(const fs::path& given, const RunSettings& settings, Pro
     if (c.notes.size() == 1) outcome.remarks.push_back("Of the record's case: " + c.notes[0] + ".");
     else if (!c.notes.empty())
       outcome.remarks.push_back("The record's case has " + std::to_string(c.notes.size()) +
-                                " keys under former names, which were read as what they are called now.");
+                                " keys under former names, which were read as the keys that replace them.");
     if (settings.frames) {
       if (!c.frames) c.frames = image::FrameOptions{};
       c.frames->path = fs::absolute(*settings.frames).string();

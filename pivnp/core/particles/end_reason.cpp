@@ -7,9 +7,9 @@ Registry<EndReasonRow>& end_reasons() {
       {"none", EndReason::none, "were followed to the last frame"},
       {"left_grid", EndReason::left_grid, "left the measured or simulated grid"},
       {"no_vectors", EndReason::no_vectors, "lost the valid vectors around them"},
-      {"bad_state", EndReason::bad_state, "reached a state that is no motion (F not positive or not finite)"},
+      {"bad_state", EndReason::bad_state, "were distorted beyond meaning (det F not positive, F not finite, or stretched a thousandfold)"},
       {"left_image", EndReason::left_image, "left the image or went under a mask"},
-      {"removed", EndReason::removed, "were taken out by the case (an excavation)"}};
+      {"removed", EndReason::removed, "were removed by the case (an excavation)"}};
   return rows;
 }
 

@@ -56,7 +56,7 @@ struct MotionFrame {
   std::vector<std::array<float, 4>> F;       // deformation gradient, row-major xx xy yx yy
   std::vector<ParticleStatus> status;
   std::vector<std::array<float, 3>> cov_u;   // uu, vv, uv: covariance of u (measurement)
-  std::vector<std::array<float, 2>> v;       // velocity, where the source knows it better than differences of u
+  std::vector<std::array<float, 2>> v;       // velocity, where the source states it
   std::vector<FieldValues> fields;           // what else the source knows: stress, plastic_dev ...
 
   /// nullptr: not known.

@@ -35,19 +35,19 @@ struct VectorOptions {
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
     visit("path", self.path,
-          OptionInfo{.text = "glob (piv/*.txt) in one folder, or a file: one file a pair of frames, in the order of the last "
-                             "numbers in their names, relative to the case file"});
-    visit("format", self.format, OptionInfo{.text = "what wrote them", .names = &vector_format_names});
+          OptionInfo{.text = "glob (piv/*.txt) in one folder, or a file: one file per pair of frames, in the order of the "
+                             "last numbers in their names, relative to the case file"});
+    visit("format", self.format, OptionInfo{.text = "program that wrote them", .names = &vector_format_names});
     visit("rate_hz", self.rate_hz,
           OptionInfo{.unit = "Hz",
                      .text = "frames per second of the recording (with [frames]: frames.rate_hz)",
                      .min = 0,
                      .above_min = true});
     visit("anchor", self.anchor,
-          OptionInfo{.text = "instant that a vector's place belongs to: middle of the pair, or its first frame (left out: "
-                             "as the format's program has it)"});
+          OptionInfo{.text = "instant to which a vector's place belongs: middle of the pair, or its first frame (left out: "
+                             "that of the format's program)"});
     visit("y_axis", self.y_axis,
-          OptionInfo{.text = "which way y and v of the files point (format: as the format has it)"});
+          OptionInfo{.text = "direction of y and v in the files (format: as the format defines it)"});
   }
 };
 

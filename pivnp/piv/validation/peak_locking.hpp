@@ -1,4 +1,4 @@
-// Are displacements drawn toward whole pixels? Two signs: blobs too small for the pixels, and errors that follow the
+// Are displacements drawn towards whole pixels? Two signs: blobs too small for the pixels, and errors that follow the
 // fraction of the displacement (Westerweel 1997, Meas. Sci. Technol. 8; Overmars et al. 2010).
 #pragma once
 

@@ -71,7 +71,7 @@ TEST(BadInput, WaterGoesWithPores) {
   EXPECT_EQ(refusal(soil + "porosity = 0.3\n[water]\n"),
             "c.toml:8: material.a.permeability_m_s: missing beside porosity; expected 0 or more (m/s), or drained = true");
   EXPECT_EQ(refusal(wet + "density_kg_m3 = 1800\n[water]\n"),
-            "c.toml:13: material.a.density_kg_m3: found 1800, expected none beside porosity: grain_density_kg_m3 and water make the density");
+            "c.toml:13: material.a.density_kg_m3: found 1800, expected none beside porosity: the density follows from grain_density_kg_m3 and the water");
   EXPECT_EQ(refusal("[mpm]\npressure = 'implicit'\n"), "c.toml:2: mpm.pressure: found \"implicit\", expected one of explicit, projected; did you mean 'explicit'?");
 }
 

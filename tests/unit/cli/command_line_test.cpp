@@ -114,6 +114,9 @@ TEST_F(CommandLine, EachCommandCallsItsFunction) {
   EXPECT_EQ(fake_study().report.gauge_m, 0.05);
   EXPECT_EQ(fake_study().report.data_sets, std::vector<std::string>{"np"});
   EXPECT_EQ(fake_study().report.compare_runs, (std::vector<std::string>{"a", "b"}));
+  EXPECT_EQ(run_program({"report", "r.h5", "--compare-runs", "a", "b", "c", "--times", "0.1", "0.2"}).code, 0);
+  EXPECT_EQ(fake_study().report.compare_runs, (std::vector<std::string>{"a", "b", "c"}));
+  EXPECT_EQ(fake_study().report.times_s, (std::vector<double>{0.1, 0.2}));
 }
 
 TEST_F(CommandLine, ExportHandsOnWhatIsAskedFor) {
@@ -168,7 +171,7 @@ TEST_F(CommandLine, FailuresBecomeExitCodes) {
   expect_error(run_with([](Progress&) { throw 3; }), 1, "an unknown failure\n");
   const Ran stopped = run_with([](Progress&) { throw Interrupted(); });
   EXPECT_EQ(stopped.code, 130);
-  EXPECT_EQ(stopped.err, "pivnp: interrupted; what was finished is kept, --resume goes on from there\n");
+  EXPECT_EQ(stopped.err, "pivnp: interrupted; what was finished is kept, --resume continues from there\n");
 }
 
 TEST_F(CommandLine, CtrlCAsksTheWorkToStop) {
@@ -321,7 +324,10 @@ TEST_F(CommandLine, StressTakesSettingsOrNone) {
   EXPECT_EQ(plain.out, "out/stress/stress.html\nAll is flagged.\n");
   EXPECT_EQ(fake_study().calls.back(), "stress");
   EXPECT_EQ(fake_study().stress.seeds, 3);
-  EXPECT_FALSE(fake_study().stress.mpm);
+  EXPECT_EQ(fake_study().stress.stages, std::vector<std::string>{"piv"});
+  EXPECT_EQ(run_program({"stress", "--short", "--maps", "np_hole,mpm_step"}).code, 0);
+  EXPECT_TRUE(fake_study().stress.in_short);
+  EXPECT_EQ(fake_study().stress.maps, (std::vector<std::string>{"np_hole", "mpm_step"}));
   EXPECT_EQ(run_program({"stress", "--set", "piv.method=fft"}).code, 0);
   EXPECT_EQ(fake_study().calls.back(), "stress of a case");
   EXPECT_EQ(fake_study().c.piv->method, "fft");

@@ -50,7 +50,7 @@ TEST(PeakLockingRemarks, FollowTheFractionsOfThePixelsNotOfTheWorld) {
           setting, 3, [&](std::size_t k) { return rotated(setting, anchor, locking, 7 + static_cast<unsigned>(k)); });
       ASSERT_EQ(remarks.size(), locking > 0 ? 1u : 0u) << static_cast<int>(anchor);
       for (const std::string& remark : remarks)
-        EXPECT_NE(remark.find("toward whole pixels"), std::string::npos) << remark;
+        EXPECT_NE(remark.find("towards whole pixels"), std::string::npos) << remark;
     }
   EXPECT_TRUE(fraction_remarks(setting, 0, [](std::size_t) { return VectorField{}; }).empty());
 }

@@ -121,7 +121,7 @@ TEST(MpmMandel, RisesBeforeItFalls) {
       for (const double poisson : {0.2, 0.35}) {
         const MandelFound m = mandel(shape, pressure, poisson < 0.3 ? 1e7 : 4e6, poisson, poisson < 0.3 ? 1e-6 : 1e-8, 100, 10);
         pivnp::test::verification_row("Mandel, " + std::string(name_of(pressure)) + ", " + std::string(name_of(shape)) + ", nu " + number(poisson, 2) + ", 10 cells",
-                                      "rise at the centre within .01 of " + number(m.expected, 4) + ", times of p at T .2 and 1 within 2 %",
+                                      "rise at the centre within .01 of " + number(m.expected, 4) + ", ratio of p to the exact one at T .2 and 1 within 2 %",
                                       number(m.rise, 4) + "; " + number(m.late[0], 4) + ", " + number(m.late[1], 4));
         expect_mandel(m);
       }

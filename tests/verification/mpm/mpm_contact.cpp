@@ -76,7 +76,7 @@ TEST(MpmContact, ABlockSlidesOnABed) {
 
 TEST(MpmContact, ABlockSticksWhereFrictionSuffices) {
   const double found = path(block_on_bed(30, 0.65), 30, 0.3, true).norm(), free = 0.25 * g * 0.09;
-  pivnp::test::verification_row("the same, friction 0.65", "path over a free block's below 0.1 %", number(found / free, 2));
+  pivnp::test::verification_row("deformable block on a deformable bed, friction 0.65", "path over a free block's below 0.1 %", number(found / free, 2));
   EXPECT_LT(found, 1e-3 * free);
 }
 

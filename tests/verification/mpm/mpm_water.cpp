@@ -223,8 +223,8 @@ TEST(MpmDrawdown, ALakeThatFallsOverASample) {
     double worst = 0;
     for (const double share : {0.3, 0.6}) worst = std::max(worst, drawdown(shape, 10, share));
     EXPECT_LT(worst, 0.01);
-    pivnp::test::verification_row("lake that falls over a saturated sample, " + std::string(name_of(shape)) + ", 10 cells, water that takes 0.3 and 0.6 of it at once",
-                                  "pressure within 1 % of what the lake's fell by at T .1, .3, .7", number(100 * worst, 2) + " %");
+    pivnp::test::verification_row("lake that falls over a saturated sample, " + std::string(name_of(shape)) + ", 10 cells, pore water that follows by 0.3 and 0.6 of the fall at once",
+                                  "pressure within 1 % of the fall in the lake's pressure at T .1, .3, .7", number(100 * worst, 2) + " %");
   }
 }
 

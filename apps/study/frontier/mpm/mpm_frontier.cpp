@@ -244,11 +244,11 @@ FrontierStage mpm_frontier(const Case& c, const Setting& setting, double end, in
                             number(found.left, 2) + " " + unit + " rms (grid convergence index of three meshes, factor of safety 1.25: " + number(1.25 * found.left, 2) + " " + unit + "), and the truth's " + number(found.truth, 2) + ": smaller differences than that say nothing.");
   } else if (own.size() == 1) {
     stage.floor = own.front().second;
-    stage.remarks.push_back("On cells twice as large the case's setting does not run: what the truth's own error is cannot be told.");
+    stage.remarks.push_back("On cells twice as large the case's setting does not run: the error of the reference itself is not known.");
   } else if (!own.empty()) {
     stage.floor = own.front().second;
-    stage.remarks.push_back("With the case's setting the difference does not fall with the cell as an error of any order would: what the truth's own error is "
-                            "cannot be told, and settings that differ by less than it are alike.");
+    stage.remarks.push_back("With the case's setting the difference does not fall with the cell as an error of any order would: the error of the reference "
+                            "itself is not known, and settings that differ by less are alike.");
   }
   return stage;
 }
