@@ -108,6 +108,7 @@ int print_outcome(const RunOutcome& outcome, const Arguments& arguments, const s
     if (!file.empty()) session.out << file.string() << "\n";
   if (!session.quiet)
     for (const std::string& remark : outcome.remarks) session.out << "note: " << remark << "\n";
+  if (const std::string cost = text_of(outcome.cost); !session.quiet && !cost.empty()) session.out << "note: " << cost << "\n";
   VerifyResult limits;
   limits.name = name;
   for (const LimitResult& l : outcome.limits) {

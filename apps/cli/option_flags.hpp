@@ -15,11 +15,14 @@ namespace pivnp::app {
 /// Settings given on the command line, to be made once the options they change have been read from elsewhere.
 using Setters = std::vector<std::function<void()>>;
 
-/// A list may be given without its brackets, and names without quotes: 0.1,0.2 or strain_dev,velocity_x.
+template <class V>
+constexpr bool is_list = std::is_same_v<V, std::vector<std::string>> || std::is_same_v<V, std::vector<double>>;
+
+/// A list may be given without its brackets, and names without quotes: 0.1,0.2 or strain_dev,velocity_x; on the command line with blanks between, too.
 template <class V>
 std::string as_list(const std::string& text, const V&) {
   constexpr bool names = std::is_same_v<V, std::vector<std::string>>;
-  if ((!names && !std::is_same_v<V, std::vector<double>>) || text.starts_with("[")) return text;
+  if (!is_list<V> || text.starts_with("[")) return text;
   std::string list = "[";
   for (std::size_t at = 0; at <= text.size();) {
     const std::size_t end = std::min(text.find(',', at), text.size());
@@ -45,10 +48,20 @@ void add_option_flags(CLI::App& app, T& options, Setters& setters, bool short_na
     std::string names = flag;
     if (const std::string ending = "-" + std::string(info.unit); short_names && flag.ends_with(ending) && ending.size() > 1)
       names += "," + flag.substr(0, flag.size() - ending.size());
-    app.add_option_function<std::string>(
-           names, [set, &setters](const std::string& text) { setters.push_back([set, text] { set(text); }); },
-           std::string(info.text))
-        ->type_name(info.unit.empty() ? "VALUE" : "VALUE (" + std::string(info.unit) + ")");
+    const auto later = [set, &setters](const std::string& text) { setters.push_back([set, text] { set(text); }); };
+    const std::string unit = info.unit.empty() ? "" : " (" + std::string(info.unit) + ")";
+    if constexpr (is_list<std::remove_cvref_t<decltype(value)>>)
+      app.add_option_function<std::vector<std::string>>(
+             names,
+             [later](const std::vector<std::string>& parts) {
+               std::string text;
+               for (const std::string& part : parts) text += (text.empty() ? "" : ",") + part;
+               later(text);
+             },
+             std::string(info.text))
+          ->type_name("VALUES" + unit);
+    else
+      app.add_option_function<std::string>(names, later, std::string(info.text))->type_name("VALUE" + unit);
   });
 }
 

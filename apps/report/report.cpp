@@ -116,6 +116,7 @@ Content content_of(const ReportOptions& options, const ReportInput& input) {
   content.runs = input.runs;
   content.last_picture = input.last_picture;
   content.energy = record.energy();
+  content.cost = record.cost();
   content.reactions = record.reactions();
   content.pictures = input.pictures;
   content.remarks = input.remarks;

@@ -113,7 +113,7 @@ Vectors from_arrays(const Floats& displacement, std::array<double, 2> origin, st
   v.field.status.assign(v.field.grid.node_count(), VectorStatus::valid);
   if (status) fill(v.field.status, *status, v.field, 1, "status");
   for (const VectorStatus s : v.field.status)
-    if (s > VectorStatus::failed) throw InputError("status: found " + std::to_string(int(s)) + ", expected 0 to 4");
+    if (s > VectorStatus::outside) throw InputError("status: found " + std::to_string(int(s)) + ", expected 0 to 5");
   for (std::size_t k = 0; k < v.field.status.size(); ++k)
     if (!std::isfinite(v.field.displacement[k][0] + v.field.displacement[k][1]) && usable(v.field.status[k]))
       v.field.status[k] = VectorStatus::failed;

@@ -17,6 +17,7 @@
 #include "pivnp/core/record/energy.hpp"
 #include "pivnp/core/record/reactions.hpp"
 #include "pivnp/core/record/frames.hpp"
+#include "pivnp/core/record/stage_cost.hpp"
 #include "pivnp/core/record/strain_note.hpp"
 #include "pivnp/core/record/vectors.hpp"
 #include "pivnp/core/version.hpp"
@@ -62,6 +63,7 @@ struct Content {
   std::optional<double> gauge;             // over which strains are drawn, where it is not the record's; length unit
   double mobilised = 0;                    // displacement above which material counts as mobilised; 0: not known
   std::vector<Run> runs;             // the record's own first; empty: no others were asked for
+  RunCost cost;                      // time and memory of the run's stages
   std::vector<std::string> remarks;  // what was flagged and why, one sentence each
   std::vector<std::string> notes;    // how the comparison was made, likewise
 };

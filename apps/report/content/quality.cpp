@@ -26,7 +26,8 @@ std::vector<PairQuality> pair_quality(const Content& content) {
         continue;
       }
       switch (field.status[n]) {
-        case VectorStatus::masked: break;
+        case VectorStatus::masked:
+        case VectorStatus::outside: break;
         case VectorStatus::valid: ++q.valid; break;
         case VectorStatus::replaced: ++q.replaced; break;
         case VectorStatus::rejected: ++q.rejected; break;

@@ -28,12 +28,12 @@ struct List {
 
 struct Code {
   std::string text;
-  int columns = 1;  // on paper
 };
 
 /// Terms and what they mean, in small print.
 struct Definitions {
   std::vector<std::pair<std::string, std::string>> items;
+  bool run_in = false;  // a term runs into its text: no colon
 };
 
 struct Table {
@@ -52,7 +52,12 @@ struct OnScreen {
   std::string html;
 };
 
-using Block = std::variant<Heading, Paragraph, List, Code, Definitions, Table, Figure, OnScreen>;
+/// The case: on a screen as its file, on paper its sections as running text.
+struct CaseText {
+  std::string toml;
+};
+
+using Block = std::variant<Heading, Paragraph, List, Code, Definitions, Table, Figure, OnScreen, CaseText>;
 
 struct Document {
   std::string title, subtitle;

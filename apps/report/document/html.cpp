@@ -2,6 +2,7 @@
 
 #include "apps/report/document/text.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <string_view>
 
@@ -68,6 +69,8 @@ pre { background: var(--tint); padding: .9rem 1.1rem; font-size: .72rem; line-he
 @media (max-width: 640px) {
   html { font-size: 16px; } main { padding: 1.2rem .8rem 3rem; } .pair { grid-template-columns: 1fr; }
   .picture.wide img { min-width: 38rem; }
+  table.pairs tr { display: block; border-bottom: 1px solid var(--row); } table.pairs thead, table.pairs col { display: none; }
+  table.pairs td { display: inline-block; width: 46%; border: 0; vertical-align: top; } table.pairs td:empty { display: none; }
   table.cards thead { position: absolute; left: -99rem; } table.cards col { display: none; }
   table.cards, table.cards tbody, table.cards tr, table.cards td, table.cards caption { display: block; width: 100%; }
   table.cards td, table.cards td:last-child { border: 0; padding: .1rem 0; text-align: left; white-space: normal; }
@@ -139,6 +142,7 @@ class Writer {
     out_ += "</ul>\n";
   }
   void add(const Code& code) { out_ += "<pre>" + escape_html(code.text) + "</pre>\n"; }
+  void add(const CaseText& c) { out_ += "<pre>" + escape_html(c.toml) + "</pre>\n"; }
   void add(const OnScreen& screen) { out_ += screen.html; }
   void add(const Definitions& d) {
     out_ += "<dl>\n";
@@ -146,8 +150,9 @@ class Writer {
     out_ += "</dl>\n";
   }
   void add(const Table& t) {
+    const bool pairs = std::all_of(t.head.begin(), t.head.end(), [](const std::string& text) { return text.empty(); });
     const bool cards = t.head.size() > 3 && t.head[0].size() + t.head[1].size() > 0 && !t.fine;
-    out_ += "<div class=\"scroll\" tabindex=\"0\"><table class=\"" + std::string(t.fine ? "fine" : cards ? "cards" : "plain") + "\">\n<caption><b>Table " + std::to_string(++table_) + ".</b> " +
+    out_ += "<div class=\"scroll\" tabindex=\"0\"><table class=\"" + std::string(pairs ? "fine pairs" : t.fine ? "fine" : cards ? "cards" : "plain") + "\">\n<caption><b>Table " + std::to_string(++table_) + ".</b> " +
             escape_html(t.caption) + "</caption>\n<colgroup>";
     for (double w : t.width) out_ += "<col style=\"width:" + std::to_string(int(std::lround(100 * w))) + "%\">";
     out_ += "</colgroup>\n<thead><tr>";

@@ -1,6 +1,7 @@
 // The table by which a reader judges the measurement.
 #include <Eigen/LU>
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -81,6 +82,7 @@ void add_strain(const Content& content, Items& items) {
   const StrainNote& note = *content.strain_note;
   items.emplace_back("Strain gauge", length(note.gauge_length, content.length_unit) + " (shape function and window)");
   if (content.gauge) items.emplace_back("Strain gauge of the figures", length(*content.gauge, content.length_unit) + " (fitted plane)");
+  items.emplace_back("Filtering of the strain", "none beside the gauge");
   items.emplace_back("Strain", "logarithmic, ln V, of the deformation gradient");
   items.emplace_back("Noise floor of the strain, RMS",
                      note.floor_source == StrainFloor::not_measured
@@ -89,20 +91,33 @@ void add_strain(const Content& content, Items& items) {
                                std::string(name_of(note.floor_source)) + ")");
 }
 
+// What the guide asks for and only the owner knows, by the keys of [report.hardware].
+std::string missing_hardware(const Content& content) {
+  std::string missing;
+  for (const char* what : {"Camera", "Lens", "Aperture", "Exposure", "Stand off", "Lighting", "Pattern", "Feature size"})
+    if (std::none_of(content.hardware.begin(), content.hardware.end(), [&](const auto& row) { return row.first == what; }))
+      missing += (missing.empty() ? "" : ", ") + std::string(what);
+  if (missing.empty()) return "";
+  std::transform(missing.begin() + 1, missing.end(), missing.begin() + 1, [](unsigned char ch) { return char(std::tolower(ch)); });
+  return " Not stated ([report.hardware] of the case): " + missing + ".";
+}
+
 }  // namespace
 
 Table measurement_table(const Content& content, const std::vector<PairQuality>& pairs) {
   Items items = content.hardware;
+  items.emplace_back("Cameras", "one: motion in its plane, no stereo angle");
   const double pixel = pixel_length(content);
   add_image(content, pixel, items);
+  if (!content.written_by.version.empty()) items.emplace_back("Software", "pivnp " + content.written_by.version);
   items.insert(items.end(), content.setup.begin(), content.setup.end());
   add_vectors(content, pairs, pixel, items);
   add_strain(content, items);
   Table t;
   t.caption = "The measurement, as the guide of the International Digital Image Correlation Society (2018) asks it to be reported." +
-              std::string(content.hardware.empty() ? " Camera, lens, lighting and pattern: not stated ([report.hardware] of the case)." : "");
+              missing_hardware(content);
   t.head = {"", "", "", ""};
-  t.width = {0.17, 0.33, 0.17, 0.33};
+  t.width = {0.19, 0.31, 0.2, 0.3};
   t.align = {'l', 'l', 'l', 'l'};
   t.fine = true;
   const std::size_t rows = (items.size() + 1) / 2;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <limits>
 #include <span>
 #include <utility>
 #include <vector>
@@ -21,19 +22,22 @@ using namespace plot;
 
 namespace {
 
-constexpr double page_width = 2100, page_height = 2970, margin = 200, foot = 230;
-constexpr double column_width = page_width - 2 * margin, bottom = page_height - foot;
+constexpr double page_width = 2100, page_height = 2970, margin = 200, top = 150, foot = 190;
+constexpr double column_width = page_width - 2 * margin, room = page_height - top - foot;
 
-struct Placed {
-  const Piece* piece;
-  double y;
-  double scale = 1;
+// Pieces from the top down. Figures share one scale, at which all fits.
+struct Page {
+  std::vector<const Piece*> pieces;
+  double fixed = 0, shrinks = 0, scale = 1;
 };
-using Page = std::vector<Placed>;
 
-// Fills pages from the top. A figure that does not fit waits for the head of the next page while the text goes on.
+// Fills pages from the top. A figure that does not fit, even where all figures of the page shrink for it, waits for the head
+// of the next page while the text goes on.
 class Paginator {
  public:
+  /// `largest`: the scale of figures where there is room.
+  explicit Paginator(double largest) : largest_(largest) {}
+
   std::vector<Page> paginate(const Pieces& pieces) {
     for (std::size_t from = 0; from < pieces.size();) {
       std::size_t to = from;
@@ -49,20 +53,25 @@ class Paginator {
   }
 
  private:
-  double height(std::span<const Piece> chain) const {
-    double h = 0;
-    for (const Piece& p : chain) h += (empty() && h == 0 ? 0 : p.before) + p.height;
-    return h;
-  }
-  bool empty() const { return pages_.empty() || pages_.back().empty(); }
+  bool empty() const { return pages_.empty() || pages_.back().pieces.empty(); }
+  double used() const { return pages_.empty() ? room : pages_.back().fixed + pages_.back().scale * pages_.back().shrinks; }
+
+  // Figures shrink for another figure, not for text.
   bool fits(std::span<const Piece> chain) const {
-    const double least = chain.size() == 1 ? chain[0].shrinks * (1 - least_scale) : 0;
-    return y_ + height(chain) - least <= bottom;
+    if (pages_.empty()) return false;
+    double fixed = pages_.back().fixed, shrinks = pages_.back().shrinks, scale = pages_.back().scale;
+    bool first = empty();
+    for (const Piece& p : chain) {
+      fixed += (first ? 0 : p.before) + p.height - p.shrinks;
+      shrinks += p.shrinks;
+      first = false;
+      if (p.shrinks > 0) scale = least_scale;
+    }
+    return fixed + scale * shrinks <= room;
   }
 
   void new_page() {
     pages_.emplace_back();
-    y_ = margin;
     while (!waiting_.empty()) {
       const std::span<const Piece> figure(waiting_.front(), 1);
       if (!empty() && !fits(figure)) break;
@@ -72,16 +81,37 @@ class Paginator {
   }
 
   void put(const Piece& piece) {
-    if (!empty()) y_ += piece.before;
-    else if (piece.repeat)
-      for (const Piece& head : *piece.repeat) {
-        pages_.back().push_back({&head, y_});
-        y_ += head.height;
+    Page& page = pages_.back();
+    const bool first = page.pieces.empty();
+    if (first && piece.repeat)
+      for (const Piece& again : *piece.repeat) {
+        page.pieces.push_back(&again);
+        page.fixed += again.height;
       }
-    const double over = y_ + piece.height - bottom;
-    const double scale = over > 0 && piece.shrinks > 0 ? std::max(least_scale, 1 - over / piece.shrinks) : 1;
-    pages_.back().push_back({&piece, y_, scale});
-    y_ += piece.height - piece.shrinks * (1 - scale);
+    page.pieces.push_back(&piece);
+    page.fixed += (first ? 0 : piece.before) + piece.height - piece.shrinks;
+    page.shrinks += piece.shrinks;
+    if (page.shrinks > 0) page.scale = std::clamp((room - page.fixed) / page.shrinks, least_scale, largest_);
+  }
+
+  void put_columns(const Piece& piece) {
+    const std::shared_ptr<const Columns> columns = piece.columns;
+    for (std::size_t from = 0; from < columns->lines;) {
+      const double before = from == 0 ? piece.before : 0, left = room - used() - (empty() ? 0 : before);
+      const std::size_t needed = (columns->lines - from + columns->count - 1) / columns->count;
+      const std::size_t rows = std::min(needed, std::size_t(std::max(0.0, left / columns->line_height)));
+      if (rows < needed && rows < 4 && !empty()) {
+        new_page();
+        continue;
+      }
+      blocks_.push_back({.before = before, .height = double(rows) * columns->line_height, .draw = [=](PdfPages& pages, double x, double y) {
+                           for (std::size_t r = 0; r < rows; ++r)
+                             for (std::size_t c = 0; c < columns->count && from + c * rows + r < columns->lines; ++c)
+                               columns->draw(pages, x, y + double(r) * columns->line_height, from + c * rows + r, c);
+                         }});
+      put(blocks_.back());
+      from += rows * columns->count;
+    }
   }
 
   void place(std::span<const Piece> chain) {
@@ -89,20 +119,36 @@ class Paginator {
     // Figures that wait may fill several pages before text has room again.
     while (!fits(chain) && !(empty() && waiting_.empty())) new_page();
     for (const Piece& piece : chain) {
+      if (piece.columns) {
+        put_columns(piece);
+        continue;
+      }
       if (!empty() && !fits({&piece, 1})) new_page();  // a chain longer than a page
       put(piece);
     }
   }
 
+  double largest_;
   std::vector<Page> pages_;
   std::deque<const Piece*> waiting_;
-  double y_ = margin;
+  std::deque<Piece> blocks_;  // of columns; the pages point to them
 };
+
+void draw_page(PdfPages& out, const Page& page) {
+  double y = top;
+  bool first = true;
+  for (const Piece* piece : page.pieces) {
+    if (!std::exchange(first, false)) y += piece->before;
+    if (piece->draw_scaled) piece->draw_scaled(out, margin, y, page.scale);
+    else piece->draw(out, margin, y);
+    y += piece->height - piece->shrinks * (1 - page.scale);
+  }
+}
 
 void draw_footer(QPainter& painter, const QString& title, std::size_t page, std::size_t pages) {
   painter.setFont(qt_font(7));
   painter.setPen(qt_colour(faint));
-  const QRectF line(margin, page_height - 150, column_width, 50);
+  const QRectF line(margin, page_height - 130, column_width, 50);
   const QString number = QString("%1 / %2").arg(page).arg(pages);
   painter.drawText(line, Qt::AlignRight | Qt::AlignVCenter, number);
   painter.drawText(line, Qt::AlignLeft | Qt::AlignVCenter,
@@ -114,14 +160,18 @@ void draw_footer(QPainter& painter, const QString& title, std::size_t page, std:
 std::string pdf(const Document& document) {
   start_qt();
   const Pieces pieces = cut(document, column_width);
-  const std::vector<Page> pages = Paginator().paginate(pieces);
+  // Figures as large as the fewest pages allow.
+  std::size_t fewest = std::numeric_limits<std::size_t>::max();
+  double chosen = 1;
+  for (const double largest : {1.0, 0.95, 0.9, 0.85, 0.8})
+    if (const std::size_t n = Paginator(largest).paginate(pieces).size(); n < fewest) fewest = n, chosen = largest;
+  Paginator paginator(chosen);
+  const std::vector<Page> pages = paginator.paginate(pieces);
   const std::string title = clean_utf8(document.title);
   PdfPages out(title);
   for (std::size_t k = 0; k < pages.size(); ++k) {
     if (k > 0) out.next_page();
-    for (const Placed& placed : pages[k])
-      if (placed.piece->draw_scaled) placed.piece->draw_scaled(out, margin, placed.y, placed.scale);
-      else placed.piece->draw(out, margin, placed.y);
+    draw_page(out, pages[k]);
     draw_footer(out.painter(), qt(title), k + 1, pages.size());
   }
   return out.finish();

@@ -19,8 +19,8 @@ using namespace plot;
 
 namespace {
 
-constexpr double body_points = 8.5, caption_points = 7.5, table_points = 7.0, note_points = 6.0, code_points = 6.6,
-                 narrow_code_points = 5.2, fine_points = 6.2;
+constexpr double body_points = 8.5, caption_points = 7.5, table_points = 7.0, note_points = 5.6, code_points = 6.6,
+                 fine_points = 6.0, between_columns = 50;
 
 constexpr Rgb tint = 0xf4f6f8;
 
@@ -115,52 +115,30 @@ class Cutter {
   }
 
   void operator()(const Code& code) {
-    const int columns = std::max(1, code.columns);
-    const double points = columns > 1 ? narrow_code_points : code_points;
-    QFont f = qt_font(points);
+    QFont f = qt_font(code_points);
     f.setFamily(QStringLiteral("DejaVu Sans Mono"));
-    const double width = width_, line_height = 1.35 * points * units_per_point, column = width_ / columns;
-    struct Line {
-      Lines text;
-      int line;
-    };
-    std::vector<Line> all;
-    for (const QString& row : qt_text(code.text).split('\n')) {
-      const Lines lines = break_lines(row.isEmpty() ? QStringLiteral(" ") : row, f, column - 60, line_height);
-      for (int k = 0; k < lines.count(); ++k) all.push_back({lines, k});
-    }
-    // Columns are read downwards, in bands that fit what is left of a page.
-    const std::size_t at_most = columns > 1 ? 40 : all.size();
-    double before = gap(30);
-    for (std::size_t from = 0; from < all.size();) {
-      const std::size_t left = all.size() - from, rows = std::min(at_most, (left + std::size_t(columns) - 1) / std::size_t(columns));
-      for (std::size_t r = 0; r < rows; ++r) {
-        std::vector<Line> row;
-        for (std::size_t c = 0; c < std::size_t(columns) && from + c * rows + r < all.size(); ++c) row.push_back(all[from + c * rows + r]);
-        pieces_.push_back({.before = before, .height = line_height, .keep_next = columns > 1 && r + 1 < rows,
-                           .draw = [=](PdfPages& pages, double x, double y) {
-                             pages.painter().fillRect(QRectF(x, y, width, line_height + 0.5), qt_colour(tint));
-                             for (std::size_t c = 0; c < row.size(); ++c)
-                               row[c].text.draw(pages, x + 30 + double(c) * column, y, row[c].line);
-                           }});
-        before = 0;
-      }
-      from += rows * std::size_t(columns);
-    }
-    after_heading_ = false;
+    std::vector<Lines> rows;
+    for (const QString& row : qt_text(code.text).split('\n'))
+      rows.push_back(break_lines(row.isEmpty() ? QStringLiteral(" ") : row, f, width_ - 60, 1.35 * code_points * units_per_point));
+    columns(rows, 1, gap(30), true);
   }
 
   void operator()(const Definitions& d) {
+    std::vector<Lines> items;
+    const double line_height = 1.26 * note_points * units_per_point;
     for (const auto& [name, text] : d.items) {
-      const QString label = qt_text(name) + ":";
-      flow(break_lines(label + " " + qt_text(text), qt_font(note_points), width_, 1.28 * note_points * units_per_point, int(label.size()),
-                       Qt::AlignLeft, 0x404040), 0, gap(3));
+      const QString label = name.empty() ? QString() : qt_text(name) + (d.run_in ? " " : ": ");
+      items.push_back(break_lines(label + qt_text(text), qt_font(note_points), (width_ - between_columns) / 2, line_height, int(label.size()),
+                                  Qt::AlignLeft, 0x404040));
     }
+    columns(items, 2, gap(14), false);
   }
 
   void operator()(const Figure& f) { figures({&f}); }
 
   void operator()(const OnScreen&) {}
+
+  void operator()(const CaseText& c) { (*this)(Definitions{sections_of(c.toml), true}); }
 
   /// Side by side, if there are two.
   void figures(const std::vector<const Figure*>& row) {
@@ -197,23 +175,44 @@ class Cutter {
                                       leading(caption_points), int(label.size()));
     flow(caption, 0, gap(60), true);
     auto head = std::make_shared<Pieces>();
-    head->push_back(row(t, t.head, true, false));
-    head->front().before = 14;
-    pieces_.push_back(head->front());
-    pieces_.back().keep_next = true;
+    const bool headed = std::any_of(t.head.begin(), t.head.end(), [](const std::string& text) { return !text.empty(); });
+    if (headed) {
+      head->push_back(row(t, t.head, true, false));
+      head->front().before = 14;
+      pieces_.push_back(head->front());
+      pieces_.back().keep_next = true;
+    }
     for (std::size_t k = 0; k < t.rows.size(); ++k) {
       pieces_.push_back(
           row(t, t.rows[k], false, k + 1 == t.rows.size(), k < t.notes.size() ? t.notes[k] : std::string(),
-              k < t.marked.size() ? t.marked[k] : std::nullopt));
+              k < t.marked.size() ? t.marked[k] : std::nullopt, !headed && k == 0));
       pieces_.back().repeat = head;
-      // Neither the first row nor the last stands alone.
-      pieces_.back().keep_next = k + 1 < t.rows.size() && (k == 0 || k + 2 == t.rows.size());
+      // Neither the first row nor the last stands alone; a short table stands whole.
+      pieces_.back().keep_next = k + 1 < t.rows.size() && (k == 0 || k + 2 == t.rows.size() || t.rows.size() <= 10);
     }
     after_heading_ = false;
   }
 
  private:
   double gap(double usual) { return std::exchange(after_heading_, false) ? std::min(usual, 22.0) : usual; }
+
+  // Items below each other, in columns.
+  void columns(const std::vector<Lines>& items, std::size_t count, double before, bool tinted) {
+    if (items.empty()) return;
+    std::vector<std::pair<Lines, int>> all;
+    for (const Lines& lines : items)
+      for (int k = 0; k < lines.count(); ++k) all.emplace_back(lines, k);
+    const double height = items[0].leading, width = width_, step = (width_ + between_columns) / double(count);
+    const auto lines = std::make_shared<Columns>();
+    lines->line_height = height, lines->count = count, lines->lines = all.size();
+    lines->draw = [=](PdfPages& pages, double x, double y, std::size_t line, std::size_t column) {
+      if (tinted) pages.painter().fillRect(QRectF(x, y, width, height + 0.5), qt_colour(tint));
+      all[line].first.draw(pages, x + (tinted ? 30 : 0) + double(column) * step, y, all[line].second);
+    };
+    const std::size_t least = std::min<std::size_t>(4, (all.size() + count - 1) / count);
+    pieces_.push_back({.before = before, .height = height * double(least), .columns = lines});
+    after_heading_ = false;
+  }
 
   // Lines as pieces: neither the first nor the last stands alone on a page.
   void flow(const Lines& lines, double indent, double before, bool keep_all = false, bool barrier = false) {
@@ -226,10 +225,10 @@ class Cutter {
                          .draw = [=](PdfPages& pages, double x, double y) { lines.draw(pages, x + indent, y, k); }});
   }
 
-  // `marked`: the cell that is set off, if any.
+  // `marked`: the cell that is set off, if any; `first`: of a table without a head.
   Piece row(const Table& t, const std::vector<std::string>& cells, bool head, bool last,
-            const std::string& remark = "", std::optional<std::size_t> marked = std::nullopt) const {
-    const double pad = t.fine ? 4.5 : 9, between = 26, width = width_, points = t.fine ? fine_points : table_points;
+            const std::string& remark = "", std::optional<std::size_t> marked = std::nullopt, bool first = false) const {
+    const double pad = t.fine ? 3 : 8, between = 26, width = width_, points = t.fine ? fine_points : table_points;
     std::vector<Lines> texts;
     std::vector<double> at;
     double x = 0, height = 0;
@@ -247,7 +246,7 @@ class Cutter {
                                    1.3 * note_points * units_per_point, 0, Qt::AlignLeft, faint);
     if (!remark.empty()) height += 3 + note.height();
     height += 2 * pad;
-    const bool noted = !remark.empty();
+    const bool noted = !remark.empty(), opens = first;
     return {.height = height, .draw = [=](PdfPages& pages, double left, double y) {
               for (std::size_t k = 0; k < texts.size(); ++k) texts[k].draw_all(pages, left + at[k], y + pad);
               if (noted) note.draw_all(pages, left, y + pad + above + 3);
@@ -255,7 +254,7 @@ class Cutter {
                 pages.painter().setPen(qt_pen(pen));
                 pages.painter().drawLine(QLineF(left, at_y, left + width, at_y));
               };
-              if (head) rule(y, {ink, 0.9});
+              if (head || opens) rule(y, {ink, 0.9});
               rule(y + height, head ? Pen{ink, 0.5} : last ? Pen{ink, 0.9} : Pen{0xe2e2e2, 0.4});
             }};
   }

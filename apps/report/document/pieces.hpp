@@ -13,7 +13,14 @@ namespace pivnp::report {
 struct Piece;
 using Pieces = std::vector<Piece>;
 
-constexpr double least_scale = 0.78;
+constexpr double least_scale = 0.74;
+
+/// Lines in columns that are read downwards, in a block for each page that it takes.
+struct Columns {
+  double line_height = 0;
+  std::size_t count = 2, lines = 0;
+  std::function<void(plot::PdfPages&, double x, double y, std::size_t line, std::size_t column)> draw;
+};
 
 /// Heights in canvas units (tenths of a millimetre).
 struct Piece {
@@ -25,6 +32,7 @@ struct Piece {
   std::function<void(plot::PdfPages&, double x, double y)> draw = {};
   double shrinks = 0;  // the part of the height that may be drawn down to `least_scale`, where a page has no room for all
   std::function<void(plot::PdfPages&, double x, double y, double scale)> draw_scaled = {};  // in place of draw
+  std::shared_ptr<const Columns> columns = {};  // cut where a page ends; `height` is the least that may stand at its foot
   std::shared_ptr<const Pieces> repeat = {};  // a table's head, drawn again where a page starts with this piece
 };
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "apps/plot/canvas.hpp"
 #include "apps/plot/numbers.hpp"
 #include "apps/report/content/ends.hpp"
 #include "apps/report/document/player.hpp"
@@ -26,7 +27,17 @@ class Builder {
   void heading(int level, std::string text) { document.blocks.push_back(Heading{level, std::move(text)}); }
   void paragraph(std::string text, bool lead = false) { document.blocks.push_back(Paragraph{std::move(text), lead}); }
   void add(Block block) { document.blocks.push_back(std::move(block)); }
+  /// A figure of half the width that would stand alone is followed by the next such one.
   void add(std::vector<Figure> figures) {
+    const auto half = [&](std::size_t k) { return figures[k].canvas->width_mm() <= half_figure_mm; };
+    for (std::size_t k = 0; k + 1 < figures.size(); ++k) {
+      if (!half(k)) continue;
+      std::size_t next = k + 1;
+      while (next < figures.size() && !half(next)) ++next;
+      if (next == figures.size()) break;
+      std::rotate(figures.begin() + std::ptrdiff_t(k) + 1, figures.begin() + std::ptrdiff_t(next), figures.begin() + std::ptrdiff_t(next) + 1);
+      ++k;
+    }
     for (Figure& figure : figures) document.blocks.push_back(std::move(figure));
   }
 };
@@ -61,6 +72,7 @@ void flags_section(Builder& b, const FigureInput& input) {
   if (list.empty())
     b.paragraph("Nothing was flagged: no limit exceeded, no step, no shortage of valid vectors, no particle that ended early.");
   else b.add(List{list});
+  if (auto table = ends_table(input.content, input.names)) b.add(std::move(*table));
 }
 
 std::string utc_now() {
@@ -89,8 +101,8 @@ std::string without_comments(const std::string& text) {
 void appendix(Builder& b, const Content& content) {
   b.heading(1, "How this was made");
   if (!content.command.empty()) b.add(Code{content.command});
-  b.paragraph(versions(content.written_by) + " The report is of " + utc_now() + ".");
   Definitions more;
+  more.items.emplace_back("Programs", versions(content.written_by) + " The report is of " + utc_now() + ".");
   for (const std::string& note : content.notes) more.items.emplace_back("Comparison", note);
   more.items.emplace_back("How to cite", "pivnp " + program_version() +
                                              ": from lab video to verdict by PIV, numerical particles, MPM and comparison. Free "
@@ -100,10 +112,11 @@ void appendix(Builder& b, const Content& content) {
   more.items.emplace_back("Both methods", "M. Alvarado (2018). Landslide motion assessment including thermal interaction: an MPM approach. "
                                           "PhD thesis, Universitat Polit\u00e8cnica de Catalunya.");
   b.add(more);
+  if (auto table = cost_table(content)) b.add(std::move(*table));
   if (content.case_text.empty()) return;
   b.heading(1, "Settings");
   b.paragraph("The case as run, with every default filled in. Keys that were left out and have no default stand in the record.");
-  b.add(Code{without_comments(content.case_text), 4});
+  b.add(CaseText{without_comments(content.case_text)});
 }
 
 std::string subtitle(const Content& content, const DataSetNames& names) {
@@ -129,10 +142,6 @@ Document make_document(const ReportOptions& options, const Content& content) {
   measurement_section(b, input);
   comparison_section(b, input);
   simulation_section(b, input);
-  if (auto table = ends_table(content, input.names)) {
-    b.heading(1, "Particles that ended early");
-    b.add(std::move(*table));
-  }
   if (content.comparison && !content.comparison->metrics.empty()) {
     b.heading(1, "All metrics");
     for (Table& table : metrics_tables(content, input.names)) b.add(std::move(table));

@@ -29,21 +29,23 @@ std::string family_words(const std::string& member, const DataSetNames& names, c
       break;
     }
   for (const auto& [from, to] : {std::pair<std::string_view, std::string_view>{", in units of its uncertainty", " \u00f7 u"},
-                                 {", relative to the greatest displacement", ", relative"}, {", difference", ""}, {" difference", ""}})
+                                 {", relative to the greatest displacement", ", relative"}, {"decomposition of the ", "decomposed "}, {", difference", ""}, {" difference", ""}})
     if (const std::size_t at = text.find(from); at != std::string::npos) text.replace(at, from.size(), to);
   return capitalised(text);
 }
 
 std::string with_unit(const std::string& words, const Metric& m) {
-  return unit_words(m.unit).empty() ? words : words + " (" + m.unit + ")";
+  std::string unit = unit_words(m.unit);
+  if (const std::size_t at = unit.find("^2"); at != std::string::npos) unit.replace(at, 2, "\u00b2");
+  return unit.empty() ? words : words + " (" + unit + ")";
 }
 
 // The value, and what is said of it: a ring where it is not distinguishable, the limit's fate in words.
 std::string cell(const Metric* m) {
   if (m == nullptr) return "";
   std::string text = value_with_uncertainty(m->value, m->uncertainty);
-  if (m->verdict == Verdict::not_distinguishable) text += " \u00b0";
-  if (m->verdict == Verdict::met || m->verdict == Verdict::exceeded) text += " (limit " + std::string(name_of(m->verdict)) + ")";
+  if (m->verdict == Verdict::not_distinguishable) text += "\u00a0\u00b0";
+  if (m->verdict == Verdict::met || m->verdict == Verdict::exceeded) text += "\u00a0(" + std::string(name_of(m->verdict)) + ")";
   return text;
 }
 
@@ -54,7 +56,7 @@ std::optional<std::size_t> exceeded(const Members& members) {
   return std::nullopt;
 }
 
-constexpr std::string_view signs = " \u00b1: standard uncertainty of the value; \u00b0: not distinguishable from 0 by it.";
+constexpr std::string_view signs = " \u00b1: standard uncertainty of the value; \u00b0: not distinguishable from 0 by it; (met), (exceeded): its limit.";
 
 std::string without(std::string text, const std::string& part) {
   const std::size_t at = text.find(part);
@@ -132,7 +134,7 @@ std::vector<Table> metrics_tables(const Content& content, const DataSetNames& na
                 ". \u00f7 u: each divided by its own standard uncertainty; relative: by the greatest displacement. Without \u201cat the end\u201d: over all times." +
                 std::string(signs);
     t.head = {"Difference of", "Mean (in x)", "Mean in y", "RMS", "95th percentile", "Maximum"};
-    t.width = {0.28, 0.144, 0.144, 0.144, 0.144, 0.144};
+    t.width = {0.26, 0.148, 0.148, 0.148, 0.148, 0.148};
     t.align = {'l', 'r', 'r', 'r', 'r', 'r'};
     for (const StatisticsRow& row : layout.statistics) {
       const Metric& any = row.any();
@@ -203,6 +205,7 @@ Definitions metric_definitions(const Content& content) {
 
 std::optional<Table> ends_table(const Content& content, const DataSetNames& names) {
   Table t;
+  t.fine = true;
   t.caption = "Particles that ended before the last frame, by reason.";
   t.head = {"Data set", "Reason", "Particles", "Share", "First", "Median", "Last (" + content.time_unit + ")"};
   t.width = {0.12, 0.38, 0.12, 0.1, 0.09, 0.09, 0.1};

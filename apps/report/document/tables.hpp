@@ -29,4 +29,7 @@ Definitions metric_definitions(const Content& content);
 /// Particles that ended, by reason; none if none did.
 std::optional<Table> ends_table(const Content& content, const DataSetNames& names);
 
+/// Time and memory of each stage; none where the record does not tell.
+std::optional<Table> cost_table(const Content& content);
+
 }  // namespace pivnp::report

@@ -1,5 +1,7 @@
 #include "apps/report/document/text.hpp"
 
+#include <algorithm>
+
 namespace pivnp::report {
 
 std::string clean_utf8(std::string_view text) {
@@ -41,6 +43,25 @@ std::string escape_html(std::string_view text) {
       default: out += c;
     }
   }
+  return out;
+}
+
+std::vector<std::pair<std::string, std::string>> sections_of(std::string_view toml) {
+  std::vector<std::pair<std::string, std::string>> out;
+  for (std::size_t from = 0; from < toml.size();) {
+    const std::size_t end = std::min(toml.find('\n', from), toml.size());
+    const std::string line(toml.substr(from, end - from));
+    from = end + 1;
+    if (line.find_first_not_of(" \t") == std::string::npos) continue;
+    if (line.starts_with("[")) {
+      out.emplace_back(line, "");
+      continue;
+    }
+    if (out.empty()) out.emplace_back();
+    std::string& text = out.back().second;
+    text += (text.empty() ? "" : "; ") + line;
+  }
+  std::erase_if(out, [](const auto& section) { return section.second.empty(); });
   return out;
 }
 

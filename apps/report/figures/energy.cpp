@@ -44,11 +44,16 @@ std::vector<Figure> draw_energy(const FigureInput& input) {
     for (const double v : column(rows, t.value))
       if (std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
   const double size = std::max(high, -low), share = size > 0 ? 100 / size : 0;
-  auto canvas = std::make_shared<Canvas>(figure_width_mm, 68);
-  const double x = 17, w = 108, margin = high > low ? 0.04 * (high - low) : 1;
-  Panel upper = canvas->panel(x, 5, w, 32), lower = canvas->panel(x, 42, w, 15);
-  upper.pale_grid().axis(Axis::x, time.front(), time.back(), "", 6).numbers(Axis::x, false);
-  lower.pale_grid().axis(Axis::x, time.front(), time.back(), axis_label("time", input.content.time_unit), 6);
+  const auto stays_zero = [&](const Term& t) {
+    const std::vector<double> value = column(rows, t.value);
+    return std::all_of(value.begin(), value.end(), [&](double v) { return !(std::abs(v) > 1e-6 * size); });
+  };
+  const double keys = std::ceil(double(std::count_if(terms.begin(), terms.end(), [&](const Term& t) { return !stays_zero(t); })) / 2) * 4.5;
+  const double x = 17, w = 62, margin = high > low ? 0.04 * (high - low) : 1, top = keys + 3;
+  auto canvas = std::make_shared<Canvas>(half_figure_mm, top + 65);
+  Panel upper = canvas->panel(x, top, w, 30), lower = canvas->panel(x, top + 35, w, 19);
+  upper.pale_grid().axis(Axis::x, time.front(), time.back(), "", 4).numbers(Axis::x, false);
+  lower.pale_grid().axis(Axis::x, time.front(), time.back(), axis_label("time", input.content.time_unit), 4);
   upper.axis(Axis::y, low - (low < 0 ? margin : 0), high + margin, "energy (J/m)", 5);
   std::vector<double> residual = column(rows, &EnergyRow::residual);
   double least = 0, most = 0;
@@ -58,17 +63,16 @@ std::vector<Figure> draw_energy(const FigureInput& input) {
   }
   const double spread = most > least ? 0.15 * (most - least) : 1;
   lower.axis(Axis::y, least - spread, most + spread, "residual (%)", 3);
-  double key_y = 9;
+  std::size_t key = 0;
   for (const Term& t : terms) {
-    const std::vector<double> value = column(rows, t.value);
-    if (std::all_of(value.begin(), value.end(), [&](double v) { return !(std::abs(v) > 1e-6 * size); })) continue;
-    canvas->curve(upper, time, value, {t.rgb, 1.2, t.dash});
-    legend(*canvas, x + w + 5, key_y, t.key, t.rgb, t.words);
-    key_y += 4.5;
+    if (stays_zero(t)) continue;
+    canvas->curve(upper, time, column(rows, t.value), {t.rgb, 1.2, t.dash});
+    legend(*canvas, x + (key % 2 == 0 ? 0 : 33), 2.5 + 4.5 * double(key / 2), t.key, t.rgb, t.words);
+    ++key;
   }
   canvas->curve(lower, time, residual, {ink, 1.1});
-  canvas->text(x - 15, 2, "(a)", Align::top_left, {.bold = true});
-  canvas->text(x - 15, 39, "(b)", Align::top_left, {.bold = true});
+  canvas->text(x - 15, top - 3, "(a)", Align::top_left, {.bold = true});
+  canvas->text(x - 15, top + 32, "(b)", Align::top_left, {.bold = true});
   std::vector<ComparisonTable::Column> data{{"time", input.content.time_unit, time}};
   for (const Term& t : terms) data.push_back({t.words, "J/m", column(rows, t.value)});
   data.push_back({"residual", "J/m", column(rows, &EnergyRow::residual)});

@@ -153,7 +153,8 @@ std::string heading(Shown shown, const DataSetNames& names) {
   return capitalised(shown == Shown::measured ? names.first : names.second);
 }
 
-std::string caption(const FieldFigure& f, const std::vector<Shown>& columns, const FigureInput& input) {
+// `again`: a figure before says how they are drawn.
+std::string caption(const FieldFigure& f, const std::vector<Shown>& columns, const FigureInput& input, bool again) {
   const DataSetNames& names = input.names;
   const bool compared = columns.size() == 3;
   std::string text = capitalised(f.label);
@@ -165,11 +166,15 @@ std::string caption(const FieldFigure& f, const std::vector<Shown>& columns, con
                            names.the_second + " has less, red: more)."
                      : ".";
   }
-  text += " Particles are drawn where they are at each time, as their deformed squares.";
-  if (!input.content.alignment.empty()) text += " " + input.content.alignment;
-  if (f.ended > 0) text += " Pale grey: particles no longer followed, at their last place.";
-  if (compared) text += " Darker grey in the right column: no partner to compare with.";
-  if (f.flagged > 0) text += " Flagged particles are shown like all others.";
+  if (again) {
+    text += " Otherwise as in the figure before.";
+  } else {
+    text += " Particles are drawn where they are at each time, as their deformed squares.";
+    if (!input.content.alignment.empty()) text += " " + input.content.alignment;
+    if (f.ended > 0) text += " Pale grey: particles no longer followed, at their last place.";
+    if (compared) text += " Darker grey in the right column: no partner to compare with.";
+    if (f.flagged > 0) text += " Flagged particles are shown like all others.";
+  }
   if (f.scale.above || f.scale.below || (compared && (f.difference_scale.above || f.difference_scale.below)))
     text += " A pointed colour bar: the outermost 0.5 % of the values lie beyond its end.";
   if (f.outside > 0)
@@ -184,7 +189,7 @@ std::string caption(const FieldFigure& f, const std::vector<Shown>& columns, con
   return text;
 }
 
-Figure draw_field(const FigureInput& input, const std::string& field) {
+Figure draw_field(const FigureInput& input, const std::string& field, bool again = false) {
   const Content& content = input.content;
   const FieldFigure f = gather(input, field);
   std::vector<Shown> columns;
@@ -254,7 +259,7 @@ Figure draw_field(const FigureInput& input, const std::string& field) {
     colour_bar(*canvas, x_at(2) + 0.1 * w, y_bar, 0.8 * w, f.difference_scale, other.factor,
                axis_label("difference", other.name));
   }
-  std::string words = caption(f, columns, input);
+  std::string words = caption(f, columns, input, again);
   if (flow > 0)
     words += " Arrows: Darcy's flow of the water, means over squares, the longest of each panel as long as a square; the greatest is " +
              significant(flow, 2) + unit_suffix(content.length_unit + "/" + content.time_unit) + ".";
@@ -275,14 +280,14 @@ std::vector<Figure> draw_fields(const FigureInput& input) {
   std::vector<Figure> all;
   for (const std::string& field : input.options.fields_drawn) {
     derived_field(field);  // an unknown one is told of even where nothing is drawn
-    if (!input.times.empty()) all.push_back(draw_field(input, field));
+    if (!input.times.empty()) all.push_back(draw_field(input, field, !all.empty()));
   }
   // Water in the pores, temperature and embedded bands belong to what every report draws.
   if (!input.times.empty() && input.options.fields_drawn == ReportOptions{}.fields_drawn && input.content.simulated &&
       !input.content.simulated->times().empty()) {
     const MotionFrame first = input.content.simulated->frame(0);
     for (const char* field : {"pressure", "excess_pressure", "temperature", "band_pressure", "band_temperature", "band_width"})
-      if (first.find(field)) all.push_back(draw_field(input, field));
+      if (first.find(field)) all.push_back(draw_field(input, field, !all.empty()));
   }
   return all;
 }

@@ -37,10 +37,10 @@ std::vector<Figure> draw_geometry(const FigureInput& input) {
   if (!(threshold > 0)) return {};
 
   const Box box = box_around(places, 0.001);
-  const double left = 14, gap = 8, head = 7, foot = 11, aspect = box.height() / box.width();
-  const double w = std::min((figure_width_mm - left - 3 - gap) / 2, 62 / aspect), h = w * aspect;
-  const double x0 = left + (figure_width_mm - left - 3 - double(sides.size()) * w - gap * double(sides.size() - 1)) / 2;
-  auto canvas = std::make_shared<Canvas>(figure_width_mm, head + h + foot);
+  const double left = 14, gap = 6, head = 11, foot = 11, aspect = box.height() / box.width();
+  const double w = std::min((half_figure_mm - left - 3 - gap * double(sides.size() - 1)) / double(sides.size()), 45 / aspect), h = w * aspect;
+  const double x0 = left + (half_figure_mm - left - 3 - double(sides.size()) * w - gap * double(sides.size() - 1)) / 2;
+  auto canvas = std::make_shared<Canvas>(half_figure_mm, head + h + foot);
   std::string shares;
   std::vector<ComparisonTable::Column> data;
   for (std::size_t s = 0; s < sides.size(); ++s) {
@@ -67,8 +67,8 @@ std::vector<Figure> draw_geometry(const FigureInput& input) {
     if (all > 0) shares += (shares.empty() ? "" : ", ") + sides[s].who + " " + percent(mobilised / all);
     for (auto* column : {&px, &py, &state}) data.push_back(std::move(*column));
   }
-  const double next = legend(*canvas, x0 + w * 0.45, 3, Key::tile, moved, "mobilised");
-  legend(*canvas, next, 3, Key::tile, resting, "at rest");
+  const double next = legend(*canvas, left, 2.5, Key::tile, moved, "mobilised");
+  legend(*canvas, next, 2.5, Key::tile, resting, "at rest");
   const DisplayUnit unit = display_unit(content.length_unit, threshold);
   std::string caption = "Final geometry at " + plain(time) + unit_suffix(content.time_unit) + ": material that moved by more than " +
                         significant(threshold * unit.factor, 3) + unit_suffix(unit.name) + ", and what stayed.";

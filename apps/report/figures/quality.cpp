@@ -56,19 +56,19 @@ void mark_flags(Canvas& canvas, const Panel& shares, const Panel& scores, const 
 
 std::vector<Figure> draw_quality(const FigureInput& input) {
   const std::vector<PairQuality>& pairs = input.pairs;
-  auto canvas = std::make_shared<Canvas>(figure_width_mm, 68);
-  const double x = 17, w = 150;
-  Panel shares = canvas->panel(x, 8, w, 20), scores = canvas->panel(x, 37, w, 20);
+  auto canvas = std::make_shared<Canvas>(half_figure_mm, 62);
+  const double x = 17, w = 62;
+  Panel shares = canvas->panel(x, 10, w, 14), scores = canvas->panel(x, 35, w, 14);
   const double first = pairs.front().frames[0] - 0.5,
                last = std::max(pairs.back().frames[0], pairs.front().frames[0]) + 0.5;
   shares.axis(Axis::x, first, last, "").numbers(Axis::x, false);
   scores.axis(Axis::x, first, last, "first frame of the pair");
-  for (Panel* panel : {&shares, &scores}) panel->step(Axis::x, std::max(1.0, nice_step(last - first, 12)));
-  shares.axis(Axis::y, 0, 100, "share (%)", 4);
+  for (Panel* panel : {&shares, &scores}) panel->step(Axis::x, std::max(1.0, nice_step(last - first, 6)));
+  shares.axis(Axis::y, 0, 100, "share (%)", 3);
   double low = 0;
   for (const PairQuality& q : pairs)
     if (std::isfinite(q.score_low)) low = std::min(low, q.score_low);
-  scores.axis(Axis::y, low < 0 ? std::floor(low * 5) / 5 : 0, 1, "score", 4).pale_grid();
+  scores.axis(Axis::y, low < 0 ? std::floor(low * 5) / 5 : 0, 1, "score", 3).pale_grid();
 
   const bool any_flag = std::any_of(pairs.begin(), pairs.end(), [](const PairQuality& q) { return q.flag != 0; });
   draw_shares(*canvas, shares, pairs);
@@ -85,16 +85,15 @@ std::vector<Figure> draw_quality(const FigureInput& input) {
   if (pairs.size() <= 60) symbol = Symbol{.marker = Marker::circle, .pen = {blue, 0.8}, .size_mm = 1.5};
   canvas->curve(scores, at, median, {blue, 1.2}, symbol);
 
-  double next = x;
-  next = legend(*canvas, next, 2.5, Key::tile, valid_bar, "valid");
-  next = legend(*canvas, next, 2.5, Key::tile, replaced_bar, "replaced");
-  next = legend(*canvas, next, 2.5, Key::tile, rejected_bar, "rejected");
-  next = legend(*canvas, next, 2.5, Key::tile, failed_bar, "failed");
-  if (any_flag) legend(*canvas, next, 2.5, Key::tile, flagged_bar, "flagged step");
-  next = legend(*canvas, x, 33.5, Key::line, blue, "median");
-  legend(*canvas, next, 33.5, Key::band, blue, "5th to 95th percentile");
-  canvas->text(x - 15, 2, "(a)", Align::top_left, {.bold = true});
-  canvas->text(x - 15, 32, "(b)", Align::top_left, {.bold = true});
+  legend(*canvas, x, 2.5, Key::tile, valid_bar, "valid");
+  legend(*canvas, x + 22, 2.5, Key::tile, replaced_bar, "replaced");
+  if (any_flag) legend(*canvas, x + 44, 2.5, Key::tile, flagged_bar, "flagged step");
+  legend(*canvas, x, 7, Key::tile, rejected_bar, "rejected");
+  legend(*canvas, x + 22, 7, Key::tile, failed_bar, "failed");
+  const double next = legend(*canvas, x, 31, Key::line, blue, "median");
+  legend(*canvas, next, 31, Key::band, blue, "5th to 95th percentile");
+  canvas->text(x - 15, 7, "(a)", Align::top_left, {.bold = true});
+  canvas->text(x - 15, 31, "(b)", Align::top_left, {.bold = true});
   std::string caption =
       "Quality of the measurement, pair by pair: (a) status of the vectors at the nodes " +
       std::string(pairs.front().material_known ? "in the material" : "that were not masked") +

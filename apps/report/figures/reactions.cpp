@@ -77,17 +77,18 @@ std::vector<Figure> draw_reactions(const FigureInput& input) {
   const std::string label = unit < 1 ? "force (kN/m)" : "force (N/m)";
   const bool paths = std::any_of(curves.begin(), curves.end(), [](const Curve& c) { return !c.path.empty(); });
 
-  const double height = 46, x = 17, w = paths ? 52 : 108;
-  auto canvas = std::make_shared<Canvas>(figure_width_mm, height + 17);
-  Panel left = canvas->panel(x, 5, w, height);
-  left.pale_grid().axis(Axis::x, reactions.time.front(), reactions.time.back(), axis_label("time", input.content.time_unit), paths ? 4 : 6);
+  // Half a page wide where there is no second panel; the keys then stand above.
+  const double keys = paths ? 0 : std::ceil(double(curves.size()) / 2) * 4.5;
+  const double height = paths ? 46 : 44, x = 17, w = paths ? 52 : 62, top = paths ? 5 : keys + 3;
+  auto canvas = std::make_shared<Canvas>(paths ? figure_width_mm : half_figure_mm, top + height + 12);
+  Panel left = canvas->panel(x, top, w, height);
+  left.pale_grid().axis(Axis::x, reactions.time.front(), reactions.time.back(), axis_label("time", input.content.time_unit), 4);
   left.axis(Axis::y, unit * (low - (low < 0 ? margin : 0)), unit * (high + (high > 0 ? margin : 0)), label, 5);
-  double key_y = 9;
-  const double key_x = x + (paths ? 2 * w + 12 : w) + 5;
   for (std::size_t k = 0; k < curves.size(); ++k) {
     canvas->curve(left, reactions.time, times(curves[k].force, unit), {styles[k].rgb, 1.2, styles[k].dash});
-    legend(*canvas, key_x, key_y, styles[k].key, styles[k].rgb, curves[k].words);
-    key_y += 5;
+    const double column = k % 2 == 0 ? 0 : 33;
+    if (paths) legend(*canvas, x + 2 * w + 17, 9 + 5 * double(k), styles[k].key, styles[k].rgb, curves[k].words);
+    else legend(*canvas, x + column, 2.5 + 4.5 * double(k / 2), styles[k].key, styles[k].rgb, curves[k].words);
   }
   std::string caption = "Forces on the material, per metre of thickness, mean between output times: of each boundary and body the component "
                         "that is the greater";

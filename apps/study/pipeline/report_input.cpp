@@ -14,6 +14,7 @@
 #include "pivnp/core/text.hpp"
 #include "pivnp/image/video_writer.hpp"
 #include "pivnp/io/records/record.hpp"
+#include "pivnp/piv/methods.hpp"
 
 namespace pivnp::app {
 
@@ -21,8 +22,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The pictures under vectors: the frames nearest to the report's times, at most three, never one twice; without images
-// where there is no source of them.
+// The pictures under vectors: the frames nearest to the first and the last of the report's times, never one twice; without
+// images where there is no source of them.
 std::vector<report::Picture> pictures(const Case& c, const io::RecordReader& record, image::FrameSource* source) {
   const std::vector<Frame>& frames = record.frames();
   std::vector<double> times = c.report.times_s;
@@ -37,10 +38,35 @@ std::vector<report::Picture> pictures(const Case& c, const io::RecordReader& rec
     if (std::find(chosen.begin(), chosen.end(), index) == chosen.end()) chosen.push_back(index);
   }
   std::sort(chosen.begin(), chosen.end());
-  if (chosen.size() > 3) chosen.resize(3);
+  if (chosen.size() > 2) chosen = {chosen.front(), chosen.back()};
   std::vector<report::Picture> out;
   for (const int index : chosen) out.push_back({index, source ? source->read(index) : Image()});
   return out;
+}
+
+struct Matching {
+  std::string subset, shape, criterion, interpolant;
+};
+
+// How a method matches images, in the guide's words (docs/theory/piv.md).
+Matching matching_of(const piv::PivOptions& o, const std::string& overlap) {
+  const std::string least = "squared differences of grey values, robustly weighted, gain and offset of the light removed";
+  const std::string side = std::to_string(o.window_px) + " px" + overlap;
+  const piv::PivMethod* method = piv::piv_methods().find(o.method);
+  switch (method == nullptr ? piv::MethodFamily::other : method->family) {
+    case piv::MethodFamily::gauss_newton:
+      if (o.smoothing == piv::Smoothing::window)
+        return {side, o.order == 0 ? "constant" : o.order == 1 ? "affine" : "quadratic", least, "quintic B-spline"};
+      return {side + " (noise of such a window; cells of a quarter of it, smoothed as far as the field\u2019s own noise asks)", "cubic B-spline over the cells", least,
+              "quintic B-spline"};
+    case piv::MethodFamily::window_search:
+    case piv::MethodFamily::window_refinement:
+      return {side, "gradient and curvature of the field about it", "cross-correlation, zero mean, normalised", "quintic B-spline"};
+    case piv::MethodFamily::optical_flow:
+      return {"patches of 32 px", "constant", "squared differences of grey values (OpenCV, dense inverse search)", "bilinear"};
+    case piv::MethodFamily::other: break;
+  }
+  return {side, "not stated", "not stated", "not stated"};
 }
 
 // Rows of the report's table on how the measurement was made: what the case says.
@@ -59,9 +85,13 @@ std::vector<std::pair<std::string, std::string>> setup_of(const Case& c, const i
     rows.emplace_back("Correlation", piv.method + ", " + std::string(name_of(piv.smoothing)) + " smoothing, " + std::string(name_of(piv.anchor)) +
                                          " vectors, frame to frame");
     const double h_px = c.grid.spacing_px.value_or(piv.window_px / 2.0);
-    rows.emplace_back("Subset or window", std::to_string(piv.window_px) + " px" +
-                                              (c.grid.spacing_m ? std::string() : ", overlap " + number(100 * std::max(0.0, 1 - h_px / piv.window_px), 3) + " %"));
-    rows.emplace_back("Interpolant of the images", "quintic B-spline");
+    const Matching matching = matching_of(
+        piv, c.grid.spacing_m ? std::string() : ", overlap " + number(100 * std::max(0.0, 1 - h_px / piv.window_px), 3) + " %");
+    rows.emplace_back("Filtering of the images", "none");
+    rows.emplace_back("Subset or window", matching.subset);
+    rows.emplace_back("Shape function of a subset", matching.shape);
+    rows.emplace_back("Matching criterion", matching.criterion);
+    rows.emplace_back("Interpolant of the images", matching.interpolant);
     rows.emplace_back("Validation", "normalised median " + number(piv.median_threshold) + ", score above " + number(piv.min_score) +
                                         ", stated error below " + number(piv.max_sigma_px) + " px");
   }

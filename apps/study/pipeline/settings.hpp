@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pivnp/core/record/metric.hpp"
+#include "pivnp/core/record/stage_cost.hpp"
 
 namespace pivnp::app {
 
@@ -22,6 +23,7 @@ struct RunOutcome {
   std::filesystem::path record, report_html, report_pdf;
   std::vector<std::string> remarks;  // what was flagged and why, one sentence each
   std::vector<LimitResult> limits;   // one a limit of [compare.limits] that was given; one exceeded gives exit code 3
+  RunCost cost;                      // of a run's stages, the report included
 };
 
 }  // namespace pivnp::app

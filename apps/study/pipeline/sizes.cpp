@@ -22,6 +22,7 @@ namespace {
 
 constexpr double gigabyte = 1e9;
 constexpr double bytes_a_node = 100, bytes_a_particle = 200;
+constexpr double bytes_a_pixel = 32, bytes_once = 25e6;  // frames, their splines and gradients; what libraries take as they are used (measured)
 constexpr double bytes_a_state = 53;  // of a point: u, F, status, v, stress, plastic_dev
 constexpr double beside_points = 100, beside_nodes = 60;  // what lists of cells, the grid's particles and the states' copies take
 constexpr double most_frame_bytes = 1e13;
@@ -126,7 +127,8 @@ CaseSize size_of(const Case& c, const Setting& setting, std::size_t frames, doub
     size.particles = filled(setting, setting.grid, c.np.value_or(np::NpOptions{}).per_element);
     require_at_most(size.particles, most_particles, "numerical particles", spacing.key, spacing.value);
   }
-  size.memory_bytes = bytes_a_node * size.nodes + bytes_a_particle * size.particles;
+  size.memory_bytes = bytes_once + bytes_a_node * size.nodes + bytes_a_particle * size.particles;
+  if (!setting.imported) size.memory_bytes += bytes_a_pixel * double(setting.width) * double(setting.height);
   if (c.mpm) size_simulation(c, setting, frames, end_s, size);
   const double memory = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGE_SIZE));
   if (size.memory_bytes > memory)
@@ -154,7 +156,7 @@ std::string text_of(const CaseSize& size) {
     text << (size.nodes > 0 ? ";" : "") << " simulation of " << number(size.simulated_nodes, 12) << " nodes, about "
          << number(size.points, 3) << " material points and " << number(size.steps, 2) << " steps, "
          << number(size.states, 12) << " states (" << number(size.record_bytes / 1e6, 2) << " MB)";
-  text << "; about " << number(size.memory_bytes / 1e6, 2) << " MB of memory beside the frames.";
+  text << "; about " << number(size.memory_bytes / 1e6, 2) << " MB of memory beside the program.";
   return text.str();
 }
 

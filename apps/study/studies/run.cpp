@@ -18,6 +18,7 @@
 #include "apps/study/pipeline/report_input.hpp"
 #include "apps/study/pipeline/sizes.hpp"
 #include "apps/study/pipeline/sources.hpp"
+#include "apps/study/pipeline/stage_clock.hpp"
 #include "apps/study/pipeline/zones.hpp"
 #include "apps/study/synth/case_frames.hpp"
 #include "pivnp/core/error.hpp"
@@ -52,6 +53,7 @@ class Run {
  public:
   Run(const Case& given, const RunSettings& settings, Stages stages, Progress& progress)
       : settings_(settings), progress_(progress), c_(given) {
+    progress_.begin("frames");
     measures = stages != Stages::simulate && (c_.frames || c_.vectors || c_.synth || settings.frames);
     tracks = measures && stages != Stages::piv;
     simulates = c_.mpm && (stages == Stages::all || stages == Stages::simulate);
@@ -63,19 +65,22 @@ class Run {
     lock_ = std::make_shared<io::DirectoryLock>(settings.out);
     if (measures || c_.frames || c_.vectors) open_frames();
     setting_ = make_setting(c_, source_ ? source_->width() : 0, source_ ? source_->height() : 0, vectors_.get());
-    const CaseSize size = size_of(c_, setting_, frames_.size(), frames_.empty() ? 0.0 : frames_.back().time);
-    if (!settings.resume) require_room(c_, size, settings.out);
+    size_ = size_of(c_, setting_, frames_.size(), frames_.empty() ? 0.0 : frames_.back().time);
+    if (!settings.resume) require_room(c_, size_, settings.out);
+    progress_.expect_bytes(size_.memory_bytes);
     if (tracks) check_strain_floor(c_, setting_, frames_.size());
     if (simulates && (measures || !c_.mpm->end_s || !c_.mpm->output_rate_hz) && !frames_.empty())
       require_time_and_scale(c_, setting_, source_.get());
     if (tracks && simulates) check_compared_zones(c_, setting_);
-    setting_.sources = sources_of(c_, source_.get(), vectors_.get(), progress);
+    setting_.sources = sources_of(c_, source_.get(), vectors_.get(), progress_);
     writer_ = std::make_unique<io::RecordWriter>(settings.out, head(), settings.resume, settings.threads, lock_);
   }
 
   bool measures = false, tracks = false, simulates = false;
 
   void measure_vectors() {
+    progress_.begin("vectors");
+    progress_.expect("PIV", double(frames_.size() - 1));
     if (vectors_)
       import_vectors(*vectors_, setting_, *writer_, progress_);
     else
@@ -87,6 +92,7 @@ class Run {
     if (setting_.width > 0)
       append(fraction_remarks(setting_, frames_.size() - 1, [&](std::size_t k) { return writer_->pair(k); }),
              outcome_.remarks);
+    progress_.begin("closure");
     if (vectors_)
       closure_.verdict = "not checked: the vectors are another program's";
     else
@@ -97,11 +103,16 @@ class Run {
   }
 
   void follow_particles() {
+    progress_.begin("particles");
     tracked_ = track(c_, setting_, frames_, source_.get(), closure_, *writer_, settings_.threads, progress_);
+    writer_->set_material("np");
   }
 
   void simulate_motion() {
+    progress_.begin("simulation");
+    progress_.expect("simulation", size_.steps);
     append(simulate(c_, setting_, output_times(c_, frames_), *writer_, settings_.threads, progress_), outcome_.remarks);
+    if (tracks && c_.compare.mesh_study > 0) progress_.begin("mesh_study");
     for (int level = 1; tracks && level <= c_.compare.mesh_study; ++level) try {
         simulate_coarser(c_, setting_, level, output_times(c_, frames_), *writer_, settings_.threads, progress_);
         coarser_grids_ = level;
@@ -114,6 +125,7 @@ class Run {
   }
 
   void pack() {
+    progress_.begin("record");
     writer_->set_output_fields(c_.output.fields_stored);
     writer_->pack();
   }
@@ -125,6 +137,7 @@ class Run {
 
   // Particles against material points, as the case asks. What cannot be compared is kept and reported all the same.
   void compare_motions() {
+    progress_.begin("comparison");
     compare::CompareOptions options = c_.compare;
     add_camera(setting_.camera.residual(), options);
     try {
@@ -148,10 +161,15 @@ class Run {
   }
 
   RunOutcome finish() {
+    progress_.end();
+    writer_->set_cost(progress_.cost());
     writer_->finish();
+    progress_.begin("report");
     outcome_.record = settings_.out / "record.h5";
     append(remarks_on_tracking(tracked_, frames_), outcome_.remarks);
     write_report_of(c_, outcome_, std::move(comparison_), source_.get(), settings_.out);
+    progress_.end();
+    outcome_.cost = progress_.cost();
     if (!not_compared_.empty())
       throw InputError(not_compared_ + " (" + outcome_.record.string() +
                        " and its report are written without a comparison)");
@@ -176,8 +194,9 @@ class Run {
   }
 
   const RunSettings& settings_;
-  Progress& progress_;
+  StageClock progress_;
   Case c_;
+  CaseSize size_;
   std::shared_ptr<const io::DirectoryLock> lock_;  // of the output folder, drawn frames included
   std::unique_ptr<image::FrameSource> source_;
   std::unique_ptr<io::VectorFiles> vectors_;

@@ -20,6 +20,7 @@ enum class VectorStatus : std::uint8_t {
   replaced = 2,  // measurement rejected; value rebuilt from valid neighbours
   rejected = 3,  // measurement rejected; its value is kept for inspection, not to be used
   failed = 4,    // nothing could be measured (no texture, outside the image): value is NaN
+  outside = 5,   // in front of no material (known once particles were followed): what the window shows there is not used
 };
 
 /// True where the value may be used (valid or replaced).

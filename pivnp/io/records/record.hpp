@@ -17,6 +17,7 @@
 #include "pivnp/core/record/energy.hpp"
 #include "pivnp/core/record/frames.hpp"
 #include "pivnp/core/record/reactions.hpp"
+#include "pivnp/core/record/stage_cost.hpp"
 #include "pivnp/core/record/strain_note.hpp"
 #include "pivnp/core/record/vectors.hpp"
 #include "pivnp/core/version.hpp"
@@ -86,7 +87,12 @@ class RecordWriter {
   void set_frames(const std::vector<Frame>& frames);
   /// What closure said of the pairs. Throws std::logic_error where the repeated error is not of the grid's nodes.
   void set_closure(const ClosureNote& note);
+  /// Before pack(): nodes that no particle of that motion covers at a pair's first frame (pivnp/core/particles/coverage.hpp)
+  /// become VectorStatus::outside in the record. What is read back before that keeps its status.
+  void set_material(const std::string& motion);
   void set_comparison(const Comparison& comparison);
+  /// What the run took so far; before finish().
+  void set_cost(const RunCost& cost);
   /// Fields of DerivedReader to store per motion (output.fields) when packing. Throws InputError for an unknown name.
   void set_output_fields(const std::vector<std::string>& names);
 
@@ -138,6 +144,7 @@ class RecordReader {
   std::vector<EnergyRow> energy() const;
   Reactions reactions() const;  // empty where the record has none (an older record)
   std::optional<Comparison> comparison() const;
+  RunCost cost() const;  // no stages where the record states none (an older record)
 
  private:
   struct Impl;

@@ -54,6 +54,8 @@ struct RecordWriter::Impl {
   std::vector<Frame> frames;
   std::optional<ClosureNote> closure;
   std::optional<Comparison> comparison;
+  std::optional<RunCost> cost;
+  std::string material;                        // the motion that tells where nodes are outside; empty: none
   std::map<std::string, StrainNote> strain_notes;  // by motion
   std::vector<std::string> output_fields;
   std::unique_ptr<h5::OutputFile> packed;      // between pack() and finish()

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/particles/coverage.hpp"
 #include "pivnp/core/particles/derived.hpp"
 #include "pivnp/core/record/reactions.hpp"
 #include "pivnp/io/files/seal.hpp"
@@ -24,8 +25,9 @@ using h5::Type;
 constexpr std::size_t copy_bytes = std::size_t{32} << 20;  // held in memory while copying
 
 // Copies one array of all segments to GROUP/NAME, a block of items at a time. Arrays that no segment has are left out;
-// items that lack an array others have are NaN.
-void pack_array(h5::OutputFile& out, const std::string& group, const ItemArray& a, const StageFiles& files) {
+// items that lack an array others have are NaN. `change`: of each item, before it is written.
+void pack_array(h5::OutputFile& out, const std::string& group, const ItemArray& a, const StageFiles& files,
+                const std::function<void(std::size_t item, std::byte*)>& change = {}) {
   const std::size_t total = files.items();
   const bool present = std::any_of(files.segments.begin(), files.segments.end(),
                                    [&](const SegmentInfo& s) { return h5::Source(s.path).has("/" + a.name); });
@@ -45,6 +47,7 @@ void pack_array(h5::OutputFile& out, const std::string& group, const ItemArray& 
       const std::size_t count = std::min(block, s.count - k);
       buffer.resize(count * a.bytes());
       from.read(a.type, k, count, buffer.data());
+      for (std::size_t j = 0; change && j < count; ++j) change(s.first + k + j, buffer.data() + j * a.bytes());
       out.write_items(to, a.type, s.first + k, count, buffer.data());
     }
   }
@@ -144,6 +147,39 @@ void pack_comparison(h5::OutputFile& out, const Comparison& c, const Units& unit
   }
 }
 
+// The statuses of vectors, those in front of no material made `outside`.
+void pack_status(h5::OutputFile& out, const ItemArray& status, const StageFiles& files, const MotionSource& material,
+                 const std::vector<Frame>& frames, const Grid& grid) {
+  const auto pairs = out.source().dataset("/piv/pair").all<std::int32_t>();
+  pack_array(out, "/piv", status, files, [&](std::size_t k, std::byte* item) {
+    const auto first = std::size_t(pairs[2 * k]);
+    if (first >= frames.size()) return;
+    const std::vector<std::uint8_t> covered = covered_nodes(material, frames[first].time, grid);
+    for (std::size_t n = 0; n < covered.size(); ++n)
+      if (!covered[n] && VectorStatus(item[n]) != VectorStatus::masked) item[n] = std::byte(VectorStatus::outside);
+  });
+}
+
+// Attributes alone: what a run took is no result, and two runs of a case hold the same datasets.
+void pack_cost(h5::OutputFile& out, const RunCost& cost) {
+  const auto number = [&](const std::string& group, const char* name, double value) {
+    if (std::isfinite(value)) out.attribute(group, name, value);
+  };
+  out.group("/cost");
+  out.attribute("/cost", "machine", cost.machine);
+  number("/cost", "memory_before", cost.before_bytes);
+  number("/cost", "expected_memory", cost.expected_bytes);
+  for (const StageCost& stage : cost.stages) {
+    const std::string group = "/cost/" + stage.name;
+    if (out.source().has(group)) throw std::logic_error("record: two costs of " + stage.name);
+    out.group(group);
+    number(group, "wall_time", stage.wall_s);
+    number(group, "processor_time", stage.processor_s);
+    number(group, "peak_memory", stage.peak_bytes);
+    number(group, "expected_time", stage.expected_s);
+  }
+}
+
 // Fields of output.fields, frame by frame. A field whose source this motion lacks is left out.
 void pack_fields(h5::OutputFile& out, const MotionSource& motion, const std::vector<std::string>& names, bool central,
                  const Units& units) {
@@ -239,6 +275,7 @@ void RecordWriter::Impl::commit_packed() {
     if (closure && stages.contains("piv")) pack_closure(*packed, *closure, head.grid, units);
     for (const auto& [motion, note] : strain_notes) pack_strain_note(*packed, motion, note);
     if (comparison) pack_comparison(*packed, *comparison, units);
+    if (cost) pack_cost(*packed, *cost);
     pack_views(*packed, head.grid, units);
   });
   packed->commit();
@@ -250,7 +287,8 @@ void RecordWriter::Impl::pack_into(h5::OutputFile& out) const {
   if (!frames.empty()) pack_frames(out, frames, units);
   if (const auto piv = stages.find("piv"); piv != stages.end()) {
     out.group("/piv");
-    for (const ItemArray& a : pair_arrays(head.grid, units, nullptr)) pack_array(out, "/piv", a, piv->second.files);
+    for (const ItemArray& a : pair_arrays(head.grid, units, nullptr))
+      if (a.name != "status" || material.empty()) pack_array(out, "/piv", a, piv->second.files);
   }
   const std::vector<const Stage*> moved = motions();
   if (!moved.empty()) out.group("/motion");
@@ -263,6 +301,10 @@ void RecordWriter::Impl::pack_into(h5::OutputFile& out) const {
     if (!output_fields.empty() && stage->items() > 0)
       pack_fields(out, *open_motion(out.source(), name, units, nullptr), output_fields, central, units);
   }
+  if (const auto piv = stages.find("piv"); piv != stages.end() && !material.empty())
+    for (const ItemArray& a : pair_arrays(head.grid, units, nullptr))
+      if (a.name == "status")
+        pack_status(out, a, piv->second.files, *open_motion(out.source(), material, units, nullptr), frames, head.grid);
   std::vector<const StageFiles*> files;
   for (const Stage* stage : moved) files.push_back(&stage->files);
   pack_energy(out, files, units);

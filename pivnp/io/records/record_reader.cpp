@@ -242,4 +242,22 @@ std::optional<Comparison> RecordReader::comparison() const {
   return c;
 }
 
+RunCost RecordReader::cost() const {
+  const h5::Source& source = impl_->source;
+  RunCost cost;
+  if (!source.has("/cost")) return cost;
+  const auto number = [&](const std::string& group, const char* name) {
+    return source.has_attribute(group, name) ? source.attribute_number(group, name) : nan_value;
+  };
+  if (source.has_attribute("/cost", "machine")) cost.machine = source.attribute_text("/cost", "machine");
+  cost.before_bytes = number("/cost", "memory_before");
+  cost.expected_bytes = number("/cost", "expected_memory");
+  for (const std::string& name : source.children("/cost")) {
+    const std::string group = "/cost/" + name;
+    cost.stages.push_back({name, number(group, "wall_time"), number(group, "processor_time"), number(group, "peak_memory"),
+                           number(group, "expected_time")});
+  }
+  return cost;
+}
+
 }  // namespace pivnp::io

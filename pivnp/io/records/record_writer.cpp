@@ -320,6 +320,10 @@ void RecordWriter::set_comparison(const Comparison& comparison) {
   impl_->comparison = comparison;
 }
 
+void RecordWriter::set_material(const std::string& motion) { impl_->material = motion; }
+
+void RecordWriter::set_cost(const RunCost& cost) { impl_->cost = cost; }
+
 void RecordWriter::set_closure(const ClosureNote& note) {
   if (impl_->finished) return;
   require(note.repeated.empty() || note.repeated.size() == impl_->head.grid.node_count(),

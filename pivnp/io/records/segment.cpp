@@ -236,7 +236,7 @@ VectorField read_pair(const h5::Source& source, const std::string& group, const 
                      std::to_string(int(f.anchor)) + ", expected 0 or 1");
   // What a later version calls a vector is not known to be of use.
   for (VectorStatus& status : f.status)
-    if (status > VectorStatus::failed) status = VectorStatus::rejected;
+    if (status > VectorStatus::outside) status = VectorStatus::rejected;
   return f;
 }
 

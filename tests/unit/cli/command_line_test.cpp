@@ -114,6 +114,9 @@ TEST_F(CommandLine, EachCommandCallsItsFunction) {
   EXPECT_EQ(fake_study().report.gauge_m, 0.05);
   EXPECT_EQ(fake_study().report.data_sets, std::vector<std::string>{"np"});
   EXPECT_EQ(fake_study().report.compare_runs, (std::vector<std::string>{"a", "b"}));
+  EXPECT_EQ(run_program({"report", "r.h5", "--compare-runs", "a", "b", "c", "--times", "0.1", "0.2"}).code, 0);
+  EXPECT_EQ(fake_study().report.compare_runs, (std::vector<std::string>{"a", "b", "c"}));
+  EXPECT_EQ(fake_study().report.times_s, (std::vector<double>{0.1, 0.2}));
 }
 
 TEST_F(CommandLine, ExportHandsOnWhatIsAskedFor) {

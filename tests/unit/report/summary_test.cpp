@@ -103,7 +103,17 @@ TEST(Summary, SentencesSayWhatTheNumbersSay) {
   const DataSetNames names{false, "measured", "simulated", "the measurement", "the simulation"};
   for (int run = 0; run < 200; ++run) {
     const Drawn d = draw(random);
-    const std::string text = summary(d.content, names, {});
+    DifferenceCurve curve;
+    std::size_t worst = 0;
+    for (int k = 0; k < 6; ++k) {
+      curve.time.push_back(0.25 * k);
+      curve.rms.push_back(d.rms * std::uniform_real_distribution<double>(0.5, 2)(random));
+      if (curve.rms.back() > curve.rms[worst]) worst = std::size_t(k);
+    }
+    const std::string text = summary(d.content, names, curve);
+    const std::string when = after(text, "largest at ");
+    EXPECT_NEAR(number_in(when), curve.time[worst], 1e-9);
+    EXPECT_NEAR(number_in(after(when, " s, ")), curve.rms[worst], 0.006 * curve.rms[worst]);
     SCOPED_TRACE(std::to_string(run) + ": " + text);
     EXPECT_NEAR(number_in(after(text, "differ by ")), d.rms, 0.006 * d.rms);
     const std::size_t strain_at = text.find(" The deviatoric strains"), end = text.find("Not in these");

@@ -106,9 +106,12 @@ TEST_F(Exported, VtkReadsTheRecordsNumbers) {
   for (std::size_t n = 0; (n = std::fread(buffer, 1, sizeof buffer, pipe)) > 0;) text.append(buffer, n);
   EXPECT_EQ(::pclose(pipe), 0) << text;
   std::istringstream in(text);
-  std::size_t points = 0, cells = 0;
-  in >> points >> cells;
-  EXPECT_EQ(points, motion->particles().size() * motion->times().size()) << text;  // this reader shows all times at once
+  std::size_t points = 0, cells = 0, steps = 0;
+  in >> points >> cells >> steps;
+  EXPECT_EQ(points, motion->particles().size() * motion->times().size()) << text;
+  if (steps > 1) {  // VTK before 9.3 shows all times at once
+    EXPECT_EQ(steps, motion->times().size()) << text;
+  }
   EXPECT_EQ(cells, points);
   std::string name;
   int components = 0;
