@@ -147,7 +147,7 @@ std::vector<FrontierStage> np_frontier(const np::NpOptions& base, const Followed
   paths.made_of = "Vectors at nodes " + number(followed.spacing, 3) + " px apart of a vortex that winds up, a shear band and a rotation, known in closed form, with gradients of up to " +
                   number(100 * followed.slope, 2) + " % from frame to frame over " + std::to_string(followed.steps) + " steps and noise of " +
                   number(followed.noise, 2) + " px" + (followed.of_case ? " (as the case's frames show)" : "") +
-                  ". ProbeErrors are of the material's places, 25 an element, for each of which the nearest particle of its element stands.";
+                  ". Errors are of the material's places, 25 an element, for each of which the nearest particle of its element stands.";
   strains.made_of = "The same runs.";
   paths.error_label = "error of the path, rms (px)";
   strains.error_label = "error of log strain, rms";
