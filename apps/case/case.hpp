@@ -57,6 +57,26 @@ struct RegionOptions {
   }
 };
 
+/// What the simulation of a region starts with, [initial.REGION].
+struct InitialOptions {
+  Pair velocity_m_s = {0.0, 0.0};
+  double spin_rad_s = 0;
+  std::vector<double> stress_pa;
+  std::vector<double> stress_gradient_pa_m;
+  double stress_level_m = 0;
+  std::string stress_file;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit("velocity_m_s", self.velocity_m_s, OptionInfo{.unit = "m/s", .text = "velocity (x, y) at time 0"});
+    visit("spin_rad_s", self.spin_rad_s, OptionInfo{.unit = "rad/s", .text = "angular velocity at time 0 about the region's centre of mass, counter-clockwise"});
+    visit("stress_pa", self.stress_pa, OptionInfo{.unit = "Pa", .text = "stress xx, yy, zz, xy at stress_level_m, tension positive; effective stress where there is water. With mpm.initial_equilibrium the state from which the equilibrium is sought, else that at time 0"});
+    visit("stress_gradient_pa_m", self.stress_gradient_pa_m, OptionInfo{.unit = "Pa/m", .text = "its change a metre upwards, xx, yy, zz, xy (left out: uniform)"});
+    visit("stress_level_m", self.stress_level_m, OptionInfo{.unit = "m", .text = "height y of stress_pa"});
+    visit("stress_file", self.stress_file, OptionInfo{.text = "in place of stress_pa: a CSV file with the columns x_m, y_m, stress_xx_pa, stress_yy_pa, stress_zz_pa and stress_xy_pa, in any order of rows; linear between"});
+  }
+};
+
 struct OutputOptions {
   std::vector<std::string> fields_stored;
 
@@ -151,6 +171,7 @@ struct Case {
   std::optional<piv::PivOptions> piv;         // [piv]; present by default when there are frames to measure
   std::optional<np::NpOptions> np;            // [np]; present by default when there are frames or vectors
   Named<mpm::MaterialOptions> materials;      // [material.NAME]
+  Named<InitialOptions> initial;              // [initial.REGION]
   std::optional<mpm::MpmOptions> mpm;         // [mpm]
   Named<mpm::BoundaryOptions> boundaries;     // [boundary.NAME]
   Named<mpm::RigidOptions> bodies;            // [body.NAME]

@@ -27,6 +27,7 @@ class Checker {
     materials();
     simulation();
     water();
+    initial();
     contacts();
     synthetic();
     verification();
@@ -291,6 +292,25 @@ class Checker {
       any |= m.porosity.has_value();
     }
     return any;
+  }
+
+  void initial() const {
+    std::vector<std::string> known;
+    for (const auto& item : c_.regions) known.push_back(item.first);
+    for (const auto& [name, o] : c_.initial) {
+      const std::string path = "initial." + name;
+      if (std::find(known.begin(), known.end(), name) == known.end())
+        refuse_section(path, "there is no [region." + name + "]" + did_you_mean(name, known));
+      for (const auto& [key, list] : {std::pair{".stress_pa", &o.stress_pa}, {".stress_gradient_pa_m", &o.stress_gradient_pa_m}})
+        if (!list->empty() && list->size() != 4)
+          refuse(path + key, "found " + std::to_string(list->size()) + " numbers, expected 4: xx yy zz xy");
+      if (!o.stress_file.empty() && !o.stress_pa.empty())
+        refuse(path + ".stress_file", "given together with stress_pa, expected one of them");
+      if (o.stress_pa.empty() && (!o.stress_gradient_pa_m.empty() || source_.given(path + ".stress_level_m")))
+        refuse(path + (o.stress_gradient_pa_m.empty() ? ".stress_level_m" : ".stress_gradient_pa_m"), "given without stress_pa, expected both or neither");
+      const bool stressed = !o.stress_pa.empty() || !o.stress_file.empty();
+      if (stressed && c_.mpm && c_.mpm->k0) refuse("mpm.k0", "given together with a stress of [" + path + "], expected one of them");
+    }
   }
 
   // How bodies pair is the solver's to say; what they are made of is known here.

@@ -26,6 +26,7 @@ void for_each_section(C& c, Visitor&& visit) {
   visit.optional("np", c.np, "Numerical particles. There by default when there are frames or [vectors].");
   visit.named("material", c.materials, "What the regions are made of, for the simulation.");
   visit.optional("mpm", c.mpm, "The simulation; left out, the case only measures.");
+  visit.named("initial", c.initial, "What the simulation of a region starts with; one section a region, of the region's name. Left out: at rest, with the stress of mpm.initial_equilibrium or mpm.k0.");
   visit.named("boundary", c.boundaries, "Restraints on the simulation's nodes; each with a line or a polygon.");
   visit.named("body", c.bodies, "Rigid bodies with prescribed motion; each a circle or a polygon.");
   visit.named("contact", c.contacts, "Contact between bodies of the simulated material, which may slide with friction and separate. Without any they stick together. Example: datasets/sand_slope_1g/glass.toml.");

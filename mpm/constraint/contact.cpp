@@ -99,7 +99,7 @@ Contacts::Contacts(const std::vector<std::pair<std::string, ContactOptions>>& co
       if (laws.empty())
         throw InputError(stated.front().key + ": no law states the contact of '" + labels[*first.begin()] + "' and '" +
                          labels[*second.begin()] + "', expected a [contact.NAME] for them");
-      laws_.push_back({{a, b}, laws[0]->friction});
+      laws_.push_back({{a, b}, laws[0]->friction, std::size_t(laws[0] - stated.data()), laws[0]->one == first ? 0 : 1});
     }
 }
 
@@ -201,6 +201,7 @@ void Contacts::find(const Particles& p, const GridState& g, const std::vector<do
         m.node[0] = *n;
         m.node[1] = std::uint32_t(*n + apart);
         m.friction = law.friction;
+        m.law = int(&law - laws_.data());
         found.push_back(m);
       }
     for_each(found.size(), threads, [&](std::size_t k) {
@@ -238,7 +239,7 @@ void Contacts::find(const Particles& p, const GridState& g, const std::vector<do
   }
 }
 
-void Contacts::apply(GridState& g, const Restraints& restraints, std::vector<Reaction>& reactions) {
+void Contacts::apply(GridState& g, const Restraints& restraints, std::vector<Reaction>& reactions, std::span<Impulse> of_contacts) {
   for (ContactNode& m : nodes_) {
     m.normal_impulse = m.tangential_impulse = m.closing = 0;
     m.sticks = false;
@@ -260,6 +261,8 @@ void Contacts::apply(GridState& g, const Restraints& restraints, std::vector<Rea
       if (taken.x() != 0 || taken.y() != 0)
         reactions.push_back({m.node[side], taken.x(), taken.y(), node.nx, node.ny});
     }
+    if (const Law& law = laws_[std::size_t(m.law)]; !of_contacts.empty())
+      of_contacts[law.option].add(law.side == 0 ? Vec2(-impulse) : impulse, g.position(m.node[law.side]));
     m.closing = m.normal.dot(Vec2(g.node[m.node[0]].nx - g.node[m.node[1]].nx, g.node[m.node[0]].ny - g.node[m.node[1]].ny));
   }
 }

@@ -16,10 +16,12 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "mpm/constraint/reaction.hpp"
 #include "mpm/constraint/restraints.hpp"
 #include "mpm/grid/grid_state.hpp"
 #include "mpm/constraint/options.hpp"
@@ -40,8 +42,9 @@ class Contacts {
   /// The nodes at which bodies may touch, from Node::mass and the points' places; before a step of `dt`. `density`: of
   /// each label now, kg/m^3. With dt = 0 (initial equilibrium, where points stay) bodies up to a quarter of a cell apart touch.
   void find(const Particles& p, const GridState& g, const std::vector<double>& density, double dt, int threads);
-  /// Corrects Node::nx, ny after the restraints; the impulses are appended to `reactions`.
-  void apply(GridState& g, const Restraints& restraints, std::vector<Reaction>& reactions);
+  /// Corrects Node::nx, ny after the restraints; the impulses are appended to `reactions`, and those on the material that
+  /// [contact.NAME] lists in `regions` added to its place in `of_contacts` (empty: not wanted).
+  void apply(GridState& g, const Restraints& restraints, std::vector<Reaction>& reactions, std::span<Impulse> of_contacts = {});
   /// Corrects the strain-rate velocity where apply() found a normal impulse: the same relative motion
   /// along the normal, and none along the face where they stick.
   void apply_to_strain_velocity(GridState& g) const;
@@ -54,6 +57,7 @@ class Contacts {
     double friction = 0;             // Coulomb coefficient; infinite: rough
     double closing = 0;              // relative velocity along the normal that is left
     bool sticks = false;
+    int law = 0;
     Mat2 mobility[2] = {Mat2::Identity(), Mat2::Identity()};  // velocity for a unit impulse
   };
   const std::vector<ContactNode>& nodes() const { return nodes_; }
@@ -62,6 +66,8 @@ class Contacts {
   struct Law {
     int field[2];
     double friction;
+    std::size_t option;  // its place among the case's
+    int side;            // which of the two bodies its `regions` are
   };
   void enforce(ContactNode& m, GridState& g) const;
 

@@ -332,8 +332,9 @@ void SmoothMohrCoulomb::integrate(Point& p, Here here, const Tensor& de, double&
       failed = true;
       continue;
     }
-    add_work(p.stress, end.stress, size);
-    here = correct(end, Here(*this, end));  // at constant strain: no work
+    if (!enough) add_work(p.stress, end.stress, size);
+    here = correct(end, Here(*this, end));           // at constant strain: no work
+    if (enough) add_work(p.stress, end.stress, size);  // how far that one left the surface is no stress that the point had
     p = end;
     done = 1 - done - size < 1e-12 ? 1 : done + size;
     double grow = error > 0 ? std::min(4.0, 0.9 * std::sqrt(stress_tolerance / error)) : 4.0;

@@ -29,7 +29,9 @@ struct Scene {
   std::optional<WaterOptions> water;           // in the pores of materials that have a porosity
   std::optional<HeatOptions> heat;             // temperature
   std::vector<Vec2> v0;                        // velocity at time 0, one a particle; empty: at rest
-  std::vector<std::array<double, 4>> stress0;  // Cauchy stress at time 0, xx yy zz xy; empty: none
+  // Cauchy stress at time 0 (effective, with water), xx yy zz xy; empty: none; NaN: none of this particle. Where the initial
+  // equilibrium is sought, the first guess.
+  std::vector<std::array<double, 4>> stress0;
   std::vector<double> temperature0;            // at time 0, one a particle; empty: HeatOptions::initial_c
   /// Acceleration of a particle (index in `particles`) at a time, beside gravity; empty: none. For manufactured
   /// solutions; not part of a checkpoint.

@@ -23,6 +23,9 @@ Scheme scheme_of(const MpmOptions& options) {
                        "' with three-node shapes, expected none or fbar (or shape = \"bilinear\")");
     scheme.locking = Locking::fbar;  // the scheme's own cure does not go with the shape asked for
   }
+  if (scheme.transfer == TransferKind::xpic && scheme.stress != StressUpdate::usl)
+    throw InputError("mpm.stress_update: found '" + std::string(name_of(scheme.stress)) + "' with transfer = \"xpic\", which brings turning "
+                     "bodies to rest, expected usl");
   scheme.xpic_order = options.xpic_order;
   if (options.damping) scheme.damping = *options.damping;
   if (options.pic_per_s) {

@@ -55,7 +55,7 @@ SolverState initial_state(const Scene& scene, const Scheme& scheme, const GridSt
       p.vy[k] = scene.v0[from].y();
       state.fastest = std::max(state.fastest, scene.v0[from].norm());
     }
-    if (!scene.stress0.empty()) {
+    if (!scene.stress0.empty() && !std::isnan(scene.stress0[from][0])) {
       if (materials[std::size_t(label)]->from_deformation())
         throw InputError("mpm: " + materials[std::size_t(label)]->name() +
                          " takes no stress at the start, expected another model or none");

@@ -257,6 +257,14 @@ int relax_to_equilibrium(const EquilibriumOptions& options, const StaticSystem& 
   locate_all(p, g);
   if (std::abs(options.gravity.x()) <= 1e-3 * std::abs(options.gravity.y()))
     stress_from_columns(p, system.materials, g, options.gravity.y(), options.k0, system.water);
+  for (std::size_t k = 0; k < p.size() && !options.given.empty(); ++k) {
+    const auto& [xx, yy, zz, xy] = options.given[p.index[k]];
+    if (std::isnan(xx)) continue;
+    p.tau_xx[k] = xx;
+    p.tau_yy[k] = yy;
+    p.tau_zz[k] = zz;
+    p.tau_xy[k] = xy;
+  }
   p.resize_increments(p.size());
   update_stress(system.materials, p, options.threads);  // brings the first guess inside the yield surface
   if (system.water) system.water->refresh(p, options.gravity, options.threads);

@@ -1,9 +1,11 @@
 // The quasi-static start: stresses that carry the weight, before time 0.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "mpm/constraint/contact.hpp"
@@ -23,6 +25,7 @@ struct EquilibriumOptions {
   double tolerance;  // sum |unbalanced| / sum |weight|, and kinetic over elastic energy
   int threads;
   std::optional<double> k0 = {};  // horizontal over vertical stress of the first guess; nu/(1 - nu) without
+  std::span<const std::array<double, 4>> given = {};  // Scene::stress0: the first guess where it is a number
 };
 
 /// What is brought to rest; its parts change.
@@ -43,7 +46,8 @@ struct StaticSystem {
 /// not move, so their shape functions, the nodal masses and the equilibrium found are those of x0. Nodal masses are
 /// fictitious, from Gershgorin's bound of the stiffness, so that the pseudo-step 1 is stable in every cell. The force
 /// and strain transfers and the laws are those of the run: nothing is out of balance when the run starts, but for the
-/// tolerance. Starts from K0 stresses (stress_from_columns()) where gravity is vertical. Returns the number of
+/// tolerance. Starts from the stresses given, elsewhere from K0
+/// stresses (stress_from_columns()) where gravity is vertical. Returns the number of
 /// iterations; throws InputError at once where material may move along gravity because nothing holds it
 /// (require_held()), RunError if `tolerance` is not met in a bounded number, or a pseudo-step strains a point by more
 /// than half.

@@ -58,10 +58,11 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
   fill_pores();
   start_heat();
   take_wave_speed(1);
+  if (o.k0 && !scene.stress0.empty()) throw InputError("mpm.k0: given together with a stress at the start, expected one of them");
   if (o.k0 && !o.initial_equilibrium) start_at_rest(gravity);
   change_strength(0);
   state.body_motion = bodies.motion();
-  state.impulses.assign(restraints.walls().size() + scene.boundaries.size() + bodies.size(), {});
+  state.impulses.assign(restraints.walls().size() + scene.boundaries.size() + bodies.size() + scene.contacts.size(), {});
   restart_balance();
 }
 
@@ -92,7 +93,7 @@ void Solver::find_initial_equilibrium(Progress& progress) {
   if (scheme.shape != ShapeKind::bilinear) scheme.locking = Locking::none;
   relax_to_equilibrium(
       {s.loading.gravity(0), s.options.equilibrium_damping, s.options.equilibrium_tolerance, s.most_threads,
-       s.options.k0},
+       s.options.k0, s.scene.stress0},
       {scheme, s.materials, s.density, s.restraints, s.contacts, s.bodies, s.p, s.g, s.scene.particles,
        s.water.get()}, progress);
   s.p.resize_increments(0);
@@ -161,6 +162,7 @@ std::vector<std::string> Solver::reaction_names() const {
   for (const auto& [name, boundary] : impl_->scene.boundaries)
     if (boundary.type != BoundaryType::tied) names.push_back("boundary." + name);
   for (const auto& [name, body] : impl_->scene.bodies) names.push_back("body." + name);
+  for (const auto& [name, contact] : impl_->scene.contacts) names.push_back("contact." + name);
   return names;
 }
 
@@ -181,6 +183,7 @@ ReactionRow Solver::reactions() const {
   }
   for (std::size_t b = 0; b < s.bodies.size(); ++b)
     add(s.impulses_of_bodies()[b], s.bodies.displacement(b, s.state.time), s.bodies.turn(b));
+  for (const Impulse& impulse : s.impulses_of_contacts()) add(impulse, Vec2::Zero(), 0);
   return row;
 }
 Solver::Slept Solver::slept() const {

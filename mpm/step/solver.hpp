@@ -60,8 +60,8 @@ class Solver {
   EnergyRow energy() const;
   /// Impulse on the material by a body since time 0, N s/m; index in Scene::bodies.
   Vec2 body_impulse(std::size_t body) const;
-  /// What boundaries (but tied ones) and bodies have done, and the names of those, "boundary.NAME" and "body.NAME". Tractions count
-  /// as given; walls as they act on what is awake.
+  /// What boundaries (but tied ones), bodies and contacts have done, and the names of those, "boundary.NAME", "body.NAME" and
+  /// "contact.NAME". Tractions count as given; walls as they act on what is awake; contacts on the regions that they list.
   std::vector<std::string> reaction_names() const;
   ReactionRow reactions() const;
   /// Of a body's centre since time 0, m; its mass now, kg/m (0: its motion is prescribed).

@@ -65,7 +65,7 @@ struct Solver::Impl {
   void end_step(const Cycle& c);
   bool maps_and_advances() const;
   void take_mapped_velocity(const Cycle& c);
-  void apply_restraints(const Cycle& c, std::span<Impulse> of_walls);
+  void apply_restraints(const Cycle& c, bool counted);
   void restrain_strain_velocity();
   void strain(const Cycle& c, GatherSums* moved = nullptr);
 
@@ -77,12 +77,17 @@ struct Solver::Impl {
   void remove_due();
   void end_bad_states();
   void start_at_rest(const Vec2& gravity);
-  // SolverState::impulses: of the walls, of every boundary as far as it is a traction, of the bodies.
+  // SolverState::impulses: of the walls, of every boundary as far as it is a traction, of the bodies, of every [contact.NAME].
   std::span<Impulse> impulses_of_walls() { return {state.impulses.data(), restraints.walls().size()}; }
   std::span<Impulse> impulses_of_tractions() {
     return {state.impulses.data() + restraints.walls().size(), scene.boundaries.size()};
   }
-  std::span<Impulse> impulses_of_bodies() { return {state.impulses.data() + state.impulses.size() - bodies.size(), bodies.size()}; }
+  std::span<Impulse> impulses_of_bodies() {
+    return {state.impulses.data() + restraints.walls().size() + scene.boundaries.size(), bodies.size()};
+  }
+  std::span<Impulse> impulses_of_contacts() {
+    return {state.impulses.data() + state.impulses.size() - scene.contacts.size(), scene.contacts.size()};
+  }
   bool pushes() const { return scene.body_force || loading.tractions().any(); }
   bool work_in_steps() const { return !water && (loading.gravity_changes() || loading.any_density()); }
   Vec2 moment_of_mass() const;

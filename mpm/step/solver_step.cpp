@@ -114,7 +114,7 @@ void Solver::Impl::take_mapped_velocity(const Cycle& c) {
     node.nx = node.vx;
     node.ny = node.vy;
   });
-  apply_restraints(c, {});  // (what walls do to the momentum is counted below)
+  apply_restraints(c, false);  // (what walls do to the momentum is counted below)
   for_nodes(g, c.threads, [this](Node& node, std::uint32_t n) {
     const GridState::StrainVelocity u = g.strain_velocity(n);
     u.x = node.nx;
@@ -133,15 +133,15 @@ void Solver::Impl::advance_nodes(const Cycle& c) {
 }
 
 void Solver::Impl::restrain_nodes(const Cycle& c) {
-  apply_restraints(c, impulses_of_walls());
+  apply_restraints(c, true);
   bodies.advance(c.dt);
   if (scheme.stress == StressUpdate::usl) restrain_strain_velocity();
 }
 
-void Solver::Impl::apply_restraints(const Cycle& c, std::span<Impulse> of_walls) {
+void Solver::Impl::apply_restraints(const Cycle& c, bool counted) {
   reactions.clear();
-  restraints.apply(state.time, c.dt, g, reactions, of_walls);
-  contacts.apply(g, restraints, reactions);
+  restraints.apply(state.time, c.dt, g, reactions, counted ? impulses_of_walls() : std::span<Impulse>());
+  contacts.apply(g, restraints, reactions, counted ? impulses_of_contacts() : std::span<Impulse>());
   bodies.accelerate(state.time, c.dt, c.gravity);
   bodies.apply(state.time, c.dt, touched_share * least_density() * g.grid.spacing.prod(), small_mass.pairs, p, g, reactions);
   if (sleep.any()) sleep.hold(push_per_mass(c.dt), g);

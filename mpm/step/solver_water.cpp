@@ -144,6 +144,9 @@ void Solver::Impl::flow_water(const Cycle& c) {
   state.balance.darcy += flow.darcy;
   state.balance.damping += flow.yielded + flow.collapsed;
   state.balance.moved += std::abs(flow.yielded);
+  // (Projected, water is counted beside its pressure, and nothing else would hold it to what there is.)
+  if (water->projected() && water->overdrawn(p))
+    fail("a particle has lost more water than it held, expected less deformation or mpm.pressure = \"explicit\"");
 }
 
 void Solver::Impl::put_water(MotionFrame& frame) {
@@ -182,16 +185,16 @@ void Solver::Impl::take_wave_speed(int threads) {
     state.wave_speed = wave_speed(materials, density, p, threads);
     return;
   }
-  if (water->projected()) {
-    state.wave_speed = wave_speed(materials, density, p, threads) / projected_step_share();
-    return;
-  }
   const PoreWater::Rates rates = water->rates(p);
   if (rates.least_pores < closed_pores) {
     std::ostringstream text;
     text << "the pores of a particle have closed: " << rates.least_pores << " of them is left, expected more than " << closed_pores
          << " (grains do not give way, and steps would become ever shorter)";
     fail(text.str());
+  }
+  if (water->projected()) {
+    state.wave_speed = wave_speed(materials, density, p, threads) / projected_step_share();
+    return;
   }
   state.wave_speed = wave_speed(materials, density, p, threads, rates.stiffness);
   state.diffusivity = rates.diffusivity;

@@ -29,8 +29,8 @@ double PoreWater::fringe(const Particles& p, std::size_t k, const Vec2& gravity)
 
 double PoreWater::filled(const Particles& p, std::size_t k) const { return p.content[k] / pores_of(p, k, soil_of(p, k)); }
 
-double PoreWater::potential_in_pores(const Particles& p, std::size_t k, const Vec2& gravity) const {
-  const double beyond = filled(p, k) - 1;
+double PoreWater::potential_in_pores(const Particles& p, std::size_t k, double filled, const Vec2& gravity) const {
+  const double beyond = filled - 1;
   return (beyond < 0 ? fringe(p, k, gravity) : options_.bulk_modulus_pa) * beyond - head({p.x[k], p.y[k]}, gravity);
 }
 
@@ -58,26 +58,24 @@ PoreWater::FrontPoint PoreWater::front_point(const Particles& p, const GridState
   const InElement in = element_of(p, g, k);
   const std::size_t row = std::size_t(g.grid.nx);
   const double s = std::clamp(in.s, off_edge, 1 - off_edge), t = std::clamp(in.t, off_edge, 1 - off_edge);
-  const double height = fringe(p, k, gravity);
+  // As they were before the last strain: what of it no node sees must not drive water, which would push against nothing.
+  const double height = fringe(p, k, gravity), filled = p.content[k] / std::max(least_pores, p.J_flow[k] - (1 - soil_of(p, k).porosity));
   return {{in.node, in.node + 1, in.node + row, in.node + row + 1},
           {(1 - s) * (1 - t), s * (1 - t), (1 - s) * t, s * t}, s, t,
-          p.volume0[k] * p.J[k], std::clamp(filled(p, k), 0.0, 1.0), potential_in_pores(p, k, gravity),
+          p.volume0[k] * p.J[k], std::clamp(filled, 0.0, 1.0), potential_in_pores(p, k, filled, gravity),
           -height - head({p.x[k], p.y[k]}, gravity), height, mobility_of(p, k), 1 - p.J_flow[k] / p.J[k]};
 }
 
-// What a point's potential lacks to the field of the nodes around, and how freely it may take or give.
-double PoreWater::lack_in_front(const FrontPoint& at, double& may) const {
+// What a point's potential lacks to the field of the nodes around. (It is brought there by the share of it that is wet: by more, the few
+// wet points beside dry ones would be drawn on faster than steps allow. What is dry fills by flow.)
+double PoreWater::lack_in_front(const FrontPoint& at) const {
   double spanned = 0, weight = 0;
   for (int c = 0; c < 4; ++c)
     if (front_[at.at[c]].known()) {
       spanned += at.w[c] * front_[at.at[c]].potential;
       weight += at.w[c];
     }
-  may = 0;
-  if (!(weight > 0)) return 0;
-  const double lack = spanned / weight - at.potential;
-  may = lack > 0 ? at.reached(spanned / weight) : at.share;
-  return lack;
+  return weight > 0 ? spanned / weight - at.potential : 0;
 }
 
 PoreFlow PoreWater::flow_with_front(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, double dt,
@@ -196,8 +194,8 @@ void PoreWater::add_front(const Particles& p, GridState& g, const Vec2& gravity,
       const double qx = q.x() * g.per_hx, qy = q.y() * g.per_hy;
       const double inflow[4] = {-qx * (1 - at.t) - qy * (1 - at.s), qx * (1 - at.t) - qy * at.s, -qx * at.t + qy * (1 - at.s),
                                 qx * at.t + qy * at.s};
-      double may = 0, strained = 0, known = 0;
-      const double lack = lack_in_front(at, may);
+      double strained = 0, known = 0;
+      const double lack = lack_in_front(at);
       for (int c = 0; c < 4; ++c) {
         strained += at.w[c] * front_[at.at[c]].strained;
         if (front_[at.at[c]].known()) known += at.w[c];
@@ -207,7 +205,7 @@ void PoreWater::add_front(const Particles& p, GridState& g, const Vec2& gravity,
         node.inflow += inflow[c];
         node.unseen += at.w[c] * at.volume * at.share * (at.strain - strained);
         node.room += at.w[c] * at.volume * (node.known() ? at.reached(node.potential) : at.share);
-        if (node.known()) node.restore += at.w[c] / known * at.volume * at.mobility * may * lack;
+        if (node.known()) node.restore += at.w[c] / known * at.volume * at.mobility * at.share * lack;
       }
     });
   });
@@ -262,9 +260,7 @@ PoreFlow PoreWater::change_behind_front(Particles& p, GridState& g, const Vec2& 
     for_points_of(g, range, [&](std::uint32_t k) {
       if (flows(p, k)) {
         const FrontPoint at = front_point(p, g, k, gravity);
-        double may = 0, fed = 0;
-        const double lack = lack_in_front(at, may);
-        double flowed = rate_dt * at.mobility * may * lack;
+        double fed = 0, flowed = rate_dt * at.mobility * at.share * lack_in_front(at);
         for (int c = 0; c < 4; ++c) {
           const PoreFrontNode& node = front_[at.at[c]];
           fed += at.w[c] * (node.strained + node.unseen);
@@ -272,9 +268,9 @@ PoreFlow PoreWater::change_behind_front(Particles& p, GridState& g, const Vec2& 
           flowed += at.w[c] * reach * node.change;
         }
         p.content[k] += p.J[k] * at.share * (at.strain - fed);
-        const double before = potential_in_pores(p, k, gravity), more = p.J[k] * flowed;
+        const double before = potential_in_pores(p, k, filled(p, k), gravity), more = p.J[k] * flowed;
         p.content[k] += more;
-        sum.darcy -= p.volume0[k] * more * 0.5 * (before + potential_in_pores(p, k, gravity));
+        sum.darcy -= p.volume0[k] * more * 0.5 * (before + potential_in_pores(p, k, filled(p, k), gravity));
         if (!p.wetted.empty()) sum.collapsed += collapse(p, k, soil_of(p, k));
       }
       refresh_point(p, k, soil_of(p, k), gravity);

@@ -216,6 +216,12 @@ PoreWater::Rates PoreWater::rates(const Particles& p) const {
   return rates;
 }
 
+bool PoreWater::overdrawn(const Particles& p) const {
+  for (std::size_t k = 0; k < p.size(); ++k)
+    if (p.content[k] < 0 && p.cell[k] != Particles::ended) return true;
+  return false;
+}
+
 bool PoreWater::partly_dry(const Particles& p, std::size_t material) const {
   for (const Particles::Body& body : p.bodies)
     if (std::size_t(body.material) == material && soils_[material].has_pores())

@@ -128,6 +128,8 @@ class PoreWater {
   Rates rates(const Particles& p) const;
   /// Pores are not all full, or a level moves.
   bool surface_may_move(const Particles& p) const;
+  /// A point has lost more water than it held.
+  bool overdrawn(const Particles& p) const;
   /// The material holds points above the level, which are dry.
   bool partly_dry(const Particles& p, std::size_t material) const;
   const PoreSoil& soil(std::size_t material) const { return soils_[material]; }
@@ -253,10 +255,10 @@ class PoreWater {
   bool sees_air(const Vec2& gravity) const { return !projected() && gravity.y() < 0 && (has_surface() || boundaries_.any_level()); }
   double fringe(const Particles& p, std::size_t k, const Vec2& gravity) const;
   double filled(const Particles& p, std::size_t k) const;
-  double potential_in_pores(const Particles& p, std::size_t k, const Vec2& gravity) const;
+  double potential_in_pores(const Particles& p, std::size_t k, double filled, const Vec2& gravity) const;
   bool has_front(const Particles& p, const Vec2& gravity, int threads) const;
   FrontPoint front_point(const Particles& p, const GridState& g, std::size_t k, const Vec2& gravity) const;
-  double lack_in_front(const FrontPoint& at, double& may) const;
+  double lack_in_front(const FrontPoint& at) const;
   Vec2 darcy_in_front(const FrontPoint& at, const GridState& g) const;
   std::vector<Vec2> flow_in_front(const Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, int threads);
   PoreFlow flow_with_front(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, double dt, int threads);

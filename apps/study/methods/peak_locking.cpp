@@ -1,8 +1,10 @@
 #include "apps/study/methods/peak_locking.hpp"
 
 #include <Eigen/LU>
+#include <cmath>
 
 #include "pivnp/core/text.hpp"
+#include "pivnp/piv/validation/block_edges.hpp"
 #include "pivnp/piv/validation/peak_locking.hpp"
 
 namespace pivnp::app {
@@ -28,10 +30,16 @@ std::vector<std::array<float, 2>> pixel_displacements(const VectorField& field, 
 
 std::vector<std::string> texture_remarks(const Setting& setting, const Image& frame) {
   const double diameter = piv::blob_diameter(frame.view(), setting.mask.view());
-  if (!(diameter < piv::least_blob_px)) return {};
-  return {"The texture is too fine for the pixels: its blobs are about " + number(diameter, 2) +
-          " px wide, and below " + number(piv::least_blob_px, 2) +
-          " px displacements are drawn towards whole pixels by hundredths of a pixel (peak locking)."};
+  std::vector<std::string> remarks;
+  if (diameter < piv::least_blob_px)
+    remarks.push_back("The texture is too fine for the pixels: its blobs are about " + number(diameter, 2) +
+                      " px wide, and below " + number(piv::least_blob_px, 2) +
+                      " px displacements are drawn towards whole pixels by hundredths of a pixel (peak locking).");
+  const double blocks = piv::block_edge_ratio(frame.view(), setting.mask.view());
+  if (blocks > piv::most_block_edges)
+    remarks.push_back("The blocks of a strong compression show in the frames: grey values step " + (std::isfinite(blocks) ? number(blocks, 2) + " times as far" : std::string("only")) +
+                      " across their edges, where 1 is usual. Blocks stand still, and vectors follow them where little texture is left (JPEG below quality 20, or as little of a video).");
+  return remarks;
 }
 
 std::vector<std::string> fraction_remarks(const Setting& setting, std::size_t pairs,

@@ -1,4 +1,4 @@
-// What frames and vectors say about peak locking, as remarks.
+// What frames and vectors say about peak locking and compression, as remarks.
 #pragma once
 
 #include <functional>
@@ -11,7 +11,7 @@
 
 namespace pivnp::app {
 
-/// One sentence if the texture of a frame is too fine for its pixels; else none.
+/// A sentence if the texture of a frame is too fine for its pixels, and one if the blocks of its compression show.
 std::vector<std::string> texture_remarks(const Setting& setting, const Image& frame);
 
 /// One sentence if displacements are drawn towards whole pixels, judged on at most 16 of the `pairs` that `pair` reads

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string_view>
 
+#include "apps/study/methods/doubts.hpp"
 #include "apps/study/pipeline/simulation_scene.hpp"
 #include "pivnp/core/text.hpp"
 
@@ -87,17 +88,11 @@ std::optional<Simulated> advance(const Case& c, const Setting& setting, const st
 
 }  // namespace
 
-std::vector<std::string> doubts(const mpm::MpmOptions& options) {
-  if (options.per_element >= 4) return {};
-  return {"With " + std::to_string(options.per_element) + " material point" + (options.per_element == 1 ? "" : "s") +
-          " per element gaps open where material stretches: a column that collapses is wrong by more than a fifth (mpm.per_element; 4 is the least for large strain)."};
-}
-
 std::vector<std::string> simulate(const Case& c, const Setting& setting, const std::vector<double>& times,
                                   io::RecordWriter& writer, int threads, Progress& progress) {
   const std::optional<Simulated> run = advance(c, setting, "mpm", times, writer, threads, progress, "simulation");
   if (!run) return {};
-  std::vector<std::string> notes = doubts(*c.mpm);
+  std::vector<std::string> notes = doubts(c, setting);
   if (!run->pressure_choice.empty()) notes.push_back(run->pressure_choice);
   if (run->beyond.hot > 0)
     notes.push_back("Up to " + std::to_string(run->beyond.hot) + " particles are hotter than 100 C in one of the states: water would boil, so their temperatures and pressures are not reliable (heat_limit).");

@@ -10,9 +10,6 @@
 
 namespace pivnp::app {
 
-/// What a simulation with these options is known to get wrong, a sentence each (pivnp stress maps it).
-std::vector<std::string> doubts(const mpm::MpmOptions& options);
-
 /// The simulation at `times` (the first is 0): motion "mpm", and its energy. Returns remarks: its doubts, and what sleeping left out.
 std::vector<std::string> simulate(const Case& c, const Setting& setting, const std::vector<double>& times,
                                   io::RecordWriter& writer, int threads, Progress& progress);

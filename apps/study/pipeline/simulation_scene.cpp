@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "apps/case/values.hpp"
+#include "apps/study/pipeline/initial_state.hpp"
 #include "apps/study/pipeline/sizes.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/region.hpp"
@@ -74,6 +75,7 @@ mpm::Scene make_scene(const Case& c, const Setting& setting, const mpm::MpmOptio
     for (std::size_t p = 0; p < keep.size(); ++p)
       if (inside_body(body, scene.particles.x0[p], of_file(c) + ": body." + name)) keep[p] = false;
   keep_only(scene.particles, keep);
+  put_initial_state(c, scene);
   return scene;
 }
 

@@ -2,12 +2,19 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "pivnp/core/math.hpp"
+#include "pivnp/core/progress.hpp"
 
 namespace pivnp::app {
+
+/// Errors that count as right (less) and as wrong (more), in the unit of the error.
+struct Bounds {
+  double right, wrong;
+};
 
 /// What became of the results of one combination; counts.
 struct Survival {
@@ -20,6 +27,15 @@ struct Survival {
   double wrong_flagged = 0, right_flagged = 0;
 
   double all() const { return good + fair + flagged + wrong; }
+  /// One result that is off by `error` (not a number: wrong).
+  void count(double error, const Bounds& bounds, bool trusted) {
+    const bool is_right = error < bounds.right, is_wrong = !(error <= bounds.wrong);
+    (!trusted ? flagged : is_right ? good : is_wrong ? wrong : fair) += 1;
+    if (is_wrong) wrong_values += 1, wrong_flagged += !trusted;
+    if (is_right) right_values += 1, right_flagged += !trusted;
+  }
+  /// One that claims no value.
+  void count_none() { flagged += 1; }
   void add(const Survival& other) {
     good += other.good, fair += other.fair, flagged += other.flagged, wrong += other.wrong;
     wrong_values += other.wrong_values, right_values += other.right_values;
@@ -34,19 +50,19 @@ struct MapAxis {
   std::size_t size() const { return names.empty() ? levels.size() : names.size(); }
 };
 
-/// What theory expects to hold on one side of: y at x, both in the axes' units.
-struct TheoryLine {
+/// What holds on one side of: y at x, both in the axes' units.
+struct LimitLine {
   std::string name;
   std::vector<Vec2> points;
 };
 
 struct SurvivalMap {
-  std::string name;   // of its files
+  std::string name;   // of its files; begins with the stage: piv_, np_, mpm_, compare_
   std::string title;
   std::string made_of;  // one sentence, with what counts as right and as wrong
   MapAxis x, y;
   std::vector<Survival> cells;  // row after row, [y][x]
-  std::vector<TheoryLine> theory;
+  std::vector<LimitLine> theory;
 
   Survival& at(std::size_t i, std::size_t j) { return cells[j * x.size() + i]; }
   const Survival& at(std::size_t i, std::size_t j) const { return cells[j * x.size() + i]; }
@@ -55,6 +71,15 @@ struct SurvivalMap {
     for (const Survival& s : cells) sum.add(s);
     return sum;
   }
+};
+
+/// A map that is to be made. A combination rests on nothing but its own indices, so that combinations can be made in any order, several
+/// at a time, and some of them in an earlier run.
+struct MapPlan {
+  SurvivalMap map;       // without cells
+  std::string settings;  // in words, what its results rest on beside the levels
+  /// Works on one thread; throws Interrupted where the progress asks it to stop.
+  std::function<Survival(std::size_t i, std::size_t j, Progress& progress)> result;
 };
 
 }  // namespace pivnp::app

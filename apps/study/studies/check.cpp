@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "apps/report/figures/check_figure.hpp"
+#include "apps/study/methods/doubts.hpp"
 #include "apps/study/methods/peak_locking.hpp"
-#include "apps/study/methods/simulation.hpp"
 #include "apps/study/methods/strain_floor.hpp"
 #include "apps/study/pipeline/imported_vectors.hpp"
 #include "apps/study/pipeline/measure.hpp"
@@ -157,7 +157,7 @@ CheckOutcome checked(const Case& given, const RunSettings& settings, Progress& p
   if (setting.width > 0) outcome.remarks.insert(outcome.remarks.begin(), view_of(setting));
   if (seconds > 0) outcome.remarks.push_back(duration_words(seconds));
   if (c.mpm)
-    for (std::string& doubt : doubts(*c.mpm)) outcome.remarks.push_back(std::move(doubt));
+    for (std::string& doubt : doubts(c, setting)) outcome.remarks.push_back(std::move(doubt));
   if (!measures) return outcome;
 
   report::CheckInput input;

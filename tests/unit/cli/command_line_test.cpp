@@ -324,7 +324,10 @@ TEST_F(CommandLine, StressTakesSettingsOrNone) {
   EXPECT_EQ(plain.out, "out/stress/stress.html\nAll is flagged.\n");
   EXPECT_EQ(fake_study().calls.back(), "stress");
   EXPECT_EQ(fake_study().stress.seeds, 3);
-  EXPECT_FALSE(fake_study().stress.mpm);
+  EXPECT_EQ(fake_study().stress.stages, std::vector<std::string>{"piv"});
+  EXPECT_EQ(run_program({"stress", "--short", "--maps", "np_hole,mpm_step"}).code, 0);
+  EXPECT_TRUE(fake_study().stress.in_short);
+  EXPECT_EQ(fake_study().stress.maps, (std::vector<std::string>{"np_hole", "mpm_step"}));
   EXPECT_EQ(run_program({"stress", "--set", "piv.method=fft"}).code, 0);
   EXPECT_EQ(fake_study().calls.back(), "stress of a case");
   EXPECT_EQ(fake_study().c.piv->method, "fft");

@@ -335,6 +335,18 @@ TEST(Contact, ABlockSettlesOnItsBed) {
   }
   const double weight = 2000 * 9.81 * (0.1 * 0.05 + 0.3 * 0.0125);  // of what lies above
   EXPECT_NEAR(carried, -weight, 0.02 * weight);
+  // What the bed does to the block is in the record.
+  std::vector<ReactionRow> rows{solver.reactions()};
+  solver.advance_to(0.1, silent);
+  rows.push_back(solver.reactions());
+  const Reactions reactions = reactions_of(solver.reaction_names(), rows);
+  ASSERT_EQ(reactions.series.back().name, "contact.block");
+  const double mass = 2000 * 0.1 * 0.05;
+  const Vec2 force = reactions.series.back().force.back();
+  EXPECT_NEAR(force.x(), -0.5 * mass, 1e-3 * 9.81 * mass);
+  EXPECT_NEAR(force.y(), 9.81 * mass, 1e-3 * 9.81 * mass);
+  // As much back onto the bed, which its base holds.
+  EXPECT_NEAR(reactions.series.front().force.back().y(), 9.81 * 2000 * (0.1 * 0.05 + 0.3 * 0.05), 0.01 * weight);
 }
 
 // A rigid plate pushes a deformable block over its bed and feels mu times its weight; without friction the block,

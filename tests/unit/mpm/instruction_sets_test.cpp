@@ -45,7 +45,8 @@ TEST(InstructionSets, AllGiveTheSameRun) {
                               {"bspline", "apic", "usl", "none", true},
                               {"bilinear", "flip", "musl", "fbar", true},
                               {"bilinear", "flip", "musl", "selective", false},
-                              {"gimp", "xpic", "usf", "fbar", false}};
+                              {"gimp", "xpic", "usl", "fbar", false},
+                              {"gimp", "flip", "usf", "none", false}};
   for (const Setting& s : settings) {
     std::vector<MotionFrame> ends;
     for (const std::int64_t set : instruction_sets()) {

@@ -249,7 +249,7 @@ TEST_P(Schemes, ATurnedBlockKeepsItsObjectiveStress) {
 INSTANTIATE_TEST_SUITE_P(
     All, Schemes,
     testing::Values(Choice{"bilinear", "flip", "musl", "selective"}, Choice{"bilinear", "flip", "musl", "full"},
-                    Choice{"bilinear", "flip", "musl", "fbar"}, Choice{"bilinear", "xpic", "musl", "none"},
+                    Choice{"bilinear", "flip", "musl", "fbar"}, Choice{"bilinear", "xpic", "usl", "none"},
                     Choice{"gimp", "flip", "musl", "none"}, Choice{"gimp", "flip", "usf", "none"},
                     Choice{"gimp", "apic", "usl", "fbar"}, Choice{"bspline", "flip", "musl", "none"},
                     Choice{"bspline", "flip", "usf", "none"}, Choice{"bspline", "apic", "usl", "none"},
@@ -357,6 +357,11 @@ TEST(Options, WrongCombinationsNameTheirKey) {
   o.transfer = TransferKind::apic;
   o.pic_per_s = 1;
   EXPECT_NE(message(o).find("mpm.pic_per_s"), std::string::npos);
+  o = conservative();
+  o.transfer = TransferKind::xpic;
+  EXPECT_EQ(message(o), "mpm.stress_update: found 'musl' with transfer = \"xpic\", which brings turning bodies to rest, expected usl");
+  o.stress_update = StressUpdate::usl;
+  EXPECT_EQ(message(o), "");
 }
 
 // The initial equilibrium knows no order of strain and motion: walls and bodies that slide must not make one.

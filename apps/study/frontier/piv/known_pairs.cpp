@@ -1,16 +1,14 @@
-#include "apps/study/frontier/known_pairs.hpp"
+#include "apps/study/frontier/piv/known_pairs.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
 #include <utility>
 
-#include "apps/study/methods/texture.hpp"
 #include "apps/study/pipeline/measure.hpp"
 #include "apps/study/pipeline/statistics.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
-#include "pivnp/image/synthetic_pair.hpp"
 
 namespace pivnp::app {
 
@@ -152,12 +150,21 @@ KnownPairs drawn_pairs(int side, int seed) {
     texture.loss = field.loss;
     auto scene = std::make_shared<image::SyntheticPair>(image::synthetic_pair(field.motion, side, side, texture));
     known.pairs.push_back({field.name, std::move(scene->first), std::move(scene->second),
-                           [scene](const Vec2& place, Anchor anchor) { return scene->truth(place, anchor); }, field.wavelength});
+                           [scene](const Vec2& place, Anchor anchor) { return scene->truth(place, anchor); }, field.wavelength, {}});
   }
   return known;
 }
 
-KnownPairs carried_pairs(const Case& c, const Setting& setting, image::FrameSource& source, int threads, Progress& progress) {
+KnownPair CarriedFrame::pair(const std::string& name, const image::Motion& motion, std::uint64_t number) const {
+  const auto draw = [&](int side) {
+    return texture.draw([&](int column, int row) { return texture.at(middle_of(motion, {double(column), double(row)}, side)); }, 1,
+                        2 * number + (side > 0 ? 1 : 0));
+  };
+  return {name, draw(-1), draw(1),
+          [motion](const Vec2& place, Anchor anchor) { return motion(anchor == Anchor::central ? place : middle_of(motion, place, -1)); }, 0, {}};
+}
+
+CarriedFrame carried_frame(const Case& c, const Setting& setting, image::FrameSource& source, int threads, Progress& progress) {
   const std::size_t frames = source.frames().size();
   if (frames < 2) throw InputError(of_file(c) + (of_file(c).empty() ? "" : ": ") + "frames: found one, expected two or more to show how the material moves");
   KnownPairs known;
@@ -181,6 +188,10 @@ KnownPairs carried_pairs(const Case& c, const Setting& setting, image::FrameSour
     from = int(at);
     field.score = found.score;
     field.status = found.status;
+    std::vector<double> sigmas;
+    for (std::size_t k = 0; k < found.cov.size(); ++k)
+      if (found.status[k] == VectorStatus::valid) sigmas.push_back(std::sqrt(0.5 * double(found.cov[k][0] + found.cov[k][1])));
+    known.shift = most.shift, known.slope = most.slope, known.sigma = median(std::move(sigmas), 0);
   }
   if (most.valid < 20)
     throw InputError(of_file(c) + ": found " + std::to_string(most.valid) + " valid vectors between frames " + std::to_string(from) + " and " +
@@ -192,45 +203,38 @@ KnownPairs carried_pairs(const Case& c, const Setting& setting, image::FrameSour
   const double scored = double(std::count(known.scored.begin(), known.scored.end(), 1));
   for (std::size_t k = 0; k < known.scored.size(); ++k)
     if (!known.scored[k]) field.status[k] = VectorStatus::masked;
-  const double shift = std::clamp(most.shift, 0.5, 20.0), slope = std::clamp(most.slope, 0.01, 0.2);
-  const auto pair_of = [&](const CarriedTexture& texture, const image::Motion& motion, std::uint64_t number) {
-    const auto draw = [&](int side) {
-      return texture.draw([&](int column, int row) { return texture.at(middle_of(motion, {double(column), double(row)}, side)); }, 1,
-                          2 * number + (side > 0 ? 1 : 0));
-    };
-    return std::pair(draw(-1), draw(1));
-  };
   // The noise that lowers correlation as much as the frames' does. (Methods that smooth frames see less of it than windows of raw frames
   // would, so it is found by trial.)
   double noise = noise_variance(frame.view(), places, c.piv->window_px, {field});
   const double unlike = unlike_share(known, field.score, field.status);
   piv::PairCorrelator on_part(*c.piv, known.nodes, known.width, known.height, threads);
   for (int round = 0; round < 3 && noise > 0; ++round) {
-    const auto [one, two] = pair_of(CarriedTexture(frame, noise, carried_blur), image::uniform(0.3, -0.4), 0);
-    const piv::PixelVectors found = on_part.correlate(one.view(), two.view(), known.mask.view());
+    const KnownPair trial = CarriedFrame{{}, {}, CarriedTexture(frame, noise, carried_blur)}.pair("", image::uniform(0.3, -0.4), 0);
+    const piv::PixelVectors found = on_part.correlate(trial.first.view(), trial.second.view(), known.mask.view());
     const double share = unlike_share(known, found.score, found.status);
     if (!(share > 0)) break;
     noise *= std::clamp(unlike / share, 0.25, 4.0);
   }
-  known.made_of = "Frame " + std::to_string(from) + " of " + std::to_string(frames) + ", carried by known fields of up to " +
-                  number(shift, 2) + " px and " + number(100 * slope, 2) + " % (the frames' own: " + number(most.shift, 2) + " px and " +
-                  number(100 * most.slope, 2) + " % from one to the next), with noise of " +
-                  number(std::sqrt(noise), 2) + " grey values in both images.";
-  const CarriedTexture texture(frame, noise, carried_blur);
-  double cx = 0, cy = 0;  // the middle of what is scored
+  CarriedFrame out{{}, "Frame " + std::to_string(from) + " of " + std::to_string(frames), CarriedTexture(frame, noise, carried_blur), noise, most.shift, most.slope};
   for (std::size_t k = 0; k < places.size(); ++k)
-    if (known.scored[k]) cx += places[k].x() / scored, cy += places[k].y() / scored;
-  const std::vector<Field> all = fields(shift, slope, cx, cy);
+    if (known.scored[k]) out.middle += places[k] / scored;
+  out.known = std::move(known);
+  return out;
+}
+
+KnownPairs carried_pairs(const Case& c, const Setting& setting, image::FrameSource& source, int threads, Progress& progress) {
+  CarriedFrame carried = carried_frame(c, setting, source, threads, progress);
+  KnownPairs known = std::move(carried.known);
+  const double shift = std::clamp(carried.shift, 0.5, 20.0), slope = std::clamp(carried.slope, 0.01, 0.2);
+  known.made_of = carried.from + ", carried by known fields of up to " + number(shift, 2) + " px and " + number(100 * slope, 2) + " % (the frames' own: " +
+                  number(carried.shift, 2) + " px and " + number(100 * carried.slope, 2) + " % from one to the next), with noise of " +
+                  number(std::sqrt(carried.noise), 2) + " grey values in both images.";
+  const std::vector<Field> all = fields(shift, slope, carried.middle.x(), carried.middle.y());
   for (std::size_t f = 0; f < all.size(); ++f) {
     progress.update("drawing pairs", std::int64_t(f), std::int64_t(all.size()));
     if (progress.stop_requested()) throw Interrupted();
-    const image::Motion& motion = all[f].motion;
-    auto [one, two] = pair_of(texture, motion, f + 1);
-    known.pairs.push_back({all[f].name, std::move(one), std::move(two),
-                           [motion](const Vec2& place, Anchor anchor) {
-                             return motion(anchor == Anchor::central ? place : middle_of(motion, place, -1));
-                           },
-                           all[f].wavelength});
+    known.pairs.push_back(carried.pair(all[f].name, all[f].motion, f + 1));
+    known.pairs.back().wavelength = all[f].wavelength;
   }
   return known;
 }

@@ -1,0 +1,96 @@
+"""Water and strength: a vertical cut in soil of a shear strength, which is reduced; then it is held until the cut is at rest.
+
+1. Under a lake: sigma' of the saturated skeleton is that of dry soil of the weight rho - rho_w (exactly, whatever the geometry). Criterion: the
+   crest settles by what it settles by dry, on the same mesh, with strengths within 2 %: that is the error of the factor of safety.
+2. The lake falls at once, and nothing drains: the whole weight, the same strength. Criterion: the crest settles by more than that of dry soil
+   of the same weight and Poisson's ratio .499, and by less than with .3, between which its stiffness lies (undrained .4993; .3 at the start).
+
+usage: water_strength.py PIVNP [--small]   (--small: the first, on coarse cells)
+"""
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import h5py
+import numpy as np
+
+program, small = sys.argv[1], "--small" in sys.argv
+scratch = pathlib.Path(tempfile.mkdtemp(prefix="pivnp-test-"))
+POROSITY, HEIGHT = 0.4, 1.0
+SATURATED = (1 - POROSITY) * 2650 + POROSITY * 1000
+BUOYANT = SATURATED - 1000
+CELLS, END = (6, 5) if small else (10, 8)
+
+
+def settled(density, reduction, *, poisson=0.3, water=None):
+    """Of the crest, as strength falls: m. `density`: by whose weight strength and stiffness are measured."""
+    there = scratch / str(len(list(scratch.iterdir())))
+    there.mkdir()
+    soil = f"porosity = {POROSITY}\ngrain_density_kg_m3 = 2650.0\npermeability_m_s = {water[1]}" if water else f"density_kg_m3 = {density}"
+    (there / "case.toml").write_text(f"""name = "vertical cut"
+[grid]
+spacing_m = {HEIGHT / CELLS}
+area_m = [[0.0, 0.0], [3.4, 1.4]]
+[region.soil]
+polygon_m = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]]
+[material.soil]
+model = "tresca"
+young_pa = {1e6 * density / SATURATED}
+poisson = {poisson}
+shear_strength_pa = {1.1 * density * 9.81 * HEIGHT / 3.8}
+reduction_factor = {reduction}
+reduction_from_s = 0.3
+reduction_until_s = 1.0
+{soil}
+{water[0] if water else ""}
+[mpm]
+damping = 0.3
+end_s = {END}
+output_rate_hz = 20.0
+initial_equilibrium = true
+end_at_rest = false
+[boundary.base]
+line_m = [[0.0, 0.0], [3.4, 0.0]]
+[boundary.left]
+line_m = [[0.0, 0.0], [0.0, 1.4]]
+type = "roller"
+""")
+    done = subprocess.run([program, "simulate", there, "--out", there / "out", "--threads", "1", "--quiet"], capture_output=True, text=True,
+                          stdin=subprocess.DEVNULL, timeout=1200)
+    assert done.returncode == 0, done.stderr
+    with h5py.File(there / "out" / "record.h5") as record:
+        motion = record["motion/mpm"]
+        x0, u, time = motion["x0"][:], motion["u"][:], motion["time"][:]
+    crest = (x0[:, 1] > 0.85) & (x0[:, 0] > 1.7)
+    down = -u[:, crest, 1].astype("f8").mean(axis=1)
+    return down[-1] - down[np.searchsorted(time, 0.29)]
+
+
+def row(subject, criterion, reached):
+    print(f"{subject}: {criterion}: {reached}")
+    if into := os.environ.get("PIVNP_VERIFICATION_DIR"):
+        with open(pathlib.Path(into) / "water_strength.tsv", "a") as file:
+            file.write(f"{subject}\t{criterion}\t{reached}\twater_strength.py\n")
+
+
+def strength_of(down, dry):
+    """The reduction that settles dry soil by that."""
+    return float(np.interp(down, [s for _, s in dry], [r for r, _ in dry]))
+
+
+reduction = 1.1
+dry = [(r, settled(BUOYANT, r)) for r in (0.98 * reduction, reduction, 1.02 * reduction)]
+under = settled(BUOYANT, reduction, water=("[water]\nlevel_m = 1.3\nbulk_modulus_pa = 5e6", 1e-2))
+print("dry, m:", dry, "under water:", under)
+assert dry[0][1] < under < dry[2][1], "a cut under water"
+if not small:
+    row(f"vertical cut under a lake, Tresca, {CELLS} cells high", "factor of safety within 2 % of that of dry soil of the weight under water, same mesh",
+        f"{100 * (reduction / strength_of(under, dry) - 1):+.1f} %")
+    reduction = 1.15
+    loose, stiff = (settled(SATURATED, reduction, poisson=p) for p in (0.3, 0.499))
+    falls = settled(SATURATED, reduction, water=("[water]\nlevel_history = [[0.0, 1.3], [0.25, -0.1]]\nbulk_modulus_pa = 1.1e8", 1e-9))
+    row(f"vertical cut after a rapid drawdown, Tresca, undrained .4993, {CELLS} cells high", "settles by more than dry soil of the same weight of .499, and less than of .3",
+        f"{1000 * falls:.1f} mm; {1000 * stiff:.1f}, {1000 * loose:.1f} mm")
+    assert stiff < falls < loose, (stiff, falls, loose)
