@@ -161,7 +161,7 @@ KnownPair CarriedFrame::pair(const std::string& name, const image::Motion& motio
                         2 * number + (side > 0 ? 1 : 0));
   };
   return {name, draw(-1), draw(1),
-          [motion](const Vec2& place, Anchor anchor) { return motion(anchor == Anchor::central ? place : middle_of(motion, place, -1)); }};
+          [motion](const Vec2& place, Anchor anchor) { return motion(anchor == Anchor::central ? place : middle_of(motion, place, -1)); }, 0, {}};
 }
 
 CarriedFrame carried_frame(const Case& c, const Setting& setting, image::FrameSource& source, int threads, Progress& progress) {
