@@ -72,11 +72,11 @@ double seconds_of(const std::function<void()>& work) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-Work measured(int threads, const std::function<void()>& work) {
+Effort measured(int threads, const std::function<void()>& work) {
   malloc_trim(0);
   const bool marked = reset_high_water();
   const double before = status_bytes("VmRSS");
-  Work w;
+  Effort w;
   const Instructions instructions(threads == 1);
   w.seconds = seconds_of(work);
   w.instructions = instructions.count();

@@ -8,7 +8,7 @@
 
 namespace pivnp::app {
 
-struct Work {
+struct Effort {
   double seconds = 0;
   double bytes = 0;         // peak of what it held beyond what was held before; NaN: the system does not say
   double instructions = 0;  // in user mode; NaN: not allowed, or several threads
@@ -17,7 +17,7 @@ struct Work {
 /// Does `work` and says what it took. Bytes: the system's high-water mark of the resident set (VmHWM), reset before, less the
 /// resident set then, after the allocator gave back what it could; buffers made before are not in it. Instructions are counted
 /// (perf_event_open) where `threads` is 1: those of other threads cannot be told apart.
-Work measured(int threads, const std::function<void()>& work);
+Effort measured(int threads, const std::function<void()>& work);
 
 /// Time alone, s.
 double seconds_of(const std::function<void()>& work);

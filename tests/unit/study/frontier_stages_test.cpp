@@ -26,11 +26,11 @@ const FrontierPoint& at(const FrontierStage& stage, const std::string& name) {
 TEST(FrontierStages, WorkKnowsTimeAndMemory) {
   constexpr std::size_t bytes = 64 << 20;
   std::vector<char> held;
-  const Work w = measured(1, [&] { held.assign(bytes, 1); });
+  const Effort w = measured(1, [&] { held.assign(bytes, 1); });
   EXPECT_GT(w.seconds, 0);
   if (std::isnan(w.bytes)) GTEST_SKIP() << "the system does not say";
   EXPECT_NEAR(w.bytes, double(bytes), 0.1 * double(bytes));
-  const Work again = measured(1, [&] { std::fill(held.begin(), held.end(), char(2)); });  // what was held before is not counted
+  const Effort again = measured(1, [&] { std::fill(held.begin(), held.end(), char(2)); });  // what was held before is not counted
   EXPECT_LT(again.bytes, 0.1 * double(bytes));
 }
 

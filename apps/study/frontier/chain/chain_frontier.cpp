@@ -30,7 +30,7 @@ namespace fs = std::filesystem;
 struct Part {
   std::unique_ptr<io::RecordWriter> writer;
   std::unique_ptr<MotionSource> motion;
-  Work work;
+  Effort work;
 };
 
 RunSettings in(const RunSettings& settings, const std::string& folder, int threads) {

@@ -22,7 +22,7 @@ constexpr double finer_cells = 0.5, coarser_cells = 2;  // whole factors: meshes
 struct Result {
   ParticleSet particles;
   MotionFrame last;
-  Work work;
+  Effort work;
   double steps = 0;
 };
 

@@ -96,7 +96,7 @@ FrontierStage vortex_frontier(int repeats, int threads, Progress& progress) {
       steps = double(solver.steps());
     };
     try {
-      const Work work = measured(threads, [&] { run(true); });
+      const Effort work = measured(threads, [&] { run(true); });
       std::vector<double> seconds = {work.seconds};
       while (int(seconds.size()) < repeats) seconds.push_back(seconds_of([&] { run(false); }));
       set_times(seconds, p);

@@ -145,7 +145,7 @@ FrontierStage drift_frontier(const np::NpOptions& base, const piv::PivOptions& p
         }
       });
     };
-    const Work work = measured(threads, [&] { follow_it(true); });
+    const Effort work = measured(threads, [&] { follow_it(true); });
     std::vector<double> seconds;
     for (int again = 0; again < repeats; ++again) {
       progress.update("schemes of np.drift", done++, total);

@@ -163,7 +163,7 @@ std::vector<FrontierStage> np_frontier(const np::NpOptions& base, const Followed
   omp_set_num_threads(threads);
   std::vector<std::vector<double>> seconds(wanted.size());
   std::vector<ProbeErrors> errors(wanted.size());
-  std::vector<Work> works(wanted.size());
+  std::vector<Effort> works(wanted.size());
   std::vector<double> count(wanted.size());
   const std::int64_t total = std::int64_t(wanted.size()) * (repeats + 1);  // the first fills caches, and is scored
   std::int64_t done = 0;

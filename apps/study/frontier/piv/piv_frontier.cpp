@@ -169,7 +169,7 @@ FrontierStage piv_frontier(const KnownPairs& known, const PivOptions& given, boo
   for (const PivChoice& c : all) {
     Run run;
     try {
-      const Work work = measured(threads, [&] {  // with the buffers that it keeps from pair to pair
+      const Effort work = measured(threads, [&] {  // with the buffers that it keeps from pair to pair
         run.correlator = std::make_unique<piv::PairCorrelator>(c.options, known.nodes, known.width, known.height, threads);
         run.correlator->correlate(known.pairs.front().first.view(), known.pairs.front().second.view(), known.mask.view());
       });
