@@ -4,6 +4,8 @@
 #include <memory>
 #include <optional>
 #include <ostream>
+#include <string>
+#include <vector>
 
 #include "apps/case/values.hpp"
 #include "apps/cli/arguments.hpp"
@@ -64,17 +66,19 @@ Action declare_frontier(CLI::App& app, Session& session) {
     StageNames stages;
   };
   const auto f = std::make_shared<Frontier>();
-  add_case(app, f->arguments, "image correlation on drawn texture, or on --frames");
+  add_case(app, f->arguments, "drawn scenes, or --frames");
   add_out(app, f->arguments, "out/frontier, or out/<name of the case's folder>/frontier");
   add_frames(app, f->arguments);
-  f->stages.add(app, {"piv", "mpm"});
-  app.add_option("--repeats", f->options.repeats, "times that each pair of frames is measured by each setting (3)")
+  f->stages.add(app, {"piv", "np", "mpm", "chain"});
+  app.add_option("--repeats", f->options.repeats, "times that what takes less than a second is measured (3)")
       ->type_name("N")
       ->check(CLI::Range(1, 100));
   add_session(app, session);
   return [f, &session] {
     f->options.piv = f->stages.asked("piv");
+    f->options.np = f->stages.asked("np");
     f->options.mpm = f->stages.asked("mpm");
+    f->options.chain = f->stages.asked("chain");
     const std::optional<Case> c = scene(f->arguments, session);
     FrontierOutcome outcome;
     {
@@ -97,6 +101,7 @@ Action declare_stress(CLI::App& app, Session& session) {
   const auto s = std::make_shared<Stress>();
   add_case(app, s->arguments, "the default settings");
   add_out(app, s->arguments, "out/stress, or out/<name of the case's folder>/stress");
+  add_frames(app, s->arguments);
   s->stages.add(app, {stress_stages.begin(), stress_stages.end()});
   app.add_option("--seeds", s->options.seeds, "number of pairs of frames drawn for each combination (1)")->type_name("N")->check(CLI::Range(1, 100));
   app.add_option("--maps", s->options.maps, "maps to make, by name, for example mpm_step,piv_jpeg_window (left out: all of the stages)")->type_name("NAME,...")->delimiter(',');
@@ -105,12 +110,15 @@ Action declare_stress(CLI::App& app, Session& session) {
   return [s, &session] {
     s->options.stages = s->stages.given();
     std::optional<Case> c;
-    if (!s->arguments.case_path.empty()) c = load_case(s->arguments, session);
+    if (!s->arguments.case_path.empty() || !s->arguments.frames.empty()) c = scene(s->arguments, session);
     else if (!s->arguments.given.empty()) c = parse_case("[frames]\npath = \"\"\n", "--set", std::filesystem::current_path(), s->arguments.given);
     StressOutcome outcome;
-    {
+    try {
       TerminalProgress progress = progress_for(session);
       outcome = stress(c ? &*c : nullptr, s->options, charts_in(s->arguments, session, c, "stress"), progress);
+    } catch (const Interrupted&) {
+      session.err << "pivnp: the combinations that were finished are kept; the same command continues\n";
+      throw;
     }
     const int code = print_charts(outcome.files, outcome.sentences, session);
     if (!session.quiet && outcome.kept > 0)

@@ -62,32 +62,58 @@ struct Patch {
   bool holds(const Patch& o) const { return o.x >= x && o.x + o.width <= x + width && o.y >= y && o.y + o.height <= y + height; }
 };
 
-// Names where nothing is in the way; `symbols`: the patches that the points take.
+// Places for a name about a symbol, the best first: beside it, and then on ever wider rings.
+std::vector<Patch> places_about(const Patch& at, double wide, double line, bool own) {
+  const double cx = at.x + at.width / 2, cy = at.y + at.height / 2, off = at.width / 2 + 0.8;
+  const double right = cx + off, left = cx - off - wide, above = cy - line - 0.5, below = cy + 0.5;
+  // One's own, whose front is a line to the right, above that.
+  std::vector<Patch> all = {{right, own ? above : cy - line / 2, wide, line},
+                            {left, cy - line / 2, wide, line},
+                            {right, below + 0.4, wide, line},
+                            {cx - wide / 2, cy + off, wide, line},
+                            {cx - wide / 2, cy - off - line, wide, line},
+                            {left, below, wide, line},
+                            {left, above, wide, line},
+                            {right, cy + off, wide, line}};
+  constexpr int rings = 8, angles = 16;
+  for (int ring = 1; ring <= rings; ++ring)
+    for (int k = 0; k < angles; ++k) {
+      const double angle = 2 * M_PI * (k + 0.5) / angles, x = cx + (off + 1.5 * line * ring) * std::cos(angle), y = cy + (off + line * ring) * std::sin(angle);
+      all.push_back({std::cos(angle) < 0 ? x - wide : x, y - line / 2, wide, line});
+    }
+  return all;
+}
+constexpr std::size_t beside = 8;  // of places_about
+
+// From a name that had to go far to its symbol.
+void draw_leader(Canvas& canvas, const Patch& symbol, const Patch& name) {
+  const Vec2 from(symbol.x + symbol.width / 2, symbol.y + symbol.height / 2);
+  const Vec2 to(std::clamp(from.x(), name.x, name.x + name.width), std::clamp(from.y(), name.y, name.y + name.height));
+  canvas.paint_over([=](Painter& p) {
+    p.pen({faint, 0.4});
+    p.line(from * units_per_mm, to * units_per_mm);
+  });
+}
+
+// Names where nothing is in the way, one's own first; `symbols`: the patches that the points take. A name for which there is no place is left out.
 void draw_names(Canvas& canvas, const Patch& frame, const std::vector<ErrorTimePoint>& points, const std::vector<Patch>& symbols) {
   std::vector<Patch> taken = symbols;
   constexpr double line = 3.1;
-  for (std::size_t k = 0; k < points.size(); ++k) {
+  std::vector<std::size_t> order;
+  for (const bool own : {true, false})
+    for (std::size_t k = 0; k < points.size(); ++k)
+      if (points[k].own == own && !points[k].name.empty()) order.push_back(k);
+  for (const std::size_t k : order) {
     const ErrorTimePoint& point = points[k];
-    if (point.name.empty()) continue;
     const double wide = text_width(point.name, small_text, point.own);
-    const Patch& at = symbols[k];
-    const double cx = at.x + at.width / 2, cy = at.y + at.height / 2, off = at.width / 2 + 0.8;
-    const double right = cx + off, left = cx - off - wide, above = cy - line - 0.5, below = cy + 0.5;
-    // Beside the symbol; one's own, whose front is a line to the right, above that.
-    const Patch tries[] = {{right, point.own ? above : cy - line / 2, wide, line},
-                           {left, cy - line / 2, wide, line},
-                           {right, below + 0.4, wide, line},
-                           {cx - wide / 2, cy + off, wide, line},
-                           {cx - wide / 2, cy - off - line, wide, line},
-                           {left, below, wide, line},
-                           {left, above, wide, line},
-                           {right, cy + off, wide, line}};
-    const auto free = std::find_if(std::begin(tries), std::end(tries), [&](const Patch& t) {
+    const std::vector<Patch> tries = places_about(symbols[k], wide, line, point.own);
+    const auto free = std::find_if(tries.begin(), tries.end(), [&](const Patch& t) {
       return frame.holds(t) && std::none_of(taken.begin(), taken.end(), [&](const Patch& o) { return t.meets(o); });
     });
-    const Patch& best = free == std::end(tries) ? tries[0] : *free;
-    taken.push_back(best);
-    canvas.text(best.x, best.y + line / 2, point.name, Align::left,
+    if (free == tries.end()) continue;
+    taken.push_back(*free);
+    if (std::size_t(free - tries.begin()) >= beside) draw_leader(canvas, symbols[k], *free);
+    canvas.text(free->x, free->y + line / 2, point.name, Align::left,
                 {.points = small_text, .bold = point.own, .rgb = point.own ? point.symbol.pen.rgb : faint});
   }
 }

@@ -30,7 +30,7 @@ struct ErrorTimeChart {
   double quickest = 1, slowest = 10;  // range of time
   double least = 1, greatest = 10;    // range of error
   bool time_numbers = true, error_numbers = true;
-  bool names = false;                 // beside the symbols, where nothing is in the way
+  bool names = false;                 // by the symbols, one's own first; where there is no place for a name, it is left out
   std::optional<double> asked = {};   // a line at the error that is asked for
   std::vector<ErrorTimePoint> points = {};
 };

@@ -110,6 +110,20 @@ Vec2 ReversingVortex::central_increment(const Vec2& xm, double t0, double t1) co
   return 2 * std::tan(phi / 2) * quarter_turned(m);
 }
 
+Vec2 ShearBand::position(const Vec2& X, double t) const { return X + forward_increment(X, 0, t); }
+
+Mat2 ShearBand::deformation(const Vec2& X, double t) const {
+  Mat2 F = Mat2::Identity();
+  F(0, 1) = rate_ * t / std::pow(std::cosh((X.y() - middle_) / half_width_), 2);
+  return F;
+}
+
+Vec2 ShearBand::forward_increment(const Vec2& x, double t0, double t1) const {
+  return {rate_ * (t1 - t0) * half_width_ * std::tanh((x.y() - middle_) / half_width_), 0};
+}
+
+Vec2 ShearBand::central_increment(const Vec2& xm, double t0, double t1) const { return forward_increment(xm, t0, t1); }
+
 NodalIncrements sample_increments(const AnalyticMotion& motion, const Grid& grid, Anchor anchor, double t0, double t1) {
   NodalIncrements out;
   out.anchor = anchor;

@@ -70,6 +70,21 @@ class ReversingVortex final : public AnalyticMotion {
   double radius_, turn_, period_;
 };
 
+/// A shear band along x about y = middle: u_x = rate t half_width tanh((Y - middle)/half_width), steepest by rate t.
+/// Heights are kept, so both anchors are the same.
+class ShearBand final : public AnalyticMotion {
+ public:
+  ShearBand(double rate, double middle, double half_width) : rate_(rate), middle_(middle), half_width_(half_width) {}
+
+  Vec2 position(const Vec2& X, double t) const override;
+  Mat2 deformation(const Vec2& X, double t) const override;
+  Vec2 forward_increment(const Vec2& x, double t0, double t1) const override;
+  Vec2 central_increment(const Vec2& xm, double t0, double t1) const override;
+
+ private:
+  double rate_, middle_, half_width_;
+};
+
 /// The motion from t0 to t1 at every node, all valid, without covariance.
 NodalIncrements sample_increments(const AnalyticMotion& motion, const Grid& grid, Anchor anchor, double t0, double t1);
 

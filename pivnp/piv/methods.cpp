@@ -1,6 +1,5 @@
 #include "pivnp/piv/methods.hpp"
 
-#include "pivnp/piv/dis.hpp"
 #include "pivnp/piv/gauss_newton.hpp"
 #include "pivnp/piv/multipass.hpp"
 
@@ -43,11 +42,6 @@ Registry<PivMethod>& piv_methods() {
        .text = "as fft, the last window only about what the larger ones found",
        .family = MethodFamily::window_refinement,
        .make = &windows<Search::near>},
-      {.name = "dis",
-       .text = "OpenCV's dense inverse search: only where fast is not fast enough",
-       .family = MethodFamily::optical_flow,
-       .finest = dis_decimation,
-       .make = &make_dense_inverse_search},
   };
   return methods;
 }

@@ -16,7 +16,6 @@ enum class MethodFamily {
   window_search,      // windows, each size searched over all lags
   window_refinement,  // windows, the last size only about what larger ones found
   gauss_newton,       // the dense field by Gauss-Newton on shared warps
-  optical_flow,       // a flow that another library finds, validated by one pass of the dense method
   other,
 };
 

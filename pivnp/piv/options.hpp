@@ -67,7 +67,7 @@ struct PivOptions {
           OptionInfo{.text = "correlation coefficient below which a vector is rejected", .min = -1, .max = 1});
     visit("max_sigma_px", self.max_sigma_px,
           OptionInfo{.unit = "px",
-                     .text = "stated standard deviation above which a vector is rejected (gn, fast, dis: where frames "
+                     .text = "stated standard deviation above which a vector is rejected (gn, fast: where frames "
                              "match fully; less where they match less)",
                      .min = 0,
                      .above_min = true});

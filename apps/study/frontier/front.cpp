@@ -9,7 +9,7 @@ namespace pivnp::app {
 
 namespace {
 
-bool measured(const FrontierPoint& p) { return p.complete && std::isfinite(p.seconds) && std::isfinite(p.error); }
+bool was_measured(const FrontierPoint& p) { return p.complete && !p.elsewhere && std::isfinite(p.seconds) && std::isfinite(p.error); }
 
 std::string compared(const FrontierPoint& p, const FrontierPoint& with) {
   const auto times = [](double ratio, const char* of) { return number(ratio, 2) + (ratio < 1 ? " of the " : " times the ") + of; };
@@ -20,14 +20,14 @@ std::string compared(const FrontierPoint& p, const FrontierPoint& with) {
 
 void find_front(std::vector<FrontierPoint>& points) {
   for (FrontierPoint& p : points)
-    p.on_front = measured(p) && std::none_of(points.begin(), points.end(), [&](const FrontierPoint& o) {
-      return measured(o) && o.seconds <= p.seconds && o.error <= p.error && (o.seconds < p.seconds || o.error < p.error);
+    p.on_front = was_measured(p) && std::none_of(points.begin(), points.end(), [&](const FrontierPoint& o) {
+      return was_measured(o) && o.seconds <= p.seconds && o.error <= p.error && (o.seconds < p.seconds || o.error < p.error);
     });
 }
 
 std::vector<std::string> what_to_change(const FrontierStage& stage) {
-  const auto is_own = [](const FrontierPoint& p) { return p.own && measured(p); };
-  const auto is_standard = [](const FrontierPoint& p) { return p.standard && measured(p); };
+  const auto is_own = [](const FrontierPoint& p) { return p.own && was_measured(p); };
+  const auto is_standard = [](const FrontierPoint& p) { return p.standard && was_measured(p); };
   auto from = std::find_if(stage.points.begin(), stage.points.end(), is_own);
   const bool own = from != stage.points.end();
   if (!own) from = std::find_if(stage.points.begin(), stage.points.end(), is_standard);
@@ -36,7 +36,7 @@ std::vector<std::string> what_to_change(const FrontierStage& stage) {
   const auto best = [&](const auto& good, const auto& of) -> const FrontierPoint* {
     const FrontierPoint* found = nullptr;
     for (const FrontierPoint& p : stage.points)
-      if (measured(p) && good(p) && (!found || of(p) < of(*found))) found = &p;
+      if (was_measured(p) && good(p) && (!found || of(p) < of(*found))) found = &p;
     return found;
   };
   const auto error = [](const FrontierPoint& p) { return p.error; };

@@ -13,13 +13,16 @@ struct FrontierPoint {
   std::string name;      // "gn, 24 px"
   std::string keys;      // what a case says for it: "piv.method=gn piv.window_px=24"
   double seconds = std::numeric_limits<double>::quiet_NaN();  // median
-  double slowest = std::numeric_limits<double>::quiet_NaN(), quickest = slowest;
+  double slowest = std::numeric_limits<double>::quiet_NaN(), quickest = slowest;  // of the repeats
+  double bytes = std::numeric_limits<double>::quiet_NaN();         // peak, beyond what was held before
+  double instructions = std::numeric_limits<double>::quiet_NaN();  // where they may be counted
   double error = std::numeric_limits<double>::quiet_NaN();
   double worst = std::numeric_limits<double>::quiet_NaN();  // error in the worst of its scenes
   std::vector<double> columns;
   bool standard = false;  // what a case gets that says nothing
   bool own = false;       // the case's
   bool complete = true;   // it gives as much as the others: else it is on no front
+  bool elsewhere = false; // another program, measured on another machine: shown, and on no front
   bool on_front = false;  // no other is both quicker and more accurate
 };
 

@@ -13,8 +13,10 @@
 namespace pivnp::app {
 
 struct FrontierOptions {
-  bool piv = true, mpm = true;  // stages, where there is something for them
-  int repeats = 3;              // of each pair by each setting of [piv]
+  bool piv = true, np = true, mpm = true, chain = true;  // stages, where there is something for them
+  int repeats = 3;                                       // of what takes less than a second
+  int drawn_px = 512;                                    // side of the drawn frames without a case; twice that beside other programs
+  double column_cell_px = 10;                            // cells of the column without a case
 };
 
 struct FrontierOutcome {
@@ -25,10 +27,7 @@ struct FrontierOutcome {
 };
 
 /// Measures the settings and writes frontier.html, frontier.pdf, frontier.h5 and, of each stage, STAGE.csv, .svg and .png into
-/// settings.out. `c` null: image correlation on drawn texture alone. Throws InputError where a case has nothing to measure.
+/// settings.out. `c` null: on drawn scenes. Throws InputError where a case has nothing to measure.
 FrontierOutcome frontier(const Case* c, const FrontierOptions& options, const RunSettings& settings, Progress& progress);
-
-/// A stage as CSV: a row a point.
-std::string csv(const FrontierStage& stage);
 
 }  // namespace pivnp::app

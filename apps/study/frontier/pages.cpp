@@ -11,14 +11,14 @@
 
 namespace pivnp::app {
 
-namespace {
-
 std::string processor() {
   std::ifstream info("/proc/cpuinfo");
   for (std::string line; std::getline(info, line);)
     if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
   return "an unknown processor";
 }
+
+namespace {
 
 // Whole decades that hold the values.
 std::pair<double, double> decades(const std::vector<double>& values) {
@@ -37,7 +37,7 @@ report::Figure chart_of(const FrontierStage& stage) {
     times.push_back(p.seconds / stage.time_unit);
     errors.push_back(p.error);
   }
-  const auto named = [](const FrontierPoint* p) { return p->own || p->standard || p->on_front; };
+  const auto named = [](const FrontierPoint* p) { return p->own || p->standard || p->on_front || p->elsewhere; };
   std::vector<std::size_t> order(shown.size());
   for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
   std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return named(shown[a]) && !named(shown[b]); });  // the first on top
@@ -51,11 +51,12 @@ report::Figure chart_of(const FrontierStage& stage) {
     point.name = shown[k]->name;
     if (shown[k]->own) point.name += shown[k]->standard ? " (the case's; default)" : " (the case's)";
     else if (shown[k]->standard) point.name += " (default)";
-    else if (!shown[k]->on_front) point.name.clear();  // the table names it
+    else if (!shown[k]->on_front && !shown[k]->elsewhere) point.name.clear();  // the table names it
     const plot::Rgb colour = shown[k]->own ? plot::vermilion : shown[k]->standard ? plot::blue : shown[k]->on_front ? plot::ink : plot::faint;
     point.own = shown[k]->own || shown[k]->standard || shown[k]->on_front;
     point.symbol = point.own ? plot::Symbol{plot::Marker::disc, {colour, 0.9}, {colour}, 2.6}
-                             : plot::Symbol{plot::Marker::disc, {plot::faint, 0.8}, {0xffffff}, 2.0};
+                   : shown[k]->elsewhere ? plot::Symbol{plot::Marker::square, {plot::faint, 0.9}, {0xffffff}, 2.2}
+                                         : plot::Symbol{plot::Marker::disc, {plot::faint, 0.8}, {0xffffff}, 2.0};
     point.time = times[k];
     point.error = errors[k];
     chart.points.push_back(point);
@@ -66,20 +67,27 @@ report::Figure chart_of(const FrontierStage& stage) {
   figure.name = stage.name;
   figure.canvas = canvas;
   figure.caption = stage.title + ": error against time. Dashed: the front; nothing measured is both quicker and more accurate. Named are the settings on it, "
-                   "the default (blue) and the case's (orange). Open: settings that give less, or are beaten.";
+                   "the default (blue) and the case's (orange). Grey: settings that give less, or are beaten." +
+                   std::string(std::any_of(shown.begin(), shown.end(), [](auto p) { return p->elsewhere; }) ? " Squares: other programs, measured on another machine." : "");
   figure.shows = "Error against time of every setting, both on logarithmic scales, with the front.";
   return figure;
+}
+
+// "ms", as the axis has it.
+std::string time_unit(const FrontierStage& stage) {
+  const std::size_t open = stage.time_label.rfind('('), close = stage.time_label.rfind(')');
+  return stage.time_label.substr(open + 1, close - open - 1);
 }
 
 report::Table settings_table(const FrontierStage& stage) {
   report::Table table;
   table.caption = stage.title + ": all settings, the most accurate first; those on the front are marked (" + stage.error_label + ").";
-  table.head = {"Setting", stage.time_unit == 1 ? "time (s)" : "time (ms)", "error"};
-  table.width = {0.3, 0.09, 0.09};
-  table.align = {'l', 'r', 'r'};
+  table.head = {"Setting", "time (" + time_unit(stage) + ")", "of the repeats", "memory (MB)", "error"};
+  table.width = {0.26, 0.07, 0.1, 0.07, 0.07};
+  table.align = {'l', 'r', 'r', 'r', 'r'};
   for (const FrontierColumn& column : stage.columns) {
     table.head.push_back(column.head);
-    table.width.push_back(0.52 / double(stage.columns.size()));
+    table.width.push_back(0.43 / double(stage.columns.size()));
     table.align.push_back('r');
   }
   std::vector<const FrontierPoint*> sorted;
@@ -90,7 +98,8 @@ report::Table settings_table(const FrontierStage& stage) {
   };
   for (const FrontierPoint* p : sorted) {
     std::vector<std::string> row = {p->name + (p->own ? " (the case's)" : "") + (p->standard ? " (default)" : ""), text(p->seconds / stage.time_unit),
-                                    text(p->error)};
+                                    p->quickest < p->slowest ? text(p->quickest / stage.time_unit) + " to " + text(p->slowest / stage.time_unit) : "–",
+                                    text(p->bytes / 1e6), text(p->error)};
     for (const double v : p->columns) row.push_back(text(v));
     table.rows.push_back(std::move(row));
     table.notes.emplace_back();
@@ -105,7 +114,8 @@ report::Document frontier_document(const std::vector<FrontierStage>& stages, con
   report::Document document;
   document.title = "Speed against accuracy: " + subject;
   document.subtitle = "Measured on " + processor() + ", " + std::to_string(threads) + (threads == 1 ? " thread" : " threads") +
-                      ". Times are those of this machine; only their ratios hold on others.";
+                      ". Times are those of this machine, medians of repeats; only their ratios hold on others. Memory is the high-water mark of the resident set "
+                      "(VmHWM) while a setting works, less what was resident before; a dash where the system does not say.";
   for (const FrontierStage& stage : stages) {
     document.blocks.push_back(report::Heading{1, stage.title});
     std::string lead;

@@ -9,6 +9,9 @@
 
 namespace pivnp::app {
 
+/// The processor's name, as the system has it.
+std::string processor();
+
 /// What to change, a chart and a table a stage, and how it was measured.
 report::Document frontier_document(const std::vector<FrontierStage>& stages, const std::string& subject, int threads);
 

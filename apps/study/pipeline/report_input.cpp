@@ -62,8 +62,6 @@ Matching matching_of(const piv::PivOptions& o, const std::string& overlap) {
     case piv::MethodFamily::window_search:
     case piv::MethodFamily::window_refinement:
       return {side, "gradient and curvature of the field about it", "cross-correlation, zero mean, normalised", "quintic B-spline"};
-    case piv::MethodFamily::optical_flow:
-      return {"patches of 32 px", "constant", "squared differences of grey values (OpenCV, dense inverse search)", "bilinear"};
     case piv::MethodFamily::other: break;
   }
   return {side, "not stated", "not stated", "not stated"};

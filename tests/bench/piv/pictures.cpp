@@ -121,8 +121,7 @@ void method_picture(const std::string& folder) {
   const auto method = [](const char* name) { return with([=](PivOptions& o) { o.method = name; }); };
   const std::vector<Line> lines = {{"gn", vermilion, method("gn")},
                                    {"fast", green, method("fast")},
-                                   {"fft", blue, method("fft")},
-                                   {"dis", purple, method("dis")}};
+                                   {"fft", blue, method("fft")}};
   title(canvas, 14, "wave of 48 px and 1 px, clean frames");
   profiles(canvas, 14, pair_of(image::sine(1, 48), 0), 72, 1.5, lines);
   title(canvas, 94, "wave of 96 px, 20 % of grains lost");

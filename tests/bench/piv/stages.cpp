@@ -234,7 +234,6 @@ int stages(const BenchOptions& options) {
       list = window_stages(scene, setting.options, method.family);
     else if (method.family != MethodFamily::other)
       list = dense_stages(scene, method.finest);
-    if (method.family == MethodFamily::optical_flow) list.resize(2);  // images, one pass; the flow is another library's
     list.push_back(whole_pair(scene, setting.options));
     for (const Stage& stage : list) print_stage(stage, options, scene.vectors, bandwidth, peak);
   }

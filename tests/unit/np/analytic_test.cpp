@@ -15,7 +15,8 @@ std::vector<std::shared_ptr<AnalyticMotion>> motions() {
   return {std::make_shared<AffineMotion>(AffineMotion::extension(0.016, 0.3)),
           std::make_shared<AffineMotion>(AffineMotion::shear(0.2, -0.5)),
           std::make_shared<AffineMotion>(AffineMotion::rotation(0.1, {0.2, 0.4}, {0.05, -0.02})),
-          std::make_shared<ReversingVortex>(Vec2(0.5, 0.5), 0.4, 2.0, 12)};
+          std::make_shared<ReversingVortex>(Vec2(0.5, 0.5), 0.4, 2.0, 12),
+          std::make_shared<ShearBand>(0.1, 0.45, 0.2)};
 }
 
 TEST(Analytic, IncrementsBelongToTheirAnchor) {

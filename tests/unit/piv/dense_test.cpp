@@ -291,8 +291,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Asked{"gn", Smoothing::window, 2, 0.006, 0.010},
                     Asked{"fast", Smoothing::adaptive, 1, 0.012, 0.015},
                     Asked{"fft", Smoothing::adaptive, 1, 0.008, 0.012},
-                    Asked{"ncc", Smoothing::adaptive, 1, 0.008, 0.012},
-                    Asked{"dis", Smoothing::adaptive, 1, 0.25, 0.35}),
+                    Asked{"ncc", Smoothing::adaptive, 1, 0.008, 0.012}),
     [](const auto& tested) {
       const Asked& a = tested.param;
       return std::string(a.method) + "_" + std::string(name_of(a.smoothing)) + std::to_string(a.order);

@@ -6,9 +6,10 @@
 #include <fstream>
 
 #include "apps/study/frontier/frontier.hpp"
-#include "apps/study/frontier/known_pairs.hpp"
-#include "apps/study/frontier/mpm_frontier.hpp"
-#include "apps/study/frontier/piv_frontier.hpp"
+#include "apps/study/frontier/piv/known_pairs.hpp"
+#include "apps/study/frontier/mpm/mpm_frontier.hpp"
+#include "apps/study/frontier/piv/piv_frontier.hpp"
+#include "apps/study/frontier/tables.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/image/synthetic_pair.hpp"
 #include "tests/support/scratch.hpp"

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <memory>
 
-#include "apps/study/frontier/known_pairs.hpp"
+#include "apps/study/frontier/piv/known_pairs.hpp"
 #include "apps/study/stress/piv/piv_maps.hpp"
 #include "apps/study/stress/piv/vectors.hpp"
 #include "pivnp/core/error.hpp"
@@ -31,7 +31,14 @@ std::vector<MapPlan> piv_own_maps(const Case& c, const Setting& setting, image::
       const image::Motion shear = image::triangle_shear(slope);
       const Vec2 along(displacement * std::cos(0.6), displacement * std::sin(0.6));
       const KnownPair pair = frame->pair(name, [=](const Vec2& p) -> Vec2 { return along + shear(p); }, 1 + 37 * i + j);
-      return measured(own, frame->known.nodes, {pair.first, pair.second, pair.truth, frame->known.mask.view()}, frame->known.scored);
+      // Beyond its edges the frame is mirrored: what comes from there is no texture that moves.
+      const double rim = 0.5 * (displacement + 64 * slope + own.window_px);
+      std::vector<std::uint8_t> scored = frame->known.scored;
+      for (std::size_t k = 0; k < scored.size(); ++k) {
+        const double x_px = double(frame->known.nodes.pixel[k][0]), y_px = double(frame->known.nodes.pixel[k][1]);
+        if (x_px < rim || y_px < rim || x_px > frame->known.width - 1 - rim || y_px > frame->known.height - 1 - rim) scored[k] = 0;
+      }
+      return measured(own, frame->known.nodes, {pair.first, pair.second, pair.truth, frame->known.mask.view()}, scored);
     };
     all.push_back(std::move(plan));
   };

@@ -1,4 +1,4 @@
-#include "apps/study/frontier/known_pairs.hpp"
+#include "apps/study/frontier/piv/known_pairs.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -150,7 +150,7 @@ KnownPairs drawn_pairs(int side, int seed) {
     texture.loss = field.loss;
     auto scene = std::make_shared<image::SyntheticPair>(image::synthetic_pair(field.motion, side, side, texture));
     known.pairs.push_back({field.name, std::move(scene->first), std::move(scene->second),
-                           [scene](const Vec2& place, Anchor anchor) { return scene->truth(place, anchor); }, field.wavelength});
+                           [scene](const Vec2& place, Anchor anchor) { return scene->truth(place, anchor); }, field.wavelength, {}});
   }
   return known;
 }
@@ -161,7 +161,7 @@ KnownPair CarriedFrame::pair(const std::string& name, const image::Motion& motio
                         2 * number + (side > 0 ? 1 : 0));
   };
   return {name, draw(-1), draw(1),
-          [motion](const Vec2& place, Anchor anchor) { return motion(anchor == Anchor::central ? place : middle_of(motion, place, -1)); }};
+          [motion](const Vec2& place, Anchor anchor) { return motion(anchor == Anchor::central ? place : middle_of(motion, place, -1)); }, 0, {}};
 }
 
 CarriedFrame carried_frame(const Case& c, const Setting& setting, image::FrameSource& source, int threads, Progress& progress) {
@@ -188,6 +188,10 @@ CarriedFrame carried_frame(const Case& c, const Setting& setting, image::FrameSo
     from = int(at);
     field.score = found.score;
     field.status = found.status;
+    std::vector<double> sigmas;
+    for (std::size_t k = 0; k < found.cov.size(); ++k)
+      if (found.status[k] == VectorStatus::valid) sigmas.push_back(std::sqrt(0.5 * double(found.cov[k][0] + found.cov[k][1])));
+    known.shift = most.shift, known.slope = most.slope, known.sigma = median(std::move(sigmas), 0);
   }
   if (most.valid < 20)
     throw InputError(of_file(c) + ": found " + std::to_string(most.valid) + " valid vectors between frames " + std::to_string(from) + " and " +

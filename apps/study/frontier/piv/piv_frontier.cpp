@@ -1,11 +1,11 @@
-#include "apps/study/frontier/piv_frontier.hpp"
+#include "apps/study/frontier/piv/piv_frontier.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <memory>
 #include <type_traits>
 
+#include "apps/study/frontier/work.hpp"
 #include "apps/study/pipeline/statistics.hpp"
 #include "pivnp/core/choice.hpp"
 #include "pivnp/core/error.hpp"
@@ -18,11 +18,6 @@ namespace {
 
 using piv::PivOptions;
 
-struct Choice {
-  std::string name;
-  PivOptions options;
-};
-
 // What `options` say that `base` does not, as a command line has it.
 std::string keys_of(const PivOptions& options, const PivOptions& base) {
   std::string keys;
@@ -31,7 +26,7 @@ std::string keys_of(const PivOptions& options, const PivOptions& base) {
       if constexpr (std::is_same_v<std::decay_t<decltype(value)>, std::decay_t<decltype(before)>>) {
         if (name != other || value == before) return;
         std::string text;
-        if constexpr (pivnp::Choice<std::decay_t<decltype(value)>>) text = name_of(value);
+        if constexpr (Choice<std::decay_t<decltype(value)>>) text = name_of(value);
         else if constexpr (std::is_same_v<std::decay_t<decltype(value)>, std::string>) text = value;
         else if constexpr (std::is_same_v<std::decay_t<decltype(value)>, bool>) text = value ? "true" : "false";
         else text = number(double(value));
@@ -44,12 +39,28 @@ std::string keys_of(const PivOptions& options, const PivOptions& base) {
 
 bool same(const PivOptions& a, const PivOptions& b) { return keys_of(a, b) == "as it is"; }
 
-std::vector<Choice> choices(const PivOptions& base) {
-  std::vector<Choice> all;
+bool is_dense(const piv::PivMethod& method) { return method.family == piv::MethodFamily::gauss_newton && method.finest == 1; }
+
+// What acts alike is written alike: one name a method, what a method has no use for as it is by default, passes counted.
+PivOptions plainly(PivOptions o) {
+  const PivOptions plain;
+  const piv::PivMethod &recommended = *piv::piv_methods().begin(), &method = piv::piv_methods().at(o.method, "piv.method");
+  if (method.make == recommended.make) o.method = recommended.name;
+  if (!is_dense(method)) o.smoothing = plain.smoothing;
+  if (o.smoothing != piv::Smoothing::window) o.order = plain.order;
+  const bool dense = method.family == piv::MethodFamily::gauss_newton;
+  if (o.passes == (dense ? 3 : 4) || (dense && method.finest > 1)) o.passes = 0;
+  return o;
+}
+
+}  // namespace
+
+std::vector<PivChoice> piv_choices(const PivOptions& base) {
+  std::vector<PivChoice> all;
   const piv::PivMethod& recommended = *piv::piv_methods().begin();
   for (const piv::PivMethod& method : piv::piv_methods()) {
     if (&method != &recommended && method.make == recommended.make) continue;  // the same by another name
-    const bool dense = method.family == piv::MethodFamily::gauss_newton && method.finest == 1;
+    const bool dense = is_dense(method);
     const auto add = [&](int window, const std::string& more, const auto& change) {
       if (window < method.least_window_px) return;
       PivOptions o = base;
@@ -62,10 +73,6 @@ std::vector<Choice> choices(const PivOptions& base) {
       all.push_back({method.name + ", " + std::to_string(window) + " px" + more, o});
     };
     const auto nothing = [](PivOptions&) {};
-    if (method.family == piv::MethodFamily::optical_flow) {
-      add(32, "", nothing);
-      continue;
-    }
     for (const int window : dense ? std::vector<int>{16, 24, 32, 48, 64} : std::vector<int>{16, 32, 64}) add(window, "", nothing);
     if (!dense) continue;
     for (const int passes : {2, 5}) add(32, ", " + std::to_string(passes) + " passes", [passes](PivOptions& o) { o.passes = passes; });
@@ -77,6 +84,8 @@ std::vector<Choice> choices(const PivOptions& base) {
   return all;
 }
 
+namespace {
+
 struct Scored {
   double rms = NAN, bias = NAN, noise = NAN, gain = NAN;
   double valid = 0, wrong = 0;  // shares of the nodes scored
@@ -86,7 +95,7 @@ Scored scored(const KnownPairs& known, const KnownPair& pair, const piv::PixelVe
   constexpr double far_off = 0.5;  // px
   double sum[2] = {0, 0}, square[2] = {0, 0}, cross = 0, truths = 0, valid = 0, wrong = 0, all = 0;
   for (std::size_t k = 0; k < known.nodes.pixel.size(); ++k) {
-    if (!known.scored[k]) continue;
+    if (!(pair.scored.empty() ? known.scored[k] : pair.scored[k])) continue;
     ++all;
     if (found.status[k] != VectorStatus::valid) continue;
     ++valid;
@@ -124,7 +133,9 @@ double resolution(const std::vector<std::pair<double, double>>& gains) {
 
 }  // namespace
 
-FrontierStage piv_frontier(const KnownPairs& known, const PivOptions& base, bool own, int repeats, int threads, Progress& progress) {
+FrontierStage piv_frontier(const KnownPairs& known, const PivOptions& given, bool own, int repeats, int threads, Progress& progress,
+                           const std::vector<PivChoice>& only, std::size_t first_compared) {
+  const PivOptions base = plainly(given);
   FrontierStage stage;
   stage.name = "piv";
   stage.title = "Image correlation";
@@ -139,29 +150,30 @@ FrontierStage piv_frontier(const KnownPairs& known, const PivOptions& base, bool
                    {"wavelength_90_px", "λ90 (px)", "shortest wave of which 90 % is found; the shortest of the pairs where all are"},
                    {"efficiency_px2", "MEI (px²)", "noise times that wave-length, the metrological efficiency indicator: less is better"}};
 
-  std::vector<Choice> all = choices(base);
+  std::vector<PivChoice> all = only.empty() ? piv_choices(base) : only;
   const PivOptions standard = [&] {  // the case's own tests and anchor, else what is given to who says nothing
     PivOptions o = base;
     const PivOptions plain;
     o.method = plain.method, o.window_px = plain.window_px, o.smoothing = plain.smoothing, o.order = plain.order, o.passes = plain.passes;
     return o;
   }();
-  PivOptions mine = base;
-  const piv::PivMethod& recommended = *piv::piv_methods().begin();
-  if (piv::piv_methods().at(mine.method, "piv.method").make == recommended.make) mine.method = recommended.name;
-  if (own && std::none_of(all.begin(), all.end(), [&](const Choice& c) { return same(c.options, mine); })) all.push_back({mine.method + ", " + std::to_string(mine.window_px) + " px" + (mine.smoothing == piv::Smoothing::window ? ", subsets" : ""), mine});
+  if (own && std::none_of(all.begin(), all.end(), [&](const PivChoice& c) { return same(c.options, base); })) all.push_back({base.method + ", " + std::to_string(base.window_px) + " px" + (base.smoothing == piv::Smoothing::window ? ", subsets" : ""), base});
 
   struct Run {
     std::unique_ptr<piv::PairCorrelator> correlator;
     FrontierPoint point;
-    std::vector<double> seconds;  // of each pair, the least of its repeats
+    std::vector<std::vector<double>> seconds;  // of each pair, by repeat
     std::vector<Scored> pairs;
   };
   std::vector<Run> runs;
-  for (const Choice& c : all) {
+  for (const PivChoice& c : all) {
     Run run;
     try {
-      run.correlator = std::make_unique<piv::PairCorrelator>(c.options, known.nodes, known.width, known.height, threads);
+      const Effort work = measured(threads, [&] {  // with the buffers that it keeps from pair to pair
+        run.correlator = std::make_unique<piv::PairCorrelator>(c.options, known.nodes, known.width, known.height, threads);
+        run.correlator->correlate(known.pairs.front().first.view(), known.pairs.front().second.view(), known.mask.view());
+      });
+      run.point.bytes = work.bytes, run.point.instructions = work.instructions;
     } catch (const InputError& error) {
       stage.left_out.push_back(c.name + ": " + error.what());
       continue;
@@ -169,7 +181,7 @@ FrontierStage piv_frontier(const KnownPairs& known, const PivOptions& base, bool
     run.point.name = c.name;
     run.point.keys = keys_of(c.options, base);
     run.point.standard = same(c.options, standard);
-    run.point.own = own && same(c.options, mine);
+    run.point.own = own && same(c.options, base);
     if (run.point.own && run.point.keys == "as it is") run.point.keys = "the case as it is";
     runs.push_back(std::move(run));
   }
@@ -181,30 +193,31 @@ FrontierStage piv_frontier(const KnownPairs& known, const PivOptions& base, bool
         const KnownPair& pair = known.pairs[number];
         progress.update("settings", done++, total);
         if (progress.stop_requested()) throw Interrupted();
-        const auto start = std::chrono::steady_clock::now();
-        const piv::PixelVectors found = run.correlator->correlate(pair.first.view(), pair.second.view(), known.mask.view());
-        const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        if (repeat == 0) {
-          run.seconds.push_back(seconds);
-          run.pairs.push_back(scored(known, pair, found));
-        } else {
-          run.seconds[number] = std::min(run.seconds[number], seconds);  // what else the machine does only adds
-        }
+        piv::PixelVectors found;
+        const double seconds = seconds_of([&] { found = run.correlator->correlate(pair.first.view(), pair.second.view(), known.mask.view()); });
+        run.seconds.resize(known.pairs.size());
+        run.seconds[number].push_back(seconds);
+        if (repeat == 0) run.pairs.push_back(scored(known, pair, found));
       }
   progress.update("settings", total, total);
 
   for (Run& run : runs) {
     FrontierPoint& p = run.point;
-    p.seconds = median(run.seconds);
-    p.quickest = *std::min_element(run.seconds.begin(), run.seconds.end());
-    p.slowest = *std::max_element(run.seconds.begin(), run.seconds.end());
+    std::vector<double> of_repeats;  // of each, the median over the pairs
+    for (int repeat = 0; repeat < repeats; ++repeat) {
+      std::vector<double> of_pairs;
+      for (const std::vector<double>& seconds : run.seconds) of_pairs.push_back(seconds[std::size_t(repeat)]);
+      of_repeats.push_back(median(std::move(of_pairs)));
+    }
+    set_times(of_repeats, p);
     double square = 0, worst = 0, bias = 0, valid = 1, wrong = 0;
     std::vector<std::pair<double, double>> gains;
     for (std::size_t k = 0; k < known.pairs.size(); ++k) {
       const Scored& s = run.pairs[k];
-      square += s.rms * s.rms / double(known.pairs.size());  // NaN where a pair gave nothing
-      worst = std::max(worst, s.rms), bias = std::max(bias, s.bias), valid = std::min(valid, s.valid), wrong = std::max(wrong, s.wrong);
       if (known.pairs[k].wavelength > 0) gains.push_back({known.pairs[k].wavelength, s.gain});
+      if (k < first_compared) continue;
+      square += s.rms * s.rms / double(known.pairs.size() - first_compared);  // NaN where a pair gave nothing
+      worst = std::max(worst, s.rms), bias = std::max(bias, s.bias), valid = std::min(valid, s.valid), wrong = std::max(wrong, s.wrong);
     }
     p.error = std::sqrt(square);
     p.worst = worst;

@@ -19,6 +19,7 @@ struct KnownPair {
   Image first, second;
   std::function<Vec2(const Vec2& place, Anchor)> truth;  // displacement at a place (column, row), px
   double wavelength = 0;  // of a wave, px; 0: no wave
+  std::vector<std::uint8_t> scored;  // of each node; empty: those of KnownPairs
 };
 
 /// Pairs, and where they are measured.
@@ -28,6 +29,8 @@ struct KnownPairs {
   image::Mask mask;
   piv::NodeLattice nodes;
   std::vector<std::uint8_t> scored;  // of each node
+  double shift = 2, slope = 0.1;     // of a case: what the frames show, px and px/px from one to the next
+  double sigma = 0;                  // of a case: median stated standard deviation of a vector's component, px
   std::vector<KnownPair> pairs;      // the first is an even shift; waves follow, from long to short
 };
 

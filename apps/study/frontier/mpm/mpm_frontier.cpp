@@ -1,11 +1,11 @@
-#include "apps/study/frontier/mpm_frontier.hpp"
+#include "apps/study/frontier/mpm/mpm_frontier.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <optional>
 #include <set>
 
+#include "apps/study/frontier/work.hpp"
 #include "apps/study/methods/simulation.hpp"
 #include "apps/study/pipeline/simulation_scene.hpp"
 #include "mpm/scene/scene_setup.hpp"
@@ -22,7 +22,8 @@ constexpr double finer_cells = 0.5, coarser_cells = 2;  // whole factors: meshes
 struct Result {
   ParticleSet particles;
   MotionFrame last;
-  double seconds = 0, steps = 0;
+  Effort work;
+  double steps = 0;
 };
 
 // One unit of work in all, as the other settings count.
@@ -40,12 +41,15 @@ Result run(const Case& c, const Setting& setting, double factor, double end, int
   Setting coarse = setting;
   coarse.grid = coarsened(setting.grid, factor);
   Unseen unseen(progress);
-  const auto start = std::chrono::steady_clock::now();
-  mpm::Solver solver = make_solver(c, coarse, threads);
-  if (c.mpm->initial_equilibrium) solver.find_initial_equilibrium(unseen);
-  solver.advance_to(end, unseen);
-  Result r{solver.particles(), solver.frame(), 0, double(solver.steps())};
-  r.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  Result r;
+  r.work = measured(threads, [&] {
+    mpm::Solver solver = make_solver(c, coarse, threads);
+    if (c.mpm->initial_equilibrium) solver.find_initial_equilibrium(unseen);
+    solver.advance_to(end, unseen);
+    r.particles = solver.particles();
+    r.last = solver.frame();
+    r.steps = double(solver.steps());
+  });
   return r;
 }
 
@@ -100,7 +104,27 @@ struct Variant {
   std::string name, keys;
   mpm::MpmOptions options;
   bool own = false, standard = false;
+  bool coarser = true;  // on cells twice as large too
 };
+
+// The case's own with other numbers of points, and other steps.
+void add_points_and_steps(const mpm::MpmOptions& given, std::vector<Variant>& all) {
+  const Variant own = all.front();
+  const auto add = [&](const std::string& more, const std::string& keys, const auto& change) {
+    Variant v = own;
+    v.name += more, v.keys = keys;
+    v.own = v.standard = v.coarser = false;
+    change(v.options);
+    all.push_back(std::move(v));
+  };
+  for (const int points : {1, 4, 9, 16})
+    if (points != given.per_element)
+      add(", " + std::to_string(points) + (points == 1 ? " point a cell" : " points a cell"), "mpm.per_element=" + std::to_string(points),
+          [&](mpm::MpmOptions& o) { o.per_element = points; });
+  for (const double courant : {0.2, 0.4, 0.8})
+    if (courant != given.courant)
+      add(", step " + number(courant, 2) + " of the critical", "mpm.courant=" + number(courant, 2), [&](mpm::MpmOptions& o) { o.courant = courant; });
+}
 
 std::vector<Variant> variants(const mpm::MpmOptions& given) {
   const mpm::Scheme mine = mpm::scheme_of(given), standard = mpm::scheme_of([&] {
@@ -108,7 +132,7 @@ std::vector<Variant> variants(const mpm::MpmOptions& given) {
     o.gravity_m_s2 = given.gravity_m_s2;
     return o;
   }());
-  std::vector<Variant> all = {{"the case's", "the case as it is", given, true, false}};
+  std::vector<Variant> all = {{"the case's", "the case as it is", given, true, false, true}};
   for (const mpm::ShapeRow& shape : mpm::shapes())
     for (const mpm::TransferRow& transfer : mpm::transfers()) {
       if (transfer.value != transfer.runs() || shape.value != shape.runs()) continue;  // another one's kernel
@@ -133,6 +157,7 @@ std::vector<Variant> variants(const mpm::MpmOptions& given) {
       }
       all.push_back(std::move(v));
     }
+  add_points_and_steps(given, all);
   return all;
 }
 
@@ -173,17 +198,19 @@ FrontierStage mpm_frontier(const Case& c, const Setting& setting, double end, in
                    {"partners", "partners", "share of the material points that have a partner among the truth's"}};
   const std::vector<Variant> all = variants(*c.mpm);
   const double factors[] = {1, coarser_cells};
-  const std::int64_t total = 1 + std::int64_t(all.size() * std::size(factors));
+  std::int64_t total = 1;
+  for (const Variant& v : all) total += v.coarser ? 2 : 1;
   std::int64_t done = 0;
   progress.update("runs", done, total);
   const Result finest = run(c, setting, finer_cells, end, threads, progress);
   const Truth truth(finest);
   stage.made_of = "The case's own setting on cells " + number(finer_cells, 2) + " times as large (" + std::to_string(finest.particles.size()) +
-                  " material points, " + number(finest.seconds, 3) + " s) stands for the truth at t = " + number(end, 4) +
+                  " material points, " + number(finest.work.seconds, 3) + " s) stands for the truth at t = " + number(end, 4) +
                   " s; each setting ran on cells of the case's size and twice that.";
   std::vector<std::pair<double, double>> own;  // cells and errors of the case's setting
   for (const Variant& v : all)
     for (const double factor : factors) {
+      if (factor != 1 && !v.coarser) continue;
       progress.update("runs", ++done, total);
       Case changed = c;
       changed.mpm = v.options;
@@ -193,11 +220,12 @@ FrontierStage mpm_frontier(const Case& c, const Setting& setting, double end, in
       p.own = v.own && factor == 1;
       p.standard = v.standard && factor == 1;
       try {
-        Result r = run(changed, setting, factor, end, threads, progress);
-        for (int again = 0; again < 2 && r.seconds < 1; ++again)  // short runs: what else the machine does only adds
-          r.seconds = std::min(r.seconds, run(changed, setting, factor, end, threads, progress).seconds);
+        const Result r = run(changed, setting, factor, end, threads, progress);
+        std::vector<double> seconds = {r.work.seconds};
+        while (seconds.size() < 3 && r.work.seconds < 1) seconds.push_back(run(changed, setting, factor, end, threads, progress).work.seconds);
         const Difference d = difference(r, truth);
-        p.seconds = r.seconds;
+        set_times(seconds, p);
+        p.bytes = r.work.bytes, p.instructions = r.work.instructions;
         p.error = d.rms;
         p.columns = {setting.grid.spacing.x() * factor / c.mpm->refine, d.greatest, double(r.particles.size()), r.steps, d.alike};
         if (v.own) own.push_back({factor, d.rms});
@@ -213,7 +241,7 @@ FrontierStage mpm_frontier(const Case& c, const Setting& setting, double end, in
   if (found.order) {
     stage.floor = found.truth;
     stage.remarks.push_back("Observed order in the cell of the case's setting: " + number(*found.order, 2) + "; by it the case's cells leave an error of " +
-                            number(found.left, 2) + " " + unit + " rms, and the truth's " + number(found.truth, 2) + ": smaller differences than that say nothing.");
+                            number(found.left, 2) + " " + unit + " rms (grid convergence index of three meshes, factor of safety 1.25: " + number(1.25 * found.left, 2) + " " + unit + "), and the truth's " + number(found.truth, 2) + ": smaller differences than that say nothing.");
   } else if (own.size() == 1) {
     stage.floor = own.front().second;
     stage.remarks.push_back("On cells twice as large the case's setting does not run: the error of the reference itself is not known.");

@@ -1,0 +1,28 @@
+// What a piece of work takes: time, memory, instructions.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "apps/study/frontier/front.hpp"
+
+namespace pivnp::app {
+
+struct Effort {
+  double seconds = 0;
+  double bytes = 0;         // peak of what it held beyond what was held before; NaN: the system does not say
+  double instructions = 0;  // in user mode; NaN: not allowed, or several threads
+};
+
+/// Does `work` and says what it took. Bytes: the system's high-water mark of the resident set (VmHWM), reset before, less the
+/// resident set then, after the allocator gave back what it could; buffers made before are not in it. Instructions are counted
+/// (perf_event_open) where `threads` is 1: those of other threads cannot be told apart.
+Effort measured(int threads, const std::function<void()>& work);
+
+/// Time alone, s.
+double seconds_of(const std::function<void()>& work);
+
+/// Median, least and most into a point.
+void set_times(const std::vector<double>& seconds, FrontierPoint& point);
+
+}  // namespace pivnp::app
