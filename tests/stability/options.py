@@ -222,7 +222,7 @@ VALUES = {
     "synth.mpm": MPM | {"pressure": [(scheme, {}, {"water": SUBMERGED, "synth.material.soil": POROUS}) for scheme in ('"explicit"', '"projected"')], "domain_m": ["[[0.0, 0.0], [0.095, 0.095]]"]},
     "water": {"level_history": [("[[0.0, 0.1], [0.02, 0.12]]", {"level_m": None})], "surface_m": ["[[0.0, 0.1], [0.12, 0.09]]"],
               "start": [(f'"{start}"', {} if start != "zero" else {"level_m": None}) for start in ("hydrostatic", "seepage", "zero")],
-              **{key: [(value, {}, HEAT | {"material.soil": THERMAL, "water": {"level_m": None}})] for key, value in (
+              **{key: [(value, {}, HEAT | AT_ONCE | {"material.soil": THERMAL, "water": {"level_m": None}})] for key, value in (
                   ("thermal_expansion_1_k", "2e-4"), ("specific_heat_j_kg_k", "4200.0"))}},
     "verify": {"lost_share": [("0.5", {"displacement_rms_px": "5.0"})], "displacement_rms_px": ["5.0"], "strain_error": ["1.0"],
                "nodal_error": ["1.0"], "drift_px": ["5.0"], "drift_ratio": ["5.0"]},

@@ -68,7 +68,7 @@ pre { background: var(--tint); padding: .9rem 1.1rem; font-size: .72rem; line-he
 @page { size: A4; margin: 20mm; }
 @media (max-width: 640px) {
   html { font-size: 16px; } main { padding: 1.2rem .8rem 3rem; } .pair { grid-template-columns: 1fr; }
-  .picture.wide img { min-width: 38rem; }
+  .picture.wide img { min-width: 38rem; } caption > span { display: block; position: sticky; left: 0; max-width: calc(100vw - 1.6rem); }
   table.pairs tr { display: block; border-bottom: 1px solid var(--row); } table.pairs thead, table.pairs col { display: none; }
   table.pairs td { display: inline-block; width: 46%; border: 0; vertical-align: top; } table.pairs td:empty { display: none; }
   table.cards thead { position: absolute; left: -99rem; } table.cards col { display: none; }
@@ -152,8 +152,8 @@ class Writer {
   void add(const Table& t) {
     const bool pairs = std::all_of(t.head.begin(), t.head.end(), [](const std::string& text) { return text.empty(); });
     const bool cards = t.head.size() > 3 && t.head[0].size() + t.head[1].size() > 0 && !t.fine;
-    out_ += "<div class=\"scroll\" tabindex=\"0\"><table class=\"" + std::string(pairs ? "fine pairs" : t.fine ? "fine" : cards ? "cards" : "plain") + "\">\n<caption><b>Table " + std::to_string(++table_) + ".</b> " +
-            escape_html(t.caption) + "</caption>\n<colgroup>";
+    out_ += "<div class=\"scroll\" tabindex=\"0\"><table class=\"" + std::string(pairs ? "fine pairs" : t.fine ? "fine" : cards ? "cards" : "plain") + "\">\n<caption><span><b>Table " + std::to_string(++table_) + ".</b> " +
+            escape_html(t.caption) + "</span></caption>\n<colgroup>";
     for (double w : t.width) out_ += "<col style=\"width:" + std::to_string(int(std::lround(100 * w))) + "%\">";
     out_ += "</colgroup>\n<thead><tr>";
     for (std::size_t k = 0; k < t.head.size(); ++k)

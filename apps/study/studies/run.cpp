@@ -105,7 +105,7 @@ class Run {
   void follow_particles() {
     progress_.begin("particles");
     tracked_ = track(c_, setting_, frames_, source_.get(), closure_, *writer_, settings_.threads, progress_);
-    writer_->set_material("np");
+    if (!c_.regions.empty()) writer_->set_material("np");  // without any, all is material
   }
 
   void simulate_motion() {

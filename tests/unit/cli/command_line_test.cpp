@@ -315,7 +315,7 @@ TEST_F(CommandLine, FrontierTakesACaseFramesOrNeither) {
   EXPECT_EQ(fake_study().c.piv->window_px, 24);
   EXPECT_TRUE(fake_study().frontier.piv);
   expect_error(run_program({"frontier", "--set", "piv.window_px=24"}), 2, "--set: given without a case, expected CASE or --frames");
-  expect_error(run_program({"frontier", "--stages", "np"}), 2, "");
+  expect_error(run_program({"frontier", "--stages", "report"}), 2, "");
 }
 
 TEST_F(CommandLine, StressTakesSettingsOrNone) {

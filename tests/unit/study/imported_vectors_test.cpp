@@ -67,9 +67,11 @@ void write_as(const Format& format, const VectorField& field, const fs::path& fi
     for (int i = 0; i < field.grid.nx; ++i) {
       const std::size_t n = field.grid.node(i, j);
       const Vec2 x = field.grid.position(i, j);
+      // (Particles beside a surface read what was measured beyond it.)
+      const VectorStatus status = field.status[n] == VectorStatus::outside ? VectorStatus::valid : field.status[n];
       char row[160];
       std::snprintf(row, sizeof row, format.row, x.x() + format.first_pixel, height - 1 - x.y() + format.first_pixel,
-                    double(field.displacement[n][0]), -double(field.displacement[n][1]), format.codes[int(field.status[n])]);
+                    double(field.displacement[n][0]), -double(field.displacement[n][1]), format.codes[int(status)]);
       text += row;
     }
   std::ofstream(file, std::ios::binary) << text;
