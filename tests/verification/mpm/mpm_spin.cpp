@@ -79,8 +79,8 @@ TEST(MpmSpin, ABlockThatSpinsFreely) {
   const Spin from_F = spin("apic", "neo_hookean", 20, 4, turns);
   verification_row("elastic block, 12 free turns, default, 20 cells, 4 points a cell",
                    "angular momentum within 0.1 %, energy 1 %, tension at the centre 25 %", text(four));
-  verification_row("the same, 9 points a cell", "tension at the centre within 12 %", text(nine));
-  verification_row("the same, neo-Hookean, 4 points a cell", "tension within 2 % of the linear elastic block's", text(from_F));
+  verification_row("elastic block, 12 free turns, default, 20 cells, 9 points a cell", "tension at the centre within 12 %", text(nine));
+  verification_row("elastic block, 12 free turns, default, 20 cells, neo-Hookean", "tension within 2 % of the linear elastic block's", text(from_F));
   for (const Spin& s : {four, nine, from_F}) {
     EXPECT_NEAR(s.momentum, 1, 1e-3);
     EXPECT_NEAR(s.energy, 1, 0.01);
@@ -89,7 +89,7 @@ TEST(MpmSpin, ABlockThatSpinsFreely) {
   EXPECT_NEAR(nine.tension, 1, 0.12);
   EXPECT_NEAR(from_F.tension, four.tension, 0.02);
   const Spin coarse = spin("flip", "linear_elastic", 20, 4, 4), fine = spin("flip", "linear_elastic", 40, 4, 4);
-  verification_row("the same, FLIP, 4 turns, 20 and 40 cells", "angular momentum lost: below 2 % a turn, less on the finer cells",
+  verification_row("elastic block, 4 free turns, FLIP, 20 and 40 cells", "angular momentum lost: below 2 % a turn, less on the finer cells",
                    text(coarse) + "; " + text(fine));
   EXPECT_GT(coarse.momentum, 1 - 4 * 0.02);
   EXPECT_GT(fine.momentum, coarse.momentum);
