@@ -53,7 +53,9 @@ TEST(StageClock, MemoryIsOfTheStageThatHeldIt) {
   clock.end();
   const RunCost& cost = clock.cost();
   EXPECT_GE(cost.stages[0].peak_bytes, cost.before_bytes + 0.95 * double(size));
+#if !defined(__SANITIZE_ADDRESS__)  // which keeps for a while what was freed
   EXPECT_LT(cost.stages[1].peak_bytes, cost.stages[0].peak_bytes - 0.5 * double(size));
+#endif
 }
 
 // A block of texture within more of it: what lies beside the region is none of the material.
