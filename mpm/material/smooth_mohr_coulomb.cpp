@@ -220,6 +220,12 @@ SmoothMohrCoulomb::Here SmoothMohrCoulomb::correct(Point& p, Here here) const {
   return Here(*this, p);
 }
 
+// How far a step that is not resolved leaves the surface is no stress that the point had: its work is that between the stresses
+// on the surface, and no less than what it stores.
+double SmoothMohrCoulomb::work_of_unresolved(const Tensor& before, const Tensor& after, const Tensor& de) const {
+  return std::max(0.5 * (product(before, de) + product(after, de)), energy_of(after) - energy_of(before));
+}
+
 // Flow of an open point at its greatest mean stress, until it closes or `de` is through; the share of `de` used.
 //
 // Its deviator is bounded by a radius r (sand in flight carries some Pa, of 2 G |de| a step there may be hundreds), and
@@ -240,7 +246,8 @@ double SmoothMohrCoulomb::open_leg(Point& p, Here& here, const Tensor& de, doubl
       all = yielding(here, times(de, rest), true, here.within(), false);
     }
     const double way = length(all.stress);
-    const bool last = steady || way <= right || ++substeps > most_substeps, within = here.F < -right;
+    const bool there = steady || way <= right, enough = !there && ++substeps > most_substeps, last = there || enough;
+    const bool within = here.F < -right;
     if (size == 0) {  // to the surface; on it by the error that a corner makes
       const double along = 2 * elastic_.shear * product(surface_.gradient(here), deviator_of(de));
       const double radius = std::sqrt(2.0) * surface_.bar_on_surface(here);
@@ -274,8 +281,9 @@ double SmoothMohrCoulomb::open_leg(Point& p, Here& here, const Tensor& de, doubl
     end.stress = plus(p.stress, mean.stress);
     end.history += mean.history;
     end.opening = std::max(0.0, p.opening + mean.opening);
-    work += 0.5 * size * (product(p.stress, de) + product(end.stress, de));
+    if (!enough) work += 0.5 * size * (product(p.stress, de) + product(end.stress, de));
     here = correct(end, Here(*this, end));
+    if (enough) work += work_of_unresolved(p.stress, end.stress, times(de, size));
     p = end;
     if (p.opening <= closed) p.opening = 0;
     done = 1 - done - size < 1e-12 ? 1 : done + size;
@@ -333,8 +341,8 @@ void SmoothMohrCoulomb::integrate(Point& p, Here here, const Tensor& de, double&
       continue;
     }
     if (!enough) add_work(p.stress, end.stress, size);
-    here = correct(end, Here(*this, end));           // at constant strain: no work
-    if (enough) add_work(p.stress, end.stress, size);  // how far that one left the surface is no stress that the point had
+    here = correct(end, Here(*this, end));  // at constant strain: no work
+    if (enough) work += work_of_unresolved(p.stress, end.stress, part);
     p = end;
     done = 1 - done - size < 1e-12 ? 1 : done + size;
     double grow = error > 0 ? std::min(4.0, 0.9 * std::sqrt(stress_tolerance / error)) : 4.0;

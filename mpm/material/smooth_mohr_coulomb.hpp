@@ -48,6 +48,7 @@ class SmoothMohrCoulomb final : public Material {
   };
   Tensor stiff(const Tensor& strain) const;
   double energy_of(const Tensor& stress) const;
+  double work_of_unresolved(const Tensor& before, const Tensor& after, const Tensor& de) const;
   Strength strength_of(const Point& p, double mean) const;
   Rate rate(const Point& p, const Here& at, const Tensor& de, double way, bool flows) const;
   Rate yielding(const Here& at, const Tensor& de, bool held, double way, bool flows) const;
