@@ -91,7 +91,7 @@ class Module(unittest.TestCase):
                 self.same(getattr(vectors, name), getattr(expected, name))
             material = expected.status != 5  # outside: known once particles were followed
             self.same(vectors.status[material], expected.status[material])
-            self.assertTrue(20 < material.sum() < material.size)
+            self.assertTrue(10 < material.sum() < material.size, material.sum())
             self.assertEqual(vectors.pair, expected.pair)
         self.assertTrue((vectors.status == 1).sum() > 20)
         # One pair by itself is that of a sequence of two frames.
