@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "apps/study/frontier/front.hpp"
+#include "pivnp/core/progress.hpp"
 
 namespace pivnp::app {
 
@@ -24,5 +25,16 @@ double seconds_of(const std::function<void()>& work);
 
 /// Median, least and most into a point.
 void set_times(const std::vector<double>& seconds, FrontierPoint& point);
+
+/// Work that is one unit of a larger one: reports nothing, stops when that is asked to.
+class WithinProgress final : public Progress {
+ public:
+  explicit WithinProgress(Progress& whole) : whole_(whole) {}
+  void update(std::string_view, std::int64_t, std::int64_t) override {}
+  bool stop_requested() const override { return whole_.stop_requested(); }
+
+ private:
+  Progress& whole_;
+};
 
 }  // namespace pivnp::app

@@ -37,10 +37,7 @@ Columns find_columns(const std::vector<std::string>& h) {
 
 ImportedTable read_csv(const std::filesystem::path& file, double step) {
   TextLines lines(file);
-  std::string_view line;
-  do {
-    if (!lines.next(line)) throw InputError(file.string() + ": is empty, expected a line of column names");
-  } while (line.empty() || line.starts_with('#'));
+  std::string_view line = line_of_names(lines);
   const char separator = line.find(';') != line.npos ? ';' : line.find('\t') != line.npos ? '\t' : ',';
   const std::vector<std::string> header = header_of(line, separator);
   const Columns c = find_columns(header);

@@ -10,10 +10,7 @@ namespace pivnp::io {
 StressValues read_stress(const std::filesystem::path& file) {
   constexpr std::array names = {"x_m", "y_m", "stress_xx_pa", "stress_yy_pa", "stress_zz_pa", "stress_xy_pa"};
   TextLines lines(file);
-  std::string_view line;
-  do {
-    if (!lines.next(line)) throw InputError(file.string() + ": is empty, expected a line of column names");
-  } while (line.empty() || line.starts_with('#'));
+  std::string_view line = line_of_names(lines);
   const char separator = separator_of(line);
   const std::vector<std::string> header = header_of(line, separator);
   std::array<int, names.size()> column{};

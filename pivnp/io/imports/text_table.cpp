@@ -84,6 +84,14 @@ std::string column_name(std::string_view text) {
   return out;
 }
 
+std::string_view line_of_names(TextLines& lines) {
+  std::string_view line;
+  do {
+    if (!lines.next(line)) throw InputError(lines.file().string() + ": is empty, expected a line of column names");
+  } while (line.empty() || line.starts_with('#'));
+  return line;
+}
+
 std::vector<std::string> header_of(std::string_view line, char separator) {
   std::vector<std::string> names;
   for (const std::string_view cell : cells_of(line, separator)) names.push_back(column_name(cell));

@@ -17,6 +17,7 @@ class TextLines {
   TextLines& operator=(const TextLines&) = delete;
   /// False at the end. Neither the line's end nor a byte order mark is part of a line.
   bool next(std::string_view& line);
+  const std::filesystem::path& file() const { return file_; }
   int number() const { return number_; }  // of the line that was given last, from 1
   /// "FILE:LINE: ", of that line or another one.
   std::string at() const { return at(number_); }
@@ -42,6 +43,8 @@ char separator_of(std::string_view line);
 /// A column's name as it is looked for: small letters, no blanks, no quotation marks.
 std::string column_name(std::string_view text);
 
+/// The first line that is neither empty nor a remark (#). Throws InputError where there is none.
+std::string_view line_of_names(TextLines& lines);
 /// The names of the columns in a line.
 std::vector<std::string> header_of(std::string_view line, char separator);
 /// The cells of the line that was given last. Throws InputError with the line if there are not `columns` of them.

@@ -31,10 +31,7 @@ VectorStatus status_of(const TextLines& lines, std::string_view cell) {
 
 ImportedVectors read_csv_vectors(const std::filesystem::path& file, std::optional<double>) {
   TextLines lines(file);
-  std::string_view line;
-  do {
-    if (!lines.next(line)) throw InputError(file.string() + ": is empty, expected a line of column names");
-  } while (line.empty() || line.starts_with('#'));
+  std::string_view line = line_of_names(lines);
   const char separator = separator_of(line);
   const std::vector<std::string> header = header_of(line, separator);
   ImportedVectors out;

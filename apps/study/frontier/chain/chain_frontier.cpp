@@ -116,23 +116,12 @@ struct Verdicts {
   }
 };
 
-// Seen as one unit of work by who follows the whole.
-class Quiet final : public Progress {
- public:
-  explicit Quiet(Progress& progress) : progress_(progress) {}
-  void update(std::string_view, std::int64_t, std::int64_t) override {}
-  bool stop_requested() const override { return progress_.stop_requested(); }
-
- private:
-  Progress& progress_;
-};
-
 }  // namespace
 
 FrontierStage chain_frontier(const Case& given, bool own, const RunSettings& settings, int threads, Progress& progress) {
   if (!given.synth) throw InputError(of_file(given) + ": the whole chain needs a motion that is known; expected [synth]");
   Case c = given;
-  Quiet quiet(progress);
+  WithinProgress quiet(progress);
   const RunSettings drawing = in(settings, "drawn", threads);
   progress.update("drawing frames", 0, 1);
   const std::unique_ptr<image::FrameSource> source = case_frames(c, drawing, quiet);

@@ -26,21 +26,10 @@ struct Result {
   double steps = 0;
 };
 
-// One unit of work in all, as the other settings count.
-class Unseen final : public Progress {
- public:
-  explicit Unseen(Progress& progress) : progress_(progress) {}
-  void update(std::string_view, std::int64_t, std::int64_t) override {}
-  bool stop_requested() const override { return progress_.stop_requested(); }
-
- private:
-  Progress& progress_;
-};
-
 Result run(const Case& c, const Setting& setting, double factor, double end, int threads, Progress& progress) {
   Setting coarse = setting;
   coarse.grid = coarsened(setting.grid, factor);
-  Unseen unseen(progress);
+  WithinProgress unseen(progress);
   Result r;
   r.work = measured(threads, [&] {
     mpm::Solver solver = make_solver(c, coarse, threads);
