@@ -59,6 +59,8 @@ Scene GeneralisedVortex::scene(double cell, double points) const {
     const double r = X[k].norm(), area = s.particles.area[k];
     const Profile p(r);
     s.v0.push_back(amplitude * M_PI * p.h * Vec2(-X[k].y(), X[k].x()));
+    const double rate = amplitude * M_PI, x = X[k].x(), y = X[k].y(), h1 = p.h1 / r;
+    s.grad_v0.push_back({-rate * y * h1 * x, -rate * (p.h + y * h1 * y), rate * (p.h + x * h1 * x), rate * x * h1 * y});
     torque += area * r * (3 * p.h1 + r * p.h2);
     inertia += area * r * r;
   }

@@ -20,6 +20,8 @@ SolverState initial_state(const Scene& scene, const Scheme& scheme, const GridSt
   const std::size_t n = set.size();
   if (n == 0) throw InputError("mpm: the scene holds no particle");
   if (!scene.v0.empty() && scene.v0.size() != n) throw InputError("mpm: v0 needs one entry a particle, or none");
+  if (!scene.grad_v0.empty() && scene.grad_v0.size() != n)
+    throw InputError("mpm: grad_v0 needs one entry a particle, or none");
   if (!scene.stress0.empty() && scene.stress0.size() != n)
     throw InputError("mpm: stress0 needs one entry a particle, or none");
 
@@ -55,6 +57,8 @@ SolverState initial_state(const Scene& scene, const Scheme& scheme, const GridSt
       p.vy[k] = scene.v0[from].y();
       state.fastest = std::max(state.fastest, scene.v0[from].norm());
     }
+    if (!scene.grad_v0.empty() && !p.C_xx.empty())
+      std::tie(p.C_xx[k], p.C_xy[k], p.C_yx[k], p.C_yy[k]) = std::tuple_cat(scene.grad_v0[from]);
     if (!scene.stress0.empty() && !std::isnan(scene.stress0[from][0])) {
       if (materials[std::size_t(label)]->from_deformation())
         throw InputError("mpm: " + materials[std::size_t(label)]->name() +

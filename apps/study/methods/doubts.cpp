@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "apps/study/pipeline/simulation_scene.hpp"
+#include "mpm/scene/scene_setup.hpp"
 #include "pivnp/core/text.hpp"
 
 namespace pivnp::app {
@@ -56,6 +57,9 @@ std::vector<std::string> doubts(const mpm::MpmOptions& options, const mpm::Scene
   if (stiffest >= 100 * softest)
     all.push_back("One material is " + number(stiffest / softest, 3) +
                   " times as stiff as another: within a cell or two of where they meet the soft one is held by the stiff one, and a soft layer of four cells moves up to half less (mpm.refine).");
+  const bool turns = std::any_of(scene.grad_v0.begin(), scene.grad_v0.end(), [](const auto& L) { return std::abs(L[2] - L[1]) > 1e-3 * (std::abs(L[0]) + std::abs(L[3])); });
+  if (turns && !mpm::row_of(mpm::scheme_of(options).transfer).affine)
+    all.push_back("Material starts turning, and mpm.transfer carries no affine velocity: a body of five cells loses a quarter of its spin at once, one of ten cells 7 % (apic loses none).");
   if (share_in_thin_layers(options, scene) > 0.5)
     all.push_back("More than half of the material with friction lies in layers of one or two cells: sliding over a rough base they are wrong by a fifth and more, with three cells by a tenth (mpm.refine).");
   return all;

@@ -67,6 +67,10 @@ void put_initial_state(const Case& c, mpm::Scene& scene) {
         const Vec2 arm = set.x0[k] - centre;
         scene.v0[k] = velocity + o.spin_rad_s * Vec2(-arm.y(), arm.x());
       }
+      if (o.spin_rad_s != 0) {
+        scene.grad_v0.resize(set.size(), std::array<double, 4>{});
+        for (const std::size_t k : points) scene.grad_v0[k] = {0, -o.spin_rad_s, o.spin_rad_s, 0};
+      }
     }
     if (o.stress_pa.empty() && o.stress_file.empty()) continue;
     scene.stress0.resize(set.size(), Stress{std::numeric_limits<double>::quiet_NaN(), 0, 0, 0});

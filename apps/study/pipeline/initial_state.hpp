@@ -6,7 +6,7 @@
 
 namespace pivnp::app {
 
-/// Scene::v0 and stress0 of [initial.REGION]; left empty where no section asks for them. Throws InputError with file and key
+/// Scene::v0, grad_v0 and stress0 of [initial.REGION]; left empty where no section asks for them. Throws InputError with file and key
 /// for a stress file that cannot be read, or that ends before the region does.
 void put_initial_state(const Case& c, mpm::Scene& scene);
 

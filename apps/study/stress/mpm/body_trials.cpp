@@ -21,7 +21,11 @@ Trial swinging_bar(double amplitude, std::size_t finer) {
   t.scene.boundaries = {{"left", line_boundary({0, 0}, {0, 2 * wide_cell}, mpm::BoundaryType::roller)},
                         {"below", line_boundary({0, 0}, {1.5, 0}, mpm::BoundaryType::roller)},
                         {"above", line_boundary({0, 2 * wide_cell}, {1.5, 2 * wide_cell}, mpm::BoundaryType::roller)}};
-  for (const Vec2& x : t.scene.particles.x0) t.scene.v0.push_back({amplitude * wide_cell * omega * std::sin(M_PI / 2 * x.x() / length), 0});
+  const double wave = M_PI / 2 / length, speed = amplitude * wide_cell * omega;
+  for (const Vec2& x : t.scene.particles.x0) {
+    t.scene.v0.push_back({speed * std::sin(wave * x.x()), 0});
+    t.scene.grad_v0.push_back({speed * wave * std::cos(wave * x.x()), 0, 0, 0});
+  }
   return t;
 }
 
@@ -57,6 +61,7 @@ Trial flying_block(double degrees) {
   for (const Vec2& x : t.scene.particles.x0) {
     const Vec2 r = x - flight_from;
     t.scene.v0.push_back({flight_speed - rate * r.y(), rate * r.x()});
+    t.scene.grad_v0.push_back({0, -rate, rate, 0});
   }
   return t;
 }
