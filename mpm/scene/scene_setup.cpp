@@ -36,6 +36,10 @@ Scheme scheme_of(const MpmOptions& options) {
   return scheme;
 }
 
+bool steps_by_arrangement(const Scheme& scheme, bool water, bool heat) {
+  return scheme.shape == ShapeKind::bspline && scheme.takes_updated() && !water && !heat;
+}
+
 Materials materials_of(const Scene& scene, const std::vector<MaterialOptions>& constants) {
   Materials materials;
   for (std::size_t k = 0; k < constants.size(); ++k) {

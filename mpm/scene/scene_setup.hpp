@@ -13,6 +13,8 @@ namespace pivnp::mpm {
 
 /// The numerical choices a scheme's name stands for, with what the options say instead. Throws InputError naming the key.
 Scheme scheme_of(const MpmOptions& options);
+/// The schemes whose steps, where mpm.courant is left out, follow how the points lie (time_step.hpp).
+bool steps_by_arrangement(const Scheme& scheme, bool water, bool heat);
 
 /// The laws of `materials` (the scene's, or as they are at a time), one a label. Throws InputError naming the material.
 Materials materials_of(const Scene& scene, const std::vector<MaterialOptions>& materials);

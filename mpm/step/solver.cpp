@@ -66,11 +66,19 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
   restart_balance();
 }
 
+bool Solver::Impl::steps_by_arrangement() const {
+  return !options.courant && mpm::steps_by_arrangement(scheme, bool(water), bool(heat));
+}
+
+double Solver::Impl::courant() const {
+  return steps_by_arrangement() ? courant_of(state.own_frequency2) : options.courant.value_or(least_courant);
+}
+
 double Solver::Impl::longest_step() const {
   const double fastest = std::max(state.fastest, bodies.fastest());
-  const double of_waves = water ? stable_step_with_water(options.courant, g.grid.spacing.x(), g.grid.spacing.y(), state.wave_speed, fastest, state.diffusivity)
-                                : mpm::stable_step(options.courant, g.grid.spacing.minCoeff(), state.wave_speed, fastest);
-  return heat ? std::min(of_waves, options.courant * heat->longest_step(g)) : of_waves;
+  const double of_waves = water ? stable_step_with_water(courant(), g.grid.spacing.x(), g.grid.spacing.y(), state.wave_speed, fastest, state.diffusivity)
+                                : mpm::stable_step(courant(), g.grid.spacing.minCoeff(), state.wave_speed, fastest);
+  return heat ? std::min(of_waves, courant() * heat->longest_step(g)) : of_waves;
 }
 
 double Solver::Impl::next_change(double time) const {

@@ -42,6 +42,8 @@ std::vector<HeatSoil> take_heat(const MpmOptions& options, const Scene& scene);
 struct Solver::Impl {
   Impl(const MpmOptions& o, Scene s, int n_threads);
 
+  bool steps_by_arrangement() const;
+  double courant() const;
   double longest_step() const;
   double next_change(double time) const;
   double least_density() const { return *std::min_element(density.begin(), density.end()); }

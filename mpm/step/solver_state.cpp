@@ -95,6 +95,7 @@ void visit(Archive& a, State& s) {
   a.value(s.time);
   a.value(s.fastest);
   a.value(s.wave_speed);
+  a.value(s.own_frequency2);
   a.value(s.diffusivity);
   a.value(s.peak_kinetic);
   a.value(s.calm_since);

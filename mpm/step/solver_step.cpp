@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "mpm/grid/sweeps.hpp"
+#include "mpm/step/own_frequency.hpp"
 #include "mpm/step/solver_impl.hpp"
 
 namespace pivnp::mpm {
@@ -9,6 +10,7 @@ namespace pivnp::mpm {
 namespace {
 
 constexpr std::int64_t stiffness_every = 8;  // steps between looks at the wave speed
+constexpr std::int64_t arrangement_every = 8;  // steps between looks at how the points lie
 constexpr std::int64_t mass_every = 8;       // steps between looks at the mass of the water
 constexpr double sort_share = 0.05;          // of the points that may change cells between re-sorts of the storage
 constexpr double least_mass = 1e-5;          // of a full cell: lighter nodes move with a neighbour
@@ -129,6 +131,7 @@ void Solver::Impl::advance_nodes(const Cycle& c) {
     map_loads(c.dt, c.threads);
     update_momentum(g, c.gravity, scheme.damping, c.dt, c.threads);
   }
+  if (steps_by_arrangement() && state.steps % arrangement_every == 0) state.own_frequency2 = own_frequency2(p, g, c.threads);
   small_mass.join_momentum(g, scheme.damping, c.dt);
 }
 

@@ -82,11 +82,12 @@ void size_simulation(const Case& c, const Setting& setting, std::size_t frames, 
   size.states = o.output_rate_hz ? std::floor(end * *o.output_rate_hz) + 1 : double(frames);
   require_at_most(size.states, most_states, "states", "mpm.output_rate_hz", toml_text(o.output_rate_hz));
   const Laws materials(c, std::sqrt(grid.spacing.prod()));
-  size.steps = end / mpm::stable_step_with_water(o.courant, grid.spacing.x(), grid.spacing.y(), materials.fastest, 0,
+  const bool wet = materials.wet, longer = mpm::steps_by_arrangement(mpm::scheme_of(o), wet, c.heat.has_value());
+  size.steps = end / mpm::stable_step_with_water(o.courant.value_or(longer ? mpm::most_courant : mpm::least_courant), grid.spacing.x(), grid.spacing.y(), materials.fastest, 0,
                                                  materials.diffusivity);
-  const bool short_steps = o.courant < 0.01;
+  const bool short_steps = o.courant.value_or(1) < 0.01;
   require_at_most(size.steps, most_steps, "steps", short_steps ? "mpm.courant" : "mpm.end_s",
-                  toml_text(short_steps ? o.courant : end));
+                  toml_text(short_steps ? *o.courant : end));
   size.record_bytes = size.states * size.points * bytes_a_state;
   const mpm::Scheme scheme = mpm::scheme_of(o);
   const mpm::SceneNeeds needs = needs_of(c, materials.wet);

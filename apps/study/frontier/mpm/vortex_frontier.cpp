@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "apps/study/frontier/work.hpp"
@@ -48,13 +49,13 @@ std::vector<VortexSetting> vortex_settings() {
         s.standard = cell == usual_cell && usual;
         all.push_back(std::move(s));
       }
-  const auto add = [&](const std::string& name, const std::string& keys, double courant, double across) {
+  const auto add = [&](const std::string& name, const std::string& keys, std::optional<double> courant, double across) {
     VortexSetting s{"default, " + name + cells(usual_cell), keys, base, usual_cell, across, false};
     s.options.courant = courant;
     all.push_back(std::move(s));
   };
   for (const int k : {1, 3, 4}) add(std::to_string(k * k) + (k == 1 ? " point" : " points"), "mpm.per_element=" + std::to_string(k * k), base.courant, k);
-  for (const double courant : {0.2, 0.8}) add("step " + number(courant, 2) + " of the critical", "mpm.courant=" + number(courant, 2), courant, 2);
+  for (const double courant : {0.2, 0.4, 0.8}) add("step " + number(courant, 2) + " of the critical", "mpm.courant=" + number(courant, 2), courant, 2);
   return all;
 }
 
