@@ -55,7 +55,7 @@ struct MpmOptions {
     visit("damping", self.damping, OptionInfo{.text = "Cundall's local damping during the run (left out: 0; the thesis' program has 0.05)", .min = 0, .max = 1});
     visit("pic_per_s", self.pic_per_s, OptionInfo{.unit = "1/s", .text = "rate of blending from FLIP to PIC: a share 1 - exp(-rate dt) per step (left out: 0)", .min = 0});
     visit("xpic_order", self.xpic_order, OptionInfo{.text = "order of xpic: 1 is PIC, higher ones filter less", .min = 1, .max = 20});
-    visit("courant", self.courant, OptionInfo{.text = "time step over h/(c + |v|) (left out: 0.4, which holds however points lie; with B-splines and apic, dry, as long as their present arrangement allows, 0.8 at most)", .min = 0, .max = 1, .above_min = true});
+    visit("courant", self.courant, OptionInfo{.text = "time step over h/(c + |v|) (left out: 0.4, which holds however points lie; with B-splines and apic, without bodies, contact, water, heat and damping, as long as their present arrangement allows, 0.8 at most)", .min = 0, .max = 1, .above_min = true});
     visit("energy_limit", self.energy_limit, OptionInfo{.text = "the run stops when the energy residual passes this share of the energy supplied", .min = 0, .above_min = true});
     visit("end_at_rest", self.end_at_rest, OptionInfo{.text = "stop stepping once motion has ended; the states that follow repeat the last one"});
     visit("sleep_below_m_s", self.sleep_below_m_s, OptionInfo{.unit = "m/s", .text = "blocks of cells in which nothing moves half as fast are not stepped until something faster reaches them; the error by this is bounded and noted (not beside a [contact.NAME] or tied sides; left out: nothing sleeps)", .min = 0, .above_min = true});

@@ -36,8 +36,8 @@ Scheme scheme_of(const MpmOptions& options) {
   return scheme;
 }
 
-bool steps_by_arrangement(const Scheme& scheme, bool water, bool heat) {
-  return scheme.shape == ShapeKind::bspline && scheme.takes_updated() && !water && !heat;
+bool steps_by_arrangement(const Scheme& scheme, bool bodies_or_contact, bool coupled) {
+  return scheme.shape == ShapeKind::bspline && scheme.takes_updated() && !(scheme.damping > 0) && !bodies_or_contact && !coupled;
 }
 
 Materials materials_of(const Scene& scene, const std::vector<MaterialOptions>& constants) {

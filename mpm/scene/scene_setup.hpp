@@ -13,8 +13,9 @@ namespace pivnp::mpm {
 
 /// The numerical choices a scheme's name stands for, with what the options say instead. Throws InputError naming the key.
 Scheme scheme_of(const MpmOptions& options);
-/// The schemes whose steps, where mpm.courant is left out, follow how the points lie (time_step.hpp).
-bool steps_by_arrangement(const Scheme& scheme, bool water, bool heat);
+/// Whether steps, where mpm.courant is left out, follow how the points lie (time_step.hpp): B-splines with APIC and usl, undamped, without
+/// bodies and contact, whose impulses between few nodes ask for shorter ones. `coupled`: with water or heat.
+bool steps_by_arrangement(const Scheme& scheme, bool bodies_or_contact, bool coupled);
 
 /// The laws of `materials` (the scene's, or as they are at a time), one a label. Throws InputError naming the material.
 Materials materials_of(const Scene& scene, const std::vector<MaterialOptions>& materials);

@@ -67,7 +67,7 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
 }
 
 bool Solver::Impl::steps_by_arrangement() const {
-  return !options.courant && mpm::steps_by_arrangement(scheme, bool(water), bool(heat));
+  return !options.courant && mpm::steps_by_arrangement(scheme, !scene.bodies.empty() || !scene.contacts.empty(), water || heat);
 }
 
 double Solver::Impl::courant() const {

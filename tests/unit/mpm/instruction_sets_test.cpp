@@ -58,6 +58,7 @@ TEST(InstructionSets, AllGiveTheSameRun) {
       m.dilatancy_deg = 8;
       m.dilatancy_fade = 0.1;
       MpmOptions o = test::options({2, -9.81});
+      o.courant = 0.4;
       o.shape = value_named<ShapeKind>(s.shape);
       o.transfer = value_named<TransferKind>(s.transfer);
       o.stress_update = value_named<StressUpdate>(s.stress_update);
