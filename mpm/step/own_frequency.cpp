@@ -30,4 +30,18 @@ double own_frequency2(const Particles& p, const GridState& g, int threads) {
   return greatest.empty() ? 0 : *std::max_element(greatest.begin(), greatest.end());
 }
 
+double own_frequency2_at_start(const Particles& p, GridState& g) {
+  for_nodes(g, 1, [](Node& node, std::uint32_t) { node.mass = 0; });
+  Shapes::with(g.shape, [&](auto kind) {
+    using S = decltype(kind);
+    constexpr int W = S::width;
+    for_points<S>(p, g, {0, g.cells.size()}, [&](std::uint32_t k, const std::size_t* at, const auto& x, const auto& y) {
+      for (int n = 0; n < W * W; ++n) g.node[at[n]].mass += p.mass_of(k) * x.w[n % W] * y.w[n / W];
+    });
+  });
+  return own_frequency2(p, g, 1);
+}
+
+double held_frequency2(double before, double now) { return std::max(now, 0.995 * before); }
+
 }  // namespace pivnp::mpm

@@ -11,5 +11,11 @@ namespace pivnp::mpm {
 /// has 8 to 12, one among four in its cell 1 to 4, one of them at a surface 2 to 4. Call it between mapping and moving the
 /// points. The same bits for any number of threads. docs/theory/mpm.md#time-step-and-end-of-a-run.
 double own_frequency2(const Particles& p, const GridState& g, int threads);
+/// The same before the first step: maps the masses, which the nodes then keep.
+double own_frequency2_at_start(const Particles& p, GridState& g);
+
+/// What steps go by after another look. It rises at once, and falls by at most half a percent: steps whose lengths differ leave an
+/// error of first order in their difference.
+double held_frequency2(double before, double now);
 
 }  // namespace pivnp::mpm

@@ -7,6 +7,7 @@
 #include "mpm/scene/memory.hpp"
 #include "mpm/step/frames.hpp"
 #include "mpm/step/initial_equilibrium.hpp"
+#include "mpm/step/own_frequency.hpp"
 #include "mpm/step/solver_impl.hpp"
 #include "mpm/step/time_step.hpp"
 #include "pivnp/core/error.hpp"
@@ -58,6 +59,7 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
   fill_pores();
   start_heat();
   take_wave_speed(1);
+  if (steps_by_arrangement()) state.own_frequency2 = own_frequency2_at_start(p, g);
   if (o.k0 && !scene.stress0.empty()) throw InputError("mpm.k0: given together with a stress at the start, expected one of them");
   if (o.k0 && !o.initial_equilibrium) start_at_rest(gravity);
   change_strength(0);

@@ -28,7 +28,7 @@ struct SolverState {
   double time = 0;
   double fastest = 0;     // speed of the fastest point, m/s
   double wave_speed = 0;  // of the fastest compression wave, m/s
-  double own_frequency2 = 12;  // the greatest of a point against its nodes' masses (own_frequency.hpp); at first, a lone one's
+  double own_frequency2 = 12;  // the greatest of a point against its nodes' masses (own_frequency.hpp); a lone one's where it is not asked for
   double diffusivity = 0;  // of pore pressure, the greatest, m^2/s
   double peak_kinetic = 0;  // greatest kinetic energy of the nodes so far, J/m
   double calm_since = 0;    // time since which it has been a small share of that

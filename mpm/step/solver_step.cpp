@@ -131,7 +131,7 @@ void Solver::Impl::advance_nodes(const Cycle& c) {
     map_loads(c.dt, c.threads);
     update_momentum(g, c.gravity, scheme.damping, c.dt, c.threads);
   }
-  if (steps_by_arrangement() && state.steps % arrangement_every == 0) state.own_frequency2 = own_frequency2(p, g, c.threads);
+  if (steps_by_arrangement() && state.steps % arrangement_every == 0) state.own_frequency2 = held_frequency2(state.own_frequency2, own_frequency2(p, g, c.threads));
   small_mass.join_momentum(g, scheme.damping, c.dt);
 }
 

@@ -36,7 +36,9 @@ std::vector<Row> rows_of_toe(double h, double from, double to) {
   Scene s = scene(Grid{{0, 0}, {h, h}, int(std::lround(0.6 / h)) + 1, int(std::lround(0.27 / h)) + 1},
                   {{"sand", Polygon({{0, 0}, {0.33, 0}, {0.186, 0.25}, {0, 0.25}}, "sand")}}, {sand(43)});
   s.boundaries = {{"base", line({0, 0}, {0.6, 0}, "fixed")}, {"left", line({0, 0}, {0, 0.27}, "roller")}};
-  Solver solver(options({0, -9.81}), s, 1);
+  MpmOptions o = options({0, -9.81});
+  o.courant = 0.4;  // twice as long steps leave the rows a little more alike
+  Solver solver(o, s, 1);
   solver.advance_to(0.52, silent);
   const MotionFrame frame = solver.frame();
   const std::vector<Vec2>& x0 = s.particles.x0;
