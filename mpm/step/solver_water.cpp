@@ -134,6 +134,12 @@ void Solver::Impl::end_water(std::size_t k) {
   state.balance.inflow -= water->flowing_mass(p, k);
 }
 
+void Solver::Impl::follow_level(const Cycle& c) {
+  const PoreFlow came = water->follow_level(p, c.gravity, state.time, state.time + c.dt, c.threads);
+  state.balance.inflow += scene.water->density_kg_m3 * came.inflow;
+  state.balance.bodies += came.external;
+}
+
 void Solver::Impl::flow_water(const Cycle& c) {
   if (!water) return;
   const PoreFlow flow = water->projected()

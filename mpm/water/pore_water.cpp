@@ -58,6 +58,11 @@ PoreWater::PoreWater(const WaterOptions& options, std::vector<PoreSoil> soils, c
   for (std::size_t k = 0; k < at.size(); ++k)
     if (!std::isfinite(at[k][0]) || !std::isfinite(at[k][1]) || (k > 0 && !(at[k][0] > at[k - 1][0])))
       throw InputError("water.level_history: entry " + std::to_string(k + 1) + " is not finite or not later than the one before, expected rising times");
+  if (imposed() && !options.level_m && at.empty())
+    throw InputError("water.groundwater: found 'level' without a level, expected water.level_m or level_history");
+  if (imposed() && !options.surface_m.empty()) throw InputError("water.surface_m: given beside water.groundwater = \"level\", expected one of them");
+  if (imposed() && boundaries_.any_level())
+    throw InputError("water.groundwater: found 'level' beside a boundary with water_level_m, expected 'flow'");
   const std::size_t before = before_nodes(g);
   const auto field = [&](std::size_t k) { return g.arrays.flow[k].data() + before; };
   field_ = {field(0), field(1), field(2), field(3), field(4), field(5), field(6), field(7), field(8), field(9), field(10), field(11), nullptr, nullptr, g.grid.nx};
@@ -68,13 +73,41 @@ PoreWater::PoreWater(const WaterOptions& options, std::vector<PoreSoil> soils, c
   else if (!options.surface_m.empty()) reference_.y() = surface_at(reference_.x());
 }
 
-void PoreWater::set_time(double time) {
+double PoreWater::level_at(double time) const {
   const Points& at = options_.level_history;
-  if (at.empty()) return;
+  if (at.empty()) return *options_.level_m;
   std::size_t k = 0;
   while (k < at.size() && at[k][0] <= time) ++k;
-  if (k == 0 || k == at.size()) level_ = at[k == 0 ? 0 : k - 1][1];
-  else level_ = at[k - 1][1] + (at[k][1] - at[k - 1][1]) * (time - at[k - 1][0]) / (at[k][0] - at[k - 1][0]);
+  if (k == 0 || k == at.size()) return at[k == 0 ? 0 : k - 1][1];
+  return at[k - 1][1] + (at[k][1] - at[k - 1][1]) * (time - at[k - 1][0]) / (at[k][0] - at[k - 1][0]);
+}
+
+void PoreWater::set_time(double time) {
+  if (!options_.level_history.empty()) level_ = level_at(time);
+}
+
+// The water that fits the change of pressure comes in, or leaves, where the point is.
+PoreFlow PoreWater::follow_level(Particles& p, const Vec2& gravity, double from, double to, int threads) const {
+  if (!imposed() || !level_moves() || !(gravity.y() < 0)) return {};
+  const double before = level_at(from), after = level_at(to), weight = options_.density_kg_m3 * -gravity.y();
+  if (before == after) return {};
+  std::vector<PoreFlow> parts((p.size() + chunk - 1) / chunk);
+  for_each(parts.size(), threads, [&](std::size_t part) {
+    for (std::size_t k = part * chunk; k < std::min(p.size(), (part + 1) * chunk); ++k) {
+      if (p.cell[k] == Particles::ended || !flows(p, k)) continue;
+      const double more = weight * (std::max(0.0, after - p.y[k]) - std::max(0.0, before - p.y[k]));
+      if (more == 0) continue;
+      const double volume = p.volume0[k] * pores_of(p, k, soil_of(p, k)) * more / options_.bulk_modulus_pa, stored_before = stored(p, k, gravity);
+      p.content[k] += volume / p.volume0[k];
+      p.pressure[k] += more;
+      p.excess[k] += p.J[k] * more;
+      parts[part].inflow += volume;
+      parts[part].external += stored(p, k, gravity) - stored_before;
+    }
+  });
+  PoreFlow sum;
+  for (const PoreFlow& part : parts) sum.add(part);
+  return sum;
 }
 
 double PoreWater::outside_pressure(const Vec2& x, const Vec2& gravity) const {
