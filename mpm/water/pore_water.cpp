@@ -99,8 +99,9 @@ PoreFlow PoreWater::follow_level(Particles& p, const Vec2& gravity, double from,
       if (more == 0) continue;
       const double volume = p.volume0[k] * pores_of(p, k, soil_of(p, k)) * more / options_.bulk_modulus_pa, stored_before = stored(p, k, gravity);
       p.content[k] += volume / p.volume0[k];
-      p.pressure[k] += more;
-      p.excess[k] += p.J[k] * more;
+      const double pressure = p.pressure[k];
+      p.pressure[k] = projected() ? pressure + more : pressure_of(p, k, true);
+      p.excess[k] += p.J[k] * (p.pressure[k] - pressure);
       parts[part].inflow += volume;
       parts[part].external += stored(p, k, gravity) - stored_before;
     }
@@ -141,7 +142,7 @@ PoreView PoreWater::view(const Particles& p, const Vec2& gravity) const {
   const auto at = [](const Array& values) { return values.empty() ? nullptr : const_cast<double*>(values.data()); };
   const double density = options_.density_kg_m3;
   return {at(p.pressure), at(p.content), at(p.J_flow), at(p.excess), at(p.mobility), at(p.solid), alike_.mobility, alike_.solid,
-          options_.bulk_modulus_pa, density * gravity.x(), density * gravity.y(), -density * gravity.dot(reference_), p.outside, p.level, projected(), p.swelling.empty() ? nullptr : p.swelling.data()};
+          options_.bulk_modulus_pa, density * gravity.x(), density * gravity.y(), -density * gravity.dot(reference_), p.outside, p.level, projected(), p.swelling.empty() ? nullptr : p.swelling.data(), tears()};
 }
 
 double PoreWater::porosity(const Particles& p, std::size_t k) const {
@@ -149,11 +150,17 @@ double PoreWater::porosity(const Particles& p, std::size_t k) const {
   return soil.has_pores() ? 1 - (1 - soil.porosity) / p.J[k] : 0;
 }
 
+// As contents have it. `tears`: water that does not fill its pores bears no tension.
+double PoreWater::pressure_of(const Particles& p, std::size_t k, bool tears) const {
+  const double water = p.swelling.empty() ? p.content[k] : p.content[k] + p.swelling[k];
+  const double pressure = options_.bulk_modulus_pa * (water / pores_of(p, k, soil_of(p, k)) - 1);
+  return tears ? std::max(0.0, pressure) : pressure;
+}
+
 void PoreWater::refresh_point(Particles& p, std::size_t k, const PoreSoil& soil, const Vec2& gravity) const {
   const double J = p.J[k], outside = outside_pressure({p.x[k], p.y[k]}, gravity);
   const bool air = sees_air(gravity), holds = (air || p.content[k] > 0) && soil.holds_water();
-  p.pressure[k] = holds ? options_.bulk_modulus_pa * ((p.swelling.empty() ? p.content[k] : p.content[k] + p.swelling[k]) / pores_of(p, k, soil) - 1) : soil.has_pores() ? outside : 0;
-  if (air && holds) p.pressure[k] = std::max(0.0, p.pressure[k]);
+  p.pressure[k] = holds ? pressure_of(p, k, air || tears()) : soil.has_pores() ? outside : 0;
   p.J_flow[k] = J;
   p.excess[k] = J * (p.pressure[k] - outside);
 }
@@ -207,9 +214,10 @@ double PoreWater::stored(const Particles& p, std::size_t k, const Vec2& gravity)
 
 double PoreWater::swell(Particles& p, std::size_t k, double by) const {
   if (!flows(p, k)) return 0;
-  const double before = stored(p, k, Vec2::Zero()), more = options_.bulk_modulus_pa / pores_of(p, k, soil_of(p, k)) * by;
+  const double before = stored(p, k, Vec2::Zero()), pressure = p.pressure[k];
   p.swelling[k] += by;
-  p.pressure[k] += more;
+  p.pressure[k] = tears() ? pressure_of(p, k, true) : pressure + options_.bulk_modulus_pa / pores_of(p, k, soil_of(p, k)) * by;
+  const double more = p.pressure[k] - pressure;
   p.excess[k] += p.J[k] * more;
   return stored(p, k, Vec2::Zero()) - before;
 }
