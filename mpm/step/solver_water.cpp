@@ -88,6 +88,7 @@ void Solver::Impl::fill_pores() {
   if (!scene.water) return;
   for (std::size_t k = 0; k < pores.size(); ++k) {
     const auto& names = scene.particles.label_names;
+    pores[k].constrained_modulus = materials[k]->elastic().p_wave_modulus();
     if (!(pores[k].collapse > 0)) continue;
     if (materials[k]->from_deformation())
       throw InputError("material." + (k < names.size() ? names[k] : std::to_string(k)) + ".wetting_collapse: given beside " + materials[k]->name() +

@@ -86,7 +86,8 @@ void PoreWater::set_time(double time) {
   if (!options_.level_history.empty()) level_ = level_at(time);
 }
 
-// The water that fits the change of pressure comes in, or leaves, where the point is.
+// What comes in, or leaves, is what raises the pressure of a layer under constant total stress: it fits the compression of the water and
+// the swelling of the skeleton, which gives way by as much as the effective stress falls.
 PoreFlow PoreWater::follow_level(Particles& p, const Vec2& gravity, double from, double to, int threads) const {
   if (!imposed() || !level_moves() || !(gravity.y() < 0)) return {};
   const double before = level_at(from), after = level_at(to), weight = options_.density_kg_m3 * -gravity.y();
@@ -97,10 +98,12 @@ PoreFlow PoreWater::follow_level(Particles& p, const Vec2& gravity, double from,
       if (p.cell[k] == Particles::ended || !flows(p, k)) continue;
       const double more = weight * (std::max(0.0, after - p.y[k]) - std::max(0.0, before - p.y[k]));
       if (more == 0) continue;
-      const double volume = p.volume0[k] * pores_of(p, k, soil_of(p, k)) * more / options_.bulk_modulus_pa, stored_before = stored(p, k, gravity);
+      const PoreSoil& soil = soil_of(p, k);
+      const double stored_before = stored(p, k, gravity);
+      const double volume = p.volume0[k] * more * (pores_of(p, k, soil) / options_.bulk_modulus_pa + p.J[k] / soil.constrained_modulus);
       p.content[k] += volume / p.volume0[k];
       const double pressure = p.pressure[k];
-      p.pressure[k] = projected() ? pressure + more : pressure_of(p, k, true);
+      p.pressure[k] = projected() ? pressure + options_.bulk_modulus_pa * volume / (p.volume0[k] * pores_of(p, k, soil)) : pressure_of(p, k, true);
       p.excess[k] += p.J[k] * (p.pressure[k] - pressure);
       parts[part].inflow += volume;
       parts[part].external += stored(p, k, gravity) - stored_before;
