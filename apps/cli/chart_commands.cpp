@@ -1,4 +1,4 @@
-// Speed against accuracy, and where methods fail: frontier, stress.
+// Speed against accuracy, where methods fail, and what a simulation depends on: frontier, stress, sweep.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
@@ -12,6 +12,7 @@
 #include "apps/cli/commands.hpp"
 #include "apps/study/frontier/frontier.hpp"
 #include "apps/study/stress/stress.hpp"
+#include "apps/study/sweep/sweep.hpp"
 #include "pivnp/core/error.hpp"
 
 namespace pivnp::app {
@@ -123,6 +124,52 @@ Action declare_stress(CLI::App& app, Session& session) {
     const int code = print_charts(outcome.files, outcome.sentences, session);
     if (!session.quiet && outcome.kept > 0)
       session.out << "note: " << outcome.kept << " of " << outcome.combinations << " combinations are those of a run that was stopped\n";
+    return code;
+  };
+}
+
+Action declare_sweep(CLI::App& app, Session& session) {
+  struct Sweep {
+    Arguments arguments;
+    SweepOptions options;
+  };
+  const auto s = std::make_shared<Sweep>();
+  add_case(app, s->arguments);
+  add_out(app, s->arguments, "out/<name of the case's folder>/sweep");
+  app.add_option("--vary", s->options.vary, "a key and the values that it takes, as in --vary material.clay.friction_deg=10,11,12 (may be repeated; KEY+KEY=... sets several alike)")
+      ->type_name("KEY=VALUE,...")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->required();
+  app.add_flag("--grid", s->options.grid, "all combinations of the values (left out: one key at a time beside the case's own values)");
+  std::string names;
+  for (const SweepResponse& r : sweep_responses()) names += (names.empty() ? "" : ", ") + r.name;
+  app.add_option("--response", s->options.responses, "what is read off each run: " + names + " (left out: top_speed,run_out)")
+      ->type_name("NAME,...")
+      ->delimiter(',');
+  app.add_option("--zone", s->options.zone_m, "the particles that start in this box give displacement and speed (left out: those that move at least half as far as the one that moves most)")
+      ->type_name("X0,Y0,X1,Y1")
+      ->delimiter(',')
+      ->expected(4);
+  app.add_option("--fields", s->options.fields, "fields drawn of each run's end (left out: displacement_magnitude)")->type_name("NAME,...")->delimiter(',');
+  app.add_option("--jobs", s->options.jobs, "runs at a time (left out: as many as threads)")->type_name("N")->check(CLI::Range(1, 4096));
+  add_session(app, session);
+  return [s, &session] {
+    const Case c = load_case(s->arguments, session);
+    s->options.given = s->arguments.given;
+    std::error_code failed;
+    s->options.program = std::filesystem::read_symlink("/proc/self/exe", failed);
+    SweepOutcome outcome;
+    try {
+      TerminalProgress progress = progress_for(session);
+      outcome = sweep(c, s->options, settings_for(s->arguments, session, c, default_out(c) / "sweep"), progress);
+    } catch (const Interrupted&) {
+      session.err << "pivnp: the runs that were finished are kept; the same command continues\n";
+      throw;
+    }
+    const int code = print_charts(outcome.files, outcome.sentences, session);
+    const auto kept = std::count_if(outcome.runs.begin(), outcome.runs.end(), [](const SweepRun& run) { return run.kept; });
+    if (!session.quiet && kept > 0) session.out << "note: " << kept << " of " << outcome.runs.size() << " runs are those of an earlier call\n";
     return code;
   };
 }

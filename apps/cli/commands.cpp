@@ -47,6 +47,10 @@ const std::vector<Command>& commands() {
        "pivnp stress lab/case.toml --stages piv --seeds 4\n"
        "pivnp stress --stages piv --set piv.method=fft",
        declare_stress},
+      {"sweep", "simulate a case with other values of its keys, and chart what comes of it",
+       "pivnp sweep lab/case.toml --vary material.clay.permeability_m_s=1e-11,1e-9,1e-7 --vary material.clay.friction_deg=10,11,12\n"
+       "pivnp sweep lab/case.toml --grid --vary grid.spacing_m=0.5,0.25 --vary material.clay.band_exchange=deviation,none --response peak_band_pressure",
+       declare_sweep},
   };
   return table;
 }

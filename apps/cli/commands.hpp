@@ -38,6 +38,7 @@ Action declare_synth(CLI::App& app, Session& session);
 // Speed against accuracy, and where methods fail (chart_commands.cpp).
 Action declare_frontier(CLI::App& app, Session& session);
 Action declare_stress(CLI::App& app, Session& session);
+Action declare_sweep(CLI::App& app, Session& session);
 
 // On finished records, and on many cases (record_commands.cpp, verify_command.cpp).
 Action declare_compare(CLI::App& app, Session& session);

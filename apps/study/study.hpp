@@ -7,4 +7,5 @@
 #include "apps/study/studies/records.hpp"
 #include "apps/study/studies/run.hpp"
 #include "apps/study/studies/verify.hpp"
+#include "apps/study/sweep/sweep.hpp"
 #include "apps/study/synth/synthesize.hpp"

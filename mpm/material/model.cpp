@@ -96,6 +96,8 @@ void check_times(const MaterialOptions& o) {
   } else if (o.density_until_s) {
     refuse("density_until_s", *o.density_until_s, "density_end_kg_m3 beside it");
   }
+  if (o.reduction_of == ReductionOf::cohesion)
+    require(o.reduction_factor && o.cohesion_pa > 0, "reduction_of", o.reduction_factor.value_or(0), "a reduction_factor, and a cohesion to reduce");
   if (!o.reduction_until_s) return;
   require(o.reduction_factor.has_value(), "reduction_until_s", *o.reduction_until_s, "reduction_factor beside it");
   require(*o.reduction_until_s >= o.reduction_from_s, "reduction_until_s", *o.reduction_until_s, "reduction_from_s or more");
@@ -222,7 +224,13 @@ std::unique_ptr<Material> make_material(const MaterialOptions& o, const std::str
 
 MaterialOptions reduced(MaterialOptions options, double factor) {
   const MaterialModel* model = material_models().find(options.model);
-  if (model && model->reduce) model->reduce(options, factor);
+  if (!model || !model->reduce) return options;
+  if (options.reduction_of == ReductionOf::strength) {
+    model->reduce(options, factor);
+    return options;
+  }
+  options.cohesion_pa /= factor;
+  if (options.cohesion_residual_pa) *options.cohesion_residual_pa /= factor;
   return options;
 }
 

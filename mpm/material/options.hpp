@@ -24,6 +24,11 @@ struct OwnMaterialKey {
 /// Those of all laws.
 std::vector<OwnMaterialKey> own_material_keys();
 
+/// What reduction_factor divides.
+enum class ReductionOf { strength, cohesion };
+inline constexpr std::array reduction_of_names{NamedValue{"strength", ReductionOf::strength}, NamedValue{"cohesion", ReductionOf::cohesion}};
+constexpr const auto& names_of(ReductionOf) { return reduction_of_names; }
+
 /// How permeability follows porosity: not at all, or K n^3/(1 - n)^2 over what that is at the start.
 enum class PermeabilityLaw { constant, kozeny_carman };
 inline constexpr std::array permeability_law_names{NamedValue{"constant", PermeabilityLaw::constant},
@@ -73,6 +78,7 @@ struct MaterialOptions {
   std::optional<double> reduction_factor;
   double reduction_from_s = 0;
   std::optional<double> reduction_until_s;
+  ReductionOf reduction_of = ReductionOf::strength;
   std::optional<double> removed_s;
   std::optional<double> porosity;
   std::optional<double> permeability_m_s;
@@ -130,6 +136,7 @@ struct MaterialOptions {
     visit("reduction_factor", self.reduction_factor, OptionInfo{.text = "cohesion and tan(friction) are divided by it in time (left out: constant)", .min = 0, .above_min = true});
     visit("reduction_from_s", self.reduction_from_s, OptionInfo{.unit = "s", .text = "start of that change", .min = 0});
     visit("reduction_until_s", self.reduction_until_s, OptionInfo{.unit = "s", .text = "its end; linear between (left out: at once)", .min = 0});
+    visit("reduction_of", self.reduction_of, OptionInfo{.text = "strength: all that reduction_factor divides; cohesion: that alone, peak and residual"});
     visit("removed_s", self.removed_s, OptionInfo{.unit = "s", .text = "time at which it is removed, as in an excavation; one region per stage (left out: it stays)", .min = 0, .above_min = true});
     visit("porosity", self.porosity, OptionInfo{.text = "volume of the pores over total volume; [water] fills them (left out: no water in this material)", .min = 0, .max = 1, .above_min = true});
     visit("permeability_m_s", self.permeability_m_s, OptionInfo{.unit = "m/s", .text = "hydraulic conductivity K of Darcy's law, as a laboratory measures it at 9.81 m/s^2", .min = 0});

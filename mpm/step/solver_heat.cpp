@@ -23,7 +23,8 @@ std::vector<HeatSoil> take_heat(const MpmOptions& options, const Scene& scene) {
   if (options.sleep_below_m_s) throw InputError("mpm.sleep_below_m_s: given beside [heat], expected none: heat also flows in material at rest");
   if (!scene.water) return soils;
   const char* level = scene.water->level_m ? ".level_m" : !scene.water->level_history.empty() ? ".level_history" : nullptr;
-  if (level) throw InputError(std::string("water") + level + ": given beside [heat], expected none: all pores are full");
+  if (level && scene.water->groundwater != Groundwater::level)
+    throw InputError(std::string("water") + level + ": given beside [heat], expected water.groundwater = \"level\" with it: all pores are full");
   for (const auto& [name, b] : scene.boundaries)
     if (b.water_level_m) throw InputError("boundary." + name + ".water_level_m: given beside [heat], expected pressure_pa: all pores are full");
   return soils;

@@ -99,6 +99,7 @@ struct Solver::Impl {
   std::vector<double> undrained_stiffness() const;
   void choose_pressure();
   void carry_water(const Cycle& c);
+  void follow_level(const Cycle& c);
   void flow_water(const Cycle& c);
   void end_water(std::size_t k);
   void put_water(MotionFrame& frame);

@@ -40,6 +40,7 @@ Solver::Impl::Cycle Solver::Impl::begin_step(double dt) {
   if (work_in_steps()) c.moment = moment_of_mass();
   if (water) {
     water->set_time(state.time + 0.5 * dt);
+    follow_level(c);
     if (state.steps % mass_every == 0) carry_water(c);
     if (water_works_in_steps()) potential_energy = water->potential_energy(p, c.gravity, c.threads);
   }

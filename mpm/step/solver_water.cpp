@@ -88,6 +88,7 @@ void Solver::Impl::fill_pores() {
   if (!scene.water) return;
   for (std::size_t k = 0; k < pores.size(); ++k) {
     const auto& names = scene.particles.label_names;
+    pores[k].constrained_modulus = materials[k]->elastic().p_wave_modulus();
     if (!(pores[k].collapse > 0)) continue;
     if (materials[k]->from_deformation())
       throw InputError("material." + (k < names.size() ? names[k] : std::to_string(k)) + ".wetting_collapse: given beside " + materials[k]->name() +
@@ -132,6 +133,12 @@ void Solver::Impl::end_water(std::size_t k) {
   state.balance.potential -= potential;
   state.balance.carried += water->stored(p, k, loading.gravity(state.time));
   state.balance.inflow -= water->flowing_mass(p, k);
+}
+
+void Solver::Impl::follow_level(const Cycle& c) {
+  const PoreFlow came = water->follow_level(p, c.gravity, state.time, state.time + c.dt, c.threads);
+  state.balance.inflow += scene.water->density_kg_m3 * came.inflow;
+  state.balance.bodies += came.external;
 }
 
 void Solver::Impl::flow_water(const Cycle& c) {

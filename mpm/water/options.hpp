@@ -21,6 +21,11 @@ inline constexpr std::array water_start_names{NamedValue{"hydrostatic", WaterSta
                                               NamedValue{"zero", WaterStart::zero}};
 constexpr const auto& names_of(WaterStart) { return water_start_names; }
 
+/// What follows a level inside the material.
+enum class Groundwater { flow, level };
+inline constexpr std::array groundwater_names{NamedValue{"flow", Groundwater::flow}, NamedValue{"level", Groundwater::level}};
+constexpr const auto& names_of(Groundwater) { return groundwater_names; }
+
 struct WaterOptions {
   double density_kg_m3 = 1000;
   double bulk_modulus_pa = 2.2e9;
@@ -28,6 +33,7 @@ struct WaterOptions {
   Points level_history;
   std::optional<WaterStart> start;
   Points surface_m;
+  Groundwater groundwater = Groundwater::flow;
   double thermal_expansion_1_k = 3.4e-4;
   double specific_heat_j_kg_k = 4186;
 
@@ -39,6 +45,7 @@ struct WaterOptions {
     visit("level_history", self.level_history, OptionInfo{.unit = "s, m", .text = "times and heights of that surface, linear between and constant beyond (in place of level_m): the first height holds inside the material too; later heights are those of the water outside, while the water inside flows"});
     visit("start", self.start, OptionInfo{.text = "pressure at time 0: hydrostatic, below the level or surface_m; seepage, that of steady flow under the pressures at the boundaries and the level, with its surface and seepage faces; zero, in full pores (left out: hydrostatic with a level or surface_m, else zero)"});
     visit("surface_m", self.surface_m, OptionInfo{.unit = "m", .text = "the water's surface inside the material at time 0, points x, y from left to right, linear between and level beyond: pressure is hydrostatic below it, and the material above holds no water (left out: at the level)"});
+    visit("groundwater", self.groundwater, OptionInfo{.text = "flow: the water's surface inside the material moves with the flow; level: pores are full, above the level without pressure, and as the level changes, points gain or lose the water that changes their pressure, under constant total stress, as it changes the hydrostatic pressure of their place; excess pressure comes on top (ground whose water follows a reservoir over a time that is not simulated)"});
     visit("thermal_expansion_1_k", self.thermal_expansion_1_k, OptionInfo{.unit = "1/K", .text = "thermal expansion of its volume, with [heat]", .min = 0, .max = 0.01});
     visit("specific_heat_j_kg_k", self.specific_heat_j_kg_k, OptionInfo{.unit = "J/(kg K)", .text = "specific heat, with [heat]", .min = 0, .above_min = true});
   }

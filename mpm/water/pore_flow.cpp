@@ -213,6 +213,8 @@ PoreWater::Surface PoreWater::give_potential(const GridState& g, std::size_t n, 
   if (condition) {
     if (!condition->gives_pressure()) return by_load ? Surface::free : Surface::none;
     field_.potential[n] = given_pressure(*condition, x, gravity) - head(x, gravity);
+  } else if (imposed()) {
+    field_.potential[n] = outside_pressure(x, gravity) - head(x, gravity);
   } else {
     // With a level, the water's surface is at it, and not at the node that is next above.
     const double above = level_ ? std::max(0.0, x.y() - g.grid.spacing.y() - *level_) + *level_ - reference_.y() : 0;

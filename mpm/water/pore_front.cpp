@@ -48,6 +48,7 @@ bool PoreWater::has_front(const Particles& p, const Vec2& gravity, int threads) 
 }
 
 bool PoreWater::surface_may_move(const Particles& p) const {
+  if (imposed()) return false;
   if (boundaries_.any_level() || level_moves()) return true;
   for (std::size_t k = 0; k < p.size(); ++k)
     if (soil_of(p, k).holds_water() && filled(p, k) < 1 - full_but_for) return true;

@@ -136,10 +136,16 @@ double change_run(double rate, const PointView& p, const PoreView& w, const Cell
     const V evened = content + ((J - t.load(w.J_flow)) - fed), more = J * flowed;
     const V bulk = set(w.bulk), pores = hn::Max(set(least_pores), J - solid), per_pores = bulk / pores;
     const V swollen = w.swelling ? evened + t.load(w.swelling) : evened;
-    const V before = hn::MulSub(per_pores, swollen, bulk), mean = hn::MulAdd(set(0.5) * per_pores, more, before);
-    lost = lost - v0 * more * (mean - head);
     const V after = evened + more;
-    keep(p, w, t, holds, mobility, J, hn::IfThenElse(holds, after, content), hn::MulSub(per_pores, w.swelling ? swollen + more : after, bulk));
+    V pressure = hn::MulSub(per_pores, w.swelling ? swollen + more : after, bulk);
+    V before = hn::MulSub(per_pores, swollen, bulk), mean = hn::MulAdd(set(0.5) * per_pores, more, before);
+    if (w.tears) {
+      pressure = hn::Max(zero(), pressure);
+      before = hn::Max(zero(), before);
+      mean = set(0.5) * (before + pressure);
+    }
+    lost = lost - v0 * more * (mean - head);
+    keep(p, w, t, holds, mobility, J, hn::IfThenElse(holds, after, content), pressure);
   });
   return sum_of(lost);
 }

@@ -19,6 +19,7 @@ struct PoreSoil {
   double grain_density = 0;  // kg/m^3
   double collapse = 0;       // volumetric strain as the pores fill
   double bulk_modulus = 0;   // of the skeleton, Pa; where it collapses
+  double constrained_modulus = 0;  // of the skeleton, Pa; where the water follows a level
   bool drained = false;      // never another pressure than the hydrostatic one
 
   bool has_pores() const { return porosity > 0; }

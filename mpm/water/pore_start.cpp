@@ -37,6 +37,7 @@ void PoreWater::check_start(const Vec2& gravity) const {
   if (options_.start == WaterStart::zero && level_)
     throw InputError("water.start: found 'zero' beside a level, expected one of them");
   if (options_.start != WaterStart::seepage) return;
+  if (imposed()) throw InputError("water.start: found 'seepage' beside water.groundwater = \"level\", expected 'hydrostatic'");
   if (ties_->any()) throw InputError("water.start: found 'seepage' beside a tied boundary, expected 'hydrostatic' or 'zero'");
   if (projected() && (level_ || boundaries_.any_level()))
     throw InputError("water.start: found 'seepage' with a level beside mpm.pressure = \"projected\", expected \"explicit\"");
@@ -69,8 +70,8 @@ void PoreWater::fill_below_surface(Particles& p, const Vec2& gravity) const {
   for (std::size_t k = 0; k < p.size(); ++k) {
     const PoreSoil& soil = soil_of(p, k);
     const double above = has_surface() ? p.y[k] - surface_at(p.x[k]) : 0, weight = options_.density_kg_m3 * -gravity.y();
-    const bool full = soil.has_pores() && (!has_surface() || above < 0);
-    p.content[k] = full ? soil.porosity * (1 + (has_surface() ? -above * weight : 0) / options_.bulk_modulus_pa) : 0;
+    const bool full = soil.has_pores() && (!has_surface() || above < 0 || (imposed() && soil.holds_water()));
+    p.content[k] = full ? soil.porosity * (1 + (has_surface() ? std::max(0.0, -above) * weight : 0) / options_.bulk_modulus_pa) : 0;
     if (full && soil.drained) p.content[k] = soil.porosity;
     if (!full && soil.holds_water() && air)  // what the surface cuts
       p.content[k] = soil.porosity * std::max(0.0, 1 - above / std::sqrt(p.volume0[k]));

@@ -58,6 +58,11 @@ PoreWater::PoreWater(const WaterOptions& options, std::vector<PoreSoil> soils, c
   for (std::size_t k = 0; k < at.size(); ++k)
     if (!std::isfinite(at[k][0]) || !std::isfinite(at[k][1]) || (k > 0 && !(at[k][0] > at[k - 1][0])))
       throw InputError("water.level_history: entry " + std::to_string(k + 1) + " is not finite or not later than the one before, expected rising times");
+  if (imposed() && !options.level_m && at.empty())
+    throw InputError("water.groundwater: found 'level' without a level, expected water.level_m or level_history");
+  if (imposed() && !options.surface_m.empty()) throw InputError("water.surface_m: given beside water.groundwater = \"level\", expected one of them");
+  if (imposed() && boundaries_.any_level())
+    throw InputError("water.groundwater: found 'level' beside a boundary with water_level_m, expected 'flow'");
   const std::size_t before = before_nodes(g);
   const auto field = [&](std::size_t k) { return g.arrays.flow[k].data() + before; };
   field_ = {field(0), field(1), field(2), field(3), field(4), field(5), field(6), field(7), field(8), field(9), field(10), field(11), nullptr, nullptr, g.grid.nx};
@@ -68,13 +73,45 @@ PoreWater::PoreWater(const WaterOptions& options, std::vector<PoreSoil> soils, c
   else if (!options.surface_m.empty()) reference_.y() = surface_at(reference_.x());
 }
 
-void PoreWater::set_time(double time) {
+double PoreWater::level_at(double time) const {
   const Points& at = options_.level_history;
-  if (at.empty()) return;
+  if (at.empty()) return *options_.level_m;
   std::size_t k = 0;
   while (k < at.size() && at[k][0] <= time) ++k;
-  if (k == 0 || k == at.size()) level_ = at[k == 0 ? 0 : k - 1][1];
-  else level_ = at[k - 1][1] + (at[k][1] - at[k - 1][1]) * (time - at[k - 1][0]) / (at[k][0] - at[k - 1][0]);
+  if (k == 0 || k == at.size()) return at[k == 0 ? 0 : k - 1][1];
+  return at[k - 1][1] + (at[k][1] - at[k - 1][1]) * (time - at[k - 1][0]) / (at[k][0] - at[k - 1][0]);
+}
+
+void PoreWater::set_time(double time) {
+  if (!options_.level_history.empty()) level_ = level_at(time);
+}
+
+// What comes in, or leaves, is what raises the pressure of a layer under constant total stress: it fits the compression of the water and
+// the swelling of the skeleton, which gives way by as much as the effective stress falls.
+PoreFlow PoreWater::follow_level(Particles& p, const Vec2& gravity, double from, double to, int threads) const {
+  if (!imposed() || !level_moves() || !(gravity.y() < 0)) return {};
+  const double before = level_at(from), after = level_at(to), weight = options_.density_kg_m3 * -gravity.y();
+  if (before == after) return {};
+  std::vector<PoreFlow> parts((p.size() + chunk - 1) / chunk);
+  for_each(parts.size(), threads, [&](std::size_t part) {
+    for (std::size_t k = part * chunk; k < std::min(p.size(), (part + 1) * chunk); ++k) {
+      if (p.cell[k] == Particles::ended || !flows(p, k)) continue;
+      const double more = weight * (std::max(0.0, after - p.y[k]) - std::max(0.0, before - p.y[k]));
+      if (more == 0) continue;
+      const PoreSoil& soil = soil_of(p, k);
+      const double stored_before = stored(p, k, gravity);
+      const double volume = p.volume0[k] * more * (pores_of(p, k, soil) / options_.bulk_modulus_pa + p.J[k] / soil.constrained_modulus);
+      p.content[k] += volume / p.volume0[k];
+      const double pressure = p.pressure[k];
+      p.pressure[k] = projected() ? pressure + options_.bulk_modulus_pa * volume / (p.volume0[k] * pores_of(p, k, soil)) : pressure_of(p, k, true);
+      p.excess[k] += p.J[k] * (p.pressure[k] - pressure);
+      parts[part].inflow += volume;
+      parts[part].external += stored(p, k, gravity) - stored_before;
+    }
+  });
+  PoreFlow sum;
+  for (const PoreFlow& part : parts) sum.add(part);
+  return sum;
 }
 
 double PoreWater::outside_pressure(const Vec2& x, const Vec2& gravity) const {
@@ -108,7 +145,7 @@ PoreView PoreWater::view(const Particles& p, const Vec2& gravity) const {
   const auto at = [](const Array& values) { return values.empty() ? nullptr : const_cast<double*>(values.data()); };
   const double density = options_.density_kg_m3;
   return {at(p.pressure), at(p.content), at(p.J_flow), at(p.excess), at(p.mobility), at(p.solid), alike_.mobility, alike_.solid,
-          options_.bulk_modulus_pa, density * gravity.x(), density * gravity.y(), -density * gravity.dot(reference_), p.outside, p.level, projected(), p.swelling.empty() ? nullptr : p.swelling.data()};
+          options_.bulk_modulus_pa, density * gravity.x(), density * gravity.y(), -density * gravity.dot(reference_), p.outside, p.level, projected(), p.swelling.empty() ? nullptr : p.swelling.data(), tears()};
 }
 
 double PoreWater::porosity(const Particles& p, std::size_t k) const {
@@ -116,11 +153,17 @@ double PoreWater::porosity(const Particles& p, std::size_t k) const {
   return soil.has_pores() ? 1 - (1 - soil.porosity) / p.J[k] : 0;
 }
 
+// As contents have it. `tears`: water that does not fill its pores bears no tension.
+double PoreWater::pressure_of(const Particles& p, std::size_t k, bool tears) const {
+  const double water = p.swelling.empty() ? p.content[k] : p.content[k] + p.swelling[k];
+  const double pressure = options_.bulk_modulus_pa * (water / pores_of(p, k, soil_of(p, k)) - 1);
+  return tears ? std::max(0.0, pressure) : pressure;
+}
+
 void PoreWater::refresh_point(Particles& p, std::size_t k, const PoreSoil& soil, const Vec2& gravity) const {
   const double J = p.J[k], outside = outside_pressure({p.x[k], p.y[k]}, gravity);
   const bool air = sees_air(gravity), holds = (air || p.content[k] > 0) && soil.holds_water();
-  p.pressure[k] = holds ? options_.bulk_modulus_pa * ((p.swelling.empty() ? p.content[k] : p.content[k] + p.swelling[k]) / pores_of(p, k, soil) - 1) : soil.has_pores() ? outside : 0;
-  if (air && holds) p.pressure[k] = std::max(0.0, p.pressure[k]);
+  p.pressure[k] = holds ? pressure_of(p, k, air || tears()) : soil.has_pores() ? outside : 0;
   p.J_flow[k] = J;
   p.excess[k] = J * (p.pressure[k] - outside);
 }
@@ -174,9 +217,10 @@ double PoreWater::stored(const Particles& p, std::size_t k, const Vec2& gravity)
 
 double PoreWater::swell(Particles& p, std::size_t k, double by) const {
   if (!flows(p, k)) return 0;
-  const double before = stored(p, k, Vec2::Zero()), more = options_.bulk_modulus_pa / pores_of(p, k, soil_of(p, k)) * by;
+  const double before = stored(p, k, Vec2::Zero()), pressure = p.pressure[k];
   p.swelling[k] += by;
-  p.pressure[k] += more;
+  p.pressure[k] = tears() ? pressure_of(p, k, true) : pressure + options_.bulk_modulus_pa / pores_of(p, k, soil_of(p, k)) * by;
+  const double more = p.pressure[k] - pressure;
   p.excess[k] += p.J[k] * more;
   return stored(p, k, Vec2::Zero()) - before;
 }

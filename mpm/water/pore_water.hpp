@@ -63,6 +63,9 @@ class PoreWater {
 
   /// The water outside as it is at a time: call before what follows, at each step.
   void set_time(double time);
+  /// groundwater = "level": from one time to a later one contents follow the level, each at its place. What came in, and the energy
+  /// that the water in the pores gained by it.
+  PoreFlow follow_level(Particles& p, const Vec2& gravity, double from, double to, int threads) const;
   bool level_moves() const { return !options_.level_history.empty(); }
   /// Does the level move after that time?
   bool moves_after(double time) const { return !options_.level_history.empty() && time < options_.level_history.back()[0]; }
@@ -138,7 +141,11 @@ class PoreWater {
   const PoreSoil& soil_of(const Particles& p, std::size_t k) const { return soils_[std::size_t(set_->label[p.index[k]])]; }
   bool flows(const Particles& p, std::size_t k) const { return (p.content[k] > 0 || !front_.empty()) && soil_of(p, k).holds_water(); }
   double outside_pressure(const Vec2& x, const Vec2& gravity) const;
+  double pressure_of(const Particles& p, std::size_t k, bool tears) const;
+  bool tears() const { return imposed() && !projected(); }
   bool has_surface() const { return level_ || !options_.surface_m.empty(); }
+  bool imposed() const { return options_.groundwater == Groundwater::level; }
+  double level_at(double time) const;  // with a level
   double surface_at(double x) const;  // at the start
   void check_start(const Vec2& gravity) const;
   void fill_below_surface(Particles& p, const Vec2& gravity) const;
@@ -252,7 +259,7 @@ class PoreWater {
 
     double reached(double e) const { return std::max(share, std::clamp((e - bottom) / height, 0.0, 1.0)); }
   };
-  bool sees_air(const Vec2& gravity) const { return !projected() && gravity.y() < 0 && (has_surface() || boundaries_.any_level()); }
+  bool sees_air(const Vec2& gravity) const { return !projected() && !imposed() && gravity.y() < 0 && (has_surface() || boundaries_.any_level()); }
   double fringe(const Particles& p, std::size_t k, const Vec2& gravity) const;
   double filled(const Particles& p, std::size_t k) const;
   double potential_in_pores(const Particles& p, std::size_t k, double filled, const Vec2& gravity) const;

@@ -123,6 +123,7 @@ MATERIAL = {
     "bulk_pa": [("2e6", WATER, AT_ONCE)], "shear_pa": [("1e3", WATER, AT_ONCE)],
     "density_end_kg_m3": [("1650.0", DENSER)], "density_from_s": [("0.005", DENSER)], "density_until_s": [("0.015", DENSER)],
     "reduction_factor": [("1.2", SAND)], "reduction_from_s": [("0.005", WEAKER)], "reduction_until_s": [("0.015", WEAKER)],
+    "reduction_of": [('"strength"', WEAKER), ('"cohesion"', WEAKER | {"cohesion_pa": "1000.0"})],
     "removed_s": [("0.01", {}, {"region.soil": {"polygon_m": "[[0.0, 0.04], [0.08, 0.04], [0.08, 0.08], [0.0, 0.08]]"},
                                 "region.below": {"polygon_m": "[[0.0, 0.0], [0.08, 0.0], [0.08, 0.04], [0.0, 0.04]]"},
                                 "material.below": SIMULATION["material.soil"]})],
@@ -221,6 +222,7 @@ VALUES = {
                                                    "synth.material.below": SIMULATION["material.soil"]})]},
     "synth.mpm": MPM | {"pressure": [(scheme, {}, {"water": SUBMERGED, "synth.material.soil": POROUS}) for scheme in ('"explicit"', '"projected"')], "domain_m": ["[[0.0, 0.0], [0.095, 0.095]]"]},
     "water": {"level_history": [("[[0.0, 0.1], [0.02, 0.12]]", {"level_m": None})], "surface_m": ["[[0.0, 0.1], [0.12, 0.09]]"],
+              "groundwater": [('"flow"', {}), ('"level"', {})],
               "start": [(f'"{start}"', {} if start != "zero" else {"level_m": None}) for start in ("hydrostatic", "seepage", "zero")],
               **{key: [(value, {}, HEAT | AT_ONCE | {"material.soil": THERMAL, "water": {"level_m": None}})] for key, value in (
                   ("thermal_expansion_1_k", "2e-4"), ("specific_heat_j_kg_k", "4200.0"))}},

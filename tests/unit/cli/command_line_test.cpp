@@ -334,6 +334,26 @@ TEST_F(CommandLine, StressTakesSettingsOrNone) {
   expect_error(run_program({"stress", "--seeds", "0"}), 2, "");
 }
 
+TEST(CommandLine, SweepsACase) {
+  const Folder folder;
+  const std::string file = folder.write("case.toml", "name = \"lab\"\n[mpm]\nend_s = 1.0\noutput_rate_hz = 1.0\n[grid]\nspacing_m = 0.1\n[region.a]\npolygon_m = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]\n"
+                                               "[material.a]\nmodel = \"linear_elastic\"\ndensity_kg_m3 = 1.0\nyoung_pa = 1.0\n").string();
+  const Ran plain = run_program({"sweep", file, "--vary", "mpm.damping=0.1,0.2", "--vary", "mpm.courant=0.8", "--grid", "--response", "run_out,top_speed",
+                                 "--zone", "0,0,1,2", "--jobs", "3", "--set", "mpm.end_s=2.0"});
+  ASSERT_EQ(plain.code, 0) << plain.err;
+  EXPECT_EQ(fake_study().calls.back(), "sweep");
+  const SweepOptions& asked = fake_study().sweep;
+  EXPECT_EQ(asked.vary, (std::vector<std::string>{"mpm.damping=0.1,0.2", "mpm.courant=0.8"}));
+  EXPECT_TRUE(asked.grid);
+  EXPECT_EQ(asked.responses, (std::vector<std::string>{"run_out", "top_speed"}));
+  EXPECT_EQ(asked.zone_m, (std::vector<double>{0, 0, 1, 2}));
+  EXPECT_EQ(asked.jobs, 3);
+  EXPECT_EQ(asked.given, std::vector<std::string>{"mpm.end_s=2.0"});
+  EXPECT_FALSE(asked.program.empty());
+  EXPECT_NE(plain.out.find("sweep.html"), std::string::npos);
+  EXPECT_EQ(run_program({"sweep", file}).code, 2);
+}
+
 TEST_F(CommandLine, HelpShowsAnExampleForEveryCommand) {
   const Ran all = run_program({"--help"});
   EXPECT_EQ(all.code, 0);

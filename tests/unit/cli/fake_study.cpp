@@ -106,4 +106,13 @@ StressOutcome stress(const Case* c, const StressOptions& options, const RunSetti
   return {{}, {settings.out / "stress.html"}, {"All is flagged."}};
 }
 
+std::vector<SweepResponse> sweep_responses() { return {{"top_speed", "m/s", "speed"}}; }
+
+SweepOutcome sweep(const Case& c, const SweepOptions& options, const RunSettings& settings, Progress& progress) {
+  fake_study().sweep = options;
+  fake_study().c = c;
+  called("sweep", settings, progress);
+  return {{}, {settings.out / "sweep.html"}, {"It depends most on nothing."}};
+}
+
 }  // namespace pivnp::app

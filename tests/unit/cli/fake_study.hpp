@@ -23,6 +23,7 @@ struct FakeStudy {
   report::ReportOptions report;
   FrontierOptions frontier;
   StressOptions stress;
+  SweepOptions sweep;
   io::ExportOptions exported;
   bool vtkhdf = false;
   std::function<void(Progress&)> work;  // what every call does: throw, report progress, wait for a stop

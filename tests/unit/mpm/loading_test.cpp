@@ -142,6 +142,21 @@ TEST(Loading, ACutFailsWhenItsStrengthIsReduced) {
   EXPECT_EQ(solver.save(), again.save());
 }
 
+TEST(Loading, CohesionMayBeReducedAlone) {
+  MaterialOptions clay = elastic(2e7, 0.33, 2000);
+  clay.model = "mohr_coulomb";
+  clay.friction_deg = 28;
+  clay.cohesion_pa = 2000;
+  clay.cohesion_residual_pa = 500;
+  const MaterialOptions both = reduced(clay, 2);
+  EXPECT_NEAR(std::tan(both.friction_deg * M_PI / 180), std::tan(28 * M_PI / 180) / 2, 1e-12);
+  clay.reduction_of = ReductionOf::cohesion;
+  const MaterialOptions alone = reduced(clay, 2);
+  EXPECT_EQ(alone.friction_deg, 28);
+  EXPECT_EQ(alone.cohesion_pa, 1000);
+  EXPECT_EQ(alone.cohesion_residual_pa, 250);
+}
+
 TEST(Loading, StressStartsAtK0) {
   MpmOptions o = options({0, -10});
   o.initial_equilibrium = false;
@@ -193,6 +208,7 @@ TEST(Loading, NonsenseNamesItsKey) {
   expect("material.soil.density_until_s", [](auto&, auto& s) { s.materials[0].density_end_kg_m3 = 1.0; });
   expect("material.soil.density_until_s", [](auto&, auto& s) { s.materials[0].density_until_s = 1.0; });
   expect("material.soil.reduction_factor", [](auto&, auto& s) { s.materials[0].reduction_factor = 0.0; });
+  expect("material.soil.reduction_of", [](auto&, auto& s) { s.materials[0].reduction_of = ReductionOf::cohesion; });
   expect("material.soil.reduction_until_s", [](auto&, auto& s) {
     s.materials[0].reduction_factor = 2.0;
     s.materials[0].reduction_from_s = 2;

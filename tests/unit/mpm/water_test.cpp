@@ -267,6 +267,36 @@ TEST_P(PoreWaterBy, TheLevelOutsideMovesAsItIsTold) {
   EXPECT_LT(std::abs(lost_mass(solver.energy(), start)), 1e-11);
 }
 
+// A column under dead load whose water follows a level at once, impervious as it is: the pressure rises by that of the water over it and the
+// effective stress falls by as much; what lay dry of the level stays without pressure.
+TEST_P(PoreWaterBy, GroundwaterFollowsALevelThatIsImposed) {
+  WaterColumn c = small_column();
+  c.pressure = GetParam();
+  c.load = 0;
+  c.gravity = 9.81;
+  c.permeability = 1e-12;
+  Scene s = scene_of(c);
+  const double end = 0.02, low = 0.03, high = 0.05;
+  s.water->level_history = {{0.1 * end, low}, {0.6 * end, high}};
+  s.water->groundwater = Groundwater::level;
+  MpmOptions o = options_of(c);
+  o.initial_equilibrium = true;
+  o.damping = 0.1;
+  Solver solver(o, s, 1);
+  solver.find_initial_equilibrium(silent);
+  const EnergyRow start = solver.energy();
+  const MotionFrame before = solver.frame();
+  solver.advance_to(end, silent);
+  const MotionFrame after = solver.frame();
+  for (std::size_t k = 0; k < after.u.size(); ++k) {
+    const double y = s.particles.x0[k].y(), rise = 9810 * (std::max(0.0, high - y) - std::max(0.0, low - y));
+    EXPECT_NEAR(double(before.field("pressure")(k, 0)), 9810 * std::max(0.0, low - y), 1);
+    EXPECT_NEAR(double(after.field("pressure")(k, 0)) - double(before.field("pressure")(k, 0)), rise, 20) << y;
+  }
+  EXPECT_GT(solver.energy().water_inflow, 0);
+  EXPECT_LT(std::abs(lost_mass(solver.energy(), start)), 1e-11);
+}
+
 TEST(PoreWater, DrainedMaterialHasNoExcessPressure) {
   WaterColumn c = small_column();
   Scene s = scene_of(c);
@@ -400,6 +430,9 @@ TEST(PoreWater, RefusesWhatDoesNotFit) {
   EXPECT_THAT(told([](Scene& s, MpmOptions&) { s.boundaries.back().second.pressure_pa = 1; }), HasSubstr("boundary.load"));
   EXPECT_THAT(told([](Scene& s, MpmOptions&) { s.water->level_m = 1, s.water->level_history = {{0, 1}}; }), HasSubstr("water.level_history"));
   EXPECT_THAT(told([](Scene& s, MpmOptions&) { s.water->level_history = {{1, 1}, {1, 2}}; }), HasSubstr("water.level_history: entry 2"));
+  EXPECT_THAT(told([](Scene& s, MpmOptions&) { s.water->groundwater = Groundwater::level; }), HasSubstr("water.groundwater"));
+  EXPECT_THAT(told([](Scene& s, MpmOptions&) { s.water->groundwater = Groundwater::level, s.water->level_m = 1, s.water->start = WaterStart::seepage; }), HasSubstr("water.start"));
+  EXPECT_THAT(told([](Scene& s, MpmOptions&) { s.water->groundwater = Groundwater::level, s.water->level_m = 1, s.water->surface_m = {{0, 1}, {1, 1}}; }), HasSubstr("water.surface_m"));
   EXPECT_THAT(told([](Scene& s, MpmOptions& o) { s.water->level_history = {{0, 1}}, o.gravity_m_s2 = {5, -5}; }), HasSubstr("water.level_history"));
   EXPECT_THAT(told([](Scene& s, MpmOptions& o) { s.water->level_m = 1, o.gravity_m_s2 = {5, -5}; }), HasSubstr("water.level_m"));
   EXPECT_THAT(told([](Scene&, MpmOptions& o) { o.gravity_m_s2 = {0, -9.81}, o.initial_equilibrium = true; }), HasSubstr("water.level_m"));

@@ -1,0 +1,58 @@
+"""The data sets of slides that heat their own water, in small.
+
+usage: slide_cases.py PIVNP SOURCE
+"""
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import h5py
+import numpy as np
+
+program, source = sys.argv[1], pathlib.Path(sys.argv[2])
+scratch = pathlib.Path(tempfile.mkdtemp(prefix="pivnp-test-"))
+
+
+class Run:
+    def __init__(self, case, *changes):
+        out = scratch / f"{case}{len(list(scratch.iterdir()))}"
+        options = [part for change in changes for part in ("--set", change)]
+        done = subprocess.run([program, "simulate", source / "datasets" / case, "--out", out, "--threads", "1", "--quiet", *options], capture_output=True,
+                              text=True, stdin=subprocess.DEVNULL, timeout=900)
+        assert done.returncode == 0, done.stderr
+        with h5py.File(out / "record.h5") as record:
+            motion, energy = record["motion/mpm"], record["energy"]
+            self.time, self.x0, self.u = motion["time"][:], motion["x0"][:], motion["u"][:].astype("f8")
+            self.speed = np.linalg.norm(motion["v"][:].astype("f8"), axis=2)
+            self.pressure = motion["pressure"][:].astype("f8")
+            self.band = motion["band_pressure"][:].astype("f8") if "band_pressure" in motion else None
+            of = {name: energy[name][:] for name in energy}
+        self.moved = np.linalg.norm(self.u, axis=2)
+        made = of.get("heat_made")
+        self.heat_lost = 0 if made is None else np.abs(of["heat"] - of["heat"][0] - made - of["heat_inflow"]).max() / max(1e-30, np.abs(made).max())
+        self.water_lost = np.abs(of["water_mass"] - of["water_mass"][0] - of["water_inflow"]).max() / of["water_mass"].max()
+
+
+def check(what, value, low, high):
+    print(f"{what}: {value:.4g}, expected {low:.4g} to {high:.4g}")
+    assert low <= value <= high, what
+
+
+# The reference slope on cells of 0.5 m: it holds with 2 kPa, and farther than the pervious one goes the one that keeps its water.
+coarse = ("grid.spacing_m=0.5", "mpm.end_s=2.5", "mpm.courant=0.8", "water.bulk_modulus_pa=2.2e8")
+holds = Run("reference_slope", "material.soil.reduction_from_s=9.0", *coarse)
+tight = Run("reference_slope", *coarse)
+open_ = Run("reference_slope", "material.soil.permeability_m_s=1e-5", *coarse)
+check("reference slope with 2 kPa, m", holds.moved[-1].max(), 0, 0.05)
+check("with 1 kPa, m", tight.moved[-1].max(), 0.2, 10)
+check("K 1e-11 over K 1e-5, largest displacement", tight.moved[-1].max() / open_.moved[-1].max(), 1.0, 10)
+check("heat lost", tight.heat_lost, 0, 1e-9)
+check("water lost", tight.water_lost, 0, 1e-9)
+
+# Vajont on cells of 20 m: at rest while the reservoir is empty.
+rest = Run("vajont", "grid.spacing_m=20.0", "mpm.end_s=4.0")
+check("vajont at rest, m", rest.moved[-1].max(), 0, 1.5)
+check("vajont, speed at 4 s over that at its greatest", np.median(rest.speed[-1]) / max(1e-9, np.median(rest.speed, axis=1).max()), 0, 0.9)
+check("vajont, heat lost", rest.heat_lost, 0, 1e-9)
+check("vajont, water lost", rest.water_lost, 0, 1e-9)
