@@ -40,8 +40,16 @@ RowCover polygon_cover(std::vector<Vec2> vertices_px, int width) {
 }
 
 RowCover world_polygon_cover(const Points& points, const Camera& camera, int width, const std::string& what) {
-  // A homography takes straight sides to straight sides, so the vertices are enough.
+  // A homography takes straight sides to straight sides, so the vertices are enough; a lens bends them.
   std::vector<Vec2> vertices = Polygon(positions_of(points), what).vertices();
+  if (!camera.lens().straight()) {
+    constexpr int pieces = 32;
+    std::vector<Vec2> finer;
+    for (std::size_t k = 0; k < vertices.size(); ++k)
+      for (int n = 0; n < pieces; ++n)
+        finer.push_back(vertices[k] + n / double(pieces) * (vertices[(k + 1) % vertices.size()] - vertices[k]));
+    vertices = std::move(finer);
+  }
   for (Vec2& v : vertices) {
     v = camera.to_pixel(v);
     if (!v.allFinite()) throw InputError(what + ": a vertex lies beyond the camera's horizon");

@@ -17,13 +17,20 @@ namespace {
 
 std::string text(const Vec2& v) { return "(" + number(v.x()) + ", " + number(v.y()) + ")"; }
 
-// The largest upright rectangle whose corners come from those of the image less a margin: exact for a plain camera, on
-// the safe side for a homography.
+// An upright rectangle inside the image less a margin: exact for a plain camera, on the safe side for a homography. The
+// sides of what a lens sees are bent, so that more than their ends are asked.
 Extent inner_box(const image::Camera& camera, int width, int height, double margin) {
   const double left = margin, right = width - 1 - margin, top = margin, bottom = height - 1 - margin;
-  const Vec2 tl = camera.to_world({left, top}), tr = camera.to_world({right, top});
-  const Vec2 bl = camera.to_world({left, bottom}), br = camera.to_world({right, bottom});
-  return {{std::max(tl.x(), bl.x()), std::max(bl.y(), br.y())}, {std::min(tr.x(), br.x()), std::min(tl.y(), tr.y())}};
+  Extent box{Vec2::Constant(-std::numeric_limits<double>::infinity()), Vec2::Constant(std::numeric_limits<double>::infinity())};
+  const int pieces = camera.lens().straight() ? 1 : 32;
+  for (int k = 0; k <= pieces; ++k) {
+    const double column = left + (right - left) * k / pieces, row = top + (bottom - top) * k / pieces;
+    box.lower.x() = std::max(box.lower.x(), camera.to_world({left, row}).x());
+    box.upper.x() = std::min(box.upper.x(), camera.to_world({right, row}).x());
+    box.upper.y() = std::min(box.upper.y(), camera.to_world({column, top}).y());
+    box.lower.y() = std::max(box.lower.y(), camera.to_world({column, bottom}).y());
+  }
+  return box;
 }
 
 double spacing_of(const Case& c, const image::Camera& camera, int width, int height) {
