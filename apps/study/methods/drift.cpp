@@ -105,7 +105,7 @@ struct DriftCorrector::Impl {
   void match(const np::Tracker& tracker, const KeyFrame& key, const piv::SubsetImage& now, int frame,
              const std::vector<std::size_t>& wanted, double score,
              std::unordered_map<std::size_t, Direct>& found) const {
-    const image::Camera& camera = setting.camera;
+    const image::Camera &then = setting.camera_at(key.frame), &camera = setting.camera_at(frame);
     std::vector<std::size_t> asked;
     std::vector<piv::AffinePrediction> predictions;
     const auto state = tracker.state();
@@ -113,9 +113,9 @@ struct DriftCorrector::Impl {
       if (!key.alive[p]) continue;
       const auto particle = state[p];
       piv::AffinePrediction guess;
-      guess.from = camera.to_pixel(key.x[p]);
+      guess.from = then.to_pixel(key.x[p]);
       guess.to = camera.to_pixel(particle.x);
-      guess.A = camera.jacobian(guess.to).inverse() * particle.F * key.F[p].inverse() * camera.jacobian(guess.from);
+      guess.A = camera.jacobian(guess.to).inverse() * particle.F * key.F[p].inverse() * then.jacobian(guess.from);
       asked.push_back(p);
       predictions.push_back(guess);
     }
@@ -135,7 +135,7 @@ struct DriftCorrector::Impl {
     keep_those_in_line(predictions, off, good);
     for (std::size_t k = 0; k < asked.size(); ++k) {
       if (!good[k]) continue;
-      const Mat2 J0 = camera.jacobian(predictions[k].from), J1 = camera.jacobian(matches[k].to);
+      const Mat2 J0 = then.jacobian(predictions[k].from), J1 = camera.jacobian(matches[k].to);
       Direct d;
       d.x = camera.to_world(matches[k].to);
       Cov c = matches[k].cov;

@@ -9,6 +9,15 @@
 
 namespace pivnp::app {
 
+namespace {
+
+// Where the nodes of a pair are, and how what is at rest moves in it.
+piv::CameraStep camera_step(const Setting& setting, std::array<int, 2> pair, Anchor anchor) {
+  return {node_lattice(setting, pair, anchor).pixel, motion_at_rest(setting, pair)};
+}
+
+}  // namespace
+
 StepQuality quality_of(const VectorField& field) {
   StepQuality q;
   std::size_t asked = 0, valid = 0;
@@ -33,9 +42,10 @@ void measure(const Case& c, const Setting& setting, image::FrameSource& source, 
   const io::StageState done = writer.stage("piv");
   if (done.complete) return;
   const int frames = int(source.frames().size());
-  const piv::NodeLattice lattice = node_lattice(setting);
-  piv::SequenceCorrelator correlator(c.piv.value_or(piv::PivOptions{}), lattice, setting.width, setting.height,
-                                     threads);
+  piv::NodeLattice lattice = node_lattice(setting);
+  const piv::PivOptions options = c.piv.value_or(piv::PivOptions{});
+  const bool moves = !setting.cameras.empty();
+  piv::SequenceCorrelator correlator(options, lattice, setting.width, setting.height, threads);
   // Pairs are smoothed in groups: those of a group that was begun are measured again, with the same bits.
   const int first_pair = int(done.items);
   int from = first_pair - first_pair % piv::SequenceCorrelator::group;
@@ -44,12 +54,14 @@ void measure(const Case& c, const Setting& setting, image::FrameSource& source, 
   for (int k = from; first_pair + 1 < frames && k + 1 < frames; ++k) {
     if (progress.stop_requested()) throw Interrupted();
     Image after = source.read(k + 1);
-    correlator.add(before.view(), after.view(), setting.mask.view());
+    const auto camera = moves ? camera_step(setting, {k, k + 1}, options.anchor) : piv::CameraStep{};
+    correlator.add(before.view(), after.view(), setting.mask.view(), moves ? &camera : nullptr);
     before = std::move(after);
     progress.update("PIV", k + 1, frames - 1);
     if (correlator.held() < piv::SequenceCorrelator::group && k + 2 < frames) continue;
     for (const piv::PixelVectors& pixels : correlator.finish()) {
       if (from >= first_pair) {
+        if (moves) lattice = node_lattice(setting, {from, from + 1}, options.anchor);
         writer.add_pair(world_vectors(pixels, lattice, setting, {from, from + 1}));
         if (writer.segment_full("piv")) writer.close_segment("piv", {});
       }
@@ -61,8 +73,9 @@ void measure(const Case& c, const Setting& setting, image::FrameSource& source, 
 
 VectorField measure_pair(const Case& c, const Setting& setting, image::FrameSource& source, std::array<int, 2> pair,
                          int threads) {
-  const piv::NodeLattice lattice = node_lattice(setting);
-  piv::PairCorrelator correlator(c.piv.value_or(piv::PivOptions{}), lattice, setting.width, setting.height, threads);
+  const piv::PivOptions options = c.piv.value_or(piv::PivOptions{});
+  const piv::NodeLattice lattice = node_lattice(setting, pair, options.anchor);
+  piv::PairCorrelator correlator(options, lattice, setting.width, setting.height, threads);
   const Image first = source.read(pair[0]), second = source.read(pair[1]);
   return world_vectors(correlator.correlate(first.view(), second.view(), setting.mask.view()), lattice, setting, pair);
 }

@@ -233,7 +233,25 @@ Setting make_setting(const Case& c, int width, int height, const io::VectorFiles
   return setting;
 }
 
-piv::NodeLattice node_lattice(const Setting& setting) {
+void set_camera_motion(CameraMotion motion, Setting& setting) {
+  setting.cameras.clear();
+  for (std::size_t k = 0; k < motion.at.size(); ++k) setting.cameras.push_back(setting.camera.after(motion.matrix(k)));
+  setting.camera_motion = std::move(motion);
+}
+
+std::array<double, 6> motion_at_rest(const Setting& setting, std::array<int, 2> pair) {
+  const image::Camera &a = setting.camera_at(pair[0]), &b = setting.camera_at(pair[1]);
+  const double w = setting.width - 1, h = setting.height - 1;
+  // Linear about the middle of the image; a lens bends it by less than what is asked of it here.
+  const auto moved = [&](double column, double row) { return Vec2(b.to_pixel(a.to_world({column, row})) - Vec2(column, row)); };
+  const Vec2 middle = moved(w / 2, h / 2), dx = (moved(0.75 * w, h / 2) - moved(0.25 * w, h / 2)) / (0.5 * w),
+             dy = (moved(w / 2, 0.75 * h) - moved(w / 2, 0.25 * h)) / (0.5 * h), zero = middle - dx * w / 2 - dy * h / 2;
+  return {zero.x(), dx.x(), dy.x(), zero.y(), dx.y(), dy.y()};
+}
+
+piv::NodeLattice node_lattice(const Setting& setting) { return node_lattice(setting, {0, 0}, Anchor::forward); }
+
+piv::NodeLattice node_lattice(const Setting& setting, std::array<int, 2> pair, Anchor anchor) {
   const Grid& g = setting.grid;
   piv::NodeLattice lattice;
   lattice.nx = g.nx;
@@ -241,7 +259,9 @@ piv::NodeLattice node_lattice(const Setting& setting) {
   lattice.pixel.resize(g.node_count());
   for (int j = 0; j < g.ny; ++j)
     for (int i = 0; i < g.nx; ++i) {
-      const Vec2 px = setting.camera.to_pixel(g.position(i, j));
+      const Vec2 x = g.position(i, j);
+      Vec2 px = setting.camera_at(pair[0]).to_pixel(x);
+      if (!setting.cameras.empty() && anchor == Anchor::central) px = (px + setting.camera_at(pair[1]).to_pixel(x)) / 2;
       lattice.pixel[g.node(i, j)] = {float(px.x()), float(px.y())};
     }
   return lattice;
@@ -261,6 +281,7 @@ VectorField world_vectors(const piv::PixelVectors& pixels, const piv::NodeLattic
   out.status = pixels.status;
   out.score = pixels.score;
   out.correlation_length = pixels.correlation_px * static_cast<float>(setting.grid.spacing.x() / node_spacing_px(setting));
+  const image::Camera &first = setting.camera_at(pair[0]), &second = setting.camera_at(pair[1]);
   const std::size_t count = setting.grid.node_count();
   out.displacement.resize(count);
   out.cov.resize(count);
@@ -268,12 +289,14 @@ VectorField world_vectors(const piv::PixelVectors& pixels, const piv::NodeLattic
     const Vec2 at(double(lattice.pixel[n][0]), double(lattice.pixel[n][1]));
     const Vec2 d(double(pixels.displacement[n][0]), double(pixels.displacement[n][1]));
     const Vec2 start = pixels.anchor == Anchor::central ? Vec2(at - d / 2) : at;
-    const Vec2 moved = setting.camera.to_world(start + d) - setting.camera.to_world(start);
+    const Vec2 moved = second.to_world(start + d) - first.to_world(start);
     out.displacement[n] = {float(moved.x()), float(moved.y())};
     Mat2 cov;
     const auto& s = pixels.cov[n];
     cov << double(s[0]), double(s[2]), double(s[2]), double(s[1]);
-    const Mat2 J = setting.camera.jacobian(at);
+    if (!setting.cameras.empty())
+      for (const int frame : pair) cov.diagonal().array() += setting.camera_motion.variance(std::size_t(frame), at);
+    const Mat2 J = setting.camera_at(pair[0]).jacobian(at);
     const Mat2 world = J * cov * J.transpose();
     out.cov[n] = {float(world(0, 0)), float(world(1, 1)), float(world(0, 1))};
   }

@@ -21,6 +21,7 @@
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/region.hpp"
 #include "pivnp/core/text.hpp"
+#include "pivnp/image/rectify.hpp"
 
 namespace pivnp::app {
 
@@ -162,12 +163,20 @@ CheckOutcome checked(const Case& given, const RunSettings& settings, Progress& p
 
   report::CheckInput input;
   Image first;
+  image::DrawnFrame drawn_first;
+  const image::Mask drawn_mask = image::drawn_mask(setting.mask, setting.camera);
+  input.world_from_pixel = setting.camera.world_from_pixel();
   if (source) {
     first = source->read(0);
-    input.image = first.view();
+    drawn_first = image::drawn_frame(source->read(0), setting.camera);
+    input.image = drawn_first.image.view();
+    input.world_from_pixel = drawn_first.world_from_pixel;
+    if (!setting.camera.lens().straight()) {
+      input.to_world = [&setting](const Vec2& p) { return setting.camera.to_world(p); };
+      input.columns = setting.width, input.rows = setting.height;
+    }
   }
-  input.mask = setting.mask.view();
-  input.world_from_pixel = setting.camera.world_from_pixel();
+  input.mask = drawn_mask.view();
   input.length_unit = setting.camera.length_unit();
   input.grid = setting.grid;
   using Kind = report::Outline::Kind;
