@@ -29,7 +29,7 @@ std::vector<Figure> draw_camera_motion(const FigureInput& input) {
     residual.push_back(known ? p.residual : nan_value);
     agree.push_back(known ? double(p.agree) / p.points : 0);
   }
-  const double x = 17, w = 62, h = 15, gap = 7, top = 7;
+  const double x = 17, w = 62, h = 20, gap = 8, top = 7;
   auto canvas = std::make_shared<Canvas>(half_figure_mm, top + 3 * h + 2 * gap + 11);
   const double first = 0, last = std::max(1.0, frame.back());
   const auto panel_at = [&](int k, const std::string& label, std::initializer_list<const std::vector<double>*> curves, double least) {
