@@ -5,6 +5,7 @@
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 #include <utility>
 
 #include "pivnp/core/error.hpp"
@@ -59,11 +60,22 @@ int Calibration::used() const {
 std::vector<Vec2> board_corners(const ImageView& image, const Board& board) {
   check_board(board);
   std::vector<cv::Point2f> found;
-  const bool whole = cv::findChessboardCornersSB(eight_bits(image), cv::Size(board.columns, board.rows), found,
-                                                 cv::CALIB_CB_EXHAUSTIVE | cv::CALIB_CB_ACCURACY | cv::CALIB_CB_NORMALIZE_IMAGE);
+  const cv::Mat grey = eight_bits(image);
+  const cv::Size size(board.columns, board.rows);
+  bool whole = cv::findChessboardCornersSB(grey, size, found, cv::CALIB_CB_NORMALIZE_IMAGE);
+  if (!whole) whole = cv::findChessboardCornersSB(grey, size, found, cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_EXHAUSTIVE);
   std::vector<Vec2> out;
-  if (whole)
-    for (const cv::Point2f& p : found) out.emplace_back(double(p.x), double(p.y));
+  if (!whole) return out;
+  // To where all slopes about a corner point past it, over a third of a square to each side.
+  float least = INFINITY;
+  for (std::size_t k = 0; k + 1 < found.size(); ++k)
+    if ((k + 1) % std::size_t(board.columns) != 0) least = std::min(least, float(cv::norm(found[k + 1] - found[k])));
+  for (std::size_t k = 0; k + std::size_t(board.columns) < found.size(); ++k)
+    least = std::min(least, float(cv::norm(found[k + std::size_t(board.columns)] - found[k])));
+  const int half = std::clamp(int(least / 3), 2, 20);
+  cv::cornerSubPix(grey, found, cv::Size(half, half), cv::Size(-1, -1),
+                   cv::TermCriteria(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 100, 1e-4));
+  for (const cv::Point2f& p : found) out.emplace_back(double(p.x), double(p.y));
   return out;
 }
 

@@ -37,8 +37,8 @@ struct Calibration {
   int used() const;
 };
 
-/// The inner corners of a board in one image, to subpixels (Duda & Frese 2018, as OpenCV's findChessboardCornersSB has it);
-/// empty if the board is not seen as a whole.
+/// The inner corners of a board in one image: found as OpenCV's findChessboardCornersSB does (Duda & Frese 2018), refined to
+/// where the grey values' slopes about a corner are square to the way to it (Foerstner & Guelch 1987, cornerSubPix). Empty if the board is not seen as a whole.
 std::vector<Vec2> board_corners(const ImageView& image, const Board& board);
 
 /// The least sum of squared residuals over all views (Zhang 2000; of a fish-eye, Kannala & Brandt 2006), by OpenCV's

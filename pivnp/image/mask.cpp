@@ -111,10 +111,11 @@ RowCover cover_of(const MaskOptions& options, const Camera& camera, int width, i
 
 Mask make_mask(const std::vector<std::pair<std::string, MaskOptions>>& named, const Camera& camera, int width,
                int height, const std::filesystem::path& base) {
-  if (named.empty()) return {};
+  if (std::all_of(named.begin(), named.end(), [](const auto& entry) { return entry.second.moves(); })) return {};
   Mask mask(width, height);
   std::vector<std::uint8_t> covered(std::size_t(width), std::uint8_t{0});
   for (const auto& [name, options] : named) {
+    if (options.moves()) continue;
     const RowCover cover = cover_of(options, camera, width, height, base, "mask." + name);
     for (int r = 0; r < height; ++r) {
       std::fill(covered.begin(), covered.end(), std::uint8_t{0});

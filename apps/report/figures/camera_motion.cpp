@@ -46,7 +46,7 @@ std::vector<Figure> draw_camera_motion(const FigureInput& input) {
     return panel;
   };
   Panel shifts = panel_at(0, "shift (px)", {&right, &down}, 0.05);
-  Panel turns = panel_at(1, "turn (\u00b0), scale (%)", {&turn, &zoom}, 0.01);
+  Panel turns = panel_at(1, "\u00b0 and %", {&turn, &zoom}, 0.01);
   Panel residuals = panel_at(2, "residual (px)", {&residual}, 0.01);
   canvas->curve(shifts, frame, right, {blue, 1.1});
   canvas->curve(shifts, frame, down, {vermilion, 1.1, Dash::dashed});
@@ -56,8 +56,8 @@ std::vector<Figure> draw_camera_motion(const FigureInput& input) {
   double next = legend(*canvas, x, 2.5, Key::line, blue, "to the right");
   legend(*canvas, next, 2.5, Key::dashed, vermilion, "down");
   const double above = top + h + gap - 3.5;
-  next = legend(*canvas, x, above, Key::line, green, "turn");
-  legend(*canvas, next, above, Key::dashed, purple, "scale");
+  next = legend(*canvas, x, above, Key::line, green, "turn (\u00b0)");
+  legend(*canvas, next, above, Key::dashed, purple, "scale (%)");
   for (int k = 0; k < 3; ++k) canvas->text(x - 15, top + k * (h + gap) - 5, std::array{"(a)", "(b)", "(c)"}[std::size_t(k)], Align::top_left, {.bold = true});
   std::string caption =
       "Motion of what is at rest in the image, which is that of the camera and is removed from all vectors: (a) shift of the image\u2019s "

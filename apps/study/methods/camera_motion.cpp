@@ -221,6 +221,45 @@ CameraMotion find_camera_motion(const Case& c, const Setting& setting, image::Fr
   return motion;
 }
 
+void follow_masks(const Case& c, Setting& setting, image::FrameSource& source, int threads, Progress& progress) {
+  setting.moving_masks.require_frames(source.frames().size());
+  for (const auto& shape : setting.moving_masks.to_follow()) {
+    Case tool = c;
+    tool.camera_motion.model = image::MotionModel::rigid;
+    tool.camera_motion.subset_px = 31;
+    const std::string what = of_file(c) + ": mask." + shape.name + ".follow";
+    const Polygon inside(shape.outline, what);
+    const double reach = 0.35 * tool.camera_motion.subset_px;  // most of a subset lies on the tool
+    std::vector<Vec2> points = spread(setting, tool.camera_motion.subset_px, [&](const Vec2& p) {
+      for (const Vec2& d : {Vec2(0, 0), Vec2(reach, 0), Vec2(-reach, 0), Vec2(0, reach), Vec2(0, -reach)})
+        if (!inside.contains(p + d)) return false;
+      return true;
+    });
+    Setting square_on = setting;  // the tool is followed in the image as it is
+    square_on.camera = image::Camera();
+    Follower follower(tool, square_on, std::move(points), threads);
+    const Image first = source.read(0);
+    follower.start(first);
+    if (follower.size() < 2)
+      throw InputError(what + ": found " + std::to_string(follower.size()) + " subsets of " + std::to_string(tool.camera_motion.subset_px) +
+                       " px with texture in it, expected at least 2; a larger outline, or its motion from a file (motion)");
+    CameraMotion motion;
+    motion.centre = follower.centre();
+    motion.at.emplace_back();
+    const int frames = int(source.frames().size());
+    for (int k = 1; k < frames; ++k) {
+      if (progress.stop_requested()) throw Interrupted();
+      motion.at.push_back(follower.place(source.read(k), motion.at.back()));
+      if (motion.at.back().points == 0)
+        throw InputError(what + ": the tool was not found again in frame " + std::to_string(k) + " (" +
+                         source.frames()[std::size_t(k)].name + "), expected it within " + std::to_string(tool.camera_motion.search_px) +
+                         " px of where it was; camera.motion.search_px may be greater, or its motion is given by a file (motion)");
+      progress.update("tool " + shape.name, k, frames - 1);
+    }
+    setting.moving_masks.set_motion(shape.item, std::move(motion));
+  }
+}
+
 std::vector<std::string> camera_motion_remarks(const Case& c, const CameraMotion& motion, const std::vector<Frame>& frames) {
   std::vector<std::string> remarks;
   if (motion.empty()) return remarks;

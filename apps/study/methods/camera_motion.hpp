@@ -20,6 +20,11 @@ namespace pivnp::app {
 CameraMotion find_camera_motion(const Case& c, const Setting& setting, image::FrameSource& source, int threads,
                                 Progress& progress);
 
+/// Finds where the tools of [mask.NAME] with `follow` are in every frame, from the texture within their outlines: each frame
+/// is held against the first, as that of the camera is, with shift and rotation. Throws InputError: a tool without texture,
+/// or a sequence of mask images of another length than the frames.
+void follow_masks(const Case& c, Setting& setting, image::FrameSource& source, int threads, Progress& progress);
+
 /// What the camera's motion came to, and where what should be at rest is not: one sentence each.
 std::vector<std::string> camera_motion_remarks(const Case& c, const CameraMotion& motion, const std::vector<Frame>& frames);
 

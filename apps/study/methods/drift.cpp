@@ -65,7 +65,7 @@ struct DriftCorrector::Impl {
   std::shared_ptr<KeyFrame> key_frame(const np::Tracker& tracker, int frame, const ImageView& image) const {
     auto key = std::make_shared<KeyFrame>();
     key->frame = frame;
-    key->image.assign(image, setting.mask.view(), threads);
+    key->image.assign(image, mask_of(setting, frame, image).view(), threads);
     const auto state = tracker.state();
     for (std::size_t p = 0; p < state.size(); ++p) {
       const auto now = state[p];
@@ -217,7 +217,7 @@ struct DriftCorrector::Impl {
   }
 
   void correct(np::Tracker& tracker, int frame, const Image& image) {
-    const piv::SubsetImage now(image.view(), setting.mask.view(), threads);
+    const piv::SubsetImage now(image.view(), mask_of(setting, frame, image.view()).view(), threads);
     DriftRound round{frame, 0, 0, 0, 0};
     std::vector<std::size_t> wanted = living(tracker);
     round.alive = wanted.size();
@@ -253,7 +253,7 @@ struct DriftCorrector::Impl {
   }
 
   void follow_reference(np::Tracker& tracker, int frame, const Image& image, bool moves_on) {
-    const piv::SubsetImage now(image.view(), setting.mask.view(), threads);
+    const piv::SubsetImage now(image.view(), mask_of(setting, frame, image.view()).view(), threads);
     const std::vector<std::size_t> wanted = living(tracker);
     std::unordered_map<std::size_t, Direct> found;
     match(tracker, *kept, now, frame, wanted, moves_on ? good_score : min_score, found);

@@ -217,7 +217,10 @@ Setting make_setting(const Case& c, int width, int height, const io::VectorFiles
     setting.camera = image::make_camera(c.camera, width, height);
   else
     setting.camera = image::Camera(Mat3::Identity(), 0, c.camera.length_unit);  // simulation only: no pixels
-  if (width > 0) setting.mask = image::make_mask(c.masks, setting.camera, width, height, c.folder);
+  if (width > 0) {
+    setting.mask = image::make_mask(c.masks, setting.camera, width, height, c.folder);
+    setting.moving_masks = image::MovingMasks(c.masks, setting.camera, width, height, c.folder);
+  }
   for (const auto& [name, options] : c.regions) {
     const std::string what =
         of_file(c) + ": region." + name + (options.polygon_px.empty() ? ".polygon_m" : ".polygon_px");
@@ -231,6 +234,12 @@ Setting make_setting(const Case& c, int width, int height, const io::VectorFiles
                                Polygon({a, {b.x(), a.y()}, b, {a.x(), b.y()}}, "the grid")});
   }
   return setting;
+}
+
+image::Mask mask_of(const Setting& setting, int k, const ImageView& frame) {
+  image::Mask mask = setting.mask;
+  setting.moving_masks.apply(k, frame, mask);
+  return mask;
 }
 
 void set_camera_motion(CameraMotion motion, Setting& setting) {

@@ -12,6 +12,7 @@
 #include "pivnp/core/record/vectors.hpp"
 #include "pivnp/image/camera.hpp"
 #include "pivnp/image/mask.hpp"
+#include "pivnp/image/moving_mask.hpp"
 #include "pivnp/io/files/file_identity.hpp"
 #include "pivnp/io/imports/import_vectors.hpp"
 #include "pivnp/piv/piv.hpp"
@@ -37,7 +38,8 @@ struct Setting {
   image::Camera camera;               // of the first frame
   CameraMotion camera_motion;         // empty: the camera is at rest
   std::vector<image::Camera> cameras;  // one a frame where it moves (set_camera_motion)
-  image::Mask mask;
+  image::Mask mask;                   // of what stays where it is
+  image::MovingMasks moving_masks;
   Grid grid;                    // the shared nodes
   std::vector<Region> regions;  // in the world; the whole grid if the case names none
   bool imported = false;        // the nodes are those of other programs' vectors
@@ -45,6 +47,9 @@ struct Setting {
 
   const image::Camera& camera_at(int frame) const { return cameras.empty() ? camera : cameras.at(std::size_t(frame)); }
 };
+
+/// What may be used of frame `k`.
+image::Mask mask_of(const Setting& setting, int k, const ImageView& frame);
 
 /// From now on frame k of `setting` is seen by its camera after motion.at[k].
 void set_camera_motion(CameraMotion motion, Setting& setting);

@@ -182,6 +182,7 @@ class Run {
 
  private:
   void follow_camera() {
+    follow_masks(c_, setting_, *source_, settings_.threads, progress_);
     if (c_.camera_motion.from == image::RestSource::none) return;
     set_camera_motion(find_camera_motion(c_, setting_, *source_, settings_.threads, progress_), setting_);
     writer_->set_camera_motion(setting_.camera_motion);

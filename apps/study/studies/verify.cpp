@@ -122,6 +122,7 @@ Measurement draw_and_measure(const Case& c, const RunSettings& settings, Progres
   Setting setting = make_setting(c, source->width(), source->height());
   auto writer =
       std::make_unique<io::RecordWriter>(settings.out, record_head(c, setting, settings), false, settings.threads, lock);
+  follow_masks(c, setting, *source, settings.threads, progress);
   set_camera_motion(find_camera_motion(c, setting, *source, settings.threads, progress), setting);
   writer->set_camera_motion(setting.camera_motion);
   measure(c, setting, *source, *writer, settings.threads, progress);

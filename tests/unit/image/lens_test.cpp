@@ -112,7 +112,7 @@ TEST(Lens, BendsMaskSides) {
   CameraOptions o;
   o.lens = LensModel::brown;
   o.focal_px = Pair{300, 300};
-  o.distortion = {-0.1};
+  o.distortion = {-0.05};
   o.metres_per_pixel = 1.0;
   const Camera camera = make_camera(o, width, height);
   MaskOptions m;

@@ -172,6 +172,35 @@ TEST(CameraMotion, IsSuspectedWhereAStillZoneMoves) {
               IsEmpty());
 }
 
+// A tool with texture that sinks and turns before still ground: its mask goes with it, pixel by pixel of its outline.
+TEST(MovingMasks, FollowATool) {
+  const auto at = [](const Vec2& p, int k) {
+    const Vec2 r = p - Vec2(150, 80);
+    if (std::abs(r.x()) > 40 || std::abs(r.y()) > 30) return p;
+    const double a = 0.01 * k;
+    return Vec2(Vec2(150, 80) + Vec2(std::cos(a) * r.x() - std::sin(a) * r.y(), std::sin(a) * r.x() + std::cos(a) * r.y()) + k * Vec2(0.8, 3.3));
+  };
+  Filmed source({middle, std::vector<CameraPlace>(4)}, at);
+  const Case c = scene("[mask.tool]\npolygon_px = [[110, 50], [190, 50], [190, 110], [110, 110]]\nfollow = true\n");
+  Setting setting = make_setting(c, columns, rows);
+  SilentProgress silent;
+  follow_masks(c, setting, source, 2, silent);
+  const std::vector<Vec2> outline = setting.moving_masks.outlines(3).at(0), start = setting.moving_masks.outlines(0).at(0);
+  for (std::size_t k = 0; k < outline.size(); ++k) EXPECT_LT((outline[k] - at(start[k], 3)).norm(), 0.15) << k;
+  const Image last = source.read(3);
+  const image::Mask mask = mask_of(setting, 3, last.view());
+  EXPECT_FALSE(mask.view().usable(152, 90));
+  EXPECT_FALSE(mask.view().usable(152, 116));  // below where the tool began
+  EXPECT_TRUE(mask.view().usable(152, 55));    // above where it is
+  // No vector is measured on it, and the ground beside it keeps its own.
+  const VectorField field = measure_pair(c, setting, source, {2, 3}, 2);
+  for (std::size_t n = 0; n < field.status.size(); ++n) {
+    const Vec2 p = setting.camera.to_pixel(setting.grid.position(int(n) % setting.grid.nx, int(n) / setting.grid.nx));
+    if (std::abs(p.x() - 152) < 20 && std::abs(p.y() - 88) < 12) EXPECT_EQ(field.status[n], VectorStatus::masked);
+    if (p.x() < 60 && field.status[n] == VectorStatus::valid) EXPECT_LT(std::abs(field.displacement[n][1]), 0.05f);
+  }
+}
+
 TEST(CameraMotion, RefusesWhatCannotBeFollowed) {
   Filmed source(camera(), block_moves);
   const auto error = [&](const std::string& motion) {
