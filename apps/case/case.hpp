@@ -18,6 +18,7 @@
 #include "mpm/water/options.hpp"
 #include "pivnp/core/options.hpp"
 #include "pivnp/image/camera.hpp"
+#include "pivnp/image/camera_motion_options.hpp"
 #include "pivnp/image/frames.hpp"
 #include "pivnp/image/mask.hpp"
 #include "pivnp/image/synthetic.hpp"
@@ -129,6 +130,32 @@ struct SynthOptions {
   }
 };
 
+/// How the camera moves that films synthetic frames. Left alone, it is at rest.
+struct SynthCameraOptions {
+  double shake_px = 0;
+  Pair bump_px = {0.0, 0.0};
+  double bump_deg = 0;
+  int bump_at = 0;
+  Pair drift_px_per_frame = {0.0, 0.0};
+  double zoom_per_frame = 0;
+  Points still_px;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit("shake_px", self.shake_px, OptionInfo{.unit = "px", .text = "greatest shift of a frame along columns and rows, at random", .min = 0, .max = 100});
+    visit("bump_px", self.bump_px, OptionInfo{.unit = "px", .text = "shift (columns, rows) of all frames from bump_at on"});
+    visit("bump_deg", self.bump_deg, OptionInfo{.unit = "deg", .text = "rotation about the middle of the image, clockwise, of the same"});
+    visit("bump_at", self.bump_at, OptionInfo{.text = "first frame after the bump (0: none)", .min = 0});
+    visit("drift_px_per_frame", self.drift_px_per_frame, OptionInfo{.unit = "px", .text = "shift (columns, rows) that grows from frame to frame"});
+    visit("zoom_per_frame", self.zoom_per_frame, OptionInfo{.text = "growth of the image about its middle from frame to frame, share", .min = -0.1, .max = 0.1});
+    visit("still_px", self.still_px, OptionInfo{.unit = "px", .text = "polygon (column, row) of texture at rest, in place of any other there"});
+  }
+
+  bool moves() const {
+    return shake_px > 0 || bump_at > 0 || drift_px_per_frame != Pair{0.0, 0.0} || zoom_per_frame != 0;
+  }
+};
+
 /// Thresholds that `pivnp verify` checks in a case with known truth.
 struct VerifyOptions {
   std::optional<double> displacement_rms_px;
@@ -137,6 +164,7 @@ struct VerifyOptions {
   double lost_share = 0.0;
   std::optional<double> drift_px;
   std::optional<double> drift_ratio;
+  std::optional<double> camera_px;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
@@ -145,12 +173,13 @@ struct VerifyOptions {
     visit("nodal_error", self.nodal_error, OptionInfo{.text = "affine: greatest error of log strain, and of displacement over the spacing, through exact nodal increments", .min = 0});
     visit("lost_share", self.lost_share, OptionInfo{.text = "greatest share of particles not followed to the end", .min = 0, .max = 1});
     visit("drift_px", self.drift_px, OptionInfo{.unit = "px", .text = "all four schemes of np.drift are run; greatest RMS error of the corrected final displacement", .min = 0});
+    visit("camera_px", self.camera_px, OptionInfo{.unit = "px", .text = "greatest part of the motion of [synth.camera] that [camera.motion] leaves, in any frame, at the image's corners", .min = 0});
     visit("drift_ratio", self.drift_ratio, OptionInfo{.text = "the same; greatest ratio of that error to the one of summed increments", .min = 0});
   }
 };
 
 /// True if a threshold is given: the case is one for `pivnp verify`.
-inline bool demands_anything(const VerifyOptions& v) { return v.displacement_rms_px || v.strain_error || v.nodal_error || v.drift_px || v.drift_ratio; }
+inline bool demands_anything(const VerifyOptions& v) { return v.displacement_rms_px || v.strain_error || v.nodal_error || v.drift_px || v.drift_ratio || v.camera_px; }
 
 template <class T>
 using Named = std::vector<std::pair<std::string, T>>;  // in the file's order
@@ -165,6 +194,7 @@ struct Case {
   std::optional<image::FrameOptions> frames;  // [frames]
   std::optional<io::VectorOptions> vectors;   // [vectors]; then the grid is that of its files
   image::CameraOptions camera;                // [camera]
+  image::CameraMotionOptions camera_motion;   // [camera.motion]
   Named<image::MaskOptions> masks;            // [mask.NAME]
   GridOptions grid;                           // [grid]
   Named<RegionOptions> regions;               // [region.NAME]
@@ -184,6 +214,7 @@ struct Case {
   OutputOptions output;                       // [output]
   std::optional<SynthOptions> synth;          // [synth]
   image::TextureOptions texture;              // [synth.texture]
+  SynthCameraOptions synth_camera;            // [synth.camera]
   Named<mpm::MaterialOptions> synth_materials;  // [synth.material.NAME]
   std::optional<mpm::MpmOptions> synth_mpm;     // [synth.mpm]
   VerifyOptions verify;                       // [verify]

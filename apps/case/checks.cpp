@@ -29,6 +29,7 @@ class Checker {
     water();
     initial();
     contacts();
+    camera_moves();
     synthetic();
     verification();
     for (const std::string& field : c_.output.fields_stored) known_field("output.fields", field);
@@ -325,6 +326,23 @@ class Checker {
           if (std::find(known.begin(), known.end(), region) == known.end())
             refuse(path + key, "there is no [region." + region + "]" + did_you_mean(region, known));
     }
+  }
+
+  void camera_moves() const {
+    const image::CameraMotionOptions& o = c_.camera_motion;
+    if (!o.zone_px.empty()) polygon("camera.motion.zone_px", o.zone_px);
+    if (!o.zone_m.empty()) polygon("camera.motion.zone_m", o.zone_m);
+    if (!o.zone_px.empty() && !o.zone_m.empty()) refuse("camera.motion.zone_m", "given together with zone_px; expected one of them");
+    const bool zone = !o.zone_px.empty() || !o.zone_m.empty();
+    if (zone && o.from != image::RestSource::still_zone)
+      refuse(o.zone_px.empty() ? "camera.motion.zone_m" : "camera.motion.zone_px", "given, but from is \"" + std::string(name_of(o.from)) + "\"; expected from = \"still_zone\"");
+    if (!o.targets_px.empty() && o.from != image::RestSource::targets)
+      refuse("camera.motion.targets_px", "given, but from is \"" + std::string(name_of(o.from)) + "\"; expected from = \"targets\"");
+    if (o.from != image::RestSource::none && c_.vectors)
+      refuse("camera.motion.from", "given together with [vectors]; expected frames that are measured here");
+    if (!c_.synth_camera.still_px.empty()) polygon("synth.camera.still_px", c_.synth_camera.still_px);
+    if (c_.synth_camera.bump_at == 0 && (c_.synth_camera.bump_px != Pair{0.0, 0.0} || c_.synth_camera.bump_deg != 0))
+      refuse("synth.camera.bump_at", "missing; expected the first frame after the bump");
   }
 
   void synthetic() const {

@@ -17,6 +17,9 @@ void for_each_section(C& c, Visitor&& visit) {
                  "Displacement increments that another program measured, in place of [piv]; their grid is the grid of the "
                  "case. With [frames] the report shows them on the pictures.");
   visit.always("camera", c.camera, "Between pixels and the world. Without a scale or targets, lengths are in pixels.");
+  visit.always("camera.motion", c.camera_motion,
+               "A camera that was bumped, shakes, or drifts on its tripod: how it moved is measured against what is at rest, "
+               "removed from every vector, and reported.");
   visit.always("grid", c.grid, "The one grid of PIV, numerical particles and simulation.");
   visit.named("region", c.regions,
               "Where material is at the first frame; one section per piece, with one outline. Without any region the "
@@ -42,6 +45,7 @@ void for_each_section(C& c, Visitor&& visit) {
                  "Synthetic frames with known truth: drawn by `pivnp synth`, and by `pivnp run` when "
                  "no frames are given.");
   visit.always("synth.texture", c.texture, "The look of synthetic frames.");
+  visit.always("synth.camera", c.synth_camera, "How the camera that films synthetic frames moves.");
   visit.named("synth.material", c.synth_materials, "Materials of the simulation that carries the texture.");
   visit.optional("synth.mpm", c.synth_mpm,
                  "The simulation that carries the texture (motion = \"mpm\"); it uses the "

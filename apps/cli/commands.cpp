@@ -15,6 +15,10 @@ const std::vector<Command>& commands() {
        declare_init},
       {"check", "validate a case and draw its first frame with grid, masks, regions and scale bar",
        "pivnp check lab/case.toml", declare_check},
+      {"calibrate", "find a lens's distortion from pictures of a checkerboard, with a picture of the residuals",
+       "pivnp calibrate \"board/*.png\" --corners 9x6 --square-m 0.01 --out lab/camera\n"
+       "pivnp calibrate board/ --corners 11x8 --lens fisheye",
+       declare_calibrate},
       {"piv", "measure a case's frames by image correlation, and stop there", "pivnp piv lab/case.toml", declare_piv},
       {"track", "measure, and follow numerical particles through the measurement", "pivnp track lab/case.toml --resume",
        declare_track},

@@ -40,6 +40,9 @@ Action declare_frontier(CLI::App& app, Session& session);
 Action declare_stress(CLI::App& app, Session& session);
 Action declare_sweep(CLI::App& app, Session& session);
 
+// On pictures of a calibration board (camera_commands.cpp).
+Action declare_calibrate(CLI::App& app, Session& session);
+
 // On finished records, and on many cases (record_commands.cpp, verify_command.cpp).
 Action declare_compare(CLI::App& app, Session& session);
 Action declare_report(CLI::App& app, Session& session);

@@ -51,7 +51,8 @@ int Animation::frame_of(std::size_t index) const {
   return best;
 }
 
-std::string Animation::png(std::size_t index, const Image& image) const {
+std::string Animation::png(std::size_t index, const Picture& picture) const {
+  const Image& image = picture.image;
   const double time = times_[index], h = panel_mm * box_.height() / box_.width();
   const bool pictured = content_.pair_count > 0;
   const std::size_t panels = std::size_t(pictured) + std::size_t(content_.measured != nullptr) + std::size_t(content_.simulated != nullptr);
@@ -63,7 +64,7 @@ std::string Animation::png(std::size_t index, const Image& image) const {
   if (pictured) {
     const Panel panel = next_panel();
     const int frame = frame_of(index);
-    if (!image.empty()) canvas.raster(panel, draw_image(image.view(), content_.world_from_pixel, box_, int(panel_mm / 25.4 * 200), 150, 254));
+    if (!image.empty()) canvas.raster(panel, draw_image(image.view(), picture.world_from_pixel.value_or(content_.world_from_pixel), box_, int(panel_mm / 25.4 * 200), 150, 254));
     for (std::size_t k = 0; k < content_.pair_count; ++k)
       if (const VectorField field = content_.pair(k); field.pair[0] == frame) {
         lay_vectors(canvas, panel, content_, field, panel_mm * units_per_mm / box_.width());

@@ -19,8 +19,8 @@ class Animation {
   std::size_t size() const { return times_.size(); }
   /// The frame of the experiment nearest to a picture's time; -1 where there are no frames.
   int frame_of(std::size_t index) const;
-  /// One picture; all have one size. `image`: that frame, empty if it is not there.
-  std::string png(std::size_t index, const Image& image) const;
+  /// One picture; all have one size. `picture`: that frame, without an image if it is not there.
+  std::string png(std::size_t index, const Picture& picture) const;
 
  private:
   const Content& content_;

@@ -84,6 +84,7 @@ Content content_of(const ReportOptions& options, const ReportInput& input) {
   content.time_unit = head.time_unit;
   content.world_from_pixel = head.world_from_pixel;
   content.camera_residual = head.camera_residual;
+  content.camera_motion = record.camera_motion();
   content.frames = record.frames();
   content.pair_count = record.pair_count();
   content.pair = [&record](std::size_t k) { return record.pair(k); };

@@ -3,6 +3,7 @@
 
 #include "apps/study/frontier/frontier.hpp"
 #include "apps/study/stress/stress.hpp"
+#include "apps/study/studies/calibrate.hpp"
 #include "apps/study/studies/check.hpp"
 #include "apps/study/studies/records.hpp"
 #include "apps/study/studies/run.hpp"

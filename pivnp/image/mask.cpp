@@ -40,8 +40,16 @@ RowCover polygon_cover(std::vector<Vec2> vertices_px, int width) {
 }
 
 RowCover world_polygon_cover(const Points& points, const Camera& camera, int width, const std::string& what) {
-  // A homography takes straight sides to straight sides, so the vertices are enough.
+  // A homography takes straight sides to straight sides, so the vertices are enough; a lens bends them.
   std::vector<Vec2> vertices = Polygon(positions_of(points), what).vertices();
+  if (!camera.lens().straight()) {
+    constexpr int pieces = 32;
+    std::vector<Vec2> finer;
+    for (std::size_t k = 0; k < vertices.size(); ++k)
+      for (int n = 0; n < pieces; ++n)
+        finer.push_back(vertices[k] + n / double(pieces) * (vertices[(k + 1) % vertices.size()] - vertices[k]));
+    vertices = std::move(finer);
+  }
   for (Vec2& v : vertices) {
     v = camera.to_pixel(v);
     if (!v.allFinite()) throw InputError(what + ": a vertex lies beyond the camera's horizon");
@@ -103,10 +111,11 @@ RowCover cover_of(const MaskOptions& options, const Camera& camera, int width, i
 
 Mask make_mask(const std::vector<std::pair<std::string, MaskOptions>>& named, const Camera& camera, int width,
                int height, const std::filesystem::path& base) {
-  if (named.empty()) return {};
+  if (std::all_of(named.begin(), named.end(), [](const auto& entry) { return entry.second.moves(); })) return {};
   Mask mask(width, height);
   std::vector<std::uint8_t> covered(std::size_t(width), std::uint8_t{0});
   for (const auto& [name, options] : named) {
+    if (options.moves()) continue;
     const RowCover cover = cover_of(options, camera, width, height, base, "mask." + name);
     for (int r = 0; r < height; ++r) {
       std::fill(covered.begin(), covered.end(), std::uint8_t{0});

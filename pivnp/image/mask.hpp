@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,6 +19,14 @@ struct MaskOptions {
   std::vector<double> circle_px = {};
   std::string image = {};
   bool invert = false;
+  std::string images = {};
+  std::optional<double> glare = {};
+  std::string motion = {};
+  bool follow = false;
+  int grow_px = 0;
+
+  /// Whether the mask differs from frame to frame (moving_mask.hpp).
+  bool moves() const { return !images.empty() || glare || !motion.empty() || follow; }
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
@@ -26,6 +35,15 @@ struct MaskOptions {
     visit("circle_px", self.circle_px,
           OptionInfo{.unit = "px", .text = "circle to leave out: centre column, row, radius"});
     visit("image", self.image, OptionInfo{.text = "image of the frames' size: pixels that are 0 are left out"});
+    visit("images", self.images,
+          OptionInfo{.text = "images of the frames' size, one for every frame used, in order (glob, printf pattern or folder): pixels that are 0 are left out"});
+    visit("glare", self.glare,
+          OptionInfo{.text = "pixels of each frame at least so bright are left out, share of white (glare: .98)", .min = 0, .max = 1, .above_min = true});
+    visit("motion", self.motion,
+          OptionInfo{.text = "how the polygon or circle moves: a CSV file with the columns frame,right_px,down_px,turn_deg (clockwise, about the shape's middle), linear between its rows"});
+    visit("follow", self.follow,
+          OptionInfo{.text = "the polygon or circle is a rigid tool with texture, followed from frame to frame by it"});
+    visit("grow_px", self.grow_px, OptionInfo{.unit = "px", .text = "what images, glare and moving shapes cover grows by so much", .min = 0, .max = 200});
     visit("invert", self.invert, OptionInfo{.text = "leave out everything else instead"});
   }
 };

@@ -25,6 +25,11 @@ class GaussNewton final : public Method {
  public:
   GaussNewton(const PivOptions& options, const Extent& extent, int threads, int finest);
   void correlate(const ImageView& first, const ImageView& second, PixelVectors& vectors) override;
+  // The cells of the field stay where they are; the vectors are its values at the nodes.
+  bool place(const NodeLattice& nodes) override {
+    extent_.nodes = nodes;
+    return true;
+  }
   const DenseField* field() const override {
     return options_.smoothing == Smoothing::adaptive && !windows_.empty() ? &dense_ : nullptr;
   }

@@ -26,6 +26,8 @@ class Method {
   /// Fills displacement, status, cov, score and correlation_px. As it gets them nothing is measured: values NaN, status
   /// masked where a node is off, failed elsewhere.
   virtual void correlate(const ImageView& first, const ImageView& second, PixelVectors& vectors) = 0;
+  /// Puts the nodes elsewhere, by no more than a few pixels; false: the method must be made anew for that.
+  virtual bool place(const NodeLattice&) { return false; }
   /// Of the last pair, of methods that smooth as far as noise asks for; null of others.
   virtual const DenseField* field() const { return nullptr; }
 };

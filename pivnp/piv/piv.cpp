@@ -45,6 +45,7 @@ struct PairCorrelator::Impl {
   PivOptions options;
   const PivMethod& row;
   NodeLattice nodes;
+  std::vector<std::array<float, 2>> made_at;  // the nodes that the method was made for
   int width = 0, height = 0, threads = 1;
   // Made for a mask:
   std::vector<std::uint8_t> mask;  // [height][width]; empty without one
@@ -77,12 +78,33 @@ struct PairCorrelator::Impl {
     return !same;
   }
 
+  void place(const std::vector<std::array<float, 2>>& pixel) {
+    constexpr float near = 8;  // px: the method's lattices reach farther beyond the nodes
+    float most = 0;
+    for (std::size_t k = 0; k < pixel.size(); ++k)
+      for (const std::size_t c : {std::size_t(0), std::size_t(1)})
+        if (const float off = std::abs(pixel[k][c] - made_at[k][c]); off > most) most = off;
+    nodes.pixel = pixel;
+    if (most > near) return make_method();
+    const NodeLattice live = live_part();
+    if (!method->place(live)) return make_method();
+    empty = empty_vectors(live);
+  }
+
+  MaskView whole_mask() const { return mask.empty() ? MaskView{} : MaskView{mask.data(), width, height, width}; }
+
+  // The nodes in the frames' part that the method sees.
+  NodeLattice live_part() const {
+    NodeLattice live = live_nodes(nodes, whole_mask(), 0.5f * static_cast<float>(options.window_px));
+    for (auto& [x, y] : live.pixel) x -= static_cast<float>(box.x0), y -= static_cast<float>(box.y0);
+    return live;
+  }
+
   void make_method() {
-    const MaskView whole = mask.empty() ? MaskView{} : MaskView{mask.data(), width, height, width};
+    const MaskView whole = whole_mask();
     box = usable_box(whole, width, height, 3 * options.window_px / 2, 2 * window_sides(options, width, height).front());
-    Extent extent{live_nodes(nodes, whole, 0.5f * static_cast<float>(options.window_px)), part_of(whole, box),
-                  box.width(), box.height()};
-    for (auto& [x, y] : extent.nodes.pixel) x -= static_cast<float>(box.x0), y -= static_cast<float>(box.y0);
+    const Extent extent{live_part(), part_of(whole, box), box.width(), box.height()};
+    made_at = nodes.pixel;
     method = row.make(options, extent, threads);
     empty = empty_vectors(extent.nodes);
   }
@@ -117,6 +139,13 @@ PairCorrelator::~PairCorrelator() = default;
 const DenseField* PairCorrelator::field() const { return impl_->method->field(); }
 
 std::array<int, 2> PairCorrelator::field_origin() const { return {impl_->box.x0, impl_->box.y0}; }
+
+void PairCorrelator::place(const std::vector<std::array<float, 2>>& pixel) {
+  if (pixel.size() != impl_->nodes.pixel.size())
+    throw InputError("piv: found " + std::to_string(pixel.size()) + " places of nodes, expected " +
+                     std::to_string(impl_->nodes.pixel.size()));
+  if (pixel != impl_->nodes.pixel) impl_->place(pixel);
+}
 
 PixelVectors PairCorrelator::correlate(const ImageView& first, const ImageView& second, const MaskView& mask) {
   for (const ImageView* view : {&first, &second})

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <memory>
+#include <vector>
 
 #include "pivnp/core/image_view.hpp"
 #include "pivnp/piv/options.hpp"
@@ -28,6 +29,8 @@ class PairCorrelator {
  public:
   PairCorrelator(const PivOptions& options, NodeLattice lattice, int width, int height, int threads);
   ~PairCorrelator();
+  /// Puts the nodes elsewhere ([ny][nx], column and row), for the pairs to come: where a moving camera sees them.
+  void place(const std::vector<std::array<float, 2>>& pixel);
   PixelVectors correlate(const ImageView& first, const ImageView& second, const MaskView& mask);
   /// The field that the last pair's vectors are from, and the place in the frames of its (0, 0); null where the method
   /// has none.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <utility>
 
 #include "pivnp/piv/dense/lattice_filter.hpp"
@@ -36,6 +37,7 @@ struct HeldPair {
   Components on_paths;               // `measured` where the material of the reference lattice is
   std::vector<std::uint8_t> known;   // of these
   Components path;                   // place of that material at the vectors' instant, pixels of the level
+  std::optional<CameraStep> camera;
 };
 
 bool same(const CellLattice& a, const CellLattice& b) {
@@ -95,6 +97,14 @@ struct SequenceCorrelator::Impl {
     return field;
   }
 
+  // How what is at rest moves in that pair, pixels of the level.
+  std::array<float, 2> at_rest(const HeldPair& pair, float x, float y) const {
+    if (!pair.camera) return {0.0f, 0.0f};
+    const std::array<double, 6>& a = pair.camera->rest;
+    const double d = decimation, X = origin[0] + 0.5 * (d - 1) + d * double(x), Y = origin[1] + 0.5 * (d - 1) + d * double(y);
+    return {static_cast<float>((a[0] + a[1] * X + a[2] * Y) / d), static_cast<float>((a[3] + a[4] * X + a[5] * Y) / d)};
+  }
+
   // Places of the reference lattice's material in every pair, from the middle of the group outward.
   void find_paths() {
     const int middle = static_cast<int>(held.size()) / 2;
@@ -119,8 +129,8 @@ struct SequenceCorrelator::Impl {
       for (int n = 0; n < iterations && to_anchor != 0; ++n)
         x = place.u[k] + to_anchor * d[0], y = place.v[k] + to_anchor * d[1], d = smooth.at(x, y);
       pair.path.u[k] = x, pair.path.v[k] = y;
-      const auto value = measured.at(x, y);
-      pair.on_paths.u[k] = value[0], pair.on_paths.v[k] = value[1];
+      const auto value = measured.at(x, y), rest = at_rest(pair, x, y);
+      pair.on_paths.u[k] = value[0] - rest[0], pair.on_paths.v[k] = value[1] - rest[1];
       const auto i = std::lround((x - column(lattice, 0)) / static_cast<float>(lattice.step)),
                  j = std::lround((y - row(lattice, 0)) / static_cast<float>(lattice.step));
       pair.known[k] = i >= 0 && j >= 0 && i < lattice.nx && j < lattice.ny &&
@@ -202,7 +212,8 @@ struct SequenceCorrelator::Impl {
         x = column(lattice, i) - d[0], y = row(lattice, j) - d[1];
       }
       const auto value = known.at(x, y), variance = spread.at(x, y);
-      base.value.u[k] = value[0], base.value.v[k] = value[1];
+      const auto rest = at_rest(pair, column(lattice, i), row(lattice, j));
+      base.value.u[k] = value[0] + rest[0], base.value.v[k] = value[1] + rest[1];
       base.variance.u[k] = std::max(variance[0], 0.0f), base.variance.v[k] = std::max(variance[1], 0.0f);
     });
     GroupField change = shrunk(pair.measured, base, 1, 1);
@@ -215,11 +226,12 @@ struct SequenceCorrelator::Impl {
     }
     const SplineField by = spline(change.value);
     const auto d = static_cast<float>(decimation);
-    for (std::size_t n = 0; n < nodes.pixel.size(); ++n) {
+    const auto& pixel = pair.camera ? pair.camera->pixel : nodes.pixel;
+    for (std::size_t n = 0; n < pixel.size(); ++n) {
       auto& displacement = pair.vectors.displacement[n];
       if (!std::isfinite(displacement[0])) continue;
       const auto on_level = [&](std::size_t c) {
-        return (nodes.pixel[n][c] - static_cast<float>(origin[c]) - 0.5f * (d - 1)) / d;
+        return (pixel[n][c] - static_cast<float>(origin[c]) - 0.5f * (d - 1)) / d;
       };
       const float x = on_level(0), y = on_level(1);
       const auto more = by.at(x, y);
@@ -243,8 +255,13 @@ SequenceCorrelator::SequenceCorrelator(const PivOptions& options, NodeLattice la
 
 SequenceCorrelator::~SequenceCorrelator() = default;
 
-void SequenceCorrelator::add(const ImageView& first, const ImageView& second, const MaskView& mask) {
+void SequenceCorrelator::add(const ImageView& first, const ImageView& second, const MaskView& mask,
+                             const CameraStep* camera) {
   HeldPair pair;
+  if (camera != nullptr) {
+    impl_->pairs.place(camera->pixel);
+    pair.camera = *camera;
+  }
   pair.vectors = impl_->pairs.correlate(first, second, mask);
   impl_->take_field(pair);
   impl_->held.push_back(std::move(pair));

@@ -9,6 +9,13 @@
 
 namespace pivnp::piv {
 
+/// One pair of a camera that moves: where the nodes are, and how what is at rest moves in the image: the pixel (x, y) by
+/// (rest[0] + rest[1] x + rest[2] y, rest[3] + rest[4] x + rest[5] y).
+struct CameraStep {
+  std::vector<std::array<float, 2>> pixel;
+  std::array<double, 6> rest{};
+};
+
 /// Correlates the pairs of consecutive frames. A pair by itself cannot tell structure below its noise from noise, and
 /// smooths it away; particles sum over many pairs, where that bias grows as their number and noise as its root. Here
 /// the measured fields of a group of pairs are averaged along the material's paths and shrunk together first, then the
@@ -23,7 +30,8 @@ class SequenceCorrelator {
   SequenceCorrelator(const PivOptions& options, NodeLattice lattice, int width, int height, int threads);
   ~SequenceCorrelator();
   /// The next pair: its first frame is the second of the pair before. Throws as PairCorrelator::correlate.
-  void add(const ImageView& first, const ImageView& second, const MaskView& mask);
+  /// With a camera that moves, what pairs are held to have in common is their motion against what is at rest.
+  void add(const ImageView& first, const ImageView& second, const MaskView& mask, const CameraStep* camera = nullptr);
   int held() const;
   /// The vectors of the pairs held, in order; then none is held.
   std::vector<PixelVectors> finish();

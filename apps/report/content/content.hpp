@@ -13,6 +13,7 @@
 #include "pivnp/core/image_view.hpp"
 #include "pivnp/core/math.hpp"
 #include "pivnp/core/particles/motion.hpp"
+#include "pivnp/core/record/camera_motion.hpp"
 #include "pivnp/core/record/comparison.hpp"
 #include "pivnp/core/record/energy.hpp"
 #include "pivnp/core/record/reactions.hpp"
@@ -28,6 +29,7 @@ namespace pivnp::report {
 struct Picture {
   int frame = 0;
   Image image;  // empty: the frame is not there
+  std::optional<Mat3> world_from_pixel = {};  // of a frame whose camera moved or has a lens; left out: the content's
 };
 
 /// Another run to show beside this one, or this one.
@@ -47,6 +49,7 @@ struct Content {
   std::string length_unit = "m", time_unit = "s";  // of vectors, motions and the camera
   Mat3 world_from_pixel = Mat3::Identity();
   double camera_residual = 0;  // RMS of the targets, length unit
+  CameraMotion camera_motion;  // empty: at rest
   std::vector<Frame> frames;
   std::size_t pair_count = 0;
   std::function<VectorField(std::size_t)> pair;  // read one at a time, in order

@@ -86,11 +86,12 @@ void draw_outline(Canvas& canvas, const Panel& panel, const Outline& outline) {
 
 // Columns above and rows at the right, as masks and regions name them.
 void draw_pixel_axes(Canvas& canvas, const Panel& panel, const CheckInput& input) {
-  const auto world = [m = input.world_from_pixel](double column, double row) {
+  const auto world = [m = input.world_from_pixel, bent = input.to_world](double column, double row) {
+    if (bent) return bent({column, row});
     const Eigen::Vector3d v = m * Eigen::Vector3d(column, row, 1);
     return Vec2(v.x() / v.z(), v.y() / v.z());
   };
-  const int width = input.image.width, height = input.image.height;
+  const int width = input.to_world ? input.columns : input.image.width, height = input.to_world ? input.rows : input.image.height;
   canvas.paint_over([=](Painter& p) {
     const Rectangle frame = panel.frame();
     p.pen({faint, 0.6});

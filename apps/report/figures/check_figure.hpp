@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,9 @@ struct CheckInput {
   ImageView image;  // no data: an empty background (a case without frames)
   MaskView mask;
   Mat3 world_from_pixel = Mat3::Identity();
+  // Where the frame's own pixels are in the world, and their number, if a lens bends them; left out: as the image's.
+  std::function<Vec2(const Vec2& pixel)> to_world = {};
+  int columns = 0, rows = 0;
   std::string length_unit;
   Grid grid;
   std::vector<Outline> outlines;

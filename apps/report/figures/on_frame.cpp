@@ -29,13 +29,14 @@ struct FramePanel {
 // A half figure of the frame with its scale bar, and `foot` below it.
 FramePanel frame_panel(const Content& content, const Picture& picture, const Box& without, double foot) {
   const bool pictured = !picture.image.empty();
-  const Box box = pictured ? image_box(picture.image.width(), picture.image.height(), content.world_from_pixel) : without;
+  const Mat3 world_from_pixel = picture.world_from_pixel.value_or(content.world_from_pixel);
+  const Box box = pictured ? image_box(picture.image.width(), picture.image.height(), world_from_pixel) : without;
   const double aspect = box.height() / box.width();
   const double w = std::min(half_figure_mm - left_mm - right_mm, 80 / aspect), h = w * aspect, x = left_mm + (half_figure_mm - left_mm - right_mm - w) / 2;
   auto canvas = std::make_shared<Canvas>(half_figure_mm, head_mm + h + foot);
   const Panel panel = world_panel(*canvas, x, head_mm, w, h, box, content.length_unit, true, true);
   if (pictured)
-    canvas->raster(panel, draw_image(picture.image.view(), content.world_from_pixel, box, std::clamp(int(w / 25.4 * 300), 64, 1400), 120, 252));
+    canvas->raster(panel, draw_image(picture.image.view(), world_from_pixel, box, std::clamp(int(w / 25.4 * 300), 64, 1400), 120, 252));
   scale_bar(*canvas, x + w, 7, panel, box, content.length_unit);
   return {canvas, panel, box, x, head_mm, w, h};
 }

@@ -13,6 +13,7 @@ FigureRow differences_row();
 FigureRow outlines_row();
 FigureRow decomposition_row();
 FigureRow histories_row();
+FigureRow camera_motion_row();
 FigureRow quality_row();
 FigureRow vectors_row();
 FigureRow uncertainty_row();

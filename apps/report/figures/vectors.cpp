@@ -168,7 +168,8 @@ std::vector<Figure> draw_vectors(const FigureInput& input) {
     const VectorField field = within_material(content, content.pair(at));
 
     const Vec2 beside = field.grid.spacing;  // arrows of the outermost nodes
-    const Box box = pictured ? image_box(picture.image.width(), picture.image.height(), content.world_from_pixel)
+    const Mat3 world_from_pixel = picture.world_from_pixel.value_or(content.world_from_pixel);
+    const Box box = pictured ? image_box(picture.image.width(), picture.image.height(), world_from_pixel)
                              : Box{field.grid.origin - beside, field.grid.upper() + beside};
     const double left = 12, right = 1, head = 10, foot = 10, aspect = box.height() / box.width();
     const double w = std::min(half_figure_mm - left - right, (110 - head - foot) / aspect), h = w * aspect;
@@ -177,7 +178,7 @@ std::vector<Figure> draw_vectors(const FigureInput& input) {
     const Panel panel = world_panel(*canvas, x, head, w, h, box, content.length_unit, true, true);
     const int pixels = std::clamp(int(w / 25.4 * 300), 64, 1400);
     if (pictured)
-      canvas->raster(panel, draw_image(picture.image.view(), content.world_from_pixel, box, pixels, 150, 254));
+      canvas->raster(panel, draw_image(picture.image.view(), world_from_pixel, box, pixels, 150, 254));
     const Plan plan = plan_arrows(field, w * units_per_mm / box.width());
     draw_vectors(*canvas, panel, field, plan);
     scale_bar(*canvas, x + w, 7, panel, box, content.length_unit);

@@ -65,7 +65,7 @@ struct DriftCorrector::Impl {
   std::shared_ptr<KeyFrame> key_frame(const np::Tracker& tracker, int frame, const ImageView& image) const {
     auto key = std::make_shared<KeyFrame>();
     key->frame = frame;
-    key->image.assign(image, setting.mask.view(), threads);
+    key->image.assign(image, mask_of(setting, frame, image).view(), threads);
     const auto state = tracker.state();
     for (std::size_t p = 0; p < state.size(); ++p) {
       const auto now = state[p];
@@ -105,7 +105,7 @@ struct DriftCorrector::Impl {
   void match(const np::Tracker& tracker, const KeyFrame& key, const piv::SubsetImage& now, int frame,
              const std::vector<std::size_t>& wanted, double score,
              std::unordered_map<std::size_t, Direct>& found) const {
-    const image::Camera& camera = setting.camera;
+    const image::Camera &then = setting.camera_at(key.frame), &camera = setting.camera_at(frame);
     std::vector<std::size_t> asked;
     std::vector<piv::AffinePrediction> predictions;
     const auto state = tracker.state();
@@ -113,9 +113,9 @@ struct DriftCorrector::Impl {
       if (!key.alive[p]) continue;
       const auto particle = state[p];
       piv::AffinePrediction guess;
-      guess.from = camera.to_pixel(key.x[p]);
+      guess.from = then.to_pixel(key.x[p]);
       guess.to = camera.to_pixel(particle.x);
-      guess.A = camera.jacobian(guess.to).inverse() * particle.F * key.F[p].inverse() * camera.jacobian(guess.from);
+      guess.A = camera.jacobian(guess.to).inverse() * particle.F * key.F[p].inverse() * then.jacobian(guess.from);
       asked.push_back(p);
       predictions.push_back(guess);
     }
@@ -135,7 +135,7 @@ struct DriftCorrector::Impl {
     keep_those_in_line(predictions, off, good);
     for (std::size_t k = 0; k < asked.size(); ++k) {
       if (!good[k]) continue;
-      const Mat2 J0 = camera.jacobian(predictions[k].from), J1 = camera.jacobian(matches[k].to);
+      const Mat2 J0 = then.jacobian(predictions[k].from), J1 = camera.jacobian(matches[k].to);
       Direct d;
       d.x = camera.to_world(matches[k].to);
       Cov c = matches[k].cov;
@@ -217,7 +217,7 @@ struct DriftCorrector::Impl {
   }
 
   void correct(np::Tracker& tracker, int frame, const Image& image) {
-    const piv::SubsetImage now(image.view(), setting.mask.view(), threads);
+    const piv::SubsetImage now(image.view(), mask_of(setting, frame, image.view()).view(), threads);
     DriftRound round{frame, 0, 0, 0, 0};
     std::vector<std::size_t> wanted = living(tracker);
     round.alive = wanted.size();
@@ -253,7 +253,7 @@ struct DriftCorrector::Impl {
   }
 
   void follow_reference(np::Tracker& tracker, int frame, const Image& image, bool moves_on) {
-    const piv::SubsetImage now(image.view(), setting.mask.view(), threads);
+    const piv::SubsetImage now(image.view(), mask_of(setting, frame, image.view()).view(), threads);
     const std::vector<std::size_t> wanted = living(tracker);
     std::unordered_map<std::size_t, Direct> found;
     match(tracker, *kept, now, frame, wanted, moves_on ? good_score : min_score, found);

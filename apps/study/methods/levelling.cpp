@@ -145,9 +145,11 @@ void add_levelled(const Case& c, const Setting& setting, const RunSettings& sett
   std::filesystem::create_directories(own.out, failed);
   if (failed) throw RunError(own.out.string() + ": " + failed.message());
   io::RecordWriter levelled(own.out, head, settings.resume, settings.threads);
-  measure(c, setting, *carried, levelled, settings.threads, progress);
+  Setting at_rest = setting;  // the frames that are drawn
+  set_camera_motion({}, at_rest);
+  measure(c, at_rest, *carried, levelled, settings.threads, progress);
   levelled.set_frames(carried->frames());
-  track(c, setting, carried->frames(), carried.get(), {}, levelled, settings.threads, progress);
+  track(c, at_rest, carried->frames(), carried.get(), {}, levelled, settings.threads, progress);
   levelled.pack();
   {
     const auto motion = levelled.motion("np");

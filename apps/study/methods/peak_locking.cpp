@@ -13,11 +13,19 @@ namespace {
 
 // Vectors of the record back in pixels: the inverse of world_vectors.
 std::vector<std::array<float, 2>> pixel_displacements(const VectorField& field, const piv::NodeLattice& lattice,
-                                                      const image::Camera& camera) {
+                                                      const Setting& setting) {
+  const image::Camera &camera = setting.camera_at(field.pair[0]), &second = setting.camera_at(field.pair[1]);
   std::vector<std::array<float, 2>> pixels(field.displacement.size());
   for (std::size_t n = 0; n < pixels.size(); ++n) {
     const Vec2 at(double(lattice.pixel[n][0]), double(lattice.pixel[n][1]));
     const Vec2 moved(double(field.displacement[n][0]), double(field.displacement[n][1]));
+    if (!setting.cameras.empty()) {
+      const Vec2 x = setting.grid.position(int(n) % setting.grid.nx, int(n) / setting.grid.nx);
+      const Vec2 start = field.anchor == Anchor::forward ? x : Vec2(x - moved / 2);
+      const Vec2 d = second.to_pixel(start + moved) - camera.to_pixel(start);
+      pixels[n] = {float(d.x()), float(d.y())};
+      continue;
+    }
     const Vec2 d = field.anchor == Anchor::forward
                        ? Vec2(camera.to_pixel(camera.to_world(at) + moved) - at)
                        : Vec2(camera.jacobian(at).inverse() * moved);  // about the middle: exact to second order
@@ -50,7 +58,7 @@ std::vector<std::string> fraction_remarks(const Setting& setting, std::size_t pa
   const std::size_t step = (pairs + 15) / 16;
   for (std::size_t k = 0; k < pairs; k += step) {
     const VectorField field = pair(k);
-    statistics.add(lattice.nx, pixel_displacements(field, lattice, setting.camera), field.status);
+    statistics.add(lattice.nx, pixel_displacements(field, lattice, setting), field.status);
   }
   if (!statistics.locked()) return {};
   const auto shares = statistics.histogram();

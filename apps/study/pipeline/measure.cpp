@@ -9,6 +9,15 @@
 
 namespace pivnp::app {
 
+namespace {
+
+// Where the nodes of a pair are, and how what is at rest moves in it.
+piv::CameraStep camera_step(const Setting& setting, std::array<int, 2> pair, Anchor anchor) {
+  return {node_lattice(setting, pair, anchor).pixel, motion_at_rest(setting, pair)};
+}
+
+}  // namespace
+
 StepQuality quality_of(const VectorField& field) {
   StepQuality q;
   std::size_t asked = 0, valid = 0;
@@ -33,23 +42,32 @@ void measure(const Case& c, const Setting& setting, image::FrameSource& source, 
   const io::StageState done = writer.stage("piv");
   if (done.complete) return;
   const int frames = int(source.frames().size());
-  const piv::NodeLattice lattice = node_lattice(setting);
-  piv::SequenceCorrelator correlator(c.piv.value_or(piv::PivOptions{}), lattice, setting.width, setting.height,
-                                     threads);
+  piv::NodeLattice lattice = node_lattice(setting);
+  const piv::PivOptions options = c.piv.value_or(piv::PivOptions{});
+  const bool moves = !setting.cameras.empty();
+  piv::SequenceCorrelator correlator(options, lattice, setting.width, setting.height, threads);
   // Pairs are smoothed in groups: those of a group that was begun are measured again, with the same bits.
   const int first_pair = int(done.items);
   int from = first_pair - first_pair % piv::SequenceCorrelator::group;
   Image before;
+  image::Mask mask_before;
+  const bool moving = !setting.moving_masks.empty();
   if (first_pair + 1 < frames) before = source.read(from);
+  if (moving && !before.empty()) mask_before = mask_of(setting, from, before.view());
   for (int k = from; first_pair + 1 < frames && k + 1 < frames; ++k) {
     if (progress.stop_requested()) throw Interrupted();
     Image after = source.read(k + 1);
-    correlator.add(before.view(), after.view(), setting.mask.view());
+    const auto camera = moves ? camera_step(setting, {k, k + 1}, options.anchor) : piv::CameraStep{};
+    image::Mask mask_after = moving ? mask_of(setting, k + 1, after.view()) : image::Mask();
+    const image::Mask mask = moving ? image::both(mask_before, mask_after) : image::Mask();
+    correlator.add(before.view(), after.view(), moving ? mask.view() : setting.mask.view(), moves ? &camera : nullptr);
+    mask_before = std::move(mask_after);
     before = std::move(after);
     progress.update("PIV", k + 1, frames - 1);
     if (correlator.held() < piv::SequenceCorrelator::group && k + 2 < frames) continue;
     for (const piv::PixelVectors& pixels : correlator.finish()) {
       if (from >= first_pair) {
+        if (moves) lattice = node_lattice(setting, {from, from + 1}, options.anchor);
         writer.add_pair(world_vectors(pixels, lattice, setting, {from, from + 1}));
         if (writer.segment_full("piv")) writer.close_segment("piv", {});
       }
@@ -61,10 +79,14 @@ void measure(const Case& c, const Setting& setting, image::FrameSource& source, 
 
 VectorField measure_pair(const Case& c, const Setting& setting, image::FrameSource& source, std::array<int, 2> pair,
                          int threads) {
-  const piv::NodeLattice lattice = node_lattice(setting);
-  piv::PairCorrelator correlator(c.piv.value_or(piv::PivOptions{}), lattice, setting.width, setting.height, threads);
+  const piv::PivOptions options = c.piv.value_or(piv::PivOptions{});
+  const piv::NodeLattice lattice = node_lattice(setting, pair, options.anchor);
+  piv::PairCorrelator correlator(options, lattice, setting.width, setting.height, threads);
   const Image first = source.read(pair[0]), second = source.read(pair[1]);
-  return world_vectors(correlator.correlate(first.view(), second.view(), setting.mask.view()), lattice, setting, pair);
+  const image::Mask mask = setting.moving_masks.empty()
+                               ? setting.mask
+                               : image::both(mask_of(setting, pair[0], first.view()), mask_of(setting, pair[1], second.view()));
+  return world_vectors(correlator.correlate(first.view(), second.view(), mask.view()), lattice, setting, pair);
 }
 
 std::vector<std::uint8_t> step_flags(const std::vector<StepQuality>& pairs) {
@@ -75,11 +97,17 @@ std::vector<std::uint8_t> step_flags(const std::vector<StepQuality>& pairs) {
   }
   const double usual_valid = median(valid), usual_score = median(score);
   constexpr double still = 0.01;  // spacings: less is no motion to compare
+  constexpr double noisy_score = 0.999, same_exposure = 0.99999;
   std::vector<std::uint8_t> flags(pairs.size(), frame_ok);
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     const StepQuality& q = pairs[k];
     if (q.valid < 0.5 * usual_valid || q.median_score < 0.6 * usual_score) {
       flags[k] |= frame_decorrelated;
+      continue;
+    }
+    // Of two exposures the noise differs, however slow the test; where it does not, they are one.
+    if (usual_score < noisy_score && q.median_score > same_exposure) {
+      flags[k] |= frame_repeated;
       continue;
     }
     if (k == 0 || k + 1 == pairs.size()) continue;

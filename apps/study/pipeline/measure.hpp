@@ -30,7 +30,8 @@ VectorField measure_pair(const Case& c, const Setting& setting, image::FrameSour
 /// Flags of the step that ends at each frame but the first, from the quality of all pairs in order. Decorrelated: less
 /// than half the usual share of vectors is valid, or their median score is below 0.6 of the usual. Jump: the steps
 /// before and after agree (within a quarter), this one differs from their mean by more than half of it, as where a
-/// frame is missing. Repeated: such a step that hardly moves.
+/// frame is missing. Repeated: such a step that hardly moves; or, in slow and unsteady tests too, one whose frames agree to
+/// the last grey value (median score above .99999) although others do not (usual score below .999).
 std::vector<std::uint8_t> step_flags(const std::vector<StepQuality>& pairs);
 
 /// The frames with their flags.

@@ -12,6 +12,8 @@
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/alive.hpp"
 #include "pivnp/core/text.hpp"
+#include "pivnp/image/camera.hpp"
+#include "pivnp/image/rectify.hpp"
 #include "pivnp/image/video_writer.hpp"
 #include "pivnp/io/records/record.hpp"
 #include "pivnp/piv/methods.hpp"
@@ -21,6 +23,18 @@ namespace pivnp::app {
 namespace {
 
 namespace fs = std::filesystem;
+
+// Frame `index` as it is drawn: where its camera was, without the bends of its lens.
+report::Picture picture(const Case& c, const io::RecordReader& record, image::FrameSource& source, int index) {
+  Image frame = source.read(index);
+  const CameraMotion motion = record.camera_motion();
+  if (c.vectors || (c.camera.lens == image::LensModel::none && c.camera.window_thickness_m == 0 && motion.empty()))
+    return {index, std::move(frame), {}};
+  image::Camera camera = image::make_camera(c.camera, frame.width(), frame.height());
+  if (!motion.empty()) camera = camera.after(motion.matrix(std::size_t(index)));
+  image::DrawnFrame drawn = image::drawn_frame(std::move(frame), camera);
+  return {index, std::move(drawn.image), drawn.world_from_pixel};
+}
 
 // The pictures under vectors: the frames nearest to the first and the last of the report's times, never one twice; without
 // images where there is no source of them.
@@ -40,7 +54,8 @@ std::vector<report::Picture> pictures(const Case& c, const io::RecordReader& rec
   std::sort(chosen.begin(), chosen.end());
   if (chosen.size() > 2) chosen = {chosen.front(), chosen.back()};
   std::vector<report::Picture> out;
-  for (const int index : chosen) out.push_back({index, source ? source->read(index) : Image()});
+  for (const int index : chosen)
+    out.push_back(source ? picture(c, record, *source, index) : report::Picture{index, Image(), {}});
   return out;
 }
 
@@ -143,14 +158,15 @@ std::vector<report::Run> runs_of(const Case& c, const io::RecordReader& own) {
   return runs;
 }
 
-void write_animation(const report::Content& content, image::FrameSource* source, const fs::path& file) {
+void write_animation(const Case& c, const io::RecordReader& record, const report::Content& content, image::FrameSource* source,
+                     const fs::path& file) {
   const report::Animation animation(content);
   if (animation.size() < 2) return;
   constexpr double least = 2, most = 25, length_s = 8;  // frames a second; about so long
   image::VideoWriter video(file, std::clamp(double(animation.size()) / length_s, least, most));
   for (std::size_t k = 0; k < animation.size(); ++k) {
     const int frame = source != nullptr ? animation.frame_of(k) : -1;
-    video.add_png(animation.png(k, frame >= 0 ? source->read(frame) : Image()));
+    video.add_png(animation.png(k, frame >= 0 ? picture(c, record, *source, frame) : report::Picture{}));
   }
   video.finish();
 }
@@ -181,11 +197,11 @@ void write_report_of(const Case& c, RunOutcome& outcome, std::optional<Compariso
         return std::abs(a.time - times.back()) < std::abs(b.time - times.back());
       });
       const int index = int(nearest - frames.begin());
-      input.last_picture = std::make_shared<report::Picture>(report::Picture{index, source->read(index)});
+      input.last_picture = std::make_shared<report::Picture>(picture(c, record, *source, index));
     }
   }
   report::write_report(c.report, input, directory);
-  if (c.report.animation) write_animation(report::content_of(c.report, input), source, directory / "animation.mp4");
+  if (c.report.animation) write_animation(c, record, report::content_of(c.report, input), source, directory / "animation.mp4");
   outcome.report_html = directory / "report.html";
   outcome.report_pdf = directory / "report.pdf";
   const std::vector<std::string> flagged = remarks_of(record);  // the report finds these itself

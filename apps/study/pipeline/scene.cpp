@@ -17,13 +17,20 @@ namespace {
 
 std::string text(const Vec2& v) { return "(" + number(v.x()) + ", " + number(v.y()) + ")"; }
 
-// The largest upright rectangle whose corners come from those of the image less a margin: exact for a plain camera, on
-// the safe side for a homography.
+// An upright rectangle inside the image less a margin: exact for a plain camera, on the safe side for a homography. The
+// sides of what a lens sees are bent, so that more than their ends are asked.
 Extent inner_box(const image::Camera& camera, int width, int height, double margin) {
   const double left = margin, right = width - 1 - margin, top = margin, bottom = height - 1 - margin;
-  const Vec2 tl = camera.to_world({left, top}), tr = camera.to_world({right, top});
-  const Vec2 bl = camera.to_world({left, bottom}), br = camera.to_world({right, bottom});
-  return {{std::max(tl.x(), bl.x()), std::max(bl.y(), br.y())}, {std::min(tr.x(), br.x()), std::min(tl.y(), tr.y())}};
+  Extent box{Vec2::Constant(-std::numeric_limits<double>::infinity()), Vec2::Constant(std::numeric_limits<double>::infinity())};
+  const int pieces = camera.lens().straight() ? 1 : 32;
+  for (int k = 0; k <= pieces; ++k) {
+    const double column = left + (right - left) * k / pieces, row = top + (bottom - top) * k / pieces;
+    box.lower.x() = std::max(box.lower.x(), camera.to_world({left, row}).x());
+    box.upper.x() = std::min(box.upper.x(), camera.to_world({right, row}).x());
+    box.upper.y() = std::min(box.upper.y(), camera.to_world({column, top}).y());
+    box.lower.y() = std::max(box.lower.y(), camera.to_world({column, bottom}).y());
+  }
+  return box;
 }
 
 double spacing_of(const Case& c, const image::Camera& camera, int width, int height) {
@@ -210,7 +217,10 @@ Setting make_setting(const Case& c, int width, int height, const io::VectorFiles
     setting.camera = image::make_camera(c.camera, width, height);
   else
     setting.camera = image::Camera(Mat3::Identity(), 0, c.camera.length_unit);  // simulation only: no pixels
-  if (width > 0) setting.mask = image::make_mask(c.masks, setting.camera, width, height, c.folder);
+  if (width > 0) {
+    setting.mask = image::make_mask(c.masks, setting.camera, width, height, c.folder);
+    setting.moving_masks = image::MovingMasks(c.masks, setting.camera, width, height, c.folder);
+  }
   for (const auto& [name, options] : c.regions) {
     const std::string what =
         of_file(c) + ": region." + name + (options.polygon_px.empty() ? ".polygon_m" : ".polygon_px");
@@ -226,7 +236,31 @@ Setting make_setting(const Case& c, int width, int height, const io::VectorFiles
   return setting;
 }
 
-piv::NodeLattice node_lattice(const Setting& setting) {
+image::Mask mask_of(const Setting& setting, int k, const ImageView& frame) {
+  image::Mask mask = setting.mask;
+  setting.moving_masks.apply(k, frame, mask);
+  return mask;
+}
+
+void set_camera_motion(CameraMotion motion, Setting& setting) {
+  setting.cameras.clear();
+  for (std::size_t k = 0; k < motion.at.size(); ++k) setting.cameras.push_back(setting.camera.after(motion.matrix(k)));
+  setting.camera_motion = std::move(motion);
+}
+
+std::array<double, 6> motion_at_rest(const Setting& setting, std::array<int, 2> pair) {
+  const image::Camera &a = setting.camera_at(pair[0]), &b = setting.camera_at(pair[1]);
+  const double w = setting.width - 1, h = setting.height - 1;
+  // Linear about the middle of the image; a lens bends it by less than what is asked of it here.
+  const auto moved = [&](double column, double row) { return Vec2(b.to_pixel(a.to_world({column, row})) - Vec2(column, row)); };
+  const Vec2 middle = moved(w / 2, h / 2), dx = (moved(0.75 * w, h / 2) - moved(0.25 * w, h / 2)) / (0.5 * w),
+             dy = (moved(w / 2, 0.75 * h) - moved(w / 2, 0.25 * h)) / (0.5 * h), zero = middle - dx * w / 2 - dy * h / 2;
+  return {zero.x(), dx.x(), dy.x(), zero.y(), dx.y(), dy.y()};
+}
+
+piv::NodeLattice node_lattice(const Setting& setting) { return node_lattice(setting, {0, 0}, Anchor::forward); }
+
+piv::NodeLattice node_lattice(const Setting& setting, std::array<int, 2> pair, Anchor anchor) {
   const Grid& g = setting.grid;
   piv::NodeLattice lattice;
   lattice.nx = g.nx;
@@ -234,7 +268,9 @@ piv::NodeLattice node_lattice(const Setting& setting) {
   lattice.pixel.resize(g.node_count());
   for (int j = 0; j < g.ny; ++j)
     for (int i = 0; i < g.nx; ++i) {
-      const Vec2 px = setting.camera.to_pixel(g.position(i, j));
+      const Vec2 x = g.position(i, j);
+      Vec2 px = setting.camera_at(pair[0]).to_pixel(x);
+      if (!setting.cameras.empty() && anchor == Anchor::central) px = (px + setting.camera_at(pair[1]).to_pixel(x)) / 2;
       lattice.pixel[g.node(i, j)] = {float(px.x()), float(px.y())};
     }
   return lattice;
@@ -254,6 +290,7 @@ VectorField world_vectors(const piv::PixelVectors& pixels, const piv::NodeLattic
   out.status = pixels.status;
   out.score = pixels.score;
   out.correlation_length = pixels.correlation_px * static_cast<float>(setting.grid.spacing.x() / node_spacing_px(setting));
+  const image::Camera &first = setting.camera_at(pair[0]), &second = setting.camera_at(pair[1]);
   const std::size_t count = setting.grid.node_count();
   out.displacement.resize(count);
   out.cov.resize(count);
@@ -261,12 +298,14 @@ VectorField world_vectors(const piv::PixelVectors& pixels, const piv::NodeLattic
     const Vec2 at(double(lattice.pixel[n][0]), double(lattice.pixel[n][1]));
     const Vec2 d(double(pixels.displacement[n][0]), double(pixels.displacement[n][1]));
     const Vec2 start = pixels.anchor == Anchor::central ? Vec2(at - d / 2) : at;
-    const Vec2 moved = setting.camera.to_world(start + d) - setting.camera.to_world(start);
+    const Vec2 moved = second.to_world(start + d) - first.to_world(start);
     out.displacement[n] = {float(moved.x()), float(moved.y())};
     Mat2 cov;
     const auto& s = pixels.cov[n];
     cov << double(s[0]), double(s[2]), double(s[2]), double(s[1]);
-    const Mat2 J = setting.camera.jacobian(at);
+    if (!setting.cameras.empty())
+      for (const int frame : pair) cov.diagonal().array() += setting.camera_motion.variance(std::size_t(frame), at);
+    const Mat2 J = setting.camera_at(pair[0]).jacobian(at);
     const Mat2 world = J * cov * J.transpose();
     out.cov[n] = {float(world(0, 0)), float(world(1, 1)), float(world(0, 1))};
   }

@@ -7,10 +7,12 @@
 
 #include "apps/case/case.hpp"
 #include "pivnp/core/particles/motion.hpp"
+#include "pivnp/core/record/camera_motion.hpp"
 #include "pivnp/core/particles/region.hpp"
 #include "pivnp/core/record/vectors.hpp"
 #include "pivnp/image/camera.hpp"
 #include "pivnp/image/mask.hpp"
+#include "pivnp/image/moving_mask.hpp"
 #include "pivnp/io/files/file_identity.hpp"
 #include "pivnp/io/imports/import_vectors.hpp"
 #include "pivnp/piv/piv.hpp"
@@ -33,13 +35,24 @@ void keep_only(ParticleSet& set, const std::vector<bool>& keep);
 
 struct Setting {
   int width = 0, height = 0;  // of the frames, px; 0 without frames
-  image::Camera camera;
-  image::Mask mask;
+  image::Camera camera;               // of the first frame
+  CameraMotion camera_motion;         // empty: the camera is at rest
+  std::vector<image::Camera> cameras;  // one a frame where it moves (set_camera_motion)
+  image::Mask mask;                   // of what stays where it is
+  image::MovingMasks moving_masks;
   Grid grid;                    // the shared nodes
   std::vector<Region> regions;  // in the world; the whole grid if the case names none
   bool imported = false;        // the nodes are those of other programs' vectors
   std::vector<io::FileIdentity> sources;  // of a run: the files its frames and masks come from (sources_of)
+
+  const image::Camera& camera_at(int frame) const { return cameras.empty() ? camera : cameras.at(std::size_t(frame)); }
 };
+
+/// What may be used of frame `k`.
+image::Mask mask_of(const Setting& setting, int k, const ImageView& frame);
+
+/// From now on frame k of `setting` is seen by its camera after motion.at[k].
+void set_camera_motion(CameraMotion motion, Setting& setting);
 
 /// Throws InputError where grid, masks or regions do not fit the frames. `width` = 0: no frames; the grid then comes
 /// from [grid] area_m and spacing_m, or from the MPM domain or the regions' extent. `measured`: other programs' vectors,
@@ -47,13 +60,19 @@ struct Setting {
 /// column.
 Setting make_setting(const Case& c, int width, int height, const io::VectorFiles* measured = nullptr);
 
-/// Where the grid's nodes are in the image.
+/// Where the grid's nodes are in the first frame.
 piv::NodeLattice node_lattice(const Setting& setting);
+/// Where vectors of a pair are to be measured so that they are at the grid's nodes: a camera that moves sees them
+/// elsewhere in every frame.
+piv::NodeLattice node_lattice(const Setting& setting, std::array<int, 2> pair, Anchor anchor);
+/// How what is at rest moves in the image between the frames of a pair (piv::CameraStep).
+std::array<double, 6> motion_at_rest(const Setting& setting, std::array<int, 2> pair);
 
 /// Pixels from node to node at the image's centre.
 double node_spacing_px(const Setting& setting);
 
-/// Vectors of one pair brought to the world: both ends of a vector go through the camera.
+/// Vectors of one pair brought to the world: each end of a vector goes through the camera as it was in its frame. The
+/// uncertainty of where the camera was is added.
 VectorField world_vectors(const piv::PixelVectors& pixels, const piv::NodeLattice& lattice, const Setting& setting,
                           std::array<int, 2> pair);
 

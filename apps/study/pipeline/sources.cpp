@@ -17,7 +17,8 @@ std::vector<io::FileIdentity> sources_of(const Case& c, const image::FrameSource
   }
   if (source)
     for (const auto& [name, mask] : c.masks)
-      if (!mask.image.empty()) sources.push_back(io::identity_of(c.folder / mask.image, mask.image, progress));
+      for (const std::string& file : {mask.image, mask.motion})
+        if (!file.empty()) sources.push_back(io::identity_of(c.folder / file, file, progress));
   if (vectors)
     for (const fs::path& file : vectors->files())
       sources.push_back(io::identity_of(file, file.filename().string(), progress));

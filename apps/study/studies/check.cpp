@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "apps/report/figures/check_figure.hpp"
+#include "apps/study/methods/camera_motion.hpp"
 #include "apps/study/methods/doubts.hpp"
 #include "apps/study/methods/peak_locking.hpp"
 #include "apps/study/methods/strain_floor.hpp"
@@ -21,6 +22,7 @@
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/region.hpp"
 #include "pivnp/core/text.hpp"
+#include "pivnp/image/rectify.hpp"
 
 namespace pivnp::app {
 
@@ -81,11 +83,55 @@ double simulation_seconds(mpm::Solver& solver, const CaseSize& size, double end_
   return solver.steps() > 0 ? spent / double(solver.steps()) * size.steps : 0;
 }
 
-double measuring_seconds(const Case& c, const Setting& setting, image::FrameSource& source, std::size_t frames,
-                         int threads) {
-  const auto start = std::chrono::steady_clock::now();
-  measure_pair(c, setting, source, {0, 1}, threads);
-  return seconds_since(start) * double(frames - 1);
+// The first pair, one in the middle and the last.
+std::vector<VectorField> three_pairs(const Case& c, const Setting& setting, image::FrameSource& source, int threads, double& seconds) {
+  const int last = int(source.frames().size()) - 2;
+  std::vector<VectorField> out;
+  for (const int k : {0, last / 2, last}) {
+    if (!out.empty() && k <= out.back().pair[0]) continue;
+    const auto start = std::chrono::steady_clock::now();
+    out.push_back(measure_pair(c, setting, source, {k, k + 1}, threads));
+    if (out.size() == 1) seconds = seconds_since(start);
+  }
+  return out;
+}
+
+// How far the texture moves in a step, and what that says of the frame rate.
+std::vector<std::string> rate_remarks(const Case& c, const Setting& setting, const std::vector<VectorField>& pairs, double rate_hz) {
+  double most = 0, middle = 0;
+  std::size_t valid = 0, asked = 0;
+  const double pixel = setting.grid.spacing.x() / node_spacing_px(setting);
+  for (const VectorField& field : pairs) {
+    std::vector<double> moved;
+    for (std::size_t n = 0; n < field.status.size(); ++n) {
+      const Vec2 x = setting.grid.position(int(n) % setting.grid.nx, int(n) / setting.grid.nx);
+      const bool material = std::any_of(setting.regions.begin(), setting.regions.end(), [&](const Region& r) { return r.polygon.contains(x); });
+      if (field.status[n] == VectorStatus::masked || !material) continue;
+      ++asked;
+      if (field.status[n] != VectorStatus::valid) continue;
+      ++valid;
+      moved.push_back(std::hypot(double(field.displacement[n][0]), double(field.displacement[n][1])) / pixel);
+    }
+    if (moved.empty()) continue;
+    std::sort(moved.begin(), moved.end());
+    most = std::max(most, moved[moved.size() * 95 / 100]);
+    middle = std::max(middle, moved[moved.size() / 2]);
+  }
+  if (valid == 0) return {"No vector could be measured in the material between the frames that were tried: is there texture, and does the region lie on it?"};
+  const double window = c.piv.value_or(piv::PivOptions{}).window_px, quarter = window / 4;
+  std::string text = "Motion in a step, in " + std::to_string(pairs.size()) + (pairs.size() == 1 ? " pair" : " pairs") + " tried: " +
+                     number(middle, 2) + " px in the median, " + number(most, 2) + " px at the 95th percentile; " +
+                     number(100 * double(valid) / double(asked), 3) + " % of the vectors in the material are valid. ";
+  const auto at = [&](double factor) { return rate_hz > 0 ? " (" + number(rate_hz * factor, 3) + " frames a second)" : std::string(); };
+  if (most > window)
+    text += "That is more than a window: " + number(most / quarter, 2) + " times as many frames" + at(most / quarter) + " would hold it to a quarter of one.";
+  else if (most < 0.1)
+    text += "That is little against an error of some hundredths of a pixel a step: frames.stride = " + number(std::ceil(0.5 / std::max(most, 0.01))) +
+            " would make it half a pixel, if the whole test is so slow.";
+  else
+    text += "A quarter of the window, " + number(quarter, 3) + " px, is a good greatest step: " + number(std::max(most, 1e-3) / quarter, 2) +
+            " times as many frames" + at(std::max(most, 1e-3) / quarter) + " would do.";
+  return {text};
 }
 
 std::string duration_words(double seconds) {
@@ -132,7 +178,7 @@ CheckOutcome checked(const Case& given, const RunSettings& settings, Progress& p
   }
   const std::unique_ptr<image::FrameSource> source = case_frames(c, own, progress);
   const std::unique_ptr<io::VectorFiles> vectors = case_vectors(c, source.get());
-  const Setting setting =
+  Setting setting =
       make_setting(c, source ? source->width() : 0, source ? source->height() : 0, vectors.get());
   const std::vector<Frame> listed = source ? source->frames() : vectors ? frames_of(*vectors, c) : std::vector<Frame>{};
   const std::size_t frames = draws ? std::size_t(frames_drawn) : listed.size();
@@ -151,7 +197,13 @@ CheckOutcome checked(const Case& given, const RunSettings& settings, Progress& p
     if (c.mpm->initial_equilibrium) solver.require_held();
     seconds += simulation_seconds(solver, size, c.mpm->end_s.value_or(end_s));
   }
-  if (source && !vectors && frames > 1) seconds += measuring_seconds(c, setting, *source, frames, settings.threads);
+  std::vector<VectorField> tried;
+  if (source && !vectors && source->frames().size() > 1) {
+    follow_masks(c, setting, *source, settings.threads, progress);
+    double one = 0;
+    tried = three_pairs(c, setting, *source, settings.threads, one);
+    seconds += one * double(frames - 1);
+  }
   if (measures && c.mpm) check_compared_zones(c, setting);
   CheckOutcome outcome{{}, {text_of(size)}};
   if (setting.width > 0) outcome.remarks.insert(outcome.remarks.begin(), view_of(setting));
@@ -162,12 +214,21 @@ CheckOutcome checked(const Case& given, const RunSettings& settings, Progress& p
 
   report::CheckInput input;
   Image first;
+  image::DrawnFrame drawn_first;
+  image::Mask drawn_mask = image::drawn_mask(setting.mask, setting.camera);
+  input.world_from_pixel = setting.camera.world_from_pixel();
   if (source) {
     first = source->read(0);
-    input.image = first.view();
+    drawn_mask = image::drawn_mask(mask_of(setting, 0, first.view()), setting.camera);
+    drawn_first = image::drawn_frame(source->read(0), setting.camera);
+    input.image = drawn_first.image.view();
+    input.world_from_pixel = drawn_first.world_from_pixel;
+    if (!setting.camera.lens().straight()) {
+      input.to_world = [&setting](const Vec2& p) { return setting.camera.to_world(p); };
+      input.columns = setting.width, input.rows = setting.height;
+    }
   }
-  input.mask = setting.mask.view();
-  input.world_from_pixel = setting.camera.world_from_pixel();
+  input.mask = drawn_mask.view();
   input.length_unit = setting.camera.length_unit();
   input.grid = setting.grid;
   using Kind = report::Outline::Kind;
@@ -179,6 +240,22 @@ CheckOutcome checked(const Case& given, const RunSettings& settings, Progress& p
     input.outlines.push_back({Kind::body, name, b.circle_m.empty() ? positions_of(b.polygon_m) : circle(b.circle_m), true});
   outcome.picture = settings.out / "check.png";
   report::write_check(input, outcome.picture);
+  // Masks at two more times.
+  if (source && !c.masks.empty() && source->frames().size() > 2) {
+    const int last = int(source->frames().size()) - 1;
+    for (const auto& [k, name] : {std::pair{last / 2, "check_middle.png"}, std::pair{last, "check_last.png"}}) {
+      Image frame = source->read(k);
+      const image::Mask there = image::drawn_mask(mask_of(setting, k, frame.view()), setting.camera);
+      const image::DrawnFrame drawn_then = image::drawn_frame(std::move(frame), setting.camera);
+      report::CheckInput then = input;
+      then.image = drawn_then.image.view();
+      then.mask = there.view();
+      report::write_check(then, settings.out / name);
+    }
+    outcome.remarks.push_back("The masks are also drawn on the frame in the middle and on the last one: check_middle.png, check_last.png.");
+  }
+  if (!tried.empty())
+    for (std::string& remark : rate_remarks(c, setting, tried, c.frames && c.frames->rate_hz ? *c.frames->rate_hz : 0)) outcome.remarks.push_back(std::move(remark));
   if (source && !vectors)
     for (std::string& remark : texture_remarks(setting, first)) outcome.remarks.push_back(std::move(remark));
   return outcome;

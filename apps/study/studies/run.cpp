@@ -5,6 +5,7 @@
 #include <memory>
 #include <utility>
 
+#include "apps/study/methods/camera_motion.hpp"
 #include "apps/study/methods/levelling.hpp"
 #include "apps/study/methods/peak_locking.hpp"
 #include "apps/study/methods/simulation.hpp"
@@ -81,6 +82,7 @@ class Run {
   void measure_vectors() {
     progress_.begin("vectors");
     progress_.expect("PIV", double(frames_.size() - 1));
+    if (!vectors_) follow_camera();
     if (vectors_)
       import_vectors(*vectors_, setting_, *writer_, progress_);
     else
@@ -92,6 +94,8 @@ class Run {
     if (setting_.width > 0)
       append(fraction_remarks(setting_, frames_.size() - 1, [&](std::size_t k) { return writer_->pair(k); }),
              outcome_.remarks);
+    append(camera_motion_remarks(c_, setting_.camera_motion, frames_), outcome_.remarks);
+    append(still_zone_remarks(c_, setting_, frames_.size() - 1, [&](std::size_t k) { return writer_->pair(k); }), outcome_.remarks);
     progress_.begin("closure");
     if (vectors_)
       closure_.verdict = "not checked: the vectors are another program's";
@@ -177,6 +181,13 @@ class Run {
   }
 
  private:
+  void follow_camera() {
+    follow_masks(c_, setting_, *source_, settings_.threads, progress_);
+    if (c_.camera_motion.from == image::RestSource::none) return;
+    set_camera_motion(find_camera_motion(c_, setting_, *source_, settings_.threads, progress_), setting_);
+    writer_->set_camera_motion(setting_.camera_motion);
+  }
+
   void open_frames() {
     if (auto frames = case_frames(c_, settings_, progress_, lock_.get())) source_ = image::prefetched(std::move(frames));
     vectors_ = case_vectors(c_, source_.get());

@@ -1,6 +1,6 @@
 #include "apps/study/studies/verify.hpp"
 
-#include <Eigen/Core>
+#include <Eigen/LU>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -10,6 +10,7 @@
 
 #include "apps/plot/chart.hpp"
 #include "apps/plot/files.hpp"
+#include "apps/study/methods/camera_motion.hpp"
 #include "apps/study/methods/tracking.hpp"
 #include "apps/study/pipeline/measure.hpp"
 #include "apps/study/pipeline/record_head.hpp"
@@ -121,6 +122,9 @@ Measurement draw_and_measure(const Case& c, const RunSettings& settings, Progres
   Setting setting = make_setting(c, source->width(), source->height());
   auto writer =
       std::make_unique<io::RecordWriter>(settings.out, record_head(c, setting, settings), false, settings.threads, lock);
+  follow_masks(c, setting, *source, settings.threads, progress);
+  set_camera_motion(find_camera_motion(c, setting, *source, settings.threads, progress), setting);
+  writer->set_camera_motion(setting.camera_motion);
   measure(c, setting, *source, *writer, settings.threads, progress);
   const io::RecordReader truth(settings.out / "truth" / "record.h5");
   const AffineMotion motion = affine_motion(*c.synth, setting);
@@ -236,6 +240,20 @@ void verify_particles(const Measurement& m, Criteria& criteria) {
   }
 }
 
+// How far what is at rest is off, anywhere in the image, once the camera's motion is removed.
+void verify_camera(const Measurement& m, Criteria& criteria) {
+  if (!m.c.verify.camera_px) return;
+  const CameraMotion drawn = drawn_camera(m.c), &found = m.setting.camera_motion;
+  double most = 0;
+  for (std::size_t k = 0; k < drawn.at.size(); ++k)
+    for (const double column : {0.0, m.setting.width - 1.0})
+      for (const double row : {0.0, m.setting.height - 1.0}) {
+        const Eigen::Vector3d p(column, row, 1), left = found.matrix(k).inverse() * drawn.matrix(k) * p;
+        most = std::max(most, (left - p).head<2>().norm());
+      }
+  criteria.at_most("camera: motion left, greatest over frames and corners (px)", m.c.verify.camera_px, most);
+}
+
 }  // namespace
 
 VerifyResult verify_case(const Case& c, const RunSettings& settings, Progress& progress) {
@@ -246,6 +264,7 @@ VerifyResult verify_case(const Case& c, const RunSettings& settings, Progress& p
     if (!c.synth) throw InputError("there is no [synth] table, so the truth is not known");
     const Measurement measurement = draw_and_measure(c, settings, progress);
     Criteria criteria{result};
+    verify_camera(measurement, criteria);
     verify_drift(measurement, settings, progress, criteria);
     verify_particles(measurement, criteria);
     measurement.writer->set_frames(measurement.frames());

@@ -22,7 +22,10 @@ namespace fs = std::filesystem;
 
 std::vector<Vec2> to_pixels(const std::vector<Vec2>& world, const image::Camera& camera) {
   std::vector<Vec2> px(world.size());
-  for (std::size_t p = 0; p < world.size(); ++p) px[p] = camera.to_pixel(world[p]);
+  for (std::size_t p = 0; p < world.size(); ++p) {
+    px[p] = camera.to_pixel(world[p]);
+    if (!px[p].allFinite()) px[p].setConstant(-1e6);  // not in the image
+  }
   return px;
 }
 
@@ -62,6 +65,13 @@ class Drawing {
     for (int k = 0; k < synth_.frames; ++k) times_.push_back(k / rate);
     const Mat2 J = setting_.camera.jacobian({synth_.width_px / 2.0, synth_.height_px / 2.0});
     pixel_ = std::sqrt(std::abs(J.determinant()));
+    if (c.synth_camera.moves()) set_camera_motion(drawn_camera(c), setting_);
+    if (!c.synth_camera.still_px.empty()) {
+      std::vector<Vec2> corners;
+      for (const Pair& p : c.synth_camera.still_px) corners.push_back(setting_.camera.to_world({p[0], p[1]}));
+      still_.emplace(corners, "synth.camera.still_px");
+      still_texture_ = scatter({{"still", *still_}}, blobs_per_area(), seed() + 15485863);
+    }
     drawn_.begin();
     writer_.begin_motion("truth", particles_);
   }
@@ -85,10 +95,20 @@ class Drawing {
   // Frame `k` and its truth. `seeds`: where the particles are, `F` their deformation gradients.
   void put(int k, const std::vector<Vec2>& texture, const std::vector<Vec2>& seeds, const std::vector<Mat2>& F) {
     const std::string name = DrawnFrames::name(k);
-    image::write_image(renderer_.draw(to_pixels(texture, setting_.camera), k, synth_.frames).view(), drawn_.folder() / name);
+    image::write_image(renderer_.draw(filmed(k, texture), k, synth_.frames).view(), drawn_.folder() / name);
     frames_.push_back({name, times_[std::size_t(k)], frame_ok});
     writer_.add_frame("truth", truth_frame(times_[std::size_t(k)], particles_, seeds, F));
     if (writer_.segment_full("motion/truth")) writer_.close_segment("motion/truth", {});
+  }
+
+  // Where blobs are in the image of frame `k`, taken by a camera that may have moved.
+  std::vector<Vec2> filmed(int k, std::vector<Vec2> texture) const {
+    if (still_) {
+      for (Vec2& x : texture)
+        if (still_->contains(x)) x.setConstant(nan_value);
+      texture.insert(texture.end(), still_texture_.begin(), still_texture_.end());
+    }
+    return to_pixels(texture, setting_.camera_at(k));
   }
 
   // Between frames: asked to stop, and how far it has come.
@@ -99,7 +119,9 @@ class Drawing {
 
   const Case& c_;
   const SynthOptions& synth_;
-  const Setting setting_;
+  Setting setting_;
+  std::optional<Polygon> still_;       // texture at rest, in the world
+  std::vector<Vec2> still_texture_;
   const DrawnFrames drawn_;
   const ParticleSet particles_;
   io::RecordWriter writer_;

@@ -35,6 +35,27 @@ void carry(Tracers& tracers, const mpm::Solver::VelocityAt& v, double dt, double
 
 }  // namespace
 
+CameraMotion drawn_camera(const Case& c) {
+  const SynthCameraOptions& o = c.synth_camera;
+  const SynthOptions& synth = *c.synth;
+  CameraMotion motion;
+  motion.centre = {(synth.width_px - 1) / 2.0, (synth.height_px - 1) / 2.0};
+  for (int k = 0; k < synth.frames; ++k) {
+    CameraPlace place;
+    const bool bumped = o.bump_at > 0 && k >= o.bump_at;
+    const auto random = [&](std::uint64_t which) {
+      return 2 * uniform(std::uint64_t(c.texture.seed) + 32452843, 2 * std::uint64_t(k) + which) - 1;
+    };
+    place.shift = k * Vec2(o.drift_px_per_frame[0], o.drift_px_per_frame[1]);
+    if (k > 0) place.shift += o.shake_px * Vec2(random(0), random(1));
+    if (bumped) place.shift += Vec2(o.bump_px[0], o.bump_px[1]);
+    place.turn = bumped ? radians(o.bump_deg) : 0;
+    place.scale = std::pow(1 + o.zoom_per_frame, k);
+    motion.at.push_back(place);
+  }
+  return motion;
+}
+
 AffineMotion affine_motion(const SynthOptions& synth, const Setting& setting) {
   AffineMotion motion;
   if (synth.motion == SynthMotion::none) return motion;

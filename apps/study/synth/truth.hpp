@@ -60,6 +60,9 @@ using AtFrame = std::function<void(int frame, Tracers& texture, const Tracers& s
 void carry_by_simulation(const Case& c, const Setting& setting, const std::vector<double>& times, Tracers texture,
                          Tracers seeds, int threads, Progress& progress, const AtFrame& at_frame);
 
+/// How the camera of [synth.camera] moves; at rest in the first frame.
+CameraMotion drawn_camera(const Case& c);
+
 /// Counter-based random numbers in [0, 1): the same on every platform. Splitmix64 (Steele, Lea & Flood 2014).
 double uniform(std::uint64_t seed, std::uint64_t index);
 

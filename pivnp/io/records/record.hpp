@@ -12,6 +12,7 @@
 
 #include "pivnp/core/math.hpp"
 #include "pivnp/core/particles/motion.hpp"
+#include "pivnp/core/record/camera_motion.hpp"
 #include "pivnp/core/record/closure_note.hpp"
 #include "pivnp/core/record/comparison.hpp"
 #include "pivnp/core/record/energy.hpp"
@@ -35,7 +36,10 @@ struct RecordHead {
   Mat3 world_from_pixel = Mat3::Identity();
   double camera_residual = 0;
   std::optional<double> metres_per_pixel;  // only if plain
-  std::vector<double> distortion;          // coefficients of a lens model; empty: none
+  std::string lens = "none";               // model of the lens, "brown" or "fisheye"
+  std::vector<double> distortion;          // its coefficients; empty: none
+  std::vector<double> focal, principal;    // of a lens or a window: focal lengths and principal point, px
+  std::vector<double> window;              // thickness, distance, refractive index; empty: none
   std::vector<FileIdentity> sources;       // files that the run reads beside its case: frames, masks
 };
 
@@ -85,6 +89,8 @@ class RecordWriter {
 
   VectorField pair(std::size_t index) const;  // read back from closed or open segments
   void set_frames(const std::vector<Frame>& frames);
+  /// How the camera moved; of as many frames as set_frames() gives.
+  void set_camera_motion(const CameraMotion& motion);
   /// What closure said of the pairs. Throws std::logic_error where the repeated error is not of the grid's nodes.
   void set_closure(const ClosureNote& note);
   /// Before pack(): nodes that no particle of that motion covers at a pair's first frame (pivnp/core/particles/coverage.hpp)
@@ -133,6 +139,7 @@ class RecordReader {
   /// The program that packed the record; empty texts where the record does not say (schema 1.1 and before).
   BuildInfo written_by() const;
   const std::vector<Frame>& frames() const;  // none, or all that pairs are of
+  CameraMotion camera_motion() const;  // empty where the record states none: the camera was taken to be at rest
   std::size_t pair_count() const;
   VectorField pair(std::size_t index) const;
   /// Nothing where the record states none (no pairs, an older record).

@@ -45,6 +45,7 @@ RecordCheck check_record(const fs::path& path) {
   check.frames = reader.frames().size();
   check.pairs = reader.pair_count();
   for (std::size_t k = 0; k < check.pairs; ++k) reader.pair(k);
+  reader.camera_motion();
   reader.closure();
   for (const std::string& name : reader.motion_names()) {
     const auto motion = reader.motion(name);

@@ -80,6 +80,12 @@ void write_head(h5::OutputFile& file, const RecordHead& head, const std::string&
   file.attribute("/camera", "world_from_pixel", rows.data(), {3, 3});
   if (!head.distortion.empty())
     file.attribute("/camera", "distortion", head.distortion.data(), {head.distortion.size()});
+  if (!head.focal.empty()) {
+    file.attribute("/camera", "lens", head.lens);
+    file.attribute("/camera", "focal", head.focal.data(), {head.focal.size()});
+    file.attribute("/camera", "principal", head.principal.data(), {head.principal.size()});
+  }
+  if (!head.window.empty()) file.attribute("/camera", "window", head.window.data(), {head.window.size()});
   file.attribute("/camera", "residual", head.camera_residual);
   file.attribute("/camera", "unit", head.length_unit);
   if (!head.sources.empty()) write_sources(file, head.sources);
@@ -127,6 +133,12 @@ RecordHead read_head(const h5::Source& source) {
       Eigen::Matrix<double, 3, 3, Eigen::RowMajor>(numbers("/camera", "world_from_pixel", 9).data());
   if (source.has_attribute("/camera", "distortion"))
     head.distortion = source.attribute_numbers("/camera", "distortion");
+  if (source.has_attribute("/camera", "focal")) {
+    head.lens = source.attribute_text("/camera", "lens");
+    head.focal = numbers("/camera", "focal", 2);
+    head.principal = numbers("/camera", "principal", 2);
+  }
+  if (source.has_attribute("/camera", "window")) head.window = numbers("/camera", "window", 3);
   head.camera_residual = source.attribute_number("/camera", "residual");
   head.sources = read_sources(source);
   return head;

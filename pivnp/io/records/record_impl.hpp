@@ -52,6 +52,7 @@ struct RecordWriter::Impl {
   std::map<std::string, StageFiles> former;    // as found on disk
   std::unique_ptr<RecordReader> finished;      // resumed, but there is nothing left to do
   std::vector<Frame> frames;
+  CameraMotion camera_motion;
   std::optional<ClosureNote> closure;
   std::optional<Comparison> comparison;
   std::optional<RunCost> cost;

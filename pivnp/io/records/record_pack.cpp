@@ -68,6 +68,29 @@ void pack_frames(h5::OutputFile& out, const std::vector<Frame>& frames, const Un
   out.write("/frames/flag", flags, "");
 }
 
+void pack_camera_motion(h5::OutputFile& out, const CameraMotion& motion) {
+  const std::size_t frames = motion.at.size();
+  std::vector<double> turn, scale, residual;
+  std::vector<Vec2> shift;
+  std::vector<std::array<std::int32_t, 2>> points;
+  std::vector<std::array<double, 2>> variance;
+  for (const CameraPlace& p : motion.at) {
+    shift.push_back(p.shift);
+    turn.push_back(p.turn);
+    scale.push_back(p.scale);
+    residual.push_back(p.residual);
+    points.push_back({p.points, p.agree});
+    variance.push_back({p.var_shift, p.var_turn});
+  }
+  out.attribute("/frames", "camera_centre", motion.centre.data(), {2});
+  out.write("/frames/camera_shift", Type::f64, {frames, 2}, shift.data(), "px", Packing::plain);
+  out.write("/frames/camera_turn", turn, "rad");
+  out.write("/frames/camera_scale", scale, "1");
+  out.write("/frames/camera_residual", residual, "px");
+  out.write("/frames/camera_points", Type::i32, {frames, 2}, points.data(), "", Packing::plain);
+  out.write("/frames/camera_variance", Type::f64, {frames, 2}, variance.data(), "px^2, rad^2", Packing::plain);
+}
+
 void pack_reactions(h5::OutputFile& out, const Reactions& reactions, const Units& units) {
   if (reactions.series.empty()) return;
   out.group("/reactions");
@@ -285,6 +308,7 @@ void RecordWriter::Impl::commit_packed() {
 void RecordWriter::Impl::pack_into(h5::OutputFile& out) const {
   write_head(out, head, created);
   if (!frames.empty()) pack_frames(out, frames, units);
+  if (!camera_motion.empty() && camera_motion.at.size() == frames.size()) pack_camera_motion(out, camera_motion);
   if (const auto piv = stages.find("piv"); piv != stages.end()) {
     out.group("/piv");
     for (const ItemArray& a : pair_arrays(head.grid, units, nullptr))

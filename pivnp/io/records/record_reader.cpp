@@ -1,3 +1,4 @@
+#include <array>
 #include <charconv>
 
 #include "pivnp/core/error.hpp"
@@ -96,6 +97,46 @@ const RecordHead& RecordReader::head() const { return impl_->head; }
 const std::vector<Frame>& RecordReader::frames() const { return impl_->frames; }
 std::string RecordReader::schema_version() const { return impl_->source.attribute_text("/", "schema_version"); }
 BuildInfo RecordReader::written_by() const { return read_written_by(impl_->source); }
+CameraMotion RecordReader::camera_motion() const {
+  const h5::Source& source = impl_->source;
+  CameraMotion motion;
+  if (!source.has("/frames/camera_shift")) return motion;
+  const std::size_t frames = impl_->frames.size();
+  const std::vector<double> centre = source.attribute_numbers("/frames", "camera_centre");
+  if (centre.size() != 2) throw InputError(source.name() + ": /frames: attribute 'camera_centre' has " + std::to_string(centre.size()) + " numbers, expected 2");
+  motion.centre = {centre[0], centre[1]};
+  motion.at.resize(frames);
+  const auto column = [&](const char* name, const auto& put) {
+    const h5::Dataset set = source.dataset(name);
+    set.expect({frames});
+    const std::vector<double> values = set.all<double>();
+    for (std::size_t k = 0; k < frames; ++k) put(motion.at[k], values[k]);
+  };
+  const auto pairs = [&](const char* name, h5::Type type, auto& values) {
+    const h5::Dataset set = source.dataset(name);
+    set.expect({frames, 2});
+    values.resize(frames);
+    set.read(type, 0, frames, values.data());
+  };
+  std::vector<std::array<double, 2>> shift, variance;
+  std::vector<std::array<std::int32_t, 2>> points;
+  pairs("/frames/camera_shift", h5::Type::f64, shift);
+  pairs("/frames/camera_variance", h5::Type::f64, variance);
+  pairs("/frames/camera_points", h5::Type::i32, points);
+  column("/frames/camera_turn", [](CameraPlace& p, double v) { p.turn = v; });
+  column("/frames/camera_scale", [](CameraPlace& p, double v) { p.scale = v; });
+  column("/frames/camera_residual", [](CameraPlace& p, double v) { p.residual = v; });
+  for (std::size_t k = 0; k < frames; ++k) {
+    CameraPlace& p = motion.at[k];
+    p.shift = {shift[k][0], shift[k][1]};
+    p.var_shift = variance[k][0], p.var_turn = variance[k][1];
+    p.points = points[k][0], p.agree = points[k][1];
+    if (!p.shift.allFinite() || !std::isfinite(p.turn) || !(p.scale > 0))
+      throw InputError(source.name() + ": /frames/camera_shift: frame " + std::to_string(k) + " has no finite place of the camera");
+  }
+  return motion;
+}
+
 std::size_t RecordReader::pair_count() const { return impl_->pairs; }
 std::vector<std::string> RecordReader::motion_names() const { return impl_->motions; }
 

@@ -324,6 +324,10 @@ void RecordWriter::set_material(const std::string& motion) { impl_->material = m
 
 void RecordWriter::set_cost(const RunCost& cost) { impl_->cost = cost; }
 
+void RecordWriter::set_camera_motion(const CameraMotion& motion) {
+  if (!impl_->finished) impl_->camera_motion = motion;
+}
+
 void RecordWriter::set_closure(const ClosureNote& note) {
   if (impl_->finished) return;
   require(note.repeated.empty() || note.repeated.size() == impl_->head.grid.node_count(),

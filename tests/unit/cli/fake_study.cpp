@@ -77,6 +77,16 @@ VerifyResult verify_case(const Case& c, const RunSettings& settings, Progress& p
   return result;
 }
 
+CalibrateOutcome calibrate_camera(const std::string& pattern, const image::Board& board, image::LensModel model, bool third,
+                                  const std::filesystem::path& out) {
+  CalibrateOutcome outcome;
+  outcome.keys = out / "camera.toml";
+  outcome.picture = out / "residuals.png";
+  outcome.remarks = {pattern + ", " + std::to_string(board.columns) + " by " + std::to_string(board.rows) + ", " +
+                     std::string(name_of(model)) + (third ? ", k3" : "")};
+  return outcome;
+}
+
 Ran run_program(const std::vector<std::string>& words) {
   std::vector<const char*> argv{"/usr/bin/pivnp"};
   for (const std::string& word : words) argv.push_back(word.c_str());
