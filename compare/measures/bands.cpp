@@ -56,7 +56,7 @@ double mean_distance(const std::vector<Vec2>& from, const std::vector<Vec2>& to)
 }
 
 BandMeasures::Difference difference_of(const ShearBand& a, const ShearBand& b, const PerDataSet<double>& spacing,
-                                       double longest_step) {
+                                       double longest_step, double floor_dev) {
   BandMeasures::Difference d;
   d.offset = (mean_distance(a.ridge, b.ridge) + mean_distance(b.ridge, a.ridge)) / 2;
   d.place_uncertainty = std::hypot(spacing[0], spacing[1]) / std::sqrt(12.0);
@@ -67,6 +67,10 @@ BandMeasures::Difference difference_of(const ShearBand& a, const ShearBand& b, c
                                   std::sqrt(12.0);
   d.thickness = b.thickness - a.thickness;
   d.onset = b.onset - a.onset;
+  d.peak = b.peak - a.peak;
+  d.peak_uncertainty = floor_dev;
+  d.slip = b.slip - a.slip;
+  d.slip_uncertainty = std::sqrt(3.0) * floor_dev * std::hypot(a.thickness, b.thickness);
   d.onset_uncertainty = longest_step / std::sqrt(6.0);
   return d;
 }
@@ -90,7 +94,7 @@ BandMeasures Bands::measure(const DataSet& first, const DataSet& second, const P
   }
   if (!out.bands[0].empty() && !out.bands[1].empty())
     out.strongest = difference_of(out.bands[0][0], out.bands[1][0], {first.median_spacing(), second.median_spacing()},
-                                  longest_step_);
+                                  longest_step_, floor_dev);
   return out;
 }
 
@@ -107,10 +111,11 @@ std::vector<ComparisonTable> BandMeasures::tables(const std::string& unit, const
     const std::string name(name_of(role));
     ComparisonTable t{"bands_" + name, words() + " of the " + name + ", strongest first",
                       {{"x", unit, {}}, {"y", unit, {}}, {"inclination", "deg", {}}, {"length", unit, {}},
-                       {"thickness", unit, {}}, {"strain_dev", "1", {}}, {"onset", time_unit, {}}}};
+                       {"thickness", unit, {}}, {"strain_dev", "1", {}}, {"onset", time_unit, {}}, {"strain_dev_median", "1", {}},
+                       {"slip", unit, {}}}};
     for (const ShearBand& b : list) {
-      const std::array<double, 7> row{b.centre.x(), b.centre.y(), b.inclination_deg, b.length, b.thickness,
-                                      b.strain,     b.onset};
+      const std::array<double, 9> row{b.centre.x(), b.centre.y(), b.inclination_deg, b.length, b.thickness,
+                                      b.strain,     b.onset, b.peak, b.slip};
       for (std::size_t c = 0; c < row.size(); ++c) t.columns[c].values.push_back(row[c]);
     }
     out.push_back(std::move(t));

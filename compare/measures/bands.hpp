@@ -23,8 +23,9 @@ struct BandMeasures {
   /// spacing of each (rectangular), over the length for the angle, and the longest step in time on each.
   struct Difference {
     double offset = 0;  // mean distance between the ridges
-    double inclination_deg = 0, thickness = 0, onset = 0;
+    double inclination_deg = 0, thickness = 0, onset = 0, peak = 0, slip = 0;
     double place_uncertainty = 0, inclination_uncertainty_deg = 0, onset_uncertainty = 0;
+    double peak_uncertainty = 0, slip_uncertainty = 0;  // by the noise floor; NaN: unknown
   };
   std::optional<Difference> strongest;
 

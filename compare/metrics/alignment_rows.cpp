@@ -73,7 +73,7 @@ void add_alignment_rows(Registry<MetricRow>& rows) {
   for (const DataSetRole role : data_set_roles) add_reference(rows, role);
   rows.add({{.name = "grid_convergence_order", .unit = "1",
              .definition = "order at which displacements of the second data set converge from the coarser grids, over "
-                           "all particles at the last common time; held to 0.5 ... 2 (1 with two grids)",
+                           "all particles at the last common time; held to 0.5 ... 2 (1 with two grids, where it is not observed)",
              .words = "order of grid convergence"},
             [](const Findings& f) -> std::optional<MetricValue> {
               if (!f.convergence) return std::nullopt;
@@ -85,7 +85,8 @@ void add_offset_rows(Registry<MetricRow>& rows) {
   rows.add({{.name = "time_offset", .unit = "T",
              .definition = "added to the second's times so that both motions begin together: difference of the zeros of "
                            "lines through the rise (2 to 25 %) of sum u(t).u(T) / sum u(T)^2 to the power 1 or 1/2; "
-                           "uncertainty: scatter about both lines",
+                           "uncertainty: scatter about both lines or jackknife over blocks of the material, the error that all "
+                           "particles may share, and the change with the other power",
              .words = "offset in time"},
             [](const Findings& f) -> std::optional<MetricValue> {
               if (!f.time_offset) return std::nullopt;

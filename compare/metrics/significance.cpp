@@ -8,7 +8,7 @@ namespace pivnp::compare {
 
 MetricValue difference(double value, double uncertainty, std::string note, double k) {
   const bool lost = std::abs(value) < k * uncertainty;  // false where the uncertainty is not known
-  return {value, uncertainty, std::move(note), lost ? Verdict::not_distinguishable : Verdict::none};
+  return {value, uncertainty, std::move(note), lost ? Verdict::not_distinguishable : Verdict::none, k};
 }
 
 double percentile_factor(std::size_t count) { return greatest_factor(std::min<std::size_t>(count, 20)); }

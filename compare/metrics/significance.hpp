@@ -15,10 +15,13 @@ struct MetricValue {
   double uncertainty = not_known;
   std::string note = "";  // ends the definition: when, how uncertain
   Verdict verdict = Verdict::none;
+  double factor = not_known;  // of a difference: so many uncertainties are distinguishable
 };
 
 /// A difference between the data sets, E = S - D, held against its standard uncertainty u_val (V&V 20): less than `k`
 /// of them is not distinguishable. Beyond it no word is said: E is then the model's error to within u_val.
+/// What is shown of every difference beside that: within which tolerance it lies, and what would have been found
+/// (Metric::within, Metric::seen).
 MetricValue difference(double value, double uncertainty, std::string note, double k = 2);
 
 /// Factor for the greatest of `count` errors: exceeded by none of them in 95 of 100 cases, however the two components
