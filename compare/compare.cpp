@@ -131,6 +131,14 @@ void walk_times(const CommonTimes& common, DataSet& first, DataSet& second, Alig
                      quoted(second.motion()) + " at any common time, expected one at least");
 }
 
+// Over which strains of either are averaged; 0: neither says so.
+double gauge_of(const StrainNotes& notes) {
+  double gauge = 0;
+  for (const auto& note : notes)
+    if (note && note->gauge_length > gauge) gauge = note->gauge_length;
+  return gauge;
+}
+
 // Of too little of the material nothing is said: values stay, uncertainties and verdicts go. Gives why, one sentence.
 std::string withhold(const Findings& f, double least, std::vector<Metric>& metrics) {
   const double start = f.coverage[0], end = double(f.last().displacement.count()) / double(f.particles);
@@ -200,10 +208,11 @@ Comparison compare_sets(const MotionSource& first_motion, const MotionSource& se
                     .reference_turns = reference.turns(),
                     .convergence = numerics.given() ? std::optional(numerics.convergence()) : std::nullopt,
                     .shapes = measure_shapes({start_first, start_second, end_first, end_second}, differences, options),
-                    .bands = bands.measure(end_first, end_second, differences.last().frame, floor_dev),
+                    .bands = bands.measure(end_first, end_second, differences.last().frame, floor_dev, gauge_of(notes)),
                     .points = points.measure(unit, time_unit),
                     .distributions = measure_distributions(differences.last_particles()),
                     .decompositions = decompose_fields(differences.last_particles(), floor_dev),
+                    .beginnings = beginnings(differences),
                     .time_offset = together.time,
                     .place = together.place};
   out.metrics = metrics_of(findings);

@@ -56,33 +56,51 @@ double mean_distance(const std::vector<Vec2>& from, const std::vector<Vec2>& to)
 }
 
 BandMeasures::Difference difference_of(const ShearBand& a, const ShearBand& b, const PerDataSet<double>& spacing,
-                                       double longest_step, double floor_dev) {
+                                       double longest_step, double floor_dev, double gauge) {
   BandMeasures::Difference d;
   d.offset = (mean_distance(a.ridge, b.ridge) + mean_distance(b.ridge, a.ridge)) / 2;
-  d.place_uncertainty = std::hypot(spacing[0], spacing[1]) / std::sqrt(12.0);
+  d.place_uncertainty = std::hypot(spacing[0], spacing[1], gauge) / std::sqrt(12.0);
   double turn = b.inclination_deg - a.inclination_deg;
   turn -= 180 * std::round(turn / 180);
   d.inclination_deg = turn;
-  d.inclination_uncertainty_deg = std::hypot(spacing[0] / a.length, spacing[1] / b.length) * 180 / std::numbers::pi /
+  d.inclination_uncertainty_deg = std::hypot(spacing[0] / a.length, spacing[1] / b.length, 2 * gauge / (a.length + b.length)) * 180 / std::numbers::pi /
                                   std::sqrt(12.0);
   d.thickness = b.thickness - a.thickness;
   d.onset = b.onset - a.onset;
   d.peak = b.peak - a.peak;
-  d.peak_uncertainty = floor_dev;
+  // Averaged over the gauge, a ridge is lower by about what it is wider.
+  d.peak_uncertainty = std::hypot(floor_dev, b.peak * (1 - b.thickness / std::hypot(b.thickness, gauge)));
   d.slip = b.slip - a.slip;
   d.slip_uncertainty = std::sqrt(3.0) * floor_dev * std::hypot(a.thickness, b.thickness);
-  d.onset_uncertainty = longest_step / std::sqrt(6.0);
+  // A strain that is averaged over the gauge reaches the threshold later, by a step more or less.
+  d.onset_uncertainty = longest_step / std::sqrt(gauge > 0 ? 3.0 : 6.0);
   return d;
 }
 
 }  // namespace
 
+namespace {
+
+const ShearBand& counterpart(const ShearBand& band, const std::vector<ShearBand>& others) {
+  const auto strength = [](const ShearBand& b) { return b.length * b.strain; };
+  const ShearBand* nearest = &others[0];
+  double least = mean_distance(band.ridge, nearest->ridge);
+  for (const ShearBand& other : others) {
+    if (strength(other) < 0.5 * strength(others[0])) continue;
+    if (const double d = mean_distance(band.ridge, other.ridge); d < least) least = d, nearest = &other;
+  }
+  return *nearest;
+}
+
+}  // namespace
+
 BandMeasures Bands::measure(const DataSet& first, const DataSet& second, const PerDataSet<RigidFit>& frame,
-                            double floor_dev) const {
+                            double floor_dev, double gauge) const {
   const PerDataSet<const DataSet*> sets{&first, &second};
   BandMeasures out;
   out.threshold = threshold_;
   out.floor_dev = floor_dev;
+  out.gauge = gauge;
   for (std::size_t s = 0; s < 2; ++s) {
     const ScatteredField field = present_field(*sets[s], frame[s].motion, onset_[s]);
     const auto with = [&](double threshold) { return find_bands(field, sets[s]->median_spacing(), threshold); };
@@ -93,8 +111,8 @@ BandMeasures Bands::measure(const DataSet& first, const DataSet& second, const P
     out.number_uncertainty[s] = std::abs(count(threshold_ - floor_dev) - count(threshold_ + floor_dev)) / 2;
   }
   if (!out.bands[0].empty() && !out.bands[1].empty())
-    out.strongest = difference_of(out.bands[0][0], out.bands[1][0], {first.median_spacing(), second.median_spacing()},
-                                  longest_step_, floor_dev);
+    out.strongest = difference_of(out.bands[0][0], counterpart(out.bands[0][0], out.bands[1]),
+                                  {first.median_spacing(), second.median_spacing()}, longest_step_, floor_dev, gauge);
   return out;
 }
 

@@ -280,6 +280,18 @@ std::optional<Vec2> Differences::mean_uncertainty(bool last) const {
   return u.allFinite() ? std::optional(u) : std::nullopt;
 }
 
+std::optional<FieldMean::Weighted> Differences::weighted() const {
+  const ComparedParticles& last = last_particles_;
+  std::vector<Vec2> difference, random, common;
+  for (std::size_t k = 0; k < last.X.size(); ++k) {
+    difference.push_back(last.u_second[k] - last.u_first[k]);
+    const bool known = last.random[k].allFinite();
+    random.push_back(known ? last.random[k] : Vec2(Vec2::Zero()));
+    common.push_back(last.variance[k] - random.back());
+  }
+  return FieldMean::weighted(last.X, difference, random, common, correlation_);
+}
+
 void Differences::add_particle(std::size_t row, const Sample& a, const Sample& b, const Variance& variance) {
   const Vec2 d = b.u - a.u, total = variance.total();
   for (Tally* tally : {&last_, &total_}) {
@@ -311,6 +323,7 @@ void Differences::add_particle(std::size_t row, const Sample& a, const Sample& b
   last_particles_.dev_first.push_back(a.dev);
   last_particles_.dev_second.push_back(b.dev);
   last_particles_.variance.push_back(total);
+  last_particles_.random.push_back(random);
 }
 
 std::vector<ComparisonField> Differences::take_fields() {

@@ -46,6 +46,7 @@ struct ComparedParticles {
   std::vector<Vec2> X, u_first, u_second;
   std::vector<double> dev_first, dev_second;  // deviatoric strain, NaN where F is not positive
   std::vector<Vec2> variance;                 // u_val^2, NaN if not known
+  std::vector<Vec2> random;                   // of it, both data sets' covariances; NaN: none is known
 };
 
 class Differences {
@@ -67,6 +68,8 @@ class Differences {
   /// Standard uncertainty of the mean displacement difference by how far errors are shared; nothing where that is not
   /// known (compare.correlation_m, or the records' gauge length).
   std::optional<Vec2> mean_uncertainty(bool last) const;
+  /// The difference at the last time, weighted by how well each particle is known.
+  std::optional<FieldMean::Weighted> weighted() const;
   double correlation_length() const { return correlation_; }  // NaN: not known
   bool cov_known(std::size_t set) const { return cov_known_[set]; }
   /// Whether a data set's noise floor was taken in the zone that the comparison declares.

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "compare/measures/budget.hpp"
@@ -22,6 +24,17 @@ class FieldMean {
   /// `common`: of the rest of u_val.
   void add(std::size_t row, const Vec2& difference, const Vec2& random, const Vec2& common);
   void clear();
+
+  /// The same with weights 1 / max(u_p, median u)^2, u_p each particle's own u_val: what is known badly counts little, and
+  /// nothing counts much because it is thought to be known well. Values of one time each.
+  struct Weighted {
+    Vec2 mean = Vec2::Zero(), uncertainty = Vec2::Zero();  // of the difference
+    double rms = 0, rms_uncertainty = 0;                   // of its size, and of u_val
+  };
+  /// Nothing where uncertainties are not known; the mean's is NaN without a correlation length.
+  static std::optional<Weighted> weighted(const std::vector<Vec2>& X, const std::vector<Vec2>& difference,
+                                          const std::vector<Vec2>& random, const std::vector<Vec2>& common,
+                                          double correlation_length);
 
   /// Standard uncertainty of the mean's x and y. `X`: material positions by row. NaN without a value, or where a random
   /// error is not known.

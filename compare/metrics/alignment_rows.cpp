@@ -82,6 +82,23 @@ void add_alignment_rows(Registry<MetricRow>& rows) {
 }
 
 void add_offset_rows(Registry<MetricRow>& rows) {
+  rows.add({{.name = "onset_difference", .unit = "T",
+             .definition = "onset of the mean |u| over the particles, second minus first: zeros of lines through its rise (2 to "
+                           "25 %) to the power 1 or 1/2; uncertainty: scatter about the lines, u_val over the speed of the "
+                           "rise, and the change with the other power",
+             .words = "onset of motion, simulated \u2212 measured"},
+            [](const Findings& f) -> std::optional<MetricValue> {
+              if (!f.beginnings.difference) return std::nullopt;
+              return difference(f.beginnings.difference->time, f.beginnings.difference->sigma, "");
+            }});
+  rows.add({{.name = "rest_over_u", .unit = "1",
+             .definition = "greatest RMS difference of displacement over its uncertainty while the second stands still (mean |u| "
+                           "below 2 % of its last): above 2 the first moves already, or errs by more than is stated",
+             .words = "difference before the simulation moves, in units of its uncertainty"},
+            [](const Findings& f) -> std::optional<MetricValue> {
+              if (!f.beginnings.rest_over_u) return std::nullopt;
+              return MetricValue{*f.beginnings.rest_over_u};
+            }});
   rows.add({{.name = "time_offset", .unit = "T",
              .definition = "added to the second's times so that both motions begin together: difference of the zeros of "
                            "lines through the rise (2 to 25 %) of sum u(t).u(T) / sum u(T)^2 to the power 1 or 1/2; "

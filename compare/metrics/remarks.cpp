@@ -1,6 +1,7 @@
 #include "compare/metrics/remarks.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <numbers>
 
@@ -111,6 +112,15 @@ void remark_units(const CompareOptions& options, const LimitOptions& limits, con
 }
 
 void remark_offsets(const Findings& f, std::vector<std::string>& remarks) {
+  if (const auto& begins = f.beginnings.difference; begins && !f.time_offset && std::abs(begins->time) > 2 * begins->sigma)
+    remarks.push_back("The second begins to move " + number(std::abs(begins->time), 3) + " " + f.time_unit +
+                      (begins->time > 0 ? " later" : " earlier") + " than the first (standard uncertainty " +
+                      number(begins->sigma, 2) + " " + f.time_unit + "): their clocks may differ, which every difference holds; "
+                      "compare.time_offset_s or time_alignment sets the second's.");
+  if (f.beginnings.rest_over_u.value_or(0) > 2)
+    remarks.push_back("While the second stands still, the first differs from it by " + number(*f.beginnings.rest_over_u, 2) +
+                      " times the uncertainty: it moves already, or its errors are larger than stated. What is distinguishable "
+                      "by less than that may be error.");
   if (f.time_offset)
     remarks.push_back("The second's clock was set by " + number(f.time_offset->time) + " " + f.time_unit +
                       " (standard uncertainty " + number(f.time_offset->sigma, 2) + " " + f.time_unit +

@@ -172,19 +172,21 @@ void add_bands(Registry<MetricRow>& rows) {
   using Strongest = BandMeasures::Difference;
   const auto of_strongest = [&](MetricFacts facts, const std::string& how, double Strongest::*value,
                                 double Strongest::*uncertainty) {
-    facts.definition += " of the strongest shear band of each data set (length times strain)" + how;
+    facts.definition += " of the first's strongest shear band (length times strain) and the nearest of the second's that is "
+                        "at least half as strong as its strongest" + how;
     rows.add({std::move(facts), [=](const Findings& f) -> std::optional<MetricValue> {
                 if (!f.bands.strongest) return std::nullopt;
                 return difference((*f.bands.strongest).*value, (*f.bands.strongest).*uncertainty, "");
               }});
   };
-  const std::string half = "; uncertainty: half a particle spacing of each data set (rectangular)";
+  const std::string half = "; uncertainty: half a particle spacing of each data set and half the gauge length "
+                                       "that is stated (rectangular)";
   of_strongest({.name = "band_offset", .unit = "L", .definition = "mean distance between the ridges",
                 .words = "shear bands, distance of the ridges"},
                half, &Strongest::offset, &Strongest::place_uncertainty);
   of_strongest({.name = "band_inclination_difference", .unit = "deg", .definition = "inclination, second minus first,",
                 .words = "shear bands, inclination, simulated \u2212 measured"},
-               "; uncertainty: half a spacing over its length (rectangular)", &Strongest::inclination_deg,
+               "; uncertainty: half a spacing and half the gauge length over its length (rectangular)", &Strongest::inclination_deg,
                &Strongest::inclination_uncertainty_deg);
   of_strongest({.name = "band_thickness_difference", .unit = "L",
                 .definition = "thickness (width at half height), second minus first,",

@@ -11,6 +11,8 @@ MetricValue difference(double value, double uncertainty, std::string note, doubl
   return {value, uncertainty, std::move(note), lost ? Verdict::not_distinguishable : Verdict::none, k};
 }
 
+double greatest_of_paths_factor(std::size_t count) { return 2 * greatest_factor(count); }
+
 double percentile_factor(std::size_t count) { return greatest_factor(std::min<std::size_t>(count, 20)); }
 
 double greatest_factor(std::size_t count) {

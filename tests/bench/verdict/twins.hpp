@@ -68,7 +68,7 @@ class Bench {
 /// What is said of a difference: nothing (no uncertainty, or withheld), lost in it, or distinguishable.
 enum class Said { nothing, lost, distinguishable };
 Said said(const Metric& metric);
-/// Of the displacement at the end: its RMS, or its mean.
+/// Of the displacement at the end: its RMS, or its mean, plain and weighted.
 Said said_of_displacement(const Comparison& comparison);
 
 }  // namespace pivnp::twins
