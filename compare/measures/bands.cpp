@@ -92,6 +92,13 @@ const ShearBand& counterpart(const ShearBand& band, const std::vector<ShearBand>
   return *nearest;
 }
 
+// Bands that cross are not one band seen twice.
+bool alike(const ShearBand& a, const ShearBand& b) {
+  constexpr double most_turn = 30;  // degrees
+  const double turn = b.inclination_deg - a.inclination_deg;
+  return std::abs(turn - 180 * std::round(turn / 180)) < most_turn;
+}
+
 }  // namespace
 
 BandMeasures Bands::measure(const DataSet& first, const DataSet& second, const PerDataSet<RigidFit>& frame,
@@ -110,9 +117,10 @@ BandMeasures Bands::measure(const DataSet& first, const DataSet& second, const P
     const auto count = [&](double threshold) { return double(with(std::max(threshold, 0.1 * threshold_)).size()); };
     out.number_uncertainty[s] = std::abs(count(threshold_ - floor_dev) - count(threshold_ + floor_dev)) / 2;
   }
-  if (!out.bands[0].empty() && !out.bands[1].empty())
-    out.strongest = difference_of(out.bands[0][0], counterpart(out.bands[0][0], out.bands[1]),
-                                  {first.median_spacing(), second.median_spacing()}, longest_step_, floor_dev, gauge);
+  if (out.bands[0].empty() || out.bands[1].empty()) return out;
+  const ShearBand &band = out.bands[0][0], &other = counterpart(band, out.bands[1]);
+  if (alike(band, other))
+    out.strongest = difference_of(band, other, {first.median_spacing(), second.median_spacing()}, longest_step_, floor_dev, gauge);
   return out;
 }
 

@@ -22,7 +22,7 @@ struct BandMeasures {
 
   /// The first's strongest against the nearest of those of the second that are at least half as strong as its strongest
   /// (conjugate bands are alike, and chance says which is the stronger), second minus first; nothing where a data set has
-  /// none. Uncertainties: half a particle spacing of each and the gauge length of measured strains (rectangular), over the
+  /// none, or where the two cross by 30 degrees and more. Uncertainties: half a particle spacing of each and the gauge length of measured strains (rectangular), over the
   /// length for the angle, and the longest step in time on each.
   struct Difference {
     double offset = 0;  // mean distance between the ridges

@@ -80,11 +80,12 @@ void add_outlines(Registry<MetricRow>& rows) {
 
 // Both, and their difference where the slopes can be compared. An outline is known to within half a particle spacing
 // (rectangular distribution), and as its particles are.
-Values placed(const Findings& f, const PerDataSet<double>& value, bool comparable) {
+// `k`: so many uncertainties are distinguishable; more than two for what the outermost of many particles decide.
+Values placed(const Findings& f, const PerDataSet<double>& value, bool comparable, double k = 2) {
   static const std::string how = "; uncertainty: half a particle spacing (rectangular) and the error of u, where known";
   const PerDataSet<double>& u = f.shapes.place_uncertainty;
   Values out{{value[0], u[0], how}, {value[1], u[1], how}};
-  if (comparable) out.push_back(difference(value[1] - value[0], std::hypot(u[0], u[1]), how));
+  if (comparable) out.push_back(difference(value[1] - value[0], std::hypot(u[0], u[1]), how, k));
   return out;
 }
 
@@ -97,7 +98,7 @@ void add_slope(Registry<MetricRow>& rows) {
                Leads::yes, [](const Findings& f) -> Values {
                  if (!f.shapes.slope) return {};
                  const auto& [a, b] = f.shapes.slope->shape;
-                 return placed(f, {a.run_out_x, b.run_out_x}, f.shapes.slope->same_way());
+                 return placed(f, {a.run_out_x, b.run_out_x}, f.shapes.slope->same_way(), percentile_factor(20));
                });
   add_for_both(rows, Variants::both_and_difference,
                {.name = "toe_x", .unit = "L",
@@ -106,7 +107,7 @@ void add_slope(Registry<MetricRow>& rows) {
                 .words = "toe"},
                Leads::no, [](const Findings& f) -> Values {
                  if (!f.shapes.slope) return {};
-                 return placed(f, f.shapes.slope->toe_x, f.shapes.slope->same_way());
+                 return placed(f, f.shapes.slope->toe_x, f.shapes.slope->same_way(), greatest_of_paths_factor(20));
                });
   add_for_both(rows, Variants::both_and_difference,
                {.name = "crest_height", .unit = "L",
@@ -175,7 +176,8 @@ void add_bands(Registry<MetricRow>& rows) {
     facts.definition += " of the first's strongest shear band (length times strain) and the nearest of the second's that is "
                         "at least half as strong as its strongest" + how;
     rows.add({std::move(facts), [=](const Findings& f) -> std::optional<MetricValue> {
-                if (!f.bands.strongest) return std::nullopt;
+                // A band that reaches the material's edge has no such value.
+                if (!f.bands.strongest || !std::isfinite((*f.bands.strongest).*value)) return std::nullopt;
                 return difference((*f.bands.strongest).*value, (*f.bands.strongest).*uncertainty, "");
               }});
   };

@@ -180,7 +180,7 @@ const std::vector<Scene>& scenes() {
       {"punch", {25, 1000, 0}, {{"friction + 3 degrees", {28, 1000, 0}}, {"cohesion 2000 Pa", {25, 2000, 0}}},
        punch, {0, 0, 0.256, 0.152}, 21, 200},
       {"biaxial", {25, 2000, 0.2}, {{"friction + 3 degrees", {28, 2000, 0.2}}, {"base friction + .1", {25, 2000, 0.3}}, {"cohesion 4000 Pa", {25, 4000, 0.2}}},
-       biaxial, {0, -0.016, 0.224, 0.2}, 21, 150}};
+       biaxial, {0, -0.016, 0.224, 0.2}, 21, 160}};
   return list;
 }
 

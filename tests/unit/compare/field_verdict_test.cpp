@@ -128,7 +128,7 @@ TEST(FieldVerdict, OfTooLittleNothingIsSaid) {
   EXPECT_TRUE(std::any_of(c.remarks.begin(), c.remarks.end(), [](const std::string& r) { return r.starts_with("No verdict: "); }));
   CompareOptions asked;
   asked.verdict_coverage = 0.3;
-  EXPECT_EQ(metric(compared(first, second, asked, limits), "displacement_rms_final").verdict, Verdict::met);
+  EXPECT_EQ(metric(compared(first, second, asked, limits), "displacement_rms").verdict, Verdict::met);
 }
 
 // Particles that ran away count: the second's lose their way, and with them the verdict.
@@ -217,7 +217,8 @@ TEST(FieldVerdict, AnOnsetStatesItsScatter) {
     std::map<int, Vec2> walk;  // of 4 x 4 particles each
     MotionMemory first("np", "m", "s", set);
     for (std::size_t k = 0; k < t.size(); ++k) {
-      for (int g = 0; g < 12; ++g) walk[g] += Vec2(normal(random), normal(random)) / std::sqrt(double(t.size()));
+      for (int g = 0; g < 12; ++g)
+        walk.try_emplace(g, Vec2::Zero()).first->second += Vec2(normal(random), normal(random)) / std::sqrt(double(t.size()));
       first.add(frame_of(set, t[k], [&](const Vec2& x, double time) -> Vec2 {
         return Vec2(law(time), 0) + walk[int(x.y()) / 4 * 4 + int(x.x()) / 4];
       }, rigid));
@@ -244,16 +245,16 @@ TEST(FieldVerdict, SlipAcrossABandByHand) {
     ASSERT_EQ(bands.size(), 1U);
     const double slip = std::sqrt(3.0) * 1.2 * std::sqrt(2 * M_PI);
     EXPECT_NEAR(bands[0].slip, slip, 0.06 * slip);
-    EXPECT_NEAR(bands[0].peak, 1.2 / s, 0.05 / s);
+    EXPECT_NEAR(bands[0].peak, 1.2 / s, 0.06 * 1.2 / s);  // read half a spacing beside the crest
   }
 }
 
 TEST(FieldVerdict, ThinToesAndStraightFacesAreMeasured) {
-  // A slope with an apron one particle high that reaches four times as far.
+  // A slope with an apron two particles high that reaches four times as far.
   const auto slope = [](double apron) {
     std::vector<Vec2> x;
     for (const Vec2& p : square_lattice(100, 12, 1))
-      if (p.y() < 12 - p.x() || (p.y() < 1 && p.x() < apron)) x.push_back(p);
+      if (p.y() < 12 - p.x() || (p.y() < 2 && p.x() < apron)) x.push_back(p);
     return particles_at(x, 1);
   };
   const DisplacementLaw none = [](const Vec2&, double t) { return Vec2(0, -1e-3 * t); };

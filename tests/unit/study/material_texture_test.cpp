@@ -139,8 +139,8 @@ TEST(RecordTexture, MovesWithTheRecordsPoints) {
   int bright = 0;
   for (int r = 6; r < 90; ++r)
     for (int c = 0; c < 120; ++c) {
-      ASSERT_NEAR(int(last.row<std::uint8_t>(r - 6)[c + 8]), int(first.row<std::uint8_t>(r)[c]), 1) << r << ", " << c;
-      bright += first.row<std::uint8_t>(r)[c] > 40;
+      ASSERT_NEAR(int(last.view().row<std::uint8_t>(r - 6)[c + 8]), int(first.view().row<std::uint8_t>(r)[c]), 1) << r << ", " << c;
+      bright += first.view().row<std::uint8_t>(r)[c] > 40;
     }
   EXPECT_GT(bright, 500);
   const io::RecordReader truth(settings.out / "truth" / "record.h5");
