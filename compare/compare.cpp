@@ -11,6 +11,7 @@
 #include "compare/alignment/reference.hpp"
 #include "compare/data/data_set.hpp"
 #include "compare/metrics/findings.hpp"
+#include "compare/metrics/numerical.hpp"
 #include "compare/metrics/remarks.hpp"
 #include "compare/metrics/rows.hpp"
 #include "compare/shapes/outline.hpp"
@@ -68,7 +69,7 @@ std::vector<std::size_t> paired_particles(const Alignment& alignment, const Data
 }
 
 std::string covariance_source(const Differences& differences, const DataSet& first, const DataSet& second,
-                              bool given) {
+                              bool given, bool clock) {
   const bool a = differences.cov_known(0), b = differences.cov_known(1);
   const Tally& total = differences.total();
   std::string text = a && b ? "covariances of both motions added"
@@ -79,6 +80,7 @@ std::string covariance_source(const Differences& differences, const DataSet& fir
     if (there) text += (text.empty() ? "" : " and ") + std::string(what);
   };
   add(given, "camera, gauge and frame of reference");
+  add(clock, "uncertainty of the clock's offset");
   add(total.sum_numerical > 0, "numerical uncertainty of the second");
   add(total.sum_input > 0, "uncertainty of the model's inputs");
   return text;
@@ -129,6 +131,29 @@ void walk_times(const CommonTimes& common, DataSet& first, DataSet& second, Alig
                      quoted(second.motion()) + " at any common time, expected one at least");
 }
 
+// Over which strains of either are averaged; 0: neither says so.
+double gauge_of(const StrainNotes& notes) {
+  double gauge = 0;
+  for (const auto& note : notes)
+    if (note && note->gauge_length > gauge) gauge = note->gauge_length;
+  return gauge;
+}
+
+// Of too little of the material nothing is said: values stay, uncertainties and verdicts go. Gives why, one sentence.
+std::string withhold(const Findings& f, double least, std::vector<Metric>& metrics) {
+  const double start = f.coverage[0], end = double(f.last().displacement.count()) / double(f.particles);
+  if (!(std::min(start, end) < least)) return "";
+  for (Metric& m : metrics) {
+    if (m.verdict == Verdict::none && std::isnan(m.factor)) continue;
+    m.verdict = Verdict::withheld;
+    m.uncertainty = not_known;
+  }
+  const auto percent = [](double share) { return number(100 * share, 3) + " %"; };
+  return "No verdict: " + percent(start) + " of the first's particles have a partner at the common start and " + percent(end) +
+         " at the last common time, less than compare.verdict_coverage asks for (" + percent(least) +
+         "); particles that ended in either data set count as not compared.";
+}
+
 // In the order of the record.
 std::vector<ComparisonTable> tables_of(const Findings& findings) {
   std::vector<ComparisonTable> tables{findings.differences.over_space()};
@@ -141,7 +166,7 @@ std::vector<ComparisonTable> tables_of(const Findings& findings) {
   return tables;
 }
 
-// Data sets are read anew where the walk has left them beyond what is wanted.
+// Data sets are read anew where the walk has left them beyond what is wanted. Limits are the caller's to apply.
 Comparison compare_sets(const MotionSource& first_motion, const MotionSource& second_motion,
                         const CompareOptions& options, const LimitOptions& limits, const Refinement& refinement,
                         const StrainNotes& notes, const Together& together, Progress& progress) {
@@ -156,7 +181,8 @@ Comparison compare_sets(const MotionSource& first_motion, const MotionSource& se
   Comparison out;
   out.names = {first_motion.name(), second_motion.name()};
   remark_alignment(alignment, first, second, common, out.remarks);
-  Differences differences(paired_particles(alignment, first, second), first, common.times.size(), options, notes);
+  Differences differences(paired_particles(alignment, first, second), first, common.times.size(), options, notes,
+                          together.time ? together.time->sigma : 0);
   Numerics numerics(refinement, first, second, common);
   Bands bands(options.band_strain, first, second);
   PointHistories points(options, first, second);
@@ -173,7 +199,7 @@ Comparison compare_sets(const MotionSource& first_motion, const MotionSource& se
                     .length_unit = unit,
                     .time_unit = time_unit,
                     .at_end = "at the last common time (" + number(end) + " " + time_unit + ")",
-                    .covariance = covariance_source(differences, first, second, given),
+                    .covariance = covariance_source(differences, first, second, given, together.time.has_value()),
                     .floor = floor_source(differences, notes, options, first_motion, second_motion),
                     .coverage = {alignment.coverage_first(), alignment.coverage_second()},
                     .particles = first.size(),
@@ -182,14 +208,16 @@ Comparison compare_sets(const MotionSource& first_motion, const MotionSource& se
                     .reference_turns = reference.turns(),
                     .convergence = numerics.given() ? std::optional(numerics.convergence()) : std::nullopt,
                     .shapes = measure_shapes({start_first, start_second, end_first, end_second}, differences, options),
-                    .bands = bands.measure(end_first, end_second, differences.last().frame, floor_dev),
+                    .bands = bands.measure(end_first, end_second, differences.last().frame, floor_dev, gauge_of(notes)),
                     .points = points.measure(unit, time_unit),
                     .distributions = measure_distributions(differences.last_particles()),
                     .decompositions = decompose_fields(differences.last_particles(), floor_dev),
+                    .beginnings = beginnings(differences),
                     .time_offset = together.time,
                     .place = together.place};
   out.metrics = metrics_of(findings);
-  out.limits = apply_limits(limits, out.metrics);
+  if (const std::string why = withhold(findings, options.verdict_coverage, out.metrics); !why.empty())
+    out.remarks.push_back(why);
   remark_findings(findings, out.remarks);
   remark_units(options, limits, unit, out.remarks);
   remark_offsets(findings, out.remarks);
@@ -217,7 +245,16 @@ Comparison compare(const MotionSource& first, const MotionSource& given_second, 
   const MotionSource& second = seen(given_second);
   Refinement refinement{{}, given_refinement.ratio};
   for (const MotionSource* coarser : given_refinement.coarser) refinement.coarser.push_back(&seen(*coarser));
-  return compare_sets(first, second, options, limits, refinement, notes, together, progress);
+  Comparison out = compare_sets(first, second, options, limits, refinement, notes, together, progress);
+  std::vector<std::vector<Metric>> on_coarser;
+  for (const MotionSource* coarser : refinement.coarser)
+    on_coarser.push_back(compare_sets(first, *coarser, options, limits, {}, {notes[0], {}}, together, progress).metrics);
+  if (!on_coarser.empty()) {
+    const std::vector<std::string> outside = add_numerical(out.metrics, on_coarser, refinement.ratio);
+    if (!outside.empty()) out.remarks.push_back(remark_outside(outside));
+  }
+  out.limits = apply_limits(limits, out.metrics);
+  return out;
 }
 
 }  // namespace pivnp::compare

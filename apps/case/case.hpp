@@ -87,9 +87,10 @@ struct OutputOptions {
   }
 };
 
-enum class SynthMotion { none, affine, mpm, slope };
+enum class SynthMotion { none, affine, mpm, slope, record };
 inline constexpr std::array synth_motion_names{NamedValue{"none", SynthMotion::none}, NamedValue{"affine", SynthMotion::affine},
-                                               NamedValue{"mpm", SynthMotion::mpm}, NamedValue{"slope", SynthMotion::slope}};
+                                               NamedValue{"mpm", SynthMotion::mpm}, NamedValue{"slope", SynthMotion::slope},
+                                               NamedValue{"record", SynthMotion::record}};
 constexpr const auto& names_of(SynthMotion) { return synth_motion_names; }
 
 /// Frames with truth: what `pivnp synth` draws, and `pivnp run` when no frames are given.
@@ -109,13 +110,15 @@ struct SynthOptions {
   double slip_radius_px = 0;
   double slip_band_px = 16;
   double slip_deg = 0;
+  std::string record;
+  bool grains_deform = false;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
     visit("width_px", self.width_px, OptionInfo{.unit = "px", .text = "width of the frames", .min = 16, .max = 20000});
     visit("height_px", self.height_px, OptionInfo{.unit = "px", .text = "height of the frames", .min = 16, .max = 20000});
     visit("frames", self.frames, OptionInfo{.text = "number of frames", .min = 2, .max = 100000});
-    visit("motion", self.motion, OptionInfo{.text = "none; affine: the same increment every frame; mpm: simulated by [synth.mpm] with [synth.material.*]; slope: three stages in closed form, gravity, wetting, slip"});
+    visit("motion", self.motion, OptionInfo{.text = "none; affine: the same increment every frame; mpm: simulated by [synth.mpm] with [synth.material.*]; slope: three stages in closed form, gravity, wetting, slip; record: the material points of a finished simulation"});
     visit("gradient_per_frame", self.gradient_per_frame, OptionInfo{.text = "affine: xx xy yx yy of the displacement gradient of one frame, world axes"});
     visit("shift_px_per_frame", self.shift_px_per_frame, OptionInfo{.unit = "px", .text = "affine: shift of one frame (x, y up)"});
     visit("rotation_deg_per_frame", self.rotation_deg_per_frame, OptionInfo{.unit = "deg", .text = "affine: rotation of one frame, anticlockwise, after the gradient"});
@@ -127,6 +130,8 @@ struct SynthOptions {
     visit("slip_radius_px", self.slip_radius_px, OptionInfo{.unit = "px", .text = "slope: radius of the slip circle", .min = 0});
     visit("slip_band_px", self.slip_band_px, OptionInfo{.unit = "px", .text = "slope: half width of the shear band along it", .min = 0, .above_min = true});
     visit("slip_deg", self.slip_deg, OptionInfo{.unit = "deg", .text = "slope: rotation of the body that slips, anticlockwise, accelerating over the last third of the frames"});
+    visit("record", self.record, OptionInfo{.text = "record: FILE or FILE:MOTION, whose states carry the texture; it has one at every frame's time"});
+    visit("grains_deform", self.grains_deform, OptionInfo{.text = "grains take the deformation gradient of their material (left out: they stay round)"});
   }
 };
 

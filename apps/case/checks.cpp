@@ -360,6 +360,10 @@ class Checker {
       refuse("synth.motion", "\"mpm\" needs the simulation that carries the texture; expected [synth.mpm]");
     if (c_.synth_mpm && synth.motion != SynthMotion::mpm)
       refuse_section("synth.mpm", "given, but synth.motion is \"" + std::string(name_of(synth.motion)) + "\"; expected motion = \"mpm\"");
+    if (synth.motion == SynthMotion::record && synth.record.empty())
+      refuse("synth.motion", "\"record\" needs the motion that carries the texture; expected synth.record = \"FILE:MOTION\"");
+    if (!synth.record.empty() && synth.motion != SynthMotion::record)
+      refuse("synth.record", "given, but synth.motion is \"" + std::string(name_of(synth.motion)) + "\"; expected motion = \"record\"");
     if (c_.synth_mpm) materials_of_regions("synth.mpm", "synth.material", c_.synth_materials);
     if (c_.texture.peak_max < c_.texture.peak_min)
       refuse("synth.texture.peak_max", "found " + toml_text(c_.texture.peak_max) + ", expected at least peak_min, " +

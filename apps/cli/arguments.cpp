@@ -1,9 +1,11 @@
 #include "apps/cli/arguments.hpp"
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <fstream>
 #include <ostream>
 
+#include "apps/cli/json.hpp"
 #include "apps/cli/junit.hpp"
 #include "apps/cli/signals.hpp"
 #include "pivnp/core/error.hpp"
@@ -38,6 +40,10 @@ void add_case(CLI::App& app, Arguments& arguments, const std::string& left_out) 
       ->check([](const std::string& given) {
         return given.empty() ? std::string("found an empty text, expected a file or a folder") : std::string();
       });
+  add_given(app, arguments);
+}
+
+void add_given(CLI::App& app, Arguments& arguments) {
   app.add_option("--set", arguments.given,
                  "a key of the case that wins over the file's, as in --set piv.window_px=24 (may be repeated)")
       ->type_name("KEY=VALUE")
@@ -62,6 +68,15 @@ void add_resume(CLI::App& app, Arguments& arguments) {
 
 void add_junit(CLI::App& app, Arguments& arguments) {
   app.add_option("--junit", arguments.junit, "writes the results of [compare.limits] as JUnit XML")->type_name("FILE");
+}
+
+void add_no_report(CLI::App& app, Arguments& arguments) {
+  app.add_flag("--no-report", arguments.no_report, "the record alone: no report, no figures");
+}
+
+void add_json(CLI::App& app, Arguments& arguments) {
+  app.add_flag("--json", arguments.json,
+               "print the comparison as one JSON object: values, uncertainties, verdicts, limits, remarks");
 }
 
 void add_session(CLI::App& app, Session& session) {
@@ -94,6 +109,7 @@ RunSettings settings_for(const Arguments& arguments, const Session& session, con
   RunSettings settings;
   settings.out = arguments.out.empty() ? fallback : fs::path(arguments.out);
   settings.resume = arguments.resume;
+  settings.report = !arguments.no_report;
   settings.threads = session.threads;
   settings.command = session.typed;
   if (!arguments.frames.empty()) settings.frames = frames_path(arguments.frames, c);
@@ -104,26 +120,33 @@ fs::path default_out(const Case& c) { return fs::path("out") / short_name(c); }
 
 int print_outcome(const RunOutcome& outcome, const Arguments& arguments, const std::string& name,
                   const Session& session) {
+  const int code = any_exceeded(outcome.limits) ? 3 : 0;
+  const auto line = [&](const std::string& text) {
+    if (!arguments.json) session.out << text << "\n";
+  };
+  if (arguments.json) session.out << comparison_json(outcome, code);
   for (const fs::path& file : {outcome.record, outcome.report_html, outcome.report_pdf})
-    if (!file.empty()) session.out << file.string() << "\n";
+    if (!file.empty()) line(file.string());
   if (!session.quiet)
-    for (const std::string& remark : outcome.remarks) session.out << "note: " << remark << "\n";
-  if (const std::string cost = text_of(outcome.cost); !session.quiet && !cost.empty()) session.out << "note: " << cost << "\n";
+    for (const std::string& remark : outcome.remarks) line("note: " + remark);
+  if (const std::string cost = text_of(outcome.cost); !session.quiet && !cost.empty()) line("note: " + cost);
   VerifyResult limits;
   limits.name = name;
   for (const LimitResult& l : outcome.limits) {
     limits.items.push_back({"compare.limits." + l.key, l.limit, l.reached, l.met});
     if (l.met && session.quiet) continue;
-    session.out << "compare.limits." << l.key << ": " << name_of(l.verdict()) << ": reached " << number(l.reached, 6)
-                << ", limit " << number(l.limit, 6) << "\n";
+    std::string text = "compare.limits." + l.key + ": " + std::string(name_of(l.verdict())) + ": reached " + number(l.reached, 6) +
+                       ", limit " + number(l.limit, 6);
+    if (std::isfinite(l.within)) text += l.shown() ? "; within it with 95 %" : "; within " + number(l.within, 3) + " with 95 %";
+    line(text);
   }
   if (!arguments.junit.empty()) {
     std::ofstream stream(arguments.junit, std::ios::binary);
     stream << junit_xml({limits}, "pivnp limits") << std::flush;
     if (!stream) throw RunError(arguments.junit + ": cannot be written");
-    session.out << arguments.junit << "\n";
+    line(arguments.junit);
   }
-  return any_exceeded(outcome.limits) ? 3 : 0;
+  return code;
 }
 
 }  // namespace pivnp::app

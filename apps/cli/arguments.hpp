@@ -20,6 +20,8 @@ struct Arguments {
   std::string frames;     // empty: the case's
   std::vector<std::string> given;  // keys of the case, "piv.window_px=24" each, that win over the file's
   bool resume = false;
+  bool no_report = false;
+  bool json = false;      // the comparison as JSON in place of the usual lines
   std::string junit;      // file for the limits' verdicts; empty: none
 };
 
@@ -29,6 +31,10 @@ void add_out(CLI::App& app, Arguments& arguments, const std::string& fallback);
 void add_frames(CLI::App& app, Arguments& arguments);
 void add_resume(CLI::App& app, Arguments& arguments);
 void add_junit(CLI::App& app, Arguments& arguments);
+void add_no_report(CLI::App& app, Arguments& arguments);
+void add_json(CLI::App& app, Arguments& arguments);
+/// Keys for every case that a command reads.
+void add_given(CLI::App& app, Arguments& arguments);
 
 /// --threads and --quiet, which every command takes.
 void add_session(CLI::App& app, Session& session);

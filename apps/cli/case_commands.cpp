@@ -40,6 +40,8 @@ Action declare_stages(CLI::App& app, Session& session, Stages stages) {
   add_frames(app, *arguments);
   add_resume(app, *arguments);
   if (stages == Stages::all) add_junit(app, *arguments);
+  if (stages == Stages::all) add_json(app, *arguments);
+  add_no_report(app, *arguments);
   add_session(app, session);
   return [arguments, stages, &session] {
     const Case c = load_case(*arguments, session);

@@ -6,9 +6,12 @@
 #include <functional>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "apps/case/values.hpp"
+#include "pivnp/core/error.hpp"
+#include "pivnp/core/text.hpp"
 
 namespace pivnp::app {
 
@@ -63,6 +66,47 @@ void add_option_flags(CLI::App& app, T& options, Setters& setters, bool short_na
     else
       app.add_option_function<std::string>(names, later, std::string(info.text))->type_name("VALUE" + unit);
   });
+}
+
+/// Sets one key of an option list that stands under `section` ("compare"); false: the key is of another section. Adds the
+/// list's keys to `known`.
+using KeySetter = std::function<bool(const std::string& key, const std::string& value, std::vector<std::string>& known)>;
+template <class T>
+KeySetter keys_of(const std::string& section, T& options) {
+  return [section, &options](const std::string& key, const std::string& text, std::vector<std::string>& known) {
+    bool set = false;
+    T::fields(options, [&](std::string_view name, auto& value, const OptionInfo& info) {
+      known.push_back(section + "." + std::string(name));
+      if (key != known.back()) return;
+      static const std::string where = "--set";
+      read_value(Place{where, key, 0}, parse_value(as_list(text, value)), info, value);
+      set = true;
+    });
+    return set;
+  };
+}
+
+/// --set KEY=VALUE, as commands on a case have it, for the keys of `lists` alone.
+inline void add_set(CLI::App& app, Setters& setters, std::vector<KeySetter> lists) {
+  app.add_option_function<std::vector<std::string>>(
+         "--set",
+         [lists = std::move(lists), &setters](const std::vector<std::string>& given) {
+           for (const std::string& text : given)
+             setters.push_back([lists, text] {
+               const std::size_t equals = text.find('=');
+               if (equals == std::string::npos || equals == 0)
+                 throw InputError("--set " + text + ": expected KEY=VALUE");
+               const std::string key = text.substr(0, equals);
+               std::vector<std::string> known;
+               for (const KeySetter& list : lists)
+                 if (list(key, text.substr(equals + 1), known)) return;
+               throw InputError("--set " + text + ": this command takes no key '" + key + "'" + did_you_mean(key, known));
+             });
+         },
+         "a key by its name in a case, as in --set compare.band_strain=0.1 (may be repeated)")
+      ->type_name("KEY=VALUE")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 }
 
 }  // namespace pivnp::app

@@ -44,6 +44,9 @@ Action declare_compare(CLI::App& app, Session& session) {
       ->type_name("CASE");
   add_option_flags(app, c->options, c->setters);
   add_option_flags(app, c->limits, c->setters);
+  add_set(app, c->setters, {keys_of("compare.limits", c->limits), keys_of("compare", c->options)});
+  add_json(app, c->arguments);
+  add_no_report(app, c->arguments);
   add_out(app, c->arguments, "out/compare");
   add_junit(app, c->arguments);
   add_session(app, session);
@@ -82,6 +85,7 @@ Action declare_report(CLI::App& app, Session& session) {
   add_out(app, r->arguments, "beside the record");
   add_frames(app, r->arguments);
   add_option_flags(app, r->options, r->setters, true);
+  add_set(app, r->setters, {keys_of("report", r->options)});
   add_session(app, session);
   return [r, &session] {
     const auto change = [&r](report::ReportOptions& options) {

@@ -34,11 +34,12 @@ std::vector<fs::path> case_files(const fs::path& path) {
 }
 
 // All are read before the first is run: a mistake in the last shows at once.
-std::vector<Found> cases_with_thresholds(const std::vector<std::string>& paths, const Session& session) {
+std::vector<Found> cases_with_thresholds(const std::vector<std::string>& paths, const std::vector<std::string>& given,
+                                         const Session& session) {
   std::vector<Found> cases;
   for (const std::string& path : paths)
     for (const fs::path& file : case_files(path)) {
-      Case c = read_case(file);
+      Case c = read_case(file, given);
       print_notes(c, session);
       if (!demands_anything(c.verify)) continue;
       const std::string name = short_name(c);
@@ -103,6 +104,7 @@ Action declare_verify(CLI::App& app, Session& session) {
   };
   const auto v = std::make_shared<Verify>();
   app.add_option("PATH", v->paths, "cases, or folders that hold them; or records (record.h5, or an output folder)")->required();
+  add_given(app, v->arguments);
   add_out(app, v->arguments, "out/verify");
   app.add_option("--junit", v->junit, "the results as JUnit XML (left out: verify.xml in the output folder)")
       ->type_name("FILE");
@@ -113,7 +115,7 @@ Action declare_verify(CLI::App& app, Session& session) {
     const int code = check_records({records, v->paths.end()}, session);
     v->paths.erase(records, v->paths.end());
     if (v->paths.empty() || code != 0) return code;
-    const std::vector<Found> cases = cases_with_thresholds(v->paths, session);
+    const std::vector<Found> cases = cases_with_thresholds(v->paths, v->arguments.given, session);
     std::vector<VerifyResult> results;
     RunSettings settings = settings_for(v->arguments, session, {}, "out/verify");
     const fs::path out = settings.out;

@@ -26,11 +26,17 @@ Onset find_onset(const std::vector<double>& time, const std::vector<double>& val
 /// motion (shift and `turn`) is taken off first.
 struct Participation {
   std::vector<double> time, share;
+  std::vector<double> sigma;  // of the share, if one error is shared by all particles, by the covariance; 0: not known
+  // The same with one of 4 x 4 blocks of the material left out; empty with fewer than four blocks.
+  std::vector<std::vector<double>> without;
 };
 Participation participation(const MotionSource& motion, const Points& zone, bool turn);
 
-/// What has to be added to the second's times so that both onsets agree, with its uncertainty; both histories are read
-/// with the one power (1 or 2) that fits the first better. NaN if an onset is not found.
+/// What has to be added to the second's times so that both onsets agree; both histories are read with the one power (1 or
+/// 2) that fits the first better. NaN if an onset is not found. Uncertainty, in squares: the greater of the scatter about
+/// both lines and the jackknife over blocks of each motion (errors of a path stay from time to time, so the scatter alone
+/// is 1.6 times too small); an error that all particles share, as the covariances state it; and what the offset changes
+/// by with the other power, rectangular (motions that begin by different laws have no one offset).
 Onset onset_offset(const Participation& first, const Participation& second);
 
 }  // namespace pivnp::compare

@@ -34,6 +34,8 @@ struct CompareOptions {
   double gauge_uncertainty = 0;
   double numerical_uncertainty_m = 0;
   double input_uncertainty_m = 0;
+  std::optional<double> correlation_m;
+  double verdict_coverage = 0.5;
   std::optional<double> slope_base_m;
   std::optional<double> mobilised_m;
   double band_strain = 0.05;
@@ -81,6 +83,17 @@ struct CompareOptions {
           OptionInfo{.unit = "m",
                      .text = "standard uncertainty of a simulated displacement component from the model's inputs",
                      .min = 0});
+    visit("correlation_m", self.correlation_m,
+          OptionInfo{.unit = "m",
+                     .text = "distance over which neighbouring particles share their random errors (left out: the gauge "
+                             "length that the measurement's record states, else the whole material)",
+                     .min = 0,
+                     .above_min = true});
+    visit("verdict_coverage", self.verdict_coverage,
+          OptionInfo{.text = "least share of the first's particles that are compared, at the start and at the end, for "
+                             "which verdicts are given (0: always)",
+                     .min = 0,
+                     .max = 1});
     visit("slope_base_m", self.slope_base_m,
           OptionInfo{.unit = "m",
                      .text = "height of the base a slope rests on: run-out, crest and slope angle are taken above it"});

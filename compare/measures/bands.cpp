@@ -56,29 +56,58 @@ double mean_distance(const std::vector<Vec2>& from, const std::vector<Vec2>& to)
 }
 
 BandMeasures::Difference difference_of(const ShearBand& a, const ShearBand& b, const PerDataSet<double>& spacing,
-                                       double longest_step) {
+                                       double longest_step, double floor_dev, double gauge) {
   BandMeasures::Difference d;
   d.offset = (mean_distance(a.ridge, b.ridge) + mean_distance(b.ridge, a.ridge)) / 2;
-  d.place_uncertainty = std::hypot(spacing[0], spacing[1]) / std::sqrt(12.0);
+  d.place_uncertainty = std::hypot(spacing[0], spacing[1], gauge) / std::sqrt(12.0);
   double turn = b.inclination_deg - a.inclination_deg;
   turn -= 180 * std::round(turn / 180);
   d.inclination_deg = turn;
-  d.inclination_uncertainty_deg = std::hypot(spacing[0] / a.length, spacing[1] / b.length) * 180 / std::numbers::pi /
+  d.inclination_uncertainty_deg = std::hypot(spacing[0] / a.length, spacing[1] / b.length, 2 * gauge / (a.length + b.length)) * 180 / std::numbers::pi /
                                   std::sqrt(12.0);
   d.thickness = b.thickness - a.thickness;
   d.onset = b.onset - a.onset;
-  d.onset_uncertainty = longest_step / std::sqrt(6.0);
+  d.peak = b.peak - a.peak;
+  // Averaged over the gauge, a ridge is lower by about what it is wider.
+  d.peak_uncertainty = std::hypot(floor_dev, b.peak * (1 - b.thickness / std::hypot(b.thickness, gauge)));
+  d.slip = b.slip - a.slip;
+  d.slip_uncertainty = std::sqrt(3.0) * floor_dev * std::hypot(a.thickness, b.thickness);
+  // A strain that is averaged over the gauge reaches the threshold later, by a step more or less.
+  d.onset_uncertainty = longest_step / std::sqrt(gauge > 0 ? 3.0 : 6.0);
   return d;
 }
 
 }  // namespace
 
+namespace {
+
+const ShearBand& counterpart(const ShearBand& band, const std::vector<ShearBand>& others) {
+  const auto strength = [](const ShearBand& b) { return b.length * b.strain; };
+  const ShearBand* nearest = &others[0];
+  double least = mean_distance(band.ridge, nearest->ridge);
+  for (const ShearBand& other : others) {
+    if (strength(other) < 0.5 * strength(others[0])) continue;
+    if (const double d = mean_distance(band.ridge, other.ridge); d < least) least = d, nearest = &other;
+  }
+  return *nearest;
+}
+
+// Bands that cross are not one band seen twice.
+bool alike(const ShearBand& a, const ShearBand& b) {
+  constexpr double most_turn = 30;  // degrees
+  const double turn = b.inclination_deg - a.inclination_deg;
+  return std::abs(turn - 180 * std::round(turn / 180)) < most_turn;
+}
+
+}  // namespace
+
 BandMeasures Bands::measure(const DataSet& first, const DataSet& second, const PerDataSet<RigidFit>& frame,
-                            double floor_dev) const {
+                            double floor_dev, double gauge) const {
   const PerDataSet<const DataSet*> sets{&first, &second};
   BandMeasures out;
   out.threshold = threshold_;
   out.floor_dev = floor_dev;
+  out.gauge = gauge;
   for (std::size_t s = 0; s < 2; ++s) {
     const ScatteredField field = present_field(*sets[s], frame[s].motion, onset_[s]);
     const auto with = [&](double threshold) { return find_bands(field, sets[s]->median_spacing(), threshold); };
@@ -88,9 +117,10 @@ BandMeasures Bands::measure(const DataSet& first, const DataSet& second, const P
     const auto count = [&](double threshold) { return double(with(std::max(threshold, 0.1 * threshold_)).size()); };
     out.number_uncertainty[s] = std::abs(count(threshold_ - floor_dev) - count(threshold_ + floor_dev)) / 2;
   }
-  if (!out.bands[0].empty() && !out.bands[1].empty())
-    out.strongest = difference_of(out.bands[0][0], out.bands[1][0], {first.median_spacing(), second.median_spacing()},
-                                  longest_step_);
+  if (out.bands[0].empty() || out.bands[1].empty()) return out;
+  const ShearBand &band = out.bands[0][0], &other = counterpart(band, out.bands[1]);
+  if (alike(band, other))
+    out.strongest = difference_of(band, other, {first.median_spacing(), second.median_spacing()}, longest_step_, floor_dev, gauge);
   return out;
 }
 
@@ -107,10 +137,11 @@ std::vector<ComparisonTable> BandMeasures::tables(const std::string& unit, const
     const std::string name(name_of(role));
     ComparisonTable t{"bands_" + name, words() + " of the " + name + ", strongest first",
                       {{"x", unit, {}}, {"y", unit, {}}, {"inclination", "deg", {}}, {"length", unit, {}},
-                       {"thickness", unit, {}}, {"strain_dev", "1", {}}, {"onset", time_unit, {}}}};
+                       {"thickness", unit, {}}, {"strain_dev", "1", {}}, {"onset", time_unit, {}}, {"strain_dev_median", "1", {}},
+                       {"slip", unit, {}}}};
     for (const ShearBand& b : list) {
-      const std::array<double, 7> row{b.centre.x(), b.centre.y(), b.inclination_deg, b.length, b.thickness,
-                                      b.strain,     b.onset};
+      const std::array<double, 9> row{b.centre.x(), b.centre.y(), b.inclination_deg, b.length, b.thickness,
+                                      b.strain,     b.onset, b.peak, b.slip};
       for (std::size_t c = 0; c < row.size(); ++c) t.columns[c].values.push_back(row[c]);
     }
     out.push_back(std::move(t));

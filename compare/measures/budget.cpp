@@ -8,14 +8,13 @@ namespace {
 
 double square(double x) { return x * x; }
 
-// Of those that are known.
+}  // namespace
+
 Vec2 sum_known(const Vec2& a, const Vec2& b) {
   if (std::isnan(a.x())) return b;
   if (std::isnan(b.x())) return a;
   return a + b;
 }
-
-}  // namespace
 
 Vec2 Variance::total() const {
   const Vec2 rest = numerical + input;
@@ -35,7 +34,8 @@ Variance Budget::at(const Vec2& cov_first, const Vec2& cov_second, const Vec2& u
   const Vec2 random = sum_known(cov_first, cov_second);
   const Vec2 given = Vec2::Constant(systematic_) + (gauge_ * u_first).cwiseAbs2() + frame;
   v.measurement = !std::isnan(random.x()) ? Vec2(random + given) : given.sum() > 0 ? given : random;
-  v.numerical = numerical + Vec2::Constant(numerical_);
+  v.grid = numerical.cwiseAbs2();
+  v.numerical = v.grid + Vec2::Constant(numerical_);
   v.input = Vec2::Constant(input_);
   return v;
 }

@@ -14,9 +14,13 @@ namespace pivnp::compare {
 struct Variance {
   Vec2 measurement = Vec2::Zero();  // NaN: not known
   Vec2 numerical = Vec2::Zero(), input = Vec2::Zero();
+  Vec2 grid = Vec2::Zero();  // of `numerical`, what coarser grids tell
 
   Vec2 total() const;  // NaN only if nothing at all is known
 };
+
+/// Of those that are known; NaN if neither is.
+Vec2 sum_known(const Vec2& a, const Vec2& b);
 
 class Budget {
  public:
@@ -24,7 +28,7 @@ class Budget {
   explicit Budget(const CompareOptions& options);
 
   /// `cov_first`, `cov_second`: uu, vv of each data set's random error, NaN where one knows none. `frame`: of what was
-  /// taken off both data sets (its own error). `numerical`: from grid refinement, zero without.
+  /// taken off both data sets (its own error), and of the clock. `numerical`: error from grid refinement, zero without.
   Variance at(const Vec2& cov_first, const Vec2& cov_second, const Vec2& u_first, const Vec2& frame,
               const Vec2& numerical) const;
 

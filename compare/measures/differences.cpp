@@ -60,7 +60,7 @@ PerDataSet<double> Tally::known_sigma() const {
   PerDataSet<double> own;
   for (std::size_t s = 0; s < 2; ++s) own[s] = std::isfinite(sum_cov_trace[s]) ? sum_cov_trace[s] : 0;
   const double given = std::isfinite(sum_measurement) ? std::max(0.0, sum_measurement - own[0] - own[1]) : 0;
-  return {rms_part(own[0] + given), rms_part(own[1] + sum_numerical + sum_input)};
+  return {rms_part(own[0] + given), rms_part(own[1] + sum_numerical - sum_grid + sum_input)};
 }
 
 // One data set's view of one particle at one time, in the frame of the comparison.
@@ -146,12 +146,14 @@ const std::vector<StatisticOverSpace>& statistics_over_space() {
 }  // namespace
 
 Differences::Differences(std::vector<std::size_t> paired, const DataSet& first, std::size_t times,
-                         const CompareOptions& options, const StrainNotes& notes)
+                         const CompareOptions& options, const StrainNotes& notes, double clock)
     : paired_(std::move(paired)), length_unit_(first.motion().length_unit()), time_unit_(first.motion().time_unit()),
       most_times_(times),
       rows_kept_(std::clamp<std::size_t>(most_field_values / std::max<std::size_t>(1, paired_.size()), 2,
                                          std::max<std::size_t>(2, times))),
-      budget_(options), notes_(notes), rates_({}, {}, 0), over_displacement_(paired_.size(), times),
+      budget_(options), notes_(notes), rates_({}, {}, 0), mean_total_(paired_.size()),
+      mean_last_(paired_.size()), clock_(clock), given_correlation_(options.correlation_m.value_or(not_known)),
+      second_before_(paired_.size(), Vec2::Constant(not_known)), over_displacement_(paired_.size(), times),
       over_strain_(paired_.size(), times), begun_(paired_.size(), 0), fields_(difference_fields().size()),
       statistics_(statistics_over_space().size()) {
   for (const std::size_t p : paired_) {
@@ -186,12 +188,14 @@ bool Differences::add(const DataSetState& first, const DataSetState& second, con
   last_ = Tally{};
   last_.frame = frame;
   last_particles_ = ComparedParticles{};
+  mean_last_.clear();
   const PerDataSet<bool> known{!first.cov.empty(), !second.cov.empty()};
   const bool keep = keeps_fields();
   const PerDataSet<Mat2> back{frame[0].motion.rotation().transpose(), frame[1].motion.rotation().transpose()};
   PerDataSet<StillZone> still;
   std::vector<Vec2> u_first(paired_.size(), no_vector), difference(paired_.size(), no_vector),
-      variances(paired_.size(), no_vector);
+      variances(paired_.size(), no_vector), grid(paired_.size(), Vec2::Zero());
+  const double step = time_.empty() ? not_known : first.time - time_.back();
   if (keep) field_time_.push_back(first.time);
 
   const auto sample = [&](std::size_t set, std::size_t row, const Vec2& u, const Mat2& F,
@@ -219,9 +223,13 @@ bool Differences::add(const DataSetState& first, const DataSetState& second, con
     const Sample a = sample(0, row, first.u[p], first.F[p], known[0] ? &first.cov[p] : nullptr);
     const Sample b = sample(1, row, partner.u, partner.F, known[1] ? &partner.cov : nullptr);
     begun_[row] = 1;
-    Variance variance =
-        budget_.at(a.cov, b.cov, a.u, frame[0].variance_at(X_[row]) + frame[1].variance_at(X_[row]),
-                   numerical.empty() ? Vec2(Vec2::Zero()) : numerical[p]);
+    // A clock that is wrong by a little moves the second along its path.
+    const Vec2 late = clock_ > 0 ? Vec2((b.u - second_before_[row]) / step * clock_) : Vec2(Vec2::Zero());
+    second_before_[row] = b.u;
+    Variance variance = budget_.at(a.cov, b.cov, a.u,
+                                   frame[0].variance_at(X_[row]) + frame[1].variance_at(X_[row]) +
+                                       (late.allFinite() ? late : Vec2(Vec2::Zero())).cwiseAbs2(),
+                                   numerical.empty() ? Vec2(Vec2::Zero()) : numerical[p]);
     // A data set that measures, but not the error of this particle.
     if ((known[0] && a.cov.hasNaN()) || (known[1] && b.cov.hasNaN())) variance.measurement = no_vector;
     add_particle(row, a, b, variance);
@@ -232,7 +240,8 @@ bool Differences::add(const DataSetState& first, const DataSetState& second, con
     const Vec2 d = b.u - a.u;
     u_first[row] = a.u;
     difference[row] = d;
-    variances[row] = variance.total();
+    grid[row] = numerical.empty() ? Vec2(Vec2::Zero()) : numerical[p];
+    variances[row] = variance.total() - variance.grid;
     if (!keep) continue;
     for (std::size_t f = 0; f < fields_.size(); ++f) fields_[f].push_back(float(difference_fields()[f].value(a, b)));
   }
@@ -245,11 +254,42 @@ bool Differences::add(const DataSetState& first, const DataSetState& second, con
   for (std::size_t s = 0; s < 2; ++s)
     floor_in_zone_[s] = known[s] && std::isfinite(still[s].dev()) && !(notes_[s] && std::isfinite(notes_[s]->floor_dev));
   for (std::size_t s = 0; s < 2; ++s) cov_known_[s] = cov_known_[s] && known[s];
-  rates_.add(first.time, u_first, difference, variances);
+  find_correlation(known);
+  rates_.add(first.time, u_first, difference, variances, grid);
   for (std::size_t s = 0; s < statistics_.size(); ++s)
     statistics_[s].push_back(statistics_over_space()[s].value(last_));
   time_.push_back(first.time);
   return true;
+}
+
+void Differences::find_correlation(const PerDataSet<bool>& known) {
+  correlation_ = given_correlation_;
+  if (std::isfinite(correlation_)) return;
+  double greatest = 0;
+  for (std::size_t s = 0; s < 2; ++s) {
+    if (!known[s]) continue;
+    const double own = notes_[s] ? notes_[s]->gauge_length : not_known;
+    if (!(own > 0)) return;
+    greatest = std::max(greatest, own);
+  }
+  if (greatest > 0) correlation_ = greatest;
+}
+
+std::optional<Vec2> Differences::mean_uncertainty(bool last) const {
+  const Vec2 u = (last ? mean_last_ : mean_total_).uncertainty(X_, correlation_);
+  return u.allFinite() ? std::optional(u) : std::nullopt;
+}
+
+std::optional<FieldMean::Weighted> Differences::weighted() const {
+  const ComparedParticles& last = last_particles_;
+  std::vector<Vec2> difference, random, common;
+  for (std::size_t k = 0; k < last.X.size(); ++k) {
+    difference.push_back(last.u_second[k] - last.u_first[k]);
+    const bool known = last.random[k].allFinite();
+    random.push_back(known ? last.random[k] : Vec2(Vec2::Zero()));
+    common.push_back(last.variance[k] - random.back());
+  }
+  return FieldMean::weighted(last.X, difference, random, common, correlation_);
 }
 
 void Differences::add_particle(std::size_t row, const Sample& a, const Sample& b, const Variance& variance) {
@@ -261,6 +301,7 @@ void Differences::add_particle(std::size_t row, const Sample& a, const Sample& b
     tally->sum_cov_trace[1] += b.trace();
     tally->sum_measurement += variance.measurement.sum();
     tally->sum_numerical += variance.numerical.sum();
+    tally->sum_grid += variance.grid.sum();
     tally->sum_input += variance.input.sum();
     tally->sum_first += a.u.norm();
     tally->sum_second += b.u.norm();
@@ -271,6 +312,8 @@ void Differences::add_particle(std::size_t row, const Sample& a, const Sample& b
     tally->strain_vol.add(b.vol - a.vol);
     if (std::isfinite(a.path) && std::isfinite(b.path)) tally->strain_path.add(b.path - a.path);
   }
+  const Vec2 random = sum_known(a.cov, b.cov);
+  for (FieldMean* mean : {&mean_total_, &mean_last_}) mean->add(row, d, random, total - random);
   over_displacement_.add(row, d);
   if (std::isfinite(b.dev - a.dev)) over_strain_.add(row, Vec2(b.dev - a.dev, 0));
   last_particles_.particle.push_back(paired_[row]);
@@ -280,6 +323,7 @@ void Differences::add_particle(std::size_t row, const Sample& a, const Sample& b
   last_particles_.dev_first.push_back(a.dev);
   last_particles_.dev_second.push_back(b.dev);
   last_particles_.variance.push_back(total);
+  last_particles_.random.push_back(random);
 }
 
 std::vector<ComparisonField> Differences::take_fields() {

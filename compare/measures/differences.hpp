@@ -15,6 +15,7 @@
 #include "compare/data/sources.hpp"
 #include "compare/data/statistics.hpp"
 #include "compare/measures/budget.hpp"
+#include "compare/measures/field_mean.hpp"
 #include "compare/measures/rates.hpp"
 #include "pivnp/core/record/comparison.hpp"
 
@@ -29,11 +30,12 @@ struct Tally {
   double peak_first_sigma = not_known, peak_second_sigma = not_known;
   PerDataSet<double> sum_cov_trace{0, 0};  // NaN where a data set does not know its covariance
   double sum_measurement = 0, sum_numerical = 0, sum_input = 0;  // traces of the parts of u_val^2
+  double sum_grid = 0;                     // of sum_numerical, what coarser grids tell
   double floor_dev = not_known, floor_vol = not_known, floor_path = not_known;  // noise floors of strain
   PerDataSet<RigidFit> frame;  // what the reference took off, first and second
 
   /// RMS error of each data set's displacements, of what is known; 0 if nothing is. Camera, gauge and frame of reference are
-  /// the first's, numerics and inputs the second's.
+  /// the first's, numerics (as given: grids tell of each metric by themselves) and inputs the second's.
   PerDataSet<double> known_sigma() const;
   double rms_part(double sum) const { return std::sqrt(sum / double(displacement.count())); }
 };
@@ -44,14 +46,15 @@ struct ComparedParticles {
   std::vector<Vec2> X, u_first, u_second;
   std::vector<double> dev_first, dev_second;  // deviatoric strain, NaN where F is not positive
   std::vector<Vec2> variance;                 // u_val^2, NaN if not known
+  std::vector<Vec2> random;                   // of it, both data sets' covariances; NaN: none is known
 };
 
 class Differences {
  public:
   /// `paired`: the first's particles with a partner at the common start, in the order of the fields; `times`: how many
-  /// common times there may be.
+  /// common times there may be; `clock`: standard uncertainty of the second's clock, where it was set by an onset.
   Differences(std::vector<std::size_t> paired, const DataSet& first, std::size_t times, const CompareOptions& options,
-              const StrainNotes& notes);
+              const StrainNotes& notes, double clock);
 
   /// One more common time. Particles of the first that are no longer followed, or have lost their partner, are left
   /// out; if that leaves none, nothing is added and the answer is false. A data set's covariance enters where it is known.
@@ -62,6 +65,12 @@ class Differences {
   const Tally& last() const { return last_; }
   const ComparedParticles& last_particles() const { return last_particles_; }
   const Rates& rates() const { return rates_; }
+  /// Standard uncertainty of the mean displacement difference by how far errors are shared; nothing where that is not
+  /// known (compare.correlation_m, or the records' gauge length).
+  std::optional<Vec2> mean_uncertainty(bool last) const;
+  /// The difference at the last time, weighted by how well each particle is known.
+  std::optional<FieldMean::Weighted> weighted() const;
+  double correlation_length() const { return correlation_; }  // NaN: not known
   bool cov_known(std::size_t set) const { return cov_known_[set]; }
   /// Whether a data set's noise floor was taken in the zone that the comparison declares.
   bool floor_in_zone(std::size_t set) const { return floor_in_zone_[set]; }
@@ -83,6 +92,7 @@ class Differences {
   void add_particle(std::size_t row, const Sample& a, const Sample& b, const Variance& variance);
   double path_step(std::vector<Mat2>& before, std::size_t row, const Mat2& F, std::vector<double>& path);
   bool keeps_fields() const;
+  void find_correlation(const PerDataSet<bool>& known);
 
   std::vector<std::size_t> paired_;
   std::vector<std::int64_t> id_;  // of the paired
@@ -94,6 +104,9 @@ class Differences {
   Tally total_, last_;
   ComparedParticles last_particles_;
   Rates rates_;
+  FieldMean mean_total_, mean_last_;
+  double clock_, given_correlation_, correlation_ = not_known;
+  std::vector<Vec2> second_before_;  // the second's displacements at the time before
   OverTime over_displacement_, over_strain_;
   PerDataSet<bool> cov_known_{true, true};  // at every time so far
   std::vector<std::uint8_t> zone_;          // 1: in the zone that is declared to stand still; empty: none is

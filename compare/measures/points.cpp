@@ -65,7 +65,7 @@ void PointHistories::add(const DataSetState& first, const DataSetState& second, 
       shared_[k] += frame[s].variance_at(points_[k]).sum();
       if (s == 0 && !numerical.empty())
         for (const Natural::Share& share : track.place.shares)
-          shared_[k] += share.weight * numerical[std::size_t(share.point)].sum();
+          shared_[k] += share.weight * numerical[std::size_t(share.point)].squaredNorm();
       if (states[s]->cov.empty()) continue;
       track.variance += at.cov[0] + at.cov[1];
       ++track.known;

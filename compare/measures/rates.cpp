@@ -45,12 +45,12 @@ Rates::Rates(const std::vector<Vec2>& X, std::vector<double> outside, std::size_
 }
 
 void Rates::add(double time, const std::vector<Vec2>& u_first, const std::vector<Vec2>& difference,
-                const std::vector<Vec2>& variance) {
+                const std::vector<Vec2>& variance, const std::vector<Vec2>& numerical) {
   if (held_.size() == 3) {
     std::rotate(held_.begin(), held_.begin() + 1, held_.end());
     held_.pop_back();
   }
-  held_.push_back({time, u_first, difference, variance});
+  held_.push_back({time, u_first, difference, variance, numerical});
   if (held_.size() >= 2) add_increments();
   if (held_.size() == 3) add_velocities();
 }
@@ -75,7 +75,7 @@ void Rates::add_velocities() {
     const Vec2 d = rate(&State::difference);
     if (!d.allFinite()) continue;
     const Vec2 variance = w[0] * w[0] * held_[0].variance[p] + w[1] * w[1] * held_[1].variance[p] +
-                          w[2] * w[2] * held_[2].variance[p];
+                          w[2] * w[2] * held_[2].variance[p] + rate(&State::numerical).cwiseAbs2();
     velocity_.add(d, variance.x(), variance.y());
     here.add(d, variance.x(), variance.y());
     over_time_.add(p, d);

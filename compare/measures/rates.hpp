@@ -19,10 +19,11 @@ class Rates {
   /// the statistics of increments; empty: none.
   Rates(const std::vector<Vec2>& X, std::vector<double> outside, std::size_t times);
 
-  /// `u_first`, `difference`: in the order of the fields, NaN where not compared; `variance`: of the difference, NaN if
-  /// not known.
+  /// `u_first`, `difference`: in the order of the fields, NaN where not compared; `variance`: of the difference but for
+  /// `numerical`, NaN if not known; `numerical`: the signed error of the second's grid, which is one and the same from
+  /// time to time and is differentiated like the difference.
   void add(double time, const std::vector<Vec2>& u_first, const std::vector<Vec2>& difference,
-           const std::vector<Vec2>& variance);
+           const std::vector<Vec2>& variance, const std::vector<Vec2>& numerical);
 
   // Differences of velocity over space and time, and one statistic a time (first and last: NaN). The variance is the
   // sum of that of the two outer differences over the time between them: a bound for errors that do not oppose.
@@ -40,7 +41,7 @@ class Rates {
  private:
   struct State {
     double time = 0;
-    std::vector<Vec2> u_first, difference, variance;
+    std::vector<Vec2> u_first, difference, variance, numerical;
   };
   void add_increments();
   void add_velocities();

@@ -98,6 +98,21 @@ double crest_place(const Profile& profile, double height, int faces) {
   return not_known;
 }
 
+// Of the largest ring: what has broken off is no toe.
+double toe(const std::vector<std::vector<Vec2>>& rings, int faces) {
+  const std::vector<Vec2>* body = nullptr;
+  double greatest = 0;
+  for (const std::vector<Vec2>& ring : rings) {
+    double area = 0;
+    for (std::size_t k = 0; k + 1 < ring.size(); ++k) area += ring[k].x() * ring[k + 1].y() - ring[k].y() * ring[k + 1].x();
+    if (area > greatest) greatest = area, body = &ring;
+  }
+  if (body == nullptr) return not_known;
+  double out = body->front().x();
+  for (const Vec2& x : *body) out = faces > 0 ? std::max(out, x.x()) : std::min(out, x.x());
+  return out;
+}
+
 struct Covers {
   Cover start, end;
 };
@@ -160,6 +175,7 @@ ShapeMeasures measure_shapes(const ShapeSources& sources, const Differences& dif
   out.slope = slope({Covers{cover(*start[0], spacing[0] / 2, before), first},
                      Covers{cover(*start[1], spacing[1] / 2, before), second}},
                     shape, base);
+  for (std::size_t s = 0; s < 2; ++s) out.slope->toe_x[s] = toe(out.outlines[s], shape[s].faces);
   return out;
 }
 

@@ -52,6 +52,8 @@ struct ShapeMeasures {
     // How far the crest's edge drew back: the outermost place where the profile reaches 90 % of its greatest value at the
     // common start, then minus at the last common time; NaN where it is nowhere any more.
     PerDataSet<double> crest_retreat{};
+    // Outermost point of the outline, on the side the slope faces.
+    PerDataSet<double> toe_x{};
     bool same_way() const { return shape[0].faces == shape[1].faces; }
   };
   std::optional<Slope> slope;      // with slope_base_m, and where both have material above it

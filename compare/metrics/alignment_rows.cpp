@@ -73,7 +73,7 @@ void add_alignment_rows(Registry<MetricRow>& rows) {
   for (const DataSetRole role : data_set_roles) add_reference(rows, role);
   rows.add({{.name = "grid_convergence_order", .unit = "1",
              .definition = "order at which displacements of the second data set converge from the coarser grids, over "
-                           "all particles at the last common time; held to 0.5 ... 2 (1 with two grids)",
+                           "all particles at the last common time; held to 0.5 ... 2 (1 with two grids, where it is not observed)",
              .words = "order of grid convergence"},
             [](const Findings& f) -> std::optional<MetricValue> {
               if (!f.convergence) return std::nullopt;
@@ -82,10 +82,28 @@ void add_alignment_rows(Registry<MetricRow>& rows) {
 }
 
 void add_offset_rows(Registry<MetricRow>& rows) {
+  rows.add({{.name = "onset_difference", .unit = "T",
+             .definition = "onset of the mean |u| over the particles, second minus first: zeros of lines through its rise (2 to "
+                           "25 %) to the power 1 or 1/2; uncertainty: scatter about the lines, u_val over the speed of the "
+                           "rise, and the change with the other power",
+             .words = "onset of motion, simulated \u2212 measured"},
+            [](const Findings& f) -> std::optional<MetricValue> {
+              if (!f.beginnings.difference) return std::nullopt;
+              return difference(f.beginnings.difference->time, f.beginnings.difference->sigma, "");
+            }});
+  rows.add({{.name = "rest_over_u", .unit = "1",
+             .definition = "greatest RMS difference of displacement over its uncertainty while the second stands still (mean |u| "
+                           "below 2 % of its last): above 2 the first moves already, or errs by more than is stated",
+             .words = "difference before the simulation moves, in units of its uncertainty"},
+            [](const Findings& f) -> std::optional<MetricValue> {
+              if (!f.beginnings.rest_over_u) return std::nullopt;
+              return MetricValue{*f.beginnings.rest_over_u};
+            }});
   rows.add({{.name = "time_offset", .unit = "T",
              .definition = "added to the second's times so that both motions begin together: difference of the zeros of "
                            "lines through the rise (2 to 25 %) of sum u(t).u(T) / sum u(T)^2 to the power 1 or 1/2; "
-                           "uncertainty: scatter about both lines",
+                           "uncertainty: scatter about both lines or jackknife over blocks of the material, the error that all "
+                           "particles may share, and the change with the other power",
              .words = "offset in time"},
             [](const Findings& f) -> std::optional<MetricValue> {
               if (!f.time_offset) return std::nullopt;

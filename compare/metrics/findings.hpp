@@ -9,6 +9,7 @@
 #include "compare/alignment/reference.hpp"
 #include "compare/data/rigid.hpp"
 #include "compare/measures/bands.hpp"
+#include "compare/measures/clocks.hpp"
 #include "compare/measures/decomposition.hpp"
 #include "compare/measures/differences.hpp"
 #include "compare/measures/distribution.hpp"
@@ -33,6 +34,7 @@ struct Findings {
   PointMeasures points;
   DistributionMeasures distributions;
   std::vector<FieldDecomposition> decompositions;
+  Beginnings beginnings;
   std::optional<Onset> time_offset;  // added to the second's times
   std::optional<RigidFit> place;     // given to the second's coordinates
 

@@ -66,17 +66,18 @@ struct VectorStatistic {
   double (*factor)(std::size_t);              // so many uncertainties are told apart
   double (*own_u)(const ScalarStatistics&);   // of sizes in units of the particles' own uncertainties; nullptr: none
   const char* told_apart = "";                // goes on in `how` with the factor
+  int axis = -1;                              // of a mean: its component
 };
 
 constexpr VectorStatistic vector_statistics[] = {
     {"bias_x", "mean in x", "mean of #_x of the second minus that of the first",
      [](const VectorStatistics& d) { return d.bias().x(); },
      [](const VectorStatistics& d) { return d.bias_uncertainty().x(); },
-     "root mean variance of #_x, all errors assumed to be equal", two, nullptr},
+     "root mean variance of #_x, all errors assumed to be equal", two, nullptr, "", 0},
     {"bias_y", "mean in y", "mean of #_y of the second minus that of the first",
      [](const VectorStatistics& d) { return d.bias().y(); },
      [](const VectorStatistics& d) { return d.bias_uncertainty().y(); },
-     "root mean variance of #_y, all errors assumed to be equal", two, nullptr},
+     "root mean variance of #_y, all errors assumed to be equal", two, nullptr, "", 1},
     {"rms", "RMS", "root mean square of |#_second - #_first|", [](const VectorStatistics& d) { return d.rms(); },
      [](const VectorStatistics& d) { return d.rms_uncertainty(); }, "root mean trace of its variance", two,
      [](const ScalarStatistics& s) { return s.rms(); }},
@@ -86,7 +87,7 @@ constexpr VectorStatistic vector_statistics[] = {
      [](const ScalarStatistics& s) { return s.p95(); }, "; distinguishable only beyond "},
     {"max", "maximum", "greatest |#_second - #_first|", [](const VectorStatistics& d) { return d.max(); },
      [](const VectorStatistics& d) { return d.max_uncertainty(); }, "root trace of its variance where it occurs",
-     greatest_factor, [](const ScalarStatistics& s) { return s.max(); },
+     greatest_of_paths_factor, [](const ScalarStatistics& s) { return s.max(); },
      "; the greatest of so many errors is distinguishable only beyond "}};
 
 // A vector whose differences are counted.
@@ -95,7 +96,17 @@ struct VectorSubject {
   Span span;
   std::string note;  // how it is found
   std::function<const VectorStatistics&(const Findings&)> statistics;
+  // Of the mean, by how far errors are shared; nothing where that is not known.
+  std::function<std::optional<Vec2>(const Findings&)> mean_uncertainty = {};
 
+  std::optional<Vec2> mean_u(const VectorStatistic& s, const Findings& f) const {
+    if (s.axis < 0 || !mean_uncertainty) return std::nullopt;
+    return mean_uncertainty(f);
+  }
+  double uncertainty(const VectorStatistic& s, const Findings& f) const {
+    const std::optional<Vec2> u = mean_u(s, f);
+    return u ? (*u)[s.axis] : s.uncertainty(statistics(f));
+  }
   std::string of(std::string text) const {
     for (std::size_t at = text.find('#'); at != std::string::npos; at = text.find('#')) text.replace(at, 1, symbol);
     return text;
@@ -103,7 +114,11 @@ struct VectorSubject {
   std::string when(const Findings& f) const { return span.when(f) + note; }
   std::string how(const VectorStatistic& s, const Findings& f, const std::string& over = "") const {
     if (f.covariance.empty()) return "; uncertainty not known: neither motion carries a covariance";
-    std::string text = "; uncertainty: " + of(s.how);
+    std::string text = "; uncertainty: " + (mean_u(s, f) ? "of a mean of random errors that are shared over " +
+                                                               number(f.differences.correlation_length()) + " " + f.length_unit +
+                                                               " (or further, by a jackknife over 4 x 4 blocks of the "
+                                                               "differences), and of errors that are the same everywhere"
+                                                         : of(s.how));
     if (*s.told_apart != 0) text += s.told_apart + number(s.factor(statistics(f).count()), 3) + " of them";
     return text + over + ", " + f.covariance;
   }
@@ -118,7 +133,7 @@ void add_values(Registry<MetricRow>& rows, const VectorSubject& subject) {
     add(rows, subject.facts(s), [=](const Findings& f) -> std::optional<MetricValue> {
       const VectorStatistics& d = subject.statistics(f);
       if (d.count() == 0) return std::nullopt;
-      return difference(s.value(d), s.uncertainty(d), subject.when(f) + subject.how(s, f), s.factor(d.count()));
+      return difference(s.value(d), subject.uncertainty(s, f), subject.when(f) + subject.how(s, f), s.factor(d.count()));
     });
 }
 
@@ -136,8 +151,9 @@ void add_values_over_u(Registry<MetricRow>& rows, const VectorSubject& subject) 
         return MetricValue{own, not_known,
                            subject.when(f) +
                                ", each divided first by the particle's own standard uncertainty at that time"};
-      if (d.count() == 0 || !(s.uncertainty(d) > 0)) return std::nullopt;
-      return MetricValue{s.value(d) / s.uncertainty(d), not_known, subject.when(f) + ", over its standard uncertainty"};
+      const double u = d.count() == 0 ? 0 : subject.uncertainty(s, f);
+      if (!(u > 0)) return std::nullopt;
+      return MetricValue{s.value(d) / u, not_known, subject.when(f) + ", over its standard uncertainty"};
     });
   }
 }
@@ -152,7 +168,7 @@ void add_relative_values(Registry<MetricRow>& rows, const VectorSubject& subject
       const VectorStatistics& d = subject.statistics(f);
       const double peak = f.total().peak_first;
       if (!(peak > 0)) return std::nullopt;
-      return difference(s.value(d) / peak, s.uncertainty(d) / peak,
+      return difference(s.value(d) / peak, subject.uncertainty(s, f) / peak,
                         subject.when(f) + ", over the greatest displacement of the first (displacement_peak_first)" +
                             subject.how(s, f, ", over the same"),
                         s.factor(d.count()));
@@ -162,10 +178,35 @@ void add_relative_values(Registry<MetricRow>& rows, const VectorSubject& subject
 
 void add_displacement(Registry<MetricRow>& rows, const Span& span) {
   const VectorSubject u{"displacement", "u", "L", span, "",
-                        [span](const Findings& f) -> const VectorStatistics& { return span.tally(f).displacement; }};
+                        [span](const Findings& f) -> const VectorStatistics& { return span.tally(f).displacement; },
+                        [span](const Findings& f) { return f.differences.mean_uncertainty(span.last); }};
   add_values(rows, u);
   add_values_over_u(rows, u);
   add_relative_values(rows, u);
+}
+
+// The verdict over the field at the end: what is badly known counts little.
+void add_field(Registry<MetricRow>& rows) {
+  static const std::string weights = " of u_second - u_first, weights 1/max(u_p, median u)^2 with u_p the particle's u_val";
+  rows.add({{.name = "displacement_field_rms", .unit = "L", .definition = "weighted root mean square" + weights,
+             .words = "displacement over the field, weighted RMS", .levelled = true},
+            [](const Findings& f) -> std::optional<MetricValue> {
+              const auto w = f.differences.weighted();
+              if (!w) return std::nullopt;
+              return difference(w->rms, w->rms_uncertainty, ", " + f.at_end + "; uncertainty: u_val by the same weights");
+            }});
+  for (int axis = 0; axis < 2; ++axis)
+    rows.add({{.name = axis == 0 ? "displacement_field_x" : "displacement_field_y", .unit = "L",
+               .definition = std::string("weighted mean of the ") + (axis == 0 ? "x" : "y") + " component" + weights,
+               .words = std::string("displacement over the field, weighted mean in ") + (axis == 0 ? "x" : "y"), .levelled = true},
+              [axis](const Findings& f) -> std::optional<MetricValue> {
+                const auto w = f.differences.weighted();
+                if (!w || !std::isfinite(w->uncertainty[axis])) return std::nullopt;
+                return difference(w->mean[axis], w->uncertainty[axis],
+                                  ", " + f.at_end + "; uncertainty: random errors shared over " +
+                                      number(f.differences.correlation_length()) + " " + f.length_unit +
+                                      " (or further, by a jackknife over 4 x 4 blocks of the differences), others everywhere");
+              }});
 }
 
 void add_velocity(Registry<MetricRow>& rows) {
@@ -221,8 +262,8 @@ void add_uncertainty(Registry<MetricRow>& rows, const Span& span) {
        "part of u_val from the measurements: random error of the displacements, camera, gauge and the frame of reference",
        &Tally::sum_measurement);
   part("u_numerical", "part of u_val from the numerics",
-       "part of u_val from the simulation's grid and time step: GCI / 1.15 by coarser grids, or as given; 0 where "
-       "neither was given",
+       "part of u_val from the simulation's grid and time step: GCI / 1.15 by coarser grids (out of the asymptotic range, "
+       "and with one grid, their range), or as given; 0 where neither was given",
        &Tally::sum_numerical);
   part("u_input", "part of u_val from the inputs",
        "part of u_val from the model's inputs, as given; 0 where it was not", &Tally::sum_input);
@@ -296,6 +337,7 @@ void add_strain(Registry<MetricRow>& rows, const Span& span) {
 void add_motion_rows(Registry<MetricRow>& rows) {
   add_displacement(rows, all_times);
   add_displacement(rows, last_time);
+  add_field(rows);
   add_peaks(rows);
   add_uncertainty(rows, all_times);
   add_uncertainty(rows, last_time);

@@ -1,5 +1,7 @@
 #include "compare/metrics/remarks.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <numbers>
 
@@ -85,12 +87,21 @@ void remark_findings(const Findings& f, std::vector<std::string>& remarks) {
   remark_motion(f, remarks);
   if (f.convergence && !f.convergence->asymptotic)
     remarks.push_back(
-        "The coarser grids do not show an order of convergence between 0.5 and 2 (or there is only one): "
-        "the numerical uncertainty carries a safety factor of 3.");
+        "The grids do not show an order of convergence between 0.5 and 2 (or there is only one coarser grid): the numerical "
+        "uncertainty of the displacements is the range over the grids, not an extrapolation, and no bound.");
   remark_shapes(f.shapes, remarks);
   for (const std::string& where : f.points.lost)
     remarks.push_back("The material point " + where + " of compare.points_m is not followed on both data sets.");
   remark_decompositions(f.decompositions, remarks);
+}
+
+std::string remark_outside(const std::vector<std::string>& metrics) {
+  constexpr std::size_t named = 4;
+  std::string list;
+  for (std::size_t k = 0; k < std::min(named, metrics.size()); ++k) list += (k > 0 ? ", " : "") + metrics[k];
+  if (metrics.size() > named) list += " and " + std::to_string(metrics.size() - named) + " more";
+  return "The grids are out of the asymptotic range for " + list +
+         ": their numerical uncertainty is the range over the three grids and no bound; finer grids would tell.";
 }
 
 void remark_units(const CompareOptions& options, const LimitOptions& limits, const std::string& unit,
@@ -101,10 +112,20 @@ void remark_units(const CompareOptions& options, const LimitOptions& limits, con
 }
 
 void remark_offsets(const Findings& f, std::vector<std::string>& remarks) {
+  if (const auto& begins = f.beginnings.difference; begins && !f.time_offset && std::abs(begins->time) > 2 * begins->sigma)
+    remarks.push_back("The second begins to move " + number(std::abs(begins->time), 3) + " " + f.time_unit +
+                      (begins->time > 0 ? " later" : " earlier") + " than the first (standard uncertainty " +
+                      number(begins->sigma, 2) + " " + f.time_unit + "): their clocks may differ, which every difference holds; "
+                      "compare.time_offset_s or time_alignment sets the second's.");
+  if (f.beginnings.rest_over_u.value_or(0) > 2)
+    remarks.push_back("While the second stands still, the first differs from it by " + number(*f.beginnings.rest_over_u, 2) +
+                      " times the uncertainty: it moves already, or its errors are larger than stated. What is distinguishable "
+                      "by less than that may be error.");
   if (f.time_offset)
     remarks.push_back("The second's clock was set by " + number(f.time_offset->time) + " " + f.time_unit +
                       " (standard uncertainty " + number(f.time_offset->sigma, 2) + " " + f.time_unit +
-                      ") so that both motions begin together.");
+                      ") so that both motions begin together. A difference in how they begin is taken off with it; the "
+                      "offset's uncertainty times the speed is in u_val.");
   if (f.place)
     remarks.push_back("The second's coordinates were shifted by (" + number(f.place->motion.shift.x()) + ", " +
                       number(f.place->motion.shift.y()) + ") " + f.length_unit + " and turned by " +

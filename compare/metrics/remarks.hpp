@@ -19,6 +19,8 @@ void remark_alignment(const Alignment& alignment, const DataSet& first, const Da
 void remark_findings(const Findings& findings, std::vector<std::string>& remarks);
 void remark_units(const CompareOptions& options, const LimitOptions& limits, const std::string& unit,
                   std::vector<std::string>& remarks);
+/// Of metrics whose three grids show no order.
+std::string remark_outside(const std::vector<std::string>& metrics);
 /// What was given to the second's clock and coordinates.
 void remark_offsets(const Findings& findings, std::vector<std::string>& remarks);
 

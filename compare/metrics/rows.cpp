@@ -28,7 +28,7 @@ std::vector<Metric> metrics_of(const HistoryMeasures& measures) {
     if (unit.starts_with('V')) unit = measures.unit + unit_in(unit.substr(1), "", measures.time_unit);
     else unit = unit_in(unit, "", measures.time_unit);
     metrics.push_back({measures.subject + "_" + row.name, found->value, std::move(unit), found->uncertainty,
-                       definition + found->note, found->verdict});
+                       definition + found->note, found->verdict, found->factor});
   }
   return metrics;
 }
@@ -38,7 +38,7 @@ std::vector<Metric> metrics_of(const Findings& findings) {
   for (const MetricRow& row : metric_rows())
     if (const std::optional<MetricValue> found = row.value(findings))
       metrics.push_back({row.name, found->value, unit_in(row.unit, findings.length_unit, findings.time_unit),
-                         found->uncertainty, row.definition + found->note, found->verdict});
+                         found->uncertainty, row.definition + found->note, found->verdict, found->factor});
   for (const HistoryMeasures& point : findings.points.histories)
     for (Metric& metric : metrics_of(point)) metrics.push_back(std::move(metric));
   return metrics;

@@ -1,5 +1,6 @@
 // Metrics of the body's shape at the last common time, and of its shear bands.
 #include <cmath>
+#include <numbers>
 
 #include "compare/metrics/rows.hpp"
 #include "pivnp/core/text.hpp"
@@ -79,11 +80,12 @@ void add_outlines(Registry<MetricRow>& rows) {
 
 // Both, and their difference where the slopes can be compared. An outline is known to within half a particle spacing
 // (rectangular distribution), and as its particles are.
-Values placed(const Findings& f, const PerDataSet<double>& value, bool comparable) {
+// `k`: so many uncertainties are distinguishable; more than two for what the outermost of many particles decide.
+Values placed(const Findings& f, const PerDataSet<double>& value, bool comparable, double k = 2) {
   static const std::string how = "; uncertainty: half a particle spacing (rectangular) and the error of u, where known";
   const PerDataSet<double>& u = f.shapes.place_uncertainty;
   Values out{{value[0], u[0], how}, {value[1], u[1], how}};
-  if (comparable) out.push_back(difference(value[1] - value[0], std::hypot(u[0], u[1]), how));
+  if (comparable) out.push_back(difference(value[1] - value[0], std::hypot(u[0], u[1]), how, k));
   return out;
 }
 
@@ -96,7 +98,16 @@ void add_slope(Registry<MetricRow>& rows) {
                Leads::yes, [](const Findings& f) -> Values {
                  if (!f.shapes.slope) return {};
                  const auto& [a, b] = f.shapes.slope->shape;
-                 return placed(f, {a.run_out_x, b.run_out_x}, f.shapes.slope->same_way());
+                 return placed(f, {a.run_out_x, b.run_out_x}, f.shapes.slope->same_way(), percentile_factor(20));
+               });
+  add_for_both(rows, Variants::both_and_difference,
+               {.name = "toe_x", .unit = "L",
+                .definition = "x of the outermost point of the outline, on the side the slope faces, at the last common "
+                              "time (thin slopes run on beyond 99.5 % of their area)",
+                .words = "toe"},
+               Leads::no, [](const Findings& f) -> Values {
+                 if (!f.shapes.slope) return {};
+                 return placed(f, f.shapes.slope->toe_x, f.shapes.slope->same_way(), greatest_of_paths_factor(20));
                });
   add_for_both(rows, Variants::both_and_difference,
                {.name = "crest_height", .unit = "L",
@@ -117,11 +128,18 @@ void add_slope(Registry<MetricRow>& rows) {
                  if (!f.shapes.slope) return {};
                  const auto& [a, b] = f.shapes.slope->shape;
                  const std::string how =
-                     "; uncertainty: scatter about the line, one independent point a particle spacing";
-                 Values out{{a.angle_deg, a.angle_uncertainty_deg, how}, {b.angle_deg, b.angle_uncertainty_deg, how}};
+                     "; uncertainty: scatter about the line, one independent point a particle spacing, and what both ends "
+                     "of the face are uncertain by (half a particle spacing, rectangular, and the error of u, where known) "
+                     "over its length";
+                 PerDataSet<double> u;
+                 for (std::size_t s = 0; s < 2; ++s) {
+                   const SlopeShape& shape = f.shapes.slope->shape[s];
+                   const double turn = std::sqrt(2.0) * f.shapes.place_uncertainty[s] / shape.face_length * 180 / std::numbers::pi;
+                   u[s] = std::hypot(std::isfinite(shape.angle_uncertainty_deg) ? shape.angle_uncertainty_deg : 0, turn);
+                 }
+                 Values out{{a.angle_deg, u[0], how}, {b.angle_deg, u[1], how}};
                  if (f.shapes.slope->same_way())
-                   out.push_back(difference(b.angle_deg - a.angle_deg,
-                                            std::hypot(a.angle_uncertainty_deg, b.angle_uncertainty_deg), how));
+                   out.push_back(difference(b.angle_deg - a.angle_deg, std::hypot(u[0], u[1]), how));
                  return out;
                });
   add_for_both(rows, Variants::both_and_difference,
@@ -155,24 +173,38 @@ void add_bands(Registry<MetricRow>& rows) {
   using Strongest = BandMeasures::Difference;
   const auto of_strongest = [&](MetricFacts facts, const std::string& how, double Strongest::*value,
                                 double Strongest::*uncertainty) {
-    facts.definition += " of the strongest shear band of each data set (length times strain)" + how;
+    facts.definition += " of the first's strongest shear band (length times strain) and the nearest of the second's that is "
+                        "at least half as strong as its strongest" + how;
     rows.add({std::move(facts), [=](const Findings& f) -> std::optional<MetricValue> {
-                if (!f.bands.strongest) return std::nullopt;
+                // A band that reaches the material's edge has no such value.
+                if (!f.bands.strongest || !std::isfinite((*f.bands.strongest).*value)) return std::nullopt;
                 return difference((*f.bands.strongest).*value, (*f.bands.strongest).*uncertainty, "");
               }});
   };
-  const std::string half = "; uncertainty: half a particle spacing of each data set (rectangular)";
+  const std::string half = "; uncertainty: half a particle spacing of each data set and half the gauge length "
+                                       "that is stated (rectangular)";
   of_strongest({.name = "band_offset", .unit = "L", .definition = "mean distance between the ridges",
                 .words = "shear bands, distance of the ridges"},
                half, &Strongest::offset, &Strongest::place_uncertainty);
   of_strongest({.name = "band_inclination_difference", .unit = "deg", .definition = "inclination, second minus first,",
                 .words = "shear bands, inclination, simulated \u2212 measured"},
-               "; uncertainty: half a spacing over its length (rectangular)", &Strongest::inclination_deg,
+               "; uncertainty: half a spacing and half the gauge length over its length (rectangular)", &Strongest::inclination_deg,
                &Strongest::inclination_uncertainty_deg);
   of_strongest({.name = "band_thickness_difference", .unit = "L",
                 .definition = "thickness (width at half height), second minus first,",
                 .words = "shear bands, thickness, simulated \u2212 measured"},
                half, &Strongest::thickness, &Strongest::place_uncertainty);
+  const std::string by_floor = "; uncertainty: noise floor of the strain";
+  of_strongest({.name = "band_peak_difference", .unit = "1",
+                .definition = "median deviatoric strain along the ridge (a measured band is at least as wide as its gauge "
+                              "length, and so much lower), second minus first,",
+                .words = "shear bands, strain of the ridge, simulated \u2212 measured"},
+               by_floor, &Strongest::peak, &Strongest::peak_uncertainty);
+  of_strongest({.name = "band_slip_difference", .unit = "L",
+                .definition = "displacement across the band (sqrt(3) times the integral of deviatoric strain across the "
+                              "ridge, out to a tenth of its height, median along it), second minus first,",
+                .words = "shear bands, displacement across, simulated \u2212 measured"},
+               by_floor + " over both thicknesses", &Strongest::slip, &Strongest::slip_uncertainty);
   of_strongest({.name = "band_onset_difference", .unit = "T",
                 .definition = "onset (half of its particles above the threshold), second minus first,",
                 .words = "shear bands, onset, simulated \u2212 measured"},

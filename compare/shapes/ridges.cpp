@@ -131,6 +131,26 @@ double width_across(const Raster& raw, const RidgePoint& p, double spacing) {
   return width;
 }
 
+// Integral of the strain across the ridge; NaN where the material ends first on either side.
+double strain_across(const Raster& raw, const RidgePoint& p, double spacing) {
+  const double step = raw.lattice.cell / 2;
+  const double top = raw.sample(p.x);
+  if (!(top > 0)) return not_known;
+  const int reach = int(12 * spacing / step);
+  double sum = 0;
+  for (const bool side : {false, true}) {
+    double before = top;
+    for (int k = 1; k <= reach; ++k) {
+      const double v = raw.sample(p.x + (side ? 1 : -1) * k * step * p.normal);
+      if (!std::isfinite(v)) return not_known;
+      if (v < 0.1 * top || v > 1.05 * before) break;
+      sum += step * (before + v) / 2;
+      before = v;
+    }
+  }
+  return sum;
+}
+
 double median(std::vector<double> values) {
   std::erase_if(values, [](double v) { return !std::isfinite(v); });
   if (values.empty()) return not_known;
@@ -181,12 +201,14 @@ ShearBand band_of(const std::vector<RidgePoint>& points, const Raster& raw, cons
   for (const Vec2& x : band.ridge) spread += (x - band.centre) * (x - band.centre).transpose();
   const Vec2 along = Eigen::SelfAdjointEigenSolver<Mat2>(spread).eigenvectors().col(1);
   double least = 0, most = 0;
-  std::vector<double> width, begin;
+  std::vector<double> width, begin, peak, across;
   for (const RidgePoint& p : points) {
     const double s = (p.x - band.centre).dot(along);
     least = std::min(least, s);
     most = std::max(most, s);
     width.push_back(width_across(raw, p, spacing));
+    peak.push_back(raw.sample(p.x));
+    across.push_back(strain_across(raw, p, spacing));
     const auto place = mesh.find(p.x);
     if (!place) continue;
     const std::size_t k =
@@ -198,6 +220,8 @@ ShearBand band_of(const std::vector<RidgePoint>& points, const Raster& raw, cons
   if (band.inclination_deg > 90) band.inclination_deg -= 180;
   if (band.inclination_deg <= -90) band.inclination_deg += 180;
   band.thickness = median(width);
+  band.peak = median(peak);
+  band.slip = std::sqrt(3.0) * median(across);
   // Half of all its particles: those that never reached the threshold come last.
   for (double& t : begin)
     if (std::isnan(t)) t = std::numeric_limits<double>::infinity();

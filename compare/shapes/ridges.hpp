@@ -14,6 +14,9 @@ struct ShearBand {
   double length = 0;           // along that line
   double thickness = 0;  // width at half height of the strain across the ridge, median along it; NaN if not reached
   double strain = 0;           // greatest deviatoric strain of the ridge
+  double peak = 0;             // median deviatoric strain of the ridge
+  double slip = 0;  // displacement across it: sqrt(3) times the integral of the strain across the ridge, out to a tenth of its
+                    // height or to where it rises again, median along it (simple shear g has the deviatoric strain g/sqrt(3))
   double onset = 0;            // time at which half of the particles along it had reached the threshold
   std::vector<Vec2> ridge;
 };

@@ -56,7 +56,7 @@ void fit_slope(const Profile& profile, double crest_height, double spacing, Slop
   const double height = std::min(crest_height, *std::max_element(h.begin(), h.end()));
   const Descent right = descent(h, height, 1), left = descent(h, height, -1);
   shape.faces = right.columns() >= left.columns() ? 1 : -1;
-  shape.angle_deg = shape.angle_uncertainty_deg = not_known;
+  shape.angle_deg = shape.angle_uncertainty_deg = shape.face_length = not_known;
   const Descent& d = shape.faces > 0 ? right : left;
   const double n = double(d.columns());
   if (n < 4) return;
@@ -80,6 +80,7 @@ void fit_slope(const Profile& profile, double crest_height, double spacing, Slop
   });
   const double gradient = xh / xx;
   shape.angle_deg = std::atan(std::abs(gradient)) * 180 / std::numbers::pi;
+  shape.face_length = n * profile.width * std::hypot(1.0, gradient);
 
   // Neighbouring columns see the same particles: one independent value a spacing.
   const double independent = n * std::min(1.0, profile.width / spacing);
@@ -90,7 +91,7 @@ void fit_slope(const Profile& profile, double crest_height, double spacing, Slop
 }
 
 SlopeShape slope_shape(const Cover& cover, double base_y, double spacing) {
-  SlopeShape shape{0, not_known, not_known, not_known, not_known};
+  SlopeShape shape{0, not_known, not_known, not_known, not_known, not_known};
   const Lattice& l = cover.lattice;
   const Profile profile = profile_above(cover, base_y);
   std::vector<double> rows(std::size_t(l.ny), 0.0);

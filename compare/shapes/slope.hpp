@@ -14,6 +14,7 @@ struct SlopeShape {
   double crest_height = 0;  // above the base, below which 99.5 % of the area lies
   double angle_deg = 0;    // of the fitted line, 0 to 90; NaN with fewer than four columns between 10 and 90 %
   double angle_uncertainty_deg = 0;
+  double face_length = 0;  // of the columns that the line is fitted to, along it
 };
 
 /// Area above the base, column by column, divided by the column's width.

@@ -114,6 +114,52 @@ void axis_shares(double centre, double sigma, int pixels, AxisShares& axis) {
   }
 }
 
+// A Gaussian that is no longer round: its covariance, px^2.
+struct Ellipse {
+  double xx = 0, yy = 0, xy = 0, light = 1;
+};
+
+// F C F^T of a round blob of variance `own`, and the lens's blur. The light grows with the area.
+Ellipse ellipse(const Mat2& F, double own, double blur) {
+  // Polar parts in closed form: F F^T has the squares of the stretches as its principal values.
+  Mat2 B = F * F.transpose();
+  const double mean = (B(0, 0) + B(1, 1)) / 2, half = (B(0, 0) - B(1, 1)) / 2, radius = std::sqrt(half * half + B(0, 1) * B(0, 1));
+  constexpr double most = 25;  // stretch of five, squared
+  const double high = std::clamp(mean + radius, 1 / most, most), low = std::clamp(mean - radius, 1 / most, most);
+  const double c = radius > 0 ? half / radius : 1, s = radius > 0 ? B(0, 1) / radius : 0;
+  const double middle = (high + low) / 2, about = (high - low) / 2;
+  return {own * (middle + about * c) + blur, own * (middle - about * c) + blur, own * about * s, std::sqrt(high * low)};
+}
+
+// Adds `amount` times the ellipse's share of each pixel: along columns by the normal distribution function, given the row;
+// along rows by Gauss-Legendre with three points a pixel.
+void add_ellipse(const Vec2& centre, const Ellipse& e, double amount, int width, int height, std::vector<float>& signal) {
+  static constexpr std::array<double, 3> place{-0.3872983346207417, 0, 0.3872983346207417}, weight{5.0 / 18, 8.0 / 18, 5.0 / 18};
+  const double sy = std::sqrt(e.yy), sx = std::sqrt(e.xx), slope = e.xy / e.yy;
+  const double given_row = std::sqrt(std::max(1e-6, e.xx - e.xy * slope));
+  const double reach_y = 5 * sy + 0.5, reach_x = 5 * sx + 0.5;
+  if (!(centre.x() + reach_x >= 0 && centre.x() - reach_x <= width - 1 && centre.y() + reach_y >= 0 && centre.y() - reach_y <= height - 1)) return;
+  const int first_row = std::max(0, static_cast<int>(std::ceil(centre.y() - reach_y)));
+  const int last_row = std::min(height - 1, static_cast<int>(std::floor(centre.y() + reach_y)));
+  const NormalCdf& cdf = normal_cdf();
+  for (int r = first_row; r <= last_row; ++r) {
+    float* out = signal.data() + std::size_t(r) * std::size_t(width);
+    for (std::size_t k = 0; k < place.size(); ++k) {
+      const double dy = r + place[k] - centre.y();
+      const double density = exp_of_negative(std::min(30.0, dy * dy / (2 * e.yy))) * 0.3989422804014327 / sy;
+      const double x = centre.x() + slope * dy, reach = 5 * given_row + 0.5;
+      const int first = std::max(0, static_cast<int>(std::ceil(x - reach)));
+      const int last = std::min(width - 1, static_cast<int>(std::floor(x + reach)));
+      double below = cdf((first - 0.5 - x) / given_row);
+      for (int c = first; c <= last; ++c) {
+        const double above = cdf((c + 0.5 - x) / given_row);
+        out[c] += static_cast<float>(amount * weight[k] * density * (above - below));
+        below = above;
+      }
+    }
+  }
+}
+
 // Brightness in time: a triangle wave between 1 + change/2 and 1 - change/2 that takes the whole sequence, or eight
 // frames of a longer one, for one half period. The two frames of a pair so differ by the whole change.
 double light_in_time(double change, int frame, int frames) {
@@ -171,7 +217,7 @@ BlobRenderer::BlobRenderer(const TextureOptions& options, int width, int height)
     throw InputError("texture blur_px: found " + std::to_string(options.blur_px) + ", expected 0 to 10");
 }
 
-Image BlobRenderer::draw(std::span<const Vec2> centres_px, int frame, int frames) const {
+Image BlobRenderer::draw(std::span<const Vec2> centres_px, int frame, int frames, std::span<const Mat2> shapes) const {
   const double white = options_.bits == 8 ? 255.0 : options_.bits == 12 ? 4095.0 : 65535.0;
   const bool soil = options_.kind == TextureKind::soil;
   const std::uint64_t peaks = stream_key(options_.seed, Stream::peak, 0),
@@ -190,6 +236,11 @@ Image BlobRenderer::draw(std::span<const Vec2> centres_px, int frame, int frames
     }
     const double centred = 2 * normal_cdf()(0.5 / sigma) - 1;  // share of a centred blob in its pixel, per axis
     const double peak_scale = white / (centred * centred);
+    if (!shapes.empty()) {
+      const Ellipse e = ellipse(shapes[blob], sigma * sigma, options_.blur_px * options_.blur_px);
+      add_ellipse(centres_px[blob], e, peak * peak_scale * e.light, width_, height_, signal);
+      continue;
+    }
     const double seen = options_.blur_px > 0 ? std::sqrt(sigma * sigma + options_.blur_px * options_.blur_px) : sigma;
     axis_shares(centres_px[blob].x(), seen, width_, columns);
     axis_shares(centres_px[blob].y(), seen, height_, rows);

@@ -67,8 +67,10 @@ class BlobRenderer {
  public:
   BlobRenderer(const TextureOptions& options, int width, int height);
   /// `centres_px` (column, row) of every blob; those outside the image are cut. `frame` seeds the frame's noise and
-  /// the phase of light_change; `frames` is the length of the sequence.
-  Image draw(std::span<const Vec2> centres_px, int frame, int frames) const;
+  /// the phase of light_change; `frames` is the length of the sequence. `shapes`: one a blob, the deformation gradient
+  /// in pixels (column, row) that has made an ellipse of it (stretches are held to 1/5 ... 5, its light to its area);
+  /// empty: all are round.
+  Image draw(std::span<const Vec2> centres_px, int frame, int frames, std::span<const Mat2> shapes = {}) const;
   /// Indices of the blobs that are lost (replaced by a blob elsewhere) in `frame`: the caller re-places them.
   std::vector<std::size_t> lost(std::size_t blobs, int frame) const;
 

@@ -130,6 +130,13 @@ struct SequenceCorrelator::Impl {
         x = place.u[k] + to_anchor * d[0], y = place.v[k] + to_anchor * d[1], d = smooth.at(x, y);
       pair.path.u[k] = x, pair.path.v[k] = y;
       const auto value = measured.at(x, y), rest = at_rest(pair, x, y);
+      // A path that is lost (air, where a field may be anything) ends: one value that is no number would spread over
+      // the lattice by the splines' recursion and the running sums.
+      if (!std::isfinite(x + y + d[0] + d[1] + value[0] + value[1])) {
+        pair.path.u[k] = column(lattice, int(k % std::size_t(lattice.nx))), pair.path.v[k] = row(lattice, int(k / std::size_t(lattice.nx)));
+        pair.on_paths.u[k] = pair.on_paths.v[k] = 0, pair.known[k] = 0;
+        return;
+      }
       pair.on_paths.u[k] = value[0] - rest[0], pair.on_paths.v[k] = value[1] - rest[1];
       const auto i = std::lround((x - column(lattice, 0)) / static_cast<float>(lattice.step)),
                  j = std::lround((y - row(lattice, 0)) / static_cast<float>(lattice.step));
@@ -213,6 +220,11 @@ struct SequenceCorrelator::Impl {
       }
       const auto value = known.at(x, y), variance = spread.at(x, y);
       const auto rest = at_rest(pair, column(lattice, i), row(lattice, j));
+      if (!std::isfinite(value[0] + value[1] + variance[0] + variance[1])) {
+        base.value.u[k] = pair.smooth.u[k], base.value.v[k] = pair.smooth.v[k];
+        base.variance.u[k] = pair.variance.u[k], base.variance.v[k] = pair.variance.v[k];
+        return;
+      }
       base.value.u[k] = value[0] + rest[0], base.value.v[k] = value[1] + rest[1];
       base.variance.u[k] = std::max(variance[0], 0.0f), base.variance.v[k] = std::max(variance[1], 0.0f);
     });

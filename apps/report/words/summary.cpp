@@ -69,12 +69,30 @@ std::string could_tell(const Metric& rms, const DataSetNames& names) {
     case Told::real:
       return " It is real: " + chance + ", " + significant(rms.value / rms.uncertainty, 2) + " times less.";
     case Told::by_chance:
-      return " It is within chance: " + chance + ", and a difference of less than " +
-             amount(2 * rms.uncertainty, rms.unit, 2) + " would not be seen.";
+      return " It is within chance: " + chance + ". With 95 % the two differ by less than " +
+             amount(std::abs(rms.value) + Metric::one_sided * rms.uncertainty, rms.unit, 2) + ", and a difference of " +
+             amount((2 + Metric::one_sided) * rms.uncertainty, rms.unit, 2) + " would have been found in 95 of 100 cases.";
     case Told::not_known: break;
   }
+  if (rms.verdict == Verdict::withheld)
+    return " Whether that says anything is not known: too little of the material was compared for a verdict "
+           "(compare.verdict_coverage).";
   return " Whether it is real is not known, since " +
          (names.alike ? std::string("their uncertainty") : "the uncertainty of " + names.the_first) + " is unknown.";
+}
+
+// What many particles tell together, where each alone tells nothing.
+std::string on_average(const std::vector<Metric>& metrics, const Metric& rms) {
+  if (told(rms.value, rms.uncertainty) != Told::by_chance) return "";
+  std::string text;
+  for (const char* axis : {"x", "y"}) {
+    const Metric* mean = find(metrics, std::string("displacement_field_") + axis);
+    if (mean == nullptr || told(mean->value, mean->uncertainty) != Told::real) continue;
+    text += (text.empty() ? " That holds particle by particle; on average over the material, at the end, the difference is " : " and ") +
+            amount(mean->value, mean->unit, 2) + " in " + axis + ", " + significant(std::abs(mean->value) / mean->uncertainty, 2) +
+            " times what errors would give";
+  }
+  return text.empty() ? text : text + ".";
 }
 
 std::string strains(const Metric& rms) {
@@ -119,13 +137,23 @@ std::vector<std::pair<std::string, bool>> limits_of(const Comparison& c) {
   return list;
 }
 
+// Limits that are met, but by less than their uncertainty would show with 95 %.
+std::string not_shown(const Comparison& c) {
+  std::string text;
+  for (const LimitResult& limit : c.limits)
+    if (limit.met && std::isfinite(limit.within) && !limit.shown())
+      text += (text.empty() ? " Not shown with 95 % is " : ", ") + limit.key + " (only " + significant(limit.within, 3) + " is)";
+  return text.empty() ? text : text + ".";
+}
+
 std::string limits(const Comparison& c) {
   const auto list = limits_of(c);
   if (list.empty()) return " No limit was stated for the difference ([compare.limits]).";
   const auto missed = std::count_if(list.begin(), list.end(), [](const auto& l) { return !l.second; });
+  const std::string by_chance = not_shown(c);
   if (missed == 0 && list.size() < 3)
-    return list.size() == 1 ? " The limit that was stated is met." : " Both limits that were stated are met.";
-  if (missed == 0) return " All " + std::to_string(list.size()) + " limits that were stated are met.";
+    return (list.size() == 1 ? " The limit that was stated is met." : " Both limits that were stated are met.") + by_chance;
+  if (missed == 0) return " All " + std::to_string(list.size()) + " limits that were stated are met." + by_chance;
   return " " + std::to_string(missed) + " of " + count(list.size(), "limit") + " that were stated " +
          (missed == 1 ? "is" : "are") + " exceeded.";
 }
@@ -229,7 +257,7 @@ std::string summary(const Content& content, const DataSetNames& names, const Dif
   std::string text;
   const Metric* rms = find(metrics, "displacement_rms");
   if (rms != nullptr && std::isfinite(rms->value))
-    text = how_far(content, names, *rms) + when_and_where(content, worst_of(content, differences)) + could_tell(*rms, names);
+    text = how_far(content, names, *rms) + when_and_where(content, worst_of(content, differences)) + could_tell(*rms, names) + on_average(metrics, *rms);
   else
     text = "How far the displacements differ is not known.";
   if (const Metric* strain = find(metrics, "strain_dev_rms")) text += strains(*strain);

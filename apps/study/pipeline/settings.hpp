@@ -15,6 +15,7 @@ struct RunSettings {
   std::filesystem::path out;          // receives record.h5, record.xdmf, report.html, report.pdf, figures/
   bool resume = false;                // go on from what a killed run left in `out`
   int threads = 0;                    // 0: all cores; never changes a result
+  bool report = true;                 // false: the record alone
   std::string command;                // as typed, for the record
   std::optional<std::string> frames;  // wins over the case's [frames] path, relative to the working folder
 };
@@ -22,6 +23,7 @@ struct RunSettings {
 struct RunOutcome {
   std::filesystem::path record, report_html, report_pdf;
   std::vector<std::string> remarks;  // what was flagged and why, one sentence each
+  std::vector<Metric> metrics;       // of the comparison, where there is one
   std::vector<LimitResult> limits;   // one a limit of [compare.limits] that was given; one exceeded gives exit code 3
   RunCost cost;                      // of a run's stages, the report included
 };

@@ -24,7 +24,11 @@ RunOutcome finish_comparison(const Case& c, Comparison comparison, io::RecordWri
   RunOutcome outcome;
   outcome.limits = comparison.limits;
   outcome.record = settings.out / "record.h5";
-  write_report_of(c, outcome, std::move(comparison), nullptr, settings.out);
+  outcome.metrics = comparison.metrics;
+  if (settings.report)
+    write_report_of(c, outcome, std::move(comparison), nullptr, settings.out);
+  else
+    outcome.remarks = std::move(comparison.remarks);
   return outcome;
 }
 

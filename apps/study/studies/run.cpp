@@ -171,7 +171,11 @@ class Run {
     progress_.begin("report");
     outcome_.record = settings_.out / "record.h5";
     append(remarks_on_tracking(tracked_, frames_), outcome_.remarks);
-    write_report_of(c_, outcome_, std::move(comparison_), source_.get(), settings_.out);
+    if (comparison_) outcome_.metrics = comparison_->metrics;
+    if (settings_.report)
+      write_report_of(c_, outcome_, std::move(comparison_), source_.get(), settings_.out);
+    else if (comparison_)
+      append(std::move(comparison_->remarks), outcome_.remarks);
     progress_.end();
     outcome_.cost = progress_.cost();
     if (!not_compared_.empty())

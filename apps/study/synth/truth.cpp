@@ -6,34 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "apps/study/pipeline/simulation_scene.hpp"
-#include "pivnp/core/error.hpp"
-
 namespace pivnp::app {
-
-namespace {
-
-// Pieces of time over which tracers are carried: short against any motion a frame can show, long against the solver's
-// own step.
-constexpr int pieces_per_frame = 100;
-
-Mat2 velocity_gradient(const mpm::Solver::VelocityAt& v, const Vec2& x, double d) {
-  Mat2 L;
-  L.col(0) = (v(x + Vec2(d, 0)) - v(x - Vec2(d, 0))) / (2 * d);
-  L.col(1) = (v(x + Vec2(0, d)) - v(x - Vec2(0, d))) / (2 * d);
-  return L;
-}
-
-void carry(Tracers& tracers, const mpm::Solver::VelocityAt& v, double dt, double difference) {
-  for (std::size_t p = 0; p < tracers.x.size(); ++p) {
-    const Vec2 x = tracers.x[p];
-    tracers.x[p] = x + dt * v(x);
-    if (!tracers.F.empty())
-      tracers.F[p] = (Mat2::Identity() + dt * velocity_gradient(v, x, difference)) * tracers.F[p];
-  }
-}
-
-}  // namespace
 
 CameraMotion drawn_camera(const Case& c) {
   const SynthCameraOptions& o = c.synth_camera;
@@ -114,37 +87,6 @@ StagedSlope staged_slope(const SynthOptions& synth, const Setting& setting) {
   slope.band = synth.slip_band_px * pixel;
   slope.turn = synth.slip_deg * std::numbers::pi / 180;
   return slope;
-}
-
-void carry_by_simulation(const Case& c, const Setting& setting, const std::vector<double>& times, Tracers texture,
-                         Tracers seeds, int threads, Progress& progress, const AtFrame& at_frame) {
-  mpm::Scene scene = make_scene(c, setting, *c.synth_mpm, c.synth_materials, "synth.material.");
-  const double difference = 0.05 * scene.grid.spacing.x();
-  mpm::Solver solver(*c.synth_mpm, std::move(scene), threads);
-  if (c.synth_mpm->initial_equilibrium) solver.find_initial_equilibrium(progress);
-
-  double pending = 0;                    // time since the tracers were carried last
-  double piece = 0;
-  bool last_step_of_frame = false;
-  solver.on_step([&](double dt, const mpm::Solver::VelocityAt& velocity) {
-    pending += dt;
-    if (pending < piece && !last_step_of_frame) return;
-    carry(texture, velocity, pending, difference);
-    carry(seeds, velocity, pending, difference);
-    pending = 0;
-  });
-
-  at_frame(0, texture, seeds);
-  for (std::size_t k = 1; k < times.size(); ++k) {
-    piece = (times[k] - times[k - 1]) / pieces_per_frame;
-    // All but the last piece of the frame, then the rest so that no time is pending when it is drawn.
-    last_step_of_frame = false;
-    solver.advance_to(times[k] - piece / 2, progress);
-    last_step_of_frame = true;
-    solver.advance_to(times[k], progress);
-    at_frame(int(k), texture, seeds);
-    progress.update("synthetic frames", std::int64_t(k), std::int64_t(times.size()) - 1);
-  }
 }
 
 double uniform(std::uint64_t seed, std::uint64_t index) {

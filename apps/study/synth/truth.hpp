@@ -2,11 +2,9 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 #include "apps/study/pipeline/scene.hpp"
-#include "pivnp/core/progress.hpp"
 
 namespace pivnp::app {
 
@@ -45,20 +43,6 @@ struct StagedSlope {
   Mat2 F(const Vec2& X, double time) const;
 };
 StagedSlope staged_slope(const SynthOptions& synth, const Setting& setting);
-
-/// Points carried by a simulated velocity field: x += v(x) dt and F = (I + dt grad v) F over short, fixed pieces of
-/// time. Their own integration; no particle gather of the trackers is used.
-struct Tracers {
-  std::vector<Vec2> x;
-  std::vector<Mat2> F;  // may be left empty: gradients are then not carried
-};
-
-/// Called at every frame with the present places; the texture may be changed (blobs lost and put elsewhere).
-using AtFrame = std::function<void(int frame, Tracers& texture, const Tracers& seeds)>;
-
-/// Runs the [synth.mpm] simulation of the case and carries both sets through it to each of `times`.
-void carry_by_simulation(const Case& c, const Setting& setting, const std::vector<double>& times, Tracers texture,
-                         Tracers seeds, int threads, Progress& progress, const AtFrame& at_frame);
 
 /// How the camera of [synth.camera] moves; at rest in the first frame.
 CameraMotion drawn_camera(const Case& c);

@@ -147,6 +147,11 @@ void pack_comparison(h5::OutputFile& out, const Comparison& c, const Units& unit
     out.attribute(group, "uncertainty", m.uncertainty);
     out.attribute(group, "definition", m.definition);
     out.attribute(group, "verdict", std::string(name_of(m.verdict)));
+    if (std::isfinite(m.factor)) {
+      out.attribute(group, "factor", m.factor);
+      out.attribute(group, "within_95", m.within());
+      out.attribute(group, "seen_95", m.seen());
+    }
   }
   if (!c.tables.empty()) out.group("/compare/tables");
   for (const ComparisonTable& t : c.tables) {

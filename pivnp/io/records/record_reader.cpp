@@ -254,7 +254,8 @@ std::optional<Comparison> RecordReader::comparison() const {
     const std::string group = "/compare/" + name;
     c.metrics.push_back({name, source.attribute_number(group, "value"), source.attribute_text(group, "unit"),
                          source.attribute_number(group, "uncertainty"), source.attribute_text(group, "definition"),
-                         verdict_named(source.attribute_text(group, "verdict"))});
+                         verdict_named(source.attribute_text(group, "verdict")), 
+                         source.has_attribute(group, "factor") ? source.attribute_number(group, "factor") : nan_value});
   }
   if (source.has("/compare/tables"))
     for (const std::string& name : source.children("/compare/tables")) {

@@ -76,7 +76,9 @@ void cell_corrections(const CellSums& sums, float rounding, Corrections& out) {
   const auto& gyy = sums[CellSums::gyy];
   const auto& gxy = sums[CellSums::gxy];
   std::vector<float> texture(count), around;
-  for (std::size_t k = 0; k < count; ++k) texture[k] = 0.5f * (gxx[k] + gyy[k]);
+  // A cell that is no number would spread over the whole field, by the running sums of the mean and by the smoothing.
+  const auto known = [&](std::size_t k) { return std::isfinite(gxx[k]) && std::isfinite(gyy[k]); };
+  for (std::size_t k = 0; k < count; ++k) texture[k] = known(k) ? 0.5f * (gxx[k] + gyy[k]) : 0.0f;
   box_mean(sums.lattice, texture, reach, around);
   out.u.resize(count);
   out.v.resize(count);
@@ -84,6 +86,7 @@ void cell_corrections(const CellSums& sums, float rounding, Corrections& out) {
     const float mu = prior * around[k] + 1e-3f * rounding, a = gxx[k] + mu, b = gxy[k], c = gyy[k] + mu;
     const float x = sums[CellSums::gxe][k], y = sums[CellSums::gye][k], scale = (1 + prior) / (a * c - b * b);
     out.u[k] = (c * x - b * y) * scale, out.v[k] = (a * y - b * x) * scale;
+    if (!std::isfinite(out.u[k]) || !std::isfinite(out.v[k])) out.u[k] = out.v[k] = 0;
     limit_step(out.u[k], out.v[k]);
   }
 }

@@ -262,6 +262,15 @@ TEST_F(CommandLine, CompareTakesItsOptionsFromFlagsAndCases) {
                "command line: --strain-rms: found -1, expected at least 0\n");
   expect_error(run_program({"compare", "a", "b", "--slope-base-m", "1\n[x]"}), 2, "command line: --slope-base-m: ");
   expect_error(run_program({"compare", "a"}), 2, "SECOND is required");
+  // Keys by their names in a case; those of other sections are not this command's.
+  EXPECT_EQ(run_program({"compare", "a", "b", "--set", "compare.slope_base_m=0.25", "--set", "compare.limits.strain_rms=0.3", "--no-report"}).code, 0);
+  EXPECT_EQ(study.options.slope_base_m, 0.25);
+  EXPECT_EQ(study.limits["strain_rms"], 0.3);
+  EXPECT_FALSE(study.settings.report);
+  expect_error(run_program({"compare", "a", "b", "--set", "compare.slope_base=1"}), 2, "--set compare.slope_base=1: this command takes no key ");
+  expect_error(run_program({"compare", "a", "b", "--set", "nonsense"}), 2, "--set nonsense: expected KEY=VALUE");
+  EXPECT_EQ(run_program({"report", "r.h5", "--set", "report.title=A slope"}).code, 0);
+  EXPECT_EQ(study.report.title, "A slope");
 }
 
 TEST_F(CommandLine, InitWritesACaseThatReads) {
@@ -367,6 +376,30 @@ TEST_F(CommandLine, HelpShowsAnExampleForEveryCommand) {
   }
   EXPECT_EQ(run_program({"--version"}).out.rfind("pivnp ", 0), 0u);
   EXPECT_TRUE(fake_study().calls.empty());
+}
+
+TEST(Compare, AsJson) {
+  FakeStudy& study = fake_study();
+  study = {};
+  Metric rms{"displacement_rms", 0.003, "m", 0.002, "\"RMS\"", Verdict::not_distinguishable, 2};
+  Metric plain{"coverage_first", 0.9, "1", std::nan(""), "share"};
+  Metric real{"run_out_x_difference", -0.5, "m", 0.1, "", Verdict::none, 2};
+  study.outcome.metrics = {rms, plain, real};
+  study.outcome.remarks = {"A \"line\"\nof two."};
+  LimitResult limit{"displacement_rms_m", 0.005, 0.003, true};
+  limit.within = 0.00629;
+  study.outcome.limits = {limit};
+  const Ran ran = run_program({"compare", "a", "b", "--json"});
+  EXPECT_EQ(ran.code, 0);
+  EXPECT_THAT(ran.out, testing::StartsWith("{"));
+  EXPECT_THAT(ran.out, testing::EndsWith("}\n"));
+  EXPECT_THAT(ran.out, HasSubstr("\"displacement_rms\": {\"value\": 0.003, \"unit\": \"m\", \"uncertainty\": 0.002, \"within_95\": 0.00629"));
+  EXPECT_THAT(ran.out, HasSubstr("\"verdict\": \"not distinguishable at this u_val\""));
+  EXPECT_THAT(ran.out, HasSubstr("\"verdict\": \"distinguishable\""));
+  EXPECT_THAT(ran.out, HasSubstr("\"coverage_first\": {\"value\": 0.9, \"unit\": \"1\", \"uncertainty\": null}"));
+  EXPECT_THAT(ran.out, HasSubstr("\"reached\": 0.003, \"verdict\": \"met\", \"shown_95\": false"));
+  EXPECT_THAT(ran.out, HasSubstr("A \\\"line\\\"\\u000aof two."));
+  study = {};
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -61,6 +62,24 @@ TEST(Synthetic, ABlobHasItsPlaceWidthAndPeak) {
   EXPECT_NEAR(m.row, 14.6, 1e-3);
   EXPECT_NEAR(m.column_variance, 1.0 + 1.0 / 12, 5e-3);  // Gaussian of sigma 1 integrated over pixels
   EXPECT_NEAR(m.sum, moments(centred, 0).sum, 30.0);     // light is neither lost nor made by moving
+}
+
+// A grain that its material has sheared is the sheared grain: its moments are F C F^T, its light grows with its area.
+TEST(Synthetic, AGrainTakesTheDeformationGradient) {
+  TextureOptions options{.blob_diameter_px = 8.0, .peak_min = 0.3, .peak_max = 0.3, .background = 0, .bits = 16};
+  const BlobRenderer renderer(options, 81, 61);
+  const std::vector<Vec2> at{{40.3, 29.6}};
+  Mat2 F;
+  F << 1.2, 0.9, 0.0, 0.9;
+  const Moments round = moments(renderer.draw(at, 0, 1), 0), same = moments(renderer.draw(at, 0, 1, std::vector<Mat2>{Mat2::Identity()}), 0);
+  EXPECT_NEAR(same.sum, round.sum, 2e-3 * round.sum);
+  EXPECT_NEAR(same.column_variance, round.column_variance, 0.01);
+  const Moments m = moments(renderer.draw(at, 0, 1, std::vector<Mat2>{F}), 0);
+  EXPECT_NEAR(m.column, 40.3, 2e-2);
+  EXPECT_NEAR(m.row, 29.6, 2e-2);
+  EXPECT_NEAR(m.sum, round.sum * F.determinant(), 5e-3 * round.sum);
+  const double own = 4;  // px^2; and a twelfth for the pixel
+  EXPECT_NEAR(m.column_variance, own * (1.2 * 1.2 + 0.9 * 0.9) + 1.0 / 12, 0.06);
 }
 
 TEST(Synthetic, GreyValuesAreTheGaussianIntegral) {

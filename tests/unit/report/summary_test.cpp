@@ -139,6 +139,32 @@ TEST(Summary, SentencesSayWhatTheNumbersSay) {
   }
 }
 
+// What is lost particle by particle may be plain on average; what is withheld is neither; a limit that is met may be so by
+// chance.
+TEST(Summary, AveragesToleranceAndWhatIsWithheld) {
+  const DataSetNames names{false, "measured", "simulated", "the measurement", "the simulation"};
+  const double nan = std::nan("");
+  Content content;
+  Comparison c;
+  c.metrics = {{"displacement_rms", 0.003, "m", 0.002, "", Verdict::not_distinguishable, 2},
+               {"displacement_field_x", 1e-4, "m", 2e-4, "", Verdict::not_distinguishable, 2},
+               {"displacement_field_y", -2e-3, "m", 4e-4, "", Verdict::none, 2}};
+  LimitResult limit{"displacement_rms_m", 0.005, 0.003, true};
+  limit.within = 0.00629;
+  c.limits = {limit};
+  content.comparison = c;
+  std::string text = summary(content, names, {});
+  EXPECT_NE(text.find("differ by less than 6.3 mm"), std::string::npos) << text;
+  EXPECT_NE(text.find("a difference of 7.3 mm would have been found in 95 of 100 cases"), std::string::npos) << text;
+  EXPECT_NE(text.find("the difference is \u22122.0 mm in y, 5.0 times"), std::string::npos) << text;
+  EXPECT_NE(text.find("Not shown with 95 % is displacement_rms_m (only 0.00629 is)"), std::string::npos) << text;
+  content.comparison->metrics[0].verdict = Verdict::withheld;
+  content.comparison->metrics[0].uncertainty = nan;
+  text = summary(content, names, {});
+  EXPECT_NE(text.find("too little of the material was compared"), std::string::npos) << text;
+  EXPECT_EQ(text.find("on average"), std::string::npos) << text;
+}
+
 TEST(Summary, TheTablesVerdictsFollowItsCells) {
   std::mt19937 random(20261124);
   const DataSetNames names{false, "measured", "simulated", "the measurement", "the simulation"};

@@ -84,6 +84,13 @@ void judge(Survival& s, const Apart& apart, std::mt19937_64& random, Progress& p
       s.count_none();
       return;
     }
+    // Said to be doubtful: clocks that differ, or errors beyond what is stated while nothing moves.
+    const Metric *onset = find(c.metrics, "onset_difference"), *rest = find(c.metrics, "rest_over_u");
+    const bool clocks = apart.alignment == compare::TimeAlignment::none && onset && std::abs(onset->value) > 2 * onset->uncertainty;
+    if (rms->verdict != Verdict::not_distinguishable && (clocks || (rest && rest->value > 2))) {
+      s.count_none();
+      return;
+    }
     const bool told_apart = rms->verdict != Verdict::not_distinguishable;
     const bool clear = apart.difference >= clear_difference, none = apart.difference == 0;
     (!clear && !none ? s.fair : told_apart == clear ? s.good : s.wrong) += 1;
@@ -97,7 +104,7 @@ void add(std::vector<MapPlan>& all, const std::string& name, const std::string& 
   MapPlan plan;
   plan.map = {name, title,
               words + ". " + std::to_string(verdicts) + " pairs of motions of " + std::to_string(block_columns * block_rows) + " particles a combination; an error is common to all particles. Wrong: told apart where there is no difference, or not told apart where there are " +
-                  number(clear_difference) + " u_val and more; in between both may be said. Flagged: no verdict, or less than " + number(100 * least_coverage) + " % of the first with a partner.",
+                  number(clear_difference) + " u_val and more; in between both may be said. Flagged: no verdict, less than " + number(100 * least_coverage) + " % of the first with a partner, or a difference of which the comparison remarks that the clocks differ or that errors before the motion are larger than stated.",
               std::move(x), std::move(y), {}, std::move(theory)};
   plan.result = [=, xs = plan.map.x.levels, ys = plan.map.y.levels](std::size_t i, std::size_t j, Progress& progress) {
     std::mt19937_64 random(7000 + 37 * i + j);

@@ -1,0 +1,74 @@
+// Twin experiments: frames drawn from a simulation's own material points, measured, and compared with that very simulation
+// and with others whose soil differs.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "pivnp/core/progress.hpp"
+#include "pivnp/core/record/comparison.hpp"
+
+namespace pivnp::twins {
+
+/// What the soil is made of, and what it rests on.
+struct Soil {
+  double friction_deg = 30, cohesion_pa = 0;
+  double base_friction = 0.4;
+};
+
+/// Something else than the drawn simulation.
+struct Change {
+  std::string name;  // "friction + 3 degrees"
+  Soil soil;
+};
+
+/// A small test that a camera sees: 25 frames at most, cells of 8 mm.
+struct Scene {
+  std::string name;
+  Soil soil;
+  std::vector<Change> changes;
+  std::string world;  // the case but for materials, camera and frames; @FRICTION@, @COHESION@ and @BASE@ stand for the soil's
+  std::vector<double> area_m;  // x, y, width, height that the camera sees: 1 mm a pixel
+  int frames = 25;
+  double rate_hz = 100;
+};
+/// slope, column, punch, biaxial.
+const std::vector<Scene>& scenes();
+
+/// How the material looks in the frames.
+struct Look {
+  double noise = 0.02, loss = 0;
+  bool soil = true, grains_deform = false;
+  int seed = 1;
+  std::string text() const;
+};
+/// Noise of 1 to 5 %, loss up to a tenth, both textures, round and deforming grains; the n-th differs from the others.
+Look look(int n);
+
+/// Everything is written under `folder`; simulations are run once.
+class Bench {
+ public:
+  Bench(std::filesystem::path folder, Progress& progress) : folder_(std::move(folder)), progress_(progress) {}
+
+  /// The measurement of frames drawn from the scene's own soil (motion "np").
+  std::filesystem::path measured(const Scene& scene, const Look& look);
+  /// That measurement against the simulation of a soil; `coarser`: with so many coarser grids for u_num.
+  Comparison against(const Scene& scene, const std::filesystem::path& measured, const Soil& soil, int coarser = 0);
+
+ private:
+  std::filesystem::path simulated(const Scene& scene, const Soil& soil, int level = 0);
+
+  std::filesystem::path folder_;
+  Progress& progress_;
+  std::map<std::string, std::filesystem::path> simulations_;
+};
+
+/// What is said of a difference: nothing (no uncertainty, or withheld), lost in it, or distinguishable.
+enum class Said { nothing, lost, distinguishable };
+Said said(const Metric& metric);
+/// Of the displacement at the end: its RMS, or its mean, plain and weighted.
+Said said_of_displacement(const Comparison& comparison);
+
+}  // namespace pivnp::twins

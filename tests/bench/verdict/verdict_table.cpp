@@ -1,0 +1,98 @@
+// Does a verdict close: the same physics must read "not distinguishable", another must not.
+//   verdict_table [FOLDER] [--looks N] [--scene NAME]
+// N frames sequences a scene (8). Prints the table of docs/verdicts.md.
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "tests/bench/verdict/twins.hpp"
+
+namespace {
+
+using namespace pivnp;
+using namespace pivnp::twins;
+
+struct Count {
+  int said = 0, of = 0;
+  double worst = 0;
+};
+
+void row(const char* name, const Count& c) {
+  std::printf("| %s | %d of %d | %.0f %% | %.1f |\n", name, c.said, c.of, 100.0 * c.said / std::max(1, c.of), c.worst);
+}
+
+double ratio(const Metric& m) { return m.uncertainty > 0 ? std::abs(m.value) / m.uncertainty : 0; }
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::string folder = "out/verdict_table", only;
+  int looks = 8;
+  bool verbose = false;
+  for (int k = 1; k < argc; ++k) {
+    const std::string word = argv[k];
+    if (word == "--looks" && k + 1 < argc) looks = std::atoi(argv[++k]);
+    else if (word == "--scene" && k + 1 < argc) only = argv[++k];
+    else if (word == "--verbose") verbose = true;
+    else folder = word;
+  }
+  SilentProgress progress;
+  Bench bench(folder, progress);
+  std::map<std::string, Count> alarms;
+  std::map<std::string, Count> found;
+  int twin = 0;
+  for (std::size_t s = 0; s < scenes().size(); ++s) {
+    const Scene& scene = scenes()[s];
+    if (!only.empty() && scene.name != only) continue;
+    for (int n = 0; n < looks; ++n, ++twin) try {
+        const Look how = look(n + int(s));
+        const std::filesystem::path measured = bench.measured(scene, how);
+        const Comparison same = bench.against(scene, measured, scene.soil);
+        for (const Metric& m : same.metrics) {
+          const Said what = said(m);
+          if (what == Said::nothing) continue;
+          Count& c = alarms[m.name];
+          c.said += what == Said::distinguishable;
+          ++c.of;
+          c.worst = std::max(c.worst, ratio(m));
+          if (verbose && what == Said::distinguishable)
+            std::printf("  alarm %s %s: %s %.3g u %.2g\n", scene.name.c_str(), how.text().c_str(), m.name.c_str(), m.value, m.uncertainty);
+        }
+        const Metric *rms = find(same.metrics, "displacement_rms_final"), *peak = find(same.metrics, "displacement_peak_first"),
+                     *coverage = find(same.metrics, "coverage_first_final");
+        std::printf("%-8s %-44s peak %6.2f mm  same %5.3f mm u %5.3f  coverage %.2f", scene.name.c_str(), how.text().c_str(),
+                    1e3 * peak->value, 1e3 * rms->value, 1e3 * rms->uncertainty, coverage->value);
+        for (const Change& change : scene.changes) {
+          const Comparison other = bench.against(scene, measured, change.soil);
+          const Said what = said_of_displacement(other);
+          const Metric* d = find(other.metrics, "displacement_rms_final");
+          std::printf("  %s %5.2f u%s", change.name.c_str(), ratio(*d), what == Said::distinguishable ? "" : " MISSED");
+          Count& c = found[scene.name + ", " + change.name];
+          c.said += what == Said::distinguishable;
+          ++c.of;
+          c.worst = std::max(c.worst, ratio(*d));
+        }
+        std::printf("\n");
+        std::fflush(stdout);
+      } catch (const std::exception& error) {
+        std::printf("%s, %d: %s\n", scene.name.c_str(), n, error.what());
+      }
+  }
+  std::printf("\nThe same parameters, %d twins: false alarms of each metric\n\n| metric | distinguishable | | greatest, u |\n|---|---|---|---|\n", twin);
+  int bad = 0;
+  for (const auto& [name, c] : alarms) {
+    if (c.said > 0) row(name.c_str(), c);
+    bad += c.said > 0.08 * c.of;
+  }
+  std::printf("\n%d of %zu metrics above 8 %%\n\n| other parameters | found | | greatest, u |\n|---|---|---|---|\n", bad, alarms.size());
+  int all = 0, seen = 0;
+  for (const auto& [name, c] : found) {
+    row(name.c_str(), c);
+    all += c.of, seen += c.said;
+  }
+  std::printf("\n%d of %d found (%.0f %%)\n", seen, all, 100.0 * seen / std::max(1, all));
+  return 0;
+}
