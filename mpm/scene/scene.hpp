@@ -12,6 +12,7 @@
 #include "mpm/constraint/options.hpp"
 #include "mpm/heat/options.hpp"
 #include "mpm/material/options.hpp"
+#include "mpm/scene/centrifuge.hpp"
 #include "mpm/water/options.hpp"
 #include "pivnp/core/grid/grid.hpp"
 #include "pivnp/core/particles/motion.hpp"
@@ -28,6 +29,7 @@ struct Scene {
   std::vector<std::pair<std::string, ContactOptions>> contacts;  // between labels, by ParticleSet::label_names
   std::optional<WaterOptions> water;           // in the pores of materials that have a porosity
   std::optional<HeatOptions> heat;             // temperature
+  std::optional<CentrifugeOptions> centrifuge;  // acceleration from place to place
   std::vector<Vec2> v0;                        // velocity at time 0, one a particle; empty: at rest
   // Cauchy stress at time 0 (effective, with water), xx yy zz xy; empty: none; NaN: none of this particle. Where the initial
   // equilibrium is sought, the first guess.

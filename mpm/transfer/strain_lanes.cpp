@@ -18,8 +18,29 @@ void average_strain_range(ShapeKind shape, Where where, double dt, bool volumes,
     if constexpr (S::centred)
       for_tiles(c, range, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
         const auto l = lines_of<S>(p, c, cells, t, where, dt);
-        add_to_averages(c, cells, volumes, l.xi, l.eta, joined_volume(p, t), dilation(t, l, c, cells, dt * c.per_hx, dt * c.per_hy));
+        add_to_averages(c, cells, volumes, l.xi, l.eta, joined_volume(p, t), dilation(p, t, l, c, cells, dt * c.per_hx, dt * c.per_hy));
       });
+  });
+}
+
+void hoop_range(ShapeKind shape, Where where, double dt, bool record, const PointView& p, const CellView& c, Range range) {
+  Shapes::with(shape, [&](auto kind) HWY_ATTR {
+    using S = decltype(kind);
+    for_tiles(c, range, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
+      const auto l = lines_of<S>(p, c, cells, t, where, dt);
+      const StrainVelocityAt<std::decay_t<decltype(l)>::marked> u(c, cells);
+      V v = zero();
+      for (int b = 0; b < S::width; ++b) {
+        V row = zero();
+        for (int a = 0; a < S::width; ++a) row = hn::MulAdd(l.x.w[a], u(b * cells.nx + a, 0), row);
+        v = hn::MulAdd(l.y.w[b], row, v);
+      }
+      const V G = t.own(set(dt) * v / radius_of(c, cells, l.xi));
+      t.store(lane_log1p(G), p.hoop);
+      if (!record) return;
+      const V F = t.load(p.F_zz);
+      t.store(hn::MulAdd(F, G, F), p.F_zz);
+    });
   });
 }
 
@@ -37,11 +58,15 @@ HWY_AFTER_NAMESPACE();
 namespace pivnp::mpm {
 
 HWY_EXPORT(average_strain_range);
+HWY_EXPORT(hoop_range);
 HWY_EXPORT(strain_range);
 
 void average_strain_lanes(ShapeKind shape, Where where, double dt, bool volumes, const PointView& p, const CellView& c,
                           Range range) {
   HWY_DYNAMIC_DISPATCH(average_strain_range)(shape, where, dt, volumes, p, c, range);
+}
+void hoop_lanes(ShapeKind shape, Where where, double dt, bool record, const PointView& p, const CellView& c, Range range) {
+  HWY_DYNAMIC_DISPATCH(hoop_range)(shape, where, dt, record, p, c, range);
 }
 std::size_t strain_lanes(ShapeKind shape, const StrainJob& job, const PointView& p, const CellView& c, Range range,
                          const StrainIncrements& out, std::uint32_t* suspects) {
