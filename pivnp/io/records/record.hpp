@@ -36,6 +36,7 @@ struct RecordHead {
   double camera_residual = 0;
   std::optional<double> metres_per_pixel;  // only if plain
   std::vector<double> distortion;          // coefficients of a lens model; empty: none
+  bool per_radian = false;  // energies and forces are those of a radian about the axis, not of a unit of thickness
   std::vector<FileIdentity> sources;       // files that the run reads beside its case: frames, masks
 };
 
