@@ -178,10 +178,11 @@ HWY_INLINE LaneGradient of_own(const Tile& t, const LaneGradient& G) {
 }
 
 // ln det of the step at the points, to be averaged: nothing in lanes without one, where it need not be a number.
-template <class Tile, class Lines>
-HWY_INLINE V dilation(const PointView& p, const Tile& t, const Lines& l, const CellView& c, const TileCells& cells, double sx, double sy) {
+template <bool round, class Tile, class Lines>
+HWY_INLINE V dilation([[maybe_unused]] const PointView& p, const Tile& t, const Lines& l, const CellView& c, const TileCells& cells, double sx, double sy) {
   const V theta = lane_log_det(of_own(t, gradient(l, c, cells, sx, sy)));
-  return t.live(p.hoop ? theta + t.load(p.hoop) : theta);
+  if constexpr (round) return t.live(theta + t.load(p.hoop));
+  else return t.live(theta);
 }
 
 // The gradient at the elements' centres.
@@ -201,7 +202,8 @@ HWY_INLINE LaneGradient centre_gradient(const CellView& view, const TileCells& c
 
 constexpr std::size_t most_elements = 32;  // averaged at a time
 
-template <class S>
+// `round`: axisymmetric, with the hoop's strain (PointView::hoop).
+template <class S, bool round = false>
 struct Straining {
   const StrainJob job;
   const PointView p;
@@ -241,8 +243,9 @@ struct Straining {
     const V change = det_change(G);
     const LanePolar e = lane_polar(G, change);
     const V mean = set(0.5) * e.trace;
-    V shift = zero(), theta = zero(), trace = e.trace, hoop = zero();
-    if (p.hoop) {
+    V shift = zero(), theta = zero(), trace = e.trace;
+    [[maybe_unused]] V hoop = zero();
+    if constexpr (round) {
       hoop = t.own(t.load(p.hoop));
       trace = trace + hoop;
     }
@@ -263,7 +266,8 @@ struct Straining {
     const std::size_t at = cells.place[0] - first, second = cells.place[groups - 1] - cells.place[0];
     put(t, mean + e.half + shift, out.xx + at, second);
     put(t, mean - e.half + shift, out.yy + at, second);
-    put(t, p.hoop ? hoop + shift : shift, out.zz + at, second);
+    if constexpr (round) put(t, hoop + shift, out.zz + at, second);
+    else put(t, shift, out.zz + at, second);
     put(t, e.xy, out.xy + at, second);
     put(t, e.spin, out.spin + at, second);
     if (!job.record) return;
@@ -274,7 +278,8 @@ struct Straining {
     t.store(F_yy + hn::MulAdd(own.yx, F_xy, own.yy * F_yy), p.F_yy);
     const V J = t.load(p.J);
     V grown = job.locking == Locking::none ? hn::MulAdd(J, change, J) : J * lane_exp(theta);
-    if (p.hoop && job.locking == Locking::none) grown = grown * lane_exp(hoop);
+    if constexpr (round)
+      if (job.locking == Locking::none) grown = grown * lane_exp(hoop);
     t.store(grown, p.J);
   }
 
@@ -285,7 +290,7 @@ struct Straining {
       const auto l = lines_of<S>(p, c, cells, t, job.where, job.dt);
       const V v = joined_volume(p, t);
       double s[groups], w[groups];
-      group_sums(v * dilation(p, t, l, c, cells, sx, sy), s);
+      group_sums(v * dilation<round>(p, t, l, c, cells, sx, sy), s);
       group_sums(v, w);
       for (std::size_t g = 0; g < groups; ++g) {
         sum[cells.occupied[g] - range.begin] += s[g];

@@ -11,16 +11,23 @@
 HWY_BEFORE_NAMESPACE();
 namespace pivnp::mpm::HWY_NAMESPACE {
 
-void average_strain_range(ShapeKind shape, Where where, double dt, bool volumes, const PointView& p, const CellView& c,
+template <bool round>
+HWY_INLINE void average_strain_of(ShapeKind shape, Where where, double dt, bool volumes, const PointView& p, const CellView& c,
                           Range range) {
   Shapes::with(shape, [&](auto kind) HWY_ATTR {
     using S = decltype(kind);
     if constexpr (S::centred)
       for_tiles(c, range, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
         const auto l = lines_of<S>(p, c, cells, t, where, dt);
-        add_to_averages(c, cells, volumes, l.xi, l.eta, joined_volume(p, t), dilation(p, t, l, c, cells, dt * c.per_hx, dt * c.per_hy));
+        const double sx = dt * c.per_hx, sy = dt * c.per_hy;
+        add_to_averages(c, cells, volumes, l.xi, l.eta, joined_volume(p, t), dilation<round>(p, t, l, c, cells, sx, sy));
       });
   });
+}
+
+void average_strain_range(ShapeKind shape, Where where, double dt, bool volumes, const PointView& p, const CellView& c,
+                          Range range) {
+  p.hoop ? average_strain_of<true>(shape, where, dt, volumes, p, c, range) : average_strain_of<false>(shape, where, dt, volumes, p, c, range);
 }
 
 void hoop_range(ShapeKind shape, Where where, double dt, bool record, const PointView& p, const CellView& c, Range range) {
@@ -47,7 +54,9 @@ void hoop_range(ShapeKind shape, Where where, double dt, bool record, const Poin
 std::size_t strain_range(ShapeKind shape, const StrainJob& job, const PointView& p, const CellView& c, Range range,
                          const StrainIncrements& out, std::uint32_t* suspects) {
   return Shapes::with(shape, [&](auto kind) HWY_ATTR {
-    return Straining<decltype(kind)>{job, p, c, out, c.begin[range.begin]}.run(range, suspects);
+    using S = decltype(kind);
+    if (p.hoop) return Straining<S, true>{job, p, c, out, c.begin[range.begin]}.run(range, suspects);
+    return Straining<S>{job, p, c, out, c.begin[range.begin]}.run(range, suspects);
   });
 }
 
