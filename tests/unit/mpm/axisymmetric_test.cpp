@@ -32,7 +32,7 @@ struct Way {
   StressUpdate stress;
 };
 const Way ways[] = {{ShapeKind::bspline, TransferKind::apic, StressUpdate::usl},  {ShapeKind::bspline, TransferKind::flip, StressUpdate::usl},
-                    {ShapeKind::bilinear, TransferKind::flip, StressUpdate::musl}, {ShapeKind::bilinear, TransferKind::apic, StressUpdate::usl},
+                    {ShapeKind::bilinear, TransferKind::flip, StressUpdate::musl}, {ShapeKind::bilinear, TransferKind::apic, StressUpdate::musl},
                     {ShapeKind::gimp, TransferKind::flip, StressUpdate::musl},     {ShapeKind::bspline, TransferKind::xpic, StressUpdate::usl}};
 
 // A thin ring breathes at sqrt(E/rho)/R, free along the axis.
