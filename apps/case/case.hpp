@@ -15,6 +15,7 @@
 #include "mpm/material/options.hpp"
 #include "mpm/scene/options.hpp"
 #include "mpm/heat/options.hpp"
+#include "mpm/scene/centrifuge.hpp"
 #include "mpm/water/options.hpp"
 #include "pivnp/core/options.hpp"
 #include "pivnp/image/camera.hpp"
@@ -211,6 +212,7 @@ struct Case {
   Named<mpm::BoundaryOptions> boundaries;     // [boundary.NAME]
   Named<mpm::RigidOptions> bodies;            // [body.NAME]
   Named<mpm::ContactOptions> contacts;        // [contact.NAME]
+  std::optional<mpm::CentrifugeOptions> centrifuge;  // [centrifuge]
   std::optional<mpm::WaterOptions> water;     // [water]
   std::optional<mpm::HeatOptions> heat;       // [heat]
   compare::CompareOptions compare;            // [compare]

@@ -26,6 +26,7 @@ class Checker {
     shapes();
     materials();
     simulation();
+    centrifuge();
     water();
     initial();
     contacts();
@@ -263,6 +264,16 @@ class Checker {
       refuse("mpm.output_rate_hz", "missing; without frames the rate of the states written must be given (Hz)");
     if (!c_.grid.spacing_m && !c_.grid.spacing_px)
       refuse_section("mpm", "without frames the grid must be given; expected grid.spacing_m");
+  }
+
+  void centrifuge() const {
+    if (!c_.centrifuge) return;
+    for (const char* section : {"mpm", "synth.mpm"}) {
+      const auto& options = std::string_view(section) == "mpm" ? c_.mpm : c_.synth_mpm;
+      const std::string key = std::string(section) + ".gravity_m_s2";
+      if (options && !source_.given(key))
+        refuse(key, "left out beside [centrifuge], expected Earth's gravity in the plane of the simulation ([0.0, 0.0] where it acts across it)");
+    }
   }
 
   // What goes with water otherwise is the solver's to say; that there is some is known here.

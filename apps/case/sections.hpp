@@ -33,6 +33,7 @@ void for_each_section(C& c, Visitor&& visit) {
   visit.named("boundary", c.boundaries, "Restraints on the simulation's nodes; each with a line or a polygon.");
   visit.named("body", c.bodies, "Rigid bodies with prescribed motion; each a circle or a polygon.");
   visit.named("contact", c.contacts, "Contact between bodies of the simulated material, which may slide with friction and separate. Without any they stick together. Example: datasets/sand_slope_1g/glass.toml.");
+  visit.optional("centrifuge", c.centrifuge, "The acceleration field of a centrifuge, beside mpm.gravity_m_s2, which is then stated: Earth's, as far as it acts in the plane of the simulation. Example: datasets/slope_50g/beam.toml.");
   visit.optional("water", c.water, "Water in the pores of materials that have a porosity. Example: datasets/terzaghi.");
   visit.optional("heat", c.heat, "Temperature: plastic work and the flow of the water produce heat, which expands water and soil. Materials then need a specific heat and a conductivity.");
   visit.always("compare", c.compare, "How measurement and simulation are compared.");

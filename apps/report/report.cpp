@@ -116,6 +116,7 @@ Content content_of(const ReportOptions& options, const ReportInput& input) {
   content.setup = input.setup;
   content.runs = input.runs;
   content.last_picture = input.last_picture;
+  content.per_radian = record.head().per_radian;
   content.energy = record.energy();
   content.cost = record.cost();
   content.reactions = record.reactions();

@@ -44,7 +44,7 @@ void ContactLayer::add(const Particles& p, const GridState& g, const Vec2& low, 
         for_points<S>(p, g, {from, to}, [&](std::uint32_t k, const std::size_t* at, const auto& x, const auto& y) {
           const Mat2 F{{p.F_xx[k], p.F_xy[k]}, {p.F_yx[k], p.F_yy[k]}};
           list.clear();
-          under({p.x[k], p.y[k]}, 0.5 * std::sqrt(p.volume0[k]) * F, list);
+          under({p.x[k], p.y[k]}, 0.5 * std::sqrt(p.area0(k)) * F, list);
           if (list.empty()) return;
           const double volume = p.volume0[k] * (F(0, 0) * F(1, 1) - F(0, 1) * F(1, 0));
           for (const UnderPiece& u : list)

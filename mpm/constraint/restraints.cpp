@@ -114,7 +114,7 @@ Vec2 Restraints::absorbed(const RestrainedNode& at, double time, double dt, cons
     if (wall.type != Type::absorbing || time >= wall.until) continue;
     const double half = 0.5 * g.grid.spacing.minCoeff();
     const double share = (at.place - wall.from).norm() < half || (at.place - wall.to).norm() < half ? 0.5 : 1;
-    const double per = share * dt / g.node[at.node].mass, across = v.dot(wall.normal);
+    const double per = share * dt * g.measure(at.node) / g.node[at.node].mass, across = v.dot(wall.normal);
     const Vec2 along = v - across * wall.normal;
     v = across / (1 + per * wall.impedance[0]) * wall.normal + along / (1 + per * wall.impedance[1]);
   }

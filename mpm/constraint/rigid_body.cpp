@@ -109,10 +109,10 @@ Vec2 RigidBodies::Body::velocity_of(const Vec2& x, double time) const {
   return {v.x() - spin * arm.y(), v.y() + spin * arm.x()};
 }
 
-void RigidBodies::accelerate(double time, double dt, const Vec2& gravity) {
+void RigidBodies::accelerate(double time, double dt, const Vec2& gravity, const Field& field) {
   for (Body& body : bodies_) {
     if (!body.free) continue;
-    body.v += dt * gravity;
+    body.v += dt * (field ? Vec2(gravity + field(body.centre + body.shift, body.v)) : gravity);
     body.mass_now = body.mass_at(time + 0.5 * dt);
   }
 }

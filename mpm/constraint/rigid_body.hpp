@@ -15,6 +15,7 @@
 // not walls or other bodies. Its mass may rise or fall in time; mass comes at the body's velocity.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -35,7 +36,9 @@ class RigidBodies {
   /// Throws InputError naming the body if a point lies inside its outline at time 0.
   void check_clear(const std::vector<Vec2>& points) const;
   /// Free bodies: gravity for the step that begins at `time`; call once a step before apply().
-  void accelerate(double time, double dt, const Vec2& gravity);
+  /// `field` (may be empty): more acceleration, by place and velocity.
+  using Field = std::function<Vec2(const Vec2& x, const Vec2& v)>;
+  void accelerate(double time, double dt, const Vec2& gravity, const Field& field = {});
   /// Free bodies: to the end of the step; call once, after apply().
   void advance(double dt);
   /// Corrects Node::n and free bodies' velocities in a step of `dt`; appends the impulses. `least_mass`: of a point in contact,

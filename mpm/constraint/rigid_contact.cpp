@@ -145,7 +145,7 @@ void RigidBodies::find_contacts(double time, double dt, double least_mass, std::
         } else {
           double mass = 0;
           add_nodes_around(c.x, field, g, mass);
-          if (!(mass > least)) {
+          if (!(mass > (g.axisymmetric ? c.x.x() : 1.0) * least)) {
             shares_.resize(c.begin);
             continue;
           }

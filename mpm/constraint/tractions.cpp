@@ -150,9 +150,14 @@ void Tractions::add_to_loads(const Particles& p, GridState& g, double time, doub
     for (std::int32_t a = over_[p.index[k]]; a >= 0; a = pieces_[std::size_t(a)].next) {
       const Traction& piece = pieces_[std::size_t(a)];
       if (p.cell[k] == Particles::ended) continue;  // its face has gone
-      const Vec2 t = piece.share(time) * piece.traction_now(gradient(k));
+      Vec2 t = piece.share(time) * piece.traction_now(gradient(k));
+      double face = piece.face;
+      if (g.axisymmetric) {  // of a radian; what follows its face acts on its present radius
+        if (piece.follows) t *= p.F_zz[k];
+        face *= p.x[k] / p.F_zz[k] + piece.out.x();
+      }
       traction[std::size_t(a)] = t;
-      of_boundaries[piece.boundary].add(dt * piece.face * t, Vec2(p.x[k], p.y[k]) + gradient(k) * piece.out);
+      of_boundaries[piece.boundary].add(dt * face * t, Vec2(p.x[k], p.y[k]) + gradient(k) * piece.out);
     }
   // In material that fails under its load the stress would grow with F: its column goes over to a body force.
   std::vector<double> stretch(pieces_.size(), 0.0);
@@ -167,7 +172,10 @@ void Tractions::add_to_loads(const Particles& p, GridState& g, double time, doub
         const Mat2 F = gradient(k);
         for (const InLayer& l : layers(p.index[k])) {
           const Vec2 t = p.volume0[k] * traction[l.piece], normal = F * l.normal;
-          const double w = std::clamp((torn - stretch[l.piece]) / (torn - whole), 0.0, 1.0), body = w * l.change + (1 - w) * l.even;
+          const double w = std::clamp((torn - stretch[l.piece]) / (torn - whole), 0.0, 1.0);
+          // Axisymmetric: the divergence of f N has the term f N_r/r too.
+          const double change = g.axisymmetric ? l.change + l.share * l.normal.x() * p.F_zz[k] / p.x[k] : l.change;
+          const double body = w * change + (1 - w) * l.even;
           for (int c = 0; c < S::width * S::width; ++c) {
             const int i = c % S::width, j = c / S::width;
             const double across = normal.x() * g.per_hx * x.g[i] * y.w[j] + normal.y() * g.per_hy * x.w[i] * y.g[j];

@@ -8,6 +8,7 @@
 // load is in balance, point by point, wherever in their cells the points are; and no node is pushed by more than its mass
 // bears. (To load the nodes at the face's own place is not in balance with the sums over points: rows of stress alternate as
 // the face moves through a cell.) A load that follows its face has the traction of the piece of face over the point.
+// Axisymmetric: both integrals are those of a radian, r dA and r dV, and df/dN becomes df/dN + f N_r/r.
 #pragma once
 
 #include <algorithm>

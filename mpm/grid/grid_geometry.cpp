@@ -16,10 +16,11 @@ int rows_of_field(int ny, int velocity_fields) {
 
 }  // namespace
 
-GridGeometry::GridGeometry(const Grid& d, ShapeKind kind, int n_fields)
+GridGeometry::GridGeometry(const Grid& d, ShapeKind kind, int n_fields, bool about_axis)
     : shape(kind),
       width(row_of(kind).nodes),
       stencil(width * width),
+      axisymmetric(about_axis),
       centred(row_of(kind).centred()),
       origin(centred ? 1 : 0),
       domain(d),

@@ -1,6 +1,7 @@
 // Where the cells and nodes of a simulation are.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -20,11 +21,12 @@ namespace pivnp::mpm {
 class GridGeometry {
  public:
   /// Points live in `domain`. Cells around nodes need a ring of nodes around it, which `field_grid` has.
-  GridGeometry(const Grid& domain, ShapeKind shape, int velocity_fields = 1);
+  GridGeometry(const Grid& domain, ShapeKind shape, int velocity_fields = 1, bool axisymmetric = false);
 
   const ShapeKind shape;
   const int width;     // nodes an axis of a stencil
   const int stencil;   // width^2
+  const bool axisymmetric;  // x is the distance from the axis
   const bool centred;  // cells are squares around nodes; else elements
   const int origin;    // of a cell, from its lower left node, in nodes along each axis
   const Grid domain, field_grid;  // field_grid: with the ring
@@ -39,6 +41,8 @@ class GridGeometry {
     node %= field_nodes();
     return field_grid.position(int(node % std::size_t(grid.nx)), int(node / std::size_t(grid.nx)));
   }
+  /// By what a volume of a unit of area at a node is multiplied: 1, or its radius (at the axis that of a hat there).
+  double measure(std::size_t node) const { return axisymmetric ? std::max(position(node).x(), domain.spacing.x() / 6) : 1.0; }
   /// Flat indices of a cell's nodes, row after row.
   void stencil_nodes(std::int32_t cell, std::size_t* out) const;
   /// The cell of a place and its natural coordinates; false outside the domain (round-off of 1e-9 spacings is inside).

@@ -4,8 +4,8 @@
 
 namespace pivnp::mpm {
 
-GridState::GridState(const Grid& d, ShapeKind kind, int n_fields, bool updated, const NodeNeeds& needs)
-    : GridGeometry(d, kind, n_fields),
+GridState::GridState(const Grid& d, ShapeKind kind, int n_fields, bool updated, const NodeNeeds& needs, bool about_axis)
+    : GridGeometry(d, kind, n_fields, about_axis),
       by_updated(updated),
       cells(grid),
       blocks(grid),

@@ -28,7 +28,7 @@ class GridState : public GridGeometry {
  public:
   /// `by_updated`: the updated velocity Node::n gives the strain increments, not one of its own.
   GridState(const Grid& domain, ShapeKind shape, int velocity_fields = 1, bool by_updated = false,
-            const NodeNeeds& needs = {.own_strain_velocity = true, .averages = true});
+            const NodeNeeds& needs = {.own_strain_velocity = true, .averages = true}, bool axisymmetric = false);
 
   const bool by_updated;
   CellList cells;

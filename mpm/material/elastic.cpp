@@ -37,6 +37,10 @@ struct LeftCauchyGreen {
 
 LeftCauchyGreen averaged(const StressBatch& s, std::size_t k) {
   const double a = s.F_xx[k], b = s.F_xy[k], c = s.F_yx[k], d = s.F_yy[k];
+  if (s.F_zz) {
+    const double e = s.F_zz[k], scale = std::pow(s.J[k] / ((a * d - b * c) * e), 2.0 / 3);
+    return {scale * (a * a + b * b), scale * (c * c + d * d), scale * e * e, scale * (a * c + b * d), std::log(s.J[k])};
+  }
   const double scale = std::pow(s.J[k] / (a * d - b * c), 2.0 / 3);
   return {scale * (a * a + b * b), scale * (c * c + d * d), scale, scale * (a * c + b * d), std::log(s.J[k])};
 }

@@ -38,6 +38,10 @@ Loading::Loading(const MpmOptions& o, const Scene& scene)
     from_ = {(*o.gravity_from_m_s2)[0], (*o.gravity_from_m_s2)[1]};
     changes_.push_back(ramp_);
   }
+  if (scene.centrifuge) {
+    centrifuge_.emplace(*scene.centrifuge, o.geometry == Geometry::axisymmetric);
+    changes_.insert(changes_.end(), centrifuge_->changes().begin(), centrifuge_->changes().end());
+  }
   for (const MaterialOptions& m : materials_) {
     if (m.density_end_kg_m3) {
       any_density_ = true;

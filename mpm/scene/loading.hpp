@@ -1,12 +1,14 @@
-// What changes with time by the case's will: gravity (a centrifuge spinning up), densities, strengths, material taken
+// What changes with time by the case's will: gravity, the field of a centrifuge, densities, strengths, material taken
 // out, tractions. (Gates and moving plates are restraints: constraint/restraints.hpp.) Functions of time alone, so that a restart
 // needs no more than the time.
 #pragma once
 
 #include <algorithm>
+#include <optional>
 #include <vector>
 
 #include "mpm/constraint/tractions.hpp"
+#include "mpm/scene/centrifuge.hpp"
 #include "mpm/scene/options.hpp"
 #include "mpm/scene/scene.hpp"
 #include "mpm/state/particles.hpp"
@@ -22,6 +24,11 @@ class Loading {
   Vec2 gravity(double time) const;
   double greatest_gravity() const { return std::max(from_.norm(), to_.norm()); }
   bool gravity_changes() const { return ramp_ > 0; }
+  /// Acts beside gravity, from place to place; null: none.
+  const Centrifuge* centrifuge() const { return centrifuge_ ? &*centrifuge_ : nullptr; }
+  /// What is at rest at x falls with.
+  Vec2 gravity_at(const Vec2& x, double time) const { return centrifuge_ ? Vec2(gravity(time) + centrifuge_->acceleration(x, time)) : gravity(time); }
+  double greatest_gravity_at(const Vec2& x) const { return greatest_gravity() + (centrifuge_ ? centrifuge_->greatest(x) : 0.0); }
   /// Density of a material over that at time 0: linear between density_from_s and density_until_s.
   double density_ratio(std::size_t material, double time) const;
   bool any_density() const { return any_density_; }
@@ -42,6 +49,7 @@ class Loading {
   double ramp_ = 0;
   std::vector<MaterialOptions> materials_;
   Tractions tractions_;
+  std::optional<Centrifuge> centrifuge_;
   std::vector<double> changes_;
   double last_ = 0;
   bool any_density_ = false, any_reduction_ = false;

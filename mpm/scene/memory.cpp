@@ -24,7 +24,7 @@ SceneNeeds needs_of(const Scene& scene) {
   return {.several = std::any_of(label.begin(), label.end(), [&](auto l) { return l != label.front(); }),
           .water = scene.water.has_value(),
           .tied = any(BoundaryType::tied),
-          .loads = scene.body_force || any(BoundaryType::traction),
+          .loads = scene.body_force || scene.centrifuge || any(BoundaryType::traction),
           .heat = scene.heat.has_value(),
           .bands = scene.heat && std::any_of(scene.materials.begin(), scene.materials.end(), [](const auto& m) { return m.band_thickness_m.has_value(); })};
 }
@@ -41,7 +41,8 @@ ParticleNeeds particle_needs(const Scheme& scheme, const Materials& materials, c
           .collapses = scene.collapses,
           .heated = scene.heat,
           .swells = scene.heat && scene.water,
-          .banded = scene.bands};
+          .banded = scene.bands,
+          .axisymmetric = scheme.axisymmetric};
 }
 
 NodeNeeds node_needs(const Scheme& scheme, const Materials& materials, const SceneNeeds& scene) {

@@ -1,6 +1,7 @@
 // What a simulation can be told as a whole.
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "mpm/state/scheme_rows.hpp"
@@ -9,8 +10,14 @@
 
 namespace pivnp::mpm {
 
+/// What the plane of the simulation is.
+enum class Geometry { plane, axisymmetric };
+inline constexpr std::array geometry_names{NamedValue{"plane", Geometry::plane}, NamedValue{"axisymmetric", Geometry::axisymmetric}};
+constexpr const auto& names_of(Geometry) { return geometry_names; }
+
 struct MpmOptions {
   SchemeName scheme = SchemeName::standard;
+  Geometry geometry = Geometry::plane;
   int per_element = 4;
   Pair gravity_m_s2 = {0.0, -9.81};
   std::optional<Pair> gravity_from_m_s2;
@@ -40,6 +47,7 @@ struct MpmOptions {
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
     visit("scheme", self.scheme, OptionInfo{.text = "set of numerical choices"});
+    visit("geometry", self.geometry, OptionInfo{.text = "plane: plane strain, per metre of thickness; axisymmetric: x is the distance from the axis of symmetry, x = 0, along which y runs, and masses, forces and energies are those of one radian"});
     visit("per_element", self.per_element, OptionInfo{.text = "material points per occupied element: 1, 4, 9 ...", .min = 1, .max = 100});
     visit("gravity_m_s2", self.gravity_m_s2, OptionInfo{.unit = "m/s^2", .text = "gravity (x, y)"});
     visit("gravity_from_m_s2", self.gravity_from_m_s2, OptionInfo{.unit = "m/s^2", .text = "gravity at time 0, where it changes (a centrifuge spinning up); the initial equilibrium is found under this one"});

@@ -12,6 +12,7 @@
 #include "mpm/constraint/options.hpp"
 #include "mpm/heat/options.hpp"
 #include "mpm/material/options.hpp"
+#include "mpm/scene/centrifuge.hpp"
 #include "mpm/water/options.hpp"
 #include "pivnp/core/grid/grid.hpp"
 #include "pivnp/core/particles/motion.hpp"
@@ -28,6 +29,7 @@ struct Scene {
   std::vector<std::pair<std::string, ContactOptions>> contacts;  // between labels, by ParticleSet::label_names
   std::optional<WaterOptions> water;           // in the pores of materials that have a porosity
   std::optional<HeatOptions> heat;             // temperature
+  std::optional<CentrifugeOptions> centrifuge;  // acceleration from place to place
   std::vector<Vec2> v0;                        // velocity at time 0, one a particle; empty: at rest
   // Its gradient, xx xy yx yy (xy: of v_x along y), 1/s, one a particle; empty: zero. Of transfers that carry an affine velocity:
   // without it their first step loses the motion within the cells (10 % of the spin of a block of five cells).

@@ -17,11 +17,17 @@ Scheme scheme_of(const MpmOptions& options) {
   scheme.transfer = transfer.runs();
   scheme.stress = options.stress_update.value_or(scheme.stress);
   scheme.locking = locking.runs();
+  scheme.axisymmetric = options.geometry == Geometry::axisymmetric;
   if (locking.of_elements && shape.nodes != 2) {
     if (options.locking)
       throw InputError("mpm.locking: found '" + std::string(locking.name) +
                        "' with three-node shapes, expected none or fbar (or shape = \"bilinear\")");
     scheme.locking = Locking::fbar;  // the scheme's own cure does not go with the shape asked for
+  }
+  if (scheme.axisymmetric && row_of(scheme.locking).of_elements) {
+    if (options.locking)
+      throw InputError("mpm.locking: found '" + std::string(name_of(scheme.locking)) + "' in an axisymmetric run, expected none or fbar");
+    scheme.locking = Locking::fbar;
   }
   if (scheme.transfer == TransferKind::xpic && scheme.stress != StressUpdate::usl)
     throw InputError("mpm.stress_update: found '" + std::string(name_of(scheme.stress)) + "' with transfer = \"xpic\", which brings turning "

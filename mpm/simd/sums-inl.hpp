@@ -155,6 +155,16 @@ HWY_INLINE void add_pairs(const V* a, const V* b, At&& at) {
   }
 }
 
+// Adds the sums over each group's lanes of v[c] to a number of each of a stencil's nodes, at(group, c).
+template <int N, class At>
+HWY_INLINE void add_each(const V* v, At&& at) {
+  for (int c = 0; c < N; ++c) {
+    double sums[groups];
+    group_sums(v[c], sums);
+    for (std::size_t g = 0; g < groups; ++g) *at(g, c) += sums[g];
+  }
+}
+
 }  // namespace pivnp::mpm::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

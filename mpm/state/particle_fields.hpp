@@ -41,13 +41,15 @@ inline void for_each_particle_field(Visit&& visit) {
   visit(ParticleField{"place", "m", "where the point is"}, Column{&P::x, &K::x}, Column{&P::y, &K::y});
   visit(ParticleField{.name = "velocity", .unit = "m/s", .definition = "velocity", .recorded = "v"}, Column{&P::vx, &K::vx},
         Column{&P::vy, &K::vy});
-  visit(ParticleField{"volume0", "m^2", "volume at the start, per metre of thickness"}, Column{&P::volume0, &K::volume0});
+  visit(ParticleField{"volume0", "m^2", "volume at the start, per metre of thickness (axisymmetric: per radian, m^3)"}, Column{&P::volume0, &K::volume0});
   visit(ParticleField{"mass", "kg/m", "mass; one dry body needs none (Particles::mass_of)", &N::own_mass},
         Column{&P::mass, &K::mass});
   visit(ParticleField{.name = "F", .unit = "1", .definition = "deformation gradient, of the point's own velocity gradient",
                       .recorded = "F"},
         Column{&P::F_xx, &K::F_xx, nullptr, &L::F_xx}, Column{&P::F_xy, &K::F_xy, nullptr, &L::F_xy},
         Column{&P::F_yx, &K::F_yx, nullptr, &L::F_yx}, Column{&P::F_yy, &K::F_yy, nullptr, &L::F_yy});
+  visit(ParticleField{"hoop F", "1", "radius over that at the start", &N::axisymmetric}, Column{&P::F_zz, &K::F_zz, nullptr, &L::F_zz});
+  visit(ParticleField{"hoop increment", "1", "log hoop strain of the step", &N::axisymmetric, false}, Column{&P::hoop, &K::hoop});
   visit(ParticleField{"J", "1", "volume ratio, of the averaged volumetric strain"}, Column{&P::J, &K::J, nullptr, &L::J});
   visit(ParticleField{.name = "stress", .unit = "Pa", .definition = "Kirchhoff stress, tension positive", .recorded = "stress",
                       .per_volume = true},

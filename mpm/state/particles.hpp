@@ -27,6 +27,7 @@ struct ParticleNeeds {
   bool heated = false;      // temperature
   bool swells = false;      // temperature, and water in the pores
   bool banded = false;      // embedded bands
+  bool axisymmetric = false;
 };
 
 /// Points lie body after body (so that a material is called on a run of them), inside a body in the order of the last
@@ -59,6 +60,7 @@ struct Particles {
   Array wetted;           // where soil collapses
   Array temperature, heated_by, swelling;  // heat/heat.hpp
   Array shift, sheared, band_width, band_work;
+  Array F_zz, hoop;       // axisymmetric
 
   HistoryVariables history;     // of the laws
   double density = 0;  // of one body, kg/m^3
@@ -67,6 +69,8 @@ struct Particles {
 
   std::size_t size() const { return x.size(); }
   double mass_of(std::size_t k) const { return mass.empty() ? density * volume0[k] : mass[k]; }
+  /// Area at the start of what a point stands for in the plane.
+  double area0(std::size_t k) const { return F_zz.empty() ? volume0[k] : volume0[k] * F_zz[k] / x[k]; }
   /// Every field that is needed at `n` zeros, the others without memory; no point is in a cell. Without history.
   void resize(std::size_t n, const ParticleNeeds& needs);
   /// Displacement of a point that started at x0.

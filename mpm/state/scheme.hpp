@@ -17,6 +17,7 @@ struct Scheme {
   double pic_per_s = 0;  // of FLIP: share 1 - exp(-rate dt) of PIC a step
   int xpic_order = 5;    // of XPIC
   double damping = 0;    // Cundall's local damping
+  bool axisymmetric = false;  // x is the radius, y the axis; volumes, masses and forces are those of a radian
 
   /// The points' velocity is the updated one of the nodes: where they were before they moved is known from it.
   bool takes_updated() const { return stress == StressUpdate::usl && transfer == TransferKind::apic; }

@@ -8,7 +8,7 @@
 namespace pivnp::mpm {
 
 /// One step of a run of points. Tensor components, tension positive; plane strain, but de_zz may differ
-/// from zero by the averaging against locking (transfer.hpp). With f = V R the step's deformation, the strain increment
+/// from zero by the averaging against locking (transfer.hpp), or axial symmetry, where zz is the hoop. With f = V R the step's deformation, the strain increment
 /// is ln V and the rotation R: a step that turns the point strains it by nothing, however far it turns. The stress is
 /// Kirchhoff's, tau = J sigma, Pa: its work per initial volume is tau : de, which lets the elastic energy close exactly.
 /// Strengths bound the Cauchy stress, so they enter multiplied by J.
@@ -21,6 +21,7 @@ struct StressBatch {
   const double* spin = nullptr;                                                         // 2 tan(angle/2) of the step's rotation
   const double* J = nullptr;                                                            // volume over initial volume, after the step
   const double *F_xx = nullptr, *F_xy = nullptr, *F_yx = nullptr, *F_yy = nullptr;      // deformation gradient after the step
+  const double* F_zz = nullptr;         // axisymmetric: likewise out of the plane; null: 1
   double *xx = nullptr, *yy = nullptr, *zz = nullptr, *xy = nullptr;                    // stress in and out
   const double* shift = nullptr;        // of the normal stresses, as strength sees them (heat/bands.hpp); null: none
   const double* softened_by = nullptr;  // the strain that softens, where it is not the point's own (transfer/nonlocal.hpp)

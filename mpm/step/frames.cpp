@@ -68,11 +68,18 @@ SolverState initial_state(const Scene& scene, const Scheme& scheme, const GridSt
       p.tau_zz[k] = scene.stress0[from][2];
       p.tau_xy[k] = scene.stress0[from][3];
     }
-    p.volume0[k] = double(set.area[from]);
+    const double area = double(set.area[from]);
+    if (scheme.axisymmetric && !(p.x[k] > 0)) {
+      std::ostringstream text;
+      text << "mpm.geometry: found axisymmetric, but particle " << from << " lies at x = " << p.x[k] << ", expected all at x > 0, beside the axis";
+      throw InputError(text.str());
+    }
+    p.volume0[k] = scheme.axisymmetric ? p.x[k] * area : area;
+    if (!p.F_zz.empty()) p.F_zz[k] = 1;
     p.density = scene.materials[std::size_t(label)].density_kg_m3;
     if (!p.mass.empty()) p.mass[k] = p.density * p.volume0[k];
     p.F_xx[k] = p.F_yy[k] = p.J[k] = 1;
-    if (!p.half.empty()) p.half[k] = std::min(0.5, 0.5 * std::sqrt(p.volume0[k] * g.per_hx * g.per_hy));
+    if (!p.half.empty()) p.half[k] = std::min(0.5, 0.5 * std::sqrt(area * g.per_hx * g.per_hy));
   }
   state.body_motion.assign(6 * scene.bodies.size(), 0.0);
   return state;

@@ -79,7 +79,7 @@ class Relaxation {
     double applied = 0;
     for (std::size_t a = 0; a < g_.active.nodes.size(); ++a) {
       Node& node = g_.node[g_.active.nodes[a]];
-      const Vec2 weight = node.mass * o_.gravity;
+      const Vec2 weight = node.mass * (o_.variation ? Vec2(o_.gravity + o_.variation(g_.position(g_.active.nodes[a]))) : o_.gravity);
       applied += weight.norm();
       const double bound = mass_[g_.active.nodes[a]], per_mass = bound > 0 ? 1 / bound : 0;
       node.mass = mass_[g_.active.nodes[a]];
@@ -98,7 +98,7 @@ class Relaxation {
 
   bool any_beyond(double strain) const {
     double most = 0;
-    for (const Array* of : {&p_.de_xx, &p_.de_yy, &p_.de_xy})
+    for (const Array* of : {&p_.de_xx, &p_.de_yy, &p_.de_xy, &p_.hoop})
       for (const double e : *of) most = std::max(most, std::abs(e));
     return most > strain;
   }
@@ -186,6 +186,8 @@ std::map<std::uint32_t, Piece> pieces_of(const Particles& p, const GridState& g,
   std::map<std::uint32_t, Piece> pieces;
   for (const std::uint32_t n : nodes) pieces[joined.of(n)].held += restraints.hold(n, gravity);
   for (const std::uint32_t n : gripped) pieces[joined.of(n)].held += Mat2::Identity();
+  if (g.axisymmetric)  // a ring holds itself
+    for (const std::uint32_t n : nodes) pieces[joined.of(n)].held(0, 0) += 1;
   for (std::size_t s = 0; s < g.cells.size(); ++s) {
     g.stencil_nodes(g.cells.index[s], at);
     Piece& of = pieces[joined.of(std::uint32_t(at[0]))];
@@ -237,7 +239,8 @@ void stress_from_columns(Particles& p, const Materials& materials, const GridSta
       std::size_t b = a;
       double here = 0;
       while (b < column.size() && p.y[column[b]] == p.y[column[a]]) {
-        here += p.mass_of(column[b]) - (displaced.empty() ? 0 : displaced[column[b]]);
+        const double mass = p.mass_of(column[b]) - (displaced.empty() ? 0 : displaced[column[b]]);
+        here += g.axisymmetric ? mass / p.x[column[b]] : mass;
         ++b;
       }
       const double vertical = -std::abs(gravity_y) * (above + 0.5 * here) * g.per_hx;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -20,12 +21,13 @@
 namespace pivnp::mpm {
 
 struct EquilibriumOptions {
-  Vec2 gravity;
+  Vec2 gravity;      // where it varies, that at the particles' centroid
   double damping;    // Cundall's, of the pseudo-time
   double tolerance;  // sum |unbalanced| / sum |weight|, and kinetic over elastic energy
   int threads;
   std::optional<double> k0 = {};  // horizontal over vertical stress of the first guess; nu/(1 - nu) without
   std::span<const std::array<double, 4>> given = {};  // Scene::stress0: the first guess where it is a number
+  std::function<Vec2(const Vec2&)> variation = {};  // of gravity from place to place; empty: none
 };
 
 /// What is brought to rest; its parts change.

@@ -36,13 +36,13 @@ void SmallMassNodes::pair_up(const GridState& g, double least, const std::vector
   pairs.clear();
   const auto nx = std::ptrdiff_t(g.grid.nx), ny = std::ptrdiff_t(g.grid.ny);
   for (const std::uint32_t n : nodes) {
-    if (!(g.node[n].mass < least)) continue;
+    if (!(g.node[n].mass < least * g.measure(n))) continue;
     const std::ptrdiff_t i = std::ptrdiff_t(n) % nx, j = std::ptrdiff_t(n) / nx;
     std::uint32_t heavy = n;
     for (std::ptrdiff_t b = std::max<std::ptrdiff_t>(0, j - 1); b <= std::min(ny - 1, j + 1); ++b)
       for (std::ptrdiff_t a = std::max<std::ptrdiff_t>(0, i - 1); a <= std::min(nx - 1, i + 1); ++a)
         if (g.node[std::size_t(b * nx + a)].mass > g.node[heavy].mass) heavy = std::uint32_t(b * nx + a);
-    if (g.node[heavy].mass >= least) pairs.push_back({n, heavy});
+    if (g.node[heavy].mass >= least * g.measure(heavy)) pairs.push_back({n, heavy});
   }
 }
 
@@ -140,7 +140,7 @@ NodalMotion nodal_motion(const GridState& g, double least) {
     const Node& node = g.node[n];
     const double speed2 = node.nx * node.nx + node.ny * node.ny;
     out.kinetic += 0.5 * node.mass * speed2;
-    if (node.mass > least) out.fastest2 = std::max(out.fastest2, speed2);
+    if (node.mass > least * g.measure(n)) out.fastest2 = std::max(out.fastest2, speed2);
   }
   return out;
 }

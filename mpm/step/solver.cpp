@@ -18,6 +18,10 @@ namespace {
 
 constexpr std::int64_t check_every = 100;  // steps between looks at the energy balance
 
+bool has_reaction(const std::string& name, const BoundaryOptions& boundary) {
+  return boundary.type != BoundaryType::tied && name != axis_boundary;
+}
+
 }  // namespace
 
 Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
@@ -25,21 +29,21 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
       scheme(scheme_of(o)),
       most_threads(std::max(1, n_threads)),
       choice(n_threads),
-      scene(std::move(s)),
+      scene(checked(o, std::move(s))),
       warm(take_heat(o, scene)),
       pores(take_pores(o, scene)),
       materials(materials_of(scene)),
       density(densities_of(scene)),
       contacts(scene.contacts, scene.particles.label_names),
       g(scene.grid, scheme.shape, contacts.velocity_fields(), scheme.stress == StressUpdate::usl,
-        node_needs(scheme, materials, needs_of(scene))),
+        node_needs(scheme, materials, needs_of(scene)), scheme.axisymmetric),
       restraints(scene.boundaries, g, centroid(scene.particles),
                  [this](const Vec2& x) { return impedance_near(scene, materials, undrained_stiffness(), x); }),
       bodies(scene.bodies, g.field_grid),
       loading(o, scene),
       reduction(scene.materials.size(), 1.0),
       nonlocal(materials, g) {
-  const Vec2 gravity = loading.gravity(0);
+  const Vec2 gravity = gravity_at_rest();
   bodies.check_clear(scene.particles.x0);
   if (scheme.stress == StressUpdate::usf && bodies.any_free())
     throw InputError("mpm.stress_update: found 'usf' beside a free rigid body, expected musl or usl");
@@ -51,7 +55,7 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
     throw InputError(std::string("mpm.sleep_below_m_s: given beside ") + (contacts.empty() ? "a tied boundary" : "a [contact.NAME]") +
                      ", expected none: bodies in contact would not wake");
   state = initial_state(scene, scheme, g, materials, contacts);
-  least_turned_over = least_turnover(p, materials, loading.greatest_gravity(), g.grid.spacing.minCoeff());
+  least_turned_over = least_turnover(p, materials, loading.greatest_gravity_at(centroid(scene.particles)), g.grid.spacing.minCoeff());
   sleep.start(p, g);
   g.rebuild(p);
   p.sort_as(g.cells.order, 1);
@@ -102,8 +106,8 @@ void Solver::find_initial_equilibrium(Progress& progress) {
   Scheme scheme = s.scheme;
   if (scheme.shape != ShapeKind::bilinear) scheme.locking = Locking::none;
   relax_to_equilibrium(
-      {s.loading.gravity(0), s.options.equilibrium_damping, s.options.equilibrium_tolerance, s.most_threads,
-       s.options.k0, s.scene.stress0},
+      {s.gravity_at_rest(), s.options.equilibrium_damping, s.options.equilibrium_tolerance, s.most_threads,
+       s.options.k0, s.scene.stress0, s.variation_of_gravity()},
       {scheme, s.materials, s.density, s.restraints, s.contacts, s.bodies, s.p, s.g, s.scene.particles,
        s.water.get()}, progress);
   s.p.resize_increments(0);
@@ -114,7 +118,7 @@ void Solver::find_initial_equilibrium(Progress& progress) {
 void Solver::require_held() const {
   const Impl& s = *impl_;
   if (s.bodies.size() == 0)  // what those hold is known once they have met it
-    mpm::require_held(s.p, s.g, s.restraints, {}, s.loading.gravity(0), s.scene.particles);
+    mpm::require_held(s.p, s.g, s.restraints, {}, s.gravity_at_rest(), s.scene.particles);
 }
 
 void Solver::advance_to(double time, Progress& progress) {
@@ -170,7 +174,7 @@ Vec2 Solver::body_impulse(std::size_t body) const {
 std::vector<std::string> Solver::reaction_names() const {
   std::vector<std::string> names;
   for (const auto& [name, boundary] : impl_->scene.boundaries)
-    if (boundary.type != BoundaryType::tied) names.push_back("boundary." + name);
+    if (has_reaction(name, boundary)) names.push_back("boundary." + name);
   for (const auto& [name, body] : impl_->scene.bodies) names.push_back("body." + name);
   for (const auto& [name, contact] : impl_->scene.contacts) names.push_back("contact." + name);
   return names;
@@ -185,7 +189,7 @@ ReactionRow Solver::reactions() const {
   const std::vector<Wall>& walls = s.restraints.walls();
   for (std::size_t b = 0; b < s.scene.boundaries.size(); ++b) {
     const auto& [name, boundary] = s.scene.boundaries[b];
-    if (boundary.type == BoundaryType::tied) continue;
+    if (!has_reaction(name, boundary)) continue;
     Impulse impulse = s.impulses_of_tractions()[b];
     for (std::size_t w = 0; w < walls.size(); ++w)
       if (walls[w].key == "boundary." + name) impulse = s.impulses_of_walls()[w];

@@ -39,6 +39,11 @@ std::vector<PoreSoil> take_pores(const MpmOptions& options, Scene& scene);
 /// What heat sees of the scene's materials; call before take_pores(). Throws InputError for what does not go with it.
 std::vector<HeatSoil> take_heat(const MpmOptions& options, const Scene& scene);
 
+/// The scene, after a look at what does not go with axial symmetry or a centrifuge (InputError), with a roller along the axis of
+/// symmetry where the grid begins there.
+Scene checked(const MpmOptions& options, Scene scene);
+inline constexpr const char* axis_boundary = "axis of symmetry";
+
 struct Solver::Impl {
   Impl(const MpmOptions& o, Scene s, int n_threads);
 
@@ -74,6 +79,10 @@ struct Solver::Impl {
   // solver_loads.cpp: what changes by the case's will.
   void load(double dt);
   void map_loads(double dt, int threads);
+  void turn_by_coriolis(const Cycle& c);
+  Vec2 gravity_at_rest() const { return loading.gravity_at(centroid(scene.particles), 0); }
+  std::function<Vec2(const Vec2&)> variation_of_gravity() const;
+  RigidBodies::Field field_of_bodies() const;
   void change_densities(double time, bool balance);
   void change_strength(double time);
   void remove_due();
@@ -90,7 +99,7 @@ struct Solver::Impl {
   std::span<Impulse> impulses_of_contacts() {
     return {state.impulses.data() + state.impulses.size() - scene.contacts.size(), scene.contacts.size()};
   }
-  bool pushes() const { return scene.body_force || loading.tractions().any(); }
+  bool pushes() const { return scene.body_force || loading.centrifuge() || loading.tractions().any(); }
   bool work_in_steps() const { return !water && (loading.gravity_changes() || loading.any_density()); }
   Vec2 moment_of_mass() const;
 

@@ -46,11 +46,42 @@ void Solver::Impl::map_loads(double dt, int threads) {
     }
     map_acceleration(p, g, ax, ay, threads);
   }
+  if (const Centrifuge* field = loading.centrifuge())
+    for_nodes(g, threads, [&](Node& node, std::uint32_t n) {
+      const Vec2 a = field->acceleration(g.position(n), state.time);
+      g.arrays.loads[n].x += node.mass * a.x();
+      g.arrays.loads[n].y += node.mass * a.y();
+    });
   if (loading.tractions().any()) loading.tractions().add_to_loads(p, g, state.time, dt, impulses_of_tractions(), threads);
   for_nodes(g, threads, [&](Node& node, std::uint32_t n) {
     node.fx += g.arrays.loads[n].x;
     node.fy += g.arrays.loads[n].y;
   });
+}
+
+void Solver::Impl::turn_by_coriolis(const Cycle& c) {
+  const Centrifuge* field = loading.centrifuge();
+  if (!field || !field->coriolis()) return;
+  const double angle = field->rate(state.time + 0.5 * c.dt) * c.dt;
+  for_nodes(g, c.threads, [&](Node& node, std::uint32_t) {
+    const Vec2 n = Centrifuge::turned({node.vx, node.vy}, {node.nx, node.ny}, angle);
+    node.nx = n.x();
+    node.ny = n.y();
+  });
+}
+
+std::function<Vec2(const Vec2&)> Solver::Impl::variation_of_gravity() const {
+  if (!loading.centrifuge()) return {};
+  return [field = loading.centrifuge(), mean = loading.centrifuge()->acceleration(centroid(scene.particles), 0)](const Vec2& x) {
+    return Vec2(field->acceleration(x, 0) - mean);
+  };
+}
+
+RigidBodies::Field Solver::Impl::field_of_bodies() const {
+  if (!loading.centrifuge()) return {};
+  return [field = loading.centrifuge(), time = state.time](const Vec2& x, const Vec2& v) {
+    return Vec2(field->acceleration(x, time) + field->coriolis(v, time));
+  };
 }
 
 // Mass that comes moves as the point does: its kinetic energy is work done from outside.

@@ -85,7 +85,7 @@ void Solver::Impl::find_cells(const Cycle& c) {
 
 // Nothing asks for the mapped velocity before the momentum is updated: A.3-A.7 in one sweep.
 bool Solver::Impl::maps_and_advances() const {
-  return scheme.stress != StressUpdate::usf && scheme.transfer != TransferKind::xpic && contacts.empty() && !pushes();
+  return scheme.stress != StressUpdate::usf && scheme.transfer != TransferKind::xpic && contacts.empty() && !pushes() && !scheme.axisymmetric;
 }
 
 void Solver::Impl::map_to_nodes(const Cycle& c) {
@@ -131,6 +131,7 @@ void Solver::Impl::advance_nodes(const Cycle& c) {
     if (scheme.transfer == TransferKind::xpic) filtered_velocity(p, g, scheme.xpic_order, c.threads);
     map_loads(c.dt, c.threads);
     update_momentum(g, c.gravity, scheme.damping, c.dt, c.threads);
+    turn_by_coriolis(c);
   }
   if (steps_by_arrangement() && state.steps % arrangement_every == 0) state.own_frequency2 = held_frequency2(state.own_frequency2, own_frequency2(p, g, c.threads));
   small_mass.join_momentum(g, scheme.damping, c.dt);
@@ -146,7 +147,7 @@ void Solver::Impl::apply_restraints(const Cycle& c, bool counted) {
   reactions.clear();
   restraints.apply(state.time, c.dt, g, reactions, counted ? impulses_of_walls() : std::span<Impulse>());
   contacts.apply(g, restraints, reactions, counted ? impulses_of_contacts() : std::span<Impulse>());
-  bodies.accelerate(state.time, c.dt, c.gravity);
+  bodies.accelerate(state.time, c.dt, c.gravity, field_of_bodies());
   bodies.apply(state.time, c.dt, touched_share * least_density() * g.grid.spacing.prod(), small_mass.pairs, p, g, reactions);
   if (sleep.any()) sleep.hold(push_per_mass(c.dt), g);
 }

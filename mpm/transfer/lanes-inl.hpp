@@ -136,6 +136,12 @@ HWY_INLINE TileLines<S, Tile> lines_of(const PointView& p, const CellView& c, co
   return {p, cells, t, natural<S>(p, c, cells, t, where, dt)};
 }
 
+// Axisymmetric: the points' distances from the axis; of lanes without a point anything above zero.
+HWY_INLINE V radius_of(const CellView& c, const TileCells& cells, V xi) {
+  const V x = hn::MulAdd(xi + of_groups(cells.i[0], cells.i[groups - 1]), set(c.hx), set(c.origin_x));
+  return hn::Max(x, set(1e-9 * c.hx));
+}
+
 // The hats of a cell's corners (averages.hpp).
 HWY_INLINE void hat_lanes(V xi, V* w) {
   w[0] = set(0.5) - xi;

@@ -55,6 +55,10 @@ std::size_t locate_lanes(const PointView& p, const CellView& c, Range range, std
 /// average of the mean stress.
 void map_lanes(ShapeKind shape, bool affine, bool momentum, bool force, Locking locking, const PointView& p,
                const CellView& c, Range range);
+/// Axisymmetric: the force of the hoop stress, -sum_p V0 tau_zz N/r along x.
+void map_hoop_lanes(ShapeKind shape, Locking locking, const PointView& p, const CellView& c, Range range);
+/// Axisymmetric: PointView::hoop, ln(1 + dt v/r); with `record` PointView::F_zz too.
+void hoop_lanes(ShapeKind shape, Where where, double dt, bool record, const PointView& p, const CellView& c, Range range);
 /// Adds V0 times the mean stress to CellView::average, and V0 and the edges' sums.
 void average_stress_lanes(const PointView& p, const CellView& c, Range range);
 /// Adds V0 times ln det of the step's deformation; with `volumes` what does not depend on it too.

@@ -177,6 +177,33 @@ void map_range(ShapeKind shape, bool affine, bool momentum, bool force, Locking 
   });
 }
 
+// Of the hoop stress, which pulls towards the axis.
+template <class S>
+HWY_INLINE void map_hoop_of(Locking locking, const PointView& p, const CellView& c, Range range) {
+  constexpr int W = S::width, N = W * W;
+  const Mapping<S, false> mapping{p, c, false, 1.0, locking};
+  double mean[ElementSums::most];
+  const bool average = !S::centred && locking != Locking::none;
+  const std::size_t each = average ? ElementSums::most : range.end - range.begin;
+  while (range.begin < range.end) {
+    const Range part{range.begin, std::min(range.end, range.begin + each)};
+    if (average) average_elements(p, c, part, locking, mean);
+    for_tiles(c, part, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
+      const auto l = lines_of<S>(p, c, cells, t);
+      V zz = t.load(p.tau_zz);
+      if (locking != Locking::none) zz = zz + mapping.mean_change(l, t, cells, mean, part.begin, t.load(p.tau_xx), t.load(p.tau_yy));
+      const V f = t.live(t.load(p.volume0)) * zz / radius_of(c, cells, l.xi);
+      V fx[N];
+      for (int n = 0; n < N; ++n) fx[n] = hn::Neg(f * l.x.w[n % W] * l.y.w[n / W]);
+      add_each<N>(fx, [&](std::size_t g, int n) PIVNP_TILE { return &cells.base[g][n / W * cells.nx + n % W].fx; });
+    });
+    range.begin = part.end;
+  }
+}
+void map_hoop_range(ShapeKind shape, Locking locking, const PointView& p, const CellView& c, Range range) {
+  Shapes::with(shape, [&](auto kind) HWY_ATTR { map_hoop_of<decltype(kind)>(locking, p, c, range); });
+}
+
 void average_stress_range(const PointView& p, const CellView& c, Range range) {
   for_tiles(c, range, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
     const V mean = sum3(normal_stress(p, t, p.tau_xx), normal_stress(p, t, p.tau_yy), normal_stress(p, t, p.tau_zz)) * set(1.0 / 3);
@@ -220,6 +247,7 @@ namespace pivnp::mpm {
 
 HWY_EXPORT(locate_range);
 HWY_EXPORT(map_range);
+HWY_EXPORT(map_hoop_range);
 HWY_EXPORT(average_stress_range);
 HWY_EXPORT(project_range);
 
@@ -229,6 +257,9 @@ std::size_t locate_lanes(const PointView& p, const CellView& c, Range range, std
 void map_lanes(ShapeKind shape, bool affine, bool momentum, bool force, Locking locking, const PointView& p,
                const CellView& c, Range range) {
   HWY_DYNAMIC_DISPATCH(map_range)(shape, affine, momentum, force, locking, p, c, range);
+}
+void map_hoop_lanes(ShapeKind shape, Locking locking, const PointView& p, const CellView& c, Range range) {
+  HWY_DYNAMIC_DISPATCH(map_hoop_range)(shape, locking, p, c, range);
 }
 void average_stress_lanes(const PointView& p, const CellView& c, Range range) {
   HWY_DYNAMIC_DISPATCH(average_stress_range)(p, c, range);

@@ -249,6 +249,7 @@ std::vector<NodeSums> map_points(const Particles& p, const GridState& g, const S
       to.momentum += m * (v + C * i.arm);
       to.force -= p.volume0[k] * (own * i.gradient);
       if (!g.centred) to.force -= p.volume0[k] * (shared * centre[n]);
+      if (g.axisymmetric) to.force.x() -= p.volume0[k] * (p.tau_zz[k] + averaged[k] - mean[k]) * i.weight / p.x[k];
     }
   });
   return sums;
@@ -312,16 +313,19 @@ std::vector<Vec2> filtered_velocity(const Particles& p, const GridState& g, int 
 std::vector<StrainIncrement> strain_points(const Particles& p, const GridState& g, const Scheme& scheme, double dt) {
   const auto gradient = [](const Mat2& L) { return Gradient{L(0, 0), L(0, 1), L(1, 0), L(1, 1)}; };
   std::vector<Mat2> own(p.size(), Mat2::Zero()), centred(p.size(), Mat2::Zero());
+  std::vector<double> hoop(p.size(), 0.0);  // log
   const auto centre = g.centred ? std::array<Vec2, 4>{} : centre_gradient(g);
   for_point_nodes(p, g, [&](std::size_t k, const auto& nodes) {
     for (std::size_t n = 0; n < nodes.size(); ++n) {
       const Vec2 u = g.strain_velocity(nodes[n].node);
       own[k] += dt * u * nodes[n].gradient.transpose();
       if (!g.centred) centred[k] += dt * u * centre[n].transpose();
+      if (g.axisymmetric) hoop[k] += dt * nodes[n].weight * u.x() / p.x[k];
     }
+    hoop[k] = std::log1p(hoop[k]);
   });
   std::vector<double> theta(p.size(), 0.0);  // that takes the place of the points' own volumetric increment
-  for (std::size_t k = 0; k < p.size(); ++k) theta[k] = log_det(gradient(own[k]));
+  for (std::size_t k = 0; k < p.size(); ++k) theta[k] = log_det(gradient(own[k])) + hoop[k];
   if (scheme.locking == Locking::fbar) theta = average(p, g, Averaging::of_strain, theta);
   std::vector<StrainIncrement> out(p.size());
   for (std::size_t k = 0; k < p.size(); ++k) {
@@ -329,8 +333,8 @@ std::vector<StrainIncrement> strain_points(const Particles& p, const GridState& 
     const Polar e = polar(gradient(scheme.locking == Locking::full ? centred[k] : own[k]));
     double shift = 0;
     if (scheme.locking == Locking::selective) shift = (log_det(gradient(centred[k])) - (e.xx + e.yy)) / 3;
-    if (scheme.locking == Locking::fbar && !is_apart(p, k)) shift = (theta[k] - (e.xx + e.yy)) / 3;
-    out[k] = {e.xx + shift, e.yy + shift, shift, e.xy, e.spin};
+    if (scheme.locking == Locking::fbar && !is_apart(p, k)) shift = (theta[k] - (e.xx + e.yy + hoop[k])) / 3;
+    out[k] = {e.xx + shift, e.yy + shift, hoop[k] + shift, e.xy, e.spin};
   }
   return out;
 }

@@ -14,6 +14,14 @@ void locate_anew(Particles& p, const GridState& g, std::size_t k) {
   if (!g.find(p.x[k], p.y[k], p.cell[k], xi, eta, velocity_field)) p.cell[k] = Particles::ended;
 }
 
+// Axisymmetric: the force of the hoop stress.
+void map_hoop_force(const Particles& p, GridState& g, const Scheme& scheme, int threads) {
+  if (!scheme.axisymmetric) return;
+  const PointView points = p.view();
+  const CellView cells = g.view();
+  for_bands(g.active.mapped, threads, [&](Range range, std::size_t) { map_hoop_lanes(g.shape, scheme.locking, points, cells, range); });
+}
+
 }  // namespace
 
 void locate_all(Particles& p, GridState& g) {
@@ -79,6 +87,7 @@ void map_momentum(const Particles& p, GridState& g, const Scheme& scheme, bool f
       node.vy *= per_mass;
     });
   });
+  if (force) map_hoop_force(p, g, scheme, threads);
 }
 
 void map_force(const Particles& p, GridState& g, const Scheme& scheme, int threads) {
@@ -88,6 +97,7 @@ void map_force(const Particles& p, GridState& g, const Scheme& scheme, int threa
   for_bands(g.active.mapped, threads, [&](Range range, std::size_t) {
     map_lanes(g.shape, false, false, true, scheme.locking, points, cells, range);
   });
+  map_hoop_force(p, g, scheme, threads);
 }
 
 void average_mean_stress(const Particles& p, GridState& g, const Scheme& scheme, int threads) {
@@ -128,7 +138,8 @@ std::vector<double> stiffness_bound(const Particles& p, const GridState& g, cons
           gx = std::max(gx, 0.5 * g.per_hx);
           gy = std::max(gy, 0.5 * g.per_hy);
         }
-        size[c] = std::sqrt(gx * gx + gy * gy);
+        const double hoop = g.axisymmetric ? x.w[c % W] * y.w[c / W] / p.x[k] : 0;
+        size[c] = std::sqrt(gx * gx + gy * gy + hoop * hoop);
         total += size[c];
       }
       // omega^2 <= row / mass must stay below 4 for the pseudo-step 1; the factor leaves a margin of two.

@@ -70,6 +70,16 @@ HWY_INLINE V lane_log_det(const LaneGradient& G) {
   return hn::Load(d, out);
 }
 
+// ln(1 + x), point by point beyond small steps.
+HWY_INLINE V lane_log1p(V x) {
+  const D d;
+  if (HWY_LIKELY(hn::AllTrue(d, hn::Le(hn::Abs(x), set(small_change))))) return small_log1p(x);
+  HWY_ALIGN double out[n_lanes];
+  hn::Store(x, d, out);
+  for (double& v : out) v = std::log1p(v);
+  return hn::Load(d, out);
+}
+
 HWY_INLINE V lane_exp(V x) {
   const D d;
   if (HWY_LIKELY(hn::AllTrue(d, hn::Le(hn::Abs(x), set(small_change))))) {
@@ -168,9 +178,11 @@ HWY_INLINE LaneGradient of_own(const Tile& t, const LaneGradient& G) {
 }
 
 // ln det of the step at the points, to be averaged: nothing in lanes without one, where it need not be a number.
-template <class Tile, class Lines>
-HWY_INLINE V dilation(const Tile& t, const Lines& l, const CellView& c, const TileCells& cells, double sx, double sy) {
-  return t.live(lane_log_det(of_own(t, gradient(l, c, cells, sx, sy))));
+template <bool round, class Tile, class Lines>
+HWY_INLINE V dilation([[maybe_unused]] const PointView& p, const Tile& t, const Lines& l, const CellView& c, const TileCells& cells, double sx, double sy) {
+  const V theta = lane_log_det(of_own(t, gradient(l, c, cells, sx, sy)));
+  if constexpr (round) return t.live(theta + t.load(p.hoop));
+  else return t.live(theta);
 }
 
 // The gradient at the elements' centres.
@@ -190,7 +202,8 @@ HWY_INLINE LaneGradient centre_gradient(const CellView& view, const TileCells& c
 
 constexpr std::size_t most_elements = 32;  // averaged at a time
 
-template <class S>
+// `round`: axisymmetric, with the hoop's strain (PointView::hoop).
+template <class S, bool round = false>
 struct Straining {
   const StrainJob job;
   const PointView p;
@@ -230,25 +243,31 @@ struct Straining {
     const V change = det_change(G);
     const LanePolar e = lane_polar(G, change);
     const V mean = set(0.5) * e.trace;
-    V shift = zero(), theta = zero();
+    V shift = zero(), theta = zero(), trace = e.trace;
+    [[maybe_unused]] V hoop = zero();
+    if constexpr (round) {
+      hoop = t.own(t.load(p.hoop));
+      trace = trace + hoop;
+    }
     if (job.locking != Locking::none) {
       if constexpr (!S::centred) {
         if (job.locking == Locking::fbar) {
           theta = of_groups(averages[cells.occupied[0] - first_cell], averages[cells.occupied[groups - 1] - first_cell]);
-          theta = hn::IfThenElse(stands_open(p, t), e.trace, theta);
+          theta = hn::IfThenElse(stands_open(p, t), trace, theta);
         } else {
           theta = job.locking == Locking::full ? e.trace : lane_log_det(centre_gradient<Tile::marked>(c, cells, sx, sy));
         }
       } else {
-        theta = hn::IfThenElse(stands_open(p, t), e.trace, averaged(c, cells, l.xi, l.eta));
+        theta = hn::IfThenElse(stands_open(p, t), trace, averaged(c, cells, l.xi, l.eta));
       }
       theta = t.own(theta);
-      shift = (theta - e.trace) * set(1.0 / 3);
+      shift = (theta - trace) * set(1.0 / 3);
     }
     const std::size_t at = cells.place[0] - first, second = cells.place[groups - 1] - cells.place[0];
     put(t, mean + e.half + shift, out.xx + at, second);
     put(t, mean - e.half + shift, out.yy + at, second);
-    put(t, shift, out.zz + at, second);
+    if constexpr (round) put(t, hoop + shift, out.zz + at, second);
+    else put(t, shift, out.zz + at, second);
     put(t, e.xy, out.xy + at, second);
     put(t, e.spin, out.spin + at, second);
     if (!job.record) return;
@@ -258,7 +277,10 @@ struct Straining {
     t.store(F_yx + hn::MulAdd(own.yx, F_xx, own.yy * F_yx), p.F_yx);
     t.store(F_yy + hn::MulAdd(own.yx, F_xy, own.yy * F_yy), p.F_yy);
     const V J = t.load(p.J);
-    t.store(job.locking == Locking::none ? hn::MulAdd(J, change, J) : J * lane_exp(theta), p.J);
+    V grown = job.locking == Locking::none ? hn::MulAdd(J, change, J) : J * lane_exp(theta);
+    if constexpr (round)
+      if (job.locking == Locking::none) grown = grown * lane_exp(hoop);
+    t.store(grown, p.J);
   }
 
   // Bilinear F-bar: the elements' means of ln det f, weights V0.
@@ -268,7 +290,7 @@ struct Straining {
       const auto l = lines_of<S>(p, c, cells, t, job.where, job.dt);
       const V v = joined_volume(p, t);
       double s[groups], w[groups];
-      group_sums(v * dilation(t, l, c, cells, sx, sy), s);
+      group_sums(v * dilation<round>(p, t, l, c, cells, sx, sy), s);
       group_sums(v, w);
       for (std::size_t g = 0; g < groups; ++g) {
         sum[cells.occupied[g] - range.begin] += s[g];

@@ -31,6 +31,14 @@ double work_passed_to_sleepers(const Particles& p, GridState& g) {
   return work;
 }
 
+// Axisymmetric: what the radial velocity strains along the hoop.
+void strain_hoops(Particles& p, GridState& g, const Scheme& scheme, Where where, double dt, bool record, int threads) {
+  if (!scheme.axisymmetric) return;
+  const PointView points = p.view();
+  const CellView cells = g.view();
+  for_pieces(g, threads, [&](Range range, std::size_t) { hoop_lanes(g.shape, where, dt, record, points, cells, range); });
+}
+
 // F-bar of three-node shapes: Averages. Returns the work passed to what sleeps, J/m.
 double average_strain(const Particles& p, GridState& g, const Scheme& scheme, Where where, double dt, bool volumes, int threads,
                       GatherSums* moved) {
@@ -96,6 +104,7 @@ void strain_runs(GridState& g, int threads, Strain&& strain, Each&& each) {
 
 void strain_points(Particles& p, GridState& g, const Scheme& scheme, double dt, bool record, int threads) {
   if (p.de_xx.size() != p.size()) p.resize_increments(p.size());
+  strain_hoops(p, g, scheme, Where::now, dt, record, threads);
   average_strain(p, g, scheme, Where::now, dt, true, threads, nullptr);
   const PointView points = p.view();
   const CellView cells = g.view();
@@ -118,6 +127,7 @@ double strain_and_update(Particles& p, GridState& g, const Scheme& scheme, doubl
                          const UpdateRun& update, int threads, GatherSums* moved) {
   // The stress has been averaged before, at the same places, where it was mapped before.
   const Where where = scheme.stress == StressUpdate::usf ? Where::now : scheme.takes_updated() ? Where::before : Where::kept;
+  strain_hoops(p, g, scheme, where, dt, record, threads);
   const double passed = average_strain(p, g, scheme, where, dt, scheme.stress == StressUpdate::usf, threads, moved);
   const PointView points = p.view();
   const CellView cells = g.view();
@@ -160,7 +170,7 @@ double strain_and_update(Particles& p, GridState& g, const Scheme& scheme, doubl
 }
 
 bool moves_with_strain(const GridState& g, const Scheme& scheme) {
-  return g.centred && scheme.takes_updated() &&
+  return g.centred && scheme.takes_updated() && !scheme.axisymmetric &&
          (scheme.locking == Locking::none || (scheme.locking == Locking::fbar && g.active.resting.empty()));
 }
 

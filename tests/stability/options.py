@@ -55,6 +55,7 @@ SUBMERGED = {"level_m": "0.1"}
 POROUS = {"density_kg_m3": None, "porosity": "0.4", "permeability_m_s": "1e-6"}
 WET = SIMULATION | {"material.soil": {k: v for k, v in (SIMULATION["material.soil"] | POROUS).items() if v}, "water": SUBMERGED,
                     "mpm": {"end_s": "0.005", "output_rate_hz": "400.0"}}
+SPUN = SIMULATION | {"mpm": SIMULATION["mpm"] | {"gravity_m_s2": "[0.0, 0.0]"}, "centrifuge": {"radius_m": "1.0", "rate_rpm": "60.0"}}
 THERMAL = {"grain_specific_heat_j_kg_k": "900.0", "conductivity_w_m_k": "2.0"}
 HEATED = SIMULATION | {"material.soil": SIMULATION["material.soil"] | THERMAL, "heat": {}}
 # Vectors of the same shift at the nodes of a grid, as each format has them.
@@ -76,7 +77,7 @@ BASES = {
     "body": SIMULATION, "contact": TWO_BODIES, "compare": BOTH, "compare.limits": BOTH, "report": SIMULATION,
     "output": SIMULATION, "synth": MEASUREMENT, "synth.texture": MEASUREMENT, "synth.material": CARRIED,
     "synth.mpm": CARRIED, "verify": MEASUREMENT,
-    "water": WET, "heat": HEATED, "report.hardware": SIMULATION, "report.line": SIMULATION,
+    "centrifuge": SPUN, "water": WET, "heat": HEATED, "report.hardware": SIMULATION, "report.line": SIMULATION,
 }
 NAMES = {"region": "region.soil", "mask": "mask.label", "material": "material.soil", "initial": "initial.soil", "boundary": "boundary.side",
          "body": "body.tool", "contact": "contact.joint", "report.line": "report.line.middle", "synth.material": "synth.material.soil"}
@@ -221,6 +222,9 @@ VALUES = {
                                                    "region.below": {"polygon_px": "[[15, 79], [79, 79], [79, 55], [15, 55]]"},
                                                    "synth.material.below": SIMULATION["material.soil"]})]},
     "synth.mpm": MPM | {"pressure": [(scheme, {}, {"water": SUBMERGED, "synth.material.soil": POROUS}) for scheme in ('"explicit"', '"projected"')], "domain_m": ["[[0.0, 0.0], [0.095, 0.095]]"]},
+    "centrifuge": {"axis": ['"across"', '"along"', ('"symmetry"', {"radius_m": None}, {"mpm": {"geometry": '"axisymmetric"'}})],
+                   "at_m": ["[0.04, 0.04]"], "coriolis": ["true", "false"],
+                   "rate_history": [("[[0.0, 30.0], [0.02, 60.0]]", {"rate_rpm": None})]},
     "water": {"level_history": [("[[0.0, 0.1], [0.02, 0.12]]", {"level_m": None})], "surface_m": ["[[0.0, 0.1], [0.12, 0.09]]"],
               "groundwater": [('"flow"', {}), ('"level"', {})],
               "start": [(f'"{start}"', {} if start != "zero" else {"level_m": None}) for start in ("hydrostatic", "seepage", "zero")],

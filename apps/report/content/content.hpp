@@ -58,6 +58,7 @@ struct Content {
   std::string alignment;  // what was done to them before, for captions: one sentence; empty: nothing
   std::optional<StrainNote> strain_note;          // of the measured motion
   std::optional<Comparison> comparison;  // simulated (second) minus measured (first)
+  bool per_radian = false;                        // energies and reactions are those of a radian
   std::vector<EnergyRow> energy;                  // J per metre of thickness
   Reactions reactions;                            // of the simulation's boundaries, loads and bodies
   std::span<const Picture> pictures;

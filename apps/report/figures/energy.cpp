@@ -48,13 +48,14 @@ std::vector<Figure> draw_energy(const FigureInput& input) {
     const std::vector<double> value = column(rows, t.value);
     return std::all_of(value.begin(), value.end(), [&](double v) { return !(std::abs(v) > 1e-6 * size); });
   };
+  const std::string unit = input.content.per_radian ? "J/rad" : "J/m";
   const double keys = std::ceil(double(std::count_if(terms.begin(), terms.end(), [&](const Term& t) { return !stays_zero(t); })) / 2) * 4.5;
   const double x = 17, w = 62, margin = high > low ? 0.04 * (high - low) : 1, top = keys + 3;
   auto canvas = std::make_shared<Canvas>(half_figure_mm, top + 65);
   Panel upper = canvas->panel(x, top, w, 30), lower = canvas->panel(x, top + 35, w, 19);
   upper.pale_grid().axis(Axis::x, time.front(), time.back(), "", 4).numbers(Axis::x, false);
   lower.pale_grid().axis(Axis::x, time.front(), time.back(), axis_label("time", input.content.time_unit), 4);
-  upper.axis(Axis::y, low - (low < 0 ? margin : 0), high + margin, "energy (J/m)", 5);
+  upper.axis(Axis::y, low - (low < 0 ? margin : 0), high + margin, "energy (" + unit + ")", 5);
   std::vector<double> residual = column(rows, &EnergyRow::residual);
   double least = 0, most = 0;
   for (double& r : residual) {
@@ -74,10 +75,10 @@ std::vector<Figure> draw_energy(const FigureInput& input) {
   canvas->text(x - 15, top - 3, "(a)", Align::top_left, {.bold = true});
   canvas->text(x - 15, top + 32, "(b)", Align::top_left, {.bold = true});
   std::vector<ComparisonTable::Column> data{{"time", input.content.time_unit, time}};
-  for (const Term& t : terms) data.push_back({t.words, "J/m", column(rows, t.value)});
-  data.push_back({"residual", "J/m", column(rows, &EnergyRow::residual)});
+  for (const Term& t : terms) data.push_back({t.words, unit, column(rows, t.value)});
+  data.push_back({"residual", unit, column(rows, &EnergyRow::residual)});
   const double at_end = residual.back();
-  return {{"Energy of the simulation, per metre of thickness: (a) its terms (those that stay zero are left out); (b) the "
+  return {{"Energy of the simulation, per " + std::string(input.content.per_radian ? "radian" : "metre of thickness") + ": (a) its terms (those that stay zero are left out); (b) the "
            "residual, what the scheme gained (+) or lost (\u2212), in per cent of the largest term; at the end " +
                (std::isfinite(at_end) ? significant(at_end, 2) + " %." : std::string("not known.")),
            canvas, {}, {}, std::move(data)}};

@@ -74,7 +74,8 @@ std::vector<Figure> draw_reactions(const FigureInput& input) {
     for (const double f : c.force)
       if (std::isfinite(f)) low = std::min(low, f), high = std::max(high, f);
   const double size = std::max(high, -low), unit = size >= 2000 ? 1e-3 : 1, margin = high > low ? 0.05 * (high - low) : 1;
-  const std::string label = unit < 1 ? "force (kN/m)" : "force (N/m)";
+  const bool per_radian = input.content.per_radian;
+  const std::string force_unit = per_radian ? "N/rad" : "N/m", label = std::string(unit < 1 ? "force (k" : "force (") + force_unit + ")";
   const bool paths = std::any_of(curves.begin(), curves.end(), [](const Curve& c) { return !c.path.empty(); });
 
   // Half a page wide where there is no second panel; the keys then stand above.
@@ -90,8 +91,8 @@ std::vector<Figure> draw_reactions(const FigureInput& input) {
     if (paths) legend(*canvas, x + 2 * w + 17, 9 + 5 * double(k), styles[k].key, styles[k].rgb, curves[k].words);
     else legend(*canvas, x + column, 2.5 + 4.5 * double(k / 2), styles[k].key, styles[k].rgb, curves[k].words);
   }
-  std::string caption = "Forces on the material, per metre of thickness, mean between output times: of each boundary and body the component "
-                        "that is the greater";
+  std::string caption = "Forces on the material, per " + std::string(per_radian ? "radian" : "metre of thickness") +
+                        ", mean between output times: of each boundary and body the component that is the greater";
   if (paths) {
     double from = 0, to = 0;
     for (const Curve& c : curves)
@@ -109,9 +110,9 @@ std::vector<Figure> draw_reactions(const FigureInput& input) {
   const std::string& length = input.content.length_unit;
   std::vector<ComparisonTable::Column> data{{"time", input.content.time_unit, reactions.time}};
   for (const ReactionSeries& s : reactions.series) {
-    data.push_back({s.name + " force x", "N/m", component(s.force, 0)});
-    data.push_back({s.name + " force y", "N/m", component(s.force, 1)});
-    data.push_back({s.name + " moment", "N", s.moment});
+    data.push_back({s.name + " force x", force_unit, component(s.force, 0)});
+    data.push_back({s.name + " force y", force_unit, component(s.force, 1)});
+    data.push_back({s.name + " moment", per_radian ? "N m/rad" : "N", s.moment});
     if (s.displacement.empty()) continue;
     data.push_back({s.name + " displacement x", length, component(s.displacement, 0)});
     data.push_back({s.name + " displacement y", length, component(s.displacement, 1)});

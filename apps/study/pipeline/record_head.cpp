@@ -8,6 +8,7 @@ io::RecordHead record_head(const Case& c, const Setting& setting, const RunSetti
   head.case_text = write_case(c);
   head.length_unit = setting.camera.length_unit();
   head.grid = setting.grid;
+  head.per_radian = c.mpm && c.mpm->geometry == mpm::Geometry::axisymmetric;
   head.sources = setting.sources;
   head.world_from_pixel = setting.camera.world_from_pixel();
   const image::Lens& lens = setting.camera.lens();

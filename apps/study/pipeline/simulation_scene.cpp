@@ -67,6 +67,7 @@ mpm::Scene make_scene(const Case& c, const Setting& setting, const mpm::MpmOptio
     if (it->second.porosity) scene.water = c.water;
   }
   scene.heat = c.heat;
+  scene.centrifuge = c.centrifuge;
   scene.boundaries = c.boundaries;
   scene.bodies = c.bodies;
   scene.contacts = c.contacts;

@@ -34,13 +34,14 @@ std::pair<std::string, std::string> file_and_rest(const std::string& text) {
                                     : std::pair{text.substr(0, colon), text.substr(colon + 1)};
 }
 
-// x within which 99.5 % of the followed particles' area lies, counted from the left (or from the right).
-double front(const ParticleSet& set, const MotionFrame& f, bool left) {
+// x within which 99.5 % of the followed particles' area (`round`: volume about the axis) lies, counted from the left (or from
+// the right).
+double front(const ParticleSet& set, const MotionFrame& f, bool left, bool round) {
   std::vector<std::pair<double, double>> x;
   double area = 0;
   for (std::size_t p = 0; p < set.size(); ++p) {
     if (!alive(f.status[p])) continue;
-    const double a = p < set.area.size() && set.area[p] > 0 ? double(set.area[p]) : 1;
+    const double a = (p < set.area.size() && set.area[p] > 0 ? double(set.area[p]) : 1) * (round ? set.x0[p].x() : 1);
     x.emplace_back((left ? -1 : 1) * (set.x0[p].x() + double(f.u[p][0])), a);
     area += a;
   }
@@ -73,12 +74,13 @@ NamedHistory open_history(const std::string& text, double step_s) {
   if (rest.empty() && names.size() != 1)
     throw InputError(file + ": holds " + std::to_string(names.size()) + " motions; name one as FILE:motion");
   const auto motion = record.motion(rest.empty() ? names.front() : rest);
+  const bool round = record.head().per_radian && motion->name() == "mpm";
   NamedHistory found;
   found.history.time = motion->times();
   found.name = std::string(kind.name) + " of " + motion->name();
   found.unit = motion->length_unit(), found.time_unit = motion->time_unit();
   for (std::size_t k = 0; k < motion->times().size(); ++k)
-    found.history.value.push_back(front(motion->particles(), motion->frame(k), kind.value));
+    found.history.value.push_back(front(motion->particles(), motion->frame(k), kind.value, round));
   return found;
 }
 

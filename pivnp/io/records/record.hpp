@@ -40,6 +40,7 @@ struct RecordHead {
   std::vector<double> distortion;          // its coefficients; empty: none
   std::vector<double> focal, principal;    // of a lens or a window: focal lengths and principal point, px
   std::vector<double> window;              // thickness, distance, refractive index; empty: none
+  bool per_radian = false;  // energies and forces are those of a radian about the axis, not of a unit of thickness
   std::vector<FileIdentity> sources;       // files that the run reads beside its case: frames, masks
 };
 

@@ -68,6 +68,7 @@ void write_head(h5::OutputFile& file, const RecordHead& head, const std::string&
   file.attribute("/", "libraries", build_info().libraries);
   file.attribute("/", "length_unit", head.length_unit);
   file.attribute("/", "time_unit", head.time_unit);
+  if (head.per_radian) file.attribute("/", "geometry", "axisymmetric");
   file.write_text("/case", head.case_text);
   file.group("/grid");
   file.attribute("/grid", "origin", head.grid.origin.data(), {2});
@@ -103,6 +104,7 @@ RecordHead read_head(const h5::Source& source) {
   head.command = source.attribute_text("/", "command");
   head.length_unit = source.attribute_text("/", "length_unit");
   head.time_unit = source.attribute_text("/", "time_unit");
+  head.per_radian = source.has_attribute("/", "geometry") && source.attribute_text("/", "geometry") == "axisymmetric";
   const std::vector<std::string> text = source.texts("/case");
   head.case_text = text.empty() ? "" : text[0];
   const auto numbers = [&](const char* object, const char* name, std::size_t count) {

@@ -75,7 +75,7 @@ struct RecordReader::Impl {
   Impl(const std::filesystem::path& file, Trust trust) : source(checked(file, trust)) {
     check_version(source);
     head = read_head(source);
-    units = {head.length_unit, head.time_unit};
+    units = {head.length_unit, head.time_unit, head.per_radian};
     frames = read_frames(source);
     motions = source.children("/motion");
     pairs = read_pairs(source, frames.size());

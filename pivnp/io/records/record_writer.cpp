@@ -43,7 +43,7 @@ RecordWriter::Impl::Impl(const std::filesystem::path& dir, const RecordHead& h, 
     : directory(dir),
       parts(dir / "parts"),
       head(h),
-      units{h.length_unit, h.time_unit},
+      units{h.length_unit, h.time_unit, h.per_radian},
       lock(held ? std::move(held) : std::make_shared<DirectoryLock>(dir)) {
   for (const char* left : {"record.h5.tmp", "record.xdmf.tmp", "parts.old"})
     std::filesystem::remove_all(directory / left);

@@ -17,15 +17,19 @@ inline constexpr const char* schema_version = "1.8";
 
 struct Units {
   std::string length = "m", time = "s";
+  bool per_radian = false;
   std::string length2() const { return length + "^2"; }
   std::string velocity() const { return length + "/" + time; }
-  /// Energy per unit of thickness.
-  std::string energy() const { return length == "m" ? "J/m" : "Pa " + length2(); }
-  /// Force and moment per unit of thickness.
-  std::string force() const { return length == "m" ? "N/m" : "Pa " + length; }
-  std::string moment() const { return length == "m" ? "N" : "Pa " + length2(); }
+  /// Energy per unit of thickness, or of a radian.
+  std::string energy() const { return per_radian ? of_radian("J", "L^3") : length == "m" ? "J/m" : "Pa " + length2(); }
+  /// Force and moment likewise.
+  std::string force() const { return per_radian ? of_radian("N", "L^2") : length == "m" ? "N/m" : "Pa " + length; }
+  std::string moment() const { return per_radian ? of_radian("N m", "L^3") : length == "m" ? "N" : "Pa " + length2(); }
   /// "L/T^2" and the like with the record's own units.
   std::string of(std::string_view pattern) const;
+
+ private:
+  std::string of_radian(const char* metric, const char* pattern) const { return (length == "m" ? metric : "Pa " + of(pattern)) + "/rad"; }
 };
 
 /// One array of a series of pairs or frames; `data` holds one item. nullptr: this item lacks it.

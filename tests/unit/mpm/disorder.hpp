@@ -23,13 +23,13 @@ struct Case {
   SolverState state;
 
   Case(ShapeKind shape, TransferKind transfer, bool by_updated = false, StressUpdate stress = StressUpdate::usl,
-       Locking locking = Locking::none)
+       Locking locking = Locking::none, bool axisymmetric = false)
       : scene(test::scene(Grid{{0.1, -0.2}, {0.1, 0.08}, 9, 9},
                           {rectangle("a", 0.1, -0.2, 0.5, 0.2), rectangle("b", 0.5, -0.2, 0.7, 0.3)},
                           {elastic(1e5, 0.3, 1000), elastic(1e5, 0.2, 1300)})),
-        scheme{.shape = shape, .transfer = transfer, .stress = stress, .locking = locking},
+        scheme{.shape = shape, .transfer = transfer, .stress = stress, .locking = locking, .axisymmetric = axisymmetric},
         g(scene.grid, shape, 1, by_updated,
-          {.own_strain_velocity = true, .averages = true, .filtered = transfer == TransferKind::xpic}),
+          {.own_strain_velocity = true, .averages = true, .filtered = transfer == TransferKind::xpic}, axisymmetric),
         materials(materials_of(scene)),
         state(initial_state(scene, scheme, g, materials)) {
     std::mt19937_64 random(seed_of_all);
