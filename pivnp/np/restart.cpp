@@ -1,4 +1,4 @@
-// Tracker's state as bytes. Layout: Header, then per particle x (2), F (4, row-major), cov (3), end (1), all double,
+// Tracker's state as bytes. Layout: Header, then per particle x (2), F (4, row-major), cov (3), bias (2), cov_F (3), end (1), all double,
 // then status and end_reason, one byte each, arrays one after the other; then the checksum of all that, 64 bits.
 #include <cstdint>
 #include <cstring>
@@ -13,9 +13,9 @@ namespace pivnp::np {
 namespace {
 
 constexpr char magic[8] = {'P', 'I', 'V', 'N', 'P', 'n', 'p', '\0'};
-constexpr std::uint32_t version = 2;
+constexpr std::uint32_t version = 3;
 constexpr std::uint32_t byte_order = 0x01020304;
-constexpr std::size_t bytes_per_particle = 10 * sizeof(double) + 2;
+constexpr std::size_t bytes_per_particle = 15 * sizeof(double) + 2;
 
 struct Header {
   char magic[8];
@@ -128,6 +128,9 @@ std::vector<std::byte> Tracker::save() const {
   for (const Mat2& F : F_)
     for (int k = 0; k < 4; ++k) out.put(F(k / 2, k % 2));
   for (const auto& c : cov_) out.put(c);
+  for (const Vec2& b : bias_)
+    for (int k = 0; k < 2; ++k) out.put(b[k]);
+  for (const auto& c : cov_F_) out.put(c);
   for (const double end : particles_.end) out.put(end);
   for (const ParticleStatus s : status_) out.put(s);
   for (const EndReason r : particles_.end_reason) out.put(r);
@@ -154,6 +157,9 @@ void Tracker::load(const std::vector<std::byte>& bytes) {
   for (Mat2& F : next.F_)
     for (int k = 0; k < 4; ++k) F(k / 2, k % 2) = in.get<double>();
   for (auto& c : next.cov_) c = in.get<std::array<double, 3>>();
+  for (Vec2& b : next.bias_)
+    for (int k = 0; k < 2; ++k) b[k] = in.get<double>();
+  for (auto& c : next.cov_F_) c = in.get<std::array<double, 3>>();
   for (double& end : next.particles_.end) end = in.get<double>();
   for (ParticleStatus& s : next.status_) {
     const auto code = in.get<std::uint8_t>();
