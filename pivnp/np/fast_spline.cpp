@@ -90,11 +90,13 @@ HWY_INLINE Read read_spline(const FastField& f, const Limits& l, V sx, V sy, M w
     if (hn::AllTrue(d, settled)) break;
     const V a = hn::Sub(l.one, hn::Mul(hx, uxi)), b = hn::Mul(hx, ueta);  // the negatives of b and c in the scalar step
     const V e = hn::Mul(hy, vxi), g = hn::Sub(l.one, hn::Mul(hy, veta));
-    const V inverse = hn::Div(l.one, hn::Sub(hn::Mul(a, g), hn::Mul(b, e)));
+    const V det = hn::Sub(hn::Mul(a, g), hn::Mul(b, e));
+    const V inverse = hn::Div(l.one, det);
     const V px = hn::Mul(hn::Add(hn::Mul(g, rx), hn::Mul(b, ry)), inverse);
     const V py = hn::Mul(hn::Add(hn::Mul(a, ry), hn::Mul(e, rx)), inverse);
     // The step that remains is taken along the gradient: what that leaves is of the order of its square.
     const M last = hn::AndNot(settled, hn::Le(hn::Max(hn::Abs(px), hn::Abs(py)), last_step));
+    settled = hn::Or(settled, hn::Not(hn::Gt(det, hn::Set(d, 0.05))));  // where the scalar step does not trust Newton either
     ax = hn::IfThenElse(last, product(uxi, px, ueta, py), ax);
     ay = hn::IfThenElse(last, product(vxi, px, veta, py), ay);
     found = hn::Or(found, last);

@@ -36,7 +36,7 @@ class ReadingErrors {
   const std::vector<ElementError>& of(const Nodes<Real>& nodes, const SupportMap& support);
 
  private:
-  float lost(float steepness) const;  // wave_reading_error / steepness
+  float lost(float steepness) const;  // wave_reading_error / steepness, over what the mean of an element leaves
   void add_axis(std::size_t count, const std::array<const float*, 7>& rows, float* out) const;
   static constexpr int steps = 64;
   std::array<float, steps + 2> table_;
