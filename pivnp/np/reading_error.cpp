@@ -96,8 +96,10 @@ const std::vector<ElementError>& ReadingErrors::of(const Nodes<Real>& nodes, con
   }
   errors_.resize(grid.element_count());
   const double h = grid.spacing.minCoeff(), alike = double(nodes.correlation_length);
+  // Pairs that are smoothed together share a part of their errors: n of them add up to n^2 times its variance.
+  const double shared = (2 * std::min(nodes.step, smoothed_together) - 1) / (shared_spacings * shared_spacings * h * h);
   const auto per_variance =
-      float(alike > 0 ? std::min(4.0 / 3 / (h * h), 2 / (alike * alike)) : 4.0 / 3 / (h * h));
+      float(alike > 0 ? std::min(4.0 / 3 / (h * h), 2 / (alike * alike)) + shared : 4.0 / 3 / (h * h));
 #pragma omp parallel if (grid.node_count() > 4096)
   {
 #pragma omp for schedule(static)

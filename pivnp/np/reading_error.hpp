@@ -27,9 +27,14 @@ double wave_reading_error(ShapeFunctions shape, double steepness);
 /// is noise averages out along a path while a bias adds up. Waves shorter than two spacings cannot be seen.
 /// The gradient's variance follows from that of the vectors: 4/3 C/h^2 for independent errors, the mean over a bilinear
 /// element, and 2 C/correlation_length^2 where errors are alike further than that.
+/// Where correlation_length is known, vectors are of a correlation that smooths: the part of the gradient's error that all
+/// pairs share, C/(shared_spacings h)^2 for each, adds up linearly, (2 step - 1) times at `step`.
 /// docs/theory/particles_error.md.
 class ReadingErrors {
  public:
+  static constexpr double shared_spacings = 12;  // measured: sequences of known motion, nodes a quarter of the window apart
+  static constexpr int smoothed_together = 64;   // pairs
+
   explicit ReadingErrors(ShapeFunctions shape);
   /// Per element; empty where the vectors' covariances are not known. Elements without four usable nodes hold zeros.
   template <class Real>

@@ -29,8 +29,9 @@ struct Header {
   std::uint8_t cov_known;
   std::uint8_t unused[2];
   std::uint32_t shape;  // checksum of its name
+  std::int64_t steps;   // taken
 };
-static_assert(sizeof(Header) == 56);
+static_assert(sizeof(Header) == 64);
 
 // FNV-1a, 64 bits: finds damage and mix-ups, not malice.
 std::uint64_t checksum(const void* data, std::size_t size, std::uint64_t hash = 0xcbf29ce484222325u) {
@@ -121,6 +122,7 @@ std::vector<std::byte> Tracker::save() const {
   h.centre_gradient = options_.gradient == GradientPlace::element;
   h.cov_known = cov_known_;
   h.shape = code_of(options_.shape);
+  h.steps = steps_;
   Writer out(sizeof(Header) + x_.size() * bytes_per_particle + 8);
   out.put(h);
   for (const Vec2& x : x_)
@@ -152,6 +154,7 @@ void Tracker::load(const std::vector<std::byte>& bytes) {
   in.get<Header>();
   next.time_ = h.time;
   next.cov_known_ = h.cov_known != 0;
+  next.steps_ = std::int32_t(h.steps);
   for (Vec2& x : next.x_)
     for (int k = 0; k < 2; ++k) x[k] = in.get<double>();
   for (Mat2& F : next.F_)

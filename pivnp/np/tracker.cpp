@@ -91,7 +91,8 @@ void Tracker::advance(const Nodes<Real>& given, double time) {
     throw InputError("np: a step to time " + std::to_string(time) + ", expected one after " + std::to_string(time_));
   support_.build(given);
   Nodes<Real> nodes = given;
-  if (nodes.cov != nullptr) nodes.errors = reading_.of(given, support_).data();
+  nodes.step = ++steps_;
+  if (nodes.cov != nullptr) nodes.errors = reading_.of(nodes, support_).data();
   bias_limit_ = least_bias * nodes.grid.spacing.minCoeff();
   const bool centre = options_.gradient == GradientPlace::element, central = nodes.anchor == Anchor::central;
   const bool with_cov = nodes.cov != nullptr;

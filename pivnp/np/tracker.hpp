@@ -128,6 +128,7 @@ class Tracker {
   ParticleSet particles_;
   double time_;
   bool cov_known_ = true;
+  std::int32_t steps_ = 0;
   std::vector<Vec2> x_;
   std::vector<Mat2> F_;
   std::vector<std::array<double, 3>> cov_;    // random part

@@ -116,6 +116,23 @@ TEST(Reading, NoiseIsNoBias) {
   EXPECT_LT(flagged, 0.05 * double(places.size()));
 }
 
+// What pairs share adds up: n pairs have n^2 times its variance, and a saved state goes on with it.
+TEST(Reading, WhatPairsShareAddsUp) {
+  VectorField field = vector_field(reading::shear_wave(1e6, 0, 0), {0, 1});
+  field.cov.assign(field.grid.node_count(), {4e-4f, 4e-4f, 0});
+  field.correlation_length = 1e6f;  // nothing but what is shared
+  const ParticleSet set = reading::particles_at({{250, 250}});
+  Tracker straight({}, set, 0), resumed({}, set, 0);
+  for (int n = 0; n < 30; ++n) straight.step(field, n + 1);
+  Tracker first({}, set, 0);
+  for (int n = 0; n < 10; ++n) first.step(field, n + 1);
+  resumed.load(first.save());
+  for (int n = 10; n < 30; ++n) resumed.step(field, n + 1);
+  const double one = 4e-4 / (ReadingErrors::shared_spacings * ReadingErrors::shared_spacings * 16 * 16);
+  EXPECT_NEAR(straight.state()[0].cov_F[0], 900 * one, .01 * 900 * one);
+  EXPECT_EQ(straight.state()[0].cov_F[0], resumed.state()[0].cov_F[0]);
+}
+
 // Of a gradient: the scatter over many runs against cov_F.
 TEST(Reading, TheCovarianceOfFIsThatOfItsScatter) {
   std::mt19937 random(8);
