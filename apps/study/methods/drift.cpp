@@ -20,7 +20,7 @@ using Cov = std::array<double, 3>;
 
 constexpr double min_score = 0.6, good_score = 0.75;
 constexpr double share_that_fails = 0.1;
-constexpr double floor_px = 0.005;  // bias of the direct correlation itself: interpolation
+constexpr double floor_px = 0.01;  // bias of the direct correlation itself: interpolation
 
 Mat2 matrix_of(const Cov& c) {
   Mat2 m;
@@ -131,8 +131,8 @@ struct DriftCorrector::Impl {
       Direct d;
       d.x = camera.to_world(matches[k].to);
       Cov c = matches[k].cov;
-      // Half of what was corrected is not known: the texture weighs the subset unevenly, and the field bends on.
-      const Vec2 b = 0.5 * bends[k].place;
+      // As much as was corrected is not known: the texture weighs the subset unevenly, and the field bends on.
+      const Vec2& b = bends[k].place;
       c[0] += floor_px * floor_px + b.x() * b.x(), c[1] += floor_px * floor_px + b.y() * b.y(), c[2] += b.x() * b.y();
       d.cov = carried(J1, c);
       d.f = J1 * matches[k].A * J0.inverse();
