@@ -38,7 +38,7 @@ struct GridOptions {
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
-    visit("spacing_px", self.spacing_px, OptionInfo{.unit = "px", .text = "distance between nodes (left out, as spacing_m: half the window)", .min = 1});
+    visit("spacing_px", self.spacing_px, OptionInfo{.unit = "px", .text = "distance between nodes (left out, as spacing_m: a quarter of the window)", .min = 1});
     visit("spacing_m", self.spacing_m, OptionInfo{.unit = "m", .text = "distance between nodes in the world", .min = 0, .above_min = true});
     visit("margin_px", self.margin_px, OptionInfo{.unit = "px", .text = "distance from the outermost nodes to the image's edge (left out: half the window)", .min = 0});
     visit("area_px", self.area_px, OptionInfo{.unit = "px", .text = "two opposite corners (column, row) of the grid (left out: the whole image)"});

@@ -153,7 +153,7 @@ std::string initial_case(const InitOptions& options, const FrameFacts& facts) {
   const std::string folder = fs::absolute(options.folder / "x").lexically_normal().parent_path().filename().string();
   text += "name = " + toml_text(folder.empty() ? "experiment" : folder) + "\n\n";
   text += frames_section(options, facts) + camera_section(options, facts);
-  text += "\n[grid]\nspacing_px = " + toml_text(double(window) / 2) + "  # distance of the nodes: half the window\n";
+  text += "\n[grid]\nspacing_px = " + toml_text(double(window) / 4) + "  # distance of the nodes: a quarter of the window\n";
   text += commented_keys("grid", {"spacing_px", "spacing_m", "area_m"});
   text += region_sections(facts, window);
   text += "\n[piv]\nwindow_px = " + std::to_string(window) +

@@ -70,18 +70,25 @@ void Tracker::carry_one(const GatherType& gather, std::size_t p, bool central, b
   const Tensor f = step_gradient(r, central), F = f * tensor(F_[p]);
   if (!good_state(x, y, F)) return end(p, EndReason::bad_state);
   if (with_cov) {
-    const auto before = carried(f, cov_[p]);
     // K = (I - G/2)^-1 = (I + f)/2 for central vectors
-    const auto added = central ? carried({0.5 + 0.5 * f.xx, 0.5 * f.xy, 0.5 * f.yx, 0.5 + 0.5 * f.yy}, r.cov) : r.cov;
+    const Tensor K = central ? Tensor{0.5 + 0.5 * f.xx, 0.5 * f.xy, 0.5 * f.yx, 0.5 + 0.5 * f.yy} : Tensor{1, 0, 0, 1};
+    const auto before = carried(f, cov_[p]), added = central ? carried(K, r.cov) : r.cov;
     for (std::size_t k = 0; k < 3; ++k) cov_[p][k] = before[k] + added[k];
+    bias_[p] = {(f.xx * bias_[p].x() + f.xy * bias_[p].y()) + (K.xx * r.bx + K.xy * r.by),
+                (f.yx * bias_[p].x() + f.yy * bias_[p].y()) + (K.yx * r.bx + K.yy * r.by)};
+    const double grown = 0.5 * ((f.xx * f.xx + f.xy * f.xy) + (f.yx * f.yx + f.yy * f.yy)), g = r.gradient_variance;
+    const Tensor F0 = tensor(F_[p]);
+    cov_F_[p] = {grown * cov_F_[p][0] + g * (F0.xx * F0.xx + F0.yx * F0.yx),
+                 grown * cov_F_[p][1] + g * (F0.xy * F0.xy + F0.yy * F0.yy),
+                 grown * cov_F_[p][2] + g * (F0.xx * F0.xy + F0.yx * F0.yy)};
   }
   x_[p] = {x, y};
   F_[p](0, 0) = F.xx;
   F_[p](0, 1) = F.xy;
   F_[p](1, 0) = F.yx;
   F_[p](1, 1) = F.yy;
-  status_[p] = r.support == Support::measured && r.outcome == Outcome::good ? ParticleStatus::active
-                                                                           : ParticleStatus::flagged;
+  const bool good = r.support == Support::measured && r.outcome == Outcome::good && !biased(p);
+  status_[p] = good ? ParticleStatus::active : ParticleStatus::flagged;
 }
 
 template <class GatherType>

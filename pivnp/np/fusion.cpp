@@ -32,6 +32,12 @@ Estimate fuse(const Estimate& a, const Estimate& b) {
   return {a.value + K * (b.value - a.value), {C(0, 0), C(1, 1), 0.5 * (C(0, 1) + C(1, 0))}};
 }
 
+Mat2 fusion_weight(const Estimate& a, const Estimate& b) {
+  Mat2 inverse;
+  if (!inverse_of(matrix_of(a.cov) + matrix_of(b.cov), inverse)) return Mat2::Identity();
+  return matrix_of(a.cov) * inverse;
+}
+
 Weighted fuse(double variance_a, double variance_b) {
   const double sum = variance_a + variance_b;
   if (!(sum > 0)) return {1, 0};

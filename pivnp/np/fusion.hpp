@@ -16,6 +16,9 @@ struct Estimate {
 /// Where both are certain (A + B not positive definite) the second wins.
 Estimate fuse(const Estimate& a, const Estimate& b);
 
+/// K of fuse().
+Mat2 fusion_weight(const Estimate& a, const Estimate& b);
+
 /// The same for numbers, and the weight of the second.
 struct Weighted {
   double weight, variance;

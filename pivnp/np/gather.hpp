@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "pivnp/np/reading_error.hpp"
 #include "pivnp/np/support.hpp"
 
 namespace pivnp::np {
@@ -29,7 +30,19 @@ struct Reading {
   double dx = 0, dy = 0;                          // increment, length
   double gxx = 0, gxy = 0, gyx = 0, gyy = 0;      // its gradient
   std::array<double, 3> cov{0, 0, 0};             // its covariance
+  double bx = 0, by = 0;                          // expected error of the reading: what is there less what is read
+  double gradient_variance = 0;                   // of a component
 };
+
+/// What the element states of the errors: E = (rho + (1 - rho) sum w^2) C, where weights sum to 1. `squares`: sum w^2.
+template <class Real>
+void read_errors(const Nodes<Real>& nodes, int i, int j, double correlation, double squares, Reading& r) {
+  const ElementError& e = nodes.errors[std::size_t(j) * std::size_t(nodes.grid.nx - 1) + std::size_t(i)];
+  const double factor = correlation + (1 - correlation) * squares;
+  r.cov = {factor * double(e.uu), factor * double(e.vv), factor * double(e.uv)};
+  r.bx = double(e.u), r.by = double(e.v);
+  r.gradient_variance = double(e.gradient);
+}
 
 template <class Real>
 class Gather {
@@ -38,6 +51,8 @@ class Gather {
       : nodes_(nodes), support_(support), ox_(nodes.grid.origin.x()), oy_(nodes.grid.origin.y()),
         ihx_(1 / nodes.grid.spacing.x()), ihy_(1 / nodes.grid.spacing.y()), nx_(nodes.grid.nx), ny_(nodes.grid.ny),
         centre_gradient_(centre_gradient), correlation_(error_correlation) {}
+
+  bool measured(std::size_t element) const { return support_.at(element) == Support::measured; }
 
   /// The field at the particle's place `x`.
   Reading forward(const Vec2& x) const {
@@ -171,15 +186,9 @@ class Gather {
     r.gyy = el.v.along_eta(gx) * ihy_;
     if (el.support == Support::fitted) {
       read_fitted(r);
-    } else if (nodes_.cov != nullptr) {
+    } else if (nodes_.errors != nullptr) {
       const double x0 = 1 - r.xi, y0 = 1 - r.eta;
-      const std::array<float, 3>* below = nodes_.cov + (std::size_t(r.j) * std::size_t(nx_) + std::size_t(r.i));
-      const std::array<float, 3>* above = below + nx_;
-      const double w0 = share(x0 * y0, 1), w1 = share(r.xi * y0, 1);
-      const double w2 = share(x0 * r.eta, 1), w3 = share(r.xi * r.eta, 1);
-      for (std::size_t k = 0; k < 3; ++k)
-        r.cov[k] = (w0 * double(below[0][k]) + w1 * double(below[1][k])) +
-                   (w2 * double(above[0][k]) + w3 * double(above[1][k]));
+      read_errors(nodes_, r.i, r.j, correlation_, (x0 * x0 + r.xi * r.xi) * (y0 * y0 + r.eta * r.eta), r);
     }
   }
 
@@ -206,6 +215,9 @@ class Gather {
       const double w = share(fit.influence(k, r.xi, r.eta), weight_sum);
       for (std::size_t n = 0; n < 3; ++n) r.cov[n] += w * double(c[n]);
     }
+    // Of an affine fit over some three cells.
+    const double h = nodes_.grid.spacing.minCoeff();
+    r.gradient_variance = (r.cov[0] + r.cov[1]) / (2 * h * h);
   }
 
   Nodes<Real> nodes_;

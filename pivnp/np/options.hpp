@@ -37,7 +37,7 @@ constexpr const auto& names_of(DriftScheme) { return drift_scheme_names; }
 struct NpOptions {
   int per_element = 4;
   SeedPattern seeding = SeedPattern::even;
-  ShapeFunctions shape = ShapeFunctions::bilinear;
+  ShapeFunctions shape = ShapeFunctions::bspline3;
   GradientPlace gradient = GradientPlace::particle;
   double error_correlation = 1.0;
   DriftScheme drift = DriftScheme::none;
@@ -54,8 +54,8 @@ struct NpOptions {
     visit("seeding", self.seeding,
           OptionInfo{.text = "pattern of the particles in an element"});
     visit("shape", self.shape,
-          OptionInfo{.text = "shape functions: bilinear; quadratic and cubic elements of 9 and 16 nodes; B-splines "
-                             "through the nodes; Delaunay triangles"});
+          OptionInfo{.text = "shape functions: cubic B-splines through the nodes (bspline3), or quadratic ones; bilinear; "
+                             "quadratic and cubic elements of 9 and 16 nodes; Delaunay triangles"});
     visit("gradient", self.gradient,
           OptionInfo{.text = "where the gradient is taken: at the particle, or at the element's centre (the thesis)"});
     visit("error_correlation", self.error_correlation,

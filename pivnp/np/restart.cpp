@@ -1,4 +1,4 @@
-// Tracker's state as bytes. Layout: Header, then per particle x (2), F (4, row-major), cov (3), end (1), all double,
+// Tracker's state as bytes. Layout: Header, then per particle x (2), F (4, row-major), cov (3), bias (2), cov_F (3), end (1), all double,
 // then status and end_reason, one byte each, arrays one after the other; then the checksum of all that, 64 bits.
 #include <cstdint>
 #include <cstring>
@@ -13,9 +13,9 @@ namespace pivnp::np {
 namespace {
 
 constexpr char magic[8] = {'P', 'I', 'V', 'N', 'P', 'n', 'p', '\0'};
-constexpr std::uint32_t version = 2;
+constexpr std::uint32_t version = 3;
 constexpr std::uint32_t byte_order = 0x01020304;
-constexpr std::size_t bytes_per_particle = 10 * sizeof(double) + 2;
+constexpr std::size_t bytes_per_particle = 15 * sizeof(double) + 2;
 
 struct Header {
   char magic[8];
@@ -29,8 +29,9 @@ struct Header {
   std::uint8_t cov_known;
   std::uint8_t unused[2];
   std::uint32_t shape;  // checksum of its name
+  std::int64_t steps;   // taken
 };
-static_assert(sizeof(Header) == 56);
+static_assert(sizeof(Header) == 64);
 
 // FNV-1a, 64 bits: finds damage and mix-ups, not malice.
 std::uint64_t checksum(const void* data, std::size_t size, std::uint64_t hash = 0xcbf29ce484222325u) {
@@ -121,6 +122,7 @@ std::vector<std::byte> Tracker::save() const {
   h.centre_gradient = options_.gradient == GradientPlace::element;
   h.cov_known = cov_known_;
   h.shape = code_of(options_.shape);
+  h.steps = steps_;
   Writer out(sizeof(Header) + x_.size() * bytes_per_particle + 8);
   out.put(h);
   for (const Vec2& x : x_)
@@ -128,6 +130,9 @@ std::vector<std::byte> Tracker::save() const {
   for (const Mat2& F : F_)
     for (int k = 0; k < 4; ++k) out.put(F(k / 2, k % 2));
   for (const auto& c : cov_) out.put(c);
+  for (const Vec2& b : bias_)
+    for (int k = 0; k < 2; ++k) out.put(b[k]);
+  for (const auto& c : cov_F_) out.put(c);
   for (const double end : particles_.end) out.put(end);
   for (const ParticleStatus s : status_) out.put(s);
   for (const EndReason r : particles_.end_reason) out.put(r);
@@ -149,11 +154,15 @@ void Tracker::load(const std::vector<std::byte>& bytes) {
   in.get<Header>();
   next.time_ = h.time;
   next.cov_known_ = h.cov_known != 0;
+  next.steps_ = std::int32_t(h.steps);
   for (Vec2& x : next.x_)
     for (int k = 0; k < 2; ++k) x[k] = in.get<double>();
   for (Mat2& F : next.F_)
     for (int k = 0; k < 4; ++k) F(k / 2, k % 2) = in.get<double>();
   for (auto& c : next.cov_) c = in.get<std::array<double, 3>>();
+  for (Vec2& b : next.bias_)
+    for (int k = 0; k < 2; ++k) b[k] = in.get<double>();
+  for (auto& c : next.cov_F_) c = in.get<std::array<double, 3>>();
   for (double& end : next.particles_.end) end = in.get<double>();
   for (ParticleStatus& s : next.status_) {
     const auto code = in.get<std::uint8_t>();

@@ -128,7 +128,6 @@ WeightSums cardinal_sums(int degree, const double* w) {
       const int apart = std::abs(node - k);
       if (apart < int(power.size())) weight += w[k] * power[std::size_t(apart)];
     }
-    sums.absolute += std::abs(weight);
     sums.square += weight * weight;
   }
   return sums;

@@ -14,10 +14,10 @@ namespace pivnp::np {
 std::vector<std::array<double, 2>> interpolate(int degree, int nx, int ny,
                                                const std::vector<std::array<double, 2>>& values);
 
-/// Sum of |w| and of w^2 of the weights that the nodal values themselves have at the fraction of a place whose spline
+/// Sum of w^2 of the weights that the nodal values themselves have at the fraction of a place whose spline
 /// weights are `w` (first to last), far from the ends.
 struct WeightSums {
-  double absolute = 0, square = 0;
+  double square = 0;
 };
 WeightSums cardinal_sums(int degree, const double* w);
 

@@ -13,6 +13,8 @@
 
 namespace pivnp::np {
 
+struct ElementError;  // reading_error.hpp
+
 /// Nodal values of a pair, not owned; Real is float (measured) or double (NodalIncrements).
 template <class Real>
 struct Nodes {
@@ -21,6 +23,9 @@ struct Nodes {
   const std::array<Real, 2>* displacement;  // [ny][nx]
   const VectorStatus* status;               // [ny][nx]
   const std::array<float, 3>* cov;          // [ny][nx], or null: not known
+  float correlation_length = 0;             // within which errors of vectors are alike; 0: not known, independent
+  int step = 1;                             // number of this pair in the path, from 1
+  const ElementError* errors = nullptr;     // [ny - 1][nx - 1], where cov is known
 };
 
 enum class Support : std::uint8_t {

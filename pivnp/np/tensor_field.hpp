@@ -43,7 +43,7 @@ class TensorGather {
     double mx = sx, my = sy;
     for (int n = 0; n < 50; ++n) {
       if (!covered(mx, my)) return plain_.central(x);
-      const Reading r = read(mx, my);
+      Reading r = read(mx, my);
       const double rx = sx + 0.5 * r.dx * ihx_ - mx, ry = sy + 0.5 * r.dy * ihy_ - my;
       if (std::max(std::abs(rx), std::abs(ry)) <= enough) return r;
       // Newton with the gradient at the place; plain fixed point, which contracts for |G| < 2, if that has not settled.
@@ -54,14 +54,26 @@ class TensorGather {
       const double c = -hy * g.gyx / ihx_, d = 1 - hy * g.gyy / ihy_;
       const double det = a * d - b * c;
       const bool newton = n < 12 && det > 0.05;
-      mx += newton ? (d * rx - b * ry) / det : rx;
-      my += newton ? (a * ry - c * rx) / det : ry;
+      const double px = newton ? (d * rx - b * ry) / det : rx, py = newton ? (a * ry - c * rx) / det : ry;
+      if (newton && std::max(std::abs(px), std::abs(py)) <= last_step) {
+        r.dx += (g.gxx * px / ihx_ + g.gxy * py / ihy_), r.dy += (g.gyx * px / ihx_ + g.gyy * py / ihy_);
+        return r;
+      }
+      mx += px;
+      my += py;
     }
     return plain_.central(x);
   }
 
+  /// Whether the grid is large enough for the shape at all; its coefficients; whether a cell's stencil is all valid.
+  bool smooth() const { return !complete_.empty(); }
+  const std::vector<std::array<double, 2>>& coefficients() const { return coefficients_; }
+  bool measured(std::size_t element) const { return complete_[element] == 0; }
+
  private:
   using Weights = typename Basis::Weights;
+  // Spacings. The step that remains is taken along the gradient: what that leaves is of the order of its square.
+  static constexpr double last_step = 1e-7;
 
   bool covered(double sx, double sy) const {
     if (complete_.empty() || !(sx >= 0 && sy >= 0 && sx <= nx_ - 1 && sy <= ny_ - 1)) return false;
@@ -122,32 +134,25 @@ class TensorGather {
       r.gxx *= ihx_, r.gyx *= ihx_, r.gxy *= ihy_, r.gyy *= ihy_;
     }
     r.support = complete_[cell(sx, sy)] == 0 ? Support::measured : Support::replaced;
-    if (nodes_.cov != nullptr) r.cov = covariance(sx, sy, wx, wy);
+    if (nodes_.errors != nullptr) covariance(sx, sy, wx, wy, r);
     return r;
   }
 
-  // E = (rho (sum |w|)^2 + (1 - rho) sum w^2) C, C the nodes' covariance read bilinearly: as Gather's, where C varies
-  // little over the stencil.
-  std::array<double, 3> covariance(double sx, double sy, const Weights& wx, const Weights& wy) const {
+  // Errors that neighbours share are read as they are, since the weights sum to 1; independent ones are averaged. (By
+  // Cauchy and Schwarz only (sum |w|)^2 C holds whatever the correlation, but for errors whose sign alternates from node
+  // to node, as no overlapping windows make them.)
+  void covariance(double sx, double sy, const Weights& wx, const Weights& wy, Reading& r) const {
     WeightSums x, y;
     if constexpr (Basis::ghosts > 0) {
-      x = cardinal_sums(Basis::count - 1, wx.data());
-      y = cardinal_sums(Basis::count - 1, wy.data());
+      if (correlation_ < 1) {
+        x = cardinal_sums(Basis::count - 1, wx.data());
+        y = cardinal_sums(Basis::count - 1, wy.data());
+      }
     } else {
-      for (const double w : wx) x.absolute += std::abs(w), x.square += w * w;
-      for (const double w : wy) y.absolute += std::abs(w), y.square += w * w;
+      for (const double w : wx) x.square += w * w;
+      for (const double w : wy) y.square += w * w;
     }
-    const double bound = x.absolute * y.absolute;
-    const double factor = correlation_ * bound * bound + (1 - correlation_) * x.square * y.square;
-    const int i = std::min(int(sx), nx_ - 2), j = std::min(int(sy), ny_ - 2);
-    const double xi = sx - i, eta = sy - j;
-    const auto* below = nodes_.cov + nodes_.grid.node(i, j);
-    const auto* above = below + nx_;
-    std::array<double, 3> out;
-    for (std::size_t k = 0; k < 3; ++k)
-      out[k] = factor * ((1 - eta) * ((1 - xi) * double(below[0][k]) + xi * double(below[1][k])) +
-                         eta * ((1 - xi) * double(above[0][k]) + xi * double(above[1][k])));
-    return out;
+    read_errors(nodes_, std::min(int(sx), nx_ - 2), std::min(int(sy), ny_ - 2), correlation_, x.square * y.square, r);
   }
 
   Gather<Real> plain_;

@@ -49,13 +49,15 @@ void check_field(const Field& field) {
 }  // namespace
 
 Tracker::Tracker(const NpOptions& options, ParticleSet particles, double start_time)
-    : options_(options), particles_(std::move(particles)), time_(start_time) {
+    : options_(options), particles_(std::move(particles)), time_(start_time), reading_(options.shape) {
   check_options(options_);
   check_particles(particles_);
   const std::size_t count = particles_.size();
   x_ = particles_.x0;
   F_.assign(count, Mat2::Identity());
   cov_.assign(count, {0, 0, 0});
+  bias_.assign(count, Vec2::Zero());
+  cov_F_.assign(count, {0, 0, 0});
   status_.resize(count);
   for (std::size_t p = 0; p < count; ++p)
     status_[p] = particles_.end_reason[p] != EndReason::none ? ParticleStatus::ended
@@ -66,7 +68,7 @@ Tracker::Tracker(const NpOptions& options, ParticleSet particles, double start_t
 void Tracker::step(const VectorField& field, double time) {
   check_field(field);
   advance(Nodes<float>{field.grid, field.anchor, field.displacement.data(), field.status.data(),
-                       field.cov.empty() ? nullptr : field.cov.data()},
+                       field.cov.empty() ? nullptr : field.cov.data(), field.correlation_length},
           time);
 }
 
@@ -84,10 +86,14 @@ void Tracker::end(std::size_t p, EndReason reason) {
 }
 
 template <class Real>
-void Tracker::advance(const Nodes<Real>& nodes, double time) {
+void Tracker::advance(const Nodes<Real>& given, double time) {
   if (!(time > time_))
     throw InputError("np: a step to time " + std::to_string(time) + ", expected one after " + std::to_string(time_));
-  support_.build(nodes);
+  support_.build(given);
+  Nodes<Real> nodes = given;
+  nodes.step = ++steps_;
+  if (nodes.cov != nullptr) nodes.errors = reading_.of(nodes, support_).data();
+  bias_limit_ = least_bias * nodes.grid.spacing.minCoeff();
   const bool centre = options_.gradient == GradientPlace::element, central = nodes.anchor == Anchor::central;
   const bool with_cov = nodes.cov != nullptr;
   const double correlation = options_.error_correlation;
@@ -98,60 +104,94 @@ void Tracker::advance(const Nodes<Real>& nodes, double time) {
     with(TensorGather<Lagrange<3>, Real>(nodes, support_, centre, correlation));
   else if (options_.shape == ShapeFunctions::bspline2)
     with(TensorGather<Spline<2>, Real>(nodes, support_, centre, correlation));
-  else if (options_.shape == ShapeFunctions::bspline3)
-    with(TensorGather<Spline<3>, Real>(nodes, support_, centre, correlation));
   else if (options_.shape == ShapeFunctions::triangles)
     with(GridTriangles<Real>(nodes, support_, centre, correlation));
-  else if constexpr (std::is_same_v<Real, float>)
-    advance_fast(nodes, time);
-  else
-    with(Gather<Real>(nodes, support_, centre, correlation));
+  else if (options_.shape == ShapeFunctions::bspline3) {
+    const TensorGather<Spline<3>, Real> gather(nodes, support_, centre, correlation);
+    if constexpr (std::is_same_v<Real, float>)
+      if (gather.smooth() && (!with_cov || correlation == 1)) return carry_fast(gather, nodes, gather.coefficients(), time);
+    with(gather);
+  } else {
+    const Gather<Real> gather(nodes, support_, centre, correlation);
+    if constexpr (std::is_same_v<Real, float>) return carry_fast(gather, nodes, {}, time);
+    with(gather);
+  }
 }
 
-// Bilinear: whole blocks at a time, and one by one whatever these leave.
-void Tracker::advance_fast(const Nodes<float>& nodes, double time) {
+namespace {
+
+std::uint64_t packed(float lower, float upper) {
+  return std::uint64_t(std::bit_cast<std::uint32_t>(upper)) << 32 | std::bit_cast<std::uint32_t>(lower);
+}
+
+}  // namespace
+
+// Whole blocks at a time, and one by one whatever these leave. `coefficients` of cubic splines; none: bilinear.
+template <class GatherType>
+void Tracker::carry_fast(const GatherType& gather, const Nodes<float>& nodes,
+                         std::span<const std::array<double, 2>> coefficients, double time) {
   const Grid& grid = nodes.grid;
   fast_.origin_x = grid.origin.x(), fast_.origin_y = grid.origin.y();
   fast_.per_spacing_x = 1 / grid.spacing.x(), fast_.per_spacing_y = 1 / grid.spacing.y();
   fast_.nx = grid.nx, fast_.ny = grid.ny;
   fast_.central = nodes.anchor == Anchor::central;
   fast_.centre_gradient = options_.gradient == GradientPlace::element;
-  fast_.nodes.resize(grid.node_count());
-  for (std::size_t n = 0; n < grid.node_count(); ++n) {
-    std::array<float, 2> d = nodes.displacement[n];
-    if (support_.node_class(n) > 1) d.fill(std::numeric_limits<float>::quiet_NaN());
-    const std::array<std::uint32_t, 2> half{std::bit_cast<std::uint32_t>(d[0]), std::bit_cast<std::uint32_t>(d[1])};
-    fast_.nodes[n] = std::uint64_t(half[1]) << 32 | half[0];
+  constexpr float none = std::numeric_limits<float>::quiet_NaN();
+  const bool spline = !coefficients.empty();
+  if (spline) {
+    fast_.nodes.resize(coefficients.size());
+    for (std::size_t n = 0; n < coefficients.size(); ++n)
+      fast_.nodes[n] = packed(float(coefficients[n][0]), float(coefficients[n][1]));
+    for (int j = 0; j < grid.ny; ++j)
+      for (int i = 0; i < grid.nx; ++i)
+        if (support_.node_class(grid.node(i, j)) > 1)
+          fast_.nodes[std::size_t(j + 1) * std::size_t(grid.nx + 2) + std::size_t(i + 1)] = packed(none, none);
+  } else {
+    fast_.nodes.resize(grid.node_count());
+    for (std::size_t n = 0; n < grid.node_count(); ++n)
+      fast_.nodes[n] = support_.node_class(n) > 1 ? packed(none, none)
+                                                  : packed(nodes.displacement[n][0], nodes.displacement[n][1]);
   }
   const bool with_cov = nodes.cov != nullptr;
   fast_.error_correlation = options_.error_correlation;
-  fast_.cov.resize(with_cov ? 2 * grid.node_count() : 0);
-  for (std::size_t n = 0; with_cov && n < grid.node_count(); ++n) {
-    const std::array<float, 3>& c = nodes.cov[n];
-    fast_.cov[2 * n] = std::uint64_t(std::bit_cast<std::uint32_t>(c[1])) << 32 | std::bit_cast<std::uint32_t>(c[0]);
-    fast_.cov[2 * n + 1] = std::bit_cast<std::uint32_t>(c[2]);
+  fast_.errors.resize(with_cov ? 3 * grid.element_count() : 0);
+  for (std::size_t n = 0; with_cov && n < grid.element_count(); ++n) {
+    const ElementError& e = nodes.errors[n];
+    fast_.errors[3 * n] = packed(e.uu, e.vv);
+    fast_.errors[3 * n + 1] = packed(e.uv, e.gradient);
+    fast_.errors[3 * n + 2] = packed(e.u, e.v);
   }
   const std::size_t count = x_.size();
   moved_.resize(count);
   element_.resize(count);
-  const Gather<float> gather(nodes, support_, fast_.centre_gradient, options_.error_correlation);
   constexpr std::size_t block = 1024;
-  static_assert(sizeof(Vec2) == 2 * sizeof(double) && sizeof(Mat2) == 4 * sizeof(double));
+  static_assert(sizeof(Vec2) == 2 * sizeof(double) && sizeof(Mat2) == 4 * sizeof(double) && sizeof(ParticleStatus) == 1);
 #pragma omp parallel for schedule(static) if (count > few)
   for (std::ptrdiff_t b = 0; b < std::ptrdiff_t((count + block - 1) / block); ++b) {
     const std::size_t from = std::size_t(b) * block, to = std::min(from + block, count);
-    static_assert(sizeof(ParticleStatus) == 1);
-    fast_step(fast_, x_[from].data(), F_[from].data(), cov_[from].data(), reinterpret_cast<const std::uint8_t*>(&status_[from]), to - from,
-              &moved_[from], &element_[from]);
+    const FastParticles particles{x_[from].data(), F_[from].data(), cov_[from].data(), bias_[from].data(),
+                                  cov_F_[from].data(), reinterpret_cast<const std::uint8_t*>(&status_[from]),
+                                  to - from, &moved_[from], &element_[from]};
+    spline ? fast_spline_step(fast_, particles) : fast_step(fast_, particles);
     for (std::size_t p = from; p < to; ++p) {
       if (moved_[p])
-        status_[p] = support_.at(std::size_t(element_[p])) == Support::measured ? ParticleStatus::active
-                                                                                : ParticleStatus::flagged;
+        status_[p] = gather.measured(std::size_t(element_[p])) && !biased(p) ? ParticleStatus::active
+                                                                            : ParticleStatus::flagged;
       else
         carry_one(gather, p, fast_.central, with_cov, time);
     }
   }
   finish_step(with_cov, time);
+}
+
+std::array<double, 3> Tracker::total(std::size_t p) const {
+  const Vec2& b = bias_[p];
+  return {cov_[p][0] + b.x() * b.x(), cov_[p][1] + b.y() * b.y(), cov_[p][2] + b.x() * b.y()};
+}
+
+bool Tracker::biased(std::size_t p) const {
+  const double square = bias_[p].squaredNorm();
+  return square > bias_limit_ * bias_limit_ && square > cov_[p][0] + cov_[p][1];
 }
 
 void Tracker::finish_step(bool with_cov, double time) {
@@ -172,13 +212,15 @@ void Tracker::step(const Scattered& field, double usual, double longest, double 
         !field.cov.empty(), time);
 }
 
-void Tracker::correct(std::size_t p, const Vec2& x, const Mat2& F, const std::array<double, 3>& cov) {
-  if (!good_state(x.x(), x.y(), tensor(F)))
+void Tracker::correct(std::size_t p, const Correction& to) {
+  if (!good_state(to.x.x(), to.x.y(), tensor(to.F)))
     throw InputError("np: particle " + std::to_string(particles_.id[p]) + ": a correction that is no state");
   if (!alive(status_[p])) return;
-  x_[p] = x;
-  F_[p] = F;
-  cov_[p] = cov;
+  x_[p] = to.x;
+  F_[p] = to.F;
+  cov_[p] = to.random;
+  bias_[p] = to.bias;
+  cov_F_[p] = to.cov_F;
 }
 
 void Tracker::add(const ParticleSet& born) {
@@ -194,6 +236,8 @@ void Tracker::add(const ParticleSet& born) {
   append(x_, born.x0);
   F_.resize(x_.size(), Mat2::Identity());
   cov_.resize(x_.size(), {0, 0, 0});
+  bias_.resize(x_.size(), Vec2::Zero());
+  cov_F_.resize(x_.size(), {0, 0, 0});
   status_.resize(x_.size(), ParticleStatus::active);
 }
 
@@ -208,12 +252,16 @@ MotionFrame Tracker::frame() const {
   out.status = status_;
   out.u.resize(count);
   out.F.resize(count);
-  if (cov_known_) out.cov_u.resize(count);
+  std::span<float> cov_F;
+  if (cov_known_) out.cov_u.resize(count), cov_F = out.add("cov_F", count);
   for (std::size_t p = 0; p < count; ++p) {
     const Vec2 u = x_[p] - particles_.x0[p];
     out.u[p] = {float(u.x()), float(u.y())};
     out.F[p] = {float(F_[p](0, 0)), float(F_[p](0, 1)), float(F_[p](1, 0)), float(F_[p](1, 1))};
-    if (cov_known_) out.cov_u[p] = {float(cov_[p][0]), float(cov_[p][1]), float(cov_[p][2])};
+    if (!cov_known_) continue;
+    const std::array<double, 3> cov = total(p);
+    out.cov_u[p] = {float(cov[0]), float(cov[1]), float(cov[2])};
+    for (std::size_t k = 0; k < 3; ++k) cov_F[3 * p + k] = float(cov_F_[p][k]);
   }
   return out;
 }

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "pivnp/core/particles/motion.hpp"
@@ -10,6 +11,7 @@
 #include "pivnp/np/fast_step.hpp"
 #include "pivnp/np/increments.hpp"
 #include "pivnp/np/options.hpp"
+#include "pivnp/np/reading_error.hpp"
 #include "pivnp/np/support.hpp"
 
 namespace pivnp::np {
@@ -34,14 +36,17 @@ class Tracker {
   /// do not get there, the step is taken and flagged.
   ///
   /// Status of the step: flagged if it rests on a replaced vector, on a local affine fit (LocalFit) where the element
-  /// has lost nodes, or on an unsettled mid-point; else active. A particle ends, with the time of its last good state,
+  /// has lost nodes, or on an unsettled mid-point, or if what was read wrongly between the nodes so far exceeds both the
+  /// random part of the uncertainty and least_bias spacings; else active. A particle ends, with the time of its last good state,
   /// and keeps x, F and cov of that time: left_grid if its place (x0, or xm) is outside the grid, no_vectors if too few
   /// usable nodes are near it, bad_state if J <= 0 or a number is not finite. A last step may carry a particle out of
   /// the grid: that position is measured, and it ends at the next pair.
   ///
   /// cov_u, to first order in the errors: C1 = f C0 f^T + K E K^T with f = F1 F0^-1, K = I (forward) or (I - G/2)^-1
-  /// (central), and E the covariance of the interpolated increment (docs/theory/particles_error.md). A pair without cov makes cov_u
-  /// unknown from then on.
+  /// (central), and E the covariance of the interpolated increment (docs/theory/particles_error.md). Beside it the error
+  /// of reading between the nodes (ReadingErrors) is carried as a vector, b1 = f b0 + K b, that adds up along the path;
+  /// cov_u = C + b b^T. cov_F: the errors of both rows of F have the covariance R1 = (f:f)/2 R0 + g F0^T F0, g the
+  /// variance of a component of the gradient. A pair without cov makes all of it unknown from then on.
   ///
   /// Throws InputError if `time` is not after the present one, or if the field's arrays do not fit its grid.
   void step(const VectorField& field, double time);
@@ -51,9 +56,17 @@ class Tracker {
   /// triangle holds ends with no_vectors.
   void step(const Scattered& field, double usual, double longest, double time);
 
-  /// Puts a living particle where another estimate has it (drift correction). Throws InputError, the particle as it
-  /// was, for numbers that are not finite or det F <= 0.
-  void correct(std::size_t p, const Vec2& x, const Mat2& F, const std::array<double, 3>& cov);
+  /// Puts a living particle where another estimate has it (drift correction), with the random part of its covariance,
+  /// its bias and the covariance of a row of F. Throws InputError, the particle as it was, for numbers that are not
+  /// finite or det F <= 0.
+  struct Correction {
+    Vec2 x;
+    Mat2 F;
+    std::array<double, 3> random{0, 0, 0};
+    Vec2 bias = Vec2::Zero();
+    std::array<double, 3> cov_F{0, 0, 0};
+  };
+  void correct(std::size_t p, const Correction& to);
   /// Particles that join at the present time, alive, with F = I. Throws InputError as the constructor.
   void add(const ParticleSet& born);
   /// Flags this frame's state of a living particle, for a reason outside the step.
@@ -67,16 +80,22 @@ class Tracker {
   struct Particle {
     Vec2 x;
     Mat2 F;
-    std::array<double, 3> cov{0, 0, 0};  // uu, vv, uv
+    std::array<double, 3> cov{0, 0, 0};  // uu, vv, uv: random part and bias bias^T
     ParticleStatus status = ParticleStatus::active;
+    std::array<double, 3> random{0, 0, 0};
+    Vec2 bias = Vec2::Zero();              // of reading between nodes: what is expected less what was read
+    std::array<double, 3> cov_F{0, 0, 0};  // xx, yy, xy of a row of F
   };
+  /// In spacings: a bias below it is nobody's concern.
+  static constexpr double least_bias = 1.0 / 64;
   /// Reads like an array of Particle; held as separate arrays.
   class StateView {
    public:
     explicit StateView(const Tracker& tracker) : tracker_(tracker) {}
     std::size_t size() const { return tracker_.x_.size(); }
     Particle operator[](std::size_t p) const {
-      return {tracker_.x_[p], tracker_.F_[p], tracker_.cov_[p], tracker_.status_[p]};
+      return {tracker_.x_[p], tracker_.F_[p], tracker_.total(p), tracker_.status_[p],
+              tracker_.cov_[p], tracker_.bias_[p], tracker_.cov_F_[p]};
     }
 
    private:
@@ -92,24 +111,33 @@ class Tracker {
 
  private:
   template <class Real>
-  void advance(const Nodes<Real>& nodes, double time);
-  void advance_fast(const Nodes<float>& nodes, double time);
+  void advance(const Nodes<Real>& given, double time);
+  template <class GatherType>
+  void carry_fast(const GatherType& gather, const Nodes<float>& nodes,
+                  std::span<const std::array<double, 2>> coefficients, double time);
   template <class GatherType>
   void carry(const GatherType& gather, bool central, bool with_cov, double time);
   template <class GatherType>
   void carry_one(const GatherType& gather, std::size_t p, bool central, bool with_cov, double time);
   void finish_step(bool with_cov, double time);
+  std::array<double, 3> total(std::size_t p) const;  // covariance of u
+  bool biased(std::size_t p) const;
   void end(std::size_t p, EndReason reason);
 
   NpOptions options_;
   ParticleSet particles_;
   double time_;
   bool cov_known_ = true;
+  std::int32_t steps_ = 0;
   std::vector<Vec2> x_;
   std::vector<Mat2> F_;
-  std::vector<std::array<double, 3>> cov_;
+  std::vector<std::array<double, 3>> cov_;    // random part
+  std::vector<Vec2> bias_;
+  std::vector<std::array<double, 3>> cov_F_;  // xx, yy, xy of a row
+  double bias_limit_ = 0;                     // least_bias, as a length
   std::vector<ParticleStatus> status_;
   SupportMap support_;
+  ReadingErrors reading_;
   FastField fast_{};                  // buffers of the vectorised step
   std::vector<std::uint8_t> moved_;   // per particle
   std::vector<std::int32_t> element_;

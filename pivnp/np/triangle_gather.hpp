@@ -119,6 +119,7 @@ class TriangleGather {
     for (std::size_t k = 0; k < 3; ++k)
       for (std::size_t c = 0; c < 3; ++c)
         r.cov[c] += (correlation_ * sum * std::abs(w[k]) + (1 - correlation_) * w[k] * w[k]) * double(f.cov[k][c]);
+    r.gradient_variance = 0.5 * (r.cov[0] + r.cov[1]) * (f.to_second.squaredNorm() + f.to_third.squaredNorm());
     return r;
   }
 
@@ -134,19 +135,29 @@ template <class Real>
 class GridTriangles {
  public:
   GridTriangles(const Nodes<Real>& nodes, const SupportMap& support, bool centre_gradient, double error_correlation)
-      : plain_(nodes, support, centre_gradient, error_correlation),
+      : nodes_(nodes), plain_(nodes, support, centre_gradient, error_correlation),
         triangles_(scattered(nodes), 1.1 * nodes.grid.spacing.norm(), 4 * nodes.grid.spacing.maxCoeff(),
                    error_correlation) {}
   Reading forward(const Vec2& x) const {
     const Reading r = triangles_.forward(x);
-    return r.outcome == Outcome::no_vectors ? plain_.forward(x) : r;
+    return r.outcome == Outcome::no_vectors ? plain_.forward(x) : with_errors(x, r);
   }
   Reading central(const Vec2& x) const {
     const Reading r = triangles_.central(x);
-    return r.outcome == Outcome::no_vectors ? plain_.central(x) : r;
+    return r.outcome == Outcome::no_vectors ? plain_.central(x) : with_errors(x + 0.5 * Vec2(r.dx, r.dy), r);
   }
 
  private:
+  Reading with_errors(const Vec2& at, Reading r) const {
+    if (nodes_.errors == nullptr) return r;
+    const Vec2 s = (at - nodes_.grid.origin).cwiseQuotient(nodes_.grid.spacing);
+    const int i = std::clamp(int(s.x()), 0, nodes_.grid.nx - 2), j = std::clamp(int(s.y()), 0, nodes_.grid.ny - 2);
+    const std::array<double, 3> cov = r.cov;
+    read_errors(nodes_, i, j, 1, 1, r);
+    r.cov = cov;
+    return r;
+  }
+
   static Scattered scattered(const Nodes<Real>& nodes) {
     Scattered out;
     const std::size_t count = nodes.grid.node_count();
@@ -158,6 +169,7 @@ class GridTriangles {
     if (nodes.cov != nullptr) out.cov.assign(nodes.cov, nodes.cov + count);
     return out;
   }
+  Nodes<Real> nodes_;
   Gather<Real> plain_;
   TriangleGather triangles_;
 };

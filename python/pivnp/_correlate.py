@@ -13,7 +13,7 @@ class Correlator:
 
     shape             (rows, columns) of the images
     window            side of the last interrogation window, px (8 to 256)
-    spacing           distance of the nodes, px (left out: half the window)
+    spacing           distance of the nodes, px (left out: a quarter of the window)
     method            "default", "gn", "fast", "fft", "ncc" ... (docs/piv.md)
     metres_per_pixel  scale; left out, lengths are in px
     mask              [rows, columns] of bool or uint8: pixels that may be used

@@ -107,18 +107,23 @@ inline Shares shares(const Sequence& s, const Measured& m, const std::function<b
   return out;
 }
 
-/// Particles 4 px apart through all pairs, from `border` px inside the frame.
-inline np::Tracker follow(const Measured& m, const Sequence& s, double border) {
+/// A tracker with particles so far apart, from `border` px inside the frame.
+inline np::Tracker started(const Sequence& s, double border, double apart, const np::NpOptions& options) {
   ParticleSet set;
-  for (double y = border; y < s.height - border; y += 4)
-    for (double x = border; x < s.width - border; x += 4) {
+  for (double y = border; y < s.height - border; y += apart)
+    for (double x = border; x < s.width - border; x += apart) {
       if (s.material && !s.material(Vec2(x, y))) continue;
       set.id.push_back(std::int64_t(set.id.size()));
-      set.label.push_back(0), set.x0.push_back(Vec2(x, y)), set.area.push_back(16), set.born.push_back(0);
+      set.label.push_back(0), set.x0.push_back(Vec2(x, y)), set.area.push_back(apart * apart), set.born.push_back(0);
       set.end.push_back(std::numeric_limits<double>::quiet_NaN()), set.end_reason.push_back(EndReason::none);
     }
   set.label_names = {"all"};
-  np::Tracker tracker(np::NpOptions{}, std::move(set), 0);
+  return np::Tracker(options, std::move(set), 0);
+}
+
+/// Particles 4 px apart through all pairs, from `border` px inside the frame.
+inline np::Tracker follow(const Measured& m, const Sequence& s, double border) {
+  np::Tracker tracker = started(s, border, 4, {});
   for (const VectorField& pair : m.pairs) tracker.step(pair, pair.pair[1]);
   return tracker;
 }

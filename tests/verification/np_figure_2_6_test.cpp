@@ -40,7 +40,7 @@ Line read_line(ShapeFunctions shape, int cells) {
   d.status.assign(grid.node_count(), VectorStatus::valid);
   std::vector<Vec2> places;
   for (int k = 0; k <= 400; ++k) places.emplace_back(k / 400.0, 0.5);
-  NpOptions options;
+  NpOptions options = bilinear();
   options.shape = shape;
   Tracker tracker(options, particles_at(places), 0);
   tracker.step(d, 1);

@@ -28,7 +28,7 @@ TEST(FiniteStrain, AFullTurnLeavesNothing) {
   const AffineMotion turn = AffineMotion::rotation(full_turn / 100, {0.25, -0.125});
   for (const Anchor anchor : {Anchor::forward, Anchor::central})
     for (const GradientPlace gradient : {GradientPlace::particle, GradientPlace::element}) {
-      NpOptions options;
+      NpOptions options = bilinear();
       options.gradient = gradient;
       Tracker tracker(options, square(), 0);
       track(tracker, turn, mesh, anchor, 0, 100, 100);
@@ -47,7 +47,7 @@ TEST(FiniteStrain, AFullTurnLeavesNothing) {
 TEST(FiniteStrain, TheWrongRuleIsCaught) {
   // Central vectors of a turn by theta have G = 2 tan(theta/2) W; I + G then gains 1 + 4 tan^2(theta/2) of area a step.
   const AffineMotion turn = AffineMotion::rotation(full_turn / 100, {0, 0});
-  Tracker tracker({}, square(), 0);
+  Tracker tracker(bilinear(), square(), 0);
   for (int k = 0; k < 100; ++k) {
     NodalIncrements d = sample_increments(turn, mesh, Anchor::central, k, k + 1);
     d.anchor = Anchor::forward;  // the mistake
@@ -61,7 +61,7 @@ TEST(FiniteStrain, TheWrongRuleIsCaught) {
     EXPECT_NEAR(J(tracker.state()[p].F), predicted, 1e-9);
   }
 
-  Tracker other({}, square(), 0);
+  Tracker other(bilinear(), square(), 0);
   for (int k = 0; k < 100; ++k) {
     NodalIncrements d = sample_increments(turn, mesh, Anchor::forward, k, k + 1);
     d.anchor = Anchor::central;  // the opposite mistake shrinks
@@ -74,7 +74,7 @@ TEST(FiniteStrain, SinglePrecisionVectorsKeepSevenDigitsAStep) {
   // Through a measured field, as the record holds it: the rounding of the vectors, not of the tracker, is what is left.
   const AffineMotion turn = AffineMotion::rotation(full_turn / 100, {0, 0});
   for (const Anchor anchor : {Anchor::forward, Anchor::central}) {
-    Tracker tracker({}, square(), 0);
+    Tracker tracker(bilinear(), square(), 0);
     for (int k = 0; k < 100; ++k)
       tracker.step(vector_field(sample_increments(turn, mesh, anchor, k, k + 1), {k, k + 1}), k + 1);
     for (std::size_t p = 0; p < tracker.state().size(); ++p) {
@@ -89,7 +89,7 @@ TEST(FiniteStrain, SimpleShearToTwo) {
   const double xy = std::asinh(gamma / 2) / std::sqrt(1 + gamma * gamma / 4);
   for (const Anchor anchor : {Anchor::forward, Anchor::central})
     for (const int steps : {1, 7, 100}) {
-      Tracker tracker({}, square(), 0);
+      Tracker tracker(bilinear(), square(), 0);
       track(tracker, AffineMotion::shear(gamma, 0), mesh, anchor, 0, 1, steps);
       for (std::size_t p = 0; p < tracker.state().size(); ++p) {
         const auto now = tracker.state()[p];
@@ -120,7 +120,7 @@ TEST(FiniteStrain, OneStepEqualsAHundred) {
   for (const Case& c : cases)
     for (const Anchor anchor : {Anchor::forward, Anchor::central}) {
       SCOPED_TRACE(c.name);
-      Tracker one({}, square(), 0), hundred({}, square(), 0);
+      Tracker one(bilinear(), square(), 0), hundred(bilinear(), square(), 0);
       track(one, c.motion, mesh, anchor, 0, 1, 1);
       track(hundred, c.motion, mesh, anchor, 0, 1, 100);
       for (std::size_t p = 0; p < one.state().size(); ++p) {
@@ -142,7 +142,7 @@ TEST(FiniteStrain, StretchThenTurn) {
     return map;
   });
   for (const Anchor anchor : {Anchor::forward, Anchor::central}) {
-    Tracker tracker({}, square(), 0);
+    Tracker tracker(bilinear(), square(), 0);
     MotionMemory frames("np", "m", "s", tracker.particles());
     frames.add(tracker.frame());
     for (int k = 0; k < 105; ++k) {

@@ -57,7 +57,7 @@ TEST(Section23, EveryHomogeneousMotionIsExactForAnyNumberOfParticles) {
       for (const GradientPlace gradient : {GradientPlace::particle, GradientPlace::element})
         for (const int per_element : {1, 4, 9}) {
           SCOPED_TRACE(run.name + ", " + std::to_string(per_element) + ", gradient " + std::string(name_of(gradient)));
-          NpOptions options;
+          NpOptions options = bilinear();
           options.gradient = gradient;
           Tracker tracker(options, block(mesh, lower, upper, per_element), 0);
           ASSERT_EQ(tracker.state().size(), 16u * unsigned(per_element));
@@ -72,7 +72,7 @@ TEST(Section23, OnlyTheNodesCoveredByTheSampleAreMeasured) {
   for (const Sample& run : runs())
     for (const Anchor anchor : {Anchor::forward, Anchor::central}) {
       SCOPED_TRACE(run.name);
-      Tracker tracker({}, block(mesh, lower, upper, 4), 0);
+      Tracker tracker(bilinear(), block(mesh, lower, upper, 4), 0);
       std::size_t fitted = 0;
       for (int k = 0; k < run.steps; ++k) {
         const double t0 = run.end * k / run.steps, t1 = run.end * (k + 1) / run.steps;
@@ -98,7 +98,7 @@ TEST(Section23, OnlyTheNodesCoveredByTheSampleAreMeasured) {
 
 TEST(Section23, TwentyFourPercent) {
   for (const int per_element : {1, 4}) {
-    Tracker tracker({}, block(mesh, lower, upper, per_element), 0);
+    Tracker tracker(bilinear(), block(mesh, lower, upper, per_element), 0);
     MotionMemory motion("np", "m", "s", tracker.particles());
     motion.add(tracker.frame());
     const AffineMotion extension = AffineMotion::extension(0.016, 1);
@@ -122,7 +122,7 @@ TEST(Section23, TwentyFourPercent) {
 
 TEST(Section23, ShearOfTenPercent) {
   const double gamma = 0.1;
-  Tracker tracker({}, block(mesh, lower, upper, 4), 0);
+  Tracker tracker(bilinear(), block(mesh, lower, upper, 4), 0);
   track(tracker, AffineMotion::shear(gamma / 10, 1), mesh, Anchor::forward, 0, 10, 10);
   for (std::size_t p = 0; p < tracker.state().size(); ++p) {
     const Strain e = log_strain(tracker.state()[p].F);
@@ -135,7 +135,7 @@ TEST(Section23, ShearOfTenPercent) {
 TEST(Section23, RotationAndTranslationLeaveNoStrain) {
   const Sample run = runs()[2];
   for (const Anchor anchor : {Anchor::forward, Anchor::central}) {
-    Tracker tracker({}, block(mesh, lower, upper, 4), 0);
+    Tracker tracker(bilinear(), block(mesh, lower, upper, 4), 0);
     track(tracker, run.motion, mesh, anchor, 0, run.end, run.steps);
     for (std::size_t p = 0; p < tracker.state().size(); ++p) {
       const Strain e = log_strain(tracker.state()[p].F);

@@ -12,6 +12,13 @@
 
 namespace pivnp::np::testing {
 
+/// The elements of the thesis, which can be computed by hand.
+inline NpOptions bilinear() {
+  NpOptions options;
+  options.shape = ShapeFunctions::bilinear;
+  return options;
+}
+
 /// Particles at given places, ids in order.
 inline ParticleSet particles_at(std::vector<Vec2> x0, double born = 0) {
   ParticleSet set;

@@ -52,7 +52,7 @@ struct Result {
 };
 
 Result run(int elements, int steps, Anchor anchor, GradientPlace gradient) {
-  NpOptions options;
+  NpOptions options = bilinear();
   options.gradient = gradient;
   Tracker tracker(options, cloud(), 0);
   Result result;

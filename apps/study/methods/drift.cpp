@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <unordered_map>
 
+#include "apps/study/methods/subset_bend.hpp"
 #include "apps/study/pipeline/statistics.hpp"
 #include "pivnp/core/particles/alive.hpp"
 #include "pivnp/np/fusion.hpp"
@@ -19,7 +20,7 @@ using Cov = std::array<double, 3>;
 
 constexpr double min_score = 0.6, good_score = 0.75;
 constexpr double share_that_fails = 0.1;
-constexpr double floor_px = 0.005;  // bias of the direct correlation itself: interpolation, affine subset
+constexpr double floor_px = 0.01;  // bias of the direct correlation itself: interpolation
 
 Mat2 matrix_of(const Cov& c) {
   Mat2 m;
@@ -27,10 +28,9 @@ Mat2 matrix_of(const Cov& c) {
   return m;
 }
 
-Cov carried(const Mat2& f, const Cov& c) {
-  const Mat2 m = f * matrix_of(c) * f.transpose();
-  return {m(0, 0), m(1, 1), m(0, 1)};
-}
+Cov cov_of(const Mat2& m) { return {m(0, 0), m(1, 1), m(0, 1)}; }
+
+Cov carried(const Mat2& f, const Cov& c) { return cov_of(f * matrix_of(c) * f.transpose()); }
 
 // What a key frame remembers.
 struct KeyFrame {
@@ -38,8 +38,8 @@ struct KeyFrame {
   piv::SubsetImage image;
   std::vector<Vec2> x;
   std::vector<Mat2> F;
-  std::vector<Cov> cov;
-  std::vector<double> var_F;
+  std::vector<Cov> random, cov_F;
+  std::vector<Vec2> bias;
   std::vector<std::uint8_t> alive;
 };
 
@@ -57,9 +57,6 @@ struct DriftCorrector::Impl {
   int threads;
   piv::SubsetOptions subset;
   std::shared_ptr<KeyFrame> first, kept, newest;
-  std::vector<double> var_F;  // variance of a component of F, summed
-  std::vector<Cov> cov_before;
-  std::vector<Mat2> F_before;
   std::vector<DriftRound> rounds;
 
   std::shared_ptr<KeyFrame> key_frame(const np::Tracker& tracker, int frame, const ImageView& image) const {
@@ -71,26 +68,12 @@ struct DriftCorrector::Impl {
       const auto now = state[p];
       key->x.push_back(now.x);
       key->F.push_back(now.F);
-      key->cov.push_back(now.cov);
+      key->random.push_back(now.random);
+      key->bias.push_back(now.bias);
+      key->cov_F.push_back(now.cov_F);
       key->alive.push_back(alive(now.status));
     }
-    key->var_F = var_F;
     return key;
-  }
-
-  // The gradient's noise from that of the increments: independent errors s at the nodes give 4/3 (s/h)^2 on average
-  // over a bilinear element (less where neighbours err alike).
-  void grow_var_F(const np::Tracker& tracker) {
-    const auto state = tracker.state();
-    const double h = setting.grid.spacing.minCoeff();
-    for (std::size_t p = 0; p < state.size(); ++p) {
-      const auto now = state[p];
-      const Cov old = carried(now.F * F_before[p].inverse(), cov_before[p]);
-      const double growth = 0.5 * (now.cov[0] + now.cov[1] - old[0] - old[1]);
-      if (growth > 0) var_F[p] += 4.0 / 3 * growth / (h * h);
-      cov_before[p] = now.cov;
-      F_before[p] = now.F;
-    }
   }
 
   struct Direct {
@@ -100,6 +83,13 @@ struct DriftCorrector::Impl {
     double var_f = 0;
     double off_px = 0;
   };
+
+  std::vector<SubsetBend> bends_of(const std::vector<piv::AffinePrediction>& predictions) const {
+    std::vector<Vec2> from, to;
+    std::vector<Mat2> A;
+    for (const piv::AffinePrediction& at : predictions) from.push_back(at.from), to.push_back(at.to), A.push_back(at.A);
+    return subset_bends(from, to, A, 0.5 * subset.side_px, threads);
+  }
 
   // Direct estimates of the particles `wanted` from `key`; those that do not count are left out of `found`.
   void match(const np::Tracker& tracker, const KeyFrame& key, const piv::SubsetImage& now, int frame,
@@ -119,10 +109,12 @@ struct DriftCorrector::Impl {
       asked.push_back(p);
       predictions.push_back(guess);
     }
-    const auto matches = piv::match_subsets(key.image, now, predictions, subset, threads);
+    auto matches = piv::match_subsets(key.image, now, predictions, subset, threads);
+    const std::vector<SubsetBend> bends = bends_of(predictions);
     std::vector<Vec2> off(asked.size());
     std::vector<std::uint8_t> good(asked.size());
     for (std::size_t k = 0; k < asked.size(); ++k) {
+      matches[k].to -= bends[k].place;
       off[k] = matches[k].to - predictions[k].to;
       // Room for drift: half a pixel, .02 px a frame, and the prediction's own scatter.
       const Mat2 J = camera.jacobian(predictions[k].to);
@@ -139,11 +131,13 @@ struct DriftCorrector::Impl {
       Direct d;
       d.x = camera.to_world(matches[k].to);
       Cov c = matches[k].cov;
-      c[0] += floor_px * floor_px, c[1] += floor_px * floor_px;
+      // As much as was corrected is not known: the texture weighs the subset unevenly, and the field bends on.
+      const Vec2& b = bends[k].place;
+      c[0] += floor_px * floor_px + b.x() * b.x(), c[1] += floor_px * floor_px + b.y() * b.y(), c[2] += b.x() * b.y();
       d.cov = carried(J1, c);
       d.f = J1 * matches[k].A * J0.inverse();
       const double edge = floor_px / (subset.side_px / 2);
-      d.var_f = matches[k].var_A + edge * edge;
+      d.var_f = matches[k].var_A + edge * edge + bends[k].gradient * bends[k].gradient;
       d.off_px = off[k].norm();
       if (d.f.determinant() > 0) found.emplace(asked[k], d);
     }
@@ -178,33 +172,41 @@ struct DriftCorrector::Impl {
     }
   }
 
+  // Both estimates start from the key frame. What the sum has read wrongly between nodes since then counts as an error of
+  // its own; of it, and of its random part, is left what the weight of the direct estimate leaves.
   void fuse_one(np::Tracker& tracker, const KeyFrame& key, std::size_t p, const Direct& d) {
     const auto now = tracker.state()[p];
     const Mat2 f = now.F * key.F[p].inverse();
-    const Cov since_birth = carried(f, key.cov[p]);
-    np::Estimate summed{now.x, {now.cov[0] - since_birth[0], now.cov[1] - since_birth[1], now.cov[2] - since_birth[2]}};
+    const Cov before = carried(f, key.random[p]);
+    const Vec2 bias_before = f * key.bias[p], bias = now.bias - bias_before;
+    const Mat2 random = matrix_of(now.random) - matrix_of(before);
+    const np::Estimate summed{now.x, cov_of(random + bias * bias.transpose())};
     const bool known = summed.cov[0] > 0 && summed.cov[1] > 0 &&
                        summed.cov[0] * summed.cov[1] > summed.cov[2] * summed.cov[2];
-    const np::Estimate fused = known ? np::fuse(summed, {d.x, d.cov}) : np::Estimate{d.x, d.cov};
-    const double since = var_F[p] - key.var_F[p];
+    const Mat2 B = matrix_of(d.cov);
+    const Mat2 K = known ? np::fusion_weight(summed, {d.x, d.cov}) : Mat2::Identity(), rest = Mat2::Identity() - K;
+    np::Tracker::Correction to;
+    to.x = now.x + K * (d.x - now.x);
+    to.random = cov_of(matrix_of(before) + rest * random * rest.transpose() + K * B * K.transpose());
+    to.bias = bias_before + rest * bias;
+    const Mat2 row_before = 0.5 * f.squaredNorm() * matrix_of(key.cov_F[p]), row = matrix_of(now.cov_F) - row_before;
+    const double since = 0.5 * row.trace();
     const np::Weighted w = known && since > 0 ? np::fuse(since, d.var_f) : np::Weighted{1, d.var_f};
-    const Mat2 F = (f + w.weight * (d.f - f)) * key.F[p];
-    const Cov cov{since_birth[0] + fused.cov[0], since_birth[1] + fused.cov[1], since_birth[2] + fused.cov[2]};
-    set(tracker, p, fused.value, F, cov, key.var_F[p] + w.variance);
+    to.F = (f + w.weight * (d.f - f)) * key.F[p];
+    to.cov_F = cov_of(row_before + w.variance * key.F[p].transpose() * key.F[p]);
+    set(tracker, p, to);
   }
 
   void replace_one(np::Tracker& tracker, const KeyFrame& key, std::size_t p, const Direct& d) {
-    const Cov base = carried(d.f, key.cov[p]);
-    set(tracker, p, d.x, d.f * key.F[p], {base[0] + d.cov[0], base[1] + d.cov[1], base[2] + d.cov[2]},
-        key.var_F[p] + d.var_f);
+    np::Tracker::Correction to{d.x, d.f * key.F[p]};
+    to.random = cov_of(matrix_of(carried(d.f, key.random[p])) + matrix_of(d.cov));
+    to.bias = d.f * key.bias[p];
+    to.cov_F = cov_of(0.5 * d.f.squaredNorm() * matrix_of(key.cov_F[p]) + d.var_f * key.F[p].transpose() * key.F[p]);
+    set(tracker, p, to);
   }
 
-  void set(np::Tracker& tracker, std::size_t p, const Vec2& x, const Mat2& F, const Cov& cov, double variance) {
-    if (!x.allFinite() || !F.allFinite() || !(F.determinant() > 0)) return;
-    tracker.correct(p, x, F, cov);
-    var_F[p] = variance;
-    cov_before[p] = cov;
-    F_before[p] = F;
+  static void set(np::Tracker& tracker, std::size_t p, const np::Tracker::Correction& to) {
+    if (to.x.allFinite() && to.F.allFinite() && to.F.determinant() > 0) tracker.correct(p, to);
   }
 
   std::vector<std::size_t> living(const np::Tracker& tracker) const {
@@ -289,10 +291,6 @@ const std::vector<DriftRound>& DriftCorrector::rounds() const { return impl_->ro
 
 void DriftCorrector::start(const np::Tracker& tracker, const ImageView& image) {
   Impl& s = *impl_;
-  const std::size_t count = tracker.state().size();
-  s.var_F.assign(count, 0);
-  s.cov_before.assign(count, {0, 0, 0});
-  s.F_before.assign(count, Mat2::Identity());
   if (s.options.drift == np::DriftScheme::none) return;
   s.first = s.key_frame(tracker, 0, image);
   if (s.options.drift != np::DriftScheme::corrected) s.kept = s.first;
@@ -303,7 +301,6 @@ void DriftCorrector::after_step(np::Tracker& tracker, int frame, bool last, cons
   if (s.options.drift == np::DriftScheme::none) return;
   const bool corrects = s.options.drift == np::DriftScheme::corrected;
   if (corrects && frame % s.options.drift_interval != 0 && !last) return;
-  s.grow_var_F(tracker);
   const Image image = read();
   if (corrects)
     s.correct(tracker, frame, image);

@@ -97,7 +97,7 @@ std::vector<std::pair<std::string, std::string>> setup_of(const Case& c, const i
     const piv::PivOptions piv = c.piv.value_or(piv::PivOptions{});
     rows.emplace_back("Correlation", piv.method + ", " + std::string(name_of(piv.smoothing)) + " smoothing, " + std::string(name_of(piv.anchor)) +
                                          " vectors, frame to frame");
-    const double h_px = c.grid.spacing_px.value_or(piv.window_px / 2.0);
+    const double h_px = c.grid.spacing_px.value_or(piv.window_px / 4.0);
     const Matching matching = matching_of(
         piv, c.grid.spacing_m ? std::string() : ", overlap " + number(100 * std::max(0.0, 1 - h_px / piv.window_px), 3) + " %");
     rows.emplace_back("Filtering of the images", "none");

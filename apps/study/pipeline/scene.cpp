@@ -37,7 +37,7 @@ double spacing_of(const Case& c, const image::Camera& camera, int width, int hei
   if (c.grid.spacing_m) return *c.grid.spacing_m;
   if (width == 0) throw InputError(of_file(c) + ": grid.spacing_m: expected the size of a cell, as there are no frames");
   const double window = c.piv ? c.piv->window_px : piv::PivOptions{}.window_px;
-  const double px = c.grid.spacing_px.value_or(window / 2);
+  const double px = c.grid.spacing_px.value_or(window / 4);
   // A homography's scale differs over the image: the centre's counts.
   return px * std::sqrt(std::abs(camera.jacobian({(width - 1) / 2.0, (height - 1) / 2.0}).determinant()));
 }

@@ -109,7 +109,7 @@ GivenSpacing given_spacing(const Case& c) {
   if (c.grid.spacing_m) return {"grid.spacing_m", toml_text(c.grid.spacing_m)};
   if (c.grid.spacing_px) return {"grid.spacing_px", toml_text(c.grid.spacing_px)};
   if (c.vectors) return {"vectors.path", toml_text(c.vectors->path)};
-  return {"grid.spacing_px", "half the window"};
+  return {"grid.spacing_px", "a quarter of the window"};
 }
 
 void require_drawable(const SynthOptions& synth, const image::TextureOptions& texture) {

@@ -156,6 +156,27 @@ Value magnitude(const Value& x, const Value& y) {
   };
 }
 
+// Standard uncertainty of a strain from cov_F: first order, by differences of F.
+Value sigma_of_strain(double (*of)(const Strain&)) {
+  return [of](State&, const MotionFrame& now, std::size_t p, std::size_t) {
+    const FieldValues& cov = now.field("cov_F");
+    const Mat2 F = matrix(now.F[p]);
+    const double h = 1e-6 * F.norm();
+    double variance = 0;
+    for (int row = 0; row < 2; ++row) {
+      Vec2 slope;
+      for (int column = 0; column < 2; ++column) {
+        Mat2 more = F, less = F;
+        more(row, column) += h, less(row, column) -= h;
+        slope[column] = (of(log_strain(more)) - of(log_strain(less))) / (2 * h);
+      }
+      variance += slope.x() * slope.x() * double(cov(p, 0)) + slope.y() * slope.y() * double(cov(p, 1)) +
+                  2 * slope.x() * slope.y() * double(cov(p, 2));
+    }
+    return std::sqrt(variance);
+  };
+}
+
 std::vector<Row> rows_of_motion() {
   return {
       {{"displacement_x", "L", "u_x since the first frame", "displacement x"}, displacement(0)},
@@ -205,6 +226,13 @@ std::vector<Row> rows_of_strain() {
        of_sum(deviatoric), true},
   };
   for (Row& row : rows) row.field.strain = true;
+  const std::string first_order = ", from cov_F to first order";
+  const std::pair<const char*, double (*)(const Strain&)> measured[] = {
+      {"strain_xx", xx}, {"strain_yy", yy}, {"strain_xy", xy}, {"strain_vol", volumetric}, {"strain_dev", deviatoric}};
+  for (const auto& [name, of] : measured)
+    rows.push_back({{"sigma_" + std::string(name), "1", "standard uncertainty of " + std::string(name) + first_order, "",
+                     "cov_F"},
+                    sigma_of_strain(of)});
   return rows;
 }
 

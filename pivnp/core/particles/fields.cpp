@@ -56,6 +56,8 @@ Registry<MotionField>& motion_fields() {
       {.name = "v", .unit = "L/T", .form = FieldForm::vector, .label = "velocity",
        .definition = "velocity, where the source states it", .shown_as = "velocity",
        .member = true},
+      {.name = "cov_F", .form = FieldForm::symmetric, .label = "variance of the deformation gradient",
+       .definition = "covariance of a row of F from the measurement; both rows err alike and independently", .shown_as = ""},
       {.name = "stress", .unit = "Pa", .form = FieldForm::stress, .label = "stress",
        .definition = "stress, tension positive"},
       {.name = "plastic_dev", .label = "plastic deviatoric strain",

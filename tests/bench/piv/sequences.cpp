@@ -1,4 +1,4 @@
-// The table of sequences: tests/support/piv_sequence_rows.hpp, asked and reached.
+// The table of sequences: tests/support/piv_sequence_rows.hpp and path_rows.hpp, asked and reached.
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -6,6 +6,7 @@
 #include <string>
 
 #include "tests/bench/piv/bench.hpp"
+#include "tests/support/path_rows.hpp"
 #include "tests/support/piv_sequence_rows.hpp"
 
 namespace {
@@ -39,7 +40,9 @@ int run(int argc, char** argv) {
   const bench::Setting setting = bench::parse_setting(method, {});
   int asked = 0, met = 0;
   std::printf("%-38s %-30s %10s %10s\n", "sequence", "figure", "asked", "reached");
-  for (const piv::SequenceRow& row : piv::sequence_rows()) {
+  std::vector<piv::SequenceRow> rows = piv::sequence_rows();
+  for (piv::SequenceRow& row : piv::path_rows()) rows.push_back(std::move(row));
+  for (const piv::SequenceRow& row : rows) {
     if ((brief && !row.brief) || row.name.find(part) == std::string::npos) continue;
     const auto start = std::chrono::steady_clock::now();
     const piv::SequenceFigures figures = row.measure(setting.options, seed, threads);

@@ -20,7 +20,7 @@ TEST(Covariance, GrowsInProportionToTheStepsInATranslation) {
   for (const Anchor anchor : {Anchor::forward, Anchor::central}) {
     NodalIncrements d = sample_increments(AffineMotion::rotation(0, {0, 0}, {0.03, 0.01}), grid, anchor, 0, 1);
     give_cov(d, 4e-4f, 1e-4f, 5e-5f);
-    Tracker tracker({}, block(grid, {3, 3}, {6, 6}, 4), 0);
+    Tracker tracker(bilinear(), block(grid, {3, 3}, {6, 6}, 4), 0);
     for (int k = 1; k <= 25; ++k) tracker.step(d, k);
     for (std::size_t p = 0; p < tracker.state().size(); ++p) {
       EXPECT_NEAR(tracker.state()[p].cov[0], 25 * 4e-4, 1e-9);
@@ -37,7 +37,7 @@ TEST(Covariance, ErrorCorrelationGoesFromABoundToIndependence) {
   const std::vector<Vec2> places = {{4.5, 4.5}, {4, 4}, {4.25, 4}};
   const std::vector<double> squares = {0.25, 1, 0.25 * 0.25 + 0.75 * 0.75};  // sum N_i^2
   for (const double rho : {0.0, 0.3, 1.0}) {
-    NpOptions options;
+    NpOptions options = bilinear();
     options.error_correlation = rho;
     Tracker tracker(options, particles_at(places), 0);
     tracker.step(d, 1);
@@ -63,7 +63,7 @@ TEST(Covariance, IsCarriedByTheMotion) {
     std::normal_distribution<double> normal;
     std::vector<NodalIncrements> exact;
     for (int k = 0; k < steps; ++k) exact.push_back(sample_increments(motion, grid, anchor, k, k + 1));
-    Tracker reference({}, particles_at({{4.3, 4.6}}), 0);
+    Tracker reference(bilinear(), particles_at({{4.3, 4.6}}), 0);
     for (int k = 0; k < steps; ++k) {
       NodalIncrements d = exact[std::size_t(k)];
       give_cov(d, float(su * su), float(sv * sv), 0);
@@ -72,7 +72,7 @@ TEST(Covariance, IsCarriedByTheMotion) {
     const auto predicted = reference.state()[0];
     std::array<double, 3> seen{0, 0, 0};
     for (int n = 0; n < runs; ++n) {
-      Tracker tracker({}, particles_at({{4.3, 4.6}}), 0);
+      Tracker tracker(bilinear(), particles_at({{4.3, 4.6}}), 0);
       for (int k = 0; k < steps; ++k) {
         NodalIncrements d = exact[std::size_t(k)];
         const double eu = su * normal(random), ev = sv * normal(random);
@@ -107,7 +107,7 @@ TEST(Covariance, TheDefaultBoundsTheScatterOfIndependentErrorsToo) {
   std::array<double, 2> seen{0, 0}, claimed{0, 0};
   for (int n = 0; n < runs; ++n) {
     for (auto& v : d.displacement) v = {normal(random), normal(random)};
-    Tracker tracker({}, particles_at(places), 0);
+    Tracker tracker(bilinear(), particles_at(places), 0);
     tracker.step(d, 1);
     for (std::size_t p = 0; p < 2; ++p) {
       seen[p] += (tracker.state()[p].x - places[p]).squaredNorm() / 2 / runs;
@@ -118,7 +118,7 @@ TEST(Covariance, TheDefaultBoundsTheScatterOfIndependentErrorsToo) {
   EXPECT_LT(seen[1], claimed[1]);
   EXPECT_LT(claimed[0], 5 * seen[0]);   // a bound, not a refuge
   EXPECT_LT(claimed[1], 10 * seen[1]);
-  Tracker still({}, particles_at(places), 0);
+  Tracker still(bilinear(), particles_at(places), 0);
   still.step(quiet, 1);
   EXPECT_GE(still.state()[1].cov[0], still.state()[0].cov[0]);  // a fit at the rim knows less
 }
@@ -148,7 +148,7 @@ TEST(Covariance, ManyAtATimeAsOneByOne) {
       }
       given.cov = measured.cov;
       given.status = measured.status;
-      NpOptions options;
+      NpOptions options = bilinear();
       options.error_correlation = correlation;
       Tracker many(options, particles, 0), one(options, particles, 0);
       for (int k = 1; k <= 2; ++k) many.step(measured, k), one.step(given, k);
@@ -166,7 +166,7 @@ TEST(Covariance, ManyAtATimeAsOneByOne) {
 
 TEST(Covariance, UnknownOnceAPairLacksIt) {
   NodalIncrements d = sample_increments(AffineMotion::rotation(0, {0, 0}, {0, 0}), grid, Anchor::central, 0, 1);
-  Tracker tracker({}, particles_at({{4, 4}}), 0);
+  Tracker tracker(bilinear(), particles_at({{4, 4}}), 0);
   give_cov(d, 1, 1, 0);
   tracker.step(d, 1);
   EXPECT_EQ(tracker.frame().cov_u.size(), 1u);

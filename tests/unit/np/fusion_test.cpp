@@ -60,18 +60,18 @@ TEST(Correction, MovesLivingParticlesOnlyAndRefusesWhatIsNoState) {
   Tracker tracker({}, testing::particles_at({{2, 2}, {3.9, 2}}), 0);
   const NodalIncrements right = sample_increments(AffineMotion::rotation(0, {0, 0}, {0.3, 0}), grid, Anchor::central, 0, 1);
   tracker.step(right, 1);  // the second one's mid-point is outside
-  tracker.correct(0, {2.5, 2.1}, 1.1 * Mat2::Identity(), {1, 2, 0.5});
-  tracker.correct(1, {1, 1}, Mat2::Identity(), {0, 0, 0});
+  tracker.correct(0, {{2.5, 2.1}, 1.1 * Mat2::Identity(), {1, 2, 0.5}});
+  tracker.correct(1, {{1, 1}, Mat2::Identity()});
   EXPECT_EQ(tracker.state()[0].x, Vec2(2.5, 2.1));
   EXPECT_EQ(tracker.state()[0].cov[1], 2);
   EXPECT_EQ(tracker.state()[1].x, Vec2(3.9, 2));
   EXPECT_EQ(tracker.state()[0].status, ParticleStatus::active);
   tracker.flag(0);
   EXPECT_EQ(tracker.state()[0].status, ParticleStatus::flagged);
-  EXPECT_THROW(tracker.correct(0, {std::nan(""), 0}, Mat2::Identity(), {0, 0, 0}), InputError);
+  EXPECT_THROW(tracker.correct(0, {{std::nan(""), 0}, Mat2::Identity()}), InputError);
   Mat2 inside_out = Mat2::Identity();
   inside_out(0, 0) = -1;
-  EXPECT_THROW(tracker.correct(0, {1, 1}, inside_out, {0, 0, 0}), InputError);
+  EXPECT_THROW(tracker.correct(0, {{1, 1}, inside_out}), InputError);
   EXPECT_EQ(tracker.state()[0].x, Vec2(2.5, 2.1));
 }
 

@@ -25,7 +25,7 @@ void lose(NodalIncrements& d, int i, int j, VectorStatus status) {
 
 TEST(Loss, AParticleThatLeavesEndsAtItsLastGoodTime) {
   for (const Anchor anchor : {Anchor::forward, Anchor::central}) {
-    Tracker tracker({}, particles_at({{7.5, 4}, {4, 4}}), 10);
+    Tracker tracker(bilinear(), particles_at({{7.5, 4}, {4, 4}}), 10);
     const auto step = [&](double t) { tracker.step(shift(0.4, 0, anchor), t); };
     step(11);  // 7.9
     EXPECT_EQ(tracker.state()[0].status, ParticleStatus::active);
@@ -51,10 +51,10 @@ TEST(Loss, AParticleThatLeavesEndsAtItsLastGoodTime) {
 }
 
 TEST(Loss, OnTheBorderIsInside) {
-  Tracker tracker({}, particles_at({{8, 8}, {0, 0}, {8, 3}}), 0);
+  Tracker tracker(bilinear(), particles_at({{8, 8}, {0, 0}, {8, 3}}), 0);
   tracker.step(shift(0, 0), 1);
   for (std::size_t p = 0; p < 3; ++p) EXPECT_EQ(tracker.state()[p].status, ParticleStatus::active);
-  Tracker outside({}, particles_at({{8.001, 8}}), 0);
+  Tracker outside(bilinear(), particles_at({{8.001, 8}}), 0);
   outside.step(shift(0, 0), 1);
   EXPECT_EQ(outside.particles().end_reason[0], EndReason::left_grid);
   EXPECT_EQ(outside.particles().end[0], 0);
@@ -72,7 +72,7 @@ TEST(Loss, AHoleInAnAffineFieldIsBridgedExactly) {
       NodalIncrements d = sample_increments(motion, grid, anchor, 0, 1);
       for (int j : {4, 5})
         for (int i : {4, 5}) lose(d, i, j, lost);
-      Tracker tracker({}, block(grid, {1, 1}, {7, 7}, 9), 0);
+      Tracker tracker(bilinear(), block(grid, {1, 1}, {7, 7}, 9), 0);
       tracker.step(d, 1);
       std::size_t flagged = 0;
       for (std::size_t p = 0; p < tracker.state().size(); ++p) {
@@ -94,7 +94,7 @@ TEST(Loss, AValidVectorThatIsNoNumberIsNotUsed) {
   NodalIncrements d = shift(0.1, 0);
   d.displacement[grid.node(4, 4)] = {std::nan(""), 0};
   d.displacement[grid.node(5, 4)] = {0, INFINITY};
-  Tracker tracker({}, particles_at({{4.5, 4.5}}), 0);
+  Tracker tracker(bilinear(), particles_at({{4.5, 4.5}}), 0);
   tracker.step(d, 1);
   EXPECT_EQ(tracker.state()[0].status, ParticleStatus::flagged);
   EXPECT_NEAR(tracker.state()[0].x.x(), 4.6, 1e-14);
@@ -102,7 +102,7 @@ TEST(Loss, AValidVectorThatIsNoNumberIsNotUsed) {
 
 TEST(Loss, TooFewNodesEndTheParticle) {
   for (const Anchor anchor : {Anchor::forward, Anchor::central}) {
-    Tracker tracker({}, particles_at({{4.5, 4.5}, {2.5, 4.5}, {1.5, 4.5}, {0.5, 4.5}}), 0);
+    Tracker tracker(bilinear(), particles_at({{4.5, 4.5}, {2.5, 4.5}, {1.5, 4.5}, {0.5, 4.5}}), 0);
     tracker.step(shift(0.01, 0, anchor), 1);
     NodalIncrements d = shift(0.01, 0, anchor);
     for (int j = 0; j < 9; ++j)
@@ -126,7 +126,7 @@ TEST(Loss, ExtrapolationIsBounded) {
   NodalIncrements d = shift(0, 0);
   for (int j = 4; j < 9; ++j)
     for (int i = 0; i < 9; ++i) lose(d, i, j, VectorStatus::masked);
-  Tracker tracker({}, particles_at({{4.5, 3.2}, {4.0, 3.95}, {4.5, 4.3}, {4.5, 4.9}}), 0);
+  Tracker tracker(bilinear(), particles_at({{4.5, 3.2}, {4.0, 3.95}, {4.5, 4.3}, {4.5, 4.9}}), 0);
   tracker.step(d, 1);
   EXPECT_EQ(tracker.state()[0].status, ParticleStatus::flagged);
   EXPECT_EQ(tracker.state()[1].status, ParticleStatus::flagged);
@@ -137,7 +137,7 @@ TEST(Loss, ExtrapolationIsBounded) {
 TEST(Loss, ReplacedVectorsFlagThatStep) {
   NodalIncrements replaced = shift(0.01, 0);
   lose(replaced, 4, 4, VectorStatus::replaced);
-  Tracker tracker({}, particles_at({{4.5, 4.5}, {6.5, 4.5}}), 0);
+  Tracker tracker(bilinear(), particles_at({{4.5, 4.5}, {6.5, 4.5}}), 0);
   tracker.step(replaced, 1);
   EXPECT_EQ(tracker.state()[0].status, ParticleStatus::flagged);
   EXPECT_EQ(tracker.state()[1].status, ParticleStatus::active);
@@ -156,7 +156,7 @@ TEST(Loss, FoldedMaterialEnds) {
   for (const auto& [g, anchor] : {std::pair{-1.2, Anchor::forward}, std::pair{-1.0, Anchor::forward},
                                   std::pair{2.5, Anchor::central}, std::pair{-2.5, Anchor::central}}) {
     SCOPED_TRACE(g);
-    Tracker tracker({}, particles_at({{4.1, 4.5}}), 0);
+    Tracker tracker(bilinear(), particles_at({{4.1, 4.5}}), 0);
     tracker.step(shift(0, 0.1), 1);
     tracker.step(stretched(g, anchor), 2);
     EXPECT_EQ(tracker.state()[0].status, ParticleStatus::ended);
@@ -172,7 +172,7 @@ TEST(Loss, AHugeVectorDoesNoHarm) {
     for (const double size : {1e30, -1e300, 1.7e308}) {
       NodalIncrements d = shift(0, 0, anchor);
       d.displacement[grid.node(4, 4)] = {size, -size};
-      Tracker tracker({}, block(grid, {0, 0}, {8, 8}, 4), 0);
+      Tracker tracker(bilinear(), block(grid, {0, 0}, {8, 8}, 4), 0);
       tracker.step(d, 1);
       for (std::size_t p = 0; p < tracker.state().size(); ++p) {
         const auto now = tracker.state()[p];
@@ -187,7 +187,7 @@ TEST(Loss, AlreadyEndedParticlesStayEnded) {
   ParticleSet set = particles_at({{4, 4}});
   set.end[0] = -1;
   set.end_reason[0] = EndReason::left_image;
-  Tracker tracker({}, set, 0);
+  Tracker tracker(bilinear(), set, 0);
   tracker.step(shift(0.1, 0), 1);
   EXPECT_EQ(tracker.state()[0].status, ParticleStatus::ended);
   EXPECT_EQ(tracker.particles().end[0], -1);

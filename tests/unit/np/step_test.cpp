@@ -58,7 +58,7 @@ Plain read_at(const NodalIncrements& field, const Vec2& x, bool centre = false) 
 TEST(Step, ForwardReadsWhereTheParticleIs) {
   const NodalIncrements d = rough(Anchor::forward, 1);
   for (const bool centre : {false, true}) {
-    NpOptions options;
+    NpOptions options = bilinear();
     options.gradient = centre ? GradientPlace::element : GradientPlace::particle;
     Tracker tracker(options, block(grid, grid.origin, grid.upper(), 9), 0);
     tracker.step(d, 1);
@@ -86,7 +86,7 @@ TEST(Step, CentralSolvesForTheMidPointAcrossElements) {
     NodalIncrements d = rough(Anchor::central, seed);
     for (auto& v : d.displacement) v = {v[0] + 0.7 * grid.spacing.x(), v[1] - 0.9 * grid.spacing.y()};
     const Vec2 inset = 2 * grid.spacing;
-    Tracker tracker({}, block(grid, grid.origin + inset, grid.upper() - inset, 9), 0);
+    Tracker tracker(bilinear(), block(grid, grid.origin + inset, grid.upper() - inset, 9), 0);
     tracker.step(d, 1);
     std::size_t followed = 0, crossed = 0;
     for (std::size_t p = 0; p < tracker.state().size(); ++p) {
@@ -114,7 +114,7 @@ TEST(Step, CentralStepsUndoThemselves) {
   NodalIncrements back = there;
   for (auto& d : back.displacement) d = {-d[0], -d[1]};
   const Vec2 inset = 2 * grid.spacing;
-  Tracker tracker({}, block(grid, grid.origin + inset, grid.upper() - inset, 4), 0);
+  Tracker tracker(bilinear(), block(grid, grid.origin + inset, grid.upper() - inset, 4), 0);
   tracker.step(there, 1);
   tracker.step(back, 2);
   for (std::size_t p = 0; p < tracker.state().size(); ++p) {
@@ -129,7 +129,7 @@ TEST(Step, UnevenTimesAndBirths) {
   const AffineMotion motion = AffineMotion::rotation(0, Vec2::Zero(), {0.1, 0});
   ParticleSet set = particles_at({middle, middle, middle});
   set.born = {0, 1, 1.5};
-  Tracker tracker({}, set, 0);
+  Tracker tracker(bilinear(), set, 0);
   EXPECT_EQ(tracker.state()[1].status, ParticleStatus::unborn);
   tracker.step(sample_increments(motion, grid, Anchor::central, 0, 1), 1);
   EXPECT_EQ(tracker.state()[1].status, ParticleStatus::active);
@@ -150,7 +150,7 @@ TEST(Step, SameBitsForAnyNumberOfThreads) {
   std::vector<std::vector<std::byte>> results;
   for (const int threads : {1, 2, 5}) {
     omp_set_num_threads(threads);
-    Tracker tracker({}, block(large, large.origin, large.upper(), 1), 0);
+    Tracker tracker(bilinear(), block(large, large.origin, large.upper(), 1), 0);
     for (unsigned k = 0; k < 4; ++k) {
       NodalIncrements d = rough(k % 2 == 0 ? Anchor::central : Anchor::forward, 100 + k, large);
       for (auto& v : d.displacement) v = {v[0] / 4, v[1] / 4};
@@ -169,11 +169,14 @@ TEST(Step, SameBitsForAnyNumberOfThreads) {
 // Nothing is fused in the vectorised step: every instruction set gives the same bits.
 TEST(Step, SameBitsForAnyInstructionSet) {
   ParticleSet particles = block(grid, grid.origin, grid.upper(), 9);
+  for (const ShapeFunctions shape : {ShapeFunctions::bilinear, ShapeFunctions::bspline3}) {
   std::vector<std::vector<std::byte>> results;
   for (const std::int64_t disabled : {std::int64_t(0), std::int64_t(HWY_AVX3 | HWY_AVX3_DL),
                                       std::int64_t(HWY_AVX3 | HWY_AVX3_DL | HWY_AVX2), ~std::int64_t(HWY_STATIC_TARGET)}) {
     hwy::DisableTargets(disabled);
-    Tracker tracker({}, particles, 0);
+    NpOptions options;
+    options.shape = shape;
+    Tracker tracker(options, particles, 0);
     for (unsigned k = 0; k < 4; ++k) {
       NodalIncrements d = rough(k % 2 == 0 ? Anchor::central : Anchor::forward, 50 + k);
       d.cov.assign(grid.node_count(), {1e-4f, 2e-4f, 3e-5f});
@@ -184,6 +187,7 @@ TEST(Step, SameBitsForAnyInstructionSet) {
   }
   hwy::DisableTargets(0);
   for (std::size_t k = 1; k < results.size(); ++k) EXPECT_EQ(results[0], results[k]) << k;
+  }
 }
 
 // A measured field is stepped in lanes, a given one particle by particle: the same places and gradients, also where F does
@@ -191,7 +195,7 @@ TEST(Step, SameBitsForAnyInstructionSet) {
 TEST(Step, ManyAtATimeFollowTheSameF) {
   for (const Anchor anchor : {Anchor::forward, Anchor::central})
     for (const GradientPlace gradient : {GradientPlace::particle, GradientPlace::element}) {
-      NpOptions options;
+      NpOptions options = bilinear();
       options.gradient = gradient;
       const ParticleSet particles = block(grid, grid.origin, grid.upper(), 4);
       Tracker many(options, particles, 0), one(options, particles, 0);
@@ -215,9 +219,47 @@ TEST(Step, ManyAtATimeFollowTheSameF) {
     }
 }
 
+// The same by cubic B-splines, with covariances, at borders and lost nodes. The lanes hold coefficients in single
+// precision. The motion is smooth, so that there is one mid-point only.
+TEST(Step, ManyAtATimeFollowTheSameSplines) {
+  const ReversingVortex vortex(middle, 2.5 * grid.spacing.minCoeff(), 1.2, 8);
+  for (const Anchor anchor : {Anchor::forward, Anchor::central})
+    for (const GradientPlace gradient : {GradientPlace::particle, GradientPlace::element}) {
+      NpOptions options;
+      options.shape = ShapeFunctions::bspline3;
+      options.gradient = gradient;
+      const ParticleSet particles = block(grid, grid.origin, grid.upper(), 9);
+      Tracker many(options, particles, 0), one(options, particles, 0);
+      for (int k = 0; k < 3; ++k) {
+        NodalIncrements given = sample_increments(vortex, grid, anchor, k, k + 1);
+        given.cov.assign(grid.node_count(), {1e-4f, 2e-4f, 3e-5f});
+        for (std::size_t n = 3; n < given.status.size(); n += 41) given.status[n] = VectorStatus::failed;
+        for (std::size_t n = 8; n < given.status.size(); n += 17) given.status[n] = VectorStatus::replaced;
+        many.step(vector_field(given, {k, k + 1}), k + 1);
+        one.step(given, k + 1);
+      }
+      std::size_t alive = 0, active = 0;
+      for (std::size_t p = 0; p < particles.size(); ++p) {
+        const auto a = many.state()[p], b = one.state()[p];
+        ASSERT_EQ(a.status, b.status) << p;
+        alive += a.status != ParticleStatus::ended;
+        active += a.status == ParticleStatus::active;
+        EXPECT_LT((a.x - b.x).norm(), 1e-6);
+        EXPECT_LT((a.F - b.F).norm(), 1e-5);
+        EXPECT_LT((a.bias - b.bias).norm(), 1e-6);
+        for (std::size_t c = 0; c < 3; ++c) {
+          EXPECT_NEAR(a.random[c], b.random[c], 1e-6 * (b.random[0] + b.random[1]));
+          EXPECT_NEAR(a.cov_F[c], b.cov_F[c], 1e-5 * (b.cov_F[0] + b.cov_F[1]));
+        }
+      }
+      EXPECT_GT(alive, particles.size() / 2);
+      EXPECT_GT(active, 0u);
+    }
+}
+
 TEST(Step, RefusesWhatIsNoPair) {
   const NodalIncrements d = rough(Anchor::central, 1);
-  Tracker tracker({}, particles_at({middle}), 2);
+  Tracker tracker(bilinear(), particles_at({middle}), 2);
   EXPECT_THROW(tracker.step(d, 2), InputError);
   EXPECT_THROW(tracker.step(d, std::nan("")), InputError);
   NodalIncrements shorter = d;
@@ -235,7 +277,7 @@ TEST(Step, RefusesWhatIsNoPair) {
 }
 
 TEST(Step, RefusesBadOptionsAndParticles) {
-  NpOptions options;
+  NpOptions options = bilinear();
   options.error_correlation = 1.5;
   EXPECT_THROW(Tracker(options, particles_at({middle}), 0), InputError);
   ParticleSet set = particles_at({middle});

@@ -3,6 +3,7 @@
 
 #include <cstdio>
 
+#include "tests/support/path_rows.hpp"
 #include "tests/support/piv_sequence_rows.hpp"
 #include "tests/support/verification.hpp"
 
@@ -93,6 +94,20 @@ TEST(Sequences, ContentThatLeavesTheFrameHasFailed) {
     failed += status == VectorStatus::failed;
   }
   EXPECT_GT(failed, 0);
+}
+
+// The stated error of a path, short form of tests/support/path_rows.hpp: a band that an element of twice the default
+// spacing cannot hold, on the default settings.
+TEST(Sequences, PathsThroughABandStateTheirError) {
+  Sequence s{.frames = 13, .seed = seed, .noise = .02};
+  s.width = s.height = 256;
+  s.place = [one = sequence::band(s, 1, 10)](const Vec2& X, int k) -> Vec2 { return X + .6 * k * (one(X, 1) - X); };
+  const sequence::Measured m = sequence::measure(s, {}, 2);
+  const sequence::Coverage c = sequence::coverage(s, sequence::follow(m, s, 48), 12);
+  EXPECT_LT(c.rms, .1);
+  EXPECT_GT(c.one, .6);
+  EXPECT_GT(c.two, .9);
+  EXPECT_LT(c.silent, .001);
 }
 
 }  // namespace

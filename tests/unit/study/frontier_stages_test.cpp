@@ -58,8 +58,8 @@ TEST(FrontierStages, ParticlesAreJudgedByShapeAndNumber) {
   const std::vector<FrontierStage> stages = np_frontier(mine, clean, 1, 1, silent);
   ASSERT_EQ(stages.size(), 2u);
   const FrontierStage &paths = stages[0], &strains = stages[1];
-  EXPECT_TRUE(at(paths, "bilinear, 4 an element").standard && !at(paths, "bilinear, 4 an element").own);
-  EXPECT_TRUE(at(paths, "bilinear, 9 an element").own && at(strains, "bilinear, 9 an element").own);
+  EXPECT_TRUE(at(paths, "bspline3, 4 an element").standard && !at(paths, "bspline3, 4 an element").own);
+  EXPECT_TRUE(at(paths, "bspline3, 9 an element").own && at(strains, "bspline3, 9 an element").own);
   EXPECT_LT(at(paths, "bspline3, 4 an element").error, 0.3 * at(paths, "bilinear, 4 an element").error);
   EXPECT_LT(at(strains, "bspline3, 16 an element").error, 0.5 * at(strains, "bilinear, 16 an element").error);
   EXPECT_LT(at(strains, "bspline3, 16 an element").error, at(strains, "bspline3, 1 an element").error);

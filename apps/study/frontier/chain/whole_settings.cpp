@@ -52,7 +52,7 @@ std::vector<WholeSetting> measurement_settings(const Case& c, bool own) {
   std::vector<WholeSetting> all;
   const bool is_standard = standard(complete(c));
   if (own && !is_standard) all.push_back({"the case's", "as it is", {}, true, false, 1});
-  all.push_back({"default", is_standard ? "as it is" : "piv.method=default piv.smoothing=adaptive np.shape=bilinear np.per_element=4 np.drift=none", standard_measurement,
+  all.push_back({"default", is_standard ? "as it is" : "piv.method=default piv.smoothing=adaptive np.shape=bspline3 np.per_element=4 np.drift=none", standard_measurement,
                  own && is_standard, true, 1});
   all.push_back({"fast", "piv.method=fast np.per_element=1", [](Case& o) {
                    standard_measurement(o);

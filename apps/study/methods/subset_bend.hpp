@@ -1,0 +1,22 @@
+// What an affine subset cannot follow: how far the path field bends over it.
+#pragma once
+
+#include <vector>
+
+#include "pivnp/core/math.hpp"
+
+namespace pivnp::app {
+
+/// Of one subset. A field u that is bent over it is matched by its affine least squares fit.
+struct SubsetBend {
+  Vec2 place = Vec2::Zero();  // at its centre the affine fit is off by this much (px): fit less field
+  double gradient = 0;        // RMS of a component by which the fit's gradient differs from that at the centre
+};
+
+/// For subsets of `half_side` px around each of the places `from`, whose material is predicted at `to` with the gradient
+/// `A`: affine and quadratic least squares fits of all predictions within the subset, which average the errors of single
+/// predictions. Where fewer than 12 lie within it: none is known, zeros.
+std::vector<SubsetBend> subset_bends(const std::vector<Vec2>& from, const std::vector<Vec2>& to,
+                                     const std::vector<Mat2>& A, double half_side, int threads);
+
+}  // namespace pivnp::app

@@ -1,0 +1,141 @@
+#include "pivnp/np/reading_error.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "pivnp/np/basis.hpp"
+
+namespace pivnp::np {
+
+namespace {
+
+// Mean square error of cos(k x + phase) over a group of cells and all phases, of a wave of unit amplitude.
+template <class Basis>
+double mean_square(double k, int cells) {
+  constexpr int places = 16, phases = 8, nodes = 4 * 6 + 1;
+  // A spline through the values of a wave has that wave's coefficients, divided by the response of its samples.
+  double response = 1;
+  if constexpr (Basis::ghosts > 0) response = Basis::count == 4 ? (2 + std::cos(k)) / 3 : (3 + std::cos(k)) / 4;
+  constexpr int start = 12;  // a multiple of 1, 2, 3: the start of a group of cells
+  double sum = 0;
+  for (int p = 0; p < cells * places; ++p)
+    for (int q = 0; q < phases; ++q) {
+      const double s = start + (p + 0.5) / places, phase = M_PI * q / phases;
+      typename Basis::Weights w, dw;
+      const int from = Basis::weigh(s, nodes, w, dw);
+      double read = 0;
+      for (std::size_t a = 0; a < w.size(); ++a) read += w[a] * std::cos(k * (from + int(a)) + phase) / response;
+      const double off = std::cos(k * s + phase) - read;
+      sum += off * off;
+    }
+  return sum / (cells * places * phases);
+}
+
+}  // namespace
+
+double wave_reading_error(ShapeFunctions shape, double steepness) {
+  const double k = std::acos(std::clamp(1 - steepness / 2, -1.0, 1.0));
+  double square = 0;
+  switch (shape) {
+    case ShapeFunctions::quadratic: square = mean_square<Lagrange<2>>(k, 2); break;
+    case ShapeFunctions::cubic: square = mean_square<Lagrange<3>>(k, 3); break;
+    case ShapeFunctions::bspline2: square = mean_square<Spline<2>>(k, 2); break;
+    case ShapeFunctions::bspline3: square = mean_square<Spline<3>>(k, 1); break;
+    case ShapeFunctions::bilinear:
+    case ShapeFunctions::triangles: square = mean_square<Lagrange<1>>(k, 1); break;
+  }
+  return std::sqrt(2 * square);
+}
+
+ReadingErrors::ReadingErrors(ShapeFunctions shape) {
+  for (int n = 1; n <= steps; ++n) {
+    const double steepness = 4.0 * n / steps;
+    // The mean over an element's nodes lowers a wave by cos(k h/2).
+    const double mean = std::max(0.35, std::sqrt(1 - steepness / 4));
+    table_[std::size_t(n)] = float(wave_reading_error(shape, steepness) / (steepness * mean));
+  }
+  table_[0] = std::max(0.0f, 2 * table_[1] - table_[2]);
+  table_[steps + 1] = table_[steps];
+}
+
+float ReadingErrors::lost(float steepness) const {
+  const float at = std::min(steepness, 4.0f) * (steps / 4.0f);
+  const auto n = std::size_t(at);
+  return table_[n] + (at - float(n)) * (table_[n + 1] - table_[n]);
+}
+
+// A row of nodes, with its neighbours -3 ... 3 along one axis. Differences that a gap or the border cuts off (NaN) count
+// as those beside them, or nothing.
+void ReadingErrors::add_axis(std::size_t count, const std::array<const float*, 7>& rows, float* out) const {
+  for (std::size_t i = 0; i < count; ++i) {
+    float second[5];
+    for (std::size_t k = 0; k < 5; ++k) second[k] = (rows[k][i] + rows[k + 2][i]) - 2 * rows[k + 1][i];
+    float squares = 0, fourths = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const float fourth = (second[k] + second[k + 2]) - 2 * second[k + 1];
+      const bool known = fourth == fourth;
+      squares += known ? second[k + 1] * second[k + 1] : 0;
+      fourths += known ? fourth * fourth : 0;
+    }
+    float middle = second[2] == second[2] ? second[2] : second[1] == second[1] ? second[1] : second[3];
+    if (!(middle == middle)) continue;
+    out[i] -= middle * (squares > 0 ? lost(std::sqrt(fourths / squares)) : lost(2));
+  }
+}
+
+template <class Real>
+const std::vector<ElementError>& ReadingErrors::of(const Nodes<Real>& nodes, const SupportMap& support) {
+  errors_.clear();
+  if (nodes.cov == nullptr) return errors_;
+  const Grid& grid = nodes.grid;
+  const std::size_t nx = std::size_t(grid.nx), ny = std::size_t(grid.ny), wide = nx + 6;
+  for (std::size_t c = 0; c < 2; ++c) {
+    values_[c].assign(wide * (ny + 6), std::numeric_limits<float>::quiet_NaN());
+    biases_[c].assign(nx * ny, 0);
+  }
+  errors_.resize(grid.element_count());
+  const double h = grid.spacing.minCoeff(), alike = double(nodes.correlation_length);
+  // Pairs that are smoothed together share a part of their errors: n of them add up to n^2 times its variance.
+  const double shared = (2 * std::min(nodes.step, smoothed_together) - 1) / (shared_spacings * shared_spacings * h * h);
+  const auto per_variance =
+      float(alike > 0 ? std::min(4.0 / 3 / (h * h), 2 / (alike * alike)) + shared : 4.0 / 3 / (h * h));
+#pragma omp parallel if (grid.node_count() > 4096)
+  {
+#pragma omp for schedule(static)
+    for (std::ptrdiff_t row = 0; row < std::ptrdiff_t(ny); ++row)
+      for (std::size_t i = 0; i < nx; ++i) {
+        const std::size_t n = std::size_t(row) * nx + i;
+        if (support.node_class(n) > 1) continue;
+        for (std::size_t c = 0; c < 2; ++c) values_[c][(std::size_t(row) + 3) * wide + i + 3] = float(nodes.displacement[n][c]);
+      }
+#pragma omp for schedule(static)
+    for (std::ptrdiff_t row = 0; row < std::ptrdiff_t(ny); ++row)
+      for (std::size_t c = 0; c < 2; ++c) {
+        const float* first = values_[c].data() + (std::size_t(row) + 3) * wide + 3;
+        std::array<const float*, 7> x, y;
+        for (int k = -3; k <= 3; ++k) x[std::size_t(k + 3)] = first + k, y[std::size_t(k + 3)] = first + k * std::ptrdiff_t(wide);
+        float* out = biases_[c].data() + std::size_t(row) * nx;
+        add_axis(nx, x, out);
+        add_axis(nx, y, out);
+      }
+#pragma omp for schedule(static)
+    for (std::ptrdiff_t row = 0; row < std::ptrdiff_t(ny) - 1; ++row)
+      for (std::size_t i = 0; i + 1 < nx; ++i) {
+        const std::size_t n = std::size_t(row) * nx + i;
+        ElementError& e = errors_[std::size_t(row) * (nx - 1) + i];
+        e = {};
+        for (const std::size_t at : {n, n + 1, n + nx, n + nx + 1}) {
+          e.uu += 0.25f * nodes.cov[at][0], e.vv += 0.25f * nodes.cov[at][1], e.uv += 0.25f * nodes.cov[at][2];
+          e.u += 0.25f * biases_[0][at], e.v += 0.25f * biases_[1][at];
+        }
+        e.gradient = 0.5f * per_variance * (e.uu + e.vv);
+      }
+  }
+  return errors_;
+}
+
+template const std::vector<ElementError>& ReadingErrors::of(const Nodes<float>&, const SupportMap&);
+template const std::vector<ElementError>& ReadingErrors::of(const Nodes<double>&, const SupportMap&);
+
+}  // namespace pivnp::np

@@ -1,0 +1,134 @@
+// Rows of the table of sequences that judge paths: the error of displacement and strain, and what is stated of it, at a
+// tenth, at half and at the end of sequences of many kinds. Truth is the map that carried the texture.
+#pragma once
+
+#include <string>
+
+#include "tests/support/piv_sequence_rows.hpp"
+
+namespace pivnp::piv {
+
+namespace sequence {
+
+/// Shares within one and two stated sigma, of displacement's components and of the strain of what F is off by.
+struct Coverage {
+  double rms = 0, one = 0, two = 0, strain_one = 0, strain_two = 0;
+  double silent = 0;  // off by over 1 px, not flagged, and beyond three stated sigma
+};
+
+inline Coverage coverage(const Sequence& s, const np::Tracker& tracker, int frame) {
+  Coverage c;
+  double live = 0;
+  for (std::size_t p = 0; p < tracker.particles().size(); ++p) {
+    const auto state = tracker.state()[p];
+    if (state.status == ParticleStatus::ended) continue;
+    ++live;
+    const Vec2 X = tracker.particles().x0[p], off = state.x - s.place(X, frame);
+    const Mat2 inverse = state.F.inverse();
+    const Mat2 L = (state.F - gradient_of(s, X, frame)) * inverse;
+    Mat2 R;
+    R << state.cov_F[0], state.cov_F[2], state.cov_F[2], state.cov_F[1];
+    const Mat2 S = inverse.transpose() * R * inverse;
+    bool beyond = false;
+    for (int k = 0; k < 2; ++k) {
+      const double sigma = std::sqrt(state.cov[std::size_t(k)]), strain_sigma = std::sqrt(S(k, k));
+      c.rms += off[k] * off[k] / 2;
+      c.one += (std::abs(off[k]) <= sigma) / 2.0, c.two += (std::abs(off[k]) <= 2 * sigma) / 2.0;
+      c.strain_one += (std::abs(L(k, k)) <= strain_sigma) / 2.0, c.strain_two += (std::abs(L(k, k)) <= 2 * strain_sigma) / 2.0;
+      beyond = beyond || std::abs(off[k]) > 3 * sigma;
+    }
+    c.silent += off.norm() > 1 && beyond && state.status == ParticleStatus::active;
+  }
+  for (double* sum : {&c.rms, &c.one, &c.two, &c.strain_one, &c.strain_two, &c.silent}) *sum /= live;
+  c.rms = std::sqrt(c.rms);
+  return c;
+}
+
+/// Pushes material aside: 25 px down at the end, within 60 px of the middle, and fading 90 px below row 100.
+inline auto punch(int frames) {
+  return [=](const Vec2& X, int k) -> Vec2 {
+    const double pushed = 25.0 * k / (frames - 1), off = (X.x() - 256) / 60;
+    const double f = std::exp(-0.5 * off * off) * std::exp(-std::max(0.0, X.y() - 100) / 90);
+    return X + pushed * f * Vec2(0.5 * off, 1);
+  };
+}
+
+/// A band that grows: 18 px to either side at the end, tanh(s / 10 px), as the power 1.5 of time.
+inline auto growing_band(const Sequence& s) {
+  return [one = band(s, 1, 10), last = s.frames - 1](const Vec2& X, int k) -> Vec2 {
+    return X + 18 * std::pow(double(k) / last, 1.5) * (one(X, 1) - X);
+  };
+}
+
+/// A body that slips on a circle, 42 px at the end, over a band of tanh(s / 9 px); as the square of time.
+inline auto slide(int frames) {
+  return [=](const Vec2& X, int k) -> Vec2 {
+    const Vec2 centre(200, 60), r = X - centre;
+    const double turn = .16 * std::pow(double(k) / (frames - 1), 2) * .5 * (1 - std::tanh((r.norm() - 260) / 9));
+    const double c = std::cos(turn), t = std::sin(turn);
+    return centre + Vec2(c * r.x() - t * r.y(), t * r.x() + c * r.y());
+  };
+}
+
+/// `most`: rms of the displacement's components at the end, px.
+inline SequenceRow coverage_row(const std::string& name, bool brief, Sequence s, double most) {
+  return {name, brief, [=](const PivOptions& options, int seed, int threads) -> SequenceFigures {
+            Sequence drawn = s;
+            drawn.seed = seed;
+            const Measured m = measure(drawn, options, threads);
+            np::Tracker tracker = started(drawn, 64, 6, {});
+            SequenceFigures out;
+            const int last = s.frames - 1;
+            for (const VectorField& pair : m.pairs) {
+              tracker.step(pair, pair.pair[1]);
+              const int k = pair.pair[1];
+              if (k != (last + 9) / 10 && k != last / 2 && k != last) continue;
+              const Coverage c = coverage(drawn, tracker, k);
+              const std::string at = ", frame " + std::to_string(k);
+              const auto inside = [&](const char* what, double share, double least) {
+                out.push_back({what + at, share, least, true});
+              };
+              inside("within one sigma", c.one, .60);
+              inside("within two sigma", c.two, .90);
+              inside("strain within one sigma", c.strain_one, .60);
+              inside("strain within two sigma", c.strain_two, .90);
+              if (k == last) out.push_back({"paths: rms, px", c.rms, most});
+              if (k == last) out.push_back({"silently wrong", c.silent, .01});
+            }
+            return out;
+          }};
+}
+
+}  // namespace sequence
+
+/// 41 frames of 512 x 512 px.
+inline std::vector<SequenceRow> path_rows() {
+  using namespace sequence;
+  std::vector<SequenceRow> rows;
+  constexpr int frames = 41;
+  const auto of = [](double noise, double loss = 0, int jpeg = 0) {
+    Sequence s{.frames = frames, .noise = noise, .jpeg = jpeg};
+    s.texture.loss = loss;
+    return s;
+  };
+  const auto add = [&](const std::string& name, Sequence s, auto place, double most, bool brief = false) {
+    s.place = place;
+    rows.push_back(coverage_row("41 frames: " + name, brief, s, most));
+  };
+  const Sequence frame = of(0);
+  add("vortex, noise 2 %", of(.02), vortex(frame, 2, 80), .1);
+  add("vortex, loss 10 %", of(.01, .1), vortex(frame, 2, 80), .1);
+  add("growing band, noise 2 %", of(.02), growing_band(frame), .3);
+  add("growing band, noise 5 %", of(.05), growing_band(frame), .3);
+  Sequence air = of(.02);
+  air.material = [](const Vec2& X) { return X.y() > 150 - .15 * (X.x() - 256); };
+  add("slide under air, noise 2 %", air, slide(frames), .5);
+  add("extension, noise 1 %", of(.01), extension(frame, .003), .1);
+  add("punch, noise 2 %, JPEG 85", of(.02, 0, 85), punch(frames), .2);
+  Sequence lit = of(.02);
+  lit.light = [](double x, double, int k) { return 1 - .4 / (1 + std::exp((x - 100 - 8 * k) / 25)); };
+  add("punch, noise 2 %, moving shadow", lit, punch(frames), .2);
+  return rows;
+}
+
+}  // namespace pivnp::piv
