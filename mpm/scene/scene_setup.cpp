@@ -43,7 +43,7 @@ Scheme scheme_of(const MpmOptions& options) {
 }
 
 bool steps_by_arrangement(const Scheme& scheme, bool bodies_or_contact, bool coupled) {
-  return scheme.shape == ShapeKind::bspline && scheme.takes_updated() && !(scheme.damping > 0) && !bodies_or_contact && !coupled;
+  return scheme.shape == ShapeKind::bspline && scheme.takes_updated() && !scheme.axisymmetric && !(scheme.damping > 0) && !bodies_or_contact && !coupled;
 }
 
 Materials materials_of(const Scene& scene, const std::vector<MaterialOptions>& constants) {

@@ -13,7 +13,7 @@ namespace pivnp::mpm {
 
 /// The numerical choices a scheme's name stands for, with what the options say instead. Throws InputError naming the key.
 Scheme scheme_of(const MpmOptions& options);
-/// Whether steps, where mpm.courant is left out, follow how the points lie (time_step.hpp): B-splines with APIC and usl, undamped, without
+/// Whether steps, where mpm.courant is left out, follow how the points lie (time_step.hpp): B-splines with APIC and usl, plane, undamped, without
 /// bodies and contact, whose impulses between few nodes ask for shorter ones. `coupled`: with water or heat.
 bool steps_by_arrangement(const Scheme& scheme, bool bodies_or_contact, bool coupled);
 
