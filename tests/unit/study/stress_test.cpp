@@ -171,7 +171,7 @@ TEST(Stress, ParticlesAtHolesMasksAndEdges) {
   const SurvivalMap& leave = named(maps, "np_leave");
   EXPECT_EQ(leave.at(leave.x.size() - 1, leave.y.size() - 1).good, 0);   // 80 elements on
   EXPECT_EQ(leave.total().wrong, 0);
-  EXPECT_GT(row_of(named(maps, "np_births"), 0).good, 0.9 * (row_of(named(maps, "np_births"), 0).all() - row_of(named(maps, "np_births"), 0).flagged));
+  EXPECT_GT(row_of(named(maps, "np_births"), 0).good, 0.85 * (row_of(named(maps, "np_births"), 0).all() - row_of(named(maps, "np_births"), 0).flagged));
 }
 
 TEST(Stress, VerdictsHoldWhereErrorsAreAsStated) {
