@@ -55,7 +55,6 @@ std::string keys_of(const image::Calibration& c, const image::Board& board) {
 void draw(const image::Calibration& c, const fs::path& file) {
   const double left = 14, top = 10, w = 92, h = w * c.height / c.width, side = left + w + 22, w2 = 170 - side - 3;
   Canvas canvas(170, top + std::max(h, 60.0) + 14);
-  const Box box{{0, -double(c.height)}, {double(c.width), 0}};
   Panel field = canvas.panel(left, top, w, h);
   field.axis(Axis::x, 0, c.width, "column (px)", 5).axis(Axis::y, -double(c.height), 0, "row (px, negative)", 5);
   std::vector<double> radius, size;
