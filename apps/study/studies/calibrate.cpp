@@ -78,7 +78,7 @@ void draw(const image::Calibration& c, const fs::path& file) {
               Align::bottom_left, {});
   Panel by_radius = canvas.panel(side, top, w2, 60);
   const double most = radius.empty() ? 1 : *std::max_element(radius.begin(), radius.end());
-  by_radius.pale_grid().axis(Axis::x, 0, most * 1.03, "distance from the principal point (px)", 4);
+  by_radius.pale_grid().axis(Axis::x, 0, most * 1.03, "distance from centre (px)", 4);
   by_radius.axis(Axis::y, 0, greatest > 0 ? greatest * 1.05 : 1, "residual (px)", 4);
   canvas.points(by_radius, radius, size, {.marker = Marker::circle, .pen = {blue, 0.6}, .size_mm = 0.9});
   canvas.text(side - 8, top - 2, "(b) RMS " + significant(c.rms_px, 2) + " px", Align::bottom_left, {});

@@ -181,14 +181,14 @@ TEST(Calibration, FindsALens) {
   EXPECT_EQ(found.used(), 6);
   EXPECT_LT(found.rms_px, 0.06);
   EXPECT_NEAR(found.coefficients[0], -0.06, 0.004);
-  EXPECT_LT(apart(truth, Lens(LensModel::brown, found.focal, found.centre, found.coefficients, {}), 80), 0.02);
+  EXPECT_LT(apart(truth, Lens(LensModel::brown, found.focal, found.centre, found.coefficients, {}), 100), 0.02);
 }
 
 TEST(Calibration, FindsAFishEye) {
   const Calibration found = from_views(fisheye(), 6.6);
   EXPECT_GE(found.used(), 5);
   EXPECT_LT(found.rms_px, 0.06);
-  EXPECT_LT(apart(fisheye(), Lens(LensModel::fisheye, found.focal, found.centre, found.coefficients, {}), 80), 0.02);
+  EXPECT_LT(apart(fisheye(), Lens(LensModel::fisheye, found.focal, found.centre, found.coefficients, {}), 100), 0.02);
 }
 
 TEST(Calibration, SaysWhatIsMissing) {
