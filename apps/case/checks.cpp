@@ -178,7 +178,7 @@ class Checker {
       one_of(path, {{"polygon_px", !mask.polygon_px.empty()},
                     {"polygon_m", !mask.polygon_m.empty()},
                     {"circle_px", !mask.circle_px.empty()},
-                    {"image", !mask.image.empty()}});
+                    {"image", !mask.image.empty()}, {"images", !mask.images.empty()}, {"glare", mask.glare.has_value()}});
       if (!mask.polygon_px.empty()) polygon(path + ".polygon_px", mask.polygon_px);
       if (!mask.polygon_m.empty()) polygon(path + ".polygon_m", mask.polygon_m);
       if (!mask.circle_px.empty()) circle(path + ".circle_px", mask.circle_px);

@@ -73,7 +73,9 @@ std::vector<Vec2> board_corners(const ImageView& image, const Board& board) {
   for (std::size_t k = 0; k + std::size_t(board.columns) < found.size(); ++k)
     least = std::min(least, float(cv::norm(found[k + std::size_t(board.columns)] - found[k])));
   const int half = std::clamp(int(least / 3), 2, 20);
-  cv::cornerSubPix(grey, found, cv::Size(half, half), cv::Size(-1, -1),
+  cv::Mat soft;  // slopes of sharp edges are those of the pixels' raster
+  cv::GaussianBlur(grey, soft, cv::Size(0, 0), 1.0);
+  cv::cornerSubPix(soft, found, cv::Size(half, half), cv::Size(-1, -1),
                    cv::TermCriteria(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 100, 1e-4));
   for (const cv::Point2f& p : found) out.emplace_back(double(p.x), double(p.y));
   return out;

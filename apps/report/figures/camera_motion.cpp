@@ -29,20 +29,20 @@ std::vector<Figure> draw_camera_motion(const FigureInput& input) {
     residual.push_back(known ? p.residual : nan_value);
     agree.push_back(known ? double(p.agree) / p.points : 0);
   }
-  const double x = 17, w = 62, h = 20, gap = 8, top = 7;
-  auto canvas = std::make_shared<Canvas>(half_figure_mm, top + 3 * h + 2 * gap + 11);
+  const double x = 17, w = 62, h = 20, gap = 8, head = 7;
+  auto canvas = std::make_shared<Canvas>(half_figure_mm, head + 3 * h + 2 * gap + 11);
   const double first = 0, last = std::max(1.0, frame.back());
   const auto panel_at = [&](int k, const std::string& label, std::initializer_list<const std::vector<double>*> curves, double least) {
     double low = 0, high = 0;
     for (const auto* curve : curves)
       for (const double v : *curve)
         if (std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
-    const double room = 0.08 * std::max(high - low, least);
-    Panel panel = canvas->panel(x, top + k * (h + gap), w, h);
+    const double spare = 0.08 * std::max(high - low, least);
+    Panel panel = canvas->panel(x, head + k * (h + gap), w, h);
     panel.pale_grid().axis(Axis::x, first, last, k == 2 ? "frame" : "", 5);
     if (k < 2) panel.numbers(Axis::x, false);
     panel.step(Axis::x, std::max(1.0, nice_step(last - first, 6)));
-    panel.axis(Axis::y, low - (low < 0 ? room : 0), std::max(high + room, low + least), label, 3);
+    panel.axis(Axis::y, low - (low < 0 ? spare : 0), std::max(high + spare, low + least), label, 3);
     return panel;
   };
   Panel shifts = panel_at(0, "shift (px)", {&right, &down}, 0.05);
@@ -55,10 +55,10 @@ std::vector<Figure> draw_camera_motion(const FigureInput& input) {
   canvas->curve(residuals, frame, residual, {ink, 1.1});
   double next = legend(*canvas, x, 2.5, Key::line, blue, "to the right");
   legend(*canvas, next, 2.5, Key::dashed, vermilion, "down");
-  const double above = top + h + gap - 3.5;
+  const double above = head + h + gap - 3.5;
   next = legend(*canvas, x, above, Key::line, green, "turn (\u00b0)");
   legend(*canvas, next, above, Key::dashed, purple, "scale (%)");
-  for (int k = 0; k < 3; ++k) canvas->text(x - 15, top + k * (h + gap) - 5, std::array{"(a)", "(b)", "(c)"}[std::size_t(k)], Align::top_left, {.bold = true});
+  for (int k = 0; k < 3; ++k) canvas->text(x - 15, head + k * (h + gap) - 5, std::array{"(a)", "(b)", "(c)"}[std::size_t(k)], Align::top_left, {.bold = true});
   std::string caption =
       "Motion of what is at rest in the image, which is that of the camera and is removed from all vectors: (a) shift of the image\u2019s "
       "middle since the first frame; (b) rotation, clockwise, and change of scale; (c) RMS distance of the subsets that agree from "

@@ -55,7 +55,6 @@ std::string keys_of(const image::Calibration& c, const image::Board& board) {
 void draw(const image::Calibration& c, const fs::path& file) {
   const double left = 14, top = 10, w = 92, h = w * c.height / c.width, side = left + w + 22, w2 = 170 - side - 3;
   Canvas canvas(170, top + std::max(h, 60.0) + 14);
-  const Box box{{0, -double(c.height)}, {double(c.width), 0}};
   Panel field = canvas.panel(left, top, w, h);
   field.axis(Axis::x, 0, c.width, "column (px)", 5).axis(Axis::y, -double(c.height), 0, "row (px, negative)", 5);
   std::vector<double> radius, size;
@@ -79,7 +78,7 @@ void draw(const image::Calibration& c, const fs::path& file) {
               Align::bottom_left, {});
   Panel by_radius = canvas.panel(side, top, w2, 60);
   const double most = radius.empty() ? 1 : *std::max_element(radius.begin(), radius.end());
-  by_radius.pale_grid().axis(Axis::x, 0, most * 1.03, "distance from the principal point (px)", 4);
+  by_radius.pale_grid().axis(Axis::x, 0, most * 1.03, "distance from centre (px)", 4);
   by_radius.axis(Axis::y, 0, greatest > 0 ? greatest * 1.05 : 1, "residual (px)", 4);
   canvas.points(by_radius, radius, size, {.marker = Marker::circle, .pen = {blue, 0.6}, .size_mm = 0.9});
   canvas.text(side - 8, top - 2, "(b) RMS " + significant(c.rms_px, 2) + " px", Align::bottom_left, {});

@@ -196,8 +196,12 @@ TEST(MovingMasks, FollowATool) {
   const VectorField field = measure_pair(c, setting, source, {2, 3}, 2);
   for (std::size_t n = 0; n < field.status.size(); ++n) {
     const Vec2 p = setting.camera.to_pixel(setting.grid.position(int(n) % setting.grid.nx, int(n) / setting.grid.nx));
-    if (std::abs(p.x() - 152) < 20 && std::abs(p.y() - 88) < 12) EXPECT_EQ(field.status[n], VectorStatus::masked);
-    if (p.x() < 60 && field.status[n] == VectorStatus::valid) EXPECT_LT(std::abs(field.displacement[n][1]), 0.05f);
+    if (std::abs(p.x() - 152) < 20 && std::abs(p.y() - 88) < 12) {
+      EXPECT_EQ(field.status[n], VectorStatus::masked);
+    }
+    if (p.x() < 60 && field.status[n] == VectorStatus::valid) {
+      EXPECT_LT(std::abs(field.displacement[n][1]), 0.05f);
+    }
   }
 }
 
