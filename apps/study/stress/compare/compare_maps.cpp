@@ -87,7 +87,7 @@ void judge(Survival& s, const Apart& apart, std::mt19937_64& random, Progress& p
     // Said to be doubtful: clocks that differ, or errors beyond what is stated while nothing moves.
     const Metric *onset = find(c.metrics, "onset_difference"), *rest = find(c.metrics, "rest_over_u");
     const bool clocks = apart.alignment == compare::TimeAlignment::none && onset && std::abs(onset->value) > 2 * onset->uncertainty;
-    if (rms->verdict != Verdict::not_distinguishable && (clocks || (rest && rest->value > 2))) {
+    if (clocks || (rms->verdict != Verdict::not_distinguishable && rest && rest->value > 2)) {
       s.count_none();
       return;
     }
