@@ -93,7 +93,7 @@ TEST(Sweep, RunsItsCasesAndKeepsThem) {
   const Case c = read_case(folder.path / "case.toml");
   SweepOptions options;
   options.program = PIVNP_PROGRAM;
-  options.vary = {"mpm.gravity_m_s2=[0.0, -10.0],[0.0, -200.0]", "material.block.young_pa=2e5"};
+  options.vary = {"mpm.gravity_m_s2=[0.0, -10.0],[0.0, -20.0]", "material.block.young_pa=2e5"};
   options.responses = {"top_speed", "displacement", "failure_time"};
   RunSettings settings;
   settings.out = folder.path / "out";
@@ -116,7 +116,7 @@ TEST(Sweep, RunsItsCasesAndKeepsThem) {
   EXPECT_EQ(all.runs[0].responses[0], first.runs[1].responses[0]);
   EXPECT_TRUE(std::filesystem::exists(settings.out / "top_speed_over_material_block_young_pa.svg"));
   options.grid = false;
-  options.vary = {"mpm.gravity_m_s2=[0.0, -10.0],[0.0, -200.0]", "material.block.young_pa=2e5"};
+  options.vary = {"mpm.gravity_m_s2=[0.0, -10.0],[0.0, -20.0]", "material.block.young_pa=2e5"};
   const SweepOutcome again = sweep(c, options, settings, progress);
   for (std::size_t k = 0; k < again.runs.size(); ++k) {
     EXPECT_EQ(again.runs[k].kept, again.runs[k].failure.empty());
