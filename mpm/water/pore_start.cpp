@@ -36,6 +36,8 @@ void PoreWater::check_start(const Vec2& gravity) const {
     throw InputError("water.start: found 'hydrostatic' without a level, expected water.level_m, level_history or surface_m");
   if (options_.start == WaterStart::zero && level_)
     throw InputError("water.start: found 'zero' beside a level, expected one of them");
+  if (imposed() && projected())
+    throw InputError("water.groundwater: found 'level' beside mpm.pressure = \"projected\", expected \"explicit\"");
   if (options_.start != WaterStart::seepage) return;
   if (imposed()) throw InputError("water.start: found 'seepage' beside water.groundwater = \"level\", expected 'hydrostatic'");
   if (ties_->any()) throw InputError("water.start: found 'seepage' beside a tied boundary, expected 'hydrostatic' or 'zero'");

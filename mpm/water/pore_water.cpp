@@ -103,7 +103,7 @@ PoreFlow PoreWater::follow_level(Particles& p, const Vec2& gravity, double from,
       const double volume = p.volume0[k] * more * (pores_of(p, k, soil) / options_.bulk_modulus_pa + p.J[k] / soil.constrained_modulus);
       p.content[k] += volume / p.volume0[k];
       const double pressure = p.pressure[k];
-      p.pressure[k] = projected() ? pressure + options_.bulk_modulus_pa * volume / (p.volume0[k] * pores_of(p, k, soil)) : pressure_of(p, k, true);
+      p.pressure[k] = pressure_of(p, k, true);
       p.excess[k] += p.J[k] * (p.pressure[k] - pressure);
       parts[part].inflow += volume;
       parts[part].external += stored(p, k, gravity) - stored_before;

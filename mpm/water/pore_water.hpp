@@ -142,7 +142,7 @@ class PoreWater {
   bool flows(const Particles& p, std::size_t k) const { return (p.content[k] > 0 || !front_.empty()) && soil_of(p, k).holds_water(); }
   double outside_pressure(const Vec2& x, const Vec2& gravity) const;
   double pressure_of(const Particles& p, std::size_t k, bool tears) const;
-  bool tears() const { return imposed() && !projected(); }
+  bool tears() const { return imposed(); }
   bool has_surface() const { return level_ || !options_.surface_m.empty(); }
   bool imposed() const { return options_.groundwater == Groundwater::level; }
   double level_at(double time) const;  // with a level

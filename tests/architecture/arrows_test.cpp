@@ -47,7 +47,7 @@ const std::map<std::string, std::vector<std::string>> floors = {
     {"mpm", {"state", "simd", "grid", "material", "transfer", "constraint", "water", "heat", "scene", "step"}},
     {"compare", {"data", "shapes", "alignment", "measures", "metrics"}},
     {"apps/report", {"content", "words", "figures", "document"}},
-    {"apps/study", {"pipeline", "synth", "methods", "frontier", "stress", "studies"}},
+    {"apps/study", {"pipeline", "synth", "methods", "frontier", "stress", "sweep", "studies"}},
 };
 
 // Of another folder, one floor only.

@@ -137,7 +137,7 @@ void read_responses(const Case& c, const SweepOptions& options, SweepRun& run) {
   const std::unique_ptr<MotionSource> motion = record.motion("mpm");
   const std::size_t frames = motion->times().size(), particles = motion->particles().size();
   const std::vector<std::size_t> zone = zone_of(motion->particles(), options.zone_m, motion->frame(frames - 1));
-  if (zone.empty()) throw InputError("--zone: holds no particle of " + run.label + ", expected a box x0,y0,x1,y1 with material");
+  if (zone.empty() && !options.zone_m.empty()) throw InputError("--zone: holds no particle of " + run.label + ", expected a box x0,y0,x1,y1 with material");
   Seen seen;
   for (std::size_t k = 0; k < frames; ++k) see(c, motion->frame(k), zone, particles, k + 1 == frames, seen);
   run.times = seen.times;

@@ -46,7 +46,12 @@ double number_of(const std::string& text) {
   return text.empty() || *end ? std::numeric_limits<double>::quiet_NaN() : value;
 }
 
-std::string shown_value(const std::string& text) { return text.size() > 1 && text.front() == '"' ? text.substr(1, text.size() - 2) : text; }
+// In a chart: without quotation marks, and of a long list no more than its end.
+std::string shown_value(const std::string& text) {
+  constexpr std::size_t most = 16;
+  if (text.size() > most && text.front() == '[') return "… " + text.substr(text.size() - most);
+  return text.size() > 1 && text.front() == '"' ? text.substr(1, text.size() - 2) : text;
+}
 
 // Around the values, from zero where they are near it.
 std::pair<double, double> span_of(const std::vector<double>& values) {

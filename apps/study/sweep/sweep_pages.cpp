@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "apps/plot/canvas.hpp"
 #include "apps/study/sweep/sweep_charts.hpp"
 #include "pivnp/core/text.hpp"
 
@@ -52,6 +53,7 @@ report::Table table_of_runs(const std::vector<SweepResponse>& responses, const s
 }  // namespace
 
 SweepPages sweep_pages(const Case& c, const SweepOptions& options, const std::vector<Variation>& variations, const std::vector<SweepRun>& runs) {
+  plot::start_qt();  // charts measure their words before there is a canvas
   SweepPages pages;
   report::Document& document = pages.document;
   document.title = "Sweep: " + (c.name.empty() ? short_name(c) : c.name);

@@ -343,7 +343,7 @@ TEST_F(CommandLine, StressTakesSettingsOrNone) {
   expect_error(run_program({"stress", "--seeds", "0"}), 2, "");
 }
 
-TEST(CommandLine, SweepsACase) {
+TEST_F(CommandLine, SweepsACase) {
   const Folder folder;
   const std::string file = folder.write("case.toml", "name = \"lab\"\n[mpm]\nend_s = 1.0\noutput_rate_hz = 1.0\n[grid]\nspacing_m = 0.1\n[region.a]\npolygon_m = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]\n"
                                                "[material.a]\nmodel = \"linear_elastic\"\ndensity_kg_m3 = 1.0\nyoung_pa = 1.0\n").string();

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "mpm/constraint/restraints.hpp"
+#include "mpm/material/model.hpp"
 #include "mpm/scene/scene_setup.hpp"
 #include "pivnp/core/error.hpp"
 #include "tests/support/silent.hpp"

@@ -68,7 +68,7 @@ TEST(SweepPlan, VariesOneKeyAtATimeOrAll) {
 
 TEST(SweepPlan, KnowsTheCasesOwnValues) {
   const Case c = parse_case(falling, "case", ".");
-  EXPECT_EQ(value_in(c, "material.block.young_pa"), "100000.0");
+  EXPECT_EQ(std::stod(value_in(c, "material.block.young_pa")), 1e5);
   EXPECT_EQ(value_in(c, "mpm.damping"), "");
 }
 
@@ -93,7 +93,7 @@ TEST(Sweep, RunsItsCasesAndKeepsThem) {
   const Case c = read_case(folder.path / "case.toml");
   SweepOptions options;
   options.program = PIVNP_PROGRAM;
-  options.vary = {"mpm.gravity_m_s2=[0.0, -10.0],[0.0, -200.0]", "material.block.young_pa=2e5"};
+  options.vary = {"mpm.gravity_m_s2=[0.0, -10.0],[0.0, -20.0]", "material.block.young_pa=2e5"};
   options.responses = {"top_speed", "displacement", "failure_time"};
   RunSettings settings;
   settings.out = folder.path / "out";
@@ -108,6 +108,15 @@ TEST(Sweep, RunsItsCasesAndKeepsThem) {
   EXPECT_NEAR(first.runs[3].responses[0], 0.5, 0.01);
   for (const char* name : {"sweep.html", "sweep.pdf", "sweep.csv", "sweep.h5", "tornado_top_speed.svg", "tornado_top_speed.png"})
     EXPECT_TRUE(std::filesystem::exists(settings.out / name)) << name;
+  options.grid = true;  // of which all values but one were run already
+  options.vary = {"mpm.gravity_m_s2=[0.0, -10.0]", "material.block.young_pa=1e5,2e5"};
+  const SweepOutcome all = sweep(c, options, settings, progress);
+  ASSERT_EQ(all.runs.size(), 2u);
+  EXPECT_TRUE(all.runs[0].kept);
+  EXPECT_EQ(all.runs[0].responses[0], first.runs[1].responses[0]);
+  EXPECT_TRUE(std::filesystem::exists(settings.out / "top_speed_over_material_block_young_pa.svg"));
+  options.grid = false;
+  options.vary = {"mpm.gravity_m_s2=[0.0, -10.0],[0.0, -20.0]", "material.block.young_pa=2e5"};
   const SweepOutcome again = sweep(c, options, settings, progress);
   for (std::size_t k = 0; k < again.runs.size(); ++k) {
     EXPECT_EQ(again.runs[k].kept, again.runs[k].failure.empty());
