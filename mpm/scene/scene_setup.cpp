@@ -42,8 +42,8 @@ Scheme scheme_of(const MpmOptions& options) {
   return scheme;
 }
 
-bool steps_by_arrangement(const Scheme& scheme, bool bodies_or_contact, bool coupled) {
-  return scheme.shape == ShapeKind::bspline && scheme.takes_updated() && !scheme.axisymmetric && !(scheme.damping > 0) && !bodies_or_contact && !coupled;
+bool steps_by_arrangement(const Scheme& scheme, bool bodies_or_contact, bool water) {
+  return scheme.shape == ShapeKind::bspline && scheme.takes_updated() && !scheme.axisymmetric && !(scheme.damping > 0) && !bodies_or_contact && !water;
 }
 
 Materials materials_of(const Scene& scene, const std::vector<MaterialOptions>& constants) {

@@ -14,8 +14,8 @@ namespace pivnp::mpm {
 /// The numerical choices a scheme's name stands for, with what the options say instead. Throws InputError naming the key.
 Scheme scheme_of(const MpmOptions& options);
 /// Whether steps, where mpm.courant is left out, follow how the points lie (time_step.hpp): B-splines with APIC and usl, plane, undamped, without
-/// bodies and contact, whose impulses between few nodes ask for shorter ones. `coupled`: with water or heat.
-bool steps_by_arrangement(const Scheme& scheme, bool bodies_or_contact, bool coupled);
+/// bodies and contact, whose impulses between few nodes ask for shorter ones. `water`: in the pores.
+bool steps_by_arrangement(const Scheme& scheme, bool bodies_or_contact, bool water);
 
 /// The laws of `materials` (the scene's, or as they are at a time), one a label. Throws InputError naming the material.
 Materials materials_of(const Scene& scene, const std::vector<MaterialOptions>& materials);

@@ -16,7 +16,8 @@ namespace pivnp::mpm {
 
 namespace {
 
-constexpr std::int64_t check_every = 100;  // steps between looks at the energy balance
+// Steps between looks at the energy balance: at first more often, so that what was turned over in a first swing is seen.
+constexpr std::int64_t check_every = 100, check_early = 10;
 
 bool has_reaction(const std::string& name, const BoundaryOptions& boundary) {
   return boundary.type != BoundaryType::tied && name != axis_boundary;
@@ -73,7 +74,7 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
 }
 
 bool Solver::Impl::steps_by_arrangement() const {
-  return !options.courant && mpm::steps_by_arrangement(scheme, !scene.bodies.empty() || !scene.contacts.empty(), water || heat);
+  return !options.courant && mpm::steps_by_arrangement(scheme, !scene.bodies.empty() || !scene.contacts.empty(), bool(water));
 }
 
 double Solver::Impl::courant() const {
@@ -139,6 +140,7 @@ void Solver::advance_to(double time, Progress& progress) {
     if (s.state.time == s.next_change(before)) s.sleep.wake_all();
     if (s.state.time == s.restraints.next_change(before)) s.g.set_walls(s.restraints.wall_sides(s.state.time, s.g.grid));
     if (s.observer) s.observer(dt, [&s](const Vec2& x) { return velocity_at(s.g, x); });
+    if (s.state.steps < check_every && s.state.steps % check_early == 0) s.check_balance();
     if (s.state.steps % check_every == 0) {
       s.check_balance();
       s.watch_motion();

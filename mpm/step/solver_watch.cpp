@@ -13,6 +13,7 @@ namespace {
 constexpr double heavy_mass = 0.05;           // of a full cell: nodes whose speed says something
 constexpr double calm = 1e-3;                 // of the peak kinetic energy
 constexpr double calm_share = 0.1;            // of the run for which it has to be calm, and
+constexpr std::int64_t first_judged = 10;     // step at which the balance is first held against the limit
 constexpr int calm_looks = 10;                // looks at the balance
 constexpr double still = 0.01;                // cells that the fastest node may still go in the time run so far
 
@@ -98,7 +99,8 @@ void Solver::Impl::check_balance() {
   if (!std::isfinite(row.residual)) fail("the energy is not finite");
   double& turned_over = state.balance.turned_over;
   turned_over = std::max(turned_over, turnover(row, state.balance));
-  if (std::abs(row.residual) > options.energy_limit * std::max(turned_over, least_turned_over)) {
+  // (Velocities are those of half a step ago: after n steps of a fall the balance is off by 1/n of the work.)
+  if (state.steps >= first_judged && std::abs(row.residual) > options.energy_limit * std::max(turned_over, least_turned_over)) {
     std::ostringstream text;
     text << "the energy residual is " << row.residual << " J/m, beyond " << options.energy_limit
          << " of the energy supplied (" << std::max(turned_over, least_turned_over) << " J/m; mpm.energy_limit)";

@@ -70,13 +70,17 @@ VECTOR_FILES = {
 SOFTER = {"young_pa": "1e4"}
 FROM_REST = {"synth": {"motion": '"mpm"', "shift_px_per_frame": None, "frames": "9"}, "material.soil": SOFTER,
              "synth.material.soil": SIMULATION["material.soil"] | SOFTER, "synth.mpm": {"initial_equilibrium": "false"}}
+LENS = {"lens": '"brown"', "focal_px": "[900.0, 900.0]", "distortion": "[-0.01]"}
+WINDOW = {"focal_px": "[900.0, 900.0]", "window_thickness_m": "0.005", "window_distance_m": "0.3"}
+FILMED = MEASUREMENT | {"camera.motion": {"from": '"still_zone"', "zone_px": "[[2, 2], [93, 2], [93, 27], [2, 27]]", "subset_px": "15", "search_px": "8"}}
+MARKS = {"from": '"targets"', "zone_px": None, "targets_px": "[[20, 14], [48, 14], [76, 14]]"}
 # The case that a section's keys are tried in, and the section's name in it.
 BASES = {
     "frames": MEASUREMENT, "vectors": VECTORS, "camera": MEASUREMENT, "grid": MEASUREMENT, "region": SIMULATION, "mask": MEASUREMENT,
     "piv": MEASUREMENT, "np": MEASUREMENT, "material": SIMULATION, "mpm": SIMULATION, "boundary": SIMULATION,
     "body": SIMULATION, "contact": TWO_BODIES, "compare": BOTH, "compare.limits": BOTH, "report": SIMULATION,
     "output": SIMULATION, "synth": MEASUREMENT, "synth.texture": MEASUREMENT, "synth.material": CARRIED,
-    "synth.mpm": CARRIED, "verify": MEASUREMENT,
+    "synth.mpm": CARRIED, "synth.camera": MEASUREMENT, "camera.motion": FILMED, "verify": MEASUREMENT,
     "centrifuge": SPUN, "water": WET, "heat": HEATED, "report.hardware": SIMULATION, "report.line": SIMULATION,
 }
 NAMES = {"region": "region.soil", "mask": "mask.label", "material": "material.soil", "initial": "initial.soil", "boundary": "boundary.side",
@@ -156,7 +160,13 @@ VALUES = {
     "frames": {"path": [("DRAWN", {}, {"synth": None})], "first": ["1"], "last": ["3"], "stride": ["2"]},
     "vectors": {"path": ['"csv_1.txt"'], "format": [(f'"{name}"', {"path": f'"{name}_1.txt"'}) for name in VECTOR_FILES], "rate_hz": ["50.0"]},
     "camera": {"origin_px": ["[10.0, 80.0]"], "points_px": [(TARGETS["camera"]["points_px"], {}, TARGETS)],
-               "points_m": [(TARGETS["camera"]["points_m"], {}, TARGETS)], "length_unit": ['"ft"'], "metres_per_pixel": ["0.002"]},
+               "points_m": [(TARGETS["camera"]["points_m"], {}, TARGETS)], "length_unit": ['"ft"'], "metres_per_pixel": ["0.002"],
+               "lens": ['"none"', ('"brown"', LENS), ('"fisheye"', LENS)], "focal_px": [("[800.0, 800.0]", LENS)], "centre_px": [("[48.0, 47.0]", LENS)],
+               "distortion": [("[-0.02, 0.001]", LENS)], "lens_rms_px": [("0.05", LENS)], "window_thickness_m": [("0.01", WINDOW)],
+               "window_distance_m": [("0.4", WINDOW)], "window_index": [("1.52", WINDOW)]},
+    "camera.motion": {"from": [('"none"', {"zone_px": None}), '"still_zone"', ('"targets"', MARKS), ('"dominant"', {"zone_px": None})],
+                      "zone_px": ["[[4, 4], [91, 4], [91, 27], [4, 27]]"], "zone_m": [("[[0.004, 0.066], [0.091, 0.066], [0.091, 0.091], [0.004, 0.091]]", {"zone_px": None})],
+                      "targets_px": [("[[18, 14], [48, 14], [78, 14]]", MARKS)], "subset_px": ["17"]},
     "grid": {"spacing_px": ["6"], "spacing_m": [("0.008", {"spacing_px": None})], "margin_px": ["10"],
              "area_px": ["[[8, 8], [88, 88]]"], "area_m": ["[[0.01, 0.01], [0.085, 0.085]]"]},
     "region": {"polygon_m": ["[[0.0, 0.0], [0.06, 0.0], [0.06, 0.06], [0.0, 0.06]]"],
@@ -164,6 +174,8 @@ VALUES = {
                "material": [('"other"', {}, {"material.other": SAND})]},
     "mask": {"polygon_px": ["[[2, 2], [20, 2], [20, 20]]"], "polygon_m": ["[[0.0, 0.0], [0.01, 0.0], [0.0, 0.01]]"],
              "circle_px": ["[10, 10, 6]"], "image": ['"mask.pgm"'],
+             "images": ['"masks/*.pgm"'], "motion": [('"tool.csv"', {"circle_px": "[10, 10, 6]"})],
+             "follow": [("true", {"polygon_px": "[[0, 0], [95, 0], [95, 34], [0, 34]]"}), ("false", {"circle_px": "[10, 10, 6]"})], "glare": ["0.98"], "grow_px": [("2", {"image": '"mask.pgm"'})],
              "invert": [("true", {"polygon_px": "[[4, 4], [91, 4], [91, 91], [4, 91]]"}), ("false", {"circle_px": "[10, 10, 6]"})]},
     "piv": {"first_window_px": ["32"], "passes": ["2"], "window_px": ["24"], "order": [("0", {"smoothing": '"window"'}), ("2", {"smoothing": '"window"'})],
             "closure": ["2"]},
@@ -205,13 +217,16 @@ VALUES = {
     "report.line": {"type": [(f'"{kind}"', LINE) for kind in ("section", "extensometer")], "from_m": [(LINE["from_m"], LINE)], "to_m": [(LINE["to_m"], LINE)],
                     "field": [('"strain_dev"', LINE)]},
     "output": {"fields": [FIELDS]},
-    "synth": {"motion": [('"none"', {"shift_px_per_frame": None}), '"affine"', ('"mpm"', {}, CARRIED), ('"slope"', {}, STAGED)],
+    "synth": {"motion": [('"none"', {"shift_px_per_frame": None}), '"affine"', ('"mpm"', {}, CARRIED), ('"slope"', {}, STAGED),
+                         ('"record"', {"record": '"TRUTH"', "shift_px_per_frame": None})],
+              "record": [('"TRUTH"', {"motion": '"record"', "shift_px_per_frame": None})],
               "gradient_per_frame": ["[0.001, 0.0, 0.0, -0.001]"], "shift_px_per_frame": ["[0.3, 0.1]"], "rotation_deg_per_frame": ["0.1"],
               "centre_px": ["[48.0, 48.0]"], "lose_texture_at": ["2"], "width_px": ["112"], "height_px": ["112"], "frames": ["3"],
               "settlement": [("0.01", {}, STAGED)], "collapse": [("0.02", {}, STAGED)], "slip_centre_px": [("[70, 20]", {}, STAGED)],
               "slip_radius_px": [("45.0", {}, STAGED)], "slip_band_px": [("12.0", {}, STAGED)], "slip_deg": [("1.0", {}, STAGED)]},
     "synth.texture": {"bits": ["8", "12", "16"], "peak_min": ["0.3"], "peak_max": ["0.7"], "noise": ["0.01"], "loss": ["0.05"],
                       "light_slope": ["0.1"], "light_change": ["0.1"], "blur_px": ["0.5"], "density_per_px": ["0.06"]},
+    "synth.camera": {"bump_px": [("[2.0, -1.0]", {"bump_at": "2"})], "drift_px_per_frame": ["[0.2, 0.1]"], "still_px": ["[[0, 0], [95, 0], [95, 20], [0, 20]]"]},
     # The same lists as above, in another section.
     "synth.material": {key: [(*item[:2], {"synth.mpm": AT_ONCE["mpm"]}) if AT_ONCE in tuple(item) else item for item in items]
                        for key, items in MATERIAL.items()} |
@@ -292,13 +307,13 @@ def case_text(section, key, item, drawn):
     name = NAMES.get(section, section)
     merge(case, {name: here} if name else {})
     merge(case, elsewhere)
+    truth = pathlib.Path(drawn).parent.parent / "truth" / "record.h5"
     lines = [f'name = {value if section == "" else chr(34) + section + "." + key + chr(34)}']
     if name:
-        truth = pathlib.Path(drawn).parent.parent / "truth" / "record.h5"
-        case.setdefault(name, {})[key] = f'"{drawn}"' if value == "DRAWN" else value.replace("TRUTH", str(truth))
+        case.setdefault(name, {})[key] = f'"{drawn}"' if value == "DRAWN" else value
     for title, keys in case.items():
         lines += ["", f"[{title}]"] + [f"{k} = {v}" for k, v in keys.items()]
-    return "\n".join(lines) + "\n"
+    return "\n".join(lines).replace("TRUTH", str(truth)) + "\n"
 
 
 def main():
@@ -326,6 +341,10 @@ def main():
         section, key, item = cases[number]
         there = scratch / str(number)
         there.mkdir()
+        (there / "tool.csv").write_text("frame,right_px,down_px,turn_deg\n0,0,0,0\n4,2,1,3\n")
+        (there / "masks").mkdir()
+        for k in range(5):
+            (there / "masks" / f"{k}.pgm").write_bytes(b"P5 96 96 255\n" + bytes([0] * 96 * (8 + k) + [255] * 96 * (88 - k)))
         (there / "mask.pgm").write_bytes(b"P5 96 96 255\n" + bytes([0] * 96 * 8 + [255] * 96 * 88))
         (there / "stress.csv").write_text("x_m,y_m,stress_xx_pa,stress_yy_pa,stress_zz_pa,stress_xy_pa\n" +
                                           "".join(f"{0.09 * i},{0.09 * j},-50,{-100 + 100 * j},-50,0\n" for i in (0, 1) for j in (0, 1)))

@@ -82,7 +82,7 @@ void size_simulation(const Case& c, const Setting& setting, std::size_t frames, 
   size.states = o.output_rate_hz ? std::floor(end * *o.output_rate_hz) + 1 : double(frames);
   require_at_most(size.states, most_states, "states", "mpm.output_rate_hz", toml_text(o.output_rate_hz));
   const Laws materials(c, std::sqrt(grid.spacing.prod()));
-  const bool longer = mpm::steps_by_arrangement(mpm::scheme_of(o), !c.bodies.empty() || !c.contacts.empty(), materials.wet || c.heat);
+  const bool longer = mpm::steps_by_arrangement(mpm::scheme_of(o), !c.bodies.empty() || !c.contacts.empty(), materials.wet);
   size.steps = end / mpm::stable_step_with_water(o.courant.value_or(longer ? mpm::most_courant : mpm::least_courant), grid.spacing.x(), grid.spacing.y(), materials.fastest, 0,
                                                  materials.diffusivity);
   const bool short_steps = o.courant.value_or(1) < 0.01;

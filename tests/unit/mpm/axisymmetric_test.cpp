@@ -77,6 +77,7 @@ TEST(Axisymmetric, FarFromTheAxisItIsPlane) {
     s.boundaries = {{"base", line({x, 0}, {x + 1, 0}, "frictional", 0.3)}, {"wall", line({x, 0}, {x, 0.8}, "roller")}};
     MpmOptions o = round(ShapeKind::bspline, TransferKind::apic, {0, -9.81});
     if (!axial) o.geometry = Geometry::plane;
+    o.courant = 0.4;  // left out, plane steps may be longer
     Solver solver(o, s, 1);
     solver.advance_to(0.1, silent);
     return std::pair{solver.frame(), solver.energy()};

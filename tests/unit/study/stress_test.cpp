@@ -171,7 +171,7 @@ TEST(Stress, ParticlesAtHolesMasksAndEdges) {
   const SurvivalMap& leave = named(maps, "np_leave");
   EXPECT_EQ(leave.at(leave.x.size() - 1, leave.y.size() - 1).good, 0);   // 80 elements on
   EXPECT_EQ(leave.total().wrong, 0);
-  EXPECT_GT(row_of(named(maps, "np_births"), 0).good, 0.85 * (row_of(named(maps, "np_births"), 0).all() - row_of(named(maps, "np_births"), 0).flagged));
+  EXPECT_GT(row_of(named(maps, "np_births"), 0).good, 0.88 * (row_of(named(maps, "np_births"), 0).all() - row_of(named(maps, "np_births"), 0).flagged));  // (splines average the nodes' noise less than bilinear functions do)
 }
 
 TEST(Stress, VerdictsHoldWhereErrorsAreAsStated) {
@@ -179,7 +179,7 @@ TEST(Stress, VerdictsHoldWhereErrorsAreAsStated) {
   const SurvivalMap& noise = named(maps, "compare_noise");
   EXPECT_EQ(noise.at(0, 0).good, noise.at(0, 0).all());  // a tenth of what is stated, no difference
   const auto stated = std::size_t(std::find(noise.x.levels.begin(), noise.x.levels.end(), 4) - noise.x.levels.begin());
-  EXPECT_GT(noise.at(stated, 0).wrong, 0.5 * noise.at(stated, 0).all());  // four times what is stated: false alarms
+  EXPECT_GT(noise.at(stated, 0).flagged, 0.5 * noise.at(stated, 0).all());  // four times what is stated: remarked on, from what rests
   EXPECT_EQ(noise.at(0, noise.y.size() - 1).good, noise.at(0, 0).all());  // ten u_val: never missed
   const SurvivalMap& overlap = named(maps, "compare_overlap");
   EXPECT_EQ(column_of(overlap, 0).flagged, column_of(overlap, 0).all());

@@ -33,6 +33,7 @@ young_pa = 1e5
 [mpm]
 initial_equilibrium = false
 gravity_m_s2 = [0.0, -5.0]
+courant = 0.05
 end_s = 0.1
 output_rate_hz = 50.0
 )";

@@ -82,7 +82,8 @@ FrontierStage vortex_frontier(int repeats, int threads, Progress& progress) {
     double square = 0, area = 0, greatest = 0, steps = 0;
     std::size_t points = 0;
     const auto run = [&](bool score) {
-      const mpm::Scene scene = motion.scene(s.cell, s.across);
+      const double before = 0.5 * mpm::Solver(s.options, motion.scene(s.cell, s.across), threads).stable_step();
+      const mpm::Scene scene = motion.scene(s.cell, s.across, before);
       mpm::Solver solver(s.options, scene, threads);
       solver.advance_to(turning_point, unseen);
       if (!score) return;

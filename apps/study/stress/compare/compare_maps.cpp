@@ -93,7 +93,9 @@ void judge(Survival& s, const Apart& apart, std::mt19937_64& random, Progress& p
     }
     const bool told_apart = rms->verdict != Verdict::not_distinguishable;
     const bool clear = apart.difference >= clear_difference, none = apart.difference == 0;
-    (!clear && !none ? s.fair : told_apart == clear ? s.good : s.wrong) += 1;
+    // (Where an onset is not known well, u_val is more than that of the motions, and the verdict says what it would have seen.)
+    const bool unseen = clear && !told_apart && apart.difference * u_val < rms->seen();
+    ((!clear && !none) || unseen ? s.fair : told_apart == clear ? s.good : s.wrong) += 1;
   } catch (const InputError&) {
     s.count_none();
   }
@@ -104,7 +106,7 @@ void add(std::vector<MapPlan>& all, const std::string& name, const std::string& 
   MapPlan plan;
   plan.map = {name, title,
               words + ". " + std::to_string(verdicts) + " pairs of motions of " + std::to_string(block_columns * block_rows) + " particles a combination; an error is common to all particles. Wrong: told apart where there is no difference, or not told apart where there are " +
-                  number(clear_difference) + " u_val and more; in between both may be said. Flagged: no verdict, less than " + number(100 * least_coverage) + " % of the first with a partner, or a difference of which the comparison remarks that the clocks differ or that errors before the motion are larger than stated.",
+                  number(clear_difference) + " u_val and more and the verdict says that it would have found that difference; in between both may be said. Flagged: no verdict, less than " + number(100 * least_coverage) + " % of the first with a partner, or a difference of which the comparison remarks that the clocks differ or that errors before the motion are larger than stated.",
               std::move(x), std::move(y), {}, std::move(theory)};
   plan.result = [=, xs = plan.map.x.levels, ys = plan.map.y.levels](std::size_t i, std::size_t j, Progress& progress) {
     std::mt19937_64 random(7000 + 37 * i + j);
