@@ -33,7 +33,9 @@ TEST(VerdictTwins, TheSameSoilIsNotToldApartAndAnotherIs) {
       if (what == Said::distinguishable) ++alarms, which += " " + scene.name + ":" + m.name;
     }
     for (const char* shape : {"run_out_x_difference", "slope_angle_difference", "outline_hausdorff_95"})
-      if (const Metric* m = find(same.metrics, shape)) EXPECT_NE(said(*m), Said::distinguishable) << shape;
+      if (const Metric* m = find(same.metrics, shape)) {
+        EXPECT_NE(said(*m), Said::distinguishable) << shape;
+      }
     for (const Change& change : scene.changes) {
       ++others;
       found += said_of_displacement(bench.against(scene, measured, change.soil)) == Said::distinguishable;

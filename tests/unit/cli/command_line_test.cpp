@@ -142,7 +142,7 @@ TEST_F(CommandLine, AFolderOfFramesStandsForTheCasesPattern) {
 }
 
 TEST_F(CommandLine, ResultsArePrinted) {
-  fake_study().outcome = {"o/record.h5", "o/report.html", "o/report.pdf", {"Frame 3 is bad."}, {}, {}};
+  fake_study().outcome = {"o/record.h5", "o/report.html", "o/report.pdf", {"Frame 3 is bad."}, {}, {}, {}};
   const Ran ran = run_program({"run", measured});
   EXPECT_EQ(ran.code, 0);
   EXPECT_EQ(ran.out, "o/record.h5\no/report.html\no/report.pdf\nnote: Frame 3 is bad.\n");
