@@ -182,6 +182,7 @@ class Checker {
       if (!mask.polygon_px.empty()) polygon(path + ".polygon_px", mask.polygon_px);
       if (!mask.polygon_m.empty()) polygon(path + ".polygon_m", mask.polygon_m);
       if (!mask.circle_px.empty()) circle(path + ".circle_px", mask.circle_px);
+      if (mask.grow_px > 0 && !mask.moves()) refuse(path + ".grow_px", "found " + toml_text(mask.grow_px) + " for a mask that does not move, expected images, glare, motion or follow");
     }
     for (const auto& [name, boundary] : c_.boundaries) boundary_shape("boundary." + name, boundary);
     for (const auto& [name, body] : c_.bodies) {
@@ -268,6 +269,7 @@ class Checker {
 
   void centrifuge() const {
     if (!c_.centrifuge) return;
+    if (!c_.mpm && !c_.synth_mpm) refuse_section("centrifuge", "nothing is simulated in it, expected [mpm] or [synth.mpm]");
     for (const char* section : {"mpm", "synth.mpm"}) {
       const auto& options = std::string_view(section) == "mpm" ? c_.mpm : c_.synth_mpm;
       const std::string key = std::string(section) + ".gravity_m_s2";

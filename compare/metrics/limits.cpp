@@ -68,6 +68,7 @@ std::vector<LimitResult> apply_limits(const LimitOptions& limits, std::vector<Me
     if (!limit) continue;
     LimitResult result{row.name, *limit, row.least ? std::numeric_limits<double>::infinity() : 0.0, true};
     std::size_t found = 0;
+    bool known = true;  // the uncertainty of each
     for (Metric& m : metrics) {
       if (limit_of(m.name) != row.name) continue;
       ++found;
@@ -77,8 +78,11 @@ std::vector<LimitResult> apply_limits(const LimitOptions& limits, std::vector<Me
       m.verdict = met ? Verdict::met : Verdict::exceeded;
       result.met = result.met && met;
       if (std::isnan(size) || (row.least ? size < result.reached : size > result.reached)) result.reached = size;
-      if (!row.least && !(m.within() <= result.within)) result.within = m.within();
+      if (row.least) continue;
+      known = known && std::isfinite(m.within());
+      result.within = std::fmax(result.within, m.within());
     }
+    if (!known) result.within = not_known;
     if (found == 0) {
       result.met = false;
       result.reached = not_known;

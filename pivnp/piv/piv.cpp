@@ -78,14 +78,14 @@ struct PairCorrelator::Impl {
     return !same;
   }
 
-  void place(const std::vector<std::array<float, 2>>& pixel) {
+  void place(const std::vector<std::array<float, 2>>& pixel, bool anew) {
     constexpr float near = 8;  // px: the method's lattices reach farther beyond the nodes
     float most = 0;
     for (std::size_t k = 0; k < pixel.size(); ++k)
       for (const std::size_t c : {std::size_t(0), std::size_t(1)})
         if (const float off = std::abs(pixel[k][c] - made_at[k][c]); off > most) most = off;
     nodes.pixel = pixel;
-    if (most > near) return make_method();
+    if (anew || most > near) return make_method();
     const NodeLattice live = live_part();
     if (!method->place(live)) return make_method();
     empty = empty_vectors(live);
@@ -140,11 +140,12 @@ const DenseField* PairCorrelator::field() const { return impl_->method->field();
 
 std::array<int, 2> PairCorrelator::field_origin() const { return {impl_->box.x0, impl_->box.y0}; }
 
-void PairCorrelator::place(const std::vector<std::array<float, 2>>& pixel) {
+void PairCorrelator::place(const std::vector<std::array<float, 2>>& pixel, bool anew) {
   if (pixel.size() != impl_->nodes.pixel.size())
     throw InputError("piv: found " + std::to_string(pixel.size()) + " places of nodes, expected " +
                      std::to_string(impl_->nodes.pixel.size()));
-  if (pixel != impl_->nodes.pixel) impl_->place(pixel);
+  anew = anew && pixel != impl_->made_at;
+  if (anew || pixel != impl_->nodes.pixel) impl_->place(pixel, anew);
 }
 
 PixelVectors PairCorrelator::correlate(const ImageView& first, const ImageView& second, const MaskView& mask) {

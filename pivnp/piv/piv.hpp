@@ -29,8 +29,9 @@ class PairCorrelator {
  public:
   PairCorrelator(const PivOptions& options, NodeLattice lattice, int width, int height, int threads);
   ~PairCorrelator();
-  /// Puts the nodes elsewhere ([ny][nx], column and row), for the pairs to come: where a moving camera sees them.
-  void place(const std::vector<std::array<float, 2>>& pixel);
+  /// Puts the nodes elsewhere ([ny][nx], column and row), for the pairs to come: where a moving camera sees them. What the method is made for
+  /// follows by itself where they go far; `anew`: now, if they are elsewhere (so that what follows does not depend on what went before).
+  void place(const std::vector<std::array<float, 2>>& pixel, bool anew = false);
   PixelVectors correlate(const ImageView& first, const ImageView& second, const MaskView& mask);
   /// The field that the last pair's vectors are from, and the place in the frames of its (0, 0); null where the method
   /// has none.

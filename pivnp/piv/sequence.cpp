@@ -271,7 +271,7 @@ void SequenceCorrelator::add(const ImageView& first, const ImageView& second, co
                              const CameraStep* camera) {
   HeldPair pair;
   if (camera != nullptr) {
-    impl_->pairs.place(camera->pixel);
+    impl_->pairs.place(camera->pixel, impl_->held.empty());
     pair.camera = *camera;
   }
   pair.vectors = impl_->pairs.correlate(first, second, mask);

@@ -22,6 +22,8 @@ class Correlator {
   Correlator(const std::string& toml, int width, int height, const py::object& mask, int threads) {
     const app::Case c = case_of(toml);
     setting_ = app::make_setting(c, width, height);
+    if (c.camera_motion.from != image::RestSource::none || !setting_.moving_masks.empty())
+      throw InputError("Correlator: the case has a camera or masks that move, expected neither (pivnp.run follows them)");
     lattice_ = app::node_lattice(setting_);
     if (!mask.is_none()) mask_ = std::make_unique<BorrowedImage>(mask.cast<py::buffer>(), "mask", 0);
     if (mask_ && (mask_->view().width != width || mask_->view().height != height))

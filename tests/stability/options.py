@@ -175,7 +175,7 @@ VALUES = {
     "mask": {"polygon_px": ["[[2, 2], [20, 2], [20, 20]]"], "polygon_m": ["[[0.0, 0.0], [0.01, 0.0], [0.0, 0.01]]"],
              "circle_px": ["[10, 10, 6]"], "image": ['"mask.pgm"'],
              "images": ['"masks/*.pgm"'], "motion": [('"tool.csv"', {"circle_px": "[10, 10, 6]"})],
-             "follow": [("true", {"polygon_px": "[[0, 0], [95, 0], [95, 34], [0, 34]]"}), ("false", {"circle_px": "[10, 10, 6]"})], "glare": ["0.98"], "grow_px": [("2", {"image": '"mask.pgm"'})],
+             "follow": [("true", {"polygon_px": "[[0, 0], [95, 0], [95, 34], [0, 34]]"}), ("false", {"circle_px": "[10, 10, 6]"})], "glare": ["0.98"], "grow_px": [("2", {"glare": "0.98"})],
              "invert": [("true", {"polygon_px": "[[4, 4], [91, 4], [91, 91], [4, 91]]"}), ("false", {"circle_px": "[10, 10, 6]"})]},
     "piv": {"first_window_px": ["32"], "passes": ["2"], "window_px": ["24"], "order": [("0", {"smoothing": '"window"'}), ("2", {"smoothing": '"window"'})],
             "closure": ["2"]},

@@ -142,6 +142,7 @@ class Follower {
     if (const auto found = matched(before)) return *found;
     CameraPlace lost = before;
     lost.points = lost.agree = 0;
+    lost.var_shift += o_.search_px * o_.search_px / 3.0;  // anywhere within the search
     return lost;
   }
 

@@ -106,6 +106,7 @@ struct DriftCorrector::Impl {
       guess.from = then.to_pixel(key.x[p]);
       guess.to = camera.to_pixel(particle.x);
       guess.A = camera.jacobian(guess.to).inverse() * particle.F * key.F[p].inverse() * then.jacobian(guess.from);
+      if (!guess.from.allFinite() || !guess.to.allFinite() || !guess.A.allFinite()) continue;  // beyond what the lens maps
       asked.push_back(p);
       predictions.push_back(guess);
     }

@@ -74,6 +74,8 @@ class Run {
       require_time_and_scale(c_, setting_, source_.get());
     if (tracks && simulates) check_compared_zones(c_, setting_);
     setting_.sources = sources_of(c_, source_.get(), vectors_.get(), progress_);
+    for (const fs::path& file : setting_.moving_masks.files())
+      setting_.sources.push_back(io::identity_of(file, file.filename().string(), progress_));
     writer_ = std::make_unique<io::RecordWriter>(settings.out, head(), settings.resume, settings.threads, lock_);
   }
 

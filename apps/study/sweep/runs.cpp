@@ -31,8 +31,13 @@ pid_t start(const SweepJob& job) {
   std::vector<char*> words;
   for (const std::string& word : job.words) words.push_back(const_cast<char*>(word.c_str()));
   words.push_back(nullptr);
+  // A group of its own: Ctrl-C on the terminal reaches the runs through this program alone, once.
+  posix_spawnattr_t how;
+  posix_spawnattr_init(&how);
+  posix_spawnattr_setflags(&how, POSIX_SPAWN_SETPGROUP);
   pid_t child = 0;
-  const int failed = posix_spawn(&child, words[0], &files, nullptr, words.data(), environ);
+  const int failed = posix_spawn(&child, words[0], &files, &how, words.data(), environ);
+  posix_spawnattr_destroy(&how);
   posix_spawn_file_actions_destroy(&files);
   if (failed != 0) throw RunError(job.words[0] + ": " + std::strerror(failed));
   return child;
@@ -80,7 +85,8 @@ void make_jobs(std::vector<SweepJob>& jobs, int at_once, std::int64_t before, Pr
         continue;
       }
       SweepJob& job = jobs[at->second];
-      if (!stopped && !(WIFEXITED(status) && WEXITSTATUS(status) == 0)) job.failure = message_in(job.folder / "run.log", status);
+      if (got < 0) job.failure = "lost: " + std::string(std::strerror(errno));
+      else if (!stopped && !(WIFEXITED(status) && WEXITSTATUS(status) == 0)) job.failure = message_in(job.folder / "run.log", status);
       at = running.erase(at);
       ++finished;
       ended = true;

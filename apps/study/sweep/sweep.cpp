@@ -61,7 +61,6 @@ SweepOutcome sweep(const Case& c, const SweepOptions& given, const RunSettings& 
   const int threads = settings.threads > 0 ? settings.threads : int(std::max(1u, std::thread::hardware_concurrency()));
   const int at_once = std::clamp(options.jobs > 0 ? options.jobs : threads, 1, int(outcome.runs.size()));
   std::vector<SweepJob> jobs;
-  std::vector<std::size_t> made_for;
   std::vector<Case> cases;
   for (std::size_t k = 0; k < outcome.runs.size(); ++k) {
     SweepRun& run = outcome.runs[k];
@@ -71,16 +70,19 @@ SweepOutcome sweep(const Case& c, const SweepOptions& given, const RunSettings& 
     run.folder = settings.out / "runs" / hexadecimal(hash64(build_info().commit + "\n" + write_case(cases.back())));
     run.kept = fs::exists(run.folder / "record.h5");
     if (run.kept) continue;
+    // (Values that are written otherwise and mean the same make one run.)
+    if (std::any_of(jobs.begin(), jobs.end(), [&](const SweepJob& job) { return job.folder == run.folder; })) continue;
     SweepJob job{{options.program.string(), "simulate"}, run.folder, run.label};
     if (!c.file.empty()) job.words.push_back(c.file.string());
     for (const std::string& key : keys) job.words.insert(job.words.end(), {"--set", key});
     job.words.insert(job.words.end(), {"--out", run.folder.string(), "--threads", std::to_string(std::max(1, threads / at_once))});
     if (fs::exists(run.folder / "parts")) job.words.push_back("--resume");
-    made_for.push_back(k);
     jobs.push_back(std::move(job));
   }
   make_jobs(jobs, at_once, std::int64_t(outcome.runs.size() - jobs.size()), progress);
-  for (std::size_t k = 0; k < jobs.size(); ++k) outcome.runs[made_for[k]].failure = jobs[k].failure;
+  for (SweepRun& run : outcome.runs)
+    for (const SweepJob& job : jobs)
+      if (job.folder == run.folder) run.failure = job.failure;
   for (std::size_t k = 0; k < outcome.runs.size(); ++k) {
     SweepRun& run = outcome.runs[k];
     if (run.failure.empty()) read_responses(cases[k], options, run);

@@ -125,17 +125,18 @@ report::Figure tornado(const SweepResponse& response, const std::vector<Swing>& 
         p.fill({rgb});
         p.rectangle(plot::between(panel.at({from, y - 0.3}), panel.at({to, y + 0.3})));
       };
-      bar(s.lower, s.own, plot::sky);
-      bar(s.own, s.upper, plot::orange);
+      const bool known = std::isfinite(s.own);  // reached in the case itself
+      bar(s.lower, known ? s.own : s.upper, plot::sky);
+      if (known) bar(s.own, s.upper, plot::orange);
       const auto value = [&](double at, const std::string& words, plot::Align align, double dx) {
         const Vec2 place = panel.at({at, y}) + Vec2(dx, 0);
         constexpr double wide = 300, high = 40;
         p.text({align == plot::Align::right ? place.x() - wide : place.x(), place.y() - high / 2, wide, high}, words, align, {.points = plot::small_text});
       };
-      if (s.lower < s.own) value(s.lower, s.least, plot::Align::right, -8);
-      if (s.upper > s.own) value(s.upper, s.most, plot::Align::left, 8);
+      if (!(s.lower >= s.own)) value(s.lower, s.least, plot::Align::right, -8);
+      if (!(s.upper <= s.own)) value(s.upper, s.most, plot::Align::left, 8);
     }
-    if (all.empty()) return;
+    if (all.empty() || !std::isfinite(all.front().own)) return;
     p.pen({plot::ink, 0.8});
     p.line(panel.at({all.front().own, 0}), panel.at({all.front().own, double(all.size())}));
   });

@@ -8,6 +8,7 @@
 
 #include "apps/study/frontier/chain/whole_settings.hpp"
 #include "apps/study/frontier/work.hpp"
+#include "apps/study/methods/camera_motion.hpp"
 #include "apps/study/methods/closure.hpp"
 #include "apps/study/methods/simulation.hpp"
 #include "apps/study/methods/tracking.hpp"
@@ -44,7 +45,9 @@ RunSettings in(const RunSettings& settings, const std::string& folder, int threa
 Part measured_motion(const Case& c, image::FrameSource& source, const RunSettings& settings, Progress& progress) {
   Part part;
   part.work = measured(settings.threads, [&] {
-    const Setting setting = make_setting(c, source.width(), source.height());
+    Setting setting = make_setting(c, source.width(), source.height());
+    follow_masks(c, setting, source, settings.threads, progress);
+    set_camera_motion(find_camera_motion(c, setting, source, settings.threads, progress), setting);
     fs::create_directories(settings.out);
     part.writer = std::make_unique<io::RecordWriter>(settings.out, record_head(c, setting, settings), false, settings.threads);
     measure(c, setting, source, *part.writer, settings.threads, progress);
