@@ -40,7 +40,7 @@ MotionMemory measured(std::mt19937& random, double bias, double scale) {
 
 MotionMemory simulated() {
   return motion_of("mpm", particles_at(square_lattice(nx, ny, 1), 1), {0, 1},
-                   [](const Vec2& x, double t) { return t * Vec2(2 + 0.01 * x.y(), 0); });
+                   [](const Vec2& x, double t) -> Vec2 { return t * Vec2(2 + 0.01 * x.y(), 0); });
 }
 
 int flagged(double bias, double scale, bool correlation_known, int runs) {
