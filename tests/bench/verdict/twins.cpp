@@ -31,11 +31,23 @@ std::string replaced(std::string text, const std::string& what, const std::strin
   return text;
 }
 
+// What all scenes share.
+std::string simulated_sand(const Scene& scene, const Soil& soil) {
+  return R"([material.sand]
+model = "mohr_coulomb"
+density_kg_m3 = 1600.0
+young_pa = 1e6
+poisson = 0.3
+friction_deg = )" + digits(soil.friction_deg) + "\ncohesion_pa = " + digits(soil.cohesion_pa) + R"(
+[mpm]
+per_element = 4
+initial_equilibrium = false
+gravity_m_s2 = [0.0, -9.81]
+end_s = )" + digits((scene.frames - 1) / scene.rate_hz) + "\noutput_rate_hz = " + digits(scene.rate_hz);
+}
+
 std::string world(const Scene& scene, const Soil& soil) {
-  const std::string text = replaced(replaced(replaced(scene.world, "@FRICTION@", digits(soil.friction_deg)), "@COHESION@",
-                                             digits(soil.cohesion_pa)),
-                                    "@BASE@", digits(soil.base_friction));
-  return replaced(replaced(text, "@END@", digits((scene.frames - 1) / scene.rate_hz)), "@RATE@", digits(scene.rate_hz));
+  return replaced(replaced(scene.world, "@SAND@", simulated_sand(scene, soil)), "@BASE@", digits(soil.base_friction));
 }
 
 std::string area(const Scene& s) {
@@ -56,19 +68,7 @@ app::RunSettings in(const fs::path& folder) {
 const char* const column = R"(
 [region.sand]
 polygon_m = [[0.0, 0.0], [0.12, 0.0], [0.12, 0.144], [0.0, 0.144]]
-[material.sand]
-model = "mohr_coulomb"
-density_kg_m3 = 1600.0
-young_pa = 1e6
-poisson = 0.3
-friction_deg = @FRICTION@
-cohesion_pa = @COHESION@
-[mpm]
-per_element = 4
-initial_equilibrium = false
-gravity_m_s2 = [0.0, -9.81]
-end_s = @END@
-output_rate_hz = @RATE@
+@SAND@
 [body.floor]
 polygon_m = [[-0.016, -0.016], [0.352, -0.016], [0.352, 0.0], [-0.016, 0.0]]
 friction = @BASE@
@@ -83,19 +83,7 @@ slope_base_m = 0.0
 const char* const slope = R"(
 [region.sand]
 polygon_m = [[0.0, 0.0], [0.28, 0.0], [0.136, 0.144], [0.0, 0.144]]
-[material.sand]
-model = "mohr_coulomb"
-density_kg_m3 = 1600.0
-young_pa = 1e6
-poisson = 0.3
-friction_deg = @FRICTION@
-cohesion_pa = @COHESION@
-[mpm]
-per_element = 4
-initial_equilibrium = false
-gravity_m_s2 = [0.0, -9.81]
-end_s = @END@
-output_rate_hz = @RATE@
+@SAND@
 [body.floor]
 polygon_m = [[-0.016, -0.016], [0.368, -0.016], [0.368, 0.0], [-0.016, 0.0]]
 friction = @BASE@
@@ -111,19 +99,7 @@ const char* const punch = R"(
 [region.bed]
 polygon_m = [[0.0, 0.0], [0.256, 0.0], [0.256, 0.12], [0.0, 0.12]]
 material = "sand"
-[material.sand]
-model = "mohr_coulomb"
-density_kg_m3 = 1600.0
-young_pa = 1e6
-poisson = 0.3
-friction_deg = @FRICTION@
-cohesion_pa = @COHESION@
-[mpm]
-per_element = 4
-initial_equilibrium = false
-gravity_m_s2 = [0.0, -9.81]
-end_s = @END@
-output_rate_hz = @RATE@
+@SAND@
 domain_m = [[0.0, 0.0], [0.256, 0.152]]
 [body.footing]
 polygon_m = [[0.0, 0.12], [0.056, 0.12], [0.056, 0.152], [0.0, 0.152]]
@@ -145,19 +121,7 @@ const char* const biaxial = R"(
 [region.specimen]
 polygon_m = [[0.064, 0.0], [0.16, 0.0], [0.16, 0.16], [0.064, 0.16]]
 material = "sand"
-[material.sand]
-model = "mohr_coulomb"
-density_kg_m3 = 1600.0
-young_pa = 1e6
-poisson = 0.3
-friction_deg = @FRICTION@
-cohesion_pa = @COHESION@
-[mpm]
-per_element = 4
-initial_equilibrium = false
-gravity_m_s2 = [0.0, -9.81]
-end_s = @END@
-output_rate_hz = @RATE@
+@SAND@
 domain_m = [[0.0, -0.016], [0.224, 0.184]]
 [body.plate]
 polygon_m = [[0.04, 0.16], [0.184, 0.16], [0.184, 0.184], [0.04, 0.184]]
