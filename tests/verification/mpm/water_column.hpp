@@ -117,6 +117,17 @@ struct RandomBlock {
   double lift = 0;    // off its base, in cells: then it is held at its sides alone
 };
 
+// A column with cells of 10 mm, its water soft enough for few steps.
+inline WaterColumn small_column() {
+  WaterColumn c;
+  c.young = 1e7;
+  c.bulk = 3e8;
+  c.permeability = 1e-5;
+  c.height = 0.06;
+  c.cells = 6;
+  return c;
+}
+
 /// Has the energy grown after 500 steps?
 inline bool grows_in(const RandomBlock& b, double courant) {
   const double h = b.spacing, high = (6 + std::ceil(b.lift)) * h;
