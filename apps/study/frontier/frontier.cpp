@@ -99,10 +99,10 @@ class Frontier {
       simulated.frames.reset();
       simulated.synth.reset();
       simulated.camera = {};
-      stages.push_back(mpm_frontier(simulated, make_setting(simulated, 0, 0), double(drawn_frames - 1) / *column.frames->rate_hz, threads_, progress_));
+      stages.push_back(mpm_frontier(simulated, make_setting(simulated, 0, 0), double(drawn_frames - 1) / *column.frames->rate_hz, repeats, threads_, progress_));
       for (FrontierPoint& p : stages.back().points) p.own = false;  // nobody's
     }
-    if (options_.chain) stages.push_back(chain_frontier(column, false, settings_, threads_, progress_));
+    if (options_.chain) stages.push_back(chain_frontier(column, false, settings_, repeats, threads_, progress_));
   }
 
   void on_case(const Case& given) {
@@ -131,10 +131,10 @@ class Frontier {
     if (simulates) {
       const double end = c.mpm->end_s ? *c.mpm->end_s : source ? source->frames().back().time : 0;
       if (!(end > 0)) throw InputError(of_file(c) + ": mpm.end_s: missing; expected the simulation's end");
-      stages.push_back(mpm_frontier(c, setting, end, threads_, progress_));
+      stages.push_back(mpm_frontier(c, setting, end, options_.repeats, threads_, progress_));
     }
     if (!options_.chain) return;
-    if (given.synth && !settings_.frames) stages.push_back(chain_frontier(given, true, settings_, threads_, progress_));
+    if (given.synth && !settings_.frames) stages.push_back(chain_frontier(given, true, settings_, options_.repeats, threads_, progress_));
     else if (source) left_out.push_back("The whole chain: the motion in the frames is not known; expected frames drawn from a known one ([synth]).");
   }
 

@@ -14,7 +14,7 @@ namespace pivnp::app {
 
 struct FrontierOptions {
   bool piv = true, np = true, mpm = true, chain = true;  // stages, where there is something for them
-  int repeats = 3;                                       // of what takes less than a second
+  int repeats = 3;                                       // of what takes less than long_work_s
   int drawn_px = 512;                                    // side of the drawn frames without a case; twice that beside other programs
   double column_cell_px = 10;                            // cells of the column without a case
 };

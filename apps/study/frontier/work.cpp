@@ -14,6 +14,7 @@
 #include <string>
 
 #include "apps/study/pipeline/statistics.hpp"
+#include "pivnp/core/error.hpp"
 
 namespace pivnp::app {
 
@@ -90,6 +91,19 @@ void set_times(const std::vector<double>& seconds, FrontierPoint& point) {
   if (least == seconds.end()) return;
   point.quickest = *least;
   point.slowest = *most;
+}
+
+void repeat_in_turn(std::vector<Timed>& all, int repeats, Progress& progress) {
+  std::int64_t total = 0, done = 0;
+  const auto wanted = [&](const Timed& t, int round) { return int(t.seconds.size()) <= round && t.seconds.front() <= long_work_s; };
+  for (int round = 1; round < repeats; ++round) total += std::count_if(all.begin(), all.end(), [&](const Timed& t) { return wanted(t, round); });
+  for (int round = 1; round < repeats; ++round)
+    for (Timed& t : all) {
+      if (!wanted(t, round)) continue;
+      if (progress.stop_requested()) throw Interrupted();
+      progress.update("repeats", done++, total);
+      t.seconds.push_back(t.again());
+    }
 }
 
 }  // namespace pivnp::app

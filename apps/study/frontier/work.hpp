@@ -26,6 +26,17 @@ double seconds_of(const std::function<void()>& work);
 /// Median, least and most into a point.
 void set_times(const std::vector<double>& seconds, FrontierPoint& point);
 
+/// Work whose time is taken again.
+struct Timed {
+  std::vector<double> seconds;    // so far
+  std::function<double()> again;  // does it once more and says what it took
+};
+
+/// Times each until it has `repeats`, in turn, so that what else the machine does meets all alike. What took longer than
+/// long_work_s at first averages over that by itself, and is not done again.
+void repeat_in_turn(std::vector<Timed>& all, int repeats, Progress& progress);
+inline constexpr double long_work_s = 5;
+
 /// Work that is one unit of a larger one: reports nothing, stops when that is asked to.
 class WithinProgress final : public Progress {
  public:

@@ -79,6 +79,43 @@ void average_row(const ImageView& image, const MaskView& mask, int decimation, i
   }
 }
 
+// Averages of 4 x 4 pixels by (1, 3, 3, 1)/8 along each axis, at the places of the means of 2 x 2. Of waves of three pixels and
+// less, whose aliases are long waves that move the wrong way, they let through the cube of what those do. The image's own edge
+// is repeated; beside a pixel that may not be used the block's own usable ones are averaged.
+template <class Grey>
+void average_overlapping(const ImageView& image, const MaskView& mask, int row, int width, float* out) {
+  constexpr int most = 256;  // averages at a time
+  std::array<float, 2 * most + 2> sums;
+  std::array<int, 4> rows;
+  for (int k = 0; k < 4; ++k) rows[std::size_t(k)] = std::clamp(2 * row - 1 + k, 0, image.height - 1);
+  const Grey *a = image.row<Grey>(rows[0]), *b = image.row<Grey>(rows[1]), *c = image.row<Grey>(rows[2]), *d = image.row<Grey>(rows[3]);
+  const auto along = [&](int x) {
+    return (static_cast<float>(a[x]) + static_cast<float>(d[x])) + 3 * (static_cast<float>(b[x]) + static_cast<float>(c[x]));
+  };
+  for (int first = 0; first < width; first += most) {
+    const int end = std::min(first + most, width), left = 2 * first - 1, columns = 2 * (end - first) + 2;
+    const int inner = std::min(columns, image.width - left);
+    for (int k = first == 0 ? 1 : 0; k < inner; ++k) sums[std::size_t(k)] = along(left + k);
+    if (first == 0) sums[0] = sums[1];
+    for (int k = inner; k < columns; ++k) sums[std::size_t(k)] = sums[std::size_t(inner - 1)];
+    for (int x = first; x < end; ++x) {
+      const float* s = sums.data() + 2 * (x - first);
+      out[x] = (1 / 64.0f) * ((s[0] + s[3]) + 3 * (s[1] + s[2]));
+    }
+  }
+  if (mask.data == nullptr) return;
+  for (int x = 0; x < width; ++x) {
+    int usable = 0, around = 0;
+    for (int k = 0; k < 4; ++k)
+      for (int i = 0; i < 4; ++i) {
+        const bool may = mask.usable(std::clamp(2 * x - 1 + i, 0, image.width - 1), rows[std::size_t(k)]);
+        around += may;
+        usable += may && (k == 1 || k == 2) && (i == 1 || i == 2);
+      }
+    if (around < 16 && usable > 0) out[x] = usable_sum<Grey>(image, mask, 2, row, x) / static_cast<float>(usable);
+  }
+}
+
 constexpr int block = 16;
 constexpr int taps = 6;
 constexpr int most_taps = taps + 2;
@@ -138,21 +175,24 @@ void SplineImage::assign(const ImageView& image, const MaskView& mask, int decim
   height_ = image.height / decimation;
   stride_ = (width_ + 2 * padding + 15) / 16 * 16;
   data_.resize(std::size_t(stride_) * std::size_t(height_ + 2 * padding));
-  average(image, mask, decimation, threads);
+  average(image, mask, decimation, smoothing > 0, threads);
   prefilter(threads, smoothing);
   mirror_edges();
 }
 
-void SplineImage::average(const ImageView& image, const MaskView& mask, int decimation, int threads) {
+void SplineImage::average(const ImageView& image, const MaskView& mask, int decimation, bool overlapping, int threads) {
+  const auto rows = [&]<class Grey>(Grey) {
 #pragma omp parallel for num_threads(threads) schedule(static)
-  for (int r = 0; r < height_; ++r) {
-    if (image.depth == PixelDepth::u8)
-      average_row<std::uint8_t>(image, mask, decimation, r, width_, pixel(0, r));
-    else if (image.depth == PixelDepth::u16)
-      average_row<std::uint16_t>(image, mask, decimation, r, width_, pixel(0, r));
-    else
-      average_row<float>(image, mask, decimation, r, width_, pixel(0, r));
-  }
+    for (int r = 0; r < height_; ++r) {
+      if (overlapping && decimation == 2)
+        average_overlapping<Grey>(image, mask, r, width_, pixel(0, r));
+      else
+        average_row<Grey>(image, mask, decimation, r, width_, pixel(0, r));
+    }
+  };
+  if (image.depth == PixelDepth::u8) return rows(std::uint8_t{});
+  if (image.depth == PixelDepth::u16) return rows(std::uint16_t{});
+  rows(0.0f);
 }
 
 // The padding right of the image and below it is written too; mirroring fills it afterwards.

@@ -119,9 +119,13 @@ struct Verdicts {
   }
 };
 
+void add_times(const FrontierPoint& part, FrontierPoint& whole) {
+  whole.seconds += part.seconds, whole.quickest += part.quickest, whole.slowest += part.slowest;
+}
+
 }  // namespace
 
-FrontierStage chain_frontier(const Case& given, bool own, const RunSettings& settings, int threads, Progress& progress) {
+FrontierStage chain_frontier(const Case& given, bool own, const RunSettings& settings, int repeats, int threads, Progress& progress) {
   if (!given.synth) throw InputError(of_file(given) + ": the whole chain needs a motion that is known; expected [synth]");
   Case c = given;
   WithinProgress quiet(progress);
@@ -148,11 +152,15 @@ FrontierStage chain_frontier(const Case& given, bool own, const RunSettings& set
   stage.error_label = "error of what the verdict compares (% of the motion)";
   stage.time_label = "total time (s)";
   std::vector<Part> measured_parts, simulated_parts;
+  std::vector<Timed> timed;  // the measured parts, then the simulated ones
   std::vector<const WholeSetting*> measured_by, simulated_by;
   for (std::size_t k = 0; k < measurements.size(); ++k) try {
       next();
       measured_parts.push_back(measured_motion(measurements[k].applied(c), *source, in(settings, "measured_" + std::to_string(k), threads), quiet));
       measured_by.push_back(&measurements[k]);
+      timed.push_back({{measured_parts.back().work.seconds}, [&, k] {
+                         return measured_motion(measurements[k].applied(c), *source, in(settings, "again", threads), quiet).work.seconds;
+                       }});
     } catch (const InputError& error) {
       stage.left_out.push_back(measurements[k].name + ": " + error.what());
     }
@@ -163,11 +171,18 @@ FrontierStage chain_frontier(const Case& given, bool own, const RunSettings& set
       cells.grid = coarsened(setting.grid, simulations[k].cells);
       simulated_parts.push_back(simulated_motion(changed, cells, times, in(settings, "simulated_" + std::to_string(k), threads), quiet));
       simulated_by.push_back(&simulations[k]);
+      timed.push_back({{simulated_parts.back().work.seconds}, [&, changed, cells] {
+                         return simulated_motion(changed, cells, times, in(settings, "again", threads), quiet).work.seconds;
+                       }});
     } catch (const InputError& error) {
       stage.left_out.push_back(simulations[k].name + ": " + error.what());
     } catch (const RunError& error) {
       stage.left_out.push_back(simulations[k].name + ": " + error.what());
     }
+  repeat_in_turn(timed, repeats, progress);
+  fs::remove_all(settings.out / "chain" / "again");
+  std::vector<FrontierPoint> times_of(timed.size());  // median, least, most
+  for (std::size_t k = 0; k < timed.size(); ++k) set_times(timed[k].seconds, times_of[k]);
   std::optional<Part> finest;
   if (c.mpm) {
     next();
@@ -201,12 +216,14 @@ FrontierStage chain_frontier(const Case& given, bool own, const RunSettings& set
       FrontierPoint p;
       p.name = measured_by[m]->name, p.keys = measured_by[m]->keys;
       p.own = measured_by[m]->own, p.standard = measured_by[m]->standard;
+      p.seconds = p.quickest = p.slowest = 0;
       std::vector<double> found;
       try {
         const double comparing = seconds_of([&] {
           found = c.mpm ? verdicts.of(*np.motion, *simulated_parts[s].motion, c, quiet) : verdicts.of(*truth, *np.motion, c, quiet);
         });
-        p.seconds = np.work.seconds + comparing;
+        add_times(times_of[m], p);
+        p.seconds += comparing, p.quickest += comparing, p.slowest += comparing;
       } catch (const InputError& error) {
         stage.left_out.push_back(p.name + ": " + error.what());
         continue;
@@ -217,11 +234,10 @@ FrontierStage chain_frontier(const Case& given, bool own, const RunSettings& set
         p.name += " + " + by.name;
         p.keys = p.keys == "as it is" ? by.keys : by.keys == "as it is" ? p.keys : p.keys + " " + by.keys;
         p.own = p.own && by.own, p.standard = p.standard && by.standard;
-        p.seconds += simulated_parts[s].work.seconds;
+        add_times(times_of[measured_parts.size() + s], p);
         p.bytes = std::max(p.bytes, simulated_parts[s].work.bytes);
         p.instructions += simulated_parts[s].work.instructions;
       }
-      p.quickest = p.slowest = p.seconds;
       double square = 0;
       for (std::size_t n = 0; n < found.size(); ++n) {
         const double away = 100 * std::hypot(off_measured[m][n], c.mpm ? off_simulated[s][n] : 0.0) / verdicts.sizes[n];

@@ -14,7 +14,7 @@ namespace pivnp::app {
 /// measured and drawn motion and between the simulation and that on cells half as large, in squares added; rms over the numbers, each in percent of the
 /// motion's own size (rms displacement, rms strain, greatest displacement). No deviation of the verdict's numbers is greater than the sum of both (triangle
 /// inequality), and none small by chance makes a setting good. The numbers themselves are columns, beside the true ones. Time: of measuring, following, simulating and comparing;
-/// neither drawing nor the report is in it. Throws InputError where [synth] is missing.
-FrontierStage chain_frontier(const Case& c, bool own, const RunSettings& settings, int threads, Progress& progress);
+/// neither drawing nor the report is in it. Each part is timed `repeats` times, in turn (long ones once); spreads of the parts are added. Throws InputError where [synth] is missing.
+FrontierStage chain_frontier(const Case& c, bool own, const RunSettings& settings, int repeats, int threads, Progress& progress);
 
 }  // namespace pivnp::app

@@ -173,7 +173,7 @@ std::string cells(double factor) { return factor == 1 ? "" : ", cells " + number
 
 }  // namespace
 
-FrontierStage mpm_frontier(const Case& c, const Setting& setting, double end, int threads, Progress& progress) {
+FrontierStage mpm_frontier(const Case& c, const Setting& setting, double end, int repeats, int threads, Progress& progress) {
   FrontierStage stage;
   stage.name = "mpm";
   stage.title = "Simulation";
@@ -197,6 +197,7 @@ FrontierStage mpm_frontier(const Case& c, const Setting& setting, double end, in
                   " material points, " + number(finest.work.seconds, 3) + " s) stands for the truth at t = " + number(end, 4) +
                   " s; each setting ran on cells of the case's size and twice that.";
   std::vector<std::pair<double, double>> own;  // cells and errors of the case's setting
+  std::vector<Timed> timed;                    // as stage.points
   for (const Variant& v : all)
     for (const double factor : factors) {
       if (factor != 1 && !v.coarser) continue;
@@ -210,10 +211,8 @@ FrontierStage mpm_frontier(const Case& c, const Setting& setting, double end, in
       p.standard = v.standard && factor == 1;
       try {
         const Result r = run(changed, setting, factor, end, threads, progress);
-        std::vector<double> seconds = {r.work.seconds};
-        while (seconds.size() < 3 && r.work.seconds < 1) seconds.push_back(run(changed, setting, factor, end, threads, progress).work.seconds);
         const Difference d = difference(r, truth);
-        set_times(seconds, p);
+        timed.push_back({{r.work.seconds}, [=, &setting, &progress] { return run(changed, setting, factor, end, threads, progress).work.seconds; }});
         p.bytes = r.work.bytes, p.instructions = r.work.instructions;
         p.error = d.rms;
         p.columns = {setting.grid.spacing.x() * factor / c.mpm->refine, d.greatest, double(r.particles.size()), r.steps, d.alike};
@@ -225,6 +224,8 @@ FrontierStage mpm_frontier(const Case& c, const Setting& setting, double end, in
         stage.left_out.push_back(p.name + ": " + error.what());
       }
     }
+  repeat_in_turn(timed, repeats, progress);
+  for (std::size_t k = 0; k < timed.size(); ++k) set_times(timed[k].seconds, stage.points[k]);
   find_front(stage.points);
   const Convergence found = convergence(own);
   if (found.order) {

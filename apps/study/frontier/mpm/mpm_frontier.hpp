@@ -11,6 +11,6 @@ namespace pivnp::app {
 /// large; its own setting with other numbers of points and other steps. The truth is the case's own setting on cells half as large: error is the RMS over material points of the
 /// distance between their displacement at `end` (s) and the mean of the truth's points that lay in their square at the start. What
 /// could not be run to the end is left out, with its reason.
-FrontierStage mpm_frontier(const Case& c, const Setting& setting, double end, int threads, Progress& progress);
+FrontierStage mpm_frontier(const Case& c, const Setting& setting, double end, int repeats, int threads, Progress& progress);
 
 }  // namespace pivnp::app

@@ -73,6 +73,7 @@ FrontierStage vortex_frontier(int repeats, int threads, Progress& progress) {
                    {"points", "points", "material points"}, {"steps", "steps", "time steps"}};
   const std::vector<VortexSetting> all = vortex_settings();
   SilentProgress unseen;
+  std::vector<Timed> timed;  // as stage.points
   for (std::size_t k = 0; k < all.size(); ++k) {
     const VortexSetting& s = all[k];
     progress.update("vortex", std::int64_t(k), std::int64_t(all.size()));
@@ -81,12 +82,14 @@ FrontierStage vortex_frontier(int repeats, int threads, Progress& progress) {
     p.name = s.name, p.keys = s.keys, p.standard = s.standard;
     double square = 0, area = 0, greatest = 0, steps = 0;
     std::size_t points = 0;
-    const auto run = [&](bool score) {
+    const auto turned = [&motion, &s, threads, &unseen](const auto& score) {
       const double before = 0.5 * mpm::Solver(s.options, motion.scene(s.cell, s.across), threads).stable_step();
       const mpm::Scene scene = motion.scene(s.cell, s.across, before);
       mpm::Solver solver(s.options, scene, threads);
       solver.advance_to(turning_point, unseen);
-      if (!score) return;
+      score(scene, solver);
+    };
+    const auto score = [&](const mpm::Scene& scene, const mpm::Solver& solver) {
       const MotionFrame last = solver.frame();
       const std::vector<Vec2>& X = scene.particles.x0;
       for (std::size_t q = 0; q < X.size(); ++q) {
@@ -98,10 +101,8 @@ FrontierStage vortex_frontier(int repeats, int threads, Progress& progress) {
       steps = double(solver.steps());
     };
     try {
-      const Effort work = measured(threads, [&] { run(true); });
-      std::vector<double> seconds = {work.seconds};
-      while (int(seconds.size()) < repeats) seconds.push_back(seconds_of([&] { run(false); }));
-      set_times(seconds, p);
+      const Effort work = measured(threads, [&] { turned(score); });
+      timed.push_back({{work.seconds}, [turned] { return seconds_of([&] { turned([](const mpm::Scene&, const mpm::Solver&) {}); }); }});
       p.bytes = work.bytes, p.instructions = work.instructions;
       p.error = std::sqrt(square / area);
       p.columns = {s.cell, greatest, double(points), steps};
@@ -110,6 +111,8 @@ FrontierStage vortex_frontier(int repeats, int threads, Progress& progress) {
       stage.left_out.push_back(s.name + ": " + error.what());
     }
   }
+  repeat_in_turn(timed, repeats, progress);
+  for (std::size_t k = 0; k < timed.size(); ++k) set_times(timed[k].seconds, stage.points[k]);
   find_front(stage.points);
   const auto error_of = [&](double cell) {
     const auto at = std::find_if(stage.points.begin(), stage.points.end(), [&](const FrontierPoint& p) {
