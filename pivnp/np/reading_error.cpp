@@ -48,7 +48,25 @@ double wave_reading_error(ShapeFunctions shape, double steepness) {
   return std::sqrt(2 * square);
 }
 
-ReadingErrors::ReadingErrors(ShapeFunctions shape) {
+namespace {
+
+// What a polynomial through a group of `degree` cells misses at the middle of its cell number `cell`, along a row of nodes that
+// are `stride` apart: there is, by six nodes about the middle; `at` is the cell's first node.
+float missed_by_polynomial(const float* at, std::ptrdiff_t stride, int degree, int cell) {
+  static constexpr float quadratic[2][3] = {{0.375f, 0.75f, -0.125f}, {-0.125f, 0.75f, 0.375f}};
+  static constexpr float cubic[3][4] = {
+      {0.3125f, 0.9375f, -0.3125f, 0.0625f}, {-0.0625f, 0.5625f, 0.5625f, -0.0625f}, {0.0625f, -0.3125f, 0.9375f, 0.3125f}};
+  const float there = (150 * (at[0] + at[stride]) - 25 * (at[-stride] + at[2 * stride]) + 3 * (at[-2 * stride] + at[3 * stride])) / 256;
+  const float* w = degree == 2 ? quadratic[cell] : cubic[cell];
+  float read = 0;
+  for (int a = 0; a <= degree; ++a) read += w[a] * at[(a - cell) * stride];
+  return there - read;
+}
+
+}  // namespace
+
+ReadingErrors::ReadingErrors(ShapeFunctions shape)
+    : degree_(shape == ShapeFunctions::quadratic ? 2 : shape == ShapeFunctions::cubic ? 3 : 1) {
   for (int n = 1; n <= steps; ++n) {
     const double steepness = 4.0 * n / steps;
     // The mean over an element's nodes lowers a wave by cos(k h/2).
@@ -82,6 +100,21 @@ void ReadingErrors::add_axis(std::size_t count, const std::array<const float*, 7
     if (!(middle == middle)) continue;
     out[i] -= middle * (squares > 0 ? lost(std::sqrt(fourths / squares)) : lost(2));
   }
+}
+
+// Beside gaps and borders, where six nodes are not known, the nodes' estimate is kept.
+void ReadingErrors::take_polynomial_error(const Grid& grid, int i, int j, ElementError& e) const {
+  const std::ptrdiff_t wide = grid.nx + 6;
+  const int x = i - std::min(i / degree_ * degree_, grid.nx - 1 - degree_), y = j - std::min(j / degree_ * degree_, grid.ny - 1 - degree_);
+  if (grid.nx <= degree_ || grid.ny <= degree_) return;
+  const auto missed = [&](std::size_t component) {
+    const float* at = values_[component].data() + (j + 3) * wide + i + 3;
+    return 0.5f * (missed_by_polynomial(at, 1, degree_, x) + missed_by_polynomial(at + wide, 1, degree_, x) +
+                   missed_by_polynomial(at, wide, degree_, y) + missed_by_polynomial(at + 1, wide, degree_, y));
+  };
+  const float u = missed(0), v = missed(1);
+  if (u == u) e.u = u;
+  if (v == v) e.v = v;
 }
 
 template <class Real>
@@ -129,6 +162,7 @@ const std::vector<ElementError>& ReadingErrors::of(const Nodes<Real>& nodes, con
           e.uu += 0.25f * nodes.cov[at][0], e.vv += 0.25f * nodes.cov[at][1], e.uv += 0.25f * nodes.cov[at][2];
           e.u += 0.25f * biases_[0][at], e.v += 0.25f * biases_[1][at];
         }
+        if (degree_ > 1) take_polynomial_error(grid, int(i), int(row), e);
         e.gradient = 0.5f * per_variance * (e.uu + e.vv);
       }
   }

@@ -25,6 +25,8 @@ double wave_reading_error(ShapeFunctions shape, double steepness);
 /// wavelength carries the curvature there (steepness^2 = sum of squared fourth over squared second differences, over
 /// three nodes), and wave_reading_error() what of such a wave is lost between the nodes. The sign is kept, so that what
 /// is noise averages out along a path while a bias adds up. Waves shorter than two spacings cannot be seen.
+/// Polynomials that several elements share (Lagrange) are as wrong where a wave passes through zero as beside it: of them it
+/// is what they miss in the middle of each element, by six nodes along each axis.
 /// The gradient's variance follows from that of the vectors: 4/3 C/h^2 for independent errors, the mean over a bilinear
 /// element, and 2 C/correlation_length^2 where errors are alike further than that.
 /// Where correlation_length is known, vectors are of a correlation that smooths: the part of the gradient's error that all
@@ -43,7 +45,9 @@ class ReadingErrors {
  private:
   float lost(float steepness) const;  // wave_reading_error / steepness, over what the mean of an element leaves
   void add_axis(std::size_t count, const std::array<const float*, 7>& rows, float* out) const;
+  void take_polynomial_error(const Grid& grid, int i, int j, ElementError& e) const;
   static constexpr int steps = 64;
+  int degree_;  // of a polynomial that a group of elements shares (Lagrange); 1: none
   std::array<float, steps + 2> table_;
   std::vector<ElementError> errors_;
   std::array<std::vector<float>, 2> values_, biases_;  // a component each, with a rim of three nodes; [ny][nx]
