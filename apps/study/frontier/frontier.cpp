@@ -91,7 +91,12 @@ class Frontier {
       stages.push_back(piv_frontier(drawn_pairs(options_.drawn_px, drawn_seed), {}, false, repeats, threads_, progress_));
       stages.push_back(peers_frontier(2 * options_.drawn_px, repeats, progress_));
     }
-    if (options_.np) particles({}, {}, {});
+    if (options_.np) {
+      Followed followed;  // what the default's nodes and windows give
+      followed.alike = 0.5 * piv::PivOptions{}.window_px;
+      followed.spacing = 0.5 * followed.alike;
+      particles({}, {}, followed, {});
+    }
     const Case column = column_case(options_.column_cell_px);
     if (options_.mpm) {
       stages.push_back(vortex_frontier(repeats, threads_, progress_));
@@ -119,13 +124,14 @@ class Frontier {
       if (options_.np) {
         Followed followed;
         followed.spacing = node_spacing_px(setting);
+        followed.alike = 0.5 * c.piv->window_px;
         followed.shift = known.shift;
         followed.slope = known.slope;
         if (known.sigma > 0) followed.noise = known.sigma;
         followed.steps = std::clamp(int(source->frames().size()) - 1, 5, 30);
         followed.central = c.piv->anchor == Anchor::central;
         followed.of_case = true;
-        particles(c.np.value_or(np::NpOptions{}), *c.piv, followed);
+        particles(c.np.value_or(np::NpOptions{}), *c.piv, followed, followed);
       }
     }
     if (simulates) {
@@ -143,9 +149,10 @@ class Frontier {
   std::vector<std::string> left_out;
 
  private:
-  void particles(const np::NpOptions& base, const piv::PivOptions& piv, const Followed& followed) {
+  // `drawn`: of the frames on which the schemes of drift are compared.
+  void particles(const np::NpOptions& base, const piv::PivOptions& piv, const Followed& followed, const Followed& drawn) {
     for (FrontierStage& stage : np_frontier(base, followed, options_.repeats, threads_, progress_)) stages.push_back(std::move(stage));
-    stages.push_back(drift_frontier(base, piv, followed, options_.repeats, threads_, progress_));
+    stages.push_back(drift_frontier(base, piv, drawn, options_.repeats, threads_, progress_));
   }
 
   const FrontierOptions& options_;

@@ -35,6 +35,30 @@ double normal(std::uint64_t seed, std::uint64_t index) {
   return std::sqrt(-2 * std::log(1 - uniform(seed, 2 * index))) * std::cos(2 * M_PI * uniform(seed, 2 * index + 1));
 }
 
+// Errors of one component at the nodes: white noise, averaged as a window averages. A mean over a width of 2 a is correlated over
+// distances of standard deviation .82 a, and so is a Gaussian mean of .58 a.
+std::vector<double> errors_of_vectors(const Followed& f, const Grid& grid, std::uint64_t seed) {
+  const double s = 0.58 * f.alike / f.spacing;
+  const int reach = int(std::ceil(3 * s)), nx = grid.nx + 2 * reach, ny = grid.ny + 2 * reach;
+  std::vector<double> weights, white(std::size_t(nx) * std::size_t(ny)), rows(std::size_t(grid.nx) * std::size_t(ny)), out(grid.node_count());
+  double squares = 0;
+  for (int k = -reach; k <= reach; ++k) {
+    weights.push_back(reach ? std::exp(-0.5 * k * k / (s * s)) : 1);
+    squares += weights.back() * weights.back();
+  }
+  for (double& w : weights) w /= std::sqrt(squares);
+  for (std::size_t n = 0; n < white.size(); ++n) white[n] = f.noise * normal(seed, n);
+  const auto averaged = [&](const std::vector<double>& from, std::size_t at, std::size_t stride) {
+    double sum = 0;
+    for (std::size_t k = 0; k < weights.size(); ++k) sum += weights[k] * from[at + k * stride];
+    return sum;
+  };
+  for (std::size_t j = 0; j < std::size_t(ny); ++j)
+    for (std::size_t i = 0; i < std::size_t(grid.nx); ++i) rows[j * std::size_t(grid.nx) + i] = averaged(white, j * std::size_t(nx) + i, 1);
+  for (std::size_t n = 0; n < out.size(); ++n) out[n] = averaged(rows, n, std::size_t(grid.nx));
+  return out;
+}
+
 Grid grid_of(const Followed& f) { return {{0, 0}, {f.spacing, f.spacing}, grid_side + 1, grid_side + 1}; }
 
 std::vector<Sequence> sequences(const Followed& f) {
@@ -49,9 +73,11 @@ std::vector<Sequence> sequences(const Followed& f) {
     for (int k = 0; k < f.steps; ++k) {
       VectorField field = np::vector_field(
           np::sample_increments(*all[m].motion, grid_of(f), f.central ? Anchor::central : Anchor::forward, k, k + 1), {k, k + 1});
-      const std::uint64_t seed = 7001 + 131 * m + std::uint64_t(k);
-      for (std::size_t n = 0; n < field.displacement.size(); ++n)
-        for (std::size_t c = 0; c < 2; ++c) field.displacement[n][c] += float(f.noise * normal(seed, 2 * n + c));
+      for (std::size_t c = 0; c < 2; ++c) {
+        const std::vector<double> errors = errors_of_vectors(f, field.grid, 7001 + 262 * m + 2 * std::uint64_t(k) + c);
+        for (std::size_t n = 0; n < errors.size(); ++n) field.displacement[n][c] += float(errors[n]);
+      }
+      field.correlation_length = float(f.alike);
       const float variance = float(f.noise * f.noise);
       field.cov.assign(field.displacement.size(), {variance, variance, 0});
       all[m].steps.push_back(std::move(field));
@@ -146,7 +172,7 @@ std::vector<FrontierStage> np_frontier(const np::NpOptions& base, const Followed
   paths.title = "Numerical particles: paths", strains.title = "Numerical particles: strains";
   paths.made_of = "Vectors at nodes " + number(followed.spacing, 3) + " px apart of a vortex that winds up, a shear band and a rotation, known in closed form, with gradients of up to " +
                   number(100 * followed.slope, 2) + " % from frame to frame over " + std::to_string(followed.steps) + " steps and noise of " +
-                  number(followed.noise, 2) + " px" + (followed.of_case ? " (as the case's frames show)" : "") +
+                  number(followed.noise, 2) + " px, alike within " + number(followed.alike, 3) + " px" + (followed.of_case ? " (as the case's frames show)" : "") +
                   ". Errors are of the material's places, 25 an element, for each of which the nearest particle of its element stands.";
   strains.made_of = "The same runs.";
   paths.error_label = "error of the path, rms (px)";

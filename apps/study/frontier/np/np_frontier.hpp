@@ -15,13 +15,14 @@ struct Followed {
   double shift = 2;      // displacement from frame to frame
   double slope = 0.05;   // its gradient
   double noise = 0.01;   // standard deviation of a vector's component
+  double alike = 0;      // distance within which errors of vectors are alike: half the width that a vector averages over; 0: independent
   int steps = 20;
   bool central = true;   // anchor of the vectors
   bool of_case = false;
 };
 
 /// Every shape function, gradient and number of particles an element, through nodal vectors of a vortex that winds up, a shear band
-/// (half width: a spacing and a half) and a rotation with these gradients from frame to frame, with independent noise. Two stages with the
+/// (half width: a spacing and a half) and a rotation with these gradients from frame to frame, with noise that is new in every pair. Two stages with the
 /// same points, "np" for paths and "np_strain" for strains: rms over places of the material, 25 an element, for each of which the
 /// nearest particle of its element stands (its displacement carried on by its F, its logarithmic strain as it is). `base`: the
 /// case's, marked where `followed.of_case`. Time is the median of `repeats`, settings in turn.
