@@ -34,7 +34,7 @@ set(CPACK_DEBIAN_DEV_PACKAGE_NAME pivnp-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libeigen3-dev, libcgal-dev, libhwy-dev, libfftw3-dev, libdeflate-dev, libhdf5-dev, libgmp-dev, libmpfr-dev, \
-libopencv-core-dev, libopencv-imgproc-dev, libopencv-imgcodecs-dev, libopencv-videoio-dev, libopencv-calib3d-dev, pkg-config")
+libopencv-core-dev, libopencv-imgproc-dev, libopencv-imgcodecs-dev, libopencv-videoio-dev, libopencv-calib3d-dev, libopencv-contrib-dev, pkg-config")
 set(CPACK_COMPONENT_DEV_DESCRIPTION "engines of pivnp as C++ libraries
 Static libraries and headers of the engines: image correlation, numerical
 particles, the material point method, records and their comparison. They

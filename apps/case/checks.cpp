@@ -23,6 +23,7 @@ class Checker : Refusals {
     vectors();
     camera();
     grid();
+    rows_in_time();
     shapes();
     check_simulation(c_, source_);
     camera_moves();
@@ -151,6 +152,16 @@ class Checker : Refusals {
     if (!first) refuse_section(path, "no shape is given; expected one of " + names);
   }
 
+  void rows_in_time() const {
+    if (c_.camera.row_time_s == 0) return;
+    const std::string key = "camera.row_time_s";
+    if (!has_images()) refuse(key, "found in a case without frames, expected frames whose rows are read one after the other");
+    if (c_.vectors) refuse(key, "given together with [vectors], whose times are those of another program");
+    if (c_.frames && c_.frames->path.size() > 0 && !c_.frames->rate_hz) refuse(key, "given without frames.rate_hz, expected the rate of the frames");
+    if (c_.camera_motion.from != image::RestSource::none) refuse(key, "given together with [camera.motion], expected one of them: how a camera moves within a frame is not known");
+    if (c_.np && c_.np->drift != np::DriftScheme::none) refuse(key, "given together with np.drift, expected np.drift = \"none\": direct correlation does not know the rows' times");
+  }
+
   void shapes() const {
     for (const auto& [name, region] : c_.regions) {
       const std::string path = "region." + name;
@@ -163,11 +174,14 @@ class Checker : Refusals {
       one_of(path, {{"polygon_px", !mask.polygon_px.empty()},
                     {"polygon_m", !mask.polygon_m.empty()},
                     {"circle_px", !mask.circle_px.empty()},
-                    {"image", !mask.image.empty()}, {"images", !mask.images.empty()}, {"glare", mask.glare.has_value()}});
+                    {"image", !mask.image.empty()}, {"images", !mask.images.empty()}, {"glare", mask.glare.has_value()},
+                    {"air", mask.air != image::AirKind::none}});
+      if (mask.air == image::AirKind::still && c_.regions.empty()) refuse(path + ".air", "found \"still\" in a case without [region.NAME], expected regions that say where material is in the first frame");
+      if (mask.air == image::AirKind::still && c_.camera_motion.from != image::RestSource::none) refuse(path + ".air", "found \"still\" together with [camera.motion], expected a camera at rest");
       if (!mask.polygon_px.empty()) polygon(path + ".polygon_px", mask.polygon_px);
       if (!mask.polygon_m.empty()) polygon(path + ".polygon_m", mask.polygon_m);
       if (!mask.circle_px.empty()) circle(path + ".circle_px", mask.circle_px);
-      if (mask.grow_px > 0 && !mask.moves()) refuse(path + ".grow_px", "found " + toml_text(mask.grow_px) + " for a mask that does not move, expected images, glare, motion or follow");
+      if (mask.grow_px > 0 && !mask.moves()) refuse(path + ".grow_px", "found " + toml_text(mask.grow_px) + " for a mask that does not move, expected images, glare, air, motion or follow");
     }
     for (const auto& [name, boundary] : c_.boundaries) boundary_shape("boundary." + name, boundary);
     for (const auto& [name, body] : c_.bodies) {

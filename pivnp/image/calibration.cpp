@@ -9,6 +9,8 @@
 #include <utility>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/text.hpp"
+#include "pivnp/image/board_image.hpp"
 #include "pivnp/image/image_file.hpp"
 
 namespace pivnp::image {
@@ -16,14 +18,6 @@ namespace pivnp::image {
 namespace {
 
 const std::string command = "calibrate: ";
-
-cv::Mat eight_bits(const ImageView& image) {
-  const int type = image.depth == PixelDepth::u8 ? CV_8U : image.depth == PixelDepth::u16 ? CV_16U : CV_32F;
-  const cv::Mat grey(image.height, image.width, type, const_cast<std::byte*>(image.data), std::size_t(image.stride));
-  cv::Mat out;
-  grey.convertTo(out, CV_8U, image.depth == PixelDepth::u8 ? 1.0 : 255.0 / double(image.white));
-  return out;
-}
 
 std::vector<cv::Point3d> corners_of(const Board& board) {
   std::vector<cv::Point3d> out;
@@ -37,6 +31,9 @@ void check_board(const Board& board) {
     throw InputError(command + "found a board of " + std::to_string(board.columns) + " x " + std::to_string(board.rows) +
                      " inner corners, expected at least 3 x 3");
   if (!(board.square > 0)) throw InputError(command + "the board's squares have no size, expected a length above 0");
+  if (!board.dictionary.empty() && !(board.marker > 0 && board.marker < 0.95 * board.square))
+    throw InputError(command + "found markers of side " + number(board.marker) + " in squares of " + number(board.square) +
+                     ", expected a length above 0 and below .95 of the square's");
 }
 
 // Share of 6 x 4 fields of the image in which there is a corner: the lens is known only where it was seen.
@@ -52,6 +49,21 @@ double covered_share(const std::vector<BoardView>& views, int width, int height)
 }
 
 }  // namespace
+
+cv::Mat eight_bits(const ImageView& image) {
+  const int type = image.depth == PixelDepth::u8 ? CV_8U : image.depth == PixelDepth::u16 ? CV_16U : CV_32F;
+  const cv::Mat grey(image.height, image.width, type, const_cast<std::byte*>(image.data), std::size_t(image.stride));
+  cv::Mat out;
+  grey.convertTo(out, CV_8U, image.depth == PixelDepth::u8 ? 1.0 : 255.0 / double(image.white));
+  return out;
+}
+
+void refine_corners(const cv::Mat& grey, std::vector<cv::Point2f>& corners, int half) {
+  cv::Mat soft;  // slopes of sharp edges are those of the pixels' raster
+  cv::GaussianBlur(grey, soft, cv::Size(0, 0), 1.0);
+  cv::cornerSubPix(soft, corners, cv::Size(half, half), cv::Size(-1, -1),
+                   cv::TermCriteria(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 100, 1e-4));
+}
 
 int Calibration::used() const {
   return int(std::count_if(views.begin(), views.end(), [](const BoardView& v) { return !v.corner.empty(); }));
@@ -72,11 +84,7 @@ std::vector<Vec2> board_corners(const ImageView& image, const Board& board) {
     if ((k + 1) % std::size_t(board.columns) != 0) least = std::min(least, float(cv::norm(found[k + 1] - found[k])));
   for (std::size_t k = 0; k + std::size_t(board.columns) < found.size(); ++k)
     least = std::min(least, float(cv::norm(found[k + std::size_t(board.columns)] - found[k])));
-  const int half = std::clamp(int(least / 3), 2, 20);
-  cv::Mat soft;  // slopes of sharp edges are those of the pixels' raster
-  cv::GaussianBlur(grey, soft, cv::Size(0, 0), 1.0);
-  cv::cornerSubPix(soft, found, cv::Size(half, half), cv::Size(-1, -1),
-                   cv::TermCriteria(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 100, 1e-4));
+  refine_corners(grey, found, std::clamp(int(least / 3), 2, 20));
   for (const cv::Point2f& p : found) out.emplace_back(double(p.x), double(p.y));
   return out;
 }
@@ -91,8 +99,19 @@ Calibration calibrate(const std::vector<std::filesystem::path>& images, const Bo
     if (image.width() != width || image.height() != height)
       throw InputError(command + "'" + file.string() + "' is " + describe(image.width(), image.height(), image.depth()) +
                        ", expected the size of the first, " + std::to_string(width) + "x" + std::to_string(height));
-    views.push_back({file.filename().string(), board_corners(image.view(), board), {}, 0});
+    BoardView view;
+    if (board.dictionary.empty())
+      view.corner = board_corners(image.view(), board);
+    else
+      view = charuco_corners(image.view(), board);
+    view.name = file.filename().string();
+    views.push_back(std::move(view));
   }
+  if (!board.dictionary.empty() && std::none_of(views.begin(), views.end(), [](const BoardView& v) { return !v.corner.empty(); }))
+    throw InputError(command + "found in none of " + std::to_string(images.size()) + " images the markers of a board of " +
+                     std::to_string(board.columns) + " x " + std::to_string(board.rows) + " inner corners with the dictionary " +
+                     board.dictionary + "; '" + views.front().name + "' holds " +
+                     markers_seen(read_image_file(images.front(), "calibrate").view(), board));
   return calibrate_views(std::move(views), width, height, board, model, third);
 }
 
@@ -105,15 +124,20 @@ Calibration calibrate_views(std::vector<BoardView> views, int width, int height,
   out.views = std::move(views);
   if (out.used() < 3)
     throw InputError(command + "the board of " + std::to_string(board.columns) + " x " + std::to_string(board.rows) +
-                     " inner corners was found as a whole in " + std::to_string(out.used()) + " of " +
+                     " inner corners was found " + (board.dictionary.empty() ? "as a whole " : "") + "in " + std::to_string(out.used()) + " of " +
                      std::to_string(out.views.size()) + " images, expected at least 3");
+  const std::vector<cv::Point3d> whole = corners_of(board);
   std::vector<std::vector<cv::Point2d>> seen;
+  std::vector<std::vector<cv::Point3d>> places;
   for (const BoardView& v : out.views) {
     if (v.corner.empty()) continue;
     seen.emplace_back();
-    for (const Vec2& p : v.corner) seen.back().emplace_back(p.x(), p.y());
+    places.emplace_back();
+    for (std::size_t k = 0; k < v.corner.size(); ++k) {
+      seen.back().emplace_back(v.corner[k].x(), v.corner[k].y());
+      places.back().push_back(whole[v.id.empty() ? k : std::size_t(v.id[k])]);
+    }
   }
-  const std::vector<std::vector<cv::Point3d>> places(seen.size(), corners_of(board));
   const cv::TermCriteria until(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 200, 1e-12);
   cv::Matx33d K = cv::Matx33d::eye();
   cv::Mat D, sigma, ignored;

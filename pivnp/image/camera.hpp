@@ -25,6 +25,8 @@ struct CameraOptions {
   double window_thickness_m = 0;
   std::optional<double> window_distance_m = {};
   double window_index = 1.49;
+  double row_time_s = 0;
+  double exposure_s = 0;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
@@ -56,6 +58,11 @@ struct CameraOptions {
           OptionInfo{.unit = "m", .text = "from the lens's entrance pupil to the window's front", .min = 0, .above_min = true});
     visit("window_index", self.window_index,
           OptionInfo{.text = "refractive index of the window (acrylic 1.49, glass 1.52)", .min = 1, .max = 3});
+    visit("row_time_s", self.row_time_s,
+          OptionInfo{.unit = "s", .text = "rolling shutter: time from the exposure of a row to that of the next (read-out time by number of rows); "
+                                          "below 0 where the lowest row is read first (0: all rows at once)", .min = -0.01, .max = 0.01});
+    visit("exposure_s", self.exposure_s,
+          OptionInfo{.unit = "s", .text = "exposure time of a frame: motion that blurs the frames is warned of (0: not known)", .min = 0});
   }
 };
 

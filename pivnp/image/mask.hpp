@@ -9,9 +9,15 @@
 
 #include "pivnp/core/image_view.hpp"
 #include "pivnp/core/options.hpp"
+#include "pivnp/image/air_mask.hpp"
 #include "pivnp/image/camera.hpp"
 
 namespace pivnp::image {
+
+/// What of a tool is found again in every frame.
+enum class FollowBy { texture, outline };
+inline constexpr std::array follow_by_names{NamedValue{"texture", FollowBy::texture}, NamedValue{"outline", FollowBy::outline}};
+constexpr const auto& names_of(FollowBy) { return follow_by_names; }
 
 struct MaskOptions {
   Points polygon_px = {};
@@ -23,10 +29,12 @@ struct MaskOptions {
   std::optional<double> glare = {};
   std::string motion = {};
   bool follow = false;
+  FollowBy follow_by = FollowBy::texture;
+  AirKind air = AirKind::none;
   int grow_px = 0;
 
   /// Whether the mask differs from frame to frame (moving_mask.hpp).
-  bool moves() const { return !images.empty() || glare || !motion.empty() || follow; }
+  bool moves() const { return !images.empty() || glare || air != AirKind::none || !motion.empty() || follow; }
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
@@ -42,8 +50,14 @@ struct MaskOptions {
     visit("motion", self.motion,
           OptionInfo{.text = "how the polygon or circle moves: a CSV file with the columns frame,right_px,down_px,turn_deg (clockwise, about the shape's middle), linear between its rows"});
     visit("follow", self.follow,
-          OptionInfo{.text = "the polygon or circle is a rigid tool with texture, followed from frame to frame by it"});
-    visit("grow_px", self.grow_px, OptionInfo{.unit = "px", .text = "what images, glare and moving shapes cover grows by so much", .min = 0, .max = 200});
+          OptionInfo{.text = "the polygon or circle is a rigid tool, followed from frame to frame"});
+    visit("follow_by", self.follow_by,
+          OptionInfo{.text = "by what: texture within it; or outline, the edge between tool and surroundings, to which polygon or circle must "
+                             "lie within about 3 px in the first frame"});
+    visit("air", self.air,
+          OptionInfo{.text = "what is no material, found in each frame: none; texture, windows of 15 px without any; still, what lies outside all "
+                             "regions in the first frame and still looks as there"});
+    visit("grow_px", self.grow_px, OptionInfo{.unit = "px", .text = "what images, glare, air and moving shapes cover grows by so much", .min = 0, .max = 200});
     visit("invert", self.invert, OptionInfo{.text = "leave out everything else instead"});
   }
 };

@@ -80,11 +80,12 @@ std::vector<fs::path> mask_images(const fs::path& base, const std::string& patte
 
 void require_one_shape(const MaskOptions& o, const std::string& what) {
   const int shapes = int(!o.polygon_px.empty()) + int(!o.polygon_m.empty()) + int(!o.circle_px.empty()) + int(!o.image.empty()) +
-                     int(!o.images.empty()) + int(o.glare.has_value());
+                     int(!o.images.empty()) + int(o.glare.has_value()) + int(o.air != AirKind::none);
   if (shapes != 1)
-    throw InputError(what + ": found " + std::to_string(shapes) + " shapes, expected one of polygon_px, polygon_m, circle_px, image, images, glare");
+    throw InputError(what + ": found " + std::to_string(shapes) + " shapes, expected one of polygon_px, polygon_m, circle_px, image, images, glare, air");
   const bool moves = o.follow || !o.motion.empty();
-  if (moves && (!o.image.empty() || !o.images.empty() || o.glare)) throw InputError(what + ": a motion is given, but no outline that could move; expected polygon_px, polygon_m or circle_px");
+  if (moves && (!o.image.empty() || !o.images.empty() || o.glare || o.air != AirKind::none)) throw InputError(what + ": a motion is given, but no outline that could move; expected polygon_px, polygon_m or circle_px");
+  if (o.follow_by != FollowBy::texture && !o.follow) throw InputError(what + ".follow_by: given without follow = true");
   if (o.follow && !o.motion.empty()) throw InputError(what + ".motion: given together with follow, expected one of them");
 }
 
@@ -94,33 +95,27 @@ void mark_bright(const ImageView& image, int row, double least, std::vector<std:
   for (int c = 0; c < image.width; ++c) covered[std::size_t(c)] = double(grey[c]) >= least;
 }
 
-// Pixels within `reach` rows and columns of a marked one are marked too.
-void grow(std::vector<std::uint8_t>& covered, int width, int height, int reach) {
-  if (reach == 0) return;
-  std::vector<std::uint8_t> wide(covered.size());
-  const auto pass = [&](int count, int length, std::size_t step, std::size_t along) {
-    for (int line = 0; line < count; ++line)
-      for (int k = 0, last = -reach - 1; k < length + reach; ++k) {
-        const std::size_t base = std::size_t(line) * step;
-        if (k < length && covered[base + std::size_t(k) * along]) last = k;
-        if (k >= reach) wide[base + std::size_t(k - reach) * along] = last >= k - 2 * reach;
-      }
-    covered.swap(wide);
-  };
-  pass(height, width, std::size_t(width), 1);
-  pass(width, height, 1, std::size_t(width));
+bool goes_with_camera(const MaskOptions& o) { return !o.moves() && !o.polygon_m.empty(); }
+
+std::vector<Vec2> finer(const std::vector<Vec2>& vertices, int pieces) {
+  std::vector<Vec2> out;
+  for (std::size_t k = 0; k < vertices.size(); ++k)
+    for (int n = 0; n < pieces; ++n) out.push_back(vertices[k] + n / double(pieces) * (vertices[(k + 1) % vertices.size()] - vertices[k]));
+  return out;
 }
 
 }  // namespace
 
 MovingMasks::MovingMasks(const std::vector<std::pair<std::string, MaskOptions>>& named, const Camera& camera, int width, int height,
-                         const fs::path& base)
+                         const fs::path& base, bool camera_moves)
     : width_(width), height_(height) {
   for (const auto& [name, options] : named) {
     const std::string what = "mask." + name;
-    if (!options.moves()) continue;
+    const bool in_world = camera_moves && goes_with_camera(options);
+    if (!options.moves() && !in_world) continue;
     require_one_shape(options, what);
-    Item item{name, options, outline_of(options, camera, what), {}, {}, {}};
+    Item item{name, options, outline_of(options, camera, what), {}, {}, {}, {}, {}};
+    if (in_world) item.world = finer(positions_of(options.polygon_m), camera.lens().straight() ? 1 : 32);
     if (!options.images.empty()) item.images = mask_images(base, options.images, what + ".images");
     if (!options.motion.empty()) item.told = told_motion(base / options.motion, what + ".motion");
     items_.push_back(std::move(item));
@@ -137,8 +132,21 @@ void MovingMasks::require_frames(std::size_t frames) const {
 std::vector<MovingMasks::Followed> MovingMasks::to_follow() const {
   std::vector<Followed> out;
   for (std::size_t k = 0; k < items_.size(); ++k)
-    if (items_[k].options.follow) out.push_back({k, items_[k].name, items_[k].outline});
+    if (items_[k].options.follow) out.push_back({k, items_[k].name, items_[k].outline, items_[k].options.follow_by});
   return out;
+}
+
+bool MovingMasks::any_in_world() const {
+  return std::any_of(items_.begin(), items_.end(), [](const Item& item) { return !item.world.empty(); });
+}
+
+bool MovingMasks::wants_background() const {
+  return std::any_of(items_.begin(), items_.end(), [](const Item& item) { return item.options.air == AirKind::still && item.background.empty(); });
+}
+
+void MovingMasks::set_background(const ImageView& first, const ImageView& second, const std::vector<std::uint8_t>& material) {
+  for (Item& item : items_)
+    if (item.options.air == AirKind::still) item.background = StillBackground(first, second, material);
 }
 
 // As one place.
@@ -159,6 +167,11 @@ CameraMotion MovingMasks::at(const Item& item, int frame) const {
 }
 
 std::vector<Vec2> MovingMasks::outline_at(const Item& item, int frame) const {
+  if (!item.world.empty() && !cameras_.empty()) {
+    std::vector<Vec2> out;
+    for (const Vec2& x : item.world) out.push_back(cameras_.at(std::size_t(frame)).to_pixel(x));
+    return out;
+  }
   std::vector<Vec2> out = item.outline;
   if (out.empty()) return out;
   const Mat3 moved = at(item, frame).matrix(0);
@@ -192,7 +205,10 @@ void MovingMasks::apply(int frame, const ImageView& image, Mask& mask) const {
     // Zero in a mask image, or at least so bright in the frame.
     const double least = item.options.glare ? *item.options.glare * double(image.white) : 0.5 / 255 * double(shown.white);
     std::vector<Run> runs;
-    for (int r = 0; r < height_; ++r) {
+    const AirKind air = item.options.air;
+    if (air == AirKind::texture) covered = air_without_texture(image);
+    if (air == AirKind::still) covered = item.background.find(image);
+    for (int r = 0; r < height_ && air == AirKind::none; ++r) {
       if (!outline.empty()) {
         std::fill(line.begin(), line.end(), std::uint8_t{0});
         polygon_runs(outline, r, width_, runs);
@@ -220,6 +236,12 @@ void MovingMasks::apply(int frame, const ImageView& image, Mask& mask) const {
 std::vector<fs::path> MovingMasks::files() const {
   std::vector<fs::path> out;
   for (const Item& item : items_) out.insert(out.end(), item.images.begin(), item.images.end());
+  return out;
+}
+
+std::vector<std::pair<std::string, MaskOptions>> fixed_in_image(const std::vector<std::pair<std::string, MaskOptions>>& named) {
+  std::vector<std::pair<std::string, MaskOptions>> out;
+  std::copy_if(named.begin(), named.end(), std::back_inserter(out), [](const auto& mask) { return !goes_with_camera(mask.second); });
   return out;
 }
 

@@ -18,8 +18,10 @@ namespace {
 
 constexpr Rgb valid_colour = 0x0b3d91, replaced_colour = vermilion, rejected_colour = red, failed_colour = purple;
 
-void draw_cross(Painter& p, const Vec2& c, Rgb rgb) {
-  const Vec2 falling(5.5, 5.5), rising(5.5, -5.5);
+constexpr double cross_size = 5.5;  // half a side, canvas units
+
+void draw_cross(Painter& p, const Vec2& c, Rgb rgb, double half = cross_size) {
+  const Vec2 falling(half, half), rising(half, -half);
   for (const bool halo : {true, false}) {
     p.pen(halo ? Pen{0xffffff, 1.8} : Pen{rgb, 0.9});
     p.line(c - falling, c + falling);
@@ -27,11 +29,11 @@ void draw_cross(Painter& p, const Vec2& c, Rgb rgb) {
   }
 }
 
-void draw_ring(Painter& p, const Vec2& c, Rgb rgb) {
+void draw_ring(Painter& p, const Vec2& c, Rgb rgb, double half = cross_size) {
   p.no_fill();
   for (const bool halo : {true, false}) {
     p.pen(halo ? Pen{0xffffff, 1.6} : Pen{rgb, 0.8});
-    p.ellipse(c, 5.0, 5.0);
+    p.ellipse(c, half - 0.5, half - 0.5);
   }
 }
 
@@ -78,41 +80,59 @@ void draw_vectors(Canvas& canvas, const Panel& panel, const VectorField& field, 
           const Vec2 tail = field.anchor == Anchor::central ? Vec2(at - d / 2) : at;
           arrow(p, tail, tail + d, wanted == VectorStatus::valid ? valid_colour : replaced_colour);
         }
-    // What was not measured is rare and matters: no node is left out.
+    // What was not measured is rare and matters: no node is left out. Where nodes are close, marks shrink and stay apart.
+    const Vec2 next = panel.at(field.grid.position(1, 1)) - panel.at(field.grid.position(0, 0));
+    const double half = std::clamp(0.4 * std::min(std::abs(next.x()), std::abs(next.y())), 1.6, cross_size);
     for (int j = 0; j < field.grid.ny; ++j)
       for (int i = 0; i < field.grid.nx; ++i) {
         const VectorStatus s = field.status[field.grid.node(i, j)];
-        if (s == VectorStatus::rejected) draw_cross(p, place(i, j), rejected_colour);
-        if (s == VectorStatus::failed) draw_ring(p, place(i, j), failed_colour);
+        if (s == VectorStatus::rejected) draw_cross(p, place(i, j), rejected_colour, half);
+        if (s == VectorStatus::failed) draw_ring(p, place(i, j), failed_colour, half);
       }
   });
 }
 
-void draw_legend(Canvas& canvas, double left, const PairQuality& q, const Plan& plan,
-                 const std::string& unit) {
-  struct Entry {
+constexpr double legend_row = 4.4;  // mm
+
+struct LegendEntry {
+  std::string words;
+  void (*draw)(Painter&, const Vec2&);
+  double x = 0, y = 0;  // mm
+};
+
+// In as many rows as the width asks for.
+std::vector<LegendEntry> legend_of(const PairQuality& q, double left, double right) {
+  constexpr double mark = 7, gap = 3;
+  struct Kind {
     const char* words;
     std::size_t n;
     void (*draw)(Painter&, const Vec2&);
   };
-  const Entry entries[] = {
-      {"valid", q.valid,
-       [](Painter& p, const Vec2& c) { arrow(p, c - Vec2(27, 0), c + Vec2(27, 0), valid_colour); }},
-      {"replaced", q.replaced,
-       [](Painter& p, const Vec2& c) { arrow(p, c - Vec2(27, 0), c + Vec2(27, 0), replaced_colour); }},
+  const Kind kinds[] = {
+      {"valid", q.valid, [](Painter& p, const Vec2& c) { arrow(p, c - Vec2(27, 0), c + Vec2(27, 0), valid_colour); }},
+      {"replaced", q.replaced, [](Painter& p, const Vec2& c) { arrow(p, c - Vec2(27, 0), c + Vec2(27, 0), replaced_colour); }},
       {"rejected", q.rejected, [](Painter& p, const Vec2& c) { draw_cross(p, c, rejected_colour); }},
       {"failed", q.failed, [](Painter& p, const Vec2& c) { draw_ring(p, c, failed_colour); }}};
-  constexpr double y = 2.6;
-  double x = left;
-  const TextStyle small{.points = small_text};
-  for (const Entry& e : entries) {
-    if (e.n == 0) continue;
-    canvas.paint_over([draw = e.draw, at = Vec2((x + 3) * units_per_mm, y * units_per_mm)](Painter& p) { draw(p, at); });
-    const std::string words = std::string(e.words) + " " + percent(q.share(e.n));
-    canvas.text(x + 7, y, words, Align::left, small);
-    x = x + 7 + text_width(words, small_text) + 3;
+  std::vector<LegendEntry> out;
+  double x = left, y = 2.6;
+  for (const Kind& kind : kinds) {
+    if (kind.n == 0) continue;
+    const std::string words = std::string(kind.words) + " " + percent(q.share(kind.n));
+    const double wide = mark + text_width(words, small_text);
+    if (x + wide > right && x > left) x = left, y += legend_row;
+    out.push_back({words, kind.draw, x, y});
+    x += wide + gap;
   }
-  constexpr double below = y + 4.4;
+  return out;
+}
+
+void draw_legend(Canvas& canvas, double left, const std::vector<LegendEntry>& entries, const Plan& plan, const std::string& unit) {
+  const TextStyle small{.points = small_text};
+  for (const LegendEntry& e : entries) {
+    canvas.paint_over([draw = e.draw, at = Vec2((e.x + 3) * units_per_mm, e.y * units_per_mm)](Painter& p) { draw(p, at); });
+    canvas.text(e.x + 7, e.y, e.words, Align::left, small);
+  }
+  const double below = (entries.empty() ? 2.6 : entries.back().y) + legend_row;
   if (plan.units_each <= 0) {
     canvas.text(left, below, "no motion", Align::left, small);
     return;
@@ -169,9 +189,16 @@ std::vector<Figure> draw_vectors(const FigureInput& input) {
 
     const Vec2 beside = field.grid.spacing;  // arrows of the outermost nodes
     const Mat3 world_from_pixel = picture.world_from_pixel.value_or(content.world_from_pixel);
-    const Box box = pictured ? image_box(picture.image.width(), picture.image.height(), world_from_pixel)
-                             : Box{field.grid.origin - beside, field.grid.upper() + beside};
-    const double left = 12, right = 1, head = 10, foot = 10, aspect = box.height() / box.width();
+    // The frame, but not far beyond the nodes: an oblique camera sees much else.
+    const Vec2 about = Vec2::Constant(0.25 * (field.grid.upper() - field.grid.origin).maxCoeff());
+    Box box{field.grid.origin - beside, field.grid.upper() + beside};
+    if (pictured) {
+      box = image_box(picture.image.width(), picture.image.height(), world_from_pixel);
+      box.lower = box.lower.cwiseMax(field.grid.origin - about), box.upper = box.upper.cwiseMin(field.grid.upper() + about);
+    }
+    const std::vector<LegendEntry> legend = legend_of(input.pairs[at], 12, half_figure_mm - 1);
+    const double more = legend.empty() ? 0 : legend.back().y - legend.front().y;  // rows of the legend
+    const double left = 12, right = 1, head = 10 + more, foot = 10, aspect = box.height() / box.width();
     const double w = std::min(half_figure_mm - left - right, (110 - head - foot) / aspect), h = w * aspect;
     const double x = left + (half_figure_mm - left - right - w) / 2;
     auto canvas = std::make_shared<Canvas>(half_figure_mm, head + h + foot);
@@ -181,8 +208,8 @@ std::vector<Figure> draw_vectors(const FigureInput& input) {
       canvas->raster(panel, draw_image(picture.image.view(), world_from_pixel, box, pixels, 150, 254));
     const Plan plan = plan_arrows(field, w * units_per_mm / box.width());
     draw_vectors(*canvas, panel, field, plan);
-    scale_bar(*canvas, x + w, 7, panel, box, content.length_unit);
-    draw_legend(*canvas, x, input.pairs[at], plan, content.length_unit);
+    scale_bar(*canvas, x + w, 7 + more, panel, box, content.length_unit);
+    draw_legend(*canvas, left, legend, plan, content.length_unit);
     const std::string& length = content.length_unit;
     std::vector<ComparisonTable::Column> data{{"x", length, {}}, {"y", length, {}}, {"u_x", length, {}}, {"u_y", length, {}}, {"status", "", {}}};
     for (int j = 0; j < field.grid.ny; ++j)

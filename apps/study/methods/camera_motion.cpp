@@ -7,6 +7,7 @@
 #include "apps/study/pipeline/statistics.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
+#include "pivnp/image/outline_follower.hpp"
 #include "pivnp/image/similarity.hpp"
 #include "pivnp/piv/window/subset.hpp"
 #include "pivnp/piv/window/subset_search.hpp"
@@ -197,6 +198,43 @@ std::string name_of_source(RestSource from) {
   return from == RestSource::still_zone ? "the still zone" : from == RestSource::targets ? "the targets" : "the image outside material";
 }
 
+InputError tool_lost(const std::string& what, const image::FrameSource& source, int k, int search_px) {
+  return InputError(what + ": the tool was not found again in frame " + std::to_string(k) + " (" + source.frames()[std::size_t(k)].name +
+                    "), expected it within " + std::to_string(search_px) +
+                    " px of where it was; camera.motion.search_px may be greater, or its motion is given by a file (motion)");
+}
+
+CameraMotion motion_of_outline(const Case& c, const image::MovingMasks::Followed& shape, const std::string& what, image::FrameSource& source,
+                               Progress& progress) {
+  const int search = c.camera_motion.search_px, frames = int(source.frames().size());
+  const Image first = source.read(0);
+  const image::OutlineFollower follower(first.view(), shape.outline, search, what);
+  CameraMotion motion;
+  motion.centre = follower.centre();
+  motion.at.emplace_back();
+  for (int k = 1; k < frames; ++k) {
+    if (progress.stop_requested()) throw Interrupted();
+    const Image frame = source.read(k);
+    motion.at.push_back(follower.place(frame.view(), motion.at.back()));
+    if (motion.at.back().points == 0) throw tool_lost(what, source, k, search);
+    progress.update("tool " + shape.name, k, frames - 1);
+  }
+  return motion;
+}
+
+// Of air = "still": what the scene shows where no material is.
+void give_background(Setting& setting, image::FrameSource& source) {
+  const Image first = source.read(0), second = source.read(source.frames().size() > 1 ? 1 : 0);
+  std::vector<std::uint8_t> material(std::size_t(setting.width) * std::size_t(setting.height));
+  for (int r = 0; r < setting.height; ++r)
+    for (int k = 0; k < setting.width; ++k) {
+      const Vec2 x = setting.camera.to_world({double(k), double(r)});
+      material[std::size_t(r) * std::size_t(setting.width) + std::size_t(k)] =
+          std::any_of(setting.regions.begin(), setting.regions.end(), [&](const Region& region) { return region.polygon.contains(x); });
+    }
+  setting.moving_masks.set_background(first.view(), second.view(), material);
+}
+
 }  // namespace
 
 CameraMotion find_camera_motion(const Case& c, const Setting& setting, image::FrameSource& source, int threads,
@@ -224,11 +262,16 @@ CameraMotion find_camera_motion(const Case& c, const Setting& setting, image::Fr
 
 void follow_masks(const Case& c, Setting& setting, image::FrameSource& source, int threads, Progress& progress) {
   setting.moving_masks.require_frames(source.frames().size());
+  if (setting.moving_masks.wants_background()) give_background(setting, source);
   for (const auto& shape : setting.moving_masks.to_follow()) {
     Case tool = c;
     tool.camera_motion.model = image::MotionModel::rigid;
     tool.camera_motion.subset_px = 31;
     const std::string what = of_file(c) + ": mask." + shape.name + ".follow";
+    if (shape.by == image::FollowBy::outline) {
+      setting.moving_masks.set_motion(shape.item, motion_of_outline(c, shape, what, source, progress));
+      continue;
+    }
     const Polygon inside(shape.outline, what);
     const double reach = 0.35 * tool.camera_motion.subset_px;  // most of a subset lies on the tool
     std::vector<Vec2> points = spread(setting, tool.camera_motion.subset_px, [&](const Vec2& p) {
@@ -243,7 +286,7 @@ void follow_masks(const Case& c, Setting& setting, image::FrameSource& source, i
     follower.start(first);
     if (follower.size() < 2)
       throw InputError(what + ": found " + std::to_string(follower.size()) + " subsets of " + std::to_string(tool.camera_motion.subset_px) +
-                       " px with texture in it, expected at least 2; a larger outline, or its motion from a file (motion)");
+                       " px with texture in it, expected at least 2; a larger outline, follow_by = \"outline\", or its motion from a file (motion)");
     CameraMotion motion;
     motion.centre = follower.centre();
     motion.at.emplace_back();
@@ -251,10 +294,7 @@ void follow_masks(const Case& c, Setting& setting, image::FrameSource& source, i
     for (int k = 1; k < frames; ++k) {
       if (progress.stop_requested()) throw Interrupted();
       motion.at.push_back(follower.place(source.read(k), motion.at.back()));
-      if (motion.at.back().points == 0)
-        throw InputError(what + ": the tool was not found again in frame " + std::to_string(k) + " (" +
-                         source.frames()[std::size_t(k)].name + "), expected it within " + std::to_string(tool.camera_motion.search_px) +
-                         " px of where it was; camera.motion.search_px may be greater, or its motion is given by a file (motion)");
+      if (motion.at.back().points == 0) throw tool_lost(what, source, k, tool.camera_motion.search_px);
       progress.update("tool " + shape.name, k, frames - 1);
     }
     setting.moving_masks.set_motion(shape.item, std::move(motion));

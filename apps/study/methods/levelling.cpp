@@ -147,9 +147,11 @@ void add_levelled(const Case& c, const Setting& setting, const RunSettings& sett
   io::RecordWriter levelled(own.out, head, settings.resume, settings.threads);
   Setting at_rest = setting;  // the frames that are drawn
   set_camera_motion({}, at_rest);
-  measure(c, at_rest, *carried, levelled, settings.threads, progress);
+  Case drawn = c;
+  drawn.camera.row_time_s = 0;
+  measure(drawn, at_rest, *carried, levelled, settings.threads, progress);
   levelled.set_frames(carried->frames());
-  track(c, at_rest, carried->frames(), carried.get(), {}, levelled, settings.threads, progress);
+  track(drawn, at_rest, carried->frames(), carried.get(), {}, levelled, settings.threads, progress);
   levelled.pack();
   {
     const auto motion = levelled.motion("np");

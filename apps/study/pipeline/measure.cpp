@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "apps/study/pipeline/shutter.hpp"
 #include "apps/study/pipeline/statistics.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/piv/sequence.hpp"
@@ -49,6 +51,14 @@ void measure(const Case& c, const Setting& setting, image::FrameSource& source, 
   // Pairs are smoothed in groups: those of a group that was begun are measured again, with the same bits.
   const int first_pair = int(done.items);
   int from = first_pair - first_pair % piv::SequenceCorrelator::group;
+  std::optional<RowClock> rows;  // of each pair it asks those beside it, so that the group before is measured again too
+  if (c.camera.row_time_s != 0) rows.emplace(c.camera.row_time_s, setting, source.frames());
+  if (rows) from = std::max(0, from - piv::SequenceCorrelator::group);
+  const auto keep = [&](const VectorField& field) {
+    if (field.pair[0] < first_pair) return;
+    writer.add_pair(field);
+    if (writer.segment_full("piv")) writer.close_segment("piv", {});
+  };
   Image before;
   image::Mask mask_before;
   const bool moving = !setting.moving_masks.empty();
@@ -66,14 +76,18 @@ void measure(const Case& c, const Setting& setting, image::FrameSource& source, 
     progress.update("PIV", k + 1, frames - 1);
     if (correlator.held() < piv::SequenceCorrelator::group && k + 2 < frames) continue;
     for (const piv::PixelVectors& pixels : correlator.finish()) {
-      if (from >= first_pair) {
+      if (rows || from >= first_pair) {
         if (moves) lattice = node_lattice(setting, {from, from + 1}, options.anchor);
-        writer.add_pair(world_vectors(pixels, lattice, setting, {from, from + 1}));
-        if (writer.segment_full("piv")) writer.close_segment("piv", {});
+        VectorField field = world_vectors(pixels, lattice, setting, {from, from + 1});
+        if (!rows) keep(field);
+        else
+          for (const VectorField& ready : rows->add(std::move(field))) keep(ready);
       }
       ++from;
     }
   }
+  if (rows)
+    for (const VectorField& ready : rows->finish()) keep(ready);
   writer.end_stage("piv", nullptr);
 }
 
@@ -86,7 +100,9 @@ VectorField measure_pair(const Case& c, const Setting& setting, image::FrameSour
   const image::Mask mask = setting.moving_masks.empty()
                                ? setting.mask
                                : image::both(mask_of(setting, pair[0], first.view()), mask_of(setting, pair[1], second.view()));
-  return world_vectors(correlator.correlate(first.view(), second.view(), mask.view()), lattice, setting, pair);
+  VectorField field = world_vectors(correlator.correlate(first.view(), second.view(), mask.view()), lattice, setting, pair);
+  if (c.camera.row_time_s == 0) return field;
+  return RowClock(c.camera.row_time_s, setting, source.frames()).alone(field);
 }
 
 std::vector<std::uint8_t> step_flags(const std::vector<StepQuality>& pairs) {

@@ -219,7 +219,11 @@ Setting make_setting(const Case& c, int width, int height, const io::VectorFiles
     setting.camera = image::Camera(Mat3::Identity(), 0, c.camera.length_unit);  // simulation only: no pixels
   if (width > 0) {
     setting.mask = image::make_mask(c.masks, setting.camera, width, height, c.folder);
-    setting.moving_masks = image::MovingMasks(c.masks, setting.camera, width, height, c.folder);
+    const bool camera_moves = c.camera_motion.from != image::RestSource::none;
+    setting.moving_masks = image::MovingMasks(c.masks, setting.camera, width, height, c.folder, camera_moves);
+    if (setting.moving_masks.any_in_world())
+      if (const auto fixed = image::fixed_in_image(c.masks); !fixed.empty())
+        setting.image_mask = image::make_mask(fixed, setting.camera, width, height, c.folder);
   }
   for (const auto& [name, options] : c.regions) {
     const std::string what =
@@ -237,7 +241,7 @@ Setting make_setting(const Case& c, int width, int height, const io::VectorFiles
 }
 
 image::Mask mask_of(const Setting& setting, int k, const ImageView& frame) {
-  image::Mask mask = setting.mask;
+  image::Mask mask = setting.moving_masks.any_in_world() ? setting.image_mask : setting.mask;
   setting.moving_masks.apply(k, frame, mask);
   return mask;
 }
@@ -245,6 +249,7 @@ image::Mask mask_of(const Setting& setting, int k, const ImageView& frame) {
 void set_camera_motion(CameraMotion motion, Setting& setting) {
   setting.cameras.clear();
   for (std::size_t k = 0; k < motion.at.size(); ++k) setting.cameras.push_back(setting.camera.after(motion.matrix(k)));
+  setting.moving_masks.set_cameras(setting.cameras);
   setting.camera_motion = std::move(motion);
 }
 

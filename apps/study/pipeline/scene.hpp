@@ -38,7 +38,8 @@ struct Setting {
   image::Camera camera;               // of the first frame
   CameraMotion camera_motion;         // empty: the camera is at rest
   std::vector<image::Camera> cameras;  // one a frame where it moves (set_camera_motion)
-  image::Mask mask;                   // of what stays where it is
+  image::Mask mask;                   // of what stays where it is; where the camera moves, as in the first frame
+  image::Mask image_mask;             // where the camera moves: of that, what goes with the image, not with the world
   image::MovingMasks moving_masks;
   Grid grid;                    // the shared nodes
   std::vector<Region> regions;  // in the world; the whole grid if the case names none

@@ -42,7 +42,7 @@ std::string exact(double v) {
 std::string keys_of(const image::Calibration& c, const image::Board& board) {
   std::string text = "# Found by pivnp calibrate: " + std::to_string(c.used()) + " of " + std::to_string(c.views.size()) +
                      " images of a board of " + std::to_string(board.columns) + " x " + std::to_string(board.rows) +
-                     " inner corners; frames of " + std::to_string(c.width) + " x " + std::to_string(c.height) + " px.\n[camera]\n";
+                     " inner corners" + (board.dictionary.empty() ? "" : " with markers " + board.dictionary) + "; frames of " + std::to_string(c.width) + " x " + std::to_string(c.height) + " px.\n[camera]\n";
   text += "lens = \"" + std::string(name_of(c.model)) + "\"\n";
   text += "focal_px = [" + exact(c.focal.x()) + ", " + exact(c.focal.y()) + "]\n";
   text += "centre_px = [" + exact(c.centre.x()) + ", " + exact(c.centre.y()) + "]\n";
@@ -111,8 +111,16 @@ CalibrateOutcome calibrate_camera(const std::string& pattern, const image::Board
   outcome.remarks.push_back("The board was found in " + std::to_string(c.used()) + " of " + std::to_string(c.views.size()) +
                             " images; residual " + number(c.rms_px, 2) + " px RMS. The lens moves the image's corners by up to " +
                             number(bent, 3) + " px.");
+  if (!board.dictionary.empty()) {
+    std::size_t seen = 0;
+    for (const image::BoardView& v : c.views) seen += v.corner.size();
+    outcome.remarks.push_back("Of the board's " + std::to_string(board.columns * board.rows) + " inner corners, " +
+                              number(double(seen) / c.used(), 3) + " were seen in an image on average.");
+  }
+  const std::string lost = board.dictionary.empty() ? ": the board was not found as a whole; left out."
+                                                    : ": fewer than 8 of the board's corners were found; left out.";
   for (const image::BoardView& v : c.views)
-    if (v.corner.empty()) outcome.remarks.push_back(v.name + ": the board was not found as a whole; left out.");
+    if (v.corner.empty()) outcome.remarks.push_back(v.name + lost);
     else if (v.rms_px > 2.5 * c.rms_px) outcome.remarks.push_back(v.name + ": its residual is " + number(v.rms_px, 2) + " px, far above the others\u2019 (blur, a bent board?).");
   if (c.rms_px > 0.3)
     outcome.remarks.push_back("A residual above .3 px is more than corners are found to: the board is not plane, the focus or zoom changed, or the lens needs another model.");

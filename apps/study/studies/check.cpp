@@ -15,6 +15,7 @@
 #include "apps/study/pipeline/measure.hpp"
 #include "apps/study/pipeline/placed.hpp"
 #include "apps/study/pipeline/scene.hpp"
+#include "apps/study/pipeline/shutter.hpp"
 #include "apps/study/pipeline/simulation_scene.hpp"
 #include "apps/study/pipeline/sizes.hpp"
 #include "apps/study/pipeline/zones.hpp"
@@ -254,6 +255,9 @@ CheckOutcome checked(const Case& given, const RunSettings& settings, Progress& p
     }
     outcome.remarks.push_back("The masks are also drawn on the frame in the middle and on the last one: check_middle.png, check_last.png.");
   }
+  if (!tried.empty())
+    for (std::string& remark : shutter_remarks(c, setting, listed, tried.size(), [&](std::size_t k) { return tried[k]; }))
+      outcome.remarks.push_back(std::move(remark));
   if (!tried.empty())
     for (std::string& remark : rate_remarks(c, setting, tried, c.frames && c.frames->rate_hz ? *c.frames->rate_hz : 0)) outcome.remarks.push_back(std::move(remark));
   if (source && !vectors)

@@ -17,6 +17,7 @@
 #include "apps/study/pipeline/placed.hpp"
 #include "apps/study/pipeline/record_head.hpp"
 #include "apps/study/pipeline/report_input.hpp"
+#include "apps/study/pipeline/shutter.hpp"
 #include "apps/study/pipeline/sizes.hpp"
 #include "apps/study/pipeline/sources.hpp"
 #include "apps/study/pipeline/stage_clock.hpp"
@@ -98,6 +99,8 @@ class Run {
              outcome_.remarks);
     append(camera_motion_remarks(c_, setting_.camera_motion, frames_), outcome_.remarks);
     append(still_zone_remarks(c_, setting_, frames_.size() - 1, [&](std::size_t k) { return writer_->pair(k); }), outcome_.remarks);
+    if (!vectors_)
+      append(shutter_remarks(c_, setting_, frames_, frames_.size() - 1, [&](std::size_t k) { return writer_->pair(k); }), outcome_.remarks);
     progress_.begin("closure");
     if (vectors_)
       closure_.verdict = "not checked: the vectors are another program's";
