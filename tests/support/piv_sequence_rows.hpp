@@ -38,7 +38,8 @@ struct Measured {
 };
 
 /// `alone`: every pair by itself.
-inline Measured measure(const Sequence& s, const PivOptions& options, int threads, bool alone = false) {
+inline Measured measure(const Sequence& s, const PivOptions& options, int threads, bool alone = false,
+                        const MaskView& mask = {}) {
   Measured out;
   constexpr int spacing = 8;
   constexpr double edge = 16;
@@ -56,7 +57,7 @@ inline Measured measure(const Sequence& s, const PivOptions& options, int thread
   Image before = draw(s, 0);
   for (int k = 0; k + 1 < s.frames; ++k) {
     Image after = draw(s, k + 1);
-    correlator.add(before.view(), after.view(), {});
+    correlator.add(before.view(), after.view(), mask);
     before = std::move(after);
     if (!alone && correlator.held() < SequenceCorrelator::group && k + 2 < s.frames) continue;
     for (PixelVectors& v : correlator.finish()) {
@@ -103,6 +104,25 @@ inline Shares shares(const Sequence& s, const Measured& m, const std::function<b
       const Vec2 off = Vec2(pair.displacement[n][0], pair.displacement[n][1]) - truth(s, p, pair.pair[0]);
       out.wrong += off.norm() > 0.5, out.square += off.squaredNorm();
       out.largest = std::max(out.largest, off.norm());
+    }
+  return out;
+}
+
+/// Vectors that have a value, by what flags say of them: wrong by more than half a pixel, good to a quarter. Vectors
+/// must be as measured (PivOptions::replace).
+struct Told {
+  double wrong = 0, wrong_flagged = 0, good = 0, good_kept = 0;
+};
+
+inline Told told(const Sequence& s, const Measured& m) {
+  Told out;
+  for (const VectorField& pair : m.pairs)
+    for (std::size_t n = 0; n < pair.status.size(); ++n) {
+      const Vec2 p = m.grid.position(int(n % std::size_t(m.grid.nx)), int(n / std::size_t(m.grid.nx)));
+      const double off = (Vec2(pair.displacement[n][0], pair.displacement[n][1]) - truth(s, p, pair.pair[0])).norm();
+      const bool valid = pair.status[n] == VectorStatus::valid;  // off is NaN where nothing was measured
+      if (off > 0.5) ++out.wrong, out.wrong_flagged += !valid;
+      if (off < 0.25) ++out.good, out.good_kept += valid;
     }
   return out;
 }
@@ -288,14 +308,18 @@ inline SequenceRow path_row(const char* name, bool brief, int frames, double noi
 }
 
 /// A layer that slides over ground of its own texture, times `behind`: surface along the frame's middle row, shear of
-/// `shear` below it. Vectors whose window is at least half inside against those well inside.
-inline SequenceRow surface_row(const char* name, bool brief, double step, double behind, double shear) {
+/// `shear` below it. Vectors whose window is at least half inside against those well inside. `masked`: a mask leaves the
+/// ground out.
+inline SequenceRow surface_row(const char* name, bool brief, double step, double behind, double shear, bool masked = false) {
   return {name, brief, [=](const PivOptions& options, int seed, int threads) -> SequenceFigures {
             Sequence s{.frames = 5, .seed = seed, .behind = behind, .noise = .01};
             s.width = 384, s.height = 384;
             s.place = [=](const Vec2& X, int k) -> Vec2 { return X + k * Vec2(step - shear * (X.y() - 192), 0); };
             s.material = [](const Vec2& X) { return X.y() > 192; };
-            const Measured m = measure(s, options, threads);
+            std::vector<std::uint8_t> usable(std::size_t(s.width) * std::size_t(s.height), 1);
+            std::fill_n(usable.begin(), 193 * s.width, std::uint8_t(0));
+            const MaskView ground{usable.data(), s.width, s.height, s.width};
+            const Measured m = measure(s, options, threads, false, masked ? ground : MaskView{});
             const Shares rim = shares(s, m, [](const Vec2& p, int) { return p.y() > 192 && p.y() < 208 && p.x() > 64; });
             const Shares deep = shares(s, m, [](const Vec2& p, int) { return p.y() > 240 && p.x() > 64; });
             return {{"rim: valid and wrong", rim.wrong_share(), .05},
@@ -357,6 +381,8 @@ inline std::vector<SequenceRow> sequence_rows() {
   rows.push_back(surface_row("surface 6 px, full ground", false, 6, 1, 0));
   rows.push_back(surface_row("surface 6 px, full ground, shear", false, 6, 1, .02));
   rows.push_back(surface_row("surface 12 px, faint ground", false, 12, .3, 0));
+  rows.push_back(surface_row("surface 6 px, full ground, masked", false, 6, 1, 0, true));
+  rows.push_back(surface_row("surface 6 px, full ground, shear, masked", false, 6, 1, .02, true));
 
   // Paths and their stated error.
   rows.push_back(path_row("vortex, noise 2 %", false, 13, .02, 0, 0, .1, [](const Sequence& s) { return vortex(s, 2, 80); }));
@@ -398,8 +424,12 @@ inline std::vector<SequenceRow> sequence_rows() {
                         o.method = method;
                         const Shares all = shares(s, measure(s, o, threads), {});
                         const double wrong = all.wrong / all.nodes;
+                        o.replace = false;
+                        const Told as_measured = told(s, measure(s, o, threads));
                         return {{"valid and wrong, of all", wrong, method[0] == 'f' ? .02 : .0005},
-                                {"largest error of valid, px", all.largest, 5}};
+                                {"largest error of valid, px", all.largest, 5},
+                                {"wrong ones flagged", as_measured.wrong > 0 ? as_measured.wrong_flagged / as_measured.wrong : 1, .97, true},
+                                {"good ones kept", as_measured.good_kept / as_measured.good, .95, true}};
                       }});
   return rows;
 }

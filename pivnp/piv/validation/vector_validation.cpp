@@ -6,6 +6,7 @@
 #include "pivnp/piv/dense/lattice_filter.hpp"
 #include "pivnp/piv/sampling/lattice.hpp"
 #include "pivnp/piv/validation/median_test.hpp"
+#include "pivnp/piv/validation/moving_edges.hpp"
 #include "pivnp/piv/validation/replacement.hpp"
 
 namespace pivnp::piv {
@@ -118,6 +119,8 @@ void validate_vectors(const ValidationInput& input, const SplineField& field, co
   }
   const auto measured = measured_points(sums, quality, input.rounding);
   trusted = trusted_points(input, lattice, quality, measured, u, v, variance_u, variance_v);
+  constexpr float most_departure_px = 0.4f;
+  reject_moving_edges(sums, u, v, most_departure_px / d, trusted);
   const auto least_usable = static_cast<float>(input.limits.min_usable);
   for (std::size_t k = 0; k < input.nodes.pixel.size(); ++k) {
     if (vectors.status[k] == VectorStatus::masked) continue;

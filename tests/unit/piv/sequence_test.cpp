@@ -47,6 +47,29 @@ TEST(Sequences, MapsAreTurnedBack) {
   }
 }
 
+// Compressed beyond what its windows find, part of a frame is matched by chance: such vectors are rejected, good ones are
+// not. So they are in noise that leaves a window .2 px.
+TEST(Sequences, BeyondItsRangeFftSaysSo) {
+  PivOptions options;
+  options.method = "fft", options.replace = false;
+  Sequence s{.frames = 2, .seed = 911, .noise = .01};
+  const auto stretched = [&](double stretch) {
+    return [&s, stretch](const Vec2& X, int k) -> Vec2 {
+      const Vec2 m(0.5 * s.width, 0.5 * s.height);
+      return m + (k == 0 ? 1.0 : stretch) * (X - m);
+    };
+  };
+  s.place = stretched(.8);
+  const sequence::Told beyond = sequence::told(s, sequence::measure(s, options, 2));
+  EXPECT_GT(beyond.wrong, 500);
+  EXPECT_GE(beyond.wrong_flagged, .97 * beyond.wrong);
+  EXPECT_GE(beyond.good_kept, .95 * beyond.good);
+  s.width = s.height = 256, s.noise = .1, s.texture.loss = .2;
+  s.place = stretched(1);
+  const sequence::Told noisy = sequence::told(s, sequence::measure(s, options, 2));
+  EXPECT_GE(noisy.good_kept, .97 * noisy.good);
+}
+
 // A pair alone, and methods without a field of their own, yield what the pair correlator yields.
 TEST(Sequences, APairAloneIsAPair) {
   Sequence s{.frames = 3, .seed = seed, .noise = .02};
