@@ -8,7 +8,7 @@ namespace pivnp::image {
 
 namespace {
 
-constexpr int half = air_window_px / 2;
+constexpr int half_window = air_window_px / 2;
 constexpr double least_ratio = 3;  // between the classes' standard deviations
 
 std::vector<float> shares_of_white(const ImageView& image) {
@@ -38,7 +38,7 @@ void box_mean(std::vector<float>& v, int width, int height) {
       line[0] = 0;
       for (int n = 0; n < length; ++n) line[std::size_t(n) + 1] = line[std::size_t(n)] + double(at[std::size_t(n) * along]);
       for (int n = 0; n < length; ++n) {
-        const int a = std::max(0, n - half), b = std::min(length, n + half + 1);
+        const int a = std::max(0, n - half_window), b = std::min(length, n + half_window + 1);
         at[std::size_t(n) * along] = float((line[std::size_t(b)] - line[std::size_t(a)]) / (b - a));
       }
     }
@@ -103,7 +103,7 @@ constexpr std::size_t least_group = 2 * air_window_px * air_window_px;
 // Windows that are air as a whole -> pixels that are.
 void whole_windows(std::vector<std::uint8_t>& air, int width, int height) {
   drop_small(air, width, height, 1, least_group / 8);
-  grow(air, width, height, half);
+  grow(air, width, height, half_window);
 }
 
 }  // namespace
