@@ -25,9 +25,9 @@ bool sound(double xx, double xy, double yx, double yy, double J) {
 
 }  // namespace
 
-// What changes by the case's will, before a step: densities and strengths as at its end, material taken out by its start.
+// What changes by the case's will, before a step: strengths as at its end, to which the stress is updated; material
+// taken out by its start. (Densities are those of its start, as the forces are: end_step() has changed them.)
 void Solver::Impl::load(double dt) {
-  if (loading.any_density()) change_densities(state.time + dt, true);
   change_strength(state.time + dt);
   remove_due();
   if (state.steps % bad_states_every == 0) end_bad_states();

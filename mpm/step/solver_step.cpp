@@ -59,6 +59,7 @@ void Solver::Impl::end_step(const Cycle& c) {
   ++state.steps;
   state.body_motion = bodies.motion();
   choice.end_step();
+  change_densities(state.time + c.dt, true);
 }
 
 void Solver::Impl::find_cells(const Cycle& c) {

@@ -122,13 +122,20 @@ struct Moving {
       t.store(l.xi, p.xi);
       t.store(l.eta, p.eta);
     }
-    move(t, l, cells, n);
+    const Velocity u = move(
+        t, n, [&] PIVNP_TILE { return interpolated(l, cells, &Node::vx, &Node::vy); },
+        [&] PIVNP_TILE { return filtered(l, cells); });
+    if (job.remap)
+      map_again(l, cells, mass_of(p, t), u.x, u.y, n.xx * set(c.hx), n.xy * set(c.hy), n.yx * set(c.hx),
+                n.yy * set(c.hy));
   }
 
-  // By the nodes' velocity at the points, of which nothing is read after the first number is stored: the compiler would read
-  // the nodes once more.
-  template <class Tile, class Lines>
-  HWY_INLINE void move(const Tile& t, const Lines& l, const TileCells& cells, const Field& n) {
+  // By the nodes' velocity at the points, of which nothing is read after the first number is stored: the compiler would
+  // read the nodes once more. `mapped_at`, `filtered_at`: the nodes' velocity before its update, and XPIC's, at the
+  // points. Returns the points' new velocity.
+  template <class Tile, class Mapped, class Filtered>
+  HWY_INLINE Velocity move(const Tile& t, const Field& n, [[maybe_unused]] Mapped&& mapped_at,
+                           [[maybe_unused]] Filtered&& filtered_at) {
     const V m = mass_of(p, t);
     const V vx = t.load(p.vx), vy = t.load(p.vy), half = set(0.5);
     const V nx = n.x, ny = n.y;
@@ -146,9 +153,9 @@ struct Moving {
       ux = nx;
       uy = ny;
     } else {
-      const Velocity mapped = interpolated(l, cells, &Node::vx, &Node::vy);
+      const Velocity mapped = mapped_at();
       if constexpr (transfer == TransferKind::xpic) {
-        const Velocity smooth = filtered(l, cells);
+        const Velocity smooth = filtered_at();
         ux = smooth.x + (nx - mapped.x);
         uy = smooth.y + (ny - mapped.y);
       } else {
@@ -164,7 +171,7 @@ struct Moving {
     // False for NaN too.
     good = hn::And(good, hn::And(hn::Le(t.live(speed2), reach2), hn::Le(t.live(hn::MulAdd(nx, nx, ny * ny)), reach2)));
     fastest2 = hn::Max(fastest2, t.live(speed2));
-    if (job.remap) map_again(l, cells, m, ux, uy, n.xx * set(c.hx), n.xy * set(c.hy), n.yx * set(c.hx), n.yy * set(c.hy));
+    return {ux, uy};
   }
 
   template <class Lines>

@@ -13,41 +13,87 @@
 HWY_BEFORE_NAMESPACE();
 namespace pivnp::mpm::HWY_NAMESPACE {
 
+// The nodes' updated velocity at a tile's points, C of APIC, and the gradient per cell side.
+struct Sampled {
+  V x, y, xx, xy, yx, yy;
+  LaneGradient slope;
+};
+
+// By the shape functions of each point.
+template <class Lines>
+HWY_INLINE Sampled sampled(const Lines& l, const TileCells& cells, const CellView& c) {
+  constexpr int W = Lines::W;
+  const AffineWeights<Lines> affine(l, cells, c);
+  Sampled n{zero(), zero(), zero(), zero(), zero(), zero(), {zero(), zero(), zero(), zero()}};
+  const auto add = [&](int b, double Node::*member, V& v, V& by_x, V& by_y, V& slope_x, V& slope_y) PIVNP_TILE {
+    V value = zero(), moment = zero(), slope = zero();
+    for (int a = 0; a < W; ++a) {
+      const V at = cells.value(b * cells.nx + a, member);
+      value = hn::MulAdd(l.x.w[a], at, value);
+      moment = hn::MulAdd(affine.x[a], at, moment);
+      slope = hn::MulAdd(l.x.g[a], at, slope);
+    }
+    v = hn::MulAdd(l.y.w[b], value, v);
+    by_x = hn::MulAdd(l.y.w[b], moment, by_x);
+    by_y = hn::MulAdd(affine.y[b], value, by_y);
+    slope_x = hn::MulAdd(l.y.w[b], slope, slope_x);
+    slope_y = hn::MulAdd(l.y.g[b], value, slope_y);
+  };
+  for (int b = 0; b < W; ++b) {
+    add(b, &Node::nx, n.x, n.xx, n.xy, n.slope.xx, n.slope.xy);
+    add(b, &Node::ny, n.y, n.yx, n.yy, n.slope.yx, n.slope.yy);
+  }
+  return n;
+}
+
+// By the cells' polynomials. As sum w s = xi, sum w s^2 = xi^2 + 1/4 and sum w s^3 = xi, C takes b + c xi (3 - 4 xi^2)
+// of the parabola a + b s + c s^2 along an axis.
+HWY_INLINE Sampled sampled(const CellPolynomials& v, V xi, V eta, const CellView& c) {
+  const V x1 = set(0.5) * xi, y1 = set(0.5) * eta, x2 = xi * xi, y2 = eta * eta;
+  const V affine_x = xi * hn::NegMulAdd(set(8), x2, set(6)), affine_y = eta * hn::NegMulAdd(set(8), y2, set(6));
+  const auto component = [&](auto&& of, V& value, V& by_x, V& by_y, V& slope_x, V& slope_y) PIVNP_TILE {
+    const auto rows = v.rows(of, x1, x2);
+    value = rows.up(y1, y2);
+    slope_x = set(0.5) * v.across(of, set(4) * xi, y1, y2);
+    slope_y = set(0.5) * rows.along(set(4) * eta);
+    by_x = set(0.5 * c.per_hx) * v.across(of, affine_x, y1, y2);
+    by_y = set(0.5 * c.per_hy) * rows.along(affine_y);
+  };
+  Sampled n;
+  component([](V k) PIVNP_TILE { return first_of_turn(k); }, n.x, n.xx, n.xy, n.slope.xx, n.slope.xy);
+  component([](V k) PIVNP_TILE { return second_of_turn(k); }, n.y, n.yx, n.yy, n.slope.yx, n.slope.yy);
+  return n;
+}
+
 template <class S>
 struct MovingStrain {
-  static constexpr int W = S::width;
   using Move = Moving<S, TransferKind::apic>;
   Move move;
   double sx = move.job.dt * move.c.per_hx, sy = move.job.dt * move.c.per_hy;
 
   // Moves a tile; the gradient of its step.
-  template <class Tile, class Lines>
-  HWY_INLINE LaneGradient tile(const Tile& t, const Lines& l, const TileCells& cells) {
-    const AffineWeights<Lines> affine(l, cells, move.c);
-    typename Move::Field n{zero(), zero(), zero(), zero(), zero(), zero()};
-    LaneGradient G{zero(), zero(), zero(), zero()};
-    const auto add = [&](int b, double Node::*member, V& v, V& by_x, V& by_y, V& slope_x, V& slope_y) PIVNP_TILE {
-      V value = zero(), moment = zero(), slope = zero();
-      for (int a = 0; a < W; ++a) {
-        const V at = cells.value(b * cells.nx + a, member);
-        value = hn::MulAdd(l.x.w[a], at, value);
-        moment = hn::MulAdd(affine.x[a], at, moment);
-        slope = hn::MulAdd(l.x.g[a], at, slope);
-      }
-      v = hn::MulAdd(l.y.w[b], value, v);
-      by_x = hn::MulAdd(l.y.w[b], moment, by_x);
-      by_y = hn::MulAdd(affine.y[b], value, by_y);
-      slope_x = hn::MulAdd(l.y.w[b], slope, slope_x);
-      slope_y = hn::MulAdd(l.y.g[b], value, slope_y);
-    };
-    for (int b = 0; b < W; ++b) {
-      add(b, &Node::nx, n.x, n.xx, n.xy, G.xx, G.xy);
-      add(b, &Node::ny, n.y, n.yx, n.yy, G.yx, G.yy);
+  template <class Tile>
+  HWY_INLINE LaneGradient tile(const Tile& t, const Natural& at, const TileCells& cells) {
+    if constexpr (CellPolynomials::are_of<S> && !Tile::marked) {
+      return moved(t, sampled(CellPolynomials(StrainVelocityAt<false>(move.c, cells), cells), at.xi, at.eta, move.c));
+    } else {
+      if constexpr (CellPolynomials::are_of<S>)
+        if (CellPolynomials::hold(cells) && !(cells.any_mark() & strained_apart))
+          return moved(t,
+                       sampled(CellPolynomials(StrainVelocityAt<false>(move.c, cells), cells), at.xi, at.eta, move.c));
+      const TileLines<S, Tile> l(move.p, cells, t, at);
+      const LaneGradient own = moved(t, sampled(l, cells, move.c));
+      if constexpr (Tile::marked)
+        if (cells.any_mark() & strained_apart) return of_own(t, gradient(l, move.c, cells, sx, sy));
+      return own;
     }
-    move.move(t, l, cells, n);
-    if constexpr (Tile::marked)
-      if (cells.any_mark() & strained_apart) return of_own(t, gradient(l, move.c, cells, sx, sy));
-    return of_own(t, {G.xx * set(sx), G.xy * set(sy), G.yx * set(sx), G.yy * set(sy)});
+  }
+  template <class Tile>
+  HWY_INLINE LaneGradient moved(const Tile& t, const Sampled& n) {
+    const auto none = [] PIVNP_TILE { return Velocity{zero(), zero()}; };
+    move.move(t, {n.x, n.y, n.xx, n.xy, n.yx, n.yy}, none, none);
+    const V x = set(sx), y = set(sy);
+    return of_own(t, {n.slope.xx * x, n.slope.xy * y, n.slope.yx * x, n.slope.yy * y});
   }
 };
 
@@ -61,8 +107,8 @@ GatherSums move_strain_range(ShapeKind shape, const MoveJob& job, const StrainJo
       std::size_t found = 0;
       const Straining<S> straining{strain, p, c, out, c.begin[range.begin]};
       for_tiles(c, range, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
-        const auto l = lines_of<S>(p, c, cells, t);
-        straining.strain(t, l, cells, both.tile(t, l, cells), nullptr, 0);
+        const Natural at = natural<S>(p, c, cells, t);
+        straining.strain(t, at, cells, both.tile(t, at, cells), nullptr, 0);
         find_suspects(c, cells, t, natural_of(c, cells, t.again(p.x), t.again(p.y)), suspects, found);
       });
       GatherSums sums = sums_of(both.move.fastest2, both.move.loss, both.move.good);
@@ -79,9 +125,9 @@ GatherSums move_average_range(ShapeKind shape, const MoveJob& job, const PointVi
     else {
       MovingStrain<S> both{{job, p, c}};
       for_tiles(c, range, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
-        const auto l = lines_of<S>(p, c, cells, t);
-        const V theta = t.live(lane_log_det(both.tile(t, l, cells)));
-        add_to_averages(c, cells, false, l.xi, l.eta, joined_volume(p, t), theta);
+        const Natural at = natural<S>(p, c, cells, t);
+        const LaneGradient G = both.tile(t, at, cells);
+        add_to_averages(c, cells, false, at.xi, at.eta, joined_volume(p, t), t.live(lane_log_det(G)));
       });
       return sums_of(both.move.fastest2, both.move.loss, both.move.good);
     }

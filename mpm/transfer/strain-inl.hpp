@@ -9,7 +9,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
+#include "mpm/simd/turns-inl.hpp"
 #include "mpm/transfer/finite_strain.hpp"
 #include "mpm/transfer/lanes-inl.hpp"
 
@@ -129,6 +131,10 @@ struct StrainVelocityAt {
       first[g] = (apart ? c.own_strain_velocity : c.strain_velocity) + (cells.base[g] - c.node) * next[g];
     }
   }
+  /// x and y in turn.
+  HWY_INLINE V both(std::ptrdiff_t n) const {
+    return load_in_turn(first[0] + n * next[0], first[groups - 1] + n * next[groups - 1]);
+  }
   HWY_INLINE V operator()(std::ptrdiff_t n, int component) const {
     return of_groups(first[0][n * next[0] + component], first[groups - 1][n * next[groups - 1] + component]);
   }
@@ -169,6 +175,75 @@ HWY_INLINE LaneGradient gradient(const Lines& l, const CellView& view, const Til
     }
     return {G.xx * x, G.xy * y, G.yx * x, G.yy * y};
   }
+}
+
+// Splines are polynomials of the second degree in a cell away from walls: of the parabola a + b s + c s^2 through the
+// three nodes of an axis, a + c/4 + b xi + c xi^2. The coefficients are those of the cell, both components in turn:
+// from them the sums over its nodes need half the products, and no shape functions.
+struct Parabola {
+  V a, b, c;  // a + c/4, twice b, c
+  HWY_INLINE Parabola(V low, V middle, V high) : b(high - low), c(hn::MulSub(set(0.5), low + high, middle)) {
+    a = hn::MulAdd(set(0.25), c, middle);
+  }
+};
+class CellPolynomials {
+ public:
+  template <class Shape>
+  static constexpr bool are_of = std::is_same_v<Shape, BSplineShape>;
+  /// Of the strain-rate velocity, where hold(); that is the updated one where one sweep moves and strains, but in cells
+  /// strained apart.
+  template <bool marked>
+  HWY_INLINE CellPolynomials(const StrainVelocityAt<marked>& u, const TileCells& cells)
+      : CellPolynomials(row(u, 0), row(u, cells.nx), row(u, 2 * cells.nx)) {}
+  static HWY_INLINE bool hold(const TileCells& cells) {
+    return !(cells.any_mark() & (wall_left | wall_right | wall_down | wall_up));
+  }
+
+  /// `of` takes one component of a coefficient to all lanes of its cell. Twice `by` is what the second power along x
+  /// takes where the first takes 2: 4 xi for the slope; the rows' sum by 1, y and y^2, y halved in y1.
+  template <class Of>
+  HWY_INLINE V across(Of&& of, V by, V y1, V y2) const {
+    const auto row = [&](const Parabola& first, const Parabola& second, V Parabola::*k)
+                         PIVNP_TILE { return hn::MulAdd(by, of(second.*k), of(first.*k)); };
+    return hn::MulAdd(y2, row(along_, square_, &Parabola::c),
+                      hn::MulAdd(y1, row(along_, square_, &Parabola::b), row(along_, square_, &Parabola::a)));
+  }
+  struct Rows {  // values at xi of the coefficients along y
+    V a, b, c;
+    HWY_INLINE V up(V y1, V y2) const { return hn::MulAdd(y2, c, hn::MulAdd(y1, b, a)); }
+    HWY_INLINE V along(V by) const { return hn::MulAdd(by, c, b); }
+  };
+  template <class Of>
+  HWY_INLINE Rows rows(Of&& of, V x1, V x2) const {
+    const auto at = [&](V Parabola::*k) PIVNP_TILE {
+      return hn::MulAdd(x2, of(square_.*k), hn::MulAdd(x1, of(along_.*k), of(one_.*k)));
+    };
+    return {at(&Parabola::a), at(&Parabola::b), at(&Parabola::c)};
+  }
+
+ private:
+  HWY_INLINE CellPolynomials(const Parabola& low, const Parabola& middle, const Parabola& high)
+      : one_(low.a, middle.a, high.a), along_(low.b, middle.b, high.b), square_(low.c, middle.c, high.c) {}
+  template <bool marked>
+  static HWY_INLINE Parabola row(const StrainVelocityAt<marked>& u, std::ptrdiff_t n) {
+    return {u.both(n), u.both(n + 1), u.both(n + 2)};
+  }
+
+  Parabola one_, along_, square_;  // of the powers of xi, along y
+};
+
+// The gradient of the step by them.
+HWY_INLINE LaneGradient gradient(const CellPolynomials& v, const Natural& at, double sx, double sy) {
+  const V x1 = set(0.5) * at.xi, y1 = set(0.5) * at.eta, x2 = at.xi * at.xi, y2 = at.eta * at.eta, x = set(0.5 * sx),
+          y = set(0.5 * sy);
+  const auto component = [&](auto&& of, V& by_x, V& by_y) PIVNP_TILE {
+    by_x = x * v.across(of, set(4) * at.xi, y1, y2);
+    by_y = y * v.rows(of, x1, x2).along(set(4) * at.eta);
+  };
+  LaneGradient G;
+  component([](V k) PIVNP_TILE { return first_of_turn(k); }, G.xx, G.xy);
+  component([](V k) PIVNP_TILE { return second_of_turn(k); }, G.yx, G.yy);
+  return G;
 }
 
 // Of a tile's own points: what follows from it chooses its way by all lanes.
@@ -229,14 +304,24 @@ struct Straining {
 
   template <class Tile>
   HWY_INLINE void tile(const Tile& t, const TileCells& cells, const double* averages, std::size_t first_cell) const {
-    const auto l = lines_of<S>(p, c, cells, t, job.where, job.dt);
-    strain(t, l, cells, of_own(t, gradient(l, c, cells, sx, sy)), averages, first_cell);
+    const Natural at = natural<S>(p, c, cells, t, job.where, job.dt);
+    const StrainVelocityAt<Tile::marked> u(c, cells);
+    LaneGradient G;
+    if constexpr (CellPolynomials::are_of<S> && !Tile::marked) {
+      G = gradient(CellPolynomials(u, cells), at, sx, sy);
+    } else {
+      bool smooth = false;
+      if constexpr (CellPolynomials::are_of<S>) smooth = CellPolynomials::hold(cells);
+      G = smooth ? gradient(CellPolynomials(u, cells), at, sx, sy)
+                 : gradient(TileLines<S, Tile>(p, cells, t, at), c, cells, sx, sy);
+    }
+    strain(t, at, cells, of_own(t, G), averages, first_cell);
   }
 
   // By a gradient of the step's displacement, `own`.
-  template <class Tile, class Lines>
-  HWY_INLINE void strain(const Tile& t, const Lines& l, const TileCells& cells, const LaneGradient& own, const double* averages,
-                         std::size_t first_cell) const {
+  template <class Tile>
+  HWY_INLINE void strain(const Tile& t, const Natural& place, const TileCells& cells, const LaneGradient& own,
+                         const double* averages, std::size_t first_cell) const {
     LaneGradient G = own;
     if constexpr (!S::centred)
       if (job.locking == Locking::full) G = centre_gradient<Tile::marked>(c, cells, sx, sy);
@@ -258,7 +343,7 @@ struct Straining {
           theta = job.locking == Locking::full ? e.trace : lane_log_det(centre_gradient<Tile::marked>(c, cells, sx, sy));
         }
       } else {
-        theta = hn::IfThenElse(stands_open(p, t), trace, averaged(c, cells, l.xi, l.eta));
+        theta = hn::IfThenElse(stands_open(p, t), trace, averaged(c, cells, place.xi, place.eta));
       }
       theta = t.own(theta);
       shift = (theta - trace) * set(1.0 / 3);
