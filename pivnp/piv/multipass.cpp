@@ -28,7 +28,9 @@ std::vector<float> mean_about(const NodeLattice& nodes, const std::vector<float>
       add(sum, known ? static_cast<double>(value[j * nx + i]) : 0.0), add(count, known ? 1.0 : 0.0);
     }
   const auto first = [&](std::size_t at) { return at - std::min(at, static_cast<std::size_t>(reach)); };
-  const auto end = [&](std::size_t at, std::size_t most) { return std::min(at + static_cast<std::size_t>(reach) + 1, most); };
+  const auto end = [&](std::size_t at, std::size_t most) {
+    return std::min(at + static_cast<std::size_t>(reach) + 1, most);
+  };
   std::vector<float> mean(value.size());
   for (std::size_t j = 0; j < ny; ++j)
     for (std::size_t i = 0; i < nx; ++i) {
@@ -136,8 +138,8 @@ void Multipass::measure_node(WindowTools& tools, const WarpedPair& warped, std::
 
 // Windows that show different material have a peak near zero as well, and so have their neighbours on the same wrong
 // predictor. Two signs tell them: the last correction is large all around, as nothing has converged, and windows match
-// poorly. What corrections and stated errors may be falls with the score about a node. Measured on stretches of .80 to 1
-// with noise of 1 to 10 % and no to half the grains lost (docs/theory/piv.md).
+// poorly. What corrections and stated errors may be falls with the score about a node. Measured on stretches of .80 to
+// 1 with noise of 1 to 10 % and no to half the grains lost (docs/theory/piv.md).
 void Multipass::reject_mismatched(PixelVectors& vectors) const {
   constexpr float most_correction = 1.5f;  // px: beyond it one counts for no more
   constexpr float correction_share = 0.5f, fall = 0.9f;
@@ -153,13 +155,15 @@ void Multipass::reject_mismatched(PixelVectors& vectors) const {
   for (float& c : clipped)
     if (std::isfinite(c)) c = std::min(c, most_correction * most_correction);
   const float spacing = std::max(node_spacing(nodes_), 1.0f);
-  const int reach = std::clamp(static_cast<int>(std::lround(0.5f * static_cast<float>(options_.window_px) / spacing)), 1, 8);
+  const int reach =
+      std::clamp(static_cast<int>(std::lround(0.5f * static_cast<float>(options_.window_px) / spacing)), 1, 8);
   const std::vector<float> score = mean_about(nodes_, vectors.score, reach), about = mean_about(nodes_, clipped, reach);
   for (std::size_t k = 0; k < count; ++k) {
     if (vectors.status[k] != VectorStatus::valid) continue;
     const float sigma = static_cast<float>(options_.max_sigma_px) * std::exp(fall * (std::min(score[k], 1.0f) - 1));
     const float moved = correction_share * sigma;
-    if (std::max(vectors.cov[k][0], vectors.cov[k][1]) > sigma * sigma || std::max(correction[k], about[k]) > moved * moved)
+    if (std::max(vectors.cov[k][0], vectors.cov[k][1]) > sigma * sigma ||
+        std::max(correction[k], about[k]) > moved * moved)
       vectors.status[k] = VectorStatus::rejected;
   }
 }

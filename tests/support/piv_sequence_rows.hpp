@@ -308,9 +308,10 @@ inline SequenceRow path_row(const char* name, bool brief, int frames, double noi
 }
 
 /// A layer that slides over ground of its own texture, times `behind`: surface along the frame's middle row, shear of
-/// `shear` below it. Vectors whose window is at least half inside against those well inside. `masked`: a mask leaves the
-/// ground out.
-inline SequenceRow surface_row(const char* name, bool brief, double step, double behind, double shear, bool masked = false) {
+/// `shear` below it. Vectors whose window is at least half inside against those well inside. `masked`: a mask leaves
+/// the ground out.
+inline SequenceRow surface_row(const char* name, bool brief, double step, double behind, double shear,
+                               bool masked = false) {
   return {name, brief, [=](const PivOptions& options, int seed, int threads) -> SequenceFigures {
             Sequence s{.frames = 5, .seed = seed, .behind = behind, .noise = .01};
             s.width = 384, s.height = 384;
@@ -428,7 +429,8 @@ inline std::vector<SequenceRow> sequence_rows() {
                         const Told as_measured = told(s, measure(s, o, threads));
                         return {{"valid and wrong, of all", wrong, method[0] == 'f' ? .02 : .0005},
                                 {"largest error of valid, px", all.largest, 5},
-                                {"wrong ones flagged", as_measured.wrong > 0 ? as_measured.wrong_flagged / as_measured.wrong : 1, .97, true},
+                                {"wrong ones flagged",
+                                 as_measured.wrong > 0 ? as_measured.wrong_flagged / as_measured.wrong : 1, .97, true},
                                 {"good ones kept", as_measured.good_kept / as_measured.good, .95, true}};
                       }});
   return rows;

@@ -18,7 +18,7 @@ struct Edges {
 Edges find_edges(const CellSums& sums) {
   constexpr int reach = 2;             // points to each side
   constexpr float step_share = 0.15f;  // difference over sum: one side is 1.35 times as bright as the other
-  constexpr float usual = 4;           // and so many times what half of the image's points exceed: grains make steps too
+  constexpr float usual = 4;  // and so many times what half of the image's points exceed: grains make steps too
   const CellLattice& lattice = sums.lattice;
   const std::size_t count = lattice.size();
   std::vector<float> f, g, usable, grey(count);

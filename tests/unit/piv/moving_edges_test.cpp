@@ -44,7 +44,8 @@ TEST(MovingEdges, WhatDoesNotLeaveItsSidesStays) {
   Scene still, slip, dim, slight;
   slip.move(20, 40, 5.0f);
   dim.move(18, 22, 5.0f);
-  for (std::size_t k = 0; k < dim.u.size(); ++k) dim.sums.plane[CellSums::f][k] = dim.sums.plane[CellSums::g][k] = 64 * 50.0f;
+  for (std::size_t k = 0; k < dim.u.size(); ++k)
+    dim.sums.plane[CellSums::f][k] = dim.sums.plane[CellSums::g][k] = 64 * 50.0f;
   slight.move(18, 22, 0.3f);
   EXPECT_EQ(still.rejected(), 0u);
   EXPECT_EQ(slip.rejected(), 0u);  // a slip line between layers of two colours

@@ -47,8 +47,8 @@ TEST(Sequences, MapsAreTurnedBack) {
   }
 }
 
-// Compressed beyond what its windows find, part of a frame is matched by chance: such vectors are rejected, good ones are
-// not. So they are in noise that leaves a window .2 px.
+// Compressed beyond what its windows find, part of a frame is matched by chance: such vectors are rejected, good ones
+// are not. So they are in noise that leaves a window .2 px.
 TEST(Sequences, BeyondItsRangeFftSaysSo) {
   PivOptions options;
   options.method = "fft", options.replace = false;
