@@ -37,14 +37,20 @@ std::vector<Figure> draw_point_strains(const FigureInput& input) {
   std::vector<PointCurve> measured, simulated;
   if (content.measured) measured = point_curves(*content.measured, input.points);
   if (content.simulated) simulated = point_curves(*content.simulated, input.points);
-  double top = 0, first = std::numeric_limits<double>::infinity(), last = -first;
+  double top = 0, most = 0, first = std::numeric_limits<double>::infinity(), last = -first;
   for (const auto* curves : {&measured, &simulated})
     for (const PointCurve& c : *curves)
       for (std::size_t k = 0; k < c.time.size(); ++k) {
         first = std::min(first, c.time[k]), last = std::max(last, c.time[k]);
         const double two = c.strain_sigma.empty() || !std::isfinite(c.strain_sigma[k]) ? 0 : 2 * c.strain_sigma[k];
-        if (std::isfinite(c.strain[k])) top = std::max(top, 100 * (c.strain[k] + two));
+        if (!std::isfinite(c.strain[k])) continue;
+        most = std::max(most, 100 * c.strain[k]);
+        top = std::max(top, 100 * (c.strain[k] + two));
       }
+  // Of strain that is hardly known at all the curves are to be seen, and not the band alone.
+  constexpr double most_of_band = 3;
+  const bool cut = most > 0 && top > most_of_band * most;
+  if (cut) top = most_of_band * most;
   auto canvas = std::make_shared<Canvas>(half_figure_mm, 60);
   Panel panel = canvas->panel(15, 7, 62, 42);
   const double span = last - first;
@@ -73,7 +79,7 @@ std::vector<Figure> draw_point_strains(const FigureInput& input) {
         std::vector<double> low, high;
         for (std::size_t k = 0; k < c.time.size(); ++k) {
           low.push_back(100 * std::max(0.0, c.strain[k] - 2 * c.strain_sigma[k]));
-          high.push_back(100 * (c.strain[k] + 2 * c.strain_sigma[k]));
+          high.push_back(std::min(cut ? top : top + 1, 100 * (c.strain[k] + 2 * c.strain_sigma[k])));
         }
         band(*canvas, panel, c.time, low, high, {rgb, 70});
       }
@@ -94,6 +100,7 @@ std::vector<Figure> draw_point_strains(const FigureInput& input) {
   if (!simulated.empty()) legend(*canvas, next, 3, Key::line, ink, input.names.second);
   std::string caption = "Deviatoric strain of the material points " + names + " against time. The band is twice the standard uncertainty " +
                         "that " + input.names.the_first + " states (random error: what averaging over the gauge length takes off is not in it).";
+  if (cut) caption += " Bands are cut at three times the greatest strain.";
   if (!content.alignment.empty()) caption += " " + content.alignment;
   return {{std::move(caption), canvas, {}, {}, std::move(data)}};
 }
