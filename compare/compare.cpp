@@ -86,6 +86,17 @@ std::string covariance_source(const Differences& differences, const DataSet& fir
   return text;
 }
 
+// Whose covariance of F is known; empty: nobody's.
+std::string strain_source(const Differences& differences, const MotionSource& first, const MotionSource& second) {
+  std::string text;
+  if (differences.cov_F_known(0)) text = "covariance of F of " + first.name();
+  if (differences.cov_F_known(1)) text = text.empty() ? "covariance of F of " + second.name() : "covariances of F of both";
+  if (!text.empty() && differences.strain_gauge() > 0)
+    text += " and what averaging over the gauge length (" + number(differences.strain_gauge(), 3) + " " + first.length_unit() +
+            ") would change";
+  return text;
+}
+
 // Whose noise floor is known, and from what; empty: nobody's.
 std::string floor_source(const Differences& differences, const StrainNotes& notes, const CompareOptions& options,
                          const MotionSource& first, const MotionSource& second) {
@@ -190,7 +201,7 @@ Comparison compare_sets(const MotionSource& first_motion, const MotionSource& se
 
   const std::string &unit = first_motion.length_unit(), &time_unit = first_motion.time_unit();
   const bool given = options.measurement_uncertainty_m.value_or(0) > 0 || options.gauge_uncertainty > 0 || turn;
-  const double end = differences.times().back(), floor_dev = differences.last().floor_dev;
+  const double end = differences.times().back(), u_dev = differences.last().dev_uncertainty();
   // Where the comparison ended early, the data sets stand one time further.
   DataSet end_first(first_motion, common), end_second(second_motion, common);
   end_first.at(end);
@@ -201,6 +212,7 @@ Comparison compare_sets(const MotionSource& first_motion, const MotionSource& se
                     .at_end = "at the last common time (" + number(end) + " " + time_unit + ")",
                     .covariance = covariance_source(differences, first, second, given, together.time.has_value()),
                     .floor = floor_source(differences, notes, options, first_motion, second_motion),
+                    .strain = strain_source(differences, first_motion, second_motion),
                     .coverage = {alignment.coverage_first(), alignment.coverage_second()},
                     .particles = first.size(),
                     .times = first_motion.times().size(),
@@ -208,10 +220,10 @@ Comparison compare_sets(const MotionSource& first_motion, const MotionSource& se
                     .reference_turns = reference.turns(),
                     .convergence = numerics.given() ? std::optional(numerics.convergence()) : std::nullopt,
                     .shapes = measure_shapes({start_first, start_second, end_first, end_second}, differences, options),
-                    .bands = bands.measure(end_first, end_second, differences.last().frame, floor_dev, gauge_of(notes)),
+                    .bands = bands.measure(end_first, end_second, differences.last(), gauge_of(notes)),
                     .points = points.measure(unit, time_unit),
                     .distributions = measure_distributions(differences.last_particles()),
-                    .decompositions = decompose_fields(differences.last_particles(), floor_dev),
+                    .decompositions = decompose_fields(differences.last_particles(), u_dev),
                     .beginnings = beginnings(differences),
                     .time_offset = together.time,
                     .place = together.place};

@@ -10,6 +10,7 @@
 #include "compare/data/rigid.hpp"
 #include "compare/data/transformed.hpp"
 #include "pivnp/core/particles/alive.hpp"
+#include "pivnp/core/particles/fields.hpp"
 #include "pivnp/core/particles/region.hpp"
 #include "pivnp/core/particles/strain.hpp"
 
@@ -62,6 +63,15 @@ class MotionAsCompared final : public MotionSource {
       f.u[p] = floats(Vec2(vector_of(f.u[p]) - u_start_[p]));
       f.F[p] = floats(Mat2(matrix(f.F[p]) * F_start_[p]));
     }
+    for (FieldValues& field : f.fields)
+      if (field.field->name == "cov_F")
+        for (std::size_t p = 0; p < F_start_.size(); ++p) {
+          const double xx = double(field(p, 0)), yy = double(field(p, 1)), xy = double(field(p, 2));
+          Mat2 R;
+          R << xx, xy, xy, yy;
+          R = F_start_[p].transpose() * R * F_start_[p];
+          field(p, 0) = float(R(0, 0)), field(p, 1) = float(R(1, 1)), field(p, 2) = float(R(0, 1));
+        }
     if (members_.empty()) return f;
     std::vector<Vec2> X, x;
     for (const std::size_t p : members_)

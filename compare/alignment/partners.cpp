@@ -75,7 +75,7 @@ double share(const std::vector<Partner>& partners) {
 }  // namespace
 
 PartnerState partner_state(const Partner& partner, const DataSetState& state) {
-  PartnerState out{Vec2::Zero(), Mat2::Zero(), {0, 0, 0}};
+  PartnerState out{Vec2::Zero(), Mat2::Zero(), {0, 0, 0}, {0, 0, 0}};
   Vec2 curved = Vec2::Zero();  // half of what each particle's own gradient makes of its distance
   for (const Natural::Share& share : partner.shares) {
     const std::size_t q = std::size_t(share.point);
@@ -85,6 +85,8 @@ PartnerState partner_state(const Partner& partner, const DataSetState& state) {
     curved += 0.5 * w * ((state.F[q] - Mat2::Identity()) * share.from);
     if (!state.cov.empty())
       for (std::size_t c = 0; c < 3; ++c) out.cov[c] += w * state.cov[q][c];
+    if (!state.cov_F.empty())
+      for (std::size_t c = 0; c < 3; ++c) out.cov_F[c] += w * state.cov_F[q][c];
   }
   // F's own curvature; not where it would leave no material (beside a jump that the particles do not resolve).
   Mat2 F = out.F;

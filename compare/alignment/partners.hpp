@@ -25,6 +25,7 @@ struct PartnerState {
   Vec2 u;
   Mat2 F;
   std::array<double, 3> cov;  // sum w cov_i: an upper bound, reached when neighbours' errors are the same
+  std::array<double, 3> cov_F{0, 0, 0};  // likewise
 };
 PartnerState partner_state(const Partner& partner, const DataSetState& state);
 

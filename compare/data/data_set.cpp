@@ -98,6 +98,9 @@ void DataSet::read(double time) {
   state_.time = time;
   const bool has_cov = a.cov_u.size() == X_.size() && b.cov_u.size() == X_.size();
   state_.cov.resize(has_cov ? X_.size() : 0);
+  const FieldValues *cov_F_a = a.find("cov_F"), *cov_F_b = b.find("cov_F");
+  const bool has_cov_F = cov_F_a != nullptr && cov_F_b != nullptr;
+  state_.cov_F.resize(has_cov_F ? X_.size() : 0);
   for (std::size_t p = 0; p < X_.size(); ++p) {
     if (!usable(a, p) || !usable(b, p)) state_.followed[p] = 0;
     if (!state_.followed[p]) continue;
@@ -107,6 +110,8 @@ void DataSet::read(double time) {
     if (has_cov)
       for (std::size_t c = 0; c < 3; ++c)
         state_.cov[p][c] = mixed(double(a.cov_u[p][c]), double(b.cov_u[p][c]), w);
+    if (has_cov_F)
+      for (std::size_t c = 0; c < 3; ++c) state_.cov_F[p][c] = mixed(double((*cov_F_a)(p, c)), double((*cov_F_b)(p, c)), w);
   }
 }
 
@@ -132,6 +137,13 @@ const DataSetState& DataSet::at(double time) {
       if (!state_.followed[p]) continue;
       state_.u[p] -= u_start_[p];
       state_.F[p] *= F_start_[p];
+      if (state_.cov_F.empty()) continue;
+      const Mat2& S = F_start_[p];
+      auto& [xx, yy, xy] = state_.cov_F[p];
+      Mat2 R;
+      R << xx, xy, xy, yy;
+      const Mat2 turned = S.transpose() * R * S;
+      xx = turned(0, 0), yy = turned(1, 1), xy = turned(0, 1);
     }
   return state_;
 }

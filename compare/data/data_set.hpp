@@ -28,6 +28,7 @@ struct DataSetState {
   std::vector<Vec2> u;                      // displacement since the common start; unset where not followed
   std::vector<Mat2> F;                      // deformation gradient since the common start
   std::vector<std::array<double, 3>> cov;   // uu, vv, uv of the displacement; empty if not known
+  std::vector<std::array<double, 3>> cov_F;  // xx, yy, xy of the errors of a row of F; empty if not known
 };
 
 /// Reads a motion in ascending time, holding two of its frames. Between frames u, F and the covariance are linear in

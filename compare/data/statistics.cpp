@@ -76,12 +76,21 @@ Vec2 VectorStatistics::bias_uncertainty() const {
 double VectorStatistics::p95_uncertainty() const { return unknown_ == 0 ? sigma_.at(0.95) : not_known; }
 double VectorStatistics::rms_uncertainty() const { return root_mean(sum_cov_.sum(), count_); }
 
-void ScalarStatistics::add(double difference) {
+void ScalarStatistics::add(double difference, double variance) {
   ++count_;
   sum_ += difference;
   sum_square_ += difference * difference;
-  max_ = std::max(max_, std::abs(difference));
-  magnitude_.add(std::abs(difference));
+  sum_variance_ += variance;
+  const double size = std::abs(difference), sigma = std::sqrt(variance);
+  if (size > max_ || count_ == 1) max_ = size, max_sigma_ = sigma;
+  magnitude_.add(size);
+  if (sigma > 0) sigma_.add(sigma);
+}
+
+double ScalarStatistics::rms_uncertainty() const { return root_mean(sum_variance_, count_); }
+double ScalarStatistics::p95_uncertainty() const {
+  if (std::isnan(sum_variance_)) return not_known;
+  return sum_variance_ > 0 ? sigma_.at(0.95) : 0;
 }
 
 double ScalarStatistics::rms() const { return root_mean(sum_square_, count_); }

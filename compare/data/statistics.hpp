@@ -33,18 +33,23 @@ class Quantile {
 /// Differences of one scalar.
 class ScalarStatistics {
  public:
-  void add(double difference);
+  /// `variance`: of the difference, NaN if not known.
+  void add(double difference, double variance = 0);
 
   std::size_t count() const { return count_; }
   double bias() const { return sum_ / double(count_); }
   double rms() const;
   double p95() const { return magnitude_.at(0.95); }
   double max() const { return max_; }
+  // Standard uncertainties, errors of all taken as one and the same; NaN where one is not known.
+  double rms_uncertainty() const;
+  double p95_uncertainty() const;                        // 95th percentile of their own
+  double max_uncertainty() const { return max_sigma_; }  // where the greatest difference is
 
  private:
   std::size_t count_ = 0;
-  double sum_ = 0, sum_square_ = 0, max_ = 0;
-  Quantile magnitude_;
+  double sum_ = 0, sum_square_ = 0, sum_variance_ = 0, max_ = 0, max_sigma_ = not_known;
+  Quantile magnitude_, sigma_;
 };
 
 /// Differences of displacement, or of velocity, of many particle-times, every one counted alike.

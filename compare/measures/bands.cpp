@@ -6,7 +6,9 @@
 #include <numbers>
 
 #include "compare/data/statistics.hpp"
+#include "compare/measures/strain_errors.hpp"
 #include "pivnp/core/particles/strain.hpp"
+#include "pivnp/core/particles/strain_error.hpp"
 #include "pivnp/core/text.hpp"
 
 namespace pivnp::compare {
@@ -44,6 +46,24 @@ ScatteredField present_field(const DataSet& set, const RigidMotion& frame, const
   return f;
 }
 
+// Mean variance of the deviatoric strain at those followed particles that lie next to a ridge; 0 where no covariance of F is
+// known.
+double variance_along(const std::vector<Vec2>& ridge, const DataSet& set, const RigidMotion& frame) {
+  const DataSetState& state = set.state();
+  if (state.cov_F.empty()) return 0;
+  double sum = 0, count = 0;
+  const double near = set.median_spacing();
+  for (std::size_t p = 0; p < set.size(); ++p) {
+    if (!state.followed[p]) continue;
+    const Vec2 x = frame.undo(set.material_position()[p] + state.u[p]);
+    if (std::none_of(ridge.begin(), ridge.end(), [&](const Vec2& y) { return (x - y).norm() < near; })) continue;
+    const double variance = strain_variance(state.F[p], state.cov_F[p]).dev;
+    if (!std::isfinite(variance)) continue;
+    sum += variance, ++count;
+  }
+  return count > 0 ? sum / count : not_known;
+}
+
 // Mean distance from the points of one ridge to the nearest of the other.
 double mean_distance(const std::vector<Vec2>& from, const std::vector<Vec2>& to) {
   double sum = 0;
@@ -56,7 +76,7 @@ double mean_distance(const std::vector<Vec2>& from, const std::vector<Vec2>& to)
 }
 
 BandMeasures::Difference difference_of(const ShearBand& a, const ShearBand& b, const PerDataSet<double>& spacing,
-                                       double longest_step, double floor_dev, double gauge) {
+                                       double longest_step, double u_dev, double gauge) {
   BandMeasures::Difference d;
   d.offset = (mean_distance(a.ridge, b.ridge) + mean_distance(b.ridge, a.ridge)) / 2;
   d.place_uncertainty = std::hypot(spacing[0], spacing[1], gauge) / std::sqrt(12.0);
@@ -69,9 +89,9 @@ BandMeasures::Difference difference_of(const ShearBand& a, const ShearBand& b, c
   d.onset = b.onset - a.onset;
   d.peak = b.peak - a.peak;
   // Averaged over the gauge, a ridge is lower by about what it is wider.
-  d.peak_uncertainty = std::hypot(floor_dev, b.peak * (1 - b.thickness / std::hypot(b.thickness, gauge)));
+  d.peak_uncertainty = std::hypot(u_dev, b.peak * (1 - b.thickness / std::hypot(b.thickness, gauge)));
   d.slip = b.slip - a.slip;
-  d.slip_uncertainty = std::sqrt(3.0) * floor_dev * std::hypot(a.thickness, b.thickness);
+  d.slip_uncertainty = std::sqrt(3.0) * u_dev * std::hypot(a.thickness, b.thickness);
   // A strain that is averaged over the gauge reaches the threshold later, by a step more or less.
   d.onset_uncertainty = longest_step / std::sqrt(gauge > 0 ? 3.0 : 6.0);
   return d;
@@ -101,26 +121,29 @@ bool alike(const ShearBand& a, const ShearBand& b) {
 
 }  // namespace
 
-BandMeasures Bands::measure(const DataSet& first, const DataSet& second, const PerDataSet<RigidFit>& frame,
-                            double floor_dev, double gauge) const {
+BandMeasures Bands::measure(const DataSet& first, const DataSet& second, const Tally& last, double gauge) const {
+  const PerDataSet<RigidFit>& frame = last.frame;
+  const double floor = last.floor_dev;
   const PerDataSet<const DataSet*> sets{&first, &second};
   BandMeasures out;
   out.threshold = threshold_;
-  out.floor_dev = floor_dev;
+  out.floor_dev = floor;
   out.gauge = gauge;
   for (std::size_t s = 0; s < 2; ++s) {
     const ScatteredField field = present_field(*sets[s], frame[s].motion, onset_[s]);
     const auto with = [&](double threshold) { return find_bands(field, sets[s]->median_spacing(), threshold); };
     out.bands[s] = with(threshold_);
     out.number_uncertainty[s] = not_known;
-    if (!std::isfinite(floor_dev)) continue;
+    if (!std::isfinite(floor)) continue;
     const auto count = [&](double threshold) { return double(with(std::max(threshold, 0.1 * threshold_)).size()); };
-    out.number_uncertainty[s] = std::abs(count(threshold_ - floor_dev) - count(threshold_ + floor_dev)) / 2;
+    out.number_uncertainty[s] = std::abs(count(threshold_ - floor) - count(threshold_ + floor)) / 2;
   }
   if (out.bands[0].empty() || out.bands[1].empty()) return out;
   const ShearBand &band = out.bands[0][0], &other = counterpart(band, out.bands[1]);
-  if (alike(band, other))
-    out.strongest = difference_of(band, other, {first.median_spacing(), second.median_spacing()}, longest_step_, floor_dev, gauge);
+  if (!alike(band, other)) return out;
+  const double own = std::sqrt(variance_along(band.ridge, first, frame[0].motion) + variance_along(other.ridge, second, frame[1].motion));
+  out.strongest = difference_of(band, other, {first.median_spacing(), second.median_spacing()}, longest_step_,
+                                strain_uncertainty(own, last.rest_dev, floor), gauge);
   return out;
 }
 

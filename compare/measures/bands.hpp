@@ -8,6 +8,7 @@
 
 #include "compare/alignment/reference.hpp"
 #include "compare/data/data_set.hpp"
+#include "compare/measures/differences.hpp"
 #include "compare/shapes/ridges.hpp"
 #include "pivnp/core/record/comparison.hpp"
 
@@ -16,7 +17,9 @@ namespace pivnp::compare {
 struct BandMeasures {
   double threshold = 0;                       // deviatoric strain
   PerDataSet<std::vector<ShearBand>> bands;   // strongest (length times strain) first
-  PerDataSet<double> number_uncertainty{};    // half the change when the threshold moves by the noise floor; NaN: unknown
+  // Half the change when the threshold moves by the noise floor; NaN: unknown (variances of single particles do not tell how many
+  // ridges their noise makes).
+  PerDataSet<double> number_uncertainty{};
   double floor_dev = 0;                       // that noise floor, NaN if it is not known
   double gauge = 0;                           // greatest gauge length of both, 0 if none is stated
 
@@ -28,7 +31,7 @@ struct BandMeasures {
     double offset = 0;  // mean distance between the ridges
     double inclination_deg = 0, thickness = 0, onset = 0, peak = 0, slip = 0;
     double place_uncertainty = 0, inclination_uncertainty_deg = 0, onset_uncertainty = 0;
-    double peak_uncertainty = 0, slip_uncertainty = 0;  // by the noise floor; NaN: unknown
+    double peak_uncertainty = 0, slip_uncertainty = 0;  // by the strain's own uncertainty along both ridges; NaN: unknown
   };
   std::optional<Difference> strongest;
 
@@ -43,10 +46,9 @@ class Bands {
  public:
   Bands(double threshold, const DataSet& first, const DataSet& second);
   void add(const DataSetState& first, const DataSetState& second);
-  /// Data sets as at the last common time. `floor_dev`: the noise floor of strain, NaN if it is not known; `gauge`: the
-  /// length over which measured strains are averaged, 0 if none is stated.
-  BandMeasures measure(const DataSet& first, const DataSet& second, const PerDataSet<RigidFit>& frame, double floor_dev,
-                       double gauge) const;
+  /// Data sets as at the last common time, and what that amounts to; `gauge`: the length over which measured strains are
+  /// averaged, 0 if none is stated.
+  BandMeasures measure(const DataSet& first, const DataSet& second, const Tally& last, double gauge) const;
 
  private:
   double threshold_;

@@ -164,7 +164,7 @@ ComparisonTable table_of(const FieldDecomposition& f, const std::string& length_
            {"uncertainty", unit, std::vector<double>(f.of.first.size(), f.of.uncertainty)}}};
 }
 
-std::vector<FieldDecomposition> decompose_fields(const ComparedParticles& last, double floor_dev) {
+std::vector<FieldDecomposition> decompose_fields(const ComparedParticles& last, double u_dev) {
   struct Values {
     double u = 0;
     std::vector<double> first, second;
@@ -172,7 +172,7 @@ std::vector<FieldDecomposition> decompose_fields(const ComparedParticles& last, 
   std::vector<Vec2> x;
   std::array<Values, decomposed_fields.size()> fields;
   auto& [ux, uy, dev] = fields;  // in the order of decomposed_fields
-  dev.u = floor_dev;
+  dev.u = u_dev;
   const std::size_t stride = last.X.size() / most_points + 1;
   Vec2 variance = Vec2::Zero();
   for (std::size_t k = 0; k < last.X.size(); k += stride) {

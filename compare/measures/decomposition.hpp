@@ -64,8 +64,8 @@ struct FieldDecomposition {
 };
 
 /// Those at the last common time that are not zero everywhere in the first data set, in their order; empty with fewer
-/// than 16 particles. `floor_dev`: noise floor of strain.
-std::vector<FieldDecomposition> decompose_fields(const ComparedParticles& last, double floor_dev);
+/// than 16 particles. `u_dev`: standard uncertainty of the deviatoric strain.
+std::vector<FieldDecomposition> decompose_fields(const ComparedParticles& last, double u_dev);
 
 /// What is decomposed, and how, for definitions.
 std::string definition_of(const DecomposedField& field);

@@ -21,25 +21,6 @@ void raise_peak(double magnitude, double sigma, bool begins, double& peak, doubl
   peak_sigma = sigma;
 }
 
-// Both data sets' floors together, of those that know their error: as the record states it, else as the declared zone
-// shows it. One that is not known leaves the whole unknown.
-double combined(const PerDataSet<bool>& known, const StrainNotes& notes, double StrainNote::*stated,
-                const PerDataSet<double>& found) {
-  double sum = 0;
-  bool any = false;
-  for (std::size_t s = 0; s < 2; ++s) {
-    const bool has = notes[s] && std::isfinite((*notes[s]).*stated);
-    if (!has && !known[s]) continue;
-    const double floor = has ? (*notes[s]).*stated : found[s];
-    sum += floor * floor;
-    any = true;
-  }
-  return any ? std::sqrt(sum) : not_known;
-}
-
-// Of a floor that grows with the times: unknown at one of them is unknown.
-double larger(double a, double b) { return std::isnan(a) || std::isnan(b) ? not_known : std::max(a, b); }
-
 // Which of the places lie in the zone that stands still, or moves as one piece.
 std::vector<std::uint8_t> in_zone(const CompareOptions& options, const std::vector<Vec2>& places) {
   const Points& given = options.fixed_zone_m.empty() ? options.reference_m : options.fixed_zone_m;
@@ -70,6 +51,7 @@ struct Differences::Sample {
   Vec2 cov;  // uu, vv, NaN if not known
 
   double trace() const { return cov.sum(); }
+  Vec2 strain() const { return {dev, vol}; }
 };
 
 // One field of differences: what it holds at a particle.
@@ -114,8 +96,9 @@ const std::vector<StatisticOverSpace>& statistics_over_space() {
         {"strain_dev_rms", "1", "RMS over the particles of the difference of deviatoric strain",
          [](const Tally& t) { return rms_or_none(t.strain_dev); }},
         {"strain_dev_uncertainty", "1",
-         "noise floor: as the records state it, else RMS deviatoric strain in compare.fixed_zone_m or compare.reference_m",
-         [](const Tally& t) { return t.floor_dev; }},
+         "u_val of the deviatoric strain: covariance of F, gauge length and noise floor (stated, or of compare.fixed_zone_m or "
+         "compare.reference_m), as far as they are known",
+         [](const Tally& t) { return t.dev_uncertainty(); }},
         {"particles_compared", "1", "particles of the first that have a partner", count},
         {"displacement_bias_x", "L", "mean of u_x of the second minus that of the first",
          [](const Tally& t) { return t.displacement.bias().x(); }},
@@ -152,8 +135,9 @@ Differences::Differences(std::vector<std::size_t> paired, const DataSet& first, 
       rows_kept_(std::clamp<std::size_t>(most_field_values / std::max<std::size_t>(1, paired_.size()), 2,
                                          std::max<std::size_t>(2, times))),
       budget_(options), notes_(notes), rates_({}, {}, 0), mean_total_(paired_.size()),
-      mean_last_(paired_.size()), clock_(clock), given_correlation_(options.correlation_m.value_or(not_known)),
-      second_before_(paired_.size(), Vec2::Constant(not_known)), over_displacement_(paired_.size(), times),
+      mean_last_(paired_.size()), strain_mean_total_(paired_.size()), strain_mean_last_(paired_.size()),
+      strain_errors_({}, {}), clock_(clock), given_correlation_(options.correlation_m.value_or(not_known)),
+      second_before_(paired_.size(), no_vector), strain_before_(paired_.size(), no_vector), over_displacement_(paired_.size(), times),
       over_strain_(paired_.size(), times), begun_(paired_.size(), 0), fields_(difference_fields().size()),
       statistics_(statistics_over_space().size()) {
   for (const std::size_t p : paired_) {
@@ -161,6 +145,7 @@ Differences::Differences(std::vector<std::size_t> paired, const DataSet& first, 
     X_.push_back(first.material_position()[p]);
   }
   rates_ = Rates(X_, options.increments_outside_m, times);
+  strain_errors_ = StrainErrors(X_, notes_);
   zone_ = in_zone(options, X_);
   for (std::size_t s = 0; s < 2; ++s) {
     F_before_[s].assign(paired_.size(), Mat2::Identity());
@@ -189,6 +174,7 @@ bool Differences::add(const DataSetState& first, const DataSetState& second, con
   last_.frame = frame;
   last_particles_ = ComparedParticles{};
   mean_last_.clear();
+  strain_mean_last_.clear();
   const PerDataSet<bool> known{!first.cov.empty(), !second.cov.empty()};
   const bool keep = keeps_fields();
   const PerDataSet<Mat2> back{frame[0].motion.rotation().transpose(), frame[1].motion.rotation().transpose()};
@@ -196,6 +182,10 @@ bool Differences::add(const DataSetState& first, const DataSetState& second, con
   std::vector<Vec2> u_first(paired_.size(), no_vector), difference(paired_.size(), no_vector),
       variances(paired_.size(), no_vector), grid(paired_.size(), Vec2::Zero());
   const double step = time_.empty() ? not_known : first.time - time_.back();
+  std::vector<PartnerState> seconds(paired_.size());
+  for (std::size_t row = 0; row < paired_.size(); ++row)
+    if (compared(paired_[row])) seconds[row] = partner_state(partners[paired_[row]], second);
+  std::vector<StrainError> strain = strain_errors(first, second, partners, seconds);
   if (keep) field_time_.push_back(first.time);
 
   const auto sample = [&](std::size_t set, std::size_t row, const Vec2& u, const Mat2& F,
@@ -219,20 +209,24 @@ bool Differences::add(const DataSetState& first, const DataSetState& second, con
         for (std::vector<float>& field : fields_) field.push_back(float(not_known));
       continue;
     }
-    const PartnerState partner = partner_state(partners[p], second);
+    const PartnerState& partner = seconds[row];
     const Sample a = sample(0, row, first.u[p], first.F[p], known[0] ? &first.cov[p] : nullptr);
     const Sample b = sample(1, row, partner.u, partner.F, known[1] ? &partner.cov : nullptr);
     begun_[row] = 1;
     // A clock that is wrong by a little moves the second along its path.
-    const Vec2 late = clock_ > 0 ? Vec2((b.u - second_before_[row]) / step * clock_) : Vec2(Vec2::Zero());
-    second_before_[row] = b.u;
+    const auto late_by = [&](const Vec2& now, Vec2& before) {
+      const Vec2 late = clock_ > 0 ? Vec2((now - before) / step * clock_) : Vec2(Vec2::Zero());
+      before = now;
+      return late.allFinite() ? late : Vec2(Vec2::Zero());
+    };
+    const Vec2 late = late_by(b.u, second_before_[row]);
+    strain[row].late = late_by(b.strain(), strain_before_[row]);
     Variance variance = budget_.at(a.cov, b.cov, a.u,
-                                   frame[0].variance_at(X_[row]) + frame[1].variance_at(X_[row]) +
-                                       (late.allFinite() ? late : Vec2(Vec2::Zero())).cwiseAbs2(),
+                                   frame[0].variance_at(X_[row]) + frame[1].variance_at(X_[row]) + late.cwiseAbs2(),
                                    numerical.empty() ? Vec2(Vec2::Zero()) : numerical[p]);
     // A data set that measures, but not the error of this particle.
     if ((known[0] && a.cov.hasNaN()) || (known[1] && b.cov.hasNaN())) variance.measurement = no_vector;
-    add_particle(row, a, b, variance);
+    add_particle(row, a, b, variance, strain[row]);
     if (!zone_.empty() && zone_[row]) {
       still[0].add(a.dev, a.vol, a.path);
       still[1].add(b.dev, b.vol, b.path);
@@ -245,15 +239,11 @@ bool Differences::add(const DataSetState& first, const DataSetState& second, con
     if (!keep) continue;
     for (std::size_t f = 0; f < fields_.size(); ++f) fields_[f].push_back(float(difference_fields()[f].value(a, b)));
   }
-  last_.floor_dev = combined(known, notes_, &StrainNote::floor_dev, {still[0].dev(), still[1].dev()});
-  last_.floor_vol = combined(known, notes_, &StrainNote::floor_vol, {still[0].vol(), still[1].vol()});
-  last_.floor_path = combined(known, notes_, &StrainNote::floor_path, {still[0].path(), still[1].path()});
-  const bool begins = time_.empty();
-  for (double Tally::*floor : {&Tally::floor_dev, &Tally::floor_vol, &Tally::floor_path})
-    total_.*floor = begins ? last_.*floor : larger(total_.*floor, last_.*floor);
-  for (std::size_t s = 0; s < 2; ++s)
-    floor_in_zone_[s] = known[s] && std::isfinite(still[s].dev()) && !(notes_[s] && std::isfinite(notes_[s]->floor_dev));
-  for (std::size_t s = 0; s < 2; ++s) cov_known_[s] = cov_known_[s] && known[s];
+  for (std::size_t s = 0; s < 2; ++s) {
+    cov_known_[s] = cov_known_[s] && known[s];
+    cov_F_known_[s] = cov_F_known_[s] && !(s == 0 ? first : second).cov_F.empty();
+  }
+  add_floors(known, still);
   find_correlation(known);
   rates_.add(first.time, u_first, difference, variances, grid);
   for (std::size_t s = 0; s < statistics_.size(); ++s)
@@ -292,7 +282,8 @@ std::optional<FieldMean::Weighted> Differences::weighted() const {
   return FieldMean::weighted(last.X, difference, random, common, correlation_);
 }
 
-void Differences::add_particle(std::size_t row, const Sample& a, const Sample& b, const Variance& variance) {
+void Differences::add_particle(std::size_t row, const Sample& a, const Sample& b, const Variance& variance,
+                               const StrainError& strain) {
   const Vec2 d = b.u - a.u, total = variance.total();
   for (Tally* tally : {&last_, &total_}) {
     const bool begins = tally->displacement.count() == 0;
@@ -308,20 +299,28 @@ void Differences::add_particle(std::size_t row, const Sample& a, const Sample& b
     raise_peak(a.u.norm(), std::sqrt(a.trace()), begins, tally->peak_first, tally->peak_first_sigma);
     raise_peak(b.u.norm(), std::sqrt(b.trace()), begins, tally->peak_second, tally->peak_second_sigma);
     if (!std::isfinite(a.dev) || !std::isfinite(b.dev)) continue;  // F not positive: no strain
-    tally->strain_dev.add(b.dev - a.dev);
-    tally->strain_vol.add(b.vol - a.vol);
+    tally->strain_dev.add(b.dev - a.dev, strain.variance()[0]);
+    tally->strain_vol.add(b.vol - a.vol, strain.variance()[1]);
+    tally->sum_gauge += strain.gauge;
     if (std::isfinite(a.path) && std::isfinite(b.path)) tally->strain_path.add(b.path - a.path);
   }
   const Vec2 random = sum_known(a.cov, b.cov);
   for (FieldMean* mean : {&mean_total_, &mean_last_}) mean->add(row, d, random, total - random);
   over_displacement_.add(row, d);
-  if (std::isfinite(b.dev - a.dev)) over_strain_.add(row, Vec2(b.dev - a.dev, 0));
+  if (std::isfinite(b.dev - a.dev)) {
+    over_strain_.add(row, Vec2(b.dev - a.dev, 0));
+    for (FieldMean* mean : {&strain_mean_total_, &strain_mean_last_})
+      mean->add(row, b.strain() - a.strain(), strain.random, strain.late.cwiseAbs2());
+  }
   last_particles_.particle.push_back(paired_[row]);
   last_particles_.X.push_back(X_[row]);
   last_particles_.u_first.push_back(a.u);
   last_particles_.u_second.push_back(b.u);
   last_particles_.dev_first.push_back(a.dev);
   last_particles_.dev_second.push_back(b.dev);
+  last_particles_.strain_first.push_back(a.strain());
+  last_particles_.strain_second.push_back(b.strain());
+  last_particles_.strain_error.push_back(strain);
   last_particles_.variance.push_back(total);
   last_particles_.random.push_back(random);
 }

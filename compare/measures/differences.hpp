@@ -17,6 +17,7 @@
 #include "compare/measures/budget.hpp"
 #include "compare/measures/field_mean.hpp"
 #include "compare/measures/rates.hpp"
+#include "compare/measures/strain_errors.hpp"
 #include "pivnp/core/record/comparison.hpp"
 
 namespace pivnp::compare {
@@ -31,12 +32,17 @@ struct Tally {
   PerDataSet<double> sum_cov_trace{0, 0};  // NaN where a data set does not know its covariance
   double sum_measurement = 0, sum_numerical = 0, sum_input = 0;  // traces of the parts of u_val^2
   double sum_grid = 0;                     // of sum_numerical, what coarser grids tell
-  double floor_dev = not_known, floor_vol = not_known, floor_path = not_known;  // noise floors of strain
+  // Noise floors of strain: of all data sets that measure, and of those of them that state no covariance of F.
+  double floor_dev = not_known, floor_vol = not_known, floor_path = not_known;
+  double rest_dev = not_known, rest_vol = not_known, rest_path = not_known;
+  Vec2 sum_gauge = Vec2::Zero();  // of what averaging over the gauge would change: dev, vol
   PerDataSet<RigidFit> frame;  // what the reference took off, first and second
 
   /// RMS error of each data set's displacements, of what is known; 0 if nothing is. Camera, gauge and frame of reference are
   /// the first's, numerics (as given: grids tell of each metric by themselves) and inputs the second's.
   PerDataSet<double> known_sigma() const;
+  /// Root mean square over the particles of the standard uncertainty of a difference of deviatoric strain.
+  double dev_uncertainty() const { return strain_uncertainty(strain_dev.rms_uncertainty(), rest_dev, floor_dev); }
   double rms_part(double sum) const { return std::sqrt(sum / double(displacement.count())); }
 };
 
@@ -47,6 +53,8 @@ struct ComparedParticles {
   std::vector<double> dev_first, dev_second;  // deviatoric strain, NaN where F is not positive
   std::vector<Vec2> variance;                 // u_val^2, NaN if not known
   std::vector<Vec2> random;                   // of it, both data sets' covariances; NaN: none is known
+  std::vector<Vec2> strain_first, strain_second;  // dev, vol
+  std::vector<StrainError> strain_error;
 };
 
 class Differences {
@@ -70,6 +78,13 @@ class Differences {
   std::optional<Vec2> mean_uncertainty(bool last) const;
   /// The difference at the last time, weighted by how well each particle is known.
   std::optional<FieldMean::Weighted> weighted() const;
+  /// Standard uncertainty of the mean difference of strain (dev, vol) by its particles' own, as that of the displacement.
+  std::optional<Vec2> mean_strain_uncertainty(bool last) const;
+  /// The difference of strain at the last time by such weights: 0 deviatoric, 1 volumetric, as the x component; nothing
+  /// without covariances of F.
+  std::optional<FieldMean::Weighted> weighted_strain(int which) const;
+  double strain_gauge() const { return strain_errors_.gauge(); }
+  bool cov_F_known(std::size_t set) const { return cov_F_known_[set]; }
   double correlation_length() const { return correlation_; }  // NaN: not known
   bool cov_known(std::size_t set) const { return cov_known_[set]; }
   /// Whether a data set's noise floor was taken in the zone that the comparison declares.
@@ -89,7 +104,10 @@ class Differences {
   struct Sample;
   struct Field;
   static const std::vector<Field>& difference_fields();
-  void add_particle(std::size_t row, const Sample& a, const Sample& b, const Variance& variance);
+  void add_particle(std::size_t row, const Sample& a, const Sample& b, const Variance& variance, const StrainError& strain);
+  std::vector<StrainError> strain_errors(const DataSetState& first, const DataSetState& second,
+                                         const std::vector<Partner>& partners, const std::vector<PartnerState>& at) const;
+  void add_floors(const PerDataSet<bool>& known, const PerDataSet<StillZone>& still);
   double path_step(std::vector<Mat2>& before, std::size_t row, const Mat2& F, std::vector<double>& path);
   bool keeps_fields() const;
   void find_correlation(const PerDataSet<bool>& known);
@@ -104,11 +122,12 @@ class Differences {
   Tally total_, last_;
   ComparedParticles last_particles_;
   Rates rates_;
-  FieldMean mean_total_, mean_last_;
+  FieldMean mean_total_, mean_last_, strain_mean_total_, strain_mean_last_;
+  StrainErrors strain_errors_;
   double clock_, given_correlation_, correlation_ = not_known;
-  std::vector<Vec2> second_before_;  // the second's displacements at the time before
+  std::vector<Vec2> second_before_, strain_before_;  // the second's displacements and strains at the time before
   OverTime over_displacement_, over_strain_;
-  PerDataSet<bool> cov_known_{true, true};  // at every time so far
+  PerDataSet<bool> cov_known_{true, true}, cov_F_known_{true, true};  // at every time so far
   std::vector<std::uint8_t> zone_;          // 1: in the zone that is declared to stand still; empty: none is
   PerDataSet<bool> floor_in_zone_{false, false};
   PerDataSet<std::vector<Mat2>> F_before_;

@@ -27,8 +27,8 @@ void add_distributions(Registry<MetricRow>& rows) {
              .words = "area metric of the deviatoric strain"},
             [by](const Findings& f) -> std::optional<MetricValue> {
               if (!std::isfinite(f.distributions.strain_dev_area)) return std::nullopt;
-              const double u = f.last().floor_dev;
-              return difference(f.distributions.strain_dev_area, u, by(u, "the noise floor"));
+              const double u = f.last().dev_uncertainty();
+              return difference(f.distributions.strain_dev_area, u, by(u, f.strain.empty() ? "the noise floor" : "u_val of the strain"));
             }});
 }
 

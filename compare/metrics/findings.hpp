@@ -25,6 +25,7 @@ struct Findings {
   std::string at_end;      // "at the last common time (0.5 s)"
   std::string covariance;  // whose covariance the uncertainties rest on; empty: nobody's is known
   std::string floor;       // whose strain floor is known, and from what; empty: nobody's
+  std::string strain;      // whose covariance of F the uncertainties of strain rest on; empty: nobody's is known
   PerDataSet<double> coverage{};  // share of each that found a partner, at the common start
   std::size_t particles = 0, times = 0;  // of the first motion
   bool reference_given = false, reference_turns = false;

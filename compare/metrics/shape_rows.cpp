@@ -79,11 +79,13 @@ void add_outlines(Registry<MetricRow>& rows) {
 }
 
 // Both, and their difference where the slopes can be compared. An outline is known to within half a particle spacing
-// (rectangular distribution), and as its particles are.
+// (rectangular distribution), and as its particles are. `times`: by how much more what is read off it moves than it does.
 // `k`: so many uncertainties are distinguishable; more than two for what the outermost of many particles decide.
-Values placed(const Findings& f, const PerDataSet<double>& value, bool comparable, double k = 2) {
-  static const std::string how = "; uncertainty: half a particle spacing (rectangular) and the error of u, where known";
-  const PerDataSet<double>& u = f.shapes.place_uncertainty;
+Values placed(const Findings& f, const PerDataSet<double>& value, bool comparable, const std::string& more = "",
+              const PerDataSet<double>& times = {1, 1}, double k = 2) {
+  const std::string how = "; uncertainty: half a particle spacing (rectangular) and the error of u, where known" + more;
+  PerDataSet<double> u;
+  for (std::size_t s = 0; s < 2; ++s) u[s] = times[s] * f.shapes.place_uncertainty[s];
   Values out{{value[0], u[0], how}, {value[1], u[1], how}};
   if (comparable) out.push_back(difference(value[1] - value[0], std::hypot(u[0], u[1]), how, k));
   return out;
@@ -98,7 +100,9 @@ void add_slope(Registry<MetricRow>& rows) {
                Leads::yes, [](const Findings& f) -> Values {
                  if (!f.shapes.slope) return {};
                  const auto& [a, b] = f.shapes.slope->shape;
-                 return placed(f, {a.run_out_x, b.run_out_x}, f.shapes.slope->same_way(), percentile_factor(20));
+                 // A surface that moves out by d adds d times its length beyond to a wedge as thick as the profile is there.
+                 return placed(f, {a.run_out_x, b.run_out_x}, f.shapes.slope->same_way(),
+                               ", times 1 + cot of the angle of the thin end", {1 + a.thinness, 1 + b.thinness});
                });
   add_for_both(rows, Variants::both_and_difference,
                {.name = "toe_x", .unit = "L",
@@ -107,7 +111,11 @@ void add_slope(Registry<MetricRow>& rows) {
                 .words = "toe"},
                Leads::no, [](const Findings& f) -> Values {
                  if (!f.shapes.slope) return {};
-                 return placed(f, f.shapes.slope->toe_x, f.shapes.slope->same_way(), greatest_of_paths_factor(20));
+                 // The tip of a wedge whose surface moves by d across itself moves by d over the sine of its angle; the
+                 // outermost of some twenty particles makes it.
+                 const auto& [a, b] = f.shapes.slope->shape;
+                 return placed(f, f.shapes.slope->toe_x, f.shapes.slope->same_way(), ", over the sine of the angle of the thin end",
+                               {std::hypot(1, a.thinness), std::hypot(1, b.thinness)}, greatest_factor(20));
                });
   add_for_both(rows, Variants::both_and_difference,
                {.name = "crest_height", .unit = "L",
@@ -194,7 +202,7 @@ void add_bands(Registry<MetricRow>& rows) {
                 .definition = "thickness (width at half height), second minus first,",
                 .words = "shear bands, thickness, simulated \u2212 measured"},
                half, &Strongest::thickness, &Strongest::place_uncertainty);
-  const std::string by_floor = "; uncertainty: noise floor of the strain";
+  const std::string by_floor = "; uncertainty: covariances of F along the ridges, else the noise floor of the strain";
   of_strongest({.name = "band_peak_difference", .unit = "1",
                 .definition = "median deviatoric strain along the ridge (a measured band is at least as wide as its gauge "
                               "length, and so much lower), second minus first,",

@@ -10,7 +10,7 @@ namespace pivnp::compare {
 
 namespace {
 
-constexpr double area_share = 0.995;
+constexpr double thin_share = 0.02;  // of the area: the thin end
 
 // Place below which `share` of the sum lies; values sit in bins of one width, spread evenly over each.
 double place_of_share(const std::vector<double>& bins, double share) {
@@ -91,7 +91,7 @@ void fit_slope(const Profile& profile, double crest_height, double spacing, Slop
 }
 
 SlopeShape slope_shape(const Cover& cover, double base_y, double spacing) {
-  SlopeShape shape{0, not_known, not_known, not_known, not_known, not_known};
+  SlopeShape shape{0, not_known, not_known, not_known, not_known, not_known, 0};
   const Lattice& l = cover.lattice;
   const Profile profile = profile_above(cover, base_y);
   std::vector<double> rows(std::size_t(l.ny), 0.0);
@@ -104,10 +104,15 @@ SlopeShape slope_shape(const Cover& cover, double base_y, double spacing) {
   if (!(area > 0)) return shape;
 
   const double lowest = l.first.y() - l.cell / 2, leftmost = l.first.x() - l.cell / 2;
-  shape.crest_height = lowest + l.cell * place_of_share(rows, area_share) - base_y;
+  shape.crest_height = lowest + l.cell * place_of_share(rows, run_out_share) - base_y;
   fit_slope(profile, shape.crest_height, spacing, shape);
-  const double share = shape.faces > 0 ? area_share : 1 - area_share;
-  shape.run_out_x = leftmost + l.cell * place_of_share(profile.height, share);
+  const auto within = [&](double share) {
+    return leftmost + l.cell * place_of_share(profile.height, shape.faces > 0 ? share : 1 - share);
+  };
+  shape.run_out_x = within(run_out_share);
+  // Of a wedge of that angle, the part beyond which a share f of the area lies is sqrt(2 f area cot) long.
+  const double apart = (shape.run_out_x - within(1 - thin_share)) / (std::sqrt(thin_share) - std::sqrt(1 - run_out_share));
+  shape.thinness = apart * apart / (2 * area * l.cell * l.cell);
   return shape;
 }
 

@@ -7,6 +7,9 @@
 
 namespace pivnp::compare {
 
+/// Share of the area that lies within the run-out, and below the crest.
+inline constexpr double run_out_share = 0.995;
+
 /// Heap of material on a base. Lengths in the lattice's unit.
 struct SlopeShape {
   int faces = 0;           // +1: it descends towards +x, -1: towards -x (the wider descent; +1 if both are as wide)
@@ -15,6 +18,7 @@ struct SlopeShape {
   double angle_deg = 0;    // of the fitted line, 0 to 90; NaN with fewer than four columns between 10 and 90 %
   double angle_uncertainty_deg = 0;
   double face_length = 0;  // of the columns that the line is fitted to, along it
+  double thinness = 0;     // cot of the angle of the thin end, as a wedge by the places of 98 and 99.5 % of the area
 };
 
 /// Area above the base, column by column, divided by the column's width.

@@ -52,8 +52,8 @@ SlopeAngles slope_angles(const ParticleSet& set, const MotionFrame& frame, doubl
 
   double sum = 0;
   std::size_t toe = 0, crest = 0;
-  while (toe + 1 < height.size() && (sum + height[toe]) * column < 0.995 * area) sum += height[toe++];
-  const double into = height[toe] > 0 ? (0.995 * area / column - sum) / height[toe] : 0;
+  while (toe + 1 < height.size() && (sum + height[toe]) * column < run_out_share * area) sum += height[toe++];
+  const double into = height[toe] > 0 ? (run_out_share * area / column - sum) / height[toe] : 0;
   out.toe_x = wall_x + (double(toe) + std::clamp(into, 0.0, 1.0)) * column;
   for (std::size_t c = 0; c < height.size(); ++c)
     if (height[c] >= 0.9 * out.height) crest = c;

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "pivnp/piv/dense/corrections.hpp"
 #include "pivnp/piv/dense/illumination.hpp"
+#include "pivnp/piv/dense/lost.hpp"
 #include "pivnp/piv/recorrelation.hpp"
 #include "pivnp/piv/sampling/presmoothing.hpp"
 #include "pivnp/piv/validation/vector_validation.hpp"
@@ -42,6 +44,7 @@ class GaussNewton final : public Method {
   void run_passes(const GnLevel& level);
   void recorrelate(const GnLevel& level);
   void estimate_illumination(const GnLevel& level);
+  void find_lost(const GnLevel& finest);
 
   PivOptions options_;
   Extent extent_;
@@ -106,12 +109,25 @@ void GaussNewton::correlate(const ImageView& first, const ImageView& second, Pix
     coarser = &level;
   }
   const GnLevel& finest = levels_.back();
+  find_lost(finest);
   validate_vectors({limits_of(options_), extent_.nodes, extent_.width, extent_.height, finest.decimation(), threads_,
                     rounding_, extent_.mask},
                    field_, sums_, u_, v_, smooth_u_, smooth_v_, vectors, dense_.trusted);
   dense_.lattice = finest.lattice(), dense_.decimation = finest.decimation(), dense_.wanted = &finest.wanted();
   dense_.smooth_u = u_, dense_.smooth_v = v_;
   dense_.variance_u = smooth_u_.variance, dense_.variance_v = smooth_v_.variance;
+  for (std::size_t k = 0; k < smooth_u_.lost.size(); ++k)
+    dense_.variance_u[k] += smooth_u_.lost[k], dense_.variance_v[k] += smooth_v_.lost[k];
+}
+
+// Stated with the vectors, and used for nothing else.
+void GaussNewton::find_lost(const GnLevel& finest) {
+  if (options_.smoothing != Smoothing::adaptive) return;
+  std::vector<float> off(u_.size());
+  for (const auto& [measured, smooth, field] : {std::tuple{&dense_.u, &u_, &smooth_u_}, {&dense_.v, &v_, &smooth_v_}}) {
+    for (std::size_t k = 0; k < off.size(); ++k) off[k] = (*measured)[k] - (*smooth)[k];
+    lost_variance(finest.lattice(), off, finest.wanted(), threads_, field->lost);
+  }
 }
 
 void GaussNewton::start_from(const GnLevel& level, const PredictorField& predictor) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "pivnp/piv/dense/lattice_filter.hpp"
+#include "pivnp/piv/dense/lost.hpp"
 #include "pivnp/piv/dense/shrink.hpp"
 #include "pivnp/piv/method.hpp"
 
@@ -25,9 +26,9 @@ struct Components {
   void resize(std::size_t count) { u.resize(count), v.resize(count); }
 };
 
-// A field of a group of pairs and what it adds to the variance of each of them.
+// A field of a group of pairs, what it adds to the variance of each of them, and the square of the bias that it leaves.
 struct GroupField {
-  Components value, variance;
+  Components value, variance, lost;
 };
 
 struct HeldPair {
@@ -147,17 +148,25 @@ struct SequenceCorrelator::Impl {
   }
 
   // Adds what is left of value - base after shrinkage to the base, and `pairs` times its variance to the variance: an
-  // error that as many pairs share adds up along paths, and their errors are summed as if independent.
+  // error that as many pairs share adds up along paths, and their errors are summed as if independent. Of what smoothing has
+  // lost, only what larger groups have not shown already.
   GroupField shrunk(const Components& value, const GroupField& base, float caution, float pairs_sharing) const {
     GroupField out = base;
     SmoothedField smooth;
-    std::vector<float> off(lattice.size());
+    std::vector<float> off(lattice.size()), lost;
     for (const auto part : {&Components::u, &Components::v}) {
       for (std::size_t k = 0; k < off.size(); ++k) off[k] = (value.*part)[k] - (base.value.*part)[k];
       shrinker->run(off, wanted, threads, smooth, caution);
       for (std::size_t k = 0; k < off.size(); ++k) {
         (out.value.*part)[k] += smooth.value[k];
         (out.variance.*part)[k] += pairs_sharing * smooth.variance[k];
+        off[k] -= smooth.value[k];
+      }
+      lost_variance(lattice, off, wanted, threads, lost);
+      for (std::size_t k = 0; k < off.size(); ++k) {
+        const float more = std::max(0.0f, lost[k] - (base.lost.*part)[k]);
+        (out.variance.*part)[k] += pairs_sharing * more;
+        (out.lost.*part)[k] += more;
       }
     }
     return out;
@@ -190,9 +199,12 @@ struct SequenceCorrelator::Impl {
     constexpr int reach = 2;
     std::vector<float> departure(lattice.size()), noise(lattice.size()), departures, noises;
     const auto square = [](float x) { return x * x; };
+    // In air a field may be anything: one sum without bound would be no number in the whole lattice's running sums.
+    constexpr float most = 1e6f;
+    const auto bounded = [](float x) { return x < most ? x : most; };
     for (std::size_t k = 0; k < lattice.size(); ++k) {
-      departure[k] = square(own.value.u[k] - base.value.u[k]) + square(own.value.v[k] - base.value.v[k]);
-      noise[k] = square(pair.measured.u[k] - pair.smooth.u[k]) + square(pair.measured.v[k] - pair.smooth.v[k]);
+      departure[k] = bounded(square(own.value.u[k] - base.value.u[k]) + square(own.value.v[k] - base.value.v[k]));
+      noise[k] = bounded(square(pair.measured.u[k] - pair.smooth.u[k]) + square(pair.measured.v[k] - pair.smooth.v[k]));
     }
     box_mean(lattice, departure, reach, departures);
     box_mean(lattice, noise, reach, noises);
@@ -204,29 +216,34 @@ struct SequenceCorrelator::Impl {
   // The pair's own departure from what its group says, on its own lattice.
   void finish_pair(HeldPair& pair, const GroupField& group_field) {
     constexpr int iterations = 6;
+    constexpr float farthest = 1e3f;  // pixels of the level; a group's field that is read so far off was read beyond its end
     Components carried;
     carried.resize(lattice.size());
     each_point([&](int i, int j, std::size_t k) {
       carried.u[k] = pair.path.u[k] - column(lattice, i), carried.v[k] = pair.path.v[k] - row(lattice, j);
     });
-    const SplineField way = spline(carried), known = spline(group_field.value), spread = spline(group_field.variance);
+    const SplineField way = spline(carried), known = spline(group_field.value), spread = spline(group_field.variance),
+                      given_up = spline(group_field.lost);
     GroupField base;
-    base.value.resize(lattice.size()), base.variance.resize(lattice.size());
+    base.value.resize(lattice.size()), base.variance.resize(lattice.size()), base.lost.resize(lattice.size());
     each_point([&](int i, int j, std::size_t k) {
       float x = column(lattice, i), y = row(lattice, j);
       for (int n = 0; n < iterations; ++n) {
         const auto d = way.at(x, y);
         x = column(lattice, i) - d[0], y = row(lattice, j) - d[1];
       }
-      const auto value = known.at(x, y), variance = spread.at(x, y);
+      const auto value = known.at(x, y), variance = spread.at(x, y), lost = given_up.at(x, y);
       const auto rest = at_rest(pair, column(lattice, i), row(lattice, j));
-      if (!std::isfinite(value[0] + value[1] + variance[0] + variance[1])) {
+      const float apart = std::max(std::abs(value[0] + rest[0] - pair.smooth.u[k]), std::abs(value[1] + rest[1] - pair.smooth.v[k]));
+      if (!std::isfinite(value[0] + value[1] + variance[0] + variance[1]) || !(apart < farthest)) {
         base.value.u[k] = pair.smooth.u[k], base.value.v[k] = pair.smooth.v[k];
         base.variance.u[k] = pair.variance.u[k], base.variance.v[k] = pair.variance.v[k];
+        base.lost.u[k] = base.lost.v[k] = 0;
         return;
       }
       base.value.u[k] = value[0] + rest[0], base.value.v[k] = value[1] + rest[1];
       base.variance.u[k] = std::max(variance[0], 0.0f), base.variance.v[k] = std::max(variance[1], 0.0f);
+      base.lost.u[k] = std::max(lost[0], 0.0f), base.lost.v[k] = std::max(lost[1], 0.0f);
     });
     GroupField change = shrunk(pair.measured, base, 1, 1);
     const std::vector<float> share = steady_share(pair, base, change);
@@ -235,6 +252,8 @@ struct SequenceCorrelator::Impl {
       change.value.v[k] = share[k] * (change.value.v[k] - pair.smooth.v[k]);
       change.variance.u[k] = share[k] * (change.variance.u[k] - pair.variance.u[k]);
       change.variance.v[k] = share[k] * (change.variance.v[k] - pair.variance.v[k]);
+      if (std::isfinite(change.value.u[k] + change.value.v[k] + change.variance.u[k] + change.variance.v[k])) continue;
+      change.value.u[k] = change.value.v[k] = change.variance.u[k] = change.variance.v[k] = 0;
     }
     const SplineField by = spline(change.value);
     const auto d = static_cast<float>(decimation);
@@ -285,7 +304,7 @@ std::vector<PixelVectors> SequenceCorrelator::finish() {
   if (impl_->together && impl_->held.size() > 1) {
     impl_->find_paths();
     const std::vector<float> zero(impl_->lattice.size(), 0.0f);
-    impl_->divide(0, impl_->held.size(), {{zero, zero}, {zero, zero}});
+    impl_->divide(0, impl_->held.size(), {{zero, zero}, {zero, zero}, {zero, zero}});
   }
   std::vector<PixelVectors> out;
   for (HeldPair& pair : impl_->held) out.push_back(std::move(pair.vectors));

@@ -21,6 +21,8 @@ class Metric(NamedTuple):
     uncertainty: float  # standard uncertainty; NaN where it is not known
     definition: str
     verdict: str
+    within_95: float  # of a difference: the least tolerance within which it is shown to lie with 95 %; else NaN
+    seen_95: float  # of a difference: a real one of this size would have been found in 95 of 100 cases; else NaN
 
 
 class Limit(NamedTuple):

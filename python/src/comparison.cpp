@@ -23,7 +23,7 @@ py::dict in_python(const Comparison& c) {
   py::list metrics, fields, tables, limits;
   for (const Metric& m : c.metrics)
     metrics.append(
-        py::make_tuple(m.name, m.value, m.unit, m.uncertainty, m.definition, std::string(name_of(m.verdict))));
+        py::make_tuple(m.name, m.value, m.unit, m.uncertainty, m.definition, std::string(name_of(m.verdict)), m.within(), m.seen()));
   for (const ComparisonField& f : c.fields)
     fields.append(py::make_tuple(f.name, f.unit, f.definition, copied(f.time, {py::ssize_t(f.time.size())}),
                                  copied(f.id, {py::ssize_t(f.id.size())}),

@@ -144,6 +144,13 @@ class Module(unittest.TestCase):
             for name, metric in expected.metrics.items():
                 self.same(found[name].value, metric.value)
                 self.same(found[name].uncertainty, metric.uncertainty)
+                self.same(found[name].within_95, metric.within_95)
+                self.same(found[name].seen_95, metric.seen_95)
+        rms = found["displacement_rms"]
+        if rms.uncertainty > 0:
+            self.assertAlmostEqual(rms.within_95, abs(rms.value) + 1.645 * rms.uncertainty)
+            self.assertAlmostEqual(rms.seen_95, (2 + 1.645) * rms.uncertainty)
+        self.assertTrue(np.isnan(found["coverage_first"].seen_95))
         self.assertGreater(found["displacement_rms"].value, 0)
         limited = pivnp.compare(self.record["np"], self.record["mpm"], limits={"displacement_rms_m": 1e-9})
         self.assertEqual([limit.met for limit in limited.limits], [False])

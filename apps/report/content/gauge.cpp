@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "pivnp/core/particles/alive.hpp"
+#include "pivnp/core/particles/fields.hpp"
 
 namespace pivnp::report {
 
@@ -29,6 +30,7 @@ class Gauged final : public MotionSource {
 
   MotionFrame frame(std::size_t index) const override {
     MotionFrame frame = motion_->frame(index);
+    std::erase_if(frame.fields, [](const FieldValues& f) { return f.field->name == "cov_F"; });  // that of another F
     for (std::size_t p = 0; p < frame.F.size(); ++p) {
       const Mat2 F = fitted(frame, p);
       frame.F[p] = {float(F(0, 0)), float(F(0, 1)), float(F(1, 0)), float(F(1, 1))};

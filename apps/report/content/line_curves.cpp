@@ -1,5 +1,6 @@
 #include "apps/report/content/line_curves.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -7,6 +8,7 @@
 #include "apps/report/content/fields.hpp"
 #include "apps/report/content/selection.hpp"
 #include "pivnp/core/particles/alive.hpp"
+#include "pivnp/core/particles/derived.hpp"
 
 namespace pivnp::report {
 
@@ -63,19 +65,27 @@ SectionCurve section(const MotionSource& motion, const std::string& field, bool 
   constexpr int places = 121;
   SectionCurve curve;
   const FieldAtTime at = fields_at(motion, field, central, {time}).front();
+  const std::string stated = "sigma_" + field;
+  const std::vector<DerivedField> known = derived_fields();
+  const bool listed = std::any_of(known.begin(), known.end(), [&](const DerivedField& f) { return f.name == stated; });
+  const FieldAtTime error = listed && !motion.times().empty() && motion.frame(0).find("cov_F") != nullptr
+                                ? fields_at(motion, stated, central, {time}).front()
+                                : FieldAtTime{};
   const ParticleSet& set = motion.particles();
   for (int k = 0; k < places; ++k) {
     const double share = double(k) / (places - 1);
     const Vec2 place = from + share * (to - from);
-    double best = nan_value, least = std::numeric_limits<double>::infinity();
+    double best = nan_value, sigma = nan_value, least = std::numeric_limits<double>::infinity();
     for (std::size_t p = 0; p < at.position.size(); ++p) {
       const double d = (at.position[p] - place).norm(), h = particle_spacing(set, p);
       if (!alive(at.status[p]) || !(d < least) || (h > 0 && d > h)) continue;
       least = d;
       best = at.value[p];
+      if (p < error.value.size()) sigma = error.value[p];
     }
     curve.distance.push_back(share * (to - from).norm());
     curve.value.push_back(best);
+    if (!error.value.empty()) curve.sigma.push_back(sigma);
   }
   return curve;
 }

@@ -17,9 +17,10 @@ struct ExtensometerCurve {
 ExtensometerCurve extensometer(const MotionSource& motion, const Vec2& from, const Vec2& to);
 
 /// A field along a line in space at the frame nearest to `time`: the value of the nearest particle within a spacing, NaN
-/// where there is none. `distance` from the first end.
+/// where there is none. `distance` from the first end; `sigma`: standard uncertainty of a strain, where the motion states a
+/// covariance of F; empty: not known.
 struct SectionCurve {
-  std::vector<double> distance, value;
+  std::vector<double> distance, value, sigma;
 };
 SectionCurve section(const MotionSource& motion, const std::string& field, bool central, double time, const Vec2& from,
                      const Vec2& to);

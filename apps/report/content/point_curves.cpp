@@ -10,6 +10,8 @@
 #include "apps/report/content/selection.hpp"
 #include "pivnp/core/math.hpp"
 #include "pivnp/core/particles/alive.hpp"
+#include "pivnp/core/particles/strain.hpp"
+#include "pivnp/core/particles/strain_error.hpp"
 
 namespace pivnp::report {
 
@@ -69,15 +71,17 @@ std::vector<PointCurve> point_curves(const MotionSource& motion, const std::vect
   for (const Vec2& x : points) stencils.push_back(stencil(motion.particles(), x, start));
   for (std::size_t k = 0; k < motion.times().size() && !points.empty(); ++k) {
     const MotionFrame frame = motion.frame(k);
-    const FieldValues* pressures = frame.find("pressure");
+    const FieldValues *pressures = frame.find("pressure"), *cov_F = frame.find("cov_F");
     for (std::size_t q = 0; q < points.size(); ++q) {
       const Stencil& s = stencils[q];
       Vec2 u = s.particle.empty() ? Vec2(nan_value, nan_value) : Vec2(0, 0);
       double pressure = u.x();
+      Mat2 F = Mat2::Constant(u.x());
       for (std::size_t j = 0; j < s.particle.size(); ++j) {
         const std::size_t p = s.particle[j];
         u += alive(frame.status[p]) ? Vec2(s.weight[j] * Vec2(double(frame.u[p][0]), double(frame.u[p][1])))
                                     : Vec2(nan_value, nan_value);
+        F += alive(frame.status[p]) ? Mat2(s.weight[j] * matrix(frame.F[p])) : Mat2(Mat2::Constant(nan_value));
         if (pressures) pressure += alive(frame.status[p]) ? s.weight[j] * double((*pressures)(p, 0)) : nan_value;
       }
       if (pressures) out[q].pressure.push_back(pressure);
@@ -85,10 +89,16 @@ std::vector<PointCurve> point_curves(const MotionSource& motion, const std::vect
       out[q].displacement.push_back(u.norm());
       if (!s.particle.empty() && s.particle[0] < frame.cov_u.size())
         out[q].sigma.push_back(sigma_of_magnitude(u, frame.cov_u[s.particle[0]]));
+      out[q].strain.push_back(deviatoric(log_strain(F)));
+      if (cov_F == nullptr || s.particle.empty()) continue;
+      const std::size_t p = s.particle[0];
+      out[q].strain_sigma.push_back(
+          std::sqrt(strain_variance(F, {double((*cov_F)(p, 0)), double((*cov_F)(p, 1)), double((*cov_F)(p, 2))}).dev));
     }
   }
   for (PointCurve& curve : out)
-    if (curve.sigma.size() != curve.time.size()) curve.sigma.clear();
+    for (std::vector<double>* sigma : {&curve.sigma, &curve.strain_sigma})
+      if (sigma->size() != curve.time.size()) sigma->clear();
   return out;
 }
 

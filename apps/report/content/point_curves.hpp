@@ -1,4 +1,4 @@
-// How far material points moved, and the pressure of their water, against time.
+// How far material points moved, how they were strained, and the pressure of their water, against time.
 #pragma once
 
 #include <vector>
@@ -13,6 +13,8 @@ struct PointCurve {
   std::vector<double> time, displacement;
   std::vector<double> sigma;  // standard uncertainty of |u|; empty if the source knows none
   std::vector<double> pressure;  // of the pores, Pa; empty if the source knows none
+  std::vector<double> strain;    // deviatoric, of F
+  std::vector<double> strain_sigma;  // its standard uncertainty; empty if the source knows none
 };
 
 /// The particle at the point, or the affine fit through the six nearest in the material configuration; the covariance

@@ -12,7 +12,7 @@ namespace pivnp::report {
 
 Registry<FigureRow>& figures() {
   static Registry<FigureRow> rows = {summary_row(),  quality_row(), camera_motion_row(),  uncertainty_row(),   vectors_row(),  fields_row(),
-                                     point_curves_row(), point_pressures_row(), differences_row(), outlines_row(), geometry_row(), bands_row(),
+                                     point_curves_row(), point_strains_row(), point_pressures_row(), differences_row(), outlines_row(), geometry_row(), bands_row(),
                                      lines_row(),    runs_row(), decomposition_row(), histories_row(),  energy_row(),   reactions_row()};
   return rows;
 }

@@ -33,7 +33,7 @@ Figure draw_curves(const FigureInput& input, const std::string& name, const std:
     for (std::size_t k = 0; k < c.x.size(); ++k) {
       left = std::min(left, c.x[k]), right = std::max(right, c.x[k]);
       if (!std::isfinite(c.y[k])) continue;
-      const double two = c.sigma.empty() ? 0 : 2 * c.sigma[k];
+      const double two = c.sigma.empty() || !std::isfinite(c.sigma[k]) ? 0 : 2 * c.sigma[k];
       low = std::min(low, c.y[k] - two), high = std::max(high, c.y[k] + two);
     }
   auto canvas = std::make_shared<Canvas>(half_figure_mm, 60);
@@ -82,7 +82,7 @@ std::vector<Figure> draw_lines(const FigureInput& input) {
       if (!motion) continue;
       if (along) {
         SectionCurve c = section(*motion, line.field, input.central, time, from, to);
-        curves.push_back({measured, std::move(c.distance), std::move(c.value), {}});
+        curves.push_back({measured, std::move(c.distance), std::move(c.value), std::move(c.sigma)});
       } else {
         ExtensometerCurve c = extensometer(*motion, from, to);
         curves.push_back({measured, std::move(c.time), std::move(c.strain), std::move(c.sigma)});

@@ -9,6 +9,7 @@ FigureRow summary_row();
 FigureRow fields_row();
 FigureRow point_curves_row();
 FigureRow point_pressures_row();
+FigureRow point_strains_row();
 FigureRow differences_row();
 FigureRow outlines_row();
 FigureRow decomposition_row();

@@ -98,9 +98,11 @@ std::string on_average(const std::vector<Metric>& metrics, const Metric& rms) {
 std::string strains(const Metric& rms) {
   if (!std::isfinite(rms.value)) return "";
   const std::string text = " The deviatoric strains differ by " + significant(rms.value, 3) + " (RMS): ";
+  const bool stated = rms.definition.find("covariance") != std::string::npos;
+  const std::string known = (stated ? "their standard uncertainty is " : "the noise floor is ") + significant(rms.uncertainty, 2) + ".";
   switch (told(rms.value, rms.uncertainty)) {
-    case Told::real: return text + "real, the noise floor is " + significant(rms.uncertainty, 2) + ".";
-    case Told::by_chance: return text + "within chance, the noise floor is " + significant(rms.uncertainty, 2) + ".";
+    case Told::real: return text + "real, " + known;
+    case Told::by_chance: return text + "within chance, " + known;
     case Told::not_known: break;
   }
   return text + "whether that is real is not known, since the noise floor of the strain is unknown (np.still_zone_m, "

@@ -49,7 +49,7 @@ std::string strain_statement(const Content& content) {
                      unit_suffix(unit.name) + " (shape function and interrogation window). ";
   const Metric* compared = content.comparison ? find(content.comparison->metrics, "strain_dev_rms") : nullptr;
   if (note.floor_source == StrainFloor::not_measured && compared != nullptr && compared->uncertainty > 0 &&
-      compared->definition.find("compare.") != std::string::npos)
+      compared->definition.find("compare.") != std::string::npos && compared->definition.find("covariance") == std::string::npos)
     return text + "Noise floor, RMS, in the zone that the comparison declares to stand still: deviatoric " +
            significant(compared->uncertainty, 2) + ".";
   if (note.floor_source == StrainFloor::not_measured)

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "apps/study/methods/repeated_cause.hpp"
 #include "apps/study/pipeline/measure.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/math.hpp"
@@ -81,6 +82,24 @@ Closed close_chain(const np::NpOptions& options, const Grid& grid, int first, in
   return out;
 }
 
+// By the first and last frame that chains reach, between which the material moves on as in the first chain.
+std::string cause_of(const ClosureNote& note, const Setting& setting, image::FrameSource& source, const VectorField& direct) {
+  constexpr double grain = 6;  // px, a generous one
+  const auto [first, last] = note.chains.front();
+  const int end = note.chains.back()[1];
+  const double pixel = setting.grid.spacing.x() / node_spacing_px(setting);
+  std::vector<Vec2> moved;
+  for (int j = 0; j < direct.grid.ny; ++j)
+    for (int i = 0; i < direct.grid.nx; ++i) {
+      const std::size_t n = direct.grid.node(i, j);
+      if (direct.status[n] != VectorStatus::valid) continue;
+      const double by = std::hypot(double(direct.displacement[n][0]), double(direct.displacement[n][1]));
+      if (by * (end - first) / (last - first) > grain * pixel) moved.push_back(setting.camera_at(first).to_pixel(direct.grid.position(i, j)));
+    }
+  const StillPicture still = setting.cameras.empty() ? still_picture(source.read(first), source.read(end), moved) : StillPicture{};
+  return repeated_cause(still, bent_share(note.repeated, direct, last - first, pixel));
+}
+
 }  // namespace
 
 ClosureNote check_closure(const Case& c, const Setting& setting, image::FrameSource& source,
@@ -105,6 +124,7 @@ ClosureNote check_closure(const Case& c, const Setting& setting, image::FrameSou
   int steps = std::clamp(spacing, 2, most_strides);
   std::vector<piv::ClosureChain> closed;
   std::vector<double> lengths;
+  VectorField first_direct;
   for (int k = 0; k < chains; ++k) {
     const int first = k * (pairs - spacing) / (chains - 1);
     for (;; steps /= 2) {
@@ -115,6 +135,7 @@ ClosureNote check_closure(const Case& c, const Setting& setting, image::FrameSou
         closed.push_back(std::move(found.chain));
         lengths.push_back(found.correlation_length);
         note.chains.push_back({first, first + steps});
+        if (first_direct.displacement.empty()) first_direct = direct;
         break;
       }
       if (steps < 4) break;
@@ -131,6 +152,7 @@ ClosureNote check_closure(const Case& c, const Setting& setting, image::FrameSou
   note.strength = found.strength;
   note.threshold = found.threshold;
   note.repeated = std::move(found.cov);
+  if (!note.repeated.empty()) note.cause = cause_of(note, setting, source, first_direct);
   return note;
 }
 
@@ -155,10 +177,11 @@ std::vector<std::string> closure_remarks(const ClosureNote& note, const Setting&
   const auto at = [&](double q) { return number(sigma[std::size_t(q * double(sigma.size() - 1))] / pixel, 2); };
   return {
       "Steps in turn differ from direct correlation over up to " + std::to_string(longest) +
-      " of them by more than their uncertainty explains: every pair repeats an error at the same place (fixed illumination, "
-      "dirt, reflections), of " +
+      " of them by more than their uncertainty explains: every pair repeats an error at the same place, of " +
       at(0.5) + " px in the median and of more than " + at(0.95) +
-      " px in the worst twentieth. The uncertainty of the paths includes it."};
+      " px in the worst twentieth. " +
+      (note.cause.empty() ? std::string("What causes it the frames do not tell.") : "What they show: " + note.cause + ".") +
+      " The uncertainty of the paths includes it."};
 }
 
 }  // namespace pivnp::app

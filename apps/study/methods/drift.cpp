@@ -84,6 +84,9 @@ struct DriftCorrector::Impl {
     double off_px = 0;
   };
 
+  // A cubic term of RMS s about its own affine fit over a square of half side 1 has the gradient 4 s at the centre.
+  static constexpr double beyond_bend = 4;
+
   std::vector<SubsetBend> bends_of(const std::vector<piv::AffinePrediction>& predictions) const {
     std::vector<Vec2> from, to;
     std::vector<Mat2> A;
@@ -110,12 +113,14 @@ struct DriftCorrector::Impl {
       asked.push_back(p);
       predictions.push_back(guess);
     }
-    auto matches = piv::match_subsets(key.image, now, predictions, subset, threads);
     const std::vector<SubsetBend> bends = bends_of(predictions);
+    for (std::size_t k = 0; k < predictions.size(); ++k)
+      if (bends[k].whole) predictions[k].bend = bends[k].bend;
+    auto matches = piv::match_subsets(key.image, now, predictions, subset, threads);
     std::vector<Vec2> off(asked.size());
     std::vector<std::uint8_t> good(asked.size());
     for (std::size_t k = 0; k < asked.size(); ++k) {
-      matches[k].to -= bends[k].place;
+      if (!bends[k].whole) matches[k].to -= bends[k].place;
       off[k] = matches[k].to - predictions[k].to;
       // Room for drift: half a pixel, .02 px a frame, and the prediction's own scatter.
       const Mat2 J = camera.jacobian(predictions[k].to);
@@ -132,13 +137,17 @@ struct DriftCorrector::Impl {
       Direct d;
       d.x = camera.to_world(matches[k].to);
       Cov c = matches[k].cov;
-      // As much as was corrected is not known: the texture weighs the subset unevenly, and the field bends on.
-      const Vec2& b = bends[k].place;
-      c[0] += floor_px * floor_px + b.x() * b.x(), c[1] += floor_px * floor_px + b.y() * b.y(), c[2] += b.x() * b.y();
+      // The subset bends as paths do to second order; beyond it the field bends on. One that is not full of particles is affine:
+      // as much as was corrected is not known.
+      const bool whole = bends[k].whole;
+      const Vec2& b = whole ? bends[k].left : bends[k].place;
+      c[0] += floor_px * floor_px + b.x() * b.x(), c[1] += floor_px * floor_px + b.y() * b.y();
+      if (!whole) c[2] += b.x() * b.y();
       d.cov = carried(J1, c);
       d.f = J1 * matches[k].A * J0.inverse();
       const double edge = floor_px / (subset.side_px / 2);
-      d.var_f = matches[k].var_A + edge * edge + bends[k].gradient * bends[k].gradient;
+      const double bent_on = whole ? beyond_bend * bends[k].left.norm() / (std::sqrt(2.0) * subset.side_px / 2) : bends[k].gradient;
+      d.var_f = matches[k].var_A + edge * edge + bent_on * bent_on;
       d.off_px = off[k].norm();
       if (d.f.determinant() > 0) found.emplace(asked[k], d);
     }

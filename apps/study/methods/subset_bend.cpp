@@ -60,6 +60,7 @@ std::vector<SubsetBend> subset_bends(const std::vector<Vec2>& from, const std::v
     const auto k = std::size_t(p);
     Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
     Eigen::Matrix<double, 6, 2> right = Eigen::Matrix<double, 6, 2>::Zero();
+    Vec2 square = Vec2::Zero();
     int count = 0;
     bins.around(from[k], [&](std::size_t q) {
       const Vec2 r = (from[q] - from[k]) / half_side;
@@ -69,6 +70,7 @@ std::vector<SubsetBend> subset_bends(const std::vector<Vec2>& from, const std::v
       terms << 1, r.x(), r.y(), r.x() * r.x(), r.x() * r.y(), r.y() * r.y();
       normal += terms * terms.transpose();
       right += terms * moved.transpose();
+      square += moved.cwiseAbs2();
       ++count;
     });
     if (count < least) continue;
@@ -80,6 +82,11 @@ std::vector<SubsetBend> subset_bends(const std::vector<Vec2>& from, const std::v
     const Eigen::Matrix<double, 3, 2> affine = flat.solve(right.topRows<3>());
     bends[k].place = (affine.row(0) - quadratic.row(0)).transpose();
     bends[k].gradient = affine.bottomRows<2>().norm() / (2 * half_side);
+    // Sums of x and y over their count, in halves of the side: a half subset has 1/2.
+    bends[k].whole = normal.row(0).segment<2>(1).norm() < 0.2 * count;
+    bends[k].bend = quadratic.bottomRows<3>().transpose() / (half_side * half_side);
+    const Vec2 explained = (quadratic.array() * right.array()).colwise().sum().matrix().transpose();
+    bends[k].left = ((square - explained).cwiseMax(Vec2::Zero()) / count).cwiseSqrt();
   }
   return bends;
 }

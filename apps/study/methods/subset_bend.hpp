@@ -1,4 +1,4 @@
-// What an affine subset cannot follow: how far the path field bends over it.
+// What an affine subset cannot follow: how the path field bends over it.
 #pragma once
 
 #include <vector>
@@ -11,6 +11,9 @@ namespace pivnp::app {
 struct SubsetBend {
   Vec2 place = Vec2::Zero();  // at its centre the affine fit is off by this much (px): fit less field
   double gradient = 0;        // RMS of a component by which the fit's gradient differs from that at the centre
+  Eigen::Matrix<double, 2, 3> bend = Eigen::Matrix<double, 2, 3>::Zero();  // of the quadratic fit: x^2, x y, y^2, 1/px
+  bool whole = false;         // particles lie on all sides of the centre: the fit holds over all of the subset
+  Vec2 left = Vec2::Zero();   // what the quadratic fit leaves, RMS over the subset (px): higher orders, and noise
 };
 
 /// For subsets of `half_side` px around each of the places `from`, whose material is predicted at `to` with the gradient

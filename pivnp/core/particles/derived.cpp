@@ -12,6 +12,7 @@
 #include "pivnp/core/particles/alive.hpp"
 #include "pivnp/core/particles/fields.hpp"
 #include "pivnp/core/particles/strain.hpp"
+#include "pivnp/core/particles/strain_error.hpp"
 #include "pivnp/core/text.hpp"
 
 namespace pivnp {
@@ -177,6 +178,13 @@ Value sigma_of_strain(double (*of)(const Strain&)) {
   };
 }
 
+Value sigma_of_invariant(double StrainVariance::*of) {
+  return [of](State&, const MotionFrame& now, std::size_t p, std::size_t) {
+    const FieldValues& cov = now.field("cov_F");
+    return std::sqrt(strain_variance(matrix(now.F[p]), {double(cov(p, 0)), double(cov(p, 1)), double(cov(p, 2))}).*of);
+  };
+}
+
 std::vector<Row> rows_of_motion() {
   return {
       {{"displacement_x", "L", "u_x since the first frame", "displacement x"}, displacement(0)},
@@ -226,13 +234,13 @@ std::vector<Row> rows_of_strain() {
        of_sum(deviatoric), true},
   };
   for (Row& row : rows) row.field.strain = true;
-  const std::string first_order = ", from cov_F to first order";
-  const std::pair<const char*, double (*)(const Strain&)> measured[] = {
-      {"strain_xx", xx}, {"strain_yy", yy}, {"strain_xy", xy}, {"strain_vol", volumetric}, {"strain_dev", deviatoric}};
-  for (const auto& [name, of] : measured)
-    rows.push_back({{"sigma_" + std::string(name), "1", "standard uncertainty of " + std::string(name) + first_order, "",
-                     "cov_F"},
-                    sigma_of_strain(of)});
+  const auto add_sigma = [&](const std::string& name, const char* how, const std::string& label, const Value& value) {
+    rows.push_back({{"sigma_" + name, "1", "standard uncertainty of " + name + ", from cov_F" + how, label, "cov_F"}, value});
+  };
+  const std::pair<const char*, double (*)(const Strain&)> components[] = {{"strain_xx", xx}, {"strain_yy", yy}, {"strain_xy", xy}};
+  for (const auto& [name, of] : components) add_sigma(name, " to first order", "", sigma_of_strain(of));
+  add_sigma("strain_vol", " to first order", "standard uncertainty of the volumetric strain", sigma_of_invariant(&StrainVariance::vol));
+  add_sigma("strain_dev", " to second order", "standard uncertainty of the deviatoric strain", sigma_of_invariant(&StrainVariance::dev));
   return rows;
 }
 

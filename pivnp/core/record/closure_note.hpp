@@ -15,6 +15,7 @@ struct ClosureNote {
   // Covariance (uu, vv, uv; length^2) of the error that every pair repeats at a node, [ny][nx]; empty unless found. It
   // comes on top of a vector's own covariance, and adds up along a path as one error, not as independent ones.
   std::vector<std::array<float, 3>> repeated;
+  std::string cause;  // as far as it can be told, in words; not in records
 };
 
 }  // namespace pivnp

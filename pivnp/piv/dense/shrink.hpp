@@ -13,6 +13,7 @@ struct SmoothedField {
   std::vector<float> value;
   std::vector<float> variance;  // of what noise is left, and of the signal that was given up with the rest
   std::vector<float> area;      // lattice cells that a value averages over, noise-wise
+  std::vector<float> lost;      // square of the bias that is left (lost_variance); empty: not looked for
 };
 
 /// Blocks of 8, 16, 32 and 64 points a side, each size at half overlap (sizes that the lattice holds): freed of their

@@ -93,6 +93,10 @@ struct Plane {
   double middle() const { return mean - 25.0 / 24 * curvature; }
 };
 
+// Where a field bends more than this over five nodes, what the fit misses of it looks like a wave of its fractions: shear bands
+// would be taken for locking.
+constexpr double most_curvature = 0.1;
+
 constexpr double moment = 10 * side;  // of a^2 over the 5 x 5
 
 template <class Value>
@@ -132,6 +136,7 @@ void FractionStatistics::add(int nx, const std::vector<std::array<float, 2>>& di
       if (!whole) continue;
       for (std::size_t c = 0; c < 2; ++c) {
         const Plane field = fit([&](int a, int b) { return double(displacement[at(i + a, j + b)][c]); });
+        if (std::abs(field.curvature) > most_curvature) continue;
         const Plane drawn = fit([&](int a, int b) { return wave(field.at(a, b)); });
         const double r = double(displacement[at(i, j)][c]) - field.middle(), g = wave(field.mean) - drawn.middle();
         cross_ -= r * g, square_ += g * g, residual_ += r * r;

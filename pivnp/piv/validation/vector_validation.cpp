@@ -139,7 +139,8 @@ void validate_vectors(const ValidationInput& input, const SplineField& field, co
     if (!(quality.variance[q] > 4 * input.rounding)) continue;
     const auto value = field.at(x, y);
     vectors.displacement[k] = {d * value[0], d * value[1]};
-    vectors.cov[k] = {variance_u[q], variance_v[q],
+    const auto lost = [&](const SmoothedField& smooth) { return smooth.lost.empty() ? 0.0f : d * d * smooth.lost[q]; };
+    vectors.cov[k] = {variance_u[q] + lost(smooth_u), variance_v[q] + lost(smooth_v),
                       quality.slant[q] * d * d * std::sqrt(smooth_u.variance[q] * smooth_v.variance[q])};
     vectors.score[k] = quality.score[q];
     vectors.status[k] = trusted[q] ? VectorStatus::valid : VectorStatus::rejected;

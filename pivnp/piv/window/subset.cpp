@@ -57,6 +57,7 @@ class Subset {
     SubsetMatch m;
     m.to = guess.to;
     m.A = guess.A;
+    bend_ = guess.bend;
     if (!guess.from.allFinite() || !guess.to.allFinite() || !guess.A.allFinite()) return m;
     if (!take(first, second, guess) || !refine_reference()) return m;
     const double far = half_;
@@ -90,7 +91,7 @@ class Subset {
     count_ = 0;
     for (int b = -half_; b <= half_; ++b)
       for (int a = -half_; a <= half_; ++a) {
-        const Vec2 r(a, b), from = guess.from + r, to = guess.to + guess.A * r;
+        const Vec2 r(a, b), from = guess.from + r, to = guess.to + guess.A * r + bent(a, b);
         const std::size_t place = std::size_t((b + half_) * options_.side_px + a + half_);
         const bool here = usable_at(first, from.x(), from.y()) && usable_at(second, to.x(), to.y());
         slot_[place] = here ? int(count_) : -1;
@@ -115,6 +116,8 @@ class Subset {
     first.grey.sample(x_.data(), y_.data(), int(count_), out.data());
     for (std::size_t k = 0; k < count_; ++k) along[k] -= 0.5f, out[k] -= low_[k];
   }
+
+  Vec2 bent(double a, double b) const { return bend_ * Eigen::Vector3d(a * a, a * b, b * b); }
 
   static double centre(std::vector<float>& v, std::size_t count) {
     double mean = 0, energy = 0;
@@ -150,8 +153,9 @@ class Subset {
     const float right = float(second.width - 1), bottom = float(second.height - 1);
     for (std::size_t k = 0; k < count_; ++k) {
       const double a = double(rx_[k]), b = double(ry_[k]);
-      x_[k] = std::clamp(float(m.to.x() + m.A(0, 0) * a + m.A(0, 1) * b), 0.0f, right);
-      y_[k] = std::clamp(float(m.to.y() + m.A(1, 0) * a + m.A(1, 1) * b), 0.0f, bottom);
+      const Vec2 c = bent(a, b);
+      x_[k] = std::clamp(float(m.to.x() + m.A(0, 0) * a + m.A(0, 1) * b + c.x()), 0.0f, right);
+      y_[k] = std::clamp(float(m.to.y() + m.A(1, 0) * a + m.A(1, 1) * b + c.y()), 0.0f, bottom);
     }
     second.grey.sample(x_.data(), y_.data(), int(count_), g_.data());
     const double energy = centre(g_, count_);
@@ -191,7 +195,7 @@ class Subset {
       const auto sample = [&](double sign, std::vector<float>& out) {
         for (std::size_t k = 0; k < count_; ++k) {
           const double a = double(rx_[k]), b = double(ry_[k]);
-          const Vec2 at = m.to + m.A * Vec2(a, b) + sign * half;
+          const Vec2 at = m.to + m.A * Vec2(a, b) + bent(a, b) + sign * half;
           x_[k] = std::clamp(float(at.x()), 0.0f, float(second.width - 1));
           y_[k] = std::clamp(float(at.y()), 0.0f, float(second.height - 1));
         }
@@ -235,6 +239,7 @@ class Subset {
   std::vector<int> slot_;                          // of a place in the square; -1: not used
   std::vector<std::array<double, 2>> residual_;    // slope times residual, at its place in the square
   double energy_f_ = 0, gain_ = 1;
+  Eigen::Matrix<double, 2, 3> bend_ = Eigen::Matrix<double, 2, 3>::Zero();
   Mat6 hessian_, inverse_;
 };
 

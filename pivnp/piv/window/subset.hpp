@@ -32,10 +32,12 @@ struct SubsetImage {
   void assign(const ImageView& image, const MaskView& masked, int threads);
 };
 
-/// Pixel frame (column, row): what is at `from` + r in the first image is predicted at `to` + A r in the second.
+/// Pixel frame (column, row): what is at `from` + r in the first image is predicted at `to` + A r + bend (x^2, x y, y^2) in the
+/// second, r = (x, y). The bend is taken as it is given: position and A are what is sought.
 struct AffinePrediction {
   Vec2 from = Vec2::Zero(), to = Vec2::Zero();
   Mat2 A = Mat2::Identity();
+  Eigen::Matrix<double, 2, 3> bend = Eigen::Matrix<double, 2, 3>::Zero();  // 1/px
 };
 
 struct SubsetMatch {
@@ -47,7 +49,8 @@ struct SubsetMatch {
   double var_A = 0;                    // variance of a component of A (mean of the four)
 };
 
-/// Matches every prediction: inverse compositional Gauss-Newton on an affine warp (Baker & Matthews 2004), criterion
+/// Matches every prediction: inverse compositional Gauss-Newton on a warp that is affine but for the given bend (Baker &
+/// Matthews 2004), criterion
 /// zero-normalised sum of squared differences (Pan, Li & Tong 2013), quintic spline interpolation in both images, so
 /// that `from` need not lie on a pixel. Converges from about a texture grain's size; the prediction must be that good.
 /// Covariance: residual variance times the inverse Hessian, times the factor for the correlation of the residuals of

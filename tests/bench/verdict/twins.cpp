@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
 #include <memory>
 #include <sstream>
 
@@ -164,6 +165,7 @@ fs::path Bench::simulated(const Scene& scene, const Soil& soil, int level) {
                           digits(soil.base_friction) + "_" + std::to_string(level);
   if (const auto at = simulations_.find(key); at != simulations_.end()) return at->second;
   const fs::path out = folder_ / "simulated" / key;
+  if (reuse_ && fs::exists(out / "record.h5")) return simulations_[key] = out / "record.h5";
   const std::string text = "[grid]\nspacing_m = " + digits(cell_m * std::pow(coarser_ratio, level)) + "\n" + area(scene) +
                            world(scene, soil);
   const app::Case c = app::parse_case(text, key, fs::current_path());
@@ -173,6 +175,7 @@ fs::path Bench::simulated(const Scene& scene, const Soil& soil, int level) {
 
 fs::path Bench::measured(const Scene& scene, const Look& look) {
   const fs::path out = folder_ / "measured" / (scene.name + "_" + std::to_string(look.seed));
+  if (reuse_ && fs::exists(out / "record.h5")) return out / "record.h5";
   // A rim of two cells about the area.
   const double rim = 2 * cell_m;
   const int width = int(std::lround((scene.area_m[2] + 2 * rim) / pixel_m)),
@@ -212,12 +215,25 @@ Said said(const Metric& m) {
   return m.verdict == Verdict::not_distinguishable ? Said::lost : Said::distinguishable;
 }
 
-Said said_of_displacement(const Comparison& c) {
+namespace {
+
+Said most_said(const Comparison& c, std::initializer_list<const char*> names) {
   Said most = Said::nothing;
-  for (const char* name : {"displacement_rms_final", "displacement_bias_x_final", "displacement_bias_y_final",
-                           "displacement_field_rms", "displacement_field_x", "displacement_field_y"})
+  for (const char* name : names)
     if (const Metric* m = find(c.metrics, name)) most = std::max(most, said(*m));
   return most;
+}
+
+}  // namespace
+
+Said said_of_displacement(const Comparison& c) {
+  return most_said(c, {"displacement_rms_final", "displacement_bias_x_final", "displacement_bias_y_final", "displacement_field_rms",
+                       "displacement_field_x", "displacement_field_y"});
+}
+
+Said said_of_strain(const Comparison& c) {
+  return most_said(c, {"strain_dev_rms_final", "strain_dev_bias_final", "strain_dev_field_rms", "strain_dev_field_mean",
+                       "strain_vol_rms_final", "strain_vol_bias_final", "strain_vol_field_rms", "strain_vol_field_mean"});
 }
 
 }  // namespace pivnp::twins

@@ -47,10 +47,12 @@ struct Look {
 /// Noise of 1 to 5 %, loss up to a tenth, both textures, round and deforming grains; the n-th differs from the others.
 Look look(int n);
 
-/// Everything is written under `folder`; simulations are run once.
+/// Everything is written under `folder`; simulations are run once. `reuse`: records that an earlier run left there are taken as
+/// they are (to compare them anew).
 class Bench {
  public:
-  Bench(std::filesystem::path folder, Progress& progress) : folder_(std::move(folder)), progress_(progress) {}
+  Bench(std::filesystem::path folder, Progress& progress, bool reuse = false)
+      : folder_(std::move(folder)), progress_(progress), reuse_(reuse) {}
 
   /// The measurement of frames drawn from the scene's own soil (motion "np").
   std::filesystem::path measured(const Scene& scene, const Look& look);
@@ -62,6 +64,7 @@ class Bench {
 
   std::filesystem::path folder_;
   Progress& progress_;
+  bool reuse_;
   std::map<std::string, std::filesystem::path> simulations_;
 };
 
@@ -70,5 +73,7 @@ enum class Said { nothing, lost, distinguishable };
 Said said(const Metric& metric);
 /// Of the displacement at the end: its RMS, or its mean, plain and weighted.
 Said said_of_displacement(const Comparison& comparison);
+/// Of strain at the end, deviatoric or volumetric: its RMS, or its mean, plain and weighted.
+Said said_of_strain(const Comparison& comparison);
 
 }  // namespace pivnp::twins

@@ -166,10 +166,31 @@ TEST(Uncertainty, OfShapesHoldsWhatIsGiven) {
                two = std::hypot(half, std::sqrt(2 * (0.04 + 0.16)));
   EXPECT_NEAR(metric(c, "crest_height_first").uncertainty, one, 1e-9);
   EXPECT_NEAR(metric(c, "crest_height_second").uncertainty, two, 1e-9);
-  for (const char* name : {"outline_hausdorff_95", "run_out_x_difference", "crest_retreat_difference"})
+  for (const char* name : {"outline_hausdorff_95", "crest_retreat_difference"})
     EXPECT_NEAR(metric(c, name).uncertainty, std::hypot(one, two), 1e-9) << name;
+  // cot = (.015 of the width)^2 / (.01 of the area): a steep end.
+  EXPECT_NEAR(metric(c, "run_out_x_difference").uncertainty, (1 + .0225 * 2.1) * std::hypot(one, two), .005);
   EXPECT_GT(metric(c, "mobilised_area_difference").uncertainty, 0);
   EXPECT_NEAR(metric(compared(a, a, {}), "outline_hausdorff_95").uncertainty, half * std::sqrt(2.0), 1e-9);
+}
+
+// A wedge of material whose surface is known to d: its run-out to d (1 + cot), its tip to d over the sine of its angle.
+TEST(Uncertainty, OfAThinEndIsTheGreater) {
+  constexpr double h = .05;
+  CompareOptions options;
+  options.slope_base_m = 0;
+  options.measurement_uncertainty_m = .1;
+  for (const double angle : {15.0, 25.0, 45.0}) {
+    const double tangent = std::tan(angle * M_PI / 180), width = 4 / tangent;
+    std::vector<Vec2> wedge;
+    for (const Vec2& x : square_lattice(int(width / h) + 1, int(4 / h), h))
+      if (x.y() < (width - x.x()) * tangent) wedge.push_back(x);
+    const MotionMemory a = motion_of("a", particles_at(wedge, h), {0, 1}, [](const Vec2&, double t) { return Vec2(1e-6 * t, 0); });
+    const Comparison c = compared(a, a, options);
+    const double d = std::hypot(h / std::sqrt(12.0), .1 * std::sqrt(2.0));
+    EXPECT_NEAR(metric(c, "run_out_x_first").uncertainty, d * (1 + 1 / tangent), .2 * d / tangent) << angle;
+    EXPECT_NEAR(metric(c, "toe_x_first").uncertainty, d / std::sin(angle * M_PI / 180), .2 * d / tangent) << angle;
+  }
 }
 
 TEST(Uncertainty, OfSomeParticlesAloneIsSaid) {

@@ -72,7 +72,7 @@ TEST(Fractions, AmplitudeOfTheLockingIsFound) {
 TEST(Fractions, FieldsWithoutLockingAreNotAccused) {
   for (const Motion& motion :
        {uniform(0, 0), uniform(2.3, -1.4), rotation(1, 240, 200), plain_shear(0.1, 200), sine(1, 128), sine(1, 64),
-        band(4, 16, 240, 200), image::vortex(4, 60, 240, 200), image::strain_concentration(0.02, 0.1, 32, 240, 200)})
+        band(4, 16, 240, 200), band(2, 8, 240, 200), band(4, 10, 240, 200), band(1.3, 10, 243, 195), band(.7, 10, 240, 200), image::vortex(4, 60, 240, 200), image::strain_concentration(0.02, 0.1, 32, 240, 200)})
     for (const double noise : {0.003, 0.03})
       for (const unsigned seed : {1u, 2u, 3u}) {
         const FractionStatistics s = statistics(motion, 0, noise, seed);

@@ -54,6 +54,32 @@ TEST(Subset, FindsAKnownAffineMotionAtAnyPlace) {
   EXPECT_LT(std::sqrt(sum_A), 2e-3);
 }
 
+// u_x = c y^2 / 2: an affine subset ends up half the side's square over six times c off; one that bends likewise does not.
+TEST(Subset, FollowsABendThatIsGiven) {
+  constexpr double c = .012;
+  const Scene scene = make_scene([](const Vec2& x) { return Vec2(c / 2 * (x.y() - 100) * (x.y() - 100), 0); }, 200, 200, texture(.01));
+  const SubsetImage first(scene.first.view(), {}, 1), second(scene.second.view(), {}, 1);
+  std::vector<AffinePrediction> asked;
+  for (double y = 60.3; y < 140; y += 9)
+    for (double x = 50.8; x < 120; x += 12) {
+      AffinePrediction at;
+      at.from = Vec2(x, y), at.to = at.from + Vec2(c / 2 * (y - 100) * (y - 100), 0);
+      at.A(0, 1) = c * (y - 100);
+      asked.push_back(at);
+    }
+  const auto off = [&] {
+    const auto found = match_subsets(first, second, asked, {}, 1);
+    double sum = 0, count = 0;
+    for (std::size_t k = 0; k < asked.size(); ++k)
+      if (found[k].found) sum += std::pow(found[k].to.x() - asked[k].to.x(), 2), ++count;
+    EXPECT_GT(count, .9 * double(asked.size()));
+    return std::sqrt(sum / count);
+  };
+  EXPECT_GT(off(), .3);  // 15.5^2 / 6 c = .48
+  for (AffinePrediction& at : asked) at.bend(0, 2) = c / 2;
+  EXPECT_LT(off(), .02);
+}
+
 TEST(Subset, StatedErrorFitsNoiseAndLoss) {
   for (const auto& [noise, loss] : {std::pair{0.02, 0.0}, {0.05, 0.0}, {0.0, 0.2}}) {
     const Scene scene = scene_of(far_away, texture(noise, loss));

@@ -5,6 +5,7 @@
 #include <memory>
 #include <random>
 #include <set>
+#include <span>
 
 #include "apps/report/content/differences.hpp"
 #include "apps/report/content/fields.hpp"
@@ -252,6 +253,38 @@ TEST(Content, ExtensometersAndSections) {
       EXPECT_TRUE(std::isnan(curve.value[k]));
     }
   }
+}
+
+// F = diag(1.2, 1) with errors of .01 a component: the volumetric strain errs by .01 sqrt(1/1.44 + 1).
+TEST(Content, StrainsBringTheirUncertainty) {
+  Mat2 F;
+  F << 1.2, 0, 0, 1;
+  const auto plain = noisy(F, 0);
+  auto motion = std::make_shared<MotionMemory>("np", "m", "s", plain->particles());
+  for (std::size_t k = 0; k < 2; ++k) {
+    MotionFrame f = plain->frame(k);
+    const std::span<float> cov = f.add("cov_F", f.F.size());
+    for (std::size_t p = 0; p < f.F.size(); ++p) {
+      if (k == 1) f.F[p] = {1.2f, 0, 0, 1};
+      cov[3 * p] = cov[3 * p + 1] = k == 1 ? 1e-4f : 0;
+    }
+    motion->add(f);
+  }
+  const SectionCurve along = section(*motion, "strain_vol", true, 1, {0.05, 0.1}, {0.25, 0.1});
+  ASSERT_EQ(along.sigma.size(), along.value.size());
+  EXPECT_NEAR(along.value[60], std::log(1.2), 1e-6);
+  EXPECT_NEAR(along.sigma[60], .01 * std::sqrt(1 / 1.44 + 1), 1e-6);
+  EXPECT_TRUE(section(*motion, "displacement_x", true, 1, {0.05, 0.1}, {0.25, 0.1}).sigma.empty());
+  EXPECT_TRUE(section(*plain, "strain_vol", true, 1, {0.05, 0.1}, {0.25, 0.1}).sigma.empty());
+  const PointCurve point = point_curves(*motion, {Vec2(.1, .1)}).front();
+  ASSERT_EQ(point.strain_sigma.size(), 2u);
+  EXPECT_EQ(point.strain_sigma[0], 0);
+  EXPECT_NEAR(point.strain[1], deviatoric(log_strain(F)), 1e-6);
+  EXPECT_GT(point.strain_sigma[1], .003);
+  EXPECT_LT(point.strain_sigma[1], .01);
+  EXPECT_TRUE(point_curves(*plain, {Vec2(.1, .1)}).front().strain_sigma.empty());
+  // Over another gauge F is another.
+  EXPECT_EQ(with_gauge(motion, 0.05)->frame(1).find("cov_F"), nullptr);
 }
 
 }  // namespace

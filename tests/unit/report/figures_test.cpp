@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <memory>
 #include <string>
 
 #include "apps/plot/canvas.hpp"
@@ -133,6 +134,30 @@ TEST_F(Figures, TheirDataAreWritten) {
       EXPECT_TRUE(text.starts_with("time (s),RMS (m),median (m),standard uncertainty (m)\n0,0,0,"));
     }
   EXPECT_GE(drawn, 8u);
+}
+
+// Strains of points are drawn where the measurement states a covariance of F, and only there.
+TEST_F(Figures, StrainHistoriesNeedACovarianceOfF) {
+  SyntheticOptions o;
+  o.frames = 5;
+  o.spacing_m = 0.02;
+  Synthetic s = make_synthetic(o);
+  ReportOptions options;
+  const auto drawn = [&] {
+    const FigureInput input = figure_input(options, s.content);
+    for (const Figure& figure : draw_section(Section::comparison, input))
+      if (figure.name == "strain_histories") return figure.data.size();
+    return std::size_t(0);
+  };
+  EXPECT_EQ(drawn(), 0u);
+  auto motion = std::make_shared<MotionMemory>("np", "m", "s", s.content.measured->particles());
+  for (std::size_t k = 0; k < s.content.measured->times().size(); ++k) {
+    MotionFrame f = s.content.measured->frame(k);
+    for (float& v : f.add("cov_F", f.F.size())) v = 1e-4f * float(k);
+    motion->add(f);
+  }
+  s.content.measured = motion;
+  EXPECT_GE(drawn(), 3u);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include <cmath>
 
+#include "apps/study/methods/repeated_cause.hpp"
 #include "apps/study/methods/tracking.hpp"
 #include "apps/study/pipeline/measure.hpp"
 #include "apps/study/synth/truth.hpp"
@@ -120,7 +121,9 @@ TEST(Closure, WhatStandsStillIsFoundAndPathsHoldIt) {
   EXPECT_GE(r.within, 0.95);
   EXPECT_GT(r.rms_over_sigma, 0.5);  // nor is it stated too large
   EXPECT_LT(r.rms_over_sigma, 1.5);
-  EXPECT_EQ(closure_remarks(r.note, make_setting(c, columns, rows)).size(), 1u);
+  const auto remarks = closure_remarks(r.note, make_setting(c, columns, rows));
+  ASSERT_EQ(remarks.size(), 1u);
+  EXPECT_NE(remarks[0].find("stands still"), std::string::npos) << remarks[0];
 }
 
 TEST(Closure, MotionAloneIsLeftAlone) {
@@ -140,6 +143,44 @@ TEST(Closure, MotionAloneIsLeftAlone) {
   EXPECT_EQ(r.within, r.within_without);
   EXPECT_GE(r.within, 0.95);
   EXPECT_TRUE(closure_remarks(r.note, make_setting(c, columns, rows)).empty());
+}
+
+// Nothing stands still in these frames: an error that repeats is not laid on the light.
+TEST(Closure, OnlyACauseThatIsSeenIsNamed) {
+  const auto place = [](const Vec2& x, int k) { return Vec2(x + k * Vec2(0.8, 0.3)); };
+  const Case c = scene();
+  const Setting setting = make_setting(c, columns, rows);
+  for (const double standing : {0.0, 0.004}) {
+    Drawn frames(9, place, standing);
+    std::vector<Vec2> places;
+    for (int j = 0; j < setting.grid.ny; ++j)
+      for (int i = 0; i < setting.grid.nx; ++i) places.push_back(setting.camera.to_pixel(setting.grid.position(i, j)));
+    const StillPicture still = still_picture(frames.read(0), frames.read(8), places);
+    EXPECT_EQ(still.seen(), standing > 0) << still.correlation << ' ' << still.error;
+  }
+  // An error that repeats in a band of three columns.
+  VectorField field;
+  field.grid = setting.grid;
+  const std::size_t count = field.grid.node_count();
+  field.status.assign(count, VectorStatus::valid);
+  field.displacement.assign(count, {0, 0});
+  std::vector<std::array<float, 3>> repeated(count, {1e-6f, 1e-6f, 0});
+  const int middle = field.grid.nx / 2;
+  for (int j = 0; j < field.grid.ny; ++j)
+    for (int i = 0; i < field.grid.nx; ++i) {
+      field.displacement[field.grid.node(i, j)][1] = i < middle ? 0.0f : 4.0f;
+      if (std::abs(i - middle) < 2) repeated[field.grid.node(i, j)] = {1e-4f, 1e-2f, 0};
+    }
+  const Bent bent = bent_share(repeated, field, 4, 1);
+  EXPECT_TRUE(bent.seen()) << bent.variance << ' ' << bent.nodes;
+  EXPECT_NE(repeated_cause({}, bent).find("bends"), std::string::npos);
+  EXPECT_EQ(repeated_cause({}, {}), "");
+  ClosureNote note;
+  note.repeated = repeated;
+  note.chains = {{0, 4}};
+  const auto remarks = closure_remarks(note, setting);
+  ASSERT_EQ(remarks.size(), 1u);
+  EXPECT_EQ(remarks[0].find("light"), std::string::npos) << remarks[0];
 }
 
 TEST(Closure, WhatCannotBeCheckedSaysSo) {

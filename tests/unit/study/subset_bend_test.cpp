@@ -46,6 +46,9 @@ TEST(SubsetBend, IsASixthOfTheSquareOfHalfTheSideTimesTheLaplacian) {
   EXPECT_NEAR(bends[middle].place.x(), expected, .02 * expected);
   EXPECT_NEAR(bends[middle].place.y(), 0, 1e-9);
   EXPECT_NEAR(bends[middle].gradient, 0, 1e-9);  // even about the centre
+  EXPECT_NEAR(bends[middle].bend(0, 0), .005, 1e-9);  // half the curvature, on x^2
+  EXPECT_NEAR(bends[middle].bend.norm(), .005, 1e-9);
+  EXPECT_NEAR(bends[middle].left.norm(), 0, 1e-6);
   // At the rim the subset is half empty, and its fit is bent the more in its gradient.
   EXPECT_GT(bends[60 * 120].gradient, .02);
 }
@@ -56,9 +59,12 @@ TEST(SubsetBend, NoiseOfPredictionsIsNoBend) {
   double square = 0;
   const std::vector<SubsetBend> bends = subset_bends(b.from, b.to, b.A, half_side, 1);
   std::size_t count = 0;
+  double left = 0;
   for (std::size_t j = 6; j < 24; ++j)
-    for (std::size_t i = 6; i < 24; ++i) square += bends[j * 30 + i].place.squaredNorm() / 2, ++count;
+    for (std::size_t i = 6; i < 24; ++i)
+      square += bends[j * 30 + i].place.squaredNorm() / 2, left += bends[j * 30 + i].left.squaredNorm() / 2, ++count;
   EXPECT_LT(std::sqrt(square / double(count)), .02);
+  EXPECT_NEAR(std::sqrt(left / double(count)), .05, .005);
 }
 
 TEST(SubsetBend, TooFewSayNothing) {
