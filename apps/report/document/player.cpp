@@ -9,6 +9,7 @@
 
 #include <QByteArray>
 
+#include "apps/plot/numbers.hpp"
 #include "apps/report/content/fields.hpp"
 #include "apps/report/content/selection.hpp"
 #include "apps/report/document/text.hpp"
