@@ -2,15 +2,17 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "apps/case/case.hpp"
 #include "pivnp/core/particles/motion.hpp"
-#include "pivnp/core/record/camera_motion.hpp"
 #include "pivnp/core/particles/region.hpp"
+#include "pivnp/core/record/camera_motion.hpp"
 #include "pivnp/core/record/vectors.hpp"
 #include "pivnp/image/camera.hpp"
+#include "pivnp/image/filter.hpp"
 #include "pivnp/image/mask.hpp"
 #include "pivnp/image/moving_mask.hpp"
 #include "pivnp/io/files/file_identity.hpp"
@@ -40,6 +42,7 @@ struct Setting {
   std::vector<image::Camera> cameras;  // one a frame where it moves (set_camera_motion)
   image::Mask mask;                   // of what stays where it is
   image::MovingMasks moving_masks;
+  std::shared_ptr<const image::FrameFilter> filter;  // of frames that are correlated; null: none
   Grid grid;                    // the shared nodes
   std::vector<Region> regions;  // in the world; the whole grid if the case names none
   bool imported = false;        // the nodes are those of other programs' vectors
@@ -47,6 +50,9 @@ struct Setting {
 
   const image::Camera& camera_at(int frame) const { return cameras.empty() ? camera : cameras.at(std::size_t(frame)); }
 };
+
+/// The frame as it is correlated.
+Image prepared(const Setting& setting, Image frame);
 
 /// What may be used of frame `k`.
 image::Mask mask_of(const Setting& setting, int k, const ImageView& frame);
