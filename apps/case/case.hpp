@@ -12,14 +12,15 @@
 #include "compare/data/options.hpp"
 #include "compare/metrics/limits.hpp"
 #include "mpm/constraint/options.hpp"
-#include "mpm/material/options.hpp"
-#include "mpm/scene/options.hpp"
 #include "mpm/heat/options.hpp"
+#include "mpm/material/options.hpp"
 #include "mpm/scene/centrifuge.hpp"
+#include "mpm/scene/options.hpp"
 #include "mpm/water/options.hpp"
 #include "pivnp/core/options.hpp"
 #include "pivnp/image/camera.hpp"
 #include "pivnp/image/camera_motion_options.hpp"
+#include "pivnp/image/filter_options.hpp"
 #include "pivnp/image/frames.hpp"
 #include "pivnp/image/mask.hpp"
 #include "pivnp/image/synthetic.hpp"
@@ -204,6 +205,7 @@ struct Case {
   Named<image::MaskOptions> masks;            // [mask.NAME]
   GridOptions grid;                           // [grid]
   Named<RegionOptions> regions;               // [region.NAME]
+  std::optional<image::FilterOptions> preprocess;  // [preprocess]
   std::optional<piv::PivOptions> piv;         // [piv]; present by default when there are frames to measure
   std::optional<np::NpOptions> np;            // [np]; present by default when there are frames or vectors
   Named<mpm::MaterialOptions> materials;      // [material.NAME]

@@ -9,6 +9,7 @@
 #include "pivnp/core/particles/derived.hpp"
 #include "pivnp/core/particles/region.hpp"
 #include "pivnp/core/text.hpp"
+#include "pivnp/piv/methods.hpp"
 
 namespace pivnp::app {
 
@@ -51,13 +52,36 @@ class Checker : Refusals {
       refuse_section("piv", "there are no frames to measure; expected [frames] or [synth]");
     if (source_.given("np") && !measures())
       refuse_section("np", "there are no frames to measure; expected [frames], [vectors] or [synth]");
+    if (source_.given("preprocess") && !has_images())
+      refuse_section("preprocess", "there are no frames to filter; expected [frames] or [synth]");
+    if (source_.given("preprocess") && c_.vectors)
+      refuse_section("preprocess",
+                     "given together with [vectors], whose frames are not correlated; expected one of them");
     if (c_.frames && c_.frames->last && *c_.frames->last < c_.frames->first)
       refuse("frames.last", "found " + std::to_string(*c_.frames->last) + ", expected at least frames.first, " +
                                 std::to_string(c_.frames->first));
+    if (c_.frames && c_.frames->least_motion_px > 0) {
+      if (c_.vectors)
+        refuse("frames.least_motion_px",
+               "given together with [vectors], which are of every frame; expected one of them");
+      for (const auto& [name, mask] : c_.masks)
+        if (!mask.images.empty() || !mask.motion.empty())
+          refuse("frames.least_motion_px", "given together with mask." + name +
+                                               (mask.images.empty() ? ".motion" : ".images") +
+                                               ", which is of every frame; expected one of them");
+    }
     if (c_.piv && c_.piv->first_window_px != 0 && c_.piv->first_window_px < c_.piv->window_px)
       refuse("piv.first_window_px", "found " + std::to_string(c_.piv->first_window_px) +
                                         ", expected 0 or at least piv.window_px, " + std::to_string(c_.piv->window_px) +
                                         " (px)");
+    if (c_.piv && c_.piv->ensemble > 1 &&
+        piv::piv_methods().at(c_.piv->method, "piv.method").family == piv::MethodFamily::gauss_newton)
+      refuse("piv.ensemble", "found " + std::to_string(c_.piv->ensemble) + ", expected 1, as piv.method = \"" +
+                                 c_.piv->method + "\" has no correlation to average; \"fft\" and \"ncc\" have");
+    if (c_.piv && c_.piv->ensemble > 1 && c_.camera_motion.from != image::RestSource::none)
+      refuse("piv.ensemble", "found " + std::to_string(c_.piv->ensemble) +
+                                 " together with camera.motion.from, expected 1, as a camera that moves "
+                                 "sees the nodes of every pair elsewhere");
     if (c_.np) square("np.per_element", c_.np->per_element);
     if (c_.mpm) square("mpm.per_element", c_.mpm->per_element);
     if (c_.synth_mpm) square("synth.mpm.per_element", c_.synth_mpm->per_element);

@@ -25,6 +25,10 @@ void for_each_section(C& c, Visitor&& visit) {
               "Where material is at the first frame; one section per piece, with one outline. Without any region the "
               "whole grid is measured.");
   visit.named("mask", c.masks, "What must not be measured; one section per mask, with one shape.");
+  visit.optional("preprocess", c.preprocess,
+                 "What is done to frames before they are correlated. Left out: nothing, as the default methods follow "
+                 "changes of light by "
+                 "themselves; `pivnp check` shows on pairs made of the case's own frames which filter would help.");
   visit.optional("piv", c.piv, "Image correlation. There by default when there are frames and no [vectors].");
   visit.optional("np", c.np, "Numerical particles. There by default when there are frames or [vectors].");
   visit.named("material", c.materials, "What the regions are made of, for the simulation.");

@@ -20,6 +20,8 @@ void check_options(const FrameOptions& options) {
     throw InputError(path_key + ": nothing given; expected a glob, a printf pattern, a folder or a video file");
   if (options.rate_hz && !(*options.rate_hz > 0 && std::isfinite(*options.rate_hz)))
     throw InputError("frames.rate_hz: found " + std::to_string(*options.rate_hz) + ", expected a number above 0");
+  if (options.times == FrameTimes::stamps && options.rate_hz)
+    throw InputError("frames.rate_hz: given together with frames.times = \"stamps\"; expected one of them");
   if (options.first < 0)
     throw InputError("frames.first: found " + std::to_string(options.first) + ", expected 0 or more");
   if (options.stride < 1)

@@ -1,24 +1,34 @@
 // Frames in: image sequences and video files, one grey channel each.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "pivnp/core/choice.hpp"
 #include "pivnp/core/image_view.hpp"
 #include "pivnp/core/options.hpp"
 #include "pivnp/core/record/frames.hpp"
 
 namespace pivnp::image {
 
+/// Where the times of frames come from: they are evenly spaced, or the container's time stamps say when each was taken.
+enum class FrameTimes { even, stamps };
+inline constexpr std::array frame_times_names{NamedValue{"even", FrameTimes::even},
+                                              NamedValue{"stamps", FrameTimes::stamps}};
+constexpr const auto& names_of(FrameTimes) { return frame_times_names; }
+
 struct FrameOptions {
   std::string path = {};
   std::optional<double> rate_hz = {};
+  FrameTimes times = FrameTimes::even;
   int first = 0;
   std::optional<int> last = {};
   int stride = 1;
+  double least_motion_px = 0;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
@@ -28,9 +38,22 @@ struct FrameOptions {
     visit("rate_hz", self.rate_hz,
           OptionInfo{.unit = "Hz", .text = "frames per second of the recording; wins over what a container claims",
                      .min = 0, .above_min = true});
+    visit("times", self.times,
+          OptionInfo{.text = "when frames were taken: even, by rate_hz or the container's rate; stamps, a video of "
+                             "variable rate, by the time stamps "
+                             "in its container"});
     visit("first", self.first, OptionInfo{.text = "first frame used, counted from 0", .min = 0});
     visit("last", self.last, OptionInfo{.text = "last frame used (left out: all)", .min = 0});
     visit("stride", self.stride, OptionInfo{.text = "use every n-th frame", .min = 1});
+    visit(
+        "least_motion_px", self.least_motion_px,
+        OptionInfo{
+            .unit = "px",
+            .text =
+                "leave frames out until a tenth of the material has moved so far since the last frame used (0: none): "
+                "longer steps where motion is slow",
+            .min = 0,
+            .max = 50});
   }
 };
 
@@ -62,7 +85,7 @@ class FrameSource {
 /// tags are not obeyed. A 16-bit image has white = 65535 whatever the camera's depth, but for PGM, which names its own.
 /// Throws InputError: nothing matches, fewer than one frame after first/last/stride, `last` beyond the end, unreadable
 /// first frame, a used frame missing from a printf sequence, a video that ends before its container's count, a video
-/// of variable rate without rate_hz.
+/// of variable rate with neither rate_hz nor times = "stamps", stamps that do not increase, stamps asked of images.
 std::unique_ptr<FrameSource> open_frames(const FrameOptions& options, const std::filesystem::path& base);
 
 /// Reads the next frame in the background while the one before is worked on, as long as reading goes forward. Holds at

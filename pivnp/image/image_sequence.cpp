@@ -60,6 +60,8 @@ fs::path used_file(const FrameOptions& options, const FrameFiles& files, int num
 
 std::unique_ptr<FrameSource> image_sequence(const FrameOptions& options, const FrameFiles& files,
                                             const fs::path& base) {
+  if (options.times == FrameTimes::stamps)
+    throw InputError("frames.times: found \"stamps\" for images, which have none; expected \"even\", or a video");
   std::vector<fs::path> paths;
   std::vector<Frame> frames;
   for (const int number : chosen_frames(options, files.count(), options.path)) {

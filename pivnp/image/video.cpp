@@ -4,11 +4,13 @@
 #include <cstring>
 #include <fstream>
 #include <limits>
+#include <map>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/image/filter.hpp"
 #include "pivnp/image/image_file.hpp"
 #include "pivnp/image/sources.hpp"
 
@@ -103,7 +105,9 @@ void check_rate(const Survey& survey, const fs::path& file) {
   if (survey.rate_hz == 0 || end < 3 || !std::is_sorted(t.begin(), t.begin() + std::ptrdiff_t(end))) return;
   const double step = (t[end - 1] - t[0]) / double(end - 1);
   if (!(step > 0)) return;
-  const std::string remedy = "; frames.rate_hz overrides it if the frames are evenly spaced all the same";
+  const std::string remedy =
+      "; frames.times = \"stamps\" takes the stamps, frames.rate_hz overrides them if the frames are evenly spaced all "
+      "the same";
   if (std::abs(step * survey.rate_hz - 1) > 0.01 + 0.5 / double(end))
     throw InputError(frames_key + ": '" + file.string() + "' claims " + std::to_string(survey.rate_hz) +
                      " frames per second, its time stamps say " + std::to_string(1 / step) + remedy);
@@ -114,8 +118,18 @@ void check_rate(const Survey& survey, const fs::path& file) {
                        std::to_string(double(k) * step) + " s" + remedy);
 }
 
+// Throws unless the frames' time stamps increase from frame to frame.
+void check_stamps(const Survey& survey, const fs::path& file) {
+  for (std::size_t k = 1; k < survey.stamps_s.size(); ++k)
+    if (!(survey.stamps_s[k] > survey.stamps_s[k - 1]))
+      throw InputError("frames.times: found \"stamps\", but in '" + file.string() + "' frame " + std::to_string(k) +
+                       " is stamped " + std::to_string(survey.stamps_s[k]) + " s and the one before it " +
+                       std::to_string(survey.stamps_s[k - 1]) + " s; expected stamps that increase, or frames.rate_hz");
+}
+
 // Goes through the file in order only: seeking by frame number is not exact in files that store differences between
-// frames. Going back starts the file again.
+// frames. Going back starts the file again, and where it goes back by one frame the frames before that are kept, as it
+// will go on so.
 class VideoSource final : public FrameSource {
  public:
   VideoSource(fs::path file, std::vector<int> numbers, std::vector<Frame> frames, bool has_rate)
@@ -132,7 +146,32 @@ class VideoSource final : public FrameSource {
   std::vector<fs::path> files() const override { return {file_}; }
 
   Image read(int index) override {
-    go_to(numbers_.at(std::size_t(index)), index);
+    const int number = numbers_.at(std::size_t(index));
+    if (const auto kept = kept_.find(number); kept != kept_.end()) {
+      last_ = index;
+      return part_of(kept->second.view(), 0, 0, width_, height_);
+    }
+    const bool backwards = index + 1 == last_;
+    last_ = index;
+    kept_.clear();
+    if (backwards) keep_before(index);
+    go_to(number, index);
+    return decoded(index);
+  }
+
+ private:
+  // Decodes the frames used before `index`, as many as fit the memory that is set aside for them, and keeps them.
+  void keep_before(int index) {
+    constexpr std::size_t memory = std::size_t(128) << 20;
+    const int most = int(memory / (std::size_t(width_) * std::size_t(height_)));
+    for (int k = std::max(0, index - most); k < index; ++k) {
+      go_to(numbers_[std::size_t(k)], k);
+      kept_.emplace(numbers_[std::size_t(k)], decoded(k));
+    }
+  }
+
+  // The frame that the decoder has in its hands.
+  Image decoded(int index) {
     const std::string& name = frames_[std::size_t(index)].name;
     const std::string place = frames_key + ": '" + (file_.parent_path() / name).string() + "'";
     cv::Mat colour;
@@ -148,7 +187,6 @@ class VideoSource final : public FrameSource {
     return out;
   }
 
- private:
   // Leaves the decoder with original frame `number` in its hands.
   void go_to(int number, int index) {
     if (at_ < 0 || number < at_) {
@@ -171,6 +209,8 @@ class VideoSource final : public FrameSource {
   int width_ = 0, height_ = 0;
   cv::VideoCapture capture_;
   int at_ = -1;  // original frame that was grabbed last
+  int last_ = -1;              // index read last
+  std::map<int, Image> kept_;  // by original frame, while reading goes backwards
 };
 
 }  // namespace
@@ -182,15 +222,20 @@ std::unique_ptr<FrameSource> video_source(const FrameOptions& options, const fs:
   const Survey survey = surveyed(file, limit);
   check_complete(survey, file, limit);
   const std::vector<int> numbers = chosen_frames(options, survey.readable, file.string());
-  if (!options.rate_hz) check_rate(survey, file);
+  const bool stamped = options.times == FrameTimes::stamps;
+  if (stamped)
+    check_stamps(survey, file);
+  else if (!options.rate_hz)
+    check_rate(survey, file);
   const double rate = options.rate_hz.value_or(survey.rate_hz);
   std::vector<Frame> frames;
   for (const int number : numbers) {
     const double steps = number - options.first;
     const std::string name = file.filename().string() + "#" + std::to_string(number);
-    frames.push_back({name, rate > 0 ? steps / rate : steps, frame_ok});
+    const double stamp = survey.stamps_s[std::size_t(number)] - survey.stamps_s[std::size_t(options.first)];
+    frames.push_back({name, stamped ? stamp : rate > 0 ? steps / rate : steps, frame_ok});
   }
-  return std::make_unique<VideoSource>(file, numbers, std::move(frames), rate > 0);
+  return std::make_unique<VideoSource>(file, numbers, std::move(frames), stamped || rate > 0);
 }
 
 }  // namespace pivnp::image

@@ -2,6 +2,8 @@
 // PairCorrelator makes it anew for every other mask.
 #pragma once
 
+#include <span>
+
 #include "pivnp/piv/dense/spline_field.hpp"
 #include "pivnp/piv/piv.hpp"
 #include "pivnp/piv/sampling/anchor_shares.hpp"
@@ -26,6 +28,8 @@ class Method {
   /// Fills displacement, status, cov, score and correlation_px. As it gets them nothing is measured: values NaN, status
   /// masked where a node is off, failed elsewhere.
   virtual void correlate(const ImageView& first, const ImageView& second, PixelVectors& vectors) = 0;
+  /// The mean displacement of several pairs; false: the method cannot average them.
+  virtual bool correlate_mean(std::span<const FramePair>, PixelVectors&) { return false; }
   /// Puts the nodes elsewhere, by no more than a few pixels; false: the method must be made anew for that.
   virtual bool place(const NodeLattice&) { return false; }
   /// Of the last pair, of methods that smooth as far as noise asks for; null of others.

@@ -55,12 +55,15 @@ class Multipass final : public Method {
  public:
   Multipass(const PivOptions& options, const Extent& extent, int threads, Search last_window);
   void correlate(const ImageView& first, const ImageView& second, PixelVectors& vectors) override;
+  bool correlate_mean(std::span<const FramePair> pairs, PixelVectors& vectors) override;
 
  private:
   void measure_nodes(PixelVectors& vectors);
   void measure_node(WindowTools& tools, const WarpedPair& warped, std::size_t k, PixelVectors& vectors);
   void reject_mismatched(PixelVectors& vectors) const;
   void validate_nodes(PixelVectors& vectors);
+  void measure_mean(std::span<const FramePair> pairs, PixelVectors& vectors);
+  bool seen(std::size_t k) const;
 
   PivOptions options_;
   NodeLattice nodes_;
@@ -111,9 +114,14 @@ void Multipass::measure_nodes(PixelVectors& vectors) {
       measure_node(stage.tools[std::size_t(omp_get_thread_num())], warped, k, vectors);
 }
 
+bool Multipass::seen(std::size_t k) const {
+  const auto [x, y] = nodes_.pixel[k];
+  return x >= 0 && y >= 0 && x <= static_cast<float>(width_ - 1) && y <= static_cast<float>(height_ - 1);
+}
+
 void Multipass::measure_node(WindowTools& tools, const WarpedPair& warped, std::size_t k, PixelVectors& vectors) {
   const auto [x, y] = nodes_.pixel[k];
-  if (!(x >= 0 && y >= 0 && x <= static_cast<float>(width_ - 1) && y <= static_cast<float>(height_ - 1))) return;
+  if (!seen(k)) return;
   tools.window.cut(warped, x, y);
   const Window& window = tools.window;
   if (!windows_.enough(window)) {
@@ -165,6 +173,67 @@ void Multipass::reject_mismatched(PixelVectors& vectors) const {
     if (std::max(vectors.cov[k][0], vectors.cov[k][1]) > sigma * sigma ||
         std::max(correction[k], about[k]) > moved * moved)
       vectors.status[k] = VectorStatus::rejected;
+  }
+}
+
+bool Multipass::correlate_mean(std::span<const FramePair> pairs, PixelVectors& vectors) {
+  vectors.correlation_px = 0.5f * static_cast<float>(options_.window_px);
+  if (windows_.empty() || pairs.empty()) return true;
+  windows_.find(pairs);
+  measure_mean(pairs, vectors);
+  validate_nodes(vectors);
+  return true;
+}
+
+// Twice through the pairs: for the peak of the mean correlation, and for what each pair's mismatch says of its error.
+void Multipass::measure_mean(std::span<const FramePair> pairs, PixelVectors& vectors) {
+  WindowStage& stage = windows_.last();
+  const std::size_t count = nodes_.pixel.size();
+  std::vector<float> planes(count * NearCorrelator::plane_size, 0.0f);
+  std::vector<int> used(count, 0);
+  std::vector<Peak> peaks(count);
+  const auto each_window = [&](const auto& look) {
+    for (const FramePair& pair : pairs) {
+      windows_.take_images(pair.first, pair.second);
+      const WarpedPair& warped = windows_.warp(stage);
+#pragma omp parallel for num_threads(threads_) schedule(dynamic, 16)
+      for (std::size_t k = 0; k < count; ++k) {
+        if (vectors.status[k] == VectorStatus::masked || !seen(k)) continue;
+        WindowTools& tools = stage.tools[std::size_t(omp_get_thread_num())];
+        tools.window.cut(warped, nodes_.pixel[k][0], nodes_.pixel[k][1]);
+        look(tools, k);
+      }
+    }
+  };
+  each_window([&](WindowTools& tools, std::size_t k) {
+    const Window& window = tools.window;
+    if (!windows_.enough(window)) {
+      if (window.usable + window.masked >= static_cast<float>(options_.min_usable))
+        vectors.status[k] = VectorStatus::masked;
+    } else if (windows_.textured(window)) {
+      tools.near.add(window, planes.data() + k * NearCorrelator::plane_size);
+      ++used[k];
+    }
+  });
+  std::vector<std::array<float, 3>> sum(count, {0, 0, 0});
+  for (std::size_t k = 0; k < count; ++k)
+    if (used[k] > 0) peaks[k] = NearCorrelator::peak_of(planes.data() + k * NearCorrelator::plane_size, used[k]);
+  each_window([&](WindowTools& tools, std::size_t k) {
+    if (used[k] == 0 || !windows_.enough(tools.window) || !windows_.textured(tools.window)) return;
+    const auto cov = tools.uncertainty.covariance(tools.window, peaks[k], windows_.rounding_variance());
+    for (std::size_t c = 0; c < 3; ++c) sum[k][c] += cov[c];
+  });
+  const auto most_variance = static_cast<float>(options_.max_sigma_px * options_.max_sigma_px);
+  for (std::size_t k = 0; k < count; ++k) {
+    if (used[k] == 0 || vectors.status[k] == VectorStatus::masked) continue;
+    const auto predicted = windows_.predictor().at(nodes_.pixel[k][0], nodes_.pixel[k][1]);
+    const auto n = static_cast<float>(used[k]);
+    vectors.displacement[k] = {predicted[0] + peaks[k].dx, predicted[1] + peaks[k].dy};
+    vectors.score[k] = peaks[k].score;
+    for (std::size_t c = 0; c < 3; ++c) vectors.cov[k][c] = iteration_variance(passes_) * sum[k][c] / (n * n);
+    const bool accepted = peaks[k].interior && peaks[k].score >= windows_.least_score(std::size_t(used[k])) &&
+                          vectors.cov[k][0] <= most_variance && vectors.cov[k][1] <= most_variance;  // false for NaN
+    vectors.status[k] = accepted ? VectorStatus::valid : VectorStatus::rejected;
   }
 }
 

@@ -27,6 +27,7 @@ struct PivOptions {
   int window_px = 32;
   int first_window_px = 0;
   int passes = 0;
+  int ensemble = 1;
   Anchor anchor = Anchor::central;
   double median_threshold = 2.0;
   double median_floor_px = 0.1;
@@ -57,6 +58,12 @@ struct PivOptions {
                      .min = 0,
                      .max = 512});
     visit("passes", self.passes, OptionInfo{.text = "passes with the last window (0: chosen)", .min = 0, .max = 20});
+    visit("ensemble", self.ensemble,
+          OptionInfo{.text = "fft, ncc: consecutive pairs whose correlation is averaged before a peak is sought, for "
+                             "poor texture in motion "
+                             "that hardly changes meanwhile; each of them then has their mean displacement",
+                     .min = 1,
+                     .max = 64});
     visit("anchor", self.anchor,
           OptionInfo{.text = "instant to which a vector's place belongs: middle of the pair, or its first frame"});
     visit("median_threshold", self.median_threshold,

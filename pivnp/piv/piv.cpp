@@ -63,6 +63,8 @@ struct PairCorrelator::Impl {
     make_method();
   }
 
+  void take_mask(const MaskView& view);
+
   // Takes the mask of a pair; true if it is another than before.
   bool take(const MaskView& view) {
     if (view.data == nullptr) return !std::exchange(mask, {}).empty();
@@ -148,19 +150,44 @@ void PairCorrelator::place(const std::vector<std::array<float, 2>>& pixel, bool 
   if (anew || pixel != impl_->nodes.pixel) impl_->place(pixel, anew);
 }
 
-PixelVectors PairCorrelator::correlate(const ImageView& first, const ImageView& second, const MaskView& mask) {
-  for (const ImageView* view : {&first, &second})
-    if (view->width != impl_->width || view->height != impl_->height)
+namespace {
+
+void check_frames(const FramePair& pair, int width, int height) {
+  for (const ImageView* view : {&pair.first, &pair.second})
+    if (view->width != width || view->height != height)
       throw InputError("piv: found a frame of " + std::to_string(view->width) + " x " + std::to_string(view->height) +
-                       " px, expected " + std::to_string(impl_->width) + " x " + std::to_string(impl_->height));
-  if (mask.data != nullptr && !impl_->row.masks)
-    throw InputError("piv: found a mask, expected none: method " + impl_->row.name + " cannot leave pixels out");
-  if (mask.data != nullptr && (mask.width != impl_->width || mask.height != impl_->height))
-    throw InputError("piv: found a mask of " + std::to_string(mask.width) + " x " + std::to_string(mask.height) +
-                     " px, expected " + std::to_string(impl_->width) + " x " + std::to_string(impl_->height));
-  if (impl_->take(mask)) impl_->make_method();
+                       " px, expected " + std::to_string(width) + " x " + std::to_string(height));
+}
+
+}  // namespace
+
+void PairCorrelator::Impl::take_mask(const MaskView& view) {
+  if (view.data != nullptr && !row.masks)
+    throw InputError("piv: found a mask, expected none: method " + row.name + " cannot leave pixels out");
+  if (view.data != nullptr && (view.width != width || view.height != height))
+    throw InputError("piv: found a mask of " + std::to_string(view.width) + " x " + std::to_string(view.height) +
+                     " px, expected " + std::to_string(width) + " x " + std::to_string(height));
+  if (take(view)) make_method();
+}
+
+PixelVectors PairCorrelator::correlate(const ImageView& first, const ImageView& second, const MaskView& mask) {
+  check_frames({first, second}, impl_->width, impl_->height);
+  impl_->take_mask(mask);
   PixelVectors vectors = impl_->empty;
   impl_->method->correlate(part_of(first, impl_->box), part_of(second, impl_->box), vectors);
+  return vectors;
+}
+
+PixelVectors PairCorrelator::correlate_mean(std::span<const FramePair> pairs, const MaskView& mask) {
+  for (const FramePair& pair : pairs) check_frames(pair, impl_->width, impl_->height);
+  impl_->take_mask(mask);
+  std::vector<FramePair> parts;
+  for (const FramePair& pair : pairs)
+    parts.push_back({part_of(pair.first, impl_->box), part_of(pair.second, impl_->box)});
+  PixelVectors vectors = impl_->empty;
+  if (!impl_->method->correlate_mean(parts, vectors))
+    refuse("ensemble", std::to_string(impl_->options.ensemble),
+           "1, as method " + impl_->row.name + " has no correlation to average; fft and ncc have");
   return vectors;
 }
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "pivnp/core/image_view.hpp"
@@ -13,6 +14,10 @@
 namespace pivnp::piv {
 
 struct DenseField;
+
+struct FramePair {
+  ImageView first, second;
+};
 
 /// Correlates pairs of frames of one size on one lattice. Keeps plans and buffers; `correlate` uses `threads` threads
 /// and gives the same bits for any number of them.
@@ -33,6 +38,11 @@ class PairCorrelator {
   /// follows by itself where they go far; `anew`: now, if they are elsewhere (so that what follows does not depend on what went before).
   void place(const std::vector<std::array<float, 2>>& pixel, bool anew = false);
   PixelVectors correlate(const ImageView& first, const ImageView& second, const MaskView& mask);
+  /// The mean displacement of several pairs: their correlations are averaged, window by window, before a peak is sought
+  /// (Delnoij et al. 1999, Chem. Eng. Sci. 54:5159; Meinhart, Wereley & Santiago 2000, J. Fluids Eng. 122:285). The
+  /// covariance takes the pairs' errors for independent. Throws as correlate(), and InputError where the method has no
+  /// correlation to average.
+  PixelVectors correlate_mean(std::span<const FramePair> pairs, const MaskView& mask);
   /// The field that the last pair's vectors are from, and the place in the frames of its (0, 0); null where the method
   /// has none.
   const DenseField* field() const;

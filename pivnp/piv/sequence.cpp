@@ -280,6 +280,13 @@ struct SequenceCorrelator::Impl {
   }
 };
 
+int SequenceCorrelator::group_for(const PivOptions& options, std::size_t nodes, int width, int height) {
+  constexpr double memory = 800e6, bytes_a_cell = 36, bytes_a_node = 26;  // measured
+  const double cell = options.window_px / 4.0;
+  const double pair = bytes_a_cell * double(width) * double(height) / (cell * cell) + bytes_a_node * double(nodes);
+  return std::clamp(int(memory / pair), 8, group);
+}
+
 SequenceCorrelator::SequenceCorrelator(const PivOptions& options, NodeLattice lattice, int width, int height,
                                        int threads)
     : impl_(std::make_unique<Impl>(options, std::move(lattice), width, height, threads)) {}

@@ -26,6 +26,9 @@ class SequenceCorrelator {
   /// Pairs that go together. Where vectors must not depend on where a run was taken up again, groups begin at
   /// multiples of it.
   static constexpr int group = 64;
+  /// Fewer where the fields of so many pairs would take more than 800 MB (12 megapixels and more, at 8 px from node to
+  /// node), 8 at least.
+  static int group_for(const PivOptions& options, std::size_t nodes, int width, int height);
 
   SequenceCorrelator(const PivOptions& options, NodeLattice lattice, int width, int height, int threads);
   ~SequenceCorrelator();

@@ -103,6 +103,18 @@ const PredictorField& WindowPasses::find(const ImageView& first, const ImageView
   return predictor_;
 }
 
+const PredictorField& WindowPasses::find(std::span<const FramePair> pairs) {
+  predictor_ = {};
+  pairs_ = pairs;
+  for (WindowStage& stage : stages_) improve_predictor(stage);
+  pairs_ = {};
+  return predictor_;
+}
+
+float WindowPasses::least_score(std::size_t count) const {
+  return static_cast<float>(options_.min_score / std::sqrt(double(std::max<std::size_t>(1, count))));
+}
+
 bool WindowPasses::textured(const Window& window) const {
   return std::min(window.variance_f, window.variance_g) > 4 * rounding_variance_;
 }
@@ -110,7 +122,8 @@ bool WindowPasses::textured(const Window& window) const {
 void WindowPasses::improve_predictor(WindowStage& stage) {
   VectorGrid found{stage.lattice.nx, stage.lattice.ny, {}, {}};
   for (int pass = 0; pass < stage.passes; ++pass) {
-    const float change = measure(stage, stage.searches && pass == 0 ? Search::far : Search::near, found);
+    const Search search = stage.searches && pass == 0 ? Search::far : Search::near;
+    const float change = pairs_.empty() ? measure(stage, search, found) : measure_mean(stage, search, found);
     median_test(found, options_.median_threshold, options_.median_floor_px * stage.decimation, threads_);
     const float step = std::min(stage.lattice.dx, stage.lattice.dy);
     predictor_.fit(stage.lattice, found.displacement, found.good,
@@ -162,6 +175,58 @@ float WindowPasses::measure(WindowStage& stage, Search search, VectorGrid& found
   }
   double sum = 0, good = 0;
   for (std::size_t k = 0; k < count; ++k) sum += change[k], good += found.good[k];
+  return good > 0 ? static_cast<float>(std::sqrt(sum / good)) : 0.0f;
+}
+
+// As measure(), of the mean correlation of all pairs. Their images are taken in turn, so that one pair is in memory at
+// a time; the correlations of all windows are.
+float WindowPasses::measure_mean(WindowStage& stage, Search search, VectorGrid& found) {
+  const Level& l = level(stage);
+  const std::size_t points = stage.points.pixel.size();
+  const bool far = search == Search::far;
+  const auto size = std::size_t(far ? stage.tools.front().fft.front().plane_size() : NearCorrelator::plane_size);
+  std::vector<float> planes(points * size, 0.0f);
+  std::vector<int> used(points, 0);
+  constexpr std::size_t batch = FftCorrelator::batch;
+  for (const FramePair& pair : pairs_) {
+    take_images(pair.first, pair.second);
+    warp(stage);
+#pragma omp parallel for num_threads(threads_) schedule(dynamic, 1)
+    for (std::size_t first = 0; first < points; first += batch) {
+      WindowTools& tools = stage.tools[std::size_t(omp_get_thread_num())];
+      float* to[batch];
+      int cut = 0;
+      for (std::size_t k = first; k < std::min(first + batch, points); ++k) {
+        if (!switched_on(stage.points, k)) continue;
+        tools.window.cut(warped_, l.from_full(stage.points.pixel[k][0]), l.from_full(stage.points.pixel[k][1]), false);
+        if (!enough(tools.window) || !textured(tools.window)) continue;
+        ++used[k];
+        if (!far) {
+          tools.near.add(tools.window, planes.data() + k * size);
+          continue;
+        }
+        tools.fft.front().put(cut, tools.window);
+        to[cut++] = planes.data() + k * size;
+      }
+      if (cut > 0) tools.fft.front().add(cut, to);
+    }
+  }
+  found.displacement.assign(points, {0, 0});
+  found.good.assign(points, 0);
+  const float least = 0.5f * least_score(pairs_.size()), d = static_cast<float>(stage.decimation);
+  double sum = 0, good = 0;
+  for (std::size_t k = 0; k < points; ++k) {
+    if (used[k] == 0) continue;
+    const float* plane = planes.data() + k * size;
+    const Peak peak =
+        far ? stage.tools.front().fft.front().peak_of(plane, used[k]) : NearCorrelator::peak_of(plane, used[k]);
+    if (!(peak.score >= least) || (far && !peak.interior)) continue;
+    const auto predicted = predictor_.at(stage.points.pixel[k][0], stage.points.pixel[k][1]);
+    found.displacement[k] = {predicted[0] + d * peak.dx, predicted[1] + d * peak.dy};
+    found.good[k] = 1;
+    sum += double(d * d * (peak.dx * peak.dx + peak.dy * peak.dy));
+    ++good;
+  }
   return good > 0 ? static_cast<float>(std::sqrt(sum / good)) : 0.0f;
 }
 

@@ -1,6 +1,7 @@
 // Passes of cross-correlated windows on even lattices, from large windows to small: they find the predictor.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "pivnp/piv/piv.hpp"
@@ -56,6 +57,8 @@ class WindowPasses {
 
   /// Takes the frames and runs every stage from a predictor of zero.
   const PredictorField& find(const ImageView& first, const ImageView& second);
+  /// The same for the mean of several pairs.
+  const PredictorField& find(std::span<const FramePair> pairs);
   const PredictorField& predictor() const { return predictor_; }
 
   /// Both frames warped by the predictor at the stage's resolution, over what its windows see.
@@ -65,14 +68,19 @@ class WindowPasses {
   bool enough(const Window& window) const { return window.usable >= static_cast<float>(options_.min_usable); }
   bool textured(const Window& window) const;
   float rounding_variance() const { return rounding_variance_; }
+  /// Takes the frames of another pair of those that go together.
+  void take_images(const ImageView& first, const ImageView& second);
+  /// Of the mean of `count` pairs: what would be noise in one of them is less in their mean.
+  float least_score(std::size_t count) const;
 
  private:
   std::vector<std::uint8_t> mask_at(int decimation) const;
-  void take_images(const ImageView& first, const ImageView& second);
   const Level& level(const WindowStage& stage) const { return *images(stage.decimation); }
   void improve_predictor(WindowStage& stage);
   float measure(WindowStage& stage, Search search, VectorGrid& found);
+  float measure_mean(WindowStage& stage, Search search, VectorGrid& found);
 
+  std::span<const FramePair> pairs_;  // while several are looked at together; else empty
   PivOptions options_;
   Extent extent_;
   int threads_;

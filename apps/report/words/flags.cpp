@@ -26,6 +26,10 @@ std::vector<std::string> flags(const Content& content, const DataSetNames& names
                      significant(q.score_median, 2) + ", " + percent(q.share(q.valid)) + " valid).");
     if (q.flag & frame_repeated)
       list.push_back(step + "the second exposure repeats the first; no motion can be read from it.");
+    if (q.flag & frame_flash)
+      list.push_back(
+          step +
+          "the second frame is brighter or darker than those before and after it: a flash, or a lamp that failed.");
     if (q.flag & frame_jump)
       list.push_back(step + "the motion does not agree with the steps before and after: a frame may be missing, or "
                             "the camera was shaken.");

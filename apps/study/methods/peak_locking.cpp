@@ -4,7 +4,9 @@
 #include <cmath>
 
 #include "pivnp/core/text.hpp"
+#include "pivnp/image/compression.hpp"
 #include "pivnp/piv/validation/block_edges.hpp"
+#include "pivnp/piv/validation/interlace.hpp"
 #include "pivnp/piv/validation/peak_locking.hpp"
 
 namespace pivnp::app {
@@ -36,7 +38,8 @@ std::vector<std::array<float, 2>> pixel_displacements(const VectorField& field, 
 
 }  // namespace
 
-std::vector<std::string> texture_remarks(const Setting& setting, const Image& frame) {
+std::vector<std::string> texture_remarks(const Setting& setting, const Image& frame,
+                                         const std::filesystem::path& file) {
   const double diameter = piv::blob_diameter(frame.view(), setting.mask.view());
   std::vector<std::string> remarks;
   if (diameter < piv::least_blob_px)
@@ -47,7 +50,25 @@ std::vector<std::string> texture_remarks(const Setting& setting, const Image& fr
   if (blocks > piv::most_block_edges)
     remarks.push_back("The blocks of a strong compression show in the frames: grey values step " + (std::isfinite(blocks) ? number(blocks, 2) + " times as far" : std::string("only")) +
                       " across their edges, where 1 is usual. Blocks stand still, and vectors follow them where little texture is left (JPEG below quality 20, or as little of a video).");
+  const auto stated = file.empty() ? std::nullopt : image::jpeg_quality(file),
+             quality = stated ? stated : image::jpeg_quality(frame.view());
+  if (quality && *quality < image::least_jpeg_quality && !(blocks > piv::most_block_edges))
+    remarks.push_back("The frames were compressed as JPEG of quality " + std::to_string(*quality) +
+                      " or so: the finer part of the texture is lost or rounded, which at quality 30 "
+                      "makes errors two to three times as large, and adds error that stays with the blocks. Record "
+                      "uncompressed, or at quality 90 or more.");
   return remarks;
+}
+
+std::vector<std::string> interlace_remarks(const Setting& setting, const Image& frame, const VectorField& field) {
+  const piv::NodeLattice lattice = node_lattice(setting);
+  if (piv::field_delay(frame.view(), setting.mask.view(), lattice, pixel_displacements(field, lattice, setting),
+                       field.status) == 0)
+    return {};
+  return {
+      "The frames are interlaced: their even and odd lines show instants half a frame apart, and windows follow both. "
+      "Take every second line of "
+      "each frame (ffmpeg -vf separatefields or bwdif), or film progressively."};
 }
 
 std::vector<std::string> fraction_remarks(const Setting& setting, std::size_t pairs,

@@ -53,15 +53,27 @@ ParticleSet all_particles(const Case& c, const Setting& setting, const std::vect
 
 namespace {
 
+// Pairs whose correlations were averaged have one error in common: of the path of m of them it is m times theirs, its
+// variance m^2 times, to which the m-th adds 2 m - 1.
+void repeat_error(int before, VectorField& field) {
+  if (before == 0) return;
+  const auto times = static_cast<float>(2 * before + 1);
+  for (auto& cov : field.cov)
+    for (float& entry : cov) entry *= times;
+}
+
+int ensemble_of(const Case& c) { return c.piv.value_or(piv::PivOptions{}).ensemble; }
+
 // All steps from where the tracker stands.
-void go_on(np::Tracker& tracker, DriftCorrector* corrector, const std::vector<Frame>& frames, const Measured& measured,
-           std::size_t done, Progress& progress,
+void go_on(np::Tracker& tracker, DriftCorrector* corrector, int ensemble, const std::vector<Frame>& frames,
+           const Measured& measured, std::size_t done, Progress& progress,
            const std::function<void(std::size_t step, const np::Tracker&)>& at_step) {
   for (std::size_t n = done; n < measured.steps.size(); ++n) {
     if (progress.stop_requested()) throw Interrupted();
     const TrackStep& step = measured.steps[n];
     VectorField field = measured.field(step);
     add_repeated(measured.closure, int(n) + 1, field);
+    repeat_error(step.from % ensemble, field);
     tracker.step(field, frames[std::size_t(step.to)].time);
     if (corrector != nullptr)
       corrector->after_step(tracker, step.to, n + 1 == measured.steps.size(), [&] { return measured.image(step.to); });
@@ -111,7 +123,7 @@ std::vector<DriftRound> follow(const Case& c, const Setting& setting, const std:
   DriftCorrector corrector(c, setting, threads);
   if (options.drift != np::DriftScheme::none) corrector.start(tracker, measured.image(0).view());
   at_step(0, tracker);
-  go_on(tracker, &corrector, frames, measured, 0, progress, at_step);
+  go_on(tracker, &corrector, ensemble_of(c), frames, measured, 0, progress, at_step);
   return corrector.rounds();
 }
 
@@ -133,7 +145,7 @@ TrackOutcome track(const Case& c, const Setting& setting, const std::vector<Fram
                                        ? writer.pair(std::size_t(step.from))
                                        : bridges.fields[std::size_t(at - bridges.bridged.begin())];
                           },
-                          [&](int k) { return source->read(k); }, closure};
+                          [&](int k) { return prepared(setting, source->read(k)); }, closure};
   TrackOutcome outcome;
   outcome.bridged = bridges.bridged;
   np::Tracker tracker(options, all_particles(c, setting, frames, measured, progress), frames.front().time);
@@ -145,13 +157,14 @@ TrackOutcome track(const Case& c, const Setting& setting, const std::vector<Fram
   };
   const bool corrected = options.drift != np::DriftScheme::none;
   DriftCorrector corrector(c, setting, threads);
-  if (corrected) corrector.start(tracker, source->read(0).view());
+  if (corrected) corrector.start(tracker, prepared(setting, source->read(0)).view());
   const bool resumed = !corrected && done.items > 0;
   if (resumed)
     tracker.load(done.checkpoint);
   else
     write(0, tracker);
-  go_on(tracker, corrected ? &corrector : nullptr, frames, measured, resumed ? done.items - 1 : 0, progress, write);
+  go_on(tracker, corrected ? &corrector : nullptr, setting.imported ? 1 : ensemble_of(c), frames, measured,
+        resumed ? done.items - 1 : 0, progress, write);
   writer.end_stage(stage, &tracker.particles());
   outcome.rounds = corrector.rounds();
   return outcome;

@@ -28,6 +28,9 @@ void remark_on_steps(const io::RecordReader& record, std::vector<std::string>& r
     const std::string shifts = "median " + number(q.median_shift, 3) + " spacings, " + number(usual_shift, 3) +
                                " in the step before";
     if (after.flag & frame_repeated) remarks.push_back(step + " hardly moves (" + shifts + "); the exposure may be repeated.");
+    if (after.flag & frame_flash)
+      remarks.push_back("Frame " + after.name +
+                        " is brighter or darker than the frames before and after: a flash, or a lamp that failed.");
     if (after.flag & frame_jump)
       remarks.push_back(step + " does not agree with its neighbours (" + shifts +
                         "); a frame may be missing, or the camera was shaken.");

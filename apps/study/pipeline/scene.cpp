@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "apps/study/pipeline/sizes.hpp"
 #include "pivnp/core/error.hpp"
@@ -199,6 +200,10 @@ void keep_only(ParticleSet& set, const std::vector<bool>& keep) {
   set.born.resize(out);
   set.end.resize(out);
   set.end_reason.resize(out);
+}
+
+Image prepared(const Setting& setting, Image frame) {
+  return setting.filter ? (*setting.filter)(std::move(frame)) : std::move(frame);
 }
 
 Setting make_setting(const Case& c, int width, int height, const io::VectorFiles* measured) {

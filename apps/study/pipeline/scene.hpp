@@ -2,15 +2,17 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "apps/case/case.hpp"
 #include "pivnp/core/particles/motion.hpp"
-#include "pivnp/core/record/camera_motion.hpp"
 #include "pivnp/core/particles/region.hpp"
+#include "pivnp/core/record/camera_motion.hpp"
 #include "pivnp/core/record/vectors.hpp"
 #include "pivnp/image/camera.hpp"
+#include "pivnp/image/filter.hpp"
 #include "pivnp/image/mask.hpp"
 #include "pivnp/image/moving_mask.hpp"
 #include "pivnp/io/files/file_identity.hpp"
@@ -41,6 +43,7 @@ struct Setting {
   image::Mask mask;                   // of what stays where it is; where the camera moves, as in the first frame
   image::Mask image_mask;             // where the camera moves: of that, what goes with the image, not with the world
   image::MovingMasks moving_masks;
+  std::shared_ptr<const image::FrameFilter> filter;  // of frames that are correlated; null: none
   Grid grid;                    // the shared nodes
   std::vector<Region> regions;  // in the world; the whole grid if the case names none
   bool imported = false;        // the nodes are those of other programs' vectors
@@ -48,6 +51,9 @@ struct Setting {
 
   const image::Camera& camera_at(int frame) const { return cameras.empty() ? camera : cameras.at(std::size_t(frame)); }
 };
+
+/// The frame as it is correlated.
+Image prepared(const Setting& setting, Image frame);
 
 /// What may be used of frame `k`.
 image::Mask mask_of(const Setting& setting, int k, const ImageView& frame);

@@ -9,8 +9,10 @@
 #include "apps/report/figures/check_figure.hpp"
 #include "apps/study/methods/camera_motion.hpp"
 #include "apps/study/methods/doubts.hpp"
+#include "apps/study/methods/filters.hpp"
 #include "apps/study/methods/peak_locking.hpp"
 #include "apps/study/methods/strain_floor.hpp"
+#include "apps/study/methods/stride.hpp"
 #include "apps/study/pipeline/imported_vectors.hpp"
 #include "apps/study/pipeline/measure.hpp"
 #include "apps/study/pipeline/placed.hpp"
@@ -24,6 +26,7 @@
 #include "pivnp/core/particles/region.hpp"
 #include "pivnp/core/text.hpp"
 #include "pivnp/image/rectify.hpp"
+#include "pivnp/image/write.hpp"
 
 namespace pivnp::app {
 
@@ -151,6 +154,34 @@ std::string view_of(const Setting& setting) {
   return text + "; nodes " + number(setting.grid.spacing.x(), 3) + " " + unit + " apart.";
 }
 
+// The middle of the first frame as it is and through each filter, and what the filters do to the error.
+std::vector<std::string> check_filters(const Case& c, Setting& setting, image::FrameSource& source,
+                                       const RunSettings& settings, Progress& progress) {
+  if (!c.preprocess) return {};
+  constexpr int side = 600;
+  const FilterTrials trials = try_filters(c, setting, source, settings.threads, progress);
+  const std::filesystem::path folder = settings.out / "check_filters";
+  std::error_code failed;
+  std::filesystem::create_directories(folder, failed);
+  if (failed) throw RunError(folder.string() + ": " + failed.message());
+  const auto show = [&](const image::FilterOptions& options, const std::string& name) {
+    const Image frame = filter_of(options, source)(source.read(0));
+    const int width = std::min(side, frame.width()), height = std::min(side, frame.height());
+    const Image part =
+        image::part_of(frame.view(), (frame.width() - width) / 2, (frame.height() - height) / 2, width, height);
+    if (part.depth() != PixelDepth::f32) image::write_image(part.view(), folder / (name + ".png"));
+  };
+  show({}, "unfiltered");
+  for (const FilterTrial& trial : trials.trials) show(trial.options, trial.name);
+  std::vector<std::string> words = words_of(trials);
+  words.push_back("What each filter makes of the middle of the first frame: check_filters/.");
+  image::FilterOptions own = *c.preprocess;
+  if (own.choose) own = trials.best;
+  setting.filter.reset();
+  if (own.any()) setting.filter = std::make_shared<const image::FrameFilter>(filter_of(own, source));
+  return words;
+}
+
 CheckOutcome checked(const Case& given, const RunSettings& settings, Progress& progress) {
   Case c = given;
   // Of frames that are to be drawn two are enough, in a folder of their own: a run to be resumed must not find them.
@@ -162,7 +193,7 @@ CheckOutcome checked(const Case& given, const RunSettings& settings, Progress& p
     own.out = drawn.folder();
     own.resume = false;
     frames_drawn = c.synth->frames;
-    c.synth->frames = std::min(c.synth->frames, 2);
+    c.synth->frames = std::min(c.synth->frames, c.preprocess ? 8 : 2);  // a background takes more
   }
   const bool draws = c.synth && !settings.frames && (!c.frames || c.frames->path.empty());
   if (draws && c.frames) {  // which of them are used is known without them
@@ -177,7 +208,9 @@ CheckOutcome checked(const Case& given, const RunSettings& settings, Progress& p
     c.frames->last.reset();
     c.frames->stride = 1;
   }
-  const std::unique_ptr<image::FrameSource> source = case_frames(c, own, progress);
+  std::unique_ptr<image::FrameSource> source = case_frames(c, own, progress);
+  const std::size_t frames_there = source ? source->frames().size() : 0;
+  if (!c.vectors) source = strided_by_motion(c, std::move(source), settings.threads, progress);
   const std::unique_ptr<io::VectorFiles> vectors = case_vectors(c, source.get());
   Setting setting =
       make_setting(c, source ? source->width() : 0, source ? source->height() : 0, vectors.get());
@@ -199,8 +232,10 @@ CheckOutcome checked(const Case& given, const RunSettings& settings, Progress& p
     seconds += simulation_seconds(solver, size, c.mpm->end_s.value_or(end_s));
   }
   std::vector<VectorField> tried;
+  std::vector<std::string> filters;
   if (source && !vectors && source->frames().size() > 1) {
     follow_masks(c, setting, *source, settings.threads, progress);
+    filters = check_filters(c, setting, *source, settings, progress);
     double one = 0;
     tried = three_pairs(c, setting, *source, settings.threads, one);
     seconds += one * double(frames - 1);
@@ -260,8 +295,18 @@ CheckOutcome checked(const Case& given, const RunSettings& settings, Progress& p
       outcome.remarks.push_back(std::move(remark));
   if (!tried.empty())
     for (std::string& remark : rate_remarks(c, setting, tried, c.frames && c.frames->rate_hz ? *c.frames->rate_hz : 0)) outcome.remarks.push_back(std::move(remark));
+  for (std::string& remark : filters) outcome.remarks.push_back(std::move(remark));
+  if (source && !vectors && !draws)
+    for (std::string& remark : stride_remarks(c, frames_there, source->frames().size()))
+      outcome.remarks.push_back(std::move(remark));
+  if (!tried.empty()) {
+    const VectorField& some = tried[tried.size() / 2];
+    for (std::string& remark : interlace_remarks(setting, source->read(some.pair[0]), some))
+      outcome.remarks.push_back(std::move(remark));
+  }
   if (source && !vectors)
-    for (std::string& remark : texture_remarks(setting, first)) outcome.remarks.push_back(std::move(remark));
+    for (std::string& remark : texture_remarks(setting, first, file_of_first(*source)))
+      outcome.remarks.push_back(std::move(remark));
   return outcome;
 }
 

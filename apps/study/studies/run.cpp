@@ -6,10 +6,12 @@
 #include <utility>
 
 #include "apps/study/methods/camera_motion.hpp"
+#include "apps/study/methods/filters.hpp"
 #include "apps/study/methods/levelling.hpp"
 #include "apps/study/methods/peak_locking.hpp"
 #include "apps/study/methods/simulation.hpp"
 #include "apps/study/methods/strain_floor.hpp"
+#include "apps/study/methods/stride.hpp"
 #include "apps/study/methods/tracking.hpp"
 #include "apps/study/pipeline/imported_vectors.hpp"
 #include "apps/study/pipeline/measure.hpp"
@@ -85,18 +87,31 @@ class Run {
   void measure_vectors() {
     progress_.begin("vectors");
     progress_.expect("PIV", double(frames_.size() - 1));
-    if (!vectors_) follow_camera();
+    FrameLooks looks(frames_.size());
+    std::vector<std::string> filters;
+    if (!vectors_) {
+      follow_camera();
+      filters = set_filter(c_, *source_, settings_.threads, progress_, setting_);
+    }
     if (vectors_)
       import_vectors(*vectors_, setting_, *writer_, progress_);
     else
-      measure(c_, setting_, *source_, *writer_, settings_.threads, progress_);
+      measure(c_, setting_, *source_, *writer_, settings_.threads, progress_, &looks);
     central_ = writer_->pair(0).anchor == Anchor::central;
     frames_ = flagged_frames(std::move(frames_), *writer_);
+    if (!vectors_) flag_flashes(*source_, looks, frames_);
     writer_->set_frames(frames_);
-    outcome_.remarks = vectors_ ? remarks_on_import(*vectors_, c_) : texture_remarks(setting_, source_->read(0));
+    outcome_.remarks = vectors_ ? remarks_on_import(*vectors_, c_)
+                                : texture_remarks(setting_, source_->read(0), file_of_first(*source_));
+    if (!vectors_) {
+      const std::size_t middle = (frames_.size() - 2) / 2;
+      append(interlace_remarks(setting_, source_->read(int(middle)), writer_->pair(middle)), outcome_.remarks);
+    }
     if (setting_.width > 0)
       append(fraction_remarks(setting_, frames_.size() - 1, [&](std::size_t k) { return writer_->pair(k); }),
              outcome_.remarks);
+    append(std::move(filters), outcome_.remarks);
+    append(strided_, outcome_.remarks);
     append(camera_motion_remarks(c_, setting_.camera_motion, frames_), outcome_.remarks);
     append(still_zone_remarks(c_, setting_, frames_.size() - 1, [&](std::size_t k) { return writer_->pair(k); }), outcome_.remarks);
     if (!vectors_)
@@ -198,7 +213,14 @@ class Run {
   }
 
   void open_frames() {
-    if (auto frames = case_frames(c_, settings_, progress_, lock_.get())) source_ = image::prefetched(std::move(frames));
+    if (auto frames = case_frames(c_, settings_, progress_, lock_.get())) {
+      const std::size_t all = frames->frames().size();
+      source_ = image::prefetched(std::move(frames));
+      if (c_.frames->least_motion_px > 0 && !c_.vectors) {
+        source_ = image::prefetched(strided_by_motion(c_, std::move(source_), settings_.threads, progress_));
+        strided_ = stride_remarks(c_, all, source_->frames().size());
+      }
+    }
     vectors_ = case_vectors(c_, source_.get());
     frames_ = source_ ? source_->frames() : frames_of(*vectors_, c_);
     if (measures && frames_.size() < 2)
@@ -221,6 +243,7 @@ class Run {
   std::unique_ptr<image::FrameSource> source_;
   std::unique_ptr<io::VectorFiles> vectors_;
   std::vector<Frame> frames_;
+  std::vector<std::string> strided_;  // what frames.least_motion_px left out
   Setting setting_;
   std::unique_ptr<io::RecordWriter> writer_;
   bool central_ = true;  // the vectors' anchor

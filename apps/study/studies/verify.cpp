@@ -11,6 +11,7 @@
 #include "apps/plot/chart.hpp"
 #include "apps/plot/files.hpp"
 #include "apps/study/methods/camera_motion.hpp"
+#include "apps/study/methods/filters.hpp"
 #include "apps/study/methods/tracking.hpp"
 #include "apps/study/pipeline/measure.hpp"
 #include "apps/study/pipeline/record_head.hpp"
@@ -125,6 +126,7 @@ Measurement draw_and_measure(const Case& c, const RunSettings& settings, Progres
   follow_masks(c, setting, *source, settings.threads, progress);
   set_camera_motion(find_camera_motion(c, setting, *source, settings.threads, progress), setting);
   writer->set_camera_motion(setting.camera_motion);
+  set_filter(c, *source, settings.threads, progress, setting);
   measure(c, setting, *source, *writer, settings.threads, progress);
   const io::RecordReader truth(settings.out / "truth" / "record.h5");
   const AffineMotion motion = affine_motion(*c.synth, setting);

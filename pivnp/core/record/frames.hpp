@@ -12,6 +12,7 @@ enum FrameFlag : std::uint8_t {
   frame_decorrelated = 1,  // the pair that ends here lost its correlation over most of the image
   frame_repeated = 2,      // this exposure repeats the frame before
   frame_jump = 4,          // moves out of line with the steps before and after: a frame missing, or a shock
+  frame_flash = 8,         // brighter or darker than the frames before and after: a flash, a lamp that fails
 };
 
 struct Frame {

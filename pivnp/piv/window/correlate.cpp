@@ -78,6 +78,39 @@ Peak NearCorrelator::find(const Window& window) const {
   return peak;
 }
 
+void NearCorrelator::add(const Window& window, float* plane) const {
+  constexpr int lags = 2 * near_lags + 1;
+  float c[lags][lags] = {};
+  near_sums(window.a.data() + window.index(0, 0), window.b.data() + window.index(0, 0), window.side, window.stride,
+            near_lags, c);
+  const float scale = inverse_norm(window);
+  for (int y = 0; y < lags; ++y)
+    for (int x = 0; x < lags; ++x)
+      plane[y * lags + x] +=
+          c[y][x] * scale /
+          (taper_share_[std::size_t(std::abs(x - near_lags))] * taper_share_[std::size_t(std::abs(y - near_lags))]);
+}
+
+Peak NearCorrelator::peak_of(const float* plane, int count) {
+  constexpr int lags = 2 * near_lags + 1;
+  const float share = 1 / static_cast<float>(count);
+  const auto at = [&](int x, int y) { return share * plane[(y + near_lags) * lags + x + near_lags]; };
+  int bx = 0, by = 0;
+  for (int y = -near_lags; y <= near_lags; ++y)
+    for (int x = -near_lags; x <= near_lags; ++x)
+      if (at(x, y) > at(bx, by)) bx = x, by = y;
+  Peak peak;
+  for (int y = 0; y < 3; ++y)
+    for (int x = 0; x < 3; ++x) peak.around[y][x] = at(x - 1, y - 1);
+  if (std::max(std::abs(bx), std::abs(by)) == near_lags) {
+    peak.dx = static_cast<float>(bx), peak.dy = static_cast<float>(by);
+    peak.score = std::clamp(at(bx, by), -1.0f, 1.0f);
+    return peak;
+  }
+  refine(at, bx, by, peak);
+  return peak;
+}
+
 // Buffers of one thread, and plans made for them: 2 x batch transforms forth, batch back, or those of a single pair.
 struct FftCorrelator::Plan {
   explicit Plan(int side)
@@ -149,7 +182,7 @@ void FftCorrelator::put(int slot, const Window& window) {
   scale_[std::size_t(slot)] = inverse_norm(window) / static_cast<float>(n * n);
 }
 
-void FftCorrelator::find(int count, Peak* peaks) {
+void FftCorrelator::transform(int count) {
   const auto& [forward, backward] = count == 1 ? plan_->single : plan_->all;
   fftwf_execute(forward);
   for (int slot = 0; slot < count; ++slot) {
@@ -163,7 +196,39 @@ void FftCorrelator::find(int count, Peak* peaks) {
     }
   }
   fftwf_execute(backward);
+}
+
+void FftCorrelator::find(int count, Peak* peaks) {
+  transform(count);
   for (int slot = 0; slot < count; ++slot) peaks[slot] = peak_of(slot);
+}
+
+void FftCorrelator::add(int count, float* const* planes) {
+  transform(count);
+  const int n = size_, most = side_ / 3 + 1;
+  const float* untaper = untaper_.data() + most;
+  for (int slot = 0; slot < count; ++slot) {
+    const float *correlation = plan_->a(slot), scale = scale_[std::size_t(slot)];
+    float* to = planes[slot];
+    for (int y = -most; y <= most; ++y)
+      for (int x = -most; x <= most; ++x)
+        *to++ +=
+            correlation[std::ptrdiff_t(y < 0 ? y + n : y) * n + (x < 0 ? x + n : x)] * scale * untaper[x] * untaper[y];
+  }
+}
+
+Peak FftCorrelator::peak_of(const float* plane, int count) const {
+  const int farthest = side_ / 3, row = 2 * (farthest + 1) + 1;
+  const float share = 1 / static_cast<float>(count);
+  const auto c = [&](int x, int y) { return share * plane[(y + farthest + 1) * row + x + farthest + 1]; };
+  int bx = 0, by = 0;
+  for (int y = -farthest; y <= farthest; ++y)
+    for (int x = -farthest; x <= farthest; ++x)
+      if (c(x, y) > c(bx, by)) bx = x, by = y;
+  Peak peak;
+  refine(c, bx, by, peak);
+  peak.interior = std::abs(bx) < farthest && std::abs(by) < farthest;
+  return peak;
 }
 
 Peak FftCorrelator::find(const Window& window) {

@@ -26,6 +26,12 @@ class NearCorrelator {
   explicit NearCorrelator(int side);
   Peak find(const Window& window) const;
 
+  /// For the mean of several pairs: adds the correlation at lags -2 ... 2 to `plane` ([y][x]), of which peak_of() finds
+  /// the peak of the mean of `count`.
+  static constexpr int plane_size = (2 * near_lags + 1) * (2 * near_lags + 1);
+  void add(const Window& window, float* plane) const;
+  static Peak peak_of(const float* plane, int count);
+
  private:
   std::vector<float> taper_share_;
 };
@@ -46,8 +52,15 @@ class FftCorrelator {
   void find(int count, Peak* peaks);
   Peak find(const Window& window);
 
+  /// For the mean of several pairs: adds the correlations of the windows of the first `count` places to `planes`, of
+  /// plane_size() each.
+  int plane_size() const { return (2 * (side_ / 3 + 1) + 1) * (2 * (side_ / 3 + 1) + 1); }
+  void add(int count, float* const* planes);
+  Peak peak_of(const float* plane, int count) const;
+
  private:
   struct Plan;
+  void transform(int count);
   Peak peak_of(int slot) const;
   int side_, size_;             // of the window, of the transform
   std::vector<float> untaper_;  // 1 / taper's correlation, by lag from -farthest

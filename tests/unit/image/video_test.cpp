@@ -54,6 +54,31 @@ class Video : public Scratch {
   std::unique_ptr<FrameSource> open(const FrameOptions& options) const { return open_frames(options, folder_); }
 };
 
+TEST_F(Video, ReadsBackwards) {
+  if (!write_video("back.avi", 40, 25, "MJPG")) GTEST_SKIP() << "no encoder";
+  FrameOptions options;
+  options.path = "back.avi";
+  options.first = 3;
+  options.stride = 2;
+  const auto source = open(options);
+  const int count = int(source->frames().size());
+  for (int k = count - 1; k >= 0; --k) EXPECT_EQ(number_in(source->read(k)), 3 + 2 * k);
+  for (int k = 0; k < count; ++k) EXPECT_EQ(number_in(source->read(k)), 3 + 2 * k);
+}
+
+TEST_F(Video, TimesAreThoseOfTheStampsWhereTheyAreAsked) {
+  if (!write_video("stamped.avi", 6, 20, "MJPG")) GTEST_SKIP() << "no encoder";
+  FrameOptions options;
+  options.path = "stamped.avi";
+  options.times = FrameTimes::stamps;
+  options.first = 1;
+  const auto source = open(options);
+  ASSERT_TRUE(source->has_rate());
+  for (std::size_t k = 0; k < source->frames().size(); ++k) EXPECT_NEAR(source->frames()[k].time, double(k) / 20, 1e-6);
+  options.rate_hz = 20.0;
+  EXPECT_THAT(error_of([&] { open(options); }), HasSubstr("given together with frames.times"));
+}
+
 TEST_F(Video, EveryFrameIsTheOneItsNameSays) {
   // Motion JPEG: every frame by itself; MPEG-4: differences between frames, where seeking is not exact.
   for (const std::string name : {"a b.avi", "c.mp4"}) {

@@ -8,9 +8,9 @@
 
 #include "apps/study/frontier/frontier.hpp"
 #include "apps/study/frontier/np/np_frontier.hpp"
-#include "apps/study/frontier/piv/known_pairs.hpp"
 #include "apps/study/frontier/piv/piv_frontier.hpp"
 #include "apps/study/frontier/work.hpp"
+#include "apps/study/methods/known_pairs.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/silent.hpp"
 

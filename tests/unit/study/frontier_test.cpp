@@ -6,10 +6,10 @@
 #include <fstream>
 
 #include "apps/study/frontier/frontier.hpp"
-#include "apps/study/frontier/piv/known_pairs.hpp"
 #include "apps/study/frontier/mpm/mpm_frontier.hpp"
 #include "apps/study/frontier/piv/piv_frontier.hpp"
 #include "apps/study/frontier/tables.hpp"
+#include "apps/study/methods/known_pairs.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/image/synthetic_pair.hpp"
 #include "tests/support/scratch.hpp"

@@ -10,6 +10,7 @@
 #include "apps/study/frontier/work.hpp"
 #include "apps/study/methods/camera_motion.hpp"
 #include "apps/study/methods/closure.hpp"
+#include "apps/study/methods/filters.hpp"
 #include "apps/study/methods/simulation.hpp"
 #include "apps/study/methods/tracking.hpp"
 #include "apps/study/pipeline/measure.hpp"
@@ -50,6 +51,7 @@ Part measured_motion(const Case& c, image::FrameSource& source, const RunSetting
     set_camera_motion(find_camera_motion(c, setting, source, settings.threads, progress), setting);
     fs::create_directories(settings.out);
     part.writer = std::make_unique<io::RecordWriter>(settings.out, record_head(c, setting, settings), false, settings.threads);
+    set_filter(c, source, settings.threads, progress, setting);
     measure(c, setting, source, *part.writer, settings.threads, progress);
     const std::vector<Frame> frames = flagged_frames(source.frames(), *part.writer);
     part.writer->set_frames(frames);

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "apps/study/frontier/piv/known_pairs.hpp"
 #include "apps/study/frontier/piv/piv_frontier.hpp"
+#include "apps/study/methods/known_pairs.hpp"
 #include "pivnp/core/text.hpp"
 #include "pivnp/image/synthetic_pair.hpp"
 

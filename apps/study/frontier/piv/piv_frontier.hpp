@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "apps/study/frontier/front.hpp"
-#include "apps/study/frontier/piv/known_pairs.hpp"
+#include "apps/study/methods/known_pairs.hpp"
 
 namespace pivnp::app {
 

@@ -3,7 +3,7 @@
 #include <functional>
 #include <utility>
 
-#include "apps/study/frontier/piv/known_pairs.hpp"
+#include "apps/study/methods/known_pairs.hpp"
 #include "apps/study/stress/piv/piv_maps.hpp"
 #include "apps/study/stress/piv/vectors.hpp"
 #include "pivnp/core/error.hpp"

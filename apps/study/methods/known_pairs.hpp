@@ -18,8 +18,8 @@ struct KnownPair {
   std::string name;  // "shear 5 %"
   Image first, second;
   std::function<Vec2(const Vec2& place, Anchor)> truth;  // displacement at a place (column, row), px
-  double wavelength = 0;  // of a wave, px; 0: no wave
-  std::vector<std::uint8_t> scored;  // of each node; empty: those of KnownPairs
+  double wavelength = 0;                                 // of a wave, px; 0: no wave
+  std::vector<std::uint8_t> scored;                      // of each node; empty: those of KnownPairs
 };
 
 /// Pairs, and where they are measured.
@@ -34,6 +34,10 @@ struct KnownPairs {
   std::vector<KnownPair> pairs;      // the first is an even shift; waves follow, from long to short
 };
 
+/// Of a displacement that is a function of the mid-point's place: where a pixel of the first (side -1) or second (+1)
+/// frame is in the middle.
+Vec2 middle_of(const image::Motion& motion, const Vec2& px, int side);
+
 /// Nodes `spacing` apart over a square frame but for a rim, px; j upward in the world.
 piv::NodeLattice even_nodes(int side, double spacing, double rim);
 
@@ -42,22 +46,28 @@ KnownPairs drawn_pairs(int side, int seed);
 
 /// A frame of a case that can be carried by any field, and what the frames show of their own motion.
 struct CarriedFrame {
-  KnownPairs known;                // without pairs
-  std::string from;                // "Frame 3 of 20"
+  KnownPairs known;  // without pairs
+  std::string from;  // "Frame 3 of 20"
   CarriedTexture texture;
-  double noise = 0;                // variance, grey values squared
-  double shift = 0, slope = 0;     // 95th percentiles of displacement (px) and of its gradient from one frame to the next
-  Vec2 middle = Vec2::Zero();      // of what is scored, px
+  double noise = 0;             // variance, grey values squared
+  double shift = 0, slope = 0;  // 95th percentiles of displacement (px) and of its gradient from one frame to the next
+  Vec2 middle = Vec2::Zero();   // of what is scored, px
+  int frame = 0;                // its number, and where in it the part that is carried begins, px
+  int left = 0, top = 0;
+  std::vector<double> step_px =
+      {};  // of each node: mean motion from one frame to the next, over the pairs looked at; NaN where none is valid
 
   /// The frame carried half a step back and half a step on, with noise of its own (by `number`) in both images.
   KnownPair pair(const std::string& name, const image::Motion& motion, std::uint64_t number) const;
 };
 
-/// One frame, freed of its noise; scored are the nodes that are valid between the frames themselves. Throws InputError where there are
-/// fewer than two frames, or hardly a vector between them is valid.
-CarriedFrame carried_frame(const Case& c, const Setting& setting, image::FrameSource& source, int threads, Progress& progress);
+/// One frame, freed of its noise; scored are the nodes that are valid between the frames themselves. Throws InputError
+/// where there are fewer than two frames, or hardly a vector between them is valid.
+CarriedFrame carried_frame(const Case& c, const Setting& setting, image::FrameSource& source, int threads,
+                           Progress& progress);
 
 /// Pairs of that frame, carried by fields like those that the frames show. Throws InputError as carried_frame().
-KnownPairs carried_pairs(const Case& c, const Setting& setting, image::FrameSource& source, int threads, Progress& progress);
+KnownPairs carried_pairs(const Case& c, const Setting& setting, image::FrameSource& source, int threads,
+                         Progress& progress);
 
 }  // namespace pivnp::app

@@ -1,0 +1,74 @@
+// What is done to frames before they are correlated: section [preprocess].
+#pragma once
+
+#include <array>
+
+#include "pivnp/core/choice.hpp"
+#include "pivnp/core/options.hpp"
+
+namespace pivnp::image {
+
+/// What of a sequence stands for what does not move in it.
+enum class Background { none, mean, minimum, median };
+inline constexpr std::array background_names{NamedValue{"none", Background::none}, NamedValue{"mean", Background::mean},
+                                             NamedValue{"minimum", Background::minimum},
+                                             NamedValue{"median", Background::median}};
+constexpr const auto& names_of(Background) { return background_names; }
+
+/// In the order in which they are applied. What is 0 or none is left out.
+struct FilterOptions {
+  bool choose = false;
+  Background background = Background::none;
+  int background_frames = 25;
+  double high_pass_px = 0;
+  int clahe_px = 0;
+  double clahe_limit = 2;
+  double cap_std = 0;
+  double local_px = 0;
+
+  bool any() const {
+    return background != Background::none || high_pass_px > 0 || clahe_px > 0 || cap_std > 0 || local_px > 0;
+  }
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit("choose", self.choose,
+          OptionInfo{
+              .text = "try every filter on pairs made of the case's own frames, and apply those that lower the error "
+                      "(the other keys then state the lengths that are tried)"});
+    visit(
+        "background", self.background,
+        OptionInfo{
+            .text =
+                "what is subtracted of every frame: mean, minimum or median over the sequence, pixel by pixel. Texture "
+                "that does not move goes with it"});
+    visit(
+        "background_frames", self.background_frames,
+        OptionInfo{
+            .text = "frames that the background is taken from, evenly spaced over the sequence", .min = 3, .max = 255});
+    visit("high_pass_px", self.high_pass_px,
+          OptionInfo{.unit = "px",
+                     .text = "standard deviation of the Gaussian blur that is subtracted (0: none)",
+                     .min = 0,
+                     .max = 1000});
+    visit("clahe_px", self.clahe_px,
+          OptionInfo{.unit = "px",
+                     .text = "side of the tiles whose grey values are equalised (CLAHE; 0: none)",
+                     .min = 0,
+                     .max = 2000});
+    visit("clahe_limit", self.clahe_limit,
+          OptionInfo{.text = "CLAHE: greatest slope of a tile's equalisation", .min = 1, .max = 100});
+    visit("cap_std", self.cap_std,
+          OptionInfo{.text = "grey values are capped at their median and so many standard deviations above it (0: not)",
+                     .min = 0,
+                     .max = 20});
+    visit("local_px", self.local_px,
+          OptionInfo{
+              .unit = "px",
+              .text = "standard deviation of the Gaussian window in which mean and contrast are made even (0: not)",
+              .min = 0,
+              .max = 1000});
+  }
+};
+
+}  // namespace pivnp::image
