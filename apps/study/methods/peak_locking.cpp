@@ -54,9 +54,8 @@ std::vector<std::string> texture_remarks(const Setting& setting, const Image& fr
              quality = stated ? stated : image::jpeg_quality(frame.view());
   if (quality && *quality < image::least_jpeg_quality && !(blocks > piv::most_block_edges))
     remarks.push_back("The frames were compressed as JPEG of quality " + std::to_string(*quality) +
-                      " or so: the finer part of the texture is lost or rounded, which at quality 30 "
-                      "makes errors two to three times as large, and adds error that stays with the blocks. Record "
-                      "uncompressed, or at quality 90 or more.");
+                      " or so: the finer part of the texture is lost or rounded, and what is rounded stays with the "
+                      "blocks while the material moves. Record uncompressed, or at quality 90 or more.");
   return remarks;
 }
 

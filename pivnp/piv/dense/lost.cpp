@@ -11,7 +11,7 @@ namespace {
 constexpr int beside = 2;
 constexpr std::array reaches{4, 8, 16};  // points to either side
 constexpr float clear = 3.5f;  // standard errors
-constexpr float most = 2;      // level pixels that noise or a smoothed band may be off by; more is a wrong match, or air
+constexpr float most_off = 2;      // level pixels that noise or a smoothed band may be off by; more is a wrong match, or air
 
 struct Direction {
   int i, j;
@@ -39,7 +39,7 @@ void lost_along(const CellLattice& lattice, const std::vector<float>& off, const
         whole = inside(a, b);
         if (!whole) break;
         const float value = off[lattice.index(a, b)];
-        whole = std::abs(value) <= most;  // false for what is no number
+        whole = std::abs(value) <= most_off;  // false for what is no number
         if (s > -reach) differences += (value - before) * (value - before);
         sum += value, before = value;
       }

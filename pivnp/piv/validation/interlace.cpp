@@ -13,7 +13,7 @@ constexpr int half = 12;           // of the windows, px
 constexpr std::size_t least = 20;  // nodes
 constexpr double clearly = 1.2;
 
-double grey(const ImageView& image, int c, int r) {
+double grey_at(const ImageView& image, int c, int r) {
   if (image.depth == PixelDepth::u8) return double(image.row<std::uint8_t>(r)[c]);
   if (image.depth == PixelDepth::u16) return double(image.row<std::uint16_t>(r)[c]);
   return double(image.row<float>(r)[c]);
@@ -23,8 +23,8 @@ double grey(const ImageView& image, int c, int r) {
 double of_even_lines(const ImageView& image, double x, double y) {
   const int c = int(std::floor(x)), r = 2 * int(std::floor(y / 2));
   const double fx = x - c, fy = (y - r) / 2;
-  return (1 - fy) * ((1 - fx) * grey(image, c, r) + fx * grey(image, c + 1, r)) +
-         fy * ((1 - fx) * grey(image, c, r + 2) + fx * grey(image, c + 1, r + 2));
+  return (1 - fy) * ((1 - fx) * grey_at(image, c, r) + fx * grey_at(image, c + 1, r)) +
+         fy * ((1 - fx) * grey_at(image, c, r + 2) + fx * grey_at(image, c + 1, r + 2));
 }
 
 }  // namespace
@@ -48,7 +48,7 @@ double field_delay(const ImageView& frame, const MaskView& mask, const NodeLatti
     for (int r = (row - half) | 1; r <= row + half; r += 2)
       for (int c = column - half; c <= column + half; ++c) {
         if (!mask.usable(c, r)) continue;
-        const double here = grey(frame, c, r);
+        const double here = grey_at(frame, c, r);
         for (std::size_t d = 0; d < delays.size(); ++d) {
           const double off = here - of_even_lines(frame, c - delays[d] * u, r - delays[d] * v);
           sum[d] += off * off;
