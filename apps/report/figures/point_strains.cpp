@@ -23,7 +23,7 @@ constexpr std::array<Marker, 3> strain_markers = {Marker::circle, Marker::square
 std::string letter_of(std::size_t point) { return std::string(1, char('A' + int(point % 26))); }
 
 // In per cent.
-std::vector<double> percent(std::vector<double> values) {
+std::vector<double> in_percent(std::vector<double> values) {
   for (double& v : values) v *= 100;
   return values;
 }
@@ -70,7 +70,7 @@ std::vector<Figure> draw_point_strains(const FigureInput& input) {
         if (std::isfinite(v)) label = 100 * v;
     };
     if (q < simulated.size()) {
-      canvas->curve(panel, simulated[q].time, percent(simulated[q].strain), {rgb, 1.3, q < 3 ? Dash::solid : Dash::dashed});
+      canvas->curve(panel, simulated[q].time, in_percent(simulated[q].strain), {rgb, 1.3, q < 3 ? Dash::solid : Dash::dashed});
       keep(simulated[q], input.names.second);
     }
     if (q < measured.size()) {
@@ -83,7 +83,7 @@ std::vector<Figure> draw_point_strains(const FigureInput& input) {
         }
         band(*canvas, panel, c.time, low, high, {rgb, 70});
       }
-      markers(*canvas, panel, c.time, percent(c.strain), strain_markers[q % 3], rgb);
+      markers(*canvas, panel, c.time, in_percent(c.strain), strain_markers[q % 3], rgb);
       keep(c, input.names.first);
     }
     if (std::isfinite(label))
