@@ -10,8 +10,8 @@
 namespace pivnp::piv {
 namespace {
 
-constexpr int side = 96;
-const CellLattice lattice{side, side, 0, 0, 8};
+constexpr int cells_along = 96;
+const CellLattice lattice{cells_along, cells_along, 0, 0, 8};
 
 // Noise as cells with hat weights show it: of white values, weights 1/4, 1/2, 1/4 twice removed (neighbours correlate by 1/4).
 std::vector<float> noise(double sigma, unsigned seed) {
@@ -19,12 +19,12 @@ std::vector<float> noise(double sigma, unsigned seed) {
   std::normal_distribution<float> normal;
   // A moving average a, b with a b/(a^2 + b^2) = 1/4 along both axes.
   const float a = std::sqrt((2 + std::sqrt(3.0f)) / 4), b = std::sqrt((2 - std::sqrt(3.0f)) / 4);
-  std::vector<float> white((side + 1) * (side + 1)), out(lattice.size());
+  std::vector<float> white((cells_along + 1) * (cells_along + 1)), out(lattice.size());
   for (float& w : white) w = normal(random);
-  for (int j = 0; j < side; ++j)
-    for (int i = 0; i < side; ++i) {
-      const float* at = &white[std::size_t(j * (side + 1) + i)];
-      out[lattice.index(i, j)] = float(sigma) * (a * (a * at[0] + b * at[1]) + b * (a * at[side + 1] + b * at[side + 2]));
+  for (int j = 0; j < cells_along; ++j)
+    for (int i = 0; i < cells_along; ++i) {
+      const float* at = &white[std::size_t(j * (cells_along + 1) + i)];
+      out[lattice.index(i, j)] = float(sigma) * (a * (a * at[0] + b * at[1]) + b * (a * at[cells_along + 1] + b * at[cells_along + 2]));
     }
   return out;
 }
@@ -36,13 +36,13 @@ TEST(Lost, NoiseHasNoBias) {
     lost_variance(lattice, noise(.05, seed), {}, 2, variance);
     for (const float v : variance) found += v > 0;
   }
-  EXPECT_LT(double(found) / (3 * side * side), .01);
+  EXPECT_LT(double(found) / (3 * cells_along * cells_along), .01);
 }
 
 TEST(Lost, NothingOutsideOfWhatIsWanted) {
   std::vector<float> off(lattice.size(), 1.0f), variance;
   std::vector<std::uint8_t> wanted(lattice.size(), 0);
-  for (int j = 0; j < side; ++j)
+  for (int j = 0; j < cells_along; ++j)
     for (int i = 0; i < 30; ++i) wanted[lattice.index(i, j)] = 1;
   lost_variance(lattice, off, wanted, 1, variance);
   EXPECT_NEAR(variance[lattice.index(10, 40)], 1, 1e-6);
@@ -56,9 +56,9 @@ TEST(Lost, IsStatedInABand) {
     double square = 0, random = 0, stated = 0, outside = 0, count = 0, others = 0;
     for (unsigned seed = 1; seed <= 6; ++seed) {
       std::vector<float> truth(lattice.size()), value = noise(.06, seed), lost;
-      for (int j = 0; j < side; ++j)
-        for (int i = 0; i < side; ++i) {
-          const double across = c * (j - side / 2 + .3) - s * (i - side / 2);
+      for (int j = 0; j < cells_along; ++j)
+        for (int i = 0; i < cells_along; ++i) {
+          const double across = c * (j - cells_along / 2 + .3) - s * (i - cells_along / 2);
           truth[lattice.index(i, j)] = .25f * float(std::tanh(across / 1.25));
           value[lattice.index(i, j)] += truth[lattice.index(i, j)];
         }
@@ -67,10 +67,10 @@ TEST(Lost, IsStatedInABand) {
       std::vector<float> off(lattice.size());
       for (std::size_t k = 0; k < off.size(); ++k) off[k] = value[k] - smooth.value[k];
       lost_variance(lattice, off, {}, 2, lost);
-      for (int j = 12; j < side - 12; ++j)
-        for (int i = 12; i < side - 12; ++i) {
+      for (int j = 12; j < cells_along - 12; ++j)
+        for (int i = 12; i < cells_along - 12; ++i) {
           const std::size_t k = lattice.index(i, j);
-          const double across = c * (j - side / 2 + .3) - s * (i - side / 2);
+          const double across = c * (j - cells_along / 2 + .3) - s * (i - cells_along / 2);
           if (std::abs(across) > 8) outside += lost[k] > 0, ++others;
           if (std::abs(across) > 2) continue;
           square += std::pow(smooth.value[k] - truth[k], 2), random += double(smooth.variance[k]);
