@@ -97,11 +97,31 @@ void check_complete(const Survey& survey, const fs::path& file, std::int64_t lim
                    " can be read (truncated, or trimmed without re-encoding)" + remedy);
 }
 
+// Stamps that the decoder handed out: of the frames that it still held at the file's end it gives none (0).
+std::size_t stamped_frames(const Survey& survey) {
+  std::size_t end = survey.stamps_s.size();
+  while (end > 1 && survey.stamps_s[end - 1] == 0) --end;
+  return end;
+}
+
+// Throws unless the time stamps of the frames before `end` increase from frame to frame.
+void check_stamps(const Survey& survey, std::size_t end, const fs::path& file) {
+  const std::string asked = "frames.times: found \"stamps\", but in '" + file.string() + "' ";
+  const std::size_t known = stamped_frames(survey);
+  for (std::size_t k = 1; k < std::min(end, known); ++k)
+    if (!(survey.stamps_s[k] > survey.stamps_s[k - 1]))
+      throw InputError(asked + "frame " + std::to_string(k) + " is stamped " + std::to_string(survey.stamps_s[k]) + " s and the one before it " +
+                       std::to_string(survey.stamps_s[k - 1]) + " s; expected stamps that increase, or frames.rate_hz");
+  if (known < end)
+    throw InputError(asked + "the last " + std::to_string(end - known) + " of " + std::to_string(end) +
+                     " frames come without a stamp, as the decoder held them back at the file's end; frames.last = " +
+                     std::to_string(known - 1) + " leaves them out, or expected frames.rate_hz");
+}
+
 // Throws if the container's own time stamps are not those of its rate: frames were dropped, or the rate varies.
 void check_rate(const Survey& survey, const fs::path& file) {
   const std::vector<double>& t = survey.stamps_s;
-  std::size_t end = t.size();
-  while (end > 1 && t[end - 1] == 0) --end;  // stamps that the decoder did not hand out
+  const std::size_t end = stamped_frames(survey);
   if (survey.rate_hz == 0 || end < 3 || !std::is_sorted(t.begin(), t.begin() + std::ptrdiff_t(end))) return;
   const double step = (t[end - 1] - t[0]) / double(end - 1);
   if (!(step > 0)) return;
@@ -116,15 +136,6 @@ void check_rate(const Survey& survey, const fs::path& file) {
       throw InputError(frames_key + ": '" + file.string() + "' has no constant frame rate: frame " + std::to_string(k) +
                        " is stamped " + std::to_string(t[k] - t[0]) + " s, expected " +
                        std::to_string(double(k) * step) + " s" + remedy);
-}
-
-// Throws unless the frames' time stamps increase from frame to frame.
-void check_stamps(const Survey& survey, const fs::path& file) {
-  for (std::size_t k = 1; k < survey.stamps_s.size(); ++k)
-    if (!(survey.stamps_s[k] > survey.stamps_s[k - 1]))
-      throw InputError("frames.times: found \"stamps\", but in '" + file.string() + "' frame " + std::to_string(k) +
-                       " is stamped " + std::to_string(survey.stamps_s[k]) + " s and the one before it " +
-                       std::to_string(survey.stamps_s[k - 1]) + " s; expected stamps that increase, or frames.rate_hz");
 }
 
 // Goes through the file in order only: seeking by frame number is not exact in files that store differences between
@@ -224,7 +235,7 @@ std::unique_ptr<FrameSource> video_source(const FrameOptions& options, const fs:
   const std::vector<int> numbers = chosen_frames(options, survey.readable, file.string());
   const bool stamped = options.times == FrameTimes::stamps;
   if (stamped)
-    check_stamps(survey, file);
+    check_stamps(survey, std::size_t(numbers.back()) + 1, file);
   else if (!options.rate_hz)
     check_rate(survey, file);
   const double rate = options.rate_hz.value_or(survey.rate_hz);

@@ -79,6 +79,24 @@ TEST_F(Video, TimesAreThoseOfTheStampsWhereTheyAreAsked) {
   EXPECT_THAT(error_of([&] { open(options); }), HasSubstr("given together with frames.times"));
 }
 
+// H.264 with frames that depend on later ones: at the file's end the decoder still holds some, and knows no stamps of them.
+TEST_F(Video, FramesWithoutAStampAreNamed) {
+  if (!write_video("late.mp4", 40, 25, "avc1")) GTEST_SKIP() << "no encoder";
+  FrameOptions options;
+  options.path = "late.mp4";
+  ASSERT_EQ(open(options)->frames().size(), 40u);
+  options.times = FrameTimes::stamps;
+  const std::string error = error_of([&] { open(options); });
+  const std::string remedy = "frames.last = ";
+  const std::size_t at = error.find(remedy);
+  ASSERT_NE(at, std::string::npos) << error;
+  EXPECT_THAT(error, HasSubstr("without a stamp"));
+  options.last = std::stoi(error.substr(at + remedy.size()));
+  const auto source = open(options);
+  EXPECT_GE(source->frames().size(), 30u);
+  for (std::size_t k = 0; k < source->frames().size(); ++k) EXPECT_NEAR(source->frames()[k].time, double(k) / 25, 1e-3);
+}
+
 TEST_F(Video, EveryFrameIsTheOneItsNameSays) {
   // Motion JPEG: every frame by itself; MPEG-4: differences between frames, where seeking is not exact.
   for (const std::string name : {"a b.avi", "c.mp4"}) {
