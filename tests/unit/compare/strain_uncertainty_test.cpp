@@ -25,7 +25,7 @@ struct Made {
     MotionMemory motion(name, "m", "s", set);
     for (const double t : {0.0, 1.0}) {
       std::mt19937 random(seed);
-      std::normal_distribution<double> normal(0, t * sigma);
+      std::normal_distribution<double> normal;
       std::map<std::pair<int, int>, Mat2> drawn;
       MotionFrame f = frame_of(set, t, [](const Vec2&, double) { return Vec2(0, 0); }, rigid);
       f.cov_u.assign(set.size(), {1e-6f, 1e-6f, 0});
@@ -34,7 +34,7 @@ struct Made {
       for (std::size_t p = 0; p < set.size(); ++p) {
         const auto [at, fresh] = drawn.try_emplace({int(set.x0[p].x() / alike), int(set.x0[p].y() / alike)}, Mat2::Zero());
         if (fresh)
-          for (double& e : at->second.reshaped()) e = normal(random);
+          for (double& e : at->second.reshaped()) e = t * sigma * normal(random);
         Mat2 F = Mat2::Identity();
         F(0, 0) += 0.2 * t;
         F = std::exp(more * t / 2) * F + at->second;
