@@ -42,7 +42,7 @@ TEST(WholeCase, ShapesThatAreNone) {
   EXPECT_EQ(refusal("name = 'x'\n[region.a]\nmaterial = 'b'\n"),
             "c.toml:2: [region.a]: no shape is given; expected one of polygon_m, polygon_px");
   EXPECT_EQ(refusal("[mask.a]\ninvert = true\n"),
-            "c.toml:1: [mask.a]: no shape is given; expected one of polygon_px, polygon_m, circle_px, image, images, glare");
+            "c.toml:1: [mask.a]: no shape is given; expected one of polygon_px, polygon_m, circle_px, image, images, glare, air");
   EXPECT_EQ(refusal("[mask.a]\ncircle_px = [1, 2]\n"),
             "c.toml:2: mask.a.circle_px: found 2 numbers, expected 3: centre and radius");
   EXPECT_EQ(refusal("[body.a]\ncircle_m = [1, 2, -1]\n"),
