@@ -76,7 +76,7 @@ FILMED = MEASUREMENT | {"camera.motion": {"from": '"still_zone"', "zone_px": "[[
 MARKS = {"from": '"targets"', "zone_px": None, "targets_px": "[[20, 14], [48, 14], [76, 14]]"}
 # The case that a section's keys are tried in, and the section's name in it.
 BASES = {
-    "frames": MEASUREMENT, "vectors": VECTORS, "camera": MEASUREMENT, "grid": MEASUREMENT, "region": SIMULATION, "mask": MEASUREMENT,
+    "frames": MEASUREMENT, "preprocess": MEASUREMENT, "vectors": VECTORS, "camera": MEASUREMENT, "grid": MEASUREMENT, "region": SIMULATION, "mask": MEASUREMENT,
     "piv": MEASUREMENT, "np": MEASUREMENT, "material": SIMULATION, "mpm": SIMULATION, "boundary": SIMULATION,
     "body": SIMULATION, "contact": TWO_BODIES, "compare": BOTH, "compare.limits": BOTH, "report": SIMULATION,
     "output": SIMULATION, "synth": MEASUREMENT, "synth.texture": MEASUREMENT, "synth.material": CARRIED,
