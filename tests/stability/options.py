@@ -10,7 +10,9 @@ valid case with it looks like. EACH: only every so many of the cases, evenly.
 import concurrent.futures
 import copy
 import pathlib
+import random
 import re
+import struct
 import sys
 
 from program import folder, run
@@ -157,7 +159,8 @@ MPM = {
 }
 VALUES = {
     "": {"name": ['"a name"']},
-    "frames": {"path": [("DRAWN", {}, {"synth": None})], "first": ["1"], "last": ["3"], "stride": ["2"]},
+    "frames": {"path": [("DRAWN", {}, {"synth": None})], "first": ["1"], "last": ["3"], "stride": ["2"],
+               "times": ['"even"', ('"stamps"', {"path": '"clip.avi"', "rate_hz": None}, {"synth": None})]},
     "vectors": {"path": ['"csv_1.txt"'], "format": [(f'"{name}"', {"path": f'"{name}_1.txt"'}) for name in VECTOR_FILES], "rate_hz": ["50.0"]},
     "camera": {"origin_px": ["[10.0, 80.0]"], "points_px": [(TARGETS["camera"]["points_px"], {}, TARGETS)],
                "points_m": [(TARGETS["camera"]["points_m"], {}, TARGETS)], "length_unit": ['"ft"'], "metres_per_pixel": ["0.002"],
@@ -175,7 +178,10 @@ VALUES = {
     "mask": {"polygon_px": ["[[2, 2], [20, 2], [20, 20]]"], "polygon_m": ["[[0.0, 0.0], [0.01, 0.0], [0.0, 0.01]]"],
              "circle_px": ["[10, 10, 6]"], "image": ['"mask.pgm"'],
              "images": ['"masks/*.pgm"'], "motion": [('"tool.csv"', {"circle_px": "[10, 10, 6]"})],
-             "follow": [("true", {"polygon_px": "[[0, 0], [95, 0], [95, 34], [0, 34]]"}), ("false", {"circle_px": "[10, 10, 6]"})], "glare": ["0.98"], "grow_px": [("2", {"glare": "0.98"})],
+             "follow": [("true", {"polygon_px": "[[0, 0], [95, 0], [95, 34], [0, 34]]"}), ("false", {"circle_px": "[10, 10, 6]"})], "glare": ["0.98"],
+             "follow_by": [('"texture"', {"polygon_px": "[[0, 0], [95, 0], [95, 34], [0, 34]]", "follow": "true"}),
+                           ('"outline"', {"circle_px": "[48, 47, 15]", "follow": "true"}, {"frames": {"path": '"clip.avi"'}, "synth": None})],
+             "air": [('"none"', {"circle_px": "[10, 10, 6]"}), '"texture"', '"still"'], "grow_px": [("2", {"glare": "0.98"})],
              "invert": [("true", {"polygon_px": "[[4, 4], [91, 4], [91, 91], [4, 91]]"}), ("false", {"circle_px": "[10, 10, 6]"})]},
     "piv": {"first_window_px": ["32"], "passes": ["2"], "window_px": ["24"], "order": [("0", {"smoothing": '"window"'}), ("2", {"smoothing": '"window"'})],
             "closure": ["2"]},
@@ -297,6 +303,25 @@ def merge(case, more):
                 into[key] = value
 
 
+# Uncompressed video of five frames of 96 x 96 px: a dark disc, a pixel further to the right each time, before grains at rest.
+def clip():
+    random_grey = random.Random(5)
+    grains = [[random_grey.randrange(110, 250) for _ in range(96)] for _ in range(96)]
+    frames = []
+    for k in range(5):
+        rows = [[20 if (x - 48 - k) ** 2 + (y - 48) ** 2 <= 196 else grains[y][x] for x in range(96)] for y in range(96)]
+        frames.append(b"".join(bytes([g, g, g]) for row in reversed(rows) for g in row))
+    def chunk(name, data):
+        return name + struct.pack("<I", len(data)) + data
+    size, header = len(frames[0]), struct.pack("<IIIIIIIIII16x", 20000, 50 * 96 * 96 * 3, 0, 0x10, 5, 0, 1, 96 * 96 * 3, 96, 96)
+    stream = b"vidsDIB " + struct.pack("<IHHIIIIIIIIhhhh", 0, 0, 0, 0, 1, 50, 0, 5, size, 0xFFFFFFFF, 0, 0, 0, 96, 96)
+    form = struct.pack("<IiiHHIIiiII", 40, 96, 96, 1, 24, 0, size, 0, 0, 0, 0)
+    head = chunk(b"LIST", b"hdrl" + chunk(b"avih", header) + chunk(b"LIST", b"strl" + chunk(b"strh", stream) + chunk(b"strf", form)))
+    movie = chunk(b"LIST", b"movi" + b"".join(chunk(b"00db", f) for f in frames))
+    index = chunk(b"idx1", b"".join(b"00db" + struct.pack("<III", 0x10, 4 + k * (size + 8), size) for k in range(5)))
+    return chunk(b"RIFF", b"AVI " + head + movie + index)
+
+
 def case_text(section, key, item, drawn):
     value, here, elsewhere = (item, {}, {}) if isinstance(item, str) else (*item, {}, {})[:3]
     if elsewhere and elsewhere.get("synth") and elsewhere.get("piv"):  # another case altogether
@@ -337,11 +362,14 @@ def main():
         cases += [(section, key, item) for item in items]
     assert len(cases) > 250, len(cases)  # the reference has been understood
 
+    video = clip()
+
     def attempt(number):
         section, key, item = cases[number]
         there = scratch / str(number)
         there.mkdir()
         (there / "tool.csv").write_text("frame,right_px,down_px,turn_deg\n0,0,0,0\n4,2,1,3\n")
+        (there / "clip.avi").write_bytes(video)
         (there / "masks").mkdir()
         for k in range(5):
             (there / "masks" / f"{k}.pgm").write_bytes(b"P5 96 96 255\n" + bytes([0] * 96 * (8 + k) + [255] * 96 * (88 - k)))
