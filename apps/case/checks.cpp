@@ -183,6 +183,7 @@ class Checker : Refusals {
     if (c_.vectors) refuse(key, "given together with [vectors], whose times are those of another program");
     if (c_.frames && c_.frames->path.size() > 0 && !c_.frames->rate_hz) refuse(key, "given without frames.rate_hz, expected the rate of the frames");
     if (c_.camera_motion.from != image::RestSource::none) refuse(key, "given together with [camera.motion], expected one of them: how a camera moves within a frame is not known");
+    if (c_.piv && c_.piv->ensemble > 1) refuse(key, "given together with piv.ensemble, expected piv.ensemble = 1: a mean over several pairs has no time at which a row was read");
     if (c_.np && c_.np->drift != np::DriftScheme::none) refuse(key, "given together with np.drift, expected np.drift = \"none\": direct correlation does not know the rows' times");
   }
 

@@ -1,6 +1,5 @@
 // Displacement of material points against time, and where they are; and the pressure of their water.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -10,6 +9,7 @@
 #include "apps/report/content/fields.hpp"
 #include "apps/report/content/point_curves.hpp"
 #include "apps/report/content/selection.hpp"
+#include "apps/report/figures/points.hpp"
 #include "apps/report/figures/rows.hpp"
 #include "pivnp/core/math.hpp"
 
@@ -18,16 +18,6 @@ namespace pivnp::report {
 using namespace plot;
 
 namespace {
-
-constexpr std::array<Rgb, 3> point_colours = {blue, vermilion, green};
-constexpr std::array<Marker, 3> point_markers = {Marker::circle, Marker::square, Marker::triangle};
-
-std::string letter(std::size_t point) { return std::string(1, char('A' + int(point % 26))); }
-
-std::vector<double> scaled(std::vector<double> values, double factor) {
-  for (double& v : values) v *= factor;
-  return values;
-}
 
 void draw_key_map(Canvas& canvas, const Content& content, const std::vector<Vec2>& points, double x, double y, double w,
                   double h) {
@@ -57,7 +47,7 @@ void draw_key_map(Canvas& canvas, const Content& content, const std::vector<Vec2
       p.pen({0xffffff, 0.8});
       p.fill({rgb});
       p.ellipse(at, 9, 9);
-      p.text({at.x() - 60, at.y() - 46, 120, 36}, letter(k), Align::bottom, {.bold = true, .rgb = rgb});
+      p.text({at.x() - 60, at.y() - 46, 120, 36}, letter_of(k), Align::bottom, {.bold = true, .rgb = rgb});
     }
   });
   canvas.text(x + w / 2, y + height + 2, "at the first frame", Align::top, {.points = small_text, .rgb = faint});
@@ -105,7 +95,7 @@ std::string caption(const FigureInput& input, const Extent& extent, const Displa
   std::string text = "Displacement of the material points ";
   const std::size_t n = input.points.size();
   for (std::size_t q = 0; q < n; ++q)
-    text += (q == 0 ? "" : q + 1 == n ? " and " : ", ") + letter(q) + " (" + plain(input.points[q].x()) + ", " +
+    text += (q == 0 ? "" : q + 1 == n ? " and " : ", ") + letter_of(q) + " (" + plain(input.points[q].x()) + ", " +
             plain(input.points[q].y()) + ")";
   text += unit_suffix(content.length_unit) + " against time, ";
   if (content.measured && content.simulated) text += names.first + " (markers) and " + names.second + " (lines).";
@@ -166,7 +156,7 @@ std::vector<Figure> draw_point_curves(const FigureInput& input) {
     double last = std::numeric_limits<double>::infinity();
     for (const std::size_t q : order) {
       last = std::min(panel.y(ends[q]), last - line);
-      p.text({panel.frame().right() + 7, last - 20, 60, 40}, letter(q), Align::left,
+      p.text({panel.frame().right() + 7, last - 20, 60, 40}, letter_of(q), Align::left,
              {.bold = true, .rgb = point_colours[q % 3]});
     }
   });
@@ -182,9 +172,9 @@ std::vector<Figure> draw_point_curves(const FigureInput& input) {
   for (const auto& [curves, who] : {std::pair{&measured, input.names.first}, {&simulated, input.names.second}})
     for (std::size_t q = 0; q < curves->size(); ++q) {
       const PointCurve& c = (*curves)[q];
-      data.push_back({who + " " + letter(q) + ", time", content.time_unit, c.time});
-      data.push_back({who + " " + letter(q) + ", displacement", content.length_unit, c.displacement});
-      if (!c.sigma.empty()) data.push_back({who + " " + letter(q) + ", standard uncertainty", content.length_unit, c.sigma});
+      data.push_back({who + " " + letter_of(q) + ", time", content.time_unit, c.time});
+      data.push_back({who + " " + letter_of(q) + ", displacement", content.length_unit, c.displacement});
+      if (!c.sigma.empty()) data.push_back({who + " " + letter_of(q) + ", standard uncertainty", content.length_unit, c.sigma});
     }
   return {{caption(input, extent, unit), canvas, {}, {}, std::move(data)}};
 }
@@ -216,11 +206,11 @@ std::vector<Figure> draw_point_pressures(const FigureInput& input) {
     canvas->curve(panel, curves[q].time, p, {rgb, 1.3, q < 3 ? Dash::solid : Dash::dashed});
     if (const double label = last_known(p); std::isfinite(label))
       canvas->paint_over([=](Painter& painter) {
-        painter.text({panel.frame().right() + 7, panel.y(label) - 20, 60, 40}, letter(q), Align::left, {.bold = true, .rgb = rgb});
+        painter.text({panel.frame().right() + 7, panel.y(label) - 20, 60, 40}, letter_of(q), Align::left, {.bold = true, .rgb = rgb});
       });
-    data.push_back({letter(q) + ", time", input.content.time_unit, curves[q].time});
-    data.push_back({letter(q) + ", pore pressure", "Pa", curves[q].pressure});
-    names += (q == 0 ? "" : q + 1 == curves.size() ? " and " : ", ") + letter(q);
+    data.push_back({letter_of(q) + ", time", input.content.time_unit, curves[q].time});
+    data.push_back({letter_of(q) + ", pore pressure", "Pa", curves[q].pressure});
+    names += (q == 0 ? "" : q + 1 == curves.size() ? " and " : ", ") + letter_of(q);
   }
   draw_key_map(*canvas, input.content, input.points, 132, y, 36, 48);
   return {{"Pore pressure of the material points " + names + " against time, " + input.names.second + ".", canvas, "pressure_histories",

@@ -1,6 +1,5 @@
 // Deviatoric strain of material points against time, with what the measurement states of its error.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -8,6 +7,7 @@
 #include "apps/plot/marks.hpp"
 #include "apps/plot/numbers.hpp"
 #include "apps/report/content/point_curves.hpp"
+#include "apps/report/figures/points.hpp"
 #include "apps/report/figures/rows.hpp"
 #include "pivnp/core/math.hpp"
 
@@ -16,17 +16,6 @@ namespace pivnp::report {
 using namespace plot;
 
 namespace {
-
-constexpr std::array<Rgb, 3> strain_colours = {blue, vermilion, green};
-constexpr std::array<Marker, 3> strain_markers = {Marker::circle, Marker::square, Marker::triangle};
-
-std::string letter_of(std::size_t point) { return std::string(1, char('A' + int(point % 26))); }
-
-// In per cent.
-std::vector<double> in_percent(std::vector<double> values) {
-  for (double& v : values) v *= 100;
-  return values;
-}
 
 bool states_strain_error(const MotionSource& motion) {
   return !motion.times().empty() && motion.frame(motion.times().size() - 1).find("cov_F") != nullptr;
@@ -60,7 +49,7 @@ std::vector<Figure> draw_point_strains(const FigureInput& input) {
   std::vector<ComparisonTable::Column> data;
   std::string names;
   for (std::size_t q = 0; q < input.points.size(); ++q) {
-    const Rgb rgb = strain_colours[q % 3];
+    const Rgb rgb = point_colours[q % 3];
     double label = nan_value;
     const auto keep = [&](const PointCurve& c, const std::string& who) {
       data.push_back({who + " " + letter_of(q) + ", time", content.time_unit, c.time});
@@ -70,7 +59,7 @@ std::vector<Figure> draw_point_strains(const FigureInput& input) {
         if (std::isfinite(v)) label = 100 * v;
     };
     if (q < simulated.size()) {
-      canvas->curve(panel, simulated[q].time, in_percent(simulated[q].strain), {rgb, 1.3, q < 3 ? Dash::solid : Dash::dashed});
+      canvas->curve(panel, simulated[q].time, scaled(simulated[q].strain, 100), {rgb, 1.3, q < 3 ? Dash::solid : Dash::dashed});
       keep(simulated[q], input.names.second);
     }
     if (q < measured.size()) {
@@ -83,7 +72,7 @@ std::vector<Figure> draw_point_strains(const FigureInput& input) {
         }
         band(*canvas, panel, c.time, low, high, {rgb, 70});
       }
-      markers(*canvas, panel, c.time, in_percent(c.strain), strain_markers[q % 3], rgb);
+      markers(*canvas, panel, c.time, scaled(c.strain, 100), point_markers[q % 3], rgb);
       keep(c, input.names.first);
     }
     if (std::isfinite(label))

@@ -13,6 +13,7 @@
 #include "apps/study/synth/truth.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/image/synthetic.hpp"
+#include "tests/support/drawn_source.hpp"
 
 namespace pivnp::app {
 namespace camera_motion_tests {
@@ -24,19 +25,14 @@ constexpr int columns = 288, rows = 208;
 const Vec2 middle((columns - 1) / 2.0, (rows - 1) / 2.0);
 
 // Blobs that move by `place` (column and row), seen by a camera that moves; blank from frame `blank` on.
-class Filmed final : public image::FrameSource {
+class Filmed final : public test::DrawnSource {
  public:
   using Place = std::function<Vec2(const Vec2& first, int frame)>;
   Filmed(CameraMotion camera, Place place, int blank = 1000)
-      : camera_(std::move(camera)), place_(std::move(place)), blank_(blank), renderer_(texture(), columns, rows) {
-    for (std::size_t k = 0; k < camera_.at.size(); ++k) frames_.push_back({"frame " + std::to_string(k), double(k), frame_ok});
+      : DrawnSource(columns, rows, int(camera.at.size()), 1), camera_(std::move(camera)), place_(std::move(place)), blank_(blank), renderer_(texture(), columns, rows) {
     for (std::uint64_t n = 0; n < 6000; ++n)
       blobs_.emplace_back(uniform(7, 2 * n) * (columns + 80) - 40, uniform(7, 2 * n + 1) * (rows + 80) - 40);
   }
-  const std::vector<Frame>& frames() const override { return frames_; }
-  bool has_rate() const override { return true; }
-  int width() const override { return columns; }
-  int height() const override { return rows; }
   Image read(int index) override {
     std::vector<Vec2> at;
     const Mat3 T = camera_.matrix(std::size_t(index));
@@ -45,7 +41,7 @@ class Filmed final : public image::FrameSource {
         const Vec2 p = place_(b, index);
         at.push_back((T * Eigen::Vector3d(p.x(), p.y(), 1)).head<2>());
       }
-    return renderer_.draw(at, index, int(frames_.size()));
+    return renderer_.draw(at, index, int(frames().size()));
   }
 
  private:
@@ -58,7 +54,6 @@ class Filmed final : public image::FrameSource {
   Place place_;
   int blank_;
   image::BlobRenderer renderer_;
-  std::vector<Frame> frames_;
   std::vector<Vec2> blobs_;
 };
 

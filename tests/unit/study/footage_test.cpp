@@ -13,6 +13,7 @@
 #include "apps/study/pipeline/measure.hpp"
 #include "apps/study/synth/truth.hpp"
 #include "pivnp/image/synthetic.hpp"
+#include "tests/support/drawn_source.hpp"
 #include "tests/support/silent.hpp"
 
 namespace pivnp::app {
@@ -23,23 +24,18 @@ using ::testing::HasSubstr;
 constexpr int columns = 256, rows = 192;
 
 // Blobs that move along x by `moved` px until a frame, behind a pattern that does not; some frames are blank.
-class Footage final : public image::FrameSource {
+class Footage final : public test::DrawnSource {
  public:
   Footage(int count, std::function<double(int)> moved, double pattern, int blank = -1)
-      : moved_(std::move(moved)), pattern_(pattern), blank_(blank), renderer_(texture(), columns, rows) {
-    for (int k = 0; k < count; ++k) frames_.push_back({"frame " + std::to_string(k), k / 10.0, frame_ok});
+      : DrawnSource(columns, rows, count, 10), moved_(std::move(moved)), pattern_(pattern), blank_(blank), renderer_(texture(), columns, rows) {
     for (std::uint64_t n = 0; n < 9000; ++n)
       blobs_.emplace_back(uniform(5, 2 * n) * (columns + 400) - 350, uniform(5, 2 * n + 1) * (rows + 40) - 20);
   }
-  const std::vector<Frame>& frames() const override { return frames_; }
-  bool has_rate() const override { return true; }
-  int width() const override { return columns; }
-  int height() const override { return rows; }
   Image read(int index) override {
     std::vector<Vec2> at;
     if (index != blank_)
       for (const Vec2& b : blobs_) at.emplace_back(b.x() + moved_(index), b.y());
-    Image frame = renderer_.draw(at, index, int(frames_.size()));
+    Image frame = renderer_.draw(at, index, int(frames().size()));
     for (int r = 0; r < rows && pattern_ > 0; ++r)
       for (int c = 0; c < columns; ++c) {
         const double dirt = pattern_ * uniform(77, std::uint64_t(r / 3 * columns + c / 3));
@@ -58,7 +54,6 @@ class Footage final : public image::FrameSource {
   double pattern_;
   int blank_;
   image::BlobRenderer renderer_;
-  std::vector<Frame> frames_;
   std::vector<Vec2> blobs_;
 };
 

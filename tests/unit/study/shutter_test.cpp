@@ -26,17 +26,12 @@ constexpr int columns = 224, rows = 192, count = 6;
 Vec2 moved(double t) { return {1.1 * t - 0.2 * t * t, 1.5 * t + 0.3 * t * t}; }  // px, since frame 0
 
 // Row r of frame k shows the time k + row_time (r - middle row), a frame a second.
-class Scanned final : public image::FrameSource {
+class Scanned final : public test::DrawnSource {
  public:
-  explicit Scanned(double row_time) : row_time_(row_time), renderer_(texture(), columns, rows) {
-    for (int k = 0; k < count; ++k) frames_.push_back({"frame " + std::to_string(k), double(k), frame_ok});
+  explicit Scanned(double row_time) : DrawnSource(columns, rows, count, 1), row_time_(row_time), renderer_(texture(), columns, rows) {
     for (std::uint64_t n = 0; n < 4800; ++n)
       blobs_.emplace_back(uniform(17, 2 * n) * (columns + 100) - 60, uniform(17, 2 * n + 1) * (rows + 100) - 70);
   }
-  const std::vector<Frame>& frames() const override { return frames_; }
-  bool has_rate() const override { return true; }
-  int width() const override { return columns; }
-  int height() const override { return rows; }
   Image read(int index) override {
     std::vector<Vec2> at;
     for (const Vec2& b : blobs_) {
@@ -56,7 +51,6 @@ class Scanned final : public image::FrameSource {
   }
   double row_time_;
   image::BlobRenderer renderer_;
-  std::vector<Frame> frames_;
   std::vector<Vec2> blobs_;
 };
 
@@ -141,6 +135,7 @@ TEST(RollingShutter, RefusesWhatItCannotGoWith) {
   };
   EXPECT_EQ(error(""), "");
   EXPECT_THAT(error("[camera.motion]\nfrom = \"dominant\"\n"), HasSubstr("camera.row_time_s: given together with [camera.motion]"));
+  EXPECT_THAT(error("[piv]\nmethod = \"fft\"\nensemble = 4\n"), HasSubstr("camera.row_time_s: given together with piv.ensemble"));
   EXPECT_THAT(error("[np]\ndrift = \"corrected\"\n"), HasSubstr("camera.row_time_s: given together with np.drift"));
 }
 
