@@ -14,6 +14,7 @@
 #include "pivnp/core/error.hpp"
 #include "pivnp/image/synthetic.hpp"
 #include "pivnp/io/records/record.hpp"
+#include "tests/support/drawn_source.hpp"
 
 namespace pivnp::app {
 namespace shutter_tests {
