@@ -14,6 +14,7 @@
 #include "apps/study/frontier/pages.hpp"
 #include "apps/study/frontier/piv/peers.hpp"
 #include "apps/study/frontier/piv/piv_frontier.hpp"
+#include "apps/study/frontier/piv/spacing_frontier.hpp"
 #include "apps/study/frontier/tables.hpp"
 #include "apps/study/frontier/written_pages.hpp"
 #include "apps/study/methods/known_pairs.hpp"
@@ -78,6 +79,15 @@ refine = 2
                     {"grid.spacing_m=" + number(1e-3 * cell_px), "synth.frames=" + std::to_string(drawn_frames)});
 }
 
+// The case's nodes, and its own words for others.
+GivenSpacing spacing_of(const Case& c, const Setting& setting) {
+  GivenSpacing given{.px = node_spacing_px(setting)};
+  if (!c.grid.spacing_m) return given;
+  const double m = *c.grid.spacing_m / given.px;
+  given.key = [m](double px) { return "grid.spacing_m=" + number(m * px, 4); };
+  return given;
+}
+
 // The stages in their order.
 class Frontier {
  public:
@@ -88,7 +98,9 @@ class Frontier {
   void on_drawn_scenes() {
     const int repeats = options_.repeats;
     if (options_.piv) {
-      stages.push_back(piv_frontier(drawn_pairs(options_.drawn_px, drawn_seed), {}, false, repeats, threads_, progress_));
+      const KnownPairs known = drawn_pairs(options_.drawn_px, drawn_seed);
+      stages.push_back(piv_frontier(known, {}, false, repeats, threads_, progress_));
+      stages.push_back(spacing_frontier(known, {}, {}, {}, false, repeats, threads_, progress_));
       stages.push_back(peers_frontier(2 * options_.drawn_px, repeats, progress_));
     }
     if (options_.np) {
@@ -120,7 +132,10 @@ class Frontier {
     const Setting setting = make_setting(c, source ? source->width() : 0, source ? source->height() : 0);
     if (frames && (options_.piv || options_.np)) {
       const KnownPairs known = carried_pairs(c, setting, *source, threads_, progress_);
-      if (options_.piv) stages.push_back(piv_frontier(known, *c.piv, true, options_.repeats, threads_, progress_));
+      if (options_.piv) {
+        stages.push_back(piv_frontier(known, *c.piv, true, options_.repeats, threads_, progress_));
+        stages.push_back(spacing_frontier(known, *c.piv, c.np.value_or(np::NpOptions{}), spacing_of(c, setting), true, options_.repeats, threads_, progress_));
+      }
       if (options_.np) {
         Followed followed;
         followed.spacing = node_spacing_px(setting);

@@ -104,7 +104,7 @@ FootageTruth footage_truth(CarriedFrame carried, image::FrameSource& source, con
   const Image moving = drawn_grey(width, height, real.white(),
                                   [&](int c, int r) { return grey(real, c, r) - grey(light_a, c, r) - still(c, r); });
   const double noise = std::min(carried.noise, fine_variance(real));
-  const CarriedTexture texture(moving, noise, carried_blur_px), camera(a, noise, 0);
+  const CarriedTexture texture(moving, noise, carried_blur_px), camera(a, noise, 0, carried.noise_shape);
   FootageTruth out{std::move(carried.known),
                    std::move(carried.from),
                    std::clamp(carried.shift, 0.5, 20.0),

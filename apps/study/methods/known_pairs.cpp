@@ -6,6 +6,7 @@
 #include <memory>
 #include <utility>
 
+#include "apps/study/methods/frame_noise.hpp"
 #include "apps/study/pipeline/measure.hpp"
 #include "apps/study/pipeline/statistics.hpp"
 #include "pivnp/core/error.hpp"
@@ -198,6 +199,7 @@ CarriedFrame carried_frame(const Case& c, const Setting& setting, image::FrameSo
   known.nodes = node_lattice(setting);
   // Of three pairs the one that moves most says what is to be measured.
   Shown most;
+  piv::PixelVectors best;
   VectorField field;
   int from = 0;
   std::vector<double> moved(known.nodes.pixel.size(), 0), looks(moved);
@@ -214,6 +216,7 @@ CarriedFrame carried_frame(const Case& c, const Setting& setting, image::FrameSo
     if (at > 0 && here.shift <= most.shift) continue;
     most = here;
     from = int(at);
+    best = found;
     field.score = found.score;
     field.status = found.status;
     std::vector<double> sigmas;
@@ -228,6 +231,7 @@ CarriedFrame carried_frame(const Case& c, const Setting& setting, image::FrameSo
                      ", expected 20 or more; 'pivnp check' shows grid and masks");
   for (const VectorStatus s : field.status) known.scored.push_back(s == VectorStatus::valid);
   const std::array<float, 2> corner = known.nodes.pixel.front();
+  const NoiseShape shape = noise_shape(source.read(from), source.read(from + 1), known.nodes, best, known.scored);
   const Image frame = cropped(known, source.read(from));
   std::vector<Vec2> places;
   for (const auto& p : known.nodes.pixel) places.emplace_back(double(p[0]), double(p[1]));
@@ -241,7 +245,7 @@ CarriedFrame carried_frame(const Case& c, const Setting& setting, image::FrameSo
   piv::PairCorrelator on_part(*c.piv, known.nodes, known.width, known.height, threads);
   for (int round = 0; round < 3 && noise > 0; ++round) {
     const KnownPair trial =
-        CarriedFrame{{}, {}, CarriedTexture(frame, noise, carried_blur)}.pair("", image::uniform(0.3, -0.4), 0);
+        CarriedFrame{{}, {}, CarriedTexture(frame, noise, carried_blur, shape)}.pair("", image::uniform(0.3, -0.4), 0);
     const piv::PixelVectors found = on_part.correlate(trial.first.view(), trial.second.view(), known.mask.view());
     const double share = unlike_share(known, found.score, found.status);
     if (!(share > 0)) break;
@@ -249,8 +253,9 @@ CarriedFrame carried_frame(const Case& c, const Setting& setting, image::FrameSo
   }
   CarriedFrame out{{},
                    "Frame " + std::to_string(from) + " of " + std::to_string(frames),
-                   CarriedTexture(frame, noise, carried_blur),
+                   CarriedTexture(frame, noise, carried_blur, shape),
                    noise,
+                   shape,
                    most.shift,
                    most.slope};
   out.frame = from;
@@ -271,7 +276,11 @@ KnownPairs carried_pairs(const Case& c, const Setting& setting, image::FrameSour
   known.made_of = carried.from + ", carried by known fields of up to " + number(shift, 2) + " px and " +
                   number(100 * slope, 2) + " % (the frames' own: " + number(carried.shift, 2) + " px and " +
                   number(100 * carried.slope, 2) + " % from one to the next), with noise of " +
-                  number(std::sqrt(carried.noise), 2) + " grey values in both images.";
+                  number(std::sqrt(carried.noise), 2) + " grey values in both images (" +
+                  (carried.noise_shape.white() ? std::string("independent from pixel to pixel")
+                                               : "neighbours correlate by " + number(carried.noise_shape.correlation(1, 0), 2) + " along rows, by " +
+                                                     number(carried.noise_shape.correlation(0, 1), 2) + " along columns") +
+                  ").";
   const std::vector<Field> all = fields(shift, slope, carried.middle.x(), carried.middle.y());
   for (std::size_t f = 0; f < all.size(); ++f) {
     progress.update("drawing pairs", std::int64_t(f), std::int64_t(all.size()));

@@ -50,6 +50,7 @@ struct CarriedFrame {
   std::string from;  // "Frame 3 of 20"
   CarriedTexture texture;
   double noise = 0;             // variance, grey values squared
+  NoiseShape noise_shape = {};
   double shift = 0, slope = 0;  // 95th percentiles of displacement (px) and of its gradient from one frame to the next
   Vec2 middle = Vec2::Zero();   // of what is scored, px
   int frame = 0;                // its number, and where in it the part that is carried begins, px

@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
+#include <utility>
 
 #include "apps/study/pipeline/statistics.hpp"
-#include "apps/study/synth/truth.hpp"
 
 namespace pivnp::app {
 
@@ -128,20 +127,18 @@ CarriedTexture::Grey CarriedTexture::blurred(const Grey& g, double sigma) {
   return out;
 }
 
-CarriedTexture::CarriedTexture(const Image& frame, double noise, double blur)
+CarriedTexture::CarriedTexture(const Image& frame, double noise, double blur, NoiseShape shape)
     : still_(blurred(without_noise(grey_of(frame.view()), noise), blur)), spline_(coefficients(still_)), noise_(std::sqrt(noise)),
-      depth_(frame.depth()), white_(frame.white()) {}
+      shape_(std::move(shape)), depth_(frame.depth()), white_(frame.white()) {}
 
 Image CarriedTexture::draw(const std::function<double(int, int)>& grey, std::uint64_t seed, std::uint64_t number) const {
   const double most = depth_ == PixelDepth::u8 ? 255 : depth_ == PixelDepth::u16 ? 65535 : double(white_);
-  const std::uint64_t stream = seed + 7919 * (number + 1);
+  const std::vector<float> noise = noise_ > 0 ? shape_.draw(width(), height(), seed + 7919 * (number + 1)) : std::vector<float>();
   Image image(width(), height(), depth_, white_);
   for (int r = 0; r < height(); ++r)
     for (int c = 0; c < width(); ++c) {
       const std::size_t k = std::size_t(r) * std::size_t(width()) + std::size_t(c);
-      const double a = std::max(uniform(stream, 2 * k), 1e-300), b = uniform(stream, 2 * k + 1);
-      const double normal = std::sqrt(-2 * std::log(a)) * std::cos(2 * std::numbers::pi * b);
-      const double value = std::clamp(grey(c, r) + noise_ * normal, 0.0, most);
+      const double value = std::clamp(grey(c, r) + (noise.empty() ? 0 : noise_ * double(noise[k])), 0.0, most);
       if (depth_ == PixelDepth::u8) image.row<std::uint8_t>(r)[c] = std::uint8_t(std::lround(value));
       else if (depth_ == PixelDepth::u16) image.row<std::uint16_t>(r)[c] = std::uint16_t(std::lround(value));
       else image.row<float>(r)[c] = float(value);

@@ -5,6 +5,7 @@
 #include <functional>
 #include <vector>
 
+#include "apps/study/methods/noise_shape.hpp"
 #include "pivnp/core/image_view.hpp"
 #include "pivnp/core/math.hpp"
 #include "pivnp/core/record/vectors.hpp"
@@ -22,8 +23,8 @@ class CarriedTexture {
  public:
   /// `noise`: variance of the frame's random part, grey values squared. The frame is freed of it (adaptive Wiener filter over 3 x 3
   /// pixels, Lee 1980) and interpolated by cubic B-splines. `blur`: standard deviation of a Gaussian that takes off before what
-  /// interpolation cannot move, px; texture as sharp as its pixels would be found to lag.
-  CarriedTexture(const Image& frame, double noise, double blur = 0);
+  /// interpolation cannot move, px; texture as sharp as its pixels would be found to lag. `shape`: of the noise that is drawn.
+  CarriedTexture(const Image& frame, double noise, double blur = 0, NoiseShape shape = {});
 
   int width() const { return still_.width; }
   int height() const { return still_.height; }
@@ -51,6 +52,7 @@ class CarriedTexture {
 
   Grey still_, spline_;
   double noise_;  // standard deviation
+  NoiseShape shape_;
   PixelDepth depth_;
   float white_;
 };

@@ -9,6 +9,7 @@
 #include "apps/study/frontier/frontier.hpp"
 #include "apps/study/frontier/np/np_frontier.hpp"
 #include "apps/study/frontier/piv/piv_frontier.hpp"
+#include "apps/study/frontier/piv/spacing_frontier.hpp"
 #include "apps/study/frontier/work.hpp"
 #include "apps/study/methods/known_pairs.hpp"
 #include "tests/support/scratch.hpp"
@@ -45,6 +46,28 @@ TEST(FrontierStages, ASettingOfManyNamesIsListedOnce) {
   std::set<std::string> keys;
   for (const FrontierPoint& p : stage.points) EXPECT_TRUE(keys.insert(p.keys).second) << p.keys;
   EXPECT_TRUE(at(stage, "default, 32 px").own && at(stage, "default, 32 px").standard);
+}
+
+// What nodes are for: between those of a window's width nothing is known of a short wave; more of them than tell it cost time.
+TEST(FrontierStages, SpacingIsJudgedBetweenTheNodes) {
+  KnownPairs known = drawn_pairs(192, 5);
+  std::erase_if(known.pairs, [](const KnownPair& pair) { return pair.name != "shift" && pair.name != "wave 128 px" && pair.name != "wave 64 px" && pair.name != "wave 32 px"; });
+  ASSERT_EQ(known.pairs.size(), 4u);
+  GivenSpacing given{.px = 12};
+  given.key = [](double px) { return "grid.spacing_m=" + std::to_string(int(px)) + "e-3"; };
+  piv::PivOptions plain;
+  const FrontierStage stage = spacing_frontier(known, plain, {}, given, true, 1, 1, silent);
+  const FrontierPoint &usual = at(stage, "default, 32 px, nodes 8 px"), &wide = at(stage, "default, 32 px, nodes 32 px"), &own = at(stage, "default, 32 px, nodes 12 px");
+  EXPECT_TRUE(usual.standard && !usual.own && own.own && !own.standard);
+  EXPECT_EQ(wide.keys, "grid.spacing_m=32e-3");
+  EXPECT_EQ(own.keys, "the case as it is");
+  EXPECT_LT(usual.error, 0.2 * wide.error);
+  EXPECT_LT(usual.error, own.error);
+  constexpr std::size_t followed = 1, wave = 4;
+  EXPECT_GT(wide.columns[wave], 1.5 * usual.columns[wave]);
+  for (const FrontierPoint& p : stage.points) EXPECT_GT(p.columns[followed], 0.9) << p.name;
+  // At the nodes themselves a wide grid is as good as a narrow one: it is what lies between them that counts.
+  EXPECT_LT(at(stage, "fft, 16 px, nodes 8 px").error, 0.7 * at(stage, "fft, 16 px, nodes 16 px").error);
 }
 
 // Without noise each shape is as good as its order; noise sets a floor.
@@ -102,15 +125,15 @@ TEST(FrontierStages, AllInSmall) {
     }
     for (const char* end : {".csv", ".svg", ".png"}) EXPECT_GT(std::filesystem::file_size(settings.out / (stage.name + end)), 300u) << end;
   }
-  EXPECT_EQ(names, (std::vector<std::string>{"piv", "peers", "np", "np_strain", "drift", "vortex", "mpm", "chain"}));
-  EXPECT_EQ(std::count_if(outcome.stages[1].points.begin(), outcome.stages[1].points.end(), [](const FrontierPoint& p) { return p.elsewhere; }), 8);
+  EXPECT_EQ(names, (std::vector<std::string>{"piv", "piv_spacing", "peers", "np", "np_strain", "drift", "vortex", "mpm", "chain"}));
+  EXPECT_EQ(std::count_if(outcome.stages[2].points.begin(), outcome.stages[2].points.end(), [](const FrontierPoint& p) { return p.elsewhere; }), 8);
   // Direct correlation holds what summed increments let drift.
-  const FrontierStage& drift = outcome.stages[4];
+  const FrontierStage& drift = outcome.stages[5];
   EXPECT_TRUE(at(drift, "summed increments").standard);
   EXPECT_LT(at(drift, "summed increments").error, 1);
   EXPECT_LT(at(drift, "corrected every 10 frames").error, 0.8 * at(drift, "summed increments").error);
   // The vortex converges; bilinear functions do not get through it.
-  const FrontierStage& vortex = outcome.stages[5];
+  const FrontierStage& vortex = outcome.stages[6];
   const auto standard = std::find_if(vortex.points.begin(), vortex.points.end(), [](const FrontierPoint& p) { return p.standard; });
   const auto of_cells = [&](double cell) {
     return std::find_if(vortex.points.begin(), vortex.points.end(), [&](const FrontierPoint& p) { return p.keys == standard->keys && p.columns[0] == cell; })->error;

@@ -2,23 +2,15 @@
 #pragma once
 
 #include <cstddef>
-#include <string>
 #include <vector>
 
 #include "apps/study/frontier/front.hpp"
+#include "apps/study/frontier/piv/piv_choices.hpp"
 #include "apps/study/methods/known_pairs.hpp"
 
 namespace pivnp::app {
 
-/// A setting of [piv] by its name.
-struct PivChoice {
-  std::string name;
-  piv::PivOptions options;
-};
-/// Every method with the windows, orders and passes worth having, from `base`.
-std::vector<PivChoice> piv_choices(const piv::PivOptions& base);
-
-/// All of them, or those of `only`; `own`: the case's setting is marked, and added if it is
+/// All of piv_choices(), or those of `only`; `own`: the case's setting is marked, and added if it is
 /// none of them. Every pair is measured `repeats` times by each setting, settings in turn, on `threads` threads; a repeat's
 /// time is the median over the pairs, and of these the median, the least and the most are given. Settings of which more vectors are rejected (by .02 of the nodes) are on no front.
 ///
