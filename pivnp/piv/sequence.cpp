@@ -31,12 +31,15 @@ struct GroupField {
   Components value, variance, lost;
 };
 
+// What is known of a place of the material in a pair.
+enum class Source : std::uint8_t { lost, smooth, measured };
+
 struct HeldPair {
   PixelVectors vectors;
   Components measured, smooth, variance;
   std::vector<std::uint8_t> trusted;
-  Components on_paths;               // `measured` where the material of the reference lattice is
-  std::vector<std::uint8_t> known;   // of these
+  Components on_paths;               // `measured` where the material of the reference lattice is, `smooth` where it is not trusted
+  std::vector<Source> known;         // of these
   Components path;                   // place of that material at the vectors' instant, pixels of the level
   std::optional<CameraStep> camera;
 };
@@ -135,14 +138,16 @@ struct SequenceCorrelator::Impl {
       // the lattice by the splines' recursion and the running sums.
       if (!std::isfinite(x + y + d[0] + d[1] + value[0] + value[1])) {
         pair.path.u[k] = column(lattice, int(k % std::size_t(lattice.nx))), pair.path.v[k] = row(lattice, int(k / std::size_t(lattice.nx)));
-        pair.on_paths.u[k] = pair.on_paths.v[k] = 0, pair.known[k] = 0;
+        pair.on_paths.u[k] = pair.on_paths.v[k] = 0, pair.known[k] = Source::lost;
         return;
       }
-      pair.on_paths.u[k] = value[0] - rest[0], pair.on_paths.v[k] = value[1] - rest[1];
       const auto i = std::lround((x - column(lattice, 0)) / static_cast<float>(lattice.step)),
                  j = std::lround((y - row(lattice, 0)) / static_cast<float>(lattice.step));
-      pair.known[k] = i >= 0 && j >= 0 && i < lattice.nx && j < lattice.ny &&
-                      pair.trusted[lattice.index(static_cast<int>(i), static_cast<int>(j))] != 0;
+      const bool trusted = i >= 0 && j >= 0 && i < lattice.nx && j < lattice.ny &&
+                           pair.trusted[lattice.index(static_cast<int>(i), static_cast<int>(j))] != 0;
+      pair.known[k] = trusted ? Source::measured : Source::smooth;
+      const auto& from = trusted ? value : d;
+      pair.on_paths.u[k] = from[0] - rest[0], pair.on_paths.v[k] = from[1] - rest[1];
       place.u[k] += sign * d[0], place.v[k] += sign * d[1];
     });
   }
@@ -180,12 +185,23 @@ struct SequenceCorrelator::Impl {
     }
     Components mean;
     mean.resize(lattice.size());
+    std::vector<std::uint8_t> most(lattice.size());
+    // A pair that is not trusted at a place counts there by its smooth field, as long as most are: means of neighbours over
+    // different pairs would differ by how the motion changes, which would be taken for noise.
     each_point([&](int, int, std::size_t k) {
       float u = 0, v = 0, count = 0;
-      for (std::size_t n = begin; n < end; ++n)
-        if (held[n].known[k]) u += held[n].on_paths.u[k], v += held[n].on_paths.v[k], ++count;
-      mean.u[k] = count > 0 ? u / count : base.value.u[k], mean.v[k] = count > 0 ? v / count : base.value.v[k];
+      std::size_t measured = 0;
+      for (std::size_t n = begin; n < end; ++n) {
+        if (held[n].known[k] == Source::lost) continue;
+        u += held[n].on_paths.u[k], v += held[n].on_paths.v[k], ++count;
+        measured += held[n].known[k] == Source::measured;
+      }
+      most[k] = 2 * measured >= end - begin;
+      mean.u[k] = most[k] ? u / count : base.value.u[k], mean.v[k] = most[k] ? v / count : base.value.v[k];
     });
+    // Beside the material nothing is known: a jump there would be taken for structure, and for noise.
+    if (end - begin == held.size())
+      for (std::vector<float>* part : {&mean.u, &mean.v}) continue_field(lattice, most, *part);
     const GroupField field = shrunk(mean, base, end - begin == held.size() ? group_caution : 1.0f,
                                     static_cast<float>(end - begin));
     const std::size_t parts = std::min<std::size_t>(branches, end - begin);
@@ -245,7 +261,10 @@ struct SequenceCorrelator::Impl {
       base.variance.u[k] = std::max(variance[0], 0.0f), base.variance.v[k] = std::max(variance[1], 0.0f);
       base.lost.u[k] = std::max(lost[0], 0.0f), base.lost.v[k] = std::max(lost[1], 0.0f);
     });
-    GroupField change = shrunk(pair.measured, base, 1, 1);
+    Components own = pair.measured;
+    for (std::size_t k = 0; k < lattice.size(); ++k)
+      if (!pair.trusted[k]) own.u[k] = base.value.u[k], own.v[k] = base.value.v[k];
+    GroupField change = shrunk(own, base, 1, 1);
     const std::vector<float> share = steady_share(pair, base, change);
     for (std::size_t k = 0; k < lattice.size(); ++k) {
       change.value.u[k] = share[k] * (change.value.u[k] - pair.smooth.u[k]);
