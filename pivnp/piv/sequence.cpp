@@ -177,6 +177,17 @@ struct SequenceCorrelator::Impl {
     return out;
   }
 
+  // Beside the material nothing is known: a jump there would be taken for structure, and for noise. What the material departs from
+  // the base by goes on there.
+  void depart_smoothly(const GroupField& base, const std::vector<std::uint8_t>& known, Components& values) const {
+    for (const auto part : {&Components::u, &Components::v}) {
+      std::vector<float>& value = values.*part;
+      for (std::size_t k = 0; k < value.size(); ++k) value[k] = known[k] ? value[k] - (base.value.*part)[k] : 0.0f;
+      continue_field(lattice, known, value);
+      for (std::size_t k = 0; k < value.size(); ++k) value[k] += (base.value.*part)[k];
+    }
+  }
+
   // Pairs begin ... end - 1, of which `base` is known on the reference lattice.
   void divide(std::size_t begin, std::size_t end, const GroupField& base) {
     if (end - begin == 1) {
@@ -197,11 +208,9 @@ struct SequenceCorrelator::Impl {
         measured += held[n].known[k] == Source::measured;
       }
       most[k] = 2 * measured >= end - begin;
-      mean.u[k] = most[k] ? u / count : base.value.u[k], mean.v[k] = most[k] ? v / count : base.value.v[k];
+      if (most[k]) mean.u[k] = u / count, mean.v[k] = v / count;
     });
-    // Beside the material nothing is known: a jump there would be taken for structure, and for noise.
-    if (end - begin == held.size())
-      for (std::vector<float>* part : {&mean.u, &mean.v}) continue_field(lattice, most, *part);
+    depart_smoothly(base, most, mean);
     const GroupField field = shrunk(mean, base, end - begin == held.size() ? group_caution : 1.0f,
                                     static_cast<float>(end - begin));
     const std::size_t parts = std::min<std::size_t>(branches, end - begin);
@@ -262,8 +271,7 @@ struct SequenceCorrelator::Impl {
       base.lost.u[k] = std::max(lost[0], 0.0f), base.lost.v[k] = std::max(lost[1], 0.0f);
     });
     Components own = pair.measured;
-    for (std::size_t k = 0; k < lattice.size(); ++k)
-      if (!pair.trusted[k]) own.u[k] = base.value.u[k], own.v[k] = base.value.v[k];
+    depart_smoothly(base, pair.trusted, own);
     GroupField change = shrunk(own, base, 1, 1);
     const std::vector<float> share = steady_share(pair, base, change);
     for (std::size_t k = 0; k < lattice.size(); ++k) {
