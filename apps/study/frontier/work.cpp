@@ -7,8 +7,8 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdint>
+#include <ctime>
 #include <fstream>
 #include <limits>
 #include <string>
@@ -67,10 +67,15 @@ class Instructions {
 
 }  // namespace
 
-double seconds_of(const std::function<void()>& work) {
-  const auto start = std::chrono::steady_clock::now();
+double seconds_of(int threads, const std::function<void()>& work) {
+  const auto now = [threads] {
+    timespec t{};
+    clock_gettime(threads == 1 ? CLOCK_PROCESS_CPUTIME_ID : CLOCK_MONOTONIC, &t);
+    return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
+  };
+  const double start = now();
   work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return now() - start;
 }
 
 Effort measured(int threads, const std::function<void()>& work) {
@@ -79,7 +84,7 @@ Effort measured(int threads, const std::function<void()>& work) {
   const double before = status_bytes("VmRSS");
   Effort w;
   const Instructions instructions(threads == 1);
-  w.seconds = seconds_of(work);
+  w.seconds = seconds_of(threads, work);
   w.instructions = instructions.count();
   w.bytes = marked ? std::max(0.0, status_bytes("VmHWM") - before) : unknown;
   return w;

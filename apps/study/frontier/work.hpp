@@ -20,8 +20,8 @@ struct Effort {
 /// (perf_event_open) where `threads` is 1: those of other threads cannot be told apart.
 Effort measured(int threads, const std::function<void()>& work);
 
-/// Time alone, s.
-double seconds_of(const std::function<void()>& work);
+/// Time alone, s: with one thread the processor's, which what else the machine does hardly changes; with more the clock's.
+double seconds_of(int threads, const std::function<void()>& work);
 
 /// Median, least and most into a point.
 void set_times(const std::vector<double>& seconds, FrontierPoint& point);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 
+#include "pivnp/piv/dense/lattice_filter.hpp"
 #include "pivnp/piv/dense/lost.hpp"
 #include "pivnp/piv/dense/shrink.hpp"
 
@@ -91,6 +92,27 @@ TEST(Lost, IsStatedInABand) {
     EXPECT_LT(stated, 2 * square);
     EXPECT_LT(outside / others, .02);
   }
+}
+
+// Beyond what is known a field goes on without a jump, and within its range.
+TEST(ContinuedField, GoesOnFromWhatIsKnown) {
+  std::vector<float> values(lattice.size(), 1e9f);
+  std::vector<std::uint8_t> known(lattice.size(), 0);
+  for (int j = 0; j < cells_along; ++j)
+    for (int i = 0; i < 40; ++i) known[lattice.index(i, j)] = 1, values[lattice.index(i, j)] = 3 + .05f * float(i) + .02f * float(j);
+  const std::vector<float> before = values;
+  continue_field(lattice, known, values);
+  for (int j = 0; j < cells_along; ++j)
+    for (int i = 0; i < cells_along; ++i) {
+      const std::size_t k = lattice.index(i, j);
+      if (known[k]) ASSERT_EQ(values[k], before[k]);
+      ASSERT_GE(values[k], 3);
+      ASSERT_LE(values[k], 3 + .05f * 39 + .02f * 95);
+      if (i > 0) ASSERT_LT(std::abs(values[k] - values[k - 1]), .25f) << i << ", " << j;
+    }
+  std::vector<float> nothing(lattice.size(), 7);
+  continue_field(lattice, std::vector<std::uint8_t>(lattice.size(), 0), nothing);
+  EXPECT_EQ(nothing, std::vector<float>(lattice.size(), 7));
 }
 
 }  // namespace

@@ -70,6 +70,34 @@ TEST(Sequences, BeyondItsRangeFftSaysSo) {
   EXPECT_GE(noisy.good_kept, .97 * noisy.good);
 }
 
+// Flow that speeds up under bare air, where single pairs lose grains: what pairs together state is what their sums are off by. (Means of
+// neighbours over different pairs, or a jump to nothing at the surface, would be taken for noise of many times that.)
+TEST(Sequences, UnsteadyFlowUnderAirStatesWhatItIsOffBy) {
+  Sequence s{.frames = 15, .seed = 77, .noise = .03};
+  s.width = 288, s.height = 192;
+  s.texture.loss = .05;
+  s.material = [](const Vec2& X) { return X.y() > 64 && X.x() < 150; };
+  const auto gone = [](double y, int k) { return .08 * k * k * std::pow((y - 64) / 64, 2); };  // up to 9 px a pair and a shear of 14 %
+  s.place = [&](const Vec2& X, int k) -> Vec2 { return X + Vec2(gone(X.y(), k), 0); };
+  const sequence::Measured m = sequence::measure(s, {}, 2);
+  double error = 0, stated = 0, count = 0;
+  for (int j = 0; j < m.grid.ny; ++j)
+    for (int i = 0; i < m.grid.nx; ++i) {
+      const Vec2 at = m.grid.position(i, j);
+      if (at.y() < 88 || at.x() > 126) continue;  // more than a window's half from where the surface was at first
+      double sum = 0, variance = 0;
+      for (const VectorField& pair : m.pairs) {
+        const std::size_t k = std::size_t(j) * std::size_t(m.grid.nx) + std::size_t(i);
+        sum += double(pair.displacement[k][0]), variance += double(pair.cov[k][0]);
+      }
+      error += std::pow(sum - gone(at.y(), s.frames - 1), 2), stated += variance, ++count;
+    }
+  ASSERT_GT(count, 150);
+  EXPECT_LT(std::sqrt(stated / count), 3 * std::sqrt(error / count));
+  EXPECT_GT(std::sqrt(stated / count), .6 * std::sqrt(error / count));
+  test::verification_row("sequence, unsteady under air: stated by error", ".6 .. 3", std::to_string(std::sqrt(stated / error)));
+}
+
 // A pair alone, and methods without a field of their own, yield what the pair correlator yields.
 TEST(Sequences, APairAloneIsAPair) {
   Sequence s{.frames = 3, .seed = seed, .noise = .02};

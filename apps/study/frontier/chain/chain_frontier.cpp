@@ -221,7 +221,7 @@ FrontierStage chain_frontier(const Case& given, bool own, const RunSettings& set
       p.seconds = p.quickest = p.slowest = 0;
       std::vector<double> found;
       try {
-        const double comparing = seconds_of([&] {
+        const double comparing = seconds_of(threads, [&] {
           found = c.mpm ? verdicts.of(*np.motion, *simulated_parts[s].motion, c, quiet) : verdicts.of(*truth, *np.motion, c, quiet);
         });
         add_times(times_of[m], p);

@@ -102,7 +102,7 @@ FrontierStage vortex_frontier(int repeats, int threads, Progress& progress) {
     };
     try {
       const Effort work = measured(threads, [&] { turned(score); });
-      timed.push_back({{work.seconds}, [turned] { return seconds_of([&] { turned([](const mpm::Scene&, const mpm::Solver&) {}); }); }});
+      timed.push_back({{work.seconds}, [turned, threads] { return seconds_of(threads, [&] { turned([](const mpm::Scene&, const mpm::Solver&) {}); }); }});
       p.bytes = work.bytes, p.instructions = work.instructions;
       p.error = std::sqrt(square / area);
       p.columns = {s.cell, greatest, double(points), steps};

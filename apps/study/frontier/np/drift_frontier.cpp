@@ -150,7 +150,7 @@ FrontierStage drift_frontier(const np::NpOptions& base, const piv::PivOptions& p
     for (int again = 0; again < repeats; ++again) {
       progress.update("schemes of np.drift", done++, total);
       if (progress.stop_requested()) throw Interrupted();
-      seconds.push_back(seconds_of([&] { follow_it(false); }) / (drift_frames - 1));
+      seconds.push_back(seconds_of(threads, [&] { follow_it(false); }) / (drift_frames - 1));
     }
     set_times(seconds, p);
     p.bytes = work.bytes, p.instructions = work.instructions;

@@ -211,7 +211,7 @@ std::vector<FrontierStage> np_frontier(const np::NpOptions& base, const Followed
       if (repeat == 0) {
         works[k] = measured(threads, [&] { follow_all(wanted[k], true, k); });
       } else {
-        seconds[k].push_back(seconds_of([&] { follow_all(wanted[k], false, k); }) / (steps * elements));
+        seconds[k].push_back(seconds_of(threads, [&] { follow_all(wanted[k], false, k); }) / (steps * elements));
       }
     }
   omp_set_num_threads(before);

@@ -118,7 +118,7 @@ void measure_in_turn(std::vector<PivRun> runs, const KnownPairs& known, std::siz
         progress.update("settings", done++, total);
         if (progress.stop_requested()) throw Interrupted();
         piv::PixelVectors found;
-        const double seconds = seconds_of([&] { found = r.correlator->correlate(pair.first.view(), pair.second.view(), known.mask.view()); });
+        const double seconds = seconds_of(threads, [&] { found = r.correlator->correlate(pair.first.view(), pair.second.view(), known.mask.view()); });
         r.seconds.resize(known.pairs.size());
         r.seconds[number].push_back(seconds);
         if (repeat == 0) r.pairs.push_back(r.run.score(pair, found));
