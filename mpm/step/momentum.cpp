@@ -85,9 +85,11 @@ void update_momentum(GridState& g, const Vec2& gravity, double damping, double d
 void map_and_update(const Particles& p, GridState& g, const Scheme& scheme, SmallMassNodes& small, double least,
                     const Vec2& gravity, double dt, int threads) {
   std::vector<std::vector<std::uint32_t>> found(g.active.mapped.count());
+  const double rounding = mass_of_rounding(p);
   map_sums(p, g, scheme, true, threads, [&](Range nodes, std::size_t band) {
     for (std::size_t a = nodes.begin; a < nodes.end; ++a) {
       Node& node = g.node[g.active.nodes[a]];
+      if (node.mass < rounding) forget_sums(node);
       const double per = per_mass(node);
       node.vx *= per;
       node.vy *= per;

@@ -8,8 +8,6 @@ namespace pivnp::mpm {
 
 namespace {
 
-constexpr double negligible_share = 1e-21;  // of a point's mass
-
 void locate_anew(Particles& p, const GridState& g, std::size_t k) {
   const auto velocity_field = int(std::size_t(p.cell[k]) / g.field_nodes());
   double xi = 0, eta = 0;
@@ -78,20 +76,14 @@ void map_sums(const Particles& p, GridState& g, const Scheme& scheme, bool force
   const auto map = [&](Range range, std::size_t) {
     map_lanes(g.shape, affine, true, force, scheme.locking, points, cells, range);
   };
-  // Where no point has weight but that of rounding, momentum and force are the rounding of a whole cell's (moments-inl.hpp):
-  // over such a mass they would be any number.
-  const double negligible = p.size() > 0 ? negligible_share * p.mass_of(0) : 0;
-  for_bands(g.active.mapped, threads, clear, map, [&](Range nodes, std::size_t band) {
-    for_nodes_in(g, nodes, [&](Node& node) {
-      if (node.mass < negligible) node.mass = node.vx = node.vy = node.fx = node.fy = 0;
-    });
-    finished(nodes, band);
-  });
+  for_bands(g.active.mapped, threads, clear, map, finished);
 }
 
 void map_momentum(const Particles& p, GridState& g, const Scheme& scheme, bool force, int threads) {
+  const double rounding = mass_of_rounding(p);
   map_sums(p, g, scheme, force, threads, [&](Range nodes, std::size_t) {
-    for_nodes_in(g, nodes, [](Node& node) {
+    for_nodes_in(g, nodes, [&](Node& node) {
+      if (node.mass < rounding) forget_sums(node);
       const double per_mass = node.mass > 0 ? 1 / node.mass : 0;
       node.vx *= per_mass;
       node.vy *= per_mass;
