@@ -51,6 +51,8 @@ class RigidBodies {
   /// Corrects the strain-rate velocity at the points that apply() found in contact; there motion away from the body is not allowed either
   /// (taking only one sign of the scatter would part the material from the body).
   void apply_to_strain_velocity(double time, GridState& g) const;
+  /// Those that apply() found in contact, ascending.
+  std::vector<std::uint32_t> touched_nodes() const;
   /// Is a place inside a body, or less than `margin` from its outline?
   bool cover(const Vec2& x, double time, double margin) const;
   /// The first time after `time` at which a body starts or stops.

@@ -237,6 +237,14 @@ void RigidBodies::apply(double time, double dt, double least_mass, std::span<con
   if (from != reactions.end()) reactions.erase(last + 1, reactions.end());
 }
 
+std::vector<std::uint32_t> RigidBodies::touched_nodes() const {
+  std::vector<std::uint32_t> nodes;
+  for (const NodeShare& s : shares_) nodes.push_back(s.node);
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
+}
+
 void RigidBodies::separate_strain_velocities(GridState& g) const {
   for (const NodeShare& s : shares_) g.separate_strain_velocities(s.node);
 }

@@ -82,10 +82,13 @@ struct Cells {
     yy = hn::IfThenElse(no_y, one, yy);
     const V size = along_x * along_y, by_x = xx * along_y, by_y = yy * along_x;
     const V half = half_of * (by_x - by_y), mean = half_of * (by_x + by_y), off = half_of * (xy + yx);
-    const V least = mean - hn::Sqrt(half * half + off * off * size);
-    const V lack = hn::Max(zero, least_spread * size - least) / size;
-    xx = xx + lack * along_x;
-    yy = yy + lack * along_y;
+    const V apart2 = half * half + off * off * size, above = mean - least_spread * size;
+    // Mostly not: no root, no quotient.
+    if (HWY_UNLIKELY(!hn::AllTrue(d, hn::And(hn::Ge(above, zero), hn::Ge(above * above, apart2))))) {
+      const V lack = hn::Max(zero, hn::Sqrt(apart2) - above) / size;
+      xx = xx + lack * along_x;
+      yy = yy + lack * along_y;
+    }
     const V per = one / (xx * yy - xy * yx);
     return {per * yy, hn::Neg(per * xy), hn::Neg(per * yx), per * xx};
   }

@@ -129,6 +129,7 @@ HWY_INLINE Double4 Combine(Tag4, Double2 high, Double2 low) { return {low, high}
 HWY_INLINE Double2 InterleaveLower(Tag2, Double2 a, Double2 b) { return __builtin_shufflevector(a, b, 0, 2); }
 HWY_INLINE Double2 InterleaveUpper(Tag2, Double2 a, Double2 b) { return __builtin_shufflevector(a, b, 1, 3); }
 HWY_INLINE Double2 OddEven(Double2 odd, Double2 even) { return __builtin_shufflevector(even, odd, 0, 3); }
+HWY_INLINE Double4 OddEven(Double4 odd, Double4 even) { return {OddEven(odd.low, even.low), OddEven(odd.high, even.high)}; }
 HWY_INLINE Double4 ConcatLowerLower(Tag4, Double4 high, Double4 low) { return {low.low, high.low}; }
 HWY_INLINE Double4 ConcatUpperUpper(Tag4, Double4 high, Double4 low) { return {low.high, high.high}; }
 HWY_INLINE Double4 Reverse2(Tag4, Double4 v) {

@@ -14,9 +14,9 @@ namespace pivnp::mpm {
 /// One line of the caches, in the order in which the kernels add to it: four numbers at once, or with eight lanes the whole
 /// line, the last three as they are (so no other thread may touch it meanwhile).
 struct alignas(64) Node {
-  double mass = 0;          // kg/m
   double vx = 0, vy = 0;    // velocity mapped from the points, m/s (while it is being mapped: momentum)
   double fx = 0, fy = 0;    // force on the node without the damping, N/m
+  double mass = 0;          // kg/m
   double nx = 0, ny = 0;    // velocity after the momentum update and the restraints
   bool held = false;        // by a wall or body
   bool apart = false;       // strains the material by a velocity of its own (GridState::separate_strain_velocities())

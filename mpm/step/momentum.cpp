@@ -85,9 +85,11 @@ void update_momentum(GridState& g, const Vec2& gravity, double damping, double d
 void map_and_update(const Particles& p, GridState& g, const Scheme& scheme, SmallMassNodes& small, double least,
                     const Vec2& gravity, double dt, int threads) {
   std::vector<std::vector<std::uint32_t>> found(g.active.mapped.count());
+  const double rounding = mass_of_rounding(p);
   map_sums(p, g, scheme, true, threads, [&](Range nodes, std::size_t band) {
     for (std::size_t a = nodes.begin; a < nodes.end; ++a) {
       Node& node = g.node[g.active.nodes[a]];
+      if (node.mass < rounding) forget_sums(node);
       const double per = per_mass(node);
       node.vx *= per;
       node.vy *= per;
@@ -107,14 +109,31 @@ Vec2 working_velocity(const GridState& g, std::size_t n, bool strained) {
   return node.held ? after : Vec2(0.5 * (node.vx + after.x()), 0.5 * (node.vy + after.y()));
 }
 
-NodalWork nodal_work(const GridState& g, const std::vector<Reaction>& reactions, double damping, double dt,
-                     bool strained, int threads) {
+Vec2 working_velocity_by_touch(const GridState& g, const TouchedNode& touched, bool strained) {
+  const Node& node = g.node[touched.node];
+  const Vec2 after = strained ? g.strain_velocity(touched.node) : Vec2(node.nx, node.ny);
+  return 0.5 * (Vec2(touched.x, touched.y) + after) - working_velocity(g, touched.node, strained);
+}
+
+NodalWork nodal_work(const GridState& g, const std::vector<Reaction>& reactions, std::span<const TouchedNode> touched, double damping,
+                     double dt, bool strained, int threads) {
   NodalWork work;
   for (const Reaction& r : reactions) {
     const Vec2 w = working_velocity(g, r.node, strained);
     const double by_wall = r.impulse_x * r.wall_x + r.impulse_y * r.wall_y;
     work.bodies += by_wall;
     work.contact += by_wall - (r.impulse_x * w.x() + r.impulse_y * w.y());
+    const auto touch = std::lower_bound(touched.begin(), touched.end(), r.node, [](const TouchedNode& t, std::uint64_t n) { return t.node < n; });
+    if (touch == touched.end() || touch->node != r.node) continue;
+    const Vec2 more = working_velocity_by_touch(g, *touch, strained);
+    work.contact -= r.impulse_x * more.x() + r.impulse_y * more.y();
+  }
+  for (const TouchedNode& touch : touched) {
+    const Node& node = g.node[touch.node];
+    if (!(node.mass > 0)) continue;
+    const Vec2 more = working_velocity_by_touch(g, touch, strained);
+    work.kinetic += node.mass * ((node.nx - node.vx) * more.x() + (node.ny - node.vy) * more.y());
+    if (damping > 0) work.damping -= dt * damping_force(damping, node).dot(more);
   }
   std::vector<NodalWork> parts(node_parts(g));
   for_node_parts(g, threads, [&](std::size_t part, std::size_t begin, std::size_t end) {

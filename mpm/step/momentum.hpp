@@ -1,6 +1,8 @@
 // The momentum balance at the nodes, and the work done there.
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "mpm/constraint/restraints.hpp"
@@ -39,13 +41,23 @@ struct NodalWork {
   double kinetic = 0;   // of all impulses together
 };
 
+/// A node that a rigid body touched in the last step, and the velocity by which it strained the material then.
+struct TouchedNode {
+  std::uint64_t node;
+  double x, y;
+};
+
 /// The work of an impulse is impulse . w, where w is the mean of the mapped velocity v and the one that strains the
 /// material (`strained`: GridState::strain_velocity(); else Node::n), and at held nodes the latter alone: v there is what the
-/// points would do without the wall. With it the work of the stresses is what the points' energy changes by.
-NodalWork nodal_work(const GridState& g, const std::vector<Reaction>& reactions, double damping, double dt,
-                     bool strained, int threads);
+/// points would do without the wall. With it the work of the stresses is what the points' energy changes by. At nodes in
+/// `touched` (ascending) w is the mean of the velocities that strained the material in the last step and in this one: v stands
+/// for the former elsewhere, but not where a body has changed the one and not the other.
+NodalWork nodal_work(const GridState& g, const std::vector<Reaction>& reactions, std::span<const TouchedNode> touched, double damping,
+                     double dt, bool strained, int threads);
 
+/// Without regard to what was touched; and what that adds to it.
 Vec2 working_velocity(const GridState& g, std::size_t node, bool strained);
+Vec2 working_velocity_by_touch(const GridState& g, const TouchedNode& touched, bool strained);
 
 /// 1/2 m n^2 of the active nodes, J/m, and the greatest squared speed of those heavier than `least` (kg/m).
 struct NodalMotion {

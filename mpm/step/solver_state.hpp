@@ -8,6 +8,7 @@
 #include "mpm/constraint/reaction.hpp"
 #include "mpm/heat/heat.hpp"
 #include "mpm/step/energy.hpp"
+#include "mpm/step/momentum.hpp"
 #include "mpm/state/particles.hpp"
 #include "mpm/step/sleep.hpp"
 #include "pivnp/core/particles/motion.hpp"
@@ -36,6 +37,7 @@ struct SolverState {
   bool at_rest = false;     // motion has ended: nothing is stepped any more
   bool far = false;         // MpmOptions::end_displacement_m is reached: likewise
   std::vector<double> pressure_change;  // of every node in the last step, where pressure is projected
+  std::vector<TouchedNode> touched;  // by rigid bodies, in the last step
   std::vector<double> body_motion;   // RigidBodies::motion()
   std::vector<Impulse> impulses;     // on the material, of each wall, traction's boundary and rigid body (Solver::Impl)
   std::int64_t steps = 0;

@@ -1,7 +1,9 @@
 // What a run watches: the energy balance, whether motion has ended, points that end, and failure.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <sstream>
+#include <utility>
 
 #include "mpm/step/solver_impl.hpp"
 #include "pivnp/core/error.hpp"
@@ -21,15 +23,27 @@ constexpr double still = 0.01;                // cells that the fastest node may
 
 void Solver::Impl::add_work(const Cycle& c) {
   const bool strained = scheme.stress != StressUpdate::usf;
-  state.balance.add(nodal_work(g, reactions, scheme.damping, c.dt, strained, c.threads), gather.kinetic_loss);
+  state.balance.add(nodal_work(g, reactions, state.touched, scheme.damping, c.dt, strained, c.threads), gather.kinetic_loss);
   for (const Reaction& r : reactions)
     if (r.body >= 0) impulses_of_bodies()[std::size_t(r.body)].add({r.impulse_x, r.impulse_y}, g.position(r.node));
-  if (!pushes()) return;
-  for (const std::uint32_t n : g.active.nodes) {
-    const Vec2 w = working_velocity(g, n, strained);
-    const double work = c.dt * (g.arrays.loads[n].x * w.x() + g.arrays.loads[n].y * w.y());
-    state.balance.bodies += work;
-    state.balance.moved += std::abs(work);
+  if (pushes()) {
+    std::vector<Vec2> more(state.touched.size());
+    std::transform(state.touched.begin(), state.touched.end(), more.begin(),
+                   [&](const TouchedNode& t) { return working_velocity_by_touch(g, t, strained); });
+    std::size_t t = 0;
+    for (const std::uint32_t n : g.active.nodes) {
+      Vec2 w = working_velocity(g, n, strained);
+      while (t < more.size() && state.touched[t].node < n) ++t;
+      if (t < more.size() && state.touched[t].node == n) w += more[t];
+      const double work = c.dt * (g.arrays.loads[n].x * w.x() + g.arrays.loads[n].y * w.y());
+      state.balance.bodies += work;
+      state.balance.moved += std::abs(work);
+    }
+  }
+  state.touched.clear();
+  for (const std::uint32_t n : bodies.touched_nodes()) {
+    const Vec2 u = strained ? std::as_const(g).strain_velocity(n) : Vec2(g.node[n].nx, g.node[n].ny);
+    state.touched.push_back({n, u.x(), u.y()});
   }
 }
 

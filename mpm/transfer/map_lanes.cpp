@@ -9,6 +9,7 @@
 #include <hwy/highway.h>
 
 #include "mpm/transfer/lanes-inl.hpp"
+#include "mpm/transfer/moments-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace pivnp::mpm::HWY_NAMESPACE {
@@ -89,8 +90,8 @@ struct Mapping {
   Locking locking;
 
   // What the mean stress of the tile's points changes by; `mean`: of F-bar's elements, from the occupied cell `first` on.
-  template <class Lines, class Tile>
-  HWY_INLINE V mean_change(const Lines& l, const Tile& t, const TileCells& cells, const double* mean,
+  template <class Tile>
+  HWY_INLINE V mean_change(const Natural& place, const Tile& t, const TileCells& cells, const double* mean,
                            std::size_t first, V xx, V yy) const {
     const V own = sum3(xx, yy, normal_stress(p, t, p.tau_zz)) * set(-1.0 / 3);
     if constexpr (!S::centred) {
@@ -98,14 +99,17 @@ struct Mapping {
       const V element = of_groups(mean[cells.occupied[0] - first], mean[cells.occupied[groups - 1] - first]);
       return hn::IfThenZeroElse(stands_open(p, t), own + element);
     } else {
-      return hn::IfThenZeroElse(stands_open(p, t), own + averaged(c, cells, l.xi, l.eta));
+      return hn::IfThenZeroElse(stands_open(p, t), own + averaged(c, cells, place.xi, place.eta));
     }
   }
 
   template <class Tile>
   HWY_INLINE void tile(const Tile& t, const TileCells& cells, double volume_factor, const double* mean,
                        std::size_t first) const {
-    const auto l = lines_of<S>(p, c, cells, t);
+    const Natural place = natural<S>(p, c, cells, t);
+    if constexpr (affine && CellMoments::serve<S>)
+      if (CellMoments::hold(cells) && p.outside == 0) return tile_by_moments(t, cells, place, volume_factor);
+    const TileLines<S, Tile> l(p, cells, t, place);
     V ax[W], ay[W], pm[W], ux[W], uy[W], ex[W], ey[W], fxg[W], fxw[W], fyg[W], fyw[W];
     const V m = momentum ? mass_of(p, t) : zero();
     const V vx = t.load(p.vx), vy = t.load(p.vy);
@@ -123,7 +127,7 @@ struct Mapping {
     const V v = t.live(p.mass ? t.load(p.volume0) : t.again(p.volume0)) * set(-volume_factor);
     V xx = normal_stress(p, t, p.tau_xx), yy = normal_stress(p, t, p.tau_yy);
     if (locking != Locking::none && volume_factor != 0) {
-      const V change = mean_change(l, t, cells, mean, first, xx, yy);
+      const V change = mean_change(place, t, cells, mean, first, xx, yy);
       xx = xx + change;
       yy = yy + change;
     }
@@ -140,15 +144,34 @@ struct Mapping {
       const V lift = lift_of(p, t);
       for (int a = 0; a < W; ++a) fyg[a] = hn::MulAdd(lift, l.x.w[a], fyg[a]);
     }
-    const auto fy = [&](int n) PIVNP_TILE { return hn::MulAdd(fyg[n % W], l.y.w[n / W], fyw[n % W] * l.y.g[n / W]); };
+    const auto mass = [&](int n) PIVNP_TILE { return pm[n % W] * l.y.w[n / W]; };
     const auto four = [&](int n) PIVNP_TILE {
       const int a = n % W, b = n / W;
-      const V mass = pm[a] * l.y.w[b];
-      const V fx = hn::MulAdd(fxg[a], l.y.w[b], fxw[a] * l.y.g[b]);
-      if constexpr (affine) return Four{mass, mass * (ux[a] + ex[b]), mass * (uy[a] + ey[b]), fx};
-      else return Four{mass, mass * vx, mass * vy, fx};
+      const V share = mass(n), fx = hn::MulAdd(fxg[a], l.y.w[b], fxw[a] * l.y.g[b]), fy = hn::MulAdd(fyg[a], l.y.w[b], fyw[a] * l.y.g[b]);
+      if constexpr (affine) return Four{share * (ux[a] + ex[b]), share * (uy[a] + ey[b]), fx, fy};
+      else return Four{share * vx, share * vy, fx, fy};
     };
-    add_fives<W * W>(four, fy, [&](std::size_t g, int n) PIVNP_TILE { return &cells.base[g][n / W * cells.nx + n % W].mass; });
+    add_fives<W * W>(four, mass, [&](std::size_t g, int n) PIVNP_TILE { return &cells.base[g][n / W * cells.nx + n % W].vx; });
+  }
+
+  // The same from the sums of powers over each cell.
+  template <class Tile>
+  HWY_INLINE void tile_by_moments(const Tile& t, const TileCells& cells, const Natural& place, double volume_factor) const {
+    const V m = momentum ? mass_of(p, t) : zero(), mx = m * set(c.hx), my = m * set(c.hy);
+    const V v = t.live(p.mass ? t.load(p.volume0) : t.again(p.volume0)) * set(-volume_factor);
+    V xx = normal_stress(p, t, p.tau_xx), yy = normal_stress(p, t, p.tau_yy);
+    if (locking != Locking::none && volume_factor != 0) {
+      const V change = mean_change(place, t, cells, nullptr, 0, xx, yy);
+      xx = xx + change;
+      yy = yy + change;
+    }
+    const V vx = v * set(c.per_hx), vy = v * set(c.per_hy), xy = t.load(p.tau_xy);
+    CellMoments sums(place.xi, place.eta);
+    sums.take_mass(m);
+    sums.take_momentum({m * t.load(p.vx), m * t.load(p.vy)}, {mx * t.load(p.C_xx), mx * t.load(p.C_yx)},
+                       {my * t.load(p.C_xy), my * t.load(p.C_yy)});
+    sums.take_force({vx * xx, vx * xy}, {vy * xy, vy * yy});
+    sums.add([&](std::size_t g, std::ptrdiff_t i, std::ptrdiff_t j) PIVNP_TILE { return &cells.base[g][j * cells.nx + i].vx; });
   }
 
   HWY_INLINE void run(Range range) const {
@@ -191,7 +214,7 @@ HWY_INLINE void map_hoop_of(Locking locking, const PointView& p, const CellView&
     for_tiles(c, part, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
       const auto l = lines_of<S>(p, c, cells, t);
       V zz = t.load(p.tau_zz);
-      if (locking != Locking::none) zz = zz + mapping.mean_change(l, t, cells, mean, part.begin, t.load(p.tau_xx), t.load(p.tau_yy));
+      if (locking != Locking::none) zz = zz + mapping.mean_change({l.xi, l.eta}, t, cells, mean, part.begin, t.load(p.tau_xx), t.load(p.tau_yy));
       const V f = t.live(t.load(p.volume0)) * zz / radius_of(c, cells, l.xi);
       V fx[N];
       for (int n = 0; n < N; ++n) fx[n] = hn::Neg(f * l.x.w[n % W] * l.y.w[n / W]);

@@ -80,8 +80,10 @@ void map_sums(const Particles& p, GridState& g, const Scheme& scheme, bool force
 }
 
 void map_momentum(const Particles& p, GridState& g, const Scheme& scheme, bool force, int threads) {
+  const double rounding = mass_of_rounding(p);
   map_sums(p, g, scheme, force, threads, [&](Range nodes, std::size_t) {
-    for_nodes_in(g, nodes, [](Node& node) {
+    for_nodes_in(g, nodes, [&](Node& node) {
+      if (node.mass < rounding) forget_sums(node);
       const double per_mass = node.mass > 0 ? 1 / node.mass : 0;
       node.vx *= per_mass;
       node.vy *= per_mass;

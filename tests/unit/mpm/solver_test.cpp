@@ -188,7 +188,7 @@ TEST(Solver, ABodyDrivenThroughTheMaterialKeepsTheEnergyBalance) {
     solver.advance_to(0.1, silent);
     const EnergyRow e = solver.energy();
     EXPECT_GT(e.external, 0.1);
-    EXPECT_LT(std::abs(e.residual), 0.025 * e.external) << locking;  // 1.8 % was found
+    EXPECT_LT(std::abs(e.residual), 0.005 * e.external) << locking;  // (.43 % is found; 1.8 with the mapped velocity under the pile)
   }
 }
 
