@@ -110,6 +110,7 @@ struct Solver::Impl {
   void carry_water(const Cycle& c);
   void follow_level(const Cycle& c);
   void flow_water(const Cycle& c);
+  void press_faces(const Cycle& c, bool counted);
   void end_water(std::size_t k);
   void put_water(MotionFrame& frame);
   bool water_works_in_steps() const { return loading.gravity_changes() || water->level_moves(); }

@@ -146,6 +146,7 @@ void Solver::Impl::restrain_nodes(const Cycle& c) {
 
 void Solver::Impl::apply_restraints(const Cycle& c, bool counted) {
   reactions.clear();
+  if (water) press_faces(c, counted);
   restraints.apply(state.time, c.dt, g, reactions, counted ? impulses_of_walls() : std::span<Impulse>());
   contacts.apply(g, restraints, reactions, counted ? impulses_of_contacts() : std::span<Impulse>());
   bodies.accelerate(state.time, c.dt, c.gravity, field_of_bodies());

@@ -156,6 +156,28 @@ void Solver::Impl::flow_water(const Cycle& c) {
     fail("a particle has lost more water than it held, expected less deformation or mpm.pressure = \"explicit\"");
 }
 
+// Walls and contacts are pressed by skeleton and water together; what rubs is the skeleton. Between two bodies it slides where the
+// skeleton bears less: on the side of the greater pressure.
+void Solver::Impl::press_faces(const Cycle& c, bool counted) {
+  std::vector<std::uint32_t> rubbing = counted ? restraints.rubbing(state.time, g) : std::vector<std::uint32_t>();
+  std::vector<Vec2> on_walls;
+  for (const PoreWater::Thrust& t : water->thrust(p, g, c.gravity, state.time, rubbing, c.threads)) on_walls.push_back(c.dt * t.force);
+  restraints.press(rubbing, on_walls, g);
+  if (contacts.empty()) return;
+  std::vector<std::uint32_t> nodes;
+  for (const Contacts::ContactNode& m : contacts.nodes()) nodes.insert(nodes.end(), {m.node[0], m.node[1]});
+  if (!counted) nodes.clear();
+  const std::vector<PoreWater::Thrust> thrusts = water->thrust(p, g, c.gravity, state.time, nodes, c.threads);
+  std::vector<double> on_contacts;
+  for (std::size_t k = 0; k < thrusts.size(); k += 2) {
+    const PoreWater::Thrust &a = thrusts[k], &b = thrusts[k + 1];
+    const Vec2& normal = contacts.nodes()[k / 2].normal;
+    const bool first = a.pores && (!b.pores || a.pressure >= b.pressure);
+    on_contacts.push_back(c.dt * (first ? a.force.dot(normal) : b.pores ? -b.force.dot(normal) : 0));
+  }
+  contacts.press(on_contacts);
+}
+
 void Solver::Impl::put_water(MotionFrame& frame) {
   const std::vector<Vec2> flow = water->flow_at_points(p, g, loading.tractions(), loading.gravity(state.time), state.time, most_threads);
   const std::span<float> of_flow = frame.add("water_flow", p.size());

@@ -89,6 +89,15 @@ class PoreWater {
                                    int threads);
   /// Particles::pressure and the stress that momentum sees, of contents and skeleton as they are.
   void refresh(Particles& p, const Vec2& gravity, int threads) const;
+  /// At a node, over points that hold water: the excess pressure, as a boundary gives it or as the points have it, and the force
+  /// with which it presses their face there (their area by the shape functions of the momentum), out of the material. (pore_faces.cpp)
+  struct Thrust {
+    bool pores = false;
+    double pressure = 0;            // Pa
+    Vec2 force = Vec2::Zero();      // N/m
+  };
+  std::vector<Thrust> thrust(const Particles& p, const GridState& g, const Vec2& gravity, double time,
+                             const std::vector<std::uint32_t>& nodes, int threads) const;
   /// Mass of the water that each point displaces below the level, kg/m.
   std::vector<double> displaced_mass(const Particles& p) const;
 
