@@ -10,7 +10,7 @@ namespace pivnp::mpm {
 
 namespace {
 
-constexpr char magic[8] = {'p', 'i', 'v', 'm', 'p', 'm', '1', '1'};
+constexpr char magic[8] = {'p', 'i', 'v', 'm', 'p', 'm', '1', '2'};
 
 class Writer {
  public:
@@ -103,6 +103,7 @@ void visit(Archive& a, State& s) {
   a.value(s.at_rest);
   a.value(s.far);
   a.list(s.pressure_change);
+  a.list(s.water_inertia);
   a.array(s.body_motion);
   a.array(s.impulses);
   a.array(s.sleep.asleep);

@@ -36,6 +36,7 @@ struct SolverState {
   bool at_rest = false;     // motion has ended: nothing is stepped any more
   bool far = false;         // MpmOptions::end_displacement_m is reached: likewise
   std::vector<double> pressure_change;  // of every node in the last step, where pressure is projected
+  std::vector<double> water_inertia;    // of every node, where water has inertia: acceleration, and flow along the edges right and up
   std::vector<double> body_motion;   // RigidBodies::motion()
   std::vector<Impulse> impulses;     // on the material, of each wall, traction's boundary and rigid body (Solver::Impl)
   std::int64_t steps = 0;
