@@ -177,11 +177,11 @@ std::vector<std::complex<double>> roots_of(const std::vector<double>& c) {
   return {z.begin(), z.end()};
 }
 
-// Im and -Re of the fast one, -Re of the slowest.
+// Im and -Re of the fast one, -Re of the slowest. (Of what is gone within a sample, a history tells no more than noise.)
 Waves fast_and_slow(const std::vector<std::complex<double>>& s) {
-  Waves w{0, 0, 1e300};
+  Waves w{0, 1e300, 1e300};
   for (const auto& root : s)
-    if (root.imag() > w.speed) w = {root.imag(), -root.real(), w.slow};
+    if (root.imag() > 0 && -root.real() < w.decay) w = {root.imag(), -root.real(), w.slow};
   for (const auto& root : s) w.slow = std::min(w.slow, std::abs(root.imag()) < 1e-6 * w.speed ? -root.real() : 1e300);
   return w;
 }
@@ -243,7 +243,9 @@ std::array<Waves, 2> waves_with_inertia(ShapeKind shape, double stiff, double la
 TEST(MpmBiotSmall, TheWatersOwnInertia) {
   const auto [w, without] = waves_with_inertia(ShapeKind::bspline, 3, 0.3, 24);
   std::printf("waves with the water's inertia, 24 cells: speed %.4f, decay %.4f, slow %.4f; without %.4f, %.4f, %.4f\n", w.speed, w.decay, w.slow, without.speed, without.decay, without.slow);
-  expect_waves(w);
+  EXPECT_NEAR(w.speed, 1, 0.01);
+  EXPECT_NEAR(w.decay, 1, 0.05);  // a ninth of what it is without; of second order in the cell
+  EXPECT_NEAR(w.slow, 1, 0.01);
   EXPECT_GT(without.decay, 2);
 }
 
