@@ -271,7 +271,8 @@ void Contacts::press(std::span<const double> impulses) {
   for (std::size_t k = 0; k < nodes_.size(); ++k) nodes_[k].pressed = impulses.empty() ? 0 : impulses[k];
 }
 
-// Coulomb's law for the sums of a step's impulses, of which the skeletons bear what the water does not. (What is rough sticks.)
+// Coulomb's law for the sums of a step's impulses, of which the skeletons bear what the water does not. (What is rough
+// sticks.)
 void Contacts::enforce(ContactNode& m, GridState& g) const {
   Node &a = g.node[m.node[0]], &b = g.node[m.node[1]];
   const Mat2 both = m.mobility[0] + m.mobility[1];

@@ -71,7 +71,8 @@ std::vector<std::uint32_t> Restraints::rubbing(double time, const GridState& g) 
   for (const RestrainedNode& at : nodes_) {
     if (!(g.node[at.node].mass > 0)) continue;
     for (std::size_t w = 0; w < at.walls.size(); ++w)
-      if (const Wall& wall = walls_[at.walls[w]]; wall.type == Type::frictional && wall.friction > 0 && time < at.until[w]) {
+      if (const Wall& wall = walls_[at.walls[w]];
+          wall.type == Type::frictional && wall.friction > 0 && time < at.until[w]) {
         nodes.push_back(at.node);
         break;
       }
@@ -120,7 +121,8 @@ void Restraints::apply_friction(const RestrainedNode& at, double time, Vec2& v, 
     if (!(inward > 0)) continue;
     Vec2 tangential = v - inward * wall.normal;
     if (with_friction) {
-      const double speed = tangential.norm(), most = wall.friction * std::max(0.0, inward - at.pressed.dot(wall.normal));
+      const double speed = tangential.norm(),
+                   most = wall.friction * std::max(0.0, inward - at.pressed.dot(wall.normal));
       stuck = speed <= most;
       tangential *= stuck ? 0.0 : 1 - most / speed;
     }

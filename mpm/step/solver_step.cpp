@@ -86,7 +86,8 @@ void Solver::Impl::find_cells(const Cycle& c) {
 
 // Nothing asks for the mapped velocity before the momentum is updated: A.3-A.7 in one sweep.
 bool Solver::Impl::maps_and_advances() const {
-  return scheme.stress != StressUpdate::usf && scheme.transfer != TransferKind::xpic && contacts.empty() && !pushes() && !scheme.axisymmetric && !has_inertia();
+  return scheme.stress != StressUpdate::usf && scheme.transfer != TransferKind::xpic && contacts.empty() && !pushes() &&
+         !scheme.axisymmetric && !has_inertia();
 }
 
 void Solver::Impl::map_to_nodes(const Cycle& c) {

@@ -21,10 +21,11 @@ void for_node_lists(const GridState& g, int threads, Sweep&& sweep) {
 
 }  // namespace
 
-PoreFlow PoreWater::flow(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, double dt,
-                         int threads, std::vector<double>* state) {
+PoreFlow PoreWater::flow(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time,
+                         double dt, int threads, std::vector<double>* state) {
   set_outside(p, gravity);
-  if (state && has_front(p, gravity, threads)) throw RunError("mpm: pores are no longer full, expected full pores with water.inertia");
+  if (state && has_front(p, gravity, threads))
+    throw RunError("mpm: pores are no longer full, expected full pores with water.inertia");
   if (has_front(p, gravity, threads)) return flow_with_front(p, g, tractions, gravity, time, dt, threads);
   PoreFlow sums = flow_through_tractions(p, tractions, time, dt);
   map_points(p, g, tractions, gravity, time, threads);
@@ -56,8 +57,9 @@ PoreFlow PoreWater::flow(Particles& p, GridState& g, const Tractions& tractions,
   return sums;
 }
 
-std::vector<Vec2> PoreWater::flow_at_points(const Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity,
-                                            double time, int threads, const std::vector<double>* state) {
+std::vector<Vec2> PoreWater::flow_at_points(const Particles& p, GridState& g, const Tractions& tractions,
+                                            const Vec2& gravity, double time, int threads,
+                                            const std::vector<double>* state) {
   if (has_front(p, gravity, threads)) return flow_in_front(p, g, tractions, gravity, time, threads);
   map_points(p, g, tractions, gravity, time, threads);
   take_means(g, gravity, time, 0, threads);

@@ -1,7 +1,7 @@
 // The water's own inertia (docs/theory/mpm_water.md#inertia-of-the-water): flow along an edge follows
 //   (rho_w/n) dq/dt + q/lambda = -(grad e + rho_w a),
-// the drag implicit, and the mixture feels -rho_w dq/dt. Acceleration a of an edge and the force on its nodes have the same weights, the
-// nodes' volumes, so that light nodes of a surface drive nothing.
+// the drag implicit, and the mixture feels -rho_w dq/dt. Acceleration a of an edge and the force on its nodes have the
+// same weights, the nodes' volumes, so that light nodes of a surface drive nothing.
 #include <cmath>
 
 #include "mpm/water/pore_water.hpp"
@@ -17,7 +17,9 @@ enum { a_x, a_y, flow_x, flow_y, per_node };  // of the state; flow: into the no
 
 void PoreWater::check_inertia(const Particles& p, const Vec2& gravity) const {
   if (!options_.inertia) return;
-  const auto refuse = [](const std::string& beside) { throw InputError("water.inertia: found true beside " + beside + ", expected false"); };
+  const auto refuse = [](const std::string& beside) {
+    throw InputError("water.inertia: found true beside " + beside + ", expected false");
+  };
   if (projected()) refuse("mpm.pressure = \"projected\"");
   if (imposed()) refuse("water.groundwater = \"level\"");
   if (alike_.own) refuse("materials of several kinds, or with permeability = \"kozeny_carman\"");
@@ -34,11 +36,14 @@ PoreFlow PoreWater::push_flow(const GridState& g, double dt, std::vector<double>
   state.resize(next.size(), 0.0);
   pushed_.assign(g.grid.node_count(), Vec2::Zero());
   const auto edge = [&](std::size_t n, std::size_t other, int axis, double exchange) {
-    if (!(exchange > 0) || !(f.volume[n] > 0) || !(f.volume[other] > 0) || (marks_[n].given && marks_[other].given)) return;
+    if (!(exchange > 0) || !(f.volume[n] > 0) || !(f.volume[other] > 0) || (marks_[n].given && marks_[other].given))
+      return;
     const double share = f.volume[n] / (f.volume[n] + f.volume[other]), h = g.grid.spacing[axis];
     const double porosity = (sums_.node[n].mobile + sums_.node[other].mobile) / (f.volume[n] + f.volume[other]);
-    const double acceleration = share * state[per_node * n + std::size_t(axis)] + (1 - share) * state[per_node * other + std::size_t(axis)];
-    const double drop = exchange * (f.potential[other] - f.potential[n]), driven = drop + exchange * density * h * acceleration;
+    const double acceleration =
+        share * state[per_node * n + std::size_t(axis)] + (1 - share) * state[per_node * other + std::size_t(axis)];
+    const double drop = exchange * (f.potential[other] - f.potential[n]),
+                 driven = drop + exchange * density * h * acceleration;
     const double lag = density * alike_.mobility / porosity, before = state[per_node * n + std::size_t(flow_x + axis)];
     const double after = (lag * before + driven) / (lag + dt), more = dt * after - drop;
     next[per_node * n + std::size_t(flow_x + axis)] = after;
@@ -53,7 +58,8 @@ PoreFlow PoreWater::push_flow(const GridState& g, double dt, std::vector<double>
     gains(other, n, -more);
   };
   // (The edges' own exchange, PoreFields::flow_x, lacks what the points even out in their cells.)
-  const double x = 0.5 * dt * alike_.mobility * g.per_hx * g.per_hx, y = 0.5 * dt * alike_.mobility * g.per_hy * g.per_hy;
+  const double x = 0.5 * dt * alike_.mobility * g.per_hx * g.per_hx,
+               y = 0.5 * dt * alike_.mobility * g.per_hy * g.per_hy;
   for (const std::uint32_t n : g.active.nodes) {
     const double* inside = f.inside + n;
     edge(n, n + 1, 0, x * (inside[0] + inside[-f.row]));
@@ -80,7 +86,8 @@ double PoreWater::accelerates(const GridState& g, double dt, std::vector<double>
     if (!(node.mass > 0)) continue;
     of_node[a_x] = (node.nx - node.vx) / dt;
     of_node[a_y] = (node.ny - node.vy) / dt;
-    lost -= dt * pushed_[n].dot(node.held ? Vec2(node.nx, node.ny) : Vec2(0.5 * (node.vx + node.nx), 0.5 * (node.vy + node.ny)));
+    lost -= dt * pushed_[n].dot(node.held ? Vec2(node.nx, node.ny)
+                                          : Vec2(0.5 * (node.vx + node.nx), 0.5 * (node.vy + node.ny)));
   }
   return lost;
 }
@@ -95,7 +102,8 @@ double PoreWater::inert_stiffness(std::size_t material, double modulus, double d
 }
 
 // Of a point in the element up and to the right of a node: the edges' flow over the volume that they stand for.
-Vec2 PoreWater::inert_flow(const GridState& g, std::size_t n, double s, double t, const std::vector<double>& state) const {
+Vec2 PoreWater::inert_flow(const GridState& g, std::size_t n, double s, double t,
+                           const std::vector<double>& state) const {
   const auto row = std::ptrdiff_t(field_.row);
   const auto of = [&](std::size_t node, int axis) {
     const std::ptrdiff_t beside = axis == 0 ? -row : -1;

@@ -26,7 +26,8 @@ MpmOptions tilting() {
   return o;
 }
 
-// What is above a height has slid down the slope by the end of the ramp, with an acceleration that rises in time as gravity does, up to:
+// What is above a height has slid down the slope by the end of the ramp, with an acceleration that rises in time as
+// gravity does, up to:
 double sliding(Solver& solver, const Scene& s, double above) {
   solver.advance_to(ramp, silent);
   const MotionFrame f = solver.frame();
@@ -84,10 +85,14 @@ double sliding_on_soil(bool drained, double share) {
   block.young_pa = young;
   block.poisson = 0;
   block.density_kg_m3 = 8000;
-  Scene s = scene(Grid{{-3 * h, 0}, {h, h}, 19, 10}, {rectangle("soil", 0, 0, width, below), rectangle("block", 0, below, width, below + above)}, {soil, block});
+  Scene s =
+      scene(Grid{{-3 * h, 0}, {h, h}, 19, 10},
+            {rectangle("soil", 0, 0, width, below), rectangle("block", 0, below, width, below + above)}, {soil, block});
   s.water.emplace();
   s.water->bulk_modulus_pa = porosity * young * share / (1 - share);
-  s.boundaries = {{"base", line({0, 0}, {width, 0}, "roller")}, {"left", line({0, 0}, {0, below - h}, "roller")}, {"right", line({width, 0}, {width, below - h}, "roller")}};
+  s.boundaries = {{"base", line({0, 0}, {width, 0}, "roller")},
+                  {"left", line({0, 0}, {0, below - h}, "roller")},
+                  {"right", line({width, 0}, {width, below - h}, "roller")}};
   ContactOptions contact;
   contact.regions = {"block"};
   contact.friction = 0.25;

@@ -324,41 +324,6 @@ TEST_P(PoreWaterBy, BitsDoNotDependOnThreadsNorOnARestart) {
   }
 }
 
-TEST(PoreWater, BitsWithInertiaDoNotDependOnThreadsNorOnARestart) {
-  WaterColumn c = small_column();
-  c.permeability = 1e-2;
-  c.load = 1e3;
-  Scene s = scene_of(c);
-  s.water->inertia = true;
-  Solver one(options_of(c), s, 1), two(options_of(c), s, 3), again(options_of(c), s, 2);
-  const double time = 40 * one.stable_step();
-  one.advance_to(time, silent);
-  two.advance_to(time, silent);
-  EXPECT_TRUE(one.save() == two.save());
-  again.load(one.save());
-  one.advance_to(2 * time, silent);
-  again.advance_to(2 * time, silent);
-  EXPECT_TRUE(one.save() == again.save());
-}
-
-// Consolidation knows nothing of it: the flow's inertia is gone by then.
-TEST(PoreWater, ConsolidationIsTheSameWithInertia) {
-  WaterColumn c = small_column();
-  const auto pressure = [&](bool inertia) {
-    Scene s = scene_of(c);
-    s.water->inertia = inertia;
-    Solver solver(options_of(c), s, 1);
-    const EnergyRow start = solver.energy();
-    solver.advance_to(c.at(0.3), silent);
-    const EnergyRow end = solver.energy();
-    EXPECT_LT(std::abs(end.water_mass - start.water_mass - end.water_inflow), 1e-12 * start.water_mass);
-    EXPECT_LT(std::abs(end.residual), 0.05 * end.external);
-    return double(solver.frame().field("pressure")(0, 0));
-  };
-  const double without = pressure(false);
-  EXPECT_NEAR(pressure(true), without, 1e-3 * without);
-}
-
 TEST(PoreWater, RefusesWhatDoesNotFit) {
   const auto told = [](const std::function<void(Scene&, MpmOptions&)>& change) {
     return refusal([&] {
@@ -397,10 +362,16 @@ TEST(PoreWater, RefusesWhatDoesNotFit) {
     });
   };
   EXPECT_EQ(inert([](Scene&, MpmOptions&) {}), "");
-  EXPECT_THAT(inert([](Scene&, MpmOptions& o) { o.pressure = PressureScheme::projected; }), HasSubstr("water.inertia: found true beside mpm.pressure"));
-  EXPECT_THAT(inert([](Scene& s, MpmOptions& o) { s.water->level_m = 0.03, o.gravity_m_s2 = {0, -9.81}; }), HasSubstr("water.inertia: found true beside pores that are not full"));
-  EXPECT_THAT(inert([](Scene& s, MpmOptions&) { s.materials[0].permeability = PermeabilityLaw::kozeny_carman; }), HasSubstr("water.inertia: found true beside materials"));
-  EXPECT_THAT(inert([](Scene& s, MpmOptions&) { s.water->groundwater = Groundwater::level, s.water->level_m = 1; }), HasSubstr("water.inertia: found true beside water.groundwater"));
+  EXPECT_THAT(inert([](Scene&, MpmOptions& o) { o.pressure = PressureScheme::projected; }),
+              HasSubstr("water.inertia: found true beside mpm.pressure"));
+  EXPECT_THAT(inert([](Scene& s, MpmOptions& o) {
+                s.water->level_m = 0.03, o.gravity_m_s2 = {0, -9.81};
+              }),
+              HasSubstr("water.inertia: found true beside pores that are not full"));
+  EXPECT_THAT(inert([](Scene& s, MpmOptions&) { s.materials[0].permeability = PermeabilityLaw::kozeny_carman; }),
+              HasSubstr("water.inertia: found true beside materials"));
+  EXPECT_THAT(inert([](Scene& s, MpmOptions&) { s.water->groundwater = Groundwater::level, s.water->level_m = 1; }),
+              HasSubstr("water.inertia: found true beside water.groundwater"));
   EXPECT_THAT(inert([](Scene& s, MpmOptions&) {
                 s.boundaries[1].second.type = BoundaryType::tied;
                 s.boundaries[1].second.across_m = Pair{0.02, 0};

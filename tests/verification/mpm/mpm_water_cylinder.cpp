@@ -1,7 +1,8 @@
-// An undrained deep cylinder in plane strain: saturated Tresca soil, no permeability, Poisson's ratio of the mixture .4993, beside dry soil
-// of .49 on the same mesh (mpm_bearing.cpp, where the dry one is held against Randolph & Houlsby 1984: 9.14 smooth, 11.94 rough).
-// Criterion: N = F/(s_u D) within 5 % of the dry one, and what it is over the exact one is stated; of the cells' pressures within a radius of
-// the surface the part that alternates along both axes below 3 % of the mean.
+// An undrained deep cylinder in plane strain: saturated Tresca soil, no permeability, Poisson's ratio of the mixture
+// .4993, beside dry soil of .49 on the same mesh (mpm_bearing.cpp, where the dry one is held against Randolph & Houlsby
+// 1984: 9.14 smooth, 11.94 rough). Criterion: N = F/(s_u D) within 5 % of the dry one, and what it is over the exact
+// one is stated; of the cells' pressures within a radius of the surface the part that alternates along both axes below
+// 3 % of the mean.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -45,7 +46,9 @@ double alternating(const Scene& s, const MotionFrame& f, bool wet, const Vec2& c
   for (std::size_t k = 0; k < f.u.size(); ++k) {
     const Vec2 x = s.particles.x0[k] + Vec2(double(f.u[k][0]), double(f.u[k][1]));
     auto& [sum, n] = of_cell[{int(std::floor(x.x() / h)), int(std::floor(x.y() / h))}];
-    sum += wet ? double(f.field("pressure")(k, 0)) : -double(f.field("stress")(k, 0) + f.field("stress")(k, 1) + f.field("stress")(k, 2)) / 3 - 20 * strength;
+    sum +=
+        wet ? double(f.field("pressure")(k, 0))
+            : -double(f.field("stress")(k, 0) + f.field("stress")(k, 1) + f.field("stress")(k, 2)) / 3 - 20 * strength;
     ++n;
   }
   double odd = 0, size = 0;
@@ -75,7 +78,8 @@ Cylinder cylinder(bool rough, int cells, bool wet, double way = 0.2) {
   MaterialOptions m = wet ? saturated(young, poisson, 0.4, 0, 2667) : elastic(young, poisson, density);
   m.model = "tresca";
   m.shear_strength_pa = strength;
-  Scene s = scene(Grid{{-half * h, 0}, {h, h}, 2 * half + 1, half + 1}, {rectangle("clay", -half * h, 0, half * h, half * h)}, {m});
+  Scene s = scene(Grid{{-half * h, 0}, {h, h}, 2 * half + 1, half + 1},
+                  {rectangle("clay", -half * h, 0, half * h, half * h)}, {m});
   if (wet) {
     s.water.emplace();
     s.water->bulk_modulus_pa = 0.4 * 2 * shear * 1.4993 / (3 * (1 - 2 * 0.4993));
@@ -83,8 +87,10 @@ Cylinder cylinder(bool rough, int cells, bool wet, double way = 0.2) {
   keep_beyond(s.particles, 0.5);
   s.stress0.assign(s.particles.size(), {-pressure, -pressure, -pressure, 0});
   const double side = half * h;
-  s.boundaries = {{"low", line({-side, 0}, {side, 0}, "roller")}, {"left", line({-side, 0}, {-side, side}, "roller")},
-                  {"right", line({side, 0}, {side, side}, "roller")}, {"high", line({-side, side}, {side, side}, "roller")}};
+  s.boundaries = {{"low", line({-side, 0}, {side, 0}, "roller")},
+                  {"left", line({-side, 0}, {-side, side}, "roller")},
+                  {"right", line({side, 0}, {side, side}, "roller")},
+                  {"high", line({-side, side}, {side, side}, "roller")}};
   RigidOptions body;
   body.circle_m = {0, 0, 0.5};
   const double v = 0.0015 * std::sqrt(51 * shear / density);  // as the dry one of nu .49
@@ -112,9 +118,12 @@ TEST(MpmWetCylinder, SmoothAndRough) {
     const double exact = rough ? 11.94 : 9.14;
     const int cells = rough ? 24 : 16;
     const Cylinder dry = cylinder(rough, cells, false), wet = cylinder(rough, cells, true);
-    pivnp::test::verification_row(std::string("deep cylinder, undrained, ") + (rough ? "rough" : "smooth") + ", " + std::to_string(cells) + " cells a diameter",
-                                  "N within 5 % of the dry soil's with nu .49 (exact " + number(exact, 4) + "), checkerboard below 3 %",
-                                  number(wet.resistance, 4) + " (dry " + number(dry.resistance, 4) + "), " + number(100 * wet.checkerboard, 2) + " % (dry " + number(100 * dry.checkerboard, 2) + " %)");
+    pivnp::test::verification_row(
+        std::string("deep cylinder, undrained, ") + (rough ? "rough" : "smooth") + ", " + std::to_string(cells) +
+            " cells a diameter",
+        "N within 5 % of the dry soil's with nu .49 (exact " + number(exact, 4) + "), checkerboard below 3 %",
+        number(wet.resistance, 4) + " (dry " + number(dry.resistance, 4) + "), " + number(100 * wet.checkerboard, 2) +
+            " % (dry " + number(100 * dry.checkerboard, 2) + " %)");
     EXPECT_NEAR(wet.resistance, dry.resistance, 0.05 * dry.resistance);
     EXPECT_LT(wet.checkerboard, 0.03);
   }
