@@ -11,7 +11,7 @@ namespace pivnp::mpm {
 
 namespace {
 
-enum { a_x, a_y, flow_x, flow_y, per_node };  // of the state; flow: into the node from the next one, m^2/s
+enum { inert_ax, inert_ay, inert_qx, inert_qy, inert_size };  // of the state; flow: into the node from the next one, m^2/s
 
 }  // namespace
 
@@ -32,7 +32,7 @@ PoreFlow PoreWater::push_flow(const GridState& g, double dt, std::vector<double>
   PoreFlow sum;
   const PoreFields& f = field_;
   const double density = options_.density_kg_m3;
-  std::vector<double> next(per_node * g.grid.node_count(), 0.0);
+  std::vector<double> next(inert_size * g.grid.node_count(), 0.0);
   state.resize(next.size(), 0.0);
   pushed_.assign(g.grid.node_count(), Vec2::Zero());
   const auto edge = [&](std::size_t n, std::size_t other, int axis, double exchange) {
@@ -41,12 +41,12 @@ PoreFlow PoreWater::push_flow(const GridState& g, double dt, std::vector<double>
     const double share = f.volume[n] / (f.volume[n] + f.volume[other]), h = g.grid.spacing[axis];
     const double porosity = (sums_.node[n].mobile + sums_.node[other].mobile) / (f.volume[n] + f.volume[other]);
     const double acceleration =
-        share * state[per_node * n + std::size_t(axis)] + (1 - share) * state[per_node * other + std::size_t(axis)];
+        share * state[inert_size * n + std::size_t(axis)] + (1 - share) * state[inert_size * other + std::size_t(axis)];
     const double drop = exchange * (f.potential[other] - f.potential[n]),
                  driven = drop + exchange * density * h * acceleration;
-    const double lag = density * alike_.mobility / porosity, before = state[per_node * n + std::size_t(flow_x + axis)];
+    const double lag = density * alike_.mobility / porosity, before = state[inert_size * n + std::size_t(inert_qx + axis)];
     const double after = (lag * before + driven) / (lag + dt), more = dt * after - drop;
-    next[per_node * n + std::size_t(flow_x + axis)] = after;
+    next[inert_size * n + std::size_t(inert_qx + axis)] = after;
     const double force = density * h * (after - before) / dt;
     pushed_[n][axis] += share * force;
     pushed_[other][axis] += (1 - share) * force;
@@ -81,11 +81,11 @@ double PoreWater::accelerates(const GridState& g, double dt, std::vector<double>
   double lost = 0;
   for (const std::uint32_t n : g.active.nodes) {
     const Node& node = g.node[n];
-    double* of_node = state.data() + per_node * n;
-    of_node[a_x] = of_node[a_y] = 0;
+    double* of_node = state.data() + inert_size * n;
+    of_node[inert_ax] = of_node[inert_ay] = 0;
     if (!(node.mass > 0)) continue;
-    of_node[a_x] = (node.nx - node.vx) / dt;
-    of_node[a_y] = (node.ny - node.vy) / dt;
+    of_node[inert_ax] = (node.nx - node.vx) / dt;
+    of_node[inert_ay] = (node.ny - node.vy) / dt;
     lost -= dt * pushed_[n].dot(node.held ? Vec2(node.nx, node.ny)
                                           : Vec2(0.5 * (node.vx + node.nx), 0.5 * (node.vy + node.ny)));
   }
@@ -108,7 +108,7 @@ Vec2 PoreWater::inert_flow(const GridState& g, std::size_t n, double s, double t
   const auto of = [&](std::size_t node, int axis) {
     const std::ptrdiff_t beside = axis == 0 ? -row : -1;
     const double volume = 0.5 * (field_.inside[node] + (field_.inside + node)[beside]);
-    return volume > 0 ? -state[per_node * node + std::size_t(flow_x + axis)] * g.grid.spacing[axis] / volume : 0.0;
+    return volume > 0 ? -state[inert_size * node + std::size_t(inert_qx + axis)] * g.grid.spacing[axis] / volume : 0.0;
   };
   return {(1 - t) * of(n, 0) + t * of(n + std::size_t(row), 0), (1 - s) * of(n, 1) + s * of(n + 1, 1)};
 }

@@ -11,14 +11,14 @@ namespace {
 
 using namespace test;
 
-constexpr double angle = 10 * M_PI / 180, g = 9.81, ramp = 0.05;
+constexpr double tilt = 10 * M_PI / 180, earth = 9.81, ramp_time = 0.05;
 // Of acceleration: friction on 4 % of the weight (the strain that drives the pressure is evened out beside a wall).
-const double tolerance = 0.04 * 0.25 * g * std::cos(angle);
+const double of_weight = 0.04 * 0.25 * earth * std::cos(tilt);
 
 MpmOptions tilting() {
-  MpmOptions o = options({g * std::sin(angle), -g * std::cos(angle)});
+  MpmOptions o = options({earth * std::sin(tilt), -earth * std::cos(tilt)});
   o.gravity_from_m_s2 = Pair{0, -1e-3};
-  o.gravity_ramp_s = ramp;
+  o.gravity_ramp_s = ramp_time;
   o.initial_equilibrium = false;
   o.end_at_rest = false;
   o.energy_limit = 1e9;
@@ -28,23 +28,23 @@ MpmOptions tilting() {
 
 // What is above a height has slid down the slope by the end of the ramp, with an acceleration that rises in time as
 // gravity does, up to:
-double sliding(Solver& solver, const Scene& s, double above) {
-  solver.advance_to(ramp, silent);
+double slid(Solver& solver, const Scene& s, double above) {
+  solver.advance_to(ramp_time, silent);
   const MotionFrame f = solver.frame();
   double sum = 0, n = 0;
   for (std::size_t k = 0; k < f.v.size(); ++k)
     if (s.particles.x0[k].y() > above) sum += double(f.v[k][0]), ++n;
-  return sum / n / (0.5 * ramp);
+  return sum / n / (0.5 * ramp_time);
 }
 
-struct Slope {
+struct FrictionSlope {
   ShapeKind shape = ShapeKind::bspline;
   double friction = 0.25, share = 0.5;  // of the weight that the water bears, undrained
   bool drained = false, open = false;   // the soil; the wall
 };
 
 // A piece of an endless layer that lies on a frictional base.
-double sliding_of(const Slope& c) {
+double sliding_of(const FrictionSlope& c) {
   const double h = 0.01, height = 0.06, width = 0.03, young = 1e7, porosity = 0.4;
   MaterialOptions soil = saturated(young, 0, porosity, 1e-12);
   soil.drained = c.drained;
@@ -60,18 +60,18 @@ double sliding_of(const Slope& c) {
   o.shape = c.shape;
   if (c.shape == ShapeKind::bilinear) o.transfer = TransferKind::flip, o.stress_update = StressUpdate::musl;
   Solver solver(o, s, 1);
-  return sliding(solver, s, 0);
+  return slid(solver, s, 0);
 }
 
 TEST(WaterFriction, AnUndrainedLayerSlidesOnAWallThatHoldsItDrained) {
   for (const ShapeKind shape : {ShapeKind::bilinear, ShapeKind::gimp, ShapeKind::bspline}) {
     for (const double share : {0.5, 0.9}) {
-      const double expected = g * (std::sin(angle) - 0.25 * (1 - share) * std::cos(angle));
-      EXPECT_NEAR(sliding_of({.shape = shape, .share = share}), expected, tolerance) << name_of(shape) << share;
+      const double expected = earth * (std::sin(tilt) - 0.25 * (1 - share) * std::cos(tilt));
+      EXPECT_NEAR(sliding_of({.shape = shape, .share = share}), expected, of_weight) << name_of(shape) << share;
     }
     EXPECT_NEAR(sliding_of({.shape = shape, .drained = true}), 0, 0.02) << name_of(shape);
     EXPECT_NEAR(sliding_of({.shape = shape, .open = true}), 0, 0.02) << name_of(shape);  // no pressure at the wall
-    const double held = g * (std::sin(angle) - 0.1 * std::cos(angle));
+    const double held = earth * (std::sin(tilt) - 0.1 * std::cos(tilt));
     EXPECT_NEAR(sliding_of({.shape = shape, .friction = 0.1, .drained = true}), held, 0.02 * held) << name_of(shape);
   }
 }
@@ -102,13 +102,13 @@ double sliding_on_soil(bool drained, double share) {
   o.transfer = TransferKind::flip;
   o.stress_update = StressUpdate::musl;
   Solver solver(o, s, 1);
-  return sliding(solver, s, below);
+  return slid(solver, s, below);
 }
 
 TEST(WaterFriction, ABlockSlidesOnUndrainedSoil) {
   EXPECT_NEAR(sliding_on_soil(true, 0.5), 0, 0.05);
-  const double expected = g * (std::sin(angle) - 0.25 * 0.5 * std::cos(angle));
-  EXPECT_NEAR(sliding_on_soil(false, 0.5), expected, tolerance);
+  const double expected = earth * (std::sin(tilt) - 0.25 * 0.5 * std::cos(tilt));
+  EXPECT_NEAR(sliding_on_soil(false, 0.5), expected, of_weight);
 }
 
 }  // namespace

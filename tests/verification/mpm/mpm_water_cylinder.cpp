@@ -18,13 +18,13 @@ namespace {
 
 using namespace test;
 
-constexpr double strength = 1000, young = 3e5, density = 2000;
+constexpr double clay_strength = 1000, clay_young = 3e5, clay_density = 2000;
 
-struct Cylinder {
+struct WetCylinder {
   double resistance, checkerboard;
 };
 
-void keep_beyond(ParticleSet& set, double radius) {
+void keep_beyond_radius(ParticleSet& set, double radius) {
   ParticleSet out;
   out.label_names = set.label_names;
   for (std::size_t k = 0; k < set.size(); ++k) {
@@ -41,14 +41,14 @@ void keep_beyond(ParticleSet& set, double radius) {
 }
 
 // What alternates along both axes over the mean, of cells around a place.
-double alternating(const Scene& s, const MotionFrame& f, bool wet, const Vec2& centre, double h) {
+double alternating_around(const Scene& s, const MotionFrame& f, bool wet, const Vec2& centre, double h) {
   std::map<std::pair<int, int>, std::pair<double, int>> of_cell;
   for (std::size_t k = 0; k < f.u.size(); ++k) {
     const Vec2 x = s.particles.x0[k] + Vec2(double(f.u[k][0]), double(f.u[k][1]));
     auto& [sum, n] = of_cell[{int(std::floor(x.x() / h)), int(std::floor(x.y() / h))}];
     sum +=
         wet ? double(f.field("pressure")(k, 0))
-            : -double(f.field("stress")(k, 0) + f.field("stress")(k, 1) + f.field("stress")(k, 2)) / 3 - 20 * strength;
+            : -double(f.field("stress")(k, 0) + f.field("stress")(k, 1) + f.field("stress")(k, 2)) / 3 - 20 * clay_strength;
     ++n;
   }
   double odd = 0, size = 0;
@@ -72,19 +72,19 @@ double alternating(const Scene& s, const MotionFrame& f, bool wet, const Vec2& c
 }
 
 // Half of it, moved along its plane of symmetry.
-Cylinder cylinder(bool rough, int cells, bool wet, double way = 0.2) {
-  const double h = 1.0 / cells, pressure = 20 * strength, poisson = wet ? 0.3 : 0.49, shear = young / 2 / (1 + poisson);
+WetCylinder wet_cylinder(bool rough, int cells, bool wet, double way = 0.2) {
+  const double h = 1.0 / cells, pressure = 20 * clay_strength, poisson = wet ? 0.3 : 0.49, shear = clay_young / 2 / (1 + poisson);
   const int half = int(2.5 * cells);
-  MaterialOptions m = wet ? saturated(young, poisson, 0.4, 0, 2667) : elastic(young, poisson, density);
+  MaterialOptions m = wet ? saturated(clay_young, poisson, 0.4, 0, 2667) : elastic(clay_young, poisson, clay_density);
   m.model = "tresca";
-  m.shear_strength_pa = strength;
+  m.shear_strength_pa = clay_strength;
   Scene s = scene(Grid{{-half * h, 0}, {h, h}, 2 * half + 1, half + 1},
                   {rectangle("clay", -half * h, 0, half * h, half * h)}, {m});
   if (wet) {
     s.water.emplace();
     s.water->bulk_modulus_pa = 0.4 * 2 * shear * 1.4993 / (3 * (1 - 2 * 0.4993));
   }
-  keep_beyond(s.particles, 0.5);
+  keep_beyond_radius(s.particles, 0.5);
   s.stress0.assign(s.particles.size(), {-pressure, -pressure, -pressure, 0});
   const double side = half * h;
   s.boundaries = {{"low", line({-side, 0}, {side, 0}, "roller")},
@@ -93,7 +93,7 @@ Cylinder cylinder(bool rough, int cells, bool wet, double way = 0.2) {
                   {"high", line({-side, side}, {side, side}, "roller")}};
   RigidOptions body;
   body.circle_m = {0, 0, 0.5};
-  const double v = 0.0015 * std::sqrt(51 * shear / density);  // as the dry one of nu .49
+  const double v = 0.0015 * std::sqrt(51 * shear / clay_density);  // as the dry one of nu .49
   body.velocity_m_s = {v, 0};
   if (!rough) body.friction = 0;
   s.bodies = {{"cylinder", body}};
@@ -108,16 +108,16 @@ Cylinder cylinder(bool rough, int cells, bool wet, double way = 0.2) {
   constexpr int looks = 5;
   for (int k = 1; k <= looks; ++k) {
     solver.advance_to((0.5 + 0.5 * k / looks) * way / v, silent);
-    checkerboard += alternating(s, solver.frame(), wet, {v * solver.time(), 0}, h) / looks;
+    checkerboard += alternating_around(s, solver.frame(), wet, {v * solver.time(), 0}, h) / looks;
   }
-  return {2 * (solver.body_impulse(0).x() - from) / (0.5 * way / v) / strength, checkerboard};
+  return {2 * (solver.body_impulse(0).x() - from) / (0.5 * way / v) / clay_strength, checkerboard};
 }
 
 TEST(MpmWetCylinder, SmoothAndRough) {
   for (const bool rough : {false, true}) {
     const double exact = rough ? 11.94 : 9.14;
     const int cells = rough ? 24 : 16;
-    const Cylinder dry = cylinder(rough, cells, false), wet = cylinder(rough, cells, true);
+    const WetCylinder dry = wet_cylinder(rough, cells, false), wet = wet_cylinder(rough, cells, true);
     pivnp::test::verification_row(
         std::string("deep cylinder, undrained, ") + (rough ? "rough" : "smooth") + ", " + std::to_string(cells) +
             " cells a diameter",
