@@ -267,7 +267,12 @@ void Contacts::apply(GridState& g, const Restraints& restraints, std::vector<Rea
   }
 }
 
-// Coulomb's law for the sums of a step's impulses.
+void Contacts::press(std::span<const double> impulses) {
+  for (std::size_t k = 0; k < nodes_.size(); ++k) nodes_[k].pressed = impulses.empty() ? 0 : impulses[k];
+}
+
+// Coulomb's law for the sums of a step's impulses, of which the skeletons bear what the water does not. (What is rough
+// sticks.)
 void Contacts::enforce(ContactNode& m, GridState& g) const {
   Node &a = g.node[m.node[0]], &b = g.node[m.node[1]];
   const Mat2 both = m.mobility[0] + m.mobility[1];
@@ -289,7 +294,8 @@ void Contacts::enforce(ContactNode& m, GridState& g) const {
   }
   if (beside > 0) {
     const double wanted = m.tangential_impulse + relative().dot(along) / beside;
-    const double most = m.normal_impulse > 0 ? m.friction * m.normal_impulse : 0;
+    const double borne = m.normal_impulse > 0 ? std::max(0.0, m.normal_impulse - m.pressed) : 0;
+    const double most = borne > 0 ? m.friction * borne : 0;
     m.sticks = m.normal_impulse > 0 && std::abs(wanted) <= most;
     const double impulse = std::clamp(wanted, -most, most);
     give((impulse - m.tangential_impulse) * along);

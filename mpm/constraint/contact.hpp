@@ -42,6 +42,9 @@ class Contacts {
   /// The nodes at which bodies may touch, from Node::mass and the points' places; before a step of `dt`. `density`: of
   /// each label now, kg/m^3. With dt = 0 (initial equilibrium, where points stay) bodies up to a quarter of a cell apart touch.
   void find(const Particles& p, const GridState& g, const std::vector<double>& density, double dt, int threads);
+  /// What excess pressure in the pores presses the faces of both bodies apart with at each of nodes(), N s/m in a step: friction in
+  /// apply() follows what the skeletons bear of the normal impulse. Empty: nothing presses.
+  void press(std::span<const double> impulses);
   /// Corrects Node::nx, ny after the restraints; the impulses are appended to `reactions`, and those on the material that
   /// [contact.NAME] lists in `regions` added to its place in `of_contacts` (empty: not wanted).
   void apply(GridState& g, const Restraints& restraints, std::vector<Reaction>& reactions, std::span<Impulse> of_contacts = {});
@@ -54,6 +57,7 @@ class Contacts {
     Vec2 normal = Vec2::Zero();      // from the first to the second
     double gap = 0;                  // m
     double normal_impulse = 0, tangential_impulse = 0;  // on the second, along the normal and across it, N s/m
+    double pressed = 0;              // of the normal impulse, by the water in the pores
     double friction = 0;             // Coulomb coefficient; infinite: rough
     double closing = 0;              // relative velocity along the normal that is left
     bool sticks = false;

@@ -66,6 +66,28 @@ void Restraints::apply_to_strain_velocity(double time, GridState& g, bool equili
   }
 }
 
+std::vector<std::uint32_t> Restraints::rubbing(double time, const GridState& g) const {
+  std::vector<std::uint32_t> nodes;
+  for (const RestrainedNode& at : nodes_) {
+    if (!(g.node[at.node].mass > 0)) continue;
+    for (std::size_t w = 0; w < at.walls.size(); ++w)
+      if (const Wall& wall = walls_[at.walls[w]];
+          wall.type == Type::frictional && wall.friction > 0 && time < at.until[w]) {
+        nodes.push_back(at.node);
+        break;
+      }
+  }
+  return nodes;
+}
+
+void Restraints::press(std::span<const std::uint32_t> nodes, std::span<const Vec2> impulses, const GridState& g) {
+  std::size_t k = 0;
+  for (RestrainedNode& at : nodes_) {
+    at.pressed = Vec2::Zero();
+    if (k < nodes.size() && nodes[k] == at.node) at.pressed = impulses[k++] / g.node[at.node].mass;
+  }
+}
+
 Vec2 Restraints::restrain(const RestrainedNode& at, double time, Vec2 v, bool with_friction, bool& stuck,
                           bool equilibrium) const {
   const Vec2* roller = nullptr;
@@ -99,7 +121,8 @@ void Restraints::apply_friction(const RestrainedNode& at, double time, Vec2& v, 
     if (!(inward > 0)) continue;
     Vec2 tangential = v - inward * wall.normal;
     if (with_friction) {
-      const double speed = tangential.norm(), most = wall.friction * inward;
+      const double speed = tangential.norm(),
+                   most = wall.friction * std::max(0.0, inward - at.pressed.dot(wall.normal));
       stuck = speed <= most;
       tangential *= stuck ? 0.0 : 1 - most / speed;
     }

@@ -29,6 +29,11 @@ class Restraints {
   /// Restrains Node::nx, ny; the impulses are appended to `reactions`, and added to those of their walls, where `of_walls` has
   /// one for each of walls(). With dt = 0 (initial equilibrium) absorbing walls are fixed.
   void apply(double time, double dt, GridState& g, std::vector<Reaction>& reactions, std::span<Impulse> of_walls = {});
+  /// The nodes where walls of some friction hold material now.
+  std::vector<std::uint32_t> rubbing(double time, const GridState& g) const;
+  /// What excess pressure in the pores presses the material's face with at each of them, N s/m in a step: friction in the next
+  /// apply() follows what the skeleton bears of the normal impulse. Both empty: nothing presses.
+  void press(std::span<const std::uint32_t> nodes, std::span<const Vec2> impulses, const GridState& g);
   /// The motion that apply() left a node, as a projection: the unit matrix where no wall holds it.
   Mat2 mobility(std::size_t node) const;
   /// The directions in which walls hold a node at time 0 against gravity, as a sum of projections (walls with friction
@@ -51,6 +56,7 @@ class Restraints {
     std::vector<std::uint16_t> walls;
     std::vector<double> until;  // of each wall at this node
     bool stuck = false;
+    Vec2 pressed = Vec2::Zero();  // press(), over the node's mass
     Mat2 mobility = Mat2::Identity();
   };
   Mat2 mobility_of(const RestrainedNode& at, double time, const Vec2& free, bool equilibrium) const;

@@ -107,11 +107,14 @@ struct Solver::Impl {
   void fill_pores();
   std::vector<double> undrained_stiffness() const;
   void choose_pressure();
+  std::string needs_explicit(double crossing) const;
   void carry_water(const Cycle& c);
   void follow_level(const Cycle& c);
   void flow_water(const Cycle& c);
+  void press_faces(const Cycle& c, bool counted);
   void end_water(std::size_t k);
   void put_water(MotionFrame& frame);
+  bool has_inertia() const { return water && scene.water->inertia; }  // the water's own
   bool water_works_in_steps() const { return loading.gravity_changes() || water->level_moves(); }
   double potential_of_water() const { return water->potential_energy(p, loading.gravity(state.time), most_threads); }
   void take_wave_speed(int threads);

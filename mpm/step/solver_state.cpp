@@ -104,6 +104,7 @@ void visit(Archive& a, State& s) {
   a.value(s.far);
   a.list(s.pressure_change);
   a.list(s.touched);
+  a.list(s.water_inertia);
   a.array(s.body_motion);
   a.array(s.impulses);
   a.array(s.sleep.asleep);

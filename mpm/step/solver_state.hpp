@@ -38,6 +38,7 @@ struct SolverState {
   bool far = false;         // MpmOptions::end_displacement_m is reached: likewise
   std::vector<double> pressure_change;  // of every node in the last step, where pressure is projected
   std::vector<TouchedNode> touched;  // by rigid bodies, in the last step
+  std::vector<double> water_inertia;    // of every node, where water has inertia: acceleration, and flow along the edges right and up
   std::vector<double> body_motion;   // RigidBodies::motion()
   std::vector<Impulse> impulses;     // on the material, of each wall, traction's boundary and rigid body (Solver::Impl)
   std::int64_t steps = 0;

@@ -86,7 +86,8 @@ void Solver::Impl::find_cells(const Cycle& c) {
 
 // Nothing asks for the mapped velocity before the momentum is updated: A.3-A.7 in one sweep.
 bool Solver::Impl::maps_and_advances() const {
-  return scheme.stress != StressUpdate::usf && scheme.transfer != TransferKind::xpic && contacts.empty() && !pushes() && !scheme.axisymmetric;
+  return scheme.stress != StressUpdate::usf && scheme.transfer != TransferKind::xpic && contacts.empty() && !pushes() &&
+         !scheme.axisymmetric && !has_inertia();
 }
 
 void Solver::Impl::map_to_nodes(const Cycle& c) {
@@ -131,6 +132,7 @@ void Solver::Impl::advance_nodes(const Cycle& c) {
   if (!maps_and_advances()) {
     if (scheme.transfer == TransferKind::xpic) filtered_velocity(p, g, scheme.xpic_order, c.threads);
     map_loads(c.dt, c.threads);
+    if (has_inertia()) water->push_nodes(g);
     update_momentum(g, c.gravity, scheme.damping, c.dt, c.threads);
     turn_by_coriolis(c);
   }
@@ -140,12 +142,14 @@ void Solver::Impl::advance_nodes(const Cycle& c) {
 
 void Solver::Impl::restrain_nodes(const Cycle& c) {
   apply_restraints(c, true);
+  if (has_inertia()) state.balance.darcy += water->accelerates(g, c.dt, state.water_inertia);
   bodies.advance(c.dt);
   if (scheme.stress == StressUpdate::usl) restrain_strain_velocity();
 }
 
 void Solver::Impl::apply_restraints(const Cycle& c, bool counted) {
   reactions.clear();
+  if (water) press_faces(c, counted);
   restraints.apply(state.time, c.dt, g, reactions, counted ? impulses_of_walls() : std::span<Impulse>());
   contacts.apply(g, restraints, reactions, counted ? impulses_of_contacts() : std::span<Impulse>());
   bodies.accelerate(state.time, c.dt, c.gravity, field_of_bodies());

@@ -70,6 +70,9 @@ std::vector<PoreSoil> take_pores(const MpmOptions& options, Scene& scene) {
     if (scene.water) scene.materials[k] = without_pores(scene.materials[k], *scene.water);
   }
   if (!scene.water) return soils;
+  if (scene.water->inertia && options.geometry == Geometry::axisymmetric)
+    throw InputError("water.inertia: found true beside mpm.geometry = \"axisymmetric\", expected false");
+  if (scene.water->inertia && scene.heat) throw InputError("water.inertia: found true beside [heat], expected false");
   check_gravity(options, *scene.water);
   if (options.pressure == PressureScheme::projected) check_projected(scene);
   if (options.sleep_below_m_s)
@@ -143,9 +146,10 @@ void Solver::Impl::follow_level(const Cycle& c) {
 
 void Solver::Impl::flow_water(const Cycle& c) {
   if (!water) return;
-  const PoreFlow flow = water->projected()
-                            ? water->flow_projected(p, g, loading.tractions(), c.gravity, state.time, c.dt, state.pressure_change, c.threads)
-                            : water->flow(p, g, loading.tractions(), c.gravity, state.time, c.dt, c.threads);
+  const PoreFlow flow = water->projected() ? water->flow_projected(p, g, loading.tractions(), c.gravity, state.time,
+                                                                   c.dt, state.pressure_change, c.threads)
+                                           : water->flow(p, g, loading.tractions(), c.gravity, state.time, c.dt,
+                                                         c.threads, has_inertia() ? &state.water_inertia : nullptr);
   state.balance.inflow += scene.water->density_kg_m3 * flow.inflow;
   state.balance.bodies += flow.external;
   state.balance.darcy += flow.darcy;
@@ -156,8 +160,33 @@ void Solver::Impl::flow_water(const Cycle& c) {
     fail("a particle has lost more water than it held, expected less deformation or mpm.pressure = \"explicit\"");
 }
 
+// Walls and contacts are pressed by skeleton and water together; what rubs is the skeleton. Between two bodies it
+// slides where the skeleton bears less: on the side of the greater pressure.
+void Solver::Impl::press_faces(const Cycle& c, bool counted) {
+  std::vector<std::uint32_t> rubbing = counted ? restraints.rubbing(state.time, g) : std::vector<std::uint32_t>();
+  std::vector<Vec2> on_walls;
+  for (const PoreWater::Thrust& t : water->thrust(p, g, c.gravity, state.time, rubbing, c.threads))
+    on_walls.push_back(c.dt * t.force);
+  restraints.press(rubbing, on_walls, g);
+  if (contacts.empty()) return;
+  std::vector<std::uint32_t> nodes;
+  for (const Contacts::ContactNode& m : contacts.nodes()) nodes.insert(nodes.end(), {m.node[0], m.node[1]});
+  if (!counted) nodes.clear();
+  const std::vector<PoreWater::Thrust> thrusts = water->thrust(p, g, c.gravity, state.time, nodes, c.threads);
+  std::vector<double> on_contacts;
+  for (std::size_t k = 0; k < thrusts.size(); k += 2) {
+    const PoreWater::Thrust &a = thrusts[k], &b = thrusts[k + 1];
+    const Vec2& normal = contacts.nodes()[k / 2].normal;
+    const bool first = a.pores && (!b.pores || a.pressure >= b.pressure);
+    on_contacts.push_back(c.dt * (first ? a.force.dot(normal) : b.pores ? -b.force.dot(normal) : 0));
+  }
+  contacts.press(on_contacts);
+}
+
 void Solver::Impl::put_water(MotionFrame& frame) {
-  const std::vector<Vec2> flow = water->flow_at_points(p, g, loading.tractions(), loading.gravity(state.time), state.time, most_threads);
+  const std::vector<Vec2> flow =
+      water->flow_at_points(p, g, loading.tractions(), loading.gravity(state.time), state.time, most_threads,
+                            has_inertia() ? &state.water_inertia : nullptr);
   const std::span<float> of_flow = frame.add("water_flow", p.size());
   for (std::size_t k = 0; k < p.size(); ++k)
     for (int c = 0; c < 2; ++c) of_flow[2 * p.index[k] + std::size_t(c)] = float(flow[k][c]);
@@ -169,20 +198,59 @@ void Solver::Impl::put_water(MotionFrame& frame) {
   for (std::size_t k = 0; k < p.size(); ++k) porosity[p.index[k]] = float(water->porosity(p, k));
 }
 
-// Projected pressure shows no waves in the water, and is less accurate undrained and just after a load at once
-// (docs/limits.md): it is not taken without being asked for, but what it would save is said.
+// Why pressure must be explicit, or should be: projected pressure knows no waves in the water, and a load or motion at
+// once leaves an energy residual (docs/limits.md). Empty: nothing speaks against it.
+std::string Solver::Impl::needs_explicit(double crossing) const {
+  if (has_inertia()) return "water.inertia is given";
+  if (water->surface_may_move(p)) return "the water has a surface inside the material";
+  if (!scene.water->surface_m.empty() || scene.water->groundwater == Groundwater::level)
+    return "the water's surface is given";
+  if (scene.water->start == WaterStart::seepage && scene.water->level_m) return "the start is by seepage with a level";
+  if (!scene.contacts.empty() || !scene.bodies.empty() || restraints.tied().any())
+    return "there are tied sides, bodies or contact";
+  if (scene.heat) return "there is heat";
+  if (restraints.any_absorbing()) return "an absorbing wall asks for waves";
+  if (!scene.v0.empty() || scene.body_force) return "the material moves from the start";
+  for (const auto& [name, b] : scene.boundaries) {
+    const bool pushed =
+        b.velocity_m_s && (*b.velocity_m_s)[0] * (*b.velocity_m_s)[0] + (*b.velocity_m_s)[1] * (*b.velocity_m_s)[1] > 0;
+    if (pushed) return "boundary." + name + " moves at once";
+    if (b.traction_pa && b.rise_s < crossing) return "the load of boundary." + name + " acts at once";
+  }
+  const bool weighs =
+      loading.gravity(0).norm() > 0 || (loading.gravity_changes() && options.gravity_ramp_s.value_or(0) < crossing);
+  if (weighs && !options.initial_equilibrium && !options.k0 && scene.stress0.empty()) return "the weight acts at once";
+  return "";
+}
+
+// What a projected step costs over an explicit one grows as the iterations of its conjugate gradients do, with the root
+// of the condition of its matrix: fitted to mpm_projected (docs/theory/mpm_speed.md), 1.6 and 2.3 where 1.6 and 2.4
+// were measured.
 void Solver::Impl::choose_pressure() {
+  constexpr double per_condition = 0.1, worth_it = 2;
   const PoreWater::Rates rates = water->rates(p);
-  const double hx = g.grid.spacing.x(), hy = g.grid.spacing.y();
+  const double hx = g.grid.spacing.x(), hy = g.grid.spacing.y(), h = std::min(hx, hy),
+               dry = wave_speed(materials, density, p, 1);
   const double in_steps = stable_step_with_water(1, hx, hy, wave_speed(materials, density, p, 1, rates.stiffness), 0, rates.diffusivity);
-  const double projected = mpm::stable_step(1, std::min(hx, hy), wave_speed(materials, density, p, 1) / projected_step_share(), 0);
-  const bool surface = water->surface_may_move(p), beside = !scene.contacts.empty() || !scene.bodies.empty() || restraints.tied().any();
-  options.pressure = PressureScheme::in_steps;
+  const double projected = mpm::stable_step(1, h, dry / projected_step_share(), 0);
+  const double stiffest =
+      rates.stiffness.empty() ? 0 : *std::max_element(rates.stiffness.begin(), rates.stiffness.end());
+  const double condition =
+      (foreseen_share * projected * projected * stiffest / least_density() + projected * rates.diffusivity) / (h * h);
+  const double longer = projected / in_steps, costlier = 1 + per_condition * std::sqrt(condition),
+               gain = longer / costlier;
+  const Vec2 extent = g.domain.spacing.cwiseProduct(Vec2(g.domain.nx - 1, g.domain.ny - 1));
+  const std::string reason = needs_explicit(extent.maxCoeff() / dry);
+  options.pressure = reason.empty() && gain >= worth_it ? PressureScheme::projected : PressureScheme::in_steps;
   std::ostringstream text;
   text.precision(2);
-  text << "Pore pressure is explicit: ";
-  if (surface || beside) text << (surface ? "the water has a surface inside the material" : "there are tied sides, bodies or contact");
-  else text << "projected steps would be " << projected / in_steps << " times as long, but it is the more accurate";
+  text << "Pore pressure is " << name_of(*options.pressure) << ": ";
+  if (!reason.empty())
+    text << reason;
+  else
+    text << "projected steps are " << longer << " times as long and should cost " << costlier << " times as much, "
+         << (gain >= worth_it ? "and loads are slow"
+                              : "which saves too little for what explicit ones are more accurate");
   text << " (mpm.pressure).";
   pressure_choice = text.str();
 }
@@ -203,7 +271,10 @@ void Solver::Impl::take_wave_speed(int threads) {
     state.wave_speed = wave_speed(materials, density, p, threads) / projected_step_share();
     return;
   }
-  state.wave_speed = wave_speed(materials, density, p, threads, rates.stiffness);
+  std::vector<double> stiffness = rates.stiffness;
+  for (std::size_t k = 0; has_inertia() && k < stiffness.size(); ++k)
+    stiffness[k] = water->inert_stiffness(k, materials[k]->elastic().p_wave_modulus(), density[k], stiffness[k]);
+  state.wave_speed = wave_speed(materials, density, p, threads, stiffness);
   state.diffusivity = rates.diffusivity;
 }
 

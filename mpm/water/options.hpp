@@ -34,6 +34,7 @@ struct WaterOptions {
   std::optional<WaterStart> start;
   Points surface_m;
   Groundwater groundwater = Groundwater::flow;
+  bool inertia = false;
   double thermal_expansion_1_k = 3.4e-4;
   double specific_heat_j_kg_k = 4186;
 
@@ -46,6 +47,7 @@ struct WaterOptions {
     visit("start", self.start, OptionInfo{.text = "pressure at time 0: hydrostatic, below the level or surface_m; seepage, that of steady flow under the pressures at the boundaries and the level, with its surface and seepage faces; zero, in full pores (left out: hydrostatic with a level or surface_m, else zero)"});
     visit("surface_m", self.surface_m, OptionInfo{.unit = "m", .text = "the water's surface inside the material at time 0, points x, y from left to right, linear between and level beyond: pressure is hydrostatic below it, and the material above holds no water (left out: at the level)"});
     visit("groundwater", self.groundwater, OptionInfo{.text = "flow: the water's surface inside the material moves with the flow; level: pores are full, above the level without pressure, and as the level changes, points gain or lose the water that changes their pressure, under constant total stress, as it changes the hydrostatic pressure of their place; excess pressure comes on top (ground whose water follows a reservoir over a time that is not simulated)"});
+    visit("inertia", self.inertia, OptionInfo{.text = "the flow has its own inertia, in Darcy's law and in the motion of the mixture (Biot's theory in full): for waves of so high a frequency, about porosity times gravity over permeability, that water does not follow at once; with explicit pressure and one material whose pores are full"});
     visit("thermal_expansion_1_k", self.thermal_expansion_1_k, OptionInfo{.unit = "1/K", .text = "thermal expansion of its volume, with [heat]", .min = 0, .max = 0.01});
     visit("specific_heat_j_kg_k", self.specific_heat_j_kg_k, OptionInfo{.unit = "J/(kg K)", .text = "specific heat, with [heat]", .min = 0, .above_min = true});
   }

@@ -5,6 +5,7 @@
 #include "mpm/grid/sweeps.hpp"
 #include "mpm/water/pore_elements.hpp"
 #include "mpm/water/pore_water.hpp"
+#include "pivnp/core/error.hpp"
 
 namespace pivnp::mpm {
 
@@ -20,9 +21,11 @@ void for_node_lists(const GridState& g, int threads, Sweep&& sweep) {
 
 }  // namespace
 
-PoreFlow PoreWater::flow(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, double dt,
-                         int threads) {
+PoreFlow PoreWater::flow(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time,
+                         double dt, int threads, std::vector<double>* state) {
   set_outside(p, gravity);
+  if (state && has_front(p, gravity, threads))
+    throw RunError("mpm: pores are no longer full, expected full pores with water.inertia");
   if (has_front(p, gravity, threads)) return flow_with_front(p, g, tractions, gravity, time, dt, threads);
   PoreFlow sums = flow_through_tractions(p, tractions, time, dt);
   map_points(p, g, tractions, gravity, time, threads);
@@ -38,6 +41,7 @@ PoreFlow PoreWater::flow(Particles& p, GridState& g, const Tractions& tractions,
   keep_means();
   for_node_lists(g, threads, [&](const std::uint32_t* nodes, std::size_t size) { exchange_pores_lanes(f, rate, alike_.mobility, nodes, size); });
   sums.add(at_given_nodes(rate));
+  if (state) sums.add(push_flow(g, dt, *state));
   sums.add(tie_exchanged(g, gravity, rate));
   smooth();
   const PointView points = p.view();
@@ -53,8 +57,9 @@ PoreFlow PoreWater::flow(Particles& p, GridState& g, const Tractions& tractions,
   return sums;
 }
 
-std::vector<Vec2> PoreWater::flow_at_points(const Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity,
-                                            double time, int threads) {
+std::vector<Vec2> PoreWater::flow_at_points(const Particles& p, GridState& g, const Tractions& tractions,
+                                            const Vec2& gravity, double time, int threads,
+                                            const std::vector<double>* state) {
   if (has_front(p, gravity, threads)) return flow_in_front(p, g, tractions, gravity, time, threads);
   map_points(p, g, tractions, gravity, time, threads);
   take_means(g, gravity, time, 0, threads);
@@ -63,6 +68,10 @@ std::vector<Vec2> PoreWater::flow_at_points(const Particles& p, GridState& g, co
     for_points_of(g, range, [&](std::uint32_t k) {
       if (!flows(p, k)) return;
       const InElement in = element_of(p, g, k);
+      if (state && !state->empty()) {
+        flow[k] = inert_flow(g, in.node, in.s, in.t, *state);
+        return;
+      }
       const double *low = field_.potential + in.node, *high = low + field_.row;
       flow[k] = -mobility_of(p, k) * Vec2(((1 - in.t) * (low[1] - low[0]) + in.t * (high[1] - high[0])) * g.per_hx,
                                           ((1 - in.s) * (high[0] - low[0]) + in.s * (high[1] - low[1])) * g.per_hy);

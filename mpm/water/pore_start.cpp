@@ -65,6 +65,7 @@ void PoreWater::start(Particles& p, GridState& g, const Tractions& tractions, co
     if (soil_of(p, k).has_pores()) p.wetted[k] = std::min(1.0, filled(p, k));
   if (has_front(p, gravity, threads)) front_.resize(g.arrays.pores.size());  // (from then on dry points count, too)
   refresh(p, gravity, threads);
+  check_inertia(p, gravity);
 }
 
 void PoreWater::fill_below_surface(Particles& p, const Vec2& gravity) const {

@@ -76,7 +76,17 @@ class PoreWater {
 
   /// Between strain and momentum: moves water from where pressures as they were before the last strain drive it, evens that
   /// strain out, and refreshes. (So a mode of wave and flow takes p' = p - K_w theta/n - lambda dt p.)
-  PoreFlow flow(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, double dt, int threads);
+  /// With the water's own inertia: `state`, what accelerates() kept.
+  PoreFlow flow(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, double dt, int threads,
+                std::vector<double>* state = nullptr);
+  bool has_inertia() const { return options_.inertia; }
+  /// Gives the nodes the force by which flow that changes moves the mixture; before their momentum is updated. (pore_inertia.cpp)
+  void push_nodes(GridState& g) const;
+  /// Keeps the acceleration of the nodes, when they have moved, in `state`. What they lost to the flow's motion, J/m.
+  double accelerates(const GridState& g, double dt, std::vector<double>& state) const;
+  /// In the place of K_w/n where the skeleton of a material has this modulus and the mixture this density: of the fastest wave, in which
+  /// water does not follow the skeleton.
+  double inert_stiffness(std::size_t material, double modulus, double density, double stiffness) const;
   /// From here on pressure is projected: flow_projected() in the place of flow().
   void project(const GridState& g, double foreseen_share);
   bool projected() const { return !system_.empty(); }
@@ -86,9 +96,18 @@ class PoreWater {
                           std::vector<double>& guess, int threads);
   /// What points pass on and have passed on now, m/s: Darcy's flow of each, x and y in turn.
   std::vector<Vec2> flow_at_points(const Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time,
-                                   int threads);
+                                   int threads, const std::vector<double>* state = nullptr);
   /// Particles::pressure and the stress that momentum sees, of contents and skeleton as they are.
   void refresh(Particles& p, const Vec2& gravity, int threads) const;
+  /// At a node, over points that hold water: the excess pressure, as a boundary gives it or as the points have it, and the force
+  /// with which it presses their face there (their area by the shape functions of the momentum), out of the material. (pore_faces.cpp)
+  struct Thrust {
+    bool pores = false;
+    double pressure = 0;            // Pa
+    Vec2 force = Vec2::Zero();      // N/m
+  };
+  std::vector<Thrust> thrust(const Particles& p, const GridState& g, const Vec2& gravity, double time,
+                             const std::vector<std::uint32_t>& nodes, int threads) const;
   /// Mass of the water that each point displaces below the level, kg/m.
   std::vector<double> displaced_mass(const Particles& p) const;
 
@@ -198,6 +217,12 @@ class PoreWater {
   /// Is a node at the material's own surface? `holds`: does an element hold material? `volume`: around the node, of that.
   template <class Holds>
   bool at_surface(const GridState& g, std::size_t n, double volume, double time, Holds&& holds) const;
+
+  // pore_inertia.cpp
+  void check_inertia(const Particles& p, const Vec2& gravity) const;
+  PoreFlow push_flow(const GridState& g, double dt, std::vector<double>& state);
+  Vec2 inert_flow(const GridState& g, std::size_t node, double s, double t, const std::vector<double>& state) const;
+  std::vector<Vec2> pushed_;  // on the nodes, in this step, N/m
 
   // pore_projection.cpp
   void yield_beside_surface(const GridState& g, double inertia, double* added) const;

@@ -355,6 +355,29 @@ TEST(PoreWater, RefusesWhatDoesNotFit) {
   EXPECT_THAT(told([](Scene& s, MpmOptions& o) { s.water->level_history = {{0, 1}}, o.gravity_m_s2 = {5, -5}; }), HasSubstr("water.level_history"));
   EXPECT_THAT(told([](Scene& s, MpmOptions& o) { s.water->level_m = 1, o.gravity_m_s2 = {5, -5}; }), HasSubstr("water.level_m"));
   EXPECT_THAT(told([](Scene&, MpmOptions& o) { o.gravity_m_s2 = {0, -9.81}, o.initial_equilibrium = true; }), HasSubstr("water.level_m"));
+  const auto inert = [&](const std::function<void(Scene&, MpmOptions&)>& change) {
+    return told([&](Scene& s, MpmOptions& o) {
+      s.water->inertia = true;
+      change(s, o);
+    });
+  };
+  EXPECT_EQ(inert([](Scene&, MpmOptions&) {}), "");
+  EXPECT_THAT(inert([](Scene&, MpmOptions& o) { o.pressure = PressureScheme::projected; }),
+              HasSubstr("water.inertia: found true beside mpm.pressure"));
+  EXPECT_THAT(inert([](Scene& s, MpmOptions& o) {
+                s.water->level_m = 0.03, o.gravity_m_s2 = {0, -9.81};
+              }),
+              HasSubstr("water.inertia: found true beside pores that are not full"));
+  EXPECT_THAT(inert([](Scene& s, MpmOptions&) { s.materials[0].permeability = PermeabilityLaw::kozeny_carman; }),
+              HasSubstr("water.inertia: found true beside materials"));
+  EXPECT_THAT(inert([](Scene& s, MpmOptions&) { s.water->groundwater = Groundwater::level, s.water->level_m = 1; }),
+              HasSubstr("water.inertia: found true beside water.groundwater"));
+  EXPECT_THAT(inert([](Scene& s, MpmOptions&) {
+                s.boundaries[1].second.type = BoundaryType::tied;
+                s.boundaries[1].second.across_m = Pair{0.02, 0};
+                s.boundaries.erase(s.boundaries.begin() + 2);
+              }),
+              HasSubstr("water.inertia: found true beside a tied boundary"));
   EXPECT_THAT(told([](Scene&, MpmOptions& o) { o.sleep_below_m_s = 1; }), HasSubstr("mpm.sleep_below_m_s"));
   EXPECT_THAT(told([](Scene& s, MpmOptions&) {
                 BoundaryOptions across = line({0, 0.03}, {0.02, 0.03}, "fixed");

@@ -4,6 +4,9 @@
    crest settles by what it settles by dry, on the same mesh, with strengths within 2 %: that is the error of the factor of safety.
 2. The lake falls at once, and nothing drains: the whole weight, the same strength. Criterion: the crest settles by more than that of dry soil
    of the same weight and Poisson's ratio .499, and by less than with .3, between which its stiffness lies (undrained .4993; .3 at the start).
+3. The same where the skeleton has .495, so that stiffness does not change as the lake falls. Criterion: as in 1, within 2 % of dry soil of .495.
+4. A slope of 1 in 1.5 with friction and cohesion (phi 25 degrees), under a lake: as in 1 if it is drained. With water that flows it must not
+   be weaker than dry soil; it is about 6 % stronger (docs/limits.md).
 
 usage: water_strength.py PIVNP [--small]   (--small: the first, on coarse cells)
 """
@@ -24,22 +27,26 @@ BUOYANT = SATURATED - 1000
 CELLS, END = (6, 5) if small else (10, 8)
 
 
-def settled(density, reduction, *, poisson=0.3, water=None):
+def settled(density, reduction, *, poisson=0.3, water=None, slope=False):
     """Of the crest, as strength falls: m. `density`: by whose weight strength and stiffness are measured."""
     there = scratch / str(len(list(scratch.iterdir())))
     there.mkdir()
     soil = f"porosity = {POROSITY}\ngrain_density_kg_m3 = 2650.0\npermeability_m_s = {water[1]}" if water else f"density_kg_m3 = {density}"
+    outline = "[2.0, 0.0], [2.0, 1.0]" if not slope else "[2.9, 0.0], [1.4, 1.0]"
+    law = f"""model = "tresca"
+shear_strength_pa = {1.1 * density * 9.81 * HEIGHT / 3.8}""" if not slope else f"""model = "mohr_coulomb"
+friction_deg = 25.0
+cohesion_pa = {0.035 * density * 9.81 * HEIGHT}"""
     (there / "case.toml").write_text(f"""name = "vertical cut"
 [grid]
 spacing_m = {HEIGHT / CELLS}
 area_m = [[0.0, 0.0], [3.4, 1.4]]
 [region.soil]
-polygon_m = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]]
+polygon_m = [[0.0, 0.0], {outline}, [0.0, 1.0]]
 [material.soil]
-model = "tresca"
+{law}
 young_pa = {1e6 * density / SATURATED}
 poisson = {poisson}
-shear_strength_pa = {1.1 * density * 9.81 * HEIGHT / 3.8}
 reduction_factor = {reduction}
 reduction_from_s = 0.3
 reduction_until_s = 1.0
@@ -63,7 +70,7 @@ type = "roller"
     with h5py.File(there / "out" / "record.h5") as record:
         motion = record["motion/mpm"]
         x0, u, time = motion["x0"][:], motion["u"][:], motion["time"][:]
-    crest = (x0[:, 1] > 0.85) & (x0[:, 0] > 1.7)
+    crest = (x0[:, 1] > 0.85) & (x0[:, 0] > (1.0 if slope else 1.7))
     down = -u[:, crest, 1].astype("f8").mean(axis=1)
     return down[-1] - down[np.searchsorted(time, 0.29)]
 
@@ -94,3 +101,19 @@ if not small:
     row(f"vertical cut after a rapid drawdown, Tresca, undrained .4993, {CELLS} cells high", "settles by more than dry soil of the same weight of .499, and less than of .3",
         f"{1000 * falls:.1f} mm; {1000 * stiff:.1f}, {1000 * loose:.1f} mm")
     assert stiff < falls < loose, (stiff, falls, loose)
+    around = (0.98 * reduction, reduction, 1.02 * reduction)
+    dry = [(r, settled(SATURATED, r, poisson=0.495)) for r in around]
+    falls = settled(SATURATED, reduction, poisson=0.495, water=("[water]\nlevel_history = [[0.0, 1.3], [0.25, -0.1]]\nbulk_modulus_pa = 1.1e8", 1e-9))
+    print("dry, m:", dry, "after drawdown:", falls, flush=True)
+    row(f"vertical cut after a rapid drawdown, Tresca, skeleton .495, undrained .4993, {CELLS} cells high", "factor of safety within 2 % of that of dry soil of the whole weight, same mesh",
+        f"{100 * (reduction / strength_of(falls, dry) - 1):+.1f} %")
+    assert dry[0][1] < falls < dry[2][1], "a cut after a drawdown"
+    reduction = 1.2
+    dry = [(r, settled(BUOYANT, r, slope=True)) for r in (0.98 * reduction, reduction, 1.02 * reduction)]
+    lake = "[water]\nlevel_m = 1.3\nbulk_modulus_pa = 5e5"
+    drained, flowing = (settled(BUOYANT, reduction, slope=True, water=(lake, permeability)) for permeability in ("1e-1\ndrained = true", "1e-1"))
+    print("dry, m:", dry, "under water:", drained, flowing, flush=True)
+    row(f"slope of 1 in 1.5 under a lake, drained, phi 25 degrees, {CELLS} cells high", "factor of safety within 2 % of that of dry soil of the weight under water, same mesh; with water that flows: not less",
+        f"{100 * (reduction / strength_of(drained, dry) - 1):+.1f} %; crest {1000 * flowing:.1f} mm, dry {1000 * dry[1][1]:.1f}")
+    assert dry[0][1] < drained < dry[2][1], "a slope under water"
+    assert flowing < 1.2 * dry[1][1], "a slope under water that flows"

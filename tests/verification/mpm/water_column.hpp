@@ -115,6 +115,7 @@ struct RandomBlock {
   double spread = 1;  // 1: the points are at quarters of the cells; towards 2: on nodes
   bool lid = true;    // a closed box; or open above
   double lift = 0;    // off its base, in cells: then it is held at its sides alone
+  bool inertia = false;  // of the water
 };
 
 // A column with cells of 10 mm, its water soft enough for few steps.
@@ -135,6 +136,7 @@ inline bool grows_in(const RandomBlock& b, double courant) {
                   {saturated(b.young, 0.2, 0.3, b.permeability)});
   s.water.emplace();
   s.water->bulk_modulus_pa = b.bulk;
+  s.water->inertia = b.inertia;
   s.boundaries = {{"base", line({0, 0}, {6 * h, 0}, "roller")},
                   {"left", line({0, 0}, {0, high}, "roller")},
                   {"right", line({6 * h, 0}, {6 * h, high}, "roller")}};
