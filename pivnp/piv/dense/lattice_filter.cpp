@@ -55,17 +55,17 @@ void box_mean(const CellLattice& lattice, const std::vector<float>& in, int reac
 }
 
 void continue_field(const CellLattice& lattice, const std::vector<std::uint8_t>& known, std::vector<float>& values) {
-  struct Level {
+  struct Squares {
     int nx = 0, ny = 0;
     std::vector<float> value, weight;
     std::size_t at(int i, int j) const { return std::size_t(j) * std::size_t(nx) + std::size_t(i); }
   };
-  std::vector<Level> levels(1);
+  std::vector<Squares> levels(1);
   levels[0] = {lattice.nx, lattice.ny, values, std::vector<float>(values.size())};
   for (std::size_t k = 0; k < values.size(); ++k) levels[0].weight[k] = known[k] ? 1.0f : 0.0f;
   while (levels.back().nx > 1 || levels.back().ny > 1) {
-    const Level& fine = levels.back();
-    Level coarse{(fine.nx + 1) / 2, (fine.ny + 1) / 2, {}, {}};
+    const Squares& fine = levels.back();
+    Squares coarse{(fine.nx + 1) / 2, (fine.ny + 1) / 2, {}, {}};
     coarse.value.resize(std::size_t(coarse.nx) * std::size_t(coarse.ny)), coarse.weight.resize(coarse.value.size());
     for (int j = 0; j < coarse.ny; ++j)
       for (int i = 0; i < coarse.nx; ++i) {
@@ -82,8 +82,8 @@ void continue_field(const CellLattice& lattice, const std::vector<std::uint8_t>&
   }
   if (!(levels.back().weight[0] > 0)) return;
   for (std::size_t l = levels.size() - 1; l-- > 0;) {
-    Level& fine = levels[l];
-    const Level& coarse = levels[l + 1];
+    Squares& fine = levels[l];
+    const Squares& coarse = levels[l + 1];
     for (int j = 0; j < fine.ny; ++j)
       for (int i = 0; i < fine.nx; ++i) {
         const std::size_t k = fine.at(i, j);
