@@ -25,7 +25,7 @@ double lost(const EnergyRow& now, const EnergyRow& start) {
 WaterColumn round_column(ShapeKind shape, PressureScheme pressure) {
   WaterColumn c = small_column();
   c.about_axis = true;
-  c.across = 4;
+  c.across = 8;
   c.shape = shape;
   c.pressure = pressure;
   c.load = 0;
@@ -39,7 +39,7 @@ TEST(WetRings, AGivenFlowIsThatOfARadian) {
     for (const bool through_rim : {false, true})
       for (const bool loaded : {false, true}) {
         const WaterColumn c = round_column(ShapeKind::bspline, pressure);
-        const double R = 4 * c.spacing(), H = c.height, flux = 1e-7;
+        const double R = 8 * c.spacing(), H = c.height, flux = 1e-7;
         Scene s = scene_of(c);
         s.grid.nx += 2;
         BoundaryOptions rim = line({R, 0}, {R, H}, loaded && through_rim ? "traction" : "roller");
@@ -103,6 +103,43 @@ TEST(WetRings, ARoundHillBesideALakeStaysAtRest) {
     }
 }
 
+// Skempton's B of a pressure all round, and A = 1/3 of a thrust along the axis (elastic: the mean effective stress follows the volume).
+TEST(WetRings, SkemptonsCoefficients) {
+  for (const ShapeKind shape : {ShapeKind::bilinear, ShapeKind::bspline}) {
+    WaterColumn c = round_column(shape, PressureScheme::in_steps);
+    c.permeability = 1e-12;
+    c.bulk = 2e7;  // B .78
+    c.across = 6;
+    c.cells = 10;
+    c.height = 0.1;
+    const double R = 6 * c.spacing(), H = c.height, cell = 2e3, thrust = 3e3, bulk = c.young / 3 / (1 - 2 * c.poisson);
+    const double B = 1 / (1 + c.porosity * bulk / c.bulk), time = 60 * H / std::sqrt(c.modulus() / c.density());
+    Scene s = scene_of(c);
+    s.grid.nx += 2;
+    BoundaryOptions rim = line({R, 0}, {R, H}, "traction"), top = line({0, H}, {R, H}, "traction");
+    rim.traction_pa = Pair{-cell, 0.0};
+    top.traction_pa = Pair{0.0, -cell - thrust};
+    rim.rise_s = top.rise_s = time / 3;
+    s.boundaries = {{"base", line({0, 0}, {R + 2 * c.spacing(), 0}, "roller")}, {"rim", rim}, {"top", top}};
+    MpmOptions o = options_of(c);
+    Solver solver(o, s, 1);
+    const EnergyRow start = solver.energy();
+    solver.advance_to(time, silent);
+    const double expected = B * (cell + thrust / 3);
+    double mean = 0, all = 0;
+    const MotionFrame f = solver.frame();
+    for (std::size_t k = 0; k < f.u.size(); ++k) {
+      const Vec2 x = s.particles.x0[k];
+      mean += x.x() * double(f.field("pressure")(k, 0));
+      all += x.x();
+      // (By B-splines what lies at the axis sees a few per cent less: docs/limits.md.)
+      if (shape == ShapeKind::bilinear || x.x() > c.spacing()) EXPECT_NEAR(double(f.field("pressure")(k, 0)), expected, 0.03 * expected) << x.transpose();
+    }
+    EXPECT_NEAR(mean / all, expected, 0.005 * expected) << name_of(shape);
+    EXPECT_LT(lost(solver.energy(), start), 1e-12);
+  }
+}
+
 // The stated step holds at the axis too.
 TEST(WetRings, StepsAreBoundedBelowTheStatedLimit) {
   for (const ShapeKind shape : shapes)
@@ -129,11 +166,9 @@ TEST(WetRings, ASlumpingColumnKeepsItsWater) {
     s.water->level_m = 0.62;
     s.boundaries = {{"base", line({0, 0}, {2.5, 0}, "fixed")}};
     MpmOptions o = options({0, -9.81});
-    o.geometry = getenv("PLANE") ? Geometry::plane : Geometry::axisymmetric;
-    if (getenv("MUSL") && shape == ShapeKind::bilinear) o.stress_update = StressUpdate::musl;
-    if (getenv("PLANE")) s.boundaries.emplace_back("l", line({0, 0}, {0, 1.3}, "roller"));
-    if (getenv("DRYC")) o.courant = atof(getenv("DRYC"));
+    o.geometry = Geometry::axisymmetric;
     o.shape = shape;
+    if (shape == ShapeKind::bilinear) o.stress_update = StressUpdate::musl;
     o.transfer = shape == ShapeKind::bspline ? TransferKind::apic : TransferKind::flip;
     o.initial_equilibrium = false;
     Solver solver(o, s, 1);
@@ -143,7 +178,6 @@ TEST(WetRings, ASlumpingColumnKeepsItsWater) {
     EXPECT_EQ(solver.ended(), 0u);
     EXPECT_LT(lost(e, start), 1e-9) << name_of(shape);
     EXPECT_LT(e.residual, 0.01 * e.external) << name_of(shape);
-    std::printf("DBG %s res %.4g ext %.4g kin %.4g darcy %.4g damp %.4g water %.4g\n", std::string(name_of(shape)).c_str(), e.residual, e.external, e.kinetic, e.darcy, e.damping, e.water);
     double furthest = 0;
     for (const auto& u : solver.frame().u) furthest = std::max(furthest, double(u[0]));
     EXPECT_GT(furthest, 0.1) << "it slumps";
@@ -164,10 +198,10 @@ TEST(WetRings, ACheckpointAndThreadsChangeNoBit) {
     return std::make_unique<Solver>(o, s, threads);
   };
   const auto one = make(1), three = make(3), resumed = make(2);
-  one->advance_to(0.02, silent);
+  one->advance_to(0.005, silent);
   resumed->load(one->save());
-  three->advance_to(0.02, silent);
-  for (Solver* s : {one.get(), three.get(), resumed.get()}) s->advance_to(0.04, silent);
+  three->advance_to(0.005, silent);
+  for (Solver* s : {one.get(), three.get(), resumed.get()}) s->advance_to(0.01, silent);
   EXPECT_EQ(one->save(), three->save());
   EXPECT_EQ(one->save(), resumed->save());
 }
