@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 
@@ -137,6 +138,32 @@ TEST(WetRings, SkemptonsCoefficients) {
     }
     EXPECT_NEAR(mean / all, expected, 0.005 * expected) << name_of(shape);
     EXPECT_LT(lost(solver.energy(), start), 1e-12);
+  }
+}
+
+// Flow along the axis is as fast at it as away from it: cells ten times as wide as high, between which little passes.
+TEST(WetRings, FlowAlongTheAxisIsTheSameAtEveryRadius) {
+  for (const PressureScheme pressure : schemes) {
+    WaterColumn c = round_column(ShapeKind::bilinear, pressure);
+    c.cells = 8;
+    const double h = c.spacing(), wide = 20 * h;
+    Scene s = scene(Grid{{0, 0}, {10 * h, h}, 3, c.cells + 1}, {rectangle("soil", 0, 0, wide, c.height)}, {saturated(c.young, c.poisson, c.porosity, c.permeability)});
+    s.water.emplace();
+    s.water->bulk_modulus_pa = c.bulk;
+    s.boundaries = {{"base", line({0, 0}, {wide, 0}, "roller")}, {"rim", line({wide, 0}, {wide, c.height}, "roller")}, {"top", line({0, c.height}, {wide, c.height}, "roller")}};
+    s.boundaries[0].second.pressure_pa = 5e3;
+    Solver solver(options_of(c), s, 1);
+    solver.advance_to(c.at(0.1), silent);
+    const MotionFrame f = solver.frame();
+    std::map<double, std::pair<double, double>> at_height;  // least and greatest
+    for (std::size_t k = 0; k < f.u.size(); ++k) {
+      const double p = double(f.field("pressure")(k, 0));
+      auto& [least, most] = at_height.try_emplace(std::round(s.particles.x0[k].y() / h * 8), p, p).first->second;
+      least = std::min(least, p);
+      most = std::max(most, p);
+    }
+    EXPECT_EQ(at_height.size(), 16u);
+    for (const auto& [y, range] : at_height) EXPECT_NEAR(range.first, range.second, 0.004 * 5e3) << name_of(pressure) << " at " << y;
   }
 }
 
