@@ -51,6 +51,7 @@ NodeNeeds node_needs(const Scheme& scheme, const Materials& materials, const Sce
           .filtered = scheme.transfer == TransferKind::xpic,
           .loads = scene.loads,
           .wet = scene.water,
+          .wet_rings = scene.water && scheme.axisymmetric,
           .heated = scene.heat,
           .averaged = any_averages(materials)};
 }

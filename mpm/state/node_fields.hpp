@@ -20,6 +20,7 @@ struct NodeNeeds {
   bool filtered = false;             // XPIC
   bool loads = false;                // body forces, tractions
   bool wet = false;                  // water in the pores
+  bool wet_rings = false;            // the same about an axis
   bool heated = false;               // temperature
   bool averaged = false;             // a law's softening follows the strain around a point (transfer/nonlocal.hpp)
 };
@@ -40,6 +41,7 @@ struct NodeArrays {
   OfGrid<PoreElement> pore_elements;
   OfGrid<PoreMark> pore_marks;
   SeveralOfGrid<double, 12> flow;
+  SeveralOfGrid<double, 3> rings;
   OfGrid<HeatNode> heat;
   OfGrid<double> softening_strain, softening_volume, softening_rows;
 
@@ -73,6 +75,8 @@ constexpr void for_each_node_field(Visit&& visit) {
   visit(NodeField{"pores", "", "what the flow of water needs of a node (pore_node.hpp)", &N::wet}, &NodeArrays::pores, &NodeArrays::pore_elements,
         &NodeArrays::pore_marks);
   visit(NodeField{"flow", "", "means, and what nodes pass on of the water (PoreFields)", &N::wet}, &NodeArrays::flow);
+  visit(NodeField{"rings", "m, 1, 1", "radius, and the node's share of the flow along the axis in the elements beside it (PoreFields)", &N::wet_rings},
+        &NodeArrays::rings);
   visit(NodeField{"heat", "", "what conduction needs of a node (heat_node.hpp)", &N::heated}, &NodeArrays::heat);
   visit(NodeField{"softening strain", "m^2", "plastic strain times volume, then its mean", &N::averaged},
         &NodeArrays::softening_strain);

@@ -50,6 +50,9 @@ struct PoreFields {
   double *strain_x, *strain_y;  // V s (1 - s), V t (1 - t) of both elements beside it, half
   double *inert_x = nullptr, *inert_y = nullptr;  // projected: the same for pressures, with what the skeleton yields to them
   std::ptrdiff_t row;
+  // Axisymmetric, else null: the node's radius (at the axis a third of a cell: half a node's volume lies there), and the share
+  // that is the node's of what flows along the axis in the elements right and left of it: their outer part is the larger.
+  const double *radius = nullptr, *of_right = nullptr, *of_left = nullptr;
 };
 
 /// Of a node, where pores are not full (pore_front.cpp); all zero between steps. S: the share of a point's pores that is full.

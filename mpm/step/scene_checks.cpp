@@ -21,7 +21,6 @@ void check_axisymmetric(const MpmOptions& o, const Scene& s) {
   if (o.gravity_from_m_s2 && (*o.gravity_from_m_s2)[0] != 0)
     refuse("mpm.gravity_from_m_s2", "found " + number((*o.gravity_from_m_s2)[0]) + " along x" + run + "expected 0");
   if (o.sleep_below_m_s) refuse("mpm.sleep_below_m_s", "given" + run + "expected none");
-  if (s.water) refuse("water", "given" + run + "which has dry material only; expected geometry = \"plane\"");
   if (s.heat) refuse("heat", "given" + run + "which has no conduction; expected geometry = \"plane\"");
   if (!s.contacts.empty()) refuse("contact." + s.contacts.front().first, "given" + run + "expected none");
   for (const auto& [name, b] : s.boundaries)

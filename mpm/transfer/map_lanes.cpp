@@ -213,8 +213,9 @@ HWY_INLINE void map_hoop_of(Locking locking, const PointView& p, const CellView&
     if (average) average_elements(p, c, part, locking, mean);
     for_tiles(c, part, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
       const auto l = lines_of<S>(p, c, cells, t);
-      V zz = t.load(p.tau_zz);
-      if (locking != Locking::none) zz = zz + mapping.mean_change({l.xi, l.eta}, t, cells, mean, part.begin, t.load(p.tau_xx), t.load(p.tau_yy));
+      V zz = normal_stress(p, t, p.tau_zz);
+      if (locking != Locking::none)
+        zz = zz + mapping.mean_change({l.xi, l.eta}, t, cells, mean, part.begin, normal_stress(p, t, p.tau_xx), normal_stress(p, t, p.tau_yy));
       const V f = t.live(t.load(p.volume0)) * zz / radius_of(c, cells, l.xi);
       V fx[N];
       for (int n = 0; n < N; ++n) fx[n] = hn::Neg(f * l.x.w[n % W] * l.y.w[n / W]);

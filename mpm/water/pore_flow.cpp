@@ -185,13 +185,14 @@ void PoreWater::take_means(const GridState& g, const Vec2& gravity, double time,
 
 // An element that the surface cuts holds less than it conducts: what is given is not a cell away, but as far as the element is full.
 void PoreWater::conduct_to_surface(const GridState& g, double dt) {
-  const double cell = 1 / (g.per_hx * g.per_hy);
   for (const std::uint32_t n : surface_) {
     if (!marks_[n].given) continue;
-    const auto edge = [&](std::ptrdiff_t first, std::ptrdiff_t other, std::ptrdiff_t beside, double per_h, double* flow, double* inert) {
+    // (`of_first`, `of_beside`: twice the edge's share of what flows in the elements.)
+    const auto edge = [&](std::ptrdiff_t first, std::ptrdiff_t other, std::ptrdiff_t beside, double of_first, double of_beside, double per_h,
+                          double* flow, double* inert) {
       if ((marks_ + other)->given || !(field_.volume[other] > 0)) return;
-      const double held = field_.inside[first] + field_.inside[beside];
-      const double full = ((field_.inside[first] > 0) + (field_.inside[beside] > 0)) * cell;
+      const double held = of_first * field_.inside[first] + of_beside * field_.inside[beside];
+      const double full = (field_.inside[first] > 0 ? of_first * full_element(g, first) : 0) + (field_.inside[beside] > 0 ? of_beside * full_element(g, beside) : 0);
       if (!(held > 0) || held >= full) return;
       const double mobility = alike_.own ? field_.rate[other] : alike_.mobility;
       const double more = 0.5 * dt * mobility * per_h * per_h * (std::min(least_distance_inverse * full, full * full / held) - held);
@@ -199,10 +200,11 @@ void PoreWater::conduct_to_surface(const GridState& g, double dt) {
       if (inert) inert[first] += more;
     };
     const std::ptrdiff_t at = n, row = field_.row;
-    edge(at, at + 1, at - row, g.per_hx, field_.flow_x, field_.inert_x);
-    edge(at - 1, at - 1, at - 1 - row, g.per_hx, field_.flow_x, field_.inert_x);
-    edge(at, at + row, at - 1, g.per_hy, field_.flow_y, field_.inert_y);
-    edge(at - row, at - row, at - row - 1, g.per_hy, field_.flow_y, field_.inert_y);
+    const double right = 2 * share_of_right(at), left = 2 * share_of_left(at);
+    edge(at, at + 1, at - row, 1, 1, g.per_hx, field_.flow_x, field_.inert_x);
+    edge(at - 1, at - 1, at - 1 - row, 1, 1, g.per_hx, field_.flow_x, field_.inert_x);
+    edge(at, at + row, at - 1, right, left, g.per_hy, field_.flow_y, field_.inert_y);
+    edge(at - row, at - row, at - row - 1, right, left, g.per_hy, field_.flow_y, field_.inert_y);
   }
 }
 
@@ -268,7 +270,8 @@ PoreFlow PoreWater::flow_through_tractions(Particles& p, const Tractions& tracti
     for (const Traction* load = tractions.of(p.index[k]); load; load = tractions.after(*load)) {
       const PoreCondition& condition = boundaries_.of_boundary(load->boundary);
       if (time >= load->until || condition.kind != PoreCondition::flux) continue;
-      const double through = dt * condition.value * load->face, stiffness = options_.bulk_modulus_pa / pores_of(p, k, soil_of(p, k));
+      const double face = load->face * (about_axis() ? p.x[k] / p.F_zz[k] + load->out.x() : 1);
+      const double through = dt * condition.value * face, stiffness = options_.bulk_modulus_pa / pores_of(p, k, soil_of(p, k));
       p.content[k] += through / p.volume0[k];
       sum.inflow += through;
       sum.external += through * (p.pressure[k] + 0.5 * stiffness * through / p.volume0[k]);

@@ -24,7 +24,7 @@ constexpr double off_edge = 1e-9;       // cells: so that every node of an eleme
 
 // rho g b of a point, Pa.
 double PoreWater::fringe(const Particles& p, std::size_t k, const Vec2& gravity) const {
-  return options_.density_kg_m3 * -gravity.y() * std::sqrt(p.volume0[k] * p.J[k]);
+  return options_.density_kg_m3 * -gravity.y() * std::sqrt(section(p, k, p.volume0[k] * p.J[k]));
 }
 
 double PoreWater::filled(const Particles& p, std::size_t k) const { return p.content[k] / pores_of(p, k, soil_of(p, k)); }

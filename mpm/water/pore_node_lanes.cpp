@@ -37,22 +37,25 @@ struct FromSums {
     return hn::IfThenElseZero(hn::Gt(b, none), a / hn::IfThenElse(hn::Gt(b, none), b, number(1)));
   }
   HWY_INLINE void put(V v, double* to) const { hn::StoreU(v, d, to + n); }
+  HWY_INLINE V at(const double* values) const { return hn::LoadU(d, values + n); }
   HWY_INLINE V mobility(const Four& e) const { return f.rate ? quotient(e.e, e.a) : number(edges.mobility_all); }
   // What two elements let through along the edge between them, less what their points pass on at the rate of a cell; and half of what these do.
+  template <class Half>
   HWY_INLINE void edge(const Four& one, V across_one, const Four& other, V across_other, V end, V volume, double through, double* flow,
-                       double* strain) const {
+                       double* strain, Half&& half) const {
     const V none = hn::Zero(d);
     const auto of = [&](const Four& e, V across) HWY_ATTR { return mobility(e) * (number(through) * e.a - number(edges.rate) * across); };
     const auto there = hn::And(hn::Gt(volume, none), hn::Gt(end, none));
-    put(hn::IfThenElseZero(there, number(0.5) * (of(one, across_one) + of(other, across_other))), flow);
-    put(hn::IfThenElseZero(there, number(0.5) * (across_one + across_other)), strain);
+    put(hn::IfThenElseZero(there, half(of(one, across_one), of(other, across_other))), flow);
+    put(hn::IfThenElseZero(there, half(across_one, across_other)), strain);
   }
 
   // The same for pressures: what flows, and what the skeleton yields.
-  HWY_INLINE void inert(const Four& one, const Four& other, V end, V volume, double through, double yields, double* to) const {
+  template <class Half>
+  HWY_INLINE void inert(const Four& one, const Four& other, V end, V volume, double through, double yields, double* to, Half&& half) const {
     const V none = hn::Zero(d);
     const auto of = [&](const Four& e) HWY_ATTR { return (mobility(e) * number(through) + number(yields)) * e.a; };
-    put(hn::IfThenElseZero(hn::And(hn::Gt(volume, none), hn::Gt(end, none)), number(0.5) * (of(one) + of(other))), to);
+    put(hn::IfThenElseZero(hn::And(hn::Gt(volume, none), hn::Gt(end, none)), half(of(one), of(other))), to);
   }
 
   // True if no element beside them is empty, and none has little around it.
@@ -66,14 +69,18 @@ struct FromSums {
     put(here.c * per_volume, f.mean);
     if (f.rate) put(f.inert_x ? number(0.25) * ((mobility(e) + mobility(left)) + (mobility(below) + mobility(across))) : here.e * per_volume, f.rate);
     put(hn::Min(number(1), quotient(number(4) * v, (e.a + left.a) + (below.a + across.a))), f.share);
-    edge(e, e.b, below, below.b, node(1).a, v, edges.through_x, f.flow_x, f.strain_x);
-    edge(e, e.c, left, left.c, node(f.row).a, v, edges.through_y, f.flow_y, f.strain_y);
-    if (f.inert_x) {
-      inert(e, below, node(1).a, v, edges.through_x, edges.inert_x, f.inert_x);
-      inert(e, left, node(f.row).a, v, edges.through_y, edges.inert_y, f.inert_y);
-    }
+    const auto half = [&](V a, V b) HWY_ATTR { return number(0.5) * (a + b); };
+    const auto along_y = [&](auto&& share) HWY_ATTR {
+      edge(e, e.c, left, left.c, node(f.row).a, v, edges.through_y, f.flow_y, f.strain_y, share);
+      if (f.inert_x) inert(e, left, node(f.row).a, v, edges.through_y, edges.inert_y, f.inert_y, share);
+    };
+    edge(e, e.b, below, below.b, node(1).a, v, edges.through_x, f.flow_x, f.strain_x, half);
+    if (f.inert_x) inert(e, below, node(1).a, v, edges.through_x, edges.inert_x, f.inert_x, half);
+    if (f.radius) along_y([&](V a, V b) HWY_ATTR { return at(f.of_right) * a + at(f.of_left) * b; });
+    else along_y(half);
     const auto full = hn::And(hn::And(hn::Gt(e.a, none), hn::Gt(left.a, none)), hn::And(hn::Gt(below.a, none), hn::Gt(across.a, none)));
-    return hn::AllTrue(d, hn::And(full, hn::Ge(v, number(edges.least_volume))));
+    const V least = f.radius ? number(edges.least_volume) * at(f.radius) : number(edges.least_volume);
+    return hn::AllTrue(d, hn::And(full, hn::Ge(v, least)));
   }
 };
 

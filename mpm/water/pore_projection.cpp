@@ -73,8 +73,9 @@ void PoreWater::yield_beside_surface(const GridState& g, double inertia, double*
       if (field_.inside[e] > 0) beside.push_back(e);
   std::sort(beside.begin(), beside.end());
   beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
-  const double cell = 1 / (g.per_hx * g.per_hy), per_area = inertia * std::max(g.per_hx * g.per_hx, g.per_hy * g.per_hy);
+  const double per_area = inertia * std::max(g.per_hx * g.per_hx, g.per_hy * g.per_hy);
   for (const std::ptrdiff_t e : beside) {
+    const double cell = full_element(g, e);
     double of_surface = 0;  // of the element's volume
     int others = 0;
     for (const std::ptrdiff_t n : {e, e + 1, e + field_.row, e + field_.row + 1}) {
@@ -82,8 +83,12 @@ void PoreWater::yield_beside_surface(const GridState& g, double inertia, double*
         ++others;
         continue;
       }
-      const auto elements = around(n);
-      of_surface += field_.volume[n] / double(std::count_if(elements.begin(), elements.end(), [&](std::ptrdiff_t k) { return field_.inside[k] > 0; }));
+      // (Of an element, what it would have of a node's volume beside three others.)
+      const auto part = [&](std::ptrdiff_t k) { return (k == n || k == n - field_.row ? 2 * share_of_right(n) : 2 * share_of_left(n)) * ring(g, k); };
+      double all = 0;
+      for (const std::ptrdiff_t k : around(n))
+        if (field_.inside[k] > 0) all += part(k);
+      of_surface += field_.volume[n] * part(e) / all;
     }
     if (others == 0) continue;
     const double rest = std::max(0.0, field_.inside[e] - of_surface);

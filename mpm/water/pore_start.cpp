@@ -77,7 +77,7 @@ void PoreWater::fill_below_surface(Particles& p, const Vec2& gravity) const {
     p.content[k] = full ? soil.porosity * (1 + (has_surface() ? std::max(0.0, -above) * weight : 0) / options_.bulk_modulus_pa) : 0;
     if (full && soil.drained) p.content[k] = soil.porosity;
     if (!full && soil.holds_water() && air)  // what the surface cuts
-      p.content[k] = soil.porosity * std::max(0.0, 1 - above / std::sqrt(p.volume0[k]));
+      p.content[k] = soil.porosity * std::max(0.0, 1 - above / std::sqrt(section(p, k, p.volume0[k])));
   }
 }
 
@@ -191,8 +191,8 @@ class PoreWater::Seepage {
       if (!(conducts[n] > 0)) continue;
       edge(n, n + 1, kx * conducts[n]);
       edge(n + row, n + row + 1, kx * conducts[n]);
-      edge(n, n + row, ky * conducts[n]);
-      edge(n + 1, n + row + 1, ky * conducts[n]);
+      edge(n, n + row, 2 * ky * w_.share_of_right(std::ptrdiff_t(n)) * conducts[n]);
+      edge(n + 1, n + row + 1, 2 * ky * w_.share_of_left(std::ptrdiff_t(n) + 1) * conducts[n]);
     }
     const auto size = Eigen::Index(nodes_.size());
     for (std::size_t i = 0; i < nodes_.size(); ++i) entries.emplace_back(int(i), int(i), diagonal[i]);

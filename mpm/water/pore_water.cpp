@@ -66,11 +66,27 @@ PoreWater::PoreWater(const WaterOptions& options, std::vector<PoreSoil> soils, c
   const std::size_t before = before_nodes(g);
   const auto field = [&](std::size_t k) { return g.arrays.flow[k].data() + before; };
   field_ = {field(0), field(1), field(2), field(3), field(4), field(5), field(6), field(7), field(8), field(9), field(10), field(11), nullptr, nullptr, g.grid.nx};
+  if (g.axisymmetric) set_rings(g);
   sums_ = {g.arrays.pores.data() + before, g.arrays.pore_elements.data() + before};
   marks_ = g.arrays.pore_marks.data() + before;
   set_time(0);
   if (level_) reference_.y() = *level_;
   else if (!options.surface_m.empty()) reference_.y() = surface_at(reference_.x());
+}
+
+// An element from r to r + h has h (r/2 + h/6) and h (r/2 + h/3) of its volume at its inner and outer nodes.
+void PoreWater::set_rings(GridState& g) {
+  const double h = g.grid.spacing.x();
+  const auto field = [&](std::size_t k) { return g.arrays.rings[k].data() + before_nodes(g); };
+  field_.radius = field(0);
+  field_.of_right = field(1);
+  field_.of_left = field(2);
+  for (std::size_t n = 0; n < g.grid.node_count(); ++n) {
+    const double r = g.position(n).x();
+    field(0)[n] = std::max(r, h / 3);
+    field(1)[n] = 0.5 - h / (12 * std::max(r + h / 2, h / 2));
+    field(2)[n] = 0.5 + h / (12 * std::max(r - h / 2, h / 2));
+  }
 }
 
 double PoreWater::level_at(double time) const {

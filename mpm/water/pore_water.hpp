@@ -198,15 +198,36 @@ class PoreWater {
   void mark_given(bool given);
   PoreFlow at_given_nodes(double rate);
   PoreFlow flow_through_tractions(Particles& p, const Tractions& tractions, double time, double dt) const;
-  /// `holds`: does an element hold water?
+  // Axisymmetric: volumes are those of a radian, and surfaces of rings.
+  bool about_axis() const { return field_.radius != nullptr; }
+  double radius_of(std::size_t n) const { return about_axis() ? field_.radius[n] : 1; }
+  double share_of_right(std::ptrdiff_t n) const { return about_axis() ? field_.of_right[n] : 0.5; }
+  double share_of_left(std::ptrdiff_t n) const { return about_axis() ? field_.of_left[n] : 0.5; }
+  /// Radius of the middle of the element up and to the right of a node, and the volume that it can hold; in the plane 1, and its area.
+  double ring(const GridState& g, std::ptrdiff_t element) const {
+    return about_axis() ? g.position(std::size_t(element)).x() + 0.5 * g.grid.spacing.x() : 1;
+  }
+  double full_element(const GridState& g, std::ptrdiff_t element) const { return ring(g, element) / (g.per_hx * g.per_hy); }
+  double section(const Particles& p, std::size_t k, double volume) const { return about_axis() ? volume / p.x[k] : volume; }
+  void set_rings(GridState& g);
+  /// Surface of a node at a wall: its length, or that times the radius. `holds`: does an element hold water?
   template <class Holds>
   double length_along(const GridState& g, std::size_t n, std::uint8_t side, Holds&& holds) const {
-    const auto beside = [&](int left, int below) { return holds(std::ptrdiff_t(n) - left - below * std::ptrdiff_t(g.grid.nx)) ? 0.5 : 0.0; };
+    const auto beside = [&](int left, int below) { return holds(std::ptrdiff_t(n) - left - below * std::ptrdiff_t(g.grid.nx)); };
+    const double upright = (about_axis() ? g.position(n).x() : 1) * g.grid.spacing.y();
+    const auto level = [&](int below) {
+      const auto part = [&](int left) {
+        if (!beside(left, below)) return 0.0;
+        return left ? share_of_left(std::ptrdiff_t(n)) * ring(g, std::ptrdiff_t(n) - 1) : share_of_right(std::ptrdiff_t(n)) * ring(g, std::ptrdiff_t(n));
+      };
+      return (part(0) + part(1)) * g.grid.spacing.x();
+    };
+    const auto half = [&](int left, int below) { return beside(left, below) ? 0.5 : 0.0; };
     switch (side) {
-      case wall_left: return (beside(0, 0) + beside(0, 1)) * g.grid.spacing.y();
-      case wall_right: return (beside(1, 0) + beside(1, 1)) * g.grid.spacing.y();
-      case wall_down: return (beside(0, 0) + beside(1, 0)) * g.grid.spacing.x();
-      default: return (beside(0, 1) + beside(1, 1)) * g.grid.spacing.x();
+      case wall_left: return (half(0, 0) + half(0, 1)) * upright;
+      case wall_right: return (half(1, 0) + half(1, 1)) * upright;
+      case wall_down: return level(0);
+      default: return level(1);
     }
   }
   double given_pressure(const PoreCondition& condition, const Vec2& x, const Vec2& gravity) const {
@@ -337,7 +358,7 @@ bool PoreWater::at_surface(const GridState& g, std::size_t n, double volume, dou
     ++open;
     surface = surface || empty;
   }
-  return surface || volume * g.per_hx * g.per_hy < least_share * 0.25 * open;
+  return surface || volume * g.per_hx * g.per_hy < least_share * 0.25 * open * radius_of(n);
 }
 
 }  // namespace pivnp::mpm

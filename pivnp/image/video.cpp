@@ -34,8 +34,9 @@ struct Header {
   bool is_text() const { return std::memchr(bytes, 0, size) == nullptr; }
   // MP4, MOV and AVI list their frames; elsewhere the number is guessed from duration and rate.
   bool counts_frames() const {
-    return size > 12 && (std::memcmp(bytes + 4, "ftyp", 4) == 0 || std::memcmp(bytes, "RIFF", 4) == 0);
+    return size > 12 && (is_mp4() || std::memcmp(bytes, "RIFF", 4) == 0);
   }
+  bool is_mp4() const { return size > 12 && std::memcmp(bytes + 4, "ftyp", 4) == 0; }
 };
 
 cv::VideoCapture opened(const fs::path& file) {
@@ -74,6 +75,23 @@ Survey surveyed(const fs::path& file, std::int64_t limit) {
   return survey;
 }
 
+// Stamps that the decoder handed out: of the frames that it still held at the file's end it gives none (0).
+std::size_t stamped_frames(const Survey& survey) {
+  std::size_t end = survey.stamps_s.size();
+  while (end > 1 && survey.stamps_s[end - 1] == 0) --end;
+  return end;
+}
+
+// Where the rate varies, frames of the container's rate up to the last stamp: the promise is a duration times that rate, and an AVI
+// counts what it leaves out.
+std::int64_t reached(const Survey& survey) {
+  const std::size_t known = stamped_frames(survey);
+  if (survey.rate_hz == 0 || known < 2) return survey.readable;
+  const double frames = (survey.stamps_s[known - 1] - survey.stamps_s[0]) * survey.rate_hz;
+  if (!(frames >= 0 && frames < 1e15)) return survey.readable;
+  return std::max(survey.readable, std::int64_t(std::llround(frames)) + 1 + std::int64_t(survey.stamps_s.size() - known));
+}
+
 // Throws if the file ends before its container says so; the last frame that came out may then be damaged too.
 void check_complete(const Survey& survey, const fs::path& file, std::int64_t limit) {
   if (survey.readable == 0) {
@@ -81,9 +99,9 @@ void check_complete(const Survey& survey, const fs::path& file, std::int64_t lim
     throw InputError(frames_key + ": '" + file.string() + "' is a video without a readable frame" + (defect ? ", " + *defect : ""));
   }
   if (survey.readable == limit) return;
-  const double slack =
-      Header(file).counts_frames() ? 0 : std::max(2.0, 0.1 * survey.rate_hz);  // where the promise is a guess
-  const std::int64_t missing = survey.promised > 0 ? survey.promised - survey.readable : 0;
+  const Header header(file);
+  const double slack = header.counts_frames() ? 0 : std::max(2.0, 0.1 * survey.rate_hz);  // where the promise is a guess
+  const std::int64_t missing = survey.promised > 0 ? survey.promised - (header.is_mp4() ? survey.readable : reached(survey)) : 0;
   std::string remedy;
   if (survey.readable > 1)
     remedy = "; frames.last = " + std::to_string(survey.readable - 2) + " leaves out the damaged end";
@@ -95,13 +113,6 @@ void check_complete(const Survey& survey, const fs::path& file, std::int64_t lim
   throw InputError(frames_key + ": '" + file.string() + "' ends too early: its container promises " +
                    std::to_string(survey.promised) + " frames, only " + std::to_string(survey.readable) +
                    " can be read (truncated, or trimmed without re-encoding)" + remedy);
-}
-
-// Stamps that the decoder handed out: of the frames that it still held at the file's end it gives none (0).
-std::size_t stamped_frames(const Survey& survey) {
-  std::size_t end = survey.stamps_s.size();
-  while (end > 1 && survey.stamps_s[end - 1] == 0) --end;
-  return end;
 }
 
 // Throws unless the time stamps of the frames before `end` increase from frame to frame.

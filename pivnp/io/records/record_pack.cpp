@@ -130,7 +130,7 @@ void pack_energy(h5::OutputFile& out, const std::vector<const StageFiles*>& moti
       if (column.optional && std::all_of(values.begin(), values.end(), [](double v) { return v == 0; })) continue;
       const bool own_unit = *column.unit != '\0';
       out.write(std::string("/energy/") + column.name, values,
-                own_unit ? column.unit : column.member == &EnergyRow::time ? units.time : units.energy());
+                own_unit ? units.of_thickness(column.unit) : column.member == &EnergyRow::time ? units.time : units.energy());
     }
   }
 }

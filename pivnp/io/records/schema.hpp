@@ -25,6 +25,10 @@ struct Units {
   /// Force and moment likewise.
   std::string force() const { return per_radian ? of_radian("N", "L^2") : length == "m" ? "N/m" : "Pa " + length; }
   std::string moment() const { return per_radian ? of_radian("N m", "L^3") : length == "m" ? "N" : "Pa " + length2(); }
+  /// "kg/m" and the like, per metre of thickness, or of a radian.
+  std::string of_thickness(const std::string& per_metre) const {
+    return per_radian ? per_metre.substr(0, per_metre.rfind('/')) + "/rad" : per_metre;
+  }
   /// "L/T^2" and the like with the record's own units.
   std::string of(std::string_view pattern) const;
 

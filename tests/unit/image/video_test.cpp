@@ -1,5 +1,9 @@
 #include <gmock/gmock.h>
 
+#include <bit>
+#include <fstream>
+#include <iterator>
+
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
@@ -77,6 +81,48 @@ TEST_F(Video, TimesAreThoseOfTheStampsWhereTheyAreAsked) {
   for (std::size_t k = 0; k < source->frames().size(); ++k) EXPECT_NEAR(source->frames()[k].time, double(k) / 20, 1e-6);
   options.rate_hz = 20.0;
   EXPECT_THAT(error_of([&] { open(options); }), HasSubstr("given together with frames.times"));
+}
+
+// Matroska promises a duration times a rate, which is more frames than it holds where the rate varies.
+TEST_F(Video, AVariableRateInMatroskaIsNoTruncation) {
+  {
+    cv::VideoWriter writer;
+    if (!writer.open(at("even.mkv").string(), cv::CAP_FFMPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 25, cv::Size(width, height)))
+      GTEST_SKIP() << "no encoder";
+    // (Plain frames, so that all lie in one cluster, whose times are relative to its own.)
+    for (int k = 0; k < 12; ++k) writer.write(cv::Mat(height, width, CV_8UC3, cv::Scalar(20 * k, 20 * k, 20 * k)));
+  }
+  std::string file;
+  {
+    std::ifstream in(at("even.mkv"), std::ios::binary);
+    file.assign(std::istreambuf_iterator<char>(in), {});
+  }
+  const int ms[] = {0, 40, 80, 160, 200, 320, 360, 400, 480, 560, 600, 640};
+  // Blocks: track 1, time in two bytes, key frame; then a JPEG.
+  std::size_t from = 0;
+  for (int k = 0; k < 12; ++k) {
+    const auto block = [](int time) { return std::string{char(0x81), char(time >> 8), char(time & 255), char(0x80), char(0xff), char(0xd8)}; };
+    const std::size_t found = file.find(block(40 * k), from);
+    ASSERT_NE(found, std::string::npos) << k;
+    file.replace(found, 6, block(ms[k]));
+    from = found + 6;
+  }
+  const std::size_t duration = file.find(std::string{0x44, char(0x89), char(0x88)});
+  ASSERT_NE(duration, std::string::npos);
+  const auto bits = std::bit_cast<std::uint64_t>(680.0);
+  for (std::size_t b = 0; b < 8; ++b) file[duration + 3 + b] = char(bits >> (56 - 8 * b) & 255);
+  std::ofstream(at("varies.mkv"), std::ios::binary) << file;
+  FrameOptions options;
+  options.path = "varies.mkv";
+  EXPECT_THAT(error_of([&] { open(options); }), HasSubstr("frames.times = \"stamps\""));
+  options.times = FrameTimes::stamps;
+  const auto source = open(options);
+  ASSERT_EQ(source->frames().size(), 12u);
+  for (std::size_t k = 0; k < 12; ++k) EXPECT_NEAR(source->frames()[k].time, ms[k] / 1000.0, 1e-6);
+  // Cut short, it is known to be.
+  std::ofstream(at("cut.mkv"), std::ios::binary) << file.substr(0, file.size() * 6 / 10);
+  options.path = "cut.mkv";
+  EXPECT_NE(error_of([&] { open(options); }), "");
 }
 
 // H.264 with frames that depend on later ones: at the file's end the decoder still holds some, and knows no stamps of them.

@@ -196,7 +196,6 @@ TEST(Axisymmetric, RefusesByName) {
       {"mpm.locking", [](Scene&, MpmOptions& o) { o.shape = ShapeKind::bilinear, o.locking = Locking::selective; }},
       {"mpm.sleep_below_m_s", [](Scene&, MpmOptions& o) { o.sleep_below_m_s = 1e-3; }},
       {"mpm.domain_m", [](Scene& s, MpmOptions&) { s.grid.origin.x() = -0.1; }},
-      {"water", [](Scene& s, MpmOptions&) { s.water.emplace(); }},
       {"heat", [](Scene& s, MpmOptions&) { s.heat.emplace(); }},
       {"contact.c", [](Scene& s, MpmOptions&) { s.contacts = {{"c", {}}}; }},
       {"boundary.t.type", [](Scene& s, MpmOptions&) { s.boundaries = {{"t", line({0, 0}, {0, 1}, "tied")}}; }},

@@ -143,6 +143,44 @@ TEST(MpmTerzaghi, StepLoadAndSelfWeightOverDecades) {
     }
 }
 
+// The column is round: the same pressures at every point, those at the axis among them.
+WaterColumn round_column(ShapeKind shape, PressureScheme pressure, double young, double permeability, int cells) {
+  WaterColumn c = column_of(shape, pressure, young, permeability, cells);
+  c.about_axis = true;
+  c.across = 3;
+  return c;
+}
+
+TEST(MpmTerzaghiSmall, ARoundColumn) {
+  for (const PressureScheme pressure : schemes)
+    for (const ShapeKind shape : {ShapeKind::bilinear, ShapeKind::bspline}) {
+      const WaterColumn c = round_column(shape, pressure, 1e7, 1e-5, 8);
+      const Deviation load = step_load(c), weight = self_weight(c);
+      std::printf("round column, %s, %s, 8 cells: step load %.4f, settlement %.4f, self weight %.4f\n", std::string(name_of(pressure)).c_str(),
+                  std::string(name_of(shape)).c_str(), load.pressure, load.settlement, weight.pressure);
+      expect_within(load, 0.01);
+      expect_within(weight, 0.01);
+    }
+}
+
+TEST(MpmTerzaghi, ARoundColumn) {
+  for (const PressureScheme pressure : schemes)
+    for (const ShapeKind shape : {ShapeKind::bilinear, ShapeKind::gimp, ShapeKind::bspline}) {
+      Deviation load, weight;
+      for (const auto& [young, permeability] : {std::pair{3e6, 2e-9}, {4e7, 3e-6}}) {
+        const WaterColumn c = round_column(shape, pressure, young, permeability, 10);
+        load.raise(step_load(c));
+        weight.raise(self_weight(c));
+      }
+      expect_within(load, 0.01);
+      expect_within(weight, 0.01);
+      pivnp::test::verification_row("Terzaghi about the axis, " + std::string(name_of(pressure)) + ", " + std::string(name_of(shape)) + ", E 3e6 and 4e7, K 2e-9 and 3e-6, 10 cells",
+                                    "pressure within 1 % of p0 at T .1, .3, .7, settlement within 1 %, water to 1e-12",
+                                    "load " + number(100 * load.pressure, 2) + " %, settlement " + number(100 * load.settlement, 2) + " %, self weight " +
+                                        number(100 * weight.pressure, 2) + " %, water " + number(std::max(load.water, weight.water), 2));
+    }
+}
+
 TEST(MpmTerzaghi, StiffWater) {
   for (const PressureScheme pressure : schemes) {
     WaterColumn c;

@@ -28,6 +28,8 @@ struct WaterColumn {
   double damping = 0.3;
   double rise = 2e-3;     // of the load, in T
   double grains = 2650;
+  bool about_axis = false;
+  int across = 2;         // cells
 
   double modulus() const { return young * (1 - poisson) / ((1 + poisson) * (1 - 2 * poisson)); }
   double storage() const { return 1 / modulus() + porosity / bulk; }
@@ -51,8 +53,8 @@ inline MaterialOptions saturated(double young, double poisson, double porosity, 
 }
 
 inline Scene scene_of(const WaterColumn& c) {
-  const double h = c.spacing(), width = 2 * h;
-  Scene s = scene(Grid{{0, 0}, {h, h}, 3, c.cells + 3}, {rectangle("soil", 0, 0, width, c.height)},
+  const double h = c.spacing(), width = c.across * h;
+  Scene s = scene(Grid{{0, 0}, {h, h}, c.across + 1, c.cells + 3}, {rectangle("soil", 0, 0, width, c.height)},
                   {saturated(c.young, c.poisson, c.porosity, c.permeability, c.grains)});
   s.water.emplace();
   s.water->bulk_modulus_pa = c.bulk;
@@ -71,6 +73,7 @@ inline Scene scene_of(const WaterColumn& c) {
 
 inline MpmOptions options_of(const WaterColumn& c) {
   MpmOptions o = options({0, -c.gravity});
+  if (c.about_axis) o.geometry = Geometry::axisymmetric;
   o.shape = c.shape;
   o.transfer = c.transfer;
   o.stress_update = c.stress;
@@ -116,6 +119,7 @@ struct RandomBlock {
   bool lid = true;    // a closed box; or open above
   double lift = 0;    // off its base, in cells: then it is held at its sides alone
   bool inertia = false;  // of the water
+  bool about_axis = false;  // its left side is the axis
 };
 
 // A column with cells of 10 mm, its water soft enough for few steps.
@@ -156,6 +160,7 @@ inline bool grows_in(const RandomBlock& b, double courant) {
     s.v0.emplace_back(x, next());
   }
   MpmOptions o = options();
+  if (b.about_axis) o.geometry = Geometry::axisymmetric;
   o.shape = b.shape;
   o.transfer = b.transfer;
   o.courant = courant;
