@@ -49,6 +49,7 @@ struct PairCorrelator::Impl {
   int width = 0, height = 0, threads = 1;
   // Made for a mask:
   std::vector<std::uint8_t> mask;  // [height][width]; empty without one
+  std::vector<std::uint8_t> material;  // of the last pair's first frame that had one, and mask
   Box box;                         // what the method sees of the frames
   std::unique_ptr<Method> method;
 
@@ -64,6 +65,7 @@ struct PairCorrelator::Impl {
   }
 
   void take_mask(const MaskView& view);
+  void take_material(const MaskView& view);
 
   // Takes the mask of a pair; true if it is another than before.
   bool take(const MaskView& view) {
@@ -170,9 +172,23 @@ void PairCorrelator::Impl::take_mask(const MaskView& view) {
   if (take(view)) make_method();
 }
 
-PixelVectors PairCorrelator::correlate(const ImageView& first, const ImageView& second, const MaskView& mask) {
+void PairCorrelator::Impl::take_material(const MaskView& view) {
+  if (view.data == nullptr) return method->set_first_mask({});
+  if (!row.masks || view.width != width || view.height != height)
+    throw InputError("piv: found a mask of material of " + std::to_string(view.width) + " x " + std::to_string(view.height) +
+                     " px, expected " + std::to_string(width) + " x " + std::to_string(height) + ", and a method that leaves pixels out");
+  material.resize(std::size_t(width) * std::size_t(height));
+  const MaskView whole = whole_mask();
+  for (int r = 0; r < height; ++r)
+    for (int c = 0; c < width; ++c)
+      material[std::size_t(r) * std::size_t(width) + std::size_t(c)] = std::uint8_t(view.usable(c, r) && whole.usable(c, r));
+  method->set_first_mask(part_of(MaskView{material.data(), width, height, width}, box));
+}
+
+PixelVectors PairCorrelator::correlate(const ImageView& first, const ImageView& second, const MaskView& mask, const MaskView& material) {
   check_frames({first, second}, impl_->width, impl_->height);
   impl_->take_mask(mask);
+  impl_->take_material(material);
   PixelVectors vectors = impl_->empty;
   impl_->method->correlate(part_of(first, impl_->box), part_of(second, impl_->box), vectors);
   return vectors;
@@ -181,6 +197,7 @@ PixelVectors PairCorrelator::correlate(const ImageView& first, const ImageView& 
 PixelVectors PairCorrelator::correlate_mean(std::span<const FramePair> pairs, const MaskView& mask) {
   for (const FramePair& pair : pairs) check_frames(pair, impl_->width, impl_->height);
   impl_->take_mask(mask);
+  impl_->take_material({});
   std::vector<FramePair> parts;
   for (const FramePair& pair : pairs)
     parts.push_back({part_of(pair.first, impl_->box), part_of(pair.second, impl_->box)});
