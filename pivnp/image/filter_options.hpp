@@ -42,8 +42,8 @@ struct FilterOptions {
         OptionInfo{
             .text =
                 "what is subtracted of every frame: mean, minimum or median over the sequence, pixel by pixel (texture "
-                "that does not move goes with it), or pattern, what of its texture both halves of the sequence have in "
-                "common where the picture as a whole moves on (dirt, scratches and reflections on the glass)"});
+                "that does not move goes with it), or pattern, the texture of the median where the "
+                "picture moves on (dirt, scratches, reflections on the glass)"});
     visit(
         "background_frames", self.background_frames,
         OptionInfo{

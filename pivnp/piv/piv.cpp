@@ -1,6 +1,7 @@
 #include "pivnp/piv/piv.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <string>
@@ -8,6 +9,7 @@
 
 #include "pivnp/core/error.hpp"
 #include "pivnp/piv/methods.hpp"
+#include "pivnp/piv/sampling/anchor_shares.hpp"
 #include "pivnp/piv/sampling/extent.hpp"
 #include "pivnp/piv/window_passes.hpp"
 
@@ -66,6 +68,7 @@ struct PairCorrelator::Impl {
 
   void take_mask(const MaskView& view);
   void take_material(const MaskView& view);
+  void leave_material(const MaskView& view, PixelVectors& vectors) const;
 
   // Takes the mask of a pair; true if it is another than before.
   bool take(const MaskView& view) {
@@ -172,6 +175,19 @@ void PairCorrelator::Impl::take_mask(const MaskView& view) {
   if (take(view)) make_method();
 }
 
+// A vector whose start is no material is the neighbours', carried on beyond the surface.
+void PairCorrelator::Impl::leave_material(const MaskView& view, PixelVectors& vectors) const {
+  constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+  const float share = shares_of(vectors.anchor).first;
+  for (std::size_t k = 0; k < vectors.status.size(); ++k) {
+    const float x = nodes.pixel[k][0] + share * vectors.displacement[k][0], y = nodes.pixel[k][1] + share * vectors.displacement[k][1];
+    if (!(x >= 0 && y >= 0 && x <= float(width - 1) && y <= float(height - 1))) continue;  // or not measured
+    if (view.usable(int(std::lround(x)), int(std::lround(y)))) continue;
+    vectors.status[k] = VectorStatus::masked, vectors.score[k] = nan;
+    vectors.displacement[k] = {nan, nan}, vectors.cov[k] = {nan, nan, nan};
+  }
+}
+
 void PairCorrelator::Impl::take_material(const MaskView& view) {
   if (view.data == nullptr) return method->set_first_mask({});
   if (!row.masks || view.width != width || view.height != height)
@@ -191,6 +207,7 @@ PixelVectors PairCorrelator::correlate(const ImageView& first, const ImageView& 
   impl_->take_material(material);
   PixelVectors vectors = impl_->empty;
   impl_->method->correlate(part_of(first, impl_->box), part_of(second, impl_->box), vectors);
+  if (material.data != nullptr) impl_->leave_material(material, vectors);
   return vectors;
 }
 

@@ -12,7 +12,7 @@ namespace pivnp::app {
 namespace {
 
 constexpr double light_px = 32, window_px = 16;  // standard deviations of blurs
-constexpr float at_rest = 0.7f;                  // correlation of frames as they stand
+constexpr float at_rest = 0.85f;                 // correlation of frames as they stand
 
 struct Plane {
   int width = 0, height = 0;
@@ -57,35 +57,26 @@ Plane product(const Plane& a, const Plane& b) {
   return blurred(out, window_px);
 }
 
-// Mean texture of some frames.
-Plane mean_of(image::FrameSource& source, const std::vector<int>& frames, std::size_t from, std::size_t to) {
-  Plane sum(source.width(), source.height(), 255);
-  for (std::size_t n = from; n < to; ++n) {
-    const Image frame = source.read(frames[n]);
-    sum.white = frame.white();
-    add(frame.view(), 1 / float(to - from), sum);
-  }
-  return without_light(std::move(sum));
+// Median texture of some frames.
+Plane median_of(image::FrameSource& source, const std::vector<int>& frames, std::size_t from, std::size_t to) {
+  const Image median = image::background_of(int(to - from), [&](int k) { return source.read(frames[from + std::size_t(k)]); },
+                                            image::Background::median);
+  Plane out(median.width(), median.height(), median.white());
+  add(median.view(), 1, out);
+  return without_light(std::move(out));
 }
 
 }  // namespace
 
 Image pattern_on_glass(image::FrameSource& source, int most) {
   const std::vector<int> frames = image::background_frames(int(source.frames().size()), most);
-  const std::size_t count = frames.size(), half = count / 2;
-  if (count < 2) return Plane(source.width(), source.height(), 255).image();
-  Plane m = mean_of(source, frames, 0, half);
-  const Plane late = mean_of(source, frames, half, count);
-  const Plane common = product(m, late);
-  for (std::size_t k = 0; k < m.grey.size(); ++k) m.grey[k] = 0.5f * (m.grey[k] + late.grey[k]);
-  const Plane own = product(m, m);
-  const Plane a = mean_of(source, frames, 0, 1), b = mean_of(source, frames, half, half + 1);
-  const Plane ab = product(a, b), aa = product(a, a), bb = product(b, b);
-  for (std::size_t k = 0; k < m.grey.size(); ++k) {
-    const bool still = ab.grey[k] > at_rest * std::sqrt(std::max(0.0f, aa.grey[k] * bb.grey[k]));
-    m.grey[k] *= still || !(own.grey[k] > 0) ? 0.0f : std::clamp(common.grey[k] / own.grey[k], 0.0f, 1.0f);
-  }
-  return m.image();
+  const std::size_t count = frames.size();
+  Plane pattern = median_of(source, frames, 0, count);
+  const Plane first = median_of(source, frames, 0, 1), last = median_of(source, frames, count - 1, count);
+  const Plane common = product(first, last), first_own = product(first, first), last_own = product(last, last);
+  for (std::size_t k = 0; k < pattern.grey.size(); ++k)
+    if (!(common.grey[k] < at_rest * std::sqrt(std::max(0.0f, first_own.grey[k] * last_own.grey[k])))) pattern.grey[k] = 0;
+  return pattern.image();
 }
 
 StillPicture fixed_texture(const Setting& setting, image::FrameSource& source, const std::function<VectorField(std::size_t)>& pair) {

@@ -10,10 +10,9 @@
 
 namespace pivnp::app {
 
-/// The fixed pattern of a sequence, floating grey values about 0, of the frames' size. The means of the two halves of up to
-/// `most` frames are freed of light (a blur of 32 px); of their mean m is kept, in windows of 16 px, the share that both
-/// have in common: common / |m|^2, the filter of Wiener (1949) where the rest of each half is independent. Nothing is kept where
-/// two frames half a sequence apart agree as they stand (correlation above .7): what moves nowhere is material at rest.
+/// The fixed pattern of a sequence, floating grey values about 0, of the frames' size. It is the median of up to
+/// `most` frames, freed of light (a blur of 32 px). Nothing is kept where the first and the last of them agree as they stand
+/// (correlation above .85 in Gaussian windows of 16 px): what moves nowhere is material at rest.
 Image pattern_on_glass(image::FrameSource& source, int most);
 
 /// How far pictures agree where material has moved on by more than its grains' size: over up to four pairs of frames, as far

@@ -201,7 +201,7 @@ std::vector<std::string> MovingRegions::remarks() const {
   std::vector<std::string> out = lost_;
   if (const double share = left_out(); share > 0)
     out.push_back("The regions moved with their material as masks: beside " + number(std::round(1000 * share) / 10) +
-                  " % of their outlines, over all pairs, what lies outside stood still or was plain and was left out (piv.follow_regions).");
+                  " % of their outlines, over all pairs, what lies outside stood still and was left out (piv.follow_regions).");
   return out;
 }
 

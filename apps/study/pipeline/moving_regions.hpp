@@ -11,10 +11,10 @@
 namespace pivnp::app {
 
 /// What lies outside a region beside a point of its outline, as far as frames have shown it.
-enum class Outside : std::uint8_t { unknown, still, plain, moving };
+enum class Outside : std::uint8_t { unknown, still, moving };
 
 /// What is left out.
-inline bool left_out(Outside outside) { return outside == Outside::still || outside == Outside::plain; }
+inline bool left_out(Outside outside) { return outside == Outside::still; }
 
 struct OutlinePoint {
   Vec2 place = {0, 0};        // in the world, in the frame at hand
@@ -29,8 +29,8 @@ struct MovingOutline {
 };
 
 /// Follows the outlines of a case's regions and leaves out what lies beyond them, pair by pair, where that is shown to be no
-/// material: it stands still while the material beside it moves, or it is plain. Elsewhere nothing is left out, so that a
-/// region that ends within material costs it nothing. Points of the outline are carried by weighted affine fits of the
+/// material: it has texture that stands still while the material beside it moves. Elsewhere nothing is left out, so that a
+/// region that ends within material, or before plain ground, changes nothing. Points of the outline are carried by weighted affine fits of the
 /// vectors inside (docs/theory/frames.md). Within a group of pairs (SequenceCorrelator) they are carried by each pair's
 /// own vectors, from group to group by those that are kept: a run that is taken up again finds the same masks.
 class MovingRegions {

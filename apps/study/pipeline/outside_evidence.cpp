@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
-#include <string>
 
 namespace pivnp::app {
 
@@ -14,22 +11,18 @@ constexpr int side = 8;             // of the blocks that belong to one point of
 constexpr int most_blocks = 3;      // from the outline, that tell of it
 constexpr int far_blocks = 12;      // from the outline, that are looked at for grains on their own
 constexpr double grain_px2 = 9;     // pixels that tell about one thing
-constexpr double least_pixels = 60, errors = 3, better = 0.8, plain_share = 0.15;
+constexpr double least_pixels = 60, errors = 3, better = 0.8;
 
 struct Evidence {
   double still = 0, moved = 0, square = 0, pixels = 0;  // sums of squared differences, and of the square of their difference
-  double variance = 0, seen = 0;                        // of grey values within blocks, times pixels; pixels
   void add(const Evidence& e) {
-    still += e.still, moved += e.moved, square += e.square, pixels += e.pixels, variance += e.variance, seen += e.seen;
+    still += e.still, moved += e.moved, square += e.square, pixels += e.pixels;
   }
 };
 
-// A block that shows by itself that it moves, or that it has texture where the outside is plain: grains that have left the
-// outline behind, or an outline that lies within them.
-bool vetoed(const Evidence& e, double usual, Outside outside) {
-  constexpr double few_pixels = 16;
-  if (e.pixels >= few_pixels && e.moved < better * e.still) return true;
-  return outside == Outside::plain && e.seen > 0 && e.variance >= plain_share * usual * e.seen;
+// Sums that stand out by three standard errors, and by a fifth.
+bool first_is_less(double first, double second, double square) {
+  return second - first > errors * std::sqrt(square * grain_px2) && first < better * second;
 }
 
 // Blocks of the frame: the outline's point nearest to each, and how many blocks away it is.
@@ -71,52 +64,25 @@ struct Shift {
 template <class Grey>
 Evidence look(const std::vector<std::uint8_t>& inside, const ImageView& first, const ImageView& second, int i, int j, Shift still, Shift moved) {
   Evidence e;
-  double sum = 0, squares = 0;
+  if (still.column == moved.column && still.row == moved.row) return e;
   const auto within = [&](int c, int r) { return c >= 0 && r >= 0 && c < second.width && r < second.height; };
   for (int r = j * side; r < std::min((j + 1) * side, first.height); ++r)
     for (int c = i * side; c < std::min((i + 1) * side, first.width); ++c) {
       if (inside[std::size_t(r) * std::size_t(first.width) + std::size_t(c)]) continue;
       const double grey = double(first.row<Grey>(r)[c]);
-      sum += grey, squares += grey * grey, ++e.seen;
       if (!within(c + still.column, r + still.row) || !within(c + moved.column, r + moved.row)) continue;
       const double a = double(second.row<Grey>(r + still.row)[c + still.column]) - grey,
                    b = double(second.row<Grey>(r + moved.row)[c + moved.column]) - grey, d = a * a - b * b;
       e.still += a * a, e.moved += b * b, e.square += d * d, ++e.pixels;
     }
-  if (e.seen > 0) e.variance = squares - sum * sum / e.seen;
-  if (still.column == moved.column && still.row == moved.row) e.still = e.moved = e.square = e.pixels = 0;
   return e;
 }
 
-// Variance of grey values in blocks that are inside as a whole, their median.
-template <class Grey>
-double inside_variance(const std::vector<std::uint8_t>& inside, const ImageView& first) {
-  std::vector<double> found;
-  constexpr int every = 2;
-  for (int j = 0; j < first.height / side; j += every)
-    for (int i = 0; i < first.width / side; i += every) {
-      double sum = 0, squares = 0, count = 0;
-      for (int r = j * side; r < (j + 1) * side; ++r)
-        for (int c = i * side; c < (i + 1) * side; ++c) {
-          if (!inside[std::size_t(r) * std::size_t(first.width) + std::size_t(c)]) continue;
-          const double grey = double(first.row<Grey>(r)[c]);
-          sum += grey, squares += grey * grey, ++count;
-        }
-      if (count == side * side) found.push_back((squares - sum * sum / count) / count);
-    }
-  if (found.empty()) return 0;
-  const auto middle = found.begin() + std::ptrdiff_t(found.size() / 2);
-  std::nth_element(found.begin(), middle, found.end());
-  return *middle;
-}
-
-Outside judged(const Evidence& e, double usual, Outside before) {
+Outside judged(const Evidence& e, Outside before) {
   if (e.pixels >= least_pixels) {
-    const double stands_out = errors * std::sqrt(e.square * grain_px2);
-    if (e.still - e.moved > stands_out && e.moved < better * e.still) return Outside::moving;
-    if (e.moved - e.still > stands_out && e.still < better * e.moved) return Outside::still;
+    if (first_is_less(e.moved, e.still, e.square)) return Outside::moving;
+    if (first_is_less(e.still, e.moved, e.square)) return Outside::still;
   }
-  if (e.seen >= least_pixels && e.variance < plain_share * usual * e.seen) return Outside::plain;
   return before;
 }
 
@@ -143,7 +109,6 @@ std::vector<std::uint8_t> judge(const std::vector<std::uint8_t>& inside, const S
       own[n] = look<Grey>(inside, first, second, i, j, still[k], moved[k]);
       if (blocks.away[n] <= most_blocks) evidence[k].add(own[n]);
     }
-  const double usual = inside_variance<Grey>(inside, first);
   // A point is judged by what its neighbours see too, over about a window.
   const int reach = std::max(2, window_px / 5);
   std::vector<Outside> outside_of(px.size(), Outside::unknown);
@@ -155,7 +120,7 @@ std::vector<std::uint8_t> judge(const std::vector<std::uint8_t>& inside, const S
       Evidence about;
       for (std::ptrdiff_t m = -reach; m <= reach; ++m) about.add(evidence[from + std::size_t(((k + m) % count + count) % count)]);
       Outside& outside = outline.points[std::size_t(k)].outside;
-      outside = judged(about, usual, outside);
+      outside = judged(about, outside);
       outside_of[from + std::size_t(k)] = outside;
       any = any || left_out(outside);
     }
@@ -165,23 +130,12 @@ std::vector<std::uint8_t> judge(const std::vector<std::uint8_t>& inside, const S
   std::vector<std::uint8_t> usable(inside.size()), out(blocks.point.size(), 0);
   for (std::size_t n = 0; n < out.size(); ++n)
     if (const int point = blocks.point[n]; point >= 0)
-      out[n] = left_out(outside_of[std::size_t(point)]) && !vetoed(own[n], usual, outside_of[std::size_t(point)]);
+      out[n] = left_out(outside_of[std::size_t(point)]) && !first_is_less(own[n].moved, own[n].still, own[n].square);
   for (int r = 0; r < first.height; ++r)
     for (int c = 0; c < first.width; ++c) {
       const std::size_t n = std::size_t(r) * std::size_t(first.width) + std::size_t(c);
       usable[n] = inside[n] || !out[blocks.at(c / side, r / side)];
     }
-  if (const char* dump = getenv("DUMP")) {  // DEBUG
-    FILE* fp = fopen((std::string(dump) + std::to_string(frame) + ".ppm").c_str(), "wb");
-    fprintf(fp, "P6\n%d %d\n255\n", first.width, first.height);
-    for (int r = 0; r < first.height; ++r)
-      for (int c = 0; c < first.width; ++c) {
-        const std::size_t n = std::size_t(r) * std::size_t(first.width) + std::size_t(c);
-        unsigned char g = (unsigned char)(first.row<Grey>(r)[c]), px3[3] = {g, inside[n] ? (unsigned char)(g / 2 + 127) : g, usable[n] ? g : (unsigned char)(g / 2 + 127)};
-        fwrite(px3, 1, 3, fp);
-      }
-    fclose(fp);
-  }
   return usable;
 }
 

@@ -1,7 +1,6 @@
 // Texture that stands still in front of material that moves.
 //   criterion: dirt on the glass is found by itself, and neither clean frames nor material at rest are taken for it; taken
-//   out, vectors are at most a third as wrong, where the mean of the sequence leaves more; of material at rest nothing is
-//   taken out.
+//   out, paths are at most a fifth as wrong; of material at rest nothing is taken out.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -90,11 +89,10 @@ TEST(FixedPattern, DirtIsFoundAndTakenOut) {
   ASSERT_EQ(said.size(), 1u);
   EXPECT_THAT(said.front(), HasSubstr("preprocess.background = \"pattern\""));
   EXPECT_THAT(remarks(clean, plain), IsEmpty());
-  const double before = path_error(dirty, plain), after = path_error(dirty, filtered(dirty, image::Background::pattern)),
-               mean = path_error(dirty, filtered(dirty, image::Background::median)), never = path_error(clean, plain);
-  printf("before %.4f pattern %.4f median %.4f clean %.4f\n", before, after, mean, never);
-  EXPECT_LT(after, before / 3);
-  EXPECT_LT(path_error(clean, filtered(clean, image::Background::pattern)), 1.5 * never);
+  const double before = path_error(dirty, plain), after = path_error(dirty, filtered(dirty, image::Background::pattern));
+  EXPECT_GT(before, 0.3);
+  EXPECT_LT(after, before / 5);
+  EXPECT_THAT(remarks(dirty, filtered(dirty, image::Background::pattern)), IsEmpty());
 }
 
 TEST(FixedPattern, MaterialAtRestIsNone) {

@@ -70,6 +70,8 @@ Measured measured(const piv::Sequence& s, const std::string& keys, const std::st
   out.remarks = measure(c, out.setting, source, writer, 1, silent);
   for (int k = 0; k + 1 < s.frames; ++k) out.pairs.push_back(writer.pair(std::size_t(k)));
   track(c, out.setting, source.frames(), &source, {}, writer, 1, silent);
+  writer.set_frames(source.frames());
+  writer.pack();
   const auto motion = writer.motion("np");
   out.motion = std::make_shared<MotionMemory>("np", motion->length_unit(), motion->time_unit(), motion->particles());
   for (std::size_t k = 0; k < motion->times().size(); ++k) out.motion->add(motion->frame(k));
@@ -123,18 +125,20 @@ TEST(MovingRegions, VectorsAtASurfaceAreOfTheMaterialAlone) {
     }
 }
 
-TEST(MovingRegions, PlainGroundIsLeftOutAndSaid) {
-  const piv::Sequence s = sliding(2, 0);
+TEST(MovingRegions, FaintGroundIsLeftOutAndSaid) {
+  const piv::Sequence s = sliding(2, .3);
   const Measured m = measured(s, "");
-  EXPECT_LT(errors(m, s).rim, 0.03);
+  const Errors e = errors(m, s);
+  EXPECT_LT(e.rim, 2 * e.inside);
   EXPECT_THAT(m.remarks, Contains(HasSubstr("as masks")));
 }
 
-TEST(MovingRegions, NothingIsLeftOutWithinMaterialAndAtRest) {
+TEST(MovingRegions, NothingIsLeftOutWithinMaterialBeforePlainGroundAndAtRest) {
   const piv::Sequence whole = [] { piv::Sequence s = sliding(3, 1); s.material = {}; return s; }();
   EXPECT_TRUE(same(measured(whole, ""), measured(whole, "follow_regions = false\n")));
-  const piv::Sequence still = sliding(0, 1);
+  const piv::Sequence still = sliding(0, 1), plain = sliding(3, 0);
   EXPECT_TRUE(same(measured(still, ""), measured(still, "follow_regions = false\n")));
+  EXPECT_TRUE(same(measured(plain, ""), measured(plain, "follow_regions = false\n")));
 }
 
 // A block that moves to the right over ground: bared behind it, buried before it.
