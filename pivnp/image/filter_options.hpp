@@ -9,10 +9,11 @@
 namespace pivnp::image {
 
 /// What of a sequence stands for what does not move in it.
-enum class Background { none, mean, minimum, median };
+enum class Background { none, mean, minimum, median, pattern };
 inline constexpr std::array background_names{NamedValue{"none", Background::none}, NamedValue{"mean", Background::mean},
                                              NamedValue{"minimum", Background::minimum},
-                                             NamedValue{"median", Background::median}};
+                                             NamedValue{"median", Background::median},
+                                             NamedValue{"pattern", Background::pattern}};
 constexpr const auto& names_of(Background) { return background_names; }
 
 /// In the order in which they are applied. What is 0 or none is left out.
@@ -40,8 +41,9 @@ struct FilterOptions {
         "background", self.background,
         OptionInfo{
             .text =
-                "what is subtracted of every frame: mean, minimum or median over the sequence, pixel by pixel. Texture "
-                "that does not move goes with it"});
+                "what is subtracted of every frame: mean, minimum or median over the sequence, pixel by pixel (texture "
+                "that does not move goes with it), or pattern, the texture of the median where the "
+                "picture moves on (dirt, scratches, reflections on the glass)"});
     visit(
         "background_frames", self.background_frames,
         OptionInfo{

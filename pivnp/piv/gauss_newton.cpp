@@ -27,6 +27,11 @@ class GaussNewton final : public Method {
  public:
   GaussNewton(const PivOptions& options, const Extent& extent, int threads, int finest);
   void correlate(const ImageView& first, const ImageView& second, PixelVectors& vectors) override;
+  void set_first_mask(const MaskView& mask) override {
+    first_mask_ = mask;
+    windows_.set_first_mask(mask);
+    for (GnLevel& level : levels_) level.set_first_mask(mask);
+  }
   // The cells of the field stay where they are; the vectors are its values at the nodes.
   bool place(const NodeLattice& nodes) override {
     extent_.nodes = nodes;
@@ -48,6 +53,7 @@ class GaussNewton final : public Method {
 
   PivOptions options_;
   Extent extent_;
+  MaskView first_mask_;
   int threads_;
   Anchor anchor_;
   WindowPasses windows_;
@@ -111,7 +117,7 @@ void GaussNewton::correlate(const ImageView& first, const ImageView& second, Pix
   const GnLevel& finest = levels_.back();
   find_lost(finest);
   validate_vectors({limits_of(options_), extent_.nodes, extent_.width, extent_.height, finest.decimation(), threads_,
-                    rounding_, extent_.mask},
+                    rounding_, first_mask_.data != nullptr ? first_mask_ : extent_.mask},
                    field_, sums_, u_, v_, smooth_u_, smooth_v_, vectors, dense_.trusted);
   dense_.lattice = finest.lattice(), dense_.decimation = finest.decimation(), dense_.wanted = &finest.wanted();
   dense_.smooth_u = u_, dense_.smooth_v = v_;

@@ -28,6 +28,9 @@ class Method {
   /// Fills displacement, status, cov, score and correlation_px. As it gets them nothing is measured: values NaN, status
   /// masked where a node is off, failed elsewhere.
   virtual void correlate(const ImageView& first, const ImageView& second, PixelVectors& vectors) = 0;
+  /// What of the first frame may be used from now on, in place of the mask that the method was made with; empty: that mask.
+  /// Lattices and nodes stay as they are. The data belong to the caller.
+  virtual void set_first_mask(const MaskView&) = 0;
   /// The mean displacement of several pairs; false: the method cannot average them.
   virtual bool correlate_mean(std::span<const FramePair>, PixelVectors&) { return false; }
   /// Puts the nodes elsewhere, by no more than a few pixels; false: the method must be made anew for that.

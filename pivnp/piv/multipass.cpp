@@ -56,6 +56,7 @@ class Multipass final : public Method {
   Multipass(const PivOptions& options, const Extent& extent, int threads, Search last_window);
   void correlate(const ImageView& first, const ImageView& second, PixelVectors& vectors) override;
   bool correlate_mean(std::span<const FramePair> pairs, PixelVectors& vectors) override;
+  void set_first_mask(const MaskView& mask) override { windows_.set_first_mask(mask); }
 
  private:
   void measure_nodes(PixelVectors& vectors);

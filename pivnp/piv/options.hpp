@@ -28,6 +28,7 @@ struct PivOptions {
   int first_window_px = 0;
   int passes = 0;
   int ensemble = 1;
+  bool follow_regions = true;
   Anchor anchor = Anchor::central;
   double median_threshold = 2.0;
   double median_floor_px = 0.1;
@@ -64,6 +65,9 @@ struct PivOptions {
                              "that hardly changes meanwhile; each of them then has their mean displacement",
                      .min = 1,
                      .max = 64});
+    visit("follow_regions", self.follow_regions,
+          OptionInfo{.text = "regions move with their material as masks: texture beyond them that stands still is left "
+                             "out pair by pair (not with ensemble > 1 or camera.row_time_s)"});
     visit("anchor", self.anchor,
           OptionInfo{.text = "instant to which a vector's place belongs: middle of the pair, or its first frame"});
     visit("median_threshold", self.median_threshold,

@@ -1,6 +1,7 @@
 #include "pivnp/piv/piv.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <string>
@@ -8,6 +9,7 @@
 
 #include "pivnp/core/error.hpp"
 #include "pivnp/piv/methods.hpp"
+#include "pivnp/piv/sampling/anchor_shares.hpp"
 #include "pivnp/piv/sampling/extent.hpp"
 #include "pivnp/piv/window_passes.hpp"
 
@@ -49,6 +51,7 @@ struct PairCorrelator::Impl {
   int width = 0, height = 0, threads = 1;
   // Made for a mask:
   std::vector<std::uint8_t> mask;  // [height][width]; empty without one
+  std::vector<std::uint8_t> material;  // of the last pair's first frame that had one, and mask
   Box box;                         // what the method sees of the frames
   std::unique_ptr<Method> method;
 
@@ -64,6 +67,8 @@ struct PairCorrelator::Impl {
   }
 
   void take_mask(const MaskView& view);
+  void take_material(const MaskView& view);
+  void leave_material(const MaskView& view, PixelVectors& vectors) const;
 
   // Takes the mask of a pair; true if it is another than before.
   bool take(const MaskView& view) {
@@ -170,17 +175,46 @@ void PairCorrelator::Impl::take_mask(const MaskView& view) {
   if (take(view)) make_method();
 }
 
-PixelVectors PairCorrelator::correlate(const ImageView& first, const ImageView& second, const MaskView& mask) {
+// A vector whose start is no material is the neighbours', carried on beyond the surface.
+void PairCorrelator::Impl::leave_material(const MaskView& view, PixelVectors& vectors) const {
+  constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+  const float share = shares_of(vectors.anchor).first;
+  for (std::size_t k = 0; k < vectors.status.size(); ++k) {
+    const float x = nodes.pixel[k][0] + share * vectors.displacement[k][0], y = nodes.pixel[k][1] + share * vectors.displacement[k][1];
+    if (!(x >= 0 && y >= 0 && x <= float(width - 1) && y <= float(height - 1))) continue;  // or not measured
+    if (view.usable(int(std::lround(x)), int(std::lround(y)))) continue;
+    vectors.status[k] = VectorStatus::masked, vectors.score[k] = nan;
+    vectors.displacement[k] = {nan, nan}, vectors.cov[k] = {nan, nan, nan};
+  }
+}
+
+void PairCorrelator::Impl::take_material(const MaskView& view) {
+  if (view.data == nullptr) return method->set_first_mask({});
+  if (!row.masks || view.width != width || view.height != height)
+    throw InputError("piv: found a mask of material of " + std::to_string(view.width) + " x " + std::to_string(view.height) +
+                     " px, expected " + std::to_string(width) + " x " + std::to_string(height) + ", and a method that leaves pixels out");
+  material.resize(std::size_t(width) * std::size_t(height));
+  const MaskView whole = whole_mask();
+  for (int r = 0; r < height; ++r)
+    for (int c = 0; c < width; ++c)
+      material[std::size_t(r) * std::size_t(width) + std::size_t(c)] = std::uint8_t(view.usable(c, r) && whole.usable(c, r));
+  method->set_first_mask(part_of(MaskView{material.data(), width, height, width}, box));
+}
+
+PixelVectors PairCorrelator::correlate(const ImageView& first, const ImageView& second, const MaskView& mask, const MaskView& material) {
   check_frames({first, second}, impl_->width, impl_->height);
   impl_->take_mask(mask);
+  impl_->take_material(material);
   PixelVectors vectors = impl_->empty;
   impl_->method->correlate(part_of(first, impl_->box), part_of(second, impl_->box), vectors);
+  if (material.data != nullptr) impl_->leave_material(material, vectors);
   return vectors;
 }
 
 PixelVectors PairCorrelator::correlate_mean(std::span<const FramePair> pairs, const MaskView& mask) {
   for (const FramePair& pair : pairs) check_frames(pair, impl_->width, impl_->height);
   impl_->take_mask(mask);
+  impl_->take_material({});
   std::vector<FramePair> parts;
   for (const FramePair& pair : pairs)
     parts.push_back({part_of(pair.first, impl_->box), part_of(pair.second, impl_->box)});

@@ -37,7 +37,9 @@ class PairCorrelator {
   /// Puts the nodes elsewhere ([ny][nx], column and row), for the pairs to come: where a moving camera sees them. What the method is made for
   /// follows by itself where they go far; `anew`: now, if they are elsewhere (so that what follows does not depend on what went before).
   void place(const std::vector<std::array<float, 2>>& pixel, bool anew = false);
-  PixelVectors correlate(const ImageView& first, const ImageView& second, const MaskView& mask);
+  /// `material`: what of the first frame is material, beside the mask; empty: all. It may differ from pair to pair, and
+  /// nothing is made anew for it: where material goes to in the second frame, the vectors say.
+  PixelVectors correlate(const ImageView& first, const ImageView& second, const MaskView& mask, const MaskView& material = {});
   /// The mean displacement of several pairs: their correlations are averaged, window by window, before a peak is sought
   /// (Delnoij et al. 1999, Chem. Eng. Sci. 54:5159; Meinhart, Wereley & Santiago 2000, J. Fluids Eng. 122:285). The
   /// covariance takes the pairs' errors for independent. Throws as correlate(), and InputError where the method has no

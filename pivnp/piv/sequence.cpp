@@ -321,15 +321,22 @@ SequenceCorrelator::SequenceCorrelator(const PivOptions& options, NodeLattice la
 SequenceCorrelator::~SequenceCorrelator() = default;
 
 void SequenceCorrelator::add(const ImageView& first, const ImageView& second, const MaskView& mask,
-                             const CameraStep* camera) {
+                             const CameraStep* camera, const MaskView& material) {
   HeldPair pair;
   if (camera != nullptr) {
     impl_->pairs.place(camera->pixel, impl_->held.empty());
     pair.camera = *camera;
   }
-  pair.vectors = impl_->pairs.correlate(first, second, mask);
+  pair.vectors = impl_->pairs.correlate(first, second, mask, material);
   impl_->take_field(pair);
   impl_->held.push_back(std::move(pair));
+}
+
+const PixelVectors& SequenceCorrelator::last() const { return impl_->held.back().vectors; }
+
+void SequenceCorrelator::drop_last() {
+  impl_->held.pop_back();
+  if (impl_->held.empty()) impl_->together = true;
 }
 
 int SequenceCorrelator::held() const { return static_cast<int>(impl_->held.size()); }

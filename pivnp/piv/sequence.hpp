@@ -33,9 +33,15 @@ class SequenceCorrelator {
   SequenceCorrelator(const PivOptions& options, NodeLattice lattice, int width, int height, int threads);
   ~SequenceCorrelator();
   /// The next pair: its first frame is the second of the pair before. Throws as PairCorrelator::correlate.
+  /// `material`: as PairCorrelator::correlate. Pairs are held together all the same.
   /// With a camera that moves, what pairs are held to have in common is their motion against what is at rest.
-  void add(const ImageView& first, const ImageView& second, const MaskView& mask, const CameraStep* camera = nullptr);
+  void add(const ImageView& first, const ImageView& second, const MaskView& mask, const CameraStep* camera = nullptr,
+           const MaskView& material = {});
   int held() const;
+  /// Of the pair added last, as its own frames show it.
+  const PixelVectors& last() const;
+  /// Takes the pair added last off again.
+  void drop_last();
   /// The vectors of the pairs held, in order; then none is held.
   std::vector<PixelVectors> finish();
 

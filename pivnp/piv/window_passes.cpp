@@ -50,14 +50,13 @@ void WindowPasses::add(int side, int decimation, float step, int passes, bool se
   if (images(decimation) == nullptr) {
     Level& added = levels_.emplace_back();
     added.decimation = decimation;
-    added.mask = mask_at(decimation);
+    added.mask = mask_at(extent_.mask, decimation);
   }
   stages_.push_back(std::move(stage));
 }
 
 // 1 where most of a block of pixels may be used.
-std::vector<std::uint8_t> WindowPasses::mask_at(int decimation) const {
-  const MaskView& mask = extent_.mask;
+std::vector<std::uint8_t> WindowPasses::mask_at(const MaskView& mask, int decimation) const {
   if (mask.data == nullptr) return {};
   std::vector<std::uint8_t> out;
   for (int r = 0; r < extent_.height / decimation; ++r)
@@ -68,6 +67,10 @@ std::vector<std::uint8_t> WindowPasses::mask_at(int decimation) const {
       out.push_back(2 * usable > decimation * decimation);
     }
   return out;
+}
+
+void WindowPasses::set_first_mask(const MaskView& mask) {
+  for (Level& l : levels_) l.first_mask = mask_at(mask, l.decimation);
 }
 
 const Level* WindowPasses::images(int decimation) const {

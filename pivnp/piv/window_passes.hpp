@@ -55,6 +55,9 @@ class WindowPasses {
   bool empty() const { return stages_.empty(); }
   WindowStage& last() { return stages_.back(); }
 
+  /// As Method::set_first_mask.
+  void set_first_mask(const MaskView& mask);
+
   /// Takes the frames and runs every stage from a predictor of zero.
   const PredictorField& find(const ImageView& first, const ImageView& second);
   /// The same for the mean of several pairs.
@@ -74,7 +77,7 @@ class WindowPasses {
   float least_score(std::size_t count) const;
 
  private:
-  std::vector<std::uint8_t> mask_at(int decimation) const;
+  std::vector<std::uint8_t> mask_at(const MaskView& mask, int decimation) const;
   const Level& level(const WindowStage& stage) const { return *images(stage.decimation); }
   void improve_predictor(WindowStage& stage);
   float measure(WindowStage& stage, Search search, VectorGrid& found);

@@ -39,7 +39,7 @@ struct Measured {
 
 /// `alone`: every pair by itself.
 inline Measured measure(const Sequence& s, const PivOptions& options, int threads, bool alone = false,
-                        const MaskView& mask = {}) {
+                        const MaskView& mask = {}, const std::function<MaskView(int)>& material = {}) {
   Measured out;
   constexpr int spacing = 8;
   constexpr double edge = 16;
@@ -57,7 +57,7 @@ inline Measured measure(const Sequence& s, const PivOptions& options, int thread
   Image before = draw(s, 0);
   for (int k = 0; k + 1 < s.frames; ++k) {
     Image after = draw(s, k + 1);
-    correlator.add(before.view(), after.view(), mask);
+    correlator.add(before.view(), after.view(), mask, nullptr, material ? material(k) : MaskView{});
     before = std::move(after);
     if (!alone && correlator.held() < SequenceCorrelator::group && k + 2 < s.frames) continue;
     for (PixelVectors& v : correlator.finish()) {
@@ -307,11 +307,13 @@ inline SequenceRow path_row(const char* name, bool brief, int frames, double noi
           }};
 }
 
+enum class Ground { seen, masked, left_out };
+
 /// A layer that slides over ground of its own texture, times `behind`: surface along the frame's middle row, shear of
 /// `shear` below it. Vectors whose window is at least half inside against those well inside. `masked`: a mask leaves
-/// the ground out.
+/// the ground out of both frames; `left_out`: of the first one, as regions that move with their particles do.
 inline SequenceRow surface_row(const char* name, bool brief, double step, double behind, double shear,
-                               bool masked = false) {
+                               Ground seen = Ground::seen) {
   return {name, brief, [=](const PivOptions& options, int seed, int threads) -> SequenceFigures {
             Sequence s{.frames = 5, .seed = seed, .behind = behind, .noise = .01};
             s.width = 384, s.height = 384;
@@ -320,7 +322,8 @@ inline SequenceRow surface_row(const char* name, bool brief, double step, double
             std::vector<std::uint8_t> usable(std::size_t(s.width) * std::size_t(s.height), 1);
             std::fill_n(usable.begin(), 193 * s.width, std::uint8_t(0));
             const MaskView ground{usable.data(), s.width, s.height, s.width};
-            const Measured m = measure(s, options, threads, false, masked ? ground : MaskView{});
+            const Measured m = measure(s, options, threads, false, seen == Ground::masked ? ground : MaskView{},
+                                       [&](int) { return seen == Ground::left_out ? ground : MaskView{}; });
             const Shares rim = shares(s, m, [](const Vec2& p, int) { return p.y() > 192 && p.y() < 208 && p.x() > 64; });
             const Shares deep = shares(s, m, [](const Vec2& p, int) { return p.y() > 240 && p.x() > 64; });
             return {{"rim: valid and wrong", rim.wrong_share(), .05},
@@ -382,8 +385,12 @@ inline std::vector<SequenceRow> sequence_rows() {
   rows.push_back(surface_row("surface 6 px, full ground", false, 6, 1, 0));
   rows.push_back(surface_row("surface 6 px, full ground, shear", false, 6, 1, .02));
   rows.push_back(surface_row("surface 12 px, faint ground", false, 12, .3, 0));
-  rows.push_back(surface_row("surface 6 px, full ground, masked", false, 6, 1, 0, true));
-  rows.push_back(surface_row("surface 6 px, full ground, shear, masked", false, 6, 1, .02, true));
+  rows.push_back(surface_row("surface 6 px, full ground, masked", false, 6, 1, 0, Ground::masked));
+  rows.push_back(surface_row("surface 6 px, full ground, shear, masked", false, 6, 1, .02, Ground::masked));
+  rows.push_back(surface_row("surface 2 px, faint ground, left out", false, 2, .3, 0, Ground::left_out));
+  rows.push_back(surface_row("surface 6 px, full ground, left out", false, 6, 1, 0, Ground::left_out));
+  rows.push_back(surface_row("surface 6 px, full ground, shear, left out", false, 6, 1, .02, Ground::left_out));
+  rows.push_back(surface_row("surface 12 px, full ground, left out", false, 12, 1, 0, Ground::left_out));
 
   // Paths and their stated error.
   rows.push_back(path_row("vortex, noise 2 %", false, 13, .02, 0, 0, .1, [](const Sequence& s) { return vortex(s, 2, 80); }));

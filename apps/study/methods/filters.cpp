@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "apps/study/methods/fixed_pattern.hpp"
 #include "apps/study/methods/known_pairs.hpp"
 #include "apps/study/methods/texture.hpp"
 #include "pivnp/core/choice.hpp"
@@ -261,6 +262,7 @@ FilterOptions together(const std::vector<FilterTrial>& trials) {
 
 image::FrameFilter filter_of(const FilterOptions& options, image::FrameSource& source) {
   if (options.background == Background::none) return image::FrameFilter(options);
+  if (options.background == Background::pattern) return image::FrameFilter(options, pattern_on_glass(source, options.background_frames));
   return image::FrameFilter(options, background_between(source, options.background, options.background_frames, 0,
                                                         int(source.frames().size())));
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "apps/study/pipeline/moving_regions.hpp"
 #include "apps/study/pipeline/shutter.hpp"
 #include "apps/study/pipeline/statistics.hpp"
 #include "pivnp/core/error.hpp"
@@ -122,10 +123,10 @@ StepQuality quality_of(const VectorField& field) {
   return q;
 }
 
-void measure(const Case& c, const Setting& setting, image::FrameSource& source, io::RecordWriter& writer, int threads,
+std::vector<std::string> measure(const Case& c, const Setting& setting, image::FrameSource& source, io::RecordWriter& writer, int threads,
              Progress& progress, FrameLooks* looks) {
   const io::StageState done = writer.stage("piv");
-  if (done.complete) return;
+  if (done.complete) return {};
   const int frames = int(source.frames().size());
   piv::NodeLattice lattice = node_lattice(setting);
   const piv::PivOptions options = c.piv.value_or(piv::PivOptions{});
@@ -133,7 +134,7 @@ void measure(const Case& c, const Setting& setting, image::FrameSource& source, 
   if (options.ensemble > 1) {
     measure_means(c, setting, source, writer, int(done.items), threads, progress, looks);
     writer.end_stage("piv", nullptr);
-    return;
+    return {};
   }
   piv::SequenceCorrelator correlator(options, lattice, setting.width, setting.height, threads);
   // Pairs are smoothed in groups: those of a group that was begun are measured again, with the same bits.
@@ -143,7 +144,11 @@ void measure(const Case& c, const Setting& setting, image::FrameSource& source, 
   std::optional<RowClock> rows;  // of each pair it asks those beside it, so that the group before is measured again too
   if (c.camera.row_time_s != 0) rows.emplace(c.camera.row_time_s, setting, source.frames());
   if (rows) from = std::max(0, from - group);
+  MovingRegions regions(setting, options.window_px, options.follow_regions && !c.regions.empty() && !rows);
+  for (int k = 0; regions.any() && k < from; ++k) regions.keep(writer.pair(std::size_t(k)));
+  regions.begin_group();
   const auto keep = [&](const VectorField& field) {
+    regions.keep(field);
     if (field.pair[0] < first_pair) return;
     writer.add_pair(field);
     if (writer.segment_full("piv")) writer.close_segment("piv", {});
@@ -163,7 +168,20 @@ void measure(const Case& c, const Setting& setting, image::FrameSource& source, 
     image::Mask mask_after = moving ? mask_of(setting, k + 1, after.view()) : image::Mask();
     after = prepared(setting, std::move(after));
     const image::Mask mask = moving ? image::both(mask_before, mask_after) : image::Mask();
-    correlator.add(before.view(), after.view(), moving ? mask.view() : setting.mask.view(), moves ? &camera : nullptr);
+    const auto add = [&](const MaskView& material) {
+      correlator.add(before.view(), after.view(), moving ? mask.view() : setting.mask.view(), moves ? &camera : nullptr, material);
+    };
+    regions.look(k, before.view(), after.view());
+    add(regions.mask());
+    if (regions.any()) {
+      const piv::NodeLattice nodes = moves ? node_lattice(setting, {k, k + 1}, options.anchor) : lattice;
+      const auto own = [&] { return world_vectors(correlator.last(), nodes, setting, {k, k + 1}); };
+      if (regions.revise(own(), before.view(), after.view())) {
+        correlator.drop_last();
+        add(regions.mask());
+      }
+      regions.carry(own());
+    }
     mask_before = std::move(mask_after);
     before = std::move(after);
     progress.update("PIV", k + 1, frames - 1);
@@ -178,10 +196,12 @@ void measure(const Case& c, const Setting& setting, image::FrameSource& source, 
       }
       ++from;
     }
+    regions.begin_group();
   }
   if (rows)
     for (const VectorField& ready : rows->finish()) keep(ready);
   writer.end_stage("piv", nullptr);
+  return regions.remarks();
 }
 
 VectorField measure_pair(const Case& c, const Setting& setting, image::FrameSource& source, std::array<int, 2> pair,

@@ -34,7 +34,8 @@ std::vector<std::uint8_t> flash_flags(const std::vector<FrameLook>& looks);
 void flag_flashes(image::FrameSource& source, const FrameLooks& looks, std::vector<Frame>& frames);
 
 /// Measures every pair that `writer` does not hold yet; two frames and the fields of a group of pairs are in memory.
-void measure(const Case& c, const Setting& setting, image::FrameSource& source, io::RecordWriter& writer, int threads,
+/// Regions of the case go along as masks (moving_regions.hpp). Returns remarks on them.
+std::vector<std::string> measure(const Case& c, const Setting& setting, image::FrameSource& source, io::RecordWriter& writer, int threads,
              Progress& progress, FrameLooks* looks = nullptr);
 
 /// The vectors of one pair of frames, `pair` = (first, second), any distance apart.

@@ -7,6 +7,7 @@
 
 #include "apps/study/methods/camera_motion.hpp"
 #include "apps/study/methods/filters.hpp"
+#include "apps/study/methods/fixed_pattern.hpp"
 #include "apps/study/methods/levelling.hpp"
 #include "apps/study/methods/peak_locking.hpp"
 #include "apps/study/methods/simulation.hpp"
@@ -88,7 +89,7 @@ class Run {
     progress_.begin("vectors");
     progress_.expect("PIV", double(frames_.size() - 1));
     FrameLooks looks(frames_.size());
-    std::vector<std::string> filters;
+    std::vector<std::string> filters, regions;
     if (!vectors_) {
       follow_camera();
       filters = set_filter(c_, *source_, settings_.threads, progress_, setting_);
@@ -96,7 +97,7 @@ class Run {
     if (vectors_)
       import_vectors(*vectors_, setting_, *writer_, progress_);
     else
-      measure(c_, setting_, *source_, *writer_, settings_.threads, progress_, &looks);
+      regions = measure(c_, setting_, *source_, *writer_, settings_.threads, progress_, &looks);
     central_ = writer_->pair(0).anchor == Anchor::central;
     frames_ = flagged_frames(std::move(frames_), *writer_);
     if (!vectors_) flag_flashes(*source_, looks, frames_);
@@ -111,6 +112,8 @@ class Run {
       append(fraction_remarks(setting_, frames_.size() - 1, [&](std::size_t k) { return writer_->pair(k); }),
              outcome_.remarks);
     append(std::move(filters), outcome_.remarks);
+    append(std::move(regions), outcome_.remarks);
+    if (!vectors_) append(pattern_remarks(setting_, *source_, [&](std::size_t k) { return writer_->pair(k); }), outcome_.remarks);
     append(strided_, outcome_.remarks);
     append(camera_motion_remarks(c_, setting_.camera_motion, frames_), outcome_.remarks);
     append(still_zone_remarks(c_, setting_, frames_.size() - 1, [&](std::size_t k) { return writer_->pair(k); }), outcome_.remarks);

@@ -30,7 +30,7 @@ CellLattice lattice_of(const Extent& extent, const Level& level, int step) {
 
 GnLevel::GnLevel(const Extent& extent, int decimation, int window_px, int passes)
     : mask_(extent.mask),
-      own_{.decimation = decimation, .first = {}, .second = {}, .mask = {}},
+      own_{.decimation = decimation, .first = {}, .second = {}, .mask = {}, .first_mask = {}},
       lattice_(lattice_of(extent, own_, std::max(2, window_px / 4))),
       shrinker_(lattice_),
       passes_(passes) {
@@ -53,7 +53,7 @@ void GnLevel::take(const ImageView& first, const ImageView& second, float smooth
     own_.second.assign(second, mask_, own_.decimation, threads, smoothing);
   }
   if (own_.decimation == 1) {
-    first_flags_.take(first, masked_);
+    first_flags_.take(first, has_first_mask_ ? first_masked_ : masked_);
     second_flags_.take(second, masked_);
   }
 }

@@ -19,9 +19,15 @@ class GnLevel {
   /// `shared`: the level's images where they have been taken already without smoothing, else null.
   void take(const ImageView& first, const ImageView& second, float smoothing, int threads, const Level* shared);
 
+  /// As Method::set_first_mask.
+  void set_first_mask(const MaskView& mask) {
+    first_masked_.take_mask(mask, own_.decimation, true);
+    has_first_mask_ = mask.data != nullptr;
+  }
+
   const Level& images() const { return *images_; }
-  const PixelFlags* first_flags() const { return flags(first_flags_); }
-  const PixelFlags* second_flags() const { return flags(second_flags_); }
+  const PixelFlags* first_flags() const { return flags(first_flags_, has_first_mask_ ? first_masked_ : masked_); }
+  const PixelFlags* second_flags() const { return flags(second_flags_, masked_); }
   int decimation() const { return own_.decimation; }
   int passes() const { return passes_; }
   const CellLattice& lattice() const { return lattice_; }
@@ -36,15 +42,16 @@ class GnLevel {
 
  private:
   // Saturated pixels are found at the full resolution only.
-  const PixelFlags* flags(const PixelFlags& full) const {
-    const PixelFlags& own = own_.decimation == 1 ? full : masked_;
+  const PixelFlags* flags(const PixelFlags& full, const PixelFlags& masked) const {
+    const PixelFlags& own = own_.decimation == 1 ? full : masked;
     return own.empty() ? nullptr : &own;
   }
 
   MaskView mask_;
   Level own_;
   const Level* images_ = nullptr;
-  PixelFlags masked_, first_flags_, second_flags_;
+  PixelFlags masked_, first_masked_, first_flags_, second_flags_;
+  bool has_first_mask_ = false;
   CellLattice lattice_;
   Shrinker shrinker_;
   std::vector<std::uint8_t> wanted_;

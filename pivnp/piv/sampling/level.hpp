@@ -13,6 +13,7 @@ struct Level {
   int decimation = 1;
   SplineImage first, second;
   std::vector<std::uint8_t> mask;  // [height][width], 1 usable; empty: all are
+  std::vector<std::uint8_t> first_mask;  // of the first frame, in place of `mask`; empty: `mask`
 
   float from_full(float x) const {
     return (x - 0.5f * static_cast<float>(decimation - 1)) / static_cast<float>(decimation);

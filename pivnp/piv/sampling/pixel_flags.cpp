@@ -51,16 +51,18 @@ void PixelFlags::take(const ImageView& image, const PixelFlags& masked) {
   widen_tiles();
 }
 
-void PixelFlags::take_mask(const MaskView& mask, int decimation) {
+void PixelFlags::take_mask(const MaskView& mask, int decimation, bool strict) {
   any_ = false;
   if (mask.data == nullptr) return;
   resize(mask.width / decimation, mask.height / decimation);
+  const int more = strict && decimation > 1 ? 1 : 0;
   for (int r = 0; r < height_; ++r)
     for (int c = 0; c < width_; ++c) {
       int excluded = 0;
-      for (int b = 0; b < decimation; ++b)
-        for (int a = 0; a < decimation; ++a) excluded += !mask.usable(c * decimation + a, r * decimation + b);
-      if (2 * excluded > decimation * decimation) mark(c, r, 0);
+      for (int b = -more; b < decimation + more; ++b)
+        for (int a = -more; a < decimation + more; ++a)
+          excluded += !mask.usable(std::clamp(c * decimation + a, 0, mask.width - 1), std::clamp(r * decimation + b, 0, mask.height - 1));
+      if (excluded > (strict ? 0 : decimation * decimation / 2)) mark(c, r, 0);
     }
   widen_tiles();
 }

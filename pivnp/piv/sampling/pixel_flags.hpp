@@ -13,8 +13,9 @@ namespace pivnp::piv {
 /// at once where nothing is flagged.
 class PixelFlags {
  public:
-  /// Flags the pixels of an image averaged over blocks of `decimation` of whose block the mask excludes more than half.
-  void take_mask(const MaskView& mask, int decimation);
+  /// Flags the pixels of an image averaged over blocks of `decimation` of whose block the mask excludes more than half;
+  /// `strict`: any pixel of the block or next to it, where what is excluded is in the averages.
+  void take_mask(const MaskView& mask, int decimation, bool strict = false);
 
   /// The flags of `masked` and, unless that were more than `most_saturated` of all pixels, those of what is saturated.
   void take(const ImageView& image, const PixelFlags& masked);

@@ -68,7 +68,7 @@ void WarpedPair::mark_tiles(int threads) {
 void warp_pair(const Level& level, const PredictorField& predictor, Anchor anchor, const Box& box, int threads,
                WarpedPair& warped) {
   const int width = box.width();
-  warped.resize(box, !level.mask.empty());
+  warped.resize(box, !level.mask.empty() || !level.first_mask.empty());
   const auto decimation = static_cast<float>(level.decimation);
   const auto plan = predictor.plan_row(level.to_full(static_cast<float>(box.x0)), decimation, width);
   const AnchorShares shares = shares_of(anchor);
@@ -87,13 +87,13 @@ void warp_pair(const Level& level, const PredictorField& predictor, Anchor ancho
       const std::size_t start = warped.index(box.x0, r);
       float* use = warped.use.data() + start;
       std::fill(use, use + width, 1.0f);
-      const auto frame = [&](const SplineImage& image, float share, float* out) {  // rows are padded as well
+      const auto frame = [&](const SplineImage& image, const std::vector<std::uint8_t>& mask, float share, float* out) {  // rows are padded as well
         place_row(image, box.x0, r, s.du.data(), s.dv.data(), share, width, s.ux.data(), s.uy.data(), use);
-        if (!level.mask.empty()) mask_row(image, level.mask, box, r, s, use, warped.masked.data() + start);
+        if (!mask.empty()) mask_row(image, mask, box, r, s, use, warped.masked.data() + start);
         sample_displaced(image, box.x0, r, s.ux.data(), s.uy.data(), width, out);
       };
-      frame(level.first, shares.first, warped.f.data() + start);
-      frame(level.second, shares.second, warped.g.data() + start);
+      frame(level.first, level.first_mask.empty() ? level.mask : level.first_mask, shares.first, warped.f.data() + start);
+      frame(level.second, level.mask, shares.second, warped.g.data() + start);
     }
   }
   warped.mark_tiles(threads);

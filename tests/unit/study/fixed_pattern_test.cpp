@@ -1,0 +1,110 @@
+// Texture that stands still in front of material that moves.
+//   criterion: dirt on the glass is found by itself, and neither clean frames nor material at rest are taken for it; taken
+//   out, paths are at most a fifth as wrong; of material at rest nothing is taken out.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <memory>
+
+#include "apps/study/methods/filters.hpp"
+#include "apps/study/methods/fixed_pattern.hpp"
+#include "apps/study/pipeline/measure.hpp"
+#include "tests/support/drawn_source.hpp"
+#include "tests/support/piv_sequence.hpp"
+
+namespace pivnp::app {
+namespace fixed_pattern_tests {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr int side = 256;
+
+class Drawn final : public test::DrawnSource {
+ public:
+  explicit Drawn(piv::Sequence s) : DrawnSource(s.width, s.height, s.frames, 1), s_(std::move(s)) {}
+  Image read(int index) override { return piv::draw(s_, index); }
+
+ private:
+  piv::Sequence s_;
+};
+
+// Material that moves by `step` px a frame behind dirt of so much of its own contrast.
+piv::Sequence behind_dirt(double step, double dirt, int frames) {
+  piv::Sequence s{.width = side, .height = side, .frames = frames, .seed = 41, .noise = .01};
+  s.place = piv::sequence::uniform(step, 0.3 * step);
+  std::vector<Vec2> blobs;
+  for (std::uint64_t n = 0; n < 1500; ++n)
+    blobs.push_back(Vec2(side * piv::sequence::random01(3, 77, 2 * n), side * piv::sequence::random01(3, 77, 2 * n + 1)));
+  const auto grey = std::make_shared<std::vector<double>>(piv::sequence::grey_of(s.texture, blobs, side, side));
+  if (dirt > 0)
+    s.pattern = [=, background = s.texture.background](double x, double y) {
+      return dirt * ((*grey)[std::size_t(y) * side + std::size_t(x)] - background);
+    };
+  return s;
+}
+
+Case scene() { return parse_case("name = \"glass\"\n[frames]\npath = \"drawn\"\n[grid]\nspacing_px = 16\n", "test", "."); }
+
+std::vector<VectorField> vectors(const piv::Sequence& s, const Setting& setting) {
+  Drawn source(s);
+  std::vector<VectorField> out;
+  for (int k = 0; k + 1 < s.frames; ++k) out.push_back(measure_pair(scene(), setting, source, {k, k + 1}, 1));
+  return out;
+}
+
+std::vector<std::string> remarks(const piv::Sequence& s, const Setting& setting) {
+  Drawn source(s);
+  const std::vector<VectorField> pairs = vectors(s, setting);
+  return pattern_remarks(setting, source, [&](std::size_t k) { return pairs.at(k); });
+}
+
+// Of the sum of all pairs at the nodes.
+double path_error(const piv::Sequence& s, const Setting& setting) {
+  const std::vector<VectorField> pairs = vectors(s, setting);
+  const Vec2 truth = s.place({0, 0}, s.frames - 1);
+  double sum = 0, count = 0;
+  for (std::size_t n = 0; n < pairs.front().status.size(); ++n) {
+    Vec2 path(0, 0);
+    for (const VectorField& pair : pairs) path += Vec2(double(pair.displacement[n][0]), -double(pair.displacement[n][1]));
+    if (!path.allFinite()) continue;
+    sum += (path - truth).squaredNorm(), ++count;
+  }
+  return std::sqrt(sum / (2 * count));
+}
+
+Setting filtered(const piv::Sequence& s, image::Background kind) {
+  Setting setting = make_setting(scene(), side, side);
+  image::FilterOptions options;
+  options.background = kind;
+  Drawn source(s);
+  if (kind != image::Background::none) setting.filter = std::make_shared<const image::FrameFilter>(filter_of(options, source));
+  return setting;
+}
+
+TEST(FixedPattern, DirtIsFoundAndTakenOut) {
+  const piv::Sequence dirty = behind_dirt(1.4, 1, 10), clean = behind_dirt(1.4, 0, 10);
+  const Setting plain = filtered(dirty, image::Background::none);
+  const auto said = remarks(dirty, plain);
+  ASSERT_EQ(said.size(), 1u);
+  EXPECT_THAT(said.front(), HasSubstr("preprocess.background = \"pattern\""));
+  EXPECT_THAT(remarks(clean, plain), IsEmpty());
+  const double before = path_error(dirty, plain), after = path_error(dirty, filtered(dirty, image::Background::pattern));
+  EXPECT_GT(before, 0.3);
+  EXPECT_LT(after, before / 5);
+  EXPECT_THAT(remarks(dirty, filtered(dirty, image::Background::pattern)), IsEmpty());
+}
+
+TEST(FixedPattern, MaterialAtRestIsNone) {
+  const piv::Sequence still = behind_dirt(0, 0, 6);
+  EXPECT_THAT(remarks(still, filtered(still, image::Background::none)), IsEmpty());
+  Drawn source(still);
+  const Image pattern = pattern_on_glass(source, 25);
+  float most = 0;
+  for (int r = 0; r < side; ++r)
+    for (int c = 0; c < side; ++c) most = std::max(most, std::abs(pattern.view().row<float>(r)[c]));
+  EXPECT_EQ(most, 0.0f);
+}
+
+}  // namespace fixed_pattern_tests
+}  // namespace pivnp::app
