@@ -238,6 +238,38 @@ struct SequenceCorrelator::Impl {
     return departures;
   }
 
+  // What a vector at the material's rim may be off by: its window holds texture on one side only, whose middle is beside it by
+  // some pixels, times the field's gradient. Zero inside. Pixels of the level.
+  Components rim_bias(const HeldPair& pair) const {
+    constexpr int reach = 2;
+    constexpr float weights[] = {1, 4, 6, 4, 1};
+    Components out;
+    out.resize(lattice.size());
+    const auto inside = [&](int i, int j) { return i >= 0 && j >= 0 && i < lattice.nx && j < lattice.ny; };
+    const auto trusted = [&](int i, int j) { return inside(i, j) && pair.trusted[lattice.index(i, j)] != 0; };
+    each_point([&](int i, int j, std::size_t k) {
+      out.u[k] = out.v[k] = 0;
+      if (!pair.trusted[k]) return;
+      float sum = 0, x = 0, y = 0;
+      for (int b = -reach; b <= reach; ++b)
+        for (int a = -reach; a <= reach; ++a) {
+          if (!trusted(i + a, j + b)) continue;
+          const float w = weights[a + reach] * weights[b + reach];
+          sum += w;
+          if (inside(i - a, j - b) && !trusted(i - a, j - b)) x += w * static_cast<float>(a), y += w * static_cast<float>(b);
+        }
+      if (x == 0 && y == 0) return;
+      const auto slope = [&](const std::vector<float>& f, int a, int b) {  // to the trusted neighbours
+        const bool on = trusted(i + a, j + b), back = trusted(i - a, j - b);
+        if (!on && !back) return 0.0f;
+        return (f[on ? lattice.index(i + a, j + b) : k] - f[back ? lattice.index(i - a, j - b) : k]) / static_cast<float>(on + back);
+      };
+      out.u[k] = (x * slope(pair.smooth.u, 1, 0) + y * slope(pair.smooth.u, 0, 1)) / sum;
+      out.v[k] = (x * slope(pair.smooth.v, 1, 0) + y * slope(pair.smooth.v, 0, 1)) / sum;
+    });
+    return out;
+  }
+
   // The pair's own departure from what its group says, on its own lattice.
   void finish_pair(HeldPair& pair, const GroupField& group_field) {
     constexpr int iterations = 6;
@@ -283,6 +315,9 @@ struct SequenceCorrelator::Impl {
       change.value.u[k] = change.value.v[k] = change.variance.u[k] = change.variance.v[k] = 0;
     }
     const SplineField by = spline(change.value);
+    const Components rim = rim_bias(pair);
+    // It is the same in all pairs of the group that see the material's rim there.
+    const auto all = static_cast<float>(held.size());
     const auto d = static_cast<float>(decimation);
     const auto& pixel = pair.camera ? pair.camera->pixel : nodes.pixel;
     for (std::size_t n = 0; n < pixel.size(); ++n) {
@@ -303,6 +338,7 @@ struct SequenceCorrelator::Impl {
       // What else the covariance holds (truncation, interpolation) stays.
       cov[0] += d * d * change.variance.u[k], cov[1] += d * d * change.variance.v[k];
       cov[2] *= std::sqrt(cov[0] / before[0] * (cov[1] / before[1]));
+      cov[0] += all * d * d * rim.u[k] * rim.u[k], cov[1] += all * d * d * rim.v[k] * rim.v[k], cov[2] += all * d * d * rim.u[k] * rim.v[k];
     }
   }
 };

@@ -11,7 +11,7 @@ namespace pivnp::app {
 
 namespace {
 
-constexpr double light_px = 32, window_px = 16;  // standard deviations of blurs
+constexpr double pattern_light_px = 32, window_px = 16;  // standard deviations of blurs
 constexpr float at_rest = 0.85f;                 // correlation of frames as they stand
 
 struct Plane {
@@ -46,7 +46,7 @@ Plane blurred(const Plane& plane, double sigma) {
 }
 
 Plane without_light(Plane plane) {
-  const Plane light = blurred(plane, light_px);
+  const Plane light = blurred(plane, pattern_light_px);
   for (std::size_t k = 0; k < plane.grey.size(); ++k) plane.grey[k] -= light.grey[k];
   return plane;
 }
