@@ -105,10 +105,10 @@ TEST(ContinuedField, GoesOnFromWhatIsKnown) {
   for (int j = 0; j < cells_along; ++j)
     for (int i = 0; i < cells_along; ++i) {
       const std::size_t k = lattice.index(i, j);
-      if (known[k]) ASSERT_EQ(values[k], before[k]);
+      if (known[k]) { ASSERT_EQ(values[k], before[k]); }
       ASSERT_GE(values[k], 3);
       ASSERT_LE(values[k], 3 + .05f * 39 + .02f * 95);
-      if (i > 0) ASSERT_LT(std::abs(values[k] - values[k - 1]), .25f) << i << ", " << j;
+      if (i > 0) { ASSERT_LT(std::abs(values[k] - values[k - 1]), .25f) << i << ", " << j; }
     }
   std::vector<float> nothing(lattice.size(), 7);
   continue_field(lattice, std::vector<std::uint8_t>(lattice.size(), 0), nothing);

@@ -21,6 +21,7 @@ class Constant final : public Method {
     std::fill(vectors.displacement.begin(), vectors.displacement.end(), std::array<float, 2>{1.5f, -2.0f});
     std::fill(vectors.status.begin(), vectors.status.end(), VectorStatus::valid);
   }
+  void set_first_mask(const MaskView&) override {}
 };
 
 std::unique_ptr<Method> make_constant(const PivOptions&, const Extent&, int) { return std::make_unique<Constant>(); }

@@ -98,6 +98,33 @@ TEST(Sequences, UnsteadyFlowUnderAirStatesWhatItIsOffBy) {
   test::verification_row("sequence, unsteady under air: stated by error", ".6 .. 3", std::to_string(std::sqrt(stated / error)));
 }
 
+// A window at the rim holds texture on one side only: by the field's gradient over the way to its middle the vector may be off, in all
+// pairs alike.
+TEST(Sequences, TheRimOfShearedMaterialStatesItsGradient) {
+  constexpr double shear = .05;
+  constexpr int pairs = 4;
+  Sequence s{.frames = pairs + 1, .seed = 78, .noise = .02};
+  s.width = s.height = 160;
+  s.material = [](const Vec2& X) { return X.y() > 70; };
+  s.place = [&](const Vec2& X, int k) -> Vec2 { return X + Vec2(k * shear * (X.y() - 112), 0); };
+  const sequence::Measured m = sequence::measure(s, {}, 2);
+  double rim = 0, inside = 0, rims = 0, insides = 0;
+  for (int j = 0; j < m.grid.ny; ++j)
+    for (int i = 0; i < m.grid.nx; ++i) {
+      const std::size_t k = std::size_t(j) * std::size_t(m.grid.nx) + std::size_t(i);
+      const double y = m.grid.position(i, j).y();
+      if (m.pairs[1].status[k] != VectorStatus::valid) continue;
+      if (y > 70 && y < 76) rim += double(m.pairs[1].cov[k][0]), ++rims;
+      else if (y > 96) inside += double(m.pairs[1].cov[k][0]), ++insides;
+    }
+  ASSERT_GT(rims, 5);
+  ASSERT_GT(insides, 50);
+  const double stated = std::sqrt(rim / rims), least = .6, most = .545 * 8;  // px to the middle: of what is trusted there, and of half a window
+  EXPECT_GT(stated, std::sqrt(double(pairs)) * shear * least);
+  EXPECT_LT(stated, std::sqrt(double(pairs)) * shear * most);
+  EXPECT_LT(std::sqrt(inside / insides), .5 * stated);
+}
+
 // A pair alone, and methods without a field of their own, yield what the pair correlator yields.
 TEST(Sequences, APairAloneIsAPair) {
   Sequence s{.frames = 3, .seed = seed, .noise = .02};
