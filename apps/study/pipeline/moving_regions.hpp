@@ -6,27 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "apps/study/pipeline/moving_outline.hpp"
 #include "apps/study/pipeline/scene.hpp"
 
 namespace pivnp::app {
-
-/// What lies outside a region beside a point of its outline, as far as frames have shown it.
-enum class Outside : std::uint8_t { unknown, still, moving };
-
-/// What is left out.
-inline bool left_out(Outside outside) { return outside == Outside::still; }
-
-struct OutlinePoint {
-  Vec2 place = {0, 0};        // in the world, in the frame at hand
-  Vec2 moved = {0, 0};        // in the last pair
-  Outside outside = Outside::unknown;
-  bool carried = true;        // by vectors beside it; else by its neighbours on the outline
-};
-
-struct MovingOutline {
-  std::string name;
-  std::vector<OutlinePoint> points;  // 2 to 6 px apart, the last joined to the first
-};
 
 /// Follows the outlines of a case's regions and leaves out what lies beyond them, pair by pair, where that is shown to be no
 /// material: it has texture that stands still while the material beside it moves. Elsewhere nothing is left out, so that a

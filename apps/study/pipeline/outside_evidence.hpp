@@ -4,7 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "apps/study/pipeline/moving_regions.hpp"
+#include "apps/study/pipeline/moving_outline.hpp"
+#include "apps/study/pipeline/scene.hpp"
 
 namespace pivnp::app {
 
