@@ -107,18 +107,19 @@ void measure_means(const Case& c, const Setting& setting, image::FrameSource& so
 StepQuality quality_of(const VectorField& field) {
   StepQuality q;
   std::size_t asked = 0, valid = 0;
-  std::vector<double> scores, shifts;
+  std::vector<double> scores, others, shifts;
   for (std::size_t n = 0; n < field.status.size(); ++n) {
     if (field.status[n] == VectorStatus::masked) continue;
     ++asked;
-    if (std::isfinite(field.score[n])) scores.push_back(double(field.score[n]));
-    if (field.status[n] != VectorStatus::valid) continue;
+    const bool good = field.status[n] == VectorStatus::valid;
+    if (std::isfinite(field.score[n])) (good ? scores : others).push_back(double(field.score[n]));
+    if (!good) continue;
     ++valid;
     shifts.push_back(std::hypot(double(field.displacement[n][0]), double(field.displacement[n][1])) /
                      field.grid.spacing.x());
   }
   q.valid = asked > 0 ? double(valid) / double(asked) : 0;
-  q.median_score = median(std::move(scores));
+  q.median_score = median(std::move(scores.empty() ? others : scores));  // air, of which there may be more than material, has a score of chance
   q.median_shift = median(std::move(shifts));
   return q;
 }

@@ -15,7 +15,7 @@ namespace pivnp::app {
 /// What one pair's vectors say of the pair as a whole.
 struct StepQuality {
   double valid = 0;         // share of the vectors asked for (not masked) that are valid
-  double median_score = 0;  // of all that have one
+  double median_score = 0;  // of the valid; of all that have one where none is
   double median_shift = 0;  // of |displacement| over the valid, grid spacings
 };
 StepQuality quality_of(const VectorField& field);

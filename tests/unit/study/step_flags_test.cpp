@@ -34,5 +34,28 @@ TEST(StepFlags, LostCorrelation) {
   EXPECT_EQ(step_flags(pairs), (Flags{frame_decorrelated, 0, frame_decorrelated, 0}));
 }
 
+// Where most of the picture is air, its scores are of chance and change from pair to pair; those of the material count.
+TEST(StepFlags, AirIsNotWhatLosesCorrelation) {
+  std::vector<StepQuality> pairs;
+  for (const float of_air : {0.1f, 0.3f, 0.35f, 0.12f, 0.3f}) {
+    VectorField field;
+    field.grid = {{0, 0}, {8, 8}, 10, 10};
+    field.status.assign(100, VectorStatus::rejected);
+    field.score.assign(100, of_air);
+    field.displacement.assign(100, {4, 0});
+    for (std::size_t k = 0; k < 40; ++k) field.status[k] = VectorStatus::valid, field.score[k] = 0.95f;
+    pairs.push_back(quality_of(field));
+    EXPECT_FLOAT_EQ(float(pairs.back().median_score), 0.95f);
+    EXPECT_DOUBLE_EQ(pairs.back().valid, 0.4);
+  }
+  EXPECT_EQ(step_flags(pairs), Flags(5, frame_ok));
+  VectorField lost;
+  lost.grid = {{0, 0}, {8, 8}, 2, 1};
+  lost.status.assign(2, VectorStatus::rejected);
+  lost.score = {0.2f, 0.2f};
+  lost.displacement.assign(2, {0, 0});
+  EXPECT_FLOAT_EQ(float(quality_of(lost).median_score), 0.2f);
+}
+
 }  // namespace
 }  // namespace pivnp::app
