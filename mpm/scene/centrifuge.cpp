@@ -13,22 +13,22 @@ namespace {
 
 double rad_s(double rpm) { return rpm * 2 * std::numbers::pi / 60; }
 
-[[noreturn]] void refuse(const char* key, const std::string& what) { throw InputError(std::string("centrifuge.") + key + ": " + what); }
+[[noreturn]] void refuse_centrifuge(const char* key, const std::string& what) { throw InputError(std::string("centrifuge.") + key + ": " + what); }
 
 }  // namespace
 
 Centrifuge::Centrifuge(const CentrifugeOptions& o, bool axisymmetric) : axis_(o.axis), centre_(o.at_m[0], o.at_m[1]) {
   const bool of_symmetry = axis_ == RotationAxis::symmetry;
-  if (of_symmetry && !axisymmetric) refuse("axis", "found symmetry in a plane run, expected across or along (or mpm.geometry = \"axisymmetric\")");
+  if (of_symmetry && !axisymmetric) refuse_centrifuge("axis", "found symmetry in a plane run, expected across or along (or mpm.geometry = \"axisymmetric\")");
   if (!of_symmetry && axisymmetric)
-    refuse("axis", "found " + std::string(name_of(axis_)) + " in an axisymmetric run, which no such field leaves axisymmetric; expected symmetry (or mpm.gravity_m_s2 alone)");
-  if (of_symmetry && o.radius_m) refuse("radius_m", "given beside axis = \"symmetry\", expected none");
-  if (!of_symmetry && !o.radius_m) refuse("radius_m", "missing; expected the distance from the rotation axis to at_m, m");
-  if (o.rate_rpm.has_value() == !o.rate_history.empty()) refuse("rate_rpm", "expected either rate_rpm or rate_history");
+    refuse_centrifuge("axis", "found " + std::string(name_of(axis_)) + " in an axisymmetric run, which no such field leaves axisymmetric; expected symmetry (or mpm.gravity_m_s2 alone)");
+  if (of_symmetry && o.radius_m) refuse_centrifuge("radius_m", "given beside axis = \"symmetry\", expected none");
+  if (!of_symmetry && !o.radius_m) refuse_centrifuge("radius_m", "missing; expected the distance from the rotation axis to at_m, m");
+  if (o.rate_rpm.has_value() == !o.rate_history.empty()) refuse_centrifuge("rate_rpm", "expected either rate_rpm or rate_history");
   if (axis_ != RotationAxis::across && o.coriolis.value_or(false))
-    refuse("coriolis", "found true beside axis = \"" + std::string(name_of(axis_)) + "\", where it acts out of the plane; expected false or axis = \"across\"");
+    refuse_centrifuge("coriolis", "found true beside axis = \"" + std::string(name_of(axis_)) + "\", where it acts out of the plane; expected false or axis = \"across\"");
   if (axis_ != RotationAxis::across && o.euler)
-    refuse("euler", "found true beside axis = \"" + std::string(name_of(axis_)) + "\", where it acts out of the plane; expected false or axis = \"across\"");
+    refuse_centrifuge("euler", "found true beside axis = \"" + std::string(name_of(axis_)) + "\", where it acts out of the plane; expected false or axis = \"across\"");
   if (!of_symmetry) centre_.y() += *o.radius_m;
   coriolis_ = o.coriolis.value_or(axis_ == RotationAxis::across);
   euler_ = o.euler;
@@ -38,7 +38,7 @@ Centrifuge::Centrifuge(const CentrifugeOptions& o, bool axisymmetric) : axis_(o.
   }
   for (const Pair& at : o.rate_history) {
     if (!rates_.empty() && !(at[0] > rates_.back().first))
-      refuse("rate_history", "found the time " + number(at[0]) + " s after " + number(rates_.back().first) + " s, expected ascending times");
+      refuse_centrifuge("rate_history", "found the time " + number(at[0]) + " s after " + number(rates_.back().first) + " s, expected ascending times");
     rates_.emplace_back(at[0], rad_s(at[1]));
     if (at[0] > 0) changes_.push_back(at[0]);
   }

@@ -41,7 +41,7 @@ double filled(const Setting& setting, const Grid& grid, int per_element) {
 // The case's materials, and what bounds the step in them: the fastest compression wave, m/s, and the water's diffusivity, m^2/s.
 struct Laws {
   mpm::Materials laws;
-  double fastest = 0, diffusivity = 0;
+  double fastest = 0, drained = 0, diffusivity = 0;  // drained: the skeleton's wave alone
   bool wet = false;
 
   Laws(const Case& c, double cell_m) {
@@ -50,8 +50,9 @@ struct Laws {
       laws.push_back(mpm::make_material(material, "material." + name, cell_m));
       const mpm::PoreSoil soil = mpm::pore_soil(given, name, c.water ? &*c.water : nullptr);
       const double water = soil.holds_water() ? c.water->bulk_modulus_pa / soil.porosity : 0;
-      const double modulus = laws.back()->elastic().p_wave_modulus() + water;
+      const double skeleton = laws.back()->elastic().p_wave_modulus(), modulus = skeleton + water;
       fastest = std::max(fastest, std::sqrt(modulus / material.density_kg_m3));
+      drained = std::max(drained, std::sqrt(skeleton / material.density_kg_m3));
       diffusivity = std::max(diffusivity, soil.mobility * water);
       wet |= soil.has_pores();
     }
@@ -83,10 +84,15 @@ void size_simulation(const Case& c, const Setting& setting, std::size_t frames, 
   require_at_most(size.states, most_states, "states", "mpm.output_rate_hz", toml_text(o.output_rate_hz));
   const Laws materials(c, std::sqrt(grid.spacing.prod()));
   const bool longer = mpm::steps_by_arrangement(mpm::scheme_of(o), !c.bodies.empty() || !c.contacts.empty(), materials.wet);
-  size.steps = end / mpm::stable_step_with_water(o.courant.value_or(longer ? mpm::most_courant : mpm::least_courant), grid.spacing.x(), grid.spacing.y(), materials.fastest, 0,
-                                                 materials.diffusivity);
+  const double courant = o.courant.value_or(longer ? mpm::most_courant : mpm::least_courant);
+  const double in_steps = end / mpm::stable_step_with_water(courant, grid.spacing.x(), grid.spacing.y(), materials.fastest, 0, materials.diffusivity);
+  const double projected = end / mpm::stable_step(courant, grid.spacing.minCoeff(), materials.drained / mpm::projected_step_share(), 0);
+  // Where the case leaves it open how pressure is stepped, the run decides as it starts.
+  const bool open = materials.wet && !o.pressure, project = materials.wet && o.pressure == mpm::PressureScheme::projected;
+  size.steps = project ? projected : in_steps;
+  size.steps_at_most = open;
   const bool short_steps = o.courant.value_or(1) < 0.01;
-  require_at_most(size.steps, most_steps, "steps", short_steps ? "mpm.courant" : "mpm.end_s",
+  require_at_most(open ? std::min(in_steps, projected) : size.steps, most_steps, "steps", short_steps ? "mpm.courant" : "mpm.end_s",
                   toml_text(short_steps ? *o.courant : end));
   size.record_bytes = size.states * size.points * bytes_a_state;
   const mpm::Scheme scheme = mpm::scheme_of(o);
@@ -155,7 +161,7 @@ std::string text_of(const CaseSize& size) {
     text << " " << number(size.nodes, 12) << " nodes, about " << number(size.particles, 3) << " numerical particles";
   if (size.points > 0)
     text << (size.nodes > 0 ? ";" : "") << " simulation of " << number(size.simulated_nodes, 12) << " nodes, about "
-         << number(size.points, 3) << " material points and " << number(size.steps, 2) << " steps, "
+         << number(size.points, 3) << " material points and " << (size.steps_at_most ? "at most " : "") << number(size.steps, 2) << " steps, "
          << number(size.states, 12) << " states (" << number(size.record_bytes / 1e6, 2) << " MB)";
   text << "; about " << number(size.memory_bytes / 1e6, 2) << " MB of memory beside the program.";
   return text.str();

@@ -48,9 +48,11 @@ double farthest(const mpm::Solver& solver) {
   return most;
 }
 
-// The steps told of before a run are those of the mixture, water included.
+// The steps told of before a run are those of the mixture, water included, or of the skeleton where pressure is projected; where the run
+// decides, at most the former.
 TEST(CaseScene, TheSizeCountsTheStepsThatWaterAsksFor) {
-  const Case c = parse_case(case_of(R"(
+  const auto sample = [](const std::string& scheme) {
+    return parse_case(case_of(R"(
 [grid]
 spacing_m = 0.01
 area_m = [[0.0, 0.0], [0.04, 0.12]]
@@ -63,10 +65,23 @@ porosity = 0.3
 permeability_m_s = 1e-5
 grain_density_kg_m3 = 2650.0
 [water]
-)", "gravity_m_s2 = [0.0, 0.0]\ninitial_equilibrium = false\n", ""), "case.toml", ".");
-  const Setting setting = make_setting(c, 0, 0);
-  const double step = make_solver(c, setting, 1).stable_step();
-  EXPECT_NEAR(size_of(c, setting, 0, 1).steps, 1 / step, 1e-6 / step);
+)", "gravity_m_s2 = [0.0, 0.0]\ninitial_equilibrium = false\n" + scheme, ""), "case.toml", ".");
+  };
+  double counted[2];
+  for (const bool projected : {false, true}) {
+    const Case c = sample(projected ? "pressure = \"projected\"\n" : "pressure = \"explicit\"\n");
+    const Setting setting = make_setting(c, 0, 0);
+    const double step = make_solver(c, setting, 1).stable_step();
+    const CaseSize size = size_of(c, setting, 0, 1);
+    counted[projected] = size.steps;
+    EXPECT_NEAR(size.steps, 1 / step, 1e-6 / step) << projected;
+    EXPECT_FALSE(size.steps_at_most);
+  }
+  EXPECT_GT(counted[0], 10 * counted[1]);
+  const Case open = sample("");
+  const CaseSize size = size_of(open, make_setting(open, 0, 0), 0, 1);
+  EXPECT_TRUE(size.steps_at_most);
+  EXPECT_DOUBLE_EQ(size.steps, counted[0]);
 }
 
 // Chapter 5: a reservoir as a nearly shear-free elastic body that presses on the bank it stands against, at the start
