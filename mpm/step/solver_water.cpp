@@ -104,7 +104,7 @@ void Solver::Impl::fill_pores() {
   if (options.pressure == PressureScheme::projected) water->project(g, foreseen_share);
   water->start(p, g, loading.tractions(), loading.gravity(0), most_threads);
   if (!options.pressure) {
-    choose_pressure();
+    weigh_projection();
     if (options.pressure == PressureScheme::projected) water->project(g, foreseen_share);
   }
   for (std::size_t k = 0; k < density.size(); ++k)
@@ -198,9 +198,9 @@ void Solver::Impl::put_water(MotionFrame& frame) {
   for (std::size_t k = 0; k < p.size(); ++k) porosity[p.index[k]] = float(water->porosity(p, k));
 }
 
-// Why pressure must be explicit, or should be: projected pressure knows no waves in the water, and a load or motion at
-// once leaves an energy residual (docs/limits.md). Empty: nothing speaks against it.
-std::string Solver::Impl::needs_explicit(double crossing) const {
+// What speaks against projected pressure: it is refused beside some things, knows no waves in the water, and a load or motion at
+// once leaves an energy residual (docs/limits.md). Empty: nothing.
+std::string Solver::Impl::against_projection(double crossing) const {
   if (has_inertia()) return "water.inertia is given";
   if (water->surface_may_move(p)) return "the water has a surface inside the material";
   if (!scene.water->surface_m.empty() || scene.water->groundwater == Groundwater::level)
@@ -226,7 +226,7 @@ std::string Solver::Impl::needs_explicit(double crossing) const {
 // What a projected step costs over an explicit one grows as the iterations of its conjugate gradients do, with the root
 // of the condition of its matrix: fitted to mpm_projected (docs/theory/mpm_speed.md), 1.6 and 2.3 where 1.6 and 2.4
 // were measured.
-void Solver::Impl::choose_pressure() {
+void Solver::Impl::weigh_projection() {
   constexpr double per_condition = 0.1, worth_it = 2;
   const PoreWater::Rates rates = water->rates(p);
   const double hx = g.grid.spacing.x(), hy = g.grid.spacing.y(), h = std::min(hx, hy),
@@ -240,11 +240,12 @@ void Solver::Impl::choose_pressure() {
   const double longer = projected / in_steps, costlier = 1 + per_condition * std::sqrt(condition),
                gain = longer / costlier;
   const Vec2 extent = g.domain.spacing.cwiseProduct(Vec2(g.domain.nx - 1, g.domain.ny - 1));
-  const std::string reason = needs_explicit(extent.maxCoeff() / dry);
-  options.pressure = PressureScheme::in_steps;  // projected pressure fails in scenes that explicit pressure gets through: it is asked for
+  const std::string reason = against_projection(extent.maxCoeff() / dry);
+  // Projected pressure fails in scenes that explicit pressure gets through (docs/limits.md): it has to be asked for.
+  options.pressure = PressureScheme::in_steps;
   std::ostringstream text;
   text.precision(2);
-  text << "Pore pressure is " << name_of(*options.pressure) << ": ";
+  text << "Pore pressure is explicit: ";
   if (!reason.empty())
     text << reason;
   else

@@ -94,4 +94,21 @@ inline double mean_stress(const Solver& solver, std::size_t component, double un
   return sum / n;
 }
 
+/// Takes the particles off that lie within a circle.
+inline void keep_outside(ParticleSet& set, const Vec2& centre, double radius) {
+  ParticleSet out;
+  out.label_names = set.label_names;
+  for (std::size_t k = 0; k < set.size(); ++k) {
+    if ((set.x0[k] - centre).norm() <= radius) continue;
+    out.id.push_back(set.id[k]);
+    out.label.push_back(set.label[k]);
+    out.x0.push_back(set.x0[k]);
+    out.area.push_back(set.area[k]);
+    out.born.push_back(set.born[k]);
+    out.end.push_back(set.end[k]);
+    out.end_reason.push_back(set.end_reason[k]);
+  }
+  set = out;
+}
+
 }  // namespace pivnp::mpm::test

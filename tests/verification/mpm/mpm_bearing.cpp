@@ -34,22 +34,6 @@ double wave(const MaterialOptions& m) {
   return std::sqrt(m.young_pa * (1 - m.poisson) / ((1 + m.poisson) * (1 - 2 * m.poisson)) / density);
 }
 
-void keep_outside(ParticleSet& set, const Vec2& centre, double radius) {
-  ParticleSet out;
-  out.label_names = set.label_names;
-  for (std::size_t k = 0; k < set.size(); ++k) {
-    if ((set.x0[k] - centre).norm() <= radius) continue;
-    out.id.push_back(set.id[k]);
-    out.label.push_back(set.label[k]);
-    out.x0.push_back(set.x0[k]);
-    out.area.push_back(set.area[k]);
-    out.born.push_back(set.born[k]);
-    out.end.push_back(set.end[k]);
-    out.end_reason.push_back(set.end_reason[k]);
-  }
-  set = out;
-}
-
 void hold_sides(Scene& s) {
   const Vec2 a = s.grid.origin, b = s.grid.upper();
   s.boundaries = {{"low", line({a.x(), a.y()}, {b.x(), a.y()}, "roller")},

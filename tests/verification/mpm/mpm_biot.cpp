@@ -100,10 +100,11 @@ std::array<std::complex<double>, 3> roots(double c2, double c1, double c0) {
   return {z[0], z[1], z[2]};
 }
 
-/// Found over exact. `flow`: lambda k over S times the undrained speed; `stiff`: K_w/n over M.
-Waves standing_waves(ShapeKind shape, double young, double stiff, double flow, int cells) {
+// Of height 1, without a load or losses of the scheme. `stiff`: K_w/n over M.
+WaterColumn waving_column(ShapeKind shape, double young, double porosity, double stiff, int cells) {
   WaterColumn c;
   c.young = young;
+  c.porosity = porosity;
   c.bulk = stiff * c.porosity * c.modulus();
   c.height = 1;
   c.cells = cells;
@@ -113,6 +114,12 @@ Waves standing_waves(ShapeKind shape, double young, double stiff, double flow, i
   c.shape = shape;
   c.transfer = TransferKind::flip;
   if (shape == ShapeKind::bilinear) c.stress = StressUpdate::musl;
+  return c;
+}
+
+/// Found over exact. `flow`: lambda k over S times the undrained speed; `stiff`: K_w/n over M.
+Waves standing_waves(ShapeKind shape, double young, double stiff, double flow, int cells) {
+  WaterColumn c = waving_column(shape, young, WaterColumn().porosity, stiff, cells);
   const double k = M_PI / c.height, S = c.porosity / c.bulk, M = c.modulus(), fast = std::sqrt((M + 1 / S) / c.density());
   c.permeability = flow * fast * S / k * 9810;
   const double lambda = c.permeability / 9810, rho = c.density();
@@ -192,18 +199,7 @@ Waves fast_and_slow(const std::vector<std::complex<double>>& s) {
 // `lag`: rho_w lambda/n times the fast wave's frequency. Found over exact; and of water without inertia by theory, over
 // exact.
 std::array<Waves, 2> waves_with_inertia(ShapeKind shape, double stiff, double lag, int cells, bool inertia = true) {
-  WaterColumn c;
-  c.young = 1e7;
-  c.porosity = 0.4;
-  c.bulk = stiff * c.porosity * c.modulus();
-  c.height = 1;
-  c.cells = cells;
-  c.load = 0;
-  c.damping = 0;
-  c.courant = 0.2;
-  c.shape = shape;
-  c.transfer = TransferKind::flip;
-  if (shape == ShapeKind::bilinear) c.stress = StressUpdate::musl;
+  WaterColumn c = waving_column(shape, 1e7, 0.4, stiff, cells);
   const double k = M_PI / c.height, Q = c.bulk / c.porosity, M = c.modulus(), rho = c.density(), water = 1000,
                fast = std::sqrt((M + Q) / rho);
   const double lambda = lag * c.porosity / (water * k * fast), k2 = k * k;

@@ -24,22 +24,6 @@ struct WetCylinder {
   double resistance, checkerboard;
 };
 
-void keep_beyond_radius(ParticleSet& set, double radius) {
-  ParticleSet out;
-  out.label_names = set.label_names;
-  for (std::size_t k = 0; k < set.size(); ++k) {
-    if (set.x0[k].norm() <= radius) continue;
-    out.id.push_back(set.id[k]);
-    out.label.push_back(set.label[k]);
-    out.x0.push_back(set.x0[k]);
-    out.area.push_back(set.area[k]);
-    out.born.push_back(set.born[k]);
-    out.end.push_back(set.end[k]);
-    out.end_reason.push_back(set.end_reason[k]);
-  }
-  set = out;
-}
-
 // What alternates along both axes over the mean, of cells around a place.
 double alternating_around(const Scene& s, const MotionFrame& f, bool wet, const Vec2& centre, double h) {
   std::map<std::pair<int, int>, std::pair<double, int>> of_cell;
@@ -84,7 +68,7 @@ WetCylinder wet_cylinder(bool rough, int cells, bool wet, double way = 0.2) {
     s.water.emplace();
     s.water->bulk_modulus_pa = 0.4 * 2 * shear * 1.4993 / (3 * (1 - 2 * 0.4993));
   }
-  keep_beyond_radius(s.particles, 0.5);
+  keep_outside(s.particles, {0, 0}, 0.5);
   s.stress0.assign(s.particles.size(), {-pressure, -pressure, -pressure, 0});
   const double side = half * h;
   s.boundaries = {{"low", line({-side, 0}, {side, 0}, "roller")},

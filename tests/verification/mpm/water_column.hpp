@@ -1,6 +1,8 @@
 // A saturated column drained at its top, Terzaghi's solution of it, and a saturated block of random velocities.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -131,6 +133,19 @@ inline WaterColumn small_column() {
   c.height = 0.06;
   c.cells = 6;
   return c;
+}
+
+/// Forty steps on one and on three threads, and forty more after a restart on two.
+inline void expect_same_bits(const MpmOptions& options, const Scene& s) {
+  Solver one(options, s, 1), two(options, s, 3), again(options, s, 2);
+  const double time = 40 * one.stable_step();
+  one.advance_to(time, silent);
+  two.advance_to(time, silent);
+  EXPECT_TRUE(one.save() == two.save());
+  again.load(one.save());
+  one.advance_to(2 * time, silent);
+  again.advance_to(2 * time, silent);
+  EXPECT_TRUE(one.save() == again.save());
 }
 
 /// Has the energy grown after 500 steps?
