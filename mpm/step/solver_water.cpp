@@ -103,10 +103,7 @@ void Solver::Impl::fill_pores() {
                                       PoreBoundaries(scene.boundaries, restraints.walls(), g), restraints.tied(), bodies);
   if (options.pressure == PressureScheme::projected) water->project(g, foreseen_share);
   water->start(p, g, loading.tractions(), loading.gravity(0), most_threads);
-  if (!options.pressure) {
-    weigh_projection();
-    if (options.pressure == PressureScheme::projected) water->project(g, foreseen_share);
-  }
+  if (!options.pressure) weigh_projection();
   for (std::size_t k = 0; k < density.size(); ++k)
     if (water->partly_dry(p, k)) density[k] = water->soil(k).dry_density();
 }
