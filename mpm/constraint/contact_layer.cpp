@@ -48,7 +48,7 @@ void ContactLayer::add(const Particles& p, const GridState& g, const Vec2& low, 
           if (list.empty()) return;
           const double volume = p.volume0[k] * (F(0, 0) * F(1, 1) - F(0, 1) * F(1, 0));
           for (const UnderPiece& u : list)
-            members_[u.piece * std::size_t(fields_) + std::size_t(field)].push_back({points_.size(), u.share * volume, F.squaredNorm(), u});
+            members_[u.piece * std::size_t(fields_) + std::size_t(field)].push_back({points_.size(), u.share * volume, g.axisymmetric ? p.x[k] : 1.0, F.squaredNorm(), u});
           Point point;
           std::copy(at, at + S::width * S::width, point.node);
           for (int a = 0; a < S::width; ++a) {
@@ -92,16 +92,17 @@ MaterialFace ContactLayer::face(const GridState& g, std::size_t piece, int field
   const FaceLayer layer{std::min(FaceLayer::cells * h, end)};  // to the end of what is thinner
   const auto fallen = [&](const Member& m) { return layer.fallen(m.at.depth - out.gap); };
   // Body forces that make up 1, and the stress whose end is where the points' volumes say.
-  double area = 0, mean = 0, spread = 0, falling = 0;
+  double area = 0, extent = 0, mean = 0, spread = 0, falling = 0;  // extent: of the area in the section, whatever its radius
   for (Member& m : members) {
     const double s = fallen(m);
     m.stress = m.volume * FaceLayer::share(s);
     m.body = m.volume * 6 * s * (1 - s) / (layer.depth - layer.upper);
     area += m.body;
+    extent += m.body / m.radius;
     falling += m.volume * s * (1 - s);
   }
   if (!(area > 0) || !(falling > 0)) return out;
-  if (area < least_area * h) {
+  if (extent < least_area * h) {
     out.state = MaterialFace::State::none;
     return out;
   }

@@ -55,7 +55,7 @@ class ContactLayer {
   };
   struct Member {
     std::size_t point;
-    double volume, stretch2;  // of the piece's share of it; |F|^2
+    double volume, radius, stretch2;  // of the piece's share of it; 1 in the plane; |F|^2
     UnderPiece at;
     double body = 0, stress = 0;  // of an impulse: as a body force, and as a stress, m
   };

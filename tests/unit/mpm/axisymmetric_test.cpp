@@ -176,6 +176,30 @@ TEST(Axisymmetric, LawsTakeTheHoopAsAnyDirection) {
   }
 }
 
+// A rigid plate pushes the whole of a small specimen's top, however near the axis.
+TEST(Axisymmetric, APlateMeetsTheMaterialBesideTheAxis) {
+  constexpr double h = 0.0025, radius = 8 * h, height = 8 * h, travel = 0.5 * h;
+  const MaterialOptions m = elastic(1e6, 0.3, 1600);
+  Scene s = scene(Grid{{0, 0}, {h, h}, 13, 13}, {rectangle("sample", 0, 0, radius, height)}, {m});
+  s.boundaries = {{"base", line({0, 0}, {12 * h, 0}, "roller")}};
+  RigidOptions plate;
+  const double v = 1e-3 * std::sqrt(m.young_pa / m.density_kg_m3);
+  plate.polygon_m = {{0, height}, {10 * h, height}, {10 * h, height + 2 * h}, {0, height + 2 * h}};
+  plate.velocity_m_s = {0, -v};
+  plate.friction = 0;
+  s.bodies = {{"plate", plate}};
+  Solver solver(round(), s, 1);
+  solver.advance_to(travel / v, silent);
+  const MotionFrame f = solver.frame();
+  for (std::size_t k = 0; k < f.u.size(); ++k) {
+    const Vec2 x = solver.particles().x0[k];
+    if (x.y() < height - 0.5 * h) continue;
+    EXPECT_NEAR(double(f.u[k][1]), -travel * x.y() / height, 0.05 * h) << x.transpose();
+  }
+  EXPECT_NEAR(-solver.body_impulse(0).y() * v / travel, 0.5 * m.young_pa * travel / height / 2 * radius * radius,
+              0.1 * 0.5 * m.young_pa * travel / height / 2 * radius * radius);  // of a radian; half of the last force on average
+}
+
 TEST(Axisymmetric, RefusesByName) {
   const auto says = [](const std::function<void(Scene&, MpmOptions&)>& change) {
     Scene s = scene(Grid{{0, 0}, {0.1, 0.1}, 11, 11}, {rectangle("soil", 0, 0, 0.5, 0.5)}, {elastic(1e6, 0.3, 1600)});
