@@ -62,6 +62,7 @@ for name, there, words in [
     ("spacing larger than the image", changed("spacing_px = 16", "spacing_px = 1600"), ["grid"]),
     ("region without an element", changed("[[0.03, 0.03], [0.13, 0.03], [0.13, 0.09], [0.03, 0.09]]",
                                           "[[1.0, 1.0], [1.1, 1.0], [1.1, 1.1]]"), ["region.soil"]),
+    ("end before the first output", changed("[mpm]", "[mpm]\nend_s = 0.05\noutput_rate_hz = 10.0"), ["mpm.end_s: found 0.05 s", "0.1 s"]),
     ("not a square of particles", changed("[mpm]", "[np]\nper_element = 5\n[mpm]"), ["per_element", "5"]),
 ]:
     expect(name, run(program, "run", there, "--out", there / "out"), 2, *words)

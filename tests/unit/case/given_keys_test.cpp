@@ -28,6 +28,17 @@ TEST(GivenKeys, WinOverTheFile) {
   EXPECT_EQ(c.frames->path, "*.png");
 }
 
+// Of the command line; a case that has frames of its own, or draws them, is read as it is.
+TEST(GivenKeys, FramesBesideTheFileStandForAMissingSection) {
+  const std::string without = "[piv]\nwindow_px = 24\n";
+  EXPECT_EQ(refused(without, {}), "c.toml:1: [piv]: there are no frames to measure; expected [frames] or [synth]");
+  const Case c = parse_case(without, "c.toml", ".", {"frames.rate_hz=50"}, "/lab/a \"b\".mp4");
+  EXPECT_EQ(c.frames->path, "/lab/a \"b\".mp4");
+  EXPECT_EQ(c.frames->rate_hz, 50);
+  EXPECT_EQ(parse_case(frames, "c.toml", ".", {}, "/lab/a.mp4").frames->path, "*.png");
+  EXPECT_FALSE(parse_case("[synth]\nmotion = \"affine\"\n", "c.toml", ".", {}, "/lab/a.mp4").frames);
+}
+
 TEST(GivenKeys, TheLastOfTwoCounts) {
   EXPECT_EQ(parse_case(frames, "c.toml", ".", {"piv.window_px=24", "piv.window_px=48"}).piv->window_px, 48);
 }

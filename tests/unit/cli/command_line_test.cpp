@@ -229,6 +229,9 @@ TEST_F(CommandLine, ACaseThatLacksWhatTheCommandNeeds) {
   x = file("[frames]\nrate_hz = 3\n");
   expect_error(run_program({"run", x}), 2, x + ": frames.path: missing; expected it in the case, or --frames PATH\n");
   EXPECT_EQ(run_program({"run", x, "--frames", "a.mp4"}).code, 0);
+  x = file("[piv]\nwindow_px = 24\n");
+  EXPECT_EQ(run_program({"run", x, "--frames", "a.mp4"}).code, 0);
+  EXPECT_EQ(fake_study().c.piv->window_px, 24);
   x = file("[frames]\npath = 'a'\n[compare.limits]\nstrain_rms = 0.1\n");
   expect_error(run_program({"run", x}), 2, x + ": [compare.limits]: given, but nothing is compared; ");
   EXPECT_EQ(run_program({"track", x}).code, 0) << "no comparison is asked for";
