@@ -146,8 +146,14 @@ void Solver::Impl::follow_level(const Cycle& c) {
 
 void Solver::Impl::flow_water(const Cycle& c) {
   if (!water) return;
-  const PoreFlow flow = water->projected() ? water->flow_projected(p, g, loading.tractions(), c.gravity, state.time,
-                                                                   c.dt, state.pressure_change, c.threads)
+  const auto projected = [&] {
+    try {
+      return water->flow_projected(p, g, loading.tractions(), c.gravity, state.time, c.dt, state.pressure_change, c.threads);
+    } catch (const RunError& fault) {
+      fail(fault.what());
+    }
+  };
+  const PoreFlow flow = water->projected() ? projected()
                                            : water->flow(p, g, loading.tractions(), c.gravity, state.time, c.dt,
                                                          c.threads, has_inertia() ? &state.water_inertia : nullptr);
   state.balance.inflow += scene.water->density_kg_m3 * flow.inflow;
