@@ -117,6 +117,7 @@ MaterialFace ContactLayer::face(const GridState& g, std::size_t piece, int field
   // Linear fields are exact.
   for (Member& m : members) m.stress += (mean - spread) * m.volume * fallen(m) * (1 - fallen(m)) / falling;
   out.state = MaterialFace::State::found;
+  out.area = area;
 
   place_.resize(g.grid.node_count(), -1);
   const std::size_t first = nodes.size();

@@ -35,6 +35,7 @@ struct MaterialFace {
   enum class State { none, thin, found } state = State::none;  // thin: too few points under it for a layer
   double gap = 0;    // from the outline to it, m; below 0: inside
   double along = 0;  // where an impulse acts
+  double area = 0;   // of it, m (m^2 a radian)
 };
 
 class ContactLayer {

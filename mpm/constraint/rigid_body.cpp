@@ -191,7 +191,7 @@ void RigidBodies::Body::sample_surface(double spacing) {
     for (int k = 0; k < n; ++k) {
       const double at = 2 * M_PI * (k + 0.5) / n;
       const Vec2 normal(std::cos(at), std::sin(at));
-      surface.push_back({centre + radius * normal, normal});
+      surface.push_back({centre + radius * normal, normal, 2 * M_PI * radius / n});
     }
     return;
   }
@@ -201,7 +201,7 @@ void RigidBodies::Body::sample_surface(double spacing) {
     const Vec2 normal = Vec2(side.y(), -side.x()).normalized();
     const int n = int(std::ceil(side.norm() / spacing));
     sides.push_back({a, side.normalized(), normal, side.norm(), surface.size(), std::size_t(n)});
-    for (int k = 0; k < n; ++k) surface.push_back({a + (k + 0.5) / n * side, normal});
+    for (int k = 0; k < n; ++k) surface.push_back({a + (k + 0.5) / n * side, normal, side.norm() / n});
   }
 }
 

@@ -3,7 +3,8 @@
 // Contact is held at pieces of the outline, at most a cell long: the material's velocity there meets that of the body, and
 // impulses go to the nodes through the same numbers by which the velocity comes from them (Lagrange multipliers on an embedded
 // surface, lumped masses, Gauss-Seidel with projection as in contact dynamics, Jean 1999). Rough: no relative motion. With a friction
-// coefficient mu (0: smooth): no motion into the body, the tangential impulse at most mu times the normal one.
+// coefficient mu (0: smooth): no motion into the body, the tangential impulse at most mu times the normal one, as far as the
+// skeleton bears that.
 //
 // Under a polygon's sides these numbers are those of a layer of the material (contact_layer.hpp). Contact begins where the
 // outermost points end: a gap may close in a step, and no more. On circles, and where there is no layer (few points, material that
@@ -43,9 +44,11 @@ class RigidBodies {
   void advance(double dt);
   /// Corrects Node::n and free bodies' velocities in a step of `dt`; appends the impulses. `least_mass`: of a point in contact,
   /// kg/m. `joined`: nodes that move with another, ascending. Before time 0 (initial equilibrium) prescribed bodies are at rest and
-  /// free ones are not there.
+  /// free ones are not there. `in_pores` (may be empty): at nodes, ascending, the pressure of the water in the pores beyond that outside,
+  /// Pa: that much of the normal stress does not rub.
+  using Pressures = std::function<std::vector<double>(const std::vector<std::uint32_t>& nodes)>;
   void apply(double time, double dt, double least_mass, std::span<const JoinedNode> joined, const Particles& p, GridState& g,
-             std::vector<Reaction>& reactions);
+             std::vector<Reaction>& reactions, const Pressures& in_pores = {});
   /// The nodes in contact strain the material by velocities of their own (GridState::separate_strain_velocities()).
   void separate_strain_velocities(GridState& g) const;
   /// Corrects the strain-rate velocity at the points that apply() found in contact; there motion away from the body is not allowed either
@@ -74,6 +77,7 @@ class RigidBodies {
  private:
   struct SurfacePoint {
     Vec2 x, normal;  // at time 0; out of the body
+    double piece;    // length
   };
   // A straight side of the outline, at time 0, and its points: `count` of them from `first` on, each in the middle of its piece.
   struct Side {
@@ -120,12 +124,15 @@ class RigidBodies {
     double body_normal = 0, body_along = 0;  // velocity of a free body there for a unit impulse
     std::size_t begin = 0, end = 0;          // in shares_: what a unit impulse gives to nodes, and what of their velocities is the face's
     double per_mass = 0;                     // sum of share^2 / mass
+    double face = 0;                         // of material, m (m^2 a radian)
+    double by_water = 0;                     // of the normal impulse
     double along_normal = 0, along = 0;      // impulses
     bool sticks = true;
   };
   void find_contacts(double time, double dt, double least_mass, std::span<const JoinedNode> joined, const Particles& p,
                      const GridState& g);
   void find_points_under(const Body& body, double time, const Particles& p, const GridState& g);
+  void press(double dt, const Pressures& in_pores);
   bool take_shares(Contact& c, std::span<const JoinedNode> joined, const GridState& g);
   void add_nodes_around(const Vec2& x, int field, const GridState& g, double& mass);
 

@@ -139,6 +139,7 @@ void RigidBodies::find_contacts(double time, double dt, double least_mass, std::
           }
           c.layer = true;
           c.x += face.along * Vec2(-c.normal.y(), c.normal.x());
+          c.face = face.area;
           if (gap > 0) c.part = gap / dt;
           c.pulls = !body.friction && gap <= sticking * spacing_;
           if (c.pulls) c.part = 0;
@@ -150,6 +151,7 @@ void RigidBodies::find_contacts(double time, double dt, double least_mass, std::
             continue;
           }
           c.pulls = !body.friction;
+          c.face = point.piece * (g.axisymmetric ? c.x.x() : 1.0);
         }
         if (!take_shares(c, joined, g)) continue;
         if (body.free) {
@@ -166,9 +168,26 @@ void RigidBodies::find_contacts(double time, double dt, double least_mass, std::
   }
 }
 
+// What the water bears of the normal impulses.
+void RigidBodies::press(double dt, const Pressures& in_pores) {
+  if (std::none_of(bodies_.begin(), bodies_.end(), [](const Body& b) { return b.friction.value_or(0) > 0; })) return;
+  const std::vector<std::uint32_t> nodes = touched_nodes();
+  const std::vector<double> pressures = in_pores(nodes);
+  for (Contact& c : contacts_) {
+    double sum = 0, shares = 0;
+    for (std::size_t k = c.begin; k < c.end; ++k) {
+      const auto at = std::size_t(std::lower_bound(nodes.begin(), nodes.end(), shares_[k].node) - nodes.begin());
+      sum += shares_[k].share * pressures[at];
+      shares += shares_[k].share;
+    }
+    if (shares > 0) c.by_water = dt * c.face * sum / shares;
+  }
+}
+
 void RigidBodies::apply(double time, double dt, double least_mass, std::span<const JoinedNode> joined, const Particles& p,
-                        GridState& g, std::vector<Reaction>& reactions) {
+                        GridState& g, std::vector<Reaction>& reactions, const Pressures& in_pores) {
   find_contacts(time, dt, least_mass, joined, p, g);
+  if (in_pores) press(dt, in_pores);
   for (int sweep = 0; sweep < impulse_sweeps; ++sweep)
     for (Contact& c : contacts_) {
       Body& body = bodies_[std::size_t(c.body)];
@@ -180,7 +199,7 @@ void RigidBodies::apply(double time, double dt, double least_mass, std::span<con
       double along = c.along - slip.dot(tangent) / (c.per_mass + c.body_along);
       if (!c.pulls) normal = std::max(0.0, normal);
       if (body.friction) {
-        const double most = *body.friction * normal;
+        const double most = *body.friction * std::max(0.0, normal - c.by_water);
         c.sticks = std::abs(along) <= most && most > 0;
         along = std::clamp(along, -most, most);
       } else if (!c.pulls && normal == 0) {

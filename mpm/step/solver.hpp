@@ -74,7 +74,7 @@ class Solver {
     double energy = 0;          // kinetic energy taken, J/m; part of `damping`
   };
   Slept slept() const;
-  /// Why pore pressure is explicit, and what projected would save, where the options leave it open and there is water; else empty.
+  /// Why pore pressure is explicit or projected, where the options leave it open and there is water; else empty.
   const std::string& pressure_choice() const;
   /// Particles that have left the grid.
   std::size_t ended() const;

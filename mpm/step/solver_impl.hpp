@@ -106,7 +106,7 @@ struct Solver::Impl {
   // solver_water.cpp: the water in the pores.
   void fill_pores();
   std::vector<double> undrained_stiffness() const;
-  void weigh_projection();
+  void choose_pressure();
   std::string against_projection(double crossing) const;
   void carry_water(const Cycle& c);
   void follow_level(const Cycle& c);
@@ -170,7 +170,7 @@ struct Solver::Impl {
   std::unique_ptr<PoreWater> water;  // null without
   std::unique_ptr<Heat> heat;        // likewise
   bool heat_due = false;             // in this step, as a state is written after it
-  std::string pressure_choice;       // why pressure is explicit, and what projected would save; empty where mpm.pressure was given
+  std::string pressure_choice;       // why pressure is explicit or projected; empty where mpm.pressure was given
   double potential_energy = 0;       // with water that works in steps: of the points at the step's start
   GatherSums gather;
   SmallMassNodes small_mass;

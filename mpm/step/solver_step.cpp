@@ -153,7 +153,13 @@ void Solver::Impl::apply_restraints(const Cycle& c, bool counted) {
   restraints.apply(state.time, c.dt, g, reactions, counted ? impulses_of_walls() : std::span<Impulse>());
   contacts.apply(g, restraints, reactions, counted ? impulses_of_contacts() : std::span<Impulse>());
   bodies.accelerate(state.time, c.dt, c.gravity, field_of_bodies());
-  bodies.apply(state.time, c.dt, touched_share * least_density() * g.grid.spacing.prod(), small_mass.pairs, p, g, reactions);
+  const auto in_pores = [&](const std::vector<std::uint32_t>& nodes) {
+    std::vector<double> pressures;
+    for (const PoreWater::Thrust& t : water->thrust(p, g, c.gravity, state.time, nodes, c.threads)) pressures.push_back(t.pressure);
+    return pressures;
+  };
+  bodies.apply(state.time, c.dt, touched_share * least_density() * g.grid.spacing.prod(), small_mass.pairs, p, g, reactions,
+               water ? RigidBodies::Pressures(in_pores) : RigidBodies::Pressures());
   if (sleep.any()) sleep.hold(push_per_mass(c.dt), g);
 }
 

@@ -103,7 +103,10 @@ void Solver::Impl::fill_pores() {
                                       PoreBoundaries(scene.boundaries, restraints.walls(), g), restraints.tied(), bodies);
   if (options.pressure == PressureScheme::projected) water->project(g, foreseen_share);
   water->start(p, g, loading.tractions(), loading.gravity(0), most_threads);
-  if (!options.pressure) weigh_projection();
+  if (!options.pressure) {
+    choose_pressure();
+    if (options.pressure == PressureScheme::projected) water->project(g, foreseen_share);
+  }
   for (std::size_t k = 0; k < density.size(); ++k)
     if (water->partly_dry(p, k)) density[k] = water->soil(k).dry_density();
 }
@@ -143,8 +146,14 @@ void Solver::Impl::follow_level(const Cycle& c) {
 
 void Solver::Impl::flow_water(const Cycle& c) {
   if (!water) return;
-  const PoreFlow flow = water->projected() ? water->flow_projected(p, g, loading.tractions(), c.gravity, state.time,
-                                                                   c.dt, state.pressure_change, c.threads)
+  const auto projected = [&] {
+    try {
+      return water->flow_projected(p, g, loading.tractions(), c.gravity, state.time, c.dt, state.pressure_change, c.threads);
+    } catch (const RunError& fault) {
+      fail(fault.what());
+    }
+  };
+  const PoreFlow flow = water->projected() ? projected()
                                            : water->flow(p, g, loading.tractions(), c.gravity, state.time, c.dt,
                                                          c.threads, has_inertia() ? &state.water_inertia : nullptr);
   state.balance.inflow += scene.water->density_kg_m3 * flow.inflow;
@@ -193,63 +202,6 @@ void Solver::Impl::put_water(MotionFrame& frame) {
   }
   const std::span<float> porosity = frame.add("porosity", p.size());
   for (std::size_t k = 0; k < p.size(); ++k) porosity[p.index[k]] = float(water->porosity(p, k));
-}
-
-// What speaks against projected pressure: it is refused beside some things, knows no waves in the water, and a load or motion at
-// once leaves an energy residual (docs/limits.md). Empty: nothing.
-std::string Solver::Impl::against_projection(double crossing) const {
-  if (has_inertia()) return "water.inertia is given";
-  if (water->surface_may_move(p)) return "the water has a surface inside the material";
-  if (!scene.water->surface_m.empty() || scene.water->groundwater == Groundwater::level)
-    return "the water's surface is given";
-  if (scene.water->start == WaterStart::seepage && scene.water->level_m) return "the start is by seepage with a level";
-  if (!scene.contacts.empty() || !scene.bodies.empty() || restraints.tied().any())
-    return "there are tied sides, bodies or contact";
-  if (scene.heat) return "there is heat";
-  if (restraints.any_absorbing()) return "an absorbing wall asks for waves";
-  if (!scene.v0.empty() || scene.body_force) return "the material moves from the start";
-  for (const auto& [name, b] : scene.boundaries) {
-    const bool pushed =
-        b.velocity_m_s && (*b.velocity_m_s)[0] * (*b.velocity_m_s)[0] + (*b.velocity_m_s)[1] * (*b.velocity_m_s)[1] > 0;
-    if (pushed) return "boundary." + name + " moves at once";
-    if (b.traction_pa && b.rise_s < crossing) return "the load of boundary." + name + " acts at once";
-  }
-  const bool weighs =
-      loading.gravity(0).norm() > 0 || (loading.gravity_changes() && options.gravity_ramp_s.value_or(0) < crossing);
-  if (weighs && !options.initial_equilibrium && !options.k0 && scene.stress0.empty()) return "the weight acts at once";
-  return "";
-}
-
-// What a projected step costs over an explicit one grows as the iterations of its conjugate gradients do, with the root
-// of the condition of its matrix: fitted to mpm_projected (docs/theory/mpm_speed.md), 1.6 and 2.3 where 1.6 and 2.4
-// were measured.
-void Solver::Impl::weigh_projection() {
-  constexpr double per_condition = 0.1, worth_it = 2;
-  const PoreWater::Rates rates = water->rates(p);
-  const double hx = g.grid.spacing.x(), hy = g.grid.spacing.y(), h = std::min(hx, hy),
-               dry = wave_speed(materials, density, p, 1);
-  const double in_steps = stable_step_with_water(1, hx, hy, wave_speed(materials, density, p, 1, rates.stiffness), 0, rates.diffusivity);
-  const double projected = mpm::stable_step(1, h, dry / projected_step_share(), 0);
-  const double stiffest =
-      rates.stiffness.empty() ? 0 : *std::max_element(rates.stiffness.begin(), rates.stiffness.end());
-  const double condition =
-      (foreseen_share * projected * projected * stiffest / least_density() + projected * rates.diffusivity) / (h * h);
-  const double longer = projected / in_steps, costlier = 1 + per_condition * std::sqrt(condition),
-               gain = longer / costlier;
-  const Vec2 extent = g.domain.spacing.cwiseProduct(Vec2(g.domain.nx - 1, g.domain.ny - 1));
-  const std::string reason = against_projection(extent.maxCoeff() / dry);
-  // Projected pressure fails in scenes that explicit pressure gets through (docs/limits.md): it has to be asked for.
-  options.pressure = PressureScheme::in_steps;
-  std::ostringstream text;
-  text.precision(2);
-  text << "Pore pressure is explicit: ";
-  if (!reason.empty())
-    text << reason;
-  else
-    text << "projected steps would be " << longer << " times as long and should cost " << costlier << " times as much, "
-         << (gain >= worth_it ? "and may be asked for" : "which saves too little for what explicit ones are more accurate");
-  text << " (mpm.pressure).";
-  pressure_choice = text.str();
 }
 
 void Solver::Impl::take_wave_speed(int threads) {

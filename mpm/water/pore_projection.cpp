@@ -154,7 +154,7 @@ PoreFlow PoreWater::flow_projected(Particles& p, GridState& g, const Tractions& 
     return sum;
   }();
   if (!solve(s, g, small_residual * small_residual * of_zero, left, threads))
-    throw RunError("mpm: the projected pressure was not found in " + std::to_string(iterations_at_most) + " iterations");
+    throw RunError("the projected pressure was not found in " + std::to_string(iterations_at_most) + " iterations");
   // The potential after the step; then what the points take.
   for_all([&](std::size_t n) {
     guess[n] = s.solution[n];

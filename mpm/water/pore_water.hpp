@@ -334,8 +334,8 @@ class PoreWater {
 
 inline constexpr double least_share = 0.25;  // of a node's volume inside the material: with less it is at a surface
 
-// An element beside a node counts unless it is beyond the domain, behind a wall along the grid, or sealed: what another body of
-// material or a rigid one fills lets no water through. The material's surface is where one of those that count is empty.
+// An element beside a node counts unless it is behind a wall along the grid or sealed: what another body of material or a rigid one
+// fills lets no water through. The material's surface is where one of those that count is empty, as all beyond the domain are.
 template <class Holds>
 bool PoreWater::at_surface(const GridState& g, std::size_t n, double volume, double time, Holds&& holds) const {
   const auto row = std::size_t(g.grid.nx);
@@ -350,11 +350,11 @@ bool PoreWater::at_surface(const GridState& g, std::size_t n, double volume, dou
   bool surface = false;
   for (int c = 0; c < 4; ++c) {
     const int left = 1 - c % 2, below = 1 - c / 2, ei = i - left, ej = j - below;
-    if (ei < first_i_ || ei >= last_i_ || ej < first_j_ || ej >= last_j_) continue;
     if (walls & ((left ? wall_left : wall_right) | (below ? wall_down : wall_up))) continue;
+    const bool beyond = ei < first_i_ || ei >= last_i_ || ej < first_j_ || ej >= last_j_;
     const std::size_t element = n - std::size_t(left) - std::size_t(below) * row;
-    const bool empty = !holds(element);
-    if (empty && sealed(element)) continue;
+    const bool empty = beyond || !holds(element);
+    if (empty && !beyond && sealed(element)) continue;
     ++open;
     surface = surface || empty;
   }

@@ -248,7 +248,7 @@ VALUES = {
                    "rate_history": [("[[0.0, 30.0], [0.02, 60.0]]", {"rate_rpm": None})]},
     "water": {"level_history": [("[[0.0, 0.1], [0.02, 0.12]]", {"level_m": None})], "surface_m": ["[[0.0, 0.1], [0.12, 0.09]]"],
               "groundwater": [('"flow"', {}), ('"level"', {})], "inertia": [("true", {"level_m": None}, AT_ONCE), "false"],
-              "start": [(f'"{start}"', {} if start != "zero" else {"level_m": None}) for start in ("hydrostatic", "seepage", "zero")],
+              "start": [(f'"{start}"', {}) for start in ("hydrostatic", "seepage")] + [('"zero"', {"level_m": None}, AT_ONCE)],
               **{key: [(value, {}, HEAT | AT_ONCE | {"material.soil": THERMAL, "water": {"level_m": None}})] for key, value in (
                   ("thermal_expansion_1_k", "2e-4"), ("specific_heat_j_kg_k", "4200.0"))}},
     "verify": {"lost_share": [("0.5", {"displacement_rms_px": "5.0"})], "displacement_rms_px": ["5.0"], "strain_error": ["1.0"],

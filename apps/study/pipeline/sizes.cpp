@@ -87,9 +87,12 @@ void size_simulation(const Case& c, const Setting& setting, std::size_t frames, 
   const double courant = o.courant.value_or(longer ? mpm::most_courant : mpm::least_courant);
   const double in_steps = end / mpm::stable_step_with_water(courant, grid.spacing.x(), grid.spacing.y(), materials.fastest, 0, materials.diffusivity);
   const double projected = end / mpm::stable_step(courant, grid.spacing.minCoeff(), materials.drained / mpm::projected_step_share(), 0);
-  size.steps = materials.wet && o.pressure == mpm::PressureScheme::projected ? projected : in_steps;
+  // Where the case leaves it open how pressure is stepped, the run decides as it starts.
+  const bool open = materials.wet && !o.pressure, project = materials.wet && o.pressure == mpm::PressureScheme::projected;
+  size.steps = project ? projected : in_steps;
+  size.steps_at_most = open;
   const bool short_steps = o.courant.value_or(1) < 0.01;
-  require_at_most(size.steps, most_steps, "steps", short_steps ? "mpm.courant" : "mpm.end_s",
+  require_at_most(open ? std::min(in_steps, projected) : size.steps, most_steps, "steps", short_steps ? "mpm.courant" : "mpm.end_s",
                   toml_text(short_steps ? *o.courant : end));
   size.record_bytes = size.states * size.points * bytes_a_state;
   const mpm::Scheme scheme = mpm::scheme_of(o);
@@ -158,7 +161,7 @@ std::string text_of(const CaseSize& size) {
     text << " " << number(size.nodes, 12) << " nodes, about " << number(size.particles, 3) << " numerical particles";
   if (size.points > 0)
     text << (size.nodes > 0 ? ";" : "") << " simulation of " << number(size.simulated_nodes, 12) << " nodes, about "
-         << number(size.points, 3) << " material points and " << number(size.steps, 2) << " steps, "
+         << number(size.points, 3) << " material points and " << (size.steps_at_most ? "at most " : "") << number(size.steps, 2) << " steps, "
          << number(size.states, 12) << " states (" << number(size.record_bytes / 1e6, 2) << " MB)";
   text << "; about " << number(size.memory_bytes / 1e6, 2) << " MB of memory beside the program.";
   return text.str();

@@ -20,6 +20,7 @@ struct CaseSize {
   double nodes = 0, particles = 0;         // of the measured grid; numerical particles
   double simulated_nodes = 0, points = 0;  // of the simulation
   double steps = 0, states = 0;            // about; states written
+  bool steps_at_most = false;              // fewer where the run finds that pressure is better projected
   double memory_bytes = 0;                 // about
   double record_bytes = 0;                 // what the states take on the disk while the run goes on
 };

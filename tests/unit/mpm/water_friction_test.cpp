@@ -111,5 +111,35 @@ TEST(WaterFriction, ABlockSlidesOnUndrainedSoil) {
   EXPECT_NEAR(sliding_on_soil(false, 0.5), expected, of_weight);
 }
 
+// A rigid plate that lies on saturated soil in a box, whose pores bear a share of it.
+double plate_on_soil(bool drained, double share) {
+  const double h = 0.01, width = 0.12, height = 0.04, young = 1e7, porosity = 0.4;
+  MaterialOptions soil = saturated(young, 0, porosity, 1e-12);
+  soil.drained = drained;
+  Scene s = scene(Grid{{-3 * h, 0}, {h, h}, 19, 10}, {rectangle("soil", 0, 0, width, height)}, {soil});
+  s.water.emplace();
+  s.water->bulk_modulus_pa = porosity * young * share / (1 - share);
+  s.boundaries = {{"base", line({0, 0}, {width, 0}, "roller")},
+                  {"left", line({0, 0}, {0, height}, "roller")},
+                  {"right", line({width, 0}, {width, height}, "roller")}};
+  RigidOptions plate;
+  plate.polygon_m = {{0, height}, {width, height}, {width, height + 2 * h}, {0, height + 2 * h}};
+  plate.mass_kg_m = 8000 * width * 2 * h;
+  plate.friction = 0.25;
+  plate.turns = false;
+  s.bodies.emplace_back("plate", plate);
+  MpmOptions o = tilting();
+  Solver solver(o, s, 1);
+  solver.advance_to(ramp_time, silent);
+  return solver.body_displacement(0).x() / (ramp_time * ramp_time / 6);
+}
+
+TEST(WaterFriction, ARigidPlateSlidesOnUndrainedSoil) {
+  constexpr double share = 0.9;
+  EXPECT_NEAR(plate_on_soil(true, share), 0, 0.05);
+  const double expected = earth * (std::sin(tilt) - 0.25 * (1 - share) * std::cos(tilt));
+  EXPECT_NEAR(plate_on_soil(false, share), expected, of_weight);
+}
+
 }  // namespace
 }  // namespace pivnp::mpm

@@ -5,8 +5,10 @@
 2. The lake falls at once, and nothing drains: the whole weight, the same strength. Criterion: the crest settles by more than that of dry soil
    of the same weight and Poisson's ratio .499, and by less than with .3, between which its stiffness lies (undrained .4993; .3 at the start).
 3. The same where the skeleton has .495, so that stiffness does not change as the lake falls. Criterion: as in 1, within 2 % of dry soil of .495.
-4. A slope of 1 in 1.5 with friction and cohesion (phi 25 degrees), under a lake: as in 1 if it is drained. With water that flows it must not
-   be weaker than dry soil; it is about 6 % stronger (docs/limits.md).
+4. A slope of 1 in 1.5 with friction and cohesion (phi 25 degrees), under a lake, drained: as in 1.
+5. The same with water that flows. Consolidation asks for steps fifty times as short, and APIC takes energy out in each step; the slope is
+   still moving when its strength has gone, and comes to rest the sooner. So the soil moves by FLIP, in which steps count for little, dry and
+   wet, explicit and (left out) projected. Criterion: as in 1.
 
 usage: water_strength.py PIVNP [--small]   (--small: the first, on coarse cells)
 """
@@ -27,7 +29,7 @@ BUOYANT = SATURATED - 1000
 CELLS, END = (6, 5) if small else (10, 8)
 
 
-def settled(density, reduction, *, poisson=0.3, water=None, slope=False):
+def settled(density, reduction, *, poisson=0.3, water=None, slope=False, mpm=""):
     """Of the crest, as strength falls: m. `density`: by whose weight strength and stiffness are measured."""
     there = scratch / str(len(list(scratch.iterdir())))
     there.mkdir()
@@ -53,6 +55,7 @@ reduction_until_s = 1.0
 {soil}
 {water[0] if water else ""}
 [mpm]
+{mpm}
 damping = 0.3
 end_s = {END}
 output_rate_hz = 20.0
@@ -111,9 +114,16 @@ if not small:
     reduction = 1.2
     dry = [(r, settled(BUOYANT, r, slope=True)) for r in (0.98 * reduction, reduction, 1.02 * reduction)]
     lake = "[water]\nlevel_m = 1.3\nbulk_modulus_pa = 5e5"
-    drained, flowing = (settled(BUOYANT, reduction, slope=True, water=(lake, permeability)) for permeability in ("1e-1\ndrained = true", "1e-1"))
-    print("dry, m:", dry, "under water:", drained, flowing, flush=True)
-    row(f"slope of 1 in 1.5 under a lake, drained, phi 25 degrees, {CELLS} cells high", "factor of safety within 2 % of that of dry soil of the weight under water, same mesh; with water that flows: not less",
-        f"{100 * (reduction / strength_of(drained, dry) - 1):+.1f} %; crest {1000 * flowing:.1f} mm, dry {1000 * dry[1][1]:.1f}")
+    drained = settled(BUOYANT, reduction, slope=True, water=(lake, "1e-1\ndrained = true"))
+    print("dry, m:", dry, "under water:", drained, flush=True)
+    within = "factor of safety within 2 % of that of dry soil of the weight under water, same mesh"
+    row(f"slope of 1 in 1.5 under a lake, drained, phi 25 degrees, {CELLS} cells high", within, f"{100 * (reduction / strength_of(drained, dry) - 1):+.1f} %")
     assert dry[0][1] < drained < dry[2][1], "a slope under water"
-    assert flowing < 1.2 * dry[1][1], "a slope under water that flows"
+    flip = 'transfer = "flip"\n'
+    dry = [(r, settled(BUOYANT, r, slope=True, mpm=flip)) for r in (0.98 * reduction, reduction, 1.02 * reduction)]
+    for pressure in ("explicit", "projected"):
+        flowing = settled(BUOYANT, reduction, slope=True, water=(lake, "1e-1"), mpm=flip + f'pressure = "{pressure}"')
+        print("dry by FLIP, m:", dry, pressure, flowing, flush=True)
+        row(f"slope of 1 in 1.5 under a lake, water that flows, {pressure}, FLIP, phi 25 degrees, {CELLS} cells high", within,
+            f"{100 * (reduction / strength_of(flowing, dry) - 1):+.1f} %")
+        assert dry[0][1] < flowing < dry[2][1], "a slope under water that flows"
