@@ -161,7 +161,7 @@ void Solver::Impl::check_balance() {
   if (!std::isfinite(row.residual)) fail("the energy is not finite");
   double& turned_over = state.balance.turned_over;
   turned_over = std::max(turned_over, turnover(row, state.balance));
-  // (Velocities are those of half a step ago: after n steps of a fall the balance is off by 1/n of the work.)
+  // (The balance here takes velocities as they are stored, of half a step ago: after n steps of a fall it is off by 1/n of the work.)
   if (state.steps >= first_judged && std::abs(row.residual) > options.energy_limit * std::max(turned_over, least_turned_over)) {
     std::ostringstream text;
     text << "the energy residual is " << row.residual << " J/m, beyond " << options.energy_limit
