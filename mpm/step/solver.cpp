@@ -137,6 +137,7 @@ void Solver::advance_to(double time, Progress& progress) {
     s.heat_due = stop == time && time - s.state.time <= longest;
     s.step(dt);
     s.state.time = stop - s.state.time <= longest ? stop : s.state.time + dt;
+    if (s.forces_jump(s.state.time)) s.catch_up();
     if (s.state.time == s.next_change(before)) s.sleep.wake_all();
     if (s.state.time == s.restraints.next_change(before)) s.g.set_walls(s.restraints.wall_sides(s.state.time, s.g.grid));
     if (s.observer) s.observer(dt, [&s](const Vec2& x) { return velocity_at(s.g, x); });

@@ -65,6 +65,7 @@ struct Solver::Impl {
   void step(double dt);
   bool leaps() const { return scheme.stress != StressUpdate::usf && !water; }
   void catch_up();
+  bool forces_jump(double time) const;
   Cycle begin_step(double dt);
   void find_cells(const Cycle& c);
   void map_to_nodes(const Cycle& c);

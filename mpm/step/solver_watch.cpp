@@ -123,7 +123,15 @@ EnergyRow Solver::Impl::energy_now() {
   return row;
 }
 
-// The state itself is brought to its time, after which nothing is stepped.
+// Does a wall let go, a load end, or is material taken out, at once, at a time? (A wall that is drawn away lets go of node after node.)
+bool Solver::Impl::forces_jump(double time) const {
+  return std::any_of(scene.boundaries.begin(), scene.boundaries.end(),
+                     [time](const auto& b) { return b.second.until_s == time && !b.second.withdraw_m_s; }) ||
+         std::any_of(scene.materials.begin(), scene.materials.end(), [time](const MaterialOptions& m) { return m.removed_s == time; });
+}
+
+// The state itself is brought to its time: before forces jump, so that the next push is that of half a step with the new ones, and
+// where nothing is stepped any more.
 void Solver::Impl::catch_up() {
   for (std::size_t k = 0; k < p.size() && last.share() > 0; ++k) {
     const VelocityChange more = pushed_on(p, g, k, last);

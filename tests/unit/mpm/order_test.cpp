@@ -105,6 +105,24 @@ TEST(Order, StrengthThatFalls) {
   EXPECT_GT(e.ratio, 2.25);
 }
 
+// A wall that lets go at once, of soil that leans on it.
+TEST(Order, GateThatGoes) {
+  Scene s = column(0.1, elastic(1e6, 0.3, 1000));
+  s.boundaries[2].second.until_s = 0.004;
+  const Found e = errors(s, conservative({0, -20}), 0);
+  EXPECT_LT(e.coarse, 1e-3);  // (3.8e-3 where the push across the opening takes the forces after it for all of its time)
+}
+
+TEST(Order, TractionThatEnds) {
+  Scene s = bar();
+  s.boundaries.push_back({"load", line({0, 0.1}, {0.1, 0.1}, "traction")});
+  s.boundaries.back().second.traction_pa = Pair{0, -2000};
+  s.boundaries.back().second.rise_s = 0.004;
+  s.boundaries.back().second.until_s = 0.006;
+  const Found e = errors(s, conservative());
+  EXPECT_LT(e.coarse, 0.1);  // (of a mean that has nearly returned to zero; 1.5 without)
+}
+
 // Loads that act from time 0 on, without an equilibrium before: displacements, and what is shown of velocities, energies and
 // impulses at the state's time.
 struct Shown {

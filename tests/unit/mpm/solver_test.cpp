@@ -391,6 +391,7 @@ TEST(InitialEquilibrium, OfAFreeStandingBlockWithoutTension) {
     for (const double left : {0.0, 0.06, 0.12}) {
       MaterialOptions m = sand(35, 1e6);
       m.cohesion_pa = 1000;
+      if (left > 0.1) m.softening_shape = 5, m.friction_residual_deg = 30;
       Scene s = scene(Grid{{0, 0}, {0.01, 0.01}, 21, 13}, {rectangle("block", left, 0, left + 0.08, 0.08)}, {m});
       s.boundaries = {{"base", line({0, 0}, {0.2, 0}, type, 0.5)}};
       Solver solver(options({0, -9.81}), s, 1);
