@@ -49,6 +49,16 @@ void check_motion(const std::string& key, const BoundaryOptions& o) {
     throw InputError(key + ".traction_pa: given with type \"" + type + "\", expected type = \"traction\"");
 }
 
+// Does a wall along the grid go on beyond an end, to the ring of nodes around the domain? There shapes of three nodes reach past the end
+// of a wall that ends with the domain, and material with a free face there would hang over it by a row of nodes.
+bool goes_on(const GridGeometry& g, const Wall& wall, const Vec2& end, const Vec2& outward) {
+  if (!g.centred || wall.side == wall_none || wall.type == Type::absorbing || wall.type == Type::tied) return false;
+  const Vec2 beyond = end + 0.5 * g.domain.spacing.cwiseProduct(outward) - g.domain.origin;
+  const Vec2 size(g.domain.spacing.x() * (g.domain.nx - 1), g.domain.spacing.y() * (g.domain.ny - 1));
+  const int axis = std::abs(outward.x()) > std::abs(outward.y()) ? 0 : 1;
+  return outward[axis] < 0 ? beyond[axis] <= 0 : beyond[axis] >= size[axis];
+}
+
 void take_nodes_along_line(const BoundaryOptions& o, const GridGeometry& g, const Vec2& centroid, Wall& wall) {
   const Grid& grid = g.field_grid;
   if (o.line_m.size() != 2) throw InputError(wall.key + ".line_m: expected two end points");
@@ -68,12 +78,13 @@ void take_nodes_along_line(const BoundaryOptions& o, const GridGeometry& g, cons
   wall.from = a;
   wall.to = b;
   wall.side = side_along_grid(grid, a, across);
+  const double before = goes_on(g, wall, a, -along) ? h : 0, after = goes_on(g, wall, b, along) ? h : 0;
   // Functions of three nodes that stay as they are reach one row further.
   const double behind = g.centred && wall.side == wall_none ? half + h : half;
   for (int j = 0; j < grid.ny; ++j)
     for (int i = 0; i < grid.nx; ++i) {
       const Vec2 from_a = grid.position(i, j) - a;
-      const double out = from_a.dot(across), on = std::clamp(from_a.dot(along), 0.0, length);
+      const double out = from_a.dot(across), on = std::clamp(from_a.dot(along), -before, length + after);
       const double past = std::abs(from_a.dot(along) - on);
       if (out > -half + round_off && out <= behind + round_off && std::hypot(past, std::min(out, half)) <= half + round_off)
         wall.nodes.push_back(std::uint32_t(grid.node(i, j)));

@@ -31,7 +31,7 @@ void add_particle(ParticleSet& set, const Vec2& x, double area) {
 
 }  // namespace
 
-Scene GeneralisedVortex::scene(double cell, double points, double before_s) const {
+Scene GeneralisedVortex::scene(double cell, double points) const {
   const double mu = shear_modulus(), amplitude = amplitude_;
   MaterialOptions m;
   m.model = "neo_hookean";
@@ -60,8 +60,6 @@ Scene GeneralisedVortex::scene(double cell, double points, double before_s) cons
     const Profile p(r);
     s.v0.push_back(amplitude * M_PI * p.h * Vec2(-X[k].y(), X[k].x()));
     const double rate = amplitude * M_PI, x = X[k].x(), y = X[k].y(), h1 = p.h1 / r;
-    // The acceleration at time 0 is that towards the centre, (rate h)^2 r.
-    s.v0.back() += before_s * std::pow(amplitude * M_PI * p.h, 2) * X[k];
     s.grad_v0.push_back({-rate * y * h1 * x, -rate * (p.h + y * h1 * y), rate * (p.h + x * h1 * x), rate * x * h1 * y});
     torque += area * r * (3 * p.h1 + r * p.h2);
     inertia += area * r * r;

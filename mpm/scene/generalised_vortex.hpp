@@ -17,8 +17,8 @@ class GeneralisedVortex {
   /// `amplitude` in rad at the turning point, t = 0.5 s; `young` in Pa.
   GeneralisedVortex(double amplitude, double young) : amplitude_(amplitude), young_(young) {}
 
-  /// Rings of points, `across` to a cell's side, with the velocities of `before_s` before time 0 (of half a step, as the scheme takes them).
-  Scene scene(double cell, double across = 2, double before_s = 0) const;
+  /// Rings of points, `across` to a cell's side.
+  Scene scene(double cell, double across = 2) const;
   /// At the turning point, of the point that started at X: where it is, and its Cauchy stress xx yy xy.
   Vec2 position(const Vec2& X) const;
   std::array<double, 3> stress(const Vec2& X) const;

@@ -137,6 +137,7 @@ void Solver::advance_to(double time, Progress& progress) {
     s.heat_due = stop == time && time - s.state.time <= longest;
     s.step(dt);
     s.state.time = stop - s.state.time <= longest ? stop : s.state.time + dt;
+    if (s.forces_jump(s.state.time)) s.catch_up();
     if (s.state.time == s.next_change(before)) s.sleep.wake_all();
     if (s.state.time == s.restraints.next_change(before)) s.g.set_walls(s.restraints.wall_sides(s.state.time, s.g.grid));
     if (s.observer) s.observer(dt, [&s](const Vec2& x) { return velocity_at(s.g, x); });
@@ -144,6 +145,7 @@ void Solver::advance_to(double time, Progress& progress) {
     if (s.state.steps % check_every == 0) {
       s.check_balance();
       s.watch_motion();
+      if ((s.state.at_rest && s.options.end_at_rest) || s.state.far) s.catch_up();
       progress.update("mpm", s.state.steps, s.state.steps + std::int64_t(std::ceil((time - s.state.time) / dt)));
       if (progress.stop_requested()) throw Interrupted();
     }
@@ -159,17 +161,18 @@ Vec2 Solver::momentum() const {
   const Particles& p = impl_->p;
   Vec2 sum = Vec2::Zero();
   for (std::size_t k = 0; k < p.size(); ++k)
-    if (p.cell[k] != Particles::ended) sum += p.mass_of(k) * Vec2(p.vx[k], p.vy[k]);
-  return sum;
+    if (p.cell[k] != Particles::ended)
+      sum += p.mass_of(k) * Vec2(p.vx[k], p.vy[k]);
+  return sum + pushed_momentum(p, impl_->g, impl_->last);
 }
-EnergyRow Solver::energy() const { return impl_->failed ? impl_->good.energy : impl_->energy(); }
+EnergyRow Solver::energy() const { return impl_->failed ? impl_->good.energy : impl_->energy_now(); }
 bool Solver::at_rest() const { return impl_->state.at_rest; }
 Vec2 Solver::body_displacement(std::size_t body) const {
   return impl_->bodies.displacement(body, impl_->state.time);
 }
 double Solver::body_mass(std::size_t body) const { return impl_->bodies.mass(body, impl_->state.time); }
 Vec2 Solver::body_impulse(std::size_t body) const {
-  const Impulse& impulse = impl_->impulses_of_bodies()[body];
+  const Impulse impulse = impl_->impulse_now(impl_->restraints.walls().size() + impl_->scene.boundaries.size() + body);
   return {impulse.x, impulse.y};
 }
 
@@ -189,17 +192,18 @@ ReactionRow Solver::reactions() const {
     row.of.push_back({{i.x, i.y}, i.moment, displacement, turn});
   };
   const std::vector<Wall>& walls = s.restraints.walls();
+  const std::size_t tractions = walls.size(), of_bodies = tractions + s.scene.boundaries.size(), of_contacts = of_bodies + s.bodies.size();
   for (std::size_t b = 0; b < s.scene.boundaries.size(); ++b) {
     const auto& [name, boundary] = s.scene.boundaries[b];
     if (!has_reaction(name, boundary)) continue;
-    Impulse impulse = s.impulses_of_tractions()[b];
+    std::size_t at = tractions + b;
     for (std::size_t w = 0; w < walls.size(); ++w)
-      if (walls[w].key == "boundary." + name) impulse = s.impulses_of_walls()[w];
-    add(impulse, Vec2::Zero(), 0);
+      if (walls[w].key == "boundary." + name) at = w;
+    add(s.impulse_now(at), Vec2::Zero(), 0);
   }
   for (std::size_t b = 0; b < s.bodies.size(); ++b)
-    add(s.impulses_of_bodies()[b], s.bodies.displacement(b, s.state.time), s.bodies.turn(b));
-  for (const Impulse& impulse : s.impulses_of_contacts()) add(impulse, Vec2::Zero(), 0);
+    add(s.impulse_now(of_bodies + b), s.bodies.displacement(b, s.state.time), s.bodies.turn(b));
+  for (std::size_t k = 0; k < s.scene.contacts.size(); ++k) add(s.impulse_now(of_contacts + k), Vec2::Zero(), 0);
   return row;
 }
 Solver::Slept Solver::slept() const {
@@ -220,6 +224,7 @@ const ParticleSet& Solver::particles() const {
 MotionFrame Solver::frame() const {
   if (impl_->failed) throw RunError("mpm: frame() was called after the run had failed");
   MotionFrame frame = frame_of(impl_->state, impl_->scene.particles);
+  impl_->bring_to_time(frame);
   if (impl_->water) impl_->put_water(frame);
   if (impl_->heat) impl_->put_heat(frame);
   return frame;
@@ -245,6 +250,7 @@ void Solver::load(const std::vector<std::byte>& checkpoint) {
   impl_->change_strength(impl_->state.time);
   impl_->sleep.resume(impl_->g);
   impl_->failed = false;
+  impl_->last = {};
   impl_->good = {impl_->energy(), impl_->state.steps};
 }
 

@@ -15,6 +15,7 @@
 #include "mpm/material/model.hpp"
 #include "mpm/scene/loading.hpp"
 #include "mpm/scene/scene_setup.hpp"
+#include "mpm/step/half_step.hpp"
 #include "mpm/step/momentum.hpp"
 #include "mpm/step/sleep.hpp"
 #include "mpm/step/solver.hpp"
@@ -56,11 +57,15 @@ struct Solver::Impl {
   // solver_step.cpp: the cycle.
   struct Cycle {
     double dt;
+    double push;   // for which forces act, s (half_step.hpp)
     int threads;
     Vec2 gravity;  // at its start, as the other forces: velocities are those between two states
     Vec2 moment;   // moment_of_mass() at its start, where work_in_steps()
   };
   void step(double dt);
+  bool leaps() const { return scheme.stress != StressUpdate::usf && !water; }
+  void catch_up();
+  bool forces_jump(double time) const;
   Cycle begin_step(double dt);
   void find_cells(const Cycle& c);
   void map_to_nodes(const Cycle& c);
@@ -141,6 +146,9 @@ struct Solver::Impl {
   bool moved_far() const;
   double work_of_gravity() const;
   EnergyRow energy();
+  EnergyRow energy_now();
+  void bring_to_time(MotionFrame& frame) const;
+  Impulse impulse_now(std::size_t k) const;  // in the order of SolverState::impulses
   void check_balance();
   [[noreturn]] void fail(const std::string& cause);
   void restart_balance();
@@ -173,6 +181,8 @@ struct Solver::Impl {
   std::string pressure_choice;       // why pressure is explicit or projected; empty where mpm.pressure was given
   double potential_energy = 0;       // with water that works in steps: of the points at the step's start
   GatherSums gather;
+  LastPush last;                        // of the last step
+  std::vector<Impulse> impulses_before;  // the last step
   SmallMassNodes small_mass;
   NonlocalSoftening nonlocal;
   std::vector<Reaction> reactions;

@@ -62,7 +62,7 @@ void Solver::Impl::map_loads(double dt, int threads) {
 void Solver::Impl::turn_by_coriolis(const Cycle& c) {
   const Centrifuge* field = loading.centrifuge();
   if (!field || !field->coriolis()) return;
-  const double angle = field->rate(state.time + 0.5 * c.dt) * c.dt;
+  const double angle = field->rate(state.time + 0.5 * (c.dt - c.push)) * c.push;
   for_nodes(g, c.threads, [&](Node& node, std::uint32_t) {
     const Vec2 n = Centrifuge::turned({node.vx, node.vy}, {node.nx, node.ny}, angle);
     node.nx = n.x();

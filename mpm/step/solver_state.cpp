@@ -10,7 +10,7 @@ namespace pivnp::mpm {
 
 namespace {
 
-constexpr char magic[8] = {'p', 'i', 'v', 'm', 'p', 'm', '1', '2'};
+constexpr char magic[8] = {'p', 'i', 'v', 'm', 'p', 'm', '1', '3'};
 
 class Writer {
  public:
@@ -93,6 +93,7 @@ void visit(Archive& a, State& s) {
   a.list(s.ended);
   a.value(s.balance);
   a.value(s.time);
+  a.value(s.last_step);
   a.value(s.fastest);
   a.value(s.wave_speed);
   a.value(s.own_frequency2);

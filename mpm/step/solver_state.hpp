@@ -27,6 +27,7 @@ struct SolverState {
   static_assert(sizeof(Ended) == 16 && sizeof(EndReason) == 1);
   std::vector<Ended> ended;
   double time = 0;
+  double last_step = 0;   // s: velocities are those of half of it ago (half_step.hpp); 0: those of `time`
   double fastest = 0;     // speed of the fastest point, m/s
   double wave_speed = 0;  // of the fastest compression wave, m/s
   double own_frequency2 = 12;  // the greatest of a point against its nodes' masses (own_frequency.hpp); a lone one's where it is not asked for

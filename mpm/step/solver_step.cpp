@@ -32,8 +32,9 @@ void Solver::Impl::step(double dt) {
 }
 
 Solver::Impl::Cycle Solver::Impl::begin_step(double dt) {
-  Cycle c{dt, choice.threads(), Vec2(0, 0), Vec2(0, 0)};
+  Cycle c{dt, leaps() ? 0.5 * (state.last_step + dt) : dt, choice.threads(), Vec2(0, 0), Vec2(0, 0)};
   choice.begin_step();
+  impulses_before = state.impulses;
   g.join_strain_velocities();
   load(dt);
   c.gravity = loading.gravity(state.time);
@@ -56,6 +57,7 @@ void Solver::Impl::end_step(const Cycle& c) {
   if (water && water_works_in_steps()) state.balance.gravity += potential_energy - water->potential_energy(p, c.gravity, c.threads);
   if (water && loading.gravity_changes())  // the fringe's energy goes with gravity
     state.balance.bodies += water->sums(p, loading.gravity(state.time + c.dt)).energy - water->sums(p, loading.gravity(state.time)).energy;
+  if (leaps()) state.last_step = c.dt;
   ++state.steps;
   state.body_motion = bodies.motion();
   choice.end_step();
@@ -96,7 +98,7 @@ void Solver::Impl::map_to_nodes(const Cycle& c) {
   if (with_force) flow_water(c);
   if (with_force) heat_points(c);
   if (with_force) average_mean_stress(p, g, scheme, c.threads);
-  if (maps_and_advances()) return map_and_update(p, g, scheme, small_mass, least, c.gravity, c.dt, c.threads);
+  if (maps_and_advances()) return map_and_update(p, g, scheme, small_mass, least, c.gravity, c.push, c.threads);
   map_momentum(p, g, scheme, with_force, c.threads);
   small_mass.find(g, least);
   if (!contacts.empty()) contacts.find(p, g, density, c.dt, c.threads);
@@ -131,13 +133,13 @@ void Solver::Impl::take_mapped_velocity(const Cycle& c) {
 void Solver::Impl::advance_nodes(const Cycle& c) {
   if (!maps_and_advances()) {
     if (scheme.transfer == TransferKind::xpic) filtered_velocity(p, g, scheme.xpic_order, c.threads);
-    map_loads(c.dt, c.threads);
+    map_loads(c.push, c.threads);
     if (has_inertia()) water->push_nodes(g);
-    update_momentum(g, c.gravity, scheme.damping, c.dt, c.threads);
+    update_momentum(g, c.gravity, scheme.damping, c.push, c.threads);
     turn_by_coriolis(c);
   }
   if (steps_by_arrangement() && state.steps % arrangement_every == 0) state.own_frequency2 = held_frequency2(state.own_frequency2, own_frequency2(p, g, c.threads));
-  small_mass.join_momentum(g, scheme.damping, c.dt);
+  small_mass.join_momentum(g, scheme.damping, c.push);
 }
 
 void Solver::Impl::restrain_nodes(const Cycle& c) {
@@ -150,9 +152,9 @@ void Solver::Impl::restrain_nodes(const Cycle& c) {
 void Solver::Impl::apply_restraints(const Cycle& c, bool counted) {
   reactions.clear();
   if (water) press_faces(c, counted);
-  restraints.apply(state.time, c.dt, g, reactions, counted ? impulses_of_walls() : std::span<Impulse>());
+  restraints.apply(state.time, c.push, g, reactions, counted ? impulses_of_walls() : std::span<Impulse>());
   contacts.apply(g, restraints, reactions, counted ? impulses_of_contacts() : std::span<Impulse>());
-  bodies.accelerate(state.time, c.dt, c.gravity, field_of_bodies());
+  bodies.accelerate(state.time, c.push, c.gravity, field_of_bodies());
   const auto in_pores = [&](const std::vector<std::uint32_t>& nodes) {
     std::vector<double> pressures;
     for (const PoreWater::Thrust& t : water->thrust(p, g, c.gravity, state.time, nodes, c.threads)) pressures.push_back(t.pressure);
@@ -160,7 +162,7 @@ void Solver::Impl::apply_restraints(const Cycle& c, bool counted) {
   };
   bodies.apply(state.time, c.dt, touched_share * least_density() * g.grid.spacing.prod(), small_mass.pairs, p, g, reactions,
                water ? RigidBodies::Pressures(in_pores) : RigidBodies::Pressures());
-  if (sleep.any()) sleep.hold(push_per_mass(c.dt), g);
+  if (sleep.any()) sleep.hold(push_per_mass(c.push), g);
 }
 
 void Solver::Impl::restrain_strain_velocity() {

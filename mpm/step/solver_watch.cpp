@@ -23,7 +23,9 @@ constexpr double still = 0.01;                // cells that the fastest node may
 
 void Solver::Impl::add_work(const Cycle& c) {
   const bool strained = scheme.stress != StressUpdate::usf;
-  state.balance.add(nodal_work(g, reactions, state.touched, scheme.damping, c.dt, strained, c.threads), gather.kinetic_loss);
+  const NodalWork done = nodal_work(g, reactions, state.touched, scheme.damping, c.push, strained, c.threads);
+  state.balance.add(done, gather.kinetic_loss);
+  last = {leaps() ? c.push : 0, leaps() ? c.dt : 0, done.contact, done.damping, done.bodies};
   for (const Reaction& r : reactions)
     if (r.body >= 0) impulses_of_bodies()[std::size_t(r.body)].add({r.impulse_x, r.impulse_y}, g.position(r.node));
   if (pushes()) {
@@ -35,8 +37,9 @@ void Solver::Impl::add_work(const Cycle& c) {
       Vec2 w = working_velocity(g, n, strained);
       while (t < more.size() && state.touched[t].node < n) ++t;
       if (t < more.size() && state.touched[t].node == n) w += more[t];
-      const double work = c.dt * (g.arrays.loads[n].x * w.x() + g.arrays.loads[n].y * w.y());
+      const double work = c.push * (g.arrays.loads[n].x * w.x() + g.arrays.loads[n].y * w.y());
       state.balance.bodies += work;
+      last.bodies += work;
       state.balance.moved += std::abs(work);
     }
   }
@@ -108,12 +111,65 @@ EnergyRow Solver::Impl::energy() {
   return row;
 }
 
+// The same with the velocities of the state's time.
+EnergyRow Solver::Impl::energy_now() {
+  EnergyRow row = energy();
+  const double kinetic = last.share() > 0 ? pushed_kinetic(p, g, last) - row.kinetic : 0;
+  row.kinetic += kinetic;
+  row.damping += last.share() * last.damping;
+  row.contact += last.share() * last.contact;
+  row.external += last.share() * last.bodies;
+  row.residual += kinetic + last.share() * (last.damping + last.contact - last.bodies);
+  return row;
+}
+
+// Does a wall let go, a load end, or is material taken out, at once, at a time? (A wall that is drawn away lets go of node after node.)
+bool Solver::Impl::forces_jump(double time) const {
+  return std::any_of(scene.boundaries.begin(), scene.boundaries.end(),
+                     [time](const auto& b) { return b.second.until_s == time && !b.second.withdraw_m_s; }) ||
+         std::any_of(scene.materials.begin(), scene.materials.end(), [time](const MaterialOptions& m) { return m.removed_s == time; });
+}
+
+// The state itself is brought to its time: before forces jump, so that the next push is that of half a step with the new ones, and
+// where nothing is stepped any more.
+void Solver::Impl::catch_up() {
+  for (std::size_t k = 0; k < p.size() && last.share() > 0; ++k) {
+    const VelocityChange more = pushed_on(p, g, k, last);
+    p.vx[k] += more.v.x();
+    p.vy[k] += more.v.y();
+    if (p.C_xx.empty()) continue;
+    p.C_xx[k] += more.affine(0, 0);
+    p.C_xy[k] += more.affine(0, 1);
+    p.C_yx[k] += more.affine(1, 0);
+    p.C_yy[k] += more.affine(1, 1);
+  }
+  state.balance.damping += last.share() * last.damping;
+  state.balance.contact += last.share() * last.contact;
+  state.balance.bodies += last.share() * last.bodies;
+  for (std::size_t k = 0; k < impulses_before.size(); ++k) state.impulses[k] = impulse_now(k);
+  state.last_step = 0;
+  last = {};
+}
+
+void Solver::Impl::bring_to_time(MotionFrame& frame) const {
+  for (std::size_t k = 0; k < p.size() && last.share() > 0; ++k) {
+    const Vec2 now = Vec2(p.vx[k], p.vy[k]) + pushed_on(p, g, k, last).v;
+    frame.v[p.index[k]] = {float(now.x()), float(now.y())};
+  }
+}
+
+Impulse Solver::Impl::impulse_now(std::size_t k) const {
+  const Impulse &now = state.impulses[k], &before = last.share() > 0 ? impulses_before[k] : now;
+  return {now.x + last.share() * (now.x - before.x), now.y + last.share() * (now.y - before.y),
+          now.moment + last.share() * (now.moment - before.moment)};
+}
+
 void Solver::Impl::check_balance() {
   const EnergyRow row = energy();
   if (!std::isfinite(row.residual)) fail("the energy is not finite");
   double& turned_over = state.balance.turned_over;
   turned_over = std::max(turned_over, turnover(row, state.balance));
-  // (Velocities are those of half a step ago: after n steps of a fall the balance is off by 1/n of the work.)
+  // (The balance here takes velocities as they are stored, of half a step ago: after n steps of a fall it is off by 1/n of the work.)
   if (state.steps >= first_judged && std::abs(row.residual) > options.energy_limit * std::max(turned_over, least_turned_over)) {
     std::ostringstream text;
     text << "the energy residual is " << row.residual << " J/m, beyond " << options.energy_limit

@@ -105,5 +105,88 @@ TEST(Order, StrengthThatFalls) {
   EXPECT_GT(e.ratio, 2.25);
 }
 
+// A wall that lets go at once, of soil that leans on it.
+TEST(Order, GateThatGoes) {
+  Scene s = column(0.1, elastic(1e6, 0.3, 1000));
+  s.boundaries[2].second.until_s = 0.004;
+  const Found e = errors(s, conservative({0, -20}), 0);
+  EXPECT_LT(e.coarse, 1e-3);  // (3.8e-3 where the push across the opening takes the forces after it for all of its time)
+}
+
+TEST(Order, TractionThatEnds) {
+  Scene s = bar();
+  s.boundaries.push_back({"load", line({0, 0.1}, {0.1, 0.1}, "traction")});
+  s.boundaries.back().second.traction_pa = Pair{0, -2000};
+  s.boundaries.back().second.rise_s = 0.004;
+  s.boundaries.back().second.until_s = 0.006;
+  const Found e = errors(s, conservative());
+  EXPECT_LT(e.coarse, 0.1);  // (of a mean that has nearly returned to zero; 1.5 without)
+}
+
+// Loads that act from time 0 on, without an equilibrium before: displacements, and what is shown of velocities, energies and
+// impulses at the state's time.
+struct Shown {
+  double u = 0, v = 0, kinetic = 0, impulse = 0;
+};
+Shown shown(const Scene& s, MpmOptions o, double courant) {
+  o.courant = courant;
+  Solver solver(o, s, 1);
+  solver.advance_to(end_s, silent);
+  const MotionFrame frame = solver.frame();
+  Shown out{0, 0, solver.energy().kinetic, solver.reactions().of.at(0).impulse.y()};
+  for (std::size_t k = 0; k < frame.u.size(); ++k) {
+    out.u += double(frame.u[k][1]) / double(frame.u.size());
+    out.v += double(frame.v[k][1]) / double(frame.u.size());
+  }
+  return out;
+}
+struct Errors {
+  Shown coarse, fine;  // with courant 0.4 and 0.2
+};
+Errors errors_at_once(const Scene& s, const MpmOptions& o) {
+  const Shown exact = shown(s, o, 0.02), coarse = shown(s, o, 0.4), fine = shown(s, o, 0.2);
+  const auto off = [&](const Shown& x) {
+    return Shown{std::abs(x.u / exact.u - 1), std::abs(x.v / exact.v - 1), std::abs(x.kinetic / exact.kinetic - 1), std::abs(x.impulse / exact.impulse - 1)};
+  };
+  const Errors e{off(coarse), off(fine)};
+  std::printf("courant 0.4, 0.2: displacement %.2e %.2e, velocity %.2e %.2e, kinetic energy %.2e %.2e, impulse on the base %.2e %.2e\n", e.coarse.u,
+              e.fine.u, e.coarse.v, e.fine.v, e.coarse.kinetic, e.fine.kinetic, e.coarse.impulse, e.fine.impulse);
+  return e;
+}
+
+TEST(Order, GravityAtOnce) {
+  const Errors e = errors_at_once(bar(), conservative({0, -20}));
+  EXPECT_LT(e.coarse.u, 3e-3);  // (4.2e-2 where the first step pushes for all of its time)
+  EXPECT_GT(e.coarse.u / e.fine.u, 2.25);
+  EXPECT_LT(e.coarse.v, 4e-3);  // (velocities of half a step ago are shown otherwise)
+  EXPECT_LT(e.coarse.kinetic, 3e-3);
+  EXPECT_LT(e.coarse.impulse, 1e-3);
+  EXPECT_LT(errors_at_once(bar(), options({0, -20})).coarse.u, 3e-3);  // APIC
+}
+
+TEST(Order, TractionAtOnce) {
+  Scene s = bar();
+  s.boundaries.push_back({"load", line({0, 0.1}, {0.1, 0.1}, "traction")});
+  s.boundaries.back().second.traction_pa = Pair{0, -2000};
+  const Errors e = errors_at_once(s, conservative());
+  EXPECT_LT(e.coarse.u, 5e-3);  // (5.4e-2)
+  EXPECT_GT(e.coarse.u / e.fine.u, 2.25);
+  EXPECT_LT(e.coarse.v, 4e-3);
+  EXPECT_LT(e.coarse.impulse, 1e-3);
+}
+
+TEST(Order, FreeBodyAtOnce) {
+  Scene s = scene(Grid{{0, 0}, {0.01, 0.01}, 11, 15}, {rectangle("soil", 0, 0, 0.1, 0.1)}, {elastic(1e6, 0.0, 1000)});
+  s.boundaries = bar().boundaries;
+  RigidOptions plate;
+  plate.polygon_m = {{0, 0.1}, {0.1, 0.1}, {0.1, 0.13}, {0, 0.13}};
+  plate.mass_kg_m = 10;
+  plate.friction = 0;
+  s.bodies = {{"plate", plate}};
+  const Errors e = errors_at_once(s, conservative({0, -20}));
+  EXPECT_LT(e.coarse.u, 4e-4);  // (1.9e-3)
+  EXPECT_LT(e.coarse.impulse, 1e-3);
+}
+
 }  // namespace
 }  // namespace pivnp::mpm

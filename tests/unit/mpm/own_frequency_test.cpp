@@ -69,7 +69,8 @@ bool grows(double poisson, std::optional<double> courant) {
     return sum;
   };
   try {
-    const double early = energy(30);
+    const double first = energy(3), soon = energy(10), early = energy(30);
+    if (std::max(soon, early) > 10 * first) return true;  // (what blows up may fly apart soon, and be calm after)
     return !(energy(120) < 1.5 * early);
   } catch (const RunError&) {
     return true;

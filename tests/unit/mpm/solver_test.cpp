@@ -384,5 +384,22 @@ TEST(Solver, BadScenesNameTheirKey) {
   EXPECT_NE(message(s).find("outside"), std::string::npos);
 }
 
+// A wall that ends with the domain holds the ring of nodes around it too: a block with a free face there would hang over its base by
+// a row of nodes, and without tension there is no equilibrium of that.
+TEST(InitialEquilibrium, OfAFreeStandingBlockWithoutTension) {
+  for (const char* type : {"fixed", "frictional"})
+    for (const double left : {0.0, 0.06, 0.12}) {
+      MaterialOptions m = sand(35, 1e6);
+      m.cohesion_pa = 1000;
+      if (left > 0.1) m.softening_shape = 5, m.friction_residual_deg = 30;
+      Scene s = scene(Grid{{0, 0}, {0.01, 0.01}, 21, 13}, {rectangle("block", left, 0, left + 0.08, 0.08)}, {m});
+      s.boundaries = {{"base", line({0, 0}, {0.2, 0}, type, 0.5)}};
+      Solver solver(options({0, -9.81}), s, 1);
+      ASSERT_NO_THROW(solver.find_initial_equilibrium(silent)) << type << " from " << left;
+      solver.advance_to(0.02, silent);
+      for (const auto& u : solver.frame().u) EXPECT_LT(std::hypot(double(u[0]), double(u[1])), 1e-6);  // of 0.08 m
+    }
+}
+
 }  // namespace
 }  // namespace pivnp::mpm

@@ -20,8 +20,7 @@ namespace pivnp::mpm {
 namespace {
 
 using namespace test;
-// Twice the time between the first two zeros of `value(t)`, by linear interpolation. (The start itself is half a step
-// off: the scheme's velocities belong to the middle of a step.)
+// Twice the time between the first two zeros of `value(t)`, by linear interpolation.
 template <class Value>
 double period_of(Solver& solver, double dt, double end, Value&& value) {
   double t0 = 0, v0 = value(), first = std::nan("");

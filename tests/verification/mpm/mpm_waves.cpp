@@ -25,9 +25,9 @@ TEST(MpmWaves, APulseRunsAtItsSpeedAndLeavesThroughADashpot) {
   Scene s = scene(Grid{{0, 0}, {h, h}, 101, 3}, {rectangle("bar", 0, 0, length, 2 * h)}, {elastic(young, 0.3, rho)});
   const auto pulse = [](double x) { return 1e-3 * std::exp(-std::pow((x - 0.35) / 0.1, 2)); };
   for (const Vec2& x : s.particles.x0) {
-    // Runs to the right; the scheme's velocities belong to the time half a step before.
+    // Runs to the right.
     const double across = -rho * c * pulse(x.x());
-    s.v0.emplace_back(pulse(x.x() + 0.2 * h), 0);
+    s.v0.emplace_back(pulse(x.x()), 0);
     s.stress0.push_back({across, across * 0.3 / 0.7, across * 0.3 / 0.7, 0});
   }
   s.boundaries = {{"low", line({0, 0}, {length, 0}, "roller")},
@@ -35,7 +35,7 @@ TEST(MpmWaves, APulseRunsAtItsSpeedAndLeavesThroughADashpot) {
                   {"end", line({length, 0}, {length, 2 * h}, "absorbing")}};
   MpmOptions o = options();
   o.initial_equilibrium = false;
-  o.courant = 0.4;  // half a step is 0.2 h
+  o.courant = 0.4;
   Solver solver(o, s, 1);
   const EnergyRow start = solver.energy();
   solver.advance_to(0.3 / c, silent);
@@ -50,7 +50,7 @@ TEST(MpmWaves, APulseRunsAtItsSpeedAndLeavesThroughADashpot) {
       ratio = double(f.field("stress")(k, 0)) / (-rho * c * v);
     }
   }
-  const double speed = (centre / weight - (0.35 - 0.2 * h)) / 0.3;
+  const double speed = (centre / weight - 0.35) / 0.3;
   pivnp::test::verification_row("compression pulse", "speed over sqrt((lambda + 2 mu)/rho) within 1 %", number(speed, 5));
   EXPECT_NEAR(speed, 1, 0.01);
   EXPECT_NEAR(ratio, 1, 0.02);
@@ -89,7 +89,13 @@ double column_error(int cells, bool spline, double& compressed) {
 TEST(MpmColumn, CompressedByAThird) {
   double compressed = 0, unused = 0;
   const double coarse = column_error(8, true, unused), fine = column_error(32, true, compressed);
-  const double bilinear_coarse = column_error(8, false, unused), bilinear = column_error(32, false, unused);
+  // Without convergence, errors scatter from mesh to mesh (.13 to .24 with 6 to 48 cells): the mean of three.
+  const auto mean_of = [&](int few, int more) {
+    double sum = 0;
+    for (const int cells : {few, (few + more) / 2, more}) sum += column_error(cells, false, unused) / 3;
+    return sum;
+  };
+  const double bilinear_coarse = mean_of(6, 10), bilinear = mean_of(24, 40);
   pivnp::test::verification_row("column compressed by a third, B-spline", "stress converges, order at least 0.6",
                                 number(0.5 * std::log2(coarse / fine), 3) + ", rms " + number(100 * fine, 2) + " %");
   std::printf("column compressed by %.3f: B-spline %.4f -> %.4f, bilinear %.4f -> %.4f\n", compressed, coarse, fine,

@@ -83,8 +83,7 @@ FrontierStage vortex_frontier(int repeats, int threads, Progress& progress) {
     double square = 0, area = 0, greatest = 0, steps = 0;
     std::size_t points = 0;
     const auto turned = [&motion, &s, threads, &unseen](const auto& score) {
-      const double before = 0.5 * mpm::Solver(s.options, motion.scene(s.cell, s.across), threads).stable_step();
-      const mpm::Scene scene = motion.scene(s.cell, s.across, before);
+      const mpm::Scene scene = motion.scene(s.cell, s.across);
       mpm::Solver solver(s.options, scene, threads);
       solver.advance_to(turning_point, unseen);
       score(scene, solver);
