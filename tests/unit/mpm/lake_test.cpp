@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "mpm/material/model.hpp"
@@ -146,6 +147,47 @@ TEST(Lake, RestsAgainstABank) {
   EXPECT_LT(off_hydrostatic(s, solver, 1, 0.2), 0.015);
   EXPECT_LT(greatest(solver.frame().u), 1e-3);
   EXPECT_LT(greatest(solver.frame().v), 2e-3);
+}
+
+// A bank of a metre, incompressible: what the lake's pressure strains is the same whether it fills the bank's pores or not. It
+// moves as far when the lake is water whose density rises as when it is the load of a level that rises ([water] level_history).
+TEST(Lake, RisesByDensityAsALevelDoes) {
+  const double h = 0.1, filled_s = 1, until = 1.3;
+  const auto bank_moves = [&](const Region* lake, const std::vector<MaterialOptions>& materials, const std::optional<WaterOptions>& level) {
+    std::vector<Region> regions{{"bank", Polygon({{1, 0}, {2.5, 0}, {2.5, 1.1}, {2.1, 1.1}}, "bank")}};
+    if (lake) regions.push_back(*lake);
+    Scene s = tank(h, 2.5, 1.2, regions, materials);
+    s.boundaries.push_back({"base", line({1, 0}, {2.5, 0}, "fixed")});
+    s.water = level;
+    MpmOptions o = options({0, -gravity});
+    o.damping = 0.02;
+    Solver solver(o, s, 1);
+    solver.find_initial_equilibrium(silent);
+    solver.advance_to(until, silent);
+    const MotionFrame f = solver.frame();
+    Vec2 sum(0, 0);
+    double n = 0;
+    for (std::size_t k = 0; k < f.u.size(); ++k) {
+      const Vec2 x = s.particles.x0[k];
+      if (s.particles.label[k] == 0 && x.x() - x.y() < 1.3) sum += place(s, f, k) - x, ++n;  // along its face
+    }
+    return Vec2(sum / n);
+  };
+  MaterialOptions bank = elastic(1e6, 0.499, 2000), rising = water(4e5);
+  rising.density_kg_m3 = 20;
+  rising.density_end_kg_m3 = 1000;
+  rising.density_until_s = filled_s;
+  const Region lake{"water", Polygon({{0, 0}, {1, 0}, {2, 1}, {0, 1}}, "water")};
+  const Vec2 of_lake = bank_moves(&lake, {bank, rising}, {});
+  bank.density_kg_m3 = 0;
+  bank.porosity = 0.01;  // so that the water that fills them weighs nothing to speak of
+  bank.grain_density_kg_m3 = 2000 / 0.99;
+  bank.drained = true;
+  WaterOptions level;
+  level.level_history = {{0, -0.05}, {filled_s, 1}};
+  const Vec2 of_level = bank_moves(nullptr, {bank}, level);
+  EXPECT_GT(of_level.x(), 1e-4);
+  EXPECT_LT((of_lake - of_level).norm(), 0.05 * of_level.norm());
 }
 
 // Front beyond the gate, in heights of the water, at times t sqrt(g/H).
