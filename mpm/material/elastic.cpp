@@ -50,15 +50,6 @@ std::unique_ptr<Material> make(const MaterialOptions& o, double) {
   return std::make_unique<Law>(Elastic(o.young_pa, o.poisson));
 }
 
-std::unique_ptr<Material> make_water(const MaterialOptions& o, double) {
-  const double K = o.bulk_pa, G = o.shear_pa > 0 ? o.shear_pa : 1e-6 * K;
-  return std::make_unique<LinearElastic>(Elastic(9 * K * G / (3 * K + G), (3 * K - 2 * G) / (2 * (3 * K + G))));
-}
-
-void check_water(const MaterialOptions& o) {
-  require(o.shear_pa < 0.1 * o.bulk_pa, "shear_pa", o.shear_pa, "less than a tenth of bulk_pa");
-}
-
 }  // namespace
 
 MaterialModel linear_elastic_model() {
@@ -67,15 +58,6 @@ MaterialModel linear_elastic_model() {
 
 MaterialModel neo_hookean_model() {
   return {.name = "neo_hookean", .text = "compressible neo-Hookean solid", .keys = {}, .make = make<NeoHookean>};
-}
-
-MaterialModel water_model() {
-  return {.name = "water",
-          .text = "almost shear-free elastic fluid",
-          .keys = {{"bulk_pa", true}, {"shear_pa"}},
-          .elastic_keys = false,
-          .check = check_water,
-          .make = make_water};
 }
 
 void LinearElastic::update(const StressBatch& batch) const {

@@ -6,7 +6,6 @@
 // neo_hookean: compressible neo-Hookean solid: tau = mu (b - I) + lambda ln J I (Simo & Pister 1984; Bonet & Wood 2008,
 // eq. 6.28), stored energy mu/2 (tr b - 3) - mu ln J + lambda/2 (ln J)^2. Where the volume is averaged (F-bar), F is
 // scaled by (J averaged / det F)^(1/3) (de Souza Neto et al. 1996). From F, so it knows no stress at the start.
-// water: almost shear-free linear_elastic: its bulk modulus, and a shear modulus close to zero (the thesis' chapter 5).
 #pragma once
 
 #include "mpm/material/model.hpp"
@@ -15,7 +14,6 @@ namespace pivnp::mpm {
 
 MaterialModel linear_elastic_model();
 MaterialModel neo_hookean_model();
-MaterialModel water_model();
 
 class LinearElastic final : public Material {
  public:

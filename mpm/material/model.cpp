@@ -11,6 +11,7 @@
 #include "mpm/material/mohr_coulomb.hpp"
 #include "mpm/material/smooth_mohr_coulomb.hpp"
 #include "mpm/material/von_mises.hpp"
+#include "mpm/material/water.hpp"
 #include "mpm/state/stress_batch.hpp"
 #include "pivnp/core/text.hpp"
 

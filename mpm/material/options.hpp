@@ -71,7 +71,6 @@ struct MaterialOptions {
   double grain_diameter_m = 0;
   double grain_density_kg_m3 = 2650;
   double bulk_pa = 0;
-  double shear_pa = 0;
   std::optional<double> density_end_kg_m3;
   double density_from_s = 0;
   std::optional<double> density_until_s;
@@ -128,8 +127,7 @@ struct MaterialOptions {
     visit("inertial_number", self.inertial_number, OptionInfo{.text = "I0 at which friction is half-way", .min = 0, .above_min = true});
     visit("grain_diameter_m", self.grain_diameter_m, OptionInfo{.unit = "m", .text = "mean grain diameter", .min = 0});
     visit("grain_density_kg_m3", self.grain_density_kg_m3, OptionInfo{.unit = "kg/m^3", .text = "density of the grains, which with porosity gives the density", .min = 0, .above_min = true});
-    visit("bulk_pa", self.bulk_pa, OptionInfo{.unit = "Pa", .text = "bulk modulus", .min = 0});
-    visit("shear_pa", self.shear_pa, OptionInfo{.unit = "Pa", .text = "shear modulus, small against bulk_pa (0: a millionth of it)", .min = 0});
+    visit("bulk_pa", self.bulk_pa, OptionInfo{.unit = "Pa", .text = "bulk modulus; sqrt(bulk_pa/density) may be as little as ten times the greatest speed instead of that of sound", .min = 0});
     visit("density_end_kg_m3", self.density_end_kg_m3, OptionInfo{.unit = "kg/m^3", .text = "density to which it rises or falls in time (left out: constant)", .min = 0, .above_min = true});
     visit("density_from_s", self.density_from_s, OptionInfo{.unit = "s", .text = "start of that change", .min = 0});
     visit("density_until_s", self.density_until_s, OptionInfo{.unit = "s", .text = "its end; linear between", .min = 0, .above_min = true});

@@ -125,7 +125,7 @@ MATERIAL = {
     "apex_pa": [("20.0", SAND | {"model": '"mohr_coulomb_smooth"'})],
     "friction_flow_deg": [("34.0", MU_I, AT_ONCE)], "inertial_number": [("0.3", MU_I, AT_ONCE)], "grain_diameter_m": [("2e-3", MU_I, AT_ONCE)],
     "grain_density_kg_m3": [("2700.0", MU_I, AT_ONCE)],
-    "bulk_pa": [("2e6", WATER, AT_ONCE)], "shear_pa": [("1e3", WATER, AT_ONCE)],
+    "bulk_pa": [("2e6", WATER, AT_ONCE)], "viscosity_pa_s": [("1.0", WATER, AT_ONCE)],
     "density_end_kg_m3": [("1650.0", DENSER)], "density_from_s": [("0.005", DENSER)], "density_until_s": [("0.015", DENSER)],
     "reduction_factor": [("1.2", SAND)], "reduction_from_s": [("0.005", WEAKER)], "reduction_until_s": [("0.015", WEAKER)],
     "reduction_of": [('"strength"', WEAKER), ('"cohesion"', WEAKER | {"cohesion_pa": "1000.0"})],

@@ -268,19 +268,6 @@ TEST(MuI, FrictionGrowsWithTheRateAsTheLawSays) {
   }
 }
 
-TEST(Water, CarriesPressureAndNextToNoShear) {
-  MaterialOptions o;
-  o.model = "water";
-  o.density_kg_m3 = 1000;
-  o.bulk_pa = 2.2e9;
-  const auto law = make_material(o, "m");
-  Point p;
-  p.advance(*law, {-1e-4, -1e-4, 0, 0});
-  EXPECT_NEAR(p.mean(), -2.2e9 * 2e-4, 1);
-  p.advance(*law, {0, 0, 0, 1e-2});
-  EXPECT_LT(p.bar(), 2.2e9 * 1e-6 * 0.03);
-}
-
 TEST(SoilOptions, NonsenseNamesItsKey) {
   const auto message = [](const MaterialOptions& o) -> std::string {
     try {

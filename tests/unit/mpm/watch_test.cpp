@@ -87,7 +87,6 @@ TEST(BadState, EndsPointsShearedBeyondMeaning) {
   water.model = "water";
   water.density_kg_m3 = 1000;
   water.bulk_pa = 1e5;
-  water.shear_pa = 0;
   Scene s = scene(Grid{{0, 0}, {h, h}, 5, 5}, {rectangle("water", 0, 0, 4 * h, 2 * h)}, {water});
   BoundaryOptions sides = line({0, 0}, {0, 4 * h}, "tied");
   sides.across_m = Pair{4 * h, 0};
