@@ -241,7 +241,7 @@ report::Figure histories(const std::string& name, const std::string& what, const
   report::Figure figure;
   figure.name = name;
   figure.canvas = canvas;
-  figure.caption = what + ": mean displacement and speed of the zone" + (wet ? ", and pore pressure in it (with a level: over the hydrostatic one)," : "") + " against time.";
+  figure.caption = what + ": mean displacement and speed of the zone" + (wet ? ", and its pore pressure (in bands, where there are any; else, with a level, over the hydrostatic one)," : "") + " against time.";
   figure.shows = wet ? "Displacement, speed and pore pressure of the zone against time." : "Displacement and speed of the zone against time.";
   return figure;
 }
