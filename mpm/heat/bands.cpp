@@ -7,6 +7,7 @@ namespace pivnp::mpm {
 
 namespace {
 
+constexpr double least_excess = 1.01;  // of a zone's width over its band's: what is narrower has no deviation that matters
 constexpr std::size_t N = ShearBand::volumes, outside = N - ShearBand::inside;
 using Row = std::array<double, N>;
 
@@ -57,7 +58,7 @@ void diffuse(Row& x, const Row& volume, double storage, const Row& off, const Ro
 
 double growth_of(double thickness, double width) {
   const double wanted = 0.5 * (width - thickness) / edge_volume(thickness);
-  double low = 0.01, high = 1;
+  double low = 0.7, high = 1;  // (less would leave no volume at the end of a zone hardly wider than its band)
   while (sum_outside(high) < wanted) high *= 2;
   for (int k = 0; k < 60; ++k) {
     const double middle = 0.5 * (low + high);
@@ -83,7 +84,7 @@ double ShearBand::mean(const Row& of, double thickness) const {
 }
 
 double advance_band(ShearBand& band, const HeatSoil& soil, double width, double work, double dt, double from_c, double to_c) {
-  if (!(width > soil.band)) {
+  if (!(width > least_excess * soil.band)) {
     band = {};
     return soil.swells(from_c, to_c);
   }

@@ -159,6 +159,19 @@ TEST(Bands, NoKinkWhereSlipStartsStopsJumpsOrMeets) {
   }
 }
 
+TEST(Bands, AZoneHardlyWiderThanItsBandStaysFinite) {
+  HeatedBand of;
+  HeatSoil soil;
+  soil.capacity = of.capacity, soil.conductivity = of.conductivity, soil.swelling = of.beta;
+  soil.band = of.thickness, soil.storage = of.storage(), soil.mobility = 1e-7 / 9810;
+  ShearBand band;
+  for (int k = 0; k < 1000; ++k) {
+    advance_band(band, soil, of.thickness * (1 + std::pow(10, -12 + 0.0115 * k)), 1e3, 0.01);
+    ASSERT_TRUE(std::isfinite(band.over_pressure(of.thickness)) && std::isfinite(band.hotter(of.thickness))) << k;
+    ASSERT_LT(std::abs(band.over_pressure(of.thickness)), 1e6) << k;
+  }
+}
+
 // Figure 4.6: reference figures of the trial.
 TEST(Bands, TheResolvedSlideIsThatOfTheTrial) {
   HeatedBand of;
