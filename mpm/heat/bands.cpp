@@ -1,11 +1,13 @@
 #include "mpm/heat/bands.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace pivnp::mpm {
 
 namespace {
 
+constexpr double least_excess = 1.01;  // of a zone's width over its band's: what is narrower has no deviation that matters
 constexpr std::size_t N = ShearBand::volumes, outside = N - ShearBand::inside;
 using Row = std::array<double, N>;
 
@@ -24,10 +26,21 @@ void keep_mean_zero(Row& of, const Row& volume) {
   for (double& value : of) value -= sum / all;
 }
 
-// (storage volume) (x - x0) = dt (flow between volumes) + source volume: backward Euler, in place; `source` per volume.
-void diffuse(Row& x, const Row& volume, double storage, double conductance, double dt, const Row& source) {
-  Row off{}, diagonal, right;
+// Between neighbouring volumes, in a step.
+Row passing(const Row& volume, double conductance, double dt) {
+  Row off{};
   for (std::size_t k = 0; k + 1 < N; ++k) off[k] = dt * conductance / (0.5 * (volume[k] + volume[k + 1]));
+  return off;
+}
+Row passing(const Row& volume, const Row& conductance, double dt) {  // in series
+  Row off{};
+  for (std::size_t k = 0; k + 1 < N; ++k) off[k] = dt / (0.5 * (volume[k] / conductance[k] + volume[k + 1] / conductance[k + 1]));
+  return off;
+}
+
+// (storage volume) (x - x0) = (what passes between volumes) + source volume: backward Euler, in place; `source` per volume.
+void diffuse(Row& x, const Row& volume, double storage, const Row& off, const Row& source) {
+  Row diagonal, right;
   for (std::size_t k = 0; k < N; ++k) {
     diagonal[k] = storage * volume[k] + off[k] + (k > 0 ? off[k - 1] : 0);
     right[k] = volume[k] * (storage * x[k] + source[k]);
@@ -45,7 +58,7 @@ void diffuse(Row& x, const Row& volume, double storage, double conductance, doub
 
 double growth_of(double thickness, double width) {
   const double wanted = 0.5 * (width - thickness) / edge_volume(thickness);
-  double low = 0.01, high = 1;
+  double low = 0.7, high = 1;  // (less would leave no volume at the end of a zone hardly wider than its band)
   while (sum_outside(high) < wanted) high *= 2;
   for (int k = 0; k < 60; ++k) {
     const double middle = 0.5 * (low + high);
@@ -70,10 +83,10 @@ double ShearBand::mean(const Row& of, double thickness) const {
   return sum / (0.5 * thickness);
 }
 
-void advance_band(ShearBand& band, const HeatSoil& soil, double width, double work, double dt) {
-  if (!(width > soil.band)) {
+double advance_band(ShearBand& band, const HeatSoil& soil, double width, double work, double dt, double from_c, double to_c) {
+  if (!(width > least_excess * soil.band)) {
     band = {};
-    return;
+    return soil.swells(from_c, to_c);
   }
   if (width != band.width) {
     band.width = width;
@@ -84,12 +97,28 @@ void advance_band(ShearBand& band, const HeatSoil& soil, double width, double wo
   }
   const Row volume = volumes_of(soil.band, width, band.growth);
   const bool open = soil.exchange == BandExchange::deviation;
-  Row source, heated = band.temperature;
+  const Row before = band.temperature;
+  Row source;
   for (std::size_t k = 0; k < N; ++k) source[k] = work * ((k < ShearBand::inside ? width / soil.band : 0) - 1);
-  diffuse(band.temperature, volume, soil.capacity, open ? soil.conductivity : 0, dt, source);
-  if (!(soil.storage > 0)) return;
-  for (std::size_t k = 0; k < N; ++k) heated[k] = soil.pressurising() * (band.temperature[k] - heated[k]);
-  diffuse(band.pressure, volume, soil.storage, open ? soil.mobility : 0, dt, heated);
+  diffuse(band.temperature, volume, soil.capacity, passing(volume, open ? soil.conductivity : 0, dt), source);
+  if (!(soil.storage > 0)) return soil.swells(from_c, to_c);
+  if (!soil.by_temperature) {
+    for (std::size_t k = 0; k < N; ++k) source[k] = soil.pressurising() * (band.temperature[k] - before[k]);
+    diffuse(band.pressure, volume, soil.storage, passing(volume, open ? soil.mobility : 0, dt), source);
+    return soil.swells(from_c, to_c);
+  }
+  Row mobility;
+  double swollen = 0, all = 0;
+  for (std::size_t k = 0; k < N; ++k) {
+    source[k] = soil.swells(from_c + before[k], to_c + band.temperature[k]);
+    swollen += source[k] * volume[k];
+    all += volume[k];
+    mobility[k] = std::max(soil.mobility_at(to_c + band.temperature[k]), 1e-30);
+  }
+  swollen /= all;
+  for (std::size_t k = 0; k < N; ++k) source[k] -= swollen + soil.skeleton * (band.temperature[k] - before[k]);
+  diffuse(band.pressure, volume, soil.storage, open && soil.mobility > 0 ? passing(volume, mobility, dt) : Row{}, source);
+  return swollen;
 }
 
 }  // namespace pivnp::mpm

@@ -31,8 +31,10 @@ struct ShearBand {
   double mean(const std::array<double, volumes>& of, double thickness) const;
 };
 
-/// A step of the deviation in a zone of this width, in which a unit of volume has taken `work` (J/m^3).
-void advance_band(ShearBand& band, const HeatSoil& soil, double width, double work, double dt);
+/// A step of the deviation in a zone of this width, in which a unit of volume has taken `work` (J/m^3). `from_c`, `to_c`: the mean
+/// temperature before and after, which water whose properties follow its temperature asks for. What water and grains swell by, of a unit
+/// of volume, over the zone.
+double advance_band(ShearBand& band, const HeatSoil& soil, double width, double work, double dt, double from_c = 0, double to_c = 0);
 /// The widths of the volumes, the thickness's half first, then the rest of the zone's half.
 std::array<double, ShearBand::volumes> volumes_of(double thickness, double width, double growth);
 /// Growth of the volumes outside that fills the zone.

@@ -84,6 +84,7 @@ HeatSums Heat::step(Particles& p, GridState& g, const Materials& materials, cons
   }
   ++state.passes;
   sums.add(warm(p, materials, water, bands_, since, state, threads));
+  if (water) water->follow_temperature(p, threads);
   if (bands_) shift_strength(p, state, threads);
   return sums;
 }
@@ -112,6 +113,7 @@ HeatSums Heat::warm(Particles& p, const Materials& materials, const PoreWater* w
         const double done = work ? (*work)[k] - p.heated_by[k] : 0;
         if (work) p.heated_by[k] = (*work)[k];
         double rise = rise_[k] + per_capacity * done;
+        std::optional<double> swollen;  // where a band has something to say
         sum.made += p.volume0[k] * done;
         if (soil.band > 0) {
           p.band_work[k] += done;
@@ -120,13 +122,16 @@ HeatSums Heat::warm(Particles& p, const Materials& materials, const PoreWater* w
             if (slot >= 0 && soil.exchange == BandExchange::printed)
               rise += exchange_as_printed(p, soil, k, p.band_work[k], dt, state) - per_capacity * p.band_work[k];
             else if (slot >= 0)
-              advance_band(state.bands[std::size_t(slot)], soil, p.band_width[k], p.band_work[k] / p.J[k], dt);
+              swollen = advance_band(state.bands[std::size_t(slot)], soil, p.band_width[k], p.band_work[k] / p.J[k], dt, p.temperature[k],
+                                     p.temperature[k] + rise);
             p.band_work[k] = 0;
           }
         }
-        if (rise == 0) continue;
+        if (rise == 0 && !(soil.by_temperature && swollen)) continue;
+        const double from = p.temperature[k];
         p.temperature[k] += rise;
-        if (soil.swelling > 0 && water) sum.expansion += water->swell(p, k, soil.swelling * rise * p.J[k]);
+        if (soil.by_temperature && water) sum.expansion += water->swell(p, k, swollen.value_or(soil.swells(from, from + rise)) * p.J[k]);
+        else if (soil.swelling > 0 && water) sum.expansion += water->swell(p, k, soil.swelling * rise * p.J[k]);
         if (!(soil.skeleton > 0) || (opening && (*opening)[k] > 0)) continue;
         const double before = material.energy(all, k), stress = bulk * soil.skeleton * rise;
         for (Array* of : {&p.tau_xx, &p.tau_yy, &p.tau_zz}) (*of)[k] -= stress;
@@ -198,8 +203,8 @@ double Heat::exchange_as_printed(Particles& p, const HeatSoil& soil, std::size_t
   hot = (hot + work / soil.capacity * reference / soil.band + exchange * p.temperature[k]) / (1 + exchange);
   const double rise = exchange * (hot - p.temperature[k]);
   if (soil.storage > 0) {
-    const double of_water = dt * soil.mobility / area;
-    pressure = (soil.storage * pressure + soil.pressurising() * (hot - before) + of_water * p.pressure[k]) / (soil.storage + of_water);
+    const double of_water = dt * soil.mobility_at(hot) / area, heated = soil.by_temperature ? soil.swells(before, hot) - soil.skeleton * (hot - before) : soil.pressurising() * (hot - before);
+    pressure = (soil.storage * pressure + heated + of_water * p.pressure[k]) / (soil.storage + of_water);
     p.content[k] += p.J[k] * of_water * (pressure - p.pressure[k]);
   }
   return rise;

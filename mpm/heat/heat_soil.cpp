@@ -5,7 +5,7 @@
 
 namespace pivnp::mpm {
 
-HeatSoil heat_soil(const MaterialOptions& m, const std::string& name, const WaterOptions* water) {
+HeatSoil heat_soil(const MaterialOptions& m, const std::string& name, const WaterOptions* water, double initial_c) {
   const std::string key = "material." + name + ".";
   if (!m.grain_specific_heat_j_kg_k)
     throw InputError(key + "grain_specific_heat_j_kg_k: missing beside [heat]; expected more than 0 (J/(kg K))");
@@ -28,6 +28,10 @@ HeatSoil heat_soil(const MaterialOptions& m, const std::string& name, const Wate
   soil.storage = m.band_compressibility_1_pa.value_or(1 / elastic.p_wave_modulus()) + soil.unloaded;
   soil.mobility = m.permeability_m_s.value_or(0) / (water->density_kg_m3 * laboratory_gravity);
   soil.carried = water->density_kg_m3 * water->specific_heat_j_kg_k;
+  soil.by_temperature = water->properties == WaterProperties::by_temperature;
+  soil.porosity = n;
+  soil.grains = (1 - n) * m.grain_thermal_expansion_1_k;
+  soil.reference_c = initial_c;
   return soil;
 }
 

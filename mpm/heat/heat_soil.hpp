@@ -6,6 +6,7 @@
 #include "mpm/material/material.hpp"
 #include "mpm/material/options.hpp"
 #include "mpm/water/options.hpp"
+#include "mpm/water/water_properties.hpp"
 
 namespace pivnp::mpm {
 
@@ -22,14 +23,26 @@ struct HeatSoil {
   double unloaded = 0;      // n/K_w alone, 1/Pa
   double mobility = 0;      // K/gamma, m^2/(Pa s)
   double carried = 0;       // capacity of the water that flows, J/(m^3 K)
+  // Of water whose properties follow its temperature.
+  bool by_temperature = false;
+  double porosity = 0, grains = 0;  // expansion of the grains in a unit of initial volume, 1/K
+  double reference_c = 0;           // at which permeability and density are given, degC
 
   double diffusivity() const { return conductivity / capacity; }
   /// What heats the band's water into pressure: the skeleton's own growth makes room.
   double pressurising() const { return swelling - skeleton; }
+  /// Volume by which water and grains in a unit of initial volume swell between two temperatures.
+  double swells(double from_c, double to_c) const {
+    if (!by_temperature) return swelling * (to_c - from_c);
+    return porosity * water_density(reference_c) * (1 / water_density(to_c) - 1 / water_density(from_c)) + grains * (to_c - from_c);
+  }
+  double mobility_at(double celsius) const {
+    return by_temperature ? mobility * water_viscosity(reference_c) / water_viscosity(celsius) : mobility;
+  }
 };
 
 /// Of materials that check_material() accepts. `water`: null without. Throws InputError naming material.<name>.<key>.
-HeatSoil heat_soil(const MaterialOptions& material, const std::string& name, const WaterOptions* water);
+HeatSoil heat_soil(const MaterialOptions& material, const std::string& name, const WaterOptions* water, double initial_c);
 /// Throws InputError naming material.<name>.<key> where heat's keys are given without [heat].
 void refuse_heat_keys(const MaterialOptions& material, const std::string& name);
 

@@ -17,8 +17,12 @@ std::vector<HeatSoil> take_heat(const MpmOptions& options, const Scene& scene) {
     const auto& names = scene.particles.label_names;
     const std::string name = k < names.size() ? names[k] : std::to_string(k);
     if (!scene.heat) refuse_heat_keys(scene.materials[k], name);
-    else soils.push_back(heat_soil(scene.materials[k], name, scene.water ? &*scene.water : nullptr));
+    else soils.push_back(heat_soil(scene.materials[k], name, scene.water ? &*scene.water : nullptr, scene.heat->initial_c));
   }
+  const bool by_temperature = scene.water && scene.water->properties == WaterProperties::by_temperature;
+  if (by_temperature && !scene.heat) throw InputError("water.properties: found 'temperature' without [heat], expected both or 'constant'");
+  if (by_temperature && scene.water->thermal_expansion_1_k != WaterOptions{}.thermal_expansion_1_k)
+    throw InputError("water.thermal_expansion_1_k: given beside water.properties = \"temperature\", expected one of them");
   if (!scene.heat) return soils;
   if (options.sleep_below_m_s) throw InputError("mpm.sleep_below_m_s: given beside [heat], expected none: heat also flows in material at rest");
   if (!scene.water) return soils;
@@ -35,6 +39,7 @@ void Solver::Impl::start_heat() {
   heat = std::make_unique<Heat>(*scene.heat, warm, scene.particles, materials, g, HeatBoundaries(scene.boundaries, restraints.walls()), restraints.tied());
   if (!scene.temperature0.empty() && scene.temperature0.size() != p.size()) throw InputError("mpm: temperature0 needs one entry a particle, or none");
   heat->start(p, state.heat, scene.temperature0);
+  if (water) water->take_reference_temperature(p, scene.heat->initial_c);
 }
 
 void Solver::Impl::heat_points(const Cycle& c) {

@@ -26,6 +26,12 @@ enum class Groundwater { flow, level };
 inline constexpr std::array groundwater_names{NamedValue{"flow", Groundwater::flow}, NamedValue{"level", Groundwater::level}};
 constexpr const auto& names_of(Groundwater) { return groundwater_names; }
 
+/// What density, expansion and viscosity follow.
+enum class WaterProperties { constant, by_temperature };
+inline constexpr std::array water_properties_names{NamedValue{"constant", WaterProperties::constant},
+                                                   NamedValue{"temperature", WaterProperties::by_temperature}};
+constexpr const auto& names_of(WaterProperties) { return water_properties_names; }
+
 struct WaterOptions {
   double density_kg_m3 = 1000;
   double bulk_modulus_pa = 2.2e9;
@@ -35,6 +41,7 @@ struct WaterOptions {
   Points surface_m;
   Groundwater groundwater = Groundwater::flow;
   bool inertia = false;
+  WaterProperties properties = WaterProperties::constant;
   double thermal_expansion_1_k = 3.4e-4;
   double specific_heat_j_kg_k = 4186;
 
@@ -48,6 +55,7 @@ struct WaterOptions {
     visit("surface_m", self.surface_m, OptionInfo{.unit = "m", .text = "the water's surface inside the material at time 0, points x, y from left to right, linear between and level beyond: pressure is hydrostatic below it, and the material above holds no water (left out: at the level)"});
     visit("groundwater", self.groundwater, OptionInfo{.text = "flow: the water's surface inside the material moves with the flow; level: pores are full, above the level without pressure, and as the level changes, points gain or lose the water that changes their pressure, under constant total stress, as it changes the hydrostatic pressure of their place; excess pressure comes on top (ground whose water follows a reservoir over a time that is not simulated)"});
     visit("inertia", self.inertia, OptionInfo{.text = "the flow has its own inertia, in Darcy's law and in the motion of the mixture (Biot's theory in full): for waves of so high a frequency, about porosity times gravity over permeability, that water does not follow at once; with explicit pressure and one material whose pores are full"});
+    visit("properties", self.properties, OptionInfo{.text = "constant: expansion, viscosity and so permeability do not depend on temperature; temperature: water expands as Kell (1975) has its density, and permeability changes with its viscosity (IAPWS 2008), from 0 to 150 degC, thermal_expansion_1_k is not used, and density_kg_m3 and the materials' permeability_m_s are those at heat.initial_c; with [heat]"});
     visit("thermal_expansion_1_k", self.thermal_expansion_1_k, OptionInfo{.unit = "1/K", .text = "thermal expansion of its volume, with [heat]", .min = 0, .max = 0.01});
     visit("specific_heat_j_kg_k", self.specific_heat_j_kg_k, OptionInfo{.unit = "J/(kg K)", .text = "specific heat, with [heat]", .min = 0, .above_min = true});
   }

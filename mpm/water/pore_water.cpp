@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "mpm/grid/sweeps.hpp"
+#include "mpm/water/water_properties.hpp"
 #include "pivnp/core/error.hpp"
 
 namespace pivnp::mpm {
@@ -136,7 +137,7 @@ double PoreWater::outside_pressure(const Vec2& x, const Vec2& gravity) const {
 
 // Kernels see one soil, or what every point has of its own.
 void PoreWater::take_soils(Particles& p) {
-  const bool varied = p.bodies.size() > 1 || std::any_of(soils_.begin(), soils_.end(), [](const PoreSoil& s) { return s.kozeny_carman; });
+  const bool varied = p.bodies.size() > 1 || std::any_of(soils_.begin(), soils_.end(), [](const PoreSoil& s) { return s.kozeny_carman; }) || by_temperature();
   alike_ = {mobility_in_kernels(soil_of(p, 0)), 1 - soil_of(p, 0).porosity, varied};
   p.mobility.assign(varied ? p.size() : 0, 0.0);
   p.solid.assign(varied ? p.size() : 0, 0.0);
@@ -152,7 +153,29 @@ void PoreWater::follow_porosity(Particles& p, int threads) const {
     const PoreSoil& soil = soils_[std::size_t(body.material)];
     if (!soil.kozeny_carman || !soil.holds_water()) continue;
     for_each(body.end - body.begin, threads, [&](std::size_t k) {
-      p.mobility[body.begin + k] = soil.mobility_at(1 - (1 - soil.porosity) / p.J_flow[body.begin + k]);
+      p.mobility[body.begin + k] = thinned(p, body.begin + k) * soil.mobility_at(1 - (1 - soil.porosity) / p.J_flow[body.begin + k]);
+    });
+  }
+}
+
+double PoreWater::thinned(const Particles& p, std::size_t k) const {
+  return reference_viscosity_ > 0 ? reference_viscosity_ / water_viscosity(p.temperature[k]) : 1;
+}
+
+void PoreWater::take_reference_temperature(Particles& p, double celsius) {
+  if (!by_temperature()) return;
+  reference_viscosity_ = water_viscosity(celsius);
+  follow_temperature(p, 1);
+}
+
+void PoreWater::follow_temperature(Particles& p, int threads) const {
+  if (!by_temperature()) return;
+  for (const Particles::Body& body : p.bodies) {
+    const PoreSoil& soil = soils_[std::size_t(body.material)];
+    if (!soil.holds_water()) continue;
+    for_each(body.end - body.begin, threads, [&](std::size_t from) {
+      const std::size_t k = body.begin + from;
+      p.mobility[k] = thinned(p, k) * soil.mobility_at(1 - (1 - soil.porosity) / p.J_flow[k]);
     });
   }
 }
@@ -265,7 +288,7 @@ PoreWater::Rates PoreWater::rates(const Particles& p) const {
     }
     if (!(most > 0)) continue;
     rates.least_pores = std::min(rates.least_pores, (least - (1 - soil.porosity)) / soil.porosity);
-    if (soil.kozeny_carman) mobility = *std::max_element(p.mobility.begin() + std::ptrdiff_t(body.begin), p.mobility.begin() + std::ptrdiff_t(body.end));
+    if (soil.kozeny_carman || by_temperature()) mobility = *std::max_element(p.mobility.begin() + std::ptrdiff_t(body.begin), p.mobility.begin() + std::ptrdiff_t(body.end));
     // J^2/(J - solid) and 1 - solid/J are greatest and least where J is.
     const auto pores = [&](double J) { return std::max(least_pores, J - (1 - soil.porosity)); };
     const double stiffness = options_.bulk_modulus_pa * std::max(least * least / pores(least), most * most / pores(most));

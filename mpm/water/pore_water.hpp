@@ -127,6 +127,10 @@ class PoreWater {
   double flowing_mass(const Particles& p, std::size_t k) const {
     return flows(p, k) ? options_.density_kg_m3 * p.volume0[k] * p.content[k] : 0;
   }
+  /// Where its properties follow the temperature: permeability is given at this one, and from here on that of the points counts.
+  void take_reference_temperature(Particles& p, double celsius);
+  /// Mobilities of the points as they are warm now.
+  void follow_temperature(Particles& p, int threads) const;
   /// Water and grains of a point swell by this share of the initial volume (heat). The energy that its water gains, J/m.
   double swell(Particles& p, std::size_t k, double by) const;
   /// Darcy's flow in the last step from a node to the next one along x and y, m^2/s, and what it dissipated, W/m.
@@ -161,6 +165,8 @@ class PoreWater {
   bool flows(const Particles& p, std::size_t k) const { return (p.content[k] > 0 || !front_.empty()) && soil_of(p, k).holds_water(); }
   double outside_pressure(const Vec2& x, const Vec2& gravity) const;
   double pressure_of(const Particles& p, std::size_t k, bool tears) const;
+  bool by_temperature() const { return options_.properties == WaterProperties::by_temperature; }
+  double thinned(const Particles& p, std::size_t k) const;  // viscosity at the reference temperature over that of the point
   bool tears() const { return imposed(); }
   bool has_surface() const { return level_ || !options_.surface_m.empty(); }
   bool imposed() const { return options_.groundwater == Groundwater::level; }
@@ -285,6 +291,7 @@ class PoreWater {
   std::vector<std::uint32_t> free_;  // at a surface that is not held and lets no water through
   std::vector<std::uint32_t> surface_;  // of the material itself, where no wall is
   std::vector<OfGrid<double>> system_;  // projected
+  double reference_viscosity_ = 0;  // by temperature; 0: not known yet
   double inertia_ = 0;  // the least density over the share of its own effect that a pressure foresees
   bool marked_ = false;
   const TiedSides* ties_;

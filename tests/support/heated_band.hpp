@@ -15,10 +15,19 @@ struct HeatedBand {
   double thickness = 0.01, capacity = 3.03032e6, beta = 1.54e-4, conductivity = 1.4, permeability = 1e-11;
   double skeleton = 1.5e-9, of_water = 0.4 / 2.2e9;  // compressibility, 1/Pa
   double stress = 1e6, friction_deg = 28, depth = 20;
+  // Water that expands and thins as it warms, by fits other than the solver's.
+  bool by_temperature = false;
+  double start_c = 20, porosity = 0.4, grains = 1.8e-5;
 
   double storage() const { return skeleton + of_water; }
   double mobility() const { return permeability / 9810; }
+  /// Volume of water over that at the start (Tilton & Taylor 1937), and its viscosity likewise (Vogel's equation).
+  double water_volume(double rise) const { return tilton(start_c) / tilton(start_c + rise); }
+  double thinner(double rise) const { return std::exp(507.88 / (start_c + 123.85) - 507.88 / (start_c + rise + 123.85)); }
   double tan_friction() const { return std::tan(friction_deg * M_PI / 180); }
+
+ private:
+  static double tilton(double t) { return 1 - (t + 288.9414) * (t - 3.9863) * (t - 3.9863) / (508929.2 * (t + 68.12963)); }
 };
 
 class ResolvedBand {
@@ -41,9 +50,15 @@ class ResolvedBand {
     const double work = speed * shear_stress() / of_.thickness;
     std::vector<double> before = hot_, source(hot_.size(), 0.0);
     for (std::size_t k = 0; k < inside_; ++k) source[k] = dt * work;
-    diffuse(hot_, of_.capacity, of_.conductivity, dt, source);
-    for (std::size_t k = 0; k < hot_.size(); ++k) source[k] = of_.beta * (hot_[k] - before[k]);
-    diffuse(pressure_, of_.storage(), of_.mobility(), dt, source);
+    diffuse(hot_, of_.capacity, std::vector<double>(hot_.size(), of_.conductivity), dt, source);
+    std::vector<double> mobility(hot_.size(), of_.mobility());
+    for (std::size_t k = 0; k < hot_.size(); ++k) {
+      source[k] = of_.beta * (hot_[k] - before[k]);
+      if (!of_.by_temperature) continue;
+      source[k] = of_.porosity * (of_.water_volume(hot_[k]) - of_.water_volume(before[k])) + of_.grains * (hot_[k] - before[k]);
+      mobility[k] *= of_.thinner(hot_[k]);
+    }
+    diffuse(pressure_, of_.storage(), mobility, dt, source);
   }
   double shear_stress() const { return std::max(0.0, of_.stress - pressure()) * of_.tan_friction(); }
   double pressure() const { return mean(pressure_); }
@@ -55,12 +70,12 @@ class ResolvedBand {
     for (std::size_t k = 0; k < inside_; ++k) sum += volume_[k] * of[k];
     return sum / (0.5 * of_.thickness);
   }
-  void diffuse(std::vector<double>& x, double storage, double conductance, double dt, const std::vector<double>& source) const {
+  void diffuse(std::vector<double>& x, double storage, const std::vector<double>& conductance, double dt, const std::vector<double>& source) const {
     const std::size_t n = x.size();
     std::vector<double> upper(n, 0.0), right(n);
     double left = 0;
     for (std::size_t k = 0; k < n; ++k) {
-      const double next = k + 1 < n ? dt * conductance * 2 / (volume_[k] + volume_[k + 1]) : 0;
+      const double next = k + 1 < n && conductance[k] > 0 ? dt * 2 / (volume_[k] / conductance[k] + volume_[k + 1] / conductance[k + 1]) : 0;
       const double diagonal = storage * volume_[k] + left + next - (k > 0 ? left * upper[k - 1] : 0);
       upper[k] = next / diagonal;
       right[k] = (volume_[k] * (storage * x[k] + source[k]) + (k > 0 ? left * right[k - 1] : 0)) / diagonal;

@@ -33,27 +33,9 @@ class StepsToTheEnd final : public Progress {
   double end_;
 };
 
-// Particles outside the equations of heat (the field heat_limit), at most in one state.
-struct BeyondHeat {
-  std::size_t hot = 0, open = 0;
-
-  void look_at(const MotionFrame& frame) {
-    const FieldValues* limit = frame.find("heat_limit");
-    if (!limit) return;
-    std::size_t hot_now = 0, open_now = 0;
-    for (const float code : limit->values) {
-      hot_now += code == 1 || code == 3;
-      open_now += code >= 2;
-    }
-    hot = std::max(hot, hot_now);
-    open = std::max(open, open_now);
-  }
-};
-
 struct Simulated {
   mpm::Solver::Slept slept;
   std::string pressure_choice;
-  BeyondHeat beyond;
 };
 
 // All states into the record; nothing where they were there before.
@@ -68,12 +50,10 @@ std::optional<Simulated> advance(const Case& c, const Setting& setting, const st
   writer.begin_motion(motion, solver.particles());
   if (next > 0) solver.load(done.checkpoint);
   StepsToTheEnd steps(progress, solver, what, times.back());
-  BeyondHeat beyond;
   for (std::size_t k = next; k < times.size(); ++k) {
     steps.next = times[k];
     solver.advance_to(times[k], steps);
     const MotionFrame frame = solver.frame();
-    beyond.look_at(frame);
     writer.add_frame(motion, frame);
     if (motion == "mpm") {
       writer.add_energy(motion, solver.energy());
@@ -83,7 +63,7 @@ std::optional<Simulated> advance(const Case& c, const Setting& setting, const st
   }
   progress.update(what, solver.steps(), solver.steps());
   writer.end_stage(stage, &solver.particles());
-  return Simulated{solver.slept(), solver.pressure_choice(), beyond};
+  return Simulated{solver.slept(), solver.pressure_choice()};
 }
 
 }  // namespace
@@ -94,10 +74,6 @@ std::vector<std::string> simulate(const Case& c, const Setting& setting, const s
   if (!run) return {};
   std::vector<std::string> notes = doubts(c, setting);
   if (!run->pressure_choice.empty()) notes.push_back(run->pressure_choice);
-  if (run->beyond.hot > 0)
-    notes.push_back("Up to " + std::to_string(run->beyond.hot) + " particles are hotter than 100 C in one of the states: water would boil, so their temperatures and pressures are not reliable (heat_limit).");
-  if (run->beyond.open > 0)
-    notes.push_back("Up to " + std::to_string(run->beyond.open) + " particles have a water pressure (in the band, where there is one) above the total mean stress in one of the states: the soil would open (heat_limit).");
   if (c.mpm->sleep_below_m_s)
     notes.push_back("Sleeping left out " + number(100 * run->slept.share, 3) +
                     " % of the particles' steps. While asleep no particle missed more than " + number(run->slept.displacement_m, 2) +

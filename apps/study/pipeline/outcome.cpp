@@ -49,6 +49,27 @@ void remark_on_ends(const MotionSource& motion, std::vector<std::string>& remark
 
 }  // namespace
 
+std::vector<std::string> remarks_on_heat(const MotionSource& motion) {
+  if (motion.times().empty() || !motion.frame(0).find("heat_limit")) return {};
+  std::size_t hot = 0, open = 0;  // at most in one state
+  for (std::size_t k = 0; k < motion.times().size(); ++k) {
+    std::size_t hot_now = 0, open_now = 0;
+    const MotionFrame frame = motion.frame(k);
+    for (const float code : frame.field("heat_limit").values) {
+      hot_now += code == 1 || code == 3;
+      open_now += code >= 2;
+    }
+    hot = std::max(hot, hot_now);
+    open = std::max(open, open_now);
+  }
+  std::vector<std::string> remarks;
+  if (hot > 0)
+    remarks.push_back("Up to " + std::to_string(hot) + " particles are hotter than 100 C in one of the states: water would boil, so their temperatures and pressures are not reliable (heat_limit).");
+  if (open > 0)
+    remarks.push_back("Up to " + std::to_string(open) + " particles have a water pressure (in the band, where there is one) above the total mean stress in one of the states: the soil would open (heat_limit).");
+  return remarks;
+}
+
 std::vector<std::string> remarks_of(const io::RecordReader& record) {
   std::vector<std::string> remarks;
   remark_on_steps(record, remarks);

@@ -11,6 +11,9 @@ namespace pivnp::app {
 
 /// What was flagged in a record and why, one sentence each: flagged steps, ended particles.
 std::vector<std::string> remarks_of(const io::RecordReader& record);
+/// How many particles of a simulation are outside the equations of heat, at most in one state (the field heat_limit); reads every state
+/// that has it.
+std::vector<std::string> remarks_on_heat(const MotionSource& motion);
 
 /// The residual of the camera's targets becomes the measurement's systematic uncertainty where none is given.
 void add_camera(double residual, compare::CompareOptions& options);

@@ -179,6 +179,8 @@ void write_report_of(const Case& c, RunOutcome& outcome, std::optional<Compariso
   report::ReportInput input;
   input.name = c.name;
   input.record = &record;
+  for (const std::string& name : record.motion_names())
+    for (std::string& remark : remarks_on_heat(*record.motion(name))) outcome.remarks.push_back(std::move(remark));
   input.remarks = outcome.remarks;
   if (comparison) {
     input.notes = comparison->remarks;

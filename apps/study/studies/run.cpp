@@ -200,8 +200,8 @@ class Run {
     if (comparison_) outcome_.metrics = comparison_->metrics;
     if (settings_.report)
       write_report_of(c_, outcome_, std::move(comparison_), source_.get(), settings_.out);
-    else if (comparison_)
-      append(std::move(comparison_->remarks), outcome_.remarks);
+    else
+      finish_without_report();
     progress_.end();
     outcome_.cost = progress_.cost();
     if (!not_compared_.empty())
@@ -211,6 +211,12 @@ class Run {
   }
 
  private:
+  void finish_without_report() {
+    if (comparison_) append(std::move(comparison_->remarks), outcome_.remarks);
+    const io::RecordReader record(outcome_.record, io::Trust::known);
+    for (const std::string& name : record.motion_names()) append(remarks_on_heat(*record.motion(name)), outcome_.remarks);
+  }
+
   void follow_camera() {
     follow_masks(c_, setting_, *source_, settings_.threads, progress_);
     if (c_.camera_motion.from == image::RestSource::none) return;

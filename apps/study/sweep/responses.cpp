@@ -20,7 +20,7 @@ constexpr double failed_at_m = 1.0;  // mean displacement of the zone
 
 // What one pass over the frames collects.
 struct Seen {
-  std::vector<double> times, distance, speed, forward, level;
+  std::vector<double> times, distance, speed, pressure_of_zone, forward, level;
   double pressure = nan, band_pressure = nan, band_temperature = nan, temperature = nan, displacement = 0;
   double band_temperature_mean = nan;  // at the end, over points with a band
 };
@@ -89,13 +89,17 @@ std::vector<std::size_t> zone_of(const ParticleSet& set, const std::vector<doubl
 }
 
 void see(const Case& c, const MotionFrame& frame, const std::vector<std::size_t>& zone, std::size_t particles, bool last, Seen& s) {
-  double distance = 0, speed = 0, forward = 0;
-  std::size_t count = 0;
+  const FieldValues *pressure = frame.find("excess_pressure") ? frame.find("excess_pressure") : frame.find("pressure"), *in_band = frame.find("band_pressure");
+  const FieldValues* width = frame.find("band_width");
+  double distance = 0, speed = 0, forward = 0, of_water = 0, of_bands = 0;
+  std::size_t count = 0, with_band = 0;
   for (const std::size_t k : zone) {
     if (frame.status[k] == ParticleStatus::ended || frame.status[k] == ParticleStatus::unborn) continue;
     distance += std::hypot(frame.u[k][0], frame.u[k][1]);
     forward += std::abs(double(frame.u[k][0]));
     if (!frame.v.empty()) speed += std::hypot(frame.v[k][0], frame.v[k][1]);
+    if (pressure) of_water += (*pressure)(k);
+    if (in_band && width && (*width)(k) > 0) of_bands += (*in_band)(k), ++with_band;
     ++count;
   }
   if (count == 0) return;
@@ -103,9 +107,9 @@ void see(const Case& c, const MotionFrame& frame, const std::vector<std::size_t>
   s.distance.push_back(distance / double(count));
   s.forward.push_back(forward / double(count));
   s.speed.push_back(frame.v.empty() ? nan : speed / double(count));
+  s.pressure_of_zone.push_back(with_band > 0 ? of_bands / double(with_band) : pressure ? of_water / double(count) : nan);
   s.level.push_back(level_at(c, frame.time));
-  const FieldValues *pressure = frame.find("excess_pressure") ? frame.find("excess_pressure") : frame.find("pressure"), *in_band = frame.find("band_pressure");
-  const FieldValues *temperature = frame.find("temperature"), *hot = frame.find("band_temperature"), *width = frame.find("band_width");
+  const FieldValues *temperature = frame.find("temperature"), *hot = frame.find("band_temperature");
   const double start = c.heat ? c.heat->initial_c : 0;
   double sum = 0;
   std::size_t banded = 0;
@@ -143,6 +147,7 @@ void read_responses(const Case& c, const SweepOptions& options, SweepRun& run) {
   run.times = seen.times;
   run.distance = seen.distance;
   run.speed = seen.speed;
+  run.pressure = seen.pressure_of_zone;
   run.responses.clear();
   for (const std::string& name : options.responses) {
     const auto row = std::find_if(rows().begin(), rows().end(), [&](const Row& r) { return r.response.name == name; });

@@ -38,7 +38,7 @@ struct SweepRun {
   std::filesystem::path folder;     // of its record and report
   std::string failure;              // why it ended; empty: it did not
   std::vector<double> responses;    // in the order asked for; NaN: not known
-  std::vector<double> times, distance, speed;  // means over the zone's points
+  std::vector<double> times, distance, speed, pressure;  // means over the zone's points; pressure: in their bands, where there are none in the pores; NaN without water
   bool kept = false;                // made by an earlier call
 };
 

@@ -208,18 +208,21 @@ report::Figure curves(const SweepResponse& response, std::size_t index, std::siz
 
 report::Figure histories(const std::string& name, const std::string& what, const std::vector<const SweepRun*>& shown) {
   std::vector<std::string> names;
-  std::vector<double> times, distances, speeds;
+  std::vector<double> times, distances, speeds, pressures;
   for (const SweepRun* run : shown) {
     names.push_back(run->label);
     times.insert(times.end(), run->times.begin(), run->times.end());
     distances.insert(distances.end(), run->distance.begin(), run->distance.end());
     speeds.insert(speeds.end(), run->speed.begin(), run->speed.end());
+    for (const double p : run->pressure) pressures.push_back(p / 1e3);
   }
   const double top = 3 + legends(nullptr, 2, names);
+  const bool wet = std::any_of(pressures.begin(), pressures.end(), [](double p) { return std::isfinite(p); });
   auto canvas = std::make_shared<Canvas>(page_mm, top + 66);
   legends(canvas.get(), 3, names);
-  const auto draw = [&](double left, const std::vector<double> SweepRun::*of, const std::vector<double>& all, const std::string& label) {
-    Panel panel = canvas->panel(left, top, 66, 52);
+  const double wide = wet ? 40 : 66;
+  const auto draw = [&](double left, const std::vector<double> SweepRun::*of, double factor, const std::vector<double>& all, const std::string& label) {
+    Panel panel = canvas->panel(left, top, wide, 52);
     panel.pale_grid();
     const auto [from, to] = span_of(times);
     const auto [lower, upper] = span_of(all);
@@ -227,16 +230,19 @@ report::Figure histories(const std::string& name, const std::string& what, const
     panel.axis(Axis::y, lower, upper, label, 5);
     for (std::size_t k = 0; k < shown.size(); ++k) {
       const Look& look = looks[k % looks.size()];
-      canvas->curve(panel, shown[k]->times, shown[k]->*of, {look.rgb, 1.0, look.dash});
+      std::vector<double> values = shown[k]->*of;
+      for (double& value : values) value *= factor;
+      canvas->curve(panel, shown[k]->times, values, {look.rgb, 1.0, look.dash});
     }
   };
-  draw(16, &SweepRun::distance, distances, "displacement (m)");
-  draw(100, &SweepRun::speed, speeds, "speed (m/s)");
+  draw(14, &SweepRun::distance, 1, distances, "displacement (m)");
+  draw(wet ? 72 : 98, &SweepRun::speed, 1, speeds, "speed (m/s)");
+  if (wet) draw(130, &SweepRun::pressure, 1e-3, pressures, "pore pressure (kPa)");
   report::Figure figure;
   figure.name = name;
   figure.canvas = canvas;
-  figure.caption = what + ": mean displacement and speed of the zone against time.";
-  figure.shows = "Displacement and speed of the zone against time.";
+  figure.caption = what + ": mean displacement and speed of the zone" + (wet ? ", and its pore pressure (in bands, where there are any; else, with a level, over the hydrostatic one)," : "") + " against time.";
+  figure.shows = wet ? "Displacement, speed and pore pressure of the zone against time." : "Displacement and speed of the zone against time.";
   return figure;
 }
 

@@ -230,6 +230,36 @@ TEST(Heat, UndrainedHeatingRaisesThePressure) {
     }
 }
 
+// A wet block that is sheared between plates, its volume kept: pressure against plastic work, p = K_w beta W/(n C).
+TEST(Heat, UndrainedShearRaisesThePressureByItsWork) {
+  WaterColumn c;
+  c.young = 2e7, c.poisson = 0.33, c.porosity = 0.4, c.permeability = 1e-11, c.grains = 2700, c.height = 0.2, c.cells = 4, c.load = 0;
+  c.shape = ShapeKind::bilinear, c.damping = 0;
+  Scene s = scene_of(c);
+  MaterialOptions& m = s.materials[0];
+  m.model = "von_mises";
+  m.shear_strength_pa = 2e5;
+  m.grain_specific_heat_j_kg_k = 837;
+  m.grain_thermal_expansion_1_k = 3e-5;
+  m.skeleton_thermal_expansion_1_k = 0;
+  m.conductivity_w_m_k = 1.4;
+  s.heat.emplace();
+  BoundaryOptions sides = line({0, 0}, {0, c.height + 2 * c.spacing()}, "tied"), top = line({0, c.height}, {2 * c.spacing(), c.height}, "fixed");
+  sides.across_m = Pair{2 * c.spacing(), 0};
+  top.velocity_m_s = Pair{2, 0};
+  s.boundaries = {{"base", line({0, 0}, {2 * c.spacing(), 0}, "fixed")}, {"sides", sides}, {"top", top}};
+  Solver solver(options_of(c), s, 1);
+  solver.advance_to(0.04, silent);
+  const MotionFrame f = solver.frame();
+  const EnergyRow e = solver.energy();
+  double pressure = 0;
+  for (std::size_t k = 0; k < f.u.size(); ++k) pressure += double(f.field("pressure")(k, 0)) / double(f.u.size());
+  const double capacity = 0.6 * 2700 * 837 + 0.4 * 1000 * 4186, beta = 0.4 * 3.4e-4 + 0.6 * 3e-5, volume = 2 * c.spacing() * c.height;
+  EXPECT_GT(e.plastic, 5e4 * volume);
+  EXPECT_NEAR(pressure, 2.2e9 / 0.4 * beta * e.heat_made / (volume * capacity), 0.01 * pressure);
+  EXPECT_NEAR(e.heat_made, e.plastic, 1e-9 * e.plastic);
+}
+
 // A front that steady seepage carries along a column, with conduction (Ogata & Banks 1961), upwards and downwards.
 TEST(Heat, TheFlowCarriesAFront) {
   for (const bool up : {true, false}) {

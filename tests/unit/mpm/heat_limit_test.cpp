@@ -1,0 +1,51 @@
+// What is outside the equations of heat is flagged in every state: hotter than 100 degrees, and a band's pressure above the total mean stress.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/verification/mpm/planar_slide.hpp"
+
+namespace pivnp::mpm {
+namespace {
+
+using namespace test;
+
+// The planar slide on coarse cells, started near 100 degrees: some points grow hotter, in some the band would open.
+TEST(HeatLimit, FlagsBandsThatBoilOrOpen) {
+  HeatedBand band;
+  PlanarSlide slide(band);
+  SlideOptions o;
+  o.cell = 2;
+  o.above = 12;
+  Scene s = slide_scene(slide, o);
+  s.heat->initial_c = 96;
+  MpmOptions options = test::options(slide_gravity(slide, o));
+  options.initial_equilibrium = false;
+  options.end_at_rest = false;
+  options.shape = o.shape;
+  options.transfer = o.transfer;
+  options.courant = o.courant;
+  options.energy_limit = 1e9;
+  options.pressure = PressureScheme::in_steps;
+  Solver solver(options, s, 1);
+  std::size_t times[4] = {};
+  for (double t = 0; t <= 9; t += 0.5) {
+    solver.advance_to(t, silent);
+    const MotionFrame f = solver.frame();
+    for (std::size_t k = 0; k < f.u.size(); ++k) {
+      const auto of = [&](const char* name, std::size_t c = 0) { return double(f.field(name)(k, c)); };
+      const double total = -(of("stress", 0) + of("stress", 1) + of("stress", 2)) / 3 + of("pressure");
+      const double over = of("band_pressure") - std::max(0.0, total);
+      if (std::abs(over) < 1 || std::abs(of("band_temperature") - 100) < 1e-3) continue;  // the record's digits
+      const bool hot = of("band_temperature") > 100, opens = over > 0 && of("band_pressure") > of("pressure") + 1;
+      const int code = (hot ? 1 : 0) + (opens ? 2 : 0);
+      ASSERT_EQ(int(of("heat_limit")), code) << t << " s, point " << k;
+      ++times[code];
+    }
+  }
+  for (const std::size_t count : times) EXPECT_GT(count, 0u);
+}
+
+}  // namespace
+}  // namespace pivnp::mpm
