@@ -139,17 +139,23 @@ namespace {
 
 // The parts of both that lie beside each other: what is read off a band varies along it, and one data set may see it further.
 std::pair<ShearBand, ShearBand> in_common(const ShearBand& a, const ShearBand& b) {
-  const double turn = a.inclination_deg * std::numbers::pi / 180;
-  const Vec2 along(std::cos(turn), std::sin(turn));
+  const auto direction = [](const ShearBand& band) -> Vec2 {
+    const double turn = band.inclination_deg * std::numbers::pi / 180;
+    return {std::cos(turn), std::sin(turn)};
+  };
+  // Along the line between both, whichever is the first.
+  const Vec2 first = direction(a), second = direction(b), middle = (a.centre + b.centre) / 2;
+  const Vec2 along = (first.dot(second) < 0 ? Vec2(first - second) : Vec2(first + second)).normalized();
   const auto reach = [&](const ShearBand& band) {
     std::pair<double, double> r{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
-    for (const Vec2& x : band.ridge) r.first = std::min(r.first, (x - a.centre).dot(along)), r.second = std::max(r.second, (x - a.centre).dot(along));
+    for (const Vec2& x : band.ridge)
+      r.first = std::min(r.first, (x - middle).dot(along)), r.second = std::max(r.second, (x - middle).dot(along));
     return r;
   };
   const auto [from_a, to_a] = reach(a);
   const auto [from_b, to_b] = reach(b);
   const double from = std::max(from_a, from_b), to = std::min(to_a, to_b);
-  return {a.between(a.centre, along, from, to), b.between(a.centre, along, from, to)};
+  return {a.between(middle, along, from, to), b.between(middle, along, from, to)};
 }
 
 }  // namespace

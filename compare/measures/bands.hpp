@@ -25,7 +25,7 @@ struct BandMeasures {
 
   /// The first's strongest against the nearest of those of the second that are at least half as strong as its strongest
   /// (conjugate bands are alike, and chance says which is the stronger), second minus first; nothing where a data set has
-  /// none, or where what both show of it, along the first's line, is shorter than four spacings or crosses by 30 degrees and more.
+  /// none, or where what both show of it, along the line between them, is shorter than four spacings or crosses by 30 degrees and more.
   /// All but the choice is of that stretch. Uncertainties: half a particle spacing of each and the gauge length of measured strains
   /// (rectangular), over the length for the angle; the longest step in time on each, and what averaging takes off the strain at the
   /// threshold over its rate there.

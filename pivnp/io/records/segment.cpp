@@ -1,6 +1,7 @@
 #include "pivnp/io/records/segment.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <map>
 #include <stdexcept>
@@ -235,7 +236,7 @@ VectorField read_pair(const h5::Source& source, const std::string& group, const 
   for (std::size_t k = 0; k < datasets.size(); ++k)
     datasets[k].read(arrays[k].type, index, 1, const_cast<void*>(arrays[k].data));  // `f`'s own
   // A pair without one among others that have it.
-  if (std::all_of(f.path_factor.begin(), f.path_factor.end(), [](float v) { return v == 0; })) f.path_factor.clear();
+  if (std::all_of(f.path_factor.begin(), f.path_factor.end(), [](float v) { return !(std::abs(v) > 0); })) f.path_factor.clear();
   if (f.anchor != Anchor::forward && f.anchor != Anchor::central)
     throw InputError(source.name() + ": " + group + "/anchor: pair " + std::to_string(index) + " has anchor " +
                      std::to_string(int(f.anchor)) + ", expected 0 or 1");
