@@ -106,7 +106,7 @@ BandMeasures::Difference difference_of(const ShearBand& a, const ShearBand& b, c
   // more or less.
   const double rate = std::isfinite(a.rate) && std::isfinite(b.rate) ? std::min(a.rate, b.rate) : std::isfinite(a.rate) ? a.rate : b.rate;
   double late = 0;
-  if (rate > 0 && gauge > 0) late = std::hypot(threshold * lower, std::isfinite(u_dev) ? u_dev : 0) / rate;
+  if (rate > 0 && gauge > 0) late = std::hypot(threshold * (std::isfinite(lower) ? lower : 1), std::isfinite(u_dev) ? u_dev : 0) / rate;
   d.onset_uncertainty = std::hypot(longest_step / std::sqrt(gauge > 0 ? 3.0 : 6.0), late);
   return d;
 }

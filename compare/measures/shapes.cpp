@@ -129,13 +129,13 @@ ShapeMeasures::Slope slope(const PerDataSet<Covers>& covers, const PerDataSet<Sl
   return out;
 }
 
-struct AtThinEnd {
+struct TipErrors {
   double given = 0;  // RMS error that no covariance states: camera, gauge, frame of reference
   double tip = 0;
 };
 
 // `sigma`: the RMS error of all particles.
-AtThinEnd at_thin_end(const DataSet& set, const RigidMotion& frame, const SlopeShape& shape, double base, double sigma) {
+TipErrors tip_errors(const DataSet& set, const RigidMotion& frame, const SlopeShape& shape, double base, double sigma) {
   const DataSetState& state = set.state();
   Vec2 there(0, 0);
   double stated = 0, all = 0, count = 0;
@@ -200,7 +200,7 @@ ShapeMeasures measure_shapes(const ShapeSources& sources, const Differences& dif
                     shape, base);
   for (std::size_t s = 0; s < 2; ++s) {
     out.slope->toe_x[s] = toe(out.outlines[s], shape[s].faces);
-    const AtThinEnd known = at_thin_end(*sets[s], last.frame[s].motion, shape[s], base, sigma[s]);
+    const TipErrors known = tip_errors(*sets[s], last.frame[s].motion, shape[s], base, sigma[s]);
     out.slope->drawn_uncertainty[s] = std::hypot(spacing[s] / std::sqrt(12.0), known.given);
     out.slope->tip_uncertainty[s] = known.tip;
   }

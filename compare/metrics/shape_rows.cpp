@@ -223,7 +223,8 @@ void add_bands(Registry<MetricRow>& rows) {
                 .definition = "displacement across the band (sqrt(3) times the integral of deviatoric strain across the "
                               "ridge, out to a tenth of its height, median along it), second minus first,",
                 .words = "shear bands, displacement across, simulated \u2212 measured"},
-               by_floor + " over both thicknesses, and a tenth of the ridge's strain times the gauge length that is stated", &Strongest::slip, &Strongest::slip_uncertainty);
+               by_floor + " over both thicknesses, and a tenth of the ridge's strain times the gauge length that is stated",
+               &Strongest::slip, &Strongest::slip_uncertainty);
   of_strongest({.name = "band_onset_difference", .unit = "T",
                 .definition = "onset (half of its particles above the threshold), second minus first,",
                 .words = "shear bands, onset, simulated \u2212 measured"},

@@ -168,7 +168,9 @@ TEST(Reading, APathFactorCountsInTheDisplacementAlone) {
       const auto one = plain.state()[0], both = factored.state()[0];
       ASSERT_EQ(one.status, gap && shape != ShapeFunctions::triangles ? ParticleStatus::flagged : one.status);
       for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(both.cov[k], 4 * one.cov[k], 1e-6 * one.cov[0]) << int(shape) << gap;
-      if (!gap && shape != ShapeFunctions::triangles) EXPECT_NEAR(both.cov_F[0], 2 * one.cov_F[0], 1e-6 * one.cov_F[0]);
+      if (!gap && shape != ShapeFunctions::triangles) {
+        EXPECT_NEAR(both.cov_F[0], 2 * one.cov_F[0], 1e-6 * one.cov_F[0]);
+      }
     }
   VectorField field = vector_field(reading::shear_wave(1e6, 0, 0), {0, 1});
   field.path_factor.assign(7, 1);
