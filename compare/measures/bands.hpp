@@ -25,8 +25,10 @@ struct BandMeasures {
 
   /// The first's strongest against the nearest of those of the second that are at least half as strong as its strongest
   /// (conjugate bands are alike, and chance says which is the stronger), second minus first; nothing where a data set has
-  /// none, or where the two cross by 30 degrees and more. Uncertainties: half a particle spacing of each and the gauge length of measured strains (rectangular), over the
-  /// length for the angle, and the longest step in time on each.
+  /// none, or where what both show of it, along the line between them, is shorter than four spacings or crosses by 30 degrees and more.
+  /// All but the choice is of that stretch. Uncertainties: half a particle spacing of each and the gauge length of measured strains
+  /// (rectangular), over the length for the angle; the longest step in time on each, and what averaging takes off the strain at the
+  /// threshold over its rate there.
   struct Difference {
     double offset = 0;  // mean distance between the ridges
     double inclination_deg = 0, thickness = 0, onset = 0, peak = 0, slip = 0;
@@ -52,7 +54,8 @@ class Bands {
 
  private:
   double threshold_;
-  PerDataSet<std::vector<double>> onset_;
+  PerDataSet<std::vector<double>> onset_, rate_;  // rate: of the strain as it reached the threshold
+  PerDataSet<std::vector<double>> before_;        // strain at the time before
   double time_ = std::numeric_limits<double>::quiet_NaN(), longest_step_ = 0;
 };
 

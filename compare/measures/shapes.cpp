@@ -129,6 +129,29 @@ ShapeMeasures::Slope slope(const PerDataSet<Covers>& covers, const PerDataSet<Sl
   return out;
 }
 
+struct TipErrors {
+  double given = 0;  // RMS error that no covariance states: camera, gauge, frame of reference
+  double tip = 0;
+};
+
+// `sigma`: the RMS error of all particles.
+TipErrors tip_errors(const DataSet& set, const RigidMotion& frame, const SlopeShape& shape, double base, double sigma) {
+  const DataSetState& state = set.state();
+  Vec2 there(0, 0);
+  double stated = 0, all = 0, count = 0;
+  for (std::size_t p = 0; p < state.cov.size(); ++p) {
+    const Vec2 variance(state.cov[p][0], state.cov[p][1]);
+    if (!state.followed[p] || !std::isfinite(variance.sum())) continue;
+    stated += variance.sum(), ++all;
+    const Vec2 x = frame.undo(set.material_position()[p] + state.u[p]);
+    if (shape.faces * (x.x() - shape.thin_from) < 0 || x.y() < base) continue;
+    there += variance, ++count;
+  }
+  if (count == 0) return {sigma, 0};
+  return {std::sqrt(std::max(0.0, sigma * sigma - stated / all)),
+          std::sqrt((there.x() + shape.thinness * shape.thinness * there.y()) / count)};
+}
+
 }  // namespace
 
 double hausdorff_95(const std::vector<std::vector<Vec2>>& first, const std::vector<std::vector<Vec2>>& second,
@@ -175,7 +198,12 @@ ShapeMeasures measure_shapes(const ShapeSources& sources, const Differences& dif
   out.slope = slope({Covers{cover(*start[0], spacing[0] / 2, before), first},
                      Covers{cover(*start[1], spacing[1] / 2, before), second}},
                     shape, base);
-  for (std::size_t s = 0; s < 2; ++s) out.slope->toe_x[s] = toe(out.outlines[s], shape[s].faces);
+  for (std::size_t s = 0; s < 2; ++s) {
+    out.slope->toe_x[s] = toe(out.outlines[s], shape[s].faces);
+    const TipErrors known = tip_errors(*sets[s], last.frame[s].motion, shape[s], base, sigma[s]);
+    out.slope->drawn_uncertainty[s] = std::hypot(spacing[s] / std::sqrt(12.0), known.given);
+    out.slope->tip_uncertainty[s] = known.tip;
+  }
   return out;
 }
 

@@ -54,6 +54,10 @@ struct ShapeMeasures {
     PerDataSet<double> crest_retreat{};
     // Outermost point of the outline, on the side the slope faces.
     PerDataSet<double> toe_x{};
+    // To how much an outline is known but for the covariance of its particles, and what those of the thin end move its tip by: the
+    // error along it, and the one across times the cotangent of its angle (RMS over these particles, one error shared by all).
+    // The particles at a thin front move fastest, and are known least.
+    PerDataSet<double> drawn_uncertainty{}, tip_uncertainty{};
     bool same_way() const { return shape[0].faces == shape[1].faces; }
   };
   std::optional<Slope> slope;      // with slope_base_m, and where both have material above it

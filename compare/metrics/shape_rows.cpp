@@ -79,13 +79,24 @@ void add_outlines(Registry<MetricRow>& rows) {
 }
 
 // Both, and their difference where the slopes can be compared. An outline is known to within half a particle spacing
-// (rectangular distribution), and as its particles are. `times`: by how much more what is read off it moves than it does.
+// (rectangular distribution), and as its particles are.
+Values placed(const Findings& f, const PerDataSet<double>& value, bool comparable) {
+  const std::string how = "; uncertainty: half a particle spacing (rectangular) and the error of u, where known";
+  const PerDataSet<double>& u = f.shapes.place_uncertainty;
+  Values out{{value[0], u[0], how}, {value[1], u[1], how}};
+  if (comparable) out.push_back(difference(value[1] - value[0], std::hypot(u[0], u[1]), how));
+  return out;
+}
+
+// What is read off a thin end moves by `times` what its outline is off by, and with its particles.
 // `k`: so many uncertainties are distinguishable; more than two for what the outermost of many particles decide.
-Values placed(const Findings& f, const PerDataSet<double>& value, bool comparable, const std::string& more = "",
-              const PerDataSet<double>& times = {1, 1}, double k = 2) {
-  const std::string how = "; uncertainty: half a particle spacing (rectangular) and the error of u, where known" + more;
+Values at_thin_end(const Findings& f, const PerDataSet<double>& value, const std::string& more, const PerDataSet<double>& times, double k) {
+  const std::string how = "; uncertainty: half a particle spacing (rectangular) and what is given of u" + more +
+                          "; and the covariance of the particles there, along and, times cot of that angle, across";
   PerDataSet<double> u;
-  for (std::size_t s = 0; s < 2; ++s) u[s] = times[s] * f.shapes.place_uncertainty[s];
+  for (std::size_t s = 0; s < 2; ++s)
+    u[s] = std::hypot(times[s] * f.shapes.slope->drawn_uncertainty[s], f.shapes.slope->tip_uncertainty[s]);
+  const bool comparable = f.shapes.slope->same_way();
   Values out{{value[0], u[0], how}, {value[1], u[1], how}};
   if (comparable) out.push_back(difference(value[1] - value[0], std::hypot(u[0], u[1]), how, k));
   return out;
@@ -101,8 +112,8 @@ void add_slope(Registry<MetricRow>& rows) {
                  if (!f.shapes.slope) return {};
                  const auto& [a, b] = f.shapes.slope->shape;
                  // A surface that moves out by d adds d times its length beyond to a wedge as thick as the profile is there.
-                 return placed(f, {a.run_out_x, b.run_out_x}, f.shapes.slope->same_way(),
-                               ", times 1 + cot of the angle of the thin end", {1 + a.thinness, 1 + b.thinness});
+                 return at_thin_end(f, {a.run_out_x, b.run_out_x}, ", times 1 + cot of the angle of the thin end",
+                                    {1 + a.thinness, 1 + b.thinness}, 2);
                });
   add_for_both(rows, Variants::both_and_difference,
                {.name = "toe_x", .unit = "L",
@@ -114,8 +125,8 @@ void add_slope(Registry<MetricRow>& rows) {
                  // The tip of a wedge whose surface moves by d across itself moves by d over the sine of its angle; the
                  // outermost of some twenty particles makes it.
                  const auto& [a, b] = f.shapes.slope->shape;
-                 return placed(f, f.shapes.slope->toe_x, f.shapes.slope->same_way(), ", over the sine of the angle of the thin end",
-                               {std::hypot(1, a.thinness), std::hypot(1, b.thinness)}, greatest_factor(20));
+                 return at_thin_end(f, f.shapes.slope->toe_x, ", over the sine of the angle of the thin end",
+                                    {std::hypot(1, a.thinness), std::hypot(1, b.thinness)}, greatest_factor(20));
                });
   add_for_both(rows, Variants::both_and_difference,
                {.name = "crest_height", .unit = "L",
@@ -182,7 +193,7 @@ void add_bands(Registry<MetricRow>& rows) {
   const auto of_strongest = [&](MetricFacts facts, const std::string& how, double Strongest::*value,
                                 double Strongest::*uncertainty) {
     facts.definition += " of the first's strongest shear band (length times strain) and the nearest of the second's that is "
-                        "at least half as strong as its strongest" + how;
+                        "at least half as strong as its strongest, over the stretch that both show" + how;
     rows.add({std::move(facts), [=](const Findings& f) -> std::optional<MetricValue> {
                 // A band that reaches the material's edge has no such value.
                 if (!f.bands.strongest || !std::isfinite((*f.bands.strongest).*value)) return std::nullopt;
@@ -212,11 +223,13 @@ void add_bands(Registry<MetricRow>& rows) {
                 .definition = "displacement across the band (sqrt(3) times the integral of deviatoric strain across the "
                               "ridge, out to a tenth of its height, median along it), second minus first,",
                 .words = "shear bands, displacement across, simulated \u2212 measured"},
-               by_floor + " over both thicknesses", &Strongest::slip, &Strongest::slip_uncertainty);
+               by_floor + " over both thicknesses, and a tenth of the ridge's strain times the gauge length that is stated",
+               &Strongest::slip, &Strongest::slip_uncertainty);
   of_strongest({.name = "band_onset_difference", .unit = "T",
                 .definition = "onset (half of its particles above the threshold), second minus first,",
                 .words = "shear bands, onset, simulated \u2212 measured"},
-               "; uncertainty: the longest step between two times on each data set (rectangular)", &Strongest::onset,
+               "; uncertainty: the longest step between two times on each data set (rectangular), and, where a gauge length is "
+               "stated, what averaging takes off the strain there over its rate", &Strongest::onset,
                &Strongest::onset_uncertainty);
 }
 

@@ -188,50 +188,75 @@ std::vector<std::vector<RidgePoint>> groups_of(const std::vector<RidgePoint>& po
   return groups;
 }
 
-ShearBand band_of(const std::vector<RidgePoint>& points, const Raster& raw, const MaterialMesh& mesh,
-                  const std::vector<double>& onset, double spacing) {
-  ShearBand band;
-  for (const RidgePoint& p : points) {
-    band.ridge.push_back(p.x);
-    band.centre += p.x / double(points.size());
-    const double here = raw.sample(p.x);
-    band.strain = std::max(band.strain, std::isfinite(here) ? here : p.value);
-  }
+// What its places amount to.
+void sum_up(ShearBand& band) {
+  band.centre = Vec2::Zero();
+  for (const Vec2& x : band.ridge) band.centre += x / double(band.ridge.size());
   Mat2 spread = Mat2::Zero();
   for (const Vec2& x : band.ridge) spread += (x - band.centre) * (x - band.centre).transpose();
   const Vec2 along = Eigen::SelfAdjointEigenSolver<Mat2>(spread).eigenvectors().col(1);
   double least = 0, most = 0;
-  std::vector<double> width, begin, peak, across;
-  for (const RidgePoint& p : points) {
-    const double s = (p.x - band.centre).dot(along);
+  for (const Vec2& x : band.ridge) {
+    const double s = (x - band.centre).dot(along);
     least = std::min(least, s);
     most = std::max(most, s);
-    width.push_back(width_across(raw, p, spacing));
-    peak.push_back(raw.sample(p.x));
-    across.push_back(strain_across(raw, p, spacing));
-    const auto place = mesh.find(p.x);
-    if (!place) continue;
-    const std::size_t k =
-        std::size_t(std::max_element(place->weight.begin(), place->weight.end()) - place->weight.begin());
-    begin.push_back(onset[std::size_t(place->vertex[k])]);
   }
   band.length = most - least;
   band.inclination_deg = std::atan2(along.y(), along.x()) * 180 / std::numbers::pi;
   if (band.inclination_deg > 90) band.inclination_deg -= 180;
   if (band.inclination_deg <= -90) band.inclination_deg += 180;
-  band.thickness = median(width);
-  band.peak = median(peak);
-  band.slip = std::sqrt(3.0) * median(across);
+  const auto median_of = [&](double ShearBand::Place::*value) {
+    std::vector<double> values;
+    for (const ShearBand::Place& place : band.places) values.push_back(place.*value);
+    return median(std::move(values));
+  };
+  band.thickness = median_of(&ShearBand::Place::width);
+  band.peak = median_of(&ShearBand::Place::strain);
+  band.slip = std::sqrt(3.0) * median_of(&ShearBand::Place::slip);
+  band.rate = median_of(&ShearBand::Place::rate);
   // Half of all its particles: those that never reached the threshold come last.
-  for (double& t : begin)
-    if (std::isnan(t)) t = std::numeric_limits<double>::infinity();
+  std::vector<double> begin;
+  for (const ShearBand::Place& place : band.places)
+    if (!std::isnan(place.onset)) begin.push_back(place.onset);
   std::sort(begin.begin(), begin.end());
   band.onset = begin.empty() ? not_known : begin[(begin.size() - 1) / 2];
   if (std::isinf(band.onset)) band.onset = not_known;
+}
+
+ShearBand band_of(const std::vector<RidgePoint>& points, const Raster& raw, const MaterialMesh& mesh,
+                  const ScatteredField& field, double spacing) {
+  ShearBand band;
+  for (const RidgePoint& p : points) {
+    band.ridge.push_back(p.x);
+    const double here = raw.sample(p.x);
+    band.strain = std::max(band.strain, std::isfinite(here) ? here : p.value);
+    ShearBand::Place at{width_across(raw, p, spacing), here, strain_across(raw, p, spacing), not_known, not_known};
+    if (const auto place = mesh.find(p.x)) {
+      const auto k = std::size_t(std::max_element(place->weight.begin(), place->weight.end()) - place->weight.begin());
+      const auto particle = std::size_t(place->vertex[k]);
+      at.onset = std::isnan(field.onset[particle]) ? std::numeric_limits<double>::infinity() : field.onset[particle];
+      if (!field.rate.empty()) at.rate = field.rate[particle];
+    }
+    band.places.push_back(at);
+  }
+  sum_up(band);
   return band;
 }
 
 }  // namespace
+
+ShearBand ShearBand::between(const Vec2& origin, const Vec2& direction, double from, double to) const {
+  ShearBand part;
+  part.strain = strain;
+  for (std::size_t k = 0; k < ridge.size(); ++k) {
+    const double s = (ridge[k] - origin).dot(direction);
+    if (s < from || s > to) continue;
+    part.ridge.push_back(ridge[k]);
+    part.places.push_back(places[k]);
+  }
+  if (!part.ridge.empty()) sum_up(part);
+  return part;
+}
 
 std::vector<ShearBand> find_bands(const ScatteredField& field, double spacing, double threshold) {
   if (field.x.size() < 3) return {};
@@ -247,7 +272,7 @@ std::vector<ShearBand> find_bands(const ScatteredField& field, double spacing, d
     }
   std::vector<ShearBand> bands;
   for (const auto& group : groups_of(points, raw.lattice)) {
-    ShearBand band = band_of(group, raw, mesh, field.onset, spacing);
+    ShearBand band = band_of(group, raw, mesh, field, spacing);
     if (band.length >= 4 * spacing) bands.push_back(std::move(band));
   }
   std::stable_sort(bands.begin(), bands.end(), [](const ShearBand& a, const ShearBand& b) {

@@ -18,7 +18,16 @@ struct ShearBand {
   double slip = 0;  // displacement across it: sqrt(3) times the integral of the strain across the ridge, out to a tenth of its
                     // height or to where it rises again, median along it (simple shear g has the deviatoric strain g/sqrt(3))
   double onset = 0;            // time at which half of the particles along it had reached the threshold
+  double rate = 0;             // strain per time there and then, median of those particles; NaN: none of them has one
   std::vector<Vec2> ridge;
+  /// At each of its places: of these all above but `strain` is made. NaN: not known there; onset infinite: never.
+  struct Place {
+    double width = 0, strain = 0, slip = 0, onset = 0, rate = 0;
+  };
+  std::vector<Place> places;
+
+  /// The part of it that lies between `from` and `to` along `direction` from `origin`; its greatest strain is the whole's.
+  ShearBand between(const Vec2& origin, const Vec2& direction, double from, double to) const;
 };
 
 /// A scalar on scattered particles, `spacing` their distance.
@@ -26,6 +35,7 @@ struct ScatteredField {
   std::vector<Vec2> x;
   std::vector<double> value, spacing;
   std::vector<double> onset;  // per particle, NaN: never
+  std::vector<double> rate;   // of its strain at its onset
 };
 
 /// Ridges by the second derivatives of the field smoothed with a Gaussian of one spacing, on a lattice of half a

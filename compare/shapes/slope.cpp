@@ -91,7 +91,7 @@ void fit_slope(const Profile& profile, double crest_height, double spacing, Slop
 }
 
 SlopeShape slope_shape(const Cover& cover, double base_y, double spacing) {
-  SlopeShape shape{0, not_known, not_known, not_known, not_known, not_known, 0};
+  SlopeShape shape{0, not_known, not_known, not_known, not_known, not_known, not_known, 0};
   const Lattice& l = cover.lattice;
   const Profile profile = profile_above(cover, base_y);
   std::vector<double> rows(std::size_t(l.ny), 0.0);
@@ -111,7 +111,8 @@ SlopeShape slope_shape(const Cover& cover, double base_y, double spacing) {
   };
   shape.run_out_x = within(run_out_share);
   // Of a wedge of that angle, the part beyond which a share f of the area lies is sqrt(2 f area cot) long.
-  const double apart = (shape.run_out_x - within(1 - thin_share)) / (std::sqrt(thin_share) - std::sqrt(1 - run_out_share));
+  shape.thin_from = within(1 - thin_share);
+  const double apart = (shape.run_out_x - shape.thin_from) / (std::sqrt(thin_share) - std::sqrt(1 - run_out_share));
   shape.thinness = apart * apart / (2 * area * l.cell * l.cell);
   return shape;
 }

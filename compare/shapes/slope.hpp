@@ -18,6 +18,7 @@ struct SlopeShape {
   double angle_deg = 0;    // of the fitted line, 0 to 90; NaN with fewer than four columns between 10 and 90 %
   double angle_uncertainty_deg = 0;
   double face_length = 0;  // of the columns that the line is fitted to, along it
+  double thin_from = 0;    // x beyond which the thin end lies: 2 % of the area
   double thinness = 0;     // cot of the angle of the thin end, as a wedge by the places of 98 and 99.5 % of the area
 };
 

@@ -211,8 +211,10 @@ class Gather {
     r.cov = fit.misfit;
     for (int k = 0; k < 16; ++k) {
       if ((fit.nodes >> k & 1) == 0) continue;
-      const auto& c = nodes_.cov[nodes_.grid.node(r.i - 1 + k % 4, r.j - 1 + k / 4)];
-      const double w = share(fit.influence(k, r.xi, r.eta), weight_sum);
+      const std::size_t at = nodes_.grid.node(r.i - 1 + k % 4, r.j - 1 + k / 4);
+      const auto& c = nodes_.cov[at];
+      const double along = nodes_.path_factor != nullptr ? double(nodes_.path_factor[at]) : 1;
+      const double w = along * share(fit.influence(k, r.xi, r.eta), weight_sum);
       for (std::size_t n = 0; n < 3; ++n) r.cov[n] += w * double(c[n]);
     }
     // Of an affine fit over some three cells.

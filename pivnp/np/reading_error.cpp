@@ -158,12 +158,15 @@ const std::vector<ElementError>& ReadingErrors::of(const Nodes<Real>& nodes, con
         const std::size_t n = std::size_t(row) * nx + i;
         ElementError& e = errors_[std::size_t(row) * (nx - 1) + i];
         e = {};
+        float both = 0;  // of a pair by itself, for the gradient, whose shared part has a measure of its own
         for (const std::size_t at : {n, n + 1, n + nx, n + nx + 1}) {
-          e.uu += 0.25f * nodes.cov[at][0], e.vv += 0.25f * nodes.cov[at][1], e.uv += 0.25f * nodes.cov[at][2];
+          const float along = 0.25f * (nodes.path_factor != nullptr ? nodes.path_factor[at] : 1.0f);
+          e.uu += along * nodes.cov[at][0], e.vv += along * nodes.cov[at][1], e.uv += along * nodes.cov[at][2];
+          both += 0.25f * nodes.cov[at][0] + 0.25f * nodes.cov[at][1];
           e.u += 0.25f * biases_[0][at], e.v += 0.25f * biases_[1][at];
         }
         if (degree_ > 1) take_polynomial_error(grid, int(i), int(row), e);
-        e.gradient = 0.5f * per_variance * (e.uu + e.vv);
+        e.gradient = 0.5f * per_variance * both;
       }
   }
   return errors_;

@@ -25,6 +25,7 @@ struct Nodes {
   const std::array<float, 3>* cov;          // [ny][nx], or null: not known
   float correlation_length = 0;             // within which errors of vectors are alike; 0: not known, independent
   int step = 1;                             // number of this pair in the path, from 1
+  const float* path_factor = nullptr;       // [ny][nx]: what cov counts along a path; null: 1
   const ElementError* errors = nullptr;     // [ny - 1][nx - 1], where cov is known
 };
 

@@ -44,7 +44,12 @@ void check_field(const Field& field) {
     throw InputError("np: vectors: found " + std::to_string(field.displacement.size()) + " displacements, " +
                      std::to_string(field.status.size()) + " status values and " + std::to_string(field.cov.size()) +
                      " covariances, expected " + std::to_string(count) + " of each");
+  if constexpr (std::is_same_v<Field, VectorField>)
+    if (!field.path_factor.empty() && field.path_factor.size() != count)
+      throw InputError("np: vectors: found " + std::to_string(field.path_factor.size()) + " path factors, expected " + std::to_string(count) + " or none");
 }
+
+const float* field_factor(const VectorField& field) { return field.path_factor.empty() ? nullptr : field.path_factor.data(); }
 
 }  // namespace
 
@@ -68,7 +73,7 @@ Tracker::Tracker(const NpOptions& options, ParticleSet particles, double start_t
 void Tracker::step(const VectorField& field, double time) {
   check_field(field);
   advance(Nodes<float>{field.grid, field.anchor, field.displacement.data(), field.status.data(),
-                       field.cov.empty() ? nullptr : field.cov.data(), field.correlation_length},
+                       field.cov.empty() ? nullptr : field.cov.data(), field.correlation_length, 1, field_factor(field)},
           time);
 }
 

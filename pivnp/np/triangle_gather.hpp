@@ -167,6 +167,8 @@ class GridTriangles {
       out.displacement.push_back({double(nodes.displacement[n][0]), double(nodes.displacement[n][1])});
     out.status.assign(nodes.status, nodes.status + count);
     if (nodes.cov != nullptr) out.cov.assign(nodes.cov, nodes.cov + count);
+    for (std::size_t n = 0; nodes.path_factor != nullptr && n < out.cov.size(); ++n)
+      for (float& c : out.cov[n]) c *= nodes.path_factor[n];
     return out;
   }
   Nodes<Real> nodes_;

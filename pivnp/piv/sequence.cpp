@@ -29,6 +29,9 @@ struct Components {
 // A field of a group of pairs, what it adds to the variance of each of them, and the square of the bias that it leaves.
 struct GroupField {
   Components value, variance, lost;
+  // Of the errors that pairs share, summed over the groups within groups: their variance, and that times the number of the
+  // group's first pair. The sum of k such errors has k^2 times their variance, to which the k-th adds 2 k - 1.
+  Components shared, shared_from;
 };
 
 // What is known of a place of the material in a pair.
@@ -86,6 +89,7 @@ struct SequenceCorrelator::Impl {
     pair.measured = {field->u, field->v}, pair.smooth = {field->smooth_u, field->smooth_v};
     pair.variance = {field->variance_u, field->variance_v};
     pair.trusted = field->trusted;
+    pair.vectors.path_factor.assign(pair.vectors.displacement.size(), 1.0f);
   }
 
   template <class Function>
@@ -152,10 +156,11 @@ struct SequenceCorrelator::Impl {
     });
   }
 
-  // Adds what is left of value - base after shrinkage to the base, and `pairs` times its variance to the variance: an
+  // Adds what is left of value - base after shrinkage to the base, and `pairs_sharing` times its variance to the variance: an
   // error that as many pairs share adds up along paths, and their errors are summed as if independent. Of what smoothing has
-  // lost, only what larger groups have not shown already.
-  GroupField shrunk(const Components& value, const GroupField& base, float caution, float pairs_sharing) const {
+  // lost, only what larger groups have not shown already. `first`: of these pairs.
+  GroupField shrunk(const Components& value, const GroupField& base, float caution, float pairs_sharing,
+                    float first) const {
     GroupField out = base;
     SmoothedField smooth;
     std::vector<float> off(lattice.size()), lost;
@@ -165,12 +170,16 @@ struct SequenceCorrelator::Impl {
       for (std::size_t k = 0; k < off.size(); ++k) {
         (out.value.*part)[k] += smooth.value[k];
         (out.variance.*part)[k] += pairs_sharing * smooth.variance[k];
+        (out.shared.*part)[k] += smooth.variance[k];
+        (out.shared_from.*part)[k] += first * smooth.variance[k];
         off[k] -= smooth.value[k];
       }
       lost_variance(lattice, off, wanted, threads, lost);
       for (std::size_t k = 0; k < off.size(); ++k) {
         const float more = std::max(0.0f, lost[k] - (base.lost.*part)[k]);
         (out.variance.*part)[k] += pairs_sharing * more;
+        (out.shared.*part)[k] += more;
+        (out.shared_from.*part)[k] += first * more;
         (out.lost.*part)[k] += more;
       }
     }
@@ -212,7 +221,7 @@ struct SequenceCorrelator::Impl {
     });
     depart_smoothly(base, most, mean);
     const GroupField field = shrunk(mean, base, end - begin == held.size() ? group_caution : 1.0f,
-                                    static_cast<float>(end - begin));
+                                    static_cast<float>(end - begin), static_cast<float>(begin));
     const std::size_t parts = std::min<std::size_t>(branches, end - begin);
     for (std::size_t part = 0; part < parts; ++part)
       divide(begin + (end - begin) * part / parts, begin + (end - begin) * (part + 1) / parts, field);
@@ -272,6 +281,12 @@ struct SequenceCorrelator::Impl {
 
   // The pair's own departure from what its group says, on its own lattice.
   void finish_pair(HeldPair& pair, const GroupField& group_field) {
+    const auto doubled = static_cast<float>(2 * (&pair - held.data()) + 1);
+    Components along;  // what the pair adds to the variance of a path from the first pair on
+    along.resize(lattice.size());
+    for (const auto part : {&Components::u, &Components::v})
+      for (std::size_t k = 0; k < lattice.size(); ++k)
+        (along.*part)[k] = doubled * (group_field.shared.*part)[k] - 2 * (group_field.shared_from.*part)[k];
     constexpr int iterations = 6;
     constexpr float farthest = 1e3f;  // pixels of the level; a group's field that is read so far off was read beyond its end
     Components carried;
@@ -280,8 +295,9 @@ struct SequenceCorrelator::Impl {
       carried.u[k] = pair.path.u[k] - column(lattice, i), carried.v[k] = pair.path.v[k] - row(lattice, j);
     });
     const SplineField way = spline(carried), known = spline(group_field.value), spread = spline(group_field.variance),
-                      given_up = spline(group_field.lost);
+                      given_up = spline(group_field.lost), adding = spline(along);
     GroupField base;
+    base.shared.resize(lattice.size()), base.shared_from.resize(lattice.size());
     base.value.resize(lattice.size()), base.variance.resize(lattice.size()), base.lost.resize(lattice.size());
     each_point([&](int i, int j, std::size_t k) {
       float x = column(lattice, i), y = row(lattice, j);
@@ -296,17 +312,22 @@ struct SequenceCorrelator::Impl {
         base.value.u[k] = pair.smooth.u[k], base.value.v[k] = pair.smooth.v[k];
         base.variance.u[k] = pair.variance.u[k], base.variance.v[k] = pair.variance.v[k];
         base.lost.u[k] = base.lost.v[k] = 0;
+        along.u[k] = pair.variance.u[k], along.v[k] = pair.variance.v[k];
         return;
       }
       base.value.u[k] = value[0] + rest[0], base.value.v[k] = value[1] + rest[1];
       base.variance.u[k] = std::max(variance[0], 0.0f), base.variance.v[k] = std::max(variance[1], 0.0f);
       base.lost.u[k] = std::max(lost[0], 0.0f), base.lost.v[k] = std::max(lost[1], 0.0f);
+      const auto path = adding.at(x, y);
+      along.u[k] = std::max(path[0], 0.0f), along.v[k] = std::max(path[1], 0.0f);
     });
     Components own = pair.measured;
     depart_smoothly(base, pair.trusted, own);
-    GroupField change = shrunk(own, base, 1, 1);
+    GroupField change = shrunk(own, base, 1, 1, 0);
     const std::vector<float> share = steady_share(pair, base, change);
     for (std::size_t k = 0; k < lattice.size(); ++k) {
+      along.u[k] = share[k] * (along.u[k] + change.variance.u[k] - base.variance.u[k] - pair.variance.u[k]);
+      along.v[k] = share[k] * (along.v[k] + change.variance.v[k] - base.variance.v[k] - pair.variance.v[k]);
       change.value.u[k] = share[k] * (change.value.u[k] - pair.smooth.u[k]);
       change.value.v[k] = share[k] * (change.value.v[k] - pair.smooth.v[k]);
       change.variance.u[k] = share[k] * (change.variance.u[k] - pair.variance.u[k]);
@@ -335,10 +356,13 @@ struct SequenceCorrelator::Impl {
       const std::size_t k = lattice.index(nearest(x, column(lattice, 0), lattice.nx), nearest(y, row(lattice, 0), lattice.ny));
       auto& cov = pair.vectors.cov[n];
       const std::array<float, 2> before{cov[0], cov[1]};
+      const float path = std::max(0.0f, cov[0] + d * d * along.u[k]) + std::max(0.0f, cov[1] + d * d * along.v[k]) +
+                         doubled * d * d * (rim.u[k] * rim.u[k] + rim.v[k] * rim.v[k]);
       // What else the covariance holds (truncation, interpolation) stays.
       cov[0] += d * d * change.variance.u[k], cov[1] += d * d * change.variance.v[k];
       cov[2] *= std::sqrt(cov[0] / before[0] * (cov[1] / before[1]));
       cov[0] += all * d * d * rim.u[k] * rim.u[k], cov[1] += all * d * d * rim.v[k] * rim.v[k], cov[2] += all * d * d * rim.u[k] * rim.v[k];
+      if (const float factor = path / (cov[0] + cov[1]); std::isfinite(factor)) pair.vectors.path_factor[n] = factor;
     }
   }
 };
@@ -381,7 +405,7 @@ std::vector<PixelVectors> SequenceCorrelator::finish() {
   if (impl_->together && impl_->held.size() > 1) {
     impl_->find_paths();
     const std::vector<float> zero(impl_->lattice.size(), 0.0f);
-    impl_->divide(0, impl_->held.size(), {{zero, zero}, {zero, zero}, {zero, zero}});
+    impl_->divide(0, impl_->held.size(), {{zero, zero}, {zero, zero}, {zero, zero}, {zero, zero}, {zero, zero}});
   }
   std::vector<PixelVectors> out;
   for (HeldPair& pair : impl_->held) out.push_back(std::move(pair.vectors));

@@ -63,7 +63,7 @@ inline Measured measure(const Sequence& s, const PivOptions& options, int thread
     for (PixelVectors& v : correlator.finish()) {
       const int pair = static_cast<int>(out.pairs.size());
       out.pairs.push_back({{pair, pair + 1}, v.anchor, out.grid, std::move(v.displacement), std::move(v.status),
-                           std::move(v.cov), v.correlation_px, std::move(v.score)});
+                           std::move(v.cov), v.correlation_px, std::move(v.score), std::move(v.path_factor)});
     }
   }
   return out;

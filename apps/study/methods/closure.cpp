@@ -60,7 +60,8 @@ Closed close_chain(const np::NpOptions& options, const Grid& grid, int first, in
   Closed out;
   std::size_t valid = 0, closed = 0;
   for (int k = first; k < first + steps; ++k) {
-    const VectorField field = pair(k);
+    VectorField field = pair(k);
+    field.path_factor.clear();  // of paths from the first frame on
     if (k == first) {
       valid = std::size_t(std::count(field.status.begin(), field.status.end(), VectorStatus::valid));
       out.correlation_length = double(field.correlation_length);
@@ -162,7 +163,10 @@ void add_repeated(const ClosureNote& note, int step, VectorField& field) {
     const double moved = std::hypot(double(field.displacement[n][0]), double(field.displacement[n][1]));
     const double alike = moved > 0 ? double(field.correlation_length) / moved : std::numeric_limits<double>::infinity();
     const auto times = static_cast<float>(2 * std::min(double(step), std::max(1.0, alike)) - 1);
+    const float before = field.cov[n][0] + field.cov[n][1], more = times * (note.repeated[n][0] + note.repeated[n][1]);
     for (std::size_t k = 0; k < 3; ++k) field.cov[n][k] += times * note.repeated[n][k];
+    // It has its own share of what adds up.
+    if (!field.path_factor.empty() && before + more > 0) field.path_factor[n] = (field.path_factor[n] * before + more) / (before + more);
   }
 }
 

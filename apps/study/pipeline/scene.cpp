@@ -299,6 +299,7 @@ VectorField world_vectors(const piv::PixelVectors& pixels, const piv::NodeLattic
   out.grid = setting.grid;
   out.status = pixels.status;
   out.score = pixels.score;
+  out.path_factor = pixels.path_factor;
   out.correlation_length = pixels.correlation_px * static_cast<float>(setting.grid.spacing.x() / node_spacing_px(setting));
   const image::Camera &first = setting.camera_at(pair[0]), &second = setting.camera_at(pair[1]);
   const std::size_t count = setting.grid.node_count();

@@ -19,6 +19,8 @@ struct VectorField {
   std::vector<std::array<float, 3>> cov;  // random error (uu, vv, uv), length^2
   float correlation_length = 0;           // distance within which the errors of vectors are alike
   std::vector<float> score;               // correlation coefficient of the matched subset, -1 .. 1; NaN if failed
+  // Of pairs that share errors: what this one adds to the covariance of a path from the first of them on, over cov. Empty: 1.
+  std::vector<float> path_factor = {};
 };
 
 }  // namespace pivnp

@@ -198,7 +198,7 @@ void RecordWriter::add_pair(const VectorField& field) {
   const std::size_t nodes = field.grid.node_count();
   require(field.grid == impl_->head.grid, "a pair on another grid than the record's");
   require(field.displacement.size() == nodes && field.status.size() == nodes && field.cov.size() == nodes &&
-              field.score.size() == nodes, "a pair whose arrays do not fit its grid");
+              field.score.size() == nodes && (field.path_factor.empty() || field.path_factor.size() == nodes), "a pair whose arrays do not fit its grid");
   impl_->add("piv", pair_arrays(impl_->head.grid, impl_->units, &field));
 }
 

@@ -23,6 +23,7 @@ std::vector<ItemArray> pair_arrays(const Grid& grid, const Units& units, const V
       {"cov", Type::f32, {ny, nx, 3}, units.length2(), f ? f->cov.data() : nullptr},
       {"score", Type::f32, {ny, nx}, "1", f ? f->score.data() : nullptr},
       {"correlation_length", Type::f32, {}, units.length, f ? &f->correlation_length : nullptr},
+      {"path_factor", Type::f32, {ny, nx}, "1", f && !f->path_factor.empty() ? f->path_factor.data() : nullptr, true},
   };
 }
 

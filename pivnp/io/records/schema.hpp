@@ -43,6 +43,7 @@ struct ItemArray {
   h5::Shape item;  // shape of one item
   std::string unit;
   const void* data = nullptr;
+  bool optional = false;  // of pairs: absent in older records, and where no pair has it
 
   std::size_t bytes() const { return h5::size_of(type) * h5::product(item); }
 };

@@ -1,6 +1,7 @@
 #include "pivnp/io/records/segment.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <map>
 #include <stdexcept>
@@ -216,7 +217,9 @@ VectorField read_pair(const h5::Source& source, const std::string& group, const 
   VectorField f;
   f.grid = grid;
   std::vector<h5::Dataset> datasets;  // of the right shapes, before there is room for what they hold
+  const bool factors = source.has(group + "/path_factor");
   for (const ItemArray& a : pair_arrays(grid, Units{}, nullptr)) {
+    if (a.optional && !factors) continue;
     h5::Dataset d = source.dataset(group + "/" + a.name);
     h5::Shape expected{d.shape().empty() ? 0 : d.shape()[0]};
     expected.insert(expected.end(), a.item.begin(), a.item.end());
@@ -228,9 +231,12 @@ VectorField read_pair(const h5::Source& source, const std::string& group, const 
   f.status.resize(nodes);
   f.cov.resize(nodes);
   f.score.resize(nodes);
+  if (factors) f.path_factor.resize(nodes);
   const std::vector<ItemArray> arrays = pair_arrays(grid, Units{}, &f);
-  for (std::size_t k = 0; k < arrays.size(); ++k)
+  for (std::size_t k = 0; k < datasets.size(); ++k)
     datasets[k].read(arrays[k].type, index, 1, const_cast<void*>(arrays[k].data));  // `f`'s own
+  // A pair without one among others that have it.
+  if (std::all_of(f.path_factor.begin(), f.path_factor.end(), [](float v) { return !(std::abs(v) > 0); })) f.path_factor.clear();
   if (f.anchor != Anchor::forward && f.anchor != Anchor::central)
     throw InputError(source.name() + ": " + group + "/anchor: pair " + std::to_string(index) + " has anchor " +
                      std::to_string(int(f.anchor)) + ", expected 0 or 1");

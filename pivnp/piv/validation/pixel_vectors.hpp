@@ -16,6 +16,7 @@ struct PixelVectors {
   std::vector<std::array<float, 3>> cov;
   std::vector<float> score;
   float correlation_px = 0;  // distance within which errors of vectors are alike (half the width they average over)
+  std::vector<float> path_factor = {};  // VectorField's; empty: 1
 };
 
 }  // namespace pivnp::piv

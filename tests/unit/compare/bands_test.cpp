@@ -114,5 +114,33 @@ TEST(Bands, OfTwoMotions) {
   EXPECT_EQ(metric(same, "band_thickness_difference").value, 0);
 }
 
+// A band that bends by 40 degrees, of which the second shows the first half: over what both show they are the same.
+TEST(Bands, AreComparedOverWhatBothShow) {
+  const ParticleSet set = particles_at(square_lattice(70, 50, 1), 1);
+  const auto bent = [&](const std::string& name, double until) {
+    return motion_of(name, set, {0, 1, 2}, [](const Vec2&, double) { return Vec2(0, 0); },
+        [=](const Vec2& x, double t) -> Mat2 {
+          const double line = 10 + (x.x() > 35 ? .84 * (x.x() - 35) : 0), s = (x.y() - line) / 2;
+          Mat2 F = Mat2::Identity();
+          F(0, 1) = x.x() < until ? .25 * t * (1 - .012 * x.x()) * std::exp(-.5 * s * s) : 0;
+          return F;
+        });
+  };
+  const Comparison c = compared(bent("a", 100), bent("b", 36));
+  EXPECT_NEAR(metric(c, "band_inclination_difference").value, 0, 1.5);
+  EXPECT_NEAR(metric(c, "band_peak_difference").value, 0, .01);
+  // Side by side without a common stretch they are two bands.
+  const auto half = [&](const std::string& name, double from, double to) {
+    return motion_of(name, set, {0, 1}, [](const Vec2&, double) { return Vec2(0, 0); },
+        [=](const Vec2& x, double t) -> Mat2 {
+          Mat2 F = Mat2::Identity();
+          if (x.x() > from && x.x() < to) F(0, 1) = .3 * t * std::exp(-.5 * std::pow((x.y() - 20) / 2, 2));
+          return F;
+        });
+  };
+  const Comparison apart = compared(half("a", 0, 30), half("b", 40, 70));
+  EXPECT_EQ(find(apart.metrics, "band_inclination_difference"), nullptr);
+}
+
 }  // namespace
 }  // namespace pivnp::compare

@@ -193,6 +193,29 @@ TEST(Uncertainty, OfAThinEndIsTheGreater) {
   }
 }
 
+// Particles at a thin front are known least: what is read off it is as uncertain as they are, along it and by their height over its
+// slope, and not as all particles are on average.
+TEST(Uncertainty, OfAThinEndIsThatOfItsParticles) {
+  constexpr double h = .05, tangent = .5, width = 4 / tangent;
+  CompareOptions options;
+  options.slope_base_m = 0;
+  std::vector<Vec2> wedge;
+  for (const Vec2& x : square_lattice(int(width / h) + 1, int(4 / h), h))
+    if (x.y() < (width - x.x()) * tangent) wedge.push_back(x);
+  const MotionMemory still = motion_of("a", particles_at(wedge, h), {0, 1}, [](const Vec2&, double t) { return Vec2(1e-6 * t, 0); });
+  MotionMemory a("b", "m", "s", still.particles());
+  for (std::size_t k = 0; k < 2; ++k) {
+    MotionFrame f = still.frame(k);
+    for (const Vec2& x : wedge) f.cov_u.push_back(x.x() > .8 * width ? std::array<float, 3>{.04f, .01f, 0} : std::array<float, 3>{1e-6f, 1e-6f, 0});
+    a.add(std::move(f));
+  }
+  const Comparison c = compared(a, a, options);
+  const double drawn = h / std::sqrt(12.0), tip = std::hypot(.2, .1 / tangent);
+  EXPECT_NEAR(metric(c, "run_out_x_first").uncertainty, std::hypot(drawn * (1 + 1 / tangent), tip), .05 * tip);
+  EXPECT_NEAR(metric(c, "toe_x_first").uncertainty, std::hypot(drawn * std::hypot(1, 1 / tangent), tip), .05 * tip);
+  EXPECT_LT(metric(c, "crest_height_first").uncertainty, .5 * tip);
+}
+
 TEST(Uncertainty, OfSomeParticlesAloneIsSaid) {
   const MotionMemory a = measured(3, 0.01, 0, "a");
   MotionMemory b("b", "m", "s", a.particles());

@@ -153,6 +153,30 @@ TEST(Reading, WhatPairsShareAddsUp) {
   EXPECT_EQ(straight.state()[0].cov_F[0], resumed.state()[0].cov_F[0]);
 }
 
+// What cov counts along a path is not what a gradient is off by; where nodes have failed, by a local fit too.
+TEST(Reading, APathFactorCountsInTheDisplacementAlone) {
+  for (const ShapeFunctions shape : {ShapeFunctions::bspline3, ShapeFunctions::bilinear, ShapeFunctions::quadratic, ShapeFunctions::triangles})
+    for (const bool gap : {false, true}) {
+      VectorField field = vector_field(reading::shear_wave(1e6, 0, 0), {0, 1});
+      field.cov.assign(field.grid.node_count(), {4e-4f, 1e-4f, 1e-5f});
+      if (gap) field.status[field.grid.node(15, 15)] = VectorStatus::failed;
+      const ParticleSet set = reading::particles_at({{250, 250}});
+      Tracker plain(reading::with(shape), set, 0), factored(reading::with(shape), set, 0);
+      plain.step(field, 1), factored.step(field, 1);
+      field.path_factor.assign(field.grid.node_count(), 3);
+      factored.step(field, 2);
+      const auto one = plain.state()[0], both = factored.state()[0];
+      ASSERT_EQ(one.status, gap && shape != ShapeFunctions::triangles ? ParticleStatus::flagged : one.status);
+      for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(both.cov[k], 4 * one.cov[k], 1e-6 * one.cov[0]) << int(shape) << gap;
+      if (!gap && shape != ShapeFunctions::triangles) {
+        EXPECT_NEAR(both.cov_F[0], 2 * one.cov_F[0], 1e-6 * one.cov_F[0]);
+      }
+    }
+  VectorField field = vector_field(reading::shear_wave(1e6, 0, 0), {0, 1});
+  field.path_factor.assign(7, 1);
+  EXPECT_THROW(Tracker({}, reading::particles_at({{250, 250}}), 0).step(field, 1), InputError);
+}
+
 // Of a gradient: the scatter over many runs against cov_F.
 TEST(Reading, TheCovarianceOfFIsThatOfItsScatter) {
   std::mt19937 random(8);

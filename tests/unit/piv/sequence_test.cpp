@@ -125,6 +125,39 @@ TEST(Sequences, TheRimOfShearedMaterialStatesItsGradient) {
   EXPECT_LT(std::sqrt(inside / insides), .5 * stated);
 }
 
+// What pairs share adds up along a path: a few of them have less of it than their number would say, all of them as much as their
+// covariances together.
+TEST(Sequences, WhatPairsShareCountsByTheirNumberSoFar) {
+  Sequence s{.frames = 21, .seed = 79, .noise = .03};
+  s.width = s.height = 192;
+  s.place = sequence::uniform(.7, .3);
+  const sequence::Measured m = sequence::measure(s, {}, 2);
+  double few = 0, few_alone = 0, all = 0, all_alone = 0, off_few = 0, off_all = 0, count = 0;
+  for (int j = 4; j + 4 < m.grid.ny; ++j)
+    for (int i = 4; i + 4 < m.grid.nx; ++i) {
+      const std::size_t n = m.grid.node(i, j);
+      double off = 0;
+      ++count;
+      for (std::size_t k = 0; k < m.pairs.size(); ++k) {
+        const VectorField& pair = m.pairs[k];
+        ASSERT_EQ(pair.path_factor.size(), pair.cov.size());
+        const double alone = double(pair.cov[n][0]), along = alone * double(pair.path_factor[n]);
+        off += double(pair.displacement[n][0]) - .7;
+        if (k < 3) few += along, few_alone += alone;
+        if (k == 2) off_few += off * off;
+        all += along, all_alone += alone;
+      }
+      off_all += off * off;
+    }
+  EXPECT_LT(few, .5 * few_alone);
+  EXPECT_NEAR(all, all_alone, .1 * all_alone);
+  test::verification_row("sequence, uniform: stated by error after 3 and 20 pairs", "below 3.5 and 2.5",
+                         std::to_string(std::sqrt(few / off_few)) + ", " + std::to_string(std::sqrt(all / off_all)));
+  EXPECT_LT(std::sqrt(few / off_few), 3.5);
+  EXPECT_LT(std::sqrt(all / off_all), 2.5);
+  EXPECT_GT(std::sqrt(all / off_all), .8);
+}
+
 // A pair alone, and methods without a field of their own, yield what the pair correlator yields.
 TEST(Sequences, APairAloneIsAPair) {
   Sequence s{.frames = 3, .seed = seed, .noise = .02};

@@ -52,7 +52,7 @@ expected = {
     "frames/name": (text, (frames,), ""), "frames/time": ("f8", (frames,), T), "frames/flag": ("u1", (frames,), ""),
     "piv/pair": ("i4", (K, 2), ""), "piv/anchor": ("u1", (K,), ""), "piv/displacement": ("f4", (K, ny, nx, 2), L),
     "piv/status": ("u1", (K, ny, nx), ""), "piv/cov": ("f4", (K, ny, nx, 3), L + "^2"), "piv/score": ("f4", (K, ny, nx), "1"),
-    "piv/correlation_length": ("f4", (K,), L),
+    "piv/correlation_length": ("f4", (K,), L), "piv/path_factor": ("f4", (K, ny, nx), "1"),
     "compare/fields/difference_x/time": ("f8", (2,), T), "compare/fields/difference_x/id": ("i8", (P,), ""),
     "compare/fields/difference_x/value": ("f4", (2, P), "m"),
     "compare/tables/over_space/time": ("f8", (2,), "s"),

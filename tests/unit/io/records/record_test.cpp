@@ -29,6 +29,7 @@ void expect_same(const VectorField& a, const VectorField& b) {
   EXPECT_TRUE(same_bits(a.status, b.status));
   EXPECT_TRUE(same_bits(a.cov, b.cov));
   EXPECT_TRUE(same_bits(a.score, b.score));
+  EXPECT_TRUE(same_bits(a.path_factor, b.path_factor));
 }
 
 void expect_same(const MotionFrame& a, const MotionFrame& b) {

@@ -54,6 +54,7 @@ inline VectorField pair(const Size& s, std::size_t k) {
     f.displacement[i] = {value(k, i, 0), value(k, i, 1)};
     f.cov[i] = {value(k, i, 2), value(k, i, 3), value(k, i, 4)};
     f.score[i] = value(k, i, 5);
+    if (k > 0) f.path_factor.push_back(value(k, i, 6));  // the first has none
     f.status[i] = static_cast<VectorStatus>((k + i) % 5);
     if (f.status[i] == VectorStatus::failed)
       f.displacement[i][0] = f.score[i] = std::numeric_limits<float>::quiet_NaN();
