@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <exception>
 
-#include "pivnp/image/image_file.hpp"
+#include "pivnp/image/files/image_file.hpp"
 #include "pivnp/piv/piv.hpp"
 
 int main(int argc, char** argv) try {

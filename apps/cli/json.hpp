@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "apps/study/pipeline/settings.hpp"
+#include "apps/study/pipeline/scene/settings.hpp"
 
 namespace pivnp::app {
 

@@ -1,8 +1,8 @@
 // A frame as it is drawn under results: without the lens's bends. For pictures only; what is measured is never resampled.
 #pragma once
 
-#include "pivnp/image/camera.hpp"
-#include "pivnp/image/mask.hpp"
+#include "pivnp/image/camera/camera.hpp"
+#include "pivnp/image/masks/mask.hpp"
 
 namespace pivnp::image {
 

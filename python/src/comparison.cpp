@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "apps/study/pipeline/outcome.hpp"
+#include "apps/study/pipeline/record/outcome.hpp"
 #include "compare/compare.hpp"
 #include "python/src/guard.hpp"
 #include "python/src/parts.hpp"

@@ -1,7 +1,7 @@
 // The extension module pivnp._core: engines on arrays. What users see is made of it in python/pivnp/.
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/version.hpp"
-#include "pivnp/image/image_file.hpp"
+#include "pivnp/image/files/image_file.hpp"
 #include "python/src/parts.hpp"
 
 namespace pivnp::python {

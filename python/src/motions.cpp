@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "apps/study/pipeline/opened_motion.hpp"
+#include "apps/study/pipeline/record/opened_motion.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/derived.hpp"
 #include "pivnp/core/particles/fields.hpp"

@@ -1,7 +1,7 @@
 // The material point solver on a case given as text.
 #include <pybind11/stl.h>
 
-#include "apps/study/pipeline/simulation_scene.hpp"
+#include "apps/study/pipeline/scene/simulation_scene.hpp"
 #include "pivnp/core/error.hpp"
 #include "python/src/guard.hpp"
 #include "python/src/parts.hpp"

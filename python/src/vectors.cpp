@@ -4,9 +4,9 @@
 #include <cmath>
 #include <cstring>
 
-#include "apps/study/pipeline/scene.hpp"
+#include "apps/study/pipeline/scene/scene.hpp"
 #include "pivnp/core/error.hpp"
-#include "pivnp/image/image_file.hpp"
+#include "pivnp/image/files/image_file.hpp"
 #include "pivnp/piv/piv.hpp"
 #include "pivnp/piv/sequence.hpp"
 #include "python/src/guard.hpp"

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "pivnp/image/frames.hpp"
+#include "pivnp/image/frames/frames.hpp"
 
 namespace pivnp::test {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "pivnp/image/synthetic_pair.hpp"
+#include "pivnp/image/synthetic/synthetic_pair.hpp"
 
 namespace pivnp::piv {
 

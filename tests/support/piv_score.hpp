@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "pivnp/image/synthetic_pair.hpp"
+#include "pivnp/image/synthetic/synthetic_pair.hpp"
 #include "pivnp/piv/piv.hpp"
 
 namespace pivnp::piv {

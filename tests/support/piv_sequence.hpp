@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "pivnp/core/math.hpp"
-#include "pivnp/image/synthetic.hpp"
+#include "pivnp/image/synthetic/synthetic.hpp"
 
 namespace pivnp::piv {
 

@@ -16,8 +16,8 @@
 #include <filesystem>
 
 #include "apps/case/case.hpp"
-#include "apps/study/methods/tracking.hpp"
-#include "apps/study/pipeline/measure.hpp"
+#include "apps/study/methods/paths/tracking.hpp"
+#include "apps/study/pipeline/measure/measure.hpp"
 #include "pivnp/core/text.hpp"
 #include "pivnp/piv/window/subset.hpp"
 #include "tests/support/verification.hpp"

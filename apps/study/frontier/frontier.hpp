@@ -7,7 +7,7 @@
 
 #include "apps/case/case.hpp"
 #include "apps/study/frontier/front.hpp"
-#include "apps/study/pipeline/settings.hpp"
+#include "apps/study/pipeline/scene/settings.hpp"
 #include "pivnp/core/progress.hpp"
 
 namespace pivnp::app {

@@ -13,7 +13,7 @@
 #include <limits>
 #include <string>
 
-#include "apps/study/pipeline/statistics.hpp"
+#include "apps/study/pipeline/measure/statistics.hpp"
 #include "pivnp/core/error.hpp"
 
 namespace pivnp::app {

@@ -8,7 +8,7 @@
 
 #include "apps/plot/files.hpp"
 #include "apps/study/frontier/written_pages.hpp"
-#include "apps/study/pipeline/scene.hpp"
+#include "apps/study/pipeline/scene/scene.hpp"
 #include "apps/study/stress/cells.hpp"
 #include "apps/study/stress/compare/compare_maps.hpp"
 #include "apps/study/stress/mpm/mpm_maps.hpp"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "apps/case/case.hpp"
-#include "apps/study/pipeline/settings.hpp"
+#include "apps/study/pipeline/scene/settings.hpp"
 #include "apps/study/stress/survival_map.hpp"
 #include "pivnp/core/progress.hpp"
 

@@ -9,7 +9,7 @@
 #include "apps/plot/numbers.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
-#include "pivnp/image/frame_files.hpp"
+#include "pivnp/image/files/frame_files.hpp"
 
 namespace pivnp::app {
 

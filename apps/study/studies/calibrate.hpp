@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "pivnp/image/calibration.hpp"
+#include "pivnp/image/calibration/calibration.hpp"
 
 namespace pivnp::app {
 

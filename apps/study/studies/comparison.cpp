@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "apps/study/pipeline/report_input.hpp"
+#include "apps/study/pipeline/record/report_input.hpp"
 
 namespace pivnp::app {
 

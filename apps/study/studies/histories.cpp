@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "apps/study/pipeline/outcome.hpp"
+#include "apps/study/pipeline/record/outcome.hpp"
 #include "compare/measures/history.hpp"
 #include "compare/metrics/limits.hpp"
 #include "compare/metrics/rows.hpp"

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/study/pipeline/opened_motion.hpp"
-#include "apps/study/pipeline/outcome.hpp"
-#include "apps/study/pipeline/report_input.hpp"
+#include "apps/study/pipeline/record/opened_motion.hpp"
+#include "apps/study/pipeline/record/outcome.hpp"
+#include "apps/study/pipeline/record/report_input.hpp"
 #include "apps/study/studies/histories.hpp"
 #include "compare/metrics/limits.hpp"
 #include "pivnp/core/error.hpp"

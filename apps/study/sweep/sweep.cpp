@@ -8,7 +8,7 @@
 
 #include "apps/plot/files.hpp"
 #include "apps/study/frontier/written_pages.hpp"
-#include "apps/study/pipeline/scene.hpp"
+#include "apps/study/pipeline/scene/scene.hpp"
 #include "apps/study/sweep/plan.hpp"
 #include "apps/study/sweep/responses.hpp"
 #include "apps/study/sweep/runs.hpp"

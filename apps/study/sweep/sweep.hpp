@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "apps/case/case.hpp"
-#include "apps/study/pipeline/settings.hpp"
+#include "apps/study/pipeline/scene/settings.hpp"
 #include "pivnp/core/progress.hpp"
 
 namespace pivnp::app {

@@ -4,9 +4,9 @@
 #include <memory>
 
 #include "apps/case/case.hpp"
-#include "apps/study/pipeline/settings.hpp"
+#include "apps/study/pipeline/scene/settings.hpp"
 #include "pivnp/core/progress.hpp"
-#include "pivnp/image/frames.hpp"
+#include "pivnp/image/frames/frames.hpp"
 #include "pivnp/io/files/directory_lock.hpp"
 
 namespace pivnp::app {

@@ -6,18 +6,18 @@
 #include <functional>
 #include <optional>
 
-#include "apps/study/pipeline/opened_motion.hpp"
-#include "apps/study/pipeline/placed.hpp"
-#include "apps/study/pipeline/record_head.hpp"
-#include "apps/study/pipeline/simulation_scene.hpp"
-#include "apps/study/pipeline/sizes.hpp"
+#include "apps/study/pipeline/record/opened_motion.hpp"
+#include "apps/study/pipeline/scene/placed.hpp"
+#include "apps/study/pipeline/record/record_head.hpp"
+#include "apps/study/pipeline/scene/simulation_scene.hpp"
+#include "apps/study/pipeline/scene/sizes.hpp"
 #include "apps/study/synth/drawn_frames.hpp"
 #include "apps/study/synth/material_map.hpp"
 #include "apps/study/synth/truth.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
-#include "pivnp/image/synthetic.hpp"
-#include "pivnp/image/write.hpp"
+#include "pivnp/image/synthetic/synthetic.hpp"
+#include "pivnp/image/files/write.hpp"
 #include "pivnp/io/records/record.hpp"
 
 namespace pivnp::app {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "apps/case/case.hpp"
-#include "apps/study/pipeline/settings.hpp"
+#include "apps/study/pipeline/scene/settings.hpp"
 #include "pivnp/core/progress.hpp"
 #include "pivnp/io/files/directory_lock.hpp"
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "apps/study/pipeline/scene.hpp"
+#include "apps/study/pipeline/scene/scene.hpp"
 
 namespace pivnp::app {
 

@@ -8,7 +8,7 @@
 
 #include "pivnp/core/choice.hpp"
 #include "pivnp/core/error.hpp"
-#include "pivnp/image/synthetic.hpp"
+#include "pivnp/image/synthetic/synthetic.hpp"
 #include "pivnp/piv/piv.hpp"
 
 namespace pivnp::bench {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "pivnp/core/error.hpp"
-#include "pivnp/image/frames.hpp"
-#include "pivnp/image/synthetic_pair.hpp"
+#include "pivnp/image/frames/frames.hpp"
+#include "pivnp/image/synthetic/synthetic_pair.hpp"
 #include "pivnp/piv/dense/normal_sums.hpp"
 #include "tests/bench/piv/bench.hpp"
 #include "tests/bench/piv/limits.hpp"

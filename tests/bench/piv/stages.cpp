@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "pivnp/image/synthetic_pair.hpp"
+#include "pivnp/image/synthetic/synthetic_pair.hpp"
 #include "pivnp/piv/dense/normal_sums.hpp"
 #include "pivnp/piv/dense/shrink.hpp"
 #include "pivnp/piv/dense/spline_field.hpp"

@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "apps/case/case.hpp"
-#include "apps/study/pipeline/opened_motion.hpp"
+#include "apps/study/pipeline/record/opened_motion.hpp"
 #include "apps/study/studies/run.hpp"
 #include "compare/compare.hpp"
 

@@ -2,16 +2,16 @@
 //   criterion: of drawn sand below a sloping surface, at most 2 % of the air is left and at most 2 % of the sand taken, and the
 //     surface is met within 4 px, with a sky that is even, shaded or noisy; a frame of sand alone loses nothing; of a still
 //     background with texture, what sand has come to is given back, and what it has left is not.
-#include "pivnp/image/air_mask.hpp"
+#include "pivnp/image/masks/air_mask.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>
 
-#include "pivnp/image/mask.hpp"
-#include "pivnp/image/moving_mask.hpp"
-#include "pivnp/image/synthetic.hpp"
+#include "pivnp/image/masks/mask.hpp"
+#include "pivnp/image/masks/moving_mask.hpp"
+#include "pivnp/image/synthetic/synthetic.hpp"
 
 namespace pivnp::image {
 namespace air_mask_tests {

@@ -1,4 +1,4 @@
-#include "pivnp/image/camera.hpp"
+#include "pivnp/image/camera/camera.hpp"
 
 #include <gmock/gmock.h>
 

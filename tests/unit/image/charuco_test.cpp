@@ -7,9 +7,9 @@
 #include <array>
 #include <cmath>
 
-#include "pivnp/image/calibration.hpp"
-#include "pivnp/image/homography.hpp"
-#include "pivnp/image/write.hpp"
+#include "pivnp/image/calibration/calibration.hpp"
+#include "pivnp/image/camera/homography.hpp"
+#include "pivnp/image/files/write.hpp"
 #include "scratch.hpp"
 
 namespace pivnp::image {

@@ -1,4 +1,4 @@
-#include "pivnp/image/frame_files.hpp"
+#include "pivnp/image/files/frame_files.hpp"
 
 #include <gmock/gmock.h>
 

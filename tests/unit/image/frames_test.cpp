@@ -1,4 +1,4 @@
-#include "pivnp/image/frames.hpp"
+#include "pivnp/image/frames/frames.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,10 +1,10 @@
-#include "pivnp/image/image_file.hpp"
+#include "pivnp/image/files/image_file.hpp"
 
 #include <gmock/gmock.h>
 
 #include <cmath>
 
-#include "pivnp/image/image_check.hpp"
+#include "pivnp/image/files/image_check.hpp"
 #include "scratch.hpp"
 
 namespace pivnp::image {

@@ -1,7 +1,7 @@
 // Lens, window and calibration board.
 //   criterion: image -> ray -> image returns every pixel within 1e-6 px; the window's rays are Snell's; a lens found from
 //     drawn pictures of a board maps the image as the true one does within .02 px, once both look at one plane.
-#include "pivnp/image/lens.hpp"
+#include "pivnp/image/camera/lens.hpp"
 
 #include <gmock/gmock.h>
 
@@ -9,10 +9,10 @@
 #include <array>
 #include <cmath>
 
-#include "pivnp/image/calibration.hpp"
-#include "pivnp/image/camera.hpp"
-#include "pivnp/image/homography.hpp"
-#include "pivnp/image/mask.hpp"
+#include "pivnp/image/calibration/calibration.hpp"
+#include "pivnp/image/camera/camera.hpp"
+#include "pivnp/image/camera/homography.hpp"
+#include "pivnp/image/masks/mask.hpp"
 #include "pivnp/image/rectify.hpp"
 #include "scratch.hpp"
 

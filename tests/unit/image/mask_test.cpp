@@ -1,4 +1,4 @@
-#include "pivnp/image/mask.hpp"
+#include "pivnp/image/masks/mask.hpp"
 
 #include <gmock/gmock.h>
 

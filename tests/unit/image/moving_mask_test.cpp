@@ -1,13 +1,13 @@
 // Masks that differ from frame to frame.
 //   criterion: a prescribed tool covers what it covers at rest, shifted and turned; one mask image a frame, no more, no less;
 //     glare is what is bright in that very frame, grown by the pixels asked for.
-#include "pivnp/image/moving_mask.hpp"
+#include "pivnp/image/masks/moving_mask.hpp"
 
 #include <gmock/gmock.h>
 
 #include <fstream>
 
-#include "pivnp/image/write.hpp"
+#include "pivnp/image/files/write.hpp"
 #include "scratch.hpp"
 
 namespace pivnp::image {

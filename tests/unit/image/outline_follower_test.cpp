@@ -2,14 +2,14 @@
 //   criterion: shift within .25 px and turn within .7 px at the rim on drawn frames whose surroundings are textured and move on
 //     their own, for an outline that is given 2 px off; a circle is given no turn; a body that is covered is lost, and a body
 //     without an edge, or a straight edge, is refused.
-#include "pivnp/image/outline_follower.hpp"
+#include "pivnp/image/masks/outline_follower.hpp"
 
 #include <gmock/gmock.h>
 
 #include <cmath>
 #include <functional>
 
-#include "pivnp/image/synthetic.hpp"
+#include "pivnp/image/synthetic/synthetic.hpp"
 #include "scratch.hpp"
 
 namespace pivnp::image {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "pivnp/image/frames.hpp"
-#include "pivnp/image/mask.hpp"
+#include "pivnp/image/frames/frames.hpp"
+#include "pivnp/image/masks/mask.hpp"
 #include "scratch.hpp"
 
 namespace pivnp::image {

@@ -1,7 +1,7 @@
 // The motion that points at rest share.
 //   criterion: exact without noise; with a third of the points moving otherwise, off by less than 4 standard errors that it
 //     states; a standard error that holds (200 trials, within 25 %).
-#include "pivnp/image/similarity.hpp"
+#include "pivnp/image/camera/similarity.hpp"
 
 #include <gtest/gtest.h>
 

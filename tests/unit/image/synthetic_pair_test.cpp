@@ -1,5 +1,5 @@
 // Pairs of synthetic frames: the truth of both anchors by its own definition, and where the light of a blob ends up.
-#include "pivnp/image/synthetic_pair.hpp"
+#include "pivnp/image/synthetic/synthetic_pair.hpp"
 
 #include <gtest/gtest.h>
 

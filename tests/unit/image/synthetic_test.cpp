@@ -1,5 +1,5 @@
 // Synthetic frames: a blob is where it was put and as bright as asked, noise has the stated spread, seeds repeat.
-#include "pivnp/image/synthetic.hpp"
+#include "pivnp/image/synthetic/synthetic.hpp"
 
 #include <gtest/gtest.h>
 

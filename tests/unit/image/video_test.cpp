@@ -7,8 +7,8 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
-#include "pivnp/image/frames.hpp"
-#include "pivnp/image/sources.hpp"
+#include "pivnp/image/frames/frames.hpp"
+#include "pivnp/image/frames/sources.hpp"
 #include "scratch.hpp"
 
 namespace pivnp::image {

@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "pivnp/image/synthetic_pair.hpp"
+#include "pivnp/image/synthetic/synthetic_pair.hpp"
 #include "pivnp/piv/piv.hpp"
 #include "tests/support/piv_score.hpp"
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "pivnp/image/synthetic.hpp"
+#include "pivnp/image/synthetic/synthetic.hpp"
 #include "tests/unit/piv/scene.hpp"
 
 namespace pivnp::piv {

@@ -1,7 +1,7 @@
 // A camera that moves, followed by what is at rest.
 //   criterion: at most .02 px of its motion left anywhere in the image, by a zone, by targets and by the dominant motion; a
 //     zone of which a part moves, a zone that is lost, and a zone that moves though nothing was to be removed are said.
-#include "apps/study/methods/camera_motion.hpp"
+#include "apps/study/methods/frames/camera_motion.hpp"
 
 #include <gmock/gmock.h>
 
@@ -9,10 +9,10 @@
 #include <cmath>
 #include <functional>
 
-#include "apps/study/pipeline/measure.hpp"
+#include "apps/study/pipeline/measure/measure.hpp"
 #include "apps/study/synth/truth.hpp"
 #include "pivnp/core/error.hpp"
-#include "pivnp/image/synthetic.hpp"
+#include "pivnp/image/synthetic/synthetic.hpp"
 #include "tests/support/drawn_source.hpp"
 
 namespace pivnp::app {

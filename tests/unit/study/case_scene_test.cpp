@@ -6,9 +6,9 @@
 #include <memory>
 #include <string>
 
-#include "apps/study/pipeline/scene.hpp"
-#include "apps/study/pipeline/simulation_scene.hpp"
-#include "apps/study/pipeline/sizes.hpp"
+#include "apps/study/pipeline/scene/scene.hpp"
+#include "apps/study/pipeline/scene/simulation_scene.hpp"
+#include "apps/study/pipeline/scene/sizes.hpp"
 #include "apps/study/studies/check.hpp"
 #include "mpm/step/solver.hpp"
 #include "pivnp/core/error.hpp"

@@ -2,17 +2,17 @@
 //   criterion: where the stated error is right (still light, rotation that speeds up) nothing is added; where something
 //     stands still before the moving texture, paths whose error the stated one covers in less than half of the
 //     particles are covered in 95 % within three standard deviations.
-#include "apps/study/methods/closure.hpp"
+#include "apps/study/methods/paths/closure.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "apps/study/methods/repeated_cause.hpp"
-#include "apps/study/methods/tracking.hpp"
-#include "apps/study/pipeline/measure.hpp"
+#include "apps/study/methods/frames/repeated_cause.hpp"
+#include "apps/study/methods/paths/tracking.hpp"
+#include "apps/study/pipeline/measure/measure.hpp"
 #include "apps/study/synth/truth.hpp"
-#include "pivnp/image/synthetic.hpp"
+#include "pivnp/image/synthetic/synthetic.hpp"
 
 namespace pivnp::app {
 namespace {

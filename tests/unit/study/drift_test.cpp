@@ -7,10 +7,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/study/methods/drift.hpp"
-#include "apps/study/methods/tracking.hpp"
+#include "apps/study/methods/paths/drift.hpp"
+#include "apps/study/methods/paths/tracking.hpp"
 #include "apps/study/synth/truth.hpp"
-#include "pivnp/image/synthetic.hpp"
+#include "pivnp/image/synthetic/synthetic.hpp"
 
 namespace pivnp::app {
 namespace {

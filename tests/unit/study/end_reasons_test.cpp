@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "apps/report/report.hpp"
-#include "apps/study/pipeline/outcome.hpp"
+#include "apps/study/pipeline/record/outcome.hpp"
 #include "apps/study/study.hpp"
 #include "pivnp/core/particles/end_reason.hpp"
 #include "pivnp/io/records/record.hpp"

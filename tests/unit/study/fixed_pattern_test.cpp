@@ -6,9 +6,9 @@
 #include <cmath>
 #include <memory>
 
-#include "apps/study/methods/filters.hpp"
-#include "apps/study/methods/fixed_pattern.hpp"
-#include "apps/study/pipeline/measure.hpp"
+#include "apps/study/methods/frames/filters.hpp"
+#include "apps/study/methods/frames/fixed_pattern.hpp"
+#include "apps/study/pipeline/measure/measure.hpp"
 #include "tests/support/drawn_source.hpp"
 #include "tests/support/piv_sequence.hpp"
 

@@ -8,11 +8,11 @@
 #include <cmath>
 #include <functional>
 
-#include "apps/study/methods/filters.hpp"
-#include "apps/study/methods/stride.hpp"
-#include "apps/study/pipeline/measure.hpp"
+#include "apps/study/methods/frames/filters.hpp"
+#include "apps/study/methods/frames/stride.hpp"
+#include "apps/study/pipeline/measure/measure.hpp"
 #include "apps/study/synth/truth.hpp"
-#include "pivnp/image/synthetic.hpp"
+#include "pivnp/image/synthetic/synthetic.hpp"
 #include "tests/support/drawn_source.hpp"
 #include "tests/support/silent.hpp"
 

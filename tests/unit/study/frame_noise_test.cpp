@@ -6,10 +6,10 @@
 #include <memory>
 #include <vector>
 
-#include "apps/study/methods/frame_noise.hpp"
-#include "apps/study/methods/known_pairs.hpp"
-#include "apps/study/pipeline/scene.hpp"
-#include "pivnp/image/synthetic_pair.hpp"
+#include "apps/study/methods/frames/frame_noise.hpp"
+#include "apps/study/methods/frames/known_pairs.hpp"
+#include "apps/study/pipeline/scene/scene.hpp"
+#include "pivnp/image/synthetic/synthetic_pair.hpp"
 #include "tests/support/silent.hpp"
 
 namespace pivnp::app {

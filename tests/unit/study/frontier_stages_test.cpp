@@ -11,7 +11,7 @@
 #include "apps/study/frontier/piv/piv_frontier.hpp"
 #include "apps/study/frontier/piv/spacing_frontier.hpp"
 #include "apps/study/frontier/work.hpp"
-#include "apps/study/methods/known_pairs.hpp"
+#include "apps/study/methods/frames/known_pairs.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/silent.hpp"
 

@@ -9,9 +9,9 @@
 #include "apps/study/frontier/mpm/mpm_frontier.hpp"
 #include "apps/study/frontier/piv/piv_frontier.hpp"
 #include "apps/study/frontier/tables.hpp"
-#include "apps/study/methods/known_pairs.hpp"
+#include "apps/study/methods/frames/known_pairs.hpp"
 #include "pivnp/core/error.hpp"
-#include "pivnp/image/synthetic_pair.hpp"
+#include "pivnp/image/synthetic/synthetic_pair.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/silent.hpp"
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/study/pipeline/outcome.hpp"
+#include "apps/study/pipeline/record/outcome.hpp"
 #include "apps/study/study.hpp"
 #include "tests/support/scratch.hpp"
 

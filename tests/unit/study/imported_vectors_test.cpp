@@ -11,8 +11,8 @@
 #include <string>
 
 #include "apps/case/listing.hpp"
-#include "apps/study/pipeline/imported_vectors.hpp"
-#include "apps/study/pipeline/measure.hpp"
+#include "apps/study/pipeline/measure/imported_vectors.hpp"
+#include "apps/study/pipeline/measure/measure.hpp"
 #include "apps/study/study.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/io/imports/import_format.hpp"

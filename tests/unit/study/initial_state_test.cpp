@@ -5,8 +5,8 @@
 #include <fstream>
 #include <string>
 
-#include "apps/study/pipeline/scene.hpp"
-#include "apps/study/pipeline/simulation_scene.hpp"
+#include "apps/study/pipeline/scene/scene.hpp"
+#include "apps/study/pipeline/scene/simulation_scene.hpp"
 #include "mpm/step/solver.hpp"
 #include "pivnp/core/error.hpp"
 #include "tests/support/scratch.hpp"

@@ -1,18 +1,18 @@
 // Levelling: a simulation that is right, measured like the experiment, differs from it by noise alone where the plain
 // comparison shows the measurement's filter.
-#include "apps/study/methods/levelling.hpp"
-#include "apps/study/methods/texture.hpp"
+#include "apps/study/methods/paths/levelling.hpp"
+#include "apps/study/methods/frames/texture.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "apps/study/methods/tracking.hpp"
-#include "apps/study/pipeline/measure.hpp"
+#include "apps/study/methods/paths/tracking.hpp"
+#include "apps/study/pipeline/measure/measure.hpp"
 #include "apps/study/synth/truth.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
-#include "pivnp/image/synthetic.hpp"
+#include "pivnp/image/synthetic/synthetic.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/verification.hpp"
 

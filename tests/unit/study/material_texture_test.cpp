@@ -7,11 +7,11 @@
 #include <limits>
 
 #include "apps/case/case.hpp"
-#include "apps/study/pipeline/record_head.hpp"
+#include "apps/study/pipeline/record/record_head.hpp"
 #include "apps/study/synth/material_map.hpp"
 #include "apps/study/synth/synthesize.hpp"
 #include "pivnp/core/error.hpp"
-#include "pivnp/image/frames.hpp"
+#include "pivnp/image/frames/frames.hpp"
 #include "pivnp/io/records/record.hpp"
 
 namespace pivnp::app {

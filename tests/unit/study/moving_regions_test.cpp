@@ -10,10 +10,10 @@
 #include <filesystem>
 #include <memory>
 
-#include "apps/study/methods/tracking.hpp"
-#include "apps/study/pipeline/measure.hpp"
-#include "apps/study/pipeline/moving_regions.hpp"
-#include "apps/study/pipeline/record_head.hpp"
+#include "apps/study/methods/paths/tracking.hpp"
+#include "apps/study/pipeline/measure/measure.hpp"
+#include "apps/study/pipeline/measure/moving_regions.hpp"
+#include "apps/study/pipeline/record/record_head.hpp"
 #include "tests/support/drawn_source.hpp"
 #include "tests/support/piv_sequence.hpp"
 #include "tests/support/scratch.hpp"

@@ -1,12 +1,12 @@
 // Peak locking is remarked on from vectors of the world as from pixels, through an oblique camera, for both anchors.
-#include "apps/study/methods/peak_locking.hpp"
+#include "apps/study/methods/frames/peak_locking.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "pivnp/image/synthetic_pair.hpp"
+#include "pivnp/image/synthetic/synthetic_pair.hpp"
 
 namespace pivnp::app {
 namespace {

@@ -1,7 +1,7 @@
 // Which steps tracking takes past dropped frames.
 #include <gtest/gtest.h>
 
-#include "apps/study/methods/tracking.hpp"
+#include "apps/study/methods/paths/tracking.hpp"
 
 namespace pivnp::app {
 namespace {

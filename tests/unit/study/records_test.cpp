@@ -14,7 +14,7 @@
 #include "apps/study/study.hpp"
 #include "compare/metrics/rows.hpp"
 #include "pivnp/core/error.hpp"
-#include "pivnp/image/frames.hpp"
+#include "pivnp/image/frames/frames.hpp"
 #include "pivnp/io/records/record.hpp"
 #include "tests/support/added.hpp"
 #include "tests/support/scratch.hpp"

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "apps/study/pipeline/measure.hpp"
+#include "apps/study/pipeline/measure/measure.hpp"
 
 namespace pivnp::app {
 namespace repeats_tests {

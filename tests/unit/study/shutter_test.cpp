@@ -2,17 +2,17 @@
 //   criterion: on frames drawn row by row, each at its own time, of material that accelerates by .6 px a frame each frame, the
 //     recorded vectors are those of a global shutter within .03 px RMS (those that are not corrected are off by .1 and more), for
 //     both ways of reading; a camera's mask in the world goes with what a moving camera sees; blur is said.
-#include "apps/study/pipeline/shutter.hpp"
+#include "apps/study/pipeline/measure/shutter.hpp"
 
 #include <gmock/gmock.h>
 #include <unistd.h>
 
 #include <cmath>
 
-#include "apps/study/pipeline/measure.hpp"
+#include "apps/study/pipeline/measure/measure.hpp"
 #include "apps/study/synth/truth.hpp"
 #include "pivnp/core/error.hpp"
-#include "pivnp/image/synthetic.hpp"
+#include "pivnp/image/synthetic/synthetic.hpp"
 #include "pivnp/io/records/record.hpp"
 #include "tests/support/drawn_source.hpp"
 

@@ -1,5 +1,5 @@
 // Time and memory of stages, as they are measured while work tells how far it is.
-#include "apps/study/pipeline/stage_clock.hpp"
+#include "apps/study/pipeline/record/stage_clock.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // Which steps of a sequence are flagged: a missing frame, a repeated exposure, lost correlation; and which are not.
 #include <gtest/gtest.h>
 
-#include "apps/study/pipeline/measure.hpp"
+#include "apps/study/pipeline/measure/measure.hpp"
 
 namespace pivnp::app {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "apps/study/methods/strain_floor.hpp"
+#include "apps/study/methods/paths/strain_floor.hpp"
 #include "pivnp/core/error.hpp"
 
 namespace pivnp::app {

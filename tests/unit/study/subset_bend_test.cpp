@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "apps/study/methods/subset_bend.hpp"
+#include "apps/study/methods/paths/subset_bend.hpp"
 
 namespace pivnp::app {
 namespace {

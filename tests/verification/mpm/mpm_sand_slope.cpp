@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "apps/case/case.hpp"
-#include "apps/study/pipeline/simulation_scene.hpp"
+#include "apps/study/pipeline/scene/simulation_scene.hpp"
 #include "compare/shapes/slope_angles.hpp"
 #include "mpm/step/solver.hpp"
 #include "pivnp/core/text.hpp"

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "apps/case/case.hpp"
-#include "apps/study/pipeline/simulation_scene.hpp"
+#include "apps/study/pipeline/scene/simulation_scene.hpp"
 #include "mpm/step/solver.hpp"
 #include "pivnp/core/text.hpp"
 #include "tests/support/silent.hpp"

@@ -6,8 +6,8 @@
 #include <set>
 
 #include "apps/study/frontier/work.hpp"
-#include "apps/study/methods/simulation.hpp"
-#include "apps/study/pipeline/simulation_scene.hpp"
+#include "apps/study/methods/simulation/simulation.hpp"
+#include "apps/study/pipeline/scene/simulation_scene.hpp"
 #include "mpm/scene/scene_setup.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/alive.hpp"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "apps/study/frontier/front.hpp"
-#include "apps/study/pipeline/scene.hpp"
+#include "apps/study/pipeline/scene/scene.hpp"
 #include "pivnp/core/progress.hpp"
 
 namespace pivnp::app {

@@ -5,12 +5,12 @@
 #include <utility>
 
 #include "apps/study/frontier/work.hpp"
-#include "apps/study/methods/tracking.hpp"
+#include "apps/study/methods/paths/tracking.hpp"
 #include "apps/study/synth/truth.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/alive.hpp"
 #include "pivnp/core/text.hpp"
-#include "pivnp/image/synthetic.hpp"
+#include "pivnp/image/synthetic/synthetic.hpp"
 #include "pivnp/np/tracker.hpp"
 
 namespace pivnp::app {

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "apps/study/frontier/work.hpp"
-#include "apps/study/pipeline/statistics.hpp"
+#include "apps/study/pipeline/measure/statistics.hpp"
 #include "pivnp/core/error.hpp"
 
 namespace pivnp::app {

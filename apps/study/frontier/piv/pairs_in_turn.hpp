@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "apps/study/frontier/front.hpp"
-#include "apps/study/methods/known_pairs.hpp"
+#include "apps/study/methods/frames/known_pairs.hpp"
 #include "pivnp/core/progress.hpp"
 #include "pivnp/piv/piv.hpp"
 

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "apps/study/frontier/piv/piv_frontier.hpp"
-#include "apps/study/methods/known_pairs.hpp"
+#include "apps/study/methods/frames/known_pairs.hpp"
 #include "pivnp/core/text.hpp"
-#include "pivnp/image/synthetic_pair.hpp"
+#include "pivnp/image/synthetic/synthetic_pair.hpp"
 
 namespace pivnp::app {
 

@@ -6,7 +6,7 @@
 
 #include "apps/study/frontier/front.hpp"
 #include "apps/study/frontier/piv/piv_choices.hpp"
-#include "apps/study/methods/known_pairs.hpp"
+#include "apps/study/methods/frames/known_pairs.hpp"
 
 namespace pivnp::app {
 

@@ -9,7 +9,7 @@
 
 #include "apps/study/frontier/piv/pairs_in_turn.hpp"
 #include "apps/study/frontier/piv/piv_choices.hpp"
-#include "apps/study/pipeline/scene.hpp"
+#include "apps/study/pipeline/scene/scene.hpp"
 #include "apps/study/synth/truth.hpp"
 #include "pivnp/core/particles/alive.hpp"
 #include "pivnp/core/text.hpp"

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "apps/study/frontier/front.hpp"
-#include "apps/study/methods/known_pairs.hpp"
+#include "apps/study/methods/frames/known_pairs.hpp"
 #include "pivnp/np/options.hpp"
 
 namespace pivnp::app {

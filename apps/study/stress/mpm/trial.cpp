@@ -9,7 +9,7 @@
 #include <optional>
 #include <utility>
 
-#include "apps/study/methods/doubts.hpp"
+#include "apps/study/methods/simulation/doubts.hpp"
 #include "mpm/step/solver.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/alive.hpp"

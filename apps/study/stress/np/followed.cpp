@@ -6,7 +6,7 @@
 #include <optional>
 #include <random>
 
-#include "apps/study/methods/closure.hpp"
+#include "apps/study/methods/paths/closure.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/alive.hpp"
 #include "pivnp/core/particles/seeding.hpp"

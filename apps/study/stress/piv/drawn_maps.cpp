@@ -3,13 +3,13 @@
 #include <functional>
 #include <utility>
 
-#include "apps/study/methods/known_pairs.hpp"
+#include "apps/study/methods/frames/known_pairs.hpp"
 #include "apps/study/stress/piv/piv_maps.hpp"
 #include "apps/study/stress/piv/vectors.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
-#include "pivnp/image/synthetic_pair.hpp"
-#include "pivnp/image/write.hpp"
+#include "pivnp/image/synthetic/synthetic_pair.hpp"
+#include "pivnp/image/files/write.hpp"
 
 namespace pivnp::app {
 

@@ -6,8 +6,8 @@
 #include "apps/study/stress/piv/vectors.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
-#include "pivnp/image/mask.hpp"
-#include "pivnp/image/synthetic_pair.hpp"
+#include "pivnp/image/masks/mask.hpp"
+#include "pivnp/image/synthetic/synthetic_pair.hpp"
 
 namespace pivnp::app {
 

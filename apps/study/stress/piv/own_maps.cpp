@@ -2,7 +2,7 @@
 #include <cmath>
 #include <memory>
 
-#include "apps/study/methods/known_pairs.hpp"
+#include "apps/study/methods/frames/known_pairs.hpp"
 #include "apps/study/stress/piv/piv_maps.hpp"
 #include "apps/study/stress/piv/vectors.hpp"
 #include "pivnp/core/error.hpp"

@@ -4,10 +4,10 @@
 #include <vector>
 
 #include "apps/case/case.hpp"
-#include "apps/study/pipeline/scene.hpp"
+#include "apps/study/pipeline/scene/scene.hpp"
 #include "apps/study/stress/survival_map.hpp"
 #include "pivnp/core/progress.hpp"
-#include "pivnp/image/frames.hpp"
+#include "pivnp/image/frames/frames.hpp"
 #include "pivnp/piv/options.hpp"
 
 namespace pivnp::app {

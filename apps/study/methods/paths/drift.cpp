@@ -1,0 +1,321 @@
+#include "apps/study/methods/paths/drift.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <unordered_map>
+
+#include "apps/study/methods/paths/subset_bend.hpp"
+#include "apps/study/pipeline/measure/statistics.hpp"
+#include "pivnp/core/particles/alive.hpp"
+#include "pivnp/np/fusion.hpp"
+#include "pivnp/piv/window/subset.hpp"
+
+namespace pivnp::app {
+
+namespace {
+
+using Cov = std::array<double, 3>;
+
+constexpr double min_score = 0.6, good_score = 0.75;
+constexpr double share_that_fails = 0.1;
+constexpr double floor_px = 0.01;  // bias of the direct correlation itself: interpolation
+
+Mat2 matrix_of(const Cov& c) {
+  Mat2 m;
+  m << c[0], c[2], c[2], c[1];
+  return m;
+}
+
+Cov cov_of(const Mat2& m) { return {m(0, 0), m(1, 1), m(0, 1)}; }
+
+Cov carried(const Mat2& f, const Cov& c) { return cov_of(f * matrix_of(c) * f.transpose()); }
+
+// What a key frame remembers.
+struct KeyFrame {
+  int frame = 0;
+  piv::SubsetImage image;
+  std::vector<Vec2> x;
+  std::vector<Mat2> F;
+  std::vector<Cov> random, cov_F;
+  std::vector<Vec2> bias;
+  std::vector<std::uint8_t> alive;
+};
+
+}  // namespace
+
+struct DriftCorrector::Impl {
+  Impl(const Case& c, const Setting& s, int thread_count)
+      : setting(s), options(c.np.value_or(np::NpOptions{})), threads(thread_count) {
+    const int window = c.piv.value_or(piv::PivOptions{}).window_px;
+    subset.side_px = std::max(window, 20) / 2 * 2 + 1;
+  }
+
+  const Setting& setting;
+  np::NpOptions options;
+  int threads;
+  piv::SubsetOptions subset;
+  std::shared_ptr<KeyFrame> first, kept, newest;
+  std::vector<DriftRound> rounds;
+
+  std::shared_ptr<KeyFrame> key_frame(const np::Tracker& tracker, int frame, const ImageView& image) const {
+    auto key = std::make_shared<KeyFrame>();
+    key->frame = frame;
+    key->image.assign(image, mask_of(setting, frame, image).view(), threads);
+    const auto state = tracker.state();
+    for (std::size_t p = 0; p < state.size(); ++p) {
+      const auto now = state[p];
+      key->x.push_back(now.x);
+      key->F.push_back(now.F);
+      key->random.push_back(now.random);
+      key->bias.push_back(now.bias);
+      key->cov_F.push_back(now.cov_F);
+      key->alive.push_back(alive(now.status));
+    }
+    return key;
+  }
+
+  struct Direct {
+    Vec2 x;
+    Cov cov;          // of x, world
+    Mat2 f;           // deformation since the key frame
+    double var_f = 0;
+    double off_px = 0;
+  };
+
+  // A cubic term of RMS s about its own affine fit over a square of half side 1 has the gradient 4 s at the centre.
+  static constexpr double beyond_bend = 4;
+
+  std::vector<SubsetBend> bends_of(const std::vector<piv::AffinePrediction>& predictions) const {
+    std::vector<Vec2> from, to;
+    std::vector<Mat2> A;
+    for (const piv::AffinePrediction& at : predictions) from.push_back(at.from), to.push_back(at.to), A.push_back(at.A);
+    return subset_bends(from, to, A, 0.5 * subset.side_px, threads);
+  }
+
+  // Direct estimates of the particles `wanted` from `key`; those that do not count are left out of `found`.
+  void match(const np::Tracker& tracker, const KeyFrame& key, const piv::SubsetImage& now, int frame,
+             const std::vector<std::size_t>& wanted, double score,
+             std::unordered_map<std::size_t, Direct>& found) const {
+    const image::Camera &then = setting.camera_at(key.frame), &camera = setting.camera_at(frame);
+    std::vector<std::size_t> asked;
+    std::vector<piv::AffinePrediction> predictions;
+    const auto state = tracker.state();
+    for (const std::size_t p : wanted) {
+      if (!key.alive[p]) continue;
+      const auto particle = state[p];
+      piv::AffinePrediction guess;
+      guess.from = then.to_pixel(key.x[p]);
+      guess.to = camera.to_pixel(particle.x);
+      guess.A = camera.jacobian(guess.to).inverse() * particle.F * key.F[p].inverse() * then.jacobian(guess.from);
+      if (!guess.from.allFinite() || !guess.to.allFinite() || !guess.A.allFinite()) continue;  // beyond what the lens maps
+      asked.push_back(p);
+      predictions.push_back(guess);
+    }
+    const std::vector<SubsetBend> bends = bends_of(predictions);
+    for (std::size_t k = 0; k < predictions.size(); ++k)
+      if (bends[k].whole) predictions[k].bend = bends[k].bend;
+    auto matches = piv::match_subsets(key.image, now, predictions, subset, threads);
+    std::vector<Vec2> off(asked.size());
+    std::vector<std::uint8_t> good(asked.size());
+    for (std::size_t k = 0; k < asked.size(); ++k) {
+      if (!bends[k].whole) matches[k].to -= bends[k].place;
+      off[k] = matches[k].to - predictions[k].to;
+      // Room for drift: half a pixel, .02 px a frame, and the prediction's own scatter.
+      const Mat2 J = camera.jacobian(predictions[k].to);
+      const double pixel = std::sqrt(std::abs(J.determinant()));
+      const Cov& c = state[asked[k]].cov;
+      const double sigma = std::isfinite(c[0] + c[1]) ? std::sqrt(std::max(0.0, c[0] + c[1])) / pixel : 0;
+      const double room = 0.5 + 0.02 * (frame - key.frame) + 3 * sigma;
+      good[k] = matches[k].found && matches[k].score >= score && off[k].norm() <= room;
+    }
+    keep_those_in_line(predictions, off, good);
+    for (std::size_t k = 0; k < asked.size(); ++k) {
+      if (!good[k]) continue;
+      const Mat2 J0 = then.jacobian(predictions[k].from), J1 = camera.jacobian(matches[k].to);
+      Direct d;
+      d.x = camera.to_world(matches[k].to);
+      Cov c = matches[k].cov;
+      // The subset bends as paths do to second order; beyond it the field bends on. One that is not full of particles is affine:
+      // as much as was corrected is not known.
+      const bool whole = bends[k].whole;
+      const Vec2& b = whole ? bends[k].left : bends[k].place;
+      c[0] += floor_px * floor_px + b.x() * b.x(), c[1] += floor_px * floor_px + b.y() * b.y();
+      if (!whole) c[2] += b.x() * b.y();
+      d.cov = carried(J1, c);
+      d.f = J1 * matches[k].A * J0.inverse();
+      const double edge = floor_px / (subset.side_px / 2);
+      const double bent_on = whole ? beyond_bend * bends[k].left.norm() / (std::sqrt(2.0) * subset.side_px / 2) : bends[k].gradient;
+      d.var_f = matches[k].var_A + edge * edge + bent_on * bent_on;
+      d.off_px = off[k].norm();
+      if (d.f.determinant() > 0) found.emplace(asked[k], d);
+    }
+  }
+
+  // Drift is smooth: an estimate far from what its neighbours within a window say is a false match.
+  void keep_those_in_line(const std::vector<piv::AffinePrediction>& at, const std::vector<Vec2>& off,
+                          std::vector<std::uint8_t>& good) const {
+    const double size = subset.side_px;
+    const auto bin = [&](double v) { return std::int64_t(std::floor(v / size)); };
+    std::unordered_map<std::int64_t, std::vector<std::size_t>> bins;
+    const auto code = [](std::int64_t i, std::int64_t j) { return i * 1000003 + j; };
+    for (std::size_t k = 0; k < at.size(); ++k)
+      if (good[k]) bins[code(bin(at[k].to.x()), bin(at[k].to.y()))].push_back(k);
+    const std::vector<std::uint8_t> before = good;
+    for (std::size_t k = 0; k < at.size(); ++k) {
+      if (!before[k]) continue;
+      std::vector<double> u, v;
+      for (int dj = -1; dj <= 1; ++dj)
+        for (int di = -1; di <= 1; ++di) {
+          const auto there = bins.find(code(bin(at[k].to.x()) + di, bin(at[k].to.y()) + dj));
+          if (there == bins.end()) continue;
+          for (const std::size_t q : there->second)
+            if (q != k) u.push_back(off[q].x()), v.push_back(off[q].y());
+        }
+      if (u.size() < 4) continue;
+      const Vec2 mid(median(u), median(v));
+      for (double& a : u) a = std::abs(a - mid.x());
+      for (double& a : v) a = std::abs(a - mid.y());
+      const Vec2 apart = (off[k] - mid).cwiseAbs();
+      if (apart.x() > 0.3 + 4 * median(u) || apart.y() > 0.3 + 4 * median(v)) good[k] = 0;
+    }
+  }
+
+  // Both estimates start from the key frame. What the sum has read wrongly between nodes since then counts as an error of
+  // its own; of it, and of its random part, is left what the weight of the direct estimate leaves.
+  void fuse_one(np::Tracker& tracker, const KeyFrame& key, std::size_t p, const Direct& d) {
+    const auto now = tracker.state()[p];
+    const Mat2 f = now.F * key.F[p].inverse();
+    const Cov before = carried(f, key.random[p]);
+    const Vec2 bias_before = f * key.bias[p], bias = now.bias - bias_before;
+    const Mat2 random = matrix_of(now.random) - matrix_of(before);
+    const np::Estimate summed{now.x, cov_of(random + bias * bias.transpose())};
+    const bool known = summed.cov[0] > 0 && summed.cov[1] > 0 &&
+                       summed.cov[0] * summed.cov[1] > summed.cov[2] * summed.cov[2];
+    const Mat2 B = matrix_of(d.cov);
+    const Mat2 K = known ? np::fusion_weight(summed, {d.x, d.cov}) : Mat2::Identity(), rest = Mat2::Identity() - K;
+    np::Tracker::Correction to;
+    to.x = now.x + K * (d.x - now.x);
+    to.random = cov_of(matrix_of(before) + rest * random * rest.transpose() + K * B * K.transpose());
+    to.bias = bias_before + rest * bias;
+    const Mat2 row_before = 0.5 * f.squaredNorm() * matrix_of(key.cov_F[p]), row = matrix_of(now.cov_F) - row_before;
+    const double since = 0.5 * row.trace();
+    const np::Weighted w = known && since > 0 ? np::fuse(since, d.var_f) : np::Weighted{1, d.var_f};
+    to.F = (f + w.weight * (d.f - f)) * key.F[p];
+    to.cov_F = cov_of(row_before + w.variance * key.F[p].transpose() * key.F[p]);
+    set(tracker, p, to);
+  }
+
+  void replace_one(np::Tracker& tracker, const KeyFrame& key, std::size_t p, const Direct& d) {
+    np::Tracker::Correction to{d.x, d.f * key.F[p]};
+    to.random = cov_of(matrix_of(carried(d.f, key.random[p])) + matrix_of(d.cov));
+    to.bias = d.f * key.bias[p];
+    to.cov_F = cov_of(0.5 * d.f.squaredNorm() * matrix_of(key.cov_F[p]) + d.var_f * key.F[p].transpose() * key.F[p]);
+    set(tracker, p, to);
+  }
+
+  static void set(np::Tracker& tracker, std::size_t p, const np::Tracker::Correction& to) {
+    if (to.x.allFinite() && to.F.allFinite() && to.F.determinant() > 0) tracker.correct(p, to);
+  }
+
+  std::vector<std::size_t> living(const np::Tracker& tracker) const {
+    std::vector<std::size_t> out;
+    const auto state = tracker.state();
+    for (std::size_t p = 0; p < state.size(); ++p) {
+      if (alive(state[p].status)) out.push_back(p);
+    }
+    return out;
+  }
+
+  void correct(np::Tracker& tracker, int frame, const Image& image) {
+    const piv::SubsetImage now(image.view(), mask_of(setting, frame, image.view()).view(), threads);
+    DriftRound round{frame, 0, 0, 0, 0};
+    std::vector<std::size_t> wanted = living(tracker);
+    round.alive = wanted.size();
+    std::vector<double> off;
+    std::vector<std::shared_ptr<KeyFrame>> keys = {first};
+    if (kept) keys.push_back(kept);
+    if (newest && newest != kept) keys.push_back(newest);
+    std::size_t from_kept = 0, from_newest = 0;
+    for (const auto& key : keys) {
+      if (wanted.empty()) break;
+      std::unordered_map<std::size_t, Direct> found;
+      match(tracker, *key, now, frame, wanted, min_score, found);
+      std::vector<std::size_t> rest;
+      for (const std::size_t p : wanted) {
+        const auto it = found.find(p);
+        if (it == found.end()) {
+          rest.push_back(p);
+          continue;
+        }
+        fuse_one(tracker, *key, p, it->second);
+        off.push_back(it->second.off_px);
+      }
+      (key == first ? round.from_first : round.from_later) += found.size();
+      if (key == kept) from_kept += found.size();
+      else if (key == newest) from_newest += found.size();
+      wanted = std::move(rest);
+    }
+    // A key frame is given up for the newest one once more particles hold to that.
+    if (newest && (!kept || from_newest > from_kept)) kept = newest;
+    newest = key_frame(tracker, frame, image.view());
+    round.median_px = median(std::move(off));
+    rounds.push_back(round);
+  }
+
+  void follow_reference(np::Tracker& tracker, int frame, const Image& image, bool moves_on) {
+    const piv::SubsetImage now(image.view(), mask_of(setting, frame, image.view()).view(), threads);
+    const std::vector<std::size_t> wanted = living(tracker);
+    std::unordered_map<std::size_t, Direct> found;
+    match(tracker, *kept, now, frame, wanted, moves_on ? good_score : min_score, found);
+    if (moves_on && newest && newest != kept &&
+        double(wanted.size() - found.size()) > share_that_fails * double(wanted.size())) {
+      kept = newest;
+      found.clear();
+      match(tracker, *kept, now, frame, wanted, min_score, found);
+    }
+    DriftRound round{frame, wanted.size(), 0, 0, 0};
+    std::vector<double> off;
+    for (const std::size_t p : wanted) {
+      const auto it = found.find(p);
+      if (it == found.end()) {
+        tracker.flag(p);
+        continue;
+      }
+      replace_one(tracker, *kept, p, it->second);
+      off.push_back(it->second.off_px);
+    }
+    (kept == first ? round.from_first : round.from_later) = found.size();
+    round.median_px = median(std::move(off));
+    rounds.push_back(round);
+    if (moves_on) newest = key_frame(tracker, frame, image.view());
+  }
+};
+
+DriftCorrector::DriftCorrector(const Case& c, const Setting& setting, int threads)
+    : impl_(std::make_unique<Impl>(c, setting, threads)) {}
+DriftCorrector::~DriftCorrector() = default;
+
+const std::vector<DriftRound>& DriftCorrector::rounds() const { return impl_->rounds; }
+
+void DriftCorrector::start(const np::Tracker& tracker, const ImageView& image) {
+  Impl& s = *impl_;
+  if (s.options.drift == np::DriftScheme::none) return;
+  s.first = s.key_frame(tracker, 0, image);
+  if (s.options.drift != np::DriftScheme::corrected) s.kept = s.first;
+}
+
+void DriftCorrector::after_step(np::Tracker& tracker, int frame, bool last, const std::function<Image()>& read) {
+  Impl& s = *impl_;
+  if (s.options.drift == np::DriftScheme::none) return;
+  const bool corrects = s.options.drift == np::DriftScheme::corrected;
+  if (corrects && frame % s.options.drift_interval != 0 && !last) return;
+  const Image image = read();
+  if (corrects)
+    s.correct(tracker, frame, image);
+  else
+    s.follow_reference(tracker, frame, image, s.options.drift == np::DriftScheme::reference_update);
+}
+
+}  // namespace pivnp::app

@@ -1,0 +1,72 @@
+#include "apps/study/methods/simulation/doubts.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "apps/study/pipeline/scene/simulation_scene.hpp"
+#include "mpm/scene/scene_setup.hpp"
+#include "pivnp/core/text.hpp"
+
+namespace pivnp::app {
+
+namespace {
+
+// Share of the cells of material with friction that lie in layers, across gravity, of at most two cells.
+double share_in_thin_layers(const mpm::MpmOptions& options, const mpm::Scene& scene) {
+  const Grid& grid = scene.grid;
+  std::vector<std::uint8_t> held(grid.element_count(), 0);  // 1: material, 2: with friction
+  for (std::size_t p = 0; p < scene.particles.size(); ++p) {
+    ElementPoint at;
+    if (!locate(grid, scene.particles.x0[p], at)) continue;
+    const std::size_t label = std::size_t(scene.particles.label[p]);
+    const bool rubs = label < scene.materials.size() && scene.materials[label].friction_deg > 0;
+    std::uint8_t& cell = held[grid.element(at.i, at.j)];
+    cell = std::max<std::uint8_t>(cell, rubs ? 2 : 1);
+  }
+  const bool along_y = std::abs(options.gravity_m_s2[1]) >= std::abs(options.gravity_m_s2[0]);
+  const int lines = (along_y ? grid.nx : grid.ny) - 1, length = (along_y ? grid.ny : grid.nx) - 1;
+  double all = 0, thin = 0;
+  for (int line = 0; line < lines; ++line)
+    for (int from = 0, to = 0; from < length; from = to + 1) {
+      double rubbing = 0;
+      for (to = from; to < length; ++to) {
+        const std::uint8_t cell = held[along_y ? grid.element(line, to) : grid.element(to, line)];
+        if (cell == 0) break;
+        rubbing += cell == 2;
+      }
+      all += rubbing;
+      if (to - from <= 2) thin += rubbing;
+    }
+  return all > 0 ? thin / all : 0;
+}
+
+}  // namespace
+
+std::vector<std::string> doubts(const mpm::MpmOptions& options, const mpm::Scene& scene) {
+  std::vector<std::string> all;
+  if (options.per_element < 4)
+    all.push_back("With " + std::to_string(options.per_element) + " material point" + (options.per_element == 1 ? "" : "s") +
+                  " per element gaps open where material stretches: a column that collapses is wrong by more than a fifth (mpm.per_element; 4 is the least for large strain).");
+  const std::vector<mpm::MaterialOptions>& materials = scene.materials;
+  if (std::any_of(materials.begin(), materials.end(), [](const mpm::MaterialOptions& m) { return m.softening_shape > 0 && !m.softening_length_m; }))
+    all.push_back("Soil softens without softening_length_m: a shear band is as wide as the cells let it be, and what fails depends on them.");
+  double stiffest = 0, softest = std::numeric_limits<double>::infinity();
+  for (const mpm::MaterialOptions& m : materials)
+    if (m.young_pa > 0) stiffest = std::max(stiffest, m.young_pa), softest = std::min(softest, m.young_pa);
+  if (stiffest >= 100 * softest)
+    all.push_back("One material is " + number(stiffest / softest, 3) +
+                  " times as stiff as another: within a cell or two of where they meet the soft one is held by the stiff one, and a soft layer of four cells moves up to half less (mpm.refine).");
+  const bool turns = std::any_of(scene.grad_v0.begin(), scene.grad_v0.end(), [](const auto& L) { return std::abs(L[2] - L[1]) > 1e-3 * (std::abs(L[0]) + std::abs(L[3])); });
+  if (turns && !mpm::row_of(mpm::scheme_of(options).transfer).affine)
+    all.push_back("Material starts turning, and mpm.transfer carries no affine velocity: a body of five cells loses a quarter of its spin at once, one of ten cells 7 % (apic loses none).");
+  if (share_in_thin_layers(options, scene) > 0.5)
+    all.push_back("More than half of the material with friction lies in layers of one or two cells: sliding over a rough base they are wrong by a fifth and more, with three cells by a tenth (mpm.refine).");
+  return all;
+}
+
+std::vector<std::string> doubts(const Case& c, const Setting& setting) {
+  return doubts(*c.mpm, make_scene(c, setting, *c.mpm, c.materials, "material."));
+}
+
+}  // namespace pivnp::app

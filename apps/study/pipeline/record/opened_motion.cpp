@@ -1,0 +1,52 @@
+#include "apps/study/pipeline/record/opened_motion.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+#include <vector>
+
+#include "pivnp/core/error.hpp"
+
+namespace pivnp::app {
+
+namespace {
+
+std::shared_ptr<MotionSource> motion_of(const io::RecordReader& record, const std::string& file,
+                                        const std::string& motion) {
+  const std::vector<std::string> names = record.motion_names();
+  std::string known;
+  for (const std::string& name : names) known += (known.empty() ? "" : ", ") + name;
+  if (motion.empty() && names.size() != 1)
+    throw InputError(file + ": holds " + std::to_string(names.size()) + " motions (" + known +
+                     "); name one as FILE:motion");
+  const std::string name = motion.empty() ? names.front() : motion;
+  if (std::find(names.begin(), names.end(), name) == names.end())
+    throw InputError(file + ": no motion '" + name + "'; it holds: " + known);
+  return record.motion(name);
+}
+
+}  // namespace
+
+double OpenedMotion::residual() const {
+  const bool measured = !motion->times().empty() && !motion->frame(0).cov_u.empty();
+  return measured ? head.camera_residual : 0;
+}
+
+OpenedMotion open_motion(const std::string& text, const io::ImportOptions& foreign) {
+  namespace fs = std::filesystem;
+  if (io::is_import(text)) return {io::RecordHead{}, io::open_import(text, foreign), {}};
+  fs::path file = text;
+  std::string motion;
+  const std::size_t colon = text.rfind(':');
+  if (!fs::exists(file) && colon != std::string::npos) {
+    file = text.substr(0, colon);
+    motion = text.substr(colon + 1);
+  }
+  if (fs::is_directory(file)) file /= "record.h5";
+  const io::RecordReader record(file);
+  std::shared_ptr<MotionSource> found = motion_of(record, file.string(), motion);
+  std::optional<StrainNote> note = record.strain_note(found->name());
+  return {record.head(), std::move(found), std::move(note)};
+}
+
+}  // namespace pivnp::app
