@@ -84,6 +84,20 @@ float mask_share(const MaskView& mask, float column, float row, float width) {
   return inside > 0 ? static_cast<float>(usable) / static_cast<float>(inside) : 0.0f;
 }
 
+// Whether what is measured beside the frame's edge holds for a place: `beyond` px from where either frame ends, with the
+// field's change over that way no more than a quarter of a pixel. Even motion may be continued.
+bool reaches(const CellLattice& lattice, const std::vector<float>& u, const std::vector<float>& v, int i, int j, float beyond) {
+  constexpr float most_px = 0.25f;
+  if (beyond <= 0) return true;
+  const int left = std::max(i - 1, 0), right = std::min(i + 1, lattice.nx - 1);
+  const int above = std::max(j - 1, 0), below = std::min(j + 1, lattice.ny - 1);
+  const auto change = [&](std::size_t a, std::size_t b, int steps) {
+    return std::hypot(u[b] - u[a], v[b] - v[a]) / static_cast<float>(steps * lattice.step);
+  };
+  return beyond * std::max(change(lattice.index(left, j), lattice.index(right, j), right - left),
+                           change(lattice.index(i, above), lattice.index(i, below), below - above)) <= most_px;
+}
+
 // What is trusted at the lattice's points: measured by texture of its own, matched well enough, of a small enough error,
 // and in line with its neighbours. Tested there and not at the nodes, which may lie far apart for the field's curvature.
 std::vector<std::uint8_t> trusted_points(const ValidationInput& input, const CellLattice& lattice,
@@ -124,6 +138,7 @@ void validate_vectors(const ValidationInput& input, const SplineField& field, co
   own_variance(sums, true, input.rounding, own);
   const auto measured = measured_points(sums, quality, own, input.rounding);
   trusted = trusted_points(input, lattice, quality, measured, u, v, variance_u, variance_v);
+  const AnchorShares shares = shares_of(vectors.anchor);
   constexpr float most_departure_px = 0.4f;
   reject_moving_edges(sums, u, v, most_departure_px / d, trusted);
   open_correction(sums, open);
@@ -151,7 +166,12 @@ void validate_vectors(const ValidationInput& input, const SplineField& field, co
     vectors.cov[k] = {variance_u[q] + lost(smooth_u), variance_v[q] + lost(smooth_v),
                       quality.slant[q] * d * d * std::sqrt(smooth_u.variance[q] * smooth_v.variance[q])};
     vectors.score[k] = quality.score[q];
-    vectors.status[k] = trusted[q] ? VectorStatus::valid : VectorStatus::rejected;
+    float beyond = 0;
+    for (const float share : {shares.first, shares.second}) {
+      const float c = column + share * vectors.displacement[k][0], r = row + share * vectors.displacement[k][1];
+      beyond = std::max({beyond, -c, -r, c - float(input.width - 1), r - float(input.height - 1)});
+    }
+    vectors.status[k] = trusted[q] && reaches(lattice, u, v, i, j, beyond) ? VectorStatus::valid : VectorStatus::rejected;
     areas.push_back(0.5f * (smooth_u.area[q] + smooth_v.area[q]));
   }
   if (!areas.empty()) {
