@@ -28,7 +28,7 @@ void match_quality(const CellSums& sums, MatchQuality& quality);
 void own_variance(const CellSums& sums, bool window, float rounding, std::vector<float>& variance);
 
 /// Mean square, over 5 x 5 points, of what windows would still move by (least squares over the window of `score`; 1.5 at
-/// most); level pixels squared. Where the passes have converged it is noise of own_variance's size.
+/// most), by the pixels that they see; level pixels squared. Where the passes have converged it is noise of own_variance's size.
 void open_correction(const CellSums& sums, std::vector<float>& square);
 
 /// Whether a field has settled on what its windows show: their open correction and own variance, pixels of the level.
