@@ -121,7 +121,7 @@ void open_correction(const CellSums& sums, std::vector<float>& square) {
 }
 
 bool settled(float square, float own, int decimation) {
-  constexpr float converged_px = 0.15f, deviations = 2, most_px = 0.35f;
+  constexpr float converged_px = 0.18f, deviations = 2, most_px = 0.35f;
   const float d2 = static_cast<float>(decimation * decimation);
   return !(d2 * square > std::min(converged_px * converged_px + deviations * deviations * d2 * own, most_px * most_px));
 }
