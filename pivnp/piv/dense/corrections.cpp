@@ -66,29 +66,6 @@ bool solve_window(const CellSums& sums, int i, int j, int reach, const std::vect
   return true;
 }
 
-// Cells that see hardly any pixels (beyond the frame, under a mask) are corrected as the texture about them is. Left
-// where they are they would hold back the smooth field beside them for several passes.
-void correct_blind_cells(const CellSums& sums, const std::vector<float>& texture, int reach, Corrections& out) {
-  constexpr float least_seen = 0.25f;
-  const CellLattice& lattice = sums.lattice;
-  const std::size_t count = lattice.size();
-  const float seen = least_seen * static_cast<float>(lattice.step) * static_cast<float>(lattice.step);
-  const auto blind = [&](std::size_t k) { return sums[CellSums::usable][k] < seen; };
-  std::vector<float> weight(count), du(count), dv(count), weights, mean_u, mean_v;
-  bool any = false;
-  for (std::size_t k = 0; k < count; ++k) {
-    any = any || blind(k);
-    weight[k] = blind(k) ? 0 : texture[k];
-    du[k] = weight[k] * out.u[k], dv[k] = weight[k] * out.v[k];
-  }
-  if (!any) return;
-  box_mean(lattice, weight, reach, weights);
-  box_mean(lattice, du, reach, mean_u);
-  box_mean(lattice, dv, reach, mean_v);
-  for (std::size_t k = 0; k < count; ++k)
-    if (blind(k) && weights[k] > 0) out.u[k] = mean_u[k] / weights[k], out.v[k] = mean_v[k] / weights[k];
-}
-
 }  // namespace
 
 void cell_corrections(const CellSums& sums, float rounding, Corrections& out) {
@@ -112,7 +89,6 @@ void cell_corrections(const CellSums& sums, float rounding, Corrections& out) {
     if (!std::isfinite(out.u[k]) || !std::isfinite(out.v[k])) out.u[k] = out.v[k] = 0;
     limit_step(out.u[k], out.v[k]);
   }
-  correct_blind_cells(sums, texture, reach, out);
 }
 
 void window_corrections(const CellSums& sums, int order, float window_px, const std::vector<std::uint8_t>& wanted,

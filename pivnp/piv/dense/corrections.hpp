@@ -16,8 +16,7 @@ struct Corrections {
 /// Each cell by itself: (H + mu) d = b, H = sum w grad grad^T, b = sum w grad e; mu, 0.3 of the texture around, keeps
 /// cells without texture of their own where the field already is and gives cells with more texture more weight in
 /// whatever averages them; the correction is enlarged by 1.3, so that on the average nothing of it is lost, and limited
-/// to 1.5 px. Cells of which less than a quarter is seen take the mean correction of those within four points, by their
-/// texture. `rounding`: variance of a grey value's rounding, grey^2.
+/// to 1.5 px. `rounding`: variance of a grey value's rounding, grey^2.
 void cell_corrections(const CellSums& sums, float rounding, Corrections& out);
 
 /// Gauss-Newton for subsets of order 0, 1 or 2 (displacement, its gradient, its curvature) under a Gaussian window

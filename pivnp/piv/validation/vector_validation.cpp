@@ -141,9 +141,11 @@ void validate_vectors(const ValidationInput& input, const SplineField& field, co
   const AnchorShares shares = shares_of(vectors.anchor);
   constexpr float most_departure_px = 0.4f;
   reject_moving_edges(sums, u, v, most_departure_px / d, trusted);
+  // Where frames match, thin layers and bands that cells do not resolve would leave windows unsettled too.
+  constexpr float matched = 0.65f;
   open_correction(sums, open);
   for (std::size_t k = 0; k < trusted.size(); ++k)
-    if (!settled(open[k], own[k], input.decimation)) trusted[k] = 0;
+    if (quality.wide_score[k] < matched && !settled(open[k], own[k], input.decimation)) trusted[k] = 0;
   const auto least_usable = static_cast<float>(input.limits.min_usable);
   for (std::size_t k = 0; k < input.nodes.pixel.size(); ++k) {
     if (vectors.status[k] == VectorStatus::masked) continue;

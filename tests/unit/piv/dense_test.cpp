@@ -17,27 +17,6 @@
 namespace pivnp::piv {
 namespace {
 
-// Cells under a mask take the correction of the texture beside them; those far from any stay.
-TEST(Corrections, OfCellsThatSeeNothingAreThoseBesideThem) {
-  CellSums sums;
-  sums.lattice = {12, 12, 0, 0, 8};
-  for (auto& plane : sums.plane) plane.assign(sums.lattice.size(), 0.0f);
-  const auto seen = [](int j) { return j >= 8; };
-  for (int j = 0; j < 12; ++j)
-    for (int i = 0; i < 12; ++i)
-      if (const std::size_t k = sums.lattice.index(i, j); seen(j))
-        sums.plane[CellSums::usable][k] = 64, sums.plane[CellSums::gxx][k] = sums.plane[CellSums::gyy][k] = 100,
-        sums.plane[CellSums::gxe][k] = 20, sums.plane[CellSums::gye][k] = -10;
-  Corrections found;
-  cell_corrections(sums, 1, found);
-  const auto at = [&](int j) { return sums.lattice.index(6, j); };
-  EXPECT_GT(found.u[at(8)], 0.15f);
-  EXPECT_LT(found.v[at(8)], -0.07f);
-  EXPECT_NEAR(found.u[at(7)], found.u[at(9)], 0.05f);
-  EXPECT_NEAR(found.v[at(5)], found.v[at(9)], 0.03f);
-  EXPECT_EQ(found.u[at(2)], 0.0f);
-}
-
 TEST(SplineField, RepeatsItsValuesAndGoesOnLinearly) {
   const CellLattice lattice{9, 7, -4, 3, 8};
   std::vector<float> u(lattice.size()), v(lattice.size()), wild(lattice.size());
