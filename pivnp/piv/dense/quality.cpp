@@ -97,6 +97,35 @@ void own_variance(const CellSums& sums, bool window, float rounding, std::vector
     }
 }
 
+void open_correction(const CellSums& sums, std::vector<float>& square) {
+  constexpr float most = 1.5f;  // level pixels: beyond it the linearisation means nothing
+  constexpr int reach = 2;
+  const CellLattice& lattice = sums.lattice;
+  std::vector<float> xx, xy, yy, xe, ye, seen, own(lattice.size()), all;
+  binomial_mean(lattice, sums[CellSums::gxx], xx);
+  binomial_mean(lattice, sums[CellSums::gxy], xy);
+  binomial_mean(lattice, sums[CellSums::gyy], yy);
+  binomial_mean(lattice, sums[CellSums::gxe], xe);
+  binomial_mean(lattice, sums[CellSums::gye], ye);
+  binomial_mean(lattice, sums[CellSums::usable], seen);
+  for (std::size_t k = 0; k < own.size(); ++k) {
+    const float scale = 1 / (xx[k] * yy[k] - xy[k] * xy[k]);
+    const float du = (yy[k] * xe[k] - xy[k] * ye[k]) * scale, dv = (xx[k] * ye[k] - xy[k] * xe[k]) * scale;
+    const float moved = du * du + dv * dv;
+    if (!std::isfinite(moved)) seen[k] = 0;
+    own[k] = seen[k] > 0 ? seen[k] * std::min(moved, most * most) : 0.0f;
+  }
+  box_mean(lattice, own, reach, square);
+  box_mean(lattice, seen, reach, all);
+  for (std::size_t k = 0; k < square.size(); ++k) square[k] = all[k] > 0 ? square[k] / all[k] : 0.0f;
+}
+
+bool settled(float square, float own, int decimation) {
+  constexpr float converged_px = 0.18f, deviations = 2, most_px = 0.35f;
+  const float d2 = static_cast<float>(decimation * decimation);
+  return !(d2 * square > std::min(converged_px * converged_px + deviations * deviations * d2 * own, most_px * most_px));
+}
+
 void truncation_variance(const CellLattice& lattice, const std::vector<float>& u, int threads,
                          std::vector<float>& variance) {
   constexpr float share = 0.15f;

@@ -27,6 +27,13 @@ void match_quality(const CellSums& sums, MatchQuality& quality);
 /// frames' own residual about the point. `rounding`: variance of a grey value's rounding, grey^2.
 void own_variance(const CellSums& sums, bool window, float rounding, std::vector<float>& variance);
 
+/// Mean square, over 5 x 5 points, of what windows would still move by (least squares over the window of `score`; 1.5 at
+/// most), by the pixels that they see; level pixels squared. Where the passes have converged it is noise of own_variance's size.
+void open_correction(const CellSums& sums, std::vector<float>& square);
+
+/// Whether a field has settled on what its windows show: their open correction and own variance, pixels of the level.
+bool settled(float square, float own, int decimation);
+
 /// Square of what a lattice of this spacing may miss of a field that changes this fast (truncation), from its sixth
 /// differences: nothing for waves of ten points, all for jumps. Level pixels.
 void truncation_variance(const CellLattice& lattice, const std::vector<float>& u, int threads,

@@ -19,11 +19,10 @@ constexpr float systematic_variance(int decimation) { return decimation == 1 ? 0
 
 // Shares, over 5 x 5 points, of those whose own texture tells the displacement to `most_sigma` (level pixels); `seen`: 1
 // for points that see pixels. What chance grants a point in a hole, or takes from one under loss, its neighbours correct.
-std::vector<float> telling_share(const CellSums& sums, bool window, float rounding, float most_sigma,
+std::vector<float> telling_share(const CellSums& sums, const std::vector<float>& variance, float most_sigma,
                                  const std::vector<float>& seen) {
   constexpr int reach = 2;
-  std::vector<float> variance, telling = seen, voices, votes;
-  own_variance(sums, window, rounding, variance);
+  std::vector<float> telling = seen, voices, votes;
   for (std::size_t k = 0; k < seen.size(); ++k)
     if (!(variance[k] <= most_sigma * most_sigma)) telling[k] = 0;
   box_mean(sums.lattice, seen, reach, voices);
@@ -35,15 +34,19 @@ std::vector<float> telling_share(const CellSums& sums, bool window, float roundi
 // Where there is something to measure: windows tell the displacement about the point, and so do cells, in about the
 // share that they do elsewhere in the image (all of them on good texture, few where grains are few or lost). Windows
 // alone would see a hole's rim from within.
-std::vector<std::uint8_t> measured_points(const CellSums& sums, const MatchQuality& quality, float rounding) {
+// `own`: the windows' own variance.
+std::vector<std::uint8_t> measured_points(const CellSums& sums, const MatchQuality& quality, const std::vector<float>& own,
+                                          float rounding) {
   // Windows: noise of 10 % yields .05 px, 30 % of loss .13; holes, sky, glass and defocus .25 and above. Cells have a
   // quarter of a window's pixels.
   constexpr float most_sigma = 0.25f, most_cell_sigma = 0.45f, least_usable = 0.3f;
   constexpr float majority = 0.5f, usual_share = 0.5f;
   std::vector<float> seen(quality.usable.size());
   for (std::size_t k = 0; k < seen.size(); ++k) seen[k] = quality.usable[k] >= least_usable ? 1.0f : 0.0f;
-  const std::vector<float> windows = telling_share(sums, true, rounding, most_sigma, seen);
-  const std::vector<float> cells = telling_share(sums, false, rounding, most_cell_sigma, seen);
+  std::vector<float> cell_variance;
+  own_variance(sums, false, rounding, cell_variance);
+  const std::vector<float> windows = telling_share(sums, own, most_sigma, seen);
+  const std::vector<float> cells = telling_share(sums, cell_variance, most_cell_sigma, seen);
   double usual = 0, count = 0;
   for (std::size_t k = 0; k < seen.size(); ++k)
     if (seen[k] > 0 && windows[k] > majority) usual += static_cast<double>(cells[k]), ++count;
@@ -79,6 +82,20 @@ float mask_share(const MaskView& mask, float column, float row, float width) {
       ++inside, usable += mask.usable(c, r);
     }
   return inside > 0 ? static_cast<float>(usable) / static_cast<float>(inside) : 0.0f;
+}
+
+// Whether what is measured beside the frame's edge holds for a place: `beyond` px from where either frame ends, with the
+// field's change over that way no more than a quarter of a pixel. Even motion may be continued.
+bool reaches(const CellLattice& lattice, const std::vector<float>& u, const std::vector<float>& v, int i, int j, float beyond) {
+  constexpr float most_px = 0.25f;
+  if (beyond <= 0) return true;
+  const int left = std::max(i - 1, 0), right = std::min(i + 1, lattice.nx - 1);
+  const int above = std::max(j - 1, 0), below = std::min(j + 1, lattice.ny - 1);
+  const auto change = [&](std::size_t a, std::size_t b, int steps) {
+    return std::hypot(u[b] - u[a], v[b] - v[a]) / static_cast<float>(steps * lattice.step);
+  };
+  return beyond * std::max(change(lattice.index(left, j), lattice.index(right, j), right - left),
+                           change(lattice.index(i, above), lattice.index(i, below), below - above)) <= most_px;
 }
 
 // What is trusted at the lattice's points: measured by texture of its own, matched well enough, of a small enough error,
@@ -117,10 +134,18 @@ void validate_vectors(const ValidationInput& input, const SplineField& field, co
     variance_u[k] = d * d * (smooth_u.variance[k] + variance_u[k]) + systematic_variance(input.decimation);
     variance_v[k] = d * d * (smooth_v.variance[k] + variance_v[k]) + systematic_variance(input.decimation);
   }
-  const auto measured = measured_points(sums, quality, input.rounding);
+  std::vector<float> own, open;
+  own_variance(sums, true, input.rounding, own);
+  const auto measured = measured_points(sums, quality, own, input.rounding);
   trusted = trusted_points(input, lattice, quality, measured, u, v, variance_u, variance_v);
+  const AnchorShares shares = shares_of(vectors.anchor);
   constexpr float most_departure_px = 0.4f;
   reject_moving_edges(sums, u, v, most_departure_px / d, trusted);
+  // Where frames match, thin layers and bands that cells do not resolve would leave windows unsettled too.
+  constexpr float matched = 0.65f;
+  open_correction(sums, open);
+  for (std::size_t k = 0; k < trusted.size(); ++k)
+    if (quality.wide_score[k] < matched && !settled(open[k], own[k], input.decimation)) trusted[k] = 0;
   const auto least_usable = static_cast<float>(input.limits.min_usable);
   for (std::size_t k = 0; k < input.nodes.pixel.size(); ++k) {
     if (vectors.status[k] == VectorStatus::masked) continue;
@@ -143,7 +168,12 @@ void validate_vectors(const ValidationInput& input, const SplineField& field, co
     vectors.cov[k] = {variance_u[q] + lost(smooth_u), variance_v[q] + lost(smooth_v),
                       quality.slant[q] * d * d * std::sqrt(smooth_u.variance[q] * smooth_v.variance[q])};
     vectors.score[k] = quality.score[q];
-    vectors.status[k] = trusted[q] ? VectorStatus::valid : VectorStatus::rejected;
+    float beyond = 0;
+    for (const float share : {shares.first, shares.second}) {
+      const float c = column + share * vectors.displacement[k][0], r = row + share * vectors.displacement[k][1];
+      beyond = std::max({beyond, -c, -r, c - float(input.width - 1), r - float(input.height - 1)});
+    }
+    vectors.status[k] = trusted[q] && reaches(lattice, u, v, i, j, beyond) ? VectorStatus::valid : VectorStatus::rejected;
     areas.push_back(0.5f * (smooth_u.area[q] + smooth_v.area[q]));
   }
   if (!areas.empty()) {

@@ -70,6 +70,25 @@ TEST(Sequences, BeyondItsRangeFftSaysSo) {
   EXPECT_GE(noisy.good_kept, .97 * noisy.good);
 }
 
+// A field that is smooth across what is lost looks right there; at the frame's rim it is continued by more than it knows.
+TEST(Sequences, BeyondItsRangeGnSaysSo) {
+  PivOptions options;
+  options.replace = false;
+  const auto told = [&](double stretch, double noise, double loss) {
+    Sequence s{.frames = 2, .seed = 911, .noise = noise};
+    s.texture.loss = loss;
+    s.place = [=](const Vec2& X, int k) -> Vec2 { return Vec2(256, 256) + (k == 0 ? 1.0 : stretch) * (X - Vec2(256, 256)); };
+    return sequence::told(s, sequence::measure(s, options, 2));
+  };
+  const sequence::Told rim = told(.8, .01, 0), inside = told(1.2, .05, .2);
+  EXPECT_GT(rim.wrong, 20);
+  EXPECT_GE(rim.wrong_flagged, .97 * rim.wrong);
+  EXPECT_GE(rim.good_kept, .97 * rim.good);
+  EXPECT_GT(inside.wrong, 80);
+  EXPECT_GE(inside.wrong_flagged, .58 * inside.wrong);  // half of it without the test of settled fields
+  EXPECT_GE(inside.good_kept, .95 * inside.good);
+}
+
 // Flow that speeds up under bare air, where single pairs lose grains: what pairs together state is what their sums are off by. (Means of
 // neighbours over different pairs, or a jump to nothing at the surface, would be taken for noise of many times that.)
 TEST(Sequences, UnsteadyFlowUnderAirStatesWhatItIsOffBy) {
