@@ -86,7 +86,7 @@ float mask_share(const MaskView& mask, float column, float row, float width) {
 
 // Whether what is measured beside the frame's edge holds for a place: `beyond` px from where either frame ends, with the
 // field's change over that way no more than a quarter of a pixel. Even motion may be continued.
-bool reaches(const CellLattice& lattice, const std::vector<float>& u, const std::vector<float>& v, int i, int j, float beyond) {
+bool continued_to(const CellLattice& lattice, const std::vector<float>& u, const std::vector<float>& v, int i, int j, float beyond) {
   constexpr float most_px = 0.25f;
   if (beyond <= 0) return true;
   const int left = std::max(i - 1, 0), right = std::min(i + 1, lattice.nx - 1);
@@ -173,7 +173,7 @@ void validate_vectors(const ValidationInput& input, const SplineField& field, co
       const float c = column + share * vectors.displacement[k][0], r = row + share * vectors.displacement[k][1];
       beyond = std::max({beyond, -c, -r, c - float(input.width - 1), r - float(input.height - 1)});
     }
-    vectors.status[k] = trusted[q] && reaches(lattice, u, v, i, j, beyond) ? VectorStatus::valid : VectorStatus::rejected;
+    vectors.status[k] = trusted[q] && continued_to(lattice, u, v, i, j, beyond) ? VectorStatus::valid : VectorStatus::rejected;
     areas.push_back(0.5f * (smooth_u.area[q] + smooth_v.area[q]));
   }
   if (!areas.empty()) {
