@@ -114,38 +114,47 @@ FieldFigure gather(const FigureInput& input, const std::string& field) {
   return f;
 }
 
-// Arrows of a motion's flow of water at a time, where the particles are: means over squares of some 5 mm, the longest as long as
-// one. Returns the flow that it stands for; 0 where there is none.
-double draw_flow(Canvas& canvas, const Panel& panel, const MotionSource& motion, const FieldAtTime& at, const Box& box, double width_mm) {
+constexpr double least_flow = 1e-3;  // over the greatest of all panels: less is drawn as rest
+
+struct MeanFlow {
+  Vec2 place = Vec2::Zero(), flow = Vec2::Zero();
+};
+
+// A motion's flow of water at a time, where the particles are: means over squares of that side.
+std::vector<MeanFlow> mean_flow(const MotionSource& motion, const FieldAtTime& at, const Box& box, double side) {
   const std::optional<std::size_t> frame = frame_at(motion, at.time);
   const MotionFrame state = frame ? motion.frame(*frame) : MotionFrame{};
   const FieldValues* flow = state.find("water_flow");
-  if (!flow || at.position.size() * 2 != flow->values.size()) return 0;
-  const double side = box.width() * std::max(0.07, 5 / width_mm);
-  struct Mean {
-    Vec2 place = Vec2::Zero(), flow = Vec2::Zero();
-    double n = 0;
-  };
-  std::map<std::pair<int, int>, Mean> squares;
+  if (!flow || at.position.size() * 2 != flow->values.size()) return {};
+  std::map<std::pair<int, int>, std::pair<MeanFlow, double>> squares;
   for (std::size_t p = 0; p < at.position.size(); ++p) {
     const Vec2 q(double(flow->values[2 * p]), double(flow->values[2 * p + 1]));
     if (at.status[p] != ParticleStatus::active || !q.allFinite() || !at.position[p].allFinite()) continue;
     const Vec2 from = (at.position[p] - box.lower) / side;
-    Mean& mean = squares[{int(std::floor(from.x())), int(std::floor(from.y()))}];
-    mean.place += at.position[p];
-    mean.flow += q;
-    ++mean.n;
+    auto& [sum, n] = squares[{int(std::floor(from.x())), int(std::floor(from.y()))}];
+    sum.place += at.position[p];
+    sum.flow += q;
+    ++n;
   }
+  std::vector<MeanFlow> means;
+  for (const auto& [square, sum] : squares) means.push_back({sum.first.place / sum.second, sum.first.flow / sum.second});
+  return means;
+}
+
+double greatest(const std::vector<MeanFlow>& means) {
   double most = 0;
-  for (const auto& [square, mean] : squares) most = std::max(most, mean.flow.norm() / mean.n);
-  if (!(most > 0)) return 0;
-  canvas.paint(panel, [panel, squares, per = side / most](Painter& p) {
-    for (const auto& [square, mean] : squares) {
-      const Vec2 centre = mean.place / mean.n, half = 0.5 * per * mean.flow / mean.n;
-      arrow(p, panel.at(centre - half), panel.at(centre + half), ink);
+  for (const MeanFlow& mean : means) most = std::max(most, mean.flow.norm());
+  return most;
+}
+
+// Arrows, the longest as long as a square.
+void draw_flow(Canvas& canvas, const Panel& panel, const std::vector<MeanFlow>& means, double side) {
+  canvas.paint(panel, [panel, means, per = side / greatest(means)](Painter& p) {
+    for (const MeanFlow& mean : means) {
+      const Vec2 half = 0.5 * per * mean.flow;
+      arrow(p, panel.at(mean.place - half), panel.at(mean.place + half), ink);
     }
   });
-  return most;
 }
 
 std::string heading(Shown shown, const DataSetNames& names) {
@@ -223,7 +232,14 @@ Figure draw_field(const FigureInput& input, const std::string& field, bool again
   auto canvas = std::make_shared<Canvas>(figure_width_mm, height);
 
   const auto x_at = [&](std::size_t column) { return x0 + double(column) * (w + gap); };
+  const double side = f.box.width() * std::max(0.07, 5 / w);  // of squares, some 5 mm
+  std::vector<std::vector<MeanFlow>> flows(cells.size());
   double flow = 0;
+  for (std::size_t n = 0; n < cells.size(); ++n) {
+    if (field == "pressure" && cells[n].shown == Shown::simulated)
+      flows[n] = mean_flow(*content.simulated, *cells[n].at, f.box, side);
+    flow = std::max(flow, greatest(flows[n]));
+  }
   for (std::size_t n = 0; n < cells.size(); ++n) {
     const std::size_t row = n / per_row, column = n % per_row;
     const double x = x_at(column), y = head + double(row) * (h + row_gap);
@@ -235,8 +251,7 @@ Figure draw_field(const FigureInput& input, const std::string& field, bool again
       canvas->text(x + w / 2, y + h / 2, "no data at this time", Align::centre, {.points = small_text, .rgb = faint});
     else {
       canvas->raster(panel, draw_cell(cells[n], scale, f.box, w));
-      if (field == "pressure" && cells[n].shown == Shown::simulated)
-        flow = std::max(flow, draw_flow(*canvas, panel, *content.simulated, *cells[n].at, f.box, w));
+      if (greatest(flows[n]) > least_flow * flow) draw_flow(*canvas, panel, flows[n], side);
     }
     const std::string letter(1, char('a' + int(n % 26)));
     canvas->text(x, y - 0.8, "(" + letter + ")", Align::bottom_left, {.bold = true});
@@ -261,8 +276,8 @@ Figure draw_field(const FigureInput& input, const std::string& field, bool again
   }
   std::string words = caption(f, columns, input, again);
   if (flow > 0)
-    words += " Arrows: Darcy's flow of the water, means over squares, the longest of each panel as long as a square; the greatest is " +
-             significant(flow, 2) + unit_suffix(content.length_unit + "/" + content.time_unit) + ".";
+    words += " Arrows: Darcy's flow of the water, means over squares, the longest of each panel as long as a square (none where it is "
+             "less than a thousandth of the greatest); the greatest is " + significant(flow, 2) + unit_suffix(content.length_unit + "/" + content.time_unit) + ".";
   std::vector<ComparisonTable::Column> data;
   for (const Cell& cell : cells) {
     const std::string which = heading(cell.shown, input.names) + " at " + plain(cell.at->time) + unit_suffix(content.time_unit);
