@@ -233,12 +233,12 @@ struct Case {
 /// "FILE:LINE: unknown key 'piv.window'; did you mean 'window_px'?", wrong type, out of range, unknown choice,
 /// duplicate key, syntax error, and what only the whole case shows (a region without a material, np without piv ...).
 /// `given`: keys given beside the file, "piv.window_px=24" each, which win over it (given_keys.hpp).
-/// `frames`: frames given beside the file, from the current folder; a case without frames of its own is read as if it named them.
-Case read_case(const std::filesystem::path& path, const std::vector<std::string>& given = {}, const std::string& frames = {});
+/// `frames_follow`: frames are named beside the file; a case without frames of its own is read as if it had an empty [frames].
+Case read_case(const std::filesystem::path& path, const std::vector<std::string>& given = {}, bool frames_follow = false);
 
 /// The same from text; `name` stands in messages.
 Case parse_case(const std::string& text, const std::string& name, const std::filesystem::path& folder,
-                const std::vector<std::string>& given = {}, const std::string& frames = {});
+                const std::vector<std::string>& given = {}, bool frames_follow = false);
 
 /// The case of a record, which a later version may have written: sections, keys and values that this one does not know are
 /// left out, with a note each. Throws InputError where the text is no TOML, or where a section is none.

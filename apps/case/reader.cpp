@@ -130,10 +130,9 @@ Case parse_recorded_case(const std::string& text, const std::string& name, const
 }
 
 Case parse_case(const std::string& text, const std::string& name, const std::filesystem::path& folder,
-                const std::vector<std::string>& given, const std::string& frames) {
+                const std::vector<std::string>& given, bool frames_follow) {
   Node root = parse_document(text, name);
-  if (!frames.empty() && !root.find("frames") && !root.find("vectors") && !root.find("synth"))
-    put(parse_given_key("frames.path=" + toml_text(std::filesystem::absolute(frames).string()), 0), root, name);
+  if (frames_follow && !root.find("frames") && !root.find("vectors") && !root.find("synth")) root.entries.push_back({"frames", 1, Node{}});
   for (std::size_t k = 0; k < given.size(); ++k) {
     const GivenKey key = parse_given_key(given[k], int(k) + 1);
     parsed(alone(key), "--set", folder, Reading::strict);  // tells what is wrong with it
@@ -147,7 +146,7 @@ Case parse_case(const std::string& text, const std::string& name, const std::fil
   return c;
 }
 
-Case read_case(const std::filesystem::path& path, const std::vector<std::string>& given, const std::string& frames) {
+Case read_case(const std::filesystem::path& path, const std::vector<std::string>& given, bool frames_follow) {
   namespace fs = std::filesystem;
   std::error_code ignored;
   fs::path file = path;
@@ -158,7 +157,7 @@ Case read_case(const std::filesystem::path& path, const std::vector<std::string>
   if (!fs::exists(file, ignored)) throw InputError(file.string() + ": no such file");
   if (!fs::is_regular_file(file, ignored)) throw InputError(file.string() + ": not a file");
   const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
-  Case c = parse_case(read_text(file), file.string(), folder, given, frames);
+  Case c = parse_case(read_text(file), file.string(), folder, given, frames_follow);
   c.file = file;
   if (c.name.empty()) c.name = short_name(c);
   return c;

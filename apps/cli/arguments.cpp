@@ -94,7 +94,7 @@ void print_notes(const Case& c, const Session& session) {
 Case load_case(const Arguments& arguments, const Session& session) {
   Case c = arguments.case_path.empty()
                ? parse_case(embedded_case_text(), "built-in case", fs::current_path(), arguments.given)
-               : read_case(arguments.case_path, arguments.given, arguments.frames);
+               : read_case(arguments.case_path, arguments.given, !arguments.frames.empty());
   print_notes(c, session);
   if (!arguments.frames.empty()) {
     if (!c.piv) c.piv.emplace();
