@@ -133,10 +133,6 @@ bool alike(const ShearBand& a, const ShearBand& b) {
   return std::abs(turn - 180 * std::round(turn / 180)) < most_turn;
 }
 
-}  // namespace
-
-namespace {
-
 // The parts of both that lie beside each other: what is read off a band varies along it, and one data set may see it further.
 std::pair<ShearBand, ShearBand> in_common(const ShearBand& a, const ShearBand& b) {
   const auto direction = [](const ShearBand& band) -> Vec2 {

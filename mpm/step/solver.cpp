@@ -161,8 +161,7 @@ Vec2 Solver::momentum() const {
   const Particles& p = impl_->p;
   Vec2 sum = Vec2::Zero();
   for (std::size_t k = 0; k < p.size(); ++k)
-    if (p.cell[k] != Particles::ended)
-      sum += p.mass_of(k) * Vec2(p.vx[k], p.vy[k]);
+    if (p.cell[k] != Particles::ended) sum += p.mass_of(k) * Vec2(p.vx[k], p.vy[k]);
   return sum + pushed_momentum(p, impl_->g, impl_->last);
 }
 EnergyRow Solver::energy() const { return impl_->failed ? impl_->good.energy : impl_->energy_now(); }
