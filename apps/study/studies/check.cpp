@@ -8,16 +8,16 @@
 
 #include "apps/report/figures/check_figure.hpp"
 #include "apps/study/methods/frames/camera_motion.hpp"
-#include "apps/study/methods/simulation/doubts.hpp"
 #include "apps/study/methods/frames/filters.hpp"
 #include "apps/study/methods/frames/peak_locking.hpp"
-#include "apps/study/methods/paths/strain_floor.hpp"
 #include "apps/study/methods/frames/stride.hpp"
+#include "apps/study/methods/paths/strain_floor.hpp"
+#include "apps/study/methods/simulation/doubts.hpp"
 #include "apps/study/pipeline/measure/imported_vectors.hpp"
 #include "apps/study/pipeline/measure/measure.hpp"
+#include "apps/study/pipeline/measure/shutter.hpp"
 #include "apps/study/pipeline/scene/placed.hpp"
 #include "apps/study/pipeline/scene/scene.hpp"
-#include "apps/study/pipeline/measure/shutter.hpp"
 #include "apps/study/pipeline/scene/simulation_scene.hpp"
 #include "apps/study/pipeline/scene/sizes.hpp"
 #include "apps/study/pipeline/scene/zones.hpp"
@@ -25,8 +25,8 @@
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/region.hpp"
 #include "pivnp/core/text.hpp"
-#include "pivnp/image/rectify.hpp"
 #include "pivnp/image/files/write.hpp"
+#include "pivnp/image/rectify.hpp"
 
 namespace pivnp::app {
 

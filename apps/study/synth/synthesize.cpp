@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "apps/study/pipeline/record/opened_motion.hpp"
-#include "apps/study/pipeline/scene/placed.hpp"
 #include "apps/study/pipeline/record/record_head.hpp"
+#include "apps/study/pipeline/scene/placed.hpp"
 #include "apps/study/pipeline/scene/simulation_scene.hpp"
 #include "apps/study/pipeline/scene/sizes.hpp"
 #include "apps/study/synth/drawn_frames.hpp"
@@ -16,8 +16,8 @@
 #include "apps/study/synth/truth.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
-#include "pivnp/image/synthetic/synthetic.hpp"
 #include "pivnp/image/files/write.hpp"
+#include "pivnp/image/synthetic/synthetic.hpp"
 #include "pivnp/io/records/record.hpp"
 
 namespace pivnp::app {

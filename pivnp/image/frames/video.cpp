@@ -10,8 +10,8 @@
 #include <opencv2/videoio.hpp>
 
 #include "pivnp/core/error.hpp"
-#include "pivnp/image/frames/filter.hpp"
 #include "pivnp/image/files/image_file.hpp"
+#include "pivnp/image/frames/filter.hpp"
 #include "pivnp/image/frames/sources.hpp"
 
 namespace pivnp::image {

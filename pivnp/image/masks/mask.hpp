@@ -9,8 +9,8 @@
 
 #include "pivnp/core/image_view.hpp"
 #include "pivnp/core/options.hpp"
-#include "pivnp/image/masks/air_mask.hpp"
 #include "pivnp/image/camera/camera.hpp"
+#include "pivnp/image/masks/air_mask.hpp"
 
 namespace pivnp::image {
 

@@ -10,10 +10,10 @@
 #include <functional>
 #include <vector>
 
+#include "pivnp/image/files/write.hpp"
 #include "pivnp/image/frames/compression.hpp"
 #include "pivnp/image/frames/filter.hpp"
 #include "pivnp/image/synthetic/synthetic_pair.hpp"
-#include "pivnp/image/files/write.hpp"
 #include "scratch.hpp"
 
 namespace pivnp::image {

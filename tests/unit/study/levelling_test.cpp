@@ -1,7 +1,7 @@
 // Levelling: a simulation that is right, measured like the experiment, differs from it by noise alone where the plain
 // comparison shows the measurement's filter.
-#include "apps/study/methods/paths/levelling.hpp"
 #include "apps/study/methods/frames/texture.hpp"
+#include "apps/study/methods/paths/levelling.hpp"
 
 #include <gtest/gtest.h>
 

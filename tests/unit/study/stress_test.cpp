@@ -7,8 +7,8 @@
 #include <fstream>
 #include <limits>
 
-#include "apps/study/methods/simulation/doubts.hpp"
 #include "apps/study/methods/frames/peak_locking.hpp"
+#include "apps/study/methods/simulation/doubts.hpp"
 #include "apps/study/stress/cells.hpp"
 #include "apps/study/stress/compare/compare_maps.hpp"
 #include "apps/study/stress/mpm/mpm_maps.hpp"
@@ -18,8 +18,8 @@
 #include "apps/study/stress/stress_pages.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/seeding.hpp"
-#include "pivnp/image/synthetic/synthetic_pair.hpp"
 #include "pivnp/image/files/write.hpp"
+#include "pivnp/image/synthetic/synthetic_pair.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/silent.hpp"
 

@@ -7,8 +7,8 @@
 #include "apps/study/pipeline/measure/statistics.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
-#include "pivnp/image/masks/outline_follower.hpp"
 #include "pivnp/image/camera/similarity.hpp"
+#include "pivnp/image/masks/outline_follower.hpp"
 #include "pivnp/piv/window/subset.hpp"
 #include "pivnp/piv/window/subset_search.hpp"
 

@@ -13,8 +13,8 @@
 #include "pivnp/core/particles/alive.hpp"
 #include "pivnp/core/text.hpp"
 #include "pivnp/image/camera/camera.hpp"
-#include "pivnp/image/rectify.hpp"
 #include "pivnp/image/files/video_writer.hpp"
+#include "pivnp/image/rectify.hpp"
 #include "pivnp/io/records/record.hpp"
 #include "pivnp/piv/methods.hpp"
 

@@ -8,8 +8,8 @@
 #include "apps/study/stress/piv/vectors.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
-#include "pivnp/image/synthetic/synthetic_pair.hpp"
 #include "pivnp/image/files/write.hpp"
+#include "pivnp/image/synthetic/synthetic_pair.hpp"
 
 namespace pivnp::app {
 
