@@ -2,6 +2,7 @@
 
 option(PIVNP_WERROR "Warnings are errors" OFF)
 option(PIVNP_SANITIZE "Build with the address and undefined-behaviour sanitizers" OFF)
+option(PIVNP_SPLIT_TESTS "Leave out those tests that the other preset runs (scripts/test builds both)" OFF)
 option(PIVNP_UNITY "Compile a target's sources several at a time: half the time from scratch, more after an edit" OFF)
 
 add_library(pivnp_flags INTERFACE)
@@ -94,6 +95,18 @@ function(pivnp_library name)
     set_source_files_properties(${dispatched} PROPERTIES COMPILE_OPTIONS
       "-fno-sanitize-address-use-after-scope")
   endif()
+endfunction()
+
+# pivnp_runs_here(WHERE release|sanitized OUT): whether tests belong into this build. By itself a build has all of them. Where
+# scripts/test makes both presets, what takes minutes to compile and to run twice runs where it finds more.
+function(pivnp_runs_here where out)
+  set(here YES)
+  if(PIVNP_SPLIT_TESTS)
+    if((PIVNP_SANITIZE AND where STREQUAL release) OR (NOT PIVNP_SANITIZE AND where STREQUAL sanitized))
+      set(here NO)
+    endif()
+  endif()
+  set(${out} ${here} PARENT_SCOPE)
 endfunction()
 
 # pivnp_test(NAME LABEL quick|full SOURCES a.cpp ... LINK lib ... [TIMEOUT seconds] [ALONE a.cpp ...])

@@ -44,7 +44,7 @@ build_preset() {
   shift
   [ -f "build/$preset/CMakeCache.txt" ] || together=(-DPIVNP_UNITY=ON)
   say "Building the $preset preset (build/$preset)"
-  cmake --preset "$preset" "${together[@]}" >"build-$preset.log" 2>&1 || { cat "build-$preset.log" >&2; die "configuration of the $preset preset failed"; }
+  cmake --preset "$preset" -DPIVNP_SPLIT_TESTS="${PIVNP_SPLIT_TESTS:-OFF}" "${together[@]}" >"build-$preset.log" 2>&1 || { cat "build-$preset.log" >&2; die "configuration of the $preset preset failed"; }
   rm -f "build-$preset.log"
   if [ "$#" -gt 0 ]; then cmake --build "build/$preset" --target "$@"; else cmake --build "build/$preset"; fi
 }
