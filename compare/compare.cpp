@@ -116,7 +116,7 @@ std::string floor_source(const Differences& differences, const StrainNotes& note
 
 // Adds every common time, in order, until one data set has nothing left to compare.
 void walk_times(const CommonTimes& common, DataSet& first, DataSet& second, Alignment& alignment, const Reference& reference,
-                Numerics& numerics, Differences& differences, Bands& bands, PointHistories& points,
+                Numerics& numerics, Differences& differences, Bands& bands, PointHistories& points, Pressures& pressures,
                 std::vector<std::string>& remarks, Progress& progress) {
   for (double time : common.times) {
     if (progress.stop_requested()) throw Interrupted();
@@ -135,6 +135,7 @@ void walk_times(const CommonTimes& common, DataSet& first, DataSet& second, Alig
     }
     bands.add(a, b);
     points.add(a, b, *frame, numerical);
+    pressures.add(a, b, alignment.partners());
     progress.update("compare", std::int64_t(differences.times().size()), std::int64_t(common.times.size()));
   }
   if (differences.times().empty())
@@ -197,7 +198,8 @@ Comparison compare_sets(const MotionSource& first_motion, const MotionSource& se
   Numerics numerics(refinement, first, second, common);
   Bands bands(options.band_strain, first, second);
   PointHistories points(options, first, second);
-  walk_times(common, first, second, alignment, reference, numerics, differences, bands, points, out.remarks, progress);
+  Pressures pressures(first, second, differences.paired(), common);
+  walk_times(common, first, second, alignment, reference, numerics, differences, bands, points, pressures, out.remarks, progress);
 
   const std::string &unit = first_motion.length_unit(), &time_unit = first_motion.time_unit();
   const bool given = options.measurement_uncertainty_m.value_or(0) > 0 || options.gauge_uncertainty > 0 || turn;
@@ -207,6 +209,7 @@ Comparison compare_sets(const MotionSource& first_motion, const MotionSource& se
   end_first.at(end);
   end_second.at(end);
   Findings findings{.differences = differences,
+                    .pressures = pressures,
                     .length_unit = unit,
                     .time_unit = time_unit,
                     .at_end = "at the last common time (" + number(end) + " " + time_unit + ")",
@@ -236,6 +239,7 @@ Comparison compare_sets(const MotionSource& first_motion, const MotionSource& se
   out.outlines = std::move(findings.shapes.outlines);
   out.tables = tables_of(findings);
   out.fields = differences.take_fields();
+  if (std::optional<ComparisonField> pressure = pressures.field()) out.fields.push_back(std::move(*pressure));
   return out;
 }
 

@@ -1,4 +1,4 @@
-// Metrics of whole fields: distributions, decompositions, increments.
+// Metrics of whole fields: pressure, distributions, decompositions, increments.
 #include <cmath>
 
 #include "compare/metrics/rows.hpp"
@@ -7,6 +7,42 @@
 namespace pivnp::compare {
 
 namespace {
+
+// Of water in the pores, where both know it. No data set states what its pressures are uncertain by.
+void add_pressure(Registry<MetricRow>& rows) {
+  struct Statistic {
+    const char *name, *words, *definition;
+    double (*value)(const ScalarStatistics&);
+    Leads leads;
+  };
+  static constexpr Statistic statistics[] = {
+      {"bias", "mean", "mean of pore pressure of the second minus that of the first", [](const ScalarStatistics& s) { return s.bias(); }, Leads::no},
+      {"rms", "RMS", "root mean square of pore pressure of the second minus that of the first", [](const ScalarStatistics& s) { return s.rms(); }, Leads::yes},
+      {"p95", "95th percentile", "95th percentile (nearest rank) of the size of pore pressure of the second minus that of the first",
+       [](const ScalarStatistics& s) { return s.p95(); }, Leads::no},
+      {"max", "maximum", "greatest size of pore pressure of the second minus that of the first", [](const ScalarStatistics& s) { return s.max(); },
+       Leads::no}};
+  for (const bool last : {false, true})
+    for (const Statistic& s : statistics)
+      rows.add({{.name = std::string("pressure_") + s.name + (last ? "_final" : ""), .unit = "Pa", .definition = s.definition,
+                 .words = std::string("pore pressure, difference, ") + s.words + (last ? ", at the end" : ""),
+                 .leads = last ? Leads::no : s.leads},
+                [s, last](const Findings& f) -> std::optional<MetricValue> {
+                  const ScalarStatistics& d = last ? f.pressures.last() : f.pressures.total();
+                  if (d.count() == 0) return std::nullopt;
+                  return MetricValue{s.value(d), not_known,
+                                     ", " + (last ? f.at_end : std::string("over all common particles and times")) + "; uncertainty not known"};
+                }});
+  static constexpr const char *suffix[] = {"_first", "_second"}, *of[] = {"first", "second"}, *words[] = {"measured", "simulated"};
+  for (std::size_t k = 0; k < 2; ++k)
+    rows.add({{.name = std::string("pressure_peak") + suffix[k], .unit = "Pa",
+               .definition = "greatest size of pore pressure of the " + std::string(of[k]) + ", over all common particles and times",
+               .words = "pore pressure, greatest size, " + std::string(words[k])},
+              [k](const Findings& f) -> std::optional<MetricValue> {
+                if (f.pressures.total().count() == 0) return std::nullopt;
+                return MetricValue{f.pressures.greatest(k)};
+              }});
+}
 
 void add_distributions(Registry<MetricRow>& rows) {
   const std::string how =
@@ -121,6 +157,7 @@ void add_increments(Registry<MetricRow>& rows) {
 }  // namespace
 
 void add_field_rows(Registry<MetricRow>& rows) {
+  add_pressure(rows);
   add_distributions(rows);
   for (const DecomposedField& field : decomposed_fields) add_decomposition(rows, field);
   add_increments(rows);

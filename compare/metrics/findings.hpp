@@ -15,12 +15,14 @@
 #include "compare/measures/distribution.hpp"
 #include "compare/measures/numerics.hpp"
 #include "compare/measures/points.hpp"
+#include "compare/measures/pressures.hpp"
 #include "compare/measures/shapes.hpp"
 
 namespace pivnp::compare {
 
 struct Findings {
   const Differences& differences;
+  const Pressures& pressures;
   std::string length_unit, time_unit;
   std::string at_end;      // "at the last common time (0.5 s)"
   std::string covariance;  // whose covariance the uncertainties rest on; empty: nobody's is known

@@ -38,7 +38,7 @@ std::vector<Metric> metrics_of(const HistoryMeasures& measures);
 void add_motion_rows(Registry<MetricRow>& rows);     // displacement, velocity, strain, their uncertainty
 void add_alignment_rows(Registry<MetricRow>& rows);  // coverage, frame of reference, grid convergence
 void add_shape_rows(Registry<MetricRow>& rows);      // outline, slope, mobilised material, shear bands
-void add_field_rows(Registry<MetricRow>& rows);      // distributions, decompositions, increments
+void add_field_rows(Registry<MetricRow>& rows);      // pressure, distributions, decompositions, increments
 void add_offset_rows(Registry<MetricRow>& rows);     // what was given to the second's clock and coordinates
 
 /// Rows NAME_first and NAME_second, and NAME_difference where `facts` are asked to go on to it. `values(source)`: in this

@@ -236,8 +236,8 @@ Figure draw_field(const FigureInput& input, const std::string& field, bool again
   std::vector<std::vector<MeanFlow>> flows(cells.size());
   double flow = 0;
   for (std::size_t n = 0; n < cells.size(); ++n) {
-    if (field == "pressure" && cells[n].shown == Shown::simulated)
-      flows[n] = mean_flow(*content.simulated, *cells[n].at, f.box, side);
+    if (field == "pressure" && cells[n].shown != Shown::difference)
+      flows[n] = mean_flow(cells[n].shown == Shown::measured ? *content.measured : *content.simulated, *cells[n].at, f.box, side);
     flow = std::max(flow, greatest(flows[n]));
   }
   for (std::size_t n = 0; n < cells.size(); ++n) {

@@ -89,6 +89,23 @@ void draw_uncertainty(Canvas& canvas, const Panel& panel, const PointCurve& curv
   band(canvas, panel, curve.time, low, high, {rgb, 70});
 }
 
+// Letters at the curves' ends, moved apart where curves end close together.
+void draw_letters(Canvas& canvas, const Panel& panel, const std::vector<double>& ends) {
+  canvas.paint_over([=](Painter& p) {
+    constexpr double line = 30;
+    std::vector<std::size_t> order;
+    for (std::size_t q = 0; q < ends.size(); ++q)
+      if (std::isfinite(ends[q])) order.push_back(q);
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return ends[a] < ends[b]; });
+    double last = std::numeric_limits<double>::infinity();
+    for (const std::size_t q : order) {
+      last = std::min(panel.y(ends[q]), last - line);
+      p.text({panel.frame().right() + 7, last - 20, 60, 40}, letter_of(q), Align::left,
+             {.bold = true, .rgb = point_colours[q % 3]});
+    }
+  });
+}
+
 std::string caption(const FigureInput& input, const Extent& extent, const DisplayUnit& unit) {
   const Content& content = input.content;
   const DataSetNames& names = input.names;
@@ -146,20 +163,7 @@ std::vector<Figure> draw_point_curves(const FigureInput& input) {
     }
     ends.push_back(label);
   }
-  // Letters at the curves' ends, moved apart where curves end close together.
-  canvas->paint_over([=](Painter& p) {
-    constexpr double line = 30;
-    std::vector<std::size_t> order;
-    for (std::size_t q = 0; q < ends.size(); ++q)
-      if (std::isfinite(ends[q])) order.push_back(q);
-    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return ends[a] < ends[b]; });
-    double last = std::numeric_limits<double>::infinity();
-    for (const std::size_t q : order) {
-      last = std::min(panel.y(ends[q]), last - line);
-      p.text({panel.frame().right() + 7, last - 20, 60, 40}, letter_of(q), Align::left,
-             {.bold = true, .rgb = point_colours[q % 3]});
-    }
-  });
+  draw_letters(*canvas, panel, ends);
   double next = x;
   if (!measured.empty()) {
     next = legend(*canvas, next, 3, Key::circle, ink, input.names.first, 3);
@@ -179,41 +183,60 @@ std::vector<Figure> draw_point_curves(const FigureInput& input) {
   return {{caption(input, extent, unit), canvas, {}, {}, std::move(data)}};
 }
 
+bool knows_pressure(const MotionSource* motion) { return motion && !motion->times().empty() && motion->frame(0).find("pressure"); }
+
 bool has_pressure(const FigureInput& input) {
-  const MotionSource* motion = input.content.simulated.get();
-  return !input.points.empty() && motion && !motion->times().empty() && motion->frame(0).find("pressure");
+  return !input.points.empty() && (knows_pressure(input.content.measured.get()) || knows_pressure(input.content.simulated.get()));
 }
 
 std::vector<Figure> draw_point_pressures(const FigureInput& input) {
-  const std::vector<PointCurve> curves = point_curves(*input.content.simulated, input.points);
-  double low = 0, high = 0;
-  for (const PointCurve& c : curves)
-    for (const double p : c.pressure)
-      if (std::isfinite(p)) low = std::min(low, p), high = std::max(high, p);
+  const Content& content = input.content;
+  const DataSetNames& who = input.names;
+  std::vector<PointCurve> first, second;
+  if (knows_pressure(content.measured.get())) first = point_curves(*content.measured, input.points);
+  if (knows_pressure(content.simulated.get())) second = point_curves(*content.simulated, input.points);
+  double low = 0, high = 0, begin = std::numeric_limits<double>::infinity(), end = -begin;
+  for (const auto* curves : {&first, &second})
+    for (const PointCurve& c : *curves) {
+      begin = std::min(begin, c.time.front());
+      end = std::max(end, c.time.back());
+      for (const double p : c.pressure)
+        if (std::isfinite(p)) low = std::min(low, p), high = std::max(high, p);
+    }
   const DisplayUnit unit = display_unit("Pa", std::max(high, -low));
-  const double margin = high > low ? 0.04 * (high - low) : 1, span = curves[0].time.back() - curves[0].time.front();
+  const double margin = high > low ? 0.04 * (high - low) : 1, span = end - begin;
   auto canvas = std::make_shared<Canvas>(figure_width_mm, 74);
   const double x = 15, y = 7, w = 103, h = 56;
   Panel panel = canvas->panel(x, y, w, h);
   panel.pale_grid();
-  panel.axis(Axis::x, curves[0].time.front() - 0.015 * span, curves[0].time.back() + 0.03 * span, axis_label("time", input.content.time_unit), 6);
+  panel.axis(Axis::x, begin - 0.015 * span, end + 0.03 * span, axis_label("time", content.time_unit), 6);
   panel.axis(Axis::y, (low - margin) * unit.factor, (high + margin) * unit.factor, axis_label("pore pressure", unit.name), 6);
+  const bool both = !first.empty() && !second.empty();
+  std::vector<double> ends(input.points.size(), nan_value);
   std::vector<ComparisonTable::Column> data;
   std::string names;
-  for (std::size_t q = 0; q < curves.size(); ++q) {
+  for (std::size_t q = 0; q < input.points.size(); ++q) {
     const Rgb rgb = point_colours[q % 3];
-    const std::vector<double> p = scaled(curves[q].pressure, unit.factor);
-    canvas->curve(panel, curves[q].time, p, {rgb, 1.3, q < 3 ? Dash::solid : Dash::dashed});
-    if (const double label = last_known(p); std::isfinite(label))
-      canvas->paint_over([=](Painter& painter) {
-        painter.text({panel.frame().right() + 7, panel.y(label) - 20, 60, 40}, letter_of(q), Align::left, {.bold = true, .rgb = rgb});
-      });
-    data.push_back({letter_of(q) + ", time", input.content.time_unit, curves[q].time});
-    data.push_back({letter_of(q) + ", pore pressure", "Pa", curves[q].pressure});
-    names += (q == 0 ? "" : q + 1 == curves.size() ? " and " : ", ") + letter_of(q);
+    const auto add = [&](const std::vector<PointCurve>& curves, const std::string& name, bool with_markers) {
+      if (curves.empty()) return;
+      const PointCurve& c = curves[q];
+      const std::vector<double> p = scaled(c.pressure, unit.factor);
+      if (with_markers) markers(*canvas, panel, c.time, p, point_markers[q % 3], rgb);
+      else canvas->curve(panel, c.time, p, {rgb, 1.3, q < 3 ? Dash::solid : Dash::dashed});
+      ends[q] = last_known(p);
+      const std::string of = (both ? name + " " : "") + letter_of(q);
+      data.push_back({of + ", time", content.time_unit, c.time});
+      data.push_back({of + ", pore pressure", "Pa", c.pressure});
+    };
+    add(second, who.second, false);
+    add(first, who.first, both);
+    names += (q == 0 ? "" : q + 1 == input.points.size() ? " and " : ", ") + letter_of(q);
   }
-  draw_key_map(*canvas, input.content, input.points, 132, y, 36, 48);
-  return {{"Pore pressure of the material points " + names + " against time, " + input.names.second + ".", canvas, "pressure_histories",
+  draw_letters(*canvas, panel, ends);
+  if (both) legend(*canvas, legend(*canvas, x, 3, Key::circle, ink, who.first, 3), 3, Key::line, ink, who.second);
+  draw_key_map(*canvas, content, input.points, 132, y, 36, 48);
+  const std::string of = both ? who.first + " (markers) and " + who.second + " (lines)" : first.empty() ? who.second : who.first;
+  return {{"Pore pressure of the material points " + names + " against time, " + of + ".", canvas, "pressure_histories",
            "pore pressure of material points against time", std::move(data)}};
 }
 

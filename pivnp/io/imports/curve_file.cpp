@@ -22,8 +22,18 @@ std::string trimmed(const std::string& text) {
 std::vector<std::string> cells_of(const std::string& line, char separator) {
   std::vector<std::string> cells;
   if (separator != ' ') {
-    std::istringstream in(line);
-    for (std::string cell; std::getline(in, cell, separator);) cells.push_back(trimmed(cell));
+    bool quoted = false;  // names between quotation marks may hold the separator, as those of a report's tables do
+    std::string cell;
+    for (const char c : line) {
+      if (c == '"') quoted = !quoted;
+      if (c != separator || quoted) {
+        cell += c;
+        continue;
+      }
+      cells.push_back(trimmed(cell));
+      cell.clear();
+    }
+    if (!cell.empty()) cells.push_back(trimmed(cell));
     return cells;
   }
   const std::string text = trimmed(line);

@@ -99,6 +99,15 @@ TEST_F(Histories, ATableAgainstAScaledOne) {
                InputError);
 }
 
+// As the tables of a report's figures are.
+TEST_F(Histories, NamesBetweenQuotationMarksMayHoldTheSeparator) {
+  std::ofstream(scratch.path / "a.csv") << "\"A, time (s)\",\"A, pore pressure (Pa)\",\"B, time (s)\",\"B, pore pressure (Pa)\"\n0,10,0,100\n1,20,1,200\n";
+  std::ofstream(scratch.path / "b.csv") << "time (s);p (Pa)\n0;103\n1;204\n";
+  compared("history=" + (scratch.path / "a.csv").string() + ":B, pore pressure (Pa)", "history=" + (scratch.path / "b.csv").string());
+  EXPECT_NEAR(stored("history_rms"), std::sqrt((9.0 + 16.0) / 2), 1e-9);
+  EXPECT_EQ(held("history_rms").unit, "Pa");
+}
+
 TEST_F(Histories, OtherUnitsAreConvertedOrRefused) {
   std::ofstream(scratch.path / "m.csv") << "time (s),front (m)\n0,1\n1,2\n2,4\n";
   std::ofstream(scratch.path / "mm.csv") << "time (s),front (mm)\n0,1000\n1,2000\n2,4000\n";
