@@ -75,7 +75,8 @@ EnergyRow energy_row(double time, const StoredEnergy& stored, const EnergyBalanc
 
 double turnover(const EnergyRow& row, const EnergyBalance& balance) {
   const double of_gravity = row.external - balance.bodies;
-  return balance.start + std::abs(of_gravity) + std::max(std::abs(balance.bodies), balance.moved);
+  return balance.start + std::abs(of_gravity) + std::abs(balance.loads) +
+         std::max(std::abs(balance.bodies - balance.loads), balance.moved);
 }
 
 double least_turnover(const Particles& p, const Materials& materials, double gravity, double cell_m) {

@@ -14,11 +14,12 @@ namespace pivnp::mpm {
 struct EnergyBalance {
   double damping = 0;   // local damping, and the transfer between points and nodes
   double contact = 0;
-  double bodies = 0;    // work of moving bodies
+  double bodies = 0;    // work of moving bodies and of loads
   double gravity = 0;   // work of gravity
   double carried = 0;   // kinetic and elastic energy that left the grid with ended points
   double start = 0;     // kinetic + elastic at the start
-  double moved = 0;     // sum of |work of moving bodies and loads, and what projected pressures foresee| over the steps
+  double loads = 0;     // that of tractions and forces by place and time, which is part of it
+  double moved = 0;     // sum of |work of moving bodies, and what projected pressures foresee| over the steps
   double turned_over = 0;  // greatest turnover() so far
   double darcy = 0;     // taken out by the flow of water
   double potential = 0; // with water: energy in gravity and in the water outside at the start, less that of ended points
@@ -49,9 +50,10 @@ StoredEnergy stored_energy_of(Particles& p, const GridState& g, const Materials&
 EnergyRow energy_row(double time, const StoredEnergy& stored, const EnergyBalance& balance);
 
 /// What has been turned over, as it stands now: the energy there was at the start, the net work of gravity (less what
-/// left with points that ended), and all work of bodies and loads, either way. It is counted once, where it comes in.
-/// It may fall again (a block that swings back, one that falls out of the domain), so a residual is held against the
-/// greatest so far, and against least_turnover().
+/// left with points that ended), that of loads, and all work of bodies, either way. It is counted once, where it comes
+/// in: what a load gives comes back in every swing under it, as that of gravity does. It may fall again (a block that
+/// swings back, one that falls out of the domain), so a residual is held against the greatest so far, and against
+/// least_turnover().
 double turnover(const EnergyRow& row, const EnergyBalance& balance);
 /// A scale of the scene below which no residual is large: the weight through a millionth of a cell, and strains of 1e-8
 /// everywhere. Round-off is far below it. `gravity`: the greatest, m/s^2.

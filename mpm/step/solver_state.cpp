@@ -10,7 +10,7 @@ namespace pivnp::mpm {
 
 namespace {
 
-constexpr char magic[8] = {'p', 'i', 'v', 'm', 'p', 'm', '1', '3'};
+constexpr char magic[8] = {'p', 'i', 'v', 'm', 'p', 'm', '1', '4'};
 
 class Writer {
  public:
