@@ -33,13 +33,15 @@ PoreFlow PoreWater::flow(Particles& p, GridState& g, const Tractions& tractions,
   const double rate = rate_in_cell(g) * dt;
   PoreFields f = field_;
   if (p.mobility.empty()) f.rate = nullptr;
+  if (about_axis()) f.seen = f.smooth = nullptr;
   const auto smooth = [&] {
     for_node_lists(g, threads, [&](const std::uint32_t* nodes, std::size_t size) { smooth_pores_lanes(f, f.mean, f.even, nodes, size); });
     tie_smoothed(f.mean, f.even);
+    if (!f.seen) return;
     for_node_lists(g, threads, [&](const std::uint32_t* nodes, std::size_t size) { smooth_pores_lanes(f, f.seen, f.smooth, nodes, size); });
     tie_seen(f.seen, f.smooth);
   };
-  take_seen(g, gravity, threads);
+  if (f.seen) take_seen(g, gravity, threads);
   smooth();
   keep_means();
   for_node_lists(g, threads, [&](const std::uint32_t* nodes, std::size_t size) { exchange_pores_lanes(f, rate, alike_.mobility, nodes, size); });

@@ -145,7 +145,8 @@ double change_run(double rate, const PointView& p, const PoreView& w, const Cell
       mean = set(0.5) * (before + pressure);
     }
     lost = lost - v0 * more * (mean - head);
-    keep(p, w, t, holds, mobility, J, hn::IfThenElse(holds, after, content), pressure, spanned(hats, c, cells, f.smooth) - e);
+    keep(p, w, t, holds, mobility, J, hn::IfThenElse(holds, after, content), pressure,
+         f.smooth ? spanned(hats, c, cells, f.smooth) - e : zero());
   });
   return sum_of(lost);
 }
