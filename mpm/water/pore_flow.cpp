@@ -33,7 +33,7 @@ PoreFlow PoreWater::flow(Particles& p, GridState& g, const Tractions& tractions,
   const double rate = rate_in_cell(g) * dt;
   PoreFields f = field_;
   if (p.mobility.empty()) f.rate = nullptr;
-  if (about_axis()) f.seen = f.smooth = nullptr;
+  if (about_axis() || !g.centred) f.seen = f.smooth = nullptr;  // docs/theory/mpm_water.md#flow
   const auto smooth = [&] {
     for_node_lists(g, threads, [&](const std::uint32_t* nodes, std::size_t size) { smooth_pores_lanes(f, f.mean, f.even, nodes, size); });
     tie_smoothed(f.mean, f.even);
