@@ -40,7 +40,7 @@ struct NodeArrays {
   OfGrid<PoreNode> pores;
   OfGrid<PoreElement> pore_elements;
   OfGrid<PoreMark> pore_marks;
-  SeveralOfGrid<double, 14> flow;
+  SeveralOfGrid<double, 12> flow;
   SeveralOfGrid<double, 3> rings;
   OfGrid<HeatNode> heat;
   OfGrid<double> softening_strain, softening_volume, softening_rows;

@@ -48,7 +48,6 @@ struct PoreFields {
   // Of the edges to the right and up.
   double *flow_x, *flow_y;      // exchange of water for a difference of potential, in this step
   double *strain_x, *strain_y;  // V s (1 - s), V t (1 - t) of both elements beside it, half
-  double *seen, *smooth;        // of the potential: means, then what takes their successor; the same smooth, then what momentum sees; null where it sees the points' own
   double *inert_x = nullptr, *inert_y = nullptr;  // projected: the same for pressures, with what the skeleton yields to them
   std::ptrdiff_t row;
   // Axisymmetric, else null: the node's radius (at the axis a third of a cell: half a node's volume lies there), and the share

@@ -33,15 +33,10 @@ PoreFlow PoreWater::flow(Particles& p, GridState& g, const Tractions& tractions,
   const double rate = rate_in_cell(g) * dt;
   PoreFields f = field_;
   if (p.mobility.empty()) f.rate = nullptr;
-  if (about_axis() || !g.centred) f.seen = f.smooth = nullptr;  // docs/theory/mpm_water.md#flow
   const auto smooth = [&] {
     for_node_lists(g, threads, [&](const std::uint32_t* nodes, std::size_t size) { smooth_pores_lanes(f, f.mean, f.even, nodes, size); });
     tie_smoothed(f.mean, f.even);
-    if (!f.seen) return;
-    for_node_lists(g, threads, [&](const std::uint32_t* nodes, std::size_t size) { smooth_pores_lanes(f, f.seen, f.smooth, nodes, size); });
-    tie_seen(f.seen, f.smooth);
   };
-  if (f.seen) take_seen(g, gravity, threads);
   smooth();
   keep_means();
   for_node_lists(g, threads, [&](const std::uint32_t* nodes, std::size_t size) { exchange_pores_lanes(f, rate, alike_.mobility, nodes, size); });
@@ -60,18 +55,6 @@ PoreFlow PoreWater::flow(Particles& p, GridState& g, const Tractions& tractions,
   mark_given(false);
   follow_porosity(p, threads);
   return sums;
-}
-
-// The means of the potential, also where it is given.
-void PoreWater::take_seen(const GridState& g, const Vec2& gravity, int threads) {
-  for_each(g.active.nodes.size(), threads, [&](std::size_t a) { field_.seen[g.active.nodes[a]] = field_.potential[g.active.nodes[a]]; });
-  for (const Given& at : given_) field_.seen[at.node] = at.mean;
-  for (const Joined& joined : joined_) {
-    const double across = head_across(g, *joined.tie, gravity);
-    const double first = joined.potential[0] + joined.share[1] * (joined.potential[1] - across - joined.potential[0]);
-    field_.seen[joined.tie->node[0]] = first;
-    field_.seen[joined.tie->node[1]] = first + across;
-  }
 }
 
 std::vector<Vec2> PoreWater::flow_at_points(const Particles& p, GridState& g, const Tractions& tractions,

@@ -30,7 +30,7 @@ void PoreWater::tie_sums(const GridState& g, const Vec2& gravity, double time) {
     PoreNode &a = sums_.node[tie.node[0]], &b = sums_.node[tie.node[1]];
     const double volume = a.volume + b.volume;
     if (time >= tie.until || !(a.volume > 0 && b.volume > 0)) continue;
-    joined_.push_back({&tie, {a.volume / volume, b.volume / volume}, {a.potential / a.volume, b.potential / b.volume}, 0, 0, {}, {}});
+    joined_.push_back({&tie, {a.volume / volume, b.volume / volume}, {a.potential / a.volume, b.potential / b.volume}, 0, 0});
     const double across = head_across(g, tie, gravity), potential = a.potential + b.potential - across * b.volume;
     a.volume = b.volume = volume;
     a.potential = potential;
@@ -71,24 +71,10 @@ void PoreWater::tie_smoothed(const double* from, double* to) const {
   }
 }
 
-// The same of a potential, of which each has its own frame.
-void PoreWater::tie_seen(const double* from, double* to) const {
-  for (const Joined& joined : joined_) {
-    const std::uint32_t a = joined.tie->node[0], b = joined.tie->node[1];
-    const double gain = (to[a] - from[a]) + (to[b] - from[b]);
-    to[a] = from[a] + gain;
-    to[b] = from[b] + gain;
-  }
-}
-
 void PoreWater::keep_means() {
   for (Joined& joined : joined_) {
     joined.mean = field_.mean[joined.tie->node[0]];
     joined.even = field_.even[joined.tie->node[0]];
-    for (const int side : {0, 1}) {
-      joined.seen[side] = field_.seen[joined.tie->node[side]];
-      joined.smooth[side] = field_.smooth[joined.tie->node[side]];
-    }
   }
 }
 
@@ -99,9 +85,6 @@ PoreFlow PoreWater::tie_exchanged(const GridState& g, const Vec2& gravity, doubl
   for (const Joined& joined : joined_) {
     const std::uint32_t a = joined.tie->node[0], b = joined.tie->node[1];
     f.mean[a] = f.mean[b] = f.mean[a] + f.mean[b] - 2 * joined.mean + joined.even;
-    const double to_seen = (f.seen[a] - 2 * joined.seen[0] + joined.smooth[0]) + (f.seen[b] - 2 * joined.seen[1] + joined.smooth[1]);
-    f.seen[a] = 2 * joined.seen[0] - joined.smooth[0] + to_seen;
-    f.seen[b] = 2 * joined.seen[1] - joined.smooth[1] + to_seen;
     if (marks_[a].given) continue;
     const double own = rate * (alike_.own ? f.rate[a] : alike_.mobility);
     const double to_a = f.change[a] - own * f.potential[a], to_b = f.change[b] - own * f.potential[b];

@@ -121,10 +121,6 @@ struct AtNodes {
     const V v = at(f.volume), smooth = at(f.even), mean = at(f.mean);
     const V passed = smooth + per_volume(exchanged(f.strain_x, f.strain_y, f.even), v);
     hn::StoreU((mean + mean) - passed, d, f.mean + n);
-    if (f.seen) {
-      const V e = at(f.seen), e_passed = at(f.smooth) + per_volume(exchanged(f.strain_x, f.strain_y, f.smooth), v);
-      hn::StoreU((e + e) - e_passed, d, f.seen + n);
-    }
     const V own = hn::Set(d, rate) * (f.rate ? at(f.rate) : hn::Set(d, mobility_all)) * at(f.potential);
     hn::StoreU(own + per_volume(exchanged(f.flow_x, f.flow_y, f.potential), v), d, f.change + n);
   }

@@ -109,14 +109,14 @@ HWY_INLINE V spanned(const Hats<centred>& hats, const CellView& c, const TileCel
 
 // What a tile's points hold from here on.
 template <class Tile>
-HWY_INLINE void keep(const PointView& p, const PoreView& w, const Tile& t, M holds, V mobility, V J, V content, V pressure, V evened) {
+HWY_INLINE void keep(const PointView& p, const PoreView& w, const Tile& t, M holds, V mobility, V J, V content, V pressure) {
   const V outside = set(w.outside) * hn::Max(zero(), set(w.level) - t.load(p.y));
   V seen = hn::IfThenElse(holds, pressure, outside);
   if (w.mobility) seen = hn::IfThenZeroElse(hn::Eq(mobility, set(no_pores_mobility)), seen);
   t.store(content, w.content);
   t.store(seen, w.pressure);
   t.store(J, w.J_flow);
-  t.store(J * ((seen - outside) + hn::IfThenElseZero(holds, evened)), w.excess);
+  t.store(J * (seen - outside), w.excess);
 }
 
 template <bool centred>
@@ -145,8 +145,7 @@ double change_run(double rate, const PointView& p, const PoreView& w, const Cell
       mean = set(0.5) * (before + pressure);
     }
     lost = lost - v0 * more * (mean - head);
-    keep(p, w, t, holds, mobility, J, hn::IfThenElse(holds, after, content), pressure,
-         f.smooth ? spanned(hats, c, cells, f.smooth) - e : zero());
+    keep(p, w, t, holds, mobility, J, hn::IfThenElse(holds, after, content), pressure);
   });
   return sum_of(lost);
 }
@@ -166,7 +165,7 @@ PoreLosses project_run(const PointView& p, const PoreView& w, const CellView& c,
     const V half = set(0.5) * gained, pores = hn::Max(set(least_pores), J - (w.solid ? t.load(w.solid) : set(w.solid_all)));
     by_flow = by_flow - v0 * more * (half + e);
     all = all + v0 * ((after - content) * head - (half + pressure) * strain - pores * set(1 / w.bulk) * gained * (half + pressure));
-    keep(p, w, t, holds, mobility, J, hn::IfThenElse(holds, after, content), pressure + gained, zero());
+    keep(p, w, t, holds, mobility, J, hn::IfThenElse(holds, after, content), pressure + gained);
   });
   return {sum_of(all), sum_of(by_flow)};
 }

@@ -66,7 +66,7 @@ PoreWater::PoreWater(const WaterOptions& options, std::vector<PoreSoil> soils, c
     throw InputError("water.groundwater: found 'level' beside a boundary with water_level_m, expected 'flow'");
   const std::size_t before = before_nodes(g);
   const auto field = [&](std::size_t k) { return g.arrays.flow[k].data() + before; };
-  field_ = {field(0), field(1), field(2), field(3), field(4), field(5), field(6), field(7), field(8), field(9), field(10), field(11), field(12), field(13), nullptr, nullptr, g.grid.nx};
+  field_ = {field(0), field(1), field(2), field(3), field(4), field(5), field(6), field(7), field(8), field(9), field(10), field(11), nullptr, nullptr, g.grid.nx};
   if (g.axisymmetric) set_rings(g);
   sums_ = {g.arrays.pores.data() + before, g.arrays.pore_elements.data() + before};
   marks_ = g.arrays.pore_marks.data() + before;

@@ -260,8 +260,6 @@ class PoreWater {
   void tie_sums(const GridState& g, const Vec2& gravity, double time);
   void tie_given(const GridState& g, const Vec2& gravity);
   void tie_smoothed(const double* from, double* to) const;
-  void tie_seen(const double* from, double* to) const;
-  void take_seen(const GridState& g, const Vec2& gravity, int threads);
   void keep_means();
   PoreFlow tie_exchanged(const GridState& g, const Vec2& gravity, double rate);
 
@@ -303,7 +301,6 @@ class PoreWater {
     double share[2];      // of each node in the volume of both
     double potential[2];  // mean of each one's own points
     double mean, even;    // before the exchange
-    double seen[2], smooth[2];  // of each node, likewise
   };
   std::vector<Joined> joined_;  // in this step
 

@@ -50,9 +50,9 @@ struct Pores : Case {
     }
     w = {pressure.data(), content.data(), J_flow.data(), excess.data(), varied ? mobility.data() : nullptr, varied ? solid.data() : nullptr,
          1e-9, 0.6, 1e9, 100, -9000, 17, 9810, 0.1, false};
-    for (int k = 0; k < 16; ++k) arrays.emplace_back(nodes, 0.0);
+    for (int k = 0; k < 14; ++k) arrays.emplace_back(nodes, 0.0);
     const auto field = [&](int k) { return arrays[std::size_t(k)].data() + before; };
-    f = {field(0), field(1), field(2), field(3), field(4), field(5), field(6), field(7), field(8), field(9), field(10), field(11), field(12), field(13), field(14), field(15), g.grid.nx};
+    f = {field(0), field(1), field(2), field(3), field(4), field(5), field(6), field(7), field(8), field(9), field(10), field(11), field(12), field(13), g.grid.nx};
     if (!varied) f.rate = nullptr;
   }
   double u() { return std::uniform_real_distribution<double>(-1, 1)(random); }
@@ -198,8 +198,6 @@ TEST(PoreLanes, MeansEdgesAndExchange) {
     }
 
     const std::vector<double> mean(f.mean, f.mean + c.g.grid.node_count());
-    c.randomize({f.seen, f.smooth}, 1e3);
-    const std::vector<double> seen(f.seen, f.seen + c.g.grid.node_count());
     exchange_pores_lanes(f, edges.rate, edges.mobility_all, nodes.data(), nodes.size());
     for (const std::uint32_t n : nodes) {
       const auto exchanged = [&](const double* x, const double* y, const double* of) {
@@ -209,7 +207,6 @@ TEST(PoreLanes, MeansEdgesAndExchange) {
       };
       const double rate = edges.rate * (f.rate ? f.rate[n] : edges.mobility_all);
       ASSERT_NEAR(f.mean[n], 2 * mean[n] - f.even[n] - exchanged(f.strain_x, f.strain_y, f.even), 1e-15);
-      ASSERT_NEAR(f.seen[n], 2 * seen[n] - f.smooth[n] - exchanged(f.strain_x, f.strain_y, f.smooth), 1e-9);
       ASSERT_NEAR(f.change[n], rate * f.potential[n] + exchanged(f.flow_x, f.flow_y, f.potential), 1e-11);
     }
   });
@@ -221,12 +218,11 @@ TEST(PoreLanes, WhatThePointsTake) {
       Particles& p = c.state.particles;
       c.randomize({c.f.change, c.f.mean}, 1e-3);
       c.randomize({c.f.even}, projected ? 1e2 : 1e-3);
-      c.randomize({c.f.smooth}, 1e4);
       if (c.f.rate) c.randomize({c.f.rate}, 1e-9);
       std::vector<double> share(c.nodes);
       for (double& s : share) s = 0.5 + 0.4 * c.u();
       const double rate = 1e3;
-      std::vector<double> content(c.content.begin(), c.content.end()), pressure(c.pressure.begin(), c.pressure.end()), evened(p.size());
+      std::vector<double> content(c.content.begin(), c.content.end()), pressure(c.pressure.begin(), c.pressure.end());
       double all = 0, by_flow = 0;
       for (std::size_t k = 0; k < p.size(); ++k) {
         const double outside = c.w.outside * std::max(0.0, c.w.level - p.y[k]);
@@ -244,7 +240,6 @@ TEST(PoreLanes, WhatThePointsTake) {
           by_flow -= v0 * more * (e + 0.5 * gained);
           pressure[k] += gained;
         } else {
-          evened[k] = c.spanned(a, c.f.smooth) - e;
           const double own = c.f.rate ? c.spanned(a, c.f.rate) : c.w.mobility_all;
           const double more = J * (c.spanned(a, c.f.change) - rate * own * e);
           content[k] += strain - J * c.spanned(a, c.f.even);
@@ -272,7 +267,7 @@ TEST(PoreLanes, WhatThePointsTake) {
         ASSERT_NEAR(c.content[k], content[k], 1e-14);
         ASSERT_NEAR(c.pressure[k], pressure[k], projected ? 1e-5 : 1e-4);
         ASSERT_EQ(c.J_flow[k], p.J[k]);
-        ASSERT_NEAR(c.excess[k], p.J[k] * (c.pressure[k] - outside + evened[k]), 1e-5);
+        ASSERT_NEAR(c.excess[k], p.J[k] * (c.pressure[k] - outside), 1e-5);
       }
     }
   });
