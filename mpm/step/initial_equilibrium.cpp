@@ -258,7 +258,7 @@ int relax_to_equilibrium(const EquilibriumOptions& options, const StaticSystem& 
   Particles& p = system.particles;
   GridState& g = system.grid;
   locate_all(p, g);
-  if (std::abs(options.gravity.x()) <= 1e-3 * std::abs(options.gravity.y()))
+  if (!options.goes_on && std::abs(options.gravity.x()) <= 1e-3 * std::abs(options.gravity.y()))
     stress_from_columns(p, system.materials, g, options.gravity.y(), options.k0, system.water);
   for (std::size_t k = 0; k < p.size() && !options.given.empty(); ++k) {
     const auto& [xx, yy, zz, xy] = options.given[p.index[k]];

@@ -28,6 +28,7 @@ struct EquilibriumOptions {
   std::optional<double> k0 = {};  // horizontal over vertical stress of the first guess; nu/(1 - nu) without
   std::span<const std::array<double, 4>> given = {};  // Scene::stress0: the first guess where it is a number
   std::function<Vec2(const Vec2&)> variation = {};  // of gravity from place to place; empty: none
+  bool goes_on = false;  // from the stresses that there are
 };
 
 /// What is brought to rest; its parts change.

@@ -106,14 +106,39 @@ void Solver::find_initial_equilibrium(Progress& progress) {
   // The average of three-node shapes leaves a point's own mean stress free to drift where points open one by one.
   Scheme scheme = s.scheme;
   if (scheme.shape != ShapeKind::bilinear) scheme.locking = Locking::none;
-  relax_to_equilibrium(
-      {s.gravity_at_rest(), s.options.equilibrium_damping, s.options.equilibrium_tolerance, s.most_threads,
-       s.options.k0, s.scene.stress0, s.variation_of_gravity()},
-      {scheme, s.materials, s.density, s.restraints, s.contacts, s.bodies, s.p, s.g, s.scene.particles,
-       s.water.get()}, progress);
+  EquilibriumOptions options{s.gravity_at_rest(), s.options.equilibrium_damping, s.options.equilibrium_tolerance, s.most_threads,
+                             s.options.k0, s.scene.stress0, s.variation_of_gravity()};
+  const StaticSystem system{scheme, s.materials, s.density, s.restraints, s.contacts, s.bodies, s.p, s.g, s.scene.particles, s.water.get()};
+  relax_to_equilibrium(options, system, progress);
+  if (s.water && scheme.locking != s.scheme.locking) s.balance_averages(options, scheme, system, progress);
   s.p.resize_increments(0);
   s.p.history.reset();
   s.restart_balance();
+}
+
+// What the averages change of an equilibrium without them moves soil beside water at rest: it is brought to rest with them,
+// from there, unless points would open or that finds no end.
+void Solver::Impl::balance_averages(EquilibriumOptions o, Scheme& used, const StaticSystem& system, Progress& progress) {
+  const std::array<Array*, 4> stress{&p.tau_xx, &p.tau_yy, &p.tau_zz, &p.tau_xy};
+  std::array<Array, 4> found;
+  for (std::size_t c = 0; c < stress.size(); ++c) found[c] = *stress[c];
+  const auto open = [this] {
+    const Array* opening = p.history.find(opening_strain.name);
+    return opening && std::any_of(opening->begin(), opening->end(), [](double strain) { return strain > 0; });
+  };
+  if (open()) return;
+  o.goes_on = true;
+  o.given = {};
+  used.locking = scheme.locking;
+  bool settled = true;
+  try {
+    relax_to_equilibrium(o, system, progress);
+  } catch (const RunError&) {
+    settled = false;
+  }
+  if (settled && !open()) return;
+  for (std::size_t c = 0; c < stress.size(); ++c) *stress[c] = found[c];
+  water->refresh(p, o.gravity, most_threads);
 }
 
 void Solver::require_held() const {

@@ -16,6 +16,7 @@
 #include "mpm/scene/loading.hpp"
 #include "mpm/scene/scene_setup.hpp"
 #include "mpm/step/half_step.hpp"
+#include "mpm/step/initial_equilibrium.hpp"
 #include "mpm/step/momentum.hpp"
 #include "mpm/step/sleep.hpp"
 #include "mpm/step/solver.hpp"
@@ -106,6 +107,7 @@ struct Solver::Impl {
   }
   bool pushes() const { return scene.body_force || loading.centrifuge() || loading.tractions().any(); }
   bool work_in_steps() const { return !water && (loading.gravity_changes() || loading.any_density()); }
+  void balance_averages(EquilibriumOptions o, Scheme& used, const StaticSystem& system, Progress& progress);
   Vec2 moment_of_mass() const;
 
   // solver_water.cpp: the water in the pores.

@@ -1,0 +1,49 @@
+// Water in the pores: no energy from nothing in light nodes.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/verification/mpm/water_column.hpp"
+
+namespace pivnp::mpm {
+namespace {
+
+using namespace test;
+
+// A block falls into the next cells. As its points pass between linear functions they have nodes with next to no mass, which stiff
+// water would drive ever faster.
+TEST(PoreEnergy, LightNodesOfLinearFunctionsGiveNothing) {
+  const double h = 0.02;
+  MaterialOptions soil = saturated(1.6e6, 0.23, 0.45, 2e-7);
+  Scene s = scene(Grid{{0, 0}, {h, h}, 9, 12}, {rectangle("lower", 0, 2 * h, 6 * h, 5 * h), rectangle("upper", 0, 5 * h, 6 * h, 9 * h)}, {soil, soil});
+  s.water.emplace();
+  s.water->level_m = 0.3;
+  s.water->bulk_modulus_pa = 2.3e6;
+  s.boundaries = {{"left", line({0, 0}, {0, 11 * h}, "roller")}};
+  ContactOptions contact;
+  contact.regions = {"upper"};
+  contact.against = {"lower"};
+  contact.friction = 0.0;
+  s.contacts.emplace_back("bodies", contact);
+  MpmOptions o = options({0, -9.81});
+  o.shape = ShapeKind::bilinear;
+  o.transfer = TransferKind::apic;
+  o.stress_update = StressUpdate::usl;
+  o.locking = Locking::selective;
+  o.initial_equilibrium = false;
+  o.pressure = PressureScheme::in_steps;
+  o.energy_limit = 1e9;
+  Solver solver(o, s, 1);
+  const double start = solver.energy().water;
+  double turned_over = 0;
+  for (int k = 1; k <= 40; ++k) {
+    solver.advance_to(0.002 * k, silent);
+    const EnergyRow now = solver.energy();
+    turned_over = std::max(turned_over, start + std::abs(now.external) + now.plastic + now.darcy + std::abs(now.damping));
+    ASSERT_LT(now.residual, 0.005 * turned_over) << solver.time();
+  }
+}
+
+}  // namespace
+}  // namespace pivnp::mpm
