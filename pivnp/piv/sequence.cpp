@@ -8,6 +8,7 @@
 
 #include "pivnp/piv/dense/lattice_filter.hpp"
 #include "pivnp/piv/dense/lost.hpp"
+#include "pivnp/piv/dense/restored.hpp"
 #include "pivnp/piv/dense/shrink.hpp"
 #include "pivnp/piv/method.hpp"
 
@@ -42,6 +43,7 @@ struct HeldPair {
   Components measured, smooth, variance;
   std::vector<std::uint8_t> trusted;
   Components on_paths;               // `measured` where the material of the reference lattice is, `smooth` where it is not trusted
+  Components about;                  // `smooth` there, about which it was measured
   std::vector<Source> known;         // of these
   Components path;                   // place of that material at the vectors' instant, pixels of the level
   std::optional<CameraStep> camera;
@@ -131,6 +133,7 @@ struct SequenceCorrelator::Impl {
     const SplineField smooth = spline(pair.smooth), measured = spline(pair.measured);
     const float to_anchor = anchor == Anchor::central ? 0.5f * sign : sign > 0 ? 0.0f : -1.0f;
     pair.path.resize(lattice.size()), pair.on_paths.resize(lattice.size()), pair.known.resize(lattice.size());
+    pair.about.resize(lattice.size());
     each_point([&](int, int, std::size_t k) {
       float x = place.u[k], y = place.v[k];
       std::array<float, 2> d = smooth.at(x, y);
@@ -142,7 +145,7 @@ struct SequenceCorrelator::Impl {
       // the lattice by the splines' recursion and the running sums.
       if (!std::isfinite(x + y + d[0] + d[1] + value[0] + value[1])) {
         pair.path.u[k] = column(lattice, int(k % std::size_t(lattice.nx))), pair.path.v[k] = row(lattice, int(k / std::size_t(lattice.nx)));
-        pair.on_paths.u[k] = pair.on_paths.v[k] = 0, pair.known[k] = Source::lost;
+        pair.on_paths.u[k] = pair.on_paths.v[k] = pair.about.u[k] = pair.about.v[k] = 0, pair.known[k] = Source::lost;
         return;
       }
       const auto i = std::lround((x - column(lattice, 0)) / static_cast<float>(lattice.step)),
@@ -152,8 +155,21 @@ struct SequenceCorrelator::Impl {
       pair.known[k] = trusted ? Source::measured : Source::smooth;
       const auto& from = trusted ? value : d;
       pair.on_paths.u[k] = from[0] - rest[0], pair.on_paths.v[k] = from[1] - rest[1];
+      pair.about.u[k] = d[0] - rest[0], pair.about.v[k] = d[1] - rest[1];
       place.u[k] += sign * d[0], place.v[k] += sign * d[1];
     });
+  }
+
+  // The base, and what is left of value - base after shrinkage.
+  void smooth_departure(const Components& value, const GroupField& base, float caution, Components& out) const {
+    SmoothedField smooth;
+    std::vector<float> off(lattice.size());
+    out = base.value;
+    for (const auto part : {&Components::u, &Components::v}) {
+      for (std::size_t k = 0; k < off.size(); ++k) off[k] = (value.*part)[k] - (base.value.*part)[k];
+      shrinker->run(off, wanted, threads, smooth, caution);
+      for (std::size_t k = 0; k < off.size(); ++k) (out.*part)[k] += smooth.value[k];
+    }
   }
 
   // Adds what is left of value - base after shrinkage to the base, and `pairs_sharing` times its variance to the variance: an
@@ -203,25 +219,36 @@ struct SequenceCorrelator::Impl {
       finish_pair(held[begin], base);
       return;
     }
-    Components mean;
-    mean.resize(lattice.size());
+    Components mean, about;
+    mean.resize(lattice.size()), about.resize(lattice.size());
     std::vector<std::uint8_t> most(lattice.size());
     // A pair that is not trusted at a place counts there by its smooth field, as long as most are: means of neighbours over
     // different pairs would differ by how the motion changes, which would be taken for noise.
     each_point([&](int, int, std::size_t k) {
-      float u = 0, v = 0, count = 0;
+      float u = 0, v = 0, about_u = 0, about_v = 0, count = 0;
       std::size_t measured = 0;
       for (std::size_t n = begin; n < end; ++n) {
         if (held[n].known[k] == Source::lost) continue;
         u += held[n].on_paths.u[k], v += held[n].on_paths.v[k], ++count;
+        about_u += held[n].about.u[k], about_v += held[n].about.v[k];
         measured += held[n].known[k] == Source::measured;
       }
       most[k] = 2 * measured >= end - begin;
-      if (most[k]) mean.u[k] = u / count, mean.v[k] = v / count;
+      if (most[k]) mean.u[k] = u / count, mean.v[k] = v / count, about.u[k] = about_u / count, about.v[k] = about_v / count;
     });
-    depart_smoothly(base, most, mean);
-    const GroupField field = shrunk(mean, base, end - begin == held.size() ? group_caution : 1.0f,
-                                    static_cast<float>(end - begin), static_cast<float>(begin));
+    // What this tells of the group, no pair knew; its cells would have shown more of it.
+    const bool whole = end - begin == held.size();
+    const float caution = whole ? group_caution : 1.0f;
+    Components restored = mean, better;
+    depart_smoothly(base, most, restored);
+    for (int n = 0; n < (whole ? 2 : 1); ++n) {
+      smooth_departure(restored, base, caution, better);
+      restored = mean;
+      for (const auto part : {&Components::u, &Components::v})
+        restore_measured(lattice, better.*part, about.*part, most, threads, restored.*part);
+      depart_smoothly(base, most, restored);
+    }
+    const GroupField field = shrunk(restored, base, caution, static_cast<float>(end - begin), static_cast<float>(begin));
     const std::size_t parts = std::min<std::size_t>(branches, end - begin);
     for (std::size_t part = 0; part < parts; ++part)
       divide(begin + (end - begin) * part / parts, begin + (end - begin) * (part + 1) / parts, field);
@@ -368,7 +395,7 @@ struct SequenceCorrelator::Impl {
 };
 
 int SequenceCorrelator::group_for(const PivOptions& options, std::size_t nodes, int width, int height) {
-  constexpr double memory = 800e6, bytes_a_cell = 36, bytes_a_node = 26;  // measured
+  constexpr double memory = 800e6, bytes_a_cell = 44, bytes_a_node = 26;  // measured
   const double cell = options.window_px / 4.0;
   const double pair = bytes_a_cell * double(width) * double(height) / (cell * cell) + bytes_a_node * double(nodes);
   return std::clamp(int(memory / pair), 8, group);
