@@ -195,7 +195,7 @@ void Multipass::measure_mean(std::span<const FramePair> pairs, PixelVectors& vec
   std::vector<Peak> peaks(count);
   const auto each_window = [&](const auto& look) {
     for (const FramePair& pair : pairs) {
-      windows_.take_images(pair.first, pair.second);
+      windows_.take_images(pair);
       const WarpedPair& warped = windows_.warp(stage);
 #pragma omp parallel for num_threads(threads_) schedule(dynamic, 16)
       for (std::size_t k = 0; k < count; ++k) {

@@ -87,6 +87,11 @@ void WindowPasses::take_images(const ImageView& first, const ImageView& second) 
   }
 }
 
+void WindowPasses::take_images(const FramePair& pair) {
+  take_images(pair.first, pair.second);
+  set_first_mask(pair.material);
+}
+
 const WarpedPair& WindowPasses::warp(const WindowStage& stage) {
   const Level& l = level(stage);
   const Box full =
@@ -192,7 +197,7 @@ float WindowPasses::measure_mean(WindowStage& stage, Search search, VectorGrid& 
   std::vector<int> used(points, 0);
   constexpr std::size_t batch = FftCorrelator::batch;
   for (const FramePair& pair : pairs_) {
-    take_images(pair.first, pair.second);
+    take_images(pair);
     warp(stage);
 #pragma omp parallel for num_threads(threads_) schedule(dynamic, 1)
     for (std::size_t first = 0; first < points; first += batch) {

@@ -73,6 +73,7 @@ class WindowPasses {
   float rounding_variance() const { return rounding_variance_; }
   /// Takes the frames of another pair of those that go together.
   void take_images(const ImageView& first, const ImageView& second);
+  void take_images(const FramePair& pair);
   /// Of the mean of `count` pairs: what would be noise in one of them is less in their mean.
   float least_score(std::size_t count) const;
 
