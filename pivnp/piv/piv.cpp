@@ -206,10 +206,16 @@ void PairCorrelator::Impl::take_material(const MaskView& view) {
   method->set_first_mask(view.data != nullptr ? part_of(usable_material(view, material), box) : MaskView{});
 }
 
-PixelVectors PairCorrelator::correlate(const ImageView& first, const ImageView& second, const MaskView& mask, const MaskView& material) {
+PixelVectors PairCorrelator::correlate(const ImageView& first, const ImageView& second, const MaskView& mask, const MaskView& material,
+                                       const PixelVectors* before) {
   check_frames({first, second}, impl_->width, impl_->height);
   impl_->take_mask(mask);
   impl_->take_material(material);
+  if (before != nullptr) {
+    std::vector<std::uint8_t> known;
+    for (const VectorStatus status : before->status) known.push_back(std::uint8_t(status == VectorStatus::valid));
+    impl_->method->start_from(before->displacement, known);
+  }
   PixelVectors vectors = impl_->empty;
   impl_->method->correlate(part_of(first, impl_->box), part_of(second, impl_->box), vectors);
   if (material.data != nullptr) impl_->leave_material(material, vectors);

@@ -40,7 +40,9 @@ class PairCorrelator {
   void place(const std::vector<std::array<float, 2>>& pixel, bool anew = false);
   /// `material`: what of the first frame is material, beside the mask; empty: all. It may differ from pair to pair, and
   /// nothing is made anew for it: where material goes to in the second frame, the vectors say.
-  PixelVectors correlate(const ImageView& first, const ImageView& second, const MaskView& mask, const MaskView& material = {});
+  /// `before`: vectors that this pair's may be near; it is then searched from their valid ones on, by windows no larger than the last.
+  PixelVectors correlate(const ImageView& first, const ImageView& second, const MaskView& mask, const MaskView& material = {},
+                         const PixelVectors* before = nullptr);
   /// The mean displacement of several pairs: their correlations are averaged, window by window, before a peak is sought
   /// (Delnoij et al. 1999, Chem. Eng. Sci. 54:5159; Meinhart, Wereley & Santiago 2000, J. Fluids Eng. 122:285). The
   /// covariance takes the pairs' errors for independent. Vectors that start on what is not material in the middle pair are masked. Throws as correlate(), and InputError where the method has no
