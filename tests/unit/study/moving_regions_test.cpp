@@ -155,21 +155,6 @@ TEST(MovingRegions, DirectPairsObeyThem) {
   }
 }
 
-TEST(MovingRegions, DriftCorrectionObeysThem) {
-  const piv::Sequence s = sliding(3, 1, 7);
-  const Measured m = measured(s, "[np]\ndrift = \"corrected\"\ndrift_interval = 3\n");
-  const ParticleSet& set = m.motion->particles();
-  const MotionFrame last = m.motion->frame(6);
-  double off = 0, near = 0;
-  for (std::size_t p = 0; p < set.size(); ++p) {
-    const Vec2 px = m.setting.camera.to_pixel(set.x0[p]);
-    if (px.x() < 48 || px.x() > 180 || px.y() > surface + 12 || last.status[p] == ParticleStatus::ended) continue;
-    off += std::pow(double(last.u[p][0]) - 18, 2) + std::pow(double(last.u[p][1]), 2), ++near;
-  }
-  EXPECT_GT(near, 50);
-  EXPECT_LT(std::sqrt(off / (2 * near)), 0.03);
-}
-
 TEST(MovingRegions, FaintGroundIsLeftOutAndSaid) {
   const piv::Sequence s = sliding(2, .3);
   const Measured m = measured(s, "");

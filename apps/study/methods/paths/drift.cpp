@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdint>
 #include <unordered_map>
-#include <utility>
 
 #include "apps/study/methods/paths/subset_bend.hpp"
 #include "apps/study/pipeline/measure/statistics.hpp"
@@ -47,8 +46,8 @@ struct KeyFrame {
 }  // namespace
 
 struct DriftCorrector::Impl {
-  Impl(const Case& c, const Setting& s, int thread_count, Material of_frames)
-      : setting(s), options(c.np.value_or(np::NpOptions{})), threads(thread_count), material(std::move(of_frames)) {
+  Impl(const Case& c, const Setting& s, int thread_count)
+      : setting(s), options(c.np.value_or(np::NpOptions{})), threads(thread_count) {
     const int window = c.piv.value_or(piv::PivOptions{}).window_px;
     subset.side_px = std::max(window, 20) / 2 * 2 + 1;
   }
@@ -56,7 +55,6 @@ struct DriftCorrector::Impl {
   const Setting& setting;
   np::NpOptions options;
   int threads;
-  Material material;
   piv::SubsetOptions subset;
   std::shared_ptr<KeyFrame> first, kept, newest;
   std::vector<DriftRound> rounds;
@@ -64,15 +62,7 @@ struct DriftCorrector::Impl {
   std::shared_ptr<KeyFrame> key_frame(const np::Tracker& tracker, int frame, const ImageView& image) const {
     auto key = std::make_shared<KeyFrame>();
     key->frame = frame;
-    image::Mask mask = mask_of(setting, frame, image);
-    // Where the material goes, the match says: what is not material in the key frame is left out of both.
-    if (const auto bytes = material ? material(frame, image) : std::vector<std::uint8_t>{}; !bytes.empty()) {
-      image::Mask here(setting.width, setting.height);
-      for (int r = 0; r < setting.height; ++r)
-        std::copy_n(bytes.begin() + std::ptrdiff_t(r) * setting.width, setting.width, here.row(r));
-      mask = mask.empty() ? std::move(here) : image::both(mask, here);
-    }
-    key->image.assign(image, mask.view(), threads);
+    key->image.assign(image, mask_of(setting, frame, image).view(), threads);
     const auto state = tracker.state();
     for (std::size_t p = 0; p < state.size(); ++p) {
       const auto now = state[p];
@@ -303,8 +293,8 @@ struct DriftCorrector::Impl {
   }
 };
 
-DriftCorrector::DriftCorrector(const Case& c, const Setting& setting, int threads, Material material)
-    : impl_(std::make_unique<Impl>(c, setting, threads, std::move(material))) {}
+DriftCorrector::DriftCorrector(const Case& c, const Setting& setting, int threads)
+    : impl_(std::make_unique<Impl>(c, setting, threads)) {}
 DriftCorrector::~DriftCorrector() = default;
 
 const std::vector<DriftRound>& DriftCorrector::rounds() const { return impl_->rounds; }

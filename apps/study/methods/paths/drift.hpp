@@ -1,13 +1,11 @@
 // What holds tracked particles to the frame they started from: direct correlation with it, or with a later key frame.
 #pragma once
 
-#include <cstdint>
 #include <functional>
 #include <memory>
 #include <vector>
 
 #include "apps/study/pipeline/scene/scene.hpp"
-#include "pivnp/core/image_view.hpp"
 #include "pivnp/np/tracker.hpp"
 
 namespace pivnp::app {
@@ -35,10 +33,7 @@ struct DriftRound {
 /// its neighbours' (median test).
 class DriftCorrector {
  public:
-  /// What of a frame may be material, one byte a pixel; empty: all. Asked of frames that others are held against.
-  using Material = std::function<std::vector<std::uint8_t>(int frame, const ImageView& image)>;
-
-  DriftCorrector(const Case& c, const Setting& setting, int threads, Material material = {});
+  DriftCorrector(const Case& c, const Setting& setting, int threads);
   ~DriftCorrector();
 
   /// Before the first step: `image` is the first frame, `tracker` at its start.

@@ -158,11 +158,7 @@ TrackOutcome track(const Case& c, const Setting& setting, const std::vector<Fram
     if (writer.segment_full(stage)) writer.close_segment(stage, now.save());
   };
   const bool corrected = options.drift != np::DriftScheme::none;
-  const auto of_key = [&](int k, const ImageView& image) {
-    if (!material.any() || k + 1 >= int(frames.size())) return std::vector<std::uint8_t>{};  // the last frame is a key to none
-    return material.of({k, k + 1}, image, prepared(setting, source->read(k + 1)).view());
-  };
-  DriftCorrector corrector(c, setting, threads, of_key);
+  DriftCorrector corrector(c, setting, threads);
   if (corrected) corrector.start(tracker, prepared(setting, source->read(0)).view());
   const bool resumed = !corrected && done.items > 0;
   if (resumed)

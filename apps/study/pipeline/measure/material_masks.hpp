@@ -11,7 +11,7 @@
 
 namespace pivnp::app {
 
-/// The regions of a case as masks of frames any distance apart (closure, steps over dropped frames, drift correction): their outlines
+/// The regions of a case as masks of frames any distance apart (closure, steps over dropped frames): their outlines
 /// are carried by the vectors that were measured (moving_regions.hpp), and what lies beyond them is told from the two frames
 /// themselves, by the whole way between them. Frames are best asked for in order: an earlier one is followed to anew.
 class MaterialMasks {
