@@ -27,6 +27,9 @@ class GaussNewton final : public Method {
  public:
   GaussNewton(const PivOptions& options, const Extent& extent, int threads, int finest);
   void correlate(const ImageView& first, const ImageView& second, PixelVectors& vectors) override;
+  void start_from(std::span<const std::array<float, 2>> displacement, std::span<const std::uint8_t> known) override {
+    if (!windows_.empty()) windows_.start_from(displacement, known);
+  }
   void set_first_mask(const MaskView& mask) override {
     first_mask_ = mask;
     windows_.set_first_mask(mask);

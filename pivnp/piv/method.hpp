@@ -2,6 +2,8 @@
 // PairCorrelator makes it anew for every other mask.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <span>
 
 #include "pivnp/piv/dense/spline_field.hpp"
@@ -31,6 +33,8 @@ class Method {
   /// What of the first frame may be used from now on, in place of the mask that the method was made with; empty: that mask.
   /// Lattices and nodes stay as they are. The data belong to the caller.
   virtual void set_first_mask(const MaskView&) = 0;
+  /// Where the next correlate() begins, in place of nothing known: vectors at the nodes, of those that are `known`.
+  virtual void start_from(std::span<const std::array<float, 2>> /*displacement*/, std::span<const std::uint8_t> /*known*/) {}
   /// The mean displacement of several pairs; false: the method cannot average them.
   virtual bool correlate_mean(std::span<const FramePair>, PixelVectors&) { return false; }
   /// Puts the nodes elsewhere, by no more than a few pixels; false: the method must be made anew for that.

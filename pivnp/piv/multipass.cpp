@@ -57,6 +57,9 @@ class Multipass final : public Method {
   void correlate(const ImageView& first, const ImageView& second, PixelVectors& vectors) override;
   bool correlate_mean(std::span<const FramePair> pairs, PixelVectors& vectors) override;
   void set_first_mask(const MaskView& mask) override { windows_.set_first_mask(mask); }
+  void start_from(std::span<const std::array<float, 2>> displacement, std::span<const std::uint8_t> known) override {
+    if (!windows_.empty()) windows_.start_from(displacement, known);
+  }
 
  private:
   void measure_nodes(PixelVectors& vectors);
@@ -195,7 +198,7 @@ void Multipass::measure_mean(std::span<const FramePair> pairs, PixelVectors& vec
   std::vector<Peak> peaks(count);
   const auto each_window = [&](const auto& look) {
     for (const FramePair& pair : pairs) {
-      windows_.take_images(pair.first, pair.second);
+      windows_.take_images(pair);
       const WarpedPair& warped = windows_.warp(stage);
 #pragma omp parallel for num_threads(threads_) schedule(dynamic, 16)
       for (std::size_t k = 0; k < count; ++k) {

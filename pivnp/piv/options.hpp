@@ -67,7 +67,7 @@ struct PivOptions {
                      .max = 64});
     visit("follow_regions", self.follow_regions,
           OptionInfo{.text = "regions move with their material as masks: texture beyond them that stands still is left "
-                             "out pair by pair (not with ensemble > 1 or camera.row_time_s)"});
+                             "out pair by pair"});
     visit("anchor", self.anchor,
           OptionInfo{.text = "instant to which a vector's place belongs: middle of the pair, or its first frame"});
     visit("median_threshold", self.median_threshold,

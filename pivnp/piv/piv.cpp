@@ -68,6 +68,7 @@ struct PairCorrelator::Impl {
 
   void take_mask(const MaskView& view);
   void take_material(const MaskView& view);
+  MaskView usable_material(const MaskView& view, std::vector<std::uint8_t>& bytes) const;
   void leave_material(const MaskView& view, PixelVectors& vectors) const;
 
   // Takes the mask of a pair; true if it is another than before.
@@ -188,23 +189,33 @@ void PairCorrelator::Impl::leave_material(const MaskView& view, PixelVectors& ve
   }
 }
 
-void PairCorrelator::Impl::take_material(const MaskView& view) {
-  if (view.data == nullptr) return method->set_first_mask({});
+// What is material and not masked.
+MaskView PairCorrelator::Impl::usable_material(const MaskView& view, std::vector<std::uint8_t>& bytes) const {
   if (!row.masks || view.width != width || view.height != height)
     throw InputError("piv: found a mask of material of " + std::to_string(view.width) + " x " + std::to_string(view.height) +
                      " px, expected " + std::to_string(width) + " x " + std::to_string(height) + ", and a method that leaves pixels out");
-  material.resize(std::size_t(width) * std::size_t(height));
+  bytes.resize(std::size_t(width) * std::size_t(height));
   const MaskView whole = whole_mask();
   for (int r = 0; r < height; ++r)
     for (int c = 0; c < width; ++c)
-      material[std::size_t(r) * std::size_t(width) + std::size_t(c)] = std::uint8_t(view.usable(c, r) && whole.usable(c, r));
-  method->set_first_mask(part_of(MaskView{material.data(), width, height, width}, box));
+      bytes[std::size_t(r) * std::size_t(width) + std::size_t(c)] = std::uint8_t(view.usable(c, r) && whole.usable(c, r));
+  return {bytes.data(), width, height, width};
 }
 
-PixelVectors PairCorrelator::correlate(const ImageView& first, const ImageView& second, const MaskView& mask, const MaskView& material) {
+void PairCorrelator::Impl::take_material(const MaskView& view) {
+  method->set_first_mask(view.data != nullptr ? part_of(usable_material(view, material), box) : MaskView{});
+}
+
+PixelVectors PairCorrelator::correlate(const ImageView& first, const ImageView& second, const MaskView& mask, const MaskView& material,
+                                       const PixelVectors* before) {
   check_frames({first, second}, impl_->width, impl_->height);
   impl_->take_mask(mask);
   impl_->take_material(material);
+  if (before != nullptr) {
+    std::vector<std::uint8_t> known;
+    for (const VectorStatus status : before->status) known.push_back(std::uint8_t(status == VectorStatus::valid));
+    impl_->method->start_from(before->displacement, known);
+  }
   PixelVectors vectors = impl_->empty;
   impl_->method->correlate(part_of(first, impl_->box), part_of(second, impl_->box), vectors);
   if (material.data != nullptr) impl_->leave_material(material, vectors);
@@ -216,12 +227,17 @@ PixelVectors PairCorrelator::correlate_mean(std::span<const FramePair> pairs, co
   impl_->take_mask(mask);
   impl_->take_material({});
   std::vector<FramePair> parts;
-  for (const FramePair& pair : pairs)
-    parts.push_back({part_of(pair.first, impl_->box), part_of(pair.second, impl_->box)});
+  std::vector<std::vector<std::uint8_t>> material(pairs.size());
+  for (std::size_t n = 0; n < pairs.size(); ++n) {
+    FramePair& part = parts.emplace_back(FramePair{part_of(pairs[n].first, impl_->box), part_of(pairs[n].second, impl_->box)});
+    if (pairs[n].material.data != nullptr) part.material = part_of(impl_->usable_material(pairs[n].material, material[n]), impl_->box);
+  }
   PixelVectors vectors = impl_->empty;
   if (!impl_->method->correlate_mean(parts, vectors))
     refuse("ensemble", std::to_string(impl_->options.ensemble),
            "1, as method " + impl_->row.name + " has no correlation to average; fft and ncc have");
+  if (!pairs.empty() && pairs[pairs.size() / 2].material.data != nullptr)
+    impl_->leave_material(pairs[pairs.size() / 2].material, vectors);
   return vectors;
 }
 

@@ -17,6 +17,7 @@ struct DenseField;
 
 struct FramePair {
   ImageView first, second;
+  MaskView material = {};  // of correlate_mean(): what of the first frame is material, beside the mask; no data: all
 };
 
 /// Correlates pairs of frames of one size on one lattice. Keeps plans and buffers; `correlate` uses `threads` threads
@@ -39,10 +40,12 @@ class PairCorrelator {
   void place(const std::vector<std::array<float, 2>>& pixel, bool anew = false);
   /// `material`: what of the first frame is material, beside the mask; empty: all. It may differ from pair to pair, and
   /// nothing is made anew for it: where material goes to in the second frame, the vectors say.
-  PixelVectors correlate(const ImageView& first, const ImageView& second, const MaskView& mask, const MaskView& material = {});
+  /// `before`: vectors that this pair's may be near; it is then searched from their valid ones on, by windows no larger than the last.
+  PixelVectors correlate(const ImageView& first, const ImageView& second, const MaskView& mask, const MaskView& material = {},
+                         const PixelVectors* before = nullptr);
   /// The mean displacement of several pairs: their correlations are averaged, window by window, before a peak is sought
   /// (Delnoij et al. 1999, Chem. Eng. Sci. 54:5159; Meinhart, Wereley & Santiago 2000, J. Fluids Eng. 122:285). The
-  /// covariance takes the pairs' errors for independent. Throws as correlate(), and InputError where the method has no
+  /// covariance takes the pairs' errors for independent. Vectors that start on what is not material in the middle pair are masked. Throws as correlate(), and InputError where the method has no
   /// correlation to average.
   PixelVectors correlate_mean(std::span<const FramePair> pairs, const MaskView& mask);
   /// The field that the last pair's vectors are from, and the place in the frames of its (0, 0); null where the method

@@ -53,6 +53,10 @@ bool same(const CellLattice& a, const CellLattice& b) {
   return a.nx == b.nx && a.ny == b.ny && a.x0 == b.x0 && a.y0 == b.y0 && a.step == b.step;
 }
 
+std::size_t valid(const PixelVectors& vectors) {
+  return std::size_t(std::count(vectors.status.begin(), vectors.status.end(), VectorStatus::valid));
+}
+
 float column(const CellLattice& lattice, int i) { return static_cast<float>(lattice.x0 + i * lattice.step); }
 float row(const CellLattice& lattice, int j) { return static_cast<float>(lattice.y0 + j * lattice.step); }
 
@@ -62,6 +66,7 @@ struct SequenceCorrelator::Impl {
   PairCorrelator pairs;
   NodeLattice nodes;
   Anchor anchor;
+  double window_px;
   int threads;
   std::vector<HeldPair> held;
   CellLattice lattice;
@@ -75,6 +80,7 @@ struct SequenceCorrelator::Impl {
       : pairs(options, given, width, height, thread_count),
         nodes(std::move(given)),
         anchor(options.anchor),
+        window_px(options.window_px),
         threads(std::max(1, thread_count)) {}
 
   void take_field(HeldPair& pair) {
@@ -92,6 +98,18 @@ struct SequenceCorrelator::Impl {
     pair.variance = {field->variance_u, field->variance_v};
     pair.trusted = field->trusted;
     pair.vectors.path_factor.assign(pair.vectors.displacement.size(), 1.0f);
+  }
+
+  // Vectors of the pair before that this one has not found.
+  static std::size_t lost(const PixelVectors& before, const PixelVectors& now) {
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < now.status.size(); ++k)
+      count += before.status[k] == VectorStatus::valid && (now.status[k] == VectorStatus::rejected || now.status[k] == VectorStatus::replaced);
+    return count;
+  }
+  std::size_t nodes_in_window() const {
+    const double across = window_px / std::max(1.0, double(node_spacing(nodes)));
+    return std::max<std::size_t>(4, std::size_t(across * across));
   }
 
   template <class Function>
@@ -416,6 +434,16 @@ void SequenceCorrelator::add(const ImageView& first, const ImageView& second, co
   }
   pair.vectors = impl_->pairs.correlate(first, second, mask, material);
   impl_->take_field(pair);
+  // A pair that lost a window's worth of the vectors of the pair before, where windows were drawn to a false peak, is searched again
+  // from there; the better of both counts.
+  if (const PixelVectors* before = impl_->held.empty() ? nullptr : &impl_->held.back().vectors;
+      before != nullptr && impl_->lost(*before, pair.vectors) >= impl_->nodes_in_window()) {
+    HeldPair again;
+    again.camera = pair.camera;
+    again.vectors = impl_->pairs.correlate(first, second, mask, material, before);
+    impl_->take_field(again);
+    if (valid(again.vectors) >= valid(pair.vectors) + impl_->nodes_in_window()) pair = std::move(again);
+  }
   impl_->held.push_back(std::move(pair));
 }
 

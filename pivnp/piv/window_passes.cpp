@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "pivnp/piv/method.hpp"
 
@@ -87,6 +88,11 @@ void WindowPasses::take_images(const ImageView& first, const ImageView& second) 
   }
 }
 
+void WindowPasses::take_images(const FramePair& pair) {
+  take_images(pair.first, pair.second);
+  set_first_mask(pair.material);
+}
+
 const WarpedPair& WindowPasses::warp(const WindowStage& stage) {
   const Level& l = level(stage);
   const Box full =
@@ -101,9 +107,35 @@ const WarpedPair& WindowPasses::warp(const WindowStage& stage) {
 
 const PredictorField& WindowPasses::find(const ImageView& first, const ImageView& second) {
   take_images(first, second);
-  predictor_ = {};
-  for (WindowStage& stage : stages_) improve_predictor(stage);
+  predictor_ = std::exchange(start_, {});
+  for (WindowStage& stage : stages_)
+    if (!started_ || stage.side <= options_.window_px) improve_predictor(stage);
+  started_ = false;
   return predictor_;
+}
+
+void WindowPasses::start_from(std::span<const std::array<float, 2>> displacement, std::span<const std::uint8_t> known) {
+  const NodeLattice& nodes = extent_.nodes;
+  const float window = static_cast<float>(options_.window_px), step = std::max(node_spacing(nodes), window / 2);
+  const Box box = bounding_box(nodes, window / 2, extent_.width, extent_.height);
+  if (box.empty()) return;
+  const EvenLattice lattice = even_lattice(box, step);
+  const std::size_t points = std::size_t(lattice.nx) * std::size_t(lattice.ny);
+  std::vector<std::array<float, 2>> mean(points, {0, 0});
+  std::vector<std::uint8_t> good(points, 0);
+  std::vector<float> count(points, 0);
+  for (std::size_t k = 0; k < nodes.pixel.size(); ++k) {
+    if (!known[k]) continue;
+    const auto i = std::lround((nodes.pixel[k][0] - lattice.x0) / lattice.dx), j = std::lround((nodes.pixel[k][1] - lattice.y0) / lattice.dy);
+    if (i < 0 || j < 0 || i >= lattice.nx || j >= lattice.ny) continue;
+    const std::size_t n = std::size_t(j) * std::size_t(lattice.nx) + std::size_t(i);
+    mean[n][0] += displacement[k][0], mean[n][1] += displacement[k][1], ++count[n];
+  }
+  for (std::size_t n = 0; n < points; ++n)
+    if (count[n] > 0) mean[n][0] /= count[n], mean[n][1] /= count[n], good[n] = 1;
+  if (std::find(good.begin(), good.end(), 1) == good.end()) return;
+  start_.fit(lattice, mean, good, 1, threads_);
+  started_ = true;
 }
 
 const PredictorField& WindowPasses::find(std::span<const FramePair> pairs) {
@@ -192,7 +224,7 @@ float WindowPasses::measure_mean(WindowStage& stage, Search search, VectorGrid& 
   std::vector<int> used(points, 0);
   constexpr std::size_t batch = FftCorrelator::batch;
   for (const FramePair& pair : pairs_) {
-    take_images(pair.first, pair.second);
+    take_images(pair);
     warp(stage);
 #pragma omp parallel for num_threads(threads_) schedule(dynamic, 1)
     for (std::size_t first = 0; first < points; first += batch) {

@@ -58,7 +58,10 @@ class WindowPasses {
   /// As Method::set_first_mask.
   void set_first_mask(const MaskView& mask);
 
-  /// Takes the frames and runs every stage from a predictor of zero.
+  /// As Method::start_from: find() then leaves out the windows that are larger than the last one.
+  void start_from(std::span<const std::array<float, 2>> displacement, std::span<const std::uint8_t> known);
+
+  /// Takes the frames and runs every stage from a predictor of zero, or from where it was told to start.
   const PredictorField& find(const ImageView& first, const ImageView& second);
   /// The same for the mean of several pairs.
   const PredictorField& find(std::span<const FramePair> pairs);
@@ -73,6 +76,7 @@ class WindowPasses {
   float rounding_variance() const { return rounding_variance_; }
   /// Takes the frames of another pair of those that go together.
   void take_images(const ImageView& first, const ImageView& second);
+  void take_images(const FramePair& pair);
   /// Of the mean of `count` pairs: what would be noise in one of them is less in their mean.
   float least_score(std::size_t count) const;
 
@@ -90,7 +94,8 @@ class WindowPasses {
   Anchor anchor_;
   std::vector<WindowStage> stages_;
   std::vector<Level> levels_;
-  PredictorField predictor_;
+  PredictorField predictor_, start_;
+  bool started_ = false;
   WarpedPair warped_;
   float rounding_variance_ = 0;  // grey^2
 };

@@ -21,6 +21,7 @@
 #include "apps/study/pipeline/scene/simulation_scene.hpp"
 #include "apps/study/pipeline/scene/sizes.hpp"
 #include "apps/study/pipeline/scene/zones.hpp"
+#include "apps/study/studies/check_regions.hpp"
 #include "apps/study/synth/case_frames.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/region.hpp"
@@ -182,6 +183,25 @@ std::vector<std::string> check_filters(const Case& c, Setting& setting, image::F
   return words;
 }
 
+// A frame's mask with what is left out beside the regions.
+image::Mask with_regions(image::Mask mask, const Setting& setting, const RegionsInFrame& seen) {
+  if (seen.material.empty()) return mask;
+  image::Mask material(setting.width, setting.height);
+  for (int r = 0; r < setting.height; ++r)
+    std::copy_n(seen.material.begin() + std::ptrdiff_t(r) * setting.width, setting.width, material.row(r));
+  return mask.empty() ? material : image::both(mask, material);
+}
+
+// The regions where they have gone, and everything else of `outlines`.
+std::vector<report::Outline> moved_outlines(std::vector<report::Outline> outlines, const RegionsInFrame& seen) {
+  std::erase_if(outlines, [](const report::Outline& o) { return o.kind == report::Outline::Kind::region; });
+  for (const MovingOutline& moved : seen.outlines) {
+    report::Outline& outline = outlines.emplace_back(report::Outline{report::Outline::Kind::region, moved.name, {}, true});
+    for (const OutlinePoint& p : moved.points) outline.points.push_back(p.place);
+  }
+  return outlines;
+}
+
 CheckOutcome checked(const Case& given, const RunSettings& settings, Progress& progress) {
   Case c = given;
   // Of frames that are to be drawn two are enough, in a folder of their own: a run to be resumed must not find them.
@@ -233,11 +253,13 @@ CheckOutcome checked(const Case& given, const RunSettings& settings, Progress& p
   }
   std::vector<VectorField> tried;
   std::vector<std::string> filters;
+  RegionsAlongFrames regions;
   if (source && !vectors && source->frames().size() > 1) {
     follow_masks(c, setting, *source, settings.threads, progress);
     filters = check_filters(c, setting, *source, settings, progress);
     double one = 0;
     tried = three_pairs(c, setting, *source, settings.threads, one);
+    if (!draws) regions = regions_along_frames(c, setting, *source, settings.threads, progress);
     seconds += one * double(frames - 1);
   }
   if (measures && c.mpm) check_compared_zones(c, setting);
@@ -255,7 +277,9 @@ CheckOutcome checked(const Case& given, const RunSettings& settings, Progress& p
   input.world_from_pixel = setting.camera.world_from_pixel();
   if (source) {
     first = source->read(0);
-    drawn_mask = image::drawn_mask(mask_of(setting, 0, first.view()), setting.camera);
+    image::Mask mask = mask_of(setting, 0, first.view());
+    if (!regions.seen.empty()) mask = with_regions(std::move(mask), setting, regions.seen.front());
+    drawn_mask = image::drawn_mask(mask, setting.camera);
     drawn_first = image::drawn_frame(source->read(0), setting.camera);
     input.image = drawn_first.image.view();
     input.world_from_pixel = drawn_first.world_from_pixel;
@@ -276,20 +300,30 @@ CheckOutcome checked(const Case& given, const RunSettings& settings, Progress& p
     input.outlines.push_back({Kind::body, name, b.circle_m.empty() ? positions_of(b.polygon_m) : circle(b.circle_m), true});
   outcome.picture = settings.out / "check.png";
   report::write_check(input, outcome.picture);
-  // Masks at two more times.
-  if (source && !c.masks.empty() && source->frames().size() > 2) {
+  // Masks and regions at two more times.
+  const bool followed = regions.seen.size() == 3;
+  if (source && (!c.masks.empty() || followed) && source->frames().size() > 2) {
     const int last = int(source->frames().size()) - 1;
-    for (const auto& [k, name] : {std::pair{last / 2, "check_middle.png"}, std::pair{last, "check_last.png"}}) {
+    for (const auto& [k, name] : {std::pair{followed ? regions.seen[1].frame : last / 2, "check_middle.png"},
+                                  std::pair{followed ? regions.seen[2].frame : last, "check_last.png"}}) {
       Image frame = source->read(k);
-      const image::Mask there = image::drawn_mask(mask_of(setting, k, frame.view()), setting.camera);
+      image::Mask mask = mask_of(setting, k, frame.view());
+      const RegionsInFrame* seen = followed ? &regions.seen[k == regions.seen[1].frame ? 1 : 2] : nullptr;
+      if (seen != nullptr) mask = with_regions(std::move(mask), setting, *seen);
+      const image::Mask there = image::drawn_mask(mask, setting.camera);
       const image::DrawnFrame drawn_then = image::drawn_frame(std::move(frame), setting.camera);
       report::CheckInput then = input;
       then.image = drawn_then.image.view();
       then.mask = there.view();
+      if (seen != nullptr) then.outlines = moved_outlines(input.outlines, *seen);
       report::write_check(then, settings.out / name);
     }
-    outcome.remarks.push_back("The masks are also drawn on the frame in the middle and on the last one: check_middle.png, check_last.png.");
+    outcome.remarks.push_back(std::string(!followed          ? "The masks are"
+                                          : c.masks.empty() ? "The regions, moved with their material, are"
+                                                            : "The masks and the regions, moved with their material, are") +
+                              " also drawn on the frame in the middle and on the last one: check_middle.png, check_last.png.");
   }
+  for (std::string& remark : regions.remarks) outcome.remarks.push_back(std::move(remark));
   if (!tried.empty())
     for (std::string& remark : shutter_remarks(c, setting, listed, tried.size(), [&](std::size_t k) { return tried[k]; }))
       outcome.remarks.push_back(std::move(remark));

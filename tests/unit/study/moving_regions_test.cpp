@@ -11,6 +11,7 @@
 #include <memory>
 
 #include "apps/study/methods/paths/tracking.hpp"
+#include "apps/study/pipeline/measure/material_masks.hpp"
 #include "apps/study/pipeline/measure/measure.hpp"
 #include "apps/study/pipeline/measure/moving_regions.hpp"
 #include "apps/study/pipeline/record/record_head.hpp"
@@ -52,7 +53,7 @@ struct Measured {
 };
 
 Case scene(const std::string& keys, const std::string& polygon) {
-  return parse_case("name = \"surface\"\n[frames]\npath = \"drawn\"\n[grid]\nspacing_px = 8\n[region.sand]\npolygon_px = " + polygon + "\n[piv]\n" + keys,
+  return parse_case("name = \"surface\"\n[frames]\npath = \"drawn\"\nrate_hz = 1\n[grid]\nspacing_px = 8\n[region.sand]\npolygon_px = " + polygon + "\n[piv]\n" + keys,
                     "test", ".");
 }
 
@@ -123,6 +124,35 @@ TEST(MovingRegions, VectorsAtASurfaceAreOfTheMaterialAlone) {
       EXPECT_GT(without.rim, 0.03) << method << " " << step;
       EXPECT_GT(without.rim, 4 * with.rim) << method << " " << step;
     }
+}
+
+TEST(MovingRegions, MeansOfPairsAndRowsThatAreReadInTurnObeyThem) {
+  const piv::Sequence s = sliding(6, 1, 5);
+  for (const std::string keys : {"method = \"fft\"\nensemble = 2\n", "[camera]\nrow_time_s = 0.002\n"}) {
+    const Errors with = errors(measured(s, keys), s), without = errors(measured(s, keys[0] == '[' ? "follow_regions = false\n" + keys : keys + "follow_regions = false\n"), s);
+    EXPECT_LT(with.rim, 0.03) << keys;
+    EXPECT_GT(with.valid, 0.8) << keys;
+    EXPECT_GT(without.rim, 4 * with.rim) << keys;
+  }
+}
+
+// Pairs of frames further apart, as closure and dropped frames ask for.
+TEST(MovingRegions, DirectPairsObeyThem) {
+  const piv::Sequence s = sliding(3, 1, 5);
+  const Case c = scene("", layer);
+  Drawn source(s);
+  const Measured m = measured(s, "");
+  MaterialMasks material(c, m.setting, [&](int k) { return m.pairs[std::size_t(k)]; });
+  for (MaterialMasks* masks : {&material, static_cast<MaterialMasks*>(nullptr)}) {
+    Measured direct;
+    direct.setting = m.setting;
+    direct.pairs = {measure_pair(c, m.setting, source, {1, 4}, 1, masks)};
+    piv::Sequence far = s;
+    far.place = [&](const Vec2& X, int) { return s.place(X, 3); };
+    const Errors e = errors(direct, far);
+    if (masks) EXPECT_LT(e.rim, 0.02);
+    else EXPECT_GT(e.rim, 0.1);
+  }
 }
 
 TEST(MovingRegions, FaintGroundIsLeftOutAndSaid) {

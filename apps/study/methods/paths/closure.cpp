@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "apps/study/methods/frames/repeated_cause.hpp"
+#include "apps/study/pipeline/measure/material_masks.hpp"
 #include "apps/study/pipeline/measure/measure.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/math.hpp"
@@ -126,11 +127,12 @@ ClosureNote check_closure(const Case& c, const Setting& setting, image::FrameSou
   std::vector<piv::ClosureChain> closed;
   std::vector<double> lengths;
   VectorField first_direct;
+  MaterialMasks material(c, setting, pair);
   for (int k = 0; k < chains; ++k) {
     const int first = k * (pairs - spacing) / (chains - 1);
     for (;; steps /= 2) {
       if (progress.stop_requested()) throw Interrupted();
-      const VectorField direct = measure_pair(c, setting, source, {first, first + steps}, threads);
+      const VectorField direct = measure_pair(c, setting, source, {first, first + steps}, threads, &material);
       Closed found = close_chain(options, setting.grid, first, steps, pair, direct);
       if (found.share >= 0.5) {
         closed.push_back(std::move(found.chain));

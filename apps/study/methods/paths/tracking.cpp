@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "apps/study/pipeline/measure/material_masks.hpp"
 #include "apps/study/pipeline/measure/measure.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
@@ -89,7 +90,7 @@ struct Bridges {
 };
 
 Bridges bridge(const Case& c, const Setting& setting, const std::vector<Frame>& frames, image::FrameSource& source,
-               const io::RecordWriter& writer, int threads) {
+               const io::RecordWriter& writer, int threads, MaterialMasks& material) {
   Bridges b;
   std::vector<double> valid;
   const std::vector<TrackStep> planned = plan_steps(frames);
@@ -98,7 +99,7 @@ Bridges bridge(const Case& c, const Setting& setting, const std::vector<Frame>& 
   std::sort(valid.begin(), valid.end());
   for (const TrackStep& step : planned) {
     if (step.to - step.from > 1) {
-      VectorField field = measure_pair(c, setting, source, {step.from, step.to}, threads);
+      VectorField field = measure_pair(c, setting, source, {step.from, step.to}, threads, &material);
       if (quality_of(field).valid >= 0.5 * valid[valid.size() / 2]) {
         b.bridged.push_back(step);
         b.fields.push_back(std::move(field));
@@ -134,10 +135,11 @@ TrackOutcome track(const Case& c, const Setting& setting, const std::vector<Fram
   if (done.complete) return {};
   const np::NpOptions options = c.np.value_or(np::NpOptions{});
   Bridges bridges;
+  MaterialMasks material(c, setting, [&](int k) { return writer.pair(std::size_t(k)); });
   if (setting.imported)
     for (int k = 0; k + 1 < int(frames.size()); ++k) bridges.steps.push_back({k, k + 1});
   else
-    bridges = bridge(c, setting, frames, *source, writer, threads);
+    bridges = bridge(c, setting, frames, *source, writer, threads, material);
   const Measured measured{bridges.steps,
                           [&](const TrackStep& step) {
                             const auto at = std::find(bridges.bridged.begin(), bridges.bridged.end(), step);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "apps/study/pipeline/measure/material_masks.hpp"
 #include "apps/study/pipeline/measure/moving_regions.hpp"
 #include "apps/study/pipeline/measure/shutter.hpp"
 #include "apps/study/pipeline/measure/statistics.hpp"
@@ -64,16 +65,41 @@ bool compressed_anew(const std::vector<StepQuality>& pairs, std::size_t k) {
   return 1 - pairs[k].median_score < median(std::move(unlike)) / 3;
 }
 
+// The regions of a group of pairs as masks, of each pair its own, `first` being the group's first frame. Between them the outlines go on by
+// `own`, the mean vectors, or by what they moved by last. `changed`: something else than before is left out.
+std::vector<std::vector<std::uint8_t>> masks_of_group(const Setting& setting, int first, const std::vector<Image>& frames, const VectorField* own,
+                                                      MovingRegions& regions, bool* changed = nullptr) {
+  std::vector<std::vector<std::uint8_t>> out;
+  for (std::size_t n = 0; n + 1 < frames.size(); ++n) {
+    const int k = first + int(n);
+    VectorField here;
+    if (own != nullptr) {
+      here = *own, here.pair = {k, k + 1};
+      if (regions.revise(here, frames[n].view(), frames[n + 1].view()) && changed != nullptr) *changed = true;
+    } else {
+      regions.look(k, frames[n].view(), frames[n + 1].view());
+    }
+    const MaskView mask = regions.mask();
+    out.emplace_back(mask.data, mask.data + (mask.data != nullptr ? std::size_t(setting.width) * std::size_t(setting.height) : 0));
+    if (own != nullptr) regions.carry(here);
+    else regions.carry_on();
+  }
+  return out;
+}
+
 // Pairs whose correlations are averaged: each of a group has their mean displacement. Groups begin at multiples of
 // their number, so that a run that is taken up again has the same.
-void measure_means(const Case& c, const Setting& setting, image::FrameSource& source, io::RecordWriter& writer,
+std::vector<std::string> measure_means(const Case& c, const Setting& setting, image::FrameSource& source, io::RecordWriter& writer,
                    int first_pair, int threads, Progress& progress, FrameLooks* looks) {
   const piv::PivOptions options = *c.piv;
   const piv::NodeLattice lattice = node_lattice(setting);
   piv::PairCorrelator correlator(options, lattice, setting.width, setting.height, threads);
   const int frames = int(source.frames().size());
   std::vector<Image> held;
-  for (int from = first_pair - first_pair % options.ensemble; from + 1 < frames; from += options.ensemble) {
+  const int start = first_pair - first_pair % options.ensemble;
+  MovingRegions regions(setting, options.window_px, options.follow_regions && !c.regions.empty());
+  for (int k = 0; regions.any() && k < start; ++k) regions.keep(writer.pair(std::size_t(k)));
+  for (int from = start; from + 1 < frames; from += options.ensemble) {
     if (progress.stop_requested()) throw Interrupted();
     const int to = std::min(from + options.ensemble, frames - 1);
     if (!held.empty()) held.erase(held.begin(), held.end() - 1);
@@ -87,19 +113,41 @@ void measure_means(const Case& c, const Setting& setting, image::FrameSource& so
       mask = k == from ? std::move(here) : image::both(mask, here);
     }
     std::vector<Image> ready;
-    std::vector<piv::FramePair> pairs;
     for (const Image& frame : held)
       ready.push_back(prepared(setting, image::part_of(frame.view(), 0, 0, frame.width(), frame.height())));
-    for (std::size_t k = 0; k + 1 < ready.size(); ++k) pairs.push_back({ready[k].view(), ready[k + 1].view()});
-    const piv::PixelVectors pixels =
-        correlator.correlate_mean(pairs, setting.moving_masks.empty() ? setting.mask.view() : mask.view());
+    const auto mean_of = [&](const std::vector<std::vector<std::uint8_t>>& material) {
+      std::vector<piv::FramePair> pairs;
+      for (std::size_t k = 0; k + 1 < ready.size(); ++k) {
+        const bool part = k < material.size() && !material[k].empty();
+        pairs.push_back({ready[k].view(), ready[k + 1].view(), part ? MaskView{material[k].data(), setting.width, setting.height, setting.width} : MaskView{}});
+      }
+      return correlator.correlate_mean(pairs, setting.moving_masks.empty() ? setting.mask.view() : mask.view());
+    };
+    piv::PixelVectors pixels;
+    regions.begin_group();
+    if (regions.any()) {
+      const auto own = [&] { return world_vectors(pixels, lattice, setting, {from, from + 1}); };
+      MovingRegions ahead = regions, seen = regions;
+      pixels = mean_of(masks_of_group(setting, from, ready, nullptr, ahead));
+      seen.look(from, ready[0].view(), ready[1].view());
+      VectorField field = own();
+      bool changed = false;
+      const auto masks = masks_of_group(setting, from, ready, &field, seen, &changed);
+      if (changed) pixels = mean_of(masks), field = own();
+      masks_of_group(setting, from, ready, &field, regions);
+    } else {
+      pixels = mean_of({});
+    }
     for (int k = from; k < to; ++k) {
       progress.update("PIV", k + 1, frames - 1);
+      const VectorField field = world_vectors(pixels, lattice, setting, {k, k + 1});
+      regions.keep(field);
       if (k < first_pair) continue;
-      writer.add_pair(world_vectors(pixels, lattice, setting, {k, k + 1}));
+      writer.add_pair(field);
       if (writer.segment_full("piv")) writer.close_segment("piv", {});
     }
   }
+  return regions.remarks();
 }
 
 }  // namespace
@@ -133,24 +181,32 @@ std::vector<std::string> measure(const Case& c, const Setting& setting, image::F
   const piv::PivOptions options = c.piv.value_or(piv::PivOptions{});
   const bool moves = !setting.cameras.empty();
   if (options.ensemble > 1) {
-    measure_means(c, setting, source, writer, int(done.items), threads, progress, looks);
+    std::vector<std::string> remarks = measure_means(c, setting, source, writer, int(done.items), threads, progress, looks);
     writer.end_stage("piv", nullptr);
-    return {};
+    return remarks;
   }
   piv::SequenceCorrelator correlator(options, lattice, setting.width, setting.height, threads);
   // Pairs are smoothed in groups: those of a group that was begun are measured again, with the same bits.
   const int first_pair = int(done.items);
   const int group = piv::SequenceCorrelator::group_for(options, lattice.pixel.size(), setting.width, setting.height);
   int from = first_pair - first_pair % group;
+  std::vector<double> times;
+  for (const Frame& frame : source.frames()) times.push_back(frame.time);
   std::optional<RowClock> rows;  // of each pair it asks those beside it, so that the group before is measured again too
   if (c.camera.row_time_s != 0) rows.emplace(c.camera.row_time_s, setting, source.frames());
   if (rows) from = std::max(0, from - group);
-  MovingRegions regions(setting, options.window_px, options.follow_regions && !c.regions.empty() && !rows);
-  for (int k = 0; regions.any() && k < from; ++k) regions.keep(writer.pair(std::size_t(k)));
-  regions.begin_group();
+  MovingRegions regions(setting, options.window_px, options.follow_regions && !c.regions.empty(), c.camera.row_time_s, std::move(times));
+  // Rows are brought to one time once the next pair is known: when a group begins, the last pair before it is not kept yet.
+  const bool late = rows && from > 0;
+  for (int k = 0; regions.any() && k < from - late; ++k) regions.keep(writer.pair(std::size_t(k)));
+  regions.begin_group(late);
+  if (regions.any() && late) regions.keep(writer.pair(std::size_t(from - 1)));
   const auto keep = [&](const VectorField& field) {
+    if (field.pair[0] < first_pair) {
+      if (regions.any()) regions.keep(writer.pair(std::size_t(field.pair[0])));  // a neighbour that is not measured again counts there
+      return;
+    }
     regions.keep(field);
-    if (field.pair[0] < first_pair) return;
     writer.add_pair(field);
     if (writer.segment_full("piv")) writer.close_segment("piv", {});
   };
@@ -197,7 +253,7 @@ std::vector<std::string> measure(const Case& c, const Setting& setting, image::F
       }
       ++from;
     }
-    regions.begin_group();
+    regions.begin_group(rows.has_value());
   }
   if (rows)
     for (const VectorField& ready : rows->finish()) keep(ready);
@@ -206,7 +262,7 @@ std::vector<std::string> measure(const Case& c, const Setting& setting, image::F
 }
 
 VectorField measure_pair(const Case& c, const Setting& setting, image::FrameSource& source, std::array<int, 2> pair,
-                         int threads) {
+                         int threads, MaterialMasks* material) {
   const piv::PivOptions options = c.piv.value_or(piv::PivOptions{});
   const piv::NodeLattice lattice = node_lattice(setting, pair, options.anchor);
   piv::PairCorrelator correlator(options, lattice, setting.width, setting.height, threads);
@@ -216,7 +272,9 @@ VectorField measure_pair(const Case& c, const Setting& setting, image::FrameSour
                                : image::both(mask_of(setting, pair[0], first.view()), mask_of(setting, pair[1], second.view()));
   first = prepared(setting, std::move(first));
   second = prepared(setting, std::move(second));
-  VectorField field = world_vectors(correlator.correlate(first.view(), second.view(), mask.view()), lattice, setting, pair);
+  const std::vector<std::uint8_t> of_first = material ? material->of(pair, first.view(), second.view()) : std::vector<std::uint8_t>{};
+  const MaskView there = of_first.empty() ? MaskView{} : MaskView{of_first.data(), setting.width, setting.height, setting.width};
+  VectorField field = world_vectors(correlator.correlate(first.view(), second.view(), mask.view(), there), lattice, setting, pair);
   if (c.camera.row_time_s == 0) return field;
   return RowClock(c.camera.row_time_s, setting, source.frames()).alone(field);
 }

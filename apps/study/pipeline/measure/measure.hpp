@@ -12,6 +12,8 @@
 
 namespace pivnp::app {
 
+class MaterialMasks;
+
 /// What one pair's vectors say of the pair as a whole.
 struct StepQuality {
   double valid = 0;         // share of the vectors asked for (not masked) that are valid
@@ -38,9 +40,9 @@ void flag_flashes(image::FrameSource& source, const FrameLooks& looks, std::vect
 std::vector<std::string> measure(const Case& c, const Setting& setting, image::FrameSource& source, io::RecordWriter& writer, int threads,
              Progress& progress, FrameLooks* looks = nullptr);
 
-/// The vectors of one pair of frames, `pair` = (first, second), any distance apart.
+/// The vectors of one pair of frames, `pair` = (first, second), any distance apart. `material`: regions as masks of it; null: none.
 VectorField measure_pair(const Case& c, const Setting& setting, image::FrameSource& source, std::array<int, 2> pair,
-                         int threads);
+                         int threads, MaterialMasks* material = nullptr);
 
 /// Flags of the step that ends at each frame but the first, from the quality of all pairs in order. Decorrelated: less
 /// than half the usual share of vectors is valid, or their median score is below 0.6 of the usual. Jump: the steps

@@ -42,6 +42,30 @@ void carry_points(double px, MovingOutline& outline) {
 
 }  // namespace
 
+std::vector<MovingOutline> outlines_of_regions(const Setting& setting) {
+  std::vector<MovingOutline> out;
+  for (const Region& region : setting.regions) {
+    MovingOutline& outline = out.emplace_back(MovingOutline{region.name, {}});
+    for (const Vec2& vertex : region.polygon.vertices()) outline.points.push_back({.place = vertex});
+    even_out(pixel_size(setting), outline.points);
+  }
+  return out;
+}
+
+bool move_outlines(const VectorField& field, const Setting& setting, int window_px, std::vector<MovingOutline>& outlines) {
+  const auto inside = inside_outlines(outlines, setting.camera_at(field.pair[0]), setting.width, setting.height);
+  for (MovingOutline& outline : outlines) {
+    if (!find_moves(field, inside, setting, window_px * pixel_size(setting), outline)) return false;
+    for (OutlinePoint& p : outline.points) p.place += p.moved;
+  }
+  return true;
+}
+
+void carry_outlines(const VectorField& field, const Setting& setting, int window_px, std::vector<MovingOutline>& outlines) {
+  if (!move_outlines(field, setting, window_px, outlines)) return outlines.clear();
+  for (MovingOutline& outline : outlines) even_out(pixel_size(setting), outline.points);
+}
+
 std::vector<std::uint8_t> inside_outlines(const std::vector<MovingOutline>& outlines, const image::Camera& camera, int width, int height) {
   std::vector<std::uint8_t> out(std::size_t(width) * std::size_t(height), 0);
   std::vector<std::vector<std::pair<double, int>>> crossings(static_cast<std::size_t>(height));  // of each row: column, sense
@@ -127,21 +151,16 @@ bool find_moves(const VectorField& field, const std::vector<std::uint8_t>& insid
   return 2 * carried >= asked;
 }
 
-MovingRegions::MovingRegions(const Setting& setting, int window_px, bool on) : setting_(setting), window_px_(window_px) {
-  if (!on) return;
-  for (const Region& region : setting.regions) {
-    MovingOutline& outline = now_.emplace_back(MovingOutline{region.name, {}});
-    for (const Vec2& vertex : region.polygon.vertices()) outline.points.push_back({.place = vertex});
-    even_out(pixel_size(setting), outline.points);
-  }
-  kept_ = now_;
+MovingRegions::MovingRegions(const Setting& setting, int window_px, bool on, double row_time_s, std::vector<double> times)
+    : setting_(setting), window_px_(window_px), row_time_s_(row_time_s), times_(std::move(times)) {
+  if (on) now_ = kept_ = outlines_of_regions(setting);
 }
 
 void MovingRegions::look(int frame, const ImageView& first, const ImageView& second) {
   mask_.clear();
   if (now_.empty()) return;
   const auto inside = inside_outlines(now_, setting_.camera_at(frame), setting_.width, setting_.height);
-  mask_ = judge_outside(inside, setting_, frame, first, second, window_px_, now_);
+  mask_ = judge_outside(inside, setting_, {frame, frame + 1}, first, second, window_px_, now_);
 }
 
 MaskView MovingRegions::mask() const {
@@ -158,7 +177,7 @@ bool MovingRegions::revise(const VectorField& own, const ImageView& first, const
     for (const OutlinePoint& p : outline.points) masked.push_back(app::left_out(p.outside));
     find_moves(own, inside, setting_, window_px_ * pixel_size(setting_), outline);
   }
-  mask_ = judge_outside(inside, setting_, own.pair[0], first, second, window_px_, now_);
+  mask_ = judge_outside(inside, setting_, own.pair, first, second, window_px_, now_);
   std::size_t changed = 0;
   for (std::size_t n = 0; n < now_.size(); ++n)
     for (std::size_t k = 0; k < now_[n].points.size(); ++k) changed += app::left_out(now_[n].points[k].outside) != before[n][k];
@@ -181,18 +200,36 @@ void MovingRegions::carry(const VectorField& own) {
   }
 }
 
+void MovingRegions::carry_on() {
+  for (MovingOutline& outline : now_) carry_points(pixel_size(setting_), outline);
+}
+
 void MovingRegions::keep(const VectorField& kept) {
   if (kept_.empty()) return;
-  const auto inside = inside_outlines(kept_, setting_.camera_at(kept.pair[0]), setting_.width, setting_.height);
-  for (MovingOutline& outline : kept_) {
-    if (!find_moves(kept, inside, setting_, window_px_ * pixel_size(setting_), outline)) return kept_.clear();
-    carry_points(pixel_size(setting_), outline);
+  if (row_time_s_ == 0) return carry_outlines(kept, setting_, window_px_, kept_);
+  const std::vector<MovingOutline> before = kept_;
+  if (!move_outlines(kept, setting_, window_px_, kept_)) return kept_.clear();
+  // A point is seen tau (r - r_m) after the time of its frame, and one frame later at another row.
+  const double dt = times_.at(std::size_t(kept.pair[1])) - times_.at(std::size_t(kept.pair[0])), middle = (setting_.height - 1) / 2.0;
+  for (std::size_t n = 0; n < kept_.size(); ++n) {
+    for (std::size_t k = 0; k < kept_[n].points.size(); ++k) {
+      OutlinePoint& p = kept_[n].points[k];
+      const OutlinePoint& was = before[n].points[k];
+      const double from = setting_.camera.to_pixel(was.place).y(), to = setting_.camera.to_pixel(p.place).y();
+      if (!std::isfinite(from + to)) continue;
+      Vec2 later = (to - from) * p.moved;
+      if (kept_moves_) later += (from - middle) * (p.moved - was.moved);
+      p.place += row_time_s_ / dt * later;
+    }
+    even_out(pixel_size(setting_), kept_[n].points);
   }
+  kept_moves_ = true;
 }
 
 // What is outside is found anew, so that it does not depend on where a run was taken up again.
-void MovingRegions::begin_group() {
+void MovingRegions::begin_group(bool one_more) {
   now_ = kept_;
+  if (one_more) carry_on();
   for (MovingOutline& outline : now_)
     for (OutlinePoint& p : outline.points) p.outside = Outside::unknown;
 }

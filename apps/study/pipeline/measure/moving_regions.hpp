@@ -18,8 +18,9 @@ namespace pivnp::app {
 /// own vectors, from group to group by those that are kept: a run that is taken up again finds the same masks.
 class MovingRegions {
  public:
-  /// `window_px`: of [piv]. `on`: false follows nothing.
-  MovingRegions(const Setting& setting, int window_px, bool on);
+  /// `window_px`: of [piv]. `on`: false follows nothing. `row_time_s`: where it is not 0, the vectors that are kept are those of the
+  /// frames' own times (RowClock), of `times`, while outlines are seen row by row.
+  MovingRegions(const Setting& setting, int window_px, bool on, double row_time_s = 0, std::vector<double> times = {});
   bool any() const { return !now_.empty(); }
 
   /// Looks beyond the outlines in pair (frame, frame + 1): mask() is then what of its first frame may be material; empty: all.
@@ -30,10 +31,13 @@ class MovingRegions {
   bool revise(const VectorField& own, const ImageView& first, const ImageView& second);
   /// The outlines to the pair's second frame.
   void carry(const VectorField& own);
+  /// The same without vectors: all goes on as in the pair before.
+  void carry_on();
 
-  /// The vectors that are kept, pair by pair from the first on; begin_group() goes on from what they say.
+  /// The vectors that are kept, pair by pair from the first on; begin_group() goes on from what they say, as in the pair before
+  /// where the last pair is not kept yet.
   void keep(const VectorField& kept);
-  void begin_group();
+  void begin_group(bool one_more = false);
 
   const std::vector<MovingOutline>& outlines() const { return now_; }
   /// Of all points and pairs so far: the share beside which something was left out.
@@ -44,11 +48,22 @@ class MovingRegions {
  private:
   const Setting& setting_;
   int window_px_;
+  double row_time_s_;
+  std::vector<double> times_;
+  bool kept_moves_ = false;  // a pair was kept, so that points know what they moved by
   std::vector<MovingOutline> now_, kept_;
   std::vector<std::uint8_t> mask_;
   std::vector<std::string> lost_;
   std::size_t judged_ = 0, masked_ = 0;
 };
+
+/// The outlines of the case's regions in the first frame.
+std::vector<MovingOutline> outlines_of_regions(const Setting& setting);
+
+/// To the second frame of that pair, by its vectors; false if one is lost. carry_outlines() adds points where they have moved apart,
+/// drops those that have come together, and leaves none where a region is lost.
+bool move_outlines(const VectorField& field, const Setting& setting, int window_px, std::vector<MovingOutline>& outlines);
+void carry_outlines(const VectorField& field, const Setting& setting, int window_px, std::vector<MovingOutline>& outlines);
 
 /// Pixels whose centres lie inside any of the outlines (by winding number: an outline may fold), as seen in that frame; one byte a pixel.
 std::vector<std::uint8_t> inside_outlines(const std::vector<MovingOutline>& outlines, const image::Camera& camera, int width, int height);

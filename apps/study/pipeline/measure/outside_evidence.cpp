@@ -87,9 +87,9 @@ Outside judged(const Evidence& e, Outside before) {
 }
 
 template <class Grey>
-std::vector<std::uint8_t> judge(const std::vector<std::uint8_t>& inside, const Setting& setting, int frame, const ImageView& first,
+std::vector<std::uint8_t> judge(const std::vector<std::uint8_t>& inside, const Setting& setting, std::array<int, 2> pair, const ImageView& first,
                                 const ImageView& second, int window_px, std::vector<MovingOutline>& outlines) {
-  const image::Camera &a = setting.camera_at(frame), &b = setting.camera_at(frame + 1);
+  const image::Camera &a = setting.camera_at(pair[0]), &b = setting.camera_at(pair[1]);
   std::vector<Vec2> px;
   std::vector<Shift> still, moved;
   const auto whole = [](const Vec2& d) { return d.allFinite() && d.norm() < 1e4 ? Shift{int(std::lround(d.x())), int(std::lround(d.y()))} : Shift{}; };
@@ -141,14 +141,14 @@ std::vector<std::uint8_t> judge(const std::vector<std::uint8_t>& inside, const S
 
 }  // namespace
 
-std::vector<std::uint8_t> judge_outside(const std::vector<std::uint8_t>& inside, const Setting& setting, int frame,
+std::vector<std::uint8_t> judge_outside(const std::vector<std::uint8_t>& inside, const Setting& setting, std::array<int, 2> pair,
                                         const ImageView& first, const ImageView& second, int window_px, std::vector<MovingOutline>& outlines) {
   switch (first.depth) {
-    case PixelDepth::u8: return judge<std::uint8_t>(inside, setting, frame, first, second, window_px, outlines);
-    case PixelDepth::u16: return judge<std::uint16_t>(inside, setting, frame, first, second, window_px, outlines);
+    case PixelDepth::u8: return judge<std::uint8_t>(inside, setting, pair, first, second, window_px, outlines);
+    case PixelDepth::u16: return judge<std::uint16_t>(inside, setting, pair, first, second, window_px, outlines);
     case PixelDepth::f32: break;
   }
-  return judge<float>(inside, setting, frame, first, second, window_px, outlines);
+  return judge<float>(inside, setting, pair, first, second, window_px, outlines);
 }
 
 }  // namespace pivnp::app
