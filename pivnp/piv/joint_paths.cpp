@@ -15,7 +15,8 @@ SplineField JointSmoothing::spline(const Components& values) const {
 std::array<float, 2> JointSmoothing::at_rest(const HeldPair& pair, float x, float y) const {
   if (!pair.camera) return {0.0f, 0.0f};
   const std::array<double, 6>& a = pair.camera->rest;
-  const double d = decimation_, X = origin_[0] + 0.5 * (d - 1) + d * double(x), Y = origin_[1] + 0.5 * (d - 1) + d * double(y);
+  const double d = decimation_, X = origin_[0] + 0.5 * (d - 1) + d * double(x),
+               Y = origin_[1] + 0.5 * (d - 1) + d * double(y);
   return {static_cast<float>((a[0] + a[1] * X + a[2] * Y) / d), static_cast<float>((a[3] + a[4] * X + a[5] * Y) / d)};
 }
 
@@ -48,7 +49,8 @@ void JointSmoothing::follow(HeldPair& pair, float sign, Components& place) const
     // A path that is lost (air, where a field may be anything) ends: one value that is no number would spread over
     // the lattice by the splines' recursion and the running sums.
     if (!std::isfinite(x + y + d[0] + d[1] + value[0] + value[1])) {
-      pair.path.u[k] = column(int(k % std::size_t(lattice_.nx))), pair.path.v[k] = row(int(k / std::size_t(lattice_.nx)));
+      pair.path.u[k] = column(int(k % std::size_t(lattice_.nx))),
+      pair.path.v[k] = row(int(k / std::size_t(lattice_.nx)));
       pair.on_paths.u[k] = pair.on_paths.v[k] = pair.about.u[k] = pair.about.v[k] = 0, pair.known[k] = Source::lost;
       return;
     }

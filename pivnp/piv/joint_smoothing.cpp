@@ -26,8 +26,8 @@ bool same(const CellLattice& a, const CellLattice& b) {
 // A field of a group of pairs, what it adds to the variance of each of them, and the square of the bias that it leaves.
 struct JointSmoothing::Field {
   Components value, variance, lost;
-  // Of the errors that pairs share, summed over the groups within groups: their variance, and that times the number of the
-  // group's first pair. The sum of k such errors has k^2 times their variance, to which the k-th adds 2 k - 1.
+  // Of the errors that pairs share, summed over the groups within groups: their variance, and that times the number of
+  // the group's first pair. The sum of k such errors has k^2 times their variance, to which the k-th adds 2 k - 1.
   Components shared, shared_from;
 };
 
@@ -42,9 +42,11 @@ void JointSmoothing::take(const PairCorrelator& pairs, bool first, HeldPair& pai
   }
   if (first) {
     if (shrinker_ == nullptr || !same(lattice_, field->lattice)) shrinker_ = std::make_unique<Shrinker>(field->lattice);
-    lattice_ = field->lattice, decimation_ = field->decimation, origin_ = pairs.field_origin(), wanted_ = *field->wanted;
+    lattice_ = field->lattice, decimation_ = field->decimation, origin_ = pairs.field_origin(),
+    wanted_ = *field->wanted;
   }
-  together_ = together_ && same(lattice_, field->lattice) && origin_ == pairs.field_origin() && wanted_ == *field->wanted;
+  together_ =
+      together_ && same(lattice_, field->lattice) && origin_ == pairs.field_origin() && wanted_ == *field->wanted;
   pair.measured = {field->u, field->v}, pair.smooth = {field->smooth_u, field->smooth_v};
   pair.variance = {field->variance_u, field->variance_v};
   pair.trusted = field->trusted;
@@ -52,7 +54,8 @@ void JointSmoothing::take(const PairCorrelator& pairs, bool first, HeldPair& pai
 }
 
 // The base, and what is left of value - base after shrinkage.
-void JointSmoothing::smooth_departure(const Components& value, const Field& base, float caution, Components& out) const {
+void JointSmoothing::smooth_departure(const Components& value, const Field& base, float caution,
+                                      Components& out) const {
   SmoothedField smooth;
   std::vector<float> off(lattice_.size());
   out = base.value;
@@ -63,11 +66,11 @@ void JointSmoothing::smooth_departure(const Components& value, const Field& base
   }
 }
 
-// Adds what is left of value - base after shrinkage to the base, and `pairs_sharing` times its variance to the variance: an
-// error that as many pairs share adds up along paths, and their errors are summed as if independent. Of what smoothing has
-// lost, only what larger groups have not shown already. `first`: of these pairs.
-JointSmoothing::Field JointSmoothing::shrunk(const Components& value, const Field& base, float caution, float pairs_sharing,
-                  float first) const {
+// Adds what is left of value - base after shrinkage to the base, and `pairs_sharing` times its variance to the
+// variance: an error that as many pairs share adds up along paths, and their errors are summed as if independent. Of
+// what smoothing has lost, only what larger groups have not shown already. `first`: of these pairs.
+JointSmoothing::Field JointSmoothing::shrunk(const Components& value, const Field& base, float caution,
+                                             float pairs_sharing, float first) const {
   Field out = base;
   SmoothedField smooth;
   std::vector<float> off(lattice_.size()), lost;
@@ -93,9 +96,10 @@ JointSmoothing::Field JointSmoothing::shrunk(const Components& value, const Fiel
   return out;
 }
 
-// Beside the material nothing is known: a jump there would be taken for structure, and for noise. What the material departs from
-// the base by goes on there.
-void JointSmoothing::depart_smoothly(const Field& base, const std::vector<std::uint8_t>& known, Components& values) const {
+// Beside the material nothing is known: a jump there would be taken for structure, and for noise. What the material
+// departs from the base by goes on there.
+void JointSmoothing::depart_smoothly(const Field& base, const std::vector<std::uint8_t>& known,
+                                     Components& values) const {
   for (const auto part : {&Components::u, &Components::v}) {
     std::vector<float>& value = values.*part;
     for (std::size_t k = 0; k < value.size(); ++k) value[k] = known[k] ? value[k] - (base.value.*part)[k] : 0.0f;
@@ -113,8 +117,8 @@ void JointSmoothing::divide(std::vector<HeldPair>& held, std::size_t begin, std:
   Components mean, about;
   mean.resize(lattice_.size()), about.resize(lattice_.size());
   std::vector<std::uint8_t> most(lattice_.size());
-  // A pair that is not trusted at a place counts there by its smooth field, as long as most are: means of neighbours over
-  // different pairs would differ by how the motion changes, which would be taken for noise.
+  // A pair that is not trusted at a place counts there by its smooth field, as long as most are: means of neighbours
+  // over different pairs would differ by how the motion changes, which would be taken for noise.
   each_point([&](int, int, std::size_t k) {
     float u = 0, v = 0, about_u = 0, about_v = 0, count = 0;
     std::size_t measured = 0;
@@ -125,7 +129,8 @@ void JointSmoothing::divide(std::vector<HeldPair>& held, std::size_t begin, std:
       measured += held[n].known[k] == Source::measured;
     }
     most[k] = 2 * measured >= end - begin;
-    if (most[k]) mean.u[k] = u / count, mean.v[k] = v / count, about.u[k] = about_u / count, about.v[k] = about_v / count;
+    if (most[k])
+      mean.u[k] = u / count, mean.v[k] = v / count, about.u[k] = about_u / count, about.v[k] = about_v / count;
   });
   // What this tells of the group, no pair knew; its cells would have shown more of it.
   const bool whole = end - begin == held.size();
@@ -165,8 +170,8 @@ std::vector<float> JointSmoothing::steady_share(const HeldPair& pair, const Fiel
   return departures;
 }
 
-// What a vector at the material's rim may be off by: its window holds texture on one side only, whose middle is beside it by
-// some pixels, times the field's gradient. Zero inside. Pixels of the level.
+// What a vector at the material's rim may be off by: its window holds texture on one side only, whose middle is beside
+// it by some pixels, times the field's gradient. Zero inside. Pixels of the level.
 Components JointSmoothing::rim_bias(const HeldPair& pair) const {
   constexpr int reach = 2;
   constexpr float weights[] = {1, 4, 6, 4, 1};
@@ -183,13 +188,15 @@ Components JointSmoothing::rim_bias(const HeldPair& pair) const {
         if (!trusted(i + a, j + b)) continue;
         const float w = weights[a + reach] * weights[b + reach];
         sum += w;
-        if (inside(i - a, j - b) && !trusted(i - a, j - b)) x += w * static_cast<float>(a), y += w * static_cast<float>(b);
+        if (inside(i - a, j - b) && !trusted(i - a, j - b))
+          x += w * static_cast<float>(a), y += w * static_cast<float>(b);
       }
     if (x == 0 && y == 0) return;
     const auto slope = [&](const std::vector<float>& f, int a, int b) {  // to the trusted neighbours
       const bool on = trusted(i + a, j + b), back = trusted(i - a, j - b);
       if (!on && !back) return 0.0f;
-      return (f[on ? lattice_.index(i + a, j + b) : k] - f[back ? lattice_.index(i - a, j - b) : k]) / static_cast<float>(on + back);
+      return (f[on ? lattice_.index(i + a, j + b) : k] - f[back ? lattice_.index(i - a, j - b) : k]) /
+             static_cast<float>(on + back);
     };
     out.u[k] = (x * slope(pair.smooth.u, 1, 0) + y * slope(pair.smooth.u, 0, 1)) / sum;
     out.v[k] = (x * slope(pair.smooth.v, 1, 0) + y * slope(pair.smooth.v, 0, 1)) / sum;
@@ -206,7 +213,8 @@ void JointSmoothing::finish_pair(HeldPair& pair, std::size_t place, std::size_t 
     for (std::size_t k = 0; k < lattice_.size(); ++k)
       (along.*part)[k] = doubled * (group_field.shared.*part)[k] - 2 * (group_field.shared_from.*part)[k];
   constexpr int iterations = 6;
-  constexpr float farthest = 1e3f;  // pixels of the level; a group's field that is read so far off was read beyond its end
+  constexpr float farthest =
+      1e3f;  // pixels of the level; a group's field that is read so far off was read beyond its end
   Components carried;
   carried.resize(lattice_.size());
   each_point([&](int i, int j, std::size_t k) {
@@ -225,7 +233,8 @@ void JointSmoothing::finish_pair(HeldPair& pair, std::size_t place, std::size_t 
     }
     const auto value = known.at(x, y), variance = spread.at(x, y), lost = given_up.at(x, y);
     const auto rest = at_rest(pair, column(i), row(j));
-    const float apart = std::max(std::abs(value[0] + rest[0] - pair.smooth.u[k]), std::abs(value[1] + rest[1] - pair.smooth.v[k]));
+    const float apart =
+        std::max(std::abs(value[0] + rest[0] - pair.smooth.u[k]), std::abs(value[1] + rest[1] - pair.smooth.v[k]));
     if (!std::isfinite(value[0] + value[1] + variance[0] + variance[1]) || !(apart < farthest)) {
       base.value.u[k] = pair.smooth.u[k], base.value.v[k] = pair.smooth.v[k];
       base.variance.u[k] = pair.variance.u[k], base.variance.v[k] = pair.variance.v[k];
@@ -279,7 +288,8 @@ void JointSmoothing::finish_pair(HeldPair& pair, std::size_t place, std::size_t 
     // What else the covariance holds (truncation, interpolation) stays.
     cov[0] += d * d * change.variance.u[k], cov[1] += d * d * change.variance.v[k];
     cov[2] *= std::sqrt(cov[0] / before[0] * (cov[1] / before[1]));
-    cov[0] += all * d * d * rim.u[k] * rim.u[k], cov[1] += all * d * d * rim.v[k] * rim.v[k], cov[2] += all * d * d * rim.u[k] * rim.v[k];
+    cov[0] += all * d * d * rim.u[k] * rim.u[k], cov[1] += all * d * d * rim.v[k] * rim.v[k],
+        cov[2] += all * d * d * rim.u[k] * rim.v[k];
     if (const float factor = path / (cov[0] + cov[1]); std::isfinite(factor)) pair.vectors.path_factor[n] = factor;
   }
 }

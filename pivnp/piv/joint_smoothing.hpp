@@ -27,15 +27,15 @@ struct HeldPair {
   PixelVectors vectors;
   Components measured, smooth, variance;
   std::vector<std::uint8_t> trusted;
-  Components on_paths;               // `measured` where the material of the reference lattice is, `smooth` where it is not trusted
-  Components about;                  // `smooth` there, about which it was measured
-  std::vector<Source> known;         // of these
-  Components path;                   // place of that material at the vectors' instant, pixels of the level
+  Components on_paths;  // `measured` where the material of the reference lattice is, `smooth` where it is not trusted
+  Components about;     // `smooth` there, about which it was measured
+  std::vector<Source> known;  // of these
+  Components path;            // place of that material at the vectors' instant, pixels of the level
   std::optional<CameraStep> camera;
 };
 
-/// The fields of a group of pairs: followed along the material's paths, averaged and shrunk together, then the parts' departures
-/// from that, at last each pair's own (docs/theory/piv.md).
+/// The fields of a group of pairs: followed along the material's paths, averaged and shrunk together, then the parts'
+/// departures from that, at last each pair's own (docs/theory/piv.md).
 class JointSmoothing {
  public:
   JointSmoothing(NodeLattice nodes, Anchor anchor, int threads);

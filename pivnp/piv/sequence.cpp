@@ -17,7 +17,8 @@ std::size_t valid(const PixelVectors& vectors) {
 std::size_t lost(const PixelVectors& before, const PixelVectors& now) {
   std::size_t count = 0;
   for (std::size_t k = 0; k < now.status.size(); ++k)
-    count += before.status[k] == VectorStatus::valid && (now.status[k] == VectorStatus::rejected || now.status[k] == VectorStatus::replaced);
+    count += before.status[k] == VectorStatus::valid &&
+             (now.status[k] == VectorStatus::rejected || now.status[k] == VectorStatus::replaced);
   return count;
 }
 
