@@ -16,6 +16,8 @@ constexpr int branches = 4;  // parts that a group of pairs is divided into, and
 // Of the whole group's mean less is asked than of a pair: what it loses, every pair loses, while its noise partly
 // cancels along the sum, consecutive pairs sharing a frame. Measured on bands of .05 to .5 px a step.
 constexpr float group_caution = 0.45f;
+// Pairs of a group from which what cells did not show is restored: bias adds up as their number, the noise of that as its root.
+constexpr std::size_t restored_from = 16;
 
 bool same(const CellLattice& a, const CellLattice& b) {
   return a.nx == b.nx && a.ny == b.ny && a.x0 == b.x0 && a.y0 == b.y0 && a.step == b.step;
@@ -137,7 +139,7 @@ void JointSmoothing::divide(std::vector<HeldPair>& held, std::size_t begin, std:
   const float caution = whole ? group_caution : 1.0f;
   Components restored = mean, better;
   depart_smoothly(base, most, restored);
-  for (int n = 0; n < (whole ? 2 : 1); ++n) {
+  for (int n = 0; n < (held.size() < restored_from ? 0 : whole ? 2 : 1); ++n) {
     smooth_departure(restored, base, caution, better);
     restored = mean;
     for (const auto part : {&Components::u, &Components::v})
