@@ -10,7 +10,9 @@ namespace {
 constexpr std::size_t most_values = std::size_t(1) << 24;  // of a field that is kept
 
 bool knows_pressure(const MotionSource& motion) {
-  const FieldValues* values = motion.times().empty() ? nullptr : motion.frame(0).find("pressure");
+  if (motion.times().empty()) return false;
+  const MotionFrame frame = motion.frame(0);
+  const FieldValues* values = frame.find("pressure");
   return values != nullptr && values->values.size() == motion.particles().size();
 }
 
