@@ -13,15 +13,6 @@ std::size_t valid(const PixelVectors& vectors) {
   return std::size_t(std::count(vectors.status.begin(), vectors.status.end(), VectorStatus::valid));
 }
 
-// Vectors of the pair before that this one has not found.
-std::size_t lost(const PixelVectors& before, const PixelVectors& now) {
-  std::size_t count = 0;
-  for (std::size_t k = 0; k < now.status.size(); ++k)
-    count += before.status[k] == VectorStatus::valid &&
-             (now.status[k] == VectorStatus::rejected || now.status[k] == VectorStatus::replaced);
-  return count;
-}
-
 }  // namespace
 
 struct SequenceCorrelator::Impl {
@@ -59,10 +50,10 @@ void SequenceCorrelator::add(const ImageView& first, const ImageView& second, co
   }
   pair.vectors = impl_->pairs.correlate(first, second, mask, material);
   impl_->joint.take(impl_->pairs, impl_->held.empty(), pair);
-  // A pair that lost a window's worth of the vectors of the pair before, where windows were drawn to a false peak, is searched again
-  // from there; the better of both counts.
+  // A pair with fewer vectors than the one before, by two windows' worth, where windows may have been drawn to a false peak, is
+  // searched again from there; the better of both counts.
   if (const PixelVectors* before = impl_->held.empty() ? nullptr : &impl_->held.back().vectors;
-      before != nullptr && lost(*before, pair.vectors) >= impl_->nodes_in_window) {
+      before != nullptr && valid(pair.vectors) + 2 * impl_->nodes_in_window <= valid(*before)) {
     HeldPair again;
     again.camera = pair.camera;
     again.vectors = impl_->pairs.correlate(first, second, mask, material, before);
