@@ -50,8 +50,8 @@ void SequenceCorrelator::add(const ImageView& first, const ImageView& second, co
   }
   pair.vectors = impl_->pairs.correlate(first, second, mask, material);
   impl_->joint.take(impl_->pairs, impl_->held.empty(), pair);
-  // A pair with fewer vectors than the one before, by two windows' worth, where windows may have been drawn to a false peak, is
-  // searched again from there; the better of both counts.
+  // A pair with fewer vectors than the one before, by two windows' worth, where windows may have been drawn to a false
+  // peak, is searched again from there; the better of both counts.
   if (const PixelVectors* before = impl_->held.empty() ? nullptr : &impl_->held.back().vectors;
       before != nullptr && valid(pair.vectors) + 2 * impl_->nodes_in_window <= valid(*before)) {
     HeldPair again;
