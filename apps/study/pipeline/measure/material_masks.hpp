@@ -18,7 +18,6 @@ class MaterialMasks {
  public:
   /// `pair` k: the vectors of frames k and k + 1.
   MaterialMasks(const Case& c, const Setting& setting, std::function<VectorField(int)> pair);
-  bool any() const { return !start_.empty(); }
 
   /// Of frame `pair[0]`, one byte a pixel; empty: all of it may be.
   std::vector<std::uint8_t> of(std::array<int, 2> pair, const ImageView& first, const ImageView& second);
