@@ -10,7 +10,7 @@ namespace pivnp::mpm {
 
 struct Swing {
   double energy = 0;  // in the balance with velocities of half a step ago, J/m
-  double share2 = 0;  // (omega dt/2)^2 of the present motion by Rayleigh's quotient; from 1 on steps are too long for it
+  double share2 = 0;  // (omega dt/2)^2 by Rayleigh's quotient; from 1 on steps are too long for the motion
 };
 
 /// After a step. Forces of the new stresses are mapped where the points were, for which they are conjugate to the last
