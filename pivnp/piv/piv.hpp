@@ -45,8 +45,8 @@ class PairCorrelator {
                          const PixelVectors* before = nullptr);
   /// The mean displacement of several pairs: their correlations are averaged, window by window, before a peak is sought
   /// (Delnoij et al. 1999, Chem. Eng. Sci. 54:5159; Meinhart, Wereley & Santiago 2000, J. Fluids Eng. 122:285). The
-  /// covariance takes the pairs' errors for independent. Vectors that start on what is not material in the middle pair are
-  /// masked. Throws as correlate(), and InputError where the method has no correlation to average.
+  /// covariance takes the pairs' errors for independent. Vectors that start on what is not material in the middle pair
+  /// are masked. Throws as correlate(), and InputError where the method has no correlation to average.
   PixelVectors correlate_mean(std::span<const FramePair> pairs, const MaskView& mask);
   /// The field that the last pair's vectors are from, and the place in the frames of its (0, 0); null where the method
   /// has none.
