@@ -111,12 +111,13 @@ function(pivnp_runs_here where out)
   set(${out} ${here} PARENT_SCOPE)
 endfunction()
 
-# pivnp_test(NAME LABEL quick|full SOURCES a.cpp ... LINK lib ... [TIMEOUT seconds] [ALONE a.cpp ...])
+# pivnp_test(NAME LABEL quick|full SOURCES a.cpp ... LINK lib ... [TIMEOUT seconds] [ALONE a.cpp ...] [SLOW Suite.Test ...])
 # ALONE: sources that have names in common with others.
+# SLOW: tests of figures that take 10 s and more under sanitizers. Where scripts/test makes both presets the release alone runs them.
 # Of a full program, tests of suites that are called ...Small are quick: a coarse form of what the others verify, so that
 # the gate sees it.
 function(pivnp_test name)
-  cmake_parse_arguments(ARG "" "LABEL;TIMEOUT" "SOURCES;LINK;ALONE" ${ARGN})
+  cmake_parse_arguments(ARG "" "LABEL;TIMEOUT" "SOURCES;LINK;ALONE;SLOW" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 300)
   endif()
@@ -128,8 +129,13 @@ function(pivnp_test name)
   if(ARG_LABEL STREQUAL full)
     gtest_discover_tests(${name} TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60 TEST_FILTER "*Small.*"
                          TEST_LIST ${name}_small PROPERTIES LABELS quick TIMEOUT 300)
-    set(but_small TEST_FILTER "-*Small.*")
+    set(but TEST_FILTER "-*Small.*")
   endif()
-  gtest_discover_tests(${name} TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60 ${but_small}
+  pivnp_runs_here(release slow_here)
+  if(ARG_SLOW AND NOT slow_here)
+    list(JOIN ARG_SLOW ":" slow)
+    set(but TEST_FILTER "-${slow}")
+  endif()
+  gtest_discover_tests(${name} TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60 ${but}
                        PROPERTIES LABELS ${ARG_LABEL} TIMEOUT ${ARG_TIMEOUT})
 endfunction()
