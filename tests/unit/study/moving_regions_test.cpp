@@ -2,7 +2,7 @@
 //   criterion: along a layer that slides over ground of the material's own texture, vectors whose window is at least half
 //   inside are right within .05 px by every method (without the mask they are off by .15 px and more), by 2 and 12 px a
 //   frame; particles of the outer half window are right within .1 px or flagged. Ground that is bared or buried is told by
-//   its motion. A region that ends within material that moves, and one at rest, leave the vectors' bits as they are. A run
+//   its motion. A check draws outlines within 1.5 px of where they are. A region that ends within material that moves, and one at rest, leave the vectors' bits as they are. A run
 //   that is taken up again has the same vectors; a region that is lost is said.
 #include <gmock/gmock.h>
 
@@ -15,6 +15,7 @@
 #include "apps/study/pipeline/measure/measure.hpp"
 #include "apps/study/pipeline/measure/moving_regions.hpp"
 #include "apps/study/pipeline/record/record_head.hpp"
+#include "apps/study/studies/check_regions.hpp"
 #include "tests/support/drawn_source.hpp"
 #include "tests/support/piv_sequence.hpp"
 #include "tests/support/scratch.hpp"
@@ -189,6 +190,36 @@ TEST(MovingRegions, GroundIsBaredAndBuried) {
   };
   EXPECT_LT(off(""), 0.03);
   EXPECT_GT(off("follow_regions = false\n"), 0.3);
+}
+
+// What `pivnp check` draws: outline and material in the first, the middle and the last frame.
+TEST(MovingRegions, ACheckDrawsThemWhereTheBlockIs) {
+  piv::Sequence s = sliding(6, 1, 5);
+  s.material = [](const Vec2& X) { return X.x() > 60.5 && X.x() < 160.5 && X.y() > 40.5 && X.y() < 200.5; };
+  const std::string block = "[[60.5, 40.5], [160.5, 40.5], [160.5, 200.5], [60.5, 200.5]]";
+  Drawn source(s);
+  const Case c = scene("", block);
+  const Setting setting = make_setting(c, side, side);
+  const RegionsAlongFrames drawn = regions_along_frames(c, setting, source, 1, silent);
+  ASSERT_EQ(drawn.seen.size(), 3u);
+  for (std::size_t n = 0; n < 3; ++n) {
+    const RegionsInFrame& frame = drawn.seen[n];
+    ASSERT_EQ(frame.frame, int(2 * n));
+    ASSERT_EQ(frame.outlines.size(), 1u);
+    double left = 1e9, right = -1e9;
+    for (const OutlinePoint& p : frame.outlines[0].points) {
+      const double x = setting.camera.to_pixel(p.place).x();
+      left = std::min(left, x), right = std::max(right, x);
+    }
+    EXPECT_NEAR(left, 60.5 + 12.0 * double(n), 1.5) << frame.frame;
+    EXPECT_NEAR(right, 160.5 + 12.0 * double(n), 1.5) << frame.frame;
+    ASSERT_EQ(frame.material.size(), std::size_t(side * side));
+    const auto row = frame.material.begin() + 120 * side;
+    EXPECT_NE(*(row + 110 + 12 * int(n)), 0) << frame.frame;
+    EXPECT_EQ(*(row + 30), 0) << frame.frame;
+    EXPECT_EQ(*(row + 230), 0) << frame.frame;
+  }
+  EXPECT_TRUE(regions_along_frames(scene("follow_regions = false\n", block), setting, source, 1, silent).seen.empty());
 }
 
 TEST(MovingRegions, ParticlesBelowTheSurfaceAreRightOrFlagged) {
