@@ -83,6 +83,10 @@ void add_session(CLI::App& app, Session& session) {
   app.add_option("--threads", session.threads, "threads (left out: all cores); results do not depend on it")
       ->type_name("N")
       ->check(CLI::Range(1, 4096));
+  app.add_option("--simd", session.simd,
+                 "instruction set of the kernels: avx3 (AVX-512), avx2 or sse2 (left out: the best that the processor has); "
+                 "results differ by round-off")
+      ->type_name("SET");
   app.add_flag("--quiet", session.quiet, "no progress, no notes");
 }
 

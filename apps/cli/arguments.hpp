@@ -36,7 +36,7 @@ void add_json(CLI::App& app, Arguments& arguments);
 /// Keys for every case that a command reads.
 void add_given(CLI::App& app, Arguments& arguments);
 
-/// --threads and --quiet, which every command takes.
+/// --threads, --simd and --quiet, which every command takes.
 void add_session(CLI::App& app, Session& session);
 
 /// The case named, or the embedded one. Given frames bring the measuring stages with them.

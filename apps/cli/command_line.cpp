@@ -11,6 +11,7 @@
 #include "apps/cli/commands.hpp"
 #include "apps/cli/session.hpp"
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/instruction_set.hpp"
 #include "pivnp/core/text.hpp"
 #include "pivnp/core/version.hpp"
 
@@ -62,7 +63,7 @@ std::string indented(std::string_view lines) {
 std::string command_word(int argc, const char* const* argv) {
   for (int k = 1; k < argc; ++k) {
     const std::string word = argv[k];
-    if (word == "--threads") {
+    if (word == "--threads" || word == "--simd") {
       ++k;
     } else if (!word.starts_with("-")) {
       return word;
@@ -149,6 +150,7 @@ int parse_and_run(int argc, const char* const* argv, Session& session) {
   }
   const auto at = chosen();
   use_threads(session);
+  use_instruction_set(session.simd, "--simd");
   try {
     return at->second();
   } catch (const Interrupted&) {
@@ -182,7 +184,7 @@ void print_error(std::ostream& err, const std::string& what) {
 }
 
 int run_command_line(int argc, const char* const* argv, std::ostream& out, std::ostream& err, bool err_is_terminal) {
-  Session session{out, err, err_is_terminal, 0, false, quoted(argc, argv)};
+  Session session{out, err, err_is_terminal, 0, "", false, quoted(argc, argv)};
   const int code = guarded(argc, argv, session);
   out.flush();
   if (out) return code;

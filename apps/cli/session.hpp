@@ -13,6 +13,7 @@ struct Session {
   std::ostream& err;  // progress and errors
   bool err_is_terminal = false;
   int threads = 0;  // 0: all cores
+  std::string simd;  // instruction set of the kernels; empty: the best one
   bool quiet = false;
   std::string typed;  // the command line, quoted for a shell
 };

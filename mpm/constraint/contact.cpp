@@ -253,7 +253,7 @@ void Contacts::apply(GridState& g, const Restraints& restraints, std::vector<Rea
     const Vec2 along(-m.normal.y(), m.normal.x()), impulse = m.normal_impulse * m.normal + m.tangential_impulse * along;
     for (int side = 0; side < 2; ++side) {
       Node& node = g.node[m.node[side]];
-      node.held = true;
+      node.hold();
       const Vec2 given = side == 0 ? Vec2(-impulse) : impulse;
       reactions.push_back({m.node[side], given.x(), given.y(), 0, 0});
       // What a wall behind the node takes of it; it may move.

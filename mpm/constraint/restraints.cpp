@@ -42,7 +42,7 @@ void Restraints::apply(double time, double dt, GridState& g, std::vector<Reactio
     if (!(node.mass > 0)) continue;
     at.stuck = false;
     const Vec2 free(node.nx, node.ny);
-    const Vec2 v = restrain(at, time, absorbed(at, time, dt, g, free), true, at.stuck, dt == 0);
+    const Vec2 dashed = absorbed(at, time, dt, g, free), v = restrain(at, time, dashed, true, at.stuck, dt == 0);
     if (g.velocity_fields > 1) at.mobility = mobility_of(at, time, free, dt == 0);
     if (v == free) continue;
     const Vec2 wall = given_velocity(at, time, dt == 0);
@@ -50,7 +50,11 @@ void Restraints::apply(double time, double dt, GridState& g, std::vector<Reactio
     if (!of_walls.empty()) add_impulse(at, time, node.mass * (v - free), of_walls);
     node.nx = v.x();
     node.ny = v.y();
-    node.held = true;
+    // (Dashpots drive as forces do, and so does the friction of one wall along an axis.)
+    const Wall& first = walls_[at.walls.front()];
+    const bool slides = at.walls.size() == 1 && first.type == Type::frictional && !at.stuck;
+    node.held_x = node.held_x || (v.x() != dashed.x() && !(slides && first.normal.x() == 0));
+    node.held_y = node.held_y || (v.y() != dashed.y() && !(slides && first.normal.y() == 0));
   }
 }
 

@@ -8,8 +8,28 @@
 
 namespace pivnp::mpm {
 
+namespace {
+
+// Of a circle's pieces, hats along it. A field across it that is 1 at the circle and falls as R/r has no divergence, as one across a
+// straight side has none: the point counts as if it had so much less volume.
+void pieces_around(const Vec2& arm, double radius, std::size_t pieces, const Mat2& halves, double deepest, std::vector<UnderPiece>& list) {
+  const double r = arm.norm(), count = double(pieces);
+  if (r < 0.5 * radius || r > radius + deepest) return;
+  const Vec2 normal = arm / r;
+  const double at = std::atan2(arm.y(), arm.x()) / (2 * M_PI) * count - 0.5, before = std::floor(at);
+  for (const double number : {before, before + 1}) {
+    const double share = 1 - std::abs(at - number), wrapped = number - count * std::floor(number / count);
+    if (share > 0)
+      list.push_back({std::size_t(wrapped), share * radius / r, r - radius, (at - number) * 2 * M_PI * radius / count,
+                      (halves.transpose() * normal).lpNorm<1>(), normal});
+  }
+}
+
+}  // namespace
+
 // Of a point the part that lies under a side, hats along the side: the first and last piece's are even to its ends.
 void RigidBodies::Body::pieces_over(const Vec2& x, const Mat2& halves, double deepest, std::vector<UnderPiece>& list) const {
+  if (!polygon) return pieces_around(x - centre, radius, surface.size(), halves, deepest, list);
   const Side* inside = nullptr;  // where the point is in the body: the nearest
   double nearest = -std::numeric_limits<double>::infinity();
   const auto take = [&](const Side& s, double depth) {
@@ -120,7 +140,7 @@ void RigidBodies::find_contacts(double time, double dt, double least_mass, std::
     const Body& body = bodies_[b];
     if (body.free && time < 0) continue;
     const double least = body.free ? closer_when_free * least_mass : least_mass;
-    if (body.polygon) find_points_under(body, time, p, g);
+    find_points_under(body, time, p, g);
     for (std::size_t s = 0; s < body.surface.size(); ++s) {
       const SurfacePoint& point = body.surface[s];
       for (int field = 0; field < g.velocity_fields; ++field) {
@@ -129,8 +149,8 @@ void RigidBodies::find_contacts(double time, double dt, double least_mass, std::
         c.x = body.place(point.x, time);
         c.normal = body.turned(point.normal);
         c.begin = shares_.size();
-        const MaterialFace face = body.polygon ? layer_.face(g, s, field, shares_) : MaterialFace{};
-        if (body.polygon && face.state == MaterialFace::State::none) continue;
+        const MaterialFace face = layer_.face(g, s, field, shares_);
+        if (face.state == MaterialFace::State::none) continue;
         if (face.state == MaterialFace::State::found) {
           const double gap = time < 0 ? 0 : face.gap;
           if (face.gap > (time < 0 ? touching_at_rest : 1.0) * spacing_) {
@@ -237,7 +257,7 @@ void RigidBodies::apply(double time, double dt, double least_mass, std::span<con
       const Vec2 v = bodies_[std::size_t(c.body)].velocity_of(g.position(s.node), time);
       reactions.push_back({s.node, s.share * impulse.x(), s.share * impulse.y(), v.x(), v.y(), c.body});
       // (In a layer the points of the material itself bear the impulse.)
-      if (!c.layer) g.node[s.node].held = true;
+      if (!c.layer) g.node[s.node].hold();
     }
   }
   // Of a body and node one.

@@ -37,7 +37,8 @@ void TiedSides::apply(double time, GridState& g, std::vector<Reaction>& reaction
     reactions.push_back({tie.node[1], -impulse.x(), -impulse.y(), 0, 0});
     a.nx = b.nx = (a.mass * a.nx + b.mass * b.nx) / mass;
     a.ny = b.ny = (a.mass * a.ny + b.mass * b.ny) / mass;
-    a.held = b.held = true;
+    a.hold();
+    b.hold();
   }
 }
 

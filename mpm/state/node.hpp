@@ -18,8 +18,10 @@ struct alignas(64) Node {
   double fx = 0, fy = 0;    // force on the node without the damping, N/m
   double mass = 0;          // kg/m
   double nx = 0, ny = 0;    // velocity after the momentum update and the restraints
-  bool held = false;        // by a wall or body
+  bool held_x = false, held_y = false;  // along the axis, by a wall or body: the motion is given, not driven
   bool apart = false;       // strains the material by a velocity of its own (GridState::separate_strain_velocities())
+
+  void hold() { held_x = held_y = true; }
 };
 static_assert(sizeof(Node) == 64 && std::is_trivially_copyable_v<Node>);
 

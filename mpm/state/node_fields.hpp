@@ -57,7 +57,7 @@ constexpr void for_each_node_field(Visit&& visit) {
   visit(NodeField{"velocity", "m/s", "velocity mapped from the points; while it is being mapped, momentum"}, &Node::vx, &Node::vy);
   visit(NodeField{"force", "N/m", "force without the damping"}, &Node::fx, &Node::fy);
   visit(NodeField{"updated velocity", "m/s", "velocity after the momentum update and the restraints"}, &Node::nx, &Node::ny);
-  visit(NodeField{"held", "", "held by a wall or body"}, &Node::held);
+  visit(NodeField{"held", "", "held by a wall or body, along each axis"}, &Node::held_x, &Node::held_y);
   visit(NodeField{"apart", "", "strains the material by a velocity of its own"}, &Node::apart);
   visit(NodeField{"strain-rate velocity", "m/s", "velocity that gives the strain increments, where it is not the updated one",
                   &N::own_strain_velocity},

@@ -18,9 +18,10 @@ double limited(double change, double by_force) {
 
 Vec2 change_of(const Node& node, double push_s) {
   const Vec2 change(node.nx - node.vx, node.ny - node.vy);
-  if (!node.held) return change;
+  if (!node.held_x && !node.held_y) return change;
   const double per_mass = push_s / node.mass;
-  return {limited(change.x(), per_mass * node.fx), limited(change.y(), per_mass * node.fy)};
+  return {node.held_x ? limited(change.x(), per_mass * node.fx) : change.x(),
+          node.held_y ? limited(change.y(), per_mass * node.fy) : change.y()};
 }
 
 }  // namespace

@@ -106,7 +106,7 @@ void map_and_update(const Particles& p, GridState& g, const Scheme& scheme, Smal
 Vec2 working_velocity(const GridState& g, std::size_t n, bool strained) {
   const Node& node = g.node[n];
   const Vec2 after = strained ? g.strain_velocity(n) : Vec2(node.nx, node.ny);
-  return node.held ? after : Vec2(0.5 * (node.vx + after.x()), 0.5 * (node.vy + after.y()));
+  return {node.held_x ? after.x() : 0.5 * (node.vx + after.x()), node.held_y ? after.y() : 0.5 * (node.vy + after.y())};
 }
 
 Vec2 working_velocity_by_touch(const GridState& g, const TouchedNode& touched, bool strained) {

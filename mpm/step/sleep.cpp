@@ -116,7 +116,7 @@ void Sleep::hold(double per_mass, GridState& g) {
       });
   for (const std::uint32_t n : g.active.resting) {
     g.node[n].nx = g.node[n].ny = 0;
-    g.node[n].held = true;
+    g.node[n].hold();
   }
 }
 

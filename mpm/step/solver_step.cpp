@@ -127,7 +127,7 @@ void Solver::Impl::take_mapped_velocity(const Cycle& c) {
     const GridState::StrainVelocity u = g.strain_velocity(n);
     u.x = node.nx;
     u.y = node.ny;
-    node.held = false;
+    node.held_x = node.held_y = false;
   });
 }
 

@@ -7,6 +7,17 @@
 
 namespace pivnp::mpm {
 
+namespace {
+
+double twice_kinetic_of_points(const Particles& p) {
+  double sum = 0;
+  for (std::size_t k = 0; k < p.size(); ++k)
+    if (p.cell[k] != Particles::ended) sum += p.mass_of(k) * (p.vx[k] * p.vx[k] + p.vy[k] * p.vy[k]);
+  return sum;
+}
+
+}  // namespace
+
 Swing leapfrog_swing(const Particles& p, GridState& g, const Scheme& scheme, const Vec2& gravity, const LastPush& last,
                      int threads) {
   Swing swing;
@@ -27,8 +38,10 @@ Swing leapfrog_swing(const Particles& p, GridState& g, const Scheme& scheme, con
     if (!(node.mass > 0)) continue;
     power += force.dot(u);
     change += (before[a] - force).dot(u);
-    twice_kinetic += node.mass * u.dot(Vec2(node.nx, node.ny));  // (musl: u = P n, and what swings is P M^-1 K)
+    twice_kinetic += node.mass * u.dot(Vec2(node.nx, node.ny));
   }
+  // (What swings are the points' velocities then, and the strains are those of u = S w; else u = P n.)
+  if (scheme.stress == StressUpdate::musl && scheme.transfer == TransferKind::flip) twice_kinetic = twice_kinetic_of_points(p);
   swing.energy = -0.5 * last.step_s * power;
   swing.share2 = twice_kinetic > 0 ? 0.25 * last.step_s * change / twice_kinetic : 1;
   return swing;

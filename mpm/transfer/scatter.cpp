@@ -64,7 +64,7 @@ void map_sums(const Particles& p, GridState& g, const Scheme& scheme, bool force
       const std::uint32_t n = g.active.nodes[a];
       Node& node = g.node[n];  // n is set by the update
       node.mass = node.vx = node.vy = node.fx = node.fy = 0;
-      node.held = false;
+      node.held_x = node.held_y = false;
       if (g.by_updated) continue;
       const GridState::StrainVelocity u = g.strain_velocity(n);
       u.x = u.y = 0;

@@ -86,8 +86,8 @@ double PoreWater::accelerates(const GridState& g, double dt, std::vector<double>
     if (!(node.mass > 0)) continue;
     of_node[inert_ax] = (node.nx - node.vx) / dt;
     of_node[inert_ay] = (node.ny - node.vy) / dt;
-    lost -= dt * pushed_[n].dot(node.held ? Vec2(node.nx, node.ny)
-                                          : Vec2(0.5 * (node.vx + node.nx), 0.5 * (node.vy + node.ny)));
+    lost -= dt * pushed_[n].dot(Vec2(node.held_x ? node.nx : 0.5 * (node.vx + node.nx),
+                                     node.held_y ? node.ny : 0.5 * (node.vy + node.ny)));
   }
   return lost;
 }

@@ -74,7 +74,7 @@ const std::map<std::string, Folders> vendors = {
     {"CLI/", {"apps/cli"}},
     {"toml++", {"apps/case"}},
     {"fftw3", {"pivnp/piv"}},
-    {"hwy/", {"pivnp/np", "pivnp/piv", "mpm"}},
+    {"hwy/", {"pivnp/core", "pivnp/np", "pivnp/piv", "mpm"}},
     {"pybind11/", {"python/src"}},
 };
 

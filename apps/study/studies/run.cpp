@@ -215,6 +215,7 @@ class Run {
     if (comparison_) append(std::move(comparison_->remarks), outcome_.remarks);
     const io::RecordReader record(outcome_.record, io::Trust::known);
     for (const std::string& name : record.motion_names()) append(remarks_on_heat(*record.motion(name)), outcome_.remarks);
+    if (c_.mpm) append(remarks_on_energy(record.energy(), c_.mpm->damping.value_or(0) > 0), outcome_.remarks);
   }
 
   void follow_camera() {

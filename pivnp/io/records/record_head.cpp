@@ -2,6 +2,7 @@
 #include <sstream>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/instruction_set.hpp"
 #include "pivnp/io/files/quoting.hpp"
 #include "pivnp/io/records/record_impl.hpp"
 
@@ -66,6 +67,7 @@ void write_head(h5::OutputFile& file, const RecordHead& head, const std::string&
   file.attribute("/", "version", build_info().version);
   file.attribute("/", "commit", build_info().commit);
   file.attribute("/", "libraries", build_info().libraries);
+  file.attribute("/", "instruction_set", instruction_set());
   file.attribute("/", "length_unit", head.length_unit);
   file.attribute("/", "time_unit", head.time_unit);
   if (head.per_radian) file.attribute("/", "geometry", "axisymmetric");
@@ -156,6 +158,16 @@ void check_same_program(const BuildInfo& there, const std::string& where) {
   check("version", there.version, now.version);
   check("commit", there.commit, now.commit);
   check("libraries", there.libraries, now.libraries);
+}
+
+void check_same_instruction_set(const h5::Source& source, const std::string& where) {
+  const std::string there =
+      source.has_attribute("/", "instruction_set") ? source.attribute_text("/", "instruction_set") : std::string();
+  const std::string now = instruction_set();
+  if (there != now)
+    throw InputError(where + ": the run to resume began with the instruction set " + shown(there) + "; this one has " + now +
+                     ", whose results differ by round-off; add --simd " + shown(there) +
+                     " (on a processor that has it), or run without --resume to start again");
 }
 
 void check_same_run(const RecordHead& there, const RecordHead& now, const std::string& where) {

@@ -74,6 +74,8 @@ BuildInfo read_written_by(const h5::Source& source);
 
 /// Throw InputError with a line that starts with `where` if a run of `there` cannot go on as `now`, or in this program.
 void check_same_program(const BuildInfo& there, const std::string& where);
+/// Throws InputError if the run to resume began with another instruction set than the kernels run on now.
+void check_same_instruction_set(const h5::Source& source, const std::string& where);
 void check_same_run(const RecordHead& there, const RecordHead& now, const std::string& where);
 
 }  // namespace pivnp::io

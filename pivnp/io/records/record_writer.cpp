@@ -86,6 +86,7 @@ void RecordWriter::Impl::take_up() {
                        "; run without --resume to start again");
     const RecordHead there = read_head(source);
     check_same_program(read_written_by(source), parts.string());
+    check_same_instruction_set(source, parts.string());
     check_same_run(there, head, parts.string());
     head.command = there.command;  // the record tells how the run began
     created = source.attribute_text("/", "created");

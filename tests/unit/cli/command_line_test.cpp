@@ -1,6 +1,7 @@
 // The command line: what reaches the library, exit codes, one line an error.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 #include <omp.h>
 
 #include <algorithm>
@@ -13,6 +14,7 @@
 #include "apps/cli/commands.hpp"
 #include "apps/cli/signals.hpp"
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/instruction_set.hpp"
 #include "pivnp/io/imports/import_format.hpp"
 #include "tests/support/added.hpp"
 #include "tests/unit/cli/fake_study.hpp"
@@ -70,6 +72,30 @@ TEST_F(CommandLine, ThreadsHoldForEveryEngine) {
   EXPECT_EQ(seen, omp_get_num_procs());
   EXPECT_EQ(run_program({"run", measured}).code, 0);
   EXPECT_EQ(seen, all);
+}
+
+// The set holds for one command line. A set of this name that the processor lacks is refused.
+TEST_F(CommandLine, TheInstructionSetIsTheOneAskedFor) {
+  std::string seen;
+  fake_study().work = [&](Progress&) { seen = instruction_set(); };
+  const std::vector<std::string> sets = instruction_sets();
+  ASSERT_EQ(sets.back(), "sse2");
+  for (const std::string& set : sets) {
+    EXPECT_EQ(run_program({"run", measured, "--simd", set}).code, 0);
+    EXPECT_EQ(seen, set);
+  }
+  EXPECT_EQ(run_program({"run", measured}).code, 0);
+  EXPECT_EQ(seen, sets.front());
+  fake_study().calls.clear();
+  expect_error(run_program({"run", measured, "--simd", "mmx"}), 2, "--simd: there is no instruction set 'mmx', expected one of ");
+  if (sets.size() > 1) {
+    hwy::DisableTargets(~HWY_STATIC_TARGET);
+    expect_error(run_program({"--simd", sets.front(), "run", measured}), 2,
+                 "--simd: this processor has no " + sets.front() + ", only sse2\n");
+    hwy::DisableTargets(0);
+  }
+  EXPECT_TRUE(fake_study().calls.empty());
+  expect_error(run_program({"--simd", "sse2", "smulate"}), 2, "unknown command 'smulate'");
 }
 
 TEST_F(CommandLine, WhatIsLeftOutIsChosen) {

@@ -51,6 +51,25 @@ std::size_t told(const std::vector<std::string>& remarks, const std::string& par
   return std::size_t(std::count_if(remarks.begin(), remarks.end(), [&](const std::string& r) { return r.find(part) != std::string::npos; }));
 }
 
+// What a swing has at its end does not count, what it was given at most does; damping that was asked for is no loss.
+TEST(EnergyRemarks, SayWhatTheSchemeTook) {
+  std::vector<EnergyRow> rows(3);
+  rows[0].kinetic = 2;
+  rows[1].external = 8;
+  rows[2].external = 0.5;
+  rows[2].damping = 0.6;
+  rows[2].residual = -0.3;
+  EXPECT_TRUE(remarks_on_energy(rows, false).empty());  // 0.9 of 10
+  rows[2].residual = -1.4;
+  ASSERT_EQ(told(remarks_on_energy(rows, false), "has lost 20 % of the energy supplied"), 1u);
+  EXPECT_EQ(told(remarks_on_energy(rows, true), "has lost 14 %"), 1u);
+  rows[2].residual = 3.6;
+  EXPECT_EQ(told(remarks_on_energy(rows, false), "has gained 30 %"), 1u);
+  rows[2].damping = 3.5;  // taken out and counted, though it was not
+  EXPECT_TRUE(remarks_on_energy(rows, false).empty());
+  EXPECT_TRUE(remarks_on_energy({}, false).empty());
+}
+
 TEST(HeatRemarks, CountTheWorstState) {
   ParticleSet set;
   for (int k = 0; k < 4; ++k) {

@@ -2,7 +2,7 @@
 // greatest frequency of a layout comes from its stiffness and its mass as the scheme moves it, assembled here on their
 // own: K = sum V B^T C B, lumped M, and MUSL advances P M^-1 K, P from nodes to points and back; power iteration. (A
 // single point has no frequency: P leaves it one velocity, which strains nothing.)
-// Criterion: at 0.9 of 2/omega_max no NaN and no growth in 100 steps, at 1.2 growth within 40, in all of them; and the step the
+// Criterion: at 0.9 of 2/omega_max no NaN and no growth in 100 steps, at 1.2 growth within 40, in all of them and with the default energy limit; and the step the
 // solver chooses itself is below the stable one.
 #include <gtest/gtest.h>
 
@@ -83,7 +83,7 @@ TEST(MpmSparse, AThousandRandomLayouts) {
   SCOPED_TRACE(seed);
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> place(0.15, 0.4), kick(-1e-7, 1e-7);
-  int stable = 0, grown = 0, total = 0, bounded = 0, passed = 0;
+  int stable = 0, grown = 0, total = 0, bounded = 0;
   double least = 1e9;
   for (int layout = 0; layout < 1000; ++layout) {
     const int points = 2 + layout % 5;
@@ -111,13 +111,11 @@ TEST(MpmSparse, AThousandRandomLayouts) {
     o.end_at_rest = false;
     const double chosen = Solver(o, s, 1).stable_step();
     o.courant = 1e9;  // what the options' reader would refuse: the step is set by the times asked for
-    const auto energy_after = [&](double share, int steps, bool raised) {
+    const auto energy_after = [&](double share, int steps) {
       const double dt = share * 2 / omega;
       // Of a wave at this share of the greatest step leapfrog's energy swings up to 1/(1 - share^2) times the
-      // least, 5.3 at 0.9: no fault. The guard knows this but for a few layouts. Growth ends the run.
-      MpmOptions swinging = o;
-      if (raised) swinging.energy_limit = 1 / (1 - share * share);
-      Solver solver(swinging, s, 1);
+      // least, 5.3 at 0.9: no fault, as the guard knows. Growth ends the run.
+      Solver solver(o, s, 1);
       const EnergyRow start = solver.energy();
       double grown_by = 1;
       // Once it grows, enough is seen; later the points' speed would shorten the steps.
@@ -133,20 +131,15 @@ TEST(MpmSparse, AThousandRandomLayouts) {
       return grown_by;
     };
     ++total;
-    const double calm = energy_after(0.9, 100, true);
+    const double calm = energy_after(0.9, 100);
     stable += std::isfinite(calm) && calm < 100;
-    grown += energy_after(1.2, 40, false) > 1e3;
-    passed += energy_after(0.9, 100, false) < 100;
+    grown += energy_after(1.2, 40) > 1e3;
     bounded += chosen <= 2 / omega;
     least = std::min(least, 2 / omega / (h / std::sqrt(1.346153846 * young / density)));
   }
   pivnp::test::verification_row("1,000 sparse layouts", "no growth at 0.9 of 2/omega_max, growth at 1.2",
                                 number(stable, 4) + " and " + number(grown, 4) + " of " + number(total, 4));
   std::printf("least stable step %.3f h/c\n", least);
-  pivnp::test::verification_row("1,000 sparse layouts, default energy_limit",
-                                "at 0.9 of 2/omega_max 99 % are not stopped",
-                                number(passed, 4) + " of " + number(total, 4));
-  EXPECT_GE(passed, 990);
   EXPECT_EQ(stable, total);
   EXPECT_EQ(grown, total);
   EXPECT_EQ(bounded, total);

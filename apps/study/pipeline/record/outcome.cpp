@@ -1,6 +1,7 @@
 #include "apps/study/pipeline/record/outcome.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "apps/study/pipeline/measure/measure.hpp"
@@ -68,6 +69,19 @@ std::vector<std::string> remarks_on_heat(const MotionSource& motion) {
   if (open > 0)
     remarks.push_back("Up to " + std::to_string(open) + " particles have a water pressure (in the band, where there is one) above the total mean stress in one of the states: the soil would open (heat_limit).");
   return remarks;
+}
+
+std::vector<std::string> remarks_on_energy(const std::vector<EnergyRow>& rows, bool damped) {
+  constexpr double much = 0.1;
+  if (rows.empty()) return {};
+  double supplied = 0;
+  for (const EnergyRow& row : rows) supplied = std::max(supplied, std::abs(row.external));
+  supplied += rows.front().kinetic + rows.front().elastic;
+  const double lost = (damped ? 0 : rows.back().damping) - rows.back().residual;
+  if (!(std::abs(lost) > much * supplied)) return {};
+  const std::string what = lost > 0 ? "lost" : "gained";
+  return {"The simulation's scheme has " + what + " " + number(100 * std::abs(lost) / supplied, 2) + " % of the energy supplied, " +
+          number(std::abs(lost), 3) + " J/m (damping less residual). More material points per element, smaller cells or another transfer may help."};
 }
 
 std::vector<std::string> remarks_of(const io::RecordReader& record) {

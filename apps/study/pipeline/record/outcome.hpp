@@ -15,6 +15,10 @@ std::vector<std::string> remarks_of(const io::RecordReader& record);
 /// that has it.
 std::vector<std::string> remarks_on_heat(const MotionSource& motion);
 
+/// A simulation that has lost or gained more than a tenth of the energy supplied to it where no law, wall or damping asked for
+/// takes any (`damped`: local damping was).
+std::vector<std::string> remarks_on_energy(const std::vector<EnergyRow>& rows, bool damped);
+
 /// The residual of the camera's targets becomes the measurement's systematic uncertainty where none is given.
 void add_camera(double residual, compare::CompareOptions& options);
 

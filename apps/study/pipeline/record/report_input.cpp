@@ -181,6 +181,9 @@ void write_report_of(const Case& c, RunOutcome& outcome, std::optional<Compariso
   input.record = &record;
   for (const std::string& name : record.motion_names())
     for (std::string& remark : remarks_on_heat(*record.motion(name))) outcome.remarks.push_back(std::move(remark));
+  if (c.mpm)
+    for (std::string& remark : remarks_on_energy(record.energy(), c.mpm->damping.value_or(0) > 0))
+      outcome.remarks.push_back(std::move(remark));
   input.remarks = outcome.remarks;
   if (comparison) {
     input.notes = comparison->remarks;

@@ -3,6 +3,7 @@
 #include <random>
 
 #include "gmock/gmock.h"
+#include "pivnp/core/instruction_set.hpp"
 #include "pivnp/io/files/seal.hpp"
 #include "pivnp/io/hdf5/hdf5.hpp"
 #include "pivnp/io/records/record_check.hpp"
@@ -264,6 +265,20 @@ TEST_F(Identity, OfTheProgramIsThatOfTheRunToResume) {
   }
   ASSERT_EQ(append_seal(file), 0);
   EXPECT_THAT(refused(head), ::testing::AllOf(HasSubstr("version 0.0.7"), HasSubstr(build_info().version)));
+}
+
+TEST_F(Identity, OfTheInstructionSetIsThatOfTheRunToResume) {
+  const std::vector<std::string> sets = instruction_sets();
+  if (sets.size() < 2) GTEST_SKIP() << "this processor has one set only";
+  use_instruction_set(sets.back(), "test");
+  leave_pairs(10);
+  use_instruction_set("", "test");
+  EXPECT_THAT(refused(head), ::testing::AllOf(HasSubstr(sets.back()), HasSubstr("has " + sets.front()), HasSubstr("--simd")));
+  use_instruction_set(sets.back(), "test");
+  EXPECT_NO_THROW(RecordWriter(there.path, head, true));
+  const h5::Source begun(there.path / "parts" / "head.h5");
+  EXPECT_EQ(begun.attribute_text("/", "instruction_set"), sets.back());
+  use_instruction_set("", "test");
 }
 
 }  // namespace
