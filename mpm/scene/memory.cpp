@@ -37,7 +37,7 @@ ParticleNeeds particle_needs(const Scheme& scheme, const Materials& materials, c
           .kept = scheme.stress != StressUpdate::usf && !scheme.takes_updated(),
           .averaged = any_averages(materials),
           .wet = scene.water,
-          .soils = scene.water && scene.several,
+          .soils = scene.water && (scene.several || scene.soils),
           .collapses = scene.collapses,
           .heated = scene.heat,
           .swells = scene.heat && scene.water,
@@ -52,6 +52,7 @@ NodeNeeds node_needs(const Scheme& scheme, const Materials& materials, const Sce
           .loads = scene.loads,
           .wet = scene.water,
           .wet_rings = scene.water && scheme.axisymmetric,
+          .wet_soils = scene.water && (scene.several || scene.soils),
           .heated = scene.heat,
           .averaged = any_averages(materials)};
 }

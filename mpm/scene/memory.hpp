@@ -13,6 +13,7 @@ namespace pivnp::mpm {
 struct SceneNeeds {
   bool several = false;  // particles of several materials
   bool water = false;
+  bool soils = false;    // its mobility is not the same everywhere
   bool collapses = false;  // as water comes
   bool tied = false;
   bool loads = false;    // body forces, tractions

@@ -12,6 +12,32 @@
 HWY_BEFORE_NAMESPACE();
 namespace pivnp::mpm::HWY_NAMESPACE {
 
+// Numbers of single precision in memory as vectors of doubles.
+#if HWY_MAX_BYTES <= 16
+template <class Tag>
+HWY_INLINE hn::Vec<Tag> load_single(Tag d, const float* p) {
+  double lane[hn::MaxLanes(Tag())];
+  for (std::size_t l = 0; l < hn::MaxLanes(Tag()); ++l) lane[l] = double(p[l]);
+  return hn::LoadU(d, lane);
+}
+template <class Tag>
+HWY_INLINE void store_single(hn::Vec<Tag> v, Tag d, float* p) {
+  double lane[hn::MaxLanes(Tag())];
+  hn::StoreU(v, d, lane);
+  for (std::size_t l = 0; l < hn::MaxLanes(Tag()); ++l) p[l] = float(lane[l]);
+}
+#else
+template <class Tag>
+HWY_INLINE hn::Vec<Tag> load_single(Tag d, const float* p) {
+  return hn::PromoteTo(d, hn::LoadU(hn::Rebind<float, Tag>(), p));
+}
+template <class Tag>
+HWY_INLINE void store_single(hn::Vec<Tag> v, Tag, float* p) {
+  const hn::Rebind<float, Tag> single;
+  hn::StoreU(hn::DemoteTo(single, v), single, p);
+}
+#endif
+
 // Calls body(tag, n) for the nodes of a list, n the first of as many as the tag has lanes.
 template <class Body>
 HWY_INLINE void for_runs(const std::uint32_t* nodes, std::size_t size, Body&& body) {

@@ -1,6 +1,6 @@
 // The fields of the nodes, listed once: arrays are allocated by the list, and what a node takes of memory is counted from it
-// (step/memory.hpp). All are of one step: none is state, none is recorded, and all are double precision but for the marks. A
-// field that a case does not need takes no memory.
+// (step/memory.hpp). All are of one step: none is state, none is recorded, and all are double precision but for the marks and the
+// weights of the water's flow. A field that a case does not need takes no memory.
 #pragma once
 
 #include <cstddef>
@@ -21,6 +21,7 @@ struct NodeNeeds {
   bool loads = false;                // body forces, tractions
   bool wet = false;                  // water in the pores
   bool wet_rings = false;            // the same about an axis
+  bool wet_soils = false;            // its mobility is not the same everywhere
   bool heated = false;               // temperature
   bool averaged = false;             // a law's softening follows the strain around a point (transfer/nonlocal.hpp)
 };
@@ -40,7 +41,9 @@ struct NodeArrays {
   OfGrid<PoreNode> pores;
   OfGrid<PoreElement> pore_elements;
   OfGrid<PoreMark> pore_marks;
-  SeveralOfGrid<double, 12> flow;
+  SeveralOfGrid<double, 5> flow;
+  SeveralOfGrid<float, 5> flow_weights;
+  OfGrid<double> flow_rate;
   SeveralOfGrid<double, 3> rings;
   OfGrid<HeatNode> heat;
   OfGrid<double> softening_strain, softening_volume, softening_rows;
@@ -74,7 +77,8 @@ constexpr void for_each_node_field(Visit&& visit) {
   visit(NodeField{"body force", "N/m", "force of body forces and tractions", &N::loads}, &NodeArrays::loads);
   visit(NodeField{"pores", "", "what the flow of water needs of a node (pore_node.hpp)", &N::wet}, &NodeArrays::pores, &NodeArrays::pore_elements,
         &NodeArrays::pore_marks);
-  visit(NodeField{"flow", "", "means, and what nodes pass on of the water (PoreFields)", &N::wet}, &NodeArrays::flow);
+  visit(NodeField{"flow", "", "means, and what nodes pass on of the water (PoreFields)", &N::wet}, &NodeArrays::flow, &NodeArrays::flow_weights);
+  visit(NodeField{"flow rate", "m^2/(Pa s)", "mobility of the water, where it varies (PoreFields)", &N::wet_soils}, &NodeArrays::flow_rate);
   visit(NodeField{"rings", "m, 1, 1", "radius, and the node's share of the flow along the axis in the elements beside it (PoreFields)", &N::wet_rings},
         &NodeArrays::rings);
   visit(NodeField{"heat", "", "what conduction needs of a node (heat_node.hpp)", &N::heated}, &NodeArrays::heat);

@@ -57,8 +57,7 @@ inline void for_each_particle_field(Visit&& visit) {
         Column{&P::tau_zz, &K::tau_zz, &L::zz}, Column{&P::tau_xy, &K::tau_xy, &L::xy});
   visit(ParticleField{.name = "pressure", .unit = "Pa", .definition = "pressure of the water in the pores, compression positive",
                       .need = &N::wet, .recorded = "pressure"},
-        Column{&P::pressure});
-  visit(ParticleField{"excess", "Pa", "J times the pressure over that of the water outside", &N::wet}, Column{&P::excess, &K::excess});
+        Column{&P::pressure, &K::pressure});
   visit(ParticleField{"J at the flow", "1", "J when water last flowed", &N::wet}, Column{&P::J_flow});
   visit(ParticleField{"soil", "m^2/(Pa s), 1", "mobility of the water, and the share of the grains in the initial volume", &N::soils},
         Column{&P::mobility}, Column{&P::solid});

@@ -55,7 +55,7 @@ struct Particles {
   Array xi, eta;
   Array de_xx, de_yy, de_zz, de_xy, spin;
   Array softened_by;
-  Array pressure, content, J_flow, excess;
+  Array pressure, content, J_flow;
   Array mobility, solid;  // where they vary (water/pore_water.hpp)
   Array wetted;           // where soil collapses
   Array temperature, heated_by, swelling;  // heat/heat.hpp

@@ -30,24 +30,27 @@ struct PoreSumsView {
 
 /// What is known of a node, and of the element up and to the right of it, beside the sums.
 struct PoreMark {
-  std::uint16_t loaded = 0;  // one more than the number of a traction's boundary whose points are in an element beside it
-  bool solid = false;        // the element holds material without pores
-  bool given = false;        // the potential, by a boundary or the material's own surface
+  std::uint16_t loaded : 14 = 0;  // one more than the number of a traction's boundary whose points are in an element beside it
+  std::uint16_t solid : 1 = 0;    // the element holds material without pores
+  std::uint16_t given : 1 = 0;    // the potential, by a boundary or the material's own surface
 };
+inline constexpr std::uint16_t most_marked = (1u << 14) - 1;
+static_assert(sizeof(PoreMark) == 2);
 
 /// Of the nodes: means, and what they pass on to their points. Numbers of a row lie side by side, a row and more before the first.
 struct PoreFields {
   double* volume;    // V; 0: no water
   double* potential; // the mean of e, or what is given, Pa
   double* mean;      // of the strain, then what takes its successor
-  double* even;      // of the same without waves of two cells; then the strain that feeds pressure
+  double* even;      // V over a quarter of that of the elements around, 1 at most; then the mean without waves of two cells;
+                     // then the strain that feeds pressure
   double* change;    // of the water in a unit of volume, in this step
   double* rate;      // mobility, where it varies
-  double* inside;    // V of the element up and to the right
-  double* share;     // V of a node over a quarter of that of the elements around it; 1 at most
+  // Weights, in single precision: what two nodes exchange has the same one on both sides, so that sums are kept to round-off.
+  float* weight;     // of the element up and to the right in smoothing: V times the least share (`even`) of its nodes
   // Of the edges to the right and up.
-  double *flow_x, *flow_y;      // exchange of water for a difference of potential, in this step
-  double *strain_x, *strain_y;  // V s (1 - s), V t (1 - t) of both elements beside it, half
+  float *flow_x, *flow_y;      // exchange of water for a difference of potential, in this step
+  float *strain_x, *strain_y;  // V s (1 - s), V t (1 - t) of both elements beside it, half
   double *inert_x = nullptr, *inert_y = nullptr;  // projected: the same for pressures, with what the skeleton yields to them
   std::ptrdiff_t row;
   // Axisymmetric, else null: the node's radius (at the axis a third of a cell: half a node's volume lies there), and the share

@@ -18,7 +18,7 @@ struct PointView {
   double *xi, *eta;  // null where no scheme asks for them (Where)
   double* opening;  // null where no law opens
   double *F_zz, *hoop;  // null but in axisymmetric runs: radius over that at the start; log hoop strain of the step
-  double* excess;   // J times the pressure of the pores over that of the water outside; null without water
+  double* pressure;  // of the pores; null without water
   double density;  // where `mass` is null
   double outside, level;  // weight of the water outside, N/m^3 (0: none), and the height of its surface
 };

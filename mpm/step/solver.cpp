@@ -23,6 +23,14 @@ bool has_reaction(const std::string& name, const BoundaryOptions& boundary) {
   return boundary.type != BoundaryType::tied && name != axis_boundary;
 }
 
+// (What take_pores() has taken out of the materials, the soils have.)
+SceneNeeds needs_with_pores(const Scene& scene, const std::vector<PoreSoil>& pores) {
+  SceneNeeds needs = needs_of(scene);
+  needs.soils = needs.water && (scene.water->properties == WaterProperties::by_temperature ||
+                                std::any_of(pores.begin(), pores.end(), [](const PoreSoil& s) { return s.kozeny_carman; }));
+  return needs;
+}
+
 }  // namespace
 
 Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
@@ -37,7 +45,7 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
       density(densities_of(scene)),
       contacts(scene.contacts, scene.particles.label_names),
       g(scene.grid, scheme.shape, contacts.velocity_fields(), scheme.stress == StressUpdate::usl,
-        node_needs(scheme, materials, needs_of(scene)), scheme.axisymmetric),
+        node_needs(scheme, materials, needs_with_pores(scene, pores)), scheme.axisymmetric),
       restraints(scene.boundaries, g, centroid(scene.particles),
                  [this](const Vec2& x) { return impedance_near(scene, materials, undrained_stiffness(), x); }),
       bodies(scene.bodies, g.field_grid),

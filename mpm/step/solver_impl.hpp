@@ -145,6 +145,7 @@ struct Solver::Impl {
   void add_work(const Cycle& c);
   void end_particle(std::size_t k, EndReason reason);
   void watch_motion();
+  bool pressure_lasts();
   bool moved_far() const;
   double work_of_gravity() const;
   EnergyRow energy();
@@ -175,6 +176,7 @@ struct Solver::Impl {
   Sleep sleep{options.sleep_below_m_s, state.sleep};
   double least_turned_over = 0;  // least_turnover()
   LastGood good;
+  PoreWater::Sums excess_now;    // when the balance was last looked at
   bool failed = false;  // only `good` is meant any more
   Particles& p = state.particles;
   std::unique_ptr<PoreWater> water;  // null without

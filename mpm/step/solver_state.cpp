@@ -10,7 +10,7 @@ namespace pivnp::mpm {
 
 namespace {
 
-constexpr char magic[8] = {'p', 'i', 'v', 'm', 'p', 'm', '1', '4'};
+constexpr char magic[8] = {'p', 'i', 'v', 'm', 'p', 'm', '1', '5'};
 
 class Writer {
  public:
@@ -101,6 +101,8 @@ void visit(Archive& a, State& s) {
   a.value(s.peak_kinetic);
   a.value(s.calm_since);
   a.value(s.calm_looks);
+  a.value(s.peak_excess);
+  a.value(s.calm_excess);
   a.value(s.at_rest);
   a.value(s.far);
   a.list(s.pressure_change);

@@ -35,6 +35,10 @@ struct SolverState {
   double peak_kinetic = 0;  // greatest kinetic energy of the nodes so far, J/m
   double calm_since = 0;    // time since which it has been a small share of that
   std::int64_t calm_looks = 0;  // at the balance since then
+  struct OfPores {  // PoreWater::Sums
+    double excess = 0, excess2 = 0;
+  };
+  OfPores peak_excess, calm_excess;  // greatest so far, and when it became calm
   bool at_rest = false;     // motion has ended: nothing is stepped any more
   bool far = false;         // MpmOptions::end_displacement_m is reached: likewise
   std::vector<double> pressure_change;  // of every node in the last step, where pressure is projected

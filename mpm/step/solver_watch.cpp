@@ -18,6 +18,7 @@ constexpr double calm = 1e-3;                 // of the peak kinetic energy
 constexpr double calm_share = 0.1;            // of the run for which it has to be calm, and
 constexpr std::int64_t first_judged = 10;     // step at which the balance is first held against the limit
 constexpr int calm_looks = 10;                // looks at the balance
+constexpr double pressure_round_off = 1e-12;  // of the water's modulus
 constexpr double still = 0.01;                // cells that the fastest node may still go in the time run so far
 
 }  // namespace
@@ -65,17 +66,30 @@ void Solver::Impl::end_particle(std::size_t k, EndReason reason) {
 void Solver::Impl::watch_motion() {
   const NodalMotion motion = nodal_motion(g, heavy_mass * least_density() * g.grid.spacing.prod());
   state.peak_kinetic = std::max(state.peak_kinetic, motion.kinetic);
-  const bool is_calm = motion.kinetic < calm * state.peak_kinetic &&
-                       std::sqrt(motion.fastest2) * state.time < still * g.grid.spacing.minCoeff();
+  const bool stands = motion.kinetic < calm * state.peak_kinetic &&
+                      std::sqrt(motion.fastest2) * state.time < still * g.grid.spacing.minCoeff();
+  const bool is_calm = (!water || pressure_lasts()) && stands;
   if (!is_calm) {
     state.calm_since = state.time;
     state.calm_looks = 0;
+    state.calm_excess = {excess_now.excess, excess_now.excess2};
   }
   state.far = moved_far();
   state.at_rest = is_calm && !heat && ++state.calm_looks > calm_looks && !scene.body_force &&
                   state.time - state.calm_since > calm_share * state.time &&
                   std::isinf(restraints.next_change(state.time)) && !loading.changing_after(state.time) &&
                   !(water && water->moves_after(state.time)) && !bodies.moving_after(state.time);
+}
+
+// Consolidation goes on long after anything is seen to move.
+bool Solver::Impl::pressure_lasts() {
+  const double round_off = pressure_round_off * scene.water->bulk_modulus_pa;
+  const auto lasts = [](double now, double before, double& peak, double least) {
+    peak = std::max(peak, std::abs(now));
+    return std::abs(now - before) <= calm * peak + least;
+  };
+  const bool mean = lasts(excess_now.excess, state.calm_excess.excess, state.peak_excess.excess, round_off * excess_now.volume);
+  return lasts(excess_now.excess2, state.calm_excess.excess2, state.peak_excess.excess2, round_off * round_off * excess_now.volume) && mean;
 }
 
 bool Solver::Impl::moved_far() const {
@@ -105,6 +119,7 @@ EnergyRow Solver::Impl::energy() {
   StoredEnergy stored = stored_energy(p, g, materials);
   const PoreWater::Sums in_pores = water ? water->sums(p, loading.gravity(state.time)) : PoreWater::Sums{};
   stored.water = in_pores.energy;
+  excess_now = in_pores;
   EnergyRow row = energy_row(state.time, stored, balance);
   row.water_mass = in_pores.mass;
   if (heat) row.heat = heat->contained(p);

@@ -198,7 +198,7 @@ void Solver::Impl::put_water(MotionFrame& frame) {
     for (int c = 0; c < 2; ++c) of_flow[2 * p.index[k] + std::size_t(c)] = float(flow[k][c]);
   if (scene.water->level_m || !scene.water->level_history.empty()) {
     const std::span<float> excess = frame.add("excess_pressure", p.size());
-    for (std::size_t k = 0; k < p.size(); ++k) excess[p.index[k]] = float(p.excess[k] / p.J[k]);
+    for (std::size_t k = 0; k < p.size(); ++k) excess[p.index[k]] = float(water->excess_pressure(p, k, loading.gravity(state.time)));
   }
   const std::span<float> porosity = frame.add("porosity", p.size());
   for (std::size_t k = 0; k < p.size(); ++k) porosity[p.index[k]] = float(water->porosity(p, k));

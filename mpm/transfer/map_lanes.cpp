@@ -34,10 +34,17 @@ HWY_INLINE void add_centre_force(const CellView& c, Node* base, double sxx, doub
 
 HWY_INLINE V sum3(V a, V b, V c) { return a + b + c; }
 
-// A normal stress as momentum sees it: less the pressure of the pores over that of the water outside.
+// J times the pressure of the pores over that of the water outside.
 template <class Tile>
-HWY_INLINE V normal_stress(const PointView& p, const Tile& t, const double* tau) {
-  return p.excess ? t.load(tau) - t.load(p.excess) : t.load(tau);
+HWY_INLINE V excess_of(const PointView& p, const Tile& t) {
+  if (!p.pressure) return zero();
+  const V pressure = t.load(p.pressure);
+  return t.load(p.J) * (p.outside != 0 ? pressure - set(p.outside) * hn::Max(zero(), set(p.level) - t.load(p.y)) : pressure);
+}
+// A normal stress as momentum sees it: less that.
+template <class Tile>
+HWY_INLINE V normal_stress(const PointView& p, const Tile& t, const double* tau, V excess) {
+  return p.pressure ? t.load(tau) - excess : t.load(tau);
 }
 // Weight of the water that a point displaces.
 template <class Tile>
@@ -64,9 +71,10 @@ HWY_INLINE void average_elements(const PointView& p, const CellView& c, Range ra
   const bool some_open = locking == Locking::fbar && p.opening;
   for_tiles(c, range, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
     const V v = t.live(some_open ? joined_volume(p, t) : t.load(p.volume0));
-    sums.add(cells, range.begin, v * normal_stress(p, t, p.tau_xx), sums.xx);
-    sums.add(cells, range.begin, v * normal_stress(p, t, p.tau_yy), sums.yy);
-    sums.add(cells, range.begin, v * normal_stress(p, t, p.tau_zz), sums.zz);
+    const V excess = excess_of(p, t);
+    sums.add(cells, range.begin, v * normal_stress(p, t, p.tau_xx, excess), sums.xx);
+    sums.add(cells, range.begin, v * normal_stress(p, t, p.tau_yy, excess), sums.yy);
+    sums.add(cells, range.begin, v * normal_stress(p, t, p.tau_zz, excess), sums.zz);
     if (locking == Locking::full) sums.add(cells, range.begin, v * t.load(p.tau_xy), sums.xy);
     if (locking == Locking::fbar) sums.add(cells, range.begin, v, sums.volume);
   });
@@ -92,8 +100,8 @@ struct Mapping {
   // What the mean stress of the tile's points changes by; `mean`: of F-bar's elements, from the occupied cell `first` on.
   template <class Tile>
   HWY_INLINE V mean_change(const Natural& place, const Tile& t, const TileCells& cells, const double* mean,
-                           std::size_t first, V xx, V yy) const {
-    const V own = sum3(xx, yy, normal_stress(p, t, p.tau_zz)) * set(-1.0 / 3);
+                           std::size_t first, V excess, V xx, V yy) const {
+    const V own = sum3(xx, yy, normal_stress(p, t, p.tau_zz, excess)) * set(-1.0 / 3);
     if constexpr (!S::centred) {
       if (locking != Locking::fbar) return own;
       const V element = of_groups(mean[cells.occupied[0] - first], mean[cells.occupied[groups - 1] - first]);
@@ -125,9 +133,10 @@ struct Mapping {
       }
     }
     const V v = t.live(p.mass ? t.load(p.volume0) : t.again(p.volume0)) * set(-volume_factor);
-    V xx = normal_stress(p, t, p.tau_xx), yy = normal_stress(p, t, p.tau_yy);
+    const V excess = excess_of(p, t);
+    V xx = normal_stress(p, t, p.tau_xx, excess), yy = normal_stress(p, t, p.tau_yy, excess);
     if (locking != Locking::none && volume_factor != 0) {
-      const V change = mean_change(place, t, cells, mean, first, xx, yy);
+      const V change = mean_change(place, t, cells, mean, first, excess, xx, yy);
       xx = xx + change;
       yy = yy + change;
     }
@@ -159,9 +168,10 @@ struct Mapping {
   HWY_INLINE void tile_by_moments(const Tile& t, const TileCells& cells, const Natural& place, double volume_factor) const {
     const V m = momentum ? mass_of(p, t) : zero(), mx = m * set(c.hx), my = m * set(c.hy);
     const V v = t.live(p.mass ? t.load(p.volume0) : t.again(p.volume0)) * set(-volume_factor);
-    V xx = normal_stress(p, t, p.tau_xx), yy = normal_stress(p, t, p.tau_yy);
+    const V excess = excess_of(p, t);
+    V xx = normal_stress(p, t, p.tau_xx, excess), yy = normal_stress(p, t, p.tau_yy, excess);
     if (locking != Locking::none && volume_factor != 0) {
-      const V change = mean_change(place, t, cells, nullptr, 0, xx, yy);
+      const V change = mean_change(place, t, cells, nullptr, 0, excess, xx, yy);
       xx = xx + change;
       yy = yy + change;
     }
@@ -213,9 +223,11 @@ HWY_INLINE void map_hoop_of(Locking locking, const PointView& p, const CellView&
     if (average) average_elements(p, c, part, locking, mean);
     for_tiles(c, part, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
       const auto l = lines_of<S>(p, c, cells, t);
-      V zz = normal_stress(p, t, p.tau_zz);
+      const V excess = excess_of(p, t);
+      V zz = normal_stress(p, t, p.tau_zz, excess);
       if (locking != Locking::none)
-        zz = zz + mapping.mean_change({l.xi, l.eta}, t, cells, mean, part.begin, normal_stress(p, t, p.tau_xx), normal_stress(p, t, p.tau_yy));
+        zz = zz + mapping.mean_change({l.xi, l.eta}, t, cells, mean, part.begin, excess, normal_stress(p, t, p.tau_xx, excess),
+                                      normal_stress(p, t, p.tau_yy, excess));
       const V f = t.live(t.load(p.volume0)) * zz / radius_of(c, cells, l.xi);
       V fx[N];
       for (int n = 0; n < N; ++n) fx[n] = hn::Neg(f * l.x.w[n % W] * l.y.w[n / W]);
@@ -230,7 +242,8 @@ void map_hoop_range(ShapeKind shape, Locking locking, const PointView& p, const 
 
 void average_stress_range(const PointView& p, const CellView& c, Range range) {
   for_tiles(c, range, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
-    const V mean = sum3(normal_stress(p, t, p.tau_xx), normal_stress(p, t, p.tau_yy), normal_stress(p, t, p.tau_zz)) * set(1.0 / 3);
+    const V excess = excess_of(p, t);
+    const V mean = sum3(normal_stress(p, t, p.tau_xx, excess), normal_stress(p, t, p.tau_yy, excess), normal_stress(p, t, p.tau_zz, excess)) * set(1.0 / 3);
     const Natural at = natural<BSplineShape>(p, c, cells, t);
     add_to_averages(c, cells, true, at.xi, at.eta, joined_volume(p, t), mean);
   });

@@ -33,6 +33,7 @@ PoreFlow PoreWater::flow(Particles& p, GridState& g, const Tractions& tractions,
   const double rate = rate_in_cell(g) * dt;
   PoreFields f = field_;
   if (p.mobility.empty()) f.rate = nullptr;
+  for_node_lists(g, threads, [&](const std::uint32_t* nodes, std::size_t size) { weigh_elements_lanes(f, nodes, size); });
   const auto smooth = [&] {
     for_node_lists(g, threads, [&](const std::uint32_t* nodes, std::size_t size) { smooth_pores_lanes(f, f.mean, f.even, nodes, size); });
     tie_smoothed(f.mean, f.even);
@@ -102,8 +103,9 @@ void PoreWater::forget_nodes(const GridState& g) {
   for (const std::uint32_t n : nodes_) {
     sums_.node[n] = {};
     sums_.element[n] = {};
-    for (double* values : {field_.volume, field_.potential, field_.inside, field_.share, field_.flow_x, field_.flow_y, field_.strain_x, field_.strain_y, field_.inert_x, field_.inert_y})
+    for (double* values : {field_.volume, field_.potential, field_.even, field_.inert_x, field_.inert_y})
       if (values) values[n] = 0;
+    for (float* values : {field_.weight, field_.flow_x, field_.flow_y, field_.strain_x, field_.strain_y}) values[n] = 0;
   }
   nodes_ = g.active.nodes;
 }
@@ -138,10 +140,10 @@ void PoreWater::mark_elements(const Particles& p, GridState& g, const Tractions&
       if (load && time >= load->until) load = nullptr;
       if (!load && !solids) return;
       const std::size_t n = element_of(p, g, k).node;
-      if (solids && !soil_of(p, k).has_pores()) marks_[n].solid = true;
+      if (solids && !soil_of(p, k).has_pores()) marks_[n].solid = 1;
       if (!load) return;
       for (const std::size_t at : {n, n + 1, n + std::size_t(g.grid.nx), n + std::size_t(g.grid.nx) + 1})
-        marks_[at].loaded = std::max(marks_[at].loaded, std::uint16_t(load->boundary + 1));
+        if (load->boundary + 1 > marks_[at].loaded) marks_[at].loaded = std::uint16_t(load->boundary + 1) & most_marked;
     });
   });
 }
@@ -189,14 +191,14 @@ void PoreWater::conduct_to_surface(const GridState& g, double dt) {
     if (!marks_[n].given) continue;
     // (`of_first`, `of_beside`: twice the edge's share of what flows in the elements.)
     const auto edge = [&](std::ptrdiff_t first, std::ptrdiff_t other, std::ptrdiff_t beside, double of_first, double of_beside, double per_h,
-                          double* flow, double* inert) {
+                          float* flow, double* inert) {
       if ((marks_ + other)->given || !(field_.volume[other] > 0)) return;
-      const double held = of_first * field_.inside[first] + of_beside * field_.inside[beside];
-      const double full = (field_.inside[first] > 0 ? of_first * full_element(g, first) : 0) + (field_.inside[beside] > 0 ? of_beside * full_element(g, beside) : 0);
+      const double in_first = sums_.element[first].inside, in_beside = sums_.element[beside].inside, held = of_first * in_first + of_beside * in_beside;
+      const double full = (in_first > 0 ? of_first * full_element(g, first) : 0) + (in_beside > 0 ? of_beside * full_element(g, beside) : 0);
       if (!(held > 0) || held >= full) return;
       const double mobility = alike_.own ? field_.rate[other] : alike_.mobility;
       const double more = 0.5 * dt * mobility * per_h * per_h * (std::min(least_distance_inverse * full, full * full / held) - held);
-      flow[first] += more;
+      flow[first] += float(more);
       if (inert) inert[first] += more;
     };
     const std::ptrdiff_t at = n, row = field_.row;
@@ -235,7 +237,7 @@ PoreWater::Surface PoreWater::give_potential(const GridState& g, std::size_t n, 
 }
 
 void PoreWater::mark_given(bool given) {
-  for (const Given& at : given_) marks_[at.node].given = given;
+  for (const Given& at : given_) marks_[at.node].given = given ? 1 : 0;
 }
 
 // There the potential is not the mean, to which the node's points are brought, and what flows comes from outside; and the flow that

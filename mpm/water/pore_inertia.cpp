@@ -61,9 +61,9 @@ PoreFlow PoreWater::push_flow(const GridState& g, double dt, std::vector<double>
   const double x = 0.5 * dt * alike_.mobility * g.per_hx * g.per_hx,
                y = 0.5 * dt * alike_.mobility * g.per_hy * g.per_hy;
   for (const std::uint32_t n : g.active.nodes) {
-    const double* inside = f.inside + n;
-    edge(n, n + 1, 0, x * (inside[0] + inside[-f.row]));
-    edge(n, n + std::size_t(f.row), 1, y * (inside[0] + inside[-1]));
+    const PoreElement* element = sums_.element + n;
+    edge(n, n + 1, 0, x * (element->inside + element[-f.row].inside));
+    edge(n, n + std::size_t(f.row), 1, y * (element->inside + element[-1].inside));
   }
   state.swap(next);
   return sum;
@@ -107,7 +107,7 @@ Vec2 PoreWater::inert_flow(const GridState& g, std::size_t n, double s, double t
   const auto row = std::ptrdiff_t(field_.row);
   const auto of = [&](std::size_t node, int axis) {
     const std::ptrdiff_t beside = axis == 0 ? -row : -1;
-    const double volume = 0.5 * (field_.inside[node] + (field_.inside + node)[beside]);
+    const double volume = 0.5 * (sums_.element[node].inside + (sums_.element + node)[beside].inside);
     return volume > 0 ? -state[inert_size * node + std::size_t(inert_qx + axis)] * g.grid.spacing[axis] / volume : 0.0;
   };
   return {(1 - t) * of(n, 0) + t * of(n + std::size_t(row), 0), (1 - s) * of(n, 1) + s * of(n + 1, 1)};

@@ -15,7 +15,7 @@ inline constexpr double least_pores = 1e-6;  // of the initial volume: grains wo
 
 /// The water of the points, and what it knows.
 struct PoreView {
-  double *pressure, *content, *J_flow, *excess;
+  double *pressure, *content, *J_flow;
   const double *mobility, *solid;   // K/gamma, and the grains' share of the initial volume; null: as the next two everywhere
   double mobility_all, solid_all;
   double bulk;                      // Pa
@@ -53,6 +53,8 @@ struct PoreEdges {
 /// to `special`, whose number is returned.
 std::size_t take_means_lanes(const PoreSumsView& sums, const PoreFields& f, const PoreEdges& edges, const std::uint32_t* nodes,
                              std::size_t size, std::uint32_t* special);
+/// Of elements up and to the right of some nodes, PoreFields::weight, from their volume there and the nodes' shares.
+void weigh_elements_lanes(const PoreFields& f, const std::uint32_t* nodes, std::size_t size);
 /// Of some nodes: the mean over the elements around each of what their four nodes have, (1, 2, 1)/4 along both axes.
 void smooth_pores_lanes(const PoreFields& f, const double* from, double* to, const std::uint32_t* nodes, std::size_t size);
 /// 2 m - M' s of the mean m and the smooth s, M' what points pass from node to node, in the place of m; and the change, with the

@@ -37,12 +37,13 @@ struct FromSums {
     return hn::IfThenElseZero(hn::Gt(b, none), a / hn::IfThenElse(hn::Gt(b, none), b, number(1)));
   }
   HWY_INLINE void put(V v, double* to) const { hn::StoreU(v, d, to + n); }
+  HWY_INLINE void put(V v, float* to) const { store_single(v, d, to + n); }
   HWY_INLINE V at(const double* values) const { return hn::LoadU(d, values + n); }
   HWY_INLINE V mobility(const Four& e) const { return f.rate ? quotient(e.e, e.a) : number(edges.mobility_all); }
   // What two elements let through along the edge between them, less what their points pass on at the rate of a cell; and half of what these do.
   template <class Half>
-  HWY_INLINE void edge(const Four& one, V across_one, const Four& other, V across_other, V end, V volume, double through, double* flow,
-                       double* strain, Half&& half) const {
+  HWY_INLINE void edge(const Four& one, V across_one, const Four& other, V across_other, V end, V volume, double through, float* flow,
+                       float* strain, Half&& half) const {
     const V none = hn::Zero(d);
     const auto of = [&](const Four& e, V across) HWY_ATTR { return mobility(e) * (number(through) * e.a - number(edges.rate) * across); };
     const auto there = hn::And(hn::Gt(volume, none), hn::Gt(end, none));
@@ -64,11 +65,11 @@ struct FromSums {
     const V v = here.a, none = hn::Zero(d);
     const V per_volume = quotient(number(1), v);
     put(v, f.volume);
-    put(e.a, f.inside);
+    put(e.a, f.weight);
     put(here.b * per_volume, f.potential);
     put(here.c * per_volume, f.mean);
     if (f.rate) put(f.inert_x ? number(0.25) * ((mobility(e) + mobility(left)) + (mobility(below) + mobility(across))) : here.e * per_volume, f.rate);
-    put(hn::Min(number(1), quotient(number(4) * v, (e.a + left.a) + (below.a + across.a))), f.share);
+    put(hn::Min(number(1), quotient(number(4) * v, (e.a + left.a) + (below.a + across.a))), f.even);
     const auto half = [&](V a, V b) HWY_ATTR { return number(0.5) * (a + b); };
     const auto along_y = [&](auto&& share) HWY_ATTR {
       edge(e, e.c, left, left.c, node(f.row).a, v, edges.through_y, f.flow_y, f.strain_y, share);
@@ -97,11 +98,16 @@ struct AtNodes {
     return hn::IfThenElseZero(hn::Gt(volume, zero), sum / hn::IfThenElse(hn::Gt(volume, zero), volume, hn::Set(d, 1.0)));
   }
 
+  HWY_INLINE V at(const float* values, std::ptrdiff_t from = 0) const { return load_single(d, values + n + from); }
+
+  HWY_INLINE void weigh() const {
+    const V least = hn::Min(hn::Min(at(f.even), at(f.even, 1)), hn::Min(at(f.even, f.row), at(f.even, f.row + 1)));
+    store_single(at(f.weight) * least, d, f.weight + n);
+  }
   // What the element that goes by the node `from` further on passes to this node, which is one of its four.
   HWY_INLINE V of_element(const double* of, V own, std::ptrdiff_t from) const {
-    const auto least = [&](std::ptrdiff_t a, std::ptrdiff_t b) HWY_ATTR { return hn::Min(at(f.share, from + a), at(f.share, from + b)); };
     const V sum = (at(of, from) + at(of, from + 1)) + (at(of, from + f.row) + at(of, from + f.row + 1));
-    return at(f.inside, from) * hn::Min(least(0, 1), least(f.row, f.row + 1)) * (sum - hn::Set(d, 4.0) * own);
+    return at(f.weight, from) * (sum - hn::Set(d, 4.0) * own);
   }
   HWY_INLINE void smooth(const double* from, double* to) const {
     const V own = at(from);
@@ -111,7 +117,7 @@ struct AtNodes {
   }
 
   // Over the edges, their exchange times the difference of what is beyond them.
-  HWY_INLINE V exchanged(const double* x, const double* y, const double* of) const {
+  HWY_INLINE V exchanged(const float* x, const float* y, const double* of) const {
     const V own = at(of);
     const V along_x = at(x) * (at(of, 1) - own) + at(x, -1) * (at(of, -1) - own);
     const V along_y = at(y) * (at(of, f.row) - own) + at(y, -f.row) * (at(of, -f.row) - own);
@@ -136,6 +142,9 @@ std::size_t take_range(const PoreSumsView& sums, const PoreFields& f, const Pore
   });
   return found;
 }
+void weigh_range(const PoreFields& f, const std::uint32_t* nodes, std::size_t size) {
+  for_runs(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR { AtNodes<decltype(d)>{d, f, n}.weigh(); });
+}
 void smooth_range(const PoreFields& f, const double* from, double* to, const std::uint32_t* nodes, std::size_t size) {
   for_runs(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR { AtNodes<decltype(d)>{d, f, n}.smooth(from, to); });
 }
@@ -150,12 +159,16 @@ HWY_AFTER_NAMESPACE();
 namespace pivnp::mpm {
 
 HWY_EXPORT(take_range);
+HWY_EXPORT(weigh_range);
 HWY_EXPORT(smooth_range);
 HWY_EXPORT(exchange_range);
 
 std::size_t take_means_lanes(const PoreSumsView& sums, const PoreFields& f, const PoreEdges& edges, const std::uint32_t* nodes,
                              std::size_t size, std::uint32_t* special) {
   return HWY_DYNAMIC_DISPATCH(take_range)(sums, f, edges, nodes, size, special);
+}
+void weigh_elements_lanes(const PoreFields& f, const std::uint32_t* nodes, std::size_t size) {
+  HWY_DYNAMIC_DISPATCH(weigh_range)(f, nodes, size);
 }
 void smooth_pores_lanes(const PoreFields& f, const double* from, double* to, const std::uint32_t* nodes, std::size_t size) {
   HWY_DYNAMIC_DISPATCH(smooth_range)(f, from, to, nodes, size);

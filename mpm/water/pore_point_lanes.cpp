@@ -116,7 +116,6 @@ HWY_INLINE void keep(const PointView& p, const PoreView& w, const Tile& t, M hol
   t.store(content, w.content);
   t.store(seen, w.pressure);
   t.store(J, w.J_flow);
-  t.store(J * (seen - outside), w.excess);
 }
 
 template <bool centred>

@@ -29,7 +29,7 @@ double sum_parts(const GridState& g, int threads, Part&& of_part) {
 }
 
 // What nodes n exchange by `x` and `y` of the edges for differences of `of`.
-double exchanged(const double* x, const double* y, const double* of, std::ptrdiff_t row) {
+double exchanged(const float* x, const float* y, const double* of, std::ptrdiff_t row) {
   return x[0] * (of[1] - of[0]) + x[-1] * (of[-1] - of[0]) + y[0] * (of[row] - of[0]) + y[-row] * (of[-row] - of[0]);
 }
 
@@ -70,7 +70,7 @@ void PoreWater::yield_beside_surface(const GridState& g, double inertia, double*
   const auto at_surface = [&](std::ptrdiff_t n) { return std::binary_search(surface_.begin(), surface_.end(), std::uint32_t(n)); };
   for (const std::uint32_t n : surface_)
     for (const std::ptrdiff_t e : around(n))
-      if (field_.inside[e] > 0) beside.push_back(e);
+      if (sums_.element[e].inside > 0) beside.push_back(e);
   std::sort(beside.begin(), beside.end());
   beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
   const double per_area = inertia * std::max(g.per_hx * g.per_hx, g.per_hy * g.per_hy);
@@ -87,13 +87,13 @@ void PoreWater::yield_beside_surface(const GridState& g, double inertia, double*
       const auto part = [&](std::ptrdiff_t k) { return (k == n || k == n - field_.row ? 2 * share_of_right(n) : 2 * share_of_left(n)) * ring(g, k); };
       double all = 0;
       for (const std::ptrdiff_t k : around(n))
-        if (field_.inside[k] > 0) all += part(k);
+        if (sums_.element[k].inside > 0) all += part(k);
       of_surface += field_.volume[n] * part(e) / all;
     }
     if (others == 0) continue;
-    const double rest = std::max(0.0, field_.inside[e] - of_surface);
+    const double rest = std::max(0.0, sums_.element[e].inside - of_surface);
     const double light = std::max(0.0, per_light * rest * rest / std::max(of_surface, 1e-4 * cell) - 0.5 * cell) / others;
-    const double lacks = per_lack * std::max(0.0, 1 - field_.inside[e] / cell);
+    const double lacks = per_lack * std::max(0.0, 1 - sums_.element[e].inside / cell);
     for (const std::ptrdiff_t n : {e, e + 1, e + field_.row, e + field_.row + 1})
       if (!at_surface(n)) added[n] += per_area * (light + lacks * field_.volume[n]);
   }

@@ -66,7 +66,9 @@ PoreWater::PoreWater(const WaterOptions& options, std::vector<PoreSoil> soils, c
     throw InputError("water.groundwater: found 'level' beside a boundary with water_level_m, expected 'flow'");
   const std::size_t before = before_nodes(g);
   const auto field = [&](std::size_t k) { return g.arrays.flow[k].data() + before; };
-  field_ = {field(0), field(1), field(2), field(3), field(4), field(5), field(6), field(7), field(8), field(9), field(10), field(11), nullptr, nullptr, g.grid.nx};
+  const auto weight = [&](std::size_t k) { return g.arrays.flow_weights[k].data() + before; };
+  double* rate = g.arrays.flow_rate.size() > 0 ? g.arrays.flow_rate.data() + before : nullptr;
+  field_ = {field(0), field(1), field(2), field(3), field(4), rate, weight(0), weight(1), weight(2), weight(3), weight(4), nullptr, nullptr, g.grid.nx};
   if (g.axisymmetric) set_rings(g);
   sums_ = {g.arrays.pores.data() + before, g.arrays.pore_elements.data() + before};
   marks_ = g.arrays.pore_marks.data() + before;
@@ -119,9 +121,7 @@ PoreFlow PoreWater::follow_level(Particles& p, const Vec2& gravity, double from,
       const double stored_before = stored(p, k, gravity);
       const double volume = p.volume0[k] * more * (pores_of(p, k, soil) / options_.bulk_modulus_pa + p.J[k] / soil.constrained_modulus);
       p.content[k] += volume / p.volume0[k];
-      const double pressure = p.pressure[k];
       p.pressure[k] = pressure_of(p, k, true);
-      p.excess[k] += p.J[k] * (p.pressure[k] - pressure);
       parts[part].inflow += volume;
       parts[part].external += stored(p, k, gravity) - stored_before;
     }
@@ -183,7 +183,7 @@ void PoreWater::follow_temperature(Particles& p, int threads) const {
 PoreView PoreWater::view(const Particles& p, const Vec2& gravity) const {
   const auto at = [](const Array& values) { return values.empty() ? nullptr : const_cast<double*>(values.data()); };
   const double density = options_.density_kg_m3;
-  return {at(p.pressure), at(p.content), at(p.J_flow), at(p.excess), at(p.mobility), at(p.solid), alike_.mobility, alike_.solid,
+  return {at(p.pressure), at(p.content), at(p.J_flow), at(p.mobility), at(p.solid), alike_.mobility, alike_.solid,
           options_.bulk_modulus_pa, density * gravity.x(), density * gravity.y(), -density * gravity.dot(reference_), p.outside, p.level, projected(), p.swelling.empty() ? nullptr : p.swelling.data(), tears()};
 }
 
@@ -200,11 +200,10 @@ double PoreWater::pressure_of(const Particles& p, std::size_t k, bool tears) con
 }
 
 void PoreWater::refresh_point(Particles& p, std::size_t k, const PoreSoil& soil, const Vec2& gravity) const {
-  const double J = p.J[k], outside = outside_pressure({p.x[k], p.y[k]}, gravity);
+  const double outside = outside_pressure({p.x[k], p.y[k]}, gravity);
   const bool air = sees_air(gravity), holds = (air || p.content[k] > 0) && soil.holds_water();
   p.pressure[k] = holds ? pressure_of(p, k, air || tears()) : soil.has_pores() ? outside : 0;
-  p.J_flow[k] = J;
-  p.excess[k] = J * (p.pressure[k] - outside);
+  p.J_flow[k] = p.J[k];
 }
 
 void PoreWater::refresh(Particles& p, const Vec2& gravity, int threads) const {
@@ -259,8 +258,6 @@ double PoreWater::swell(Particles& p, std::size_t k, double by) const {
   const double before = stored(p, k, Vec2::Zero()), pressure = p.pressure[k];
   p.swelling[k] += by;
   p.pressure[k] = tears() ? pressure_of(p, k, true) : pressure + options_.bulk_modulus_pa / pores_of(p, k, soil_of(p, k)) * by;
-  const double more = p.pressure[k] - pressure;
-  p.excess[k] += p.J[k] * more;
   return stored(p, k, Vec2::Zero()) - before;
 }
 
@@ -270,6 +267,10 @@ PoreWater::Sums PoreWater::sums(const Particles& p, const Vec2& gravity) const {
     if (p.cell[k] == Particles::ended || !flows(p, k)) continue;
     all.energy += stored(p, k, gravity);
     all.mass += flowing_mass(p, k);
+    const double excess = excess_pressure(p, k, gravity), volume = p.volume0[k];
+    all.excess += volume * excess;
+    all.excess2 += volume * excess * excess;
+    all.volume += volume;
   }
   return all;
 }

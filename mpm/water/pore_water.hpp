@@ -13,8 +13,7 @@
 // too, and what no node sees of their volumetric strain gives no pressure: points exchange water for it. Without that, nearly
 // incompressible mixtures checkerboard.
 //
-// Momentum sees the normal stress tau' - J (p - p_l), p_l the pressure of the water outside, at rest below a level
-// (Particles::excess), and the lift rho_w g of the volume below it: with the divergence theorem that is the load of the water
+// Momentum sees the normal stress tau' - J (p - p_l), p_l the pressure of the water outside, at rest below a level, and the lift rho_w g of the volume below it: with the divergence theorem that is the load of the water
 // on the submerged surface, and soil and water at rest stay so exactly.
 #pragma once
 
@@ -118,6 +117,10 @@ class PoreWater {
     return flows(p, k) || !level_ ? 0 : mass * -gravity.dot(Vec2(p.x[k], *level_) - Vec2(p.x[k], reference_.y()));
   }
   double porosity(const Particles& p, std::size_t k) const;
+  /// Over that of the water outside, Pa.
+  double excess_pressure(const Particles& p, std::size_t k, const Vec2& gravity) const {
+    return p.pressure[k] - outside_pressure({p.x[k], p.y[k]}, gravity);
+  }
   /// Potential energy of a point in gravity and in the water outside, J/m.
   double potential_energy(const Particles& p, std::size_t k, const Vec2& gravity) const;
   double potential_energy(const Particles& p, const Vec2& gravity, int threads) const;
@@ -138,9 +141,10 @@ class PoreWater {
     double x = 0, y = 0, heat_x = 0, heat_y = 0;
   };
   EdgeFlow edge_flow(const GridState& g, std::size_t node) const;
-  /// Over the points still simulated: that energy, and the mass of the water that flows, kg/m.
+  /// Over the points still simulated: that energy, and the mass of the water that flows, kg/m; and of the pressure over that of the
+  /// water outside, times the volume, and of its square; that volume.
   struct Sums {
-    double energy = 0, mass = 0;
+    double energy = 0, mass = 0, excess = 0, excess2 = 0, volume = 0;
   };
   Sums sums(const Particles& p, const Vec2& gravity) const;
 

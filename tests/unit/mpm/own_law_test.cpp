@@ -178,7 +178,7 @@ TEST(ParticleFields, OnlyWhatIsNeededHasValues) {
     needs.*need = true;
     EXPECT_EQ(held(needs).size(), least.size() + 1);
   }
-  EXPECT_EQ(held({.wet = true}).size(), least.size() + 4);
+  EXPECT_EQ(held({.wet = true}).size(), least.size() + 3);
 }
 
 TEST(ParticleFields, EveryRecordedOneIsAMotionField) {
@@ -240,7 +240,10 @@ TEST(NodeFields, MemoryIsThatOfTheFieldsNeeded) {
   }
   EXPECT_EQ(bytes_a_node({}), sizeof(Node));
   EXPECT_EQ(bytes_a_node({.averages = true}), sizeof(Node) + sizeof(CellEdges) + sizeof(CornerSums) + 2 * sizeof(AlongAxes));
-  EXPECT_EQ(bytes_a_node({.wet = true}), sizeof(Node) + sizeof(PoreNode) + sizeof(PoreElement) + sizeof(PoreMark) + 12 * sizeof(double));
+  EXPECT_EQ(bytes_a_node({.wet = true}), sizeof(Node) + sizeof(PoreNode) + sizeof(PoreElement) + sizeof(PoreMark) + 5 * sizeof(double) + 5 * sizeof(float));
+  EXPECT_EQ(bytes_a_node({.wet = true, .wet_soils = true}), bytes_a_node({.wet = true}) + sizeof(double));
+  const Materials none;  // four points a cell: 64 bytes more for each
+  EXPECT_LE(bytes_a_point({.own_mass = true, .wet = true}, none) - bytes_a_point({}, none) + (bytes_a_node({.wet = true}) - bytes_a_node({})) / 4, 64);
   Scheme scheme;
   EXPECT_TRUE(node_needs(scheme, {}, {}).averages);
   EXPECT_FALSE(node_needs(scheme, {}, {}).filtered);

@@ -61,8 +61,10 @@ struct Laws {
 
 mpm::SceneNeeds needs_of(const Case& c, bool wet) {
   mpm::SceneNeeds needs{.several = c.materials.size() > 1, .water = wet, .heat = c.heat.has_value()};
+  needs.soils = wet && c.water && c.water->properties == mpm::WaterProperties::by_temperature;
   for (const auto& [name, material] : c.materials) {
     needs.collapses |= material.wetting_collapse > 0;
+    needs.soils |= wet && material.permeability == mpm::PermeabilityLaw::kozeny_carman;
     needs.bands |= c.heat && material.band_thickness_m;
   }
   for (const auto& [name, boundary] : c.boundaries) {
