@@ -68,8 +68,10 @@ void TiedSides::apply(double time, GridState& g, std::vector<Reaction>& reaction
   for (const Ring& ring : rings_) {
     if (time >= ring.until) continue;
     const Common all = common_of(ring.nodes, g, [&](std::uint32_t n) { return std::pair{g.node[n].nx, g.node[n].ny}; });
+    const Common was = common_of(ring.nodes, g, [&](std::uint32_t n) { return std::pair{g.node[n].vx, g.node[n].vy}; });
     for (const std::uint32_t n : ring.nodes) {
       Node& node = g.node[n];
+      if (node.mass > 0) node.vx = was.x, node.vy = was.y;
       if (!(node.mass > 0) || !(node.mass < all.mass)) continue;
       reactions.push_back({n, node.mass * (all.x - node.nx), node.mass * (all.y - node.ny), 0, 0});
       node.nx = all.x;
