@@ -23,6 +23,7 @@ Restraints::Restraints(const std::vector<std::pair<std::string, BoundaryOptions>
       tied_.tie(walls_[w], walls_[w + 1], g);
       ++w;
     }
+  if (g.centred) hold_beyond_ties(g, at_node);
   for (int field = 0; field < g.velocity_fields; ++field)
     for (std::size_t n = 0; n < at_node.size(); ++n) {
       if (at_node[n].walls.empty()) continue;
@@ -33,6 +34,24 @@ Restraints::Restraints(const std::vector<std::pair<std::string, BoundaryOptions>
   for (const RestrainedNode& at : nodes_) changes_.insert(changes_.end(), at.until.begin(), at.until.end());
   std::sort(changes_.begin(), changes_.end());
   changes_.erase(std::unique(changes_.begin(), changes_.end()), changes_.end());
+}
+
+// What holds a node holds those that are one with it, beyond the sides, where no wall may reach. (But not what absorbs waves: that acts on
+// a length of wall.)
+void Restraints::hold_beyond_ties(const GridGeometry& g, std::vector<RestrainedNode>& at_node) const {
+  for (const TiedSides::Ring& ring : tied_.rings())
+    for (const std::uint32_t from : ring.nodes)
+      for (const std::uint32_t to : ring.nodes) {
+        if (from == to || from >= g.field_nodes() || to >= g.field_nodes()) continue;
+        const RestrainedNode& one = at_node[from];
+        RestrainedNode& other = at_node[to];
+        for (std::size_t w = 0; w < one.walls.size(); ++w) {
+          const Type type = walls_[one.walls[w]].type;
+          if (type == Type::tied || type == Type::absorbing || std::count(other.walls.begin(), other.walls.end(), one.walls[w]) > 0) continue;
+          other.walls.push_back(one.walls[w]);
+          other.until.push_back(one.until[w]);
+        }
+      }
 }
 
 void Restraints::apply(double time, double dt, GridState& g, std::vector<Reaction>& reactions, std::span<Impulse> of_walls) {
@@ -222,11 +241,12 @@ double Restraints::next_change(double time) const {
   return it == changes_.end() ? std::numeric_limits<double>::infinity() : *it;
 }
 
-std::vector<std::uint8_t> Restraints::wall_sides(double time, const Grid& grid) const {
+std::vector<std::uint8_t> Restraints::wall_sides(double time, const Grid& grid, bool tied) const {
   std::vector<std::uint8_t> sides(grid.node_count(), wall_none);
   for (const RestrainedNode& at : nodes_)
     for (std::size_t w = 0; w < at.walls.size(); ++w)
-      if (time < at.until[w]) sides[at.node] = std::uint8_t(sides[at.node] | walls_[at.walls[w]].side);
+      if (const Wall& wall = walls_[at.walls[w]]; time < at.until[w] && (tied || wall.type != Type::tied))
+        sides[at.node] = std::uint8_t(sides[at.node] | wall.side);
   return sides;
 }
 

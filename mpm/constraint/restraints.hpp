@@ -43,8 +43,8 @@ class Restraints {
   void apply_to_strain_velocity(double time, GridState& g, bool equilibrium = false) const;
   /// The first time after `time` at which a restraint goes.
   double next_change(double time) const;
-  /// Behind which walls nothing is, for every node of the grid (WallSide).
-  std::vector<std::uint8_t> wall_sides(double time, const Grid& grid) const;
+  /// Behind which walls nothing is, for every node of the grid (WallSide); `tied`: behind tied sides, too.
+  std::vector<std::uint8_t> wall_sides(double time, const Grid& grid, bool tied) const;
   bool any_absorbing() const;
   const TiedSides& tied() const { return tied_; }
   const std::vector<Wall>& walls() const { return walls_; }
@@ -59,6 +59,7 @@ class Restraints {
     Vec2 pressed = Vec2::Zero();  // press(), over the node's mass
     Mat2 mobility = Mat2::Identity();
   };
+  void hold_beyond_ties(const GridGeometry& g, std::vector<RestrainedNode>& at_node) const;
   Mat2 mobility_of(const RestrainedNode& at, double time, const Vec2& free, bool equilibrium) const;
   void add_impulse(const RestrainedNode& at, double time, const Vec2& impulse, std::span<Impulse> of_walls) const;
   Vec2 given_velocity(const RestrainedNode& at, double time, bool equilibrium) const;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "pivnp/core/error.hpp"
 
@@ -23,34 +24,72 @@ void TiedSides::tie(const Wall& first, const Wall& second, const GridGeometry& g
     for (std::size_t field = 0; field < std::size_t(g.velocity_fields); ++field) {
       const auto from = std::uint32_t(field * g.field_nodes());
       ties_.push_back({{from + n, from + std::uint32_t(opposite)}, first.until});
+      tie_rings(ties_.back(), std::abs(apart.x()) > 0.5 ? 1 : g.grid.nx, std::ptrdiff_t(std::lround(apart.cwiseAbs().maxCoeff())), g.centred);
     }
   }
 }
 
+// Along the line through both nodes those that lie whole periods apart are one.
+void TiedSides::tie_rings(const Tie& tie, std::ptrdiff_t next, std::ptrdiff_t period, bool beyond) {
+  const std::uint32_t low = std::min(tie.node[0], tie.node[1]);
+  const std::ptrdiff_t reach = beyond ? 1 : 0;
+  for (std::ptrdiff_t from = -reach; from < period - reach; ++from) {
+    Ring ring{{}, tie.until};
+    for (std::ptrdiff_t at = from; at <= period + reach; at += period) ring.nodes.push_back(std::uint32_t(low + at * next));
+    if (ring.nodes.size() > 1) rings_.push_back(std::move(ring));
+  }
+}
+
+namespace {
+
+struct Common {
+  double mass = 0, x = 0, y = 0;  // momentum, then velocity
+};
+
+// Of the nodes of a ring that have mass.
+template <class Velocity>
+Common common_of(const std::vector<std::uint32_t>& nodes, const GridState& g, Velocity&& velocity) {
+  Common all;
+  for (const std::uint32_t n : nodes) {
+    const double mass = g.node[n].mass;
+    if (!(mass > 0)) continue;
+    const auto [x, y] = velocity(n);
+    all.mass += mass;
+    all.x += mass * x;
+    all.y += mass * y;
+  }
+  if (all.mass > 0) all.x /= all.mass, all.y /= all.mass;
+  return all;
+}
+
+}  // namespace
+
 void TiedSides::apply(double time, GridState& g, std::vector<Reaction>& reactions) const {
-  for (const Tie& tie : ties_) {
-    Node &a = g.node[tie.node[0]], &b = g.node[tie.node[1]];
-    if (time >= tie.until || !(a.mass > 0 && b.mass > 0)) continue;
-    const double mass = a.mass + b.mass, reduced = a.mass * b.mass / mass;
-    const Vec2 impulse = reduced * Vec2(b.nx - a.nx, b.ny - a.ny);
-    reactions.push_back({tie.node[0], impulse.x(), impulse.y(), 0, 0});
-    reactions.push_back({tie.node[1], -impulse.x(), -impulse.y(), 0, 0});
-    a.nx = b.nx = (a.mass * a.nx + b.mass * b.nx) / mass;
-    a.ny = b.ny = (a.mass * a.ny + b.mass * b.ny) / mass;
-    a.hold();
-    b.hold();
+  for (const Ring& ring : rings_) {
+    if (time >= ring.until) continue;
+    const Common all = common_of(ring.nodes, g, [&](std::uint32_t n) { return std::pair{g.node[n].nx, g.node[n].ny}; });
+    const Common was = common_of(ring.nodes, g, [&](std::uint32_t n) { return std::pair{g.node[n].vx, g.node[n].vy}; });
+    for (const std::uint32_t n : ring.nodes) {
+      Node& node = g.node[n];
+      if (node.mass > 0) node.vx = was.x, node.vy = was.y;
+      if (!(node.mass > 0) || !(node.mass < all.mass)) continue;
+      reactions.push_back({n, node.mass * (all.x - node.nx), node.mass * (all.y - node.ny), 0, 0});
+      node.nx = all.x;
+      node.ny = all.y;
+      node.hold();
+    }
   }
 }
 
 void TiedSides::apply_to_strain_velocity(double time, GridState& g, bool equilibrium) const {
-  for (const Tie& tie : ties_) {
-    const Node &a = g.node[tie.node[0]], &b = g.node[tie.node[1]];
-    if (time >= tie.until || !(a.mass > 0 && b.mass > 0)) continue;
-    const double mass = a.mass + b.mass;
-    const GridState::StrainVelocity u = g.strain_velocity(tie.node[0]), w = g.strain_velocity(tie.node[1]);
-    const double x = (a.mass * u.x + b.mass * w.x) / mass, y = (a.mass * u.y + b.mass * w.y) / mass;
-    if (equilibrium || g.has_own_strain_velocity(tie.node[0])) u.x = x, u.y = y;
-    if (equilibrium || g.has_own_strain_velocity(tie.node[1])) w.x = x, w.y = y;
+  for (const Ring& ring : rings_) {
+    if (time >= ring.until) continue;
+    const Common all = common_of(ring.nodes, g, [&](std::uint32_t n) { return std::pair{g.strain_velocity(n).x, g.strain_velocity(n).y}; });
+    for (const std::uint32_t n : ring.nodes) {
+      if (!(g.node[n].mass > 0) || !(g.node[n].mass < all.mass) || !(equilibrium || g.has_own_strain_velocity(n))) continue;
+      const GridState::StrainVelocity u = g.strain_velocity(n);
+      u.x = all.x, u.y = all.y;
+    }
   }
 }
 

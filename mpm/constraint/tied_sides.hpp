@@ -2,9 +2,11 @@
 //
 // A node and the one opposite move with their common momentum: layers between two such sides shear without bending, as in
 // a laminar box (tied degrees of freedom: Zienkiewicz, Bicanic & Shen 1988); material that leaves by one comes in by the
-// other. A state that is the same all along the slope is then exact, whatever the sides' distance.
+// other. A state that is the same all along the slope is then exact, whatever the sides' distance. Three-node shapes reach a node
+// beyond each side, which is one with the node that lies as far inside the opposite one.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -27,18 +29,28 @@ class TiedSides {
   /// Points that have passed a side come in by the opposite one; Particles::carried holds by how much.
   void carry_over(double time, Particles& p) const;
 
+  /// On the sides.
   struct Tie {
     std::uint32_t node[2];
     double until;
   };
   const std::vector<Tie>& ties() const { return ties_; }
+  /// Nodes that are one: those on the sides, and those beyond with those inside.
+  struct Ring {
+    std::vector<std::uint32_t> nodes;
+    double until;
+  };
+  const std::vector<Ring>& rings() const { return rings_; }
 
  private:
+  void tie_rings(const Tie& tie, std::ptrdiff_t next, std::ptrdiff_t period, bool beyond);
+
   struct Seam {
     Vec2 from, across;
     double until;
   };
   std::vector<Tie> ties_;
+  std::vector<Ring> rings_;
   std::vector<Seam> seams_;
 };
 

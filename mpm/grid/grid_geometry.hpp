@@ -34,6 +34,7 @@ class GridGeometry {
   const Grid grid;  // all fields; only the first one's nodes are where this says (position())
   const double per_hx, per_hy;
   std::vector<std::uint8_t> walls;  // WallSide, of every node of the grid
+  std::vector<std::uint8_t> sides;  // likewise, and tied sides: shapes go on through these
 
   std::size_t field_nodes() const { return std::size_t(field_rows) * std::size_t(grid.nx); }
   /// Where a node is.

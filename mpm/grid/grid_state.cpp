@@ -35,8 +35,9 @@ void GridState::follow(const Particles& p, const std::vector<Move>& moves) {
   list_active();
 }
 
-void GridState::set_walls(const std::vector<std::uint8_t>& of_nodes) {
-  walls = of_nodes;
+void GridState::set_walls(std::vector<std::uint8_t> of_nodes, std::vector<std::uint8_t> with_ties) {
+  walls = std::move(of_nodes);
+  sides = std::move(with_ties);
   mark_cells();
 }
 

@@ -44,8 +44,8 @@ class GridState : public GridGeometry {
   void rebuild(const Particles& particles);
   /// The same, where only these points (their places ascending) have another cell than before.
   void follow(const Particles& particles, const std::vector<Move>& moves);
-  /// Walls beside the nodes from here on (Restraints::wall_sides()).
-  void set_walls(const std::vector<std::uint8_t>& walls);
+  /// Walls beside the nodes from here on, and those with tied sides (Restraints::wall_sides()).
+  void set_walls(std::vector<std::uint8_t> of_nodes, std::vector<std::uint8_t> with_ties);
   /// Which blocks sleep from here on; empty: none.
   void set_asleep(const std::vector<std::uint8_t>& blocks);
 

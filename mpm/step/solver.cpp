@@ -68,7 +68,7 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
   sleep.start(p, g);
   g.rebuild(p);
   p.sort_as(g.cells.order, 1);
-  g.set_walls(restraints.wall_sides(0, g.grid));
+  set_walls(0);
   fill_pores();
   start_heat();
   take_wave_speed(1);
@@ -95,6 +95,8 @@ double Solver::Impl::longest_step() const {
                                 : mpm::stable_step(courant(), g.grid.spacing.minCoeff(), state.wave_speed, fastest);
   return heat ? std::min(of_waves, courant() * heat->longest_step(g)) : of_waves;
 }
+
+void Solver::Impl::set_walls(double time) { g.set_walls(restraints.wall_sides(time, g.grid, false), restraints.wall_sides(time, g.grid, true)); }
 
 double Solver::Impl::next_change(double time) const {
   return std::min({restraints.next_change(time), bodies.next_change(time), loading.next_change(time)});
@@ -172,7 +174,7 @@ void Solver::advance_to(double time, Progress& progress) {
     s.state.time = stop - s.state.time <= longest ? stop : s.state.time + dt;
     if (s.forces_jump(s.state.time)) s.catch_up();
     if (s.state.time == s.next_change(before)) s.sleep.wake_all();
-    if (s.state.time == s.restraints.next_change(before)) s.g.set_walls(s.restraints.wall_sides(s.state.time, s.g.grid));
+    if (s.state.time == s.restraints.next_change(before)) s.set_walls(s.state.time);
     if (s.observer) s.observer(dt, [&s](const Vec2& x) { return velocity_at(s.g, x); });
     if (s.state.steps < check_every && s.state.steps % check_early == 0) s.check_balance();
     if (s.state.steps % check_every == 0) {
@@ -276,7 +278,7 @@ void Solver::load(const std::vector<std::byte>& checkpoint) {
   from_bytes(checkpoint, impl_->state);
   impl_->restore_ends(ended);
   impl_->g.rebuild(impl_->p);
-  impl_->g.set_walls(impl_->restraints.wall_sides(impl_->state.time, impl_->g.grid));
+  impl_->set_walls(impl_->state.time);
   impl_->bodies.set_motion(impl_->state.body_motion);
   impl_->change_densities(impl_->state.time, false);
   impl_->change_strength(impl_->state.time);

@@ -52,6 +52,7 @@ struct Solver::Impl {
   bool steps_by_arrangement() const;
   double courant() const;
   double longest_step() const;
+  void set_walls(double time);
   double next_change(double time) const;
   double least_density() const { return *std::min_element(density.begin(), density.end()); }
 

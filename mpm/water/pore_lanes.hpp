@@ -23,6 +23,7 @@ struct PoreView {
   double outside, level;            // weight of the water outside, N/m^3, and its height; 0: none
   bool projected = false;
   const double* swelling = nullptr;  // adds to the volume of the water (heat); null: none
+  bool smooths_flow = false;  // the next flow smooths what flows as it smooths strain (heat)
   bool tears = false;  // water bears no tension: where it does not fill the pores, its pressure is zero
 };
 

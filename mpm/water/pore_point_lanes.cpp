@@ -145,6 +145,7 @@ double change_run(double rate, const PointView& p, const PoreView& w, const Cell
     }
     lost = lost - v0 * more * (mean - head);
     keep(p, w, t, holds, mobility, J, hn::IfThenElse(holds, after, content), pressure);
+    if (w.smooths_flow) t.store(J + hn::IfThenElseZero(holds, more), w.J_flow);
   });
   return sum_of(lost);
 }

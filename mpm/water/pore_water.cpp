@@ -184,7 +184,7 @@ PoreView PoreWater::view(const Particles& p, const Vec2& gravity) const {
   const auto at = [](const Array& values) { return values.empty() ? nullptr : const_cast<double*>(values.data()); };
   const double density = options_.density_kg_m3;
   return {at(p.pressure), at(p.content), at(p.J_flow), at(p.mobility), at(p.solid), alike_.mobility, alike_.solid,
-          options_.bulk_modulus_pa, density * gravity.x(), density * gravity.y(), -density * gravity.dot(reference_), p.outside, p.level, projected(), p.swelling.empty() ? nullptr : p.swelling.data(), tears()};
+          options_.bulk_modulus_pa, density * gravity.x(), density * gravity.y(), -density * gravity.dot(reference_), p.outside, p.level, projected(), p.swelling.empty() ? nullptr : p.swelling.data(), !p.swelling.empty() && !projected(), tears()};
 }
 
 double PoreWater::porosity(const Particles& p, std::size_t k) const {
@@ -257,6 +257,7 @@ double PoreWater::swell(Particles& p, std::size_t k, double by) const {
   if (!flows(p, k)) return 0;
   const double before = stored(p, k, Vec2::Zero()), pressure = p.pressure[k];
   p.swelling[k] += by;
+  if (!projected()) p.J_flow[k] += by;  // the next flow smooths it as it smooths strain
   p.pressure[k] = tears() ? pressure_of(p, k, true) : pressure + options_.bulk_modulus_pa / pores_of(p, k, soil_of(p, k)) * by;
   return stored(p, k, Vec2::Zero()) - before;
 }

@@ -351,7 +351,7 @@ template <class Holds>
 bool PoreWater::at_surface(const GridState& g, std::size_t n, double volume, double time, Holds&& holds) const {
   const auto row = std::size_t(g.grid.nx);
   const int i = int(n % row), j = int(n % g.field_nodes() / row);
-  const std::uint8_t walls = g.walls[n];
+  const std::uint8_t walls = g.sides[n];
   const auto sealed = [&](std::size_t element) {
     for (int field = 0; g.velocity_fields > 1 && field < g.velocity_fields; ++field)
       if (holds(element % g.field_nodes() + std::size_t(field) * g.field_nodes())) return true;

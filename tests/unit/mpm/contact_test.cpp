@@ -201,7 +201,7 @@ TEST(Contact, WallsHoldAgainstIt) {
     GridState g(s.grid, scheme.shape, contacts.velocity_fields());
     Restraints walls(s.boundaries, g, Vec2(0.2, 0.15), {});
     SolverState state = initial_state(s, scheme, g, materials_of(s), contacts);
-    g.set_walls(walls.wall_sides(0, g.grid));
+    g.set_walls(walls.wall_sides(0, g.grid, false), walls.wall_sides(0, g.grid, true));
     locate_all(state.particles, g);
     map_momentum(state.particles, g, scheme, false, 1);
     Random random(5);

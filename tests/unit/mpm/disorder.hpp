@@ -48,7 +48,7 @@ struct Case {
     std::vector<std::uint8_t> walls(g.grid.node_count(), wall_none);
     if (g.width == 3)
       for (int j = 0; j < g.grid.ny; ++j) walls[g.grid.node(1, j)] = wall_left;
-    g.set_walls(walls);
+    g.set_walls(walls, walls);
   }
 };
 

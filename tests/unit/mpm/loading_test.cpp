@@ -174,7 +174,7 @@ TEST(Loading, AGateLetsGoNodeByNode) {
   const Restraints restraints({{"gate", gate}}, g, Vec2(0.05, 0.1), [](const Vec2&) { return std::array<double, 2>{}; });
   // Its foot is at 2 (t - 0.05): nodes below it, and a little more, are free.
   for (const double t : {0.04, 0.08, 0.1, 0.12, 0.2}) {
-    const auto walls = restraints.wall_sides(t, grid);
+    const auto walls = restraints.wall_sides(t, grid, true);
     for (int j = 0; j <= 20; ++j) {
       const double foot = 2 * (t - 0.05), y = 0.01 * j;
       if (y < foot - 0.002) {
