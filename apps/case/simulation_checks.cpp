@@ -6,6 +6,7 @@
 
 #include "apps/case/refusals.hpp"
 #include "mpm/material/model.hpp"
+#include "mpm/water/pore_soil.hpp"
 
 namespace pivnp::app {
 
@@ -88,6 +89,7 @@ class SimulationChecker : Refusals {
     bool any = false;
     for (const auto& [name, m] : materials) {
       if (!c_.water) without_water(table + name + ".porosity", m.porosity.has_value());
+      else if (const std::string fault = mpm::fault_of_grains(m, *c_.water); !fault.empty()) refuse(table + name + ".grain_density_kg_m3", fault);
       any |= m.porosity.has_value();
     }
     return any;

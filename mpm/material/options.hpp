@@ -126,7 +126,7 @@ struct MaterialOptions {
     visit("friction_flow_deg", self.friction_flow_deg, OptionInfo{.unit = "deg", .text = "friction angle in rapid flow, friction_deg being that at rest", .min = 0, .max = 89});
     visit("inertial_number", self.inertial_number, OptionInfo{.text = "I0 at which friction is half-way", .min = 0, .above_min = true});
     visit("grain_diameter_m", self.grain_diameter_m, OptionInfo{.unit = "m", .text = "mean grain diameter", .min = 0});
-    visit("grain_density_kg_m3", self.grain_density_kg_m3, OptionInfo{.unit = "kg/m^3", .text = "density of the grains, which with porosity gives the density", .min = 0, .above_min = true});
+    visit("grain_density_kg_m3", self.grain_density_kg_m3, OptionInfo{.unit = "kg/m^3", .text = "density of the grains, more than that of the water, which with porosity gives the density", .min = 0, .above_min = true});
     visit("bulk_pa", self.bulk_pa, OptionInfo{.unit = "Pa", .text = "bulk modulus; sqrt(bulk_pa/density) may be as little as ten times the greatest speed instead of that of sound", .min = 0});
     visit("density_end_kg_m3", self.density_end_kg_m3, OptionInfo{.unit = "kg/m^3", .text = "density to which it rises or falls in time (left out: constant)", .min = 0, .above_min = true});
     visit("density_from_s", self.density_from_s, OptionInfo{.unit = "s", .text = "start of that change", .min = 0});
@@ -136,7 +136,7 @@ struct MaterialOptions {
     visit("reduction_until_s", self.reduction_until_s, OptionInfo{.unit = "s", .text = "its end; linear between (left out: at once)", .min = 0});
     visit("reduction_of", self.reduction_of, OptionInfo{.text = "strength: all that reduction_factor divides; cohesion: that alone, peak and residual"});
     visit("removed_s", self.removed_s, OptionInfo{.unit = "s", .text = "time at which it is removed, as in an excavation; one region per stage (left out: it stays)", .min = 0, .above_min = true});
-    visit("porosity", self.porosity, OptionInfo{.text = "volume of the pores over total volume; [water] fills them (left out: no water in this material)", .min = 0, .max = 1, .above_min = true});
+    visit("porosity", self.porosity, OptionInfo{.text = "volume of the pores over total volume, less than 1; [water] fills them (left out: no water in this material)", .min = 0, .above_min = true});
     visit("permeability_m_s", self.permeability_m_s, OptionInfo{.unit = "m/s", .text = "hydraulic conductivity K of Darcy's law, as a laboratory measures it at 9.81 m/s^2", .min = 0});
     visit("permeability", self.permeability, OptionInfo{.text = "constant: permeability_m_s; kozeny_carman: permeability_m_s at the start, and in proportion to n^3/(1 - n)^2 as the porosity n changes"});
     visit("drained", self.drained, OptionInfo{.text = "its water always has the hydrostatic pressure of water.level_m (zero without a level)"});

@@ -33,6 +33,9 @@ struct PoreSoil {
   double dry_density() const { return (1 - porosity) * grain_density; }
 };
 
+/// What is wrong with the density of the grains beside that of the water; empty: nothing.
+std::string fault_of_grains(const MaterialOptions& m, const WaterOptions& water);
+
 /// Of materials that check_material() accepts. Throws InputError naming material.<name>.<key> where [water] lacks.
 PoreSoil pore_soil(const MaterialOptions& material, const std::string& name, const WaterOptions* water);
 /// The material as a dry law sees it, with the density of grains and water together.

@@ -165,7 +165,9 @@ class PoreWater {
   const PoreSoil& soil(std::size_t material) const { return soils_[material]; }
 
  private:
-  const PoreSoil& soil_of(const Particles& p, std::size_t k) const { return soils_[std::size_t(set_->label[p.index[k]])]; }
+  const PoreSoil& soil_of(const Particles& p, std::size_t k) const {
+    return soils_.size() == 1 ? soils_.front() : soils_[std::size_t(set_->label[p.index[k]])];
+  }
   bool flows(const Particles& p, std::size_t k) const { return (p.content[k] > 0 || !front_.empty()) && soil_of(p, k).holds_water(); }
   double outside_pressure(const Vec2& x, const Vec2& gravity) const;
   double pressure_of(const Particles& p, std::size_t k, bool tears) const;
