@@ -23,7 +23,7 @@ Restraints::Restraints(const std::vector<std::pair<std::string, BoundaryOptions>
       tied_.tie(walls_[w], walls_[w + 1], g);
       ++w;
     }
-  if (g.centred) hold_beyond_ties(g, at_node);
+  if (g.centred) hold_beyond_ties(at_node);
   for (int field = 0; field < g.velocity_fields; ++field)
     for (std::size_t n = 0; n < at_node.size(); ++n) {
       if (at_node[n].walls.empty()) continue;
@@ -38,11 +38,11 @@ Restraints::Restraints(const std::vector<std::pair<std::string, BoundaryOptions>
 
 // What holds a node holds those that are one with it, beyond the sides, where no wall may reach. (But not what absorbs waves: that acts on
 // a length of wall.)
-void Restraints::hold_beyond_ties(const GridGeometry& g, std::vector<RestrainedNode>& at_node) const {
+void Restraints::hold_beyond_ties(std::vector<RestrainedNode>& at_node) const {
   for (const TiedSides::Ring& ring : tied_.rings())
     for (const std::uint32_t from : ring.nodes)
       for (const std::uint32_t to : ring.nodes) {
-        if (from == to || from >= g.field_nodes() || to >= g.field_nodes()) continue;
+        if (from == to || from >= at_node.size() || to >= at_node.size()) continue;
         const RestrainedNode& one = at_node[from];
         RestrainedNode& other = at_node[to];
         for (std::size_t w = 0; w < one.walls.size(); ++w) {

@@ -59,7 +59,7 @@ class Restraints {
     Vec2 pressed = Vec2::Zero();  // press(), over the node's mass
     Mat2 mobility = Mat2::Identity();
   };
-  void hold_beyond_ties(const GridGeometry& g, std::vector<RestrainedNode>& at_node) const;
+  void hold_beyond_ties(std::vector<RestrainedNode>& at_node) const;
   Mat2 mobility_of(const RestrainedNode& at, double time, const Vec2& free, bool equilibrium) const;
   void add_impulse(const RestrainedNode& at, double time, const Vec2& impulse, std::span<Impulse> of_walls) const;
   Vec2 given_velocity(const RestrainedNode& at, double time, bool equilibrium) const;
