@@ -1,4 +1,4 @@
-// What APIC takes out of a wave in each step (docs/theory/mpm.md, "What APIC takes out").
+// What APIC takes out of a wave in each step (docs/theory/mpm.md).
 #include <gtest/gtest.h>
 
 #include <cmath>
