@@ -78,9 +78,6 @@ void check_exclusive(const MaterialOptions& options, const MaterialModel& model)
     for (const MaterialKey& key : other.keys)
       if (key.exclusive || key.own) refuse_for(key.name, [&](const MaterialModel& m) { return takes(m, key.name); });
   refuse_for("reduction_factor", [](const MaterialModel& m) { return m.reduce != nullptr; });
-  for (const std::string_view key : {"young_pa", "poisson"})
-    if (!model.elastic_keys && !takes(model, key) && look_up(options, key).given)
-      throw MaterialFault(key, "given with model \"" + options.model + "\", expected none: its stiffness is that of its other keys");
 }
 
 const std::vector<MaterialKey>& keys_of_all() {
@@ -116,7 +113,7 @@ void check_pores(const MaterialOptions& o) {
     if (o.wetting_collapse != 0) throw MaterialFault("wetting_collapse", "given without porosity, expected both or neither");
     return;
   }
-  require(*o.porosity < 1, "porosity", *o.porosity, "more than 0 and less than 1");
+  require(*o.porosity > 0 && *o.porosity < 1, "porosity", *o.porosity, "more than 0 and less than 1");
   if (o.density_kg_m3 != 0) refuse("density_kg_m3", o.density_kg_m3, "none beside porosity: the density follows from grain_density_kg_m3 and the water");
   if (o.density_end_kg_m3) refuse("density_end_kg_m3", *o.density_end_kg_m3, "none beside porosity");
   if (o.drained && o.wetting_collapse != 0) throw MaterialFault("wetting_collapse", "given beside drained = true, expected one of them");
@@ -210,6 +207,9 @@ void check_material(const MaterialOptions& o) {
   if (model->elastic_keys)
     for (const MaterialKey& key : {MaterialKey{"young_pa", true}, MaterialKey{"poisson"}}) check_key(o, key);
   for (const MaterialKey& key : model->keys) check_key(o, key);
+  for (const std::string_view key : {"young_pa", "poisson"})
+    if (!model->elastic_keys && !takes(*model, key) && look_up(o, key).given)
+      throw MaterialFault(key, "given with model \"" + o.model + "\", expected none: its stiffness is that of its other keys");
   if (model->check) model->check(o);
   check_times(o);
 }

@@ -38,13 +38,14 @@ Left after_two_periods(double courant, TransferKind transfer) {
   return {(end.kinetic + end.elastic) / (start.kinetic + start.elastic), double(solver.steps())};
 }
 
+// In steps as short as these what the steps themselves change of the shown energy is small beside it (FLIP has that alone).
 TEST(ApicLoss, IsThatOfItsFilterInEachStep) {
   const double q = 2 * M_PI / 20, per_step = std::pow(q, 4) / 40;
-  for (const double courant : {0.2, 0.05}) {
+  for (const double courant : {0.1, 0.05}) {
     const Left left = after_two_periods(courant, TransferKind::apic);
     EXPECT_NEAR(-std::log(left.share) / left.steps / per_step, 1, 0.1) << courant;
   }
-  EXPECT_NEAR(after_two_periods(0.2, TransferKind::flip).share, 1, 0.01);
+  EXPECT_NEAR(after_two_periods(0.05, TransferKind::flip).share, 1, 0.02);
 }
 
 }  // namespace
