@@ -52,7 +52,10 @@ int main(int argc, char** argv) {
     else if (word == "--reuse") reuse = true;
     else if (word == "--scene" && k + 1 < argc) only = argv[++k];
     else if (word == "--verbose") verbose = true;
-    else folder = word;
+    else if (word.starts_with("-")) {
+      std::fprintf(stderr, "usage: verdict_table [FOLDER] [--looks N] [--from K] [--scene NAME] [--twins] [--reuse] [--verbose]\n");
+      return word == "--help" || word == "-h" ? 0 : 2;
+    } else folder = word;
   }
   SilentProgress progress;
   Bench bench(folder, progress, reuse);
