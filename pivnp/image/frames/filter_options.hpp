@@ -43,7 +43,8 @@ struct FilterOptions {
             .text =
                 "what is subtracted of every frame: mean, minimum or median over the sequence, pixel by pixel (texture "
                 "that does not move goes with it), or pattern, the texture of the median where the "
-                "picture moves on (dirt, scratches, reflections on the glass)"});
+                "picture moves on (dirt, scratches, reflections on the glass; a case without [preprocess] has it taken "
+                "out where it is seen)"});
     visit(
         "background_frames", self.background_frames,
         OptionInfo{

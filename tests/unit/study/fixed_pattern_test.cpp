@@ -3,12 +3,14 @@
 //   out, paths are at most a fifth as wrong; of material at rest nothing is taken out.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
 #include "apps/study/methods/frames/filters.hpp"
 #include "apps/study/methods/frames/fixed_pattern.hpp"
 #include "apps/study/pipeline/measure/measure.hpp"
+#include "pivnp/core/progress.hpp"
 #include "tests/support/drawn_source.hpp"
 #include "tests/support/piv_sequence.hpp"
 
@@ -104,6 +106,59 @@ TEST(FixedPattern, MaterialAtRestIsNone) {
   for (int r = 0; r < side; ++r)
     for (int c = 0; c < side; ++c) most = std::max(most, std::abs(pattern.view().row<float>(r)[c]));
   EXPECT_EQ(most, 0.0f);
+}
+
+// As a run without [preprocess] measures.
+Setting unasked(const piv::Sequence& s, std::vector<std::string>* said = nullptr) {
+  Setting setting = make_setting(scene(), side, side);
+  Drawn source(s);
+  SilentProgress none;
+  const auto words = set_filter(scene(), source, 1, none, setting);
+  if (said) *said = words;
+  return setting;
+}
+
+TEST(FixedPattern, IsTakenOutUnasked) {
+  const piv::Sequence dirty = behind_dirt(1.4, 1, 12);
+  std::vector<std::string> said;
+  const Setting own = unasked(dirty, &said);
+  ASSERT_EQ(said.size(), 1u);
+  EXPECT_THAT(said.front(), HasSubstr("was taken out"));
+  EXPECT_LT(path_error(dirty, own), path_error(dirty, filtered(dirty, image::Background::none)) / 5);
+  EXPECT_THAT(remarks(dirty, own), IsEmpty());
+}
+
+TEST(FixedPattern, WithoutOneFramesStayAsTheyAre) {
+  EXPECT_EQ(unasked(behind_dirt(1.4, 0, 12)).filter, nullptr);
+  EXPECT_EQ(unasked(behind_dirt(0, 0, 12)).filter, nullptr);
+  EXPECT_EQ(unasked(behind_dirt(1.4, 1, 6)).filter, nullptr);  // too few for a median
+}
+
+// Left of column 96 material is at rest, from 160 on it moves on: its texture must not be taken for a pattern beside one that is.
+TEST(FixedPattern, MaterialAtRestStaysBesideOne) {
+  const auto share = [](double x) { return std::clamp((x - 96) / 64, 0.0, 1.0); };
+  piv::Sequence s = behind_dirt(0, 1.5, 16);
+  s.place = [=](const Vec2& from, int k) { return Vec2(from.x(), from.y() + 1.6 * k * share(from.x())); };
+  std::vector<std::string> said;
+  const Setting own = unasked(s, &said);
+  ASSERT_EQ(said.size(), 1u);
+  Drawn source(s);
+  const Image as_is = source.read(0), freed = prepared(own, source.read(0));
+  double still = 0, moving = 0;
+  const double level = [&] {  // the filter keeps the mean of what it takes off
+    double sum = 0;
+    for (int r = 40; r < 216; ++r) sum += double(freed.view().row<std::uint8_t>(r)[20]) - double(as_is.view().row<std::uint8_t>(r)[20]);
+    return sum / 176;
+  }();
+  for (int r = 40; r < 216; ++r)
+    for (int c = 20; c < 60; ++c) {
+      const auto changed = [&](int at) {
+        return std::abs(double(freed.view().row<std::uint8_t>(r)[at]) - double(as_is.view().row<std::uint8_t>(r)[at]) - level);
+      };
+      still = std::max(still, changed(c)), moving = std::max(moving, changed(side - c));
+    }
+  EXPECT_LE(still, 1.5);
+  EXPECT_GT(moving, 10);
 }
 
 }  // namespace fixed_pattern_tests

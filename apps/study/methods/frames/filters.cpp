@@ -351,7 +351,14 @@ std::vector<std::string> words_of(const FilterTrials& trials) {
 std::vector<std::string> set_filter(const Case& c, image::FrameSource& source, int threads, Progress& progress,
                                     Setting& setting) {
   setting.filter.reset();
-  if (!c.preprocess) return {};
+  if (!c.preprocess) {
+    PatternFound found = pattern_unasked(c, setting, source, threads, progress);
+    if (found.grey.empty()) return {};
+    FilterOptions options;
+    options.background = Background::pattern;
+    setting.filter = std::make_shared<const image::FrameFilter>(options, std::move(found.grey));
+    return {pattern_words(found.seen) + " It was taken out before the frames were correlated (preprocess.background = \"none\" leaves it in)."};
+  }
   FilterOptions options = *c.preprocess;
   std::vector<std::string> words;
   if (options.choose) {

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <utility>
 
+#include "apps/study/pipeline/measure/measure.hpp"
+#include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
 #include "pivnp/image/frames/filter.hpp"
 
@@ -79,18 +82,20 @@ Image pattern_on_glass(image::FrameSource& source, int most) {
   return pattern.image();
 }
 
-StillPicture fixed_texture(const Setting& setting, image::FrameSource& source, const std::function<VectorField(std::size_t)>& pair) {
-  constexpr double grain = 6;             // px, a generous one
-  constexpr std::size_t most_pairs = 16;  // whose vectors stand for all
-  constexpr int most_looks = 4;
-  const int frames = int(source.frames().size()), steps = frames - 1;
-  StillPicture out;
-  if (!setting.cameras.empty() || steps < 2) return out;
-  const std::size_t read = std::min<std::size_t>(most_pairs, std::size_t(steps));
+namespace {
+
+constexpr double grain_px = 6;  // a generous one
+// The median of frames between which material has moved by less is, for a good part, that material.
+constexpr double clear_of_itself_px = 8;
+constexpr int least_frames = 8, pairs_looked_at = 6;
+constexpr double nothing_stands_still = .01;  // correlation of frames as they stand
+
+// What a node's material has moved over the whole sequence, px, from `read` of its pairs; no number where less than half of them are valid.
+std::vector<double> path_lengths(const Setting& setting, std::size_t steps, std::size_t read, const std::function<VectorField(std::size_t)>& pair) {
   std::vector<Vec2> path(setting.grid.node_count(), Vec2(0, 0));
   std::vector<std::size_t> valid(path.size(), 0);
   for (std::size_t n = 0; n < read; ++n) {
-    const VectorField field = pair(n * std::size_t(steps) / read);
+    const VectorField field = pair(n * steps / read);
     for (std::size_t k = 0; k < path.size(); ++k) {
       if (field.status[k] != VectorStatus::valid) continue;
       path[k] += Vec2(double(field.displacement[k][0]), double(field.displacement[k][1]));
@@ -98,18 +103,32 @@ StillPicture fixed_texture(const Setting& setting, image::FrameSource& source, c
     }
   }
   const double pixel = setting.grid.spacing.x() / node_spacing_px(setting);
+  std::vector<double> out(path.size(), NAN);
+  for (std::size_t k = 0; k < path.size(); ++k)
+    if (valid[k] >= (read + 1) / 2) out[k] = path[k].norm() / pixel * double(steps) / double(read);
+  return out;
+}
+
+std::vector<Vec2> places_of(const Setting& setting, const std::vector<double>& lengths, double least) {
+  std::vector<Vec2> out;
+  for (std::size_t k = 0; k < lengths.size(); ++k)
+    if (lengths[k] >= least)
+      out.push_back(setting.camera.to_pixel(setting.grid.position(int(k) % setting.grid.nx, int(k) / setting.grid.nx)));
+  return out;
+}
+
+// Up to four pairs of frames, as far apart as the sequence is long, where material has moved on.
+StillPicture far_apart(const Setting& setting, image::FrameSource& source, const std::vector<double>& lengths) {
+  constexpr int most_looks = 4;
+  const int steps = int(source.frames().size()) - 1;
+  StillPicture out;
   double correlation = 0, error = 0;
   int looks = 0;
   for (int late = 0; late < most_looks && 3 * late < steps; ++late) {
     const double share = double(steps - late) / steps;
-    std::vector<Vec2> moved;
-    for (std::size_t k = 0; k < path.size(); ++k) {
-      if (valid[k] < (read + 1) / 2) continue;
-      if (share * path[k].norm() * double(steps) / double(read) < grain * pixel) continue;
-      moved.push_back(setting.camera.to_pixel(setting.grid.position(int(k) % setting.grid.nx, int(k) / setting.grid.nx)));
-    }
     const StillPicture look = still_picture(prepared(setting, source.read(late % 2 == 0 ? 0 : late)),
-                                            prepared(setting, source.read(late % 2 == 0 ? steps - late : steps)), moved);
+                                            prepared(setting, source.read(late % 2 == 0 ? steps - late : steps)),
+                                            places_of(setting, lengths, grain_px / share));
     if (look.windows < 16) continue;
     correlation += look.correlation, error += look.error, out.windows += look.windows, ++looks;
   }
@@ -118,12 +137,80 @@ StillPicture fixed_texture(const Setting& setting, image::FrameSource& source, c
   return out;
 }
 
+// 1 where material about has moved on by `clear_of_itself_px`, else 0, without steps that would be texture. A node without
+// vectors is as those about it are: the pattern may be what hides them.
+Plane clear_of_material(const Setting& setting, const Plane& like, const std::vector<double>& lengths) {
+  Plane known(like.width, like.height, like.white), clear = known;
+  for (std::size_t k = 0; k < lengths.size(); ++k) {
+    if (!std::isfinite(lengths[k])) continue;
+    const Vec2 place = setting.camera.to_pixel(setting.grid.position(int(k) % setting.grid.nx, int(k) / setting.grid.nx));
+    const long c = std::lround(place.x()), r = std::lround(place.y());
+    if (c < 0 || r < 0 || c >= like.width || r >= like.height) continue;
+    const std::size_t at = std::size_t(r) * std::size_t(like.width) + std::size_t(c);
+    known.grey[at] = 1;
+    clear.grey[at] = lengths[k] >= clear_of_itself_px ? 1.0f : 0.0f;
+  }
+  const double reach = std::max(window_px, 2 * node_spacing_px(setting));
+  known = blurred(known, reach), clear = blurred(clear, reach);
+  for (std::size_t k = 0; k < clear.grey.size(); ++k)
+    clear.grey[k] = known.grey[k] > 0 ? std::clamp(4 * clear.grey[k] / known.grey[k] - 3, 0.0f, 1.0f) : 0.0f;
+  return clear;
+}
+
+}  // namespace
+
+StillPicture fixed_texture(const Setting& setting, image::FrameSource& source, const std::function<VectorField(std::size_t)>& pair) {
+  constexpr std::size_t most_pairs = 16;  // whose vectors stand for all
+  const std::size_t steps = source.frames().size() - 1;
+  if (!setting.cameras.empty() || steps < 2) return {};
+  return far_apart(setting, source, path_lengths(setting, steps, std::min(most_pairs, steps), pair));
+}
+
+PatternFound pattern_unasked(const Case& c, const Setting& setting, image::FrameSource& source, int threads, Progress& progress) {
+  const int frames = int(source.frames().size());
+  if (!setting.cameras.empty() || frames < least_frames) return {};
+  const StillPicture whole = still_picture(prepared(setting, source.read(0)), prepared(setting, source.read(frames - 1)),
+                                           places_of(setting, std::vector<double>(setting.grid.node_count(), 0.0), 0));
+  if (whole.correlation < nothing_stands_still) return {};
+  Case quick = c;
+  quick.piv = piv::PivOptions{};
+  quick.piv->method = "fast";
+  const auto lengths_in = [&](const Setting& filtered) {
+    return path_lengths(filtered, std::size_t(frames - 1), pairs_looked_at, [&](std::size_t k) {
+      if (progress.stop_requested()) throw Interrupted();
+      return measure_pair(quick, filtered, source, {int(k), int(k) + 1}, threads);
+    });
+  };
+  PatternFound out;
+  out.seen = far_apart(setting, source, lengths_in(setting));
+  if (!out.seen.seen()) return out;
+  image::FilterOptions options;
+  options.background = image::Background::pattern;
+  Image all = pattern_on_glass(source, options.background_frames);
+  Plane pattern(all.width(), all.height(), all.white());
+  add(all.view(), 1, pattern);
+  // Paths anew: the pattern has held them back.
+  Setting freed = setting;
+  freed.filter = std::make_shared<const image::FrameFilter>(options, std::move(all));
+  const Plane clear = clear_of_material(setting, pattern, lengths_in(freed));
+  bool any = false;
+  for (std::size_t k = 0; k < pattern.grey.size(); ++k) {
+    pattern.grey[k] *= clear.grey[k];
+    any = any || pattern.grey[k] != 0;
+  }
+  if (any) out.grey = pattern.image();
+  return out;
+}
+
+std::string pattern_words(const StillPicture& seen) {
+  return "Texture that stands still lies over material that moves, as dirt, scratches or a reflection on the glass do: where the material has moved on by "
+         "more than 6 px, frames correlate as they stand by " + number(seen.correlation, 2) + " (+- " + number(seen.error, 1) + ").";
+}
+
 std::vector<std::string> pattern_remarks(const Setting& setting, image::FrameSource& source, const std::function<VectorField(std::size_t)>& pair) {
   const StillPicture seen = fixed_texture(setting, source, pair);
   if (!seen.seen()) return {};
-  return {"Texture that stands still lies over material that moves, as dirt, scratches or a reflection on the glass do: where the material has moved on by "
-          "more than 6 px, frames correlate as they stand by " + number(seen.correlation, 2) + " (+- " + number(seen.error, 1) +
-          "). It draws vectors towards zero, in every pair alike, which no closure shows. preprocess.background = \"pattern\" takes it out."};
+  return {pattern_words(seen) + " It draws vectors towards zero, in every pair alike, which no closure shows. preprocess.background = \"pattern\" takes it out."};
 }
 
 }  // namespace pivnp::app
