@@ -98,7 +98,7 @@ std::string cause_of(const ClosureNote& note, const Setting& setting, image::Fra
       const double by = std::hypot(double(direct.displacement[n][0]), double(direct.displacement[n][1]));
       if (by * (end - first) / (last - first) > grain * pixel) moved.push_back(setting.camera_at(first).to_pixel(direct.grid.position(i, j)));
     }
-  const StillPicture still = setting.cameras.empty() ? still_picture(source.read(first), source.read(end), moved) : StillPicture{};
+  const StillPicture still = setting.cameras.empty() ? still_picture(prepared(setting, source.read(first)), prepared(setting, source.read(end)), moved) : StillPicture{};
   return repeated_cause(still, bent_share(note.repeated, direct, last - first, pixel));
 }
 
