@@ -40,6 +40,8 @@ Heat::Heat(const HeatOptions& options, std::vector<HeatSoil> soils, const Partic
                                            [](const HistoryVariable& v) { return v.name == plastic_work.name; }))
       throw InputError("material." + name + ".band_thickness_m: given with " + materials[m]->name() + ", expected a model that yields");
   }
+  for (HeatSoil& soil : soils_)
+    if (soil.band > 0) soil.take_cells(std::sqrt(g.grid.spacing.prod()));
   if (bands_) zone_.emplace(g, ties);
 }
 
