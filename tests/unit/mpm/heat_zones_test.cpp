@@ -139,5 +139,30 @@ TEST(HeatedZones, SlipThatStopsInOneAndStartsInAnotherHasNoKink) {
   }
 }
 
+// A checkpoint holds bands, their widths and the senses of their points.
+TEST(HeatedZones, ACheckpointGoesOnWithTheSameBits) {
+  HeatedBand band;
+  PlanarSlide slide(band);
+  SlideOptions o;
+  o.cell = 2, o.above = 12;
+  MpmOptions options = test::options(slide_gravity(slide, o));
+  options.initial_equilibrium = false;
+  options.end_at_rest = false;
+  options.shape = o.shape;
+  options.transfer = o.transfer;
+  options.courant = o.courant;
+  options.energy_limit = 1e9;
+  options.pressure = PressureScheme::in_steps;
+  Solver solver(options, slide_scene(slide, o), 1), other(options, slide_scene(slide, o), 2);
+  solver.advance_to(3.01, silent);
+  other.load(solver.save());
+  solver.advance_to(5, silent);
+  other.advance_to(5, silent);
+  const MotionFrame last = solver.frame();
+  const auto& widths = last.field("band_width").values;
+  EXPECT_GT(*std::max_element(widths.begin(), widths.end()), 0);
+  for (const char* name : {"band_pressure", "band_temperature", "band_width"}) EXPECT_EQ(solver.frame().field(name).values, other.frame().field(name).values) << name;
+}
+
 }  // namespace
 }  // namespace pivnp::mpm
