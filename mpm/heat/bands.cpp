@@ -8,8 +8,10 @@ namespace pivnp::mpm {
 namespace {
 
 constexpr double least_excess = 1.01;  // of a zone's width over its band's: what is narrower has no deviation that matters
-constexpr std::size_t N = ShearBand::volumes, outside = N - ShearBand::inside;
+constexpr double most_spread = 0.6;    // of what a zone swells by
+constexpr std::size_t N = ShearBand::volumes, P = ShearBand::pressures, outside = N - ShearBand::inside;
 using Row = std::array<double, N>;
+using Wide = std::array<double, P>;
 
 // The volume at the band's edge, on both sides; inside each is twice the one further out.
 double edge_volume(double thickness) { return 0.5 * thickness / double((1 << ShearBand::inside) - 1); }
@@ -20,38 +22,49 @@ double sum_outside(double growth) {
   return sum;
 }
 
-void keep_mean_zero(Row& of, const Row& volume) {
+template <class Values>
+void keep_mean_zero(Values& of, const Values& volume) {
   double sum = 0, all = 0;
-  for (std::size_t k = 0; k < N; ++k) sum += of[k] * volume[k], all += volume[k];
+  for (std::size_t k = 0; k < of.size(); ++k) sum += of[k] * volume[k], all += volume[k];
   for (double& value : of) value -= sum / all;
 }
 
 // Between neighbouring volumes, in a step.
-Row passing(const Row& volume, double conductance, double dt) {
-  Row off{};
-  for (std::size_t k = 0; k + 1 < N; ++k) off[k] = dt * conductance / (0.5 * (volume[k] + volume[k + 1]));
+template <class Values>
+Values passing(const Values& volume, double conductance, double dt) {
+  Values off{};
+  for (std::size_t k = 0; k + 1 < off.size() && volume[k + 1] > 0; ++k) off[k] = dt * conductance / (0.5 * (volume[k] + volume[k + 1]));
   return off;
 }
-Row passing(const Row& volume, const Row& conductance, double dt) {  // in series
-  Row off{};
-  for (std::size_t k = 0; k + 1 < N; ++k) off[k] = dt / (0.5 * (volume[k] / conductance[k] + volume[k + 1] / conductance[k + 1]));
+Wide passing(const Wide& volume, const Wide& conductance, double dt) {  // in series
+  Wide off{};
+  for (std::size_t k = 0; k + 1 < P && volume[k + 1] > 0; ++k) off[k] = dt / (0.5 * (volume[k] / conductance[k] + volume[k + 1] / conductance[k + 1]));
   return off;
 }
 
 // (storage volume) (x - x0) = (what passes between volumes) + source volume: backward Euler, in place; `source` per volume.
-void diffuse(Row& x, const Row& volume, double storage, const Row& off, const Row& source) {
-  Row diagonal, right;
-  for (std::size_t k = 0; k < N; ++k) {
+template <class Values>
+void diffuse(Values& x, const Values& volume, double storage, const Values& off, const Values& source, std::size_t n) {
+  Values diagonal, right;
+  for (std::size_t k = 0; k < n; ++k) {
     diagonal[k] = storage * volume[k] + off[k] + (k > 0 ? off[k - 1] : 0);
     right[k] = volume[k] * (storage * x[k] + source[k]);
   }
-  for (std::size_t k = 1; k < N; ++k) {
+  for (std::size_t k = 1; k < n; ++k) {
     const double factor = off[k - 1] / diagonal[k - 1];
     diagonal[k] -= factor * off[k - 1];
     right[k] += factor * right[k - 1];
   }
-  x[N - 1] = right[N - 1] / diagonal[N - 1];
-  for (std::size_t k = N - 1; k-- > 0;) x[k] = (right[k] + off[k] * x[k + 1]) / diagonal[k];
+  x[n - 1] = right[n - 1] / diagonal[n - 1];
+  for (std::size_t k = n - 1; k-- > 0;) x[k] = (right[k] + off[k] * x[k + 1]) / diagonal[k];
+}
+
+// The zone's volumes, and those of a cell beside it; of nothing where nothing is spread.
+Wide with_beside(const Row& volume, double cell) {
+  Wide wide;
+  std::copy(volume.begin(), volume.end(), wide.begin());
+  for (std::size_t k = N; k < P; ++k) wide[k] = cell / double(ShearBand::beside);
+  return wide;
 }
 
 }  // namespace
@@ -76,7 +89,7 @@ Row volumes_of(double thickness, double width, double growth) {
   return volume;
 }
 
-double ShearBand::mean(const Row& of, double thickness) const {
+double ShearBand::mean(const double* of, double thickness) const {
   double sum = 0;
   const double edge = edge_volume(thickness);
   for (std::size_t k = 0; k < inside; ++k) sum += of[k] * edge * double(1 << (inside - 1 - k));
@@ -88,36 +101,50 @@ double advance_band(ShearBand& band, const HeatSoil& soil, double width, double 
     band = {};
     return soil.swells(from_c, to_c);
   }
+  const double beside = soil.spread > 0 ? soil.cell : 0;
   if (width != band.width) {
     band.width = width;
     band.growth = growth_of(soil.band, width);
     const Row volume = volumes_of(soil.band, width, band.growth);
     keep_mean_zero(band.temperature, volume);
-    keep_mean_zero(band.pressure, volume);
+    keep_mean_zero(band.pressure, with_beside(volume, beside));
   }
   const Row volume = volumes_of(soil.band, width, band.growth);
   const bool open = soil.exchange == BandExchange::deviation;
   const Row before = band.temperature;
   Row source;
   for (std::size_t k = 0; k < N; ++k) source[k] = work * ((k < ShearBand::inside ? width / soil.band : 0) - 1);
-  diffuse(band.temperature, volume, soil.capacity, passing(volume, open ? soil.conductivity : 0, dt), source);
+  diffuse(band.temperature, volume, soil.capacity, passing(volume, open ? soil.conductivity : 0, dt), source, N);
   if (!(soil.storage > 0)) return soil.swells(from_c, to_c);
+
+  const Wide wide = with_beside(volume, beside);
+  Wide swelling{}, off{};
+  double swollen = 0, of_zone = 0;  // of the zone in the mean: of water and grains, and over the skeleton
   if (!soil.by_temperature) {
-    for (std::size_t k = 0; k < N; ++k) source[k] = soil.pressurising() * (band.temperature[k] - before[k]);
-    diffuse(band.pressure, volume, soil.storage, passing(volume, open ? soil.mobility : 0, dt), source);
-    return soil.swells(from_c, to_c);
+    for (std::size_t k = 0; k < N; ++k) swelling[k] = soil.pressurising() * (band.temperature[k] - before[k]);
+    if (open) off = passing(wide, soil.mobility, dt);
+    swollen = soil.swells(from_c, to_c);
+    of_zone = soil.pressurising() * work / soil.capacity;
+  } else {
+    Wide mobility;
+    double all = 0;
+    for (std::size_t k = 0; k < N; ++k) {
+      swelling[k] = soil.swells(from_c + before[k], to_c + band.temperature[k]);
+      swollen += swelling[k] * volume[k];
+      all += volume[k];
+      mobility[k] = std::max(soil.mobility_at(to_c + band.temperature[k]), 1e-30);
+    }
+    swollen /= all;
+    for (std::size_t k = 0; k < N; ++k) swelling[k] -= swollen + soil.skeleton * (band.temperature[k] - before[k]);
+    for (std::size_t k = N; k < P; ++k) mobility[k] = std::max(soil.mobility_at(to_c), 1e-30);
+    if (open && soil.mobility > 0) off = passing(wide, mobility, dt);
+    of_zone = swollen - soil.skeleton * (to_c - from_c);
   }
-  Row mobility;
-  double swollen = 0, all = 0;
-  for (std::size_t k = 0; k < N; ++k) {
-    source[k] = soil.swells(from_c + before[k], to_c + band.temperature[k]);
-    swollen += source[k] * volume[k];
-    all += volume[k];
-    mobility[k] = std::max(soil.mobility_at(to_c + band.temperature[k]), 1e-30);
+  if (soil.spread > 0) {
+    const double spread = of_zone * std::min(most_spread, soil.spread * soil.cell / width);
+    for (std::size_t k = 0; k < P; ++k) swelling[k] += k < N ? spread : -spread * 0.5 * width / soil.cell;
   }
-  swollen /= all;
-  for (std::size_t k = 0; k < N; ++k) source[k] -= swollen + soil.skeleton * (band.temperature[k] - before[k]);
-  diffuse(band.pressure, volume, soil.storage, open && soil.mobility > 0 ? passing(volume, mobility, dt) : Row{}, source);
+  diffuse(band.pressure, wide, soil.storage, off, swelling, soil.spread > 0 ? P : N);
   return swollen;
 }
 

@@ -5,6 +5,8 @@
 //   C dt/dt = Gamma t'' + h(y) - mean h,   S dd/dt = (K/gamma) d'' + beta dt/dt,   no flux at 0 and w/2,
 // h the plastic work of the point times w/L_B inside the band, S = m + n/K_w. Means exchange nothing with bands: heat and water are
 // conserved whatever a band does, and bands may start, stop and change their width freely. Strength sees mean plus deviation.
+// The pores' smoothed strain spreads some of what the zone swells by over the cells beside it (HeatSoil::spread): d reaches as far, with
+// that much less taken off inside and as much taken off there.
 #pragma once
 
 #include <array>
@@ -20,15 +22,17 @@ namespace pivnp::mpm {
 /// exchanges as printed, the first of each alone: its own temperature over that at the start of its surroundings', and its pressure.
 struct ShearBand {
   static constexpr std::size_t inside = 3, volumes = 16;  // in the half band, and in half the width
-  std::array<double, volumes> temperature{}, pressure{};
+  static constexpr std::size_t beside = 3, pressures = volumes + beside;  // of what is spread over a cell
+  std::array<double, volumes> temperature{};
+  std::array<double, pressures> pressure{};
   double width = 0, growth = 0;  // of the zone; of the volumes, one over the one before
 
   /// Over the mean, inside the band.
-  double hotter(double thickness) const { return mean(temperature, thickness); }
-  double over_pressure(double thickness) const { return mean(pressure, thickness); }
+  double hotter(double thickness) const { return mean(temperature.data(), thickness); }
+  double over_pressure(double thickness) const { return mean(pressure.data(), thickness); }
 
  private:
-  double mean(const std::array<double, volumes>& of, double thickness) const;
+  double mean(const double* of, double thickness) const;
 };
 
 /// A step of the deviation in a zone of this width, in which a unit of volume has taken `work` (J/m^3). `from_c`, `to_c`: the mean

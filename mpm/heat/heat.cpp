@@ -40,13 +40,27 @@ Heat::Heat(const HeatOptions& options, std::vector<HeatSoil> soils, const Partic
                                            [](const HistoryVariable& v) { return v.name == plastic_work.name; }))
       throw InputError("material." + name + ".band_thickness_m: given with " + materials[m]->name() + ", expected a model that yields");
   }
+  for (HeatSoil& soil : soils_)
+    if (soil.band > 0) soil.take_cells(std::sqrt(g.grid.spacing.prod()));
   if (bands_) zone_.emplace(g, ties);
+}
+
+double Turning::look(double xx, double xy, double yx, double yy, double forgotten_share) {
+  const double per = 1 / (F_xx * F_yy - F_xy * F_yx), d_xx = xx - F_xx, d_xy = xy - F_xy, d_yx = yx - F_yx, d_yy = yy - F_yy;
+  // dF F^-1
+  const double l_xx = per * (d_xx * F_yy - d_xy * F_yx), l_xy = per * (d_xy * F_xx - d_xx * F_xy);
+  const double l_yx = per * (d_yx * F_yy - d_yy * F_yx), l_yy = per * (d_yy * F_xx - d_yx * F_xy);
+  F_xx = xx, F_xy = xy, F_yx = yx, F_yy = yy;
+  turned += 0.5 * (l_yx - l_xy) - forgotten_share * turned;
+  sheared += std::hypot(0.5 * (l_xx - l_yy), 0.5 * (l_xy + l_yx)) - forgotten_share * sheared;
+  return sheared > 0 ? std::clamp(turned / sheared, -1.0, 1.0) : 0;
 }
 
 void Heat::start(Particles& p, HeatState& state, const std::vector<double>& temperature) const {
   for (std::size_t k = 0; k < p.size(); ++k) p.temperature[k] = temperature.empty() ? initial_ : temperature[p.index[k]];
   std::fill(p.heated_by.begin(), p.heated_by.end(), 0.0);
   if (bands_) state.band_of.assign(p.size(), -1);
+  if (bands_) state.turning.assign(p.size(), {});
 }
 
 double Heat::contained(const Particles& p) const {
@@ -79,7 +93,7 @@ HeatSums Heat::step(Particles& p, GridState& g, const Materials& materials, cons
     state.crossing = moved.crossing;
   }
   if (bands_) {
-    if (state.passes % look_every == 0) look_at_zones(p, g, time);
+    if (state.passes % look_every == 0) look_at_zones(p, g, state, time);
     open_bands(p, state);
   }
   ++state.passes;
@@ -159,18 +173,20 @@ void Heat::open_bands(const Particles& p, HeatState& state) {
 }
 
 // A zone's width follows from the plastic shear of the last looks, the older the less.
-void Heat::look_at_zones(Particles& p, const GridState& g, double time) {
+void Heat::look_at_zones(Particles& p, const GridState& g, HeatState& state, double time) {
   const Array& strain = *p.history.find(plastic_strain.name);
   work_.assign(p.size(), 0.0);
+  sense_.assign(p.size(), 0.0);
   for (const Particles::Body& body : p.bodies) {
     if (!(soils_[std::size_t(body.material)].band > 0)) continue;
     for (std::size_t k = body.begin; k < body.end; ++k) {
       if (p.cell[k] == Particles::ended) continue;
       work_[k] = std::max(0.0, strain[k] - p.sheared[k]);
       p.sheared[k] += forgotten * work_[k];
+      sense_[k] = state.turning[p.index[k]].look(p.F_xx[k], p.F_xy[k], p.F_yx[k], p.F_yy[k], forgotten);
     }
   }
-  zone_->look(p, g, work_, time);
+  zone_->look(p, g, work_, sense_, time);
 }
 
 void Heat::shift_strength(Particles& p, const HeatState& state, int threads) const {

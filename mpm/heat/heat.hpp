@@ -20,10 +20,20 @@
 
 namespace pivnp::mpm {
 
+/// How a point that may have a band turned as it sheared, of which the older counts the less.
+struct Turning {
+  double F_xx = 1, F_xy = 0, F_yx = 0, F_yy = 1;  // at the last look
+  double turned = 0, sheared = 0;
+
+  /// Takes note of the deformation since. The sense: spin over the rate of shear, -1 to 1.
+  double look(double xx, double xy, double yx, double yy, double forgotten);
+};
+
 /// All that heat remembers beside the points' fields; part of a checkpoint.
 struct HeatState {
   std::vector<std::int32_t> band_of;  // of each particle of the set, its place among `bands`; -1: none
   std::vector<ShearBand> bands;
+  std::vector<Turning> turning;  // of each particle of the set, where any material has bands
   double since = 0;      // time since heat was last conducted, s
   double crossing = 0;   // greatest rate at which the flow passed a cell then, 1/s
   std::int64_t steps = 0, passes = 0;
@@ -76,7 +86,7 @@ class Heat {
  private:
   const HeatSoil& soil_of(const Particles& p, std::size_t k) const { return soils_[std::size_t(set_->label[p.index[k]])]; }
   HeatSums warm(Particles& p, const Materials& materials, const PoreWater* water, bool with_bands, double dt, HeatState& state, int threads);
-  void look_at_zones(Particles& p, const GridState& g, double time);
+  void look_at_zones(Particles& p, const GridState& g, HeatState& state, double time);
   void open_bands(const Particles& p, HeatState& state);
   void shift_strength(Particles& p, const HeatState& state, int threads) const;
   double exchange_as_printed(Particles& p, const HeatSoil& soil, std::size_t k, double work, double dt, HeatState& state) const;
@@ -87,7 +97,7 @@ class Heat {
   bool conducts_ = false, bands_ = false;
   Conduction conduction_;
   std::optional<ZoneWidth> zone_;
-  std::vector<double> rise_, work_;  // of the points, in a pass
+  std::vector<double> rise_, work_, sense_;  // of the points, in a pass
 };
 
 }  // namespace pivnp::mpm

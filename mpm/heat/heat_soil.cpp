@@ -1,5 +1,8 @@
 #include "mpm/heat/heat_soil.hpp"
 
+#include <cmath>
+#include <numbers>
+
 #include "mpm/water/pore_soil.hpp"
 #include "pivnp/core/error.hpp"
 
@@ -33,6 +36,22 @@ HeatSoil heat_soil(const MaterialOptions& m, const std::string& name, const Wate
   soil.grains = (1 - n) * m.grain_thermal_expansion_1_k;
   soil.reference_c = initial_c;
   return soil;
+}
+
+// The pressure p of rows of cells that swell by s and give way by m p: p = (K_w/n) Q (s - m p), Q = c^2 (2 - (1 + 3 c)/4 c) for rows that
+// alternate by the angle a each, c = cos^2(a/2) (the smoothed strain of the pores, four points a cell). Of one row's s the share
+// (mean over a of (1 + r) Q/(1 + r Q)), r = m K_w/n, makes pressure in it.
+void HeatSoil::take_cells(double side_m) {
+  cell = side_m;
+  if (!(storage > 0 && unloaded > 0)) return;
+  constexpr int angles = 256;
+  const double r = storage / unloaded - 1;
+  double kept = 0;
+  for (int k = 0; k < angles; ++k) {
+    const double c = std::pow(std::cos(std::numbers::pi * (k + 0.5) / (2 * angles)), 2), q = c * c * (2 - 0.25 * (1 + 3 * c) * c);
+    kept += (1 + r) * q / (1 + r * q) / angles;
+  }
+  spread = 1 - kept;
 }
 
 void refuse_heat_keys(const MaterialOptions& m, const std::string& name) {

@@ -23,11 +23,15 @@ struct HeatSoil {
   double unloaded = 0;      // n/K_w alone, 1/Pa
   double mobility = 0;      // K/gamma, m^2/(Pa s)
   double carried = 0;       // capacity of the water that flows, J/(m^3 K)
+  double cell = 0;          // side of the cells, m
+  double spread = 0;        // of what a zone one cell wide swells by, the share that the smoothed strain of the pores takes out of it
   // Of water whose properties follow its temperature.
   bool by_temperature = false;
   double porosity = 0, grains = 0;  // expansion of the grains in a unit of initial volume, 1/K
   double reference_c = 0;           // at which permeability and density are given, degC
 
+  /// Side of the cells, and what they do to a zone.
+  void take_cells(double side_m);
   double diffusivity() const { return conductivity / capacity; }
   /// What heats the band's water into pressure: the skeleton's own growth makes room.
   double pressurising() const { return swelling - skeleton; }

@@ -52,7 +52,7 @@ ZoneWidth::ZoneWidth(const GridState& g, const TiedSides& ties) : ties_(&ties), 
   }
 }
 
-void ZoneWidth::look(Particles& p, const GridState& g, const std::vector<double>& shear, double time) {
+void ZoneWidth::look(Particles& p, const GridState& g, const std::vector<double>& shear, const std::vector<double>& sense, double time) {
   const auto row = std::ptrdiff_t(g.grid.nx);
   struct Sheared {
     std::uint32_t k;
@@ -83,7 +83,8 @@ void ZoneWidth::look(Particles& p, const GridState& g, const std::vector<double>
     return std::size_t(j * box_.nx + i);
   };
   const auto size = std::size_t(box_.nx * box_.ny);
-  std::vector<double> sum(size, 0.0), square(size, 0.0);
+  Moments all, turning[2];  // those that turn to the right, and to the left
+  for (Moments* of : {&all, &turning[0], &turning[1]}) of->sum.assign(size, 0.0), of->square.assign(size, 0.0);
   const double per_cell = g.per_hx * g.per_hy;
   const auto for_hats = [&](const Sheared& of, auto&& each) {
     for (int b = 0; b < 2; ++b)
@@ -91,31 +92,37 @@ void ZoneWidth::look(Particles& p, const GridState& g, const std::vector<double>
   };
   for (const Sheared& of : points) {
     const double v = per_cell * p.volume0[of.k] * p.J[of.k], gamma = shear[of.k];
+    Moments& same = turning[sense[of.k] > 0];
+    all.any = true;
+    same.any = same.any || sense[of.k] != 0;
     for_hats(of, [&](std::size_t n, double w, int, int) {
-      sum[n] += w * v * gamma;
-      square[n] += w * v * gamma * gamma;
+      const double first = w * v * gamma, second = first * gamma, share = std::abs(sense[of.k]);
+      all.sum[n] += first;
+      all.square[n] += second;
+      same.sum[n] += share * first;
+      same.square[n] += share * second;
     });
   }
-  // Moments 0, 1 along x, 1 along y, 2, and of the square.
-  std::vector<double> moment[5], part(size);
-  filter(of_x_[0], of_y_[0], square, moment[4]);
-  filter(of_x_[0], of_y_[0], sum, moment[0]);
-  filter(of_x_[1], of_y_[0], sum, moment[1]);
-  filter(of_x_[0], of_y_[1], sum, moment[2]);
-  filter(of_x_[2], of_y_[0], sum, moment[3]);
-  filter(of_x_[0], of_y_[2], sum, part);
-  for (std::size_t n = 0; n < size; ++n) moment[3][n] += part[n];
+  const bool both = turning[0].any && turning[1].any;
+  filter_moments(all);
+  if (both)
+    for (Moments& of : turning) filter_moments(of);
   const double l2 = length_ * length_, hx = g.grid.spacing.x(), hy = g.grid.spacing.y();
   for (const Sheared& of : points) {
     double m[5] = {};
-    for_hats(of, [&](std::size_t n, double w, int a, int b) {
-      const double x = (a - of.s) * hx, y = (b - of.t) * hy;  // from the point to the node
-      m[0] += w * moment[0][n];
-      m[1] += w * (moment[1][n] + x * moment[0][n]);
-      m[2] += w * (moment[2][n] + y * moment[0][n]);
-      m[3] += w * (moment[3][n] + 2 * (x * moment[1][n] + y * moment[2][n]) + (x * x + y * y) * moment[0][n]);
-      m[4] += w * moment[4][n];
-    });
+    const auto add = [&](const Moments& from, double share) {
+      const auto& moment = from.moment;
+      for_hats(of, [&](std::size_t n, double hat, int a, int b) {
+        const double x = (a - of.s) * hx, y = (b - of.t) * hy, w = share * hat;  // from the point to the node
+        m[0] += w * moment[0][n];
+        m[1] += w * (moment[1][n] + x * moment[0][n]);
+        m[2] += w * (moment[2][n] + y * moment[0][n]);
+        m[3] += w * (moment[3][n] + 2 * (x * moment[1][n] + y * moment[2][n]) + (x * x + y * y) * moment[0][n]);
+        m[4] += w * moment[4][n];
+      });
+    };
+    add(all, 1);
+    if (both && sense[of.k] != 0) add(turning[sense[of.k] < 0], -std::abs(sense[of.k]));
     if (!(m[0] > 0 && m[4] > 0)) continue;
     const double c2 = (m[1] * m[1] + m[2] * m[2]) / (m[0] * m[0]);
     const double across2 = std::max(0.0, m[3] / m[0] - c2 - 0.5 * l2);
@@ -123,6 +130,17 @@ void ZoneWidth::look(Particles& p, const GridState& g, const std::vector<double>
     const double width = std::sqrt(std::numbers::pi) * length_ * m[0] * m[0] / m[4] * std::exp(std::min(1.0, c2 / l2)) * (1 + std::min(1.0, across2 / l2));
     p.band_width[of.k] = std::max(width, least_width * std::sqrt(hx * hy));
   }
+}
+
+void ZoneWidth::filter_moments(Moments& of) {
+  std::vector<double> part;
+  filter(of_x_[0], of_y_[0], of.square, of.moment[4]);
+  filter(of_x_[0], of_y_[0], of.sum, of.moment[0]);
+  filter(of_x_[1], of_y_[0], of.sum, of.moment[1]);
+  filter(of_x_[0], of_y_[1], of.sum, of.moment[2]);
+  filter(of_x_[2], of_y_[0], of.sum, of.moment[3]);
+  filter(of_x_[0], of_y_[2], of.sum, part);
+  for (std::size_t n = 0; n < part.size(); ++n) of.moment[3][n] += part[n];
 }
 
 void ZoneWidth::filter(const std::vector<double>& x_taps, const std::vector<double>& y_taps, const std::vector<double>& in,

@@ -10,7 +10,7 @@ namespace pivnp::mpm {
 
 namespace {
 
-constexpr char magic[8] = {'p', 'i', 'v', 'm', 'p', 'm', '1', '5'};
+constexpr char magic[8] = {'p', 'i', 'v', 'm', 'p', 'm', '1', '6'};
 
 class Writer {
  public:
@@ -118,6 +118,7 @@ void visit(Archive& a, State& s) {
   a.value(s.sleep.all);
   a.list(s.heat.band_of);
   a.list(s.heat.bands);
+  a.list(s.heat.turning);
   a.value(s.heat.since);
   a.value(s.heat.crossing);
   a.value(s.heat.steps);

@@ -22,7 +22,7 @@ bool together(const std::uint32_t* places, std::size_t n) {
 // Strength sees the stress shifted (StressBatch::shift), but never so far that the trial would leave its cone by the apex: a band
 // that pressure opens is none of these equations.
 void update_shifted(const Material& material, const StressBatch& batch) {
-  constexpr double most = 0.995;  // of the trial's mean stress
+  constexpr double most = 0.9999;  // of the trial's mean stress: more would be left of the strength than of a sealed band's
   const Elastic& elastic = material.elastic();
   const double bulk = elastic.lambda + 2 * elastic.shear / 3;
   static thread_local std::vector<double> by;

@@ -1,6 +1,6 @@
-// The planar slide of Alvarado 2018's figure 4.6 between blocks, on tied sides (uGIMP), against the resolved band: asked for are 5 % of the
-// time to 50 m and of the speed there, whatever cells, points, rows of clay, transfer and compressibility. Held here up to 1e-7 m/s; pervious
-// clay, where the mean pressure does most, within 11 and 15 % (docs/limits.md). Heat and water to round-off; the width of the zone within 2 %.
+// The planar slide of Alvarado 2018's figure 4.6 between blocks, on tied sides (uGIMP), against the resolved band under the stress of the
+// row that slips: asked for are 5 % of the time to 50 m, of the speed, and of the band's pressure and temperature there, whatever cells,
+// points, rows of clay, transfer and compressibility. Heat and water to round-off; the width of the zone within 2 %.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -24,7 +24,8 @@ struct Slide {
 };
 
 struct Both {
-  PlanarSlide::State resolved;
+  PlanarSlide::State at_50;  // m of slip
+  PlanarSlide::State there;  // with the slip at which the cells' band was read
   SlideState cells;
 };
 
@@ -41,22 +42,25 @@ Both slide(const Slide& of, BandExchange exchange = BandExchange::deviation) {
   o.young = of.young;
   o.exchange = exchange;
   if (of.permeability > 1e-8) o.below = 20;  // as far as water flows meanwhile
-  PlanarSlide slide(band);
-  slide.mass = 2020 * (std::round(o.above / o.cell) + 0.5 * o.rows) * o.cell;
-  const PlanarSlide::State resolved = slide.after(50);
-  return {resolved, run_slide(slide, o, 50, 1.6 * resolved.time)};
+  const SlideState cells = run_slide(PlanarSlide(band), o, 50, 2 * PlanarSlide(band).after(50).time);
+  const PlanarSlide over = slide_over(PlanarSlide(band), o, cells.height);
+  return {over.after(50), over.after(cells.slip), cells};
 }
 
-void expect_resolved(const Slide& row, double time, double speed) {
-  const auto [resolved, cells] = slide(row);
+void expect_resolved(const Slide& row, double asked) {
+  const auto [at_50, there, cells] = slide(row);
   const std::string name = "planar slide: K " + number(row.permeability) + " m/s, band " + number(row.thickness) + " m, m " + number(row.skeleton) +
                            " 1/Pa, cells of " + number(row.cell) + " m, " + number(row.per_element) + " points, " + number(row.rows) + " rows, " +
                            std::string(name_of(row.transfer));
   const testing::ScopedTrace trace(__FILE__, __LINE__, name);
-  pivnp::test::verification_row(name, "time to 50 m and speed there within 5 % of the resolved band's",
-                                number(100 * (cells.time / resolved.time - 1), 2) + ", " + number(100 * (cells.speed / resolved.speed - 1), 2) + " %");
-  EXPECT_NEAR(cells.time, resolved.time, time * resolved.time);
-  EXPECT_NEAR(cells.speed, resolved.speed, speed * resolved.speed);
+  const auto off = [](double is, double should) { return number(100 * (is / should - 1), 2); };
+  pivnp::test::verification_row(name, "time to 50 m, speed, pressure and temperature of the band there within 5 % of the resolved band's",
+                                off(cells.time, at_50.time) + ", " + off(cells.speed, there.speed) + ", " + off(cells.pressure, there.pressure) + ", " +
+                                    off(cells.temperature, there.temperature) + " %");
+  EXPECT_NEAR(cells.time, at_50.time, asked * at_50.time);
+  EXPECT_NEAR(cells.speed, there.speed, asked * there.speed);
+  EXPECT_NEAR(cells.pressure, there.pressure, asked * there.pressure);
+  EXPECT_NEAR(cells.temperature, there.temperature, asked * there.temperature);
   EXPECT_NEAR(cells.width, row.cell, 0.02 * row.cell);
   EXPECT_LT(std::abs(cells.heat_lost), 1e-9);
   EXPECT_LT(std::abs(cells.water_lost), 1e-12);
@@ -70,13 +74,15 @@ TEST(ThermalSlide, IsTheResolvedOneWhateverTheCells) {
                         {1e-11, 0.1, 2, 4},         {1e-9, 0.01, 1, 4},        {1e-9, 0.01, 2, 4},        {1e-8, 0.01, 1, 4},
                         {1e-8, 0.01, 2, 4},         {1e-7, 0.01, 2, 4},        {1e-7, 0.01, 1, 4},        {1e-11, 0.01, 2, 4, 1},
                         {1e-11, 0.01, 1, 4, 2},     {1e-11, 0.01, 2, 4, 4},    {1e-11, 0.01, 2, 4, 3, apic}, {1e-11, 0.01, 1, 9, 3, apic},
-                        {1e-8, 0.01, 1, 4, 3, apic}, {1e-7, 0.01, 2, 4, 3, apic}, {1e-11, 0.01, 2, 4, 3, flip, 2e7, 3.375e-8}, {1e-11, 0.01, 1, 4, 3, flip, 2e7, 3.375e-8}};
-  for (const Slide& row : rows) expect_resolved(row, 0.05, 0.05);
+                        {1e-8, 0.01, 1, 4, 3, apic}, {1e-7, 0.01, 2, 4, 3, apic}, {1e-11, 0.01, 2, 4, 3, flip, 2e7, 3.375e-8}, {1e-11, 0.01, 1, 4, 3, flip, 2e7, 3.375e-8},
+                        {1e-8, 0.1, 2, 4},          {1e-7, 0.01, 2, 9},        {1e-7, 0.01, 2, 4, 1},     {1e-11, 0.1, 0.5, 4, 3, apic}};
+  for (const Slide& row : rows) expect_resolved(row, 0.05);
 }
 
-TEST(ThermalSlide, InPerviousClayIsNearIt) {
-  expect_resolved({1e-6, 0.01, 2, 4}, 0.11, 0.15);
-  expect_resolved({1e-5, 0.01, 2, 4}, 0.11, 0.15);
+TEST(ThermalSlide, InPerviousClayToo) {
+  const auto apic = TransferKind::apic;
+  const Slide rows[] = {{1e-6, 0.01, 2, 4}, {1e-5, 0.01, 2, 4}, {1e-6, 0.01, 2, 4, 3, apic}, {1e-5, 0.01, 2, 4, 3, apic}, {1e-6, 0.001, 2, 4}, {1e-6, 0.01, 1, 4}};
+  for (const Slide& row : rows) expect_resolved(row, 0.05);
 }
 
 // The short form: the first 10 m. Unsmoothed swelling is 5 % early, nodes that are tied in momentum alone 5 % late.
@@ -89,12 +95,13 @@ TEST(ThermalSlideSmall, IsTheResolvedOne) {
     o.above = 12;
     o.below = 10;
     o.transfer = transfer;
-    PlanarSlide slide(band);
-    slide.mass = 2020 * (std::round(o.above / o.cell) + 0.5 * o.rows) * o.cell;
-    const PlanarSlide::State resolved = slide.after(10);
-    const SlideState cells = run_slide(slide, o, 10, 1.6 * resolved.time);
-    EXPECT_NEAR(cells.time, resolved.time, 0.035 * resolved.time) << name_of(transfer);
+    const SlideState cells = run_slide(PlanarSlide(band), o, 10, 2 * PlanarSlide(band).after(10).time);
+    const PlanarSlide slide = slide_over(PlanarSlide(band), o, cells.height);
+    const PlanarSlide::State at_10 = slide.after(10), resolved = slide.after(cells.slip);
+    EXPECT_NEAR(cells.time, at_10.time, 0.035 * at_10.time) << name_of(transfer);
     EXPECT_NEAR(cells.speed, resolved.speed, 0.035 * resolved.speed) << name_of(transfer);
+    EXPECT_NEAR(cells.temperature, resolved.temperature, 0.015 * resolved.temperature) << name_of(transfer);
+    EXPECT_NEAR(cells.pressure, resolved.pressure, 0.03 * resolved.pressure) << name_of(transfer);
     EXPECT_LT(std::abs(cells.heat_lost), 1e-9);
     EXPECT_LT(std::abs(cells.water_lost), 1e-12);
   }
@@ -103,9 +110,9 @@ TEST(ThermalSlideSmall, IsTheResolvedOne) {
 // The exchange as printed: with heat that gets lost, and times that do not tell permeabilities apart which change them by half.
 TEST(ThermalSlide, AsPrintedItIsNot) {
   const Both tight = slide({1e-11, 0.01, 1, 4}, BandExchange::printed), open = slide({1e-8, 0.01, 1, 4}, BandExchange::printed);
-  EXPECT_GT(open.resolved.time, 1.35 * tight.resolved.time);
+  EXPECT_GT(open.at_50.time, 1.35 * tight.at_50.time);
   EXPECT_LT(open.cells.time, 1.05 * tight.cells.time);
-  EXPECT_GT(tight.cells.time, 1.1 * tight.resolved.time);
+  EXPECT_GT(tight.cells.time, 1.1 * tight.at_50.time);
   EXPECT_LT(tight.cells.heat_lost, -0.5);
 }
 

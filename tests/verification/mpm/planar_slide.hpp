@@ -27,7 +27,8 @@ struct SlideOptions {
 };
 
 struct SlideState {
-  double time = 0, speed = 0, pressure = 0, temperature = 0, width = 0;
+  double time = 0, speed = 0, slip = 0, pressure = 0, temperature = 0, width = 0;
+  double height = 0;  // over the floor, of the zone that slips
   double heat_lost = 0, water_lost = 0, residual = 0;
   std::int64_t steps = 0;
 };
@@ -76,6 +77,16 @@ inline Pair slide_gravity(const PlanarSlide& slide, const SlideOptions& o) {
   return {slide.drive / over, -slide.band.stress / over};
 }
 
+/// The slide over a plane at this height: the stress grows with what lies on it, and so do the drive and the mass.
+inline PlanarSlide slide_over(PlanarSlide slide, const SlideOptions& o, double height) {
+  const double low = std::round(o.below / o.cell) * o.cell, above = std::round(o.above / o.cell) * o.cell, clay = o.rows * o.cell;
+  const double middle = above + 0.5 * clay, share = (low + clay + above - height) / middle;
+  slide.mass = 2020 * middle * share;
+  slide.drive *= share;
+  slide.band.stress *= share;
+  return slide;
+}
+
 /// Until the slide has moved `slip`. Its mass is that of the slide above the clay's middle only where the column is as high.
 inline SlideState run_slide(const PlanarSlide& slide, const SlideOptions& o, double slip, double most_time) {
   MpmOptions options = test::options(slide_gravity(slide, o));
@@ -104,6 +115,7 @@ inline SlideState run_slide(const PlanarSlide& slide, const SlideOptions& o, dou
     before = at, at = now;
     if (at < slip) continue;
     s.time = t - every * (at - slip) / (at - before);
+    s.slip = now;
     const FieldValues &p = f.field(o.bands ? "band_pressure" : "pressure"), &hot = f.field(o.bands ? "band_temperature" : "temperature");
     double all = 0;  // means over the sheared points, by their shear
     for (std::size_t k = 0; k < f.u.size(); ++k) {
@@ -111,9 +123,10 @@ inline SlideState run_slide(const PlanarSlide& slide, const SlideOptions& o, dou
       all += g;
       s.pressure += g * double(p(k, 0));
       s.temperature += g * (double(hot(k, 0)) - 20);
+      s.height += g * solver.particles().x0[k].y();
       if (o.bands) s.width += g * double(f.field("band_width")(k, 0));
     }
-    for (double* value : {&s.pressure, &s.temperature, &s.width}) *value /= all;
+    for (double* value : {&s.pressure, &s.temperature, &s.width, &s.height}) *value /= all;
     break;
   }
   const EnergyRow e = solver.energy();
