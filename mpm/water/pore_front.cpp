@@ -101,7 +101,7 @@ std::vector<Vec2> PoreWater::flow_in_front(const Particles& p, GridState& g, con
   map_front(p, g, tractions, gravity, time, threads);
   give_front(g, gravity, time, threads);
   std::vector<Vec2> flow(p.size(), Vec2::Zero());
-  for_pieces(g, threads, [&](Range range, std::size_t) {
+  for_flowing(g, threads, [&](Range range, std::size_t) {
     for_points_of(g, range, [&](std::uint32_t k) {
       if (flows(p, k)) flow[k] = darcy_in_front(front_point(p, g, k, gravity), g);
     });
@@ -255,8 +255,8 @@ double PoreWater::collapse(Particles& p, std::size_t k, const PoreSoil& soil) co
 // What the water lost of its potential energy, and the skeleton by collapse.
 PoreFlow PoreWater::change_behind_front(Particles& p, GridState& g, const Vec2& gravity, double dt, int threads) {
   const double rate_dt = rate_in_cell(g) * dt;
-  std::vector<PoreFlow> parts(g.active.pieces.size());
-  for_pieces(g, threads, [&](Range range, std::size_t piece) {
+  std::vector<PoreFlow> parts(g.active.flowing.size());
+  for_flowing(g, threads, [&](Range range, std::size_t piece) {
     PoreFlow sum;
     for_points_of(g, range, [&](std::uint32_t k) {
       if (flows(p, k)) {
