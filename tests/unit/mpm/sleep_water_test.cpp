@@ -122,17 +122,18 @@ TEST(WetSleepers, WakeAsTheLakeFalls) {
   EXPECT_LT(greatest_difference_of_pressure(end[0], end[1]), tolerance_of_pressure());
 }
 
-// Water pressed in at the left end, under an impervious cover that is free to rise: it spreads into what slept, rim by rim.
+// Water pressed in at the left end, under an impervious cover that is free to rise: by less from cell to cell than wakes what rests,
+// but by more in the end.
 TEST(WetSleepers, WakeByThePressureThatReachesThem) {
   MotionFrame end[2];
   const Scene s = [] {
     Scene pressed = bed(0, 0);
     pressed.water->level_m = std::nullopt;
-    pressed.materials[0].permeability_m_s = 3e-5;
+    pressed.materials[0].permeability_m_s = 1e-4;
     BoundaryOptions top = line({0, depth}, {width, depth}, "traction");  // impervious
     top.traction_pa = {0, -1};
     pressed.boundaries.emplace_back("top", top);
-    pressed.boundaries[1].second.pressure_pa = 1e3;
+    pressed.boundaries[1].second.pressure_pa = 450;
     return pressed;
   }();
   for (const bool sleeps : {false, true}) {
@@ -142,11 +143,10 @@ TEST(WetSleepers, WakeByThePressureThatReachesThem) {
     o.damping = 0.5;
     Solver solver(o, s, 1);
     const EnergyRow start = solver.energy();
-    solver.advance_to(0.06, silent);
+    solver.advance_to(0.03, silent);
     const double early = solver.slept().share;
-    solver.advance_to(0.15, silent);
+    solver.advance_to(0.12, silent);
     if (sleeps) {
-      std::printf("slept %.3f, then %.3f\n", early, solver.slept().share);
       EXPECT_GT(early, 0.05);
     }
     EXPECT_LT(std::abs(solver.energy().water_mass - start.water_mass - solver.energy().water_inflow), 1e-12 * start.water_mass);
@@ -154,9 +154,9 @@ TEST(WetSleepers, WakeByThePressureThatReachesThem) {
   }
   double reached = 0;  // in the third block of cells from the left
   for (std::size_t k = 0; k < end[0].u.size(); ++k)
-    if (s.particles.x0[k].x() > 16 * h && s.particles.x0[k].x() < 20 * h) reached = std::max(reached, double(end[1].field("pressure")(k, 0)));
-  EXPECT_GT(reached, 1.5 * tolerance_of_pressure());
-  EXPECT_LT(greatest_difference_of_pressure(end[0], end[1]), 2 * tolerance_of_pressure());
+    if (s.particles.x0[k].x() > 20 * h && s.particles.x0[k].x() < 23 * h) reached = std::max(reached, double(end[1].field("pressure")(k, 0)));
+  EXPECT_GT(reached, tolerance_of_pressure());
+  EXPECT_LT(greatest_difference_of_pressure(end[0], end[1]), tolerance_of_pressure());
 }
 
 // Loaded undrained, what hardly conducts moves slower than any tolerance, and does not sleep while its pressure falls.
