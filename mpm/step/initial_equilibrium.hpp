@@ -53,7 +53,7 @@ struct StaticSystem {
 /// tolerance. Starts from the stresses given, elsewhere from K0
 /// stresses (stress_from_columns()) where gravity is vertical. Returns the number of
 /// iterations; throws InputError at once where material may move along gravity because nothing holds it
-/// (require_held()). From where the tolerance is met on, it goes on to `wanted` for up to four times as many iterations, and
+/// (require_held()). From where the tolerance is met on, it goes on to `wanted` for up to four times as many iterations (or 4,000), and
 /// keeps the state that met the tolerance if what follows does not. RunError if `tolerance` is not met in a bounded number, or a pseudo-step strains a point by more
 /// than half.
 int relax_to_equilibrium(const EquilibriumOptions& options, const StaticSystem& system, Progress& progress);
