@@ -30,8 +30,7 @@ void add_pressure(Registry<MetricRow>& rows) {
                 [s, last](const Findings& f) -> std::optional<MetricValue> {
                   const ScalarStatistics& d = last ? f.pressures.last() : f.pressures.total();
                   if (d.count() == 0) return std::nullopt;
-                  return MetricValue{s.value(d), not_known,
-                                     ", " + (last ? f.at_end : std::string("over all common particles and times")) + "; uncertainty not known"};
+                  return difference(s.value(d), not_known, ", " + (last ? f.at_end : std::string("over all common particles and times")) + "; uncertainty not known");
                 }});
   static constexpr const char *suffix[] = {"_first", "_second"}, *of[] = {"first", "second"}, *words[] = {"measured", "simulated"};
   for (std::size_t k = 0; k < 2; ++k)

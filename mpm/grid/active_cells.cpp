@@ -85,6 +85,7 @@ void ActiveCells::rebuild(const CellList& cells, const GridGeometry& g, const Sl
   const int nx = g.grid.nx;
   resting.clear();
   border.clear();
+  partial.clear();
   awake = bands_of(cells, nx, [&](std::size_t s) { return !blocks.sleeps(cells.index[s]); });
   if (!blocks.any()) {
     mapped = awake;
@@ -100,10 +101,14 @@ void ActiveCells::rebuild(const CellList& cells, const GridGeometry& g, const Sl
           resting.push_back(std::uint32_t(n));
           if (met.has(std::int32_t(n))) border.push_back(std::uint32_t(n));
         });
+    const CellBits beyond = CellBits(nx, cells.index, [&](std::int32_t c) { return !near.has(c); }).grown(0, g.width - 1);
+    for (const std::uint32_t n : nodes)
+      if (beyond.has(std::int32_t(n))) partial.push_back(n);
   }
   share_nodes(awake, cells, g, nodes);
   share_nodes(mapped, cells, g, nodes);
   pieces = pieces_of(awake);
+  flowing = blocks.any() ? pieces_of(mapped) : pieces;
 }
 
 void ActiveCells::list_nodes(const CellBits& cells, int width) {

@@ -38,9 +38,11 @@ class ActiveCells {
  public:
   Bands awake, mapped;                 // cells that are stepped; those and the rim of what sleeps
   std::vector<Range> pieces;           // the awake cells in short runs, for what does not add to nodes
+  std::vector<Range> flowing;          // likewise with the rim
   std::vector<std::uint32_t> nodes;    // active nodes (of mapped cells), in the order of their index
   std::vector<std::uint32_t> resting;  // those among them that belong to a sleeping cell
   std::vector<std::uint32_t> border;   // and those of these that belong to an awake one too
+  std::vector<std::uint32_t> partial;  // and those that belong to a sleeping cell beyond the rim too
   std::vector<std::uint32_t> left;     // nodes that were active before the last rebuild() and are not any more
 
   void rebuild(const CellList& cells, const GridGeometry& geometry, const SleepingBlocks& blocks);

@@ -30,6 +30,12 @@ void for_pieces(const GridState& g, int threads, Body&& body) {
   for_each(g.active.pieces.size(), threads, [&](std::size_t r) { body(g.active.pieces[r], r); });
 }
 
+/// The same with the rim of what sleeps: water flows there.
+template <class Body>
+void for_flowing(const GridState& g, int threads, Body&& body) {
+  for_each(g.active.flowing.size(), threads, [&](std::size_t r) { body(g.active.flowing[r], r); });
+}
+
 /// Calls body(band, its number) for the even bands, then for the odd ones. A thread always gets the same bands, side by side,
 /// with the points and nodes that it has in the sweeps over pieces and nodes too: they stay in its processor's caches.
 template <class Body>

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <functional>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -28,6 +29,9 @@ std::vector<OwnMaterialKey> own_material_keys();
 enum class ReductionOf { strength, cohesion };
 inline constexpr std::array reduction_of_names{NamedValue{"strength", ReductionOf::strength}, NamedValue{"cohesion", ReductionOf::cohesion}};
 constexpr const auto& names_of(ReductionOf) { return reduction_of_names; }
+
+/// The greatest number that is less.
+inline constexpr double below_one = 1 - std::numeric_limits<double>::epsilon() / 2;
 
 /// How permeability follows porosity: not at all, or K n^3/(1 - n)^2 over what that is at the start.
 enum class PermeabilityLaw { constant, kozeny_carman };
@@ -136,7 +140,7 @@ struct MaterialOptions {
     visit("reduction_until_s", self.reduction_until_s, OptionInfo{.unit = "s", .text = "its end; linear between (left out: at once)", .min = 0});
     visit("reduction_of", self.reduction_of, OptionInfo{.text = "strength: all that reduction_factor divides; cohesion: that alone, peak and residual"});
     visit("removed_s", self.removed_s, OptionInfo{.unit = "s", .text = "time at which it is removed, as in an excavation; one region per stage (left out: it stays)", .min = 0, .above_min = true});
-    visit("porosity", self.porosity, OptionInfo{.text = "volume of the pores over total volume, less than 1; [water] fills them (left out: no water in this material)", .min = 0, .above_min = true});
+    visit("porosity", self.porosity, OptionInfo{.text = "volume of the pores over total volume; [water] fills them (left out: no water in this material)", .min = 0, .max = below_one, .above_min = true});
     visit("permeability_m_s", self.permeability_m_s, OptionInfo{.unit = "m/s", .text = "hydraulic conductivity K of Darcy's law, as a laboratory measures it at 9.81 m/s^2", .min = 0});
     visit("permeability", self.permeability, OptionInfo{.text = "constant: permeability_m_s; kozeny_carman: permeability_m_s at the start, and in proportion to n^3/(1 - n)^2 as the porosity n changes"});
     visit("drained", self.drained, OptionInfo{.text = "its water always has the hydrostatic pressure of water.level_m (zero without a level)"});

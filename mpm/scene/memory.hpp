@@ -21,6 +21,7 @@ struct SceneNeeds {
   bool bands = false;    // embedded
 };
 
+/// Of what a scene's own keys ask for; `soils` and `collapses` lie in the pores, which PoreWater fills at the start.
 SceneNeeds needs_of(const Scene& scene);
 
 /// The fields that the points and the nodes of such a simulation have.

@@ -24,6 +24,7 @@ struct EquilibriumOptions {
   Vec2 gravity;      // where it varies, that at the particles' centroid
   double damping;    // Cundall's, of the pseudo-time
   double tolerance;  // sum |unbalanced| / sum |weight|, and kinetic over elastic energy
+  double wanted;     // at most the tolerance: sought on to, in a bounded number of iterations more
   int threads;
   std::optional<double> k0 = {};  // horizontal over vertical stress of the first guess; nu/(1 - nu) without
   std::span<const std::array<double, 4>> given = {};  // Scene::stress0: the first guess where it is a number
@@ -52,7 +53,8 @@ struct StaticSystem {
 /// tolerance. Starts from the stresses given, elsewhere from K0
 /// stresses (stress_from_columns()) where gravity is vertical. Returns the number of
 /// iterations; throws InputError at once where material may move along gravity because nothing holds it
-/// (require_held()), RunError if `tolerance` is not met in a bounded number, or a pseudo-step strains a point by more
+/// (require_held()). From where the tolerance is met on, it goes on to `wanted` for up to four times as many iterations (or 4,000), and
+/// keeps the state that met the tolerance if what follows does not. RunError if `tolerance` is not met in a bounded number, or a pseudo-step strains a point by more
 /// than half.
 int relax_to_equilibrium(const EquilibriumOptions& options, const StaticSystem& system, Progress& progress);
 

@@ -38,6 +38,7 @@ void Sleep::start(const Particles& p, const GridState& g) {
   state_.quiet_since.assign(g.blocks.count(), -1.0);
   state_.speed.assign(g.blocks.count(), 0.0);
   state_.foregone.assign(g.blocks.count(), 0.0);
+  state_.pressure.assign(p.pressure.empty() ? 0 : p.size(), 0.0);
 }
 
 template <class Each>
@@ -127,8 +128,35 @@ void Sleep::hold_strain_velocity(GridState& g) const {
   }
 }
 
+void Sleep::watch_pressure(const PressureWatch& watch, const Particles& p, const GridState& g) {
+  std::vector<double> changed(state_.asleep.size(), 0.0);
+  const auto for_points = [&](auto&& each) {
+    for (std::size_t s = 0; s < g.cells.size(); ++s)
+      for (std::uint32_t q = g.cells.begin[s]; q < g.cells.begin[s + 1]; ++q) each(g.blocks.of_cell(g.cells.index[s]), g.cells.order[q]);
+  };
+  for_points([&](std::size_t b, std::uint32_t k) { changed[b] = std::max(changed[b], std::abs(p.pressure[k] - state_.pressure[p.index[k]])); });
+  std::vector<std::uint8_t> anew(state_.asleep.size(), 0);
+  for (std::size_t b = 0; b < anew.size(); ++b) {
+    if (state_.asleep[b]) {
+      if (!(changed[b] <= watch.most)) wake(b);
+      continue;
+    }
+    const double since = watch.time - state_.quiet_since[b];
+    anew[b] = state_.quiet_since[b] < 0 || !(since > 0);
+    if (anew[b]) continue;
+    const double to_come = since >= watch.window ? changed[b] * watch.settles / since : changed[b];
+    if (to_come <= watch.most / 2) continue;
+    anew[b] = 1;
+    state_.quiet_since[b] = watch.time;
+    state_.speed[b] = 0;
+  }
+  for_points([&](std::size_t b, std::uint32_t k) {
+    if (anew[b]) state_.pressure[p.index[k]] = p.pressure[k];
+  });
+}
+
 void Sleep::look(double time, double per_mass, double across, const GridState& g,
-                 const std::vector<Reaction>& reactions) {
+                 const std::vector<Reaction>& reactions, std::span<const Vec2> flow) {
   unrest_.assign(state_.asleep.size(), 0.0);
   speed_.assign(state_.asleep.size(), 0.0);
   std::size_t r = 0;
@@ -141,6 +169,16 @@ void Sleep::look(double time, double per_mass, double across, const GridState& g
       unrest_[b] = std::max(unrest_[b], u);
       speed_[b] = std::max(speed_[b], v);
     });
+  }
+  std::vector<double> flows(flow.empty() ? 0 : unrest_.size(), 0.0);
+  for (std::size_t s = 0; !flow.empty() && s < g.cells.size(); ++s)
+    for (std::uint32_t q = g.cells.begin[s]; q < g.cells.begin[s + 1]; ++q) {
+      double& most = flows[g.blocks.of_cell(g.cells.index[s])];
+      most = std::max(most, flow[g.cells.order[q]].norm());
+    }
+  for (std::size_t b = 0; b < flows.size(); ++b) {
+    unrest_[b] += flows[b];
+    speed_[b] += flows[b];
   }
   for (const Reaction& reaction : reactions)
     if (reaction.body < 0 && (reaction.wall_x != 0 || reaction.wall_y != 0))

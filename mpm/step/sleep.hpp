@@ -10,6 +10,12 @@
 // and mass from both sides; where r (before they are stopped) passes v, the sleeping blocks there are woken. So are
 // blocks that a point moves into or a moving body comes near, and all of them when a wall, body or load changes.
 //
+// Water in the pores. r has Darcy's flow besides, so that nothing sleeps that consolidates or is seeped through faster than
+// v/2, and its pressure must be at rest: what it would still change by at the rate at which it changed while it was watched, in
+// the time 4 H^2/(pi^2 c_v) in which the material's shorter side drains, is rho c v/2 at most (c here being the skeleton's). In the rim water
+// still flows, between it and what is awake alone (beyond it lies material: no surface), and a block in which a pressure has
+// changed by more than rho c v since it was quiet is woken.
+//
 // What is left out. While a block sleeps it would have gone on no faster than it did when it fell asleep (w, the
 // greatest speed of its nodes while it was watched): at most the sum of w times the time asleep. A stress below rho c v
 // held back at its border would have displaced a stable material of extent L by v L/c. The sum of both is the bound
@@ -17,6 +23,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -32,6 +39,7 @@ struct SleepState {
   std::vector<double> quiet_since;  // s; below 0: it is not quiet
   std::vector<double> speed;        // greatest nodal speed since then, m/s
   std::vector<double> foregone;     // sum of that times the time asleep, m
+  std::vector<double> pressure;     // of each point of the scene since its block is quiet, Pa; with water alone
   double held_back = 0;             // greatest v L/c while anything slept, m
   double energy = 0;                // kinetic energy taken, J/m
   double skipped = 0, all = 0;      // steps of points: not made, and in all
@@ -56,8 +64,17 @@ class Sleep {
   void hold(double per_mass, GridState& g);
   /// Stops the strain-rate velocity likewise.
   void hold_strain_velocity(GridState& g) const;
-  /// After a step: how quiet the blocks are. `across`: time of a wave through the material, s.
-  void look(double time, double per_mass, double across, const GridState& g, const std::vector<Reaction>& reactions);
+  /// After a step: how quiet the blocks are. `across`: time of a wave through the material, s; `flow`: of the water in
+  /// each point, m/s; none without.
+  void look(double time, double per_mass, double across, const GridState& g, const std::vector<Reaction>& reactions,
+            std::span<const Vec2> flow);
+  /// After look(), with water: wakes blocks whose pressure has changed, and has those watched anew in which it is not at rest.
+  struct PressureWatch {
+    double time, window;  // s; as look() and fall_asleep()
+    double most;          // change that is held back, Pa
+    double settles;       // time in which all of a pressure's change is still to come at its rate, s
+  };
+  void watch_pressure(const PressureWatch& watch, const Particles& p, const GridState& g);
   /// After a step: counts what was left out.
   void count(double dt, std::size_t points);
   /// After a restart.

@@ -19,6 +19,9 @@ namespace {
 // Steps between looks at the energy balance: at first more often, so that what was turned over in a first swing is seen.
 constexpr std::int64_t check_every = 100, check_early = 10;
 
+// Where mpm.equilibrium_tolerance is left out: of dry material, and what is sought beside water at rest.
+constexpr double rough_balance = 1e-3, fine_balance = 1e-7;
+
 bool has_reaction(const std::string& name, const BoundaryOptions& boundary) {
   return boundary.type != BoundaryType::tied && name != axis_boundary;
 }
@@ -72,6 +75,7 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
   fill_pores();
   start_heat();
   take_wave_speed(1);
+  start_sleep();
   if (steps_by_arrangement()) state.own_frequency2 = own_frequency2_at_start(p, g);
   if (o.k0 && !scene.stress0.empty()) throw InputError("mpm.k0: given together with a stress at the start, expected one of them");
   if (o.k0 && !o.initial_equilibrium) start_at_rest(gravity);
@@ -116,7 +120,9 @@ void Solver::find_initial_equilibrium(Progress& progress) {
   // The average of three-node shapes leaves a point's own mean stress free to drift where points open one by one.
   Scheme scheme = s.scheme;
   if (scheme.shape != ShapeKind::bilinear) scheme.locking = Locking::none;
-  EquilibriumOptions options{s.gravity_at_rest(), s.options.equilibrium_damping, s.options.equilibrium_tolerance, s.most_threads,
+  const double tolerance = s.options.equilibrium_tolerance.value_or(rough_balance);
+  const bool sought_on = s.water && !s.options.equilibrium_tolerance;
+  EquilibriumOptions options{s.gravity_at_rest(), s.options.equilibrium_damping, tolerance, sought_on ? fine_balance : tolerance, s.most_threads,
                              s.options.k0, s.scene.stress0, s.variation_of_gravity()};
   const StaticSystem system{scheme, s.materials, s.density, s.restraints, s.contacts, s.bodies, s.p, s.g, s.scene.particles, s.water.get()};
   relax_to_equilibrium(options, system, progress);

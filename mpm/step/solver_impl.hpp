@@ -137,10 +137,13 @@ struct Solver::Impl {
 
   // solver_sleep.cpp: what is not stepped while it rests.
   void wake_what_moves();
+  void start_sleep();
   void let_sleep();
+  double wave_of_rest() const;
   void look_for_rest(double dt);
+  Vec2 extent() const;
   double wave_across() const;
-  double push_per_mass(double dt) const { return 1 / (dt * state.wave_speed * least_density() * g.grid.spacing.maxCoeff()); }
+  double push_per_mass(double dt) const { return 1 / (dt * wave_of_rest() * least_density() * g.grid.spacing.maxCoeff()); }
 
   // solver_watch.cpp: energy, rest and failure.
   void add_work(const Cycle& c);
@@ -175,6 +178,8 @@ struct Solver::Impl {
   std::vector<double> reduction;  // by which the materials' strengths are divided now
   SolverState state;
   Sleep sleep{options.sleep_below_m_s, state.sleep};
+  double skeleton_speed = 0;  // of waves in it at the start, m/s
+  double consolidates = 0;    // least c_v of a soil at the start, m^2/s; 0: none flows
   double least_turned_over = 0;  // least_turnover()
   LastGood good;
   PoreWater::Sums excess_now;    // when the balance was last looked at

@@ -111,7 +111,7 @@ void visit(Archive& a, State& s) {
   a.array(s.body_motion);
   a.array(s.impulses);
   a.array(s.sleep.asleep);
-  for (auto* of_block : {&s.sleep.quiet_since, &s.sleep.speed, &s.sleep.foregone}) a.array(*of_block);
+  for (auto* of_block : {&s.sleep.quiet_since, &s.sleep.speed, &s.sleep.foregone, &s.sleep.pressure}) a.array(*of_block);
   a.value(s.sleep.held_back);
   a.value(s.sleep.energy);
   a.value(s.sleep.skipped);

@@ -75,8 +75,8 @@ std::vector<PoreSoil> take_pores(const MpmOptions& options, Scene& scene) {
   if (scene.water->inertia && scene.heat) throw InputError("water.inertia: found true beside [heat], expected false");
   check_gravity(options, *scene.water);
   if (options.pressure == PressureScheme::projected) check_projected(scene);
-  if (options.sleep_below_m_s)
-    throw InputError("mpm.sleep_below_m_s: given beside [water], expected none: water also flows in material at rest");
+  if (options.sleep_below_m_s && scene.water->inertia)
+    throw InputError("mpm.sleep_below_m_s: given beside water.inertia, expected none: the flow has a motion of its own");
   return soils;
 }
 

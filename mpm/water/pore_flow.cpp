@@ -48,8 +48,8 @@ PoreFlow PoreWater::flow(Particles& p, GridState& g, const Tractions& tractions,
   const PointView points = p.view();
   const PoreView pores = view(p, gravity);
   const CellView cells = g.view();
-  std::vector<double> parts(g.active.pieces.size());
-  for_pieces(g, threads, [&](Range range, std::size_t piece) {
+  std::vector<double> parts(g.active.flowing.size());
+  for_flowing(g, threads, [&](Range range, std::size_t piece) {
     parts[piece] = change_points_lanes(g.centred, rate, points, pores, cells, f, range);
   });
   for (const double part : parts) sums.darcy += part;
@@ -65,7 +65,7 @@ std::vector<Vec2> PoreWater::flow_at_points(const Particles& p, GridState& g, co
   map_points(p, g, tractions, gravity, time, threads);
   take_means(g, gravity, time, 0, threads);
   std::vector<Vec2> flow(p.size(), Vec2::Zero());
-  for_pieces(g, threads, [&](Range range, std::size_t) {
+  for_flowing(g, threads, [&](Range range, std::size_t) {
     for_points_of(g, range, [&](std::uint32_t k) {
       if (!flows(p, k)) return;
       const InElement in = element_of(p, g, k);

@@ -20,6 +20,14 @@ namespace {
 constexpr double full_but_for = 1e-12;  // of the pores
 constexpr double off_edge = 1e-9;       // cells: so that every node of an element sees its points
 
+// What a node at which water stands gives a point beside it that is not full, beyond what that takes by its wet share: by that alone,
+// dry soil would stay dry. Over the volume, the rate in a cell and time.
+template <class Point>
+double drawn(const Point& at, int c, const PoreFrontNode& node) {
+  if (!node.given || node.seeps) return 0;
+  return at.w[c] * at.mobility * (at.reached(node.potential) - at.share) * std::max(0.0, node.potential - at.potential);
+}
+
 }  // namespace
 
 // rho g b of a point, Pa.
@@ -101,7 +109,7 @@ std::vector<Vec2> PoreWater::flow_in_front(const Particles& p, GridState& g, con
   map_front(p, g, tractions, gravity, time, threads);
   give_front(g, gravity, time, threads);
   std::vector<Vec2> flow(p.size(), Vec2::Zero());
-  for_pieces(g, threads, [&](Range range, std::size_t) {
+  for_flowing(g, threads, [&](Range range, std::size_t) {
     for_points_of(g, range, [&](std::uint32_t k) {
       if (flows(p, k)) flow[k] = darcy_in_front(front_point(p, g, k, gravity), g);
     });
@@ -207,6 +215,7 @@ void PoreWater::add_front(const Particles& p, GridState& g, const Vec2& gravity,
         node.unseen += at.w[c] * at.volume * at.share * (at.strain - strained);
         node.room += at.w[c] * at.volume * (node.known() ? at.reached(node.potential) : at.share);
         if (node.known()) node.restore += at.w[c] / known * at.volume * at.mobility * at.share * lack;
+        node.restore += at.volume * drawn(at, c, node);
       }
     });
   });
@@ -255,8 +264,8 @@ double PoreWater::collapse(Particles& p, std::size_t k, const PoreSoil& soil) co
 // What the water lost of its potential energy, and the skeleton by collapse.
 PoreFlow PoreWater::change_behind_front(Particles& p, GridState& g, const Vec2& gravity, double dt, int threads) {
   const double rate_dt = rate_in_cell(g) * dt;
-  std::vector<PoreFlow> parts(g.active.pieces.size());
-  for_pieces(g, threads, [&](Range range, std::size_t piece) {
+  std::vector<PoreFlow> parts(g.active.flowing.size());
+  for_flowing(g, threads, [&](Range range, std::size_t piece) {
     PoreFlow sum;
     for_points_of(g, range, [&](std::uint32_t k) {
       if (flows(p, k)) {
@@ -266,7 +275,7 @@ PoreFlow PoreWater::change_behind_front(Particles& p, GridState& g, const Vec2& 
           const PoreFrontNode& node = front_[at.at[c]];
           fed += at.w[c] * (node.strained + node.unseen);
           const double reach = node.change > 0 ? (node.known() ? at.reached(node.potential) : node.seeps ? 1 : at.share) : at.share;
-          flowed += at.w[c] * reach * node.change;
+          flowed += at.w[c] * reach * node.change + rate_dt * drawn(at, c, node);
         }
         p.content[k] += p.J[k] * at.share * (at.strain - fed);
         const double before = potential_in_pores(p, k, filled(p, k), gravity), more = p.J[k] * flowed;

@@ -201,8 +201,8 @@ PoreFlow PoreWater::flow_projected(Particles& p, GridState& g, const Tractions& 
   const PointView points = p.view();
   const PoreView pores = view(p, gravity);
   const CellView cells = g.view();
-  std::vector<PoreLosses> parts(g.active.pieces.size());
-  for_pieces(g, threads, [&](Range range, std::size_t piece) {
+  std::vector<PoreLosses> parts(g.active.flowing.size());
+  for_flowing(g, threads, [&](Range range, std::size_t piece) {
     parts[piece] = project_points_lanes(g.centred, points, pores, cells, f, s.direction, range);
   });
   sums.yielded = sums.external;

@@ -351,6 +351,8 @@ inline constexpr double least_share = 0.25;  // of a node's volume inside the ma
 // fills lets no water through. The material's surface is where one of those that count is empty, as all beyond the domain are.
 template <class Holds>
 bool PoreWater::at_surface(const GridState& g, std::size_t n, double volume, double time, Holds&& holds) const {
+  const std::vector<std::uint32_t>& partial = g.active.partial;  // material goes on there, asleep
+  if (!partial.empty() && std::binary_search(partial.begin(), partial.end(), std::uint32_t(n))) return false;
   const auto row = std::size_t(g.grid.nx);
   const int i = int(n % row), j = int(n % g.field_nodes() / row);
   const std::uint8_t walls = g.sides[n];

@@ -14,10 +14,21 @@ std::string shortest(double value) {
 
 }  // namespace
 
+namespace {
+
+// Just below a whole number.
+bool excludes_max(const OptionInfo& info) {
+  const double whole = std::round(info.max);
+  return info.max < whole && std::nextafter(info.max, whole) == whole;
+}
+
+}  // namespace
+
 std::string range_text(const OptionInfo& info) {
   const bool low = std::isfinite(info.min), high = std::isfinite(info.max);
   const std::string above = info.above_min ? "more than " : "at least ";
   if (low && high && !info.above_min) return shortest(info.min) + " to " + shortest(info.max);
+  if (low && high && excludes_max(info)) return above + shortest(info.min) + " and less than " + shortest(std::round(info.max));
   if (low && high) return above + shortest(info.min) + " and at most " + shortest(info.max);
   if (low) return above + shortest(info.min);
   if (high) return "at most " + shortest(info.max);

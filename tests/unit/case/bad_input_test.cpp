@@ -68,7 +68,7 @@ TEST(BadInput, WaterGoesWithPores) {
   EXPECT_EQ(refusal(wet), "c.toml:11: material.a.porosity" + given);
   EXPECT_EQ(refusal(dry + "[boundary.b]\nline_m = [[0,0],[1,0]]\nflux_m_s = 1\n"), "c.toml:14: boundary.b.flux_m_s" + given);
   EXPECT_EQ(refusal(soil + "porosity = 1.3\n[water]\n"), "c.toml:11: material.a.porosity: found 1.3, expected more than 0 and less than 1");
-  EXPECT_EQ(refusal(soil + "porosity = 1.0\n[water]\n"), "c.toml:11: material.a.porosity: found 1, expected more than 0 and less than 1");
+  EXPECT_EQ(refusal(soil + "porosity = 1.0\n[water]\n"), "c.toml:11: material.a.porosity: found 1.0, expected more than 0 and less than 1");
   EXPECT_EQ(refusal(wet + "grain_density_kg_m3 = 500\n[water]\n"),
             "c.toml:13: material.a.grain_density_kg_m3: found 500, expected more than water.density_kg_m3, 1000 (lighter grains float)");
   EXPECT_EQ(refusal("[mpm]\nend_s = 1\n[material.a]\nmodel = 'water'\nbulk_pa = 1e6\nyoung_pa = 1e6\ndensity_kg_m3 = 1000\n"),

@@ -55,6 +55,22 @@ TEST(Pressures, OfOtherParticlesAreThoseAtTheSamePlace) {
   EXPECT_NEAR(metric(c, "pressure_max").value, 50, 0.01);
 }
 
+// By coarser grids each metric of pressures has its own u_num; it is no u_val, since what the first is uncertain by is not known.
+TEST(Pressures, HaveAPartFromTheNumerics) {
+  const ParticleSet set = particles_at(square_lattice(6, 5, 1), 1);
+  const auto by = [&](const std::string& name, double more) {
+    return wet(name, set, {0, 1}, [=](const Vec2& x, double) { return 1000 * x.y() + more; });
+  };
+  const MotionMemory first = by("a", 0), second = by("b", 50), coarser = by("c", 58), coarsest = by("d", 58 + 8 * 1.3 * 1.3);
+  SilentProgress progress;
+  const Comparison one = compare(first, second, {}, {}, progress, Refinement{{&coarser}, 1.3});
+  EXPECT_NE(metric(one, "pressure_rms").definition.find("with u_num = 8 (change from one coarser grid"), std::string::npos) << metric(one, "pressure_rms").definition;
+  const Comparison two = compare(first, second, {}, {}, progress, Refinement{{&coarser, &coarsest}, 1.3});
+  for (const char* name : {"pressure_rms", "pressure_bias", "pressure_max_final"})
+    EXPECT_NE(metric(two, name).definition.find("(GCI of three grids, order 2)"), std::string::npos) << metric(two, name).definition;
+  EXPECT_NE(metric(two, "pressure_rms").verdict, Verdict::not_distinguishable);
+}
+
 TEST(Pressures, AreNoMetricsWhereOneDoesNotKnowThem) {
   const ParticleSet set = particles_at(square_lattice(4, 3, 1), 1);
   const Comparison c = compared(motion_of("a", set, {0, 1}, at_rest), wet("b", set, {0, 1}, [](const Vec2&, double) { return 7.0; }));

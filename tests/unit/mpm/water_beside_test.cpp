@@ -149,6 +149,7 @@ TEST(WaterBeside, ExcavationOpensTheSoilBelow) {
   s.water->level_m = c.height;
   MpmOptions o = options_of(c);
   o.initial_equilibrium = true;
+  o.equilibrium_tolerance = 1e-3;  // (at perfect rest each of 33,000 steps rounds alike, 5e-17 of the water)
   Solver solver(o, s, 1);
   solver.find_initial_equilibrium(silent);
   const EnergyRow start = solver.energy();

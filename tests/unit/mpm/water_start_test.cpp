@@ -246,5 +246,36 @@ TEST(WaterStart, PoresThatCloseEndTheRun) {
   }
 }
 
+// A level that rises past a pervious base wets what was wholly dry, and books what comes in.
+TEST(WaterStart, RisesIntoDrySoil) {
+  WaterColumn c;
+  c.height = 0.1;
+  c.cells = 5;
+  c.load = 0;
+  c.gravity = 9.81;
+  c.permeability = 1e-2;
+  c.bulk = 1e6;
+  for (const ShapeKind shape : {ShapeKind::bilinear, ShapeKind::bspline}) {
+    c.shape = shape;
+    Scene s = scene_of(c);
+    s.water->level_history = {{0, -0.02}, {0.1, 0.14}};
+    s.boundaries[0].second.drained = true;
+    MpmOptions o = options_of(c);
+    o.initial_equilibrium = true;
+    o.pressure = std::nullopt;
+    Solver solver(o, s, 1);
+    solver.find_initial_equilibrium(silent);
+    EXPECT_EQ(solver.energy().water_mass, 0);
+    solver.advance_to(1.0, silent);
+    const MotionFrame f = solver.frame();
+    for (std::size_t k = 0; k < f.u.size(); ++k) {
+      const double p = 9810 * (0.14 - s.particles.x0[k].y() - double(f.u[k][1]));
+      EXPECT_NEAR(double(f.field("pressure")(k, 0)), p, 0.02 * 9810 * 0.14) << name_of(shape);
+    }
+    EXPECT_NEAR(solver.energy().water_mass, solver.energy().water_inflow, 1e-12 * solver.energy().water_inflow);
+    EXPECT_GT(solver.energy().water_mass, 0.9 * c.porosity * 1000 * c.height * c.across * c.spacing());
+  }
+}
+
 }  // namespace
 }  // namespace pivnp::mpm
