@@ -84,7 +84,11 @@ void RigidBodies::find_points_under(const Body& body, double time, const Particl
   const Mat2 back{{std::cos(body.angle), std::sin(body.angle)}, {-std::sin(body.angle), std::cos(body.angle)}};
   layer_.add(p, g, low, high, [&](const Vec2& x, const Mat2& halves, std::vector<UnderPiece>& list) {
     body.pieces_over(body.place_at_time_0(x, time), back * halves, deepest_layer * spacing_, list);
-    for (UnderPiece& u : list) u.normal = body.turned(u.normal);
+    for (UnderPiece& u : list) {
+      // (About the axis the field falls with the radius about that as well.)
+      if (g.axisymmetric && !body.polygon) u.share *= std::max(0.0, x.x() - u.depth * u.normal.x()) / x.x();
+      u.normal = body.turned(u.normal);
+    }
   });
 }
 

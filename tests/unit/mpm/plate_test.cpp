@@ -91,21 +91,22 @@ TEST(Plates, ContactBeginsAtTheFaceAndDoesNotDrift) {
     }
 }
 
-// A smooth circle of so many cells' radius goes down from a cell above elastic ground; its force a metre at travels of so many radii.
-std::vector<double> pressed_by_circle(double cells, const std::vector<double>& travels) {
+// A smooth circle (a sphere on the axis) of so many cells' radius goes down from a cell above elastic ground; its force a metre (a radian)
+// at travels of so many radii.
+std::vector<double> pressed_by_circle(double cells, const std::vector<double>& travels, bool sphere = false) {
   constexpr double radius = 0.04, face = 0.12, speed = 0.2;
-  const double h = radius / cells;
-  Scene s = scene(Grid{{0, 0}, {h, h}, int(std::lround(0.24 / h)) + 1, int(std::lround(0.24 / h)) + 1},
-                  {rectangle("soil", 0, 0, 0.24, face)}, {elastic(1e6, 0.3, 1000)});
-  s.boundaries = {{"base", line({0, 0}, {0.24, 0}, "fixed")},
-                  {"left", line({0, 0}, {0, 0.24}, "roller")},
-                  {"right", line({0.24, 0}, {0.24, 0.24}, "roller")}};
+  const double h = radius / cells, wide = sphere ? 0.12 : 0.24;
+  Scene s = scene(Grid{{0, 0}, {h, h}, int(std::lround(wide / h)) + 1, int(std::lround(0.24 / h)) + 1},
+                  {rectangle("soil", 0, 0, wide, face)}, {elastic(1e6, 0.3, 1000)});
+  s.boundaries = {{"base", line({0, 0}, {wide, 0}, "fixed")}, {"right", line({wide, 0}, {wide, 0.24}, "roller")}};
+  if (!sphere) s.boundaries.push_back({"left", line({0, 0}, {0, 0.24}, "roller")});
   RigidOptions circle;
-  circle.circle_m = {0.12, face + radius + h, radius};
+  circle.circle_m = {sphere ? 0 : 0.12, face + radius + h, radius};
   circle.velocity_m_s = {0, -speed};
   circle.friction = 0;
   s.bodies = {{"circle", circle}};
   MpmOptions o = options();
+  if (sphere) o.geometry = Geometry::axisymmetric;
   o.initial_equilibrium = false;
   o.end_at_rest = false;
   Solver solver(o, s, 1);
@@ -132,6 +133,21 @@ TEST(Circles, MeetTheFaceWhereItIs) {
     for (const std::size_t early : {0u, 1u}) EXPECT_LT(std::abs(found[k][early]), 1e-3 * std::abs(found[k][3])) << k;
   const double slope = (found[1][3] - found[1][2]) / (travels[3] - travels[2]);  // N/m a radius
   for (const std::size_t at : {2u, 3u}) EXPECT_NEAR(found[0][at], found[1][at], std::abs(slope) * 0.02 / 4) << travels[at];
+}
+
+// A sphere on the axis as well, down to the piece beside the axis: it goes in as far within .06 of the coarse cell. (A field that falls
+// with the distance from its centre alone found no layer there, and pressed before it touched.)
+TEST(Circles, SpheresMeetTheFaceToo) {
+  const std::vector<double> travels = {-0.06, -0.03, 0.1, 0.2, 0.28};
+  std::vector<std::vector<double>> found;
+  for (const double cells : {4.0, 8.0}) found.push_back(pressed_by_circle(cells, travels, true));
+  for (std::size_t k = 0; k < found.size(); ++k)
+    for (const std::size_t early : {0u, 1u}) EXPECT_LT(std::abs(found[k][early]), 1e-3 * found[k][4]) << k;
+  for (const std::size_t at : {2u, 3u, 4u}) {
+    const std::size_t to = std::max<std::size_t>(at, 3);
+    const double slope = (found[1][to] - found[1][to - 1]) / (travels[to] - travels[to - 1]);  // N a radian and radius
+    EXPECT_NEAR(found[0][at], found[1][at], slope * 0.06 / 4) << travels[at];
+  }
 }
 
 TEST(Plates, BitsDependOnNeitherThreadsNorRestarts) {
