@@ -35,6 +35,7 @@ double wave_reading_error(ShapeFunctions shape, double steepness);
 class ReadingErrors {
  public:
   static constexpr double shared_spacings = 9;  // measured: sequences of known motion, nodes a quarter of the window apart
+  static constexpr double path_spacings = 0.9;  // what passes the smoothing has that wavenumber, rms (7.0 to 7.6 px of 8)
   static constexpr int smoothed_together = 64;   // pairs
 
   explicit ReadingErrors(ShapeFunctions shape);

@@ -6,6 +6,7 @@
 
 #include "pivnp/piv/dense/lattice_filter.hpp"
 #include "pivnp/piv/dense/lost.hpp"
+#include "pivnp/piv/dense/quality.hpp"
 #include "pivnp/piv/dense/restored.hpp"
 
 namespace pivnp::piv {
@@ -70,15 +71,16 @@ void JointSmoothing::smooth_departure(const Components& value, const Field& base
 
 // Adds what is left of value - base after shrinkage to the base, and `pairs_sharing` times its variance to the
 // variance: an error that as many pairs share adds up along paths, and their errors are summed as if independent. Of
-// what smoothing has lost, only what larger groups have not shown already. `first`: of these pairs.
+// what smoothing has lost, only what larger groups have not shown already. `first`: of these pairs. `asked`: so many groups
+// of this size ask along a path; one in a hundred of all of them is to be told wrongly that something is lost.
 JointSmoothing::Field JointSmoothing::shrunk(const Components& value, const Field& base, float caution,
-                                             float pairs_sharing, float first) const {
+                                             float pairs_sharing, float first, float asked) const {
   Field out = base;
   SmoothedField smooth;
   std::vector<float> off(lattice_.size()), lost;
   for (const auto part : {&Components::u, &Components::v}) {
     for (std::size_t k = 0; k < off.size(); ++k) off[k] = (value.*part)[k] - (base.value.*part)[k];
-    shrinker_->run(off, wanted_, threads_, smooth, caution);
+    shrinker_->run(off, wanted_, threads_, smooth, caution, true);
     for (std::size_t k = 0; k < off.size(); ++k) {
       (out.value.*part)[k] += smooth.value[k];
       (out.variance.*part)[k] += pairs_sharing * smooth.variance[k];
@@ -86,7 +88,7 @@ JointSmoothing::Field JointSmoothing::shrunk(const Components& value, const Fiel
       (out.shared_from.*part)[k] += first * smooth.variance[k];
       off[k] -= smooth.value[k];
     }
-    lost_variance(lattice_, off, wanted_, threads_, lost);
+    lost_variance(lattice_, off, wanted_, threads_, lost, std::sqrt(clear_of_noise * clear_of_noise + 2 * std::log(asked)));
     for (std::size_t k = 0; k < off.size(); ++k) {
       const float more = std::max(0.0f, lost[k] - (base.lost.*part)[k]);
       (out.variance.*part)[k] += pairs_sharing * more;
@@ -113,7 +115,7 @@ void JointSmoothing::depart_smoothly(const Field& base, const std::vector<std::u
 // Pairs begin ... end - 1, of which `base` is known on the reference lattice.
 void JointSmoothing::divide(std::vector<HeldPair>& held, std::size_t begin, std::size_t end, const Field& base) const {
   if (end - begin == 1) {
-    finish_pair(held[begin], begin, held.size(), base);
+    finish_pair(held, begin, base);
     return;
   }
   Components mean, about;
@@ -146,7 +148,8 @@ void JointSmoothing::divide(std::vector<HeldPair>& held, std::size_t begin, std:
       restore_measured(lattice_, better.*part, about.*part, most, threads_, restored.*part);
     depart_smoothly(base, most, restored);
   }
-  const Field field = shrunk(restored, base, caution, static_cast<float>(end - begin), static_cast<float>(begin));
+  const Field field = shrunk(restored, base, caution, static_cast<float>(end - begin), static_cast<float>(begin),
+                             static_cast<float>(held.size()) / static_cast<float>(end - begin));
   const std::size_t parts = std::min<std::size_t>(branches, end - begin);
   for (std::size_t part = 0; part < parts; ++part)
     divide(held, begin + (end - begin) * part / parts, begin + (end - begin) * (part + 1) / parts, field);
@@ -206,8 +209,27 @@ Components JointSmoothing::rim_bias(const HeldPair& pair) const {
   return out;
 }
 
+// What a pair's own departure adds to the variance of the sum with those before, share of its own variance, 0 ... 1. The frame
+// that two pairs share enters one with a plus and the other with a minus, and departures from the mean of a part sum to nothing
+// over the part: neighbours that correlate by -1/2 add nothing.
+float JointSmoothing::cancelled(const HeldPair& pair, const HeldPair* before) const {
+  if (before == nullptr || before->own.u.empty()) return 1;
+  double both = 0, squares = 0;
+  for (std::size_t k = 0; k < lattice_.size(); ++k) {
+    if (!pair.trusted[k] || !before->trusted[k]) continue;
+    for (const auto part : {&Components::u, &Components::v}) {
+      const double a = double((pair.own.*part)[k]), b = double((before->own.*part)[k]);
+      both += a * b, squares += 0.5 * (a * a + b * b);
+    }
+  }
+  return squares > 0 ? static_cast<float>(std::clamp(1 + 2 * both / squares, 0.0, 1.0)) : 1.0f;
+}
+
 // The pair's own departure from what its group says, on its own lattice.
-void JointSmoothing::finish_pair(HeldPair& pair, std::size_t place, std::size_t pairs, const Field& group_field) const {
+void JointSmoothing::finish_pair(std::vector<HeldPair>& held, std::size_t place, const Field& group_field) const {
+  HeldPair& pair = held[place];
+  HeldPair* const previous = place > 0 ? &held[place - 1] : nullptr;
+  const std::size_t pairs = held.size();
   const auto doubled = static_cast<float>(2 * place + 1);
   Components along;  // what the pair adds to the variance of a path from the first pair on
   along.resize(lattice_.size());
@@ -252,11 +274,16 @@ void JointSmoothing::finish_pair(HeldPair& pair, std::size_t place, std::size_t 
   });
   Components own = pair.measured;
   depart_smoothly(base, pair.trusted, own);
-  Field change = shrunk(own, base, 1, 1, 0);
+  Field change = shrunk(own, base, 1, 1, 0, static_cast<float>(pairs));
   const std::vector<float> share = steady_share(pair, base, change);
+  pair.own = change.value;
+  for (const auto part : {&Components::u, &Components::v})
+    for (std::size_t k = 0; k < lattice_.size(); ++k) (pair.own.*part)[k] -= (base.value.*part)[k];
+  const float adds = cancelled(pair, previous);
+  if (previous != nullptr) previous->own = {};
   for (std::size_t k = 0; k < lattice_.size(); ++k) {
-    along.u[k] = share[k] * (along.u[k] + change.variance.u[k] - base.variance.u[k] - pair.variance.u[k]);
-    along.v[k] = share[k] * (along.v[k] + change.variance.v[k] - base.variance.v[k] - pair.variance.v[k]);
+    along.u[k] = share[k] * (along.u[k] + adds * (change.variance.u[k] - base.variance.u[k]) - pair.variance.u[k]);
+    along.v[k] = share[k] * (along.v[k] + adds * (change.variance.v[k] - base.variance.v[k]) - pair.variance.v[k]);
     change.value.u[k] = share[k] * (change.value.u[k] - pair.smooth.u[k]);
     change.value.v[k] = share[k] * (change.value.v[k] - pair.smooth.v[k]);
     change.variance.u[k] = share[k] * (change.variance.u[k] - pair.variance.u[k]);
@@ -270,6 +297,11 @@ void JointSmoothing::finish_pair(HeldPair& pair, std::size_t place, std::size_t 
   const auto all = static_cast<float>(pairs);
   const auto d = static_cast<float>(decimation_);
   const auto& pixel = pair.camera ? pair.camera->pixel : nodes_.pixel;
+  // Pairs that move alike err alike by interpolation.
+  const auto interpolation = [&](float moved) {
+    const float off = interpolation_bias(decimation_) * std::sin(static_cast<float>(M_PI) * moved / d);
+    return off * off;
+  };
   for (std::size_t n = 0; n < pixel.size(); ++n) {
     auto& displacement = pair.vectors.displacement[n];
     if (!std::isfinite(displacement[0])) continue;
@@ -286,7 +318,8 @@ void JointSmoothing::finish_pair(HeldPair& pair, std::size_t place, std::size_t 
     auto& cov = pair.vectors.cov[n];
     const std::array<float, 2> before{cov[0], cov[1]};
     const float path = std::max(0.0f, cov[0] + d * d * along.u[k]) + std::max(0.0f, cov[1] + d * d * along.v[k]) +
-                       doubled * d * d * (rim.u[k] * rim.u[k] + rim.v[k] * rim.v[k]);
+                       doubled * d * d * (rim.u[k] * rim.u[k] + rim.v[k] * rim.v[k]) +
+                       (doubled - 1) * (interpolation(displacement[0]) + interpolation(displacement[1]));
     // What else the covariance holds (truncation, interpolation) stays.
     cov[0] += d * d * change.variance.u[k], cov[1] += d * d * change.variance.v[k];
     cov[2] *= std::sqrt(cov[0] / before[0] * (cov[1] / before[1]));

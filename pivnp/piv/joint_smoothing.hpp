@@ -30,6 +30,7 @@ struct HeldPair {
   Components on_paths;  // `measured` where the material of the reference lattice is, `smooth` where it is not trusted
   Components about;     // `smooth` there, about which it was measured
   std::vector<Source> known;  // of these
+  Components own;             // departure from its group that was kept, until the next pair has seen it
   Components path;            // place of that material at the vectors' instant, pixels of the level
   std::optional<CameraStep> camera;
 };
@@ -63,12 +64,14 @@ class JointSmoothing {
   void find_paths(std::vector<HeldPair>& held) const;
   void follow(HeldPair& pair, float sign, Components& place) const;
   void smooth_departure(const Components& value, const Field& base, float caution, Components& out) const;
-  Field shrunk(const Components& value, const Field& base, float caution, float pairs_sharing, float first) const;
+  Field shrunk(const Components& value, const Field& base, float caution, float pairs_sharing, float first,
+               float asked) const;
   void depart_smoothly(const Field& base, const std::vector<std::uint8_t>& known, Components& values) const;
   void divide(std::vector<HeldPair>& held, std::size_t begin, std::size_t end, const Field& base) const;
   std::vector<float> steady_share(const HeldPair& pair, const Field& base, const Field& own) const;
   Components rim_bias(const HeldPair& pair) const;
-  void finish_pair(HeldPair& pair, std::size_t place, std::size_t pairs, const Field& group_field) const;
+  float cancelled(const HeldPair& pair, const HeldPair* before) const;
+  void finish_pair(std::vector<HeldPair>& held, std::size_t place, const Field& group_field) const;
 
   NodeLattice nodes_;
   Anchor anchor_;
