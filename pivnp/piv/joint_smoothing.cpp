@@ -71,10 +71,9 @@ void JointSmoothing::smooth_departure(const Components& value, const Field& base
 
 // Adds what is left of value - base after shrinkage to the base, and `pairs_sharing` times its variance to the
 // variance: an error that as many pairs share adds up along paths, and their errors are summed as if independent. Of
-// what smoothing has lost, only what larger groups have not shown already. `first`: of these pairs. `asked`: so many groups
-// of this size ask along a path; one in a hundred of all of them is to be told wrongly that something is lost.
+// what smoothing has lost, only what larger groups have not shown already. `first`: of these pairs.
 JointSmoothing::Field JointSmoothing::shrunk(const Components& value, const Field& base, float caution,
-                                             float pairs_sharing, float first, float asked) const {
+                                             float pairs_sharing, float first) const {
   Field out = base;
   SmoothedField smooth;
   std::vector<float> off(lattice_.size()), lost;
@@ -88,7 +87,7 @@ JointSmoothing::Field JointSmoothing::shrunk(const Components& value, const Fiel
       (out.shared_from.*part)[k] += first * smooth.variance[k];
       off[k] -= smooth.value[k];
     }
-    lost_variance(lattice_, off, wanted_, threads_, lost, std::sqrt(clear_of_noise * clear_of_noise + 2 * std::log(asked)));
+    lost_variance(lattice_, off, wanted_, threads_, lost);
     for (std::size_t k = 0; k < off.size(); ++k) {
       const float more = std::max(0.0f, lost[k] - (base.lost.*part)[k]);
       (out.variance.*part)[k] += pairs_sharing * more;
@@ -148,8 +147,7 @@ void JointSmoothing::divide(std::vector<HeldPair>& held, std::size_t begin, std:
       restore_measured(lattice_, better.*part, about.*part, most, threads_, restored.*part);
     depart_smoothly(base, most, restored);
   }
-  const Field field = shrunk(restored, base, caution, static_cast<float>(end - begin), static_cast<float>(begin),
-                             static_cast<float>(held.size()) / static_cast<float>(end - begin));
+  const Field field = shrunk(restored, base, caution, static_cast<float>(end - begin), static_cast<float>(begin));
   const std::size_t parts = std::min<std::size_t>(branches, end - begin);
   for (std::size_t part = 0; part < parts; ++part)
     divide(held, begin + (end - begin) * part / parts, begin + (end - begin) * (part + 1) / parts, field);
@@ -274,7 +272,7 @@ void JointSmoothing::finish_pair(std::vector<HeldPair>& held, std::size_t place,
   });
   Components own = pair.measured;
   depart_smoothly(base, pair.trusted, own);
-  Field change = shrunk(own, base, 1, 1, 0, static_cast<float>(pairs));
+  Field change = shrunk(own, base, 1, 1, 0);
   const std::vector<float> share = steady_share(pair, base, change);
   pair.own = change.value;
   for (const auto part : {&Components::u, &Components::v})

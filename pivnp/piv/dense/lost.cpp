@@ -10,6 +10,7 @@ namespace {
 
 constexpr int beside = 2;
 constexpr std::array reaches{4, 8, 16};  // points to either side
+constexpr float clear = 3.5f;  // standard errors
 constexpr float most_off = 2;      // level pixels that noise or a smoothed band may be off by; more is a wrong match, or air
 
 struct Direction {
@@ -71,7 +72,7 @@ class Lines {
 
 // By the means over lines of 2 reach + 1 points in one direction.
 void lost_along(const CellLattice& lattice, const Lines& lines, const Direction& along, int reach, int threads,
-                float clear, std::vector<float>& variance) {
+                std::vector<float>& variance) {
   const float count = static_cast<float>(2 * reach + 1);
   std::vector<float> mean, square;
   lines.average(reach, threads, mean, square);
@@ -104,11 +105,11 @@ void lost_along(const CellLattice& lattice, const Lines& lines, const Direction&
 }  // namespace
 
 void lost_variance(const CellLattice& lattice, const std::vector<float>& off, const std::vector<std::uint8_t>& wanted,
-                   int threads, std::vector<float>& variance, float clear) {
+                   int threads, std::vector<float>& variance) {
   variance.assign(lattice.size(), 0.0f);
   for (const Direction& along : directions) {
     const Lines lines(lattice, off, wanted, along);
-    for (const int reach : reaches) lost_along(lattice, lines, along, reach, threads, clear, variance);
+    for (const int reach : reaches) lost_along(lattice, lines, along, reach, threads, variance);
   }
 }
 

@@ -8,8 +8,6 @@
 
 namespace pivnp::piv {
 
-inline constexpr float clear_of_noise = 3.5f;  // standard errors
-
 /// Square of the bias that smoothing leaves at each point of a lattice, 0 where none can be told from noise. `off`: the
 /// values before smoothing minus those after it. Noise, as cells with hat weights show it (neighbours correlate by 1/4), has
 /// no lasting sign along any line; a band whose waves were too short or too weak for shrinkage to keep has one along itself.
@@ -18,8 +16,7 @@ inline constexpr float clear_of_noise = 3.5f;  // standard errors
 /// side. So less than one point in a hundred of a field of noise alone is given a bias. Points that are not `wanted` (empty:
 /// all are) take no part. A bias that changes its sign within nine points is not seen.
 /// Lines end at values off by more than 2 px, which are wrong matches.
-/// `clear`: these standard errors; more where one place is asked about more than once.
 void lost_variance(const CellLattice& lattice, const std::vector<float>& off, const std::vector<std::uint8_t>& wanted,
-                   int threads, std::vector<float>& variance, float clear = clear_of_noise);
+                   int threads, std::vector<float>& variance);
 
 }  // namespace pivnp::piv
