@@ -115,7 +115,7 @@ void JointSmoothing::depart_smoothly(const Field& base, const std::vector<std::u
 // Pairs begin ... end - 1, of which `base` is known on the reference lattice.
 void JointSmoothing::divide(std::vector<HeldPair>& held, std::size_t begin, std::size_t end, const Field& base) const {
   if (end - begin == 1) {
-    finish_pair(held, begin, base);
+    finish_pair(held[begin], begin, held.size(), base);
     return;
   }
   Components mean, about;
@@ -208,27 +208,8 @@ Components JointSmoothing::rim_bias(const HeldPair& pair) const {
   return out;
 }
 
-// What a pair's own departure adds to the variance of the sum with those before, share of its own variance, 0 ... 1. The frame
-// that two pairs share enters one with a plus and the other with a minus, and departures from the mean of a part sum to nothing
-// over the part: neighbours that correlate by -1/2 add nothing.
-float JointSmoothing::cancelled(const HeldPair& pair, const HeldPair* before) const {
-  if (before == nullptr || before->own.u.empty()) return 1;
-  double both = 0, squares = 0;
-  for (std::size_t k = 0; k < lattice_.size(); ++k) {
-    if (!pair.trusted[k] || !before->trusted[k]) continue;
-    for (const auto part : {&Components::u, &Components::v}) {
-      const double a = double((pair.own.*part)[k]), b = double((before->own.*part)[k]);
-      both += a * b, squares += 0.5 * (a * a + b * b);
-    }
-  }
-  return squares > 0 ? static_cast<float>(std::clamp(1 + 2 * both / squares, 0.0, 1.0)) : 1.0f;
-}
-
 // The pair's own departure from what its group says, on its own lattice.
-void JointSmoothing::finish_pair(std::vector<HeldPair>& held, std::size_t place, const Field& group_field) const {
-  HeldPair& pair = held[place];
-  HeldPair* const previous = place > 0 ? &held[place - 1] : nullptr;
-  const std::size_t pairs = held.size();
+void JointSmoothing::finish_pair(HeldPair& pair, std::size_t place, std::size_t pairs, const Field& group_field) const {
   const auto doubled = static_cast<float>(2 * place + 1);
   Components along;  // what the pair adds to the variance of a path from the first pair on
   along.resize(lattice_.size());
@@ -275,14 +256,9 @@ void JointSmoothing::finish_pair(std::vector<HeldPair>& held, std::size_t place,
   depart_smoothly(base, pair.trusted, own);
   Field change = shrunk(own, base, 1, 1, 0, pairs >= restored_from);
   const std::vector<float> share = steady_share(pair, base, change);
-  pair.own = change.value;
-  for (const auto part : {&Components::u, &Components::v})
-    for (std::size_t k = 0; k < lattice_.size(); ++k) (pair.own.*part)[k] -= (base.value.*part)[k];
-  const float adds = cancelled(pair, previous);
-  if (previous != nullptr) previous->own = {};
   for (std::size_t k = 0; k < lattice_.size(); ++k) {
-    along.u[k] = share[k] * (along.u[k] + adds * (change.variance.u[k] - base.variance.u[k]) - pair.variance.u[k]);
-    along.v[k] = share[k] * (along.v[k] + adds * (change.variance.v[k] - base.variance.v[k]) - pair.variance.v[k]);
+    along.u[k] = share[k] * (along.u[k] + change.variance.u[k] - base.variance.u[k] - pair.variance.u[k]);
+    along.v[k] = share[k] * (along.v[k] + change.variance.v[k] - base.variance.v[k] - pair.variance.v[k]);
     change.value.u[k] = share[k] * (change.value.u[k] - pair.smooth.u[k]);
     change.value.v[k] = share[k] * (change.value.v[k] - pair.smooth.v[k]);
     change.variance.u[k] = share[k] * (change.variance.u[k] - pair.variance.u[k]);

@@ -30,7 +30,6 @@ struct HeldPair {
   Components on_paths;  // `measured` where the material of the reference lattice is, `smooth` where it is not trusted
   Components about;     // `smooth` there, about which it was measured
   std::vector<Source> known;  // of these
-  Components own;             // departure from its group that was kept, until the next pair has seen it
   Components path;            // place of that material at the vectors' instant, pixels of the level
   std::optional<CameraStep> camera;
 };
@@ -70,8 +69,7 @@ class JointSmoothing {
   void divide(std::vector<HeldPair>& held, std::size_t begin, std::size_t end, const Field& base) const;
   std::vector<float> steady_share(const HeldPair& pair, const Field& base, const Field& own) const;
   Components rim_bias(const HeldPair& pair) const;
-  float cancelled(const HeldPair& pair, const HeldPair* before) const;
-  void finish_pair(std::vector<HeldPair>& held, std::size_t place, const Field& group_field) const;
+  void finish_pair(HeldPair& pair, std::size_t place, std::size_t pairs, const Field& group_field) const;
 
   NodeLattice nodes_;
   Anchor anchor_;
