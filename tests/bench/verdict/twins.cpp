@@ -173,9 +173,8 @@ fs::path Bench::simulated(const Scene& scene, const Soil& soil, int level) {
   return simulations_[key] = out / "record.h5";
 }
 
-fs::path Bench::measured(const Scene& scene, const Look& look) {
-  const fs::path out = folder_ / "measured" / (scene.name + "_" + std::to_string(look.seed));
-  if (reuse_ && fs::exists(out / "record.h5")) return out / "record.h5";
+// Frames that the scene's own soil moves; the case simulates `soil`.
+std::string Bench::drawn_case(const Scene& scene, const Look& look, const Soil& soil) {
   // A rim of two cells about the area.
   const double rim = 2 * cell_m;
   const int width = int(std::lround((scene.area_m[2] + 2 * rim) / pixel_m)),
@@ -184,7 +183,7 @@ fs::path Bench::measured(const Scene& scene, const Look& look) {
   std::ostringstream text;
   text << "[frames]\nrate_hz = " << scene.rate_hz << "\n[camera]\nmetres_per_pixel = " << pixel_m << "\norigin_px = [" << column0
        << ", " << row0 << "]\n[grid]\nspacing_px = 8\n" << area(scene) << "[piv]\nanchor = \"forward\"\n"
-       << world(scene, scene.soil) << "\n[synth]\nmotion = \"record\"\nrecord = \""
+       << world(scene, soil) << "\n[synth]\nmotion = \"record\"\nrecord = \""
        << simulated(scene, scene.soil).string() << ":mpm\"\nwidth_px = " << width << "\nheight_px = " << height
        << "\nframes = " << scene.frames << "\ngrains_deform = " << (look.grains_deform ? "true" : "false")
        << "\n[synth.texture]\nnoise = " << look.noise << "\nloss = " << look.loss << "\nseed = " << look.seed << "\n";
@@ -192,9 +191,22 @@ fs::path Bench::measured(const Scene& scene, const Look& look) {
     text << "kind = \"soil\"\ndensity_per_px = 0.2\nbackground = 0.45\npeak_min = 0.08\npeak_max = 0.28\n";
   else
     text << "density_per_px = 0.1\n";
-  const app::Case c = app::parse_case(text.str(), scene.name, fs::current_path());
+  return text.str();
+}
+
+fs::path Bench::measured(const Scene& scene, const Look& look) {
+  const fs::path out = folder_ / "measured" / (scene.name + "_" + std::to_string(look.seed));
+  if (reuse_ && fs::exists(out / "record.h5")) return out / "record.h5";
+  const app::Case c = app::parse_case(drawn_case(scene, look, scene.soil), scene.name, fs::current_path());
   app::run_case(c, in(out), app::Stages::track, progress_);
   return out / "record.h5";
+}
+
+std::vector<Metric> Bench::levelled(const Scene& scene, const Look& look, const Soil& soil) {
+  const std::string key = scene.name + "_" + std::to_string(look.seed) + "_" + digits(soil.friction_deg) + "_" + digits(soil.cohesion_pa);
+  app::Case c = app::parse_case(drawn_case(scene, look, soil), scene.name, fs::current_path());
+  c.compare.levelling = true;
+  return app::run_case(c, in(folder_ / "levelled" / key), app::Stages::all, progress_).metrics;
 }
 
 Comparison Bench::against(const Scene& scene, const fs::path& measured, const Soil& soil, int coarser) {
@@ -217,22 +229,25 @@ Said said(const Metric& m) {
 
 namespace {
 
-Said most_said(const Comparison& c, std::initializer_list<const char*> names) {
+constexpr std::initializer_list<const char*> of_displacement{
+    "displacement_rms_final", "displacement_bias_x_final", "displacement_bias_y_final", "displacement_field_rms", "displacement_field_x",
+    "displacement_field_y"};
+
+Said most_said(const std::vector<Metric>& metrics, std::initializer_list<const char*> names, const std::string& prefix = "") {
   Said most = Said::nothing;
   for (const char* name : names)
-    if (const Metric* m = find(c.metrics, name)) most = std::max(most, said(*m));
+    if (const Metric* m = find(metrics, prefix + name)) most = std::max(most, said(*m));
   return most;
 }
 
 }  // namespace
 
-Said said_of_displacement(const Comparison& c) {
-  return most_said(c, {"displacement_rms_final", "displacement_bias_x_final", "displacement_bias_y_final", "displacement_field_rms",
-                       "displacement_field_x", "displacement_field_y"});
-}
+Said said_of_displacement(const Comparison& c) { return most_said(c.metrics, of_displacement); }
+
+Said said_of_levelled_displacement(const std::vector<Metric>& metrics) { return most_said(metrics, of_displacement, "levelled_"); }
 
 Said said_of_strain(const Comparison& c) {
-  return most_said(c, {"strain_dev_rms_final", "strain_dev_bias_final", "strain_dev_field_rms", "strain_dev_field_mean",
+  return most_said(c.metrics, {"strain_dev_rms_final", "strain_dev_bias_final", "strain_dev_field_rms", "strain_dev_field_mean",
                        "strain_vol_rms_final", "strain_vol_bias_final", "strain_vol_field_rms", "strain_vol_field_mean"});
 }
 

@@ -58,8 +58,11 @@ class Bench {
   std::filesystem::path measured(const Scene& scene, const Look& look);
   /// That measurement against the simulation of a soil; `coarser`: with so many coarser grids for u_num.
   Comparison against(const Scene& scene, const std::filesystem::path& measured, const Soil& soil, int coarser = 0);
+  /// Metrics of the same frames against the simulation of a soil, measured as they are ([compare] levelling) and plain.
+  std::vector<Metric> levelled(const Scene& scene, const Look& look, const Soil& soil);
 
  private:
+  std::string drawn_case(const Scene& scene, const Look& look, const Soil& soil);
   std::filesystem::path simulated(const Scene& scene, const Soil& soil, int level = 0);
 
   std::filesystem::path folder_;
@@ -73,6 +76,8 @@ enum class Said { nothing, lost, distinguishable };
 Said said(const Metric& metric);
 /// Of the displacement at the end: its RMS, or its mean, plain and weighted.
 Said said_of_displacement(const Comparison& comparison);
+/// The same of levelled metrics.
+Said said_of_levelled_displacement(const std::vector<Metric>& metrics);
 /// Of strain at the end, deviatoric or volumetric: its RMS, or its mean, plain and weighted.
 Said said_of_strain(const Comparison& comparison);
 
