@@ -132,7 +132,6 @@ const std::vector<ElementError>& ReadingErrors::of(const Nodes<Real>& nodes, con
   // Pairs that are smoothed together share a part of their errors: n of them add up to n^2 times its variance.
   const double shared = (2 * std::min(nodes.step, smoothed_together) - 1) / (shared_spacings * shared_spacings * h * h);
   const auto per_variance =
-      nodes.path_factor != nullptr ? float(1 / (path_spacings * path_spacings * h * h)) :
       float(alike > 0 ? std::min(4.0 / 3 / (h * h), 2 / (alike * alike)) + shared : 4.0 / 3 / (h * h));
 #pragma omp parallel if (grid.node_count() > 4096)
   {
@@ -159,11 +158,11 @@ const std::vector<ElementError>& ReadingErrors::of(const Nodes<Real>& nodes, con
         const std::size_t n = std::size_t(row) * nx + i;
         ElementError& e = errors_[std::size_t(row) * (nx - 1) + i];
         e = {};
-        float both = 0;  // for the gradient
+        float both = 0;  // of a pair by itself, for the gradient, whose shared part has a measure of its own
         for (const std::size_t at : {n, n + 1, n + nx, n + nx + 1}) {
           const float along = 0.25f * (nodes.path_factor != nullptr ? nodes.path_factor[at] : 1.0f);
           e.uu += along * nodes.cov[at][0], e.vv += along * nodes.cov[at][1], e.uv += along * nodes.cov[at][2];
-          both += (nodes.path_factor != nullptr ? along : 0.25f) * (nodes.cov[at][0] + nodes.cov[at][1]);
+          both += 0.25f * nodes.cov[at][0] + 0.25f * nodes.cov[at][1];
           e.u += 0.25f * biases_[0][at], e.v += 0.25f * biases_[1][at];
         }
         if (degree_ > 1) take_polynomial_error(grid, int(i), int(row), e);

@@ -30,13 +30,11 @@ double wave_reading_error(ShapeFunctions shape, double steepness);
 /// The gradient's variance follows from that of the vectors: 4/3 C/h^2 for independent errors, the mean over a bilinear
 /// element, and 2 C/correlation_length^2 where errors are alike further than that.
 /// Where correlation_length is known, vectors are of a correlation that smooths: the part of the gradient's error that all
-/// pairs share, C/(shared_spacings h)^2 for each, adds up linearly, (2 step - 1) times at `step`. Where a pair states what it adds
-/// to a path (path_factor), the gradient's part of that is 1/(path_spacings h)^2 of it.
+/// pairs share, C/(shared_spacings h)^2 for each, adds up linearly, (2 step - 1) times at `step`.
 /// docs/theory/particles_error.md.
 class ReadingErrors {
  public:
-  static constexpr double shared_spacings = 9;  // measured: sequences of known motion, nodes a quarter of the window apart
-  static constexpr double path_spacings = 0.9;  // what passes the smoothing has that wavenumber, rms (7.0 to 7.6 px of 8)
+  static constexpr double shared_spacings = 5;  // measured: sequences of known motion, nodes a quarter of the window apart
   static constexpr int smoothed_together = 64;   // pairs
 
   explicit ReadingErrors(ShapeFunctions shape);
