@@ -112,15 +112,17 @@ void JointSmoothing::depart_smoothly(const Field& base, const std::vector<std::u
   }
 }
 
-// What is still missing where a group's field bends more sharply than cells show, to second order (a smoother takes off its
-// width squared times the Laplacian, and restoration does not bring back all). All pairs share it; a path's error alone.
-void JointSmoothing::state_bend(Field& field) const {
+// What is still missing where the field of a group of so many pairs bends more sharply than cells show, to second order
+// (a smoother takes off its width squared times the Laplacian, and restoration does not bring back all). All share it.
+void JointSmoothing::state_bend(float pairs, Field& field) const {
   constexpr float share = 1.0f / 16;  // of the Laplacian, cells squared: measured on bands of tanh
   each_point([&](int i, int j, std::size_t k) {
     if (i == 0 || j == 0 || i == lattice_.nx - 1 || j == lattice_.ny - 1) return;
     for (const auto part : {&Components::u, &Components::v}) {
       const std::vector<float>& f = field.value.*part;
-      const float missing = share * (f[k - 1] + f[k + 1] + f[lattice_.index(i, j - 1)] + f[lattice_.index(i, j + 1)] - 4 * f[k]);
+      const float above = f[lattice_.index(i, j - 1)], below = f[lattice_.index(i, j + 1)];
+      const float missing = share * (f[k - 1] + f[k + 1] + above + below - 4 * f[k]);
+      (field.variance.*part)[k] += pairs * missing * missing;
       (field.shared.*part)[k] += missing * missing;
     }
   });
@@ -164,7 +166,7 @@ void JointSmoothing::divide(std::vector<HeldPair>& held, std::size_t begin, std:
   }
   Field field = shrunk(restored, base, caution, static_cast<float>(end - begin), static_cast<float>(begin),
                        held.size() >= restored_from);
-  if (whole && held.size() >= restored_from) state_bend(field);
+  if (whole && held.size() >= restored_from) state_bend(static_cast<float>(end - begin), field);
   const std::size_t parts = std::min<std::size_t>(branches, end - begin);
   for (std::size_t part = 0; part < parts; ++part)
     divide(held, begin + (end - begin) * part / parts, begin + (end - begin) * (part + 1) / parts, field);
@@ -288,7 +290,7 @@ void JointSmoothing::finish_pair(HeldPair& pair, std::size_t place, std::size_t 
   const auto all = static_cast<float>(pairs);
   const auto d = static_cast<float>(decimation_);
   const auto& pixel = pair.camera ? pair.camera->pixel : nodes_.pixel;
-  // Pairs that move alike err alike by interpolation; along paths alone, since it has hardly any gradient.
+  // Pairs that move alike err alike by interpolation.
   const auto interpolation = [&](float moved) {
     const float off = interpolation_bias(decimation_) * std::sin(static_cast<float>(M_PI) * moved / d);
     return off * off;
@@ -307,15 +309,17 @@ void JointSmoothing::finish_pair(HeldPair& pair, std::size_t place, std::size_t 
     };
     const std::size_t k = lattice_.index(nearest(x, column(0), lattice_.nx), nearest(y, row(0), lattice_.ny));
     auto& cov = pair.vectors.cov[n];
-    const std::array<float, 2> before{cov[0], cov[1]};
+    const std::array<float, 2> before{cov[0], cov[1]},
+        alike{interpolation(displacement[0]), interpolation(displacement[1])};
     const float path = std::max(0.0f, cov[0] + d * d * along.u[k]) + std::max(0.0f, cov[1] + d * d * along.v[k]) +
                        doubled * d * d * (rim.u[k] * rim.u[k] + rim.v[k] * rim.v[k]) +
-                       (doubled - 1) * (interpolation(displacement[0]) + interpolation(displacement[1]));
+                       (doubled - 1) * (alike[0] + alike[1]);
     // What else the covariance holds (truncation, interpolation) stays.
     cov[0] += d * d * change.variance.u[k], cov[1] += d * d * change.variance.v[k];
     cov[2] *= std::sqrt(cov[0] / before[0] * (cov[1] / before[1]));
     cov[0] += all * d * d * rim.u[k] * rim.u[k], cov[1] += all * d * d * rim.v[k] * rim.v[k],
         cov[2] += all * d * d * rim.u[k] * rim.v[k];
+    cov[0] += (all - 1) * alike[0], cov[1] += (all - 1) * alike[1];
     if (const float factor = path / (cov[0] + cov[1]); std::isfinite(factor)) pair.vectors.path_factor[n] = factor;
   }
 }

@@ -34,12 +34,13 @@ void open_correction(const CellSums& sums, std::vector<float>& square);
 /// Whether a field has settled on what its windows show: their open correction and own variance, pixels of the level.
 bool settled(float square, float own, int decimation);
 
-/// Errors that no smoothing removes, px^2: interpolation of undersampled grains, clipped ones, rounding; measured on evenly moved
-/// frames. Averages over blocks of pixels alias what they do not resolve: up to .003 px.
+/// Errors that no smoothing removes, px^2: interpolation of undersampled grains, clipped ones, rounding; measured on
+/// evenly moved frames. Averages over blocks of pixels alias what they do not resolve: up to .003 px.
 constexpr float systematic_variance(int decimation) { return decimation == 1 ? 0.32e-6f : 3e-6f; }
 
-/// Of these, what interpolation is off by, px, midway between displacements at which pixels meet pixels (there it is nothing); alike
-/// in all pairs that move alike. On sand of 3 px grains .0013 without noise and to .0018 with it, on blobs of 4 px .0007 to .0011, from blocks of pixels .0019.
+/// Of these, what interpolation is off by, px, midway between displacements at which pixels meet pixels (there it is
+/// nothing); alike in all pairs that move alike. On sand of 3 px grains .0013 without noise and to .0018 with it, on
+/// blobs of 4 px .0007 to .0011, from blocks of pixels .0019.
 constexpr float interpolation_bias(int decimation) { return decimation == 1 ? 0.0013f : 0.0019f; }
 
 /// Square of what a lattice of this spacing may miss of a field that changes this fast (truncation), from its sixth

@@ -1,5 +1,6 @@
 #include "tests/bench/verdict/twins.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,6 +12,9 @@
 #include "apps/study/pipeline/record/opened_motion.hpp"
 #include "apps/study/studies/run.hpp"
 #include "compare/compare.hpp"
+#include "pivnp/core/particles/alive.hpp"
+#include "pivnp/core/particles/strain.hpp"
+#include "pivnp/core/particles/strain_error.hpp"
 
 namespace pivnp::twins {
 
@@ -157,7 +161,7 @@ std::string Look::text() const {
 Look look(int n) {
   static constexpr std::array<double, 5> noise{0.02, 0.01, 0.05, 0.03, 0.04};
   static constexpr std::array<double, 3> loss{0, 0.05, 0.1};
-  return {noise[std::size_t(n) % noise.size()], loss[std::size_t(n) % loss.size()], n % 4 != 3, n % 2 == 1, 100 + 17 * n};
+  return {noise[std::size_t(n) % noise.size()], loss[std::size_t(n) % loss.size()], n % 4 != 3, n % 2 == 1, false, 100 + 17 * n};
 }
 
 fs::path Bench::simulated(const Scene& scene, const Soil& soil, int level) {
@@ -191,15 +195,54 @@ std::string Bench::drawn_case(const Scene& scene, const Look& look, const Soil& 
     text << "kind = \"soil\"\ndensity_per_px = 0.2\nbackground = 0.45\npeak_min = 0.08\npeak_max = 0.28\n";
   else
     text << "density_per_px = 0.1\n";
+  if (look.corrected) text << "[np]\ndrift = \"corrected\"\n";
   return text.str();
 }
 
 fs::path Bench::measured(const Scene& scene, const Look& look) {
-  const fs::path out = folder_ / "measured" / (scene.name + "_" + std::to_string(look.seed));
+  const fs::path out = folder_ / "measured" / (scene.name + "_" + std::to_string(look.seed) + (look.corrected ? "_corrected" : ""));
   if (reuse_ && fs::exists(out / "record.h5")) return out / "record.h5";
   const app::Case c = app::parse_case(drawn_case(scene, look, scene.soil), scene.name, fs::current_path());
   app::run_case(c, in(out), app::Stages::track, progress_);
   return out / "record.h5";
+}
+
+PathCoverage Bench::coverage(const Scene& scene, const fs::path& measured, int frame) {
+  const app::OpenedMotion first = app::open_motion(measured.string() + ":np", {}),
+                          second = app::open_motion(simulated(scene, scene.soil).string() + ":mpm", {});
+  const MotionFrame a = first.motion->frame(std::size_t(frame)), b = second.motion->frame(std::size_t(frame));
+  const FieldValues& cov_F = a.field("cov_F");
+  std::map<std::int64_t, std::size_t> place;
+  for (std::size_t p = 0; p < b.u.size(); ++p)
+    if (alive(b.status[p])) place[second.motion->particles().id[p]] = p;
+  PathCoverage sum;
+  double n = 0;
+  for (std::size_t p = 0; p < a.u.size(); ++p) {
+    const auto at = place.find(first.motion->particles().id[p]);
+    if (!alive(a.status[p]) || at == place.end()) continue;
+    const std::size_t q = at->second;
+    const Mat2 F = matrix(a.F[p]), truth = matrix(b.F[q]), inverse = F.inverse(), L = (F - truth) * inverse;
+    const std::array<double, 3> row{double(cov_F(p, 0)), double(cov_F(p, 1)), double(cov_F(p, 2))};
+    Mat2 R;
+    R << row[0], row[2], row[2], row[1];
+    const Mat2 S = inverse.transpose() * R * inverse;
+    const StrainVariance variance = strain_variance(F, row);
+    const Strain e = log_strain(F), true_e = log_strain(truth);
+    const auto count = [](double off, double square, double share, double& one, double& two) {
+      one += std::abs(off) <= std::sqrt(square) ? share : 0, two += std::abs(off) <= 2 * std::sqrt(square) ? share : 0;
+    };
+    for (int k = 0; k < 2; ++k) {
+      const auto c = std::size_t(k);
+      count(double(a.u[p][c]) - double(b.u[q][c]), double(a.cov_u[p][c]), .5, sum.displacement, sum.displacement_two);
+      count(L(k, k), S(k, k), .5, sum.gradient, sum.gradient_two);
+    }
+    count(deviatoric(e) - deviatoric(true_e), variance.dev, 1, sum.dev, sum.dev_two);
+    count(volumetric(e) - volumetric(true_e), variance.vol, 1, sum.vol, sum.vol_two);
+    ++n;
+  }
+  for (double* share : {&sum.displacement, &sum.displacement_two, &sum.gradient, &sum.gradient_two, &sum.dev, &sum.dev_two, &sum.vol, &sum.vol_two})
+    *share /= n;
+  return sum;
 }
 
 std::vector<Metric> Bench::levelled(const Scene& scene, const Look& look, const Soil& soil) {

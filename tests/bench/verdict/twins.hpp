@@ -41,11 +41,19 @@ const std::vector<Scene>& scenes();
 struct Look {
   double noise = 0.02, loss = 0;
   bool soil = true, grains_deform = false;
+  bool corrected = false;  // np.drift
   int seed = 1;
   std::string text() const;
 };
 /// Noise of 1 to 5 %, loss up to a tenth, both textures, round and deforming grains; the n-th differs from the others.
 Look look(int n);
+
+/// Shares of particles within one and two stated standard deviations of the simulation that moved them.
+struct PathCoverage {
+  double displacement = 0, displacement_two = 0;  // components
+  double gradient = 0, gradient_two = 0;          // stretches along the axes in what F is off by
+  double dev = 0, dev_two = 0, vol = 0, vol_two = 0;
+};
 
 /// Everything is written under `folder`; simulations are run once. `reuse`: records that an earlier run left there are taken as
 /// they are (to compare them anew).
@@ -56,6 +64,8 @@ class Bench {
 
   /// The measurement of frames drawn from the scene's own soil (motion "np").
   std::filesystem::path measured(const Scene& scene, const Look& look);
+  /// How well it states its errors at a frame, against the simulation whose texture it followed.
+  PathCoverage coverage(const Scene& scene, const std::filesystem::path& measured, int frame);
   /// That measurement against the simulation of a soil; `coarser`: with so many coarser grids for u_num.
   Comparison against(const Scene& scene, const std::filesystem::path& measured, const Soil& soil, int coarser = 0);
   /// Metrics of the same frames against the simulation of a soil, measured as they are ([compare] levelling) and plain.
