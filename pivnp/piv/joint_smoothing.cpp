@@ -72,7 +72,8 @@ void JointSmoothing::smooth_departure(const Components& value, const Field& base
 // Adds what is left of value - base after shrinkage to the base, and `pairs_sharing` times its variance to the
 // variance: an error that as many pairs share adds up along paths, and their errors are summed as if independent. Of
 // what smoothing has lost, only what larger groups have not shown already. `first`: of these pairs. `restored`: what
-// was shrunk holds what cells did not show, so that the risk of shrinkage is all that it is off by; else more is stated.
+// was shrunk holds what cells did not show, so that the risk of shrinkage is all that it is off by; else more is
+// stated.
 JointSmoothing::Field JointSmoothing::shrunk(const Components& value, const Field& base, float caution,
                                              float pairs_sharing, float first, bool restored) const {
   Field out = base;

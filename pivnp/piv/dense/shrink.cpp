@@ -295,8 +295,9 @@ void Shrinker::run(const std::vector<float>& value, const std::vector<std::uint8
       for (int r = 0; r < side && !any; ++r)
         for (int c = 0; c < side && !any; ++c) any = wanted[lattice_.index(x0 + c, y0 + r)] != 0;
       blocks[b].terms = 0;
-      if (any) HWY_DYNAMIC_DISPATCH(shrink)(side, value.data() + lattice_.index(x0, y0), lattice_.nx, caution, risk,
-                                               blocks[b]);
+      if (!any) continue;
+      HWY_DYNAMIC_DISPATCH(shrink)
+      (side, value.data() + lattice_.index(x0, y0), lattice_.nx, caution, risk, blocks[b]);
     }
     find_slow_shares(side, across, blocks, count);
     for (std::size_t b = 0; b < count; ++b) {  // in a fixed order

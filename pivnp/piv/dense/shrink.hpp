@@ -28,9 +28,9 @@ class Shrinker {
  public:
   explicit Shrinker(const CellLattice& lattice);
   /// `wanted`: blocks without any such point are left out, their values pass unchanged (empty: all are wanted).
-  /// `caution`: factor on the powers over noise that shrinkage and significance ask for. `risk`: the variance is the expected
-  /// square of what shrinkage by these gains is off by, noise and lost signal; else terms next to the threshold count twelve times,
-  /// for what is lost below it.
+  /// `caution`: factor on the powers over noise that shrinkage and significance ask for. `risk`: the variance is the
+  /// expected square of what shrinkage by these gains is off by, noise and lost signal; else terms next to the
+  /// threshold count twelve times, for what is lost below it.
   void run(const std::vector<float>& value, const std::vector<std::uint8_t>& wanted, int threads, SmoothedField& out,
            float caution = 1, bool risk = false) const;
 

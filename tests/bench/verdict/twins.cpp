@@ -161,7 +161,12 @@ std::string Look::text() const {
 Look look(int n) {
   static constexpr std::array<double, 5> noise{0.02, 0.01, 0.05, 0.03, 0.04};
   static constexpr std::array<double, 3> loss{0, 0.05, 0.1};
-  return {noise[std::size_t(n) % noise.size()], loss[std::size_t(n) % loss.size()], n % 4 != 3, n % 2 == 1, false, 100 + 17 * n};
+  return {noise[std::size_t(n) % noise.size()],
+          loss[std::size_t(n) % loss.size()],
+          n % 4 != 3,
+          n % 2 == 1,
+          false,
+          100 + 17 * n};
 }
 
 fs::path Bench::simulated(const Scene& scene, const Soil& soil, int level) {
@@ -185,12 +190,13 @@ std::string Bench::drawn_case(const Scene& scene, const Look& look, const Soil& 
             height = int(std::lround((scene.area_m[3] + 2 * rim) / pixel_m));
   const double column0 = (rim - scene.area_m[0]) / pixel_m, row0 = height - 1 - (rim - scene.area_m[1]) / pixel_m;
   std::ostringstream text;
-  text << "[frames]\nrate_hz = " << scene.rate_hz << "\n[camera]\nmetres_per_pixel = " << pixel_m << "\norigin_px = [" << column0
-       << ", " << row0 << "]\n[grid]\nspacing_px = 8\n" << area(scene) << "[piv]\nanchor = \"forward\"\n"
-       << world(scene, soil) << "\n[synth]\nmotion = \"record\"\nrecord = \""
-       << simulated(scene, scene.soil).string() << ":mpm\"\nwidth_px = " << width << "\nheight_px = " << height
-       << "\nframes = " << scene.frames << "\ngrains_deform = " << (look.grains_deform ? "true" : "false")
-       << "\n[synth.texture]\nnoise = " << look.noise << "\nloss = " << look.loss << "\nseed = " << look.seed << "\n";
+  text << "[frames]\nrate_hz = " << scene.rate_hz << "\n[camera]\nmetres_per_pixel = " << pixel_m << "\norigin_px = ["
+       << column0 << ", " << row0 << "]\n[grid]\nspacing_px = 8\n"
+       << area(scene) << "[piv]\nanchor = \"forward\"\n"
+       << world(scene, soil) << "\n[synth]\nmotion = \"record\"\nrecord = \"" << simulated(scene, scene.soil).string()
+       << ":mpm\"\nwidth_px = " << width << "\nheight_px = " << height << "\nframes = " << scene.frames
+       << "\ngrains_deform = " << (look.grains_deform ? "true" : "false") << "\n[synth.texture]\nnoise = " << look.noise
+       << "\nloss = " << look.loss << "\nseed = " << look.seed << "\n";
   if (look.soil)
     text << "kind = \"soil\"\ndensity_per_px = 0.2\nbackground = 0.45\npeak_min = 0.08\npeak_max = 0.28\n";
   else
@@ -200,7 +206,8 @@ std::string Bench::drawn_case(const Scene& scene, const Look& look, const Soil& 
 }
 
 fs::path Bench::measured(const Scene& scene, const Look& look) {
-  const fs::path out = folder_ / "measured" / (scene.name + "_" + std::to_string(look.seed) + (look.corrected ? "_corrected" : ""));
+  const fs::path out =
+      folder_ / "measured" / (scene.name + "_" + std::to_string(look.seed) + (look.corrected ? "_corrected" : ""));
   if (reuse_ && fs::exists(out / "record.h5")) return out / "record.h5";
   const app::Case c = app::parse_case(drawn_case(scene, look, scene.soil), scene.name, fs::current_path());
   app::run_case(c, in(out), app::Stages::track, progress_);
@@ -240,13 +247,15 @@ PathCoverage Bench::coverage(const Scene& scene, const fs::path& measured, int f
     count(volumetric(e) - volumetric(true_e), variance.vol, 1, sum.vol, sum.vol_two);
     ++n;
   }
-  for (double* share : {&sum.displacement, &sum.displacement_two, &sum.gradient, &sum.gradient_two, &sum.dev, &sum.dev_two, &sum.vol, &sum.vol_two})
+  for (double* share : {&sum.displacement, &sum.displacement_two, &sum.gradient, &sum.gradient_two, &sum.dev,
+                        &sum.dev_two, &sum.vol, &sum.vol_two})
     *share /= n;
   return sum;
 }
 
 std::vector<Metric> Bench::levelled(const Scene& scene, const Look& look, const Soil& soil) {
-  const std::string key = scene.name + "_" + std::to_string(look.seed) + "_" + digits(soil.friction_deg) + "_" + digits(soil.cohesion_pa);
+  const std::string key =
+      scene.name + "_" + std::to_string(look.seed) + "_" + digits(soil.friction_deg) + "_" + digits(soil.cohesion_pa);
   app::Case c = app::parse_case(drawn_case(scene, look, soil), scene.name, fs::current_path());
   c.compare.levelling = true;
   return app::run_case(c, in(folder_ / "levelled" / key), app::Stages::all, progress_).metrics;
@@ -272,11 +281,12 @@ Said said(const Metric& m) {
 
 namespace {
 
-constexpr std::initializer_list<const char*> of_displacement{
-    "displacement_rms_final", "displacement_bias_x_final", "displacement_bias_y_final", "displacement_field_rms", "displacement_field_x",
-    "displacement_field_y"};
+constexpr std::initializer_list<const char*> of_displacement{"displacement_rms_final",    "displacement_bias_x_final",
+                                                             "displacement_bias_y_final", "displacement_field_rms",
+                                                             "displacement_field_x",      "displacement_field_y"};
 
-Said most_said(const std::vector<Metric>& metrics, std::initializer_list<const char*> names, const std::string& prefix = "") {
+Said most_said(const std::vector<Metric>& metrics, std::initializer_list<const char*> names,
+               const std::string& prefix = "") {
   Said most = Said::nothing;
   for (const char* name : names)
     if (const Metric* m = find(metrics, prefix + name)) most = std::max(most, said(*m));
@@ -287,11 +297,14 @@ Said most_said(const std::vector<Metric>& metrics, std::initializer_list<const c
 
 Said said_of_displacement(const Comparison& c) { return most_said(c.metrics, of_displacement); }
 
-Said said_of_levelled_displacement(const std::vector<Metric>& metrics) { return most_said(metrics, of_displacement, "levelled_"); }
+Said said_of_levelled_displacement(const std::vector<Metric>& metrics) {
+  return most_said(metrics, of_displacement, "levelled_");
+}
 
 Said said_of_strain(const Comparison& c) {
-  return most_said(c.metrics, {"strain_dev_rms_final", "strain_dev_bias_final", "strain_dev_field_rms", "strain_dev_field_mean",
-                       "strain_vol_rms_final", "strain_vol_bias_final", "strain_vol_field_rms", "strain_vol_field_mean"});
+  return most_said(c.metrics,
+                   {"strain_dev_rms_final", "strain_dev_bias_final", "strain_dev_field_rms", "strain_dev_field_mean",
+                    "strain_vol_rms_final", "strain_vol_bias_final", "strain_vol_field_rms", "strain_vol_field_mean"});
 }
 
 }  // namespace pivnp::twins

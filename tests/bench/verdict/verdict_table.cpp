@@ -1,13 +1,13 @@
 // Does a verdict close: the same physics must read "not distinguishable", another must not.
 //   verdict_table [FOLDER] [--looks N] [--from K] [--scene NAME] [--twins] [--reuse] [--verbose] [--ways | --paths]
-// N frames sequences a scene (8), from the K-th look on (0). Prints the table of docs/verdicts.md. --twins: no other soil, and of
-// every metric what share of its factor 92 % of the twins' differences do not exceed, and the greatest (factors that are not
-// derived are set by it, on looks that the table does not use).
+// N frames sequences a scene (8), from the K-th look on (0). Prints the table of docs/verdicts.md. --twins: no other
+// soil, and of every metric what share of its factor 92 % of the twins' differences do not exceed, and the greatest
+// (factors that are not derived are set by it, on looks that the table does not use).
 // --reuse: compares anew what an earlier run has left in FOLDER.
-// --ways: whether levelling, and a coarser grid for u_num, change what is said of displacement (the same soil and the first other
-// one), instead of the table.
-// --paths: shares of particles within one and two stated standard deviations of the simulation, after a tenth, half and all of the
-// frames, without drift correction and with it, instead of the table.
+// --ways: whether levelling, and a coarser grid for u_num, change what is said of displacement (the same soil and the
+// first other one), instead of the table.
+// --paths: shares of particles within one and two stated standard deviations of the simulation, after a tenth, half and
+// all of the frames, without drift correction and with it, instead of the table.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -53,7 +53,8 @@ void ask(Bench& bench, const Scene& scene, const Look& how, const Soil& soil, Wa
             coarser = told(said_of_displacement(bench.against(scene, measured, soil, 1))),
             levelled = told(said_of_levelled_displacement(bench.levelled(scene, how, soil)));
   ways.plain += plain, ways.coarser += coarser, ways.levelled += levelled, ++ways.of;
-  std::printf("%-8s %-44s friction %.0f: plain %d levelled %d coarser %d\n", scene.name.c_str(), how.text().c_str(), soil.friction_deg, plain, levelled, coarser);
+  std::printf("%-8s %-44s friction %.0f: plain %d levelled %d coarser %d\n", scene.name.c_str(), how.text().c_str(),
+              soil.friction_deg, plain, levelled, coarser);
   std::fflush(stdout);
 }
 
@@ -67,20 +68,23 @@ void ask_in_ways(Bench& bench, const std::string& only, int looks, int from) {
       const Look how = look(from + n + int(s));
       ask(bench, scene, how, scene.soil, same), ask(bench, scene, how, scene.changes[0].soil, other);
     }
-    rows.emplace_back(scene.name + ", the same soil", same), rows.emplace_back(scene.name + ", " + scene.changes[0].name, other);
+    rows.emplace_back(scene.name + ", the same soil", same),
+        rows.emplace_back(scene.name + ", " + scene.changes[0].name, other);
   }
   std::printf("\nDisplacement told apart\n\n| | plain | levelled | one coarser grid |\n|---|---|---|---|\n");
   for (const auto& [name, w] : rows)
-    std::printf("| %s | %d of %d | %d of %d | %d of %d |\n", name.c_str(), w.plain, w.of, w.levelled, w.of, w.coarser, w.of);
+    std::printf("| %s | %d of %d | %d of %d | %d of %d |\n", name.c_str(), w.plain, w.of, w.levelled, w.of, w.coarser,
+                w.of);
 }
 
 // Shares of particles within one and two stated standard deviations, means over the looks.
 void cover(Bench& bench, const std::string& only, int looks, int from) {
-  constexpr double PathCoverage::* shares[][2] = {{&PathCoverage::displacement, &PathCoverage::displacement_two},
-                                                  {&PathCoverage::gradient, &PathCoverage::gradient_two},
-                                                  {&PathCoverage::dev, &PathCoverage::dev_two},
-                                                  {&PathCoverage::vol, &PathCoverage::vol_two}};
-  std::printf("| | drift | frame | displacement | stretches in F | deviatoric | volumetric |\n|---|---|---|---|---|---|---|\n");
+  constexpr double PathCoverage::*shares[][2] = {{&PathCoverage::displacement, &PathCoverage::displacement_two},
+                                                 {&PathCoverage::gradient, &PathCoverage::gradient_two},
+                                                 {&PathCoverage::dev, &PathCoverage::dev_two},
+                                                 {&PathCoverage::vol, &PathCoverage::vol_two}};
+  std::printf(
+      "| | drift | frame | displacement | stretches in F | deviatoric | volumetric |\n|---|---|---|---|---|---|---|\n");
   for (std::size_t s = 0; s < scenes().size(); ++s) {
     const Scene& scene = scenes()[s];
     if (!only.empty() && scene.name != only) continue;
@@ -121,12 +125,16 @@ int main(int argc, char** argv) {
     else if (word == "--from" && k + 1 < argc) from = std::atoi(argv[++k]);
     else if (word == "--twins") twins = true;
     else if (word == "--reuse") reuse = true;
-    else if (word == "--ways") ways = true;
-    else if (word == "--paths") paths = true;
+    else if (word == "--ways")
+      ways = true;
+    else if (word == "--paths")
+      paths = true;
     else if (word == "--scene" && k + 1 < argc) only = argv[++k];
     else if (word == "--verbose") verbose = true;
     else if (word.starts_with("-")) {
-      std::fprintf(stderr, "usage: verdict_table [FOLDER] [--looks N] [--from K] [--scene NAME] [--twins] [--reuse] [--verbose] [--ways | --paths]\n");
+      std::fprintf(stderr,
+                   "usage: verdict_table [FOLDER] [--looks N] [--from K] [--scene NAME] [--twins] [--reuse] "
+                   "[--verbose] [--ways | --paths]\n");
       return word == "--help" || word == "-h" ? 0 : 2;
     } else folder = word;
   }

@@ -50,8 +50,8 @@ TEST(Lost, NothingOutsideOfWhatIsWanted) {
   EXPECT_EQ(variance[lattice.index(40, 40)], 0);
 }
 
-// What is stated of a group's mean is what shrinkage is off by, in noise alone and with what stands clear of it; terms next to the
-// threshold counted twelve times are five times as much and more.
+// What is stated of a group's mean is what shrinkage is off by, in noise alone and with what stands clear of it; terms
+// next to the threshold counted twelve times are five times as much and more.
 TEST(Lost, TheRiskOfShrinkageIsWhatItIsOffBy) {
   constexpr float caution = .45f;
   const Shrinker shrinker(lattice);

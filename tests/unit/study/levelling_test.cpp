@@ -1,8 +1,8 @@
 // Levelling: a simulation that is right, measured like the experiment, differs from it by noise alone where the plain
 // comparison shows the measurement's filter.
+#include "apps/study/methods/paths/levelling.hpp"
 #include "apps/study/methods/frames/texture.hpp"
 #include "apps/study/methods/paths/levelled_error.hpp"
-#include "apps/study/methods/paths/levelling.hpp"
 
 #include <gtest/gtest.h>
 
@@ -143,8 +143,8 @@ TEST(Levelling, TheMeasurementsFilterCancels) {
                          "a third at most", number(level, 2) + " against " + number(plain, 2));
 }
 
-// A particle that is lost where texture is carried says so, as it departs from the simulation that carried it by far more
-// than it states; the others keep what they state.
+// A particle that is lost where texture is carried says so, as it departs from the simulation that carried it by far
+// more than it states; the others keep what they state.
 TEST(Levelling, WhatItIsOffByItselfIsInItsUncertainty) {
   const auto stated = [](MotionMemory m, float off) {
     MotionMemory out("np", "m", "s", m.particles());

@@ -173,7 +173,8 @@ void add_levelled(const Case& c, const Setting& setting, const RunSettings& sett
       "Levelled: the simulation was also measured from the first frame carried by its motion, with "
       "fresh noise of " +
       number(std::sqrt(noise), 3) +
-      " grey values (standard deviation). Where that measurement departs from the simulation by more than three of its stated "
+      " grey values (standard deviation). Where that measurement departs from the simulation by more than three of its "
+      "stated "
       "standard deviations, the departure is part of its uncertainty.");
 }
 
