@@ -316,7 +316,8 @@ void JointSmoothing::finish_pair(HeldPair& pair, std::size_t place, std::size_t 
                        doubled * d * d * (rim.u[k] * rim.u[k] + rim.v[k] * rim.v[k]) +
                        (doubled - 1) * (alike[0] + alike[1]);
     // What else the covariance holds (truncation, interpolation) stays.
-    cov[0] += d * d * change.variance.u[k], cov[1] += d * d * change.variance.v[k];
+    cov[0] = changed_variance(cov[0], d * d * pair.variance.u[k], d * d * change.variance.u[k]);
+    cov[1] = changed_variance(cov[1], d * d * pair.variance.v[k], d * d * change.variance.v[k]);
     cov[2] *= std::sqrt(cov[0] / before[0] * (cov[1] / before[1]));
     cov[0] += all * d * d * rim.u[k] * rim.u[k], cov[1] += all * d * d * rim.v[k] * rim.v[k],
         cov[2] += all * d * d * rim.u[k] * rim.v[k];
