@@ -43,8 +43,8 @@ constexpr float systematic_variance(int decimation) { return decimation == 1 ? 0
 /// blobs of 4 px .0007 to .0011, from blocks of pixels .0019.
 constexpr float interpolation_bias(int decimation) { return decimation == 1 ? 0.0013f : 0.0019f; }
 
-/// A vector's variance when `change` is added to that of the field it was taken from, `own`. A vector that states less than
-/// the field (replaced, by what its neighbours scatter) falls by the same share, and never to nothing.
+/// A vector's variance when `change` is added to that of the field it was taken from, `own`. A vector that states less
+/// than the field (replaced, by what its neighbours scatter) falls by the same share, and never to nothing.
 constexpr float changed_variance(float variance, float own, float change) {
   if (change >= 0 || variance >= own) return variance + change;
   return own > 0 && own + change > 0 ? variance * (1 + change / own) : variance;
