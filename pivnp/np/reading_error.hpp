@@ -34,7 +34,7 @@ double wave_reading_error(ShapeFunctions shape, double steepness);
 /// docs/theory/particles_error.md.
 class ReadingErrors {
  public:
-  static constexpr double shared_spacings = 9;  // measured: sequences of known motion, nodes a quarter of the window apart
+  static constexpr double shared_spacings = 6;   // measured: drawn sequences, nodes a quarter of the window apart
   static constexpr int smoothed_together = 64;   // pairs
 
   explicit ReadingErrors(ShapeFunctions shape);

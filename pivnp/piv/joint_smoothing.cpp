@@ -6,6 +6,7 @@
 
 #include "pivnp/piv/dense/lattice_filter.hpp"
 #include "pivnp/piv/dense/lost.hpp"
+#include "pivnp/piv/dense/quality.hpp"
 #include "pivnp/piv/dense/restored.hpp"
 
 namespace pivnp::piv {
@@ -70,15 +71,17 @@ void JointSmoothing::smooth_departure(const Components& value, const Field& base
 
 // Adds what is left of value - base after shrinkage to the base, and `pairs_sharing` times its variance to the
 // variance: an error that as many pairs share adds up along paths, and their errors are summed as if independent. Of
-// what smoothing has lost, only what larger groups have not shown already. `first`: of these pairs.
+// what smoothing has lost, only what larger groups have not shown already. `first`: of these pairs. `restored`: what
+// was shrunk holds what cells did not show, so that the risk of shrinkage is all that it is off by; else more is
+// stated.
 JointSmoothing::Field JointSmoothing::shrunk(const Components& value, const Field& base, float caution,
-                                             float pairs_sharing, float first) const {
+                                             float pairs_sharing, float first, bool restored) const {
   Field out = base;
   SmoothedField smooth;
   std::vector<float> off(lattice_.size()), lost;
   for (const auto part : {&Components::u, &Components::v}) {
     for (std::size_t k = 0; k < off.size(); ++k) off[k] = (value.*part)[k] - (base.value.*part)[k];
-    shrinker_->run(off, wanted_, threads_, smooth, caution);
+    shrinker_->run(off, wanted_, threads_, smooth, caution, restored);
     for (std::size_t k = 0; k < off.size(); ++k) {
       (out.value.*part)[k] += smooth.value[k];
       (out.variance.*part)[k] += pairs_sharing * smooth.variance[k];
@@ -108,6 +111,22 @@ void JointSmoothing::depart_smoothly(const Field& base, const std::vector<std::u
     continue_field(lattice_, known, value);
     for (std::size_t k = 0; k < value.size(); ++k) value[k] += (base.value.*part)[k];
   }
+}
+
+// What is still missing where the field of a group of so many pairs bends more sharply than cells show, to second order
+// (a smoother takes off its width squared times the Laplacian, and restoration does not bring back all). All share it.
+void JointSmoothing::state_bend(float pairs, Field& field) const {
+  constexpr float share = 1.0f / 16;  // of the Laplacian, cells squared: measured on bands of tanh
+  each_point([&](int i, int j, std::size_t k) {
+    if (i == 0 || j == 0 || i == lattice_.nx - 1 || j == lattice_.ny - 1) return;
+    for (const auto part : {&Components::u, &Components::v}) {
+      const std::vector<float>& f = field.value.*part;
+      const float above = f[lattice_.index(i, j - 1)], below = f[lattice_.index(i, j + 1)];
+      const float missing = share * (f[k - 1] + f[k + 1] + above + below - 4 * f[k]);
+      (field.variance.*part)[k] += pairs * missing * missing;
+      (field.shared.*part)[k] += missing * missing;
+    }
+  });
 }
 
 // Pairs begin ... end - 1, of which `base` is known on the reference lattice.
@@ -146,7 +165,9 @@ void JointSmoothing::divide(std::vector<HeldPair>& held, std::size_t begin, std:
       restore_measured(lattice_, better.*part, about.*part, most, threads_, restored.*part);
     depart_smoothly(base, most, restored);
   }
-  const Field field = shrunk(restored, base, caution, static_cast<float>(end - begin), static_cast<float>(begin));
+  Field field = shrunk(restored, base, caution, static_cast<float>(end - begin), static_cast<float>(begin),
+                       held.size() >= restored_from);
+  if (whole && held.size() >= restored_from) state_bend(static_cast<float>(end - begin), field);
   const std::size_t parts = std::min<std::size_t>(branches, end - begin);
   for (std::size_t part = 0; part < parts; ++part)
     divide(held, begin + (end - begin) * part / parts, begin + (end - begin) * (part + 1) / parts, field);
@@ -252,7 +273,7 @@ void JointSmoothing::finish_pair(HeldPair& pair, std::size_t place, std::size_t 
   });
   Components own = pair.measured;
   depart_smoothly(base, pair.trusted, own);
-  Field change = shrunk(own, base, 1, 1, 0);
+  Field change = shrunk(own, base, 1, 1, 0, pairs >= restored_from);
   const std::vector<float> share = steady_share(pair, base, change);
   for (std::size_t k = 0; k < lattice_.size(); ++k) {
     along.u[k] = share[k] * (along.u[k] + change.variance.u[k] - base.variance.u[k] - pair.variance.u[k]);
@@ -270,6 +291,11 @@ void JointSmoothing::finish_pair(HeldPair& pair, std::size_t place, std::size_t 
   const auto all = static_cast<float>(pairs);
   const auto d = static_cast<float>(decimation_);
   const auto& pixel = pair.camera ? pair.camera->pixel : nodes_.pixel;
+  // Pairs that move alike err alike by interpolation.
+  const auto interpolation = [&](float moved) {
+    const float off = interpolation_bias(decimation_) * std::sin(static_cast<float>(M_PI) * moved / d);
+    return off * off;
+  };
   for (std::size_t n = 0; n < pixel.size(); ++n) {
     auto& displacement = pair.vectors.displacement[n];
     if (!std::isfinite(displacement[0])) continue;
@@ -284,14 +310,18 @@ void JointSmoothing::finish_pair(HeldPair& pair, std::size_t place, std::size_t 
     };
     const std::size_t k = lattice_.index(nearest(x, column(0), lattice_.nx), nearest(y, row(0), lattice_.ny));
     auto& cov = pair.vectors.cov[n];
-    const std::array<float, 2> before{cov[0], cov[1]};
+    const std::array<float, 2> before{cov[0], cov[1]},
+        alike{interpolation(displacement[0]), interpolation(displacement[1])};
     const float path = std::max(0.0f, cov[0] + d * d * along.u[k]) + std::max(0.0f, cov[1] + d * d * along.v[k]) +
-                       doubled * d * d * (rim.u[k] * rim.u[k] + rim.v[k] * rim.v[k]);
+                       doubled * d * d * (rim.u[k] * rim.u[k] + rim.v[k] * rim.v[k]) +
+                       (doubled - 1) * (alike[0] + alike[1]);
     // What else the covariance holds (truncation, interpolation) stays.
-    cov[0] += d * d * change.variance.u[k], cov[1] += d * d * change.variance.v[k];
+    cov[0] = changed_variance(cov[0], d * d * pair.variance.u[k], d * d * change.variance.u[k]);
+    cov[1] = changed_variance(cov[1], d * d * pair.variance.v[k], d * d * change.variance.v[k]);
     cov[2] *= std::sqrt(cov[0] / before[0] * (cov[1] / before[1]));
     cov[0] += all * d * d * rim.u[k] * rim.u[k], cov[1] += all * d * d * rim.v[k] * rim.v[k],
         cov[2] += all * d * d * rim.u[k] * rim.v[k];
+    cov[0] += (all - 1) * alike[0], cov[1] += (all - 1) * alike[1];
     if (const float factor = path / (cov[0] + cov[1]); std::isfinite(factor)) pair.vectors.path_factor[n] = factor;
   }
 }

@@ -63,7 +63,9 @@ class JointSmoothing {
   void find_paths(std::vector<HeldPair>& held) const;
   void follow(HeldPair& pair, float sign, Components& place) const;
   void smooth_departure(const Components& value, const Field& base, float caution, Components& out) const;
-  Field shrunk(const Components& value, const Field& base, float caution, float pairs_sharing, float first) const;
+  Field shrunk(const Components& value, const Field& base, float caution, float pairs_sharing, float first,
+               bool restored) const;
+  void state_bend(float pairs, Field& field) const;
   void depart_smoothly(const Field& base, const std::vector<std::uint8_t>& known, Components& values) const;
   void divide(std::vector<HeldPair>& held, std::size_t begin, std::size_t end, const Field& base) const;
   std::vector<float> steady_share(const HeldPair& pair, const Field& base, const Field& own) const;

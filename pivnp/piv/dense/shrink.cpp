@@ -128,7 +128,7 @@ float octave_ratio(const float (*power)[n]) {
 }
 
 template <int n>
-void shrink_block(const float* values, std::ptrdiff_t stride, float caution, Shrinker::Block& out) {
+void shrink_block(const float* values, std::ptrdiff_t stride, float caution, bool risk, Shrinker::Block& out) {
   static const Cosines<n> cosines;
   const Tag<n> d;
   const int lanes = static_cast<int>(hn::Lanes(d));
@@ -198,25 +198,31 @@ void shrink_block(const float* values, std::ptrdiff_t stride, float caution, Shr
       hn::Store(hn::Mul(hn::Mul(gain, shape), hn::MulAdd(hn::Set(d, term_weight), hn::Sub(one, gain), one)), d,
                 smooth[r] + c);
       hn::Store(hn::Mul(hn::Mul(gain, gain), shape), d, power[r] + c);  // and their noise
+      if (!risk) continue;
+      // g^2 of the noise, and (1 - g)^2 of the signal, whose power over noise is P - 1 = strength/(1 - g) - 1.
+      const auto left_over = hn::MulAdd(force, hn::Sub(one, gain), hn::Sub(hn::Add(gain, gain), one));
+      hn::Store(hn::IfThenElseZero(hn::Gt(gain, zero), hn::Mul(shape, left_over)), d, half[r] + c);
     }
   const float terms = sum_of<n>(smooth), kept = sum_of<n>(power);
+  const float left = risk ? sum_of<n>(half) : 0.0f;
   multiply<n>(cosines.back, spectrum, cosines.forward, half, block);
   plane(1);
   out.value.resize(n * n);
   for (int r = 0; r < n; ++r) std::copy_n(block[r], n, out.value.data() + r * n);
   out.variance = spread<n> * noise * (plane_terms + terms) / (n * n);
   out.terms = plane_terms + kept;
+  out.risk = spread<n> * noise * (plane_terms + left) / (n * n);
 }
 
-void shrink(int side, const float* values, std::ptrdiff_t stride, float caution, Shrinker::Block& out) {
+void shrink(int side, const float* values, std::ptrdiff_t stride, float caution, bool risk, Shrinker::Block& out) {
   if (side == 8)
-    shrink_block<8>(values, stride, caution, out);
+    shrink_block<8>(values, stride, caution, risk, out);
   else if (side == 16)
-    shrink_block<16>(values, stride, caution, out);
+    shrink_block<16>(values, stride, caution, risk, out);
   else if (side == 32)
-    shrink_block<32>(values, stride, caution, out);
+    shrink_block<32>(values, stride, caution, risk, out);
   else
-    shrink_block<64>(values, stride, caution, out);
+    shrink_block<64>(values, stride, caution, risk, out);
 }
 
 }  // namespace pivnp::piv::HWY_NAMESPACE
@@ -273,7 +279,7 @@ Shrinker::Shrinker(const CellLattice& lattice) : lattice_(lattice) {
 }
 
 void Shrinker::run(const std::vector<float>& value, const std::vector<std::uint8_t>& wanted, int threads,
-                   SmoothedField& out, float caution) const {
+                   SmoothedField& out, float caution, bool risk) const {
   const std::size_t points = lattice_.size();
   for (auto* v : {&out.value, &out.variance, &out.area}) v->assign(points, 0.0f);
   std::vector<float> weight(points, 0.0f);
@@ -289,15 +295,16 @@ void Shrinker::run(const std::vector<float>& value, const std::vector<std::uint8
       for (int r = 0; r < side && !any; ++r)
         for (int c = 0; c < side && !any; ++c) any = wanted[lattice_.index(x0 + c, y0 + r)] != 0;
       blocks[b].terms = 0;
-      if (any) HWY_DYNAMIC_DISPATCH(shrink)(side, value.data() + lattice_.index(x0, y0), lattice_.nx, caution,
-                                               blocks[b]);
+      if (!any) continue;
+      HWY_DYNAMIC_DISPATCH(shrink)
+      (side, value.data() + lattice_.index(x0, y0), lattice_.nx, caution, risk, blocks[b]);
     }
     find_slow_shares(side, across, blocks, count);
     for (std::size_t b = 0; b < count; ++b) {  // in a fixed order
       const Block& block = blocks[b];
       if (block.terms == 0) continue;
       const int x0 = layer.x[b % across], y0 = layer.y[b / across];
-      const float variance = block.slow * block.variance;
+      const float variance = block.slow * (risk ? block.risk : block.variance);
       const float trust = static_cast<float>(side * side) / block.terms;
       for (int r = 0; r < side; ++r) {
         const std::size_t to = lattice_.index(x0, y0 + r);

@@ -28,14 +28,16 @@ class Shrinker {
  public:
   explicit Shrinker(const CellLattice& lattice);
   /// `wanted`: blocks without any such point are left out, their values pass unchanged (empty: all are wanted).
-  /// `caution`: factor on the powers over noise that shrinkage and significance ask for.
+  /// `caution`: factor on the powers over noise that shrinkage and significance ask for. `risk`: the variance is the
+  /// expected square of what shrinkage by these gains is off by, noise and lost signal; else terms next to the
+  /// threshold count twelve times, for what is lost below it.
   void run(const std::vector<float>& value, const std::vector<std::uint8_t>& wanted, int threads, SmoothedField& out,
-           float caution = 1) const;
+           float caution = 1, bool risk = false) const;
 
   /// What one block yields.
   struct Block {
     std::vector<float> value;  // [side][side]
-    float variance = 0, terms = 0;
+    float variance = 0, terms = 0, risk = 0;
     float octave = 1, slow = 1;  // how the noise falls towards long wavelengths, and what that makes of the variance
   };
 

@@ -13,10 +13,6 @@ namespace pivnp::piv {
 
 namespace {
 
-// Errors that no smoothing removes, px^2: interpolation of undersampled grains, clipped ones, rounding; measured on
-// evenly moved frames. Averages over blocks of pixels alias what they do not resolve: up to .003 px.
-constexpr float systematic_variance(int decimation) { return decimation == 1 ? 0.32e-6f : 3e-6f; }
-
 // Shares, over 5 x 5 points, of those whose own texture tells the displacement to `most_sigma` (level pixels); `seen`: 1
 // for points that see pixels. What chance grants a point in a hole, or takes from one under loss, its neighbours correct.
 std::vector<float> telling_share(const CellSums& sums, const std::vector<float>& variance, float most_sigma,

@@ -1,5 +1,6 @@
 #include "tests/bench/verdict/twins.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,6 +12,9 @@
 #include "apps/study/pipeline/record/opened_motion.hpp"
 #include "apps/study/studies/run.hpp"
 #include "compare/compare.hpp"
+#include "pivnp/core/particles/alive.hpp"
+#include "pivnp/core/particles/strain.hpp"
+#include "pivnp/core/particles/strain_error.hpp"
 
 namespace pivnp::twins {
 
@@ -157,7 +161,12 @@ std::string Look::text() const {
 Look look(int n) {
   static constexpr std::array<double, 5> noise{0.02, 0.01, 0.05, 0.03, 0.04};
   static constexpr std::array<double, 3> loss{0, 0.05, 0.1};
-  return {noise[std::size_t(n) % noise.size()], loss[std::size_t(n) % loss.size()], n % 4 != 3, n % 2 == 1, 100 + 17 * n};
+  return {noise[std::size_t(n) % noise.size()],
+          loss[std::size_t(n) % loss.size()],
+          n % 4 != 3,
+          n % 2 == 1,
+          false,
+          100 + 17 * n};
 }
 
 fs::path Bench::simulated(const Scene& scene, const Soil& soil, int level) {
@@ -173,28 +182,83 @@ fs::path Bench::simulated(const Scene& scene, const Soil& soil, int level) {
   return simulations_[key] = out / "record.h5";
 }
 
-fs::path Bench::measured(const Scene& scene, const Look& look) {
-  const fs::path out = folder_ / "measured" / (scene.name + "_" + std::to_string(look.seed));
-  if (reuse_ && fs::exists(out / "record.h5")) return out / "record.h5";
+// Frames that the scene's own soil moves; the case simulates `soil`.
+std::string Bench::drawn_case(const Scene& scene, const Look& look, const Soil& soil) {
   // A rim of two cells about the area.
   const double rim = 2 * cell_m;
   const int width = int(std::lround((scene.area_m[2] + 2 * rim) / pixel_m)),
             height = int(std::lround((scene.area_m[3] + 2 * rim) / pixel_m));
   const double column0 = (rim - scene.area_m[0]) / pixel_m, row0 = height - 1 - (rim - scene.area_m[1]) / pixel_m;
   std::ostringstream text;
-  text << "[frames]\nrate_hz = " << scene.rate_hz << "\n[camera]\nmetres_per_pixel = " << pixel_m << "\norigin_px = [" << column0
-       << ", " << row0 << "]\n[grid]\nspacing_px = 8\n" << area(scene) << "[piv]\nanchor = \"forward\"\n"
-       << world(scene, scene.soil) << "\n[synth]\nmotion = \"record\"\nrecord = \""
-       << simulated(scene, scene.soil).string() << ":mpm\"\nwidth_px = " << width << "\nheight_px = " << height
-       << "\nframes = " << scene.frames << "\ngrains_deform = " << (look.grains_deform ? "true" : "false")
-       << "\n[synth.texture]\nnoise = " << look.noise << "\nloss = " << look.loss << "\nseed = " << look.seed << "\n";
+  text << "[frames]\nrate_hz = " << scene.rate_hz << "\n[camera]\nmetres_per_pixel = " << pixel_m << "\norigin_px = ["
+       << column0 << ", " << row0 << "]\n[grid]\nspacing_px = 8\n"
+       << area(scene) << "[piv]\nanchor = \"forward\"\n"
+       << world(scene, soil) << "\n[synth]\nmotion = \"record\"\nrecord = \"" << simulated(scene, scene.soil).string()
+       << ":mpm\"\nwidth_px = " << width << "\nheight_px = " << height << "\nframes = " << scene.frames
+       << "\ngrains_deform = " << (look.grains_deform ? "true" : "false") << "\n[synth.texture]\nnoise = " << look.noise
+       << "\nloss = " << look.loss << "\nseed = " << look.seed << "\n";
   if (look.soil)
     text << "kind = \"soil\"\ndensity_per_px = 0.2\nbackground = 0.45\npeak_min = 0.08\npeak_max = 0.28\n";
   else
     text << "density_per_px = 0.1\n";
-  const app::Case c = app::parse_case(text.str(), scene.name, fs::current_path());
+  if (look.corrected) text << "[np]\ndrift = \"corrected\"\n";
+  return text.str();
+}
+
+fs::path Bench::measured(const Scene& scene, const Look& look) {
+  const fs::path out =
+      folder_ / "measured" / (scene.name + "_" + std::to_string(look.seed) + (look.corrected ? "_corrected" : ""));
+  if (reuse_ && fs::exists(out / "record.h5")) return out / "record.h5";
+  const app::Case c = app::parse_case(drawn_case(scene, look, scene.soil), scene.name, fs::current_path());
   app::run_case(c, in(out), app::Stages::track, progress_);
   return out / "record.h5";
+}
+
+PathCoverage Bench::coverage(const Scene& scene, const fs::path& measured, int frame) {
+  const app::OpenedMotion first = app::open_motion(measured.string() + ":np", {}),
+                          second = app::open_motion(simulated(scene, scene.soil).string() + ":mpm", {});
+  const MotionFrame a = first.motion->frame(std::size_t(frame)), b = second.motion->frame(std::size_t(frame));
+  const FieldValues& cov_F = a.field("cov_F");
+  std::map<std::int64_t, std::size_t> place;
+  for (std::size_t p = 0; p < b.u.size(); ++p)
+    if (alive(b.status[p])) place[second.motion->particles().id[p]] = p;
+  PathCoverage sum;
+  double n = 0;
+  for (std::size_t p = 0; p < a.u.size(); ++p) {
+    const auto at = place.find(first.motion->particles().id[p]);
+    if (!alive(a.status[p]) || at == place.end()) continue;
+    const std::size_t q = at->second;
+    const Mat2 F = matrix(a.F[p]), truth = matrix(b.F[q]), inverse = F.inverse(), L = (F - truth) * inverse;
+    const std::array<double, 3> row{double(cov_F(p, 0)), double(cov_F(p, 1)), double(cov_F(p, 2))};
+    Mat2 R;
+    R << row[0], row[2], row[2], row[1];
+    const Mat2 S = inverse.transpose() * R * inverse;
+    const StrainVariance variance = strain_variance(F, row);
+    const Strain e = log_strain(F), true_e = log_strain(truth);
+    const auto count = [](double off, double square, double share, double& one, double& two) {
+      one += std::abs(off) <= std::sqrt(square) ? share : 0, two += std::abs(off) <= 2 * std::sqrt(square) ? share : 0;
+    };
+    for (int k = 0; k < 2; ++k) {
+      const auto c = std::size_t(k);
+      count(double(a.u[p][c]) - double(b.u[q][c]), double(a.cov_u[p][c]), .5, sum.displacement, sum.displacement_two);
+      count(L(k, k), S(k, k), .5, sum.gradient, sum.gradient_two);
+    }
+    count(deviatoric(e) - deviatoric(true_e), variance.dev, 1, sum.dev, sum.dev_two);
+    count(volumetric(e) - volumetric(true_e), variance.vol, 1, sum.vol, sum.vol_two);
+    ++n;
+  }
+  for (double* share : {&sum.displacement, &sum.displacement_two, &sum.gradient, &sum.gradient_two, &sum.dev,
+                        &sum.dev_two, &sum.vol, &sum.vol_two})
+    *share /= n;
+  return sum;
+}
+
+std::vector<Metric> Bench::levelled(const Scene& scene, const Look& look, const Soil& soil) {
+  const std::string key =
+      scene.name + "_" + std::to_string(look.seed) + "_" + digits(soil.friction_deg) + "_" + digits(soil.cohesion_pa);
+  app::Case c = app::parse_case(drawn_case(scene, look, soil), scene.name, fs::current_path());
+  c.compare.levelling = true;
+  return app::run_case(c, in(folder_ / "levelled" / key), app::Stages::all, progress_).metrics;
 }
 
 Comparison Bench::against(const Scene& scene, const fs::path& measured, const Soil& soil, int coarser) {
@@ -217,23 +281,30 @@ Said said(const Metric& m) {
 
 namespace {
 
-Said most_said(const Comparison& c, std::initializer_list<const char*> names) {
+constexpr std::initializer_list<const char*> of_displacement{"displacement_rms_final",    "displacement_bias_x_final",
+                                                             "displacement_bias_y_final", "displacement_field_rms",
+                                                             "displacement_field_x",      "displacement_field_y"};
+
+Said most_said(const std::vector<Metric>& metrics, std::initializer_list<const char*> names,
+               const std::string& prefix = "") {
   Said most = Said::nothing;
   for (const char* name : names)
-    if (const Metric* m = find(c.metrics, name)) most = std::max(most, said(*m));
+    if (const Metric* m = find(metrics, prefix + name)) most = std::max(most, said(*m));
   return most;
 }
 
 }  // namespace
 
-Said said_of_displacement(const Comparison& c) {
-  return most_said(c, {"displacement_rms_final", "displacement_bias_x_final", "displacement_bias_y_final", "displacement_field_rms",
-                       "displacement_field_x", "displacement_field_y"});
+Said said_of_displacement(const Comparison& c) { return most_said(c.metrics, of_displacement); }
+
+Said said_of_levelled_displacement(const std::vector<Metric>& metrics) {
+  return most_said(metrics, of_displacement, "levelled_");
 }
 
 Said said_of_strain(const Comparison& c) {
-  return most_said(c, {"strain_dev_rms_final", "strain_dev_bias_final", "strain_dev_field_rms", "strain_dev_field_mean",
-                       "strain_vol_rms_final", "strain_vol_bias_final", "strain_vol_field_rms", "strain_vol_field_mean"});
+  return most_said(c.metrics,
+                   {"strain_dev_rms_final", "strain_dev_bias_final", "strain_dev_field_rms", "strain_dev_field_mean",
+                    "strain_vol_rms_final", "strain_vol_bias_final", "strain_vol_field_rms", "strain_vol_field_mean"});
 }
 
 }  // namespace pivnp::twins

@@ -41,11 +41,19 @@ const std::vector<Scene>& scenes();
 struct Look {
   double noise = 0.02, loss = 0;
   bool soil = true, grains_deform = false;
+  bool corrected = false;  // np.drift
   int seed = 1;
   std::string text() const;
 };
 /// Noise of 1 to 5 %, loss up to a tenth, both textures, round and deforming grains; the n-th differs from the others.
 Look look(int n);
+
+/// Shares of particles within one and two stated standard deviations of the simulation that moved them.
+struct PathCoverage {
+  double displacement = 0, displacement_two = 0;  // components
+  double gradient = 0, gradient_two = 0;          // stretches along the axes in what F is off by
+  double dev = 0, dev_two = 0, vol = 0, vol_two = 0;
+};
 
 /// Everything is written under `folder`; simulations are run once. `reuse`: records that an earlier run left there are taken as
 /// they are (to compare them anew).
@@ -56,10 +64,15 @@ class Bench {
 
   /// The measurement of frames drawn from the scene's own soil (motion "np").
   std::filesystem::path measured(const Scene& scene, const Look& look);
+  /// How well it states its errors at a frame, against the simulation whose texture it followed.
+  PathCoverage coverage(const Scene& scene, const std::filesystem::path& measured, int frame);
   /// That measurement against the simulation of a soil; `coarser`: with so many coarser grids for u_num.
   Comparison against(const Scene& scene, const std::filesystem::path& measured, const Soil& soil, int coarser = 0);
+  /// Metrics of the same frames against the simulation of a soil, measured as they are ([compare] levelling) and plain.
+  std::vector<Metric> levelled(const Scene& scene, const Look& look, const Soil& soil);
 
  private:
+  std::string drawn_case(const Scene& scene, const Look& look, const Soil& soil);
   std::filesystem::path simulated(const Scene& scene, const Soil& soil, int level = 0);
 
   std::filesystem::path folder_;
@@ -73,6 +86,8 @@ enum class Said { nothing, lost, distinguishable };
 Said said(const Metric& metric);
 /// Of the displacement at the end: its RMS, or its mean, plain and weighted.
 Said said_of_displacement(const Comparison& comparison);
+/// The same of levelled metrics.
+Said said_of_levelled_displacement(const std::vector<Metric>& metrics);
 /// Of strain at the end, deviatoric or volumetric: its RMS, or its mean, plain and weighted.
 Said said_of_strain(const Comparison& comparison);
 

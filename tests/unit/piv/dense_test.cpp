@@ -310,5 +310,14 @@ INSTANTIATE_TEST_SUITE_P(
       return std::string(a.method) + "_" + std::string(name_of(a.smoothing)) + std::to_string(a.order);
     });
 
+// A replaced vector may state less than the field that was smoothed anew: what it states falls with it, but not below
+// zero.
+TEST(Quality, AVarianceThatFallsStaysPositive) {
+  EXPECT_FLOAT_EQ(changed_variance(5, 4, -3), 2);
+  EXPECT_FLOAT_EQ(changed_variance(2, 4, -3), .5f);
+  EXPECT_FLOAT_EQ(changed_variance(2, 4, 3), 5);
+  EXPECT_FLOAT_EQ(changed_variance(2, 0, 0), 2);
+}
+
 }  // namespace
 }  // namespace pivnp::piv

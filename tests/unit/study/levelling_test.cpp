@@ -1,7 +1,8 @@
 // Levelling: a simulation that is right, measured like the experiment, differs from it by noise alone where the plain
 // comparison shows the measurement's filter.
-#include "apps/study/methods/frames/texture.hpp"
 #include "apps/study/methods/paths/levelling.hpp"
+#include "apps/study/methods/frames/texture.hpp"
+#include "apps/study/methods/paths/levelled_error.hpp"
 
 #include <gtest/gtest.h>
 
@@ -140,6 +141,35 @@ TEST(Levelling, TheMeasurementsFilterCancels) {
   EXPECT_LT(level, plain / 3);
   test::verification_row("exact simulation of a band 4 px wide, window 32 px: strain difference levelled against plain",
                          "a third at most", number(level, 2) + " against " + number(plain, 2));
+}
+
+// A particle that is lost where texture is carried says so, as it departs from the simulation that carried it by far
+// more than it states; the others keep what they state.
+TEST(Levelling, WhatItIsOffByItselfIsInItsUncertainty) {
+  const auto stated = [](MotionMemory m, float off) {
+    MotionMemory out("np", "m", "s", m.particles());
+    for (std::size_t k = 0; k < m.times().size(); ++k) {
+      MotionFrame f = m.frame(k);
+      f.cov_u.assign(f.u.size(), {1e-8f, 1e-8f, 0});
+      f.add("cov_F", f.u.size());
+      for (std::size_t p = 0; p < f.u.size(); ++p) f.fields[0](p, 0) = f.fields[0](p, 1) = 1e-6f;
+      if (k == 2) f.u[7][0] += off, f.u[8][1] += 2e-4f, f.F[7][1] += 100 * off;
+      out.add(f);
+    }
+    return out;
+  };
+  const MotionMemory simulation = exact();
+  SilentProgress progress;
+  const auto measured = [&] { return std::make_unique<MotionMemory>(stated(simulation, .01f)); };
+  const LevelledMotion levelled(measured(), compare::compare(*measured(), simulation, {}, {}, progress));
+  const MotionFrame before = levelled.frame(1), after = levelled.frame(2);
+  EXPECT_FLOAT_EQ(before.cov_u[7][0], 1e-8f);
+  EXPECT_NEAR(after.cov_u[7][0], 1e-8f + 1e-4f, 1e-7f);
+  EXPECT_NEAR(after.cov_u[7][1], 1e-8f, 1e-12f);
+  EXPECT_FLOAT_EQ(after.cov_u[8][1], 1e-8f);  // two standard deviations
+  const FieldValues& cov_F = after.field("cov_F");
+  EXPECT_GT(cov_F(7, 0), .05f);
+  EXPECT_FLOAT_EQ(cov_F(8, 0), 1e-6f);
 }
 
 // The exact simulation's particles, at rest until t = 2.

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "apps/study/methods/frames/texture.hpp"
+#include "apps/study/methods/paths/levelled_error.hpp"
 #include "apps/study/methods/paths/tracking.hpp"
 #include "apps/study/pipeline/measure/measure.hpp"
 #include "apps/study/pipeline/record/record_head.hpp"
@@ -152,10 +153,12 @@ void add_levelled(const Case& c, const Setting& setting, const RunSettings& sett
   measure(drawn, at_rest, *carried, levelled, settings.threads, progress);
   levelled.set_frames(carried->frames());
   track(drawn, at_rest, carried->frames(), carried.get(), {}, levelled, settings.threads, progress);
+  levelled.set_strain_note("np", note);
   levelled.pack();
   {
-    const auto motion = levelled.motion("np");
-    const Comparison like = compare::compare(measured, *motion, options, {}, progress, {}, {note, note});
+    const Comparison departures = compare::compare(*levelled.motion("np"), simulated, {}, {}, progress, {}, {note, {}});
+    const LevelledMotion motion(levelled.motion("np"), departures);
+    const Comparison like = compare::compare(measured, motion, options, {}, progress, {}, {note, note});
     for (Metric m : like.metrics) {
       const auto known = compare::known_metric(m.name);
       if (!known || !known->facts->levelled) continue;
@@ -169,7 +172,10 @@ void add_levelled(const Case& c, const Setting& setting, const RunSettings& sett
   comparison.remarks.push_back(
       "Levelled: the simulation was also measured from the first frame carried by its motion, with "
       "fresh noise of " +
-      number(std::sqrt(noise), 3) + " grey values (standard deviation).");
+      number(std::sqrt(noise), 3) +
+      " grey values (standard deviation). Where that measurement departs from the simulation by more than three of its "
+      "stated "
+      "standard deviations, the departure is part of its uncertainty.");
 }
 
 }  // namespace pivnp::app
