@@ -78,6 +78,18 @@ void SmallMassNodes::join_velocity(GridState& g) const {
   }
 }
 
+void strain_by_light_nodes(GridState& g, double light) {
+  for (const std::uint32_t n : g.active.nodes) {
+    const Node& node = g.node[n];
+    const double part = node.mass / (light * g.measure(n));
+    if (!(part > 0 && part < 1)) continue;
+    g.separate_strain_velocities(n);
+    const GridState::StrainVelocity u = g.strain_velocity(n);
+    u.x = node.vx + part * (node.nx - node.vx);
+    u.y = node.vy + part * (node.ny - node.vy);
+  }
+}
+
 void update_momentum(GridState& g, const Vec2& gravity, double damping, double dt, int threads) {
   for_nodes(g, threads, [&](Node& node, std::uint32_t) { advance(node, per_mass(node), gravity, damping, dt); });
 }

@@ -25,6 +25,10 @@ struct SmallMassNodes {
   void join_velocity(GridState& g) const;
 };
 
+/// Nodes lighter than `light` (kg/m) strain the material by what the impulses would have made of that mass:
+/// docs/theory/mpm.md#small-mass-nodes.
+void strain_by_light_nodes(GridState& g, double light);
+
 /// A.5-A.7: adds gravity, then Cundall's local damping -alpha |f| sign(v) by component, and advances Node::n.
 void update_momentum(GridState& g, const Vec2& gravity, double damping, double dt, int threads);
 

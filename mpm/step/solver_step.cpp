@@ -14,7 +14,7 @@ constexpr std::int64_t arrangement_every = 8;  // steps between looks at how the
 constexpr std::int64_t mass_every = 8;       // steps between looks at the mass of the water
 constexpr double sort_share = 0.05;          // of the points that may change cells between re-sorts of the storage
 constexpr double least_mass = 1e-5;          // of a full cell: lighter nodes move with a neighbour
-constexpr double least_loaded_mass = 1e-2;   // likewise at faces under load, with stress last: docs/theory/mpm.md#small-mass-nodes
+constexpr double light_mass = 1e-2;          // likewise: with stress last, lighter nodes of loaded faces strain as if they had it
 constexpr double least_linear_mass = 1e-2;   // likewise with water between linear functions: docs/theory/mpm_water.md#light-nodes
 constexpr double touched_share = 0.25;            // of a full cell: mass around a body's outline in contact
 
@@ -95,10 +95,7 @@ bool Solver::Impl::maps_and_advances() const {
 }
 
 void Solver::Impl::map_to_nodes(const Cycle& c) {
-  const double share = water && scheme.shape == ShapeKind::bilinear                             ? least_linear_mass
-                       : !water && scheme.stress == StressUpdate::usl && loading.tractions().any() ? least_loaded_mass
-                                                                                         : least_mass;
-  const double least = share * least_density() * g.grid.spacing.prod();
+  const double least = (water && scheme.shape == ShapeKind::bilinear ? least_linear_mass : least_mass) * least_density() * g.grid.spacing.prod();
   const bool with_force = scheme.stress != StressUpdate::usf;
   if (with_force) flow_water(c);
   if (with_force) heat_points(c);
@@ -171,6 +168,8 @@ void Solver::Impl::apply_restraints(const Cycle& c, bool counted) {
 }
 
 void Solver::Impl::restrain_strain_velocity() {
+  if (!water && scheme.stress == StressUpdate::usl && loading.tractions().any())
+    strain_by_light_nodes(g, light_mass * least_density() * g.grid.spacing.prod());
   small_mass.join_velocity(g);
   bodies.separate_strain_velocities(g);
   restraints.apply_to_strain_velocity(state.time, g);
