@@ -206,7 +206,8 @@ TEST(Sequences, WhatBendsLoseIsStated) {
       }
       off += sum.squaredNorm();
     }
-  test::verification_row("sequence, band of 9 px: error over stated in it after 20 pairs", "at most 1.2", std::to_string(std::sqrt(off / stated)));
+  test::verification_row("sequence, band of 9 px: error over stated in it after 20 pairs", "at most 1.2",
+                         std::to_string(std::sqrt(off / stated)));
   EXPECT_LE(std::sqrt(off / stated), 1.2);
 }
 
