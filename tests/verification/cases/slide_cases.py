@@ -30,7 +30,8 @@ class Run:
             of = {name: energy[name][:] for name in energy}
         self.moved = np.linalg.norm(self.u, axis=2)
         made = of.get("heat_made")
-        self.heat_lost = 0 if made is None else np.abs(of["heat"] - of["heat"][0] - made - of["heat_inflow"]).max() / max(1e-30, np.abs(made).max())
+        held = of.get("heat", np.zeros_like(self.time))  # left out where it is 0 throughout
+        self.heat_lost = 0 if made is None else np.abs(held - held[0] - made - of["heat_inflow"]).max() / max(1e-30, np.abs(made).max())
         self.water_lost = np.abs(of["water_mass"] - of["water_mass"][0] - of["water_inflow"]).max() / of["water_mass"].max()
 
 
