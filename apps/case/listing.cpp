@@ -29,9 +29,8 @@ std::string bounds(const OptionInfo& info) {
   std::string text;
   if (std::isfinite(info.min))
     text += std::string(info.above_min ? ", \"exclusiveMinimum\": " : ", \"minimum\": ") + number(info.min, 15);
-  const double whole = std::round(info.max);
-  const bool below = info.max < whole && std::nextafter(info.max, whole) == whole;
-  if (std::isfinite(info.max)) text += (below ? ", \"exclusiveMaximum\": " : ", \"maximum\": ") + number(info.max, 15);
+  if (std::isfinite(info.max))
+    text += (excludes_max(info) ? ", \"exclusiveMaximum\": " : ", \"maximum\": ") + number(info.max, 15);
   return text;
 }
 

@@ -14,15 +14,10 @@ std::string shortest(double value) {
 
 }  // namespace
 
-namespace {
-
-// Just below a whole number.
 bool excludes_max(const OptionInfo& info) {
   const double whole = std::round(info.max);
   return info.max < whole && std::nextafter(info.max, whole) == whole;
 }
-
-}  // namespace
 
 std::string range_text(const OptionInfo& info) {
   const bool low = std::isfinite(info.min), high = std::isfinite(info.max);

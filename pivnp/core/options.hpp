@@ -42,6 +42,8 @@ struct OptionInfo {
 inline bool in_range(const OptionInfo& info, double value) {
   return (info.above_min ? value > info.min : value >= info.min) && value <= info.max;
 }
+/// Whether the greatest number allowed is the last one below a whole number, which itself is not.
+bool excludes_max(const OptionInfo& info);
 /// The range of a number in words, "8 to 256", "more than 0"; empty: any.
 std::string range_text(const OptionInfo& info);
 

@@ -22,15 +22,7 @@ TEST(HeatLimit, FlagsBandsThatBoilOrOpen) {
   Scene s = slide_scene(slide, o);
   s.heat->initial_c = 95;
   for (const Vec2& x : s.particles.x0) s.temperature0.push_back(x.x() < o.cell ? 92 : 98);
-  MpmOptions options = test::options(slide_gravity(slide, o));
-  options.initial_equilibrium = false;
-  options.end_at_rest = false;
-  options.shape = o.shape;
-  options.transfer = o.transfer;
-  options.courant = o.courant;
-  options.energy_limit = 1e9;
-  options.pressure = PressureScheme::in_steps;
-  Solver solver(options, s, 1);
+  Solver solver(slide_options(slide, o), s, 1);
   std::size_t times[4] = {};
   for (double t = 0; t <= 16; t += 0.5) {
     solver.advance_to(t, silent);

@@ -95,15 +95,7 @@ TEST(HeatedZones, SlipThatStopsInOneAndStartsInAnotherHasNoKink) {
     const double low = o.below, again = low + 5;
     for (std::size_t k = 0; k < s.particles.size(); ++k)
       if (const double y = s.particles.x0[k].y(); y > again && y < again + 2) s.particles.label[k] = 3;
-    MpmOptions options = test::options(slide_gravity(slide, o));
-    options.initial_equilibrium = false;
-    options.end_at_rest = false;
-    options.shape = o.shape;
-    options.transfer = transfer;
-    options.courant = o.courant;
-    options.energy_limit = 1e9;
-    options.pressure = PressureScheme::in_steps;
-    Solver solver(options, s, 1);
+    Solver solver(slide_options(slide, o), s, 1);
     const EnergyRow start = solver.energy();
     double before[2] = {}, kink[2] = {}, slipped[2] = {}, at_jump[2] = {}, end[2] = {};
     for (double t = 0.01; t < 5; t += 0.01) {
@@ -145,15 +137,8 @@ TEST(HeatedZones, ACheckpointGoesOnWithTheSameBits) {
   PlanarSlide slide(band);
   SlideOptions o;
   o.cell = 2, o.above = 12;
-  MpmOptions options = test::options(slide_gravity(slide, o));
-  options.initial_equilibrium = false;
-  options.end_at_rest = false;
-  options.shape = o.shape;
-  options.transfer = o.transfer;
-  options.courant = o.courant;
-  options.energy_limit = 1e9;
-  options.pressure = PressureScheme::in_steps;
-  Solver solver(options, slide_scene(slide, o), 1), other(options, slide_scene(slide, o), 2);
+  Solver solver(slide_options(slide, o), slide_scene(slide, o), 1),
+      other(slide_options(slide, o), slide_scene(slide, o), 2);
   solver.advance_to(3.01, silent);
   other.load(solver.save());
   solver.advance_to(5, silent);

@@ -1,6 +1,7 @@
 // Small scenes for the solver's tests.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -109,6 +110,14 @@ inline void keep_outside(ParticleSet& set, const Vec2& centre, double radius) {
     out.end_reason.push_back(set.end_reason[k]);
   }
   set = out;
+}
+
+/// Of displacement, m.
+inline double greatest_difference(const MotionFrame& a, const MotionFrame& b) {
+  double most = 0;
+  for (std::size_t k = 0; k < a.u.size(); ++k)
+    most = std::max(most, std::hypot(double(a.u[k][0] - b.u[k][0]), double(a.u[k][1] - b.u[k][1])));
+  return most;
 }
 
 }  // namespace pivnp::mpm::test

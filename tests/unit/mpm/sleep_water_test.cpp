@@ -44,13 +44,6 @@ MpmOptions in_bed(PressureScheme pressure, bool sleeps) {
   return o;
 }
 
-double greatest_difference(const MotionFrame& a, const MotionFrame& b) {
-  double most = 0;
-  for (std::size_t k = 0; k < a.u.size(); ++k)
-    most = std::max(most, std::hypot(double(a.u[k][0] - b.u[k][0]), double(a.u[k][1] - b.u[k][1])));
-  return most;
-}
-
 double greatest_difference_of_pressure(const MotionFrame& a, const MotionFrame& b) {
   double most = 0;
   for (std::size_t k = 0; k < a.u.size(); ++k)

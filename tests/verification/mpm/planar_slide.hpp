@@ -77,6 +77,20 @@ inline Pair slide_gravity(const PlanarSlide& slide, const SlideOptions& o) {
   return {slide.drive / over, -slide.band.stress / over};
 }
 
+inline MpmOptions slide_options(const PlanarSlide& slide, const SlideOptions& o) {
+  MpmOptions options = test::options(slide_gravity(slide, o));
+  options.initial_equilibrium = false;
+  options.end_at_rest = false;
+  options.shape = o.shape;
+  options.transfer = o.transfer;
+  if (o.pic_per_s > 0) options.pic_per_s = o.pic_per_s;
+  if (o.damping > 0) options.damping = o.damping;
+  options.courant = o.courant;
+  options.energy_limit = 1e9;
+  options.pressure = PressureScheme::in_steps;
+  return options;
+}
+
 /// The slide over a plane at this height: the stress grows with what lies on it, and so do the drive and the mass.
 inline PlanarSlide slide_over(PlanarSlide slide, const SlideOptions& o, double height) {
   const double low = std::round(o.below / o.cell) * o.cell, above = std::round(o.above / o.cell) * o.cell, clay = o.rows * o.cell;
@@ -89,17 +103,7 @@ inline PlanarSlide slide_over(PlanarSlide slide, const SlideOptions& o, double h
 
 /// Until the slide has moved `slip`. Its mass is that of the slide above the clay's middle only where the column is as high.
 inline SlideState run_slide(const PlanarSlide& slide, const SlideOptions& o, double slip, double most_time) {
-  MpmOptions options = test::options(slide_gravity(slide, o));
-  options.initial_equilibrium = false;
-  options.end_at_rest = false;
-  options.shape = o.shape;
-  options.transfer = o.transfer;
-  if (o.pic_per_s > 0) options.pic_per_s = o.pic_per_s;
-  if (o.damping > 0) options.damping = o.damping;
-  options.courant = o.courant;
-  options.energy_limit = 1e9;
-  options.pressure = PressureScheme::in_steps;
-  Solver solver(options, slide_scene(slide, o), o.threads);
+  Solver solver(slide_options(slide, o), slide_scene(slide, o), o.threads);
   const EnergyRow start = solver.energy();
   SlideState s;
   std::size_t top = 0;
