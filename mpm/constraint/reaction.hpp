@@ -19,9 +19,9 @@ struct Impulse {
   }
 };
 
-/// A node with next to no mass, and the one that it moves with.
+/// A node with next to no mass, and those that it moves with: by 2 v(heavy) - v(beyond), or with `heavy` where that is both.
 struct JoinedNode {
-  std::uint32_t small, heavy;
+  std::uint32_t small, heavy, beyond;
 };
 
 /// Of a wall or body in a step: impulse on the material (N s/m) and the wall's own velocity.

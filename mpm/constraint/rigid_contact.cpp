@@ -248,8 +248,8 @@ void RigidBodies::apply(double time, double dt, double least_mass, std::span<con
     }
   for (const JoinedNode& j : joined)
     if (std::any_of(shares_.begin(), shares_.end(), [&](const NodeShare& s) { return s.node == j.heavy; })) {
-      g.node[j.small].nx = g.node[j.heavy].nx;
-      g.node[j.small].ny = g.node[j.heavy].ny;
+      g.node[j.small].nx = 2 * g.node[j.heavy].nx - g.node[j.beyond].nx;
+      g.node[j.small].ny = 2 * g.node[j.heavy].ny - g.node[j.beyond].ny;
     }
   const std::size_t first = reactions.size();
   for (const Contact& c : contacts_) {

@@ -1,6 +1,7 @@
 #include "mpm/step/momentum.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "mpm/grid/sweeps.hpp"
@@ -28,40 +29,75 @@ void advance(Node& node, double per_mass, const Vec2& gravity, double damping, d
   node.ny = node.vy + step * (node.fy + damped.y());
 }
 
+// Of a node and its eight neighbours; of equals the first.
+std::uint32_t heaviest_around(const GridState& g, std::uint32_t n) {
+  const auto nx = std::ptrdiff_t(g.grid.nx), ny = std::ptrdiff_t(g.grid.ny);
+  const std::ptrdiff_t i = std::ptrdiff_t(n) % nx, j = std::ptrdiff_t(n) / nx;
+  std::uint32_t heavy = n;
+  for (std::ptrdiff_t b = std::max<std::ptrdiff_t>(0, j - 1); b <= std::min(ny - 1, j + 1); ++b)
+    for (std::ptrdiff_t a = std::max<std::ptrdiff_t>(0, i - 1); a <= std::min(nx - 1, i + 1); ++a)
+      if (g.node[std::size_t(b * nx + a)].mass > g.node[heavy].mass) heavy = std::uint32_t(b * nx + a);
+  return heavy;
+}
+
+// Along the grid's lines where a neighbour there has at least half as much as the heaviest, else to that one; and as that one, where
+// the node beyond lacks mass.
+SmallMassNodes::Pair outward(const GridState& g, std::uint32_t n) {
+  const auto nx = std::ptrdiff_t(g.grid.nx), ny = std::ptrdiff_t(g.grid.ny);
+  const std::ptrdiff_t i = std::ptrdiff_t(n) % nx, j = std::ptrdiff_t(n) / nx;
+  const std::uint32_t heaviest = heaviest_around(g, n);
+  const double enough = 0.5 * g.node[heaviest].mass;
+  const auto node_at = [&](std::ptrdiff_t a, std::ptrdiff_t b) {
+    return a < 0 || a >= nx || b < 0 || b >= ny ? n : std::uint32_t(b * nx + a);
+  };
+  const std::ptrdiff_t of_heaviest[2] = {std::ptrdiff_t(heaviest) % nx - i, std::ptrdiff_t(heaviest) / nx - j};
+  const std::array<std::array<std::ptrdiff_t, 2>, 5> ways = {{{-1, 0}, {1, 0}, {0, -1}, {0, 1}, {of_heaviest[0], of_heaviest[1]}}};
+  SmallMassNodes::Pair pair{n, heaviest, heaviest};
+  for (const auto& [a, b] : ways) {
+    const std::uint32_t first = node_at(i + a, j + b), second = node_at(i + 2 * a, j + 2 * b);
+    if (g.node[first].mass >= enough && g.node[second].mass >= enough) {
+      pair = {n, first, second};
+      break;
+    }
+  }
+  return pair;
+}
+
 }  // namespace
 
-void SmallMassNodes::find(const GridState& g, double least) { pair_up(g, least, g.active.nodes); }
+void SmallMassNodes::find(const GridState& g, const Rule& rule) { pair_up(g, rule, g.active.nodes); }
 
-void SmallMassNodes::pair_up(const GridState& g, double least, const std::vector<std::uint32_t>& nodes) {
+void SmallMassNodes::pair_up(const GridState& g, const Rule& rule, const std::vector<std::uint32_t>& nodes) {
   pairs.clear();
-  const auto nx = std::ptrdiff_t(g.grid.nx), ny = std::ptrdiff_t(g.grid.ny);
   for (const std::uint32_t n : nodes) {
-    if (!(g.node[n].mass < least * g.measure(n))) continue;
-    const std::ptrdiff_t i = std::ptrdiff_t(n) % nx, j = std::ptrdiff_t(n) / nx;
-    std::uint32_t heavy = n;
-    for (std::ptrdiff_t b = std::max<std::ptrdiff_t>(0, j - 1); b <= std::min(ny - 1, j + 1); ++b)
-      for (std::ptrdiff_t a = std::max<std::ptrdiff_t>(0, i - 1); a <= std::min(nx - 1, i + 1); ++a)
-        if (g.node[std::size_t(b * nx + a)].mass > g.node[heavy].mass) heavy = std::uint32_t(b * nx + a);
-    if (g.node[heavy].mass >= least * g.measure(heavy)) pairs.push_back({n, heavy});
+    if (!(g.node[n].mass < rule.least * g.measure(n))) continue;
+    const Pair pair = rule.linear ? outward(g, n) : Pair{n, heaviest_around(g, n), heaviest_around(g, n)};
+    if (g.node[pair.heavy].mass >= rule.least * g.measure(pair.heavy)) pairs.push_back(pair);
   }
 }
 
 void SmallMassNodes::join_momentum(GridState& g, double damping, double dt) const {
-  // A heavy node may have several small ones: first all are added up, then all are told.
-  std::vector<double> mass_before;
-  for (const Pair& p : pairs) {
-    Node &small = g.node[p.small], &heavy = g.node[p.heavy];
-    const double mass = heavy.mass + small.mass;
+  // A node may have several small ones: first all are added up, then all are told.
+  const auto add = [&](std::uint32_t to, double share, const Node& small) {
+    Node& node = g.node[to];
+    const double mass = node.mass + share * small.mass;
     const Vec2 damped = damping_force(damping, small);
-    heavy.nx = (heavy.mass * heavy.nx + small.mass * small.vx + dt * (small.fx + damped.x())) / mass;
-    heavy.ny = (heavy.mass * heavy.ny + small.mass * small.vy + dt * (small.fy + damped.y())) / mass;
-    mass_before.push_back(heavy.mass);
-    heavy.mass = mass;
+    node.nx = (node.mass * node.nx + share * small.mass * small.vx + share * dt * (small.fx + damped.x())) / mass;
+    node.ny = (node.mass * node.ny + share * small.mass * small.vy + share * dt * (small.fy + damped.y())) / mass;
+    node.mass = mass;
+  };
+  std::vector<std::pair<double, double>> masses_before;
+  for (const Pair& p : pairs) {
+    masses_before.emplace_back(g.node[p.heavy].mass, g.node[p.beyond].mass);
+    add(p.heavy, p.beyond == p.heavy ? 1 : 2, g.node[p.small]);
+    if (p.beyond != p.heavy) add(p.beyond, -1, g.node[p.small]);
   }
   for (std::size_t k = pairs.size(); k-- > 0;) {
-    g.node[pairs[k].small].nx = g.node[pairs[k].heavy].nx;
-    g.node[pairs[k].small].ny = g.node[pairs[k].heavy].ny;
-    g.node[pairs[k].heavy].mass = mass_before[k];
+    Node &small = g.node[pairs[k].small], &heavy = g.node[pairs[k].heavy], &beyond = g.node[pairs[k].beyond];
+    small.nx = 2 * heavy.nx - beyond.nx;
+    small.ny = 2 * heavy.ny - beyond.ny;
+    beyond.mass = masses_before[k].second;
+    heavy.mass = masses_before[k].first;
   }
 }
 
@@ -72,21 +108,9 @@ void SmallMassNodes::join_velocity(GridState& g) const {
     g.separate_strain_velocities(first, int(n));
   }
   for (const Pair& p : pairs) {
-    const GridState::StrainVelocity small = g.strain_velocity(p.small), heavy = g.strain_velocity(p.heavy);
-    small.x = heavy.x;
-    small.y = heavy.y;
-  }
-}
-
-void strain_by_light_nodes(GridState& g, double light) {
-  for (const std::uint32_t n : g.active.nodes) {
-    const Node& node = g.node[n];
-    const double part = node.mass / (light * g.measure(n));
-    if (!(part > 0 && part < 1)) continue;
-    g.separate_strain_velocities(n);
-    const GridState::StrainVelocity u = g.strain_velocity(n);
-    u.x = node.vx + part * (node.nx - node.vx);
-    u.y = node.vy + part * (node.ny - node.vy);
+    const GridState::StrainVelocity small = g.strain_velocity(p.small), heavy = g.strain_velocity(p.heavy), beyond = g.strain_velocity(p.beyond);
+    small.x = 2 * heavy.x - beyond.x;
+    small.y = 2 * heavy.y - beyond.y;
   }
 }
 
@@ -94,7 +118,7 @@ void update_momentum(GridState& g, const Vec2& gravity, double damping, double d
   for_nodes(g, threads, [&](Node& node, std::uint32_t) { advance(node, per_mass(node), gravity, damping, dt); });
 }
 
-void map_and_update(const Particles& p, GridState& g, const Scheme& scheme, SmallMassNodes& small, double least,
+void map_and_update(const Particles& p, GridState& g, const Scheme& scheme, SmallMassNodes& small, const SmallMassNodes::Rule& rule,
                     const Vec2& gravity, double dt, int threads) {
   std::vector<std::vector<std::uint32_t>> found(g.active.mapped.count());
   const double rounding = mass_of_rounding(p);
@@ -106,13 +130,13 @@ void map_and_update(const Particles& p, GridState& g, const Scheme& scheme, Smal
       node.vx *= per;
       node.vy *= per;
       advance(node, per, gravity, scheme.damping, dt);
-      if (node.mass < least) found[band].push_back(g.active.nodes[a]);
+      if (node.mass < rule.least) found[band].push_back(g.active.nodes[a]);
     }
   });
   std::vector<std::uint32_t> all;
   for (const auto& of_band : found) all.insert(all.end(), of_band.begin(), of_band.end());
   std::sort(all.begin(), all.end());
-  small.pair_up(g, least, all);
+  small.pair_up(g, rule, all);
 }
 
 Vec2 working_velocity(const GridState& g, std::size_t n, bool strained) {

@@ -10,31 +10,32 @@
 
 namespace pivnp::mpm {
 
-/// A node with next to no mass moves with its heaviest neighbour: its force over its mass would be any number. Their
-/// momenta and forces add, so momentum is conserved; as a constraint on the motion it does no work.
+/// Nodes with next to no mass move with their neighbours, since their force over their mass would be any number:
+/// docs/theory/mpm.md#small-mass-nodes. Momenta and forces go to what they move with, so momentum is conserved; as a constraint
+/// on the motion it does no work.
 struct SmallMassNodes {
+  /// Which are small (kg/m a node of a plane mesh), and how they move.
+  struct Rule {
+    double least;
+    bool linear;  // by 2 v(1) - v(2) of the two nodes next in the direction of the material, where both have mass; else all as the heaviest
+  };
   using Pair = JoinedNode;
   std::vector<Pair> pairs;  // ascending by `small`
-  /// Active nodes lighter than `least` (kg/m), each with the heaviest of its eight neighbours.
-  void find(const GridState& g, double least);
+  void find(const GridState& g, const Rule& rule);
   /// The same of those listed, if they are lighter.
-  void pair_up(const GridState& g, double least, const std::vector<std::uint32_t>& nodes);
-  /// After update_momentum(): the common velocity to Node::n of both.
+  void pair_up(const GridState& g, const Rule& rule, const std::vector<std::uint32_t>& nodes);
+  /// After update_momentum(): the common motion to Node::n of all.
   void join_momentum(GridState& g, double damping, double dt) const;
-  /// The strain-rate velocity of the small ones is their neighbour's.
+  /// The strain-rate velocity of the small ones follows from their neighbours'.
   void join_velocity(GridState& g) const;
 };
-
-/// Nodes lighter than `light` (kg/m) strain the material by what the impulses would have made of that mass:
-/// docs/theory/mpm.md#small-mass-nodes.
-void strain_by_light_nodes(GridState& g, double light);
 
 /// A.5-A.7: adds gravity, then Cundall's local damping -alpha |f| sign(v) by component, and advances Node::n.
 void update_momentum(GridState& g, const Vec2& gravity, double damping, double dt, int threads);
 
-/// A.3-A.7 together, each node as soon as its sums are complete, and the nodes lighter than `least` (kg/m) to `small`: for
+/// A.3-A.7 together, each node as soon as its sums are complete, and the small nodes by `rule` to `small`: for
 /// steps in which nothing asks for the mapped velocity in between.
-void map_and_update(const Particles& p, GridState& g, const Scheme& scheme, SmallMassNodes& small, double least,
+void map_and_update(const Particles& p, GridState& g, const Scheme& scheme, SmallMassNodes& small, const SmallMassNodes::Rule& rule,
                     const Vec2& gravity, double dt, int threads);
 
 /// Work of one step, J/m.

@@ -78,6 +78,7 @@ struct Solver::Impl {
   void strain_last(const Cycle& c);
   void end_step(const Cycle& c);
   bool maps_and_advances() const;
+  SmallMassNodes::Rule small_nodes() const;
   void take_mapped_velocity(const Cycle& c);
   void apply_restraints(const Cycle& c, bool counted);
   void restrain_strain_velocity();

@@ -14,7 +14,7 @@ constexpr std::int64_t arrangement_every = 8;  // steps between looks at how the
 constexpr std::int64_t mass_every = 8;       // steps between looks at the mass of the water
 constexpr double sort_share = 0.05;          // of the points that may change cells between re-sorts of the storage
 constexpr double least_mass = 1e-5;          // of a full cell: lighter nodes move with a neighbour
-constexpr double light_mass = 1e-2;          // likewise: with stress last, lighter nodes of loaded faces strain as if they had it
+constexpr double least_loaded_mass = 1e-2;   // likewise with stress last, where faces bear loads: docs/theory/mpm.md#small-mass-nodes
 constexpr double least_linear_mass = 1e-2;   // likewise with water between linear functions: docs/theory/mpm_water.md#light-nodes
 constexpr double touched_share = 0.25;            // of a full cell: mass around a body's outline in contact
 
@@ -94,15 +94,21 @@ bool Solver::Impl::maps_and_advances() const {
          !scheme.axisymmetric && !has_inertia();
 }
 
+SmallMassNodes::Rule Solver::Impl::small_nodes() const {
+  const bool loaded = scheme.stress == StressUpdate::usl && loading.tractions().any();
+  const double share = water && scheme.shape == ShapeKind::bilinear ? least_linear_mass : loaded ? least_loaded_mass : least_mass;
+  return {share * least_density() * g.grid.spacing.prod(), loaded};
+}
+
 void Solver::Impl::map_to_nodes(const Cycle& c) {
-  const double least = (water && scheme.shape == ShapeKind::bilinear ? least_linear_mass : least_mass) * least_density() * g.grid.spacing.prod();
+  const SmallMassNodes::Rule small = small_nodes();
   const bool with_force = scheme.stress != StressUpdate::usf;
   if (with_force) flow_water(c);
   if (with_force) heat_points(c);
   if (with_force) average_mean_stress(p, g, scheme, c.threads);
-  if (maps_and_advances()) return map_and_update(p, g, scheme, small_mass, least, c.gravity, c.push, c.threads);
+  if (maps_and_advances()) return map_and_update(p, g, scheme, small_mass, small, c.gravity, c.push, c.threads);
   map_momentum(p, g, scheme, with_force, c.threads);
-  small_mass.find(g, least);
+  small_mass.find(g, small);
   if (!contacts.empty()) contacts.find(p, g, density, c.dt, c.threads);
 }
 
@@ -168,8 +174,6 @@ void Solver::Impl::apply_restraints(const Cycle& c, bool counted) {
 }
 
 void Solver::Impl::restrain_strain_velocity() {
-  if (!water && scheme.stress == StressUpdate::usl && loading.tractions().any())
-    strain_by_light_nodes(g, light_mass * least_density() * g.grid.spacing.prod());
   small_mass.join_velocity(g);
   bodies.separate_strain_velocities(g);
   restraints.apply_to_strain_velocity(state.time, g);

@@ -304,7 +304,7 @@ TEST(SmallMassNodes, MoveWithTheirHeaviestNeighbourAndKeepTheMomentum) {
   set(4, 1, 2, 1);
   set(5, 0, 0, 7);
   SmallMassNodes small;
-  small.find(g, 1e-5);
+  small.find(g, {1e-5, false});
   ASSERT_EQ(small.pairs.size(), 2u);
   update_momentum(g, {0, 0}, 0, 0.1, 1);
   small.join_momentum(g, 0, 0.1);
@@ -317,6 +317,40 @@ TEST(SmallMassNodes, MoveWithTheirHeaviestNeighbourAndKeepTheMomentum) {
   }
   EXPECT_NEAR(after, before, 1e-14);
   EXPECT_EQ(g.node[0].mass, 2);
+}
+
+// At loaded faces they go on as the two nodes next to them do: linear fields stay exact, momentum and its moment are kept.
+TEST(SmallMassNodes, GoOnLinearlyAtLoadedFaces) {
+  GridState g(Grid{{0, 0}, {1, 1}, 4, 4}, ShapeKind::bilinear);
+  g.active.nodes = {0, 1, 2};
+  const double mass[] = {2e-3, 2, 3}, force[] = {-4, 1, 0.5};
+  for (const std::uint32_t n : g.active.nodes) {
+    g.node[n].mass = mass[n];
+    g.node[n].vx = 1 + 0.5 * n;
+    g.node[n].vy = 2 - 0.25 * n;
+    g.node[n].fx = g.node[n].fy = force[n];
+  }
+  SmallMassNodes small;
+  small.find(g, {1e-2, true});
+  ASSERT_EQ(small.pairs.size(), 1u);
+  update_momentum(g, {0, 0}, 0, 0.1, 1);
+  small.join_momentum(g, 0, 0.1);
+  EXPECT_NEAR(g.node[0].nx, 2 * g.node[1].nx - g.node[2].nx, 1e-15);
+  double momentum = 0, moment = 0, given = 0, given_moment = 0;
+  for (const std::uint32_t n : g.active.nodes) {
+    const double p = g.node[n].mass * g.node[n].vy + 0.1 * g.node[n].fy;
+    given += p;
+    given_moment += n * p;
+    EXPECT_EQ(g.node[n].mass, mass[n]);
+    if (n > 0) {
+      // What the nodes carry while the small one moves with them: 2 m of it at the first, -m at the second.
+      const double carried = mass[n] + (n == 1 ? 2 : -1) * mass[0];
+      momentum += carried * g.node[n].ny;
+      moment += n * carried * g.node[n].ny;
+    }
+  }
+  EXPECT_NEAR(momentum, given, 1e-14);
+  EXPECT_NEAR(moment, given_moment, 1e-14);
 }
 
 TEST(Motion, ARunEndsWhenMotionEnds) {
