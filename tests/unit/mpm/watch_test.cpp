@@ -108,17 +108,18 @@ TEST(EnergyGuard, CountsALoadThatSwingsOnce) {
 }
 
 // A cantilever under a load at once, without averages. Stress last by the mapped velocities, and one or two cells
-// across, lose what bends in it (30 to 46 % by the end where nothing stops it); MUSL with B-splines keeps it.
+// across, lose what bends in it (18 % on two cells, 41 and 45 % on one by the end where nothing stops it); MUSL with B-splines keeps it.
 TEST(EnergyGuard, StopsACantileverThatLosesTheWorkOfItsLoad) {
   struct Row {
     double cell;
     int per_element;
     double load;
     StressUpdate stress;
+    double limit;
     bool sound;
   };
-  for (const Row& row : {Row{0.1, 4, 3e5, StressUpdate::usl, false}, Row{0.2, 1, 1e5, StressUpdate::usl, false},
-                         Row{0.2, 1, 3e4, StressUpdate::usl, false}, Row{0.1, 4, 3e5, StressUpdate::musl, true}}) {
+  for (const Row& row : {Row{0.1, 4, 3e5, StressUpdate::usl, 0.15, false}, Row{0.2, 1, 1e5, StressUpdate::usl, 0.25, false},
+                         Row{0.2, 1, 3e4, StressUpdate::usl, 0.25, false}, Row{0.1, 4, 3e5, StressUpdate::musl, 0.15, true}}) {
     MaterialOptions rubber = elastic(1e6, 0.3, 2000);
     rubber.model = "neo_hookean";
     const int across = int(std::lround(3.4 / row.cell)), up = int(std::lround(2.6 / row.cell));
@@ -131,6 +132,7 @@ TEST(EnergyGuard, StopsACantileverThatLosesTheWorkOfItsLoad) {
     o.transfer = TransferKind::flip;
     o.stress_update = row.stress;
     o.locking = Locking::none;
+    o.energy_limit = row.limit;
     Solver solver(o, s, 1);
     std::string said;
     try {
