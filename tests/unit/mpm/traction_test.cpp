@@ -154,6 +154,41 @@ TEST(Tractions, ASpecimenStaysConfinedOnAllSides) {
   EXPECT_LT(std::abs(solver.energy().residual), 1e-3 * solver.energy().external);
 }
 
+// Its pores full of (soft) water, which stands under no pressure outside: quiet too. (2.6 kPa of shear and growing with
+// nodes of next to no mass of their own.)
+TEST(Tractions, AWetSpecimenStaysConfinedOnAllSides) {
+  constexpr double h = 0.01, q = 2.9e5, p = 2e4;
+  MaterialOptions soil = elastic(1e6, 0.3, 0);
+  soil.porosity = 0.4;
+  soil.grain_density_kg_m3 = 1667;
+  soil.permeability_m_s = 1e-4;
+  Scene s = scene(Grid{{-4 * h, -4 * h}, {h, h}, 19, 19}, {rectangle("specimen", 0, 0, 0.1, 0.1)}, {soil});
+  s.water.emplace();
+  s.water->bulk_modulus_pa = 4e6;
+  const auto load = [&](const char* name, Pair from, Pair to, Pair t, double rise) {
+    BoundaryOptions o = load_on(from, to, t, rise);
+    o.follows_face = true;
+    s.boundaries.push_back({name, o});
+  };
+  load("top", {0, 0.1}, {0.1, 0.1}, {0, -q}, 0.2);
+  load("base", {0, 0}, {0.1, 0}, {0, q}, 0.2);
+  load("left", {0, 0}, {0, 0.1}, {p, 0}, 0.05);
+  load("right", {0.1, 0}, {0.1, 0.1}, {-p, 0}, 0.05);
+  MpmOptions o = options();
+  o.damping = 0.3;
+  o.end_at_rest = false;
+  Solver solver(o, s, 1);
+  solver.advance_to(0.3, silent);
+  const MotionFrame f = solver.frame();
+  double shortest = 1, shear = 0;
+  for (std::size_t k = 0; k < f.u.size(); ++k) {
+    shortest = std::min(shortest, double(f.F[k][3]));
+    shear = std::max(shear, std::abs(double(f.field("stress")(k, 3))));
+  }
+  EXPECT_LT(shortest, 0.87);
+  EXPECT_LT(shear, 0.003 * q);
+}
+
 // A loaded column on its base between smooth walls: what each does to it, in force and moment.
 TEST(Reactions, AreWhatBoundariesBear) {
   Scene s = column(0.1, elastic(1e6, 0.3, 2000));
