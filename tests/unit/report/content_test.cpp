@@ -1,6 +1,7 @@
 // What is computed for the figures.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <random>
