@@ -12,6 +12,33 @@
 HWY_BEFORE_NAMESPACE();
 namespace pivnp::mpm::HWY_NAMESPACE {
 
+// Two numbers that go together through the lanes: of each pair of neighbours x in the first lane and y in the second, `other`
+// those of its neighbour. So adding up the pair's lanes takes no operation of its own.
+struct InPairs {
+  V own, other;
+  HWY_INLINE InPairs(V x, V y) : own(hn::OddEven(y, x)), other(swapped(hn::OddEven(x, y))) {}
+  static HWY_INLINE V swapped(V v) { return hn::Reverse2(D(), v); }
+};
+// The sums over each group's pairs of `first`, then those of `second`.
+template <class Tag>
+HWY_INLINE hn::Vec<Tag> sums_of_pairs(Tag d, hn::Vec<Tag> first, hn::Vec<Tag> second) {
+  if constexpr (groups == 1) return hn::ConcatLowerLower(d, second, first) + hn::ConcatUpperUpper(d, second, first);
+  else return hn::OddEvenBlocks(second, first) + hn::SwapAdjacentBlocks(hn::OddEvenBlocks(first, second));
+}
+
+// Adds what each group's lanes hold to four numbers in a row at first(group).
+template <class Tag, class First>
+HWY_INLINE void add_sums(Tag d, hn::Vec<Tag> sums, First&& first) {
+  const auto add = [](auto tag, auto v, double* at) PIVNP_TILE { hn::StoreU(hn::LoadU(tag, at) + v, tag, at); };
+  if constexpr (n_lanes == 8) {
+    const hn::Half<Tag> h;
+    add(h, hn::LowerHalf(h, sums), first(0));
+    add(h, hn::UpperHalf(h, sums), first(1));
+  } else {
+    add(d, sums, first(0));
+  }
+}
+
 // The sums over each group's lanes of four vectors, added to memory. (Templates, so that only the branch of the lanes
 // compiles.)
 struct Four {
@@ -56,9 +83,7 @@ struct Four {
       const auto half = [&](V v) PIVNP_TILE { return hn::LowerHalf(h, v) + hn::UpperHalf(h, v); };
       return hn::Combine(d, of_two(h, half(c), half(e)), of_two(h, half(a), half(b)));
     } else {
-      const V ab = of_two(d, a, b), ce = of_two(d, c, e);
-      if constexpr (groups == 1) return hn::ConcatLowerLower(d, ce, ab) + hn::ConcatUpperUpper(d, ce, ab);
-      else return hn::OddEvenBlocks(ce, ab) + hn::SwapAdjacentBlocks(hn::OddEvenBlocks(ab, ce));
+      return sums_of_pairs(d, of_two(d, a, b), of_two(d, c, e));
     }
   }
   template <class Tag>
@@ -67,14 +92,7 @@ struct Four {
   }
   template <class Tag, class First>
   HWY_INLINE void add(Tag d, First&& first) const {
-    if constexpr (n_lanes == 8) {
-      const hn::Half<Tag> h;
-      const V sums = all(d);
-      add_at(h, hn::LowerHalf(h, sums), first(0));
-      add_at(h, hn::UpperHalf(h, sums), first(1));
-    } else {
-      add_at(d, all(d), first(0));
-    }
+    add_sums(d, all(d), first);
   }
   template <class Tag, class First>
   HWY_INLINE void add_lines(Tag d, V fifth, First&& first) const {

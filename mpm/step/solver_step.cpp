@@ -15,7 +15,7 @@ constexpr std::int64_t mass_every = 8;       // steps between looks at the mass 
 constexpr double sort_share = 0.05;          // of the points that may change cells between re-sorts of the storage
 constexpr double least_mass = 1e-5;          // of a full cell: lighter nodes move with a neighbour
 constexpr double least_loaded_mass = 1e-2;   // likewise with stress last, where faces bear loads: docs/theory/mpm.md#small-mass-nodes
-constexpr double least_linear_mass = 1e-2;   // likewise with water between linear functions: docs/theory/mpm_water.md#light-nodes
+constexpr double least_linear_mass = 4e-2;   // likewise with water between linear functions: docs/theory/mpm_water.md#light-nodes
 constexpr double touched_share = 0.25;            // of a full cell: mass around a body's outline in contact
 
 }  // namespace

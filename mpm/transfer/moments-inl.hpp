@@ -22,8 +22,7 @@ struct Both {
 // Along an axis the weights of a cell's three nodes are (e - o)/2, z, (e + o)/2 with z = 3/4 - s^2, o = s, e = 1 - z. So the
 // nodes' sums follow from those of 1, s and z (total, odd, middle) once the lanes are added up; with the affine field
 // v + c (s_i - s) these are v, v s + c/4 and (v - c s) z, and of the slopes 0, 1 and -2 s. Two numbers go together through
-// the lanes: of each pair of neighbours the first in the one lane, the second in the other (Pair), so that adding up the
-// pair's lanes takes no operation of its own.
+// the lanes (InPairs).
 class CellMoments {
  public:
   template <class Shape>
@@ -105,12 +104,10 @@ class CellMoments {
     V xi, eta, z, zeta;
     HWY_INLINE Place(V x, V y) : xi(x), eta(y), z(hn::NegMulAdd(x, x, set(0.75))), zeta(hn::NegMulAdd(y, y, set(0.75))) {}
   };
-  // x of a lane of even number and y of its neighbour; and y of the lane and x of the neighbour, in each other's lanes.
-  struct Pair {
-    V own, other;
-    explicit HWY_INLINE Pair(const Both& v) : own(hn::OddEven(v.y, v.x)), other(swapped(hn::OddEven(v.x, v.y))) {}
+  struct Pair : InPairs {
+    explicit HWY_INLINE Pair(const Both& v) : InPairs(v.x, v.y) {}
   };
-  static HWY_INLINE V swapped(V v) { return hn::Reverse2(D(), v); }
+  static HWY_INLINE V swapped(V v) { return InPairs::swapped(v); }
   static HWY_INLINE V both(V a, V x, V b, V y) { return hn::MulAdd(a, x, b * y); }
 
   HWY_INLINE V mass_of_node(int i, int j) const {
@@ -122,15 +119,7 @@ class CellMoments {
     return i == 0 ? v : i == 1 ? hn::SwapAdjacentBlocks(v) : swapped(v);
   }
 
-  // The sums over each group's pairs of a, then those of b.
-  static HWY_INLINE V of_groups_of(V a, V b) {
-    return blocks(a, b);
-  }
-  template <class T>
-  static HWY_INLINE T blocks(T a, [[maybe_unused]] T b) {
-    if constexpr (n_lanes == 8) return hn::OddEvenBlocks(b, a) + hn::SwapAdjacentBlocks(hn::OddEvenBlocks(a, b));
-    else return a;
-  }
+  static HWY_INLINE V of_groups_of(V a, V b) { return sums_of_pairs(D(), a, b); }
   // Of total, odd and middle: twice the low node's, the middle one's, twice the high one's.
   static HWY_INLINE void spread(V& first, V& second, V& third) {
     const V even = first - third, o = second;

@@ -39,9 +39,13 @@ struct Hats {
 };
 
 template <bool centred, class Tile>
+HWY_INLINE Natural place_of(const PointView& p, const CellView& c, const TileCells& cells, const Tile& t) {
+  if constexpr (centred) return natural<BSplineShape>(p, c, cells, t);
+  else return natural<BilinearShape>(p, c, cells, t);
+}
+template <bool centred, class Tile>
 HWY_INLINE Hats<centred> hats_of(const PointView& p, const CellView& c, const TileCells& cells, const Tile& t) {
-  if constexpr (centred) return Hats<centred>(natural<BSplineShape>(p, c, cells, t));
-  else return Hats<centred>(natural<BilinearShape>(p, c, cells, t));
+  return Hats<centred>(place_of<centred>(p, c, cells, t));
 }
 
 template <class Tile>
@@ -57,37 +61,62 @@ HWY_INLINE M holds_water(const Tile& t, V content, V mobility) {
   return hn::And(hn::Gt(t.own(content), zero()), hn::Ge(mobility, zero()));
 }
 
+constexpr std::ptrdiff_t numbers_in_sums = sizeof(PoreNode) / sizeof(double);
+static_assert(sizeof(PoreElement) == sizeof(PoreNode));
+
 template <bool centred>
 void map_run(const PointView& p, const PoreView& w, const CellView& c, const PoreSumsView& sums_of, Range range) {
   constexpr int W = centred ? 3 : 2;
   for_tiles(c, range, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
-    const Hats<centred> hats = hats_of<centred>(p, c, cells, t);
+    const Natural place = place_of<centred>(p, c, cells, t);
+    const Hats<centred> hats(place), of_other({InPairs::swapped(place.xi), InPairs::swapped(place.eta)});
     const V mobility = mobility_of(w, t), J = t.load(p.J);
     const V v0 = hn::IfThenElseZero(holds_water(t, t.load(w.content), mobility), t.live(t.load(p.volume0)));
-    const V v = v0 * J, e = t.load(w.pressure) - head_of(p, w, t);
-    const V mobile = w.mobility && !w.projected ? v * mobility : v0 * (J - (w.solid ? t.load(w.solid) : set(w.solid_all)));
-    const V sums[] = {v, v * e, v0 * (J - t.load(w.J_flow)), mobile};
-    const auto at = [&](std::size_t g, std::ptrdiff_t n) PIVNP_TILE { return (cells.base[g] - c.node) + n; };
-    for (int b = 0; b < W; ++b) {
-      V of_row[4];
-      for (int k = 0; k < 4; ++k) of_row[k] = sums[k] * hats.y[b];
-      for (int a = 0; a < W; ++a)
-        Four{of_row[0] * hats.x[a], of_row[1] * hats.x[a], of_row[2] * hats.x[a], of_row[3] * hats.x[a]}.add_to(
-            [&](std::size_t g) PIVNP_TILE { return &sums_of.node[at(g, b * c.nx + a)].volume; });
+    const V v = v0 * J, e = t.load(w.pressure) - head_of(p, w, t), conducts = w.mobility ? v * mobility : v;
+    const V mobile = w.mobility && !w.projected ? conducts : v0 * (J - (w.solid ? t.load(w.solid) : set(w.solid_all)));
+    const InPairs of_node[] = {{v, v * e}, {v0 * (J - t.load(w.J_flow)), mobile}};
+    // (By value: what the stores below change might be what it is looked up from.)
+    const std::ptrdiff_t nx = c.nx;
+    double *to_node[groups], *to_element[groups];
+    for (std::size_t g = 0; g < groups; ++g) {
+      to_node[g] = &sums_of.node[cells.base[g] - c.node].volume;
+      to_element[g] = &sums_of.element[cells.base[g] - c.node].inside;
     }
-    const auto add_to_element = [&](V part, std::ptrdiff_t n) PIVNP_TILE {
-      Four{part, part * hats.across_x, part * hats.across_y, w.mobility ? part * mobility : part}.add_to(
-          [&](std::size_t g) PIVNP_TILE { return &sums_of.element[at(g, n)].inside; });
+    const auto behind = [nx](double* const* first, int a, int b) PIVNP_TILE {
+      return [first, n = (b * nx + a) * numbers_in_sums](std::size_t g) PIVNP_TILE { return first[g] + n; };
     };
+#pragma GCC unroll 3
+    for (int b = 0; b < W; ++b) {
+      V own[2], other[2], sums[2];
+      for (int k = 0; k < 2; ++k) {
+        own[k] = of_node[k].own * hats.y[b];
+        other[k] = of_node[k].other * of_other.y[b];
+      }
+#pragma GCC unroll 3
+      for (int a = 0; a < W; ++a) {
+        for (int k = 0; k < 2; ++k) sums[k] = hn::MulAdd(own[k], hats.x[a], other[k] * of_other.x[a]);
+        add_sums(D(), sums_of_pairs(D(), sums[0], sums[1]), behind(to_node, a, b));
+      }
+    }
+    const InPairs of_element[] = {{v, v * hats.across_x}, {v * hats.across_y, conducts}};
     if constexpr (centred) {
-      const V none = zero(), left = hn::IfThenElseZero(hn::Gt(hats.x[0], none), v), right = v - left;
-      const M below = hn::Gt(hats.y[0], none);
-      add_to_element(hn::IfThenElseZero(below, left), 0);
-      add_to_element(hn::IfThenElseZero(below, right), 1);
-      add_to_element(hn::IfThenZeroElse(below, left), c.nx);
-      add_to_element(hn::IfThenZeroElse(below, right), c.nx + 1);
+      const V none = zero();
+      const M left = hn::Gt(hats.x[0], none), below = hn::Gt(hats.y[0], none);
+      const M other_left = hn::Gt(of_other.x[0], none), other_below = hn::Gt(of_other.y[0], none);
+      V parts[2][4];
+      for (int k = 0; k < 2; ++k) {
+        const V own = of_element[k].own, other = of_element[k].other;
+        const V in_left = hn::IfThenElseZero(left, own), in_right = hn::IfThenZeroElse(left, own);
+        const V other_in_left = hn::IfThenElseZero(other_left, other), other_in_right = hn::IfThenZeroElse(other_left, other);
+        parts[k][0] = hn::IfThenElseZero(below, in_left) + hn::IfThenElseZero(other_below, other_in_left);
+        parts[k][1] = hn::IfThenElseZero(below, in_right) + hn::IfThenElseZero(other_below, other_in_right);
+        parts[k][2] = hn::IfThenZeroElse(below, in_left) + hn::IfThenZeroElse(other_below, other_in_left);
+        parts[k][3] = hn::IfThenZeroElse(below, in_right) + hn::IfThenZeroElse(other_below, other_in_right);
+      }
+#pragma GCC unroll 4
+      for (int n = 0; n < 4; ++n) add_sums(D(), sums_of_pairs(D(), parts[0][n], parts[1][n]), behind(to_element, n % 2, n / 2));
     } else {
-      add_to_element(v, 0);
+      add_sums(D(), sums_of_pairs(D(), of_element[0].own + of_element[0].other, of_element[1].own + of_element[1].other), behind(to_element, 0, 0));
     }
   });
 }
@@ -98,9 +127,11 @@ HWY_INLINE V spanned(const Hats<centred>& hats, const CellView& c, const TileCel
   constexpr int W = centred ? 3 : 2;
   const double *first = values + (cells.base[0] - c.node), *second = values + (cells.base[groups - 1] - c.node);
   V sum = zero();
+#pragma GCC unroll 3
   for (int b = 0; b < W; ++b) {
     const auto of = [&](int a) PIVNP_TILE { return of_groups(first[b * c.nx + a], second[b * c.nx + a]); };
     V row = hats.x[0] * of(0);
+#pragma GCC unroll 3
     for (int a = 1; a < W; ++a) row = hn::MulAdd(hats.x[a], of(a), row);
     sum = hn::MulAdd(hats.y[b], row, sum);
   }

@@ -75,15 +75,20 @@ std::vector<PointCurve> point_curves(const MotionSource& motion, const std::vect
     for (std::size_t q = 0; q < points.size(); ++q) {
       const Stencil& s = stencils[q];
       Vec2 u = s.particle.empty() ? Vec2(nan_value, nan_value) : Vec2(0, 0);
-      double pressure = u.x();
+      double pressure = u.x(), least_pressure = 0;
       Mat2 F = Mat2::Constant(u.x());
       for (std::size_t j = 0; j < s.particle.size(); ++j) {
         const std::size_t p = s.particle[j];
         u += alive(frame.status[p]) ? Vec2(s.weight[j] * Vec2(double(frame.u[p][0]), double(frame.u[p][1])))
                                     : Vec2(nan_value, nan_value);
         F += alive(frame.status[p]) ? Mat2(s.weight[j] * matrix(frame.F[p])) : Mat2(Mat2::Constant(nan_value));
-        if (pressures) pressure += alive(frame.status[p]) ? s.weight[j] * double((*pressures)(p, 0)) : nan_value;
+        if (!pressures) continue;
+        const double of_particle = double((*pressures)(p, 0));
+        pressure += alive(frame.status[p]) ? s.weight[j] * of_particle : nan_value;
+        least_pressure = std::min(least_pressure, of_particle);
       }
+      // (Beside the water's surface a plane through wet and dry particles is below zero.)
+      if (least_pressure == 0 && pressure < 0) pressure = 0;
       if (pressures) out[q].pressure.push_back(pressure);
       out[q].time.push_back(motion.times()[k]);
       out[q].displacement.push_back(u.norm());

@@ -1,6 +1,7 @@
 // What is computed for the figures.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <random>
@@ -59,6 +60,38 @@ TEST(Content, PointCurvesReproduceAffineMotion) {
   }
   // u of particle (2, 2) points along (2.5, 1.875), that is (0.8, 0.6): variance 0.64 * 0.04 + 0.36 * 0.09.
   EXPECT_NEAR(h[1].sigma[1], std::sqrt(0.64 * 0.04 + 0.36 * 0.09), 1e-6);
+}
+
+// A plane through wet and dry particles is below zero at the dry face; what is linear stays so, suction too.
+TEST(Content, PointCurvesGiveDryParticlesNoTension) {
+  ParticleSet set;
+  for (int k = 0; k < 25; ++k) {
+    set.id.push_back(k);
+    set.label.push_back(0);
+    set.x0.emplace_back(k % 5, k / 5);
+    set.area.push_back(1);
+    set.born.push_back(0);
+    set.end.push_back(NAN);
+    set.end_reason.push_back(EndReason::none);
+  }
+  MotionMemory motion("mpm", "m", "s", set);
+  for (const bool dry : {true, false}) {
+    MotionFrame f;
+    f.time = dry ? 0 : 1;
+    f.u.assign(25, {0, 0});
+    f.F.assign(25, {1, 0, 0, 1});
+    f.status.assign(25, ParticleStatus::active);
+    const std::span<float> pressure = f.add("pressure", 25);
+    for (int k = 0; k < 25; ++k) {
+      const float linear = 3 - float(set.x0[std::size_t(k)].y());
+      pressure[std::size_t(k)] = dry ? std::max(0.f, 50 * linear) : linear;
+    }
+    motion.add(f);
+  }
+  const PointCurve at = point_curves(motion, {Vec2(4, 3.9)}).front();
+  ASSERT_EQ(at.pressure.size(), 2u);
+  EXPECT_EQ(at.pressure[0], 0);
+  EXPECT_NEAR(at.pressure[1], -0.9, 1e-6);
 }
 
 TEST(Content, TimesAndPoints) {

@@ -16,8 +16,8 @@ scratch = pathlib.Path(tempfile.mkdtemp(prefix="pivnp-test-"))
 
 class Run:
     """A case simulated with some keys changed."""
-    def __init__(self, case, *changes, without=None):
-        text = (source / "datasets" / case / "case.toml").read_text()
+    def __init__(self, case, *changes, without=None, file="case.toml"):
+        text = (source / "datasets" / case / file).read_text()
         if without:
             assert without in text, without
             text = text.replace(without, "")
@@ -36,6 +36,7 @@ class Run:
             of = {name: energy[name][:] for name in energy}
         turned_over = np.abs(of["external"]).max() + (of["kinetic"] + of["elastic"] + of["water"])[0]
         self.residual = of["residual"].max() / turned_over
+        self.came_in = of["water_inflow"][-1]
         self.lost = np.abs(of["water_mass"] - of["water_mass"][0] - of["water_inflow"]).max() / of["water_mass"].max()
 
     def at(self, time):
@@ -66,3 +67,25 @@ check("rising_water, energy from nothing", rises.residual, -1, 0.01)
 check("rising_water, water lost", rises.lost, 0, 1e-9)
 toe = Run("rising_water", "grid.spacing_m=0.05", without="water_level_m = 0.46\n")
 check("rising_water, at the toe alone, m", toe.moved[-1], 0, 2e-3)
+
+# Gravity rises until .65 s, then water enters through the base, and the soil behind its front collapses.
+COARSE = ("grid.spacing_px=48", "np.per_element=4")
+wetted = Run("centrifuge_slope", *COARSE, file="wetting.toml")
+crest = wetted.x0[:, 1] > 0.06
+
+
+def sunk(run, start, end):
+    return float(run.u[run.at(start), crest, 1].mean() - run.u[run.at(end), crest, 1].mean())
+
+
+depth = 0.0868 - (wetted.x0[:, 1] + wetted.u[-1, :, 1])
+hydrostatic = 1000 * 490.5 * depth
+check("wetting, pressure while it is dry, Pa", np.abs(wetted.pressure[: wetted.at(0.65) + 1]).max(), 0, 1e-9)
+check("wetting, share of wet points at the end", (wetted.pressure[-1] > 0).mean(), 0.99, 1)
+check("wetting, pressure over that of the water outside", np.abs(wetted.pressure[-1] - hydrostatic).max() / hydrostatic.max(), 0, 0.05)
+check("wetting, crest under its weight, m", sunk(wetted, 0, 0.65), 1.2e-3, 1.7e-3)
+check("wetting, crest as water enters, m", sunk(wetted, 0.65, 1.3), 1.6e-3, 2.3e-3)
+check("wetting, water that came in, kg/m", wetted.came_in, 2.7, 3.2)
+check("wetting, water lost", wetted.lost, 0, 1e-9)
+lifted = Run("centrifuge_slope", *COARSE, file="wetting.toml", without="wetting_collapse = 0.112")
+check("wetting, crest as water enters soil that does not collapse, m", sunk(lifted, 0.65, 1.3), -1e-3, 0)
