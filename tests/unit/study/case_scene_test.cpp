@@ -10,6 +10,7 @@
 #include "apps/study/pipeline/scene/simulation_scene.hpp"
 #include "apps/study/pipeline/scene/sizes.hpp"
 #include "apps/study/studies/check.hpp"
+#include "mpm/heat/heat.hpp"
 #include "mpm/step/solver.hpp"
 #include "pivnp/core/error.hpp"
 #include "tests/support/silent.hpp"
@@ -99,9 +100,11 @@ material = "rock"
 [material.rock]
 model = "linear_elastic"
 young_pa = 10e6
+density_kg_m3 = 2000.0
 [material.clay]
 model = "mohr_coulomb"
 young_pa = 10e6
+density_kg_m3 = 2000.0
 friction_deg = 20.0
 )" + band + "[heat]\n", "", ""), "case.toml", ".");
     return size_of(c, make_setting(c, 0, 0), 0, 1).memory_bytes;
