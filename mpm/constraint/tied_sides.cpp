@@ -16,26 +16,29 @@ void TiedSides::tie(const Wall& first, const Wall& second, const GridGeometry& g
   const auto offset = std::ptrdiff_t(std::lround(apart.x())) + std::ptrdiff_t(std::lround(apart.y())) * g.grid.nx;
   if ((apart - Vec2(std::round(apart.x()), std::round(apart.y()))).norm() > 1e-6 || offset == 0)
     throw InputError(key + ": expected a whole number of cells");
-  seams_.push_back({first.from, second.from - first.from, first.until});
+  const bool along_y = std::abs(first.to.x() - first.from.x()) < 0.5 * g.grid.spacing.x();
+  const double distance = along_y ? apart.x() : apart.y();
+  const Vec2 between = second.from - first.from;
+  seams_.push_back({first.from, between, along_y ? Vec2(1 / between.x(), 0) : Vec2(0, 1 / between.y()), first.until});
   for (const std::uint32_t n : first.nodes) {
     const std::ptrdiff_t opposite = std::ptrdiff_t(n) + offset;
     if (opposite < 0 || !std::binary_search(second.nodes.begin(), second.nodes.end(), std::uint32_t(opposite)))
       throw InputError(key + ": a node of line_m has none opposite in the grid, expected both sides inside it");
     for (std::size_t field = 0; field < std::size_t(g.velocity_fields); ++field) {
       const auto from = std::uint32_t(field * g.field_nodes());
-      ties_.push_back({{from + n, from + std::uint32_t(opposite)}, first.until});
-      tie_rings(ties_.back(), std::abs(apart.x()) > 0.5 ? 1 : g.grid.nx, std::ptrdiff_t(std::lround(apart.cwiseAbs().maxCoeff())), g.centred);
+      ties_.push_back({{from + n, from + std::uint32_t(opposite)}, first.until, along_y});
+      tie_rings(ties_.back(), along_y ? 1 : g.grid.nx, std::ptrdiff_t(std::lround(std::abs(distance))), distance > 0 ? offset : -offset, g.centred);
     }
   }
 }
 
-// Along the line through both nodes those that lie whole periods apart are one.
-void TiedSides::tie_rings(const Tie& tie, std::ptrdiff_t next, std::ptrdiff_t period, bool beyond) {
-  const std::uint32_t low = std::min(tie.node[0], tie.node[1]);
+// Nodes that lie whole periods apart are one: those on the sides' normal through the lower of both, and those that `offset` leads to.
+void TiedSides::tie_rings(const Tie& tie, std::ptrdiff_t next, std::ptrdiff_t period, std::ptrdiff_t offset, bool beyond) {
+  const std::ptrdiff_t low = std::ptrdiff_t(tie.node[0]) + offset == std::ptrdiff_t(tie.node[1]) ? tie.node[0] : tie.node[1];
   const std::ptrdiff_t reach = beyond ? 1 : 0;
   for (std::ptrdiff_t from = -reach; from < period - reach; ++from) {
     Ring ring{{}, tie.until};
-    for (std::ptrdiff_t at = from; at <= period + reach; at += period) ring.nodes.push_back(std::uint32_t(low + at * next));
+    for (std::ptrdiff_t at = from, times = 0; at <= period + reach; at += period, ++times) ring.nodes.push_back(std::uint32_t(low + from * next + times * offset));
     if (ring.nodes.size() > 1) rings_.push_back(std::move(ring));
   }
 }
@@ -98,7 +101,7 @@ void TiedSides::carry_over(double time, Particles& p) const {
     if (time >= seam.until) continue;
     for (std::size_t k = 0; k < p.size(); ++k) {
       if (p.cell[k] == Particles::ended) continue;
-      const double share = (Vec2(p.x[k], p.y[k]) - seam.from).dot(seam.across) / seam.across.squaredNorm();
+      const double share = (Vec2(p.x[k], p.y[k]) - seam.from).dot(seam.normal);
       if (share >= 0 && share <= 1) continue;
       const Vec2 by = share < 0 ? seam.across : Vec2(-seam.across);
       p.x[k] += by.x();

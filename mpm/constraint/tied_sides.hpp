@@ -3,7 +3,8 @@
 // A node and the one opposite move with their common momentum: layers between two such sides shear without bending, as in
 // a laminar box (tied degrees of freedom: Zienkiewicz, Bicanic & Shen 1988); material that leaves by one comes in by the
 // other. A state that is the same all along the slope is then exact, whatever the sides' distance. Three-node shapes reach a node
-// beyond each side, which is one with the node that lies as far inside the opposite one.
+// beyond each side, which is one with the node that lies as far inside the opposite one. The opposite side may be shifted along itself by
+// whole cells: what is the same all along a slope that is inclined to the grid repeats so.
 #pragma once
 
 #include <cstddef>
@@ -33,6 +34,7 @@ class TiedSides {
   struct Tie {
     std::uint32_t node[2];
     double until;
+    bool along_y;  // sides
   };
   const std::vector<Tie>& ties() const { return ties_; }
   /// Nodes that are one: those on the sides, and those beyond with those inside.
@@ -43,10 +45,10 @@ class TiedSides {
   const std::vector<Ring>& rings() const { return rings_; }
 
  private:
-  void tie_rings(const Tie& tie, std::ptrdiff_t next, std::ptrdiff_t period, bool beyond);
+  void tie_rings(const Tie& tie, std::ptrdiff_t next, std::ptrdiff_t period, std::ptrdiff_t offset, bool beyond);
 
   struct Seam {
-    Vec2 from, across;
+    Vec2 from, across, normal;  // along the grid, of length 1/(the sides' distance)
     double until;
   };
   std::vector<Tie> ties_;

@@ -26,16 +26,16 @@ std::vector<double> taps_of(double variance) {
   return f;
 }
 
-// sum f[t] (in(i + t) + sign in(i - t)); beyond the line nothing, or what is a period away.
+// sum f[t] (in(i + t) + sign in(i - t)); beyond the line nothing, or what is so many periods away: in(place, periods).
 template <class In>
 double filtered(const std::vector<double>& f, double sign, std::ptrdiff_t i, std::ptrdiff_t n, std::ptrdiff_t period, In&& in) {
-  double sum = sign > 0 ? f[0] * in(i) : 0;
+  double sum = sign > 0 ? f[0] * in(i, 0) : 0;
   for (std::ptrdiff_t t = 1; t < std::ptrdiff_t(f.size()); ++t)
     for (const int side : {1, -1}) {
-      std::ptrdiff_t at = i + side * t;
-      if (period > 0) at = (at % period + period) % period;
+      std::ptrdiff_t at = i + side * t, away = 0;
+      if (period > 0) away = at >= 0 ? at / period : -((period - 1 - at) / period), at -= away * period;
       else if (at < 0 || at >= n) continue;
-      sum += (side > 0 ? 1 : sign) * f[std::size_t(t)] * in(at);
+      sum += (side > 0 ? 1 : sign) * f[std::size_t(t)] * in(at, away);
     }
   return sum;
 }
@@ -69,17 +69,20 @@ void ZoneWidth::look(Particles& p, const GridState& g, const std::vector<double>
     left = std::min(left, i), right = std::max(right, i + 1), low = std::min(low, j), high = std::max(high, j + 1);
   }
   if (points.empty()) return;
-  period_x_ = period_y_ = 0;
+  period_x_ = period_y_ = shift_x_ = shift_y_ = 0;
   for (const TiedSides::Tie& tie : ties_->ties()) {
     if (time >= tie.until) continue;
-    const std::ptrdiff_t a = std::min(tie.node[0], tie.node[1]), b = std::max(tie.node[0], tie.node[1]);
-    if (a / row == b / row) left = std::min(a % row, left), right = std::max(b % row, right), period_x_ = b - a;
-    else if (a % row == b % row) low = std::min(a / row, low), high = std::max(b / row, high), period_y_ = (b - a) / row;
+    const bool in_order = tie.along_y ? tie.node[0] % row < tie.node[1] % row : tie.node[0] < tie.node[1];
+    const std::ptrdiff_t a = tie.node[in_order ? 0 : 1], b = tie.node[in_order ? 1 : 0];
+    if (tie.along_y) left = std::min(a % row, left), right = std::max(b % row, right), period_x_ = b % row - a % row, shift_y_ = b / row - a / row;
+    else low = std::min(a / row, low), high = std::max(b / row, high), period_y_ = b / row - a / row, shift_x_ = b % row - a % row;
   }
+  if (period_x_ > 0) low -= std::abs(shift_y_), high += std::abs(shift_y_);  // what a column sees through the opposite side
+  if (period_y_ > 0) left -= std::abs(shift_x_), right += std::abs(shift_x_);
   box_ = {left, low, right - left + 1, high - low + 1};
   const auto at = [&](std::ptrdiff_t i, std::ptrdiff_t j) {
-    if (period_x_ > 0) i %= period_x_;
-    if (period_y_ > 0) j %= period_y_;
+    if (period_x_ > 0) j -= i / period_x_ * shift_y_, i %= period_x_;
+    if (period_y_ > 0) i -= j / period_y_ * shift_x_, j %= period_y_;
     return std::size_t(j * box_.nx + i);
   };
   const auto size = std::size_t(box_.nx * box_.ny);
@@ -150,12 +153,17 @@ void ZoneWidth::filter(const std::vector<double>& x_taps, const std::vector<doub
   std::vector<double> rows(in.size(), 0.0);
   out.assign(in.size(), 0.0);
   const std::ptrdiff_t nx = period_x_ > 0 ? period_x_ : box_.nx, ny = period_y_ > 0 ? period_y_ : box_.ny;
+  const auto value = [&](const std::vector<double>& of, std::ptrdiff_t i, std::ptrdiff_t j) {
+    return i >= 0 && i < nx && j >= 0 && j < ny ? of[std::size_t(j * box_.nx + i)] : 0.0;
+  };
   for (std::ptrdiff_t j = 0; j < ny; ++j)
     for (std::ptrdiff_t i = 0; i < nx; ++i)
-      rows[std::size_t(j * box_.nx + i)] = filtered(x_taps, sign_x, i, nx, period_x_, [&](std::ptrdiff_t k) { return in[std::size_t(j * box_.nx + k)]; });
+      rows[std::size_t(j * box_.nx + i)] =
+          filtered(x_taps, sign_x, i, nx, period_x_, [&](std::ptrdiff_t k, std::ptrdiff_t away) { return value(in, k, j - away * shift_y_); });
   for (std::ptrdiff_t j = 0; j < ny; ++j)
     for (std::ptrdiff_t i = 0; i < nx; ++i)
-      out[std::size_t(j * box_.nx + i)] = filtered(y_taps, sign_y, j, ny, period_y_, [&](std::ptrdiff_t k) { return rows[std::size_t(k * box_.nx + i)]; });
+      out[std::size_t(j * box_.nx + i)] =
+          filtered(y_taps, sign_y, j, ny, period_y_, [&](std::ptrdiff_t k, std::ptrdiff_t away) { return value(rows, i - away * shift_x_, k); });
 }
 
 }  // namespace pivnp::mpm

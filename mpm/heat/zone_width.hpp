@@ -38,6 +38,7 @@ class ZoneWidth {
   std::vector<double> of_x_[3], of_y_[3];  // taps, and those times the distance and its square
   Box box_{};
   std::ptrdiff_t period_x_ = 0, period_y_ = 0;  // of tied sides, in nodes
+  std::ptrdiff_t shift_y_ = 0, shift_x_ = 0;    // of the opposite one along itself
 };
 
 }  // namespace pivnp::mpm

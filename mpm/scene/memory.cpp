@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <type_traits>
 
+#include "mpm/heat/heat.hpp"
 #include "mpm/state/particle_fields.hpp"
 #include "mpm/state/scheme_rows.hpp"
 
@@ -65,6 +66,12 @@ double bytes_a_point(const ParticleNeeds& needs, const Materials& materials) {
   });
   for (const auto& material : materials) history = std::max(history, material->history().size() * sizeof(double));
   return double(bytes + history);
+}
+
+BandBytes band_bytes(const SceneNeeds& scene) {
+  if (!scene.bands) return {};
+  return {.a_point = sizeof(std::int32_t) + sizeof(Turning) + 2 * sizeof(double),  // HeatState; work and sense of the last look
+          .a_band = sizeof(ShearBand)};
 }
 
 double bytes_a_node(const NodeNeeds& needs) {

@@ -30,6 +30,11 @@ NodeNeeds node_needs(const Scheme& scheme, const Materials& materials, const Sce
 
 /// Bytes that all fields of a point take; `materials`: the largest history of them.
 double bytes_a_point(const ParticleNeeds& needs, const Materials& materials);
+/// What embedded bands take beside the fields: of every point of a scene that has any, and of a point that has yielded.
+struct BandBytes {
+  double a_point = 0, a_band = 0;
+};
+BandBytes band_bytes(const SceneNeeds& scene);
 /// Bytes that all fields of a node take, where there is material.
 double bytes_a_node(const NodeNeeds& needs);
 

@@ -322,9 +322,11 @@ int relax_to_equilibrium(const EquilibriumOptions& options, const StaticSystem& 
     return found->iterations;
   }
   std::ostringstream text;
-  text << "initial equilibrium: unbalanced over applied force ";
+  const double elastic = stored_energy(p, g, system.materials).elastic;
+  const bool slides = ratio < options.tolerance && n > most;  // under balanced forces, as what yields all along a surface
+  text << "initial equilibrium: " << (slides ? "the forces are balanced but the material goes on moving: kinetic over elastic energy " : "unbalanced over applied force ");
   if (std::isfinite(ratio))
-    text << "is still " << ratio;
+    text << "is still " << (slides ? relaxation.kinetic() / elastic : ratio);
   else
     text << "is no number";
   text << " after " << std::min(n, most) << " iterations, " << (n <= most ? "in which the material moves apart, " : "")

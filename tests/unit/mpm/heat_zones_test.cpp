@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mpm/constraint/wall.hpp"
 #include "mpm/heat/zone_width.hpp"
 #include "mpm/scene/scene_setup.hpp"
 #include "mpm/step/frames.hpp"
@@ -70,6 +71,38 @@ TEST(ZoneWidth, OfZonesThatCrossIsThatOfEach) {
     EXPECT_NEAR(wide, 0.2, 0.025) << angle;
   }
   EXPECT_GT(unsigned_ones.widths(low, half, 0.2, 1.2).second, 0.3);
+}
+
+// A zone that is inclined to the grid goes on through sides that are tied with a shift: its width is the same all along. (Beside sides that
+// end it, it is as much as half too small.)
+TEST(ZoneWidth, GoesOnThroughSidesTiedWithAShift) {
+  const int along = 7, up = 4;
+  const double h = 0.1, half = 0.1, width = along * h, rise = up * h, low = 1.5;
+  const auto seen = [&](bool tied) {
+    Scene s = scene(Grid{{0, 0}, {h, h}, along + 1, 40}, {{"a", Polygon({{0, 0.5}, {width, 0.5 + rise}, {width, 2.5 + rise}, {0, 2.5}}, "a")}}, {elastic(1e6, 0.3, 1000)});
+    GridState g(s.grid, ShapeKind::bilinear);
+    Particles p = initial_state(s, {.shape = ShapeKind::bilinear}, g, materials_of(s)).particles;
+    p.band_width.assign(p.size(), 0.0);
+    std::vector<double> shear(p.size(), 0.0);
+    const Vec2 across = Vec2(-rise, width).normalized();
+    for (std::size_t k = 0; k < p.size(); ++k)
+      if (std::abs((Vec2(p.x[k], p.y[k]) - Vec2(0, low)).dot(across)) < half) shear[k] = 1;
+    g.rebuild(p);
+    BoundaryOptions sides = line({0, 0}, {0, 3}, "tied");
+    sides.across_m = Pair{width, rise};
+    TiedSides ties;
+    const std::vector<Wall> walls = walls_of({{"sides", sides}}, g, Vec2(0.5 * width, low), [](const Vec2&) { return std::array<double, 2>{}; });
+    if (tied) ties.tie(walls[0], walls[1], g);
+    ZoneWidth(g, ties).look(p, g, shear, shear, 0);
+    double least = 1e9, most = 0;
+    for (std::size_t k = 0; k < p.size(); ++k)
+      if (shear[k] > 0) least = std::min(least, p.band_width[k]), most = std::max(most, p.band_width[k]);
+    return std::pair{least, most};
+  };
+  const auto [least, most] = seen(true);
+  EXPECT_NEAR(least, 2 * half, 0.02);
+  EXPECT_NEAR(most, 2 * half, 0.02);
+  EXPECT_LT(seen(false).first, 1.6 * half);
 }
 
 // Two layers of clay, each of two rows, in the planar slide. The lower one slips; then it has twice the strength, and the upper one, which

@@ -97,6 +97,31 @@ TEST(TiedSides, CarriedSoilKeepsItsStress) {
       }
 }
 
+// A layer inclined to the grid, whose opposite side is shifted by as much as it rises: it flies along itself, and nothing strains it.
+TEST(TiedSides, ShiftedOnesCarryWhatIsInclined) {
+  const int along = 4, up = 1;
+  const Vec2 direction = Vec2(along, up).normalized();
+  for (const ShapeKind shape : {ShapeKind::gimp, ShapeKind::bspline})
+    for (const TransferKind transfer : {TransferKind::apic, TransferKind::flip}) {
+      const double high = 8;
+      Scene s = scene(Grid{{0, 0}, {1, 1}, along + 1, 16}, {{"soil", Polygon({{0, 3}, {along, 3 + up}, {along, high + up}, {0, high}}, "soil")}}, {elastic(4e8, 0.3, 2000)});
+      s.boundaries = {{"sides", tied({0, 0}, {0, 13}, {along, up})}};
+      s.v0.assign(s.particles.size(), direction);
+      MpmOptions o = options({0, 0});
+      o.initial_equilibrium = o.end_at_rest = false;
+      o.shape = shape;
+      o.transfer = transfer;
+      Solver solver(o, s, 1);
+      solver.advance_to(1.5, silent);
+      const MotionFrame frame = solver.frame();
+      for (std::size_t k = 0; k < frame.u.size(); ++k) {
+        ASSERT_NEAR(frame.u[k][0], 1.5 * direction.x(), 1e-6) << name_of(shape) << ' ' << name_of(transfer);
+        ASSERT_NEAR(frame.u[k][1], 1.5 * direction.y(), 1e-6);
+        for (const std::size_t c : {0, 1, 3}) ASSERT_LT(std::abs(frame.field("stress")(k, c)), 1e-3);  // rho c v: 1e6
+      }
+    }
+}
+
 TEST(TiedSides, BadOnesNameTheirKey) {
   const auto message = [](const BoundaryOptions& sides) -> std::string {
     Scene s = scene(Grid{{0, 0}, {0.01, 0.01}, 5, 14}, {rectangle("soil", 0, 0, 0.04, 0.1)}, {elastic(5e6, 0.3, 1600)});

@@ -10,6 +10,7 @@
 #include "apps/study/pipeline/scene/simulation_scene.hpp"
 #include "apps/study/pipeline/scene/sizes.hpp"
 #include "apps/study/studies/check.hpp"
+#include "mpm/heat/heat.hpp"
 #include "mpm/step/solver.hpp"
 #include "pivnp/core/error.hpp"
 #include "tests/support/silent.hpp"
@@ -82,6 +83,36 @@ grain_density_kg_m3 = 2650.0
   const CaseSize size = size_of(open, make_setting(open, 0, 0), 0, 1);
   EXPECT_TRUE(size.steps_at_most);
   EXPECT_DOUBLE_EQ(size.steps, counted[0]);
+}
+
+// Every point of a material with bands may come to have one: that is counted, of its regions alone.
+TEST(CaseScene, MemoryCountsTheBandsThatPointsMayHave) {
+  const auto memory = [](const std::string& band) {
+    const Case c = parse_case(case_of(R"(
+[grid]
+spacing_m = 0.01
+area_m = [[0.0, 0.0], [4.0, 2.0]]
+[region.clay]
+polygon_m = [[0.0, 0.0], [4.0, 0.0], [4.0, 0.5], [0.0, 0.5]]
+[region.above]
+polygon_m = [[0.0, 0.5], [4.0, 0.5], [4.0, 1.0], [0.0, 1.0]]
+material = "rock"
+[material.rock]
+model = "linear_elastic"
+young_pa = 10e6
+density_kg_m3 = 2000.0
+[material.clay]
+model = "mohr_coulomb"
+young_pa = 10e6
+density_kg_m3 = 2000.0
+friction_deg = 20.0
+)" + band + "[heat]\n", "", ""), "case.toml", ".");
+    return size_of(c, make_setting(c, 0, 0), 0, 1).memory_bytes;
+  };
+  const double points = 4 * 400 * 100, of_clay = points / 2;
+  const double without = memory(""), with = memory("band_thickness_m = 0.001\n");
+  EXPECT_GE(with - without, of_clay * sizeof(mpm::ShearBand) + points * sizeof(mpm::Turning));
+  EXPECT_LE(with - without, of_clay * sizeof(mpm::ShearBand) + points * (sizeof(mpm::Turning) + 64));
 }
 
 // Chapter 5: a reservoir as a nearly shear-free elastic body that presses on the bank it stands against, at the start

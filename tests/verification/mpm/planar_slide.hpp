@@ -24,6 +24,15 @@ struct SlideOptions {
   std::optional<TransferKind> transfer = TransferKind::flip;
   double pic_per_s = 0, damping = 0, courant = 0.8;
   int threads = 1;
+  int along = 2, up = 0;  // cells after which the slide repeats: its direction in the grid
+};
+
+/// Direction and normal of the slide in the grid, and the height over the floor, which begins at the left.
+struct SlideFrame {
+  Vec2 along, normal, floor;
+
+  explicit SlideFrame(const SlideOptions& o) : along(Vec2(o.along, o.up).normalized()), normal(-along.y(), along.x()), floor(0, o.up > 0 ? 2 * o.cell : 0) {}
+  double height(const Vec2& x) const { return (x - floor).dot(normal); }
 };
 
 struct SlideState {
@@ -54,27 +63,40 @@ inline Scene slide_scene(const PlanarSlide& slide, const SlideOptions& o) {
     soil.band_compressibility_1_pa = of.skeleton;
     soil.band_exchange = o.exchange;
   }
-  Scene s = scene(Grid{{0, 0}, {h, h}, 3, int(std::lround(high / h)) + 3},
-                  {rectangle("base", 0, 0, 2 * h, low), rectangle("clay", 0, low, 2 * h, low + clay), rectangle("slide", 0, low + clay, 2 * h, high)},
-                  {block, soil, block}, o.per_element);
+  const SlideFrame frame(o);
+  const double width = o.along * h, rise = o.up * h, upright = 1 / frame.along.x();
+  const double top = std::ceil((frame.floor.y() + high * upright) / h - 1e-9) * h + 2 * h;
+  const auto layer = [&](const std::string& name, double from, double to) {
+    const double a = frame.floor.y() + from * upright, b = frame.floor.y() + to * upright;
+    return Region{name, Polygon({{0, a}, {width, a + rise}, {width, b + rise}, {0, b}}, name)};
+  };
+  Scene s = scene(Grid{{0, 0}, {h, h}, o.along + 1, int(std::lround((top + rise) / h)) + 1},
+                  {layer("base", 0, low), layer("clay", low, low + clay), layer("slide", low + clay, high)}, {block, soil, block}, o.per_element);
   s.water.emplace();
   s.heat.emplace();
-  BoundaryOptions sides = line({0, 0}, {0, high + 2 * h}, "tied");
-  sides.across_m = Pair{2 * h, 0};
-  s.boundaries = {{"floor", line({0, 0}, {2 * h, 0}, "fixed")}, {"sides", sides}};
+  BoundaryOptions sides = line({0, 0}, {0, top}, "tied"), floor = line({0, 0}, {width, 0}, "fixed");
+  sides.across_m = Pair{width, rise};
+  if (o.up > 0) {
+    floor.line_m.clear();
+    floor.polygon_m = {{0, 0}, {width, 0}, {width, frame.floor.y() + rise}, {0, frame.floor.y()}};
+  }
+  s.boundaries = {{"floor", floor}, {"sides", sides}};
   // The stress that the slide would have above the middle of the clay.
   const double middle = low + 0.5 * clay, density = 2020;
   const double push = slide.drive / (density * (high - middle)), weight = of.stress / (density * (high - middle));
   for (std::size_t k = 0; k < s.particles.size(); ++k) {
-    const double over = density * (high - s.particles.x0[k].y());
-    s.stress0.push_back({-weight * over, -weight * over, -weight * over, push * over});
+    const double over = density * (high - frame.height(s.particles.x0[k])), normal = weight * over, shear = push * over;
+    const Vec2 &t = frame.along, &n = frame.normal;
+    s.stress0.push_back({-normal + 2 * shear * t.x() * n.x(), -normal + 2 * shear * t.y() * n.y(), -normal, shear * (t.x() * n.y() + t.y() * n.x())});
   }
   return s;
 }
 
 inline Pair slide_gravity(const PlanarSlide& slide, const SlideOptions& o) {
   const double over = 2020 * (std::round(o.above / o.cell) + 0.5 * o.rows) * o.cell;
-  return {slide.drive / over, -slide.band.stress / over};
+  const SlideFrame frame(o);
+  const Vec2 g = (slide.drive * frame.along - slide.band.stress * frame.normal) / over;
+  return {g.x(), g.y()};
 }
 
 inline MpmOptions slide_options(const PlanarSlide& slide, const SlideOptions& o) {
@@ -106,16 +128,18 @@ inline SlideState run_slide(const PlanarSlide& slide, const SlideOptions& o, dou
   Solver solver(slide_options(slide, o), slide_scene(slide, o), o.threads);
   const EnergyRow start = solver.energy();
   SlideState s;
+  const SlideFrame frame(o);
+  const std::vector<Vec2>& x0 = solver.particles().x0;
   std::size_t top = 0;
-  for (std::size_t k = 0; k < solver.particles().size(); ++k)
-    if (solver.particles().x0[k].y() > solver.particles().x0[top].y()) top = k;
+  for (std::size_t k = 0; k < x0.size(); ++k)
+    if (frame.height(x0[k]) > frame.height(x0[top])) top = k;
   double before = 0, at = 0;
   const double every = most_time / 400;
   for (double t = every; t <= most_time; t += every) {
     solver.advance_to(t, silent);
     const MotionFrame f = solver.frame();
-    const double now = double(f.u[top][0]);
-    s.speed = double(f.v[top][0]);
+    const double now = frame.along.dot(Vec2(f.u[top][0], f.u[top][1]));
+    s.speed = frame.along.dot(Vec2(f.v[top][0], f.v[top][1]));
     before = at, at = now;
     if (at < slip) continue;
     s.time = t - every * (at - slip) / (at - before);
@@ -127,7 +151,7 @@ inline SlideState run_slide(const PlanarSlide& slide, const SlideOptions& o, dou
       all += g;
       s.pressure += g * double(p(k, 0));
       s.temperature += g * (double(hot(k, 0)) - 20);
-      s.height += g * solver.particles().x0[k].y();
+      s.height += g * frame.height(x0[k]);
       if (o.bands) s.width += g * double(f.field("band_width")(k, 0));
     }
     for (double* value : {&s.pressure, &s.temperature, &s.width, &s.height}) *value /= all;

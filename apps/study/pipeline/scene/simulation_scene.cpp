@@ -46,6 +46,12 @@ bool inside_body(const mpm::RigidOptions& body, const Vec2& x, const std::string
 
 }  // namespace
 
+std::string material_of(const Case& c, const Region& region) {
+  for (const auto& [name, given] : c.regions)
+    if (name == region.name && !given.material.empty()) return given.material;
+  return region.name;
+}
+
 mpm::Scene make_scene(const Case& c, const Setting& setting, const mpm::MpmOptions& options,
                       const Named<mpm::MaterialOptions>& materials, const std::string& materials_table) {
   mpm::Scene scene;
@@ -53,9 +59,7 @@ mpm::Scene make_scene(const Case& c, const Setting& setting, const mpm::MpmOptio
   scene.particles = seed(scene.grid, setting.regions, options.per_element, SeedPattern::even, 0.0,
                          of_file(c) + ": mpm.per_element");
   for (const Region& region : setting.regions) {
-    std::string wanted = region.name;
-    for (const auto& [name, r] : c.regions)
-      if (name == region.name && !r.material.empty()) wanted = r.material;
+    const std::string wanted = material_of(c, region);
     const auto it = std::find_if(materials.begin(), materials.end(), [&](const auto& m) { return m.first == wanted; });
     if (it == materials.end()) {
       std::vector<std::string> known;

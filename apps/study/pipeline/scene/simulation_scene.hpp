@@ -12,6 +12,9 @@ namespace pivnp::app {
 /// InputError, naming the key, where it holds no cell or too many nodes.
 Grid simulation_grid(const Case& c, const Grid& measured, const mpm::MpmOptions& options);
 
+/// The name of a region's material: its own where the case gives none.
+std::string material_of(const Case& c, const Region& region);
+
 /// The simulation's scene on the same nodes: `options` refine, extend and seed; materials by region. Material points
 /// under the mask are kept (masks hide, they do not dig), those inside a rigid body are not seeded.
 mpm::Scene make_scene(const Case& c, const Setting& setting, const mpm::MpmOptions& options,

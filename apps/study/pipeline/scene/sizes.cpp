@@ -27,15 +27,20 @@ constexpr double bytes_a_state = 53;  // of a point: u, F, status, v, stress, pl
 constexpr double beside_points = 100, beside_nodes = 60;  // what lists of cells, the grid's particles and the states' copies take
 constexpr double most_frame_bytes = 1e13;
 
-// Particles that fill the regions.
-double filled(const Setting& setting, const Grid& grid, int per_element) {
+// Particles that fill the regions, all or those of which `counts` is true.
+template <class Counts>
+double filled(const Setting& setting, const Grid& grid, int per_element, Counts&& counts) {
   double area = 0;
   for (const Region& region : setting.regions) {
+    if (!counts(region)) continue;
     const Vec2 low = region.polygon.lower().cwiseMax(grid.origin), high = region.polygon.upper().cwiseMin(grid.upper());
     const Vec2 box = (high - low).cwiseMax(0.0);
     area += std::min(region.polygon.area(), box.prod());
   }
   return area / grid.spacing.prod() * per_element;
+}
+double filled(const Setting& setting, const Grid& grid, int per_element) {
+  return filled(setting, grid, per_element, [](const Region&) { return true; });
 }
 
 // The case's materials, and what bounds the step in them: the fastest compression wave, m/s, and the water's diffusivity, m^2/s.
@@ -74,6 +79,10 @@ mpm::SceneNeeds needs_of(const Case& c, bool wet) {
   return needs;
 }
 
+bool may_have_bands(const Case& c, const Region& region) {
+  return std::any_of(c.materials.begin(), c.materials.end(), [&](const auto& m) { return m.first == material_of(c, region) && m.second.band_thickness_m; });
+}
+
 void size_simulation(const Case& c, const Setting& setting, std::size_t frames, double end_s, CaseSize& size) {
   const mpm::MpmOptions& o = *c.mpm;
   const Grid grid = simulation_grid(c, setting.grid, o);
@@ -101,6 +110,10 @@ void size_simulation(const Case& c, const Setting& setting, std::size_t frames, 
   const mpm::SceneNeeds needs = needs_of(c, materials.wet);
   const double a_point = mpm::bytes_a_point(mpm::particle_needs(scheme, materials.laws, needs), materials.laws);
   const double a_node = mpm::bytes_a_node(mpm::node_needs(scheme, materials.laws, needs));
+  const mpm::BandBytes bands = mpm::band_bytes(needs);
+  if (needs.bands)  // a band for each point that may yield
+    size.memory_bytes += bands.a_point * size.points +
+                         bands.a_band * filled(setting, grid, o.per_element, [&](const Region& region) { return may_have_bands(c, region); });
   size.memory_bytes += (a_point + beside_points) * size.points + (a_node + beside_nodes) * size.simulated_nodes;
 }
 
