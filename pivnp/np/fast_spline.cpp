@@ -20,13 +20,17 @@ struct Stencil {
 
 HWY_INLINE void load(const FastField& f, V i, V j, Stencil& s) {
   const D d;
-  const DU64 du;
-  const std::size_t wide = std::size_t(f.nx) + 2;
-  const hn::Vec<DI64> n =
-      hn::PromoteTo(DI64(), hn::DemoteTo(DI32(), hn::Add(hn::Mul(j, hn::Set(d, double(wide))), i)));
-  for (std::size_t b = 0; b < 4; ++b)
-    for (std::size_t a = 0; a < 4; ++a)
-      split(hn::GatherIndex(du, f.nodes.data() + (b * wide + a), n), s.u[b][a], s.v[b][a]);
+  constexpr std::size_t most = hn::MaxLanes(D());
+  const int wide = f.nx + 2;
+  HWY_ALIGN std::int32_t first[most];
+  HWY_ALIGN std::uint64_t rows[4][4 * most];
+  hn::Store(hn::DemoteTo(DI32(), hn::Add(hn::Mul(j, hn::Set(d, double(wide))), i)), DI32(), first);
+  for (int b = 0; b < 4; ++b) copy_lanes<4>(f.nodes.data() + std::ptrdiff_t(b) * wide, first, rows[b]);
+  for (int b = 0; b < 4; ++b) {
+    hn::Vec<DU64> node[4];
+    hn::LoadInterleaved4(DU64(), rows[b], node[0], node[1], node[2], node[3]);
+    for (int a = 0; a < 4; ++a) split(node[a], s.u[b][a], s.v[b][a]);
+  }
 }
 
 // Weights of the four coefficients at t in a cell, six times: the sixths go into one factor.
