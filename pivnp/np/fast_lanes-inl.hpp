@@ -9,7 +9,6 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
 
 #include "pivnp/np/fast_step.hpp"
@@ -22,6 +21,7 @@ using D = hn::ScalableTag<double>;
 using V = hn::Vec<D>;
 using M = hn::Mask<D>;
 using DI32 = hn::Rebind<std::int32_t, D>;
+using DI64 = hn::Rebind<std::int64_t, D>;
 using DU64 = hn::Rebind<std::uint64_t, D>;
 using DU32 = hn::Rebind<std::uint32_t, D>;
 using DF32 = hn::Rebind<float, D>;
@@ -33,13 +33,6 @@ HWY_INLINE void split(hn::Vec<DU64> node, V& u, V& v) {
   const DF32 df;
   u = hn::PromoteTo(d, hn::BitCast(df, hn::TruncateTo(d32, node)));
   v = hn::PromoteTo(d, hn::BitCast(df, hn::TruncateTo(d32, hn::ShiftRight<32>(node))));
-}
-
-// `count` nodes side by side for each lane, from first[lane] on, one after the other: what LoadInterleaved takes apart. It costs a
-// quarter of what gathers do.
-template <std::size_t count>
-HWY_INLINE void copy_lanes(const std::uint64_t* from, const std::int32_t* first, std::uint64_t* to) {
-  for (std::size_t k = 0; k < hn::Lanes(D()); ++k) std::memcpy(to + count * k, from + first[k], count * sizeof(std::uint64_t));
 }
 
 struct Limits {
@@ -95,18 +88,14 @@ struct Errors {
 // read_errors() of gather.hpp with bilinear weights.
 HWY_INLINE Errors errors_at(const FastField& f, V i, V j, V xi, V eta, V one) {
   const D d;
-  constexpr std::size_t most = hn::MaxLanes(D());
-  HWY_ALIGN std::int32_t first[most];
-  HWY_ALIGN std::uint64_t packed[3 * most];
-  const V n = hn::Add(hn::Mul(j, hn::Set(d, double(f.nx - 1))), i);
-  hn::Store(hn::DemoteTo(DI32(), hn::Add(n, hn::Add(n, n))), DI32(), first);
-  copy_lanes<3>(f.errors.data(), first, packed);
-  hn::Vec<DU64> a, b, c;
-  hn::LoadInterleaved3(DU64(), packed, a, b, c);
+  const DU64 du;
+  const hn::Vec<DI64> n =
+      hn::PromoteTo(DI64(), hn::DemoteTo(DI32(), hn::Add(hn::Mul(j, hn::Set(d, double(f.nx - 1))), i)));
+  const hn::Vec<DI64> at = hn::Add(n, hn::Add(n, n));
   Errors e;
-  split(a, e.E.uu, e.E.vv);
-  split(b, e.E.uv, e.gradient);
-  split(c, e.u, e.v);
+  split(hn::GatherIndex(du, f.errors.data(), at), e.E.uu, e.E.vv);
+  split(hn::GatherIndex(du, f.errors.data() + 1, at), e.E.uv, e.gradient);
+  split(hn::GatherIndex(du, f.errors.data() + 2, at), e.u, e.v);
   if (f.error_correlation == 1) return e;
   const V x0 = hn::Sub(one, xi), y0 = hn::Sub(one, eta);
   const V squares = hn::Mul(product(x0, x0, xi, xi), product(y0, y0, eta, eta));

@@ -1,4 +1,5 @@
 // Cubic B-splines, several particles at a time: TensorGather<Spline<3>> where all of a particle's 4 x 4 nodes are usable.
+#include <cstring>
 #include <limits>
 
 #include "pivnp/np/fast_step.hpp"
@@ -18,18 +19,21 @@ struct Stencil {
   V u[4][4], v[4][4];
 };
 
+// A particle's four coefficients of a row lie side by side. Copied and taken apart they cost an AMD Zen three quarters of what
+// gathers do, and an Intel Xeon as much.
 HWY_INLINE void load(const FastField& f, V i, V j, Stencil& s) {
   const D d;
-  constexpr std::size_t most = hn::MaxLanes(D());
-  const int wide = f.nx + 2;
+  constexpr std::size_t most = hn::MaxLanes(D()), row = 4;
+  const std::ptrdiff_t wide = f.nx + 2;
   HWY_ALIGN std::int32_t first[most];
-  HWY_ALIGN std::uint64_t rows[4][4 * most];
+  HWY_ALIGN std::uint64_t rows[4][row * most];
   hn::Store(hn::DemoteTo(DI32(), hn::Add(hn::Mul(j, hn::Set(d, double(wide))), i)), DI32(), first);
-  for (int b = 0; b < 4; ++b) copy_lanes<4>(f.nodes.data() + std::ptrdiff_t(b) * wide, first, rows[b]);
+  for (std::size_t k = 0; k < hn::Lanes(d); ++k)
+    for (int b = 0; b < 4; ++b) std::memcpy(rows[b] + row * k, f.nodes.data() + (first[k] + b * wide), row * sizeof(std::uint64_t));
   for (int b = 0; b < 4; ++b) {
-    hn::Vec<DU64> node[4];
+    hn::Vec<DU64> node[row];
     hn::LoadInterleaved4(DU64(), rows[b], node[0], node[1], node[2], node[3]);
-    for (int a = 0; a < 4; ++a) split(node[a], s.u[b][a], s.v[b][a]);
+    for (std::size_t a = 0; a < row; ++a) split(node[a], s.u[b][a], s.v[b][a]);
   }
 }
 

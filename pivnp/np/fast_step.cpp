@@ -33,18 +33,15 @@ HWY_INLINE Component component(V lower_left, V lower_right, V upper_left, V uppe
 
 HWY_INLINE void load(const FastField& f, Cell& cell) {
   const D d;
-  constexpr std::size_t most = hn::MaxLanes(D());
-  HWY_ALIGN std::int32_t first[most];
-  HWY_ALIGN std::uint64_t rows[2][2 * most];
-  hn::Store(hn::DemoteTo(DI32(), hn::Add(hn::Mul(cell.j, hn::Set(d, double(f.nx))), cell.i)), DI32(), first);
+  const hn::Vec<DI64> n = hn::PromoteTo(
+      DI64(), hn::DemoteTo(DI32(), hn::Add(hn::Mul(cell.j, hn::Set(d, double(f.nx))), cell.i)));
+  const DU64 du;
+  const std::uint64_t* nodes = f.nodes.data();
   V u[4], v[4];
-  for (int b = 0; b < 2; ++b) copy_lanes<2>(f.nodes.data() + std::ptrdiff_t(b) * f.nx, first, rows[b]);
-  for (int b = 0; b < 2; ++b) {
-    hn::Vec<DU64> left, right;
-    hn::LoadInterleaved2(DU64(), rows[b], left, right);
-    split(left, u[2 * b], v[2 * b]);
-    split(right, u[2 * b + 1], v[2 * b + 1]);
-  }
+  split(hn::GatherIndex(du, nodes, n), u[0], v[0]);
+  split(hn::GatherIndex(du, nodes + 1, n), u[1], v[1]);
+  split(hn::GatherIndex(du, nodes + f.nx, n), u[2], v[2]);
+  split(hn::GatherIndex(du, nodes + f.nx + 1, n), u[3], v[3]);
   cell.u = component(u[0], u[1], u[2], u[3]);
   cell.v = component(v[0], v[1], v[2], v[3]);
 }
