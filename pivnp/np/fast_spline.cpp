@@ -19,8 +19,8 @@ struct Stencil {
   V u[4][4], v[4][4];
 };
 
-// A particle's four coefficients of a row lie side by side. Copied and taken apart they cost an AMD Zen three quarters of what
-// gathers do, and an Intel Xeon as much.
+// A particle's four coefficients of a row lie side by side. Copied and taken apart they cost an AMD Zen three quarters
+// of what gathers do, and an Intel Xeon as much.
 HWY_INLINE void load(const FastField& f, V i, V j, Stencil& s) {
   const D d;
   constexpr std::size_t most = hn::MaxLanes(D()), row = 4;
@@ -29,7 +29,8 @@ HWY_INLINE void load(const FastField& f, V i, V j, Stencil& s) {
   HWY_ALIGN std::uint64_t rows[4][row * most];
   hn::Store(hn::DemoteTo(DI32(), hn::Add(hn::Mul(j, hn::Set(d, double(wide))), i)), DI32(), first);
   for (std::size_t k = 0; k < hn::Lanes(d); ++k)
-    for (int b = 0; b < 4; ++b) std::memcpy(rows[b] + row * k, f.nodes.data() + (first[k] + b * wide), row * sizeof(std::uint64_t));
+    for (int b = 0; b < 4; ++b)
+      std::memcpy(rows[b] + row * k, f.nodes.data() + (first[k] + b * wide), row * sizeof(std::uint64_t));
   for (int b = 0; b < 4; ++b) {
     hn::Vec<DU64> node[row];
     hn::LoadInterleaved4(DU64(), rows[b], node[0], node[1], node[2], node[3]);

@@ -48,12 +48,14 @@ bool usable_at(const SubsetImage& image, double x, double y) {
 
 // Whether all pixels may be used that lie at most (rx, ry) from a place.
 bool usable_around(const SubsetImage& image, const Vec2& x, double rx, double ry) {
-  if (!(x.x() - rx >= edge && x.y() - ry >= edge && x.x() + rx <= image.width - 1 - edge && x.y() + ry <= image.height - 1 - edge))
+  if (!(x.x() - rx >= edge && x.y() - ry >= edge && x.x() + rx <= image.width - 1 - edge &&
+        x.y() + ry <= image.height - 1 - edge))
     return false;
   if (image.mask.empty()) return true;
   const int left = int(x.x() - rx), columns = int(x.x() + rx) + 2 - left;
   for (int r = int(x.y() - ry); r <= int(x.y() + ry) + 1; ++r)
-    if (std::memchr(image.mask.data() + std::size_t(r) * std::size_t(image.width) + std::size_t(left), 0, std::size_t(columns)) != nullptr)
+    if (std::memchr(image.mask.data() + std::size_t(r) * std::size_t(image.width) + std::size_t(left), 0,
+                    std::size_t(columns)) != nullptr)
       return false;
   return true;
 }
@@ -112,8 +114,10 @@ class Subset {
 
   bool count_usable(const SubsetImage& first, const SubsetImage& second, const AffinePrediction& guess) {
     std::fill(use_.begin(), use_.end(), 0.0f);
-    const Vec2 reach = half_ * guess.A.cwiseAbs().rowwise().sum() + half_ * half_ * guess.bend.cwiseAbs().rowwise().sum();
-    const bool whole = usable_around(first, guess.from, half_, half_) && usable_around(second, guess.to, reach.x(), reach.y());
+    const Vec2 reach =
+        half_ * guess.A.cwiseAbs().rowwise().sum() + half_ * half_ * guess.bend.cwiseAbs().rowwise().sum();
+    const bool whole =
+        usable_around(first, guess.from, half_, half_) && usable_around(second, guess.to, reach.x(), reach.y());
     std::size_t count = 0;
     for (int b = -half_; b <= half_; ++b) {
       float* row = use_.data() + (b + half_) * stride_ + half_;
@@ -133,8 +137,8 @@ class Subset {
 
   // Central difference over one pixel of the subset along one of its axes.
   void between(const SplineImage& image, const SubsetWarp& warp, bool along_x, std::vector<float>& out) {
-    warp_subset(image, warp, along_x ? -half_ - 0.5 : -half_, along_x ? -half_ : -half_ - 0.5, side_ + (along_x ? 1 : 0),
-                side_ + (along_x ? 0 : 1), stride_, line_.data(), beside_.data());
+    warp_subset(image, warp, along_x ? -half_ - 0.5 : -half_, along_x ? -half_ : -half_ - 0.5,
+                side_ + (along_x ? 1 : 0), side_ + (along_x ? 0 : 1), stride_, line_.data(), beside_.data());
     slopes_of(beside_.data() + (along_x ? 1 : stride_), beside_.data(), use_.data(), side_, out.data());
   }
 
@@ -148,8 +152,8 @@ class Subset {
       for (int j = 0; j < 6; ++j) hessian_(i, j) = sums[i / 3 + j / 3][factors[i % 3][j % 3]];
     const Eigen::LDLT<Mat6> solver(hessian_);
     // No texture: grey values that vary no more than rounding makes them, or along one direction only.
-    if (!(energy_f_ > count_ * 4.0 / 12) || solver.info() != Eigen::Success || !solver.isPositive() || !(hessian_(0, 0) > 0) ||
-        !(hessian_(3, 3) > 0))
+    if (!(energy_f_ > count_ * 4.0 / 12) || solver.info() != Eigen::Success || !solver.isPositive() ||
+        !(hessian_(0, 0) > 0) || !(hessian_(3, 3) > 0))
       return false;
     inverse_ = solver.solve(Mat6::Identity());
     return inverse_.allFinite();
@@ -176,7 +180,8 @@ class Subset {
 
   // Score and covariances of a match, from the residuals it leaves.
   void state_errors(const SubsetImage& second, SubsetMatch& m) {
-    const ResidualSums left = residual_sums(f_.data(), g_.data(), float(gain_), fx_.data(), fy_.data(), side_, sums_.data());
+    const ResidualSums left =
+        residual_sums(f_.data(), g_.data(), float(gain_), fx_.data(), fy_.data(), side_, sums_.data());
     m.score = left.product / energy_f_;
     const double variance = left.squares / std::max(1.0, count_ - 6);
     const double excess = slopes_not_shared(second, m);
@@ -201,8 +206,8 @@ class Subset {
   }
 
   // How much more the sum of slope x residual varies than if its terms were independent: their products over lags below
-  // 4 px, with weights that fall linearly (Bartlett), over the squares alone. Those weights are a box's correlation with
-  // itself: the products are the squares of sums over boxes.
+  // 4 px, with weights that fall linearly (Bartlett), over the squares alone. Those weights are a box's correlation
+  // with itself: the products are the squares of sums over boxes.
   static double together(const ResidualSums& left) {
     constexpr double box = residual_span * residual_span;
     return left.alone > 0 ? std::max(1.0, left.together / (box * left.alone)) : 1.0;
@@ -211,9 +216,9 @@ class Subset {
   SubsetOptions options_;
   int side_, half_;
   std::ptrdiff_t stride_;
-  double count_ = 0;                                    // of the pixels used
-  std::vector<float> use_, f_, g_, fx_, fy_, slope_;    // planes
-  std::vector<float> beside_, line_, sums_;             // scratch
+  double count_ = 0;                                  // of the pixels used
+  std::vector<float> use_, f_, g_, fx_, fy_, slope_;  // planes
+  std::vector<float> beside_, line_, sums_;           // scratch
   double energy_f_ = 0, gain_ = 1;
   Eigen::Matrix<double, 2, 3> bend_ = Eigen::Matrix<double, 2, 3>::Zero();
   Mat6 hessian_, inverse_;

@@ -24,7 +24,8 @@ HWY_INLINE int row_offsets(double start, double slope, double curvature, double 
   const SubsetD d;
   const double base = std::clamp(std::round(start), -1e6, 1e6);
   const SubsetV from = hn::Set(d, static_cast<float>(start - base)), along = hn::Set(d, static_cast<float>(slope));
-  const SubsetV bend = hn::Set(d, static_cast<float>(curvature)), two_first = hn::Set(d, static_cast<float>(2 * first_a));
+  const SubsetV bend = hn::Set(d, static_cast<float>(curvature)),
+                two_first = hn::Set(d, static_cast<float>(2 * first_a));
   for (int k = 0; k < count; k += subset_lanes()) {
     const SubsetV n = hn::Iota(d, static_cast<float>(k));
     // bend ((first + n)^2 - first^2) = bend n (2 first + n)
@@ -42,7 +43,8 @@ void warp_rows(const SplineImage& image, const SubsetWarp& warp, double first_a,
     const double a = first_a, b = first_b + j;
     const auto start = [&](int q) {
       const double* c = warp.bend[q];
-      return (q == 0 ? warp.x : warp.y) + warp.A[q][0] * a + warp.A[q][1] * b + c[0] * a * a + c[1] * a * b + c[2] * b * b;
+      return (q == 0 ? warp.x : warp.y) + warp.A[q][0] * a + warp.A[q][1] * b + c[0] * a * a + c[1] * a * b +
+             c[2] * b * b;
     };
     const int column =
         row_offsets(start(0), warp.A[0][0] + warp.bend[0][1] * b - 1, warp.bend[0][0], first_a, count, ux);
@@ -111,7 +113,8 @@ void slope_products_of(const float* fx, const float* fy, int side, double (*sums
   }
 }
 
-void residual_slopes_of(const float* f, const float* g, float gain, const float* fx, const float* fy, int side, double* sums) {
+void residual_slopes_of(const float* f, const float* g, float gain, const float* fx, const float* fy, int side,
+                        double* sums) {
   const SubsetD d;
   const std::ptrdiff_t stride = subset_stride(side);
   const int half = side / 2;
@@ -133,7 +136,8 @@ void residual_slopes_of(const float* f, const float* g, float gain, const float*
   }
 }
 
-ResidualSums residuals(const float* f, const float* g, float gain, const float* fx, const float* fy, int side, float* scratch) {
+ResidualSums residuals(const float* f, const float* g, float gain, const float* fx, const float* fy, int side,
+                       float* scratch) {
   static_assert(residual_span == 4);
   const SubsetD d;
   const std::ptrdiff_t stride = subset_stride(side);
@@ -163,7 +167,8 @@ ResidualSums residuals(const float* f, const float* g, float gain, const float* 
     out.squares += row_total(squares), out.product += row_total(product), out.alone += row_total(alone);
   }
   const auto along = [&](const float* at) HWY_ATTR {  // over the four columns that end in this one
-    return hn::Add(hn::Add(hn::LoadU(d, at), hn::LoadU(d, at - 1)), hn::Add(hn::LoadU(d, at - 2), hn::LoadU(d, at - 3)));
+    return hn::Add(hn::Add(hn::LoadU(d, at), hn::LoadU(d, at - 1)),
+                   hn::Add(hn::LoadU(d, at - 2), hn::LoadU(d, at - 3)));
   };
   for (int j = 0; j < size.rows; ++j) {
     SubsetV together = hn::Zero(d);
@@ -203,8 +208,8 @@ HWY_EXPORT(residual_slopes_of);
 HWY_EXPORT(residuals);
 HWY_EXPORT(products);
 
-void warp_subset(const SplineImage& image, const SubsetWarp& warp, double first_a, double first_b, int columns, int rows,
-                 std::ptrdiff_t stride, float* scratch, float* out) {
+void warp_subset(const SplineImage& image, const SubsetWarp& warp, double first_a, double first_b, int columns,
+                 int rows, std::ptrdiff_t stride, float* scratch, float* out) {
   HWY_DYNAMIC_DISPATCH(warp_rows)(image, warp, first_a, first_b, columns, rows, stride, scratch, out);
 }
 
@@ -220,11 +225,13 @@ void slope_products(const float* fx, const float* fy, int side, double (*sums)[6
   HWY_DYNAMIC_DISPATCH(slope_products_of)(fx, fy, side, sums);
 }
 
-void residual_slopes(const float* f, const float* g, float gain, const float* fx, const float* fy, int side, double* sums) {
+void residual_slopes(const float* f, const float* g, float gain, const float* fx, const float* fy, int side,
+                     double* sums) {
   HWY_DYNAMIC_DISPATCH(residual_slopes_of)(f, g, gain, fx, fy, side, sums);
 }
 
-ResidualSums residual_sums(const float* f, const float* g, float gain, const float* fx, const float* fy, int side, float* scratch) {
+ResidualSums residual_sums(const float* f, const float* g, float gain, const float* fx, const float* fy, int side,
+                           float* scratch) {
   return HWY_DYNAMIC_DISPATCH(residuals)(f, g, gain, fx, fy, side, scratch);
 }
 

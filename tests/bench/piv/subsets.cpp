@@ -33,8 +33,10 @@ int subsets(const BenchOptions& options) {
     const auto map = [&](const Vec2& x) { return Vec2(centre + shape.A * (x - centre) + Vec2(3.3, -2.6)); };
     image::TextureOptions texture = options.texture;
     texture.noise = 0.01, texture.seed = static_cast<std::uint64_t>(options.seeds.front());
-    const auto pair = image::synthetic_pair([&](const Vec2& x) { return Vec2(map(x) - x); }, options.side, options.side, texture);
-    const piv::SubsetImage first(pair.first.view(), {}, options.threads), second(pair.second.view(), {}, options.threads);
+    const auto pair =
+        image::synthetic_pair([&](const Vec2& x) { return Vec2(map(x) - x); }, options.side, options.side, texture);
+    const piv::SubsetImage first(pair.first.view(), {}, options.threads),
+        second(pair.second.view(), {}, options.threads);
     for (const int side : {21, 33, 65}) {
       std::vector<piv::AffinePrediction> asked;
       for (double y = 0.3 * options.side; y < 0.7 * options.side; y += 9.7)
@@ -51,7 +53,8 @@ int subsets(const BenchOptions& options) {
         const double start = now(options);
         const auto matches = piv::match_subsets(first, second, asked, subset, options.threads);
         best = std::min(best, now(options) - start);
-        found = std::size_t(std::count_if(matches.begin(), matches.end(), [](const piv::SubsetMatch& m) { return m.found; }));
+        found = std::size_t(
+            std::count_if(matches.begin(), matches.end(), [](const piv::SubsetMatch& m) { return m.found; }));
       }
       const double each = best / double(asked.size());
       std::printf("%-22s %8d %12.0f %12.2f %10.2f %7.1f%%\n", shape.name.c_str(), side, 1 / each, 1e6 * each,

@@ -30,7 +30,8 @@ Image float_image(int width, int height, auto value) {
 // One place: the value at (x, y), of which 16 lanes are taken.
 double value_at(const SplineImage& spline, float x, float y) {
   std::array<float, 16> ux, uy, out;
-  for (std::size_t k = 0; k < ux.size(); ++k) ux[k] = x - std::floor(x) - static_cast<float>(k), uy[k] = y - std::floor(y);
+  for (std::size_t k = 0; k < ux.size(); ++k)
+    ux[k] = x - std::floor(x) - static_cast<float>(k), uy[k] = y - std::floor(y);
   sample_displaced(spline, static_cast<int>(x), static_cast<int>(y), ux.data(), uy.data(), 1, out.data());
   return out[0];
 }
@@ -50,7 +51,8 @@ TEST(SplineImage, RepeatsThePixelsAndPolynomialsBetweenThem) {
     EXPECT_NEAR(value_at(spline, x, y), polynomial(x, y), 2e-4) << x << ' ' << y;
   }
   for (int r = 0; r < 51; ++r)
-    for (int c = 0; c < 61; ++c) EXPECT_NEAR(value_at(spline, static_cast<float>(c), static_cast<float>(r)), polynomial(c, r), 1e-4);
+    for (int c = 0; c < 61; ++c)
+      EXPECT_NEAR(value_at(spline, static_cast<float>(c), static_cast<float>(r)), polynomial(c, r), 1e-4);
 }
 
 TEST(SplineImage, SixteenAtATimeEqualOneAtATime) {
@@ -68,7 +70,8 @@ TEST(SplineImage, SixteenAtATimeEqualOneAtATime) {
     }
     sample_displaced(spline, 10, 20, ux.data(), uy.data(), 37, together.data());
     for (std::size_t k = 0; k < 37; ++k)
-      EXPECT_NEAR(together[k], value_at(spline, 10 + static_cast<float>(k) + ux[k], 20 + uy[k]), 2e-3) << stretch << ' ' << k;
+      EXPECT_NEAR(together[k], value_at(spline, 10 + static_cast<float>(k) + ux[k], 20 + uy[k]), 2e-3)
+          << stretch << ' ' << k;
   }
 }
 
