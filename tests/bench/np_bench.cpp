@@ -1,5 +1,5 @@
 // Particle-steps per second of the tracker, in memory: every shape, F, covariance where said.
-//   np_bench [particles] [repeats]
+//   np_bench [particles] [repeats] [shape]
 //   np_bench stream DIR [particles] [frames]    written while tracked (np_stream.hpp)
 // Prints one line a variant: best and median of `repeats` runs of a few steps each.
 #include <omp.h>
@@ -70,9 +70,10 @@ int main(int argc, char** argv) {
   const long wanted = argc > 1 ? std::atol(argv[1]) : 1000000;
   const int repeats = argc > 2 ? std::atoi(argv[2]) : 9;
   if (wanted < 4 || repeats < 1) {
-    std::fprintf(stderr, "usage: np_bench [particles >= 4] [repeats >= 1]\n");
+    std::fprintf(stderr, "usage: np_bench [particles >= 4] [repeats >= 1] [shape]\n");
     return 2;
   }
+  const std::string only = argc > 3 ? argv[3] : "";
   const int side = std::max(1, int(std::lround(std::sqrt(double(wanted) / 4))));
   const int margin = 2;
   const Grid grid{{0, 0}, {1, 1}, side + 2 * margin + 1, side + 2 * margin + 1};
@@ -91,7 +92,7 @@ int main(int argc, char** argv) {
       for (const auto& [gradient_name, gradient] : np::gradient_place_names)
         for (const bool with_cov : {false, true}) {
           const bool plain = shape == np::ShapeFunctions::bilinear;
-          if (!plain && gradient == np::GradientPlace::element) continue;
+          if ((!plain && gradient == np::GradientPlace::element) || (!only.empty() && only != shape_name)) continue;
           np::NodalIncrements there = np::sample_increments(motion, grid, anchor, 0, 1);
           np::NodalIncrements back = np::sample_increments(motion, grid, anchor, 1, 2);
           if (with_cov) there.cov.assign(grid.node_count(), {1e-6f, 1e-6f, 0});

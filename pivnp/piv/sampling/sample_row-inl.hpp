@@ -65,6 +65,9 @@ static HWY_NOINLINE void sample_row(const SplineImage& image, const PixelFlags* 
   const V least_y = hn::Set(d, static_cast<float>(-row)), most_y = hn::Set(d, last_row - static_cast<float>(row));
   HWY_ALIGN int ox[16], oy[16];
   HWY_ALIGN float wx_lane[taps][16], wy_lane[taps][16];
+  using T = hn::CappedTag<float, 8>;
+  const T t;
+  HWY_ALIGN float wx_taps[16][8] = {};  // of six taps; the image's padding has two more
   for (int k = 0; k < count; k += lanes) {
     const V lane = hn::Iota(d, static_cast<float>(column + k));
     const V least_x = hn::Sub(zero, lane), most_x = hn::Sub(hn::Set(d, last_column), lane);
@@ -114,15 +117,18 @@ static HWY_NOINLINE void sample_row(const SplineImage& image, const PixelFlags* 
         hn::Store(hn::ConvertTo(di, whole_x), di, ox);
         hn::Store(hn::ConvertTo(di, whole_y), di, oy);
         for (int i = 0; i < taps; ++i) hn::Store(wx[i], d, wx_lane[i]), hn::Store(wy[i], d, wy_lane[i]);
-        for (int l = 0; l < lanes; ++l) {
-          float value = 0;
-          for (int j = 0; j < taps; ++j) {
-            const float* in = image.coefficient(column + k + l + ox[l] - 2, row + oy[l] - 2 + j);
-            float along = 0;
-            for (int i = 0; i < taps; ++i) along += wx_lane[i][l] * in[i];
-            value += wy_lane[j][l] * along;
+        for (int l = 0; l < lanes; ++l)
+          for (int i = 0; i < taps; ++i) wx_taps[l][i] = wx_lane[i][l];
+        for (int l = 0; l < lanes; ++l) {  // each place by itself, its taps side by side
+          const float* in = image.coefficient(column + k + l + ox[l] - 2, row + oy[l] - 2);
+          hn::Vec<T> value = hn::Zero(t);
+          for (int i = 0; i < 8; i += static_cast<int>(hn::Lanes(t))) {
+            hn::Vec<T> down = hn::Zero(t);
+            for (int j = 0; j < taps; ++j)
+              down = hn::MulAdd(hn::Set(t, wy_lane[j][l]), hn::LoadU(t, in + j * image.stride() + i), down);
+            value = hn::MulAdd(hn::LoadU(t, wx_taps[l] + i), down, value);
           }
-          out[k + l] = value;
+          out[k + l] = hn::GetLane(hn::SumOfLanes(t, value));
         }
         sum = hn::LoadU(d, out + k);
       }

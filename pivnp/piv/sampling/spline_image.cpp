@@ -116,57 +116,6 @@ void average_overlapping(const ImageView& image, const MaskView& mask, int row, 
   }
 }
 
-constexpr int block = 16;
-constexpr int taps = 6;
-constexpr int most_taps = taps + 2;
-
-// Weights of the taps floor(x) - 2 ... floor(x) + 3 at fraction t, over the 16 pixels of a block.
-void quintic_weights(const float* t, float (*w)[block]) {
-  for (int k = 0; k < block; ++k) {
-    const float f = t[k], f2 = f * f, f3 = f2 * f, f4 = f2 * f2, f5 = f4 * f;
-    constexpr float s = 1.0f / 120.0f;
-    w[0][k] = s * (1 - 5 * f + 10 * f2 - 10 * f3 + 5 * f4 - f5);
-    w[1][k] = s * (26 - 50 * f + 20 * f2 + 20 * f3 - 20 * f4 + 5 * f5);
-    w[2][k] = s * (66 - 60 * f2 + 30 * f4 - 10 * f5);
-    w[3][k] = s * (26 + 50 * f + 20 * f2 - 20 * f3 - 20 * f4 + 10 * f5);
-    w[4][k] = s * (1 + 5 * f + 10 * f2 + 10 * f3 + 5 * f4 - 5 * f5);
-    w[5][k] = s * f5;
-  }
-}
-
-// Where the taps of a block lie along one axis: whole offsets of its pixels from `base`, and their fractions.
-struct BlockAxis {
-  int least = 0, most = 0;
-  std::array<int, block> offset;
-  alignas(16) float fraction[block];
-  alignas(16) float weight[most_taps][block];
-
-  // `moving`: the tap of pixel k advances by k from pixel to pixel (columns of a row of pixels).
-  void place(const float* x, bool moving) {
-    for (int k = 0; k < block; ++k) {
-      const int whole = static_cast<int>(x[k]);  // x >= 0
-      fraction[k] = x[k] - static_cast<float>(whole);
-      offset[std::size_t(k)] = moving ? whole - k : whole;
-    }
-    least = *std::min_element(offset.begin(), offset.end());
-    most = *std::max_element(offset.begin(), offset.end());
-  }
-
-  int spread() const { return most - least; }
-
-  // Pixels whose whole offset is larger use the later of the block's common taps.
-  void weigh() {
-    if (spread() == 0) return quintic_weights(fraction, weight);
-    alignas(16) float w[taps][block];
-    quintic_weights(fraction, w);
-    for (auto& row : weight) std::fill(row, row + block, 0.0f);
-    for (int shift = 0; shift <= spread(); ++shift)
-      for (int j = 0; j < taps; ++j)
-        for (int k = 0; k < block; ++k)
-          weight[j + shift][k] = offset[std::size_t(k)] - least == shift ? w[j][k] : weight[j + shift][k];
-  }
-};
-
 }  // namespace
 
 void SplineImage::assign(const ImageView& image, const MaskView& mask, int decimation, int threads, float smoothing) {
@@ -235,45 +184,6 @@ void SplineImage::mirror_edges() {
     };
     copy_row(-p);
     copy_row(height_ - 1 + p);
-  }
-}
-
-// Sixteen pixels at a time: where their whole offsets agree (or nearly so), each tap is one contiguous load for all.
-void SplineImage::sample(const float* x, const float* y, int count, float* values) const {
-  BlockAxis column, row;
-  for (int first = 0; first < count; first += block) {
-    const int filled = std::min(block, count - first);
-    alignas(16) float bx[block], by[block], sum[block] = {};
-    for (int k = 0; k < block; ++k) {
-      const int source = first + std::min(k, filled - 1);
-      bx[k] = x[source];
-      by[k] = y[source];
-    }
-    column.place(bx, true);
-    row.place(by, false);
-    if (filled == block && column.spread() <= most_taps - taps && row.spread() <= most_taps - taps) {
-      column.weigh();
-      row.weigh();
-      for (int j = 0; j < taps + row.spread(); ++j) {
-        const float* in = coefficient(column.least - 2, row.least - 2 + j);
-        alignas(16) float along[block] = {};
-        for (int i = 0; i < taps + column.spread(); ++i)
-          for (int k = 0; k < block; ++k) along[k] += column.weight[i][k] * in[i + k];
-        for (int k = 0; k < block; ++k) sum[k] += row.weight[j][k] * along[k];
-      }
-    } else {
-      alignas(16) float wx[taps][block], wy[taps][block];
-      quintic_weights(column.fraction, wx);
-      quintic_weights(row.fraction, wy);
-      for (int k = 0; k < filled; ++k)
-        for (int j = 0; j < taps; ++j) {
-          const float* in = coefficient(column.offset[std::size_t(k)] + k - 2, row.offset[std::size_t(k)] - 2 + j);
-          float along = 0;
-          for (int i = 0; i < taps; ++i) along += wx[i][k] * in[i];
-          sum[k] += wy[j][k] * along;
-        }
-    }
-    std::copy(sum, sum + filled, values + first);
   }
 }
 

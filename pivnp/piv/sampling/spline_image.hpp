@@ -29,9 +29,6 @@ class SplineImage {
   /// blocks of 2 x 2 overlap, weighted (1, 3, 3, 1)/8 along each axis, so that less is aliased.
   void assign(const ImageView& image, const MaskView& mask, int decimation, int threads, float smoothing = 0);
 
-  /// Values at (x[k], y[k]), k < count, all within [0, width - 1] x [0, height - 1].
-  void sample(const float* x, const float* y, int count, float* values) const;
-
  private:
   void average(const ImageView& image, const MaskView& mask, int decimation, bool overlapping, int threads);
   void prefilter(int threads, float smoothing);

@@ -6,8 +6,10 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/piv/window/subset_kernels.hpp"
 
 namespace pivnp::piv {
 
@@ -32,8 +34,9 @@ namespace {
 using Vec6 = Eigen::Matrix<double, 6, 1>;
 using Mat6 = Eigen::Matrix<double, 6, 6>;
 
+constexpr double edge = 1;  // room for gradients and for the iterations
+
 bool usable_at(const SubsetImage& image, double x, double y) {
-  constexpr double edge = 1;  // room for gradients and for the iterations
   if (!(x >= edge && y >= edge && x <= image.width - 1 - edge && y <= image.height - 1 - edge)) return false;
   if (image.mask.empty()) return true;
   const int c = int(x), r = int(y);
@@ -43,14 +46,30 @@ bool usable_at(const SubsetImage& image, double x, double y) {
   return at(c, r) && at(c + 1, r) && at(c, r + 1) && at(c + 1, r + 1);
 }
 
-// Work space of one thread, and the subset it holds.
+// Whether all pixels may be used that lie at most (rx, ry) from a place.
+bool usable_around(const SubsetImage& image, const Vec2& x, double rx, double ry) {
+  if (!(x.x() - rx >= edge && x.y() - ry >= edge && x.x() + rx <= image.width - 1 - edge &&
+        x.y() + ry <= image.height - 1 - edge))
+    return false;
+  if (image.mask.empty()) return true;
+  const int left = int(x.x() - rx), columns = int(x.x() + rx) + 2 - left;
+  for (int r = int(x.y() - ry); r <= int(x.y() + ry) + 1; ++r)
+    if (std::memchr(image.mask.data() + std::size_t(r) * std::size_t(image.width) + std::size_t(left), 0,
+                    std::size_t(columns)) != nullptr)
+      return false;
+  return true;
+}
+
+// Work space of one thread, and the subset it holds: planes of grey values and slopes (subset_kernels.hpp).
 class Subset {
  public:
-  explicit Subset(const SubsetOptions& options) : options_(options), half_(options.side_px / 2) {
-    const std::size_t all = std::size_t(options.side_px) * std::size_t(options.side_px);
-    for (auto* v : {&rx_, &ry_, &x_, &y_, &f_, &g_, &fx_, &fy_, &low_}) v->resize(all);
-    slot_.resize(all);
-    residual_.resize(all);
+  explicit Subset(const SubsetOptions& options)
+      : options_(options), side_(options.side_px), half_(side_ / 2), stride_(subset_stride(side_)) {
+    const std::size_t plane = std::size_t(side_) * std::size_t(stride_);
+    for (auto* v : {&use_, &f_, &g_, &fx_, &fy_, &slope_}) v->resize(plane);
+    beside_.resize(plane + 2 * std::size_t(stride_));  // a row and a column more
+    line_.resize(2 * std::size_t(stride_));
+    sums_.resize(ResidualScratch(side_).floats());
   }
 
   SubsetMatch match(const SubsetImage& first, const SubsetImage& second, const AffinePrediction& guess) {
@@ -63,20 +82,16 @@ class Subset {
     const double far = half_;
     for (int n = 0; n < options_.max_iterations; ++n) {
       if (!compare(second, m)) return m;
-      Vec6 right = Vec6::Zero();
-      for (std::size_t k = 0; k < count_; ++k) {
-        const double e = double(f_[k]) - gain_ * double(g_[k]);
-        const double gx = double(fx_[k]), gy = double(fy_[k]), x = double(rx_[k]), y = double(ry_[k]);
-        right += e * (Vec6() << gx, gy, gx * x, gx * y, gy * x, gy * y).finished();
-      }
+      Vec6 right;
+      residual_slopes(f_.data(), g_.data(), float(gain_), fx_.data(), fy_.data(), side_, right.data());
       const Vec6 p = -(inverse_ * right);
-      Mat2 step = Mat2::Identity();
-      step(0, 0) += p[2], step(0, 1) += p[3], step(1, 0) += p[4], step(1, 1) += p[5];
+      Mat2 step;
+      step << 1 + p[1], p[2], p[4], 1 + p[5];
       if (!(step.determinant() > 0.1)) return m;
       m.A = m.A * step.inverse();
-      m.to -= m.A * Vec2(p[0], p[1]);
+      m.to -= m.A * Vec2(p[0], p[3]);
       if (!m.to.allFinite() || (m.to - guess.to).norm() > options_.farthest_px) return m;
-      if (Vec2(p[0], p[1]).norm() + far * Eigen::Vector4d(p[2], p[3], p[4], p[5]).norm() < options_.tolerance_px) {
+      if (Vec2(p[0], p[3]).norm() + far * Eigen::Vector4d(p[1], p[2], p[4], p[5]).norm() < options_.tolerance_px) {
         m.found = compare(second, m);
         if (m.found) state_errors(second, m);
         return m;
@@ -88,77 +103,76 @@ class Subset {
  private:
   // The usable pixels and their grey values and slopes in the first image.
   bool take(const SubsetImage& first, const SubsetImage& second, const AffinePrediction& guess) {
-    count_ = 0;
-    for (int b = -half_; b <= half_; ++b)
-      for (int a = -half_; a <= half_; ++a) {
-        const Vec2 r(a, b), from = guess.from + r, to = guess.to + guess.A * r + bent(a, b);
-        const std::size_t place = std::size_t((b + half_) * options_.side_px + a + half_);
-        const bool here = usable_at(first, from.x(), from.y()) && usable_at(second, to.x(), to.y());
-        slot_[place] = here ? int(count_) : -1;
-        if (!here) continue;
-        rx_[count_] = float(a), ry_[count_] = float(b);
-        x_[count_] = float(from.x()), y_[count_] = float(from.y());
-        ++count_;
-      }
-    if (double(count_) < options_.min_usable * double(options_.side_px) * double(options_.side_px)) return false;
-    const int n = int(count_);
-    first.grey.sample(x_.data(), y_.data(), n, f_.data());
-    slope(first, x_, fx_);
-    slope(first, y_, fy_);
+    SubsetWarp here;
+    here.x = guess.from.x(), here.y = guess.from.y();
+    if (!count_usable(first, second, guess)) return false;
+    warp_subset(first.grey, here, -half_, -half_, side_, side_, stride_, line_.data(), f_.data());
+    between(first.grey, here, true, fx_);
+    between(first.grey, here, false, fy_);
     return true;
   }
 
-  // Central difference over one pixel along the axis whose coordinates are given.
-  void slope(const SubsetImage& first, std::vector<float>& along, std::vector<float>& out) {
-    for (std::size_t k = 0; k < count_; ++k) along[k] -= 0.5f;
-    first.grey.sample(x_.data(), y_.data(), int(count_), low_.data());
-    for (std::size_t k = 0; k < count_; ++k) along[k] += 1.0f;
-    first.grey.sample(x_.data(), y_.data(), int(count_), out.data());
-    for (std::size_t k = 0; k < count_; ++k) along[k] -= 0.5f, out[k] -= low_[k];
+  bool count_usable(const SubsetImage& first, const SubsetImage& second, const AffinePrediction& guess) {
+    std::fill(use_.begin(), use_.end(), 0.0f);
+    const Vec2 reach =
+        half_ * guess.A.cwiseAbs().rowwise().sum() + half_ * half_ * guess.bend.cwiseAbs().rowwise().sum();
+    const bool whole =
+        usable_around(first, guess.from, half_, half_) && usable_around(second, guess.to, reach.x(), reach.y());
+    std::size_t count = 0;
+    for (int b = -half_; b <= half_; ++b) {
+      float* row = use_.data() + (b + half_) * stride_ + half_;
+      for (int a = -half_; a <= half_; ++a) {
+        const Vec2 r(a, b);
+        if (!whole) {
+          const Vec2 from = guess.from + r, to = guess.to + guess.A * r + bend_ * Eigen::Vector3d(a * a, a * b, b * b);
+          if (!usable_at(first, from.x(), from.y()) || !usable_at(second, to.x(), to.y())) continue;
+        }
+        row[a] = 1;
+        ++count;
+      }
+    }
+    count_ = double(count);
+    return count_ >= options_.min_usable * double(side_) * double(side_);
   }
 
-  Vec2 bent(double a, double b) const { return bend_ * Eigen::Vector3d(a * a, a * b, b * b); }
-
-  static double centre(std::vector<float>& v, std::size_t count) {
-    double mean = 0, energy = 0;
-    for (std::size_t k = 0; k < count; ++k) mean += double(v[k]);
-    mean /= double(count);
-    for (std::size_t k = 0; k < count; ++k) {
-      v[k] = float(double(v[k]) - mean);
-      energy += double(v[k]) * double(v[k]);
-    }
-    return energy;
+  // Central difference over one pixel of the subset along one of its axes.
+  void between(const SplineImage& image, const SubsetWarp& warp, bool along_x, std::vector<float>& out) {
+    warp_subset(image, warp, along_x ? -half_ - 0.5 : -half_, along_x ? -half_ : -half_ - 0.5,
+                side_ + (along_x ? 1 : 0), side_ + (along_x ? 0 : 1), stride_, line_.data(), beside_.data());
+    slopes_of(beside_.data() + (along_x ? 1 : stride_), beside_.data(), use_.data(), side_, out.data());
   }
 
   bool refine_reference() {
-    energy_f_ = centre(f_, count_);
-    hessian_.setZero();
-    for (std::size_t k = 0; k < count_; ++k) {
-      const double gx = double(fx_[k]), gy = double(fy_[k]), x = double(rx_[k]), y = double(ry_[k]);
-      const Vec6 j = (Vec6() << gx, gy, gx * x, gx * y, gy * x, gy * y).finished();
-      hessian_.selfadjointView<Eigen::Lower>().rankUpdate(j);
-    }
-    hessian_ = Mat6(hessian_.selfadjointView<Eigen::Lower>());
+    energy_f_ = centre_subset(f_.data(), use_.data(), side_, count_);
+    double sums[3][6];
+    slope_products(fx_.data(), fy_.data(), side_, sums);
+    // Unknowns: shift and gradient of the template in x, then in y; the factors 1, a, b of two of them.
+    constexpr int factors[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+    for (int i = 0; i < 6; ++i)
+      for (int j = 0; j < 6; ++j) hessian_(i, j) = sums[i / 3 + j / 3][factors[i % 3][j % 3]];
     const Eigen::LDLT<Mat6> solver(hessian_);
     // No texture: grey values that vary no more than rounding makes them, or along one direction only.
-    if (!(energy_f_ > double(count_) * 4.0 / 12) || solver.info() != Eigen::Success || !solver.isPositive() ||
-        !(hessian_(0, 0) > 0) || !(hessian_(1, 1) > 0))
+    if (!(energy_f_ > count_ * 4.0 / 12) || solver.info() != Eigen::Success || !solver.isPositive() ||
+        !(hessian_(0, 0) > 0) || !(hessian_(3, 3) > 0))
       return false;
     inverse_ = solver.solve(Mat6::Identity());
     return inverse_.allFinite();
   }
 
+  SubsetWarp warp_of(const SubsetMatch& m) const {
+    SubsetWarp warp;
+    warp.x = m.to.x(), warp.y = m.to.y();
+    for (int i = 0; i < 2; ++i) {
+      for (int j = 0; j < 2; ++j) warp.A[i][j] = m.A(i, j);
+      for (int j = 0; j < 3; ++j) warp.bend[i][j] = bend_(i, j);
+    }
+    return warp;
+  }
+
   // The second image under the present warp, freed of its mean; the gain that fits it to the first.
   bool compare(const SubsetImage& second, const SubsetMatch& m) {
-    const float right = float(second.width - 1), bottom = float(second.height - 1);
-    for (std::size_t k = 0; k < count_; ++k) {
-      const double a = double(rx_[k]), b = double(ry_[k]);
-      const Vec2 c = bent(a, b);
-      x_[k] = std::clamp(float(m.to.x() + m.A(0, 0) * a + m.A(0, 1) * b + c.x()), 0.0f, right);
-      y_[k] = std::clamp(float(m.to.y() + m.A(1, 0) * a + m.A(1, 1) * b + c.y()), 0.0f, bottom);
-    }
-    second.grey.sample(x_.data(), y_.data(), int(count_), g_.data());
-    const double energy = centre(g_, count_);
+    warp_subset(second.grey, warp_of(m), -half_, -half_, side_, side_, stride_, line_.data(), g_.data());
+    const double energy = centre_subset(g_.data(), use_.data(), side_, count_);
     if (!(energy > 0)) return false;
     gain_ = std::sqrt(energy_f_ / energy);
     return true;
@@ -166,24 +180,16 @@ class Subset {
 
   // Score and covariances of a match, from the residuals it leaves.
   void state_errors(const SubsetImage& second, SubsetMatch& m) {
-    double product = 0, left = 0;
-    std::fill(residual_.begin(), residual_.end(), std::array<double, 2>{0, 0});
-    for (std::size_t place = 0; place < slot_.size(); ++place) {
-      if (slot_[place] < 0) continue;
-      const auto k = std::size_t(slot_[place]);
-      const double e = double(f_[k]) - gain_ * double(g_[k]);
-      product += double(f_[k]) * gain_ * double(g_[k]);
-      left += e * e;
-      residual_[place] = {double(fx_[k]) * e, double(fy_[k]) * e};
-    }
-    m.score = product / energy_f_;
-    const double variance = left / std::max(1.0, double(count_) - 6);
+    const ResidualSums left =
+        residual_sums(f_.data(), g_.data(), float(gain_), fx_.data(), fy_.data(), side_, sums_.data());
+    m.score = left.product / energy_f_;
+    const double variance = left.squares / std::max(1.0, count_ - 6);
     const double excess = slopes_not_shared(second, m);
-    const Mat6 cov = variance * together() * excess * excess * inverse_;
+    const Mat6 cov = variance * together(left) * excess * excess * inverse_;
     // `to` moves by A times what the template moves.
-    const Mat2 to = m.A * cov.topLeftCorner<2, 2>() * m.A.transpose();
+    const Mat2 to = m.A * (Mat2() << cov(0, 0), cov(0, 3), cov(3, 0), cov(3, 3)).finished() * m.A.transpose();
     m.cov = {to(0, 0), to(1, 1), to(0, 1)};
-    m.var_A = cov.diagonal().tail<4>().mean();
+    m.var_A = (cov(1, 1) + cov(2, 2) + cov(4, 4) + cov(5, 5)) / 4;
   }
 
   // Slopes that are noise, or texture that the second image lacks, are in the Hessian but do not move the minimum: the
@@ -191,53 +197,28 @@ class Subset {
   double slopes_not_shared(const SubsetImage& second, const SubsetMatch& m) {
     double own = 0, shared = 0;
     for (const bool along_x : {true, false}) {
-      const Vec2 half = 0.5 * m.A.col(along_x ? 0 : 1);
-      const auto sample = [&](double sign, std::vector<float>& out) {
-        for (std::size_t k = 0; k < count_; ++k) {
-          const double a = double(rx_[k]), b = double(ry_[k]);
-          const Vec2 at = m.to + m.A * Vec2(a, b) + bent(a, b) + sign * half;
-          x_[k] = std::clamp(float(at.x()), 0.0f, float(second.width - 1));
-          y_[k] = std::clamp(float(at.y()), 0.0f, float(second.height - 1));
-        }
-        second.grey.sample(x_.data(), y_.data(), int(count_), out.data());
-      };
-      sample(-1, low_);
-      sample(1, g_);
-      const std::vector<float>& slope = along_x ? fx_ : fy_;
-      for (std::size_t k = 0; k < count_; ++k) {
-        own += double(slope[k]) * double(slope[k]);
-        shared += double(slope[k]) * gain_ * double(g_[k] - low_[k]);
-      }
+      const float* slope = along_x ? fx_.data() : fy_.data();
+      between(second.grey, warp_of(m), along_x, slope_);
+      own += product_sum(slope, slope, side_);
+      shared += gain_ * product_sum(slope, slope_.data(), side_);
     }
     return shared > 0.2 * own ? std::max(1.0, own / shared) : 5.0;
   }
 
   // How much more the sum of slope x residual varies than if its terms were independent: their products over lags below
-  // 4 px, with weights that fall linearly (Bartlett), over the squares alone.
-  double together() const {
-    constexpr int span = 4;
-    const int side = options_.side_px;
-    double alone = 0, summed = 0;
-    for (const std::size_t q : {std::size_t(0), std::size_t(1)})
-      for (int dy = -span + 1; dy < span; ++dy)
-        for (int dx = -span + 1; dx < span; ++dx) {
-          const double weight = (1 - std::abs(dx) / double(span)) * (1 - std::abs(dy) / double(span));
-          double sum = 0;
-          for (int r = std::max(0, -dy); r < std::min(side, side - dy); ++r)
-            for (int c = std::max(0, -dx); c < std::min(side, side - dx); ++c)
-              sum += residual_[std::size_t(r * side + c)][q] * residual_[std::size_t((r + dy) * side + c + dx)][q];
-          summed += weight * sum;
-          if (dx == 0 && dy == 0) alone += sum;
-        }
-    return alone > 0 ? std::max(1.0, summed / alone) : 1.0;
+  // 4 px, with weights that fall linearly (Bartlett), over the squares alone. Those weights are a box's correlation
+  // with itself: the products are the squares of sums over boxes.
+  static double together(const ResidualSums& left) {
+    constexpr double box = residual_span * residual_span;
+    return left.alone > 0 ? std::max(1.0, left.together / (box * left.alone)) : 1.0;
   }
 
   SubsetOptions options_;
-  int half_;
-  std::size_t count_ = 0;
-  std::vector<float> rx_, ry_, x_, y_, f_, g_, fx_, fy_, low_;
-  std::vector<int> slot_;                          // of a place in the square; -1: not used
-  std::vector<std::array<double, 2>> residual_;    // slope times residual, at its place in the square
+  int side_, half_;
+  std::ptrdiff_t stride_;
+  double count_ = 0;                                  // of the pixels used
+  std::vector<float> use_, f_, g_, fx_, fy_, slope_;  // planes
+  std::vector<float> beside_, line_, sums_;           // scratch
   double energy_f_ = 0, gain_ = 1;
   Eigen::Matrix<double, 2, 3> bend_ = Eigen::Matrix<double, 2, 3>::Zero();
   Mat6 hessian_, inverse_;

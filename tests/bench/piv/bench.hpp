@@ -62,5 +62,6 @@ int outliers(const BenchOptions& options);
 int real(const BenchOptions& options);
 int speed(const BenchOptions& options);
 int stages(const BenchOptions& options);
+int subsets(const BenchOptions& options);
 
 }  // namespace pivnp::bench

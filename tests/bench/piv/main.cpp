@@ -27,6 +27,7 @@ const char* usage =
     "  --speed (instead of the table: threads, masks, sizes, memory, instruction sets, 12-megapixel pairs, the "
     "machine)\n"
     "  --stages (instead of the table: operations and bytes of the methods' stages against the machine's roofline)\n"
+    "  --subsets (instead of the table: direct correlation, by which drift is corrected)\n"
     "  --texture blobs|soil  --blob PX (3)  --density N (0.05; soil 0.2)  --blur PX (0)  --bits 8|12|16\n";
 
 std::vector<std::string> split(const std::string& text) {
@@ -86,6 +87,7 @@ int run(int argc, char** argv) {
   const std::map<std::string, std::function<void()>> flags = {
       {"more", [&] { options.more = true; }}, {"map", [&] { part = map; }},     {"outliers", [&] { part = outliers; }},
       {"real", [&] { part = real; }},         {"speed", [&] { part = speed; }}, {"stages", [&] { part = stages; }},
+      {"subsets", [&] { part = subsets; }},
   };
   for (int a = 1; a < argc; ++a) {
     const std::string text = argv[a], key = text.starts_with("--") ? text.substr(2) : "";

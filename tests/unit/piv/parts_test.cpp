@@ -2,11 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <random>
 
 #include "pivnp/piv/sampling/lattice.hpp"
+#include "pivnp/piv/sampling/sample.hpp"
 #include "pivnp/piv/sampling/spline_image.hpp"
 #include "pivnp/piv/validation/median_test.hpp"
 #include "pivnp/piv/validation/replacement.hpp"
@@ -25,6 +27,15 @@ Image float_image(int width, int height, auto value) {
   return image;
 }
 
+// One place: the value at (x, y), of which 16 lanes are taken.
+double value_at(const SplineImage& spline, float x, float y) {
+  std::array<float, 16> ux, uy, out;
+  for (std::size_t k = 0; k < ux.size(); ++k)
+    ux[k] = x - std::floor(x) - static_cast<float>(k), uy[k] = y - std::floor(y);
+  sample_displaced(spline, static_cast<int>(x), static_cast<int>(y), ux.data(), uy.data(), 1, out.data());
+  return out[0];
+}
+
 TEST(SplineImage, RepeatsThePixelsAndPolynomialsBetweenThem) {
   const auto polynomial = [](double x, double y) {
     const double s = (x - 30) / 30, t = (y - 25) / 25;
@@ -36,17 +47,12 @@ TEST(SplineImage, RepeatsThePixelsAndPolynomialsBetweenThem) {
   std::mt19937 random(7);
   std::uniform_real_distribution<float> column(20, 40), row(18, 32);
   for (int k = 0; k < 200; ++k) {
-    float x = column(random), y = row(random), value = 0;
-    spline.sample(&x, &y, 1, &value);
-    EXPECT_NEAR(value, polynomial(x, y), 2e-4) << x << ' ' << y;
+    const float x = column(random), y = row(random);
+    EXPECT_NEAR(value_at(spline, x, y), polynomial(x, y), 2e-4) << x << ' ' << y;
   }
   for (int r = 0; r < 51; ++r)
-    for (int c = 0; c < 61; ++c) {
-      const float x = static_cast<float>(c), y = static_cast<float>(r);
-      float value = 0;
-      spline.sample(&x, &y, 1, &value);
-      EXPECT_NEAR(value, polynomial(c, r), 1e-4);
-    }
+    for (int c = 0; c < 61; ++c)
+      EXPECT_NEAR(value_at(spline, static_cast<float>(c), static_cast<float>(r)), polynomial(c, r), 1e-4);
 }
 
 TEST(SplineImage, SixteenAtATimeEqualOneAtATime) {
@@ -56,17 +62,16 @@ TEST(SplineImage, SixteenAtATimeEqualOneAtATime) {
   SplineImage spline;
   spline.assign(image.view(), {}, 1, 2);
   for (const float stretch : {1.0f, 1.07f, 0.9f, 1.6f}) {
-    std::vector<float> x(37), y(37), together(37);
-    for (std::size_t k = 0; k < x.size(); ++k) {
-      x[k] = 10 + stretch * static_cast<float>(k) + 0.02f * jitter(random);
-      y[k] = 20 + 0.08f * static_cast<float>(k);
+    std::vector<float> ux(48), uy(48), together(48);
+    const auto moved = [&](std::size_t k) { return (stretch - 1) * static_cast<float>(k); };
+    for (std::size_t k = 0; k < ux.size(); ++k) {
+      ux[k] = moved(k) + 0.02f * jitter(random);
+      uy[k] = 0.08f * static_cast<float>(k);
     }
-    spline.sample(x.data(), y.data(), 37, together.data());
-    for (std::size_t k = 0; k < x.size(); ++k) {
-      float alone = 0;
-      spline.sample(&x[k], &y[k], 1, &alone);
-      EXPECT_NEAR(together[k], alone, 1e-3);
-    }
+    sample_displaced(spline, 10, 20, ux.data(), uy.data(), 37, together.data());
+    for (std::size_t k = 0; k < 37; ++k)
+      EXPECT_NEAR(together[k], value_at(spline, 10 + static_cast<float>(k) + ux[k], 20 + uy[k]), 2e-3)
+          << stretch << ' ' << k;
   }
 }
 
@@ -79,12 +84,8 @@ TEST(SplineImage, DecimationAveragesUsablePixels) {
   some.assign(image.view(), {use.data(), 20, 18, 20}, 2, 1);
   EXPECT_EQ(all.width(), 10);
   EXPECT_EQ(all.height(), 9);
-  const float x = 4, y = 3;
-  float value = 0;
-  all.sample(&x, &y, 1, &value);
-  EXPECT_NEAR(value, 320, 1e-2);
-  some.sample(&x, &y, 1, &value);
-  EXPECT_NEAR(value, 310, 1e-2);
+  EXPECT_NEAR(value_at(all, 4, 3), 320, 1e-2);
+  EXPECT_NEAR(value_at(some, 4, 3), 310, 1e-2);
 }
 
 TEST(Subpixel, GaussianPeaksAreFoundExactly) {
