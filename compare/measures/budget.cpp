@@ -19,7 +19,7 @@ Vec2 sum_known(const Vec2& a, const Vec2& b) {
 Vec2 Variance::total() const {
   const Vec2 rest = numerical + input;
   if (!std::isnan(measurement.x())) return measurement + rest;
-  return rest.x() > 0 || rest.y() > 0 ? rest : measurement;
+  return grids || rest.x() > 0 || rest.y() > 0 ? rest : measurement;
 }
 
 Budget::Budget(const CompareOptions& options)
@@ -29,12 +29,13 @@ Budget::Budget(const CompareOptions& options)
       input_(square(options.input_uncertainty_m)) {}
 
 Variance Budget::at(const Vec2& cov_first, const Vec2& cov_second, const Vec2& u_first, const Vec2& frame,
-                    const Vec2& numerical) const {
+                    const Vec2* numerical) const {
   Variance v;
   const Vec2 random = sum_known(cov_first, cov_second);
   const Vec2 given = Vec2::Constant(systematic_) + (gauge_ * u_first).cwiseAbs2() + frame;
   v.measurement = !std::isnan(random.x()) ? Vec2(random + given) : given.sum() > 0 ? given : random;
-  v.grid = numerical.cwiseAbs2();
+  v.grids = numerical != nullptr;
+  if (v.grids) v.grid = numerical->cwiseAbs2();
   v.numerical = v.grid + Vec2::Constant(numerical_);
   v.input = Vec2::Constant(input_);
   return v;

@@ -15,6 +15,7 @@ struct Variance {
   Vec2 measurement = Vec2::Zero();  // NaN: not known
   Vec2 numerical = Vec2::Zero(), input = Vec2::Zero();
   Vec2 grid = Vec2::Zero();  // of `numerical`, what coarser grids tell
+  bool grids = false;        // there are coarser grids: a part of zero, as at the start, is known to be so
 
   Vec2 total() const;  // NaN only if nothing at all is known
 };
@@ -28,9 +29,10 @@ class Budget {
   explicit Budget(const CompareOptions& options);
 
   /// `cov_first`, `cov_second`: uu, vv of each data set's random error, NaN where one knows none. `frame`: of what was
-  /// taken off both data sets (its own error), and of the clock. `numerical`: error from grid refinement, zero without.
+  /// taken off both data sets (its own error), and of the clock. `numerical`: error from grid refinement; null: no
+  /// coarser grids.
   Variance at(const Vec2& cov_first, const Vec2& cov_second, const Vec2& u_first, const Vec2& frame,
-              const Vec2& numerical) const;
+              const Vec2* numerical) const;
 
  private:
   double systematic_, gauge_, numerical_, input_;  // the variances, but gauge_: relative standard uncertainty

@@ -221,9 +221,9 @@ bool Differences::add(const DataSetState& first, const DataSetState& second, con
     };
     const Vec2 late = late_by(b.u, second_before_[row]);
     strain[row].late = late_by(b.strain(), strain_before_[row]);
-    Variance variance = budget_.at(a.cov, b.cov, a.u,
-                                   frame[0].variance_at(X_[row]) + frame[1].variance_at(X_[row]) + late.cwiseAbs2(),
-                                   numerical.empty() ? Vec2(Vec2::Zero()) : numerical[p]);
+    Variance variance =
+        budget_.at(a.cov, b.cov, a.u, frame[0].variance_at(X_[row]) + frame[1].variance_at(X_[row]) + late.cwiseAbs2(),
+                   numerical.empty() ? nullptr : &numerical[p]);
     // A data set that measures, but not the error of this particle.
     if ((known[0] && a.cov.hasNaN()) || (known[1] && b.cov.hasNaN())) variance.measurement = no_vector;
     add_particle(row, a, b, variance, strain[row]);

@@ -93,6 +93,8 @@ class Tracker {
    public:
     explicit StateView(const Tracker& tracker) : tracker_(tracker) {}
     std::size_t size() const { return tracker_.x_.size(); }
+    const Vec2& place(std::size_t p) const { return tracker_.x_[p]; }
+    ParticleStatus status(std::size_t p) const { return tracker_.status_[p]; }
     Particle operator[](std::size_t p) const {
       return {tracker_.x_[p], tracker_.F_[p], tracker_.total(p), tracker_.status_[p],
               tracker_.cov_[p], tracker_.bias_[p], tracker_.cov_F_[p]};

@@ -207,6 +207,22 @@ TEST(FieldVerdict, OneCoarserGridDoesNotBlind) {
   EXPECT_NEAR(metric(c, "velocity_rms").uncertainty, 0.01, 2e-3);
 }
 
+// Criterion: two simulations from rest, of which nothing but the grids' part is known, have an uncertainty of all their
+// times: at the start that part is zero, which is not unknown.
+TEST(FieldVerdict, SimulationsFromRestAreComparedByTheirGrids) {
+  const ParticleSet set = particles_at(square_lattice(10, 10, 1), 1);
+  const auto moved = [&](const std::string& name, double by) {
+    return motion_of(name, set, {0, 1, 2}, [=](const Vec2&, double t) { return Vec2(t * by, 0); });
+  };
+  const MotionMemory first = moved("one", 1), second = moved("other", 1.1), coarser = moved("coarser", 1.11);
+  SilentProgress progress;
+  const Comparison c = compare(first, second, {}, {}, progress, Refinement{{&coarser}, 1.3});
+  // Root mean square of 0, .01 and .02.
+  EXPECT_NEAR(metric(c, "displacement_rms").uncertainty, 0.01 * std::sqrt(5.0 / 3), 1e-5);
+  const Comparison without = compare(first, second, {}, {}, progress);
+  EXPECT_TRUE(std::isnan(metric(without, "displacement_rms").uncertainty));
+}
+
 // Criterion: scatter of the offset between 0.6 and 1.3 of what is stated, with errors that stay from time to time.
 TEST(FieldVerdict, AnOnsetStatesItsScatter) {
   std::mt19937 random(5);

@@ -254,17 +254,19 @@ TEST(Budget, PartsByHand) {
   options.gauge_uncertainty = 0.01;
   options.numerical_uncertainty_m = 0.2;
   options.input_uncertainty_m = 0.4;
-  const Vec2 none = Vec2::Constant(std::nan(""));
-  const Variance v = Budget(options).at(Vec2(1, 2), Vec2(3, 4), Vec2(100, -50), Vec2(0.5, 0.25), Vec2(0.1, 0.2));
+  const Vec2 none = Vec2::Constant(std::nan("")), grids(0.1, 0.2), coarse(3, 1), zero = Vec2::Zero();
+  const Variance v = Budget(options).at(Vec2(1, 2), Vec2(3, 4), Vec2(100, -50), Vec2(0.5, 0.25), &grids);
   EXPECT_NEAR(v.measurement.x(), 1 + 3 + 0.09 + 1 + 0.5, 1e-12);
   EXPECT_NEAR(v.measurement.y(), 2 + 4 + 0.09 + 0.25 + 0.25, 1e-12);
   EXPECT_NEAR(v.numerical.x(), 0.05, 1e-12);
   EXPECT_NEAR(v.input.y(), 0.16, 1e-12);
   EXPECT_NEAR(v.total().x(), 5.59 + 0.05 + 0.16, 1e-12);
   // One side's covariance, or none.
-  EXPECT_NEAR(Budget({}).at(none, Vec2(3, 4), Vec2(1, 1), Vec2::Zero(), Vec2::Zero()).total().y(), 4, 1e-12);
-  EXPECT_TRUE(std::isnan(Budget({}).at(none, none, Vec2(1, 1), Vec2::Zero(), Vec2::Zero()).total().x()));
-  EXPECT_NEAR(Budget({}).at(none, none, Vec2(1, 1), Vec2::Zero(), Vec2(3, 1)).total().x(), 9, 1e-12);
+  EXPECT_NEAR(Budget({}).at(none, Vec2(3, 4), Vec2(1, 1), zero, nullptr).total().y(), 4, 1e-12);
+  EXPECT_TRUE(std::isnan(Budget({}).at(none, none, Vec2(1, 1), zero, nullptr).total().x()));
+  EXPECT_NEAR(Budget({}).at(none, none, Vec2(1, 1), zero, &coarse).total().x(), 9, 1e-12);
+  // Grids that agree are known to.
+  EXPECT_EQ(Budget({}).at(none, none, Vec2(1, 1), zero, &zero).total().x(), 0);
 }
 
 TEST(Budget, UValStandsBesideItsParts) {

@@ -39,7 +39,7 @@ struct KeyFrame {
   std::vector<Vec2> x;
   std::vector<Mat2> F;
   std::vector<Cov> random, cov_F;
-  std::vector<Vec2> bias;
+  std::vector<Vec2> bias, lost;
   std::vector<std::uint8_t> alive;
 };
 
@@ -59,7 +59,8 @@ struct DriftCorrector::Impl {
   std::shared_ptr<KeyFrame> first, kept, newest;
   std::vector<DriftRound> rounds;
 
-  std::shared_ptr<KeyFrame> key_frame(const np::Tracker& tracker, int frame, const ImageView& image) const {
+  std::shared_ptr<KeyFrame> key_frame(const np::Tracker& tracker, const np::BendLoss& lost, int frame,
+                                      const ImageView& image) const {
     auto key = std::make_shared<KeyFrame>();
     key->frame = frame;
     key->image.assign(image, mask_of(setting, frame, image).view(), threads);
@@ -70,6 +71,7 @@ struct DriftCorrector::Impl {
       key->F.push_back(now.F);
       key->random.push_back(now.random);
       key->bias.push_back(now.bias);
+      key->lost.push_back(lost.lost(p));
       key->cov_F.push_back(now.cov_F);
       key->alive.push_back(alive(now.status));
     }
@@ -82,6 +84,7 @@ struct DriftCorrector::Impl {
     Mat2 f;           // deformation since the key frame
     double var_f = 0;
     double off_px = 0;
+    Vec2 lost = Vec2::Zero();  // world: by how much it is off since the bend it was given has lost some, as BendLoss
   };
 
   // A cubic term of RMS s about its own affine fit over a square of half side 1 has the gradient 4 s at the centre.
@@ -94,39 +97,75 @@ struct DriftCorrector::Impl {
     return subset_bends(from, to, A, 0.5 * subset.side_px, threads);
   }
 
+  // What the subset takes over from the path field (its bend, and how far its centre is beside it) lacks what smoothing
+  // took off. Of that, the subset finds the affine part alone.
+  std::vector<SubsetBend> missed_bends(const std::vector<piv::AffinePrediction>& predictions,
+                                       const std::vector<Vec2>& lost_px) const {
+    std::vector<Vec2> from;
+    for (const piv::AffinePrediction& at : predictions) from.push_back(at.from);
+    return subset_bends(from, lost_px, std::vector<Mat2>(from.size(), Mat2::Zero()), 0.5 * subset.side_px, threads);
+  }
+
+  // A subset finds the place of the quadratic fit; at its centre the path field is beside that, by what is real of what
+  // the fit leaves: the rest, of a variance as stated of the paths, is theirs (James & Stein 1961).
+  static Vec2 share_that_is_no_noise(const Vec2& left, double sigma) {
+    const auto share = [&](double v) { return v > 0 ? std::max(0.0, 1 - 0.5 * sigma * sigma / (v * v)) : 0.0; };
+    return {share(left.x()), share(left.y())};
+  }
+
   // Direct estimates of the particles `wanted` from `key`; those that do not count are left out of `found`.
-  void match(const np::Tracker& tracker, const KeyFrame& key, const piv::SubsetImage& now, int frame,
-             const std::vector<std::size_t>& wanted, double score,
+  void match(const np::Tracker& tracker, const np::BendLoss& lost, const KeyFrame& key, const piv::SubsetImage& now,
+             int frame, const std::vector<std::size_t>& wanted, double score,
              std::unordered_map<std::size_t, Direct>& found) const {
     const image::Camera &then = setting.camera_at(key.frame), &camera = setting.camera_at(frame);
+    // The path field bends as all particles show, those too that are not asked for.
     std::vector<std::size_t> asked;
-    std::vector<piv::AffinePrediction> predictions;
+    std::vector<piv::AffinePrediction> all, predictions;
+    std::vector<Vec2> lost_px;
+    std::vector<std::uint8_t> is_wanted(key.x.size()), ask;
+    for (const std::size_t p : wanted) is_wanted[p] = 1;
     const auto state = tracker.state();
-    for (const std::size_t p : wanted) {
-      if (!key.alive[p]) continue;
+    for (std::size_t p = 0; p < key.x.size(); ++p) {
+      if (!key.alive[p] || !alive(state.status(p))) continue;
       const auto particle = state[p];
       piv::AffinePrediction guess;
       guess.from = then.to_pixel(key.x[p]);
       guess.to = camera.to_pixel(particle.x);
       guess.A = camera.jacobian(guess.to).inverse() * particle.F * key.F[p].inverse() * then.jacobian(guess.from);
       if (!guess.from.allFinite() || !guess.to.allFinite() || !guess.A.allFinite()) continue;  // beyond what the lens maps
-      asked.push_back(p);
-      predictions.push_back(guess);
+      all.push_back(guess);
+      lost_px.push_back(camera.jacobian(guess.to).inverse() *
+                        (lost.lost(p) - particle.F * (key.F[p].inverse() * key.lost[p])));
+      ask.push_back(is_wanted[p]);
+      if (is_wanted[p]) asked.push_back(p);
     }
-    const std::vector<SubsetBend> bends = bends_of(predictions);
-    for (std::size_t k = 0; k < predictions.size(); ++k)
-      if (bends[k].whole) predictions[k].bend = bends[k].bend;
+    const auto of_asked = [&](std::vector<SubsetBend> bends) {
+      std::size_t count = 0;
+      for (std::size_t k = 0; k < bends.size(); ++k)
+        if (ask[k]) bends[count++] = bends[k];
+      bends.resize(count);
+      return bends;
+    };
+    const std::vector<SubsetBend> bends = of_asked(bends_of(all)), missed = of_asked(missed_bends(all, lost_px));
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      if (!ask[k]) continue;
+      predictions.push_back(all[k]);
+      if (const SubsetBend& bend = bends[predictions.size() - 1]; bend.whole) predictions.back().bend = bend.bend;
+    }
     auto matches = piv::match_subsets(key.image, now, predictions, subset, threads);
-    std::vector<Vec2> off(asked.size());
+    std::vector<Vec2> off(asked.size()), beside(asked.size());
     std::vector<std::uint8_t> good(asked.size());
     for (std::size_t k = 0; k < asked.size(); ++k) {
-      if (!bends[k].whole) matches[k].to -= bends[k].place;
-      off[k] = matches[k].to - predictions[k].to;
-      // Room for drift: half a pixel, .02 px a frame, and the prediction's own scatter.
       const Mat2 J = camera.jacobian(predictions[k].to);
       const double pixel = std::sqrt(std::abs(J.determinant()));
       const Cov& c = state[asked[k]].cov;
       const double sigma = std::isfinite(c[0] + c[1]) ? std::sqrt(std::max(0.0, c[0] + c[1])) / pixel : 0;
+      const double noise =
+          std::sqrt(std::max(0.0, sigma * sigma - lost.lost(asked[k]).squaredNorm() / (pixel * pixel)));
+      beside[k] = share_that_is_no_noise(bends[k].left, noise);
+      matches[k].to -= bends[k].whole ? Vec2(beside[k].cwiseProduct(bends[k].centre)) : bends[k].place;
+      off[k] = matches[k].to - predictions[k].to;
+      // Room for drift: half a pixel, .02 px a frame, and the prediction's own scatter.
       const double room = 0.5 + 0.02 * (frame - key.frame) + 3 * sigma;
       good[k] = matches[k].found && matches[k].score >= score && off[k].norm() <= room;
     }
@@ -143,11 +182,14 @@ struct DriftCorrector::Impl {
       const Vec2& b = whole ? bends[k].left : bends[k].place;
       c[0] += floor_px * floor_px + b.x() * b.x(), c[1] += floor_px * floor_px + b.y() * b.y();
       if (!whole) c[2] += b.x() * b.y();
+      const Vec2 m = whole ? Vec2(missed[k].place + beside[k].cwiseProduct(missed[k].centre)) : missed[k].place;
+      c[0] += m.x() * m.x(), c[1] += m.y() * m.y(), c[2] += m.x() * m.y();
+      d.lost = -(J1 * m);
       d.cov = carried(J1, c);
       d.f = J1 * matches[k].A * J0.inverse();
       const double edge = floor_px / (subset.side_px / 2);
       const double bent_on = whole ? beyond_bend * bends[k].left.norm() / (std::sqrt(2.0) * subset.side_px / 2) : bends[k].gradient;
-      d.var_f = matches[k].var_A + edge * edge + bent_on * bent_on;
+      d.var_f = matches[k].var_A + edge * edge + bent_on * bent_on + missed[k].gradient * missed[k].gradient;
       d.off_px = off[k].norm();
       if (d.f.determinant() > 0) found.emplace(asked[k], d);
     }
@@ -184,7 +226,7 @@ struct DriftCorrector::Impl {
 
   // Both estimates start from the key frame. What the sum has read wrongly between nodes since then counts as an error of
   // its own; of it, and of its random part, is left what the weight of the direct estimate leaves.
-  void fuse_one(np::Tracker& tracker, const KeyFrame& key, std::size_t p, const Direct& d) {
+  void fuse_one(np::Tracker& tracker, np::BendLoss& lost, const KeyFrame& key, std::size_t p, const Direct& d) {
     const auto now = tracker.state()[p];
     const Mat2 f = now.F * key.F[p].inverse();
     const Cov before = carried(f, key.random[p]);
@@ -199,6 +241,15 @@ struct DriftCorrector::Impl {
     to.x = now.x + K * (d.x - now.x);
     to.random = cov_of(matrix_of(before) + rest * random * rest.transpose() + K * B * K.transpose());
     to.bias = bias_before + rest * bias;
+    // Of what bends have lost both have a part, and the errors of these parts are one: (a + b)(a + b)^T has a b^T + b
+    // a^T beside the squares, which are in both covariances. Counted where they add up.
+    const Vec2 lost_before = f * key.lost[p], left = rest * (lost.lost(p) - lost_before), brought = K * d.lost,
+               both = left + brought;
+    if (const double along = left.dot(brought); along > 0) {
+      const Mat2 more = (2 * along / both.squaredNorm()) * (both * both.transpose());
+      for (std::size_t k = 0; k < 3; ++k) to.random[k] += cov_of(more)[k];
+    }
+    lost.correct(p, lost_before + both);
     const Mat2 row_before = 0.5 * f.squaredNorm() * matrix_of(key.cov_F[p]), row = matrix_of(now.cov_F) - row_before;
     const double since = 0.5 * row.trace();
     const np::Weighted w = known && since > 0 ? np::fuse(since, d.var_f) : np::Weighted{1, d.var_f};
@@ -207,10 +258,11 @@ struct DriftCorrector::Impl {
     set(tracker, p, to);
   }
 
-  void replace_one(np::Tracker& tracker, const KeyFrame& key, std::size_t p, const Direct& d) {
+  void replace_one(np::Tracker& tracker, np::BendLoss& lost, const KeyFrame& key, std::size_t p, const Direct& d) {
     np::Tracker::Correction to{d.x, d.f * key.F[p]};
     to.random = cov_of(matrix_of(carried(d.f, key.random[p])) + matrix_of(d.cov));
     to.bias = d.f * key.bias[p];
+    lost.correct(p, d.f * key.lost[p] + d.lost);
     to.cov_F = cov_of(0.5 * d.f.squaredNorm() * matrix_of(key.cov_F[p]) + d.var_f * key.F[p].transpose() * key.F[p]);
     set(tracker, p, to);
   }
@@ -228,7 +280,7 @@ struct DriftCorrector::Impl {
     return out;
   }
 
-  void correct(np::Tracker& tracker, int frame, const Image& image) {
+  void correct(np::Tracker& tracker, np::BendLoss& lost, int frame, const Image& image) {
     const piv::SubsetImage now(image.view(), mask_of(setting, frame, image.view()).view(), threads);
     DriftRound round{frame, 0, 0, 0, 0};
     std::vector<std::size_t> wanted = living(tracker);
@@ -241,7 +293,7 @@ struct DriftCorrector::Impl {
     for (const auto& key : keys) {
       if (wanted.empty()) break;
       std::unordered_map<std::size_t, Direct> found;
-      match(tracker, *key, now, frame, wanted, min_score, found);
+      match(tracker, lost, *key, now, frame, wanted, min_score, found);
       std::vector<std::size_t> rest;
       for (const std::size_t p : wanted) {
         const auto it = found.find(p);
@@ -249,7 +301,7 @@ struct DriftCorrector::Impl {
           rest.push_back(p);
           continue;
         }
-        fuse_one(tracker, *key, p, it->second);
+        fuse_one(tracker, lost, *key, p, it->second);
         off.push_back(it->second.off_px);
       }
       (key == first ? round.from_first : round.from_later) += found.size();
@@ -259,21 +311,21 @@ struct DriftCorrector::Impl {
     }
     // A key frame is given up for the newest one once more particles hold to that.
     if (newest && (!kept || from_newest > from_kept)) kept = newest;
-    newest = key_frame(tracker, frame, image.view());
+    newest = key_frame(tracker, lost, frame, image.view());
     round.median_px = median(std::move(off));
     rounds.push_back(round);
   }
 
-  void follow_reference(np::Tracker& tracker, int frame, const Image& image, bool moves_on) {
+  void follow_reference(np::Tracker& tracker, np::BendLoss& lost, int frame, const Image& image, bool moves_on) {
     const piv::SubsetImage now(image.view(), mask_of(setting, frame, image.view()).view(), threads);
     const std::vector<std::size_t> wanted = living(tracker);
     std::unordered_map<std::size_t, Direct> found;
-    match(tracker, *kept, now, frame, wanted, moves_on ? good_score : min_score, found);
+    match(tracker, lost, *kept, now, frame, wanted, moves_on ? good_score : min_score, found);
     if (moves_on && newest && newest != kept &&
         double(wanted.size() - found.size()) > share_that_fails * double(wanted.size())) {
       kept = newest;
       found.clear();
-      match(tracker, *kept, now, frame, wanted, min_score, found);
+      match(tracker, lost, *kept, now, frame, wanted, min_score, found);
     }
     DriftRound round{frame, wanted.size(), 0, 0, 0};
     std::vector<double> off;
@@ -283,13 +335,13 @@ struct DriftCorrector::Impl {
         tracker.flag(p);
         continue;
       }
-      replace_one(tracker, *kept, p, it->second);
+      replace_one(tracker, lost, *kept, p, it->second);
       off.push_back(it->second.off_px);
     }
     (kept == first ? round.from_first : round.from_later) = found.size();
     round.median_px = median(std::move(off));
     rounds.push_back(round);
-    if (moves_on) newest = key_frame(tracker, frame, image.view());
+    if (moves_on) newest = key_frame(tracker, lost, frame, image.view());
   }
 };
 
@@ -299,23 +351,24 @@ DriftCorrector::~DriftCorrector() = default;
 
 const std::vector<DriftRound>& DriftCorrector::rounds() const { return impl_->rounds; }
 
-void DriftCorrector::start(const np::Tracker& tracker, const ImageView& image) {
+void DriftCorrector::start(const np::Tracker& tracker, const np::BendLoss& lost, const ImageView& image) {
   Impl& s = *impl_;
   if (s.options.drift == np::DriftScheme::none) return;
-  s.first = s.key_frame(tracker, 0, image);
+  s.first = s.key_frame(tracker, lost, 0, image);
   if (s.options.drift != np::DriftScheme::corrected) s.kept = s.first;
 }
 
-void DriftCorrector::after_step(np::Tracker& tracker, int frame, bool last, const std::function<Image()>& read) {
+void DriftCorrector::after_step(np::Tracker& tracker, np::BendLoss& lost, int frame, bool last,
+                                const std::function<Image()>& read) {
   Impl& s = *impl_;
   if (s.options.drift == np::DriftScheme::none) return;
   const bool corrects = s.options.drift == np::DriftScheme::corrected;
   if (corrects && frame % s.options.drift_interval != 0 && !last) return;
   const Image image = read();
   if (corrects)
-    s.correct(tracker, frame, image);
+    s.correct(tracker, lost, frame, image);
   else
-    s.follow_reference(tracker, frame, image, s.options.drift == np::DriftScheme::reference_update);
+    s.follow_reference(tracker, lost, frame, image, s.options.drift == np::DriftScheme::reference_update);
 }
 
 }  // namespace pivnp::app

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "apps/study/pipeline/scene/scene.hpp"
+#include "pivnp/np/bend_loss.hpp"
 #include "pivnp/np/tracker.hpp"
 
 namespace pivnp::app {
@@ -36,11 +37,11 @@ class DriftCorrector {
   DriftCorrector(const Case& c, const Setting& setting, int threads);
   ~DriftCorrector();
 
-  /// Before the first step: `image` is the first frame, `tracker` at its start.
-  void start(const np::Tracker& tracker, const ImageView& image);
+  /// Before the first step: `image` is the first frame, `tracker` at its start. `lost`: what bends have lost so far.
+  void start(const np::Tracker& tracker, const np::BendLoss& lost, const ImageView& image);
   /// After the tracker's step to frame `frame`; `read` gives that frame where it is needed. `last`: there is none
   /// after.
-  void after_step(np::Tracker& tracker, int frame, bool last, const std::function<Image()>& read);
+  void after_step(np::Tracker& tracker, np::BendLoss& lost, int frame, bool last, const std::function<Image()>& read);
 
   const std::vector<DriftRound>& rounds() const;
 

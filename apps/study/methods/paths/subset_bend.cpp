@@ -81,6 +81,7 @@ std::vector<SubsetBend> subset_bends(const std::vector<Vec2>& from, const std::v
     const Eigen::Matrix<double, 6, 2> quadratic = bent.solve(right);
     const Eigen::Matrix<double, 3, 2> affine = flat.solve(right.topRows<3>());
     bends[k].place = (affine.row(0) - quadratic.row(0)).transpose();
+    bends[k].centre = quadratic.row(0).transpose();
     bends[k].gradient = affine.bottomRows<2>().norm() / (2 * half_side);
     // Sums of x and y over their count, in halves of the side: a half subset has 1/2.
     bends[k].whole = normal.row(0).segment<2>(1).norm() < 0.2 * count;

@@ -13,6 +13,7 @@ struct SubsetBend {
   double gradient = 0;        // RMS of a component by which the fit's gradient differs from that at the centre
   Eigen::Matrix<double, 2, 3> bend = Eigen::Matrix<double, 2, 3>::Zero();  // of the quadratic fit: x^2, x y, y^2, 1/px
   bool whole = false;         // particles lie on all sides of the centre: the fit holds over all of the subset
+  Vec2 centre = Vec2::Zero();  // at the centre the quadratic fit is off by this much (px): fit less field
   Vec2 left = Vec2::Zero();   // what the quadratic fit leaves, RMS over the subset (px): higher orders, and noise
 };
 

@@ -8,6 +8,7 @@
 #include "apps/study/pipeline/measure/measure.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
+#include "pivnp/np/bend_loss.hpp"
 #include "pivnp/np/reseed.hpp"
 #include "pivnp/np/tracker.hpp"
 
@@ -65,19 +66,39 @@ void repeat_error(int before, VectorField& field) {
 
 int ensemble_of(const Case& c) { return c.piv.value_or(piv::PivOptions{}).ensemble; }
 
+// np::BendLoss's length for pairs that were smoothed together, whose vectors state what bends lose: a quarter of a
+// cell, which is a quarter of the window. In the unit of the vectors.
+double bend_length(const Case& c, const Setting& setting, const VectorField& field) {
+  if (field.path_factor.empty()) return 0;
+  return c.piv.value_or(piv::PivOptions{}).window_px / 16.0 * (setting.grid.spacing.x() / node_spacing_px(setting));
+}
+
+// Particles, and what is known of them beside their state.
+struct Followed {
+  np::Tracker tracker;
+  np::BendLoss lost;
+  Followed(const np::NpOptions& options, ParticleSet particles, double start)
+      : tracker(options, std::move(particles), start), lost(tracker.particles().size()) {}
+};
+
 // All steps from where the tracker stands.
-void go_on(np::Tracker& tracker, DriftCorrector* corrector, int ensemble, const std::vector<Frame>& frames,
-           const Measured& measured, std::size_t done, Progress& progress,
+void go_on(Followed& followed, DriftCorrector* corrector, const Case& c, const Setting& setting,
+           const std::vector<Frame>& frames, const Measured& measured, std::size_t done, Progress& progress,
            const std::function<void(std::size_t step, const np::Tracker&)>& at_step) {
+  np::Tracker& tracker = followed.tracker;
+  const int ensemble = setting.imported ? 1 : ensemble_of(c);
   for (std::size_t n = done; n < measured.steps.size(); ++n) {
     if (progress.stop_requested()) throw Interrupted();
     const TrackStep& step = measured.steps[n];
     VectorField field = measured.field(step);
     add_repeated(measured.closure, int(n) + 1, field);
     repeat_error(step.from % ensemble, field);
+    followed.lost.before_step(tracker);
     tracker.step(field, frames[std::size_t(step.to)].time);
+    followed.lost.after_step(tracker, field, setting.imported ? 0 : bend_length(c, setting, field));
     if (corrector != nullptr)
-      corrector->after_step(tracker, step.to, n + 1 == measured.steps.size(), [&] { return measured.image(step.to); });
+      corrector->after_step(tracker, followed.lost, step.to, n + 1 == measured.steps.size(),
+                            [&] { return measured.image(step.to); });
     at_step(n + 1, tracker);
     progress.update("numerical particles", step.to, std::int64_t(frames.size()) - 1);
   }
@@ -120,11 +141,12 @@ std::vector<DriftRound> follow(const Case& c, const Setting& setting, const std:
                                const Measured& measured, int threads, Progress& progress,
                                const std::function<void(std::size_t step, const np::Tracker&)>& at_step) {
   const np::NpOptions options = c.np.value_or(np::NpOptions{});
-  np::Tracker tracker(options, all_particles(c, setting, frames, measured, progress), frames.front().time);
+  Followed followed(options, all_particles(c, setting, frames, measured, progress), frames.front().time);
   DriftCorrector corrector(c, setting, threads);
-  if (options.drift != np::DriftScheme::none) corrector.start(tracker, measured.image(0).view());
-  at_step(0, tracker);
-  go_on(tracker, &corrector, ensemble_of(c), frames, measured, 0, progress, at_step);
+  if (options.drift != np::DriftScheme::none)
+    corrector.start(followed.tracker, followed.lost, measured.image(0).view());
+  at_step(0, followed.tracker);
+  go_on(followed, &corrector, c, setting, frames, measured, 0, progress, at_step);
   return corrector.rounds();
 }
 
@@ -150,23 +172,30 @@ TrackOutcome track(const Case& c, const Setting& setting, const std::vector<Fram
                           [&](int k) { return prepared(setting, source->read(k)); }, closure};
   TrackOutcome outcome;
   outcome.bridged = bridges.bridged;
-  np::Tracker tracker(options, all_particles(c, setting, frames, measured, progress), frames.front().time);
+  Followed followed(options, all_particles(c, setting, frames, measured, progress), frames.front().time);
+  np::Tracker& tracker = followed.tracker;
   writer.begin_motion("np", tracker.particles());
   const auto write = [&](std::size_t step, const np::Tracker& now) {
     if (step < done.items) return;
     writer.add_frame("np", now.frame());
-    if (writer.segment_full(stage)) writer.close_segment(stage, now.save());
+    if (!writer.segment_full(stage)) return;
+    std::vector<std::byte> state = now.save();
+    followed.lost.save(state);
+    writer.close_segment(stage, state);
   };
   const bool corrected = options.drift != np::DriftScheme::none;
   DriftCorrector corrector(c, setting, threads);
-  if (corrected) corrector.start(tracker, prepared(setting, source->read(0)).view());
+  if (corrected) corrector.start(tracker, followed.lost, prepared(setting, source->read(0)).view());
   const bool resumed = !corrected && done.items > 0;
-  if (resumed)
-    tracker.load(done.checkpoint);
-  else
+  if (resumed) {
+    std::vector<std::byte> state = done.checkpoint;
+    followed.lost.load(state);
+    tracker.load(state);
+  } else {
     write(0, tracker);
-  go_on(tracker, corrected ? &corrector : nullptr, setting.imported ? 1 : ensemble_of(c), frames, measured,
-        resumed ? done.items - 1 : 0, progress, write);
+  }
+  go_on(followed, corrected ? &corrector : nullptr, c, setting, frames, measured, resumed ? done.items - 1 : 0,
+        progress, write);
   writer.end_stage(stage, &tracker.particles());
   outcome.rounds = corrector.rounds();
   return outcome;
