@@ -95,7 +95,8 @@ bool Solver::Impl::maps_and_advances() const {
 }
 
 SmallMassNodes::Rule Solver::Impl::small_nodes() const {
-  const bool loaded = scheme.stress == StressUpdate::usl && loading.tractions().any();
+  const bool gains = water && scheme.transfer == TransferKind::flip;  // nodes that go on linearly drive FLIP's noise in full pores
+  const bool loaded = scheme.stress == StressUpdate::usl && loading.tractions().any() && !gains;
   const double share = water && scheme.shape == ShapeKind::bilinear ? least_linear_mass : loaded ? least_loaded_mass : least_mass;
   return {share * least_density() * g.grid.spacing.prod(), loaded};
 }
