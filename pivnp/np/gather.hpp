@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "pivnp/np/reading_error.hpp"
+#include "pivnp/np/errors/reading_error.hpp"
 #include "pivnp/np/support.hpp"
 
 namespace pivnp::np {

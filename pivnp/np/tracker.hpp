@@ -11,7 +11,7 @@
 #include "pivnp/np/fast_step.hpp"
 #include "pivnp/np/increments.hpp"
 #include "pivnp/np/options.hpp"
-#include "pivnp/np/reading_error.hpp"
+#include "pivnp/np/errors/reading_error.hpp"
 #include "pivnp/np/support.hpp"
 
 namespace pivnp::np {

@@ -107,11 +107,8 @@ TEST(Tractions, FreeSidesBesideALoadStayQuiet) {
   }
 }
 
-// A specimen that nothing but its cell pressures hold, all around, meeting at its four corners, pressed by a fifth: it stands, and its corners
-// bear what its middle bears. (With nodes of next to no mass beyond its faces they wrinkle as it is pressed: 38 % of shear at the corners.)
-TEST(Tractions, ASpecimenStaysConfinedOnAllSides) {
-  constexpr double h = 0.005, q = 2.9e5, p = 2e4;
-  Scene s = scene(Grid{{-5 * h, -5 * h}, {h, h}, 33, 33}, {rectangle("specimen", 0, 0, 0.1, 0.1)}, {elastic(1e6, 0.3, 1000)});
+// Loads on all four faces of a specimen of 0.1 m: q from above and below within 0.2 s, p from the sides within 0.05 s.
+void confine(Scene& s, double q, double p) {
   const auto load = [&](const char* name, Pair from, Pair to, Pair t, double rise) {
     BoundaryOptions o = load_on(from, to, t, rise);
     o.follows_face = true;
@@ -121,6 +118,14 @@ TEST(Tractions, ASpecimenStaysConfinedOnAllSides) {
   load("base", {0, 0}, {0.1, 0}, {0, q}, 0.2);
   load("left", {0, 0}, {0, 0.1}, {p, 0}, 0.05);
   load("right", {0.1, 0}, {0.1, 0.1}, {-p, 0}, 0.05);
+}
+
+// A specimen that nothing but its cell pressures hold, all around, meeting at its four corners, pressed by a fifth: it stands, and its corners
+// bear what its middle bears. (With nodes of next to no mass beyond its faces they wrinkle as it is pressed: 38 % of shear at the corners.)
+TEST(Tractions, ASpecimenStaysConfinedOnAllSides) {
+  constexpr double h = 0.005, q = 2.9e5, p = 2e4;
+  Scene s = scene(Grid{{-5 * h, -5 * h}, {h, h}, 33, 33}, {rectangle("specimen", 0, 0, 0.1, 0.1)}, {elastic(1e6, 0.3, 1000)});
+  confine(s, q, p);
   MpmOptions o = options();
   o.damping = 0.3;
   o.end_at_rest = false;
@@ -165,15 +170,7 @@ TEST(Tractions, AWetSpecimenStaysConfinedOnAllSides) {
   Scene s = scene(Grid{{-4 * h, -4 * h}, {h, h}, 19, 19}, {rectangle("specimen", 0, 0, 0.1, 0.1)}, {soil});
   s.water.emplace();
   s.water->bulk_modulus_pa = 4e6;
-  const auto load = [&](const char* name, Pair from, Pair to, Pair t, double rise) {
-    BoundaryOptions o = load_on(from, to, t, rise);
-    o.follows_face = true;
-    s.boundaries.push_back({name, o});
-  };
-  load("top", {0, 0.1}, {0.1, 0.1}, {0, -q}, 0.2);
-  load("base", {0, 0}, {0.1, 0}, {0, q}, 0.2);
-  load("left", {0, 0}, {0, 0.1}, {p, 0}, 0.05);
-  load("right", {0.1, 0}, {0.1, 0.1}, {-p, 0}, 0.05);
+  confine(s, q, p);
   MpmOptions o = options();
   o.damping = 0.3;
   o.end_at_rest = false;

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "pivnp/core/error.hpp"
-#include "pivnp/np/bend_loss.hpp"
+#include "pivnp/np/errors/bend_loss.hpp"
 #include "tests/verification/np_testing.hpp"
 
 namespace pivnp::np {

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "pivnp/core/error.hpp"
-#include "pivnp/np/fusion.hpp"
+#include "pivnp/np/errors/fusion.hpp"
 #include "tests/verification/np_testing.hpp"
 
 namespace pivnp::np {

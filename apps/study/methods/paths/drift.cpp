@@ -9,7 +9,7 @@
 #include "apps/study/methods/paths/subset_bend.hpp"
 #include "apps/study/pipeline/measure/statistics.hpp"
 #include "pivnp/core/particles/alive.hpp"
-#include "pivnp/np/fusion.hpp"
+#include "pivnp/np/errors/fusion.hpp"
 #include "pivnp/piv/window/subset.hpp"
 
 namespace pivnp::app {

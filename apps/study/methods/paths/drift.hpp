@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "apps/study/pipeline/scene/scene.hpp"
-#include "pivnp/np/bend_loss.hpp"
+#include "pivnp/np/errors/bend_loss.hpp"
 #include "pivnp/np/tracker.hpp"
 
 namespace pivnp::app {
@@ -24,7 +24,7 @@ struct DriftRound {
 /// predict its subset (side: the PIV's window).
 ///   corrected         every np.drift_interval frames and at the last one. From the first frame where that succeeds,
 ///                     else from a later key frame; the estimate since the key frame is fused with the direct one by
-///                     their covariances (np/fusion.hpp). What fails is left as it was.
+///                     their covariances (np/errors/fusion.hpp). What fails is left as it was.
 ///   leapfrog          every frame, from the first one; the direct estimate replaces the summed one. Where it fails the
 ///                     particle goes on by the increment and is flagged.
 ///   reference_update  the same from a reference that moves to the frame before as soon as a tenth of the particles

@@ -8,7 +8,7 @@
 #include "apps/study/pipeline/measure/measure.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
-#include "pivnp/np/bend_loss.hpp"
+#include "pivnp/np/errors/bend_loss.hpp"
 #include "pivnp/np/reseed.hpp"
 #include "pivnp/np/tracker.hpp"
 

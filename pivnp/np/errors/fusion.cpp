@@ -1,4 +1,4 @@
-#include "pivnp/np/fusion.hpp"
+#include "pivnp/np/errors/fusion.hpp"
 
 #include <Eigen/LU>
 #include <limits>

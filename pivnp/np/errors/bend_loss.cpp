@@ -1,4 +1,4 @@
-#include "pivnp/np/bend_loss.hpp"
+#include "pivnp/np/errors/bend_loss.hpp"
 
 #include <algorithm>
 #include <cmath>

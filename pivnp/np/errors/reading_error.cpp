@@ -1,4 +1,4 @@
-#include "pivnp/np/reading_error.hpp"
+#include "pivnp/np/errors/reading_error.hpp"
 
 #include <algorithm>
 #include <cmath>
