@@ -80,6 +80,27 @@ TEST(Subset, FollowsABendThatIsGiven) {
   EXPECT_LT(off(), .02);
 }
 
+// Along its rows too, u_y = c x^2 / 2, and across both, u_x = c x y.
+TEST(Subset, FollowsBendsAlongRowsAndAcross) {
+  constexpr double c = .008;
+  const auto along = [](const Vec2& x) { return Vec2(c * x.x() * x.y(), c / 2 * x.x() * x.x()); };
+  const Vec2 middle(100, 100);
+  const Scene scene = make_scene([&](const Vec2& x) { return along(x - middle); }, 200, 200, texture(.01));
+  const SubsetImage first(scene.first.view(), {}, 1), second(scene.second.view(), {}, 1);
+  double sum = 0, count = 0;
+  for (double y = -20.3; y < 20; y += 9)
+    for (double x = -20.2; x < 20; x += 9) {
+      AffinePrediction at;
+      at.from = middle + Vec2(x, y), at.to = at.from + along({x, y});
+      at.A << 1 + c * y, c * x, c * x, 1;
+      at.bend << 0, c, 0, c / 2, 0, 0;
+      const SubsetMatch m = match_subsets(first, second, std::vector{at}, {}, 1)[0];
+      if (m.found) sum += (m.to - at.to).squaredNorm() / 2, ++count;
+    }
+  EXPECT_GT(count, 22);
+  EXPECT_LT(std::sqrt(sum / count), .03);
+}
+
 TEST(Subset, StatedErrorFitsNoiseAndLoss) {
   for (const auto& [noise, loss] : {std::pair{0.02, 0.0}, {0.05, 0.0}, {0.0, 0.2}}) {
     const Scene scene = scene_of(far_away, texture(noise, loss));
