@@ -2,8 +2,10 @@
 // tenth, at half and at the end of sequences of many kinds. Truth is the map that carried the texture.
 #pragma once
 
+#include <functional>
 #include <string>
 
+#include "pivnp/np/errors/bend_loss.hpp"
 #include "tests/support/piv_sequence_rows.hpp"
 
 namespace pivnp::piv {
@@ -70,18 +72,31 @@ inline auto slide(int frames) {
   };
 }
 
+/// What follows a tracker's steps: holds the particles against drift, for one.
+struct Hold {
+  std::function<void(const np::Tracker&, const np::BendLoss&)> start;
+  std::function<void(np::Tracker&, np::BendLoss&, const VectorField& pair, bool last)> after_step;
+};
+using HoldOf = std::function<Hold(const Sequence&, const PivOptions&, int threads)>;
+
 /// `most`: rms of the displacement's components at the end, px.
-inline SequenceRow coverage_row(const std::string& name, bool brief, Sequence s, double most) {
+inline SequenceRow coverage_row(const std::string& name, bool brief, Sequence s, double most, const HoldOf& hold_of) {
   return {name, brief, [=](const PivOptions& options, int seed, int threads) -> SequenceFigures {
             Sequence drawn = s;
             drawn.seed = seed;
             const Measured m = measure(drawn, options, threads);
             np::Tracker tracker = started(drawn, 64, 6, {});
+            np::BendLoss lost(tracker.particles().size());
+            const Hold hold = hold_of ? hold_of(drawn, options, threads) : Hold{};
+            if (hold.start) hold.start(tracker, lost);
             SequenceFigures out;
             const int last = s.frames - 1;
             for (const VectorField& pair : m.pairs) {
-              tracker.step(pair, pair.pair[1]);
               const int k = pair.pair[1];
+              lost.before_step(tracker);
+              tracker.step(pair, k);
+              lost.after_step(tracker, pair, np::BendLoss::length_of(pair, options.window_px));
+              if (hold.after_step) hold.after_step(tracker, lost, pair, k == last);
               if (k != (last + 9) / 10 && k != last / 2 && k != last) continue;
               const Coverage c = coverage(drawn, tracker, k);
               const std::string at = ", frame " + std::to_string(k);
@@ -101,8 +116,8 @@ inline SequenceRow coverage_row(const std::string& name, bool brief, Sequence s,
 
 }  // namespace sequence
 
-/// 41 frames of 512 x 512 px.
-inline std::vector<SequenceRow> path_rows() {
+/// 41 frames of 512 x 512 px, particles followed as `pivnp track` follows them.
+inline std::vector<SequenceRow> path_rows(const sequence::HoldOf& hold_of = {}) {
   using namespace sequence;
   std::vector<SequenceRow> rows;
   constexpr int frames = 41;
@@ -113,7 +128,7 @@ inline std::vector<SequenceRow> path_rows() {
   };
   const auto add = [&](const std::string& name, Sequence s, auto place, double most, bool brief = false) {
     s.place = place;
-    rows.push_back(coverage_row("41 frames: " + name, brief, s, most));
+    rows.push_back(coverage_row("41 frames: " + name, brief, s, most, hold_of));
   };
   const Sequence frame = of(0);
   add("vortex, noise 2 %", of(.02), vortex(frame, 2, 80), .1);

@@ -32,6 +32,10 @@ float second_difference(const Value& value, int k, int n) {
 
 }  // namespace
 
+double BendLoss::length_of(const VectorField& field, double window) {
+  return field.path_factor.empty() ? 0 : window / 16;
+}
+
 void BendLoss::before_step(const Tracker& tracker) {
   const auto state = tracker.state();
   lost_.resize(state.size(), Vec2::Zero());

@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "apps/study/methods/paths/subset_bend.hpp"
+#include "apps/study/methods/paths/unseen_error.hpp"
 #include "apps/study/pipeline/measure/statistics.hpp"
 #include "pivnp/core/particles/alive.hpp"
 #include "pivnp/np/errors/fusion.hpp"
@@ -40,6 +41,7 @@ struct KeyFrame {
   std::vector<Mat2> F;
   std::vector<Cov> random, cov_F;
   std::vector<Vec2> bias, lost;
+  std::vector<UnseenError> unseen;
   std::vector<std::uint8_t> alive;
 };
 
@@ -58,6 +60,7 @@ struct DriftCorrector::Impl {
   piv::SubsetOptions subset;
   std::shared_ptr<KeyFrame> first, kept, newest;
   std::vector<DriftRound> rounds;
+  UnseenErrors unseen;
 
   std::shared_ptr<KeyFrame> key_frame(const np::Tracker& tracker, const np::BendLoss& lost, int frame,
                                       const ImageView& image) const {
@@ -75,6 +78,7 @@ struct DriftCorrector::Impl {
       key->cov_F.push_back(now.cov_F);
       key->alive.push_back(alive(now.status));
     }
+    key->unseen = unseen.all();
     return key;
   }
 
@@ -84,6 +88,7 @@ struct DriftCorrector::Impl {
     Mat2 f;           // deformation since the key frame
     double var_f = 0;
     double off_px = 0;
+    Mat2 beside = Mat2::Zero();  // share by which it is put where the path field is beside the fit of its bend
     Vec2 lost = Vec2::Zero();  // world: by how much it is off since the bend it was given has lost some, as BendLoss
   };
 
@@ -185,6 +190,7 @@ struct DriftCorrector::Impl {
       const Vec2 m = whole ? Vec2(missed[k].place + beside[k].cwiseProduct(missed[k].centre)) : missed[k].place;
       c[0] += m.x() * m.x(), c[1] += m.y() * m.y(), c[2] += m.x() * m.y();
       d.lost = -(J1 * m);
+      if (whole) d.beside = J1 * beside[k].asDiagonal() * J1.inverse();
       d.cov = carried(J1, c);
       d.f = J1 * matches[k].A * J0.inverse();
       const double edge = floor_px / (subset.side_px / 2);
@@ -225,21 +231,27 @@ struct DriftCorrector::Impl {
   }
 
   // Both estimates start from the key frame. What the sum has read wrongly between nodes since then counts as an error of
-  // its own; of it, and of its random part, is left what the weight of the direct estimate leaves.
+  // its own; of it, and of its random part, is left what the weight of the direct estimate leaves. What the direct
+  // estimate took over from the paths is an error of both, and stays.
   void fuse_one(np::Tracker& tracker, np::BendLoss& lost, const KeyFrame& key, std::size_t p, const Direct& d) {
     const auto now = tracker.state()[p];
     const Mat2 f = now.F * key.F[p].inverse();
     const Cov before = carried(f, key.random[p]);
     const Vec2 bias_before = f * key.bias[p], bias = now.bias - bias_before;
     const Mat2 random = matrix_of(now.random) - matrix_of(before);
-    const np::Estimate summed{now.x, cov_of(random + bias * bias.transpose())};
-    const bool known = summed.cov[0] > 0 && summed.cov[1] > 0 &&
-                       summed.cov[0] * summed.cov[1] > summed.cov[2] * summed.cov[2];
+    const Cov sum = cov_of(random + bias * bias.transpose());
+    const bool known = sum[0] > 0 && sum[1] > 0 && sum[0] * sum[1] > sum[2] * sum[2];
+    const UnseenError unseen_before = key.unseen[p].carried(f);
+    UnseenError unseen_since = unseen[p].since(unseen_before);
+    const Mat2 taken = unseen_since.taken(d.beside), seen = random - taken;
+    const np::Estimate summed{now.x, cov_of(seen + bias * bias.transpose())};
     const Mat2 B = matrix_of(d.cov);
     const Mat2 K = known ? np::fusion_weight(summed, {d.x, d.cov}) : Mat2::Identity(), rest = Mat2::Identity() - K;
     np::Tracker::Correction to;
     to.x = now.x + K * (d.x - now.x);
-    to.random = cov_of(matrix_of(before) + rest * random * rest.transpose() + K * B * K.transpose());
+    to.random = cov_of(matrix_of(before) + taken + rest * seen * rest.transpose() + K * B * K.transpose());
+    unseen_since.reduce(Mat2::Identity() - K * (Mat2::Identity() - d.beside));
+    unseen[p] = unseen_before.with(unseen_since);
     to.bias = bias_before + rest * bias;
     // Of what bends have lost both have a part, and the errors of these parts are one: (a + b)(a + b)^T has a b^T + b
     // a^T beside the squares, which are in both covariances. Counted where they add up.
@@ -260,7 +272,11 @@ struct DriftCorrector::Impl {
 
   void replace_one(np::Tracker& tracker, np::BendLoss& lost, const KeyFrame& key, std::size_t p, const Direct& d) {
     np::Tracker::Correction to{d.x, d.f * key.F[p]};
-    to.random = cov_of(matrix_of(carried(d.f, key.random[p])) + matrix_of(d.cov));
+    const UnseenError unseen_before = key.unseen[p].carried(d.f);
+    UnseenError unseen_since = unseen[p].since(unseen_before);
+    to.random = cov_of(matrix_of(carried(d.f, key.random[p])) + unseen_since.taken(d.beside) + matrix_of(d.cov));
+    unseen_since.reduce(d.beside);
+    unseen[p] = unseen_before.with(unseen_since);
     to.bias = d.f * key.bias[p];
     lost.correct(p, d.f * key.lost[p] + d.lost);
     to.cov_F = cov_of(0.5 * d.f.squaredNorm() * matrix_of(key.cov_F[p]) + d.var_f * key.F[p].transpose() * key.F[p]);
@@ -280,8 +296,9 @@ struct DriftCorrector::Impl {
     return out;
   }
 
-  void correct(np::Tracker& tracker, np::BendLoss& lost, int frame, const Image& image) {
+  void correct(np::Tracker& tracker, np::BendLoss& lost, int frame, double alike_px, const Image& image) {
     const piv::SubsetImage now(image.view(), mask_of(setting, frame, image.view()).view(), threads);
+    unseen.grow(tracker, lost, unseen_shares(0.5 * subset.side_px, alike_px));
     DriftRound round{frame, 0, 0, 0, 0};
     std::vector<std::size_t> wanted = living(tracker);
     round.alive = wanted.size();
@@ -311,13 +328,16 @@ struct DriftCorrector::Impl {
     }
     // A key frame is given up for the newest one once more particles hold to that.
     if (newest && (!kept || from_newest > from_kept)) kept = newest;
+    unseen.mark(tracker, lost);
     newest = key_frame(tracker, lost, frame, image.view());
     round.median_px = median(std::move(off));
     rounds.push_back(round);
   }
 
-  void follow_reference(np::Tracker& tracker, np::BendLoss& lost, int frame, const Image& image, bool moves_on) {
+  void follow_reference(np::Tracker& tracker, np::BendLoss& lost, int frame, double alike_px, const Image& image,
+                        bool moves_on) {
     const piv::SubsetImage now(image.view(), mask_of(setting, frame, image.view()).view(), threads);
+    unseen.grow(tracker, lost, unseen_shares(0.5 * subset.side_px, alike_px));
     const std::vector<std::size_t> wanted = living(tracker);
     std::unordered_map<std::size_t, Direct> found;
     match(tracker, lost, *kept, now, frame, wanted, moves_on ? good_score : min_score, found);
@@ -341,6 +361,7 @@ struct DriftCorrector::Impl {
     (kept == first ? round.from_first : round.from_later) = found.size();
     round.median_px = median(std::move(off));
     rounds.push_back(round);
+    unseen.mark(tracker, lost);
     if (moves_on) newest = key_frame(tracker, lost, frame, image.view());
   }
 };
@@ -354,11 +375,12 @@ const std::vector<DriftRound>& DriftCorrector::rounds() const { return impl_->ro
 void DriftCorrector::start(const np::Tracker& tracker, const np::BendLoss& lost, const ImageView& image) {
   Impl& s = *impl_;
   if (s.options.drift == np::DriftScheme::none) return;
+  s.unseen.mark(tracker, lost);
   s.first = s.key_frame(tracker, lost, 0, image);
   if (s.options.drift != np::DriftScheme::corrected) s.kept = s.first;
 }
 
-void DriftCorrector::after_step(np::Tracker& tracker, np::BendLoss& lost, int frame, bool last,
+void DriftCorrector::after_step(np::Tracker& tracker, np::BendLoss& lost, int frame, bool last, double alike_px,
                                 const std::function<Image()>& read) {
   Impl& s = *impl_;
   if (s.options.drift == np::DriftScheme::none) return;
@@ -366,9 +388,9 @@ void DriftCorrector::after_step(np::Tracker& tracker, np::BendLoss& lost, int fr
   if (corrects && frame % s.options.drift_interval != 0 && !last) return;
   const Image image = read();
   if (corrects)
-    s.correct(tracker, lost, frame, image);
+    s.correct(tracker, lost, frame, alike_px, image);
   else
-    s.follow_reference(tracker, lost, frame, image, s.options.drift == np::DriftScheme::reference_update);
+    s.follow_reference(tracker, lost, frame, alike_px, image, s.options.drift == np::DriftScheme::reference_update);
 }
 
 }  // namespace pivnp::app

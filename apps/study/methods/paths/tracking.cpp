@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "apps/study/methods/paths/unseen_error.hpp"
 #include "apps/study/pipeline/measure/material_masks.hpp"
 #include "apps/study/pipeline/measure/measure.hpp"
 #include "pivnp/core/error.hpp"
@@ -66,12 +67,7 @@ void repeat_error(int before, VectorField& field) {
 
 int ensemble_of(const Case& c) { return c.piv.value_or(piv::PivOptions{}).ensemble; }
 
-// np::BendLoss's length for pairs that were smoothed together, whose vectors state what bends lose: a quarter of a
-// cell, which is a quarter of the window. In the unit of the vectors.
-double bend_length(const Case& c, const Setting& setting, const VectorField& field) {
-  if (field.path_factor.empty()) return 0;
-  return c.piv.value_or(piv::PivOptions{}).window_px / 16.0 * (setting.grid.spacing.x() / node_spacing_px(setting));
-}
+int window_of(const Case& c) { return c.piv.value_or(piv::PivOptions{}).window_px; }
 
 // Particles, and what is known of them beside their state.
 struct Followed {
@@ -87,6 +83,7 @@ void go_on(Followed& followed, DriftCorrector* corrector, const Case& c, const S
            const std::function<void(std::size_t step, const np::Tracker&)>& at_step) {
   np::Tracker& tracker = followed.tracker;
   const int ensemble = setting.imported ? 1 : ensemble_of(c);
+  const double per_px = setting.grid.spacing.x() / node_spacing_px(setting), window = window_of(c) * per_px;
   for (std::size_t n = done; n < measured.steps.size(); ++n) {
     if (progress.stop_requested()) throw Interrupted();
     const TrackStep& step = measured.steps[n];
@@ -95,10 +92,10 @@ void go_on(Followed& followed, DriftCorrector* corrector, const Case& c, const S
     repeat_error(step.from % ensemble, field);
     followed.lost.before_step(tracker);
     tracker.step(field, frames[std::size_t(step.to)].time);
-    followed.lost.after_step(tracker, field, setting.imported ? 0 : bend_length(c, setting, field));
+    followed.lost.after_step(tracker, field, setting.imported ? 0 : np::BendLoss::length_of(field, window));
     if (corrector != nullptr)
       corrector->after_step(tracker, followed.lost, step.to, n + 1 == measured.steps.size(),
-                            [&] { return measured.image(step.to); });
+                            paths_alike(field, window) / per_px, [&] { return measured.image(step.to); });
     at_step(n + 1, tracker);
     progress.update("numerical particles", step.to, std::int64_t(frames.size()) - 1);
   }
