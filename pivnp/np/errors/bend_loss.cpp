@@ -40,9 +40,10 @@ void BendLoss::before_step(const Tracker& tracker) {
   const auto state = tracker.state();
   lost_.resize(state.size(), Vec2::Zero());
   before_.resize(state.size());
+  const Vec2 nowhere = Vec2::Constant(nan_value);  // not born yet: the step to its birth does not carry a particle
 #pragma omp parallel for schedule(static) if (state.size() > 4096)
   for (std::ptrdiff_t n = 0; n < std::ptrdiff_t(state.size()); ++n)
-    before_[std::size_t(n)] = state.place(std::size_t(n));
+    before_[std::size_t(n)] = alive(state.status(std::size_t(n))) ? state.place(std::size_t(n)) : nowhere;
 }
 
 void BendLoss::bend(const VectorField& field) {

@@ -64,6 +64,30 @@ TEST(BendLoss, AddsUpAsTheLaplacianDoes) {
   }
 }
 
+// Those that wait for their time of birth, and those that join: from their birth on.
+TEST(BendLoss, KnowsParticlesThatAreBornLater) {
+  const VectorField field = bending::field(bending::parabola, 0.01f);
+  ParticleSet set = testing::particles_at({{60, 100}, {70, 90}});
+  set.born[1] = 4;
+  Tracker tracker(NpOptions{}, set, 0);
+  BendLoss lost(set.size());
+  for (int n = 1; n <= 12; ++n) {
+    if (n == 8) tracker.add(testing::particles_at({{80, 110}}));
+    lost.before_step(tracker);
+    tracker.step(field, n);
+    lost.after_step(tracker, field, bending::length);
+  }
+  const double a_step = 4 * 1e-3;
+  EXPECT_NEAR(lost.lost(0).x(), 12 * a_step, 1e-5);
+  EXPECT_NEAR(lost.lost(1).x(), 8 * a_step, 1e-5);
+  EXPECT_NEAR(lost.lost(2).x(), 5 * a_step, 1e-5);
+  std::vector<std::byte> bytes;
+  lost.save(bytes);
+  BendLoss same(3);
+  same.load(bytes);
+  EXPECT_EQ(same.lost(2), lost.lost(2));
+}
+
 TEST(BendLoss, TurnsWithTheMaterial) {
   const double angle = 1 * M_PI / 180;
   const auto rotation = [&](const Vec2& x) {

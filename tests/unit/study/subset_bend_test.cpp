@@ -1,9 +1,13 @@
 // How far a bent displacement is from what an affine subset says of it.
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
 #include <random>
+#include <vector>
 
 #include "apps/study/methods/paths/subset_bend.hpp"
+#include "apps/study/methods/paths/unseen_error.hpp"
 
 namespace pivnp::app {
 namespace {
@@ -71,6 +75,47 @@ TEST(SubsetBend, TooFewSayNothing) {
   const std::vector<Vec2> from = {{0, 0}, {4, 0}, {8, 0}}, to = {{0, 0}, {4, 9}, {8, 0}};
   for (const SubsetBend& b : subset_bends(from, to, {3, Mat2::Identity()}, 16, 1)) EXPECT_EQ(b.place.norm(), 0);
   EXPECT_TRUE(subset_bends({}, {}, {}, 16, 1).empty());
+}
+
+// Fits to drawn errors of known correlation miss what unseen_shares() says of them: variances of the quadratic fit less the
+// affine one and of the error less the quadratic fit, and their covariance. Of eight fields of 200 px, to a few hundredths.
+TEST(UnseenShares, AreWhatFitsMissOfDrawnErrors) {
+  constexpr int waves = 150, fields = 4;
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal(0, 1);
+  for (const double alike : {5.0, 7.2, 12.0}) {
+    UnseenShares found;
+    double count = 0;
+    for (int n = 0; n < fields; ++n) {
+      std::array<std::vector<std::array<double, 3>>, 2> modes;
+      for (auto& of : modes)
+        for (int k = 0; k < waves; ++k)
+          of.push_back({normal(random) / alike, normal(random) / alike,
+                        2 * M_PI * std::generate_canonical<double, 53>(random)});
+      std::vector<Vec2> from, to;
+      for (double y = 0; y < 200; y += 4)
+        for (double x = 0; x < 200; x += 4) {
+          Vec2 e(0, 0);
+          for (int c = 0; c < 2; ++c)
+            for (const auto& [p, q, phase] : modes[std::size_t(c)]) e[c] += std::cos(p * x + q * y + phase);
+          from.emplace_back(x, y), to.push_back(Vec2(x, y) + std::sqrt(2.0 / waves) * e);
+        }
+      const std::vector<SubsetBend> bends =
+          subset_bends(from, to, std::vector<Mat2>(from.size(), Mat2::Identity()), 16.5, 2);
+      for (std::size_t k = 0; k < from.size(); ++k) {
+        if (!((from[k] - Vec2(100, 100)).cwiseAbs().maxCoeff() < 82)) continue;
+        found.bend += bends[k].place.squaredNorm(), found.mixed += bends[k].place.dot(bends[k].centre),
+            found.beyond += bends[k].centre.squaredNorm(), count += 2;
+      }
+    }
+    const UnseenShares shares = unseen_shares(16.5, alike);
+    EXPECT_NEAR(found.bend / count, shares.bend, .03) << alike;
+    EXPECT_NEAR(found.mixed / count, shares.mixed, .03) << alike;
+    EXPECT_NEAR(found.beyond / count, shares.beyond, .07) << alike;  // places 4 px apart
+    EXPECT_GT(shares.bend + 2 * shares.mixed + shares.beyond, alike < 8 ? .5 : .2) << alike;
+  }
+  EXPECT_EQ(unseen_shares(16.5, 0).bend, 0);       // not known
+  EXPECT_LT(unseen_shares(16.5, 200).bend, 1e-4);  // as good as affine
 }
 
 }  // namespace

@@ -49,7 +49,7 @@ UnseenShares unseen_shares(double half_side, double alike) {
 
 double paths_alike(const VectorField& field, double window) {
   if (!field.path_factor.empty()) return 7.2 / 32 * window;
-  return std::max(double(field.correlation_length) / std::sqrt(2.0), std::sqrt(0.75) * field.grid.spacing.minCoeff());
+  return double(field.correlation_length) / std::sqrt(2.0);
 }
 
 void UnseenError::add(const UnseenShares& shares, const Mat2& covariance) {
