@@ -1,8 +1,10 @@
 // Does a verdict close: the same physics must read "not distinguishable", another must not.
-//   verdict_table [FOLDER] [--looks N] [--from K] [--scene NAME] [--twins] [--reuse] [--verbose] [--ways | --paths]
+//   verdict_table [FOLDER] [--looks N] [--from K] [--scene NAME] [--twins] [--corrected] [--reuse] [--verbose]
+//                       [--ways | --paths]
 // N frames sequences a scene (8), from the K-th look on (0). Prints the table of docs/verdicts.md. --twins: no other
 // soil, and of every metric what share of its factor 92 % of the twins' differences do not exceed, and the greatest
 // (factors that are not derived are set by it, on looks that the table does not use).
+// --corrected: paths are held against drift (np.drift), in the table.
 // --reuse: compares anew what an earlier run has left in FOLDER.
 // --ways: whether levelling, and a coarser grid for u_num, change what is said of displacement (the same soil and the
 // first other one), instead of the table.
@@ -118,12 +120,14 @@ double ratio(const Metric& m) { return m.uncertainty > 0 ? std::abs(m.value) / m
 int main(int argc, char** argv) {
   std::string folder = "out/verdict_table", only;
   int looks = 8, from = 0;
-  bool verbose = false, twins = false, reuse = false, ways = false, paths = false;
+  bool verbose = false, twins = false, corrected = false, reuse = false, ways = false, paths = false;
   for (int k = 1; k < argc; ++k) {
     const std::string word = argv[k];
     if (word == "--looks" && k + 1 < argc) looks = std::atoi(argv[++k]);
     else if (word == "--from" && k + 1 < argc) from = std::atoi(argv[++k]);
     else if (word == "--twins") twins = true;
+    else if (word == "--corrected")
+      corrected = true;
     else if (word == "--reuse") reuse = true;
     else if (word == "--ways")
       ways = true;
@@ -133,8 +137,8 @@ int main(int argc, char** argv) {
     else if (word == "--verbose") verbose = true;
     else if (word.starts_with("-")) {
       std::fprintf(stderr,
-                   "usage: verdict_table [FOLDER] [--looks N] [--from K] [--scene NAME] [--twins] [--reuse] "
-                   "[--verbose] [--ways | --paths]\n");
+                   "usage: verdict_table [FOLDER] [--looks N] [--from K] [--scene NAME] [--twins] [--corrected] "
+                   "[--reuse] [--verbose] [--ways | --paths]\n");
       return word == "--help" || word == "-h" ? 0 : 2;
     } else folder = word;
   }
@@ -155,7 +159,8 @@ int main(int argc, char** argv) {
     const Scene& scene = scenes()[s];
     if (!only.empty() && scene.name != only) continue;
     for (int n = 0; n < looks; ++n, ++twin) try {
-        const Look how = look(from + n + int(s));
+        Look how = look(from + n + int(s));
+        how.corrected = corrected;
         const std::filesystem::path measured = bench.measured(scene, how);
         const Comparison same = bench.against(scene, measured, scene.soil);
         for (const std::string& remark : same.remarks)
