@@ -18,8 +18,8 @@ namespace pivnp::np {
 /// this error hold it in theirs. docs/theory/particles_error.md, "What bends lose".
 class BendLoss {
  public:
-  /// l for vectors of a correlation in windows of that side, in the unit of the field: a quarter of a cell, which is a quarter
-  /// of the window, for pairs that were smoothed together (they alone state what bends lose); 0: not known.
+  /// l for vectors of a correlation in windows of that side, in the unit of the field: a quarter of a cell, which is a
+  /// quarter of the window, for pairs that were smoothed together (they alone state what bends lose); 0: not known.
   static double length_of(const VectorField& field, double window);
 
   /// Of so many particles, zero.

@@ -1,5 +1,5 @@
-// The table of sequences: tests/support/piv_sequence_rows.hpp and path_rows.hpp, asked and reached. --drift: rows of paths are
-// held by direct correlation (np.drift).
+// The table of sequences: tests/support/piv_sequence_rows.hpp and path_rows.hpp, asked and reached. --drift: rows of
+// paths are held by direct correlation (np.drift).
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -62,8 +62,8 @@ int run(int argc, char** argv) {
       brief = true;
       continue;
     }
-    if (a + 1 == argc || (key != "--rows" && key != "--seed" && key != "--threads" && key != "--method" &&
-                          key != "--drift")) {
+    if (a + 1 == argc ||
+        (key != "--rows" && key != "--seed" && key != "--threads" && key != "--method" && key != "--drift")) {
       std::fputs(usage, stderr);
       return 2;
     }

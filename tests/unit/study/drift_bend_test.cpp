@@ -44,11 +44,11 @@ struct Outcome {
 
 // What is wrong with the vectors, and with the texture.
 struct Seen {
-  std::function<double(const Vec2&)> misread;   // of u, in every pair; empty: nothing but the bend
+  std::function<double(const Vec2&)> misread;  // of u, in every pair; empty: nothing but the bend
   double misread_rms = 0;
-  double sigma = .01;                           // stated of each vector by itself
-  bool slips = true;                            // the band
-  bool lost_in_band = false;                    // new grains there, from the frame in the middle on
+  double sigma = .01;         // stated of each vector by itself
+  bool slips = true;          // the band
+  bool lost_in_band = false;  // new grains there, from the frame in the middle on
 };
 
 struct Scene {
@@ -92,8 +92,7 @@ struct Scene {
         // What bends lose is stated as an error that all pairs share.
         const double first = seen.sigma * seen.sigma + missing * missing;
         field.cov.push_back({float(first), float(seen.sigma * seen.sigma), 0});
-        field.path_factor.push_back(
-            float((seen.sigma * seen.sigma + (2 * step.from + 1) * missing * missing) / first));
+        field.path_factor.push_back(float((seen.sigma * seen.sigma + (2 * step.from + 1) * missing * missing) / first));
       }
     field.status.assign(field.grid.node_count(), VectorStatus::valid);
     field.score.assign(field.grid.node_count(), 1);
@@ -110,22 +109,21 @@ Outcome followed(np::DriftScheme scheme, const Seen& seen = {}) {
   SilentProgress progress;
   const Measured measured{plan_steps(frames), [&](const TrackStep& step) { return scene.vectors(step); },
                           [&](int k) { return scene.draw(k); }};
-  follow(
-      scene.c, scene.setting, frames, measured, 1, progress, [&](std::size_t k, const np::Tracker& now) {
-        if (k + 1 != frames.size()) return;
-        for (std::size_t p = 0; p < now.state().size(); ++p) {
-          const np::Tracker::Particle particle = now.state()[p];
-          const Vec2 x0 = now.particles().x0[p];
-          const double off = particle.x.x() - x0.x() - double(k) * scene.moves(x0.y()), stated = std::sqrt(particle.cov[0]);
-          if (std::abs(x0.y() - middle) < half_width)
-            out.in_band += off * off, out.stated_in_band += stated * stated, ++n_band,
-                out.flagged_in_band += particle.status == ParticleStatus::flagged;
-          else if (std::abs(x0.y() - middle) > 3 * half_width)
-            out.beside += off * off, ++n_beside, out.flagged_beside += particle.status == ParticleStatus::flagged;
-          out.square += off * off, out.stated += stated * stated, ++n_all;
-          out.silent += std::abs(off) > 0.5 && std::abs(off) > 2 * stated && particle.status == ParticleStatus::active;
-        }
-      });
+  follow(scene.c, scene.setting, frames, measured, 1, progress, [&](std::size_t k, const np::Tracker& now) {
+    if (k + 1 != frames.size()) return;
+    for (std::size_t p = 0; p < now.state().size(); ++p) {
+      const np::Tracker::Particle particle = now.state()[p];
+      const Vec2 x0 = now.particles().x0[p];
+      const double off = particle.x.x() - x0.x() - double(k) * scene.moves(x0.y()), stated = std::sqrt(particle.cov[0]);
+      if (std::abs(x0.y() - middle) < half_width)
+        out.in_band += off * off, out.stated_in_band += stated * stated, ++n_band,
+            out.flagged_in_band += particle.status == ParticleStatus::flagged;
+      else if (std::abs(x0.y() - middle) > 3 * half_width)
+        out.beside += off * off, ++n_beside, out.flagged_beside += particle.status == ParticleStatus::flagged;
+      out.square += off * off, out.stated += stated * stated, ++n_all;
+      out.silent += std::abs(off) > 0.5 && std::abs(off) > 2 * stated && particle.status == ParticleStatus::active;
+    }
+  });
   out.square = std::sqrt(out.square / n_all), out.stated = std::sqrt(out.stated / n_all);
   out.in_band = std::sqrt(out.in_band / n_band), out.stated_in_band = std::sqrt(out.stated_in_band / n_band);
   out.beside = std::sqrt(out.beside / n_beside), out.flagged_in_band /= n_band;
@@ -169,8 +167,8 @@ TEST(DriftBend, CorrectionDoesNotBelieveWhatASubsetCannotFollow) {
   EXPECT_LT(corrected.beside, 0.05);
 }
 
-// Errors of vectors that change within a subset: it cannot tell them, and what it takes over of them stays stated. With a
-// correlation of exp(-d^2/(2 (7.2 px)^2)), as paths of smoothed pairs have.
+// Errors of vectors that change within a subset: it cannot tell them, and what it takes over of them stays stated. With
+// a correlation of exp(-d^2/(2 (7.2 px)^2)), as paths of smoothed pairs have.
 TEST(DriftBend, WhatASubsetCannotFindStaysStated) {
   using namespace bent_paths;
   constexpr int waves = 80;
@@ -179,16 +177,17 @@ TEST(DriftBend, WhatASubsetCannotFindStaysStated) {
   std::normal_distribution<double> normal(0, 1);
   std::vector<std::array<double, 3>> modes;
   for (int n = 0; n < waves; ++n) modes.push_back({normal(random) / alike, normal(random) / alike, 9 * normal(random)});
-  Seen seen{.misread = [&](const Vec2& x) {
-              double sum = 0;
-              for (const auto& [p, q, phase] : modes) sum += std::cos(p * x.x() + q * x.y() + phase);
-              return rms * std::sqrt(2.0 / waves) * sum;
-            },
+  Seen seen{.misread =
+                [&](const Vec2& x) {
+                  double sum = 0;
+                  for (const auto& [p, q, phase] : modes) sum += std::cos(p * x.x() + q * x.y() + phase);
+                  return rms * std::sqrt(2.0 / waves) * sum;
+                },
             .misread_rms = rms,
             .slips = false};
   const Outcome none = followed(np::DriftScheme::none, seen), corrected = followed(np::DriftScheme::corrected, seen);
-  std::printf("[ figure   ] errors within subsets: %.3f px (stated %.3f), corrected %.3f (%.3f)\n", none.square, none.stated,
-              corrected.square, corrected.stated);
+  std::printf("[ figure   ] errors within subsets: %.3f px (stated %.3f), corrected %.3f (%.3f)\n", none.square,
+              none.stated, corrected.square, corrected.stated);
   EXPECT_LT(corrected.square, 0.6 * none.square);
   EXPECT_GT(corrected.stated, corrected.square);
   EXPECT_LT(corrected.stated, 1.5 * corrected.square);
@@ -196,9 +195,10 @@ TEST(DriftBend, WhatASubsetCannotFindStaysStated) {
 
 // Where a third of the particles, in the band, lost their texture, a later key frame holds these alone. What the direct
 // estimate lacks follows from what bends have lost since that frame, of all particles about.
-//   criterion: where vectors are known so badly that the direct estimate replaces them, BendLoss holds what it held at the
-//     key frame and the bend of what has been lost since, to a tenth in the mean of a row (sheared subsets are not evenly
-//     filled).
+//   criterion: where vectors are known so badly that the direct estimate replaces them, BendLoss holds what it held at
+//   the
+//     key frame and the bend of what has been lost since, to a tenth in the mean of a row (sheared subsets are not
+//     evenly filled).
 TEST(DriftBend, ALaterKeyFrameKnowsWhatBendsHaveLostOfAllParticles) {
   using namespace bent_paths;
   const Scene scene(np::DriftScheme::corrected, {.sigma = 10, .lost_in_band = true});

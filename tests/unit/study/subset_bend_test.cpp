@@ -77,8 +77,9 @@ TEST(SubsetBend, TooFewSayNothing) {
   EXPECT_TRUE(subset_bends({}, {}, {}, 16, 1).empty());
 }
 
-// Fits to drawn errors of known correlation miss what unseen_shares() says of them: variances of the quadratic fit less the
-// affine one and of the error less the quadratic fit, and their covariance. Of eight fields of 200 px, to a few hundredths.
+// Fits to drawn errors of known correlation miss what unseen_shares() says of them: variances of the quadratic fit less
+// the affine one and of the error less the quadratic fit, and their covariance. Of eight fields of 200 px, to a few
+// hundredths.
 TEST(UnseenShares, AreWhatFitsMissOfDrawnErrors) {
   constexpr int waves = 150, fields = 4;
   std::mt19937 random(3);
@@ -90,8 +91,8 @@ TEST(UnseenShares, AreWhatFitsMissOfDrawnErrors) {
       std::array<std::vector<std::array<double, 3>>, 2> modes;
       for (auto& of : modes)
         for (int k = 0; k < waves; ++k)
-          of.push_back({normal(random) / alike, normal(random) / alike,
-                        2 * M_PI * std::generate_canonical<double, 53>(random)});
+          of.push_back(
+              {normal(random) / alike, normal(random) / alike, 2 * M_PI * std::generate_canonical<double, 53>(random)});
       std::vector<Vec2> from, to;
       for (double y = 0; y < 200; y += 4)
         for (double x = 0; x < 200; x += 4) {

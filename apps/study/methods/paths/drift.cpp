@@ -230,8 +230,8 @@ struct DriftCorrector::Impl {
     }
   }
 
-  // Both estimates start from the key frame. What the sum has read wrongly between nodes since then counts as an error of
-  // its own; of it, and of its random part, is left what the weight of the direct estimate leaves. What the direct
+  // Both estimates start from the key frame. What the sum has read wrongly between nodes since then counts as an error
+  // of its own; of it, and of its random part, is left what the weight of the direct estimate leaves. What the direct
   // estimate took over from the paths is an error of both, and stays.
   void fuse_one(np::Tracker& tracker, np::BendLoss& lost, const KeyFrame& key, std::size_t p, const Direct& d) {
     const auto now = tracker.state()[p];

@@ -40,7 +40,8 @@ class DriftCorrector {
   /// Before the first step: `image` is the first frame, `tracker` at its start. `lost`: what bends have lost so far.
   void start(const np::Tracker& tracker, const np::BendLoss& lost, const ImageView& image);
   /// After the tracker's step to frame `frame`; `read` gives that frame where it is needed. `last`: there is none
-  /// after. `alike_px`: the errors of paths at places d apart are correlated by exp(-d^2/(2 alike^2)) (unseen_error.hpp).
+  /// after. `alike_px`: the errors of paths at places d apart are correlated by exp(-d^2/(2 alike^2))
+  /// (unseen_error.hpp).
   void after_step(np::Tracker& tracker, np::BendLoss& lost, int frame, bool last, double alike_px,
                   const std::function<Image()>& read);
 

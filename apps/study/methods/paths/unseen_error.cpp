@@ -22,7 +22,8 @@ UnseenShares unseen_shares(double half_side, double alike) {
   if (!(alike > 0) || !(half_side > 0)) return {};
   // Both fits are even about the centre, where they weigh a place (x, y) of the square of half side 1 by
   //   A: 1,    Q: 1 + 15/4 (1/3 - x^2) + 15/4 (1/3 - y^2)     (over the mean; Legendre's polynomials)
-  // The correlation is a product of one of x and one of y, so that means of two weights are sums of products along a line.
+  // The correlation is a product of one of x and one of y, so that means of two weights are sums of products along a
+  // line.
   constexpr int places = 32;
   using Line = Eigen::Vector<double, places>;
   Line x, one = Line::Constant(1.0 / places);
@@ -40,7 +41,7 @@ UnseenShares unseen_shares(double half_side, double alike) {
   }
   const double m = one.dot(to_centre), p = parabola.dot(to_centre);
   const double mm = one.dot(between * one), mp = one.dot(between * parabola), pp = parabola.dot(between * parabola);
-  const double q0 = 2 * p * m;                               // of q and e
+  const double q0 = 2 * p * m;                                    // of q and e
   const double qq = 2 * pp * mm + 2 * mp * mp, qa = 2 * mp * mm;  // of q and q, q and A e
   const double a0 = m * m, aa = mm * mm;
   // r = e - A e - q

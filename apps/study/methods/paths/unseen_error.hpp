@@ -10,22 +10,23 @@
 
 namespace pivnp::app {
 
-/// A subset takes over from the path field how it bends, and finds the affine part A e of the paths' error e alone. At its
-/// centre the direct estimate is therefore off by
+/// A subset takes over from the path field how it bends, and finds the affine part A e of the paths' error e alone. At
+/// its centre the direct estimate is therefore off by
 ///   q + S r,    q = (Q - A) e,  r = e - Q e,
-/// Q being the quadratic fit over the subset and S the share by which the estimate is put where the path field is beside
-/// that fit. Summed paths are off by the same q and r, and by A e, so that the direct estimate tells nothing of q + S r.
-/// These are variances of q, of r and their covariance, for errors of variance one whose correlation is
-/// exp(-d^2/(2 alike^2)), over an evenly filled square; none where `alike` is 0, not known. docs/theory/particles_error.md, "What a subset cannot find".
+/// Q being the quadratic fit over the subset and S the share by which the estimate is put where the path field is
+/// beside that fit. Summed paths are off by the same q and r, and by A e, so that the direct estimate tells nothing of
+/// q + S r. These are variances of q, of r and their covariance, for errors of variance one whose correlation is
+/// exp(-d^2/(2 alike^2)), over an evenly filled square; none where `alike` is 0, not known.
+/// docs/theory/particles_error.md, "What a subset cannot find".
 struct UnseenShares {
   double bend = 0, mixed = 0, beyond = 0;
 };
 UnseenShares unseen_shares(double half_side, double alike);
 
-/// The length `alike` of what is summed of such vectors, of a correlation in windows of that side, in the unit of the field.
-/// Of pairs that were smoothed together it was measured: with windows of 32 px the variance of the gradient's errors is that
-/// of the path's over (7.2 px)^2. Of other pairs it follows from what np::ReadingErrors states of the gradient, 2 C/l^2.
-/// Where no l is known, covariances are bounds for errors that neighbours share: 0.
+/// The length `alike` of what is summed of such vectors, of a correlation in windows of that side, in the unit of the
+/// field. Of pairs that were smoothed together it was measured: with windows of 32 px the variance of the gradient's
+/// errors is that of the path's over (7.2 px)^2. Of other pairs it follows from what np::ReadingErrors states of the
+/// gradient, 2 C/l^2. Where no l is known, covariances are bounds for errors that neighbours share: 0.
 double paths_alike(const VectorField& field, double window);
 
 /// Covariances of q and r (r q^T) of one particle's place.
