@@ -1,4 +1,4 @@
-// Nodes that lie side by side in a row, as many at a time as a vector holds, four at most. Included by the kernels' sources
+// Nodes that lie side by side in a row, as many at a time as a vector holds, or four. Included by the kernels' sources
 // inside Highway's loop over instruction sets.
 #if defined(PIVNP_MPM_ROWS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef PIVNP_MPM_ROWS_INL
@@ -38,10 +38,11 @@ HWY_INLINE void store_single(hn::Vec<Tag> v, Tag, float* p) {
 }
 #endif
 
-// Calls body(tag, n) for the nodes of a list, n the first of as many as the tag has lanes.
-template <class Body>
+// Calls body(tag, n) for the nodes of a list, n the first of as many as the tag has lanes: of as many at a time as the processor
+// has lanes, `most` at most, and one by one where fewer lie together.
+template <std::size_t most = 4, class Body>
 HWY_INLINE void for_runs(const std::uint32_t* nodes, std::size_t size, Body&& body) {
-  const hn::CappedTag<double, 4> all;
+  const hn::CappedTag<double, most> all;
   const hn::CappedTag<double, 1> one;
   const std::size_t lanes = hn::Lanes(all);
   for (std::size_t k = 0; k < size;) {

@@ -1,6 +1,7 @@
 // Darcy's flow of a step, by hats between nodes.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "mpm/grid/sweeps.hpp"
 #include "mpm/water/pore_elements.hpp"
@@ -148,6 +149,23 @@ void PoreWater::mark_elements(const Particles& p, GridState& g, const Tractions&
   });
 }
 
+// Where potentials or flow may be given: at the material's surface (`parts`: nodes in their order), at walls, and beside what has no pores.
+std::vector<std::uint32_t> PoreWater::special_nodes(const GridState& g, const std::vector<std::vector<std::uint32_t>>& parts) const {
+  std::vector<std::uint32_t> others;
+  for (int field = 0; field < g.velocity_fields; ++field)
+    for (const std::uint32_t n : boundaries_.let_through()) others.push_back(std::uint32_t(n + std::size_t(field) * g.field_nodes()));
+  const auto row = std::uint32_t(field_.row);
+  if (marked_)
+    for (const std::uint32_t n : g.active.nodes)
+      if (marks_[n].solid) others.insert(others.end(), {n, n + 1, n + row, n + row + 1});
+  std::sort(others.begin(), others.end());
+  others.erase(std::unique(others.begin(), others.end()), others.end());
+  std::vector<std::uint32_t> surface, all;
+  for (const auto& part : parts) surface.insert(surface.end(), part.begin(), part.end());
+  std::set_union(surface.begin(), surface.end(), others.begin(), others.end(), std::back_inserter(all));
+  return all;
+}
+
 void PoreWater::take_means(const GridState& g, const Vec2& gravity, double time, double dt, int threads) {
   PoreFields f = field_;
   if (!alike_.own) f.rate = nullptr;
@@ -161,12 +179,7 @@ void PoreWater::take_means(const GridState& g, const Vec2& gravity, double time,
     const std::size_t found = take_means_lanes(sums_, f, edges, g.active.nodes.data() + begin, end - begin, special);
     parts[part].assign(special, special + found);
   });
-  std::vector<std::uint32_t> special;
-  for (int field = 0; field < g.velocity_fields; ++field)
-    for (const std::uint32_t n : boundaries_.let_through()) special.push_back(std::uint32_t(n + std::size_t(field) * g.field_nodes()));
-  for (const auto& part : parts) special.insert(special.end(), part.begin(), part.end());
-  std::sort(special.begin(), special.end());
-  special.erase(std::unique(special.begin(), special.end()), special.end());
+  const std::vector<std::uint32_t> special = special_nodes(g, parts);
   given_.clear();
   free_.clear();
   surface_.clear();
