@@ -50,7 +50,7 @@ HWY_INLINE Hats<centred> hats_of(const PointView& p, const CellView& c, const Ti
 
 template <class Tile>
 HWY_INLINE V head_of(const PointView& p, const PoreView& w, const Tile& t) {
-  return hn::MulAdd(set(w.head_x), t.load(p.x), hn::MulAdd(set(w.head_y), t.load(p.y), set(w.head_0)));
+  return hn::MulAdd(set(w.head_x), t.again(p.x), hn::MulAdd(set(w.head_y), t.again(p.y), set(w.head_0)));
 }
 template <class Tile>
 HWY_INLINE V mobility_of(const PoreView& w, const Tile& t) {
@@ -245,7 +245,7 @@ HWY_INLINE V spanned(const Hats<centred>& hats, const CellView& c, const TileCel
 // What a tile's points hold from here on.
 template <class Tile>
 HWY_INLINE void keep(const PointView& p, const PoreView& w, const Tile& t, M holds, V mobility, V J, V content, V pressure) {
-  const V outside = set(w.outside) * hn::Max(zero(), set(w.level) - t.load(p.y));
+  const V outside = set(w.outside) * hn::Max(zero(), set(w.level) - t.again(p.y));
   V seen = hn::IfThenElse(holds, pressure, outside);
   if (w.mobility) seen = hn::IfThenZeroElse(hn::Eq(mobility, set(no_pores_mobility)), seen);
   t.store(content, w.content);
