@@ -34,18 +34,23 @@ PoreFlow PoreWater::flow(Particles& p, GridState& g, const Tractions& tractions,
   const double rate = rate_in_cell(g) * dt;
   PoreFields f = field_;
   if (p.mobility.empty()) f.rate = nullptr;
-  for_node_lists(g, threads, [&](const std::uint32_t* nodes, std::size_t size) { weigh_elements_lanes(f, nodes, size); });
-  const auto smooth = [&] {
-    for_node_lists(g, threads, [&](const std::uint32_t* nodes, std::size_t size) { smooth_pores_lanes(f, f.mean, f.even, nodes, size); });
-    tie_smoothed(f.mean, f.even);
-  };
-  smooth();
-  keep_means();
-  for_node_lists(g, threads, [&](const std::uint32_t* nodes, std::size_t size) { exchange_pores_lanes(f, rate, alike_.mobility, nodes, size); });
-  sums.add(at_given_nodes(rate));
-  if (state) sums.add(push_flow(g, dt, *state));
-  sums.add(tie_exchanged(g, gravity, rate));
-  smooth();
+  if (threads <= 1 && joined_.empty() && !state) {
+    exchange_row_by_row(g, f, rate);
+    sums.add(at_given_nodes(rate));
+  } else {
+    for_node_lists(g, threads, [&](const std::uint32_t* nodes, std::size_t size) { weigh_elements_lanes(f, nodes, size); });
+    const auto smooth = [&] {
+      for_node_lists(g, threads, [&](const std::uint32_t* nodes, std::size_t size) { smooth_pores_lanes(f, f.mean, f.even, nodes, size); });
+      tie_smoothed(f.mean, f.even);
+    };
+    smooth();
+    keep_means();
+    for_node_lists(g, threads, [&](const std::uint32_t* nodes, std::size_t size) { exchange_pores_lanes(f, rate, alike_.mobility, nodes, size); });
+    sums.add(at_given_nodes(rate));
+    if (state) sums.add(push_flow(g, dt, *state));
+    sums.add(tie_exchanged(g, gravity, rate));
+    smooth();
+  }
   const PointView points = p.view();
   const PoreView pores = view(p, gravity);
   const CellView cells = g.view();
@@ -57,6 +62,26 @@ PoreFlow PoreWater::flow(Particles& p, GridState& g, const Tractions& tractions,
   mark_given(false);
   follow_porosity(p, threads);
   return sums;
+}
+
+// Weights, smoothing, exchange and smoothing again, each as soon as the rows beside are ready: while they are in the cache.
+void PoreWater::exchange_row_by_row(const GridState& g, const PoreFields& f, double rate) const {
+  const std::vector<std::uint32_t>& nodes = g.active.nodes;
+  std::vector<std::size_t> rows = {0};
+  while (rows.back() < nodes.size()) {
+    const auto next = std::uint32_t((std::ptrdiff_t(nodes[rows.back()]) / f.row + 1) * f.row);
+    rows.push_back(std::size_t(std::lower_bound(nodes.begin() + std::ptrdiff_t(rows.back()), nodes.end(), next) - nodes.begin()));
+  }
+  const auto in_row = [&](std::size_t row, auto&& sweep) {
+    if (row + 1 < rows.size()) sweep(nodes.data() + rows[row], rows[row + 1] - rows[row]);
+  };
+  const auto smooth = [&](const std::uint32_t* first, std::size_t size) { smooth_pores_lanes(f, f.mean, f.even, first, size); };
+  for (std::size_t row = 0; row < rows.size() + 1; ++row) {
+    in_row(row, [&](const std::uint32_t* first, std::size_t size) { weigh_elements_lanes(f, first, size); });
+    in_row(row, smooth);
+    if (row >= 1) in_row(row - 1, [&](const std::uint32_t* first, std::size_t size) { exchange_pores_lanes(f, rate, alike_.mobility, first, size); });
+    if (row >= 2) in_row(row - 2, smooth);
+  }
 }
 
 std::vector<Vec2> PoreWater::flow_at_points(const Particles& p, GridState& g, const Tractions& tractions,

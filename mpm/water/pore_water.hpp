@@ -204,6 +204,7 @@ class PoreWater {
   void mark_elements(const Particles& p, GridState& g, const Tractions& tractions, double time, int threads);
   std::vector<std::uint32_t> special_nodes(const GridState& g, const std::vector<std::vector<std::uint32_t>>& parts) const;
   void take_means(const GridState& g, const Vec2& gravity, double time, double dt, int threads);
+  void exchange_row_by_row(const GridState& g, const PoreFields& f, double rate) const;
   enum class Surface { none, given, free };
   Surface give_potential(const GridState& g, std::size_t node, const Vec2& gravity, double time);
   /// Water that a wall's flow brings to a node, m^2/s.
