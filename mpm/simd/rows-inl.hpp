@@ -38,15 +38,16 @@ HWY_INLINE void store_single(hn::Vec<Tag> v, Tag, float* p) {
 }
 #endif
 
-// Calls body(tag, n) for the nodes of a list, n the first of as many as the tag has lanes: of as many at a time as the processor
-// has lanes, `most` at most, then four, and one by one where fewer lie together.
+// Calls body(tag, n) for the nodes of a list, n the first of as many as the tag has lanes: of as many at a time as the
+// processor has lanes, `most` at most, then four, and one by one where fewer lie together.
 template <std::size_t most = 4, class Body>
 HWY_INLINE void for_runs(const std::uint32_t* nodes, std::size_t size, Body&& body) {
   const hn::CappedTag<double, most> all;
   const hn::CappedTag<double, 4> four;
   const hn::CappedTag<double, 1> one;
   const std::size_t lanes = hn::Lanes(all), fewer = hn::Lanes(four);
-  const auto together = [&](std::size_t k, std::size_t n) HWY_ATTR { return k + n <= size && nodes[k + n - 1] == nodes[k] + (n - 1); };
+  const auto together = [&](std::size_t k, std::size_t n)
+                            HWY_ATTR { return k + n <= size && nodes[k + n - 1] == nodes[k] + (n - 1); };
   for (std::size_t k = 0; k < size;) {
     if (together(k, lanes)) {
       body(all, std::ptrdiff_t(nodes[k]));

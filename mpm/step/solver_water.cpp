@@ -114,7 +114,8 @@ void Solver::Impl::fill_pores() {
 // Water that has come or gone moved as its point does.
 void Solver::Impl::carry_water(const Cycle& c) {
   std::vector<double> parts((p.size() + chunk - 1) / chunk, 0.0);
-  const bool alike = pores.size() == 1 && pores.front().holds_water();  // of one soil: in lanes, without asking point by point
+  const bool alike =
+      pores.size() == 1 && pores.front().holds_water();  // of one soil: in lanes, without asking point by point
   const PointView points = p.view();
   for_each(parts.size(), c.threads, [&](std::size_t part) {
     double sum = 0;

@@ -38,14 +38,19 @@ PoreFlow PoreWater::flow(Particles& p, GridState& g, const Tractions& tractions,
     exchange_row_by_row(g, f, rate);
     sums.add(at_given_nodes(rate));
   } else {
-    for_node_lists(g, threads, [&](const std::uint32_t* nodes, std::size_t size) { weigh_elements_lanes(f, nodes, size); });
+    for_node_lists(g, threads,
+                   [&](const std::uint32_t* nodes, std::size_t size) { weigh_elements_lanes(f, nodes, size); });
     const auto smooth = [&] {
-      for_node_lists(g, threads, [&](const std::uint32_t* nodes, std::size_t size) { smooth_pores_lanes(f, f.mean, f.even, nodes, size); });
+      for_node_lists(g, threads, [&](const std::uint32_t* nodes, std::size_t size) {
+        smooth_pores_lanes(f, f.mean, f.even, nodes, size);
+      });
       tie_smoothed(f.mean, f.even);
     };
     smooth();
     keep_means();
-    for_node_lists(g, threads, [&](const std::uint32_t* nodes, std::size_t size) { exchange_pores_lanes(f, rate, alike_.mobility, nodes, size); });
+    for_node_lists(g, threads, [&](const std::uint32_t* nodes, std::size_t size) {
+      exchange_pores_lanes(f, rate, alike_.mobility, nodes, size);
+    });
     sums.add(at_given_nodes(rate));
     if (state) sums.add(push_flow(g, dt, *state));
     sums.add(tie_exchanged(g, gravity, rate));
@@ -64,22 +69,29 @@ PoreFlow PoreWater::flow(Particles& p, GridState& g, const Tractions& tractions,
   return sums;
 }
 
-// Weights, smoothing, exchange and smoothing again, each as soon as the rows beside are ready: while they are in the cache.
+// Weights, smoothing, exchange and smoothing again, each as soon as the rows beside are ready: while they are in the
+// cache.
 void PoreWater::exchange_row_by_row(const GridState& g, const PoreFields& f, double rate) const {
   const std::vector<std::uint32_t>& nodes = g.active.nodes;
   std::vector<std::size_t> rows = {0};
   while (rows.back() < nodes.size()) {
     const auto next = std::uint32_t((std::ptrdiff_t(nodes[rows.back()]) / f.row + 1) * f.row);
-    rows.push_back(std::size_t(std::lower_bound(nodes.begin() + std::ptrdiff_t(rows.back()), nodes.end(), next) - nodes.begin()));
+    rows.push_back(
+        std::size_t(std::lower_bound(nodes.begin() + std::ptrdiff_t(rows.back()), nodes.end(), next) - nodes.begin()));
   }
   const auto in_row = [&](std::size_t row, auto&& sweep) {
     if (row + 1 < rows.size()) sweep(nodes.data() + rows[row], rows[row + 1] - rows[row]);
   };
-  const auto smooth = [&](const std::uint32_t* first, std::size_t size) { smooth_pores_lanes(f, f.mean, f.even, first, size); };
+  const auto smooth = [&](const std::uint32_t* first, std::size_t size) {
+    smooth_pores_lanes(f, f.mean, f.even, first, size);
+  };
   for (std::size_t row = 0; row < rows.size() + 1; ++row) {
     in_row(row, [&](const std::uint32_t* first, std::size_t size) { weigh_elements_lanes(f, first, size); });
     in_row(row, smooth);
-    if (row >= 1) in_row(row - 1, [&](const std::uint32_t* first, std::size_t size) { exchange_pores_lanes(f, rate, alike_.mobility, first, size); });
+    if (row >= 1)
+      in_row(row - 1, [&](const std::uint32_t* first, std::size_t size) {
+        exchange_pores_lanes(f, rate, alike_.mobility, first, size);
+      });
     if (row >= 2) in_row(row - 2, smooth);
   }
 }
@@ -174,11 +186,14 @@ void PoreWater::mark_elements(const Particles& p, GridState& g, const Tractions&
   });
 }
 
-// Where potentials or flow may be given: at the material's surface (`parts`: nodes in their order), at walls, and beside what has no pores.
-std::vector<std::uint32_t> PoreWater::special_nodes(const GridState& g, const std::vector<std::vector<std::uint32_t>>& parts) const {
+// Where potentials or flow may be given: at the material's surface (`parts`: nodes in their order), at walls, and
+// beside what has no pores.
+std::vector<std::uint32_t> PoreWater::special_nodes(const GridState& g,
+                                                    const std::vector<std::vector<std::uint32_t>>& parts) const {
   std::vector<std::uint32_t> others;
   for (int field = 0; field < g.velocity_fields; ++field)
-    for (const std::uint32_t n : boundaries_.let_through()) others.push_back(std::uint32_t(n + std::size_t(field) * g.field_nodes()));
+    for (const std::uint32_t n : boundaries_.let_through())
+      others.push_back(std::uint32_t(n + std::size_t(field) * g.field_nodes()));
   const auto row = std::uint32_t(field_.row);
   if (marked_)
     for (const std::uint32_t n : g.active.nodes)

@@ -3,11 +3,13 @@
 //   mpm_throughput [words of the kernels wanted ...] [particles ...] [runs=5] [threads=2] [target=avx3|avx2|sse2]
 //                                              (default: all, 10000 100000, the best instruction set)
 //   mpm_throughput scale [particles ...]       set-up time, memory, proportion
-//   mpm_throughput wet [words ...] [particles ...] [runs=5] [threads=2]   kernels with water in turn with the same ones dry: ns of
-//                                              the processors' time a particle-step, and its ratio, on one thread and on two
+//   mpm_throughput wet [words ...] [particles ...] [runs=5] [threads=2]   kernels with water in turn with the same ones
+//   dry: ns of
+//                                              the processors' time a particle-step, and its ratio, on one thread and
+//                                              on two
 // Each figure is the median of `runs` runs, those with one and two threads taken in turn; one thread by its own
-// processor time, two by the clock (so on an idle machine only). "times plain" is the rate on one thread over that of a plain
-// kernel (plain_kernel.hpp) of the same size, run in turn with it.
+// processor time, two by the clock (so on an idle machine only). "times plain" is the rate on one thread over that of a
+// plain kernel (plain_kernel.hpp) of the same size, run in turn with it.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -256,12 +258,15 @@ double median(std::vector<double> v) {
 }
 
 bool is_wanted(const Kernel& kernel, const std::vector<std::string>& words) {
-  return words.empty() || std::any_of(words.begin(), words.end(), [&](const std::string& word) { return std::string(kernel.name).starts_with(word); });
+  return words.empty() || std::any_of(words.begin(), words.end(), [&](const std::string& word) {
+           return std::string(kernel.name).starts_with(word);
+         });
 }
 
 // Kernels with water, run in turn with the same ones dry.
 void wet(const std::vector<int>& sizes, const std::vector<std::string>& words, int runs, int most) {
-  std::printf("%-33s %9s %7s   %8s %8s %6s   %s\n", "kernel", "particles", "threads", "dry ns", "wet ns", "ratio", "best two; yielding dry, wet");
+  std::printf("%-33s %9s %7s   %8s %8s %6s   %s\n", "kernel", "particles", "threads", "dry ns", "wet ns", "ratio",
+              "best two; yielding dry, wet");
   for (const Kernel& kernel : kernels) {
     if (std::string(kernel.extra) != "wet" || !is_wanted(kernel, words)) continue;
     Kernel dry = kernel;
@@ -278,9 +283,10 @@ void wet(const std::vector<int>& sizes, const std::vector<std::string>& words, i
             yielding[is_wet] = run.yielding;
           }
         const auto least = [](const std::vector<double>& v) { return *std::min_element(v.begin(), v.end()); };
-        std::printf("%-33s %9d %7d   %8.1f %8.1f %6.2f   %.1f %.1f: %.2f; %.0f %.0f %%\n", kernel.name, 4 * cells * cells, threads, median(times[0]),
-                    median(times[1]), median(times[1]) / median(times[0]), least(times[0]), least(times[1]), least(times[1]) / least(times[0]),
-                    100 * yielding[0], 100 * yielding[1]);
+        std::printf("%-33s %9d %7d   %8.1f %8.1f %6.2f   %.1f %.1f: %.2f; %.0f %.0f %%\n", kernel.name,
+                    4 * cells * cells, threads, median(times[0]), median(times[1]), median(times[1]) / median(times[0]),
+                    least(times[0]), least(times[1]), least(times[1]) / least(times[0]), 100 * yielding[0],
+                    100 * yielding[1]);
         std::fflush(stdout);
       }
     }

@@ -72,8 +72,9 @@ TEST(PoreEnergy, ARowBetweenLightNodesDoesNotGrow) {
   }
 }
 
-// A drained load on the upper face of a block that stands free, on B-splines: the row of nodes beyond the face has little mass. Moved on
-// linearly by FLIP, it and the stiff water feed each other (explicit pressure: 2.2 times what was turned over, within 5 ms).
+// A drained load on the upper face of a block that stands free, on B-splines: the row of nodes beyond the face has
+// little mass. Moved on linearly by FLIP, it and the stiff water feed each other (explicit pressure: 2.2 times what was
+// turned over, within 5 ms).
 TEST(PoreEnergy, LightNodesUnderALoadGiveFlipNothing) {
   const double h = 0.01;
   MaterialOptions soil = saturated(1e6, 0.3, 0.4, 1e-5);
@@ -99,8 +100,10 @@ TEST(PoreEnergy, LightNodesUnderALoadGiveFlipNothing) {
       for (int k = 1; k <= 4; ++k) {
         solver.advance_to(0.00125 * k, silent);
         const EnergyRow now = solver.energy();
-        turned_over = std::max(turned_over, start + std::abs(now.external) + now.plastic + now.darcy + std::abs(now.damping));
-        ASSERT_LT(now.residual, 0.02 * turned_over) << name_of(locking) << " " << name_of(pressure) << " " << solver.time();
+        turned_over =
+            std::max(turned_over, start + std::abs(now.external) + now.plastic + now.darcy + std::abs(now.damping));
+        ASSERT_LT(now.residual, 0.02 * turned_over)
+            << name_of(locking) << " " << name_of(pressure) << " " << solver.time();
       }
     }
 }
