@@ -1,4 +1,4 @@
-// Nodes that lie side by side in a row, as many at a time as a vector holds, or four. Included by the kernels' sources
+// Nodes that lie side by side in a row, as many at a time as a vector holds, four at most. Included by the kernels' sources
 // inside Highway's loop over instruction sets.
 #if defined(PIVNP_MPM_ROWS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef PIVNP_MPM_ROWS_INL
@@ -38,26 +38,33 @@ HWY_INLINE void store_single(hn::Vec<Tag> v, Tag, float* p) {
 }
 #endif
 
-// Calls body(tag, n) for the nodes of a list, n the first of as many as the tag has lanes: of as many at a time as the
-// processor has lanes, `most` at most, then four, and one by one where fewer lie together.
-template <std::size_t most = 4, class Body>
+// Calls body(tag, n) for the nodes of a list, n the first of as many as the tag has lanes.
+template <class Body>
 HWY_INLINE void for_runs(const std::uint32_t* nodes, std::size_t size, Body&& body) {
-  const hn::CappedTag<double, most> all;
-  const hn::CappedTag<double, 4> four;
+  const hn::CappedTag<double, 4> all;
   const hn::CappedTag<double, 1> one;
-  const std::size_t lanes = hn::Lanes(all), fewer = hn::Lanes(four);
-  const auto together = [&](std::size_t k, std::size_t n)
-                            HWY_ATTR { return k + n <= size && nodes[k + n - 1] == nodes[k] + (n - 1); };
+  const std::size_t lanes = hn::Lanes(all);
   for (std::size_t k = 0; k < size;) {
-    if (together(k, lanes)) {
+    if (k + lanes <= size && nodes[k + lanes - 1] == nodes[k] + (lanes - 1)) {
       body(all, std::ptrdiff_t(nodes[k]));
       k += lanes;
-    } else if (hn::MaxLanes(all) > hn::MaxLanes(four) && together(k, fewer)) {
-      body(four, std::ptrdiff_t(nodes[k]));
-      k += fewer;
     } else {
       body(one, std::ptrdiff_t(nodes[k++]));
     }
+  }
+}
+
+// The same, as many at a time as the processor has lanes, then four.
+template <class Body>
+HWY_INLINE void for_wide_runs(const std::uint32_t* nodes, std::size_t size, Body&& body) {
+  const hn::CappedTag<double, in_pairs ? 4 : 8> all;
+  const std::size_t lanes = hn::Lanes(all);
+  const auto fill = [&](std::size_t k) HWY_ATTR { return k + lanes <= size && nodes[k + lanes - 1] == nodes[k] + (lanes - 1); };
+  for (std::size_t k = 0, rest = 0;; rest = k += lanes) {
+    while (k < size && !fill(k)) ++k;
+    for_runs(nodes + rest, k - rest, body);
+    if (k == size) return;
+    body(all, std::ptrdiff_t(nodes[k]));
   }
 }
 

@@ -29,8 +29,6 @@ HWY_INLINE void load_fours(Tag d, const double* first, V& a, V& b, V& c, V& e) {
   hn::LoadInterleaved4(d, first, a, b, c, e);
 }
 
-constexpr std::size_t widest = in_pairs ? 4 : 8;  // lanes
-
 // From the sums of as many nodes as the tag has lanes.
 template <class Tag>
 struct FromSums {
@@ -155,7 +153,7 @@ struct AtNodes {
 std::size_t take_range(const PoreSumsView& sums, const PoreFields& f, const PoreEdges& edges, const std::uint32_t* nodes, std::size_t size,
                        std::uint32_t* special) {
   std::size_t found = 0;
-  for_runs<widest>(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR {
+  for_wide_runs(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR {
     const auto inside = FromSums<decltype(d)>{d, sums, f, edges, n}.take();
     if (HWY_LIKELY(hn::AllTrue(d, inside))) return;
     double is_inside[hn::MaxLanes(decltype(d)())];
@@ -166,13 +164,13 @@ std::size_t take_range(const PoreSumsView& sums, const PoreFields& f, const Pore
   return found;
 }
 void weigh_range(const PoreFields& f, const std::uint32_t* nodes, std::size_t size) {
-  for_runs<widest>(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR { AtNodes<decltype(d)>{d, f, n}.weigh(); });
+  for_wide_runs(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR { AtNodes<decltype(d)>{d, f, n}.weigh(); });
 }
 void smooth_range(const PoreFields& f, const double* from, double* to, const std::uint32_t* nodes, std::size_t size) {
-  for_runs<widest>(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR { AtNodes<decltype(d)>{d, f, n}.smooth(from, to); });
+  for_wide_runs(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR { AtNodes<decltype(d)>{d, f, n}.smooth(from, to); });
 }
 void exchange_range(const PoreFields& f, double rate, double mobility_all, const std::uint32_t* nodes, std::size_t size) {
-  for_runs<widest>(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR { AtNodes<decltype(d)>{d, f, n}.exchange(rate, mobility_all); });
+  for_wide_runs(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR { AtNodes<decltype(d)>{d, f, n}.exchange(rate, mobility_all); });
 }
 
 }  // namespace pivnp::mpm::HWY_NAMESPACE
