@@ -167,10 +167,14 @@ void weigh_range(const PoreFields& f, const std::uint32_t* nodes, std::size_t si
   for_wide_runs(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR { AtNodes<decltype(d)>{d, f, n}.weigh(); });
 }
 void smooth_range(const PoreFields& f, const double* from, double* to, const std::uint32_t* nodes, std::size_t size) {
-  for_wide_runs(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR { AtNodes<decltype(d)>{d, f, n}.smooth(from, to); });
+  for_wide_runs(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR {
+    AtNodes<decltype(d)>{d, f, n}.smooth(from, to);
+  });
 }
 void exchange_range(const PoreFields& f, double rate, double mobility_all, const std::uint32_t* nodes, std::size_t size) {
-  for_wide_runs(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR { AtNodes<decltype(d)>{d, f, n}.exchange(rate, mobility_all); });
+  for_wide_runs(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR {
+    AtNodes<decltype(d)>{d, f, n}.exchange(rate, mobility_all);
+  });
 }
 
 }  // namespace pivnp::mpm::HWY_NAMESPACE

@@ -72,9 +72,9 @@ struct Pairs {
 // a, and where m holds b besides.
 HWY_INLINE V plus_where(M m, V a, V b) { return hn::IfThenElse(m, a + b, a); }
 
-// Sums over the lanes for one row of W nodes of each cell, along a row of cells: what the next cells add to as well is kept until
-// nothing more comes, and lanes are added up then. So a node's numbers are read and written once a row of cells, two nodes
-// together with eight lanes, and not by every cell.
+// Sums over the lanes for one row of W nodes of each cell, along a row of cells: what the next cells add to as well is
+// kept until nothing more comes, and lanes are added up then. So a node's numbers are read and written once a row of
+// cells, two nodes together with eight lanes, and not by every cell.
 template <int W>
 class RowSums {
  public:
@@ -95,7 +95,8 @@ class RowSums {
       add(h, hn::LowerHalf(h, sums), at);
       if constexpr (W > 2) add(h, hn::UpperHalf(h, sums), at + numbers_in_sums);
     } else {
-      for (int a = 0; a + 1 < W; ++a) add(d, sums_of_pairs(d, kept_[a].of[0], kept_[a].of[1]), at + a * numbers_in_sums);
+      for (int a = 0; a + 1 < W; ++a)
+        add(d, sums_of_pairs(d, kept_[a].of[0], kept_[a].of[1]), at + a * numbers_in_sums);
     }
     forget();
   }
@@ -208,7 +209,9 @@ void map_run(const PointView& p, const PoreView& w, const CellView& c, const Por
       const M left = hn::Gt(hats.x[0], none), other_left = hn::Gt(of_other.x[0], none);
       const M below = hn::Gt(hats.y[0], none), other_below = hn::Gt(of_other.y[0], none);
       elements.add(to_element, [&](int b, Pairs* now) PIVNP_TILE {
-        const auto in_row = [b](M lower, V of) PIVNP_TILE { return b == 0 ? hn::IfThenElseZero(lower, of) : hn::IfThenZeroElse(lower, of); };
+        const auto in_row = [b](M lower, V of) PIVNP_TILE {
+          return b == 0 ? hn::IfThenElseZero(lower, of) : hn::IfThenZeroElse(lower, of);
+        };
         for (int k = 0; k < 2; ++k) {
           const V own = in_row(below, of_element[k].own), other = in_row(other_below, of_element[k].other);
           now[0].of[k] = plus_where(other_left, hn::IfThenElseZero(left, own), other);
@@ -306,7 +309,8 @@ PoreLosses project_run(const PointView& p, const PoreView& w, const CellView& c,
 }
 
 // (The energy as stored_kinetic() has it.)
-double carry_range(const PointView& p, const PoreView& w, const std::int32_t* cell, const PoreMasses& of, Range& points) {
+double carry_range(const PointView& p, const PoreView& w, const std::int32_t* cell, const PoreMasses& of,
+                   Range& points) {
   V brought = zero();
   const V none = zero();
   for (; points.begin + n_lanes <= points.end; points.begin += n_lanes) {
@@ -366,7 +370,8 @@ double change_points_lanes(bool centred, double rate, const PointView& p, const 
   return HWY_DYNAMIC_DISPATCH(change_range)(centred, rate, p, w, c, f, range);
 }
 
-double carry_water_lanes(const PointView& p, const PoreView& w, const std::int32_t* cell, const PoreMasses& of, Range& points) {
+double carry_water_lanes(const PointView& p, const PoreView& w, const std::int32_t* cell, const PoreMasses& of,
+                         Range& points) {
   return HWY_DYNAMIC_DISPATCH(carry_range)(p, w, cell, of, points);
 }
 
