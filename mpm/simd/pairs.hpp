@@ -132,6 +132,7 @@ HWY_INLINE Double2 OddEven(Double2 odd, Double2 even) { return __builtin_shuffle
 HWY_INLINE Double4 OddEven(Double4 odd, Double4 even) { return {OddEven(odd.low, even.low), OddEven(odd.high, even.high)}; }
 HWY_INLINE Double4 ConcatLowerLower(Tag4, Double4 high, Double4 low) { return {low.low, high.low}; }
 HWY_INLINE Double4 ConcatUpperUpper(Tag4, Double4 high, Double4 low) { return {low.high, high.high}; }
+HWY_INLINE Double4 ConcatLowerUpper(Tag4, Double4 high, Double4 low) { return {low.high, high.low}; }
 HWY_INLINE Double4 Reverse2(Tag4, Double4 v) {
   return {__builtin_shufflevector(v.low, v.low, 1, 0), __builtin_shufflevector(v.high, v.high, 1, 0)};
 }

@@ -114,18 +114,20 @@ void Solver::Impl::fill_pores() {
 // Water that has come or gone moved as its point does.
 void Solver::Impl::carry_water(const Cycle& c) {
   std::vector<double> parts((p.size() + chunk - 1) / chunk, 0.0);
-  const bool alike = pores.size() == 1 && pores.front().holds_water();  // full pores of one soil: without asking point by point
-  const double dry = pores.front().dry_density(), density_of_water = scene.water->density_kg_m3;
+  const bool alike =
+      pores.size() == 1 && pores.front().holds_water();  // of one soil: in lanes, without asking point by point
+  const PointView points = p.view();
   for_each(parts.size(), c.threads, [&](std::size_t part) {
     double sum = 0;
-    for (std::size_t k = part * chunk; k < std::min(p.size(), (part + 1) * chunk); ++k) {
+    Range range{part * chunk, std::min(p.size(), (part + 1) * chunk)};
+    if (alike) sum += water->carry_in_lanes(p, points, g.grid.spacing, c.gravity, range);
+    for (std::size_t k = range.begin; k < range.end; ++k) {
       if (p.cell[k] == Particles::ended) continue;
-      const bool flows = alike && p.content[k] > 0;
-      const double mass = flows ? p.volume0[k] * (dry + density_of_water * p.content[k]) : water->mass(p, k), before = p.mass[k];
+      const double mass = water->mass(p, k), before = p.mass[k];
       if (mass == before) continue;
       p.mass[k] = mass;
       sum += (1 - before / mass) * stored_kinetic(p, g, k);
-      if (!flows && !water_works_in_steps()) sum += water->brought(p, k, mass - before, c.gravity);
+      if (!water_works_in_steps()) sum += water->brought(p, k, mass - before, c.gravity);
     }
     parts[part] = sum;
   });

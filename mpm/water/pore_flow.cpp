@@ -1,6 +1,7 @@
 // Darcy's flow of a step, by hats between nodes.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "mpm/grid/sweeps.hpp"
 #include "mpm/water/pore_elements.hpp"
@@ -33,18 +34,28 @@ PoreFlow PoreWater::flow(Particles& p, GridState& g, const Tractions& tractions,
   const double rate = rate_in_cell(g) * dt;
   PoreFields f = field_;
   if (p.mobility.empty()) f.rate = nullptr;
-  for_node_lists(g, threads, [&](const std::uint32_t* nodes, std::size_t size) { weigh_elements_lanes(f, nodes, size); });
-  const auto smooth = [&] {
-    for_node_lists(g, threads, [&](const std::uint32_t* nodes, std::size_t size) { smooth_pores_lanes(f, f.mean, f.even, nodes, size); });
-    tie_smoothed(f.mean, f.even);
-  };
-  smooth();
-  keep_means();
-  for_node_lists(g, threads, [&](const std::uint32_t* nodes, std::size_t size) { exchange_pores_lanes(f, rate, alike_.mobility, nodes, size); });
-  sums.add(at_given_nodes(rate));
-  if (state) sums.add(push_flow(g, dt, *state));
-  sums.add(tie_exchanged(g, gravity, rate));
-  smooth();
+  if (threads <= 1 && joined_.empty() && !state) {
+    exchange_row_by_row(g, f, rate);
+    sums.add(at_given_nodes(rate));
+  } else {
+    for_node_lists(g, threads,
+                   [&](const std::uint32_t* nodes, std::size_t size) { weigh_elements_lanes(f, nodes, size); });
+    const auto smooth = [&] {
+      for_node_lists(g, threads, [&](const std::uint32_t* nodes, std::size_t size) {
+        smooth_pores_lanes(f, f.mean, f.even, nodes, size);
+      });
+      tie_smoothed(f.mean, f.even);
+    };
+    smooth();
+    keep_means();
+    for_node_lists(g, threads, [&](const std::uint32_t* nodes, std::size_t size) {
+      exchange_pores_lanes(f, rate, alike_.mobility, nodes, size);
+    });
+    sums.add(at_given_nodes(rate));
+    if (state) sums.add(push_flow(g, dt, *state));
+    sums.add(tie_exchanged(g, gravity, rate));
+    smooth();
+  }
   const PointView points = p.view();
   const PoreView pores = view(p, gravity);
   const CellView cells = g.view();
@@ -56,6 +67,33 @@ PoreFlow PoreWater::flow(Particles& p, GridState& g, const Tractions& tractions,
   mark_given(false);
   follow_porosity(p, threads);
   return sums;
+}
+
+// Weights, smoothing, exchange and smoothing again, each as soon as the rows beside are ready: while they are in the
+// cache.
+void PoreWater::exchange_row_by_row(const GridState& g, const PoreFields& f, double rate) const {
+  const std::vector<std::uint32_t>& nodes = g.active.nodes;
+  std::vector<std::size_t> rows = {0};
+  while (rows.back() < nodes.size()) {
+    const auto next = std::uint32_t((std::ptrdiff_t(nodes[rows.back()]) / f.row + 1) * f.row);
+    rows.push_back(
+        std::size_t(std::lower_bound(nodes.begin() + std::ptrdiff_t(rows.back()), nodes.end(), next) - nodes.begin()));
+  }
+  const auto in_row = [&](std::size_t row, auto&& sweep) {
+    if (row + 1 < rows.size()) sweep(nodes.data() + rows[row], rows[row + 1] - rows[row]);
+  };
+  const auto smooth = [&](const std::uint32_t* first, std::size_t size) {
+    smooth_pores_lanes(f, f.mean, f.even, first, size);
+  };
+  for (std::size_t row = 0; row < rows.size() + 1; ++row) {
+    in_row(row, [&](const std::uint32_t* first, std::size_t size) { weigh_elements_lanes(f, first, size); });
+    in_row(row, smooth);
+    if (row >= 1)
+      in_row(row - 1, [&](const std::uint32_t* first, std::size_t size) {
+        exchange_pores_lanes(f, rate, alike_.mobility, first, size);
+      });
+    if (row >= 2) in_row(row - 2, smooth);
+  }
 }
 
 std::vector<Vec2> PoreWater::flow_at_points(const Particles& p, GridState& g, const Tractions& tractions,
@@ -148,6 +186,26 @@ void PoreWater::mark_elements(const Particles& p, GridState& g, const Tractions&
   });
 }
 
+// Where potentials or flow may be given: at the material's surface (`parts`: nodes in their order), at walls, and
+// beside what has no pores.
+std::vector<std::uint32_t> PoreWater::special_nodes(const GridState& g,
+                                                    const std::vector<std::vector<std::uint32_t>>& parts) const {
+  std::vector<std::uint32_t> others;
+  for (int field = 0; field < g.velocity_fields; ++field)
+    for (const std::uint32_t n : boundaries_.let_through())
+      others.push_back(std::uint32_t(n + std::size_t(field) * g.field_nodes()));
+  const auto row = std::uint32_t(field_.row);
+  if (marked_)
+    for (const std::uint32_t n : g.active.nodes)
+      if (marks_[n].solid) others.insert(others.end(), {n, n + 1, n + row, n + row + 1});
+  std::sort(others.begin(), others.end());
+  others.erase(std::unique(others.begin(), others.end()), others.end());
+  std::vector<std::uint32_t> surface, all;
+  for (const auto& part : parts) surface.insert(surface.end(), part.begin(), part.end());
+  std::set_union(surface.begin(), surface.end(), others.begin(), others.end(), std::back_inserter(all));
+  return all;
+}
+
 void PoreWater::take_means(const GridState& g, const Vec2& gravity, double time, double dt, int threads) {
   PoreFields f = field_;
   if (!alike_.own) f.rate = nullptr;
@@ -161,12 +219,7 @@ void PoreWater::take_means(const GridState& g, const Vec2& gravity, double time,
     const std::size_t found = take_means_lanes(sums_, f, edges, g.active.nodes.data() + begin, end - begin, special);
     parts[part].assign(special, special + found);
   });
-  std::vector<std::uint32_t> special;
-  for (int field = 0; field < g.velocity_fields; ++field)
-    for (const std::uint32_t n : boundaries_.let_through()) special.push_back(std::uint32_t(n + std::size_t(field) * g.field_nodes()));
-  for (const auto& part : parts) special.insert(special.end(), part.begin(), part.end());
-  std::sort(special.begin(), special.end());
-  special.erase(std::unique(special.begin(), special.end()), special.end());
+  const std::vector<std::uint32_t> special = special_nodes(g, parts);
   given_.clear();
   free_.clear();
   surface_.clear();

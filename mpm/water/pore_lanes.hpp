@@ -42,6 +42,18 @@ struct PoreLosses {
 PoreLosses project_points_lanes(bool centred, const PointView& p, const PoreView& w, const CellView& c, const PoreFields& f,
                                 const double* share, Range range);
 
+/// Of one soil without water, and of water, kg/m^3; and the cells' sides. `empty_too`: pores that hold none may get
+/// some.
+struct PoreMasses {
+  double dry, water, hx, hy;
+  bool empty_too;
+};
+/// Masses of points that are simulated (`cell`) and hold water, as many together as there are lanes, from
+/// `points.begin` on, which is moved on to the first that is left. Returns the kinetic energy that the water brought,
+/// J/m.
+double carry_water_lanes(const PointView& p, const PoreView& w, const std::int32_t* cell, const PoreMasses& of,
+                         Range& points);
+
 /// Of a step: what the edges' exchange follows from.
 struct PoreEdges {
   double rate;            // of change_points_lanes()
@@ -50,8 +62,8 @@ struct PoreEdges {
   double least_volume;    // of a node, inside the material
   double inert_x = 0, inert_y = 0;  // projected: the step's square over the density, over hx^2, hy^2
 };
-/// From the sums of some nodes to their means and edges. Those that may have an empty element beside them, and some beside those,
-/// to `special`, whose number is returned.
+/// From the sums of some nodes to their means and edges. Those that have an empty element beside them, or little around
+/// them, in their order to `special`; how many.
 std::size_t take_means_lanes(const PoreSumsView& sums, const PoreFields& f, const PoreEdges& edges, const std::uint32_t* nodes,
                              std::size_t size, std::uint32_t* special);
 /// Of elements up and to the right of some nodes, PoreFields::weight, from their volume there and the nodes' shares.

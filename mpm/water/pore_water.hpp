@@ -112,6 +112,13 @@ class PoreWater {
 
   /// Mass of a point with the water it holds now; what it has where the flow does not change it.
   double mass(const Particles& p, std::size_t k) const;
+  /// Masses of points of one soil that holds water, as many together as there are lanes: carry_water_lanes().
+  double carry_in_lanes(const Particles& p, const PointView& points, const Vec2& spacing, const Vec2& gravity,
+                        Range& range) const {
+    const PoreMasses of{soils_.front().dry_density(), options_.density_kg_m3, spacing.x(), spacing.y(),
+                        !front_.empty()};
+    return carry_water_lanes(points, view(p, gravity), p.cell.data(), of, range);
+  }
   /// Potential energy with which a mass of water comes into a drained point, which follows the level; J/m, 0 for others.
   double brought(const Particles& p, std::size_t k, double mass, const Vec2& gravity) const {
     return flows(p, k) || !level_ ? 0 : mass * -gravity.dot(Vec2(p.x[k], *level_) - Vec2(p.x[k], reference_.y()));
@@ -197,7 +204,10 @@ class PoreWater {
   void forget_nodes(const GridState& g);
   void map_points(const Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, int threads);
   void mark_elements(const Particles& p, GridState& g, const Tractions& tractions, double time, int threads);
+  std::vector<std::uint32_t> special_nodes(const GridState& g,
+                                           const std::vector<std::vector<std::uint32_t>>& parts) const;
   void take_means(const GridState& g, const Vec2& gravity, double time, double dt, int threads);
+  void exchange_row_by_row(const GridState& g, const PoreFields& f, double rate) const;
   enum class Surface { none, given, free };
   Surface give_potential(const GridState& g, std::size_t node, const Vec2& gravity, double time);
   /// Water that a wall's flow brings to a node, m^2/s.

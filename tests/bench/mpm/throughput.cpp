@@ -3,9 +3,13 @@
 //   mpm_throughput [words of the kernels wanted ...] [particles ...] [runs=5] [threads=2] [target=avx3|avx2|sse2]
 //                                              (default: all, 10000 100000, the best instruction set)
 //   mpm_throughput scale [particles ...]       set-up time, memory, proportion
+//   mpm_throughput wet [words ...] [particles ...] [runs=5] [threads=2]   kernels with water in turn with the same ones
+//   dry: ns of
+//                                              the processors' time a particle-step, and its ratio, on one thread and
+//                                              on two
 // Each figure is the median of `runs` runs, those with one and two threads taken in turn; one thread by its own
-// processor time, two by the clock (so on an idle machine only). "times plain" is the rate on one thread over that of a plain
-// kernel (plain_kernel.hpp) of the same size, run in turn with it.
+// processor time, two by the clock (so on an idle machine only). "times plain" is the rate on one thread over that of a
+// plain kernel (plain_kernel.hpp) of the same size, run in turn with it.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -140,11 +144,13 @@ std::vector<std::pair<int, int>> cells_of(const mpm::Solver& solver, double h, d
 }
 
 struct Run {
-  double rate;  // M particle-steps/s
+  double rate;          // M particle-steps/s
+  double processor_ns;  // of all threads, a particle-step
   double yielding = 0, movers = 0, fill = 0;
 };
 
-Run measure(const Kernel& kernel, int cells, int threads) {
+// `first`: steps before the measured ones, of which there are `least` or more.
+Run measure(const Kernel& kernel, int cells, int threads, double first = 30, double least = 40) {
   mpm::MpmOptions options;
   options.courant = 0.2;
   options.shape = value_named<mpm::ShapeKind>(kernel.shape);
@@ -157,18 +163,19 @@ Run measure(const Kernel& kernel, int cells, int threads) {
   mpm::Solver solver(options, column(cells, kernel), threads);
   SilentProgress silent;
   const double dt = solver.stable_step(), n = double(solver.particles().size());
-  solver.advance_to(30 * dt, silent);
+  solver.advance_to(first * dt, silent);
   const auto steps = solver.steps();
   const double h = 1.0 / cells, shift = kernel.shape == std::string("bilinear") ? 0 : 0.5;
   const auto plastic_before = plastic(solver);
   const auto cells_before = cells_of(solver, h, shift);
   const auto start = std::chrono::steady_clock::now();
   const auto cpu = std::clock();
-  solver.advance_to((30 + std::max(40.0, std::min(1000.0, 4e6 / n))) * dt, silent);
+  solver.advance_to((first + std::max(least, std::min(1000.0, 4e6 / n))) * dt, silent);
   double s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (threads == 1) s = double(std::clock() - cpu) / CLOCKS_PER_SEC;
+  const double processor_s = double(std::clock() - cpu) / CLOCKS_PER_SEC;
+  if (threads == 1) s = processor_s;
   const double made = double(solver.steps() - steps);
-  Run run{made * n / s / 1e6};
+  Run run{made * n / s / 1e6, 1e9 * processor_s / (made * n)};
   const auto plastic_after = plastic(solver);
   const auto cells_after = cells_of(solver, h, shift);
   std::map<std::pair<int, int>, int> count;
@@ -251,6 +258,43 @@ double median(std::vector<double> v) {
   return v[v.size() / 2];
 }
 
+bool is_wanted(const Kernel& kernel, const std::vector<std::string>& words) {
+  return words.empty() || std::any_of(words.begin(), words.end(), [&](const std::string& word) {
+           return std::string(kernel.name).starts_with(word);
+         });
+}
+
+// Kernels with water, run in turn with the same ones dry. (Not in their first hundred steps: those look ten times as
+// often at the balance of energies, which asks every point.)
+void wet(const std::vector<int>& sizes, const std::vector<std::string>& words, int runs, int most) {
+  std::printf("%-33s %9s %7s   %8s %8s %6s   %s\n", "kernel", "particles", "threads", "dry ns", "wet ns", "ratio",
+              "best two; yielding dry, wet");
+  for (const Kernel& kernel : kernels) {
+    if (std::string(kernel.extra) != "wet" || !is_wanted(kernel, words)) continue;
+    Kernel dry = kernel;
+    dry.extra = "";
+    for (const int size : sizes) {
+      const int cells = std::max(2, int(std::lround(std::sqrt(size / 4.0))));
+      for (int threads = 1; threads <= most; ++threads) {
+        std::vector<double> times[2];
+        double yielding[2] = {};
+        for (int r = 0; r < runs; ++r)
+          for (int is_wet = 0; is_wet < 2; ++is_wet) {
+            const Run run = measure(is_wet ? kernel : dry, cells, threads, 110, 180);
+            times[is_wet].push_back(run.processor_ns);
+            yielding[is_wet] = run.yielding;
+          }
+        const auto least = [](const std::vector<double>& v) { return *std::min_element(v.begin(), v.end()); };
+        std::printf("%-33s %9d %7d   %8.1f %8.1f %6.2f   %.1f %.1f: %.2f; %.0f %.0f %%\n", kernel.name,
+                    4 * cells * cells, threads, median(times[0]), median(times[1]), median(times[1]) / median(times[0]),
+                    least(times[0]), least(times[1]), least(times[1]) / least(times[0]), 100 * yielding[0],
+                    100 * yielding[1]);
+        std::fflush(stdout);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -270,6 +314,10 @@ int main(int argc, char** argv) {
     scale(sizes);
     return 0;
   }
+  if (!words.empty() && words[0] == "wet") {
+    wet(sizes, {words.begin() + 1, words.end()}, runs, most);
+    return 0;
+  }
   std::printf("machine: %s, %u hardware threads; kernels on %s; double precision, guards and energy on\n",
               bench::processor().c_str(), std::thread::hardware_concurrency(), mpm::simd_target());
   const double cached = bench::update_rate(4 << 20), memory = bench::update_rate(256 << 20), flops = bench::flop_rate();
@@ -278,9 +326,7 @@ int main(int argc, char** argv) {
   std::printf("%-33s %9s %9s %6s %9s  %14s %11s  %16s %18s\n", "kernel", "particles", "yielding", "fill", "movers",
               "M/s, 1, 2 thr.", "times plain", "bytes (of limit)", "flops (of limit)");
   for (const Kernel& kernel : kernels) {
-    bool wanted = words.empty();
-    for (const std::string& word : words) wanted = wanted || std::string(kernel.name).starts_with(word);
-    if (!wanted) continue;
+    if (!is_wanted(kernel, words)) continue;
     for (const int size : sizes) {
       const int cells = std::max(2, int(std::lround(std::sqrt(size / 4.0))));
       std::vector<double> one, two, plain;

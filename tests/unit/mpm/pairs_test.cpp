@@ -126,6 +126,7 @@ TEST(Pairs, LanesGoWhereTheyShould) {
   const Double4 x = of({1, 2, 3, 4}), y = of({5, 6, 7, 8});
   EXPECT_EQ(lanes(ConcatLowerLower(d, y, x)), (Lanes4{1, 2, 5, 6}));
   EXPECT_EQ(lanes(ConcatUpperUpper(d, y, x)), (Lanes4{3, 4, 7, 8}));
+  EXPECT_EQ(lanes(ConcatLowerUpper(d, y, x)), (Lanes4{3, 4, 5, 6}));
   EXPECT_EQ(lanes(Reverse2(d, x)), (Lanes4{2, 1, 4, 3}));
   EXPECT_EQ(lanes(OddEvenBlocks(y, x)), (Lanes4{1, 2, 7, 8}));
   EXPECT_EQ(lanes(SwapAdjacentBlocks(x)), (Lanes4{3, 4, 1, 2}));
