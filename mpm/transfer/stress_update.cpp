@@ -19,14 +19,35 @@ bool together(const std::uint32_t* places, std::size_t n) {
   return other == 0;
 }
 
+// Of a point before its update.
+struct Before {
+  Stress stress;
+  double elastic, work, strain, opening;  // its energy, J/m^3; what the law remembers of it
+};
+
+// The work of the step's mean stress on its strain.
+double work_of_mean(const StressBatch& b, std::size_t q, std::size_t k, const Stress& before) {
+  const Stress from = turned_by(b.spin[q], before);
+  return 0.5 * ((from.xx + b.xx[k]) * b.de_xx[q] + (from.yy + b.yy[k]) * b.de_yy[q] + (from.zz + b.zz[k]) * b.de_zz[q]) +
+         (from.xy + b.xy[k]) * b.de_xy[q];
+}
+
 // Strength sees the stress shifted (StressBatch::shift), but never so far that the trial would leave its cone by the apex: a band
 // that pressure opens is none of these equations.
+//
+// A shift that comes and goes lets strength jump from step to step. The plastic work of the steps is therefore that of the mean stress of
+// each, which with the elastic energy is all the work that was done, and no longer that of the stress at its end (docs/theory/mpm_heat.md).
 void update_shifted(const Material& material, const StressBatch& batch) {
   constexpr double most = 0.9999;  // of the trial's mean stress: more would be left of the strength than of a sealed band's
   const Elastic& elastic = material.elastic();
   const double bulk = elastic.lambda + 2 * elastic.shear / 3;
   static thread_local std::vector<double> by;
+  static thread_local std::vector<Before> before;
   by.resize(batch.size);
+  before.resize(batch.size);
+  double* work = batch.history[plastic::work];
+  const double* strain = batch.history[plastic::strain];
+  const double* opening = batch.history[plastic::opening] ? batch.history[plastic::opening] : strain;  // (some never open)
   const auto add = [&](double sign) {
     for (std::size_t q = 0; q < batch.size; ++q) {
       const std::size_t k = batch.places ? batch.places[q] : q;
@@ -38,16 +59,23 @@ void update_shifted(const Material& material, const StressBatch& batch) {
     const std::size_t k = batch.places ? batch.places[q] : q;
     const double trial = (batch.xx[k] + batch.yy[k] + batch.zz[k]) / 3 + bulk * (batch.de_xx[q] + batch.de_yy[q] + batch.de_zz[q]);
     by[q] = std::min(batch.shift[k], most * std::max(0.0, -trial));
+    if (work) before[q] = {{batch.xx[k], batch.yy[k], batch.zz[k], batch.xy[k]}, material.energy(batch, k), work[k], strain[k], opening[k]};
   }
   add(1);
   material.update(batch);
   add(-1);
+  for (std::size_t q = 0; work && q < batch.size; ++q) {
+    const std::size_t k = batch.places ? batch.places[q] : q;
+    // (At the cone's tip, and where a point stands open, the law's own work is nothing.)
+    if (batch.shift[k] != 0 || work[k] != before[q].work || strain[k] != before[q].strain || opening[k] != before[q].opening)
+      work[k] = before[q].work + work_of_mean(batch, q, k, before[q].stress) - (material.energy(batch, k) - before[q].elastic);
+  }
 }
 
 // `softened_by` is there if any law averages: the others take their own strain.
 void update_batch(const Material& material, StressBatch& batch) {
   if (!(material.nonlocal_length() > 0)) batch.softened_by = nullptr;
-  batch.shift ? update_shifted(material, batch) : material.update(batch);
+  batch.shift && batch.dt > 0 ? update_shifted(material, batch) : material.update(batch);  // (no band has formed at the start)
 }
 
 }  // namespace

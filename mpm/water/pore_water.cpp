@@ -201,7 +201,7 @@ double PoreWater::pressure_of(const Particles& p, std::size_t k, bool tears) con
 
 void PoreWater::refresh_point(Particles& p, std::size_t k, const PoreSoil& soil, const Vec2& gravity) const {
   const double outside = outside_pressure({p.x[k], p.y[k]}, gravity);
-  const bool air = sees_air(gravity), holds = (air || p.content[k] > 0) && soil.holds_water();
+  const bool air = sees_air(gravity), holds = (air || imposed() || p.content[k] > 0) && soil.holds_water();
   p.pressure[k] = holds ? pressure_of(p, k, air || tears()) : soil.has_pores() ? outside : 0;
   p.J_flow[k] = p.J[k];
 }

@@ -168,7 +168,11 @@ class PoreWater {
   const PoreSoil& soil_of(const Particles& p, std::size_t k) const {
     return soils_.size() == 1 ? soils_.front() : soils_[std::size_t(set_->label[p.index[k]])];
   }
-  bool flows(const Particles& p, std::size_t k) const { return (p.content[k] > 0 || !front_.empty()) && soil_of(p, k).holds_water(); }
+  // A point that has passed on more than it held, as its pores shrank or what they hold swelled, owes it: it bears no pressure until it
+  // has it back. Pores that no water has reached are none of these (there are none where the level is imposed).
+  bool flows(const Particles& p, std::size_t k) const {
+    return (p.content[k] > 0 || imposed() || !front_.empty()) && soil_of(p, k).holds_water();
+  }
   double outside_pressure(const Vec2& x, const Vec2& gravity) const;
   double pressure_of(const Particles& p, std::size_t k, bool tears) const;
   bool by_temperature() const { return options_.properties == WaterProperties::by_temperature; }
