@@ -56,10 +56,9 @@ template <class Tile>
 HWY_INLINE V mobility_of(const PoreView& w, const Tile& t) {
   return w.mobility ? t.load(w.mobility) : set(w.mobility_all);
 }
-// (Where the level is imposed no pores are dry, and a point may owe water for a while: PoreWater::flows().)
 template <class Tile>
-HWY_INLINE M holds_water(const PoreView& w, const Tile& t, V content, V mobility) {
-  return hn::And(hn::Gt(t.own(w.tears ? set(1) : content), zero()), hn::Ge(mobility, zero()));
+HWY_INLINE M holds_water(const Tile& t, V content, V mobility) {
+  return hn::And(hn::Gt(t.own(content), zero()), hn::Ge(mobility, zero()));
 }
 
 constexpr std::ptrdiff_t numbers_in_sums = sizeof(PoreNode) / sizeof(double);
@@ -72,7 +71,7 @@ void map_run(const PointView& p, const PoreView& w, const CellView& c, const Por
     const Natural place = place_of<centred>(p, c, cells, t);
     const Hats<centred> hats(place), of_other({InPairs::swapped(place.xi), InPairs::swapped(place.eta)});
     const V mobility = mobility_of(w, t), J = t.load(p.J);
-    const V v0 = hn::IfThenElseZero(holds_water(w, t, t.load(w.content), mobility), t.live(t.load(p.volume0)));
+    const V v0 = hn::IfThenElseZero(holds_water(t, t.load(w.content), mobility), t.live(t.load(p.volume0)));
     const V v = v0 * J, e = t.load(w.pressure) - head_of(p, w, t), conducts = w.mobility ? v * mobility : v;
     const V mobile = w.mobility && !w.projected ? conducts : v0 * (J - (w.solid ? t.load(w.solid) : set(w.solid_all)));
     const InPairs of_node[] = {{v, v * e}, {v0 * (J - t.load(w.J_flow)), mobile}};
@@ -157,7 +156,7 @@ double change_run(double rate, const PointView& p, const PoreView& w, const Cell
     const Hats<centred> hats = hats_of<centred>(p, c, cells, t);
     const V mobility = mobility_of(w, t), J = t.load(p.J), content = t.load(w.content), head = head_of(p, w, t);
     const V solid = w.solid ? t.load(w.solid) : set(w.solid_all);
-    const M holds = holds_water(w, t, content, mobility);
+    const M holds = holds_water(t, content, mobility);
     const V v0 = hn::IfThenElseZero(holds, t.live(t.load(p.volume0)));
     const V e = t.load(w.pressure) - head, per_step = set(rate);
     const V flowed_in = spanned(hats, c, cells, f.change);
@@ -188,7 +187,7 @@ PoreLosses project_run(const PointView& p, const PoreView& w, const CellView& c,
   for_tiles(c, range, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
     const Hats<centred> hats = hats_of<centred>(p, c, cells, t);
     const V mobility = mobility_of(w, t), J = t.load(p.J), content = t.load(w.content), pressure = t.load(w.pressure);
-    const M holds = holds_water(w, t, content, mobility);
+    const M holds = holds_water(t, content, mobility);
     const V v0 = hn::IfThenElseZero(holds, t.live(t.load(p.volume0)));
     const V head = head_of(p, w, t), e = pressure - head, strain = J - t.load(w.J_flow);
     const V gained = hn::NegMulAdd(spanned(hats, c, cells, share), e, spanned(hats, c, cells, f.even));

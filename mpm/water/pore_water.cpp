@@ -201,7 +201,7 @@ double PoreWater::pressure_of(const Particles& p, std::size_t k, bool tears) con
 
 void PoreWater::refresh_point(Particles& p, std::size_t k, const PoreSoil& soil, const Vec2& gravity) const {
   const double outside = outside_pressure({p.x[k], p.y[k]}, gravity);
-  const bool air = sees_air(gravity), holds = (air || imposed() || p.content[k] > 0) && soil.holds_water();
+  const bool air = sees_air(gravity), holds = (air || p.content[k] > 0) && soil.holds_water();
   p.pressure[k] = holds ? pressure_of(p, k, air || tears()) : soil.has_pores() ? outside : 0;
   p.J_flow[k] = p.J[k];
 }
@@ -230,7 +230,7 @@ std::vector<double> PoreWater::displaced_mass(const Particles& p) const {
 
 double PoreWater::mass(const Particles& p, std::size_t k) const {
   const PoreSoil& soil = soil_of(p, k);
-  if (flows(p, k)) return p.volume0[k] * (soil.dry_density() + options_.density_kg_m3 * p.content[k]);
+  if (flows(p, k) || owes(p, k)) return p.volume0[k] * (soil.dry_density() + options_.density_kg_m3 * p.content[k]);
   if (!soil.drained || !level_) return p.mass[k];
   return p.volume0[k] * (soil.dry_density() + (p.y[k] < *level_ ? options_.density_kg_m3 * soil.porosity : 0));
 }
@@ -239,7 +239,7 @@ double PoreWater::potential_energy(const Particles& p, std::size_t k, const Vec2
   const Vec2 x(p.x[k], p.y[k]);
   // (Drained pores change places with the water outside at its pressure: that takes no work but the lift's.)
   const double volume = p.volume0[k] * (soil_of(p, k).drained ? 1 : p.J[k]);
-  return volume * outside_pressure(x, gravity) - (flows(p, k) ? mass(p, k) : p.mass[k]) * gravity.dot(x - reference_);
+  return volume * outside_pressure(x, gravity) - (flows(p, k) || owes(p, k) ? mass(p, k) : p.mass[k]) * gravity.dot(x - reference_);
 }
 
 double PoreWater::potential_energy(const Particles& p, const Vec2& gravity, int threads) const {
@@ -265,9 +265,10 @@ double PoreWater::swell(Particles& p, std::size_t k, double by) const {
 PoreWater::Sums PoreWater::sums(const Particles& p, const Vec2& gravity) const {
   Sums all;
   for (std::size_t k = 0; k < p.size(); ++k) {
-    if (p.cell[k] == Particles::ended || !flows(p, k)) continue;
-    all.energy += stored(p, k, gravity);
+    if (p.cell[k] == Particles::ended) continue;
     all.mass += flowing_mass(p, k);
+    if (!flows(p, k)) continue;
+    all.energy += stored(p, k, gravity);
     const double excess = excess_pressure(p, k, gravity), volume = p.volume0[k];
     all.excess += volume * excess;
     all.excess2 += volume * excess * excess;
