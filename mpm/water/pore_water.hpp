@@ -177,6 +177,7 @@ class PoreWater {
   bool by_temperature() const { return options_.properties == WaterProperties::by_temperature; }
   double thinned(const Particles& p, std::size_t k) const;  // viscosity at the reference temperature over that of the point
   bool tears() const { return imposed(); }
+  bool torn(const Particles& p, std::size_t k, const PoreSoil& soil) const;
   bool has_surface() const { return level_ || !options_.surface_m.empty(); }
   bool imposed() const { return options_.groundwater == Groundwater::level; }
   double level_at(double time) const;  // with a level
