@@ -90,7 +90,8 @@ void Restraints::apply_to_strain_velocity(double time, GridState& g, bool equili
 }
 
 bool Restraints::any_rubs() const {
-  return std::any_of(walls_.begin(), walls_.end(), [](const Wall& w) { return w.type == Type::frictional && w.friction > 0; });
+  return std::any_of(walls_.begin(), walls_.end(),
+                     [](const Wall& w) { return w.type == Type::frictional && w.friction > 0; });
 }
 
 std::vector<std::uint32_t> Restraints::rubbing(double time, const GridState& g) const {

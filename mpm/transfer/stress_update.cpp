@@ -29,7 +29,8 @@ struct Before {
 // The work of the step's mean stress on its strain.
 double work_of_mean(const StressBatch& b, std::size_t q, std::size_t k, const Stress& before) {
   const Stress from = turned_by(b.spin[q], before);
-  return 0.5 * ((from.xx + b.xx[k]) * b.de_xx[q] + (from.yy + b.yy[k]) * b.de_yy[q] + (from.zz + b.zz[k]) * b.de_zz[q]) +
+  return 0.5 *
+             ((from.xx + b.xx[k]) * b.de_xx[q] + (from.yy + b.yy[k]) * b.de_yy[q] + (from.zz + b.zz[k]) * b.de_zz[q]) +
          (from.xy + b.xy[k]) * b.de_xy[q];
 }
 
@@ -45,7 +46,8 @@ void update_shifted(const Material& material, const StressBatch& batch) {
   for (std::size_t q = 0; q < batch.size; ++q) {
     const std::size_t k = batch.places ? batch.places[q] : q;
     if (batch.shift[k] == 0) continue;
-    const double trial = (batch.xx[k] + batch.yy[k] + batch.zz[k]) / 3 + bulk * (batch.de_xx[q] + batch.de_yy[q] + batch.de_zz[q]);
+    const double trial =
+        (batch.xx[k] + batch.yy[k] + batch.zz[k]) / 3 + bulk * (batch.de_xx[q] + batch.de_yy[q] + batch.de_zz[q]);
     by[q] = std::min(batch.shift[k], most * std::max(0.0, -trial));
     any = true;
   }
@@ -62,14 +64,16 @@ void update_shifted(const Material& material, const StressBatch& batch) {
   add(-1);
 }
 
-// Beside bands: a shift that comes and goes lets strength jump from step to step, and much is done by a stress that the law no longer sees at
-// the end of its step. The plastic work is therefore that of the mean stress of each step, which with the elastic energy is all that was done
-// (docs/theory/mpm_heat.md#embedded-bands).
+// Beside bands: a shift that comes and goes lets strength jump from step to step, and much is done by a stress that the
+// law no longer sees at the end of its step. The plastic work is therefore that of the mean stress of each step, which
+// with the elastic energy is all that was done (docs/theory/mpm_heat.md#embedded-bands).
 void update_beside_bands(const Material& material, const StressBatch& batch) {
-  if (material.history().empty() || material.history()[plastic::strain].name != plastic_strain.name) return update_shifted(material, batch);
+  if (material.history().empty() || material.history()[plastic::strain].name != plastic_strain.name)
+    return update_shifted(material, batch);
   double* work = batch.history[plastic::work];
   const double* strain = batch.history[plastic::strain];
-  const double* opening = batch.history[plastic::opening] ? batch.history[plastic::opening] : strain;  // (some never open)
+  const double* opening =
+      batch.history[plastic::opening] ? batch.history[plastic::opening] : strain;  // (some never open)
   static thread_local std::vector<Before> before;
   before.resize(batch.size);
   for (std::size_t q = 0; q < batch.size; ++q) {
@@ -82,8 +86,10 @@ void update_beside_bands(const Material& material, const StressBatch& batch) {
     const std::size_t k = batch.places ? batch.places[q] : q;
     const auto& [from, work_before, strain_before, opening_before] = before[q];
     // (At the cone's tip, and where a point stands open, the law's own work is nothing.)
-    if (batch.shift[k] == 0 && work[k] == work_before && strain[k] == strain_before && opening[k] == opening_before) continue;
-    const double stored = elastic.energy(batch.xx[k], batch.yy[k], batch.zz[k], batch.xy[k]) - elastic.energy(from.xx, from.yy, from.zz, from.xy);
+    if (batch.shift[k] == 0 && work[k] == work_before && strain[k] == strain_before && opening[k] == opening_before)
+      continue;
+    const double stored = elastic.energy(batch.xx[k], batch.yy[k], batch.zz[k], batch.xy[k]) -
+                          elastic.energy(from.xx, from.yy, from.zz, from.xy);
     work[k] = work_before + work_of_mean(batch, q, k, from) - stored;
   }
 }
@@ -91,7 +97,8 @@ void update_beside_bands(const Material& material, const StressBatch& batch) {
 // `softened_by` is there if any law averages: the others take their own strain.
 void update_batch(const Material& material, StressBatch& batch) {
   if (!(material.nonlocal_length() > 0)) batch.softened_by = nullptr;
-  batch.shift && batch.dt > 0 ? update_beside_bands(material, batch) : material.update(batch);  // (no band has formed at the start)
+  batch.shift&& batch.dt > 0 ? update_beside_bands(material, batch)
+                             : material.update(batch);  // (no band has formed at the start)
 }
 
 }  // namespace

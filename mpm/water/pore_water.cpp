@@ -239,7 +239,8 @@ double PoreWater::potential_energy(const Particles& p, std::size_t k, const Vec2
   const Vec2 x(p.x[k], p.y[k]);
   // (Drained pores change places with the water outside at its pressure: that takes no work but the lift's.)
   const double volume = p.volume0[k] * (soil_of(p, k).drained ? 1 : p.J[k]);
-  return volume * outside_pressure(x, gravity) - (flows(p, k) || owes(p, k) ? mass(p, k) : p.mass[k]) * gravity.dot(x - reference_);
+  return volume * outside_pressure(x, gravity) -
+         (flows(p, k) || owes(p, k) ? mass(p, k) : p.mass[k]) * gravity.dot(x - reference_);
 }
 
 // (As of each point, without looking for its soil.)
@@ -255,7 +256,8 @@ double PoreWater::potential_energy(const Particles& p, const Vec2& gravity, int 
       const Vec2 x(p.x[k], p.y[k]);
       const bool has_water = holds && (p.content[k] != 0 || front);
       const double of_mass = has_water ? p.volume0[k] * (dry + options_.density_kg_m3 * p.content[k]) : p.mass[k];
-      return p.volume0[k] * (drained ? 1 : p.J[k]) * outside_pressure(x, gravity) - of_mass * gravity.dot(x - reference_);
+      return p.volume0[k] * (drained ? 1 : p.J[k]) * outside_pressure(x, gravity) -
+             of_mass * gravity.dot(x - reference_);
     });
   }
   return sum;
@@ -292,8 +294,8 @@ PoreWater::Sums PoreWater::sums(const Particles& p, const Vec2& gravity) const {
   return all;
 }
 
-// Does its water bear nothing, and will it not within some steps? (Single points that are compressed far hold too little: they would shorten
-// the steps of all.)
+// Does its water bear nothing, and will it not within some steps? (Single points that are compressed far hold too
+// little: they would shorten the steps of all.)
 bool PoreWater::torn(const Particles& p, std::size_t k, const PoreSoil& soil) const {
   constexpr double gap = 0.05;  // of the pores
   return tears() && p.content[k] + (p.swelling.empty() ? 0 : p.swelling[k]) < (1 - gap) * pores_of(p, k, soil);

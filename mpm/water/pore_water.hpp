@@ -114,7 +114,9 @@ class PoreWater {
   double mass(const Particles& p, std::size_t k) const;
   /// Potential energy with which a mass of water comes into a drained point, which follows the level; J/m, 0 for others.
   double brought(const Particles& p, std::size_t k, double mass, const Vec2& gravity) const {
-    return flows(p, k) || owes(p, k) || !level_ ? 0 : mass * -gravity.dot(Vec2(p.x[k], *level_) - Vec2(p.x[k], reference_.y()));
+    return flows(p, k) || owes(p, k) || !level_
+               ? 0
+               : mass * -gravity.dot(Vec2(p.x[k], *level_) - Vec2(p.x[k], reference_.y()));
   }
   double porosity(const Particles& p, std::size_t k) const;
   /// Over that of the water outside, Pa.
@@ -169,8 +171,8 @@ class PoreWater {
     return soils_.size() == 1 ? soils_.front() : soils_[std::size_t(set_->label[p.index[k]])];
   }
   bool flows(const Particles& p, std::size_t k) const { return (p.content[k] > 0 || !front_.empty()) && soil_of(p, k).holds_water(); }
-  // A point that has passed on more than it held, as its pores shrank or what they hold swelled, takes part in no flow any more, but what
-  // others have of it stays in the books.
+  // A point that has passed on more than it held, as its pores shrank or what they hold swelled, takes part in no flow
+  // any more, but what others have of it stays in the books.
   bool owes(const Particles& p, std::size_t k) const { return p.content[k] < 0 && soil_of(p, k).holds_water(); }
   double outside_pressure(const Vec2& x, const Vec2& gravity) const;
   double pressure_of(const Particles& p, std::size_t k, bool tears) const;

@@ -275,8 +275,8 @@ TEST(Bands, TheSmoothedStrainSpreadsAsMuchAsIsMadeUpFor) {
   }
 }
 
-// Strength that a band takes from step to step, and gives back: what the stresses do on the strains is stored or dissipated, also with
-// strains beyond the cone's tip and turns.
+// Strength that a band takes from step to step, and gives back: what the stresses do on the strains is stored or
+// dissipated, also with strains beyond the cone's tip and turns.
 TEST(Bands, StrengthThatComesAndGoesLosesNoWork) {
   MaterialOptions clay = test::sand(11, 4.5e8);
   Scene s = test::scene(Grid{{0, 0}, {1, 1}, 3, 3}, {test::rectangle("clay", 0, 0, 2, 2)}, {clay});
@@ -307,7 +307,8 @@ TEST(Bands, StrengthThatComesAndGoesLosesNoWork) {
     }
     update_stress(materials, p, 1, 1e-3);
     for (std::size_t k = 0; k < p.size(); ++k)
-      work[k] += 0.5 * ((before[k].xx + p.tau_xx[k]) * p.de_xx[k] + (before[k].yy + p.tau_yy[k]) * p.de_yy[k]) + (before[k].xy + p.tau_xy[k]) * p.de_xy[k];
+      work[k] += 0.5 * ((before[k].xx + p.tau_xx[k]) * p.de_xx[k] + (before[k].yy + p.tau_yy[k]) * p.de_yy[k]) +
+                 (before[k].xy + p.tau_xy[k]) * p.de_xy[k];
   }
   for (std::size_t k = 0; k < p.size(); ++k) {
     EXPECT_GT((*dissipated)[k], 1e4);

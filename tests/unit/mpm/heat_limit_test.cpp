@@ -1,5 +1,5 @@
-// What is outside the equations of heat is flagged in every state: hotter than 100 degrees, and a band's pressure above the total mean stress.
-// What passes on more water than it held is not, and is kept in the books.
+// What is outside the equations of heat is flagged in every state: hotter than 100 degrees, and a band's pressure above
+// the total mean stress. What passes on more water than it held is not, and is kept in the books.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -43,7 +43,8 @@ TEST(HeatLimit, FlagsBandsThatBoilOrOpen) {
   for (const std::size_t count : times) EXPECT_GT(count, 0u);
 }
 
-// Water that swells in a warm block with an imposed level leaves its points, more of it than they held: it stays in the books.
+// Water that swells in a warm block with an imposed level leaves its points, more of it than they held: it stays in the
+// books.
 TEST(HeatLimit, PointsMayOweWater) {
   const double h = 0.05;
   MaterialOptions m = saturated(1e6, 0.2, 0.3, 1e-3);
@@ -52,7 +53,9 @@ TEST(HeatLimit, PointsMayOweWater) {
   m.grain_thermal_expansion_1_k = 0;
   m.skeleton_thermal_expansion_1_k = 0;
   Scene s = scene(Grid{{0, 0}, {h, h}, 4, 5}, {rectangle("soil", 0, 0, 3 * h, 4 * h)}, {m});
-  s.boundaries = {{"base", line({0, 0}, {3 * h, 0}, "fixed")}, {"left", line({0, 0}, {0, 4 * h}, "roller")}, {"right", line({3 * h, 0}, {3 * h, 4 * h}, "roller")}};
+  s.boundaries = {{"base", line({0, 0}, {3 * h, 0}, "fixed")},
+                  {"left", line({0, 0}, {0, 4 * h}, "roller")},
+                  {"right", line({3 * h, 0}, {3 * h, 4 * h}, "roller")}};
   s.boundaries[0].second.temperature_c = 60;
   s.water.emplace();
   s.water->bulk_modulus_pa = 1e6;
