@@ -89,8 +89,14 @@ void Restraints::apply_to_strain_velocity(double time, GridState& g, bool equili
   }
 }
 
+bool Restraints::any_rubs() const {
+  return std::any_of(walls_.begin(), walls_.end(),
+                     [](const Wall& w) { return w.type == Type::frictional && w.friction > 0; });
+}
+
 std::vector<std::uint32_t> Restraints::rubbing(double time, const GridState& g) const {
   std::vector<std::uint32_t> nodes;
+  if (!any_rubs()) return nodes;
   for (const RestrainedNode& at : nodes_) {
     if (!(g.node[at.node].mass > 0)) continue;
     for (std::size_t w = 0; w < at.walls.size(); ++w)
@@ -104,6 +110,7 @@ std::vector<std::uint32_t> Restraints::rubbing(double time, const GridState& g) 
 }
 
 void Restraints::press(std::span<const std::uint32_t> nodes, std::span<const Vec2> impulses, const GridState& g) {
+  if (!any_rubs()) return;
   std::size_t k = 0;
   for (RestrainedNode& at : nodes_) {
     at.pressed = Vec2::Zero();

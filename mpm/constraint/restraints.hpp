@@ -67,6 +67,7 @@ class Restraints {
   Vec2 restrain(const RestrainedNode& at, double time, Vec2 v, bool with_friction, bool& stuck, bool equilibrium) const;
   void apply_friction(const RestrainedNode& at, double time, Vec2& v, bool with_friction, bool& stuck) const;
 
+  bool any_rubs() const;
   std::vector<Wall> walls_;
   TiedSides tied_;
   std::vector<RestrainedNode> nodes_;  // in the order of their index

@@ -76,13 +76,16 @@ enum Flag : std::size_t { separated };  // 1 once the point has separated: no te
 struct Stress {
   double xx, yy, zz, xy;
 };
-inline Stress rotated(const StressBatch& b, std::size_t k) {
-  const double t = 0.5 * b.spin[k], scale = 1 / (1 + t * t);
+inline Stress turned_by(double spin, const Stress& stress) {
+  const double t = 0.5 * spin, scale = 1 / (1 + t * t);
   const double c = (1 - t * t) * scale, s = 2 * t * scale;  // cosine and sine of the turn
-  const double mean = 0.5 * (b.xx[k] + b.yy[k]), half = 0.5 * (b.xx[k] - b.yy[k]), xy = b.xy[k];
+  const double mean = 0.5 * (stress.xx + stress.yy), half = 0.5 * (stress.xx - stress.yy), xy = stress.xy;
   const double c2 = c * c - s * s, s2 = 2 * c * s;
   const double half_turned = c2 * half - s2 * xy;
-  return {mean + half_turned, mean - half_turned, b.zz[k], s2 * half + c2 * xy};
+  return {mean + half_turned, mean - half_turned, stress.zz, s2 * half + c2 * xy};
+}
+inline Stress rotated(const StressBatch& b, std::size_t k) {
+  return turned_by(b.spin[k], {b.xx[k], b.yy[k], b.zz[k], b.xy[k]});
 }
 inline void add_elastic(const Elastic& e, double de_xx, double de_yy, double de_zz, double de_xy, Stress& s) {
   const double volumetric = e.lambda * (de_xx + de_yy + de_zz), two_shear = 2 * e.shear;

@@ -230,7 +230,7 @@ std::vector<double> PoreWater::displaced_mass(const Particles& p) const {
 
 double PoreWater::mass(const Particles& p, std::size_t k) const {
   const PoreSoil& soil = soil_of(p, k);
-  if (flows(p, k)) return p.volume0[k] * (soil.dry_density() + options_.density_kg_m3 * p.content[k]);
+  if (flows(p, k) || owes(p, k)) return p.volume0[k] * (soil.dry_density() + options_.density_kg_m3 * p.content[k]);
   if (!soil.drained || !level_) return p.mass[k];
   return p.volume0[k] * (soil.dry_density() + (p.y[k] < *level_ ? options_.density_kg_m3 * soil.porosity : 0));
 }
@@ -239,11 +239,28 @@ double PoreWater::potential_energy(const Particles& p, std::size_t k, const Vec2
   const Vec2 x(p.x[k], p.y[k]);
   // (Drained pores change places with the water outside at its pressure: that takes no work but the lift's.)
   const double volume = p.volume0[k] * (soil_of(p, k).drained ? 1 : p.J[k]);
-  return volume * outside_pressure(x, gravity) - (flows(p, k) ? mass(p, k) : p.mass[k]) * gravity.dot(x - reference_);
+  return volume * outside_pressure(x, gravity) -
+         (flows(p, k) || owes(p, k) ? mass(p, k) : p.mass[k]) * gravity.dot(x - reference_);
 }
 
+// (As of each point, without looking for its soil.)
 double PoreWater::potential_energy(const Particles& p, const Vec2& gravity, int threads) const {
-  return sum_over(p.size(), threads, [&](std::size_t k) { return p.cell[k] == Particles::ended ? 0 : potential_energy(p, k, gravity); });
+  double sum = 0;
+  for (const Particles::Body& body : p.bodies) {
+    const PoreSoil& soil = soils_[std::size_t(body.material)];
+    const bool drained = soil.drained, holds = soil.holds_water(), front = !front_.empty();
+    const double dry = soil.dry_density();
+    sum += sum_over(body.end - body.begin, threads, [&](std::size_t from) {
+      const std::size_t k = body.begin + from;
+      if (p.cell[k] == Particles::ended) return 0.0;
+      const Vec2 x(p.x[k], p.y[k]);
+      const bool has_water = holds && (p.content[k] != 0 || front);
+      const double of_mass = has_water ? p.volume0[k] * (dry + options_.density_kg_m3 * p.content[k]) : p.mass[k];
+      return p.volume0[k] * (drained ? 1 : p.J[k]) * outside_pressure(x, gravity) -
+             of_mass * gravity.dot(x - reference_);
+    });
+  }
+  return sum;
 }
 
 double PoreWater::stored(const Particles& p, std::size_t k, const Vec2& gravity) const {
@@ -265,9 +282,10 @@ double PoreWater::swell(Particles& p, std::size_t k, double by) const {
 PoreWater::Sums PoreWater::sums(const Particles& p, const Vec2& gravity) const {
   Sums all;
   for (std::size_t k = 0; k < p.size(); ++k) {
-    if (p.cell[k] == Particles::ended || !flows(p, k)) continue;
-    all.energy += stored(p, k, gravity);
+    if (p.cell[k] == Particles::ended) continue;
     all.mass += flowing_mass(p, k);
+    if (!flows(p, k)) continue;
+    all.energy += stored(p, k, gravity);
     const double excess = excess_pressure(p, k, gravity), volume = p.volume0[k];
     all.excess += volume * excess;
     all.excess2 += volume * excess * excess;
@@ -276,20 +294,30 @@ PoreWater::Sums PoreWater::sums(const Particles& p, const Vec2& gravity) const {
   return all;
 }
 
+// Does its water bear nothing, and will it not within some steps? (Single points that are compressed far hold too
+// little: they would shorten the steps of all.)
+bool PoreWater::torn(const Particles& p, std::size_t k, const PoreSoil& soil) const {
+  constexpr double gap = 0.05;  // of the pores
+  return tears() && p.content[k] + (p.swelling.empty() ? 0 : p.swelling[k]) < (1 - gap) * pores_of(p, k, soil);
+}
+
 PoreWater::Rates PoreWater::rates(const Particles& p) const {
   Rates rates;
   rates.stiffness.assign(soils_.size(), 0.0);
   for (const Particles::Body& body : p.bodies) {
     const PoreSoil& soil = soils_[std::size_t(body.material)];
     if (!soil.holds_water()) continue;
-    double least = std::numeric_limits<double>::max(), most = 0, mobility = soil.mobility;
+    double least = std::numeric_limits<double>::max(), most = 0, smallest = least, mobility = soil.mobility;
     for (std::size_t k = body.begin; k < body.end; ++k) {
       if (p.cell[k] == Particles::ended || !(p.content[k] > 0)) continue;
+      smallest = std::min(smallest, p.J[k]);
+      if (torn(p, k, soil)) continue;
       least = std::min(least, p.J[k]);
       most = std::max(most, p.J[k]);
     }
-    if (!(most > 0)) continue;
-    rates.least_pores = std::min(rates.least_pores, (least - (1 - soil.porosity)) / soil.porosity);
+    if (smallest == std::numeric_limits<double>::max()) continue;
+    if (tears()) least = std::min(least, 1.0), most = std::max(most, 1.0);
+    rates.least_pores = std::min(rates.least_pores, (smallest - (1 - soil.porosity)) / soil.porosity);
     if (soil.kozeny_carman || by_temperature()) mobility = *std::max_element(p.mobility.begin() + std::ptrdiff_t(body.begin), p.mobility.begin() + std::ptrdiff_t(body.end));
     // J^2/(J - solid) and 1 - solid/J are greatest and least where J is.
     const auto pores = [&](double J) { return std::max(least_pores, J - (1 - soil.porosity)); };

@@ -121,7 +121,9 @@ class PoreWater {
   }
   /// Potential energy with which a mass of water comes into a drained point, which follows the level; J/m, 0 for others.
   double brought(const Particles& p, std::size_t k, double mass, const Vec2& gravity) const {
-    return flows(p, k) || !level_ ? 0 : mass * -gravity.dot(Vec2(p.x[k], *level_) - Vec2(p.x[k], reference_.y()));
+    return flows(p, k) || owes(p, k) || !level_
+               ? 0
+               : mass * -gravity.dot(Vec2(p.x[k], *level_) - Vec2(p.x[k], reference_.y()));
   }
   double porosity(const Particles& p, std::size_t k) const;
   /// Over that of the water outside, Pa.
@@ -135,7 +137,7 @@ class PoreWater {
   double stored(const Particles& p, std::size_t k, const Vec2& gravity) const;
   /// Mass of the water in a point, where it flows; else 0. kg/m.
   double flowing_mass(const Particles& p, std::size_t k) const {
-    return flows(p, k) ? options_.density_kg_m3 * p.volume0[k] * p.content[k] : 0;
+    return flows(p, k) || owes(p, k) ? options_.density_kg_m3 * p.volume0[k] * p.content[k] : 0;
   }
   /// Where its properties follow the temperature: permeability is given at this one, and from here on that of the points counts.
   void take_reference_temperature(Particles& p, double celsius);
@@ -176,11 +178,15 @@ class PoreWater {
     return soils_.size() == 1 ? soils_.front() : soils_[std::size_t(set_->label[p.index[k]])];
   }
   bool flows(const Particles& p, std::size_t k) const { return (p.content[k] > 0 || !front_.empty()) && soil_of(p, k).holds_water(); }
+  // A point that has passed on more than it held, as its pores shrank or what they hold swelled, takes part in no flow
+  // any more, but what others have of it stays in the books.
+  bool owes(const Particles& p, std::size_t k) const { return p.content[k] < 0 && soil_of(p, k).holds_water(); }
   double outside_pressure(const Vec2& x, const Vec2& gravity) const;
   double pressure_of(const Particles& p, std::size_t k, bool tears) const;
   bool by_temperature() const { return options_.properties == WaterProperties::by_temperature; }
   double thinned(const Particles& p, std::size_t k) const;  // viscosity at the reference temperature over that of the point
   bool tears() const { return imposed(); }
+  bool torn(const Particles& p, std::size_t k, const PoreSoil& soil) const;
   bool has_surface() const { return level_ || !options_.surface_m.empty(); }
   bool imposed() const { return options_.groundwater == Groundwater::level; }
   double level_at(double time) const;  // with a level

@@ -6,9 +6,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
+#include <vector>
 
 #include "mpm/heat/bands.hpp"
+#include "mpm/scene/scene_setup.hpp"
+#include "mpm/step/frames.hpp"
+#include "mpm/transfer/stress_update.hpp"
 #include "tests/support/heated_band.hpp"
+#include "tests/unit/mpm/scenes.hpp"
 
 namespace pivnp::mpm {
 namespace {
@@ -266,6 +272,47 @@ TEST(Bands, TheSmoothedStrainSpreadsAsMuchAsIsMadeUpFor) {
     const double rise = 3e5 / of.capacity * of.beta / soil.storage;
     EXPECT_NEAR(band.over_pressure(0.01), rise * (0.5 / 0.01 - 1 + soil.spread), 1e-9 * rise);
     EXPECT_NEAR(band.pressure.back(), -rise * soil.spread / 2, 1e-9 * rise);
+  }
+}
+
+// Strength that a band takes from step to step, and gives back: what the stresses do on the strains is stored or
+// dissipated, also with strains beyond the cone's tip and turns.
+TEST(Bands, StrengthThatComesAndGoesLosesNoWork) {
+  MaterialOptions clay = test::sand(11, 4.5e8);
+  Scene s = test::scene(Grid{{0, 0}, {1, 1}, 3, 3}, {test::rectangle("clay", 0, 0, 2, 2)}, {clay});
+  GridState g(s.grid, ShapeKind::gimp);
+  const Materials materials = materials_of(s);
+  SolverState state = initial_state(s, scheme_of(test::options()), g, materials);
+  Particles& p = state.particles;
+  p.shift.assign(p.size(), 0.0);
+  p.resize_increments(p.size());
+  const Elastic& elastic = materials[0]->elastic();
+  const Array* dissipated = p.history.find(plastic_work.name);
+  const auto stored = [&](std::size_t k) { return elastic.energy(p.tau_xx[k], p.tau_yy[k], p.tau_zz[k], p.tau_xy[k]); };
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> any(-1, 1);
+  std::vector<double> work(p.size(), 0.0), start(p.size());
+  for (std::size_t k = 0; k < p.size(); ++k) {
+    p.tau_xx[k] = p.tau_yy[k] = p.tau_zz[k] = -1e6;
+    start[k] = stored(k);
+  }
+  for (int step = 0; step < 2000; ++step) {
+    std::vector<Stress> before;
+    for (std::size_t k = 0; k < p.size(); ++k) {
+      p.shift[k] = 1e6 * std::max(0.0, any(random)) * (step % 3 > 0);
+      p.de_xx[k] = 3e-4 * any(random), p.de_yy[k] = 3e-4 * any(random);
+      p.de_xy[k] = 2e-3 * (1 + any(random));
+      p.spin[k] = 1e-2 * any(random);
+      before.push_back(turned_by(p.spin[k], {p.tau_xx[k], p.tau_yy[k], p.tau_zz[k], p.tau_xy[k]}));
+    }
+    update_stress(materials, p, 1, 1e-3);
+    for (std::size_t k = 0; k < p.size(); ++k)
+      work[k] += 0.5 * ((before[k].xx + p.tau_xx[k]) * p.de_xx[k] + (before[k].yy + p.tau_yy[k]) * p.de_yy[k]) +
+                 (before[k].xy + p.tau_xy[k]) * p.de_xy[k];
+  }
+  for (std::size_t k = 0; k < p.size(); ++k) {
+    EXPECT_GT((*dissipated)[k], 1e4);
+    EXPECT_NEAR(stored(k) - start[k] + (*dissipated)[k], work[k], 1e-10 * (*dissipated)[k]);
   }
 }
 
