@@ -66,7 +66,8 @@ std::vector<std::vector<Near>> columns_of(const std::vector<Near>& near) {
   };
   for (const Near& n : near) {
     const auto column = nearest(n.on);
-    if (n.beside && (column == columns.end() || std::abs(column->front().on - n.on) > 0.5 * n.side)) columns.push_back({n});
+    if (n.beside && (column == columns.end() || std::abs(column->front().on - n.on) > 0.5 * n.side))
+      columns.push_back({n});
   }
   std::sort(columns.begin(), columns.end(), [](const auto& m, const auto& n) { return m.front().on < n.front().on; });
   for (const Near& n : near) {

@@ -107,15 +107,17 @@ TEST(Tractions, FreeSidesBesideALoadStayQuiet) {
   }
 }
 
-// Two opposite loads on a block that nothing else holds, wherever its faces lie in their cells: as dead loads they add up to
-// nothing, by the shape functions' partition of unity, and the block stays where it is. (Faces that leave out a row of
-// points, so that the next is up to a side inside, were refused.)
+// Two opposite loads on a block that nothing else holds, wherever its faces lie in their cells: as dead loads they add
+// up to nothing, by the shape functions' partition of unity, and the block stays where it is. (Faces that leave out a
+// row of points, so that the next is up to a side inside, were refused.)
 TEST(Tractions, OppositeLoadsDoNotMoveAFreeBlock) {
   constexpr double h = 0.01, q = 5e4;
   for (const double lift : {0.1, 0.3, 0.4}) {
     const double low = lift * h, high = 0.1 + lift * h;
-    Scene s = scene(Grid{{-4 * h, -4 * h}, {h, h}, 19, 19}, {rectangle("block", 0, low, 0.1, high)}, {elastic(1e6, 0.3, 1000)});
-    s.boundaries = {{"top", load_on({0, high}, {0.1, high}, {0, -q}, 0.05)}, {"base", load_on({0, low}, {0.1, low}, {0, q}, 0.05)}};
+    Scene s = scene(Grid{{-4 * h, -4 * h}, {h, h}, 19, 19}, {rectangle("block", 0, low, 0.1, high)},
+                    {elastic(1e6, 0.3, 1000)});
+    s.boundaries = {{"top", load_on({0, high}, {0.1, high}, {0, -q}, 0.05)},
+                    {"base", load_on({0, low}, {0.1, low}, {0, q}, 0.05)}};
     MpmOptions o = options();
     o.end_at_rest = false;
     Solver solver(o, s, 1);

@@ -72,8 +72,9 @@ TEST(PoreEnergy, ARowBetweenLightNodesDoesNotGrow) {
   }
 }
 
-// A load on pervious soil that drains in little more than the time of its waves: the light nodes beyond its face take energy neither in nor
-// out, however short the steps. (As a continuation of the nodes inside, whatever the load, they gave up to a fifth of the work, two thirds in steps of a quarter.)
+// A load on pervious soil that drains in little more than the time of its waves: the light nodes beyond its face take
+// energy neither in nor out, however short the steps. (As a continuation of the nodes inside, whatever the load, they
+// gave up to a fifth of the work, two thirds in steps of a quarter.)
 TEST(PoreEnergy, ALoadOnPerviousSoilGivesItsWorkOnly) {
   WaterColumn c;
   c.young = 4e6;

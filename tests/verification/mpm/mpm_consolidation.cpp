@@ -190,11 +190,15 @@ TEST(MpmLargeConsolidationSmall, CompressedByAThird) {
 }
 
 TEST(MpmLargeConsolidation, CompressedByAThird) {
-  for (const auto& [shape, name, cells] : {std::tuple{ShapeKind::bspline, "bspline without averages", 12}, {ShapeKind::gimp, "gimp with F-bar", 20}})
+  for (const auto& [shape, name, cells] :
+       {std::tuple{ShapeKind::bspline, "bspline without averages", 12}, {ShapeKind::gimp, "gimp with F-bar", 20}})
     for (const double porosity : {0.5, 0.65}) {
-      const LargeStrain d = large_strain(shape, PressureScheme::in_steps, porosity < 0.6 ? 1e6 : 3e5, 0.3, porosity, porosity < 0.6 ? 1e-6 : 1e-8, 10, cells, {0.1, 0.3, 0.7});
-      pivnp::test::verification_row("consolidation with compression by a third, " + std::string(name) + ", porosity " + number(porosity, 2) + ", " + std::to_string(cells) + " cells",
-                                    "pressure within 2 % of the load, settlement within 2 % of the one-dimensional finite-strain solution at T .1, .3, .7",
+      const LargeStrain d = large_strain(shape, PressureScheme::in_steps, porosity < 0.6 ? 1e6 : 3e5, 0.3, porosity,
+                                         porosity < 0.6 ? 1e-6 : 1e-8, 10, cells, {0.1, 0.3, 0.7});
+      pivnp::test::verification_row("consolidation with compression by a third, " + std::string(name) + ", porosity " +
+                                        number(porosity, 2) + ", " + std::to_string(cells) + " cells",
+                                    "pressure within 2 % of the load, settlement within 2 % of the one-dimensional "
+                                    "finite-strain solution at T .1, .3, .7",
                                     number(100 * d.pressure, 2) + " %, " + number(100 * d.settlement, 2) + " %");
       expect_within(d);
     }
