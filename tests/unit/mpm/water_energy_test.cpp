@@ -73,8 +73,8 @@ TEST(PoreEnergy, ARowBetweenLightNodesDoesNotGrow) {
 }
 
 // A load on pervious soil that drains in little more than the time of its waves: the light nodes beyond its face take
-// energy neither in nor out, however short the steps. (As a continuation of the nodes inside, whatever the load, they gave
-// a third of its work, and two and a half times of it in steps of a quarter.)
+// energy neither in nor out, however short the steps. (As a continuation of the nodes inside, whatever the load, they
+// gave a third of its work, and two and a half times of it in steps of a quarter.)
 TEST(PoreEnergy, ALoadOnPerviousSoilGivesItsWorkOnly) {
   WaterColumn c;
   c.young = 4e6;
