@@ -13,14 +13,15 @@ namespace pivnp::mpm {
 
 namespace {
 
-constexpr double beside_face = 0.75;  // of a point's side: the points next to a face are nearer to it
+// Of a point's side: the points next to a face are nearer to it; where it just leaves out a row, the next one is not.
+constexpr double beside_face = 0.75, beside_cut_face = 1.001;
 constexpr double whole = 6, torn = 12;  // |F|^2 of a column's points: the stress is that of f up to one, and gone from the other on
 
 // A point near a line: its place along it, its depth under the face (at first: to the line's left), and its side.
 struct Near {
   std::size_t particle;
   double on, off, side;
-  bool beside() const { return std::abs(off) < beside_face * side; }
+  bool beside = false;  // the face
 };
 
 // The points of the material that has a face, from the face down; `normal`: out of it.
@@ -34,12 +35,16 @@ std::vector<Near> points_under(const std::string& key, const Vec2& from, const V
     const Near n{k, d.dot(along), d.dot(left), std::sqrt(double(particles.area[k]))};
     if (n.on < 0 || n.on > length || std::abs(n.off) >= depth) continue;
     near.push_back(n);
-    if (n.beside()) labels.insert(particles.label[k]);
+  }
+  for (const double within : {beside_face, beside_cut_face}) {
+    if (!labels.empty()) break;
+    for (Near& n : near)
+      if ((n.beside = std::abs(n.off) < within * n.side)) labels.insert(particles.label[n.particle]);
   }
   if (labels.empty()) throw InputError(key + ".line_m: no particle lies along it, expected a face of the material");
   std::erase_if(near, [&](const Near& n) { return !labels.contains(particles.label[n.particle]); });
   const auto beyond = [&](double sign) {
-    return std::count_if(near.begin(), near.end(), [&](const Near& n) { return sign * n.off > 0 && !n.beside(); });
+    return std::count_if(near.begin(), near.end(), [&](const Near& n) { return sign * n.off > 0 && !n.beside; });
   };
   const auto to_left = beyond(1), to_right = beyond(-1);
   if (2 * std::min(to_left, to_right) > std::max(to_left, to_right))
@@ -47,7 +52,7 @@ std::vector<Near> points_under(const std::string& key, const Vec2& from, const V
   const bool right = to_right > to_left;
   normal = right ? left : Vec2(-left);
   for (Near& n : near) n.off = right ? -n.off : n.off;
-  std::erase_if(near, [](const Near& n) { return n.off < 0 && !n.beside(); });
+  std::erase_if(near, [](const Near& n) { return n.off < 0 && !n.beside; });
   std::stable_sort(near.begin(), near.end(), [](const Near& m, const Near& n) { return m.off < n.off; });
   return near;
 }
@@ -61,7 +66,8 @@ std::vector<std::vector<Near>> columns_of(const std::vector<Near>& near) {
   };
   for (const Near& n : near) {
     const auto column = nearest(n.on);
-    if (n.beside() && (column == columns.end() || std::abs(column->front().on - n.on) > 0.5 * n.side)) columns.push_back({n});
+    if (n.beside && (column == columns.end() || std::abs(column->front().on - n.on) > 0.5 * n.side))
+      columns.push_back({n});
   }
   std::sort(columns.begin(), columns.end(), [](const auto& m, const auto& n) { return m.front().on < n.front().on; });
   for (const Near& n : near) {

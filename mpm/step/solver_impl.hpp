@@ -79,6 +79,7 @@ struct Solver::Impl {
   void end_step(const Cycle& c);
   bool maps_and_advances() const;
   SmallMassNodes::Rule small_nodes() const;
+  double load_strain() const;
   void take_mapped_velocity(const Cycle& c);
   void apply_restraints(const Cycle& c, bool counted);
   void restrain_strain_velocity();

@@ -1,5 +1,7 @@
 // The cycle of appendix A; equation numbers are the thesis'.
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "mpm/grid/sweeps.hpp"
 #include "mpm/step/own_frequency.hpp"
@@ -94,10 +96,24 @@ bool Solver::Impl::maps_and_advances() const {
          !scheme.axisymmetric && !has_inertia();
 }
 
+// The greatest traction over the least Young's modulus.
+double Solver::Impl::load_strain() const {
+  double load = 0, young = std::numeric_limits<double>::infinity();
+  for (const auto& [name, boundary] : scene.boundaries)
+    if (boundary.type == BoundaryType::traction && boundary.traction_pa)
+      load = std::max(load, std::hypot((*boundary.traction_pa)[0], (*boundary.traction_pa)[1]));
+  for (const auto& material : materials)
+    if (material->elastic().young > 0) young = std::min(young, material->elastic().young);
+  return load / young;
+}
+
 SmallMassNodes::Rule Solver::Impl::small_nodes() const {
   const bool gains = water && scheme.transfer == TransferKind::flip;  // nodes that go on linearly drive FLIP's noise in full pores
   const bool loaded = scheme.stress == StressUpdate::usl && loading.tractions().any() && !gains;
-  const double share = water && scheme.shape == ShapeKind::bilinear ? least_linear_mass : loaded ? least_loaded_mass : least_mass;
+  const double share = water && scheme.shape == ShapeKind::bilinear ? least_linear_mass
+                       : !loaded                                    ? least_mass
+                       : water ? std::clamp(load_strain() * load_strain() / 8, least_mass, least_loaded_mass)
+                               : least_loaded_mass;
   return {share * least_density() * g.grid.spacing.prod(), loaded};
 }
 

@@ -80,6 +80,7 @@ refused("millimetres", changed(COLUMN, "area_m = [[0.0, 0.0], [0.08, 0.16]]", "a
 refused("cells too small", changed(COLUMN, "spacing_m = 0.02", "spacing_m = 1.6e-6"), "spacing_m", "grid.spacing_m", "nodes")
 refused("domain", changed(COLUMN, "[mpm]", "[mpm]\ndomain_m = [[0.0, 0.0], [800.0, 1600.0]]"), "domain_m", "mpm.domain_m", "nodes")
 refused("rate", changed(COLUMN, "output_rate_hz = 100.0", "output_rate_hz = 1e9"), "output_rate_hz", "mpm.output_rate_hz", "states")
+refused("end before the first output", changed(COLUMN, "output_rate_hz = 100.0", "output_rate_hz = 40.0"), "end_s", "mpm.end_s: found 0.02 s", "0.025 s")
 refused("courant", changed(COLUMN, "[mpm]", "[mpm]\ncourant = 1e-300"), "courant", "mpm.courant", "steps")
 refused("points", changed(changed(COLUMN, "spacing_m = 0.02", "spacing_m = 2e-5"), "[mpm]", "[mpm]\nper_element = 100"),
         "spacing_m", "grid.spacing_m", "points")

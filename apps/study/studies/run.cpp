@@ -45,8 +45,6 @@ std::vector<double> output_times(const Case& c, const std::vector<Frame>& frames
     for (const Frame& frame : frames)
       if (frame.time <= end * (1 + 1e-12)) times.push_back(frame.time);
   }
-  if (times.size() < 2 && c.mpm->end_s && c.mpm->output_rate_hz)
-    throw InputError(with_place(c, "mpm.end_s: found " + number(end) + " s, expected 1/output_rate_hz = " + number(1 / *c.mpm->output_rate_hz) + " s at least"));
   if (times.size() < 2)
     throw InputError(of_file(c) + ": mpm: there is nothing to simulate; give end_s and output_rate_hz, or frames");
   return times;

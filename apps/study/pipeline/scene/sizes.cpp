@@ -92,6 +92,9 @@ void size_simulation(const Case& c, const Setting& setting, std::size_t frames, 
   require_at_most(size.points, most_particles, "material points", spacing.key, spacing.value);
   const double end = o.end_s.value_or(end_s);
   size.states = o.output_rate_hz ? std::floor(end * *o.output_rate_hz) + 1 : double(frames);
+  if (o.end_s && o.output_rate_hz && !(std::floor(end * *o.output_rate_hz + 1e-9) >= 1))
+    throw InputError("mpm.end_s: found " + number(end) +
+                     " s, expected 1/output_rate_hz = " + number(1 / *o.output_rate_hz) + " s at least");
   require_at_most(size.states, most_states, "states", "mpm.output_rate_hz", toml_text(o.output_rate_hz));
   const Laws materials(c, std::sqrt(grid.spacing.prod()));
   const bool longer = mpm::steps_by_arrangement(mpm::scheme_of(o), !c.bodies.empty() || !c.contacts.empty(), materials.wet);
