@@ -129,7 +129,7 @@ TEST_P(AgainstReference, VelocityPlaceAndAffineFieldOfThePoints) {
 TEST_P(AgainstReference, StrainIncrementsOfThePoints) {
   on_every_target([&] {
     for (const StressUpdate stress : {StressUpdate::musl, StressUpdate::usl})
-      for (const double size : {1e-5, 1e-3, 0.1}) for (const bool axisymmetric : geometries(GetParam())) {
+      for (const double size : {1e-5, 1e-3, 0.02, 0.1}) for (const bool axisymmetric : geometries(GetParam())) {
         Disorder d(GetParam(), stress, axisymmetric);
         Particles& p = d.state.particles;
         d.move_nodes(0.1 * size);
