@@ -52,6 +52,25 @@ HWY_NOINLINE inline void polar_by_points(LaneGradient G, double* trace, double* 
   });
 }
 
+// The first `n` terms of a series: pairs of terms by x, pairs of those by x^2, and so on (Estrin), the shortest chain;
+// only the chain of one tile is in this.
+template <int n, std::size_t size>
+HWY_INLINE V terms(const double (&c)[size], int first, const V* powers) {
+  if constexpr (n == 1) {
+    return set(c[first]);
+  } else {
+    constexpr int level = n > 8 ? 3 : n > 4 ? 2 : n > 2 ? 1 : 0, half = 1 << level;
+    return hn::MulAdd(terms<n - half>(c, first + half, powers), powers[level], terms<half>(c, first, powers));
+  }
+}
+template <int n, std::size_t size>
+HWY_INLINE V paired(V x, const double (&c)[size]) {
+  static_assert(n >= 2 && n <= 16 && n <= int(size));
+  V powers[4] = {x};
+  for (int k = 1; k < 4; ++k) powers[k] = powers[k - 1] * powers[k - 1];
+  return terms<n>(c, 0, powers);
+}
+
 constexpr double log1p_series[] = {1, -1.0 / 2, 1.0 / 3, -1.0 / 4, 1.0 / 5, -1.0 / 6, 1.0 / 7, -1.0 / 8, 1.0 / 9};
 constexpr double exp_series[] = {1, 1, 1.0 / 2, 1.0 / 6, 1.0 / 24, 1.0 / 120, 1.0 / 720, 1.0 / 5040};
 // Of artanh(x)/(2 x) and 2 tan(atan(x)/2)/x, in squares.
@@ -59,7 +78,7 @@ constexpr double half_artanh_series[] = {0.5, 0.5 / 3, 0.5 / 5, 0.5 / 7, 0.5 / 9
 constexpr double half_angle_series[] = {1, -1.0 / 4, 1.0 / 8, -5.0 / 64, 7.0 / 128};
 
 // ln(1 + x) of small x.
-HWY_INLINE V small_log1p(V x) { return x * polynomial<9>(x, log1p_series); }
+HWY_INLINE V small_log1p(V x) { return x * paired<9>(x, log1p_series); }
 
 HWY_INLINE V lane_log_det(const LaneGradient& G) {
   const D d;
@@ -82,7 +101,7 @@ HWY_INLINE V lane_log1p(V x) {
 
 HWY_INLINE V lane_exp(V x) {
   const D d;
-  if (HWY_LIKELY(hn::AllTrue(d, hn::Le(hn::Abs(x), set(small_change))))) return polynomial<8>(x, exp_series);
+  if (HWY_LIKELY(hn::AllTrue(d, hn::Le(hn::Abs(x), set(small_change))))) return paired<8>(x, exp_series);
   HWY_ALIGN double out[n_lanes];
   hn::Store(x, d, out);
   for (double& v : out) v = std::exp(v);
@@ -103,7 +122,7 @@ HWY_INLINE LanePolar lane_polar(const LaneGradient& G, V change) {
   const M small =
       hn::And(hn::And(parts, hn::Le(hn::Abs(change), set(small_change))), hn::Le(hn::Max(m2, t2), set(small_square)));
   if (HWY_LIKELY(hn::AllTrue(d, small))) {
-    const V artanh = polynomial<5>(m2, half_artanh_series), half_angle = polynomial<5>(t2, half_angle_series);
+    const V artanh = paired<5>(m2, half_artanh_series), half_angle = paired<5>(t2, half_angle_series);
     return {small_log1p(change), artanh * half, artanh * xy, half_angle * tan};
   }
   HWY_ALIGN double trace_of[n_lanes], half_lane[n_lanes], xy_of[n_lanes], spin_of[n_lanes];
