@@ -61,8 +61,6 @@ HWY_INLINE void find_suspects(const CellView& c, const TileCells& cells, const T
   const D d;
   const V low = set(c.origin == 0 ? 0 : -0.5), high = set(c.origin == 0 ? 1 : 0.5);
   M inside = hn::And(hn::And(hn::Ge(at.xi, low), hn::Lt(at.xi, high)), hn::And(hn::Ge(at.eta, low), hn::Lt(at.eta, high)));
-  if constexpr (!Tile::marked)
-    if (HWY_LIKELY(hn::AllTrue(d, inside))) return;
   if constexpr (Tile::marked)
     if (cells.any_mark() & at_edge)
       inside = hn::And(inside, hn::And(hn::And(hn::Ge(at.xi, begins(cells.i)), hn::Lt(at.xi, ends(cells.i, c.nx))),
