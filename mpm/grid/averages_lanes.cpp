@@ -6,6 +6,8 @@
 #include <hwy/foreach_target.h>  // compiles this file once for every instruction set
 #include <hwy/highway.h>
 
+#include <hwy/cache_control.h>
+
 #include "mpm/simd/rows-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -17,6 +19,14 @@ struct Cells {
   const Tag d;
   const AverageArrays& a;
   const std::ptrdiff_t n;
+
+  // What is wanted of the nodes that come in a while: the arrays are too many for the processor to follow them by
+  // itself.
+  template <class T>
+  HWY_INLINE void ahead(const T* at) const {
+    const auto* from = reinterpret_cast<const char*>(at + n + 24);
+    for (std::size_t line = 0; line < hn::MaxLanes(d) * sizeof(T); line += 64) hwy::Prefetch(from + line);
+  }
 
   // Numbers that lie side by side, four or two a node.
   struct Four {
@@ -38,6 +48,10 @@ struct Cells {
   HWY_INLINE void put(V x, V y, AlongAxes* field) const { hn::StoreInterleaved2(x, y, d, &field[n].x); }
 
   HWY_INLINE void take_edges() const {
+    ahead(a.edges);
+    ahead(a.corners);
+    ahead(a.fluxes);
+    ahead(a.shift);
     const Four here = edges(), below = edges(-a.row), before = edges(-1), diagonal = edges(-a.row - 1);
     const V edge_x = here.low + below.high, edge_y = here.left + before.right;
     V value, volume;
@@ -54,6 +68,8 @@ struct Cells {
     return edge * (across / hn::IfThenElse(hn::Gt(both, hn::Zero(d)), both, hn::Set(d, 1.0)));
   }
   HWY_INLINE void take_shares() const {
+    ahead(a.edges);
+    ahead(a.fluxes + 2 * a.row);
     const Two edge = axes(a.fluxes);
     const V above = axes(a.fluxes, a.row).x, beside = axes(a.fluxes, 1).y;
     const V low = share(edge.x, above, axes(a.fluxes, -a.row).x), high = share(above, edge.x, axes(a.fluxes, 2 * a.row).x);
@@ -99,6 +115,10 @@ struct Cells {
     return value * per_volume;
   }
   HWY_INLINE void take_fluxes(bool adjoint) const {
+    ahead(a.edges);
+    ahead(a.shift + a.row);
+    ahead(a.corners + a.row);
+    ahead(a.fluxes);
     const Four share = edges();
     const Inverse by = inverse(share);
     const V b0 = corner(0), b1 = corner(1), b2 = corner(a.row), b3 = corner(a.row + 1);
@@ -120,16 +140,18 @@ struct Cells {
 };
 
 void edges_of(const AverageArrays& a, const std::uint32_t* nodes, std::size_t size) {
-  for_runs(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR { Cells<decltype(d)>{d, a, n}.take_edges(); });
+  for_runs<8>(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR { Cells<decltype(d)>{d, a, n}.take_edges(); });
 }
 void shares_of(const AverageArrays& a, const std::uint32_t* nodes, std::size_t size) {
-  for_runs(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR { Cells<decltype(d)>{d, a, n}.take_shares(); });
+  for_runs<8>(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR { Cells<decltype(d)>{d, a, n}.take_shares(); });
 }
 void fluxes_of(const AverageArrays& a, bool adjoint, const std::uint32_t* nodes, std::size_t size) {
-  for_runs(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR { Cells<decltype(d)>{d, a, n}.take_fluxes(adjoint); });
+  for_runs<8>(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR {
+    Cells<decltype(d)>{d, a, n}.take_fluxes(adjoint);
+  });
 }
 void means_of(const AverageArrays& a, const std::uint32_t* nodes, std::size_t size) {
-  for_runs(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR { Cells<decltype(d)>{d, a, n}.take_means(); });
+  for_runs<8>(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR { Cells<decltype(d)>{d, a, n}.take_means(); });
 }
 
 }  // namespace pivnp::mpm::HWY_NAMESPACE

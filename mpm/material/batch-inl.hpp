@@ -8,7 +8,7 @@
 #endif
 
 #include "mpm/material/lanes.hpp"
-#include "mpm/simd/tiles-inl.hpp"
+#include "mpm/simd/series-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace pivnp::mpm::HWY_NAMESPACE {
@@ -76,18 +76,6 @@ HWY_INLINE Turned turned(const StressBatch& b, const Tile& t, const Step& step) 
   const V half = set(0.5) * (xx - yy);
   return {set(0.5) * (xx + yy), hn::NegMulAdd(s2, xy, c2 * half), t.load(b.zz), hn::MulAdd(s2, half, c2 * xy),
           hn::MulAdd(half, half, xy * xy)};
-}
-
-// The first `n` terms; even and odd powers apart, which halves the chain of dependent operations.
-template <int n, std::size_t size>
-HWY_INLINE V polynomial(V x, const double (&c)[size]) {
-  static_assert(n >= 3 && n <= int(size));
-  const V x2 = x * x;
-  constexpr int even_end = (n - 1) / 2 * 2, odd_end = (n - 2) / 2 * 2 + 1;
-  V even = set(c[even_end]), odd = set(c[odd_end]);
-  for (int k = even_end - 2; k >= 0; k -= 2) even = hn::MulAdd(even, x2, set(c[k]));
-  for (int k = odd_end - 2; k >= 1; k -= 2) odd = hn::MulAdd(odd, x2, set(c[k]));
-  return hn::MulAdd(odd, x, even);
 }
 
 // sin x for 0 <= x <= pi/2, to the last bits.

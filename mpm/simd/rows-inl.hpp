@@ -1,5 +1,5 @@
-// Nodes that lie side by side in a row, as many at a time as a vector holds, four at most. Included by the kernels' sources
-// inside Highway's loop over instruction sets.
+// Nodes that lie side by side in a row, as many at a time as a vector holds. Included by the kernels' sources inside
+// Highway's loop over instruction sets.
 #if defined(PIVNP_MPM_ROWS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef PIVNP_MPM_ROWS_INL
 #undef PIVNP_MPM_ROWS_INL
@@ -38,19 +38,28 @@ HWY_INLINE void store_single(hn::Vec<Tag> v, Tag, float* p) {
 }
 #endif
 
-// Calls body(tag, n) for the nodes of a list, n the first of as many as the tag has lanes.
-template <class Body>
+// Calls body(tag, n) for the nodes of a list, n the first of as many as the tag has lanes, `most` at most; what a row
+// has beyond those goes by fours, then one by one.
+template <std::size_t most = 4, class Body>
 HWY_INLINE void for_runs(const std::uint32_t* nodes, std::size_t size, Body&& body) {
-  const hn::CappedTag<double, 4> all;
+  const auto in_row = [&](std::size_t k, std::size_t lanes)
+                          HWY_ATTR { return k + lanes <= size && nodes[k + lanes - 1] == nodes[k] + (lanes - 1); };
+  const hn::CappedTag<double, most> all;
+  const hn::CappedTag<double, 4> four;
   const hn::CappedTag<double, 1> one;
-  const std::size_t lanes = hn::Lanes(all);
   for (std::size_t k = 0; k < size;) {
-    if (k + lanes <= size && nodes[k + lanes - 1] == nodes[k] + (lanes - 1)) {
+    if (in_row(k, hn::Lanes(all))) {
       body(all, std::ptrdiff_t(nodes[k]));
-      k += lanes;
-    } else {
-      body(one, std::ptrdiff_t(nodes[k++]));
+      k += hn::Lanes(all);
+      continue;
     }
+    if constexpr (hn::MaxLanes(all) > 4)
+      if (in_row(k, 4)) {
+        body(four, std::ptrdiff_t(nodes[k]));
+        k += 4;
+        continue;
+      }
+    body(one, std::ptrdiff_t(nodes[k++]));
   }
 }
 

@@ -255,29 +255,61 @@ HWY_INLINE void for_tiles(const CellView& c, Range range, Body&& body) {
     q += n;
     s += n == left;
   };
+  // Are the next points a full tile of the row, one cell's for each group? As nearly all: with few operations.
+  const auto take_full = [&]() PIVNP_TILE {
+    if (q != c.begin[s] || s + groups > range.end) return false;
+    const std::uint32_t* of = c.order + q;
+    const std::int32_t* cell = c.index + s;
+    const std::uint32_t point = of[0];
+    bool is = cell[groups - 1] < row_end && of[group_lanes - 1] == point + (group_lanes - 1);
+    for (std::size_t g = 0; g < groups; ++g)
+      is = is && c.marks[s + g] == 0 && c.begin[s + g + 1] == q + (g + 1) * group_lanes;
+    if constexpr (groups == 2)
+      is = is && of[group_lanes] == point + group_lanes && of[n_lanes - 1] == point + (n_lanes - 1);
+    if (!is) return false;
+    first[0] = point;
+    for (std::size_t g = 0; g < groups; ++g) {
+      cells.i[g] = cell[g] - row + c.origin;
+      cells.j[g] = j;
+      cells.base[g] = c.node + cell[g];
+      cells.occupied[g] = s + g;
+      cells.place[g] = q + std::uint32_t(g * group_lanes);
+      cells.marks[g] = 0;
+    }
+    q += n_lanes;
+    s += groups;
+    return true;
+  };
   while (s < range.end) {
-    near = full = true;
-    take(0);
-    if constexpr (groups == 2) {
-      if (HWY_LIKELY(s < range.end)) {
-        take(1);
-        full = full && first[1] == first[0] + group_lanes;
-      } else {  // the first cell once more, with no points
-        cells.base[1] = cells.base[0];
-        cells.i[1] = cells.i[0];
-        cells.j[1] = cells.j[0];
-        cells.occupied[1] = cells.occupied[0];
-        cells.place[1] = cells.place[0] + size[0];
-        cells.marks[1] = cells.marks[0];
-        first[1] = first[0];
-        lanes[1] = 0;
-        size[1] = 0;
-        full = false;
+    if (HWY_UNLIKELY(!take_full())) {
+      near = full = true;
+      take(0);
+      if constexpr (groups == 2) {
+        if (HWY_LIKELY(s < range.end)) {
+          take(1);
+          full = full && first[1] == first[0] + group_lanes;
+        } else {  // the first cell once more, with no points
+          cells.base[1] = cells.base[0];
+          cells.i[1] = cells.i[0];
+          cells.j[1] = cells.j[0];
+          cells.occupied[1] = cells.occupied[0];
+          cells.place[1] = cells.place[0] + size[0];
+          cells.marks[1] = cells.marks[0];
+          first[1] = first[0];
+          lanes[1] = 0;
+          size[1] = 0;
+          full = false;
+        }
+      }
+      if (!(near && full && cells.any_mark() == 0)) {
+        if (near && first[0] + group_lanes <= c.points && first[groups - 1] + group_lanes <= c.points)
+          body(GroupTile(first, lanes), cells);
+        else
+          body(PartTile(c.order, cells.place, size), cells);
+        continue;
       }
     }
-    if (HWY_LIKELY(near && full && cells.any_mark() == 0)) body(FullTile{first[0]}, cells);
-    else if (near && first[0] + group_lanes <= c.points && first[groups - 1] + group_lanes <= c.points) body(GroupTile(first, lanes), cells);
-    else body(PartTile(c.order, cells.place, size), cells);
+    body(FullTile{first[0]}, cells);
   }
 }
 

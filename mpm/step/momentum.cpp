@@ -174,12 +174,14 @@ NodalWork nodal_work(const GridState& g, const std::vector<Reaction>& reactions,
   std::vector<NodalWork> parts(node_parts(g));
   for_node_parts(g, threads, [&](std::size_t part, std::size_t begin, std::size_t end) {
     NodalWork sum;
-    for (std::size_t a = begin; a < end; ++a) {
-      const Node& node = g.node[g.active.nodes[a]];
-      const Vec2 w = working_velocity(g, g.active.nodes[a], strained);
-      sum.kinetic += node.mass * ((node.nx - node.vx) * w.x() + (node.ny - node.vy) * w.y());
-      if (damping > 0) sum.damping -= dt * damping_force(damping, node).dot(w);
-    }
+    for_nodes_ahead(
+        g, {begin, end}, [&](std::uint32_t n) { __builtin_prefetch(&g.node[n]); },
+        [&](std::uint32_t n) {
+          const Node& node = g.node[n];
+          const Vec2 w = working_velocity(g, n, strained);
+          sum.kinetic += node.mass * ((node.nx - node.vx) * w.x() + (node.ny - node.vy) * w.y());
+          if (damping > 0) sum.damping -= dt * damping_force(damping, node).dot(w);
+        });
     parts[part] = sum;
   });
   for (const NodalWork& part : parts) {

@@ -108,7 +108,7 @@ GatherSums move_strain_range(ShapeKind shape, const MoveJob& job, const StrainJo
       const Straining<S> straining{strain, p, c, out, c.begin[range.begin]};
       for_tiles(c, range, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
         const Natural at = natural<S>(p, c, cells, t);
-        straining.strain(t, at, cells, both.tile(t, at, cells), nullptr, 0);
+        straining.tile(t, at, cells, both.tile(t, at, cells), nullptr, 0);
         find_suspects(c, cells, t, natural_of(c, cells, t.again(p.x), t.again(p.y)), suspects, found);
       });
       GatherSums sums = sums_of(both.move.fastest2, both.move.loss, both.move.good);

@@ -60,15 +60,16 @@ bool locate_points(Particles& p, GridState& g, std::vector<std::uint32_t>& left,
 void map_sums(const Particles& p, GridState& g, const Scheme& scheme, bool force, int threads,
               const std::function<void(Range nodes, std::size_t band)>& finished) {
   const auto clear = [&](Range nodes, std::size_t) {
-    for (std::size_t a = nodes.begin; a < nodes.end; ++a) {
-      const std::uint32_t n = g.active.nodes[a];
-      Node& node = g.node[n];  // n is set by the update
-      node.mass = node.vx = node.vy = node.fx = node.fy = 0;
-      node.held_x = node.held_y = false;
-      if (g.by_updated) continue;
-      const GridState::StrainVelocity u = g.strain_velocity(n);
-      u.x = u.y = 0;
-    }
+    for_nodes_ahead(
+        g, nodes, [&](std::uint32_t n) { __builtin_prefetch(&g.node[n], 1); },
+        [&](std::uint32_t n) {
+          Node& node = g.node[n];  // n is set by the update
+          node.mass = node.vx = node.vy = node.fx = node.fy = 0;
+          node.held_x = node.held_y = false;
+          if (g.by_updated) return;
+          const GridState::StrainVelocity u = g.strain_velocity(n);
+          u.x = u.y = 0;
+        });
   };
   const PointView points = p.view();
   const CellView cells = g.view();

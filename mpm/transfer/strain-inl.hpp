@@ -8,115 +8,14 @@
 #endif
 
 #include <algorithm>
-#include <cmath>
 #include <type_traits>
 
 #include "mpm/simd/turns-inl.hpp"
-#include "mpm/transfer/finite_strain.hpp"
 #include "mpm/transfer/lanes-inl.hpp"
+#include "mpm/transfer/polar-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace pivnp::mpm::HWY_NAMESPACE {
-
-struct LaneGradient {
-  V xx, xy, yx, yy;
-};
-struct LanePolar {
-  V trace, half, xy, spin;  // of the log strain; half: (xx - yy)/2
-};
-
-// Up to here the series hold to the last bits: of volume; of the squares of the distortion and of the rotation's tangent.
-constexpr double small_change = 0.02, small_square = 1e-3;
-
-HWY_INLINE V det_change(const LaneGradient& G) {
-  return G.xx + G.yy + hn::NegMulAdd(G.xy, G.yx, G.xx * G.yy);
-}
-
-// Larger steps, point by point.
-template <class Each>
-HWY_INLINE void for_lanes(const LaneGradient& G, Each&& each) {
-  const D d;
-  HWY_ALIGN double xx[n_lanes], xy[n_lanes], yx[n_lanes], yy[n_lanes];
-  hn::Store(G.xx, d, xx);
-  hn::Store(G.xy, d, xy);
-  hn::Store(G.yx, d, yx);
-  hn::Store(G.yy, d, yy);
-  for (std::size_t l = 0; l < n_lanes; ++l) each(l, Gradient{xx[l], xy[l], yx[l], yy[l]});
-}
-HWY_NOINLINE inline void log_det_by_points(LaneGradient G, double* out) {
-  for_lanes(G, [&](std::size_t l, const Gradient& g) { out[l] = log_det(g); });
-}
-HWY_NOINLINE inline void polar_by_points(LaneGradient G, double* trace, double* half, double* xy, double* spin) {
-  for_lanes(G, [&](std::size_t l, const Gradient& g) {
-    const Polar e = polar(g);
-    trace[l] = e.xx + e.yy;
-    half[l] = 0.5 * (e.xx - e.yy);
-    xy[l] = e.xy;
-    spin[l] = e.spin;
-  });
-}
-
-// ln(1 + x) of small x: 2 artanh(x/(2 + x)).
-HWY_INLINE V small_log1p(V x) {
-  const V s = x / (set(2) + x), s2 = s * s;
-  const V series = hn::MulAdd(s2, hn::MulAdd(s2, hn::MulAdd(s2, set(2.0 / 7), set(2.0 / 5)), set(2.0 / 3)), set(2));
-  return s * series;
-}
-
-HWY_INLINE V lane_log_det(const LaneGradient& G) {
-  const D d;
-  const V x = det_change(G);
-  if (HWY_LIKELY(hn::AllTrue(d, hn::Le(hn::Abs(x), set(small_change))))) return small_log1p(x);
-  HWY_ALIGN double out[n_lanes];
-  log_det_by_points(G, out);
-  return hn::Load(d, out);
-}
-
-// ln(1 + x), point by point beyond small steps.
-HWY_INLINE V lane_log1p(V x) {
-  const D d;
-  if (HWY_LIKELY(hn::AllTrue(d, hn::Le(hn::Abs(x), set(small_change))))) return small_log1p(x);
-  HWY_ALIGN double out[n_lanes];
-  hn::Store(x, d, out);
-  for (double& v : out) v = std::log1p(v);
-  return hn::Load(d, out);
-}
-
-HWY_INLINE V lane_exp(V x) {
-  const D d;
-  if (HWY_LIKELY(hn::AllTrue(d, hn::Le(hn::Abs(x), set(small_change))))) {
-    V sum = set(1.0 / 5040);
-    for (const double c : {1.0 / 720, 1.0 / 120, 1.0 / 24, 1.0 / 6, 0.5, 1.0, 1.0}) sum = hn::MulAdd(sum, x, set(c));
-    return sum;
-  }
-  HWY_ALIGN double out[n_lanes];
-  hn::Store(x, d, out);
-  for (double& v : out) v = std::exp(v);
-  return hn::Load(d, out);
-}
-
-// polar() in lanes. ln V is half the logarithm of f f^T: with M the deviator of that over its mean, its deviator is
-// M artanh|M|/(2 |M|), so the rotation is not needed for it and no quotient waits for another one.
-HWY_INLINE LanePolar lane_polar(const LaneGradient& G, V change) {
-  const D d;
-  const V half_of = set(0.5), sum = G.xx + G.yy, shear = G.xy + G.yx, turn = G.yx - G.xy, a = set(2) + sum;
-  const V squares = hn::MulAdd(G.xx, G.xx, G.yy * G.yy) + hn::MulAdd(G.xy, G.xy, G.yx * G.yx);
-  const V per_mean = set(1) / hn::MulAdd(half_of, squares, set(1) + sum);
-  const V half = half_of * hn::MulSub(G.xx - G.yy, a, turn * shear) * per_mean;
-  const V xy = hn::MulAdd(G.xx, G.yx, hn::MulAdd(G.xy, G.yy, shear)) * per_mean;
-  const V m2 = hn::MulAdd(half, half, xy * xy), tan = turn / a, t2 = tan * tan;
-  const M small = hn::And(hn::Le(hn::Abs(change), set(small_change)), hn::Le(hn::Max(m2, t2), set(small_square)));
-  if (HWY_LIKELY(hn::AllTrue(d, small))) {
-    const V artanh = hn::MulAdd(m2, hn::MulAdd(m2, hn::MulAdd(m2, hn::MulAdd(m2, set(0.5 / 9), set(0.5 / 7)), set(0.5 / 5)),
-                                               set(0.5 / 3)), half_of);
-    const V half_angle = hn::MulAdd(
-        t2, hn::MulAdd(t2, hn::MulAdd(t2, hn::MulAdd(t2, set(7.0 / 128), set(-5.0 / 64)), set(1.0 / 8)), set(-1.0 / 4)), set(1));
-    return {small_log1p(change), artanh * half, artanh * xy, half_angle * tan};
-  }
-  HWY_ALIGN double trace_of[n_lanes], half_lane[n_lanes], xy_of[n_lanes], spin_of[n_lanes];
-  polar_by_points(G, trace_of, half_lane, xy_of, spin_of);
-  return {hn::Load(d, trace_of), hn::Load(d, half_lane), hn::Load(d, xy_of), hn::Load(d, spin_of)};
-}
 
 // The strain-rate velocity of a tile's nodes.
 template <bool marked>
@@ -277,9 +176,46 @@ HWY_INLINE LaneGradient centre_gradient(const CellView& view, const TileCells& c
 
 constexpr std::size_t most_elements = 32;  // averaged at a time
 
+// The full tile whose gradient is known and whose strain waits until that of the next one is known. Their chains of
+// operations depend on nothing of each other and go together; one tile's alone is as long as what the processor looks
+// ahead.
+class WaitingStrain {
+ public:
+  template <class Straining, class Tile>
+  HWY_INLINE void strain(const Straining& by, const Tile& t, const Natural& place, const TileCells& cells,
+                         const LaneGradient& own, const double* averages, std::size_t first_cell) {
+    if constexpr (Straining::waits && !Tile::marked) {
+      const V average = by.template average_of<false>(place, cells, averages, first_cell);
+      if (HWY_LIKELY(waits_)) take(by);
+      place_ = cells.place[0] - by.first;
+      point_ = t.first;
+      own_ = own;
+      average_ = average;
+      waits_ = true;
+    } else {
+      by.tile(t, place, cells, own, averages, first_cell);
+    }
+  }
+  template <class Straining>
+  HWY_NOINLINE void end(const Straining& by) const {
+    if (waits_) take(by);
+  }
+
+ private:
+  template <class Straining>
+  HWY_INLINE void take(const Straining& by) const {
+    by.strain(FullTile{point_}, place_, group_lanes, own_, own_, average_);
+  }
+  bool waits_ = false;
+  std::uint32_t place_, point_;
+  LaneGradient own_;
+  V average_;
+};
+
 // `round`: axisymmetric, with the hoop's strain (PointView::hoop).
 template <class S, bool round = false>
 struct Straining {
+  static constexpr bool waits = S::centred && !round;
   const StrainJob job;
   const PointView p;
   const CellView c;
@@ -302,29 +238,39 @@ struct Straining {
     hn::StoreU(hn::UpperHalf(h, v), h, to + second);
   }
 
+  // The gradient of the step's displacement at a tile's points.
   template <class Tile>
-  HWY_INLINE void tile(const Tile& t, const TileCells& cells, const double* averages, std::size_t first_cell) const {
-    const Natural at = natural<S>(p, c, cells, t, job.where, job.dt);
+  HWY_INLINE LaneGradient gradient_of(const Tile& t, const Natural& at, const TileCells& cells) const {
     const StrainVelocityAt<Tile::marked> u(c, cells);
-    LaneGradient G;
-    if constexpr (CellPolynomials::are_of<S> && !Tile::marked) {
-      G = gradient(CellPolynomials(u, cells), at, sx, sy);
-    } else {
-      bool smooth = false;
-      if constexpr (CellPolynomials::are_of<S>) smooth = CellPolynomials::hold(cells);
-      G = smooth ? gradient(CellPolynomials(u, cells), at, sx, sy)
-                 : gradient(TileLines<S, Tile>(p, cells, t, at), c, cells, sx, sy);
-    }
-    strain(t, at, cells, of_own(t, G), averages, first_cell);
+    if constexpr (CellPolynomials::are_of<S>)
+      if (!Tile::marked || CellPolynomials::hold(cells))
+        return of_own(t, gradient(CellPolynomials(u, cells), at, sx, sy));
+    return of_own(t, gradient(TileLines<S, Tile>(p, cells, t, at), c, cells, sx, sy));
   }
-
-  // By a gradient of the step's displacement, `own`.
+  // The volumetric strain that averages give a tile's points.
+  template <bool marked>
+  HWY_INLINE V average_of(const Natural& place, const TileCells& cells, const double* averages,
+                          std::size_t first_cell) const {
+    if (job.locking == Locking::none) return zero();
+    if constexpr (S::centred) return averaged(c, cells, place.xi, place.eta);
+    if (job.locking == Locking::fbar)
+      return of_groups(averages[cells.occupied[0] - first_cell], averages[cells.occupied[groups - 1] - first_cell]);
+    return lane_log_det(centre_gradient<marked>(c, cells, sx, sy));
+  }
   template <class Tile>
-  HWY_INLINE void strain(const Tile& t, const Natural& place, const TileCells& cells, const LaneGradient& own,
-                         const double* averages, std::size_t first_cell) const {
+  HWY_INLINE void tile(const Tile& t, const Natural& place, const TileCells& cells, const LaneGradient& own,
+                       const double* averages, std::size_t first_cell) const {
     LaneGradient G = own;
     if constexpr (!S::centred)
       if (job.locking == Locking::full) G = centre_gradient<Tile::marked>(c, cells, sx, sy);
+    strain(t, cells.place[0] - first, cells.place[groups - 1] - cells.place[0], own, G,
+           average_of<Tile::marked>(place, cells, averages, first_cell));
+  }
+
+  // By a gradient G; `own` is that of the step's displacement.
+  template <class Tile>
+  HWY_INLINE void strain(const Tile& t, std::size_t at, std::size_t second, const LaneGradient& own,
+                         const LaneGradient& G, V average) const {
     const V change = det_change(G);
     const LanePolar e = lane_polar(G, change);
     const V mean = set(0.5) * e.trace;
@@ -335,20 +281,11 @@ struct Straining {
       trace = trace + hoop;
     }
     if (job.locking != Locking::none) {
-      if constexpr (!S::centred) {
-        if (job.locking == Locking::fbar) {
-          theta = of_groups(averages[cells.occupied[0] - first_cell], averages[cells.occupied[groups - 1] - first_cell]);
-          theta = hn::IfThenElse(stands_open(p, t), trace, theta);
-        } else {
-          theta = job.locking == Locking::full ? e.trace : lane_log_det(centre_gradient<Tile::marked>(c, cells, sx, sy));
-        }
-      } else {
-        theta = hn::IfThenElse(stands_open(p, t), trace, averaged(c, cells, place.xi, place.eta));
-      }
+      theta = job.locking == Locking::full ? e.trace : average;
+      if (S::centred || job.locking == Locking::fbar) theta = hn::IfThenElse(stands_open(p, t), trace, theta);
       theta = t.own(theta);
       shift = (theta - trace) * set(1.0 / 3);
     }
-    const std::size_t at = cells.place[0] - first, second = cells.place[groups - 1] - cells.place[0];
     put(t, mean + e.half + shift, out.xx + at, second);
     put(t, mean - e.half + shift, out.yy + at, second);
     if constexpr (round) put(t, hoop + shift, out.zz + at, second);
@@ -387,6 +324,7 @@ struct Straining {
 
   HWY_INLINE std::size_t run(Range range, std::uint32_t* suspects) const {
     std::size_t found = 0;
+    WaitingStrain waiting;
     double averages[most_elements];
     const bool average = !S::centred && job.locking == Locking::fbar;
     const std::size_t each = average ? most_elements : range.end - range.begin;
@@ -395,11 +333,14 @@ struct Straining {
       if constexpr (!S::centred)
         if (average) average_elements(part, averages);
       for_tiles(c, part, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
-        tile(t, cells, averages, part.begin);
-        if (job.where == Where::before) find_suspects(c, cells, t, natural_of(c, cells, t.again(p.x), t.again(p.y)), suspects, found);
+        const Natural at = natural<S>(p, c, cells, t, job.where, job.dt);
+        waiting.strain(*this, t, at, cells, gradient_of(t, at, cells), averages, part.begin);
+        if (job.where == Where::before)
+          find_suspects(c, cells, t, natural_of(c, cells, t.again(p.x), t.again(p.y)), suspects, found);
       });
       range.begin = part.end;
     }
+    waiting.end(*this);
     return found;
   }
 };

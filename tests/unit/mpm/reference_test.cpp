@@ -129,27 +129,28 @@ TEST_P(AgainstReference, VelocityPlaceAndAffineFieldOfThePoints) {
 TEST_P(AgainstReference, StrainIncrementsOfThePoints) {
   on_every_target([&] {
     for (const StressUpdate stress : {StressUpdate::musl, StressUpdate::usl})
-      for (const double size : {1e-5, 1e-3, 0.1}) for (const bool axisymmetric : geometries(GetParam())) {
-        Disorder d(GetParam(), stress, axisymmetric);
-        Particles& p = d.state.particles;
-        d.move_nodes(0.1 * size);
-        for (const std::uint32_t n : d.g.active.nodes) {
-          if (d.g.by_updated && n % 7 != 0) continue;
-          d.g.separate_strain_velocities(n);
-          d.g.strain_velocity(n).x = 0.1 * size * d.u();
-          d.g.strain_velocity(n).y = 0.1 * size * d.u();
+      for (const double size : {1e-5, 1e-3, 0.02, 0.1})
+        for (const bool axisymmetric : geometries(GetParam())) {
+          Disorder d(GetParam(), stress, axisymmetric);
+          Particles& p = d.state.particles;
+          d.move_nodes(0.1 * size);
+          for (const std::uint32_t n : d.g.active.nodes) {
+            if (d.g.by_updated && n % 7 != 0) continue;
+            d.g.separate_strain_velocities(n);
+            d.g.strain_velocity(n).x = 0.1 * size * d.u();
+            d.g.strain_velocity(n).y = 0.1 * size * d.u();
+          }
+          const auto increments = reference::strain_points(p, d.g, d.scheme, 1);
+          strain_points(p, d.g, d.scheme, 1, false, 1);
+          for (std::size_t k = 0; k < p.size(); ++k) {
+            const reference::StrainIncrement& e = increments[k];
+            ASSERT_NEAR(p.de_xx[k], e.xx, 1e-12 * size);
+            ASSERT_NEAR(p.de_yy[k], e.yy, 1e-12 * size);
+            ASSERT_NEAR(p.de_zz[k], e.zz, 1e-12 * size);
+            ASSERT_NEAR(p.de_xy[k], e.xy, 1e-12 * size);
+            ASSERT_NEAR(p.spin[k], e.spin, 1e-12 * size);
+          }
         }
-        const auto increments = reference::strain_points(p, d.g, d.scheme, 1);
-        strain_points(p, d.g, d.scheme, 1, false, 1);
-        for (std::size_t k = 0; k < p.size(); ++k) {
-          const reference::StrainIncrement& e = increments[k];
-          ASSERT_NEAR(p.de_xx[k], e.xx, 1e-12 * size);
-          ASSERT_NEAR(p.de_yy[k], e.yy, 1e-12 * size);
-          ASSERT_NEAR(p.de_zz[k], e.zz, 1e-12 * size);
-          ASSERT_NEAR(p.de_xy[k], e.xy, 1e-12 * size);
-          ASSERT_NEAR(p.spin[k], e.spin, 1e-12 * size);
-        }
-      }
   });
 }
 
