@@ -75,8 +75,8 @@ double Heat::pending(const Particles& p, std::size_t k) const {
   return work ? p.volume0[k] * ((*work)[k] - p.heated_by[k]) : 0;
 }
 
-HeatSums Heat::step(Particles& p, GridState& g, const Materials& materials, const PoreWater* water, HeatState& state, double time,
-                    double dt, bool last, int threads) {
+HeatSums Heat::step(Particles& p, GridState& g, const Materials& materials, const PoreWater* water, HeatState& state, double darcy,
+                    const Vec2& gravity, double time, double dt, bool last, int threads) {
   state.since += dt;
   ++state.steps;
   const bool due = last || state.steps % pass_every == 0 || state.since + dt > pass_share * longest_step(g) ||
@@ -87,7 +87,8 @@ HeatSums Heat::step(Particles& p, GridState& g, const Materials& materials, cons
   rise_.assign(p.size(), 0.0);
   HeatSums sums;
   if (conducts_ || (water && carried_capacity_ > 0)) {
-    const Conduction::Sums moved = conduction_.conduct(p, g, water, carried_capacity_, time, since, rise_, threads);
+    const Conduction::Sums moved = conduction_.conduct(p, g, water, carried_capacity_, darcy - state.darcy, gravity, time, since, rise_, threads);
+    if (moved.darcy != 0) state.darcy = darcy;
     sums.inflow = moved.inflow;
     sums.made = moved.darcy;
     state.crossing = moved.crossing;

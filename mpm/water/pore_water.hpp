@@ -141,6 +141,8 @@ class PoreWater {
     double x = 0, y = 0, heat_x = 0, heat_y = 0;
   };
   EdgeFlow edge_flow(const GridState& g, std::size_t node) const;
+  /// What the point's water dissipated in the last step as it evened out in its cell, W/m.
+  double evening(const Particles& p, const GridState& g, std::size_t k, const Vec2& gravity) const;
   /// Over the points still simulated: that energy, and the mass of the water that flows, kg/m; and of the pressure over that of the
   /// water outside, times the volume, and of its square; that volume.
   struct Sums {
