@@ -87,7 +87,8 @@ class Heat {
 
  private:
   const HeatSoil& soil_of(const Particles& p, std::size_t k) const { return soils_[std::size_t(set_->label[p.index[k]])]; }
-  HeatSums warm(Particles& p, const Materials& materials, const PoreWater* water, bool with_bands, double dt, HeatState& state, int threads);
+  enum class WithBands { none, that_slip, all };
+  HeatSums warm(Particles& p, const Materials& materials, const PoreWater* water, WithBands bands, double dt, HeatState& state, int threads);
   void look_at_zones(Particles& p, const GridState& g, HeatState& state, double time);
   void open_bands(const Particles& p, HeatState& state);
   void shift_strength(Particles& p, const HeatState& state, int threads) const;
