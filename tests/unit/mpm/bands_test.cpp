@@ -19,6 +19,7 @@ using pivnp::test::ResolvedBand;
 
 TEST(Bands, VolumesFillTheZone) {
   for (const double width : {0.011, 0.02, 0.5, 50.0}) {
+    for (const double near : {0.75, 1.1, 3.0}) EXPECT_NEAR(growth_of(0.01, width, near), growth_of(0.01, width), 1e-12);
     const auto volume = volumes_of(0.01, width, growth_of(0.01, width));
     double sum = 0;
     for (const double v : volume) sum += v;
