@@ -277,23 +277,26 @@ PoreWater::Sums PoreWater::sums(const Particles& p, const Vec2& gravity) const {
 }
 
 PoreWater::Rates PoreWater::rates(const Particles& p) const {
+  constexpr double torn = 0.1;  // of the initial volume: more than closes between two looks
   Rates rates;
   rates.stiffness.assign(soils_.size(), 0.0);
   for (const Particles::Body& body : p.bodies) {
     const PoreSoil& soil = soils_[std::size_t(body.material)];
     if (!soil.holds_water()) continue;
-    double least = std::numeric_limits<double>::max(), most = 0, mobility = soil.mobility;
+    double least = std::numeric_limits<double>::max(), stiffest = 0, mobility = soil.mobility;
+    const double solid = 1 - soil.porosity, dry = soil.dry_density(), full = dry + options_.density_kg_m3 * soil.porosity;
+    const auto pores = [&](double J) { return std::max(least_pores, J - solid); };
+    // Of the point's own mass, which grows with the water that comes. Pores that have torn open far are not stiff until water fills them.
     for (std::size_t k = body.begin; k < body.end; ++k) {
       if (p.cell[k] == Particles::ended || !(p.content[k] > 0)) continue;
       least = std::min(least, p.J[k]);
-      most = std::max(most, p.J[k]);
+      if (tears() && p.J[k] - solid - p.content[k] > torn && stiffest > 0) continue;
+      stiffest = std::max(stiffest, p.J[k] * p.J[k] / pores(p.J[k]) * (full / (dry + options_.density_kg_m3 * p.content[k])));
     }
-    if (!(most > 0)) continue;
+    if (!(stiffest > 0)) continue;
     rates.least_pores = std::min(rates.least_pores, (least - (1 - soil.porosity)) / soil.porosity);
     if (soil.kozeny_carman || by_temperature()) mobility = *std::max_element(p.mobility.begin() + std::ptrdiff_t(body.begin), p.mobility.begin() + std::ptrdiff_t(body.end));
-    // J^2/(J - solid) and 1 - solid/J are greatest and least where J is.
-    const auto pores = [&](double J) { return std::max(least_pores, J - (1 - soil.porosity)); };
-    const double stiffness = options_.bulk_modulus_pa * std::max(least * least / pores(least), most * most / pores(most));
+    const double stiffness = options_.bulk_modulus_pa * stiffest;
     double& of_material = rates.stiffness[std::size_t(body.material)];
     of_material = std::max(of_material, stiffness);
     rates.diffusivity = std::max(rates.diffusivity, mobility * options_.bulk_modulus_pa * least / pores(least));
