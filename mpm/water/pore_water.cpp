@@ -290,8 +290,8 @@ PoreWater::Rates PoreWater::rates(const Particles& p) const {
     for (std::size_t k = body.begin; k < body.end; ++k) {
       if (p.cell[k] == Particles::ended || !(p.content[k] > 0)) continue;
       least = std::min(least, p.J[k]);
-      if (tears() && p.J[k] - solid - p.content[k] > torn && stiffest > 0) continue;
-      stiffest = std::max(stiffest, p.J[k] * p.J[k] / pores(p.J[k]) * (full / (dry + options_.density_kg_m3 * p.content[k])));
+      const bool open = tears() && p.J[k] - solid - p.content[k] > torn;
+      stiffest = std::max(stiffest, open ? 1 / soil.porosity : p.J[k] * p.J[k] / pores(p.J[k]) * (full / (dry + options_.density_kg_m3 * p.content[k])));
     }
     if (!(stiffest > 0)) continue;
     rates.least_pores = std::min(rates.least_pores, (least - (1 - soil.porosity)) / soil.porosity);
