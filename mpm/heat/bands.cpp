@@ -42,8 +42,9 @@ Wide passing(const Wide& volume, const Wide& conductance, double dt) {  // in se
   return off;
 }
 
-// (storage volume) (x - x0) = (what passes between volumes) + source volume, by backward Euler: the matrix, eliminated row by row.
-// What takes time is the chain of divisions; those of two matrices run side by side where they are taken in one loop.
+// (storage volume) (x - x0) = (what passes between volumes) + source volume, by backward Euler: the matrix, eliminated
+// row by row. What takes time is the chain of divisions; those of two matrices run side by side where they are taken in
+// one loop.
 template <class Values>
 struct Factors {
   Values inverse, passed;  // of the diagonal as eliminated; of a row that is passed on to the next
@@ -76,7 +77,8 @@ Wide with_beside(const Row& volume, double cell) {
 }  // namespace
 
 double growth_of(double thickness, double width, double near) {
-  const double wanted = 0.5 * (width - thickness) / edge_volume(thickness), least = 0.7;  // (less would leave no volume at the end of a zone hardly wider than its band)
+  const double wanted = 0.5 * (width - thickness) / edge_volume(thickness),
+               least = 0.7;  // (less would leave no volume at the end of a zone hardly wider than its band)
   if (sum_outside(least) >= wanted) return least;
   // The sum is convex in the growth, so that Newton's steps come from above after the first.
   double growth = near > least ? near : 2;

@@ -39,8 +39,9 @@ double Conduction::longest_step(const GridState& g) const {
   return most > 0 ? 1 / (most * rate_in_cell(g)) : std::numeric_limits<double>::infinity();
 }
 
-Conduction::Sums Conduction::conduct(const Particles& p, GridState& g, const PoreWater* water, double carried_capacity, double darcy,
-                                     const Vec2& gravity, double time, double dt, std::vector<double>& rise, int threads) {
+Conduction::Sums Conduction::conduct(const Particles& p, GridState& g, const PoreWater* water, double carried_capacity,
+                                     double darcy, const Vec2& gravity, double time, double dt,
+                                     std::vector<double>& rise, int threads) {
   Sums sums;
   const double rate = rate_in_cell(g) * dt;
   map(p, g, threads);
@@ -223,8 +224,8 @@ void Conduction::add_edges(const GridState& g, const PoreWater* water, double ca
   }
 }
 
-// What the flow dissipated becomes heat in proportion to what it dissipates now: of each edge half at either end, and at the points
-// where their water evens out in a cell. At a given temperature it leaves at once.
+// What the flow dissipated becomes heat in proportion to what it dissipates now: of each edge half at either end, and
+// at the points where their water evens out in a cell. At a given temperature it leaves at once.
 void Conduction::give_darcy(const Particles& p, GridState& g, const PoreWater& water, double darcy, const Vec2& gravity,
                             std::vector<double>& rise, int threads, Sums& sums) {
   const auto row = std::size_t(row_);
@@ -239,14 +240,17 @@ void Conduction::give_darcy(const Particles& p, GridState& g, const PoreWater& w
       };
       double& flow = nodes_[n].heat;  // (its heat has been asked for)
       flow = 0;
-      if (nodes_[n].capacity > 0) flow = (through(n + 1, n, true) + through(n - 1, n - 1, true)) + (through(n + row, n, false) + through(n - row, n - row, false));
+      if (nodes_[n].capacity > 0)
+        flow = (through(n + 1, n, true) + through(n - 1, n - 1, true)) +
+               (through(n + row, n, false) + through(n - row, n - row, false));
       of_nodes[part] += flow;
     }
   });
   evening_.assign(p.size(), 0.0);
   of_points.assign(g.active.pieces.size(), 0.0);
   for_pieces(g, threads, [&](Range range, std::size_t piece) {
-    for_points_of(g, range, [&](std::uint32_t k) { of_points[piece] += evening_[k] = water.evening(p, g, k, gravity); });
+    for_points_of(g, range,
+                  [&](std::uint32_t k) { of_points[piece] += evening_[k] = water.evening(p, g, k, gravity); });
   });
   double all = 0;
   for (const double part : of_nodes) all += part;
@@ -256,7 +260,8 @@ void Conduction::give_darcy(const Particles& p, GridState& g, const PoreWater& w
   for_nodes(g, threads, [&](Node&, std::uint32_t n) { nodes_[n].gain += share * nodes_[n].heat; });
   for (const std::uint32_t n : given_) sums.inflow -= share * nodes_[n].heat;
   for_pieces(g, threads, [&](Range range, std::size_t) {
-    for_points_of(g, range, [&](std::uint32_t k) { rise[k] += share * evening_[k] / (p.volume0[k] * soil_of(p, k).capacity); });
+    for_points_of(g, range,
+                  [&](std::uint32_t k) { rise[k] += share * evening_[k] / (p.volume0[k] * soil_of(p, k).capacity); });
   });
   sums.darcy = darcy;
 }

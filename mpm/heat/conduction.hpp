@@ -27,10 +27,11 @@ class Conduction {
     double darcy = 0;     // made by the flow of what was asked for, J/m
     double crossing = 0;  // greatest rate at which the flow passes a cell, 1/s
   };
-  /// Adds to `rise` (of the points, K) what a step of `dt` gives. `water`: null without; its flow is that of the last step. `darcy`:
-  /// what the flow dissipated meanwhile, J/m; it becomes heat where the flow of the last step does so, unless that has come to rest.
-  Sums conduct(const Particles& p, GridState& g, const PoreWater* water, double carried_capacity, double darcy, const Vec2& gravity,
-               double time, double dt, std::vector<double>& rise, int threads);
+  /// Adds to `rise` (of the points, K) what a step of `dt` gives. `water`: null without; its flow is that of the last
+  /// step. `darcy`: what the flow dissipated meanwhile, J/m; it becomes heat where the flow of the last step does so,
+  /// unless that has come to rest.
+  Sums conduct(const Particles& p, GridState& g, const PoreWater* water, double carried_capacity, double darcy,
+               const Vec2& gravity, double time, double dt, std::vector<double>& rise, int threads);
   /// The longest stable step, s; infinite where nothing conducts.
   double longest_step(const GridState& g) const;
 

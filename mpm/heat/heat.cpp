@@ -76,8 +76,8 @@ double Heat::pending(const Particles& p, std::size_t k) const {
   return work ? p.volume0[k] * ((*work)[k] - p.heated_by[k]) : 0;
 }
 
-HeatSums Heat::step(Particles& p, GridState& g, const Materials& materials, const PoreWater* water, HeatState& state, double darcy,
-                    const Vec2& gravity, double time, double dt, bool last, int threads) {
+HeatSums Heat::step(Particles& p, GridState& g, const Materials& materials, const PoreWater* water, HeatState& state,
+                    double darcy, const Vec2& gravity, double time, double dt, bool last, int threads) {
   state.since += dt;
   ++state.steps;
   const bool due = last || state.steps % pass_every == 0 || state.since + dt > pass_share * longest_step(g) ||
@@ -88,7 +88,8 @@ HeatSums Heat::step(Particles& p, GridState& g, const Materials& materials, cons
   rise_.assign(p.size(), 0.0);
   HeatSums sums;
   if (conducts_ || (water && carried_capacity_ > 0)) {
-    const Conduction::Sums moved = conduction_.conduct(p, g, water, carried_capacity_, darcy - state.darcy, gravity, time, since, rise_, threads);
+    const Conduction::Sums moved =
+        conduction_.conduct(p, g, water, carried_capacity_, darcy - state.darcy, gravity, time, since, rise_, threads);
     if (moved.darcy != 0) state.darcy = darcy;
     sums.inflow = moved.inflow;
     sums.made = moved.darcy;
@@ -99,7 +100,11 @@ HeatSums Heat::step(Particles& p, GridState& g, const Materials& materials, cons
     open_bands(p, state);
   }
   ++state.passes;
-  sums.add(warm(p, materials, water, !bands_ ? WithBands::none : last ? WithBands::all : WithBands::that_slip, since, state, threads));
+  sums.add(warm(p, materials, water,
+                !bands_ ? WithBands::none
+                : last  ? WithBands::all
+                        : WithBands::that_slip,
+                since, state, threads));
   if (water) water->follow_temperature(p, threads);
   if (bands_) shift_strength(p, state, threads);
   return sums;
@@ -111,7 +116,8 @@ HeatSums Heat::take_work(Particles& p, const Materials& materials, const PoreWat
 }
 
 // Points become warmer by `rise_` and by their work; what swells of that goes to water and skeleton.
-HeatSums Heat::warm(Particles& p, const Materials& materials, const PoreWater* water, WithBands bands, double dt, HeatState& state, int threads) {
+HeatSums Heat::warm(Particles& p, const Materials& materials, const PoreWater* water, WithBands bands, double dt,
+                    HeatState& state, int threads) {
   HeatSums sums;
   const Array* work = p.history.find(plastic_work.name);
   for (const Particles::Body& body : p.bodies) {
@@ -140,10 +146,13 @@ HeatSums Heat::warm(Particles& p, const Materials& materials, const PoreWater* w
             } else if (slot >= 0) {
               // (Where nothing slips the deviation only evens out, over longer times than a pass.)
               ShearBand& band = state.bands[std::size_t(slot)];
-              const bool waits = bands == WithBands::that_slip && p.band_work[k] == 0 && !soil.by_temperature && band.waited < most_waits * dt;
+              const bool waits = bands == WithBands::that_slip && p.band_work[k] == 0 && !soil.by_temperature &&
+                                 band.waited < most_waits * dt;
               const double over = band.waited + dt;
               band.waited = waits ? over : 0;
-              if (!waits) swollen = advance_band(band, soil, p.band_width[k], p.band_work[k] / p.J[k], over, p.temperature[k], p.temperature[k] + rise);
+              if (!waits)
+                swollen = advance_band(band, soil, p.band_width[k], p.band_work[k] / p.J[k], over, p.temperature[k],
+                                       p.temperature[k] + rise);
             }
             p.band_work[k] = 0;
           }

@@ -284,14 +284,18 @@ PoreWater::Rates PoreWater::rates(const Particles& p) const {
     const PoreSoil& soil = soils_[std::size_t(body.material)];
     if (!soil.holds_water()) continue;
     double least = std::numeric_limits<double>::max(), stiffest = 0, mobility = soil.mobility;
-    const double solid = 1 - soil.porosity, dry = soil.dry_density(), full = dry + options_.density_kg_m3 * soil.porosity;
+    const double solid = 1 - soil.porosity, dry = soil.dry_density(),
+                 full = dry + options_.density_kg_m3 * soil.porosity;
     const auto pores = [&](double J) { return std::max(least_pores, J - solid); };
-    // Of the point's own mass, which grows with the water that comes. Pores that have torn open far are not stiff until water fills them.
+    // Of the point's own mass, which grows with the water that comes. Pores that have torn open far are not stiff until
+    // water fills them.
     for (std::size_t k = body.begin; k < body.end; ++k) {
       if (p.cell[k] == Particles::ended || !(p.content[k] > 0)) continue;
       least = std::min(least, p.J[k]);
       const bool open = tears() && p.J[k] - solid - p.content[k] > torn;
-      stiffest = std::max(stiffest, open ? 1 / soil.porosity : p.J[k] * p.J[k] / pores(p.J[k]) * (full / (dry + options_.density_kg_m3 * p.content[k])));
+      stiffest = std::max(
+          stiffest, open ? 1 / soil.porosity
+                         : p.J[k] * p.J[k] / pores(p.J[k]) * (full / (dry + options_.density_kg_m3 * p.content[k])));
     }
     if (!(stiffest > 0)) continue;
     rates.least_pores = std::min(rates.least_pores, (least - (1 - soil.porosity)) / soil.porosity);

@@ -150,9 +150,8 @@ class PoreWater {
   };
   Sums sums(const Particles& p, const Vec2& gravity) const;
 
-  /// What the water adds to the stiffness against a compression wave, J K_w/n, the greatest of each material, Pa, for a point as heavy
-  /// as at the start; and the
-  /// greatest diffusivity of pressure, K K_w/(gamma n), m^2/s.
+  /// What the water adds to the stiffness against a compression wave, J K_w/n, the greatest of each material, Pa, for a
+  /// point as heavy as at the start; and the greatest diffusivity of pressure, K K_w/(gamma n), m^2/s.
   struct Rates {
     std::vector<double> stiffness;
     double diffusivity = 0;

@@ -61,7 +61,8 @@ class ResolvedBand {
     }
     diffuse(pressure_, of_.storage(), mobility, dt, source);
   }
-  /// The band loses this share of its volume, `spread` of that from layers as wide on either side, and water flows in a step.
+  /// The band loses this share of its volume, `spread` of that from layers as wide on either side, and water flows in a
+  /// step.
   void give_way(double by, double spread, double dt) {
     std::vector<double> source(hot_.size(), 0.0);
     double from = 0;
@@ -104,10 +105,11 @@ class ResolvedBand {
 
 /// The planar slide of Alvarado 2018's figure 4.6 as this project assumes it: an endless slope of 20 degrees.
 ///
-/// Soil of the shear modulus G that slips in a layer of some width under the shear stress T has normal stresses that differ along and
-/// across it by 2 s, s = T^2/G once it has slipped by more than T/G of the width (each increment of elastic strain turns with the slip, and
-/// lasts T/G of shear). So the mean stress that the strength follows is s below that across it; while the pores are closed, suction
-/// of m s/S in the layer makes up for it, and this flows away. Rigid soil (the default) has none of it.
+/// Soil of the shear modulus G that slips in a layer of some width under the shear stress T has normal stresses that
+/// differ along and across it by 2 s, s = T^2/G once it has slipped by more than T/G of the width (each increment of
+/// elastic strain turns with the slip, and lasts T/G of shear). So the mean stress that the strength follows is s below
+/// that across it; while the pores are closed, suction of m s/S in the layer makes up for it, and this flows away.
+/// Rigid soil (the default) has none of it.
 struct PlanarSlide {
   HeatedBand band;
   double drive = 127.38e3, mass = 37964;
@@ -129,7 +131,8 @@ struct PlanarSlide {
     while (s.slip < slip) {
       if (shear_modulus > 0) {
         const double stress = resolved.shear_stress(), last = difference;
-        difference = stress * stress / shear_modulus * -std::expm1(-s.slip / as_layer.thickness * shear_modulus / stress);
+        difference =
+            stress * stress / shear_modulus * -std::expm1(-s.slip / as_layer.thickness * shear_modulus / stress);
         wide.give_way(-band.skeleton * (difference - last), spread, dt);
         resolved.set_stress(band.stress - difference - wide.pressure());
       }

@@ -183,7 +183,8 @@ TEST(Bands, NoKinkWhereSlipStartsStopsJumpsOrMeets) {
   }
 }
 
-// Where nothing slips a deviation only evens out: a step of eight passes (of a slope on cells of 0.125 m) does that as eight do.
+// Where nothing slips a deviation only evens out: a step of eight passes (of a slope on cells of 0.125 m) does that as
+// eight do.
 TEST(Bands, EvenOutAlikeInLongSteps) {
   for (const double permeability : {1e-11, 1e-9, 1e-7}) {
     HeatedBand of;

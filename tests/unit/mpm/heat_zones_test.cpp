@@ -164,12 +164,13 @@ TEST(HeatedZones, SlipThatStopsInOneAndStartsInAnotherHasNoKink) {
   }
 }
 
-// A block that is compressed between a smooth platen and base, cut by one layer of clay at 45 degrees or by two that cross: as wedges slide
-// along both, each keeps the width that it has alone, but for the cells which both share.
+// A block that is compressed between a smooth platen and base, cut by one layer of clay at 45 degrees or by two that
+// cross: as wedges slide along both, each keeps the width that it has alone, but for the cells which both share.
 struct Crossing {
   double width = 0, slip = 0;  // means over the arms: of the zone's width, by shear; of plastic shear
   double in_common = 0;        // the greatest width where they cross
-  double wrong = 0;            // nothing leaves a band: it is warmer than its zone's mean by w/L; what it is off by, over the hottest
+  double wrong =
+      0;  // nothing leaves a band: it is warmer than its zone's mean by w/L; what it is off by, over the hottest
   double heat_lost = 0, water_lost = 0;
 };
 
@@ -216,12 +217,14 @@ Crossing compressed(bool both) {
   Crossing seen;
   double all = 0, n = 0, hottest = 0;
   for (std::size_t k = 0; k < f.u.size(); ++k) {
-    const double from_middle = (s.particles.x0[k] - Vec2(0.5 * side, 0.5 * side)).norm(), g = double(f.field("plastic_dev")(k, 0)), w = double(f.field("band_width")(k, 0));
+    const double from_middle = (s.particles.x0[k] - Vec2(0.5 * side, 0.5 * side)).norm(),
+                 g = double(f.field("plastic_dev")(k, 0)), w = double(f.field("band_width")(k, 0));
     if (across(k, false) < half && across(k, true) < half) seen.in_common = std::max(seen.in_common, w);
     if (from_middle < 0.4 || from_middle > 0.9 || s.particles.label[k] == 0) continue;
     all += g, n += 1;
     seen.width += g * w;
-    const double mean = double(f.field("temperature")(k, 0)) - 20, band = double(f.field("band_temperature")(k, 0)) - 20;
+    const double mean = double(f.field("temperature")(k, 0)) - 20,
+                 band = double(f.field("band_temperature")(k, 0)) - 20;
     hottest = std::max(hottest, band);
     if (g > 0.01) seen.wrong = std::max(seen.wrong, std::abs(band - mean * w / thickness));
   }

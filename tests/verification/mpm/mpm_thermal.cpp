@@ -67,7 +67,8 @@ void expect_resolved(const Slide& row, double asked) {
                                     off(cells.temperature, there.temperature) + " %");
   EXPECT_NEAR(cells.time, at_50.time, asked * at_50.time);
   EXPECT_NEAR(cells.speed, there.speed, asked * there.speed);
-  const double suction = row.spread > 0 ? 0.01 * PlanarSlide(HeatedBand()).band.stress : 0;  // of the layer, beside a small pressure
+  const double suction =
+      row.spread > 0 ? 0.01 * PlanarSlide(HeatedBand()).band.stress : 0;  // of the layer, beside a small pressure
   EXPECT_NEAR(cells.pressure, there.pressure, asked * there.pressure + suction);
   EXPECT_NEAR(cells.temperature, there.temperature, asked * there.temperature);
   EXPECT_NEAR(cells.width, row.cell, 0.02 * row.cell);
@@ -94,8 +95,9 @@ TEST(ThermalSlide, InPerviousClayToo) {
   for (const Slide& row : rows) expect_resolved(row, 0.05);
 }
 
-// Soil so soft that its normal stresses along and across the slip differ by 2 % of themselves: held to the band resolved in such soil,
-// whose layer gives way over a row of cells as in the simulation. In rigid soil the same slides would be 5 to 16 % later.
+// Soil so soft that its normal stresses along and across the slip differ by 2 % of themselves: held to the band
+// resolved in such soil, whose layer gives way over a row of cells as in the simulation. In rigid soil the same slides
+// would be 5 to 16 % later.
 TEST(ThermalSlide, InSoftPerviousClayToo) {
   const double young = 2e7, skeleton = 3.375e-8, spread = 0.16;
   const Slide rows[] = {{1e-8, 0.01, 2, 4, 3, TransferKind::flip, young, skeleton, spread},
