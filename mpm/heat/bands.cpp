@@ -42,22 +42,29 @@ Wide passing(const Wide& volume, const Wide& conductance, double dt) {  // in se
   return off;
 }
 
-// (storage volume) (x - x0) = (what passes between volumes) + source volume: backward Euler, in place; `source` per volume.
+// (storage volume) (x - x0) = (what passes between volumes) + source volume, by backward Euler: the matrix, eliminated
+// row by row. What takes time is the chain of divisions; those of two matrices run side by side where they are taken in
+// one loop.
 template <class Values>
-void diffuse(Values& x, const Values& volume, double storage, const Values& off, const Values& source, std::size_t n) {
-  Values diagonal, right;
-  for (std::size_t k = 0; k < n; ++k) {
-    diagonal[k] = storage * volume[k] + off[k] + (k > 0 ? off[k - 1] : 0);
-    right[k] = volume[k] * (storage * x[k] + source[k]);
+struct Factors {
+  Values inverse, passed;  // of the diagonal as eliminated; of a row that is passed on to the next
+  double last = 0;
+
+  void take(std::size_t k, const Values& volume, double storage, const Values& off) {
+    const double before = k > 0 ? off[k - 1] : 0, diagonal = storage * volume[k] + off[k] + before - before * last;
+    inverse[k] = 1 / diagonal;
+    passed[k] = last = off[k] * inverse[k];
   }
-  for (std::size_t k = 1; k < n; ++k) {
-    const double factor = off[k - 1] / diagonal[k - 1];
-    diagonal[k] -= factor * off[k - 1];
-    right[k] += factor * right[k - 1];
+  /// In place; `source` per volume.
+  void solve(Values& x, const Values& volume, double storage, const Values& source, std::size_t n) const {
+    double carried = 0;
+    for (std::size_t k = 0; k < n; ++k) {
+      carried = volume[k] * (storage * x[k] + source[k]) + (k > 0 ? passed[k - 1] : 0) * carried;
+      x[k] = carried * inverse[k];
+    }
+    for (std::size_t k = n - 1; k-- > 0;) x[k] += passed[k] * x[k + 1];
   }
-  x[n - 1] = right[n - 1] / diagonal[n - 1];
-  for (std::size_t k = n - 1; k-- > 0;) x[k] = (right[k] + off[k] * x[k + 1]) / diagonal[k];
-}
+};
 
 // The zone's volumes, and those of a cell beside it; of nothing where nothing is spread.
 Wide with_beside(const Row& volume, double cell) {
@@ -69,15 +76,20 @@ Wide with_beside(const Row& volume, double cell) {
 
 }  // namespace
 
-double growth_of(double thickness, double width) {
-  const double wanted = 0.5 * (width - thickness) / edge_volume(thickness);
-  double low = 0.7, high = 1;  // (less would leave no volume at the end of a zone hardly wider than its band)
-  while (sum_outside(high) < wanted) high *= 2;
-  for (int k = 0; k < 60; ++k) {
-    const double middle = 0.5 * (low + high);
-    (sum_outside(middle) < wanted ? low : high) = middle;
+double growth_of(double thickness, double width, double near) {
+  const double wanted = 0.5 * (width - thickness) / edge_volume(thickness),
+               least = 0.7;  // (less would leave no volume at the end of a zone hardly wider than its band)
+  if (sum_outside(least) >= wanted) return least;
+  // The sum is convex in the growth, so that Newton's steps come from above after the first.
+  double growth = near > least ? near : 2;
+  for (int k = 0; k < 100; ++k) {
+    double sum = 1, slope = 0;
+    for (std::size_t n = 1; n < outside; ++n) slope = slope * growth + sum, sum = sum * growth + 1;
+    const double next = std::max(least, growth - (sum - wanted) / slope);
+    if (std::abs(next - growth) <= 1e-14 * growth) return next;
+    growth = next;
   }
-  return 0.5 * (low + high);
+  return growth;
 }
 
 Row volumes_of(double thickness, double width, double growth) {
@@ -104,7 +116,7 @@ double advance_band(ShearBand& band, const HeatSoil& soil, double width, double 
   const double beside = soil.spread > 0 ? soil.cell : 0;
   if (width != band.width) {
     band.width = width;
-    band.growth = growth_of(soil.band, width);
+    band.growth = growth_of(soil.band, width, band.growth);
     const Row volume = volumes_of(soil.band, width, band.growth);
     keep_mean_zero(band.temperature, volume);
     keep_mean_zero(band.pressure, with_beside(volume, beside));
@@ -114,15 +126,26 @@ double advance_band(ShearBand& band, const HeatSoil& soil, double width, double 
   const Row before = band.temperature;
   Row source;
   for (std::size_t k = 0; k < N; ++k) source[k] = work * ((k < ShearBand::inside ? width / soil.band : 0) - 1);
-  diffuse(band.temperature, volume, soil.capacity, passing(volume, open ? soil.conductivity : 0, dt), source, N);
-  if (!(soil.storage > 0)) return soil.swells(from_c, to_c);
-
+  const Row through = passing(volume, open ? soil.conductivity : 0, dt);
+  Factors<Row> of_heat;
+  if (!(soil.storage > 0)) {
+    for (std::size_t k = 0; k < N; ++k) of_heat.take(k, volume, soil.capacity, through);
+    of_heat.solve(band.temperature, volume, soil.capacity, source, N);
+    return soil.swells(from_c, to_c);
+  }
+  const std::size_t n = soil.spread > 0 ? P : N;
   const Wide wide = with_beside(volume, beside);
+  Factors<Wide> of_water;
   Wide swelling{}, off{};
+  if (!soil.by_temperature && open) off = passing(wide, soil.mobility, dt);
+  for (std::size_t k = 0; k < N; ++k) {
+    of_heat.take(k, volume, soil.capacity, through);
+    if (!soil.by_temperature) of_water.take(k, wide, soil.storage, off);
+  }
+  of_heat.solve(band.temperature, volume, soil.capacity, source, N);
   double swollen = 0, of_zone = 0;  // of the zone in the mean: of water and grains, and over the skeleton
   if (!soil.by_temperature) {
     for (std::size_t k = 0; k < N; ++k) swelling[k] = soil.pressurising() * (band.temperature[k] - before[k]);
-    if (open) off = passing(wide, soil.mobility, dt);
     swollen = soil.swells(from_c, to_c);
     of_zone = soil.pressurising() * work / soil.capacity;
   } else {
@@ -139,12 +162,14 @@ double advance_band(ShearBand& band, const HeatSoil& soil, double width, double 
     for (std::size_t k = N; k < P; ++k) mobility[k] = std::max(soil.mobility_at(to_c), 1e-30);
     if (open && soil.mobility > 0) off = passing(wide, mobility, dt);
     of_zone = swollen - soil.skeleton * (to_c - from_c);
+    for (std::size_t k = 0; k < N; ++k) of_water.take(k, wide, soil.storage, off);
   }
+  for (std::size_t k = N; k < n; ++k) of_water.take(k, wide, soil.storage, off);
   if (soil.spread > 0) {
     const double spread = of_zone * std::min(most_spread, soil.spread * soil.cell / width);
     for (std::size_t k = 0; k < P; ++k) swelling[k] += k < N ? spread : -spread * 0.5 * width / soil.cell;
   }
-  diffuse(band.pressure, wide, soil.storage, off, swelling, soil.spread > 0 ? P : N);
+  of_water.solve(band.pressure, wide, soil.storage, swelling, n);
   return swollen;
 }
 

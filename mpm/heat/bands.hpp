@@ -26,6 +26,7 @@ struct ShearBand {
   std::array<double, volumes> temperature{};
   std::array<double, pressures> pressure{};
   double width = 0, growth = 0;  // of the zone; of the volumes, one over the one before
+  double waited = 0;             // time not advanced over, in which nothing slipped, s
 
   /// Over the mean, inside the band.
   double hotter(double thickness) const { return mean(temperature.data(), thickness); }
@@ -41,7 +42,7 @@ struct ShearBand {
 double advance_band(ShearBand& band, const HeatSoil& soil, double width, double work, double dt, double from_c = 0, double to_c = 0);
 /// The widths of the volumes, the thickness's half first, then the rest of the zone's half.
 std::array<double, ShearBand::volumes> volumes_of(double thickness, double width, double growth);
-/// Growth of the volumes outside that fills the zone.
-double growth_of(double thickness, double width);
+/// Growth of the volumes outside that fills the zone. `near`: one near it, 0 if none is known.
+double growth_of(double thickness, double width, double near = 0);
 
 }  // namespace pivnp::mpm

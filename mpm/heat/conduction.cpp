@@ -39,8 +39,9 @@ double Conduction::longest_step(const GridState& g) const {
   return most > 0 ? 1 / (most * rate_in_cell(g)) : std::numeric_limits<double>::infinity();
 }
 
-Conduction::Sums Conduction::conduct(const Particles& p, GridState& g, const PoreWater* water, double carried_capacity, double time,
-                                     double dt, std::vector<double>& rise, int threads) {
+Conduction::Sums Conduction::conduct(const Particles& p, GridState& g, const PoreWater* water, double carried_capacity,
+                                     double darcy, const Vec2& gravity, double time, double dt,
+                                     std::vector<double>& rise, int threads) {
   Sums sums;
   const double rate = rate_in_cell(g) * dt;
   map(p, g, threads);
@@ -48,6 +49,7 @@ Conduction::Sums Conduction::conduct(const Particles& p, GridState& g, const Por
   take_means(g, threads);
   sums.inflow += give_temperatures(g, rate, time, dt);
   add_edges(g, water, carried_capacity, rate, dt, threads, sums);
+  if (water && darcy != 0) give_darcy(p, g, *water, darcy, gravity, rise, threads, sums);
   for (const Joined& joined : joined_) {
     HeatNode &a = nodes_[joined.node[0]], &b = nodes_[joined.node[1]];
     if (is_given_[joined.node[0]]) continue;
@@ -198,7 +200,7 @@ void Conduction::add_edges(const GridState& g, const PoreWater* water, double ca
       nodes_[n].evened -= passed;
       if (!water) return heat;
       const PoreWater::EdgeFlow q = water->edge_flow(g, first);
-      const double into = (along_x ? q.x : q.y) * (other == first ? 1 : -1), made = 0.5 * dt * (along_x ? q.heat_x : q.heat_y);
+      const double into = (along_x ? q.x : q.y) * (other == first ? 1 : -1);
       const std::size_t step = along_x ? 1 : row, up = into > 0 ? other : n, down = into > 0 ? n : other;
       const std::size_t behind = up > down ? up + step : up - step;
       const double ahead_by = nodes_[down].temperature - nodes_[up].temperature;
@@ -207,10 +209,8 @@ void Conduction::add_edges(const GridState& g, const PoreWater* water, double ca
       const double face = nodes_[up].temperature + half_step(behind_by, ahead_by);
       const double carried = carried_capacity * dt * into * (face - nodes_[n].temperature);
       sum.inflow += carried;
-      sum.darcy += made;
       if (nodes_[n].contained > 0) sum.crossing = std::max(sum.crossing, carried_capacity * std::abs(into) / nodes_[n].capacity);
-      heat += carried + made;
-      return heat;
+      return heat + carried;
     };
     for (std::size_t a = begin; a < end; ++a) {
       const std::size_t n = g.active.nodes[a];
@@ -220,9 +220,50 @@ void Conduction::add_edges(const GridState& g, const PoreWater* water, double ca
   });
   for (const Sums& part : parts) {
     sums.inflow += part.inflow;
-    sums.darcy += part.darcy;
     sums.crossing = std::max(sums.crossing, part.crossing);
   }
+}
+
+// What the flow dissipated becomes heat in proportion to what it dissipates now: of each edge half at either end, and
+// at the points where their water evens out in a cell. At a given temperature it leaves at once.
+void Conduction::give_darcy(const Particles& p, GridState& g, const PoreWater& water, double darcy, const Vec2& gravity,
+                            std::vector<double>& rise, int threads, Sums& sums) {
+  const auto row = std::size_t(row_);
+  std::vector<double> of_nodes(node_parts(g), 0.0), of_points;
+  for_node_parts(g, threads, [&](std::size_t part, std::size_t begin, std::size_t end) {
+    for (std::size_t a = begin; a < end; ++a) {
+      const std::size_t n = g.active.nodes[a];
+      const auto through = [&](std::size_t other, std::size_t first, bool along_x) {
+        if (!(nodes_[other].capacity > 0)) return 0.0;
+        const PoreWater::EdgeFlow q = water.edge_flow(g, first);
+        return 0.5 * (along_x ? q.heat_x : q.heat_y);
+      };
+      double& flow = nodes_[n].heat;  // (its heat has been asked for)
+      flow = 0;
+      if (nodes_[n].capacity > 0)
+        flow = (through(n + 1, n, true) + through(n - 1, n - 1, true)) +
+               (through(n + row, n, false) + through(n - row, n - row, false));
+      of_nodes[part] += flow;
+    }
+  });
+  evening_.assign(p.size(), 0.0);
+  of_points.assign(g.active.pieces.size(), 0.0);
+  for_pieces(g, threads, [&](Range range, std::size_t piece) {
+    for_points_of(g, range,
+                  [&](std::uint32_t k) { of_points[piece] += evening_[k] = water.evening(p, g, k, gravity); });
+  });
+  double all = 0;
+  for (const double part : of_nodes) all += part;
+  for (const double part : of_points) all += part;
+  if (!(all > 0)) return;
+  const double share = darcy / all;
+  for_nodes(g, threads, [&](Node&, std::uint32_t n) { nodes_[n].gain += share * nodes_[n].heat; });
+  for (const std::uint32_t n : given_) sums.inflow -= share * nodes_[n].heat;
+  for_pieces(g, threads, [&](Range range, std::size_t) {
+    for_points_of(g, range,
+                  [&](std::uint32_t k) { rise[k] += share * evening_[k] / (p.volume0[k] * soil_of(p, k).capacity); });
+  });
+  sums.darcy = darcy;
 }
 
 }  // namespace pivnp::mpm

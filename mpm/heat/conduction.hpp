@@ -24,12 +24,14 @@ class Conduction {
 
   struct Sums {
     double inflow = 0;    // through boundaries, and what the flow of the water carried, J/m
-    double darcy = 0;     // made by the flow, J/m
+    double darcy = 0;     // made by the flow of what was asked for, J/m
     double crossing = 0;  // greatest rate at which the flow passes a cell, 1/s
   };
-  /// Adds to `rise` (of the points, K) what a step of `dt` gives. `water`: null without; its flow is that of the last step.
-  Sums conduct(const Particles& p, GridState& g, const PoreWater* water, double carried_capacity, double time, double dt,
-               std::vector<double>& rise, int threads);
+  /// Adds to `rise` (of the points, K) what a step of `dt` gives. `water`: null without; its flow is that of the last
+  /// step. `darcy`: what the flow dissipated meanwhile, J/m; it becomes heat where the flow of the last step does so,
+  /// unless that has come to rest.
+  Sums conduct(const Particles& p, GridState& g, const PoreWater* water, double carried_capacity, double darcy,
+               const Vec2& gravity, double time, double dt, std::vector<double>& rise, int threads);
   /// The longest stable step, s; infinite where nothing conducts.
   double longest_step(const GridState& g) const;
 
@@ -43,6 +45,8 @@ class Conduction {
   void join_ties(double time);
   double give_temperatures(const GridState& g, double rate, double time, double dt);
   void add_edges(const GridState& g, const PoreWater* water, double carried_capacity, double rate, double dt, int threads, Sums& sums);
+  void give_darcy(const Particles& p, GridState& g, const PoreWater& water, double darcy, const Vec2& gravity,
+                  std::vector<double>& rise, int threads, Sums& sums);
   Edge edge(const GridState& g, std::size_t n, bool along_x, double rate, double dt) const;
 
   double diffusivity_of(const HeatSoil& soil) const { return std::max(soil.diffusivity(), least_diffusivity_); }
@@ -61,6 +65,7 @@ class Conduction {
     double share[2], mean[2];  // of each one's own points in both, and their temperature
   };
   std::vector<Joined> joined_;
+  std::vector<double> evening_;  // of the points, W/m
 };
 
 }  // namespace pivnp::mpm

@@ -16,6 +16,7 @@ constexpr std::int64_t look_every = 4;   // passes between looks at the width of
 constexpr double pass_share = 0.5;       // of the longest step of conduction
 constexpr double cross_share = 0.25;     // of a cell that the flow may pass between two
 constexpr double forgotten = 0.1;        // of the shear that a zone's width is found from, at each look
+constexpr double most_waits = 7;         // passes that a band in which nothing slips is not advanced in
 constexpr std::size_t points_in_part = 1024;      // points
 
 }  // namespace
@@ -75,8 +76,8 @@ double Heat::pending(const Particles& p, std::size_t k) const {
   return work ? p.volume0[k] * ((*work)[k] - p.heated_by[k]) : 0;
 }
 
-HeatSums Heat::step(Particles& p, GridState& g, const Materials& materials, const PoreWater* water, HeatState& state, double time,
-                    double dt, bool last, int threads) {
+HeatSums Heat::step(Particles& p, GridState& g, const Materials& materials, const PoreWater* water, HeatState& state,
+                    double darcy, const Vec2& gravity, double time, double dt, bool last, int threads) {
   state.since += dt;
   ++state.steps;
   const bool due = last || state.steps % pass_every == 0 || state.since + dt > pass_share * longest_step(g) ||
@@ -87,7 +88,9 @@ HeatSums Heat::step(Particles& p, GridState& g, const Materials& materials, cons
   rise_.assign(p.size(), 0.0);
   HeatSums sums;
   if (conducts_ || (water && carried_capacity_ > 0)) {
-    const Conduction::Sums moved = conduction_.conduct(p, g, water, carried_capacity_, time, since, rise_, threads);
+    const Conduction::Sums moved =
+        conduction_.conduct(p, g, water, carried_capacity_, darcy - state.darcy, gravity, time, since, rise_, threads);
+    if (moved.darcy != 0) state.darcy = darcy;
     sums.inflow = moved.inflow;
     sums.made = moved.darcy;
     state.crossing = moved.crossing;
@@ -97,7 +100,11 @@ HeatSums Heat::step(Particles& p, GridState& g, const Materials& materials, cons
     open_bands(p, state);
   }
   ++state.passes;
-  sums.add(warm(p, materials, water, bands_, since, state, threads));
+  sums.add(warm(p, materials, water,
+                !bands_ ? WithBands::none
+                : last  ? WithBands::all
+                        : WithBands::that_slip,
+                since, state, threads));
   if (water) water->follow_temperature(p, threads);
   if (bands_) shift_strength(p, state, threads);
   return sums;
@@ -105,11 +112,12 @@ HeatSums Heat::step(Particles& p, GridState& g, const Materials& materials, cons
 
 HeatSums Heat::take_work(Particles& p, const Materials& materials, const PoreWater* water, HeatState& state, int threads) {
   rise_.assign(p.size(), 0.0);
-  return warm(p, materials, water, false, 0, state, threads);
+  return warm(p, materials, water, WithBands::none, 0, state, threads);
 }
 
 // Points become warmer by `rise_` and by their work; what swells of that goes to water and skeleton.
-HeatSums Heat::warm(Particles& p, const Materials& materials, const PoreWater* water, bool with_bands, double dt, HeatState& state, int threads) {
+HeatSums Heat::warm(Particles& p, const Materials& materials, const PoreWater* water, WithBands bands, double dt,
+                    HeatState& state, int threads) {
   HeatSums sums;
   const Array* work = p.history.find(plastic_work.name);
   for (const Particles::Body& body : p.bodies) {
@@ -131,13 +139,21 @@ HeatSums Heat::warm(Particles& p, const Materials& materials, const PoreWater* w
         sum.made += p.volume0[k] * done;
         if (soil.band > 0) {
           p.band_work[k] += done;
-          if (with_bands) {
+          if (bands != WithBands::none) {
             const std::int32_t slot = state.band_of[p.index[k]];
-            if (slot >= 0 && soil.exchange == BandExchange::printed)
+            if (slot >= 0 && soil.exchange == BandExchange::printed) {
               rise += exchange_as_printed(p, soil, k, p.band_work[k], dt, state) - per_capacity * p.band_work[k];
-            else if (slot >= 0)
-              swollen = advance_band(state.bands[std::size_t(slot)], soil, p.band_width[k], p.band_work[k] / p.J[k], dt, p.temperature[k],
-                                     p.temperature[k] + rise);
+            } else if (slot >= 0) {
+              // (Where nothing slips the deviation only evens out, over longer times than a pass.)
+              ShearBand& band = state.bands[std::size_t(slot)];
+              const bool waits = bands == WithBands::that_slip && p.band_work[k] == 0 && !soil.by_temperature &&
+                                 band.waited < most_waits * dt;
+              const double over = band.waited + dt;
+              band.waited = waits ? over : 0;
+              if (!waits)
+                swollen = advance_band(band, soil, p.band_width[k], p.band_work[k] / p.J[k], over, p.temperature[k],
+                                       p.temperature[k] + rise);
+            }
             p.band_work[k] = 0;
           }
         }

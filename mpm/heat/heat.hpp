@@ -35,6 +35,7 @@ struct HeatState {
   std::vector<ShearBand> bands;
   std::vector<Turning> turning;  // of each particle of the set, where any material has bands
   double since = 0;      // time since heat was last conducted, s
+  double darcy = 0;      // what the flow dissipated and is heat, J/m
   double crossing = 0;   // greatest rate at which the flow passed a cell then, 1/s
   std::int64_t steps = 0, passes = 0;
 };
@@ -64,11 +65,11 @@ class Heat {
   bool any_bands() const { return bands_; }
   double longest_step(const GridState& g) const { return conduction_.longest_step(g); }
 
-  /// Once a step, after the water has flowed: adds to the time, and when it is due makes heat of the work, conducts, and advances
-  /// the bands. `water`: null without.
-  /// `last`: before a state is written, when it is due in any case.
-  HeatSums step(Particles& p, GridState& g, const Materials& materials, const PoreWater* water, HeatState& state, double time, double dt,
-                bool last, int threads);
+  /// Once a step, after the water has flowed: adds to the time, and when it is due makes heat of the work, conducts,
+  /// and advances the bands. `water`: null without. `darcy`: what the flow has dissipated since the start, J/m. `last`:
+  /// before a state is written, when it is due in any case.
+  HeatSums step(Particles& p, GridState& g, const Materials& materials, const PoreWater* water, HeatState& state,
+                double darcy, const Vec2& gravity, double time, double dt, bool last, int threads);
   /// The work done since becomes heat: before a state is written.
   HeatSums take_work(Particles& p, const Materials& materials, const PoreWater* water, HeatState& state, int threads);
 
@@ -85,7 +86,9 @@ class Heat {
 
  private:
   const HeatSoil& soil_of(const Particles& p, std::size_t k) const { return soils_[std::size_t(set_->label[p.index[k]])]; }
-  HeatSums warm(Particles& p, const Materials& materials, const PoreWater* water, bool with_bands, double dt, HeatState& state, int threads);
+  enum class WithBands { none, that_slip, all };
+  HeatSums warm(Particles& p, const Materials& materials, const PoreWater* water, WithBands bands, double dt,
+                HeatState& state, int threads);
   void look_at_zones(Particles& p, const GridState& g, HeatState& state, double time);
   void open_bands(const Particles& p, HeatState& state);
   void shift_strength(Particles& p, const HeatState& state, int threads) const;

@@ -152,6 +152,31 @@ void ZoneWidth::filter(const std::vector<double>& x_taps, const std::vector<doub
   const double sign_x = odd(x_taps, of_x_[1]), sign_y = odd(y_taps, of_y_[1]);
   std::vector<double> rows(in.size(), 0.0);
   out.assign(in.size(), 0.0);
+  if (period_x_ == 0 && period_y_ == 0) {  // the same sums, row by row
+    const auto size = [](const std::vector<double>& f) { return std::ptrdiff_t(f.size()); };
+    const std::ptrdiff_t columns = box_.nx, height = box_.ny;
+    const auto add = [](double* to, const double* from, double f, std::ptrdiff_t n) {
+      for (std::ptrdiff_t i = 0; i < n; ++i) to[i] += f * from[i];
+    };
+    for (std::ptrdiff_t j = 0; j < height; ++j) {
+      const double* from = in.data() + j * columns;
+      double* to = rows.data() + j * columns;
+      if (sign_x > 0) add(to, from, x_taps[0], columns);
+      for (std::ptrdiff_t t = 1; t < std::min(size(x_taps), columns); ++t) {
+        add(to, from + t, x_taps[std::size_t(t)], columns - t);
+        add(to + t, from, sign_x * x_taps[std::size_t(t)], columns - t);
+      }
+    }
+    for (std::ptrdiff_t j = 0; j < height; ++j) {
+      double* to = out.data() + j * columns;
+      if (sign_y > 0) add(to, rows.data() + j * columns, y_taps[0], columns);
+      for (std::ptrdiff_t t = 1; t < size(y_taps); ++t) {
+        if (j + t < height) add(to, rows.data() + (j + t) * columns, y_taps[std::size_t(t)], columns);
+        if (j >= t) add(to, rows.data() + (j - t) * columns, sign_y * y_taps[std::size_t(t)], columns);
+      }
+    }
+    return;
+  }
   const std::ptrdiff_t nx = period_x_ > 0 ? period_x_ : box_.nx, ny = period_y_ > 0 ? period_y_ : box_.ny;
   const auto value = [&](const std::vector<double>& of, std::ptrdiff_t i, std::ptrdiff_t j) {
     return i >= 0 && i < nx && j >= 0 && j < ny ? of[std::size_t(j * box_.nx + i)] : 0.0;

@@ -63,21 +63,6 @@ HWY_INLINE void for_runs(const std::uint32_t* nodes, std::size_t size, Body&& bo
   }
 }
 
-// The same, as many at a time as the processor has lanes, then four.
-template <class Body>
-HWY_INLINE void for_wide_runs(const std::uint32_t* nodes, std::size_t size, Body&& body) {
-  const hn::CappedTag<double, in_pairs ? 4 : 8> all;
-  const std::size_t lanes = hn::Lanes(all);
-  const auto fill = [&](std::size_t k)
-                        HWY_ATTR { return k + lanes <= size && nodes[k + lanes - 1] == nodes[k] + (lanes - 1); };
-  for (std::size_t k = 0, rest = 0;; rest = k += lanes) {
-    while (k < size && !fill(k)) ++k;
-    for_runs(nodes + rest, k - rest, body);
-    if (k == size) return;
-    body(all, std::ptrdiff_t(nodes[k]));
-  }
-}
-
 }  // namespace pivnp::mpm::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

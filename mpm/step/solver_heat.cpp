@@ -43,7 +43,9 @@ void Solver::Impl::start_heat() {
 }
 
 void Solver::Impl::heat_points(const Cycle& c) {
-  if (heat) count(heat->step(p, g, materials, water.get(), state.heat, state.time, c.dt, heat_due, c.threads));
+  if (heat)
+    count(heat->step(p, g, materials, water.get(), state.heat, state.balance.darcy, c.gravity, state.time, c.dt,
+                     heat_due, c.threads));
 }
 
 void Solver::Impl::take_work() {

@@ -120,6 +120,7 @@ void visit(Archive& a, State& s) {
   a.list(s.heat.bands);
   a.list(s.heat.turning);
   a.value(s.heat.since);
+  a.value(s.heat.darcy);
   a.value(s.heat.crossing);
   a.value(s.heat.steps);
   a.value(s.heat.passes);

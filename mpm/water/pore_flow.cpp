@@ -135,6 +135,16 @@ PoreWater::EdgeFlow PoreWater::edge_flow(const GridState& g, std::size_t n) cons
   return {flow_x, flow_y, flow_x * x, flow_y * y};
 }
 
+double PoreWater::evening(const Particles& p, const GridState& g, std::size_t k, const Vec2& gravity) const {
+  if (!flows(p, k)) return 0;
+  const InElement in = element_of(p, g, k);
+  const double *low = field_.potential + in.node, *high = low + field_.row;
+  const double spanned =
+      (1 - in.t) * ((1 - in.s) * low[0] + in.s * low[1]) + in.t * ((1 - in.s) * high[0] + in.s * high[1]);
+  const double over = p.pressure[k] - head({p.x[k], p.y[k]}, gravity) - spanned;
+  return rate_in_cell(g) * mobility_of(p, k) * p.volume0[k] * p.J[k] * over * over;
+}
+
 // What is not active any more is zero again.
 void PoreWater::forget_nodes(const GridState& g) {
   if (nodes_ == g.active.nodes) return;

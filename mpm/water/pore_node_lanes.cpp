@@ -153,7 +153,7 @@ struct AtNodes {
 std::size_t take_range(const PoreSumsView& sums, const PoreFields& f, const PoreEdges& edges, const std::uint32_t* nodes, std::size_t size,
                        std::uint32_t* special) {
   std::size_t found = 0;
-  for_wide_runs(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR {
+  for_runs<8>(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR {
     const auto inside = FromSums<decltype(d)>{d, sums, f, edges, n}.take();
     if (HWY_LIKELY(hn::AllTrue(d, inside))) return;
     double is_inside[hn::MaxLanes(decltype(d)())];
@@ -164,15 +164,15 @@ std::size_t take_range(const PoreSumsView& sums, const PoreFields& f, const Pore
   return found;
 }
 void weigh_range(const PoreFields& f, const std::uint32_t* nodes, std::size_t size) {
-  for_wide_runs(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR { AtNodes<decltype(d)>{d, f, n}.weigh(); });
+  for_runs<8>(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR { AtNodes<decltype(d)>{d, f, n}.weigh(); });
 }
 void smooth_range(const PoreFields& f, const double* from, double* to, const std::uint32_t* nodes, std::size_t size) {
-  for_wide_runs(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR {
+  for_runs<8>(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR {
     AtNodes<decltype(d)>{d, f, n}.smooth(from, to);
   });
 }
 void exchange_range(const PoreFields& f, double rate, double mobility_all, const std::uint32_t* nodes, std::size_t size) {
-  for_wide_runs(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR {
+  for_runs<8>(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR {
     AtNodes<decltype(d)>{d, f, n}.exchange(rate, mobility_all);
   });
 }

@@ -307,21 +307,24 @@ PoreWater::Rates PoreWater::rates(const Particles& p) const {
   for (const Particles::Body& body : p.bodies) {
     const PoreSoil& soil = soils_[std::size_t(body.material)];
     if (!soil.holds_water()) continue;
-    double least = std::numeric_limits<double>::max(), most = 0, smallest = least, mobility = soil.mobility;
+    double smallest = std::numeric_limits<double>::max(), least = smallest, stiffest = 0, mobility = soil.mobility;
+    const double solid = 1 - soil.porosity, dry = soil.dry_density(),
+                 full = dry + options_.density_kg_m3 * soil.porosity;
+    const auto pores = [&](double J) { return std::max(least_pores, J - solid); };
     for (std::size_t k = body.begin; k < body.end; ++k) {
       if (p.cell[k] == Particles::ended || !(p.content[k] > 0)) continue;
       smallest = std::min(smallest, p.J[k]);
-      if (torn(p, k, soil)) continue;
-      least = std::min(least, p.J[k]);
-      most = std::max(most, p.J[k]);
+      const bool open = torn(p, k, soil);  // (as if it were whole)
+      const double J = open ? 1 : p.J[k];
+      least = std::min(least, J);
+      // Of the point's own mass, which grows with the water that comes.
+      const double lighter = open ? 1 : full / (dry + options_.density_kg_m3 * p.content[k]);
+      stiffest = std::max(stiffest, J * J / pores(J) * lighter);
     }
-    if (smallest == std::numeric_limits<double>::max()) continue;
-    if (tears()) least = std::min(least, 1.0), most = std::max(most, 1.0);
-    rates.least_pores = std::min(rates.least_pores, (smallest - (1 - soil.porosity)) / soil.porosity);
+    if (!(stiffest > 0)) continue;
+    rates.least_pores = std::min(rates.least_pores, (smallest - solid) / soil.porosity);
     if (soil.kozeny_carman || by_temperature()) mobility = *std::max_element(p.mobility.begin() + std::ptrdiff_t(body.begin), p.mobility.begin() + std::ptrdiff_t(body.end));
-    // J^2/(J - solid) and 1 - solid/J are greatest and least where J is.
-    const auto pores = [&](double J) { return std::max(least_pores, J - (1 - soil.porosity)); };
-    const double stiffness = options_.bulk_modulus_pa * std::max(least * least / pores(least), most * most / pores(most));
+    const double stiffness = options_.bulk_modulus_pa * stiffest;
     double& of_material = rates.stiffness[std::size_t(body.material)];
     of_material = std::max(of_material, stiffness);
     rates.diffusivity = std::max(rates.diffusivity, mobility * options_.bulk_modulus_pa * least / pores(least));

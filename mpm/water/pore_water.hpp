@@ -150,6 +150,8 @@ class PoreWater {
     double x = 0, y = 0, heat_x = 0, heat_y = 0;
   };
   EdgeFlow edge_flow(const GridState& g, std::size_t node) const;
+  /// What the point's water dissipated in the last step as it evened out in its cell, W/m.
+  double evening(const Particles& p, const GridState& g, std::size_t k, const Vec2& gravity) const;
   /// Over the points still simulated: that energy, and the mass of the water that flows, kg/m; and of the pressure over that of the
   /// water outside, times the volume, and of its square; that volume.
   struct Sums {
@@ -157,8 +159,8 @@ class PoreWater {
   };
   Sums sums(const Particles& p, const Vec2& gravity) const;
 
-  /// What the water adds to the stiffness against a compression wave, J K_w/n, the greatest of each material, Pa; and the
-  /// greatest diffusivity of pressure, K K_w/(gamma n), m^2/s.
+  /// What the water adds to the stiffness against a compression wave, J K_w/n, the greatest of each material, Pa, for a
+  /// point as heavy as at the start; and the greatest diffusivity of pressure, K K_w/(gamma n), m^2/s.
   struct Rates {
     std::vector<double> stiffness;
     double diffusivity = 0;

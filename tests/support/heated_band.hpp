@@ -4,6 +4,7 @@
 // h = tau v/L in the band, tau = (sigma - p_B) tan(phi), p_B the mean over the band; by backward Euler on volumes that grow from its edge.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <vector>
@@ -60,6 +61,18 @@ class ResolvedBand {
     }
     diffuse(pressure_, of_.storage(), mobility, dt, source);
   }
+  /// The band loses this share of its volume, `spread` of that from layers as wide on either side, and water flows in a
+  /// step.
+  void give_way(double by, double spread, double dt) {
+    std::vector<double> source(hot_.size(), 0.0);
+    double from = 0;
+    for (std::size_t k = 0; k < hot_.size(); from += volume_[k++]) {
+      const double beside = std::min(1.0, std::max(0.0, 1.5 * of_.thickness - from) / volume_[k]);
+      source[k] = by * (k < inside_ ? 1 - spread : 0.5 * spread * beside);
+    }
+    diffuse(pressure_, of_.storage(), std::vector<double>(hot_.size(), of_.mobility()), dt, source);
+  }
+  void set_stress(double stress) { of_.stress = stress; }
   double shear_stress() const { return std::max(0.0, of_.stress - pressure()) * of_.tan_friction(); }
   double pressure() const { return mean(pressure_); }
   double temperature() const { return mean(hot_); }
@@ -91,9 +104,17 @@ class ResolvedBand {
 };
 
 /// The planar slide of Alvarado 2018's figure 4.6 as this project assumes it: an endless slope of 20 degrees.
+///
+/// Soil of the shear modulus G that slips in a layer of some width under the shear stress T has normal stresses that
+/// differ along and across it by 2 s, s = T^2/G once it has slipped by more than T/G of the width (each increment of
+/// elastic strain turns with the slip, and lasts T/G of shear). So the mean stress that the strength follows is s below
+/// that across it; while the pores are closed, suction of m s/S in the layer makes up for it, and this flows away.
+/// Rigid soil (the default) has none of it.
 struct PlanarSlide {
   HeatedBand band;
   double drive = 127.38e3, mass = 37964;
+  double shear_modulus = 0, layer = 0;  // Pa, 0: rigid; width of what slips, m
+  double spread = 0;                    // of the suction, to layers beside it
 
   explicit PlanarSlide(HeatedBand of) : band(of) { band.stress = 238.69e3; }
   struct State {
@@ -102,14 +123,25 @@ struct PlanarSlide {
   /// The state once it has slipped so far.
   State after(double slip, double dt = 2e-3) const {
     ResolvedBand resolved(band);
+    HeatedBand as_layer = band;
+    as_layer.thickness = layer > 0 ? layer : band.thickness;
+    ResolvedBand wide(as_layer);
     State s;
+    double difference = 0;
     while (s.slip < slip) {
+      if (shear_modulus > 0) {
+        const double stress = resolved.shear_stress(), last = difference;
+        difference =
+            stress * stress / shear_modulus * -std::expm1(-s.slip / as_layer.thickness * shear_modulus / stress);
+        wide.give_way(-band.skeleton * (difference - last), spread, dt);
+        resolved.set_stress(band.stress - difference - wide.pressure());
+      }
       s.speed += dt * (drive - resolved.shear_stress()) / mass;
       resolved.slip(s.speed, dt);
       s.slip += dt * s.speed;
       s.time += dt;
     }
-    s.pressure = resolved.pressure();
+    s.pressure = resolved.pressure() + (shear_modulus > 0 ? wide.pressure() : 0);
     s.temperature = resolved.temperature();
     return s;
   }

@@ -25,6 +25,7 @@ using pivnp::test::ResolvedBand;
 
 TEST(Bands, VolumesFillTheZone) {
   for (const double width : {0.011, 0.02, 0.5, 50.0}) {
+    for (const double near : {0.75, 1.1, 3.0}) EXPECT_NEAR(growth_of(0.01, width, near), growth_of(0.01, width), 1e-12);
     const auto volume = volumes_of(0.01, width, growth_of(0.01, width));
     double sum = 0;
     for (const double v : volume) sum += v;
@@ -185,6 +186,26 @@ TEST(Bands, NoKinkWhereSlipStartsStopsJumpsOrMeets) {
       }
     }
     for (const int zone : {0, 1}) EXPECT_GT(greatest[zone], 0.03 * of.stress);
+  }
+}
+
+// Where nothing slips a deviation only evens out: a step of eight passes (of a slope on cells of 0.125 m) does that as
+// eight do.
+TEST(Bands, EvenOutAlikeInLongSteps) {
+  for (const double permeability : {1e-11, 1e-9, 1e-7}) {
+    HeatedBand of;
+    HeatSoil soil;
+    soil.capacity = of.capacity, soil.conductivity = of.conductivity, soil.swelling = of.beta;
+    soil.band = of.thickness, soil.storage = of.storage(), soil.mobility = permeability / 9810;
+    const double dt = 5e-4, width = 0.15;
+    ShearBand band;
+    for (int k = 0; k < 400; ++k) advance_band(band, soil, width, 500, dt);
+    const double before = band.over_pressure(of.thickness), hot = band.hotter(of.thickness);
+    ShearBand each = band, seldom = band;
+    for (int k = 0; k < 80; ++k) advance_band(each, soil, width, 0, dt);
+    for (int k = 0; k < 10; ++k) advance_band(seldom, soil, width, 0, 8 * dt);
+    EXPECT_NEAR(seldom.over_pressure(of.thickness), each.over_pressure(of.thickness), 0.01 * before) << permeability;
+    EXPECT_NEAR(seldom.hotter(of.thickness), each.hotter(of.thickness), 1e-4 * hot) << permeability;
   }
 }
 

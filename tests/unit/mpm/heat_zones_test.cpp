@@ -164,6 +164,91 @@ TEST(HeatedZones, SlipThatStopsInOneAndStartsInAnotherHasNoKink) {
   }
 }
 
+// A block that is compressed between a smooth platen and base, cut by one layer of clay at 45 degrees or by two that
+// cross: as wedges slide along both, each keeps the width that it has alone, but for the cells which both share.
+struct Crossing {
+  double width = 0, slip = 0;  // means over the arms: of the zone's width, by shear; of plastic shear
+  double in_common = 0;        // the greatest width where they cross
+  double wrong =
+      0;  // nothing leaves a band: it is warmer than its zone's mean by w/L; what it is off by, over the hottest
+  double heat_lost = 0, water_lost = 0;
+};
+
+Crossing compressed(bool both) {
+  const double h = 0.1, side = 2, half = 0.1, thickness = 0.01, speed = 1;
+  MaterialOptions block = elastic(1, 0.33, 0);
+  block.young_pa = 4.5e8;
+  block.porosity = 0.4;
+  block.permeability_m_s = 1e-12;
+  block.grain_density_kg_m3 = 2700;
+  block.grain_specific_heat_j_kg_k = 837;
+  block.conductivity_w_m_k = 0;
+  MaterialOptions clay = block;
+  clay.model = "von_mises";
+  clay.shear_strength_pa = 1e5;
+  clay.band_thickness_m = thickness;
+  clay.band_compressibility_1_pa = 1.5e-9;
+  Scene s = scene(Grid{{-0.5, 0}, {h, h}, 31, 24}, {rectangle("block", 0, 0, side, side)}, {block, clay});
+  s.particles.label_names.push_back("clay");
+  const auto across = [&](std::size_t k, bool other) {
+    const Vec2 at = s.particles.x0[k] - Vec2(0.5 * side, 0.5 * side);
+    return std::abs(other ? at.x() + at.y() : at.x() - at.y()) / std::sqrt(2.0);
+  };
+  for (std::size_t k = 0; k < s.particles.size(); ++k)
+    if (across(k, false) < half || (both && across(k, true) < half)) s.particles.label[k] = 1;
+  s.water.emplace();
+  s.heat.emplace();
+  s.boundaries = {{"base", line({-0.5, 0}, {2.5, 0}, "roller")}};
+  RigidOptions platen;
+  platen.polygon_m = {{-0.4, side}, {2.4, side}, {2.4, side + 0.2}, {-0.4, side + 0.2}};
+  platen.velocity_m_s = {0, -speed};
+  platen.friction = 0;
+  s.bodies.emplace_back("platen", platen);
+  MpmOptions o = options();
+  o.initial_equilibrium = false;
+  o.end_at_rest = false;
+  o.shape = ShapeKind::gimp;
+  o.pressure = PressureScheme::in_steps;
+  Solver solver(o, s, 1);
+  const EnergyRow start = solver.energy();
+  solver.advance_to(0.03, silent);
+  const MotionFrame f = solver.frame();
+  const EnergyRow e = solver.energy();
+  Crossing seen;
+  double all = 0, n = 0, hottest = 0;
+  for (std::size_t k = 0; k < f.u.size(); ++k) {
+    const double from_middle = (s.particles.x0[k] - Vec2(0.5 * side, 0.5 * side)).norm(),
+                 g = double(f.field("plastic_dev")(k, 0)), w = double(f.field("band_width")(k, 0));
+    if (across(k, false) < half && across(k, true) < half) seen.in_common = std::max(seen.in_common, w);
+    if (from_middle < 0.4 || from_middle > 0.9 || s.particles.label[k] == 0) continue;
+    all += g, n += 1;
+    seen.width += g * w;
+    const double mean = double(f.field("temperature")(k, 0)) - 20,
+                 band = double(f.field("band_temperature")(k, 0)) - 20;
+    hottest = std::max(hottest, band);
+    if (g > 0.01) seen.wrong = std::max(seen.wrong, std::abs(band - mean * w / thickness));
+  }
+  seen.width /= all;
+  seen.slip = all / n;
+  seen.wrong /= hottest;
+  seen.heat_lost = (e.heat - start.heat - e.heat_made - e.heat_inflow) / e.heat_made;
+  seen.water_lost = (e.water_mass - start.water_mass - e.water_inflow) / start.water_mass;
+  return seen;
+}
+
+TEST(HeatedZones, ThatCrossKeepTheirWidths) {
+  const Crossing alone = compressed(false), both = compressed(true);
+  EXPECT_NEAR(both.width, alone.width, 0.05 * alone.width);
+  EXPECT_GT(both.in_common, 1.2 * both.width);
+  EXPECT_LT(both.in_common, 1.7 * both.width);
+  for (const Crossing& seen : {alone, both}) {
+    EXPECT_GT(seen.slip, 0.05);
+    EXPECT_LT(seen.wrong, 0.1);
+    EXPECT_LT(std::abs(seen.heat_lost), 1e-11);
+    EXPECT_LT(std::abs(seen.water_lost), 1e-12);
+  }
+}
+
 // A checkpoint holds bands, their widths and the senses of their points.
 TEST(HeatedZones, ACheckpointGoesOnWithTheSameBits) {
   HeatedBand band;

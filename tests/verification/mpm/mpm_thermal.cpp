@@ -21,6 +21,9 @@ struct Slide {
   int per_element, rows = 3;
   TransferKind transfer = TransferKind::flip;
   double young = 4.5e8, skeleton = 1.5e-9;  // the one is the other's
+  double spread = 0;  // of what a row gives way by, to the rows beside it; 0: the resolved band is one of rigid soil
+
+  static constexpr double poisson = 0.33;
 };
 
 struct Both {
@@ -43,7 +46,12 @@ Both slide(const Slide& of, BandExchange exchange = BandExchange::deviation) {
   o.exchange = exchange;
   if (of.permeability > 1e-8) o.below = 20;  // as far as water flows meanwhile
   const SlideState cells = run_slide(PlanarSlide(band), o, 50, 2 * PlanarSlide(band).after(50).time);
-  const PlanarSlide over = slide_over(PlanarSlide(band), o, cells.height);
+  PlanarSlide over = slide_over(PlanarSlide(band), o, cells.height);
+  if (of.spread > 0) {
+    over.shear_modulus = of.young / (2 * (1 + Slide::poisson));
+    over.layer = of.cell;
+    over.spread = of.spread;
+  }
   return {over.after(50), over.after(cells.slip), cells};
 }
 
@@ -59,7 +67,9 @@ void expect_resolved(const Slide& row, double asked) {
                                     off(cells.temperature, there.temperature) + " %");
   EXPECT_NEAR(cells.time, at_50.time, asked * at_50.time);
   EXPECT_NEAR(cells.speed, there.speed, asked * there.speed);
-  EXPECT_NEAR(cells.pressure, there.pressure, asked * there.pressure);
+  const double suction =
+      row.spread > 0 ? 0.01 * PlanarSlide(HeatedBand()).band.stress : 0;  // of the layer, beside a small pressure
+  EXPECT_NEAR(cells.pressure, there.pressure, asked * there.pressure + suction);
   EXPECT_NEAR(cells.temperature, there.temperature, asked * there.temperature);
   EXPECT_NEAR(cells.width, row.cell, 0.02 * row.cell);
   EXPECT_LT(std::abs(cells.heat_lost), 1e-9);
@@ -82,6 +92,19 @@ TEST(ThermalSlide, IsTheResolvedOneWhateverTheCells) {
 TEST(ThermalSlide, InPerviousClayToo) {
   const auto apic = TransferKind::apic;
   const Slide rows[] = {{1e-6, 0.01, 2, 4}, {1e-5, 0.01, 2, 4}, {1e-6, 0.01, 2, 4, 3, apic}, {1e-5, 0.01, 2, 4, 3, apic}, {1e-6, 0.001, 2, 4}, {1e-6, 0.01, 1, 4}};
+  for (const Slide& row : rows) expect_resolved(row, 0.05);
+}
+
+// Soil so soft that its normal stresses along and across the slip differ by 2 % of themselves: held to the band
+// resolved in such soil, whose layer gives way over a row of cells as in the simulation. In rigid soil the same slides
+// would be 5 to 16 % later.
+TEST(ThermalSlide, InSoftPerviousClayToo) {
+  const double young = 2e7, skeleton = 3.375e-8, spread = 0.16;
+  const Slide rows[] = {{1e-8, 0.01, 2, 4, 3, TransferKind::flip, young, skeleton, spread},
+                        {1e-7, 0.01, 2, 4, 3, TransferKind::flip, young, skeleton, spread},
+                        {1e-7, 0.01, 2, 4, 3, TransferKind::apic, young, skeleton, spread},
+                        {1e-6, 0.01, 2, 4, 3, TransferKind::flip, young, skeleton, spread},
+                        {1e-11, 0.1, 2, 4, 3, TransferKind::flip, young, skeleton, spread}};
   for (const Slide& row : rows) expect_resolved(row, 0.05);
 }
 
