@@ -10,7 +10,7 @@ namespace pivnp::mpm {
 
 namespace {
 
-constexpr char magic[8] = {'p', 'i', 'v', 'm', 'p', 'm', '1', '6'};
+constexpr char magic[8] = {'p', 'i', 'v', 'm', 'p', 'm', '1', '7'};
 
 class Writer {
  public:

@@ -167,9 +167,7 @@ void weigh_range(const PoreFields& f, const std::uint32_t* nodes, std::size_t si
   for_runs<8>(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR { AtNodes<decltype(d)>{d, f, n}.weigh(); });
 }
 void smooth_range(const PoreFields& f, const double* from, double* to, const std::uint32_t* nodes, std::size_t size) {
-  for_runs<8>(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR {
-    AtNodes<decltype(d)>{d, f, n}.smooth(from, to);
-  });
+  for_runs<8>(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR { AtNodes<decltype(d)>{d, f, n}.smooth(from, to); });
 }
 void exchange_range(const PoreFields& f, double rate, double mobility_all, const std::uint32_t* nodes, std::size_t size) {
   for_runs<8>(nodes, size, [&](auto d, std::ptrdiff_t n) HWY_ATTR {
