@@ -261,9 +261,10 @@ HWY_INLINE void for_tiles(const CellView& c, Range range, Body&& body) {
     const std::uint32_t* of = c.order + q;
     const std::int32_t* cell = c.index + s;
     const std::uint32_t point = of[0];
-    bool is = cell[groups - 1] < row_end && of[group_lanes - 1] == point + (group_lanes - 1);
+    bool is = cell[groups - 1] < row_end;
     for (std::size_t g = 0; g < groups; ++g)
       is = is && c.marks[s + g] == 0 && c.begin[s + g + 1] == q + (g + 1) * group_lanes;
+    is = is && of[group_lanes - 1] == point + (group_lanes - 1);  // (after it is known that there are as many)
     if constexpr (groups == 2)
       is = is && of[group_lanes] == point + group_lanes && of[n_lanes - 1] == point + (n_lanes - 1);
     if (!is) return false;
