@@ -110,7 +110,9 @@ std::pair<double, double> tornado_span(const std::vector<Swing>& all, double wid
     const double per_mm = (upper - lower) / width_mm;
     lower = least, upper = most;
     for (const Swing& s : all) {
-      const auto room = [&](const std::string& words) { return per_mm * (beside_mm + std::min(0.4 * width_mm, plot::text_width(words, plot::small_text))); };
+      const auto room = [&](const std::string& words) {
+        return per_mm * (beside_mm + std::min(0.4 * width_mm, plot::text_width(words, plot::small_text)));
+      };
       if (!(s.lower >= s.own)) lower = std::min(lower, s.lower - room(s.least));
       if (!(s.upper <= s.own)) upper = std::max(upper, s.upper + room(s.most));
     }
