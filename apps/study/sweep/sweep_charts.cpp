@@ -100,17 +100,32 @@ std::vector<Swing> swings(std::size_t response, const std::vector<Variation>& va
   return all;
 }
 
+std::pair<double, double> tornado_span(const std::vector<Swing>& all, double width_mm) {
+  constexpr double beside_mm = 3;  // between a bar's end, its value and the axis
+  std::vector<double> values;
+  for (const Swing& s : all) values.insert(values.end(), {s.lower, s.upper});
+  const auto [least, most] = span_of(values);
+  double lower = least, upper = most;
+  for (int pass = 0; pass < 20; ++pass) {  // what the words take grows with the span, by less than they are wide
+    const double per_mm = (upper - lower) / width_mm;
+    lower = least, upper = most;
+    for (const Swing& s : all) {
+      const auto room = [&](const std::string& words) {
+        return per_mm * (beside_mm + std::min(0.4 * width_mm, plot::text_width(words, plot::small_text)));
+      };
+      if (!(s.lower >= s.own)) lower = std::min(lower, s.lower - room(s.least));
+      if (!(s.upper <= s.own)) upper = std::max(upper, s.upper + room(s.most));
+    }
+  }
+  return {lower, upper};
+}
+
 report::Figure tornado(const SweepResponse& response, const std::vector<Swing>& all) {
   constexpr double row_mm = 8, left = 62, top = 4;
   const double height = row_mm * double(all.size());
   auto canvas = std::make_shared<Canvas>(page_mm, top + height + 14);
   Panel panel = canvas->panel(left, top, page_mm - left - 8, height);
-  std::vector<double> values;
-  for (const Swing& s : all) values.insert(values.end(), {s.lower, s.upper});
-  auto [lower, upper] = span_of(values);
-  const double room = 0.1 * (upper - lower);  // for the values at the ends
-  lower -= room;
-  upper += room;
+  const auto [lower, upper] = tornado_span(all, page_mm - left - 8);
   panel.axis(Axis::x, lower, upper, plot::axis_label(response.name, response.unit), 6);
   panel.axis(Axis::y, 0, double(all.size()), "");
   panel.ticks(Axis::y, false).numbers(Axis::y, false);

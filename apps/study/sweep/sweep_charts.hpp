@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "apps/report/figures/figure.hpp"
@@ -16,6 +17,8 @@ struct Swing {
 /// Of each key, how far the response goes over its values and the case's own; the widest first. Runs that failed do not count.
 std::vector<Swing> swings(std::size_t response, const std::vector<Variation>& variations, const std::vector<SweepRun>& runs);
 
+/// The responses between which a tornado chart `width_mm` wide has its bars and the values at their ends.
+std::pair<double, double> tornado_span(const std::vector<Swing>& swings, double width_mm);
 report::Figure tornado(const SweepResponse& response, const std::vector<Swing>& swings);
 /// The response over the values of variation `x`, a curve for each combination of the others.
 report::Figure curves(const SweepResponse& response, std::size_t index, std::size_t x, const std::vector<Variation>& variations,

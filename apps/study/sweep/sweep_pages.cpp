@@ -68,6 +68,11 @@ SweepPages sweep_pages(const Case& c, const SweepOptions& options, const std::ve
     const std::vector<Swing> all = swings(r, variations, runs);
     if (all.empty()) continue;
     const Swing& widest = all.front();
+    if (!(widest.upper > widest.lower)) {
+      pages.sentences.push_back(responses[r].name + " is " + shown(widest.own) + " " + responses[r].unit +
+                                " with each of the values.");
+      continue;
+    }
     pages.sentences.push_back(responses[r].name + " is " + shown(widest.own) + " " + responses[r].unit + "; it depends most on " + widest.key + ": " + shown(widest.lower) +
                               " at " + widest.least + " to " + shown(widest.upper) + " at " + widest.most + ".");
   }

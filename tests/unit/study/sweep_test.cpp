@@ -7,6 +7,8 @@
 #include <cmath>
 #include <fstream>
 
+#include "apps/plot/canvas.hpp"
+#include "apps/plot/painter.hpp"
 #include "apps/study/sweep/plan.hpp"
 #include "apps/study/sweep/sweep_charts.hpp"
 #include "pivnp/core/error.hpp"
@@ -85,6 +87,17 @@ TEST(SweepCharts, OrderKeysByTheirEffect) {
   EXPECT_EQ(s[0].lower, 10);
   EXPECT_EQ(s[1].least, "1");
   EXPECT_EQ(s[1].most, "3");
+}
+
+TEST(SweepCharts, LeaveRoomForTheValuesAtTheEnds) {
+  plot::start_qt();
+  const std::string words = "… , [27.0, 120.0]]";
+  const std::vector<Swing> bars = {{"a", "1", "2", 10, 14, 10}, {"b", words, "3", 9, 10.5, 10}};
+  constexpr double width_mm = 100;
+  const auto [lower, upper] = tornado_span(bars, width_mm);
+  EXPECT_GT((9 - lower) / (upper - lower) * width_mm, plot::text_width(words, plot::small_text) + 1);
+  EXPECT_GT((upper - 14) / (upper - lower) * width_mm, plot::text_width("2", plot::small_text) + 1);
+  EXPECT_LT(upper - lower, 2 * (14 - 9));
 }
 
 #ifdef PIVNP_PROGRAM
