@@ -11,6 +11,8 @@ namespace pivnp::mpm {
 
 namespace {
 
+constexpr int most_sweeps = 60;  // of join_linearly(); 2 to 20 are enough
+
 Vec2 damping_force(double alpha, const Node& node) {
   const auto along = [&](double force, double velocity) {
     return velocity > 0 ? -alpha * std::abs(force) : velocity < 0 ? alpha * std::abs(force) : 0.0;
@@ -63,6 +65,88 @@ SmallMassNodes::Pair outward(const GridState& g, std::uint32_t n) {
   return pair;
 }
 
+void join_to_heaviest(GridState& g, const std::vector<SmallMassNodes::Pair>& pairs, double damping, double dt) {
+  // A node may have several small ones: first all are added up, then all are told.
+  std::vector<double> masses_before;
+  for (const SmallMassNodes::Pair& p : pairs) {
+    const Node& small = g.node[p.small];
+    Node& node = g.node[p.heavy];
+    masses_before.push_back(node.mass);
+    const double mass = node.mass + small.mass;
+    const Vec2 damped = damping_force(damping, small);
+    node.nx = (node.mass * node.nx + small.mass * small.vx + dt * (small.fx + damped.x())) / mass;
+    node.ny = (node.mass * node.ny + small.mass * small.vy + dt * (small.fy + damped.y())) / mass;
+    node.mass = mass;
+  }
+  for (std::size_t k = pairs.size(); k-- > 0;) {
+    Node &small = g.node[pairs[k].small], &heavy = g.node[pairs[k].heavy];
+    small.nx = heavy.nx;
+    small.ny = heavy.ny;
+    heavy.mass = masses_before[k];
+  }
+}
+
+// Where some go on linearly: with n = T n' of all, (T^T m T) n' = T^T (m v + dt f), by Jacobi's iteration, which takes
+// a few sweeps since a pair couples two nodes. (Lumped, T^T m T would turn what moves linearly, and give it energy.)
+void join_linearly(GridState& g, const std::vector<SmallMassNodes::Pair>& pairs, double damping, double dt) {
+  struct Carrier {
+    std::uint32_t node;
+    double mass;         // its own
+    double carried = 0;  // and of the small ones: sum w^2 m
+    Vec2 momentum, residual{0, 0};
+  };
+  std::vector<Carrier> carriers;
+  for (const SmallMassNodes::Pair& p : pairs)
+    for (const std::uint32_t n : {p.heavy, p.beyond})
+      carriers.push_back({n, g.node[n].mass, 0, g.node[n].mass * Vec2(g.node[n].nx, g.node[n].ny)});
+  std::sort(carriers.begin(), carriers.end(), [](const Carrier& a, const Carrier& b) { return a.node < b.node; });
+  carriers.erase(std::unique(carriers.begin(), carriers.end(),
+                             [](const Carrier& a, const Carrier& b) { return a.node == b.node; }),
+                 carriers.end());
+  const auto carrier = [&](std::uint32_t n) -> Carrier& {
+    return *std::lower_bound(carriers.begin(), carriers.end(), n,
+                             [](const Carrier& c, std::uint32_t of) { return c.node < of; });
+  };
+  const auto for_shares = [&](const SmallMassNodes::Pair& p, const auto& each) {
+    if (p.beyond == p.heavy) return each(carrier(p.heavy), 1.0);
+    each(carrier(p.heavy), 2.0);
+    each(carrier(p.beyond), -1.0);
+  };
+  std::vector<Vec2> momentum;  // of the small ones
+  for (const SmallMassNodes::Pair& p : pairs) {
+    const Node& small = g.node[p.small];
+    momentum.push_back(small.mass * Vec2(small.vx, small.vy) +
+                       dt * (Vec2(small.fx, small.fy) + damping_force(damping, small)));
+    for_shares(p, [&](Carrier& c, double w) { c.carried += w * w * small.mass; });
+  }
+  const auto sweep = [&] {
+    for (Carrier& c : carriers) c.residual = c.momentum - c.mass * Vec2(g.node[c.node].nx, g.node[c.node].ny);
+    for (std::size_t k = 0; k < pairs.size(); ++k) {
+      const Node &heavy = g.node[pairs[k].heavy], &beyond = g.node[pairs[k].beyond];
+      const Vec2 moved(2 * heavy.nx - beyond.nx, 2 * heavy.ny - beyond.ny);
+      const Vec2 left = momentum[k] - g.node[pairs[k].small].mass * moved;
+      for_shares(pairs[k], [&](Carrier& c, double w) { c.residual += w * left; });
+    }
+    double change = 0, greatest = 0;
+    for (const Carrier& c : carriers) {
+      Node& node = g.node[c.node];
+      const Vec2 by = c.residual / (c.mass + c.carried);
+      node.nx += by.x();
+      node.ny += by.y();
+      change = std::max(change, by.norm());
+      greatest = std::max(greatest, std::hypot(node.nx, node.ny));
+    }
+    return change > 1e-14 * greatest;
+  };
+  for (int k = 0; k < most_sweeps && sweep(); ++k) {
+  }
+  for (const SmallMassNodes::Pair& p : pairs) {
+    Node& small = g.node[p.small];
+    small.nx = 2 * g.node[p.heavy].nx - g.node[p.beyond].nx;
+    small.ny = 2 * g.node[p.heavy].ny - g.node[p.beyond].ny;
+  }
+}
+
 }  // namespace
 
 void SmallMassNodes::find(const GridState& g, const Rule& rule) { pair_up(g, rule, g.active.nodes); }
@@ -71,34 +155,15 @@ void SmallMassNodes::pair_up(const GridState& g, const Rule& rule, const std::ve
   pairs.clear();
   for (const std::uint32_t n : nodes) {
     if (!(g.node[n].mass < rule.least * g.measure(n))) continue;
-    const Pair pair = rule.linear ? outward(g, n) : Pair{n, heaviest_around(g, n), heaviest_around(g, n)};
+    Pair pair = rule.linear ? outward(g, n) : Pair{n, heaviest_around(g, n), heaviest_around(g, n)};
+    if (g.node[pair.beyond].mass < rule.least * g.measure(pair.beyond)) pair.beyond = pair.heavy;  // (small itself)
     if (g.node[pair.heavy].mass >= rule.least * g.measure(pair.heavy)) pairs.push_back(pair);
   }
 }
 
 void SmallMassNodes::join_momentum(GridState& g, double damping, double dt) const {
-  // A node may have several small ones: first all are added up, then all are told.
-  const auto add = [&](std::uint32_t to, double share, const Node& small) {
-    Node& node = g.node[to];
-    const double mass = node.mass + share * small.mass;
-    const Vec2 damped = damping_force(damping, small);
-    node.nx = (node.mass * node.nx + share * small.mass * small.vx + share * dt * (small.fx + damped.x())) / mass;
-    node.ny = (node.mass * node.ny + share * small.mass * small.vy + share * dt * (small.fy + damped.y())) / mass;
-    node.mass = mass;
-  };
-  std::vector<std::pair<double, double>> masses_before;
-  for (const Pair& p : pairs) {
-    masses_before.emplace_back(g.node[p.heavy].mass, g.node[p.beyond].mass);
-    add(p.heavy, p.beyond == p.heavy ? 1 : 2, g.node[p.small]);
-    if (p.beyond != p.heavy) add(p.beyond, -1, g.node[p.small]);
-  }
-  for (std::size_t k = pairs.size(); k-- > 0;) {
-    Node &small = g.node[pairs[k].small], &heavy = g.node[pairs[k].heavy], &beyond = g.node[pairs[k].beyond];
-    small.nx = 2 * heavy.nx - beyond.nx;
-    small.ny = 2 * heavy.ny - beyond.ny;
-    beyond.mass = masses_before[k].second;
-    heavy.mass = masses_before[k].first;
-  }
+  const bool linear = std::any_of(pairs.begin(), pairs.end(), [](const Pair& p) { return p.beyond != p.heavy; });
+  linear ? join_linearly(g, pairs, damping, dt) : join_to_heaviest(g, pairs, damping, dt);
 }
 
 void SmallMassNodes::join_velocity(GridState& g) const {
