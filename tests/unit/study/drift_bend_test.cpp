@@ -24,7 +24,7 @@ namespace {
 
 namespace bent_paths {
 
-constexpr int width = 208, height = 160, count = 21;
+constexpr int width = 208, height = 160, frame_count = 21;
 constexpr double slip = 0.7, half_width = 10, middle = 80;  // px a frame to either side, px, px
 constexpr double lost = 1.2 * 4;                            // px^2 of the Laplacian
 
@@ -72,11 +72,11 @@ struct Scene {
     for (int n = 0; n < blobs; ++n) {
       const Vec2 first(uniform(4, 2 * std::uint64_t(n)) * (width + 80) - 40,
                        uniform(4, 2 * std::uint64_t(n) + 1) * (height + 80) - 40);
-      const bool other = seen.lost_in_band && 2 * k >= count - 1 && std::abs(first.y() - middle) < 12;
+      const bool other = seen.lost_in_band && 2 * k >= frame_count - 1 && std::abs(first.y() - middle) < 12;
       const double along = other ? uniform(5, std::uint64_t(n)) * (width + 80) - 40 : first.x();
       at.push_back(setting.camera.to_pixel(Vec2(along + k * moves(first.y()), first.y())));
     }
-    return renderer.draw(at, k, count);
+    return renderer.draw(at, k, frame_count);
   }
 
   VectorField vectors(const TrackStep& step) const {
@@ -103,7 +103,7 @@ struct Scene {
 Outcome followed(np::DriftScheme scheme, const Seen& seen = {}) {
   const Scene scene(scheme, seen);
   std::vector<Frame> frames;
-  for (int k = 0; k < count; ++k) frames.push_back({"drawn", double(k), frame_ok});
+  for (int k = 0; k < frame_count; ++k) frames.push_back({"drawn", double(k), frame_ok});
   Outcome out;
   double n_band = 0, n_beside = 0, n_all = 0;
   SilentProgress progress;
@@ -208,16 +208,16 @@ TEST(DriftBend, ALaterKeyFrameKnowsWhatBendsHaveLostOfAllParticles) {
   corrector.start(tracker, lost, scene.draw(0).view());
   std::vector<Vec2> at_key, before;
   std::map<int, double> since_key;
-  for (int k = 1; k < count; ++k) {
+  for (int k = 1; k < frame_count; ++k) {
     const VectorField field = scene.vectors({k - 1, k});
     lost.before_step(tracker);
     tracker.step(field, k);
     lost.after_step(tracker, field, 2);
-    if (k + 1 == count)
+    if (k + 1 == frame_count)
       for (std::size_t p = 0; p < at_key.size(); ++p)
         since_key[int(tracker.particles().x0[p].y())] = lost.lost(p).x() - at_key[p].x();
-    corrector.after_step(tracker, lost, k, k + 1 == count, 0, [&] { return scene.draw(k); });
-    if (2 * k + 1 != count) continue;
+    corrector.after_step(tracker, lost, k, k + 1 == frame_count, 0, [&] { return scene.draw(k); });
+    if (2 * k + 1 != frame_count) continue;
     for (std::size_t p = 0; p < tracker.particles().size(); ++p) at_key.push_back(lost.lost(p));
   }
   ASSERT_EQ(corrector.rounds().size(), 2u);
