@@ -77,8 +77,8 @@ Wide with_beside(const Row& volume, double cell) {
 }  // namespace
 
 double growth_of(double thickness, double width, double near) {
-  const double wanted = 0.5 * (width - thickness) / edge_volume(thickness),
-               least = 0.7;  // (less would leave no volume at the end of a zone hardly wider than its band)
+  const double wanted = 0.5 * (width - thickness) / edge_volume(thickness);
+  const double least = 0.7;  // (less would leave no volume at the end of a zone hardly wider than its band)
   if (sum_outside(least) >= wanted) return least;
   // The sum is convex in the growth, so that Newton's steps come from above after the first.
   double growth = near > least ? near : 2;

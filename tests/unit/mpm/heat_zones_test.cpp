@@ -169,8 +169,8 @@ TEST(HeatedZones, SlipThatStopsInOneAndStartsInAnotherHasNoKink) {
 struct Crossing {
   double width = 0, slip = 0;  // means over the arms: of the zone's width, by shear; of plastic shear
   double in_common = 0;        // the greatest width where they cross
-  double wrong =
-      0;  // nothing leaves a band: it is warmer than its zone's mean by w/L; what it is off by, over the hottest
+  // Nothing leaves a band: it is warmer than its zone's mean by w/L; what it is off by, over the hottest.
+  double wrong = 0;
   double heat_lost = 0, water_lost = 0;
 };
 
