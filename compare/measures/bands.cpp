@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "compare/data/statistics.hpp"
-#include "compare/measures/strain_errors.hpp"
+#include "compare/uncertainty/strain_errors.hpp"
 #include "pivnp/core/particles/strain.hpp"
 #include "pivnp/core/particles/strain_error.hpp"
 #include "pivnp/core/text.hpp"

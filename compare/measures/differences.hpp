@@ -14,10 +14,10 @@
 #include "compare/data/rigid.hpp"
 #include "compare/data/sources.hpp"
 #include "compare/data/statistics.hpp"
-#include "compare/measures/budget.hpp"
-#include "compare/measures/field_mean.hpp"
 #include "compare/measures/rates.hpp"
-#include "compare/measures/strain_errors.hpp"
+#include "compare/uncertainty/budget.hpp"
+#include "compare/uncertainty/field_mean.hpp"
+#include "compare/uncertainty/strain_errors.hpp"
 #include "pivnp/core/record/comparison.hpp"
 
 namespace pivnp::compare {

@@ -13,10 +13,10 @@
 #include "compare/measures/decomposition.hpp"
 #include "compare/measures/differences.hpp"
 #include "compare/measures/distribution.hpp"
-#include "compare/measures/numerics.hpp"
 #include "compare/measures/points.hpp"
 #include "compare/measures/pressures.hpp"
 #include "compare/measures/shapes.hpp"
+#include "compare/uncertainty/numerics.hpp"
 
 namespace pivnp::compare {
 

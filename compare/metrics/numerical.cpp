@@ -3,7 +3,7 @@
 #include <cmath>
 #include <string_view>
 
-#include "compare/measures/numerics.hpp"
+#include "compare/uncertainty/numerics.hpp"
 #include "pivnp/core/text.hpp"
 
 namespace pivnp::compare {

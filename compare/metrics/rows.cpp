@@ -1,13 +1,13 @@
 #include "compare/metrics/rows.hpp"
 #include "pivnp/core/particles/fields.hpp"
 
-
 namespace pivnp::compare {
 
 Registry<MetricRow>& metric_rows() {
   static Registry<MetricRow> rows = [] {
     Registry<MetricRow> list;
     add_motion_rows(list);
+    add_strain_rows(list);
     add_alignment_rows(list);
     add_shape_rows(list);
     add_field_rows(list);

@@ -35,7 +35,8 @@ std::vector<Metric> metrics_of(const Findings& findings);
 std::vector<Metric> metrics_of(const HistoryMeasures& measures);
 
 // Parts of the registry, by what they are about.
-void add_motion_rows(Registry<MetricRow>& rows);     // displacement, velocity, strain, their uncertainty
+void add_motion_rows(Registry<MetricRow>& rows);     // displacement, velocity, their uncertainty
+void add_strain_rows(Registry<MetricRow>& rows);     // strain
 void add_alignment_rows(Registry<MetricRow>& rows);  // coverage, frame of reference, grid convergence
 void add_shape_rows(Registry<MetricRow>& rows);      // outline, slope, mobilised material, shear bands
 void add_field_rows(Registry<MetricRow>& rows);      // pressure, distributions, decompositions, increments

@@ -46,7 +46,7 @@ const std::map<std::string, std::vector<std::string>> floors = {
     {"pivnp/piv", {"sampling", "window", "dense", "validation"}},
     {"pivnp/io", {"files", "hdf5", "records", "imports", "exports"}},
     {"mpm", {"state", "simd", "grid", "material", "transfer", "constraint", "water", "heat", "scene", "step"}},
-    {"compare", {"data", "shapes", "alignment", "measures", "metrics"}},
+    {"compare", {"data", "shapes", "alignment", "uncertainty", "measures", "metrics"}},
     {"apps/report", {"content", "words", "figures", "document"}},
     {"apps/study/pipeline", {"scene", "measure", "record"}},
     {"apps/study/methods", {"frames", "simulation", "paths"}},

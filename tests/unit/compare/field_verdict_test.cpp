@@ -7,10 +7,10 @@
 #include <random>
 
 #include "compare/alignment/onset.hpp"
-#include "compare/measures/numerics.hpp"
 #include "compare/metrics/numerical.hpp"
 #include "compare/metrics/significance.hpp"
 #include "compare/shapes/ridges.hpp"
+#include "compare/uncertainty/numerics.hpp"
 #include "tests/unit/compare/motions.hpp"
 
 namespace pivnp::compare {

@@ -5,7 +5,7 @@
 #include <map>
 #include <random>
 
-#include "compare/measures/gauge.hpp"
+#include "compare/uncertainty/gauge.hpp"
 #include "pivnp/core/particles/strain.hpp"
 #include "tests/unit/compare/motions.hpp"
 

@@ -7,9 +7,9 @@
 #include <map>
 #include <random>
 
-#include "compare/measures/budget.hpp"
 #include "compare/metrics/significance.hpp"
-#include "compare/measures/numerics.hpp"
+#include "compare/uncertainty/budget.hpp"
+#include "compare/uncertainty/numerics.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/strain.hpp"
 #include "pivnp/core/text.hpp"

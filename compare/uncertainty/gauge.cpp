@@ -1,4 +1,4 @@
-#include "compare/measures/gauge.hpp"
+#include "compare/uncertainty/gauge.hpp"
 
 #include <cmath>
 #include <map>
@@ -10,7 +10,8 @@ GaugeAverage::GaugeAverage(const std::vector<Vec2>& X, double side) {
   std::map<std::pair<long, long>, int> cells;
   for (const Vec2& x : X) {
     const Vec2 at = 5 * x / side;
-    cell_.push_back(cells.try_emplace({long(std::floor(at.x())), long(std::floor(at.y()))}, int(cells.size())).first->second);
+    cell_.push_back(
+        cells.try_emplace({long(std::floor(at.x())), long(std::floor(at.y()))}, int(cells.size())).first->second);
   }
   neighbours_.resize(cells.size());
   for (const auto& [place, cell] : cells)

@@ -1,4 +1,4 @@
-#include "compare/measures/field_mean.hpp"
+#include "compare/uncertainty/field_mean.hpp"
 
 #include <algorithm>
 #include <array>
@@ -43,7 +43,8 @@ std::optional<FieldMean::Weighted> FieldMean::weighted(const std::vector<Vec2>& 
   const std::size_t n = X.size();
   std::vector<double> variance(n);
   for (std::size_t p = 0; p < n; ++p) variance[p] = (random[p] + common[p]).sum();
-  if (n == 0 || !std::all_of(variance.begin(), variance.end(), [](double v) { return std::isfinite(v); })) return std::nullopt;
+  if (n == 0 || !std::all_of(variance.begin(), variance.end(), [](double v) { return std::isfinite(v); }))
+    return std::nullopt;
   std::vector<double> ordered = variance;
   std::nth_element(ordered.begin(), ordered.begin() + std::ptrdiff_t(n / 2), ordered.end());
   const double median = ordered[n / 2];
@@ -73,11 +74,14 @@ std::optional<FieldMean::Weighted> FieldMean::weighted(const std::vector<Vec2>& 
   Vec2 alike = Vec2::Zero();
   for (std::size_t p = 0; p < n; ++p) {
     const double w = median / std::max(variance[p], median);
-    const Vec2 at = X[p] / correlation_length, block = side * (X[p] - lower).cwiseQuotient((upper - lower).cwiseMax(Vec2::Constant(1e-300)));
-    const auto b = std::size_t(std::clamp(int(block.y()), 0, side - 1) * side + std::clamp(int(block.x()), 0, side - 1));
+    const Vec2 at = X[p] / correlation_length,
+               block = side * (X[p] - lower).cwiseQuotient((upper - lower).cwiseMax(Vec2::Constant(1e-300)));
+    const auto b =
+        std::size_t(std::clamp(int(block.y()), 0, side - 1) * side + std::clamp(int(block.x()), 0, side - 1));
     sum[b] += w * difference[p];
     weight[b] += w;
-    cells.try_emplace({long(std::floor(at.x())), long(std::floor(at.y()))}, Vec2::Zero()).first->second += w * random[p].cwiseSqrt();
+    cells.try_emplace({long(std::floor(at.x())), long(std::floor(at.y()))}, Vec2::Zero()).first->second +=
+        w * random[p].cwiseSqrt();
     alike += w * common[p].cwiseSqrt();
   }
   Vec2 stated = Vec2::Zero(), shown = Vec2::Zero();

@@ -1,4 +1,4 @@
-#include "compare/measures/numerics.hpp"
+#include "compare/uncertainty/numerics.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -49,7 +49,8 @@ std::vector<Vec2> displacements_at(const DataSet& first, const MotionSource& mot
 
 }  // namespace
 
-Numerics::Numerics(const Refinement& refinement, const DataSet& first, const DataSet& second, const CommonTimes& common) {
+Numerics::Numerics(const Refinement& refinement, const DataSet& first, const DataSet& second,
+                   const CommonTimes& common) {
   if (refinement.coarser.empty()) return;
   if (refinement.coarser.size() > 2)
     throw InputError("compare: found " + std::to_string(refinement.coarser.size()) +

@@ -1,4 +1,4 @@
-#include "compare/measures/strain_errors.hpp"
+#include "compare/uncertainty/strain_errors.hpp"
 
 #include "pivnp/core/particles/strain.hpp"
 #include "pivnp/core/particles/strain_error.hpp"

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "compare/measures/budget.hpp"
+#include "compare/uncertainty/budget.hpp"
 #include "pivnp/core/math.hpp"
 
 namespace pivnp::compare {
@@ -25,8 +25,8 @@ class FieldMean {
   void add(std::size_t row, const Vec2& difference, const Vec2& random, const Vec2& common);
   void clear();
 
-  /// The same with weights 1 / max(u_p, median u)^2, u_p each particle's own u_val: what is known badly counts little, and
-  /// nothing counts much because it is thought to be known well. Values of one time each.
+  /// The same with weights 1 / max(u_p, median u)^2, u_p each particle's own u_val: what is known badly counts little,
+  /// and nothing counts much because it is thought to be known well. Values of one time each.
   struct Weighted {
     Vec2 mean = Vec2::Zero(), uncertainty = Vec2::Zero();  // of the difference
     double rms = 0, rms_uncertainty = 0;                   // of its size, and of u_val

@@ -1,4 +1,4 @@
-#include "compare/measures/budget.hpp"
+#include "compare/uncertainty/budget.hpp"
 
 #include <cmath>
 

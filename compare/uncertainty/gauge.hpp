@@ -7,7 +7,8 @@
 
 namespace pivnp::compare {
 
-/// Averages over squares about places that do not move: cells of a fifth of the side are counted as wholes, five by five.
+/// Averages over squares about places that do not move: cells of a fifth of the side are counted as wholes, five by
+/// five.
 class GaugeAverage {
  public:
   GaugeAverage() = default;  // of nothing: of() gives what it gets
@@ -18,7 +19,7 @@ class GaugeAverage {
   std::vector<Mat2> of(const std::vector<Mat2>& F) const;
 
  private:
-  std::vector<int> cell_;                    // of each place
+  std::vector<int> cell_;                     // of each place
   std::vector<std::vector<int>> neighbours_;  // of each cell that holds one, itself too
 };
 
