@@ -138,5 +138,20 @@ for name, arguments, environment in (("--threads 4096", ["--threads", "4096"], {
     if done.returncode != 0 or time.monotonic() - start > 60:
         faults.append(f"{name}: exit {done.returncode} after {time.monotonic() - start:.0f} s: {done.stderr[-300:]}")
 
+# Threads that wait do not spin for long, unless the user says how they wait.
+for environment, brief in (({}, True), ({"OMP_WAIT_POLICY": "active"}, False)):
+    given = {k: v for k, v in os.environ.items() if k not in ("GOMP_SPINCOUNT", "OMP_WAIT_POLICY")}
+    run = subprocess.Popen([program, "run", str(there), "--out", str(there / "waiting")], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                           env=dict(given, QT_QPA_PLATFORM="offscreen", **environment), stdin=subprocess.DEVNULL)
+    seen = False
+    while run.poll() is None:
+        try:
+            seen |= b"GOMP_SPINCOUNT=1000" in open(f"/proc/{run.pid}/environ", "rb").read()
+        except OSError:
+            pass  # it has just ended
+        time.sleep(.002)
+    if run.returncode != 0 or seen != brief:
+        faults.append(f"waiting threads, {environment}: exit {run.returncode}, GOMP_SPINCOUNT set: {seen}")
+
 if faults:
     sys.exit("\n".join(faults))
