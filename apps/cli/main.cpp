@@ -16,7 +16,7 @@ namespace {
 void wait_briefly(char** argv) {
   if (std::getenv("GOMP_SPINCOUNT") || std::getenv("OMP_WAIT_POLICY")) return;
   std::array<char, 4096> program{};
-  const ssize_t length = readlink("/proc/self/exe", program.data(), program.size() - 1);  // and not that name: `ps` shows it
+  const ssize_t length = readlink("/proc/self/exe", program.data(), program.size() - 1);  // `ps` shows the name
   if (length <= 0 || setenv("GOMP_SPINCOUNT", "1000", 0) != 0) return;
   execv(program.data(), argv);
 }
