@@ -188,5 +188,88 @@ TEST(Order, FreeBodyAtOnce) {
   EXPECT_LT(e.coarse.impulse, 1e-3);
 }
 
+// Loads so small that points stay where they were laid, in motion along y alone. There uGIMP's functions are linear at each of them, and
+// APIC gives back to the nodes what it took: what is left is the order of the inputs themselves. (Otherwise a transfer takes a share of each
+// step, or is of first order: docs/theory/mpm_contact.md#loading-in-time.)
+double order(const Scene& s, MpmOptions o) {
+  o.shape = ShapeKind::gimp;
+  std::vector<std::vector<double>> moved;
+  for (const double courant : {0.4, 0.2, 0.1}) {
+    o.courant = courant;
+    Solver solver(o, s, 1);
+    solver.find_initial_equilibrium(silent);
+    solver.advance_to(end_s, silent);
+    moved.emplace_back();
+    for (const auto& u : solver.frame().u) moved.back().push_back(double(u[1]));
+  }
+  const auto rms = [&](std::size_t a) {
+    double sum = 0;
+    for (std::size_t k = 0; k < moved[a].size(); ++k) sum += std::pow(moved[a][k] - moved[a + 1][k], 2);
+    return std::sqrt(sum / double(moved[a].size()));
+  };
+  const double found = std::log2(rms(0) / rms(1));
+  std::printf("rms %.2e m between courant 0.4 and 0.2, %.2e between 0.2 and 0.1: order %.2f\n", rms(0), rms(1), found);
+  return found;
+}
+MpmOptions light(double gravity) {
+  MpmOptions o = options({0, gravity});
+  o.equilibrium_tolerance = 1e-9;
+  return o;
+}
+constexpr double second = 1.7;  // (half a step to the side: .9 to 1.1)
+
+TEST(SecondOrder, GravityThatRampsUp) {
+  MpmOptions o = light(-0.2);
+  o.gravity_from_m_s2 = Pair{0, 0};
+  o.gravity_ramp_s = 0.006;
+  EXPECT_GT(order(bar(), o), second);
+}
+
+TEST(SecondOrder, TractionThatRises) {
+  Scene s = bar();
+  s.boundaries.push_back({"load", line({0, 0.1}, {0.1, 0.1}, "traction")});
+  s.boundaries.back().second.traction_pa = Pair{0, -20};
+  s.boundaries.back().second.rise_s = 0.006;
+  EXPECT_GT(order(s, light(0)), second);
+}
+
+TEST(SecondOrder, DensityThatRises) {
+  MaterialOptions m = elastic(1e6, 0.0, 1000);
+  m.density_end_kg_m3 = 2000;
+  m.density_until_s = 0.006;
+  EXPECT_GT(order(column(0.1, m), light(-0.2)), second);
+}
+
+TEST(SecondOrder, StrengthThatFalls) {
+  MaterialOptions m = elastic(1e6, 0.0, 1000);
+  m.model = "tresca";
+  m.shear_strength_pa = 15;
+  m.reduction_factor = 5;
+  m.reduction_until_s = 0.006;
+  EXPECT_GT(order(column(0.1, m), light(-0.2)), second);
+}
+
+TEST(SecondOrder, BoundaryThatMoves) {
+  Scene s = bar();
+  s.boundaries[0].second.velocity_m_s = Pair{0, 0.001};
+  EXPECT_GT(order(s, light(0)), second);
+}
+
+// A lid lets go of soil that leans on it.
+TEST(SecondOrder, GateThatGoes) {
+  Scene s = column(0.1, elastic(1e6, 0.0, 1000));
+  s.boundaries.push_back({"lid", line({0, 0.1}, {0.1, 0.1}, "roller")});
+  s.boundaries.back().second.until_s = 0.004;
+  EXPECT_GT(order(s, light(0.2)), second);
+}
+
+TEST(SecondOrder, Excavation) {
+  MaterialOptions stays = elastic(1e6, 0.3, 1000), goes = stays;
+  goes.removed_s = 0.004;
+  Scene s = scene(Grid{{0, 0}, {0.01, 0.01}, 11, 15}, {rectangle("soil", 0, 0, 0.1, 0.06), rectangle("cut", 0, 0.06, 0.1, 0.1)}, {stays, goes});
+  s.boundaries = bar().boundaries;
+  EXPECT_GT(order(s, light(-0.2)), second);
+}
+
 }  // namespace
 }  // namespace pivnp::mpm
