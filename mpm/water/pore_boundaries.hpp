@@ -35,6 +35,11 @@ class PoreBoundaries {
   /// Of a wall's node now, of any velocity field; null: the node is at no wall, or only at walls along the grid that let nothing through (what lies
   /// behind those is told by GridGeometry::walls). Others hold the water back wherever they hold a node.
   const PoreCondition* at(std::size_t node, double time) const;
+  /// Does such a wall let water through now?
+  bool passes(std::size_t node, double time) const {
+    const PoreCondition* condition = at(node, time);
+    return condition && condition->kind != PoreCondition::impervious;
+  }
   /// Nodes of walls that let water through, at any time.
   const std::vector<std::uint32_t>& let_through() const { return let_through_; }
   /// The side on which the same wall has nothing (WallSide); wall_none where it is not along the grid.

@@ -237,6 +237,7 @@ void PoreWater::take_means(const GridState& g, const Vec2& gravity, double time,
   for (const std::uint32_t n : special) {
     const double mean = field_.potential[n];
     if (!(sums_.node[n].volume > 0)) continue;
+    if (boundaries_.passes(n, time)) field_.even[n] = 0;  // no strain is smoothed beside it
     const Surface surface = give_potential(g, n, gravity, time);
     if (surface == Surface::free) free_.push_back(n);
     if (surface != Surface::none && !boundaries_.at(n, time)) surface_.push_back(n);

@@ -278,9 +278,9 @@ PoreFlow PoreWater::change_behind_front(Particles& p, GridState& g, const Vec2& 
           flowed += at.w[c] * reach * node.change + rate_dt * drawn(at, c, node);
         }
         p.content[k] += p.J[k] * at.share * (at.strain - fed);
-        const double before = potential_in_pores(p, k, filled(p, k), gravity), more = p.J[k] * flowed;
+        const double more = p.J[k] * flowed;
         p.content[k] += more;
-        sum.darcy -= p.volume0[k] * more * 0.5 * (before + potential_in_pores(p, k, filled(p, k), gravity));
+        sum.darcy -= p.volume0[k] * more * 0.5 * (at.potential + potential_in_pores(p, k, filled(p, k), gravity));
         if (!p.wetted.empty()) sum.collapsed += collapse(p, k, soil_of(p, k));
       }
       refresh_point(p, k, soil_of(p, k), gravity);

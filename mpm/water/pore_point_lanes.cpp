@@ -272,16 +272,11 @@ double change_run(double rate, const PointView& p, const PoreView& w, const Cell
     const V fed = J * spanned(hats, c, cells, f.even);
     const V evened = content + ((J - t.load(w.J_flow)) - fed), more = J * flowed;
     const V bulk = set(w.bulk), pores = hn::Max(set(least_pores), J - solid), per_pores = bulk / pores;
-    const V swollen = w.swelling ? evened + t.load(w.swelling) : evened;
     const V after = evened + more;
-    V pressure = hn::MulSub(per_pores, w.swelling ? swollen + more : after, bulk);
-    V before = hn::MulSub(per_pores, swollen, bulk), mean = hn::MulAdd(set(0.5) * per_pores, more, before);
-    if (w.tears) {
-      pressure = hn::Max(zero(), pressure);
-      before = hn::Max(zero(), before);
-      mean = set(0.5) * (before + pressure);
-    }
-    lost = lost - v0 * more * (mean - head);
+    V pressure = hn::MulSub(per_pores, w.swelling ? evened + t.load(w.swelling) + more : after, bulk);
+    if (w.tears) pressure = hn::Max(zero(), pressure);
+    // (Water flows while the skeleton is strained: at the mean of the potentials before and after both.)
+    lost = lost - v0 * more * (set(0.5) * (e + (pressure - head)));
     keep(p, w, t, holds, mobility, J, hn::IfThenElse(holds, after, content), pressure);
     if (w.smooths_flow) t.store(J + hn::IfThenElseZero(holds, more), w.J_flow);
   });

@@ -267,7 +267,11 @@ double PoreWater::stored(const Particles& p, std::size_t k, const Vec2& gravity)
   if (!flows(p, k)) return 0;
   if (const double lack = 1 - filled(p, k); lack > 0 && sees_air(gravity))
     return p.volume0[k] * pores_of(p, k, soil_of(p, k)) * fringe(p, k, gravity) * lack * lack / 2;
-  return p.volume0[k] * pores_of(p, k, soil_of(p, k)) * p.pressure[k] * p.pressure[k] / (2 * options_.bulk_modulus_pa);
+  // The flow has not met the last strain yet. Projected, what pressure that will make is not known, but the work on it
+  // is.
+  const double now = projected() ? p.pressure[k] : pressure_of(p, k, tears());
+  const double ahead = projected() ? p.pressure[k] * (p.J[k] - p.J_flow[k]) : 0;
+  return p.volume0[k] * (pores_of(p, k, soil_of(p, k)) * now * now / (2 * options_.bulk_modulus_pa) - ahead);
 }
 
 double PoreWater::swell(Particles& p, std::size_t k, double by) const {

@@ -282,10 +282,9 @@ TEST(PoreLanes, WhatThePointsTake) {
           const double own = c.f.rate ? c.spanned(a, c.f.rate) : c.w.mobility_all;
           const double more = J * (c.spanned(a, c.f.change) - rate * own * e);
           content[k] += strain - J * c.spanned(a, c.f.even);
-          const double was = c.w.bulk * (content[k] / pores - 1);
-          by_flow -= v0 * more * (was + 0.5 * c.w.bulk * more / pores - c.head(k));
           content[k] += more;
           pressure[k] = c.w.bulk * (content[k] / pores - 1);
+          by_flow -= v0 * more * 0.5 * (e + (pressure[k] - c.head(k)));
         }
       }
       PoreLosses seen;
