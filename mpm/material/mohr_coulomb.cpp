@@ -124,10 +124,11 @@ MohrCoulomb::Return MohrCoulomb::return_to_cone(const Principal& trial, double c
   return {{apex, apex, apex}, apex};
 }
 
-// With normal stresses in order, what is active besides the cut-off t_1 follows from the stress that remains: the planes t_2, t_3, f_13,
-// f_12 or f_23 beside it meet in the points (T, T, T), (T, q, q) and (T, T, q), q the smallest stress that f_13 lets stand beside T. Each
-// candidate is what its planes ask for, and is right where plastic strains, by which it departs from the trial stress, are what
-// these planes can give: amounts that are not negative (Clausen et al. 2006 have the same regions by planes between them).
+// With normal stresses in order, what is active besides the cut-off t_1 follows from the stress that remains: the
+// planes t_2, t_3, f_13, f_12 or f_23 beside it meet in the points (T, T, T), (T, q, q) and (T, T, q), q the smallest
+// stress that f_13 lets stand beside T. Each candidate is what its planes ask for, and is right where plastic strains,
+// by which it departs from the trial stress, are what these planes can give: amounts that are not negative (Clausen et
+// al. 2006 have the same regions by planes between them).
 MohrCoulomb::Return MohrCoulomb::return_with_cut_off(const Principal& trial, double cohesion_term,
                                                      double tension) const {
   const double scale = std::abs(trial[0]) + std::abs(trial[2]) + cohesion_term + tension, nu = elastic_.poisson;
@@ -147,7 +148,9 @@ MohrCoulomb::Return MohrCoulomb::return_with_cut_off(const Principal& trial, dou
     if (const Principal s{tension, trial[1] - across, trial[2] - across};
         positive(over[0]) && s[1] <= tension + round_off && within(s[2]))
       return {s, tension};
-    if (const Principal s{tension, tension, trial[2] - nu * (over[0] + over[1])}; within(s[2]) && positive(strain(s)[1])) return {s, tension};
+    if (const Principal s{tension, tension, trial[2] - nu * (over[0] + over[1])};
+        within(s[2]) && positive(strain(s)[1]))
+      return {s, tension};
     if (const Principal s{tension, tension, tension}; positive(strain(s)[2])) return {s, tension};
     if (const Principal s{tension, trial[1] - nu * (over[0] + trial[2] - least), least}; within(s[1])) {
       const Principal e = strain(s);
@@ -159,7 +162,8 @@ MohrCoulomb::Return MohrCoulomb::return_with_cut_off(const Principal& trial, dou
     }
     if (const Principal s{tension, tension, least}; true) {
       const Principal e = strain(s);
-      if (positive(e[0]) && positive(e[1]) && positive(-e[2]) && positive(e[0] + e[1] + shear_flow * e[2])) return {s, tension};
+      if (positive(e[0]) && positive(e[1]) && positive(-e[2]) && positive(e[0] + e[1] + shear_flow * e[2]))
+        return {s, tension};
     }
   }
   // No set of planes can (possible without normality only): the vertex.

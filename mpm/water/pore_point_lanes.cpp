@@ -265,7 +265,8 @@ HWY_INLINE void keep(const PointView& p, const PoreView& w, const Tile& t, M hol
 }
 
 template <bool centred>
-PoreChange change_run(double rate, const PointView& p, const PoreView& w, const CellView& c, const PoreFields& f, Range range) {
+PoreChange change_run(double rate, const PointView& p, const PoreView& w, const CellView& c, const PoreFields& f,
+                      Range range) {
   V lost = zero(), lifted = zero();
   for_tiles(c, range, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
     const Hats<centred> hats = hats_of<centred>(p, c, cells, t);
@@ -352,7 +353,8 @@ void map_range(bool centred, const PointView& p, const PoreView& w, const CellVi
   else map_run<false>(p, w, c, sums_of, range);
 }
 
-PoreChange change_range(bool centred, double rate, const PointView& p, const PoreView& w, const CellView& c, const PoreFields& f, Range range) {
+PoreChange change_range(bool centred, double rate, const PointView& p, const PoreView& w, const CellView& c,
+                        const PoreFields& f, Range range) {
   return centred ? change_run<true>(rate, p, w, c, f, range) : change_run<false>(rate, p, w, c, f, range);
 }
 
@@ -375,7 +377,7 @@ PoreLosses project_points_lanes(bool centred, const PointView& p, const PoreView
   return HWY_DYNAMIC_DISPATCH(project_range)(centred, p, w, c, f, share, range);
 }
 PoreChange change_points_lanes(bool centred, double rate, const PointView& p, const PoreView& w, const CellView& c,
-                           const PoreFields& f, Range range) {
+                               const PoreFields& f, Range range) {
   return HWY_DYNAMIC_DISPATCH(change_range)(centred, rate, p, w, c, f, range);
 }
 

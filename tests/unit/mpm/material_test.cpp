@@ -172,8 +172,8 @@ TEST_P(MohrCoulombSoils, RandomIncrementsEndOnOrInsideTheSurface) {
   }
 }
 
-// Stress at which planes of f_ij and t_i that are active give the plastic strain between it and the trial stress, by amounts that are
-// not negative: every set of planes is tried. Nothing where none can.
+// Stress at which planes of f_ij and t_i that are active give the plastic strain between it and the trial stress, by
+// amounts that are not negative: every set of planes is tried. Nothing where none can.
 std::optional<Eigen::Vector3d> by_all_sets(const Elastic& elastic, const Soil& soil, const Eigen::Vector3d& trial) {
   const double phi = radians(soil.friction), psi = radians(soil.dilatancy), limit = 2 * soil.cohesion * std::cos(phi);
   std::vector<std::array<Eigen::Vector3d, 2>> planes;  // normal and flow
@@ -183,12 +183,15 @@ std::optional<Eigen::Vector3d> by_all_sets(const Elastic& elastic, const Soil& s
     limits.push_back(soil.tension);
     for (int j = 0; j < 3; ++j) {
       if (i == j) continue;
-      const auto of = [&](double sine) { return Eigen::Vector3d((1 + sine) * Eigen::Vector3d::Unit(i) - (1 - sine) * Eigen::Vector3d::Unit(j)); };
+      const auto of = [&](double sine) {
+        return Eigen::Vector3d((1 + sine) * Eigen::Vector3d::Unit(i) - (1 - sine) * Eigen::Vector3d::Unit(j));
+      };
       planes.push_back({of(std::sin(phi)), of(std::sin(psi))});
       limits.push_back(limit);
     }
   }
-  const Eigen::Matrix3d stiffness = elastic.lambda * Eigen::Matrix3d::Ones() + 2 * elastic.shear * Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d stiffness =
+      elastic.lambda * Eigen::Matrix3d::Ones() + 2 * elastic.shear * Eigen::Matrix3d::Identity();
   const double round_off = 1e-10 * (trial.lpNorm<Eigen::Infinity>() + limit);
   for (unsigned set = 1; set < 1u << planes.size(); ++set) {
     const int n = std::popcount(set);
@@ -222,13 +225,15 @@ TEST_P(MohrCoulombSoils, ReturnsWhereAnyOfTheSetsOfPlanesDoes) {
     const Tensor strain{s * (n(random) + 0.2), s * (n(random) + 0.2), s * (n(random) + 0.2), 0};
     const Elastic& e = law.elastic();
     const double mean = e.lambda * (strain[0] + strain[1] + strain[2]);
-    const Eigen::Vector3d trial(mean + 2 * e.shear * strain[0], mean + 2 * e.shear * strain[1], mean + 2 * e.shear * strain[2]);
+    const Eigen::Vector3d trial(mean + 2 * e.shear * strain[0], mean + 2 * e.shear * strain[1],
+                                mean + 2 * e.shear * strain[2]);
     SoilPoint p;
     p.advance(law, strain);
     const auto wanted = by_all_sets(e, GetParam(), trial);
     if (!wanted) continue;
     ++returned;
-    for (int q = 0; q < 3; ++q) ASSERT_NEAR(p.stress[std::size_t(q)], (*wanted)[q], 1e-8 * trial.norm()) << k << ": " << trial.transpose();
+    for (int q = 0; q < 3; ++q)
+      ASSERT_NEAR(p.stress[std::size_t(q)], (*wanted)[q], 1e-8 * trial.norm()) << k << ": " << trial.transpose();
   }
   EXPECT_GT(returned, 50);
 }

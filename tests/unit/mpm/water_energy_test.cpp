@@ -155,8 +155,9 @@ TEST(PoreRest, ConsolidationIsNotAtRest) {
   EXPECT_TRUE(solver.at_rest());
 }
 
-// Above a level that is imposed the pores are full without pressure, and nothing seeps down: what flows follows the excess pressure. A load
-// consolidates the column as it would without gravity, and the lift of what it presses out is no loss of energy.
+// Above a level that is imposed the pores are full without pressure, and nothing seeps down: what flows follows the
+// excess pressure. A load consolidates the column as it would without gravity, and the lift of what it presses out is
+// no loss of energy.
 TEST(PoreWater, FlowBesideAnImposedLevelIsThatOfTheExcess) {
   const auto column = [](bool heavy, bool loaded) {
     WaterColumn c = small_column();
