@@ -1,24 +1,20 @@
-// Water in the pores: one set of points carries skeleton and water (one-point two-phase, u-p).
-// docs/theory/mpm_water.md.
+// Water in the pores: one set of points carries skeleton and water (one-point two-phase, u-p). docs/theory/mpm_water.md.
 //
 // A point's state is its water: `content`, the volume that it would have without pressure, in a unit of initial volume.
 // Pores are what the grains leave of the volume, n J = J - (1 - n0), and pressure is what fits the one into the other:
 //   p = K_w (content/(n J) - 1),
-// with J of the averaged volumetric strain (transfer.hpp): so pressure feels the averages that cure locking. The
-// content changes by flow alone, which nodes pass on between points: its sum changes by what crosses the boundaries, to
-// round-off.
+// with J of the averaged volumetric strain (transfer.hpp): so pressure feels the averages that cure locking. The content
+// changes by flow alone, which nodes pass on between points: its sum changes by what crosses the boundaries, to round-off.
 //
-// Flow: q = -(K/gamma) grad e, potential e = p - rho_w g . x (p - p_l where a level is imposed). Points give nodes the
-// mean of e by bilinear hats; along the edges between nodes, its differences move water; nodes give their points what
-// came. Where a boundary, or the material's own surface, gives the potential, the node has that, and its points are
-// brought towards the field that the nodes span, at the rate of a cell: a field that is linear up to the surface is
-// kept. What of the points' potentials no node sees evens out at that rate too, and what no node sees of their
-// volumetric strain gives no pressure: points exchange water for it. Without that, nearly incompressible mixtures
-// checkerboard.
+// Flow: q = -(K/gamma) grad e, potential e = p - rho_w g . x, or p - p_l (below) where a level is imposed. Points give nodes the
+// mean of e by bilinear hats; along the edges between nodes, its differences move water; nodes give their points what came. Where
+// a boundary, or the material's own surface, gives the potential, the node has that, and its points are brought towards the field
+// that the nodes span, at the rate of a cell: a field that is linear up to the surface is kept. What of the points' potentials no
+// node sees evens out at that rate too, and what no node sees of their volumetric strain gives no pressure: points exchange water
+// for it. Without that, nearly incompressible mixtures checkerboard.
 //
-// Momentum sees the normal stress tau' - J (p - p_l), p_l the pressure of the water outside, at rest below a level, and
-// the lift rho_w g of the volume below it: with the divergence theorem that is the load of the water on the submerged
-// surface, and soil and water at rest stay so exactly.
+// Momentum sees the normal stress tau' - J (p - p_l), p_l the pressure of the water outside, at rest below a level, and the lift rho_w g of the volume below it: with the divergence theorem that is the load of the water
+// on the submerged surface, and soil and water at rest stay so exactly.
 #pragma once
 
 #include <algorithm>
