@@ -97,13 +97,6 @@ MohrCoulomb::Plane MohrCoulomb::shear_plane(int i, int j, double cohesion_term) 
   return plane;
 }
 
-MohrCoulomb::Plane MohrCoulomb::tension_plane(int i, double tension) const {
-  Plane plane{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, tension};
-  plane.normal[i] = plane.flow[i] = 1;
-  for (int q = 0; q < 3; ++q) plane.d_flow[q] = elastic_.lambda + 2 * elastic_.shear * plane.flow[q];
-  return plane;
-}
-
 MohrCoulomb::Return MohrCoulomb::return_to_cone(const Principal& trial, double cohesion_term, double apex) const {
   const double round_off = 1e-12 * (std::abs(trial[0]) + std::abs(trial[2]) + cohesion_term);
   const Plane main = shear_plane(0, 2, cohesion_term);
@@ -131,42 +124,50 @@ MohrCoulomb::Return MohrCoulomb::return_to_cone(const Principal& trial, double c
   return {{apex, apex, apex}, apex};
 }
 
+// With normal stresses in order, what is active besides the cut-off t_1 follows from the stress that remains: the
+// planes t_2, t_3, f_13, f_12 or f_23 beside it meet in the points (T, T, T), (T, q, q) and (T, T, q), q the smallest
+// stress that f_13 lets stand beside T. Each candidate is what its planes ask for, and is right where plastic strains,
+// by which it departs from the trial stress, are what these planes can give: amounts that are not negative (Clausen et
+// al. 2006 have the same regions by planes between them).
 MohrCoulomb::Return MohrCoulomb::return_with_cut_off(const Principal& trial, double cohesion_term,
                                                      double tension) const {
-  const std::array<Plane, 6> planes{tension_plane(0, tension),         tension_plane(1, tension),
-                                    tension_plane(2, tension),         shear_plane(0, 2, cohesion_term),
-                                    shear_plane(0, 1, cohesion_term), shear_plane(1, 2, cohesion_term)};
-  // Active sets with at least one cut-off plane, as bits of `planes`, the likely ones first.
-  static constexpr int sets[] = {1, 3, 7, 9, 25, 11, 41, 17, 33, 19, 35, 13, 49};
-  const double scale = std::abs(trial[0]) + std::abs(trial[2]) + cohesion_term + tension;
-  double best = std::numeric_limits<double>::infinity();
-  const Return vertex{{tension, tension, tension}, tension};
-  Return found = vertex;
-  for (const int set : sets) {
-    int active[3], n = 0;
-    for (int q = 0; q < 6 && n < 3; ++q)
-      if (set >> q & 1) active[n++] = q;
-    double a[3][3] = {}, amounts[3] = {};
-    for (int r = 0; r < n; ++r) {
-      amounts[r] = dot(planes[active[r]].normal, trial) - planes[active[r]].limit;
-      for (int c = 0; c < n; ++c) a[r][c] = dot(planes[active[r]].normal, planes[active[c]].d_flow);
+  const double scale = std::abs(trial[0]) + std::abs(trial[2]) + cohesion_term + tension, nu = elastic_.poisson;
+  const double least = ((1 + sin_friction_) * tension - cohesion_term) / (1 - sin_friction_);
+  const double shear_flow = (1 + sin_dilatancy_) / (1 - sin_dilatancy_);
+  const Principal over{trial[0] - tension, trial[1] - tension, trial[2] - tension};
+  // Young's modulus times the plastic strain.
+  const auto strain = [&](const Principal& s) -> Principal {
+    const Principal drop{trial[0] - s[0], trial[1] - s[1], trial[2] - s[2]};
+    const double by_trace = nu * (drop[0] + drop[1] + drop[2]);
+    return {(1 + nu) * drop[0] - by_trace, (1 + nu) * drop[1] - by_trace, (1 + nu) * drop[2] - by_trace};
+  };
+  for (const double round_off : {1e-12 * scale, 1e-9 * scale}) {
+    const auto within = [&](double s) { return s <= tension + round_off && s >= least - round_off; };
+    const auto positive = [&](double amount) { return amount >= -round_off; };
+    const double across = nu / (1 - nu) * over[0];
+    if (const Principal s{tension, trial[1] - across, trial[2] - across};
+        positive(over[0]) && s[1] <= tension + round_off && within(s[2]))
+      return {s, tension};
+    if (const Principal s{tension, tension, trial[2] - nu * (over[0] + over[1])};
+        within(s[2]) && positive(strain(s)[1]))
+      return {s, tension};
+    if (const Principal s{tension, tension, tension}; positive(strain(s)[2])) return {s, tension};
+    if (const Principal s{tension, trial[1] - nu * (over[0] + trial[2] - least), least}; within(s[1])) {
+      const Principal e = strain(s);
+      if (positive(-e[2]) && positive(e[0] + shear_flow * e[2])) return {s, tension};
     }
-    if (!solve(n, a, amounts)) continue;
-    Principal s = trial;
-    double violation = 0;
-    for (int r = 0; r < n; ++r) {
-      violation = std::max(violation, -amounts[r] * elastic_.shear);
-      for (int q = 0; q < 3; ++q) s[q] -= amounts[r] * planes[active[r]].d_flow[q];
+    if (const Principal s{tension, least, least}; true) {
+      const Principal e = strain(s);
+      if (positive(-e[1]) && positive(-e[2]) && positive(e[0] + shear_flow * (e[1] + e[2]))) return {s, tension};
     }
-    for (const Plane& plane : planes) violation = std::max(violation, dot(plane.normal, s) - plane.limit);
-    if (violation < best) {
-      best = violation;
-      found = {s, tension};
+    if (const Principal s{tension, tension, least}; true) {
+      const Principal e = strain(s);
+      if (positive(e[0]) && positive(e[1]) && positive(-e[2]) && positive(e[0] + e[1] + shear_flow * e[2]))
+        return {s, tension};
     }
-    if (best <= 1e-12 * scale) return found;
   }
-  // No set is admissible (possible without normality only): the vertex is.
-  return best > 1e-9 * scale ? vertex : found;
+  // No set of planes can (possible without normality only): the vertex.
+  return {{tension, tension, tension}, tension};
 }
 
 MohrCoulomb::Return MohrCoulomb::return_to_surface(const Principal& trial, double J, double tension) const {

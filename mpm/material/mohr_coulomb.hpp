@@ -5,12 +5,13 @@
 // system. Planes, principal stresses s1 >= s2 >= s3, tension positive:
 //   f_ij = (1 + sin phi) s_i - (1 - sin phi) s_j - 2 c cos phi,   flow by the same form with the dilatancy psi;
 //   t_i  = s_i - tension   (Rankine's cut-off, associated), used where the tension limit lies below the apex.
-// A state that satisfies the planes with non-negative multipliers is the one wanted (Koiter); the sets of active planes
-// are tried from the likely to the rare.
+// A state that satisfies the planes with non-negative multipliers is the one wanted (Koiter). Beside the cut-off each
+// of the few that can be is in closed form.
 //
 // Opening: material whose two stresses in the plane are returned to the limit under expansion has separated. Its
 // stress is zero, and the expansion is kept as opening strain; compression first closes it, and only what is left over
-// loads the material again. So it flies free and lands with the volume it left with. Once separated, tension stays zero.
+// loads the material again. So it flies free and lands with the volume it left with. Once separated, tension stays
+// zero.
 #pragma once
 
 #include <array>
@@ -58,7 +59,6 @@ class MohrCoulomb final : public Material {
     double limit;  // greatest tension: the cut-off's or the apex'
   };
   Plane shear_plane(int i, int j, double cohesion_term) const;
-  Plane tension_plane(int i, double tension) const;
   Return return_to_surface(const Principal& trial, double J, double tension) const;
   Return return_to_cone(const Principal& trial, double cohesion_term, double apex) const;
   Return return_with_cut_off(const Principal& trial, double cohesion_term, double tension) const;

@@ -59,11 +59,14 @@ PoreFlow PoreWater::flow(Particles& p, GridState& g, const Tractions& tractions,
   const PointView points = p.view();
   const PoreView pores = view(p, gravity);
   const CellView cells = g.view();
-  std::vector<double> parts(g.active.flowing.size());
+  std::vector<PoreChange> parts(g.active.flowing.size());
   for_flowing(g, threads, [&](Range range, std::size_t piece) {
     parts[piece] = change_points_lanes(g.centred, rate, points, pores, cells, f, range);
   });
-  for (const double part : parts) sums.darcy += part;
+  for (const PoreChange& part : parts) {
+    sums.darcy += part.lost;
+    sums.external += part.lifted;
+  }
   mark_given(false);
   follow_porosity(p, threads);
   return sums;

@@ -19,20 +19,26 @@ struct PoreView {
   const double *mobility, *solid;   // K/gamma, and the grains' share of the initial volume; null: as the next two everywhere
   double mobility_all, solid_all;
   double bulk;                      // Pa
-  double head_x, head_y, head_0;    // e = p - (head_x x + head_y y + head_0)
+  double head_x, head_y, head_0;    // e = p - (head_x x + head_y y + head_0), but see `imposed`
   double outside, level;            // weight of the water outside, N/m^3, and its height; 0: none
   bool projected = false;
   const double* swelling = nullptr;  // adds to the volume of the water (heat); null: none
   bool smooths_flow = false;  // the next flow smooths what flows as it smooths strain (heat)
-  bool tears = false;  // water bears no tension: where it does not fill the pores, its pressure is zero
+  // The groundwater is that of a level: e is the pressure over that of the water outside, and water bears no tension:
+  // where it does not fill the pores, its pressure is zero.
+  bool imposed = false;
 };
 
 /// Adds to the nodes and elements. `centred`: cells are squares around nodes (three-node shapes).
 void map_pores_lanes(bool centred, const PointView& p, const PoreView& w, const CellView& c, const PoreSumsView& sums, Range range);
-/// From PoreFields::change and `even` to the points: content, pressure and what follows. `rate`: by which a cell's own water
-/// evens out, over the mobility, times the step. Returns the potential energy that the water lost, J/m.
-double change_points_lanes(bool centred, double rate, const PointView& p, const PoreView& w, const CellView& c,
-                             const PoreFields& f, Range range);
+/// From PoreFields::change and `even` to the points: content, pressure and what follows. `rate`: by which a cell's own
+/// water evens out, over the mobility, times the step.
+struct PoreChange {
+  double lost = 0;    // potential energy of the water, J/m
+  double lifted = 0;  // of its weight, by what imposes a level, J/m
+};
+PoreChange change_points_lanes(bool centred, double rate, const PointView& p, const PoreView& w, const CellView& c,
+                               const PoreFields& f, Range range);
 
 /// What points lost of the work that the skeleton did on their water and of its potential energy, J/m: all, and by flow.
 struct PoreLosses {

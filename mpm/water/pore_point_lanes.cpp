@@ -49,8 +49,17 @@ HWY_INLINE Hats<centred> hats_of(const PointView& p, const CellView& c, const Ti
 }
 
 template <class Tile>
-HWY_INLINE V head_of(const PointView& p, const PoreView& w, const Tile& t) {
+HWY_INLINE V weight_of(const PointView& p, const PoreView& w, const Tile& t) {
   return hn::MulAdd(set(w.head_x), t.again(p.x), hn::MulAdd(set(w.head_y), t.again(p.y), set(w.head_0)));
+}
+template <class Tile>
+HWY_INLINE V outside_of(const PointView& p, const PoreView& w, const Tile& t) {
+  return set(w.outside) * hn::Max(zero(), set(w.level) - t.again(p.y));
+}
+// Pressure without potential.
+template <class Tile>
+HWY_INLINE V head_of(const PointView& p, const PoreView& w, const Tile& t) {
+  return w.imposed ? outside_of(p, w, t) : weight_of(p, w, t);
 }
 template <class Tile>
 HWY_INLINE V mobility_of(const PoreView& w, const Tile& t) {
@@ -248,8 +257,7 @@ HWY_INLINE V spanned(const Hats<centred>& hats, const CellView& c, const TileCel
 // What a tile's points hold from here on.
 template <class Tile>
 HWY_INLINE void keep(const PointView& p, const PoreView& w, const Tile& t, M holds, V mobility, V J, V content, V pressure) {
-  const V outside = set(w.outside) * hn::Max(zero(), set(w.level) - t.again(p.y));
-  V seen = hn::IfThenElse(holds, pressure, outside);
+  V seen = hn::IfThenElse(holds, pressure, outside_of(p, w, t));
   if (w.mobility) seen = hn::IfThenZeroElse(hn::Eq(mobility, set(no_pores_mobility)), seen);
   t.store(content, w.content);
   t.store(seen, w.pressure);
@@ -257,8 +265,9 @@ HWY_INLINE void keep(const PointView& p, const PoreView& w, const Tile& t, M hol
 }
 
 template <bool centred>
-double change_run(double rate, const PointView& p, const PoreView& w, const CellView& c, const PoreFields& f, Range range) {
-  V lost = zero();
+PoreChange change_run(double rate, const PointView& p, const PoreView& w, const CellView& c, const PoreFields& f,
+                      Range range) {
+  V lost = zero(), lifted = zero();
   for_tiles(c, range, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
     const Hats<centred> hats = hats_of<centred>(p, c, cells, t);
     const V mobility = mobility_of(w, t), J = t.load(p.J), content = t.load(w.content), head = head_of(p, w, t);
@@ -274,13 +283,14 @@ double change_run(double rate, const PointView& p, const PoreView& w, const Cell
     const V bulk = set(w.bulk), pores = hn::Max(set(least_pores), J - solid), per_pores = bulk / pores;
     const V after = evened + more;
     V pressure = hn::MulSub(per_pores, w.swelling ? evened + t.load(w.swelling) + more : after, bulk);
-    if (w.tears) pressure = hn::Max(zero(), pressure);
+    if (w.imposed) pressure = hn::Max(zero(), pressure);
     // (Water flows while the skeleton is strained: at the mean of the potentials before and after both.)
     lost = lost - v0 * more * (set(0.5) * (e + (pressure - head)));
+    if (w.imposed) lifted = hn::NegMulAdd(v0 * (after - content), weight_of(p, w, t) - head, lifted);
     keep(p, w, t, holds, mobility, J, hn::IfThenElse(holds, after, content), pressure);
     if (w.smooths_flow) t.store(J + hn::IfThenElseZero(holds, more), w.J_flow);
   });
-  return sum_of(lost);
+  return {sum_of(lost), sum_of(lifted)};
 }
 
 template <bool centred>
@@ -338,7 +348,8 @@ void map_range(bool centred, const PointView& p, const PoreView& w, const CellVi
   else map_run<false>(p, w, c, sums_of, range);
 }
 
-double change_range(bool centred, double rate, const PointView& p, const PoreView& w, const CellView& c, const PoreFields& f, Range range) {
+PoreChange change_range(bool centred, double rate, const PointView& p, const PoreView& w, const CellView& c,
+                        const PoreFields& f, Range range) {
   return centred ? change_run<true>(rate, p, w, c, f, range) : change_run<false>(rate, p, w, c, f, range);
 }
 
@@ -360,8 +371,8 @@ PoreLosses project_points_lanes(bool centred, const PointView& p, const PoreView
                             const double* share, Range range) {
   return HWY_DYNAMIC_DISPATCH(project_range)(centred, p, w, c, f, share, range);
 }
-double change_points_lanes(bool centred, double rate, const PointView& p, const PoreView& w, const CellView& c,
-                           const PoreFields& f, Range range) {
+PoreChange change_points_lanes(bool centred, double rate, const PointView& p, const PoreView& w, const CellView& c,
+                               const PoreFields& f, Range range) {
   return HWY_DYNAMIC_DISPATCH(change_range)(centred, rate, p, w, c, f, range);
 }
 

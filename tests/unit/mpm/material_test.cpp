@@ -3,9 +3,12 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <random>
+#include <vector>
 
 #include "mpm/material/material.hpp"
 #include "mpm/material/mohr_coulomb.hpp"
@@ -167,6 +170,72 @@ TEST_P(MohrCoulombSoils, RandomIncrementsEndOnOrInsideTheSurface) {
     ASSERT_LE(law.yield(p.stress[0], p.stress[1], p.stress[2], p.stress[3]), 1e-8 * scale) << "increment " << k;
     ASSERT_GE(p.opening, 0);
   }
+}
+
+// Stress at which planes of f_ij and t_i that are active give the plastic strain between it and the trial stress, by
+// amounts that are not negative: every set of planes is tried. Nothing where none can.
+std::optional<Eigen::Vector3d> by_all_sets(const Elastic& elastic, const Soil& soil, const Eigen::Vector3d& trial) {
+  const double phi = radians(soil.friction), psi = radians(soil.dilatancy), limit = 2 * soil.cohesion * std::cos(phi);
+  std::vector<std::array<Eigen::Vector3d, 2>> planes;  // normal and flow
+  std::vector<double> limits;
+  for (int i = 0; i < 3; ++i) {
+    planes.push_back({Eigen::Vector3d::Unit(i), Eigen::Vector3d::Unit(i)});
+    limits.push_back(soil.tension);
+    for (int j = 0; j < 3; ++j) {
+      if (i == j) continue;
+      const auto of = [&](double sine) {
+        return Eigen::Vector3d((1 + sine) * Eigen::Vector3d::Unit(i) - (1 - sine) * Eigen::Vector3d::Unit(j));
+      };
+      planes.push_back({of(std::sin(phi)), of(std::sin(psi))});
+      limits.push_back(limit);
+    }
+  }
+  const Eigen::Matrix3d stiffness =
+      elastic.lambda * Eigen::Matrix3d::Ones() + 2 * elastic.shear * Eigen::Matrix3d::Identity();
+  const double round_off = 1e-10 * (trial.lpNorm<Eigen::Infinity>() + limit);
+  for (unsigned set = 1; set < 1u << planes.size(); ++set) {
+    const int n = std::popcount(set);
+    if (n > 3) continue;
+    Eigen::MatrixXd normals(3, n), flows(3, n);
+    Eigen::VectorXd over(n);
+    for (std::size_t k = 0, at = 0; k < planes.size(); ++k) {
+      if (!(set >> k & 1)) continue;
+      const auto column = Eigen::Index(at++);
+      normals.col(column) = planes[k][0], flows.col(column) = planes[k][1];
+      over[column] = planes[k][0].dot(trial) - limits[k];
+    }
+    const Eigen::FullPivLU<Eigen::MatrixXd> system(normals.transpose() * stiffness * flows);
+    if (!system.isInvertible()) continue;
+    const Eigen::VectorXd amounts = system.solve(over);
+    const Eigen::Vector3d stress = trial - stiffness * flows * amounts;
+    bool right = (amounts.array() >= -round_off / elastic.shear).all();
+    for (std::size_t k = 0; k < planes.size(); ++k) right = right && planes[k][0].dot(stress) <= limits[k] + round_off;
+    if (right) return stress;
+  }
+  return {};
+}
+
+TEST_P(MohrCoulombSoils, ReturnsWhereAnyOfTheSetsOfPlanesDoes) {
+  std::mt19937_64 random(6);
+  std::normal_distribution<double> n(0, 1);
+  std::uniform_real_distribution<double> size(-5, -3);
+  int returned = 0;
+  for (int k = 0; k < 300; ++k) {
+    const double s = std::pow(10, size(random));
+    const Tensor strain{s * (n(random) + 0.2), s * (n(random) + 0.2), s * (n(random) + 0.2), 0};
+    const Elastic& e = law.elastic();
+    const double mean = e.lambda * (strain[0] + strain[1] + strain[2]);
+    const Eigen::Vector3d trial(mean + 2 * e.shear * strain[0], mean + 2 * e.shear * strain[1],
+                                mean + 2 * e.shear * strain[2]);
+    SoilPoint p;
+    p.advance(law, strain);
+    const auto wanted = by_all_sets(e, GetParam(), trial);
+    if (!wanted) continue;
+    ++returned;
+    for (int q = 0; q < 3; ++q)
+      ASSERT_NEAR(p.stress[std::size_t(q)], (*wanted)[q], 1e-8 * trial.norm()) << k << ": " << trial.transpose();
+  }
+  EXPECT_GT(returned, 50);
 }
 
 TEST_P(MohrCoulombSoils, PlasticWorkIsNotNegative) {

@@ -294,7 +294,7 @@ TEST(PoreLanes, WhatThePointsTake) {
           seen.all += part.all;
           seen.by_flow += part.by_flow;
         } else {
-          seen.by_flow += change_points_lanes(c.g.centred, rate, p.view(), c.w, c.g.view(), c.f, run);
+          seen.by_flow += change_points_lanes(c.g.centred, rate, p.view(), c.w, c.g.view(), c.f, run).lost;
         }
       }
       ASSERT_NEAR(seen.all, all, 1e-10 * std::abs(all));

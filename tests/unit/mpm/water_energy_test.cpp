@@ -1,8 +1,10 @@
-// Water in the pores: no energy from nothing in light nodes, and when a run may end.
+// Water in the pores: no energy from nothing in light nodes or beside an imposed level, and when a run may end.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "tests/verification/mpm/water_column.hpp"
 
@@ -214,6 +216,42 @@ TEST(PoreRest, ConsolidationIsNotAtRest) {
   }
   solver.advance_to(c.at(3.5), silent);
   EXPECT_TRUE(solver.at_rest());
+}
+
+// Above a level that is imposed the pores are full without pressure, and nothing seeps down: what flows follows the
+// excess pressure. A load consolidates the column as it would without gravity, and the lift of what it presses out is
+// no loss of energy.
+TEST(PoreWater, FlowBesideAnImposedLevelIsThatOfTheExcess) {
+  const auto column = [](bool heavy, bool loaded) {
+    WaterColumn c = small_column();
+    c.gravity = heavy ? 9.81 : 0;
+    c.load = loaded ? 1000 : 0;
+    Scene s = scene_of(c);
+    if (heavy) {
+      s.water->groundwater = Groundwater::level;
+      s.water->level_m = 0.3 * c.height;
+    }
+    MpmOptions o = options_of(c);
+    o.initial_equilibrium = heavy;
+    Solver solver(o, s, 1);
+    if (heavy) solver.find_initial_equilibrium(silent);
+    solver.advance_to(c.at(loaded ? 0.1 : 0.3), silent);
+    const MotionFrame f = solver.frame();
+    std::vector<double> excess;
+    for (std::size_t k = 0; k < f.u.size(); ++k) {
+      const double depth = heavy ? std::max(0.0, 0.3 * c.height - s.particles.x0[k].y()) : 0;
+      excess.push_back(double(f.field("pressure")(k, 0)) - 9810 * depth);
+    }
+    return std::pair(excess, solver.energy());
+  };
+  const auto [still, at_rest] = column(true, false);
+  for (const double excess : still) EXPECT_NEAR(excess, 0, 5);
+  EXPECT_NEAR(at_rest.water_inflow, 0, 1e-9 * at_rest.water_mass);
+  const auto [pressed, balance] = column(true, true);
+  const auto [light, alike] = column(false, true);
+  for (std::size_t k = 0; k < light.size(); ++k) EXPECT_NEAR(pressed[k], light[k], 10);
+  EXPECT_NEAR(balance.residual, alike.residual, 0.002 * alike.darcy);
+  EXPECT_NEAR(balance.darcy, alike.darcy, 0.01 * alike.darcy);
 }
 
 }  // namespace
