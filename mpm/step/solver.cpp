@@ -135,18 +135,20 @@ void Solver::find_initial_equilibrium(Progress& progress) {
   s.restart_balance();
 }
 
-// What the averages change of an equilibrium without them moves soil beside water at rest: it is brought to rest with them,
-// from there, unless more than a few points open (they take no part in averages) or that finds no end.
+// What the averages change of an equilibrium without them moves soil beside water at rest: it is brought to rest with
+// them, from there, unless more than a few points open (they take no part in averages) or that finds no end. Nothing
+// softens on that way, since the run starts with the strength of soil that has not yielded.
 void Solver::Impl::balance_averages(EquilibriumOptions o, Scheme& used, const StaticSystem& system, Progress& progress) {
   const std::array<Array*, 4> stress{&p.tau_xx, &p.tau_yy, &p.tau_zz, &p.tau_xy};
   std::array<Array, 4> found;
   for (std::size_t c = 0; c < stress.size(); ++c) found[c] = *stress[c];
   const auto many_open = [this] {
     const Array* opening = p.history.find(opening_strain.name);
-    return opening && double(std::ranges::count_if(*opening, [](double strain) { return strain > 0; })) > few_open * double(p.size());
+    return opening && double(std::ranges::count_if(*opening, [](double strain) { return strain > 0; })) >
+                          few_open * double(p.size());
   };
   if (many_open()) return;
-  o.goes_on = true;
+  o.goes_on = o.keeps_strength = true;
   o.given = {};
   used.locking = scheme.locking;
   bool settled = true;
