@@ -127,6 +127,7 @@ void Solver::find_initial_equilibrium(Progress& progress) {
   const bool sought_on = s.water && !s.options.equilibrium_tolerance;
   EquilibriumOptions options{s.gravity_at_rest(), s.options.equilibrium_damping, tolerance, sought_on ? fine_balance : tolerance, s.most_threads,
                              s.options.k0, s.scene.stress0, s.variation_of_gravity()};
+  options.keeps_strength = bool(s.water);  // with which the run begins
   const StaticSystem system{scheme, s.materials, s.density, s.restraints, s.contacts, s.bodies, s.p, s.g, s.scene.particles, s.water.get()};
   relax_to_equilibrium(options, system, progress);
   if (s.water && scheme.locking != s.scheme.locking) s.balance_averages(options, scheme, system, progress);
@@ -136,8 +137,7 @@ void Solver::find_initial_equilibrium(Progress& progress) {
 }
 
 // What the averages change of an equilibrium without them moves soil beside water at rest: it is brought to rest with
-// them, from there, unless more than a few points open (they take no part in averages) or that finds no end. Nothing
-// softens on that way, since the run starts with the strength of soil that has not yielded.
+// them, from there, unless more than a few points open (they take no part in averages) or that finds no end.
 void Solver::Impl::balance_averages(EquilibriumOptions o, Scheme& used, const StaticSystem& system, Progress& progress) {
   const std::array<Array*, 4> stress{&p.tau_xx, &p.tau_yy, &p.tau_zz, &p.tau_xy};
   std::array<Array, 4> found;
@@ -148,7 +148,7 @@ void Solver::Impl::balance_averages(EquilibriumOptions o, Scheme& used, const St
                           few_open * double(p.size());
   };
   if (many_open()) return;
-  o.goes_on = o.keeps_strength = true;
+  o.goes_on = true;
   o.given = {};
   used.locking = scheme.locking;
   bool settled = true;
