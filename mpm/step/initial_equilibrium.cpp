@@ -58,6 +58,7 @@ class Relaxation {
     strained_too_far_ = any_beyond(most_strain);
     if (!strained_too_far_) {
       update_stress(s_.materials, p_, threads);
+      if (o_.keeps_strength) keep_strength();
       if (s_.water) s_.water->refresh(p_, o_.gravity, threads);
     }
     choice_.end_step();
@@ -95,6 +96,10 @@ class Relaxation {
   double damped(double change, double v) const {
     const double most = std::abs(change);
     return o_.damping * std::clamp(v, -most, most);
+  }
+
+  void keep_strength() {
+    if (Array* strain = p_.history.find(plastic_strain.name)) std::fill(strain->begin(), strain->end(), 0.0);
   }
 
   bool any_beyond(double strain) const {

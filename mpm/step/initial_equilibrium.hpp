@@ -30,6 +30,7 @@ struct EquilibriumOptions {
   std::span<const std::array<double, 4>> given = {};  // Scene::stress0: the first guess where it is a number
   std::function<Vec2(const Vec2&)> variation = {};  // of gravity from place to place; empty: none
   bool goes_on = false;  // from the stresses that there are
+  bool keeps_strength = false;  // nothing softens with plastic strain on the way
 };
 
 /// What is brought to rest; its parts change.

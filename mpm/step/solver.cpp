@@ -22,6 +22,9 @@ constexpr std::int64_t check_every = 100, check_early = 10;
 // Where mpm.equilibrium_tolerance is left out: of dry material, and what is sought beside water at rest.
 constexpr double rough_balance = 1e-3, fine_balance = 1e-7;
 
+// Share of the points that may stand open in an equilibrium that is sought with averages.
+constexpr double few_open = 0.05;
+
 bool has_reaction(const std::string& name, const BoundaryOptions& boundary) {
   return boundary.type != BoundaryType::tied && name != axis_boundary;
 }
@@ -124,6 +127,7 @@ void Solver::find_initial_equilibrium(Progress& progress) {
   const bool sought_on = s.water && !s.options.equilibrium_tolerance;
   EquilibriumOptions options{s.gravity_at_rest(), s.options.equilibrium_damping, tolerance, sought_on ? fine_balance : tolerance, s.most_threads,
                              s.options.k0, s.scene.stress0, s.variation_of_gravity()};
+  options.keeps_strength = bool(s.water);  // with which the run begins
   const StaticSystem system{scheme, s.materials, s.density, s.restraints, s.contacts, s.bodies, s.p, s.g, s.scene.particles, s.water.get()};
   relax_to_equilibrium(options, system, progress);
   if (s.water && scheme.locking != s.scheme.locking) s.balance_averages(options, scheme, system, progress);
@@ -132,17 +136,18 @@ void Solver::find_initial_equilibrium(Progress& progress) {
   s.restart_balance();
 }
 
-// What the averages change of an equilibrium without them moves soil beside water at rest: it is brought to rest with them,
-// from there, unless points would open or that finds no end.
+// What the averages change of an equilibrium without them moves soil beside water at rest: it is brought to rest with
+// them, from there, unless more than a few points open (they take no part in averages) or that finds no end.
 void Solver::Impl::balance_averages(EquilibriumOptions o, Scheme& used, const StaticSystem& system, Progress& progress) {
   const std::array<Array*, 4> stress{&p.tau_xx, &p.tau_yy, &p.tau_zz, &p.tau_xy};
   std::array<Array, 4> found;
   for (std::size_t c = 0; c < stress.size(); ++c) found[c] = *stress[c];
-  const auto open = [this] {
+  const auto many_open = [this] {
     const Array* opening = p.history.find(opening_strain.name);
-    return opening && std::any_of(opening->begin(), opening->end(), [](double strain) { return strain > 0; });
+    return opening && double(std::ranges::count_if(*opening, [](double strain) { return strain > 0; })) >
+                          few_open * double(p.size());
   };
-  if (open()) return;
+  if (many_open()) return;
   o.goes_on = true;
   o.given = {};
   used.locking = scheme.locking;
@@ -152,7 +157,7 @@ void Solver::Impl::balance_averages(EquilibriumOptions o, Scheme& used, const St
   } catch (const RunError&) {
     settled = false;
   }
-  if (settled && !open()) return;
+  if (settled && !many_open()) return;
   for (std::size_t c = 0; c < stress.size(); ++c) *stress[c] = found[c];
   water->refresh(p, o.gravity, most_threads);
 }
