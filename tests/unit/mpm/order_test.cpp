@@ -188,9 +188,9 @@ TEST(Order, FreeBodyAtOnce) {
   EXPECT_LT(e.coarse.impulse, 1e-3);
 }
 
-// Loads so small that points stay where they were laid, in motion along y alone. There uGIMP's functions are linear at each of them, and
-// APIC gives back to the nodes what it took: what is left is the order of the inputs themselves. (Otherwise a transfer takes a share of each
-// step, or is of first order: docs/theory/mpm_contact.md#loading-in-time.)
+// Loads so small that points stay where they were laid, in motion along y alone. There uGIMP's functions are linear at
+// each of them, and APIC gives back to the nodes what it took: what is left is the order of the inputs themselves.
+// (Otherwise a transfer takes a share of each step, or is of first order: docs/theory/mpm_contact.md#loading-in-time.)
 double order(const Scene& s, MpmOptions o) {
   o.shape = ShapeKind::gimp;
   std::vector<std::vector<double>> moved;
@@ -266,7 +266,8 @@ TEST(SecondOrder, GateThatGoes) {
 TEST(SecondOrder, Excavation) {
   MaterialOptions stays = elastic(1e6, 0.3, 1000), goes = stays;
   goes.removed_s = 0.004;
-  Scene s = scene(Grid{{0, 0}, {0.01, 0.01}, 11, 15}, {rectangle("soil", 0, 0, 0.1, 0.06), rectangle("cut", 0, 0.06, 0.1, 0.1)}, {stays, goes});
+  Scene s = scene(Grid{{0, 0}, {0.01, 0.01}, 11, 15},
+                  {rectangle("soil", 0, 0, 0.1, 0.06), rectangle("cut", 0, 0.06, 0.1, 0.1)}, {stays, goes});
   s.boundaries = bar().boundaries;
   EXPECT_GT(order(s, light(-0.2)), second);
 }
