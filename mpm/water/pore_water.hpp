@@ -6,12 +6,12 @@
 // with J of the averaged volumetric strain (transfer.hpp): so pressure feels the averages that cure locking. The content
 // changes by flow alone, which nodes pass on between points: its sum changes by what crosses the boundaries, to round-off.
 //
-// Flow: q = -(K/gamma) grad e, potential e = p - rho_w g . x, or p - p_l (below) where a level is imposed. Points give nodes the
-// mean of e by bilinear hats; along the edges between nodes, its differences move water; nodes give their points what came. Where
-// a boundary, or the material's own surface, gives the potential, the node has that, and its points are brought towards the field
-// that the nodes span, at the rate of a cell: a field that is linear up to the surface is kept. What of the points' potentials no
-// node sees evens out at that rate too, and what no node sees of their volumetric strain gives no pressure: points exchange water
-// for it. Without that, nearly incompressible mixtures checkerboard.
+// Flow: q = -(K/gamma) grad e, potential e = p - rho_w g . x. Points give nodes the mean of e by bilinear hats; along the
+// edges between nodes, its differences move water; nodes give their points what came. Where a boundary, or the material's own
+// surface, gives the potential, the node has that, and its points are brought towards the field that the nodes span, at the rate
+// of a cell: a field that is linear up to the surface is kept. What of the points' potentials no node sees evens out at that rate
+// too, and what no node sees of their volumetric strain gives no pressure: points exchange water for it. Without that, nearly
+// incompressible mixtures checkerboard.
 //
 // Momentum sees the normal stress tau' - J (p - p_l), p_l the pressure of the water outside, at rest below a level, and the lift rho_w g of the volume below it: with the divergence theorem that is the load of the water
 // on the submerged surface, and soil and water at rest stay so exactly.
@@ -197,7 +197,7 @@ class PoreWater {
   void fill_below_surface(Particles& p, const Vec2& gravity) const;
   class Seepage;
   void fill_by_seepage(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, int threads);
-  /// Pressure without potential: of water at rest, which where a level is imposed is that of the water outside.
+  /// p without e: rho_w g . x, or where a level is imposed the pressure of the water outside.
   double head(const Vec2& x, const Vec2& gravity) const {
     return imposed() ? outside_pressure(x, gravity) : options_.density_kg_m3 * gravity.dot(x - reference_);
   }
