@@ -109,6 +109,14 @@ class SimulationChecker : Refusals {
         refuse(path + ".stress_file", "given together with stress_pa, expected one of them");
       if (o.stress_pa.empty() && (!o.stress_gradient_pa_m.empty() || source_.given(path + ".stress_level_m")))
         refuse(path + (o.stress_gradient_pa_m.empty() ? ".stress_level_m" : ".stress_gradient_pa_m"), "given without stress_pa, expected both or neither");
+      if (!o.pressure_file.empty() && o.pressure_pa)
+        refuse(path + ".pressure_file", "given together with pressure_pa, expected one of them");
+      for (const char* key : {".pressure_gradient_pa_m", ".pressure_level_m"})
+        if (!o.pressure_pa && source_.given(path + key))
+          refuse(path + key, "given without pressure_pa, expected both or neither");
+      if (!c_.water)
+        without_water(path + (o.pressure_pa ? ".pressure_pa" : ".pressure_file"),
+                      o.pressure_pa || !o.pressure_file.empty());
       const bool stressed = !o.stress_pa.empty() || !o.stress_file.empty();
       if (stressed && c_.mpm && c_.mpm->k0) refuse("mpm.k0", "given together with a stress of [" + path + "], expected one of them");
     }

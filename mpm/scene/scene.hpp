@@ -37,6 +37,9 @@ struct Scene {
   // Cauchy stress at time 0 (effective, with water), xx yy zz xy; empty: none; NaN: none of this particle. Where the initial
   // equilibrium is sought, the first guess.
   std::vector<std::array<double, 4>> stress0;
+  // Pressure of the water in its pores at time 0, Pa, one a particle; empty: that of WaterOptions::start; NaN: likewise
+  // of this one.
+  std::vector<double> pressure0;
   std::vector<double> temperature0;            // at time 0, one a particle; empty: HeatOptions::initial_c
   /// Acceleration of a particle (index in `particles`) at a time, beside gravity; empty: none. For manufactured
   /// solutions; not part of a checkpoint.

@@ -24,6 +24,8 @@ SolverState initial_state(const Scene& scene, const Scheme& scheme, const GridSt
     throw InputError("mpm: grad_v0 needs one entry a particle, or none");
   if (!scene.stress0.empty() && scene.stress0.size() != n)
     throw InputError("mpm: stress0 needs one entry a particle, or none");
+  if (!scene.pressure0.empty() && scene.pressure0.size() != n)
+    throw InputError("mpm: pressure0 needs one entry a particle, or none");
 
   // Body after body; inside a body as given.
   std::vector<std::uint32_t> order(n);

@@ -26,6 +26,7 @@ std::string Solver::Impl::against_projection(double crossing) const {
   if (water->surface_may_move(p)) return "the water has a surface inside the material";
   if (!scene.water->surface_m.empty() || scene.water->groundwater == Groundwater::level)
     return "the water's surface is given";
+  if (!scene.pressure0.empty()) return "pressures are given at the start";
   if (scene.water->start == WaterStart::seepage && scene.water->level_m) return "the start is by seepage with a level";
   if (!scene.contacts.empty() || !scene.bodies.empty() || restraints.tied().any())
     return "there are tied sides, bodies or contact";

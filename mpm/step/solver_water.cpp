@@ -41,13 +41,13 @@ void check_projected(const Scene& scene) {
   }
 }
 
-void check_gravity(const MpmOptions& o, const WaterOptions& water) {
+void check_gravity(const MpmOptions& o, const WaterOptions& water, bool given) {
   const auto upright = [](const Pair& g) { return std::abs(g[0]) <= 1e-3 * std::abs(g[1]) && g[1] <= 0; };
   const bool vertical = upright(o.gravity_m_s2) && (!o.gravity_from_m_s2 || upright(*o.gravity_from_m_s2));
   const bool level = water.level_m || !water.level_history.empty();
   if (level && !vertical)
     throw InputError(std::string("water.") + (water.level_m ? "level_m" : "level_history") + ": given where gravity is not downwards, expected vertical gravity or no level");
-  const bool known = level || !water.surface_m.empty() || water.start == WaterStart::seepage;
+  const bool known = level || given || !water.surface_m.empty() || water.start == WaterStart::seepage;
   if (!known && o.initial_equilibrium && Vec2(o.gravity_m_s2[0], o.gravity_m_s2[1]).norm() > 0)
     throw InputError("water.level_m: missing beside mpm.initial_equilibrium, expected a level (or initial_equilibrium = false)");
 }
@@ -73,7 +73,7 @@ std::vector<PoreSoil> take_pores(const MpmOptions& options, Scene& scene) {
   if (scene.water->inertia && options.geometry == Geometry::axisymmetric)
     throw InputError("water.inertia: found true beside mpm.geometry = \"axisymmetric\", expected false");
   if (scene.water->inertia && scene.heat) throw InputError("water.inertia: found true beside [heat], expected false");
-  check_gravity(options, *scene.water);
+  check_gravity(options, *scene.water, !scene.pressure0.empty());
   if (options.pressure == PressureScheme::projected) check_projected(scene);
   if (options.sleep_below_m_s && scene.water->inertia)
     throw InputError("mpm.sleep_below_m_s: given beside water.inertia, expected none: the flow has a motion of its own");
@@ -102,7 +102,7 @@ void Solver::Impl::fill_pores() {
   water = std::make_unique<PoreWater>(*scene.water, pores, scene.particles, g,
                                       PoreBoundaries(scene.boundaries, restraints.walls(), g), restraints.tied(), bodies);
   if (options.pressure == PressureScheme::projected) water->project(g, foreseen_share);
-  water->start(p, g, loading.tractions(), loading.gravity(0), most_threads);
+  water->start(p, g, loading.tractions(), loading.gravity(0), scene.pressure0, most_threads);
   if (!options.pressure) {
     choose_pressure();
     if (options.pressure == PressureScheme::projected) water->project(g, foreseen_share);

@@ -45,7 +45,8 @@ void PoreWater::check_start(const Vec2& gravity) const {
     throw InputError("water.start: found 'seepage' with a level beside mpm.pressure = \"projected\", expected \"explicit\"");
 }
 
-void PoreWater::start(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, int threads) {
+void PoreWater::start(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity,
+                      std::span<const double> given, int threads) {
   check_start(gravity);
   std::vector<std::uint8_t> full(g.grid.node_count(), 0);
   for (std::size_t k = 0; k < p.size(); ++k) {
@@ -56,6 +57,7 @@ void PoreWater::start(Particles& p, GridState& g, const Tractions& tractions, co
   take_soils(p);
   fill_below_surface(p, gravity);
   if (options_.start == WaterStart::seepage) fill_by_seepage(p, g, tractions, gravity, threads);
+  fill_as_given(p, gravity, given);
   for (std::size_t k = 0; k < p.size(); ++k)
     if (const PoreSoil& soil = soil_of(p, k); soil.has_pores())
       p.mass[k] = p.volume0[k] * (soil.dry_density() + options_.density_kg_m3 * p.content[k]);
@@ -78,6 +80,29 @@ void PoreWater::fill_below_surface(Particles& p, const Vec2& gravity) const {
     if (full && soil.drained) p.content[k] = soil.porosity;
     if (!full && soil.holds_water() && air)  // what the surface cuts
       p.content[k] = soil.porosity * std::max(0.0, 1 - above / std::sqrt(section(p, k, p.volume0[k])));
+  }
+}
+
+// Beside a level, a pressure below zero is the part of the pores that is empty (as in steady flow).
+void PoreWater::fill_as_given(Particles& p, const Vec2& gravity, std::span<const double> given) const {
+  if (given.empty()) return;
+  const bool air = sees_air(gravity);
+  for (std::size_t k = 0; k < p.size(); ++k) {
+    const double pressure = given[p.index[k]];
+    if (std::isnan(pressure)) continue;
+    const PoreSoil& soil = soil_of(p, k);
+    const auto where = [&] {
+      return "initial." + set_->label_names[std::size_t(set_->label[p.index[k]])] +
+             ": a pressure of the pores is given ";
+    };
+    if (!soil.holds_water())
+      throw InputError(where() +
+                       "to material whose pores hold no water of their own, expected a porosity, and drained = false");
+    if (pressure < 0 && imposed())
+      throw InputError(where() + "below zero beside water.groundwater = \"level\", expected zero or more");
+    const double beyond = pressure / (pressure < 0 && air ? fringe(p, k, gravity) : options_.bulk_modulus_pa);
+    if (!air && 1 + beyond <= 0) throw InputError(where() + "below minus water.bulk_modulus_pa, expected more");
+    p.content[k] = soil.porosity * std::max(0.0, 1 + beyond);
   }
 }
 

@@ -71,7 +71,8 @@ class PoreWater {
 
   /// Contents, pressures and masses at time 0: hydrostatic below the level or a given surface, or of the steady flow. Throws InputError,
   /// and RunError where no steady flow is found. (pore_start.cpp)
-  void start(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, int threads);
+  void start(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, std::span<const double> given,
+             int threads);
 
   /// Between strain and momentum: moves water from where pressures as they were before the last strain drive it, evens that
   /// strain out, and refreshes. (So a mode of wave and flow takes p' = p - K_w theta/n - lambda dt p.)
@@ -195,6 +196,7 @@ class PoreWater {
   double surface_at(double x) const;  // at the start
   void check_start(const Vec2& gravity) const;
   void fill_below_surface(Particles& p, const Vec2& gravity) const;
+  void fill_as_given(Particles& p, const Vec2& gravity, std::span<const double> given) const;
   class Seepage;
   void fill_by_seepage(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, int threads);
   /// p without e: rho_w g . x, or where a level is imposed the pressure of the water outside.

@@ -189,7 +189,10 @@ VALUES = {
     "mpm": MPM,
     "initial": {"velocity_m_s": ["[0.01, 0.0]"], "spin_rad_s": ["0.1"], "stress_pa": ["[-50.0, -100.0, -50.0, 0.0]"],
                 "stress_gradient_pa_m": [("[1e3, 2e3, 1e3, 0.0]", {"stress_pa": "[0.0, 0.0, 0.0, 0.0]"})],
-                "stress_level_m": [("0.08", {"stress_pa": "[-50.0, -100.0, -50.0, 0.0]"})], "stress_file": ['"stress.csv"']},
+                "stress_level_m": [("0.08", {"stress_pa": "[-50.0, -100.0, -50.0, 0.0]"})], "stress_file": ['"stress.csv"'],
+                "pressure_pa": [("200.0", {}, FLOODED)], "pressure_gradient_pa_m": [("-1e3", {"pressure_pa": "200.0"}, FLOODED)],
+                "pressure_level_m": [("0.08", {"pressure_pa": "200.0", "pressure_gradient_pa_m": "-1e3"}, FLOODED)],
+                "pressure_file": [('"pressure.csv"', {}, FLOODED)]},
     "boundary": {"line_m": [(SIDE["line_m"], SIDE)], "polygon_m": ["[[-0.01, -0.01], [0.01, -0.01], [0.01, 0.13], [-0.01, 0.13]]"],
                  "type": [('"fixed"', SIDE), ('"roller"', SIDE), ('"frictional"', SIDE), ('"absorbing"', SIDE, AT_ONCE),
                           ('"traction"', TOP), ('"tied"', TIED)],
@@ -374,6 +377,7 @@ def main():
         (there / "mask.pgm").write_bytes(b"P5 96 96 255\n" + bytes([0] * 96 * 8 + [255] * 96 * 88))
         (there / "stress.csv").write_text("x_m,y_m,stress_xx_pa,stress_yy_pa,stress_zz_pa,stress_xy_pa\n" +
                                           "".join(f"{0.09 * i},{0.09 * j},-50,{-100 + 100 * j},-50,0\n" for i in (0, 1) for j in (0, 1)))
+        (there / "pressure.csv").write_text("x_m,y_m,pressure_pa\n0,0,300\n0.09,0,300\n0,0.09,100\n0.09,0.09,100\n")
         for name, (head, row) in VECTOR_FILES.items():
             (there / f"{name}_1.txt").write_text(head + "".join(row.format(8 * i, 8 * j) for j in range(1, 7) for i in range(1, 7)))
         text = case_text(section, key, item, drawn / "out" / "frames" / "*.png")

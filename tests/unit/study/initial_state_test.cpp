@@ -135,6 +135,47 @@ TEST(InitialState, AFilesStressIsLinearBetweenItsPoints) {
             std::string::npos);
 }
 
+std::string wet_case_of(const std::string& more, const std::string& water = "") {
+  std::string text = case_of(without, more);
+  text.insert(
+      text.find("[mpm]"),
+      "porosity = 0.4\npermeability_m_s = 1e-6\ngrain_density_kg_m3 = 2650.0\n[water]\nbulk_modulus_pa = 2e7\n" +
+          water);
+  text.erase(text.find("density_kg_m3 = 2000.0"), std::string("density_kg_m3 = 2000.0\n").size());
+  return text;
+}
+
+// Of one region by numbers, of the other by a file; without either it is zero.
+TEST(InitialState, PressureIsThatOfTheHeightOrOfAFile) {
+  const test::Scratch folder("initial_pressure");
+  std::ofstream(folder.path / "pressure.csv")
+      << "x_m,y_m,pressure_pa\n0.15,0.05,300\n0.25,0.05,800\n0.15,0.15,300\n0.25,0.15,800\n";
+  const std::string numbers =
+      "[initial.soil]\npressure_pa = 500.0\npressure_gradient_pa_m = -4e3\npressure_level_m = 0.1\n";
+  for (const bool by_file : {false, true}) {
+    const mpm::Solver solver = solver_of(
+        wet_case_of(numbers + (by_file ? "[initial.block]\npressure_file = \"pressure.csv\"\n" : "")), folder.path);
+    const MotionFrame frame = solver.frame();
+    for (std::size_t k = 0; k < frame.u.size(); ++k) {
+      const Vec2& x = solver.particles().x0[k];
+      const double of_block = by_file ? 300 + 5000 * (x.x() - 0.15) : 0;
+      EXPECT_NEAR(frame.field("pressure")(k, 0),
+                  solver.particles().label[k] == 1 ? of_block : 500 - 4e3 * (x.y() - 0.1), 1e-2)
+          << k;
+    }
+  }
+}
+
+// A pressure that is given flows from the first step on, and is in the books.
+TEST(InitialState, APressureThatIsGivenDissipates) {
+  mpm::Solver solver = solver_of(wet_case_of("[initial.soil]\npressure_pa = 1e3\n"));
+  const double start = solver.energy().water;
+  EXPECT_NEAR(start, 0.01 * 0.4 * 1e6 / (2 * 2e7), 1e-3 * start);
+  solver.advance_to(0.01, silent);
+  EXPECT_LT(solver.energy().water, 0.5 * start);
+  EXPECT_LT(std::abs(solver.energy().residual), 0.1 * start);  // (the layer that drains is thinner than a cell)
+}
+
 TEST(InitialState, WhatDoesNotFitIsRefused) {
   const auto expect = [](const std::string& more, const std::string& text, const std::string& mpm = without, const std::string& model = "linear_elastic") {
     const std::string found = refusal_of(case_of(mpm, more, model));
@@ -148,6 +189,20 @@ TEST(InitialState, WhatDoesNotFitIsRefused) {
   expect("[initial.soil]\nstress_pa = [1.0, 2.0, 3.0, 4.0]\n", "mpm.k0: given together with a stress of [initial.soil], expected one of them",
          "gravity_m_s2 = [0.0, -9.81]\nk0 = 0.5\n");
   expect("[initial.soil]\nstress_file = \"nothing.csv\"\n", "nothing.csv");
+  expect("[initial.soil]\npressure_pa = 1.0\n", "initial.soil.pressure_pa: given without [water]");
+  const auto expect_wet = [](const std::string& more, const std::string& text, const std::string& water = "") {
+    const std::string found = refusal_of(wet_case_of(more, water));
+    EXPECT_NE(found.find(text), std::string::npos) << found;
+  };
+  expect_wet("[initial.soil]\npressure_level_m = 0.1\n",
+             "initial.soil.pressure_level_m: given without pressure_pa, expected both or neither");
+  expect_wet("[initial.soil]\npressure_pa = 1.0\npressure_file = \"a.csv\"\n",
+             "initial.soil.pressure_file: given together with pressure_pa, expected one of them");
+  expect_wet("[initial.soil]\npressure_pa = -3e7\n",
+             "initial.soil: a pressure of the pores is given below minus water.bulk_modulus_pa, expected more");
+  expect_wet("[initial.soil]\npressure_pa = -1.0\n",
+             "initial.soil: a pressure of the pores is given below zero beside water.groundwater",
+             "level_m = 0.1\ngroundwater = \"level\"\n");
   expect("[initial.soil]\nstress_pa = [-1.0, -1.0, -1.0, 0.0]\n", "takes no stress at the start", without, "neo_hookean");
 }
 
