@@ -298,11 +298,12 @@ int relax_to_equilibrium(const EquilibriumOptions& options, const StaticSystem& 
   // Points free to drift keep a little motion under forces that have long been balanced.
   constexpr int long_balanced = 2000;  // iterations
   constexpr double well_balanced = 0.1;  // of the tolerance
+  constexpr int moves_on = 5000;         // iterations
   constexpr int times_more = 4, more_at_least = 4000;  // iterations beyond the tolerance, over those up to it
   const auto calm = [&](double within) { return relaxation.kinetic() <= within * stored_energy(p, g, system.materials).elastic; };
   std::optional<Found> found;
   double ratio = 0;
-  int n = 1, balanced = 0;
+  int n = 1, balanced = 0, within = 0;
   for (; n <= most || found; ++n) {
     ratio = relaxation.iterate();
     balanced = ratio < well_balanced * (found ? options.wanted : options.tolerance) ? balanced + 1 : 0;
@@ -314,6 +315,8 @@ int relax_to_equilibrium(const EquilibriumOptions& options, const StaticSystem& 
     }
     if (found && ratio < options.wanted && calm(options.wanted)) return n;
     if (balanced >= long_balanced) return n;
+    within = ratio < options.tolerance ? within + 1 : 0;
+    if (options.leads_on && !found && within >= moves_on) return -n;
     if (found && n - found->iterations >= std::max(more_at_least, times_more * found->iterations)) break;
     if (n % 200 == 0) {
       progress.update("initial equilibrium", n, most);

@@ -31,6 +31,7 @@ struct EquilibriumOptions {
   std::function<Vec2(const Vec2&)> variation = {};  // of gravity from place to place; empty: none
   bool goes_on = false;  // from the stresses that there are
   bool keeps_strength = false;  // nothing softens with plastic strain on the way
+  bool leads_on = false;        // another search goes on from what is found: it may move still under balanced forces
 };
 
 /// What is brought to rest; its parts change.
@@ -54,9 +55,10 @@ struct StaticSystem {
 /// tolerance. Starts from the stresses given, elsewhere from K0
 /// stresses (stress_from_columns()) where gravity is vertical. Returns the number of
 /// iterations; throws InputError at once where material may move along gravity because nothing holds it
-/// (require_held()). From where the tolerance is met on, it goes on to `wanted` for up to four times as many iterations (or 4,000), and
-/// keeps the state that met the tolerance if what follows does not. RunError if `tolerance` is not met in a bounded number, or a pseudo-step strains a point by more
-/// than half.
+/// (require_held()). Minus that number where forces have long been balanced but points move on, which `leads_on` bears.
+/// From where the tolerance is met on, it goes on to `wanted` for up to four times as many iterations (or 4,000), and
+/// keeps the state that met the tolerance if what follows does not. RunError if `tolerance` is not met in a bounded
+/// number, or a pseudo-step strains a point by more than half.
 int relax_to_equilibrium(const EquilibriumOptions& options, const StaticSystem& system, Progress& progress);
 
 /// Throws InputError, with the lowest place, for material that hangs together through its nodes and that no wall or

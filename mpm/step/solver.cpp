@@ -129,16 +129,24 @@ void Solver::find_initial_equilibrium(Progress& progress) {
                              s.options.k0, s.scene.stress0, s.variation_of_gravity()};
   options.keeps_strength = bool(s.water);  // with which the run begins
   const StaticSystem system{scheme, s.materials, s.density, s.restraints, s.contacts, s.bodies, s.p, s.g, s.scene.particles, s.water.get()};
-  relax_to_equilibrium(options, system, progress);
-  if (s.water && scheme.locking != s.scheme.locking) s.balance_averages(options, scheme, system, progress);
+  const bool with_averages = s.water && scheme.locking != s.scheme.locking;
+  options.leads_on = with_averages;
+  const bool moves_on = relax_to_equilibrium(options, system, progress) < 0;
+  const bool balanced = with_averages && s.balance_averages(options, scheme, system, progress);
+  if (moves_on && !balanced)
+    throw RunError(
+        "initial equilibrium: the forces are balanced but the material goes on moving (is it strong enough to carry "
+        "its weight? "
+        "mpm.initial_equilibrium = false starts without)");
   s.p.resize_increments(0);
   s.p.history.reset();
   s.restart_balance();
 }
 
 // What the averages change of an equilibrium without them moves soil beside water at rest: it is brought to rest with
-// them, from there, unless more than a few points open (they take no part in averages) or that finds no end.
-void Solver::Impl::balance_averages(EquilibriumOptions o, Scheme& used, const StaticSystem& system, Progress& progress) {
+// them, from there, unless more than a few points open (they take no part in averages) or that finds no end (false).
+bool Solver::Impl::balance_averages(EquilibriumOptions o, Scheme& used, const StaticSystem& system,
+                                    Progress& progress) {
   const std::array<Array*, 4> stress{&p.tau_xx, &p.tau_yy, &p.tau_zz, &p.tau_xy};
   std::array<Array, 4> found;
   for (std::size_t c = 0; c < stress.size(); ++c) found[c] = *stress[c];
@@ -147,8 +155,9 @@ void Solver::Impl::balance_averages(EquilibriumOptions o, Scheme& used, const St
     return opening && double(std::ranges::count_if(*opening, [](double strain) { return strain > 0; })) >
                           few_open * double(p.size());
   };
-  if (many_open()) return;
+  if (many_open()) return false;
   o.goes_on = true;
+  o.leads_on = false;
   o.given = {};
   used.locking = scheme.locking;
   bool settled = true;
@@ -157,9 +166,10 @@ void Solver::Impl::balance_averages(EquilibriumOptions o, Scheme& used, const St
   } catch (const RunError&) {
     settled = false;
   }
-  if (settled && !many_open()) return;
+  if (settled && !many_open()) return true;
   for (std::size_t c = 0; c < stress.size(); ++c) *stress[c] = found[c];
   water->refresh(p, o.gravity, most_threads);
+  return false;
 }
 
 void Solver::require_held() const {

@@ -110,7 +110,7 @@ struct Solver::Impl {
   }
   bool pushes() const { return scene.body_force || loading.centrifuge() || loading.tractions().any(); }
   bool work_in_steps() const { return !water && (loading.gravity_changes() || loading.any_density()); }
-  void balance_averages(EquilibriumOptions o, Scheme& used, const StaticSystem& system, Progress& progress);
+  bool balance_averages(EquilibriumOptions o, Scheme& used, const StaticSystem& system, Progress& progress);
   Vec2 moment_of_mass() const;
 
   // solver_water.cpp: the water in the pores.

@@ -54,7 +54,7 @@ check("heat lost", tight.heat_lost, 0, 1e-9)
 check("water lost", tight.water_lost, 0, 1e-9)
 
 # Vajont on cells of 10 m: it rests before the reservoir rises and with 50 m of water, and fails before 120 m.
-vajont = Run("vajont/coarse.toml", "mpm.end_s=15.0")
+vajont = Run("vajont/case.toml", "mpm.end_s=15.0")
 moved = np.median(vajont.moved[:, (vajont.x0[:, 0] > 1100) & (vajont.x0[:, 1] > 0) & (vajont.x0[:, 0] < 1214)], axis=1)
 check("vajont, toe at 3 s, m", moved[6], 0, 0.05)
 check("vajont, toe at 8 s, m", moved[16], 0, 0.5)
