@@ -1,6 +1,6 @@
 // A law that is added from outside goes through the whole chain: its name, keys and rules in the case, its history in
 // the record, in computed fields and in the report.
-#include "tests/unit/mpm/own_law.hpp"
+#include "tests/unit/mpm/material/own_law.hpp"
 
 #include <gtest/gtest.h>
 

@@ -13,7 +13,7 @@
 #include "pivnp/core/text.hpp"
 #include "tests/support/silent.hpp"
 #include "tests/support/verification.hpp"
-#include "tests/unit/mpm/shear_band.hpp"
+#include "tests/unit/mpm/material/shear_band.hpp"
 
 namespace pivnp::mpm {
 namespace {

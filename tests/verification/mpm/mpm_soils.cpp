@@ -14,7 +14,7 @@
 #include "mpm/material/smooth_mohr_coulomb.hpp"
 #include "pivnp/core/text.hpp"
 #include "tests/support/verification.hpp"
-#include "tests/unit/mpm/soil_point.hpp"
+#include "tests/unit/mpm/material/soil_point.hpp"
 
 namespace pivnp::mpm {
 namespace {

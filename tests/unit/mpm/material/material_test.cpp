@@ -14,7 +14,7 @@
 #include "mpm/material/mohr_coulomb.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/math.hpp"
-#include "tests/unit/mpm/soil_point.hpp"
+#include "tests/unit/mpm/material/soil_point.hpp"
 
 #include <Eigen/Eigenvalues>
 

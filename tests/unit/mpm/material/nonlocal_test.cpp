@@ -10,7 +10,7 @@
 #include "mpm/transfer/transfer.hpp"
 #include "pivnp/core/error.hpp"
 #include "tests/support/silent.hpp"
-#include "tests/unit/mpm/shear_band.hpp"
+#include "tests/unit/mpm/material/shear_band.hpp"
 
 namespace pivnp::mpm {
 namespace {

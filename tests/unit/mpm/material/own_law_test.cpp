@@ -1,7 +1,7 @@
 // A law is a row: one that is added from outside is made, stepped, sorted, saved and recorded like those that are built in,
 // with its own keys, rules and history. And what no part of a case needs has no values.
 #include "tests/support/silent.hpp"
-#include "tests/unit/mpm/own_law.hpp"
+#include "tests/unit/mpm/material/own_law.hpp"
 
 #include <gtest/gtest.h>
 

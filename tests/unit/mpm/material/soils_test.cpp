@@ -13,7 +13,7 @@
 #include "mpm/material/mohr_coulomb.hpp"
 #include "mpm/material/smooth_mohr_coulomb.hpp"
 #include "pivnp/core/error.hpp"
-#include "tests/unit/mpm/soil_point.hpp"
+#include "tests/unit/mpm/material/soil_point.hpp"
 
 namespace pivnp::mpm {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "tests/support/silent.hpp"
 #include "tests/unit/mpm/scenes.hpp"
-#include "tests/unit/mpm/soil_point.hpp"
+#include "tests/unit/mpm/material/soil_point.hpp"
 
 namespace pivnp::mpm {
 namespace {
