@@ -8,7 +8,7 @@ namespace pivnp::compare {
 namespace {
 
 // What single members of the families below have beside their family's facts.
-const OwnFacts& members() {
+const OwnFacts& motion_members() {
   static const OwnFacts list{{"displacement_bias_x", {"displacement_bias_m", Leads::no}},
                              {"displacement_bias_y", {"displacement_bias_m", Leads::no}},
                              {"displacement_rms", {"displacement_rms_m", Leads::levelled_too}},
@@ -26,7 +26,7 @@ const OwnFacts& members() {
 
 template <class Value>
 void add(Registry<MetricRow>& rows, MetricFacts facts, Value value) {
-  rows.add({with_own(std::move(facts), members()), std::move(value)});
+  rows.add({with_own(std::move(facts), motion_members()), std::move(value)});
 }
 
 // One statistic of a vector's difference; '#' stands for the vector: u or v.

@@ -10,7 +10,7 @@ namespace pivnp::compare {
 namespace {
 
 // What single members of the family have beside its facts.
-const OwnFacts& members() {
+const OwnFacts& strain_members() {
   static const OwnFacts list{{"strain_dev_rms", {"strain_rms", Leads::levelled_too}},
                              {"strain_dev_p95", {"strain_p95", Leads::yes}},
                              {"strain_dev_rms_final", {"", Leads::yes}}};
@@ -100,7 +100,7 @@ void add_strain(Registry<MetricRow>& rows, const Span& span) {
                          .levelled = true};
     };
     for (const ScalarStatistic& s : scalar_statistics)
-      rows.add({with_own(facts(s), members()), [=](const Findings& f) -> std::optional<MetricValue> {
+      rows.add({with_own(facts(s), strain_members()), [=](const Findings& f) -> std::optional<MetricValue> {
                   const ScalarStatistics& d = span.tally(f).*strain.statistics;
                   if (d.count() == 0) return std::nullopt;
                   return difference(s.value(d), strain.uncertainty(s, span, f),
@@ -110,7 +110,7 @@ void add_strain(Registry<MetricRow>& rows, const Span& span) {
       MetricFacts over_u = facts(s);
       over_u.name += "_over_u";
       over_u.words += ", in units of its uncertainty";
-      rows.add({with_own(std::move(over_u), members()), [=](const Findings& f) -> std::optional<MetricValue> {
+      rows.add({with_own(std::move(over_u), strain_members()), [=](const Findings& f) -> std::optional<MetricValue> {
                   const ScalarStatistics& d = span.tally(f).*strain.statistics;
                   const double u = d.count() == 0 ? 0 : strain.uncertainty(s, span, f);
                   if (!(u > 0)) return std::nullopt;
