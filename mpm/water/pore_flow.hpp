@@ -5,11 +5,11 @@ namespace pivnp::mpm {
 
 /// What a step's flow did, per metre of thickness.
 struct PoreFlow {
-  double inflow = 0;    // volume of water without pressure through the boundaries, m^2
-  double external = 0;  // work at the boundaries, by the potentials, J
-  double darcy = 0;     // dissipated, J
-  double yielded = 0;   // projected: taken by the strain that pressures foresee, J
-  double collapsed = 0; // work of the skeleton's stress on what it collapsed by, J
+  double inflow = 0;     // volume of water without pressure through the boundaries, m^2
+  double external = 0;   // work at the boundaries, by the potentials, J
+  double darcy = 0;      // dissipated, J
+  double yielded = 0;    // projected: taken by the strain that pressures foresee, J
+  double collapsed = 0;  // work of the skeleton's stress on what it collapsed by, J
 
   void add(const PoreFlow& more) {
     inflow += more.inflow;

@@ -28,11 +28,11 @@
 #include "mpm/constraint/tractions.hpp"
 #include "mpm/grid/grid_state.hpp"
 #include "mpm/state/particles.hpp"
+#include "mpm/state/pore_node.hpp"
 #include "mpm/water/options.hpp"
 #include "mpm/water/pore_boundaries.hpp"
 #include "mpm/water/pore_flow.hpp"
 #include "mpm/water/pore_lanes.hpp"
-#include "mpm/state/pore_node.hpp"
 #include "mpm/water/pore_soil.hpp"
 #include "pivnp/core/particles/motion.hpp"
 
