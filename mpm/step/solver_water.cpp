@@ -41,6 +41,16 @@ void check_projected(const Scene& scene) {
   }
 }
 
+// Is the pressure of all pores given?
+bool gives_pressures(const Scene& scene, const std::vector<PoreSoil>& soils) {
+  if (scene.pressure0.size() != scene.particles.size()) return false;
+  for (std::size_t k = 0; k < scene.pressure0.size(); ++k)
+    if (const auto label = std::size_t(scene.particles.label[k]);
+        std::isnan(scene.pressure0[k]) && label < soils.size() && soils[label].holds_water())
+      return false;
+  return true;
+}
+
 void check_gravity(const MpmOptions& o, const WaterOptions& water, bool given) {
   const auto upright = [](const Pair& g) { return std::abs(g[0]) <= 1e-3 * std::abs(g[1]) && g[1] <= 0; };
   const bool vertical = upright(o.gravity_m_s2) && (!o.gravity_from_m_s2 || upright(*o.gravity_from_m_s2));
@@ -49,7 +59,9 @@ void check_gravity(const MpmOptions& o, const WaterOptions& water, bool given) {
     throw InputError(std::string("water.") + (water.level_m ? "level_m" : "level_history") + ": given where gravity is not downwards, expected vertical gravity or no level");
   const bool known = level || given || !water.surface_m.empty() || water.start == WaterStart::seepage;
   if (!known && o.initial_equilibrium && Vec2(o.gravity_m_s2[0], o.gravity_m_s2[1]).norm() > 0)
-    throw InputError("water.level_m: missing beside mpm.initial_equilibrium, expected a level (or initial_equilibrium = false)");
+    throw InputError(
+        "water.level_m: missing beside mpm.initial_equilibrium, expected a level, or pressures of all regions at the "
+        "start (or initial_equilibrium = false)");
 }
 
 }  // namespace
@@ -73,7 +85,7 @@ std::vector<PoreSoil> take_pores(const MpmOptions& options, Scene& scene) {
   if (scene.water->inertia && options.geometry == Geometry::axisymmetric)
     throw InputError("water.inertia: found true beside mpm.geometry = \"axisymmetric\", expected false");
   if (scene.water->inertia && scene.heat) throw InputError("water.inertia: found true beside [heat], expected false");
-  check_gravity(options, *scene.water, !scene.pressure0.empty());
+  check_gravity(options, *scene.water, gives_pressures(scene, soils));
   if (options.pressure == PressureScheme::projected) check_projected(scene);
   if (options.sleep_below_m_s && scene.water->inertia)
     throw InputError("mpm.sleep_below_m_s: given beside water.inertia, expected none: the flow has a motion of its own");

@@ -153,5 +153,12 @@ for environment, brief in (({}, True), ({"OMP_WAIT_POLICY": "active"}, False)):
     if run.returncode != 0 or seen != brief:
         faults.append(f"waiting threads, {environment}: exit {run.returncode}, GOMP_SPINCOUNT set: {seen}")
 
+# Called by the loader, as bundles with a C library of their own do.
+loader = [line.split()[0] for line in subprocess.run(["ldd", program], capture_output=True, text=True).stdout.splitlines() if "/ld-" in line]
+done = subprocess.run([*loader[:1], program, "check", str(there)], capture_output=True, text=True,
+                      env={k: v for k, v in os.environ.items() if k not in ("GOMP_SPINCOUNT", "OMP_WAIT_POLICY")}, stdin=subprocess.DEVNULL)
+if not loader or done.returncode != 0:
+    faults.append(f"called by {loader}: exit {done.returncode}: {done.stdout[-300:]}{done.stderr[-300:]}")
+
 if faults:
     sys.exit("\n".join(faults))

@@ -166,6 +166,26 @@ TEST(InitialState, PressureIsThatOfTheHeightOrOfAFile) {
   }
 }
 
+// Such pressures stay while the equilibrium is sought, which needs them in all pores, or a level: in water that rises the
+// skeleton bears less than its weight under water.
+TEST(InitialState, AnEquilibriumIsSoughtUnderPressuresThatAreGiven) {
+  std::string text = wet_case_of("[initial.soil]\npressure_pa = 1500.0\npressure_gradient_pa_m = -15e3\n");
+  text.replace(text.find(without), std::string(without).size(), "gravity_m_s2 = [0.0, -9.81]\n");
+  EXPECT_NE(refusal_of(text).find("water.level_m: missing beside mpm.initial_equilibrium"), std::string::npos)
+      << refusal_of(text);
+  text.replace(text.find("[region.block]"), text.find("[material.soil]") - text.find("[region.block]"), "");
+  mpm::Solver solver = solver_of(text);
+  solver.find_initial_equilibrium(silent);
+  const MotionFrame frame = solver.frame();
+  double down = 0;
+  for (std::size_t k = 0; k < frame.u.size(); ++k) {
+    down += double(frame.field("stress")(k, 1)) / double(frame.u.size());
+    EXPECT_NEAR(frame.field("pressure")(k, 0), 1500 - 15e3 * solver.particles().x0[k].y(), 1);
+  }
+  const double weight = (0.6 * 2650 + 0.4 * 1000) * 9.81 * 0.05;
+  EXPECT_NEAR(down, 750 - weight, 0.01 * weight);
+}
+
 // A pressure that is given flows from the first step on, and is in the books.
 TEST(InitialState, APressureThatIsGivenDissipates) {
   mpm::Solver solver = solver_of(wet_case_of("[initial.soil]\npressure_pa = 1e3\n"));

@@ -146,7 +146,7 @@ TEST(WaterStart, DrainedSoilTakesTheWeightOfTheWaterThatRisesInIt) {
   WaterColumn c = still_column();
   c.gravity = 9.81;
   double stress[2];
-  for (const bool rises : {false}) {
+  for (const bool rises : {false, true}) {
     Scene s = scene_of(c);
     s.materials[0].drained = true;
     if (rises) s.water->level_history = {{0, -0.01}, {0.05, 0.1}};
