@@ -66,11 +66,10 @@ struct InitialOptions {
   double spin_rad_s = 0;
   std::vector<double> stress_pa;
   std::vector<double> stress_gradient_pa_m;
-  double stress_level_m = 0;
+  std::optional<double> stress_level_m;
   std::string stress_file;
   std::optional<double> pressure_pa;
-  double pressure_gradient_pa_m = 0;
-  double pressure_level_m = 0;
+  std::optional<double> pressure_gradient_pa_m, pressure_level_m;
   std::string pressure_file;
 
   template <class Self, class Visitor>
@@ -79,15 +78,15 @@ struct InitialOptions {
     visit("spin_rad_s", self.spin_rad_s, OptionInfo{.unit = "rad/s", .text = "angular velocity at time 0 about the region's centre of mass, counter-clockwise"});
     visit("stress_pa", self.stress_pa, OptionInfo{.unit = "Pa", .text = "stress xx, yy, zz, xy at stress_level_m, tension positive; effective stress where there is water. With mpm.initial_equilibrium the state from which the equilibrium is sought, else that at time 0"});
     visit("stress_gradient_pa_m", self.stress_gradient_pa_m, OptionInfo{.unit = "Pa/m", .text = "its change a metre upwards, xx, yy, zz, xy (left out: uniform)"});
-    visit("stress_level_m", self.stress_level_m, OptionInfo{.unit = "m", .text = "height y of stress_pa"});
+    visit("stress_level_m", self.stress_level_m, OptionInfo{.unit = "m", .text = "height y of stress_pa (left out: 0)"});
     visit("stress_file", self.stress_file, OptionInfo{.text = "in place of stress_pa: a CSV file with the columns x_m, y_m, stress_xx_pa, stress_yy_pa, stress_zz_pa and stress_xy_pa, in any order of rows; linear between"});
     visit("pressure_pa", self.pressure_pa,
           OptionInfo{.unit = "Pa",
                      .text = "pressure of the water in the pores at pressure_level_m and time 0, with [water]; it "
                              "stays while mpm.initial_equilibrium is sought (left out: that of water.start)"});
     visit("pressure_gradient_pa_m", self.pressure_gradient_pa_m,
-          OptionInfo{.unit = "Pa/m", .text = "its change a metre upwards"});
-    visit("pressure_level_m", self.pressure_level_m, OptionInfo{.unit = "m", .text = "height y of pressure_pa"});
+          OptionInfo{.unit = "Pa/m", .text = "its change a metre upwards (left out: uniform)"});
+    visit("pressure_level_m", self.pressure_level_m, OptionInfo{.unit = "m", .text = "height y of pressure_pa (left out: 0)"});
     visit("pressure_file", self.pressure_file,
           OptionInfo{.text = "in place of pressure_pa: a CSV file with the columns x_m, y_m and pressure_pa, in any "
                              "order of rows; linear between"});

@@ -107,13 +107,12 @@ class SimulationChecker : Refusals {
           refuse(path + key, "found " + std::to_string(list->size()) + " numbers, expected 4: xx yy zz xy");
       if (!o.stress_file.empty() && !o.stress_pa.empty())
         refuse(path + ".stress_file", "given together with stress_pa, expected one of them");
-      if (o.stress_pa.empty() && (!o.stress_gradient_pa_m.empty() || source_.given(path + ".stress_level_m")))
+      if (o.stress_pa.empty() && (!o.stress_gradient_pa_m.empty() || o.stress_level_m))
         refuse(path + (o.stress_gradient_pa_m.empty() ? ".stress_level_m" : ".stress_gradient_pa_m"), "given without stress_pa, expected both or neither");
       if (!o.pressure_file.empty() && o.pressure_pa)
         refuse(path + ".pressure_file", "given together with pressure_pa, expected one of them");
-      for (const char* key : {".pressure_gradient_pa_m", ".pressure_level_m"})
-        if (!o.pressure_pa && source_.given(path + key))
-          refuse(path + key, "given without pressure_pa, expected both or neither");
+      for (const auto& [key, value] : {std::pair{".pressure_gradient_pa_m", &o.pressure_gradient_pa_m}, {".pressure_level_m", &o.pressure_level_m}})
+        if (!o.pressure_pa && *value) refuse(path + key, "given without pressure_pa, expected both or neither");
       if (!c_.water)
         without_water(path + (o.pressure_pa ? ".pressure_pa" : ".pressure_file"),
                       o.pressure_pa || !o.pressure_file.empty());

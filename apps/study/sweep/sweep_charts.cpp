@@ -13,6 +13,7 @@
 #include "apps/plot/numbers.hpp"
 #include "apps/plot/raster.hpp"
 #include "apps/plot/scale.hpp"
+#include "apps/report/words/words.hpp"
 #include "apps/study/sweep/responses.hpp"
 #include "pivnp/core/particles/derived.hpp"
 
@@ -126,7 +127,7 @@ report::Figure tornado(const SweepResponse& response, const std::vector<Swing>& 
   auto canvas = std::make_shared<Canvas>(page_mm, top + height + 14);
   Panel panel = canvas->panel(left, top, page_mm - left - 8, height);
   const auto [lower, upper] = tornado_span(all, page_mm - left - 8);
-  panel.axis(Axis::x, lower, upper, plot::axis_label(response.name, response.unit), 6);
+  panel.axis(Axis::x, lower, upper, plot::axis_label(report::field_words(response.name), response.unit), 6);
   panel.axis(Axis::y, 0, double(all.size()), "");
   panel.ticks(Axis::y, false).numbers(Axis::y, false);
   for (std::size_t k = 0; k < all.size(); ++k)
@@ -160,7 +161,7 @@ report::Figure tornado(const SweepResponse& response, const std::vector<Swing>& 
   figure.canvas = canvas;
   figure.caption = "Tornado chart: " + response.text + ". Each bar is the range over the values of one key, all others being the case's; at its ends the "
                    "value of the key. The line is the case itself.";
-  figure.shows = "How far " + response.name + " goes with each key, the widest first.";
+  figure.shows = "How far " + report::field_words(response.name) + " goes with each key, the widest first.";
   return figure;
 }
 
@@ -195,7 +196,7 @@ report::Figure curves(const SweepResponse& response, std::size_t index, std::siz
   Panel panel = canvas->panel(16, top, page_mm - 20, 54);
   panel.pale_grid();
   const auto [lower, upper] = span_of(all_y);
-  panel.axis(Axis::y, lower, upper, plot::axis_label(response.name, response.unit), 5);
+  panel.axis(Axis::y, lower, upper, plot::axis_label(report::field_words(response.name), response.unit), 5);
   if (logarithmic) {
     panel.axis(Axis::x, least / 1.6, most * 1.6, variations[x].name());
     panel.logarithmic(Axis::x, least / 1.6, most * 1.6, 1).small_ticks(Axis::x);
@@ -216,8 +217,8 @@ report::Figure curves(const SweepResponse& response, std::size_t index, std::siz
   std::replace(key.begin(), key.end(), '.', '_');
   figure.name = response.name + "_over_" + key;
   figure.canvas = canvas;
-  figure.caption = response.name + ": " + response.text + ", over " + variations[x].name() + ".";
-  figure.shows = response.name + " over the values of a key.";
+  figure.caption = report::field_words(response.name) + ": " + response.text + ", over " + variations[x].name() + ".";
+  figure.shows = report::field_words(response.name) + " over the values of a key.";
   return figure;
 }
 

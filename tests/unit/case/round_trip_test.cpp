@@ -141,6 +141,7 @@ void expect_fixed_point(const std::string& text) {
 TEST(RoundTrip, WholeCases) {
   expect_fixed_point("");
   expect_fixed_point(whole_case);
+  expect_fixed_point(whole_case + "[initial.sand]\nvelocity_m_s = [1.0, 0.0]\n");  // no stress and no pressure of its own
   expect_fixed_point(embedded_case_text());
   expect_fixed_point(
       "name = 'a \"b\" \\ é'\n[region.\"the middle.1\"]\npolygon_px = [[0,0],[1,0],[1,1]]\n[mask.b]\nimage = 'x'\n");

@@ -48,7 +48,7 @@ void put_pressure(const Case& c, const std::string& name, const InitialOptions& 
   scene.pressure0.resize(set.size(), std::numeric_limits<double>::quiet_NaN());
   if (o.pressure_pa) {
     for (const std::size_t k : points)
-      scene.pressure0[k] = *o.pressure_pa + o.pressure_gradient_pa_m * (set.x0[k].y() - o.pressure_level_m);
+      scene.pressure0[k] = *o.pressure_pa + o.pressure_gradient_pa_m.value_or(0) * (set.x0[k].y() - o.pressure_level_m.value_or(0));
     return;
   }
   const io::PressureValues values = io::read_pressure(c.folder / o.pressure_file);
@@ -108,7 +108,7 @@ void put_initial_state(const Case& c, mpm::Scene& scene) {
       for (std::size_t component = 0; component < 4; ++component)
         scene.stress0[k][component] =
             o.stress_pa[component] +
-            (o.stress_gradient_pa_m.empty() ? 0.0 : o.stress_gradient_pa_m[component] * (set.x0[k].y() - o.stress_level_m));
+            (o.stress_gradient_pa_m.empty() ? 0.0 : o.stress_gradient_pa_m[component] * (set.x0[k].y() - o.stress_level_m.value_or(0)));
   }
 }
 
