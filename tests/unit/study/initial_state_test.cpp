@@ -166,8 +166,8 @@ TEST(InitialState, PressureIsThatOfTheHeightOrOfAFile) {
   }
 }
 
-// Such pressures stay while the equilibrium is sought, which needs them in all pores, or a level: in water that rises the
-// skeleton bears less than its weight under water.
+// Such pressures stay while the equilibrium is sought, which needs them in all pores, or a level: in water that rises
+// the skeleton bears less than its weight under water.
 TEST(InitialState, AnEquilibriumIsSoughtUnderPressuresThatAreGiven) {
   std::string text = wet_case_of("[initial.soil]\npressure_pa = 1500.0\npressure_gradient_pa_m = -15e3\n");
   text.replace(text.find(without), std::string(without).size(), "gravity_m_s2 = [0.0, -9.81]\n");
