@@ -18,7 +18,7 @@ void wait_briefly(char** argv) {
   if (std::getenv("GOMP_SPINCOUNT") || std::getenv("OMP_WAIT_POLICY")) return;
   if (getauxval(AT_BASE) == 0) return;  // the loader itself was called, with this program as its argument
   std::array<char, 4096> program{};
-  const ssize_t length = readlink("/proc/self/exe", program.data(), program.size() - 1);  // `ps` shows the name
+  const ssize_t length = readlink("/proc/self/exe", program.data(), program.size() - 1);  // `ps` would show "exe"
   if (length <= 0 || setenv("GOMP_SPINCOUNT", "1000", 0) != 0) return;
   execv(program.data(), argv);
 }

@@ -6,6 +6,7 @@
 
 #include "compare/metrics/facts.hpp"
 #include "compare/metrics/findings.hpp"
+#include "pivnp/core/text.hpp"
 
 namespace pivnp::compare {
 
@@ -35,6 +36,12 @@ inline MetricFacts with_own(MetricFacts facts, const OwnFacts& members) {
     facts.leads = at->second.leads;
   }
   return facts;
+}
+
+/// How far random errors of a mean are shared, for notes.
+inline std::string shared_over(const Findings& f) {
+  return number(f.differences.correlation_length()) + " " + f.length_unit +
+         " (or further, by a jackknife over 4 x 4 blocks of the differences)";
 }
 
 /// Standard uncertainties that tell a mean or a root mean square apart.

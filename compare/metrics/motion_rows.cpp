@@ -86,11 +86,10 @@ struct VectorSubject {
   std::string when(const Findings& f) const { return span.when(f) + note; }
   std::string how(const VectorStatistic& s, const Findings& f, const std::string& over = "") const {
     if (f.covariance.empty()) return "; uncertainty not known: neither motion carries a covariance";
-    std::string text = "; uncertainty: " + (mean_u(s, f) ? "of a mean of random errors that are shared over " +
-                                                               number(f.differences.correlation_length()) + " " + f.length_unit +
-                                                               " (or further, by a jackknife over 4 x 4 blocks of the "
-                                                               "differences), and of errors that are the same everywhere"
-                                                         : of(s.how));
+    std::string text =
+        "; uncertainty: " + (mean_u(s, f) ? "of a mean of random errors that are shared over " + shared_over(f) +
+                                                ", and of errors that are the same everywhere"
+                                          : of(s.how));
     if (*s.told_apart != 0) text += s.told_apart + number(s.factor(statistics(f).count()), 3) + " of them";
     return text + over + ", " + f.covariance;
   }
@@ -175,9 +174,8 @@ void add_field(Registry<MetricRow>& rows) {
                 const auto w = f.differences.weighted();
                 if (!w || !std::isfinite(w->uncertainty[axis])) return std::nullopt;
                 return difference(w->mean[axis], w->uncertainty[axis],
-                                  ", " + f.at_end + "; uncertainty: random errors shared over " +
-                                      number(f.differences.correlation_length()) + " " + f.length_unit +
-                                      " (or further, by a jackknife over 4 x 4 blocks of the differences), others everywhere");
+                                  ", " + f.at_end + "; uncertainty: random errors shared over " + shared_over(f) +
+                                      ", others everywhere");
               }});
 }
 

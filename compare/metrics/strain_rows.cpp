@@ -79,10 +79,8 @@ std::string strain_text(const Findings& f, const StrainSubject& strain, const Sc
                 : "the covariance of F is not known everywhere");
   if (f.strain.empty() || strain.axis < 0) return "; uncertainty: " + floor;
   std::string text = "; uncertainty: " + f.strain + ", ";
-  text += strain.mean_u(s, span, f)
-              ? "of a mean of random errors that are shared over " + number(f.differences.correlation_length()) + " " +
-                    f.length_unit + " (or further, by a jackknife over 4 x 4 blocks of the differences)"
-              : std::string(s.how);
+  text += strain.mean_u(s, span, f) ? "of a mean of random errors that are shared over " + shared_over(f)
+                                    : std::string(s.how);
   if (t.*strain.rest > 0)
     text += ", and " + floor;
   else if (std::isfinite(t.*strain.floor))
@@ -153,11 +151,9 @@ void add_strain_field(Registry<MetricRow>& rows) {
               [k](const Findings& f) -> std::optional<MetricValue> {
                 const auto w = f.differences.weighted_strain(k);
                 if (!w || !std::isfinite(w->uncertainty[0])) return std::nullopt;
-                return difference(
-                    w->mean[0], w->uncertainty[0],
-                    ", " + f.at_end + "; uncertainty: random errors shared over " +
-                        number(f.differences.correlation_length()) + " " + f.length_unit +
-                        " (or further, by a jackknife over 4 x 4 blocks of the differences), others everywhere");
+                return difference(w->mean[0], w->uncertainty[0],
+                                  ", " + f.at_end + "; uncertainty: random errors shared over " + shared_over(f) +
+                                      ", others everywhere");
               }});
   }
 }

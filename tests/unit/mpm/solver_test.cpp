@@ -1,4 +1,4 @@
-// The solver: conservation, free fall, bits, guards, restraints, bodies.
+// The solver: conservation, free fall, bits, restraints, bodies.
 #include <gtest/gtest.h>
 
 #include <cmath>

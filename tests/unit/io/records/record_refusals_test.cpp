@@ -11,12 +11,7 @@ namespace {
 using sample::message_of;
 using ::testing::HasSubstr;
 
-class RecordRefusals : public ::testing::Test {
- protected:
-  sample::Size size;
-  test::Scratch directory;
-  std::filesystem::path record = directory.path / "record.h5";
-};
+using RecordRefusals = sample::OfARecord;
 
 TEST_F(RecordRefusals, FilesThatAreNoRecordsAreRefusedInOneLine) {
   const auto open = [&](const std::filesystem::path& p) { return message_of<InputError>([&] { RecordReader r(p); }); };

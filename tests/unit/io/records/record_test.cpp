@@ -1,4 +1,4 @@
-// What goes in comes out: every array bit by bit, and clear refusals of what is not a record.
+// What goes in comes out: every array bit by bit.
 #include <fstream>
 
 #include "gmock/gmock.h"
@@ -14,12 +14,7 @@ using sample::message_of;
 using sample::same_bits;
 using ::testing::HasSubstr;
 
-class RecordTest : public ::testing::Test {
- protected:
-  sample::Size size;
-  test::Scratch directory;
-  std::filesystem::path record = directory.path / "record.h5";
-};
+using RecordTest = sample::OfARecord;
 
 void expect_same(const VectorField& a, const VectorField& b) {
   EXPECT_EQ(a.pair, b.pair);

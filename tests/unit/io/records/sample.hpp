@@ -221,4 +221,12 @@ bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
+/// A folder for a record.
+class OfARecord : public ::testing::Test {
+ protected:
+  Size size;
+  test::Scratch directory;
+  std::filesystem::path record = directory.path / "record.h5";
+};
+
 }  // namespace pivnp::io::sample

@@ -1,5 +1,4 @@
-// Water in the pores: what flows where, what is conserved, what is refused.
-#include <gmock/gmock.h>
+// Water in the pores: what flows where, and what is conserved.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,7 +10,6 @@
 #include "mpm/material/model.hpp"
 #include "mpm/water/pore_soil.hpp"
 #include "pivnp/core/error.hpp"
-#include "tests/support/refusal.hpp"
 #include "tests/support/silent.hpp"
 #include "tests/verification/mpm/water_column.hpp"
 
@@ -19,8 +17,6 @@ namespace pivnp::mpm {
 namespace {
 
 using namespace test;
-using pivnp::test::refusal;
-using ::testing::HasSubstr;
 
 constexpr PressureScheme schemes[] = {PressureScheme::in_steps, PressureScheme::projected};
 
