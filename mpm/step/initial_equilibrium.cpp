@@ -22,6 +22,17 @@ int most_iterations(const Grid& grid) { return std::max(20000, 200 * std::max(gr
 
 constexpr double most_strain = 0.5;  // of a point in one pseudo-step
 
+// Kinetic over elastic energy that only a mass that slides off reaches: what swings about an equilibrium has less
+// kinetic energy than it stores.
+constexpr double most_kinetic = 10;
+// It is looked at once waves have crossed ten times: at first a load has little to store its work in.
+int first_crossings(const Grid& grid) { return most_iterations(grid) / 20; }
+
+// Strength and dilatancy of soil that has not yielded.
+void keep_strength(Particles& p) {
+  if (Array* strain = p.history.find(plastic_strain.name)) std::fill(strain->begin(), strain->end(), 0.0);
+}
+
 // Gershgorin: the sum over a row of sum_p V0 M |grad N_i| |grad N_j| bounds the largest eigenvalue times the mass. (The
 // averages against locking only take stiffness away.)
 std::vector<double> fictitious_masses(const Particles& p, const Materials& materials, const GridState& g) {
@@ -58,7 +69,7 @@ class Relaxation {
     strained_too_far_ = any_beyond(most_strain);
     if (!strained_too_far_) {
       update_stress(s_.materials, p_, threads);
-      if (o_.keeps_strength) keep_strength();
+      if (o_.keeps_strength) keep_strength(p_);
       if (s_.water) s_.water->refresh(p_, o_.gravity, threads);
     }
     choice_.end_step();
@@ -96,10 +107,6 @@ class Relaxation {
   double damped(double change, double v) const {
     const double most = std::abs(change);
     return o_.damping * std::clamp(v, -most, most);
-  }
-
-  void keep_strength() {
-    if (Array* strain = p_.history.find(plastic_strain.name)) std::fill(strain->begin(), strain->end(), 0.0);
   }
 
   bool any_beyond(double strain) const {
@@ -291,6 +298,7 @@ int relax_to_equilibrium(const EquilibriumOptions& options, const StaticSystem& 
   }
   p.resize_increments(p.size());
   update_stress(system.materials, p, options.threads);  // brings the first guess inside the yield surface
+  if (options.keeps_strength) keep_strength(p);
   if (system.water) system.water->refresh(p, options.gravity, options.threads);
 
   Relaxation relaxation(options, system);
@@ -319,6 +327,7 @@ int relax_to_equilibrium(const EquilibriumOptions& options, const StaticSystem& 
     if (options.leads_on && !found && within >= moves_on) return -n;
     if (found && n - found->iterations >= std::max(more_at_least, times_more * found->iterations)) break;
     if (n % 200 == 0) {
+      if (!found && n >= first_crossings(g.grid) && ratio >= options.tolerance && !calm(most_kinetic)) break;
       progress.update("initial equilibrium", n, most);
       if (progress.stop_requested()) throw Interrupted();
     }
