@@ -28,9 +28,10 @@ PoreFlow PoreWater::flow(Particles& p, GridState& g, const Tractions& tractions,
   if (state && has_front(p, gravity, threads))
     throw RunError("mpm: pores are no longer full, expected full pores with water.inertia");
   if (has_front(p, gravity, threads)) return flow_with_front(p, g, tractions, gravity, time, dt, threads);
-  PoreFlow sums = flow_through_tractions(p, tractions, time, dt);
+  PoreFlow sums;
   map_points(p, g, tractions, gravity, time, threads);
   take_means(g, gravity, time, dt, threads);
+  take_flow_through_tractions(p, g, tractions, time, dt);
   const double rate = rate_in_cell(g) * dt;
   PoreFields f = field_;
   if (p.mobility.empty()) f.rate = nullptr;
@@ -244,6 +245,7 @@ void PoreWater::take_means(const GridState& g, const Vec2& gravity, double time,
     const Surface surface = give_potential(g, n, gravity, time);
     if (surface == Surface::free) free_.push_back(n);
     if (surface != Surface::none && !boundaries_.at(n, time)) surface_.push_back(n);
+    if (loaded_with_flow(n) && surface == Surface::free) field_.even[n] = 0;
     if (surface == Surface::given) given_.push_back({n, alike_.own ? field_.rate[n] : alike_.mobility, mean});
     else if (const double flux = flux_into(g, n, time, [this](std::ptrdiff_t element) { return sums_.element[element].inside > 0; }); flux != 0) through_.push_back({n, dt * flux});
   }
@@ -330,23 +332,53 @@ PoreFlow PoreWater::at_given_nodes(double rate) {
   return sum;
 }
 
-// Through the loaded faces of points.
-PoreFlow PoreWater::flow_through_tractions(Particles& p, const Tractions& tractions, double time, double dt) const {
-  PoreFlow sum;
-  if (!boundaries_.any_flux_on_tractions()) return sum;
+// Calls each(point, piece of load, m^2 of water) where flow is given through the loaded faces of points.
+template <class Each>
+void PoreWater::for_flow_through_tractions(const Particles& p, const Tractions& tractions, double time, double dt,
+                                           Each&& each) const {
+  if (!boundaries_.any_flux_on_tractions()) return;
   for (std::size_t k = 0; k < p.size(); ++k) {
     if (p.cell[k] == Particles::ended || !flows(p, k)) continue;
     for (const Traction* load = tractions.of(p.index[k]); load; load = tractions.after(*load)) {
       const PoreCondition& condition = boundaries_.of_boundary(load->boundary);
       if (time >= load->until || condition.kind != PoreCondition::flux) continue;
       const double face = load->face * (about_axis() ? p.x[k] / p.F_zz[k] + load->out.x() : 1);
-      const double through = dt * condition.value * face, stiffness = options_.bulk_modulus_pa / pores_of(p, k, soil_of(p, k));
-      p.content[k] += through / p.volume0[k];
-      sum.inflow += through;
-      sum.external += through * (p.pressure[k] + 0.5 * stiffness * through / p.volume0[k]);
-      if (projected()) p.pressure[k] += stiffness * through / p.volume0[k];
+      each(k, *load, dt * condition.value * face);
     }
   }
+}
+
+// To the nodes along the faces, as beside a wall. (At the points themselves, pressure would rise against the water's
+// own stiffness wherever nodes do not see it.)
+void PoreWater::take_flow_through_tractions(const Particles& p, const GridState& g, const Tractions& tractions,
+                                            double time, double dt) {
+  for_flow_through_tractions(p, tractions, time, dt, [&](std::size_t k, const Traction& load, double volume) {
+    const InElement in = element_of(p, g, k);
+    const double s = std::clamp(in.s + load.out.x() * g.per_hx, 0.0, 1.0),
+                 t = std::clamp(in.t + load.out.y() * g.per_hy, 0.0, 1.0);
+    const std::size_t row = std::size_t(g.grid.nx), at[] = {in.node, in.node + 1, in.node + row, in.node + row + 1};
+    const auto open = [&](std::size_t n) { return field_.volume[n] > 0 && !marks_[n].given; };
+    double weight[] = {(1 - s) * (1 - t), s * (1 - t), (1 - s) * t, s * t}, all = 0;
+    for (int c = 0; c < 4; ++c) all += weight[c] = open(at[c]) ? weight[c] : 0;
+    for (int c = 0; c < 4; ++c)
+      if (weight[c] > 0) through_.push_back({std::uint32_t(at[c]), volume * weight[c] / all});
+  });
+}
+
+// Where pores are not all full: to the points themselves.
+PoreFlow PoreWater::fill_through_tractions(Particles& p, const Tractions& tractions, const Vec2& gravity, double time,
+                                           double dt) const {
+  PoreFlow sum;
+  for_flow_through_tractions(p, tractions, time, dt, [&](std::size_t k, const Traction&, double volume) {
+    const auto potential = [&] {
+      const double filled = p.content[k] / std::max(least_pores, p.J_flow[k] - (1 - soil_of(p, k).porosity));
+      return potential_in_pores(p, k, filled, gravity);
+    };
+    const double before = potential();
+    p.content[k] += volume / p.volume0[k];
+    sum.inflow += volume;
+    sum.external += volume * 0.5 * (before + potential());
+  });
   return sum;
 }
 

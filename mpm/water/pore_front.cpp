@@ -90,7 +90,7 @@ double PoreWater::lack_in_front(const FrontPoint& at) const {
 PoreFlow PoreWater::flow_with_front(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, double dt,
                                     int threads) {
   front_.resize(g.arrays.pores.size());
-  PoreFlow sums = flow_through_tractions(p, tractions, time, dt);
+  PoreFlow sums = fill_through_tractions(p, tractions, gravity, time, dt);
   map_front(p, g, tractions, gravity, time, threads);
   give_front(g, gravity, time, threads);
   smooth_front(g, &PoreFrontNode::strained, &PoreFrontNode::change, threads);

@@ -102,10 +102,10 @@ void PoreWater::yield_beside_surface(const GridState& g, double inertia, double*
 PoreFlow PoreWater::flow_projected(Particles& p, GridState& g, const Tractions& tractions, const Vec2& gravity, double time, double dt,
                                    std::vector<double>& guess, int threads) {
   set_outside(p, gravity);
-  const PoreFlow by_tractions = flow_through_tractions(p, tractions, time, dt);
   PoreFlow sums;
   map_points(p, g, tractions, gravity, time, threads);
   take_means(g, gravity, time, dt, threads);
+  take_flow_through_tractions(p, g, tractions, time, dt);
   const PoreFields& f = field_;
   const std::size_t before = std::size_t(g.grid.nx) + 8;
   const auto field = [&](int k) { return system_[std::size_t(k)].data() + before; };
@@ -124,7 +124,7 @@ PoreFlow PoreWater::flow_projected(Particles& p, GridState& g, const Tractions& 
   const double inertia = dt * dt / inertia_;
   for (const std::uint32_t n : free_) added[n] = at_free_surface * inertia * f.volume[n] * std::max(g.per_hx * g.per_hx, g.per_hy * g.per_hy);
   yield_beside_surface(g, inertia, added);
-  for (const Through& through : through_) f.change[through.node] = through.volume;
+  for (const Through& through : through_) f.change[through.node] += through.volume;
   double of_zero = 0;
   const double left = [&] {
     std::vector<std::array<double, 2>> parts(node_parts(g));
@@ -212,7 +212,6 @@ PoreFlow PoreWater::flow_projected(Particles& p, GridState& g, const Tractions& 
   }
   sums.yielded -= sums.darcy;
   mark_given(false);
-  sums.add(by_tractions);
   follow_porosity(p, threads);
   return sums;
 }

@@ -216,7 +216,18 @@ class PoreWater {
   void conduct_to_surface(const GridState& g, double dt);
   void mark_given(bool given);
   PoreFlow at_given_nodes(double rate);
-  PoreFlow flow_through_tractions(Particles& p, const Tractions& tractions, double time, double dt) const;
+  template <class Each>
+  void for_flow_through_tractions(const Particles& p, const Tractions& tractions, double time, double dt,
+                                  Each&& each) const;
+  void take_flow_through_tractions(const Particles& p, const GridState& g, const Tractions& tractions, double time,
+                                   double dt);
+  PoreFlow fill_through_tractions(Particles& p, const Tractions& tractions, const Vec2& gravity, double time,
+                                  double dt) const;
+  /// Of a node beside loaded points.
+  bool loaded_with_flow(std::size_t n) const {
+    return marked_ && marks_[n].loaded > 0 &&
+           boundaries_.of_boundary(std::size_t(marks_[n].loaded - 1)).kind == PoreCondition::flux;
+  }
   // Axisymmetric: volumes are those of a radian, and surfaces of rings.
   bool about_axis() const { return field_.radius != nullptr; }
   double radius_of(std::size_t n) const { return about_axis() ? field_.radius[n] : 1; }

@@ -1,4 +1,5 @@
 // The solver: conservation, free fall, bits, restraints, bodies.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,6 +13,7 @@ namespace pivnp::mpm {
 namespace {
 
 using namespace test;
+using ::testing::HasSubstr;
 
 const Grid box{{-0.03, 0.02}, {0.01, 0.01}, 61, 51};
 
@@ -253,16 +255,23 @@ TEST(Solver, SandSettlesBehindAGateAndRunsWhenItGoes) {
   EXPECT_GT(front, 0.112);
 }
 
+// A column without walls slides off, which is seen as soon as it moves with more energy than it stores. (Sought on, it
+// strains ever faster, and laws that work by substeps take ever longer: two minutes of processor time here.)
 TEST(Solver, WhatCannotStandDoesNotSettle) {
   Scene s = column(0.2, sand(30));
   s.grid.nx = 31;
   s.boundaries = {{"base", line({0, 0}, {0.3, 0}, "fixed")}};
-  Solver solver(options({0, -9.81}), s, 2);
-  try {
-    solver.find_initial_equilibrium(silent);
-    FAIL() << "expected a RunError";
-  } catch (const RunError& e) {
-    EXPECT_NE(std::string(e.what()).find("unbalanced"), std::string::npos);
+  for (const char* law : {"mohr_coulomb", "mohr_coulomb_smooth"}) {
+    s.materials[0].model = law;
+    s.materials[0].dilatancy_deg = 10;
+    Solver solver(options({0, -9.81}), s, 2);
+    try {
+      solver.find_initial_equilibrium(silent);
+      FAIL() << "expected a RunError";
+    } catch (const RunError& e) {
+      EXPECT_THAT(e.what(), HasSubstr("unbalanced over applied force"));
+      EXPECT_THAT(e.what(), HasSubstr("after 1000 iterations, in which the material moves apart")) << law;
+    }
   }
 }
 
