@@ -9,12 +9,16 @@ namespace pivnp::plot {
 
 Scale scale_for(const std::vector<double>& values, bool signed_values) {
   Scale s;
-  const double least = quantile(values, 0), greatest = quantile(values, 1);
+  double least = quantile(values, 0), greatest = quantile(values, 1);
   if (!std::isfinite(least) || !std::isfinite(greatest)) {
     if (signed_values) s = {Colours::diverging, -1, 1};
     return s;
   }
   double low = quantile(values, 0.005), high = quantile(values, 0.995);
+  const double round_off =
+      1e-6 * std::max(std::abs(least), std::abs(greatest));  // of single precision: no other side of zero
+  for (double* value : {&least, &greatest, &low, &high})
+    if (std::abs(*value) < round_off) *value = 0;
   if (least >= low - 0.05 * (high - low)) low = least;
   if (greatest <= high + 0.05 * (high - low)) high = greatest;
   if (signed_values || (least < 0 && greatest > 0)) {

@@ -56,6 +56,7 @@ struct Particles {
   Array de_xx, de_yy, de_zz, de_xy, spin;
   Array softened_by;
   Array pressure, content, J_flow;
+  Array J_strained;       // where it swells with heat
   Array mobility, solid;  // where they vary (water/pore_water.hpp)
   Array wetted;           // where soil collapses
   Array temperature, heated_by, swelling;  // heat/heat.hpp

@@ -98,8 +98,10 @@ double Solver::Impl::courant() const {
 
 double Solver::Impl::longest_step() const {
   const double fastest = std::max(state.fastest, bodies.fastest());
-  const double of_waves = water ? stable_step_with_water(courant(), g.grid.spacing.x(), g.grid.spacing.y(), state.wave_speed, fastest, state.diffusivity)
-                                : mpm::stable_step(courant(), g.grid.spacing.minCoeff(), state.wave_speed, fastest);
+  const double of_waves =
+      water ? stable_step_with_water(courant(), g.grid.spacing.x(), g.grid.spacing.y(), state.wave_speed, fastest,
+                                     flows_in_parts ? 0 : state.diffusivity)
+            : mpm::stable_step(courant(), g.grid.spacing.minCoeff(), state.wave_speed, fastest);
   return heat ? std::min(of_waves, courant() * heat->longest_step(g)) : of_waves;
 }
 

@@ -121,6 +121,7 @@ struct Solver::Impl {
   void carry_water(const Cycle& c);
   void follow_level(const Cycle& c);
   void flow_water(const Cycle& c);
+  int parts_of_flow(double dt) const;
   void press_faces(const Cycle& c, bool counted);
   void end_water(std::size_t k);
   void put_water(MotionFrame& frame);
@@ -191,6 +192,8 @@ struct Solver::Impl {
   std::unique_ptr<Heat> heat;        // likewise
   bool heat_due = false;             // in this step, as a state is written after it
   std::string pressure_choice;       // why pressure is explicit or projected; empty where mpm.pressure was given
+  bool flows_in_parts = false;       // of a step, which then is that of the waves alone
+  std::vector<double> strained_to;   // by points: J of a step that flows in parts
   double potential_energy = 0;       // with water that works in steps: of the points at the step's start
   GatherSums gather;
   LastPush last;                        // of the last step

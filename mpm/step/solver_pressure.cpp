@@ -63,7 +63,8 @@ void Solver::Impl::choose_pressure() {
   const PoreWater::Rates rates = water->rates(p);
   const double hx = g.grid.spacing.x(), hy = g.grid.spacing.y(), h = std::min(hx, hy),
                dry = wave_speed(materials, density, p, 1);
-  const double in_steps = stable_step_with_water(1, hx, hy, wave_speed(materials, density, p, 1, rates.stiffness), 0, rates.diffusivity);
+  const double undrained = wave_speed(materials, density, p, 1, rates.stiffness);
+  const double in_steps = stable_step_with_water(1, hx, hy, undrained, 0, rates.diffusivity);
   const double projected = mpm::stable_step(1, h, dry / projected_step_share(), 0);
   const double stiffest =
       rates.stiffness.empty() ? 0 : *std::max_element(rates.stiffness.begin(), rates.stiffness.end());
@@ -74,6 +75,9 @@ void Solver::Impl::choose_pressure() {
   const Vec2 extent = g.domain.spacing.cwiseProduct(Vec2(g.domain.nx - 1, g.domain.ny - 1));
   const std::string reason = against_projection(extent.maxCoeff() / dry);
   options.pressure = reason.empty() && gain >= worth_it ? PressureScheme::projected : PressureScheme::in_steps;
+  // Beside heat, where bands make a step dear, and pressure is not projected.
+  const double of_flow = stable_step_with_water(1, hx, hy, undrained, 0, 0) / in_steps;
+  flows_in_parts = scene.heat && options.pressure == PressureScheme::in_steps && of_flow >= worth_it;
   std::ostringstream text;
   text.precision(2);
   text << "Pore pressure is " << name_of(*options.pressure) << ": ";
@@ -82,6 +86,9 @@ void Solver::Impl::choose_pressure() {
   else
     text << "projected steps are " << longer << " times as long and should cost " << costlier << " times as much, "
          << (gain >= worth_it ? "and loads are slow" : "which saves too little for what explicit ones are more accurate");
+  if (flows_in_parts)
+    text << "; steps that the flow would make " << of_flow
+         << " times as short are those of the waves, in which it takes parts";
   text << " (mpm.pressure).";
   pressure_choice = text.str();
 }

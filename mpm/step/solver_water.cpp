@@ -161,6 +161,12 @@ void Solver::Impl::follow_level(const Cycle& c) {
   state.balance.bodies += came.external;
 }
 
+int Solver::Impl::parts_of_flow(double dt) const {
+  if (!flows_in_parts || !(state.diffusivity > 0)) return 1;
+  return std::max(
+      1, int(std::ceil(dt / (courant() * stable_flow(g.grid.spacing.x(), g.grid.spacing.y(), state.diffusivity)))));
+}
+
 void Solver::Impl::flow_water(const Cycle& c) {
   if (!water) return;
   const auto projected = [&] {
@@ -170,9 +176,24 @@ void Solver::Impl::flow_water(const Cycle& c) {
       fail(fault.what());
     }
   };
-  const PoreFlow flow = water->projected() ? projected()
-                                           : water->flow(p, g, loading.tractions(), c.gravity, state.time, c.dt,
-                                                         c.threads, has_inertia() ? &state.water_inertia : nullptr);
+  const auto explicitly = [&] {
+    if (!flows_in_parts)
+      return water->flow(p, g, loading.tractions(), c.gravity, state.time, c.dt, c.threads,
+                         has_inertia() ? &state.water_inertia : nullptr);
+    // Strain comes with the parts: given before the first it would flow away too fast.
+    PoreFlow sum;
+    const int parts = parts_of_flow(c.dt);
+    const double dt = c.dt / parts;
+    strained_to.assign(p.J.begin(), p.J.end());
+    for (int part = 0; part < parts; ++part) {
+      const double left = double(parts - 1 - part) / parts;
+      for (std::size_t k = 0; k < p.size(); ++k) p.J[k] = strained_to[k] - left * (strained_to[k] - p.J_strained[k]);
+      sum.add(water->flow(p, g, loading.tractions(), c.gravity, state.time + part * dt, dt, c.threads));
+    }
+    p.J_strained = p.J;
+    return sum;
+  };
+  const PoreFlow flow = water->projected() ? projected() : explicitly();
   state.balance.inflow += scene.water->density_kg_m3 * flow.inflow;
   state.balance.bodies += flow.external;
   state.balance.darcy += flow.darcy;

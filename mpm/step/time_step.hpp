@@ -29,6 +29,11 @@ inline double stable_step(double courant, double h, double wave_speed, double fa
 inline constexpr double foreseen_share = 0.4;
 inline double projected_step_share() { return std::sqrt(1 - 1 / (4 * foreseen_share)); }
 
+/// Of the flow alone, D the diffusivity of pressure: 1/(2 D (1/hx^2 + 1/hy^2)).
+inline double stable_flow(double hx, double hy, double diffusivity) {
+  return 1 / (2 * diffusivity * (1 / (hx * hx) + 1 / (hy * hy)));
+}
+
 /// With water: courant times what (dt/t_w)^2 + dt/t_d = 1 gives, t_w = h/(c + |v|) with c of the undrained mixture and t_d =
 /// 1/(2 D (1/hx^2 + 1/hy^2)), D the diffusivity of pressure. docs/theory/mpm_water.md#step.
 inline double stable_step_with_water(double courant, double hx, double hy, double wave_speed, double fastest, double diffusivity) {

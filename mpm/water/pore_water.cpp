@@ -204,6 +204,7 @@ void PoreWater::refresh_point(Particles& p, std::size_t k, const PoreSoil& soil,
   const bool air = sees_air(gravity), holds = (air || p.content[k] > 0) && soil.holds_water();
   p.pressure[k] = holds ? pressure_of(p, k, air || tears()) : soil.has_pores() ? outside : 0;
   p.J_flow[k] = p.J[k];
+  if (!p.J_strained.empty()) p.J_strained[k] = p.J[k];
 }
 
 void PoreWater::refresh(Particles& p, const Vec2& gravity, int threads) const {

@@ -236,7 +236,7 @@ report::Figure histories(const std::string& name, const std::string& what, const
   const bool wet = std::any_of(pressures.begin(), pressures.end(), [](double p) { return std::isfinite(p); });
   auto canvas = std::make_shared<Canvas>(page_mm, top + 66);
   legends(canvas.get(), 3, names);
-  const double wide = wet ? 40 : 66;
+  const double wide = wet ? 38 : 64;  // and half a number beside the last panel
   const auto draw = [&](double left, const std::vector<double> SweepRun::*of, double factor, const std::vector<double>& all, const std::string& label) {
     Panel panel = canvas->panel(left, top, wide, 52);
     panel.pale_grid();
@@ -252,8 +252,8 @@ report::Figure histories(const std::string& name, const std::string& what, const
     }
   };
   draw(14, &SweepRun::distance, 1, distances, "displacement (m)");
-  draw(wet ? 72 : 98, &SweepRun::speed, 1, speeds, "speed (m/s)");
-  if (wet) draw(130, &SweepRun::pressure, 1e-3, pressures, "pore pressure (kPa)");
+  draw(wet ? 71 : 97, &SweepRun::speed, 1, speeds, "speed (m/s)");
+  if (wet) draw(128, &SweepRun::pressure, 1e-3, pressures, "pore pressure (kPa)");
   report::Figure figure;
   figure.name = name;
   figure.canvas = canvas;
@@ -263,7 +263,6 @@ report::Figure histories(const std::string& name, const std::string& what, const
 }
 
 report::Figure mosaic(const std::string& field, const std::vector<const SweepRun*>& shown) {
-  constexpr int columns = 2, pixels = 900;
   std::vector<LastField> fields;
   std::vector<double> all;
   plot::Box box{{1e300, 1e300}, {-1e300, -1e300}};
@@ -277,11 +276,14 @@ report::Figure mosaic(const std::string& field, const std::vector<const SweepRun
       box.upper = box.upper.cwiseMax(f.x[k]);
     }
   }
+  const std::size_t columns =
+      shown.size() > 1 || box.height() > 0.6 * box.width() ? 2 : 1;  // a flat one alone has the page's width
   const DerivedField meaning = derived_field(field);
   const std::string unit = meaning.unit == "L" ? "m" : meaning.unit == "L/T" ? "m/s" : meaning.unit;
   const plot::DisplayUnit display = plot::display_unit(unit, all.empty() ? 1.0 : plot::quantile(all, 0.995));
   const plot::Scale scale = plot::scale_for(all, false);
-  const double width = (page_mm - 6) / columns, height = box.width() > 0 ? width * box.height() / box.width() : width;
+  const double width = (page_mm - 6 * double(columns - 1)) / double(columns),
+               height = box.width() > 0 ? width * box.height() / box.width() : width;
   const std::size_t rows = (shown.size() + columns - 1) / columns;
   auto canvas = std::make_shared<Canvas>(page_mm, double(rows) * (height + 6) + 15);
   for (std::size_t k = 0; k < shown.size(); ++k) {
@@ -293,7 +295,7 @@ report::Figure mosaic(const std::string& field, const std::vector<const SweepRun
     Panel panel = canvas->panel(x, y + 5, width, height);
     panel.axis(Axis::x, box.lower.x(), box.upper.x(), "").axis(Axis::y, box.lower.y(), box.upper.y(), "");
     panel.visible(Axis::x, false).visible(Axis::y, false);
-    canvas->raster(panel, plot::draw_tiles(tiles, box, pixels));
+    canvas->raster(panel, plot::draw_tiles(tiles, box, 1800 / int(columns)));
     canvas->text(x, y + 3.5, shown[k]->label, plot::Align::left, {.points = plot::small_text});
   }
   plot::colour_bar(*canvas, page_mm / 2 - 40, double(rows) * (height + 6) + 3, 80, scale, display.factor,

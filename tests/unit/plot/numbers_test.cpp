@@ -1,12 +1,14 @@
 // Numbers and units as printed.
-#include "apps/plot/canvas.hpp"
 #include "apps/plot/numbers.hpp"
+#include "apps/plot/canvas.hpp"
+#include "apps/plot/scale.hpp"
 
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 namespace pivnp::plot {
 namespace {
@@ -24,6 +26,18 @@ TEST(Numbers, UncertaintyHasTwoDigitsAndSetsTheValues) {
   EXPECT_EQ(value_with_uncertainty(2.5, 0), "2.50");
   EXPECT_EQ(value_with_uncertainty(nan, 1), "n/a");
   EXPECT_EQ(value_with_uncertainty(std::numeric_limits<double>::infinity(), nan), "n/a");
+}
+
+// Pressures that are nowhere below zero but for the record's digits are drawn from zero on.
+TEST(Scale, RoundOffIsNotTheOtherSideOfZero) {
+  std::vector<double> pressures(1000);
+  for (std::size_t k = 0; k < pressures.size(); ++k) pressures[k] = k < 20 ? -5e-7 : double(k);
+  const Scale above = scale_for(pressures, false);
+  EXPECT_NE(above.map, Colours::diverging);
+  EXPECT_EQ(above.lower, 0);
+  EXPECT_FALSE(above.below);
+  pressures[0] = -1;
+  EXPECT_EQ(scale_for(pressures, false).map, Colours::diverging);
 }
 
 TEST(Numbers, Numbers) {
