@@ -344,13 +344,13 @@ struct Bearing {
 
 // A rough circular footing of radius 1 on clay; its nodes sink at a speed.
 Bearing footing(int cells, ShapeKind shape, bool wet) {
-  const double h = 1.0 / cells, strength = 1200, poisson = wet ? 0.3 : 0.499, young = 6e5, wide = 3.5, deep = 2;
+  const double h = 1.0 / cells, strength = 1200, poisson = wet ? 0.3 : 0.499, shear = 2.3e5, young = 2 * shear * (1 + poisson), wide = 3.5, deep = 2;
   MaterialOptions m = wet ? saturated(young, poisson, 0.4, 0, 2667) : elastic(young, poisson, 2000);
   m.model = "tresca";
   m.shear_strength_pa = strength;
   const int nx = int(std::lround(wide / h)), ny = int(std::lround(deep / h));
   Scene s = scene(Grid{{0, 0}, {h, h}, nx + 1, ny + cells / 2 + 1}, {rectangle("clay", 0, 0, wide, deep)}, {m});
-  const double shear = young / 2 / (1 + poisson), top = deep + cells / 2 * h;
+  const double top = deep + cells / 2 * h;
   if (wet) {
     s.water.emplace();
     s.water->bulk_modulus_pa = 0.4 * 2 * shear * 1.4993 / (3 * (1 - 2 * 0.4993));  // the mixture's nu is 0.4993
