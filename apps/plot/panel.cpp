@@ -51,6 +51,10 @@ Panel& Panel::logarithmic(Axis axis, double lower, double upper, int digits) {
   a->setTicker(QSharedPointer<QCPAxisTickerLog>::create());
   a->setRange(lower, upper);
   a->setNumberPrecision(digits);
+  if (lower < 1e-5) {  // powers of ten all along, not 10^-6 beside 0.0001
+    a->setNumberFormat("eb");
+    a->setNumberPrecision(0);
+  }
   return *this;
 }
 
