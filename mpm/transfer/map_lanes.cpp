@@ -46,8 +46,8 @@ template <class Tile>
 HWY_INLINE V normal_stress(const PointView& p, const Tile& t, const double* tau, V excess) {
   return p.pressure ? t.load(tau) - excess : t.load(tau);
 }
-// Weight of the water that a point displaces. (Pores that open change places with it where they are drained: what they hold more
-// is not in the point's mass.)
+// Weight of the water that a point displaces. (Pores that open change places with it where they are drained: what they
+// hold more is not in the point's mass.)
 template <class Tile>
 HWY_INLINE V lift_of(const PointView& p, const Tile& t) {
   const V J = p.displacing ? hn::IfThenElse(hn::Eq(t.load(p.displacing), zero()), set(1), t.load(p.J)) : t.load(p.J);

@@ -228,7 +228,8 @@ void PoreWater::set_outside(Particles& p, const Vec2& gravity) const {
 std::vector<double> PoreWater::displaced_mass(const Particles& p) const {
   std::vector<double> mass(p.size(), 0.0);
   for (std::size_t k = 0; k < p.size(); ++k)
-    if (level_ && p.y[k] < *level_) mass[k] = options_.density_kg_m3 * p.volume0[k] * (soil_of(p, k).drained ? 1 : p.J[k]);
+    if (level_ && p.y[k] < *level_)
+      mass[k] = options_.density_kg_m3 * p.volume0[k] * (soil_of(p, k).drained ? 1 : p.J[k]);
   return mass;
 }
 

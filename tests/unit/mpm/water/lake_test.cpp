@@ -191,8 +191,8 @@ TEST(Lake, RisesByDensityAsALevelDoes) {
   EXPECT_LT((of_lake - of_level).norm(), 0.05 * of_level.norm());
 }
 
-// A lump of drained sand flies apart under a level. The water that its pores take in as they open weighs what it displaces: the lump
-// falls as it would in one piece, and its books close.
+// A lump of drained sand flies apart under a level. The water that its pores take in as they open weighs what it
+// displaces: the lump falls as it would in one piece, and its books close.
 TEST(Lake, WhatOpensInDrainedPoresLiftsNothing) {
   const double spreads = 3, until = 0.1, n = 0.4, grains = 2700;
   MaterialOptions sand = elastic(1e6, 0.3, 0);
