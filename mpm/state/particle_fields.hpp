@@ -66,6 +66,12 @@ inline void for_each_particle_field(Visit&& visit) {
       Column{&P::J_strained});
   visit(ParticleField{"soil", "m^2/(Pa s), 1", "mobility of the water, and the share of the grains in the initial volume", &N::soils},
         Column{&P::mobility}, Column{&P::solid});
+  visit(
+      ParticleField{
+          "displacing", "1",
+          "of the volume that opens, the share that displaces water outside; pores that change places with it have 0",
+          &N::soils},
+      Column{&P::displacing, &K::displacing});
   visit(ParticleField{"wetted", "1", "greatest share of the pores that was full so far", &N::collapses}, Column{&P::wetted});
   visit(ParticleField{"content", "1", "volume of the water without pressure, in a unit of initial volume", &N::wet}, Column{&P::content});
   visit(ParticleField{.name = "temperature", .unit = "degC", .definition = "temperature, degrees Celsius", .need = &N::heated,

@@ -58,6 +58,7 @@ struct Particles {
   Array pressure, content, J_flow;
   Array J_strained;       // where it swells with heat
   Array mobility, solid;  // where they vary (water/pore_water.hpp)
+  Array displacing;       // where some pores are drained (water/pore_water.hpp)
   Array wetted;           // where soil collapses
   Array temperature, heated_by, swelling;  // heat/heat.hpp
   Array shift, sheared, band_width, band_work;

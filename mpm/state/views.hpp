@@ -19,6 +19,7 @@ struct PointView {
   double* opening;  // null where no law opens
   double *F_zz, *hoop;  // null but in axisymmetric runs: radius over that at the start; log hoop strain of the step
   double* pressure;  // of the pores; null without water
+  double* displacing;  // what opens displaces water outside: 1, or 0 in drained pores; null where all does
   double density;  // where `mass` is null
   double outside, level;  // weight of the water outside, N/m^3 (0: none), and the height of its surface
 };

@@ -46,10 +46,12 @@ template <class Tile>
 HWY_INLINE V normal_stress(const PointView& p, const Tile& t, const double* tau, V excess) {
   return p.pressure ? t.load(tau) - excess : t.load(tau);
 }
-// Weight of the water that a point displaces.
+// Weight of the water that a point displaces. (Pores that open change places with it where they are drained: what they
+// hold more is not in the point's mass.)
 template <class Tile>
 HWY_INLINE V lift_of(const PointView& p, const Tile& t) {
-  const V weight = set(p.outside) * t.live(t.load(p.volume0)) * t.load(p.J);
+  const V J = p.displacing ? hn::IfThenElse(hn::Eq(t.load(p.displacing), zero()), set(1), t.load(p.J)) : t.load(p.J);
+  const V weight = set(p.outside) * t.live(t.load(p.volume0)) * J;
   return hn::IfThenElseZero(hn::Lt(t.load(p.y), set(p.level)), weight);
 }
 

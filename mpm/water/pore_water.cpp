@@ -141,6 +141,10 @@ void PoreWater::take_soils(Particles& p) {
   alike_ = {mobility_in_kernels(soil_of(p, 0)), 1 - soil_of(p, 0).porosity, varied};
   p.mobility.assign(varied ? p.size() : 0, 0.0);
   p.solid.assign(varied ? p.size() : 0, 0.0);
+  const bool drains = std::any_of(soils_.begin(), soils_.end(), [](const PoreSoil& s) { return s.drained; });
+  p.displacing.assign(drains ? p.size() : 0, 1.0);
+  for (std::size_t k = 0; k < p.displacing.size(); ++k)
+    if (soil_of(p, k).drained) p.displacing[k] = 0;
   for (std::size_t k = 0; k < p.mobility.size(); ++k) {
     const PoreSoil& soil = soil_of(p, k);
     p.mobility[k] = mobility_in_kernels(soil);
@@ -225,7 +229,8 @@ void PoreWater::set_outside(Particles& p, const Vec2& gravity) const {
 std::vector<double> PoreWater::displaced_mass(const Particles& p) const {
   std::vector<double> mass(p.size(), 0.0);
   for (std::size_t k = 0; k < p.size(); ++k)
-    if (level_ && p.y[k] < *level_) mass[k] = options_.density_kg_m3 * p.volume0[k] * p.J[k];
+    if (level_ && p.y[k] < *level_)
+      mass[k] = options_.density_kg_m3 * p.volume0[k] * (soil_of(p, k).drained ? 1 : p.J[k]);
   return mass;
 }
 

@@ -191,6 +191,34 @@ TEST(Lake, RisesByDensityAsALevelDoes) {
   EXPECT_LT((of_lake - of_level).norm(), 0.05 * of_level.norm());
 }
 
+// A lump of drained sand flies apart under a level. The water that its pores take in as they open weighs what it
+// displaces: the lump falls as it would in one piece, and its books close.
+TEST(Lake, WhatOpensInDrainedPoresLiftsNothing) {
+  const double spreads = 3, until = 0.1, n = 0.4, grains = 2700;
+  MaterialOptions sand = elastic(1e6, 0.3, 0);
+  sand.model = "mohr_coulomb";
+  sand.friction_deg = 30;
+  sand.porosity = n;
+  sand.grain_density_kg_m3 = grains;
+  sand.drained = true;
+  Scene s = scene(Grid{{0, 0}, {0.1, 0.1}, 21, 21}, {rectangle("sand", 0.6, 0.8, 1.4, 1.6)}, {sand});
+  s.water.emplace();
+  s.water->level_m = 2.5;
+  for (const Vec2& x : s.particles.x0) s.v0.push_back(spreads * (x - Vec2(1, 1.2)));
+  s.grad_v0.assign(s.particles.size(), {spreads, 0, 0, spreads});
+  s.stress0.assign(s.particles.size(), {});
+  MpmOptions o = options({0, -gravity});
+  o.initial_equilibrium = false;
+  Solver solver(o, s, 1);
+  const double supplied = solver.energy().kinetic;
+  solver.advance_to(until, silent);
+  double v = 0;
+  for (const auto& of : solver.frame().v) v += double(of[1]) / double(s.particles.size());
+  const double falls = -gravity * until * (1 - density / ((1 - n) * grains + n * density));
+  EXPECT_NEAR(v, falls, 0.01 * std::abs(falls));  // (lifted by what has opened, a third less)
+  EXPECT_LT(std::abs(solver.energy().residual), 0.01 * supplied);
+}
+
 // Front beyond the gate, in heights of the water, at times t sqrt(g/H).
 std::vector<double> fronts(const Scene& s, double width, double height, double h, const std::vector<double>& times) {
   Solver solver(filled(), s, 1);
