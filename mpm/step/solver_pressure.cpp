@@ -75,9 +75,8 @@ void Solver::Impl::choose_pressure() {
   const Vec2 extent = g.domain.spacing.cwiseProduct(Vec2(g.domain.nx - 1, g.domain.ny - 1));
   const std::string reason = against_projection(extent.maxCoeff() / dry);
   options.pressure = reason.empty() && gain >= worth_it ? PressureScheme::projected : PressureScheme::in_steps;
-  // Beside heat, where bands make a step dear, and pressure is not projected.
-  const double of_flow = stable_step_with_water(1, hx, hy, undrained, 0, 0) / in_steps;
-  flows_in_parts = scene.heat && options.pressure == PressureScheme::in_steps && of_flow >= worth_it;
+  const double of_waves = stable_step_with_water(1, hx, hy, undrained, 0, 0);
+  flows_in_parts = options.pressure == PressureScheme::in_steps && flow_takes_parts(scene.heat.has_value(), of_waves, in_steps);
   std::ostringstream text;
   text.precision(2);
   text << "Pore pressure is " << name_of(*options.pressure) << ": ";
@@ -87,7 +86,7 @@ void Solver::Impl::choose_pressure() {
     text << "projected steps are " << longer << " times as long and should cost " << costlier << " times as much, "
          << (gain >= worth_it ? "and loads are slow" : "which saves too little for what explicit ones are more accurate");
   if (flows_in_parts)
-    text << "; steps that the flow would make " << of_flow
+    text << "; steps that the flow would make " << of_waves / in_steps
          << " times as short are those of the waves, in which it takes parts";
   text << " (mpm.pressure).";
   pressure_choice = text.str();

@@ -99,7 +99,11 @@ void size_simulation(const Case& c, const Setting& setting, std::size_t frames, 
   const Laws materials(c, std::sqrt(grid.spacing.prod()));
   const bool longer = mpm::steps_by_arrangement(mpm::scheme_of(o), !c.bodies.empty() || !c.contacts.empty(), materials.wet);
   const double courant = o.courant.value_or(longer ? mpm::most_courant : mpm::least_courant);
-  const double in_steps = end / mpm::stable_step_with_water(courant, grid.spacing.x(), grid.spacing.y(), materials.fastest, 0, materials.diffusivity);
+  const auto step_of = [&](double diffusivity) {
+    return mpm::stable_step_with_water(courant, grid.spacing.x(), grid.spacing.y(), materials.fastest, 0, diffusivity);
+  };
+  const bool in_parts = !o.pressure && mpm::flow_takes_parts(c.heat.has_value(), step_of(0), step_of(materials.diffusivity));
+  const double in_steps = end / step_of(in_parts ? 0 : materials.diffusivity);
   const double projected = end / mpm::stable_step(courant, grid.spacing.minCoeff(), materials.drained / mpm::projected_step_share(), 0);
   // Where the case leaves it open how pressure is stepped, the run decides as it starts.
   const bool open = materials.wet && !o.pressure, project = materials.wet && o.pressure == mpm::PressureScheme::projected;
