@@ -41,8 +41,8 @@ inline double stable_step_with_water(double courant, double hx, double hy, doubl
   return courant * 2 / (per_flow + std::sqrt(per_flow * per_flow + 4 * per_wave * per_wave));
 }
 
-/// Where pressure is explicit: does the flow take parts of a step of the waves? Beside heat, where bands make a step dear and
-/// pressure is not projected, if they are twice as long as steps of waves and flow.
+/// Where pressure is explicit: does the flow take parts of a step of the waves? Beside heat, where bands make a step
+/// dear and pressure is not projected, if they are twice as long as steps of waves and flow.
 inline bool flow_takes_parts(bool heated, double of_waves, double of_both) { return heated && of_waves >= 2 * of_both; }
 
 /// The step in use: what is left is cut into equal steps no longer than `longest`, so that none is tiny.

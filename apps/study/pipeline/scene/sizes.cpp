@@ -102,7 +102,8 @@ void size_simulation(const Case& c, const Setting& setting, std::size_t frames, 
   const auto step_of = [&](double diffusivity) {
     return mpm::stable_step_with_water(courant, grid.spacing.x(), grid.spacing.y(), materials.fastest, 0, diffusivity);
   };
-  const bool in_parts = !o.pressure && mpm::flow_takes_parts(c.heat.has_value(), step_of(0), step_of(materials.diffusivity));
+  const bool in_parts =
+      !o.pressure && mpm::flow_takes_parts(c.heat.has_value(), step_of(0), step_of(materials.diffusivity));
   const double in_steps = end / step_of(in_parts ? 0 : materials.diffusivity);
   const double projected = end / mpm::stable_step(courant, grid.spacing.minCoeff(), materials.drained / mpm::projected_step_share(), 0);
   // Where the case leaves it open how pressure is stepped, the run decides as it starts.
