@@ -13,7 +13,7 @@
 // too, and what no node sees of their volumetric strain gives no pressure: points exchange water for it. Without that, nearly
 // incompressible mixtures checkerboard.
 //
-// Momentum sees the normal stress tau' - J (p - p_l), p_l the pressure of the water outside, at rest below a level, and the lift rho_w g of the volume below it: with the divergence theorem that is the load of the water
+// Momentum sees the normal stress tau' - J (p - p_l), p_l the pressure of the water outside, at rest below a level, and the lift rho_w g of the volume below it (of drained pores the initial one): with the divergence theorem that is the load of the water
 // on the submerged surface, and soil and water at rest stay so exactly.
 #pragma once
 
