@@ -10,6 +10,11 @@
 
 namespace pivnp::mpm {
 
+/// Do bands of the material exchange with their surroundings by Alvarado 2018, (4.25) to (4.34)?
+inline bool exchanges_as_printed(const MaterialOptions& m) {
+  return m.band_thickness_m && m.band_exchange == BandExchange::printed;
+}
+
 /// Capacities and expansions are those at the start: porosity changes by thousandths where heat matters.
 struct HeatSoil {
   double capacity = 0;      // of a unit of initial volume, J/(m^3 K)

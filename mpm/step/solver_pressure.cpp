@@ -76,8 +76,10 @@ void Solver::Impl::choose_pressure() {
   const std::string reason = against_projection(extent.maxCoeff() / dry);
   options.pressure = reason.empty() && gain >= worth_it ? PressureScheme::projected : PressureScheme::in_steps;
   const double of_waves = stable_step_with_water(1, hx, hy, undrained, 0, 0);
-  flows_in_parts =
-      options.pressure == PressureScheme::in_steps && flow_takes_parts(scene.heat.has_value(), of_waves, in_steps);
+  flows_in_parts = options.pressure == PressureScheme::in_steps &&
+                   flow_takes_parts(scene.heat.has_value(),
+                                    std::any_of(scene.materials.begin(), scene.materials.end(), exchanges_as_printed),
+                                    of_waves, in_steps);
   std::ostringstream text;
   text.precision(2);
   text << "Pore pressure is " << name_of(*options.pressure) << ": ";

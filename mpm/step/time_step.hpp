@@ -42,8 +42,11 @@ inline double stable_step_with_water(double courant, double hx, double hy, doubl
 }
 
 /// Where pressure is explicit: does the flow take parts of a step of the waves? Beside heat, where bands make a step
-/// dear and pressure is not projected, if they are twice as long as steps of waves and flow.
-inline bool flow_takes_parts(bool heated, double of_waves, double of_both) { return heated && of_waves >= 2 * of_both; }
+/// dear and pressure is not projected, if they are twice as long as steps of waves and flow. (Not where bands exchange
+/// as printed, once in a step.)
+inline bool flow_takes_parts(bool heated, bool printed, double of_waves, double of_both) {
+  return heated && !printed && of_waves >= 2 * of_both;
+}
 
 /// The step in use: what is left is cut into equal steps no longer than `longest`, so that none is tiny.
 inline double trimmed_step(double time, double target, double longest) {

@@ -8,6 +8,7 @@
 
 #include "apps/case/values.hpp"
 #include "apps/study/pipeline/scene/simulation_scene.hpp"
+#include "mpm/heat/heat_soil.hpp"
 #include "mpm/material/model.hpp"
 #include "mpm/scene/memory.hpp"
 #include "mpm/scene/scene_setup.hpp"
@@ -47,7 +48,7 @@ double filled(const Setting& setting, const Grid& grid, int per_element) {
 struct Laws {
   mpm::Materials laws;
   double fastest = 0, drained = 0, diffusivity = 0;  // drained: the skeleton's wave alone
-  bool wet = false;
+  bool wet = false, printed = false;                 // printed: a band's exchange
 
   Laws(const Case& c, double cell_m) {
     for (const auto& [name, given] : c.materials) {
@@ -60,6 +61,7 @@ struct Laws {
       drained = std::max(drained, std::sqrt(skeleton / material.density_kg_m3));
       diffusivity = std::max(diffusivity, soil.mobility * water);
       wet |= soil.has_pores();
+      printed |= mpm::exchanges_as_printed(given);
     }
   }
 };
@@ -102,8 +104,8 @@ void size_simulation(const Case& c, const Setting& setting, std::size_t frames, 
   const auto step_of = [&](double diffusivity) {
     return mpm::stable_step_with_water(courant, grid.spacing.x(), grid.spacing.y(), materials.fastest, 0, diffusivity);
   };
-  const bool in_parts =
-      !o.pressure && mpm::flow_takes_parts(c.heat.has_value(), step_of(0), step_of(materials.diffusivity));
+  const bool in_parts = !o.pressure && mpm::flow_takes_parts(c.heat.has_value(), materials.printed, step_of(0),
+                                                             step_of(materials.diffusivity));
   const double in_steps = end / step_of(in_parts ? 0 : materials.diffusivity);
   const double projected = end / mpm::stable_step(courant, grid.spacing.minCoeff(), materials.drained / mpm::projected_step_share(), 0);
   // Where the case leaves it open how pressure is stepped, the run decides as it starts.

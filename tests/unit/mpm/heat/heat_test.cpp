@@ -311,6 +311,10 @@ TEST(Heat, InPerviousSoilTheFlowTakesPartsOfAStep) {
   o.pressure.reset();
   Solver in_parts(o, s, 1);
   EXPECT_THAT(in_parts.pressure_choice(), HasSubstr("in which it takes parts"));
+  Scene printed = s;  // whose bands exchange once in a step
+  printed.materials[0].band_thickness_m = 0.01;
+  printed.materials[0].band_exchange = BandExchange::printed;
+  EXPECT_THAT(Solver(o, printed, 1).pressure_choice(), ::testing::Not(HasSubstr("parts")));
   const EnergyRow start = in_parts.energy();
   for (const double T : {0.1, 0.3}) {
     explicitly.advance_to(c.at(T), silent);
