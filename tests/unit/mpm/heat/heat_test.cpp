@@ -312,6 +312,8 @@ TEST(Heat, InPerviousSoilTheFlowTakesPartsOfAStep) {
   Solver in_parts(o, s, 1);
   EXPECT_THAT(in_parts.pressure_choice(), HasSubstr("in which it takes parts"));
   Scene printed = s;  // whose bands exchange once in a step
+  printed.materials[0].model = "tresca";
+  printed.materials[0].shear_strength_pa = 1e6;
   printed.materials[0].band_thickness_m = 0.01;
   printed.materials[0].band_exchange = BandExchange::printed;
   EXPECT_THAT(Solver(o, printed, 1).pressure_choice(), ::testing::Not(HasSubstr("parts")));
