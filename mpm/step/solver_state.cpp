@@ -10,7 +10,7 @@ namespace pivnp::mpm {
 
 namespace {
 
-constexpr char magic[8] = {'p', 'i', 'v', 'm', 'p', 'm', '1', '7'};
+constexpr char magic[8] = {'p', 'i', 'v', 'm', 'p', 'm', '1', '8'};
 
 class Writer {
  public:

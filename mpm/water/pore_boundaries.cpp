@@ -34,6 +34,7 @@ PoreBoundaries::PoreBoundaries(const std::vector<std::pair<std::string, Boundary
     conditions_.push_back(condition_of(key, boundaries[b].second));
     level_ = level_ || conditions_[b].kind == PoreCondition::level;
     if (boundaries[b].second.type == BoundaryType::traction && conditions_[b].kind == PoreCondition::flux) flux_on_tractions_ = true;
+    if (conditions_[b].kind == PoreCondition::flux && conditions_[b].value != 0) flux_ = true;
   }
   for (const Wall& wall : walls) {
     const auto b = std::size_t(std::find(keys_.begin(), keys_.end(), wall.key) - keys_.begin());

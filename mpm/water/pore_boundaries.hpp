@@ -30,7 +30,13 @@ class PoreBoundaries {
   /// Of a boundary by its number: of the faces of tractions.
   const PoreCondition& of_boundary(std::size_t boundary) const { return conditions_[boundary]; }
   bool any_flux_on_tractions() const { return flux_on_tractions_; }
+  bool gives_flux(std::size_t boundary) const { return conditions_[boundary].kind == PoreCondition::flux; }
+  /// Beside two loads, does a node take the condition of `a` rather than that of `b`? A given flow comes before others.
+  bool comes_before(std::size_t a, std::size_t b) const {
+    return gives_flux(a) == gives_flux(b) ? a > b : gives_flux(a);
+  }
   bool any_level() const { return level_; }
+  bool any_flux() const { return flux_; }
 
   /// Of a wall's node now, of any velocity field; null: the node is at no wall, or only at walls along the grid that let nothing through (what lies
   /// behind those is told by GridGeometry::walls). Others hold the water back wherever they hold a node.
@@ -72,7 +78,7 @@ class PoreBoundaries {
   std::vector<AtNode> nodes_;        // what lets water through first, then by node
   std::vector<std::int32_t> first_;  // of every node of the first velocity field: its first place among them; -1: none
   std::vector<std::uint32_t> let_through_;
-  bool flux_on_tractions_ = false, level_ = false;
+  bool flux_on_tractions_ = false, flux_ = false, level_ = false;
 };
 
 }  // namespace pivnp::mpm

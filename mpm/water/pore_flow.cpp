@@ -194,8 +194,14 @@ void PoreWater::mark_elements(const Particles& p, GridState& g, const Tractions&
       const std::size_t n = element_of(p, g, k).node;
       if (solids && !soil_of(p, k).has_pores()) marks_[n].solid = 1;
       if (!load) return;
+      std::size_t boundary = load->boundary;  // of a point's loads one with a given flow, else the first
+      for (; load && boundaries_.any_flux_on_tractions(); load = tractions.after(*load))
+        if (time < load->until && boundaries_.comes_before(load->boundary, boundary) &&
+            boundaries_.gives_flux(load->boundary))
+          boundary = load->boundary;
       for (const std::size_t at : {n, n + 1, n + std::size_t(g.grid.nx), n + std::size_t(g.grid.nx) + 1})
-        if (load->boundary + 1 > marks_[at].loaded) marks_[at].loaded = std::uint16_t(load->boundary + 1) & most_marked;
+        if (marks_[at].loaded == 0 || boundaries_.comes_before(boundary, marks_[at].loaded - 1u))
+          marks_[at].loaded = std::uint16_t(boundary + 1) & most_marked;
     });
   });
 }
@@ -348,8 +354,8 @@ void PoreWater::for_flow_through_tractions(const Particles& p, const Tractions& 
   }
 }
 
-// To the nodes along the faces, as beside a wall. (At the points themselves, pressure would rise against the water's
-// own stiffness wherever nodes do not see it.)
+// To the nodes along the faces, as beside a wall; through those whose potential is given it leaves again. (At the
+// points themselves, pressure would rise against the water's own stiffness wherever nodes do not see it.)
 void PoreWater::take_flow_through_tractions(const Particles& p, const GridState& g, const Tractions& tractions,
                                             double time, double dt) {
   for_flow_through_tractions(p, tractions, time, dt, [&](std::size_t k, const Traction& load, double volume) {
@@ -357,11 +363,10 @@ void PoreWater::take_flow_through_tractions(const Particles& p, const GridState&
     const double s = std::clamp(in.s + load.out.x() * g.per_hx, 0.0, 1.0),
                  t = std::clamp(in.t + load.out.y() * g.per_hy, 0.0, 1.0);
     const std::size_t row = std::size_t(g.grid.nx), at[] = {in.node, in.node + 1, in.node + row, in.node + row + 1};
-    const auto open = [&](std::size_t n) { return field_.volume[n] > 0 && !marks_[n].given; };
     double weight[] = {(1 - s) * (1 - t), s * (1 - t), (1 - s) * t, s * t}, all = 0;
-    for (int c = 0; c < 4; ++c) all += weight[c] = open(at[c]) ? weight[c] : 0;
+    for (int c = 0; c < 4; ++c) all += weight[c] = field_.volume[at[c]] > 0 ? weight[c] : 0;
     for (int c = 0; c < 4; ++c)
-      if (weight[c] > 0) through_.push_back({std::uint32_t(at[c]), volume * weight[c] / all});
+      if (weight[c] > 0 && !marks_[at[c]].given) through_.push_back({std::uint32_t(at[c]), volume * weight[c] / all});
   });
 }
 

@@ -13,7 +13,8 @@
 // too, and what no node sees of their volumetric strain gives no pressure: points exchange water for it. Without that, nearly
 // incompressible mixtures checkerboard.
 //
-// Momentum sees the normal stress tau' - J (p - p_l), p_l the pressure of the water outside, at rest below a level, and the lift rho_w g of the volume below it (of drained pores the initial one): with the divergence theorem that is the load of the water
+// Momentum sees the normal stress tau' - J (p - p_l), p_l the pressure of the water outside, at rest below a level, and the lift
+// rho_w g of the volume below it (of drained pores the initial one): with the divergence theorem that is the load of the water
 // on the submerged surface, and soil and water at rest stay so exactly.
 #pragma once
 
@@ -51,7 +52,9 @@ class PoreWater {
   PoreFlow follow_level(Particles& p, const Vec2& gravity, double from, double to, int threads) const;
   bool level_moves() const { return !options_.level_history.empty(); }
   /// Does the level move after that time?
-  bool moves_after(double time) const { return !options_.level_history.empty() && time < options_.level_history.back()[0]; }
+  bool moves_after(double time) const {
+    return boundaries_.any_flux() || (!options_.level_history.empty() && time < options_.level_history.back()[0]);
+  }
 
   /// Contents, pressures and masses at time 0: hydrostatic below the level or a given surface, or of the steady flow. Throws InputError,
   /// and RunError where no steady flow is found. (pore_start.cpp)
@@ -225,8 +228,7 @@ class PoreWater {
                                   double dt) const;
   /// Of a node beside loaded points.
   bool loaded_with_flow(std::size_t n) const {
-    return marked_ && marks_[n].loaded > 0 &&
-           boundaries_.of_boundary(std::size_t(marks_[n].loaded - 1)).kind == PoreCondition::flux;
+    return marked_ && marks_[n].loaded > 0 && boundaries_.gives_flux(std::size_t(marks_[n].loaded - 1));
   }
   // Axisymmetric: volumes are those of a radian, and surfaces of rings.
   bool about_axis() const { return field_.radius != nullptr; }

@@ -315,6 +315,7 @@ TEST(Heat, InPerviousSoilTheFlowTakesPartsOfAStep) {
   printed.materials[0].model = "tresca";
   printed.materials[0].shear_strength_pa = 1e6;
   printed.materials[0].band_thickness_m = 0.01;
+  EXPECT_THAT(Solver(o, printed, 1).pressure_choice(), HasSubstr("parts"));
   printed.materials[0].band_exchange = BandExchange::printed;
   EXPECT_THAT(Solver(o, printed, 1).pressure_choice(), ::testing::Not(HasSubstr("parts")));
   const EnergyRow start = in_parts.energy();
