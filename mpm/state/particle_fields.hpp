@@ -59,11 +59,10 @@ inline void for_each_particle_field(Visit&& visit) {
                       .need = &N::wet, .recorded = "pressure"},
         Column{&P::pressure, &K::pressure});
   visit(ParticleField{"J at the flow", "1", "J when water last flowed", &N::wet}, Column{&P::J_flow});
-  visit(
-      ParticleField{"J before", "1",
-                    "J at the end of the last flow; J at the flow has what the pores swelled by since then added",
-                    &N::swells},
-      Column{&P::J_strained});
+  visit(ParticleField{"J before", "1",
+                      "J at the end of the last flow; J at the flow has what the pores swelled by since then added",
+                      &N::swells},
+        Column{&P::J_strained});
   visit(ParticleField{"soil", "m^2/(Pa s), 1", "mobility of the water, and the share of the grains in the initial volume", &N::soils},
         Column{&P::mobility}, Column{&P::solid});
   visit(

@@ -25,7 +25,8 @@ constexpr double most_strain = 0.5;  // of a point in one pseudo-step
 // Kinetic over elastic energy that only a mass that slides off reaches: what swings about an equilibrium has less
 // kinetic energy than it stores.
 constexpr double most_kinetic = 10;
-// It is looked at once waves have crossed some five times, at half a cell an iteration at most: at first a load has little to store its work in.
+// It is looked at once waves have crossed some five times, at half a cell an iteration at most: at first a load has
+// little to store its work in.
 int first_crossings(const Grid& grid) { return most_iterations(grid) / 20; }
 
 // Strength and dilatancy of soil that has not yielded.
