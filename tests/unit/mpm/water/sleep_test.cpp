@@ -181,6 +181,30 @@ TEST(WetSleepers, AreNotWhatConsolidates) {
   EXPECT_LT(greatest_difference_of_pressure(end[0], end[1]), tolerance_of_pressure());
 }
 
+// Flow that a boundary gives goes on where nothing else moves. (Asleep, the box took none after two hundredths of the
+// time.)
+TEST(WetSleepers, AGivenFlowKeepsMaterialAwake) {
+  const double q = 1e-6, time = 0.1;
+  Scene s =
+      scene(Grid{{0, 0}, {h, h}, 9, 10}, {rectangle("soil", 0, 0, 0.08, depth)}, {saturated(1e7, 0.3, 0.35, 1e-4)});
+  s.water.emplace();
+  s.water->bulk_modulus_pa = 2e7;
+  BoundaryOptions top = line({0, depth}, {0.08, depth}, "traction");
+  top.traction_pa = {0, 0};
+  top.flux_m_s = q;
+  s.boundaries = {{"base", line({0, 0}, {0.08, 0}, "fixed")},
+                  {"left", line({0, 0}, {0, 0.09}, "roller")},
+                  {"right", line({0.08, 0}, {0.08, 0.09}, "roller")},
+                  {"top", top}};
+  MpmOptions o = in_bed(PressureScheme::in_steps, true);
+  o.gravity_m_s2 = Pair{0, 0};
+  o.initial_equilibrium = false;
+  o.energy_limit = 1e9;
+  Solver solver(o, s, 1);
+  solver.advance_to(time, silent);
+  EXPECT_NEAR(solver.energy().water_inflow, 1000 * q * 0.08 * time, 1e-6 * 1000 * q * 0.08 * time);
+}
+
 TEST(WetSleepers, BitsDependOnNeitherThreadsNorRestart) {
   for (const PressureScheme pressure : {PressureScheme::in_steps, PressureScheme::projected}) {
     const auto start = [&](int threads) {
