@@ -162,9 +162,8 @@ void Solver::Impl::follow_level(const Cycle& c) {
 }
 
 int Solver::Impl::parts_of_flow(double dt) const {
-  if (!flows_in_parts || !(state.diffusivity > 0)) return 1;
   return std::max(
-      1, int(std::ceil(dt / (courant() * stable_flow(g.grid.spacing.x(), g.grid.spacing.y(), state.diffusivity)))));
+      1, int(std::ceil(dt / courant() * rate_of_flow(g.grid.spacing.x(), g.grid.spacing.y(), state.diffusivity))));
 }
 
 void Solver::Impl::flow_water(const Cycle& c) {

@@ -29,15 +29,15 @@ inline double stable_step(double courant, double h, double wave_speed, double fa
 inline constexpr double foreseen_share = 0.4;
 inline double projected_step_share() { return std::sqrt(1 - 1 / (4 * foreseen_share)); }
 
-/// Of the flow alone, D the diffusivity of pressure: 1/(2 D (1/hx^2 + 1/hy^2)).
-inline double stable_flow(double hx, double hy, double diffusivity) {
-  return 1 / (2 * diffusivity * (1 / (hx * hx) + 1 / (hy * hy)));
+/// Of the flow alone one over its step t_d, 1/s: 2 D (1/hx^2 + 1/hy^2), D the diffusivity of pressure.
+inline double rate_of_flow(double hx, double hy, double diffusivity) {
+  return 2 * diffusivity * (1 / (hx * hx) + 1 / (hy * hy));
 }
 
-/// With water: courant times what (dt/t_w)^2 + dt/t_d = 1 gives, t_w = h/(c + |v|) with c of the undrained mixture and t_d =
-/// 1/(2 D (1/hx^2 + 1/hy^2)), D the diffusivity of pressure. docs/theory/mpm_water.md#step.
+/// With water: courant times what (dt/t_w)^2 + dt/t_d = 1 gives, t_w = h/(c + |v|) with c of the undrained mixture.
+/// docs/theory/mpm_water.md#step.
 inline double stable_step_with_water(double courant, double hx, double hy, double wave_speed, double fastest, double diffusivity) {
-  const double per_wave = (wave_speed + fastest) / std::min(hx, hy), per_flow = 2 * diffusivity * (1 / (hx * hx) + 1 / (hy * hy));
+  const double per_wave = (wave_speed + fastest) / std::min(hx, hy), per_flow = rate_of_flow(hx, hy, diffusivity);
   return courant * 2 / (per_flow + std::sqrt(per_flow * per_flow + 4 * per_wave * per_wave));
 }
 
