@@ -40,6 +40,7 @@ ParticleNeeds particle_needs(const Scheme& scheme, const Materials& materials, c
           .wet = scene.water,
           .soils = scene.water && (scene.several || scene.soils),
           .collapses = scene.collapses,
+          .drains = scene.drains,
           .heated = scene.heat,
           .swells = scene.heat && scene.water,
           .banded = scene.bands,

@@ -15,13 +15,14 @@ struct SceneNeeds {
   bool water = false;
   bool soils = false;    // its mobility is not the same everywhere
   bool collapses = false;  // as water comes
+  bool drains = false;     // some pores are drained
   bool tied = false;
   bool loads = false;    // body forces, tractions
   bool heat = false;
   bool bands = false;    // embedded
 };
 
-/// Of what a scene's own keys ask for; `soils` and `collapses` lie in the pores, which PoreWater fills at the start.
+/// Of what a scene's own keys ask for; `soils`, `collapses` and `drains` lie in the pores, which PoreWater fills at the start.
 SceneNeeds needs_of(const Scene& scene);
 
 /// The fields that the points and the nodes of such a simulation have.

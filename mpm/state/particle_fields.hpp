@@ -69,7 +69,7 @@ inline void for_each_particle_field(Visit&& visit) {
       ParticleField{
           "displacing", "1",
           "of the volume that opens, the share that displaces water outside; pores that change places with it have 0",
-          &N::soils},
+          &N::drains},
       Column{&P::displacing, &K::displacing});
   visit(ParticleField{"wetted", "1", "greatest share of the pores that was full so far", &N::collapses}, Column{&P::wetted});
   visit(ParticleField{"content", "1", "volume of the water without pressure, in a unit of initial volume", &N::wet}, Column{&P::content});

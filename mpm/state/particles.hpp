@@ -24,6 +24,7 @@ struct ParticleNeeds {
   bool wet = false;         // water in the pores
   bool soils = false;       // of more than one soil
   bool collapses = false;   // as water comes
+  bool drains = false;      // some pores are drained
   bool heated = false;      // temperature
   bool swells = false;      // temperature, and water in the pores
   bool banded = false;      // embedded bands

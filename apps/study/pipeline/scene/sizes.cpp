@@ -72,6 +72,7 @@ mpm::SceneNeeds needs_of(const Case& c, bool wet) {
   for (const auto& [name, material] : c.materials) {
     needs.collapses |= material.wetting_collapse > 0;
     needs.soils |= wet && material.permeability == mpm::PermeabilityLaw::kozeny_carman;
+    needs.drains |= wet && material.drained;
     needs.bands |= c.heat && material.band_thickness_m;
   }
   for (const auto& [name, boundary] : c.boundaries) {
