@@ -95,6 +95,8 @@ std::string unit_suffix(const std::string& unit) { return unit_words(unit).empty
 DisplayUnit display_unit(const std::string& unit, double largest) {
   if (unit == "m" && largest > 0 && largest < 2e-4) return {1e6, "\u00b5m"};
   if (unit == "m" && largest > 0 && largest < 0.5) return {1e3, "mm"};
+  if (unit == "Pa" && largest >= 2e6) return {1e-6, "MPa"};
+  if (unit == "Pa" && largest >= 2e3) return {1e-3, "kPa"};
   return {1, unit};
 }
 

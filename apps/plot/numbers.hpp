@@ -30,7 +30,8 @@ std::string unit_words(const std::string& unit);
 /// The same beside a number, after a space.
 std::string unit_suffix(const std::string& unit);
 
-/// A unit that suits numbers up to `largest`: metres become mm or µm where they are small; other units stay.
+/// A unit that suits numbers up to `largest`: metres become mm or µm where they are small, pascals kPa or MPa where
+/// they are large; other units stay.
 struct DisplayUnit {
   double factor = 1;  // shown = stored * factor
   std::string name;

@@ -72,7 +72,7 @@ struct MpmOptions {
     visit("end_s", self.end_s, OptionInfo{.unit = "s", .text = "end of the simulation (left out: the last frame)", .min = 0, .above_min = true});
     visit("output_rate_hz", self.output_rate_hz, OptionInfo{.unit = "Hz", .text = "states written per second (left out: at the frames' times)", .min = 0, .above_min = true});
     visit("domain_m", self.domain_m, OptionInfo{.unit = "m", .text = "lower left and upper right corner that the simulation may use (left out: the measured grid)"});
-    visit("pressure", self.pressure, OptionInfo{.text = "how pore pressure is advanced, with [water]: explicit, in steps of water and flow; projected, in steps of the skeleton's wave, found for all nodes together (left out: projected where it should be twice as fast and nothing speaks against it, else explicit; the notes give the reason)"});
+    visit("pressure", self.pressure, OptionInfo{.text = "how pore pressure is advanced, with [water]: explicit, in steps of water and flow (beside [heat] the flow takes parts of a step where it alone asks for shorter ones); projected, in steps of the skeleton's wave, found for all nodes together (left out: projected where it should be twice as fast and nothing speaks against it, else explicit; the notes give the reason)"});
   }
 };
 

@@ -82,7 +82,7 @@ constexpr std::string_view script = R"JS(
           if (d < least) { least = d; best = p; }
         }
         if (best < 0 || least > 2.3 * side.size * side.size) text.push(side.name + ": no material here");
-        else text.push(side.name + ": " + number(data[at + (2 + f) * n + best]) + " " + field.unit + " at (" +
+        else text.push(side.name + ": " + number(data[at + (2 + f) * n + best] * field.factor) + " " + field.unit + " at (" +
                        number(data[at + best]) + ", " + number(data[at + n + best]) + ") " + meta.length);
       });
     said.textContent = text.length ? text.join("; ") : "Point at the material, or move a circle over it with the arrow keys, to read values.";
@@ -93,8 +93,8 @@ constexpr std::string_view script = R"JS(
     slider.setAttribute("aria-valuetext", clock.textContent);
     for (var s = 0; s < canvases.length; ++s) draw(s);
     bar.style.background = "linear-gradient(to right," + [0, .125, .25, .375, .5, .625, .75, .875, 1].map(colour).join(",") + ")";
-    root.querySelector(".low").textContent = number(field.lower);
-    root.querySelector(".high").textContent = number(field.upper) + " " + field.unit;
+    root.querySelector(".low").textContent = number(field.lower * field.factor);
+    root.querySelector(".high").textContent = number(field.upper * field.factor) + " " + field.unit;
     say();
   }
   canvases.forEach(function (canvas, s) {
@@ -236,7 +236,8 @@ std::string html_of(const Player& player) {
   meta += "],\"fields\":[";
   for (std::size_t f = 0; f < player.fields.size(); ++f) {
     const Player::Field& field = player.fields[f];
-    meta += std::string(f > 0 ? "," : "") + "{\"unit\":" + json_text(field.unit == "1" ? "" : field.unit) + ",\"lower\":" + number(field.scale.lower, 6) +
+    const plot::DisplayUnit shown = plot::display_unit(field.unit, std::max(std::abs(field.scale.lower), std::abs(field.scale.upper)));
+    meta += std::string(f > 0 ? "," : "") + "{\"unit\":" + json_text(plot::unit_words(shown.name)) + ",\"factor\":" + number(shown.factor, 6) + ",\"lower\":" + number(field.scale.lower, 6) +
             ",\"upper\":" + number(field.scale.upper, 6) + ",\"colours\":\"" + colours(field.scale.map) + "\"}";
   }
   out += "<script type=\"application/json\" id=\"player-data\">" + meta + "]}</script>\n";

@@ -64,6 +64,10 @@ TEST(Numbers, UnitsSuitTheirNumbers) {
   EXPECT_EQ(display_unit("m", 20).name, "m");
   EXPECT_EQ(display_unit("m", 0).name, "m");
   EXPECT_EQ(display_unit("px", 0.02).name, "px");
+  EXPECT_EQ(display_unit("Pa", 500).name, "Pa");
+  EXPECT_EQ(display_unit("Pa", 60000).name, "kPa");
+  EXPECT_EQ(display_unit("Pa", 3e6).name, "MPa");
+  EXPECT_DOUBLE_EQ(display_unit("Pa", 3e6).factor, 1e-6);
   EXPECT_DOUBLE_EQ(display_unit("m", 1e-5).factor, 1e6);
 }
 
