@@ -1,6 +1,6 @@
 # What `cmake --install` installs: the program (component `program`), the engines as a package that other CMake projects find and
 # a file for pkg-config (`dev`; examples/ uses both), and the Python module (`python`). Headers go to include/pivnp, where they are
-# included by the paths used here: "pivnp/piv/piv.hpp", "mpm/step/solver.hpp".
+# included by the paths used here: "pivnp/piv/piv.hpp", "mpm/solver/solver.hpp".
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 

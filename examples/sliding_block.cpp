@@ -5,7 +5,7 @@
 #include <exception>
 #include <numbers>
 
-#include "mpm/step/solver.hpp"
+#include "mpm/solver/solver.hpp"
 #include "pivnp/core/particles/seeding.hpp"
 
 int main() try {

@@ -45,7 +45,7 @@ const std::map<std::string, std::vector<std::string>> floors = {
     {"pivnp/image", {"files", "camera", "masks", "frames", "calibration", "synthetic"}},
     {"pivnp/piv", {"sampling", "window", "dense", "validation"}},
     {"pivnp/io", {"files", "hdf5", "records", "imports", "exports"}},
-    {"mpm", {"state", "simd", "grid", "material", "transfer", "constraint", "water", "heat", "scene", "step"}},
+    {"mpm", {"state", "simd", "grid", "material", "transfer", "constraint", "water", "heat", "scene", "step", "solver"}},
     {"compare", {"data", "shapes", "alignment", "uncertainty", "measures", "metrics"}},
     {"apps/report", {"content", "words", "figures", "document"}},
     {"apps/study/pipeline", {"scene", "measure", "record"}},

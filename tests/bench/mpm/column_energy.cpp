@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "mpm/step/solver.hpp"
+#include "mpm/solver/solver.hpp"
 #include "pivnp/core/particles/seeding.hpp"
 
 using namespace pivnp;

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "mpm/step/solver.hpp"
+#include "mpm/solver/solver.hpp"
 #include "pivnp/core/particles/seeding.hpp"
 
 using namespace pivnp;

@@ -8,7 +8,7 @@
 #include <map>
 #include <string>
 
-#include "mpm/step/solver.hpp"
+#include "mpm/solver/solver.hpp"
 #include "pivnp/core/particles/seeding.hpp"
 
 using namespace pivnp;

@@ -24,7 +24,7 @@
 
 #include <malloc.h>
 
-#include "mpm/step/solver.hpp"
+#include "mpm/solver/solver.hpp"
 #include "pivnp/core/particles/seeding.hpp"
 #include "tests/bench/mpm/machine.hpp"
 #include "tests/bench/mpm/plain_kernel.hpp"

@@ -8,8 +8,8 @@
 
 #include "mpm/grid/sweeps.hpp"
 #include "mpm/scene/scene_setup.hpp"
-#include "mpm/step/frames.hpp"
-#include "mpm/step/solver_state.hpp"
+#include "mpm/solver/frames.hpp"
+#include "mpm/solver/state.hpp"
 #include "mpm/transfer/transfer.hpp"
 #include "tests/unit/mpm/scenes.hpp"
 

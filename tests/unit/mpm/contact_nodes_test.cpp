@@ -6,7 +6,7 @@
 
 #include "mpm/constraint/contact.hpp"
 #include "mpm/scene/scene_setup.hpp"
-#include "mpm/step/frames.hpp"
+#include "mpm/solver/frames.hpp"
 #include "mpm/step/momentum.hpp"
 #include "mpm/transfer/transfer.hpp"
 #include "tests/support/silent.hpp"

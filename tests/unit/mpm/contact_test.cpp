@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "mpm/step/frames.hpp"
+#include "mpm/solver/frames.hpp"
 #include "pivnp/core/error.hpp"
 #include "tests/support/silent.hpp"
 #include "tests/unit/mpm/contact.hpp"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "mpm/scene/scene_setup.hpp"
-#include "mpm/step/frames.hpp"
+#include "mpm/solver/frames.hpp"
 #include "mpm/transfer/transfer.hpp"
 #include "tests/unit/mpm/scenes.hpp"
 

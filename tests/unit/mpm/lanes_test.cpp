@@ -5,15 +5,15 @@
 #include <cmath>
 #include <random>
 
-#include "mpm/transfer/finite_strain.hpp"
 #include "mpm/grid/sweeps.hpp"
-#include "mpm/transfer/lanes-inl.hpp"
-#include "mpm/transfer/lanes.hpp"
 #include "mpm/material/mohr_coulomb.hpp"
 #include "mpm/material/smooth_mohr_coulomb.hpp"
-#include "mpm/transfer/stress_update.hpp"
 #include "mpm/scene/scene_setup.hpp"
-#include "mpm/step/frames.hpp"
+#include "mpm/solver/frames.hpp"
+#include "mpm/transfer/finite_strain.hpp"
+#include "mpm/transfer/lanes-inl.hpp"
+#include "mpm/transfer/lanes.hpp"
+#include "mpm/transfer/stress_update.hpp"
 #include "mpm/transfer/transfer.hpp"
 #include "tests/unit/mpm/disorder.hpp"
 #include "tests/unit/mpm/every_target.hpp"

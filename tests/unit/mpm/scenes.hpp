@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "mpm/step/solver.hpp"
+#include "mpm/solver/solver.hpp"
 #include "pivnp/core/particles/seeding.hpp"
 
 namespace pivnp::mpm::test {

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "mpm/scene/scene_setup.hpp"
-#include "mpm/step/frames.hpp"
+#include "mpm/solver/frames.hpp"
 #include "mpm/step/momentum.hpp"
 #include "mpm/transfer/stress_update.hpp"
 #include "mpm/transfer/transfer.hpp"

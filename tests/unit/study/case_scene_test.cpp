@@ -11,7 +11,7 @@
 #include "apps/study/pipeline/scene/sizes.hpp"
 #include "apps/study/studies/check.hpp"
 #include "mpm/heat/heat.hpp"
-#include "mpm/step/solver.hpp"
+#include "mpm/solver/solver.hpp"
 #include "pivnp/core/error.hpp"
 #include "tests/support/silent.hpp"
 

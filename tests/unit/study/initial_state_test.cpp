@@ -7,7 +7,7 @@
 
 #include "apps/study/pipeline/scene/scene.hpp"
 #include "apps/study/pipeline/scene/simulation_scene.hpp"
-#include "mpm/step/solver.hpp"
+#include "mpm/solver/solver.hpp"
 #include "pivnp/core/error.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/silent.hpp"

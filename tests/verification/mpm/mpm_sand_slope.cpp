@@ -19,7 +19,7 @@
 #include "apps/case/case.hpp"
 #include "apps/study/pipeline/scene/simulation_scene.hpp"
 #include "compare/shapes/slope_angles.hpp"
-#include "mpm/step/solver.hpp"
+#include "mpm/solver/solver.hpp"
 #include "pivnp/core/text.hpp"
 #include "tests/support/verification.hpp"
 

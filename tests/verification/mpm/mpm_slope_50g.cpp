@@ -14,7 +14,7 @@
 
 #include "apps/case/case.hpp"
 #include "apps/study/pipeline/scene/simulation_scene.hpp"
-#include "mpm/step/solver.hpp"
+#include "mpm/solver/solver.hpp"
 #include "pivnp/core/text.hpp"
 #include "tests/support/silent.hpp"
 #include "tests/support/verification.hpp"

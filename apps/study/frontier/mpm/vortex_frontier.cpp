@@ -9,7 +9,7 @@
 #include "mpm/scene/generalised_vortex.hpp"
 #include "mpm/scene/options.hpp"
 #include "mpm/scene/scene_setup.hpp"
-#include "mpm/step/solver.hpp"
+#include "mpm/solver/solver.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
 

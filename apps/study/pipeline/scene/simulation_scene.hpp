@@ -4,7 +4,7 @@
 #include <string>
 
 #include "apps/study/pipeline/scene/scene.hpp"
-#include "mpm/step/solver.hpp"
+#include "mpm/solver/solver.hpp"
 
 namespace pivnp::app {
 

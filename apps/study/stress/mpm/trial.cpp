@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "apps/study/methods/simulation/doubts.hpp"
-#include "mpm/step/solver.hpp"
+#include "mpm/solver/solver.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/alive.hpp"
 #include "pivnp/core/text.hpp"

@@ -11,7 +11,7 @@
 
 #include "mpm/heat/bands.hpp"
 #include "mpm/scene/scene_setup.hpp"
-#include "mpm/step/frames.hpp"
+#include "mpm/solver/frames.hpp"
 #include "mpm/transfer/stress_update.hpp"
 #include "tests/support/heated_band.hpp"
 #include "tests/unit/mpm/scenes.hpp"

@@ -7,7 +7,7 @@
 #include "mpm/constraint/wall.hpp"
 #include "mpm/heat/zone_width.hpp"
 #include "mpm/scene/scene_setup.hpp"
-#include "mpm/step/frames.hpp"
+#include "mpm/solver/frames.hpp"
 #include "mpm/transfer/transfer.hpp"
 #include "tests/verification/mpm/planar_slide.hpp"
 

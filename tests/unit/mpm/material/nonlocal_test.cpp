@@ -5,7 +5,7 @@
 
 #include "mpm/material/model.hpp"
 #include "mpm/scene/scene_setup.hpp"
-#include "mpm/step/frames.hpp"
+#include "mpm/solver/frames.hpp"
 #include "mpm/transfer/nonlocal.hpp"
 #include "mpm/transfer/transfer.hpp"
 #include "pivnp/core/error.hpp"

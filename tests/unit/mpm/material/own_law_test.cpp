@@ -12,9 +12,9 @@
 
 #include "mpm/scene/memory.hpp"
 #include "mpm/scene/scene_setup.hpp"
+#include "mpm/solver/frames.hpp"
 #include "mpm/state/node_fields.hpp"
 #include "mpm/state/particle_fields.hpp"
-#include "mpm/step/frames.hpp"
 #include "pivnp/core/error.hpp"
 #include "tests/support/silent.hpp"
 #include "tests/unit/mpm/scenes.hpp"

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "mpm/scene/scene_setup.hpp"
-#include "mpm/step/frames.hpp"
+#include "mpm/solver/frames.hpp"
 #include "mpm/transfer/transfer.hpp"
 #include "tests/unit/mpm/every_target.hpp"
 #include "tests/unit/mpm/scenes.hpp"

@@ -1,5 +1,5 @@
 // Heat: where a step hands over to it, and what it refuses.
-#include "mpm/step/solver_impl.hpp"
+#include "mpm/solver/impl.hpp"
 #include "pivnp/core/error.hpp"
 
 namespace pivnp::mpm {

@@ -4,7 +4,7 @@
 #include <limits>
 #include <sstream>
 
-#include "mpm/step/solver_impl.hpp"
+#include "mpm/solver/impl.hpp"
 #include "mpm/step/time_step.hpp"
 
 namespace pivnp::mpm {

@@ -5,7 +5,7 @@
 #include <sstream>
 #include <utility>
 
-#include "mpm/step/solver_impl.hpp"
+#include "mpm/solver/impl.hpp"
 #include "mpm/step/swing.hpp"
 #include "pivnp/core/error.hpp"
 

@@ -4,8 +4,8 @@
 #include <limits>
 
 #include "mpm/grid/sweeps.hpp"
+#include "mpm/solver/impl.hpp"
 #include "mpm/step/own_frequency.hpp"
-#include "mpm/step/solver_impl.hpp"
 
 namespace pivnp::mpm {
 

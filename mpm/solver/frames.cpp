@@ -1,4 +1,4 @@
-#include "mpm/step/frames.hpp"
+#include "mpm/solver/frames.hpp"
 
 #include <algorithm>
 #include <cmath>

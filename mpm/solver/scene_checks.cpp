@@ -1,7 +1,7 @@
 // What axial symmetry and a centrifuge do not go with, and the axis.
 #include <cmath>
 
-#include "mpm/step/solver_impl.hpp"
+#include "mpm/solver/impl.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
 

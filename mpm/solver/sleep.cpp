@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mpm/step/solver_impl.hpp"
+#include "mpm/solver/impl.hpp"
 
 namespace pivnp::mpm {
 

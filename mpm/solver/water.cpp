@@ -4,7 +4,7 @@
 #include <sstream>
 
 #include "mpm/grid/sweeps.hpp"
-#include "mpm/step/solver_impl.hpp"
+#include "mpm/solver/impl.hpp"
 #include "mpm/step/time_step.hpp"
 #include "pivnp/core/error.hpp"
 

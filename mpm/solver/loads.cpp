@@ -4,8 +4,8 @@
 
 #include "mpm/grid/sweeps.hpp"
 #include "mpm/material/model.hpp"
+#include "mpm/solver/impl.hpp"
 #include "mpm/step/initial_equilibrium.hpp"
-#include "mpm/step/solver_impl.hpp"
 #include "pivnp/core/error.hpp"
 
 namespace pivnp::mpm {

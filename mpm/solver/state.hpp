@@ -7,9 +7,9 @@
 
 #include "mpm/constraint/reaction.hpp"
 #include "mpm/heat/heat.hpp"
+#include "mpm/state/particles.hpp"
 #include "mpm/step/energy.hpp"
 #include "mpm/step/momentum.hpp"
-#include "mpm/state/particles.hpp"
 #include "mpm/step/sleep.hpp"
 #include "pivnp/core/particles/motion.hpp"
 

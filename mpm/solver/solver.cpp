@@ -1,14 +1,14 @@
-#include "mpm/step/solver.hpp"
+#include "mpm/solver/solver.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "mpm/material/model.hpp"
 #include "mpm/scene/memory.hpp"
-#include "mpm/step/frames.hpp"
+#include "mpm/solver/frames.hpp"
+#include "mpm/solver/impl.hpp"
 #include "mpm/step/initial_equilibrium.hpp"
 #include "mpm/step/own_frequency.hpp"
-#include "mpm/step/solver_impl.hpp"
 #include "mpm/step/time_step.hpp"
 #include "pivnp/core/error.hpp"
 

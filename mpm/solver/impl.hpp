@@ -15,12 +15,12 @@
 #include "mpm/material/model.hpp"
 #include "mpm/scene/loading.hpp"
 #include "mpm/scene/scene_setup.hpp"
+#include "mpm/solver/solver.hpp"
+#include "mpm/solver/state.hpp"
 #include "mpm/step/half_step.hpp"
 #include "mpm/step/initial_equilibrium.hpp"
 #include "mpm/step/momentum.hpp"
 #include "mpm/step/sleep.hpp"
-#include "mpm/step/solver.hpp"
-#include "mpm/step/solver_state.hpp"
 #include "mpm/step/thread_choice.hpp"
 #include "mpm/transfer/nonlocal.hpp"
 #include "mpm/transfer/transfer.hpp"
@@ -56,7 +56,7 @@ struct Solver::Impl {
   double next_change(double time) const;
   double least_density() const { return *std::min_element(density.begin(), density.end()); }
 
-  // solver_step.cpp: the cycle.
+  // step.cpp: the cycle.
   struct Cycle {
     double dt;
     double push;   // for which forces act, s (half_step.hpp)
@@ -85,7 +85,7 @@ struct Solver::Impl {
   void restrain_strain_velocity();
   void strain(const Cycle& c, GatherSums* moved = nullptr);
 
-  // solver_loads.cpp: what changes by the case's will.
+  // loads.cpp: what changes by the case's will.
   void load(double dt);
   void map_loads(double dt, int threads);
   void turn_by_coriolis(const Cycle& c);
@@ -113,7 +113,7 @@ struct Solver::Impl {
   bool balance_averages(EquilibriumOptions o, Scheme& used, const StaticSystem& system, Progress& progress);
   Vec2 moment_of_mass() const;
 
-  // solver_water.cpp: the water in the pores.
+  // water.cpp: the water in the pores.
   void fill_pores();
   std::vector<double> undrained_stiffness() const;
   void choose_pressure();
@@ -130,7 +130,7 @@ struct Solver::Impl {
   double potential_of_water() const { return water->potential_energy(p, loading.gravity(state.time), most_threads); }
   void take_wave_speed(int threads);
 
-  // solver_heat.cpp: temperature.
+  // heat.cpp: temperature.
   void start_heat();
   void heat_points(const Cycle& c);
   void take_work();
@@ -138,7 +138,7 @@ struct Solver::Impl {
   void count(const HeatSums& sums);
   void put_heat(MotionFrame& frame) const;
 
-  // solver_sleep.cpp: what is not stepped while it rests.
+  // sleep.cpp: what is not stepped while it rests.
   void wake_what_moves();
   void start_sleep();
   void let_sleep();
@@ -148,7 +148,7 @@ struct Solver::Impl {
   double wave_across() const;
   double push_per_mass(double dt) const { return 1 / (dt * wave_of_rest() * least_density() * g.grid.spacing.maxCoeff()); }
 
-  // solver_watch.cpp: energy, rest and failure.
+  // watch.cpp: energy, rest and failure.
   void add_work(const Cycle& c);
   void end_particle(std::size_t k, EndReason reason);
   void watch_motion();

@@ -1,4 +1,4 @@
-#include "mpm/step/solver_state.hpp"
+#include "mpm/solver/state.hpp"
 
 #include <cstring>
 #include <string_view>

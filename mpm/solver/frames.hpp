@@ -4,8 +4,8 @@
 #include "mpm/constraint/contact.hpp"
 #include "mpm/grid/grid_state.hpp"
 #include "mpm/scene/scene.hpp"
+#include "mpm/solver/state.hpp"
 #include "mpm/state/scheme.hpp"
-#include "mpm/step/solver_state.hpp"
 #include "mpm/transfer/stress_update.hpp"
 
 namespace pivnp::mpm {
