@@ -129,7 +129,6 @@ void Solver::find_initial_equilibrium(Progress& progress) {
   const bool sought_on = s.water && !s.options.equilibrium_tolerance;
   EquilibriumOptions options{s.gravity_at_rest(), s.options.equilibrium_damping, tolerance, sought_on ? fine_balance : tolerance, s.most_threads,
                              s.options.k0, s.scene.stress0, s.variation_of_gravity()};
-  options.keeps_strength = bool(s.water);  // with which the run begins
   const StaticSystem system{scheme, s.materials, s.density, s.restraints, s.contacts, s.bodies, s.p, s.g, s.scene.particles, s.water.get()};
   const bool with_averages = s.water && scheme.locking != s.scheme.locking;
   options.leads_on = with_averages;

@@ -70,7 +70,7 @@ class Relaxation {
     strained_too_far_ = any_beyond(most_strain);
     if (!strained_too_far_) {
       update_stress(s_.materials, p_, threads);
-      if (o_.keeps_strength) keep_strength(p_);
+      keep_strength(p_);
       if (s_.water) s_.water->refresh(p_, o_.gravity, threads);
     }
     choice_.end_step();
@@ -299,7 +299,7 @@ int relax_to_equilibrium(const EquilibriumOptions& options, const StaticSystem& 
   }
   p.resize_increments(p.size());
   update_stress(system.materials, p, options.threads);  // brings the first guess inside the yield surface
-  if (options.keeps_strength) keep_strength(p);
+  keep_strength(p);
   if (system.water) system.water->refresh(p, options.gravity, options.threads);
 
   Relaxation relaxation(options, system);

@@ -30,7 +30,6 @@ struct EquilibriumOptions {
   std::span<const std::array<double, 4>> given = {};  // Scene::stress0: the first guess where it is a number
   std::function<Vec2(const Vec2&)> variation = {};  // of gravity from place to place; empty: none
   bool goes_on = false;  // from the stresses that there are
-  bool keeps_strength = false;  // nothing softens with plastic strain on the way
   bool leads_on = false;        // another search goes on from what is found: it may move still under balanced forces
 };
 
@@ -51,7 +50,8 @@ struct StaticSystem {
 /// Adaptive dynamic relaxation (Underwood 1983; Cundall's local damping) in the reference configuration: the points do
 /// not move, so their shape functions, the nodal masses and the equilibrium found are those of x0. Nodal masses are
 /// fictitious, from Gershgorin's bound of the stiffness, so that the pseudo-step 1 is stable in every cell. The force
-/// and strain transfers and the laws are those of the run: nothing is out of balance when the run starts, but for the
+/// and strain transfers and the laws are those of the run, with the strength of the start (nothing softens with plastic strain
+/// on the way): nothing is out of balance when the run starts, but for the
 /// tolerance. Starts from the stresses given, elsewhere from K0
 /// stresses (stress_from_columns()) where gravity is vertical. Returns the number of
 /// iterations; throws InputError at once where material may move along gravity because nothing holds it

@@ -316,5 +316,29 @@ TEST(InitialEquilibrium, OfAFreeStandingBlockWithoutTension) {
     }
 }
 
+// The toe of an upright face yields. The soil has its full strength as the run begins, so that is what the search balances; what
+// softens on the way moves apart.
+TEST(InitialEquilibrium, WhatIsBrittleKeepsItsStrengthOnTheWay) {
+  for (const ShapeKind shape : {ShapeKind::bilinear, ShapeKind::gimp}) {
+    const double h = 0.05, height = 1, weight = 1500 * 9.81 * height;
+    MaterialOptions m = sand(30, 1e7);
+    m.density_kg_m3 = 1500;
+    m.cohesion_pa = 1.6 * weight / (4 * std::sqrt(3.0));  // (the face stands with 4 c tan(45 + phi/2) = weight)
+    m.cohesion_residual_pa = 0.1 * m.cohesion_pa;
+    m.softening_shape = 100;
+    m.softening_length_m = h;
+    Scene s = scene(Grid{{0, 0}, {h, h}, 51, 31}, {rectangle("bank", 0, 0, 2, height)}, {m});
+    s.boundaries = {{"base", line({0, 0}, {2.5, 0}, "fixed")}, {"back", line({0, 0}, {0, 1.5}, "roller")}};
+    MpmOptions o = options({0, -9.81});
+    o.shape = shape;
+    Solver solver(o, s, 1);
+    ASSERT_NO_THROW(solver.find_initial_equilibrium(silent)) << name_of(shape);
+    solver.advance_to(0.02, silent);
+    double far = 0;
+    for (const auto& u : solver.frame().u) far = std::max(far, std::hypot(double(u[0]), double(u[1])));
+    EXPECT_LT(far, 0.005 * h) << name_of(shape);
+  }
+}
+
 }  // namespace
 }  // namespace pivnp::mpm
