@@ -111,9 +111,9 @@ TEST_F(Browser, TheSliderShowsTheRecordsNumbers) {
     if (std::abs(motion.times()[k] - time) < 1e-6) frame = k;
   ASSERT_LT(frame, motion.times().size());
   // The particle that is named by its place is one of the record's, with its displacement.
-  const double value = number_after(said, "measured: ");
-  const std::size_t at = said.find(" at (");
+  const std::size_t at = said.find(" mm at (");
   ASSERT_NE(at, std::string::npos);
+  const double value = 1e-3 * number_after(said, "measured: ");
   const double x = number_after(said, " at ("), y = number_after(said.substr(at), ", ");
   const MotionFrame state = motion.frame(frame);
   double nearest = 1, found = 0;
