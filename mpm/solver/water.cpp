@@ -186,7 +186,8 @@ void Solver::Impl::flow_water(const Cycle& c) {
     strained_to.assign(p.J.begin(), p.J.end());
     for (int part = 0; part < parts; ++part) {
       const double left = double(parts - 1 - part) / parts;
-      for_each(p.size(), c.threads, [&](std::size_t k) { p.J[k] = strained_to[k] - left * (strained_to[k] - p.J_strained[k]); });
+      for_each(p.size(), c.threads,
+               [&](std::size_t k) { p.J[k] = strained_to[k] - left * (strained_to[k] - p.J_strained[k]); });
       sum.add(water->flow(p, g, loading.tractions(), c.gravity, state.time + part * dt, dt, c.threads));
     }
     p.J_strained = p.J;

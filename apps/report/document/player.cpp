@@ -236,7 +236,8 @@ std::string html_of(const Player& player) {
   meta += "],\"fields\":[";
   for (std::size_t f = 0; f < player.fields.size(); ++f) {
     const Player::Field& field = player.fields[f];
-    const plot::DisplayUnit shown = plot::display_unit(field.unit, std::max(std::abs(field.scale.lower), std::abs(field.scale.upper)));
+    const plot::DisplayUnit shown =
+        plot::display_unit(field.unit, std::max(std::abs(field.scale.lower), std::abs(field.scale.upper)));
     meta += std::string(f > 0 ? "," : "") + "{\"unit\":" + json_text(plot::unit_words(shown.name)) + ",\"factor\":" + number(shown.factor, 6) + ",\"lower\":" + number(field.scale.lower, 6) +
             ",\"upper\":" + number(field.scale.upper, 6) + ",\"colours\":\"" + colours(field.scale.map) + "\"}";
   }
