@@ -280,8 +280,9 @@ report::Figure mosaic(const std::string& field, const std::vector<const SweepRun
       shown.size() > 1 || box.height() > 0.6 * box.width() ? 2 : 1;  // a flat one alone has the page's width
   const DerivedField meaning = derived_field(field);
   const std::string unit = meaning.unit == "L" ? "m" : meaning.unit == "L/T" ? "m/s" : meaning.unit;
-  const plot::DisplayUnit display = plot::display_unit(unit, all.empty() ? 1.0 : plot::quantile(all, 0.995));
   const plot::Scale scale = plot::scale_for(all, false);
+  const plot::DisplayUnit display =
+      plot::display_unit(unit, all.empty() ? 1.0 : std::max(std::abs(scale.lower), std::abs(scale.upper)));
   const double width = (page_mm - 6 * double(columns - 1)) / double(columns),
                height = box.width() > 0 ? width * box.height() / box.width() : width;
   const std::size_t rows = (shown.size() + columns - 1) / columns;
