@@ -332,11 +332,11 @@ TEST(InitialEquilibrium, WhatIsBrittleKeepsItsStrengthOnTheWay) {
     MpmOptions o = options({0, -9.81});
     o.shape = shape;
     Solver solver(o, s, 1);
-    ASSERT_NO_THROW(solver.find_initial_equilibrium(silent)) << name_of(shape);
+    ASSERT_NO_THROW(solver.find_initial_equilibrium(silent)) << pivnp::name_of(shape);
     solver.advance_to(0.02, silent);
     double far = 0;
     for (const auto& u : solver.frame().u) far = std::max(far, std::hypot(double(u[0]), double(u[1])));
-    EXPECT_LT(far, 0.005 * h) << name_of(shape);
+    EXPECT_LT(far, 0.005 * h) << pivnp::name_of(shape);
   }
 }
 
