@@ -319,8 +319,8 @@ TEST(Heat, InPerviousSoilTheFlowTakesPartsOfAStep) {
   printed.materials[0].band_exchange = BandExchange::printed;
   EXPECT_THAT(Solver(o, printed, 1).pressure_choice(), ::testing::Not(HasSubstr("parts")));
   const EnergyRow start = in_parts.energy();
-  Solver again(o, s, 2);
   for (const double T : {0.1, 0.3}) {
+    Solver again(o, s, 2);
     again.load(in_parts.save());
     explicitly.advance_to(c.at(T), silent);
     in_parts.advance_to(c.at(T), silent);
