@@ -46,22 +46,22 @@ double share_in_thin_layers(const mpm::MpmOptions& options, const mpm::Scene& sc
 std::vector<std::string> doubts(const mpm::MpmOptions& options, const mpm::Scene& scene) {
   std::vector<std::string> all;
   if (options.per_element < 4)
-    all.emplace_back("With " + std::to_string(options.per_element) + " material point" + (options.per_element == 1 ? "" : "s") +
+    all.push_back("With " + std::to_string(options.per_element) + " material point" + (options.per_element == 1 ? "" : "s") +
                   " per element gaps open where material stretches: a column that collapses is wrong by more than a fifth (mpm.per_element; 4 is the least for large strain).");
   const std::vector<mpm::MaterialOptions>& materials = scene.materials;
   if (std::any_of(materials.begin(), materials.end(), [](const mpm::MaterialOptions& m) { return m.softening_shape > 0 && !m.softening_length_m; }))
-    all.emplace_back("Soil softens without softening_length_m: a shear band is as wide as the cells let it be, and what fails depends on them.");
+    all.push_back("Soil softens without softening_length_m: a shear band is as wide as the cells let it be, and what fails depends on them.");
   double stiffest = 0, softest = std::numeric_limits<double>::infinity();
   for (const mpm::MaterialOptions& m : materials)
     if (m.young_pa > 0) stiffest = std::max(stiffest, m.young_pa), softest = std::min(softest, m.young_pa);
   if (stiffest >= 100 * softest)
-    all.emplace_back("One material is " + number(stiffest / softest, 3) +
+    all.push_back("One material is " + number(stiffest / softest, 3) +
                   " times as stiff as another: within a cell or two of where they meet the soft one is held by the stiff one, and a soft layer of four cells moves up to half less (mpm.refine).");
   const bool turns = std::any_of(scene.grad_v0.begin(), scene.grad_v0.end(), [](const auto& L) { return std::abs(L[2] - L[1]) > 1e-3 * (std::abs(L[0]) + std::abs(L[3])); });
   if (turns && !mpm::row_of(mpm::scheme_of(options).transfer).affine)
-    all.emplace_back("Material starts turning, and mpm.transfer carries no affine velocity: a body of five cells loses a quarter of its spin at once, one of ten cells 7 % (apic loses none).");
+    all.push_back("Material starts turning, and mpm.transfer carries no affine velocity: a body of five cells loses a quarter of its spin at once, one of ten cells 7 % (apic loses none).");
   if (share_in_thin_layers(options, scene) > 0.5)
-    all.emplace_back("More than half of the material with friction lies in layers of one or two cells: sliding over a rough base they are wrong by a fifth and more, with three cells by a tenth (mpm.refine).");
+    all.push_back("More than half of the material with friction lies in layers of one or two cells: sliding over a rough base they are wrong by a fifth and more, with three cells by a tenth (mpm.refine).");
   return all;
 }
 
