@@ -74,16 +74,16 @@ TEST(StillZone, NeedsEnoughParticlesThatHaveStrain) {
 TEST(Verdict, Words) {
   const auto judged = [](double value, double u, KnownParts known = {}, double mesh = not_known, double inputs = not_known,
                          double scale = not_known) {
-    Metric m{.value = value, .uncertainty = u, .factor = 2, .numerical = mesh, .input = inputs, .scale = scale};
-    judge(m, known);
-    for (const double unit : {-1.0, 1e-3, 7.0}) {
-      Metric other{.value = unit * value, .uncertainty = std::abs(unit) * u, .factor = 2, .numerical = std::abs(unit) * mesh,
-                   .input = std::abs(unit) * inputs, .scale = std::abs(unit) * scale};
-      judge(other, known);
-      EXPECT_EQ(other.verdict, m.verdict);
-      EXPECT_EQ(other.lost_in, m.lost_in);
-    }
-    return std::pair(m.verdict, m.lost_in);
+    const auto in_unit = [&](double unit) {
+      Metric m{"", unit * value, "m", std::abs(unit) * u, "", Verdict::none, 2};
+      m.numerical = std::abs(unit) * mesh;
+      m.input = std::abs(unit) * inputs;
+      m.scale = std::abs(unit) * scale;
+      judge(m, known);
+      return std::pair(m.verdict, m.lost_in);
+    };
+    for (const double unit : {-1.0, 1e-3, 7.0}) EXPECT_EQ(in_unit(unit), in_unit(1));
+    return in_unit(1);
   };
   const auto word = [](Verdict verdict, LostIn lost = LostIn::nothing) { return std::pair(verdict, lost); };
   EXPECT_EQ(judged(1.9, 1), word(Verdict::agrees));

@@ -244,7 +244,7 @@ TEST(Verdict, ABiasOfFourUValIsFound) {
 TEST(Verdict, TheGreatestOfManyErrorsIsNoDifference) {
   EXPECT_EQ(greatest_factor(0), std::sqrt(2 * std::log(20.0)));
   EXPECT_NEAR(greatest_factor(1000000), std::sqrt(2 * std::log(2e7)), 1e-12);
-  Metric greatest{.value = 4, .uncertainty = 1, .factor = greatest_factor(1000000)};
+  Metric greatest{"", 4, "m", 1, "", Verdict::none, greatest_factor(1000000)};
   judge(greatest, {});
   EXPECT_TRUE(greatest.lost());
   greatest.value = 6;
