@@ -276,7 +276,7 @@ Comparison Bench::against(const Scene& scene, const fs::path& measured, const So
 
 Said said(const Metric& m) {
   if (!std::isfinite(m.factor) || !std::isfinite(m.uncertainty) || m.verdict == Verdict::withheld) return Said::nothing;
-  return m.told_apart() ? Said::distinguishable : Said::lost;
+  return m.told_apart() ? Said::found : Said::lost;
 }
 
 namespace {

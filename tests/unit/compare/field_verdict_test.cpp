@@ -1,4 +1,4 @@
-// What is said beside "not distinguishable": the mean over a field whose errors are shared over a known length, tolerances
+// What is said of what is lost in its uncertainty: the mean over a field whose errors are shared over a known length, tolerances
 // that are shown, differences that would have been seen, no verdict over too little, and numerics metric by metric.
 #include <gtest/gtest.h>
 
