@@ -36,14 +36,14 @@ Scheme scheme_of(const MpmOptions& options) {
   if (options.damping) scheme.damping = *options.damping;
   if (options.pic_per_s) {
     if (!transfer.blends)
-      throw InputError("mpm.pic_per_s: given with another transfer, expected transfer = \"flip\"");
+      throw InputError("mpm.pic_per_s: given with another transfer, expected transfer = \"flip\" or \"aflip\"");
     scheme.pic_per_s = *options.pic_per_s;
   }
   return scheme;
 }
 
 bool steps_by_arrangement(const Scheme& scheme, bool bodies_or_contact, bool water) {
-  return scheme.shape == ShapeKind::bspline && scheme.takes_updated() && !scheme.axisymmetric && !(scheme.damping > 0) && !bodies_or_contact && !water;
+  return scheme.shape == ShapeKind::bspline && scheme.strains_as_it_moves() && !scheme.axisymmetric && !(scheme.damping > 0) && !bodies_or_contact && !water;
 }
 
 Materials materials_of(const Scene& scene, const std::vector<MaterialOptions>& constants) {

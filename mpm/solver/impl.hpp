@@ -68,6 +68,7 @@ struct Solver::Impl {
   bool leaps() const { return scheme.stress != StressUpdate::usf && !water; }
   void catch_up();
   bool forces_jump(double time) const;
+  double settling_rate(const Vec2& gravity) const;
   Cycle begin_step(double dt);
   void find_cells(const Cycle& c);
   void map_to_nodes(const Cycle& c);

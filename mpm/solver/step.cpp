@@ -18,6 +18,7 @@ constexpr double sort_share = 0.05;          // of the points that may change ce
 constexpr double least_mass = 1e-5;          // of a full cell: lighter nodes move with a neighbour
 constexpr double least_loaded_mass = 1e-2;   // likewise with stress last, where faces bear loads: docs/theory/mpm.md#small-mass-nodes
 constexpr double least_linear_mass = 4e-2;   // likewise with water between linear functions: docs/theory/mpm_water.md#light-nodes
+constexpr double fades_in_fall = 10;       // AFLIP: rate of PIC over (g/h)^(1/2)
 constexpr double touched_share = 0.25;            // of a full cell: mass around a body's outline in contact
 
 }  // namespace
@@ -35,6 +36,12 @@ void Solver::Impl::step(double dt) {
   end_step(c);
 }
 
+// The rate at which velocities between the points of a cell fade: it belongs to the fall through a cell, and so knows
+// neither the step nor the stiffness (docs/theory/mpm.md).
+double Solver::Impl::settling_rate(const Vec2& gravity) const {
+  return fades_in_fall * std::sqrt(gravity.norm() / std::sqrt(g.grid.spacing.prod()));
+}
+
 Solver::Impl::Cycle Solver::Impl::begin_step(double dt) {
   Cycle c{dt, leaps() ? 0.5 * (state.last_step + dt) : dt, choice.threads(), Vec2(0, 0), Vec2(0, 0)};
   choice.begin_step();
@@ -42,6 +49,7 @@ Solver::Impl::Cycle Solver::Impl::begin_step(double dt) {
   g.join_strain_velocities();
   load(dt);
   c.gravity = loading.gravity(state.time);
+  if (!options.pic_per_s && scheme.transfer == TransferKind::aflip) scheme.pic_per_s = settling_rate(c.gravity);
   if (work_in_steps()) c.moment = moment_of_mass();
   if (water) {
     water->set_time(state.time + 0.5 * dt);

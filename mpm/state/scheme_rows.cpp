@@ -15,6 +15,7 @@ Registry<TransferRow>& transfers() {
   static Registry<TransferRow> rows = {
       {{{"flip", TransferKind::flip}, "points take the nodes' change of velocity"}, false, true},
       {{{"apic", TransferKind::apic}, "points take the nodes' velocity and its affine part"}, true},
+      {{{"aflip", TransferKind::aflip}, "points take the nodes' change of velocity, and the affine part of their velocity"}, true, true},
       {{{"xpic", TransferKind::xpic}, "points take the nodes' velocity, filtered to an order"}}};
   return rows;
 }

@@ -64,7 +64,7 @@ struct SchemeRow : NamedValue<SchemeName> {
   Scheme choices;
 };
 inline constexpr std::array scheme_rows{
-    SchemeRow{{"default", SchemeName::standard}, "B-splines, APIC, stress last, F-bar", {}},
+    SchemeRow{{"default", SchemeName::standard}, "B-splines, AFLIP, stress last, F-bar", {}},
     SchemeRow{{"geopart", SchemeName::geopart},
               "the thesis' program, without its damping",
               {.shape = ShapeKind::bilinear,

@@ -41,7 +41,7 @@ struct StrainJob {
 };
 
 struct MoveJob {
-  double dt, pic;          // share of PIC (flip)
+  double dt, pic;          // share of PIC (flip, aflip)
   double reach2;           // greatest squared speed that is good
   const double* filtered;  // xpic: x, y of every node
   TransferKind transfer;
@@ -66,11 +66,11 @@ void average_strain_lanes(ShapeKind shape, Where where, double dt, bool volumes,
                           Range range);
 /// A.8-A.11; `remap`: adds the updated momentum to CellView::strain_velocity.
 GatherSums move_lanes(ShapeKind shape, const MoveJob& job, const PointView& p, const CellView& c, Range range);
-/// A.12; F-bar of three-node shapes: with the averaged volumetric increment. With Where::before does what locate_lanes()
-/// does too.
+/// A.12; F-bar of three-node shapes: with the averaged volumetric increment. With `suspects` does what locate_lanes() does
+/// too.
 std::size_t strain_lanes(ShapeKind shape, const StrainJob& job, const PointView& p, const CellView& c, Range range,
                          const StrainIncrements& out, std::uint32_t* suspects);
-/// Both together, three-node shapes with usl and apic (`strain.locking` none): the strain-rate velocity is the updated one.
+/// Both together, three-node shapes with usl and apic or aflip (`strain.locking` none): the strain-rate velocity is the updated one.
 /// Does what locate_lanes() does too.
 GatherSums move_strain_lanes(ShapeKind shape, const MoveJob& job, const StrainJob& strain, const PointView& p, const CellView& c,
                              Range range, const StrainIncrements& out, std::uint32_t* suspects);

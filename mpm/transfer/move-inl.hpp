@@ -46,6 +46,7 @@ struct AffineWeights {
 template <class S, TransferKind transfer>
 struct Moving {
   static constexpr int W = S::width, N = W * W;
+  static constexpr bool affine = transfer == TransferKind::apic || transfer == TransferKind::aflip;
   const MoveJob job;
   const PointView p;
   const CellView c;
@@ -82,25 +83,25 @@ struct Moving {
     return sum;
   }
 
-  // The nodes' updated velocity at the points, and their affine field (apic).
+  // The nodes' updated velocity at the points, and their affine field.
   struct Field {
     V x, y, xx, xy, yx, yy;
   };
   template <class Lines>
   HWY_INLINE Field updated(const Lines& l, const TileCells& cells) const {
     Field out{zero(), zero(), zero(), zero(), zero(), zero()};
-    if constexpr (transfer == TransferKind::apic) {
-      const AffineWeights<Lines> affine(l, cells, c);
+    if constexpr (affine) {
+      const AffineWeights<Lines> weights(l, cells, c);
       const auto add = [&](int b, double Node::*member, V& v, V& by_x, V& by_y) PIVNP_TILE {
         V value = zero(), moment = zero();
         for (int a = 0; a < W; ++a) {
           const V at = cells.value(b * cells.nx + a, member);
           value = hn::MulAdd(l.x.w[a], at, value);
-          moment = hn::MulAdd(affine.x[a], at, moment);
+          moment = hn::MulAdd(weights.x[a], at, moment);
         }
         v = hn::MulAdd(l.y.w[b], value, v);
         by_x = hn::MulAdd(l.y.w[b], moment, by_x);
-        by_y = hn::MulAdd(affine.y[b], value, by_y);
+        by_y = hn::MulAdd(weights.y[b], value, by_y);
       };
       for (int b = 0; b < W; ++b) {
         add(b, &Node::nx, out.x, out.xx, out.xy);
@@ -143,13 +144,15 @@ struct Moving {
     t.store(hn::MulAdd(set(job.dt), ny, t.again(p.y)), p.y);
     V ux, uy;
     V before = half * hn::MulAdd(vx, vx, vy * vy), after = zero();
-    if constexpr (transfer == TransferKind::apic) {
+    if constexpr (affine) {
       before = before + affine_energy(t.load(p.C_xx), t.load(p.C_xy), t.load(p.C_yx), t.load(p.C_yy));
       t.store(n.xx, p.C_xx);
       t.store(n.xy, p.C_xy);
       t.store(n.yx, p.C_yx);
       t.store(n.yy, p.C_yy);
       after = affine_energy(n.xx, n.xy, n.yx, n.yy);
+    }
+    if constexpr (transfer == TransferKind::apic) {
       ux = nx;
       uy = ny;
     } else {
@@ -181,7 +184,7 @@ struct Moving {
     for (int n = 0; n < N; ++n) {
       const V mass = m * l.x.w[n % W] * l.y.w[n / W];
       V x = ux, y = uy;
-      if constexpr (transfer == TransferKind::apic) {
+      if constexpr (affine) {
         x = hn::MulAdd(cxx, ax[n % W], hn::MulAdd(cxy, ay[n / W], x));
         y = hn::MulAdd(cyx, ax[n % W], hn::MulAdd(cyy, ay[n / W], y));
       }

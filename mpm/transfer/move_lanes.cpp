@@ -21,9 +21,13 @@ GatherSums move_all(const MoveJob& job, const PointView& p, const CellView& c, R
 GatherSums move_range(ShapeKind shape, const MoveJob& job, const PointView& p, const CellView& c, Range range) {
   return Shapes::with(shape, [&](auto kind) HWY_ATTR {
     using S = decltype(kind);
-    return job.transfer == TransferKind::apic   ? move_all<S, TransferKind::apic>(job, p, c, range)
-           : job.transfer == TransferKind::xpic ? move_all<S, TransferKind::xpic>(job, p, c, range)
-                                                : move_all<S, TransferKind::flip>(job, p, c, range);
+    switch (job.transfer) {
+      case TransferKind::apic: return move_all<S, TransferKind::apic>(job, p, c, range);
+      case TransferKind::aflip: return move_all<S, TransferKind::aflip>(job, p, c, range);
+      case TransferKind::xpic: return move_all<S, TransferKind::xpic>(job, p, c, range);
+      case TransferKind::flip: break;
+    }
+    return move_all<S, TransferKind::flip>(job, p, c, range);
   });
 }
 

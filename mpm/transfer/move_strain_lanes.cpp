@@ -13,7 +13,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace pivnp::mpm::HWY_NAMESPACE {
 
-// The nodes' updated velocity at a tile's points, C of APIC, and the gradient per cell side.
+// The nodes' updated velocity at a tile's points, its affine part, and the gradient per cell side.
 struct Sampled {
   V x, y, xx, xy, yx, yy;
   LaneGradient slope;
@@ -65,9 +65,17 @@ HWY_INLINE Sampled sampled(const CellPolynomials& v, V xi, V eta, const CellView
   return n;
 }
 
-template <class S>
+// The nodes' velocity before its update at a tile's points.
+HWY_INLINE Velocity mapped_by(const CellPolynomials& v, V xi, V eta) {
+  const V x1 = set(0.5) * xi, y1 = set(0.5) * eta, x2 = xi * xi, y2 = eta * eta;
+  return {v.rows([](V k) PIVNP_TILE { return first_of_turn(k); }, x1, x2).up(y1, y2),
+          v.rows([](V k) PIVNP_TILE { return second_of_turn(k); }, x1, x2).up(y1, y2)};
+}
+
+template <class S, TransferKind transfer>
 struct MovingStrain {
-  using Move = Moving<S, TransferKind::apic>;
+  using Move = Moving<S, transfer>;
+  static constexpr bool changes = transfer != TransferKind::apic;  // the nodes' change of velocity counts
   Move move;
   double sx = move.job.dt * move.c.per_hx, sy = move.job.dt * move.c.per_hy;
 
@@ -75,46 +83,77 @@ struct MovingStrain {
   template <class Tile>
   HWY_INLINE LaneGradient tile(const Tile& t, const Natural& at, const TileCells& cells) {
     if constexpr (CellPolynomials::are_of<S> && !Tile::marked) {
-      return moved(t, sampled(CellPolynomials(StrainVelocityAt<false>(move.c, cells), cells), at.xi, at.eta, move.c));
+      return by_polynomials(t, at, cells);
     } else {
       if constexpr (CellPolynomials::are_of<S>)
-        if (CellPolynomials::hold(cells) && !(cells.any_mark() & strained_apart))
-          return moved(t,
-                       sampled(CellPolynomials(StrainVelocityAt<false>(move.c, cells), cells), at.xi, at.eta, move.c));
+        if (CellPolynomials::hold(cells) && !(cells.any_mark() & strained_apart)) return by_polynomials(t, at, cells);
       const TileLines<S, Tile> l(move.p, cells, t, at);
-      const LaneGradient own = moved(t, sampled(l, cells, move.c));
+      const Sampled n = sampled(l, cells, move.c);
+      Velocity mapped{zero(), zero()};
+      if constexpr (changes) mapped = Move::interpolated(l, cells, &Node::vx, &Node::vy);
+      const LaneGradient own = moved(t, n, mapped);
       if constexpr (Tile::marked)
         if (cells.any_mark() & strained_apart) return of_own(t, gradient(l, move.c, cells, sx, sy));
       return own;
     }
   }
   template <class Tile>
-  HWY_INLINE LaneGradient moved(const Tile& t, const Sampled& n) {
-    const auto none = [] PIVNP_TILE { return Velocity{zero(), zero()}; };
-    move.move(t, {n.x, n.y, n.xx, n.xy, n.yx, n.yy}, none, none);
+  HWY_INLINE LaneGradient by_polynomials(const Tile& t, const Natural& at, const TileCells& cells) {
+    const Sampled n = sampled(CellPolynomials(StrainVelocityAt<false>(move.c, cells), cells), at.xi, at.eta, move.c);
+    Velocity mapped{zero(), zero()};
+    if constexpr (changes) mapped = mapped_by(CellPolynomials(MappedVelocityAt(cells), cells), at.xi, at.eta);
+    return moved(t, n, mapped);
+  }
+  template <class Tile>
+  HWY_INLINE LaneGradient moved(const Tile& t, const Sampled& n, const Velocity& mapped) {
+    move.move(
+        t, {n.x, n.y, n.xx, n.xy, n.yx, n.yy}, [&] PIVNP_TILE { return mapped; },
+        [] PIVNP_TILE { return Velocity{zero(), zero()}; });
     const V x = set(sx), y = set(sy);
     return of_own(t, {n.slope.xx * x, n.slope.xy * y, n.slope.yx * x, n.slope.yy * y});
   }
 };
+
+template <class S, TransferKind transfer>
+HWY_INLINE GatherSums move_strain_of(const MoveJob& job, const StrainJob& strain, const PointView& p, const CellView& c, Range range,
+                                     const StrainIncrements& out, std::uint32_t* suspects) {
+  MovingStrain<S, transfer> both{{job, p, c}};
+  std::size_t found = 0;
+  const Straining<S> straining{strain, p, c, out, c.begin[range.begin]};
+  for_tiles(c, range, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
+    const Natural at = natural<S>(p, c, cells, t);
+    straining.tile(t, at, cells, both.tile(t, at, cells), nullptr, 0);
+    find_suspects(c, cells, t, natural_of(c, cells, t.again(p.x), t.again(p.y)), suspects, found);
+  });
+  GatherSums sums = sums_of(both.move.fastest2, both.move.loss, both.move.good);
+  sums.suspects = found;
+  return sums;
+}
+
+template <class S, TransferKind transfer>
+HWY_INLINE GatherSums move_average_of(const MoveJob& job, const PointView& p, const CellView& c, Range range) {
+  MovingStrain<S, transfer> both{{job, p, c}};
+  for_tiles(c, range, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
+    const Natural at = natural<S>(p, c, cells, t);
+    if (job.keep) {
+      t.store(at.xi, p.xi);
+      t.store(at.eta, p.eta);
+    }
+    const LaneGradient G = both.tile(t, at, cells);
+    add_to_averages(c, cells, false, at.xi, at.eta, joined_volume(p, t), t.live(lane_log_det(G)));
+  });
+  return sums_of(both.move.fastest2, both.move.loss, both.move.good);
+}
 
 GatherSums move_strain_range(ShapeKind shape, const MoveJob& job, const StrainJob& strain, const PointView& p, const CellView& c,
                              Range range, const StrainIncrements& out, std::uint32_t* suspects) {
   return Shapes::with(shape, [&](auto kind) HWY_ATTR {
     using S = decltype(kind);
     if constexpr (!S::centred) return GatherSums{};
-    else {
-      MovingStrain<S> both{{job, p, c}};
-      std::size_t found = 0;
-      const Straining<S> straining{strain, p, c, out, c.begin[range.begin]};
-      for_tiles(c, range, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
-        const Natural at = natural<S>(p, c, cells, t);
-        straining.tile(t, at, cells, both.tile(t, at, cells), nullptr, 0);
-        find_suspects(c, cells, t, natural_of(c, cells, t.again(p.x), t.again(p.y)), suspects, found);
-      });
-      GatherSums sums = sums_of(both.move.fastest2, both.move.loss, both.move.good);
-      sums.suspects = found;
-      return sums;
-    }
+    else
+      return job.transfer == TransferKind::apic
+                 ? move_strain_of<S, TransferKind::apic>(job, strain, p, c, range, out, suspects)
+                 : move_strain_of<S, TransferKind::aflip>(job, strain, p, c, range, out, suspects);
   });
 }
 
@@ -122,15 +161,9 @@ GatherSums move_average_range(ShapeKind shape, const MoveJob& job, const PointVi
   return Shapes::with(shape, [&](auto kind) HWY_ATTR {
     using S = decltype(kind);
     if constexpr (!S::centred) return GatherSums{};
-    else {
-      MovingStrain<S> both{{job, p, c}};
-      for_tiles(c, range, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
-        const Natural at = natural<S>(p, c, cells, t);
-        const LaneGradient G = both.tile(t, at, cells);
-        add_to_averages(c, cells, false, at.xi, at.eta, joined_volume(p, t), t.live(lane_log_det(G)));
-      });
-      return sums_of(both.move.fastest2, both.move.loss, both.move.good);
-    }
+    else
+      return job.transfer == TransferKind::apic ? move_average_of<S, TransferKind::apic>(job, p, c, range)
+                                                : move_average_of<S, TransferKind::aflip>(job, p, c, range);
   });
 }
 

@@ -240,7 +240,7 @@ std::vector<NodeSums> map_points(const Particles& p, const GridState& g, const S
     if (scheme.locking == Locking::full) own = Mat2::Zero(), shared = stress;
     const Vec2 v(p.vx[k], p.vy[k]);
     Mat2 C = Mat2::Zero();
-    if (scheme.transfer == TransferKind::apic) C << p.C_xx[k], p.C_xy[k], p.C_yx[k], p.C_yy[k];
+    if (scheme.affine()) C << p.C_xx[k], p.C_xy[k], p.C_yx[k], p.C_yy[k];
     for (std::size_t n = 0; n < nodes.size(); ++n) {
       const AtNode& i = nodes[n];
       NodeSums& to = sums[i.node];
@@ -269,12 +269,13 @@ std::vector<MovedPoint> move_points(const Particles& p, const GridState& g, cons
       mapped += i.weight * Vec2(node.vx, node.vy);
       updated += i.weight * n;
       if (!filtered.empty()) smooth += i.weight * filtered[i.node];
-      if (scheme.transfer == TransferKind::apic) to.affine += n * i.affine.transpose();
+      if (scheme.affine()) to.affine += n * i.affine.transpose();
     }
     to.place = Vec2(p.x[k], p.y[k]) + dt * updated;
     const Vec2 flip = Vec2(p.vx[k], p.vy[k]) + (updated - mapped);
     switch (scheme.transfer) {
-      case TransferKind::flip: to.velocity = flip + pic * (updated - flip); break;
+      case TransferKind::flip:
+      case TransferKind::aflip: to.velocity = flip + pic * (updated - flip); break;
       case TransferKind::apic: to.velocity = updated; break;
       case TransferKind::xpic: to.velocity = smooth + (updated - mapped); break;
     }

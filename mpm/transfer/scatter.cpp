@@ -73,7 +73,7 @@ void map_sums(const Particles& p, GridState& g, const Scheme& scheme, bool force
   };
   const PointView points = p.view();
   const CellView cells = g.view();
-  const bool affine = scheme.transfer == TransferKind::apic;
+  const bool affine = scheme.affine();
   const auto map = [&](Range range, std::size_t) {
     map_lanes(g.shape, affine, true, force, scheme.locking, points, cells, range);
   };

@@ -39,6 +39,19 @@ struct StrainVelocityAt {
   }
 };
 
+// That which was mapped to them.
+struct MappedVelocityAt {
+  const double* first[groups];
+
+  HWY_INLINE explicit MappedVelocityAt(const TileCells& cells) {
+    for (std::size_t g = 0; g < groups; ++g) first[g] = &cells.base[g]->vx;
+  }
+  HWY_INLINE V both(std::ptrdiff_t n) const {
+    constexpr std::ptrdiff_t next = sizeof(Node) / sizeof(double);
+    return load_in_turn(first[0] + n * next, first[groups - 1] + n * next);
+  }
+};
+
 template <class Lines>
 HWY_INLINE LaneGradient gradient(const Lines& l, const CellView& view, const TileCells& cells, double sx, double sy) {
   const StrainVelocityAt<Lines::marked> u(view, cells);
@@ -89,10 +102,10 @@ class CellPolynomials {
  public:
   template <class Shape>
   static constexpr bool are_of = std::is_same_v<Shape, BSplineShape>;
-  /// Of the strain-rate velocity, where hold(); that is the updated one where one sweep moves and strains, but in cells
-  /// strained apart.
-  template <bool marked>
-  HWY_INLINE CellPolynomials(const StrainVelocityAt<marked>& u, const TileCells& cells)
+  /// Of a velocity of the nodes, where hold(). The strain-rate velocity is the updated one where one sweep moves and strains,
+  /// but in cells strained apart.
+  template <class VelocityAt>
+  HWY_INLINE CellPolynomials(const VelocityAt& u, const TileCells& cells)
       : CellPolynomials(row(u, 0), row(u, cells.nx), row(u, 2 * cells.nx)) {}
   static HWY_INLINE bool hold(const TileCells& cells) {
     return !(cells.any_mark() & (wall_left | wall_right | wall_down | wall_up));
@@ -123,8 +136,8 @@ class CellPolynomials {
  private:
   HWY_INLINE CellPolynomials(const Parabola& low, const Parabola& middle, const Parabola& high)
       : one_(low.a, middle.a, high.a), along_(low.b, middle.b, high.b), square_(low.c, middle.c, high.c) {}
-  template <bool marked>
-  static HWY_INLINE Parabola row(const StrainVelocityAt<marked>& u, std::ptrdiff_t n) {
+  template <class VelocityAt>
+  static HWY_INLINE Parabola row(const VelocityAt& u, std::ptrdiff_t n) {
     return {u.both(n), u.both(n + 1), u.both(n + 2)};
   }
 
@@ -335,7 +348,7 @@ struct Straining {
       for_tiles(c, part, [&](const auto& t, const TileCells& cells) PIVNP_TILE {
         const Natural at = natural<S>(p, c, cells, t, job.where, job.dt);
         waiting.strain(*this, t, at, cells, gradient_of(t, at, cells), averages, part.begin);
-        if (job.where == Where::before)
+        if (suspects)
           find_suspects(c, cells, t, natural_of(c, cells, t.again(p.x), t.again(p.y)), suspects, found);
       });
       range.begin = part.end;

@@ -135,14 +135,14 @@ double strain_and_update(Particles& p, GridState& g, const Scheme& scheme, doubl
   const MoveJob move = move_job(g, scheme, dt);
   const bool together = moved && scheme.locking == Locking::none;
   std::vector<GatherSums> results(together ? g.active.pieces.size() : 0);
-  g.relocation.done = scheme.takes_updated();
+  g.relocation.done = scheme.strains_as_it_moves();
   if (g.relocation.done) {
     g.relocation.suspects.resize(g.cells.order.size());
     g.relocation.found.resize(g.active.pieces.size());
   }
   const auto strain = [&](Range range, std::size_t piece, const StrainIncrements& de) {
     const std::size_t first = g.cells.begin[range.begin];
-    std::uint32_t* room = g.relocation.suspects.data() + first;
+    std::uint32_t* room = g.relocation.done ? g.relocation.suspects.data() + first : nullptr;
     std::size_t found = 0;
     if (together) {
       results[piece] = move_strain_lanes(g.shape, move, job, points, cells, range, de, room);
@@ -170,7 +170,7 @@ double strain_and_update(Particles& p, GridState& g, const Scheme& scheme, doubl
 }
 
 bool moves_with_strain(const GridState& g, const Scheme& scheme) {
-  return g.centred && scheme.takes_updated() && !scheme.axisymmetric &&
+  return g.centred && scheme.strains_as_it_moves() && !scheme.axisymmetric &&
          (scheme.locking == Locking::none || (scheme.locking == Locking::fbar && g.active.resting.empty()));
 }
 

@@ -1,4 +1,4 @@
-// What APIC takes out of a wave in each step (docs/theory/mpm.md).
+// What transfers take out of a wave (docs/theory/mpm.md): APIC a share of each step, AFLIP a rate.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,12 +11,11 @@ namespace {
 
 using namespace test;
 
-// A standing wave of a length of 20 cells in a bar held at both ends: what is left of its energy, and the steps.
+// A standing wave of a length of so many cells in a bar held at both ends: what is left of its energy, and the steps.
 struct Left {
   double share, steps;
 };
-Left after_two_periods(double courant, TransferKind transfer) {
-  constexpr int cells = 20;
+Left after_two_periods(double courant, TransferKind transfer, int cells = 20, double pic_per_s = 0) {
   const double h = 0.05, length = cells * h, speed = std::sqrt(1e6 / 1000), k = 2 * M_PI / length;
   Scene s = scene(Grid{{0, 0}, {h, h}, cells + 1, 3}, {rectangle("bar", 0, 0, length, 2 * h)}, {elastic(1e6, 0, 1000)});
   s.boundaries = {{"base", line({0, 0}, {length, 0}, "roller")},
@@ -29,6 +28,7 @@ Left after_two_periods(double courant, TransferKind transfer) {
   MpmOptions o = options();
   o.locking = Locking::none;
   o.transfer = transfer;
+  if (pic_per_s > 0) o.pic_per_s = pic_per_s;
   o.courant = courant;
   o.end_at_rest = false;
   Solver solver(o, s, 1);
@@ -46,6 +46,17 @@ TEST(ApicLoss, IsThatOfItsFilterInEachStep) {
     EXPECT_NEAR(-std::log(left.share) / left.steps / per_step, 1, 0.1) << courant;
   }
   EXPECT_NEAR(after_two_periods(0.05, TransferKind::flip).share, 1, 0.02);
+}
+
+// The share r dt of a step is that of a second, whatever the step; without it next to nothing is lost.
+TEST(AflipLoss, IsARateThatKnowsNoStep) {
+  const int cells = 10;
+  const double q = 2 * M_PI / cells, seconds = 2 * cells * 0.05 / std::sqrt(1e6 / 1000), rate = 1500;
+  const double lost = rate * std::pow(q, 4) / 40 * seconds;
+  for (const double courant : {0.1, 0.05}) {
+    EXPECT_NEAR(-std::log(after_two_periods(courant, TransferKind::aflip, cells, rate).share) / lost, 1, 0.15) << courant;
+    EXPECT_NEAR(after_two_periods(courant, TransferKind::aflip, cells).share, 1, 0.02) << courant;
+  }
 }
 
 }  // namespace

@@ -254,6 +254,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Choice{"gimp", "apic", "usl", "fbar"}, Choice{"bspline", "flip", "musl", "none"},
                     Choice{"bspline", "flip", "usf", "none"}, Choice{"bspline", "apic", "usl", "none"},
                     Choice{"bspline", "apic", "usl", "fbar"}, Choice{"bspline", "apic", "musl", "fbar"},
+                    Choice{"bspline", "aflip", "usl", "none"}, Choice{"bspline", "aflip", "usl", "fbar"},
+                    Choice{"gimp", "aflip", "usl", "fbar"},
                     Choice{"bspline", "xpic", "usl", "fbar"}),
     name_of);
 
