@@ -156,7 +156,7 @@ std::string withhold(const Findings& f, double least, std::vector<Metric>& metri
   const double start = f.coverage[0], end = double(f.last().displacement.count()) / double(f.particles);
   if (!(std::min(start, end) < least)) return "";
   for (Metric& m : metrics) {
-    if (m.verdict == Verdict::none && std::isnan(m.factor)) continue;
+    if (std::isnan(m.factor) && m.name != "outline_iou") continue;
     m.verdict = Verdict::withheld;
     m.uncertainty = not_known;
   }
@@ -181,7 +181,8 @@ std::vector<ComparisonTable> tables_of(const Findings& findings) {
 // Data sets are read anew where the walk has left them beyond what is wanted. Limits are the caller's to apply.
 Comparison compare_sets(const MotionSource& first_motion, const MotionSource& second_motion,
                         const CompareOptions& options, const LimitOptions& limits, const Refinement& refinement,
-                        const StrainNotes& notes, const Together& together, Progress& progress) {
+                        const std::vector<std::vector<Metric>>& on_coarser, const StrainNotes& notes,
+                        const Together& together, Progress& progress) {
   const CommonTimes common = common_times(first_motion, second_motion);
   DataSet first(first_motion, common), second(second_motion, common);
   Alignment alignment(first, second);
@@ -233,6 +234,13 @@ Comparison compare_sets(const MotionSource& first_motion, const MotionSource& se
   out.metrics = metrics_of(findings);
   if (const std::string why = withhold(findings, options.verdict_coverage, out.metrics); !why.empty())
     out.remarks.push_back(why);
+  if (!on_coarser.empty()) {
+    const std::vector<std::string> outside = add_numerical(out.metrics, on_coarser, refinement.ratio);
+    if (!outside.empty()) out.remarks.push_back(remark_outside(outside));
+  }
+  // What carries covariances was measured: it has neither mesh nor inputs.
+  const bool measured = differences.cov_known(0) && differences.cov_known(1);
+  judge(out.metrics, {measured, measured}, unit);
   remark_findings(findings, out.remarks);
   remark_units(options, limits, unit, out.remarks);
   remark_offsets(findings, out.remarks);
@@ -261,14 +269,11 @@ Comparison compare(const MotionSource& first, const MotionSource& given_second, 
   const MotionSource& second = seen(given_second);
   Refinement refinement{{}, given_refinement.ratio};
   for (const MotionSource* coarser : given_refinement.coarser) refinement.coarser.push_back(&seen(*coarser));
-  Comparison out = compare_sets(first, second, options, limits, refinement, notes, together, progress);
   std::vector<std::vector<Metric>> on_coarser;
   for (const MotionSource* coarser : refinement.coarser)
-    on_coarser.push_back(compare_sets(first, *coarser, options, limits, {}, {notes[0], {}}, together, progress).metrics);
-  if (!on_coarser.empty()) {
-    const std::vector<std::string> outside = add_numerical(out.metrics, on_coarser, refinement.ratio);
-    if (!outside.empty()) out.remarks.push_back(remark_outside(outside));
-  }
+    on_coarser.push_back(
+        compare_sets(first, *coarser, options, limits, {}, {}, {notes[0], {}}, together, progress).metrics);
+  Comparison out = compare_sets(first, second, options, limits, refinement, on_coarser, notes, together, progress);
   out.limits = apply_limits(limits, out.metrics);
   return out;
 }

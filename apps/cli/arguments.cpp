@@ -139,7 +139,7 @@ int print_outcome(const RunOutcome& outcome, const Arguments& arguments, const s
   for (const LimitResult& l : outcome.limits) {
     limits.items.push_back({"compare.limits." + l.key, l.limit, l.reached, l.met});
     if (l.met && session.quiet) continue;
-    std::string text = "compare.limits." + l.key + ": " + std::string(name_of(l.verdict())) + ": reached " + number(l.reached, 6) +
+    std::string text = "compare.limits." + l.key + ": " + std::string(name_of(l.fate())) + ": reached " + number(l.reached, 6) +
                        ", limit " + number(l.limit, 6);
     if (std::isfinite(l.within)) text += l.shown() ? "; within it with 95 %" : "; within " + number(l.within, 3) + " with 95 %";
     line(text);

@@ -35,8 +35,7 @@ std::string digits_of(double value) {
 }
 
 std::string verdict_of(const Metric& m) {
-  if (m.verdict != Verdict::none) return json_text(std::string(name_of(m.verdict)));
-  return std::isfinite(m.seen()) ? json_text("distinguishable") : "null";
+  return m.verdict == Verdict::none ? "null" : json_text(std::string(name_of(m.verdict)));
 }
 
 std::string path_or_null(const std::filesystem::path& file) { return file.empty() ? "null" : json_text(file.string()); }
@@ -53,6 +52,8 @@ std::string comparison_json(const RunOutcome& outcome, int exit_code) {
            ", \"uncertainty\": " + digits_of(m.uncertainty);
     if (std::isfinite(m.factor))
       out += ", \"within_95\": " + digits_of(m.within()) + ", \"seen_95\": " + digits_of(m.seen()) + ", \"verdict\": " + verdict_of(m);
+    if (m.lost_in != LostIn::nothing) out += ", \"lost_in\": " + json_text(std::string(name_of(m.lost_in)));
+    if (m.limit != LimitFate::none) out += ", \"limit\": " + json_text(std::string(name_of(m.limit)));
     out += "}";
     comma = ",\n";
   }
@@ -61,7 +62,7 @@ std::string comparison_json(const RunOutcome& outcome, int exit_code) {
   for (const LimitResult& l : outcome.limits) {
     out += comma;
     out += "    " + json_text(l.key) + ": {\"limit\": " + digits_of(l.limit) + ", \"reached\": " + digits_of(l.reached) + ", \"verdict\": " +
-           json_text(std::string(name_of(l.verdict()))) + ", \"shown_95\": " + (l.shown() ? "true" : "false") + "}";
+           json_text(std::string(name_of(l.fate()))) + ", \"shown_95\": " + (l.shown() ? "true" : "false") + "}";
     comma = ",\n";
   }
   out += "\n  },\n  \"remarks\": [";

@@ -57,7 +57,7 @@ std::string suite(const VerifyResult& result) {
       "  <testsuite" + attribute("name", result.name) +
       counts(result.items.size() + errors_of(result), failures_of(result), errors_of(result), result.seconds) + ">\n";
   for (const VerifyResult::Item& item : result.items) {
-    const std::string verdict = std::string(name_of(item.passed ? Verdict::met : Verdict::exceeded)) + ": reached " +
+    const std::string verdict = std::string(name_of(item.passed ? LimitFate::met : LimitFate::exceeded)) + ": reached " +
                                 number(item.reached, 6) + ", limit " + number(item.limit, 6);
     xml += "    <testcase" + attribute("classname", result.name) + attribute("name", item.criterion) + ">\n";
     if (!item.passed) xml += "      <failure" + attribute("message", verdict) + "/>\n";

@@ -27,11 +27,11 @@ std::string quoted(std::string text) {
 }
 
 std::string metrics_csv(const std::vector<Metric>& metrics) {
-  std::string text = "name,value,unit,standard uncertainty,verdict,definition\n";
+  std::string text = "name,value,unit,standard uncertainty,verdict,lost in,limit,definition\n";
   const auto cell = [](double v) { return std::isfinite(v) ? number(v, 12) : std::string(); };
   for (const Metric& m : metrics)
     text += m.name + "," + cell(m.value) + "," + m.unit + "," + cell(m.uncertainty) + "," + quoted(std::string(name_of(m.verdict))) +
-            "," + quoted(m.definition) + "\n";
+            "," + std::string(name_of(m.lost_in)) + "," + std::string(name_of(m.limit)) + "," + quoted(m.definition) + "\n";
   return text;
 }
 

@@ -75,7 +75,7 @@ std::vector<LimitResult> apply_limits(const LimitOptions& limits, std::vector<Me
       const bool withheld = m.verdict == Verdict::withheld;
       const double size = withheld && !row.least ? not_known : row.least ? m.value : std::abs(m.value);
       const bool met = row.least ? size >= *limit : size <= *limit;  // a value that is not a number exceeds it
-      m.verdict = met ? Verdict::met : Verdict::exceeded;
+      m.limit = met ? LimitFate::met : LimitFate::exceeded;
       result.met = result.met && met;
       if (std::isnan(size) || (row.least ? size < result.reached : size > result.reached)) result.reached = size;
       if (row.least) continue;

@@ -56,11 +56,11 @@ constexpr VectorStatistic vector_statistics[] = {
     {"p95", "95th percentile", "95th percentile of |#_second - #_first| (nearest rank)",
      [](const VectorStatistics& d) { return d.p95(); }, [](const VectorStatistics& d) { return d.p95_uncertainty(); },
      "95th percentile of the root trace of its variance", percentile_factor,
-     [](const ScalarStatistics& s) { return s.p95(); }, "; distinguishable only beyond "},
+     [](const ScalarStatistics& s) { return s.p95(); }, "; it counts only beyond "},
     {"max", "maximum", "greatest |#_second - #_first|", [](const VectorStatistics& d) { return d.max(); },
      [](const VectorStatistics& d) { return d.max_uncertainty(); }, "root trace of its variance where it occurs",
      greatest_of_paths_factor, [](const ScalarStatistics& s) { return s.max(); },
-     "; the greatest of so many errors is distinguishable only beyond "}};
+     "; the greatest of so many errors counts only beyond "}};
 
 // A vector whose differences are counted.
 struct VectorSubject {

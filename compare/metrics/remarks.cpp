@@ -119,8 +119,8 @@ void remark_offsets(const Findings& f, std::vector<std::string>& remarks) {
                       "compare.time_offset_s or time_alignment sets the second's.");
   if (f.beginnings.rest_over_u.value_or(0) > 2)
     remarks.push_back("While the second stands still, the first differs from it by " + number(*f.beginnings.rest_over_u, 2) +
-                      " times the uncertainty: it moves already, or its errors are larger than stated. What is distinguishable "
-                      "by less than that may be error.");
+                      " times the uncertainty: it moves already, or its errors are larger than stated. Differences of "
+                      "fewer uncertainties than that may be error.");
   if (f.time_offset)
     remarks.push_back("The second's clock was set by " + number(f.time_offset->time) + " " + f.time_unit +
                       " (standard uncertainty " + number(f.time_offset->sigma, 2) + " " + f.time_unit +

@@ -28,7 +28,8 @@ std::vector<Metric> metrics_of(const HistoryMeasures& measures) {
     if (unit.starts_with('V')) unit = measures.unit + unit_in(unit.substr(1), "", measures.time_unit);
     else unit = unit_in(unit, "", measures.time_unit);
     metrics.push_back({measures.subject + "_" + row.name, found->value, std::move(unit), found->uncertainty,
-                       definition + found->note, found->verdict, found->factor});
+                       definition + found->note, Verdict::none, found->factor});
+    metrics.back().scale = found->scale;
   }
   return metrics;
 }
@@ -36,9 +37,11 @@ std::vector<Metric> metrics_of(const HistoryMeasures& measures) {
 std::vector<Metric> metrics_of(const Findings& findings) {
   std::vector<Metric> metrics;
   for (const MetricRow& row : metric_rows())
-    if (const std::optional<MetricValue> found = row.value(findings))
+    if (const std::optional<MetricValue> found = row.value(findings)) {
       metrics.push_back({row.name, found->value, unit_in(row.unit, findings.length_unit, findings.time_unit),
-                         found->uncertainty, row.definition + found->note, found->verdict, found->factor});
+                         found->uncertainty, row.definition + found->note, Verdict::none, found->factor});
+      metrics.back().scale = found->scale;
+    }
   for (const HistoryMeasures& point : findings.points.histories)
     for (Metric& metric : metrics_of(point)) metrics.push_back(std::move(metric));
   return metrics;

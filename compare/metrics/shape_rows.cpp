@@ -63,8 +63,7 @@ void add_outlines(Registry<MetricRow>& rows) {
                                  on_cells(f) +
                                      "; uncertainty, a bound: length of each outline times what it is uncertain by "
                                      "(half a particle spacing, rectangular, and the error of u, where known) over the "
-                                     "area of either",
-                                 1 - iou < 2 * u ? Verdict::not_distinguishable : Verdict::none};
+                                     "area of either"};
             }});
   rows.add({{.name = "outline_hausdorff_95", .unit = "L",
              .definition = "Hausdorff distance of the outlines, 95 %: of points a cell apart on each, the 95th percentile "
@@ -89,7 +88,7 @@ Values placed(const Findings& f, const PerDataSet<double>& value, bool comparabl
 }
 
 // What is read off a thin end moves by `times` what its outline is off by, and with its particles.
-// `k`: so many uncertainties are distinguishable; more than two for what the outermost of many particles decide.
+// `k`: from so many uncertainties on it counts; more than two for what the outermost of many particles decide.
 Values at_thin_end(const Findings& f, const PerDataSet<double>& value, const std::string& more, const PerDataSet<double>& times, double k) {
   const std::string how = "; uncertainty: half a particle spacing (rectangular) and what is given of u" + more +
                           "; and the covariance of the particles there, along and, times cot of that angle, across";

@@ -17,6 +17,18 @@ const OwnFacts& strain_members() {
   return list;
 }
 
+// Root mean square of the first's deviatoric strain at the end.
+double size_of_strain(const Findings& f) {
+  double sum = 0;
+  std::size_t count = 0;
+  for (const double dev : f.differences.last_particles().dev_first)
+    if (std::isfinite(dev)) {
+      sum += dev * dev;
+      ++count;
+    }
+  return count == 0 ? not_known : std::sqrt(sum / double(count));
+}
+
 struct ScalarStatistic {
   const char *name, *words, *definition;
   double (*value)(const ScalarStatistics&);
@@ -101,8 +113,11 @@ void add_strain(Registry<MetricRow>& rows, const Span& span) {
       rows.add({with_own(facts(s), strain_members()), [=](const Findings& f) -> std::optional<MetricValue> {
                   const ScalarStatistics& d = span.tally(f).*strain.statistics;
                   if (d.count() == 0) return std::nullopt;
-                  return difference(s.value(d), strain.uncertainty(s, span, f),
-                                    span.when(f) + strain_text(f, strain, s, span), strain.factor(s, f, d.count()));
+                  MetricValue found =
+                      difference(s.value(d), strain.uncertainty(s, span, f),
+                                 span.when(f) + strain_text(f, strain, s, span), strain.factor(s, f, d.count()));
+                  if (strain.axis == 0) found.scale = size_of_strain(f);
+                  return found;
                 }});
     for (const ScalarStatistic& s : scalar_statistics) {
       MetricFacts over_u = facts(s);
@@ -140,8 +155,10 @@ void add_strain_field(Registry<MetricRow>& rows) {
               [k, strain](const Findings& f) -> std::optional<MetricValue> {
                 const auto w = f.differences.weighted_strain(k);
                 if (!w) return std::nullopt;
-                return difference(w->rms, strain_uncertainty(w->rms_uncertainty, 0, f.last().*strain.floor),
-                                  ", " + f.at_end + "; uncertainty: " + f.strain + " by the same weights");
+                MetricValue found = difference(w->rms, strain_uncertainty(w->rms_uncertainty, 0, f.last().*strain.floor),
+                                               ", " + f.at_end + "; uncertainty: " + f.strain + " by the same weights");
+                if (k == 0) found.scale = size_of_strain(f);
+                return found;
               }});
     rows.add({{.name = std::string(strain.name) + "_field_mean",
                .unit = "1",
@@ -151,9 +168,11 @@ void add_strain_field(Registry<MetricRow>& rows) {
               [k](const Findings& f) -> std::optional<MetricValue> {
                 const auto w = f.differences.weighted_strain(k);
                 if (!w || !std::isfinite(w->uncertainty[0])) return std::nullopt;
-                return difference(w->mean[0], w->uncertainty[0],
-                                  ", " + f.at_end + "; uncertainty: random errors shared over " + shared_over(f) +
-                                      ", others everywhere");
+                MetricValue found = difference(w->mean[0], w->uncertainty[0],
+                                               ", " + f.at_end + "; uncertainty: random errors shared over " +
+                                                   shared_over(f) + ", others everywhere");
+                if (k == 0) found.scale = size_of_strain(f);
+                return found;
               }});
   }
 }

@@ -14,7 +14,12 @@ from ._options import to_toml
 
 
 class Metric(NamedTuple):
-    """One number of a comparison. verdict: "", "met", "exceeded", or that it is not distinguishable at this uncertainty."""
+    """One number of a comparison.
+
+    verdict: "" (no difference, or its uncertainty is not known), "agrees" (within within_95), "differs" (by more than all
+    that is uncertain), "larger than the measurement's error" (the mesh's or the inputs' is not known), "not resolved"
+    (by lost_in), "no verdict" (too little was compared).
+    """
     name: str
     value: float
     unit: str
@@ -23,6 +28,10 @@ class Metric(NamedTuple):
     verdict: str
     within_95: float  # of a difference: the least tolerance within which it is shown to lie with 95 %; else NaN
     seen_95: float  # of a difference: a real one of this size would have been found in 95 of 100 cases; else NaN
+    limit: str = ""  # "met" or "exceeded", of a limit that was stated
+    lost_in: str = ""  # of a difference that is not resolved: "measurement", "mesh" or "inputs"
+    u_num: float = float("nan")  # what the mesh adds to the uncertainty; NaN: not known
+    u_input: float = float("nan")  # what the model's inputs add
 
 
 class Limit(NamedTuple):

@@ -23,7 +23,8 @@ py::dict in_python(const Comparison& c) {
   py::list metrics, fields, tables, limits;
   for (const Metric& m : c.metrics)
     metrics.append(
-        py::make_tuple(m.name, m.value, m.unit, m.uncertainty, m.definition, std::string(name_of(m.verdict)), m.within(), m.seen()));
+        py::make_tuple(m.name, m.value, m.unit, m.uncertainty, m.definition, std::string(name_of(m.verdict)), m.within(), m.seen(),
+                       std::string(name_of(m.limit)), std::string(name_of(m.lost_in)), m.numerical, m.input));
   for (const ComparisonField& f : c.fields)
     fields.append(py::make_tuple(f.name, f.unit, f.definition, copied(f.time, {py::ssize_t(f.time.size())}),
                                  copied(f.id, {py::ssize_t(f.id.size())}),

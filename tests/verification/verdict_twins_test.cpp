@@ -30,15 +30,15 @@ TEST(VerdictTwins, TheSameSoilIsNotToldApartAndAnotherIs) {
       const Said what = said(m);
       if (what == Said::nothing) continue;
       ++said_of;
-      if (what == Said::distinguishable) ++alarms, which += " " + scene.name + ":" + m.name;
+      if (what == Said::found) ++alarms, which += " " + scene.name + ":" + m.name;
     }
     for (const char* shape : {"run_out_x_difference", "slope_angle_difference", "outline_hausdorff_95"})
       if (const Metric* m = find(same.metrics, shape)) {
-        EXPECT_NE(said(*m), Said::distinguishable) << shape;
+        EXPECT_NE(said(*m), Said::found) << shape;
       }
     for (const Change& change : scene.changes) {
       ++others;
-      found += said_of_displacement(bench.against(scene, measured, change.soil)) == Said::distinguishable;
+      found += said_of_displacement(bench.against(scene, measured, change.soil)) == Said::found;
     }
   }
   EXPECT_LE(alarms, said_of / 10) << which;
@@ -58,7 +58,7 @@ TEST(VerdictTwins, CoarserGridsChangeNoVerdictThatWasRight) {
   const Soil& cohesive = column.changes.back().soil;
   for (const int grids : {1, 2}) {
     EXPECT_EQ(said_of_displacement(bench.against(column, measured, column.soil, grids)), Said::lost) << grids;
-    EXPECT_EQ(said_of_displacement(bench.against(column, measured, cohesive, grids)), Said::distinguishable) << grids;
+    EXPECT_EQ(said_of_displacement(bench.against(column, measured, cohesive, grids)), Said::found) << grids;
   }
 }
 

@@ -40,23 +40,24 @@ std::string with_unit(const std::string& words, const Metric& m) {
   return unit.empty() ? words : words + " (" + unit + ")";
 }
 
-// The value, and what is said of it: a ring where it is not distinguishable, the limit's fate in words.
+// The value, and what is said of it: a sign for its verdict, the limit's fate in words.
 std::string cell(const Metric* m) {
   if (m == nullptr) return "";
   std::string text = value_with_uncertainty(m->value, m->uncertainty);
-  if (m->verdict == Verdict::not_distinguishable) text += "\u00a0\u00b0";
-  if (m->verdict == Verdict::met || m->verdict == Verdict::exceeded) text += "\u00a0(" + std::string(name_of(m->verdict)) + ")";
+  if (m->verdict == Verdict::agrees) text += "\u00a0=";
+  if (m->verdict == Verdict::not_resolved) text += "\u00a0\u00b0";
+  if (m->limit != LimitFate::none) text += "\u00a0(" + std::string(name_of(m->limit)) + ")";
   return text;
 }
 
 template <class Members>
 std::optional<std::size_t> exceeded(const Members& members) {
   for (std::size_t k = 0; k < members.size(); ++k)
-    if (members[k] != nullptr && members[k]->verdict == Verdict::exceeded) return k + 1;
+    if (members[k] != nullptr && members[k]->limit == LimitFate::exceeded) return k + 1;
   return std::nullopt;
 }
 
-constexpr std::string_view signs = " \u00b1: standard uncertainty of the value; \u00b0: not distinguishable from 0 by it; (met), (exceeded): its limit.";
+constexpr std::string_view signs = " \u00b1: standard uncertainty of the value; =: agrees; \u00b0: not resolved; (met), (exceeded): its limit.";
 
 std::string without(std::string text, const std::string& part) {
   const std::size_t at = text.find(part);
@@ -70,9 +71,9 @@ std::optional<Table> summary_table(const Content& content, const DataSetNames& n
   if (rows.empty()) return std::nullopt;
   Table t;
   t.caption = capitalised(names.difference()) +
-              ". By chance: twice the standard uncertainty of the difference. In the row of the displacement both data sets "
-              "show their means over the particles.";
-  t.head = {"", capitalised(names.first), capitalised(names.second), "Difference", "By chance", "Verdict"};
+              ". Counts from: the difference that would be more than the uncertainties that are known. In the row of the "
+              "displacement both data sets show their means over the particles.";
+  t.head = {"", capitalised(names.first), capitalised(names.second), "Difference", "Counts from", "Verdict"};
   t.width = {0.32, 0.13, 0.13, 0.13, 0.11, 0.18};
   t.align = {'l', 'r', 'r', 'r', 'r', 'l'};
   for (const SummaryRow& row : rows) {
@@ -83,10 +84,9 @@ std::optional<Table> summary_table(const Content& content, const DataSetNames& n
     const auto cell = [&](double v, int digits) {
       return std::isfinite(v) ? significant(v * unit.factor, digits) + unit_suffix(unit.name) : std::string("\u2013");
     };
-    const bool known = row.judgement() != Told::not_known;
     t.rows.push_back({row.quantity, cell(row.first, 3), cell(row.second, 3), cell(row.difference, 3),
-                      known ? cell(2 * row.uncertainty, 2) : "not known", row.verdict()});
-    t.marked.push_back(row.limit == Verdict::exceeded ? std::optional<std::size_t>(5) : std::nullopt);
+                      std::isfinite(row.counts_from) ? cell(row.counts_from, 2) : "not known", row.words()});
+    t.marked.push_back(row.limit == LimitFate::exceeded ? std::optional<std::size_t>(5) : std::nullopt);
   }
   return t;
 }
@@ -174,7 +174,7 @@ std::vector<Table> metrics_tables(const Content& content, const DataSetNames& na
         const Metric* m = k < n ? layout.single[k] : nullptr;
         t.rows.back().push_back(m != nullptr ? with_unit(capitalised(metric_words(m->name, names)), *m) : "");
         t.rows.back().push_back(cell(m));
-        if (m != nullptr && m->verdict == Verdict::exceeded) t.marked.back() = k == r ? 1u : 3u;
+        if (m != nullptr && m->limit == LimitFate::exceeded) t.marked.back() = k == r ? 1u : 3u;
       }
     }
     tables.push_back(std::move(t));

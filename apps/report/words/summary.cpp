@@ -63,64 +63,97 @@ std::string when_and_where(const Content& content, const Worst& worst) {
   return text + ".";
 }
 
-std::string could_tell(const Metric& rms, const DataSetNames& names) {
-  const std::string chance = "the uncertainties that are known would alone give " + amount(rms.uncertainty, rms.unit, 2);
-  switch (told(rms.value, rms.uncertainty)) {
-    case Told::real:
-      return " It is real: " + chance + ", " + significant(rms.value / rms.uncertainty, 2) + " times less.";
-    case Told::by_chance:
-      return " It is within chance: " + chance + ". With 95 % the two differ by less than " +
-             amount(std::abs(rms.value) + Metric::one_sided * rms.uncertainty, rms.unit, 2) + ", and a difference of " +
-             amount((2 + Metric::one_sided) * rms.uncertainty, rms.unit, 2) + " would have been found in 95 of 100 cases.";
-    case Told::not_known: break;
+// Parts of u_val that nobody gave.
+struct Missing {
+  bool mesh = false, inputs = false;
+  bool any() const { return mesh || inputs; }
+};
+
+Missing missing_parts(const std::vector<Metric>& metrics, const DataSetNames& names) {
+  const auto missing = [&](const char* part) {
+    const Metric* m = find(metrics, part);
+    return m == nullptr || !(m->value > 0);
+  };
+  if (names.alike) return {};
+  return {missing("u_numerical"), missing("u_input")};
+}
+
+std::string times(const Metric& m) { return significant(std::abs(m.value) / m.uncertainty, 2); }
+
+// By what a difference is not resolved, and what would resolve it.
+std::string lost_words(const Metric& m) {
+  switch (m.lost_in) {
+    case LostIn::mesh: return "by the mesh: finer cells would tell";
+    case LostIn::inputs: return "by the uncertainty of the model\u2019s inputs: tests of the material would tell";
+    case LostIn::measurement: return "by the measurement: larger images of the grains, or less noise, would tell";
+    case LostIn::nothing: break;
   }
-  if (rms.verdict == Verdict::withheld)
-    return " Whether that says anything is not known: too little of the material was compared for a verdict "
-           "(compare.verdict_coverage).";
-  return " Whether it is real is not known, since " +
-         (names.alike ? std::string("their uncertainty") : "the uncertainty of " + names.the_first) + " is unknown.";
+  return "by what it is uncertain by";
+}
+
+std::string could_tell(const Metric& m, const DataSetNames& names, const Missing& missing) {
+  const std::string u = amount(m.uncertainty, m.unit, 2);
+  const auto within = [&] { return amount(m.within(), m.unit, 2); };
+  switch (m.verdict) {
+    case Verdict::differs:
+      return " They differ by more than all that is known to be uncertain: " + times(m) + " times u_val = " + u + ".";
+    case Verdict::larger: {
+      const bool mesh = missing.mesh && !std::isfinite(m.numerical), inputs = missing.inputs && !std::isfinite(m.input);
+      std::string unknown = mesh ? "the mesh" : "";
+      if (inputs) unknown += std::string(mesh ? " and of " : "") + "the model\u2019s inputs";
+      return " That is " + times(m) + " times " + (mesh || names.alike ? "the measurement\u2019s error, " : "the errors of measurement and mesh, ") + u +
+             (unknown.empty() ? std::string(".") : "; the part of " + unknown + " in it is not known.");
+    }
+    case Verdict::agrees:
+      return " They agree within " + within() + " (95 %): u_val is " + u + ", and a difference of " +
+             amount(m.seen(), m.unit, 2) + " would have been found in 95 of 100 cases.";
+    case Verdict::not_resolved:
+      return " Whether that is a difference is not resolved " + lost_words(m) + ". u_val is " + u +
+             (std::isfinite(m.numerical) ? ", " + amount(m.numerical, m.unit, 2) + " of it by the mesh" : std::string()) +
+             "; a difference of " + amount(m.seen(), m.unit, 2) + " would have been found in 95 of 100 cases.";
+    case Verdict::withheld:
+      return " Too little of the material was compared for a verdict (compare.verdict_coverage).";
+    case Verdict::none: break;
+  }
+  return " There is no verdict: " +
+         (names.alike ? std::string("their uncertainty") : "the uncertainty of " + names.the_first) + " is not known.";
 }
 
 // What many particles tell together, where each alone tells nothing.
 std::string on_average(const std::vector<Metric>& metrics, const Metric& rms) {
-  if (told(rms.value, rms.uncertainty) != Told::by_chance) return "";
+  if (rms.verdict != Verdict::agrees && rms.verdict != Verdict::not_resolved) return "";
   std::string text;
   for (const char* axis : {"x", "y"}) {
     const Metric* mean = find(metrics, std::string("displacement_field_") + axis);
-    if (mean == nullptr || told(mean->value, mean->uncertainty) != Told::real) continue;
+    if (mean == nullptr || !mean->told_apart()) continue;
     text += (text.empty() ? " That holds particle by particle; on average over the material, at the end, the difference is " : " and ") +
-            amount(mean->value, mean->unit, 2) + " in " + axis + ", " + significant(std::abs(mean->value) / mean->uncertainty, 2) +
-            " times what errors would give";
+            amount(mean->value, mean->unit, 2) + " in " + axis + ", " + times(*mean) + " times what errors would give";
   }
   return text.empty() ? text : text + ".";
 }
 
 std::string strains(const Metric& rms) {
   if (!std::isfinite(rms.value)) return "";
-  const std::string text = " The deviatoric strains differ by " + significant(rms.value, 3) + " (RMS): ";
-  const bool stated = rms.definition.find("covariance") != std::string::npos;
-  const std::string known = (stated ? "their standard uncertainty is " : "the noise floor is ") + significant(rms.uncertainty, 2) + ".";
-  switch (told(rms.value, rms.uncertainty)) {
-    case Told::real: return text + "real, " + known;
-    case Told::by_chance: return text + "within chance, " + known;
-    case Told::not_known: break;
+  std::string text = " The deviatoric strains differ by " + significant(rms.value, 3) + " (RMS)";
+  const std::string u = significant(rms.uncertainty, 2);
+  switch (rms.verdict) {
+    case Verdict::differs:
+    case Verdict::larger: return text + ", " + times(rms) + " times their uncertainty (" + u + ").";
+    case Verdict::agrees: return text + ": they agree within " + significant(rms.within(), 2) + ".";
+    case Verdict::not_resolved: return text + ", not resolved " + lost_words(rms) + " (uncertainty " + u + ").";
+    case Verdict::withheld: return text + ".";
+    case Verdict::none: break;
   }
-  return text + "whether that is real is not known, since the noise floor of the strain is unknown (np.still_zone_m, "
-                "np.still_frames or compare.fixed_zone_m in the case would give it).";
+  return text + "; without a verdict, since the noise floor of the strain is not known (np.still_zone_m, np.still_frames "
+                "or compare.fixed_zone_m in the case would give it).";
 }
 
-// Parts of u_val that nobody gave, with what would give them.
-std::string not_included(const std::vector<Metric>& metrics, const DataSetNames& names) {
-  if (names.alike) return "";
-  const auto missing = [&](const char* part) {
-    const Metric* m = find(metrics, part);
-    return m == nullptr || !(m->value > 0);
-  };
+// What would give the parts of u_val that nobody gave.
+std::string not_included(const Missing& missing) {
   std::string text;
-  if (missing("u_numerical"))
-    text += "the numerical error of the simulation (compare.mesh_study = 2 in the case and pivnp run, or pivnp compare "
-            "--coarser, adds it)";
-  if (missing("u_input"))
+  if (missing.mesh)
+    text += "the error of the mesh (compare.mesh_study = 2 in the case and pivnp run, or pivnp compare --coarser, adds it)";
+  if (missing.inputs)
     text += std::string(text.empty() ? "" : " and ") +
             "the uncertainty of the model\u2019s inputs (compare.input_uncertainty_m)";
   return text.empty() ? "" : " Not in these uncertainties: " + text + ".";
@@ -134,8 +167,8 @@ std::vector<std::pair<std::string, bool>> limits_of(const Comparison& c) {
                           ", the limit is " + significant(limit.limit, 3), limit.met);
   if (list.empty())
     for (const Metric& m : c.metrics)
-      if (m.verdict == Verdict::met || m.verdict == Verdict::exceeded)
-        list.emplace_back("of " + m.name + " is exceeded: found " + amount(m.value, m.unit), m.verdict == Verdict::met);
+      if (m.limit != LimitFate::none)
+        list.emplace_back("of " + m.name + " is exceeded: found " + amount(m.value, m.unit), m.limit == LimitFate::met);
   return list;
 }
 
@@ -180,18 +213,11 @@ Vec2 thickest(std::vector<Vec2> places) {
 
 }  // namespace
 
-Told told(double difference, double uncertainty) {
-  if (!std::isfinite(difference) || !std::isfinite(uncertainty) || !(uncertainty > 0)) return Told::not_known;
-  return std::abs(difference) < 2 * uncertainty ? Told::by_chance : Told::real;
-}
-
-std::string words_of(Told judgement) {
-  return judgement == Told::real ? "real" : judgement == Told::by_chance ? "within chance" : "not known";
-}
-
-std::string SummaryRow::verdict() const {
-  const std::string text = words_of(judgement());
-  return limit == Verdict::met ? text + "; limit met" : limit == Verdict::exceeded ? text + "; limit exceeded" : text;
+std::string SummaryRow::words() const {
+  std::string text(name_of(verdict));
+  if (verdict == Verdict::none) text = "no uncertainty";
+  if (lost_in != LostIn::nothing) text += " (" + std::string(name_of(lost_in)) + ")";
+  return limit == LimitFate::none ? text : text + "; limit " + std::string(name_of(limit));
 }
 
 std::vector<SummaryRow> summary_rows(const Content& content) {
@@ -208,9 +234,9 @@ std::vector<SummaryRow> summary_rows(const Content& content) {
     if (!same_extent && source.difference == std::string_view("outline_hausdorff_95")) continue;
     const Metric* difference = find(metrics, source.difference);
     if (difference == nullptr || !std::isfinite(difference->value)) continue;
-    const bool limited = difference->verdict == Verdict::met || difference->verdict == Verdict::exceeded;
     rows.push_back({source.quantity, difference->unit, value(source.first), value(source.second), difference->value,
-                    difference->uncertainty, limited ? difference->verdict : Verdict::none});
+                    difference->factor * difference->uncertainty, difference->verdict, difference->lost_in,
+                    difference->limit});
     if (source.difference == std::string_view("displacement_rms_final")) {
       rows.back().first = last_mean(*content.comparison, "displacement_mean_first");
       rows.back().second = last_mean(*content.comparison, "displacement_mean_second");
@@ -251,7 +277,7 @@ std::string histories_summary(const Content& content) {
   if (const std::vector<double> span = common_span(*content.comparison); !span.empty())
     text += " between " + plain(span[0]) + " and " + plain(span[1]) + unit_suffix(content.time_unit) + ", where both are known";
   text += ". They differ by " + amount(rms->value, rms->unit) + " (RMS).";
-  return text + could_tell(*rms, {true, "first", "second", "the first", "the second"}) + limits(*content.comparison);
+  return text + could_tell(*rms, {true, "first", "second", "the first", "the second"}, {}) + limits(*content.comparison);
 }
 
 std::string summary(const Content& content, const DataSetNames& names, const DifferenceCurve& differences) {
@@ -263,7 +289,7 @@ std::string summary(const Content& content, const DataSetNames& names, const Dif
   else
     text = "How far the displacements differ is not known.";
   if (const Metric* strain = find(metrics, "strain_dev_rms")) text += strains(*strain);
-  return text + not_included(metrics, names) + limits(*content.comparison);
+  return text + not_included(missing) + limits(*content.comparison);
 }
 
 std::vector<double> common_span(const Comparison& histories) {

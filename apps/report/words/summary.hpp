@@ -1,4 +1,4 @@
-// What a comparison comes to, in a few rows and sentences. Both are read from one judgement, so they cannot disagree.
+// What a comparison comes to, in a few rows and sentences. Both are read from the metrics' verdicts, so they cannot disagree.
 #pragma once
 
 #include <string>
@@ -10,23 +10,17 @@
 
 namespace pivnp::report {
 
-/// A difference held against what it is uncertain by: not_known without an uncertainty, by_chance where it is less than
-/// two standard uncertainties, else real.
-enum class Told { not_known, by_chance, real };
-Told told(double difference, double uncertainty);
-/// "real", "within chance", "not known".
-std::string words_of(Told told);
-
 /// One quantity of both data sets. Values that a comparison does not know are NaN.
 struct SummaryRow {
   std::string quantity, unit;
   double first = 0, second = 0;
-  double difference = 0, uncertainty = 0;
-  Verdict limit = Verdict::none;  // met, exceeded: of a limit that was stated
+  double difference = 0, counts_from = 0;  // the difference from which on it counts: Metric::factor uncertainties
+  Verdict verdict = Verdict::none;
+  LostIn lost_in = LostIn::nothing;
+  LimitFate limit = LimitFate::none;
 
-  Told judgement() const { return told(difference, uncertainty); }
-  /// The judgement, and what became of the limit: "real; limit met".
-  std::string verdict() const;
+  /// The verdict, by what the difference is not resolved, and what became of the limit: "agrees; limit met".
+  std::string words() const;
 };
 
 /// Eight at most, of those that the comparison knows: displacement, strain, run-out, slope, crest, outline, onset, speed.

@@ -124,6 +124,8 @@ RunOutcome compare_histories(const CompareSources& sources, const compare::Compa
   Comparison comparison;
   comparison.names = {sources.first, sources.second};
   comparison.metrics = compare::metrics_of(*measures);
+  for (Metric& m : comparison.metrics)
+    compare::judge(m, {options.numerical_uncertainty_m > 0, options.input_uncertainty_m > 0});
   comparison.limits = compare::apply_limits(limits, comparison.metrics);
   const auto table = [&](DataSetRole role, const NamedHistory& h, const std::string& definition) {
     return ComparisonTable{history_table(role), h.name + " of " + definition,

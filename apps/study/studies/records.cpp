@@ -45,6 +45,10 @@ RunOutcome compare_records(const CompareSources& sources, const compare::Compare
     coarser.push_back(open_motion(text, foreign));
     refinement.coarser.push_back(coarser.back().motion.get());
   }
+  if (sources.coarser.empty() && !two.coarser.empty()) {
+    refinement.ratio = mesh_study_ratio;
+    for (const auto& motion : two.coarser) refinement.coarser.push_back(motion.get());
+  }
   compare::CompareOptions options = given;
   add_camera(std::hypot(one.residual(), two.residual()), options);
   Comparison comparison =

@@ -147,6 +147,10 @@ void pack_comparison(h5::OutputFile& out, const Comparison& c, const Units& unit
     out.attribute(group, "uncertainty", m.uncertainty);
     out.attribute(group, "definition", m.definition);
     out.attribute(group, "verdict", std::string(name_of(m.verdict)));
+    if (m.limit != LimitFate::none) out.attribute(group, "limit", std::string(name_of(m.limit)));
+    if (m.lost_in != LostIn::nothing) out.attribute(group, "lost_in", std::string(name_of(m.lost_in)));
+    if (std::isfinite(m.numerical)) out.attribute(group, "u_num", m.numerical);
+    if (std::isfinite(m.input)) out.attribute(group, "u_input", m.input);
     if (std::isfinite(m.factor)) {
       out.attribute(group, "factor", m.factor);
       out.attribute(group, "within_95", m.within());

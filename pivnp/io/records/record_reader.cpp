@@ -252,10 +252,20 @@ std::optional<Comparison> RecordReader::comparison() const {
   for (const std::string& name : source.children("/compare")) {
     if (name == "fields" || name == "tables") continue;
     const std::string group = "/compare/" + name;
+    const auto number_or_nan = [&](const char* what) {
+      return source.has_attribute(group, what) ? source.attribute_number(group, what) : nan_value;
+    };
     c.metrics.push_back({name, source.attribute_number(group, "value"), source.attribute_text(group, "unit"),
                          source.attribute_number(group, "uncertainty"), source.attribute_text(group, "definition"),
-                         verdict_named(source.attribute_text(group, "verdict")), 
-                         source.has_attribute(group, "factor") ? source.attribute_number(group, "factor") : nan_value});
+                         verdict_named(source.attribute_text(group, "verdict")),
+                         number_or_nan("factor")});
+    Metric& m = c.metrics.back();
+    m.numerical = number_or_nan("u_num");
+    m.input = number_or_nan("u_input");
+    m.limit = limit_fate_named(
+        source.attribute_text(group, source.has_attribute(group, "limit") ? "limit" : "verdict"));
+    if (source.has_attribute(group, "lost_in"))
+      m.lost_in = value_named<LostIn>(source.attribute_text(group, "lost_in")).value_or(LostIn::nothing);
   }
   if (source.has("/compare/tables"))
     for (const std::string& name : source.children("/compare/tables")) {

@@ -13,7 +13,7 @@ namespace pivnp::io {
 
 inline constexpr const char* schema_name = "pivnp";
 inline constexpr int schema_major = 1;
-inline constexpr const char* schema_version = "1.8";
+inline constexpr const char* schema_version = "1.9";
 
 struct Units {
   std::string length = "m", time = "s";

@@ -5,7 +5,7 @@ namespace pivnp::piv {
 void restore_measured(const CellLattice& lattice, const std::vector<float>& instead, const std::vector<float>& about,
                       const std::vector<std::uint8_t>& known, int threads, std::vector<float>& measured) {
   constexpr float hats = 1.0f / 12;
-  constexpr float not_stepped = 0.3f;  // measured on sequences of known motion (docs/tried.md), with what shrinkage takes off
+  constexpr float not_stepped = 0.3f;  // measured on sequences of known motion, with what shrinkage takes off; 0.45 and more add noise
 #pragma omp parallel for num_threads(threads) schedule(static)
   for (int j = 0; j < lattice.ny; ++j)
     for (int i = 0; i < lattice.nx; ++i) {

@@ -276,7 +276,7 @@ Comparison Bench::against(const Scene& scene, const fs::path& measured, const So
 
 Said said(const Metric& m) {
   if (!std::isfinite(m.factor) || !std::isfinite(m.uncertainty) || m.verdict == Verdict::withheld) return Said::nothing;
-  return m.verdict == Verdict::not_distinguishable ? Said::lost : Said::distinguishable;
+  return m.told_apart() ? Said::found : Said::lost;
 }
 
 namespace {

@@ -81,8 +81,8 @@ class Bench {
   std::map<std::string, std::filesystem::path> simulations_;
 };
 
-/// What is said of a difference: nothing (no uncertainty, or withheld), lost in it, or distinguishable.
-enum class Said { nothing, lost, distinguishable };
+/// What is said of a difference: nothing (no uncertainty, or withheld), lost in it, or found.
+enum class Said { nothing, lost, found };
 Said said(const Metric& metric);
 /// Of the displacement at the end: its RMS, or its mean, plain and weighted.
 Said said_of_displacement(const Comparison& comparison);

@@ -1,4 +1,4 @@
-// Does a verdict close: the same physics must read "not distinguishable", another must not.
+// Does a verdict close: the same physics must not be told apart, another must.
 //   verdict_table [FOLDER] [--looks N] [--from K] [--scene NAME] [--twins] [--corrected] [--reuse] [--verbose]
 //                       [--ways | --paths]
 // N frames sequences a scene (8), from the K-th look on (0). Prints the table of docs/verdicts.md. --twins: no other
@@ -47,9 +47,9 @@ struct Ways {
   int plain = 0, levelled = 0, coarser = 0, of = 0;
 };
 
-// What is said of displacement in each way: 1 where it is distinguishable.
+// What is said of displacement in each way: 1 where it is found.
 void ask(Bench& bench, const Scene& scene, const Look& how, const Soil& soil, Ways& ways) {
-  const auto told = [](Said what) { return what == Said::distinguishable ? 1 : 0; };
+  const auto told = [](Said what) { return what == Said::found ? 1 : 0; };
   const std::filesystem::path measured = bench.measured(scene, how);
   const int plain = told(said_of_displacement(bench.against(scene, measured, soil))),
             coarser = told(said_of_displacement(bench.against(scene, measured, soil, 1))),
@@ -169,11 +169,11 @@ int main(int argc, char** argv) {
           const Said what = said(m);
           if (what == Said::nothing) continue;
           Count& c = alarms[m.name];
-          c.said += what == Said::distinguishable;
+          c.said += what == Said::found;
           ++c.of;
           c.worst = std::max(c.worst, ratio(m));
           c.of_factor.push_back(ratio(m) / m.factor);
-          if (verbose && what == Said::distinguishable)
+          if (verbose && what == Said::found)
             std::printf("  alarm %s %s: %s %.3g u %.2g\n", scene.name.c_str(), how.text().c_str(), m.name.c_str(), m.value, m.uncertainty);
         }
         const Metric *rms = find(same.metrics, "displacement_rms_final"), *peak = find(same.metrics, "displacement_peak_first"),
@@ -185,10 +185,10 @@ int main(int argc, char** argv) {
           const Comparison other = bench.against(scene, measured, change.soil);
           const Said what = said_of_displacement(other);
           const Metric* d = find(other.metrics, "displacement_rms_final");
-          std::printf("  %s %5.2f u%s", change.name.c_str(), ratio(*d), what == Said::distinguishable ? "" : " MISSED");
+          std::printf("  %s %5.2f u%s", change.name.c_str(), ratio(*d), what == Said::found ? "" : " MISSED");
           Count& c = found[scene.name + ", " + change.name];
-          c.said += what == Said::distinguishable;
-          c.by_strain += what != Said::distinguishable && said_of_strain(other) == Said::distinguishable;
+          c.said += what == Said::found;
+          c.by_strain += what != Said::found && said_of_strain(other) == Said::found;
           ++c.of;
           c.worst = std::max(c.worst, ratio(*d));
         }
@@ -198,7 +198,7 @@ int main(int argc, char** argv) {
         std::printf("%s, %d: %s\n", scene.name.c_str(), n, error.what());
       }
   }
-  std::printf("\nThe same parameters, %d twins: false alarms of each metric\n\n| metric | distinguishable | | greatest, u |\n|---|---|---|---|\n", twin);
+  std::printf("\nThe same parameters, %d twins: false alarms of each metric\n\n| metric | told apart | | greatest, u |\n|---|---|---|---|\n", twin);
   if (twins) {
     std::printf("\nShare of the factor\n\n| metric | twins | 92 %% | greatest |\n|---|---|---|---|\n");
     for (const auto& [name, c] : alarms) factor_row(name.c_str(), c);

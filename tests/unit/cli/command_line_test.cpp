@@ -157,8 +157,8 @@ TEST_F(CommandLine, ResultsArePrinted) {
   fake_study().outcome.limits = {{"strain_rms", 0.1, 0.05, true}, {"coverage_min", 0.9, 0.5, false}};
   const Ran over = run_program({"run", measured});
   EXPECT_EQ(over.code, 3);
-  const std::string met = "compare.limits.strain_rms: " + std::string(name_of(Verdict::met)),
-                    exceeded = "compare.limits.coverage_min: " + std::string(name_of(Verdict::exceeded));
+  const std::string met = "compare.limits.strain_rms: " + std::string(name_of(LimitFate::met)),
+                    exceeded = "compare.limits.coverage_min: " + std::string(name_of(LimitFate::exceeded));
   EXPECT_THAT(over.out, AllOf(HasSubstr(met), HasSubstr(exceeded)));
   const Ran quiet = run_program({"run", measured, "--quiet"});
   EXPECT_EQ(quiet.code, 3);

@@ -177,9 +177,9 @@ TEST_F(CommandOptions, HelpShowsAnExampleForEveryCommand) {
 TEST(Compare, AsJson) {
   FakeStudy& study = fake_study();
   study = {};
-  Metric rms{"displacement_rms", 0.003, "m", 0.002, "\"RMS\"", Verdict::not_distinguishable, 2};
+  Metric rms{"displacement_rms", 0.003, "m", 0.002, "\"RMS\"", Verdict::not_resolved, 2, LostIn::mesh};
   Metric plain{"coverage_first", 0.9, "1", std::nan(""), "share"};
-  Metric real{"run_out_x_difference", -0.5, "m", 0.1, "", Verdict::none, 2};
+  Metric real{"run_out_x_difference", -0.5, "m", 0.1, "", Verdict::differs, 2};
   study.outcome.metrics = {rms, plain, real};
   study.outcome.remarks = {"A \"line\"\nof two."};
   LimitResult limit{"displacement_rms_m", 0.005, 0.003, true};
@@ -193,8 +193,8 @@ TEST(Compare, AsJson) {
       ran.out,
       HasSubstr(
           "\"displacement_rms\": {\"value\": 0.003, \"unit\": \"m\", \"uncertainty\": 0.002, \"within_95\": 0.00629"));
-  EXPECT_THAT(ran.out, HasSubstr("\"verdict\": \"not distinguishable at this u_val\""));
-  EXPECT_THAT(ran.out, HasSubstr("\"verdict\": \"distinguishable\""));
+  EXPECT_THAT(ran.out, HasSubstr("\"verdict\": \"not resolved\", \"lost_in\": \"mesh\""));
+  EXPECT_THAT(ran.out, HasSubstr("\"verdict\": \"differs\"}"));
   EXPECT_THAT(ran.out, HasSubstr("\"coverage_first\": {\"value\": 0.9, \"unit\": \"1\", \"uncertainty\": null}"));
   EXPECT_THAT(ran.out, HasSubstr("\"reached\": 0.003, \"verdict\": \"met\", \"shown_95\": false"));
   EXPECT_THAT(ran.out, HasSubstr("A \\\"line\\\"\\u000aof two."));

@@ -1,4 +1,4 @@
-// What is said beside "not distinguishable": the mean over a field whose errors are shared over a known length, tolerances
+// What is said of what is lost in its uncertainty: the mean over a field whose errors are shared over a known length, tolerances
 // that are shown, differences that would have been seen, no verdict over too little, and numerics metric by metric.
 #include <gtest/gtest.h>
 
@@ -58,7 +58,7 @@ int flagged(double bias, double scale, bool correlation_known, int runs) {
   int count = 0;
   for (int run = 0; run < runs; ++run) {
     const Comparison c = compare(measured(random, bias, scale), second, {}, {}, progress, {}, {note, {}});
-    count += metric(c, "displacement_bias_y_final").verdict != Verdict::not_distinguishable;
+    count += metric(c, "displacement_bias_y_final").told_apart();
   }
   return count;
 }
@@ -83,7 +83,7 @@ TEST(FieldVerdict, ACorrelationLengthThatIsGivenWins) {
   const MotionMemory first = measured(random, sigma, 1);
   const Metric m = metric(compare(first, simulated(), options, {}, progress, {}, {note, {}}), "displacement_bias_y_final");
   EXPECT_NEAR(m.uncertainty, sigma, 1e-6);
-  EXPECT_EQ(m.verdict, Verdict::not_distinguishable);
+  EXPECT_TRUE(m.lost());
 }
 
 TEST(FieldVerdict, ToleranceAndPowerByHand) {
@@ -134,7 +134,7 @@ TEST(FieldVerdict, OfTooLittleNothingIsSaid) {
   EXPECT_TRUE(std::any_of(c.remarks.begin(), c.remarks.end(), [](const std::string& r) { return r.starts_with("No verdict: "); }));
   CompareOptions asked;
   asked.verdict_coverage = 0.3;
-  EXPECT_EQ(metric(compared(first, second, asked, limits), "displacement_rms").verdict, Verdict::met);
+  EXPECT_EQ(metric(compared(first, second, asked, limits), "displacement_rms").limit, LimitFate::met);
 }
 
 // Particles that ran away count: the second's lose their way, and with them the verdict.
@@ -155,7 +155,7 @@ TEST(FieldVerdict, ParticlesThatEndCountAsNotCompared) {
       for (std::size_t p = 0; p < set.size() * 6 / 10; ++p) f.status[p] = ParticleStatus::ended;
     left.add(f);
   }
-  EXPECT_EQ(metric(compared(first, second), "displacement_rms_final").verdict, Verdict::not_distinguishable);
+  EXPECT_TRUE(metric(compared(first, second), "displacement_rms_final").lost());
   EXPECT_EQ(metric(compared(first, left), "displacement_rms_final").verdict, Verdict::withheld);
 }
 
@@ -178,12 +178,17 @@ TEST(FieldVerdict, NumericsOfOneNumberByHand) {
   fine[0].uncertainty = 0.03, fine[0].factor = 2;
   EXPECT_TRUE(add_numerical(fine, {middle, coarse}, 2).empty());
   EXPECT_NEAR(fine[0].uncertainty, std::hypot(0.03, 0.01 * 1.25 / 1.15), 1e-12);
-  EXPECT_EQ(fine[0].verdict, Verdict::none);
+  judge(fine, {}, "m");
+  EXPECT_EQ(fine[0].verdict, Verdict::larger);  // the mesh's part is known, the inputs' is not
+  judge(fine, {.input = true}, "m");
+  EXPECT_EQ(fine[0].verdict, Verdict::differs);
   coarse[0].value = 0.0;
   fine[0].uncertainty = 0.03;
   EXPECT_EQ(add_numerical(fine, {middle, coarse}, 2).size(), 1U);
   EXPECT_NEAR(fine[0].uncertainty, std::hypot(0.03, 0.13), 1e-12);
-  EXPECT_EQ(fine[0].verdict, Verdict::not_distinguishable);
+  judge(fine, {}, "m");
+  EXPECT_EQ(fine[0].verdict, Verdict::not_resolved);
+  EXPECT_EQ(fine[0].lost_in, LostIn::mesh);
 }
 
 // Criterion: one coarser grid does not hide a difference that is ten times its change, at any ratio.
@@ -202,7 +207,7 @@ TEST(FieldVerdict, OneCoarserGridDoesNotBlind) {
   SilentProgress progress;
   const Comparison c = compare(first, second, {}, {}, progress, Refinement{{&coarser}, 1.3});
   EXPECT_NEAR(metric(c, "u_numerical_final").value, 0.02, 1e-5);
-  EXPECT_EQ(metric(c, "displacement_rms_final").verdict, Verdict::none);
+  EXPECT_TRUE(metric(c, "displacement_rms_final").told_apart());
   // In velocity the grid's error is one and the same from time to time: .01, not sqrt(2) of the displacement's over the time.
   EXPECT_NEAR(metric(c, "velocity_rms").uncertainty, 0.01, 2e-3);
 }
@@ -285,7 +290,7 @@ TEST(FieldVerdict, ThinToesAndStraightFacesAreMeasured) {
   const Comparison c = compared(motion_of("np", slope(40), {0, 1}, none), motion_of("mpm", slope(60), {0, 1}, none), options);
   EXPECT_NEAR(metric(c, "toe_x_first").value, 40, 1.1);
   EXPECT_NEAR(metric(c, "toe_x_difference").value, 20, 1.1);
-  EXPECT_EQ(metric(c, "toe_x_difference").verdict, Verdict::none);
+  EXPECT_TRUE(metric(c, "toe_x_difference").told_apart());
   const Metric angle = metric(c, "slope_angle_difference");
   EXPECT_GT(angle.uncertainty, 0.5);
 }

@@ -68,7 +68,7 @@ TEST(MetricRegistry, ARowThatIsAddedArrives) {
     EXPECT_EQ(found->unit, "m/s");
     EXPECT_EQ(found->uncertainty, 0.1);
     EXPECT_EQ(found->definition, "made up by a test, with a note");
-    EXPECT_EQ(found->verdict, Verdict::exceeded);
+    EXPECT_EQ(found->limit, LimitFate::exceeded);
     ASSERT_EQ(c.limits.size(), 1U);
     EXPECT_EQ(c.limits[0].key, "slant_max");
     EXPECT_EQ(c.limits[0].reached, found->value);

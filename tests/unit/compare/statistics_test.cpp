@@ -70,11 +70,37 @@ TEST(StillZone, NeedsEnoughParticlesThatHaveStrain) {
   EXPECT_NEAR(zone.path(), 0.005, 1e-15);
 }
 
+// No word is stronger than what is known. Units do not matter, nor does the sign.
 TEST(Verdict, Words) {
-  EXPECT_EQ(difference(1.9, 1, "").verdict, Verdict::not_distinguishable);
-  EXPECT_EQ(difference(-1.9, 1, "").verdict, Verdict::not_distinguishable);
-  EXPECT_EQ(difference(2.1, 1, "").verdict, Verdict::none);
-  EXPECT_EQ(difference(0, not_known, "").verdict, Verdict::none);
+  const auto judged = [](double value, double u, KnownParts known = {}, double mesh = not_known, double inputs = not_known,
+                         double scale = not_known) {
+    const auto in_unit = [&](double unit) {
+      Metric m{"", unit * value, "m", std::abs(unit) * u, "", Verdict::none, 2};
+      m.numerical = std::abs(unit) * mesh;
+      m.input = std::abs(unit) * inputs;
+      m.scale = std::abs(unit) * scale;
+      judge(m, known);
+      return std::pair(m.verdict, m.lost_in);
+    };
+    for (const double unit : {-1.0, 1e-3, 7.0}) EXPECT_EQ(in_unit(unit), in_unit(1));
+    return in_unit(1);
+  };
+  const auto word = [](Verdict verdict, LostIn lost = LostIn::nothing) { return std::pair(verdict, lost); };
+  EXPECT_EQ(judged(1.9, 1), word(Verdict::agrees));
+  EXPECT_EQ(judged(2.1, 1), word(Verdict::larger));
+  EXPECT_EQ(judged(2.1, 1, {.numerical = true}), word(Verdict::larger));
+  EXPECT_EQ(judged(2.1, 1, {true, true}), word(Verdict::differs));
+  // Nothing is said where the uncertainty is not known, nor of zero against zero.
+  EXPECT_EQ(judged(3, not_known), word(Verdict::none));
+  EXPECT_EQ(judged(0, 0), word(Verdict::none));
+  EXPECT_EQ(judged(3, 0), word(Verdict::none));
+  // 61 mm beside 5 mm of the measurement: the mesh is no chance.
+  EXPECT_EQ(judged(61, std::hypot(5, 60), {true, true}, 60), word(Verdict::not_resolved, LostIn::mesh));
+  EXPECT_EQ(judged(61, std::hypot(5, 60), {true, true}, 1, 60), word(Verdict::not_resolved, LostIn::inputs));
+  EXPECT_EQ(judged(4, std::hypot(5, 60), {true, true}, 60), word(Verdict::agrees));
+  // An uncertainty that would hide half of what is compared is no agreement.
+  EXPECT_EQ(judged(0.01, 0.3, {}, not_known, not_known, 0.2), word(Verdict::not_resolved, LostIn::measurement));
+  EXPECT_EQ(judged(0.01, 0.02, {}, not_known, not_known, 0.2), word(Verdict::agrees));
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ std::string text(const RowLimits& asked, const RowLimits& figures) {
   return all;
 }
 
-// Criterion: every limit met, but for at most three rows that miss by at most a quarter (docs/tried.md says why).
+// Criterion: every limit met, but for at most three rows that miss by at most a quarter.
 TEST(PivTable, DefaultMeetsTheLimits) {
   std::vector<RowResult> all;
   for (const Row& row : piv_rows(side)) measure_row(row, all);
@@ -51,7 +51,8 @@ TEST(PivTable, DefaultMeetsTheLimits) {
   // Asked: 60 to 76 % within one, 90 to 98 % within two. Held here: that errors are not understated.
   for (const Coverage& c : coverage(all)) {
     char reached[64];
-    std::snprintf(reached, sizeof reached, "%.0f %% and %.0f %%", 100 * c.one, 100 * c.two);
+    const bool outside = c.one < 0.60 || c.one > 0.76 || c.two < 0.90 || c.two > 0.98;
+    std::snprintf(reached, sizeof reached, "%.0f %% and %.0f %%%s", 100 * c.one, 100 * c.two, outside ? ", missed" : "");
     test::verification_row(
         "PIV, errors within one and two stated standard deviations, " + std::string(c.kind) + " images",
         "60 to 76 % and 90 to 98 %", reached);

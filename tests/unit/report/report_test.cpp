@@ -114,7 +114,7 @@ TEST_F(Report, Full) {
   EXPECT_GE(pages_, 4u);
   EXPECT_LE(pages_, 7u);
   EXPECT_NE(html_.find("<dt>displacement</dt>"), std::string::npos);
-  EXPECT_NE(html_.find(name_of(Verdict::exceeded)), std::string::npos);
+  EXPECT_NE(html_.find(name_of(LimitFate::exceeded)), std::string::npos);
   EXPECT_NE(html_.find("IMG_0015.png to IMG_0016.png: the pair lost its correlation"), std::string::npos);
   EXPECT_NE(html_.find(words(EndReason::left_image)), std::string::npos);
   EXPECT_NE(html_.find("mohr_coulomb"), std::string::npos);

@@ -9,6 +9,7 @@
 #include "apps/report/document/tables.hpp"
 #include "apps/report/words/flags.hpp"
 #include "apps/report/words/summary.hpp"
+#include "compare/metrics/significance.hpp"
 #include "tests/unit/report/synthetic.hpp"
 
 namespace pivnp::report {
@@ -64,14 +65,15 @@ Drawn draw(std::mt19937& random) {
   d.strain = log_between(1e-4, 0.9), d.floor = uncertainty(d.strain);
   Comparison c;
   const auto add = [&](const char* name, double value, const char* unit, double u) {
-    c.metrics.push_back({name, value, unit, u, ""});
+    c.metrics.push_back({name, value, unit, u, "", Verdict::none, std::isnan(u) ? nan : 2.0});
   };
   add("displacement_rms", d.rms, "m", d.u);
   add("displacement_peak_first", d.rms * log_between(1, 100), "m", nan);
   add("displacement_rms_final", d.rms * 1.5, "m", d.u * 1.5);
   add("strain_dev_rms", d.strain, "1", d.floor);
   add("strain_dev_rms_final", 2 * d.strain, "1", d.floor);
-  add("u_numerical", share(random) < 0.5 ? 0 : d.rms / 10, "m", nan);
+  add("u_val", d.u, "m", nan);
+  add("u_numerical", share(random) < 0.5 ? 0 : d.u * share(random), "m", nan);
   for (const char* name : {"run_out_x", "slope_angle", "crest_retreat"}) {
     if (share(random) < 0.3) continue;
     const double first = log_between(0.01, 40), apart = (share(random) < 0.5 ? -1 : 1) * log_between(1e-3, 1) * first;
@@ -80,6 +82,7 @@ Drawn draw(std::mt19937& random) {
     add((std::string(name) + "_second").c_str(), first + apart, unit, nan);
     add((std::string(name) + "_difference").c_str(), apart, unit, uncertainty(std::abs(apart)));
   }
+  compare::judge(c.metrics, {}, "m");
   for (const char* key : {"displacement_rms_m", "strain_rms", "run_out_m"}) {
     if (share(random) < 0.5) continue;
     const bool met = share(random) < 0.5;
@@ -91,11 +94,15 @@ Drawn draw(std::mt19937& random) {
   return d;
 }
 
+// What is said goes with the numbers, and nothing is "real" or "by chance".
 void expect_judgement(const std::string& sentence, double value, double u) {
   const bool known = std::isfinite(u) && u > 0;
-  EXPECT_EQ(sentence.find("not known") != std::string::npos, !known) << sentence;
-  EXPECT_EQ(sentence.find("real") != std::string::npos && known, known && value >= 2 * u) << sentence << value / u;
-  EXPECT_EQ(sentence.find("within chance") != std::string::npos, known && value < 2 * u) << sentence << value / u;
+  const auto says = [&](const char* words) { return sentence.find(words) != std::string::npos; };
+  EXPECT_EQ(says("There is no verdict") || says("without a verdict"), !known) << sentence;
+  EXPECT_EQ(says("times the measurement") || says("times the errors") || says("times their uncertainty"), known && value >= 2 * u)
+      << sentence << value / u;
+  EXPECT_EQ(says("agree within") || says("not resolved"), known && value < 2 * u) << sentence << value / u;
+  EXPECT_FALSE(says("real") || says("chance")) << sentence;
 }
 
 TEST(Summary, SentencesSayWhatTheNumbersSay) {
@@ -122,8 +129,8 @@ TEST(Summary, SentencesSayWhatTheNumbersSay) {
     std::string strain = text.substr(strain_at, (end == std::string::npos ? text.find("limit", strain_at) : end) - strain_at);
     expect_judgement(strain, d.strain, d.floor);
     EXPECT_NEAR(number_in(after(strain, "differ by ")), d.strain, 0.006 * d.strain);
-    if (const std::string less = after(text.substr(0, strain_at), "alone give "); !less.empty()) {
-      EXPECT_NEAR(number_in(less), d.u, 0.06 * d.u);
+    if (const std::string stated = after(text.substr(0, strain_at), "u_val is "); !stated.empty()) {
+      EXPECT_NEAR(number_in(stated), d.u, 0.06 * d.u);
     }
     const bool numerics = find(d.content.comparison->metrics, "u_numerical")->value > 0;
     EXPECT_EQ(text.find("compare.mesh_study") == std::string::npos, numerics);
@@ -146,22 +153,22 @@ TEST(Summary, AveragesToleranceAndWhatIsWithheld) {
   const double nan = std::nan("");
   Content content;
   Comparison c;
-  c.metrics = {{"displacement_rms", 0.003, "m", 0.002, "", Verdict::not_distinguishable, 2},
-               {"displacement_field_x", 1e-4, "m", 2e-4, "", Verdict::not_distinguishable, 2},
-               {"displacement_field_y", -2e-3, "m", 4e-4, "", Verdict::none, 2}};
+  c.metrics = {{"displacement_rms", 0.003, "m", 0.002, "", Verdict::agrees, 2},
+               {"displacement_field_x", 1e-4, "m", 2e-4, "", Verdict::agrees, 2},
+               {"displacement_field_y", -2e-3, "m", 4e-4, "", Verdict::larger, 2}};
   LimitResult limit{"displacement_rms_m", 0.005, 0.003, true};
   limit.within = 0.00629;
   c.limits = {limit};
   content.comparison = c;
   std::string text = summary(content, names, {});
-  EXPECT_NE(text.find("differ by less than 6.3 mm"), std::string::npos) << text;
+  EXPECT_NE(text.find("They agree within 6.3 mm (95 %)"), std::string::npos) << text;
   EXPECT_NE(text.find("a difference of 7.3 mm would have been found in 95 of 100 cases"), std::string::npos) << text;
   EXPECT_NE(text.find("the difference is \u22122.0 mm in y, 5.0 times"), std::string::npos) << text;
   EXPECT_NE(text.find("Not shown with 95 % is displacement_rms_m (only 0.00629 is)"), std::string::npos) << text;
   content.comparison->metrics[0].verdict = Verdict::withheld;
   content.comparison->metrics[0].uncertainty = nan;
   text = summary(content, names, {});
-  EXPECT_NE(text.find("too little of the material was compared"), std::string::npos) << text;
+  EXPECT_NE(text.find("Too little of the material was compared"), std::string::npos) << text;
   EXPECT_EQ(text.find("on average"), std::string::npos) << text;
 }
 
@@ -178,12 +185,12 @@ TEST(Summary, TheTablesVerdictsFollowItsCells) {
       ++rows;
       SCOPED_TRACE(row[0] + " | " + row[3] + " | " + row[4] + " | " + row[5]);
       if (row[4] == "not known") {
-        EXPECT_TRUE(row[5].starts_with("not known"));
+        EXPECT_TRUE(row[5].starts_with("no uncertainty"));
         continue;
       }
-      const double apart = std::abs(number_in(row[3])), chance = number_in(row[4]);
-      if (std::abs(apart / chance - 1) < 0.07) continue;  // two digits do not show on which side it lies
-      EXPECT_TRUE(row[5].starts_with(apart < chance ? "within chance" : "real"));
+      const double apart = std::abs(number_in(row[3])), counts_from = number_in(row[4]);
+      if (std::abs(apart / counts_from - 1) < 0.07) continue;  // two digits do not show on which side it lies
+      EXPECT_EQ(row[5].starts_with("larger") || row[5].starts_with("differs"), apart > counts_from);
       if (row[1] != "\u2013" && row[0] != table->rows[0][0]) {
         EXPECT_NEAR(number_in(row[2]) - number_in(row[1]), number_in(row[3]), 0.011 * (std::abs(number_in(row[1])) + std::abs(number_in(row[2]))));
       }

@@ -126,10 +126,10 @@ Comparison make_comparison(const MotionSource& a, const MotionSource& b, const M
   const double unknown = std::numeric_limits<double>::quiet_NaN();
   c.metrics = {
       {"displacement_rms", rms, "m", 0.000204, "root mean square of |u_second - u_first|, all times",
-       rms > 0.002 ? Verdict::exceeded : Verdict::met},
+       Verdict::larger, 2, LostIn::nothing, rms > 0.002 ? LimitFate::exceeded : LimitFate::met},
       {"displacement_max", largest, "m", 0.00031, "greatest |u_second - u_first|, all times"},
       {"displacement_bias_x", 0.00011, "m", 0.0002, "mean of u_x of the second minus that of the first",
-       Verdict::not_distinguishable},
+       Verdict::agrees, 2},
       {"strain_dev_rms", std::sqrt(strain_sum / n), "1", 0.0043,
        "root mean square of the difference of deviatoric log strain"},
       {"slope_angle_difference", -1.83, "deg", 0.62, "angle of the line fitted to the final slope, second minus first"},

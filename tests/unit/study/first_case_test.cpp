@@ -128,6 +128,12 @@ TEST_F(FirstCase, AMeshStudyOfItsOwn) {
   };
   EXPECT_EQ(part(without), 0);
   EXPECT_GT(part(with), 0);
+  // The two motions of that record, compared once more, use its coarser grid unasked.
+  CompareSources sources;
+  sources.first = (scratch.path / "with").string() + ":np";
+  sources.second = (scratch.path / "with").string() + ":mpm";
+  const RunOutcome again = compare_records(sources, {}, {}, settings("again"), progress);
+  EXPECT_EQ(part(io::RecordReader(again.record)), part(with));
   EXPECT_EQ(with.motion("mpm")->frame(2).u, without.motion("mpm")->frame(2).u);
   EXPECT_EQ(with.energy().size(), without.energy().size());
 }

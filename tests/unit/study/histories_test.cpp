@@ -155,7 +155,7 @@ TEST_F(Histories, AStatedErrorBecomesTheUncertaintyOfEveryMetric) {
   const double u = std::hypot(interval, 0.1 * std::sqrt(2.0) / slope);
   const Metric onset = held("history_onset_difference");
   EXPECT_NEAR(onset.uncertainty, u * std::sqrt(2.0), 1e-9);
-  EXPECT_EQ(onset.verdict, Verdict::not_distinguishable);
+  EXPECT_EQ(onset.verdict, Verdict::agrees);
   EXPECT_NEAR(held("history_rms").uncertainty, 0.1 * std::sqrt(2.0), 1e-12);
 }
 

@@ -181,7 +181,7 @@ TEST_F(Records, AMetricThatIsAddedIsRecordedAndReported) {
   EXPECT_EQ(found->value, 3);
   EXPECT_EQ(found->unit, "m");
   EXPECT_EQ(found->definition, "made up by a test");
-  EXPECT_EQ(found->verdict, Verdict::exceeded);
+  EXPECT_EQ(found->limit, LimitFate::exceeded);
   EXPECT_NE(text_of(outcome.report_html).find("Slant of a test"), std::string::npos);
   EXPECT_TRUE(any_exceeded(report_record(outcome.record, settings("again"), progress).limits));  // from its case
 }

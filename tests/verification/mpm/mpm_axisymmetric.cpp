@@ -312,7 +312,8 @@ TEST(MpmAxisymmetric, ColumnsCollapse) {
   const double low = std::log(heaps[1.5].run_out / heaps[0.5].run_out) / std::log(3.0);
   const double tall = std::log(heaps[6.0].run_out / heaps[3.0].run_out) / std::log(2.0);
   pivnp::test::verification_row("column collapse about the axis, run-out, a of 0.5 to 1.5", "exponent 1 +- 0.1", number(low, 3));
-  pivnp::test::verification_row("column collapse about the axis, run-out, a of 3 and 6", "exponent 0.5 of the law; stated", number(tall, 3));
+  pivnp::test::verification_row("column collapse about the axis, run-out, a of 3 and 6", "exponent 0.5 +- 0.1",
+                                number(tall, 3) + (std::abs(tall - 0.5) > 0.1 ? ", missed" : ""));
   EXPECT_NEAR(low, 1, 0.1);
   EXPECT_NEAR(tall, 0.68, 0.1);
 }

@@ -2,7 +2,7 @@
 // experiments, a = h0/d0, in d0 (Lube, Huppert, Sparks & Freundt 2005; figures recalled from a secondary source):
 // run-out 1.2 a below a = 1.8, 1.9 a^(2/3) above 2.8; height at the wall a below 1.15, 0.65 a^(2/5) above. Criteria:
 // exponents within 0.1 for a of 0.5 to 8, the height's below 1.15 without averaging too, the run-out's above 2.8 by x
-// within which 99.5 % lies, by the front itself stated (docs/tried.md). (Prefactors are not asked for: the sides of an
+// within which 99.5 % lies, by the front itself missed where a broken layer of single grains leads. (Prefactors are not asked for: the sides of an
 // experiment's channel rub, plane strain has none.) Profiles up to a = 3 as they were within 0.06 d0; the scheme gains no
 // energy (residual at most +1 %, at least -10 % of what was released). Every column has the same number of cells, 3136,
 // so that none is resolved worse. In small, for every build, with a tenth of the cells (256): profiles of a = 0.5 and 1.7
@@ -149,8 +149,8 @@ TEST(MpmCollapse, ExponentsAreThoseOfTheLaws) {
   // Where a front that is a broken sheet of single grains ends hangs on single grains, so on last digits: .63, .76 and
   // .83 were seen.
   const double tall_found = exponent(tall);
-  pivnp::test::verification_row("column collapse, run-out, a of 3 to 8", "stated: exponent (law 2/3)",
-                                number(tall_found, 3));
+  pivnp::test::verification_row("column collapse, run-out, a of 3 to 8", "exponent 0.667 +- 0.1",
+                                number(tall_found, 3) + (std::abs(tall_found - 2.0 / 3) > 0.1 ? ", missed" : ""));
   EXPECT_NEAR(tall_found, 0.73, 0.15);
   expect_exponent("height, a of 0.5 and 0.8", 1, low_height);
   expect_exponent("height, a of 3 to 8", 0.4, tall_height);

@@ -1,5 +1,5 @@
 // A free rigid block on an elastic bed, gravity turned instead of the plane: slides with g (sin t - mu cos t). Criterion:
-// 2 %. (Rolling cylinders miss theirs: docs/tried.md.)
+// 2 %. (Rolling cylinders miss theirs: docs/limits.md.)
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -230,7 +230,7 @@ TEST(MpmSandSlope, TheWedgeAtRestHardlyTellsTheFrictionAngle) {
     state("default, sticky base, friction angle " + number(friction_deg) + " deg", "stated", r);
     pivnp::test::verification_row(
         "sand slope 1 g, default, sticky base, friction angle " + number(friction_deg) + " deg",
-        "stated: wedge at rest (asked: 41 +- 4 deg at any friction angle)", number(r.wedge, 3) + " deg");
+        "wedge at rest 41 +- 4 deg", number(r.wedge, 3) + (std::abs(r.wedge - 41) > 4 ? " deg, missed" : " deg"));
     wedge[k] = r.wedge;
   }
   EXPECT_NEAR(wedge[1], wedge[0], 4);  // of 8

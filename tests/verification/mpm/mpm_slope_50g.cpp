@@ -182,9 +182,10 @@ TEST(MpmSlope50g, FailsInOneBandUnderTheBlock) {
     pivnp::test::verification_row(cells + ", loaded twice as fast", "stated: load at onset and at 0.4 m, prototype kN/m",
                                   number(fast.onset_kn, 3) + " and " + number(fast.end_kn, 3));
     // 0.1 was asked, and is met without averaging (0.04): sand that does not lock gives way more slowly, and the load has
-    // grown further when the block has sunk by 20 mm (docs/tried.md). Held as it is.
+    // grown further when the block has sunk by 20 mm. Held as it is.
     const double faster = fast.onset_kn / slow.onset_kn - 1;
-    pivnp::test::verification_row(cells + ", loaded twice as fast", "stated: relative increase of the load at onset (asked: 0.1)", number(faster, 2));
+    pivnp::test::verification_row(cells + ", loaded twice as fast", "relative increase of the load at onset at most 0.1",
+                                  number(faster, 2) + (faster > 0.1 ? ", missed" : ""));
     EXPECT_GT(faster, 0);
     EXPECT_LT(faster, 0.16);  // .07 to .13 were seen: an onset is known to a step of the load, 2 %, and hangs on last digits
   }

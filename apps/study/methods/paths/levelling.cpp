@@ -163,6 +163,7 @@ void add_levelled(const Case& c, const Setting& setting, const RunSettings& sett
       const auto known = compare::known_metric(m.name);
       if (!known || !known->facts->levelled) continue;
       m.name.insert(0, compare::levelled_prefix);
+      if (m.verdict == Verdict::differs) m.verdict = Verdict::larger;  // measured, but of a simulation with its mesh
       m.definition += "; second: the simulation as it would have been measured (first frame carried by its motion, "
                       "same PIV and particles)";
       comparison.metrics.push_back(std::move(m));

@@ -86,8 +86,6 @@ Grid coarsened(const Grid& grid, double factor) {
   return {grid.origin, factor * grid.spacing, nodes(grid.nx), nodes(grid.ny)};
 }
 
-std::string coarser_motion(int level) { return "mpm_coarser_" + std::to_string(level); }
-
 void simulate_coarser(const Case& c, const Setting& setting, int level, const std::vector<double>& times,
                       io::RecordWriter& writer, int threads, Progress& progress) {
   Setting coarse = setting;

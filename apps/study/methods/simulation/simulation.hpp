@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/study/pipeline/record/opened_motion.hpp"
 #include "apps/study/pipeline/scene/scene.hpp"
 #include "pivnp/core/progress.hpp"
 #include "pivnp/io/records/record.hpp"
@@ -21,7 +22,5 @@ Grid coarsened(const Grid& grid, double factor);
 /// particles a cell: motion coarser_motion(level), for the numerical uncertainty of the other.
 void simulate_coarser(const Case& c, const Setting& setting, int level, const std::vector<double>& times,
                       io::RecordWriter& writer, int threads, Progress& progress);
-std::string coarser_motion(int level);
-constexpr double mesh_study_ratio = 1.3;
 
 }  // namespace pivnp::app

@@ -27,6 +27,8 @@ std::shared_ptr<MotionSource> motion_of(const io::RecordReader& record, const st
 
 }  // namespace
 
+std::string coarser_motion(int level) { return "mpm_coarser_" + std::to_string(level); }
+
 double OpenedMotion::residual() const {
   const bool measured = !motion->times().empty() && !motion->frame(0).cov_u.empty();
   return measured ? head.camera_residual : 0;
@@ -46,7 +48,13 @@ OpenedMotion open_motion(const std::string& text, const io::ImportOptions& forei
   const io::RecordReader record(file);
   std::shared_ptr<MotionSource> found = motion_of(record, file.string(), motion);
   std::optional<StrainNote> note = record.strain_note(found->name());
-  return {record.head(), std::move(found), std::move(note)};
+  OpenedMotion out{record.head(), std::move(found), std::move(note)};
+  const std::vector<std::string> names = record.motion_names();
+  for (int level = 1; out.motion->name() == "mpm"; ++level) {
+    if (std::find(names.begin(), names.end(), coarser_motion(level)) == names.end()) break;
+    out.coarser.push_back(record.motion(coarser_motion(level)));
+  }
+  return out;
 }
 
 }  // namespace pivnp::app

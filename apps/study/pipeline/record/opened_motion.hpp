@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "pivnp/core/particles/motion.hpp"
 #include "pivnp/core/record/strain_note.hpp"
@@ -12,10 +13,15 @@
 
 namespace pivnp::app {
 
+/// The mesh study's motion on a grid whose cells are mesh_study_ratio^level times as large.
+std::string coarser_motion(int level);
+inline constexpr double mesh_study_ratio = 1.3;
+
 struct OpenedMotion {
   io::RecordHead head;  // of the record it comes from; units and grid of nothing for other programs' results
   std::shared_ptr<MotionSource> motion;
   std::optional<StrainNote> note;
+  std::vector<std::shared_ptr<MotionSource>> coarser = {};  // of the record's mesh study, the finer grid first
 
   /// Of the camera's targets, if this motion was measured (it then carries a covariance).
   double residual() const;

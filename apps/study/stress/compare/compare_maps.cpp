@@ -87,11 +87,11 @@ void judge(Survival& s, const Apart& apart, std::mt19937_64& random, Progress& p
     // Said to be doubtful: clocks that differ, or errors beyond what is stated while nothing moves.
     const Metric *onset = find(c.metrics, "onset_difference"), *rest = find(c.metrics, "rest_over_u");
     const bool clocks = apart.alignment == compare::TimeAlignment::none && onset && std::abs(onset->value) > 2 * onset->uncertainty;
-    if (clocks || (rms->verdict != Verdict::not_distinguishable && rest && rest->value > 2)) {
+    if (clocks || (rms->told_apart() && rest && rest->value > 2)) {
       s.count_none();
       return;
     }
-    const bool told_apart = rms->verdict != Verdict::not_distinguishable;
+    const bool told_apart = rms->told_apart();
     const bool clear = apart.difference >= clear_difference, none = apart.difference == 0;
     // (Where an onset is not known well, u_val is more than that of the motions, and the verdict says what it would have seen.)
     const bool unseen = clear && !told_apart && apart.difference * u_val < rms->seen();

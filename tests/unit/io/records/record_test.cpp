@@ -139,7 +139,11 @@ TEST_F(RecordTest, HeadFramesMotionsEnergyAndComparisonComeBack) {
     EXPECT_EQ(c.metrics[k].unit, d.metrics[k].unit);
     EXPECT_EQ(c.metrics[k].definition, d.metrics[k].definition);
     EXPECT_EQ(c.metrics[k].verdict, d.metrics[k].verdict);
+    EXPECT_EQ(c.metrics[k].lost_in, d.metrics[k].lost_in);
+    EXPECT_EQ(c.metrics[k].limit, d.metrics[k].limit);
   }
+  EXPECT_EQ(c.metrics[0].numerical, d.metrics[0].numerical);
+  EXPECT_TRUE(std::isnan(c.metrics[0].input));
   EXPECT_EQ(c.metrics[0].uncertainty, d.metrics[0].uncertainty);
   EXPECT_TRUE(std::isnan(c.metrics[1].uncertainty));
   ASSERT_EQ(c.fields.size(), 1u);
@@ -163,8 +167,11 @@ TEST_F(RecordTest, HeadFramesMotionsEnergyAndComparisonComeBack) {
 
 // Words of schema 1.1 are understood, those of a later version are none.
 TEST(Verdicts, AreReadInTheWordsOfEveryVersion) {
-  EXPECT_EQ(verdict_named("within limit"), Verdict::met);
-  EXPECT_EQ(verdict_named("over limit"), Verdict::exceeded);
+  EXPECT_EQ(limit_fate_named("within limit"), LimitFate::met);
+  EXPECT_EQ(limit_fate_named("over limit"), LimitFate::exceeded);
+  EXPECT_EQ(limit_fate_named("exceeded"), LimitFate::exceeded);
+  EXPECT_EQ(verdict_named("met"), Verdict::none);
+  EXPECT_EQ(verdict_named("not distinguishable at this u_val"), Verdict::not_resolved);
   for (const auto& named : verdict_names) EXPECT_EQ(verdict_named(named.name), named.value);
   EXPECT_EQ(verdict_named("words of a later version"), Verdict::none);
 }
