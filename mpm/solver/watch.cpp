@@ -185,6 +185,7 @@ void Solver::Impl::check_balance() {
   if (!std::isfinite(row.residual)) fail("the energy is not finite");
   double& turned_over = state.balance.turned_over;
   turned_over = std::max(turned_over, turnover(row, state.balance));
+  const double gain = gained(row, state.balance);
   // (The balance here takes velocities as they are stored, of half a step ago: after n steps of a fall it is off by 1/n of the work.)
   const double most = options.energy_limit * std::max(turned_over, least_turned_over);
   const auto swings = [&] {
@@ -196,6 +197,13 @@ void Solver::Impl::check_balance() {
     std::ostringstream text;
     text << "the energy residual is " << row.residual << " J/m, beyond " << options.energy_limit
          << " of the energy supplied (" << std::max(turned_over, least_turned_over) << " J/m; mpm.energy_limit)";
+    fail(text.str());
+  }
+  if (state.steps >= first_judged && gain > most) {
+    std::ostringstream text;
+    text << "energy was gained where it can only be lost (plastic, damping, contact, darcy): " << gain << " J/m, beyond "
+         << options.energy_limit << " of the energy supplied (" << std::max(turned_over, least_turned_over)
+         << " J/m; mpm.energy_limit)";
     fail(text.str());
   }
   good = {row, state.steps};
