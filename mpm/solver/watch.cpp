@@ -64,6 +64,10 @@ void Solver::Impl::end_particle(std::size_t k, EndReason reason) {
 }
 
 void Solver::Impl::watch_motion() {
+  for (const auto& [name, b] : scene.boundaries)  // (beside tied sides material passes a lid that moves along itself)
+    if (water && !restraints.tied().any() && b.velocity_m_s && !b.grips &&
+        Vec2((*b.velocity_m_s)[0], (*b.velocity_m_s)[1]).norm() * std::min(state.time, b.until_s.value_or(state.time)) > g.grid.spacing.maxCoeff())
+      fail("boundary." + name + " has moved by more than a cell, and its nodes hold no material any more; expected a [body.NAME] beside water");
   const NodalMotion motion = nodal_motion(g, heavy_mass * least_density() * g.grid.spacing.prod());
   state.peak_kinetic = std::max(state.peak_kinetic, motion.kinetic);
   const bool stands = motion.kinetic < calm * state.peak_kinetic &&
