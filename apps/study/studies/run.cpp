@@ -105,6 +105,7 @@ class Run {
     writer_->set_frames(frames_);
     outcome_.remarks = vectors_ ? remarks_on_import(*vectors_, c_)
                                 : texture_remarks(setting_, source_->read(0), file_of_first(*source_));
+    if (!vectors_) append(source_->remarks(), outcome_.remarks);
     if (!vectors_) {
       const std::size_t middle = (frames_.size() - 2) / 2;
       append(interlace_remarks(setting_, source_->read(int(middle)), writer_->pair(middle)), outcome_.remarks);
