@@ -100,8 +100,8 @@ class Run {
     else
       regions = measure(c_, setting_, *source_, *writer_, settings_.threads, progress_, &looks);
     central_ = writer_->pair(0).anchor == Anchor::central;
-    frames_ = flagged_frames(std::move(frames_), *writer_);
-    if (!vectors_) flag_flashes(*source_, looks, frames_);
+    frames_ = flagged_frames(std::move(frames_), *writer_,
+                             vectors_ ? std::vector<FrameLook>{} : all_looks(*source_, looks));
     writer_->set_frames(frames_);
     outcome_.remarks = vectors_ ? remarks_on_import(*vectors_, c_)
                                 : texture_remarks(setting_, source_->read(0), file_of_first(*source_));
