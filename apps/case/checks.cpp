@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/case/lengths.hpp"
 #include "apps/case/refusals.hpp"
 #include "apps/case/values.hpp"
 #include "pivnp/core/error.hpp"
@@ -92,6 +93,8 @@ class Checker : Refusals {
     if (c_.vectors->path.empty()) refuse("vectors.path", "missing; expected the files of the vectors");
     if (c_.vectors->format.empty())
       refuse("vectors.format", "missing; expected " + io::formats_text(&io::FileFormat::vectors));
+    if (!c_.vectors->length_unit.empty() && !is_length_unit(c_.vectors->length_unit))
+      refuse("vectors.length_unit", "found \"" + c_.vectors->length_unit + "\", expected m, mm, cm, km or um");
     if (c_.synth) refuse_section("vectors", "given together with [synth]; expected one of them");
     if (c_.frames && c_.vectors->rate_hz)
       refuse("vectors.rate_hz", "given together with [frames]; expected frames.rate_hz, which holds for both");
@@ -111,7 +114,7 @@ class Checker : Refusals {
     const auto& camera = c_.camera;
     constexpr double largest = 0.1;  // m a pixel: a view of a hundred metres and more is no laboratory
     const bool plain = camera.points_px.empty() && camera.points_m.empty();
-    if (plain && camera.metres_per_pixel && camera.length_unit == "m" && *camera.metres_per_pixel > largest)
+    if (plain && camera.metres_per_pixel && camera.length_unit == "m" && !source_.given("camera.length_unit") && *camera.metres_per_pixel > largest)
       refuse("camera.metres_per_pixel", "found " + toml_text(*camera.metres_per_pixel) + ", expected at most " +
                                             toml_text(largest) + " (m), or another camera.length_unit");
     if (plain) return;

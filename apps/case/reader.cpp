@@ -7,6 +7,7 @@
 #include "apps/case/checks.hpp"
 #include "apps/case/fields.hpp"
 #include "apps/case/given_keys.hpp"
+#include "apps/case/lengths.hpp"
 #include "apps/case/listing.hpp"
 #include "apps/case/sections.hpp"
 #include "pivnp/core/error.hpp"
@@ -140,6 +141,7 @@ Case parse_case(const std::string& text, const std::string& name, const std::fil
   }
   Case c = parsed(root, name, folder, Reading::strict);
   c.source = Source(name, root);
+  take_lengths_in_metres(c, *c.source);
   check_given(c, *c.source);
   if ((c.frames || c.synth) && !c.vectors && !c.piv) c.piv.emplace();
   if ((c.frames || c.synth || c.vectors) && !c.np) c.np.emplace();

@@ -266,6 +266,7 @@ CheckOutcome checked(const Case& given, const RunSettings& settings, Progress& p
   CheckOutcome outcome{{}, {text_of(size)}};
   if (setting.width > 0) outcome.remarks.insert(outcome.remarks.begin(), view_of(setting));
   if (seconds > 0) outcome.remarks.push_back(duration_words(seconds));
+  for (std::string& doubt : doubts_of_scale(c)) outcome.remarks.push_back(std::move(doubt));
   if (c.mpm)
     for (std::string& doubt : doubts(c, setting)) outcome.remarks.push_back(std::move(doubt));
   if (!measures) return outcome;

@@ -13,6 +13,7 @@
 #include "apps/study/methods/paths/levelling.hpp"
 #include "apps/study/methods/paths/strain_floor.hpp"
 #include "apps/study/methods/paths/tracking.hpp"
+#include "apps/study/methods/simulation/doubts.hpp"
 #include "apps/study/methods/simulation/simulation.hpp"
 #include "apps/study/pipeline/measure/imported_vectors.hpp"
 #include "apps/study/pipeline/measure/measure.hpp"
@@ -110,6 +111,7 @@ class Run {
       const std::size_t middle = (frames_.size() - 2) / 2;
       append(interlace_remarks(setting_, source_->read(int(middle)), writer_->pair(middle)), outcome_.remarks);
     }
+    append(doubts_of_scale(c_), outcome_.remarks);
     if (setting_.width > 0)
       append(fraction_remarks(setting_, frames_.size() - 1, [&](std::size_t k) { return writer_->pair(k); }),
              outcome_.remarks);

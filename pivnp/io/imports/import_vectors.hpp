@@ -31,6 +31,7 @@ struct VectorOptions {
   std::optional<double> rate_hz = {};
   std::optional<Anchor> anchor = {};
   VerticalAxis y_axis = VerticalAxis::format;
+  std::string length_unit = {};
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
@@ -48,6 +49,8 @@ struct VectorOptions {
                              "that of the format's program)"});
     visit("y_axis", self.y_axis,
           OptionInfo{.text = "direction of y and v in the files (format: as the format defines it)"});
+    visit("length_unit", self.length_unit,
+          OptionInfo{.text = "unit of files that hold lengths: m, mm, cm, km or um (left out: camera.length_unit)"});
   }
 };
 

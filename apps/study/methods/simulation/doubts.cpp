@@ -5,7 +5,9 @@
 #include <limits>
 
 #include "apps/study/pipeline/scene/simulation_scene.hpp"
+#include "mpm/scene/centrifuge.hpp"
 #include "mpm/scene/scene_setup.hpp"
+#include "mpm/water/pore_soil.hpp"
 #include "pivnp/core/text.hpp"
 
 namespace pivnp::app {
@@ -41,6 +43,51 @@ double share_in_thin_layers(const mpm::MpmOptions& options, const mpm::Scene& sc
   return all > 0 ? thin / all : 0;
 }
 
+// Greatest acceleration that a scene's material has to bear, m/s^2.
+double greatest_gravity(const mpm::MpmOptions& o, const mpm::Scene& scene) {
+  double g = std::hypot(o.gravity_m_s2[0], o.gravity_m_s2[1]);
+  if (scene.centrifuge) {
+    const mpm::Centrifuge field(*scene.centrifuge, o.geometry == mpm::Geometry::axisymmetric);
+    double most = 0;
+    for (const Vec2& x : scene.particles.x0) most = std::max(most, field.greatest(x));
+    g += most;
+  }
+  return g;
+}
+
+// What no soil has, by ratios: density to that of water, the speed of waves to that in diamond, the weight of a column over its stiffness.
+void doubt_materials(const Case& c, const mpm::Scene& scene, std::vector<std::string>& all) {
+  constexpr double water = 1000, lightest = 0.1, heaviest = 12, fastest = 1.2e4, squeezed = 0.1;
+  const double g = greatest_gravity(*c.mpm, scene);
+  for (const auto& [name, given] : c.materials) {
+    Vec2 low = Vec2::Constant(std::numeric_limits<double>::infinity()), high = -low;
+    for (std::size_t p = 0; p < scene.particles.size(); ++p) {
+      const std::string& region = scene.particles.label_names[std::size_t(scene.particles.label[p])];
+      const auto of = std::find_if(c.regions.begin(), c.regions.end(), [&](const auto& r) { return r.first == region; });
+      if ((of == c.regions.end() || of->second.material.empty() ? region : of->second.material) != name) continue;
+      low = low.cwiseMin(scene.particles.x0[p]);
+      high = high.cwiseMax(scene.particles.x0[p]);
+    }
+    if (!(high.y() >= low.y())) continue;
+    const std::string key = "material." + name + ".";
+    const double density = c.water ? mpm::without_pores(given, *c.water).density_kg_m3 : given.density_kg_m3;
+    if (!given.porosity && (density < lightest * water || density > heaviest * water))
+      all.push_back(key + "density_kg_m3: " + number(density, 3) + " kg/m^3 is no soil's (water has 1000).");
+    const bool fluid = !(given.young_pa > 0);
+    const double modulus = fluid ? given.bulk_pa : given.young_pa;
+    if (!(modulus > 0)) continue;
+    const std::string stiffness = key + (fluid ? "bulk_pa" : "young_pa") + ": " + number(modulus, 3) + " Pa";
+    const Vec2 down(c.mpm->gravity_m_s2[0], c.mpm->gravity_m_s2[1]);
+    const Vec2 size = high - low;
+    const double height = down.norm() > 0 ? std::abs(down.dot(size)) / down.norm() : size.y(), weight = density * g * height;
+    if (weight > squeezed * modulus)
+      all.push_back(stiffness + " against a weight of " + number(weight, 3) + " Pa at the foot of " + number(height, 3) +
+                    " m: the material is squeezed by " + number(100 * weight / modulus, 2) + " % under itself.");
+    if (std::sqrt(modulus / density) > fastest)
+      all.push_back(stiffness + ": waves of " + number(std::sqrt(modulus / density) / 1000, 3) + " km/s are faster than in any rock.");
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> doubts(const mpm::MpmOptions& options, const mpm::Scene& scene) {
@@ -66,7 +113,17 @@ std::vector<std::string> doubts(const mpm::MpmOptions& options, const mpm::Scene
 }
 
 std::vector<std::string> doubts(const Case& c, const Setting& setting) {
-  return doubts(*c.mpm, make_scene(c, setting, *c.mpm, c.materials, "material."));
+  const mpm::Scene scene = make_scene(c, setting, *c.mpm, c.materials, "material.");
+  std::vector<std::string> all = doubts(*c.mpm, scene);
+  doubt_materials(c, scene, all);
+  return all;
+}
+
+std::vector<std::string> doubts_of_scale(const Case& c) {
+  constexpr double light = 1e-7;  // m: a quarter of its wavelength
+  if (!c.camera.metres_per_pixel || *c.camera.metres_per_pixel >= light || c.camera.length_unit != "m") return {};
+  return {"camera.metres_per_pixel: " + number(*c.camera.metres_per_pixel, 3) +
+          " m a pixel is finer than light resolves; is it in another unit (camera.length_unit)?"};
 }
 
 }  // namespace pivnp::app

@@ -12,7 +12,9 @@ namespace pivnp::app {
 
 /// A sentence each (pivnp stress maps them).
 std::vector<std::string> doubts(const mpm::MpmOptions& options, const mpm::Scene& scene);
-/// The same of a case with [mpm]. Throws InputError as make_scene().
+/// The same of a case with [mpm], and what no soil has, by name of the key. Throws InputError as make_scene().
 std::vector<std::string> doubts(const Case& c, const Setting& setting);
+/// Of the camera.
+std::vector<std::string> doubts_of_scale(const Case& c);
 
 }  // namespace pivnp::app

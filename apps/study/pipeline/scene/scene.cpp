@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "apps/case/lengths.hpp"
 #include "apps/study/pipeline/scene/sizes.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/region.hpp"
@@ -135,7 +136,13 @@ void require_near(const Polygon& polygon, const Setting& setting, const std::str
 
 // The nodes of vectors that were read from files, in the world.
 Grid imported_grid(const Case& c, const Setting& setting, const Grid& given, bool pixels) {
-  if (!pixels) return given;
+  if (!pixels) {
+    const auto metres = [&](const Vec2& v) { return Vec2(in_metres(v.x(), c.vectors->length_unit), in_metres(v.y(), c.vectors->length_unit)); };
+    return {metres(given.origin), metres(given.spacing), given.nx, given.ny};
+  }
+  if (!c.vectors->length_unit.empty() && setting.camera.length_unit() == "px")
+    throw InputError(of_file(c) + ": camera.metres_per_pixel: missing beside a unit of length, expected the scale of the pixels that "
+                                  "the files of [vectors] hold");
   if (!setting.camera.plain())
     throw InputError(of_file(c) + ": camera.points_px: given together with [vectors] in pixels, whose grid would not be "
                                   "regular in the world; expected metres_per_pixel");
