@@ -8,6 +8,7 @@
 #include "pivnp/piv/dense/illumination.hpp"
 #include "pivnp/piv/dense/lost.hpp"
 #include "pivnp/piv/recorrelation.hpp"
+#include "pivnp/piv/sampling/even_light.hpp"
 #include "pivnp/piv/sampling/presmoothing.hpp"
 #include "pivnp/piv/validation/vector_validation.hpp"
 
@@ -47,6 +48,8 @@ class GaussNewton final : public Method {
  private:
   void start_from(const GnLevel& level, const PredictorField& predictor);
   void start_from(const GnLevel& level, const GnLevel& coarser);
+  void correlate_as_they_are(const ImageView& first, const ImageView& second, PixelVectors& vectors);
+  float mismatch_at(const std::vector<std::size_t>& points);
   void pass(const GnLevel& level, bool scores);
   void smooth(const GnLevel& level);
   void run_passes(const GnLevel& level);
@@ -98,7 +101,41 @@ GaussNewton::GaussNewton(const PivOptions& options, const Extent& extent, int th
 
 void GaussNewton::correlate(const ImageView& first, const ImageView& second, PixelVectors& vectors) {
   if (windows_.empty()) return;
+  const PixelVectors before = vectors;
   rounding_ = rounding_variance(first);
+  correlate_as_they_are(first, second, vectors);
+  const std::vector<std::size_t> suspected = moving_light(sums_, rounding_);
+  if (suspected.empty()) return;
+  // Again on frames freed of light; that field stays if the texture matches better by it than by the first one.
+  const DenseField field_as_is = dense_;
+  const PixelVectors vectors_as_is = vectors;
+  const float rounding = rounding_;
+  const std::vector<float> u = u_, v = v_;
+  vectors = before;
+  rounding_ = evened_rounding(rounding);
+  correlate_as_they_are(even_light(first, threads_).view(), even_light(second, threads_).view(), vectors);
+  noise_.clear();
+  const float freed = mismatch_at(suspected);
+  u_ = u;
+  v_ = v;
+  const float as_is = mismatch_at(suspected);
+  rounding_ = rounding;
+  if (freed < as_is) return;
+  dense_ = field_as_is;
+  vectors = vectors_as_is;
+}
+
+// Mean of 1 - score, by the field of now, at the finest level's points.
+float GaussNewton::mismatch_at(const std::vector<std::size_t>& points) {
+  pass(levels_.back(), true);
+  MatchQuality quality;
+  match_quality(sums_, quality);
+  double sum = 0;
+  for (const std::size_t k : points) sum += 1 - double(quality.score[k]);
+  return static_cast<float>(sum / double(points.size()));
+}
+
+void GaussNewton::correlate_as_they_are(const ImageView& first, const ImageView& second, PixelVectors& vectors) {
   illumination_.clear();
   const PredictorField& predictor = windows_.find(first, second);
   const GnLevel* coarser = nullptr;

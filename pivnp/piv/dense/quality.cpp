@@ -58,6 +58,38 @@ void match_quality(const CellSums& sums, MatchQuality& quality) {
   for (std::size_t k = 0; k < count; ++k) quality.contrast[k] = quality.variance[k] / mean;
 }
 
+std::vector<std::size_t> moving_light(const CellSums& sums, float rounding) {
+  constexpr float least_change = 0.012f, usual = 6, least_share = 1e-3f, most_sigma = 0.45f, all_round = 0.6f;
+  constexpr std::size_t least_points = 8;
+  constexpr int reach = 4;
+  const CellLattice& lattice = sums.lattice;
+  std::vector<float> f, g, usable, change(lattice.size()), known;
+  binomial_mean(lattice, sums[CellSums::f], f);
+  binomial_mean(lattice, sums[CellSums::g], g);
+  binomial_mean(lattice, sums[CellSums::usable], usable);
+  const float whole = 0.9f * static_cast<float>(lattice.step * lattice.step);
+  for (std::size_t k = 0; k < change.size(); ++k) {
+    if (usable[k] > whole && f[k] + g[k] > 0) known.push_back(change[k] = std::abs(f[k] - g[k]) / (f[k] + g[k]));
+  }
+  std::vector<std::size_t> out;
+  if (known.empty()) return out;
+  const auto middle = known.begin() + std::ptrdiff_t(known.size() / 2);
+  std::nth_element(known.begin(), middle, known.end());
+  const float most = std::max(least_change, usual * *middle);
+  for (std::size_t k = 0; k < change.size(); ++k)
+    if (change[k] > most) out.push_back(k);
+  const auto enough = [&] { return out.size() >= std::max(least_points, static_cast<std::size_t>(least_share * static_cast<float>(known.size()))); };
+  if (!enough()) return {};
+  // Material all round: beside air, what is seen changes as its edge moves.
+  std::vector<float> variance, textured(lattice.size()), share;
+  own_variance(sums, true, rounding, variance);
+  for (std::size_t k = 0; k < textured.size(); ++k) textured[k] = usable[k] > 0 && variance[k] <= most_sigma * most_sigma ? 1.0f : 0.0f;
+  box_mean(lattice, textured, reach, share);
+  std::erase_if(out, [&](std::size_t k) { return share[k] < all_round; });
+  if (!enough()) out.clear();
+  return out;
+}
+
 void own_variance(const CellSums& sums, bool window, float rounding, std::vector<float>& variance) {
   // Hats average noise like an even window of one and a half cells a side, seen through weights 1/4, 1/2, 1/4 of three.
   const float even_cells = window ? 3.0f : 1.5f;

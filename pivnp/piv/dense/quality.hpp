@@ -21,6 +21,11 @@ struct MatchQuality {
 
 void match_quality(const CellSums& sums, MatchQuality& quality);
 
+/// Points where light seems to move over the material: where the pass has matched the frames, the mean grey value about the point still
+/// changes, by more than 2.4 % and six times what half of the points exceed, with texture all round. Empty where these are
+/// fewer than eight, or a thousandth of all.
+std::vector<std::size_t> moving_light(const CellSums& sums, float rounding);
+
 /// Square of the error that a vector would have by the texture about the point alone, whatever smoothing makes of its
 /// surroundings: least squares over the window of `score` (`window`) or the point's own cell, in the worse direction;
 /// level pixels squared, infinite where the frames have no gradients in common but shading's. Noise is the matched

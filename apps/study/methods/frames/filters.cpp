@@ -351,14 +351,7 @@ std::vector<std::string> words_of(const FilterTrials& trials) {
 std::vector<std::string> set_filter(const Case& c, image::FrameSource& source, int threads, Progress& progress,
                                     Setting& setting) {
   setting.filter.reset();
-  if (!c.preprocess) {
-    PatternFound found = pattern_unasked(c, setting, source, threads, progress);
-    if (found.grey.empty()) return {};
-    FilterOptions options;
-    options.background = Background::pattern;
-    setting.filter = std::make_shared<const image::FrameFilter>(options, std::move(found.grey));
-    return {pattern_words(found.seen) + " It was taken out before the frames were correlated (preprocess.background = \"none\" leaves it in)."};
-  }
+  if (!c.preprocess) return {};
   FilterOptions options = *c.preprocess;
   std::vector<std::string> words;
   if (options.choose) {
@@ -366,7 +359,11 @@ std::vector<std::string> set_filter(const Case& c, image::FrameSource& source, i
     options = trials.best;
     words = words_of(trials);
   }
-  if (options.any()) setting.filter = std::make_shared<const image::FrameFilter>(filter_of(options, source));
+  if (options.background == Background::pattern)
+    setting.filter = std::make_shared<const image::FrameFilter>(
+        options, pattern_over_motion(c, setting, source, options.background_frames, threads, progress));
+  else if (options.any())
+    setting.filter = std::make_shared<const image::FrameFilter>(filter_of(options, source));
   return words;
 }
 

@@ -42,8 +42,7 @@ FilterTrials try_filters(const Case& c, const Setting& setting, image::FrameSour
 /// A filter of a case's frames. Its background is read from the frames.
 image::FrameFilter filter_of(const image::FilterOptions& options, image::FrameSource& source);
 
-/// From now on frames of `setting` are filtered as [preprocess] says; of a case without that section a pattern on the glass is
-/// taken out where one is seen (pattern_unasked). Returns what was chosen, where the case leaves the choice open.
+/// From now on frames of `setting` are filtered as [preprocess] says. Returns what was chosen, where the case leaves the choice open.
 std::vector<std::string> set_filter(const Case& c, image::FrameSource& source, int threads, Progress& progress,
                                     Setting& setting);
 

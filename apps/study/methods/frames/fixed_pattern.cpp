@@ -88,7 +88,6 @@ constexpr double grain_px = 6;  // a generous one
 // The median of frames between which material has moved by less is, for a good part, that material.
 constexpr double clear_of_itself_px = 8;
 constexpr int least_frames = 8, pairs_looked_at = 6;
-constexpr double nothing_stands_still = .01;  // correlation of frames as they stand
 
 // What a node's material has moved over the whole sequence, px, from `read` of its pairs; no number where less than half of them are valid.
 std::vector<double> path_lengths(const Setting& setting, std::size_t steps, std::size_t read, const std::function<VectorField(std::size_t)>& pair) {
@@ -109,14 +108,6 @@ std::vector<double> path_lengths(const Setting& setting, std::size_t steps, std:
   return out;
 }
 
-std::vector<Vec2> places_of(const Setting& setting, const std::vector<double>& lengths, double least) {
-  std::vector<Vec2> out;
-  for (std::size_t k = 0; k < lengths.size(); ++k)
-    if (lengths[k] >= least)
-      out.push_back(setting.camera.to_pixel(setting.grid.position(int(k) % setting.grid.nx, int(k) / setting.grid.nx)));
-  return out;
-}
-
 // Up to four pairs of frames, as far apart as the sequence is long, where material has moved on.
 StillPicture far_apart(const Setting& setting, image::FrameSource& source, const std::vector<double>& lengths) {
   constexpr int most_looks = 4;
@@ -128,7 +119,7 @@ StillPicture far_apart(const Setting& setting, image::FrameSource& source, const
     const double share = double(steps - late) / steps;
     const StillPicture look = still_picture(prepared(setting, source.read(late % 2 == 0 ? 0 : late)),
                                             prepared(setting, source.read(late % 2 == 0 ? steps - late : steps)),
-                                            places_of(setting, lengths, grain_px / share));
+                                            amid_motion(setting, 0, lengths, grain_px / share));
     if (look.windows < 16) continue;
     correlation += look.correlation, error += look.error, out.windows += look.windows, ++looks;
   }
@@ -166,51 +157,35 @@ StillPicture fixed_texture(const Setting& setting, image::FrameSource& source, c
   return far_apart(setting, source, path_lengths(setting, steps, std::min(most_pairs, steps), pair));
 }
 
-PatternFound pattern_unasked(const Case& c, const Setting& setting, image::FrameSource& source, int threads, Progress& progress) {
+Image pattern_over_motion(const Case& c, const Setting& setting, image::FrameSource& source, int most, int threads, Progress& progress) {
+  Image all = pattern_on_glass(source, most);
   const int frames = int(source.frames().size());
-  if (!setting.cameras.empty() || frames < least_frames) return {};
-  const StillPicture whole = still_picture(prepared(setting, source.read(0)), prepared(setting, source.read(frames - 1)),
-                                           places_of(setting, std::vector<double>(setting.grid.node_count(), 0.0), 0));
-  if (whole.correlation < nothing_stands_still) return {};
+  if (!setting.cameras.empty() || frames < least_frames) return all;
+  Plane pattern(all.width(), all.height(), all.white());
+  add(all.view(), 1, pattern);
   Case quick = c;
   quick.piv = piv::PivOptions{};
   quick.piv->method = "fast";
-  const auto lengths_in = [&](const Setting& filtered) {
-    return path_lengths(filtered, std::size_t(frames - 1), pairs_looked_at, [&](std::size_t k) {
-      if (progress.stop_requested()) throw Interrupted();
-      return measure_pair(quick, filtered, source, {int(k), int(k) + 1}, threads);
-    });
-  };
-  PatternFound out;
-  out.seen = far_apart(setting, source, lengths_in(setting));
-  if (!out.seen.seen()) return out;
+  // Without the pattern, which would hold paths back.
   image::FilterOptions options;
   options.background = image::Background::pattern;
-  Image all = pattern_on_glass(source, options.background_frames);
-  Plane pattern(all.width(), all.height(), all.white());
-  add(all.view(), 1, pattern);
-  // Paths anew: the pattern has held them back.
   Setting freed = setting;
   freed.filter = std::make_shared<const image::FrameFilter>(options, std::move(all));
-  const Plane clear = clear_of_material(setting, pattern, lengths_in(freed));
-  bool any = false;
-  for (std::size_t k = 0; k < pattern.grey.size(); ++k) {
-    pattern.grey[k] *= clear.grey[k];
-    any = any || pattern.grey[k] != 0;
-  }
-  if (any) out.grey = pattern.image();
-  return out;
-}
-
-std::string pattern_words(const StillPicture& seen) {
-  return "Texture that stands still lies over material that moves, as dirt, scratches or a reflection on the glass do: where the material has moved on by "
-         "more than 6 px, frames correlate as they stand by " + number(seen.correlation, 2) + " (+- " + number(seen.error, 1) + ").";
+  const std::vector<double> lengths = path_lengths(freed, std::size_t(frames - 1), pairs_looked_at, [&](std::size_t k) {
+    if (progress.stop_requested()) throw Interrupted();
+    return measure_pair(quick, freed, source, {int(k), int(k) + 1}, threads);
+  });
+  const Plane clear = clear_of_material(setting, pattern, lengths);
+  for (std::size_t k = 0; k < pattern.grey.size(); ++k) pattern.grey[k] *= clear.grey[k];
+  return pattern.image();
 }
 
 std::vector<std::string> pattern_remarks(const Setting& setting, image::FrameSource& source, const std::function<VectorField(std::size_t)>& pair) {
   const StillPicture seen = fixed_texture(setting, source, pair);
   if (!seen.seen()) return {};
-  return {pattern_words(seen) + " It draws vectors towards zero, in every pair alike, which no closure shows. preprocess.background = \"pattern\" takes it out."};
+  return {"Texture that stands still lies over material that moves, as dirt, scratches or a reflection on the glass do: amid material that has moved on by "
+          "more than 6 px, frames correlate as they stand by " + number(seen.correlation, 2) + " (+- " + number(seen.error, 1) +
+          "). It draws vectors towards zero, in every pair alike, which no closure shows. preprocess.background = \"pattern\" takes it out."};
 }
 
 }  // namespace pivnp::app

@@ -16,21 +16,13 @@ namespace pivnp::app {
 /// (correlation above .85 in Gaussian windows of 16 px): what moves nowhere is material at rest.
 Image pattern_on_glass(image::FrameSource& source, int most);
 
-/// The same where the material has moved on by more than 8 px over the sequence, if there are eight frames at least and such a
-/// pattern is seen there by the vectors that `fast` finds in six pairs. Otherwise empty: almost all sequences are told by two
-/// frames, which do not agree as they stand.
-struct PatternFound {
-  Image grey;  // empty: nothing is to be taken out
-  StillPicture seen;
-};
-PatternFound pattern_unasked(const Case& c, const Setting& setting, image::FrameSource& source, int threads, Progress& progress);
+/// The same where the material about has moved on by more than 8 px over the sequence, by the vectors that `fast` finds in six pairs
+/// of the frames without the pattern. With a camera that moves, or fewer than eight frames, all of it.
+Image pattern_over_motion(const Case& c, const Setting& setting, image::FrameSource& source, int most, int threads, Progress& progress);
 
 /// How far pictures agree where material has moved on by more than its grains' size: over up to four pairs of frames, as far
-/// apart as the sequence is long, at nodes whose vectors (`pair`) add up to more than 6 px.
+/// apart as the sequence is long, amid nodes whose vectors (`pair`) add up to more than 6 px.
 StillPicture fixed_texture(const Setting& setting, image::FrameSource& source, const std::function<VectorField(std::size_t)>& pair);
-
-/// One sentence on it.
-std::string pattern_words(const StillPicture& seen);
 
 /// A sentence where such texture is seen and nothing takes it out.
 std::vector<std::string> pattern_remarks(const Setting& setting, image::FrameSource& source, const std::function<VectorField(std::size_t)>& pair);

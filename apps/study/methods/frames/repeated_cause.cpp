@@ -56,6 +56,25 @@ StillPicture still_picture(const Image& first, const Image& second, const std::v
   return out;
 }
 
+std::vector<Vec2> amid_motion(const Setting& setting, int frame, const std::vector<double>& moved_px, double least_px) {
+  constexpr double surroundings_px = 48;  // a window of 25 px, and as far as vectors see across a boundary
+  const Grid& grid = setting.grid;
+  const int reach = int(std::ceil(surroundings_px / node_spacing_px(setting)));
+  std::vector<Vec2> out;
+  for (int j = 0; j < grid.ny; ++j)
+    for (int i = 0; i < grid.nx; ++i) {
+      if (!(moved_px[grid.node(i, j)] >= least_px)) continue;
+      int moving = 0, resting = 0, unknown = 0;
+      for (int b = std::max(0, j - reach); b <= std::min(grid.ny - 1, j + reach); ++b)
+        for (int a = std::max(0, i - reach); a <= std::min(grid.nx - 1, i + reach); ++a) {
+          const double moved = moved_px[grid.node(a, b)];
+          ++(!std::isfinite(moved) ? unknown : moved >= least_px ? moving : resting);
+        }
+      if (resting == 0 && moving >= unknown) out.push_back(setting.camera_at(frame).to_pixel(grid.position(i, j)));
+    }
+  return out;
+}
+
 Bent bent_share(const std::vector<std::array<float, 3>>& repeated, const VectorField& field, int steps, double pixel) {
   const Grid& grid = field.grid;
   double all = 0, bent = 0, nodes = 0, known = 0;

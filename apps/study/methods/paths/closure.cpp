@@ -90,14 +90,11 @@ std::string cause_of(const ClosureNote& note, const Setting& setting, image::Fra
   const auto [first, last] = note.chains.front();
   const int end = note.chains.back()[1];
   const double pixel = setting.grid.spacing.x() / node_spacing_px(setting);
-  std::vector<Vec2> moved;
-  for (int j = 0; j < direct.grid.ny; ++j)
-    for (int i = 0; i < direct.grid.nx; ++i) {
-      const std::size_t n = direct.grid.node(i, j);
-      if (direct.status[n] != VectorStatus::valid) continue;
-      const double by = std::hypot(double(direct.displacement[n][0]), double(direct.displacement[n][1]));
-      if (by * (end - first) / (last - first) > grain * pixel) moved.push_back(setting.camera_at(first).to_pixel(direct.grid.position(i, j)));
-    }
+  std::vector<double> moved_px(direct.grid.node_count(), NAN);
+  for (std::size_t n = 0; n < moved_px.size(); ++n)
+    if (direct.status[n] == VectorStatus::valid)
+      moved_px[n] = std::hypot(double(direct.displacement[n][0]), double(direct.displacement[n][1])) / pixel * (end - first) / (last - first);
+  const std::vector<Vec2> moved = amid_motion(setting, first, moved_px, grain);
   const StillPicture still = setting.cameras.empty() ? still_picture(prepared(setting, source.read(first)), prepared(setting, source.read(end)), moved) : StillPicture{};
   return repeated_cause(still, bent_share(note.repeated, direct, last - first, pixel));
 }
