@@ -101,6 +101,25 @@ TEST(MpmLayersSmall, PressuresAreThoseOfOneDimension) {
   }
 }
 
+// With a border through cells and through nodes, and soil that lets nothing through.
+TEST(MpmLayersSmall, TheThreadsDoNotChangeABit) {
+  for (const PressureScheme pressure : schemes) {
+    Scene s = scene(Grid{{0, 0}, {cell, cell}, 6, 14},
+                    {rectangle("clay", 0, 0, 5 * cell, 4.3 * cell), rectangle("sand", 0, 4.3 * cell, 5 * cell, 8 * cell),
+                     rectangle("rock", 0, 8 * cell, 5 * cell, 10 * cell)},
+                    {saturated(4e6, poisson, 0.5, 1e-7), saturated(2e7, poisson, 0.4, 1e-5), saturated(5e7, poisson, 0.2, 0)});
+    s.water.emplace();
+    s.water->bulk_modulus_pa = 5e8;
+    BoundaryOptions top = line({0, 10 * cell}, {5 * cell, 10 * cell}, "traction");
+    top.traction_pa = {0, -load};
+    top.drained = true;
+    s.boundaries = {{"base", line({0, 0}, {5 * cell, 0}, "roller")}, {"load", top}};
+    WaterColumn c;
+    c.pressure = pressure;
+    expect_same_bits(options_of(c), s);
+  }
+}
+
 TEST(MpmLayers, PressuresAreThoseOfOneDimension) {
   const std::vector<Profile> profiles = {
       sand_on_clay,
