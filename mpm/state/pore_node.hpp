@@ -11,9 +11,9 @@ namespace pivnp::mpm {
 /// functions of the momentum. V: the points' volumes; s, t: their places in the element, in cells.
 struct alignas(32) PoreNode {  // by the hats
   double volume = 0;      // V, m^2
-  double potential = 0;   // V e, e = p - rho g . x
+  double potential = 0;   // V e, e = p - rho g . x, times the mobility where that varies
   double strained = 0;    // V times the volumetric strain of the last step
-  double mobile = 0;      // V times the mobility, or, where that is the same everywhere or pressure is projected, the pores' volume
+  double mobile = 0;      // V times the mobility, or, where that is the same everywhere, the pores' volume
 };
 /// Of the element up and to the right of a node.
 struct alignas(32) PoreElement {
@@ -45,7 +45,7 @@ struct PoreFields {
   double* even;      // V over a quarter of that of the elements around, 1 at most; then the mean without waves of two cells;
                      // then the strain that feeds pressure
   double* change;    // of the water in a unit of volume, in this step
-  double* rate;      // mobility, where it varies
+  double* rate;      // mobility, where it varies: by it and V points weigh in `potential`, and share what flows in
   // Weights, in single precision: what two nodes exchange has the same one on both sides, so that sums are kept to round-off.
   float* weight;     // of the element up and to the right in smoothing: V times the least share (`even`) of its nodes
   // Of the edges to the right and up.

@@ -4,6 +4,7 @@
 #include <iterator>
 
 #include "mpm/grid/sweeps.hpp"
+#include "mpm/water/pore_borders.hpp"
 #include "mpm/water/pore_elements.hpp"
 #include "mpm/water/pore_water.hpp"
 #include "pivnp/core/error.hpp"
@@ -27,6 +28,7 @@ PoreFlow PoreWater::flow(Particles& p, GridState& g, const Tractions& tractions,
   set_outside(p, gravity);
   if (state && has_front(p, gravity, threads))
     throw RunError("mpm: pores are no longer full, expected full pores with water.inertia");
+  mix_at_borders(p, g, threads);
   if (has_front(p, gravity, threads)) return flow_with_front(p, g, tractions, gravity, time, dt, threads);
   PoreFlow sums;
   map_points(p, g, tractions, gravity, time, threads);
@@ -35,7 +37,14 @@ PoreFlow PoreWater::flow(Particles& p, GridState& g, const Tractions& tractions,
   const double rate = rate_in_cell(g) * dt;
   PoreFields f = field_;
   if (p.mobility.empty()) f.rate = nullptr;
-  if (threads <= 1 && joined_.empty() && !state) {
+  std::optional<StrainAtBorders> borders;
+  const bool several = alike_.own && soils_.size() > 1;
+  const std::vector<std::uint8_t> kinds = several ? kinds_of(soils_) : std::vector<std::uint8_t>();
+  const auto kind = [&](std::uint32_t k) { return flows(p, k) ? kinds[std::size_t(set_->label[p.index[k]])] : std::uint8_t(0); };
+  if (several) borders.emplace(p, g, f, soil_in_, kinds, kind, threads);
+  if (borders && !borders->any()) borders.reset();
+  if (borders) borders->part(f);
+  if (threads <= 1 && joined_.empty() && !state && !borders) {
     exchange_row_by_row(g, f, rate);
     sums.add(at_given_nodes(rate));
   } else {
@@ -55,7 +64,9 @@ PoreFlow PoreWater::flow(Particles& p, GridState& g, const Tractions& tractions,
     sums.add(at_given_nodes(rate));
     if (state) sums.add(push_flow(g, dt, *state));
     sums.add(tie_exchanged(g, gravity, rate));
+    if (borders) borders->take(f);
     smooth();
+    if (borders) borders->feed(p, g, kind, threads);
   }
   const PointView points = p.view();
   const PoreView pores = view(p, gravity);
@@ -257,6 +268,7 @@ void PoreWater::take_means(const GridState& g, const Vec2& gravity, double time,
   }
   tie_given(g, gravity);
   mark_given(true);
+  conduct_along_borders(g, dt);
   conduct_to_surface(g, dt);
 }
 
@@ -329,10 +341,10 @@ PoreFlow PoreWater::at_given_nodes(double rate) {
     };
     const double passed = to(1, f.flow_x[n]) + to(-1, (f.flow_x + n)[-1]) + to(f.row, f.flow_y[n]) + to(-f.row, (f.flow_y + n)[-f.row]);
     count(passed + rate * at.mobility * at.share * f.volume[n] * (potential - at.mean), potential);
-    f.change[n] = rate * at.mobility * potential;
+    f.change[n] = rate * (alike_.own ? 1 : at.mobility) * potential;
   }
   for (const Through& through : through_) {
-    f.change[through.node] += through.volume / f.volume[through.node];
+    f.change[through.node] += through.volume / capacity(through.node);
     count(through.volume, f.potential[through.node]);
   }
   return sum;

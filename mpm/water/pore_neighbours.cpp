@@ -28,13 +28,14 @@ void PoreWater::tie_sums(const GridState& g, const Vec2& gravity, double time) {
   joined_.clear();
   for (const TiedSides::Tie& tie : ties_->ties()) {
     PoreNode &a = sums_.node[tie.node[0]], &b = sums_.node[tie.node[1]];
-    const double volume = a.volume + b.volume;
-    if (time >= tie.until || !(a.volume > 0 && b.volume > 0)) continue;
-    joined_.push_back({&tie, {a.volume / volume, b.volume / volume}, {a.potential / a.volume, b.potential / b.volume}, 0, 0});
-    const double across = head_across(g, tie, gravity), potential = a.potential + b.potential - across * b.volume;
+    const double volume = a.volume + b.volume, of_a = alike_.own ? a.mobile : a.volume, of_b = alike_.own ? b.mobile : b.volume,
+                 weight = of_a + of_b;
+    if (time >= tie.until || !(of_a > 0 && of_b > 0)) continue;
+    joined_.push_back({&tie, {of_a / weight, of_b / weight}, {a.potential / of_a, b.potential / of_b}, 0, 0});
+    const double across = head_across(g, tie, gravity), potential = a.potential + b.potential - across * of_b;
     a.volume = b.volume = volume;
     a.potential = potential;
-    b.potential = potential + across * volume;
+    b.potential = potential + across * weight;
     a.strained = b.strained = a.strained + b.strained;
     a.mobile = b.mobile = a.mobile + b.mobile;
   }
@@ -86,10 +87,10 @@ PoreFlow PoreWater::tie_exchanged(const GridState& g, const Vec2& gravity, doubl
     const std::uint32_t a = joined.tie->node[0], b = joined.tie->node[1];
     f.mean[a] = f.mean[b] = f.mean[a] + f.mean[b] - 2 * joined.mean + joined.even;
     if (marks_[a].given) continue;
-    const double own = rate * (alike_.own ? f.rate[a] : alike_.mobility);
+    const double own = alike_.own ? rate : rate * alike_.mobility;
     const double to_a = f.change[a] - own * f.potential[a], to_b = f.change[b] - own * f.potential[b];
     const double passed = joined.share[0] * (to_b + own * (f.potential[a] - joined.potential[0])) - joined.share[1] * to_a;  // from b to a
-    sum.external -= head_across(g, *joined.tie, gravity) * f.volume[a] * passed;
+    sum.external -= head_across(g, *joined.tie, gravity) * capacity(a) * passed;
     f.change[a] += to_b;
     f.change[b] += to_a;
   }

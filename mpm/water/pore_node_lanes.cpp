@@ -65,8 +65,10 @@ struct FromSums {
     const V none = hn::Zero(d);
     const auto of = [&](const Four& e, V across) HWY_ATTR { return mobility(e) * (number(through) * e.a - number(edges.rate) * across); };
     const auto there = hn::And(hn::Gt(volume, none), hn::Gt(end, none));
+    const bool of_means = f.rate && f.inert_x;  // there strain is not smoothed, and means are weighted
+    const auto passes = [&](const Four& e, V across) HWY_ATTR { return of_means ? mobility(e) * across : across; };
     put(hn::IfThenElseZero(there, half(of(one, across_one), of(other, across_other))), flow);
-    put(hn::IfThenElseZero(there, half(across_one, across_other)), strain);
+    put(hn::IfThenElseZero(there, half(passes(one, across_one), passes(other, across_other))), strain);
   }
 
   // The same for pressures: what flows, and what the skeleton yields.
@@ -84,9 +86,9 @@ struct FromSums {
     const V per_volume = quotient(number(1), v);
     put(v, f.volume);
     put(e.a, f.weight);
-    put(here.b * per_volume, f.potential);
+    put(here.b * (f.rate ? quotient(number(1), here.e) : per_volume), f.potential);
     put(here.c * per_volume, f.mean);
-    if (f.rate) put(f.inert_x ? number(0.25) * ((mobility(e) + mobility(left)) + (mobility(below) + mobility(across))) : here.e * per_volume, f.rate);
+    if (f.rate) put(here.e * per_volume, f.rate);
     put(hn::Min(number(1), quotient(number(4) * v, (e.a + left.a) + (below.a + across.a))), f.even);
     const auto half = [&](V a, V b) HWY_ATTR { return number(0.5) * (a + b); };
     const auto along_y = [&](auto&& share) HWY_ATTR {
@@ -145,8 +147,8 @@ struct AtNodes {
     const V v = at(f.volume), smooth = at(f.even), mean = at(f.mean);
     const V passed = smooth + per_volume(exchanged(f.strain_x, f.strain_y, f.even), v);
     hn::StoreU((mean + mean) - passed, d, f.mean + n);
-    const V own = hn::Set(d, rate) * (f.rate ? at(f.rate) : hn::Set(d, mobility_all)) * at(f.potential);
-    hn::StoreU(own + per_volume(exchanged(f.flow_x, f.flow_y, f.potential), v), d, f.change + n);
+    const V own = hn::Set(d, f.rate ? rate : rate * mobility_all) * at(f.potential), capacity = f.rate ? v * at(f.rate) : v;
+    hn::StoreU(own + per_volume(exchanged(f.flow_x, f.flow_y, f.potential), capacity), d, f.change + n);
   }
 };
 

@@ -198,8 +198,8 @@ void map_run(const PointView& p, const PoreView& w, const CellView& c, const Por
     const V mobility = mobility_of(w, t), J = t.load(p.J);
     const V v0 = hn::IfThenElseZero(holds_water(t, t.load(w.content), mobility), t.live(t.load(p.volume0)));
     const V v = v0 * J, e = t.load(w.pressure) - head_of(p, w, t), conducts = w.mobility ? v * mobility : v;
-    const V mobile = w.mobility && !w.projected ? conducts : v0 * (J - (w.solid ? t.load(w.solid) : set(w.solid_all)));
-    const InPairs of_node[] = {{v, v * e}, {v0 * (J - t.load(w.J_flow)), mobile}};
+    const V mobile = w.mobility ? conducts : v0 * (J - set(w.solid_all));
+    const InPairs of_node[] = {{v, conducts * e}, {v0 * (J - t.load(w.J_flow)), mobile}};
     double *to_node[groups], *to_element[groups];
     for (std::size_t g = 0; g < groups; ++g) {
       to_node[g] = &sums_of.node[cells.base[g] - c.node].volume;
@@ -276,8 +276,8 @@ PoreChange change_run(double rate, const PointView& p, const PoreView& w, const 
     const V v0 = hn::IfThenElseZero(holds, t.live(t.load(p.volume0)));
     const V e = t.load(w.pressure) - head, per_step = set(rate);
     const V flowed_in = spanned(hats, c, cells, f.change);
-    const V own = w.mobility ? spanned(hats, c, cells, f.rate) : mobility;
-    const V flowed = hn::NegMulAdd(per_step * own, e, flowed_in);
+    const V flowed = w.mobility ? mobility * hn::NegMulAdd(per_step, e, flowed_in)
+                                : hn::NegMulAdd(per_step * mobility, e, flowed_in);
     const V fed = J * spanned(hats, c, cells, f.even);
     const V evened = content + ((J - t.load(w.J_flow)) - fed), more = J * flowed;
     const V bulk = set(w.bulk), pores = hn::Max(set(least_pores), J - solid), per_pores = bulk / pores;
@@ -303,7 +303,7 @@ PoreLosses project_run(const PointView& p, const PoreView& w, const CellView& c,
     const V v0 = hn::IfThenElseZero(holds, t.live(t.load(p.volume0)));
     const V head = head_of(p, w, t), e = pressure - head, strain = J - t.load(w.J_flow);
     const V gained = hn::NegMulAdd(spanned(hats, c, cells, share), e, spanned(hats, c, cells, f.even));
-    const V more = J * spanned(hats, c, cells, f.change);
+    const V flowed = spanned(hats, c, cells, f.change), more = J * (w.mobility ? mobility * flowed : flowed);
     const V after = content + (strain - J * spanned(hats, c, cells, f.mean)) + more;
     const V half = set(0.5) * gained, pores = hn::Max(set(least_pores), J - (w.solid ? t.load(w.solid) : set(w.solid_all)));
     by_flow = by_flow - v0 * more * (half + e);

@@ -1,8 +1,10 @@
 // The flow of a step with pressure implicit (docs/theory/mpm_water.md#projected).
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "mpm/grid/sweeps.hpp"
+#include "mpm/water/pore_elements.hpp"
 #include "mpm/water/pore_projection_lanes.hpp"
 #include "mpm/water/pore_water.hpp"
 #include "pivnp/core/error.hpp"
@@ -53,7 +55,7 @@ bool solve(const PoreSystem& s, const GridState& g, double enough, double left, 
 
 void PoreWater::project(const GridState& g, double foreseen_share) {
   const std::size_t before = std::size_t(g.grid.nx) + 8;
-  for (int k = 0; k < 8; ++k) system_.emplace_back(g.grid.node_count() + 2 * before);
+  for (int k = 0; k < 9; ++k) system_.emplace_back(g.grid.node_count() + 2 * before);
   const auto field = [&](int k) { return system_[std::size_t(k)].data() + before; };
   field_.inert_x = field(0);
   field_.inert_y = field(1);
@@ -103,7 +105,9 @@ PoreFlow PoreWater::flow_projected(Particles& p, GridState& g, const Tractions& 
                                    std::vector<double>& guess, int threads) {
   set_outside(p, gravity);
   PoreFlow sums;
+  mix_at_borders(p, g, threads);
   map_points(p, g, tractions, gravity, time, threads);
+  take_pores(p, g, threads);
   take_means(g, gravity, time, dt, threads);
   take_flow_through_tractions(p, g, tractions, time, dt);
   const PoreFields& f = field_;
@@ -112,6 +116,7 @@ PoreFlow PoreWater::flow_projected(Particles& p, GridState& g, const Tractions& 
   guess.resize(g.grid.node_count());
   const PoreSystem s{f.inert_x, f.inert_y, field(2), field(3), field(4), field(5), field(6), field(7), f.row};
   double* added = s.product;  // until it is one
+  double* driving = field(8);
   const auto for_all = [&](auto&& each) {
     for_node_parts(g, threads, [&](std::size_t, std::size_t begin, std::size_t end) {
       for (std::size_t a = begin; a < end; ++a) each(g.active.nodes[a]);
@@ -125,6 +130,12 @@ PoreFlow PoreWater::flow_projected(Particles& p, GridState& g, const Tractions& 
   for (const std::uint32_t n : free_) added[n] = at_free_surface * inertia * f.volume[n] * std::max(g.per_hx * g.per_hx, g.per_hy * g.per_hy);
   yield_beside_surface(g, inertia, added);
   for (const Through& through : through_) f.change[through.node] += through.volume;
+  // (1 + share (1 - M)) of nodes' values; with half of it the flow is of fourth order.
+  const auto beyond = [&](const double* of, std::size_t n, double share = 1) {
+    if (marks_[n].given || !(capacity(n) > 0)) return of[n];
+    return of[n] - share / capacity(n) * exchanged(f.strain_x + n, f.strain_y + n, of + n, f.row);
+  };
+  for_all([&](std::size_t n) { driving[n] = beyond(f.potential, n, 0.5); });
   double of_zero = 0;
   const double left = [&] {
     std::vector<std::array<double, 2>> parts(node_parts(g));
@@ -133,11 +144,11 @@ PoreFlow PoreWater::flow_projected(Particles& p, GridState& g, const Tractions& 
       for (std::size_t a = begin; a < end; ++a) {
         const std::size_t n = g.active.nodes[a];
         const double edges = (f.inert_x[n] + (f.inert_x + n)[-1]) + (f.inert_y[n] + (f.inert_y + n)[-f.row]);
-        const double diagonal = sums_.node[n].mobile / options_.bulk_modulus_pa + edges + added[n];
+        const double diagonal = pores_at(n) / options_.bulk_modulus_pa + edges + added[n];
         const bool open = f.volume[n] > 0 && !marks_[n].given && diagonal > 0;
         s.diagonal[n] = diagonal;
         s.inverse[n] = open ? 1 / diagonal : 0;
-        const double load = exchanged(f.flow_x + n, f.flow_y + n, f.potential + n, f.row) + f.change[n] - sums_.node[n].strained;
+        const double load = exchanged(f.flow_x + n, f.flow_y + n, driving + n, f.row) + f.change[n] - sums_.node[n].strained;
         const double* x = s.solution + n;
         const double product = diagonal * x[0] - (s.along_x[n] * x[1] + (s.along_x + n)[-1] * x[-1] + s.along_y[n] * x[f.row] + (s.along_y + n)[-f.row] * x[-f.row]);
         s.residual[n] = load - product;
@@ -158,35 +169,36 @@ PoreFlow PoreWater::flow_projected(Particles& p, GridState& g, const Tractions& 
   // The potential after the step; then what the points take.
   for_all([&](std::size_t n) {
     guess[n] = s.solution[n];
-    s.residual[n] = f.potential[n] + s.solution[n];
+    s.residual[n] = driving[n] + s.solution[n];
   });
-  const double rate = 2 * (g.per_hx * g.per_hx + g.per_hy * g.per_hy) * dt;
+  // Of all points alike, as slow as the least pervious soil: where it differs from node to node, means change at first order in h.
+  double slowest = std::numeric_limits<double>::max();
+  for (const PoreSoil& soil : soils_)
+    if (soil.holds_water())
+      slowest = std::min(slowest, soil.mobility / (soil.porosity / options_.bulk_modulus_pa + 1 / soil.constrained_modulus));
+  const double by_cell = rate_in_cell(g) * dt * slowest, share = by_cell / (1 + by_cell);
   for_all([&](std::size_t n) {
     const double volume = f.volume[n];
     f.change[n] = f.even[n] = s.direction[n] = 0;
     if (!(volume > 0)) return;
-    const double mobility = alike_.own ? f.rate[n] : alike_.mobility;
-    const double storage = sums_.node[n].mobile / (options_.bulk_modulus_pa * volume), by_cell = rate * mobility / storage;
-    const double share = by_cell / (1 + by_cell), per_volume = 1 / volume;
     s.direction[n] = share;
     if (marks_[n].given) {
       f.even[n] = share * f.potential[n];
       return;
     }
-    const auto beyond = [&](const double* of) { return of[n] - per_volume * exchanged(f.strain_x + n, f.strain_y + n, of + n, f.row); };
-    f.even[n] = beyond(s.solution) + share * beyond(f.potential);
-    f.change[n] = per_volume * exchanged(f.flow_x + n, f.flow_y + n, s.residual + n, f.row);
+    f.even[n] = beyond(s.solution, n) + share * beyond(f.potential, n);
+    f.change[n] = capacity(n) > 0 ? exchanged(f.flow_x + n, f.flow_y + n, s.residual + n, f.row) / capacity(n) : 0;
   });
   for (const Through& through : through_) {
-    f.change[through.node] += through.volume / f.volume[through.node];
+    f.change[through.node] += through.volume / capacity(through.node);
     sums.add({through.volume, through.volume * s.residual[through.node], through.volume * s.residual[through.node]});
   }
   for (const Given& at : given_) {
     const std::uint32_t n = at.node;
     // Its points' pressures change by the mean of what they are brought to, and take the water that fits.
-    const double brought = f.even[n] + exchanged(f.strain_x + n, f.strain_y + n, f.even + n, f.row) / f.volume[n];
-    const double fits = sums_.node[n].mobile / options_.bulk_modulus_pa * (brought - s.direction[n] * at.mean) + sums_.node[n].strained;
-    f.change[n] = fits / f.volume[n];
+    const double brought = f.even[n] + exchanged(f.strain_x + n, f.strain_y + n, f.even + n, f.row) / capacity(n);
+    const double fits = pores_at(n) / options_.bulk_modulus_pa * (brought - s.direction[n] * at.mean) + sums_.node[n].strained;
+    f.change[n] = fits / capacity(n);
     double from_others = 0;
     const auto from = [&](std::ptrdiff_t other, double exchange) {
       if (!(marks_ + n)[other].given) from_others += exchange * ((s.residual + n)[other] - s.residual[n]);

@@ -14,6 +14,7 @@ namespace pivnp::mpm {
 namespace {
 
 constexpr std::size_t chunk = 1024;   // points
+constexpr double least_mobility = 1e-12;  // over the greatest
 
 // The sum of what of(k) returns, in an order that does not depend on `threads`.
 template <class Of>
@@ -54,6 +55,12 @@ PoreWater::PoreWater(const WaterOptions& options, std::vector<PoreSoil> soils, c
       last_j_(first_j_ + g.domain.ny - 1) {
   if (std::none_of(soils_.begin(), soils_.end(), [](const PoreSoil& s) { return s.has_pores(); }))
     throw InputError("water: no material has a porosity, expected one that holds water");
+  // (Mobilities weight the means of nodes: what lets nothing through weighs little beside others, but more than nothing.)
+  if (soils_.size() > 1 || soils_.front().kozeny_carman) {
+    double greatest = 0;
+    for (const PoreSoil& soil : soils_) greatest = std::max(greatest, soil.mobility);
+    for (PoreSoil& soil : soils_) soil.mobility = std::max(soil.mobility, greatest > 0 ? least_mobility * greatest : least_mobility);
+  }
   const Points& at = options.level_history;
   if (!at.empty() && options.level_m) throw InputError("water.level_history: given beside water.level_m, expected one of them");
   for (std::size_t k = 0; k < at.size(); ++k)

@@ -277,6 +277,23 @@ class PoreWater {
   Vec2 inert_flow(const GridState& g, std::size_t node, double s, double t, const std::vector<double>& state) const;
   std::vector<Vec2> pushed_;  // on the nodes, in this step, N/m
 
+  // pore_borders.cpp: between soils of different permeability
+  void mix_at_borders(Particles& p, const GridState& g, int threads);
+  void conduct_along_borders(const GridState& g, double dt);
+  /// What weights the points' potentials at a node, and what flows there to them: V, or where it varies V times the mobility.
+  double capacity(std::size_t n) const { return alike_.own ? field_.volume[n] * field_.rate[n] : field_.volume[n]; }
+  /// Volume of the pores at a node, projected.
+  double pores_at(std::size_t n) const { return alike_.own ? pores_[n] : sums_.node[n].mobile; }
+  void take_pores(const Particles& p, const GridState& g, int threads);
+  struct Mixed {  // an element with more than one soil
+    std::uint32_t element;
+    double volume = 0, conducting = 0, resisting = 0;  // V; V times, and over, the mobility
+    double s = 0, t = 0, log = 0, log_s = 0, log_t = 0;  // V times the place in the element, and with the mobility's logarithm
+  };
+  std::vector<Mixed> mixed_;
+  std::vector<std::uint8_t> soil_in_;  // of each element: the kind of its soil (kinds_of()), or several_soils
+  std::vector<double> pores_;          // of nodes, where permeability varies
+
   // pore_projection.cpp
   void yield_beside_surface(const GridState& g, double inertia, double* added) const;
 
@@ -324,7 +341,7 @@ class PoreWater {
   const RigidBodies* bodies_;
   struct Joined {
     const TiedSides::Tie* tie;
-    double share[2];      // of each node in the volume of both
+    double share[2];      // of each node in what weights the means of both
     double potential[2];  // mean of each one's own points
     double mean, even;    // before the exchange
   };

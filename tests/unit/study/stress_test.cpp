@@ -148,6 +148,29 @@ TEST(Stress, SofteningByTheCellsGreatContrastsAndThinLayersAreDoubted) {
   EXPECT_TRUE(doubts_of({elastic}, 0.2).empty());      // nothing rubs
 }
 
+TEST(Stress, SoilThatDrainsLessDeepThanACellIsDoubted) {
+  mpm::Scene scene;
+  scene.grid = {{0, 0}, {0.25, 0.25}, 5, 9};
+  scene.particles.label_names = {"silt"};
+  mpm::MaterialOptions silt;
+  silt.young_pa = 4e6;
+  silt.poisson = 0;
+  silt.porosity = 0.45;
+  silt.permeability_m_s = 3e-9;  // c_v 1.2e-6 m^2/s: a cell in 5.1e4 s
+  scene.materials = {silt};
+  scene.water.emplace();
+  mpm::MpmOptions options;
+  options.end_s = 4e4;
+  EXPECT_TRUE(doubts(options, scene).empty());  // nothing drains it
+  mpm::BoundaryOptions top;
+  top.drained = true;
+  scene.boundaries = {{"top", top}};
+  ASSERT_EQ(doubts(options, scene).size(), 1u);
+  EXPECT_NE(doubts(options, scene).front().find("material.silt"), std::string::npos);
+  options.end_s = 6e4;
+  EXPECT_TRUE(doubts(options, scene).empty());
+}
+
 // The stated error of summed vectors is as large as they are off, whether errors are new in each pair or the same.
 TEST(Stress, ParticlesStateTheirDrift) {
   const std::vector<SurvivalMap> maps = made(np_maps({}), {"np_drift_noise", "np_drift_repeated"});

@@ -88,6 +88,31 @@ void doubt_materials(const Case& c, const mpm::Scene& scene, std::vector<std::st
   }
 }
 
+// Of soil that drains less deep than a cell until the end: a sentence each.
+void doubt_thin_drainage(const mpm::MpmOptions& options, const mpm::Scene& scene, std::vector<std::string>& all) {
+  if (!scene.water || !options.end_s) return;
+  const double cell = scene.grid.spacing.minCoeff();
+  const bool opens = scene.water->level_m || std::any_of(scene.boundaries.begin(), scene.boundaries.end(), [](const auto& named) {
+                       return named.second.drained || named.second.pressure_pa || named.second.water_level_m;
+                     });
+  for (std::size_t k = 0; k < scene.materials.size(); ++k) {
+    const mpm::MaterialOptions& m = scene.materials[k];
+    if (!m.porosity || m.drained || !(m.permeability_m_s.value_or(0) > 0) || !(m.young_pa > 0) || !(m.poisson < 0.5)) continue;
+    const bool beside_pervious = std::any_of(scene.materials.begin(), scene.materials.end(), [&](const mpm::MaterialOptions& other) {
+      return other.porosity && (other.drained || other.permeability_m_s.value_or(0) >= 10 * *m.permeability_m_s);
+    });
+    if (!opens && !beside_pervious) continue;
+    const double modulus = m.young_pa * (1 - m.poisson) / ((1 + m.poisson) * (1 - 2 * m.poisson));
+    const double storage = 1 / modulus + *m.porosity / scene.water->bulk_modulus_pa;
+    const double depth = std::sqrt(*m.permeability_m_s / (scene.water->density_kg_m3 * mpm::laboratory_gravity * storage) * *options.end_s);
+    if (depth >= cell) continue;
+    const auto& names = scene.particles.label_names;
+    all.push_back("Until the end material." + (k < names.size() ? names[k] : std::to_string(k)) + " drains to a depth of about " + number(depth, 2) +
+                  " m (the root of c_v t), less than a cell of " + number(cell, 2) +
+                  " m: in the first cell beside what drains it pressures are means over the cell (mpm.refine).");
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> doubts(const mpm::MpmOptions& options, const mpm::Scene& scene) {
@@ -109,6 +134,7 @@ std::vector<std::string> doubts(const mpm::MpmOptions& options, const mpm::Scene
     all.push_back("Material starts turning, and mpm.transfer carries no affine velocity: a body of five cells loses a quarter of its spin at once, one of ten cells 7 % (apic loses none).");
   if (share_in_thin_layers(options, scene) > 0.5)
     all.push_back("More than half of the material with friction lies in layers of one or two cells: sliding over a rough base they are wrong by a fifth and more, with three cells by a tenth (mpm.refine).");
+  doubt_thin_drainage(options, scene, all);
   return all;
 }
 
