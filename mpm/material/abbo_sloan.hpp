@@ -48,6 +48,7 @@ class AbboSloan {
 
  public:
   explicit AbboSloan(double floor_pa);
+  double floor_pa() const { return floor_; }
 
   /// The surface at a stress, with what its derivatives share.
   struct Place {

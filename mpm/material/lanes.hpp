@@ -47,7 +47,7 @@ struct SmoothConstants {
   double sin_dilatancy;  // at the start
   double tension, floor;
   double a[2][2], b[2][2], c[2][2], sin3_transition, hyperbola, short_of_vertex;
-  double stress_tolerance, yield_tolerance, near_surface, least_substep, least_hardness, corner;
+  double stress_tolerance, yield_tolerance, near_surface, least_size, least_substep, least_hardness, corner;
 };
 
 /// Points that stay elastic, begin to flow within the step or flow all along it, short of the greatest mean stress, and open

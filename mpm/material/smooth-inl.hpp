@@ -177,7 +177,7 @@ struct SmoothSurface {
     p.reach = p.bar * hn::MulAdd(p.b, c.sin, p.a);
     p.root = hyperbola_root(p.reach, p.intercept);
     p.F = hn::MulAdd(p.mean, c.sin, p.root - p.intercept);
-    p.size = hn::Max(hn::Max(c.cohesion * J, hn::Abs(p.mean)), set(1000));
+    p.size = hn::Max(hn::Max(c.cohesion * J, hn::Abs(p.mean)), set(s.least_size));
     p.tolerance = set(s.yield_tolerance) * p.size;
     const V vertex = hn::IfThenElse(hn::Gt(c.sin, zero()), set(s.short_of_vertex) * p.intercept / c.sin, hn::Inf(D()));
     p.most_mean = hn::Min(tension, vertex);

@@ -8,7 +8,8 @@ namespace pivnp::mpm {
 namespace {
 
 constexpr double stress_tolerance = 1e-4;  // of a substep, over the stress
-constexpr double yield_tolerance = 1e-9;   // over max(c, p, 1 kPa)
+constexpr double yield_tolerance = 1e-9;   // over max(c, p, 100 apex_pa)
+constexpr double least_size = 100;         // over apex_pa, of the stress that errors are measured against
 constexpr double near_surface = 1e-5;      // the same; within it no elastic part is looked for
 constexpr double least_substep = 1e-5;     // of the step
 constexpr int most_substeps = 2000;  // a step; then the rest goes at once, back to the surface, whatever its error
@@ -27,7 +28,9 @@ Tensor deviator_of(const Tensor& a) {
 }
 double length(const Tensor& a) { return std::sqrt(product(a, a)); }
 
-double scale_of(const Strength& s, double mean, double J) { return std::max({s.cohesion * J, std::abs(mean), 1000.0}); }
+double scale_of(const Strength& s, double mean, double J, double apex) {
+  return std::max({s.cohesion * J, std::abs(mean), least_size * apex});
+}
 
 }  // namespace
 
@@ -61,8 +64,8 @@ struct SmoothMohrCoulomb::Here : AbboSloan::Place {
   Here(const SmoothMohrCoulomb& law, const Point& p, const Invariants& of, const Strength* known = nullptr)
       : Place(law.surface_.place(of, known ? *known : law.strength_of(p, of.mean), p.J)),
         most_mean(std::min(p.separated ? 0.0 : law.tension_ * p.J, AbboSloan::greatest_mean(*this))),
-        tolerance(yield_tolerance * scale_of(strength, at.mean, p.J)),
-        size(scale_of(strength, at.mean, p.J)) {}
+        tolerance(yield_tolerance * scale_of(strength, at.mean, p.J, law.surface_.floor_pa())),
+        size(scale_of(strength, at.mean, p.J, law.surface_.floor_pa())) {}
 };
 
 SmoothMohrCoulomb::SmoothMohrCoulomb(const Elastic& elastic, const StrengthLaw& strength, double tension_pa,
@@ -391,6 +394,7 @@ SmoothConstants SmoothMohrCoulomb::constants() const {
   c.stress_tolerance = stress_tolerance;
   c.yield_tolerance = yield_tolerance;
   c.near_surface = near_surface;
+  c.least_size = least_size * surface_.floor_pa();
   c.least_substep = least_substep;
   c.least_hardness = least_hardness;
   c.corner = corner;

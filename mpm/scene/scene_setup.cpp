@@ -10,6 +10,8 @@ namespace pivnp::mpm {
 
 Scheme scheme_of(const MpmOptions& options) {
   Scheme scheme = row_of(options.scheme).choices;
+  // Without gravity nothing sets AFLIP's rate.
+  if (scheme.transfer == TransferKind::aflip && options.gravity_m_s2 == Pair{0, 0}) scheme.transfer = TransferKind::apic;
   const ShapeRow& shape = row_of(options.shape.value_or(scheme.shape));
   const TransferRow& transfer = row_of(options.transfer.value_or(scheme.transfer));
   const LockingRow& locking = row_of(options.locking.value_or(scheme.locking));

@@ -313,6 +313,16 @@ TEST(Motion, ARunEndsWhenMotionEnds) {
   EXPECT_NEAR(double(on.frame().u.back()[1]), double(u), 1e-4 * std::abs(double(u)));  // nothing was missed
 }
 
+// What falls has a rate at which AFLIP lets velocities within a cell fade.
+TEST(Options, TheDefaultTransferIsThatOfWhatFalls) {
+  EXPECT_EQ(scheme_of(options({0, -9.81})).transfer, TransferKind::aflip);
+  EXPECT_EQ(scheme_of(options({0, 0})).transfer, TransferKind::apic);
+  MpmOptions given = options({0, 0});
+  given.transfer = TransferKind::aflip;
+  EXPECT_EQ(scheme_of(given).transfer, TransferKind::aflip);
+  EXPECT_EQ(scheme_of(conservative({0, -9.81})).transfer, TransferKind::flip);
+}
+
 TEST(Options, WrongCombinationsNameTheirKey) {
   const auto message = [](MpmOptions o) -> std::string {
     try {

@@ -79,7 +79,7 @@ void expect_alike(const std::string& what, const std::vector<ColumnRun>& runs, d
   EXPECT_LT(off(&Reach::spread), share) << what;
 }
 
-// (APIC: 9 to 20 % with the step, 7 to 15 % with the stiffness.)
+// (APIC: 15 % with the step, 12 % with the stiffness.)
 TEST(RunOutSmall, KnowsNeitherStepNorStiffnessNorPoints) {
   const double share = 0.04;
   expect_alike("Courant number 0.1, 0.3, 0.8", {{.courant = 0.1}, {.courant = 0.3}, {.courant = 0.8}}, share);

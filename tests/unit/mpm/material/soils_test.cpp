@@ -41,6 +41,30 @@ TEST(SmoothMohrCoulomb, RandomIncrementsEndOnOrInsideTheSurface) {
     }
 }
 
+// Stresses, stiffness, cohesion and apex of another size (a model's, or a mountain's): the same strains end alike.
+TEST(SmoothMohrCoulomb, IsTheSameLawAtEverySizeOfStress) {
+  for (const double size : {1.0 / 512, 64.0})
+    for (const double cohesion : {0.0, 300.0}) {
+      const auto law_of = [&](double by) {
+        MaterialOptions o = soil("mohr_coulomb_smooth", 33, by * cohesion);
+        o.young_pa = by * 4e6;
+        o.dilatancy_deg = 4;
+        o.apex_pa = by * 6;
+        return make_material(o, "m");
+      };
+      const auto law = law_of(1), other = law_of(size);
+      std::mt19937_64 random(11);
+      std::normal_distribution<double> n(0, 1e-4);
+      Point a, b;
+      for (int k = 0; k < 500; ++k) {
+        const Tensor de{n(random) - 3e-5, n(random) - 3e-5, 0.1 * n(random), n(random)};
+        a.advance(*law, de);
+        b.advance(*other, de);
+        for (std::size_t q = 0; q < 4; ++q) ASSERT_EQ(b.stress[q], size * a.stress[q]) << k;
+      }
+    }
+}
+
 // Without rounding in between (theta within 25 degrees) the smooth surface is Mohr-Coulomb's.
 TEST(SmoothMohrCoulomb, AgreesWithTheClosedFormInPlaneStrain) {
   MaterialOptions o = soil("mohr_coulomb_smooth", 30);
